@@ -1,0 +1,106 @@
+//! Sums of `f64` without error: what the packer rounds up and the verifier decides by.
+
+/// `a + b` as a rounded sum and its error, exactly (Knuth's `TwoSum`).
+#[inline]
+const fn two_sum(a: f64, b: f64) -> (f64, f64) {
+    let sum = a + b;
+    let b_part = sum - a;
+    (sum, (a - (sum - b_part)) + (b - b_part))
+}
+
+/// A sum of up to `N` numbers as non-overlapping components of increasing magnitude (Shewchuk 1997, "Adaptive precision
+/// floating-point arithmetic", `Grow-Expansion`). Exact as long as nothing overflows.
+#[derive(Copy, Clone, Debug)]
+pub(crate) struct Expansion<const N: usize> {
+    components: [f64; N],
+    len: usize,
+}
+
+impl<const N: usize> Expansion<N> {
+    pub(crate) const ZERO: Self = Self { components: [0.0; N], len: 0 };
+
+    /// Adds one number. At most `N` times in the life of the sum.
+    pub(crate) fn add(&mut self, term: f64) {
+        let mut carry = term;
+        for component in &mut self.components[..self.len] {
+            (carry, *component) = two_sum(carry, *component);
+        }
+        self.components[self.len] = carry;
+        self.len += 1;
+    }
+
+    /// Adds `n * x` exactly, as the powers of two in `n`: at most three terms for the |n| <= 21 of the direction tables.
+    pub(crate) fn add_multiple(&mut self, n: i8, x: f64) {
+        let signed = if n < 0 { -x } else { x };
+        let magnitude = n.unsigned_abs();
+        for bit in 0..7_u8 {
+            if magnitude & (1 << bit) != 0 {
+                self.add(signed * f64::from(1_u8 << bit));
+            }
+        }
+    }
+
+    /// -1, 0 or 1: the sign of the exact sum. The last component that is not zero decides, the others being smaller.
+    pub(crate) fn sign(&self) -> i32 {
+        let top = self.components[..self.len].iter().rev().find(|c| **c != 0.0);
+        top.map_or(0, |c| if *c > 0.0 { 1 } else { -1 })
+    }
+}
+
+/// 2^`exponent`, for -1022 ..= 1023.
+#[inline]
+pub(crate) const fn power_of_two(exponent: i32) -> f64 {
+    f64::from_bits(((exponent + 1023) as u64) << 52)
+}
+
+/// The smallest `f32` that is not below `x`; +infinity for NaN.
+#[inline]
+pub(crate) fn round_up_f32(x: f64) -> f32 {
+    let nearest = x as f32;
+    if f64::from(nearest) >= x {
+        nearest
+    } else if x.is_nan() {
+        f32::INFINITY
+    } else {
+        nearest.next_up()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_sign_survives_cancellation() {
+        let mut sum = Expansion::<6>::ZERO;
+        for term in [1e30, 1.0, -1e30, -1.0, 1e-30] {
+            sum.add(term);
+        }
+        assert_eq!(sum.sign(), 1);
+        sum.add(-1e-30);
+        assert_eq!(sum.sign(), 0);
+    }
+
+    #[test]
+    fn multiples_are_exact() {
+        let x = 1.0 + f64::EPSILON;
+        for n in [-21_i8, -13, -1, 1, 5, 8, 21] {
+            let mut sum = Expansion::<24>::ZERO;
+            sum.add_multiple(n, x);
+            for _ in 0..n.unsigned_abs() {
+                sum.add(if n < 0 { x } else { -x });
+            }
+            assert_eq!(sum.sign(), 0, "{n}");
+        }
+    }
+
+    #[test]
+    fn f32_rounds_up() {
+        assert_eq!(round_up_f32(1.0), 1.0);
+        assert_eq!(round_up_f32(1.0 + 1e-12), 1.0_f32.next_up());
+        assert_eq!(round_up_f32(-1.0 - 1e-12), -1.0);
+        assert_eq!(round_up_f32(1e300), f32::INFINITY);
+        assert_eq!(round_up_f32(-1e300), f32::MIN);
+        assert_eq!(round_up_f32(f64::NAN), f32::INFINITY);
+    }
+}

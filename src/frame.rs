@@ -1,0 +1,104 @@
+//! The frame of a hierarchy: where its planes are written.
+//!
+//! Planes are supports of `(p - centre) * 2^exponent`, so that the half's steps are fine where the body is, whatever its unit.
+
+use crate::directions::Directions;
+use crate::exact::{Expansion, power_of_two};
+use crate::key::Key;
+use crate::triangle::MIN_COORDINATE;
+
+/// A vertex of a body, in the body's own coordinates and unit.
+pub type Point = [f64; 3];
+
+/// Maps a body's coordinates to its hierarchy's: translate, then scale by a power of two.
+#[derive(Copy, Clone, PartialEq, Debug)]
+pub struct Frame {
+    /// Centre of the body's bounding box.
+    pub centre: Point,
+    /// The scale is `2^exponent`.
+    pub exponent: i32,
+}
+
+/// The border of a body lies between 2^6 and 2^7 of its frame. A half is finite up to 2^16 and has its full 11 bits down to
+/// 2^-14, so a body 2^8 times larger or 2^20 times smaller still turns into this frame without loss of relative precision.
+const BORDER_EXPONENT: i32 = 7;
+
+/// Largest scale exponent in use, either way: keeps `2^exponent` and its products normal.
+pub(crate) const MAX_EXPONENT: i32 = 340;
+
+/// Terms of one support in exact arithmetic: three axes, coordinate and centre, up to five powers of two each, and the plane.
+type SupportSum = Expansion<32>;
+
+impl Frame {
+    /// The frame for a body inside the box `min ..= max`, whose coordinates obey [`crate::triangle::MAX_COORDINATE`].
+    #[must_use]
+    pub(crate) fn around(min: Point, max: Point) -> Self {
+        let centre = core::array::from_fn(|i| 0.5 * min[i] + 0.5 * max[i]);
+        let half_width = (0..3).map(|i| (max[i] - centre[i]).max(centre[i] - min[i])).fold(0.0, f64::max);
+        // A body that is one point has no size to scale by.
+        let exponent = if half_width > 0.0 { BORDER_EXPONENT - 1 - binary_exponent(half_width) } else { 0 };
+        Self { centre, exponent: exponent.clamp(-MAX_EXPONENT, MAX_EXPONENT) }
+    }
+
+    /// `2^exponent`.
+    #[inline]
+    #[must_use]
+    pub fn scale(&self) -> f64 {
+        power_of_two(self.exponent)
+    }
+
+    /// The key of direction `j`'s support of point `p`: the exact value of `n_j . (p - centre) * 2^exponent`, rounded up.
+    pub(crate) fn support<const K: usize>(&self, j: usize, p: Point) -> Key {
+        let n = Directions::<K>::VECTORS[j];
+        let d: Point = core::array::from_fn(|i| p[i] - self.centre[i]);
+        let scale = self.scale();
+        let value = ((n[0] * d[0] + n[1] * d[1]) + n[2] * d[2]) * scale;
+        // Four roundings, each below 2^-53 of a partial result.
+        let size = ((n[0] * d[0]).abs() + (n[1] * d[1]).abs() + (n[2] * d[2]).abs()) * scale;
+        let error = size * power_of_two(-50);
+        let (low, high) =
+            (Key::round_up_or_unbounded(value - error), Key::round_up_or_unbounded(value + error));
+        if low == high { high } else { self.support_exact::<K>(j, p, value) }
+    }
+
+    #[cold]
+    fn support_exact<const K: usize>(&self, j: usize, p: Point, near: f64) -> Key {
+        let mut key = Key::round_up_or_unbounded(near);
+        // `near` is within a fraction of a step, so one step either way is all that can be needed.
+        while let Some(lower) = Key::from_code(if key.code() == 0 { -2 } else { key.code() - 1 })
+            && self.bounds::<K>(j, p, lower)
+        {
+            key = lower;
+        }
+        while !self.bounds::<K>(j, p, key) {
+            key = Key::from_code(if key.code() == -2 { 0 } else { key.code() + 1 }).unwrap_or(Key::INFINITY);
+        }
+        key
+    }
+
+    /// Whether plane `key` of direction `j` really is an upper bound of the support of `p`: decided in exact arithmetic.
+    pub(crate) fn bounds<const K: usize>(&self, j: usize, p: Point, key: Key) -> bool {
+        if key == Key::INFINITY {
+            return true;
+        }
+        let n = Directions::<K>::TABLE.vectors[j];
+        let mut slack = SupportSum::ZERO;
+        slack.add(key.to_f64() * power_of_two(-self.exponent));
+        for axis in 0..3 {
+            slack.add_multiple(-n[axis], p[axis]);
+            slack.add_multiple(n[axis], self.centre[axis]);
+        }
+        slack.sign() >= 0
+    }
+}
+
+/// `e` with `2^e <= x < 2^(e+1)`, for a positive normal `x`.
+const fn binary_exponent(x: f64) -> i32 {
+    (x.to_bits() >> 52) as i32 - 1023
+}
+
+/// Coordinates below [`MIN_COORDINATE`] count as zero, so that no exact predicate can underflow.
+#[inline]
+pub(crate) fn flush(x: f64) -> f64 {
+    if x.abs() < MIN_COORDINATE { 0.0 } else { x }
+}

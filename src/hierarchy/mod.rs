@@ -1,0 +1,212 @@
+//! Bounding volume hierarchies over triangles: one run of bytes, read in place.
+//!
+//! A baked tree is a [`Header`], the nodes in breadth-first order, the vertices, the triangles in the order of the leaves, and for
+//! each triangle its index in the mesh that was built. All little-endian, each part aligned for its type, the whole to 64 bytes.
+//! [`BvhRef::from_bytes`] borrows it from flash or a memory map after [checking](BvhRef::validate) that it is safe to walk;
+//! [`Bvh`] owns such bytes.
+
+mod header;
+mod stats;
+mod validate;
+mod verify;
+
+pub use header::{BakeError, Header, MAGIC, VERSION};
+pub use stats::Stats;
+pub use verify::VerifyError;
+
+use crate::frame::{Frame, Point};
+use crate::node::Node;
+use crate::triangle::Triangle;
+#[cfg(feature = "alloc")]
+use core::marker::PhantomData;
+
+/// Levels of nodes, at most: it bounds the stack of every query. 16-ary trees of any practical size have fewer than 10.
+pub const MAX_DEPTH: usize = 36;
+
+/// Gives its content the alignment that [`BvhRef::from_bytes`] asks for.
+///
+/// ```
+/// use simdop::hierarchy::Aligned;
+/// static TREE: Aligned<[u8; 4]> = Aligned(*b"tree"); // Aligned(*include_bytes!("robot.simdop"))
+/// assert_eq!(TREE.0.as_ptr() as usize % 64, 0);
+/// ```
+#[derive(Copy, Clone, Debug)]
+#[repr(C, align(64))]
+pub struct Aligned<T: ?Sized>(pub T);
+
+/// Vertices as stored: in single precision where that loses nothing, else in double.
+#[derive(Copy, Clone, Debug)]
+enum Vertices<'a> {
+    F32(&'a [[f32; 3]]),
+    F64(&'a [[f64; 3]]),
+}
+
+/// A hierarchy over borrowed bytes. Small and `Copy`: pass it by value or reference as you like.
+#[derive(Debug)]
+pub struct BvhRef<'a, N> {
+    header: &'a Header,
+    nodes: &'a [N],
+    vertices: Vertices<'a>,
+    triangles: &'a [[u32; 3]],
+    sources: &'a [u32],
+}
+
+impl<N> Copy for BvhRef<'_, N> {}
+impl<N> Clone for BvhRef<'_, N> {
+    fn clone(&self) -> Self {
+        *self
+    }
+}
+
+impl<'a, N: Node> BvhRef<'a, N> {
+    /// Borrows a baked tree in place, without a copy, after [`BvhRef::validate`]: linear in its size.
+    ///
+    /// # Errors
+    /// [`BakeError`] if the bytes are not a tree of this node type, are not aligned to 64, or are not safe to walk.
+    pub fn from_bytes(bytes: &'a [u8]) -> Result<Self, BakeError> {
+        let view = Self::view(bytes)?;
+        view.validate()?;
+        Ok(view)
+    }
+
+    /// The parts of the bytes, their contents unchecked.
+    fn view(bytes: &'a [u8]) -> Result<Self, BakeError> {
+        let header = Header::read(bytes)?;
+        header.check_type(N::K, N::ARITY)?;
+        let layout = header.layout(size_of::<N>())?;
+        if bytes.len() < layout.end {
+            return Err(BakeError::Truncated { have: bytes.len(), need: layout.end });
+        }
+        let cast_error = |_| BakeError::Misaligned;
+        let vertex_bytes = &bytes[layout.vertices.clone()];
+        Ok(Self {
+            header,
+            nodes: bytemuck::try_cast_slice(&bytes[layout.nodes.clone()]).map_err(cast_error)?,
+            vertices: if header.vertex_size == 12 {
+                Vertices::F32(bytemuck::try_cast_slice(vertex_bytes).map_err(cast_error)?)
+            } else {
+                Vertices::F64(bytemuck::try_cast_slice(vertex_bytes).map_err(cast_error)?)
+            },
+            triangles: bytemuck::try_cast_slice(&bytes[layout.triangles.clone()]).map_err(cast_error)?,
+            sources: bytemuck::try_cast_slice(&bytes[layout.sources.clone()]).map_err(cast_error)?,
+        })
+    }
+
+    /// The tree's description.
+    #[inline]
+    #[must_use]
+    pub const fn header(&self) -> &'a Header {
+        self.header
+    }
+
+    /// All nodes, breadth-first: the root, if there is one, is the first.
+    #[inline]
+    #[must_use]
+    pub const fn nodes(&self) -> &'a [N] {
+        self.nodes
+    }
+
+    /// The frame that the planes are written in.
+    #[inline]
+    #[must_use]
+    pub const fn frame(&self) -> Frame {
+        Frame { centre: self.header.centre, exponent: self.header.exponent }
+    }
+
+    /// Number of triangles.
+    #[inline]
+    #[must_use]
+    pub const fn len(&self) -> usize {
+        self.triangles.len()
+    }
+
+    /// Whether there is no triangle. An empty body meets nothing.
+    #[inline]
+    #[must_use]
+    pub const fn is_empty(&self) -> bool {
+        self.triangles.is_empty()
+    }
+
+    /// The corners of triangle `index`, an index in leaf order below [`len`](Self::len), in the body's unit.
+    ///
+    /// # Panics
+    /// If `index` is out of range.
+    #[inline]
+    #[must_use]
+    pub fn triangle(&self, index: u32) -> Triangle {
+        self.triangles[index as usize].map(|v| self.vertex(v))
+    }
+
+    /// The index that the triangle at `index` in leaf order had in the mesh.
+    ///
+    /// # Panics
+    /// If `index` is out of range.
+    #[inline]
+    #[must_use]
+    pub const fn source(&self, index: u32) -> u32 {
+        self.sources[index as usize]
+    }
+
+    #[inline]
+    fn vertex(&self, index: u32) -> Point {
+        match self.vertices {
+            Vertices::F32(all) => all[index as usize].map(f64::from),
+            Vertices::F64(all) => all[index as usize],
+        }
+    }
+}
+
+/// One aligned line of bytes.
+#[cfg(feature = "alloc")]
+#[derive(Copy, Clone, Debug, bytemuck::Pod, bytemuck::Zeroable)]
+#[repr(C, align(64))]
+struct Line([u8; 64]);
+
+/// A hierarchy that owns its bytes.
+#[cfg(feature = "alloc")]
+#[derive(Clone, Debug)]
+pub struct Bvh<N> {
+    lines: alloc::vec::Vec<Line>,
+    node: PhantomData<N>,
+}
+
+#[cfg(feature = "alloc")]
+impl<N: Node> Bvh<N> {
+    /// Copies a baked tree, of any alignment, and validates it.
+    ///
+    /// # Errors
+    /// [`BakeError`] if the bytes are not a tree of this node type or are not safe to walk.
+    pub fn from_bytes(bytes: &[u8]) -> Result<Self, BakeError> {
+        let tree = Self::copy(bytes);
+        BvhRef::<N>::from_bytes(tree.as_bytes())?;
+        Ok(tree)
+    }
+
+    /// Takes bytes that are known to be a tree: the packer's.
+    pub(crate) fn copy(bytes: &[u8]) -> Self {
+        let line = |chunk: &[u8]| {
+            let mut line = [0; 64];
+            line[..chunk.len()].copy_from_slice(chunk);
+            Line(line)
+        };
+        Self { lines: bytes.chunks(64).map(line).collect(), node: PhantomData }
+    }
+
+    /// The baked tree: write this to a file or to flash.
+    #[must_use]
+    pub fn as_bytes(&self) -> &[u8] {
+        bytemuck::cast_slice(&self.lines)
+    }
+
+    /// Borrows the tree for a query. Constant time.
+    ///
+    /// # Panics
+    /// Never: the bytes were checked when the tree was made.
+    #[must_use]
+    pub fn view(&self) -> BvhRef<'_, N> {
+        match BvhRef::view(self.as_bytes()) {
+            Ok(view) => view,
+            Err(error) => unreachable!("a tree that was valid when it was made: {error}"),
+        }
+    }
+}

@@ -1,0 +1,126 @@
+//! Is it safe to walk these bytes? Baked trees are untrusted input.
+
+use super::{BakeError, BvhRef, MAX_DEPTH, Vertices};
+use crate::frame::{MAX_EXPONENT, Point, flush};
+use crate::key::{Key, decode};
+use crate::node::{Child, Link, MAX_LEAF_SIZE, Node};
+use crate::triangle::MAX_COORDINATE;
+
+impl<N: Node> BvhRef<'_, N> {
+    /// Proves that no query can read out of range, loop, or overflow its stack, and that the header's bounds hold. In one pass,
+    /// without memory:
+    ///
+    /// * nodes are in breadth-first order, so the links to nodes are 1, 2, 3 .. in the order they are met: each node has
+    ///   one parent, none is unreachable, no path returns, and the levels can be counted;
+    /// * triangles are in the order of the leaves, so the leaves' ranges follow each other likewise;
+    /// * each plane of a used lane is a half that can bound something, each plane of an unused one is [`Key::EMPTY`].
+    ///
+    /// That the planes really bound the triangles is for [`BvhRef::verify`].
+    ///
+    /// # Errors
+    /// [`BakeError`] names the first thing that is wrong.
+    pub fn validate(&self) -> Result<(), BakeError> {
+        self.validate_header()?;
+        self.validate_nodes()?;
+        self.validate_vertices()?;
+        let vertex_count = self.header.vertex_count;
+        for (index, triangle) in (0..).zip(self.triangles) {
+            if triangle.iter().any(|&v| v >= vertex_count) {
+                return Err(BakeError::Triangle { index });
+            }
+        }
+        Ok(())
+    }
+
+    fn validate_header(&self) -> Result<(), BakeError> {
+        let h = self.header;
+        let checks = [
+            ("leaf_size", (1..=MAX_LEAF_SIZE).contains(&h.leaf_size.into())),
+            ("triangle_count", h.triangle_count <= Child::MAX_PRIMITIVES),
+            ("node_count", (h.node_count == 0) == (h.triangle_count == 0) && h.node_count < 1 << 31),
+            ("depth", h.depth as usize <= MAX_DEPTH),
+            ("degenerate_count", h.degenerate_count <= h.triangle_count),
+            ("centre", h.centre.iter().all(|c| c.abs() <= MAX_COORDINATE)),
+            ("extent", h.extent <= MAX_COORDINATE && h.centre.iter().all(|c| c.abs() <= h.extent)),
+            ("exponent", (-MAX_EXPONENT..=MAX_EXPONENT).contains(&h.exponent)),
+            ("half_width", h.half_width.iter().all(|w| *w >= 0.0 && w.is_finite())),
+            ("max_plane", h.max_plane >= 0.0 && h.max_plane.is_finite()),
+            ("reserved", h.reserved == [0; 9]),
+        ];
+        match checks.iter().find(|(_, ok)| !ok) {
+            Some((field, _)) => Err(BakeError::Header { field }),
+            None => Ok(()),
+        }
+    }
+
+    fn validate_nodes(&self) -> Result<(), BakeError> {
+        let (mut next_node, mut next_triangle) = (1, 0);
+        let (mut levels, mut level_end) = (0, 0);
+        for (index, node) in (0_u32..).zip(self.nodes) {
+            let error = |lane: usize, problem| BakeError::Node { node: index, lane: lane as u32, problem };
+            if index == level_end {
+                levels += 1;
+                level_end = next_node;
+            }
+            if index >= next_node {
+                return Err(error(0, "no link leads to this node"));
+            }
+            for (lane, child) in node.children().iter().enumerate() {
+                self.validate_planes(node, lane).map_err(|problem| error(lane, problem))?;
+                match child.link() {
+                    Link::Empty => {}
+                    Link::Inner(target) => {
+                        if target != next_node || target >= self.header.node_count {
+                            return Err(error(lane, "the link to a node is out of breadth-first order"));
+                        }
+                        next_node += 1;
+                    }
+                    Link::Leaf { first, count } => {
+                        let fits = count <= self.header.leaf_size.into();
+                        if first != next_triangle || count > self.header.triangle_count - first || !fits {
+                            return Err(error(lane, "the leaf's range is out of order or too large"));
+                        }
+                        next_triangle += count;
+                    }
+                }
+            }
+        }
+        let all_nodes = self.nodes.is_empty() || next_node == self.header.node_count;
+        if !all_nodes || next_triangle != self.header.triangle_count {
+            return Err(BakeError::Header { field: "node_count or triangle_count: not all are linked" });
+        }
+        if levels == self.header.depth { Ok(()) } else { Err(BakeError::Header { field: "depth" }) }
+    }
+
+    fn validate_planes(&self, node: &N, lane: usize) -> Result<(), &'static str> {
+        let empty = node.children()[lane] == Child::EMPTY;
+        for j in 0..N::K {
+            let code = node.plane(j, lane);
+            if empty {
+                if code != Key::EMPTY.code() {
+                    return Err("an unused lane has a plane");
+                }
+            } else if Key::from_code(code).is_none() {
+                return Err("a plane is not an ordered half (NaN, -0, -infinity or the code of unused lanes)");
+            } else if code != Key::INFINITY.code() && decode(code).abs() > self.header.max_plane {
+                return Err("a plane is beyond the header's max_plane");
+            }
+        }
+        Ok(())
+    }
+
+    fn validate_vertices(&self) -> Result<(), BakeError> {
+        let frame = self.frame();
+        let check = |index: usize, p: Point| {
+            let in_range = p.iter().all(|&x| x.abs() <= self.header.extent && flush(x) == x);
+            let in_box = (0..3).all(|i| {
+                ((p[i] - frame.centre[i]) * frame.scale()).abs() <= f64::from(self.header.half_width[i])
+            });
+            if in_range && in_box { Ok(()) } else { Err(BakeError::Vertex { index: index as u32 }) }
+        };
+        match self.vertices {
+            Vertices::F32(all) => all.iter().enumerate().try_for_each(|(i, p)| check(i, p.map(f64::from))),
+            Vertices::F64(all) => all.iter().enumerate().try_for_each(|(i, p)| check(i, *p)),
+        }
+    }
+}

@@ -1,0 +1,216 @@
+//! AVX2 and F16C.
+//!
+//! # 1vs16
+//!
+//! ```text
+//! for each slab, planes j = 2s and 2s + 1:
+//!     separated |= vpcmpgtw(vpbroadcastw(query[j][lane]), planes[j])      2 x (broadcast load, load + compare, or)
+//!     after the slabs in EXITS: leave if all 16 lanes are separated       vptest, branch
+//! mask = !vpmovmskb(vpacksswb(separated))
+//! ```
+//!
+//! # 4vs4
+//!
+//! The four planes of A's children are broadcast and spread by one `vpshufb` to four lanes each, those of B's are broadcast as they are.
+//!
+//! # Re-alignment
+//!
+//! Codes become halves (arithmetic shift, and, xor), then floats (`vcvtph2ps`), once per plane of the node; each turned plane is
+//! three multiplications and three additions on 2 x 8 lanes; `vcvtps2ph` rounds up. `vminps` with +infinity as its second operand
+//! turns NaN to +infinity, as that instruction returns its second operand for NaN.
+
+#![expect(unsafe_code, reason = "intrinsics that load, and calls that the token makes sound")]
+
+use super::{Kernel, Query};
+use crate::isa::{Avx2, compiled_for_avx2};
+use crate::node::{Node4, Node16};
+use crate::realign::Realignment;
+use core::arch::x86_64::*;
+
+impl Kernel for Avx2 {
+    #[inline(always)]
+    fn run<R>(self, f: impl FnOnce() -> R) -> R {
+        Self::run(self, f)
+    }
+
+    #[inline(always)]
+    fn overlap_1v16<const K: usize>(self, query: &Query<16, K>, lane: usize, node: &Node16<K>) -> u16 {
+        // SAFETY: the token proves the features that the function is compiled for.
+        unsafe { overlap_1v16(query, lane, node) }
+    }
+
+    #[inline(always)]
+    fn overlap_4v4<const K: usize>(self, query: &Query<4, K>, node: &Node4<K>) -> u16 {
+        // SAFETY: the token proves the features that the function is compiled for.
+        unsafe { overlap_4v4(query, node) }
+    }
+
+    #[inline(always)]
+    fn realign_16<const K: usize>(self, map: &Realignment<K>, node: &Node16<K>) -> Query<16, K> {
+        // SAFETY: the token proves the features that the function is compiled for.
+        unsafe { realign_16(map, node) }
+    }
+
+    #[inline(always)]
+    fn realign_4<const K: usize>(self, map: &Realignment<K>, node: &Node4<K>) -> Query<4, K> {
+        // SAFETY: the token proves the features that the function is compiled for.
+        unsafe { realign_4(map, node) }
+    }
+}
+
+/// Whether to ask, after this slab, if every lane is separated already. Measured on recorded masks: see ARCHITECTURE.md.
+const fn may_exit<const K: usize>(slab: usize) -> bool {
+    slab % 2 == 1 && slab + 1 < K / 2
+}
+
+compiled_for_avx2! {
+    #[inline]
+    fn load(planes: &[i16; 16]) -> __m256i {
+        // SAFETY: the array has the 32 bytes that are read; the load asks for no alignment.
+        unsafe { _mm256_loadu_si256(planes.as_ptr().cast()) }
+    }
+}
+
+compiled_for_avx2! {
+    #[inline]
+    fn load_4(planes: &[i16; 4]) -> __m128i {
+        // SAFETY: the array has the 8 bytes that are read; the load asks for no alignment.
+        unsafe { _mm_loadl_epi64(planes.as_ptr().cast()) }
+    }
+}
+
+compiled_for_avx2! {
+    /// Bit i: lane i is all zeros.
+    #[inline]
+    fn zero_lanes(separated: __m256i) -> u16 {
+        let bytes = _mm_packs_epi16(_mm256_castsi256_si128(separated), _mm256_extracti128_si256::<1>(separated));
+        !(_mm_movemask_epi8(bytes) as u16)
+    }
+}
+
+compiled_for_avx2! {
+    #[inline]
+    fn all_ones(separated: __m256i) -> bool {
+        _mm256_testc_si256(separated, _mm256_set1_epi16(-1)) != 0
+    }
+}
+
+compiled_for_avx2! {
+    #[inline]
+    fn overlap_1v16<const K: usize>(query: &Query<16, K>, lane: usize, node: &Node16<K>) -> u16 {
+        let lane = lane & 15;
+        let mut separated = _mm256_setzero_si256();
+        for slab in 0..K / 2 {
+            for j in [2 * slab, 2 * slab + 1] {
+                let beyond = _mm256_cmpgt_epi16(_mm256_set1_epi16(query[j][lane]), load(&node.planes[j]));
+                separated = _mm256_or_si256(separated, beyond);
+            }
+            if may_exit::<K>(slab) && all_ones(separated) {
+                return 0;
+            }
+        }
+        zero_lanes(separated)
+    }
+}
+
+compiled_for_avx2! {
+    #[inline]
+    fn overlap_4v4<const K: usize>(query: &Query<4, K>, node: &Node4<K>) -> u16 {
+        // Each half of the register holds all four planes; the lower spreads the first two, the upper the last two.
+        let spread = _mm256_setr_epi8(
+            0, 1, 0, 1, 0, 1, 0, 1, 2, 3, 2, 3, 2, 3, 2, 3, //
+            4, 5, 4, 5, 4, 5, 4, 5, 6, 7, 6, 7, 6, 7, 6, 7,
+        );
+        let mut separated = _mm256_setzero_si256();
+        for slab in 0..K / 2 {
+            for j in [2 * slab, 2 * slab + 1] {
+                let a = _mm256_shuffle_epi8(_mm256_broadcastq_epi64(load_4(&query[j])), spread);
+                let b = _mm256_broadcastq_epi64(load_4(&node.planes[j]));
+                separated = _mm256_or_si256(separated, _mm256_cmpgt_epi16(a, b));
+            }
+            if may_exit::<K>(slab) && all_ones(separated) {
+                return 0;
+            }
+        }
+        zero_lanes(separated)
+    }
+}
+
+compiled_for_avx2! {
+    /// The halves of eight codes, as floats.
+    #[inline]
+    fn decode(codes: __m128i) -> __m256 {
+        _mm256_cvtph_ps(_mm_xor_si128(codes, magnitude_if_negative(codes)))
+    }
+}
+
+compiled_for_avx2! {
+    /// 0x7fff where negative: what turns a code into its half and back.
+    #[inline]
+    fn magnitude_if_negative(x: __m128i) -> __m128i {
+        _mm_srli_epi16::<1>(_mm_srai_epi16::<15>(x))
+    }
+}
+
+compiled_for_avx2! {
+    /// The complements of eight values' keys, rounded up.
+    #[inline]
+    fn encode_query(x: __m256) -> __m128i {
+        let bounded = _mm256_max_ps(_mm256_min_ps(x, _mm256_set1_ps(f32::INFINITY)), _mm256_set1_ps(-65504.0));
+        let bits = _mm256_cvtps_ph::<_MM_FROUND_TO_POS_INF>(bounded);
+        let code = _mm_xor_si128(bits, magnitude_if_negative(bits));
+        let all_ones = _mm_set1_epi16(-1);
+        // The code of -0 is -1, and must be 0: subtracting the compare's -1 does that.
+        let code = _mm_sub_epi16(code, _mm_cmpeq_epi16(code, all_ones));
+        _mm_xor_si128(code, all_ones)
+    }
+}
+
+compiled_for_avx2! {
+    #[inline]
+    fn turn(weights: &[f32; 3], offset: f32, planes: [__m256; 3]) -> __m256 {
+        let [x, y, z] = planes;
+        let [u, v, w] = weights.map(|weight| _mm256_set1_ps(weight));
+        let two = _mm256_add_ps(_mm256_mul_ps(u, x), _mm256_mul_ps(v, y));
+        _mm256_add_ps(_mm256_add_ps(two, _mm256_mul_ps(w, z)), _mm256_set1_ps(offset))
+    }
+}
+
+compiled_for_avx2! {
+    #[inline]
+    fn realign_16<const K: usize>(map: &Realignment<K>, node: &Node16<K>) -> Query<16, K> {
+        let mut planes = [[_mm256_setzero_ps(); 2]; K];
+        for j in 0..K {
+            let codes = load(&node.planes[j]);
+            planes[j] = [decode(_mm256_castsi256_si128(codes)), decode(_mm256_extracti128_si256::<1>(codes))];
+        }
+        let mut query = [[0; 16]; K];
+        for j in 0..K {
+            let [a, b, c] = map.sources[j].map(|s| planes[usize::from(s) % K]);
+            let turned = |half: usize| turn(&map.weights[j], map.offset[j], [a[half], b[half], c[half]]);
+            let codes = _mm256_set_m128i(encode_query(turned(1)), encode_query(turned(0)));
+            // SAFETY: the array has the 32 bytes that are written; the store asks for no alignment.
+            unsafe { _mm256_storeu_si256(query[j ^ 1].as_mut_ptr().cast(), codes) };
+        }
+        query
+    }
+}
+
+compiled_for_avx2! {
+    #[inline]
+    fn realign_4<const K: usize>(map: &Realignment<K>, node: &Node4<K>) -> Query<4, K> {
+        let mut planes = [_mm256_setzero_ps(); K];
+        for j in 0..K {
+            let codes = load_4(&node.planes[j]);
+            planes[j] = decode(codes);
+        }
+        let mut query = [[0; 4]; K];
+        for j in 0..K {
+            let sources = map.sources[j].map(|s| planes[usize::from(s) % K]);
+            let codes = encode_query(turn(&map.weights[j], map.offset[j], sources));
+            // SAFETY: the array has the 8 bytes that are written; the store asks for no alignment.
+            unsafe { _mm_storel_epi64(query[j ^ 1].as_mut_ptr().cast(), codes) };
+        }
+        query
+    }
+}

@@ -1,0 +1,62 @@
+//! The kernels: one body, or four, against the children of a node.
+//!
+//! # The law
+//!
+//! Every implementation of [`Kernel`] gives the same bits as [`scalar`], for every input, with no tolerance:
+//!
+//! 1. **Closed sets.** Bodies that touch overlap. Slab by slab, body A is separated from child i of B if and only if
+//!    `-d_opposite(j)(A) > d_j(B)` for some plane j; on keys, `query[j] > planes[j]` with `query[j] = !key(d_opposite(j)(A))`.
+//! 2. **Lane i is bit i.** In 4vs4, bit `4 a + b` is the pair of child a of A and child b of B.
+//! 3. **An unused lane is separated from every query**, unbounded ones too: its planes are below every complement of a key.
+//! 4. **Re-alignment** is [`Realignment::plane`], operation by operation: `f32`, no fused multiply-add, the sum from left to right,
+//!    rounded up to a half, NaN to +infinity. Unused lanes of A come out as unbounded bodies: the caller masks them.
+//!
+//! All operations take any bits. Codes that are not planes (NaN, -0) compare as the integers they are.
+
+#[cfg(target_arch = "x86_64")]
+mod avx2;
+#[cfg(target_arch = "x86_64")]
+mod avx512;
+#[cfg(target_arch = "aarch64")]
+mod neon;
+pub mod scalar;
+
+use crate::node::{Node4, Node16};
+use crate::realign::Realignment;
+
+/// Planes of `W` bodies in query form: `query[j][i]` is the complement of the key of plane `j ^ 1` of body i.
+pub type Query<const W: usize, const K: usize> = [[i16; W]; K];
+
+mod sealed {
+    pub trait Sealed {}
+    impl Sealed for crate::isa::Scalar {}
+    #[cfg(target_arch = "x86_64")]
+    impl Sealed for crate::isa::Avx2 {}
+    #[cfg(target_arch = "x86_64")]
+    impl Sealed for crate::isa::Avx512 {}
+    #[cfg(target_arch = "aarch64")]
+    impl Sealed for crate::isa::Neon {}
+}
+
+/// The operations of the hot loop, for one instruction set. The implementor is the token that proves it is there. See the
+/// [law](self).
+pub trait Kernel: Copy + core::fmt::Debug + sealed::Sealed {
+    /// Runs `f` compiled for the instruction set, as far as `f` is inlined: the gate that a traversal enters once.
+    fn run<R>(self, f: impl FnOnce() -> R) -> R;
+
+    /// Which children of `node` the body in lane `lane` (below 16) of `query` overlaps.
+    #[must_use]
+    fn overlap_1v16<const K: usize>(self, query: &Query<16, K>, lane: usize, node: &Node16<K>) -> u16;
+
+    /// Which children of `node` each of the four bodies of `query` overlaps.
+    #[must_use]
+    fn overlap_4v4<const K: usize>(self, query: &Query<4, K>, node: &Node4<K>) -> u16;
+
+    /// Turns the planes of all children of a node into another body's frame, in query form.
+    #[must_use]
+    fn realign_16<const K: usize>(self, map: &Realignment<K>, node: &Node16<K>) -> Query<16, K>;
+
+    /// [`Kernel::realign_16`] for four children.
+    #[must_use]
+    fn realign_4<const K: usize>(self, map: &Realignment<K>, node: &Node4<K>) -> Query<4, K>;
+}

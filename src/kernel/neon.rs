@@ -1,0 +1,201 @@
+//! NEON.
+//!
+//! A plane of sixteen children is two q registers: 4 x `cmgt` a slab against a duplicated query plane. There is no move-mask: lanes are
+//! anded with their bit and added across. F16 conversion rounds to nearest only, so re-alignment converts there and back and steps up
+//! by one code where the result fell short.
+
+#![expect(unsafe_code, reason = "intrinsics that load, and calls that the token makes sound")]
+
+use super::{Kernel, Query};
+use crate::isa::{Neon, compiled_for_neon};
+use crate::node::{Node4, Node16};
+use crate::realign::Realignment;
+use core::arch::aarch64::*;
+
+impl Kernel for Neon {
+    #[inline(always)]
+    fn run<R>(self, f: impl FnOnce() -> R) -> R {
+        Self::run(self, f)
+    }
+
+    #[inline(always)]
+    fn overlap_1v16<const K: usize>(self, query: &Query<16, K>, lane: usize, node: &Node16<K>) -> u16 {
+        // SAFETY: the token proves the features that the function is compiled for.
+        unsafe { overlap_1v16(query, lane, node) }
+    }
+
+    #[inline(always)]
+    fn overlap_4v4<const K: usize>(self, query: &Query<4, K>, node: &Node4<K>) -> u16 {
+        // SAFETY: the token proves the features that the function is compiled for.
+        unsafe { overlap_4v4(query, node) }
+    }
+
+    #[inline(always)]
+    fn realign_16<const K: usize>(self, map: &Realignment<K>, node: &Node16<K>) -> Query<16, K> {
+        // SAFETY: the token proves the features that the function is compiled for.
+        unsafe { realign::<16, 4, K>(map, &node.planes) }
+    }
+
+    #[inline(always)]
+    fn realign_4<const K: usize>(self, map: &Realignment<K>, node: &Node4<K>) -> Query<4, K> {
+        // SAFETY: the token proves the features that the function is compiled for.
+        unsafe { realign::<4, 1, K>(map, &node.planes) }
+    }
+}
+
+/// Whether to ask, after this slab, if every lane is separated already.
+const fn may_exit<const K: usize>(slab: usize) -> bool {
+    slab % 2 == 1 && slab + 1 < K / 2
+}
+
+compiled_for_neon! {
+    #[inline]
+    fn load_8(planes: &[i16; 8]) -> int16x8_t {
+        // SAFETY: the array has the 16 bytes that are read; the load asks for no alignment.
+        unsafe { vld1q_s16(planes.as_ptr()) }
+    }
+}
+
+compiled_for_neon! {
+    #[inline]
+    fn load_4(planes: &[i16; 4]) -> int16x4_t {
+        // SAFETY: the array has the 8 bytes that are read; the load asks for no alignment.
+        unsafe { vld1_s16(planes.as_ptr()) }
+    }
+}
+
+compiled_for_neon! {
+    /// The planes of sixteen children: lanes 0..8 and 8..16.
+    #[inline]
+    fn halves(planes: &[i16; 16]) -> [int16x8_t; 2] {
+        let chunks = planes.as_chunks::<8>().0;
+        [load_8(&chunks[0]), load_8(&chunks[1])]
+    }
+}
+
+compiled_for_neon! {
+    /// Bit i: lane i is all zeros. Lanes 0..8, then 8..16.
+    #[inline]
+    fn zero_lanes(separated: [uint16x8_t; 2]) -> u16 {
+        let bits = [1_u16, 2, 4, 8, 16, 32, 64, 128];
+        // SAFETY: the array has the 16 bytes that are read.
+        let bits = unsafe { vld1q_u16(bits.as_ptr()) };
+        let low = vaddvq_u16(vbicq_u16(bits, separated[0]));
+        let high = vaddvq_u16(vbicq_u16(bits, separated[1]));
+        low | high << 8
+    }
+}
+
+compiled_for_neon! {
+    #[inline]
+    fn all_ones(separated: [uint16x8_t; 2]) -> bool {
+        vminvq_u16(vandq_u16(separated[0], separated[1])) == u16::MAX
+    }
+}
+
+compiled_for_neon! {
+    #[inline]
+    fn overlap_1v16<const K: usize>(query: &Query<16, K>, lane: usize, node: &Node16<K>) -> u16 {
+        let lane = lane & 15;
+        let mut separated = [vdupq_n_u16(0); 2];
+        for slab in 0..K / 2 {
+            for j in [2 * slab, 2 * slab + 1] {
+                let q = vdupq_n_s16(query[j][lane]);
+                let [low, high] = halves(&node.planes[j]);
+                separated = [
+                    vorrq_u16(separated[0], vcgtq_s16(q, low)),
+                    vorrq_u16(separated[1], vcgtq_s16(q, high)),
+                ];
+            }
+            if may_exit::<K>(slab) && all_ones(separated) {
+                return 0;
+            }
+        }
+        zero_lanes(separated)
+    }
+}
+
+compiled_for_neon! {
+    #[inline]
+    fn overlap_4v4<const K: usize>(query: &Query<4, K>, node: &Node4<K>) -> u16 {
+        let mut separated = [vdupq_n_u16(0); 2];
+        for slab in 0..K / 2 {
+            for j in [2 * slab, 2 * slab + 1] {
+                let q = load_4(&query[j]);
+                let b = load_4(&node.planes[j]);
+                let b = vcombine_s16(b, b);
+                let low = vcombine_s16(vdup_lane_s16::<0>(q), vdup_lane_s16::<1>(q));
+                let high = vcombine_s16(vdup_lane_s16::<2>(q), vdup_lane_s16::<3>(q));
+                separated =
+                    [vorrq_u16(separated[0], vcgtq_s16(low, b)), vorrq_u16(separated[1], vcgtq_s16(high, b))];
+            }
+            if may_exit::<K>(slab) && all_ones(separated) {
+                return 0;
+            }
+        }
+        zero_lanes(separated)
+    }
+}
+
+compiled_for_neon! {
+    /// 0x7fff where negative: what turns a code into its half and back.
+    #[inline]
+    fn magnitude_if_negative(x: int16x4_t) -> int16x4_t {
+        vreinterpret_s16_u16(vshr_n_u16::<1>(vreinterpret_u16_s16(vshr_n_s16::<15>(x))))
+    }
+}
+
+compiled_for_neon! {
+    /// The halves of four codes, as floats.
+    #[inline]
+    fn decode(codes: int16x4_t) -> float32x4_t {
+        vcvt_f32_f16(vreinterpret_f16_s16(veor_s16(codes, magnitude_if_negative(codes))))
+    }
+}
+
+compiled_for_neon! {
+    /// The complements of four values' keys, rounded up.
+    #[inline]
+    fn encode_query(x: float32x4_t) -> int16x4_t {
+        // FMINNM returns the number where the other operand is NaN: an unbounded plane.
+        let bounded = vmaxq_f32(vminnmq_f32(x, vdupq_n_f32(f32::INFINITY)), vdupq_n_f32(-65504.0));
+        let nearest = vcvt_f16_f32(bounded);
+        let bits = vreinterpret_s16_f16(nearest);
+        let code = veor_s16(bits, magnitude_if_negative(bits));
+        // Where the nearest half is below, the compare is -1, and subtracting it gives the next code.
+        let short = vmovn_u32(vcltq_f32(vcvt_f32_f16(nearest), bounded));
+        let code = vsub_s16(code, vreinterpret_s16_u16(short));
+        // The code of -0 is -1, and must be 0.
+        let negative_zero = vceq_s16(code, vdup_n_s16(-1));
+        vmvn_s16(vsub_s16(code, vreinterpret_s16_u16(negative_zero)))
+    }
+}
+
+compiled_for_neon! {
+    /// `Q` quarters of four children make the `W` lanes.
+    #[inline]
+    fn realign<const W: usize, const Q: usize, const K: usize>(
+        map: &Realignment<K>,
+        planes: &[[i16; W]; K],
+    ) -> Query<W, K> {
+        let mut decoded = [[vdupq_n_f32(0.0); Q]; K];
+        for j in 0..K {
+            for (quarter, codes) in decoded[j].iter_mut().zip(planes[j].as_chunks::<4>().0) {
+                *quarter = decode(load_4(codes));
+            }
+        }
+        let mut query = [[0; W]; K];
+        for j in 0..K {
+            let [a, b, c] = map.sources[j].map(|s| decoded[usize::from(s) % K]);
+            let [u, v, w] = map.weights[j];
+            for (i, codes) in query[j ^ 1].as_chunks_mut::<4>().0.iter_mut().enumerate() {
+                // Separate multiplications and additions: fused ones would round otherwise than the specification.
+                let two = vaddq_f32(vmulq_n_f32(a[i], u), vmulq_n_f32(b[i], v));
+                let sum = vaddq_f32(vaddq_f32(two, vmulq_n_f32(c[i], w)), vdupq_n_f32(map.offset[j]));
+                // SAFETY: the array has the 8 bytes that are written.
+                unsafe { vst1_s16(codes.as_mut_ptr(), encode_query(sum)) };
+            }
+        }
+        query
+    }
+}

@@ -1,0 +1,49 @@
+//! The specification. Every other kernel is tested against these few lines.
+
+use super::{Kernel, Query};
+use crate::isa::Scalar;
+use crate::node::{Node4, Node16};
+use crate::realign::Realignment;
+
+/// Whether some plane separates body `a` of the query from child `b`.
+fn separated<const W: usize, const K: usize>(
+    query: &Query<W, K>,
+    a: usize,
+    planes: &[[i16; W]; K],
+    b: usize,
+) -> bool {
+    query.iter().zip(planes).any(|(q, p)| q[a] > p[b])
+}
+
+fn realign<const W: usize, const K: usize>(map: &Realignment<K>, planes: &[[i16; W]; K]) -> Query<W, K> {
+    let mut query = [[0; W]; K];
+    for j in 0..K {
+        for lane in 0..W {
+            query[j ^ 1][lane] = !map.plane(j, |source| planes[source % K][lane]).code();
+        }
+    }
+    query
+}
+
+impl Kernel for Scalar {
+    #[inline(always)]
+    fn run<R>(self, f: impl FnOnce() -> R) -> R {
+        f()
+    }
+
+    fn overlap_1v16<const K: usize>(self, query: &Query<16, K>, lane: usize, node: &Node16<K>) -> u16 {
+        (0..16).filter(|&i| !separated(query, lane, &node.planes, i)).fold(0, |mask, i| mask | 1 << i)
+    }
+
+    fn overlap_4v4<const K: usize>(self, query: &Query<4, K>, node: &Node4<K>) -> u16 {
+        (0..16).filter(|&i| !separated(query, i / 4, &node.planes, i % 4)).fold(0, |mask, i| mask | 1 << i)
+    }
+
+    fn realign_16<const K: usize>(self, map: &Realignment<K>, node: &Node16<K>) -> Query<16, K> {
+        realign(map, &node.planes)
+    }
+
+    fn realign_4<const K: usize>(self, map: &Realignment<K>, node: &Node4<K>) -> Query<4, K> {
+        realign(map, &node.planes)
+    }
+}

@@ -1,0 +1,207 @@
+//! Rigid poses: where body A stands in the frame of body B.
+
+use crate::frame::{Point, flush};
+use crate::triangle::MAX_COORDINATE;
+use core::fmt;
+use glam::{Affine3, Affine3A, DAffine3, DMat3, DQuat, DVec3, Mat3, Quat, Vec3};
+
+/// A rigid motion `x -> R x + t`, in `f64`, in the unit of the bodies.
+///
+/// The rows of R are the ones given, not re-orthogonalised: verdicts are exact for just this matrix.
+#[derive(Copy, Clone, PartialEq, Debug)]
+pub struct Pose {
+    /// R by rows.
+    rows: [[f64; 3]; 3],
+    translation: Point,
+}
+
+/// Why a matrix and a vector are not a pose.
+#[derive(Copy, Clone, PartialEq, Debug)]
+#[non_exhaustive]
+pub enum PoseError {
+    /// An entry is NaN or infinite.
+    NotFinite,
+    /// The translation is longer than [`MAX_COORDINATE`].
+    TooFar,
+    /// The rows are not unit vectors at right angles within [`Pose::TOLERANCE`]: the largest deviation of `R R^T` from 1.
+    NotOrthonormal {
+        /// Largest absolute entry of `R R^T - 1`.
+        deviation: f64,
+    },
+    /// The matrix mirrors: its determinant is -1.
+    Mirrored,
+}
+
+impl fmt::Display for PoseError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::NotFinite => f.write_str("the pose has an entry that is not finite"),
+            Self::TooFar => f.write_str("the pose's translation is beyond 2^300"),
+            Self::NotOrthonormal { deviation } => write!(
+                f,
+                "the pose is not rigid: R times its transpose differs from 1 by {deviation:e}, more than {:e}",
+                Pose::TOLERANCE
+            ),
+            Self::Mirrored => f.write_str("the pose is not rigid: it mirrors (determinant -1)"),
+        }
+    }
+}
+
+impl core::error::Error for PoseError {}
+
+impl Pose {
+    /// Largest accepted absolute entry of `R R^T - 1`: room for a matrix written with five digits, none for a scaled one.
+    pub const TOLERANCE: f64 = 1e-4;
+
+    /// The identity.
+    pub const IDENTITY: Self =
+        Self { rows: [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]], translation: [0.0; 3] };
+
+    /// The pose `[R|t]` from three rows of four numbers.
+    ///
+    /// # Errors
+    /// [`PoseError`] if a number is not finite, R is not a rotation within [`Pose::TOLERANCE`], or t is too long.
+    pub fn from_rows(rows: [[f64; 4]; 3]) -> Result<Self, PoseError> {
+        let pose = Self { rows: rows.map(|r| [r[0], r[1], r[2]]), translation: rows.map(|r| r[3]) };
+        pose.check()?;
+        Ok(pose)
+    }
+
+    /// A rotation and a translation. Quaternions and single-precision types: through [`TryFrom`].
+    ///
+    /// # Errors
+    /// As [`Pose::from_rows`].
+    pub fn new(rotation: DMat3, translation: DVec3) -> Result<Self, PoseError> {
+        let r = rotation.transpose().to_cols_array_2d();
+        let t = translation.to_array();
+        Self::from_rows(core::array::from_fn(|i| [r[i][0], r[i][1], r[i][2], t[i]]))
+    }
+
+    /// R by rows.
+    #[inline]
+    #[must_use]
+    pub const fn rows(&self) -> &[[f64; 3]; 3] {
+        &self.rows
+    }
+
+    /// t.
+    #[inline]
+    #[must_use]
+    pub const fn translation(&self) -> Point {
+        self.translation
+    }
+
+    /// `R p + t` in `f64`, each coordinate as `((r0 x + r1 y) + r2 z) + t` without fused operations: the same bits everywhere,
+    /// within 2^-50 (|R||p| + |t|) of the exact image. Coordinates below [`crate::triangle::MIN_COORDINATE`] become zero.
+    #[inline]
+    #[must_use]
+    pub fn apply(&self, p: Point) -> Point {
+        core::array::from_fn(|i| {
+            let r = &self.rows[i];
+            let x = ((r[0] * p[0] + r[1] * p[1]) + r[2] * p[2]) + self.translation[i];
+            flush(x)
+        })
+    }
+
+    fn check(&self) -> Result<(), PoseError> {
+        let r = &self.rows;
+        if !r.iter().flatten().chain(&self.translation).all(|x| x.is_finite()) {
+            return Err(PoseError::NotFinite);
+        }
+        if self.translation.iter().any(|x| x.abs() > MAX_COORDINATE) {
+            return Err(PoseError::TooFar);
+        }
+        let dot = |a: [f64; 3], b: [f64; 3]| (a[0] * b[0] + a[1] * b[1]) + a[2] * b[2];
+        let deviation = (0..3)
+            .flat_map(|i| (i..3).map(move |j| (i, j)))
+            .map(|(i, j)| (dot(r[i], r[j]) - if i == j { 1.0 } else { 0.0 }).abs())
+            .fold(0.0, f64::max);
+        // An overflow in a product makes the deviation infinite or NaN; max() drops NaN, so each row is checked for size too.
+        if deviation > Self::TOLERANCE || r.iter().flatten().any(|x| x.abs() > 2.0) {
+            return Err(PoseError::NotOrthonormal { deviation });
+        }
+        let cross = [
+            r[1][1] * r[2][2] - r[1][2] * r[2][1],
+            r[1][2] * r[2][0] - r[1][0] * r[2][2],
+            r[1][0] * r[2][1] - r[1][1] * r[2][0],
+        ];
+        if dot(r[0], cross) < 0.0 { Err(PoseError::Mirrored) } else { Ok(()) }
+    }
+}
+
+impl TryFrom<DAffine3> for Pose {
+    type Error = PoseError;
+    fn try_from(a: DAffine3) -> Result<Self, PoseError> {
+        Self::new(a.matrix3, a.translation)
+    }
+}
+
+impl TryFrom<Affine3A> for Pose {
+    type Error = PoseError;
+    fn try_from(a: Affine3A) -> Result<Self, PoseError> {
+        Self::new(Mat3::from(a.matrix3).as_dmat3(), Vec3::from(a.translation).as_dvec3())
+    }
+}
+
+impl TryFrom<Affine3> for Pose {
+    type Error = PoseError;
+    fn try_from(a: Affine3) -> Result<Self, PoseError> {
+        Self::new(a.matrix3.as_dmat3(), a.translation.as_dvec3())
+    }
+}
+
+impl TryFrom<(DQuat, DVec3)> for Pose {
+    type Error = PoseError;
+    fn try_from((rotation, translation): (DQuat, DVec3)) -> Result<Self, PoseError> {
+        Self::new(DMat3::from_quat(rotation), translation)
+    }
+}
+
+impl TryFrom<(Quat, Vec3)> for Pose {
+    type Error = PoseError;
+    fn try_from((rotation, translation): (Quat, Vec3)) -> Result<Self, PoseError> {
+        Self::try_from((rotation.as_dquat(), translation.as_dvec3()))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn glam_types_give_the_matrix_that_glam_applies() {
+        let (q, t) = (DQuat::from_euler(glam::EulerRot::XYZ, 0.3, -1.2, 2.0), DVec3::new(1.0, -2.0, 0.5));
+        let affine = DAffine3::from_rotation_translation(q, t);
+        let p = DVec3::new(0.7, 11.0, -3.0);
+        let want = affine.transform_point3(p);
+        for pose in [Pose::try_from(affine).unwrap(), Pose::try_from((q, t)).unwrap()] {
+            let got = DVec3::from_array(pose.apply(p.to_array()));
+            assert!((want - got).length() < 1e-14, "{want} {got}");
+        }
+        let single = Affine3A::from_rotation_translation(q.as_quat(), t.as_vec3());
+        let pair = Pose::try_from((q.as_quat(), t.as_vec3())).unwrap();
+        for pose in [Pose::try_from(single).unwrap(), Pose::try_from(Affine3::from(single)).unwrap(), pair] {
+            let got = DVec3::from_array(pose.apply(p.to_array()));
+            assert!((want - got).length() < 1e-5, "{want} {got}");
+        }
+    }
+
+    #[test]
+    fn what_is_not_rigid_is_refused() {
+        let ok = [[1.0, 0.0, 0.0, 5.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0]];
+        assert!(Pose::from_rows(ok).is_ok());
+        let with = |row: usize, column: usize, value: f64| {
+            let mut rows = ok;
+            rows[row][column] = value;
+            Pose::from_rows(rows)
+        };
+        assert_eq!(with(0, 3, f64::NAN), Err(PoseError::NotFinite));
+        assert_eq!(with(1, 1, f64::INFINITY), Err(PoseError::NotFinite));
+        assert_eq!(with(2, 3, 1e300), Err(PoseError::TooFar));
+        assert!(matches!(with(0, 0, 1.001), Err(PoseError::NotOrthonormal { .. })));
+        assert!(matches!(with(0, 1, 1e-3), Err(PoseError::NotOrthonormal { .. })));
+        assert!(matches!(with(0, 0, 1e200), Err(PoseError::NotOrthonormal { .. })));
+        assert!(matches!(with(0, 0, 0.0), Err(PoseError::NotOrthonormal { .. })));
+        assert_eq!(with(2, 2, -1.0), Err(PoseError::Mirrored));
+    }
+}

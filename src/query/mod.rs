@@ -1,0 +1,175 @@
+//! Queries between two hierarchies of one node type, at a pose: no heap, a fixed stack, exact verdicts.
+//!
+//! [`Query`] holds what the caller chooses, the instruction set above all; its methods are the entries. Each has the one `match` on the
+//! instruction set; below it everything is monomorphic.
+
+mod lanes;
+mod stack;
+mod traverse;
+
+pub use lanes::Lanes;
+pub use stack::STACK_BYTES;
+
+use crate::hierarchy::BvhRef;
+use crate::isa::Isa;
+use crate::kernel::Kernel;
+use crate::pose::Pose;
+use core::ops::ControlFlow;
+use traverse::{Stop, Traversal};
+
+/// How a query runs.
+#[derive(Copy, Clone, PartialEq, Eq, Debug)]
+pub struct Query {
+    isa: Isa,
+    budget: u64,
+}
+
+/// Two triangles that meet, by their indices in the meshes that were built.
+#[derive(Copy, Clone, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
+pub struct Pair {
+    /// Triangle of body A.
+    pub a: u32,
+    /// Triangle of body B.
+    pub b: u32,
+}
+
+/// What a query found out.
+#[derive(Copy, Clone, PartialEq, Debug)]
+pub enum Verdict {
+    /// The bodies meet, and here is where.
+    Hit(Pair),
+    /// No triangle of A meets one of B.
+    Free,
+    /// The budget was spent before the answer was known. The distance of the bodies, 0 if they meet, lies in `lower ..= upper`.
+    Unknown {
+        /// Lower bound of the distance, in the bodies' unit. Zero: pending volumes overlap.
+        lower: f64,
+        /// Upper bound of the distance, in the bodies' unit: that of two corners in pending volumes.
+        upper: f64,
+    },
+}
+
+/// The work of a query: the same on every instruction set.
+#[derive(Copy, Clone, PartialEq, Eq, Default, Debug)]
+pub struct Counters {
+    /// Visits: pairs of nodes, or of a node and a leaf. The unit of the budget.
+    pub visits: u64,
+    /// Calls of the 1vs16 or 4vs4 kernel.
+    pub kernels: u64,
+    /// Nodes of A turned into B's frame.
+    pub realignments: u64,
+    /// Pairs of triangles tested.
+    pub triangle_pairs: u64,
+    /// Of these, the ones that needed exact arithmetic.
+    pub exact_pairs: u64,
+}
+
+/// A verdict and what it cost.
+#[derive(Copy, Clone, PartialEq, Debug)]
+pub struct Answer {
+    /// The verdict.
+    pub verdict: Verdict,
+    /// The work.
+    pub counters: Counters,
+}
+
+impl Answer {
+    /// Whether the bodies certainly meet.
+    #[must_use]
+    pub const fn is_hit(&self) -> bool {
+        matches!(self.verdict, Verdict::Hit(_))
+    }
+}
+
+/// What an enumeration came to.
+#[derive(Copy, Clone, PartialEq, Eq, Debug)]
+pub enum Completion {
+    /// Every pair was visited.
+    Complete,
+    /// The visitor broke off.
+    Stopped,
+    /// The budget was spent.
+    OutOfBudget,
+}
+
+impl Query {
+    /// A query on instruction set `isa`, without a budget.
+    #[must_use]
+    pub const fn new(isa: Isa) -> Self {
+        Self { isa, budget: u64::MAX }
+    }
+
+    /// Gives up after `visits` visits (see [`Counters::visits`]).
+    #[must_use]
+    pub const fn with_budget(self, visits: u64) -> Self {
+        Self { budget: visits, ..self }
+    }
+
+    /// Does body `a`, placed by `pose` in the frame of body `b`, meet `b`? Touching counts.
+    ///
+    /// The verdict is exact for the corners of `a` moved by [`Pose::apply`]. First hit ends it.
+    #[must_use]
+    pub fn collide<N: Lanes>(&self, a: &BvhRef<'_, N>, b: &BvhRef<'_, N>, pose: &Pose) -> Answer {
+        let mut hit = None;
+        let (stop, counters) = self.run(a, b, pose, |pair| {
+            hit = Some(pair);
+            ControlFlow::Break(())
+        });
+        let verdict = match (hit, stop) {
+            (Some(pair), _) => Verdict::Hit(pair),
+            (None, Some(Stop::Budget { upper })) => Verdict::Unknown { lower: 0.0, upper },
+            (None, _) => Verdict::Free,
+        };
+        Answer { verdict, counters }
+    }
+
+    /// Calls `visit` with every pair of triangles that meet, each once, in the order of the traversal, until it breaks.
+    pub fn for_each_pair<N: Lanes>(
+        &self,
+        a: &BvhRef<'_, N>,
+        b: &BvhRef<'_, N>,
+        pose: &Pose,
+        visit: impl FnMut(Pair) -> ControlFlow<()>,
+    ) -> (Completion, Counters) {
+        let (stop, counters) = self.run(a, b, pose, visit);
+        let completion = match stop {
+            None => Completion::Complete,
+            Some(Stop::Visitor) => Completion::Stopped,
+            Some(Stop::Budget { .. }) => Completion::OutOfBudget,
+        };
+        (completion, counters)
+    }
+
+    /// The one place that looks at the instruction set.
+    fn run<N: Lanes>(
+        &self,
+        a: &BvhRef<'_, N>,
+        b: &BvhRef<'_, N>,
+        pose: &Pose,
+        visit: impl FnMut(Pair) -> ControlFlow<()>,
+    ) -> (Option<Stop>, Counters) {
+        match self.isa {
+            Isa::Scalar(token) => self.run_on(token, a, b, pose, visit),
+            #[cfg(target_arch = "aarch64")]
+            Isa::Neon(token) => self.run_on(token, a, b, pose, visit),
+            #[cfg(target_arch = "x86_64")]
+            Isa::Avx2(token) => self.run_on(token, a, b, pose, visit),
+            #[cfg(target_arch = "x86_64")]
+            Isa::Avx512(token) => self.run_on(token, a, b, pose, visit),
+        }
+    }
+
+    #[inline(always)]
+    fn run_on<N: Lanes, E: Kernel>(
+        &self,
+        kernel: E,
+        a: &BvhRef<'_, N>,
+        b: &BvhRef<'_, N>,
+        pose: &Pose,
+        visit: impl FnMut(Pair) -> ControlFlow<()>,
+    ) -> (Option<Stop>, Counters) {
+        let mut traversal = Traversal::new(kernel, *a, *b, pose, self.budget, visit);
+        let stop = kernel.run(|| traversal.run()).break_value();
+        (stop, traversal.counters)
+    }
+}

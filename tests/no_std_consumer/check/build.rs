@@ -1,0 +1,52 @@
+//! Bakes the body into `$OUT_DIR/ring.simdop` and writes the host's own answers to `$OUT_DIR/expected.rs`.
+
+#[path = "src/poses.rs"]
+mod poses;
+
+use simdop::build::{Builder, Mesh};
+use simdop::isa::Isa;
+use simdop::node::Node16;
+use simdop::pose::Pose;
+use simdop::query::Query;
+use std::f64::consts::TAU;
+use std::fmt::Write as _;
+
+/// Corners around the ring, and around its tube.
+const AROUND: (u32, u32) = (32, 12);
+
+fn main() {
+    println!("cargo:rerun-if-changed=src/poses.rs");
+    let folder = std::path::PathBuf::from(std::env::var_os("OUT_DIR").expect("cargo sets OUT_DIR"));
+    let (vertices, triangles) = ring();
+    let mesh = Mesh { vertices: &vertices, triangles: &triangles };
+    let tree = Builder::new().build::<Node16<14>>(&mesh).expect("a ring is a mesh");
+    std::fs::write(folder.join("ring.simdop"), tree.as_bytes()).expect("OUT_DIR is writable");
+
+    let mut source = format!("/// What the host answered.\nconst EXPECTED: [Answer; {}] = [\n", poses::POSES.len());
+    for (_, rows, _) in poses::POSES {
+        let pose = Pose::from_rows(rows).expect("the poses are rigid");
+        let answer = Query::new(Isa::detect()).collide(&tree.view(), &tree.view(), &pose);
+        // The Debug form of an answer is the expression that makes it.
+        writeln!(source, "    {answer:?},").expect("a String takes everything");
+    }
+    source.push_str("];\n");
+    std::fs::write(folder.join("expected.rs"), source).expect("OUT_DIR is writable");
+}
+
+/// A torus round the z axis.
+fn ring() -> (Vec<[f64; 3]>, Vec<[u32; 3]>) {
+    let (around, tube) = AROUND;
+    let mut vertices = Vec::new();
+    let mut triangles = Vec::new();
+    for i in 0..around {
+        for j in 0..tube {
+            let (a, b) = (TAU * f64::from(i) / f64::from(around), TAU * f64::from(j) / f64::from(tube));
+            let r = poses::RING_RADIUS + poses::TUBE_RADIUS * b.cos();
+            vertices.push([r * a.cos(), r * a.sin(), poses::TUBE_RADIUS * b.sin()]);
+            let at = |i: u32, j: u32| (i % around) * tube + j % tube;
+            triangles.push([at(i, j), at(i + 1, j), at(i + 1, j + 1)]);
+            triangles.push([at(i, j), at(i + 1, j + 1), at(i, j + 1)]);
+        }
+    }
+    (vertices, triangles)
+}

@@ -1,0 +1,43 @@
+//! The queries that every bare-metal program runs, on a tree that lies in its read-only memory.
+#![no_std]
+
+pub mod poses;
+
+use core::fmt::Write;
+use simdop::hierarchy::{Aligned, BvhRef};
+use simdop::isa::Isa;
+use simdop::node::Node16;
+use simdop::pose::Pose;
+use simdop::query::{Answer, Counters, Pair, Query, Verdict::*};
+
+/// The baked tree, read in place.
+static RING: &Aligned<[u8]> = &Aligned(*include_bytes!(concat!(env!("OUT_DIR"), "/ring.simdop")));
+
+include!(concat!(env!("OUT_DIR"), "/expected.rs"));
+
+/// Runs every query and prints its answer. True if each has the verdict that geometry gives, and equals the host's in every
+/// counter too.
+pub fn run(out: &mut impl Write) -> bool {
+    match try_run(out) {
+        Ok(good) => good,
+        Err(what) => {
+            let _ = writeln!(out, "FAILED: {what}");
+            false
+        }
+    }
+}
+
+fn try_run(out: &mut impl Write) -> Result<bool, &'static str> {
+    let isa = Isa::detect();
+    let ring = BvhRef::<Node16<14>>::from_bytes(&RING.0).map_err(|_| "the tree is not one")?;
+    let mut good = true;
+    for ((name, rows, meets), expected) in poses::POSES.iter().zip(EXPECTED) {
+        let pose = Pose::from_rows(*rows).map_err(|_| "the pose is not rigid")?;
+        let answer = Query::new(isa).collide(&ring, &ring, &pose);
+        let agrees = answer == expected && answer.is_hit() == *meets;
+        let verdict = if agrees { "as expected" } else { "WRONG" };
+        writeln!(out, "{} {name}: {answer:?}: {verdict}", isa.name()).map_err(|_| "no output")?;
+        good &= agrees;
+    }
+    Ok(good)
+}

@@ -1,0 +1,49 @@
+//! Queries in a freestanding x86-64 program: no libc and no std, so that instruction sets are detected by CPUID and XGETBV alone.
+//! It can be started as a Linux process, whose system calls stand in for a console.
+#![no_std]
+#![no_main]
+
+use core::arch::{asm, global_asm};
+use core::fmt::{self, Write};
+
+global_asm!(".global _start", "_start:", "and rsp, -16", "call main");
+
+/// Linux system calls.
+const WRITE: usize = 1;
+const EXIT: usize = 60;
+
+fn system_call(number: usize, arguments: [usize; 3]) {
+    let [a, b, c] = arguments;
+    // SAFETY: `write` only reads the string it is given, `exit` does not come back; the call changes rax, rcx and r11.
+    unsafe {
+        asm!("syscall", inout("rax") number => _, in("rdi") a, in("rsi") b, in("rdx") c,
+            out("rcx") _, out("r11") _, options(nostack));
+    }
+}
+
+struct Console;
+
+impl Write for Console {
+    fn write_str(&mut self, text: &str) -> fmt::Result {
+        system_call(WRITE, [1, text.as_ptr().expose_provenance(), text.len()]);
+        Ok(())
+    }
+}
+
+#[unsafe(no_mangle)]
+extern "C" fn main() -> ! {
+    exit(check::run(&mut Console))
+}
+
+fn exit(good: bool) -> ! {
+    system_call(EXIT, [usize::from(!good), 0, 0]);
+    loop {
+        core::hint::spin_loop();
+    }
+}
+
+#[panic_handler]
+fn panic(info: &core::panic::PanicInfo<'_>) -> ! {
+    let _ = writeln!(Console, "{info}");
+    exit(false)
+}

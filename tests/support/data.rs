@@ -1,0 +1,156 @@
+//! Real meshes, read apart from the library, and poses at given distances from contact.
+
+use super::rng::Rng;
+use std::path::PathBuf;
+
+/// A mesh in the test's own words.
+#[derive(Clone, Debug)]
+pub(crate) struct MeshData {
+    pub(crate) vertices: Vec<[f64; 3]>,
+    pub(crate) triangles: Vec<[u32; 3]>,
+}
+
+/// Where the data sets are, if they are: `$SIMDOP_DATA`, else `../shared/data` beside the project.
+///
+/// # Panics
+/// If they are absent and `SIMDOP_REQUIRE_DATA` is set, as CI does.
+pub(crate) fn directory() -> Option<PathBuf> {
+    let beside = concat!(env!("CARGO_MANIFEST_DIR"), "/../shared/data");
+    let path = PathBuf::from(std::env::var_os("SIMDOP_DATA").unwrap_or_else(|| beside.into()));
+    if path.join("meshes").is_dir() {
+        return Some(path);
+    }
+    let required = std::env::var_os("SIMDOP_REQUIRE_DATA").is_some();
+    assert!(!required, "SIMDOP_REQUIRE_DATA is set, and there are no data sets in {}", path.display());
+    eprintln!("\n*** SKIPPED: no data sets in {}; set SIMDOP_DATA ***\n", path.display());
+    None
+}
+
+/// Share of the suites to run: `SIMDOP_SUITE` is `small` (an eighth, for emulators) or `full` (default).
+pub(crate) fn suite_step() -> usize {
+    match std::env::var("SIMDOP_SUITE").as_deref() {
+        Ok("small") => 8,
+        Ok("full") | Err(_) => 1,
+        Ok(other) => panic!("SIMDOP_SUITE is small or full, not {other}"),
+    }
+}
+
+impl MeshData {
+    /// Reads the `v` and three-cornered `f` lines of an OBJ file.
+    pub(crate) fn obj(path: &std::path::Path) -> Self {
+        let text = std::fs::read_to_string(path).unwrap_or_else(|e| panic!("{}: {e}", path.display()));
+        let mut mesh = Self { vertices: Vec::new(), triangles: Vec::new() };
+        for line in text.lines() {
+            let words: Vec<&str> = line.split_whitespace().collect();
+            let number = |i: usize| words[i].parse::<f64>().unwrap();
+            let index = |i: usize| words[i].split('/').next().unwrap().parse::<u32>().unwrap() - 1;
+            match words.first() {
+                Some(&"v") => mesh.vertices.push([number(1), number(2), number(3)]),
+                Some(&"f") => {
+                    for i in 2..words.len() - 1 {
+                        mesh.triangles.push([index(1), index(i), index(i + 1)]);
+                    }
+                }
+                _ => {}
+            }
+        }
+        assert!(!mesh.triangles.is_empty(), "{} has triangles", path.display());
+        mesh
+    }
+
+    /// The corners of every triangle, where the pose places them: the arithmetic that the library documents for a moved corner,
+    /// written again.
+    pub(crate) fn placed(&self, pose: &[[f64; 4]; 3]) -> Vec<[[f64; 3]; 3]> {
+        let place = |p: &[f64; 3]| pose.map(|r| ((r[0] * p[0] + r[1] * p[1]) + r[2] * p[2]) + r[3]);
+        let moved: Vec<[f64; 3]> = self.vertices.iter().map(place).collect();
+        self.triangles.iter().map(|t| t.map(|v| moved[v as usize])).collect()
+    }
+
+    /// The corners of every triangle.
+    pub(crate) fn corners(&self) -> Vec<[[f64; 3]; 3]> {
+        self.triangles.iter().map(|t| t.map(|v| self.vertices[v as usize])).collect()
+    }
+
+    fn bounds(&self) -> ([f64; 3], [f64; 3]) {
+        let fold = |f: fn(f64, f64) -> f64, start: f64| {
+            core::array::from_fn(|i| self.vertices.iter().fold(start, |m, p| f(m, p[i])))
+        };
+        (fold(f64::min, f64::INFINITY), fold(f64::max, f64::NEG_INFINITY))
+    }
+
+    /// Length of the bounding box's diagonal.
+    pub(crate) fn diagonal(&self) -> f64 {
+        let (low, high) = self.bounds();
+        (0..3).map(|i| (high[i] - low[i]).powi(2)).sum::<f64>().sqrt()
+    }
+
+    fn centre(&self) -> [f64; 3] {
+        let (low, high) = self.bounds();
+        core::array::from_fn(|i| 0.5 * (low[i] + high[i]))
+    }
+}
+
+/// A pair of meshes of the suites.
+pub(crate) struct Suite {
+    pub(crate) name: &'static str,
+    pub(crate) a: MeshData,
+    pub(crate) b: MeshData,
+}
+
+/// The four pairs that every verdict is checked on.
+pub(crate) fn suites() -> Option<Vec<Suite>> {
+    let data = directory()?;
+    let pair = |name, a: &str, b: &str| Suite {
+        name,
+        a: MeshData::obj(&data.join(a)),
+        b: MeshData::obj(&data.join(b)),
+    };
+    Some(vec![
+        pair("hand", "meshes/hand.obj", "meshes/hand.obj"),
+        pair("cow", "meshes/cow.obj", "meshes/cow.obj"),
+        pair("pinion", "meshes/pinion.obj", "meshes/pinion.obj"),
+        pair("unc", "planning/unc_rob.obj", "planning/unc_env.obj"),
+    ])
+}
+
+/// Gaps (positive) and depths (negative) of the suites, as shares of the diagonal.
+pub(crate) const GAPS: [f64; 8] = [1e-2, -1e-2, 1e-4, -1e-4, 1e-6, -1e-6, 1e-8, -1e-8];
+
+impl Suite {
+    /// 25 random rotations and directions; for each, the place where A, coming from outside, first touches B as far as `meets`
+    /// can tell, and the eight poses before and behind it. Deterministic, given exact answers.
+    pub(crate) fn poses(&self, step: usize, meets: impl Fn(&[[f64; 4]; 3]) -> bool) -> Vec<[[f64; 4]; 3]> {
+        let mut rng = Rng::new(0x5eed);
+        let (size_a, size_b) = (self.a.diagonal(), self.b.diagonal());
+        let (centre_a, centre_b) = (self.a.centre(), self.b.centre());
+        let mut poses = Vec::new();
+        for _ in (0..25).step_by(step) {
+            let rotation = rng.rotation();
+            let towards = rng.rotation()[0];
+            let at = |distance: f64| -> [[f64; 4]; 3] {
+                core::array::from_fn(|i| {
+                    let r = rotation[i];
+                    let turned = (r[0] * centre_a[0] + r[1] * centre_a[1]) + r[2] * centre_a[2];
+                    [r[0], r[1], r[2], centre_b[i] - turned + distance * towards[i]]
+                })
+            };
+            // From far away inwards in steps, to the first that meets (an open scene may let A pass: then its middle will do).
+            let far = size_a + size_b;
+            let first = (0..=200).find(|i| meets(&at(far * (1.0 - f64::from(*i) / 200.0))));
+            let mut inside = far * first.map_or(0.0, |i| 1.0 - f64::from(i) / 200.0);
+            let mut outside = inside + far / 200.0;
+            for _ in 0..60 {
+                let middle = 0.5 * (inside + outside);
+                if meets(&at(middle)) { inside = middle } else { outside = middle }
+            }
+            poses.extend(GAPS.iter().map(|gap| at(inside + gap * size_a)));
+        }
+        poses
+    }
+}
+
+/// Names every helper once, so that a test which needs only some of them compiles without a warning.
+const _: () = {
+    let _ = (directory, suite_step, MeshData::placed, MeshData::corners, suites, GAPS);
+    let _ = Suite::poses::<fn(&[[f64; 4]; 3]) -> bool>;
+};

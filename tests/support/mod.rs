@@ -1,0 +1,5 @@
+//! What the integration tests share: nothing here uses the library under test.
+
+pub(crate) mod data;
+pub(crate) mod exact;
+pub(crate) mod rng;
