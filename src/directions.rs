@@ -118,72 +118,81 @@ impl<const K: usize> Directions<K> {
     #[must_use]
     pub fn decompose(u: [f64; 3]) -> Weights {
         let size = (u[0].abs() + u[1].abs()) + u[2].abs();
-        let first = start(Self::TABLE, u, size);
-        match Self::TABLE.faces.get(first).map(|face| (face, face.weights(u))) {
-            Some((face, c)) if lesser(lesser(c[0], c[1]), c[2]) >= -BORDER * size => clamped(face, c),
-            _ => walk(Self::TABLE, first, u, size),
+        let mut face = face_or_first(Self::TABLE, start(Self::TABLE, u, size));
+        let mut c = face.weights(u);
+        if !is_inside(c, size) {
+            face = walk(Self::TABLE, face, u[0], u[1], u[2]);
+            c = face.weights(u);
         }
+        Weights { directions: face.directions, weights: c.map(|c| greater(c, 0.0)) }
     }
 }
 
-/// The rest of [`Directions::decompose`] for the rays whose cell starts in another face: across the edge that `u` is
-/// furthest behind, until none is behind. Kept out of line, or the compiler unrolls it into every caller.
+/// From a face near `u`, across the edge that `u` is furthest behind, until none is behind.
+///
+/// Out of line, or the compiler unrolls it into every caller; in scalars, or `u` must lie in memory in every caller,
+/// which costs more than the walk.
 #[inline(never)]
-fn walk(table: &Table, first: usize, u: [f64; 3], size: f64) -> Weights {
-    let mut index = first;
+fn walk(table: &'static Table, near: &'static Face, x: f64, y: f64, z: f64) -> &'static Face {
+    let u = [x, y, z];
+    let size = (x.abs() + y.abs()) + z.abs();
+    let mut face = near;
     for _ in 0..MAX_STEPS {
-        let Some(face) = table.faces.get(index) else { break };
         let c = face.weights(u);
-        let l = least(c);
-        if c[l] >= -BORDER * size {
-            return clamped(face, c);
+        if is_inside(c, size) {
+            return face;
         }
-        index = usize::from(face.neighbours[l]);
+        let l = if c[1] < c[0] { 1 } else { 0 };
+        let l = if c[2] < c[l] { 2 } else { l };
+        face = face_or_first(table, face.neighbours[l]);
     }
     nearest_face(table, u)
 }
 
-/// Like `f64::min`, without its care for NaN: one instruction.
+/// The face whose least weight is greatest: the one that holds `u`, found without walking.
+#[cold]
+fn nearest_face(table: &'static Table, u: [f64; 3]) -> &'static Face {
+    let mut best = face_or_first(table, 0);
+    for face in table.faces {
+        if least(face.weights(u)) > least(best.weights(u)) {
+            best = face;
+        }
+    }
+    best
+}
+
+/// The build script proves every index valid; the check is free beside the branch-free rest.
 #[inline]
-fn lesser(a: f64, b: f64) -> f64 {
-    if a < b { a } else { b }
+fn face_or_first(table: &'static Table, index: u8) -> &'static Face {
+    table.faces.get(usize::from(index)).unwrap_or(&table.faces[0])
+}
+
+/// Whether the weights of a vector of this size are those of a face that holds it.
+#[inline]
+fn is_inside(c: [f64; 3], size: f64) -> bool {
+    least(c) >= -BORDER * size
 }
 
 #[inline]
-fn least(c: [f64; 3]) -> usize {
-    let l = if c[1] < c[0] { 1 } else { 0 };
-    if c[2] < c[l] { 2 } else { l }
+fn least(c: [f64; 3]) -> f64 {
+    let lesser = |a: f64, b: f64| if a < b { a } else { b };
+    lesser(lesser(c[0], c[1]), c[2])
+}
+
+/// Like [`f64::max`] without its care for NaN, which doubles the instructions; 0 for a NaN `a`, if `b` is 0.
+#[inline]
+fn greater(a: f64, b: f64) -> f64 {
+    if a > b { a } else { b }
 }
 
 /// Where the walk to the face of `u` begins. The octahedral map flattens the upper half sphere to a square:
 /// `(x + y, x - y) / (|x| + |y| + |z|)`; the lower half is looked up at -u. One division, no branch.
 #[inline]
-fn start(table: &Table, u: [f64; 3], size: f64) -> usize {
+fn start(table: &Table, u: [f64; 3], size: f64) -> u8 {
     let scale = HALF_SIDE.copysign(u[2]) / size;
     let cell = |x: f64| ((x * scale + HALF_SIDE) + INTEGER_BITS).to_bits() as usize & (GRID_SIDE - 1);
     let face = table.grid[cell(u[0] + u[1]) * GRID_SIDE + cell(u[0] - u[1])];
-    usize::from(face ^ u8::from(u[2].is_sign_negative()))
-}
-
-#[inline]
-fn clamped(face: &Face, c: [f64; 3]) -> Weights {
-    Weights { directions: face.directions, weights: c.map(|c| if c > 0.0 { c } else { 0.0 }) }
-}
-
-/// The face whose least weight is greatest: the one that holds `u`, found without walking.
-#[cold]
-fn nearest_face(table: &Table, u: [f64; 3]) -> Weights {
-    let mut best = Weights { directions: [0, 2, 4], weights: [0.0; 3] };
-    let mut best_least = f64::NEG_INFINITY;
-    for face in table.faces {
-        let c = face.weights(u);
-        let least = c[0].min(c[1]).min(c[2]);
-        if least > best_least {
-            best_least = least;
-            best = clamped(face, c);
-        }
-    }
-    best
+    face ^ u8::from(u[2].is_sign_negative())
 }
 
 use generated::GRID_SIDE;

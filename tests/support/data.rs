@@ -119,7 +119,10 @@ pub(crate) const GAPS: [f64; 8] = [1e-2, -1e-2, 1e-4, -1e-4, 1e-6, -1e-6, 1e-8, 
 impl Suite {
     /// 25 random rotations and directions; for each, the place where A, coming from outside, first touches B as far as `meets`
     /// can tell, and the eight poses before and behind it. Deterministic, given exact answers.
-    pub(crate) fn poses(&self, step: usize, meets: impl Fn(&[[f64; 4]; 3]) -> bool) -> Vec<[[f64; 4]; 3]> {
+    pub(crate) fn poses<F>(&self, step: usize, meets: F) -> Vec<[[f64; 4]; 3]>
+    where
+        F: Fn(&[[f64; 4]; 3]) -> bool,
+    {
         let mut rng = Rng::new(0x5eed);
         let (size_a, size_b) = (self.a.diagonal(), self.b.diagonal());
         let (centre_a, centre_b) = (self.a.centre(), self.b.centre());

@@ -1,0 +1,86 @@
+# Parts of the stages of .ci/run, which sources this file.
+# shellcheck shell=bash
+
+die() {
+  echo "error: $*" >&2
+  exit 1
+}
+
+have() { command -v "$1" >/dev/null 2>&1; }
+
+has_flag() { grep -m1 '^flags' /proc/cpuinfo | grep -qw "$1"; }
+
+step() { echo "-- $*"; }
+
+install_rust_parts() {
+  local target part installed
+  installed=$(rustup target list --installed)
+  for target in "$NEON" "${BARE[@]%:*}"; do
+    grep -qx "$target" <<<"$installed" || rustup target add "$target"
+  done
+  cargo clippy --version && cargo fmt --version || rustup component add clippy rustfmt
+  installed=$(rustup +nightly component list --installed)
+  for part in miri rust-src; do
+    grep -q "^$part" <<<"$installed" || rustup +nightly component add "$part"
+  done
+}
+
+# PACKAGE:PROOF, the proof being a command or a file that the package brings.
+install_packages() {
+  local pair missing=()
+  for pair; do
+    have "${pair#*:}" || [ -e "${pair#*:}" ] || missing+=("${pair%%:*}")
+  done
+  [ ${#missing[@]} -gt 0 ] || return 0
+  apt-get -qq -o Acquire::Retries=3 update
+  apt-get -qq -o Acquire::Retries=3 install -y --no-install-recommends "${missing[@]}" >"$LOGS/apt" 2>&1 ||
+    { cat "$LOGS/apt"; die "apt-get could not install ${missing[*]}"; }
+}
+
+# The code block that follows the marker in README.md.
+readme_test_command() {
+  local command
+  command=$(awk '/<!-- test-command -->/ {marked = 1; next}
+    marked && /^```/ {if (inside) exit; inside = 1; next}
+    inside' README.md)
+  [ -n "$command" ] || die "README.md has no code block after the line <!-- test-command -->"
+  echo "$command"
+}
+
+# neon CPU ARGUMENTS...: cargo test for aarch64 on an emulated CPU.
+neon() {
+  local cpu=$1
+  shift
+  CARGO_TARGET_AARCH64_UNKNOWN_LINUX_GNU_RUNNER="qemu-aarch64 -L /usr/aarch64-linux-gnu -cpu $cpu" \
+    cargo test --locked --target "$NEON" "$@"
+}
+
+# miri TARGET ARGUMENTS...: cargo test in Miri. Few random cases: it is a thousand times slower.
+miri() {
+  local target=$1
+  shift
+  MIRIFLAGS=-Zmiri-disable-isolation PROPTEST_CASES=4 SIMDOP_SUITE=small \
+    cargo +nightly miri test --locked --target "$target" "$@"
+}
+
+# kernel_tests COMMAND...: the library's unit tests of the kernels, and the kernels' law where it is a test of its own.
+kernel_tests() {
+  "$@" --lib -- kernel
+  if [ -f tests/kernel_law.rs ]; then "$@" --test kernel_law; fi
+}
+
+# conclude WHERE LOG ISA...: fails unless tests passed, and for each instruction set some that are named after it
+# (`overlap_1v16_obeys_the_law_avx2`).
+conclude() {
+  local place=$1 log=$2 passed ignored isa count line
+  shift 2
+  passed=$(awk '/^test result:/ {n += $4} END {print n + 0}' "$log")
+  ignored=$(awk '/^test result:/ {n += $8} END {print n + 0}' "$log")
+  [ "$passed" -gt 0 ] || die "no test ran on $place"
+  line="$place: $passed tests, $ignored ignored; named after"
+  for isa; do
+    count=$(grep -cE "^test (.*[^a-z0-9])?$isa([^a-z0-9].*)? \.\.\. ok$" "$log") || die "no test named after $isa ran on $place"
+    line+=" $isa $count"
+  done
+  EVIDENCE+=("$line")
+}
