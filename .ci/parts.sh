@@ -15,7 +15,7 @@ step() { echo "-- $*"; }
 install_rust_parts() {
   local target part installed
   installed=$(rustup target list --installed)
-  for target in "$NEON" "${BARE[@]%:*}"; do
+  for target in "$NEON" "${BARE[@]%% *}"; do
     grep -qx "$target" <<<"$installed" || rustup target add "$target"
   done
   cargo clippy --version && cargo fmt --version || rustup component add clippy rustfmt

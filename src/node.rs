@@ -41,6 +41,8 @@ const LEAF_BIT: u32 = 1 << 31;
 const COUNT_SHIFT: u32 = 27;
 
 impl Child {
+    /// The link to the root.
+    pub const ROOT: Self = Self(0);
     /// The unused lane.
     pub const EMPTY: Self = Self(u32::MAX);
     /// A hierarchy has at most this many primitives.

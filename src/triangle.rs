@@ -73,19 +73,39 @@ pub(crate) const UNIT_ROUNDOFF: f64 = f64::EPSILON * 0.5;
 #[inline]
 #[must_use]
 pub fn overlap(a: &Triangle, b: &Triangle, exact_calls: &mut u64) -> bool {
-    debug_assert!(in_range(a) && in_range(b), "coordinate out of range");
-    let b_sides = Plane::of(a).sides(b);
-    if b_sides.strictly_one() {
-        return false;
+    Probe::new(a).overlaps(b, exact_calls)
+}
+
+/// One triangle that is to be tested against many: its plane is computed once.
+pub(crate) struct Probe {
+    triangle: Triangle,
+    plane: Plane,
+}
+
+impl Probe {
+    #[inline]
+    pub(crate) fn new(triangle: &Triangle) -> Self {
+        debug_assert!(in_range(triangle), "coordinate out of range");
+        Self { triangle: *triangle, plane: Plane::of(triangle) }
     }
-    let a_sides = Plane::of(b).sides(a);
-    if a_sides.strictly_one() {
-        return false;
+
+    /// [`overlap`] with triangle `b`.
+    #[inline(always)]
+    pub(crate) fn overlaps(&self, b: &Triangle, exact_calls: &mut u64) -> bool {
+        debug_assert!(in_range(b), "coordinate out of range");
+        let b_sides = self.plane.sides(b);
+        if b_sides.strictly_one() {
+            return false;
+        }
+        let a_sides = Plane::of(b).sides(&self.triangle);
+        if a_sides.strictly_one() {
+            return false;
+        }
+        let mut signs = Signs { exact: false };
+        let verdict = crossing(&self.triangle, b, &a_sides, &b_sides, &mut signs);
+        *exact_calls += u64::from(signs.exact);
+        verdict
     }
-    let mut signs = Signs { exact: false };
-    let verdict = crossing(a, b, &a_sides, &b_sides, &mut signs);
-    *exact_calls += u64::from(signs.exact);
-    verdict
 }
 
 /// Whether a triangle has no area: its vertices lie on one line, or coincide. Exact, for coordinates within the

@@ -21,7 +21,7 @@ use crate::triangle::Triangle;
 use core::marker::PhantomData;
 
 /// Levels of nodes, at most: it bounds the stack of every query. 16-ary trees of any practical size have fewer than 10.
-pub const MAX_DEPTH: usize = 36;
+pub const MAX_DEPTH: usize = 22;
 
 /// Gives its content the alignment that [`BvhRef::from_bytes`] asks for.
 ///

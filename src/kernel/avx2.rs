@@ -21,8 +21,9 @@
 
 #![expect(unsafe_code, reason = "intrinsics that load, and calls that the token makes sound")]
 
-use super::{Kernel, Query};
+use super::{Kernel, Query, SEPARATED};
 use crate::isa::{Avx2, compiled_for_avx2};
+use crate::key::Key;
 use crate::node::{Node4, Node16};
 use crate::realign::Realignment;
 use core::arch::x86_64::*;
@@ -192,6 +193,10 @@ compiled_for_avx2! {
             // SAFETY: the array has the 32 bytes that are written; the store asks for no alignment.
             unsafe { _mm256_storeu_si256(query[j ^ 1].as_mut_ptr().cast(), codes) };
         }
+        let unused = _mm256_cmpeq_epi16(load(&node.planes[0]), _mm256_set1_epi16(Key::EMPTY.code()));
+        let codes = _mm256_blendv_epi8(load(&query[0]), _mm256_set1_epi16(SEPARATED), unused);
+        // SAFETY: the array has the 32 bytes that are written; the store asks for no alignment.
+        unsafe { _mm256_storeu_si256(query[0].as_mut_ptr().cast(), codes) };
         query
     }
 }
@@ -211,6 +216,10 @@ compiled_for_avx2! {
             // SAFETY: the array has the 8 bytes that are written; the store asks for no alignment.
             unsafe { _mm_storel_epi64(query[j ^ 1].as_mut_ptr().cast(), codes) };
         }
+        let unused = _mm_cmpeq_epi16(load_4(&node.planes[0]), _mm_set1_epi16(Key::EMPTY.code()));
+        let codes = _mm_blendv_epi8(load_4(&query[0]), _mm_set1_epi16(SEPARATED), unused);
+        // SAFETY: the array has the 8 bytes that are written; the store asks for no alignment.
+        unsafe { _mm_storel_epi64(query[0].as_mut_ptr().cast(), codes) };
         query
     }
 }

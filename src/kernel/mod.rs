@@ -9,7 +9,8 @@
 //! 2. **Lane i is bit i.** In 4vs4, bit `4 a + b` is the pair of child a of A and child b of B.
 //! 3. **An unused lane is separated from every query**, unbounded ones too: its planes are below every complement of a key.
 //! 4. **Re-alignment** is [`Realignment::plane`], operation by operation: `f32`, no fused multiply-add, the sum from left to right,
-//!    rounded up to a half, NaN to +infinity. Unused lanes of A come out as unbounded bodies: the caller masks them.
+//!    rounded up to a half, NaN to +infinity. A lane whose plane 0 is [`Key::EMPTY`] is unused: its `query[0]` comes out above every
+//!    key, so that it is separated from everything; the rest of it is as for any bits.
 //!
 //! All operations take any bits. Codes that are not planes (NaN, -0) compare as the integers they are.
 
@@ -21,11 +22,16 @@ mod avx512;
 mod neon;
 pub mod scalar;
 
+#[cfg(doc)]
+use crate::key::Key;
 use crate::node::{Node4, Node16};
 use crate::realign::Realignment;
 
 /// Planes of `W` bodies in query form: `query[j][i]` is the complement of the key of plane `j ^ 1` of body i.
 pub type Query<const W: usize, const K: usize> = [[i16; W]; K];
+
+/// Above every key and every complement of one: in a query, separated from everything.
+pub(crate) const SEPARATED: i16 = i16::MAX;
 
 mod sealed {
     pub trait Sealed {}

@@ -6,8 +6,9 @@
 
 #![expect(unsafe_code, reason = "intrinsics that load, and calls that the token makes sound")]
 
-use super::{Kernel, Query};
+use super::{Kernel, Query, SEPARATED};
 use crate::isa::{Neon, compiled_for_neon};
+use crate::key::Key;
 use crate::node::{Node4, Node16};
 use crate::realign::Realignment;
 use core::arch::aarch64::*;
@@ -195,6 +196,12 @@ compiled_for_neon! {
                 // SAFETY: the array has the 8 bytes that are written.
                 unsafe { vst1_s16(codes.as_mut_ptr(), encode_query(sum)) };
             }
+        }
+        for (codes, first) in query[0].as_chunks_mut::<4>().0.iter_mut().zip(planes[0].as_chunks::<4>().0) {
+            let unused = vceq_s16(load_4(first), vdup_n_s16(Key::EMPTY.code()));
+            let marked = vbsl_s16(unused, vdup_n_s16(SEPARATED), load_4(codes));
+            // SAFETY: the array has the 8 bytes that are written.
+            unsafe { vst1_s16(codes.as_mut_ptr(), marked) };
         }
         query
     }

@@ -1,7 +1,8 @@
 //! The specification. Every other kernel is tested against these few lines.
 
-use super::{Kernel, Query};
+use super::{Kernel, Query, SEPARATED};
 use crate::isa::Scalar;
+use crate::key::Key;
 use crate::node::{Node4, Node16};
 use crate::realign::Realignment;
 
@@ -20,6 +21,11 @@ fn realign<const W: usize, const K: usize>(map: &Realignment<K>, planes: &[[i16;
     for j in 0..K {
         for lane in 0..W {
             query[j ^ 1][lane] = !map.plane(j, |source| planes[source % K][lane]).code();
+        }
+    }
+    for lane in 0..W {
+        if planes[0][lane] == Key::EMPTY.code() {
+            query[0][lane] = SEPARATED;
         }
     }
     query

@@ -22,12 +22,10 @@ pub trait Lanes: Node {
     fn map(pose: &Pose, a: &Header, b: &Frame) -> Self::Map;
     #[doc(hidden)]
     fn realign<E: Kernel>(&self, kernel: E, map: &Self::Map) -> Self::Query;
-    /// All used lanes of the query against all lanes of `self`. Returns the number of kernel calls too.
+    /// The bodies in the `wanted` lanes of the query against all lanes of `self`; other rows are zero. Returns the number of kernel
+    /// calls too.
     #[doc(hidden)]
-    fn overlap_all<E: Kernel>(&self, kernel: E, query: &Self::Query, used: u16) -> (Rows, u64);
-    /// The body in lane 0 of the query against all lanes of `self`.
-    #[doc(hidden)]
-    fn overlap_first<E: Kernel>(&self, kernel: E, query: &Self::Query) -> u16;
+    fn overlap_rows<E: Kernel>(&self, kernel: E, query: &Self::Query, wanted: u16) -> (Rows, u64);
     /// The corners' planes, in lane 0.
     #[doc(hidden)]
     fn query_of_corners(b: &Frame, corners: &[Point]) -> Self::Query;
@@ -66,13 +64,8 @@ macro_rules! impl_lanes {
             }
 
             #[inline(always)]
-            fn overlap_all<E: Kernel>(&self, kernel: E, query: &Self::Query, used: u16) -> (Rows, u64) {
-                $node::all(self, kernel, query, used)
-            }
-
-            #[inline(always)]
-            fn overlap_first<E: Kernel>(&self, kernel: E, query: &Self::Query) -> u16 {
-                $node::first(self, kernel, query)
+            fn overlap_rows<E: Kernel>(&self, kernel: E, query: &Self::Query, wanted: u16) -> (Rows, u64) {
+                $node::rows(self, kernel, query, wanted)
             }
 
             fn query_of_corners(b: &Frame, corners: &[Point]) -> Self::Query {
@@ -96,37 +89,28 @@ impl_lanes!(Node4, 4, realign_4);
 
 impl<const K: usize> Node16<K> {
     #[inline(always)]
-    fn all<E: Kernel>(&self, kernel: E, query: &Query<16, K>, used: u16) -> (Rows, u64) {
+    fn rows<E: Kernel>(&self, kernel: E, query: &Query<16, K>, wanted: u16) -> (Rows, u64) {
         let mut rows = [0; 16];
-        for (lane, row) in rows.iter_mut().enumerate() {
-            if used >> lane & 1 != 0 {
-                *row = kernel.overlap_1v16(query, lane, self);
-            }
+        let mut left = wanted;
+        while left != 0 {
+            let lane = (left.trailing_zeros() & 15) as usize;
+            left &= left - 1;
+            rows[lane] = kernel.overlap_1v16(query, lane, self);
         }
-        (rows, used.count_ones().into())
-    }
-
-    #[inline(always)]
-    fn first<E: Kernel>(&self, kernel: E, query: &Query<16, K>) -> u16 {
-        kernel.overlap_1v16(query, 0, self)
+        (rows, wanted.count_ones().into())
     }
 }
 
 impl<const K: usize> Node4<K> {
     #[inline(always)]
-    fn all<E: Kernel>(&self, kernel: E, query: &Query<4, K>, used: u16) -> (Rows, u64) {
+    fn rows<E: Kernel>(&self, kernel: E, query: &Query<4, K>, wanted: u16) -> (Rows, u64) {
         let pairs = kernel.overlap_4v4(query, self);
         let mut rows = [0; 16];
         for (lane, row) in rows.iter_mut().take(4).enumerate() {
-            if used >> lane & 1 != 0 {
+            if wanted >> lane & 1 != 0 {
                 *row = pairs >> (4 * lane) & 0xf;
             }
         }
         (rows, 1)
-    }
-
-    #[inline(always)]
-    fn first<E: Kernel>(&self, kernel: E, query: &Query<4, K>) -> u16 {
-        kernel.overlap_4v4(query, self) & 0xf
     }
 }

@@ -1,14 +1,18 @@
 //! The simultaneous traversal: both trees descend together, sixteen pairs a step.
+//!
+//! A **visit** takes two nodes, or a node and a leaf. A's children are turned into B's frame (one re-alignment), the kernel gives a row of
+//! bits for each of them, pairs of leaves among the bits are decided at once, and what is left goes on the stack.
 
-use super::stack::{SingleStack, Stack};
+use super::lanes::Rows;
+use super::stack::{Next, Stack};
 use super::{Counters, Lanes, Pair};
 use crate::frame::Point;
 use crate::hierarchy::BvhRef;
 use crate::kernel::Kernel;
 use crate::node::{Child, Link, MAX_LEAF_SIZE};
 use crate::pose::Pose;
-use crate::triangle::{self, Triangle};
-use core::ops::ControlFlow;
+use crate::triangle::{Probe, Triangle};
+use core::ops::{ControlFlow, Range};
 
 /// Why a traversal ended early.
 #[derive(Copy, Clone, Debug)]
@@ -21,13 +25,6 @@ pub(crate) enum Stop {
 
 type Flow = ControlFlow<Stop>;
 
-/// A range of triangles.
-#[derive(Copy, Clone, Debug)]
-struct Leaf {
-    first: u32,
-    count: u32,
-}
-
 /// One query under way.
 #[derive(Debug)]
 pub(crate) struct Traversal<'t, N: Lanes, E, V> {
@@ -39,6 +36,10 @@ pub(crate) struct Traversal<'t, N: Lanes, E, V> {
     budget: u64,
     pub(crate) counters: Counters,
     visit: V,
+    /// The node of A that was turned last, and its children's planes. Siblings in B follow each other, so it is often the next one too.
+    turned: Option<(u32, N::Query)>,
+    /// The leaf that is descending the other tree, and its planes in lane 0.
+    single: Option<(Child, N::Query)>,
 }
 
 impl<'t, N: Lanes, E: Kernel, V: FnMut(Pair) -> ControlFlow<()>> Traversal<'t, N, E, V> {
@@ -51,7 +52,8 @@ impl<'t, N: Lanes, E: Kernel, V: FnMut(Pair) -> ControlFlow<()>> Traversal<'t, N
         visit: V,
     ) -> Self {
         let map = N::map(pose, a.header(), &b.frame());
-        Self { kernel, a, b, pose, map, budget, counters: Counters::default(), visit }
+        let counters = Counters::default();
+        Self { kernel, a, b, pose, map, budget, counters, visit, turned: None, single: None }
     }
 
     /// Visits every pair of triangles that meet.
@@ -61,102 +63,166 @@ impl<'t, N: Lanes, E: Kernel, V: FnMut(Pair) -> ControlFlow<()>> Traversal<'t, N
             return Flow::Continue(());
         }
         let mut stack = Stack::new();
-        self.expand(&mut stack, 0, 0)?;
-        while let Some([(node_a, lane_a), (node_b, lane_b)]) = stack.next() {
-            let child_a = self.a.nodes()[node_a as usize].children()[lane_a];
-            let child_b = self.b.nodes()[node_b as usize].children()[lane_b];
-            match (child_a.link(), child_b.link()) {
-                (Link::Inner(a), Link::Inner(b)) => self.expand(&mut stack, a, b)?,
-                (Link::Leaf { first, count }, Link::Inner(b)) => self.descend_b(Leaf { first, count }, b)?,
-                (Link::Inner(a), Link::Leaf { first, count }) => {
-                    self.descend_a(a, (node_b, lane_b), Leaf { first, count })?;
-                }
-                (Link::Leaf { first: a, count: n }, Link::Leaf { first: b, count: m }) => {
-                    self.leaves(Leaf { first: a, count: n }, Leaf { first: b, count: m })?;
-                }
-                // No kernel reports an unused lane, and unused lanes of A are masked.
-                (Link::Empty, _) | (_, Link::Empty) => {}
+        self.step(&mut stack, Child::ROOT, Child::ROOT)?;
+        while let Some(Next { a, b, row, bit }) = stack.next() {
+            let (child_a, child_b) = match (a.link(), b.link()) {
+                (Link::Inner(node_a), Link::Inner(node_b)) => (self.child_a(node_a, row), self.child_b(node_b, bit)),
+                (Link::Inner(node_a), _) => (self.child_a(node_a, bit), b),
+                (_, Link::Inner(node_b)) => (a, self.child_b(node_b, bit)),
+                _ => continue,
+            };
+            if let (Link::Leaf { .. }, Link::Inner(node_b)) = (child_b.link(), b.link()) {
+                self.aim_b(child_b, node_b, bit);
             }
+            self.step(&mut stack, child_a, child_b)?;
         }
         Flow::Continue(())
     }
 
-    /// All children of node `a` against all children of node `b`.
+    fn child_a(&self, node: u32, lane: usize) -> Child {
+        self.a.nodes()[node as usize].children()[lane]
+    }
+
+    fn child_b(&self, node: u32, lane: usize) -> Child {
+        self.b.nodes()[node as usize].children()[lane]
+    }
+
+    /// Visits a pair of which at least one is a node.
     #[inline(always)]
-    fn expand(&mut self, stack: &mut Stack, a: u32, b: u32) -> Flow {
-        self.spend(Link::Inner(a), Link::Inner(b))?;
-        let node_a = &self.a.nodes()[a as usize];
+    fn step(&mut self, stack: &mut Stack, a: Child, b: Child) -> Flow {
+        if self.counters.visits == self.budget {
+            return Flow::Break(Stop::Budget { upper: self.corner_distance(a, b) });
+        }
+        self.counters.visits += 1;
+        let mut rows = match (a.link(), b.link()) {
+            (Link::Inner(node_a), Link::Inner(node_b)) => self.nodes(node_a, node_b),
+            (Link::Leaf { .. }, Link::Inner(node_b)) => self.leaf_and_node(a, node_b),
+            (Link::Inner(node_a), Link::Leaf { .. }) => self.node_and_leaf(node_a),
+            _ => return Flow::Continue(()),
+        };
+        self.decide_leaves(a, b, &mut rows)?;
+        stack.push(a, b, &rows);
+        Flow::Continue(())
+    }
+
+    /// Row i: the children of `b` that child i of `a` overlaps.
+    #[inline(always)]
+    fn nodes(&mut self, a: u32, b: u32) -> Rows {
         let node_b = &self.b.nodes()[b as usize];
-        let query = node_a.realign(self.kernel, &self.map);
-        let (rows, kernels) = node_b.overlap_all(self.kernel, &query, used_lanes(node_a));
-        self.counters.realignments += 1;
+        let query = self.turn(a);
+        self.overlap(&query, u16::MAX, node_b)
+    }
+
+    /// Row 0: the children of `b` that leaf `a` overlaps.
+    #[inline(always)]
+    fn leaf_and_node(&mut self, a: Child, b: u32) -> Rows {
+        let query = match self.single {
+            Some((leaf, query)) if leaf == a => query,
+            _ => {
+                let mut corners = [[0.0; 3]; 3 * MAX_LEAF_SIZE as usize];
+                let mut count = 0;
+                for index in primitives(a) {
+                    corners[count..count + 3].copy_from_slice(&self.moved(index));
+                    count += 3;
+                }
+                let query = N::query_of_corners(&self.b.frame(), &corners[..count]);
+                self.single = Some((a, query));
+                query
+            }
+        };
+        let node_b = &self.b.nodes()[b as usize];
+        self.overlap(&query, 1, node_b)
+    }
+
+    /// Row 0: the children of `a` that the leaf of B in hand overlaps. It is the query now, and A's turned children are the node: the
+    /// compare is the same from both sides.
+    #[inline(always)]
+    fn node_and_leaf(&mut self, a: u32) -> Rows {
+        let turned = N::node_of_query(&self.turn(a));
+        match self.single {
+            Some((_, query)) => self.overlap(&query, 1, &turned),
+            None => [0; 16],
+        }
+    }
+
+    /// Takes the leaf of B in lane `lane` of node `node` in hand.
+    #[inline(always)]
+    fn aim_b(&mut self, leaf: Child, node: u32, lane: usize) {
+        self.single = Some((leaf, self.b.nodes()[node as usize].query_of_lane(lane)));
+    }
+
+    /// The children of node `a` in B's frame.
+    #[inline(always)]
+    fn turn(&mut self, a: u32) -> N::Query {
+        match self.turned {
+            Some((node, query)) if node == a => query,
+            _ => {
+                self.counters.realignments += 1;
+                let query = self.a.nodes()[a as usize].realign(self.kernel, &self.map);
+                self.turned = Some((a, query));
+                query
+            }
+        }
+    }
+
+    #[inline(always)]
+    fn overlap(&mut self, query: &N::Query, wanted: u16, node: &N) -> Rows {
+        let (rows, kernels) = node.overlap_rows(self.kernel, query, wanted);
         self.counters.kernels += kernels;
-        stack.push(a, b, rows);
-        Flow::Continue(())
+        rows
     }
 
-    /// A leaf of A against the subtree of node `b`.
+    /// Decides the pairs of leaves among the bits, and clears them.
     #[inline(always)]
-    fn descend_b(&mut self, leaf: Leaf, b: u32) -> Flow {
-        let (corners, count) = self.moved_corners(leaf);
-        let query = N::query_of_corners(&self.b.frame(), &corners[..count]);
-        let mut stack = SingleStack::new();
-        self.step_b(&mut stack, leaf, &query, b)?;
-        while let Some((node, lane)) = stack.next() {
-            match self.b.nodes()[node as usize].children()[lane].link() {
-                Link::Inner(next) => self.step_b(&mut stack, leaf, &query, next)?,
-                Link::Leaf { first, count } => self.leaves(leaf, Leaf { first, count })?,
-                Link::Empty => {}
+    fn decide_leaves(&mut self, a: Child, b: Child, rows: &mut Rows) -> Flow {
+        match (a.link(), b.link()) {
+            (Link::Inner(node_a), Link::Inner(node_b)) => {
+                for (row, bits) in rows.iter_mut().enumerate() {
+                    if *bits != 0 {
+                        let child = self.child_a(node_a, row);
+                        if let Link::Leaf { .. } = child.link() {
+                            *bits = self.decide_row(child, node_b, *bits)?;
+                        }
+                    }
+                }
             }
+            (Link::Leaf { .. }, Link::Inner(node_b)) => rows[0] = self.decide_row(a, node_b, rows[0])?,
+            (Link::Inner(node_a), Link::Leaf { .. }) => {
+                for lane in bits_of(rows[0]) {
+                    let child = self.child_a(node_a, lane);
+                    if let Link::Leaf { .. } = child.link() {
+                        rows[0] &= !(1 << lane);
+                        self.decide(child, b)?;
+                    }
+                }
+            }
+            _ => {}
         }
         Flow::Continue(())
     }
 
+    /// Leaf `a` against the leaves among the children of `b` that `bits` names. Returns the bits of the others.
     #[inline(always)]
-    fn step_b(&mut self, stack: &mut SingleStack, leaf: Leaf, query: &N::Query, node: u32) -> Flow {
-        self.spend(Link::Leaf { first: leaf.first, count: leaf.count }, Link::Inner(node))?;
-        self.counters.kernels += 1;
-        let mask = self.b.nodes()[node as usize].overlap_first(self.kernel, query);
-        stack.push(node, mask);
-        Flow::Continue(())
-    }
-
-    /// The subtree of node `a` against a leaf of B, which is lane `at.1` of node `at.0`.
-    #[inline(always)]
-    fn descend_a(&mut self, a: u32, at: (u32, usize), leaf: Leaf) -> Flow {
-        // The leaf is the query now, and A's turned children are the node: the compare is the same from both sides.
-        let query = self.b.nodes()[at.0 as usize].query_of_lane(at.1);
-        let mut stack = SingleStack::new();
-        self.step_a(&mut stack, a, &query, leaf)?;
-        while let Some((node, lane)) = stack.next() {
-            match self.a.nodes()[node as usize].children()[lane].link() {
-                Link::Inner(next) => self.step_a(&mut stack, next, &query, leaf)?,
-                Link::Leaf { first, count } => self.leaves(Leaf { first, count }, leaf)?,
-                Link::Empty => {}
+    fn decide_row(&mut self, a: Child, b: u32, bits: u16) -> ControlFlow<Stop, u16> {
+        let mut inner = bits;
+        for lane in bits_of(bits) {
+            let child = self.child_b(b, lane);
+            if let Link::Leaf { .. } = child.link() {
+                inner &= !(1 << lane);
+                self.decide(a, child)?;
             }
         }
-        Flow::Continue(())
-    }
-
-    #[inline(always)]
-    fn step_a(&mut self, stack: &mut SingleStack, node: u32, query: &N::Query, leaf: Leaf) -> Flow {
-        self.spend(Link::Inner(node), Link::Leaf { first: leaf.first, count: leaf.count })?;
-        let node_a = &self.a.nodes()[node as usize];
-        let turned = N::node_of_query(&node_a.realign(self.kernel, &self.map));
-        self.counters.realignments += 1;
-        self.counters.kernels += 1;
-        stack.push(node, turned.overlap_first(self.kernel, query) & used_lanes(node_a));
-        Flow::Continue(())
+        ControlFlow::Continue(inner)
     }
 
     /// Every triangle of one leaf against every triangle of the other.
-    #[inline(never)]
-    fn leaves(&mut self, a: Leaf, b: Leaf) -> Flow {
-        for i in a.first..a.first + a.count {
-            let moved = self.moved(i);
-            for j in b.first..b.first + b.count {
+    #[inline(always)]
+    fn decide(&mut self, a: Child, b: Child) -> Flow {
+        for i in primitives(a) {
+            let probe = Probe::new(&self.moved(i));
+            for j in primitives(b) {
                 self.counters.triangle_pairs += 1;
-                if triangle::overlap(&moved, &self.b.triangle(j), &mut self.counters.exact_pairs) {
+                if probe.overlaps(&self.b.triangle(j), &mut self.counters.exact_pairs) {
                     let pair = Pair { a: self.a.source(i), b: self.b.source(j) };
                     if (self.visit)(pair).is_break() {
                         return Flow::Break(Stop::Visitor);
@@ -167,43 +233,38 @@ impl<'t, N: Lanes, E: Kernel, V: FnMut(Pair) -> ControlFlow<()>> Traversal<'t, N
         Flow::Continue(())
     }
 
-    fn moved(&self, index: u32) -> Triangle {
-        self.a.triangle(index).map(|p| self.pose.apply(p))
-    }
-
-    fn moved_corners(&self, leaf: Leaf) -> ([Point; 3 * MAX_LEAF_SIZE as usize], usize) {
-        let mut corners = [[0.0; 3]; 3 * MAX_LEAF_SIZE as usize];
-        for (slot, index) in corners.chunks_exact_mut(3).zip(leaf.first..leaf.first + leaf.count) {
-            slot.copy_from_slice(&self.moved(index));
-        }
-        (corners, 3 * leaf.count as usize)
-    }
-
-    /// One visit of the pair `(a, b)`, if the budget has it.
     #[inline(always)]
-    fn spend(&mut self, a: Link, b: Link) -> Flow {
-        if self.counters.visits == self.budget {
-            return Flow::Break(Stop::Budget { upper: self.corner_distance(a, b) });
-        }
-        self.counters.visits += 1;
-        Flow::Continue(())
+    fn moved(&self, index: u32) -> Triangle {
+        self.a.triangle(index).map(|p: Point| self.pose.apply(p))
     }
 
     /// The distance of some corner below `a` from some corner below `b`, rounded up.
     #[cold]
-    fn corner_distance(&self, a: Link, b: Link) -> f64 {
-        let p = self.moved(first_triangle(&self.a, a))[0];
-        let q = self.b.triangle(first_triangle(&self.b, b))[0];
+    fn corner_distance(&self, a: Child, b: Child) -> f64 {
+        let p = self.moved(first_triangle(&self.a, a.link()))[0];
+        let q = self.b.triangle(first_triangle(&self.b, b.link()))[0];
         let d = glam::DVec3::from_array(p).distance(glam::DVec3::from_array(q));
         d * (1.0 + 8.0 * f64::EPSILON)
     }
 }
 
-/// Bit i: lane i leads somewhere.
+/// The triangles of a leaf.
 #[inline(always)]
-fn used_lanes<N: Lanes>(node: &N) -> u16 {
-    let lanes = node.children().iter().enumerate();
-    lanes.fold(0, |mask, (i, child)| mask | u16::from(*child != Child::EMPTY) << i)
+fn primitives(leaf: Child) -> Range<u32> {
+    match leaf.link() {
+        Link::Leaf { first, count } => first..first + count,
+        _ => 0..0,
+    }
+}
+
+/// The indices of the set bits, ascending.
+#[inline(always)]
+fn bits_of(mut bits: u16) -> impl Iterator<Item = usize> {
+    core::iter::from_fn(move || {
+        let bit = (bits != 0).then(|| bits.trailing_zeros() as usize);
+        bits &= bits.wrapping_sub(1);
+        bit
+    })
 }
 
 /// Some triangle below a link.

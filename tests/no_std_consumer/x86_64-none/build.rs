@@ -1,5 +1,7 @@
 //! Fixed addresses: nothing here would relocate the program when it starts.
 
 fn main() {
-    println!("cargo:rustc-link-arg=--no-pie");
+    if std::env::var("CARGO_CFG_TARGET_OS").is_ok_and(|os| os == "none") {
+        println!("cargo:rustc-link-arg=--no-pie");
+    }
 }

@@ -1,12 +1,24 @@
-//! Queries in a freestanding x86-64 program: no libc and no std, so that instruction sets are detected by CPUID and XGETBV alone.
-//! It can be started as a Linux process, whose system calls stand in for a console.
+//! Queries on x86-64 without std. Both builds start as Linux processes, whose system calls stand in for a console.
+//!
+//! * `x86_64-unknown-none`: freestanding. Its ABI keeps away from vector registers, so this is the scalar kernel's.
+//! * `x86_64-unknown-linux-gnu`: libc only starts it. CPUID and XGETBV alone say which vector kernel may run.
 #![no_std]
 #![no_main]
 
-use core::arch::{asm, global_asm};
+use core::arch::asm;
 use core::fmt::{self, Write};
 
-global_asm!(".global _start", "_start:", "and rsp, -16", "call main");
+#[cfg(target_os = "none")]
+core::arch::global_asm!(".global _start", "_start:", "and rsp, -16", "call main");
+
+#[cfg(target_os = "linux")]
+#[link(name = "c")]
+unsafe extern "C" {}
+
+/// The unwind tables of the compiled `core` name it; with `panic = "abort"` nobody calls it.
+#[cfg(target_os = "linux")]
+#[unsafe(no_mangle)]
+extern "C" fn rust_eh_personality() {}
 
 /// Linux system calls.
 const WRITE: usize = 1;
