@@ -93,14 +93,15 @@ impl Pose {
 
     /// `R p + t` in `f64`, each coordinate as `((r0 x + r1 y) + r2 z) + t` without fused operations: the same bits everywhere,
     /// within 2^-50 (|R||p| + |t|) of the exact image. Coordinates below [`crate::triangle::MIN_COORDINATE`] become zero.
-    #[inline]
+    #[inline(always)]
     #[must_use]
     pub fn apply(&self, p: Point) -> Point {
-        core::array::from_fn(|i| {
+        let coordinate = |i: usize| {
             let r = &self.rows[i];
-            let x = ((r[0] * p[0] + r[1] * p[1]) + r[2] * p[2]) + self.translation[i];
-            flush(x)
-        })
+            flush(((r[0] * p[0] + r[1] * p[1]) + r[2] * p[2]) + self.translation[i])
+        };
+        // Not `array::from_fn`: it is not always inlined, and this is on the path of every pair of triangles.
+        [coordinate(0), coordinate(1), coordinate(2)]
     }
 
     fn check(&self) -> Result<(), PoseError> {

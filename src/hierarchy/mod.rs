@@ -131,10 +131,11 @@ impl<'a, N: Node> BvhRef<'a, N> {
     ///
     /// # Panics
     /// If `index` is out of range.
-    #[inline]
+    #[inline(always)]
     #[must_use]
     pub fn triangle(&self, index: u32) -> Triangle {
-        self.triangles[index as usize].map(|v| self.vertex(v))
+        let [p, q, r] = self.triangles[index as usize];
+        [self.vertex(p), self.vertex(q), self.vertex(r)]
     }
 
     /// The index that the triangle at `index` in leaf order had in the mesh.
@@ -147,10 +148,13 @@ impl<'a, N: Node> BvhRef<'a, N> {
         self.sources[index as usize]
     }
 
-    #[inline]
+    #[inline(always)]
     fn vertex(&self, index: u32) -> Point {
         match self.vertices {
-            Vertices::F32(all) => all[index as usize].map(f64::from),
+            Vertices::F32(all) => {
+                let [x, y, z] = all[index as usize];
+                [x.into(), y.into(), z.into()]
+            }
             Vertices::F64(all) => all[index as usize],
         }
     }

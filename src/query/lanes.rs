@@ -2,7 +2,7 @@
 
 use crate::frame::{Frame, Point};
 use crate::hierarchy::Header;
-use crate::kernel::{Kernel, Query};
+use crate::kernel::{Kernel, Query, SEPARATED};
 use crate::key::Key;
 use crate::node::{Node, Node4, Node16};
 use crate::pose::Pose;
@@ -17,6 +17,8 @@ pub trait Lanes: Node {
     type Map: Copy + core::fmt::Debug;
     /// Planes of as many bodies as there are lanes, in query form.
     type Query: Copy + core::fmt::Debug;
+    #[doc(hidden)]
+    const NO_QUERY: Self::Query;
 
     #[doc(hidden)]
     fn map(pose: &Pose, a: &Header, b: &Frame) -> Self::Map;
@@ -53,6 +55,7 @@ macro_rules! impl_lanes {
         {
             type Map = Realignment<K>;
             type Query = Query<$arity, K>;
+            const NO_QUERY: Self::Query = [[SEPARATED; $arity]; K];
 
             fn map(pose: &Pose, a: &Header, b: &Frame) -> Self::Map {
                 Realignment::new(pose, a, b)

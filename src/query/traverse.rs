@@ -6,7 +6,6 @@
 use super::lanes::Rows;
 use super::stack::{Next, Stack};
 use super::{Counters, Lanes, Pair};
-use crate::frame::Point;
 use crate::hierarchy::BvhRef;
 use crate::kernel::Kernel;
 use crate::node::{Child, Link, MAX_LEAF_SIZE};
@@ -37,9 +36,9 @@ pub(crate) struct Traversal<'t, N: Lanes, E, V> {
     pub(crate) counters: Counters,
     visit: V,
     /// The node of A that was turned last, and its children's planes. Siblings in B follow each other, so it is often the next one too.
-    turned: Option<(u32, N::Query)>,
-    /// The leaf that is descending the other tree, and its planes in lane 0.
-    single: Option<(Child, N::Query)>,
+    turned: (Child, N::Query),
+    /// The leaf of either body that is descending the other's tree, and its planes in lane 0.
+    single: (Child, N::Query),
 }
 
 impl<'t, N: Lanes, E: Kernel, V: FnMut(Pair) -> ControlFlow<()>> Traversal<'t, N, E, V> {
@@ -52,31 +51,41 @@ impl<'t, N: Lanes, E: Kernel, V: FnMut(Pair) -> ControlFlow<()>> Traversal<'t, N
         visit: V,
     ) -> Self {
         let map = N::map(pose, a.header(), &b.frame());
-        let counters = Counters::default();
-        Self { kernel, a, b, pose, map, budget, counters, visit, turned: None, single: None }
+        let none = (Child::EMPTY, N::NO_QUERY);
+        Self { kernel, a, b, pose, map, budget, counters: Counters::default(), visit, turned: none, single: none }
     }
 
     /// Visits every pair of triangles that meet.
+    // One loop with one call of each kernel, so that each is inlined.
     #[inline(always)]
     pub(crate) fn run(&mut self) -> Flow {
         if self.a.is_empty() || self.b.is_empty() {
             return Flow::Continue(());
         }
         let mut stack = Stack::new();
-        self.step(&mut stack, Child::ROOT, Child::ROOT)?;
-        while let Some(Next { a, b, row, bit }) = stack.next() {
-            let (child_a, child_b) = match (a.link(), b.link()) {
-                (Link::Inner(node_a), Link::Inner(node_b)) => (self.child_a(node_a, row), self.child_b(node_b, bit)),
-                (Link::Inner(node_a), _) => (self.child_a(node_a, bit), b),
-                (_, Link::Inner(node_b)) => (a, self.child_b(node_b, bit)),
-                _ => continue,
-            };
-            if let (Link::Leaf { .. }, Link::Inner(node_b)) = (child_b.link(), b.link()) {
-                self.aim_b(child_b, node_b, bit);
-            }
-            self.step(&mut stack, child_a, child_b)?;
+        let mut pair = (Child::ROOT, Child::ROOT);
+        loop {
+            self.step(&mut stack, pair.0, pair.1)?;
+            let Some(next) = stack.next() else { return Flow::Continue(()) };
+            pair = self.descend(next);
         }
-        Flow::Continue(())
+    }
+
+    /// The children that a bit on the stack stands for.
+    #[inline(always)]
+    fn descend(&mut self, Next { a, b, row, bit }: Next) -> (Child, Child) {
+        match (a.link(), b.link()) {
+            (Link::Inner(node_a), Link::Inner(node_b)) => {
+                let child = self.child_b(node_b, bit);
+                if let Link::Leaf { .. } = child.link() {
+                    self.single = (child, self.b.nodes()[node_b as usize].query_of_lane(bit));
+                }
+                (self.child_a(node_a, row), child)
+            }
+            (Link::Inner(node_a), _) => (self.child_a(node_a, bit), b),
+            (_, Link::Inner(node_b)) => (a, self.child_b(node_b, bit)),
+            _ => (a, b),
+        }
     }
 
     fn child_a(&self, node: u32, lane: usize) -> Child {
@@ -94,82 +103,51 @@ impl<'t, N: Lanes, E: Kernel, V: FnMut(Pair) -> ControlFlow<()>> Traversal<'t, N
             return Flow::Break(Stop::Budget { upper: self.corner_distance(a, b) });
         }
         self.counters.visits += 1;
-        let mut rows = match (a.link(), b.link()) {
-            (Link::Inner(node_a), Link::Inner(node_b)) => self.nodes(node_a, node_b),
-            (Link::Leaf { .. }, Link::Inner(node_b)) => self.leaf_and_node(a, node_b),
-            (Link::Inner(node_a), Link::Leaf { .. }) => self.node_and_leaf(node_a),
-            _ => return Flow::Continue(()),
+        let flipped;
+        match a.link() {
+            Link::Inner(node) => self.turn(a, node),
+            _ => self.aim(a),
+        }
+        let (query, wanted, node) = match (a.link(), b.link()) {
+            // Row i: the children of B that child i of A overlaps.
+            (Link::Inner(_), Link::Inner(node)) => (&self.turned.1, u16::MAX, &self.b.nodes()[node as usize]),
+            // Row 0: the children of B that the leaf of A overlaps.
+            (_, Link::Inner(node)) => (&self.single.1, 1, &self.b.nodes()[node as usize]),
+            // Row 0: the children of A that the leaf of B overlaps. It is the query now, and A's turned children are the node: the
+            // compare is the same from both sides.
+            _ => {
+                flipped = N::node_of_query(&self.turned.1);
+                (&self.single.1, 1, &flipped)
+            }
         };
+        let (mut rows, kernels) = node.overlap_rows(self.kernel, query, wanted);
+        self.counters.kernels += kernels;
         self.decide_leaves(a, b, &mut rows)?;
         stack.push(a, b, &rows);
         Flow::Continue(())
     }
 
-    /// Row i: the children of `b` that child i of `a` overlaps.
+    /// Turns the children of node `a`, which is at `node`, into B's frame.
     #[inline(always)]
-    fn nodes(&mut self, a: u32, b: u32) -> Rows {
-        let node_b = &self.b.nodes()[b as usize];
-        let query = self.turn(a);
-        self.overlap(&query, u16::MAX, node_b)
-    }
-
-    /// Row 0: the children of `b` that leaf `a` overlaps.
-    #[inline(always)]
-    fn leaf_and_node(&mut self, a: Child, b: u32) -> Rows {
-        let query = match self.single {
-            Some((leaf, query)) if leaf == a => query,
-            _ => {
-                let mut corners = [[0.0; 3]; 3 * MAX_LEAF_SIZE as usize];
-                let mut count = 0;
-                for index in primitives(a) {
-                    corners[count..count + 3].copy_from_slice(&self.moved(index));
-                    count += 3;
-                }
-                let query = N::query_of_corners(&self.b.frame(), &corners[..count]);
-                self.single = Some((a, query));
-                query
-            }
-        };
-        let node_b = &self.b.nodes()[b as usize];
-        self.overlap(&query, 1, node_b)
-    }
-
-    /// Row 0: the children of `a` that the leaf of B in hand overlaps. It is the query now, and A's turned children are the node: the
-    /// compare is the same from both sides.
-    #[inline(always)]
-    fn node_and_leaf(&mut self, a: u32) -> Rows {
-        let turned = N::node_of_query(&self.turn(a));
-        match self.single {
-            Some((_, query)) => self.overlap(&query, 1, &turned),
-            None => [0; 16],
+    fn turn(&mut self, a: Child, node: u32) {
+        if self.turned.0 != a {
+            self.counters.realignments += 1;
+            self.turned = (a, self.a.nodes()[node as usize].realign(self.kernel, &self.map));
         }
     }
 
-    /// Takes the leaf of B in lane `lane` of node `node` in hand.
+    /// Computes the planes of leaf `a` from its moved corners.
     #[inline(always)]
-    fn aim_b(&mut self, leaf: Child, node: u32, lane: usize) {
-        self.single = Some((leaf, self.b.nodes()[node as usize].query_of_lane(lane)));
-    }
-
-    /// The children of node `a` in B's frame.
-    #[inline(always)]
-    fn turn(&mut self, a: u32) -> N::Query {
-        match self.turned {
-            Some((node, query)) if node == a => query,
-            _ => {
-                self.counters.realignments += 1;
-                let query = self.a.nodes()[a as usize].realign(self.kernel, &self.map);
-                self.turned = Some((a, query));
-                query
+    fn aim(&mut self, a: Child) {
+        if self.single.0 != a {
+            let mut corners = [[0.0; 3]; 3 * MAX_LEAF_SIZE as usize];
+            let mut count = 0;
+            for index in primitives(a) {
+                corners[count..count + 3].copy_from_slice(&self.moved(index));
+                count += 3;
             }
+            self.single = (a, N::query_of_corners(&self.b.frame(), &corners[..count]));
         }
-    }
-
-    #[inline(always)]
-    fn overlap(&mut self, query: &N::Query, wanted: u16, node: &N) -> Rows {
-        let (rows, kernels) = node.overlap_rows(self.kernel, query, wanted);
-        self.counters.kernels += kernels;
-        rows
     }
 
     /// Decides the pairs of leaves among the bits, and clears them.
@@ -235,7 +213,8 @@ impl<'t, N: Lanes, E: Kernel, V: FnMut(Pair) -> ControlFlow<()>> Traversal<'t, N
 
     #[inline(always)]
     fn moved(&self, index: u32) -> Triangle {
-        self.a.triangle(index).map(|p: Point| self.pose.apply(p))
+        let [p, q, r] = self.a.triangle(index);
+        [self.pose.apply(p), self.pose.apply(q), self.pose.apply(r)]
     }
 
     /// The distance of some corner below `a` from some corner below `b`, rounded up.
