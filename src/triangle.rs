@@ -9,7 +9,7 @@
 //! 2. *Intervals.* Otherwise each triangle cuts the line shared by the two planes in an interval, and two more
 //!    determinants compare the interval ends without constructing them (Devillers & Guigue, *Faster
 //!    triangle-triangle intersection tests*, INRIA RR-4488, 2002).
-//! 3. *Flat cases.* Coplanar pairs and triangles that are a segment or a point go to [`flat`].
+//! 3. *Flat cases.* Coplanar pairs and triangles that are a segment or a point go to a module of their own.
 //!
 //! # Range
 //!

@@ -19,33 +19,50 @@ global_asm!(
 );
 
 /// Arm semihosting operations.
-const SYS_WRITEC: usize = 0x03;
+const SYS_OPEN: usize = 0x01;
+const SYS_WRITE: usize = 0x05;
 const SYS_EXIT: usize = 0x18;
+/// `fopen` mode "w": of the special file `:tt`, standard output.
+const MODE_W: usize = 4;
 /// ADP_Stopped_ApplicationExit.
 const APPLICATION_EXIT: usize = 0x20026;
 
-fn semihosting(operation: usize, argument: *const usize) {
-    // SAFETY: the trap that asks the debugger, here QEMU, for a service; it reads the argument block and changes x0 only.
-    unsafe { asm!("hlt #0xf000", inout("x0") operation => _, in("x1") argument, options(nostack)) };
+fn semihosting(operation: usize, arguments: &[usize]) -> usize {
+    let result;
+    // SAFETY: the trap that asks the debugger, here QEMU, for a service: it reads the arguments, and what they point to, and
+    // changes x0 only.
+    unsafe {
+        asm!("hlt #0xf000", inout("x0") operation => result, in("x1") arguments.as_ptr(), options(nostack));
+    }
+    result
 }
 
-struct Console;
+struct Console {
+    handle: usize,
+}
+
+impl Console {
+    fn open() -> Self {
+        let name = c":tt";
+        let arguments = [name.as_ptr().expose_provenance(), MODE_W, name.count_bytes()];
+        Self { handle: semihosting(SYS_OPEN, &arguments) }
+    }
+}
 
 impl Write for Console {
     fn write_str(&mut self, text: &str) -> fmt::Result {
-        // SYS_WRITEC reads one byte, the low one of the little-endian word.
-        text.bytes().for_each(|byte| semihosting(SYS_WRITEC, &usize::from(byte)));
-        Ok(())
+        let left = semihosting(SYS_WRITE, &[self.handle, text.as_ptr().expose_provenance(), text.len()]);
+        if left == 0 { Ok(()) } else { Err(fmt::Error) }
     }
 }
 
 #[unsafe(no_mangle)]
 extern "C" fn main() -> ! {
-    exit(check::run(&mut Console))
+    exit(check::run(&mut Console::open()))
 }
 
 fn exit(good: bool) -> ! {
-    semihosting(SYS_EXIT, [APPLICATION_EXIT, usize::from(!good)].as_ptr());
+    semihosting(SYS_EXIT, &[APPLICATION_EXIT, usize::from(!good)]);
     loop {
         core::hint::spin_loop();
     }
@@ -53,6 +70,6 @@ fn exit(good: bool) -> ! {
 
 #[panic_handler]
 fn panic(info: &core::panic::PanicInfo<'_>) -> ! {
-    let _ = writeln!(Console, "{info}");
+    let _ = writeln!(Console::open(), "{info}");
     exit(false)
 }
