@@ -41,6 +41,12 @@ impl Kernel for Avx2 {
     }
 
     #[inline(always)]
+    fn overlap_16v1<const K: usize>(self, query: &Query<16, K>, node: &Node16<K>, lane: usize) -> u16 {
+        // SAFETY: the token proves the features that the function is compiled for.
+        unsafe { overlap_16v1(query, node, lane) }
+    }
+
+    #[inline(always)]
     fn overlap_4v4<const K: usize>(self, query: &Query<4, K>, node: &Node4<K>) -> u16 {
         // SAFETY: the token proves the features that the function is compiled for.
         unsafe { overlap_4v4(query, node) }
@@ -108,6 +114,21 @@ compiled_for_avx2! {
             }
             if may_exit::<K>(slab) && all_ones(separated) {
                 return 0;
+            }
+        }
+        zero_lanes(separated)
+    }
+}
+
+compiled_for_avx2! {
+    #[inline]
+    fn overlap_16v1<const K: usize>(query: &Query<16, K>, node: &Node16<K>, lane: usize) -> u16 {
+        let lane = lane & 15;
+        let mut separated = _mm256_setzero_si256();
+        for slab in 0..K / 2 {
+            for j in [2 * slab, 2 * slab + 1] {
+                let beyond = _mm256_cmpgt_epi16(load(&query[j]), _mm256_set1_epi16(node.planes[j][lane]));
+                separated = _mm256_or_si256(separated, beyond);
             }
         }
         zero_lanes(separated)

@@ -27,6 +27,12 @@ impl Kernel for Avx512 {
     }
 
     #[inline(always)]
+    fn overlap_16v1<const K: usize>(self, query: &Query<16, K>, node: &Node16<K>, lane: usize) -> u16 {
+        // SAFETY: the token proves the features that the function is compiled for.
+        unsafe { overlap_16v1(query, node, lane) }
+    }
+
+    #[inline(always)]
     fn overlap_4v4<const K: usize>(self, query: &Query<4, K>, node: &Node4<K>) -> u16 {
         // SAFETY: the token proves the features that the function is compiled for.
         unsafe { overlap_4v4(query, node) }
@@ -58,19 +64,38 @@ const fn overlapping(separated: __mmask32) -> u16 {
 
 compiled_for_avx512! {
     #[inline]
+    fn load_slab(planes: &[[i16; 16]; 2]) -> __m512i {
+        // SAFETY: the two arrays have the 64 bytes that are read; the load asks for no alignment.
+        unsafe { _mm512_loadu_si512(planes.as_ptr().cast()) }
+    }
+}
+
+compiled_for_avx512! {
+    #[inline]
     fn overlap_1v16<const K: usize>(query: &Query<16, K>, lane: usize, node: &Node16<K>) -> u16 {
         let lane = lane & 15;
         let mut separated: __mmask32 = 0;
         for slab in 0..K / 2 {
             let low = _mm512_set1_epi16(query[2 * slab][lane]);
             let both = _mm512_mask_set1_epi16(low, UPPER, query[2 * slab + 1][lane]);
-            let planes: &[[i16; 16]; 2] = pair(&node.planes, slab);
-            // SAFETY: the two arrays have the 64 bytes that are read; the load asks for no alignment.
-            let planes = unsafe { _mm512_loadu_si512(planes.as_ptr().cast()) };
-            separated |= _mm512_cmpgt_epi16_mask(both, planes);
+            separated |= _mm512_cmpgt_epi16_mask(both, load_slab(pair(&node.planes, slab)));
             if may_exit::<K>(slab) && overlapping(separated) == 0 {
                 return 0;
             }
+        }
+        overlapping(separated)
+    }
+}
+
+compiled_for_avx512! {
+    #[inline]
+    fn overlap_16v1<const K: usize>(query: &Query<16, K>, node: &Node16<K>, lane: usize) -> u16 {
+        let lane = lane & 15;
+        let mut separated: __mmask32 = 0;
+        for slab in 0..K / 2 {
+            let low = _mm512_set1_epi16(node.planes[2 * slab][lane]);
+            let both = _mm512_mask_set1_epi16(low, UPPER, node.planes[2 * slab + 1][lane]);
+            separated |= _mm512_cmpgt_epi16_mask(load_slab(pair(query, slab)), both);
         }
         overlapping(separated)
     }

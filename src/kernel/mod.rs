@@ -54,6 +54,11 @@ pub trait Kernel: Copy + core::fmt::Debug + sealed::Sealed {
     #[must_use]
     fn overlap_1v16<const K: usize>(self, query: &Query<16, K>, lane: usize, node: &Node16<K>) -> u16;
 
+    /// Which of the 16 bodies of `query` child `lane` (below 16) of `node` overlaps: a column of what [`Kernel::overlap_1v16`] gives the
+    /// rows of.
+    #[must_use]
+    fn overlap_16v1<const K: usize>(self, query: &Query<16, K>, node: &Node16<K>, lane: usize) -> u16;
+
     /// Which children of `node` each of the four bodies of `query` overlaps.
     #[must_use]
     fn overlap_4v4<const K: usize>(self, query: &Query<4, K>, node: &Node4<K>) -> u16;

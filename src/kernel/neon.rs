@@ -26,6 +26,12 @@ impl Kernel for Neon {
     }
 
     #[inline(always)]
+    fn overlap_16v1<const K: usize>(self, query: &Query<16, K>, node: &Node16<K>, lane: usize) -> u16 {
+        // SAFETY: the token proves the features that the function is compiled for.
+        unsafe { overlap_16v1(query, node, lane) }
+    }
+
+    #[inline(always)]
     fn overlap_4v4<const K: usize>(self, query: &Query<4, K>, node: &Node4<K>) -> u16 {
         // SAFETY: the token proves the features that the function is compiled for.
         unsafe { overlap_4v4(query, node) }
@@ -111,6 +117,23 @@ compiled_for_neon! {
             if may_exit::<K>(slab) && all_ones(separated) {
                 return 0;
             }
+        }
+        zero_lanes(separated)
+    }
+}
+
+compiled_for_neon! {
+    #[inline]
+    fn overlap_16v1<const K: usize>(query: &Query<16, K>, node: &Node16<K>, lane: usize) -> u16 {
+        let lane = lane & 15;
+        let mut separated = [vdupq_n_u16(0); 2];
+        for (query, planes) in query.iter().zip(&node.planes) {
+            let plane = vdupq_n_s16(planes[lane]);
+            let [low, high] = halves(query);
+            separated = [
+                vorrq_u16(separated[0], vcgtq_s16(low, plane)),
+                vorrq_u16(separated[1], vcgtq_s16(high, plane)),
+            ];
         }
         zero_lanes(separated)
     }

@@ -41,6 +41,10 @@ impl Kernel for Scalar {
         (0..16).filter(|&i| !separated(query, lane, &node.planes, i)).fold(0, |mask, i| mask | 1 << i)
     }
 
+    fn overlap_16v1<const K: usize>(self, query: &Query<16, K>, node: &Node16<K>, lane: usize) -> u16 {
+        (0..16).filter(|&i| !separated(query, i, &node.planes, lane)).fold(0, |mask, i| mask | 1 << i)
+    }
+
     fn overlap_4v4<const K: usize>(self, query: &Query<4, K>, node: &Node4<K>) -> u16 {
         (0..16).filter(|&i| !separated(query, i / 4, &node.planes, i % 4)).fold(0, |mask, i| mask | 1 << i)
     }

@@ -31,20 +31,13 @@ pub trait Lanes: Node {
     /// The corners' planes, in lane 0.
     #[doc(hidden)]
     fn query_of_corners(b: &Frame, corners: &[Point]) -> Self::Query;
-    /// The planes of child `lane`, in lane 0.
+    /// Which bodies of the query child `lane` of `self` overlaps.
     #[doc(hidden)]
-    fn query_of_lane(&self, lane: usize) -> Self::Query;
-    /// The bodies of a query as the children of a node. The links stay unused: for a kernel, not for a walk.
-    #[doc(hidden)]
-    fn node_of_query(query: &Self::Query) -> Self;
+    fn overlap_column<E: Kernel>(&self, kernel: E, query: &Self::Query, lane: usize) -> u16;
 }
 
 fn query_of_planes<const W: usize, const K: usize>(key: impl Fn(usize) -> i16) -> Query<W, K> {
     core::array::from_fn(|j| [!key(j ^ 1); W])
-}
-
-fn planes_of_query<const W: usize, const K: usize>(query: &Query<W, K>) -> [[i16; W]; K] {
-    core::array::from_fn(|j| query[j ^ 1].map(|code| !code))
 }
 
 macro_rules! impl_lanes {
@@ -76,12 +69,9 @@ macro_rules! impl_lanes {
                 query_of_planes(|j| planes[j].code())
             }
 
-            fn query_of_lane(&self, lane: usize) -> Self::Query {
-                query_of_planes(|j| self.planes[j][lane])
-            }
-
-            fn node_of_query(query: &Self::Query) -> Self {
-                Self { planes: planes_of_query(query), ..Self::EMPTY }
+            #[inline(always)]
+            fn overlap_column<E: Kernel>(&self, kernel: E, query: &Self::Query, lane: usize) -> u16 {
+                $node::column(self, kernel, query, lane)
             }
         }
     };
@@ -102,6 +92,11 @@ impl<const K: usize> Node16<K> {
         }
         (rows, wanted.count_ones().into())
     }
+
+    #[inline(always)]
+    fn column<E: Kernel>(&self, kernel: E, query: &Query<16, K>, lane: usize) -> u16 {
+        kernel.overlap_16v1(query, self, lane)
+    }
 }
 
 impl<const K: usize> Node4<K> {
@@ -115,5 +110,11 @@ impl<const K: usize> Node4<K> {
             }
         }
         (rows, 1)
+    }
+
+    #[inline(always)]
+    fn column<E: Kernel>(&self, kernel: E, query: &Query<4, K>, lane: usize) -> u16 {
+        let pairs = kernel.overlap_4v4(query, self) >> lane;
+        (0..4).fold(0, |mask, i| mask | (pairs >> (4 * i) & 1) << i)
     }
 }

@@ -37,8 +37,10 @@ pub(crate) struct Traversal<'t, N: Lanes, E, V> {
     visit: V,
     /// The node of A that was turned last, and its children's planes. Siblings in B follow each other, so it is often the next one too.
     turned: (Child, N::Query),
-    /// The leaf of either body that is descending the other's tree, and its planes in lane 0.
-    single: (Child, N::Query),
+    /// The leaf of A that is descending B's tree, and its planes in lane 0.
+    aimed: (Child, N::Query),
+    /// Node and lane in B of what A is descending against.
+    target: Option<(u32, usize)>,
 }
 
 impl<'t, N: Lanes, E: Kernel, V: FnMut(Pair) -> ControlFlow<()>> Traversal<'t, N, E, V> {
@@ -52,7 +54,7 @@ impl<'t, N: Lanes, E: Kernel, V: FnMut(Pair) -> ControlFlow<()>> Traversal<'t, N
     ) -> Self {
         let map = N::map(pose, a.header(), &b.frame());
         let none = (Child::EMPTY, N::NO_QUERY);
-        Self { kernel, a, b, pose, map, budget, counters: Counters::default(), visit, turned: none, single: none }
+        Self { kernel, a, b, pose, map, budget, counters: Counters::default(), visit, turned: none, aimed: none, target: None }
     }
 
     /// Visits every pair of triangles that meet.
@@ -76,11 +78,8 @@ impl<'t, N: Lanes, E: Kernel, V: FnMut(Pair) -> ControlFlow<()>> Traversal<'t, N
     fn descend(&mut self, Next { a, b, row, bit }: Next) -> (Child, Child) {
         match (a.link(), b.link()) {
             (Link::Inner(node_a), Link::Inner(node_b)) => {
-                let child = self.child_b(node_b, bit);
-                if let Link::Leaf { .. } = child.link() {
-                    self.single = (child, self.b.nodes()[node_b as usize].query_of_lane(bit));
-                }
-                (self.child_a(node_a, row), child)
+                self.target = Some((node_b, bit));
+                (self.child_a(node_a, row), self.child_b(node_b, bit))
             }
             (Link::Inner(node_a), _) => (self.child_a(node_a, bit), b),
             (_, Link::Inner(node_b)) => (a, self.child_b(node_b, bit)),
@@ -103,25 +102,26 @@ impl<'t, N: Lanes, E: Kernel, V: FnMut(Pair) -> ControlFlow<()>> Traversal<'t, N
             return Flow::Break(Stop::Budget { upper: self.corner_distance(a, b) });
         }
         self.counters.visits += 1;
-        let flipped;
         match a.link() {
             Link::Inner(node) => self.turn(a, node),
             _ => self.aim(a),
         }
-        let (query, wanted, node) = match (a.link(), b.link()) {
-            // Row i: the children of B that child i of A overlaps.
-            (Link::Inner(_), Link::Inner(node)) => (&self.turned.1, u16::MAX, &self.b.nodes()[node as usize]),
-            // Row 0: the children of B that the leaf of A overlaps.
-            (_, Link::Inner(node)) => (&self.single.1, 1, &self.b.nodes()[node as usize]),
-            // Row 0: the children of A that the leaf of B overlaps. It is the query now, and A's turned children are the node: the
-            // compare is the same from both sides.
-            _ => {
-                flipped = N::node_of_query(&self.turned.1);
-                (&self.single.1, 1, &flipped)
-            }
-        };
-        let (mut rows, kernels) = node.overlap_rows(self.kernel, query, wanted);
-        self.counters.kernels += kernels;
+        let mut rows = [0; 16];
+        let mut wanted = u16::MAX;
+        // The children of A that overlap the child of B that leads here: only their rows can have a bit.
+        if let (Link::Inner(_), Some((node, lane))) = (a.link(), self.target) {
+            wanted = self.b.nodes()[node as usize].overlap_column(self.kernel, &self.turned.1, lane);
+            self.counters.kernels += 1;
+        }
+        if let Link::Inner(node) = b.link() {
+            let (query, wanted) =
+                if let Link::Inner(_) = a.link() { (&self.turned.1, wanted) } else { (&self.aimed.1, 1) };
+            let kernels;
+            (rows, kernels) = self.b.nodes()[node as usize].overlap_rows(self.kernel, query, wanted);
+            self.counters.kernels += kernels;
+        } else {
+            rows[0] = wanted;
+        }
         self.decide_leaves(a, b, &mut rows)?;
         stack.push(a, b, &rows);
         Flow::Continue(())
@@ -139,14 +139,14 @@ impl<'t, N: Lanes, E: Kernel, V: FnMut(Pair) -> ControlFlow<()>> Traversal<'t, N
     /// Computes the planes of leaf `a` from its moved corners.
     #[inline(always)]
     fn aim(&mut self, a: Child) {
-        if self.single.0 != a {
+        if self.aimed.0 != a {
             let mut corners = [[0.0; 3]; 3 * MAX_LEAF_SIZE as usize];
             let mut count = 0;
             for index in primitives(a) {
                 corners[count..count + 3].copy_from_slice(&self.moved(index));
                 count += 3;
             }
-            self.single = (a, N::query_of_corners(&self.b.frame(), &corners[..count]));
+            self.aimed = (a, N::query_of_corners(&self.b.frame(), &corners[..count]));
         }
     }
 
