@@ -2,7 +2,7 @@
 
 /// `a + b` as a rounded sum and its error, exactly (Knuth's `TwoSum`).
 #[inline]
-const fn two_sum(a: f64, b: f64) -> (f64, f64) {
+pub(crate) const fn two_sum(a: f64, b: f64) -> (f64, f64) {
     let sum = a + b;
     let b_part = sum - a;
     (sum, (a - (sum - b_part)) + (b - b_part))

@@ -213,7 +213,11 @@ mod tests {
             if let Some(&(next, next_key)) = all.get(i + 1) {
                 let middle = 0.5 * (value + next);
                 assert_eq!(Key::round_up_f64(middle).unwrap().code(), next_key, "middle {middle}");
-                assert_eq!(Key::round_up_f64(next.next_down()).unwrap().code(), next_key, "just below {next}");
+                assert_eq!(
+                    Key::round_up_f64(next.next_down()).unwrap().code(),
+                    next_key,
+                    "just below {next}"
+                );
                 assert_eq!(
                     Key::round_up_f32((next as f32).next_down()).unwrap().code(),
                     next_key,
@@ -238,7 +242,10 @@ mod tests {
         assert_eq!(Key::round_up_f64(f64::NAN), Err(NotANumber));
         assert_eq!(Key::round_up_f32(f32::NAN), Err(NotANumber));
         assert_eq!(Key::round_up_or_unbounded(f64::NAN), Key::INFINITY);
-        assert!(!Key::EMPTY.code() > !Key::INFINITY.code(), "an unbounded query is separated from an empty lane");
+        assert!(
+            !Key::EMPTY.code() > !Key::INFINITY.code(),
+            "an unbounded query is separated from an empty lane"
+        );
     }
 
     #[test]

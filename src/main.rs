@@ -1,2 +1,9 @@
-//! The command.
-fn main() {}
+//! The command `simdop`.
+
+extern crate alloc;
+
+mod cli;
+
+fn main() -> std::process::ExitCode {
+    cli::run()
+}

@@ -58,7 +58,10 @@ impl Child {
     /// Link to `count` (1 ..= 16) primitives from `first`, below [`Child::MAX_PRIMITIVES`].
     #[cfg(feature = "alloc")]
     pub(crate) const fn leaf(first: u32, count: u32) -> Self {
-        debug_assert!(first < Self::MAX_PRIMITIVES && count >= 1 && count <= MAX_LEAF_SIZE, "leaf out of range");
+        debug_assert!(
+            first < Self::MAX_PRIMITIVES && count >= 1 && count <= MAX_LEAF_SIZE,
+            "leaf out of range"
+        );
         Self(LEAF_BIT | (count - 1) << COUNT_SHIFT | first)
     }
 

@@ -19,6 +19,7 @@
 //! | u, and the weights c to `f32`: residual r = u - sum c n, computed for the rounded c | `sum abs(r_i) half_width_i` |
 //! | the arithmetic that computed u and r, in `f64` | `2^-46 abs(n) sum half_width` |
 //! | n . t and the frames' centres, in `f64`; the moved corners that the leaf test decides on | `2^-46 abs(n) (coordinates)` |
+//! | coordinates of moved corners that [`Pose::apply`] flushes to zero | `2^-250 abs(n)` |
 //! | products and sums of a plane, in `f32` | `gamma_4 (sum c max_plane + abs(n . t))`, plus 2^-140 for underflow |
 //!
 //! with `gamma_4 = 4u / (1 - 4u)`, `u = 2^-24`. The result is then rounded up to a half.
@@ -29,6 +30,7 @@ use crate::frame::{Frame, Point};
 use crate::hierarchy::Header;
 use crate::key::{Key, decode};
 use crate::pose::Pose;
+use crate::triangle::MIN_COORDINATE;
 
 /// How the planes of every node of one body turn into another body's frame, at one pose.
 #[derive(Copy, Clone, PartialEq, Debug)]
@@ -57,7 +59,8 @@ impl<const K: usize> Realignment<K> {
         let m = pose.rows();
         let t = pose.translation();
         let ratio = power_of_two(b.exponent - a.exponent);
-        let half_width = a.half_width.map(f64::from);
+        let [x, y, z] = a.half_width;
+        let half_width = [f64::from(x), f64::from(y), f64::from(z)];
         let width_sum = half_width[0] + half_width[1] + half_width[2];
         let shift: Point = core::array::from_fn(|i| {
             let c = a.centre;
@@ -66,31 +69,53 @@ impl<const K: usize> Realignment<K> {
         let max = |p: &Point| p[0].abs().max(p[1].abs()).max(p[2].abs());
         // 4 >= sum of a row's magnitudes, for the image; once more for the centre.
         let coordinates = (8.0 * a.extent + max(&t)) + max(&b.centre);
-        let per_length = F64_SLACK * (ratio * width_sum + b.scale() * coordinates);
+        let per_length =
+            F64_SLACK * (ratio * width_sum + b.scale() * coordinates) + MIN_COORDINATE * b.scale();
 
         let mut map = Self { sources: [[0; 3]; K], weights: [[0.0; 3]; K], offset: [0.0; K] };
+        // Written out by coordinate: closures over arrays are not always inlined, and this runs once a query.
         for j in (0..K).step_by(2) {
             let n = Directions::<K>::VECTORS[j];
             let length = n[0].abs() + n[1].abs() + n[2].abs();
-            let u: Point = core::array::from_fn(|i| (m[0][i] * n[0] + m[1][i] * n[1]) + m[2][i] * n[2]);
+            let u = [
+                (m[0][0] * n[0] + m[1][0] * n[1]) + m[2][0] * n[2],
+                (m[0][1] * n[0] + m[1][1] * n[1]) + m[2][1] * n[2],
+                (m[0][2] * n[0] + m[1][2] * n[1]) + m[2][2] * n[2],
+            ];
             let found = Directions::<K>::decompose(u);
-            let weights = found.weights.map(|w| (ratio * w) as f32);
-            let mut residual = u.map(|x| ratio * x);
-            for (source, weight) in found.directions.iter().zip(weights) {
-                let v = Directions::<K>::VECTORS[usize::from(*source) % K];
-                residual = core::array::from_fn(|i| residual[i] - f64::from(weight) * v[i]);
+            let mut weights = [0.0; 3];
+            let mut weight_sum = 0.0;
+            let mut residual = [ratio * u[0], ratio * u[1], ratio * u[2]];
+            for l in 0..3 {
+                weights[l] = (ratio * found.weights[l]) as f32;
+                let weight = f64::from(weights[l]);
+                weight_sum += weight;
+                let v = &Directions::<K>::VECTORS[usize::from(found.directions[l]) % K];
+                residual[0] -= weight * v[0];
+                residual[1] -= weight * v[1];
+                residual[2] -= weight * v[2];
             }
             let tau = ((n[0] * shift[0] + n[1] * shift[1]) + n[2] * shift[2]) * b.scale();
-            let weight_sum: f64 = weights.iter().copied().map(f64::from).sum();
-            let residual_pad: f64 = (0..3).map(|i| residual[i].abs() * half_width[i]).sum();
+            let residual_pad = (residual[0].abs() * half_width[0] + residual[1].abs() * half_width[1])
+                + residual[2].abs() * half_width[2];
             let rounding_pad = GAMMA_4 * (weight_sum * f64::from(a.max_plane) + tau.abs());
             let pad = ((residual_pad + length * per_length) + rounding_pad) + UNDERFLOW;
-            map.set(j, found.directions, weights, round_up_f32(tau + pad));
-            map.set(j + 1, found.directions.map(|s| s ^ 1), weights, round_up_f32(pad - tau));
+            let [p, q, r] = found.directions;
+            map.set(j, [p, q, r], weights, round_up_f32(tau + pad));
+            map.set(j + 1, [p ^ 1, q ^ 1, r ^ 1], weights, round_up_f32(pad - tau));
         }
         map
     }
 
+    /// Moves every plane out by `margin`, in units of the frame: turned planes then hold everything within it of the body. The `f32` roundings of
+    /// the longer offset are paid for by a few more of its last places.
+    pub fn widen(&mut self, margin: f64) {
+        for (offset, length) in self.offset.iter_mut().zip(Directions::<K>::LENGTHS) {
+            *offset = round_up_f32(f64::from(*offset) + (1.0 + 4.0 * GAMMA_4) * length * margin);
+        }
+    }
+
+    #[inline(always)]
     fn set(&mut self, j: usize, sources: [u8; 3], weights: [f32; 3], offset: f32) {
         self.sources[j] = sources;
         self.weights[j] = weights;
@@ -108,10 +133,10 @@ impl<const K: usize> Realignment<K> {
     }
 }
 
-/// The planes of moved corners in frame `b`, each an upper bound of the exact support, rounded up: tighter than the re-aligned
-/// planes of the leaf that holds them.
+/// The planes of everything within `margin` of moved corners in frame `b`, each an upper bound of the exact support, rounded up: tighter
+/// than the re-aligned planes of the leaf that holds them.
 #[must_use]
-pub(crate) fn planes_of_corners<const K: usize>(b: &Frame, corners: &[Point]) -> [Key; K] {
+pub(crate) fn planes_of_corners<const K: usize>(b: &Frame, corners: &[Point], margin: f64) -> [Key; K] {
     let scale = b.scale();
     let mut low = [f64::INFINITY; K];
     let mut size = 0.0_f64;
@@ -129,6 +154,7 @@ pub(crate) fn planes_of_corners<const K: usize>(b: &Frame, corners: &[Point]) ->
     core::array::from_fn(|j| {
         let n = Directions::<K>::VECTORS[j];
         let pad = F64_SLACK * (n[0].abs() + n[1].abs() + n[2].abs()) * size;
-        Key::round_up_or_unbounded((pad - low[j]) * scale)
+        let reach = (1.0 + F64_SLACK) * Directions::<K>::LENGTHS[j] * margin;
+        Key::round_up_or_unbounded(((pad + reach) - low[j]) * scale)
     })
 }

@@ -20,6 +20,9 @@
 //! 2^-906 and not subnormal. A difference is at most 2^301, so a sum of six products of three is below 2^906, and
 //! Dekker's splitting multiplies a factor of at most 2^603 by 2^27: all finite.
 
+pub mod distance;
+mod double_double;
+mod features;
 mod flat;
 #[cfg(test)]
 mod tests;

@@ -56,7 +56,11 @@ fn check<N: Lanes>(suite: &Suite, judged: &[([[f64; 4]; 3], bool)], leaf_size: u
         N::ARITY,
         judged.len()
     );
-    assert!(exact * 1000 <= pairs, "{}: {exact} exact fallbacks in {pairs} pairs are more than 0.1 %", suite.name);
+    assert!(
+        exact * 1000 <= pairs,
+        "{}: {exact} exact fallbacks in {pairs} pairs are more than 0.1 %",
+        suite.name
+    );
 }
 
 #[test]

@@ -80,7 +80,8 @@ impl Cutter<'_> {
         let left_lanes = lanes / 2;
         // A leaf in each lane, and the rest in whole nodes, each of which turns one leaf into `arity`.
         let nodes = leaves.saturating_sub(lanes).div_ceil(self.arity - 1);
-        let left = if nodes == 0 { leaves * left_lanes / lanes } else { left_lanes + nodes / 2 * (self.arity - 1) };
+        let left =
+            if nodes == 0 { leaves * left_lanes / lanes } else { left_lanes + nodes / 2 * (self.arity - 1) };
         (left.max(1) * self.leaf_size).min(count)
     }
 

@@ -143,7 +143,8 @@ fn half_width(frame: &Frame, mesh: &Mesh<'_>) -> [f32; 3] {
 }
 
 fn max_plane<N: Node>(nodes: &[N]) -> f32 {
-    let planes = nodes.iter().flat_map(|n| (0..N::K).flat_map(move |j| (0..N::ARITY).map(move |l| n.plane(j, l))));
+    let planes =
+        nodes.iter().flat_map(|n| (0..N::K).flat_map(move |j| (0..N::ARITY).map(move |l| n.plane(j, l))));
     let finite = planes.filter(|c| Key::from_code(*c).is_some_and(|k| k != Key::INFINITY));
     finite.map(|c| decode(c).abs()).fold(0.0, f32::max)
 }

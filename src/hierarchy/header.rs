@@ -151,11 +151,7 @@ impl Header {
             return Err(BakeError::Misaligned);
         }
         let header: &Self = bytemuck::try_from_bytes(&bytes[..need]).map_err(|_| BakeError::Misaligned)?;
-        if header.version == VERSION {
-            Ok(header)
-        } else {
-            Err(BakeError::Version { found: header.version })
-        }
+        if header.version == VERSION { Ok(header) } else { Err(BakeError::Version { found: header.version }) }
     }
 
     pub(crate) fn check_type(&self, k: usize, arity: usize) -> Result<(), BakeError> {

@@ -101,7 +101,9 @@ impl<N: Node> BvhRef<'_, N> {
                     return Err("an unused lane has a plane");
                 }
             } else if Key::from_code(code).is_none() {
-                return Err("a plane is not an ordered half (NaN, -0, -infinity or the code of unused lanes)");
+                return Err(
+                    "a plane is not an ordered half (NaN, -0, -infinity or the code of unused lanes)",
+                );
             } else if code != Key::INFINITY.code() && decode(code).abs() > self.header.max_plane {
                 return Err("a plane is beyond the header's max_plane");
             }

@@ -12,7 +12,10 @@
 
 #![cfg_attr(
     any(target_arch = "x86_64", target_arch = "aarch64"),
-    expect(unsafe_code, reason = "entering a function compiled for detected features is the point of this module")
+    expect(
+        unsafe_code,
+        reason = "entering a function compiled for detected features is the point of this module"
+    )
 )]
 
 #[cfg(all(target_arch = "x86_64", any(test, not(feature = "std"))))]

@@ -5,9 +5,15 @@
 //! ```text
 //! for each slab, planes j = 2s and 2s + 1:
 //!     separated |= vpcmpgtw(vpbroadcastw(query[j][lane]), planes[j])      2 x (broadcast load, load + compare, or)
-//!     after the slabs in EXITS: leave if all 16 lanes are separated       vptest, branch
+//!     k = 32, after the fourth slab: leave if all lanes are separated     vptest, branch
 //! mask = !vpmovmskb(vpacksswb(separated))
 //! ```
+//!
+//! Two 256-bit loads a plane, of which Zen 3 does two a cycle, bound it from below at k cycles. **Tried, and slower** (`benches/kernel.rs`, calls
+//! of real queries, L1, ns a node for k = 14 / 18 / 32, Zen 3; chosen: 5.6 / 7.0 / 12.2): leaving after every second slab 9.2 / 11.7 / 17.7,
+//! every slab 11.4 / 15.2 / 16.1, after the second only 7.1 / 8.2 / 13.4, never at k = 32 12.7. Half of the masks are empty and nothing
+//! foretells which, so each exit is a mispredicted branch as often as it saves slabs. 4vs4 likewise: 6.7 / 8.2 / 14.2 without an exit, 9.1 / 10.1 /
+//! 16.5 with one; loading both planes of four children at once, 7.9 / 9.7 / 13.2.
 //!
 //! # 4vs4
 //!
@@ -65,9 +71,9 @@ impl Kernel for Avx2 {
     }
 }
 
-/// Whether to ask, after this slab, if every lane is separated already. Measured on recorded masks: see ARCHITECTURE.md.
+/// Whether 1vs16 asks, after this slab, if every lane is separated already. Measured: see the head of this file.
 const fn may_exit<const K: usize>(slab: usize) -> bool {
-    slab % 2 == 1 && slab + 1 < K / 2
+    K > 26 && slab == 3
 }
 
 compiled_for_avx2! {
@@ -108,10 +114,10 @@ compiled_for_avx2! {
         let lane = lane & 15;
         let mut separated = _mm256_setzero_si256();
         for slab in 0..K / 2 {
-            for j in [2 * slab, 2 * slab + 1] {
-                let beyond = _mm256_cmpgt_epi16(_mm256_set1_epi16(query[j][lane]), load(&node.planes[j]));
-                separated = _mm256_or_si256(separated, beyond);
-            }
+            let beyond = |j: usize| {
+                _mm256_cmpgt_epi16(_mm256_set1_epi16(query[j][lane]), load(&node.planes[j]))
+            };
+            separated = _mm256_or_si256(separated, _mm256_or_si256(beyond(2 * slab), beyond(2 * slab + 1)));
             if may_exit::<K>(slab) && all_ones(separated) {
                 return 0;
             }
@@ -125,11 +131,9 @@ compiled_for_avx2! {
     fn overlap_16v1<const K: usize>(query: &Query<16, K>, node: &Node16<K>, lane: usize) -> u16 {
         let lane = lane & 15;
         let mut separated = _mm256_setzero_si256();
-        for slab in 0..K / 2 {
-            for j in [2 * slab, 2 * slab + 1] {
-                let beyond = _mm256_cmpgt_epi16(load(&query[j]), _mm256_set1_epi16(node.planes[j][lane]));
-                separated = _mm256_or_si256(separated, beyond);
-            }
+        for (bodies, planes) in query.iter().zip(&node.planes) {
+            let beyond = _mm256_cmpgt_epi16(load(bodies), _mm256_set1_epi16(planes[lane]));
+            separated = _mm256_or_si256(separated, beyond);
         }
         zero_lanes(separated)
     }
@@ -144,15 +148,10 @@ compiled_for_avx2! {
             4, 5, 4, 5, 4, 5, 4, 5, 6, 7, 6, 7, 6, 7, 6, 7,
         );
         let mut separated = _mm256_setzero_si256();
-        for slab in 0..K / 2 {
-            for j in [2 * slab, 2 * slab + 1] {
-                let a = _mm256_shuffle_epi8(_mm256_broadcastq_epi64(load_4(&query[j])), spread);
-                let b = _mm256_broadcastq_epi64(load_4(&node.planes[j]));
-                separated = _mm256_or_si256(separated, _mm256_cmpgt_epi16(a, b));
-            }
-            if may_exit::<K>(slab) && all_ones(separated) {
-                return 0;
-            }
+        for (a, b) in query.iter().zip(&node.planes) {
+            let a = _mm256_shuffle_epi8(_mm256_broadcastq_epi64(load_4(a)), spread);
+            let b = _mm256_broadcastq_epi64(load_4(b));
+            separated = _mm256_or_si256(separated, _mm256_cmpgt_epi16(a, b));
         }
         zero_lanes(separated)
     }
@@ -175,11 +174,35 @@ compiled_for_avx2! {
 }
 
 compiled_for_avx2! {
+    /// The halves that are not below eight numbers.
+    #[cfg(not(miri))]
+    #[inline]
+    fn halves_up(x: __m256) -> __m128i {
+        _mm256_cvtps_ph::<_MM_FROUND_TO_POS_INF>(x)
+    }
+}
+
+#[cfg(miri)] // Miri has no `vcvtps2ph`: this lets it run the rest.
+compiled_for_avx2! {
+    fn halves_up(x: __m256) -> __m128i {
+        let mut floats = [0.0; 8];
+        // SAFETY: the array has the 32 bytes that are written.
+        unsafe { _mm256_storeu_ps(floats.as_mut_ptr(), x) };
+        let halves = floats.map(|x| {
+            let code = Key::round_up_or_unbounded(f64::from(x)).code();
+            if code < 0 { code ^ 0x7fff } else { code }
+        });
+        // SAFETY: the array has the 16 bytes that are read.
+        unsafe { _mm_loadu_si128(halves.as_ptr().cast()) }
+    }
+}
+
+compiled_for_avx2! {
     /// The complements of eight values' keys, rounded up.
     #[inline]
     fn encode_query(x: __m256) -> __m128i {
         let bounded = _mm256_max_ps(_mm256_min_ps(x, _mm256_set1_ps(f32::INFINITY)), _mm256_set1_ps(-65504.0));
-        let bits = _mm256_cvtps_ph::<_MM_FROUND_TO_POS_INF>(bounded);
+        let bits = halves_up(bounded);
         let code = _mm_xor_si128(bits, magnitude_if_negative(bits));
         let all_ones = _mm_set1_epi16(-1);
         // The code of -0 is -1, and must be 0: subtracting the compare's -1 does that.

@@ -52,9 +52,9 @@ impl Kernel for Avx512 {
 /// Lanes of the upper half of a zmm: planes 2s + 1.
 const UPPER: __mmask32 = 0xffff_0000;
 
-/// Whether to ask, after this slab, if every lane is separated already.
+/// Whether 1vs16 asks, after this slab, if every lane is separated already: as measured for AVX2, no more.
 const fn may_exit<const K: usize>(slab: usize) -> bool {
-    slab % 2 == 1 && slab + 1 < K / 2
+    K > 26 && slab == 3
 }
 
 /// Bit i: neither plane of any slab separated lane i.
@@ -69,6 +69,32 @@ compiled_for_avx512! {
         unsafe { _mm512_loadu_si512(planes.as_ptr().cast()) }
     }
 }
+
+compiled_for_avx512! {
+    #[inline]
+    fn load_bytes(bytes: &[u8; 64]) -> __m512i {
+        // SAFETY: the array has the 64 bytes that are read; the load asks for no alignment.
+        unsafe { _mm512_loadu_si512(bytes.as_ptr().cast()) }
+    }
+}
+
+/// For 4vs4: where each byte of a zmm comes from in the slab of four bodies that every quarter of it holds. Lane `4 a + b` of the lower
+/// half takes word a, or b, of plane 2s; of the upper half, of plane 2s + 1.
+const fn bytes_of_bodies(of_a: bool) -> [u8; 64] {
+    let mut bytes = [0; 64];
+    let mut i = 0;
+    while i < 64 {
+        let (word, byte) = (i / 2, i % 2);
+        let (plane, lane) = (word / 16, word % 16);
+        let body = if of_a { lane / 4 } else { lane % 4 };
+        bytes[i] = (2 * (4 * plane + body) + byte) as u8;
+        i += 1;
+    }
+    bytes
+}
+
+const SPREAD: [u8; 64] = bytes_of_bodies(true);
+const TILE: [u8; 64] = bytes_of_bodies(false);
 
 compiled_for_avx512! {
     #[inline]
@@ -104,27 +130,18 @@ compiled_for_avx512! {
 compiled_for_avx512! {
     #[inline]
     fn overlap_4v4<const K: usize>(query: &Query<4, K>, node: &Node4<K>) -> u16 {
-        // A 128-bit register holds a slab: planes 2s in words 0..4, planes 2s + 1 in words 4..8. Broadcast to four quarters, a shuffle
-        // within quarters spreads A's; B's are tiled.
+        // A 128-bit register holds a slab: planes 2s in words 0..4, planes 2s + 1 in words 4..8. All four quarters get it, and pick theirs.
         let slab_of = |planes: &[[i16; 4]; 2]| {
             // SAFETY: the two arrays have the 16 bytes that are read; the load asks for no alignment.
             let slab = unsafe { _mm_loadu_si128(planes.as_ptr().cast()) };
             _mm512_broadcast_i32x4(slab)
         };
-        let spread = _mm512_set_epi16(
-            7, 7, 7, 7, 6, 6, 6, 6, 5, 5, 5, 5, 4, 4, 4, 4, 3, 3, 3, 3, 2, 2, 2, 2, 1, 1, 1, 1, 0, 0, 0, 0,
-        );
-        let tile = _mm512_set_epi16(
-            7, 6, 5, 4, 7, 6, 5, 4, 7, 6, 5, 4, 7, 6, 5, 4, 3, 2, 1, 0, 3, 2, 1, 0, 3, 2, 1, 0, 3, 2, 1, 0,
-        );
+        let (spread, tile) = (load_bytes(&SPREAD), load_bytes(&TILE));
         let mut separated: __mmask32 = 0;
         for slab in 0..K / 2 {
-            let a = _mm512_permutexvar_epi16(spread, slab_of(pair(query, slab)));
-            let b = _mm512_permutexvar_epi16(tile, slab_of(pair(&node.planes, slab)));
+            let a = _mm512_shuffle_epi8(slab_of(pair(query, slab)), spread);
+            let b = _mm512_shuffle_epi8(slab_of(pair(&node.planes, slab)), tile);
             separated |= _mm512_cmpgt_epi16_mask(a, b);
-            if may_exit::<K>(slab) && overlapping(separated) == 0 {
-                return 0;
-            }
         }
         overlapping(separated)
     }

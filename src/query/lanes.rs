@@ -1,5 +1,6 @@
 //! What the traversal asks of a node type: the same questions for 1vs16 and 4vs4.
 
+use super::gaps::{self, Entries};
 use crate::frame::{Frame, Point};
 use crate::hierarchy::Header;
 use crate::kernel::{Kernel, Query, SEPARATED};
@@ -28,9 +29,22 @@ pub trait Lanes: Node {
     /// calls too.
     #[doc(hidden)]
     fn overlap_rows<E: Kernel>(&self, kernel: E, query: &Self::Query, wanted: u16) -> (Rows, u64);
-    /// The corners' planes, in lane 0.
+    /// The planes of everything within `margin` of the corners, in lane 0.
     #[doc(hidden)]
-    fn query_of_corners(b: &Frame, corners: &[Point]) -> Self::Query;
+    fn query_of_corners(b: &Frame, corners: &[Point], margin: f64) -> Self::Query;
+    /// Turned planes shall hold everything within `margin` of the body.
+    #[doc(hidden)]
+    fn widen(map: &mut Self::Map, b: &Frame, margin: f64);
+    /// How far each child of `self`, turned as `query`, is from child `lane` of `b`.
+    #[doc(hidden)]
+    fn gaps_of_query(&self, query: &Self::Query, b: &Self, lane: usize) -> Entries;
+    /// How far body `lane` of the query is from each child of `self`.
+    #[doc(hidden)]
+    fn gaps_of_node(&self, query: &Self::Query, lane: usize) -> Entries;
+    /// A node whose lane 0 has the planes of all of `self`.
+    #[doc(hidden)]
+    #[must_use]
+    fn hull(&self) -> Self;
     /// Which bodies of the query child `lane` of `self` overlaps.
     #[doc(hidden)]
     fn overlap_column<E: Kernel>(&self, kernel: E, query: &Self::Query, lane: usize) -> u16;
@@ -64,9 +78,31 @@ macro_rules! impl_lanes {
                 $node::rows(self, kernel, query, wanted)
             }
 
-            fn query_of_corners(b: &Frame, corners: &[Point]) -> Self::Query {
-                let planes: [Key; K] = planes_of_corners(b, corners);
+            fn query_of_corners(b: &Frame, corners: &[Point], margin: f64) -> Self::Query {
+                let planes: [Key; K] = planes_of_corners(b, corners, margin);
                 query_of_planes(|j| planes[j].code())
+            }
+
+            fn widen(map: &mut Self::Map, b: &Frame, margin: f64) {
+                map.widen(margin * b.scale());
+            }
+
+            #[inline(always)]
+            fn gaps_of_query(&self, query: &Self::Query, b: &Self, lane: usize) -> Entries {
+                gaps::gaps(query, 0, |j| !b.planes[j][lane % $arity], &self.child)
+            }
+
+            #[inline(always)]
+            fn gaps_of_node(&self, query: &Self::Query, lane: usize) -> Entries {
+                gaps::gaps(&self.planes, -1, |j| query[j][lane % $arity], &self.child)
+            }
+
+            fn hull(&self) -> Self {
+                let mut whole = Self::EMPTY;
+                for (j, plane) in gaps::hull(&self.planes).into_iter().enumerate() {
+                    whole.planes[j][0] = plane;
+                }
+                whole
             }
 
             #[inline(always)]

@@ -3,10 +3,16 @@
 //! [`Query`] holds what the caller chooses, the instruction set above all; its methods are the entries. Each has the one `match` on the
 //! instruction set; below it everything is monomorphic.
 
+mod distance;
+mod frontier;
+mod gaps;
 mod lanes;
+mod nearest;
 mod stack;
 mod traverse;
 
+pub use distance::{Distance, ToleranceError, Witness};
+pub use frontier::DISTANCE_STACK_BYTES;
 pub use lanes::Lanes;
 pub use stack::STACK_BYTES;
 
@@ -16,6 +22,22 @@ use crate::kernel::Kernel;
 use crate::pose::Pose;
 use core::ops::ControlFlow;
 use traverse::{Stop, Traversal};
+
+/// The one place that looks at the instruction set: `$call`, with the token as `$token`.
+macro_rules! on_isa {
+    ($isa:expr, $token:ident => $call:expr) => {
+        match $isa {
+            Isa::Scalar($token) => $call,
+            #[cfg(target_arch = "aarch64")]
+            Isa::Neon($token) => $call,
+            #[cfg(target_arch = "x86_64")]
+            Isa::Avx2($token) => $call,
+            #[cfg(target_arch = "x86_64")]
+            Isa::Avx512($token) => $call,
+        }
+    };
+}
+use on_isa;
 
 /// How a query runs.
 #[derive(Copy, Clone, PartialEq, Eq, Debug)]
@@ -110,8 +132,13 @@ impl Query {
     /// The verdict is exact for the corners of `a` moved by [`Pose::apply`]. First hit ends it.
     #[must_use]
     pub fn collide<N: Lanes>(&self, a: &BvhRef<'_, N>, b: &BvhRef<'_, N>, pose: &Pose) -> Answer {
+        self.first_pair(a, b, pose, 0.0)
+    }
+
+    /// The first pair of triangles at most `margin` apart.
+    fn first_pair<N: Lanes>(&self, a: &BvhRef<'_, N>, b: &BvhRef<'_, N>, pose: &Pose, margin: f64) -> Answer {
         let mut hit = None;
-        let (stop, counters) = self.run(a, b, pose, |pair| {
+        let (stop, counters) = self.run(a, b, pose, margin, |pair| {
             hit = Some(pair);
             ControlFlow::Break(())
         });
@@ -131,7 +158,7 @@ impl Query {
         pose: &Pose,
         visit: impl FnMut(Pair) -> ControlFlow<()>,
     ) -> (Completion, Counters) {
-        let (stop, counters) = self.run(a, b, pose, visit);
+        let (stop, counters) = self.run(a, b, pose, 0.0, visit);
         let completion = match stop {
             None => Completion::Complete,
             Some(Stop::Visitor) => Completion::Stopped,
@@ -140,23 +167,16 @@ impl Query {
         (completion, counters)
     }
 
-    /// The one place that looks at the instruction set.
+    /// Visits pairs of triangles at most `margin` apart.
     fn run<N: Lanes>(
         &self,
         a: &BvhRef<'_, N>,
         b: &BvhRef<'_, N>,
         pose: &Pose,
+        margin: f64,
         visit: impl FnMut(Pair) -> ControlFlow<()>,
     ) -> (Option<Stop>, Counters) {
-        match self.isa {
-            Isa::Scalar(token) => self.run_on(token, a, b, pose, visit),
-            #[cfg(target_arch = "aarch64")]
-            Isa::Neon(token) => self.run_on(token, a, b, pose, visit),
-            #[cfg(target_arch = "x86_64")]
-            Isa::Avx2(token) => self.run_on(token, a, b, pose, visit),
-            #[cfg(target_arch = "x86_64")]
-            Isa::Avx512(token) => self.run_on(token, a, b, pose, visit),
-        }
+        on_isa!(self.isa, token => self.run_on(token, a, b, pose, margin, visit))
     }
 
     #[inline(always)]
@@ -166,9 +186,10 @@ impl Query {
         a: &BvhRef<'_, N>,
         b: &BvhRef<'_, N>,
         pose: &Pose,
+        margin: f64,
         visit: impl FnMut(Pair) -> ControlFlow<()>,
     ) -> (Option<Stop>, Counters) {
-        let mut traversal = Traversal::new(kernel, *a, *b, pose, self.budget, visit);
+        let mut traversal = Traversal::new(kernel, *a, *b, pose, self.budget, margin, visit);
         let stop = kernel.run(|| traversal.run()).break_value();
         (stop, traversal.counters)
     }

@@ -10,6 +10,7 @@ use crate::hierarchy::BvhRef;
 use crate::kernel::Kernel;
 use crate::node::{Child, Link, MAX_LEAF_SIZE};
 use crate::pose::Pose;
+use crate::triangle::distance::within;
 use crate::triangle::{Probe, Triangle};
 use core::ops::{ControlFlow, Range};
 
@@ -33,6 +34,8 @@ pub(crate) struct Traversal<'t, N: Lanes, E, V> {
     pose: &'t Pose,
     map: N::Map,
     budget: u64,
+    /// Triangles this far apart count as meeting.
+    margin: f64,
     pub(crate) counters: Counters,
     visit: V,
     /// The node of A that was turned last, and its children's planes. Siblings in B follow each other, so it is often the next one too.
@@ -50,11 +53,28 @@ impl<'t, N: Lanes, E: Kernel, V: FnMut(Pair) -> ControlFlow<()>> Traversal<'t, N
         b: BvhRef<'t, N>,
         pose: &'t Pose,
         budget: u64,
+        margin: f64,
         visit: V,
     ) -> Self {
-        let map = N::map(pose, a.header(), &b.frame());
+        let mut map = N::map(pose, a.header(), &b.frame());
+        if margin > 0.0 {
+            N::widen(&mut map, &b.frame(), margin);
+        }
         let none = (Child::EMPTY, N::NO_QUERY);
-        Self { kernel, a, b, pose, map, budget, counters: Counters::default(), visit, turned: none, aimed: none, target: None }
+        Self {
+            kernel,
+            a,
+            b,
+            pose,
+            map,
+            budget,
+            margin,
+            counters: Counters::default(),
+            visit,
+            turned: none,
+            aimed: none,
+            target: None,
+        }
     }
 
     /// Visits every pair of triangles that meet.
@@ -146,7 +166,7 @@ impl<'t, N: Lanes, E: Kernel, V: FnMut(Pair) -> ControlFlow<()>> Traversal<'t, N
                 corners[count..count + 3].copy_from_slice(&self.moved(index));
                 count += 3;
             }
-            self.aimed = (a, N::query_of_corners(&self.b.frame(), &corners[..count]));
+            self.aimed = (a, N::query_of_corners(&self.b.frame(), &corners[..count], self.margin));
         }
     }
 
@@ -197,10 +217,17 @@ impl<'t, N: Lanes, E: Kernel, V: FnMut(Pair) -> ControlFlow<()>> Traversal<'t, N
     #[inline(always)]
     fn decide(&mut self, a: Child, b: Child) -> Flow {
         for i in primitives(a) {
-            let probe = Probe::new(&self.moved(i));
+            let moved = self.moved(i);
+            let probe = Probe::new(&moved);
             for j in primitives(b) {
                 self.counters.triangle_pairs += 1;
-                if probe.overlaps(&self.b.triangle(j), &mut self.counters.exact_pairs) {
+                let (still, exact) = (self.b.triangle(j), &mut self.counters.exact_pairs);
+                let meets = if self.margin > 0.0 {
+                    within(&moved, &still, self.margin, exact)
+                } else {
+                    probe.overlaps(&still, exact)
+                };
+                if meets {
                     let pair = Pair { a: self.a.source(i), b: self.b.source(j) };
                     if (self.visit)(pair).is_break() {
                         return Flow::Break(Stop::Visitor);

@@ -156,4 +156,5 @@ impl Suite {
 const _: () = {
     let _ = (directory, suite_step, MeshData::placed, MeshData::corners, suites, GAPS);
     let _ = Suite::poses::<fn(&[[f64; 4]; 3]) -> bool>;
+    let _ = |suite: &Suite| suite.name;
 };

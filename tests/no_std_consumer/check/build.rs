@@ -22,7 +22,8 @@ fn main() {
     let tree = Builder::new().build::<Node16<14>>(&mesh).expect("a ring is a mesh");
     std::fs::write(folder.join("ring.simdop"), tree.as_bytes()).expect("OUT_DIR is writable");
 
-    let mut source = format!("/// What the host answered.\nconst EXPECTED: [Answer; {}] = [\n", poses::POSES.len());
+    let mut source =
+        format!("/// What the host answered.\nconst EXPECTED: [Answer; {}] = [\n", poses::POSES.len());
     for (_, rows, _) in poses::POSES {
         let pose = Pose::from_rows(rows).expect("the poses are rigid");
         let answer = Query::new(Isa::detect()).collide(&tree.view(), &tree.view(), &pose);

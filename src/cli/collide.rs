@@ -1,0 +1,177 @@
+//! `simdop collide`.
+
+use super::body::{self, Body};
+use super::error::Error;
+use super::report::{BodyReport, PoseReport, Report, Summary};
+use super::{File, TreeOptions, isa, poses, progress, scene};
+use clap::Args;
+use core::time::Duration;
+use simdop::isa::Isa;
+use simdop::pose::Pose;
+use simdop::query::{Answer, Completion, Counters, Pair, Query, Verdict};
+use std::time::Instant;
+
+#[derive(Args, Debug)]
+pub(super) struct Options {
+    /// The body that the poses move. Without it: the built-in scene.
+    #[arg(requires = "b")]
+    a: Option<File>,
+    /// The body that stands still.
+    b: Option<File>,
+    /// One pose: the 12 numbers of the row-major 3x4 matrix [R|t] that places A in B's frame [default: identity].
+    #[arg(
+        long,
+        value_name = "NUMBERS",
+        conflicts_with = "poses",
+        requires = "a",
+        allow_hyphen_values = true
+    )]
+    pose: Option<String>,
+    /// One pose that only moves: "x y z".
+    #[arg(long, value_name = "NUMBERS", conflicts_with_all = ["poses", "pose"], requires = "a", allow_hyphen_values = true)]
+    translate: Option<String>,
+    /// A file with one pose a line, as for --pose; `#` begins a comment.
+    #[arg(long, value_name = "FILE", requires = "a")]
+    poses: Option<File>,
+    /// Time each query this often and report the fastest.
+    #[arg(long, value_name = "TIMES", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..))]
+    repeat: u32,
+    /// Give up after this many visits of node pairs.
+    #[arg(long, value_name = "VISITS")]
+    budget: Option<u64>,
+    /// List every pair of triangles that meet, by their indices from 0, not only whether there is one.
+    #[arg(long)]
+    all_pairs: bool,
+    /// Instruction set: auto, scalar, neon, avx2 or avx512.
+    #[arg(long, default_value = "auto", value_parser = isa)]
+    isa: Isa,
+    /// Rows of the table, at most.
+    #[arg(long, default_value_t = 64)]
+    rows: usize,
+    /// One JSON object instead of a table.
+    #[arg(long)]
+    json: bool,
+    #[command(flatten)]
+    tree: TreeOptions,
+}
+
+pub(super) fn run(options: &Options) -> Result<u8, Error> {
+    let (bodies, poses) = scene_of(options)?;
+    let query = body::query(options.isa, options.budget);
+    let reports = all(&bodies, query, &poses, options);
+    let shape = bodies[0].tree.shape();
+    let [a, b] = bodies.map(body_report);
+    let report = Report {
+        version: env!("CARGO_PKG_VERSION"),
+        a,
+        b,
+        k: shape.k,
+        arity: shape.arity,
+        isa: options.isa.name(),
+        budget: options.budget,
+        repeat: options.repeat,
+        summary: Summary::of(&reports),
+        poses: reports,
+    };
+    let printed = if options.json { report.print_json() } else { report.print_table(options.rows) };
+    printed.map_err(Error::Output)?;
+    Ok(match report.poses.as_slice() {
+        [only] if only.verdict == "hit" => 1,
+        [only] if only.verdict == "unknown" => 3,
+        _ => 0,
+    })
+}
+
+fn scene_of(options: &Options) -> Result<([Body; 2], Vec<Pose>), Error> {
+    let (Some(a), Some(b)) = (&options.a, &options.b) else {
+        let shape = body::shape(&options.tree, None);
+        let build = |name: &str, mesh| body::build(name.into(), &mesh, &options.tree, shape, options.json);
+        let bodies =
+            [build("torus knot (built in)", scene::knot())?, build("gear ring (built in)", scene::gear())?];
+        return Ok((bodies, scene::sweep()));
+    };
+    // Poses first: a slip in them shows before the work of building.
+    let poses = match (&options.poses, &options.pose, &options.translate) {
+        (Some(path), ..) => poses::read(path)?,
+        (_, Some(text), _) => vec![single("--pose", poses::matrix(text))?],
+        (.., Some(text)) => vec![single("--translate", poses::translation(text))?],
+        _ => vec![Pose::IDENTITY],
+    };
+    Ok((body::pair([a, b], &options.tree, options.json)?, poses))
+}
+
+fn single(option: &'static str, rows: Result<[[f64; 4]; 3], String>) -> Result<Pose, Error> {
+    let rows = rows.map_err(|problem| Error::Option { option, problem })?;
+    Pose::from_rows(rows).map_err(|error| Error::Option { option, problem: error.to_string() })
+}
+
+fn body_report(body: Body) -> BodyReport {
+    let header = body.tree.header();
+    let nanoseconds = |time: Option<Duration>| time.map(|t| t.as_nanos());
+    BodyReport {
+        name: body.name,
+        triangles: header.triangle_count,
+        degenerate_triangles: header.degenerate_count,
+        leaf_size: header.leaf_size,
+        read_nanoseconds: nanoseconds(body.read),
+        build_nanoseconds: nanoseconds(body.build),
+    }
+}
+
+fn all(bodies: &[Body; 2], query: Query, poses: &[Pose], options: &Options) -> Vec<PoseReport> {
+    // Fewer are done at once.
+    let bar = progress::bar(poses.len(), options.json || poses.len() < 1000);
+    let mut reports = Vec::with_capacity(poses.len());
+    for pose in poses {
+        reports.push(one(bodies, query, pose, options));
+        bar.inc(1);
+    }
+    reports
+}
+
+/// Both bodies have one node type: [`body::pair`] and the built-in scene see to that.
+const SAME: &str = "bodies of one node type";
+
+fn one(bodies: &[Body; 2], query: Query, pose: &Pose, options: &Options) -> PoseReport {
+    let (answer, nanoseconds) = fastest(bodies, query, pose, options.repeat);
+    // A query without visits is the set-up alone.
+    let (_, set_up_nanoseconds) = fastest(bodies, query.with_budget(0), pose, options.repeat);
+    let (verdict, pair, distance_bounds) = match answer.verdict {
+        Verdict::Hit(pair) => ("hit", Some([pair.a, pair.b]), None),
+        Verdict::Free => ("free", None, None),
+        Verdict::Unknown { lower, upper } => ("unknown", None, Some([lower, upper])),
+    };
+    let (pairs, pairs_complete) = options.all_pairs.then(|| all_pairs(bodies, query, pose)).unzip();
+    let Counters { visits, kernels, realignments, triangle_pairs, exact_pairs } = answer.counters;
+    PoseReport {
+        verdict,
+        pair,
+        pairs,
+        pairs_complete,
+        distance_bounds,
+        nanoseconds,
+        set_up_nanoseconds,
+        visits,
+        kernels,
+        realignments,
+        triangle_pairs,
+        exact_pairs,
+    }
+}
+
+/// The answer, which is the same every time, and the shortest time it took.
+fn fastest([a, b]: &[Body; 2], query: Query, pose: &Pose, repeat: u32) -> (Answer, u64) {
+    let timed = || {
+        let start = Instant::now();
+        let answer = a.tree.collide(&b.tree, query, pose).expect(SAME);
+        (answer, u64::try_from(start.elapsed().as_nanos()).unwrap_or(u64::MAX))
+    };
+    let (answer, first) = timed();
+    (answer, (1..repeat).map(|_| timed().1).fold(first, u64::min))
+}
+
+/// The pairs, and whether they are all: the budget may be spent before.
+fn all_pairs([a, b]: &[Body; 2], query: Query, pose: &Pose) -> (Vec<[u32; 2]>, bool) {
+    let (pairs, completion, _) = a.tree.all_pairs(&b.tree, query, pose).expect(SAME);
+    (pairs.into_iter().map(|Pair { a, b }| [a, b]).collect(), completion == Completion::Complete)
+}

@@ -1,0 +1,93 @@
+//! What can go wrong, with the file and the place in it.
+
+use super::body::Shape;
+use core::fmt;
+use simdop::build::BuildError;
+use simdop::hierarchy::{BakeError, VerifyError};
+use std::path::PathBuf;
+
+/// Where in a file.
+#[derive(Copy, Clone, PartialEq, Eq, Debug)]
+pub(crate) enum Place {
+    Line(usize),
+    Byte(usize),
+    Nowhere,
+}
+
+/// What is wrong with the contents of a file, found before its name is known.
+#[derive(Clone, PartialEq, Eq, Debug)]
+pub(crate) struct Fault {
+    pub(crate) place: Place,
+    pub(crate) problem: String,
+}
+
+impl Fault {
+    pub(crate) fn line(number: usize, problem: impl Into<String>) -> Self {
+        Self { place: Place::Line(number), problem: problem.into() }
+    }
+
+    pub(crate) fn byte(offset: usize, problem: impl Into<String>) -> Self {
+        Self { place: Place::Byte(offset), problem: problem.into() }
+    }
+
+    pub(crate) fn file(problem: impl Into<String>) -> Self {
+        Self { place: Place::Nowhere, problem: problem.into() }
+    }
+}
+
+#[derive(Debug)]
+pub(crate) enum Error {
+    /// Reading or writing failed.
+    Io { path: PathBuf, error: std::io::Error },
+    /// A file's contents are wrong.
+    Content { path: PathBuf, fault: Fault },
+    /// Bytes that should be a tree are none.
+    Tree { path: PathBuf, error: BakeError },
+    /// A plane of a tree is too low.
+    Verify { path: PathBuf, error: VerifyError },
+    /// A mesh cannot be built.
+    Build { name: String, error: BuildError },
+    /// A pose on the command line is none.
+    Option { option: &'static str, problem: String },
+    /// A tree has another node type than the other body, or than the options ask for.
+    OtherShape { name: String, has: Shape, asked: Shape },
+    /// The standard output is gone or full.
+    Output(std::io::Error),
+}
+
+impl Error {
+    pub(crate) fn content(path: impl Into<PathBuf>, fault: Fault) -> Self {
+        Self::Content { path: path.into(), fault }
+    }
+
+    pub(crate) fn io(path: impl Into<PathBuf>) -> impl FnOnce(std::io::Error) -> Self {
+        let path = path.into();
+        |error| Self::Io { path, error }
+    }
+}
+
+impl fmt::Display for Error {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Io { path, error } => write!(f, "{}: {error}", path.display()),
+            Self::Content { path, fault } => {
+                let (path, problem) = (path.display(), &fault.problem);
+                match fault.place {
+                    Place::Line(number) => write!(f, "{path}, line {number}: {problem}"),
+                    Place::Byte(offset) => write!(f, "{path}, byte {offset}: {problem}"),
+                    Place::Nowhere => write!(f, "{path}: {problem}"),
+                }
+            }
+            Self::Tree { path, error } => write!(f, "{}: {error}", path.display()),
+            Self::Verify { path, error } => write!(f, "{}: not conservative: {error}", path.display()),
+            Self::Build { name, error } => write!(f, "{name}: {error}"),
+            Self::Option { option, problem } => write!(f, "{option}: {problem}"),
+            Self::OtherShape { name, has, asked } => write!(
+                f,
+                "{name}: the tree has k = {} and arity {}, the query k = {} and arity {}: `simdop build` makes another of it",
+                has.k, has.arity, asked.k, asked.arity
+            ),
+            Self::Output(error) => write!(f, "standard output: {error}"),
+        }
+    }
+}

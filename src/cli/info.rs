@@ -1,0 +1,104 @@
+//! `simdop info`.
+
+use super::body::{self, Source};
+use super::error::Error;
+use super::{File, TreeOptions};
+use clap::Args;
+use serde::Serialize;
+use std::io::Write;
+
+#[derive(Args, Debug)]
+pub(super) struct Options {
+    /// A tree, or a mesh that is built first.
+    tree: File,
+    /// Prove, in exact arithmetic, that every plane bounds what is below it.
+    #[arg(long)]
+    verify: bool,
+    /// One JSON object instead of a table.
+    #[arg(long)]
+    json: bool,
+    #[command(flatten)]
+    build: TreeOptions,
+}
+
+#[derive(Serialize)]
+struct Report {
+    k: u16,
+    arity: u16,
+    leaf_size: u16,
+    depth: usize,
+    triangles: usize,
+    degenerate_triangles: u32,
+    vertices: u32,
+    vertex_format: &'static str,
+    nodes: usize,
+    lanes_used_per_node: f64,
+    bytes_per_triangle_planes_and_links: f64,
+    bytes_per_triangle_total: f64,
+    total_bytes: usize,
+    centre: [f64; 3],
+    scale_exponent: i32,
+    build_milliseconds: Option<f64>,
+    verified: Option<bool>,
+}
+
+pub(super) fn run(options: &Options) -> Result<(), Error> {
+    let (tree, build) = match body::read(&options.tree, options.json)? {
+        Source::Tree(tree) => (*tree, None),
+        Source::Mesh(mesh) => {
+            let name = options.tree.display().to_string();
+            let shape = body::shape(&options.build, None);
+            let body = body::build(name, &mesh, &options.build, shape, options.json)?;
+            (body.tree, body.build)
+        }
+    };
+    if options.verify {
+        tree.verify().map_err(|error| Error::Verify { path: options.tree.clone(), error })?;
+    }
+    let (header, stats) = (tree.header(), tree.stats());
+    let share = |bytes: usize| bytes as f64 / stats.triangles.max(1) as f64;
+    let report = Report {
+        k: header.k,
+        arity: header.arity,
+        leaf_size: header.leaf_size,
+        depth: stats.depth,
+        triangles: stats.triangles,
+        degenerate_triangles: header.degenerate_count,
+        vertices: header.vertex_count,
+        vertex_format: if header.vertex_size == 12 { "f32" } else { "f64" },
+        nodes: stats.nodes,
+        lanes_used_per_node: stats.lanes_used as f64 / stats.nodes.max(1) as f64,
+        bytes_per_triangle_planes_and_links: share(stats.node_bytes),
+        bytes_per_triangle_total: share(stats.total_bytes),
+        total_bytes: stats.total_bytes,
+        centre: header.centre,
+        scale_exponent: header.exponent,
+        build_milliseconds: build.map(|time| time.as_secs_f64() * 1e3),
+        verified: options.verify.then_some(true),
+    };
+    print(&report, options.json).map_err(Error::Output)
+}
+
+fn print(report: &Report, json: bool) -> std::io::Result<()> {
+    let mut out = std::io::stdout().lock();
+    if json {
+        return writeln!(out, "{}", serde_json::to_string_pretty(report)?);
+    }
+    let Report { k, arity, leaf_size, depth, triangles, vertices, nodes, .. } = report;
+    writeln!(out, "k {k}, arity {arity}, leaf size {leaf_size}, depth {depth}")?;
+    writeln!(out, "triangles           {triangles:>12}   without area {}", report.degenerate_triangles)?;
+    writeln!(out, "vertices            {vertices:>12}   stored as {}", report.vertex_format)?;
+    writeln!(out, "nodes               {nodes:>12}")?;
+    writeln!(out, "lanes used per node {:>12.2}   of {arity}", report.lanes_used_per_node)?;
+    let per_triangle = report.bytes_per_triangle_planes_and_links;
+    writeln!(out, "bytes per triangle  {per_triangle:>12.1}   planes and links")?;
+    writeln!(out, "                    {:>12.1}   in all", report.bytes_per_triangle_total)?;
+    writeln!(out, "bytes               {:>12}", report.total_bytes)?;
+    if let Some(milliseconds) = report.build_milliseconds {
+        writeln!(out, "built in            {milliseconds:>12.1} ms")?;
+    }
+    if report.verified.is_some() {
+        writeln!(out, "verified: every plane bounds the triangles below it")?;
+    }
+    Ok(())
+}

@@ -1,0 +1,124 @@
+//! The command line: reads files, runs queries, prints tables or JSON.
+
+mod body;
+mod build;
+mod collide;
+mod error;
+mod info;
+mod mesh;
+mod poses;
+mod progress;
+mod report;
+mod scene;
+
+use clap::{Args, Parser, Subcommand, ValueEnum};
+use error::Error;
+use simdop::isa::Isa;
+use std::io::Write;
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+/// Exact collision queries between triangle meshes, by SIMD on hierarchies of k-DOPs.
+#[derive(Parser, Debug)]
+#[command(version, about)]
+struct Cli {
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Subcommand, Debug)]
+enum Command {
+    /// Does A, placed by a pose in B's frame, meet B?
+    ///
+    /// A and B are meshes (.obj, .off, .ply, .stl) or trees made by `simdop build`. Without files: two generated bodies and a sweep
+    /// of poses. For one pose the exit code is the verdict: 0 free, 1 hit; for several it is 0. It is 2 for errors, and 3 if the
+    /// budget was spent before the only verdict was known.
+    Collide(collide::Options),
+    /// Builds the hierarchy of a mesh and writes it as a tree.
+    Build(build::Options),
+    /// Describes a tree, or the tree that a mesh becomes.
+    Info(info::Options),
+}
+
+/// What hierarchy a mesh becomes. A tree is what it is.
+#[derive(Args, Clone, Debug)]
+struct TreeOptions {
+    /// Planes of a volume: 6, 14, 18, 26 or 32 [default: 18, or that of a given tree].
+    #[arg(short, long, value_parser = k)]
+    k: Option<usize>,
+    /// Children of a node: 4 or 16 [default: 16, or that of a given tree].
+    #[arg(short, long, value_parser = arity)]
+    arity: Option<usize>,
+    /// Triangles in a leaf, at most: 1 to 16.
+    #[arg(short, long, default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=16))]
+    leaf_size: u32,
+    /// How triangles are assigned to the children of a node.
+    #[arg(short, long, value_enum, default_value_t = Splitter::ExtendedLongestAxis)]
+    splitter: Splitter,
+}
+
+#[derive(ValueEnum, Copy, Clone, Debug)]
+enum Splitter {
+    LongestAxis,
+    ExtendedLongestAxis,
+}
+
+impl From<Splitter> for simdop::build::Splitter {
+    fn from(splitter: Splitter) -> Self {
+        match splitter {
+            Splitter::LongestAxis => Self::LongestAxis,
+            Splitter::ExtendedLongestAxis => Self::ExtendedLongestAxis,
+        }
+    }
+}
+
+fn one_of(text: &str, allowed: &[usize]) -> Result<usize, String> {
+    let number = text.parse().ok().filter(|n| allowed.contains(n));
+    number.ok_or_else(|| format!("must be one of {allowed:?}"))
+}
+
+fn k(text: &str) -> Result<usize, String> {
+    one_of(text, &[6, 14, 18, 26, 32])
+}
+
+fn arity(text: &str) -> Result<usize, String> {
+    one_of(text, &[4, 16])
+}
+
+fn isa(text: &str) -> Result<Isa, String> {
+    if text == "auto" {
+        return Ok(Isa::detect());
+    }
+    text.parse().map_err(|e: simdop::isa::IsaError| e.to_string())
+}
+
+/// A file that exists is not required here: the reader names what is wrong.
+type File = PathBuf;
+
+pub(crate) fn run() -> ExitCode {
+    let outcome = match Cli::parse().command {
+        Command::Collide(options) => collide::run(&options),
+        Command::Build(options) => build::run(&options).map(|()| 0),
+        Command::Info(options) => info::run(&options).map(|()| 0),
+    };
+    match outcome {
+        Ok(code) => ExitCode::from(code),
+        // The reader of our output has seen enough: nothing is wrong.
+        Err(Error::Output(error)) if error.kind() == std::io::ErrorKind::BrokenPipe => ExitCode::SUCCESS,
+        Err(error) => {
+            // If the standard error is gone too, the exit code is all there is to say.
+            let _ = writeln!(std::io::stderr(), "simdop: {error}");
+            ExitCode::from(2)
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use clap::CommandFactory;
+
+    #[test]
+    fn the_arguments_are_consistent() {
+        super::Cli::command().debug_assert();
+    }
+}

@@ -1,0 +1,210 @@
+//! What `simdop collide` reports: a table for people, an object for programs.
+
+use serde::Serialize;
+use std::io::{BufWriter, Write};
+
+#[derive(Serialize)]
+pub(super) struct Report {
+    pub(super) version: &'static str,
+    pub(super) a: BodyReport,
+    pub(super) b: BodyReport,
+    pub(super) k: usize,
+    pub(super) arity: usize,
+    pub(super) isa: &'static str,
+    /// In visits.
+    pub(super) budget: Option<u64>,
+    pub(super) repeat: u32,
+    pub(super) summary: Summary,
+    /// In the order of the file.
+    pub(super) poses: Vec<PoseReport>,
+}
+
+#[derive(Serialize)]
+pub(super) struct BodyReport {
+    pub(super) name: String,
+    pub(super) triangles: u32,
+    pub(super) degenerate_triangles: u32,
+    pub(super) leaf_size: u16,
+    /// Reading and checking the file. Null for a generated body.
+    pub(super) read_nanoseconds: Option<u128>,
+    /// Null for a tree from a file.
+    pub(super) build_nanoseconds: Option<u128>,
+}
+
+#[derive(Serialize)]
+pub(super) struct PoseReport {
+    pub(super) verdict: &'static str,
+    /// The first pair of triangles found to meet, by their indices in the meshes.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) pair: Option<[u32; 2]>,
+    /// All of them.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) pairs: Option<Vec<[u32; 2]>>,
+    /// Whether the budget lasted for all of them.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) pairs_complete: Option<bool>,
+    /// Bounds of the distance, if the budget was spent.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) distance_bounds: Option<[f64; 2]>,
+    /// The query, set-up included.
+    pub(super) nanoseconds: u64,
+    /// What the query spends before its first visit.
+    pub(super) set_up_nanoseconds: u64,
+    pub(super) visits: u64,
+    pub(super) kernels: u64,
+    pub(super) realignments: u64,
+    pub(super) triangle_pairs: u64,
+    pub(super) exact_pairs: u64,
+}
+
+#[derive(Serialize)]
+pub(super) struct Summary {
+    hits: usize,
+    free: usize,
+    unknown: usize,
+    median_nanoseconds: u64,
+    p99_nanoseconds: u64,
+    max_nanoseconds: u64,
+}
+
+impl Summary {
+    /// Of one pose at least.
+    pub(super) fn of(poses: &[PoseReport]) -> Self {
+        let count = |verdict| poses.iter().filter(|pose| pose.verdict == verdict).count();
+        let mut times: Vec<u64> = poses.iter().map(|pose| pose.nanoseconds).collect();
+        times.sort_unstable();
+        // Nearest rank: the smallest time that the share of all times is not above.
+        let rank = |percent: usize| (times.len() * percent).div_ceil(100).saturating_sub(1);
+        let at = |percent| times.get(rank(percent)).copied().unwrap_or(0);
+        Self {
+            hits: count("hit"),
+            free: count("free"),
+            unknown: count("unknown"),
+            median_nanoseconds: at(50),
+            p99_nanoseconds: at(99),
+            max_nanoseconds: at(100),
+        }
+    }
+}
+
+fn microseconds(nanoseconds: u64) -> f64 {
+    nanoseconds as f64 / 1e3
+}
+
+impl Report {
+    pub(super) fn print_json(&self) -> std::io::Result<()> {
+        let mut out = BufWriter::new(std::io::stdout().lock());
+        serde_json::to_writer_pretty(&mut out, self)?;
+        writeln!(out)?;
+        out.flush()
+    }
+
+    /// At most `rows` poses, then what they come to.
+    pub(super) fn print_table(&self, rows: usize) -> std::io::Result<()> {
+        let mut out = BufWriter::new(std::io::stdout().lock());
+        self.print_bodies(&mut out)?;
+        writeln!(out, "\n  pose  verdict          us  visits  kernels  re-aligned  triangle pairs  exact")?;
+        for (index, pose) in self.poses.iter().enumerate().take(rows) {
+            pose.print(&mut out, index)?;
+        }
+        if self.poses.len() > rows {
+            writeln!(out, "   ... and {} more: --rows or --json shows them", self.poses.len() - rows)?;
+        }
+        if self.poses.len() > 1 {
+            self.print_summary(&mut out)?;
+        }
+        out.flush()
+    }
+
+    fn print_bodies(&self, out: &mut impl Write) -> std::io::Result<()> {
+        for (letter, body) in [("A", &self.a), ("B", &self.b)] {
+            write!(out, "{letter}  {}: {} triangles", body.name, body.triangles)?;
+            let times = [("read", body.read_nanoseconds), ("built", body.build_nanoseconds)];
+            for (what, time) in times {
+                if let Some(nanoseconds) = time {
+                    write!(out, ", {what} in {:.1} ms", nanoseconds as f64 / 1e6)?;
+                }
+            }
+            writeln!(out)?;
+        }
+        writeln!(out, "k {}, arity {}, {}", self.k, self.arity, self.isa)
+    }
+
+    fn print_summary(&self, out: &mut impl Write) -> std::io::Result<()> {
+        let Summary { hits, free, unknown, .. } = self.summary;
+        let count = self.poses.len();
+        let sum = |value: fn(&PoseReport) -> u64| self.poses.iter().map(value).sum::<u64>();
+        let mean = |value| sum(value) as f64 / count as f64;
+        writeln!(out, "\n{count} poses: {hits} hits, {free} free, {unknown} unknown")?;
+        writeln!(
+            out,
+            "us per query: median {:.2}, p99 {:.2}, max {:.2}",
+            microseconds(self.summary.median_nanoseconds),
+            microseconds(self.summary.p99_nanoseconds),
+            microseconds(self.summary.max_nanoseconds)
+        )?;
+        writeln!(
+            out,
+            "per query: {:.1} visits, {:.1} kernels, {:.1} re-alignments, {:.1} triangle pairs; {} pairs in all were exact",
+            mean(|p| p.visits),
+            mean(|p| p.kernels),
+            mean(|p| p.realignments),
+            mean(|p| p.triangle_pairs),
+            sum(|p| p.exact_pairs)
+        )
+    }
+}
+
+impl PoseReport {
+    fn print(&self, out: &mut impl Write, index: usize) -> std::io::Result<()> {
+        let Self { verdict, visits, kernels, realignments, triangle_pairs, exact_pairs, .. } = self;
+        write!(out, "{index:6}  {verdict:7} {:11.2} ", microseconds(self.nanoseconds))?;
+        write!(out, "{visits:7} {kernels:8} {realignments:11} {triangle_pairs:15} {exact_pairs:6}")?;
+        match (self.pair, self.distance_bounds) {
+            (Some([a, b]), _) => writeln!(out, "  triangle {a} of A meets {b} of B")?,
+            (_, Some([low, high])) => writeln!(out, "  the distance is in {low} ..= {high}")?,
+            _ => writeln!(out)?,
+        }
+        for [a, b] in self.pairs.iter().flatten() {
+            writeln!(out, "        {a} {b}")?;
+        }
+        if self.pairs_complete == Some(false) {
+            writeln!(out, "        the budget was spent: there may be more pairs")?;
+        }
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn pose(verdict: &'static str, nanoseconds: u64) -> PoseReport {
+        PoseReport {
+            verdict,
+            pair: None,
+            pairs: None,
+            pairs_complete: None,
+            distance_bounds: None,
+            nanoseconds,
+            set_up_nanoseconds: 0,
+            visits: 0,
+            kernels: 0,
+            realignments: 0,
+            triangle_pairs: 0,
+            exact_pairs: 0,
+        }
+    }
+
+    #[test]
+    fn percentiles_are_times_that_were_measured() {
+        let of = |count: u64| {
+            let poses: Vec<_> = (1..=count).rev().map(|ns| pose("free", ns)).collect();
+            let s = Summary::of(&poses);
+            (s.free as u64, s.median_nanoseconds, s.p99_nanoseconds, s.max_nanoseconds)
+        };
+        assert_eq!(of(1), (1, 1, 1, 1));
+        assert_eq!(of(3), (3, 2, 3, 3));
+        assert_eq!(of(200), (200, 100, 198, 200));
+    }
+}

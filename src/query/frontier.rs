@@ -1,0 +1,94 @@
+//! The stack of a distance query: volumes that wait, with their bounds.
+
+use super::gaps::{Entries, Entry, least};
+use crate::hierarchy::MAX_DEPTH;
+use crate::node::Child;
+
+/// A child of a node of A, to be seen as a volume in B's frame.
+#[derive(Copy, Clone, Debug)]
+pub(super) struct VolumeA {
+    pub(super) child: Child,
+    /// The node it is a child of; nothing for the root.
+    pub(super) parent: Child,
+    pub(super) lane: u8,
+    pub(super) level: u8,
+}
+
+/// A child of a node of B.
+#[derive(Copy, Clone, Debug)]
+pub(super) struct VolumeB {
+    pub(super) child: Child,
+    pub(super) parent: u32,
+    pub(super) lane: u8,
+    pub(super) level: u8,
+}
+
+/// A step that was taken, and the lanes that are still to be followed.
+#[derive(Copy, Clone, Debug)]
+pub(super) struct Frame {
+    pub(super) entries: Entries,
+    pub(super) a: VolumeA,
+    pub(super) b: VolumeB,
+    /// Whose children the lanes are.
+    pub(super) opened: Body,
+}
+
+#[derive(Copy, Clone, PartialEq, Eq, Debug)]
+pub(super) enum Body {
+    A,
+    B,
+}
+
+/// Instead of the node that holds the root of B as a child, which there is not.
+pub(super) const ABOVE_ROOT: u32 = u32::MAX;
+
+/// Every frame is a level deeper in one of the trees.
+const FRAMES: usize = 2 * MAX_DEPTH;
+
+/// Bytes of the stack of a distance query, whatever the trees: below 5 KB.
+pub const DISTANCE_STACK_BYTES: usize = size_of::<Stack>();
+const _: () = assert!(DISTANCE_STACK_BYTES <= 5120, "the stack of a distance query fits in 5 KB");
+
+impl Frame {
+    const BLANK: Self = Self {
+        entries: [Entry::NONE; 16],
+        a: VolumeA { child: Child::EMPTY, parent: Child::EMPTY, lane: 0, level: 0 },
+        b: VolumeB { child: Child::EMPTY, parent: ABOVE_ROOT, lane: 0, level: 0 },
+        opened: Body::A,
+    };
+}
+
+#[derive(Debug)]
+pub(super) struct Stack {
+    frames: [Frame; FRAMES],
+    len: usize,
+}
+
+impl Stack {
+    pub(super) const fn new() -> Self {
+        Self { frames: [Frame::BLANK; FRAMES], len: 0 }
+    }
+
+    /// # Panics
+    /// If full, which trees that were validated cannot bring about.
+    #[inline(always)]
+    pub(super) fn push(&mut self, frame: Frame) {
+        self.frames[self.len] = frame;
+        self.len += 1;
+    }
+
+    #[inline(always)]
+    pub(super) fn top(&mut self) -> Option<&mut Frame> {
+        self.frames.get_mut(self.len.checked_sub(1)?)
+    }
+
+    pub(super) fn pop(&mut self) {
+        self.len -= 1;
+    }
+
+    /// The least bound of all that wait, if anything does.
+    pub(super) fn least(&self) -> Option<f32> {
+        let least = self.frames[..self.len].iter().map(|frame| least(&frame.entries)).min()?;
+        (least != Entry::NONE).then(|| least.bound())
+    }
+}

@@ -1,0 +1,246 @@
+//! The closest points of two disjoint triangles: between a corner and a face, or between two edges. One algorithm, for any numbers.
+//!
+//! Nothing here is trusted to be right: an ill-conditioned pair may give points that are not the closest. They are always *on* the
+//! triangles, up to rounding, so their distance is an upper bound; the axis that comes with them makes the lower bound
+//! (`super::distance`), and the two tell whether the points were right.
+
+use core::ops::{Add, Div, Mul, Sub};
+
+/// What the algorithm computes in.
+pub(super) trait Real:
+    Copy + PartialOrd + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> + Div<Output = Self>
+{
+    const ZERO: Self;
+    const ONE: Self;
+    /// Bounds the relative error of an operation.
+    const ROUNDOFF: f64;
+
+    /// `(x - y) * scale`, for a power of two.
+    fn scaled_difference(x: f64, y: f64, scale: f64) -> Self;
+    fn length(v: &Vector<Self>) -> Self;
+    /// The nearest `f64`.
+    fn to_f64(self) -> f64;
+    /// `origin + self * unscale`, rounded once where the type can.
+    fn placed(self, origin: f64, unscale: f64) -> f64;
+}
+
+impl Real for f64 {
+    const ZERO: Self = 0.0;
+    const ONE: Self = 1.0;
+    const ROUNDOFF: Self = super::UNIT_ROUNDOFF;
+
+    #[inline(always)]
+    fn scaled_difference(x: f64, y: f64, scale: f64) -> Self {
+        (x - y) * scale
+    }
+
+    #[inline(always)]
+    fn length(v: &Vector<Self>) -> Self {
+        glam::DVec3::from_array(*v).length()
+    }
+
+    #[inline(always)]
+    fn to_f64(self) -> f64 {
+        self
+    }
+
+    #[inline(always)]
+    fn placed(self, origin: f64, unscale: f64) -> f64 {
+        origin + self * unscale
+    }
+}
+
+pub(super) type Vector<R> = [R; 3];
+pub(super) type Corners<R> = [Vector<R>; 3];
+
+#[inline(always)]
+pub(super) fn dot<R: Real>(u: &Vector<R>, v: &Vector<R>) -> R {
+    (u[0] * v[0] + u[1] * v[1]) + u[2] * v[2]
+}
+
+#[inline(always)]
+pub(super) fn sub<R: Real>(u: &Vector<R>, v: &Vector<R>) -> Vector<R> {
+    [u[0] - v[0], u[1] - v[1], u[2] - v[2]]
+}
+
+#[inline(always)]
+fn cross<R: Real>(u: &Vector<R>, v: &Vector<R>) -> Vector<R> {
+    [u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]]
+}
+
+/// `p + s u`.
+#[inline(always)]
+fn along<R: Real>(p: &Vector<R>, s: R, u: &Vector<R>) -> Vector<R> {
+    [p[0] + s * u[0], p[1] + s * u[1], p[2] + s * u[2]]
+}
+
+#[inline(always)]
+pub(super) fn least<R: Real>(x: R, y: R) -> R {
+    if y < x { y } else { x }
+}
+
+#[inline(always)]
+pub(super) fn greatest<R: Real>(x: R, y: R) -> R {
+    if y > x { y } else { x }
+}
+
+/// To 0 ..= 1; NaN to 0.
+#[inline(always)]
+fn clamped<R: Real>(x: R) -> R {
+    let x = if x > R::ZERO { x } else { R::ZERO };
+    if x < R::ONE { x } else { R::ONE }
+}
+
+/// Two points, and a direction along which the triangles are as far apart as they are, if the points are the closest.
+#[derive(Copy, Clone, Debug)]
+pub(super) struct Closest<R> {
+    /// On the first triangle.
+    pub(super) p: Vector<R>,
+    /// On the second.
+    pub(super) q: Vector<R>,
+    /// Not normalised, of either sense.
+    pub(super) axis: Vector<R>,
+}
+
+/// The closest points of the triangles' outlines.
+#[derive(Copy, Clone, Debug)]
+pub(super) struct OnEdges<R> {
+    pub(super) closest: Closest<R>,
+    /// Indices of the edges' first corners.
+    pub(super) pair: [usize; 2],
+    pub(super) edges: [Vector<R>; 2],
+}
+
+/// A triangle's plane and the three corners of the other triangle over it.
+#[derive(Debug)]
+pub(super) struct Face<R> {
+    origin: Vector<R>,
+    edges: [Vector<R>; 2],
+    pub(super) normal: Vector<R>,
+    /// Height over the plane times the length of the normal.
+    pub(super) heights: [R; 3],
+}
+
+impl<R: Real> Face<R> {
+    #[inline(always)]
+    pub(super) fn new(face: &Corners<R>, corners: &Corners<R>) -> Self {
+        let origin = face[0];
+        let edges = [sub(&face[1], &origin), sub(&face[2], &origin)];
+        let normal = cross(&edges[0], &edges[1]);
+        let height = |p: &Vector<R>| dot(&normal, &sub(p, &origin));
+        let heights = [height(&corners[0]), height(&corners[1]), height(&corners[2])];
+        Self { origin, edges, normal, heights }
+    }
+
+    /// How far all corners are from the plane, on one side of it, times the length of the normal; not positive if they are not.
+    #[inline(always)]
+    pub(super) fn gap(&self) -> R {
+        let [x, y, z] = self.heights;
+        greatest(least(least(x, y), z), R::ZERO - greatest(greatest(x, y), z))
+    }
+
+    /// The nearest corner, if it is over the face itself, and the point below it.
+    ///
+    /// Where a corner and the inside of a face are closest, the face's plane separates the triangles and no other corner is nearer to
+    /// it: this corner is the only one to try.
+    #[inline(always)]
+    pub(super) fn foot(&self, corners: &Corners<R>) -> Option<(Vector<R>, Vector<R>)> {
+        let gap = self.gap();
+        if gap <= R::ZERO {
+            return None;
+        }
+        let nearest = (0..3).find(|&i| self.heights[i] == gap || R::ZERO - self.heights[i] == gap)?;
+        let corner = corners[nearest];
+        let square = dot(&self.normal, &self.normal);
+        let w = sub(&corner, &self.origin);
+        let s = dot(&w, &cross(&self.edges[1], &self.normal)) / square;
+        let t = dot(&w, &cross(&self.normal, &self.edges[0])) / square;
+        let inside = s >= R::ZERO && t >= R::ZERO && s + t <= R::ONE;
+        inside.then(|| (corner, along(&along(&self.origin, s, &self.edges[0]), t, &self.edges[1])))
+    }
+
+    /// Where an edge of the other triangle passes through the face: a common point of triangles that cross.
+    pub(super) fn piercing(&self, corners: &Corners<R>) -> Option<Vector<R>> {
+        let square = dot(&self.normal, &self.normal);
+        (0..3).find_map(|i| {
+            let (k, p) = ((i + 1) % 3, &corners[i]);
+            let (from, to) = (self.heights[i], self.heights[k]);
+            if (from > R::ZERO && to > R::ZERO) || (from < R::ZERO && to < R::ZERO) {
+                return None;
+            }
+            let point = along(p, clamped(from / (from - to)), &sub(&corners[k], p));
+            let w = sub(&point, &self.origin);
+            let s = dot(&w, &cross(&self.edges[1], &self.normal)) / square;
+            let t = dot(&w, &cross(&self.normal, &self.edges[0])) / square;
+            (s >= R::ZERO && t >= R::ZERO && s + t <= R::ONE).then_some(point)
+        })
+    }
+}
+
+/// Nine pairs of edges: the parameters by Cramer's rule in the form that divides by the square of the cross product, which keeps
+/// twice the digits of the usual difference of squares where edges are almost parallel; then one step of alternating projections.
+/// `only` restricts it to one pair of edges.
+#[inline(always)]
+pub(super) fn closest_on_edges<R: Real>(
+    a: &Corners<R>,
+    b: &Corners<R>,
+    only: Option<[usize; 2]>,
+) -> OnEdges<R> {
+    let v = [sub(&b[1], &b[0]), sub(&b[2], &b[1]), sub(&b[0], &b[2])];
+    let vv = [dot(&v[0], &v[0]), dot(&v[1], &v[1]), dot(&v[2], &v[2])];
+    let mut least_square = None;
+    let mut best = (0, 0, R::ZERO, R::ZERO);
+    for i in 0..3 {
+        if only.is_some_and(|[first, _]| first != i) {
+            continue;
+        }
+        let u = sub(&a[(i + 1) % 3], &a[i]);
+        let uu = dot(&u, &u);
+        // In rows of three, for the compiler to make vectors of.
+        let (mut s, mut t, mut square) = ([R::ZERO; 3], [R::ZERO; 3], [R::ZERO; 3]);
+        for j in 0..3 {
+            if only.is_some_and(|[_, second]| second != j) {
+                continue;
+            }
+            let w = sub(&b[j], &a[i]);
+            let n = cross(&u, &v[j]);
+            let (uv, uw, vw) = (dot(&u, &v[j]), dot(&u, &w), dot(&v[j], &w));
+            // Vanishing denominators give NaN or infinity, and so an end of the edge.
+            let on_line = clamped(dot(&cross(&w, &v[j]), &n) / dot(&n, &n));
+            t[j] = clamped((on_line * uv - vw) / vv[j]);
+            s[j] = clamped((uw + t[j] * uv) / uu);
+            let d = sub(&along(&w, t[j], &v[j]), &along(&[R::ZERO; 3], s[j], &u));
+            square[j] = dot(&d, &d);
+        }
+        for j in 0..3 {
+            if only.is_none_or(|[_, second]| second == j)
+                && least_square.is_none_or(|least| square[j] < least)
+            {
+                least_square = Some(square[j]);
+                best = (i, j, s[j], t[j]);
+            }
+        }
+    }
+    let (i, j, s, t) = best;
+    let u = sub(&a[(i + 1) % 3], &a[i]);
+    // A corner is taken as it is: the line between two corners has then no error but that of one difference.
+    let at =
+        |p: &Vector<R>, end: &Vector<R>, s: R, u: &Vector<R>| if s < R::ONE { along(p, s, u) } else { *end };
+    let (p, q) = (at(&a[i], &a[(i + 1) % 3], s, &u), at(&b[j], &b[(j + 1) % 3], t, &v[j]));
+    let inside = |x: R| x > R::ZERO && x < R::ONE;
+    let between = sub(&p, &q);
+    let axis = match (inside(s), inside(t)) {
+        (true, true) => cross(&u, &v[j]),
+        (true, false) => rejection(&between, &u),
+        (false, true) => rejection(&between, &v[j]),
+        (false, false) => between,
+    };
+    OnEdges { closest: Closest { p, q, axis }, pair: [i, j], edges: [u, v[j]] }
+}
+
+/// The part of `d`, almost orthogonal to `u`, that is orthogonal to it. The point on the edge is off by a rounding of the edge, which
+/// may be much in comparison with `d`, and an axis that is oblique by it would see the edge as long as that.
+#[inline(always)]
+pub(super) fn rejection<R: Real>(d: &Vector<R>, u: &Vector<R>) -> Vector<R> {
+    along(d, R::ZERO - dot(d, u) / dot(u, u), u)
+}

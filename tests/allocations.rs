@@ -1,0 +1,210 @@
+//! What a planner on a robot relies on: no query touches the heap, and the stack of a query is bounded whatever the trees.
+
+#![expect(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
+
+mod support;
+
+use core::alloc::{GlobalAlloc, Layout};
+use core::cell::Cell;
+use core::hint::black_box;
+use core::ops::ControlFlow;
+use simdop::build::{Builder, Mesh};
+use simdop::hierarchy::{BakeError, Bvh, BvhRef, Header, MAX_DEPTH};
+use simdop::isa::Isa;
+use simdop::node::{Child, Node4, Node16};
+use simdop::pose::Pose;
+use simdop::query::{Completion, Lanes, Query, STACK_BYTES, Verdict};
+use std::alloc::System;
+use support::shapes;
+
+thread_local! {
+    /// Calls of the allocator by this thread: the test harness runs others.
+    static CALLS: Cell<u64> = const { Cell::new(0) };
+}
+
+/// The system's allocator, counted.
+struct Counting;
+
+impl Counting {
+    fn count() {
+        // A thread that is ending has no counter any more, and nobody who would read it.
+        let _ = CALLS.try_with(|calls| calls.set(calls.get() + 1));
+    }
+}
+
+#[expect(unsafe_code, reason = "an allocator that counts has to be one")]
+// SAFETY: every call is passed on to the system's allocator unchanged.
+unsafe impl GlobalAlloc for Counting {
+    unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
+        Self::count();
+        // SAFETY: the caller's promises are the ones asked for.
+        unsafe { System.alloc(layout) }
+    }
+
+    unsafe fn dealloc(&self, pointer: *mut u8, layout: Layout) {
+        Self::count();
+        // SAFETY: the caller's promises are the ones asked for.
+        unsafe { System.dealloc(pointer, layout) }
+    }
+
+    unsafe fn realloc(&self, pointer: *mut u8, layout: Layout, size: usize) -> *mut u8 {
+        Self::count();
+        // SAFETY: the caller's promises are the ones asked for.
+        unsafe { System.realloc(pointer, layout, size) }
+    }
+}
+
+#[global_allocator]
+static ALLOCATOR: Counting = Counting;
+
+/// Runs `f` and returns how often it called the allocator.
+fn calls<R>(f: impl FnOnce() -> R) -> (R, u64) {
+    let before = CALLS.get();
+    let result = black_box(f());
+    (result, CALLS.get() - before)
+}
+
+fn without_heap<R>(what: &str, f: impl FnOnce() -> R) -> R {
+    let (result, calls) = calls(f);
+    assert_eq!(calls, 0, "{what} called the allocator");
+    result
+}
+
+#[test]
+fn the_counter_counts() {
+    let (bytes, count) = calls(|| black_box(vec![1_u8; black_box(100)]));
+    assert_eq!((bytes.len(), count), (100, 1), "one allocation");
+    assert_eq!(calls(|| drop(bytes)).1, 1, "one release");
+    assert_eq!(calls(|| black_box(5)).1, 0);
+}
+
+fn tree<N: Lanes>() -> Bvh<N> {
+    let mesh = shapes::torus(32, 20);
+    Builder::new().leaf_size(3).build(&Mesh { vertices: &mesh.vertices, triangles: &mesh.triangles }).unwrap()
+}
+
+fn pose(x: f64) -> Pose {
+    without_heap("a pose", || {
+        Pose::from_rows([[0.6, -0.8, 0.0, x], [0.8, 0.6, 0.0, 0.1], [0.0, 0.0, 1.0, 0.2]]).unwrap()
+    })
+}
+
+fn queries_stay_off_the_heap<N: Lanes>() {
+    let tree = tree::<N>();
+    let view: BvhRef<'_, N> = without_heap("view", || tree.view());
+    let borrowed: BvhRef<'_, N> = without_heap("from_bytes", || BvhRef::from_bytes(tree.as_bytes())).unwrap();
+    without_heap("verify", || view.verify()).unwrap();
+    let detected = without_heap("detection", Isa::detect);
+    for isa in without_heap("available", || Isa::available().chain([detected])) {
+        let query = Query::new(isa);
+        // Linked rings: the hulls overlap deeply, whether or not the surfaces meet.
+        let (near, close, far) = (pose(1.0), pose(2.6), pose(1000.0));
+        let collide = |query: Query, pose: &Pose| {
+            without_heap("collide", || query.collide(&view, &borrowed, pose)).verdict
+        };
+        assert!(matches!(collide(query, &near), Verdict::Hit(_)));
+        assert_eq!(collide(query, &far), Verdict::Free);
+        let _ = collide(query, &close);
+        assert!(matches!(collide(query.with_budget(1), &near), Verdict::Unknown { .. }));
+        for pose in [&near, &close, &far] {
+            without_heap("within", || query.within(&view, &borrowed, pose, 0.01)).unwrap();
+            let distance = without_heap("distance", || query.distance(&view, &borrowed, pose, 0.0)).unwrap();
+            assert!(distance.lower <= distance.upper);
+        }
+        let mut count = 0;
+        let (completion, _) = without_heap("for_each_pair", || {
+            query.for_each_pair(&view, &borrowed, &near, |_| {
+                count += 1;
+                ControlFlow::Continue(())
+            })
+        });
+        assert_eq!(completion, Completion::Complete);
+        assert!(count > 100, "{count} pairs meet");
+    }
+}
+
+#[test]
+fn a_query_never_allocates() {
+    queries_stay_off_the_heap::<Node16<6>>();
+    queries_stay_off_the_heap::<Node16<18>>();
+    queries_stay_off_the_heap::<Node16<32>>();
+    queries_stay_off_the_heap::<Node4<14>>();
+}
+
+#[test]
+fn the_stack_of_a_query_is_below_two_kilobytes() {
+    assert!((1..=2048).contains(&STACK_BYTES), "{STACK_BYTES} bytes");
+}
+
+/// A tilted triangle: its box is fat, so that bodies can overlap as volumes and not meet.
+const TILTED: [[f64; 3]; 3] = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.5], [0.0, 1.0, 0.25]];
+
+/// The bytes of a tree like a comb: below each node of the spine, the rest of the spine and a node with a leaf. Each of its `depth`
+/// leaves holds the same triangle, so that all planes are alike.
+fn comb(depth: usize) -> Vec<u8> {
+    let builder = Builder::new();
+    let mesh = shapes::separate([TILTED]);
+    let tree = builder.build(&Mesh { vertices: &mesh.vertices, triangles: &mesh.triangles }).unwrap();
+    let view: BvhRef<'_, Node4<6>> = Bvh::view(&tree);
+    let planes = view.nodes()[0].planes;
+    let node = |child: [u32; 2]| {
+        let used = |lane: usize, j: usize| if child[lane] == u32::MAX { i16::MIN } else { planes[j][0] };
+        let planes = core::array::from_fn(|j| [used(0, j), used(1, j), i16::MIN, i16::MIN]);
+        Node4::<6> {
+            planes,
+            child: [child[0], child[1], u32::MAX, u32::MAX].map(bytemuck::cast::<u32, Child>),
+        }
+    };
+    let leaf = |first: usize| 1 << 31 | first as u32;
+
+    // Level by level: the spine, then the tooth. The teeth's triangles come first; at the bottom, the spine's comes before the tooth's.
+    let mut nodes = Vec::new();
+    for level in 1..=depth {
+        let next = (2 * level - 1) as u32;
+        let bottom = level == depth;
+        nodes.push(node(if bottom { [leaf(depth.max(2) - 2), u32::MAX] } else { [next, next + 1] }));
+        if level > 1 {
+            nodes.push(node([leaf(if bottom { depth - 1 } else { level - 2 }), u32::MAX]));
+        }
+    }
+    let mut header = *view.header();
+    (header.depth, header.node_count) = (depth as u32, nodes.len() as u32);
+    header.triangle_count = depth as u32;
+    let mut bytes = bytemuck::bytes_of(&header).to_vec();
+    bytes.extend(nodes.iter().flat_map(bytemuck::bytes_of));
+    bytes.extend(TILTED.as_flattened().iter().flat_map(|&x| (x as f32).to_le_bytes()));
+    bytes.extend((0..depth).flat_map(|_| [0_u32, 1, 2]).chain(0..depth as u32).flat_map(u32::to_le_bytes));
+    bytes.resize(bytes.len().next_multiple_of(64), 0);
+    bytes
+}
+
+/// The deepest trees that pass `from_bytes` are walked to the end; deeper ones do not pass.
+#[test]
+fn trees_too_deep_for_the_stack_are_refused() {
+    let apart = Pose::from_rows([[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 1e-3]]).unwrap();
+    let read = |depth: usize| Bvh::<Node4<6>>::from_bytes(&comb(depth));
+    for depth in [1, 2, 3, MAX_DEPTH - 1, MAX_DEPTH] {
+        let (tree, flat) = (read(depth).unwrap(), read(1).unwrap());
+        tree.view().verify().unwrap();
+        for isa in Isa::available() {
+            for (a, b) in [(&tree, &tree), (&tree, &flat), (&flat, &tree)] {
+                let collide =
+                    |pose| without_heap("collide", || Query::new(isa).collide(&a.view(), &b.view(), pose));
+                assert!(collide(&Pose::IDENTITY).is_hit(), "depth {depth}");
+                let answer = collide(&apart);
+                assert_eq!(answer.verdict, Verdict::Free, "depth {depth}");
+                let pairs = (a.view().len() * b.view().len()) as u64;
+                assert_eq!(answer.counters.triangle_pairs, pairs, "all volumes overlap: depth {depth}");
+            }
+        }
+    }
+    let too_deep = Some(BakeError::Header { field: "depth" });
+    for depth in [MAX_DEPTH + 1, 100] {
+        assert_eq!(read(depth).err(), too_deep, "depth {depth}");
+    }
+    // Nor does one pass that hides its depth.
+    let mut bytes = comb(MAX_DEPTH + 1);
+    let at = core::mem::offset_of!(Header, depth);
+    bytes[at..at + 4].copy_from_slice(&(MAX_DEPTH as u32).to_le_bytes());
+    assert_eq!(Bvh::<Node4<6>>::from_bytes(&bytes).err(), too_deep);
+}

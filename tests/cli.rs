@@ -1,0 +1,481 @@
+//! The command `simdop`, run as a user runs it: exit codes, messages, JSON, formats, trees in the place of meshes.
+
+#![cfg(feature = "cli")]
+#![expect(clippy::unwrap_used, reason = "a test that cannot go on fails")]
+
+mod support;
+
+use serde_json::Value;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output, Stdio};
+use support::data::{MeshData, directory, suite_step};
+use support::exact::meeting_pairs;
+use support::rng::Rng;
+
+/// A folder of its own for a test's files.
+struct Folder(PathBuf);
+
+impl Folder {
+    fn new(test: &str) -> Self {
+        let path = Path::new(env!("CARGO_TARGET_TMPDIR")).join("cli").join(test);
+        // What an earlier run left.
+        let _ = std::fs::remove_dir_all(&path);
+        std::fs::create_dir_all(&path).unwrap();
+        Self(path)
+    }
+
+    fn write(&self, name: &str, content: impl AsRef<[u8]>) {
+        std::fs::write(self.0.join(name), content).unwrap();
+    }
+
+    fn command(&self, arguments: &[&str]) -> Command {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_simdop"));
+        command.current_dir(&self.0).args(arguments);
+        command
+    }
+
+    fn run(&self, arguments: &[&str]) -> Output {
+        self.command(arguments).output().unwrap()
+    }
+
+    /// Exit code and standard error, which has nothing but errors: no progress where there is no terminal.
+    fn fate(&self, arguments: &[&str]) -> (i32, String) {
+        let output = self.run(arguments);
+        (output.status.code().unwrap(), String::from_utf8(output.stderr).unwrap().trim_end().into())
+    }
+
+    fn json(&self, arguments: &[&str]) -> Value {
+        let output = self.run(&[arguments, &["--json"]].concat());
+        assert_eq!(output.stderr, b"", "{arguments:?}");
+        serde_json::from_slice(&output.stdout).unwrap()
+    }
+}
+
+/// A tetrahedron: the origin and the unit vectors.
+fn tetrahedron() -> MeshData {
+    MeshData {
+        vertices: vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
+        triangles: vec![[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]],
+    }
+}
+
+/// Triangles strewn over a cube of side 2, far from empty and far from a solid.
+fn strewn(seed: u64, count: u32) -> MeshData {
+    let mut rng = Rng::new(seed);
+    let mut mesh = MeshData { vertices: Vec::new(), triangles: Vec::new() };
+    for i in 0..count {
+        let centre: [f64; 3] = core::array::from_fn(|_| rng.range(-1.0, 1.0));
+        for _ in 0..3 {
+            mesh.vertices.push(centre.map(|c| c + rng.range(-0.2, 0.2)));
+        }
+        mesh.triangles.push([3 * i, 3 * i + 1, 3 * i + 2]);
+    }
+    mesh
+}
+
+fn lines<T>(items: &[T], line: impl Fn(&T) -> String) -> String {
+    items.iter().map(|item| line(item) + "\n").collect()
+}
+
+fn xyz(p: &[f64; 3]) -> String {
+    format!("{:?} {:?} {:?}", p[0], p[1], p[2])
+}
+
+fn obj(mesh: &MeshData) -> String {
+    lines(&mesh.vertices, |p| format!("v {}", xyz(p)))
+        + &lines(&mesh.triangles, |t| format!("f {}/7 {}//2 {}", t[0] + 1, t[1] + 1, t[2] + 1))
+}
+
+fn off(mesh: &MeshData) -> String {
+    format!("OFF\n{} {} 0\n", mesh.vertices.len(), mesh.triangles.len())
+        + &lines(&mesh.vertices, xyz)
+        + &lines(&mesh.triangles, |t| format!("3 {} {} {}", t[0], t[1], t[2]))
+}
+
+fn ply_head(mesh: &MeshData, format: &str) -> String {
+    let (vertices, faces) = (mesh.vertices.len(), mesh.triangles.len());
+    format!(
+        "ply\nformat {format} 1.0\nelement vertex {vertices}\nproperty double x\nproperty double y\nproperty double z\nelement face {faces}\nproperty list uchar int vertex_indices\nend_header\n"
+    )
+}
+
+fn ply_ascii(mesh: &MeshData) -> String {
+    ply_head(mesh, "ascii")
+        + &lines(&mesh.vertices, xyz)
+        + &lines(&mesh.triangles, |t| format!("3 {} {} {}", t[0], t[1], t[2]))
+}
+
+fn ply_binary(mesh: &MeshData, big: bool) -> Vec<u8> {
+    let format = if big { "binary_big_endian" } else { "binary_little_endian" };
+    let mut bytes = ply_head(mesh, format).into_bytes();
+    let coordinates = mesh.vertices.iter().flatten();
+    bytes.extend(coordinates.flat_map(|x| if big { x.to_be_bytes() } else { x.to_le_bytes() }));
+    for triangle in &mesh.triangles {
+        bytes.push(3);
+        bytes.extend(triangle.iter().flat_map(|i| if big { i.to_be_bytes() } else { i.to_le_bytes() }));
+    }
+    bytes
+}
+
+fn stl_ascii(mesh: &MeshData) -> String {
+    let facet = |t: &[[f64; 3]; 3]| {
+        let corners = lines(t, |p| format!("vertex {}", xyz(p)));
+        format!("facet normal 0 0 0\nouter loop\n{corners}endloop\nendfacet")
+    };
+    format!("solid strewn\n{}endsolid strewn\n", lines(&mesh.corners(), facet))
+}
+
+/// Coordinates are rounded to `f32`.
+fn stl_binary(mesh: &MeshData) -> Vec<u8> {
+    let mut bytes = vec![b' '; 80];
+    bytes.extend((mesh.triangles.len() as u32).to_le_bytes());
+    for triangle in mesh.corners() {
+        bytes.extend([0; 12]);
+        bytes.extend(triangle.iter().flatten().flat_map(|x| (*x as f32).to_le_bytes()));
+        bytes.extend([0; 2]);
+    }
+    bytes
+}
+
+const IDENTITY: [[f64; 4]; 3] = [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0]];
+
+/// Turns and moves for bodies of size 2: some meet, some do not.
+fn poses(count: usize) -> Vec<[[f64; 4]; 3]> {
+    let mut rng = Rng::new(7);
+    let mut pose = || {
+        let (r, reach) = (rng.rotation(), rng.range(0.5, 3.0));
+        core::array::from_fn(|i| [r[i][0], r[i][1], r[i][2], rng.range(-reach, reach)])
+    };
+    (0..count).map(|_| pose()).collect()
+}
+
+fn pose_file(poses: &[[[f64; 4]; 3]]) -> String {
+    let line = |pose: &[[f64; 4]; 3]| {
+        let numbers: Vec<String> = pose.iter().flatten().map(|x| format!("{x:?}")).collect();
+        numbers.join(" ")
+    };
+    format!("# A in B's frame\n\n{}", lines(poses, line))
+}
+
+/// What does not depend on the clock.
+fn answers(report: &Value) -> Vec<Value> {
+    let timeless = |pose: &Value| {
+        let mut pose = pose.as_object().unwrap().clone();
+        assert!(pose.remove("nanoseconds").unwrap().is_u64());
+        assert!(pose.remove("set_up_nanoseconds").unwrap().is_u64());
+        Value::Object(pose)
+    };
+    report["poses"].as_array().unwrap().iter().map(timeless).collect()
+}
+
+/// The lists of pairs, pose by pose.
+fn pairs(report: &Value) -> Vec<Vec<(usize, usize)>> {
+    let index = |value: &Value| value.as_u64().unwrap() as usize;
+    let list = |pose: &Value| {
+        assert_eq!(pose["pairs_complete"], true);
+        pose["pairs"].as_array().unwrap().iter().map(|pair| (index(&pair[0]), index(&pair[1]))).collect()
+    };
+    report["poses"].as_array().unwrap().iter().map(list).collect()
+}
+
+#[test]
+fn the_exit_code_is_the_verdict_of_one_pose() {
+    let folder = Folder::new("exit");
+    folder.write("t.obj", obj(&tetrahedron()));
+    folder.write("nothing.off", "OFF 0 0 0\n");
+    folder.write("poses", pose_file(&[IDENTITY, IDENTITY]));
+    let code = |arguments: &[&str]| folder.fate(&[&["collide", "t.obj", "t.obj"], arguments].concat()).0;
+    assert_eq!(code(&[]), 1, "a body meets itself");
+    assert_eq!(code(&["--translate", "1 0 0"]), 1, "touching is meeting");
+    assert_eq!(code(&["--translate", "1.0000000000000002,0,0"]), 0, "one unit in the last place apart");
+    assert_eq!(code(&["--pose", "-1 0 0 -1e-60  0 -1 0 0  0 0 1 0"]), 0);
+    assert_eq!(code(&["--pose", "-1 0 0 0  0 -1 0 0  0 0 1 0"]), 1);
+    assert_eq!(code(&["--budget", "0"]), 3, "unknown");
+    assert_eq!(code(&["--poses", "poses"]), 0, "several poses have no one verdict");
+    assert_eq!(
+        folder.fate(&["collide", "t.obj", "nothing.off"]),
+        (0, String::new()),
+        "nothing meets nothing"
+    );
+    for wrong in ["--leaf-size=17", "--k=7", "--arity=8", "--isa=sse9", "--repeat=0", "--splitter=x"] {
+        assert_eq!(code(&[wrong]), 2, "{wrong}");
+    }
+    assert_eq!(folder.fate(&["collide", "t.obj"]).0, 2, "one body");
+    assert_eq!(folder.fate(&["--help"]), (0, String::new()));
+}
+
+#[test]
+fn faults_of_files_name_file_place_and_problem() {
+    let folder = Folder::new("faults");
+    let long = [&[b' '; 80][..], &2_u32.to_le_bytes(), &[0; 99]].concat();
+    let nan = stl_binary(&MeshData { vertices: vec![[f64::NAN; 3]], triangles: vec![[0; 3]] });
+    let cases: &[(&str, &[u8], &str)] = &[
+        ("index.obj", b"v 0 0 0\nf 1 1 2\n", "line 2: vertex 2 of 1 does not exist"),
+        ("number.obj", b"v 0 zero 0\n", "line 1: 'zero' is not a number"),
+        ("nan.obj", b"\nv 0 nan 0\n", "line 2: the coordinate 'nan' is not finite"),
+        ("two.obj", b"v 0 0 0\nf 1 1\n", "line 2: a face with 2 corners, at least 3 are needed"),
+        ("page.obj", b"<html>\n", "line 1: '<html>' is no keyword of an OBJ, and no vertex follows"),
+        ("short.off", b"OFF\n2 0 0\n0 0 0\n", "line 4: the file ends before its last vertex"),
+        ("long.stl", &long, "byte 183: the file ends after 1 of 2 triangles"),
+        ("nan.stl", &nan, "byte 96: the coordinate NaN is not finite"),
+        ("solid.stl", b"solid\nfacet normal 0 0 0\n", "line 3: the file ends before endsolid"),
+        ("no.ply", b"ply\nformat ascii 1.0\nelement vertex -1\n", "line 3: Couldn't parse line."),
+        ("tree", b"SIMDOP\x1a\n", "the tree ends early: 8 bytes of 128"),
+        (
+            "tree2",
+            &[&b"SIMDOP\x1a\n"[..], &[9; 500]].concat(),
+            "layout version 151587081, this library reads 1",
+        ),
+        (
+            "mesh.step",
+            b"ISO-10303-21;\n",
+            "neither a tree nor a mesh: a mesh's name ends in .obj, .off, .ply or .stl",
+        ),
+        ("empty.ply", b"", "the file is empty"),
+    ];
+    for (name, content, problem) in cases {
+        folder.write(name, content);
+        let comma = if problem.starts_with("line") || problem.starts_with("byte") { ", " } else { ": " };
+        let message = format!("simdop: {name}{comma}{problem}");
+        assert_eq!(folder.fate(&["info", name]), (2, message.clone()));
+        assert_eq!(folder.fate(&["collide", name, name, "--json"]), (2, message));
+    }
+    let (code, message) = folder.fate(&["info", "absent.obj"]);
+    assert!(code == 2 && message.starts_with("simdop: absent.obj: No such file"), "{message}");
+    let (code, message) = folder.fate(&["info", "."]);
+    assert!(code == 2 && message.starts_with("simdop: .: "), "{message}");
+}
+
+#[test]
+fn faults_of_poses_name_their_line() {
+    let folder = Folder::new("poses");
+    folder.write("t.obj", obj(&tetrahedron()));
+    let fate = |option: &str, text: &str| folder.fate(&["collide", "t.obj", "t.obj", option, text]);
+    let cases = [
+        ("1 0 0 0\n", "poses, line 1: 4 numbers, 12 are needed: the rows of [R|t]"),
+        ("# \n\nx\n", "poses, line 3: 'x' is not a number"),
+        ("1 0 0 inf 0 1 0 0 0 0 1 0\n", "poses, line 1: the pose has an entry that is not finite"),
+        ("1 0 0 0 0 1 0 0 0 0 -1 0\n", "poses, line 1: the pose is not rigid: it mirrors (determinant -1)"),
+        ("# none\n", "poses: there is no pose in the file"),
+    ];
+    for (content, problem) in cases {
+        folder.write("poses", content);
+        assert_eq!(fate("--poses", "poses"), (2, format!("simdop: {problem}")));
+    }
+    assert_eq!(
+        fate("--pose", "1 2"),
+        (2, "simdop: --pose: 2 numbers, 12 are needed: the rows of [R|t]".into())
+    );
+    assert_eq!(
+        fate("--translate", "1 2 nan").1,
+        "simdop: --translate: the pose has an entry that is not finite"
+    );
+    folder.write("poses", pose_file(&[IDENTITY]));
+    assert_eq!(folder.fate(&["collide", "t.obj", "t.obj", "--poses", "poses", "--translate", "0 0 0"]).0, 2);
+}
+
+#[test]
+fn json_holds_every_pose_with_its_work_and_times() {
+    let folder = Folder::new("json");
+    folder.write("a.obj", obj(&strewn(1, 200)));
+    folder.write("b.obj", obj(&strewn(2, 300)));
+    folder.write("poses", pose_file(&poses(20)));
+    let report =
+        folder.json(&["collide", "a.obj", "b.obj", "--poses", "poses", "--repeat", "3", "--leaf-size=2"]);
+    assert_eq!(report["a"]["triangles"], 200);
+    assert_eq!(report["b"]["name"], "b.obj");
+    assert_eq!((&report["k"], &report["arity"], &report["repeat"]), (&18.into(), &16.into(), &3.into()));
+    assert!(report["isa"].is_string() && report["budget"].is_null());
+    for body in ["a", "b"] {
+        assert_eq!(report[body]["leaf_size"], 2);
+        assert!(report[body]["read_nanoseconds"].as_u64().unwrap() > 0);
+        assert!(report[body]["build_nanoseconds"].as_u64().unwrap() > 0);
+    }
+    let answers = answers(&report);
+    assert_eq!(answers.len(), 20);
+    let count = |verdict: &str| answers.iter().filter(|pose| pose["verdict"] == verdict).count();
+    assert!(count("hit") > 0 && count("free") > 0, "poses of both kinds");
+    assert_eq!(report["summary"]["hits"], count("hit"));
+    assert_eq!(report["summary"]["free"], count("free"));
+    for pose in &answers {
+        assert_eq!(pose.get("pair").is_some(), pose["verdict"] == "hit");
+        for counter in ["visits", "kernels", "realignments", "triangle_pairs", "exact_pairs"] {
+            assert!(pose[counter].is_u64(), "{counter}");
+        }
+    }
+    let spent = folder.json(&["collide", "a.obj", "b.obj", "--budget", "1", "--all-pairs"]);
+    let pose = &spent["poses"][0];
+    assert_eq!((&pose["verdict"], &pose["pairs_complete"]), (&"unknown".into(), &false.into()));
+    assert_eq!(pose["distance_bounds"].as_array().unwrap().len(), 2);
+}
+
+#[test]
+fn every_format_and_tree_gives_the_pairs_of_brute_force() {
+    let folder = Folder::new("formats");
+    let mut a = strewn(3, 150);
+    let b = strewn(4, 150);
+    // To single precision, so that binary STL says the same as the others.
+    a.vertices.iter_mut().flatten().for_each(|x| *x = f64::from(*x as f32));
+    folder.write("a.obj", obj(&a));
+    folder.write("a.off", off(&a));
+    folder.write("a.ply", ply_ascii(&a));
+    folder.write("little.ply", ply_binary(&a, false));
+    folder.write("big.ply", ply_binary(&a, true));
+    folder.write("ascii.stl", stl_ascii(&a));
+    folder.write("binary.stl", stl_binary(&a));
+    folder.write("b.obj", obj(&b));
+    let poses = poses(12);
+    folder.write("poses", pose_file(&poses));
+    assert_eq!(
+        folder.fate(&["build", "a.obj", "-o", "tree.obj", "--k=26", "--leaf-size=4"]),
+        (0, String::new())
+    );
+    assert_eq!(folder.fate(&["build", "tree.obj", "-o", "again"]), (0, String::new()));
+    let still = b.corners();
+    let want: Vec<_> = poses.iter().map(|pose| meeting_pairs(&a.placed(pose), &still)).collect();
+    assert!(want.iter().any(|list| list.len() > 10) && want.iter().any(Vec::is_empty), "poses of both kinds");
+    let names =
+        ["a.obj", "a.off", "a.ply", "little.ply", "big.ply", "ascii.stl", "binary.stl", "tree.obj", "again"];
+    for name in names {
+        let report = folder.json(&["collide", name, "b.obj", "--poses", "poses", "--all-pairs"]);
+        assert_eq!(pairs(&report), want, "{name}");
+        assert_eq!(report["k"], if name == "tree.obj" { 26 } else { 18 }, "a tree decides k");
+    }
+}
+
+#[test]
+fn a_tree_answers_as_its_mesh_on_every_node_type_and_instruction_set() {
+    let folder = Folder::new("trees");
+    folder.write("a.obj", obj(&strewn(5, 400)));
+    folder.write("b.obj", obj(&strewn(6, 400)));
+    folder.write("poses", pose_file(&poses(10)));
+    for k in ["6", "14", "18", "26", "32"] {
+        for arity in ["4", "16"] {
+            let options =
+                ["-k", k, "-a", arity, "-s", if k == "6" { "longest-axis" } else { "extended-longest-axis" }];
+            let fate = folder.fate(&[&["build", "a.obj", "--output", "a.tree"], &options[..]].concat());
+            assert_eq!(fate, (0, String::new()));
+            let ask = |a: &str, more: &[&str]| {
+                folder.json(&[&["collide", a, "b.obj", "--poses", "poses"], &options[..], more].concat())
+            };
+            let mesh = ask("a.obj", &[]);
+            let tree = ask("a.tree", &["--isa", "scalar"]);
+            assert_eq!(answers(&mesh), answers(&tree), "k {k}, arity {arity}");
+            assert!(tree["a"]["build_nanoseconds"].is_null() && tree["b"]["build_nanoseconds"].is_u64());
+            assert_eq!(tree["isa"], "scalar");
+        }
+    }
+    // a.tree has k = 32 and arity 16 by now.
+    assert_eq!(
+        folder.fate(&["collide", "b.obj", "a.tree", "-k", "18"]),
+        (2, "simdop: a.tree: the tree has k = 32 and arity 16, the query k = 18 and arity 16: `simdop build` makes another of it".into())
+    );
+    let bytes = std::fs::read(folder.0.join("a.tree")).unwrap();
+    folder.write("cut", &bytes[..bytes.len() - 64]);
+    let (code, message) = folder.fate(&["info", "cut"]);
+    assert!(code == 2 && message.starts_with("simdop: cut: the tree ends early"), "{message}");
+    // A link of the root: byte 128 is its first plane, 32 k bytes further its first link.
+    let mut broken = bytes;
+    broken[128 + 32 * 32] ^= 0x40;
+    folder.write("broken", &broken);
+    let (code, message) = folder.fate(&["info", "broken"]);
+    assert!(code == 2 && message.starts_with("simdop: broken: node 0, lane 0: "), "{message}");
+}
+
+#[test]
+fn info_describes_a_tree_and_proves_it() {
+    let folder = Folder::new("info");
+    let mut mesh = strewn(8, 100);
+    mesh.triangles.push([0, 0, 1]);
+    folder.write("a.off", off(&mesh));
+    let options = ["--k=14", "--arity=4", "--leaf-size=3"];
+    assert_eq!(
+        folder.fate(&[&["build", "a.off", "-o", "a.tree"], &options[..]].concat()),
+        (0, String::new())
+    );
+    let tree = folder.json(&["info", "a.tree", "--verify"]);
+    let want = [("k", 14), ("arity", 4), ("leaf_size", 3), ("triangles", 101), ("degenerate_triangles", 1)];
+    for (key, number) in want {
+        assert_eq!(tree[key], number, "{key}");
+    }
+    assert_eq!((&tree["vertex_format"], &tree["verified"]), (&"f64".into(), &true.into()));
+    let bytes = std::fs::metadata(folder.0.join("a.tree")).unwrap().len();
+    assert_eq!(tree["total_bytes"], bytes);
+    assert_eq!(tree["bytes_per_triangle_total"], bytes as f64 / 101.0);
+    let lanes = tree["lanes_used_per_node"].as_f64().unwrap();
+    assert!(lanes > 1.0 && lanes <= 4.0, "{lanes}");
+    assert!(tree["build_milliseconds"].is_null());
+    let mut mesh = folder.json(&[&["info", "a.off"], &options[..]].concat());
+    assert!(mesh["build_milliseconds"].take().is_number() && mesh["verified"].is_null());
+    mesh["verified"] = true.into();
+    assert_eq!(mesh, tree);
+
+    // Plane 0 of lane 0 at the frame's centre cuts triangles off: valid to walk, not conservative.
+    let mut bytes = std::fs::read(folder.0.join("a.tree")).unwrap();
+    bytes[128..130].copy_from_slice(&0_i16.to_le_bytes());
+    folder.write("low.tree", &bytes);
+    assert_eq!(folder.fate(&["info", "low.tree"]), (0, String::new()));
+    let (code, message) = folder.fate(&["info", "low.tree", "--verify"]);
+    let start = "simdop: low.tree: not conservative: plane 0 of node 0, lane 0 cuts off triangle ";
+    assert!(code == 2 && message.starts_with(start), "{message}");
+}
+
+#[test]
+fn the_built_in_scene_needs_no_file() {
+    let folder = Folder::new("scene");
+    let report = folder.json(&["collide"]);
+    for (verdict, key) in [("hit", "hits"), ("free", "free")] {
+        let count = answers(&report).iter().filter(|pose| pose["verdict"] == verdict).count();
+        assert!(count >= 16, "{verdict}: {count}");
+        assert_eq!(report["summary"][key], count);
+    }
+    let table = String::from_utf8(folder.run(&["collide", "--rows", "9"]).stdout).unwrap();
+    assert!(table.contains(" hit ") && table.contains(" free "), "{table}");
+    assert!(table.contains("... and 55 more") && table.contains("\n64 poses: "), "{table}");
+}
+
+#[test]
+fn a_reader_that_leaves_early_is_no_error() {
+    let folder = Folder::new("pipe");
+    folder.write("t.obj", obj(&tetrahedron()));
+    folder.write("poses", pose_file(&vec![IDENTITY; 20_000]));
+    for format in ["--json", "--rows=20000"] {
+        let arguments = ["collide", "t.obj", "t.obj", "--poses", "poses", format];
+        let mut child =
+            folder.command(&arguments).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
+        drop(child.stdout.take());
+        let output = child.wait_with_output().unwrap();
+        assert_eq!(
+            (output.status.code(), String::from_utf8(output.stderr).unwrap()),
+            (Some(0), String::new())
+        );
+    }
+}
+
+#[test]
+fn real_meshes_have_the_triangles_that_their_tables_say() {
+    let Some(data) = directory() else { return };
+    let table = std::fs::read_to_string(data.join("TABLE.md")).unwrap();
+    let mut files: Vec<(PathBuf, u64)> = Vec::new();
+    for row in table.lines().filter(|row| row.starts_with("| meshes/") || row.starts_with("| planning/unc")) {
+        let cells: Vec<&str> = row.split('|').map(str::trim).collect();
+        files.push((data.join(cells[1]), cells[2].parse().unwrap()));
+    }
+    for robot in std::fs::read_dir(data.join("robots")).unwrap() {
+        let robot = robot.unwrap().path();
+        let table = std::fs::read_to_string(robot.join("meshes.tsv")).unwrap();
+        for row in table.lines().skip(1) {
+            let mut cells = row.split('\t');
+            files.push((
+                robot.join("meshes").join(cells.next().unwrap()),
+                cells.next().unwrap().parse().unwrap(),
+            ));
+        }
+    }
+    assert!(files.len() > 90, "{} files", files.len());
+    let folder = Folder::new("real");
+    for (file, triangles) in files.iter().step_by(suite_step()) {
+        let report = folder.json(&["info", file.to_str().unwrap(), "-k", "6"]);
+        assert_eq!(report["triangles"], *triangles, "{}", file.display());
+    }
+}

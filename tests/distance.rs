@@ -1,0 +1,533 @@
+//! Distances and margins against brute force in exact integers: on real meshes, on random shapes, and on pairs of triangles that are hard.
+
+mod support;
+
+use dashu_int::IBig;
+use dashu_int::ops::BitTest;
+use simdop::build::{Builder, Mesh};
+use simdop::hierarchy::Bvh;
+use simdop::isa::Isa;
+use simdop::node::{Node4, Node16};
+use simdop::pose::Pose;
+use simdop::query::{Completion, Distance, Lanes, Query, Verdict};
+use simdop::triangle::distance::separation;
+use support::data::{MeshData, Suite, suite_step, suites};
+use support::exact::{Tri, triangles_meet};
+use support::rng::Rng;
+
+type Rows = [[f64; 4]; 3];
+
+// ---- the oracle -----------------------------------------------------------------------------------------------------------
+
+type Vector = [IBig; 3];
+
+/// The exact distance of two triangles, rounded to `f64`. All corners become integers with a common factor. Two convex polygons that do
+/// not meet are closest between a corner and a face, two edges, or a corner and an edge: the least of all 33, each a fraction.
+fn exact_distance(a: &Tri, b: &Tri) -> f64 {
+    if triangles_meet(a, b) {
+        return 0.0;
+    }
+    let numbers = || a.iter().chain(b).flatten().map(|&x| parts(x)).filter(|(m, _)| *m != 0);
+    let least = numbers().map(|(_, e)| e).min().unwrap_or(0);
+    let integer = |x: f64| {
+        let (m, e) = parts(x);
+        if m == 0 { IBig::ZERO } else { IBig::from(m) << (e - least) as usize }
+    };
+    let [a, b] = [a, b].map(|t| t.map(|p| p.map(integer)));
+    let mut best = f64::INFINITY;
+    let mut offer =
+        |numerator: IBig, denominator: &IBig| best = best.min(root_of_ratio(&numerator, denominator));
+    for (t, other) in [(&a, &b), (&b, &a)] {
+        for p in other {
+            corner_and_face(p, t, &mut offer);
+            for i in 0..3 {
+                corner_and_edge(p, &t[i], &t[(i + 1) % 3], &mut offer);
+            }
+        }
+    }
+    for i in 0..3 {
+        for j in 0..3 {
+            edge_and_edge([&a[i], &a[(i + 1) % 3]], [&b[j], &b[(j + 1) % 3]], &mut offer);
+        }
+    }
+    best * 2_f64.powi(least)
+}
+
+fn corner_and_face(p: &Vector, t: &[Vector; 3], offer: &mut impl FnMut(IBig, &IBig)) {
+    let n = cross(&sub(&t[1], &t[0]), &sub(&t[2], &t[0]));
+    let square = dot(&n, &n);
+    let inside = |i: usize| dot(&cross(&sub(&t[(i + 1) % 3], &t[i]), &sub(p, &t[i])), &n) >= IBig::ZERO;
+    if square != IBig::ZERO && (0..3).all(inside) {
+        let height = dot(&n, &sub(p, &t[0]));
+        offer(&height * &height, &square);
+    }
+}
+
+fn corner_and_edge(p: &Vector, from: &Vector, to: &Vector, offer: &mut impl FnMut(IBig, &IBig)) {
+    let (u, w) = (sub(to, from), sub(p, from));
+    let (along, square) = (dot(&u, &w), dot(&u, &u));
+    if along <= IBig::ZERO {
+        offer(dot(&w, &w), &IBig::ONE);
+    } else if along >= square {
+        let w = sub(p, to);
+        offer(dot(&w, &w), &IBig::ONE);
+    } else {
+        offer(dot(&w, &w) * &square - &along * &along, &square);
+    }
+}
+
+fn edge_and_edge([a, b]: [&Vector; 2], [c, d]: [&Vector; 2], offer: &mut impl FnMut(IBig, &IBig)) {
+    let (u, v, w) = (sub(b, a), sub(d, c), sub(c, a));
+    let n = cross(&u, &v);
+    let square = dot(&n, &n);
+    let (s, t) = (dot(&cross(&w, &v), &n), dot(&cross(&w, &u), &n));
+    let inside = |x: &IBig| *x >= IBig::ZERO && *x <= square;
+    if square != IBig::ZERO && inside(&s) && inside(&t) {
+        let height = dot(&n, &w);
+        offer(&height * &height, &square);
+    }
+}
+
+/// `x = m 2^e`.
+fn parts(x: f64) -> (i64, i32) {
+    let bits = x.to_bits();
+    let (field, fraction) = ((bits >> 52 & 0x7ff) as i32, (bits & ((1 << 52) - 1)) as i64);
+    let m = if field == 0 { fraction } else { fraction | 1 << 52 };
+    let e = field.max(1) - 1075;
+    let zeros = if m == 0 { 0 } else { m.trailing_zeros() };
+    (if x < 0.0 { -(m >> zeros) } else { m >> zeros }, e + zeros as i32)
+}
+
+/// The square root of a fraction, to 50 bits, of whatever size.
+fn root_of_ratio(numerator: &IBig, denominator: &IBig) -> f64 {
+    if *numerator == IBig::ZERO {
+        return 0.0;
+    }
+    let bits = |x: &IBig| BitTest::bit_len(x) as i64;
+    // An even shift that leaves 110 bits or so in the quotient.
+    let shift = (110 + bits(denominator) - bits(numerator)) & !1;
+    let scaled = if shift >= 0 { numerator << shift as usize } else { numerator >> -shift as usize };
+    let quotient = i128::try_from(scaled / denominator).expect("111 bits") as f64;
+    let half = (shift / 2) as i32;
+    quotient.sqrt() * 2_f64.powi(-(half / 2)) * 2_f64.powi(-(half - half / 2))
+}
+
+fn sub(u: &Vector, v: &Vector) -> Vector {
+    core::array::from_fn(|k| &u[k] - &v[k])
+}
+
+fn cross(u: &Vector, v: &Vector) -> Vector {
+    let minor = |k: usize, l: usize| &u[k] * &v[l] - &u[l] * &v[k];
+    [minor(1, 2), minor(2, 0), minor(0, 1)]
+}
+
+fn dot(u: &Vector, v: &Vector) -> IBig {
+    &u[0] * &v[0] + &u[1] * &v[1] + &u[2] * &v[2]
+}
+
+/// A triangle's bounding box.
+fn bounds(t: &Tri) -> [[f64; 2]; 3] {
+    core::array::from_fn(|k| [t[0][k].min(t[1][k]).min(t[2][k]), t[0][k].max(t[1][k]).max(t[2][k])])
+}
+
+fn box_distance(a: &[[f64; 2]; 3], b: &[[f64; 2]; 3]) -> f64 {
+    let gap = |k: usize| (a[k][0] - b[k][1]).max(b[k][0] - a[k][1]).max(0.0);
+    (gap(0).powi(2) + gap(1).powi(2) + gap(2).powi(2)).sqrt()
+}
+
+/// The exact distance of two meshes, if it is at most `reach`, else infinity: over all pairs of triangles whose boxes are that close, nearest
+/// boxes first, until no box can hold anything nearer.
+fn mesh_distance(a: &[Tri], b: &[Tri], reach: f64) -> f64 {
+    let hull = |t: &[Tri]| -> [[f64; 2]; 3] {
+        core::array::from_fn(|k| {
+            let all = t.iter().map(bounds).map(|b| b[k]);
+            all.fold([f64::INFINITY, f64::NEG_INFINITY], |h, b| [h[0].min(b[0]), h[1].max(b[1])])
+        })
+    };
+    let slack = 1.0 + 1e-9;
+    let near = |t: &[Tri], hull: [[f64; 2]; 3]| -> Vec<(usize, [[f64; 2]; 3])> {
+        t.iter().map(bounds).enumerate().filter(|(_, b)| box_distance(b, &hull) <= reach * slack).collect()
+    };
+    let (near_a, near_b) = (near(a, hull(b)), near(b, hull(a)));
+    let mut pairs = Vec::new();
+    for (i, p) in &near_a {
+        for (j, q) in &near_b {
+            let distance = box_distance(p, q);
+            if distance <= reach * slack {
+                pairs.push((distance, *i, *j));
+            }
+        }
+    }
+    pairs.sort_by(|p, q| p.0.total_cmp(&q.0));
+    let mut best = f64::INFINITY;
+    for (distance, i, j) in pairs {
+        if distance > best * slack || best == 0.0 {
+            break;
+        }
+        best = best.min(exact_distance(&a[i], &b[j]));
+    }
+    best
+}
+
+// ---- pairs of triangles ---------------------------------------------------------------------------------------------------
+
+fn point(rng: &mut Rng) -> [f64; 3] {
+    core::array::from_fn(|_| rng.range(-1.0, 1.0))
+}
+
+fn mixed(p: &[f64; 3], q: &[f64; 3], s: f64) -> [f64; 3] {
+    core::array::from_fn(|k| p[k] + s * (q[k] - p[k]))
+}
+
+/// Pairs of many kinds: general, points, segments, needles, almost parallel edges, parallel planes, almost touching.
+fn hard_pair(rng: &mut Rng) -> (Tri, Tri) {
+    let shape = |rng: &mut Rng| -> Tri {
+        let (p, q, r) = (point(rng), point(rng), point(rng));
+        match rng.below(6) {
+            0 => [p, p, p],
+            1 => [p, q, mixed(&p, &q, rng.unit())],
+            2 => [p, q, mixed(&mixed(&p, &q, rng.unit()), &r, 1e-9 * rng.unit())],
+            3 => [p, mixed(&p, &q, 1e-6), mixed(&p, &r, 1e-6)],
+            4 => [p, q, r].map(|p| p.map(|x| (4.0 * x).round() / 4.0)),
+            _ => [p, q, r],
+        }
+    };
+    let (a, mut b) = (shape(rng), shape(rng));
+    let tiny = *rng.pick(&[0.0, 1e-15, 1e-12, 1e-8, 1e-4, 0.1]);
+    match rng.below(5) {
+        // A shifted copy: parallel edges and planes.
+        0 => {
+            let shift = point(rng);
+            b = a.map(|p| core::array::from_fn(|k| p[k] + shift[k] * *rng.pick(&[1.0, 0.1, 1e-7])));
+        }
+        // Almost a copy.
+        1 => {
+            let shift = point(rng);
+            b = a.map(|p| core::array::from_fn(|k| p[k] + shift[k] + tiny * rng.range(-1.0, 1.0)));
+        }
+        // A corner of one close to some point of the other.
+        2 => {
+            let on = mixed(&mixed(&a[0], &a[1], rng.unit()), &a[2], rng.unit());
+            let move_by: [f64; 3] = core::array::from_fn(|k| on[k] - b[0][k] + tiny * rng.range(-1.0, 1.0));
+            b = b.map(|p| core::array::from_fn(|k| p[k] + move_by[k]));
+        }
+        // Edges that almost cross.
+        3 => {
+            let (on, of) = (mixed(&a[0], &a[1], rng.unit()), mixed(&b[0], &b[1], rng.unit()));
+            let move_by: [f64; 3] = core::array::from_fn(|k| on[k] - of[k] + tiny * rng.range(-1.0, 1.0));
+            b = b.map(|p| core::array::from_fn(|k| p[k] + move_by[k]));
+        }
+        _ => {}
+    }
+    let scale = *rng.pick(&[1.0, 1.0, 1.0, 1e-30, 1e30, 2_f64.powi(-240), 2_f64.powi(290)]);
+    let flush = |x: f64| if x.abs() < 2_f64.powi(-250) { 0.0 } else { x };
+    (a.map(|p| p.map(|x| flush(x * scale))), b.map(|p| p.map(|x| flush(x * scale))))
+}
+
+/// How far `p` is from triangle `t`, as far as `f64` can tell.
+fn off(p: &[f64; 3], t: &Tri) -> f64 {
+    separation(&[*p; 3], t).upper
+}
+
+fn norm(p: &[f64; 3], q: &[f64; 3]) -> f64 {
+    let largest = (0..3).map(|k| (p[k] - q[k]).abs()).fold(0.0, f64::max);
+    if largest == 0.0 {
+        0.0
+    } else {
+        largest * (0..3).map(|k| ((p[k] - q[k]) / largest).powi(2)).sum::<f64>().sqrt()
+    }
+}
+
+/// The least altitude of a triangle, as far as `f64` can tell; infinite for a point or a segment that is one exactly.
+fn altitude(t: &Tri) -> f64 {
+    if simdop::triangle::is_degenerate(t) {
+        return f64::INFINITY;
+    }
+    let edge = |i: usize| norm(&t[i], &t[(i + 1) % 3]);
+    let longest = (0..3).max_by(|&i, &j| edge(i).total_cmp(&edge(j))).unwrap();
+    off(&t[(longest + 2) % 3], &[t[longest], t[longest], t[(longest + 1) % 3]])
+}
+
+#[test]
+fn separations_bound_the_exact_distance() {
+    let mut rng = Rng::new(1);
+    let (mut zeros, mut tight, mut loose) = (0, 0, 0);
+    for case in 0..30_000 {
+        let (a, b) = hard_pair(&mut rng);
+        let want = exact_distance(&a, &b);
+        let got = separation(&a, &b);
+        let what = format!("case {case}: {want:e} {got:?}\n{a:?}\n{b:?}");
+        assert_eq!(got.upper == 0.0, want == 0.0, "{what}");
+        let rounding = 1e-15 * want;
+        assert!(got.lower <= want + rounding && want <= got.upper + rounding, "{what}");
+        let size = a.iter().chain(&b).flatten().fold(0.0_f64, |m, x| m.max(x.abs()));
+        zeros += u32::from(want == 0.0);
+        // Needles almost in touch are beyond 106 bits too: then the bounds are only bounds.
+        if want > 1e-12 * size && altitude(&a).min(altitude(&b)) > 1e-12 * size {
+            tight += 1;
+            assert!(got.upper - got.lower <= 1e-12 * want, "{what}");
+            assert!((norm(&got.a, &got.b) - want).abs() <= 1e-15 * size + 1e-12 * want, "{what}");
+        } else {
+            loose += u32::from(got.upper - got.lower > 1e-12 * want);
+            assert!(got.upper - got.lower <= 1e-12 * want + 1e-14 * size, "{what}");
+            assert!(norm(&got.a, &got.b) <= got.upper + 4e-15 * size, "{what}");
+        }
+        assert!(off(&got.a, &a) <= 2e-14 * size && off(&got.b, &b) <= 2e-14 * size, "{what}");
+        let swapped = separation(&b, &a);
+        assert!(swapped.lower <= want + rounding && want <= swapped.upper + rounding, "swapped {what}");
+    }
+    println!("{zeros} pairs meet, {tight} must have bounds within 1e-12, {loose} others have not");
+    assert!(tight > 10_000, "{tight}");
+    assert!((1_000..15_000).contains(&zeros), "{zeros} pairs meet");
+}
+
+// ---- bodies ---------------------------------------------------------------------------------------------------------------
+
+fn build<N: Lanes>(mesh: &MeshData, leaf_size: u32) -> Bvh<N> {
+    let mesh = Mesh { vertices: &mesh.vertices, triangles: &mesh.triangles };
+    Builder::new().leaf_size(leaf_size).build(&mesh).unwrap()
+}
+
+/// Two bodies at a pose, and all that the test knows about them.
+struct Scene<'s> {
+    name: String,
+    a: &'s [Tri],
+    b: &'s [Tri],
+    pose: Pose,
+    /// Size of the scene: what rounding of coordinates is relative to.
+    size: f64,
+}
+
+/// Every query of one pair at one pose, against the oracle. `want` is filled in by the first node type.
+fn check<N: Lanes>(scene: &Scene<'_>, trees: (&Bvh<N>, &Bvh<N>), want: &mut Option<f64>) {
+    let (a, b, pose) = (trees.0.view(), trees.1.view(), &scene.pose);
+    let query = Query::new(Isa::detect());
+    let got = query.distance(&a, &b, pose, 0.0).unwrap();
+    let what = format!("{} k {} arity {}: {got:?}", scene.name, N::K, N::ARITY);
+    // A distance that is too great is found by a nearer pair, one that is too small by there being none.
+    let want = *want.get_or_insert_with(|| mesh_distance(scene.a, scene.b, got.upper * (1.0 + 1e-9)));
+    assert_eq!(got.completion, Completion::Complete);
+    assert_eq!(got.upper == 0.0, want == 0.0, "{want:e} {what}");
+    assert!((got.upper - want).abs() <= 1e-12 * want, "{want:e} {what}");
+    assert!((got.lower - want).abs() <= 1e-12 * want && got.lower <= want * (1.0 + 1e-15), "{want:e} {what}");
+    assert_eq!(got.verdict(), query_verdict(&got), "{what}");
+    check_witness(scene, &got, want, &what);
+
+    for tolerance in [1e-6, 0.1, 3.0] {
+        let rough = query.distance(&a, &b, pose, tolerance).unwrap();
+        check_bounds(&rough, want, &what);
+        assert!(
+            rough.upper <= rough.lower * (1.0 + tolerance) * (1.0 + 1e-12),
+            "{tolerance} {rough:?} {what}"
+        );
+    }
+    for budget in [0, 1, 5, 20, 100] {
+        let partial = query.with_budget(budget).distance(&a, &b, pose, 0.0).unwrap();
+        check_bounds(&partial, want, &what);
+        assert!(partial.counters.visits <= budget, "{partial:?}");
+        let finished = partial.completion == Completion::Complete;
+        assert_eq!(finished, got.counters.visits <= budget, "{partial:?} {what}");
+        if !finished && partial.lower == 0.0 && partial.upper > 0.0 {
+            assert!(matches!(partial.verdict(), Verdict::Unknown { .. }), "{partial:?}");
+        }
+    }
+    check_margins(scene, trees, want, &what);
+}
+
+fn query_verdict(got: &Distance) -> Verdict {
+    let pair = got.witness.expect("bodies are not empty").pair;
+    if got.upper == 0.0 { Verdict::Hit(pair) } else { Verdict::Free }
+}
+
+fn check_bounds(got: &Distance, want: f64, what: &str) {
+    assert!(
+        got.lower <= want * (1.0 + 1e-15) && want <= got.upper * (1.0 + 1e-15),
+        "{want:e} {got:?} {what}"
+    );
+}
+
+fn check_witness(scene: &Scene<'_>, got: &Distance, want: f64, what: &str) {
+    let witness = got.witness.expect("bodies are not empty");
+    let (p, q) = (&scene.a[witness.pair.a as usize], &scene.b[witness.pair.b as usize]);
+    assert!((exact_distance(p, q) - want).abs() <= 1e-12 * want, "{want:e} {what}");
+    assert!(off(&witness.a, p) <= 1e-14 * scene.size, "{} {what}", off(&witness.a, p));
+    assert!(off(&witness.b, q) <= 1e-14 * scene.size, "{} {what}", off(&witness.b, q));
+    assert!((norm(&witness.a, &witness.b) - want).abs() <= 1e-14 * scene.size, "{what}");
+}
+
+fn check_margins<N: Lanes>(scene: &Scene<'_>, (a, b): (&Bvh<N>, &Bvh<N>), want: f64, what: &str) {
+    let query = Query::new(Isa::detect());
+    let within = |margin| query.within(&a.view(), &b.view(), &scene.pose, margin).unwrap();
+    assert_eq!(within(0.0), query.collide(&a.view(), &b.view(), &scene.pose), "margin 0 {what}");
+    let margins = [
+        1e-4 * scene.size,
+        1e-2 * scene.size,
+        0.5 * want,
+        want * (1.0 - 1e-11),
+        want * (1.0 + 1e-11),
+        2.0 * want,
+    ];
+    for margin in margins {
+        let answer = within(margin);
+        if (want - margin).abs() > 1e-13 * margin {
+            assert_eq!(answer.is_hit(), want <= margin, "margin {margin:e} {want:e} {answer:?} {what}");
+        } else {
+            assert!(answer.is_hit() || want > margin, "margin {margin:e} {want:e} {what}");
+        }
+        if let Verdict::Hit(pair) = answer.verdict {
+            let (p, q) = (&scene.a[pair.a as usize], &scene.b[pair.b as usize]);
+            assert!(exact_distance(p, q) <= margin * (1.0 + 1e-13), "margin {margin:e} {what}");
+        }
+        let short = query.with_budget(3).within(&a.view(), &b.view(), &scene.pose, margin).unwrap();
+        match short.verdict {
+            Verdict::Unknown { lower, upper } => assert!(lower <= want && want <= upper, "{short:?} {what}"),
+            decided => assert_eq!(matches!(decided, Verdict::Hit(_)), answer.is_hit(), "{what}"),
+        }
+    }
+}
+
+/// The trees of a suite, for one node type and leaf size, at some of its poses.
+fn check_suite<N: Lanes>(suite: &Suite, poses: &[Rows], wanted: &mut [Option<f64>], leaf_size: u32) {
+    let (a, b) = (build::<N>(&suite.a, leaf_size), build::<N>(&suite.b, leaf_size));
+    let still = suite.b.corners();
+    for (rows, want) in poses.iter().zip(wanted) {
+        let moved = suite.a.placed(rows);
+        let pose = Pose::from_rows(*rows).unwrap();
+        let name = format!("{} leaf {leaf_size} {rows:?}", suite.name);
+        let size = suite.a.diagonal().max(suite.b.diagonal());
+        check(&Scene { name, a: &moved, b: &still, pose, size }, (&a, &b), want);
+    }
+}
+
+#[test]
+fn distances_and_margins_equal_brute_force_on_meshes() {
+    let Some(suites) = suites() else { return };
+    for suite in &suites {
+        let (a, b) = (build::<Node16<18>>(&suite.a, 1), build::<Node16<18>>(&suite.b, 1));
+        let meets = |rows: &Rows| {
+            let pose = Pose::from_rows(*rows).unwrap();
+            Query::new(Isa::detect()).collide(&a.view(), &b.view(), &pose).is_hit()
+        };
+        // At most a quarter of the directions: exact distances take their time.
+        let poses = suite.poses(suite_step().max(4), meets);
+        let mut wanted = vec![None; poses.len()];
+        check_suite::<Node16<18>>(suite, &poses, &mut wanted, 1);
+        check_suite::<Node16<14>>(suite, &poses, &mut wanted, 4);
+        check_suite::<Node4<26>>(suite, &poses, &mut wanted, 2);
+        check_suite::<Node16<6>>(suite, &poses[..8], &mut wanted, 1);
+        check_suite::<Node4<32>>(suite, &poses[..8], &mut wanted, 1);
+        let apart = wanted.iter().flatten().filter(|d| **d > 0.0).count();
+        println!("{}: {} poses, {apart} of them apart", suite.name, poses.len());
+        assert!(apart * 4 > poses.len() && apart * 4 < poses.len() * 3, "both answers are frequent");
+    }
+}
+
+/// A few random triangles, some degenerate, of any size, anywhere.
+fn soup(rng: &mut Rng, scale: f64) -> MeshData {
+    let count = 1 + rng.below(40) as usize;
+    let centre = point(rng).map(|x| x * *rng.pick(&[0.0, 1.0, 100.0]));
+    let size = *rng.pick(&[1.0, 0.1, 1e-3]);
+    let mut vertices = Vec::new();
+    for _ in 0..count {
+        let (p, spread) = (point(rng), *rng.pick(&[0.0, 1e-3, 0.3, 1.0]));
+        for _ in 0..3 {
+            let q = mixed(&p, &point(rng), spread);
+            vertices.push(core::array::from_fn(|k| scale * (centre[k] + size * q[k])));
+        }
+    }
+    let triangles = (0..count as u32).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect();
+    MeshData { vertices, triangles }
+}
+
+#[test]
+fn distances_and_margins_equal_brute_force_on_random_shapes() {
+    let mut rng = Rng::new(7);
+    for case in 0..200 {
+        let scale = *rng.pick(&[1.0, 1.0, 1e-20, 1e20]);
+        let (a, b) = (soup(&mut rng, scale), soup(&mut rng, scale));
+        let (rotation, shift) = (rng.rotation(), point(&mut rng));
+        let near = *rng.pick(&[0.0, 1.0, 100.0]);
+        let rows = core::array::from_fn(|i| {
+            let r = rotation[i];
+            [r[0], r[1], r[2], scale * near * shift[i]]
+        });
+        let (moved, still) = (a.placed(&rows), b.corners());
+        let size = moved.iter().chain(&still).flatten().flatten().fold(0.0_f64, |m, x| m.max(x.abs()));
+        let pose = Pose::from_rows(rows).unwrap();
+        let scene = Scene { name: format!("case {case}"), a: &moved, b: &still, pose, size };
+        let mut want = None;
+        let leaf_size = 1 + rng.below(5) as u32;
+        check(&scene, (&build::<Node16<18>>(&a, leaf_size), &build::<Node16<18>>(&b, 1)), &mut want);
+        check(&scene, (&build::<Node16<32>>(&a, 1), &build::<Node16<32>>(&b, leaf_size)), &mut want);
+        check(&scene, (&build::<Node4<14>>(&a, leaf_size), &build::<Node4<14>>(&b, leaf_size)), &mut want);
+        check(&scene, (&build::<Node4<6>>(&a, 1), &build::<Node4<6>>(&b, 1)), &mut want);
+    }
+}
+
+fn same_on_all<N: Lanes>(a: &MeshData, b: &MeshData, poses: &[Rows], margin: f64) {
+    let (a, b) = (build::<N>(a, 1), build::<N>(b, 2));
+    let scalar = Query::new(Isa::SCALAR);
+    for rows in poses {
+        let pose = Pose::from_rows(*rows).unwrap();
+        for isa in Isa::available() {
+            let query = Query::new(isa);
+            for (tolerance, budget) in [(0.0, u64::MAX), (0.1, u64::MAX), (0.0, 10)] {
+                let run = |q: Query| {
+                    q.with_budget(budget).distance(&a.view(), &b.view(), &pose, tolerance).unwrap()
+                };
+                assert_eq!(run(query), run(scalar), "{isa} {rows:?}");
+            }
+            for margin in [0.0, margin, 10.0 * margin] {
+                let run = |q: Query| q.within(&a.view(), &b.view(), &pose, margin).unwrap();
+                assert_eq!(run(query), run(scalar), "{isa} {rows:?} {margin}");
+            }
+        }
+    }
+}
+
+#[test]
+fn every_instruction_set_gives_the_same_answers_and_counters() {
+    let mut rng = Rng::new(9);
+    for _ in 0..20 {
+        let (a, b) = (soup(&mut rng, 1.0), soup(&mut rng, 1.0));
+        let poses: Vec<Rows> = (0..4)
+            .map(|_| {
+                let (r, t) = (rng.rotation(), point(&mut rng));
+                core::array::from_fn(|i| [r[i][0], r[i][1], r[i][2], t[i]])
+            })
+            .collect();
+        same_on_all::<Node16<6>>(&a, &b, &poses, 0.01);
+        same_on_all::<Node16<18>>(&a, &b, &poses, 0.01);
+        same_on_all::<Node16<26>>(&a, &b, &poses, 0.01);
+        same_on_all::<Node4<14>>(&a, &b, &poses, 0.01);
+        same_on_all::<Node4<32>>(&a, &b, &poses, 0.01);
+    }
+    let Some(suites) = suites() else { return };
+    let suite = &suites[0];
+    let poses = suite.poses(8, |_| false);
+    same_on_all::<Node16<18>>(&suite.a, &suite.b, &poses, 1e-3 * suite.a.diagonal());
+    same_on_all::<Node4<18>>(&suite.a, &suite.b, &poses, 1e-3 * suite.a.diagonal());
+}
+
+#[test]
+fn margins_and_tolerances_are_checked_and_empty_bodies_are_far() {
+    let empty = MeshData { vertices: Vec::new(), triangles: Vec::new() };
+    let one =
+        MeshData { vertices: vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]], triangles: vec![[0, 1, 2]] };
+    let (empty, one) = (build::<Node16<14>>(&empty, 1), build::<Node16<14>>(&one, 1));
+    let query = Query::new(Isa::detect());
+    for bad in [-1.0, -f64::MIN_POSITIVE, f64::NAN, f64::INFINITY] {
+        let distance = query.distance(&one.view(), &one.view(), &Pose::IDENTITY, bad).unwrap_err();
+        let within = query.within(&one.view(), &one.view(), &Pose::IDENTITY, bad).unwrap_err();
+        for error in [distance, within] {
+            assert!(error.given.to_bits() == bad.to_bits() && error.to_string().contains("finite"));
+        }
+    }
+    assert!(query.distance(&one.view(), &one.view(), &Pose::IDENTITY, -0.0).unwrap().upper == 0.0);
+    for (a, b) in [(&empty, &one), (&one, &empty), (&empty, &empty)] {
+        let distance = query.distance(&a.view(), &b.view(), &Pose::IDENTITY, 0.0).unwrap();
+        assert_eq!((distance.lower, distance.upper, distance.witness), (f64::INFINITY, f64::INFINITY, None));
+        assert_eq!(distance.verdict(), Verdict::Free);
+        assert_eq!(query.within(&a.view(), &b.view(), &Pose::IDENTITY, 1e9).unwrap().verdict, Verdict::Free);
+    }
+}

@@ -1,0 +1,80 @@
+//! The kernels are inlined in the traversal: a call for each row would cost as much as the row.
+//!
+//! Looks at the symbols of this very binary, which queries on every instruction set and uses the kernels in no other way: what the
+//! compiler inlined everywhere has no symbol left. Needs an optimised ELF binary.
+#![cfg(target_os = "linux")]
+
+use simdop::build::{Builder, Mesh};
+use simdop::hierarchy::Bvh;
+use simdop::isa::Isa;
+use simdop::node::{Node4, Node16};
+use simdop::pose::Pose;
+use simdop::query::{Lanes, Query};
+use std::hint::black_box;
+
+/// One query on every instruction set, so that each traversal is compiled.
+fn query<N: Lanes>() {
+    let triangle = Mesh { vertices: &[[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]], triangles: &[[0, 1, 2]] };
+    let tree: Bvh<N> = Builder::new().build(&triangle).unwrap();
+    for isa in Isa::available() {
+        let answer = Query::new(isa).collide(&tree.view(), &tree.view(), black_box(&Pose::IDENTITY));
+        assert!(answer.is_hit(), "{isa}");
+    }
+}
+
+/// The mangled names of all functions in a 64-bit little-endian ELF file (System V ABI, chapter 4).
+fn functions(elf: &[u8]) -> Vec<String> {
+    let int = |at: usize, size: usize| {
+        elf[at..at + size].iter().rev().fold(0, |x, byte| x << 8 | usize::from(*byte))
+    };
+    assert!(elf.starts_with(b"\x7fELF\x02\x01"), "a 64-bit little-endian ELF file");
+    let section = |index: usize| int(0x28, 8) + index * int(0x3a, 2);
+    let (type_of, offset, size, link) =
+        (|s| int(s + 4, 4), |s| int(s + 0x18, 8), |s| int(s + 0x20, 8), |s| int(s + 0x28, 4));
+    let mut names = Vec::new();
+    for table in (0..int(0x3c, 2)).map(section).filter(|s| type_of(*s) == 2) {
+        let strings = offset(section(link(table)));
+        for symbol in (offset(table)..offset(table) + size(table)).step_by(24) {
+            if elf[symbol + 4] & 0xf == 2 {
+                let name = &elf[strings + int(symbol, 4)..];
+                let end = name.iter().position(|byte| *byte == 0).unwrap();
+                names.push(String::from_utf8_lossy(&name[..end]).into_owned());
+            }
+        }
+    }
+    names
+}
+
+#[test]
+fn kernels_leave_no_function_of_their_own() {
+    query::<Node16<18>>();
+    query::<Node4<18>>();
+    query::<Node16<32>>();
+    if cfg!(debug_assertions) {
+        eprintln!("*** NOT CHECKED: needs cargo test --release ***");
+        return;
+    }
+    let functions = functions(&std::fs::read(std::env::current_exe().unwrap()).unwrap());
+    // Were names written otherwise than expected, none would be found: so some must be.
+    let count = |part: &str| functions.iter().filter(|name| name.contains(part)).count();
+    let (queries, gates) = (count("6simdop5query"), count("12compiled_for"));
+    println!(
+        "{} functions: {queries} of simdop::query, {gates} behind an instruction set's gate",
+        functions.len()
+    );
+    assert!(queries > 0 && (gates > 0 || Isa::available().count() == 1), "no traversal among them");
+    let apart: Vec<_> = functions.iter().filter(|name| is_kernel(name) && !may_be_apart(name)).collect();
+    assert!(apart.is_empty(), "not inlined: {apart:#?}");
+}
+
+fn is_kernel(name: &str) -> bool {
+    ["6simdop6kernel4avx2", "6simdop6kernel6avx512", "6simdop6kernel4neon"]
+        .iter()
+        .any(|path| name.contains(path))
+}
+
+/// Re-alignment is called once for up to 16 rows and is hundreds of instructions: the compiler shares it between queries. It is compiled for
+/// the same features, and what it is made of must still be in it.
+fn may_be_apart(name: &str) -> bool {
+    ["10realign_16", "9realign_4", "7realign17h"].iter().any(|function| name.contains(function))
+}

@@ -1,0 +1,575 @@
+//! The law of the kernels (`simdop::kernel`): every instruction set gives the scalar kernel's bits, for every input.
+//!
+//! One macro makes the same named tests for each name in `Isa::NAMES`. An instruction set that this machine has not got is reported as
+//! `NOT RUN`, and is a failure where `SIMDOP_REQUIRE_ISA` (names, with commas) asks for it. `SIMDOP_PAIRS` sets the number of pairs of
+//! nodes per k.
+
+mod support;
+
+use simdop::build::{Builder, Mesh};
+use simdop::hierarchy::Bvh;
+use simdop::isa::{Isa, IsaError, Scalar};
+use simdop::kernel::{Kernel, Query};
+use simdop::key::{Key, decode};
+use simdop::node::{Child, Node4, Node16};
+use simdop::pose::Pose;
+use simdop::query::Lanes;
+use simdop::realign::Realignment;
+use std::cell::LazyCell;
+use std::io::Write;
+use support::rng::Rng;
+
+// ---- Which instruction set ----------------------------------------------------------------------------------------------------
+
+/// The instruction set, if it is here. Tells standard error itself when it is not: a passing test's output is not shown.
+fn available(name: &str) -> Option<Isa> {
+    match name.parse() {
+        Ok(isa) => Some(isa),
+        Err(IsaError::Unknown) => panic!("{name} is no instruction set"),
+        Err(IsaError::NotAvailable) => {
+            let required = std::env::var("SIMDOP_REQUIRE_ISA").unwrap_or_default();
+            assert!(!required.split(',').any(|r| r == name), "SIMDOP_REQUIRE_ISA: there is no {name} here");
+            // In one piece: other tests write too.
+            let line = format!("*** ISA {name}: NOT RUN here ***\n");
+            std::io::stderr().write_all(line.as_bytes()).unwrap();
+            None
+        }
+    }
+}
+
+macro_rules! on_isa {
+    ($isa:expr, $kernel:ident => $body:expr) => {
+        match $isa {
+            Isa::Scalar($kernel) => $body,
+            #[cfg(target_arch = "x86_64")]
+            Isa::Avx2($kernel) => $body,
+            #[cfg(target_arch = "x86_64")]
+            Isa::Avx512($kernel) => $body,
+            #[cfg(target_arch = "aarch64")]
+            Isa::Neon($kernel) => $body,
+            other => panic!("no test runs {other}"),
+        }
+    };
+}
+
+/// The tests of one instruction set; each runs `law::<K>(kernel, name)` for every k.
+macro_rules! laws {
+    ($($isa:ident)*) => {
+        #[test]
+        fn no_instruction_set_is_left_out() {
+            assert_eq!([$(stringify!($isa)),*], Isa::NAMES);
+        }
+        $( mod $isa {
+            use super::*;
+            laws!(@each $isa:
+                overlaps_equal_the_scalar_kernel
+                realignments_equal_the_scalar_kernel
+                any_one_plane_separates
+                any_one_lane_overlaps
+                roles_swapped_and_bodies_mirrored
+                lanes_permuted
+            );
+
+            /// Every compare of a plane, of 2^32: minutes in an emulator.
+            #[test]
+            #[ignore = "exhaustive: cargo test --release --test kernel_law -- --ignored"]
+            fn all_key_pairs() {
+                if let Some(isa) = available(stringify!($isa)) {
+                    on_isa!(isa, kernel => super::all_key_pairs(kernel));
+                }
+            }
+        } )*
+    };
+    (@each $isa:ident: $($law:ident)*) => { $(
+        #[test]
+        fn $law() {
+            if let Some(isa) = available(stringify!($isa)) {
+                on_isa!(isa, kernel => {
+                    super::$law::<6>(kernel, stringify!($isa));
+                    super::$law::<14>(kernel, stringify!($isa));
+                    super::$law::<18>(kernel, stringify!($isa));
+                    super::$law::<26>(kernel, stringify!($isa));
+                    super::$law::<32>(kernel, stringify!($isa));
+                });
+            }
+        }
+    )* };
+}
+
+laws!(scalar neon avx2 avx512);
+
+/// Pairs of nodes per k: `SIMDOP_PAIRS`, else as many as are no burden.
+fn pairs() -> u64 {
+    let small = std::env::var("SIMDOP_SUITE").is_ok_and(|suite| suite == "small");
+    match std::env::var("SIMDOP_PAIRS") {
+        Ok(pairs) => pairs.parse().expect("SIMDOP_PAIRS is a number"),
+        Err(_) if cfg!(miri) => 3,
+        Err(_) if small => 4_000,
+        Err(_) => 100_000,
+    }
+}
+
+// ---- Inputs -------------------------------------------------------------------------------------------------------------------
+
+/// Planes of `W` bodies, by plane.
+type Planes<const W: usize, const K: usize> = [[i16; W]; K];
+
+/// How a pair is generated. In all but the last, a compare separates with a chance of about 1 / K, so that masks have bits of both kinds.
+#[derive(Copy, Clone, Debug)]
+enum Mode {
+    /// Small integers as halves: bodies touch often.
+    Grid,
+    /// Codes that are equal or next to each other.
+    Near,
+    /// All codes: NaN, infinities, -0, subnormal halves, the mark of unused lanes.
+    AnyBits,
+    /// Planes of a tree, turned into another's frame at poses where they meet.
+    Real,
+}
+
+/// Miri is too slow to build trees.
+const MODES: &[Mode] = if cfg!(miri) {
+    &[Mode::Grid, Mode::Near, Mode::AnyBits]
+} else {
+    &[Mode::Grid, Mode::Near, Mode::AnyBits, Mode::Real]
+};
+
+/// Codes at the ends of their kinds: the lowest, an unused lane's neighbours, -infinity and about, lowest finite, about -1, about zero (-0
+/// is -1, the largest negative subnormal -2), subnormal ends, 1, the largest finite, infinity, NaN.
+const SPECIAL: [i16; 20] = [
+    i16::MIN,
+    -0x7fff,
+    -0x7c02,
+    -0x7c01,
+    -0x7c00,
+    -0x3c01,
+    -0x401,
+    -0x400,
+    -3,
+    -2,
+    -1,
+    0,
+    1,
+    0x3ff,
+    0x400,
+    0x3c00,
+    0x7bff,
+    0x7c00,
+    0x7c01,
+    i16::MAX,
+];
+
+fn code(rng: &mut Rng) -> i16 {
+    if rng.below(4) == 0 { *rng.pick(&SPECIAL) } else { rng.u64() as i16 }
+}
+
+/// A query and a node's planes.
+fn pair<const W: usize, const K: usize>(rng: &mut Rng, mode: Mode) -> (Planes<W, K>, Planes<W, K>) {
+    let (mut query, mut planes) = ([[0; W]; K], [[0; W]; K]);
+    for j in 0..K {
+        let middle = code(rng);
+        let grid = |x: i64| Key::round_up_f64(x as f64).unwrap().code();
+        // Below the middle for the query, above it for the planes, except one in 2 K.
+        let mut draw = |side: i64| {
+            let side = if rng.below(2 * K as u64) == 0 { -side } else { side };
+            match mode {
+                Mode::Grid => grid(if side < 0 { rng.int(-2, 1) } else { rng.int(1, 3) }),
+                Mode::Near => middle.saturating_add((side * rng.int(0, 1)) as i16),
+                Mode::AnyBits | Mode::Real => {
+                    let any = code(rng);
+                    if side < 0 { any.min(middle) } else { any.max(middle) }
+                }
+            }
+        };
+        query[j] = core::array::from_fn(|_| draw(-1));
+        planes[j] = core::array::from_fn(|_| draw(1));
+    }
+    (query, planes)
+}
+
+/// Nodes of two trees, and A's in query form at poses where the trees meet.
+struct Trees<const K: usize> {
+    wide: Bvh<Node16<K>>,
+    narrow: Bvh<Node4<K>>,
+    maps: Vec<Realignment<K>>,
+}
+
+/// A torus with a wave: curved both ways, and not symmetric.
+fn shape(n: u32) -> (Vec<[f64; 3]>, Vec<[u32; 3]>) {
+    // A rational parametrisation of the circle: sines differ between machines.
+    let circle = |i: u32| {
+        let t = f64::from(i % n) / f64::from(n) * 4.0 - 2.0;
+        let (t, turn) = if t.abs() <= 1.0 { (t, 1.0) } else { (t - 2.0_f64.copysign(t), -1.0) };
+        [turn * (1.0 - t * t) / (1.0 + t * t), turn * 2.0 * t / (1.0 + t * t)]
+    };
+    let grid = || (0..n).flat_map(|i| (0..n).map(move |j| (i, j)));
+    let vertices = grid().map(|(i, j)| {
+        let ([c, s], [u, v]) = (circle(i), circle(j));
+        let r = 2.0 + (0.7 + 0.2 * c) * u;
+        [r * c, r * s, (0.7 + 0.2 * c) * v + 0.3 * s * c]
+    });
+    let at = |i: u32, j: u32| i % n * n + j % n;
+    let triangles = grid().flat_map(|(i, j)| {
+        [[at(i, j), at(i + 1, j), at(i, j + 1)], [at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)]]
+    });
+    (vertices.collect(), triangles.collect())
+}
+
+impl<const K: usize> Trees<K>
+where
+    Node16<K>: Lanes,
+    Node4<K>: Lanes,
+{
+    fn new(rng: &mut Rng) -> Self {
+        let (vertices, triangles) = shape(24);
+        let mesh = Mesh { vertices: &vertices, triangles: &triangles };
+        let (wide, narrow) = (Builder::new().build(&mesh).unwrap(), Builder::new().build(&mesh).unwrap());
+        let mut map = || {
+            let rotation = rng.rotation();
+            let shift = rng.rotation()[0].map(|x| x * 2.0);
+            let pose = Pose::from_rows(core::array::from_fn(|i| {
+                [rotation[i][0], rotation[i][1], rotation[i][2], shift[i]]
+            }));
+            let tree: simdop::hierarchy::BvhRef<'_, Node16<K>> = Bvh::view(&wide);
+            Realignment::new(&pose.unwrap(), tree.header(), &tree.frame())
+        };
+        let maps = (0..64).map(|_| map()).collect();
+        Self { wide, narrow, maps }
+    }
+
+    fn wide(&self, rng: &mut Rng) -> (Query<16, K>, Node16<K>) {
+        let nodes = self.wide.view().nodes();
+        (Scalar::new().realign_16(rng.pick(&self.maps), upper(rng, nodes)), *upper(rng, nodes))
+    }
+
+    fn narrow(&self, rng: &mut Rng) -> (Query<4, K>, Node4<K>) {
+        let nodes = self.narrow.view().nodes();
+        (Scalar::new().realign_4(rng.pick(&self.maps), upper(rng, nodes)), *upper(rng, nodes))
+    }
+}
+
+/// A node, more often one of the upper and larger: they come first, and overlap more.
+fn upper<'a, N>(rng: &mut Rng, nodes: &'a [N]) -> &'a N {
+    let end = 1 + rng.below(nodes.len() as u64) as usize;
+    let end = 1 + rng.below(end as u64) as usize;
+    rng.pick(&nodes[..end])
+}
+
+const fn wide<const K: usize>(planes: Planes<16, K>) -> Node16<K> {
+    Node16 { planes, child: [Child::EMPTY; 16] }
+}
+
+const fn narrow<const K: usize>(planes: Planes<4, K>) -> Node4<K> {
+    Node4 { planes, child: [Child::EMPTY; 4] }
+}
+
+/// FNV-1a, 64 bits.
+struct Digest(u64);
+
+impl Digest {
+    const EMPTY: Self = Self(0xcbf2_9ce4_8422_2325);
+
+    fn add(&mut self, value: u16) {
+        for byte in value.to_le_bytes() {
+            self.0 = (self.0 ^ u64::from(byte)).wrapping_mul(0x100_0000_01b3);
+        }
+    }
+}
+
+// ---- The laws -----------------------------------------------------------------------------------------------------------------
+
+/// The four overlap kernels in one list of masks: 16 lanes 1vs16, one lane 16vs1, and 4vs4.
+type Masks = [u16; 18];
+
+#[inline(always)]
+fn masks<E: Kernel, const K: usize>(
+    kernel: E,
+    (query, node): &(Query<16, K>, Node16<K>),
+    (query_4, node_4): &(Query<4, K>, Node4<K>),
+    column: usize,
+) -> Masks {
+    kernel.run(
+        #[inline(always)]
+        || {
+            let mut masks = [0; 18];
+            for (lane, mask) in masks[..16].iter_mut().enumerate() {
+                *mask = kernel.overlap_1v16(query, lane, node);
+            }
+            masks[16] = kernel.overlap_16v1(query, node, column);
+            masks[17] = kernel.overlap_4v4(query_4, node_4);
+            masks
+        },
+    )
+}
+
+fn overlaps_equal_the_scalar_kernel<const K: usize>(kernel: impl Kernel, name: &str)
+where
+    Node16<K>: Lanes,
+    Node4<K>: Lanes,
+{
+    let mut rng = Rng::new(K as u64);
+    let trees = LazyCell::new(|| Trees::<K>::new(&mut Rng::new(K as u64)));
+    let mut digest = Digest::EMPTY;
+    for &mode in MODES {
+        let (mut ones, mut all) = (0, 0);
+        for i in 0..pairs() / MODES.len() as u64 {
+            let (case, case_4) = if let Mode::Real = mode {
+                (trees.wide(&mut rng), trees.narrow(&mut rng))
+            } else {
+                let (query, planes) = pair(&mut rng, mode);
+                let (query_4, planes_4) = pair(&mut rng, mode);
+                ((query, wide(planes)), (query_4, narrow(planes_4)))
+            };
+            let column = (i % 16) as usize;
+            let got = masks(kernel, &case, &case_4, column);
+            let want = masks(Scalar::new(), &case, &case_4, column);
+            assert_eq!(got, want, "{name} k {K} {mode:?} pair {i}: {case:x?} {case_4:x?}");
+            for mask in got {
+                digest.add(mask);
+                ones += u64::from(mask.count_ones());
+                all += 16;
+            }
+        }
+        let share = ones as f64 / all as f64;
+        assert!(cfg!(miri) || (0.005..0.9).contains(&share), "{mode:?} k {K}: {share} of the bits are 1");
+    }
+    println!("{name} k {K}: {} pairs of nodes, digest {:016x}", pairs(), digest.0);
+}
+
+/// A map with anything in it.
+fn any_map<const K: usize>(rng: &mut Rng) -> Realignment<K> {
+    let float = |rng: &mut Rng| match rng.below(8) {
+        0 => *rng.pick(&[
+            0.0,
+            -0.0,
+            1.0,
+            f32::MIN_POSITIVE,
+            f32::from_bits(1),
+            f32::MAX,
+            f32::INFINITY,
+            f32::NAN,
+        ]),
+        1 => f32::from_bits(rng.u64() as u32),
+        2 => rng.int(-4, 4) as f32,
+        _ => rng.range(0.0, 2.0) as f32,
+    };
+    Realignment {
+        sources: core::array::from_fn(|_| core::array::from_fn(|_| rng.u64() as u8)),
+        weights: core::array::from_fn(|_| core::array::from_fn(|_| float(rng).abs())),
+        offset: core::array::from_fn(|_| float(rng)),
+    }
+}
+
+fn realignments_equal_the_scalar_kernel<const K: usize>(kernel: impl Kernel, name: &str)
+where
+    Node16<K>: Lanes,
+    Node4<K>: Lanes,
+{
+    let mut rng = Rng::new(100 + K as u64);
+    let trees = LazyCell::new(|| Trees::<K>::new(&mut Rng::new(K as u64)));
+    let scalar = Scalar::new();
+    // A scalar re-alignment costs as much as a hundred overlaps.
+    let count = pairs() / 8;
+    for &mode in MODES {
+        for i in 0..count / MODES.len() as u64 + 1 {
+            let (map, node, node_4) = if let Mode::Real = mode {
+                (*rng.pick(&trees.maps), trees.wide(&mut rng).1, trees.narrow(&mut rng).1)
+            } else {
+                (any_map(&mut rng), wide(pair(&mut rng, mode).1), narrow(pair(&mut rng, mode).1))
+            };
+            let (got, want) = (kernel.realign_16(&map, &node), scalar.realign_16(&map, &node));
+            assert_eq!(got, want, "{name} k {K} {mode:?} map {i}: {map:?} {node:x?}");
+            let (got, want) = (kernel.realign_4(&map, &node_4), scalar.realign_4(&map, &node_4));
+            assert_eq!(got, want, "{name} k {K} {mode:?} map {i}: {map:?} {node_4:x?}");
+        }
+    }
+}
+
+/// Planes that overlap in every lane, by touching.
+const fn touching<const W: usize, const K: usize>() -> Planes<W, K> {
+    [[5; W]; K]
+}
+
+/// Raising one plane of one query lane above one lane of the node clears just that bit, wherever it is.
+fn any_one_plane_separates<const K: usize>(kernel: impl Kernel, name: &str) {
+    for j in (0..K).step_by(if cfg!(miri) { 5 } else { 1 }) {
+        for lane in (0..16).step_by(if cfg!(miri) { 7 } else { 1 }) {
+            let (a, b) = ((lane + j) % 16, lane);
+            let (mut query, mut node) = (touching(), wide::<K>(touching()));
+            query[j][a] = 6;
+            assert_eq!(kernel.overlap_1v16(&query, a, &node), 0, "{name} k {K} plane {j}: all separated");
+            assert_eq!(kernel.overlap_16v1(&query, &node, b), !(1 << a), "{name} k {K} plane {j} lane {a}");
+            query[j][a] = 5;
+            node.planes[j][b] = 4;
+            assert_eq!(kernel.overlap_1v16(&query, a, &node), !(1 << b), "{name} k {K} plane {j} lane {b}");
+            assert_eq!(kernel.overlap_16v1(&query, &node, b), 0, "{name} k {K} plane {j}: all separated");
+
+            let (a, b) = (lane / 4, lane % 4);
+            let (mut query, mut node) = (touching(), narrow::<K>(touching()));
+            query[j][a] = 6;
+            assert_eq!(
+                kernel.overlap_4v4(&query, &node),
+                !(0xf << (4 * a)),
+                "{name} k {K} plane {j} row {a}"
+            );
+            query[j][a] = 5;
+            node.planes[j][b] = 4;
+            assert_eq!(
+                kernel.overlap_4v4(&query, &node),
+                !(0x1111 << b),
+                "{name} k {K} plane {j} column {b}"
+            );
+        }
+    }
+}
+
+/// One lane is not separated, each other one by one plane only.
+fn any_one_lane_overlaps<const K: usize>(kernel: impl Kernel, name: &str) {
+    for last in (0..K).step_by(if cfg!(miri) { 7 } else { 1 }) {
+        for hit in (0..16).step_by(if cfg!(miri) { 7 } else { 1 }) {
+            let (query, mut node) = (touching(), wide::<K>(touching()));
+            for lane in (0..16).filter(|&lane| lane != hit) {
+                node.planes[(last + lane) % K][lane] = 4;
+            }
+            assert_eq!(kernel.overlap_1v16(&query, hit, &node), 1 << hit, "{name} k {K} lane {hit}");
+
+            let (mut query, mut node) = (touching(), narrow::<K>(touching()));
+            for lane in (0..4).filter(|&lane| lane != hit / 4) {
+                query[last][lane] = 6;
+            }
+            for lane in (0..4).filter(|&lane| lane != hit % 4) {
+                node.planes[K - 1 - last][lane] = 4;
+            }
+            assert_eq!(kernel.overlap_4v4(&query, &node), 1 << hit, "{name} k {K} lane {hit}");
+        }
+    }
+}
+
+/// Overlap is symmetric: with the roles swapped, A's planes in the node and B's in the query, rows are columns. And a reflection of
+/// space, which swaps the two planes of each slab, changes nothing.
+fn roles_swapped_and_bodies_mirrored<const K: usize>(kernel: impl Kernel, name: &str) {
+    let mut rng = Rng::new(200 + K as u64);
+    let swapped = |planes: &Planes<16, K>| -> Planes<16, K> {
+        core::array::from_fn(|j| planes[j ^ 1].map(|code| !code))
+    };
+    let mirrored = |planes: &Planes<16, K>| -> Planes<16, K> { core::array::from_fn(|j| planes[j ^ 1]) };
+    for i in 0..pairs() / 64 + 1 {
+        let (query, planes) = pair::<16, K>(&mut rng, MODES[i as usize % 3]);
+        let node = wide(planes);
+        let rows: [u16; 16] = core::array::from_fn(|a| kernel.overlap_1v16(&query, a, &node));
+        let column = |b: usize| (0..16).fold(0, |column, a| column | (rows[a] >> b & 1) << a);
+        let mirrored = (mirrored(&query), wide(mirrored(&planes)));
+        let swapped = (swapped(&planes), wide(swapped(&query)));
+        for lane in 0..16 {
+            assert_eq!(kernel.overlap_1v16(&mirrored.0, lane, &mirrored.1), rows[lane], "{name} k {K}");
+            assert_eq!(kernel.overlap_1v16(&swapped.0, lane, &swapped.1), column(lane), "{name} k {K}");
+            assert_eq!(kernel.overlap_16v1(&query, &node, lane), column(lane), "{name} k {K}");
+        }
+    }
+}
+
+/// Permuting the children permutes the bits.
+fn lanes_permuted<const K: usize>(kernel: impl Kernel, name: &str) {
+    let mut rng = Rng::new(300 + K as u64);
+    for i in 0..pairs() / 64 + 1 {
+        let (query, planes) = pair::<16, K>(&mut rng, MODES[i as usize % 3]);
+        let mut order: [usize; 16] = core::array::from_fn(|lane| lane);
+        for lane in (1..16).rev() {
+            order.swap(lane, rng.below(lane as u64 + 1) as usize);
+        }
+        let permuted: Planes<16, K> = core::array::from_fn(|j| order.map(|lane| planes[j][lane]));
+        let lane = rng.below(16) as usize;
+        let straight = kernel.overlap_1v16(&query, lane, &wide(planes));
+        let want = (0..16).fold(0, |mask, i| mask | (straight >> order[i] & 1) << i);
+        assert_eq!(kernel.overlap_1v16(&query, lane, &wide(permuted)), want, "{name} k {K} {order:?}");
+    }
+}
+
+/// All 2^32 pairs of codes in one compare, sixteen at a time: ascending codes in the lanes, so that the lanes below the query are
+/// counted by a subtraction. The compare does not depend on the plane, the lane or k: [`any_one_plane_separates`] tries those.
+fn all_key_pairs<E: Kernel>(kernel: E) {
+    const CLEAR: i16 = i16::MIN;
+    let mut nodes = vec![wide::<6>([[CLEAR; 16]; 6]); 4096];
+    let mut queries = vec![[[CLEAR; 16]; 6]; 4096];
+    for (i, first) in (i16::MIN..=i16::MAX).step_by(16).enumerate() {
+        let ascending = core::array::from_fn(|lane| first + lane as i16);
+        nodes[i].planes[i % 6] = ascending;
+        queries[i][i % 6] = ascending;
+    }
+    for q in i16::MIN..=i16::MAX {
+        kernel.run(
+            #[inline(always)]
+            || {
+                for (i, (node, lanes)) in nodes.iter().zip(&queries).enumerate() {
+                    let first = i32::from(i16::MIN) + 16 * i as i32;
+                    let mut query = [[CLEAR; 16]; 6];
+                    query[i % 6][3] = q;
+                    let below = (i32::from(q) - first).clamp(0, 16);
+                    let want = (0xffff_0000_u32 >> (16 - below)) as u16 | (0xffff_u32 << below) as u16;
+                    assert_eq!(kernel.overlap_1v16(&query, 3, node), want, "query {q} against {first}..");
+                    // The other way round: sixteen queries against one plane.
+                    let mut single = wide::<6>([[i16::MAX; 16]; 6]);
+                    single.planes[i % 6][3] = q;
+                    let up_to = (i32::from(q) - first + 1).clamp(0, 16);
+                    let want = !(0xffff_u32 << up_to) as u16;
+                    assert_eq!(kernel.overlap_16v1(lanes, &single, 3), want, "queries {first}.. against {q}");
+                    // 4vs4: the rows are the same query, the columns four codes.
+                    let four = node.planes.map(|p| [p[0], p[5], p[10], p[15]]);
+                    let rows = query.map(|q| [q[3]; 4]);
+                    let row = [0, 5, 10, 15]
+                        .iter()
+                        .enumerate()
+                        .fold(0, |row, (b, step)| row | u16::from(i32::from(q) <= first + step) << b);
+                    assert_eq!(
+                        kernel.overlap_4v4(&rows, &narrow(four)),
+                        row * 0x1111,
+                        "4vs4: {q}, {first}.."
+                    );
+                }
+            },
+        );
+    }
+}
+
+/// The scalar kernel against the inequality itself, in `f64`, for planes that are values.
+#[test]
+fn scalar_kernel_is_the_inequality() {
+    let mut rng = Rng::new(400);
+    for _ in 0..pairs() / 64 + 1 {
+        let value = |rng: &mut Rng| loop {
+            let code = if rng.below(2) == 0 { code(rng) } else { rng.int(0x3c00, 0x3c04) as i16 };
+            if Key::from_code(code).is_some() {
+                return code;
+            }
+        };
+        let a: Planes<16, 18> = core::array::from_fn(|_| core::array::from_fn(|_| value(&mut rng)));
+        let b: Planes<16, 18> = core::array::from_fn(|_| core::array::from_fn(|_| value(&mut rng)));
+        let query = core::array::from_fn(|j| a[j ^ 1].map(|code| !code));
+        for lane in 0..16 {
+            let separated = |i: usize| (0..18).any(|j| -decode(a[j ^ 1][lane]) > decode(b[j][i]));
+            let want = (0..16).fold(0, |mask, i| mask | u16::from(!separated(i)) << i);
+            assert_eq!(Scalar::new().overlap_1v16(&query, lane, &wide(b)), want);
+        }
+    }
+}
+
+/// The mark of an unused lane stays separate from everything, even from a query without bounds.
+#[test]
+fn unused_lanes_are_separated_from_unbounded_bodies() {
+    let unbounded = [[Key::INFINITY.code(); 16]; 18];
+    let query = unbounded.map(|plane| plane.map(|code| !code));
+    let mut planes = unbounded;
+    for plane in &mut planes {
+        plane[7] = Key::EMPTY.code();
+    }
+    for isa in Isa::available() {
+        on_isa!(isa, kernel => {
+            assert_eq!(kernel.overlap_1v16(&query, 0, &wide(planes)), !(1 << 7), "{isa}");
+            let mut map = any_map::<18>(&mut Rng::new(1));
+            map.offset = [f32::INFINITY; 18];
+            let turned = kernel.realign_16(&map, &wide(planes));
+            assert_eq!(kernel.overlap_1v16(&turned, 7, &wide(unbounded)), 0, "{isa}");
+            assert_eq!(kernel.overlap_1v16(&turned, 6, &wide(unbounded)), u16::MAX, "{isa}");
+        });
+    }
+}

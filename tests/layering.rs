@@ -1,0 +1,419 @@
+//! The architecture as rules (ARCHITECTURE.md, "Layers"): imports go down, intrinsics and `unsafe` stay where they belong, files stay short.
+//!
+//! The rules look at the text of `src/`, with comments and literals blanked. Each has a test that it finds what it is for.
+
+#![expect(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
+
+extern crate alloc;
+
+use alloc::collections::BTreeSet;
+use std::path::{Path, PathBuf};
+
+/// The modules of the crate, lowest layer first. A module may import from lower layers only, never from its own.
+const LAYERS: [&[&str]; 9] = [
+    &["key", "exact", "directions", "isa"],
+    &["triangle"],
+    &["frame"],
+    &["node", "pose"],
+    &["bytes", "hierarchy"],
+    &["realign"],
+    &["kernel", "build"],
+    &["query"],
+    // The command: a crate of its own, which sees of the library what every user does.
+    &["cli"],
+];
+
+/// Lower layers that a module must do without all the same.
+const FORBIDDEN: [(&str, &[&str]); 1] = [("build", &["query", "kernel", "isa"])];
+
+/// Where intrinsics may be named: files, or folders ending in a slash.
+const INTRINSICS: [&str; 4] = ["kernel/avx2.rs", "kernel/avx512.rs", "kernel/neon.rs", "isa/"];
+/// Where `unsafe` may be written: there and in the byte view.
+const UNSAFE: [&str; 5] = ["kernel/avx2.rs", "kernel/avx512.rs", "kernel/neon.rs", "isa/", "bytes.rs"];
+
+/// Lines of a library file without its unit tests, at most.
+const MAX_LINES: usize = 320;
+
+/// Something that a rule objects to, on a line counted from 1.
+#[derive(Clone, PartialEq, Eq, Debug)]
+struct Finding {
+    line: usize,
+    what: String,
+}
+
+fn finding(line: usize, what: impl Into<String>) -> Finding {
+    Finding { line, what: what.into() }
+}
+
+// ---- Reading Rust, as far as the rules need it ------------------------------------------------------------------
+
+/// The code with every character of comments, strings and character literals blanked; lines stay lines.
+fn code_of(source: &str) -> String {
+    let text: Vec<char> = source.chars().collect();
+    let mut code = String::with_capacity(source.len());
+    let mut at = 0;
+    while at < text.len() {
+        let length = blank_length(&text[at..], at.checked_sub(1).map(|before| text[before]));
+        match length {
+            0 => code.push(text[at]),
+            _ => code.extend(text[at..at + length].iter().map(|&c| if c == '\n' { c } else { ' ' })),
+        }
+        at += length.max(1);
+    }
+    code
+}
+
+/// Length of the comment or literal that the text begins with; 0 if it begins with neither.
+fn blank_length(text: &[char], before: Option<char>) -> usize {
+    let starts = |prefix: &str| prefix.chars().enumerate().all(|(i, c)| text.get(i) == Some(&c));
+    if starts("//") {
+        return text.iter().position(|&c| c == '\n').unwrap_or(text.len());
+    }
+    if starts("/*") {
+        return block_comment_length(text);
+    }
+    if starts("r\"") || starts("r#") {
+        return if before.is_some_and(is_word) && before != Some('b') { 0 } else { raw_string_length(text) };
+    }
+    if starts("\"") {
+        return 1 + escaped_length(&text[1..], '"');
+    }
+    // A quote begins a character if it ends after one or is escaped; else it is a lifetime's.
+    if starts("'") && (text.get(1) == Some(&'\\') || text.get(2) == Some(&'\'')) {
+        return 1 + escaped_length(&text[1..], '\'');
+    }
+    0
+}
+
+fn block_comment_length(text: &[char]) -> usize {
+    let (mut depth, mut at) = (0, 0);
+    while at < text.len() {
+        let pair = (text[at], text.get(at + 1).copied().unwrap_or(' '));
+        depth += i32::from(pair == ('/', '*')) - i32::from(pair == ('*', '/'));
+        at += if pair == ('/', '*') || pair == ('*', '/') { 2 } else { 1 };
+        if depth == 0 {
+            return at;
+        }
+    }
+    text.len()
+}
+
+fn raw_string_length(text: &[char]) -> usize {
+    let hashes = text[1..].iter().take_while(|&&c| c == '#').count();
+    if text.get(1 + hashes) != Some(&'"') {
+        return 0; // A raw identifier.
+    }
+    let ends = |at: &usize| text[*at] == '"' && (1..=hashes).all(|i| text.get(at + i) == Some(&'#'));
+    (2 + hashes..text.len()).find(ends).map_or(text.len(), |at| at + 1 + hashes)
+}
+
+/// Length up to and with the closing quote.
+fn escaped_length(text: &[char], quote: char) -> usize {
+    let mut at = 0;
+    while at < text.len() && text[at] != quote {
+        at += if text[at] == '\\' { 2 } else { 1 };
+    }
+    (at + 1).min(text.len())
+}
+
+fn is_word(c: char) -> bool {
+    c.is_alphanumeric() || c == '_'
+}
+
+/// Where `word` stands alone in the code, as byte offsets.
+fn places_of<'c>(code: &'c str, word: &'c str) -> impl Iterator<Item = usize> + 'c {
+    code.match_indices(word).map(|(at, _)| at).filter(move |&at| {
+        let before = code[..at].chars().next_back();
+        let after = code[at + word.len()..].chars().next();
+        !before.is_some_and(is_word) && !after.is_some_and(is_word)
+    })
+}
+
+fn line_of(code: &str, at: usize) -> usize {
+    code[..at].matches('\n').count() + 1
+}
+
+/// The first names of a path's rest: `a` of `a::b`, or `a` and `c` of `{a::b, c}`.
+fn heads(rest: &str) -> Vec<&str> {
+    let word = |s: &'_ str| s.find(|c: char| !is_word(c)).unwrap_or(s.len());
+    let Some(group) = rest.trim_start().strip_prefix('{') else {
+        let rest = rest.trim_start();
+        return vec![&rest[..word(rest)]];
+    };
+    let (mut depth, mut start, mut names) = (0, 0, Vec::new());
+    for (at, c) in group.char_indices() {
+        if depth == 0 && (c == ',' || c == '}') {
+            let item = group[start..at].trim();
+            names.push(&item[..word(item)]);
+            start = at + 1;
+        }
+        match c {
+            '{' => depth += 1,
+            '}' if depth == 0 => break,
+            '}' => depth -= 1,
+            _ => {}
+        }
+    }
+    names.retain(|name| !name.is_empty());
+    names
+}
+
+/// Top-level module of a file, and how many `super::` lead from it to the crate's root.
+fn module_of(path: &str) -> (&str, usize) {
+    let parts: Vec<&str> = path.trim_end_matches(".rs").split('/').collect();
+    (parts[0], parts.len() - usize::from(parts.last() == Some(&"mod")))
+}
+
+/// The modules of the crate that a file names, with lines: after `crate::`, or after enough `super::`.
+fn imports<'c>(path: &str, code: &'c str) -> Vec<(usize, &'c str)> {
+    let mut found = Vec::new();
+    for at in places_of(code, "crate") {
+        if let Some(rest) = code[at + 5..].strip_prefix("::") {
+            found.extend(heads(rest).into_iter().map(|name| (line_of(code, at), name)));
+        }
+    }
+    let (_, climbs) = module_of(path);
+    for at in places_of(code, "super") {
+        let mut rest = &code[at..];
+        let mut supers = 0;
+        while let Some(next) = rest.strip_prefix("super::") {
+            (rest, supers) = (next, supers + 1);
+        }
+        let first = !code[..at].ends_with("super::");
+        if first && supers >= climbs {
+            // In an inline module one `super::` is used up, so only the names of modules count.
+            let names = heads(rest).into_iter().filter(|name| layer(name).is_some());
+            found.extend(names.map(|name| (line_of(code, at), name)));
+        }
+    }
+    found
+}
+
+fn layer(module: &str) -> Option<usize> {
+    LAYERS.iter().position(|layer| layer.contains(&module))
+}
+
+fn is_in(path: &str, places: &[&str]) -> bool {
+    places.iter().any(|place| path == *place || place.ends_with('/') && path.starts_with(place))
+}
+
+// ---- The rules --------------------------------------------------------------------------------------------------
+
+/// An import may only go down.
+fn upward_imports(path: &str, source: &str) -> Vec<Finding> {
+    let code = code_of(source);
+    let (module, _) = module_of(path);
+    let forbidden = FORBIDDEN.iter().find(|(name, _)| *name == module).map_or(&[][..], |(_, names)| names);
+    let Some(own) = layer(module) else {
+        return vec![finding(1, format!("module {module} is in no layer: give it its place in LAYERS"))];
+    };
+    let problem = |name: &str| match layer(name) {
+        _ if name == module => None,
+        _ if forbidden.contains(&name) => Some(format!("{module} must do without {name}")),
+        Some(other) if other < own => None,
+        Some(_) => Some(format!("{module} imports {name}, which is not below it")),
+        // A macro, or an item at the root.
+        None => Some(format!("{name} is no module of a layer")),
+    };
+    imports(path, &code)
+        .into_iter()
+        .filter_map(|(line, name)| problem(name).map(|what| finding(line, what)))
+        .collect()
+}
+
+/// `core::arch` and `std::arch` in the kernels of instruction sets and in detection only.
+fn stray_intrinsics(path: &str, source: &str) -> Vec<Finding> {
+    let code = code_of(source);
+    let places = places_of(&code, "arch").map(|at| finding(line_of(&code, at), "core::arch"));
+    if is_in(path, &INTRINSICS) { Vec::new() } else { places.collect() }
+}
+
+/// `unsafe` there and in the byte view only.
+fn stray_unsafe(path: &str, source: &str) -> Vec<Finding> {
+    let code = code_of(source);
+    let places = places_of(&code, "unsafe").map(|at| finding(line_of(&code, at), "unsafe"));
+    if is_in(path, &UNSAFE) { Vec::new() } else { places.collect() }
+}
+
+/// Every unsafe block and implementation has its proof in the comment right above its line.
+fn unproven_unsafe(source: &str) -> Vec<Finding> {
+    let code = code_of(source);
+    let lines: Vec<&str> = source.lines().collect();
+    let needs_proof = |at: &usize| {
+        let rest = code[at + "unsafe".len()..].trim_start();
+        rest.starts_with('{') || rest.starts_with("impl")
+    };
+    let proven = |line: usize| {
+        let above = lines[..line - 1].iter().rev().map(|l| l.trim()).skip_while(|l| l.starts_with("#["));
+        above.take_while(|l| l.starts_with("//")).any(|l| l.starts_with("// SAFETY: "))
+    };
+    let unproven = places_of(&code, "unsafe").filter(needs_proof).map(|at| line_of(&code, at));
+    unproven.filter(|&line| !proven(line)).map(|line| finding(line, "no SAFETY comment")).collect()
+}
+
+/// Library files are short enough to read in one go.
+fn too_long(path: &str, source: &str) -> Vec<Finding> {
+    let tests = source.find("#[cfg(test)]\nmod tests {").unwrap_or(source.len());
+    let lines = source[..tests].lines().count();
+    let exempt = path.starts_with("cli/") || path.ends_with("tests.rs");
+    if exempt || lines <= MAX_LINES {
+        Vec::new()
+    } else {
+        vec![finding(MAX_LINES + 1, format!("{lines} lines, more than {MAX_LINES}"))]
+    }
+}
+
+// ---- The source -------------------------------------------------------------------------------------------------
+
+/// Every Rust file below `src/`: path from there, and text.
+fn sources() -> Vec<(String, String)> {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("src");
+    let (mut folders, mut files) = (vec![root.clone()], Vec::<PathBuf>::new());
+    while let Some(folder) = folders.pop() {
+        for entry in std::fs::read_dir(&folder).unwrap() {
+            let path = entry.unwrap().path();
+            if path.is_dir() {
+                folders.push(path);
+            } else if path.extension().is_some_and(|e| e == "rs") {
+                files.push(path);
+            }
+        }
+    }
+    files.sort();
+    let name = |path: &Path| path.strip_prefix(&root).unwrap().to_str().unwrap().replace('\\', "/");
+    files.iter().map(|path| (name(path), std::fs::read_to_string(path).unwrap())).collect()
+}
+
+fn assert_none(rule: impl Fn(&str, &str) -> Vec<Finding>) {
+    let report = |(path, source): &(String, String)| -> Vec<String> {
+        rule(path, source).iter().map(|f| format!("src/{path}:{}: {}", f.line, f.what)).collect()
+    };
+    let findings: Vec<String> = sources().iter().flat_map(report).collect();
+    assert!(findings.is_empty(), "\n{}", findings.join("\n"));
+}
+
+/// The root and the command's entry only list modules.
+fn is_root(path: &str) -> bool {
+    path == "lib.rs" || path == "main.rs"
+}
+
+#[test]
+fn imports_go_down() {
+    assert_none(|path, source| if is_root(path) { Vec::new() } else { upward_imports(path, source) });
+}
+
+#[test]
+fn every_layer_exists() {
+    let files = sources();
+    let modules: BTreeSet<&str> =
+        files.iter().filter(|(path, _)| !is_root(path)).map(|(path, _)| module_of(path).0).collect();
+    let listed: BTreeSet<&str> = LAYERS.iter().copied().flatten().copied().collect();
+    assert_eq!(modules, listed, "the modules of src/, and those in LAYERS");
+    for place in INTRINSICS.iter().chain(&UNSAFE) {
+        assert!(files.iter().any(|(path, _)| is_in(path, &[place])), "there is no {place}");
+    }
+}
+
+#[test]
+fn intrinsics_and_unsafe_stay_in_their_places() {
+    assert_none(stray_intrinsics);
+    assert_none(stray_unsafe);
+}
+
+#[test]
+fn every_unsafe_block_is_proven() {
+    assert_none(|_, source| unproven_unsafe(source));
+    let blocks: usize =
+        sources().iter().map(|(_, source)| places_of(&code_of(source), "unsafe").count()).sum();
+    assert!(blocks > 20, "the rule saw {blocks} of them");
+}
+
+#[test]
+fn library_files_are_short() {
+    assert_none(too_long);
+}
+
+// ---- Each rule finds what it is for -----------------------------------------------------------------------------
+
+fn lines(findings: &[Finding]) -> Vec<usize> {
+    findings.iter().map(|f| f.line).collect()
+}
+
+#[test]
+fn comments_and_literals_are_no_code() {
+    let source = "a // unsafe\nb /* unsafe /* unsafe */ unsafe */ c \"un\\\"safe\" r#\"unsafe\"# '\\'' 'u' b\"unsafe\"\n";
+    let code = code_of(source);
+    assert_eq!(places_of(&code, "unsafe").count(), 0, "{code}");
+    assert_eq!(code.split_whitespace().collect::<Vec<_>>(), ["a", "b", "c", "b"]);
+    assert_eq!(code.lines().count(), source.lines().count());
+    let lifetimes = "fn f<'a>(x: &'a str, c: char) -> bool { c == '{' || unsafe_code }";
+    assert_eq!(places_of(&code_of(lifetimes), "a").count(), 2);
+    assert_eq!(places_of(&code_of(lifetimes), "unsafe").count(), 0);
+    assert_eq!(places_of(&code_of(lifetimes), "unsafe_code").count(), 1);
+}
+
+#[test]
+fn upward_imports_are_found() {
+    let found = |path: &str, source: &str| lines(&upward_imports(path, source));
+    assert_eq!(found("node.rs", "use crate::frame::Frame;\nuse crate::key::Key;"), []);
+    assert_eq!(found("node.rs", "use crate::key;\nuse crate::query::Query;"), [2]);
+    assert_eq!(found("node.rs", "fn f(q: &crate::hierarchy::Header) {}"), [1]);
+    assert_eq!(found("node.rs", "/// [`crate::query`]\n// crate::query\nfn f() { \"crate::query\"; }"), []);
+    assert_eq!(found("node.rs", "use crate::{key::{Key, decode}, frame, kernel::Kernel};"), [1]);
+    assert_eq!(found("node.rs", "use crate::\n    kernel;"), [1]);
+    assert_eq!(found("node.rs", "use super::hierarchy::Header;"), [1]);
+    assert_eq!(found("node.rs", "mod tests { use super::*; use super::Child; }"), []);
+    assert_eq!(found("triangle/flat.rs", "use super::Plane;\nuse super::super::frame::Frame;"), [2]);
+    assert_eq!(found("triangle/mod.rs", "use super::{exact, frame};"), [1]);
+    assert_eq!(found("pose.rs", "use crate::node::Node;"), [1], "one layer: neither may import the other");
+    assert_eq!(found("build/pack.rs", "use super::Mesh;\nuse crate::node::Node;"), []);
+    for name in FORBIDDEN[0].1 {
+        assert_eq!(found("build/pack.rs", &format!("use crate::{name}::X;")), [1], "{name}");
+    }
+    assert_eq!(found("newcomer.rs", ""), [1], "a module without a layer");
+    assert_eq!(found("node.rs", "use crate::newcomer::X;"), [1]);
+}
+
+#[test]
+fn stray_intrinsics_are_found() {
+    let source =
+        "#[cfg(target_arch = \"x86_64\")]\nuse core::arch::x86_64::*;\nfn f() { std::arch::asm!(\"\") }";
+    assert_eq!(lines(&stray_intrinsics("query/mod.rs", source)), [2, 3]);
+    assert_eq!(lines(&stray_intrinsics("kernel/scalar.rs", "use core::{arch, mem};")), [1]);
+    assert_eq!(stray_intrinsics("kernel/avx2.rs", source), []);
+    assert_eq!(stray_intrinsics("isa/cpuid.rs", source), []);
+}
+
+#[test]
+fn stray_unsafe_is_found() {
+    let source = "#![deny(unsafe_code)]\n// unsafe\nfn f() { unsafe { g() } }";
+    assert_eq!(lines(&stray_unsafe("frame.rs", source)), [3]);
+    assert_eq!(lines(&stray_unsafe("kernel/mod.rs", "unsafe impl A for B {}")), [1]);
+    assert_eq!(stray_unsafe("bytes.rs", source), []);
+}
+
+#[test]
+fn unproven_unsafe_is_found() {
+    let found = |source: &str| lines(&unproven_unsafe(source));
+    assert_eq!(found("// SAFETY: proof\nunsafe { f() }"), []);
+    assert_eq!(found("// SAFETY: a long\n// proof\n#[inline]\nunsafe impl A for B {}"), []);
+    assert_eq!(found("// SAFETY: proof\nlet x = Some(unsafe { f() });"), []);
+    assert_eq!(found("unsafe { f() }"), [1]);
+    assert_eq!(found("// a comment\nunsafe impl A for B {}"), [2]);
+    assert_eq!(found("// SAFETY: of another\nf();\nunsafe { f() }"), [3]);
+    assert_eq!(
+        found("unsafe fn f() {}\nextern \"C\" {}"),
+        [],
+        "its contract is a doc comment: clippy asks for it"
+    );
+}
+
+#[test]
+fn long_files_are_found() {
+    let code = "x\n".repeat(MAX_LINES);
+    let tests = format!("#[cfg(test)]\nmod tests {{\n{code}}}\n");
+    assert_eq!(too_long("node.rs", &(code.clone() + &tests)), []);
+    assert_eq!(too_long("node.rs", &(code.clone() + "x\n" + &tests)).len(), 1);
+    assert_eq!(too_long("cli/mesh.rs", &(code.clone() + "x\n")), []);
+    assert_eq!(too_long("triangle/tests.rs", &(code + "x\n")), []);
+}
