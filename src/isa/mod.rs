@@ -63,6 +63,10 @@ macro_rules! detected {
 }
 
 /// One instruction set: token, detection, gate, and `$attribute!`, which compiles an item for it. `$d` is a dollar sign.
+#[cfg(any(
+    all(target_arch = "x86_64", target_feature = "sse2"),
+    all(target_arch = "aarch64", target_feature = "neon")
+))]
 macro_rules! instruction_set {
     ($d:tt $(#[$doc:meta])* $token:ident, $attribute:ident, [$($feature:tt)+]) => {
         $(#[$doc])*
