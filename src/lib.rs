@@ -79,3 +79,7 @@ pub mod pose;
 pub mod query;
 pub mod realign;
 pub mod triangle;
+
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;
