@@ -130,7 +130,7 @@ fn a_query_never_allocates() {
 }
 
 #[test]
-fn the_stack_of_a_query_is_below_two_kilobytes() {
+fn the_stack_of_a_query_is_below_one_kilobyte() {
     assert!((1..=1024).contains(&STACK_BYTES), "{STACK_BYTES} bytes");
 }
 
