@@ -16,11 +16,12 @@
 //!
 //! | what was rounded | the pad |
 //! |---|---|
-//! | u, and the weights c to `f32`: residual r = u - sum c n, computed for the rounded c | `sum abs(r_i) half_width_i` |
-//! | the arithmetic that computed u and r, in `f64` | `2^-46 abs(n) sum half_width` |
+//! | the weights c, to `f32` | `2^-24 sum c sum half_width`, times the greatest component of a direction |
+//! | the arithmetic that computed u and c, in `f64` | `2^-45 abs(n) sum half_width` |
 //! | n . t and the frames' centres, in `f64`; the moved corners that the leaf test decides on | `2^-46 abs(n) (coordinates)` |
 //! | coordinates of moved corners that [`Pose::apply`] flushes to zero | `2^-250 abs(n)` |
-//! | products and sums of a plane, in `f32` | `gamma_4 (sum c max_plane + abs(n . t))`, plus 2^-140 for underflow |
+//! | products and sums of a plane, in `f32` | `gamma_4 (sum c max_plane + abs(n . t))`, plus 2^-130 for underflow |
+//! | sums that could overflow an `f32`, of bodies 2^100 times larger than the other | the plane is unbounded |
 //!
 //! with `gamma_4 = 4u / (1 - 4u)`, `u = 2^-24`. The result is then rounded up to a half.
 
@@ -49,8 +50,14 @@ const GAMMA_4: f64 = 4.25 * power_of_two(-24);
 /// Bounds the few dozen roundings of `f64` in a sum of magnitudes: each is 2^-53 of a partial sum.
 const F64_SLACK: f64 = power_of_two(-46);
 
-/// Below any product of a half and a normal weight.
-const UNDERFLOW: f64 = power_of_two(-140);
+/// A bit more than half of a last place of `f32`.
+const HALF_PLACE: f64 = 1.0625 * power_of_two(-24);
+
+/// More than what weights and products lose that are too small for a normal `f32`.
+const UNDERFLOW: f64 = power_of_two(-130);
+
+/// Sums of magnitudes below this cannot overflow an `f32`. Beyond it a product could become -infinity, which bounds nothing.
+const MAX_REACH: f64 = power_of_two(126);
 
 impl<const K: usize> Realignment<K> {
     /// The map for the body with header `a`, posed in the frame `b`.
@@ -60,8 +67,7 @@ impl<const K: usize> Realignment<K> {
         let t = pose.translation();
         let ratio = power_of_two(b.exponent - a.exponent);
         let [x, y, z] = a.half_width;
-        let half_width = [f64::from(x), f64::from(y), f64::from(z)];
-        let width_sum = half_width[0] + half_width[1] + half_width[2];
+        let width_sum = f64::from(x) + f64::from(y) + f64::from(z);
         let shift: Point = core::array::from_fn(|i| {
             let c = a.centre;
             (((m[i][0] * c[0] + m[i][1] * c[1]) + m[i][2] * c[2]) + t[i]) - b.centre[i]
@@ -69,7 +75,8 @@ impl<const K: usize> Realignment<K> {
         // 4 >= sum of a row's magnitudes, for the image; once more for the centre.
         let coordinates = (8.0 * a.extent + greatest(&t)) + greatest(&b.centre);
         let per_length =
-            F64_SLACK * (ratio * width_sum + b.scale() * coordinates) + MIN_COORDINATE * b.scale();
+            F64_SLACK * (2.0 * ratio * width_sum + b.scale() * coordinates) + MIN_COORDINATE * b.scale();
+        let per_weight = HALF_PLACE * (Directions::<K>::MAX_COMPONENT * width_sum);
 
         let mut map = Self { sources: [[0; 3]; K], weights: [[0.0; 3]; K], offset: [0.0; K] };
         // Written out by coordinate: closures over arrays are not always inlined, and this runs once a query.
@@ -82,24 +89,15 @@ impl<const K: usize> Realignment<K> {
                 (m[0][2] * n[0] + m[1][2] * n[1]) + m[2][2] * n[2],
             ];
             let found = Directions::<K>::decompose(u);
-            let mut weights = [0.0; 3];
-            let mut weight_sum = 0.0;
-            let mut residual = [ratio * u[0], ratio * u[1], ratio * u[2]];
-            for (l, single) in weights.iter_mut().enumerate() {
-                *single = (ratio * found.weights[l]) as f32;
-                let weight = f64::from(*single);
-                weight_sum += weight;
-                let v = &Directions::<K>::VECTORS[usize::from(found.directions[l]) % K];
-                residual[0] -= weight * v[0];
-                residual[1] -= weight * v[1];
-                residual[2] -= weight * v[2];
-            }
-            let tau = ((n[0] * shift[0] + n[1] * shift[1]) + n[2] * shift[2]) * b.scale();
-            let residual_pad = (residual[0].abs() * half_width[0] + residual[1].abs() * half_width[1])
-                + residual[2].abs() * half_width[2];
-            let rounding_pad = GAMMA_4 * (weight_sum * f64::from(a.max_plane) + tau.abs());
-            let pad = ((residual_pad + length * per_length) + rounding_pad) + UNDERFLOW;
             let [p, q, r] = found.directions;
+            let c = found.weights;
+            let weights = [(ratio * c[0]) as f32, (ratio * c[1]) as f32, (ratio * c[2]) as f32];
+            let weight_sum = (f64::from(weights[0]) + f64::from(weights[1])) + f64::from(weights[2]);
+            let tau = ((n[0] * shift[0] + n[1] * shift[1]) + n[2] * shift[2]) * b.scale();
+            let reach = weight_sum * f64::from(a.max_plane) + tau.abs();
+            let (residual_pad, rounding_pad) = (weight_sum * per_weight, GAMMA_4 * reach);
+            let pad = ((residual_pad + length * per_length) + rounding_pad) + UNDERFLOW;
+            let pad = if reach < MAX_REACH { pad } else { f64::INFINITY };
             map.set(j, [p, q, r], weights, round_up_f32(tau + pad));
             map.set(j + 1, [p ^ 1, q ^ 1, r ^ 1], weights, round_up_f32(pad - tau));
         }

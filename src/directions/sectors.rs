@@ -1,0 +1,110 @@
+//! Faces and weights without a search, for the four sets that have the symmetry of the cube (k = 6, 14, 18, 26).
+//!
+//! The cube has 48 symmetries: permutations of the axes, and signs. Some symmetry brings any u to `hi >= mid >= lo >= 0`, and
+//! there the hull has one face, or two:
+//!
+//! | k | corners of the face there | weights |
+//! |---|---|---|
+//! | 6 | (1,0,0) (0,1,0) (0,0,1) | hi, mid, lo |
+//! | 14 | (1,0,0) (1,1,1) (1,1,-1) | hi - mid, (mid + lo) / 2, (mid - lo) / 2 |
+//! | 18, `a = hi - mid - lo >= 0` | (1,0,0) (1,1,0) (1,0,1) | a, mid, lo |
+//! | 18, a < 0 | (0,1,1) (1,1,0) (1,0,1) | -a / 2, mid + a / 2, lo + a / 2 |
+//! | 26 | (1,0,0) (1,1,0) (1,1,1) | hi - mid, mid - lo, lo |
+//!
+//! The tests compare with the cheapest of all triples. No branch depends on u: a search through the grid of the general way
+//! took 13 ns a direction, 116 of the 380 ns of a set-up at k = 18.
+
+use super::{Weights, greater, table};
+
+/// For each order and signs of the coordinates, and each of two faces: its corners.
+pub(super) type Sectors = [[u8; 3]; 128];
+
+/// Whether the directions have the symmetry of the cube.
+pub(super) const fn applies(k: usize) -> bool {
+    k != 32
+}
+
+/// The corners of the face in the sector, as (hi, mid, lo) coordinates.
+const fn corners(k: usize, second: bool) -> [[i8; 3]; 3] {
+    match k {
+        14 => [[1, 0, 0], [1, 1, 1], [1, 1, -1]],
+        18 if second => [[0, 1, 1], [1, 1, 0], [1, 0, 1]],
+        18 => [[1, 0, 0], [1, 1, 0], [1, 0, 1]],
+        26 => [[1, 0, 0], [1, 1, 0], [1, 1, 1]],
+        _ => [[1, 0, 0], [0, 1, 0], [0, 0, 1]],
+    }
+}
+
+/// Which axis is hi, mid and lo, from bits 0, 1, 2: x >= y, y >= z, x >= z. Two of the eight do not occur.
+const ORDER: [[usize; 3]; 8] =
+    [[2, 1, 0], [2, 0, 1], [1, 2, 0], [0, 1, 2], [0, 1, 2], [0, 2, 1], [1, 0, 2], [0, 1, 2]];
+
+pub(super) const fn sectors(k: usize) -> Sectors {
+    let mut sectors = [[0; 3]; 128];
+    if !applies(k) {
+        return sectors;
+    }
+    let mut code = 0;
+    while code < 128 {
+        let order = ORDER[code & 7];
+        let corners = corners(k, code >> 6 != 0);
+        let mut l = 0;
+        while l < 3 {
+            let mut v = [0; 3];
+            let mut i = 0;
+            while i < 3 {
+                let sign = if code >> (3 + order[i]) & 1 == 0 { 1 } else { -1 };
+                v[order[i]] = sign * corners[l][i];
+                i += 1;
+            }
+            sectors[code][l] = index_of(k, v);
+            l += 1;
+        }
+        code += 1;
+    }
+    sectors
+}
+
+/// # Panics
+/// If no direction is `v`: then this file does not fit the directions, and does not compile.
+const fn index_of(k: usize, v: [i8; 3]) -> u8 {
+    let vectors = table(k).vectors;
+    let mut j = 0;
+    while j < k {
+        let n = vectors[j];
+        if n[0] == v[0] && n[1] == v[1] && n[2] == v[2] {
+            return j as u8;
+        }
+        j += 1;
+    }
+    panic!("not one of the directions")
+}
+
+#[inline(always)]
+pub(super) fn decompose<const K: usize>(sectors: &'static Sectors, u: [f64; 3]) -> Weights {
+    let lesser = |a: f64, b: f64| if a < b { a } else { b };
+    let bit = |condition: bool| usize::from(condition);
+    let negative = |x: f64| (x.to_bits() >> 63) as usize;
+    let [x, y, z] = [u[0].abs(), u[1].abs(), u[2].abs()];
+    let hi = greater(x, greater(y, z));
+    let mid = greater(lesser(x, y), lesser(greater(x, y), z));
+    let lo = lesser(x, lesser(y, z));
+    let a = (hi - mid) - lo;
+    let weights = match K {
+        14 => [hi - mid, 0.5 * (mid + lo), 0.5 * (mid - lo)],
+        18 => {
+            let half = 0.5 * lesser(a, 0.0);
+            [greater(a, -half), mid + half, lo + half]
+        }
+        26 => [hi - mid, mid - lo, lo],
+        _ => [hi, mid, lo],
+    };
+    let order = bit(x >= y) | bit(y >= z) << 1 | bit(x >= z) << 2;
+    let signs = negative(u[0]) | negative(u[1]) << 1 | negative(u[2]) << 2;
+    let directions = sectors[(order | signs << 3 | bit(a < 0.0) << 6) & 127];
+    // No weight of a finite u is negative; this is for the others.
+    Weights {
+        directions,
+        weights: [greater(weights[0], 0.0), greater(weights[1], 0.0), greater(weights[2], 0.0)],
+    }
+}
