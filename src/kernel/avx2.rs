@@ -22,8 +22,7 @@
 //! # Re-alignment
 //!
 //! Codes become halves (arithmetic shift, and, xor), then floats (`vcvtph2ps`), once per plane of the node; each turned plane is
-//! three multiplications and three additions on 2 x 8 lanes; `vcvtps2ph` rounds up. `vminps` with +infinity as its second operand
-//! turns NaN to +infinity, as that instruction returns its second operand for NaN.
+//! three multiplications and three additions on 2 x 8 lanes; `vcvtps2ph` rounds up, and what turns halves into codes is done for sixteen at once.
 
 #![expect(unsafe_code, reason = "intrinsics that load, and calls that the token makes sound")]
 
@@ -198,16 +197,20 @@ compiled_for_avx2! {
 }
 
 compiled_for_avx2! {
-    /// The complements of eight values' keys, rounded up.
+    /// The complements of the keys of two times eight values, rounded up.
     #[inline]
-    fn encode_query(x: __m256) -> __m128i {
-        let bounded = _mm256_max_ps(_mm256_min_ps(x, _mm256_set1_ps(f32::INFINITY)), _mm256_set1_ps(-65504.0));
-        let bits = halves_up(bounded);
-        let code = _mm_xor_si128(bits, magnitude_if_negative(bits));
-        let all_ones = _mm_set1_epi16(-1);
+    fn encode_query([low, high]: [__m256; 2]) -> __m256i {
+        // NaN is an unbounded plane: with it as the first operand, `vminps` gives the second.
+        let numbers = |x| _mm256_min_ps(x, _mm256_set1_ps(f32::INFINITY));
+        let bits = _mm256_set_m128i(halves_up(numbers(high)), halves_up(numbers(low)));
+        let magnitude_if_negative = _mm256_srli_epi16::<1>(_mm256_srai_epi16::<15>(bits));
+        let code = _mm256_xor_si256(bits, magnitude_if_negative);
+        // All that is below -65504 but -infinity was rounded up to it.
+        let code = _mm256_max_epi16(code, _mm256_set1_epi16(Key::LOWEST.code()));
+        let all_ones = _mm256_set1_epi16(-1);
         // The code of -0 is -1, and must be 0: subtracting the compare's -1 does that.
-        let code = _mm_sub_epi16(code, _mm_cmpeq_epi16(code, all_ones));
-        _mm_xor_si128(code, all_ones)
+        let code = _mm256_sub_epi16(code, _mm256_cmpeq_epi16(code, all_ones));
+        _mm256_xor_si256(code, all_ones)
     }
 }
 
@@ -233,7 +236,7 @@ compiled_for_avx2! {
         for j in 0..K {
             let [a, b, c] = map.sources[j].map(|s| planes[usize::from(s) % K]);
             let turned = |half: usize| turn(&map.weights[j], map.offset[j], [a[half], b[half], c[half]]);
-            let codes = _mm256_set_m128i(encode_query(turned(1)), encode_query(turned(0)));
+            let codes = encode_query([turned(0), turned(1)]);
             // SAFETY: the array has the 32 bytes that are written; the store asks for no alignment.
             unsafe { _mm256_storeu_si256(query[j ^ 1].as_mut_ptr().cast(), codes) };
         }
@@ -255,7 +258,8 @@ compiled_for_avx2! {
         let mut query = [[0; 4]; K];
         for j in 0..K {
             let sources = map.sources[j].map(|s| planes[usize::from(s) % K]);
-            let codes = encode_query(turn(&map.weights[j], map.offset[j], sources));
+            let turned = turn(&map.weights[j], map.offset[j], sources);
+            let codes = _mm256_castsi256_si128(encode_query([turned, turned]));
             // SAFETY: the array has the 8 bytes that are written; the store asks for no alignment.
             unsafe { _mm_storel_epi64(query[j ^ 1].as_mut_ptr().cast(), codes) };
         }
