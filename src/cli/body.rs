@@ -6,7 +6,7 @@ use super::{TreeOptions, progress};
 use core::ops::ControlFlow;
 use core::time::Duration;
 use simdop::build::{BuildError, Builder, Mesh};
-use simdop::hierarchy::{Aligned, BakeError, Bvh, Header, MAGIC, Stats, VerifyError};
+use simdop::hierarchy::{Aligned, BakeError, Bvh, Header, MAGIC, Stats, TreeStats, VerifyError};
 use simdop::isa::Isa;
 use simdop::node::{Node, Node4, Node16};
 use simdop::pose::Pose;
@@ -94,6 +94,10 @@ impl Tree {
 
     pub(super) fn stats(&self) -> Stats {
         with_tree!(self, tree => tree.view().stats())
+    }
+
+    pub(super) fn tree_stats(&self) -> TreeStats {
+        with_tree!(self, tree => tree.view().tree_stats())
     }
 
     pub(super) fn verify(&self) -> Result<(), VerifyError> {

@@ -61,6 +61,8 @@ struct TreeOptions {
 enum Splitter {
     LongestAxis,
     ExtendedLongestAxis,
+    SurfaceArea,
+    MeanWidth,
 }
 
 impl From<Splitter> for simdop::build::Splitter {
@@ -68,6 +70,8 @@ impl From<Splitter> for simdop::build::Splitter {
         match splitter {
             Splitter::LongestAxis => Self::LongestAxis,
             Splitter::ExtendedLongestAxis => Self::ExtendedLongestAxis,
+            Splitter::SurfaceArea => Self::SurfaceArea,
+            Splitter::MeanWidth => Self::MeanWidth,
         }
     }
 }
