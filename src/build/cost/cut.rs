@@ -7,7 +7,7 @@ use alloc::vec::Vec;
 use core::cmp::Ordering;
 
 /// More primitives than this are counted in bins (Wald 2007), fewer are sorted and every cut is tried.
-const MAX_SORTED: usize = 1024;
+const MAX_SORTED: usize = 256;
 const BINS: usize = 64;
 
 /// How many primitives go to the first side, and how many lanes each side gets.

@@ -81,7 +81,7 @@ impl Shares for LaneShares {
         let (lanes, step) = (self.lanes, self.arity - 1);
         let leaves = self.total.div_ceil(self.leaf_size);
         let left = count / self.leaf_size;
-        if count % self.leaf_size != 0 || left == 0 || left >= leaves {
+        if !count.is_multiple_of(self.leaf_size) || left == 0 || left >= leaves {
             return None;
         }
         if leaves <= lanes {
@@ -122,7 +122,7 @@ impl Widener<'_> {
         let Plan { arity, leaf_size, passes, .. } = self.plan;
         let from = ends.len();
         self.cut(items, start, arity, ends);
-        if passes > 0 && items.len() > arity * leaf_size {
+        if passes > 0 && (items.len() > arity || leaf_size > 1) {
             self.refine(items, start, &mut ends[from..]);
         }
         // What a full tree of so many levels holds: no more than that, and halving, if nothing else, gets it in.

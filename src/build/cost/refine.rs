@@ -17,7 +17,7 @@ impl Shares for PairShares {
     fn exactly(&self, count: usize) -> Option<Share> {
         let total = self.sizes[0] + self.sizes[1];
         let leaves = count / self.leaf_size;
-        let full = count % self.leaf_size == 0 && leaves % (self.arity - 1) == 1;
+        let full = count.is_multiple_of(self.leaf_size) && leaves % (self.arity - 1) == 1;
         // Three to one at most: lopsided lanes make deep trees, whatever their measure promises.
         let even = 4 * count >= total && 4 * count <= 3 * total;
         let as_before = self.sizes.contains(&count);
@@ -72,7 +72,7 @@ impl Widener<'_> {
     fn exchange(&mut self, a: &mut Lane, b: &mut Lane) -> bool {
         let Plan { arity, leaf_size, .. } = self.plan;
         let sizes = [a.items.len(), b.items.len()];
-        if sizes.iter().all(|&n| n <= leaf_size) || !a.bounds.touches(&b.bounds) {
+        if sizes == [1, 1] || !a.bounds.touches(&b.bounds) {
             return false;
         }
         let (p, q) = (a.bounds.centre(), b.bounds.centre());
