@@ -6,6 +6,7 @@ mod collide;
 mod error;
 mod info;
 mod mesh;
+mod picture;
 mod poses;
 mod progress;
 mod report;
