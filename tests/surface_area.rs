@@ -112,7 +112,8 @@ fn trees_have_the_bytes_written_here() {
     assert_eq!(got, GOLDEN, "should be {got:#018x?}");
 }
 
-const GOLDEN: [[u64; 2]; 2] = [[0, 0], [0, 0]];
+const GOLDEN: [[u64; 2]; 2] =
+    [[0xc384_1c7c_31e7_55e9, 0xb909_3a95_b343_10f9], [0xa0d4_cd42_eb98_de81, 0x2e0b_3012_614f_ada6]];
 
 // ---- Queries ----------------------------------------------------------------------------------------------------------
 

@@ -29,10 +29,10 @@ pub(crate) fn plot(file: &Path, title: &str, what: &str, curves: &[Curve]) {
     let area = SVGBackend::new(file, (720, 480)).into_drawing_area();
     area.fill(&WHITE).unwrap();
     let mut chart = ChartBuilder::on(&area)
-        .caption(title, ("sans-serif", 20))
+        .caption(title, ("sans-serif", 26))
         .margin(12)
-        .x_label_area_size(44)
-        .y_label_area_size(60)
+        .x_label_area_size(52)
+        .y_label_area_size(72)
         .build_cartesian_2d(0.0..right, 0.0..top)
         .unwrap();
     chart
@@ -41,6 +41,8 @@ pub(crate) fn plot(file: &Path, title: &str, what: &str, curves: &[Curve]) {
         .y_desc(what)
         .x_label_formatter(&|x| format!("{x:.0}"))
         .light_line_style(TRANSPARENT)
+        .label_style(("sans-serif", 20))
+        .axis_desc_style(("sans-serif", 22))
         .draw()
         .unwrap();
     for (curve, colour) in curves.iter().zip(COLOURS.iter().cycle()) {
@@ -56,7 +58,7 @@ pub(crate) fn plot(file: &Path, title: &str, what: &str, curves: &[Curve]) {
         .position(SeriesLabelPosition::UpperLeft)
         .background_style(WHITE.mix(0.8))
         .border_style(BLACK)
-        .label_font(("sans-serif", 14))
+        .label_font(("sans-serif", 20))
         .draw()
         .unwrap();
     area.present().unwrap();

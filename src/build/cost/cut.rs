@@ -4,7 +4,6 @@ use super::Primitives;
 use super::bounds::{Bounds, Measure};
 use crate::frame::Point;
 use alloc::vec::Vec;
-use core::cmp::Ordering;
 
 /// More primitives than this are counted in bins (Wald 2007), fewer are sorted and every cut is tried.
 const MAX_SORTED: usize = 256;
@@ -44,8 +43,8 @@ struct Best {
 pub(super) struct Cutter<'a> {
     primitives: Primitives<'a>,
     measure: Measure,
-    /// Place along a direction, and index.
-    keys: Vec<(f64, u32)>,
+    /// Place along a direction, as a number that sorts like it, and index.
+    keys: Vec<(i64, u32)>,
     /// Measure of all from a place on.
     behind: Vec<f64>,
 }
@@ -66,13 +65,10 @@ impl<'a> Cutter<'a> {
     ) -> Option<Cut> {
         let mut best = Best { cost: limit, cut: None };
         for &direction in directions {
-            self.keys.clear();
-            self.keys
-                .extend(items.iter().map(|&i| (along(direction, &self.primitives.centroids[i as usize]), i)));
             if items.len() > MAX_SORTED {
-                self.try_bins(direction, shares, &mut best);
+                self.try_bins(items, direction, shares, &mut best);
             } else {
-                self.try_all(direction, shares, &mut best);
+                self.try_all(items, direction, shares, &mut best);
             }
         }
         best.cut
@@ -80,9 +76,7 @@ impl<'a> Cutter<'a> {
 
     /// Moves the first side of a cut before the second. The order within the sides is unspecified.
     pub(super) fn apply(&self, items: &mut [u32], cut: &Cut) {
-        let key = |i: u32| along(cut.direction, &self.primitives.centroids[i as usize]);
-        let order = |a: &u32, b: &u32| -> Ordering { key(*a).total_cmp(&key(*b)).then(a.cmp(b)) };
-        items.select_nth_unstable_by(cut.share.count, order);
+        items.select_nth_unstable_by_key(cut.share.count, |&i| (self.place(cut.direction, i), i));
     }
 
     pub(super) fn bounds(&self, items: &[u32]) -> Bounds {
@@ -94,9 +88,23 @@ impl<'a> Cutter<'a> {
         self.measure.of(bounds) * count as f64
     }
 
-    fn try_all(&mut self, direction: Point, shares: &impl Shares, best: &mut Best) {
-        let Self { primitives: Primitives { boxes, .. }, measure, keys, behind } = self;
-        keys.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+    fn along(&self, direction: Point, item: u32) -> f64 {
+        let p = &self.primitives.centroids[item as usize];
+        (direction[0] * p[0] + direction[1] * p[1]) + direction[2] * p[2]
+    }
+
+    /// Where an item lies along a direction, as a number that sorts as [`f64::total_cmp`] does, and faster.
+    fn place(&self, direction: Point, item: u32) -> i64 {
+        let bits = self.along(direction, item).to_bits() as i64;
+        bits ^ ((bits >> 63) & i64::MAX)
+    }
+
+    fn try_all(&mut self, items: &[u32], direction: Point, shares: &impl Shares, best: &mut Best) {
+        let mut keys = core::mem::take(&mut self.keys);
+        keys.clear();
+        keys.extend(items.iter().map(|&i| (self.place(direction, i), i)));
+        keys.sort_unstable();
+        let Self { primitives: Primitives { boxes, .. }, measure, behind, .. } = self;
         behind.clear();
         behind.resize(keys.len(), 0.0);
         let mut bounds = Bounds::EMPTY;
@@ -113,22 +121,24 @@ impl<'a> Cutter<'a> {
             }
             bounds = bounds.join(&boxes[i as usize]);
         }
+        self.keys = keys;
     }
 
     /// Cuts between bins. The share nearest to a border may be some primitives away from it: at more than [`MAX_SORTED`] of them that
     /// is no matter.
-    fn try_bins(&self, direction: Point, shares: &impl Shares, best: &mut Best) {
-        let low = self.keys.iter().fold(f64::INFINITY, |m, k| m.min(k.0));
-        let high = self.keys.iter().fold(f64::NEG_INFINITY, |m, k| m.max(k.0));
+    fn try_bins(&self, items: &[u32], direction: Point, shares: &impl Shares, best: &mut Best) {
+        let places = || items.iter().map(|&i| self.along(direction, i));
+        let (low, high) =
+            (places().fold(f64::INFINITY, f64::min), places().fold(f64::NEG_INFINITY, f64::max));
         let scale = BINS as f64 / (high - low);
         if !scale.is_finite() {
             return;
         }
         let mut bins = [(0, Bounds::EMPTY); BINS];
-        for &(key, i) in &self.keys {
-            let (count, bounds) = &mut bins[(((key - low) * scale) as usize).min(BINS - 1)];
+        for (place, &item) in places().zip(items) {
+            let (count, bounds) = &mut bins[(((place - low) * scale) as usize).min(BINS - 1)];
             *count += 1;
-            *bounds = bounds.join(&self.primitives.boxes[i as usize]);
+            *bounds = bounds.join(&self.primitives.boxes[item as usize]);
         }
         let mut behind = [0.0; BINS];
         let mut bounds = Bounds::EMPTY;
@@ -141,7 +151,7 @@ impl<'a> Cutter<'a> {
             count += bins[k - 1].0;
             bounds = bounds.join(&bins[k - 1].1);
             if let Some(share) = shares.near(count) {
-                best.offer(direction, share, [self.measure.of(&bounds), behind[k]], self.keys.len());
+                best.offer(direction, share, [self.measure.of(&bounds), behind[k]], items.len());
             }
         }
     }
@@ -155,8 +165,4 @@ impl Best {
             *self = Self { cost, cut: Some(Cut { direction, share }) };
         }
     }
-}
-
-fn along(direction: Point, p: &Point) -> f64 {
-    (direction[0] * p[0] + direction[1] * p[1]) + direction[2] * p[2]
 }

@@ -165,3 +165,72 @@ impl Widener<'_> {
         longest_axis::halve(self.primitives.centroids, (arity, leaf_size), items, start, lanes, ends);
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Boxes twice as far out and twice as large each as the last: whatever is cut off first, most of the rest is in one place.
+    fn growing(n: usize) -> Vec<Bounds> {
+        let at =
+            |i: usize| (0..i % 900).fold(1.0, |x: f64, _| 2.0 * x) * f64::from_bits(0x3d30_0000_0000_0000);
+        (0..n).map(|i| Bounds::of(&[[at(i), 0.0, 0.0], [1.5 * at(i), 0.0, 0.5 * at(i)]])).collect()
+    }
+
+    /// Levels of nodes.
+    fn depth(assignment: &Assignment, arity: usize, leaf_size: u32) -> usize {
+        let mut levels = alloc::vec![(0, 1)];
+        for (node, ends) in assignment.ends.chunks_exact(arity).enumerate() {
+            let (mut start, level) = levels[node];
+            for &end in ends {
+                if end - start > leaf_size {
+                    levels.push((start, level + 1));
+                }
+                start = end;
+            }
+        }
+        levels.iter().map(|l| l.1).max().unwrap_or(0)
+    }
+
+    #[test]
+    fn no_tree_is_deeper_than_the_limit() {
+        for (arity, leaf_size, count, balanced) in [(4, 1, 256, 4), (4, 3, 192, 3), (16, 1, 256, 2)] {
+            let boxes = growing(count);
+            let centroids: Vec<Point> = boxes.iter().map(Bounds::centre).collect();
+            let primitives = Primitives { boxes: &boxes, centroids: &centroids };
+            let plan = Plan { arity, leaf_size, measure: Measure::MeanWidth, passes: 2 };
+            let levels = |limit| depth(&assign_within(primitives, plan, limit), arity, leaf_size as u32);
+            assert!(levels(MAX_DEPTH) > balanced, "arity {arity}: left alone, it is deeper");
+            for limit in balanced..balanced + 3 {
+                assert!(levels(limit) <= limit, "arity {arity} leaf {leaf_size} limit {limit}");
+            }
+        }
+    }
+
+    #[test]
+    fn shares_leave_full_nodes() {
+        for (total, lanes, leaf_size, arity) in
+            [(3250, 16, 1, 16), (1000, 5, 2, 16), (77, 3, 1, 4), (12, 4, 5, 4)]
+        {
+            let shares = LaneShares { total, lanes, leaf_size, arity };
+            let mut found = 0;
+            for count in 0..=total {
+                if let Some(Share { count: n, lanes: [left, right] }) = shares.exactly(count) {
+                    assert_eq!((n, left + right), (count, lanes));
+                    let leaves = count / leaf_size;
+                    assert!(left >= 1 && right >= 1 && leaves * leaf_size == count);
+                    assert!(leaves == left || leaves > left && (leaves - left).is_multiple_of(arity - 1));
+                    assert!(
+                        (total - count).div_ceil(leaf_size) >= right.min(total.div_ceil(leaf_size) - leaves)
+                    );
+                    found += 1;
+                }
+                if let Some(share) = shares.near(count) {
+                    assert_eq!(shares.exactly(share.count), Some(share));
+                    assert!(share.count.abs_diff(count) <= arity * leaf_size, "{share:?} for {count}");
+                }
+            }
+            assert!(found > 0, "{total} in {lanes} lanes");
+        }
+    }
+}
