@@ -402,6 +402,11 @@ fn info_describes_a_tree_and_proves_it() {
     assert_eq!(tree["bytes_per_triangle_total"], bytes as f64 / 101.0);
     let lanes = tree["lanes_used_per_node"].as_f64().unwrap();
     assert!(lanes > 1.0 && lanes <= 4.0, "{lanes}");
+    // All of 1 or more: the root against itself, lanes that cover what their node covers.
+    for key in ["expected_visits", "mean_depth"] {
+        assert!(tree[key].as_f64().unwrap() >= 1.0, "{key}");
+    }
+    assert!(tree["area_ratio"].as_f64().unwrap() > 0.0 && tree["overlap"].as_f64().unwrap() >= 0.0);
     assert!(tree["build_milliseconds"].is_null());
     let mut mesh = folder.json(&[&["info", "a.off"], &options[..]].concat());
     assert!(mesh["build_milliseconds"].take().is_number() && mesh["verified"].is_null());
@@ -416,6 +421,29 @@ fn info_describes_a_tree_and_proves_it() {
     let (code, message) = folder.fate(&["info", "low.tree", "--verify"]);
     let start = "simdop: low.tree: not conservative: plane 0 of node 0, lane 0 cuts off triangle ";
     assert!(code == 2 && message.starts_with(start), "{message}");
+}
+
+/// A path for each triangle; as many hues as the root has children; and no tree unless one is asked for.
+#[test]
+fn build_paints_the_first_level() {
+    let folder = Folder::new("picture");
+    folder.write("a<b>&.off", off(&strewn(9, 100)));
+    for (splitter, arity) in
+        [("longest-axis", 4), ("extended-longest-axis", 16), ("surface-area", 4), ("mean-width", 16)]
+    {
+        let arity = format!("--arity={arity}");
+        let arguments = ["build", "a<b>&.off", "--picture", "a.svg", "--splitter", splitter, &arity];
+        assert_eq!(folder.fate(&arguments), (0, String::new()));
+        let svg = std::fs::read_to_string(folder.0.join("a.svg")).unwrap();
+        assert!(svg.starts_with("<svg ") && svg.ends_with("</svg>\n") && svg.contains("a&lt;b&gt;&amp;.off"));
+        assert_eq!(svg.matches("<path ").count(), 100);
+        assert!(!svg.contains("NaN") && !svg.contains("inf"));
+    }
+    assert_eq!(std::fs::read_dir(&folder.0).unwrap().count(), 2);
+    let (code, message) = folder.fate(&["build", "a<b>&.off"]);
+    assert!(code == 2 && message.contains("--output"), "{message}");
+    let (code, message) = folder.fate(&["build", "a<b>&.off", "--picture", "absent/a.svg"]);
+    assert!(code == 2 && message.starts_with("simdop: absent/a.svg: "), "{message}");
 }
 
 #[test]

@@ -23,7 +23,8 @@ use support::exact::{Tri, meeting_pairs, meshes_meet, triangles_meet};
 use support::rng::Rng;
 use support::shapes;
 
-const SPLITTERS: [Splitter; 2] = [Splitter::LongestAxis, Splitter::ExtendedLongestAxis];
+const SPLITTERS: [Splitter; 4] =
+    [Splitter::LongestAxis, Splitter::ExtendedLongestAxis, Splitter::SurfaceArea, Splitter::MeanWidth];
 const LEAF_SIZES: [u32; 4] = [1, 2, 5, 16];
 
 /// Calls a generic function on one argument, once for every node type.

@@ -45,6 +45,21 @@ pub(super) fn assign(centroids: &[Point], arity: usize, leaf_size: usize, splitt
     Assignment { order, ends }
 }
 
+/// Cuts `part` by halves for `lanes` lanes of a node. Appends where they end, counted from `start` before the part.
+pub(super) fn halve(
+    centroids: &[Point],
+    (arity, leaf_size): (usize, usize),
+    part: &mut [u32],
+    start: usize,
+    lanes: usize,
+    ends: &mut Vec<u32>,
+) {
+    let cutter = Cutter { centroids, arity, leaf_size, extended: true };
+    let from = ends.len();
+    cutter.cut(part, Part { range: 0..part.len(), lanes }, None, ends);
+    ends[from..].iter_mut().for_each(|end| *end += start as u32);
+}
+
 struct Cutter<'a> {
     centroids: &'a [Point],
     arity: usize,

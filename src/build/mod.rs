@@ -4,6 +4,7 @@
 //! splitters, or two machines, that agree on the assignment agree on every byte.
 
 mod assignment;
+mod cost;
 mod longest_axis;
 mod pack;
 
@@ -34,6 +35,11 @@ pub enum Splitter {
     /// Halve along the longest axis, then each half along its own, until there is a part for each lane.
     #[default]
     ExtendedLongestAxis,
+    /// Cut where the sum of box area x primitives per lane is least: the surface area heuristic, without the detour over a binary tree.
+    SurfaceArea,
+    /// Cut where the sum of the cube of the box's mean width x primitives per lane is least, then exchange primitives between lanes
+    /// as long as that sum falls. The fewest visits; the longest build.
+    MeanWidth,
 }
 
 /// What to build.
@@ -124,7 +130,19 @@ impl Builder {
         let vertices = check(mesh)?;
         let mesh = Mesh { vertices: &vertices, triangles: mesh.triangles };
         let centroids: Vec<Point> = mesh.triangles.iter().map(|t| box_centre(&mesh.corners(t))).collect();
-        let assignment = longest_axis::assign(&centroids, N::ARITY, self.leaf_size as usize, self.splitter);
+        let (arity, leaf_size) = (N::ARITY, self.leaf_size as usize);
+        let by_cost = |measure, passes| {
+            let boxes: Vec<_> = mesh.triangles.iter().map(|t| cost::Bounds::of(&mesh.corners(t))).collect();
+            let primitives = cost::Primitives { boxes: &boxes, centroids: &centroids };
+            cost::assign(primitives, cost::Plan { arity, leaf_size, measure, passes })
+        };
+        let assignment = match self.splitter {
+            Splitter::LongestAxis | Splitter::ExtendedLongestAxis => {
+                longest_axis::assign(&centroids, arity, leaf_size, self.splitter)
+            }
+            Splitter::SurfaceArea => by_cost(cost::Measure::Area, 0),
+            Splitter::MeanWidth => by_cost(cost::Measure::MeanWidth, 2),
+        };
         pack::pack(&mesh, &assignment, self.leaf_size)
     }
 }

@@ -6,9 +6,9 @@ use super::{TreeOptions, progress};
 use core::ops::ControlFlow;
 use core::time::Duration;
 use simdop::build::{BuildError, Builder, Mesh};
-use simdop::hierarchy::{Aligned, BakeError, Bvh, Header, MAGIC, Stats, VerifyError};
+use simdop::hierarchy::{Aligned, BakeError, Bvh, Header, MAGIC, Stats, TreeStats, VerifyError};
 use simdop::isa::Isa;
-use simdop::node::{Node, Node4, Node16};
+use simdop::node::{Link, Node, Node4, Node16};
 use simdop::pose::Pose;
 use simdop::query::{Answer, Completion, Counters, Pair, Query};
 use std::path::{Path, PathBuf};
@@ -96,12 +96,39 @@ impl Tree {
         with_tree!(self, tree => tree.view().stats())
     }
 
+    pub(super) fn tree_stats(&self) -> TreeStats {
+        with_tree!(self, tree => tree.view().tree_stats())
+    }
+
     pub(super) fn verify(&self) -> Result<(), VerifyError> {
         with_tree!(self, tree => tree.view().verify())
     }
 
     pub(super) fn as_bytes(&self) -> &[u8] {
         with_tree!(self, tree => tree.as_bytes())
+    }
+
+    /// Every triangle, with the lane of the root that it is below.
+    pub(super) fn clusters(&self) -> Vec<(usize, [[f64; 3]; 3])> {
+        with_tree!(self, tree => {
+            let view = tree.view();
+            let mut found = Vec::with_capacity(view.len());
+            let root = view.nodes().first().map_or(&[][..], |root| root.children());
+            let mut pending: Vec<_> = root.iter().enumerate().map(|(lane, child)| (lane, *child)).collect();
+            while let Some((lane, child)) = pending.pop() {
+                match child.link() {
+                    Link::Empty => {}
+                    Link::Leaf { first, count } => {
+                        found.extend((first..first + count).map(|index| (lane, view.triangle(index))));
+                    }
+                    Link::Inner(node) => {
+                        let children = view.nodes()[node as usize].children();
+                        pending.extend(children.iter().map(|child| (lane, *child)));
+                    }
+                }
+            }
+            found
+        })
     }
 
     /// The mesh that was built: its triangles in their order, its vertices as far as triangles use them.

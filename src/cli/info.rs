@@ -33,6 +33,10 @@ struct Report {
     vertex_format: &'static str,
     nodes: usize,
     lanes_used_per_node: f64,
+    expected_visits: f64,
+    area_ratio: f64,
+    overlap: f64,
+    mean_depth: f64,
     bytes_per_triangle_planes_and_links: f64,
     bytes_per_triangle_total: f64,
     total_bytes: usize,
@@ -55,7 +59,7 @@ pub(super) fn run(options: &Options) -> Result<(), Error> {
     if options.verify {
         tree.verify().map_err(|error| Error::Verify { path: options.tree.clone(), error })?;
     }
-    let (header, stats) = (tree.header(), tree.stats());
+    let (header, stats, quality) = (tree.header(), tree.stats(), tree.tree_stats());
     let share = |bytes: usize| bytes as f64 / stats.triangles.max(1) as f64;
     let report = Report {
         k: header.k,
@@ -68,6 +72,10 @@ pub(super) fn run(options: &Options) -> Result<(), Error> {
         vertex_format: if header.vertex_size == 12 { "f32" } else { "f64" },
         nodes: stats.nodes,
         lanes_used_per_node: stats.lanes_used as f64 / stats.nodes.max(1) as f64,
+        expected_visits: quality.expected_visits,
+        area_ratio: quality.area_ratio,
+        overlap: quality.overlap,
+        mean_depth: quality.mean_depth,
         bytes_per_triangle_planes_and_links: share(stats.node_bytes),
         bytes_per_triangle_total: share(stats.total_bytes),
         total_bytes: stats.total_bytes,
@@ -90,6 +98,18 @@ fn print(report: &Report, json: bool) -> std::io::Result<()> {
     writeln!(out, "vertices            {vertices:>12}   stored as {}", report.vertex_format)?;
     writeln!(out, "nodes               {nodes:>12}")?;
     writeln!(out, "lanes used per node {:>12.2}   of {arity}", report.lanes_used_per_node)?;
+    writeln!(out, "mean depth          {:>12.2}", report.mean_depth)?;
+    writeln!(
+        out,
+        "expected visits     {:>12.1}   of a query against itself, placed at random",
+        report.expected_visits
+    )?;
+    writeln!(
+        out,
+        "area ratio          {:>12.3}   of a node's lanes together to the node",
+        report.area_ratio
+    )?;
+    writeln!(out, "overlap             {:>12.3}   of the lanes' volume", report.overlap)?;
     let per_triangle = report.bytes_per_triangle_planes_and_links;
     writeln!(out, "bytes per triangle  {per_triangle:>12.1}   planes and links")?;
     writeln!(out, "                    {:>12.1}   in all", report.bytes_per_triangle_total)?;

@@ -6,6 +6,7 @@ mod collide;
 mod error;
 mod info;
 mod mesh;
+mod picture;
 mod poses;
 mod progress;
 mod report;
@@ -61,6 +62,8 @@ struct TreeOptions {
 enum Splitter {
     LongestAxis,
     ExtendedLongestAxis,
+    SurfaceArea,
+    MeanWidth,
 }
 
 impl From<Splitter> for simdop::build::Splitter {
@@ -68,6 +71,8 @@ impl From<Splitter> for simdop::build::Splitter {
         match splitter {
             Splitter::LongestAxis => Self::LongestAxis,
             Splitter::ExtendedLongestAxis => Self::ExtendedLongestAxis,
+            Splitter::SurfaceArea => Self::SurfaceArea,
+            Splitter::MeanWidth => Self::MeanWidth,
         }
     }
 }

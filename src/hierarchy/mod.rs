@@ -7,11 +7,13 @@
 
 mod header;
 mod stats;
+mod tree_stats;
 mod validate;
 mod verify;
 
 pub use header::{BakeError, Header, MAGIC, VERSION};
 pub use stats::Stats;
+pub use tree_stats::TreeStats;
 pub use verify::VerifyError;
 
 use crate::frame::{Frame, Point};

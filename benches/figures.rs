@@ -1,0 +1,166 @@
+//! Figures 6 and 7 of the SIMDop paper (Tan, Weller, Zachmann, IROS 2019) for this library's splitters: time of a query and of a build
+//! against the number of polygons. `cargo bench --bench figures` writes `figures.csv` and the plots to `target/figures/`.
+//!
+//! As in the paper k is 32, poses are at the distance zero (a millionth of the diagonal from contact, free), and the polygon count
+//! varies by decimation: vertices that share a cell of a grid become one. A model is tested against itself. Query times are means over the
+//! poses of the least of several interleaved runs; build times are the least of several.
+
+#![expect(clippy::unwrap_used, reason = "a benchmark that cannot go on has failed")]
+
+#[path = "../tests/support/data.rs"]
+mod data;
+mod figures {
+    pub(crate) mod decimate;
+    pub(crate) mod plot;
+}
+#[path = "../tests/support/rng.rs"]
+mod rng;
+
+use data::{GAPS, MeshData, Suite, directory};
+use figures::decimate::series;
+use figures::plot::{Curve, plot};
+use simdop::build::{Builder, Mesh, Splitter};
+use simdop::hierarchy::Bvh;
+use simdop::isa::Isa;
+use simdop::node::{Node4, Node16};
+use simdop::pose::Pose;
+use simdop::query::{Lanes, Query};
+use std::fmt::Write;
+use std::hint::black_box;
+use std::path::Path;
+use std::time::Instant;
+
+/// What is compared. One line each.
+const SPLITTERS: [(&str, Splitter); 4] = [
+    ("longest axis", Splitter::LongestAxis),
+    ("extended longest axis", Splitter::ExtendedLongestAxis),
+    ("surface area", Splitter::SurfaceArea),
+    ("mean width", Splitter::MeanWidth),
+];
+/// A scan and a machined part.
+const MODELS: [&str; 2] = ["armadillo", "fandisk_large"];
+/// Cells of the decimating grids along the longest side of the model.
+const GRIDS: [u32; 6] = [16, 24, 36, 54, 80, 120];
+const RUNS: usize = 7;
+/// Distance zero, as far as poses can tell: which of the suites' gaps.
+const GAP: usize = 4;
+
+/// A splitter's row in the table: one model at one size, one arity.
+struct Row {
+    model: &'static str,
+    polygons: usize,
+    arity: usize,
+    splitter: &'static str,
+    query_microseconds: f64,
+    visits: f64,
+    kernels: f64,
+    triangle_pairs: f64,
+    build_milliseconds: f64,
+    expected_visits: f64,
+}
+
+fn main() {
+    let Some(data) = directory() else { return };
+    let mut rows = Vec::new();
+    for model in MODELS {
+        let mesh = MeshData::obj(&data.join("meshes").join(model).with_extension("obj"));
+        for mesh in series(&mesh, &GRIDS) {
+            let poses = poses(&mesh);
+            eprintln!("{model}: {} polygons", mesh.triangles.len());
+            measure::<Node4<32>>(model, &mesh, &poses, &mut rows);
+            measure::<Node16<32>>(model, &mesh, &poses, &mut rows);
+        }
+    }
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).with_file_name("figures");
+    std::fs::create_dir_all(&folder).unwrap();
+    std::fs::write(folder.join("figures.csv"), csv(&rows)).unwrap();
+    for model in MODELS {
+        for (arity, letter, kernel) in [(4, 'a', "4vs4"), (16, 'b', "1vs16")] {
+            let curves = |value: fn(&Row) -> f64| curves(&rows, model, arity, value);
+            let file = |figure: u32| folder.join(format!("figure-{figure}{letter}-{model}.svg"));
+            let title = format!("{model}, {kernel}, k = 32");
+            plot(&file(6), &title, "query, microseconds", &curves(|row| row.query_microseconds));
+            plot(&file(7), &title, "construction, milliseconds", &curves(|row| row.build_milliseconds));
+        }
+    }
+    println!("{}", folder.display());
+}
+
+fn build<N: Lanes>(mesh: &MeshData, splitter: Splitter) -> Bvh<N> {
+    let mesh = Mesh { vertices: &mesh.vertices, triangles: &mesh.triangles };
+    Builder::new().splitter(splitter).build(&mesh).unwrap()
+}
+
+fn poses(mesh: &MeshData) -> Vec<Pose> {
+    let tree = build::<Node16<18>>(mesh, Splitter::default());
+    let pose = |rows: &[[f64; 4]; 3]| Pose::from_rows(*rows).unwrap();
+    let meets =
+        |rows: &_| Query::new(Isa::detect()).collide(&tree.view(), &tree.view(), &pose(rows)).is_hit();
+    let suite = Suite { name: "figures", a: mesh.clone(), b: mesh.clone() };
+    suite.poses(1, meets).chunks_exact(GAPS.len()).map(|at_gaps| pose(&at_gaps[GAP])).collect()
+}
+
+fn measure<N: Lanes>(model: &'static str, mesh: &MeshData, poses: &[Pose], rows: &mut Vec<Row>) {
+    let query = Query::new(Isa::detect());
+    let trees = SPLITTERS.map(|(_, splitter)| {
+        let time = || {
+            let start = Instant::now();
+            let tree = build::<N>(mesh, splitter);
+            (start.elapsed().as_secs_f64(), tree)
+        };
+        (0..3).map(|_| time()).min_by(|a, b| a.0.total_cmp(&b.0)).unwrap()
+    });
+    let mut times = vec![[f64::INFINITY; SPLITTERS.len()]; poses.len()];
+    for _ in 0..RUNS {
+        for (pose, times) in poses.iter().zip(&mut times) {
+            for ((_, tree), time) in trees.iter().zip(times) {
+                let start = Instant::now();
+                black_box(query.collide(&tree.view(), &tree.view(), black_box(pose)));
+                *time = time.min(start.elapsed().as_secs_f64());
+            }
+        }
+    }
+    for (i, ((build, tree), (splitter, _))) in trees.iter().zip(SPLITTERS).enumerate() {
+        let answers: Vec<_> =
+            poses.iter().map(|pose| query.collide(&tree.view(), &tree.view(), pose)).collect();
+        assert!(answers.iter().all(|answer| !answer.is_hit()), "poses are free");
+        let mean = |values: &mut dyn Iterator<Item = f64>| values.sum::<f64>() / poses.len() as f64;
+        rows.push(Row {
+            model,
+            polygons: mesh.triangles.len(),
+            arity: N::ARITY,
+            splitter,
+            query_microseconds: 1e6 * mean(&mut times.iter().map(|times| times[i])),
+            visits: mean(&mut answers.iter().map(|a| a.counters.visits as f64)),
+            kernels: mean(&mut answers.iter().map(|a| a.counters.kernels as f64)),
+            triangle_pairs: mean(&mut answers.iter().map(|a| a.counters.triangle_pairs as f64)),
+            build_milliseconds: 1e3 * build,
+            expected_visits: tree.view().tree_stats().expected_visits,
+        });
+    }
+}
+
+fn csv(rows: &[Row]) -> String {
+    let mut text = String::from(
+        "model,polygons,arity,splitter,query_microseconds,visits,kernels,triangle_pairs,build_milliseconds,expected_visits\n",
+    );
+    for row in rows {
+        let Row { model, polygons, arity, splitter, query_microseconds, visits, kernels, .. } = row;
+        let Row { triangle_pairs, build_milliseconds, expected_visits, .. } = row;
+        writeln!(
+            text,
+            "{model},{polygons},{arity},{splitter},{query_microseconds:.3},{visits:.1},{kernels:.1},\
+             {triangle_pairs:.1},{build_milliseconds:.3},{expected_visits:.1}"
+        )
+        .unwrap();
+    }
+    text
+}
+
+fn curves(rows: &[Row], model: &str, arity: usize, value: fn(&Row) -> f64) -> Vec<Curve> {
+    let curve = |(name, _): (&'static str, Splitter)| {
+        let rows = rows.iter().filter(|r| r.model == model && r.arity == arity && r.splitter == name);
+        Curve { name, points: rows.map(|row| (row.polygons as f64, value(row))).collect() }
+    };
+    SPLITTERS.map(curve).into()
+}

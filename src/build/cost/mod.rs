@@ -1,0 +1,236 @@
+//! Splitting by expected cost: binned cuts, made for wide nodes.
+//!
+//! The surface area heuristic gives a binary tree; collapsing that into wide nodes leaves many lanes unused. Here a node is cut
+//! in two, and each side again, until there is a part for each lane; a cut may be wherever it leaves **full nodes** on both sides (see
+//! [`longest_axis`]), and how many lanes each side gets follows from its number of primitives. What a cut costs is, for each side,
+//! [measure](Measure) x primitives per lane.
+
+mod bounds;
+mod cut;
+mod refine;
+
+pub(super) use bounds::{Bounds, Measure};
+
+use super::{Assignment, longest_axis};
+use crate::frame::Point;
+use crate::hierarchy::MAX_DEPTH;
+use alloc::collections::VecDeque;
+use alloc::vec::Vec;
+use core::ops::Range;
+use cut::{Cutter, Share, Shares};
+
+const AXES: [Point; 3] = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+
+/// What to split.
+#[derive(Copy, Clone, Debug)]
+pub(super) struct Primitives<'a> {
+    pub(super) boxes: &'a [Bounds],
+    pub(super) centroids: &'a [Point],
+}
+
+/// How to split.
+#[derive(Copy, Clone, Debug)]
+pub(super) struct Plan {
+    pub(super) arity: usize,
+    pub(super) leaf_size: usize,
+    pub(super) measure: Measure,
+    /// How often the lanes of a node exchange primitives after its cuts.
+    pub(super) passes: usize,
+}
+
+pub(super) fn assign(primitives: Primitives<'_>, plan: Plan) -> Assignment {
+    assign_within(primitives, plan, MAX_DEPTH)
+}
+
+/// At most `max_depth` levels of nodes, which must be enough for a balanced tree.
+fn assign_within(primitives: Primitives<'_>, plan: Plan, max_depth: usize) -> Assignment {
+    let mut widener = Widener { cutter: Cutter::new(primitives, plan.measure), primitives, plan };
+    let mut order: Vec<u32> = (0..primitives.boxes.len() as u32).collect();
+    let mut ends = Vec::new();
+    let mut nodes = VecDeque::new();
+    if !order.is_empty() {
+        nodes.push_back((0..order.len(), max_depth));
+    }
+    while let Some((Range { mut start, end }, levels)) = nodes.pop_front() {
+        let from = ends.len();
+        widener.node(&mut order[start..end], start, levels - 1, &mut ends);
+        for &end in &ends[from..] {
+            let end = end as usize;
+            if end - start > plan.leaf_size {
+                nodes.push_back((start..end, levels - 1));
+            } else {
+                // A leaf is a set: its order must not depend on how a selection algorithm moves things.
+                order[start..end].sort_unstable();
+            }
+            start = end;
+        }
+    }
+    Assignment { order, ends }
+}
+
+/// Cuts that leave full nodes below a number of lanes.
+struct LaneShares {
+    total: usize,
+    lanes: usize,
+    leaf_size: usize,
+    arity: usize,
+}
+
+impl Shares for LaneShares {
+    fn exactly(&self, count: usize) -> Option<Share> {
+        let (lanes, step) = (self.lanes, self.arity - 1);
+        let leaves = self.total.div_ceil(self.leaf_size);
+        let left = count / self.leaf_size;
+        if !count.is_multiple_of(self.leaf_size) || left == 0 || left >= leaves {
+            return None;
+        }
+        if leaves <= lanes {
+            return Some(Share { count, lanes: [left, lanes - left] });
+        }
+        // Full nodes turn one leaf into `arity`, so the leaves below l lanes are l + (arity - 1) m. That leaves one l.
+        let left_lanes = (left - 1) % step + 1;
+        if left_lanes >= lanes || leaves - left < lanes - left_lanes {
+            return None;
+        }
+        let share = Share { count, lanes: [left_lanes, lanes - left_lanes] };
+        // Leaves per lane within a factor of two of the mean, or as near to it as full nodes permit.
+        let near = |leaves_here: usize, lanes_here: usize| {
+            let (here, mean) = (leaves_here * lanes, lanes_here * leaves);
+            here <= 2 * mean && mean <= 2 * here || here.abs_diff(mean) <= step * lanes
+        };
+        (near(left, share.lanes[0]) && near(leaves - left, share.lanes[1])).then_some(share)
+    }
+
+    fn near(&self, count: usize) -> Option<Share> {
+        let step = self.arity - 1;
+        let lanes = (2 * self.lanes * count + self.total) / (2 * self.total);
+        let lanes = lanes.clamp(1, self.lanes - 1);
+        let nodes = ((count / self.leaf_size).saturating_sub(lanes) + step / 2) / step;
+        self.exactly((lanes + nodes * step) * self.leaf_size)
+    }
+}
+
+struct Widener<'a> {
+    cutter: Cutter<'a>,
+    primitives: Primitives<'a>,
+    plan: Plan,
+}
+
+impl Widener<'_> {
+    /// Appends where the lanes of a node end, counted from `start` before it. Below it there may be `levels` levels.
+    fn node(&mut self, items: &mut [u32], start: usize, levels: usize, ends: &mut Vec<u32>) {
+        let Plan { arity, leaf_size, passes, .. } = self.plan;
+        let from = ends.len();
+        self.cut(items, start, arity, ends);
+        if passes > 0 && (items.len() > arity || leaf_size > 1) {
+            self.refine(items, start, &mut ends[from..]);
+        }
+        // What a full tree of so many levels holds: no more than that, and halving, if nothing else, gets it in.
+        let capacity = leaf_size.saturating_mul(arity.saturating_pow(levels as u32));
+        let starts = core::iter::once(start).chain(ends[from..].iter().map(|&end| end as usize));
+        if starts.zip(&ends[from..]).any(|(start, &end)| end as usize - start > capacity) {
+            ends.truncate(from);
+            self.halve(items, start, arity, ends);
+        }
+    }
+
+    /// Appends where `lanes` parts of `items` end, counted from `start`. Calls itself once for every lane at most.
+    fn cut(&mut self, items: &mut [u32], start: usize, lanes: usize, ends: &mut Vec<u32>) {
+        let Plan { arity, leaf_size, .. } = self.plan;
+        let total = items.len();
+        if lanes == 1 || total <= leaf_size {
+            ends.extend(core::iter::repeat_n((start + total) as u32, lanes));
+            return;
+        }
+        if leaf_size == 1 && total <= lanes {
+            // A leaf each: there is nothing to choose.
+            items.sort_unstable();
+            ends.extend((1..=lanes).map(|lane| (start + lane.min(total)) as u32));
+            return;
+        }
+        let shares = LaneShares { total, lanes, leaf_size, arity };
+        let Some(cut) = self.cutter.best(items, &AXES, &shares, f64::INFINITY) else {
+            // All in one place: no bin differs from another.
+            return self.halve(items, start, lanes, ends);
+        };
+        self.cutter.apply(items, &cut);
+        let Share { count, lanes: [left_lanes, right_lanes] } = cut.share;
+        let (left, right) = items.split_at_mut(count);
+        self.cut(left, start, left_lanes, ends);
+        self.cut(right, start + count, right_lanes, ends);
+    }
+
+    fn halve(&self, items: &mut [u32], start: usize, lanes: usize, ends: &mut Vec<u32>) {
+        let Plan { arity, leaf_size, .. } = self.plan;
+        longest_axis::halve(self.primitives.centroids, (arity, leaf_size), items, start, lanes, ends);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Boxes twice as far out and twice as large each as the last: whatever is cut off first, most of the rest is in one place.
+    fn growing(n: usize) -> Vec<Bounds> {
+        let at =
+            |i: usize| (0..i % 900).fold(1.0, |x: f64, _| 2.0 * x) * f64::from_bits(0x3d30_0000_0000_0000);
+        (0..n).map(|i| Bounds::of(&[[at(i), 0.0, 0.0], [1.5 * at(i), 0.0, 0.5 * at(i)]])).collect()
+    }
+
+    /// Levels of nodes.
+    fn depth(assignment: &Assignment, arity: usize, leaf_size: u32) -> usize {
+        let mut levels = alloc::vec![(0, 1)];
+        for (node, ends) in assignment.ends.chunks_exact(arity).enumerate() {
+            let (mut start, level) = levels[node];
+            for &end in ends {
+                if end - start > leaf_size {
+                    levels.push((start, level + 1));
+                }
+                start = end;
+            }
+        }
+        levels.iter().map(|l| l.1).max().unwrap_or(0)
+    }
+
+    #[test]
+    fn no_tree_is_deeper_than_the_limit() {
+        for (arity, leaf_size, count, balanced) in [(4, 1, 256, 4), (4, 3, 192, 3), (16, 1, 256, 2)] {
+            let boxes = growing(count);
+            let centroids: Vec<Point> = boxes.iter().map(Bounds::centre).collect();
+            let primitives = Primitives { boxes: &boxes, centroids: &centroids };
+            let plan = Plan { arity, leaf_size, measure: Measure::MeanWidth, passes: 2 };
+            let levels = |limit| depth(&assign_within(primitives, plan, limit), arity, leaf_size as u32);
+            assert!(levels(MAX_DEPTH) > balanced, "arity {arity}: left alone, it is deeper");
+            for limit in balanced..balanced + 3 {
+                assert!(levels(limit) <= limit, "arity {arity} leaf {leaf_size} limit {limit}");
+            }
+        }
+    }
+
+    #[test]
+    fn shares_leave_full_nodes() {
+        for (total, lanes, leaf_size, arity) in
+            [(3250, 16, 1, 16), (1000, 5, 2, 16), (77, 3, 1, 4), (12, 4, 5, 4)]
+        {
+            let shares = LaneShares { total, lanes, leaf_size, arity };
+            let mut found = 0;
+            for count in 0..=total {
+                if let Some(Share { count: n, lanes: [left, right] }) = shares.exactly(count) {
+                    assert_eq!((n, left + right), (count, lanes));
+                    let leaves = count / leaf_size;
+                    assert!(left >= 1 && right >= 1 && leaves * leaf_size == count);
+                    assert!(leaves == left || leaves > left && (leaves - left).is_multiple_of(arity - 1));
+                    assert!(
+                        (total - count).div_ceil(leaf_size) >= right.min(total.div_ceil(leaf_size) - leaves)
+                    );
+                    found += 1;
+                }
+                if let Some(share) = shares.near(count) {
+                    assert_eq!(shares.exactly(share.count), Some(share));
+                    assert!(share.count.abs_diff(count) <= arity * leaf_size, "{share:?} for {count}");
+                }
+            }
+            assert!(found > 0, "{total} in {lanes} lanes");
+        }
+    }
+}

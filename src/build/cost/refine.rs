@@ -1,0 +1,99 @@
+//! After the cuts of a node: its lanes exchange primitives, two lanes at a time, as long as that costs less.
+
+use super::bounds::Bounds;
+use super::cut::{Share, Shares};
+use super::{AXES, Plan, Widener};
+use alloc::vec::Vec;
+
+/// Cuts of two lanes together that leave full nodes below both: each has 1 + (arity - 1) m leaves, but for one lane of
+/// the tree.
+struct PairShares {
+    sizes: [usize; 2],
+    leaf_size: usize,
+    arity: usize,
+}
+
+impl Shares for PairShares {
+    fn exactly(&self, count: usize) -> Option<Share> {
+        let total = self.sizes[0] + self.sizes[1];
+        let leaves = count / self.leaf_size;
+        let full = count.is_multiple_of(self.leaf_size) && leaves % (self.arity - 1) == 1;
+        // Three to one at most: lopsided lanes make deep trees, whatever their measure promises.
+        let even = 4 * count >= total && 4 * count <= 3 * total;
+        let as_before = self.sizes.contains(&count);
+        (as_before || full && even).then_some(Share { count, lanes: [1, 1] })
+    }
+
+    fn near(&self, count: usize) -> Option<Share> {
+        let step = self.arity - 1;
+        let nodes = (count / self.leaf_size + step / 2).saturating_sub(1) / step;
+        self.exactly((1 + nodes * step) * self.leaf_size)
+    }
+}
+
+struct Lane {
+    items: Vec<u32>,
+    bounds: Bounds,
+}
+
+impl Widener<'_> {
+    /// Cuts every two lanes that touch anew, as often as planned or until no cut is better. The lanes of the node's `items` are given by
+    /// their `ends`, counted from `start`.
+    pub(super) fn refine(&mut self, items: &mut [u32], start: usize, ends: &mut [u32]) {
+        let mut lanes = Vec::with_capacity(ends.len());
+        let mut from = 0;
+        for end in ends.iter().map(|&end| end as usize - start) {
+            let items = items[from..end].to_vec();
+            lanes.push(Lane { bounds: self.cutter.bounds(&items), items });
+            from = end;
+        }
+        for _ in 0..self.plan.passes {
+            let mut changed = false;
+            for j in 1..lanes.len() {
+                let (before, behind) = lanes.split_at_mut(j);
+                for lane in before {
+                    changed |= self.exchange(lane, &mut behind[0]);
+                }
+            }
+            if !changed {
+                break;
+            }
+        }
+        let mut from = 0;
+        for (lane, end) in lanes.iter().zip(ends) {
+            let to = from + lane.items.len();
+            items[from..to].copy_from_slice(&lane.items);
+            *end = (start + to) as u32;
+            from = to;
+        }
+    }
+
+    /// Cuts two lanes anew, along an axis or from centre to centre. Whether they changed.
+    fn exchange(&mut self, a: &mut Lane, b: &mut Lane) -> bool {
+        let Plan { arity, leaf_size, .. } = self.plan;
+        let sizes = [a.items.len(), b.items.len()];
+        if sizes == [1, 1] || !a.bounds.touches(&b.bounds) {
+            return false;
+        }
+        let (p, q) = (a.bounds.centre(), b.bounds.centre());
+        let [x, y, z] = AXES;
+        let directions = [x, y, z, core::array::from_fn(|i| q[i] - p[i])];
+        let shares = PairShares { sizes, leaf_size, arity };
+        let cutter = &mut self.cutter;
+        let cost = cutter.lane_cost(&a.bounds, sizes[0]) + cutter.lane_cost(&b.bounds, sizes[1]);
+        let mut items = [a.items.as_slice(), b.items.as_slice()].concat();
+        let Some(cut) = cutter.best(&items, &directions, &shares, cost) else { return false };
+        cutter.apply(&mut items, &cut);
+        let rest = items.split_off(cut.share.count);
+        let bounds = [cutter.bounds(&items), cutter.bounds(&rest)];
+        let new_cost = cutter.lane_cost(&bounds[0], items.len()) + cutter.lane_cost(&bounds[1], rest.len());
+        // Bins promise what rounding to full nodes may not keep; and a gain in the last bits could go on for ever.
+        if new_cost >= cost * (1.0 - 1e-9) {
+            return false;
+        }
+        let [first, second] = bounds;
+        *a = Lane { items, bounds: first };
+        *b = Lane { items: rest, bounds: second };
+        true
+    }
+}

@@ -1,0 +1,174 @@
+//! The first level of a tree as a picture: the mesh, one colour for each child of the root (as figure 3 of the SIMDop paper).
+
+use super::body::Tree;
+use core::fmt::Write;
+
+type Vector = [f64; 3];
+
+/// Pixels along the longer side of the mesh, and around it.
+const SIZE: f64 = 800.0;
+const MARGIN: f64 = 20.0;
+/// The view is turned by this to the left and from above, so that three sides of a box are seen.
+const TURN: f64 = 0.35;
+const TILT: f64 = 0.25;
+
+/// An SVG image: orthographic, painted from back to front.
+pub(super) fn svg(tree: &Tree, title: &str) -> String {
+    let clusters = tree.clusters();
+    let camera = Camera::for_corners(clusters.iter().flat_map(|(_, t)| t));
+    let mut faces: Vec<Face> = clusters.iter().map(|(lane, t)| Face::new(&camera, *lane, t)).collect();
+    faces.sort_by(|a, b| a.depth.total_cmp(&b.depth));
+
+    let mut text = String::new();
+    let [width, height] = camera.extent.map(|x| x * camera.scale + 2.0 * MARGIN);
+    // Writing to a string does not fail.
+    let _ = write!(
+        text,
+        "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {width:.0} {height:.0}\" \
+         shape-rendering=\"crispEdges\">\n<title>{}</title>\n\
+         <rect width=\"100%\" height=\"100%\" fill=\"white\"/>\n",
+        escaped(title)
+    );
+    for Face { corners: [[ax, ay], [bx, by], [cx, cy]], colour: [r, g, b], .. } in &faces {
+        let _ = writeln!(
+            text,
+            "<path fill=\"#{r:02x}{g:02x}{b:02x}\" d=\"M{ax:.1} {ay:.1}L{bx:.1} {by:.1}L{cx:.1} {cy:.1}z\"/>"
+        );
+    }
+    text + "</svg>\n"
+}
+
+/// Looks along the axis in which the mesh is thinnest.
+struct Camera {
+    right: Vector,
+    up: Vector,
+    back: Vector,
+    /// Least coordinates along `right` and `up`, and their ranges, in the mesh's unit.
+    low: [f64; 2],
+    extent: [f64; 2],
+    /// Pixels in a unit.
+    scale: f64,
+}
+
+impl Camera {
+    fn for_corners<'c>(corners: impl Iterator<Item = &'c Vector> + Clone) -> Self {
+        let range = |direction: Vector| {
+            let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
+            for x in corners.clone().map(|p| dot(&direction, p)) {
+                (low, high) = (low.min(x), high.max(x));
+            }
+            if low <= high { (low, high - low) } else { (0.0, 0.0) }
+        };
+        let [x, y, z] = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+        let [wide, high, deep] = [x, y, z].map(|axis| range(axis).1);
+        // Right-handed: right x up points at the viewer. Up is an axis that often is: z, else y.
+        let (right, up, back) = if deep <= wide && deep <= high {
+            (x, y, z)
+        } else if wide <= high {
+            (y, z, x)
+        } else {
+            (x, z, [0.0, -1.0, 0.0])
+        };
+        let (right, back) = turned(right, back, TURN);
+        let (back, up) = turned(back, up, TILT);
+        let [(left, width), (bottom, height)] = [range(right), range(up)];
+        let longer = width.max(height);
+        let scale = if longer > 0.0 { SIZE / longer } else { 1.0 };
+        Self { right, up, back, low: [left, bottom], extent: [width, height], scale }
+    }
+
+    /// In pixels, the first from the left, the second from the top.
+    fn project(&self, p: &Vector) -> [f64; 2] {
+        let x = dot(&self.right, p) - self.low[0];
+        let y = self.low[1] + self.extent[1] - dot(&self.up, p);
+        [x * self.scale + MARGIN, y * self.scale + MARGIN]
+    }
+}
+
+struct Face {
+    /// Towards the viewer.
+    depth: f64,
+    corners: [[f64; 2]; 3],
+    colour: [u8; 3],
+}
+
+impl Face {
+    fn new(camera: &Camera, lane: usize, triangle: &[Vector; 3]) -> Self {
+        let [a, b, c] = triangle;
+        let (u, v): (Vector, Vector) =
+            (core::array::from_fn(|i| b[i] - a[i]), core::array::from_fn(|i| c[i] - a[i]));
+        let normal = [u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]];
+        let length = dot(&normal, &normal).sqrt();
+        // Lit from behind the viewer's left shoulder, and on both sides: nobody promises which is the outer one.
+        let light: Vector =
+            core::array::from_fn(|i| camera.back[i] - 0.5 * camera.right[i] + 0.5 * camera.up[i]);
+        let facing = dot(&normal, &light).abs() / (length * dot(&light, &light).sqrt());
+        let shade = if length > 0.0 { 0.45 + 0.55 * facing } else { 1.0 };
+        let depth = triangle.iter().map(|p| dot(&camera.back, p)).sum::<f64>();
+        let colour = colour(lane).map(|x| (x * shade * 255.0) as u8);
+        Self { depth, corners: triangle.each_ref().map(|p| camera.project(p)), colour }
+    }
+}
+
+/// Hues a golden angle apart, so that lanes next to each other differ; every other round of the circle is paler.
+fn colour(lane: usize) -> Vector {
+    let hue = (lane as f64 * 0.618_033_988_75).fract() * 6.0;
+    let floor = [0.15, 0.45, 0.0][lane % 3];
+    core::array::from_fn(|i| {
+        // Red, green and blue are a third of the circle apart.
+        let away = (hue + 2.0 * i as f64) % 6.0 - 3.0;
+        floor + (1.0 - floor) * (away.abs() - 1.0).clamp(0.0, 1.0)
+    })
+}
+
+/// Turns two perpendicular unit vectors, the first towards the second.
+fn turned(a: Vector, b: Vector, angle: f64) -> (Vector, Vector) {
+    let (s, c) = angle.sin_cos();
+    (core::array::from_fn(|i| c * a[i] + s * b[i]), core::array::from_fn(|i| c * b[i] - s * a[i]))
+}
+
+fn dot(a: &Vector, b: &Vector) -> f64 {
+    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+}
+
+fn escaped(text: &str) -> String {
+    text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn sixteen_colours_differ() {
+        for i in 0..16 {
+            for j in 0..i {
+                let (a, b) = (colour(i), colour(j));
+                let far = (0..3).map(|k| (a[k] - b[k]).abs()).fold(0.0, f64::max);
+                assert!(far > 0.1, "{i} {a:?} {j} {b:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn the_camera_is_an_orthonormal_frame_that_sees_everything() {
+        let boxes = [[1.0, 2.0, 3.0], [3.0, 1.0, 2.0], [2.0, 3.0, 1.0], [0.0, 0.0, 0.0]];
+        for size in boxes {
+            let corners = [[0.0; 3], size];
+            let camera = Camera::for_corners(corners.iter());
+            let Camera { right, up, back, .. } = &camera;
+            for (a, b) in [(right, up), (up, back), (back, right)] {
+                assert!(dot(a, b).abs() < 1e-15 && (dot(a, a) - 1.0).abs() < 1e-15);
+            }
+            let cross = [
+                right[1] * up[2] - right[2] * up[1],
+                right[2] * up[0] - right[0] * up[2],
+                right[0] * up[1] - right[1] * up[0],
+            ];
+            assert!((dot(&cross, back) - 1.0).abs() < 1e-15, "right-handed");
+            for p in &corners {
+                assert!(camera.project(p).iter().all(|x| (MARGIN - 1e-9..=SIZE + MARGIN + 1e-9).contains(x)));
+            }
+        }
+    }
+}

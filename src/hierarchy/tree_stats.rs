@@ -1,0 +1,187 @@
+//! What queries of a tree will cost, from its shape alone.
+
+use super::{BvhRef, MAX_DEPTH};
+use crate::key::decode;
+use crate::node::{Link, Node};
+
+/// How good a tree is, by the boxes of its lanes (the first three slabs, which every k has). All are ratios: no unit.
+///
+/// Not finite if a plane is unbounded, which no builder makes.
+#[derive(Copy, Clone, PartialEq, Debug)]
+pub struct TreeStats {
+    /// Visits expected of a query against a copy of itself that finds no hit, at a uniformly random motion that lets the two
+    /// root boxes meet.
+    ///
+    /// Boxes a and b meet, given that the roots r do, with the probability mu(a, b) / mu(r, r), where by Blaschke's kinematic formula
+    ///
+    /// ```text
+    /// mu(a, b) = 4 (V_a + V_b) + S_a m_b + S_b m_a          (times 2 pi^2)
+    /// ```
+    ///
+    /// with the volume V, the area S and the sum m of the three edges of a box. The sum of that over all pairs that a query can visit:
+    /// nodes of one level, and nodes and leaves of no deeper a level, each leaf of one tree with each node of the other, twice.
+    /// 1 for a single node. If the root has no area, every pair is taken to meet.
+    pub expected_visits: f64,
+    /// Sum of the areas of a node's lanes over the area of the node, mean over the nodes that have one.
+    pub area_ratio: f64,
+    /// Volume that two lanes of a node share, summed over pairs of lanes, over the sum of the lanes' volumes; mean over the nodes
+    /// whose lanes have volume.
+    pub overlap: f64,
+    /// Share of lanes in use.
+    pub lanes_used: f64,
+    /// Levels of nodes above a triangle, mean over the triangles.
+    pub mean_depth: f64,
+}
+
+/// Low and high end along each axis, in the tree's frame.
+type Bounds = [[f64; 2]; 3];
+
+const NOTHING: Bounds = [[f64::INFINITY, f64::NEG_INFINITY]; 3];
+
+/// Volume, area and sum of edges of boxes, and their number; of one box or summed over many.
+#[derive(Copy, Clone, Default, Debug)]
+struct Size {
+    count: f64,
+    volume: f64,
+    area: f64,
+    edges: f64,
+}
+
+impl Size {
+    fn of(bounds: &Bounds) -> Self {
+        let [x, y, z] = bounds.map(|[low, high]| (high - low).max(0.0));
+        Self { count: 1.0, volume: x * y * z, area: 2.0 * (x * y + y * z + z * x), edges: x + y + z }
+    }
+
+    fn add(&mut self, other: &Self) {
+        self.count += other.count;
+        self.volume += other.volume;
+        self.area += other.area;
+        self.edges += other.edges;
+    }
+
+    /// The measure of the motions that let two boxes meet, over `2 pi^2`, summed over every box of one set with every box of the other.
+    fn meeting(&self, other: &Self) -> f64 {
+        let volumes = 4.0 * (self.volume * other.count + other.volume * self.count);
+        volumes + self.area * other.edges + other.area * self.edges
+    }
+}
+
+/// Sums of values and their number.
+#[derive(Copy, Clone, Default, Debug)]
+struct Mean {
+    sum: f64,
+    count: f64,
+}
+
+impl Mean {
+    /// Takes a ratio, if it is one.
+    fn add(&mut self, part: f64, whole: f64) {
+        if whole > 0.0 {
+            self.sum += part / whole;
+            self.count += 1.0;
+        }
+    }
+
+    fn value(&self) -> f64 {
+        if self.count > 0.0 { self.sum / self.count } else { 0.0 }
+    }
+}
+
+#[derive(Default, Debug)]
+struct Sums {
+    /// By level, the root's node being 0: sizes of nodes, and of leaves.
+    nodes: [Size; MAX_DEPTH + 1],
+    leaves: [Size; MAX_DEPTH + 1],
+    area_ratio: Mean,
+    overlap: Mean,
+    depth: Mean,
+}
+
+impl<N: Node> BvhRef<'_, N> {
+    /// Predicts what queries cost. Linear in the number of nodes. Zeros for an empty tree.
+    #[must_use]
+    pub fn tree_stats(&self) -> TreeStats {
+        let sums = self.sums();
+        let stats = self.stats();
+        TreeStats {
+            expected_visits: sums.expected_visits(),
+            area_ratio: sums.area_ratio.value(),
+            overlap: sums.overlap.value(),
+            lanes_used: stats.lanes_used as f64 / (stats.nodes * N::ARITY).max(1) as f64,
+            mean_depth: sums.depth.value(),
+        }
+    }
+
+    fn sums(&self) -> Sums {
+        let mut sums = Sums::default();
+        if self.nodes().is_empty() {
+            return sums;
+        }
+        sums.nodes[0] = self.add_node(0, &mut sums);
+        let mut path = [(0_u32, 0_usize); MAX_DEPTH];
+        let mut level = 1;
+        while level > 0 {
+            let (node, lane) = path[level - 1];
+            let Some(child) = self.nodes()[node as usize].children().get(lane) else {
+                level -= 1;
+                continue;
+            };
+            path[level - 1].1 += 1;
+            match child.link() {
+                Link::Empty => {}
+                Link::Leaf { count, .. } => {
+                    sums.leaves[level].add(&Size::of(&self.lane_bounds(node, lane)));
+                    sums.depth.sum += level as f64 * f64::from(count);
+                    sums.depth.count += f64::from(count);
+                }
+                Link::Inner(next) => {
+                    let size = self.add_node(next, &mut sums);
+                    sums.nodes[level].add(&size);
+                    path[level] = (next, 0);
+                    level += 1;
+                }
+            }
+        }
+        sums
+    }
+
+    /// Adds what a node's lanes are to each other and to the node. Returns the size of the box of its lanes.
+    fn add_node(&self, node: u32, sums: &mut Sums) -> Size {
+        let used = |lane: &usize| self.nodes()[node as usize].children()[*lane].link() != Link::Empty;
+        let lanes = || (0..N::ARITY).filter(used).map(|lane| self.lane_bounds(node, lane));
+        let (mut whole, mut parts, mut shared) = (NOTHING, Size::default(), 0.0);
+        for (i, a) in lanes().enumerate() {
+            whole = core::array::from_fn(|k| [whole[k][0].min(a[k][0]), whole[k][1].max(a[k][1])]);
+            parts.add(&Size::of(&a));
+            for b in lanes().skip(i + 1) {
+                let both = core::array::from_fn(|k| [a[k][0].max(b[k][0]), a[k][1].min(b[k][1])]);
+                shared += Size::of(&both).volume;
+            }
+        }
+        let whole = Size::of(&whole);
+        sums.area_ratio.add(parts.area, whole.area);
+        sums.overlap.add(shared, parts.volume);
+        whole
+    }
+
+    fn lane_bounds(&self, node: u32, lane: usize) -> Bounds {
+        let plane = |j: usize| f64::from(decode(self.nodes()[node as usize].plane(j, lane)));
+        core::array::from_fn(|axis| [-plane(2 * axis + 1), plane(2 * axis)])
+    }
+}
+
+impl Sums {
+    fn expected_visits(&self) -> f64 {
+        let whole = self.nodes[0].meeting(&self.nodes[0]);
+        let chance = |a: &Size, b: &Size| {
+            if whole > 0.0 { a.meeting(b) / whole } else { a.count * b.count }
+        };
+        let (mut visits, mut leaves) = (0.0, Size::default());
+        for (nodes, more) in self.nodes.iter().zip(&self.leaves) {
+            leaves.add(more);
+            visits += chance(nodes, nodes) + 2.0 * chance(&leaves, nodes);
+        }
+        visits
+    }
+}

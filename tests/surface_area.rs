@@ -1,0 +1,171 @@
+//! The splitters by cost, SurfaceArea and MeanWidth: trees that hold every triangle once and bound it, whatever the mesh; the same bytes
+//! on every machine; the same answers as any other splitter's trees; and fewer visits, which is what they are for.
+
+#![expect(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
+
+mod support;
+
+use simdop::build::{Builder, Mesh, Splitter};
+use simdop::hierarchy::{Bvh, MAX_DEPTH};
+use simdop::isa::Isa;
+use simdop::node::{Node4, Node16};
+use simdop::pose::Pose;
+use simdop::query::{Counters, Lanes, Query};
+use support::data::{MeshData, Suite, directory, suite_step, suites};
+use support::rng::Rng;
+use support::shapes;
+
+const SPLITTERS: [Splitter; 2] = [Splitter::SurfaceArea, Splitter::MeanWidth];
+
+fn build<N: Lanes>(mesh: &MeshData, leaf_size: u32, splitter: Splitter) -> Bvh<N> {
+    let mesh = Mesh { vertices: &mesh.vertices, triangles: &mesh.triangles };
+    Builder::new().leaf_size(leaf_size).splitter(splitter).build(&mesh).unwrap()
+}
+
+// ---- Every mesh ---------------------------------------------------------------------------------------------------
+
+fn check_tree<N: Lanes>(what: &str, mesh: &MeshData, leaf_size: u32, splitter: Splitter) {
+    let what = format!("{what}, k {} arity {} leaf {leaf_size} {splitter:?}", N::K, N::ARITY);
+    let tree = build::<N>(mesh, leaf_size, splitter);
+    let view = tree.view();
+    view.validate().unwrap_or_else(|e| panic!("{what}: {e}"));
+    view.verify().unwrap_or_else(|e| panic!("{what}: {e}"));
+    let mut sources: Vec<u32> = (0..view.len() as u32).map(|i| view.source(i)).collect();
+    sources.sort_unstable();
+    assert!(sources.iter().copied().eq(0..mesh.triangles.len() as u32), "{what}: each triangle once");
+
+    // Full nodes: one node at most has unused lanes, if every leaf is full too.
+    let stats = view.stats();
+    let leaves = mesh.triangles.len().div_ceil(leaf_size as usize);
+    let full = leaves.saturating_sub(1).div_ceil(N::ARITY - 1).max(leaves.min(1));
+    assert_eq!(stats.nodes, full, "{what}: no more nodes than needed");
+    assert!(stats.depth <= MAX_DEPTH, "{what}: {} levels", stats.depth);
+}
+
+fn check_mesh(what: &str, mesh: &MeshData) {
+    for splitter in SPLITTERS {
+        for leaf_size in [1, 2, 5, 16] {
+            check_tree::<Node16<18>>(what, mesh, leaf_size, splitter);
+            check_tree::<Node4<6>>(what, mesh, leaf_size, splitter);
+        }
+    }
+}
+
+#[test]
+fn trees_of_any_count() {
+    let mut rng = Rng::new(1);
+    for count in [0, 1, 2, 3, 15, 16, 17, 18, 31, 32, 33, 255, 256, 257, 1023, 1024, 1025, 1041, 3000] {
+        check_mesh(&format!("{count} random"), &shapes::soup(&mut rng, count, 0.1));
+    }
+}
+
+#[test]
+fn trees_of_awkward_meshes() {
+    let mut rng = Rng::new(2);
+    let n = 3000 / suite_step();
+    check_mesh("collinear", &shapes::collinear(n));
+    check_mesh("planar", &shapes::flat_grid(40));
+    check_mesh("one huge among tiny", &shapes::huge_among_tiny(&mut rng, n));
+    check_mesh("growing", &growing(900));
+    let mut half = shapes::coincident(n / 2);
+    shapes::append(&mut half, &shapes::soup(&mut rng, n / 2, 0.01));
+    check_mesh("half coincident", &half);
+}
+
+/// Each triangle twice as far out and twice as large as the last, as far as coordinates go; then again.
+fn growing(n: usize) -> MeshData {
+    let at = |i: usize| {
+        let size = f64::from(2.0_f32).powi((i % 300) as i32 - 50);
+        [[size, 0.0, 0.0], [1.5 * size, 0.5 * size, 0.0], [size, 0.0, 0.5 * size]]
+    };
+    shapes::separate((0..n).map(at))
+}
+
+/// Nothing tells them apart.
+#[test]
+fn a_hundred_thousand_coincident_triangles() {
+    let mesh = shapes::coincident(100_000 / suite_step());
+    for splitter in SPLITTERS {
+        check_tree::<Node16<6>>("coincident", &mesh, 1, splitter);
+        check_tree::<Node4<6>>("coincident", &mesh, 3, splitter);
+    }
+}
+
+// ---- Every machine --------------------------------------------------------------------------------------------------
+
+/// FNV-1a, 64 bits.
+fn digest(bytes: &[u8]) -> u64 {
+    bytes.iter().fold(0xcbf2_9ce4_8422_2325, |h, b| (h ^ u64::from(*b)).wrapping_mul(0x100_0000_01b3))
+}
+
+/// Trees of a mesh made by rule, byte for byte. A change of the splitter or of the format changes them.
+#[test]
+fn trees_have_the_bytes_written_here() {
+    let mut mesh = shapes::torus(60, 40);
+    shapes::append(&mut mesh, &shapes::soup(&mut Rng::new(3), 2000, 0.02));
+    let digests = |splitter| {
+        let wide = build::<Node16<18>>(&mesh, 1, splitter);
+        let narrow = build::<Node4<14>>(&mesh, 2, splitter);
+        [digest(wide.as_bytes()), digest(narrow.as_bytes())]
+    };
+    let got = SPLITTERS.map(digests);
+    assert_eq!(got, GOLDEN, "should be {got:#018x?}");
+}
+
+const GOLDEN: [[u64; 2]; 2] =
+    [[0xc043_716f_39f0_c4b4, 0x5885_fcff_858d_5cf9], [0xd8b0_aee2_e5a1_147b, 0x78e6_e3c8_01e9_c7c7]];
+
+// ---- Queries ----------------------------------------------------------------------------------------------------------
+
+/// Sums over the poses of a suite, by verdict: free, hit.
+fn counters<N: Lanes>(suite: &Suite, poses: &[Pose], splitter: Splitter) -> (Vec<bool>, [Counters; 2]) {
+    let (a, b) = (build::<N>(&suite.a, 1, splitter), build::<N>(&suite.b, 1, splitter));
+    let mut sums = [Counters::default(); 2];
+    let verdict = |pose| {
+        let answer = Query::new(Isa::detect()).collide(&a.view(), &b.view(), pose);
+        let sum = &mut sums[usize::from(answer.is_hit())];
+        sum.visits += answer.counters.visits;
+        sum.kernels += answer.counters.kernels;
+        sum.triangle_pairs += answer.counters.triangle_pairs;
+        answer.is_hit()
+    };
+    (poses.iter().map(verdict).collect(), sums)
+}
+
+fn poses(suite: &Suite) -> Vec<Pose> {
+    let [a, b] = [&suite.a, &suite.b].map(|mesh| build::<Node16<18>>(mesh, 1, Splitter::ExtendedLongestAxis));
+    let pose = |rows: &[[f64; 4]; 3]| Pose::from_rows(*rows).unwrap();
+    let meets = |rows: &_| Query::new(Isa::detect()).collide(&a.view(), &b.view(), &pose(rows)).is_hit();
+    suite.poses(suite_step(), meets).iter().map(pose).collect()
+}
+
+#[test]
+fn answers_are_those_of_other_splitters() {
+    let Some(suites) = suites() else { return };
+    for suite in &suites {
+        let poses = poses(suite);
+        let (want, _) = counters::<Node16<18>>(suite, &poses, Splitter::ExtendedLongestAxis);
+        for splitter in SPLITTERS {
+            assert!(want == counters::<Node16<18>>(suite, &poses, splitter).0, "{}", suite.name);
+            assert!(want == counters::<Node4<26>>(suite, &poses, splitter).0, "{}", suite.name);
+        }
+    }
+}
+
+/// What the longer build is for.
+#[test]
+fn mean_width_needs_fewer_visits() {
+    let Some(data) = directory() else { return };
+    for name in ["cow", "camel"] {
+        let mesh = MeshData::obj(&data.join("meshes").join(name).with_extension("obj"));
+        let suite = Suite { name, a: mesh.clone(), b: mesh };
+        let poses = poses(&suite);
+        let sums = |splitter| counters::<Node16<18>>(&suite, &poses, splitter).1;
+        let (halved, by_cost) = (sums(Splitter::ExtendedLongestAxis), sums(Splitter::MeanWidth));
+        for (verdict, halved, by_cost) in [("free", halved[0], by_cost[0]), ("hit", halved[1], by_cost[1])] {
+            println!("{name}, {verdict}: {halved:?} by halving, {by_cost:?} by mean width");
+            assert!(by_cost.visits < halved.visits, "{name}, {verdict}: visits");
+            assert!(by_cost.kernels < halved.kernels, "{name}, {verdict}: kernels");
+        }
+    }
+}
