@@ -278,8 +278,8 @@ impl Digest {
 
 // ---- The laws -----------------------------------------------------------------------------------------------------------------
 
-/// The four overlap kernels in one list of masks: 16 lanes 1vs16, one lane 16vs1, and 4vs4.
-type Masks = [u16; 18];
+/// The overlap kernels in one list of masks: 16 lanes 1vs16, one lane 16vs1, 4vs4, and 16 against the hull.
+type Masks = [u16; 19];
 
 #[inline(always)]
 fn masks<E: Kernel, const K: usize>(
@@ -291,12 +291,13 @@ fn masks<E: Kernel, const K: usize>(
     kernel.run(
         #[inline(always)]
         || {
-            let mut masks = [0; 18];
+            let mut masks = [0; 19];
             for (lane, mask) in masks[..16].iter_mut().enumerate() {
                 *mask = kernel.overlap_1v16(query, lane, node);
             }
             masks[16] = kernel.overlap_16v1(query, node, column);
             masks[17] = kernel.overlap_4v4(query_4, node_4);
+            masks[18] = kernel.overlap_16v_hull(query, node);
             masks
         },
     )
@@ -465,6 +466,10 @@ fn roles_swapped_and_bodies_mirrored<const K: usize>(kernel: impl Kernel, name: 
             assert_eq!(kernel.overlap_1v16(&swapped.0, lane, &swapped.1), column(lane), "{name} k {K}");
             assert_eq!(kernel.overlap_16v1(&query, &node, lane), column(lane), "{name} k {K}");
         }
+        // The hull is the child with the greatest of the planes.
+        let hull = wide(planes.map(|plane| [*plane.iter().max().unwrap(); 16]));
+        let against_hull = kernel.overlap_16v_hull(&query, &node);
+        assert_eq!(against_hull, kernel.overlap_16v1(&query, &hull, 5), "{name} k {K}");
     }
 }
 

@@ -38,6 +38,8 @@ pub(crate) trait Arity: Lanes {
     fn alone(planes: &Self::Planes, lane: usize) -> Self::Planes;
     /// Which bodies of the query child `lane` of `self` overlaps.
     fn column(&self, planes: &Self::Planes, lane: usize) -> u16;
+    /// Which children of A the root of B overlaps.
+    fn hull(&self, planes: &Self::Planes) -> u16;
     /// Calls the kernel for the `wanted` children of A: `call(lane, answer)`. Returns the rows of bits.
     fn rows(&self, planes: &Self::Planes, wanted: u16, call: impl FnMut(usize, u16)) -> [u16; 16];
 }
@@ -72,6 +74,10 @@ impl_arity! {
         Scalar::new().overlap_16v1(planes, self, lane)
     }
 
+    fn hull(&self, planes: &Self::Planes) -> u16 {
+        Scalar::new().overlap_16v_hull(planes, self)
+    }
+
     fn rows(&self, planes: &Self::Planes, wanted: u16, mut call: impl FnMut(usize, u16)) -> [u16; 16] {
         let mut rows = [0; 16];
         for lane in (0..16).filter(|lane| wanted >> lane & 1 != 0) {
@@ -89,6 +95,10 @@ impl_arity! {
     fn column(&self, planes: &Self::Planes, lane: usize) -> u16 {
         let pairs = Scalar::new().overlap_4v4(planes, self) >> lane;
         (0..4).fold(0, |mask, i| mask | (pairs >> (4 * i) & 1) << i)
+    }
+
+    fn hull(&self, _: &Self::Planes) -> u16 {
+        u16::MAX
     }
 
     fn rows(&self, planes: &Self::Planes, wanted: u16, mut call: impl FnMut(usize, u16)) -> [u16; 16] {
@@ -141,8 +151,10 @@ impl<N: Arity> Recorder<'_, N> {
             (Side::Node(node_a), link_b) => {
                 let query = self.turn(node_a);
                 let planes = self.out.queries[query as usize];
-                let wanted =
-                    from.map_or(u16::MAX, |(node, lane)| tree.nodes()[node as usize].column(&planes, lane));
+                let wanted = match from {
+                    Some((node, lane)) => tree.nodes()[node as usize].column(&planes, lane),
+                    None => tree.nodes()[0].hull(&planes),
+                };
                 let children = tree.nodes()[node_a as usize].children();
                 if let Link::Inner(node_b) = link_b {
                     let rows = self.call(query, node_b, wanted);

@@ -52,6 +52,12 @@ impl Kernel for Avx2 {
     }
 
     #[inline(always)]
+    fn overlap_16v_hull<const K: usize>(self, query: &Query<16, K>, node: &Node16<K>) -> u16 {
+        // SAFETY: the token proves the features that the function is compiled for.
+        unsafe { overlap_16v_hull(query, node) }
+    }
+
+    #[inline(always)]
     fn overlap_4v4<const K: usize>(self, query: &Query<4, K>, node: &Node4<K>) -> u16 {
         // SAFETY: the token proves the features that the function is compiled for.
         unsafe { overlap_4v4(query, node) }
@@ -132,6 +138,23 @@ compiled_for_avx2! {
         let mut separated = _mm256_setzero_si256();
         for (bodies, planes) in query.iter().zip(&node.planes) {
             let beyond = _mm256_cmpgt_epi16(load(bodies), _mm256_set1_epi16(planes[lane]));
+            separated = _mm256_or_si256(separated, beyond);
+        }
+        zero_lanes(separated)
+    }
+}
+
+compiled_for_avx2! {
+    #[inline]
+    fn overlap_16v_hull<const K: usize>(query: &Query<16, K>, node: &Node16<K>) -> u16 {
+        // `vphminposuw` finds the least of eight unsigned words; the exclusive or turns greatest signed to least unsigned and back.
+        let flip = _mm_set1_epi16(0x7fff);
+        let mut separated = _mm256_setzero_si256();
+        for (bodies, planes) in query.iter().zip(&node.planes) {
+            let planes = load(planes);
+            let eight = _mm_max_epi16(_mm256_castsi256_si128(planes), _mm256_extracti128_si256::<1>(planes));
+            let greatest = _mm_xor_si128(_mm_minpos_epu16(_mm_xor_si128(eight, flip)), flip);
+            let beyond = _mm256_cmpgt_epi16(load(bodies), _mm256_broadcastw_epi16(greatest));
             separated = _mm256_or_si256(separated, beyond);
         }
         zero_lanes(separated)

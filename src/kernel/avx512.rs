@@ -3,7 +3,7 @@
 //! One slab of sixteen children is one zmm: a masked broadcast puts the query's two planes in its two halves, one `vpcmpgtw` gives 32
 //! bits, `korord` collects them. The low 16 bits are planes 2s, the high 16 planes 2s + 1.
 //!
-//! Re-alignment is the AVX2 code under this token: Miri runs `vcvtph2ps ymm` but not its zmm form, and what no machine at hand
+//! Re-alignment and the hull of a root are the AVX2 code under this token: Miri runs `vcvtph2ps ymm` but not its zmm form, and what no machine at hand
 //! has run is not worth a kernel.
 
 #![expect(unsafe_code, reason = "intrinsics that load, and calls that the token makes sound")]
@@ -30,6 +30,11 @@ impl Kernel for Avx512 {
     fn overlap_16v1<const K: usize>(self, query: &Query<16, K>, node: &Node16<K>, lane: usize) -> u16 {
         // SAFETY: the token proves the features that the function is compiled for.
         unsafe { overlap_16v1(query, node, lane) }
+    }
+
+    #[inline(always)]
+    fn overlap_16v_hull<const K: usize>(self, query: &Query<16, K>, node: &Node16<K>) -> u16 {
+        self.as_avx2().overlap_16v_hull(query, node)
     }
 
     #[inline(always)]

@@ -59,6 +59,11 @@ pub trait Kernel: Copy + core::fmt::Debug + sealed::Sealed {
     #[must_use]
     fn overlap_16v1<const K: usize>(self, query: &Query<16, K>, node: &Node16<K>, lane: usize) -> u16;
 
+    /// Which of the 16 bodies of `query` the hull of all children of `node` overlaps: the body whose planes are the greatest of theirs. For a
+    /// root, which is no child of a node that could be asked.
+    #[must_use]
+    fn overlap_16v_hull<const K: usize>(self, query: &Query<16, K>, node: &Node16<K>) -> u16;
+
     /// Which children of `node` each of the four bodies of `query` overlaps.
     #[must_use]
     fn overlap_4v4<const K: usize>(self, query: &Query<4, K>, node: &Node4<K>) -> u16;

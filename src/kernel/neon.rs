@@ -32,6 +32,12 @@ impl Kernel for Neon {
     }
 
     #[inline(always)]
+    fn overlap_16v_hull<const K: usize>(self, query: &Query<16, K>, node: &Node16<K>) -> u16 {
+        // SAFETY: the token proves the features that the function is compiled for.
+        unsafe { overlap_16v_hull(query, node) }
+    }
+
+    #[inline(always)]
     fn overlap_4v4<const K: usize>(self, query: &Query<4, K>, node: &Node4<K>) -> u16 {
         // SAFETY: the token proves the features that the function is compiled for.
         unsafe { overlap_4v4(query, node) }
@@ -134,6 +140,23 @@ compiled_for_neon! {
             separated = [
                 vorrq_u16(separated[0], vcgtq_s16(low, plane)),
                 vorrq_u16(separated[1], vcgtq_s16(high, plane)),
+            ];
+        }
+        zero_lanes(separated)
+    }
+}
+
+compiled_for_neon! {
+    #[inline]
+    fn overlap_16v_hull<const K: usize>(query: &Query<16, K>, node: &Node16<K>) -> u16 {
+        let mut separated = [vdupq_n_u16(0); 2];
+        for (query, planes) in query.iter().zip(&node.planes) {
+            let [low, high] = halves(planes);
+            let greatest = vdupq_n_s16(vmaxvq_s16(vmaxq_s16(low, high)));
+            let [low, high] = halves(query);
+            separated = [
+                vorrq_u16(separated[0], vcgtq_s16(low, greatest)),
+                vorrq_u16(separated[1], vcgtq_s16(high, greatest)),
             ];
         }
         zero_lanes(separated)

@@ -64,6 +64,9 @@ pub trait Lanes: Node {
     /// Which bodies of the query child `lane` of `self` overlaps.
     #[doc(hidden)]
     fn overlap_column<E: Kernel>(&self, kernel: E, query: &Self::Query, lane: usize) -> u16;
+    /// Which bodies of the query all of `self` overlaps, and the number of kernel calls.
+    #[doc(hidden)]
+    fn overlap_hull<E: Kernel>(&self, kernel: E, query: &Self::Query) -> (u16, u64);
 }
 
 macro_rules! impl_lanes {
@@ -129,6 +132,11 @@ macro_rules! impl_lanes {
             fn overlap_column<E: Kernel>(&self, kernel: E, query: &Self::Query, lane: usize) -> u16 {
                 $node::column(self, kernel, query, lane)
             }
+
+            #[inline(always)]
+            fn overlap_hull<E: Kernel>(&self, kernel: E, query: &Self::Query) -> (u16, u64) {
+                $node::against_hull(self, kernel, query)
+            }
         }
     };
 }
@@ -155,6 +163,11 @@ impl<const K: usize> Node16<K> {
     fn column<E: Kernel>(&self, kernel: E, query: &Query<16, K>, lane: usize) -> u16 {
         kernel.overlap_16v1(query, self, lane)
     }
+
+    #[inline(always)]
+    fn against_hull<E: Kernel>(&self, kernel: E, query: &Query<16, K>) -> (u16, u64) {
+        (kernel.overlap_16v_hull(query, self), 1)
+    }
 }
 
 impl<const K: usize> Node4<K> {
@@ -169,6 +182,12 @@ impl<const K: usize> Node4<K> {
             }
         }
         (found, 1)
+    }
+
+    /// One call of 4vs4 says as much.
+    #[inline(always)]
+    fn against_hull<E: Kernel>(&self, _: E, _: &Query<4, K>) -> (u16, u64) {
+        (u16::MAX, 0)
     }
 
     #[inline(always)]

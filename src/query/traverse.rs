@@ -128,10 +128,16 @@ impl<'t, N: Lanes, E: Kernel, V: FnMut(Pair) -> ControlFlow<()>> Traversal<'t, N
         }
         let mut rows = Rows::default();
         let mut wanted = u16::MAX;
-        // The children of A that overlap the child of B that leads here: only their rows can have a bit.
-        if let (Link::Inner(_), Some((node, lane))) = (a.link(), self.target) {
-            wanted = self.b.nodes()[node as usize].overlap_column(self.kernel, &self.turned.1, lane);
-            self.counters.kernels += 1;
+        // The children of A that overlap the child of B that leads here, or all of B: only their rows can have a bit.
+        if let Link::Inner(_) = a.link() {
+            let kernels;
+            (wanted, kernels) = match self.target {
+                Some((node, lane)) => {
+                    (self.b.nodes()[node as usize].overlap_column(self.kernel, &self.turned.1, lane), 1)
+                }
+                None => self.b.nodes()[0].overlap_hull(self.kernel, &self.turned.1),
+            };
+            self.counters.kernels += kernels;
         }
         if let Link::Inner(node) = b.link() {
             let (query, wanted) =
