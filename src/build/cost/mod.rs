@@ -101,12 +101,12 @@ impl Shares for LaneShares {
         (near(left, share.lanes[0]) && near(leaves - left, share.lanes[1])).then_some(share)
     }
 
-    fn near(&self, count: usize) -> Option<Share> {
-        let step = self.arity - 1;
-        let lanes = (2 * self.lanes * count + self.total) / (2 * self.total);
-        let lanes = lanes.clamp(1, self.lanes - 1);
-        let nodes = ((count / self.leaf_size).saturating_sub(lanes) + step / 2) / step;
-        self.exactly((lanes + nodes * step) * self.leaf_size)
+    fn near(&self, count: usize) -> impl Iterator<Item = Share> {
+        let (step, leaves) = (self.arity - 1, count / self.leaf_size);
+        (1..self.lanes).filter_map(move |lanes| {
+            let nodes = (leaves.saturating_sub(lanes) + step / 2) / step;
+            self.exactly((lanes + nodes * step) * self.leaf_size)
+        })
     }
 }
 
@@ -225,7 +225,7 @@ mod tests {
                     );
                     found += 1;
                 }
-                if let Some(share) = shares.near(count) {
+                for share in shares.near(count) {
                     assert_eq!(shares.exactly(share.count), Some(share));
                     assert!(share.count.abs_diff(count) <= arity * leaf_size, "{share:?} for {count}");
                 }
