@@ -20,8 +20,8 @@ pub(super) struct Share {
 pub(super) trait Shares {
     /// The share with `count` primitives on the first side, if it is one to choose.
     fn exactly(&self, count: usize) -> Option<Share>;
-    /// A share with about `count` primitives on the first side.
-    fn near(&self, count: usize) -> Option<Share>;
+    /// The shares with about `count` primitives on the first side.
+    fn near(&self, count: usize) -> impl Iterator<Item = Share>;
 }
 
 /// A share of primitives by their order along a direction; ties go by index.
@@ -150,7 +150,7 @@ impl<'a> Cutter<'a> {
         for k in 1..BINS {
             count += bins[k - 1].0;
             bounds = bounds.join(&bins[k - 1].1);
-            if let Some(share) = shares.near(count) {
+            for share in shares.near(count) {
                 best.offer(direction, share, [self.measure.of(&bounds), behind[k]], items.len());
             }
         }

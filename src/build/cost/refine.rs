@@ -24,10 +24,10 @@ impl Shares for PairShares {
         (as_before || full && even).then_some(Share { count, lanes: [1, 1] })
     }
 
-    fn near(&self, count: usize) -> Option<Share> {
+    fn near(&self, count: usize) -> impl Iterator<Item = Share> {
         let step = self.arity - 1;
         let nodes = (count / self.leaf_size + step / 2).saturating_sub(1) / step;
-        self.exactly((1 + nodes * step) * self.leaf_size)
+        self.exactly((1 + nodes * step) * self.leaf_size).into_iter()
     }
 }
 
