@@ -92,6 +92,12 @@ impl Frame {
     }
 }
 
+/// A power of two that takes `x`, zero or in the range of coordinates, below 2.
+#[cfg(feature = "alloc")]
+pub(crate) fn scale_to_one(x: f64) -> f64 {
+    power_of_two(-binary_exponent(x).clamp(-MAX_EXPONENT, MAX_EXPONENT))
+}
+
 /// `e` with `2^e <= x < 2^(e+1)`, for a positive normal `x`.
 const fn binary_exponent(x: f64) -> i32 {
     (x.to_bits() >> 52) as i32 - 1023
