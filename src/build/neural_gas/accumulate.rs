@@ -220,3 +220,111 @@ pub(super) fn nearest<const N: usize>(
     lanes.iter().for_each(|lane| sizes[usize::from(*lane)] += 1);
     sizes
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::cloud::Cloud;
+    use super::super::schedule::schedule;
+    use super::*;
+
+    /// Numbers that any machine has.
+    fn random(state: &mut u32) -> u32 {
+        *state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+        *state >> 8
+    }
+
+    fn cluster(points: &[[f64; 3]], weights: Option<&[f64]>) -> Cluster {
+        let cloud = Cloud::new(points, weights);
+        let mut cluster = Cluster::default();
+        assert!(cluster.local_coordinates(&cloud, &(0..points.len() as u32).collect::<Vec<_>>()));
+        cluster
+    }
+
+    /// The definition, in 128 bits, one primitive after the other.
+    fn by_definition<const N: usize>(
+        cluster: &Cluster,
+        prototypes: &Prototypes<N>,
+        h: &[u16; N],
+    ) -> Vec<[u128; 4]> {
+        let mut sums = alloc::vec![[0; 4]; N];
+        for index in 0..cluster.block_count() {
+            let block = cluster.block(index);
+            for i in 0..block.len {
+                let x = block.coordinates.map(|c| i64::from(c[i]));
+                let distance = |lane: usize| -> i64 {
+                    (0..3).map(|a| (x[a] - i64::from(prototypes.coordinates[a][lane])).pow(2)).sum()
+                };
+                let mut ranking: Vec<usize> = (0..N).collect();
+                ranking.sort_by_key(|&lane| (distance(lane), lane));
+                for (rank, lane) in ranking.into_iter().enumerate() {
+                    let pull = u128::from(h[rank]) * block.weights.map_or(1, |w| u128::from(w[i]));
+                    sums[lane][0] += pull;
+                    (0..3).for_each(|a| sums[lane][1 + a] += pull * x[a] as u128);
+                }
+            }
+        }
+        sums
+    }
+
+    fn check<const N: usize>(cluster: &Cluster, prototypes: &Prototypes<N>, h: &[u16; N]) {
+        let got = accumulate(cluster, prototypes, h);
+        for (lane, want) in by_definition(cluster, prototypes, h).iter().enumerate() {
+            let [x, y, z] = got.moments.each_ref().map(|m| u128::from(m[lane]));
+            assert_eq!([u128::from(got.weight[lane]), x, y, z], *want, "lane {lane} of {N}, {h:?}");
+        }
+    }
+
+    fn check_all<const N: usize>(points: &[[f64; 3]], weights: &[f64]) {
+        for weights in [None, Some(weights)] {
+            let cluster = cluster(points, weights);
+            for (step, h) in schedule::<N>().iter().enumerate() {
+                check(&cluster, &Prototypes::<N>::start(cluster.extent(), 1, step as u32), h);
+            }
+        }
+    }
+
+    #[test]
+    fn sums_are_those_of_the_definition() {
+        let mut state = 1;
+        for count in [2, 7, 8, 9, 255, 257, 5000] {
+            // Few places, so that distances tie.
+            let points: Vec<[f64; 3]> =
+                (0..count).map(|_| [(); 3].map(|()| f64::from(random(&mut state) % 5))).collect();
+            let weights: Vec<f64> = (0..count).map(|_| f64::from(random(&mut state) % 1000)).collect();
+            check_all::<4>(&points, &weights);
+            check_all::<16>(&points, &weights);
+        }
+    }
+
+    /// Everything as large as it gets: primitives in the far corner, as heavy as can be, in as many blocks as one sum of 32 bits takes;
+    /// then 2^24 times the share of one primitive, as a tree of 16 M of them would add up.
+    #[test]
+    fn nothing_overflows_at_the_extremes() {
+        const TOP: u64 = (1 << 15) - 1;
+        let mut points = alloc::vec![[1.0; 3]; GROUP * BLOCK * 3];
+        points[0] = [0.0; 3];
+        let weights = alloc::vec![1.0; points.len()];
+        let h = [ONE; 16];
+        for weights in [None, Some(&*weights)] {
+            let cluster = cluster(&points, weights);
+            let prototypes = Prototypes::<16> { coordinates: [[0; 16]; 3] };
+            let block = cluster.block(1);
+            assert_eq!(block.coordinates, [&[TOP as u16; BLOCK]; 3]);
+            assert_eq!(u64::from(distances(&block, &prototypes)[15][7]), 3 * TOP * TOP);
+            check(&cluster, &prototypes, &h);
+            let only_nearest = core::array::from_fn(|rank| if rank == 0 { ONE } else { 0 });
+            check(&cluster, &prototypes, &only_nearest);
+
+            let share = u64::from(ONE) * block.weights.map_or(1, |w| u64::from(w[0]));
+            assert_eq!(block.weights.map(|w| w[0]), weights.map(|_| (1 << 13) - 1));
+            let weight = share.checked_mul((1 << 24) - 1).unwrap();
+            let moment = weight.checked_mul(TOP).unwrap();
+            let mut sums = Sums::<16> { weight: [weight; 16], moments: [[moment; 16]; 3] };
+            let mut moved = Prototypes::<16> { coordinates: [[0; 16]; 3] };
+            assert!(moved.update(&sums), "a rounding that overflows would panic here or move elsewhere");
+            assert_eq!(moved.coordinates, [[TOP as u16; 16]; 3]);
+            sums.add(&Sums::ZERO);
+            assert!(!moved.update(&sums));
+        }
+    }
+}

@@ -116,31 +116,99 @@ fn rooms<const N: usize>(sizes: &[u32; N], leaf_size: usize) -> [u32; N] {
     room
 }
 
-/// The cheapest ways from any of the lanes that are too `full` to each lane, and each lane's last giver (Bellman-Ford).
+/// The cheapest ways from any of the lanes that are too `full` to each lane, and each lane's last giver: Bellman-Ford, for moves back
+/// towards a primitive's nearest prototype have a negative cost. There is no cycle of negative cost: each flow so far was the cheapest.
 fn shortest_paths<const N: usize>(
     moves: &[[Move; N]; N],
     full: impl Fn(usize) -> bool,
 ) -> ([i32; N], [Option<usize>; N]) {
     let mut cost: [i32; N] = core::array::from_fn(|lane| if full(lane) { 0 } else { i32::MAX });
     let mut from = [None; N];
-    let mut changed = true;
-    let mut rounds = 0;
-    while changed && rounds < N {
-        changed = false;
-        rounds += 1;
+    for _ in 1..N {
+        let before = cost;
         for giver in 0..N {
-            if cost[giver] == i32::MAX {
-                continue;
-            }
             for taker in 0..N {
                 let step = moves[giver][taker].cost;
-                if step < NEVER && cost[giver] + step < cost[taker] {
+                if cost[giver] != i32::MAX && step < NEVER && cost[giver] + step < cost[taker] {
                     cost[taker] = cost[giver] + step;
                     from[taker] = Some(giver);
-                    changed = true;
                 }
             }
         }
+        if cost == before {
+            break;
+        }
     }
     (cost, from)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::accumulate::nearest;
+    use super::super::cloud::Cloud;
+    use super::*;
+
+    /// Points of a cluster, from a generator that any machine has.
+    fn points(count: usize, seed: u32) -> Vec<[f64; 3]> {
+        let mut state = seed;
+        let mut random = || {
+            state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+            f64::from(state >> 8)
+        };
+        (0..count).map(|_| [random(), random(), random()]).collect()
+    }
+
+    fn cost_of(costs: &[[i32; 4]], lanes: &[u8]) -> i32 {
+        costs.iter().zip(lanes).map(|(costs, &lane)| costs[usize::from(lane)]).sum()
+    }
+
+    /// The least cost over all 4^n assignments that leave no lane too full.
+    fn least_cost(costs: &[[i32; 4]], room: &[u32; 4]) -> i32 {
+        let Some((first, rest)) = costs.split_first() else { return 0 };
+        let take = |lane: usize| {
+            let mut left = *room;
+            left[lane] -= 1;
+            first[lane] + least_cost(rest, &left)
+        };
+        (0..4).filter(|&lane| room[lane] > 0).map(take).min().unwrap()
+    }
+
+    #[test]
+    fn balanced_lanes_cost_the_least_there_is() {
+        let mut moved = 0;
+        for seed in 0..60 {
+            let count = 5 + seed as usize % 6;
+            let points = points(count, seed);
+            let cloud = Cloud::new(&points, None);
+            let mut cluster = Cluster::default();
+            assert!(cluster.local_coordinates(&cloud, &(0..count as u32).collect::<Vec<_>>()));
+            let prototypes = Prototypes::<4>::start(cluster.extent(), seed, 0);
+            let mut lanes = Vec::new();
+            let mut sizes = nearest(&cluster, &prototypes, &mut lanes);
+            let (room, before) = (rooms(&sizes, 1), lanes.clone());
+            let mut balance = Balance::default();
+            balance.balance(&cluster, &prototypes, 1, &mut lanes, &mut sizes);
+            moved += usize::from(lanes != before);
+
+            balance.measure(&cluster, &prototypes);
+            assert_eq!(cost_of(&balance.costs, &lanes), least_cost(&balance.costs, &room), "seed {seed}");
+            for lane in 0..4_u8 {
+                let size = lanes.iter().filter(|l| **l == lane).count() as u32;
+                assert!(size == sizes[usize::from(lane)] && size <= room[usize::from(lane)]);
+            }
+        }
+        assert!(moved > 40, "{moved} of 60 had something to move");
+    }
+
+    #[test]
+    fn rooms_are_whole_nodes_and_enough() {
+        for sizes in [[1024, 0, 0, 0], [256; 4], [1, 1, 1, 2], [5, 0, 0, 0], [300, 30, 3, 0]] {
+            for leaf in [1, 3, 16] {
+                let room: [u32; 4] = rooms(&sizes, leaf as usize);
+                assert!(room.iter().all(|room| room % leaf == 0 && (room / leaf) % 3 == 1));
+                let (room, count) = (room.iter().sum::<u32>(), sizes.iter().sum::<u32>());
+                assert!(room >= count && room < (count + 3 * leaf).max(4 * leaf + 1), "{room} for {count}");
+            }
+        }
+    }
 }

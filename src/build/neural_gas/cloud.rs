@@ -116,10 +116,6 @@ impl Cluster {
         self.extent
     }
 
-    pub(super) fn len(&self) -> usize {
-        self.len
-    }
-
     pub(super) fn block_count(&self) -> usize {
         self.len.div_ceil(BLOCK)
     }
@@ -144,4 +140,51 @@ fn weight_shift(count: usize, heaviest: u32) -> u32 {
     let count_bits = usize::BITS - count.leading_zeros();
     let bits = WEIGHT_BITS.min(WEIGHT_SUM_BITS - count_bits);
     (u32::BITS - heaviest.leading_zeros()).saturating_sub(bits)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Sums of h v x stay below 2^64 for any number of primitives that a tree may have, and any weights.
+    #[test]
+    fn weights_leave_room_for_their_sum() {
+        for count in [1_u64, 2, 1000, (1 << 24) - 1, 1 << 24, crate::node::Child::MAX_PRIMITIVES.into()] {
+            for heaviest in [1, 2, (1 << 13) - 1, 1 << 13, u32::MAX] {
+                let weight = u64::from(heaviest >> weight_shift(count as usize, heaviest)).max(1);
+                assert!(weight < 1 << WEIGHT_BITS);
+                let sum = u128::from(count * weight) * ((1 << 12) - 1);
+                assert!(sum * ((1 << 15) - 1) + sum / 2 < 1 << 64, "{count} of {heaviest}");
+                let all_bits_used = count >= 1 << 24 || heaviest >> 12 == 0 || weight >> 12 == 1;
+                assert!(all_bits_used, "{count} of {heaviest}: {weight}");
+            }
+        }
+    }
+
+    #[test]
+    fn positions_fill_their_range() {
+        let points = [[-1.0, 5.0, 0.0], [1.0, 5.0, 0.25], [0.0, 5.5, 0.0]];
+        let cloud = Cloud::new(&points, Some(&[0.0, 2.0, 1.0]));
+        assert_eq!(
+            cloud.positions,
+            [[0, 0, 0], [u32::MAX, 0, u32::MAX / 8], [u32::MAX / 2, u32::MAX / 4, 0]]
+        );
+        assert_eq!(cloud.weights, [1, u32::MAX, u32::MAX / 2]);
+        let mut cluster = Cluster::default();
+        assert!(cluster.local_coordinates(&cloud, &[0, 1, 2]));
+        let block = cluster.block(0);
+        assert_eq!(
+            block.coordinates.map(|c| [c[0], c[1], c[2]]),
+            [[0, 32767, 16383], [0, 0, 8191], [0, 4095, 0]]
+        );
+        assert_eq!((block.len, block.weights), (3, Some(&[1, 8191, 4095, 0, 0, 0, 0, 0])));
+        assert!(!cluster.local_coordinates(&cloud, &[1, 1]), "one place");
+    }
+
+    #[test]
+    fn one_place_and_no_weight_are_no_problem() {
+        let cloud = Cloud::new(&[[3.0; 3]; 2], Some(&[0.0; 2]));
+        assert_eq!((cloud.positions, cloud.weights), (alloc::vec![[0; 3]; 2], alloc::vec![1; 2]));
+        assert_eq!(Cloud::new(&[], None).len(), 0);
+    }
 }
