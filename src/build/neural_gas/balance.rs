@@ -13,7 +13,7 @@ use super::prototypes::Prototypes;
 use alloc::vec::Vec;
 
 /// Larger nodes are as clustering leaves them: they have few unused lanes below them.
-pub(super) const MAX_SIZE: usize = 1024;
+pub(super) const MAX_SIZE: usize = 2048;
 
 /// Costs are squared distances in 26 bits: a path over 16 lanes fits in 31.
 const COST_SHIFT: u32 = 6;
