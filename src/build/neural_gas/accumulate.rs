@@ -84,13 +84,13 @@ pub(super) fn distances<const N: usize>(block: &Block<'_>, prototypes: &Prototyp
     let mut distances = [[0; BLOCK]; N];
     for (lane, distances) in distances.iter_mut().enumerate() {
         let at = prototypes.coordinates.map(|c| c[lane] as i16);
-        for i in 0..BLOCK {
+        for (i, distance) in distances.iter_mut().enumerate() {
             // Differences of 15-bit numbers fit in 16 bits with a sign, squares in 30.
             let square = |axis: usize| {
                 let difference = block.coordinates[axis][i] as i16 - at[axis];
                 (i32::from(difference) * i32::from(difference)) as u32
             };
-            distances[i] = square(0) + square(1) + square(2);
+            *distance = square(0) + square(1) + square(2);
         }
     }
     distances
@@ -185,11 +185,11 @@ fn add_weighted<const N: usize>(
 fn nearest_of<const N: usize>(block: &Block<'_>, prototypes: &Prototypes<N>) -> [u32; BLOCK] {
     let distances = distances(block, prototypes);
     let (mut lanes, mut least) = ([0; BLOCK], distances[0]);
-    for lane in 1..N {
+    for (lane, distances) in distances.iter().enumerate().skip(1) {
         for i in 0..BLOCK {
-            let nearer = distances[lane][i] < least[i];
+            let nearer = distances[i] < least[i];
             lanes[i] = if nearer { lane as u32 } else { lanes[i] };
-            least[i] = if nearer { distances[lane][i] } else { least[i] };
+            least[i] = if nearer { distances[i] } else { least[i] };
         }
     }
     lanes
