@@ -26,6 +26,7 @@
 //! | pull h v | < 2^25 | u32 |
 //! | sum of h v | c h v < 2^(37 + 12) = 2^49 | u64 |
 //! | sum of h v x, and half of the sum of h v for rounding | < 2^49 (2^15 - 1/2) < 2^64 | u64 |
+//! | cost of moving a primitive, in [`balance`]: difference of two squared distances / 2^6; a path of 15 of them | < 2^26; < 2^30, both signs | i32 |
 //!
 //! So nothing overflows up to 2^24 primitives with 13-bit weights, nor, with as many bits fewer, up to the 2^27 that a tree may
 //! have. Weights are relative to the heaviest primitive of their node, and at least 1.
