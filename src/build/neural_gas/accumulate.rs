@@ -279,6 +279,10 @@ mod tests {
             let cluster = cluster(points, weights);
             for (step, h) in schedule::<N>().iter().enumerate() {
                 check(&cluster, &Prototypes::<N>::start(cluster.extent(), 1, step as u32), h);
+                // Corners of the box, some of them twice: the lower index wins.
+                let at = |axis: usize, lane: usize| (lane >> axis & 1) as u16 * cluster.extent()[axis];
+                let coordinates = core::array::from_fn(|axis| core::array::from_fn(|lane| at(axis, lane)));
+                check(&cluster, &Prototypes::<N> { coordinates }, h);
             }
         }
     }
