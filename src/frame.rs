@@ -49,18 +49,19 @@ impl Frame {
         power_of_two(self.exponent)
     }
 
-    /// The key of direction `j`'s support of point `p`: the exact value of `n_j . (p - centre) * 2^exponent`, rounded up.
-    pub(crate) fn support<const K: usize>(&self, j: usize, p: Point) -> Key {
-        let n = Directions::<K>::VECTORS[j];
+    /// The key of each direction's support of point `p`: the exact value of `n_j . (p - centre) * 2^exponent`, rounded up.
+    pub(crate) fn supports<const K: usize>(&self, p: Point, keys: &mut [Key]) {
         let d: Point = core::array::from_fn(|i| p[i] - self.centre[i]);
         let scale = self.scale();
-        let value = ((n[0] * d[0] + n[1] * d[1]) + n[2] * d[2]) * scale;
-        // Four roundings, each below 2^-53 of a partial result.
-        let size = ((n[0] * d[0]).abs() + (n[1] * d[1]).abs() + (n[2] * d[2]).abs()) * scale;
-        let error = size * power_of_two(-50);
-        let (low, high) =
-            (Key::round_up_or_unbounded(value - error), Key::round_up_or_unbounded(value + error));
-        if low == high { high } else { self.support_exact::<K>(j, p, value) }
+        for (j, key) in keys.iter_mut().enumerate() {
+            let n = Directions::<K>::VECTORS[j];
+            let (x, y, z) = (n[0] * d[0], n[1] * d[1], n[2] * d[2]);
+            let value = ((x + y) + z) * scale;
+            // Four roundings, each below 2^-53 of a partial result.
+            let error = ((x.abs() + y.abs()) + z.abs()) * scale * power_of_two(-50);
+            let rounded = Key::round_up_alike(value - error, value + error);
+            *key = rounded.unwrap_or_else(|| self.support_exact::<K>(j, p, value));
+        }
     }
 
     #[cold]
@@ -92,6 +93,12 @@ impl Frame {
         }
         slack.sign() >= 0
     }
+}
+
+/// A power of two that takes `x`, zero or in the range of coordinates, below 2.
+#[cfg(feature = "alloc")]
+pub(crate) fn scale_to_one(x: f64) -> f64 {
+    power_of_two(-binary_exponent(x).clamp(-MAX_EXPONENT, MAX_EXPONENT))
 }
 
 /// `e` with `2^e <= x < 2^(e+1)`, for a positive normal `x`.

@@ -90,6 +90,23 @@ impl Key {
         }
     }
 
+    /// What both numbers round up to, if it is the same.
+    #[inline]
+    pub(crate) fn round_up_alike(low: f64, high: f64) -> Option<Self> {
+        const DROPPED: u32 = 42;
+        const INEXACT: u64 = (1 << DROPPED) - 1;
+        // By far the most: two numbers between the same two neighbours among the normal halves.
+        let (a, b) = (low.to_bits(), high.to_bits());
+        let magnitude = ((a & !(1 << 63)) >> DROPPED).wrapping_sub((1023 - 15) << 10);
+        let normal = magnitude.wrapping_sub(1 << 10) < (30 << 10);
+        if normal && a >> DROPPED == b >> DROPPED && a & INEXACT != 0 && b & INEXACT != 0 {
+            let magnitude = magnitude as i16;
+            return Some(Self(if low > 0.0 { magnitude + 1 } else { !magnitude }));
+        }
+        let (low, high) = (Self::round_up_or_unbounded(low), Self::round_up_or_unbounded(high));
+        if low == high { Some(low) } else { None }
+    }
+
     /// The key with this code, if it can be the plane of a body: -65504 to +infinity, without -0. `None` for the rest: -0,
     /// -infinity, the NaN codes, and [`Key::EMPTY`].
     #[inline]
@@ -187,6 +204,20 @@ mod tests {
             let bits = if code >= 0 { code as u16 } else { (code ^ 0x7fff) as u16 };
             let (want, got) = (half_value(bits), f64::from(decode(code)));
             assert!(want.to_bits() == got.to_bits() || want.is_nan() && got.is_nan(), "{code}: {want} {got}");
+        }
+    }
+
+    #[test]
+    fn numbers_that_round_alike_are_found() {
+        let next = |x: f64, steps: i64| f64::from_bits((x.to_bits() as i64 + steps) as u64);
+        let rounded = |x: f64| Key::round_up_or_unbounded(x);
+        for (half, _) in ascending().into_iter().chain([(0.0, 0), (1e-8, 0), (65520.0, 0), (1e300, 0)]) {
+            for (below, above) in [(0, 0), (1, 3), (-3, -1), (-1, 1), (0, 5), (-5, 0)] {
+                let (x, y) = (next(half, below), next(half, above));
+                let (low, high) = (x.min(y), x.max(y));
+                let want = if rounded(low) == rounded(high) { Some(rounded(low)) } else { None };
+                assert_eq!(Key::round_up_alike(low, high), want, "{low:e} {high:e}");
+            }
         }
     }
 

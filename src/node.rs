@@ -124,8 +124,8 @@ pub trait Node: bytemuck::Pod + Send + Sync + sealed::Sealed + core::fmt::Debug 
     fn set_child(&mut self, lane: usize, child: Child);
     /// Raises plane `j` of child `lane` to bound `key` too.
     fn raise_plane(&mut self, j: usize, lane: usize, key: Key);
-    /// The key of direction `j`'s support of `p`, in `frame`.
-    fn support(frame: &crate::frame::Frame, j: usize, p: crate::frame::Point) -> Key;
+    /// The key of each direction's support of `p`, in `frame`, to `keys`: one for each plane.
+    fn supports(frame: &crate::frame::Frame, p: crate::frame::Point, keys: &mut [Key]);
     /// Whether `key` bounds direction `j`'s support of `p`, in exact arithmetic.
     fn bounds(frame: &crate::frame::Frame, j: usize, p: crate::frame::Point, key: Key) -> bool;
 }
@@ -157,13 +157,14 @@ macro_rules! impl_node {
                 self.child[lane] = child;
             }
 
+            #[inline]
             fn raise_plane(&mut self, j: usize, lane: usize, key: Key) {
                 let plane = &mut self.planes[j][lane];
                 *plane = (*plane).max(key.code());
             }
 
-            fn support(frame: &crate::frame::Frame, j: usize, p: crate::frame::Point) -> Key {
-                frame.support::<K>(j, p)
+            fn supports(frame: &crate::frame::Frame, p: crate::frame::Point, keys: &mut [Key]) {
+                frame.supports::<K>(p, keys);
             }
 
             fn bounds(frame: &crate::frame::Frame, j: usize, p: crate::frame::Point, key: Key) -> bool {

@@ -7,7 +7,7 @@ mod support;
 
 use alloc::collections::BTreeSet;
 use core::ops::ControlFlow;
-use simdop::build::{BuildError, Builder, Mesh, Splitter};
+use simdop::build::{BuildError, Builder, Magnification, Mesh, Splitter};
 use simdop::directions;
 use simdop::hierarchy::{BakeError, Bvh, BvhRef, Header};
 use simdop::isa::Isa;
@@ -23,8 +23,13 @@ use support::exact::{Tri, meeting_pairs, meshes_meet, triangles_meet};
 use support::rng::Rng;
 use support::shapes;
 
-const SPLITTERS: [Splitter; 4] =
-    [Splitter::LongestAxis, Splitter::ExtendedLongestAxis, Splitter::SurfaceArea, Splitter::MeanWidth];
+const SPLITTERS: [Splitter; 5] = [
+    Splitter::LongestAxis,
+    Splitter::ExtendedLongestAxis,
+    Splitter::SurfaceArea,
+    Splitter::MeanWidth,
+    Splitter::BatchNeuralGas { magnification: Magnification::Area, seed: 1 },
+];
 const LEAF_SIZES: [u32; 4] = [1, 2, 5, 16];
 
 /// Calls a generic function on one argument, once for every node type.

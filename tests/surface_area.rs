@@ -1,4 +1,4 @@
-//! The splitters by cost, SurfaceArea and MeanWidth: trees that hold every triangle once and bound it, whatever the mesh; the same bytes
+//! The splitters by cost, `SurfaceArea` and `MeanWidth`: trees that hold every triangle once and bound it, whatever the mesh; the same bytes
 //! on every machine; the same answers as any other splitter's trees; and fewer visits, which is what they are for.
 
 #![expect(clippy::unwrap_used, reason = "a test that cannot go on has failed")]

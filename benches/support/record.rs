@@ -39,7 +39,7 @@ pub(crate) trait Arity: Lanes {
     /// Which bodies of the query child `lane` of `self` overlaps.
     fn column(&self, planes: &Self::Planes, lane: usize) -> u16;
     /// Which children of A the root of B overlaps.
-    fn hull(&self, planes: &Self::Planes) -> u16;
+    fn against_hull(&self, planes: &Self::Planes) -> u16;
     /// Calls the kernel for the `wanted` children of A: `call(lane, answer)`. Returns the rows of bits.
     fn rows(&self, planes: &Self::Planes, wanted: u16, call: impl FnMut(usize, u16)) -> [u16; 16];
 }
@@ -74,7 +74,7 @@ impl_arity! {
         Scalar::new().overlap_16v1(planes, self, lane)
     }
 
-    fn hull(&self, planes: &Self::Planes) -> u16 {
+    fn against_hull(&self, planes: &Self::Planes) -> u16 {
         Scalar::new().overlap_16v_hull(planes, self)
     }
 
@@ -97,7 +97,7 @@ impl_arity! {
         (0..4).fold(0, |mask, i| mask | (pairs >> (4 * i) & 1) << i)
     }
 
-    fn hull(&self, _: &Self::Planes) -> u16 {
+    fn against_hull(&self, _: &Self::Planes) -> u16 {
         u16::MAX
     }
 
@@ -153,7 +153,7 @@ impl<N: Arity> Recorder<'_, N> {
                 let planes = self.out.queries[query as usize];
                 let wanted = match from {
                     Some((node, lane)) => tree.nodes()[node as usize].column(&planes, lane),
-                    None => tree.nodes()[0].hull(&planes),
+                    None => tree.nodes()[0].against_hull(&planes),
                 };
                 let children = tree.nodes()[node_a as usize].children();
                 if let Link::Inner(node_b) = link_b {

@@ -5,87 +5,75 @@
 //! unused lanes. Cutting into equal shares instead leaves most nodes of the last level with two lanes in use: about four times
 //! the bytes.
 
-use super::{Assignment, Splitter};
+use super::{Assignment, BuildError, Observer, levels, parallel};
 use crate::frame::Point;
-use alloc::collections::VecDeque;
 use alloc::vec::Vec;
 use core::cmp::Ordering;
-use core::ops::Range;
 
-/// A part of the order that is still to be cut into lanes.
-#[derive(Clone, Debug)]
-struct Part {
-    range: Range<usize>,
-    lanes: usize,
+/// A primitive, as far as these splitters see it. Moved as a whole: an index to look it up by would miss the cache at each step.
+#[derive(Copy, Clone, Debug)]
+pub(super) struct Item {
+    pub(super) centroid: Point,
+    pub(super) index: u32,
 }
 
-pub(super) fn assign(centroids: &[Point], arity: usize, leaf_size: usize, splitter: Splitter) -> Assignment {
-    let mut order: Vec<u32> = (0..centroids.len() as u32).collect();
-    let mut ends = Vec::new();
-    let mut nodes = VecDeque::new();
-    if !order.is_empty() {
-        nodes.push_back(0..order.len());
-    }
-    let cutter = Cutter { centroids, arity, leaf_size, extended: splitter == Splitter::ExtendedLongestAxis };
-    while let Some(range) = nodes.pop_front() {
-        let from = ends.len();
-        cutter.cut(&mut order, Part { range: range.clone(), lanes: arity }, None, &mut ends);
-        let mut start = range.start;
-        for &end in &ends[from..] {
-            let end = end as usize;
-            if end - start > leaf_size {
-                nodes.push_back(start..end);
-            } else {
-                // A leaf is a set: its order must not depend on how a selection algorithm moves things.
-                order[start..end].sort_unstable();
-            }
-            start = end;
-        }
-    }
-    Assignment { order, ends }
-}
-
-/// Cuts `part` by halves for `lanes` lanes of a node. Appends where they end, counted from `start` before the part.
-pub(super) fn halve(
+pub(super) fn assign(
     centroids: &[Point],
-    (arity, leaf_size): (usize, usize),
-    part: &mut [u32],
-    start: usize,
-    lanes: usize,
-    ends: &mut Vec<u32>,
-) {
-    let cutter = Cutter { centroids, arity, leaf_size, extended: true };
-    let from = ends.len();
-    cutter.cut(part, Part { range: 0..part.len(), lanes }, None, ends);
-    ends[from..].iter_mut().for_each(|end| *end += start as u32);
+    cutter: &Cutter,
+    observer: &mut Observer<'_>,
+) -> Result<Assignment, BuildError> {
+    let mut items: Vec<Item> =
+        centroids.iter().zip(0..).map(|(&centroid, index)| Item { centroid, index }).collect();
+    let cut = |(): &mut (), _, items: &mut [Item], ends: &mut [u32]| cutter.cut_node(items, ends);
+    let ends = levels::split(&mut items, cutter.arity, cutter.leaf_size, observer, cut)?;
+    Ok(Assignment { order: items.iter().map(|item| item.index).collect(), ends })
 }
 
-struct Cutter<'a> {
-    centroids: &'a [Point],
-    arity: usize,
-    leaf_size: usize,
-    extended: bool,
+/// A node of fewer primitives is cut by one thread: a join costs about a microsecond.
+const JOIN_SIZE: usize = 4096;
+
+/// Cuts nodes.
+#[derive(Copy, Clone, Debug)]
+pub(super) struct Cutter {
+    pub(super) arity: usize,
+    pub(super) leaf_size: usize,
+    /// Whether each half takes its own longest axis.
+    pub(super) extended: bool,
 }
 
-impl Cutter<'_> {
-    /// Appends the ends of `part.lanes` parts of the range, along `axis` or the longest.
-    fn cut(&self, order: &mut [u32], part: Part, axis: Option<usize>, ends: &mut Vec<u32>) {
-        let Part { range, lanes } = part;
-        if lanes == 1 || range.len() <= self.leaf_size {
+impl Cutter {
+    /// Moves the items of a node to its lanes. Ends count from its first item.
+    pub(super) fn cut_node(&self, items: &mut [Item], ends: &mut [u32]) {
+        self.cut(items, 0, None, ends);
+    }
+
+    /// Cuts `items`, which begin at `start`, into a part for each of `ends`, along `axis` or the longest.
+    fn cut(&self, items: &mut [Item], start: usize, axis: Option<usize>, ends: &mut [u32]) {
+        let (count, lanes) = (items.len(), ends.len());
+        if lanes == 1 || count <= self.leaf_size {
             // What fits in a leaf stays one: the other lanes are unused.
-            ends.extend(core::iter::repeat_n(range.end as u32, lanes));
+            ends.fill((start + count) as u32);
+            if count <= self.leaf_size {
+                // A leaf is a set: its order must not depend on how a selection algorithm moves things.
+                items.sort_unstable_by_key(|item| item.index);
+            }
             return;
         }
-        let axis = axis.unwrap_or_else(|| self.longest_axis(&order[range.clone()]));
-        let middle = range.start + self.left_size(range.len(), lanes);
-        if middle < range.end {
-            let by_axis = |a: &u32, b: &u32| self.compare(*a, *b, axis);
-            order[range.clone()].select_nth_unstable_by(middle - range.start, by_axis);
+        let axis = axis.unwrap_or_else(|| longest_axis(items));
+        let middle = self.left_size(count, lanes);
+        if middle < count {
+            items.select_nth_unstable_by(middle, |a, b| compare(a, b, axis));
         }
         let next_axis = if self.extended { None } else { Some(axis) };
-        let halves = [(range.start..middle, lanes / 2), (middle..range.end, lanes - lanes / 2)];
-        for (range, lanes) in halves {
-            self.cut(order, Part { range, lanes }, next_axis, ends);
+        let (left, right) = items.split_at_mut(middle);
+        let (left_ends, right_ends) = ends.split_at_mut(lanes / 2);
+        let mut cut_left = || self.cut(left, start, next_axis, left_ends);
+        let mut cut_right = || self.cut(right, start + middle, next_axis, right_ends);
+        if count < JOIN_SIZE {
+            cut_left();
+            cut_right();
+        } else {
+            parallel::join(cut_left, cut_right);
         }
     }
 
@@ -99,26 +87,24 @@ impl Cutter<'_> {
             if nodes == 0 { leaves * left_lanes / lanes } else { left_lanes + nodes / 2 * (self.arity - 1) };
         (left.max(1) * self.leaf_size).min(count)
     }
+}
 
-    fn longest_axis(&self, part: &[u32]) -> usize {
-        let mut low = [f64::INFINITY; 3];
-        let mut high = [f64::NEG_INFINITY; 3];
-        for &index in part {
-            let p = &self.centroids[index as usize];
-            for i in 0..3 {
-                low[i] = low[i].min(p[i]);
-                high[i] = high[i].max(p[i]);
-            }
+fn longest_axis(part: &[Item]) -> usize {
+    let mut low = [f64::INFINITY; 3];
+    let mut high = [f64::NEG_INFINITY; 3];
+    for Item { centroid: p, .. } in part {
+        for i in 0..3 {
+            low[i] = low[i].min(p[i]);
+            high[i] = high[i].max(p[i]);
         }
-        let extent = |i: usize| high[i] - low[i];
-        // The first of the longest, for the same answer everywhere.
-        let best = if extent(1) > extent(0) { 1 } else { 0 };
-        if extent(2) > extent(best) { 2 } else { best }
     }
+    let extent = |i: usize| high[i] - low[i];
+    // The first of the longest, for the same answer everywhere.
+    let best = if extent(1) > extent(0) { 1 } else { 0 };
+    if extent(2) > extent(best) { 2 } else { best }
+}
 
-    /// A total order: coincident centroids go by their index.
-    fn compare(&self, a: u32, b: u32, axis: usize) -> Ordering {
-        let key = |i: u32| self.centroids[i as usize][axis];
-        key(a).total_cmp(&key(b)).then(a.cmp(&b))
-    }
+/// A total order: coincident centroids go by their index.
+fn compare(a: &Item, b: &Item, axis: usize) -> Ordering {
+    a.centroid[axis].total_cmp(&b.centroid[axis]).then(a.index.cmp(&b.index))
 }

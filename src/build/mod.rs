@@ -5,10 +5,15 @@
 
 mod assignment;
 mod cost;
+mod levels;
 mod longest_axis;
+mod neural_gas;
 mod pack;
+mod parallel;
+mod progress;
 
 pub use assignment::Assignment;
+pub use progress::Progress;
 
 use crate::frame::{Point, flush};
 use crate::hierarchy::Bvh;
@@ -16,6 +21,9 @@ use crate::node::{Child, MAX_LEAF_SIZE, Node};
 use crate::triangle::MAX_COORDINATE;
 use alloc::vec::Vec;
 use core::fmt;
+use core::ops::ControlFlow;
+use longest_axis::Cutter;
+use progress::Observer;
 
 /// Triangles as three indices each into the vertices. Duplicate, unused and non-manifold parts are welcome.
 #[derive(Copy, Clone, Debug)]
@@ -33,13 +41,31 @@ pub enum Splitter {
     /// Sort along the longest axis and cut into equal parts.
     LongestAxis,
     /// Halve along the longest axis, then each half along its own, until there is a part for each lane.
-    #[default]
     ExtendedLongestAxis,
     /// Cut where the sum of box area x primitives per lane is least: the surface area heuristic, without the detour over a binary tree.
     SurfaceArea,
     /// Cut where the sum of the cube of the box's mean width x primitives per lane is least, then exchange primitives between lanes
     /// as long as that sum falls. The fewest visits; the longest build.
+    #[default]
     MeanWidth,
+    /// Cluster with Batch Neural Gas, one prototype for each lane (BNG paper, section 3): the slowest to build.
+    BatchNeuralGas {
+        /// What draws prototypes besides the number of primitives.
+        magnification: Magnification,
+        /// Decides where prototypes start, and nothing else.
+        seed: u32,
+    },
+}
+
+/// What a primitive weighs in a cluster: magnification control (BNG paper, section 3.1.1).
+#[derive(Copy, Clone, PartialEq, Eq, Default, Debug)]
+#[non_exhaustive]
+pub enum Magnification {
+    /// Each primitive counts once, as in the SIMDop paper.
+    #[default]
+    None,
+    /// A triangle weighs as much as its area, so that large ones are not outliers and come high up in the tree.
+    Area,
 }
 
 /// What to build.
@@ -75,6 +101,8 @@ pub enum BuildError {
     },
     /// The tree would be deeper than [`crate::hierarchy::MAX_DEPTH`].
     TooDeep,
+    /// The caller of [`Builder::build_with`] wished to stop.
+    Cancelled,
 }
 
 impl fmt::Display for BuildError {
@@ -85,6 +113,7 @@ impl fmt::Display for BuildError {
             Self::Vertex { index } => write!(f, "vertex {index} is not finite, or beyond 2^300"),
             Self::Triangle { index } => write!(f, "triangle {index} names a vertex that there is not"),
             Self::TooDeep => f.write_str("the tree would be too deep"),
+            Self::Cancelled => f.write_str("the build was cancelled"),
         }
     }
 }
@@ -98,10 +127,28 @@ impl Default for Builder {
 }
 
 impl Builder {
-    /// Extended longest axis, one triangle a leaf.
+    /// [`Builder::best`].
     #[must_use]
     pub const fn new() -> Self {
+        Self::best()
+    }
+
+    /// Built soonest: [`Splitter::ExtendedLongestAxis`], one triangle a leaf.
+    #[must_use]
+    pub const fn fast() -> Self {
         Self { splitter: Splitter::ExtendedLongestAxis, leaf_size: 1 }
+    }
+
+    /// Half the bytes of nodes at about the speed of the best: [`Splitter::MeanWidth`], up to two triangles a leaf.
+    #[must_use]
+    pub const fn balanced() -> Self {
+        Self { splitter: Splitter::MeanWidth, leaf_size: 2 }
+    }
+
+    /// The fewest visits a query: [`Splitter::MeanWidth`], one triangle a leaf. Two to four times as long to build as the fast one.
+    #[must_use]
+    pub const fn best() -> Self {
+        Self { splitter: Splitter::MeanWidth, leaf_size: 1 }
     }
 
     /// Assigns with `splitter`.
@@ -121,29 +168,63 @@ impl Builder {
     /// Coordinates are kept as they are (stored as `f32` where that loses nothing), except that those below
     /// [`crate::triangle::MIN_COORDINATE`] become zero. Degenerate triangles are kept and counted.
     ///
+    /// The same bytes on every machine and, with the feature `rayon`, from any number of threads: those of the current pool.
+    /// A build needs some 100 bytes a triangle besides the mesh and the tree (k = 18, arity 16, half as many vertices as
+    /// triangles), whatever the splitter.
+    ///
     /// # Errors
     /// [`BuildError`]: nothing is dropped or repaired in silence.
     pub fn build<N: Node>(&self, mesh: &Mesh<'_>) -> Result<Bvh<N>, BuildError> {
+        self.build_with(mesh, &mut |_| ControlFlow::Continue(()))
+    }
+
+    /// [`Builder::build`], telling `observer` after each level of the tree how far it is, and stopping when told to.
+    ///
+    /// # Errors
+    /// [`BuildError`]: of the mesh, or [`BuildError::Cancelled`] if `observer` returned `Break`.
+    pub fn build_with<N: Node>(
+        &self,
+        mesh: &Mesh<'_>,
+        observer: &mut dyn FnMut(Progress) -> ControlFlow<()>,
+    ) -> Result<Bvh<N>, BuildError> {
         if self.leaf_size == 0 || self.leaf_size > MAX_LEAF_SIZE {
             return Err(BuildError::LeafSize { asked: self.leaf_size });
         }
         let vertices = check(mesh)?;
         let mesh = Mesh { vertices: &vertices, triangles: mesh.triangles };
+        let assignment = self.assign(&mesh, N::ARITY, observer)?;
+        pack::pack(&mesh, &assignment, self.leaf_size)
+    }
+
+    /// The shape of a checked mesh's tree.
+    fn assign(
+        &self,
+        mesh: &Mesh<'_>,
+        arity: usize,
+        observer: &mut Observer<'_>,
+    ) -> Result<Assignment, BuildError> {
         let centroids: Vec<Point> = mesh.triangles.iter().map(|t| box_centre(&mesh.corners(t))).collect();
-        let (arity, leaf_size) = (N::ARITY, self.leaf_size as usize);
-        let by_cost = |measure, passes| {
+        let leaf_size = self.leaf_size as usize;
+        let cutter = |extended| Cutter { arity, leaf_size, extended };
+        let by_cost = |measure, passes, observer: &mut Observer<'_>| {
             let boxes: Vec<_> = mesh.triangles.iter().map(|t| cost::Bounds::of(&mesh.corners(t))).collect();
             let primitives = cost::Primitives { boxes: &boxes, centroids: &centroids };
-            cost::assign(primitives, cost::Plan { arity, leaf_size, measure, passes })
+            cost::assign(primitives, cost::Plan { arity, leaf_size, measure, passes }, observer)
         };
-        let assignment = match self.splitter {
-            Splitter::LongestAxis | Splitter::ExtendedLongestAxis => {
-                longest_axis::assign(&centroids, arity, leaf_size, self.splitter)
+        match self.splitter {
+            Splitter::LongestAxis => longest_axis::assign(&centroids, &cutter(false), observer),
+            Splitter::ExtendedLongestAxis => longest_axis::assign(&centroids, &cutter(true), observer),
+            Splitter::SurfaceArea => by_cost(cost::Measure::Area, 0, observer),
+            Splitter::MeanWidth => by_cost(cost::Measure::MeanWidth, 2, observer),
+            Splitter::BatchNeuralGas { magnification, seed } => {
+                let weights = match magnification {
+                    Magnification::None => None,
+                    Magnification::Area => Some(areas(mesh)),
+                };
+                let cloud = neural_gas::Cloud::new(&centroids, weights.as_deref());
+                neural_gas::assign(&cloud, &cutter(true), seed, observer)
             }
-            Splitter::SurfaceArea => by_cost(cost::Measure::Area, 0),
-            Splitter::MeanWidth => by_cost(cost::Measure::MeanWidth, 2),
-        };
-        pack::pack(&mesh, &assignment, self.leaf_size)
+        }
     }
 }
 
@@ -179,4 +260,17 @@ fn box_centre(corners: &[Point; 3]) -> Point {
         let [a, b, c] = corners.map(|p| p[i]);
         0.5 * (a.min(b).min(c) + a.max(b).max(c))
     })
+}
+
+/// The area of each triangle, in units of a power of two that suits the body.
+fn areas(mesh: &Mesh<'_>) -> Vec<f64> {
+    let largest = mesh.vertices.iter().flatten().fold(0.0, |m: f64, x| m.max(x.abs()));
+    let scale = crate::frame::scale_to_one(largest);
+    let area = |[p, q, r]: [Point; 3]| {
+        let edge = |a: Point, b: Point| -> Point { core::array::from_fn(|i| (b[i] - a[i]) * scale) };
+        let (u, v) = (edge(p, q), edge(p, r));
+        let n = [u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]];
+        libm::sqrt((n[0] * n[0] + n[1] * n[1]) + n[2] * n[2])
+    };
+    mesh.triangles.iter().map(|t| area(mesh.corners(t))).collect()
 }

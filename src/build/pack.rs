@@ -1,6 +1,6 @@
 //! The packer: assignment in, baked tree out. The only code that makes nodes.
 
-use super::{Assignment, BuildError, Mesh};
+use super::{Assignment, BuildError, Mesh, parallel};
 use crate::exact::round_up_f32;
 use crate::frame::{Frame, Point};
 use crate::hierarchy::{Bvh, Header, MAX_DEPTH};
@@ -23,7 +23,7 @@ pub(super) fn pack<N: Node>(
     }
     let triangles: Vec<[u32; 3]> = shape.sources.iter().map(|&s| mesh.triangles[s as usize]).collect();
     let mut nodes = shape.nodes;
-    wrap(&mut nodes, &frame, |index| mesh.corners(&triangles[index as usize]));
+    wrap(&mut nodes, &frame, mesh.vertices, &triangles);
 
     let degenerate = |t: &&[u32; 3]| triangle::is_degenerate(&mesh.corners(t));
     let extent = |i: usize| low[i].abs().max(high[i].abs()).max(frame.centre[i].abs());
@@ -94,33 +94,52 @@ impl<N: Node> Shape<N> {
 }
 
 /// The planes of every lane: the supports of the corners below it. Rounding up is monotone, so the greatest of the rounded
-/// supports is the greatest support rounded: a wrapped hierarchy, whether reduced from corners or from the lanes below.
-fn wrap<N: Node>(nodes: &mut [N], frame: &Frame, corners: impl Fn(u32) -> [Point; 3]) {
-    for index in (0..nodes.len()).rev() {
-        for lane in 0..N::ARITY {
-            match nodes[index].children()[lane].link() {
-                Link::Empty => {}
-                Link::Leaf { first, count } => {
-                    for p in (first..first + count).flat_map(&corners) {
-                        for j in 0..N::K {
-                            nodes[index].raise_plane(j, lane, N::support(frame, j, p));
-                        }
-                    }
-                }
-                Link::Inner(below) => {
-                    let below = nodes[below as usize];
-                    for j in 0..N::K {
-                        for code in (0..N::ARITY).map(|l| below.plane(j, l)) {
-                            // Unused lanes hold the lowest code and are no key: they raise nothing.
-                            if let Some(key) = Key::from_code(code) {
-                                nodes[index].raise_plane(j, lane, key);
-                            }
-                        }
+/// supports is the greatest support rounded: a wrapped hierarchy, whether reduced from corners or from the lanes below. So each
+/// vertex is rounded once, though some six triangles and all their ancestors use it.
+fn wrap<N: Node>(nodes: &mut [N], frame: &Frame, vertices: &[Point], triangles: &[[u32; 3]]) {
+    let keys = supports::<N>(frame, vertices);
+    let keys_of = |vertex: u32| &keys[vertex as usize * N::K..][..N::K];
+    parallel::for_each_chunk(nodes, NODES_PER_TASK, |_, nodes| {
+        for node in nodes {
+            for lane in 0..N::ARITY {
+                let Link::Leaf { first, count } = node.children()[lane].link() else { continue };
+                for [p, q, r] in &triangles[first as usize..][..count as usize] {
+                    let corners = keys_of(*p).iter().zip(keys_of(*q)).zip(keys_of(*r));
+                    for (j, ((p, q), r)) in corners.enumerate() {
+                        node.raise_plane(j, lane, *p.max(q).max(r));
                     }
                 }
             }
         }
+    });
+    for index in (0..nodes.len()).rev() {
+        for lane in 0..N::ARITY {
+            let Link::Inner(below) = nodes[index].children()[lane].link() else { continue };
+            let below = nodes[below as usize];
+            for j in 0..N::K {
+                // Unused lanes hold the lowest code, and a node has at least one lane in use.
+                let code = (0..N::ARITY).map(|lane| below.plane(j, lane)).fold(i16::MIN, i16::max);
+                if let Some(key) = Key::from_code(code) {
+                    nodes[index].raise_plane(j, lane, key);
+                }
+            }
+        }
     }
+}
+
+const NODES_PER_TASK: usize = 512;
+const VERTICES_PER_TASK: usize = 2048;
+
+/// The key of each direction's support of each vertex, `K` a vertex.
+fn supports<N: Node>(frame: &Frame, vertices: &[Point]) -> Vec<Key> {
+    let mut keys = alloc::vec![Key::ZERO; vertices.len() * N::K];
+    parallel::for_each_chunk(&mut keys, VERTICES_PER_TASK * N::K, |task, keys| {
+        let vertices = &vertices[task * VERTICES_PER_TASK..];
+        for (keys, p) in keys.chunks_exact_mut(N::K).zip(vertices) {
+            N::supports(frame, *p, keys);
+        }
+    });
+    keys
 }
 
 /// Bounding box of the vertices that triangles use; of nothing, the origin.
@@ -142,11 +161,19 @@ fn half_width(frame: &Frame, mesh: &Mesh<'_>) -> [f32; 3] {
     })
 }
 
+/// The largest magnitude of a finite plane. Codes order as what they stand for, so the least and the greatest have it.
 fn max_plane<N: Node>(nodes: &[N]) -> f32 {
-    let planes =
-        nodes.iter().flat_map(|n| (0..N::K).flat_map(move |j| (0..N::ARITY).map(move |l| n.plane(j, l))));
-    let finite = planes.filter(|c| Key::from_code(*c).is_some_and(|k| k != Key::INFINITY));
-    finite.map(|c| decode(c).abs()).fold(0.0, f32::max)
+    let (mut least, mut greatest) = (0, 0);
+    for node in nodes {
+        for j in 0..N::K {
+            for code in (0..N::ARITY).map(|lane| node.plane(j, lane)) {
+                let finite = code >= Key::LOWEST.code() && code < Key::INFINITY.code();
+                least = if finite { code.min(least) } else { least };
+                greatest = if finite { code.max(greatest) } else { greatest };
+            }
+        }
+    }
+    decode(least).abs().max(decode(greatest))
 }
 
 fn bake<N: Node>(
@@ -156,21 +183,19 @@ fn bake<N: Node>(
     triangles: &[[u32; 3]],
     sources: &[u32],
 ) -> Bvh<N> {
-    let mut bytes = Vec::new();
-    let mut part = |align: usize, part: &[u8]| {
-        bytes.resize(bytes.len().next_multiple_of(align), 0);
-        bytes.extend_from_slice(part);
-    };
-    part(64, bytemuck::bytes_of(header));
-    part(64, bytemuck::cast_slice(nodes));
-    if header.vertex_size == 12 {
-        let single: Vec<[f32; 3]> = vertices.iter().map(|p| p.map(|x| x as f32)).collect();
-        part(8, bytemuck::cast_slice(&single));
+    let single: Vec<[f32; 3]>;
+    let vertex_bytes = if header.vertex_size == 12 {
+        single = vertices.iter().map(|p| p.map(|x| x as f32)).collect();
+        bytemuck::cast_slice(&single)
     } else {
-        part(8, bytemuck::cast_slice(vertices));
-    }
-    part(4, bytemuck::cast_slice(triangles));
-    part(4, bytemuck::cast_slice(sources));
-    part(64, &[]);
-    Bvh::copy(&bytes)
+        bytemuck::cast_slice(vertices)
+    };
+    // Each with its alignment: `Header::layout` reads them in this order.
+    Bvh::assemble(&[
+        (64, bytemuck::bytes_of(header)),
+        (64, bytemuck::cast_slice(nodes)),
+        (8, vertex_bytes),
+        (4, bytemuck::cast_slice(triangles)),
+        (4, bytemuck::cast_slice(sources)),
+    ])
 }

@@ -54,7 +54,7 @@ struct TreeOptions {
     #[arg(short, long, default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=16))]
     leaf_size: u32,
     /// How triangles are assigned to the children of a node.
-    #[arg(short, long, value_enum, default_value_t = Splitter::ExtendedLongestAxis)]
+    #[arg(short, long, value_enum, default_value_t = Splitter::MeanWidth)]
     splitter: Splitter,
 }
 

@@ -183,19 +183,23 @@ impl<N: Node> Bvh<N> {
     /// # Errors
     /// [`BakeError`] if the bytes are not a tree of this node type or are not safe to walk.
     pub fn from_bytes(bytes: &[u8]) -> Result<Self, BakeError> {
-        let tree = Self::copy(bytes);
+        let tree = Self::assemble(&[(64, bytes)]);
         BvhRef::<N>::from_bytes(tree.as_bytes())?;
         Ok(tree)
     }
 
-    /// Takes bytes that are known to be a tree: the packer's.
-    pub(crate) fn copy(bytes: &[u8]) -> Self {
-        let line = |chunk: &[u8]| {
-            let mut line = [0; 64];
-            line[..chunk.len()].copy_from_slice(chunk);
-            Line(line)
-        };
-        Self { lines: bytes.chunks(64).map(line).collect(), node: PhantomData }
+    /// Takes parts, each with the alignment it needs, that are known to be a tree: the packer's.
+    pub(crate) fn assemble(parts: &[(usize, &[u8])]) -> Self {
+        let end_of = |end: usize, align: usize, part: &[u8]| end.next_multiple_of(align) + part.len();
+        let end = parts.iter().fold(0, |end, (align, part)| end_of(end, *align, part));
+        let mut tree = Self { lines: alloc::vec![Line([0; 64]); end.div_ceil(64)], node: PhantomData };
+        let bytes: &mut [u8] = bytemuck::cast_slice_mut(&mut tree.lines);
+        let mut end = 0;
+        for (align, part) in parts {
+            end = end_of(end, *align, part);
+            bytes[end - part.len()..end].copy_from_slice(part);
+        }
+        tree
     }
 
     /// The baked tree: write this to a file or to flash.

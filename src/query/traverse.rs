@@ -187,7 +187,7 @@ impl<'t, N: Lanes, E: Kernel, V: FnMut(Pair) -> ControlFlow<()>> Traversal<'t, N
                 }
             }
             (Link::Leaf { .. }, Link::Inner(node_b)) => {
-                rows.set(0, self.decide_row(a, node_b, rows.rows[0])?)
+                rows.set(0, self.decide_row(a, node_b, rows.rows[0])?);
             }
             (Link::Inner(node_a), Link::Leaf { .. }) => {
                 let mut inner = rows.rows[0];

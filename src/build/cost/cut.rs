@@ -38,20 +38,26 @@ struct Best {
     cut: Option<Cut>,
 }
 
-/// Finds cuts. Holds the buffers.
-#[derive(Debug)]
-pub(super) struct Cutter<'a> {
-    primitives: Primitives<'a>,
-    measure: Measure,
+/// Memory of a [`Cutter`], for the next one.
+#[derive(Default, Debug)]
+pub(super) struct Buffers {
     /// Place along a direction, as a number that sorts like it, and index.
     keys: Vec<(i64, u32)>,
     /// Measure of all from a place on.
     behind: Vec<f64>,
 }
 
+/// Finds cuts.
+#[derive(Debug)]
+pub(super) struct Cutter<'a> {
+    primitives: Primitives<'a>,
+    measure: Measure,
+    pub(super) buffers: Buffers,
+}
+
 impl<'a> Cutter<'a> {
-    pub(super) const fn new(primitives: Primitives<'a>, measure: Measure) -> Self {
-        Self { primitives, measure, keys: Vec::new(), behind: Vec::new() }
+    pub(super) const fn new(primitives: Primitives<'a>, measure: Measure, buffers: Buffers) -> Self {
+        Self { primitives, measure, buffers }
     }
 
     /// The cut that costs least, the first of equals, if it costs less than `limit`: a side costs its measure times its
@@ -100,11 +106,11 @@ impl<'a> Cutter<'a> {
     }
 
     fn try_all(&mut self, items: &[u32], direction: Point, shares: &impl Shares, best: &mut Best) {
-        let mut keys = core::mem::take(&mut self.keys);
+        let mut keys = core::mem::take(&mut self.buffers.keys);
         keys.clear();
         keys.extend(items.iter().map(|&i| (self.place(direction, i), i)));
         keys.sort_unstable();
-        let Self { primitives: Primitives { boxes, .. }, measure, behind, .. } = self;
+        let Self { primitives: Primitives { boxes, .. }, measure, buffers: Buffers { behind, .. } } = self;
         behind.clear();
         behind.resize(keys.len(), 0.0);
         let mut bounds = Bounds::EMPTY;
@@ -121,7 +127,7 @@ impl<'a> Cutter<'a> {
             }
             bounds = bounds.join(&boxes[i as usize]);
         }
-        self.keys = keys;
+        self.buffers.keys = keys;
     }
 
     /// Cuts between bins. The share nearest to a border may be some primitives away from it: at more than [`MAX_SORTED`] of them that

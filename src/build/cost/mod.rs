@@ -26,13 +26,13 @@ mod refine;
 
 pub(super) use bounds::{Bounds, Measure};
 
-use super::{Assignment, longest_axis};
+use super::levels::{self, Place};
+use super::longest_axis::{self, Item};
+use super::{Assignment, BuildError, Observer};
 use crate::frame::Point;
 use crate::hierarchy::MAX_DEPTH;
-use alloc::collections::VecDeque;
 use alloc::vec::Vec;
-use core::ops::Range;
-use cut::{Cutter, Share, Shares};
+use cut::{Buffers, Cutter, Share, Shares};
 
 const AXES: [Point; 3] = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
 
@@ -53,34 +53,40 @@ pub(super) struct Plan {
     pub(super) passes: usize,
 }
 
-pub(super) fn assign(primitives: Primitives<'_>, plan: Plan) -> Assignment {
-    assign_within(primitives, plan, MAX_DEPTH)
+pub(super) fn assign(
+    primitives: Primitives<'_>,
+    plan: Plan,
+    observer: &mut Observer<'_>,
+) -> Result<Assignment, BuildError> {
+    assign_within(primitives, plan, MAX_DEPTH, observer)
 }
 
 /// At most `max_depth` levels of nodes, which must be enough for a balanced tree.
-fn assign_within(primitives: Primitives<'_>, plan: Plan, max_depth: usize) -> Assignment {
-    let mut widener = Widener { cutter: Cutter::new(primitives, plan.measure), primitives, plan };
+fn assign_within(
+    primitives: Primitives<'_>,
+    plan: Plan,
+    max_depth: usize,
+    observer: &mut Observer<'_>,
+) -> Result<Assignment, BuildError> {
     let mut order: Vec<u32> = (0..primitives.boxes.len() as u32).collect();
-    let mut ends = Vec::new();
-    let mut nodes = VecDeque::new();
-    if !order.is_empty() {
-        nodes.push_back((0..order.len(), max_depth));
-    }
-    while let Some((Range { mut start, end }, levels)) = nodes.pop_front() {
-        let from = ends.len();
-        widener.node(&mut order[start..end], start, levels - 1, &mut ends);
-        for &end in &ends[from..] {
-            let end = end as usize;
-            if end - start > plan.leaf_size {
-                nodes.push_back((start..end, levels - 1));
-            } else {
+    let cut = |buffers: &mut Buffers, place: Place, items: &mut [u32], ends: &mut [u32]| {
+        let cutter = Cutter::new(primitives, plan.measure, core::mem::take(buffers));
+        let mut widener = Widener { cutter, primitives, plan };
+        let mut lanes = Vec::with_capacity(plan.arity);
+        widener.node(items, place.levels_left - 1 - (MAX_DEPTH - max_depth), &mut lanes);
+        ends.copy_from_slice(&lanes);
+        *buffers = widener.cutter.buffers;
+        let mut start = 0;
+        for end in lanes.into_iter().map(|end| end as usize) {
+            if end - start <= plan.leaf_size {
                 // A leaf is a set: its order must not depend on how a selection algorithm moves things.
-                order[start..end].sort_unstable();
+                items[start..end].sort_unstable();
             }
             start = end;
         }
-    }
-    Assignment { order, ends }
+    };
+    let ends = levels::split(&mut order, plan.arity, plan.leaf_size, observer, cut)?;
+    Ok(Assignment { order, ends })
 }
 
 /// Cuts that leave full nodes below a number of lanes.
@@ -132,20 +138,19 @@ struct Widener<'a> {
 }
 
 impl Widener<'_> {
-    /// Appends where the lanes of a node end, counted from `start` before it. Below it there may be `levels` levels.
-    fn node(&mut self, items: &mut [u32], start: usize, levels: usize, ends: &mut Vec<u32>) {
+    /// Puts where the lanes of a node end into `ends`, counted from its first item. Below it there may be `levels` levels.
+    fn node(&mut self, items: &mut [u32], levels: usize, ends: &mut Vec<u32>) {
         let Plan { arity, leaf_size, passes, .. } = self.plan;
-        let from = ends.len();
-        self.cut(items, start, arity, ends);
+        self.cut(items, 0, arity, ends);
         if passes > 0 && (items.len() > arity || leaf_size > 1) {
-            self.refine(items, start, &mut ends[from..]);
+            self.refine(items, ends);
         }
         // What a full tree of so many levels holds: no more than that, and halving, if nothing else, gets it in.
         let capacity = leaf_size.saturating_mul(arity.saturating_pow(levels as u32));
-        let starts = core::iter::once(start).chain(ends[from..].iter().map(|&end| end as usize));
-        if starts.zip(&ends[from..]).any(|(start, &end)| end as usize - start > capacity) {
-            ends.truncate(from);
-            self.halve(items, start, arity, ends);
+        let starts = core::iter::once(0).chain(ends.iter().map(|&end| end as usize));
+        if starts.zip(&*ends).any(|(start, &end)| end as usize - start > capacity) {
+            ends.clear();
+            self.halve(items, 0, arity, ends);
         }
     }
 
@@ -177,13 +182,20 @@ impl Widener<'_> {
 
     fn halve(&self, items: &mut [u32], start: usize, lanes: usize, ends: &mut Vec<u32>) {
         let Plan { arity, leaf_size, .. } = self.plan;
-        longest_axis::halve(self.primitives.centroids, (arity, leaf_size), items, start, lanes, ends);
+        let item = |&mut index: &mut u32| Item { centroid: self.primitives.centroids[index as usize], index };
+        let mut halved: Vec<Item> = items.iter_mut().map(item).collect();
+        let from = ends.len();
+        ends.resize(from + lanes, 0);
+        longest_axis::Cutter { arity, leaf_size, extended: true }.cut_node(&mut halved, &mut ends[from..]);
+        ends[from..].iter_mut().for_each(|end| *end += start as u32);
+        items.iter_mut().zip(halved).for_each(|(to, item)| *to = item.index);
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use core::ops::ControlFlow;
 
     /// Boxes twice as far out and twice as large each as the last: whatever is cut off first, most of the rest is in one place.
     fn growing(n: usize) -> Vec<Bounds> {
@@ -214,7 +226,10 @@ mod tests {
             let centroids: Vec<Point> = boxes.iter().map(Bounds::centre).collect();
             let primitives = Primitives { boxes: &boxes, centroids: &centroids };
             let plan = Plan { arity, leaf_size, measure: Measure::MeanWidth, passes: 2 };
-            let levels = |limit| depth(&assign_within(primitives, plan, limit), arity, leaf_size as u32);
+            let levels = |limit| {
+                let assignment = assign_within(primitives, plan, limit, &mut |_| ControlFlow::Continue(()));
+                depth(&assignment.unwrap(), arity, leaf_size as u32)
+            };
             assert!(levels(MAX_DEPTH) > balanced, "arity {arity}: left alone, it is deeper");
             for limit in balanced..balanced + 3 {
                 assert!(levels(limit) <= limit, "arity {arity} leaf {leaf_size} limit {limit}");

@@ -38,11 +38,11 @@ struct Lane {
 
 impl Widener<'_> {
     /// Cuts every two lanes that touch anew, as often as planned or until no cut is better. The lanes of the node's `items` are given by
-    /// their `ends`, counted from `start`.
-    pub(super) fn refine(&mut self, items: &mut [u32], start: usize, ends: &mut [u32]) {
+    /// their `ends`.
+    pub(super) fn refine(&mut self, items: &mut [u32], ends: &mut [u32]) {
         let mut lanes = Vec::with_capacity(ends.len());
         let mut from = 0;
-        for end in ends.iter().map(|&end| end as usize - start) {
+        for end in ends.iter().map(|&end| end as usize) {
             let items = items[from..end].to_vec();
             lanes.push(Lane { bounds: self.cutter.bounds(&items), items });
             from = end;
@@ -63,7 +63,7 @@ impl Widener<'_> {
         for (lane, end) in lanes.iter().zip(ends) {
             let to = from + lane.items.len();
             items[from..to].copy_from_slice(&lane.items);
-            *end = (start + to) as u32;
+            *end = to as u32;
             from = to;
         }
     }

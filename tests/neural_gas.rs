@@ -1,0 +1,410 @@
+//! Batch Neural Gas: the same bytes from any number of threads and on any machine, clusters as good as those of a slow clustering in
+//! floating point, and an end to every build however awkward the mesh.
+
+#![expect(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
+
+mod support;
+
+use core::ops::ControlFlow;
+use simdop::build::{BuildError, Builder, Magnification, Mesh, Progress, Splitter};
+use simdop::hierarchy::{Bvh, BvhRef, MAX_DEPTH};
+use simdop::node::{Link, Node4, Node16};
+use simdop::query::Lanes;
+use std::time::Instant;
+use support::data::{MeshData, directory, suite_step};
+use support::rng::Rng;
+use support::shapes;
+
+const MAGNIFICATIONS: [Magnification; 2] = [Magnification::None, Magnification::Area];
+
+fn builder(magnification: Magnification, seed: u32) -> Builder {
+    Builder::new().splitter(Splitter::BatchNeuralGas { magnification, seed })
+}
+
+fn mesh_of(mesh: &MeshData) -> Mesh<'_> {
+    Mesh { vertices: &mesh.vertices, triangles: &mesh.triangles }
+}
+
+// ---- The same bytes everywhere ----------------------------------------------------------------------------------
+
+/// FNV-1a, 64 bits.
+fn digest(bytes: &[u8]) -> u64 {
+    bytes
+        .iter()
+        .fold(0xcbf2_9ce4_8422_2325, |hash, &byte| (hash ^ u64::from(byte)).wrapping_mul(0x100_0000_01b3))
+}
+
+/// Of 16 lanes without magnification control, and of 4 lanes with it and 3 triangles a leaf.
+fn digests(mesh: &MeshData) -> [u64; 2] {
+    let wide: Bvh<Node16<18>> = builder(Magnification::None, 0).build(&mesh_of(mesh)).unwrap();
+    let narrow: Bvh<Node4<14>> = builder(Magnification::Area, 7).leaf_size(3).build(&mesh_of(mesh)).unwrap();
+    [digest(wide.as_bytes()), digest(narrow.as_bytes())]
+}
+
+type Golden<'a> = (&'a str, [u64; 2]);
+
+fn generated() -> Vec<(&'static str, MeshData)> {
+    let mut rng = Rng::new(11);
+    vec![
+        ("torus", shapes::torus(60, 40)),
+        ("flat grid", shapes::flat_grid(40)),
+        ("collinear", shapes::collinear(3000)),
+        ("coincident", shapes::coincident(3000)),
+        ("soup", shapes::soup(&mut rng, 5000, 0.01)),
+        ("huge among tiny", shapes::huge_among_tiny(&mut rng, 2000)),
+        ("ever smaller", ever_smaller(2000)),
+    ]
+}
+
+#[rustfmt::skip]
+const GENERATED: [Golden<'_>; 7] = [
+    ("torus", [0x50d8d269c616cb66, 0x5145e65ab7e179fb]),
+    ("flat grid", [0x44b8aa1e3e26d930, 0x7d00e236d6264b97]),
+    ("collinear", [0x789116e5b29cf54f, 0x66dcf10b08ab2d2d]),
+    ("coincident", [0xe9fcb2cc99cad31c, 0x85bdec1cdf4e69a3]),
+    ("soup", [0xf9b704378b3eecd9, 0xc830d0e569e4114d]),
+    ("huge among tiny", [0xda89f7c03f53ce35, 0x5458dc8fe53adac7]),
+    ("ever smaller", [0xadbb3e2a9c1ead68, 0xfec4cf8d63160525]),
+];
+
+#[rustfmt::skip]
+const DATA: [Golden<'_>; 14] = [
+    ("planning/unc_rob", [0x116c56f69fef656e, 0x9e768bbaa01c50ce]),
+    ("planning/unc_env", [0x12dc6a7d23afa681, 0xae3b2612af6c557b]),
+    ("meshes/hand", [0xa9fa172c2b5c99e7, 0xdaf4aa36cb6abe1a]),
+    ("meshes/pinion", [0x4f22febbc18c0f68, 0x31c93b7401288243]),
+    ("meshes/cow", [0x3cbc8fc93b006d94, 0xdddbc4c8a2ba6ee8]),
+    ("meshes/bull", [0xb4201862dd4a3ede, 0x7624bdfdbade491e]),
+    ("meshes/turbine", [0x93a6e87fcc869c1f, 0x683de746a162d8c5]),
+    ("meshes/cheese", [0x3a88b7fbf28fc4b1, 0x601c04ec3437ab2a]),
+    ("meshes/camel", [0x70afb40791fe9dfc, 0x6c1d650ff99c746b]),
+    ("meshes/mannequin-devil", [0x691dd75a6fe626b1, 0x86714eaeaedca0f2]),
+    ("meshes/fandisk_large", [0xe44093d1c335032c, 0x8fe61517065ba05f]),
+    ("meshes/man", [0xf556672f4c8fd7c2, 0x1e26a37d0674de74]),
+    ("meshes/armadillo", [0xfb203f590608e138, 0xf44840995c89fd33]),
+    ("meshes/bunny75k", [0x23de22e3c8b2633e, 0x08369b170392d697]),
+];
+
+/// Prints the rows that are not as written, and fails if there are any.
+fn compare(got: &[Golden<'_>], want: &[Golden<'_>]) {
+    let changed: Vec<_> = got.iter().zip(want).filter(|(got, want)| got != want).collect();
+    for ((name, [x, y]), _) in &changed {
+        println!("    (\"{name}\", [{x:#018x}, {y:#018x}]),");
+    }
+    assert!(changed.is_empty(), "digests are not the ones written here, but those above");
+}
+
+/// Whoever changes these has changed the trees: say so in CHANGELOG.md.
+#[test]
+fn golden_bytes_of_generated_meshes() {
+    let got: Vec<_> = generated().iter().map(|(name, mesh)| (*name, digests(mesh))).collect();
+    compare(&got, &GENERATED);
+}
+
+#[test]
+fn golden_bytes_of_real_meshes() {
+    let Some(data) = directory() else { return };
+    // The first are the smallest: enough for an emulator.
+    let some = if suite_step() == 1 { DATA.len() } else { 5 };
+    let digests = |name: &str| digests(&MeshData::obj(&data.join(format!("{name}.obj"))));
+    let got: Vec<_> = DATA[..some].iter().map(|(name, _)| (*name, digests(name))).collect();
+    compare(&got, &DATA);
+}
+
+#[cfg(feature = "rayon")]
+#[test]
+fn any_number_of_threads_builds_the_same_bytes() {
+    // Enough for the root's sums to be shared out, and for each level.
+    let mesh = shapes::torus(200, 100);
+    for splitter in [
+        Splitter::LongestAxis,
+        Splitter::ExtendedLongestAxis,
+        Splitter::BatchNeuralGas { magnification: Magnification::None, seed: 3 },
+        Splitter::BatchNeuralGas { magnification: Magnification::Area, seed: 3 },
+    ] {
+        let build = |threads: usize| {
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+            let builder = Builder::new().splitter(splitter);
+            let tree: Bvh<Node16<14>> = pool.install(|| builder.build(&mesh_of(&mesh)).unwrap());
+            tree.as_bytes().to_vec()
+        };
+        let want = build(1);
+        for threads in [2, 4] {
+            assert!(build(threads) == want, "{splitter:?} with {threads} threads");
+        }
+    }
+}
+
+#[test]
+fn the_seed_is_all_there_is_of_chance() {
+    let mesh = shapes::torus(30, 20);
+    let tree =
+        |seed: u32| -> Bvh<Node16<18>> { builder(Magnification::None, seed).build(&mesh_of(&mesh)).unwrap() };
+    assert_eq!(tree(1).as_bytes(), tree(1).as_bytes());
+    assert_ne!(tree(1).as_bytes(), tree(2).as_bytes());
+}
+
+// ---- Every build ends -------------------------------------------------------------------------------------------
+
+/// Triangles at 2^-1, 2^-2, and so on, over and over: clusters as unbalanced as they come.
+fn ever_smaller(n: u32) -> MeshData {
+    let triangle = |i: u32| {
+        let at = f64::from_bits(u64::from(1023 - i % 240) << 52);
+        [[at, 0.0, 0.0], [at, at * 0.5, 0.0], [at, 0.0, at * 0.25]]
+    };
+    shapes::separate((0..n).map(triangle))
+}
+
+/// Every triangle is in one leaf, of a tree that bounds it.
+fn check<N: Lanes>(name: &str, mesh: &MeshData, magnification: Magnification, leaf_size: u32) {
+    let tree: Bvh<N> = builder(magnification, 5).leaf_size(leaf_size).build(&mesh_of(mesh)).unwrap();
+    let view: BvhRef<'_, N> = tree.view();
+    view.validate().unwrap();
+    view.verify().unwrap();
+    let mut sources: Vec<u32> = (0..view.len() as u32).map(|i| view.source(i)).collect();
+    sources.sort_unstable();
+    assert!(sources.iter().copied().eq(0..mesh.triangles.len() as u32), "{name}: each triangle once");
+    let stats = view.stats();
+    assert!(stats.depth <= MAX_DEPTH);
+    // Full nodes have arity - 1 leaves each. Clusters of leaves of several triangles do not add up so well.
+    let full = stats.triangles.div_ceil(leaf_size as usize).div_ceil(N::ARITY - 1).max(1);
+    let most = if leaf_size == 1 { full + full / 8 } else { 2 * full } + 2;
+    assert!(stats.nodes <= most, "{name}: {stats:?}, {full} full nodes would do");
+}
+
+#[test]
+fn awkward_meshes_are_built() {
+    let mut rng = Rng::new(12);
+    let many = 100_000 / suite_step();
+    let mut meshes = generated();
+    for (name, count) in [("empty", 0), ("one", 1), ("two", 2), ("sixteen", 16), ("seventeen", 17)] {
+        meshes.push((name, shapes::soup(&mut rng, count, 0.1)));
+    }
+    meshes.push(("points", shapes::separate((0..300).map(|i| [[f64::from(i % 7); 3]; 3]))));
+    for (name, mesh) in &meshes {
+        for magnification in MAGNIFICATIONS {
+            for leaf_size in [1, 5, 16] {
+                check::<Node16<6>>(name, mesh, magnification, leaf_size);
+                check::<Node4<6>>(name, mesh, magnification, leaf_size);
+            }
+        }
+    }
+    check::<Node16<6>>("many coincident", &shapes::coincident(many), Magnification::None, 1);
+    let tiny = shapes::huge_among_tiny(&mut rng, many);
+    check::<Node16<6>>("many tiny, one huge", &tiny, Magnification::None, 1);
+    check::<Node4<6>>("many tiny, one huge", &tiny, Magnification::Area, 16);
+}
+
+#[test]
+fn largest_and_smallest_coordinates_are_clustered() {
+    use simdop::triangle::{MAX_COORDINATE, MIN_COORDINATE};
+    let unit = shapes::torus(20, 20);
+    let mut roots = Vec::new();
+    for factor in [1.0, MAX_COORDINATE * 0.5, MIN_COORDINATE * MIN_COORDINATE.recip().sqrt(), 1e-60] {
+        let scale = f64::from_bits(factor.to_bits() >> 52 << 52);
+        let mut mesh = unit.clone();
+        mesh.vertices.iter_mut().flatten().for_each(|x| *x *= scale);
+        for magnification in MAGNIFICATIONS {
+            let tree: Bvh<Node16<18>> = builder(magnification, 0).build(&mesh_of(&mesh)).unwrap();
+            tree.view().verify().unwrap();
+            let sources: Vec<u32> = (0..tree.view().len() as u32).map(|i| tree.view().source(i)).collect();
+            roots.push((magnification, sources));
+        }
+    }
+    for (magnification, sources) in &roots[2..] {
+        let same = &roots.iter().find(|(m, _)| m == magnification).unwrap().1;
+        assert!(sources == same, "a power of two changes no cluster");
+    }
+}
+
+#[test]
+fn an_observer_sees_progress_and_can_stop() {
+    let mesh = shapes::torus(50, 50);
+    let mut seen = Vec::new();
+    let tree: Result<Bvh<Node16<18>>, _> =
+        builder(Magnification::None, 0).build_with(&mesh_of(&mesh), &mut |progress: Progress| {
+            seen.push(progress);
+            ControlFlow::Continue(())
+        });
+    assert_eq!(seen.len(), tree.unwrap().view().stats().depth);
+    assert!(seen.iter().all(|p| p.total == 5000) && seen.is_sorted_by_key(|p| p.placed));
+    assert_eq!(seen.last().unwrap().placed, 5000);
+
+    let mut calls = 0;
+    let stopped = Builder::new().build_with::<Node4<6>>(&mesh_of(&mesh), &mut |_| {
+        calls += 1;
+        if calls == 2 { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+    });
+    assert_eq!((stopped.unwrap_err(), calls), (BuildError::Cancelled, 2));
+}
+
+/// Sixteen million triangles in a strip along a random walk. Some gigabytes and minutes: `--ignored` runs it.
+#[test]
+#[ignore = "memory and time"]
+fn sixteen_million() {
+    const COUNT: u32 = 1 << 24;
+    let mut rng = Rng::new(16);
+    let mut at = [0.0; 3];
+    let step = |_| {
+        at = at.map(|x: f64| x + rng.range(-1.0, 1.0));
+        at
+    };
+    let vertices: Vec<[f64; 3]> = (0..COUNT + 2).map(step).collect();
+    let mesh = MeshData { vertices, triangles: (0..COUNT).map(|i| [i, i + 1, i + 2]).collect() };
+    let start = Instant::now();
+    // With weights: the sums are as large as they get.
+    let tree: Bvh<Node16<6>> = builder(Magnification::Area, 0).build(&mesh_of(&mesh)).unwrap();
+    println!("{:.1?}, {:?}", start.elapsed(), tree.view().stats());
+    tree.view().validate().unwrap();
+}
+
+// ---- Clusters as good as the paper's ----------------------------------------------------------------------------
+
+/// The paper's algorithm in floating point, as it stands there: 100 steps, no early stop, prototypes that start anywhere.
+struct Oracle<'a> {
+    points: &'a [[f64; 3]],
+    weights: &'a [f64],
+    lanes: usize,
+}
+
+fn square_distance(p: &[f64; 3], q: &[f64; 3]) -> f64 {
+    (0..3).map(|i| (p[i] - q[i]).powi(2)).sum()
+}
+
+impl Oracle<'_> {
+    fn cluster(&self, rng: &mut Rng) -> Vec<usize> {
+        const STEPS: i32 = 100;
+        let low: [f64; 3] =
+            core::array::from_fn(|i| self.points.iter().map(|p| p[i]).fold(f64::INFINITY, f64::min));
+        let high: [f64; 3] =
+            core::array::from_fn(|i| self.points.iter().map(|p| p[i]).fold(f64::NEG_INFINITY, f64::max));
+        let mut prototypes: Vec<[f64; 3]> = (0..self.lanes)
+            .map(|_| core::array::from_fn(|i| rng.range(low[i], high[i] + f64::MIN_POSITIVE)))
+            .collect();
+        let first = self.lanes as f64 / 2.0;
+        for step in 0..STEPS {
+            let lambda = first * (0.01 / first).powf(f64::from(step) / f64::from(STEPS));
+            let mut sums = vec![[0.0; 4]; self.lanes];
+            for (p, v) in self.points.iter().zip(self.weights) {
+                for (rank, lane) in self.ranking(&prototypes, p).into_iter().enumerate() {
+                    let pull = v * (-(rank as f64) / lambda).exp();
+                    (0..3).for_each(|i| sums[lane][i] += pull * p[i]);
+                    sums[lane][3] += pull;
+                }
+            }
+            for (prototype, sums) in prototypes.iter_mut().zip(&sums).filter(|(_, sums)| sums[3] > 0.0) {
+                *prototype = core::array::from_fn(|i| sums[i] / sums[3]);
+            }
+        }
+        self.points.iter().map(|p| self.ranking(&prototypes, p)[0]).collect()
+    }
+
+    /// The lanes, nearest first.
+    fn ranking(&self, prototypes: &[[f64; 3]], p: &[f64; 3]) -> Vec<usize> {
+        let mut lanes: Vec<usize> = (0..self.lanes).collect();
+        lanes.sort_by(|&a, &b| {
+            square_distance(&prototypes[a], p).total_cmp(&square_distance(&prototypes[b], p))
+        });
+        lanes
+    }
+
+    /// Mean square distance of the points to the mean of their cluster, all weighted.
+    fn error(&self, cluster_of: &[usize]) -> f64 {
+        let mut sums = vec![[0.0; 4]; self.lanes];
+        for ((p, v), &lane) in self.points.iter().zip(self.weights).zip(cluster_of) {
+            (0..3).for_each(|i| sums[lane][i] += v * p[i]);
+            sums[lane][3] += v;
+        }
+        let means: Vec<[f64; 3]> = sums.iter().map(|s| core::array::from_fn(|i| s[i] / s[3])).collect();
+        let error = |((p, v), &lane): ((&[f64; 3], &f64), &usize)| v * square_distance(p, &means[lane]);
+        let total: f64 = self.points.iter().zip(self.weights).zip(cluster_of).map(error).sum();
+        total / self.weights.iter().sum::<f64>()
+    }
+}
+
+/// Which lane of the root each triangle of the mesh is in.
+fn root_lanes<N: Lanes>(tree: BvhRef<'_, N>) -> Vec<usize> {
+    let mut lanes = vec![usize::MAX; tree.len()];
+    for (lane, child) in tree.nodes()[0].children().iter().enumerate() {
+        let mut open = vec![child.link()];
+        while let Some(link) = open.pop() {
+            match link {
+                Link::Empty => {}
+                Link::Leaf { first, count } => {
+                    (first..first + count).for_each(|i| lanes[tree.source(i) as usize] = lane);
+                }
+                Link::Inner(node) => {
+                    open.extend(tree.nodes()[node as usize].children().iter().map(|c| c.link()));
+                }
+            }
+        }
+    }
+    lanes
+}
+
+fn box_centre(t: &[[f64; 3]; 3]) -> [f64; 3] {
+    core::array::from_fn(|i| {
+        0.5 * (t.iter().map(|p| p[i]).fold(f64::INFINITY, f64::min)
+            + t.iter().map(|p| p[i]).fold(f64::NEG_INFINITY, f64::max))
+    })
+}
+
+fn area([p, q, r]: &[[f64; 3]; 3]) -> f64 {
+    let edge = |a: &[f64; 3]| -> [f64; 3] { core::array::from_fn(|i| a[i] - p[i]) };
+    let (u, v) = (edge(q), edge(r));
+    (0..3)
+        .map(|i| (u[(i + 1) % 3] * v[(i + 2) % 3] - u[(i + 2) % 3] * v[(i + 1) % 3]).powi(2))
+        .sum::<f64>()
+        .sqrt()
+}
+
+/// Mean, and how far the largest is above it, of the errors of several seeds.
+fn mean_and_spread(errors: &[f64]) -> (f64, f64) {
+    let mean = errors.iter().sum::<f64>() / errors.len() as f64;
+    (mean, errors.iter().copied().fold(0.0, f64::max) / mean - 1.0)
+}
+
+fn compare_with_oracle<N: Lanes>(name: &str, mesh: &MeshData, magnification: Magnification) {
+    let corners = mesh.corners();
+    let points: Vec<[f64; 3]> = corners.iter().map(box_centre).collect();
+    let weights: Vec<f64> = match magnification {
+        Magnification::Area => corners.iter().map(area).collect(),
+        _ => vec![1.0; points.len()],
+    };
+    let oracle = Oracle { points: &points, weights: &weights, lanes: N::ARITY };
+    let mut rng = Rng::new(99);
+    let (want, _) = mean_and_spread(&[(); 3].map(|()| oracle.error(&oracle.cluster(&mut rng))));
+    let seeds = 20_u32.div_ceil(suite_step() as u32);
+    let errors: Vec<f64> = (0..seeds)
+        .map(|seed| {
+            let tree: Bvh<N> = builder(magnification, seed).build(&mesh_of(mesh)).unwrap();
+            oracle.error(&root_lanes(tree.view()))
+        })
+        .collect();
+    let (mean, spread) = mean_and_spread(&errors);
+    println!(
+        "{name:10} arity {:2} {magnification:?}: error {:.4} of the oracle's; worst of {seeds} seeds {:.2} % above the mean",
+        N::ARITY,
+        mean / want,
+        spread * 100.0
+    );
+    assert!(mean < 1.06 * want, "{name}: {mean} is far from {want}");
+    // With four prototypes the algorithm itself has second-best ends, which the oracle finds as often.
+    assert!(spread < if N::ARITY == 4 { 0.25 } else { 0.1 }, "{name}: {errors:?}");
+}
+
+#[test]
+fn clusters_are_as_good_as_in_floating_point_whatever_the_seed() {
+    let mut rng = Rng::new(13);
+    let mut meshes = vec![("torus", shapes::torus(60, 40)), ("soup", shapes::soup(&mut rng, 3000, 0.05))];
+    if let Some(data) = directory() {
+        meshes.push(("cow", MeshData::obj(&data.join("meshes/cow.obj"))));
+        meshes.push(("hand", MeshData::obj(&data.join("meshes/hand.obj"))));
+    }
+    for (name, mesh) in &meshes {
+        for magnification in MAGNIFICATIONS {
+            compare_with_oracle::<Node16<6>>(name, mesh, magnification);
+            compare_with_oracle::<Node4<6>>(name, mesh, magnification);
+        }
+    }
+}
