@@ -62,8 +62,8 @@ const STEP: f64 = 1.0 / (1 << 24) as f64;
 pub(crate) struct Approaching<'t> {
     pub(crate) a: &'t MeshData,
     pub(crate) b: &'t MeshData,
-    pub(crate) tree_a: BvhRef<'t, Node16<18>>,
-    pub(crate) tree_b: BvhRef<'t, Node16<18>>,
+    pub(crate) tree_a: BvhRef<'t, Node16<32>>,
+    pub(crate) tree_b: BvhRef<'t, Node16<32>>,
 }
 
 impl Approaching<'_> {
@@ -146,39 +146,44 @@ impl Approaching<'_> {
         (distance / (STEP * self.a.diagonal())) as i64
     }
 
-    /// The last place on the way in from `start` at which the bodies are more than `gap` apart.
+    /// The last place on the way in from `start` at which the bodies are more than `gap` apart, to 1/128 of the gap.
     ///
-    /// No point moves farther than A's centre does, so that a step as long as the spare distance is safe; the last steps are found by bisection,
-    /// since the spare distance shrinks slowly where A comes past the side of B.
+    /// No point moves farther than A's centre does: a stride as long as the spare distance is safe. The last steps are found by bisection, since the spare
+    /// distance shrinks slowly where A comes past the side of B.
     fn reach(&self, line: &Approach, start: i64, gap: f64) -> Option<i64> {
-        const CLOSE: i64 = 1 << 10;
         let query = Query::new(Isa::detect());
         let pose = |place: i64| Pose::from_rows(line.at(self.distance(place))).expect("rotations are rigid");
-        let within = |place| {
-            query.within(&self.tree_a, &self.tree_b, &pose(place), gap).expect("gaps are finite").is_hit()
+        let within = |place: i64, spare: i64| {
+            let margin = gap + self.distance(spare);
+            query.within(&self.tree_a, &self.tree_b, &pose(place), margin).expect("margins are finite").is_hit()
         };
-        let mut place = start;
+        let short = (self.place(gap) / 128).max(1);
+        let (mut place, mut stride) = (start, 16 * short);
         while place > -start {
-            let distance = query.distance(&self.tree_a, &self.tree_b, &pose(place), 0.05).expect("a tolerance");
-            let spare = self.place(distance.lower - gap) - 1;
-            if spare > CLOSE {
+            // A rough distance is cheap, and does while it is large.
+            let rough = query.distance(&self.tree_a, &self.tree_b, &pose(place), 0.5).expect("a tolerance");
+            let spare = self.place(rough.lower - gap);
+            if spare > stride {
                 place -= spare;
-                continue;
-            }
-            let mut step = 1;
-            while step <= CLOSE && !within(place - step) {
-                place -= step;
-                step *= 2;
-            }
-            if step <= CLOSE {
-                let (mut outside, mut inside) = (place, place - step);
-                while outside - inside > 1 {
-                    let middle = inside + (outside - inside) / 2;
-                    if within(middle) { inside = middle } else { outside = middle }
-                }
-                return Some(outside);
+            } else if !within(place, stride) {
+                place -= stride;
+            } else if stride > short {
+                stride /= 4;
+            } else if let Some(inside) = [1, 4, 16].map(|n| place - n * short).into_iter().find(|&p| within(p, 0)) {
+                return Some(last_outside(place, inside, short, |place| within(place, 0)));
+            } else {
+                place -= 16 * short;
             }
         }
         None
     }
+}
+
+/// By bisection: a place at most `short` from one that is inside.
+fn last_outside(mut outside: i64, mut inside: i64, short: i64, is_inside: impl Fn(i64) -> bool) -> i64 {
+    while outside - inside > short {
+        let middle = inside + (outside - inside) / 2;
+        if is_inside(middle) { inside = middle } else { outside = middle }
+    }
+    outside
 }

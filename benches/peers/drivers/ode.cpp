@@ -17,7 +17,7 @@ void start() {
 }
 }  // namespace
 
-const char *peer_version() { return ODE_PACKAGE_VERSION; }
+const char *peer_version() { return ODE_VERSION; }
 
 void *peer_build(const double *vertices, size_t vertex_count, const uint32_t *triangles, size_t triangle_count) {
   start();

@@ -75,7 +75,7 @@ fn ours<N: Lanes + 'static>(name: &str, meshes: &[MeshData]) -> Entrant {
     let again = Rc::clone(&answer);
     Entrant {
         name: name.to_owned(),
-        version: format!("this, {}", Isa::detect().name()),
+        version: Isa::detect().name().to_owned(),
         build_ms,
         bytes: Some(bytes),
         collide: Box::new(move |rows| answer(rows).is_hit()),

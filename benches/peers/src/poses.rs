@@ -64,7 +64,7 @@ pub(crate) fn suites(
 
 fn make(meshes: &[MeshData], count: usize, seed: u64) -> Vec<Vec<Judged>> {
     let (a, b) = (&meshes[0], &meshes[meshes.len() - 1]);
-    let tree = |mesh: &MeshData| -> Bvh<Node16<18>> {
+    let tree = |mesh: &MeshData| -> Bvh<Node16<32>> {
         let mesh = Mesh { vertices: &mesh.vertices, triangles: &mesh.triangles };
         Builder::new().build(&mesh).expect("the data sets can be built")
     };
