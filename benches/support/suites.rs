@@ -110,7 +110,8 @@ impl Approaching<'_> {
                     (low[k] - reach) + share * (high[k] - low[k] + 2.0 * reach)
                 };
                 let (mut target, mut towards) = (self.b.centre(), [0.0; 3]);
-                (target[(axis + 1) % 3], target[(axis + 2) % 3]) = (at((axis + 1) % 3, i), at((axis + 2) % 3, j));
+                (target[(axis + 1) % 3], target[(axis + 2) % 3]) =
+                    (at((axis + 1) % 3, i), at((axis + 2) % 3, j));
                 towards[axis] = sign;
                 lines.push(self.line(target, towards, rng));
             }
@@ -155,7 +156,10 @@ impl Approaching<'_> {
         let pose = |place: i64| Pose::from_rows(line.at(self.distance(place))).expect("rotations are rigid");
         let within = |place: i64, spare: i64| {
             let margin = gap + self.distance(spare);
-            query.within(&self.tree_a, &self.tree_b, &pose(place), margin).expect("margins are finite").is_hit()
+            query
+                .within(&self.tree_a, &self.tree_b, &pose(place), margin)
+                .expect("margins are finite")
+                .is_hit()
         };
         let short = (self.place(gap) / 128).max(1);
         let (mut place, mut stride) = (start, 16 * short);
@@ -169,7 +173,9 @@ impl Approaching<'_> {
                 place -= stride;
             } else if stride > short {
                 stride /= 4;
-            } else if let Some(inside) = [1, 4, 16].map(|n| place - n * short).into_iter().find(|&p| within(p, 0)) {
+            } else if let Some(inside) =
+                [1, 4, 16].map(|n| place - n * short).into_iter().find(|&p| within(p, 0))
+            {
                 return Some(last_outside(place, inside, short, |place| within(place, 0)));
             } else {
                 place -= 16 * short;

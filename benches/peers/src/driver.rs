@@ -37,7 +37,8 @@ impl Driver {
         // and of `embree.cpp`, which alone takes a triangle test. Symbols of one driver are not seen by the others (RTLD_LOCAL).
         unsafe {
             let library = Library::new(path)?;
-            let take: Result<Symbol<'_, unsafe extern "C" fn(TriangleTest)>, _> = library.get(b"peer_triangle_test");
+            let take: Result<Symbol<'_, unsafe extern "C" fn(TriangleTest)>, _> =
+                library.get(b"peer_triangle_test");
             if let Ok(take) = take {
                 take(meet);
             }
@@ -60,7 +61,8 @@ impl Driver {
     pub(crate) fn build(this: &Rc<Self>, mesh: &MeshData) -> Body {
         let (vertices, triangles) = (&mesh.vertices, &mesh.triangles);
         // SAFETY: the pointers and counts are those of the arrays, and every index is below the vertex count: simdop's builder has checked the mesh.
-        let handle = unsafe { (this.build)(vertices.as_ptr(), vertices.len(), triangles.as_ptr(), triangles.len()) };
+        let handle =
+            unsafe { (this.build)(vertices.as_ptr(), vertices.len(), triangles.as_ptr(), triangles.len()) };
         Body { driver: Rc::clone(this), handle }
     }
 }

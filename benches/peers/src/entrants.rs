@@ -85,7 +85,8 @@ fn ours<N: Lanes + 'static>(name: &str, meshes: &[MeshData]) -> Entrant {
 
 fn driven(name: &str, driver: Driver, meshes: &[MeshData]) -> Entrant {
     let driver = Rc::new(driver);
-    let (bodies, build_ms) = timed(|| meshes.iter().map(|mesh| Driver::build(&driver, mesh)).collect::<Vec<_>>());
+    let (bodies, build_ms) =
+        timed(|| meshes.iter().map(|mesh| Driver::build(&driver, mesh)).collect::<Vec<_>>());
     let bytes: usize = bodies.iter().map(crate::driver::Body::bytes).sum();
     Entrant {
         name: name.to_owned(),
@@ -129,7 +130,9 @@ macro_rules! parry {
                         let matrix = Matrix::from_cols(column(0), column(1), column(2));
                         let pose = Pose::from_parts(column(3), Rotation::from_mat3(&matrix));
                         let (a, b) = (&bodies[0], &bodies[bodies.len() - 1]);
-                        intersection_test(&pose, a, &Pose::IDENTITY, b).expect("meshes are supported").intersecting
+                        intersection_test(&pose, a, &Pose::IDENTITY, b)
+                            .expect("meshes are supported")
+                            .intersecting
                     }),
                     count: None,
                 }

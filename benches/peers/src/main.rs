@@ -8,12 +8,15 @@ mod entrants;
 mod exact;
 mod measure;
 mod meshes;
+mod plot;
 mod poses;
 mod record;
 #[path = "../../../tests/support/rng.rs"]
 mod rng;
 #[path = "../../support/suites.rs"]
 mod suites;
+mod summary;
+mod table;
 
 use clap::Parser;
 use meshes::{SCENES, Scene};
@@ -78,7 +81,8 @@ fn run(options: &Options) -> Result<(), String> {
             if !part.exists() {
                 let meshes = scene.meshes(&options.data);
                 eprintln!("run {run}, {}: poses", scene.name);
-                let suites = poses::suites(scene.name, &poses, &meshes, options.poses as usize, options.seed)?;
+                let suites =
+                    poses::suites(scene.name, &poses, &meshes, options.poses as usize, options.seed)?;
                 eprintln!("run {run}, {}: queries", scene.name);
                 let entrants = entrants::entrants(&meshes, &options.drivers);
                 let occasion = measure::Occasion { run, mesh: scene.name };
@@ -87,14 +91,27 @@ fn run(options: &Options) -> Result<(), String> {
             rows.extend(record::read(&part)?);
         }
     }
-    record::write(&options.out.join("results.csv"), &rows)?;
+    report(options, &rows)
+}
+
+fn report(options: &Options, rows: &[record::Row]) -> Result<(), String> {
+    record::write(&options.out.join("results.csv"), rows)?;
+    let page = options.out.join("RESULTS.md");
+    std::fs::write(&page, table::page(rows, &options.stamp))
+        .map_err(|e| format!("{}: {e}", page.display()))?;
+    let plot = options.out.join("results.svg");
+    plot::draw(&plot, &summary::Summary::new(rows)).map_err(|e| format!("{}: {e}", plot.display()))?;
+    println!("{}", page.display());
     Ok(())
 }
 
 fn chosen(names: &[String]) -> Result<Vec<&'static Scene>, String> {
     let known = || SCENES.iter().map(|scene| scene.name).collect::<Vec<_>>().join(", ");
     let find = |name: &String| {
-        SCENES.iter().find(|scene| scene.name == name).ok_or_else(|| format!("no mesh {name}: there are {}", known()))
+        SCENES
+            .iter()
+            .find(|scene| scene.name == name)
+            .ok_or_else(|| format!("no mesh {name}: there are {}", known()))
     };
     if names.is_empty() { Ok(SCENES.iter().collect()) } else { names.iter().map(find).collect() }
 }

@@ -31,7 +31,12 @@ struct Results {
 }
 
 /// All libraries on all suites, in turns.
-pub(crate) fn measure(occasion: &Occasion<'_>, meshes: &[MeshData], entrants: &[Entrant], suites: &[Vec<Judged>]) -> Vec<Row> {
+pub(crate) fn measure(
+    occasion: &Occasion<'_>,
+    meshes: &[MeshData],
+    entrants: &[Entrant],
+    suites: &[Vec<Judged>],
+) -> Vec<Row> {
     let mut rows = Vec::new();
     for (suite, (distance, _)) in suites.iter().zip(DISTANCES) {
         let results = in_turns(entrants, suite);
@@ -81,7 +86,8 @@ fn row(
         let pairs = suite.iter().zip(&results.hits);
         pairs.filter(|(pose, hit)| pose.meets == meets && **hit != meets).count()
     };
-    let counters = entrant.count.as_ref().map(|count| suite.iter().map(|pose| count(&pose.rows)).collect::<Vec<_>>());
+    let counters =
+        entrant.count.as_ref().map(|count| suite.iter().map(|pose| count(&pose.rows)).collect::<Vec<_>>());
     let mean = |of: fn(&simdop::query::Counters) -> u64| {
         counters.as_ref().map(|all| all.iter().map(of).sum::<u64>() as f64 / all.len() as f64)
     };

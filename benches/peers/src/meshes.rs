@@ -46,7 +46,9 @@ fn ply(path: &Path) -> MeshData {
         })
     };
     let triangle = |element: &DefaultElement| match &element["vertex_indices"] {
-        Property::ListInt(corners) if corners.len() == 3 => [corners[0], corners[1], corners[2]].map(|i| i as u32),
+        Property::ListInt(corners) if corners.len() == 3 => {
+            [corners[0], corners[1], corners[2]].map(|i| i as u32)
+        }
         other => panic!("{}: a face is {other:?}", path.display()),
     };
     MeshData {

@@ -87,7 +87,8 @@ fn meet(a: &[Tri], b: &[Tri]) -> bool {
 }
 
 fn written(title: &str, suite: &[Judged]) -> String {
-    let mut text = format!("# {title}: the rows of [R|t] of A in B's frame\n# checksum {}\n", checksum(suite));
+    let mut text =
+        format!("# {title}: the rows of [R|t] of A in B's frame\n# checksum {}\n", checksum(suite));
     for pose in suite {
         for number in pose.rows.iter().flatten() {
             // The shortest decimal that reads back as the same number.
@@ -146,8 +147,12 @@ mod tests {
 
     #[test]
     fn files_read_back_to_the_bit_and_notice_a_change() {
-        let rows = [[0.1, -0.2, 1e-300, 3.0], [f64::MIN_POSITIVE, 0.3, 1.0 / 3.0, -7.5], [1.0, 2.0, 3.0, 4e17]];
-        let suite = [Judged { rows, method: Method::Sphere, meets: true }, Judged { rows, method: Method::Grid, meets: false }];
+        let rows =
+            [[0.1, -0.2, 1e-300, 3.0], [f64::MIN_POSITIVE, 0.3, 1.0 / 3.0, -7.5], [1.0, 2.0, 3.0, 4e17]];
+        let suite = [
+            Judged { rows, method: Method::Sphere, meets: true },
+            Judged { rows, method: Method::Grid, meets: false },
+        ];
         let text = written("test", &suite);
         assert_eq!(read(&text).unwrap(), suite);
         for (from, to) in [("-7.5", "-7.4"), ("hit", "free"), ("grid", "sphere")] {
