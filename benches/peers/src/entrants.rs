@@ -13,6 +13,8 @@ use std::path::Path;
 use std::rc::Rc;
 use std::time::Instant;
 
+type Count = Box<dyn Fn(&Rows) -> Counters>;
+
 /// A library that holds the bodies of a scene.
 pub(crate) struct Entrant {
     pub(crate) name: String,
@@ -24,7 +26,7 @@ pub(crate) struct Entrant {
     /// Do the bodies meet?
     pub(crate) collide: Box<dyn Fn(&Rows) -> bool>,
     /// The work of a query, of a library that counts it.
-    pub(crate) count: Option<Box<dyn Fn(&Rows) -> Counters>>,
+    pub(crate) count: Option<Count>,
 }
 
 /// Ours, and the name that the ratios are about.

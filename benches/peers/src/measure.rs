@@ -14,8 +14,8 @@ const BLOCK: usize = 10;
 /// Passes over a block; the least time of each pose counts.
 const PASSES: usize = 5;
 
-/// A pass over a block that takes longer is repeated once only.
-const LONG: Duration = Duration::from_millis(50);
+/// No further pass over a block on which so much time was spent.
+const ENOUGH: Duration = Duration::from_millis(100);
 
 /// Which measurement this is.
 pub(crate) struct Occasion<'s> {
@@ -55,15 +55,15 @@ fn in_turns(entrants: &[Entrant], suite: &[Judged]) -> Vec<Results> {
         for i in 0..entrants.len() {
             let which = (turn + i) % entrants.len();
             let (entrant, results) = (&entrants[which], &mut results[which]);
-            for pass in 0..PASSES {
-                let start = Instant::now();
+            let start = Instant::now();
+            for _ in 0..PASSES {
                 for pose in block.clone() {
                     let start = Instant::now();
                     let hit = (entrant.collide)(&suite[pose].rows);
                     results.best[pose] = results.best[pose].min(start.elapsed());
                     results.hits[pose] = hit;
                 }
-                if pass == 1 && start.elapsed() > LONG {
+                if start.elapsed() > ENOUGH {
                     break;
                 }
             }

@@ -64,7 +64,9 @@ fn panel(area: &Panel<'_>, all: &Summary<'_>, mesh: &str) -> Result<(), Fault> {
         all.distances.iter().enumerate().filter_map(point).collect()
     };
     let times = || all.libraries.iter().flat_map(|library| series(library)).map(|(_, time)| time);
-    let (low, high) = (times().fold(f64::INFINITY, f64::min) / 1.5, times().fold(0.0, f64::max) * 1.5);
+    let decade = |time: f64, round: fn(f64) -> f64| 10_f64.powf(round(time.log10()));
+    let low = decade(times().fold(f64::INFINITY, f64::min), f64::floor);
+    let high = decade(times().fold(0.0, f64::max), f64::ceil);
     let triangles = all.libraries.first().and_then(|library| all.rows(mesh, "", library).next());
     let caption = triangles.map_or_else(String::new, |row| {
         format!("{mesh}: {} against {} triangles", row.triangles_a, row.triangles_b)

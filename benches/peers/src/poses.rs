@@ -1,7 +1,7 @@
 //! Pose files: made once, with the exact oracle's verdicts, and read back with a checksum. `simdop collide --poses` reads them too.
 
 use crate::data::MeshData;
-use crate::exact::{Tri, meshes_meet};
+use crate::exact::meshes_meet;
 use crate::suites::{Approaching, DISTANCES, Method, Rows};
 use core::fmt::Write as _;
 use simdop::build::{Builder, Mesh};
@@ -75,15 +75,11 @@ fn make(meshes: &[MeshData], count: usize, seed: u64) -> Vec<Vec<Judged>> {
     for (method, count) in Method::ALL.into_iter().zip([count.div_ceil(2), count / 2]) {
         for line in pair.poses(method, count, seed) {
             for (suite, rows) in suites.iter_mut().zip(line) {
-                suite.push(Judged { rows, method, meets: meet(&a.placed(&rows), &still) });
+                suite.push(Judged { rows, method, meets: meshes_meet(&a.placed(&rows), &still) });
             }
         }
     }
     suites
-}
-
-fn meet(a: &[Tri], b: &[Tri]) -> bool {
-    meshes_meet(a, b)
 }
 
 fn written(title: &str, suite: &[Judged]) -> String {
