@@ -213,7 +213,7 @@ fn main() {
         group.throughput(Throughput::Elements(row.calls as u64));
         for bench in &row.benches {
             group.bench_function(&bench.name, |b| {
-                b.iter_custom(|passes| (0..passes).map(|_| (bench.time)()).sum())
+                b.iter_custom(|passes| (0..passes).map(|_| (bench.time)()).sum());
             });
         }
     });

@@ -56,14 +56,13 @@ pub(crate) const fn power_of_two(exponent: i32) -> f64 {
 /// The smallest `f32` that is not below `x`; +infinity for NaN.
 #[inline]
 pub(crate) fn round_up_f32(x: f64) -> f32 {
+    // Without a branch, which would be taken half of the time: the next code up is one more if positive, one less if negative. Zero is only
+    // below a positive x, so -0 has no next.
     let nearest = x as f32;
-    if f64::from(nearest) >= x {
-        nearest
-    } else if x.is_nan() {
-        f32::INFINITY
-    } else {
-        nearest.next_up()
-    }
+    let bits = nearest.to_bits();
+    let next = bits.wrapping_add(1 - 2 * (bits >> 31));
+    let up = f32::from_bits(if f64::from(nearest) < x { next } else { bits });
+    if up.is_nan() { f32::INFINITY } else { up }
 }
 
 #[cfg(test)]

@@ -21,6 +21,7 @@ pub struct Frame {
 
 /// The border of a body lies between 2^6 and 2^7 of its frame. A half is finite up to 2^16 and has its full 11 bits down to
 /// 2^-14, so a body 2^8 times larger or 2^20 times smaller still turns into this frame without loss of relative precision.
+#[cfg(feature = "alloc")]
 const BORDER_EXPONENT: i32 = 7;
 
 /// Largest scale exponent in use, either way: keeps `2^exponent` and its products normal.
@@ -31,6 +32,7 @@ type SupportSum = Expansion<32>;
 
 impl Frame {
     /// The frame for a body inside the box `min ..= max`, whose coordinates obey [`crate::triangle::MAX_COORDINATE`].
+    #[cfg(feature = "alloc")]
     #[must_use]
     pub(crate) fn around(min: Point, max: Point) -> Self {
         let centre = core::array::from_fn(|i| 0.5 * min[i] + 0.5 * max[i]);
@@ -93,6 +95,7 @@ impl Frame {
 }
 
 /// `e` with `2^e <= x < 2^(e+1)`, for a positive normal `x`.
+#[cfg(feature = "alloc")]
 const fn binary_exponent(x: f64) -> i32 {
     (x.to_bits() >> 52) as i32 - 1023
 }

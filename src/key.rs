@@ -70,6 +70,15 @@ impl Key {
         if x.is_nan() {
             return Self::INFINITY;
         }
+        let bits = x.to_bits();
+        let exponent = (bits >> FRACTION) as i32 & 0x7ff;
+        if exponent >= 1023 - 14 && exponent <= 1023 + 15 {
+            // Every plane in practice, so the one branch is foreseen; the sign would not be.
+            let sign = (bits as i64 >> 63) as i16;
+            let magnitude = (((bits >> DROPPED) & 0x1f_ffff) as i32 - ((1023 - 15) << 10)) as i16;
+            let inexact = (bits & ((1 << DROPPED) - 1) != 0) as i16;
+            return Self((magnitude ^ sign) + (inexact & !sign));
+        }
         let (magnitude, inexact) = truncate_to_half(x.abs());
         if x > 0.0 {
             // The code after the largest finite half is +infinity, as it should be.
@@ -119,10 +128,12 @@ pub fn decode(code: i16) -> f32 {
     half::f16::from_bits(bits as u16).to_f32_const()
 }
 
+/// Bits of the fraction of an `f64`, and how many of them a half drops.
+const FRACTION: u32 = 52;
+const DROPPED: u32 = FRACTION - 10;
+
 /// The bits of the largest finite half that is not above `x`, and whether it differs from `x`. `x` is not negative, not NaN.
 const fn truncate_to_half(x: f64) -> (u16, bool) {
-    const FRACTION: u32 = 52;
-    const DROPPED: u32 = FRACTION - 10;
     let bits = x.to_bits();
     let exponent = (bits >> FRACTION) as i32 - 1023;
     let fraction = bits & ((1 << FRACTION) - 1);

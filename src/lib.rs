@@ -51,8 +51,15 @@
 //! Teschner, Zachmann, *Massively Parallel Batch Neural Gas for Bounding Volume Hierarchy Construction*, VRIPHYS 2014. Klosowski, Held, Mitchell,
 //! Sowizral, Zikan, *Efficient Collision Detection Using Bounding Volume Hierarchies of k-DOPs*, TVCG 1998.
 #![no_std]
+// Of the library alone: a test may unwrap, and has std.
+#![deny(
+    clippy::unwrap_used,
+    clippy::std_instead_of_core,
+    clippy::std_instead_of_alloc,
+    clippy::alloc_instead_of_core
+)]
 
-#[cfg(feature = "alloc")]
+#[cfg(any(test, feature = "alloc"))]
 extern crate alloc;
 #[cfg(feature = "std")]
 extern crate std;
@@ -72,3 +79,7 @@ pub mod pose;
 pub mod query;
 pub mod realign;
 pub mod triangle;
+
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;

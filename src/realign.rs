@@ -86,9 +86,9 @@ impl<const K: usize> Realignment<K> {
             let mut weights = [0.0; 3];
             let mut weight_sum = 0.0;
             let mut residual = [ratio * u[0], ratio * u[1], ratio * u[2]];
-            for l in 0..3 {
-                weights[l] = (ratio * found.weights[l]) as f32;
-                let weight = f64::from(weights[l]);
+            for (l, single) in weights.iter_mut().enumerate() {
+                *single = (ratio * found.weights[l]) as f32;
+                let weight = f64::from(*single);
                 weight_sum += weight;
                 let v = &Directions::<K>::VECTORS[usize::from(found.directions[l]) % K];
                 residual[0] -= weight * v[0];

@@ -1,7 +1,5 @@
 //! What a planner on a robot relies on: no query touches the heap, and the stack of a query is bounded whatever the trees.
 
-#![expect(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
-
 mod support;
 
 use core::alloc::{GlobalAlloc, Layout};

@@ -1,8 +1,6 @@
 //! The command `simdop`, run as a user runs it: exit codes, messages, JSON, formats, trees in the place of meshes.
 
 #![cfg(feature = "cli")]
-#![expect(clippy::unwrap_used, reason = "a test that cannot go on fails")]
-
 mod support;
 
 use serde_json::Value;

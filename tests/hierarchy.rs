@@ -1,8 +1,6 @@
 //! Builder and baked tree: every plane of every lane equals exact arithmetic, for every node type, leaf size, splitter and awkward mesh;
 //! and no bytes, however damaged, do harm.
 
-#![expect(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
-
 extern crate alloc;
 
 mod support;

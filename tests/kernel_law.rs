@@ -311,7 +311,7 @@ where
     let trees = LazyCell::new(|| Trees::<K>::new(&mut Rng::new(K as u64)));
     let mut digest = Digest::EMPTY;
     for &mode in MODES {
-        let (mut ones, mut all) = (0, 0);
+        let (mut ones, mut all) = (0_u64, 0_u64);
         for i in 0..pairs() / MODES.len() as u64 {
             let (case, case_4) = if let Mode::Real = mode {
                 (trees.wide(&mut rng), trees.narrow(&mut rng))
@@ -460,8 +460,8 @@ fn roles_swapped_and_bodies_mirrored<const K: usize>(kernel: impl Kernel, name: 
         let column = |b: usize| (0..16).fold(0, |column, a| column | (rows[a] >> b & 1) << a);
         let mirrored = (mirrored(&query), wide(mirrored(&planes)));
         let swapped = (swapped(&planes), wide(swapped(&query)));
-        for lane in 0..16 {
-            assert_eq!(kernel.overlap_1v16(&mirrored.0, lane, &mirrored.1), rows[lane], "{name} k {K}");
+        for (lane, row) in rows.iter().enumerate() {
+            assert_eq!(kernel.overlap_1v16(&mirrored.0, lane, &mirrored.1), *row, "{name} k {K}");
             assert_eq!(kernel.overlap_1v16(&swapped.0, lane, &swapped.1), column(lane), "{name} k {K}");
             assert_eq!(kernel.overlap_16v1(&query, &node, lane), column(lane), "{name} k {K}");
         }
@@ -545,8 +545,9 @@ fn scalar_kernel_is_the_inequality() {
         let a: Planes<16, 18> = core::array::from_fn(|_| core::array::from_fn(|_| value(&mut rng)));
         let b: Planes<16, 18> = core::array::from_fn(|_| core::array::from_fn(|_| value(&mut rng)));
         let query = core::array::from_fn(|j| a[j ^ 1].map(|code| !code));
-        for lane in 0..16 {
-            let separated = |i: usize| (0..18).any(|j| -decode(a[j ^ 1][lane]) > decode(b[j][i]));
+        let bodies: [[i16; 18]; 16] = core::array::from_fn(|lane| a.map(|plane| plane[lane]));
+        for (lane, body) in bodies.iter().enumerate() {
+            let separated = |i: usize| (0..18).any(|j| -decode(body[j ^ 1]) > decode(b[j][i]));
             let want = (0..16).fold(0, |mask, i| mask | u16::from(!separated(i)) << i);
             assert_eq!(Scalar::new().overlap_1v16(&query, lane, &wide(b)), want);
         }

@@ -27,12 +27,15 @@ pub(crate) struct Halves<const W: usize, const K: usize> {
 
 pub(crate) fn float_query<const W: usize, const K: usize>(query: &Query<W, K>) -> FloatQuery<W, K> {
     // query[2 s] is the key of A's low bound in the direction of plane 2 s, query[2 s + 1] that of its negated high bound.
-    core::array::from_fn(|j| query[j].map(|code| if j % 2 == 0 { decode(code) } else { -decode(code) }))
+    core::array::from_fn(|j| {
+        query[j].map(|code| if j.is_multiple_of(2) { decode(code) } else { -decode(code) })
+    })
 }
 
 fn halves<const W: usize, const K: usize>(planes: &[[i16; W]; K]) -> Halves<W, K> {
     let bits = |code: i16| if code >= 0 { code as u16 } else { (code ^ 0x7fff) as u16 };
-    let plane = |j: usize| planes[j ^ 1].map(|code| if j % 2 == 0 { bits(!code) } else { bits(code) });
+    let plane =
+        |j: usize| planes[j ^ 1].map(|code| if j.is_multiple_of(2) { bits(!code) } else { bits(code) });
     let mut halves = Halves { planes: core::array::from_fn(plane), child: [0; W] };
     for lane in (0..W).filter(|&lane| planes[0][lane] == Key::EMPTY.code()) {
         for slab in halves.planes.chunks_exact_mut(2) {
@@ -118,9 +121,9 @@ impl<const K: usize> Variant for Papers4<Avx512, K> {
 #[inline]
 #[target_feature(enable = "avx2,f16c")]
 fn eight(halves: &[u16; 16], first: usize) -> __m256 {
-    assert!(first <= 8);
-    // SAFETY: the 16 bytes from `first` are inside the array.
-    _mm256_cvtph_ps(unsafe { _mm_loadu_si128(halves.as_ptr().add(first).cast()) })
+    let (eight, _) = halves[first..].as_chunks::<8>();
+    // SAFETY: the array has the 16 bytes that are read; the load asks for no alignment.
+    _mm256_cvtph_ps(unsafe { _mm_loadu_si128(eight[0].as_ptr().cast()) })
 }
 
 #[inline]
@@ -136,10 +139,10 @@ fn avx2_16<const K: usize, const EXIT: bool>(
         let (low, high) = (&node.planes[2 * slab], &node.planes[2 * slab + 1]);
         let a_low = _mm256_set1_ps(query[2 * slab][lane]);
         let a_high = _mm256_set1_ps(query[2 * slab + 1][lane]);
-        for half in 0..2 {
+        for (half, separated) in separated.iter_mut().enumerate() {
             let below = _mm256_cmp_ps::<_CMP_LT_OS>(a_high, eight(low, 8 * half));
             let above = _mm256_cmp_ps::<_CMP_GT_OS>(a_low, eight(high, 8 * half));
-            separated[half] = _mm256_or_ps(separated[half], _mm256_or_ps(below, above));
+            *separated = _mm256_or_ps(*separated, _mm256_or_ps(below, above));
         }
         if EXIT && _mm256_movemask_ps(_mm256_and_ps(separated[0], separated[1])) == 0xff {
             return 0;

@@ -143,6 +143,8 @@ fn load<Q, N>(recording: &Recording<Q, N>, calls: &[Call]) {
 )]
 fn byte<T>(value: &T, offset: usize) -> u8 {
     assert!(offset < size_of::<T>());
-    // SAFETY: the byte is inside the value, and initialised: the variants' types have no padding.
-    unsafe { (&raw const *value).cast::<u8>().add(offset).read() }
+    // SAFETY: the place is inside the value.
+    let place = unsafe { (&raw const *value).cast::<u8>().add(offset) };
+    // SAFETY: the byte is initialised: the variants' types have no padding.
+    unsafe { place.read() }
 }

@@ -8,17 +8,21 @@
 //! (`run`), and the attribute macro that the token's kernels are compiled with.
 //!
 //! Without `std`: x86-64 asks CPUID and XCR0; aarch64 believes what the crate was compiled for, which on every aarch64 target
-//! but a few includes NEON. On bare metal that knows more, `unsafe { Avx2::assume_supported() }` makes a token.
+//! but a few includes NEON; targets with a soft-float ABI (`x86_64-unknown-none`) have no vector registers to pass, and so [`Scalar`]
+//! only. On bare metal that knows more, `unsafe { Avx2::assume_supported() }` makes a token.
 
 #![cfg_attr(
-    any(target_arch = "x86_64", target_arch = "aarch64"),
+    any(
+        all(target_arch = "x86_64", target_feature = "sse2"),
+        all(target_arch = "aarch64", target_feature = "neon")
+    ),
     expect(
         unsafe_code,
         reason = "entering a function compiled for detected features is the point of this module"
     )
 )]
 
-#[cfg(all(target_arch = "x86_64", any(test, not(feature = "std"))))]
+#[cfg(all(target_arch = "x86_64", target_feature = "sse2", any(test, not(feature = "std"))))]
 mod cpuid;
 
 use core::fmt;
@@ -37,21 +41,21 @@ impl Scalar {
 }
 
 /// Whether this machine has a feature, by its name in `target_feature`.
-#[cfg(all(target_arch = "x86_64", feature = "std"))]
+#[cfg(all(target_arch = "x86_64", target_feature = "sse2", feature = "std"))]
 macro_rules! detected {
     ($feature:tt) => {
         std::arch::is_x86_feature_detected!($feature)
     };
 }
 
-#[cfg(all(target_arch = "x86_64", not(feature = "std")))]
+#[cfg(all(target_arch = "x86_64", target_feature = "sse2", not(feature = "std")))]
 macro_rules! detected {
     ($feature:tt) => {
         const { cpuid::Feature::named($feature) }.detected()
     };
 }
 
-#[cfg(target_arch = "aarch64")]
+#[cfg(all(target_arch = "aarch64", target_feature = "neon"))]
 macro_rules! detected {
     ($feature:tt) => {
         cfg!(target_feature = $feature)
@@ -59,6 +63,10 @@ macro_rules! detected {
 }
 
 /// One instruction set: token, detection, gate, and `$attribute!`, which compiles an item for it. `$d` is a dollar sign.
+#[cfg(any(
+    all(target_arch = "x86_64", target_feature = "sse2"),
+    all(target_arch = "aarch64", target_feature = "neon")
+))]
 macro_rules! instruction_set {
     ($d:tt $(#[$doc:meta])* $token:ident, $attribute:ident, [$($feature:tt)+]) => {
         $(#[$doc])*
@@ -69,15 +77,21 @@ macro_rules! instruction_set {
             /// The token, if this machine has the instruction set.
             #[must_use]
             pub fn detect() -> Option<Self> {
+                if !($(detected!($feature))&&+) {
+                    return None;
+                }
                 // SAFETY: each feature that the constructor is compiled for was just detected.
-                if $(detected!($feature))&&+ { Some(unsafe { Self::assume_supported() }) } else { None }
+                Some(unsafe { Self::assume_supported() })
             }
 
             /// The token, if the crate is compiled for it anyway.
             #[must_use]
             pub const fn baseline() -> Option<Self> {
+                if !($(cfg!(target_feature = $feature))&&+) {
+                    return None;
+                }
                 // SAFETY: each feature that the constructor is compiled for is enabled for the whole crate.
-                if $(cfg!(target_feature = $feature))&&+ { Some(unsafe { Self::assume_supported() }) } else { None }
+                Some(unsafe { Self::assume_supported() })
             }
 
             /// The token, without a question. Safe to call from a function compiled for the same features.
@@ -116,26 +130,26 @@ macro_rules! instruction_set {
     };
 }
 
-#[cfg(target_arch = "x86_64")]
+#[cfg(all(target_arch = "x86_64", target_feature = "sse2"))]
 instruction_set! { $
     /// x86-64 with AVX2 and F16C: Intel since Haswell, AMD since Zen.
     Avx2, compiled_for_avx2, ["avx2" "bmi1" "bmi2" "f16c" "lzcnt" "popcnt"]
 }
 
-#[cfg(target_arch = "x86_64")]
+#[cfg(all(target_arch = "x86_64", target_feature = "sse2"))]
 instruction_set! { $
     /// x86-64 with AVX-512F, BW and VL: Intel servers since Skylake, AMD since Zen 4.
     Avx512, compiled_for_avx512,
     ["avx2" "avx512bw" "avx512f" "avx512vl" "bmi1" "bmi2" "f16c" "lzcnt" "popcnt"]
 }
 
-#[cfg(target_arch = "aarch64")]
+#[cfg(all(target_arch = "aarch64", target_feature = "neon"))]
 instruction_set! { $
     /// aarch64 with NEON (Advanced SIMD).
     Neon, compiled_for_neon, ["neon"]
 }
 
-#[cfg(target_arch = "x86_64")]
+#[cfg(all(target_arch = "x86_64", target_feature = "sse2"))]
 impl Avx512 {
     /// AVX-512 includes AVX2.
     #[must_use]
@@ -160,13 +174,13 @@ pub enum Isa {
     /// Plain Rust.
     Scalar(Scalar),
     /// NEON.
-    #[cfg(target_arch = "aarch64")]
+    #[cfg(all(target_arch = "aarch64", target_feature = "neon"))]
     Neon(Neon),
     /// AVX2.
-    #[cfg(target_arch = "x86_64")]
+    #[cfg(all(target_arch = "x86_64", target_feature = "sse2"))]
     Avx2(Avx2),
     /// AVX-512.
-    #[cfg(target_arch = "x86_64")]
+    #[cfg(all(target_arch = "x86_64", target_feature = "sse2"))]
     Avx512(Avx512),
 }
 
@@ -205,7 +219,7 @@ impl Isa {
     /// The best instruction set among those that the crate is compiled for.
     #[must_use]
     pub const fn baseline() -> Self {
-        #[cfg(target_arch = "x86_64")]
+        #[cfg(all(target_arch = "x86_64", target_feature = "sse2"))]
         {
             if let Some(token) = Avx512::baseline() {
                 return Self::Avx512(token);
@@ -214,7 +228,7 @@ impl Isa {
                 return Self::Avx2(token);
             }
         }
-        #[cfg(target_arch = "aarch64")]
+        #[cfg(all(target_arch = "aarch64", target_feature = "neon"))]
         if let Some(token) = Neon::baseline() {
             return Self::Neon(token);
         }
@@ -225,11 +239,11 @@ impl Isa {
     pub fn available() -> impl Iterator<Item = Self> + Clone {
         [
             Some(Self::SCALAR),
-            #[cfg(target_arch = "aarch64")]
+            #[cfg(all(target_arch = "aarch64", target_feature = "neon"))]
             Neon::detect().map(Self::Neon),
-            #[cfg(target_arch = "x86_64")]
+            #[cfg(all(target_arch = "x86_64", target_feature = "sse2"))]
             Avx2::detect().map(Self::Avx2),
-            #[cfg(target_arch = "x86_64")]
+            #[cfg(all(target_arch = "x86_64", target_feature = "sse2"))]
             Avx512::detect().map(Self::Avx512),
         ]
         .into_iter()
@@ -252,11 +266,11 @@ impl Isa {
     const fn rank(self) -> usize {
         match self {
             Self::Scalar(_) => 0,
-            #[cfg(target_arch = "aarch64")]
+            #[cfg(all(target_arch = "aarch64", target_feature = "neon"))]
             Self::Neon(_) => 1,
-            #[cfg(target_arch = "x86_64")]
+            #[cfg(all(target_arch = "x86_64", target_feature = "sse2"))]
             Self::Avx2(_) => 2,
-            #[cfg(target_arch = "x86_64")]
+            #[cfg(all(target_arch = "x86_64", target_feature = "sse2"))]
             Self::Avx512(_) => 3,
         }
     }

@@ -225,9 +225,9 @@ compiled_for_avx2! {
     #[inline]
     fn realign_16<const K: usize>(map: &Realignment<K>, node: &Node16<K>) -> Query<16, K> {
         let mut planes = [[_mm256_setzero_ps(); 2]; K];
-        for j in 0..K {
-            let codes = load(&node.planes[j]);
-            planes[j] = [decode(_mm256_castsi256_si128(codes)), decode(_mm256_extracti128_si256::<1>(codes))];
+        for (decoded, codes) in planes.iter_mut().zip(&node.planes) {
+            let codes = load(codes);
+            *decoded = [decode(_mm256_castsi256_si128(codes)), decode(_mm256_extracti128_si256::<1>(codes))];
         }
         let mut query = [[0; 16]; K];
         for j in 0..K {
@@ -249,9 +249,8 @@ compiled_for_avx2! {
     #[inline]
     fn realign_4<const K: usize>(map: &Realignment<K>, node: &Node4<K>) -> Query<4, K> {
         let mut planes = [_mm256_setzero_ps(); K];
-        for j in 0..K {
-            let codes = load_4(&node.planes[j]);
-            planes[j] = decode(codes);
+        for (decoded, codes) in planes.iter_mut().zip(&node.planes) {
+            *decoded = decode(load_4(codes));
         }
         let mut query = [[0; 4]; K];
         for j in 0..K {

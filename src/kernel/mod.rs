@@ -14,11 +14,11 @@
 //!
 //! All operations take any bits. Codes that are not planes (NaN, -0) compare as the integers they are.
 
-#[cfg(target_arch = "x86_64")]
+#[cfg(all(target_arch = "x86_64", target_feature = "sse2"))]
 mod avx2;
-#[cfg(target_arch = "x86_64")]
+#[cfg(all(target_arch = "x86_64", target_feature = "sse2"))]
 mod avx512;
-#[cfg(target_arch = "aarch64")]
+#[cfg(all(target_arch = "aarch64", target_feature = "neon"))]
 mod neon;
 pub mod scalar;
 
@@ -36,11 +36,11 @@ pub(crate) const SEPARATED: i16 = i16::MAX;
 mod sealed {
     pub trait Sealed {}
     impl Sealed for crate::isa::Scalar {}
-    #[cfg(target_arch = "x86_64")]
+    #[cfg(all(target_arch = "x86_64", target_feature = "sse2"))]
     impl Sealed for crate::isa::Avx2 {}
-    #[cfg(target_arch = "x86_64")]
+    #[cfg(all(target_arch = "x86_64", target_feature = "sse2"))]
     impl Sealed for crate::isa::Avx512 {}
-    #[cfg(target_arch = "aarch64")]
+    #[cfg(all(target_arch = "aarch64", target_feature = "neon"))]
     impl Sealed for crate::isa::Neon {}
 }
 

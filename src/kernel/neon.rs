@@ -214,8 +214,9 @@ compiled_for_neon! {
                 // Separate multiplications and additions: fused ones would round otherwise than the specification.
                 let two = vaddq_f32(vmulq_n_f32(a[i], u), vmulq_n_f32(b[i], v));
                 let sum = vaddq_f32(vaddq_f32(two, vmulq_n_f32(c[i], w)), vdupq_n_f32(map.offset[j]));
+                let turned = encode_query(sum);
                 // SAFETY: the array has the 8 bytes that are written.
-                unsafe { vst1_s16(codes.as_mut_ptr(), encode_query(sum)) };
+                unsafe { vst1_s16(codes.as_mut_ptr(), turned) };
             }
         }
         for (codes, first) in query[0].as_chunks_mut::<4>().0.iter_mut().zip(planes[0].as_chunks::<4>().0) {

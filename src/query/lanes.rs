@@ -9,8 +9,23 @@ use crate::node::{Node, Node4, Node16};
 use crate::pose::Pose;
 use crate::realign::{Realignment, planes_of_corners};
 
-/// Row i: the children of B that child i of A overlaps.
-pub(crate) type Rows = [u16; 16];
+/// Which pairs of children overlap.
+#[derive(Copy, Clone, Default, Debug)]
+pub struct Rows {
+    /// Row i: the children of B that child i of A overlaps.
+    pub(crate) rows: [u16; 16],
+    /// Bit i: row i has a bit.
+    pub(crate) pending: u16,
+}
+
+impl Rows {
+    /// Puts fewer bits in a row.
+    #[inline(always)]
+    pub(crate) fn set(&mut self, row: usize, bits: u16) {
+        self.rows[row & 15] = bits;
+        self.pending &= !(u16::from(bits == 0) << (row & 15));
+    }
+}
 
 /// A node type that can be queried. Implemented by [`Node16`] and [`Node4`] only.
 pub trait Lanes: Node {
@@ -119,14 +134,16 @@ impl_lanes!(Node4, 4, realign_4);
 impl<const K: usize> Node16<K> {
     #[inline(always)]
     fn rows<E: Kernel>(&self, kernel: E, query: &Query<16, K>, wanted: u16) -> (Rows, u64) {
-        let mut rows = [0; 16];
+        let mut found = Rows::default();
         let mut left = wanted;
         while left != 0 {
             let lane = (left.trailing_zeros() & 15) as usize;
             left &= left - 1;
-            rows[lane] = kernel.overlap_1v16(query, lane, self);
+            let row = kernel.overlap_1v16(query, lane, self);
+            found.rows[lane] = row;
+            found.pending |= u16::from(row != 0) << lane;
         }
-        (rows, wanted.count_ones().into())
+        (found, wanted.count_ones().into())
     }
 
     #[inline(always)]
@@ -139,13 +156,14 @@ impl<const K: usize> Node4<K> {
     #[inline(always)]
     fn rows<E: Kernel>(&self, kernel: E, query: &Query<4, K>, wanted: u16) -> (Rows, u64) {
         let pairs = kernel.overlap_4v4(query, self);
-        let mut rows = [0; 16];
-        for (lane, row) in rows.iter_mut().take(4).enumerate() {
+        let mut found = Rows::default();
+        for (lane, row) in found.rows.iter_mut().take(4).enumerate() {
             if wanted >> lane & 1 != 0 {
                 *row = pairs >> (4 * lane) & 0xf;
+                found.pending |= u16::from(*row != 0) << lane;
             }
         }
-        (rows, 1)
+        (found, 1)
     }
 
     #[inline(always)]

@@ -28,11 +28,11 @@ macro_rules! on_isa {
     ($isa:expr, $token:ident => $call:expr) => {
         match $isa {
             Isa::Scalar($token) => $call,
-            #[cfg(target_arch = "aarch64")]
+            #[cfg(all(target_arch = "aarch64", target_feature = "neon"))]
             Isa::Neon($token) => $call,
-            #[cfg(target_arch = "x86_64")]
+            #[cfg(all(target_arch = "x86_64", target_feature = "sse2"))]
             Isa::Avx2($token) => $call,
-            #[cfg(target_arch = "x86_64")]
+            #[cfg(all(target_arch = "x86_64", target_feature = "sse2"))]
             Isa::Avx512($token) => $call,
         }
     };

@@ -9,8 +9,6 @@ use crate::node::Child;
 struct Frame {
     a: Child,
     b: Child,
-    /// Bit i: row i has a bit left.
-    pending: u16,
     rows: Rows,
 }
 
@@ -36,7 +34,7 @@ pub(crate) struct Next {
 
 impl Stack {
     pub(crate) const fn new() -> Self {
-        let frame = Frame { a: Child::EMPTY, b: Child::EMPTY, pending: 0, rows: [0; 16] };
+        let frame = Frame { a: Child::EMPTY, b: Child::EMPTY, rows: Rows { rows: [0; 16], pending: 0 } };
         Self { frames: [frame; 2 * MAX_DEPTH], len: 0 }
     }
 
@@ -44,9 +42,8 @@ impl Stack {
     /// If full, which trees that were validated cannot bring about.
     #[inline(always)]
     pub(crate) fn push(&mut self, a: Child, b: Child, rows: &Rows) {
-        let pending = (0..16).fold(0, |mask, i| mask | u16::from(rows[i] != 0) << i);
-        if pending != 0 {
-            self.frames[self.len] = Frame { a, b, pending, rows: *rows };
+        if rows.pending != 0 {
+            self.frames[self.len] = Frame { a, b, rows: *rows };
             self.len += 1;
         }
     }
@@ -55,15 +52,17 @@ impl Stack {
     #[inline(always)]
     pub(crate) fn next(&mut self) -> Option<Next> {
         let top = self.frames.get_mut(self.len.checked_sub(1)?)?;
-        let row = (top.pending.trailing_zeros() & 15) as usize;
-        let bits = &mut top.rows[row];
+        let rows = &mut top.rows;
+        let row = (rows.pending.trailing_zeros() & 15) as usize;
+        let bits = &mut rows.rows[row];
         let bit = (bits.trailing_zeros() & 15) as usize;
         *bits &= bits.wrapping_sub(1);
         if *bits == 0 {
-            top.pending &= top.pending - 1;
+            rows.pending &= rows.pending.wrapping_sub(1);
         }
+        let done = rows.pending == 0;
         let next = Next { a: top.a, b: top.b, row, bit };
-        if top.pending == 0 {
+        if done {
             self.len -= 1;
         }
         Some(next)

@@ -126,7 +126,7 @@ impl<'t, N: Lanes, E: Kernel, V: FnMut(Pair) -> ControlFlow<()>> Traversal<'t, N
             Link::Inner(node) => self.turn(a, node),
             _ => self.aim(a),
         }
-        let mut rows = [0; 16];
+        let mut rows = Rows::default();
         let mut wanted = u16::MAX;
         // The children of A that overlap the child of B that leads here: only their rows can have a bit.
         if let (Link::Inner(_), Some((node, lane))) = (a.link(), self.target) {
@@ -140,7 +140,8 @@ impl<'t, N: Lanes, E: Kernel, V: FnMut(Pair) -> ControlFlow<()>> Traversal<'t, N
             (rows, kernels) = self.b.nodes()[node as usize].overlap_rows(self.kernel, query, wanted);
             self.counters.kernels += kernels;
         } else {
-            rows[0] = wanted;
+            rows.rows[0] = wanted;
+            rows.pending = u16::from(wanted != 0);
         }
         self.decide_leaves(a, b, &mut rows)?;
         stack.push(a, b, &rows);
@@ -175,24 +176,26 @@ impl<'t, N: Lanes, E: Kernel, V: FnMut(Pair) -> ControlFlow<()>> Traversal<'t, N
     fn decide_leaves(&mut self, a: Child, b: Child, rows: &mut Rows) -> Flow {
         match (a.link(), b.link()) {
             (Link::Inner(node_a), Link::Inner(node_b)) => {
-                for (row, bits) in rows.iter_mut().enumerate() {
-                    if *bits != 0 {
-                        let child = self.child_a(node_a, row);
-                        if let Link::Leaf { .. } = child.link() {
-                            *bits = self.decide_row(child, node_b, *bits)?;
-                        }
+                for row in bits_of(rows.pending) {
+                    let child = self.child_a(node_a, row);
+                    if let Link::Leaf { .. } = child.link() {
+                        rows.set(row, self.decide_row(child, node_b, rows.rows[row])?);
                     }
                 }
             }
-            (Link::Leaf { .. }, Link::Inner(node_b)) => rows[0] = self.decide_row(a, node_b, rows[0])?,
+            (Link::Leaf { .. }, Link::Inner(node_b)) => {
+                rows.set(0, self.decide_row(a, node_b, rows.rows[0])?)
+            }
             (Link::Inner(node_a), Link::Leaf { .. }) => {
-                for lane in bits_of(rows[0]) {
+                let mut inner = rows.rows[0];
+                for lane in bits_of(inner) {
                     let child = self.child_a(node_a, lane);
                     if let Link::Leaf { .. } = child.link() {
-                        rows[0] &= !(1 << lane);
+                        inner &= !(1 << lane);
                         self.decide(child, b)?;
                     }
                 }
+                rows.set(0, inner);
             }
             _ => {}
         }
