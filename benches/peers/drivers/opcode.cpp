@@ -1,4 +1,5 @@
-// OPCODE itself, from ODE's sources: its tree of boxes, built and asked as ODE does, but for the first pair only.
+// OPCODE itself, from ODE's sources: its tree of boxes, built as ODE does. Asked for the first pair only, and with 6 of the 15 axes between boxes, which was
+// the faster setting here; ODE tests all 15.
 #include <cstdlib>
 #include <cstring>
 #include "Opcode.h"
@@ -20,7 +21,7 @@ AABBTreeCollider &collider() {
     AABBTreeCollider c;
     c.SetFirstContact(true);
     c.SetTemporalCoherence(false);
-    c.SetFullBoxBoxTest(true);
+    c.SetFullBoxBoxTest(false);
     c.SetFullPrimBoxTest(true);
     return c;
   }();
