@@ -30,7 +30,7 @@
 //!
 //! * **No miss, no false hit.** Volumes are rounded outwards ([`key`], [`realign`]), triangles are decided [exactly](triangle). A verdict is exact
 //!   for the corners as [`pose::Pose::apply`] moves them: within 2^-50 of the pose asked for.
-//! * **No allocation in a query**, and a stack of [`query::STACK_BYTES`] bytes whatever the trees.
+//! * **No allocation in a query**, and a traversal stack of [`query::STACK_BYTES`] bytes whatever the trees.
 //! * **Untrusted trees.** [`hierarchy::BvhRef::from_bytes`] proves that bytes are safe to walk; [`hierarchy::BvhRef::verify`] proves, in exact
 //!   arithmetic, that they bound their triangles.
 //! * **Determinism.** No fused multiply-add, no reordering: the same bits on every machine.

@@ -30,7 +30,7 @@ use crate::frame::{Frame, Point};
 use crate::hierarchy::Header;
 use crate::key::{Key, decode};
 use crate::pose::Pose;
-use crate::triangle::MIN_COORDINATE;
+use crate::triangle::{MIN_COORDINATE, Triangle};
 
 /// How the planes of every node of one body turn into another body's frame, at one pose.
 #[derive(Copy, Clone, PartialEq, Debug)]
@@ -66,9 +66,8 @@ impl<const K: usize> Realignment<K> {
             let c = a.centre;
             (((m[i][0] * c[0] + m[i][1] * c[1]) + m[i][2] * c[2]) + t[i]) - b.centre[i]
         });
-        let max = |p: &Point| p[0].abs().max(p[1].abs()).max(p[2].abs());
         // 4 >= sum of a row's magnitudes, for the image; once more for the centre.
-        let coordinates = (8.0 * a.extent + max(&t)) + max(&b.centre);
+        let coordinates = (8.0 * a.extent + greatest(&t)) + greatest(&b.centre);
         let per_length =
             F64_SLACK * (ratio * width_sum + b.scale() * coordinates) + MIN_COORDINATE * b.scale();
 
@@ -133,16 +132,21 @@ impl<const K: usize> Realignment<K> {
     }
 }
 
-/// The planes of everything within `margin` of moved corners in frame `b`, each an upper bound of the exact support, rounded up: tighter
+/// The planes of everything within `margin` of moved triangles in frame `b`, each an upper bound of the exact support, rounded up: tighter
 /// than the re-aligned planes of the leaf that holds them.
+// Loops, not `array::from_fn`, which is not always inlined.
+#[inline(always)]
 #[must_use]
-pub(crate) fn planes_of_corners<const K: usize>(b: &Frame, corners: &[Point], margin: f64) -> [Key; K] {
-    let scale = b.scale();
+pub(crate) fn planes_of_triangles<const K: usize>(
+    b: &Frame,
+    triangles: impl Iterator<Item = Triangle>,
+    margin: f64,
+) -> [Key; K] {
     let mut low = [f64::INFINITY; K];
-    let mut size = 0.0_f64;
-    for p in corners {
-        let d: Point = core::array::from_fn(|i| p[i] - b.centre[i]);
-        size = p.iter().chain(&b.centre).fold(size, |size, x| size.max(x.abs()));
+    let mut size = greatest(&b.centre);
+    for p in triangles.flatten() {
+        let d = [p[0] - b.centre[0], p[1] - b.centre[1], p[2] - b.centre[2]];
+        size = size.max(greatest(&p));
         for j in (0..K).step_by(2) {
             let n = Directions::<K>::VECTORS[j];
             let support = (n[0] * d[0] + n[1] * d[1]) + n[2] * d[2];
@@ -151,10 +155,19 @@ pub(crate) fn planes_of_corners<const K: usize>(b: &Frame, corners: &[Point], ma
             low[j + 1] = low[j + 1].min(support);
         }
     }
-    core::array::from_fn(|j| {
+    let scale = b.scale();
+    let mut planes = [Key::ZERO; K];
+    for (j, plane) in planes.iter_mut().enumerate() {
         let n = Directions::<K>::VECTORS[j];
         let pad = F64_SLACK * (n[0].abs() + n[1].abs() + n[2].abs()) * size;
         let reach = (1.0 + F64_SLACK) * Directions::<K>::LENGTHS[j] * margin;
-        Key::round_up_or_unbounded(((pad + reach) - low[j]) * scale)
-    })
+        *plane = Key::round_up_or_unbounded(((pad + reach) - low[j]) * scale);
+    }
+    planes
+}
+
+/// The greatest magnitude of a coordinate.
+#[inline(always)]
+fn greatest(p: &Point) -> f64 {
+    p[0].abs().max(p[1].abs()).max(p[2].abs())
 }

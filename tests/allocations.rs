@@ -130,8 +130,8 @@ fn a_query_never_allocates() {
 }
 
 #[test]
-fn the_stack_of_a_query_is_below_two_kilobytes() {
-    assert!((1..=2048).contains(&STACK_BYTES), "{STACK_BYTES} bytes");
+fn the_stack_of_a_query_is_below_one_kilobyte() {
+    assert!((1..=1024).contains(&STACK_BYTES), "{STACK_BYTES} bytes");
 }
 
 /// A tilted triangle: its box is fat, so that bodies can overlap as volumes and not meet.

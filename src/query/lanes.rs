@@ -1,13 +1,14 @@
 //! What the traversal asks of a node type: the same questions for 1vs16 and 4vs4.
 
 use super::gaps::{self, Entries};
-use crate::frame::{Frame, Point};
+use crate::frame::Frame;
 use crate::hierarchy::Header;
 use crate::kernel::{Kernel, Query, SEPARATED};
 use crate::key::Key;
 use crate::node::{Node, Node4, Node16};
 use crate::pose::Pose;
-use crate::realign::{Realignment, planes_of_corners};
+use crate::realign::{Realignment, planes_of_triangles};
+use crate::triangle::Triangle;
 
 /// Which pairs of children overlap.
 #[derive(Copy, Clone, Default, Debug)]
@@ -44,9 +45,9 @@ pub trait Lanes: Node {
     /// calls too.
     #[doc(hidden)]
     fn overlap_rows<E: Kernel>(&self, kernel: E, query: &Self::Query, wanted: u16) -> (Rows, u64);
-    /// The planes of everything within `margin` of the corners, in lane 0.
+    /// Puts the planes of everything within `margin` of moved triangles into lane 0 of the query.
     #[doc(hidden)]
-    fn query_of_corners(b: &Frame, corners: &[Point], margin: f64) -> Self::Query;
+    fn aim(query: &mut Self::Query, b: &Frame, triangles: impl Iterator<Item = Triangle>, margin: f64);
     /// Turned planes shall hold everything within `margin` of the body.
     #[doc(hidden)]
     fn widen(map: &mut Self::Map, b: &Frame, margin: f64);
@@ -63,10 +64,6 @@ pub trait Lanes: Node {
     /// Which bodies of the query child `lane` of `self` overlaps.
     #[doc(hidden)]
     fn overlap_column<E: Kernel>(&self, kernel: E, query: &Self::Query, lane: usize) -> u16;
-}
-
-fn query_of_planes<const W: usize, const K: usize>(key: impl Fn(usize) -> i16) -> Query<W, K> {
-    core::array::from_fn(|j| [!key(j ^ 1); W])
 }
 
 macro_rules! impl_lanes {
@@ -93,9 +90,17 @@ macro_rules! impl_lanes {
                 $node::rows(self, kernel, query, wanted)
             }
 
-            fn query_of_corners(b: &Frame, corners: &[Point], margin: f64) -> Self::Query {
-                let planes: [Key; K] = planes_of_corners(b, corners, margin);
-                query_of_planes(|j| planes[j].code())
+            #[inline(always)]
+            fn aim(
+                query: &mut Self::Query,
+                b: &Frame,
+                triangles: impl Iterator<Item = Triangle>,
+                margin: f64,
+            ) {
+                let planes: [Key; K] = planes_of_triangles(b, triangles, margin);
+                for (j, plane) in planes.into_iter().enumerate() {
+                    query[j ^ 1][0] = !plane.code();
+                }
             }
 
             fn widen(map: &mut Self::Map, b: &Frame, margin: f64) {

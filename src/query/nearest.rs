@@ -6,12 +6,13 @@
 
 use super::frontier::{ABOVE_ROOT, Body, Frame, Stack, VolumeA, VolumeB};
 use super::gaps::{Entries, Entry, least};
+use super::traverse::moved;
 use super::{Completion, Counters, Lanes, Pair};
 use crate::exact::round_up_f32;
 use crate::frame::Point;
 use crate::hierarchy::BvhRef;
 use crate::kernel::Kernel;
-use crate::node::{Child, Link, MAX_LEAF_SIZE};
+use crate::node::{Child, Link};
 use crate::pose::Pose;
 use crate::triangle::Triangle;
 use crate::triangle::distance::{Separation, TIGHT, nearer};
@@ -222,13 +223,10 @@ impl<'t, N: Lanes, E: Kernel> Search<'t, N, E> {
     #[inline(always)]
     fn aim(&mut self, leaf: Child, first: u32, count: u32) {
         if self.aimed.0 != leaf {
-            let mut corners = [[0.0; 3]; 3 * MAX_LEAF_SIZE as usize];
-            let mut len = 0;
-            for index in first..first + count {
-                corners[len..len + 3].copy_from_slice(&self.moved(index));
-                len += 3;
-            }
-            self.aimed = (leaf, N::query_of_corners(&self.b.frame(), &corners[..len], 0.0));
+            let (body, pose) = (&self.a, self.pose);
+            let triangles = (first..first + count).map(|index| moved(body, pose, index));
+            N::aim(&mut self.aimed.1, &self.b.frame(), triangles, 0.0);
+            self.aimed.0 = leaf;
         }
     }
 
@@ -270,7 +268,6 @@ impl<'t, N: Lanes, E: Kernel> Search<'t, N, E> {
 
     #[inline(always)]
     fn moved(&self, index: u32) -> Triangle {
-        let [p, q, r] = self.a.triangle(index);
-        [self.pose.apply(p), self.pose.apply(q), self.pose.apply(r)]
+        moved(&self.a, self.pose, index)
     }
 }

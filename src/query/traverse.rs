@@ -8,7 +8,7 @@ use super::stack::{Next, Stack};
 use super::{Counters, Lanes, Pair};
 use crate::hierarchy::BvhRef;
 use crate::kernel::Kernel;
-use crate::node::{Child, Link, MAX_LEAF_SIZE};
+use crate::node::{Child, Link};
 use crate::pose::Pose;
 use crate::triangle::distance::within;
 use crate::triangle::{Probe, Triangle};
@@ -161,13 +161,10 @@ impl<'t, N: Lanes, E: Kernel, V: FnMut(Pair) -> ControlFlow<()>> Traversal<'t, N
     #[inline(always)]
     fn aim(&mut self, a: Child) {
         if self.aimed.0 != a {
-            let mut corners = [[0.0; 3]; 3 * MAX_LEAF_SIZE as usize];
-            let mut count = 0;
-            for index in primitives(a) {
-                corners[count..count + 3].copy_from_slice(&self.moved(index));
-                count += 3;
-            }
-            self.aimed = (a, N::query_of_corners(&self.b.frame(), &corners[..count], self.margin));
+            let (body, pose) = (&self.a, self.pose);
+            let triangles = primitives(a).map(|index| moved(body, pose, index));
+            N::aim(&mut self.aimed.1, &self.b.frame(), triangles, self.margin);
+            self.aimed.0 = a;
         }
     }
 
@@ -243,8 +240,7 @@ impl<'t, N: Lanes, E: Kernel, V: FnMut(Pair) -> ControlFlow<()>> Traversal<'t, N
 
     #[inline(always)]
     fn moved(&self, index: u32) -> Triangle {
-        let [p, q, r] = self.a.triangle(index);
-        [self.pose.apply(p), self.pose.apply(q), self.pose.apply(r)]
+        moved(&self.a, self.pose, index)
     }
 
     /// The distance of some corner below `a` from some corner below `b`, rounded up.
@@ -255,6 +251,13 @@ impl<'t, N: Lanes, E: Kernel, V: FnMut(Pair) -> ControlFlow<()>> Traversal<'t, N
         let d = glam::DVec3::from_array(p).distance(glam::DVec3::from_array(q));
         d * (1.0 + 8.0 * f64::EPSILON)
     }
+}
+
+/// A triangle of a body at a pose.
+#[inline(always)]
+pub(super) fn moved<N: Lanes>(body: &BvhRef<'_, N>, pose: &Pose, index: u32) -> Triangle {
+    let [p, q, r] = body.triangle(index);
+    [pose.apply(p), pose.apply(q), pose.apply(r)]
 }
 
 /// The triangles of a leaf.
