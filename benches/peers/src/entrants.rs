@@ -33,10 +33,9 @@ pub(crate) struct Entrant {
 pub(crate) const OURS: &str = "simdop k 18";
 
 /// A peer in C++, and its driver.
-const DRIVERS: [(&str, &str); 8] = [
+const DRIVERS: [(&str, &str); 7] = [
     ("OPCODE", "opcode"),
     ("ODE", "ode"),
-    ("native FCL OBB", "fcl-native"),
     ("FCL OBB", "fcl-OBB"),
     ("FCL OBBRSS", "fcl-OBBRSS"),
     ("Coal OBB", "coal-OBB"),

@@ -19,7 +19,6 @@ fn style(library: &str) -> ShapeStyle {
         "simdop k 14" => (RGBColor(120, 120, 120), 3),
         "OPCODE" => (RGBColor(213, 94, 0), 2),
         "ODE" => (RGBColor(240, 170, 110), 2),
-        "native FCL OBB" => (RGBColor(0, 30, 90), 2),
         "FCL OBB" => (RGBColor(0, 90, 170), 2),
         "FCL OBBRSS" => (RGBColor(110, 180, 235), 2),
         "Coal OBB" => (RGBColor(0, 120, 80), 2),

@@ -50,9 +50,9 @@ fn head(page: &mut String, rows: &[Row], all: &Summary<'_>, stamp: &str) {
     let _ = write!(page, "{}.\n\n", versions.join(", "));
     page.push_str(
         "What is compared: simdop, Coal, FCL and parry f64 keep coordinates in f64, OPCODE, ODE and parry f32 in f32. FCL, Coal, ODE and Embree are compiled as their\n\
-        packages are, for any x86-64. \"native FCL\" has FCL's templates, and OPCODE (ODE's copy) all of it, compiled here with -O3 -march=native. ODE collects all\n\
-        pairs of triangles, the others end at the first. Embree finds pairs of boxes, simdop's exact test decides them, and its time holds the refit of A's tree,\n\
-        since its trees have no pose.\n\n",
+        packages are, for any x86-64 (FCL's templates compiled here with -O3 -march=native take the same times); OPCODE is ODE's copy, compiled with those flags.\n\
+        ODE collects all pairs of triangles, the others end at the first. Embree finds pairs of boxes, simdop's exact test decides them, and its time holds the\n\
+        refit of A's tree, since its trees have no pose.\n\n",
     );
 }
 
