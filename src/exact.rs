@@ -60,7 +60,7 @@ pub(crate) fn round_up_f32(x: f64) -> f32 {
     // below a positive x, so -0 has no next.
     let nearest = x as f32;
     let bits = nearest.to_bits();
-    let next = bits.wrapping_add(1 - 2 * (bits >> 31));
+    let next = bits.wrapping_add(1_u32.wrapping_sub(2 * (bits >> 31)));
     let up = f32::from_bits(if f64::from(nearest) < x { next } else { bits });
     if up.is_nan() { f32::INFINITY } else { up }
 }

@@ -71,7 +71,8 @@ impl MeshData {
         self.triangles.iter().map(|t| t.map(|v| self.vertices[v as usize])).collect()
     }
 
-    fn bounds(&self) -> ([f64; 3], [f64; 3]) {
+    /// Corners of the bounding box.
+    pub(crate) fn bounds(&self) -> ([f64; 3], [f64; 3]) {
         let fold = |f: fn(f64, f64) -> f64, start: f64| {
             core::array::from_fn(|i| self.vertices.iter().fold(start, |m, p| f(m, p[i])))
         };
@@ -84,7 +85,8 @@ impl MeshData {
         (0..3).map(|i| (high[i] - low[i]).powi(2)).sum::<f64>().sqrt()
     }
 
-    fn centre(&self) -> [f64; 3] {
+    /// Of the bounding box.
+    pub(crate) fn centre(&self) -> [f64; 3] {
         let (low, high) = self.bounds();
         core::array::from_fn(|i| 0.5 * (low[i] + high[i]))
     }
@@ -113,6 +115,30 @@ pub(crate) fn suites() -> Option<Vec<Suite>> {
     ])
 }
 
+/// A line that a turned body comes along.
+#[derive(Copy, Clone, Debug)]
+pub(crate) struct Approach {
+    /// Of the body, by rows.
+    pub(crate) rotation: [[f64; 3]; 3],
+    /// A point that its centre comes to, at distance 0.
+    pub(crate) target: [f64; 3],
+    /// Unit vector from there to where it comes from.
+    pub(crate) towards: [f64; 3],
+    /// The centre of the body where it was made.
+    pub(crate) centre: [f64; 3],
+}
+
+impl Approach {
+    /// The pose with the centre `distance` in front of the target.
+    pub(crate) fn at(&self, distance: f64) -> [[f64; 4]; 3] {
+        core::array::from_fn(|i| {
+            let (r, c) = (self.rotation[i], self.centre);
+            let turned = (r[0] * c[0] + r[1] * c[1]) + r[2] * c[2];
+            [r[0], r[1], r[2], self.target[i] - turned + distance * self.towards[i]]
+        })
+    }
+}
+
 /// Gaps (positive) and depths (negative) of the suites, as shares of the diagonal.
 pub(crate) const GAPS: [f64; 8] = [1e-2, -1e-2, 1e-4, -1e-4, 1e-6, -1e-6, 1e-8, -1e-8];
 
@@ -125,18 +151,12 @@ impl Suite {
     {
         let mut rng = Rng::new(0x5eed);
         let (size_a, size_b) = (self.a.diagonal(), self.b.diagonal());
-        let (centre_a, centre_b) = (self.a.centre(), self.b.centre());
         let mut poses = Vec::new();
         for _ in (0..25).step_by(step) {
             let rotation = rng.rotation();
             let towards = rng.rotation()[0];
-            let at = |distance: f64| -> [[f64; 4]; 3] {
-                core::array::from_fn(|i| {
-                    let r = rotation[i];
-                    let turned = (r[0] * centre_a[0] + r[1] * centre_a[1]) + r[2] * centre_a[2];
-                    [r[0], r[1], r[2], centre_b[i] - turned + distance * towards[i]]
-                })
-            };
+            let line = Approach { rotation, target: self.b.centre(), towards, centre: self.a.centre() };
+            let at = |distance: f64| line.at(distance);
             // From far away inwards in steps, to the first that meets (an open scene may let A pass: then its middle will do).
             let far = size_a + size_b;
             let first = (0..=200).find(|i| meets(&at(far * (1.0 - f64::from(*i) / 200.0))));
@@ -155,6 +175,7 @@ impl Suite {
 /// Names every helper once, so that a test which needs only some of them compiles without a warning.
 const _: () = {
     let _ = (directory, suite_step, MeshData::placed, MeshData::corners, suites, GAPS);
+    let _ = (MeshData::bounds, MeshData::centre, Approach::at);
     let _ = Suite::poses::<fn(&[[f64; 4]; 3]) -> bool>;
     let _ = |suite: &Suite| suite.name;
 };

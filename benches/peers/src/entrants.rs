@@ -1,0 +1,146 @@
+//! The libraries that take part, each with its bodies built.
+
+use crate::data::MeshData;
+use crate::driver::Driver;
+use crate::suites::Rows;
+use simdop::build::{Builder, Mesh};
+use simdop::hierarchy::Bvh;
+use simdop::isa::Isa;
+use simdop::node::Node16;
+use simdop::pose::Pose;
+use simdop::query::{Counters, Lanes, Query};
+use std::path::Path;
+use std::rc::Rc;
+use std::time::Instant;
+
+type Count = Box<dyn Fn(&Rows) -> Counters>;
+
+/// A library that holds the bodies of a scene.
+pub(crate) struct Entrant {
+    pub(crate) name: String,
+    pub(crate) version: String,
+    /// For all bodies of the scene.
+    pub(crate) build_ms: f64,
+    /// Of all bodies, if the library says.
+    pub(crate) bytes: Option<usize>,
+    /// Do the bodies meet?
+    pub(crate) collide: Box<dyn Fn(&Rows) -> bool>,
+    /// The work of a query, of a library that counts it.
+    pub(crate) count: Option<Count>,
+}
+
+/// Ours, and the name that the ratios are about.
+pub(crate) const OURS: &str = "simdop k 18";
+
+/// A peer in C++, and its driver.
+const DRIVERS: [(&str, &str); 7] = [
+    ("OPCODE", "opcode"),
+    ("ODE", "ode"),
+    ("FCL OBB", "fcl-OBB"),
+    ("FCL OBBRSS", "fcl-OBBRSS"),
+    ("Coal OBB", "coal-OBB"),
+    ("Coal OBBRSS", "coal-OBBRSS"),
+    ("Embree", "embree"),
+];
+
+/// Everything that could be had: a driver that is not there, or does not load, is left out with a warning.
+pub(crate) fn entrants(meshes: &[MeshData], drivers: &Path) -> Vec<Entrant> {
+    let mut entrants = vec![ours::<Node16<18>>(OURS, meshes), ours::<Node16<14>>("simdop k 14", meshes)];
+    for (name, file) in DRIVERS {
+        match Driver::load(&drivers.join(format!("{file}.so"))) {
+            Ok(driver) => entrants.push(driven(name, driver, meshes)),
+            Err(error) => eprintln!("*** {name} IS LEFT OUT: {error} ***"),
+        }
+    }
+    entrants.extend([parry_f32::entrant("parry f32", meshes), parry_f64::entrant("parry f64", meshes)]);
+    entrants
+}
+
+fn timed<T>(build: impl FnOnce() -> T) -> (T, f64) {
+    let start = Instant::now();
+    let built = build();
+    (built, start.elapsed().as_secs_f64() * 1e3)
+}
+
+fn ours<N: Lanes + 'static>(name: &str, meshes: &[MeshData]) -> Entrant {
+    let build = |mesh: &MeshData| -> Bvh<N> {
+        let mesh = Mesh { vertices: &mesh.vertices, triangles: &mesh.triangles };
+        Builder::new().build(&mesh).expect("the data sets can be built")
+    };
+    let (trees, build_ms) = timed(|| meshes.iter().map(build).collect::<Vec<_>>());
+    let bytes = trees.iter().map(|tree| tree.as_bytes().len()).sum();
+    let query = Query::new(Isa::detect());
+    let answer = Rc::new(move |rows: &Rows| {
+        let pose = Pose::from_rows(*rows).expect("the poses are rigid");
+        query.collide(&trees[0].view(), &trees[trees.len() - 1].view(), &pose)
+    });
+    let again = Rc::clone(&answer);
+    Entrant {
+        name: name.to_owned(),
+        version: Isa::detect().name().to_owned(),
+        build_ms,
+        bytes: Some(bytes),
+        collide: Box::new(move |rows| answer(rows).is_hit()),
+        count: Some(Box::new(move |rows| again(rows).counters)),
+    }
+}
+
+fn driven(name: &str, driver: Driver, meshes: &[MeshData]) -> Entrant {
+    let driver = Rc::new(driver);
+    let (bodies, build_ms) =
+        timed(|| meshes.iter().map(|mesh| Driver::build(&driver, mesh)).collect::<Vec<_>>());
+    let bytes: usize = bodies.iter().map(crate::driver::Body::bytes).sum();
+    Entrant {
+        name: name.to_owned(),
+        version: driver.version(),
+        build_ms,
+        bytes: Some(bytes).filter(|bytes| *bytes > 0),
+        collide: Box::new(move |rows| bodies[0].collides(&bodies[bodies.len() - 1], rows)),
+        count: None,
+    }
+}
+
+/// As in Cargo.toml.
+const PARRY_VERSION: &str = "0.31.1";
+
+/// parry in the precision of a crate.
+macro_rules! parry {
+    ($module:ident, $parry:ident, $Real:ident) => {
+        mod $module {
+            use super::{Entrant, MeshData, PARRY_VERSION, timed};
+            use $parry::math::{Matrix, Pose, Rotation, Vector};
+            use $parry::query::intersection_test;
+            use $parry::shape::TriMesh;
+
+            fn vector(p: [f64; 3]) -> Vector {
+                Vector::new(p[0] as $Real, p[1] as $Real, p[2] as $Real)
+            }
+
+            pub(super) fn entrant(name: &str, meshes: &[MeshData]) -> Entrant {
+                let build = |mesh: &MeshData| {
+                    let vertices = mesh.vertices.iter().map(|p| vector(*p)).collect();
+                    TriMesh::new(vertices, mesh.triangles.clone()).expect("there are triangles")
+                };
+                let (bodies, build_ms) = timed(|| meshes.iter().map(build).collect::<Vec<_>>());
+                Entrant {
+                    name: name.to_owned(),
+                    version: PARRY_VERSION.to_owned(),
+                    build_ms,
+                    bytes: Some(bodies.iter().map(TriMesh::total_memory_size).sum()),
+                    collide: Box::new(move |rows| {
+                        let column = |j: usize| vector([rows[0][j], rows[1][j], rows[2][j]]);
+                        let matrix = Matrix::from_cols(column(0), column(1), column(2));
+                        let pose = Pose::from_parts(column(3), Rotation::from_mat3(&matrix));
+                        let (a, b) = (&bodies[0], &bodies[bodies.len() - 1]);
+                        intersection_test(&pose, a, &Pose::IDENTITY, b)
+                            .expect("meshes are supported")
+                            .intersecting
+                    }),
+                    count: None,
+                }
+            }
+        }
+    };
+}
+parry!(parry_f32, parry3d, f32);
+parry!(parry_f64, parry3d_f64, f64);

@@ -1,0 +1,243 @@
+//! The results as a page of Markdown.
+
+use crate::entrants::OURS;
+use crate::measure::quantile;
+use crate::record::Row;
+use crate::summary::Summary;
+use core::fmt::Write as _;
+
+/// Bars of the project: the fastest exact peer and the fastest tree of FCL take so many times longer; our p99 is at most so many medians.
+const EXACT_BAR: f64 = 5.0;
+const FCL_BAR: f64 = 10.0;
+const TAIL_BAR: f64 = 3.0;
+
+/// The page.
+pub(crate) fn page(rows: &[Row], stamp: &str) -> String {
+    let all = Summary::new(rows);
+    let mut page = String::new();
+    head(&mut page, rows, &all, stamp);
+    medians(&mut page, &all);
+    wins(&mut page, &all);
+    spreads(&mut page, &all);
+    builds(&mut page, &all);
+    work(&mut page, &all);
+    page
+}
+
+fn head(page: &mut String, rows: &[Row], all: &Summary<'_>, stamp: &str) {
+    let _ = write!(
+        page,
+        "# simdop beside its peers\n\n\
+        {stamp}. {}, one thread. {} run(s); {} poses a mesh and distance, half by the sphere method, half by the grid method of Trenkel, Weller and\n\
+        Zachmann's suite; distances are shares of the diagonal of A's box, \"0 %\" is a gap of 2e-5. A time is the least of up to five passes over a block of ten\n\
+        poses, with the libraries in turns, the pose's conversion in it. Where there are several runs, a figure is their median.\n\n\
+        ![Median time against distance](results.svg)\n\n\
+        Versions: ",
+        cpu(),
+        all.runs.len(),
+        rows.first().map_or(0, |row| row.poses),
+    );
+    let version = |library: &&str| {
+        let row = rows.iter().find(|row| row.library == *library);
+        row.map(|row| {
+            format!(
+                "{library} {}",
+                if Summary::is_ours(library) { format!("({})", row.version) } else { row.version.clone() }
+            )
+        })
+    };
+    let versions: Vec<String> = all.libraries.iter().filter_map(version).collect();
+    let _ = write!(page, "{}.\n\n", versions.join(", "));
+    page.push_str(
+        "What is compared: simdop, Coal, FCL and parry f64 keep coordinates in f64, OPCODE, ODE and parry f32 in f32. Coal, ODE and Embree are compiled as their\n\
+        packages are, FCL's templates here with -O3 for any x86-64 (-march=native takes the same times), OPCODE (ODE's copy) with -O3 -march=native.\n\
+        ODE collects all pairs of triangles, the others end at the first. Embree finds pairs of boxes, simdop's exact test decides them, and its time holds the\n\
+        refit of A's tree, since its trees have no pose.\n\n",
+    );
+}
+
+fn cpu() -> String {
+    let info = std::fs::read_to_string("/proc/cpuinfo").unwrap_or_default();
+    let name = info.lines().find_map(|line| line.strip_prefix("model name")?.split_once(": "));
+    name.map_or_else(|| "unknown CPU".to_owned(), |(_, name)| name.to_owned())
+}
+
+fn row(page: &mut String, cells: &[String]) {
+    let _ = writeln!(page, "| {} |", cells.join(" | "));
+}
+
+fn header(page: &mut String, title: &str, words: usize, cells: &[String]) {
+    let _ = write!(page, "## {title}\n\n");
+    row(page, cells);
+    let rules: Vec<String> =
+        (0..cells.len()).map(|i| if i < words { "---" } else { "--:" }.to_owned()).collect();
+    row(page, &rules);
+}
+
+fn strings(words: &[&str]) -> Vec<String> {
+    words.iter().map(|word| (*word).to_owned()).collect()
+}
+
+/// Three digits.
+fn short(x: f64) -> String {
+    if x >= 100.0 {
+        format!("{x:.0}")
+    } else if x >= 10.0 {
+        format!("{x:.1}")
+    } else {
+        format!("{x:.2}")
+    }
+}
+
+fn median_of(values: &[f64]) -> f64 {
+    let mut sorted = values.to_vec();
+    sorted.sort_by(f64::total_cmp);
+    quantile(&sorted, 0.5)
+}
+
+/// A ratio, and in how many runs it keeps to the bar.
+fn judged(values: &[f64], keeps: impl Fn(f64) -> bool) -> String {
+    if values.is_empty() {
+        return "-".to_owned();
+    }
+    let kept = values.iter().filter(|value| keeps(**value)).count();
+    format!("{} ({kept}/{})", short(median_of(values)), values.len())
+}
+
+fn medians(page: &mut String, all: &Summary<'_>) {
+    let mut cells = strings(&["mesh", "distance"]);
+    cells.extend(strings(&all.libraries));
+    cells.push(format!("fastest exact peer / ours, bar {EXACT_BAR}"));
+    cells.push(format!("FCL / ours, bar {FCL_BAR}"));
+    cells.push(format!("our p99 / median, bar {TAIL_BAR}"));
+    header(page, "Median time of a query, µs", 2, &cells);
+    let fcl: Vec<&str> = all.libraries.iter().copied().filter(|library| library.starts_with("FCL")).collect();
+    for mesh in &all.meshes {
+        let exact = all.exact_peers(mesh);
+        for distance in &all.distances {
+            let of = |library: &&str| all.value(mesh, distance, library, |row| row.median_us);
+            let least = all.libraries.iter().filter_map(of).min_by(f64::total_cmp);
+            let mut cells = strings(&[mesh, distance]);
+            cells.extend(all.libraries.iter().map(|library| match of(library) {
+                Some(time) if Some(time) == least => format!("**{}**", short(time)),
+                Some(time) => short(time),
+                None => "-".to_owned(),
+            }));
+            let tails: Vec<f64> =
+                all.rows(mesh, distance, OURS).map(|row| row.p99_us / row.median_us).collect();
+            cells.push(judged(&all.ratios(mesh, distance, &exact), |x| x >= EXACT_BAR));
+            cells.push(judged(&all.ratios(mesh, distance, &fcl), |x| x >= FCL_BAR));
+            cells.push(judged(&tails, |x| x <= TAIL_BAR));
+            row(page, &cells);
+        }
+    }
+    page.push_str(
+        "\nIn brackets: the runs that keep to the bar. An exact peer of a mesh is one without a wrong answer on it. The fastest is bold.\n\n",
+    );
+}
+
+fn wins(page: &mut String, all: &Summary<'_>) {
+    page.push_str("## Where a peer is faster\n\n");
+    let mut any = false;
+    for mesh in &all.meshes {
+        for distance in &all.distances {
+            let Some(ours) = all.value(mesh, distance, OURS, |row| row.median_us) else { continue };
+            for library in all.libraries.iter().filter(|library| !Summary::is_ours(library)) {
+                if let Some(time) =
+                    all.value(mesh, distance, library, |row| row.median_us).filter(|time| *time < ours)
+                {
+                    any = true;
+                    let (wrong, of) = all.wrong(mesh, library);
+                    let _ = writeln!(
+                        page,
+                        "* {mesh}, {distance}: {library} takes {} µs, ours {} µs ({wrong} of {of} answers on the mesh wrong)",
+                        short(time),
+                        short(ours)
+                    );
+                }
+            }
+        }
+    }
+    page.push_str(if any { "\n" } else { "Nowhere, by the medians.\n\n" });
+}
+
+fn spreads(page: &mut String, all: &Summary<'_>) {
+    let mut cells = strings(&["mesh", "distance", "hits"]);
+    cells.extend(strings(&all.libraries));
+    header(page, "Median / mean / 99th percentile / greatest time, µs", 2, &cells);
+    for mesh in &all.meshes {
+        for distance in &all.distances {
+            let hits = all
+                .rows(mesh, distance, OURS)
+                .next()
+                .map_or_else(String::new, |row| format!("{} of {}", row.hits, row.poses));
+            let mut cells = strings(&[mesh, distance, &hits]);
+            cells.extend(all.libraries.iter().map(|library| {
+                let value = |of| all.value(mesh, distance, library, of).map_or_else(|| "-".to_owned(), short);
+                let [median, mean, p99, most] = [
+                    value(|row| row.median_us),
+                    value(|row| row.mean_us),
+                    value(|row| row.p99_us),
+                    value(|row| row.max_us),
+                ];
+                format!("{median} / {mean} / {p99} / {most}")
+            }));
+            row(page, &cells);
+        }
+    }
+    page.push('\n');
+}
+
+fn builds(page: &mut String, all: &Summary<'_>) {
+    let mut cells = strings(&["mesh", "triangles"]);
+    cells.extend(strings(&all.libraries));
+    header(page, "Build, ms; bytes a triangle; wrong answers (missed + invented) of all", 1, &cells);
+    for mesh in &all.meshes {
+        let triangles = all
+            .rows(mesh, "", OURS)
+            .next()
+            .map_or_else(String::new, |row| format!("{} and {}", row.triangles_a, row.triangles_b));
+        let mut cells = strings(&[mesh, &triangles]);
+        cells.extend(all.libraries.iter().map(|library| {
+            let Some(build) = all.value(mesh, "", library, |row| row.build_ms) else { return "-".to_owned() };
+            let bytes = all.rows(mesh, "", library).next().and_then(|row| row.bytes_per_triangle);
+            let bytes = bytes.map_or_else(|| "?".to_owned(), |bytes| format!("{bytes:.0}"));
+            let first = all.rows(mesh, "", library).filter(|row| Some(&row.run) == all.runs.first());
+            let (missed, invented) = first.fold((0, 0), |(m, i), row| (m + row.missed, i + row.invented));
+            format!("{}; {bytes}; {missed} + {invented} of {}", short(build), all.wrong(mesh, library).1)
+        }));
+        row(page, &cells);
+    }
+    page.push_str("\nMissed: said free where the bodies meet. Invented: said hit where they do not. The truth is brute force in exact arithmetic, at every pose.\n\n");
+}
+
+fn work(page: &mut String, all: &Summary<'_>) {
+    header(
+        page,
+        &format!("Work of a query, {OURS}, means"),
+        2,
+        &strings(&[
+            "mesh",
+            "distance",
+            "visits",
+            "kernels",
+            "re-alignments",
+            "triangle pairs",
+            "of them exact",
+        ]),
+    );
+    for mesh in &all.meshes {
+        for distance in &all.distances {
+            let value = |of| all.value(mesh, distance, OURS, of).map_or_else(|| "-".to_owned(), short);
+            let mut cells = strings(&[mesh, distance]);
+            cells.extend([
+                value(|row| row.visits.unwrap_or_default()),
+                value(|row| row.kernels.unwrap_or_default()),
+                value(|row| row.realignments.unwrap_or_default()),
+                value(|row| row.triangle_pairs.unwrap_or_default()),
+                value(|row| row.exact_pairs.unwrap_or_default()),
+            ]);
+            row(page, &cells);
+        }
+    }
+}

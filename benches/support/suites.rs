@@ -1,0 +1,253 @@
+//! Poses of two bodies at given distances, after the benchmarking suite of Trenkel, Weller and Zachmann (WSCG 2007), which the SIMDop paper uses.
+//!
+//! Body A is turned at random and comes along a line until it is as far from B as wanted. Two ways to choose lines:
+//!
+//! * *sphere*: from a random direction towards the centre of B's box;
+//! * *grid*: along a coordinate axis through a point of a regular grid, so that A also comes past the side of B. The grid spans what the two boxes,
+//!   A's in whatever rotation, can reach of each other.
+//!
+//! A line that does not come to a contact is left out, so that each line has a pose at every distance. Distances are shares of the diagonal of A's box.
+
+use crate::data::{Approach, MeshData};
+use crate::rng::Rng;
+use simdop::hierarchy::BvhRef;
+use simdop::isa::Isa;
+use simdop::node::Node16;
+use simdop::pose::Pose;
+use simdop::query::Query;
+
+/// `[R|t]`.
+pub(crate) type Rows = [[f64; 4]; 3];
+
+/// A distance at which bodies are to be.
+#[derive(Copy, Clone, PartialEq, Debug)]
+pub(crate) enum Distance {
+    /// Share of the diagonal that A went on after the first contact.
+    Deep(f64),
+    /// Share of the diagonal between the bodies.
+    Gap(f64),
+}
+
+/// The presets, with their names. No gap at all cannot be had: 2e-5 is the paper's zero.
+pub(crate) const DISTANCES: [(&str, Distance); 4] = [
+    ("1 % deep", Distance::Deep(0.01)),
+    ("0 %", Distance::Gap(2e-5)),
+    ("1 %", Distance::Gap(0.01)),
+    ("5 %", Distance::Gap(0.05)),
+];
+
+/// How lines are chosen.
+#[derive(Copy, Clone, PartialEq, Eq, Debug)]
+pub(crate) enum Method {
+    Sphere,
+    Grid,
+}
+
+impl Method {
+    pub(crate) const ALL: [Self; 2] = [Self::Sphere, Self::Grid];
+
+    pub(crate) const fn name(self) -> &'static str {
+        match self {
+            Self::Sphere => "sphere",
+            Self::Grid => "grid",
+        }
+    }
+}
+
+/// Places along a line are multiples of this share of the diagonal: 0.3 % of the smallest gap, and coarse enough that a pose does not depend on
+/// the last bits of a distance.
+const STEP: f64 = 1.0 / (1 << 24) as f64;
+
+/// A pair of bodies, and their trees to ask for distances.
+pub(crate) struct Approaching<'t> {
+    pub(crate) a: &'t MeshData,
+    pub(crate) b: &'t MeshData,
+    pub(crate) tree_a: BvhRef<'t, Node16<32>>,
+    pub(crate) tree_b: BvhRef<'t, Node16<32>>,
+}
+
+impl Approaching<'_> {
+    /// `count` lines' poses, each with its place for each of [`DISTANCES`].
+    ///
+    /// # Panics
+    /// If most lines miss: then the bodies are not ones that can touch.
+    pub(crate) fn poses(&self, method: Method, count: usize, seed: u64) -> Vec<[Rows; DISTANCES.len()]> {
+        let mut rng = Rng::new(seed);
+        let mut poses = Vec::with_capacity(count);
+        let mut lines = 0;
+        while poses.len() < count {
+            let batch = match method {
+                Method::Sphere => vec![self.sphere_line(&mut rng)],
+                Method::Grid => self.grid_lines(count, &mut rng),
+            };
+            lines += batch.len();
+            poses.extend(batch.iter().filter_map(|line| self.along(line)).take(count - poses.len()));
+            assert!(lines <= 1000 * (poses.len() + 1), "no line of {lines} comes to a contact");
+        }
+        poses
+    }
+
+    fn line(&self, target: [f64; 3], towards: [f64; 3], rng: &mut Rng) -> Approach {
+        Approach { rotation: rng.rotation(), target, towards, centre: self.a.centre() }
+    }
+
+    fn sphere_line(&self, rng: &mut Rng) -> Approach {
+        let towards = rng.rotation()[0];
+        self.line(self.b.centre(), towards, rng)
+    }
+
+    /// In random order, about twice as many as wanted.
+    fn grid_lines(&self, count: usize, rng: &mut Rng) -> Vec<Approach> {
+        let (low, high) = self.b.bounds();
+        let reach = 0.5 * self.a.diagonal();
+        // Six directions, a square grid for each.
+        let side = (count as f64 / 3.0).sqrt().ceil() as usize;
+        let mut lines = Vec::new();
+        for (axis, sign) in (0..3).flat_map(|axis| [(axis, 1.0), (axis, -1.0)]) {
+            for (i, j) in (0..side).flat_map(|i| (0..side).map(move |j| (i, j))) {
+                let at = |k: usize, cell: usize| {
+                    let share = (cell as f64 + 0.5) / side as f64;
+                    (low[k] - reach) + share * (high[k] - low[k] + 2.0 * reach)
+                };
+                let (mut target, mut towards) = (self.b.centre(), [0.0; 3]);
+                (target[(axis + 1) % 3], target[(axis + 2) % 3]) =
+                    (at((axis + 1) % 3, i), at((axis + 2) % 3, j));
+                towards[axis] = sign;
+                lines.push(self.line(target, towards, rng));
+            }
+        }
+        for i in (1..lines.len()).rev() {
+            lines.swap(i, rng.below(i as u64 + 1) as usize);
+        }
+        lines
+    }
+
+    /// The places on a line, or nothing if it misses.
+    fn along(&self, line: &Approach) -> Option<[Rows; DISTANCES.len()]> {
+        let far = 2.0 * (self.a.diagonal() + self.b.diagonal());
+        let mut at = [line.at(far); DISTANCES.len()];
+        let mut place = self.place(far);
+        // From the largest gap to the contact: each search goes on where the last one ended.
+        for i in (0..DISTANCES.len()).rev() {
+            let (gap, depth) = match DISTANCES[i].1 {
+                Distance::Gap(gap) => (gap, 0.0),
+                Distance::Deep(depth) => (0.0, depth),
+            };
+            place = self.reach(line, place, gap * self.a.diagonal())?;
+            at[i] = line.at(self.distance(place - self.place(depth * self.a.diagonal())));
+        }
+        Some(at)
+    }
+
+    fn distance(&self, place: i64) -> f64 {
+        place as f64 * STEP * self.a.diagonal()
+    }
+
+    fn place(&self, distance: f64) -> i64 {
+        (distance / (STEP * self.a.diagonal())) as i64
+    }
+
+    /// The last place on the way in from `start` at which the bodies are more than `gap` apart, to 1/128 of the gap.
+    ///
+    /// No point moves farther than A's centre does: a stride as long as the spare distance is safe. The last steps are found by bisection, since the spare
+    /// distance shrinks slowly where A comes past the side of B.
+    fn reach(&self, line: &Approach, start: i64, gap: f64) -> Option<i64> {
+        let query = Query::new(Isa::detect());
+        let pose = |place: i64| Pose::from_rows(line.at(self.distance(place))).expect("rotations are rigid");
+        let within = |place: i64, spare: i64| {
+            let margin = gap + self.distance(spare);
+            query
+                .within(&self.tree_a, &self.tree_b, &pose(place), margin)
+                .expect("margins are finite")
+                .is_hit()
+        };
+        let short = (self.place(gap) / 128).max(1);
+        let (mut place, mut stride) = (start, 16 * short);
+        while place > -start {
+            // A rough distance is cheap, and does while it is large.
+            let rough = query.distance(&self.tree_a, &self.tree_b, &pose(place), 0.5).expect("a tolerance");
+            let spare = self.place(rough.lower - gap);
+            if spare > stride {
+                place -= spare;
+            } else if !within(place, stride) {
+                place -= stride;
+            } else if stride > short {
+                stride /= 4;
+            } else if let Some(inside) =
+                [1, 4, 16].map(|n| place - n * short).into_iter().find(|&p| within(p, 0))
+            {
+                return Some(last_outside(place, inside, short, |place| within(place, 0)));
+            } else {
+                place -= 16 * short;
+            }
+        }
+        None
+    }
+}
+
+/// By bisection: a place at most `short` from one that is inside.
+fn last_outside(mut outside: i64, mut inside: i64, short: i64, is_inside: impl Fn(i64) -> bool) -> i64 {
+    while outside - inside > short {
+        let middle = inside + (outside - inside) / 2;
+        if is_inside(middle) { inside = middle } else { outside = middle }
+    }
+    outside
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use simdop::build::{Builder, Mesh};
+    use simdop::hierarchy::Bvh;
+    use simdop::triangle::distance::separation;
+
+    /// A long octahedron.
+    fn body() -> MeshData {
+        let vertices = vec![
+            [2.0, 0.0, 0.0],
+            [-2.0, 0.0, 0.0],
+            [0.0, 1.0, 0.0],
+            [0.0, -1.0, 0.0],
+            [0.0, 0.0, 1.0],
+            [0.0, 0.0, -0.5],
+        ];
+        let triangles =
+            [[0, 2, 4], [2, 1, 4], [1, 3, 4], [3, 0, 4], [2, 0, 5], [1, 2, 5], [3, 1, 5], [0, 3, 5]];
+        MeshData { vertices, triangles: triangles.to_vec() }
+    }
+
+    /// Over all pairs of triangles.
+    fn distance(mesh: &MeshData, rows: &Rows) -> f64 {
+        let (moved, still) = (mesh.placed(rows), mesh.corners());
+        let pairs = moved.iter().flat_map(|a| still.iter().map(move |b| separation(a, b).upper));
+        pairs.fold(f64::INFINITY, f64::min)
+    }
+
+    #[test]
+    fn bodies_are_as_far_apart_as_said() {
+        let mesh = body();
+        let tree: Bvh<Node16<32>> =
+            Builder::new().build(&Mesh { vertices: &mesh.vertices, triangles: &mesh.triangles }).unwrap();
+        let pair = Approaching { a: &mesh, b: &mesh, tree_a: tree.view(), tree_b: tree.view() };
+        for method in Method::ALL {
+            let lines = pair.poses(method, 20, 1);
+            assert_eq!(lines, pair.poses(method, 20, 1));
+            for line in lines {
+                for (rows, (name, wanted)) in line.iter().zip(DISTANCES) {
+                    match wanted {
+                        Distance::Gap(gap) => {
+                            let share = distance(&mesh, rows) / mesh.diagonal();
+                            assert!(share > gap && share < 1.02 * gap, "{method:?}, {name}: {share}");
+                        }
+                        Distance::Deep(depth) => {
+                            let way =
+                                (0..3).map(|i| (rows[i][3] - line[1][i][3]).powi(2)).sum::<f64>().sqrt();
+                            let share = way / mesh.diagonal();
+                            assert!(share > depth && share < depth + 0.01, "{method:?}, {name}: {share}");
+                        }
+                    }
+                }
+            }
+        }
+    }
+}
