@@ -14,7 +14,7 @@ use simdop::node::{Link, Node4, Node16};
 use simdop::pose::Pose;
 use simdop::query::Lanes;
 use simdop::realign::Realignment;
-use simdop_fuzz::bodies::{Body, bodies, body, pose};
+use simdop_fuzz::bodies::{Body, bodies, pose, small_body};
 use simdop_fuzz::planes::{narrow, pair, wide};
 use simdop_fuzz::{Input, Mode, for_k, on_every_isa};
 use support::dyadic::{Dyadic, dot, half_value};

@@ -9,7 +9,7 @@ use libfuzzer_sys::fuzz_target;
 use simdop::isa::Isa;
 use simdop::pose::Pose;
 use simdop::query::{Answer, Completion, Distance, Lanes, Pair, Query, Verdict};
-use simdop_fuzz::bodies::{Body, bodies, body, pose};
+use simdop_fuzz::bodies::{Body, bodies, pose, small_body};
 use simdop_fuzz::{Input, Mode, for_node};
 use support::exact::meeting_pairs;
 
