@@ -1,7 +1,21 @@
-//! What the fuzz targets share: the fuzzer's bytes read as numbers, planes and bodies made from them, and every instruction set that is here.
+//! What the fuzz targets share: the fuzzer's bytes read as numbers, planes and bodies made from them, and every instruction set that is
+//! here.
 //!
-//! An input is a few choices (the mode, k, lanes), then values. `cargo +nightly fuzz run TARGET` with the seeds in `seeds/TARGET`:
-//! see `README.md`.
+//! ```text
+//! cargo +nightly fuzz run TARGET fuzz/corpus/TARGET fuzz/seeds/TARGET -- -max_len=4096
+//! cargo +nightly fuzz run -O --sanitizer none --no-trace-compares TARGET ...     ten times as fast, without checks of overflow
+//! cargo run --manifest-path fuzz/Cargo.toml --example seeds                      writes fuzz/seeds again
+//! ```
+//!
+//! | target | what | who decides |
+//! |---|---|---|
+//! | `kernel_1v16`, `kernel_4v4` | masks of every instruction set | the scalar kernel |
+//! | `realign` | the same for turned planes; turned planes bound the moved triangles | the scalar kernel; exact arithmetic |
+//! | `half_keys` | rounding up, by the keys and by every instruction set; codes and values | the definition of a half |
+//! | `from_bytes` | bytes refused for a true reason, or safe to walk and to query | a second reader; brute force |
+//! | `traverse` | verdicts, pairs, budgets and distances; counters of every instruction set | brute force; the scalar kernel |
+//!
+//! The first byte chooses the [`Mode`], the second k, the rest is values. `from_bytes` takes a baked tree as it is, too.
 
 pub mod bodies;
 pub mod planes;
