@@ -52,6 +52,10 @@ const F64_SLACK: f64 = power_of_two(-46);
 /// Below any product of a half and a normal weight.
 const UNDERFLOW: f64 = power_of_two(-140);
 
+/// Sums of magnitudes below this cannot overflow an `f32`. Beyond it a product could become -infinity, which bounds nothing: such a plane is
+/// unbounded instead.
+const MAX_REACH: f64 = power_of_two(126);
+
 impl<const K: usize> Realignment<K> {
     /// The map for the body with header `a`, posed in the frame `b`.
     #[must_use]
@@ -98,8 +102,10 @@ impl<const K: usize> Realignment<K> {
             let tau = ((n[0] * shift[0] + n[1] * shift[1]) + n[2] * shift[2]) * b.scale();
             let residual_pad = (residual[0].abs() * half_width[0] + residual[1].abs() * half_width[1])
                 + residual[2].abs() * half_width[2];
-            let rounding_pad = GAMMA_4 * (weight_sum * f64::from(a.max_plane) + tau.abs());
+            let reach = weight_sum * f64::from(a.max_plane) + tau.abs();
+            let rounding_pad = GAMMA_4 * reach;
             let pad = ((residual_pad + length * per_length) + rounding_pad) + UNDERFLOW;
+            let pad = if reach < MAX_REACH { pad } else { f64::INFINITY };
             let [p, q, r] = found.directions;
             map.set(j, [p, q, r], weights, round_up_f32(tau + pad));
             map.set(j + 1, [p ^ 1, q ^ 1, r ^ 1], weights, round_up_f32(pad - tau));

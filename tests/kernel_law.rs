@@ -292,8 +292,8 @@ fn masks<E: Kernel, const K: usize>(
         #[inline(always)]
         || {
             let mut masks = [0; 18];
-            for (lane, mask) in masks[..16].iter_mut().enumerate() {
-                *mask = kernel.overlap_1v16(query, lane, node);
+            for lane in (0..16).step_by(if cfg!(miri) { 5 } else { 1 }) {
+                masks[lane] = kernel.overlap_1v16(query, lane, node);
             }
             masks[16] = kernel.overlap_16v1(query, node, column);
             masks[17] = kernel.overlap_4v4(query_4, node_4);
@@ -460,7 +460,7 @@ fn roles_swapped_and_bodies_mirrored<const K: usize>(kernel: impl Kernel, name: 
         let column = |b: usize| (0..16).fold(0, |column, a| column | (rows[a] >> b & 1) << a);
         let mirrored = (mirrored(&query), wide(mirrored(&planes)));
         let swapped = (swapped(&planes), wide(swapped(&query)));
-        for lane in 0..16 {
+        for lane in (0..16).step_by(if cfg!(miri) { 5 } else { 1 }) {
             assert_eq!(kernel.overlap_1v16(&mirrored.0, lane, &mirrored.1), rows[lane], "{name} k {K}");
             assert_eq!(kernel.overlap_1v16(&swapped.0, lane, &swapped.1), column(lane), "{name} k {K}");
             assert_eq!(kernel.overlap_16v1(&query, &node, lane), column(lane), "{name} k {K}");
