@@ -11,7 +11,7 @@ fn main() -> io::Result<()> {
         // Each k, and the modes in turn; then numbers as they come.
         for k in 0..5 {
             let choice = [k];
-        let mut input = Input::new(&choice);
+            let mut input = Input::new(&choice);
             let mut seed = vec![k % 3, k, k];
             seed.extend((0..48).map(|_| input.u8()));
             write(target, ["k6", "k14", "k18", "k26", "k32"][usize::from(k)], &seed)?;
