@@ -19,7 +19,7 @@ mod rng;
 use data::{GAPS, MeshData, Suite, directory};
 use figures::decimate::series;
 use figures::plot::{Curve, plot};
-use simdop::build::{Builder, Mesh, Splitter};
+use simdop::build::{Builder, Magnification, Mesh, Splitter};
 use simdop::hierarchy::Bvh;
 use simdop::isa::Isa;
 use simdop::node::{Node4, Node16};
@@ -31,11 +31,13 @@ use std::path::Path;
 use std::time::Instant;
 
 /// What is compared. One line each.
-const SPLITTERS: [(&str, Splitter); 4] = [
+const SPLITTERS: [(&str, Splitter); 6] = [
     ("longest axis", Splitter::LongestAxis),
     ("extended longest axis", Splitter::ExtendedLongestAxis),
     ("surface area", Splitter::SurfaceArea),
     ("mean width", Splitter::MeanWidth),
+    ("neural gas", Splitter::BatchNeuralGas { magnification: Magnification::None, seed: 0 }),
+    ("neural gas by area", Splitter::BatchNeuralGas { magnification: Magnification::Area, seed: 0 }),
 ];
 /// A scan and a machined part.
 const MODELS: [&str; 2] = ["armadillo", "fandisk_large"];

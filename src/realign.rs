@@ -56,7 +56,8 @@ const HALF_PLACE: f64 = 1.0625 * power_of_two(-24);
 /// More than what weights and products lose that are too small for a normal `f32`.
 const UNDERFLOW: f64 = power_of_two(-130);
 
-/// Sums of magnitudes below this cannot overflow an `f32`. Beyond it a product could become -infinity, which bounds nothing.
+/// Sums of magnitudes below this cannot overflow an `f32`. Beyond it a product could become -infinity, which bounds nothing: such a plane is
+/// unbounded instead.
 const MAX_REACH: f64 = power_of_two(126);
 
 impl<const K: usize> Realignment<K> {

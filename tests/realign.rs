@@ -224,6 +224,37 @@ fn turned_planes_bound_bodies_at_the_ends_of_the_range() {
     for_each_k!(the_ends_of_the_range);
 }
 
+/// A body 10^33 to 10^40 times larger than the other one's unit, a corner of it beside the other: products of planes and weights overflow `f32`,
+/// to either side, where the planes of that corner are small.
+fn bodies_too_large_for_single_precision<const K: usize>()
+where
+    Node16<K>: Lanes,
+{
+    let mut rng = Rng::new(150 + K as u64);
+    let mut tally = Tally::default();
+    for i in 0..400 {
+        let size = f64::from_bits((1023 + 110 + i % 23) << 52);
+        let mut mesh = shapes::soup(&mut rng, 16, 0.3);
+        mesh.vertices.iter_mut().flatten().for_each(|x| *x *= size);
+        let turn = rotation(&mut rng);
+        let corner = pose(&turn, [0.0; 3]).apply(*rng.pick(&mesh.vertices));
+        let frame = Frame { centre: random_point(&mut rng, [1.0]), exponent: exponent_for(1.0) };
+        check_mesh::<K>(
+            &mesh.vertices,
+            &mesh.triangles,
+            &pose(&turn, corner.map(|x| -x)),
+            &frame,
+            &mut tally,
+        );
+    }
+    println!("k {K:2}: {tally:?}");
+}
+
+#[test]
+fn turned_planes_bound_bodies_too_large_for_single_precision() {
+    for_each_k!(bodies_too_large_for_single_precision);
+}
+
 // ---- One point, a hair from the next half -----------------------------------------------------------------------
 
 /// A body that is one point, with planes that are halves exactly: nothing is lost before it is turned.

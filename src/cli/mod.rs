@@ -14,6 +14,7 @@ mod scene;
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use error::Error;
+use simdop::build::Magnification;
 use simdop::isa::Isa;
 use std::io::Write;
 use std::path::PathBuf;
@@ -64,6 +65,8 @@ enum Splitter {
     ExtendedLongestAxis,
     SurfaceArea,
     MeanWidth,
+    NeuralGas,
+    NeuralGasByArea,
 }
 
 impl From<Splitter> for simdop::build::Splitter {
@@ -73,6 +76,8 @@ impl From<Splitter> for simdop::build::Splitter {
             Splitter::ExtendedLongestAxis => Self::ExtendedLongestAxis,
             Splitter::SurfaceArea => Self::SurfaceArea,
             Splitter::MeanWidth => Self::MeanWidth,
+            Splitter::NeuralGas => Self::BatchNeuralGas { magnification: Magnification::None, seed: 0 },
+            Splitter::NeuralGasByArea => Self::BatchNeuralGas { magnification: Magnification::Area, seed: 0 },
         }
     }
 }

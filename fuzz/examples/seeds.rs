@@ -1,0 +1,35 @@
+//! Writes the seeds of every target, always the same ones.
+
+use simdop::node::{Node, Node4, Node16};
+use simdop_fuzz::Input;
+use simdop_fuzz::bodies::bodies;
+use std::io;
+use std::path::Path;
+
+fn main() -> io::Result<()> {
+    for target in ["kernel_1v16", "kernel_4v4", "half_keys", "realign", "traverse", "from_bytes"] {
+        // Each k, and the modes in turn; then numbers as they come.
+        for k in 0..5 {
+            let choice = [k];
+            let mut input = Input::new(&choice);
+            let mut seed = vec![k % 3, k, k];
+            seed.extend((0..48).map(|_| input.u8()));
+            write(target, ["k6", "k14", "k18", "k26", "k32"][usize::from(k)], &seed)?;
+        }
+    }
+    write("from_bytes", "torus", tree::<Node16<18>>(0))?;
+    write("from_bytes", "doubles", tree::<Node4<14>>(2))?;
+    write("from_bytes", "coincident", tree::<Node4<32>>(6))?;
+    write("from_bytes", "triangle", tree::<Node16<6>>(9))?;
+    write("from_bytes", "nothing", tree::<Node4<6>>(10))
+}
+
+fn tree<N: Node>(index: usize) -> &'static [u8] {
+    bodies::<N>().0[index].tree.as_bytes()
+}
+
+fn write(target: &str, name: &str, seed: &[u8]) -> io::Result<()> {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("seeds").join(target);
+    std::fs::create_dir_all(&folder)?;
+    std::fs::write(folder.join(name), seed)
+}

@@ -1,0 +1,92 @@
+//! Rounding up to an ordered half, against the definition of IEEE 754: in the library's scalar code, and in the re-alignment of every
+//! instruction set, whose planes are the offsets when all weights are zero.
+#![no_main]
+
+#[path = "../../tests/support/mod.rs"]
+mod support;
+
+use libfuzzer_sys::fuzz_target;
+use simdop::kernel::Kernel;
+use simdop::key::{Key, NotANumber, decode};
+use simdop::node::Node16;
+use simdop::realign::Realignment;
+use simdop_fuzz::planes::{code, wide};
+use simdop_fuzz::{Input, Mode, on_every_isa};
+use support::dyadic::half_value;
+
+fuzz_target!(|data: &[u8]| {
+    let mut input = Input::new(data);
+    let mode = input.mode();
+    let (x, y) = (number(&mut input, mode), number(&mut input, mode));
+    rounds_up(x);
+    // Rounding is monotone.
+    if let (Ok(p), Ok(q)) = (Key::round_up_f64(x), Key::round_up_f64(y)) {
+        assert!(p.cmp(&q) == x.total_cmp(&y) || p == q, "{x:e} {p:?}, {y:e} {q:?}");
+    }
+    for _ in 0..4 {
+        any_code(code(&mut input));
+    }
+    let offsets = core::array::from_fn(|_| number(&mut input, mode) as f32);
+    every_isa_rounds_up(&offsets);
+});
+
+/// A number of any size, or one near a half or near the middle of two.
+fn number(input: &mut Input, mode: Mode) -> f64 {
+    match mode {
+        Mode::Grid => f64::from(input.int(-128, 127)) / 16.0,
+        Mode::AnyBits if input.one_in(2) => f64::from_bits(input.u64()),
+        Mode::AnyBits => f32::from_bits(input.u32()).into(),
+        Mode::Real => {
+            let code = code(input);
+            let (half, next) = (half_value(code), half_value(code.saturating_add(1)));
+            let base = if input.one_in(2) { half } else { 0.5 * half + 0.5 * next };
+            let step = base.abs() * f64::EPSILON * if input.one_in(2) { 1.0 } else { 536_870_912.0 };
+            base + step * f64::from(input.int(-2, 2))
+        }
+    }
+}
+
+/// The code that a number must have: the lowest of a half not below it. -0 and -infinity are no planes.
+fn is_rounded_up(code: i16, x: f64) -> bool {
+    let below = if code == 0 { -2 } else { code - 1 };
+    let lowest = code == Key::LOWEST.code() && x <= -65504.0;
+    code != -1 && half_value(code) >= x && (lowest || half_value(below) < x)
+}
+
+fn rounds_up(x: f64) {
+    let single = x as f32;
+    match Key::round_up_f64(x) {
+        Ok(key) => assert!(is_rounded_up(key.code(), x), "{x:e} {key:?}"),
+        Err(NotANumber) => assert!(x.is_nan()),
+    }
+    match Key::round_up_f32(single) {
+        Ok(key) => assert!(is_rounded_up(key.code(), single.into()), "{single:e} {key:?}"),
+        Err(NotANumber) => assert!(single.is_nan()),
+    }
+    let unbounded = Key::round_up_or_unbounded(x);
+    assert_eq!(unbounded, Key::round_up_f64(x).unwrap_or(Key::INFINITY));
+}
+
+fn any_code(code: i16) {
+    let (value, got) = (half_value(code), f64::from(decode(code)));
+    assert!(value.to_bits() == got.to_bits() || value.is_nan() && got.is_nan(), "{code:x}: {got:e}");
+    let plane = value > f64::NEG_INFINITY && code != -1;
+    assert_eq!(Key::from_code(code).is_some(), plane, "{code:x}");
+    if let Some(key) = Key::from_code(code) {
+        assert_eq!(Key::round_up_f64(value), Ok(key));
+        assert!(value == 0.0 || f64::from(decode(!code)) == -value, "the complement of {code:x}");
+    }
+}
+
+fn every_isa_rounds_up(offsets: &[f32; 6]) {
+    let map = Realignment::<6> { sources: [[0; 3]; 6], weights: [[0.0; 3]; 6], offset: *offsets };
+    let node: Node16<6> = wide([[0; 16]; 6]);
+    on_every_isa!(kernel => {
+        let query = kernel.realign_16(&map, &node);
+        for (j, x) in offsets.iter().enumerate() {
+            let code = !query[j ^ 1][3];
+            let right = if x.is_nan() { code == Key::INFINITY.code() } else { is_rounded_up(code, (*x).into()) };
+            assert!(right, "{kernel:?} {x:e}: {code:x}");
+        }
+    });
+}

@@ -1,0 +1,33 @@
+//! 4vs4 gives the scalar kernel's mask on every instruction set.
+#![no_main]
+
+use libfuzzer_sys::fuzz_target;
+use simdop::isa::Scalar;
+use simdop::kernel::Kernel;
+use simdop::node::Node4;
+use simdop::query::Lanes;
+use simdop::realign::Realignment;
+use simdop_fuzz::planes::{narrow, pair, real_4};
+use simdop_fuzz::{Input, Mode, for_k, on_every_isa};
+
+fuzz_target!(|data: &[u8]| {
+    let mut input = Input::new(data);
+    let (mode, k) = (input.mode(), input.u8());
+    for_k!(k, check(&mut input, mode));
+});
+
+fn check<const K: usize>(input: &mut Input, mode: Mode)
+where
+    Node4<K>: Lanes<Map = Realignment<K>>,
+{
+    let (query, node) = if mode == Mode::Real {
+        real_4::<K>(input)
+    } else {
+        let (query, planes) = pair(input, mode);
+        (query, narrow(planes))
+    };
+    let want = Scalar::new().overlap_4v4(&query, &node);
+    on_every_isa!(kernel => {
+        assert_eq!(kernel.overlap_4v4(&query, &node), want, "{kernel:?} k {K} {mode:?}");
+    });
+}

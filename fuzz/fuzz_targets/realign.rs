@@ -1,0 +1,120 @@
+//! Re-alignment gives the scalar kernel's bits on every instruction set; and the turned planes of a real tree bound its moved triangles,
+//! decided exactly.
+#![no_main]
+
+#[path = "../../tests/support/mod.rs"]
+mod support;
+
+use libfuzzer_sys::fuzz_target;
+use simdop::directions;
+use simdop::frame::{Frame, Point};
+use simdop::isa::Scalar;
+use simdop::kernel::Kernel;
+use simdop::node::{Link, Node4, Node16};
+use simdop::pose::Pose;
+use simdop::query::Lanes;
+use simdop::realign::Realignment;
+use simdop_fuzz::bodies::{Body, bodies, pose, small_body};
+use simdop_fuzz::planes::{narrow, pair, wide};
+use simdop_fuzz::{Input, Mode, for_k, on_every_isa};
+use support::dyadic::{Dyadic, dot, half_value};
+
+fuzz_target!(|data: &[u8]| {
+    let mut input = Input::new(data);
+    let (mode, k) = (input.mode(), input.u8());
+    for_k!(k, check(&mut input, mode));
+});
+
+fn check<const K: usize>(input: &mut Input, mode: Mode)
+where
+    Node16<K>: Lanes<Map = Realignment<K>>,
+    Node4<K>: Lanes<Map = Realignment<K>>,
+{
+    if mode != Mode::Real && !input.one_in(4) {
+        let map = any_map::<K>(input, mode);
+        let (wide, narrow) = (wide(pair(input, mode).1), narrow(pair(input, mode).1));
+        kernels_agree(&map, &wide, &narrow);
+        return;
+    }
+    if mode == Mode::Real {
+        let body = input.pick(&bodies().0);
+        turned_planes_bound(body, &pose(input, mode), input);
+    } else if let Some(body) = small_body(input, mode) {
+        turned_planes_bound(&body, &pose(input, mode), input);
+    }
+}
+
+/// The leaves of the root, turned into the frame of some other body.
+fn turned_planes_bound<const K: usize>(a: &Body<Node16<K>>, pose: &Pose, input: &mut Input)
+where
+    Node16<K>: Lanes<Map = Realignment<K>>,
+{
+    let b = input.pick(&bodies::<Node16<K>>().0).tree.view().frame();
+    let view = a.tree.view();
+    let map = Realignment::<K>::new(pose, view.header(), &b);
+    let Some(root) = view.nodes().first() else { return };
+    let narrow = narrow(root.planes.map(|p| [p[0], p[1], p[2], p[3]]));
+    kernels_agree(&map, root, &narrow);
+
+    let query = Scalar::new().realign_16(&map, root);
+    for (lane, child) in root.child.iter().enumerate() {
+        if let Link::Leaf { first, count } = child.link() {
+            for p in (first..first + count).flat_map(|index| view.triangle(index)) {
+                let moved = pose.apply(p);
+                for (j, n) in directions::table(K).vectors.iter().enumerate() {
+                    let limit = half_value(!query[j ^ 1][lane]);
+                    assert!(bounds(limit, n, &moved, &b), "k {K} plane {j} {limit} cuts off {moved:?}");
+                }
+            }
+        }
+    }
+}
+
+fn kernels_agree<const K: usize>(map: &Realignment<K>, wide: &Node16<K>, narrow: &Node4<K>) {
+    let (want_16, want_4) = (Scalar::new().realign_16(map, wide), Scalar::new().realign_4(map, narrow));
+    on_every_isa!(kernel => {
+        assert_eq!(kernel.realign_16(map, wide), want_16, "{kernel:?} k {K} {map:?} {wide:x?}");
+        assert_eq!(kernel.realign_4(map, narrow), want_4, "{kernel:?} k {K} {map:?} {narrow:x?}");
+    });
+}
+
+/// A map with anything in it, but for negative weights.
+fn any_map<const K: usize>(input: &mut Input, mode: Mode) -> Realignment<K> {
+    let mut float = || match (mode, input.u8()) {
+        (Mode::Grid, choice) => f32::from(choice as i8 >> 4),
+        (_, choice @ 0..8) => {
+            [0.0, -0.0, 1.0, f32::MIN_POSITIVE, 1e-45, f32::MAX, f32::INFINITY, f32::NAN][usize::from(choice)]
+        }
+        (_, 8..32) => f32::from_bits(input.u32()),
+        _ => f32::from(input.u16() as i16) / 8192.0,
+    };
+    let mut map = Realignment { sources: [[0; 3]; K], weights: [[0.0; 3]; K], offset: [0.0; K] };
+    for j in 0..K {
+        map.weights[j] = [float().abs(), float().abs(), float().abs()];
+        map.offset[j] = float();
+    }
+    for source in map.sources.as_flattened_mut() {
+        *source = input.u8();
+    }
+    map
+}
+
+/// Whether `limit` is an upper bound of `n . p` in the frame. Intervals far wider than the rounding errors decide most.
+fn bounds(limit: f64, n: &[i8; 3], p: &Point, frame: &Frame) -> bool {
+    assert!(!limit.is_nan() && limit > f64::NEG_INFINITY, "{limit} is no plane");
+    if limit == f64::INFINITY {
+        return true;
+    }
+    let scale = frame.scale();
+    let (mut value, mut size) = (0.0, limit.abs());
+    for i in 0..3 {
+        value += f64::from(n[i]) * (p[i] - frame.centre[i]) * scale;
+        size += f64::from(n[i]).abs() * (p[i].abs() + frame.centre[i].abs()) * scale;
+    }
+    if (value - limit).abs() > 64.0 * f64::EPSILON * size {
+        return value < limit;
+    }
+    let offset = [0, 1, 2].map(|i| Dyadic::from(p[i]) - Dyadic::from(frame.centre[i]));
+    let support = dot(n.map(|x| Dyadic::from(f64::from(x))), offset) * Dyadic::power_of_two(frame.exponent);
+    support <= Dyadic::from(limit)
+}

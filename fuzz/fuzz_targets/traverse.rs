@@ -1,0 +1,83 @@
+//! Queries between two trees give brute force's answers, and the scalar kernel's counters on every instruction set.
+#![no_main]
+
+#[path = "../../tests/support/mod.rs"]
+mod support;
+
+use core::ops::ControlFlow;
+use libfuzzer_sys::fuzz_target;
+use simdop::isa::Isa;
+use simdop::pose::Pose;
+use simdop::query::{Answer, Completion, Distance, Lanes, Pair, Query, Verdict};
+use simdop_fuzz::bodies::{Body, bodies, pose, small_body};
+use simdop_fuzz::{Input, Mode, for_node};
+use support::exact::meeting_pairs;
+
+fuzz_target!(|data: &[u8]| {
+    let mut input = Input::new(data);
+    let (mode, k, four) = (input.mode(), input.below(5), input.one_in(2));
+    for_node!([6, 14, 18, 26, 32][k], four, check(&mut input, mode));
+});
+
+fn check<N: Lanes>(input: &mut Input, mode: Mode) {
+    if mode == Mode::Real {
+        let bodies = &bodies::<N>().0;
+        return compare(input.pick(bodies), input.pick(bodies), &pose(input, mode), input);
+    }
+    let (a, b) = (small_body::<N>(input, mode), small_body::<N>(input, mode));
+    if let (Some(a), Some(b)) = (a, b) {
+        compare(&a, &b, &pose(input, mode), input);
+    }
+}
+
+fn compare<N: Lanes>(a: &Body<N>, b: &Body<N>, pose: &Pose, input: &mut Input) {
+    let budget = input.below(32) as u64;
+    let distances = input.one_in(8);
+    let moved: Vec<_> = a.triangles.iter().map(|t| t.map(|p| pose.apply(p))).collect();
+    let met = meeting_pairs(&moved, &b.triangles);
+    let want: Vec<_> = met.into_iter().map(|(i, j)| Pair { a: i as u32, b: j as u32 }).collect();
+
+    let scalar = answers(Isa::SCALAR, a, b, pose, budget, distances);
+    let (collided, bounded, pairs, distance) = &scalar;
+    assert_eq!(*pairs, want, "all pairs: {pose:?}");
+    for answer in [collided, bounded] {
+        match answer.verdict {
+            Verdict::Hit(pair) => assert!(want.contains(&pair), "a false hit: {pair:?} {pose:?}"),
+            Verdict::Free => assert!(want.is_empty(), "a miss: {want:?} {pose:?}"),
+            Verdict::Unknown { lower, upper } => {
+                assert!(answer.counters.visits == budget && lower == 0.0 && upper >= 0.0, "{answer:?}");
+            }
+        }
+    }
+    assert!(!matches!(collided.verdict, Verdict::Unknown { .. }), "no budget was set");
+    if let Some(distance) = distance {
+        assert_eq!(distance.upper == 0.0, !want.is_empty(), "{distance:?} {pose:?}");
+        assert!(distance.lower <= distance.upper, "{distance:?}");
+    }
+    for isa in Isa::available().filter(|isa| *isa != Isa::SCALAR) {
+        assert_eq!(answers(isa, a, b, pose, budget, distances), scalar, "{isa} {pose:?}");
+    }
+}
+
+/// To collide, to collide within a budget, all pairs in ascending order, and the distance.
+type Answers = (Answer, Answer, Vec<Pair>, Option<Distance>);
+
+fn answers<N: Lanes>(
+    isa: Isa,
+    a: &Body<N>,
+    b: &Body<N>,
+    pose: &Pose,
+    budget: u64,
+    distances: bool,
+) -> Answers {
+    let (query, a, b) = (Query::new(isa), a.tree.view(), b.tree.view());
+    let mut pairs = Vec::new();
+    let (completion, _) = query.for_each_pair(&a, &b, pose, |pair| {
+        pairs.push(pair);
+        ControlFlow::Continue(())
+    });
+    assert_eq!(completion, Completion::Complete);
+    pairs.sort_unstable();
+    let distance = distances.then(|| query.distance(&a, &b, pose, 0.01).unwrap());
+    (query.collide(&a, &b, pose), query.with_budget(budget).collide(&a, &b, pose), pairs, distance)
+}

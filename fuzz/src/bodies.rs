@@ -1,0 +1,170 @@
+//! Meshes, their trees, and poses.
+
+use crate::support::data::MeshData;
+use crate::support::rng::Rng;
+use crate::support::shapes;
+use crate::{Input, Mode, cached};
+use simdop::build::{Builder, Mesh, Splitter};
+use simdop::hierarchy::Bvh;
+use simdop::node::Node;
+use simdop::pose::{Pose, PoseError};
+use std::ops::Deref;
+
+/// A mesh and its tree.
+pub struct Body<N> {
+    /// Corners of the triangles, in the order of the mesh.
+    pub triangles: Vec<[[f64; 3]; 3]>,
+    pub tree: Bvh<N>,
+}
+
+impl<N: Node> Body<N> {
+    fn new(mesh: &MeshData, leaf_size: u32) -> Self {
+        let builder = Builder::new().leaf_size(leaf_size).splitter(Splitter::ExtendedLongestAxis);
+        let tree = builder.build(&Mesh { vertices: &mesh.vertices, triangles: &mesh.triangles }).unwrap();
+        Self { triangles: mesh.corners(), tree }
+    }
+}
+
+/// The bodies of real trees: of size about 1 about the origin, so that most poses let them meet, and small.
+pub struct Bodies<N>(pub Vec<Body<N>>);
+
+/// The real bodies of a node type.
+pub fn bodies<N: Node>() -> &'static Bodies<N> {
+    cached(|| {
+        let mut rng = Rng::new(1);
+        let torus = shapes::torus(6, 4);
+        Bodies(vec![
+            Body::new(&torus, 1),
+            Body::new(&torus, 3),
+            Body::new(&shapes::soup(&mut rng, 18, 0.3), 1),
+            Body::new(&shapes::soup(&mut rng, 18, 1e-9), 1),
+            Body::new(&shapes::flat_grid(3), 2),
+            Body::new(&shapes::collinear(5), 1),
+            Body::new(&shapes::coincident(5), 16),
+            Body::new(&shapes::huge_among_tiny(&mut rng, 12), 1),
+            Body::new(&shapes::without_area(&torus, &mut rng, 6), 2),
+            Body::new(&shapes::soup(&mut rng, 1, 1.0), 1),
+            Body::new(&MeshData { vertices: Vec::new(), triangles: Vec::new() }, 1),
+        ])
+    })
+}
+
+/// A body of a few triangles: mostly one of some that were made before, as making one takes longer than a query.
+pub enum Small<N: 'static> {
+    Kept(&'static Body<N>),
+    Made(Box<Body<N>>),
+}
+
+impl<N> Deref for Small<N> {
+    type Target = Body<N>;
+
+    fn deref(&self) -> &Body<N> {
+        match self {
+            Self::Kept(body) => body,
+            Self::Made(body) => body,
+        }
+    }
+}
+
+/// The small bodies that are kept, of integer coordinates and of any bits.
+struct Kept<N>([Vec<Body<N>>; 2]);
+
+/// A body of a few triangles, out of the input one time in sixteen. Vertices may be refused: then `None`, once it is known that this was right.
+pub fn small_body<N: Node>(input: &mut Input, mode: Mode) -> Option<Small<N>> {
+    if input.one_in(16) {
+        return make_body(input, mode).map(|body| Small::Made(Box::new(body)));
+    }
+    let kept = cached(|| {
+        let make =
+            |mode| (0..256_u32).filter_map(|i| make_body(&mut Input::new(&i.to_le_bytes()), mode)).collect();
+        Kept([make(Mode::Grid), make(Mode::AnyBits)])
+    });
+    Some(Small::Kept(input.pick(&kept.0[usize::from(mode != Mode::Grid)])))
+}
+
+fn make_body<N: Node>(input: &mut Input, mode: Mode) -> Option<Body<N>> {
+    let count = input.below(if mode == Mode::Grid { 9 } else { 4 });
+    let unit = unit(input, mode);
+    let corners = (0..3 * count).map(|_| [(); 3].map(|()| coordinate(input, mode, unit)));
+    let vertices: Vec<[f64; 3]> = corners.collect();
+    let triangles: Vec<[u32; 3]> = (0..count as u32).map(|t| [3 * t, 3 * t + 1, 3 * t + 2]).collect();
+    let leaf_size = 1 + input.below(4) as u32;
+    let legal = vertices.as_flattened().iter().all(|x| x.abs() <= simdop::triangle::MAX_COORDINATE);
+    let mesh = Mesh { vertices: &vertices, triangles: &triangles };
+    let tree = Builder::new().leaf_size(leaf_size).build(&mesh);
+    assert_eq!(tree.is_ok(), legal, "{vertices:?}: {:?}", tree.err());
+    let flush = |x: f64| if x.abs() < simdop::triangle::MIN_COORDINATE { 0.0 } else { x };
+    let triangles = triangles.iter().map(|t| t.map(|v| vertices[v as usize].map(flush))).collect();
+    Some(Body { triangles, tree: tree.ok()? })
+}
+
+/// What coordinates are about as large as.
+fn unit(input: &mut Input, mode: Mode) -> f64 {
+    let exponent = if mode == Mode::AnyBits { 2 * input.int(-127, 127) } else { 0 };
+    f64::from_bits(((exponent + 1023) as u64) << 52)
+}
+
+fn coordinate(input: &mut Input, mode: Mode, unit: f64) -> f64 {
+    if mode == Mode::Grid {
+        return input.int(-3, 3).into();
+    }
+    match input.u8() {
+        0 | 1 => f64::from_bits(input.u64()),
+        2..128 => f64::from(input.int(-3, 3)) * unit,
+        _ => f64::from(input.u16() as i16) * (unit / 16384.0),
+    }
+}
+
+/// A pose that lets bodies of size 1 meet; with [`Mode::Grid`], one that takes integers to integers.
+///
+/// Numbers that are no pose are refused: then, once it is known that this was right, the identity.
+pub fn pose(input: &mut Input, mode: Mode) -> Pose {
+    let rotation = if mode == Mode::Grid { axis_turn(input) } else { turn(input) };
+    let unit = unit(input, mode);
+    let t = [(); 3].map(|()| match mode {
+        Mode::Grid => input.int(-4, 4).into(),
+        Mode::AnyBits => coordinate(input, mode, unit),
+        Mode::Real => f64::from(input.u16() as i16) / 20_000.0,
+    });
+    match Pose::from_rows(core::array::from_fn(|i| [rotation[i][0], rotation[i][1], rotation[i][2], t[i]])) {
+        Ok(pose) => pose,
+        Err(error) => {
+            let too_far = t.iter().any(|x| x.abs() > simdop::triangle::MAX_COORDINATE);
+            let not_finite = t.iter().any(|x| !x.is_finite());
+            let right = if not_finite { PoseError::NotFinite } else { PoseError::TooFar };
+            assert!((too_far || not_finite) && error == right, "{t:?}: {error}");
+            Pose::IDENTITY
+        }
+    }
+}
+
+/// One of the 24 turns that take axes to axes.
+fn axis_turn(input: &mut Input) -> [[f64; 3]; 3] {
+    let choice = input.below(24);
+    let axis = choice % 3;
+    // Orders of the axes: cyclic ones have an even number of negative signs, the others an odd one.
+    let order = if choice.is_multiple_of(2) {
+        [axis, (axis + 1) % 3, (axis + 2) % 3]
+    } else {
+        [axis, (axis + 2) % 3, (axis + 1) % 3]
+    };
+    let (x, y) = (choice / 6 % 2, choice / 12);
+    let signs = [x, y, (x + y + choice) % 2];
+    let mut rows = [[0.0; 3]; 3];
+    for i in 0..3 {
+        rows[i][order[i]] = if signs[i] == 0 { 1.0 } else { -1.0 };
+    }
+    rows
+}
+
+/// The turn of a quaternion of four signed bytes.
+fn turn(input: &mut Input) -> [[f64; 3]; 3] {
+    let q = [(); 4].map(|()| f64::from(input.u8() as i8));
+    let length = ((q[0] * q[0] + q[1] * q[1]) + (q[2] * q[2] + q[3] * q[3])).sqrt();
+    let [x, y, z, w] = if length > 0.0 { q.map(|c| c / length) } else { [0.0, 0.0, 0.0, 1.0] };
+    [
+        [1.0 - 2.0 * (y * y + z * z), 2.0 * (x * y - z * w), 2.0 * (x * z + y * w)],
+        [2.0 * (x * y + z * w), 1.0 - 2.0 * (x * x + z * z), 2.0 * (y * z - x * w)],
+        [2.0 * (x * z - y * w), 2.0 * (y * z + x * w), 1.0 - 2.0 * (x * x + y * y)],
+    ]
+}

@@ -1,0 +1,173 @@
+//! What the fuzz targets share: the fuzzer's bytes read as numbers, planes and bodies made from them, and every instruction set that is
+//! here.
+//!
+//! ```text
+//! cargo +nightly fuzz run TARGET fuzz/corpus/TARGET fuzz/seeds/TARGET -- -max_len=4096
+//! cargo +nightly fuzz run -O --sanitizer none --no-trace-compares TARGET ...     ten times as fast, without checks of overflow
+//! cargo run --manifest-path fuzz/Cargo.toml --example seeds                      writes fuzz/seeds again
+//! ```
+//!
+//! | target | what | who decides |
+//! |---|---|---|
+//! | `kernel_1v16`, `kernel_4v4` | masks of every instruction set | the scalar kernel |
+//! | `realign` | the same for turned planes; turned planes bound the moved triangles | the scalar kernel; exact arithmetic |
+//! | `half_keys` | rounding up, by the keys and by every instruction set; codes and values | the definition of a half |
+//! | `from_bytes` | bytes refused for a true reason, or safe to walk and to query | a second reader; brute force |
+//! | `traverse` | verdicts, pairs, budgets and distances; counters of every instruction set | brute force; the scalar kernel |
+//!
+//! The first byte chooses the [`Mode`], the second k, the rest is values. `from_bytes` takes a baked tree as it is, too.
+
+pub mod bodies;
+pub mod planes;
+
+#[path = "../../tests/support/mod.rs"]
+mod support;
+
+use std::any::{Any, TypeId};
+use std::collections::HashMap;
+use std::sync::{LazyLock, Mutex};
+use support::rng::Rng;
+
+/// How an input is read.
+#[derive(Copy, Clone, PartialEq, Eq, Debug)]
+pub enum Mode {
+    /// Small integers: bodies touch often.
+    Grid,
+    /// Any bits: NaN, infinities, -0, subnormal numbers, the mark of unused lanes.
+    AnyBits,
+    /// Trees of the library's builder, at poses where they meet.
+    Real,
+}
+
+/// The fuzzer's bytes as numbers. After their end come pseudo-random ones that the bytes seed, so that a short input fills a node.
+pub struct Input<'a> {
+    bytes: &'a [u8],
+    after: Rng,
+}
+
+impl<'a> Input<'a> {
+    pub fn new(bytes: &'a [u8]) -> Self {
+        // FNV-1a, 64 bits.
+        let hash = |hash: u64, byte: &u8| (hash ^ u64::from(*byte)).wrapping_mul(0x100_0000_01b3);
+        Self { bytes, after: Rng::new(bytes.iter().fold(0xcbf2_9ce4_8422_2325, hash)) }
+    }
+
+    /// The next `N` bytes, at most 8.
+    fn next<const N: usize>(&mut self) -> [u8; N] {
+        if let Some((next, rest)) = self.bytes.split_first_chunk() {
+            self.bytes = rest;
+            return *next;
+        }
+        self.bytes = &[];
+        let random = self.after.u64().to_le_bytes();
+        core::array::from_fn(|i| random[i])
+    }
+
+    pub fn u8(&mut self) -> u8 {
+        u8::from_le_bytes(self.next())
+    }
+
+    pub fn u16(&mut self) -> u16 {
+        u16::from_le_bytes(self.next())
+    }
+
+    pub fn u32(&mut self) -> u32 {
+        u32::from_le_bytes(self.next())
+    }
+
+    pub fn u64(&mut self) -> u64 {
+        u64::from_le_bytes(self.next())
+    }
+
+    /// A number below `n`, which is 1 to 256.
+    pub fn below(&mut self, n: usize) -> usize {
+        usize::from(self.u8()) % n
+    }
+
+    /// True once in `n` times, 1 to 256.
+    pub fn one_in(&mut self, n: usize) -> bool {
+        self.below(n) == 0
+    }
+
+    /// An integer in `low..=high`, at most 256 of them.
+    pub fn int(&mut self, low: i32, high: i32) -> i32 {
+        low + self.below((high - low + 1) as usize) as i32
+    }
+
+    /// One of up to 65,536 items.
+    pub fn pick<'t, T>(&mut self, items: &'t [T]) -> &'t T {
+        &items[usize::from(self.u16()) % items.len()]
+    }
+
+    pub fn mode(&mut self) -> Mode {
+        [Mode::Grid, Mode::AnyBits, Mode::Real][self.below(3)]
+    }
+}
+
+/// A value that is made once for each type, and kept.
+pub fn cached<T: Send + Sync>(make: impl FnOnce() -> T) -> &'static T {
+    static ALL: LazyLock<Mutex<HashMap<TypeId, &'static (dyn Any + Send + Sync)>>> =
+        LazyLock::new(Mutex::default);
+    let found = ALL.lock().unwrap().get(&TypeId::of::<T>()).copied();
+    // Not made under the lock: what is made may ask for other such values.
+    let value = found.unwrap_or_else(|| {
+        let made: &'static T = Box::leak(Box::new(make()));
+        ALL.lock().unwrap().insert(TypeId::of::<T>(), made);
+        made
+    });
+    value.downcast_ref().unwrap()
+}
+
+/// Calls a generic function for one k, chosen by a number.
+#[macro_export]
+macro_rules! for_k {
+    ($choice:expr, $function:ident($($argument:expr),*)) => {
+        match $choice % 5 {
+            0 => $function::<6>($($argument),*),
+            1 => $function::<14>($($argument),*),
+            2 => $function::<18>($($argument),*),
+            3 => $function::<26>($($argument),*),
+            _ => $function::<32>($($argument),*),
+        }
+    };
+}
+
+/// Calls a generic function for one node type, chosen by k and whether it has four children.
+#[macro_export]
+macro_rules! for_node {
+    ($k:expr, $four:expr, $function:ident($($argument:expr),*)) => {{
+        use simdop::node::{Node4, Node16};
+        match ($k, $four) {
+            (6, true) => $function::<Node4<6>>($($argument),*),
+            (14, true) => $function::<Node4<14>>($($argument),*),
+            (18, true) => $function::<Node4<18>>($($argument),*),
+            (26, true) => $function::<Node4<26>>($($argument),*),
+            (_, true) => $function::<Node4<32>>($($argument),*),
+            (6, false) => $function::<Node16<6>>($($argument),*),
+            (14, false) => $function::<Node16<14>>($($argument),*),
+            (18, false) => $function::<Node16<18>>($($argument),*),
+            (26, false) => $function::<Node16<26>>($($argument),*),
+            (_, false) => $function::<Node16<32>>($($argument),*),
+        }
+    }};
+}
+
+/// Evaluates an expression with the kernel of every instruction set of this machine but the scalar one.
+#[macro_export]
+macro_rules! on_every_isa {
+    ($kernel:ident => $body:expr) => {
+        for isa in simdop::isa::Isa::available() {
+            use simdop::isa::Isa;
+            match isa {
+                Isa::Scalar(_) => {}
+                #[cfg(target_arch = "x86_64")]
+                Isa::Avx2($kernel) => $body,
+                #[cfg(target_arch = "x86_64")]
+                Isa::Avx512($kernel) => $body,
+                #[cfg(target_arch = "aarch64")]
+                Isa::Neon($kernel) => $body,
+                other => panic!("nothing compares {other}"),
+            }
+        }
+    };
+}

@@ -1,0 +1,137 @@
+//! Planes of queries and nodes that separate now and then, in any mode: kernels that only ever give empty masks agree about nothing.
+
+use crate::bodies::{bodies, pose};
+use crate::{Input, Mode, cached};
+use simdop::isa::Scalar;
+use simdop::kernel::{Kernel, Query};
+use simdop::key::Key;
+use simdop::node::{Child, Node4, Node16};
+use simdop::query::Lanes;
+use simdop::realign::Realignment;
+
+/// Planes of `W` bodies, by plane.
+pub type Planes<const W: usize, const K: usize> = [[i16; W]; K];
+
+/// Codes at the ends of their kinds: unused lanes, NaN, -infinity, lowest finite, largest negative subnormal, -0, zero, subnormal ends, 1,
+/// largest finite, infinity, NaN.
+const SPECIAL: [i16; 18] = [
+    i16::MIN,
+    -0x7fff,
+    -0x7c02,
+    -0x7c01,
+    -0x7c00,
+    -0x3c01,
+    -0x401,
+    -0x400,
+    -2, //
+    -1,
+    0,
+    1,
+    0x3ff,
+    0x400,
+    0x3c00,
+    0x7bff,
+    0x7c00,
+    0x7c01,
+];
+
+/// Any code; one of [`SPECIAL`] as often as not.
+pub fn code(input: &mut Input) -> i16 {
+    match input.u8() {
+        choice @ 128.. => SPECIAL[usize::from(choice) % SPECIAL.len()],
+        _ => input.u16() as i16,
+    }
+}
+
+/// The key of a small integer.
+pub fn grid_code(value: i32) -> i16 {
+    Key::round_up_f64(value.into()).unwrap().code()
+}
+
+/// A query, and planes that each of its planes separates from one body in sixty-four or so.
+pub fn pair<const W: usize, const K: usize>(input: &mut Input, mode: Mode) -> (Planes<W, K>, Planes<W, K>) {
+    let (mut query, mut planes) = ([[0; W]; K], [[0; W]; K]);
+    for j in 0..K {
+        let middle = if mode == Mode::Grid { grid_code(input.int(-3, 3)) } else { code(input) };
+        let mut draw = |query: bool| {
+            let choice = input.u8();
+            let below = query != (choice.is_multiple_of(64));
+            match (choice >> 6, mode) {
+                (0, Mode::AnyBits) if below => code(input).min(middle),
+                (0, Mode::AnyBits) => code(input).max(middle),
+                (1.., _) if choice.is_multiple_of(2) => middle,
+                _ => middle.saturating_add(if below { -1 } else { 1 }),
+            }
+        };
+        query[j] = core::array::from_fn(|_| draw(true));
+        planes[j] = core::array::from_fn(|_| draw(false));
+    }
+    (query, with_unused_lanes(planes, input))
+}
+
+/// Marks some lanes as unused, half of the time.
+pub fn with_unused_lanes<const W: usize, const K: usize>(
+    mut planes: Planes<W, K>,
+    input: &mut Input,
+) -> Planes<W, K> {
+    if input.one_in(2) {
+        let unused = input.u16();
+        for plane in &mut planes {
+            for (lane, code) in plane.iter_mut().enumerate().filter(|(lane, _)| unused >> lane & 1 != 0) {
+                debug_assert!(lane < W);
+                *code = Key::EMPTY.code();
+            }
+        }
+    }
+    planes
+}
+
+pub const fn wide<const K: usize>(planes: Planes<16, K>) -> Node16<K> {
+    Node16 { planes, child: [Child::EMPTY; 16] }
+}
+
+pub const fn narrow<const K: usize>(planes: Planes<4, K>) -> Node4<K> {
+    Node4 { planes, child: [Child::EMPTY; 4] }
+}
+
+/// Nodes of real trees, and some of them turned by the scalar kernel at poses where the trees meet.
+struct Turned<Q, N> {
+    queries: Vec<Q>,
+    nodes: Vec<N>,
+}
+
+impl<Q: Copy, N: Lanes> Turned<Q, N> {
+    fn new(turn: impl Fn(&N::Map, &N) -> Q) -> Self {
+        let mut input = Input::new(&[]);
+        let trees: Vec<_> =
+            bodies::<N>().0.iter().map(|body| body.tree.view()).filter(|tree| !tree.is_empty()).collect();
+        let queries = (0..512).map(|_| {
+            let (a, b) = (input.pick(&trees), input.pick(&trees).frame());
+            turn(&N::map(&pose(&mut input, Mode::Real), a.header(), &b), input.pick(a.nodes()))
+        });
+        Self {
+            queries: queries.collect(),
+            nodes: trees.iter().flat_map(|tree| tree.nodes()).copied().collect(),
+        }
+    }
+
+    fn pick(&self, input: &mut Input) -> (Q, N) {
+        (*input.pick(&self.queries), *input.pick(&self.nodes))
+    }
+}
+
+/// A query and a node of real trees.
+pub fn real_16<const K: usize>(input: &mut Input) -> (Query<16, K>, Node16<K>)
+where
+    Node16<K>: Lanes<Map = Realignment<K>>,
+{
+    cached(|| Turned::<_, Node16<K>>::new(|map, node| Scalar::new().realign_16(map, node))).pick(input)
+}
+
+/// [`real_16`] for four children.
+pub fn real_4<const K: usize>(input: &mut Input) -> (Query<4, K>, Node4<K>)
+where
+    Node4<K>: Lanes<Map = Realignment<K>>,
+{
+    cached(|| Turned::<_, Node4<K>>::new(|map, node| Scalar::new().realign_4(map, node))).pick(input)
+}
