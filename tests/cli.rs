@@ -413,9 +413,10 @@ fn info_describes_a_tree_and_proves_it() {
     mesh["verified"] = true.into();
     assert_eq!(mesh, tree);
 
-    // Plane 0 of lane 0 at the frame's centre cuts triangles off: valid to walk, not conservative.
+    // Plane 0 of lane 0 a step below its opposite, plane 1, cuts triangles off: valid to walk, not conservative.
     let mut bytes = std::fs::read(folder.0.join("a.tree")).unwrap();
-    bytes[128..130].copy_from_slice(&0_i16.to_le_bytes());
+    let opposite = i16::from_le_bytes([bytes[160], bytes[161]]);
+    bytes[128..130].copy_from_slice(&(!opposite - 1).to_le_bytes());
     folder.write("low.tree", &bytes);
     assert_eq!(folder.fate(&["info", "low.tree"]), (0, String::new()));
     let (code, message) = folder.fate(&["info", "low.tree", "--verify"]);

@@ -247,7 +247,7 @@ fn coincident_triangles_are_split_by_index() {
 }
 
 fn check_coincident<N: Lanes>(mesh: &MeshData) {
-    let tree = default_build::<N>(mesh);
+    let tree = build::<N>(mesh, 1, Splitter::ExtendedLongestAxis);
     let view: BvhRef<'_, N> = tree.view();
     let supports = supports(mesh, view.header());
     for splitter in SPLITTERS {
@@ -431,8 +431,8 @@ fn golden_bytes() {
         vertices: vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
         triangles: vec![[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]],
     };
-    let tiny = default_build::<Node4<6>>(&tetrahedron);
-    let torus = default_build::<Node16<18>>(&shapes::torus(24, 16));
+    let tiny = build::<Node4<6>>(&tetrahedron, 1, Splitter::ExtendedLongestAxis);
+    let torus = build::<Node16<18>>(&shapes::torus(24, 16), 1, Splitter::ExtendedLongestAxis);
     let large = build::<Node4<32>>(&shapes::torus(24, 16), 5, Splitter::LongestAxis);
     let got = [tiny.as_bytes(), torus.as_bytes(), large.as_bytes()].map(|b| (b.len(), digest(b)));
     println!("{got:#x?}");

@@ -124,7 +124,10 @@ impl Query {
 
 #[inline(always)]
 fn search<N: Lanes, E: Kernel>(kernel: E, mut search: Search<'_, N, E>) -> Distance {
-    let completion = kernel.run(|| search.run());
+    let completion = kernel.run(
+        #[inline(always)]
+        || search.run(),
+    );
     let (best, counters) = (&search.best, search.counters);
     let [a, b] = best.points;
     let witness = Some(Witness { pair: best.pair, a, b });

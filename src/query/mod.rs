@@ -190,7 +190,12 @@ impl Query {
         visit: impl FnMut(Pair) -> ControlFlow<()>,
     ) -> (Option<Stop>, Counters) {
         let mut traversal = Traversal::new(kernel, *a, *b, pose, self.budget, margin, visit);
-        let stop = kernel.run(|| traversal.run()).break_value();
+        // Inlined in the gate whatever its size: outside of it, no kernel could be inlined.
+        let run = kernel.run(
+            #[inline(always)]
+            || traversal.run(),
+        );
+        let stop = run.break_value();
         (stop, traversal.counters)
     }
 }
