@@ -51,6 +51,7 @@
 //! late; three slabs more than 26 leave the widest gaps of 26 open. The chosen set is within 5 % of the best on both.
 
 mod sectors;
+mod slabs;
 
 /// Direction sets exist for these k.
 pub const SUPPORTED: [usize; 5] = [6, 14, 18, 26, 32];
@@ -177,8 +178,15 @@ impl<const K: usize> Directions<K> {
     #[must_use]
     pub fn decompose(u: [f64; 3]) -> Weights {
         if sectors::applies(K) {
-            return sectors::decompose::<K>(&Self::SECTORS, u);
+            let (weights, sector) = sectors::split::<K>(u);
+            return Weights { directions: Self::SECTORS[sector as usize & 127], weights };
         }
+        Self::search(u)
+    }
+
+    /// The face of any u, by walking from where the grid says.
+    #[inline(always)]
+    fn search(u: [f64; 3]) -> Weights {
         let size = (u[0].abs() + u[1].abs()) + u[2].abs();
         let mut face = face_or(Self::TABLE, start(Self::TABLE, u, size), Self::FIRST_FACE);
         let mut c = face.weights(u);

@@ -62,6 +62,8 @@ const MAX_REACH: f64 = power_of_two(126);
 
 impl<const K: usize> Realignment<K> {
     /// The map for the body with header `a`, posed in the frame `b`.
+    // Part of the query that it begins, so that it is compiled for the query's instruction set.
+    #[inline(always)]
     #[must_use]
     pub fn new(pose: &Pose, a: &Header, b: &Frame) -> Self {
         let m = pose.rows();
@@ -80,27 +82,36 @@ impl<const K: usize> Realignment<K> {
         let per_weight = HALF_PLACE * (Directions::<K>::MAX_COMPONENT * width_sum);
 
         let mut map = Self { sources: [[0; 3]; K], weights: [[0.0; 3]; K], offset: [0.0; K] };
-        // Written out by coordinate: closures over arrays are not always inlined, and this runs once a query.
-        for j in (0..K).step_by(2) {
-            let n = Directions::<K>::VECTORS[j];
-            let length = n[0].abs() + n[1].abs() + n[2].abs();
-            let u = [
-                (m[0][0] * n[0] + m[1][0] * n[1]) + m[2][0] * n[2],
-                (m[0][1] * n[0] + m[1][1] * n[1]) + m[2][1] * n[2],
-                (m[0][2] * n[0] + m[1][2] * n[1]) + m[2][2] * n[2],
-            ];
-            let found = Directions::<K>::decompose(u);
-            let [p, q, r] = found.directions;
-            let c = found.weights;
-            let weights = [(ratio * c[0]) as f32, (ratio * c[1]) as f32, (ratio * c[2]) as f32];
-            let weight_sum = (f64::from(weights[0]) + f64::from(weights[1])) + f64::from(weights[2]);
-            let tau = ((n[0] * shift[0] + n[1] * shift[1]) + n[2] * shift[2]) * b.scale();
-            let reach = weight_sum * f64::from(a.max_plane) + tau.abs();
+        let [nx, ny, nz] = &Directions::<K>::SLAB_COLUMNS;
+        let slabs = Directions::<K>::SLABS;
+        let mut u = [[0.0; K]; 3];
+        for i in 0..3 {
+            for s in 0..slabs {
+                u[i][s] = (m[0][i] * nx[s] + m[1][i] * ny[s]) + m[2][i] * nz[s];
+            }
+        }
+        let found = Directions::<K>::decompose_slabs(&u);
+        let mut weights = [[0.0_f32; K]; 3];
+        let (mut ahead, mut behind) = ([0.0_f32; K], [0.0_f32; K]);
+        let (scale, max_plane) = (b.scale(), f64::from(a.max_plane));
+        for s in 0..slabs {
+            let length = nx[s].abs() + ny[s].abs() + nz[s].abs();
+            let c = [found.weights[0][s], found.weights[1][s], found.weights[2][s]];
+            let w = [(ratio * c[0]) as f32, (ratio * c[1]) as f32, (ratio * c[2]) as f32];
+            let weight_sum = (f64::from(w[0]) + f64::from(w[1])) + f64::from(w[2]);
+            let tau = ((nx[s] * shift[0] + ny[s] * shift[1]) + nz[s] * shift[2]) * scale;
+            let reach = weight_sum * max_plane + tau.abs();
             let (residual_pad, rounding_pad) = (weight_sum * per_weight, GAMMA_4 * reach);
             let pad = ((residual_pad + length * per_length) + rounding_pad) + UNDERFLOW;
             let pad = if reach < MAX_REACH { pad } else { f64::INFINITY };
-            map.set(j, [p, q, r], weights, round_up_f32(tau + pad));
-            map.set(j + 1, [p ^ 1, q ^ 1, r ^ 1], weights, round_up_f32(pad - tau));
+            (weights[0][s], weights[1][s], weights[2][s]) = (w[0], w[1], w[2]);
+            ahead[s] = round_up_f32(tau + pad);
+            behind[s] = round_up_f32(pad - tau);
+        }
+        for s in 0..slabs {
+            let ([p, q, r], w) = (found.directions[s], [weights[0][s], weights[1][s], weights[2][s]]);
+            map.set(2 * s, [p, q, r], w, ahead[s]);
+            map.set(2 * s + 1, [p ^ 1, q ^ 1, r ^ 1], w, behind[s]);
         }
         map
     }

@@ -14,7 +14,7 @@
 //! The tests compare with the cheapest of all triples. No branch depends on u: a search through the grid of the general way
 //! took 13 ns a direction, 116 of the 380 ns of a set-up at k = 18.
 
-use super::{Weights, greater, table};
+use super::{greater, table};
 
 /// For each order and signs of the coordinates, and each of two faces: its corners.
 pub(super) type Sectors = [[u8; 3]; 128];
@@ -80,11 +80,12 @@ const fn index_of(k: usize, v: [i8; 3]) -> u8 {
     panic!("not one of the directions")
 }
 
+/// The weights of u, and the sector that names their directions.
 #[inline(always)]
-pub(super) fn decompose<const K: usize>(sectors: &'static Sectors, u: [f64; 3]) -> Weights {
+pub(super) fn split<const K: usize>(u: [f64; 3]) -> ([f64; 3], u64) {
     let lesser = |a: f64, b: f64| if a < b { a } else { b };
-    let bit = |condition: bool| usize::from(condition);
-    let negative = |x: f64| (x.to_bits() >> 63) as usize;
+    let bit = |condition: bool| if condition { 1_u64 } else { 0 };
+    let negative = |x: f64| x.to_bits() >> 63;
     let [x, y, z] = [u[0].abs(), u[1].abs(), u[2].abs()];
     let hi = greater(x, greater(y, z));
     let mid = greater(lesser(x, y), lesser(greater(x, y), z));
@@ -101,10 +102,7 @@ pub(super) fn decompose<const K: usize>(sectors: &'static Sectors, u: [f64; 3]) 
     };
     let order = bit(x >= y) | bit(y >= z) << 1 | bit(x >= z) << 2;
     let signs = negative(u[0]) | negative(u[1]) << 1 | negative(u[2]) << 2;
-    let directions = sectors[(order | signs << 3 | bit(a < 0.0) << 6) & 127];
     // No weight of a finite u is negative; this is for the others.
-    Weights {
-        directions,
-        weights: [greater(weights[0], 0.0), greater(weights[1], 0.0), greater(weights[2], 0.0)],
-    }
+    let weights = [greater(weights[0], 0.0), greater(weights[1], 0.0), greater(weights[2], 0.0)];
+    (weights, order | signs << 3 | bit(a < 0.0) << 6)
 }

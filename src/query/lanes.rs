@@ -79,6 +79,7 @@ macro_rules! impl_lanes {
             type Query = Query<$arity, K>;
             const NO_QUERY: Self::Query = [[SEPARATED; $arity]; K];
 
+            #[inline(always)]
             fn map(pose: &Pose, a: &Header, b: &Frame) -> Self::Map {
                 Realignment::new(pose, a, b)
             }

@@ -189,13 +189,14 @@ impl Query {
         margin: f64,
         visit: impl FnMut(Pair) -> ControlFlow<()>,
     ) -> (Option<Stop>, Counters) {
-        let mut traversal = Traversal::new(kernel, *a, *b, pose, self.budget, margin, visit);
         // Inlined in the gate whatever its size: outside of it, no kernel could be inlined.
-        let run = kernel.run(
+        kernel.run(
             #[inline(always)]
-            || traversal.run(),
-        );
-        let stop = run.break_value();
-        (stop, traversal.counters)
+            || {
+                let mut traversal = Traversal::new(kernel, *a, *b, pose, self.budget, margin, visit);
+                let stop = traversal.run().break_value();
+                (stop, traversal.counters)
+            },
+        )
     }
 }

@@ -47,6 +47,7 @@ pub(crate) struct Traversal<'t, N: Lanes, E, V> {
 }
 
 impl<'t, N: Lanes, E: Kernel, V: FnMut(Pair) -> ControlFlow<()>> Traversal<'t, N, E, V> {
+    #[inline(always)]
     pub(crate) fn new(
         kernel: E,
         a: BvhRef<'t, N>,
