@@ -397,7 +397,10 @@ fn compare_with_oracle<N: Lanes>(name: &str, mesh: &MeshData, magnification: Mag
 fn clusters_are_as_good_as_in_floating_point_whatever_the_seed() {
     let mut rng = Rng::new(13);
     let mut meshes = vec![("torus", shapes::torus(60, 40)), ("soup", shapes::soup(&mut rng, 3000, 0.05))];
-    if let Some(data) = directory() {
+    // An emulator need not repeat that: what is built is the same, bit for bit.
+    if suite_step() > 1 {
+        meshes.truncate(1);
+    } else if let Some(data) = directory() {
         meshes.push(("cow", MeshData::obj(&data.join("meshes/cow.obj"))));
         meshes.push(("hand", MeshData::obj(&data.join("meshes/hand.obj"))));
     }
