@@ -33,7 +33,7 @@ struct Options {
     #[arg(long)]
     drivers: PathBuf,
     /// Where poses and results go
-    #[arg(long)]
+    #[arg(long, overrides_with = "out")]
     out: PathBuf,
     /// Which meshes, separated by commas [default: all]
     #[arg(long, value_delimiter = ',')]
