@@ -5,12 +5,12 @@ use std::path::Path;
 
 /// A line of a plot: polygons and the value.
 pub(crate) struct Curve {
-    pub(crate) name: &'static str,
+    pub(crate) name: String,
     pub(crate) points: Vec<(f64, f64)>,
 }
 
-/// Distinguishable without red and green (Okabe & Ito 2008).
-const COLOURS: [RGBColor; 8] = [
+/// Distinguishable without red and green: eight of Okabe & Ito (2008), and four greys and browns.
+const COLOURS: [RGBColor; 12] = [
     RGBColor(0, 114, 178),
     RGBColor(230, 159, 0),
     RGBColor(0, 158, 115),
@@ -19,6 +19,10 @@ const COLOURS: [RGBColor; 8] = [
     RGBColor(86, 180, 233),
     RGBColor(0, 0, 0),
     RGBColor(240, 228, 66),
+    RGBColor(120, 120, 120),
+    RGBColor(140, 80, 30),
+    RGBColor(190, 190, 190),
+    RGBColor(90, 40, 130),
 ];
 
 /// Writes an SVG.
@@ -50,7 +54,7 @@ pub(crate) fn plot(file: &Path, title: &str, what: &str, curves: &[Curve]) {
         chart
             .draw_series(LineSeries::new(curve.points.iter().copied(), style).point_size(3))
             .unwrap()
-            .label(curve.name)
+            .label(curve.name.as_str())
             .legend(move |(x, y)| PathElement::new([(x, y), (x + 20, y)], style));
     }
     chart
