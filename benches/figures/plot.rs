@@ -30,13 +30,13 @@ pub(crate) fn plot(file: &Path, title: &str, what: &str, curves: &[Curve]) {
     let points = || curves.iter().flat_map(|curve| &curve.points);
     let right = points().map(|p| p.0).fold(0.0, f64::max) * 1.03;
     let top = points().map(|p| p.1).fold(0.0, f64::max) * 1.05;
-    let area = SVGBackend::new(file, (720, 480)).into_drawing_area();
+    let area = SVGBackend::new(file, (800, 540)).into_drawing_area();
     area.fill(&WHITE).unwrap();
     let mut chart = ChartBuilder::on(&area)
         .caption(title, ("sans-serif", 26))
         .margin(12)
         .x_label_area_size(52)
-        .y_label_area_size(72)
+        .y_label_area_size(92)
         .build_cartesian_2d(0.0..right, 0.0..top)
         .unwrap();
     chart
@@ -62,7 +62,7 @@ pub(crate) fn plot(file: &Path, title: &str, what: &str, curves: &[Curve]) {
         .position(SeriesLabelPosition::UpperLeft)
         .background_style(WHITE.mix(0.8))
         .border_style(BLACK)
-        .label_font(("sans-serif", 20))
+        .label_font(("sans-serif", 15))
         .draw()
         .unwrap();
     area.present().unwrap();

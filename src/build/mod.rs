@@ -145,7 +145,7 @@ impl Builder {
         Self { splitter: Splitter::MeanWidth, leaf_size: 2 }
     }
 
-    /// The fewest visits a query: [`Splitter::MeanWidth`], one triangle a leaf. Two to four times as long to build as the fast one.
+    /// The fewest visits a query: [`Splitter::MeanWidth`], one triangle a leaf. Some fifteen times as long to build as the fast one.
     #[must_use]
     pub const fn best() -> Self {
         Self { splitter: Splitter::MeanWidth, leaf_size: 1 }
