@@ -1,5 +1,8 @@
 //! Figures 6 and 7 of the SIMDop paper (Tan, Weller, Zachmann, IROS 2019) for this library's splitters: time of a query and of a build
-//! against the number of polygons. `cargo bench --bench figures` writes `figures.csv` and the plots to `target/figures/`.
+//! against the number of polygons. `cargo bench --bench figures` writes `figures.csv` and the plots to `target/figures/`, and prints after how many
+//! queries a longer build has paid.
+//!
+//! Figure 7 with other libraries' builds: `benches/peers/run --builds`.
 //!
 //! As in the paper k is 32, poses are at the distance zero (a millionth of the diagonal from contact, free), and the polygon count
 //! varies by decimation: vertices that share a cell of a grid become one. A model is tested against itself. Query times are means over the
@@ -17,7 +20,7 @@ mod figures {
 mod rng;
 
 use data::{GAPS, MeshData, Suite, directory};
-use figures::decimate::series;
+use figures::decimate::{MODELS, series};
 use figures::plot::{Curve, plot};
 use simdop::build::{Builder, Magnification, Mesh, Splitter};
 use simdop::hierarchy::Bvh;
@@ -30,19 +33,17 @@ use std::hint::black_box;
 use std::path::Path;
 use std::time::Instant;
 
+/// The fast preset's.
+const FAST: &str = "extended longest axis";
 /// What is compared. One line each.
 const SPLITTERS: [(&str, Splitter); 6] = [
     ("longest axis", Splitter::LongestAxis),
-    ("extended longest axis", Splitter::ExtendedLongestAxis),
+    (FAST, Splitter::ExtendedLongestAxis),
     ("surface area", Splitter::SurfaceArea),
     ("mean width", Splitter::MeanWidth),
     ("neural gas", Splitter::BatchNeuralGas { magnification: Magnification::None, seed: 0 }),
     ("neural gas by area", Splitter::BatchNeuralGas { magnification: Magnification::Area, seed: 0 }),
 ];
-/// A scan and a machined part.
-const MODELS: [&str; 2] = ["armadillo", "fandisk_large"];
-/// Cells of the decimating grids along the longest side of the model.
-const GRIDS: [u32; 6] = [16, 24, 36, 54, 80, 120];
 const RUNS: usize = 7;
 /// Distance zero, as far as poses can tell: which of the suites' gaps.
 const GAP: usize = 4;
@@ -66,7 +67,7 @@ fn main() {
     let mut rows = Vec::new();
     for model in MODELS {
         let mesh = MeshData::obj(&data.join("meshes").join(model).with_extension("obj"));
-        for mesh in series(&mesh, &GRIDS) {
+        for mesh in series(&mesh) {
             let poses = poses(&mesh);
             eprintln!("{model}: {} polygons", mesh.triangles.len());
             measure::<Node4<32>>(model, &mesh, &poses, &mut rows);
@@ -86,6 +87,7 @@ fn main() {
         }
     }
     println!("{}", folder.display());
+    print!("{}", pay_offs(&rows));
 }
 
 fn build<N: Lanes>(mesh: &MeshData, splitter: Splitter) -> Bvh<N> {
@@ -159,10 +161,36 @@ fn csv(rows: &[Row]) -> String {
     text
 }
 
+/// After how many queries, touching, the longer build of a splitter has paid, against the fast preset's: both models in full, 1vs16.
+fn pay_offs(rows: &[Row]) -> String {
+    let mut text = String::from(
+        "| model | splitter | build, ms | query, us | pays after so many queries |\n|---|---|---|---|---|\n",
+    );
+    for model in MODELS {
+        let wide = || rows.iter().filter(|row| row.model == model && row.arity == 16);
+        let polygons = wide().map(|row| row.polygons).max();
+        let full = || wide().filter(|row| Some(row.polygons) == polygons);
+        let Some(fast) = full().find(|row| row.splitter == FAST) else { continue };
+        for row in full() {
+            let longer = 1e3 * (row.build_milliseconds - fast.build_milliseconds);
+            let saved = fast.query_microseconds - row.query_microseconds;
+            let after =
+                if saved > 0.0 && longer > 0.0 { format!("{:.0}", longer / saved) } else { "-".into() };
+            let Row { splitter, build_milliseconds, query_microseconds, .. } = row;
+            writeln!(
+                text,
+                "| {model} | {splitter} | {build_milliseconds:.1} | {query_microseconds:.2} | {after} |"
+            )
+            .unwrap();
+        }
+    }
+    text
+}
+
 fn curves(rows: &[Row], model: &str, arity: usize, value: fn(&Row) -> f64) -> Vec<Curve> {
     let curve = |(name, _): (&'static str, Splitter)| {
         let rows = rows.iter().filter(|r| r.model == model && r.arity == arity && r.splitter == name);
-        Curve { name, points: rows.map(|row| (row.polygons as f64, value(row))).collect() }
+        Curve { name: name.to_owned(), points: rows.map(|row| (row.polygons as f64, value(row))).collect() }
     };
     SPLITTERS.map(curve).into()
 }

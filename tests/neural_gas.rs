@@ -119,6 +119,7 @@ fn any_number_of_threads_builds_the_same_bytes() {
     for splitter in [
         Splitter::LongestAxis,
         Splitter::ExtendedLongestAxis,
+        Splitter::MeanWidth,
         Splitter::BatchNeuralGas { magnification: Magnification::None, seed: 3 },
         Splitter::BatchNeuralGas { magnification: Magnification::Area, seed: 3 },
     ] {

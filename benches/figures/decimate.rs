@@ -3,9 +3,15 @@
 use crate::data::MeshData;
 use std::collections::{BTreeMap, BTreeSet};
 
+/// A scan and a machined part.
+pub(crate) const MODELS: [&str; 2] = ["armadillo", "fandisk_large"];
+
+/// Cells of the decimating grids along the longest side of the model.
+const GRIDS: [u32; 6] = [16, 24, 36, 54, 80, 120];
+
 /// The mesh on each of the grids, and itself last.
-pub(crate) fn series(mesh: &MeshData, grids: &[u32]) -> Vec<MeshData> {
-    let coarser = grids.iter().map(|&cells| decimated(mesh, cells));
+pub(crate) fn series(mesh: &MeshData) -> Vec<MeshData> {
+    let coarser = GRIDS.iter().map(|&cells| decimated(mesh, cells));
     let mut meshes: Vec<MeshData> =
         coarser.filter(|m| m.triangles.len() * 10 < mesh.triangles.len() * 9).collect();
     meshes.push(mesh.clone());

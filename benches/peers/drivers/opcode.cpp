@@ -33,6 +33,7 @@ const char *peer_version() { return ODE_VERSION; }
 
 void *peer_build(const double *vertices, size_t vertex_count, const uint32_t *triangles, size_t triangle_count) {
   auto *body = new Body;
+  body->vertices.reserve(vertex_count);
   for (size_t i = 0; i < vertex_count; i++)
     body->vertices.emplace_back(float(vertices[3 * i]), float(vertices[3 * i + 1]), float(vertices[3 * i + 2]));
   body->triangles.resize(triangle_count);

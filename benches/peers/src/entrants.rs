@@ -3,7 +3,7 @@
 use crate::data::MeshData;
 use crate::driver::Driver;
 use crate::suites::Rows;
-use simdop::build::{Builder, Mesh};
+use simdop::build::{Builder, Magnification, Mesh, Splitter};
 use simdop::hierarchy::Bvh;
 use simdop::isa::Isa;
 use simdop::node::Node16;
@@ -43,17 +43,51 @@ const DRIVERS: [(&str, &str); 7] = [
     ("Embree", "embree"),
 ];
 
-/// Everything that could be had: a driver that is not there, or does not load, is left out with a warning.
+/// Everything that could be had.
 pub(crate) fn entrants(meshes: &[MeshData], drivers: &Path) -> Vec<Entrant> {
     let mut entrants = vec![ours::<Node16<18>>(OURS, meshes), ours::<Node16<14>>("simdop k 14", meshes)];
-    for (name, file) in DRIVERS {
-        match Driver::load(&drivers.join(format!("{file}.so"))) {
-            Ok(driver) => entrants.push(driven(name, driver, meshes)),
-            Err(error) => eprintln!("*** {name} IS LEFT OUT: {error} ***"),
-        }
-    }
+    entrants.extend(loaded(drivers).into_iter().map(|(name, driver)| driven(name, driver, meshes)));
     entrants.extend([parry_f32::entrant("parry f32", meshes), parry_f64::entrant("parry f64", meshes)]);
     entrants
+}
+
+/// Builds a body, drops it, and says how many milliseconds the building took.
+pub(crate) type Build = Box<dyn Fn(&MeshData) -> f64>;
+
+/// Everything that could be had, to be timed at building: our presets and Batch Neural Gas, then the peers.
+pub(crate) fn builders(drivers: &Path) -> Vec<(String, Build)> {
+    let gas = Splitter::BatchNeuralGas { magnification: Magnification::None, seed: 0 };
+    let own =
+        [("fast", Builder::fast()), ("best", Builder::best()), ("neural gas", Builder::best().splitter(gas))];
+    let ours = |(name, builder): (&str, Builder)| -> (String, Build) {
+        let build = move |mesh: &MeshData| timed(|| tree::<Node16<18>>(builder, mesh)).1;
+        (format!("simdop {name}"), Box::new(build))
+    };
+    let mut builders: Vec<_> = own.into_iter().map(ours).collect();
+    for (name, driver) in loaded(drivers) {
+        let build = move |mesh: &MeshData| timed(|| Driver::build(&driver, mesh)).1;
+        builders.push((name.to_owned(), Box::new(build)));
+    }
+    builders.push(("parry f32".to_owned(), Box::new(|mesh| timed(|| parry_f32::body(mesh)).1)));
+    builders.push(("parry f64".to_owned(), Box::new(|mesh| timed(|| parry_f64::body(mesh)).1)));
+    builders
+}
+
+/// The drivers that are there and load; for the others, a warning.
+fn loaded(drivers: &Path) -> Vec<(&'static str, Rc<Driver>)> {
+    let load = |(name, file): (&'static str, &str)| match Driver::load(&drivers.join(format!("{file}.so"))) {
+        Ok(driver) => Some((name, Rc::new(driver))),
+        Err(error) => {
+            eprintln!("*** {name} IS LEFT OUT: {error} ***");
+            None
+        }
+    };
+    DRIVERS.into_iter().filter_map(load).collect()
+}
+
+fn tree<N: Lanes>(builder: Builder, mesh: &MeshData) -> Bvh<N> {
+    let mesh = Mesh { vertices: &mesh.vertices, triangles: &mesh.triangles };
+    builder.build(&mesh).expect("the data sets can be built")
 }
 
 fn timed<T>(build: impl FnOnce() -> T) -> (T, f64) {
@@ -63,10 +97,7 @@ fn timed<T>(build: impl FnOnce() -> T) -> (T, f64) {
 }
 
 fn ours<N: Lanes + 'static>(name: &str, meshes: &[MeshData]) -> Entrant {
-    let build = |mesh: &MeshData| -> Bvh<N> {
-        let mesh = Mesh { vertices: &mesh.vertices, triangles: &mesh.triangles };
-        Builder::new().build(&mesh).expect("the data sets can be built")
-    };
+    let build = |mesh: &MeshData| tree::<N>(Builder::new(), mesh);
     let (trees, build_ms) = timed(|| meshes.iter().map(build).collect::<Vec<_>>());
     let bytes = trees.iter().map(|tree| tree.as_bytes().len()).sum();
     let query = Query::new(Isa::detect());
@@ -85,8 +116,7 @@ fn ours<N: Lanes + 'static>(name: &str, meshes: &[MeshData]) -> Entrant {
     }
 }
 
-fn driven(name: &str, driver: Driver, meshes: &[MeshData]) -> Entrant {
-    let driver = Rc::new(driver);
+fn driven(name: &str, driver: Rc<Driver>, meshes: &[MeshData]) -> Entrant {
     let (bodies, build_ms) =
         timed(|| meshes.iter().map(|mesh| Driver::build(&driver, mesh)).collect::<Vec<_>>());
     let bytes: usize = bodies.iter().map(crate::driver::Body::bytes).sum();
@@ -116,12 +146,13 @@ macro_rules! parry {
                 Vector::new(p[0] as $Real, p[1] as $Real, p[2] as $Real)
             }
 
+            pub(super) fn body(mesh: &MeshData) -> TriMesh {
+                let vertices = mesh.vertices.iter().map(|p| vector(*p)).collect();
+                TriMesh::new(vertices, mesh.triangles.clone()).expect("there are triangles")
+            }
+
             pub(super) fn entrant(name: &str, meshes: &[MeshData]) -> Entrant {
-                let build = |mesh: &MeshData| {
-                    let vertices = mesh.vertices.iter().map(|p| vector(*p)).collect();
-                    TriMesh::new(vertices, mesh.triangles.clone()).expect("there are triangles")
-                };
-                let (bodies, build_ms) = timed(|| meshes.iter().map(build).collect::<Vec<_>>());
+                let (bodies, build_ms) = timed(|| meshes.iter().map(body).collect::<Vec<_>>());
                 Entrant {
                     name: name.to_owned(),
                     version: PARRY_VERSION.to_owned(),

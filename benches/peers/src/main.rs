@@ -1,7 +1,12 @@
 //! simdop beside other collision libraries: the same meshes, the same poses, one process, in turns. `benches/peers/run` builds and starts it.
 
+mod builds;
+#[path = "../../figures/plot.rs"]
+mod curves;
 #[path = "../../../tests/support/data.rs"]
 mod data;
+#[path = "../../figures/decimate.rs"]
+mod decimate;
 mod driver;
 mod entrants;
 #[path = "../../../tests/support/exact.rs"]
@@ -47,6 +52,9 @@ struct Options {
     /// Repeat everything so often
     #[arg(long, default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..))]
     runs: u32,
+    /// Time builds against the number of polygons, and nothing else
+    #[arg(long)]
+    builds: bool,
     /// Keep what an interrupted run measured
     #[arg(long)]
     resume: bool,
@@ -56,7 +64,13 @@ struct Options {
 }
 
 fn main() -> ExitCode {
-    match run(&Options::parse()) {
+    let options = Options::parse();
+    let done = if options.builds {
+        builds::run(&options.data, &options.drivers, &options.out)
+    } else {
+        run(&options)
+    };
+    match done {
         Ok(()) => ExitCode::SUCCESS,
         Err(problem) => {
             eprintln!("error: {problem}");

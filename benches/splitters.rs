@@ -1,0 +1,87 @@
+//! What each splitter's trees cost a query, in counted work: `cargo bench --bench splitters` prints a table, the same on every machine. Five minutes.
+//!
+//! Visits a query of a mesh against itself, mean over [`POSES`] poses at each of the four distances of `support/suites.rs`: k = 18, arity 16, one
+//! triangle a leaf.
+
+#![expect(clippy::unwrap_used, reason = "a benchmark that cannot go on has failed")]
+
+#[path = "../tests/support/data.rs"]
+mod data;
+#[path = "../tests/support/rng.rs"]
+mod rng;
+#[path = "support/suites.rs"]
+#[expect(
+    dead_code,
+    unused_imports,
+    reason = "its test runs with benches/peers, and names of methods are for the plots there"
+)]
+mod suites;
+
+use data::{MeshData, directory};
+use simdop::build::{Builder, Magnification, Mesh, Splitter};
+use simdop::hierarchy::Bvh;
+use simdop::isa::Isa;
+use simdop::node::Node16;
+use simdop::pose::Pose;
+use simdop::query::{Lanes, Query};
+use suites::{Approaching, DISTANCES, Method};
+
+const MODELS: [&str; 6] = ["cow", "armadillo", "bunny75k", "camel", "hand", "fandisk_large"];
+
+/// What is compared. The last is the best preset's, and should need the fewest visits.
+const SPLITTERS: [(&str, Splitter); 6] = [
+    ("longest axis", Splitter::LongestAxis),
+    ("extended longest axis", Splitter::ExtendedLongestAxis),
+    ("surface area", Splitter::SurfaceArea),
+    ("neural gas", Splitter::BatchNeuralGas { magnification: Magnification::None, seed: 0 }),
+    ("neural gas by area", Splitter::BatchNeuralGas { magnification: Magnification::Area, seed: 0 }),
+    ("mean width", Splitter::MeanWidth),
+];
+
+/// So many that trees 1 % apart can be told from each other: with 100 poses, another seed changes the order of the best three.
+const POSES: usize = 1600;
+
+/// By distance.
+type PerDistance<T> = [T; DISTANCES.len()];
+
+fn main() {
+    let Some(data) = directory() else { return };
+    println!("| mesh | splitter | {} |", DISTANCES.map(|(name, _)| name).join(" | "));
+    println!("|---|---|{}", "---|".repeat(DISTANCES.len()));
+    let mut fewest = 0;
+    for model in MODELS {
+        let mesh = MeshData::obj(&data.join("meshes").join(model).with_extension("obj"));
+        let poses = poses(&mesh);
+        let visits = SPLITTERS.map(|(_, splitter)| visits(&build(&mesh, splitter), &poses));
+        for ((splitter, _), visits) in SPLITTERS.iter().zip(&visits) {
+            println!("| {model} | {splitter} | {} |", visits.map(|v| format!("{v:.2}")).join(" | "));
+        }
+        let [rivals @ .., best] = &visits;
+        fewest += usize::from(rivals.iter().all(|rival| best.iter().zip(rival).all(|(best, r)| best <= r)));
+    }
+    println!("\nThe last needs the fewest at all distances on {fewest} of {} meshes.", MODELS.len());
+}
+
+fn build<N: Lanes>(mesh: &MeshData, splitter: Splitter) -> Bvh<N> {
+    let mesh = Mesh { vertices: &mesh.vertices, triangles: &mesh.triangles };
+    Builder::new().splitter(splitter).build(&mesh).unwrap()
+}
+
+/// Found by the trees of one splitter, so that a change of another is judged at the same poses.
+fn poses(mesh: &MeshData) -> PerDistance<Vec<Pose>> {
+    let tree = build(mesh, Splitter::ExtendedLongestAxis);
+    let pair = Approaching { a: mesh, b: mesh, tree_a: tree.view(), tree_b: tree.view() };
+    let mut poses: PerDistance<Vec<Pose>> = Default::default();
+    for line in Method::ALL.into_iter().flat_map(|method| pair.poses(method, POSES / 2, 1)) {
+        for (poses, rows) in poses.iter_mut().zip(line) {
+            poses.push(Pose::from_rows(rows).unwrap());
+        }
+    }
+    poses
+}
+
+fn visits(tree: &Bvh<Node16<18>>, poses: &PerDistance<Vec<Pose>>) -> PerDistance<f64> {
+    let query = Query::new(Isa::detect());
+    let visits = |pose| query.collide(&tree.view(), &tree.view(), pose).counters.visits;
+    poses.each_ref().map(|poses| poses.iter().map(visits).sum::<u64>() as f64 / poses.len() as f64)
+}
