@@ -108,7 +108,7 @@ impl<'t, N: Lanes, E: Kernel> Search<'t, N, E> {
         let [p, q] = best.points;
         self.axis = [p[0] - q[0], p[1] - q[1], p[2] - q[2]];
         let threshold = best.upper / (1.0 + self.tolerance);
-        self.threshold = (threshold, round_up_f32(threshold * self.b.frame().scale()));
+        self.threshold = (threshold, { let t = threshold * self.b.frame().scale(); round_up_f32(t * t * (1.0 + 1e-15)) });
     }
 
     /// Searches until nothing is left that could be nearer, or the budget is spent. Then [`Best::lower`] bounds the bodies' distance.
@@ -161,7 +161,7 @@ impl<'t, N: Lanes, E: Kernel> Search<'t, N, E> {
 
     /// A bound in B's frame, in the bodies' unit.
     fn in_unit(&self, bound: f32) -> f64 {
-        f64::from(bound) / self.b.frame().scale()
+        libm::sqrt(f64::from(bound)) / self.b.frame().scale()
     }
 
     /// The volumes that a lane of a frame stands for.
