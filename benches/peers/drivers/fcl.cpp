@@ -44,10 +44,11 @@ bool peer_collide(void *a, void *b, const Rows &rows) {
   return result.isCollision();
 }
 
-// FCL has distances for OBBRSS, but not for OBB. The nearest points are asked for, as ours come with every answer.
+#ifdef DISTANCES
 double peer_distance(void *a, void *b, const Rows &rows) {
   const fcl::DistanceRequestd request(true);
   fcl::DistanceResultd result;
   fcl::distance(static_cast<Model *>(a), transform(rows), static_cast<Model *>(b), fcl::Transform3d::Identity(), request, result);
   return result.min_distance;
 }
+#endif
