@@ -108,6 +108,9 @@ fn queries_stay_off_the_heap<N: Lanes>() {
             without_heap("within", || query.within(&view, &borrowed, pose, 0.01)).unwrap();
             let distance = without_heap("distance", || query.distance(&view, &borrowed, pose, 0.0)).unwrap();
             assert!(distance.lower <= distance.upper);
+            let hinted = query.with_hint(distance.hint);
+            let again = without_heap("hinted", || hinted.distance(&view, &borrowed, pose, 0.0)).unwrap();
+            assert!(again.lower <= again.upper);
         }
         let mut count = 0;
         let (completion, _) = without_heap("for_each_pair", || {

@@ -1,12 +1,13 @@
 //! How far apart: within a margin or not, and the distance itself.
 
 use super::nearest::Search;
-use super::{Answer, Completion, Counters, Lanes, Pair, Query, Verdict, on_isa};
+use super::{Answer, Completion, Counters, Hint, Lanes, Pair, Query, Verdict, on_isa};
 use crate::frame::Point;
 use crate::hierarchy::BvhRef;
 use crate::isa::Isa;
 use crate::kernel::Kernel;
 use crate::pose::Pose;
+use crate::triangle::distance::TIGHT;
 use core::fmt;
 
 /// A margin or tolerance that is negative, infinite or NaN.
@@ -48,6 +49,8 @@ pub struct Distance {
     pub completion: Completion,
     /// The work.
     pub counters: Counters,
+    /// The witness, for the next query to [try first](Query::with_hint).
+    pub hint: Hint,
 }
 
 impl Distance {
@@ -110,28 +113,34 @@ impl Query {
         pose: &Pose,
         tolerance: f64,
     ) -> Result<Distance, ToleranceError> {
-        let tolerance = checked(tolerance)?;
+        let tolerance = checked(tolerance)?.max(TIGHT);
         if a.is_empty() || b.is_empty() {
             let (lower, upper) = (f64::INFINITY, f64::INFINITY);
             let counters = Counters::default();
-            return Ok(Distance { lower, upper, witness: None, completion: Completion::Complete, counters });
+            let completion = Completion::Complete;
+            return Ok(Distance { lower, upper, witness: None, completion, counters, hint: self.hint });
         }
-        Ok(
-            on_isa!(self.isa, token => search(token, Search::new(token, *a, *b, pose, self.budget, tolerance))),
-        )
+        Ok(on_isa!(self.isa, token => search(token, a, b, Search::new(token, *a, *b, pose, self, tolerance))))
     }
 }
 
 #[inline(always)]
-fn search<N: Lanes, E: Kernel>(kernel: E, mut search: Search<'_, N, E>) -> Distance {
+fn search<N: Lanes, E: Kernel>(
+    kernel: E,
+    a: &BvhRef<'_, N>,
+    b: &BvhRef<'_, N>,
+    mut search: Search<'_, N, E>,
+) -> Distance {
     let completion = kernel.run(
         #[inline(always)]
         || search.run(),
     );
     let (best, counters) = (&search.best, search.counters);
-    let [a, b] = best.points;
-    let witness = Some(Witness { pair: best.pair, a, b });
-    Distance { lower: best.lower, upper: best.upper, witness, completion, counters }
+    let [p, q] = best.points;
+    let pair = Pair { a: a.source(best.found.a), b: b.source(best.found.b) };
+    let witness = Some(Witness { pair, a: p, b: q });
+    let hint = Hint::new(best.found);
+    Distance { lower: best.lower, upper: best.upper, witness, completion, counters, hint }
 }
 
 fn checked(value: f64) -> Result<f64, ToleranceError> {

@@ -86,9 +86,9 @@ impl Stack {
         self.len -= 1;
     }
 
-    /// The least bound of all that wait, if anything does.
+    /// The least squared bound of all that wait, if anything does.
     pub(super) fn least(&self) -> Option<f32> {
         let least = self.frames[..self.len].iter().map(|frame| least(&frame.entries)).min()?;
-        (least != Entry::NONE).then(|| least.bound())
+        (least != Entry::NONE).then(|| least.square())
     }
 }

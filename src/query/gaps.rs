@@ -1,12 +1,19 @@
 //! Lower bounds of distances between volumes, for all children of a node at once.
 //!
-//! Along direction n the gap between A and B is `-d_opposite(A) - d(B)`, and the bodies are at least `gap / |n|` apart: the greatest over
-//! all directions is the bound. It is signed: where volumes overlap, it says how deep, so that a search can try the deepest first.
+//! Along direction n the gap between A and B is `-d_opposite(A) - d(B)`, and the bodies are at least `gap / |n|` apart. Gaps along
+//! three directions at right angles are those of boxes, whose distance is the root of the sum of their squares; k = 18 and 26 have four such **frames**,
+//! the others one. The greatest over all frames, and over the directions that are in none, is the bound. The greatest gap alone is lower by the cosine of the
+//! angle to the nearest direction, and twice as many volumes are within reach (`ARCHITECTURE.md`).
+//!
+//! Where volumes overlap the greatest gap says how deep, so that a search can try the deepest first.
 //!
 //! Plain Rust in a fixed order, in a shape that compilers make vectors of: the same bits on every instruction set.
 
 use crate::directions::Directions;
+use crate::exact::{power_of_two, round_up_f32};
+use crate::frame::Frame;
 use crate::node::Child;
+use crate::triangle::Triangle;
 
 /// A bound and the lane it is for in one number: numbers order as the bounds do, equal bounds by lane.
 #[derive(Copy, Clone, PartialEq, Eq, PartialOrd, Ord, Debug)]
@@ -35,9 +42,9 @@ impl Entry {
         (self.0 & LANE_BITS) as usize
     }
 
-    /// The distance is at least this; 0 for volumes that overlap.
+    /// The square of the distance is at least this; 0 for volumes that overlap.
     #[inline(always)]
-    pub(crate) const fn bound(self) -> f32 {
+    pub(crate) const fn square(self) -> f32 {
         f32::from_bits(if self.0 >= SIGN { (self.0 ^ SIGN) & !LANE_BITS } else { 0 })
     }
 }
@@ -52,29 +59,102 @@ pub(crate) fn least(entries: &Entries) -> Entry {
     least
 }
 
-/// The reciprocals of the directions' lengths, below them by more than three roundings of `f32`.
-struct Inverse<const K: usize>;
+/// What follows from the directions alone.
+struct Slabs<const K: usize>;
 
-impl<const K: usize> Inverse<K> {
-    const LENGTHS: [f32; K] = {
+impl<const K: usize> Slabs<K> {
+    /// What turns a shrunk gap along a slab into one of points: below the reciprocal of [`SHRUNK`] times the slab's length by more than six roundings of `f32`: twice
+    /// those of the gap, and those of squaring and adding.
+    const INVERSE_LENGTHS: [f32; K] = {
         let mut inverse = [0.0; K];
-        let mut j = 0;
-        while j < K {
-            inverse[j] = ((1.0 - 1.0 / (1_u32 << 21) as f64) / Directions::<K>::LENGTHS[j]) as f32;
-            j += 1;
+        let mut s = 0;
+        while s < K / 2 {
+            inverse[s] =
+                ((1.0 - 1.0 / (1_u32 << 21) as f64) / (SHRUNK * Directions::<K>::LENGTHS[2 * s])) as f32;
+            s += 1;
         }
         inverse
     };
+
+    /// The frames, after their number: three slabs at right angles each, or one that is in no such three, with slab K - 1, which does not exist.
+    const FRAMES: (usize, [[usize; 3]; K]) = {
+        let (mut count, mut frames) = (0, [[K - 1; 3]; K]);
+        let mut used = [false; K];
+        let mut i = 0;
+        while i < K / 2 {
+            let mut j = i + 1;
+            while j < K / 2 {
+                let mut l = j + 1;
+                while l < K / 2 {
+                    if Self::right_angle(i, j) && Self::right_angle(j, l) && Self::right_angle(i, l) {
+                        frames[count] = [i, j, l];
+                        (used[i], used[j], used[l]) = (true, true, true);
+                        count += 1;
+                    }
+                    l += 1;
+                }
+                j += 1;
+            }
+            if !used[i] {
+                frames[count][0] = i;
+                count += 1;
+            }
+            i += 1;
+        }
+        (count, frames)
+    };
+
+    const fn right_angle(s: usize, t: usize) -> bool {
+        let (n, m) = (Directions::<K>::VECTORS[2 * s], Directions::<K>::VECTORS[2 * t]);
+        n[0] * m[0] + n[1] * m[1] + n[2] * m[2] == 0.0
+    }
 }
 
-/// The half with this code as a float. Infinity comes out as 65536: beyond every finite half, so that it never makes a gap.
+/// Decoded halves are smaller than the halves by this factor.
+const SHRUNK: f64 = power_of_two(-112);
+
+/// The half with this code as a float, times [`SHRUNK`]: its fields moved into place, and no multiplication. Infinity comes out as 65536: beyond every
+/// finite half, so that it never makes a gap.
 #[inline(always)]
-fn decode(code: i16) -> f32 {
-    let code = i32::from(code);
-    let bits = (code ^ ((code >> 31) & 0x7fff)) as u32;
-    // A half's fields, moved into place, have an exponent that is too small by 112; the product is exact for subnormals too.
-    f32::from_bits(((bits & 0x7fff) << 13) | (bits & SIGN)) * ((1_u128 << 112) as f32)
+pub(crate) const fn decode(code: i16) -> f32 {
+    let half = code ^ ((code >> 15) & i16::MAX);
+    // The sign is in all the upper bits, and stays in the highest.
+    f32::from_bits(((half as i32) << 13) as u32 & 0x8fff_ffff)
 }
+
+/// The least supports of a body in all directions, in a frame's unit times [`SHRUNK`], rounded down.
+pub(crate) type Lows<const K: usize> = [f32; K];
+
+/// Of moved triangles in frame `b`: tighter than their planes, since not rounded to halves. `reach` bounds all coordinates.
+#[inline(always)]
+pub(crate) fn lows_of_triangles<const K: usize>(b: &Frame, triangles: &[Triangle], reach: f64) -> Lows<K> {
+    let least = |x: f64, y: f64| if x < y { x } else { y };
+    let mut low = [f64::INFINITY; K];
+    for p in triangles.iter().flatten() {
+        let d = [p[0] - b.centre[0], p[1] - b.centre[1], p[2] - b.centre[2]];
+        for j in (0..K).step_by(2) {
+            let n = Directions::<K>::VECTORS[j];
+            let support = (n[0] * d[0] + n[1] * d[1]) + n[2] * d[2];
+            low[j] = least(low[j], support);
+            low[j + 1] = least(low[j + 1], -support);
+        }
+    }
+    let greatest = |x: f64, y: f64| if x > y { x } else { y };
+    let scale = b.scale() * SHRUNK;
+    let mut lows = [0.0; K];
+    for (j, down) in lows.iter_mut().enumerate() {
+        let n = Directions::<K>::VECTORS[j];
+        let pad = F64_SLACK * ((n[0].abs() + n[1].abs()) + n[2].abs()) * reach;
+        *down = -round_up_f32(greatest((pad - low[j]) * scale, FARTHEST));
+    }
+    lows
+}
+
+/// A body may be so far away that squares of gaps overflow; it is not said to be farther than a half can say.
+const FARTHEST: f64 = -65504.0 * SHRUNK;
+
+/// Bounds the roundings of a support in `f64`: each is 2^-53 of a partial sum.
+const F64_SLACK: f64 = power_of_two(-46);
 
 /// The bounds between a body with the given planes and 16 or 4 others: for the direction whose plane is in row j of `codes`, the gap
 /// is the sum of both. `flip` is -1 if the codes are to be complemented, else 0.
@@ -82,21 +162,37 @@ fn decode(code: i16) -> f32 {
 pub(crate) fn gaps<const W: usize, const K: usize>(
     codes: &[[i16; W]; K],
     flip: i16,
-    fixed: impl Fn(usize) -> i16,
+    fixed: impl Fn(usize) -> f32,
     links: &[Child; W],
 ) -> Entries {
-    let mut best = [f32::NEG_INFINITY; W];
-    for (j, codes) in codes.iter().enumerate() {
-        let (one, inverse) = (decode(fixed(j)), Inverse::<K>::LENGTHS[j]);
+    // Row K - 1 stays zero: there are half as many slabs.
+    let mut squares = [[0.0; W]; K];
+    let mut signed = [f32::NEG_INFINITY; W];
+    for s in 0..K / 2 {
+        let (low, high) = (fixed(2 * s), fixed(2 * s + 1));
+        let inverse = Slabs::<K>::INVERSE_LENGTHS[s];
         for lane in 0..W {
-            let bound = (decode(codes[lane] ^ flip) + one) * inverse;
-            best[lane] = if bound > best[lane] { bound } else { best[lane] };
+            let below = decode(codes[2 * s][lane] ^ flip) + low;
+            let above = decode(codes[2 * s + 1][lane] ^ flip) + high;
+            let gap = (if below > above { below } else { above }) * inverse;
+            signed[lane] = if gap > signed[lane] { gap } else { signed[lane] };
+            let gap = if gap > 0.0 { gap } else { 0.0 };
+            squares[s][lane] = gap * gap;
+        }
+    }
+    let (count, frames) = Slabs::<K>::FRAMES;
+    let mut best = [0.0; W];
+    for [x, y, z] in &frames[..count] {
+        for lane in 0..W {
+            let sum = (squares[*x][lane] + squares[*y][lane]) + squares[*z][lane];
+            best[lane] = if sum > best[lane] { sum } else { best[lane] };
         }
     }
     let mut entries = [Entry::NONE; 16];
     for lane in 0..W {
         let used = links[lane] != Child::EMPTY;
-        entries[lane] = if used { Entry::new(best[lane], lane) } else { Entry::NONE };
+        let bound = if best[lane] > 0.0 { best[lane] } else { signed[lane] };
+        entries[lane] = if used { Entry::new(bound, lane) } else { Entry::NONE };
     }
     entries
 }
@@ -116,16 +212,16 @@ pub(crate) fn hull<const W: usize, const K: usize>(planes: &[[i16; W]; K]) -> [i
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::key::{self, Key};
+    use crate::key::Key;
+    use alloc::vec::Vec;
 
     #[test]
     fn every_plane_decodes() {
         for code in i16::MIN..=i16::MAX {
             if let Some(key) = Key::from_code(code) {
-                let want = if key == Key::INFINITY { 65536.0 } else { key.to_f32() };
-                assert_eq!(decode(code), want, "{code}");
-                assert_eq!(decode(!code), -want, "{code}");
-                assert!(key == Key::INFINITY || key::decode(code) == decode(code));
+                let want = if key == Key::INFINITY { 65536.0 } else { key.to_f64() };
+                assert_eq!(f64::from(decode(code)), want * SHRUNK, "{code}");
+                assert_eq!(f64::from(decode(!code)), -want * SHRUNK, "{code}");
             }
         }
     }
@@ -138,7 +234,10 @@ mod tests {
                 let entry = Entry::new(x, lane);
                 assert_eq!(entry.lane(), lane);
                 assert!(entry < Entry::NONE);
-                assert!(entry.bound() <= x.max(0.0) && entry.bound() >= (x - x.abs() * 4e-6).max(0.0), "{x}");
+                assert!(
+                    entry.square() <= x.max(0.0) && entry.square() >= (x - x.abs() * 4e-6).max(0.0),
+                    "{x}"
+                );
                 for &y in bounds[i + 1..].iter().filter(|y| (**y - x).abs() > 1e-5 * x.abs()) {
                     assert!(entry < Entry::new(y, other), "{x} {y}");
                 }
@@ -148,9 +247,41 @@ mod tests {
 
     #[test]
     fn reciprocals_are_low_by_less_than_a_millionth() {
-        for (inverse, length) in Inverse::<32>::LENGTHS.iter().zip(Directions::<32>::LENGTHS) {
-            let product = f64::from(*inverse) * length;
-            assert!(product < 1.0 - 3.0 * f64::powi(2.0, -24) && product > 1.0 - 1e-6, "{product}");
+        for slab in 0..16 {
+            let product =
+                f64::from(Slabs::<32>::INVERSE_LENGTHS[slab]) * SHRUNK * Directions::<32>::LENGTHS[2 * slab];
+            assert!(product < 1.0 - 6.0 * f64::powi(2.0, -24) && product > 1.0 - 1e-6, "{product}");
         }
+    }
+
+    #[test]
+    fn every_slab_is_in_a_frame_and_frames_have_right_angles() {
+        fn check<const K: usize>(threes: usize) {
+            let (count, frames) = Slabs::<K>::FRAMES;
+            let slabs = |frame: &[usize; 3]| frame.iter().copied().filter(|s| *s < K / 2).collect::<Vec<_>>();
+            for frame in &frames[..count] {
+                let real = slabs(frame);
+                assert!(frame.iter().all(|s| real.contains(s) || *s == K - 1), "k {K}: {frame:?}");
+                for (i, s) in real.iter().enumerate() {
+                    for t in &real[..i] {
+                        let (n, m) = (Directions::<K>::VECTORS[2 * s], Directions::<K>::VECTORS[2 * t]);
+                        assert_eq!(n.iter().zip(m).map(|(x, y)| x * y).sum::<f64>(), 0.0, "k {K}: {frame:?}");
+                    }
+                }
+            }
+            for slab in 0..K / 2 {
+                assert!(frames[..count].iter().any(|frame| frame.contains(&slab)), "k {K}: slab {slab}");
+            }
+            assert_eq!(
+                frames[..count].iter().filter(|frame| slabs(frame).len() == 3).count(),
+                threes,
+                "k {K}"
+            );
+        }
+        check::<6>(1);
+        check::<14>(1);
+        check::<18>(4);
+        check::<26>(4);
+        check::<32>(1);
     }
 }

@@ -34,8 +34,12 @@ pub trait Lanes: Node {
     type Map: Copy + core::fmt::Debug;
     /// Planes of as many bodies as there are lanes, in query form.
     type Query: Copy + core::fmt::Debug;
+    /// The least supports of one body.
+    type Lows: Copy + core::fmt::Debug;
     #[doc(hidden)]
     const NO_QUERY: Self::Query;
+    #[doc(hidden)]
+    const NO_LOWS: Self::Lows;
 
     #[doc(hidden)]
     fn map(pose: &Pose, a: &Header, b: &Frame) -> Self::Map;
@@ -57,6 +61,12 @@ pub trait Lanes: Node {
     /// How far body `lane` of the query is from each child of `self`.
     #[doc(hidden)]
     fn gaps_of_node(&self, query: &Self::Query, lane: usize) -> Entries;
+    /// The least supports of moved triangles, whose coordinates and the frame's centre `reach` bounds.
+    #[doc(hidden)]
+    fn lows(b: &Frame, triangles: &[Triangle], reach: f64) -> Self::Lows;
+    /// How far the body with these least supports is from each child of `self`.
+    #[doc(hidden)]
+    fn gaps_of_lows(&self, lows: &Self::Lows) -> Entries;
     /// A node whose lane 0 has the planes of all of `self`.
     #[doc(hidden)]
     #[must_use]
@@ -77,6 +87,8 @@ macro_rules! impl_lanes {
         {
             type Map = Realignment<K>;
             type Query = Query<$arity, K>;
+            type Lows = gaps::Lows<K>;
+            const NO_LOWS: Self::Lows = [0.0; K];
             const NO_QUERY: Self::Query = [[SEPARATED; $arity]; K];
 
             #[inline(always)]
@@ -113,12 +125,22 @@ macro_rules! impl_lanes {
 
             #[inline(always)]
             fn gaps_of_query(&self, query: &Self::Query, b: &Self, lane: usize) -> Entries {
-                gaps::gaps(query, 0, |j| !b.planes[j][lane % $arity], &self.child)
+                gaps::gaps(query, 0, |j| gaps::decode(!b.planes[j][lane % $arity]), &self.child)
             }
 
             #[inline(always)]
             fn gaps_of_node(&self, query: &Self::Query, lane: usize) -> Entries {
-                gaps::gaps(&self.planes, -1, |j| query[j][lane % $arity], &self.child)
+                gaps::gaps(&self.planes, -1, |j| gaps::decode(query[j][lane % $arity]), &self.child)
+            }
+
+            #[inline(always)]
+            fn lows(b: &Frame, triangles: &[Triangle], reach: f64) -> Self::Lows {
+                gaps::lows_of_triangles(b, triangles, reach)
+            }
+
+            #[inline(always)]
+            fn gaps_of_lows(&self, lows: &Self::Lows) -> Entries {
+                gaps::gaps(&self.planes, -1, |j| lows[j], &self.child)
             }
 
             fn hull(&self) -> Self {

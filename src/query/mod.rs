@@ -6,13 +6,16 @@
 mod distance;
 mod frontier;
 mod gaps;
+mod hint;
 mod lanes;
+mod leaf;
 mod nearest;
 mod stack;
 mod traverse;
 
 pub use distance::{Distance, ToleranceError, Witness};
 pub use frontier::DISTANCE_STACK_BYTES;
+pub use hint::Hint;
 pub use lanes::Lanes;
 pub use stack::STACK_BYTES;
 
@@ -20,8 +23,11 @@ use crate::hierarchy::BvhRef;
 use crate::isa::Isa;
 use crate::kernel::Kernel;
 use crate::pose::Pose;
+use crate::triangle::distance::within;
+use crate::triangle::overlap;
 use core::ops::ControlFlow;
-use traverse::{Stop, Traversal};
+use hint::Found;
+use traverse::{Stop, Traversal, moved};
 
 /// The one place that looks at the instruction set: `$call`, with the token as `$token`.
 macro_rules! on_isa {
@@ -44,6 +50,7 @@ use on_isa;
 pub struct Query {
     isa: Isa,
     budget: u64,
+    hint: Hint,
 }
 
 /// Two triangles that meet, by their indices in the meshes that were built.
@@ -93,6 +100,8 @@ pub struct Answer {
     pub verdict: Verdict,
     /// The work.
     pub counters: Counters,
+    /// The triangles that met, or else the hint that the query was given: for the next one to [try first](Query::with_hint).
+    pub hint: Hint,
 }
 
 impl Answer {
@@ -118,13 +127,35 @@ impl Query {
     /// A query on instruction set `isa`, without a budget.
     #[must_use]
     pub const fn new(isa: Isa) -> Self {
-        Self { isa, budget: u64::MAX }
+        Self { isa, budget: u64::MAX, hint: Hint::NONE }
     }
 
     /// Gives up after `visits` visits (see [`Counters::visits`]).
     #[must_use]
     pub const fn with_budget(self, visits: u64) -> Self {
         Self { budget: visits, ..self }
+    }
+
+    /// Tries first what an earlier query of the same bodies found: for coherent motion. See [`Hint`].
+    ///
+    /// ```
+    /// # use simdop::{build::{Builder, Mesh}, isa::Isa, node::Node16, pose::Pose, query::{Hint, Query}};
+    /// # let vertices = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+    /// # let triangles = [[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]];
+    /// # let body = Builder::new().build::<Node16<18>>(&Mesh { vertices: &vertices, triangles: &triangles })?;
+    /// let query = Query::new(Isa::detect());
+    /// let mut hint = Hint::NONE;
+    /// for x in [0.5, 0.51, 0.52] {
+    ///     let pose = Pose::from_rows([[1.0, 0.0, 0.0, x], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0]])?;
+    ///     let answer = query.with_hint(hint).collide(&body.view(), &body.view(), &pose);
+    ///     assert!(answer.is_hit());
+    ///     hint = answer.hint;
+    /// }
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    #[must_use]
+    pub const fn with_hint(self, hint: Hint) -> Self {
+        Self { hint, ..self }
     }
 
     /// Does body `a`, placed by `pose` in the frame of body `b`, meet `b`? Touching counts.
@@ -135,30 +166,42 @@ impl Query {
         self.first_pair(a, b, pose, 0.0)
     }
 
-    /// The first pair of triangles at most `margin` apart.
+    /// The first pair of triangles at most `margin` apart: that of the hint, or the first that the traversal finds.
     fn first_pair<N: Lanes>(&self, a: &BvhRef<'_, N>, b: &BvhRef<'_, N>, pose: &Pose, margin: f64) -> Answer {
-        let mut hit = None;
-        let (stop, counters) = self.run(a, b, pose, margin, |pair| {
-            hit = Some(pair);
-            ControlFlow::Break(())
+        let mut work = Counters::default();
+        let mut hit = self.hint.pair(a.len(), b.len()).filter(|&Found { a: i, b: j }| {
+            work.triangle_pairs += 1;
+            let (moved, still, exact) = (moved(a, pose, i), b.triangle(j), &mut work.exact_pairs);
+            if margin > 0.0 { within(&moved, &still, margin, exact) } else { overlap(&moved, &still, exact) }
         });
+        let mut stop = None;
+        if hit.is_none() {
+            let counters;
+            (stop, counters) = self.run(a, b, pose, margin, |found| {
+                hit = Some(found);
+                ControlFlow::Break(())
+            });
+            let (triangle_pairs, exact_pairs) =
+                (work.triangle_pairs + counters.triangle_pairs, work.exact_pairs + counters.exact_pairs);
+            work = Counters { triangle_pairs, exact_pairs, ..counters };
+        }
         let verdict = match (hit, stop) {
-            (Some(pair), _) => Verdict::Hit(pair),
+            (Some(found), _) => Verdict::Hit(found.pair(a, b)),
             (None, Some(Stop::Budget { upper })) => Verdict::Unknown { lower: 0.0, upper },
             (None, _) => Verdict::Free,
         };
-        Answer { verdict, counters }
+        Answer { verdict, counters: work, hint: hit.map_or(self.hint, Hint::new) }
     }
 
-    /// Calls `visit` with every pair of triangles that meet, each once, in the order of the traversal, until it breaks.
+    /// Calls `visit` with every pair of triangles that meet, each once, in the order of the traversal, until it breaks. A hint is not heeded.
     pub fn for_each_pair<N: Lanes>(
         &self,
         a: &BvhRef<'_, N>,
         b: &BvhRef<'_, N>,
         pose: &Pose,
-        visit: impl FnMut(Pair) -> ControlFlow<()>,
+        mut visit: impl FnMut(Pair) -> ControlFlow<()>,
     ) -> (Completion, Counters) {
-        let (stop, counters) = self.run(a, b, pose, 0.0, visit);
+        let (stop, counters) = self.run(a, b, pose, 0.0, |found| visit(found.pair(a, b)));
         let completion = match stop {
             None => Completion::Complete,
             Some(Stop::Visitor) => Completion::Stopped,
@@ -174,7 +217,7 @@ impl Query {
         b: &BvhRef<'_, N>,
         pose: &Pose,
         margin: f64,
-        visit: impl FnMut(Pair) -> ControlFlow<()>,
+        visit: impl FnMut(Found) -> ControlFlow<()>,
     ) -> (Option<Stop>, Counters) {
         on_isa!(self.isa, token => self.run_on(token, a, b, pose, margin, visit))
     }
@@ -187,7 +230,7 @@ impl Query {
         b: &BvhRef<'_, N>,
         pose: &Pose,
         margin: f64,
-        visit: impl FnMut(Pair) -> ControlFlow<()>,
+        visit: impl FnMut(Found) -> ControlFlow<()>,
     ) -> (Option<Stop>, Counters) {
         // Inlined in the gate whatever its size: outside of it, no kernel could be inlined.
         kernel.run(

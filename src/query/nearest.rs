@@ -6,16 +6,17 @@
 
 use super::frontier::{ABOVE_ROOT, Body, Frame, Stack, VolumeA, VolumeB};
 use super::gaps::{Entries, Entry, least};
+use super::hint::Found;
+use super::leaf::{Ahead, LeafA};
 use super::traverse::moved;
-use super::{Completion, Counters, Lanes, Pair};
+use super::{Completion, Counters, Lanes, Query};
 use crate::exact::round_up_f32;
 use crate::frame::Point;
 use crate::hierarchy::BvhRef;
 use crate::kernel::Kernel;
 use crate::node::{Child, Link};
 use crate::pose::Pose;
-use crate::triangle::Triangle;
-use crate::triangle::distance::{Separation, TIGHT, nearer};
+use crate::triangle::distance::{Separation, nearer};
 
 /// Nodes of A whose turned planes are kept: the last on each level, levels counted modulo this.
 const KEPT: usize = 4;
@@ -25,8 +26,18 @@ const KEPT: usize = 4;
 pub(super) struct Best {
     pub(super) lower: f64,
     pub(super) upper: f64,
-    pub(super) pair: Pair,
+    pub(super) found: Found,
     pub(super) points: [Point; 2],
+}
+
+/// No pair farther apart than this matters.
+#[derive(Copy, Clone, Debug)]
+struct Threshold {
+    /// In the bodies' unit.
+    distance: f64,
+    /// In B's frame, squared, rounded up: as the bounds of volumes are.
+    square: f32,
+    ahead: Ahead,
 }
 
 #[derive(Debug)]
@@ -38,15 +49,13 @@ pub(super) struct Search<'t, N: Lanes, E> {
     map: N::Map,
     budget: u64,
     tolerance: f64,
+    /// Bounds all coordinates.
+    reach: f64,
     pub(super) counters: Counters,
     pub(super) best: Best,
-    /// From the best pair's point of B to that of A: near it, most other pairs are farther apart along this axis.
-    axis: Point,
-    /// No pair farther apart than this matters, in the bodies' unit and in B's frame.
-    threshold: (f64, f32),
+    threshold: Threshold,
     turned: [(Child, N::Query); KEPT],
-    /// The leaf of A that was compared last, and its planes from its corners.
-    aimed: (Child, N::Query),
+    leaf: LeafA<N>,
     /// Lane 0: all of B.
     whole_b: N,
 }
@@ -58,57 +67,56 @@ impl<'t, N: Lanes, E: Kernel> Search<'t, N, E> {
         a: BvhRef<'t, N>,
         b: BvhRef<'t, N>,
         pose: &'t Pose,
-        budget: u64,
+        query: &Query,
         tolerance: f64,
     ) -> Self {
-        let nowhere = Best {
-            lower: f64::INFINITY,
-            upper: f64::INFINITY,
-            pair: Pair { a: 0, b: 0 },
-            points: [[0.0; 3]; 2],
-        };
+        let Found { a: i, b: j } = query.hint.pair(a.len(), b.len()).unwrap_or(Found { a: 0, b: 0 });
+        let mut counters = Counters { triangle_pairs: 1, ..Counters::default() };
+        let first =
+            nearer(&moved(&a, pose, i), &b.triangle(j), f64::INFINITY, tolerance, &mut counters.exact_pairs);
         let mut search = Self {
             kernel,
             a,
             b,
             pose,
             map: N::map(pose, a.header(), &b.frame()),
-            budget,
-            tolerance: if tolerance > TIGHT { tolerance } else { TIGHT },
-            counters: Counters::default(),
-            best: nowhere,
-            axis: [0.0; 3],
-            threshold: (f64::INFINITY, f32::INFINITY),
+            budget: query.budget,
+            tolerance,
+            reach: (4.0 * a.header().extent + greatest(&pose.translation())) + b.header().extent,
+            counters,
+            best: Best {
+                lower: f64::INFINITY,
+                upper: f64::INFINITY,
+                found: Found { a: i, b: j },
+                points: [[0.0; 3]; 2],
+            },
+            threshold: Threshold { distance: f64::INFINITY, square: f32::INFINITY, ahead: Ahead::NOTHING },
             turned: [(Child::EMPTY, N::NO_QUERY); KEPT],
-            aimed: (Child::EMPTY, N::NO_QUERY),
+            leaf: LeafA::NONE,
             whole_b: b.nodes()[0].hull(),
         };
-        search.start_with_corners();
+        if let Some(first) = first {
+            search.note(Found { a: i, b: j }, &first);
+        }
         search
     }
 
-    /// Two corners make the first upper bound.
-    fn start_with_corners(&mut self) {
-        let (p, q) = (self.moved(0)[0], self.b.triangle(0)[0]);
-        let distance = glam::DVec3::from_array(p).distance(glam::DVec3::from_array(q));
-        let points = [p, q];
-        let pair = Pair { a: self.a.source(0), b: self.b.source(0) };
-        // Two corners that coincide meet, and nothing else has this distance.
-        self.improve(Best {
-            lower: f64::INFINITY,
-            upper: distance * (1.0 + 8.0 * f64::EPSILON),
-            pair,
-            points,
-        });
-    }
-
-    fn improve(&mut self, best: Best) {
-        let lower = self.best.lower.min(best.lower);
-        self.best = Best { lower, ..best };
-        let [p, q] = best.points;
-        self.axis = [p[0] - q[0], p[1] - q[1], p[2] - q[2]];
-        let threshold = best.upper / (1.0 + self.tolerance);
-        self.threshold = (threshold, round_up_f32(threshold * self.b.frame().scale()));
+    fn note(&mut self, found: Found, pair: &Separation) {
+        let lower = self.best.lower.min(pair.lower);
+        if pair.upper < self.best.upper {
+            self.best = Best { lower, upper: pair.upper, found, points: [pair.a, pair.b] };
+            let distance = pair.upper / (1.0 + self.tolerance);
+            let scaled = distance * self.b.frame().scale();
+            let [p, q] = self.best.points;
+            let axis = [p[0] - q[0], p[1] - q[1], p[2] - q[2]];
+            self.threshold = Threshold {
+                distance,
+                square: round_up_f32(scaled * scaled * (1.0 + 8.0 * f64::EPSILON)),
+                ahead: Ahead::new(axis, distance, self.reach),
+            };
+        } else {
+            self.best.lower = lower;
+        }
     }
 
     /// Searches until nothing is left that could be nearer, or the budget is spent. Then [`Best::lower`] bounds the bodies' distance.
@@ -117,7 +125,7 @@ impl<'t, N: Lanes, E: Kernel> Search<'t, N, E> {
         let mut stack = Stack::new();
         let root_a = VolumeA { child: Child::ROOT, parent: Child::EMPTY, lane: 0, level: 0 };
         let root_b = VolumeB { child: Child::ROOT, parent: ABOVE_ROOT, lane: 0, level: 0 };
-        let mut next = Some((root_a, root_b, 0.0));
+        let mut next = (self.best.upper > 0.0).then_some((root_a, root_b, 0.0));
         while let Some((a, b, bound)) = next {
             let is_leaf = |child: Child| matches!(child.link(), Link::Leaf { .. });
             if is_leaf(a.child) && is_leaf(b.child) {
@@ -141,13 +149,13 @@ impl<'t, N: Lanes, E: Kernel> Search<'t, N, E> {
             next = loop {
                 let Some(frame) = stack.top() else { break None };
                 let entry = least(&frame.entries);
-                if entry == Entry::NONE || entry.bound() > self.threshold.1 || self.best.upper == 0.0 {
+                if entry == Entry::NONE || entry.square() > self.threshold.square || self.best.upper == 0.0 {
                     stack.pop();
                     continue;
                 }
                 let lane = entry.lane();
                 frame.entries[lane] = Entry::NONE;
-                break Some(self.child(frame, lane, entry.bound()));
+                break Some(self.child(frame, lane, entry.square()));
             };
         }
         self.best.lower = self.certain();
@@ -156,12 +164,12 @@ impl<'t, N: Lanes, E: Kernel> Search<'t, N, E> {
 
     /// Every pair of triangles that was dropped or seen is at least this far apart.
     fn certain(&self) -> f64 {
-        self.best.lower.min(self.threshold.0)
+        self.best.lower.min(self.threshold.distance)
     }
 
-    /// A bound in B's frame, in the bodies' unit.
-    fn in_unit(&self, bound: f32) -> f64 {
-        f64::from(bound) / self.b.frame().scale()
+    /// A bound in the bodies' unit.
+    fn in_unit(&self, square: f32) -> f64 {
+        libm::sqrt(f64::from(square)) / self.b.frame().scale()
     }
 
     /// The volumes that a lane of a frame stands for.
@@ -195,16 +203,14 @@ impl<'t, N: Lanes, E: Kernel> Search<'t, N, E> {
     #[inline(always)]
     fn open_b(&mut self, a: &VolumeA, b: &VolumeB) -> Entries {
         let Link::Inner(node) = b.child.link() else { return [Entry::NONE; 16] };
-        let (query, lane) = if let Link::Leaf { first, count } = a.child.link() {
-            self.aim(a.child, first, count);
-            (&self.aimed.1, 0)
-        } else {
-            // The volume has a parent: the root of A is opened before anything of B.
-            let slot = self.turn(a.parent, a.level - 1);
-            (&self.turned[slot].1, a.lane.into())
-        };
         self.counters.kernels += 1;
-        self.b.nodes()[node as usize].gaps_of_node(query, lane)
+        if let Link::Leaf { .. } = a.child.link() {
+            let lows = self.leaf.lows(&self.a, &self.b, self.pose, a.child, self.reach);
+            return self.b.nodes()[node as usize].gaps_of_lows(lows);
+        }
+        // The volume has a parent: the root of A is opened before anything of B.
+        let slot = self.turn(a.parent, a.level - 1);
+        self.b.nodes()[node as usize].gaps_of_node(&self.turned[slot].1, a.lane.into())
     }
 
     /// Where the planes of the children of node `a` are, turned into B's frame.
@@ -220,16 +226,6 @@ impl<'t, N: Lanes, E: Kernel> Search<'t, N, E> {
         slot
     }
 
-    #[inline(always)]
-    fn aim(&mut self, leaf: Child, first: u32, count: u32) {
-        if self.aimed.0 != leaf {
-            let (body, pose) = (&self.a, self.pose);
-            let triangles = (first..first + count).map(|index| moved(body, pose, index));
-            N::aim(&mut self.aimed.1, &self.b.frame(), triangles, 0.0);
-            self.aimed.0 = leaf;
-        }
-    }
-
     /// Every triangle of one leaf against every triangle of the other.
     #[inline(always)]
     fn decide(&mut self, a: Child, b: Child) {
@@ -237,37 +233,24 @@ impl<'t, N: Lanes, E: Kernel> Search<'t, N, E> {
         else {
             return;
         };
-        for i in i..i + m {
-            let moved = self.moved(i);
+        for k in 0..m {
+            let moved = self.leaf.triangles(&self.a, self.pose, a)[k as usize];
             for j in j..j + n {
                 self.counters.triangle_pairs += 1;
                 let still = self.b.triangle(j);
-                if let Some(found) = nearer(
-                    &moved,
-                    &still,
-                    &self.axis,
-                    self.threshold.0,
-                    self.tolerance,
-                    &mut self.counters.exact_pairs,
-                ) {
-                    self.note(i, j, &found);
+                if self.threshold.ahead.is_far(&moved, &still) {
+                    continue;
+                }
+                let exact = &mut self.counters.exact_pairs;
+                if let Some(pair) = nearer(&moved, &still, self.threshold.distance, self.tolerance, exact) {
+                    self.note(Found { a: i + k, b: j }, &pair);
                 }
             }
         }
     }
+}
 
-    #[inline(always)]
-    fn note(&mut self, i: u32, j: u32, found: &Separation) {
-        if found.upper < self.best.upper {
-            let pair = Pair { a: self.a.source(i), b: self.b.source(j) };
-            self.improve(Best { lower: found.lower, upper: found.upper, pair, points: [found.a, found.b] });
-        } else {
-            self.best.lower = self.best.lower.min(found.lower);
-        }
-    }
-
-    #[inline(always)]
-    fn moved(&self, index: u32) -> Triangle {
-        moved(&self.a, self.pose, index)
-    }
+/// The greatest magnitude of a coordinate.
+fn greatest(p: &Point) -> f64 {
+    p[0].abs().max(p[1].abs()).max(p[2].abs())
 }

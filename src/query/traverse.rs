@@ -3,9 +3,10 @@
 //! A **visit** takes two nodes, or a node and a leaf. A's children are turned into B's frame (one re-alignment), the kernel gives a row of
 //! bits for each of them, pairs of leaves among the bits are decided at once, and what is left goes on the stack.
 
+use super::hint::Found;
 use super::lanes::Rows;
 use super::stack::{Next, Stack};
-use super::{Counters, Lanes, Pair};
+use super::{Counters, Lanes};
 use crate::hierarchy::BvhRef;
 use crate::kernel::Kernel;
 use crate::node::{Child, Link};
@@ -46,7 +47,7 @@ pub(crate) struct Traversal<'t, N: Lanes, E, V> {
     target: Option<(u32, usize)>,
 }
 
-impl<'t, N: Lanes, E: Kernel, V: FnMut(Pair) -> ControlFlow<()>> Traversal<'t, N, E, V> {
+impl<'t, N: Lanes, E: Kernel, V: FnMut(Found) -> ControlFlow<()>> Traversal<'t, N, E, V> {
     #[inline(always)]
     pub(crate) fn new(
         kernel: E,
@@ -234,11 +235,8 @@ impl<'t, N: Lanes, E: Kernel, V: FnMut(Pair) -> ControlFlow<()>> Traversal<'t, N
                 } else {
                     probe.overlaps(&still, exact)
                 };
-                if meets {
-                    let pair = Pair { a: self.a.source(i), b: self.b.source(j) };
-                    if (self.visit)(pair).is_break() {
-                        return Flow::Break(Stop::Visitor);
-                    }
+                if meets && (self.visit)(Found { a: i, b: j }).is_break() {
+                    return Flow::Break(Stop::Visitor);
                 }
             }
         }

@@ -67,26 +67,22 @@ const ROUNDINGS: f64 = 32.0;
 /// ```
 #[must_use]
 pub fn separation(a: &Triangle, b: &Triangle) -> Separation {
-    nearer(a, b, &[0.0; 3], f64::INFINITY, TIGHT, &mut 0)
+    nearer(a, b, f64::INFINITY, TIGHT, &mut 0)
         .unwrap_or_else(|| unreachable!("no distance is above infinity"))
 }
 
 /// The [`separation`], or `None` if it is certainly greater than `limit`. Its bounds differ by at most `tolerance` relatively, if that is at
-/// least [`TIGHT`]. `hint` is an axis that may show it: any will do, and none if it vanishes. Adds 1 to `exact` if more than `f64` was needed.
+/// least [`TIGHT`]. Adds 1 to `exact` if more than `f64` was needed.
 #[inline(always)]
 pub(crate) fn nearer(
     a: &Triangle,
     b: &Triangle,
-    hint: &[f64; 3],
     limit: f64,
     tolerance: f64,
     exact: &mut u64,
 ) -> Option<Separation> {
     debug_assert!(in_range(a) && in_range(b), "coordinate out of range");
     let local = Local::<f64>::new(a, b);
-    if local.beyond(local.gap(hint), hint, limit) {
-        return None;
-    }
     let faces = local.faces();
     if local.beyond_faces(&faces, limit) {
         return None;

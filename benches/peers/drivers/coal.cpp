@@ -2,6 +2,7 @@
 #include "peer.h"
 #include <coal/BVH/BVH_model.h>
 #include <coal/collision.h>
+#include <coal/distance.h>
 
 using Model = coal::BVHModel<coal::VOLUME>;
 
@@ -27,14 +28,25 @@ size_t peer_bytes(const void *body) {
          model->num_tris * (sizeof(coal::Triangle) + sizeof(unsigned int));
 }
 
-bool peer_collide(void *a, void *b, const Rows &m) {
+static coal::Transform3s transform(const Rows &m) {
   coal::Matrix3s rotation;
   rotation << m[0], m[1], m[2], m[4], m[5], m[6], m[8], m[9], m[10];
-  const coal::Transform3s pose(rotation, coal::Vec3s(m[3], m[7], m[11]));
+  return coal::Transform3s(rotation, coal::Vec3s(m[3], m[7], m[11]));
+}
+
+bool peer_collide(void *a, void *b, const Rows &rows) {
   coal::CollisionRequest request;
   request.num_max_contacts = 1;
   request.enable_contact = false;
   coal::CollisionResult result;
-  coal::collide(static_cast<Model *>(a), pose, static_cast<Model *>(b), coal::Transform3s::Identity(), request, result);
+  coal::collide(static_cast<Model *>(a), transform(rows), static_cast<Model *>(b), coal::Transform3s::Identity(), request, result);
   return result.isCollision();
 }
+
+#ifdef DISTANCES
+double peer_distance(void *a, void *b, const Rows &rows) {
+  const coal::DistanceRequest request;
+  coal::DistanceResult result;
+  return coal::distance(static_cast<Model *>(a), transform(rows), static_cast<Model *>(b), coal::Transform3s::Identity(), request, result);
+}
+#endif

@@ -3,6 +3,7 @@
 #include <fcl/config.h>
 #include <fcl/geometry/bvh/BVH_model.h>
 #include <fcl/narrowphase/collision.h>
+#include <fcl/narrowphase/distance.h>
 
 using Volume = fcl::VOLUME<double>;
 using Model = fcl::BVHModel<Volume>;
@@ -29,12 +30,25 @@ size_t peer_bytes(const void *body) {
          model->num_tris * (sizeof(fcl::Triangle) + sizeof(unsigned int));
 }
 
-bool peer_collide(void *a, void *b, const Rows &m) {
+static fcl::Transform3d transform(const Rows &m) {
   fcl::Transform3d pose = fcl::Transform3d::Identity();
   pose.linear() << m[0], m[1], m[2], m[4], m[5], m[6], m[8], m[9], m[10];
   pose.translation() << m[3], m[7], m[11];
+  return pose;
+}
+
+bool peer_collide(void *a, void *b, const Rows &rows) {
   const fcl::CollisionRequestd request(1, false);
   fcl::CollisionResultd result;
-  fcl::collide(static_cast<Model *>(a), pose, static_cast<Model *>(b), fcl::Transform3d::Identity(), request, result);
+  fcl::collide(static_cast<Model *>(a), transform(rows), static_cast<Model *>(b), fcl::Transform3d::Identity(), request, result);
   return result.isCollision();
 }
+
+#ifdef DISTANCES
+double peer_distance(void *a, void *b, const Rows &rows) {
+  const fcl::DistanceRequestd request(true);
+  fcl::DistanceResultd result;
+  fcl::distance(static_cast<Model *>(a), transform(rows), static_cast<Model *>(b), fcl::Transform3d::Identity(), request, result);
+  return result.min_distance;
+}
+#endif

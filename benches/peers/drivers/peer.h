@@ -16,4 +16,6 @@ void peer_free(void *body);
 size_t peer_bytes(const void *body);
 // Do the bodies meet? First hit ends it.
 bool peer_collide(void *a, void *b, const Rows &rows);
+// How far apart they are, with nothing allowed for; 0 or less where they meet. With -DDISTANCES only: not every peer and volume has distances.
+double peer_distance(void *a, void *b, const Rows &rows);
 }

@@ -18,6 +18,7 @@ pub(crate) struct Driver {
     free: unsafe extern "C" fn(Handle),
     bytes: unsafe extern "C" fn(Handle) -> usize,
     collide: unsafe extern "C" fn(Handle, Handle, *const Rows) -> bool,
+    distance: Option<unsafe extern "C" fn(Handle, Handle, *const Rows) -> f64>,
     _library: Library,
 }
 
@@ -48,9 +49,14 @@ impl Driver {
                 free: *library.get(b"peer_free")?,
                 bytes: *library.get(b"peer_bytes")?,
                 collide: *library.get(b"peer_collide")?,
+                distance: library.get(b"peer_distance").ok().map(|symbol| *symbol),
                 _library: library,
             })
         }
+    }
+
+    pub(crate) const fn measures_distances(&self) -> bool {
+        self.distance.is_some()
     }
 
     pub(crate) fn version(&self) -> String {
@@ -77,6 +83,14 @@ impl Body {
     pub(crate) fn collides(&self, other: &Self, rows: &Rows) -> bool {
         // SAFETY: both handles are of one driver (its bodies are made together) and alive; 12 numbers are in a row.
         unsafe { (self.driver.collide)(self.handle, other.handle, rows) }
+    }
+}
+
+impl Body {
+    /// How far this, placed by the pose, is from the other, if the peer measures distances.
+    pub(crate) fn distance(&self, other: &Self, rows: &Rows) -> Option<f64> {
+        // SAFETY: as for `collides`.
+        self.driver.distance.map(|distance| unsafe { distance(self.handle, other.handle, rows) })
     }
 }
 

@@ -25,6 +25,8 @@ pub(crate) struct Entrant {
     pub(crate) bytes: Option<usize>,
     /// Do the bodies meet?
     pub(crate) collide: Box<dyn Fn(&Rows) -> bool>,
+    /// How far apart are they? Of a library that measures it.
+    pub(crate) distance: Option<Box<dyn Fn(&Rows) -> f64>>,
     /// The work of a query, of a library that counts it.
     pub(crate) count: Option<Count>,
 }
@@ -101,9 +103,11 @@ fn ours<N: Lanes + 'static>(name: &str, meshes: &[MeshData]) -> Entrant {
     let (trees, build_ms) = timed(|| meshes.iter().map(build).collect::<Vec<_>>());
     let bytes = trees.iter().map(|tree| tree.as_bytes().len()).sum();
     let query = Query::new(Isa::detect());
+    let trees = Rc::new(trees);
+    let measured = Rc::clone(&trees);
+    let pose = |rows: &Rows| Pose::from_rows(*rows).expect("the poses are rigid");
     let answer = Rc::new(move |rows: &Rows| {
-        let pose = Pose::from_rows(*rows).expect("the poses are rigid");
-        query.collide(&trees[0].view(), &trees[trees.len() - 1].view(), &pose)
+        query.collide(&trees[0].view(), &trees[trees.len() - 1].view(), &pose(rows))
     });
     let again = Rc::clone(&answer);
     Entrant {
@@ -112,6 +116,10 @@ fn ours<N: Lanes + 'static>(name: &str, meshes: &[MeshData]) -> Entrant {
         build_ms,
         bytes: Some(bytes),
         collide: Box::new(move |rows| answer(rows).is_hit()),
+        distance: Some(Box::new(move |rows| {
+            let (a, b) = (measured[0].view(), measured[measured.len() - 1].view());
+            query.distance(&a, &b, &pose(rows), 0.0).expect("zero is a tolerance").upper
+        })),
         count: Some(Box::new(move |rows| again(rows).counters)),
     }
 }
@@ -120,12 +128,20 @@ fn driven(name: &str, driver: Rc<Driver>, meshes: &[MeshData]) -> Entrant {
     let (bodies, build_ms) =
         timed(|| meshes.iter().map(|mesh| Driver::build(&driver, mesh)).collect::<Vec<_>>());
     let bytes: usize = bodies.iter().map(crate::driver::Body::bytes).sum();
+    let bodies = Rc::new(bodies);
+    let measured = Rc::clone(&bodies);
+    let distance = move |rows: &Rows| {
+        measured[0]
+            .distance(&measured[measured.len() - 1], rows)
+            .expect("asked of drivers that measure distances")
+    };
     Entrant {
         name: name.to_owned(),
         version: driver.version(),
         build_ms,
         bytes: Some(bytes).filter(|bytes| *bytes > 0),
         collide: Box::new(move |rows| bodies[0].collides(&bodies[bodies.len() - 1], rows)),
+        distance: driver.measures_distances().then(|| Box::new(distance) as Box<dyn Fn(&Rows) -> f64>),
         count: None,
     }
 }
@@ -167,6 +183,7 @@ macro_rules! parry {
                             .expect("meshes are supported")
                             .intersecting
                     }),
+                    distance: None,
                     count: None,
                 }
             }

@@ -7,6 +7,7 @@ mod curves;
 mod data;
 #[path = "../../figures/decimate.rs"]
 mod decimate;
+mod distances;
 mod driver;
 mod entrants;
 #[path = "../../../tests/support/exact.rs"]
@@ -58,6 +59,9 @@ struct Options {
     /// Keep what an interrupted run measured
     #[arg(long)]
     resume: bool,
+    /// Measure distances instead of collisions, by the libraries that can
+    #[arg(long)]
+    distance: bool,
     /// What to say of date, version and command
     #[arg(long, default_value = "")]
     stamp: String,
@@ -81,6 +85,9 @@ fn main() -> ExitCode {
 
 fn run(options: &Options) -> Result<(), String> {
     let scenes = chosen(&options.meshes)?;
+    if options.distance {
+        return distances::run(options, &scenes);
+    }
     let (poses, parts) = (options.out.join("poses"), options.out.join("parts"));
     if !options.resume && parts.exists() {
         std::fs::remove_dir_all(&parts).map_err(|e| format!("{}: {e}", parts.display()))?;

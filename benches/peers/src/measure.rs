@@ -9,13 +9,13 @@ use std::time::{Duration, Instant};
 
 /// Poses that a library gets in a row before it is the next one's turn. With one, the caches are the other libraries' at each query; a planner asks
 /// one library many things. The same pose comes again only after the others of the block, so that no branch predictor learns a query by heart.
-const BLOCK: usize = 10;
+pub(crate) const BLOCK: usize = 10;
 
 /// Passes over a block; the least time of each pose counts.
-const PASSES: usize = 5;
+pub(crate) const PASSES: usize = 5;
 
 /// No further pass over a block on which so much time was spent.
-const ENOUGH: Duration = Duration::from_millis(100);
+pub(crate) const ENOUGH: Duration = Duration::from_millis(100);
 
 /// Which measurement this is.
 pub(crate) struct Occasion<'s> {

@@ -56,7 +56,7 @@ fn head(page: &mut String, rows: &[Row], all: &Summary<'_>, stamp: &str) {
     );
 }
 
-fn cpu() -> String {
+pub(crate) fn cpu() -> String {
     let info = std::fs::read_to_string("/proc/cpuinfo").unwrap_or_default();
     let name = info.lines().find_map(|line| line.strip_prefix("model name")?.split_once(": "));
     name.map_or_else(|| "unknown CPU".to_owned(), |(_, name)| name.to_owned())

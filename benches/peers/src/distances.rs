@@ -1,0 +1,153 @@
+//! Distances instead of collisions, at the same poses: ours at tolerance 0, and of the peers that measure them.
+
+use crate::Options;
+use crate::entrants::{Entrant, OURS, entrants};
+use crate::measure::{BLOCK, ENOUGH, PASSES, quantile};
+use crate::meshes::Scene;
+use crate::poses::{self, Judged};
+use crate::suites::DISTANCES;
+use core::fmt::Write as _;
+use std::time::{Duration, Instant};
+
+/// The project's bar: FCL's median is so many of ours.
+const BAR: f64 = 2.0;
+
+/// A peer's answer is wrong if it differs from ours by more than this, relatively. Ours are tested against exact arithmetic (`tests/distance.rs`).
+const AGREE: f64 = 1e-9;
+
+/// One library on one suite.
+struct Results {
+    library: String,
+    /// Of each pose, the least of several, µs.
+    times: Vec<f64>,
+    distances: Vec<f64>,
+}
+
+/// The medians and 99th percentiles of one library on one suite, over the runs, and its wrong answers.
+struct Cell {
+    library: String,
+    medians: Vec<f64>,
+    p99s: Vec<f64>,
+    wrong: usize,
+}
+
+pub(crate) fn run(options: &Options, scenes: &[&Scene]) -> Result<(), String> {
+    let directory = options.out.join("poses");
+    std::fs::create_dir_all(&directory).map_err(|e| format!("{}: {e}", directory.display()))?;
+    let mut page = format!(
+        "# Distances\n\n{}. {}, one thread. {} run(s), {} poses a mesh and distance, as in RESULTS.md. simdop: k 18, tolerance 0, with both points;\n\
+        FCL and Coal: OBBRSS, no tolerance, FCL with the nearest points. Where the bodies meet, each ends as it does.\n\n\
+        Median / 99th percentile, µs. Where there are several runs, a figure is their median. Wrong: differs from ours by more than {AGREE:e}, relatively, or\n\
+        says that bodies meet which do not, or the reverse.\n\n",
+        options.stamp,
+        crate::table::cpu(),
+        options.runs,
+        options.poses
+    );
+    for (i, scene) in scenes.iter().enumerate() {
+        let meshes = scene.meshes(&options.data);
+        let suites = poses::suites(scene.name, &directory, &meshes, options.poses as usize, options.seed)?;
+        let mut entrants = entrants(&meshes, &options.drivers);
+        entrants.retain(|entrant| entrant.distance.is_some() && entrant.name != "simdop k 14");
+        if i == 0 {
+            head(&mut page, &entrants);
+        }
+        for (suite, (distance, _)) in suites.iter().zip(DISTANCES) {
+            eprintln!("{}, {distance}", scene.name);
+            let runs: Vec<_> = (0..options.runs).map(|_| in_turns(&entrants, suite)).collect();
+            row(&mut page, scene.name, distance, &cells(&runs, suite));
+        }
+    }
+    let path = options.out.join("DISTANCES.md");
+    std::fs::write(&path, page).map_err(|e| format!("{}: {e}", path.display()))?;
+    println!("{}", path.display());
+    Ok(())
+}
+
+fn in_turns(entrants: &[Entrant], suite: &[Judged]) -> Vec<Results> {
+    let blank = |entrant: &Entrant| Results {
+        library: entrant.name.clone(),
+        times: vec![f64::INFINITY; suite.len()],
+        distances: vec![f64::NAN; suite.len()],
+    };
+    let mut results: Vec<Results> = entrants.iter().map(blank).collect();
+    for (turn, first) in (0..suite.len()).step_by(BLOCK).enumerate() {
+        let block = first..suite.len().min(first + BLOCK);
+        for i in 0..entrants.len() {
+            let which = (turn + i) % entrants.len();
+            let (Some(measure), results) = (&entrants[which].distance, &mut results[which]) else { continue };
+            let begun = Instant::now();
+            for _ in 0..PASSES {
+                for pose in block.clone() {
+                    let start = Instant::now();
+                    results.distances[pose] = measure(&suite[pose].rows);
+                    results.times[pose] = results.times[pose].min(micros(start.elapsed()));
+                }
+                if begun.elapsed() > ENOUGH {
+                    break;
+                }
+            }
+        }
+    }
+    results
+}
+
+fn micros(time: Duration) -> f64 {
+    time.as_secs_f64() * 1e6
+}
+
+fn cells(runs: &[Vec<Results>], suite: &[Judged]) -> Vec<Cell> {
+    let ours = &runs[0][0].distances;
+    let cell = |i: usize| {
+        let of_runs = |share: f64| {
+            let quantile_of = |results: &Vec<Results>| {
+                let mut times = results[i].times.clone();
+                times.sort_by(f64::total_cmp);
+                quantile(&times, share)
+            };
+            runs.iter().map(quantile_of).collect::<Vec<_>>()
+        };
+        let wrong = |pose: &usize| {
+            let (theirs, ours) = (runs[0][i].distances[*pose], ours[*pose]);
+            (theirs <= 0.0) != suite[*pose].meets || (theirs.max(0.0) - ours).abs() > AGREE * ours
+        };
+        Cell {
+            library: runs[0][i].library.clone(),
+            medians: of_runs(0.5),
+            p99s: of_runs(0.99),
+            wrong: (0..suite.len()).filter(wrong).count(),
+        }
+    };
+    (0..runs[0].len()).map(cell).collect()
+}
+
+fn head(page: &mut String, entrants: &[Entrant]) {
+    let names: Vec<String> =
+        entrants.iter().map(|entrant| format!("{} ({})", entrant.name, entrant.version)).collect();
+    let _ = writeln!(page, "| mesh | distance | {} | FCL / ours, bar {BAR} | wrong |", names.join(" | "));
+    let _ = writeln!(page, "| --- | --- | {}--: | --- |", "--: | ".repeat(names.len()));
+}
+
+fn row(page: &mut String, mesh: &str, distance: &str, cells: &[Cell]) {
+    let median = |values: &[f64]| {
+        let mut sorted = values.to_vec();
+        sorted.sort_by(f64::total_cmp);
+        quantile(&sorted, 0.5)
+    };
+    let figures: Vec<String> = cells
+        .iter()
+        .map(|cell| format!("{:.1} / {:.1}", median(&cell.medians), median(&cell.p99s)))
+        .collect();
+    let of = |start: &str| cells.iter().find(|cell| cell.library.starts_with(start));
+    let ratio = match (of(OURS), of("FCL")) {
+        (Some(ours), Some(fcl)) => {
+            let ratios: Vec<f64> = fcl.medians.iter().zip(&ours.medians).map(|(f, o)| f / o).collect();
+            let kept = ratios.iter().filter(|ratio| **ratio >= BAR).count();
+            format!("{:.1} ({kept}/{})", median(&ratios), ratios.len())
+        }
+        _ => "-".to_owned(),
+    };
+    let wrong: Vec<String> = cells.iter().map(|cell| cell.wrong.to_string()).collect();
+    let _ =
+        writeln!(page, "| {mesh} | {distance} | {} | {ratio} | {} |", figures.join(" | "), wrong.join(", "));
+}

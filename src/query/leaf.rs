@@ -1,0 +1,101 @@
+//! The leaf of A that waits while B is descended: its triangles where the pose places them, and what is computed from them once.
+
+use super::Lanes;
+use super::traverse::moved;
+use crate::exact::power_of_two;
+use crate::frame::Point;
+use crate::hierarchy::BvhRef;
+use crate::node::{Child, Link, MAX_LEAF_SIZE};
+use crate::pose::Pose;
+use crate::triangle::Triangle;
+
+const MANY: usize = MAX_LEAF_SIZE as usize;
+
+/// A leaf of A at the pose.
+#[derive(Debug)]
+pub(super) struct LeafA<N: Lanes> {
+    leaf: Child,
+    moved: [Triangle; MANY],
+    /// Of [`LeafA::leaf`] if `has_lows`.
+    lows: N::Lows,
+    has_lows: bool,
+}
+
+impl<N: Lanes> LeafA<N> {
+    pub(super) const NONE: Self =
+        Self { leaf: Child::EMPTY, moved: [[[0.0; 3]; 3]; MANY], lows: N::NO_LOWS, has_lows: false };
+
+    /// Its triangles; none if `leaf` is not a leaf.
+    #[inline(always)]
+    pub(super) fn triangles(&mut self, a: &BvhRef<'_, N>, pose: &Pose, leaf: Child) -> &[Triangle] {
+        let Link::Leaf { first, count } = leaf.link() else { return &[] };
+        if self.leaf != leaf {
+            for (triangle, index) in self.moved.iter_mut().zip(first..first + count) {
+                *triangle = moved(a, pose, index);
+            }
+            (self.leaf, self.has_lows) = (leaf, false);
+        }
+        &self.moved[..count as usize]
+    }
+
+    /// Its least supports in B's frame. `reach` bounds all coordinates.
+    #[inline(always)]
+    pub(super) fn lows(
+        &mut self,
+        a: &BvhRef<'_, N>,
+        b: &BvhRef<'_, N>,
+        pose: &Pose,
+        leaf: Child,
+        reach: f64,
+    ) -> &N::Lows {
+        let _ = self.triangles(a, pose, leaf);
+        if !self.has_lows
+            && let Link::Leaf { count, .. } = leaf.link()
+        {
+            self.lows = N::lows(&b.frame(), &self.moved[..count as usize], reach);
+            self.has_lows = true;
+        }
+        &self.lows
+    }
+}
+
+/// Tells most pairs of triangles that are too far apart to matter by one axis: that of the best pair so far.
+#[derive(Copy, Clone, Debug)]
+pub(super) struct Ahead {
+    /// From B to A, not normalised.
+    axis: Point,
+    /// A is farther ahead of B along the axis than this: it does not matter. Infinite if the axis says nothing.
+    limit: f64,
+}
+
+/// Axes whose square is above this lose nothing to underflow.
+const SHORT: f64 = power_of_two(-800);
+
+impl Ahead {
+    pub(super) const NOTHING: Self = Self { axis: [0.0; 3], limit: f64::INFINITY };
+
+    /// For pairs that do not matter if farther apart than `threshold`. `reach` bounds all coordinates.
+    pub(super) fn new(axis: Point, threshold: f64, reach: f64) -> Self {
+        let [x, y, z] = axis;
+        let square = (x * x + y * y) + z * z;
+        if square > SHORT {
+            // Two products of axis and corner and their difference: 8 roundings of at most `reach` times the axis's magnitudes.
+            let rounding = power_of_two(-49) * reach * ((x.abs() + y.abs()) + z.abs());
+            let length = glam::DVec3::from_array(axis).length();
+            Self { axis, limit: (threshold * length + rounding) * (1.0 + power_of_two(-48)) }
+        } else {
+            Self::NOTHING
+        }
+    }
+
+    /// Whether the triangles are certainly farther apart than matters.
+    #[inline(always)]
+    pub(super) fn is_far(&self, a: &Triangle, b: &Triangle) -> bool {
+        let along = |p: &Point| (self.axis[0] * p[0] + self.axis[1] * p[1]) + self.axis[2] * p[2];
+        let least = |x: f64, y: f64| if x < y { x } else { y };
+        let greatest = |x: f64, y: f64| if x > y { x } else { y };
+        let low = least(least(along(&a[0]), along(&a[1])), along(&a[2]));
+        let high = greatest(greatest(along(&b[0]), along(&b[1])), along(&b[2]));
+        low - high > self.limit
+    }
+}
