@@ -2,6 +2,34 @@
 //!
 //! [`Query`] holds what the caller chooses, the instruction set above all; its methods are the entries. Each has the one `match` on the
 //! instruction set; below it everything is monomorphic.
+//!
+//! # Many queries
+//!
+//! Queries share nothing that could be set up once for several poses or pairs, and allocate nothing: a loop is as fast as any batch. A [`Query`], a
+//! [`BvhRef`] and a [`Pose`] are `Copy`, `Send` and `Sync`, so that threads (`std::thread::scope`, rayon) can divide the poses, and each answer is what one thread gives:
+//!
+//! ```
+//! # use simdop::{build::{Builder, Mesh}, isa::Isa, node::Node16, pose::Pose, query::Query};
+//! # let vertices = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+//! # let triangles = [[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]];
+//! # let body = Builder::new().build::<Node16<18>>(&Mesh { vertices: &vertices, triangles: &triangles })?;
+//! # let poses: Vec<Pose> = [0.1, 0.7, 1.5, 9.0].into_iter()
+//! #     .map(|x| Pose::from_rows([[1.0, 0.0, 0.0, x], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0]]).unwrap()).collect();
+//! let (view, query) = (body.view(), Query::new(Isa::detect()));
+//! let mut free = vec![false; poses.len()];
+//! let share = poses.len().div_ceil(2);
+//! std::thread::scope(|scope| {
+//!     for (poses, free) in poses.chunks(share).zip(free.chunks_mut(share)) {
+//!         scope.spawn(move || {
+//!             for (pose, free) in poses.iter().zip(free) {
+//!                 *free = !query.collide(&view, &view, pose).is_hit();
+//!             }
+//!         });
+//!     }
+//! });
+//! assert_eq!(free, [false, false, true, true]);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
 
 mod distance;
 mod frontier;
