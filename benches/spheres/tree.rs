@@ -9,7 +9,7 @@ use simdop::node::{Child, Link, Node as _, Node4};
 #[derive(Clone, Debug)]
 pub(crate) struct Node {
     pub(crate) ball: Sphere,
-    children: Vec<Node>,
+    children: Vec<Self>,
 }
 
 /// `x` goes to `rotation x + shift`.
