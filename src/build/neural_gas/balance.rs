@@ -16,10 +16,10 @@ use alloc::vec::Vec;
 pub(super) const MAX_SIZE: usize = 2048;
 
 /// Costs are squared distances in 26 bits: a path over 16 lanes fits in 31.
-const COST_SHIFT: u32 = 6;
+pub(super) const COST_SHIFT: u32 = 6;
 
 /// The cost of what is impossible: a path of these over 16 lanes still fits in 31 bits.
-const NEVER: i32 = 1 << 26;
+pub(super) const NEVER: i32 = 1 << 26;
 
 /// The cheapest primitive to move from one lane to another, and what that costs.
 #[derive(Copy, Clone, Debug)]

@@ -3,7 +3,7 @@
 use alloc::vec::Vec;
 
 /// Steps of a node, at most. Lambda is 0.01 after the last.
-const STEPS: usize = 40;
+pub(super) const STEPS: usize = 40;
 
 /// Lambda after the last step, as in the paper.
 const LAST_LAMBDA: f64 = 0.01;
