@@ -3,7 +3,9 @@
 use super::device::Gpu;
 use super::error::GpuError;
 use super::memory::{self, Binding, Chunk, Memory, Node, Sizes};
-use super::shader::{BALANCED_SIZE, Kernel, MAX_CHUNKS, MIN_CHUNK, Pipelines, SMALL};
+use super::shader::{
+    BALANCED_SIZE, Kernel, MAX_CHUNKS, MIN_CHUNK, Pipelines, SMALL, STEPS_AT_ONCE, balance_dispatches,
+};
 use crate::build::levels::{self, Level};
 use crate::build::longest_axis::Cutter;
 use crate::build::neural_gas::{Cloud, Splitter};
@@ -164,20 +166,13 @@ impl<'a, const N: usize> Build<'a, N> {
         self.write(Binding::Nodes, &jobs.nodes);
         self.write(Binding::Chunks, &jobs.chunks);
         self.submit(jobs, &[Kernel::Bounds, Kernel::Start, Kernel::LocalCoordinates]);
-        if jobs.level.large_nodes > 0 {
-            // Not all in one: a system may stop a device that works too long on one submission.
-            const STEPS_AT_ONCE: usize = 4;
-            for steps in self.splitter.schedule.chunks(STEPS_AT_ONCE) {
-                let kernels: Vec<_> =
-                    steps.iter().flat_map(|_| [Kernel::Accumulate, Kernel::Update]).collect();
-                self.submit(jobs, &kernels);
-            }
+        // Not all in one: a system may stop a device that works too long on one submission.
+        for steps in self.splitter.schedule.chunks(STEPS_AT_ONCE) {
+            let each = [Kernel::Accumulate, Kernel::Update].repeat(steps.len());
+            self.submit(jobs, &[&*each, &[Kernel::Cluster]].concat());
         }
-        if jobs.level.large_nodes < jobs.level.nodes {
-            self.submit(jobs, &[Kernel::Cluster, Kernel::Nearest, Kernel::Balance]);
-        } else {
-            self.submit(jobs, &[Kernel::Nearest]);
-        }
+        let balance = balance_dispatches(N, self.splitter.cutter.leaf_size);
+        self.submit(jobs, &[&[Kernel::Nearest][..], &[Kernel::Balance].repeat(balance)].concat());
         self.submit(jobs, &[Kernel::LaneEnds, Kernel::SortByLane, Kernel::Replace]);
         let words = jobs.nodes.len() * N;
         let ends = self.read_ranges(Binding::Ends, core::slice::from_ref(&(0..words)))?;
@@ -190,11 +185,15 @@ impl<'a, const N: usize> Build<'a, N> {
         let mut encoder = self.gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
         if kernels.contains(&Kernel::Bounds) {
             encoder.clear_buffer(self.memory.buffer(Binding::Boxes), 0, None);
+            encoder.clear_buffer(self.memory.buffer(Binding::Ends), 0, None);
         }
         let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor::default());
         let most = self.gpu.device.limits().max_compute_workgroups_per_dimension;
         for &kernel in kernels {
             let groups = kernel.groups(&jobs.level, N);
+            if groups == 0 {
+                continue;
+            }
             pass.set_pipeline(self.pipelines.pipeline(kernel));
             pass.set_bind_group(0, &self.groups[kernel as usize], &[]);
             pass.dispatch_workgroups(groups.min(most), groups.div_ceil(most), 1);

@@ -32,6 +32,7 @@ mod shader;
 mod tests;
 
 pub use assign::Spent;
+pub use ::wgpu;
 pub use device::Gpu;
 pub use error::GpuError;
 

@@ -19,7 +19,18 @@ pub(super) const BALANCED_SIZE: usize = LIMITS.balanced_size;
 pub(super) const MIN_CHUNK: usize = 512;
 
 /// Chunks of a node, at most: one workgroup adds up their sums.
-pub(super) const MAX_CHUNKS: usize = 512;
+pub(super) const MAX_CHUNKS: usize = 2048;
+
+/// Steps of a small node in one dispatch, and primitives taken out of crowded lanes. An invocation must not make more than 65,535 turns
+/// of loops: llvmpipe (Mesa 22.3) leaves its loops then without a word, and systems stop a dispatch that takes seconds.
+pub(super) const STEPS_AT_ONCE: usize = 8;
+const MOVES_AT_ONCE: usize = 32;
+
+/// Dispatches of [`Kernel::Balance`] after which no lane is crowded. Leaves are shared out in multiples of `lanes` - 1, each to the lane
+/// that lacks most: so no lane has room for more than that beyond its primitives, and all that lack can be no more than all that is free.
+pub(super) fn balance_dispatches(lanes: usize, leaf_size: usize) -> usize {
+    (lanes * (lanes - 1) * leaf_size).min(BALANCED_SIZE).div_ceil(MOVES_AT_ONCE)
+}
 
 /// Outcomes of a node, in `states` and `ends`: from here on it is to be cut by axes. No node has so many primitives that an end could
 /// be mistaken for one.
@@ -79,9 +90,10 @@ impl Kernel {
             Self::Nearest => {
                 ("nearest", &[B::Level, B::Chunks, B::Places, B::Lanes, B::Prototypes, B::Counts])
             }
-            Self::Balance => {
-                ("balance", &[B::Level, B::Nodes, B::Places, B::Lanes, B::States, B::Prototypes, B::Counts])
-            }
+            Self::Balance => (
+                "balance",
+                &[B::Level, B::Nodes, B::Places, B::Lanes, B::States, B::Prototypes, B::Counts, B::Ends],
+            ),
             Self::LaneEnds => ("lane_ends", &[B::Level, B::Nodes, B::States, B::Counts, B::Ends]),
             Self::SortByLane => {
                 ("sort_by_lane", &[B::Level, B::Chunks, B::Order, B::Sorted, B::Lanes, B::States, B::Counts])
@@ -123,6 +135,7 @@ pub(super) fn source(lanes: usize, int64: Int64) -> String {
         const UPDATE_WORKGROUP = {UPDATE_WORKGROUP}u;\nconst LOCAL_BITS = {local_bits}u;\n\
         const WEIGHT_BITS = {weight_bits}u;\nconst WEIGHT_SUM_BITS = {weight_sum_bits}u;\n\
         const MIN_EXTENT = {min_extent}u;\nconst COST_SHIFT = {cost_shift}u;\nconst NEVER = {never};\n\
+        const STEPS_AT_ONCE = {STEPS_AT_ONCE}u;\nconst MOVES_AT_ONCE = {MOVES_AT_ONCE}u;\n\
         const SMALL = {SMALL}u;\nconst ONE_LANE = {ONE_LANE}u;\n"
     );
     let int64 = match int64 {

@@ -63,23 +63,23 @@ impl<'a> Cloud<'a> {
     }
 
     /// In full precision.
-    pub(super) fn point(&self, index: u32) -> Point {
+    pub(in crate::build) fn point(&self, index: u32) -> Point {
         self.points[index as usize]
     }
 }
 
 /// Bits of a local coordinate: three squares of differences still fit in 32 bits.
-pub(super) const LOCAL_BITS: u32 = 15;
+pub(in crate::build) const LOCAL_BITS: u32 = 15;
 
 /// Bits of a weight, at most, and of the sum of the weights of a node: times 12 bits of h and 15 of a coordinate below 2^64.
-pub(super) const WEIGHT_BITS: u32 = 13;
-pub(super) const WEIGHT_SUM_BITS: u32 = 37;
+pub(in crate::build) const WEIGHT_BITS: u32 = 13;
+pub(in crate::build) const WEIGHT_SUM_BITS: u32 = 37;
 
 /// A node with a box smaller than this in steps of the root's 2^32 is not worth clustering.
-pub(super) const MIN_EXTENT: u32 = 1 << 8;
+pub(in crate::build) const MIN_EXTENT: u32 = 1 << 8;
 
 /// Points handled at a time.
-pub(super) const BLOCK: usize = 8;
+pub(in crate::build) const BLOCK: usize = 8;
 
 /// The box of a node's positions, and its largest weight.
 #[derive(Copy, Clone, PartialEq, Eq, Debug)]
@@ -115,7 +115,7 @@ impl Frame {
 
 /// The primitives of one node, in the order they have there, each list padded to whole blocks.
 #[derive(Default)]
-pub(super) struct Cluster {
+pub(in crate::build) struct Cluster {
     len: usize,
     extent: [u16; 3],
     coordinates: [Vec<u16>; 3],
@@ -124,12 +124,12 @@ pub(super) struct Cluster {
 }
 
 /// Up to [`BLOCK`] primitives.
-pub(super) struct Block<'a> {
-    pub(super) coordinates: [&'a [u16; BLOCK]; 3],
+pub(in crate::build) struct Block<'a> {
+    pub(in crate::build) coordinates: [&'a [u16; BLOCK]; 3],
     /// None if all weigh 1.
-    pub(super) weights: Option<&'a [u16; BLOCK]>,
+    pub(in crate::build) weights: Option<&'a [u16; BLOCK]>,
     /// How many there are; the rest is padding.
-    pub(super) len: usize,
+    pub(in crate::build) len: usize,
 }
 
 impl Cluster {
@@ -153,20 +153,20 @@ impl Cluster {
         true
     }
 
-    pub(super) fn extent(&self) -> [u16; 3] {
+    pub(in crate::build) fn extent(&self) -> [u16; 3] {
         self.extent
     }
 
-    pub(super) fn block_count(&self) -> usize {
+    pub(in crate::build) fn block_count(&self) -> usize {
         self.len.div_ceil(BLOCK)
     }
 
-    pub(super) fn is_weighted(&self) -> bool {
+    pub(in crate::build) fn is_weighted(&self) -> bool {
         !self.weights.is_empty()
     }
 
     #[inline]
-    pub(super) fn block(&self, index: usize) -> Block<'_> {
+    pub(in crate::build) fn block(&self, index: usize) -> Block<'_> {
         let [x, y, z] = &self.coordinates;
         Block {
             coordinates: [&x.as_chunks().0[index], &y.as_chunks().0[index], &z.as_chunks().0[index]],

@@ -47,6 +47,8 @@ mod schedule;
 pub(super) use cloud::Cloud;
 #[cfg(feature = "gpu")]
 pub(super) use limits::{LIMITS, Limits};
+#[cfg(all(test, feature = "gpu"))]
+pub(super) use schedule::schedule;
 /// What each kernel of a device is compared with.
 #[cfg(all(test, feature = "gpu"))]
 pub(super) mod twins {
@@ -170,7 +172,11 @@ impl<'a, const N: usize> Splitter<'a, N> {
 }
 
 /// Moves prototypes step by step, until none moves.
-fn settle<const N: usize>(cluster: &Cluster, prototypes: &mut Prototypes<N>, schedule: &[[u16; N]]) {
+pub(in crate::build) fn settle<const N: usize>(
+    cluster: &Cluster,
+    prototypes: &mut Prototypes<N>,
+    schedule: &[[u16; N]],
+) {
     for h in schedule {
         let sums = accumulate(cluster, prototypes, h);
         if !prototypes.update(&sums) {
@@ -180,7 +186,7 @@ fn settle<const N: usize>(cluster: &Cluster, prototypes: &mut Prototypes<N>, sch
 }
 
 /// Moves the primitives of each lane together, in the order they had, and writes where the lanes end.
-fn sort_by_lane<const N: usize>(
+pub(in crate::build) fn sort_by_lane<const N: usize>(
     part: &mut [u32],
     lanes: &[u8],
     sizes: &[u32; N],

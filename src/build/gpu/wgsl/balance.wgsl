@@ -145,7 +145,8 @@ fn shift_along(start: u32) {
     sizes[lane] -= 1u;
 }
 
-/// Moves primitives of each small node until no lane has more than it has room for.
+/// Moves primitives of each small node until no lane has more than it has room for, but MOVES_AT_ONCE times at most. The nodes' `ends`
+/// keep their rooms from the first time on.
 @compute @workgroup_size(WORKGROUP)
 fn balance(
     @builtin(workgroup_id) group: vec3<u32>,
@@ -160,16 +161,18 @@ fn balance(
     let first = node.first_chunk * LANES;
     if thread < LANES {
         sizes[thread] = counts[first + thread];
+        rooms[thread] = ends[number * LANES + thread];
     }
     workgroupBarrier();
     if thread == 0u {
-        make_rooms(node.count);
         stale = NONE;
+        if rooms[0] == 0u {
+            make_rooms(node.count);
+        }
     }
-    workgroupBarrier();
     load_prototypes(number, thread);
     // Each turn takes a primitive out of a crowded lane.
-    for (var i = 0u; i < node.count; i++) {
+    for (var i = 0u; i < MOVES_AT_ONCE; i++) {
         if !is_crowded(thread) {
             break;
         }
@@ -183,5 +186,6 @@ fn balance(
     }
     if thread < LANES {
         counts[first + thread] = sizes[thread];
+        ends[number * LANES + thread] = rooms[thread];
     }
 }

@@ -49,20 +49,16 @@ fn ranks(p: vec3<u32>) -> vec2<u32> {
     for (var lane = 0u; lane < LANES; lane++) {
         distances[lane] = distance_to(lane, p);
     }
-    var ranks: array<u32, LANES>;
-    for (var lane = 0u; lane < LANES; lane++) {
-        for (var other = 0u; other < lane; other++) {
-            let nearer = u32(distances[other] <= distances[lane]);
-            ranks[lane] += nearer;
-            ranks[other] += 1u - nearer;
-        }
-    }
+    // Loops of constant length, for compilers to unroll.
     var packed = vec2(0u);
-    for (var lane = 0u; lane < min(LANES, 8u); lane++) {
-        packed.x |= ranks[lane] << (4u * lane);
-    }
-    for (var lane = 8u; lane < LANES; lane++) {
-        packed.y |= ranks[lane] << (4u * (lane - 8u));
+    for (var lane = 0u; lane < LANES; lane++) {
+        var rank = 0u;
+        for (var other = 0u; other < LANES; other++) {
+            // A lower index is nearer by less than any distance.
+            rank += u32(distances[other] < distances[lane] + u32(other < lane));
+        }
+        let shifted = rank << (4u * (lane & 7u));
+        packed |= select(vec2(shifted, 0u), vec2(0u, shifted), lane >= 8u);
     }
     return packed;
 }
@@ -232,7 +228,7 @@ fn update(
     }
 }
 
-/// All steps of each small node.
+/// Some steps of each small node: the next STEPS_AT_ONCE.
 @compute @workgroup_size(WORKGROUP)
 fn cluster(
     @builtin(workgroup_id) group: vec3<u32>,
@@ -240,17 +236,27 @@ fn cluster(
     @builtin(local_invocation_index) thread: u32,
 ) {
     let number = level.large_nodes + group_number(group, groups);
-    if number >= level.nodes || state_of(number, thread).outcome != MOVING {
+    if number >= level.nodes {
+        return;
+    }
+    let state = state_of(number, thread);
+    if state.outcome != MOVING {
         return;
     }
     let node = nodes[number];
+    let end = min(state.step + STEPS_AT_ONCE, STEPS);
+    var step = state.step;
+    var moving = true;
     load_prototypes(number, thread);
-    for (var step = 0u; step < STEPS; step++) {
+    while moving && step < end {
         load_h(step, thread);
         add_up(node.start, node.count, thread);
-        if !move_prototypes(thread) {
-            break;
-        }
+        moving = move_prototypes(thread);
+        step++;
     }
     store_prototypes(number, thread);
+    if thread == 0u {
+        states[number].step = step;
+        states[number].outcome = select(SETTLED, MOVING, moving);
+    }
 }
