@@ -68,7 +68,9 @@ impl Bench {
     fn row(&self, kind: &str, cloud: &Cloud, arity: usize) {
         let clustering = Clustering { arity, leaf_size: 1, seed: 0 };
         let scalar = || {
-            clustering.assign(&cloud.points, Some(&cloud.weights), &mut |_| ControlFlow::Continue(())).unwrap()
+            clustering
+                .assign(&cloud.points, Some(&cloud.weights), &mut |_| ControlFlow::Continue(()))
+                .unwrap()
         };
         let repeats = if cloud.points.len() > 100_000 { 1 } else { 5 };
         let (mut one, mut all, mut whole, mut parts) = (vec![], vec![], vec![], vec![]);
@@ -111,7 +113,9 @@ fn main() {
         bench.gpu.has_int64(),
         bench.all.current_num_threads()
     );
-    println!("\n| | lanes | primitives | 1 thread | all threads | device, all | upload | device | download | 1 thread / device | all threads / device | bytes a primitive | device / log2^2 n |");
+    println!(
+        "\n| | lanes | primitives | 1 thread | all threads | device, all | upload | device | download | 1 thread / device | all threads / device | bytes a primitive | device / log2^2 n |"
+    );
     println!("|---|---|---|---|---|---|---|---|---|---|---|---|---|");
     let mut rng = Rng::new(1);
     let small = spheres(&mut rng, 1000);
@@ -119,7 +123,9 @@ fn main() {
         bench.on_device(&small, Clustering { arity, leaf_size: 1, seed: 0 });
     }
     for count in COUNTS.into_iter().filter(|count| *count <= most) {
-        for (kind, cloud) in [("spheres", spheres(&mut rng, count)), ("triangles", triangles(&mut rng, count))] {
+        for (kind, cloud) in
+            [("spheres", spheres(&mut rng, count)), ("triangles", triangles(&mut rng, count))]
+        {
             for arity in [16, 4] {
                 bench.row(kind, &cloud, arity);
             }

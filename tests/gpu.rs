@@ -6,6 +6,7 @@
 
 mod support;
 
+use core::cell::RefCell;
 use core::ops::ControlFlow;
 use proptest::prelude::*;
 use simdop::build::gpu::{Gpu, GpuError, Otherwise, wgpu};
@@ -47,12 +48,52 @@ fn devices() -> &'static [Gpu] {
     DEVICES.get_or_init(|| {
         let Some(adapter) = adapter() else { return Vec::new() };
         let (device, queue) = device_with(wgpu::Features::empty(), wgpu::Limits::default()).unwrap();
+        log::set_logger(&Listener).unwrap();
+        log::set_max_level(log::LevelFilter::Warn);
         let devices = vec![Gpu::with_adapter(&adapter).unwrap(), Gpu::with_device(device, queue).unwrap()];
         assert!(!devices[1].has_int64());
         let info = devices[0].info();
-        println!("{} ({} {}), native 64-bit sums: {}", info.name, info.driver, info.driver_info, devices[0].has_int64());
+        println!(
+            "{} ({} {}), native 64-bit sums: {}",
+            info.name,
+            info.driver,
+            info.driver_info,
+            devices[0].has_int64()
+        );
         devices
     })
+}
+
+// ---- What wgpu says ---------------------------------------------------------------------------------------------
+
+thread_local! {
+    /// Warnings and errors that this thread's calls caused.
+    static WARNINGS: RefCell<Vec<String>> = const { RefCell::new(Vec::new()) };
+}
+
+/// Hears what wgpu logs.
+struct Listener;
+
+impl log::Log for Listener {
+    fn enabled(&self, metadata: &log::Metadata<'_>) -> bool {
+        metadata.level() <= log::Level::Warn
+    }
+
+    fn log(&self, record: &log::Record<'_>) {
+        if self.enabled(record.metadata()) {
+            WARNINGS.with_borrow_mut(|all| all.push(format!("{}: {}", record.target(), record.args())));
+        }
+    }
+
+    fn flush(&self) {}
+}
+
+/// What `work` returns, which must cause neither a warning nor, as errors panic that nobody takes, an error.
+fn quietly<T>(work: impl FnOnce() -> T) -> T {
+    WARNINGS.with_borrow_mut(Vec::clear);
+    let result = work();
+    WARNINGS.with_borrow(|all| assert!(all.is_empty(), "{all:#?}"));
+    result
 }
 
 // ---- The same trees ---------------------------------------------------------------------------------------------
@@ -72,7 +113,7 @@ fn on<N: Node>(gpu: &Gpu, builder: &Builder, mesh: &MeshData) -> Result<Bvh<N>, 
 }
 
 fn compare<N: Node>(gpu: &Gpu, name: &str, builder: &Builder, mesh: &MeshData) {
-    let got: Bvh<N> = on(gpu, builder, mesh).unwrap();
+    let got: Bvh<N> = quietly(|| on(gpu, builder, mesh)).unwrap();
     let want: Bvh<N> = builder.build(&mesh_of(mesh)).unwrap();
     assert!(got.as_bytes() == want.as_bytes(), "{name}, {builder:?}, 64 bits: {}", gpu.has_int64());
 }
@@ -88,7 +129,7 @@ impl Cloud {
     fn compare(&self, gpu: &Gpu, weighted: bool, clustering: Clustering) {
         let weights = weighted.then_some(&*self.weights);
         let mut go_on = |_| ControlFlow::Continue(());
-        let (got, _) = clustering.assign_on(gpu, &self.points, weights, &mut go_on).unwrap();
+        let (got, _) = quietly(|| clustering.assign_on(gpu, &self.points, weights, &mut go_on)).unwrap();
         let want = clustering.assign(&self.points, weights, &mut go_on).unwrap();
         assert!(got == want, "{clustering:?}, weighted: {weighted}, 64 bits: {}", gpu.has_int64());
     }
@@ -313,8 +354,9 @@ fn too_large_an_input_is_refused_with_its_size() {
     let error = on::<Node16<6>>(&gpu, &builder, &mesh).unwrap_err();
     assert_eq!(error, GpuError::TooLarge { count: 5600, bytes: 67_200, limit: 65_536 });
     assert_eq!(error.to_string(), "5600 primitives need a buffer of 67200 bytes, the device binds 65536");
-    let tree: Bvh<Node16<6>> =
-        builder.build_on(&gpu, Otherwise::Scalar, &mesh_of(&mesh), &mut |_| ControlFlow::Continue(())).unwrap();
+    let tree: Bvh<Node16<6>> = builder
+        .build_on(&gpu, Otherwise::Scalar, &mesh_of(&mesh), &mut |_| ControlFlow::Continue(()))
+        .unwrap();
     assert!(tree.as_bytes() == builder.build::<Node16<6>>(&mesh_of(&mesh)).unwrap().as_bytes());
 }
 

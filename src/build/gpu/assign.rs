@@ -10,9 +10,10 @@ use crate::build::levels::{self, Level};
 use crate::build::longest_axis::Cutter;
 use crate::build::neural_gas::{Cloud, Splitter};
 use crate::build::{Assignment, Observer};
+use alloc::vec::Vec;
 use core::ops::Range;
-use std::time::{Duration, Instant};
-use std::vec::Vec;
+use core::time::Duration;
+use std::time::Instant;
 
 /// Where the time of a build on a device went.
 #[derive(Copy, Clone, Default, Debug)]
@@ -216,7 +217,7 @@ impl<'a, const N: usize> Build<'a, N> {
             return Ok(Vec::new());
         }
         self.gpu.queue.submit([encoder.finish()]);
-        self.gpu.read(&self.memory.staging, bytes, |bytes| bytemuck::pod_collect_to_vec(bytes))
+        self.gpu.read(&self.memory.staging, bytes, bytemuck::pod_collect_to_vec)
     }
 
     fn read_order(&self, ranges: &[Range<usize>]) -> Result<Vec<u32>, GpuError> {

@@ -2,9 +2,10 @@
 
 use super::error::GpuError;
 use super::shader::{Int64, Pipelines};
-use std::string::ToString;
+use alloc::string::ToString;
+use alloc::vec::Vec;
+use core::time::Duration;
 use std::sync::OnceLock;
-use std::vec::Vec;
 
 /// A device that builds trees, with the kernels that it has compiled so far.
 #[derive(Debug)]
@@ -123,7 +124,8 @@ impl Gpu {
             let _ = sender.send(result);
         });
         self.wait()?;
-        match receiver.try_recv() {
+        // The callback runs in whichever thread polls the device: maybe in another one that has not come to it yet.
+        match receiver.recv_timeout(Duration::from_secs(10)) {
             Ok(Ok(())) => {}
             _ => return Err(GpuError::Lost),
         }

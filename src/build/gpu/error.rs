@@ -1,8 +1,8 @@
 //! What can go wrong on a device.
 
 use crate::build::BuildError;
+use alloc::string::String;
 use core::fmt;
-use std::string::String;
 
 /// Why a tree was not built on a device. The library, and other devices, can be used as before.
 #[derive(Clone, PartialEq, Eq, Debug)]

@@ -2,8 +2,8 @@
 
 use super::error::GpuError;
 use super::shader::{BALANCED_SIZE, MIN_CHUNK};
+use alloc::vec::Vec;
 use bytemuck::{Pod, Zeroable};
-use std::vec::Vec;
 
 /// Of all dispatches of a level.
 #[repr(C)]

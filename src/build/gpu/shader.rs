@@ -2,9 +2,9 @@
 
 use super::memory::{Binding, Memory};
 use crate::build::neural_gas::{LIMITS, Limits};
-use std::format;
-use std::string::String;
-use std::vec::Vec;
+use alloc::format;
+use alloc::string::String;
+use alloc::vec::Vec;
 
 /// Threads of a workgroup. Not tuned: no figures of a GPU have been seen yet.
 const WORKGROUP: u32 = 64;

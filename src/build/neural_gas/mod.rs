@@ -47,8 +47,6 @@ mod schedule;
 pub(super) use cloud::Cloud;
 #[cfg(feature = "gpu")]
 pub(super) use limits::{LIMITS, Limits};
-#[cfg(all(test, feature = "gpu"))]
-pub(super) use schedule::schedule;
 /// What each kernel of a device is compared with.
 #[cfg(all(test, feature = "gpu"))]
 pub(super) mod twins {
@@ -56,6 +54,7 @@ pub(super) mod twins {
     pub(in crate::build) use super::balance::Balance;
     pub(in crate::build) use super::cloud::{Bounds, Cluster};
     pub(in crate::build) use super::prototypes::Prototypes;
+    pub(in crate::build) use super::schedule::schedule;
     pub(in crate::build) use super::{settle, sort_by_lane};
 }
 
@@ -66,6 +65,7 @@ use alloc::vec::Vec;
 use balance::Balance;
 use cloud::Cluster;
 use prototypes::Prototypes;
+use schedule::schedule;
 
 /// The shape of a tree over a cloud. `cutter` has the arity and leaf size, and cuts where clustering cannot.
 pub(super) fn assign(
@@ -101,7 +101,7 @@ struct Scratch<const N: usize> {
 
 impl<'a, const N: usize> Splitter<'a, N> {
     pub(super) fn new(cloud: &'a Cloud<'a>, cutter: &'a Cutter, seed: u32) -> Self {
-        Self { cloud, cutter, seed, schedule: schedule::schedule() }
+        Self { cloud, cutter, seed, schedule: schedule() }
     }
 
     fn assign(&self, observer: &mut Observer<'_>) -> Result<Assignment, BuildError> {
