@@ -106,8 +106,24 @@ impl Gpu {
         match errors.first() {
             None => result,
             Some(wgpu::Error::OutOfMemory { .. }) => Err(GpuError::OutOfMemory { bytes }),
+            // A lost device says nothing itself; what is made on it is invalid.
+            Some(_) if self.is_lost() => Err(GpuError::Lost),
             Some(error) => Err(GpuError::Device { reason: error.to_string() }),
         }
+    }
+
+    /// Whether the device cannot even map four bytes.
+    fn is_lost(&self) -> bool {
+        let scope = self.device.push_error_scope(wgpu::ErrorFilter::Validation);
+        let probe = self.device.create_buffer(&wgpu::BufferDescriptor {
+            label: Some("simdop probe"),
+            size: 4,
+            usage: wgpu::BufferUsages::MAP_READ | wgpu::BufferUsages::COPY_DST,
+            mapped_at_creation: false,
+        });
+        let lost = self.read(&probe, 4, |_| ()).is_err();
+        let _ = pollster::block_on(scope.pop());
+        lost
     }
 
     /// The bytes of `buffer`, which is mapped for that, as soon as all that was submitted is done.
@@ -142,26 +158,30 @@ impl Gpu {
     }
 }
 
-/// What the kernels need: within the defaults of WebGPU, which every adapter has but the oldest.
+/// What the kernels need, by the limits' names: within the defaults of WebGPU, which every adapter has but the oldest.
 fn needed_limits() -> wgpu::Limits {
-    let defaults = wgpu::Limits::default();
     wgpu::Limits {
-        max_storage_buffers_per_shader_stage: defaults.max_storage_buffers_per_shader_stage,
-        max_compute_workgroup_storage_size: defaults.max_compute_workgroup_storage_size,
-        max_compute_invocations_per_workgroup: defaults.max_compute_invocations_per_workgroup,
-        max_compute_workgroup_size_x: defaults.max_compute_workgroup_size_x,
+        max_storage_buffers_per_shader_stage: 8,
+        max_compute_workgroup_storage_size: 16 << 10,
+        max_compute_invocations_per_workgroup: 256,
+        max_compute_workgroup_size_x: 256,
         max_compute_workgroup_size_y: 1,
         max_compute_workgroup_size_z: 1,
-        max_compute_workgroups_per_dimension: defaults.max_compute_workgroups_per_dimension,
-        max_bindings_per_bind_group: defaults.max_bindings_per_bind_group,
+        max_compute_workgroups_per_dimension: 65_535,
         ..wgpu::Limits::downlevel_webgl2_defaults()
     }
 }
 
 fn check_limits(available: &wgpu::Limits) -> Result<(), GpuError> {
-    let mut result = Ok(());
-    needed_limits().check_limits_with_fail_fn(available, true, |name, needed, available| {
-        result = Err(GpuError::Limit { name, needed, available });
-    });
-    result
+    // Only these: a device may be made for compute shaders alone. Buffers are checked with each tree.
+    let needed = needed_limits();
+    let check = |name, of: fn(&wgpu::Limits) -> u32| {
+        let (needed, available) = (of(&needed).into(), of(available).into());
+        if needed > available { Err(GpuError::Limit { name, needed, available }) } else { Ok(()) }
+    };
+    check("max_storage_buffers_per_shader_stage", |l| l.max_storage_buffers_per_shader_stage)?;
+    check("max_compute_workgroup_storage_size", |l| l.max_compute_workgroup_storage_size)?;
+    check("max_compute_invocations_per_workgroup", |l| l.max_compute_invocations_per_workgroup)?;
+    check("max_compute_workgroup_size_x", |l| l.max_compute_workgroup_size_x)?;
+    check("max_compute_workgroups_per_dimension", |l| l.max_compute_workgroups_per_dimension)
 }

@@ -69,8 +69,11 @@ fn renew(start: u32, count: u32, thread: u32) {
             let p = unpacked(places[start + i]);
             let own = cost(lane, p);
             for (var to = 0u; to < LANES; to++) {
-                if to != lane {
-                    atomicMin(&move_cost[lane * LANES + to], cost(to, p) - own);
+                let pair = lane * LANES + to;
+                let step = cost(to, p) - own;
+                // Few get here; fewer wait for each other.
+                if to != lane && step < atomicLoad(&move_cost[pair]) {
+                    atomicMin(&move_cost[pair], step);
                 }
             }
         }

@@ -2,6 +2,7 @@
 
 /// Threads that share a lane's sum.
 const SLICES = WORKGROUP / LANES;
+const QUADS = LANES / 4u;
 /// Sums of a node: of weights, then of the moments of each axis.
 const SUMS = 4u * LANES;
 
@@ -45,20 +46,30 @@ fn ranks(p: vec3<u32>) -> vec2<u32> {
         let one = 1u << (4u * (lane & 7u));
         return vec2(0x11111111u) - select(vec2(one, 0u), vec2(0u, one), lane >= 8u);
     }
-    var distances: array<u32, LANES>;
-    for (var lane = 0u; lane < LANES; lane++) {
-        distances[lane] = distance_to(lane, p);
+    var distances: array<vec4<u32>, QUADS>;
+    for (var q = 0u; q < QUADS; q++) {
+        let lane = 4u * q;
+        distances[q] = vec4(
+            distance_to(lane, p), distance_to(lane + 1u, p), distance_to(lane + 2u, p), distance_to(lane + 3u, p)
+        );
     }
-    // Loops of constant length, for compilers to unroll.
+    // By fours, and in loops of constant length: compilers unroll them, and keep the distances in registers.
     var packed = vec2(0u);
-    for (var lane = 0u; lane < LANES; lane++) {
-        var rank = 0u;
-        for (var other = 0u; other < LANES; other++) {
-            // A lower index is nearer by less than any distance.
-            rank += u32(distances[other] < distances[lane] + u32(other < lane));
+    for (var q = 0u; q < QUADS; q++) {
+        var rank = vec4(0u);
+        for (var r = 0u; r < QUADS; r++) {
+            // Of equal distances that of the lower index counts as less.
+            let own = distances[q] + u32(r < q);
+            let same = u32(r == q);
+            let other = distances[r];
+            rank += vec4<u32>(vec4(other.x) < own + same * vec4(0u, 1u, 1u, 1u));
+            rank += vec4<u32>(vec4(other.y) < own + same * vec4(0u, 0u, 1u, 1u));
+            rank += vec4<u32>(vec4(other.z) < own + same * vec4(0u, 0u, 0u, 1u));
+            rank += vec4<u32>(vec4(other.w) < own);
         }
-        let shifted = rank << (4u * (lane & 7u));
-        packed |= select(vec2(shifted, 0u), vec2(0u, shifted), lane >= 8u);
+        let four = rank << (vec4(0u, 4u, 8u, 12u) + 16u * (q & 1u));
+        let bits = four.x | four.y | four.z | four.w;
+        packed |= select(vec2(bits, 0u), vec2(0u, bits), q >= 2u);
     }
     return packed;
 }
