@@ -40,6 +40,7 @@
 mod assign;
 mod device;
 mod error;
+mod jobs;
 mod memory;
 mod shader;
 #[cfg(test)]
