@@ -42,6 +42,7 @@
 //! | `std` | yes | run-time detection of instruction sets by the standard library; implies `alloc` |
 //! | `alloc` | yes | owned trees and the builders; without it: borrowed trees and every query |
 //! | `rayon` | no | construction on several threads, with the same bytes; implies `std` |
+//! | `gpu` | no | construction on a device, through wgpu (`build::gpu`), with the same bytes; implies `std` |
 //! | `cli` | no | the command `simdop` |
 //!
 //! Without `std`, x86-64 is asked by CPUID and XCR0, aarch64 takes what the crate is compiled for.

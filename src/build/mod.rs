@@ -4,7 +4,10 @@
 //! splitters, or two machines, that agree on the assignment agree on every byte.
 
 mod assignment;
+mod clustering;
 mod cost;
+#[cfg(feature = "gpu")]
+pub mod gpu;
 mod levels;
 mod longest_axis;
 mod neural_gas;
@@ -13,6 +16,8 @@ mod parallel;
 mod progress;
 
 pub use assignment::Assignment;
+#[doc(hidden)]
+pub use clustering::Clustering;
 pub use progress::Progress;
 
 use crate::frame::{Point, flush};
@@ -187,13 +192,22 @@ impl Builder {
         mesh: &Mesh<'_>,
         observer: &mut dyn FnMut(Progress) -> ControlFlow<()>,
     ) -> Result<Bvh<N>, BuildError> {
+        self.build_by(mesh, |mesh| self.assign(mesh, N::ARITY, observer))
+    }
+
+    /// Checks a mesh, lets `assign` make the shape of its tree, and packs it.
+    fn build_by<N: Node, E: From<BuildError>>(
+        &self,
+        mesh: &Mesh<'_>,
+        assign: impl FnOnce(&Mesh<'_>) -> Result<Assignment, E>,
+    ) -> Result<Bvh<N>, E> {
         if self.leaf_size == 0 || self.leaf_size > MAX_LEAF_SIZE {
-            return Err(BuildError::LeafSize { asked: self.leaf_size });
+            return Err(BuildError::LeafSize { asked: self.leaf_size }.into());
         }
         let vertices = check(mesh)?;
         let mesh = Mesh { vertices: &vertices, triangles: mesh.triangles };
-        let assignment = self.assign(&mesh, N::ARITY, observer)?;
-        pack::pack(&mesh, &assignment, self.leaf_size)
+        let assignment = assign(&mesh)?;
+        Ok(pack::pack(&mesh, &assignment, self.leaf_size)?)
     }
 
     /// The shape of a checked mesh's tree.
@@ -203,7 +217,7 @@ impl Builder {
         arity: usize,
         observer: &mut Observer<'_>,
     ) -> Result<Assignment, BuildError> {
-        let centroids: Vec<Point> = mesh.triangles.iter().map(|t| box_centre(&mesh.corners(t))).collect();
+        let centroids = centroids(mesh);
         let leaf_size = self.leaf_size as usize;
         let cutter = |extended| Cutter { arity, leaf_size, extended };
         let by_cost = |measure, passes, observer: &mut Observer<'_>| {
@@ -217,13 +231,20 @@ impl Builder {
             Splitter::SurfaceArea => by_cost(cost::Measure::Area, 0, observer),
             Splitter::MeanWidth => by_cost(cost::Measure::MeanWidth, 3, observer),
             Splitter::BatchNeuralGas { magnification, seed } => {
-                let weights = match magnification {
-                    Magnification::None => None,
-                    Magnification::Area => Some(areas(mesh)),
-                };
+                let weights = magnification.weights(mesh);
                 let cloud = neural_gas::Cloud::new(&centroids, weights.as_deref());
                 neural_gas::assign(&cloud, &cutter(true), seed, observer)
             }
+        }
+    }
+}
+
+impl Magnification {
+    /// What the triangles of a mesh weigh; none if all weigh the same.
+    fn weights(self, mesh: &Mesh<'_>) -> Option<Vec<f64>> {
+        match self {
+            Self::None => None,
+            Self::Area => Some(areas(mesh)),
         }
     }
 }
@@ -252,6 +273,11 @@ fn check(mesh: &Mesh<'_>) -> Result<Vec<Point>, BuildError> {
         return Err(BuildError::Triangle { index });
     }
     Ok(mesh.vertices.iter().map(|p| p.map(flush)).collect())
+}
+
+/// Of each triangle's bounding box.
+fn centroids(mesh: &Mesh<'_>) -> Vec<Point> {
+    mesh.triangles.iter().map(|t| box_centre(&mesh.corners(t))).collect()
 }
 
 /// Centre of a triangle's bounding box.

@@ -9,9 +9,9 @@ use core::ops::Range;
 
 /// What pulls each prototype: sum of h v, and sums of h v x for the three axes.
 #[derive(Clone, PartialEq, Eq, Debug)]
-pub(super) struct Sums<const N: usize> {
-    pub(super) weight: [u64; N],
-    pub(super) moments: [[u64; N]; 3],
+pub(in crate::build) struct Sums<const N: usize> {
+    pub(in crate::build) weight: [u64; N],
+    pub(in crate::build) moments: [[u64; N]; 3],
 }
 
 impl<const N: usize> Sums<N> {
@@ -39,7 +39,7 @@ const TASK: usize = 512;
 const GROUP: usize = 32;
 
 /// Distances, ranks and sums over a whole node.
-pub(super) fn accumulate<const N: usize>(
+pub(in crate::build) fn accumulate<const N: usize>(
     cluster: &Cluster,
     prototypes: &Prototypes<N>,
     h: &[u16; N],
@@ -80,7 +80,10 @@ type Lanes<T, const N: usize> = [[T; BLOCK]; N];
 
 /// Squared distances of a block's primitives to each prototype.
 #[inline]
-pub(super) fn distances<const N: usize>(block: &Block<'_>, prototypes: &Prototypes<N>) -> Lanes<u32, N> {
+pub(in crate::build) fn distances<const N: usize>(
+    block: &Block<'_>,
+    prototypes: &Prototypes<N>,
+) -> Lanes<u32, N> {
     let mut distances = [[0; BLOCK]; N];
     for (lane, distances) in distances.iter_mut().enumerate() {
         let at = prototypes.coordinates.map(|c| c[lane] as i16);
@@ -206,7 +209,7 @@ fn add_nearest<const N: usize>(block: &Block<'_>, prototypes: &Prototypes<N>, su
 }
 
 /// Assigns each primitive to its nearest prototype. The number of primitives of each.
-pub(super) fn nearest<const N: usize>(
+pub(in crate::build) fn nearest<const N: usize>(
     cluster: &Cluster,
     prototypes: &Prototypes<N>,
     lanes: &mut Vec<u8>,

@@ -13,13 +13,13 @@ use super::prototypes::Prototypes;
 use alloc::vec::Vec;
 
 /// Larger nodes are as clustering leaves them: they have few unused lanes below them.
-pub(super) const MAX_SIZE: usize = 2048;
+pub(in crate::build) const MAX_SIZE: usize = 2048;
 
 /// Costs are squared distances in 26 bits: a path over 16 lanes fits in 31.
-const COST_SHIFT: u32 = 6;
+pub(in crate::build) const COST_SHIFT: u32 = 6;
 
 /// The cost of what is impossible: a path of these over 16 lanes still fits in 31 bits.
-const NEVER: i32 = 1 << 26;
+pub(in crate::build) const NEVER: i32 = 1 << 26;
 
 /// The cheapest primitive to move from one lane to another, and what that costs.
 #[derive(Copy, Clone, Debug)]
@@ -30,14 +30,14 @@ struct Move {
 
 /// Memory for balancing, kept from one node to the next.
 #[derive(Default)]
-pub(super) struct Balance<const N: usize> {
+pub(in crate::build) struct Balance<const N: usize> {
     /// Of each primitive to each prototype.
     costs: Vec<[i32; N]>,
 }
 
 impl<const N: usize> Balance<N> {
     /// Moves primitives until no lane has more than it has room for.
-    pub(super) fn balance(
+    pub(in crate::build) fn balance(
         &mut self,
         cluster: &Cluster,
         prototypes: &Prototypes<N>,

@@ -34,32 +34,88 @@ impl<'a> Cloud<'a> {
         }
     }
 
-    pub(super) fn len(&self) -> usize {
+    pub(in crate::build) fn len(&self) -> usize {
         self.points.len()
     }
 
+    /// Quantised.
+    #[cfg(feature = "gpu")]
+    pub(in crate::build) fn positions(&self) -> &[[u32; 3]] {
+        &self.positions
+    }
+
+    /// At least 1; or none at all, if all weigh the same.
+    #[cfg(feature = "gpu")]
+    pub(in crate::build) fn weights(&self) -> &[u32] {
+        &self.weights
+    }
+
+    /// Of the primitives of a node.
+    pub(in crate::build) fn bounds(&self, part: &[u32]) -> Bounds {
+        let mut bounds = Bounds { low: [u32::MAX; 3], high: [0; 3], heaviest: 1 };
+        for &index in part {
+            let p = &self.positions[index as usize];
+            bounds.low = core::array::from_fn(|i| bounds.low[i].min(p[i]));
+            bounds.high = core::array::from_fn(|i| bounds.high[i].max(p[i]));
+            bounds.heaviest = bounds.heaviest.max(self.weights.get(index as usize).copied().unwrap_or(1));
+        }
+        bounds
+    }
+
     /// In full precision.
-    pub(super) fn point(&self, index: u32) -> Point {
+    pub(in crate::build) fn point(&self, index: u32) -> Point {
         self.points[index as usize]
     }
 }
 
 /// Bits of a local coordinate: three squares of differences still fit in 32 bits.
-const LOCAL_BITS: u32 = 15;
+pub(in crate::build) const LOCAL_BITS: u32 = 15;
 
 /// Bits of a weight, at most, and of the sum of the weights of a node: times 12 bits of h and 15 of a coordinate below 2^64.
-const WEIGHT_BITS: u32 = 13;
-const WEIGHT_SUM_BITS: u32 = 37;
+pub(in crate::build) const WEIGHT_BITS: u32 = 13;
+pub(in crate::build) const WEIGHT_SUM_BITS: u32 = 37;
 
 /// A node with a box smaller than this in steps of the root's 2^32 is not worth clustering.
-const MIN_EXTENT: u32 = 1 << 8;
+pub(in crate::build) const MIN_EXTENT: u32 = 1 << 8;
 
 /// Points handled at a time.
-pub(super) const BLOCK: usize = 8;
+pub(in crate::build) const BLOCK: usize = 8;
+
+/// The box of a node's positions, and its largest weight.
+#[derive(Copy, Clone, PartialEq, Eq, Debug)]
+pub(in crate::build) struct Bounds {
+    pub(in crate::build) low: [u32; 3],
+    pub(in crate::build) high: [u32; 3],
+    /// 1 if all weigh the same.
+    pub(in crate::build) heaviest: u32,
+}
+
+/// How positions and weights become those of a node.
+struct Frame {
+    low: [u32; 3],
+    shift: u32,
+    extent: [u16; 3],
+    weight_shift: u32,
+}
+
+impl Frame {
+    /// None if positions hardly tell the primitives apart.
+    fn of(bounds: &Bounds, count: usize) -> Option<Self> {
+        let size: [u32; 3] = core::array::from_fn(|i| bounds.high[i] - bounds.low[i]);
+        let longest = size.into_iter().fold(0, u32::max);
+        let shift = (u32::BITS - longest.leading_zeros()).saturating_sub(LOCAL_BITS);
+        (longest >= MIN_EXTENT).then(|| Self {
+            low: bounds.low,
+            shift,
+            extent: size.map(|size| (size >> shift) as u16),
+            weight_shift: weight_shift(count, bounds.heaviest),
+        })
+    }
+}
 
 /// The primitives of one node, in the order they have there, each list padded to whole blocks.
 #[derive(Default)]
-pub(super) struct Cluster {
+pub(in crate::build) struct Cluster {
     len: usize,
     extent: [u16; 3],
     coordinates: [Vec<u16>; 3],
@@ -68,64 +124,49 @@ pub(super) struct Cluster {
 }
 
 /// Up to [`BLOCK`] primitives.
-pub(super) struct Block<'a> {
-    pub(super) coordinates: [&'a [u16; BLOCK]; 3],
+pub(in crate::build) struct Block<'a> {
+    pub(in crate::build) coordinates: [&'a [u16; BLOCK]; 3],
     /// None if all weigh 1.
-    pub(super) weights: Option<&'a [u16; BLOCK]>,
+    pub(in crate::build) weights: Option<&'a [u16; BLOCK]>,
     /// How many there are; the rest is padding.
-    pub(super) len: usize,
+    pub(in crate::build) len: usize,
 }
 
 impl Cluster {
     /// Takes the primitives of `part`. False if positions hardly tell them apart.
-    pub(super) fn local_coordinates(&mut self, cloud: &Cloud<'_>, part: &[u32]) -> bool {
+    pub(in crate::build) fn local_coordinates(&mut self, cloud: &Cloud<'_>, part: &[u32]) -> bool {
+        let Some(frame) = Frame::of(&cloud.bounds(part), part.len()) else { return false };
         let positions = || part.iter().map(|&index| &cloud.positions[index as usize]);
-        let (mut low, mut high) = ([u32::MAX; 3], [0; 3]);
-        for p in positions() {
-            low = core::array::from_fn(|i| low[i].min(p[i]));
-            high = core::array::from_fn(|i| high[i].max(p[i]));
-        }
-        let extent = (0..3).map(|i| high[i] - low[i]).fold(0, u32::max);
-        if extent < MIN_EXTENT {
-            return false;
-        }
-        let shift = (u32::BITS - extent.leading_zeros()).saturating_sub(LOCAL_BITS);
         self.len = part.len();
-        self.extent = core::array::from_fn(|i| ((high[i] - low[i]) >> shift) as u16);
+        self.extent = frame.extent;
         for (i, list) in self.coordinates.iter_mut().enumerate() {
             list.clear();
-            list.extend(positions().map(|p| ((p[i] - low[i]) >> shift) as u16));
+            list.extend(positions().map(|p| ((p[i] - frame.low[i]) >> frame.shift) as u16));
             list.resize(part.len().next_multiple_of(BLOCK), 0);
         }
-        self.weigh(cloud, part);
+        self.weights.clear();
+        if !cloud.weights.is_empty() {
+            let weights = part.iter().map(|&index| cloud.weights[index as usize]);
+            self.weights.extend(weights.map(|w| (w >> frame.weight_shift).max(1) as u16));
+            self.weights.resize(part.len().next_multiple_of(BLOCK), 0);
+        }
         true
     }
 
-    fn weigh(&mut self, cloud: &Cloud<'_>, part: &[u32]) {
-        self.weights.clear();
-        if cloud.weights.is_empty() {
-            return;
-        }
-        let weights = || part.iter().map(|&index| cloud.weights[index as usize]);
-        let shift = weight_shift(part.len(), weights().fold(1, u32::max));
-        self.weights.extend(weights().map(|w| (w >> shift).max(1) as u16));
-        self.weights.resize(part.len().next_multiple_of(BLOCK), 0);
-    }
-
-    pub(super) fn extent(&self) -> [u16; 3] {
+    pub(in crate::build) fn extent(&self) -> [u16; 3] {
         self.extent
     }
 
-    pub(super) fn block_count(&self) -> usize {
+    pub(in crate::build) fn block_count(&self) -> usize {
         self.len.div_ceil(BLOCK)
     }
 
-    pub(super) fn is_weighted(&self) -> bool {
+    pub(in crate::build) fn is_weighted(&self) -> bool {
         !self.weights.is_empty()
     }
 
     #[inline]
-    pub(super) fn block(&self, index: usize) -> Block<'_> {
+    pub(in crate::build) fn block(&self, index: usize) -> Block<'_> {
         let [x, y, z] = &self.coordinates;
         Block {
             coordinates: [&x.as_chunks().0[index], &y.as_chunks().0[index], &z.as_chunks().0[index]],

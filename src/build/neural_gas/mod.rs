@@ -39,10 +39,24 @@
 mod accumulate;
 mod balance;
 mod cloud;
+#[cfg(feature = "gpu")]
+mod limits;
 mod prototypes;
 mod schedule;
 
 pub(super) use cloud::Cloud;
+#[cfg(feature = "gpu")]
+pub(super) use limits::{LIMITS, Limits};
+/// What each kernel of a device is compared with.
+#[cfg(all(test, feature = "gpu"))]
+pub(super) mod twins {
+    pub(in crate::build) use super::accumulate::{Sums, accumulate, nearest};
+    pub(in crate::build) use super::balance::Balance;
+    pub(in crate::build) use super::cloud::{Bounds, Cluster};
+    pub(in crate::build) use super::prototypes::Prototypes;
+    pub(in crate::build) use super::schedule::schedule;
+    pub(in crate::build) use super::{settle, sort_by_lane};
+}
 
 use super::longest_axis::{Cutter, Item};
 use super::{Assignment, BuildError, Observer, levels};
@@ -51,6 +65,7 @@ use alloc::vec::Vec;
 use balance::Balance;
 use cloud::Cluster;
 use prototypes::Prototypes;
+use schedule::schedule;
 
 /// The shape of a tree over a cloud. `cutter` has the arity and leaf size, and cuts where clustering cannot.
 pub(super) fn assign(
@@ -67,12 +82,12 @@ pub(super) fn assign(
 }
 
 /// Cuts nodes of `N` lanes.
-struct Splitter<'a, const N: usize> {
-    cloud: &'a Cloud<'a>,
-    cutter: &'a Cutter,
-    seed: u32,
+pub(super) struct Splitter<'a, const N: usize> {
+    pub(super) cloud: &'a Cloud<'a>,
+    pub(super) cutter: &'a Cutter,
+    pub(super) seed: u32,
     /// h of each rank, step by step.
-    schedule: Vec<[u16; N]>,
+    pub(super) schedule: Vec<[u16; N]>,
 }
 
 /// What a thread needs to cut nodes, kept from one to the next.
@@ -85,8 +100,8 @@ struct Scratch<const N: usize> {
 }
 
 impl<'a, const N: usize> Splitter<'a, N> {
-    fn new(cloud: &'a Cloud<'a>, cutter: &'a Cutter, seed: u32) -> Self {
-        Self { cloud, cutter, seed, schedule: schedule::schedule() }
+    pub(super) fn new(cloud: &'a Cloud<'a>, cutter: &'a Cutter, seed: u32) -> Self {
+        Self { cloud, cutter, seed, schedule: schedule() }
     }
 
     fn assign(&self, observer: &mut Observer<'_>) -> Result<Assignment, BuildError> {
@@ -102,7 +117,7 @@ impl<'a, const N: usize> Splitter<'a, N> {
         if part.len() <= N {
             // A lane for each.
             ends.iter_mut().zip(1..).for_each(|(end, i)| *end = (part.len() as u32).min(i));
-        } else if place.levels_left <= self.levels_needed(part.len()) + 1
+        } else if self.is_too_deep(place.levels_left, part.len())
             || !self.cluster(scratch, place.node, part, ends)
         {
             self.cut_by_axes(part, ends);
@@ -116,12 +131,7 @@ impl<'a, const N: usize> Splitter<'a, N> {
             return false;
         }
         let mut prototypes = Prototypes::<N>::start(cluster.extent(), self.seed, node as u32);
-        for h in &self.schedule {
-            let sums = accumulate(cluster, &prototypes, h);
-            if !prototypes.update(&sums) {
-                break;
-            }
-        }
+        settle(cluster, &mut prototypes, &self.schedule);
         let mut sizes = nearest(cluster, &prototypes, lanes);
         if part.len() <= balance::MAX_SIZE {
             balance.balance(cluster, &prototypes, self.cutter.leaf_size, lanes, &mut sizes);
@@ -133,7 +143,7 @@ impl<'a, const N: usize> Splitter<'a, N> {
         true
     }
 
-    fn cut_by_axes(&self, part: &mut [u32], ends: &mut [u32]) {
+    pub(super) fn cut_by_axes(&self, part: &mut [u32], ends: &mut [u32]) {
         let item = |&index: &u32| Item { centroid: self.cloud.point(index), index };
         let mut items: Vec<Item> = part.iter().map(item).collect();
         self.cutter.cut_node(&mut items, ends);
@@ -146,6 +156,11 @@ impl<'a, const N: usize> Splitter<'a, N> {
         }
     }
 
+    /// Whether only balanced cuts keep a branch over `count` primitives within the levels that are left.
+    pub(super) fn is_too_deep(&self, levels_left: usize, count: usize) -> bool {
+        levels_left <= self.levels_needed(count) + 1
+    }
+
     /// Levels of a balanced tree over `count` primitives.
     fn levels_needed(&self, count: usize) -> usize {
         let (mut levels, mut room) = (0, self.cutter.leaf_size);
@@ -156,8 +171,22 @@ impl<'a, const N: usize> Splitter<'a, N> {
     }
 }
 
+/// Moves prototypes step by step, until none moves.
+pub(in crate::build) fn settle<const N: usize>(
+    cluster: &Cluster,
+    prototypes: &mut Prototypes<N>,
+    schedule: &[[u16; N]],
+) {
+    for h in schedule {
+        let sums = accumulate(cluster, prototypes, h);
+        if !prototypes.update(&sums) {
+            break;
+        }
+    }
+}
+
 /// Moves the primitives of each lane together, in the order they had, and writes where the lanes end.
-fn sort_by_lane<const N: usize>(
+pub(in crate::build) fn sort_by_lane<const N: usize>(
     part: &mut [u32],
     lanes: &[u8],
     sizes: &[u32; N],

@@ -3,13 +3,13 @@
 use super::accumulate::Sums;
 
 /// One prototype for each lane, in local coordinates.
-pub(super) struct Prototypes<const N: usize> {
-    pub(super) coordinates: [[u16; N]; 3],
+pub(in crate::build) struct Prototypes<const N: usize> {
+    pub(in crate::build) coordinates: [[u16; N]; 3],
 }
 
 impl<const N: usize> Prototypes<N> {
     /// Anywhere in the node's box, as the seed and the node's number have it.
-    pub(super) fn start(extent: [u16; 3], seed: u32, node: u32) -> Self {
+    pub(in crate::build) fn start(extent: [u16; 3], seed: u32, node: u32) -> Self {
         let at = |axis: usize, lane: usize| {
             let number = (node.wrapping_mul(N as u32).wrapping_add(lane as u32)).wrapping_mul(3);
             let random = scramble(scramble(number.wrapping_add(axis as u32)) ^ scramble(!seed));
@@ -20,7 +20,7 @@ impl<const N: usize> Prototypes<N> {
 
     /// Moves each prototype to its mean, rounded half up; one that nothing pulls stays. Whether any moved: one step of a
     /// coordinate is more than 1e-5 of the node's box, the paper's threshold.
-    pub(super) fn update(&mut self, sums: &Sums<N>) -> bool {
+    pub(in crate::build) fn update(&mut self, sums: &Sums<N>) -> bool {
         let mut moved = false;
         for (coordinates, moments) in self.coordinates.iter_mut().zip(&sums.moments) {
             for lane in 0..N {

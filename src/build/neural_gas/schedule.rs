@@ -3,16 +3,16 @@
 use alloc::vec::Vec;
 
 /// Steps of a node, at most. Lambda is 0.01 after the last.
-const STEPS: usize = 40;
+pub(in crate::build) const STEPS: usize = 40;
 
 /// Lambda after the last step, as in the paper.
 const LAST_LAMBDA: f64 = 0.01;
 
 /// h(0): 12 bits.
-pub(super) const ONE: u16 = (1 << 12) - 1;
+pub(in crate::build) const ONE: u16 = (1 << 12) - 1;
 
 /// h of the ranks 0 to n - 1 at each step: exp(-k / lambda) with lambda = n / 2 (0.01 / (n / 2))^(t / steps), in units of 1 / 4095.
-pub(super) fn schedule<const N: usize>() -> Vec<[u16; N]> {
+pub(in crate::build) fn schedule<const N: usize>() -> Vec<[u16; N]> {
     // Rounded to the nearest, half up. `libm` is software: the same bits on every machine.
     (0..STEPS).map(|t| core::array::from_fn(|k| (exact::<N>(t, k) + 0.5) as u16)).collect()
 }
