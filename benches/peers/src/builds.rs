@@ -34,12 +34,7 @@ pub(crate) fn run(data: &Path, drivers: &Path, out: &Path) -> Result<(), String>
         }
         let curves = builders.iter().map(|(name, _)| curve(&rows, model, name)).collect::<Vec<_>>();
         let title = format!("{model}, 1vs16, k = 18");
-        plot(
-            &out.join(format!("figure-7-peers-{model}.svg")),
-            &title,
-            "construction, milliseconds",
-            &curves,
-        );
+        plot(&out.join(format!("figure-7-peers-{model}.svg")), &title, "construction, milliseconds", &curves);
     }
     let file = out.join("builds.csv");
     write(&file, &rows).map_err(|e| format!("{}: {e}", file.display()))?;
