@@ -35,10 +35,11 @@ pub(crate) struct Entrant {
 pub(crate) const OURS: &str = "simdop k 18";
 
 /// A peer in C++, and its driver.
-const DRIVERS: [(&str, &str); 7] = [
+const DRIVERS: [(&str, &str); 8] = [
     ("OPCODE", "opcode"),
     ("ODE", "ode"),
     ("FCL OBB", "fcl-OBB"),
+    ("FCL native", "fcl-native"),
     ("FCL OBBRSS", "fcl-OBBRSS"),
     ("Coal OBB", "coal-OBB"),
     ("Coal OBBRSS", "coal-OBBRSS"),

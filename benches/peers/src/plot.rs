@@ -20,6 +20,7 @@ fn style(library: &str) -> ShapeStyle {
         "OPCODE" => (RGBColor(213, 94, 0), 2),
         "ODE" => (RGBColor(240, 170, 110), 2),
         "FCL OBB" => (RGBColor(0, 90, 170), 2),
+        "FCL native" => (RGBColor(60, 60, 220), 2),
         "FCL OBBRSS" => (RGBColor(110, 180, 235), 2),
         "Coal OBB" => (RGBColor(0, 120, 80), 2),
         "Coal OBBRSS" => (RGBColor(110, 200, 150), 2),

@@ -49,8 +49,8 @@ fn head(page: &mut String, rows: &[Row], all: &Summary<'_>, stamp: &str) {
     let versions: Vec<String> = all.libraries.iter().filter_map(version).collect();
     let _ = write!(page, "{}.\n\n", versions.join(", "));
     page.push_str(
-        "What is compared: simdop, Coal, FCL and parry f64 keep coordinates in f64, OPCODE, ODE and parry f32 in f32. Coal, ODE and Embree are compiled as their\n\
-        packages are, FCL's templates here with -O3 for any x86-64 (-march=native takes the same times; Debian's library takes twice as long), OPCODE (ODE's copy) with -O3 -march=native.\n\
+        "What is compared: simdop, Coal, FCL and parry f64 keep coordinates in f64, OPCODE, ODE and parry f32 in f32. Coal, FCL, ODE and Embree are compiled as their\n\
+        packages are; \"FCL native\" is FCL OBB with its templates compiled here, and OPCODE is ODE's copy compiled here, both with -O3 -march=native.\n\
         ODE collects all pairs of triangles, the others end at the first. Embree finds pairs of boxes, simdop's exact test decides them, and its time holds the\n\
         refit of A's tree, since its trees have no pose.\n\n",
     );
