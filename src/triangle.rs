@@ -80,32 +80,43 @@ pub fn overlap(a: &Triangle, b: &Triangle, exact_calls: &mut u64) -> bool {
 }
 
 /// One triangle that is to be tested against many: its plane is computed once.
-pub(crate) struct Probe {
-    triangle: Triangle,
-    plane: Plane,
+#[derive(Debug)]
+pub struct Probe<'t> {
+    pub(crate) triangle: &'t Triangle,
+    pub(crate) plane: Plane,
 }
 
-impl Probe {
-    #[inline]
-    pub(crate) fn new(triangle: &Triangle) -> Self {
+impl<'t> Probe<'t> {
+    /// For a triangle within the [range](self#range).
+    #[inline(always)]
+    #[must_use]
+    pub fn new(triangle: &'t Triangle) -> Self {
         debug_assert!(in_range(triangle), "coordinate out of range");
-        Self { triangle: *triangle, plane: Plane::of(triangle) }
+        Self { triangle, plane: Plane::of(triangle) }
+    }
+
+    /// Whether the plane of one of the triangles certainly separates them. What [`Probe::overlaps`] asks first; nearly every pair ends here.
+    #[inline]
+    #[must_use]
+    pub fn is_apart(&self, b: &Triangle) -> bool {
+        self.plane.sides(b).strictly_one() || Plane::of(b).sides(self.triangle).strictly_one()
     }
 
     /// [`overlap`] with triangle `b`.
-    #[inline(always)]
-    pub(crate) fn overlaps(&self, b: &Triangle, exact_calls: &mut u64) -> bool {
+    #[inline]
+    #[must_use]
+    pub fn overlaps(&self, b: &Triangle, exact_calls: &mut u64) -> bool {
         debug_assert!(in_range(b), "coordinate out of range");
         let b_sides = self.plane.sides(b);
         if b_sides.strictly_one() {
             return false;
         }
-        let a_sides = Plane::of(b).sides(&self.triangle);
+        let a_sides = Plane::of(b).sides(self.triangle);
         if a_sides.strictly_one() {
             return false;
         }
         let mut signs = Signs { exact: false };
-        let verdict = crossing(&self.triangle, b, &a_sides, &b_sides, &mut signs);
+        let verdict = crossing(self.triangle, b, &a_sides, &b_sides, &mut signs);
         *exact_calls += u64::from(signs.exact);
         verdict
     }
@@ -124,12 +135,13 @@ fn in_range(t: &Triangle) -> bool {
 }
 
 /// A triangle's plane: what the determinants of all points against it have in common.
-struct Plane {
-    origin: [f64; 3],
+#[derive(Debug)]
+pub(crate) struct Plane {
+    pub(crate) origin: [f64; 3],
     /// The 2 by 2 minors of the two edges at `origin`: the cross product.
-    normal: [f64; 3],
+    pub(crate) normal: [f64; 3],
     /// The same with absolute values, for the error bound.
-    magnitude: [f64; 3],
+    pub(crate) magnitude: [f64; 3],
 }
 
 impl Plane {

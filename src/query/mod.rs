@@ -37,6 +37,7 @@ mod gaps;
 mod hint;
 mod lanes;
 mod leaf;
+mod leaves;
 mod nearest;
 mod stack;
 mod traverse;
@@ -264,7 +265,11 @@ impl Query {
         kernel.run(
             #[inline(always)]
             || {
-                let mut traversal = Traversal::new(kernel, *a, *b, pose, self.budget, margin, visit);
+                let mut map = N::map(pose, a.header(), &b.frame());
+                if margin > 0.0 {
+                    N::widen(&mut map, &b.frame(), margin);
+                }
+                let mut traversal = Traversal::new(kernel, *a, *b, pose, &map, self.budget, margin, visit);
                 let stop = traversal.run().break_value();
                 (stop, traversal.counters)
             },

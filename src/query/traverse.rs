@@ -11,8 +11,7 @@ use crate::hierarchy::BvhRef;
 use crate::kernel::Kernel;
 use crate::node::{Child, Link};
 use crate::pose::Pose;
-use crate::triangle::distance::within;
-use crate::triangle::{Probe, Triangle};
+use crate::triangle::Triangle;
 use core::ops::{ControlFlow, Range};
 
 /// Why a traversal ended early.
@@ -24,21 +23,21 @@ pub(crate) enum Stop {
     Budget { upper: f64 },
 }
 
-type Flow = ControlFlow<Stop>;
+pub(super) type Flow = ControlFlow<Stop>;
 
 /// One query under way.
 #[derive(Debug)]
 pub(crate) struct Traversal<'t, N: Lanes, E, V> {
-    kernel: E,
+    pub(super) kernel: E,
     a: BvhRef<'t, N>,
-    b: BvhRef<'t, N>,
+    pub(super) b: BvhRef<'t, N>,
     pose: &'t Pose,
-    map: N::Map,
+    map: &'t N::Map,
     budget: u64,
     /// Triangles this far apart count as meeting.
-    margin: f64,
+    pub(super) margin: f64,
     pub(crate) counters: Counters,
-    visit: V,
+    pub(super) visit: V,
     /// The node of A that was turned last, and its children's planes. Siblings in B follow each other, so it is often the next one too.
     turned: (Child, N::Query),
     /// The leaf of A that is descending B's tree, and its planes in lane 0.
@@ -54,14 +53,11 @@ impl<'t, N: Lanes, E: Kernel, V: FnMut(Found) -> ControlFlow<()>> Traversal<'t, 
         a: BvhRef<'t, N>,
         b: BvhRef<'t, N>,
         pose: &'t Pose,
+        map: &'t N::Map,
         budget: u64,
         margin: f64,
         visit: V,
     ) -> Self {
-        let mut map = N::map(pose, a.header(), &b.frame());
-        if margin > 0.0 {
-            N::widen(&mut map, &b.frame(), margin);
-        }
         let none = (Child::EMPTY, N::NO_QUERY);
         Self {
             kernel,
@@ -86,11 +82,12 @@ impl<'t, N: Lanes, E: Kernel, V: FnMut(Found) -> ControlFlow<()>> Traversal<'t, 
         if self.a.is_empty() || self.b.is_empty() {
             return Flow::Continue(());
         }
-        let mut stack = Stack::new();
+        // Many queries end at the roots, and need no stack.
+        let mut stack = None;
         let mut pair = (Child::ROOT, Child::ROOT);
         loop {
             self.step(&mut stack, pair.0, pair.1)?;
-            let Some(next) = stack.next() else { return Flow::Continue(()) };
+            let Some(next) = stack.as_mut().and_then(Stack::next) else { return Flow::Continue(()) };
             pair = self.descend(next);
         }
     }
@@ -109,17 +106,17 @@ impl<'t, N: Lanes, E: Kernel, V: FnMut(Found) -> ControlFlow<()>> Traversal<'t, 
         }
     }
 
-    fn child_a(&self, node: u32, lane: usize) -> Child {
+    pub(super) fn child_a(&self, node: u32, lane: usize) -> Child {
         self.a.nodes()[node as usize].children()[lane]
     }
 
-    fn child_b(&self, node: u32, lane: usize) -> Child {
+    pub(super) fn child_b(&self, node: u32, lane: usize) -> Child {
         self.b.nodes()[node as usize].children()[lane]
     }
 
     /// Visits a pair of which at least one is a node.
     #[inline(always)]
-    fn step(&mut self, stack: &mut Stack, a: Child, b: Child) -> Flow {
+    fn step(&mut self, stack: &mut Option<Stack>, a: Child, b: Child) -> Flow {
         if self.counters.visits == self.budget {
             return Flow::Break(Stop::Budget { upper: self.corner_distance(a, b) });
         }
@@ -152,7 +149,9 @@ impl<'t, N: Lanes, E: Kernel, V: FnMut(Found) -> ControlFlow<()>> Traversal<'t, 
             rows.pending = u16::from(wanted != 0);
         }
         self.decide_leaves(a, b, &mut rows)?;
-        stack.push(a, b, &rows);
+        if rows.pending != 0 {
+            stack.get_or_insert_with(Stack::new).push(a, b, &rows);
+        }
         Flow::Continue(())
     }
 
@@ -161,7 +160,8 @@ impl<'t, N: Lanes, E: Kernel, V: FnMut(Found) -> ControlFlow<()>> Traversal<'t, 
     fn turn(&mut self, a: Child, node: u32) {
         if self.turned.0 != a {
             self.counters.realignments += 1;
-            self.turned = (a, self.a.nodes()[node as usize].realign(self.kernel, &self.map));
+            self.turned.0 = a;
+            self.a.nodes()[node as usize].realign(self.kernel, self.map, &mut self.turned.1);
         }
     }
 
@@ -176,75 +176,8 @@ impl<'t, N: Lanes, E: Kernel, V: FnMut(Found) -> ControlFlow<()>> Traversal<'t, 
         }
     }
 
-    /// Decides the pairs of leaves among the bits, and clears them.
     #[inline(always)]
-    fn decide_leaves(&mut self, a: Child, b: Child, rows: &mut Rows) -> Flow {
-        match (a.link(), b.link()) {
-            (Link::Inner(node_a), Link::Inner(node_b)) => {
-                for row in bits_of(rows.pending) {
-                    let child = self.child_a(node_a, row);
-                    if let Link::Leaf { .. } = child.link() {
-                        rows.set(row, self.decide_row(child, node_b, rows.rows[row])?);
-                    }
-                }
-            }
-            (Link::Leaf { .. }, Link::Inner(node_b)) => {
-                rows.set(0, self.decide_row(a, node_b, rows.rows[0])?);
-            }
-            (Link::Inner(node_a), Link::Leaf { .. }) => {
-                let mut inner = rows.rows[0];
-                for lane in bits_of(inner) {
-                    let child = self.child_a(node_a, lane);
-                    if let Link::Leaf { .. } = child.link() {
-                        inner &= !(1 << lane);
-                        self.decide(child, b)?;
-                    }
-                }
-                rows.set(0, inner);
-            }
-            _ => {}
-        }
-        Flow::Continue(())
-    }
-
-    /// Leaf `a` against the leaves among the children of `b` that `bits` names. Returns the bits of the others.
-    #[inline(always)]
-    fn decide_row(&mut self, a: Child, b: u32, bits: u16) -> ControlFlow<Stop, u16> {
-        let mut inner = bits;
-        for lane in bits_of(bits) {
-            let child = self.child_b(b, lane);
-            if let Link::Leaf { .. } = child.link() {
-                inner &= !(1 << lane);
-                self.decide(a, child)?;
-            }
-        }
-        ControlFlow::Continue(inner)
-    }
-
-    /// Every triangle of one leaf against every triangle of the other.
-    #[inline(always)]
-    fn decide(&mut self, a: Child, b: Child) -> Flow {
-        for i in primitives(a) {
-            let moved = self.moved(i);
-            let probe = Probe::new(&moved);
-            for j in primitives(b) {
-                self.counters.triangle_pairs += 1;
-                let (still, exact) = (self.b.triangle(j), &mut self.counters.exact_pairs);
-                let meets = if self.margin > 0.0 {
-                    within(&moved, &still, self.margin, exact)
-                } else {
-                    probe.overlaps(&still, exact)
-                };
-                if meets && (self.visit)(Found { a: i, b: j }).is_break() {
-                    return Flow::Break(Stop::Visitor);
-                }
-            }
-        }
-        Flow::Continue(())
-    }
-
-    #[inline(always)]
-    fn moved(&self, index: u32) -> Triangle {
+    pub(super) fn moved(&self, index: u32) -> Triangle {
         moved(&self.a, self.pose, index)
     }
 
@@ -267,7 +200,7 @@ pub(super) fn moved<N: Lanes>(body: &BvhRef<'_, N>, pose: &Pose, index: u32) -> 
 
 /// The triangles of a leaf.
 #[inline(always)]
-fn primitives(leaf: Child) -> Range<u32> {
+pub(super) fn primitives(leaf: Child) -> Range<u32> {
     match leaf.link() {
         Link::Leaf { first, count } => first..first + count,
         _ => 0..0,
@@ -276,7 +209,7 @@ fn primitives(leaf: Child) -> Range<u32> {
 
 /// The indices of the set bits, ascending.
 #[inline(always)]
-fn bits_of(mut bits: u16) -> impl Iterator<Item = usize> {
+pub(super) fn bits_of(mut bits: u16) -> impl Iterator<Item = usize> {
     core::iter::from_fn(move || {
         let bit = (bits != 0).then(|| bits.trailing_zeros() as usize);
         bits &= bits.wrapping_sub(1);
