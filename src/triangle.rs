@@ -24,8 +24,11 @@ pub mod distance;
 mod double_double;
 mod features;
 mod flat;
+mod interval;
 #[cfg(test)]
 mod tests;
+
+use interval::Wedge;
 
 /// Three vertices, in any unit of length; the order carries no meaning. Vertices may coincide or be collinear.
 pub type Triangle = [[f64; 3]; 3];
@@ -260,64 +263,23 @@ fn crossing(a: &Triangle, b: &Triangle, a_sides: &Sides, b_sides: &Sides, signs:
     if a_signs == [0; 3] || b_signs == [0; 3] {
         return flat::overlap(a, b, a_signs, b_signs, signs);
     }
-    intervals_meet(&Wedge::new(a, a_signs), &Wedge::new(b, b_signs), signs)
+    interval::meet(&Wedge::new(a, a_signs), &Wedge::new(b, b_signs), signs)
 }
 
 /// Comparisons only, so exact; it spares neighbours in one plane the expansions.
 fn boxes_apart(a: &Triangle, b: &Triangle) -> bool {
-    (0..3).any(|axis| {
-        let low = |t: &Triangle| t[0][axis].min(t[1][axis]).min(t[2][axis]);
-        let high = |t: &Triangle| t[0][axis].max(t[1][axis]).max(t[2][axis]);
-        low(a) > high(b) || low(b) > high(a)
-    })
+    let least = |x: f64, y: f64| if x < y { x } else { y };
+    let greatest = |x: f64, y: f64| if x > y { x } else { y };
+    let mut apart = false;
+    // No branch on an axis: none of them is foreseen.
+    for axis in 0..3 {
+        let low = |t: &Triangle| least(least(t[0][axis], t[1][axis]), t[2][axis]);
+        let high = |t: &Triangle| greatest(greatest(t[0][axis], t[1][axis]), t[2][axis]);
+        apart |= (low(a) > high(b)) | (low(b) > high(a));
+    }
+    apart
 }
 
 fn separated(sides: [i8; 3]) -> bool {
     sides == [1; 3] || sides == [-1; 3]
-}
-
-/// A triangle that another plane cuts or touches, seen with its own normal towards the eye and the other plane's
-/// normal upwards.
-///
-/// The line common to both planes is then horizontal, and the triangle cuts an interval out of it. The edges from the
-/// apex to `left` and to `right` meet the line in just one point each: the ends of the interval.
-struct Wedge {
-    /// The vertex that is alone on its side of the line.
-    apex: [f64; 3],
-    left: [f64; 3],
-    right: [f64; 3],
-    /// 1 if the apex is on or above the line and the others on or below it; -1 the other way round.
-    up: i8,
-}
-
-impl Wedge {
-    /// `sides` are those of the vertices of `t`: neither all zero nor all on one strict side.
-    fn new(t: &Triangle, sides: [i8; 3]) -> Self {
-        let alone = |i: usize| {
-            let (s, p, q) = (sides[i], sides[(i + 1) % 3], sides[(i + 2) % 3]);
-            if s >= 0 && s > p.max(q) {
-                Some((i, 1))
-            } else if s <= 0 && s < p.min(q) {
-                Some((i, -1))
-            } else {
-                None
-            }
-        };
-        // Such sides always have an apex; the default only spares a panic.
-        let (i, up) = (0..3).find_map(alone).unwrap_or((0, 1));
-        let (next, last) = (t[(i + 1) % 3], t[(i + 2) % 3]);
-        let (left, right) = if up > 0 { (next, last) } else { (last, next) };
-        Self { apex: t[i], left, right, up }
-    }
-}
-
-/// Whether the intervals that two triangles cut out of their planes' common line meet.
-///
-/// For an edge `pq` of one triangle and `rs` of the other, the side of `s` of the plane `pqr` tells which of the two
-/// edges meets the line further to the right; `up` corrects for edges that run upwards. The two wedges see the line
-/// from opposite ends: the left end of one is a right end to the other.
-fn intervals_meet(a: &Wedge, b: &Wedge, signs: &mut Signs) -> bool {
-    let up = a.up * b.up;
-    up * signs.side(&[a.apex, a.left, b.apex], &b.left) <= 0
-        && up * signs.side(&[a.apex, a.right, b.apex], &b.right) >= 0
 }

@@ -16,7 +16,11 @@ fn separated<const W: usize, const K: usize>(
     query.iter().zip(planes).any(|(q, p)| q[a] > p[b])
 }
 
-fn realign<const W: usize, const K: usize>(map: &Realignment<K>, planes: &[[i16; W]; K], query: &mut Query<W, K>) {
+fn realign<const W: usize, const K: usize>(
+    map: &Realignment<K>,
+    planes: &[[i16; W]; K],
+    query: &mut Query<W, K>,
+) {
     for j in 0..K {
         for lane in 0..W {
             query[j ^ 1][lane] = !map.plane(j, |source| planes[source][lane]).code();

@@ -10,6 +10,16 @@ use crate::triangle::distance::within;
 use crate::triangle::{Probe, Triangle};
 use core::ops::ControlFlow;
 
+/// Which body has the one leaf that is tested against several of the other.
+const A: bool = true;
+const B: bool = false;
+
+/// Up to sixteen leaves.
+struct Leaves {
+    children: [Child; 16],
+    len: usize,
+}
+
 impl<N: Lanes, E: Kernel, V: FnMut(Found) -> ControlFlow<()>> Traversal<'_, N, E, V> {
     /// Decides the pairs of leaves among the bits, and clears them.
     #[inline(always)]
@@ -19,22 +29,21 @@ impl<N: Lanes, E: Kernel, V: FnMut(Found) -> ControlFlow<()>> Traversal<'_, N, E
                 for row in bits_of(rows.pending) {
                     let child = self.child_a(node_a, row);
                     if let Link::Leaf { .. } = child.link() {
-                        rows.set(row, self.decide_row(child, node_b, rows.rows[row & 15])?);
+                        let (leaves, inner) =
+                            leaves_among(self.b.nodes()[node_b as usize].children(), rows.rows[row]);
+                        self.decide::<A>(child, &leaves)?;
+                        rows.set(row, inner);
                     }
                 }
             }
             (Link::Leaf { .. }, Link::Inner(node_b)) => {
-                rows.set(0, self.decide_row(a, node_b, rows.rows[0])?);
+                let (leaves, inner) = leaves_among(self.b.nodes()[node_b as usize].children(), rows.rows[0]);
+                self.decide::<A>(a, &leaves)?;
+                rows.set(0, inner);
             }
             (Link::Inner(node_a), Link::Leaf { .. }) => {
-                let mut inner = rows.rows[0];
-                for lane in bits_of(inner) {
-                    let child = self.child_a(node_a, lane);
-                    if let Link::Leaf { .. } = child.link() {
-                        inner &= !(1 << lane);
-                        self.decide(child, &[b])?;
-                    }
-                }
+                let (leaves, inner) = leaves_among(self.a.nodes()[node_a as usize].children(), rows.rows[0]);
+                self.decide::<B>(b, &leaves)?;
                 rows.set(0, inner);
             }
             _ => {}
@@ -42,51 +51,29 @@ impl<N: Lanes, E: Kernel, V: FnMut(Found) -> ControlFlow<()>> Traversal<'_, N, E
         Flow::Continue(())
     }
 
-    /// Leaf `a` against the leaves among the children of `b` that `bits` names. Returns the bits of the others.
-    // Not inlined: three places call it, and it is long.
+    /// Every triangle of a leaf of body `ONE` against every triangle of some leaves of the other.
     #[inline(always)]
-    fn decide_row(&mut self, a: Child, b: u32, bits: u16) -> ControlFlow<Stop, u16> {
-        let mut inner = bits;
-        let mut leaves = [Child::EMPTY; 16];
-        let mut len = 0;
-        for lane in bits_of(bits) {
-            let child = self.child_b(b, lane);
-            if let Link::Leaf { .. } = child.link() {
-                inner &= !(1 << lane);
-                leaves[len & 15] = child;
-                len += 1;
-            }
-        }
-        self.decide(a, &leaves[..len])?;
-        ControlFlow::Continue(inner)
-    }
-
-    /// Every triangle of a leaf of A against every triangle of leaves of B.
-    #[inline(always)]
-    fn decide(&mut self, a: Child, leaves: &[Child]) -> Flow {
-        for i in primitives(a) {
-            let moved = self.moved(i);
-            if self.margin > 0.0 {
-                self.decide_within(i, &moved, leaves)?;
-            } else {
-                self.decide_overlap(i, &moved, leaves)?;
-            }
+    fn decide<const ONE: bool>(&mut self, one: Child, leaves: &Leaves) -> Flow {
+        for i in primitives(one) {
+            let triangle = if ONE == A { self.moved(i) } else { self.b.triangle(i) };
+            self.decide_one::<ONE>(i, &triangle, leaves)?;
         }
         Flow::Continue(())
     }
 
-    /// Four triangles of B at a time go through the planes' filter.
+    /// Four triangles at a time go through the planes' filter.
     #[inline(always)]
-    fn decide_overlap(&mut self, a: u32, moved: &Triangle, leaves: &[Child]) -> Flow {
-        let probe = Probe::new(moved);
-        let (mut indices, mut triangles) = ([0; 4], [[[0.0; 3]; 3]; 4]);
-        let mut rest = leaves.iter();
+    fn decide_one<const ONE: bool>(&mut self, i: u32, triangle: &Triangle, leaves: &Leaves) -> Flow {
+        let probe = Probe::new(triangle);
+        let (mut indices, mut others) = ([0; 4], [[[0.0; 3]; 3]; 4]);
+        let mut rest = leaves.children[..leaves.len].iter();
         let mut range = 0..0;
         loop {
             let mut len = 0;
             while len < 4 {
                 if let Some(j) = range.next() {
-                    (indices[len], triangles[len]) = (j, self.b.triangle(j));
+                    let other = if ONE == A { self.b.triangle(j) } else { self.moved(j) };
+                    (indices[len], others[len]) = (j, other);
                     len += 1;
                 } else if let Some(leaf) = rest.next() {
                     range = primitives(*leaf);
@@ -94,12 +81,20 @@ impl<N: Lanes, E: Kernel, V: FnMut(Found) -> ControlFlow<()>> Traversal<'_, N, E
                     break;
                 }
             }
-            // A single pair is decided as fast by the test itself.
-            let apart = if len > 1 { self.kernel.apart_4(&probe, &triangles) } else { 0 };
-            for i in bits_of(!apart & ((1 << len) - 1)) {
-                let meets = probe.overlaps(&triangles[i & 3], &mut self.counters.exact_pairs);
-                if meets && (self.visit)(Found { a, b: indices[i & 3] }).is_break() {
-                    self.counters.triangle_pairs += i as u64 + 1;
+            // A margin makes the planes' filter wrong. A single pair is decided as fast by the test itself.
+            let apart = if len > 1 && self.margin == 0.0 { self.kernel.apart_4(&probe, &others) } else { 0 };
+            for k in bits_of(!apart & ((1 << len) - 1)) {
+                let (other, exact) = (&others[k & 3], &mut self.counters.exact_pairs);
+                let meets = if self.margin > 0.0 {
+                    let (a, b) = if ONE == A { (triangle, other) } else { (other, triangle) };
+                    within(a, b, self.margin, exact)
+                } else {
+                    probe.overlaps(other, exact)
+                };
+                let j = indices[k & 3];
+                let found = if ONE == A { Found { a: i, b: j } } else { Found { a: j, b: i } };
+                if meets && (self.visit)(found).is_break() {
+                    self.counters.triangle_pairs += k as u64 + 1;
                     return Flow::Break(Stop::Visitor);
                 }
             }
@@ -109,18 +104,20 @@ impl<N: Lanes, E: Kernel, V: FnMut(Found) -> ControlFlow<()>> Traversal<'_, N, E
             }
         }
     }
+}
 
-    #[inline(always)]
-    fn decide_within(&mut self, a: u32, moved: &Triangle, leaves: &[Child]) -> Flow {
-        for leaf in leaves {
-            for b in primitives(*leaf) {
-                self.counters.triangle_pairs += 1;
-                let meets = within(moved, &self.b.triangle(b), self.margin, &mut self.counters.exact_pairs);
-                if meets && (self.visit)(Found { a, b }).is_break() {
-                    return Flow::Break(Stop::Visitor);
-                }
-            }
+/// The leaves among the children that the bits name, and the bits of the others.
+#[inline(always)]
+fn leaves_among(children: &[Child], bits: u16) -> (Leaves, u16) {
+    let mut leaves = Leaves { children: [Child::EMPTY; 16], len: 0 };
+    let mut inner = bits;
+    for lane in bits_of(bits) {
+        let child = children[lane];
+        if let Link::Leaf { .. } = child.link() {
+            inner &= !(1 << lane);
+            leaves.children[leaves.len & 15] = child;
+            leaves.len += 1;
         }
-        Flow::Continue(())
     }
+    (leaves, inner)
 }

@@ -269,7 +269,7 @@ impl Query {
                 if margin > 0.0 {
                     N::widen(&mut map, &b.frame(), margin);
                 }
-                let mut traversal = Traversal::new(kernel, *a, *b, pose, &map, self.budget, margin, visit);
+                let mut traversal = Traversal::new(kernel, [*a, *b], pose, &map, self.budget, margin, visit);
                 let stop = traversal.run().break_value();
                 (stop, traversal.counters)
             },

@@ -29,7 +29,7 @@ pub(super) type Flow = ControlFlow<Stop>;
 #[derive(Debug)]
 pub(crate) struct Traversal<'t, N: Lanes, E, V> {
     pub(super) kernel: E,
-    a: BvhRef<'t, N>,
+    pub(super) a: BvhRef<'t, N>,
     pub(super) b: BvhRef<'t, N>,
     pose: &'t Pose,
     map: &'t N::Map,
@@ -50,8 +50,7 @@ impl<'t, N: Lanes, E: Kernel, V: FnMut(Found) -> ControlFlow<()>> Traversal<'t, 
     #[inline(always)]
     pub(crate) fn new(
         kernel: E,
-        a: BvhRef<'t, N>,
-        b: BvhRef<'t, N>,
+        [a, b]: [BvhRef<'t, N>; 2],
         pose: &'t Pose,
         map: &'t N::Map,
         budget: u64,
