@@ -87,10 +87,10 @@ impl<const K: usize> Realignment<K> {
 
         let mut map = Self { sources: [[0; 3]; K], weights: [[0.0; 3]; K], offset: [0.0; K] };
         let [nx, ny, nz] = &Directions::<K>::SLAB_COLUMNS;
-        let slabs = Directions::<K>::SLABS;
+        let (slabs, columns) = (Directions::<K>::SLABS, Directions::<K>::COLUMNS);
         let mut u = [[0.0; K]; 3];
         for i in 0..3 {
-            for s in 0..slabs {
+            for s in 0..columns {
                 u[i][s] = (m[0][i] * nx[s] + m[1][i] * ny[s]) + m[2][i] * nz[s];
             }
         }
@@ -98,7 +98,7 @@ impl<const K: usize> Realignment<K> {
         let mut weights = [[0.0_f32; K]; 3];
         let (mut ahead, mut behind) = ([0.0_f32; K], [0.0_f32; K]);
         let (scale, max_plane) = (b.scale(), f64::from(a.max_plane));
-        for s in 0..slabs {
+        for s in 0..columns {
             let length = nx[s].abs() + ny[s].abs() + nz[s].abs();
             let c = [found.weights[0][s], found.weights[1][s], found.weights[2][s]];
             let w = [(ratio * c[0]) as f32, (ratio * c[1]) as f32, (ratio * c[2]) as f32];

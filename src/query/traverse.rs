@@ -25,6 +25,13 @@ pub(crate) enum Stop {
 
 pub(super) type Flow = ControlFlow<Stop>;
 
+/// When a traversal ends, and what counts as meeting.
+#[derive(Copy, Clone, Debug)]
+pub(super) struct Limits {
+    pub(super) budget: u64,
+    pub(super) margin: f64,
+}
+
 /// One query under way.
 #[derive(Debug)]
 pub(crate) struct Traversal<'t, N: Lanes, E, V> {
@@ -36,12 +43,12 @@ pub(crate) struct Traversal<'t, N: Lanes, E, V> {
     budget: u64,
     /// Triangles this far apart count as meeting.
     pub(super) margin: f64,
-    pub(crate) counters: Counters,
+    pub(super) counters: &'t mut Counters,
     pub(super) visit: V,
     /// The node of A that was turned last, and its children's planes. Siblings in B follow each other, so it is often the next one too.
     turned: (Child, N::Query),
-    /// The leaf of A that is descending B's tree, and its planes in lane 0.
-    aimed: (Child, N::Query),
+    /// The leaf of A that is descending B's tree, if one did, and its planes in lane 0.
+    aimed: Option<(Child, N::Query)>,
     /// Node and lane in B of what A is descending against.
     target: Option<(u32, usize)>,
 }
@@ -53,8 +60,8 @@ impl<'t, N: Lanes, E: Kernel, V: FnMut(Found) -> ControlFlow<()>> Traversal<'t, 
         [a, b]: [BvhRef<'t, N>; 2],
         pose: &'t Pose,
         map: &'t N::Map,
-        budget: u64,
-        margin: f64,
+        Limits { budget, margin }: Limits,
+        counters: &'t mut Counters,
         visit: V,
     ) -> Self {
         let none = (Child::EMPTY, N::NO_QUERY);
@@ -66,10 +73,10 @@ impl<'t, N: Lanes, E: Kernel, V: FnMut(Found) -> ControlFlow<()>> Traversal<'t, 
             map,
             budget,
             margin,
-            counters: Counters::default(),
+            counters,
             visit,
             turned: none,
-            aimed: none,
+            aimed: None,
             target: None,
         }
     }
@@ -138,8 +145,10 @@ impl<'t, N: Lanes, E: Kernel, V: FnMut(Found) -> ControlFlow<()>> Traversal<'t, 
             self.counters.kernels += kernels;
         }
         if let Link::Inner(node) = b.link() {
-            let (query, wanted) =
-                if let Link::Inner(_) = a.link() { (&self.turned.1, wanted) } else { (&self.aimed.1, 1) };
+            let (query, wanted) = match (a.link(), &self.aimed) {
+                (Link::Leaf { .. }, Some((_, query))) => (query, 1),
+                _ => (&self.turned.1, wanted),
+            };
             let kernels;
             (rows, kernels) = self.b.nodes()[node as usize].overlap_rows(self.kernel, query, wanted);
             self.counters.kernels += kernels;
@@ -167,11 +176,12 @@ impl<'t, N: Lanes, E: Kernel, V: FnMut(Found) -> ControlFlow<()>> Traversal<'t, 
     /// Computes the planes of leaf `a` from its moved corners.
     #[inline(always)]
     fn aim(&mut self, a: Child) {
-        if self.aimed.0 != a {
+        let (leaf, query) = self.aimed.get_or_insert_with(|| (Child::EMPTY, N::NO_QUERY));
+        if *leaf != a {
             let (body, pose) = (&self.a, self.pose);
             let triangles = primitives(a).map(|index| moved(body, pose, index));
-            N::aim(&mut self.aimed.1, &self.b.frame(), triangles, self.margin);
-            self.aimed.0 = a;
+            N::aim(query, &self.b.frame(), triangles, self.margin);
+            *leaf = a;
         }
     }
 
