@@ -143,6 +143,10 @@ impl<'t, N: Lanes, E: Kernel, V: FnMut(Found) -> ControlFlow<()>> Traversal<'t, 
                 None => self.b.nodes()[0].overlap_hull(self.kernel, &self.turned.1),
             };
             self.counters.kernels += kernels;
+            // Half of the visits end here.
+            if wanted == 0 {
+                return Flow::Continue(());
+            }
         }
         if let Link::Inner(node) = b.link() {
             let (query, wanted) = match (a.link(), &self.aimed) {
