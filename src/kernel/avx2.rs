@@ -21,8 +21,8 @@
 //!
 //! # Re-alignment
 //!
-//! Codes become halves (arithmetic shift, and, xor), then floats (`vcvtph2ps`), once per plane of the node; each turned plane is
-//! three multiplications and three additions on 2 x 8 lanes; `vcvtps2ph` rounds up, and what turns halves into codes is done for sixteen at once.
+//! Codes become halves (two shifts and an xor, sixteen at once), then floats (`vcvtph2ps`), once per plane of the node; each turned plane is three multiplications
+//! and three additions on 2 x 8 lanes, the two of a slab with the same weights; `vcvtps2ph` rounds up, and what turns halves into codes is done for sixteen at once.
 
 #![expect(unsafe_code, reason = "intrinsics that load, and calls that the token makes sound")]
 
