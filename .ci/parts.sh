@@ -6,6 +6,9 @@ die() {
   exit 1
 }
 
+# What ran where, for the summary.
+evidence() { echo "  $*" >>"$LOGS/evidence"; }
+
 have() { command -v "$1" >/dev/null 2>&1; }
 
 has_flag() { grep -m1 '^flags' /proc/cpuinfo | grep -qw "$1"; }
@@ -82,5 +85,5 @@ conclude() {
     count=$(grep -cE "^test (.*[^a-z0-9])?$isa([^a-z0-9].*)? \.\.\. ok$" "$log") || die "no test named after $isa ran on $place"
     line+=" $isa $count"
   done
-  EVIDENCE+=("$line")
+  evidence "$line"
 }

@@ -137,7 +137,11 @@ where
 }
 
 /// [`Kernel::realign_16`], by value.
-pub fn turned_16<const K: usize>(kernel: impl Kernel, map: &Realignment<K>, node: &Node16<K>) -> Query<16, K> {
+pub fn turned_16<const K: usize>(
+    kernel: impl Kernel,
+    map: &Realignment<K>,
+    node: &Node16<K>,
+) -> Query<16, K> {
     let mut query = [[0; 16]; K];
     kernel.realign_16(map, node, &mut query);
     query
