@@ -1,0 +1,119 @@
+//! What is compared: the library's systems first, the default on the best instruction set at their head, then the benchmark's own.
+
+#[cfg(target_arch = "x86_64")]
+use super::avx2;
+use super::plain::{EarlyExit, Vectorised};
+use super::split::{Measure, split};
+use super::traverse::{System, Work, collide};
+use super::tree::{K, Shape, Tree};
+#[cfg(target_arch = "x86_64")]
+use super::wide;
+use crate::data::MeshData;
+use simdop::build::{Builder, Magnification, Mesh, Splitter};
+use simdop::hierarchy::{Bvh, BvhRef};
+#[cfg(target_arch = "x86_64")]
+use simdop::isa::Avx2;
+use simdop::isa::{Isa, Scalar};
+use simdop::node::{Node4, Node16};
+use simdop::pose::Pose;
+use simdop::query::{Lanes, Query};
+use std::cell::RefCell;
+use std::rc::Rc;
+
+/// Verdict at a pose, and the work it took.
+type Collide = Box<dyn Fn(&Pose) -> (bool, Work)>;
+
+/// One system with the mesh's tree.
+pub(crate) struct Entrant {
+    pub(crate) name: String,
+    /// Of nodes.
+    pub(crate) bytes: usize,
+    pub(crate) collide: Collide,
+}
+
+const OTHERS: [(&str, Splitter); 4] = [
+    ("longest axis", Splitter::LongestAxis),
+    ("extended longest axis", Splitter::ExtendedLongestAxis),
+    ("surface area", Splitter::SurfaceArea),
+    ("neural gas", Splitter::BatchNeuralGas { magnification: Magnification::None, seed: 0 }),
+];
+
+/// All systems, the full one first.
+pub(crate) fn entrants(mesh: &MeshData) -> Vec<Entrant> {
+    let best = Isa::detect();
+    let tree: Rc<Bvh<Node16<K>>> = build(mesh, Splitter::MeanWidth);
+    let four: Rc<Bvh<Node4<K>>> = build(mesh, Splitter::MeanWidth);
+    let isas: Vec<Isa> = Isa::available().collect();
+    let mut entrants: Vec<Entrant> =
+        isas.iter().rev().map(|&isa| library(format!("1vs16, {isa}"), &tree, isa)).collect();
+    entrants.extend(isas.iter().rev().map(|&isa| library(format!("4vs4, {isa}"), &four, isa)));
+    for (name, splitter) in OTHERS {
+        let tree: Rc<Bvh<Node16<K>>> = build(mesh, splitter);
+        entrants.push(library(format!("1vs16, {best}, {name}"), &tree, best));
+    }
+    own_systems(mesh, tree.view(), &mut entrants);
+    entrants
+}
+
+fn own_systems(mesh: &MeshData, baked: BvhRef<'_, Node16<K>>, entrants: &mut Vec<Entrant>) {
+    let by = |measure| split(mesh, measure);
+    let shape = by(Measure::MeanWidth);
+    let plain = Scalar::new();
+    entrants.push(own("binary, scalar, early exit", EarlyExit(plain), mesh, &shape, baked));
+    entrants.push(own("binary, vectorised by the compiler", Vectorised(plain), mesh, &shape, baked));
+    #[cfg(target_arch = "x86_64")]
+    if let Some(isa) = Avx2::detect() {
+        let wide = Shape::of(baked);
+        entrants.extend([
+            own("binary, vectorised by the compiler, AVX2", Vectorised(isa), mesh, &shape, baked),
+            own("binary, by hand, AVX2", avx2::Floats(isa), mesh, &shape, baked),
+            own("binary, by hand, AVX2, keys", avx2::Keys(isa), mesh, &shape, baked),
+            own("binary, by hand, AVX2, surface area", avx2::Floats(isa), mesh, &by(Measure::Area), baked),
+            own(
+                "binary, by hand, AVX2, longest axis",
+                avx2::Floats(isa),
+                mesh,
+                &by(Measure::LongestAxis),
+                baked,
+            ),
+            own("1vs16, AVX2, this traversal, keys", wide::Keys(isa), mesh, &wide, baked),
+            own("1vs16, AVX2, this traversal, paper's halves", wide::PapersHalves(isa), mesh, &wide, baked),
+            own("1vs16, AVX2, this traversal, floats", wide::Floats(isa), mesh, &wide, baked),
+        ]);
+    }
+}
+
+fn build<N: Lanes>(mesh: &MeshData, splitter: Splitter) -> Rc<Bvh<N>> {
+    let mesh = Mesh { vertices: &mesh.vertices, triangles: &mesh.triangles };
+    Rc::new(Builder::new().splitter(splitter).build(&mesh).unwrap())
+}
+
+fn library<N: Lanes>(name: String, tree: &Rc<Bvh<N>>, isa: Isa) -> Entrant {
+    let bytes = size_of_val(tree.view().nodes());
+    let (tree, query) = (tree.clone(), Query::new(isa));
+    let collide = move |pose: &Pose| {
+        let view = tree.view();
+        let answer = query.collide(&view, &view, pose);
+        let counters = answer.counters;
+        // Each call of a kernel tests 16 pairs: 1vs16, 16vs1 or 4vs4.
+        let mut work =
+            Work { visits: counters.visits, triangle_pairs: counters.triangle_pairs, ..Work::default() };
+        work.in_all_slabs(16 * counters.kernels);
+        (answer.is_hit(), work)
+    };
+    Entrant { name, bytes, collide: Box::new(collide) }
+}
+
+fn own<const W: usize, S: System<W> + 'static>(
+    name: &str,
+    system: S,
+    mesh: &MeshData,
+    shape: &Shape<W>,
+    baked: BvhRef<'_, Node16<K>>,
+) -> Entrant {
+    let tree: Tree<W, S> = Tree::new(mesh, shape, baked);
+    let stack = RefCell::new(Vec::with_capacity(256));
+    let bytes = tree.bytes();
+    let collide = move |pose: &Pose| collide(system, [&tree, &tree], pose, &mut stack.borrow_mut());
+    Entrant { name: name.to_owned(), bytes, collide: Box::new(collide) }
+}
