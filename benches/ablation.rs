@@ -46,7 +46,7 @@ mod support;
 use ablation::systems::{Entrant, entrants};
 use ablation::traverse::Work;
 use data::{MeshData, directory};
-use distances::poses;
+use distances::{PerDistance, poses};
 use simdop::isa::Isa;
 use simdop::pose::Pose;
 use std::time::{Duration, Instant};
@@ -67,11 +67,36 @@ fn main() {
     let asked: Vec<String> = std::env::args().skip(1).filter(|arg| !arg.starts_with("--")).collect();
     let isas: Vec<&str> = Isa::available().map(Isa::name).collect();
     println!("{}; instruction sets: {}\n", cpu(), isas.join(", "));
+    let mut all = Vec::new();
     for (name, mesh) in meshes() {
         if asked.is_empty() || asked.iter().any(|asked| asked == name) {
-            report(name, &mesh);
+            all.push(report(name, &mesh));
         }
     }
+    summary(&all);
+}
+
+/// Prints times as multiples of the first system's: geometric means over the meshes.
+fn summary(meshes: &[Vec<Timed>]) {
+    let Some(first) = meshes.first() else { return };
+    println!("## Times as multiples of the first system's, geometric means of {} meshes\n", meshes.len());
+    println!("| system | {} |", DISTANCES.map(|(name, _)| name).join(" | "));
+    println!("|---|{}", "---|".repeat(DISTANCES.len()));
+    for (i, Timed { name, .. }) in first.iter().enumerate() {
+        let mean = |distance: usize| {
+            let ratio = |mesh: &Vec<Timed>| mesh[i].medians[distance] / mesh[0].medians[distance];
+            (meshes.iter().map(|mesh| ratio(mesh).ln()).sum::<f64>() / meshes.len() as f64).exp()
+        };
+        let columns: PerDistance<String> = core::array::from_fn(|distance| format!("{:.2}", mean(distance)));
+        println!("| {name} | {} |", columns.join(" | "));
+    }
+}
+
+/// A system's times on a mesh.
+struct Timed {
+    name: String,
+    /// Microseconds.
+    medians: PerDistance<f64>,
 }
 
 fn meshes() -> impl Iterator<Item = (&'static str, MeshData)> {
@@ -88,7 +113,7 @@ fn cpu() -> String {
     name.unwrap_or("an unknown CPU").to_owned()
 }
 
-fn report(name: &str, mesh: &MeshData) {
+fn report(name: &str, mesh: &MeshData) -> Vec<Timed> {
     let poses = poses(mesh, POSES);
     let entrants = entrants(mesh);
     for poses in &poses {
@@ -123,6 +148,11 @@ fn report(name: &str, mesh: &MeshData) {
     }
     println!();
     ablation::orientations::report(mesh, &poses[TOUCHING]);
+    let timed = |(i, entrant): (usize, Entrant)| Timed {
+        name: entrant.name,
+        medians: medians.each_ref().map(|of| of[i]),
+    };
+    entrants.into_iter().enumerate().map(timed).collect()
 }
 
 /// Microseconds of each entrant.

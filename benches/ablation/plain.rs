@@ -15,8 +15,8 @@ pub(crate) struct Pair {
     child: [Child; 2],
 }
 
-/// Slab by slab, and no further than the first that separates. Planes of A are turned when they are asked for, so that no plane is turned in
-/// vain: half the time of turning all planes of a node at once, even kept for the next visit.
+/// Slab by slab, and no further than the first that separates. Planes of A are turned when they are asked for: to turn all planes of a node and keep
+/// them for the next visit takes 20 to 40 % longer (touching, cow and armadillo).
 #[derive(Copy, Clone)]
 pub(crate) struct EarlyExit<E>(pub(crate) E);
 
