@@ -2,14 +2,13 @@
 //! library: what SIMD, arity, 16-bit keys and splitter are worth.
 //!
 //! ```sh
-//! cargo bench --bench ablation                     # cow, armadillo, hand, bunny75k and a made-up torus; two minutes
+//! cargo bench --bench ablation                     # cow, armadillo, hand, bunny75k and a made-up torus; a minute
 //! cargo bench --bench ablation -- cow              # these only; `torus` needs no files
 //! ```
 //!
 //! A mesh against itself, k = 18, one triangle a leaf, first hit. Every system has the same triangles, predicate and poses (those of
 //! `support/suites.rs`), and gives the library's verdict at every pose, and at poses that barely touch, before it is timed. Times are medians over the
-//! poses of the least of
-//! [`PASSES`] passes; the systems take turns, [`BLOCK`] poses each. Counts are means over the poses at the distance 0 %.
+//! poses of the least of [`PASSES`] passes; the systems take turns, [`BLOCK`] poses each. Counts are means over the poses at the distance 0 %.
 //!
 //! The binary trees turn A's DOPs by the library's own inequality and pads (`src/realign.rs`), and descend as the library does
 //! (`ablation/traverse.rs`). They are split by full sweeps (`ablation/split.rs`).

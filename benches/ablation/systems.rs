@@ -18,7 +18,6 @@ use simdop::node::{Node4, Node16};
 use simdop::pose::Pose;
 use simdop::query::{Lanes, Query};
 use std::cell::RefCell;
-use std::rc::Rc;
 
 /// Verdict at a pose, and the work it took.
 type Collide = Box<dyn Fn(&Pose) -> (bool, Work)>;
@@ -41,17 +40,17 @@ const OTHERS: [(&str, Splitter); 4] = [
 /// All systems, the full one first.
 pub(crate) fn entrants(mesh: &MeshData) -> Vec<Entrant> {
     let best = Isa::detect();
-    let tree: Rc<Bvh<Node16<K>>> = build(mesh, Splitter::MeanWidth);
-    let four: Rc<Bvh<Node4<K>>> = build(mesh, Splitter::MeanWidth);
+    let tree = build::<Node16<K>>(mesh, Splitter::MeanWidth);
+    let four = build::<Node4<K>>(mesh, Splitter::MeanWidth);
     let isas: Vec<Isa> = Isa::available().collect();
     let mut entrants: Vec<Entrant> =
-        isas.iter().rev().map(|&isa| library(format!("1vs16, {isa}"), &tree, isa)).collect();
-    entrants.extend(isas.iter().rev().map(|&isa| library(format!("4vs4, {isa}"), &four, isa)));
+        isas.iter().rev().map(|&isa| library(format!("1vs16, {isa}"), tree, isa)).collect();
+    entrants.extend(isas.iter().rev().map(|&isa| library(format!("4vs4, {isa}"), four, isa)));
     for (name, splitter) in OTHERS {
-        let tree: Rc<Bvh<Node16<K>>> = build(mesh, splitter);
+        let tree = build::<Node16<K>>(mesh, splitter);
         entrants.push(library(format!("1vs16, {best}, {name}"), &tree, best));
     }
-    own_systems(mesh, tree.view(), &mut entrants);
+    own_systems(mesh, tree, &mut entrants);
     entrants
 }
 
@@ -82,17 +81,17 @@ fn own_systems(mesh: &MeshData, baked: BvhRef<'_, Node16<K>>, entrants: &mut Vec
     }
 }
 
-fn build<N: Lanes>(mesh: &MeshData, splitter: Splitter) -> Rc<Bvh<N>> {
+/// A view for as long as the benchmark runs, as a caller has one: nothing is to be looked up at a query.
+fn build<N: Lanes>(mesh: &MeshData, splitter: Splitter) -> BvhRef<'static, N> {
     let mesh = Mesh { vertices: &mesh.vertices, triangles: &mesh.triangles };
-    Rc::new(Builder::new().splitter(splitter).build(&mesh).unwrap())
+    let tree: &'static Bvh<N> = Box::leak(Box::new(Builder::new().splitter(splitter).build(&mesh).unwrap()));
+    tree.view()
 }
 
-fn library<N: Lanes>(name: String, tree: &Rc<Bvh<N>>, isa: Isa) -> Entrant {
-    let bytes = size_of_val(tree.view().nodes());
-    let (tree, query) = (tree.clone(), Query::new(isa));
+fn library<N: Lanes>(name: String, tree: BvhRef<'static, N>, isa: Isa) -> Entrant {
+    let query = Query::new(isa);
     let collide = move |pose: &Pose| {
-        let view = tree.view();
-        let answer = query.collide(&view, &view, pose);
+        let answer = query.collide(&tree, &tree, pose);
         let counters = answer.counters;
         // Each call of a kernel tests 16 pairs: 1vs16, 16vs1 or 4vs4.
         let mut work =
@@ -100,7 +99,7 @@ fn library<N: Lanes>(name: String, tree: &Rc<Bvh<N>>, isa: Isa) -> Entrant {
         work.in_all_slabs(16 * counters.kernels);
         (answer.is_hit(), work)
     };
-    Entrant { name, bytes, collide: Box::new(collide) }
+    Entrant { name, bytes: size_of_val(tree.nodes()), collide: Box::new(collide) }
 }
 
 fn own<const W: usize, S: System<W> + 'static>(
