@@ -48,7 +48,7 @@ pub(crate) fn entrants(mesh: &MeshData) -> Vec<Entrant> {
     entrants.extend(isas.iter().rev().map(|&isa| library(format!("4vs4, {isa}"), four, isa)));
     for (name, splitter) in OTHERS {
         let tree = build::<Node16<K>>(mesh, splitter);
-        entrants.push(library(format!("1vs16, {best}, {name}"), &tree, best));
+        entrants.push(library(format!("1vs16, {best}, {name}"), tree, best));
     }
     own_systems(mesh, tree, &mut entrants);
     entrants
