@@ -113,10 +113,9 @@ impl Pose {
             return Err(PoseError::TooFar);
         }
         let dot = |a: [f64; 3], b: [f64; 3]| (a[0] * b[0] + a[1] * b[1]) + a[2] * b[2];
-        let deviation = (0..3)
-            .flat_map(|i| (i..3).map(move |j| (i, j)))
-            .map(|(i, j)| (dot(r[i], r[j]) - if i == j { 1.0 } else { 0.0 }).abs())
-            .fold(0.0, f64::max);
+        let off = |i: usize, j: usize, want: f64| (dot(r[i], r[j]) - want).abs();
+        let lengths = off(0, 0, 1.0).max(off(1, 1, 1.0)).max(off(2, 2, 1.0));
+        let deviation = lengths.max(off(0, 1, 0.0)).max(off(0, 2, 0.0)).max(off(1, 2, 0.0));
         // An overflow in a product makes the deviation infinite or NaN; max() drops NaN, so each row is checked for size too.
         if deviation > Self::TOLERANCE || r.iter().flatten().any(|x| x.abs() > 2.0) {
             return Err(PoseError::NotOrthonormal { deviation });

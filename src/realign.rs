@@ -20,10 +20,10 @@
 //! | the arithmetic that computed u and c, in `f64` | `2^-45 abs(n) sum half_width` |
 //! | n . t and the frames' centres, in `f64`; the moved corners that the leaf test decides on | `2^-46 abs(n) (coordinates)` |
 //! | coordinates of moved corners that [`Pose::apply`] flushes to zero | `2^-250 abs(n)` |
-//! | products and sums of a plane, in `f32` | `gamma_4 (sum c max_plane + abs(n . t))`, plus 2^-130 for underflow |
+//! | translation and pad, to `f32`; products and sums of a plane, in `f32` | `gamma_5 (sum c max_plane + abs(n . t))`, plus 2^-130 for underflow |
 //! | sums that could overflow an `f32`, of bodies 2^100 times larger than the other | the plane is unbounded |
 //!
-//! with `gamma_4 = 4u / (1 - 4u)`, `u = 2^-24`. The result is then rounded up to a half.
+//! with `gamma_5 = 5u / (1 - 5u)`, `u = 2^-24`. The result is then rounded up to a half.
 
 use crate::directions::Directions;
 use crate::exact::{power_of_two, round_up_f32};
@@ -36,19 +36,23 @@ use crate::triangle::{MIN_COORDINATE, Triangle};
 /// How the planes of every node of one body turn into another body's frame, at one pose.
 #[derive(Copy, Clone, PartialEq, Debug)]
 pub struct Realignment<const K: usize> {
-    /// Plane `j` turned is `(w[0] d[s[0]] + w[1] d[s[1]]) + w[2] d[s[2]] + offset[j]` with `s = sources[j]`, `w = weights[j]`.
+    /// Three planes for each slab: plane `2s` turned is `(w[0] d[p[0]] + w[1] d[p[1]]) + w[2] d[p[2]] + offset[2s]` with `p = sources[s]`,
+    /// `w = weights[s]`. Plane `2s + 1` takes their opposites, `p ^ 1`, at the same weights. The first half of the array is used.
     pub sources: [[u8; 3]; K],
-    /// The weights, not negative.
+    /// The weights of each slab, not negative. The first half of the array is used.
     pub weights: [[f32; 3]; K],
-    /// Translation and pad, rounded up.
+    /// Translation and pad of each plane.
     pub offset: [f32; K],
 }
 
-/// Bounds four roundings of `f32`, with room for the rounding of the pad itself.
-const GAMMA_4: f64 = 4.25 * power_of_two(-24);
+/// Bounds five roundings of `f32`, with room for the rounding of the pad itself.
+const GAMMA_5: f64 = 5.25 * power_of_two(-24);
 
 /// Bounds the few dozen roundings of `f64` in a sum of magnitudes: each is 2^-53 of a partial sum.
 const F64_SLACK: f64 = power_of_two(-46);
+
+/// Pays for the pad's own rounding to `f32`: it can be far greater than what it pads.
+const ITS_OWN_ROUNDING: f64 = 1.0 + power_of_two(-23);
 
 /// A bit more than half of a last place of `f32`.
 const HALF_PLACE: f64 = 1.0625 * power_of_two(-24);
@@ -83,10 +87,10 @@ impl<const K: usize> Realignment<K> {
 
         let mut map = Self { sources: [[0; 3]; K], weights: [[0.0; 3]; K], offset: [0.0; K] };
         let [nx, ny, nz] = &Directions::<K>::SLAB_COLUMNS;
-        let slabs = Directions::<K>::SLABS;
+        let (slabs, columns) = (Directions::<K>::SLABS, Directions::<K>::COLUMNS);
         let mut u = [[0.0; K]; 3];
         for i in 0..3 {
-            for s in 0..slabs {
+            for s in 0..columns {
                 u[i][s] = (m[0][i] * nx[s] + m[1][i] * ny[s]) + m[2][i] * nz[s];
             }
         }
@@ -94,24 +98,23 @@ impl<const K: usize> Realignment<K> {
         let mut weights = [[0.0_f32; K]; 3];
         let (mut ahead, mut behind) = ([0.0_f32; K], [0.0_f32; K]);
         let (scale, max_plane) = (b.scale(), f64::from(a.max_plane));
-        for s in 0..slabs {
+        for s in 0..columns {
             let length = nx[s].abs() + ny[s].abs() + nz[s].abs();
             let c = [found.weights[0][s], found.weights[1][s], found.weights[2][s]];
             let w = [(ratio * c[0]) as f32, (ratio * c[1]) as f32, (ratio * c[2]) as f32];
             let weight_sum = (f64::from(w[0]) + f64::from(w[1])) + f64::from(w[2]);
             let tau = ((nx[s] * shift[0] + ny[s] * shift[1]) + nz[s] * shift[2]) * scale;
             let reach = weight_sum * max_plane + tau.abs();
-            let (residual_pad, rounding_pad) = (weight_sum * per_weight, GAMMA_4 * reach);
-            let pad = ((residual_pad + length * per_length) + rounding_pad) + UNDERFLOW;
+            let (residual_pad, rounding_pad) = (weight_sum * per_weight, GAMMA_5 * reach);
+            let pad = (((residual_pad + length * per_length) + rounding_pad) + UNDERFLOW) * ITS_OWN_ROUNDING;
             let pad = if reach < MAX_REACH { pad } else { f64::INFINITY };
             (weights[0][s], weights[1][s], weights[2][s]) = (w[0], w[1], w[2]);
-            ahead[s] = round_up_f32(tau + pad);
-            behind[s] = round_up_f32(pad - tau);
+            (ahead[s], behind[s]) = ((tau + pad) as f32, (pad - tau) as f32);
         }
+        map.sources = found.directions;
         for s in 0..slabs {
-            let ([p, q, r], w) = (found.directions[s], [weights[0][s], weights[1][s], weights[2][s]]);
-            map.set(2 * s, [p, q, r], w, ahead[s]);
-            map.set(2 * s + 1, [p ^ 1, q ^ 1, r ^ 1], w, behind[s]);
+            map.weights[s] = [weights[0][s], weights[1][s], weights[2][s]];
+            (map.offset[2 * s], map.offset[2 * s + 1]) = (ahead[s], behind[s]);
         }
         map
     }
@@ -120,15 +123,16 @@ impl<const K: usize> Realignment<K> {
     /// the longer offset are paid for by a few more of its last places.
     pub fn widen(&mut self, margin: f64) {
         for (offset, length) in self.offset.iter_mut().zip(Directions::<K>::LENGTHS) {
-            *offset = round_up_f32(f64::from(*offset) + (1.0 + 4.0 * GAMMA_4) * length * margin);
+            *offset = round_up_f32(f64::from(*offset) + (1.0 + 4.0 * GAMMA_5) * length * margin);
         }
     }
 
-    #[inline(always)]
-    fn set(&mut self, j: usize, sources: [u8; 3], weights: [f32; 3], offset: f32) {
-        self.sources[j] = sources;
-        self.weights[j] = weights;
-        self.offset[j] = offset;
+    /// What plane `j` turned is the sum of, but for the offset: planes and their weights.
+    #[inline]
+    #[must_use]
+    pub fn terms(&self, j: usize) -> [(usize, f32); 3] {
+        let (sources, weights) = (&self.sources[j / 2], &self.weights[j / 2]);
+        core::array::from_fn(|l| (usize::from(sources[l]) ^ (j & 1), weights[l]))
     }
 
     /// Plane `j` turned, from the codes of a body's planes: the specification that the kernels follow, operation by operation. An
@@ -136,8 +140,8 @@ impl<const K: usize> Realignment<K> {
     #[inline]
     #[must_use]
     pub fn plane(&self, j: usize, code: impl Fn(usize) -> i16) -> Key {
-        let (s, w) = (&self.sources[j], &self.weights[j]);
-        let term = |l: usize| w[l] * decode(code(s[l] as usize));
+        let terms = self.terms(j);
+        let term = |l: usize| terms[l].1 * decode(code(terms[l].0));
         Key::round_up_or_unbounded(f64::from(((term(0) + term(1)) + term(2)) + self.offset[j]))
     }
 }

@@ -24,8 +24,11 @@ pub mod distance;
 mod double_double;
 mod features;
 mod flat;
+mod interval;
 #[cfg(test)]
 mod tests;
+
+use interval::Wedge;
 
 /// Three vertices, in any unit of length; the order carries no meaning. Vertices may coincide or be collinear.
 pub type Triangle = [[f64; 3]; 3];
@@ -80,32 +83,43 @@ pub fn overlap(a: &Triangle, b: &Triangle, exact_calls: &mut u64) -> bool {
 }
 
 /// One triangle that is to be tested against many: its plane is computed once.
-pub(crate) struct Probe {
-    triangle: Triangle,
-    plane: Plane,
+#[derive(Debug)]
+pub struct Probe<'t> {
+    pub(crate) triangle: &'t Triangle,
+    pub(crate) plane: Plane,
 }
 
-impl Probe {
-    #[inline]
-    pub(crate) fn new(triangle: &Triangle) -> Self {
+impl<'t> Probe<'t> {
+    /// For a triangle within the [range](self#range).
+    #[inline(always)]
+    #[must_use]
+    pub fn new(triangle: &'t Triangle) -> Self {
         debug_assert!(in_range(triangle), "coordinate out of range");
-        Self { triangle: *triangle, plane: Plane::of(triangle) }
+        Self { triangle, plane: Plane::of(triangle) }
+    }
+
+    /// Whether the plane of one of the triangles certainly separates them. What [`Probe::overlaps`] asks first; nearly every pair ends here.
+    #[inline]
+    #[must_use]
+    pub fn is_apart(&self, b: &Triangle) -> bool {
+        self.plane.sides(b).strictly_one() || Plane::of(b).sides(self.triangle).strictly_one()
     }
 
     /// [`overlap`] with triangle `b`.
-    #[inline(always)]
-    pub(crate) fn overlaps(&self, b: &Triangle, exact_calls: &mut u64) -> bool {
+    #[inline]
+    #[must_use]
+    pub fn overlaps(&self, b: &Triangle, exact_calls: &mut u64) -> bool {
         debug_assert!(in_range(b), "coordinate out of range");
         let b_sides = self.plane.sides(b);
         if b_sides.strictly_one() {
             return false;
         }
-        let a_sides = Plane::of(b).sides(&self.triangle);
+        let a_sides = Plane::of(b).sides(self.triangle);
         if a_sides.strictly_one() {
             return false;
         }
         let mut signs = Signs { exact: false };
-        let verdict = crossing(&self.triangle, b, &a_sides, &b_sides, &mut signs);
+        let verdict = crossing(self.triangle, b, &a_sides, &b_sides, &mut signs);
         *exact_calls += u64::from(signs.exact);
         verdict
     }
@@ -124,12 +138,13 @@ fn in_range(t: &Triangle) -> bool {
 }
 
 /// A triangle's plane: what the determinants of all points against it have in common.
-struct Plane {
-    origin: [f64; 3],
+#[derive(Debug)]
+pub(crate) struct Plane {
+    pub(crate) origin: [f64; 3],
     /// The 2 by 2 minors of the two edges at `origin`: the cross product.
-    normal: [f64; 3],
+    pub(crate) normal: [f64; 3],
     /// The same with absolute values, for the error bound.
-    magnitude: [f64; 3],
+    pub(crate) magnitude: [f64; 3],
 }
 
 impl Plane {
@@ -248,64 +263,23 @@ fn crossing(a: &Triangle, b: &Triangle, a_sides: &Sides, b_sides: &Sides, signs:
     if a_signs == [0; 3] || b_signs == [0; 3] {
         return flat::overlap(a, b, a_signs, b_signs, signs);
     }
-    intervals_meet(&Wedge::new(a, a_signs), &Wedge::new(b, b_signs), signs)
+    interval::meet(&Wedge::new(a, a_signs), &Wedge::new(b, b_signs), signs)
 }
 
 /// Comparisons only, so exact; it spares neighbours in one plane the expansions.
 fn boxes_apart(a: &Triangle, b: &Triangle) -> bool {
-    (0..3).any(|axis| {
-        let low = |t: &Triangle| t[0][axis].min(t[1][axis]).min(t[2][axis]);
-        let high = |t: &Triangle| t[0][axis].max(t[1][axis]).max(t[2][axis]);
-        low(a) > high(b) || low(b) > high(a)
-    })
+    let least = |x: f64, y: f64| if x < y { x } else { y };
+    let greatest = |x: f64, y: f64| if x > y { x } else { y };
+    let mut apart = false;
+    // No branch on an axis: none of them is foreseen.
+    for axis in 0..3 {
+        let low = |t: &Triangle| least(least(t[0][axis], t[1][axis]), t[2][axis]);
+        let high = |t: &Triangle| greatest(greatest(t[0][axis], t[1][axis]), t[2][axis]);
+        apart |= (low(a) > high(b)) | (low(b) > high(a));
+    }
+    apart
 }
 
 fn separated(sides: [i8; 3]) -> bool {
     sides == [1; 3] || sides == [-1; 3]
-}
-
-/// A triangle that another plane cuts or touches, seen with its own normal towards the eye and the other plane's
-/// normal upwards.
-///
-/// The line common to both planes is then horizontal, and the triangle cuts an interval out of it. The edges from the
-/// apex to `left` and to `right` meet the line in just one point each: the ends of the interval.
-struct Wedge {
-    /// The vertex that is alone on its side of the line.
-    apex: [f64; 3],
-    left: [f64; 3],
-    right: [f64; 3],
-    /// 1 if the apex is on or above the line and the others on or below it; -1 the other way round.
-    up: i8,
-}
-
-impl Wedge {
-    /// `sides` are those of the vertices of `t`: neither all zero nor all on one strict side.
-    fn new(t: &Triangle, sides: [i8; 3]) -> Self {
-        let alone = |i: usize| {
-            let (s, p, q) = (sides[i], sides[(i + 1) % 3], sides[(i + 2) % 3]);
-            if s >= 0 && s > p.max(q) {
-                Some((i, 1))
-            } else if s <= 0 && s < p.min(q) {
-                Some((i, -1))
-            } else {
-                None
-            }
-        };
-        // Such sides always have an apex; the default only spares a panic.
-        let (i, up) = (0..3).find_map(alone).unwrap_or((0, 1));
-        let (next, last) = (t[(i + 1) % 3], t[(i + 2) % 3]);
-        let (left, right) = if up > 0 { (next, last) } else { (last, next) };
-        Self { apex: t[i], left, right, up }
-    }
-}
-
-/// Whether the intervals that two triangles cut out of their planes' common line meet.
-///
-/// For an edge `pq` of one triangle and `rs` of the other, the side of `s` of the plane `pqr` tells which of the two
-/// edges meets the line further to the right; `up` corrects for edges that run upwards. The two wedges see the line
-/// from opposite ends: the left end of one is a right end to the other.
-fn intervals_meet(a: &Wedge, b: &Wedge, signs: &mut Signs) -> bool {
-    let up = a.up * b.up;
-    up * signs.side(&[a.apex, a.left, b.apex], &b.left) <= 0
-        && up * signs.side(&[a.apex, a.right, b.apex], &b.right) >= 0
 }

@@ -15,6 +15,7 @@ use simdop::node::{Child, Node4, Node16};
 use simdop::pose::Pose;
 use simdop::query::Lanes;
 use simdop::realign::Realignment;
+use simdop::triangle::Probe;
 use std::cell::LazyCell;
 use std::io::Write;
 use support::rng::Rng;
@@ -239,13 +240,27 @@ where
 
     fn wide(&self, rng: &mut Rng) -> (Query<16, K>, Node16<K>) {
         let nodes = self.wide.view().nodes();
-        (Scalar::new().realign_16(rng.pick(&self.maps), upper(rng, nodes)), *upper(rng, nodes))
+        (turned_16(Scalar::new(), rng.pick(&self.maps), upper(rng, nodes)), *upper(rng, nodes))
     }
 
     fn narrow(&self, rng: &mut Rng) -> (Query<4, K>, Node4<K>) {
         let nodes = self.narrow.view().nodes();
-        (Scalar::new().realign_4(rng.pick(&self.maps), upper(rng, nodes)), *upper(rng, nodes))
+        (turned_4(Scalar::new(), rng.pick(&self.maps), upper(rng, nodes)), *upper(rng, nodes))
     }
+}
+
+/// [`Kernel::realign_16`], by value.
+fn turned_16<const K: usize>(kernel: impl Kernel, map: &Realignment<K>, node: &Node16<K>) -> Query<16, K> {
+    let mut query = [[0; 16]; K];
+    kernel.realign_16(map, node, &mut query);
+    query
+}
+
+/// [`Kernel::realign_4`], by value.
+fn turned_4<const K: usize>(kernel: impl Kernel, map: &Realignment<K>, node: &Node4<K>) -> Query<4, K> {
+    let mut query = [[0; 4]; K];
+    kernel.realign_4(map, node, &mut query);
+    query
 }
 
 /// A node, more often one of the upper and larger: they come first, and overlap more.
@@ -355,7 +370,7 @@ fn any_map<const K: usize>(rng: &mut Rng) -> Realignment<K> {
         _ => rng.range(0.0, 2.0) as f32,
     };
     Realignment {
-        sources: core::array::from_fn(|_| core::array::from_fn(|_| rng.u64() as u8)),
+        sources: core::array::from_fn(|_| core::array::from_fn(|_| rng.below(K as u64) as u8)),
         weights: core::array::from_fn(|_| core::array::from_fn(|_| float(rng).abs())),
         offset: core::array::from_fn(|_| float(rng)),
     }
@@ -378,9 +393,9 @@ where
             } else {
                 (any_map(&mut rng), wide(pair(&mut rng, mode).1), narrow(pair(&mut rng, mode).1))
             };
-            let (got, want) = (kernel.realign_16(&map, &node), scalar.realign_16(&map, &node));
+            let (got, want) = (turned_16(kernel, &map, &node), turned_16(scalar, &map, &node));
             assert_eq!(got, want, "{name} k {K} {mode:?} map {i}: {map:?} {node:x?}");
-            let (got, want) = (kernel.realign_4(&map, &node_4), scalar.realign_4(&map, &node_4));
+            let (got, want) = (turned_4(kernel, &map, &node_4), turned_4(scalar, &map, &node_4));
             assert_eq!(got, want, "{name} k {K} {mode:?} map {i}: {map:?} {node_4:x?}");
         }
     }
@@ -536,6 +551,38 @@ fn all_key_pairs<E: Kernel>(kernel: E) {
     }
 }
 
+/// The planes' filter on four triangles is that on one, on every instruction set: corners on a small grid, on few planes, and of any size.
+#[test]
+fn filters_of_four_triangles_are_those_of_one() {
+    for isa in Isa::available() {
+        let mut rng = Rng::new(500);
+        let mut apart = [0_u64; 2];
+        for i in 0..pairs() / 8 + 4 {
+            let size =
+                if i % 3 == 0 { f64::from_bits((1023 + rng.int(-240, 290) as u64) << 52) } else { 1.0 };
+            let mut point = |shift: f64| match i % 4 {
+                0 => core::array::from_fn(|_| rng.int(-2, 2) as f64 * size),
+                1 => {
+                    // An oblique plane, as far as rounding lets it be one.
+                    let (x, y) = (rng.range(-1.0, 1.0), rng.range(-1.0, 1.0));
+                    [x, y, 0.7 - 0.3 * x - 1.1 * y + shift]
+                }
+                _ => core::array::from_fn(|_| (rng.range(-1.0, 1.0) + shift) * size),
+            };
+            let one = [point(0.0), point(0.0), point(0.0)];
+            let four = [0.0, 0.1, 0.5, 1.0].map(|shift| [point(shift), point(shift), point(shift)]);
+            let probe = Probe::new(&one);
+            let want = (0..4).fold(0, |mask, k| mask | u16::from(probe.is_apart(&four[k])) << k);
+            let got = on_isa!(isa, kernel => kernel.run(#[inline(always)] || kernel.apart_4(&probe, &four)));
+            assert_eq!(got, want, "{isa}: {one:?} {four:?}");
+            apart[0] += u64::from(want.count_ones());
+            apart[1] += 4;
+        }
+        let share = apart[0] as f64 / apart[1] as f64;
+        assert!(cfg!(miri) || (0.3..0.95).contains(&share), "{share} of the pairs are told apart");
+    }
+}
+
 /// The scalar kernel against the inequality itself, in `f64`, for planes that are values.
 #[test]
 fn scalar_kernel_is_the_inequality() {
@@ -573,7 +620,7 @@ fn unused_lanes_are_separated_from_unbounded_bodies() {
             assert_eq!(kernel.overlap_1v16(&query, 0, &wide(planes)), !(1 << 7), "{isa}");
             let mut map = any_map::<18>(&mut Rng::new(1));
             map.offset = [f32::INFINITY; 18];
-            let turned = kernel.realign_16(&map, &wide(planes));
+            let turned = turned_16(kernel, &map, &wide(planes));
             assert_eq!(kernel.overlap_1v16(&turned, 7, &wide(unbounded)), 0, "{isa}");
             assert_eq!(kernel.overlap_1v16(&turned, 6, &wide(unbounded)), u16::MAX, "{isa}");
         });

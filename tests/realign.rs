@@ -360,18 +360,17 @@ fn required_offset<const K: usize>(
     let m = pose.rows().map(|row| row.map(exact));
     let ratio = Dyadic::power_of_two(b.exponent - a.exponent);
     let (mut pad, mut reach) = (Dyadic::power_of_two(UNDERFLOW_EXPONENT), Dyadic::zero());
-    for (&w, _) in map.weights[j].iter().zip(map.sources[j]) {
+    for (_, w) in map.terms(j) {
         assert!(w >= 0.0, "weights are not negative");
         reach = reach + exact(w.into()) * exact(a.max_plane.into());
     }
     for i in 0..3 {
         let column = [0, 1, 2].map(|row| m[row][i].clone());
         let u = dot(n.clone(), column) * ratio.clone();
-        let sum = |sum: Dyadic, l: usize| {
-            let source = vectors[usize::from(map.sources[j][l])];
-            sum + exact(map.weights[j][l].into()) * exact(source[i].into())
+        let sum = |sum: Dyadic, (source, weight): (usize, f32)| {
+            sum + exact(weight.into()) * exact(vectors[source][i].into())
         };
-        let residual = u - (0..3).fold(Dyadic::zero(), sum);
+        let residual = u - map.terms(j).into_iter().fold(Dyadic::zero(), sum);
         pad = pad + residual.abs() * exact(a.half_width[i].into());
     }
     let centre = a.centre.map(exact);
@@ -404,7 +403,7 @@ fn offsets_are_no_less_than_proven<const K: usize>() {
         let map = Realignment::<K>::new(&pose, &a, &b);
         for j in 0..K {
             let offset = f64::from(map.offset[j]);
-            if offset == f64::INFINITY || map.weights[j].contains(&f32::INFINITY) {
+            if offset == f64::INFINITY || map.terms(j).iter().any(|(_, weight)| *weight == f32::INFINITY) {
                 assert_eq!(offset, f64::INFINITY, "an unbounded weight makes the plane unbounded");
                 unbounded += 1;
                 continue;
@@ -518,7 +517,7 @@ fn infinity_spreads<const K: usize>() {
         let open = rng.below(K as u64) as usize;
         let code = |source| if source == open { Key::INFINITY.code() } else { body.planes[source] };
         for j in 0..K {
-            let reaches = map.sources[j].contains(&(open as u8));
+            let reaches = map.terms(j).iter().any(|(source, _)| *source == open);
             assert_eq!(map.plane(j, code) == Key::INFINITY, reaches, "k {K} plane {j} open {open} {map:?}");
             assert_eq!(map.plane(j, |_| Key::INFINITY.code()), Key::INFINITY);
         }

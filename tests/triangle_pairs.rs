@@ -5,7 +5,7 @@ mod support;
 
 use core::fmt;
 
-use simdop::triangle::{Triangle, overlap};
+use simdop::triangle::{Probe, Triangle, overlap};
 use support::exact::{meeting_pairs, meshes_meet, triangles_meet, triangles_meet_in_integers};
 use support::rng::Rng;
 
@@ -87,6 +87,8 @@ fn check_orders(pair @ [a, b]: &Pair, expected: bool) -> bool {
     let (mut forward, mut backward) = (7, 7);
     assert_eq!(overlap(a, b, &mut forward), expected, "first with second:\n{}", Bits(pair));
     assert_eq!(overlap(b, a, &mut backward), expected, "second with first:\n{}", Bits(pair));
+    let apart = Probe::new(a).is_apart(b);
+    assert!(!(expected && apart), "told apart, but they meet:\n{}", Bits(pair));
     assert!((7..=8).contains(&forward) && (7..=8).contains(&backward), "counted twice:\n{}", Bits(pair));
     forward == 8
 }

@@ -56,7 +56,9 @@ macro_rules! impl_arity {
                 Realignment::new(pose, tree.header(), &tree.frame())
             }
             fn turned(&self, turn: &Self::Turn) -> Self::Planes {
-                Scalar::new().$realign(turn, self)
+                let mut planes = [[0; $arity]; K];
+                Scalar::new().$realign(turn, self, &mut planes);
+                planes
             }
             fn alone(planes: &Self::Planes, lane: usize) -> Self::Planes {
                 planes.map(|plane| [plane[lane]; $arity])

@@ -6,11 +6,10 @@
 mod support;
 
 use libfuzzer_sys::fuzz_target;
-use simdop::kernel::Kernel;
 use simdop::key::{Key, NotANumber, decode};
 use simdop::node::Node16;
 use simdop::realign::Realignment;
-use simdop_fuzz::planes::{code, wide};
+use simdop_fuzz::planes::{code, turned_16, wide};
 use simdop_fuzz::{Input, Mode, on_every_isa};
 use support::dyadic::half_value;
 
@@ -82,7 +81,7 @@ fn every_isa_rounds_up(offsets: &[f32; 6]) {
     let map = Realignment::<6> { sources: [[0; 3]; 6], weights: [[0.0; 3]; 6], offset: *offsets };
     let node: Node16<6> = wide([[0; 16]; 6]);
     on_every_isa!(kernel => {
-        let query = kernel.realign_16(&map, &node);
+        let query = turned_16(kernel, &map, &node);
         for (j, x) in offsets.iter().enumerate() {
             let code = !query[j ^ 1][3];
             let right = if x.is_nan() { code == Key::INFINITY.code() } else { is_rounded_up(code, (*x).into()) };

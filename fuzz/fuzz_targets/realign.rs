@@ -9,13 +9,12 @@ use libfuzzer_sys::fuzz_target;
 use simdop::directions;
 use simdop::frame::{Frame, Point};
 use simdop::isa::Scalar;
-use simdop::kernel::Kernel;
 use simdop::node::{Link, Node4, Node16};
 use simdop::pose::Pose;
 use simdop::query::Lanes;
 use simdop::realign::Realignment;
 use simdop_fuzz::bodies::{Body, bodies, pose, small_body};
-use simdop_fuzz::planes::{narrow, pair, wide};
+use simdop_fuzz::planes::{narrow, pair, turned_4, turned_16, wide};
 use simdop_fuzz::{Input, Mode, for_k, on_every_isa};
 use support::dyadic::{Dyadic, dot, half_value};
 
@@ -56,7 +55,7 @@ where
     let narrow = narrow(root.planes.map(|p| [p[0], p[1], p[2], p[3]]));
     kernels_agree(&map, root, &narrow);
 
-    let query = Scalar::new().realign_16(&map, root);
+    let query = turned_16(Scalar::new(), &map, root);
     for (lane, child) in root.child.iter().enumerate() {
         if let Link::Leaf { first, count } = child.link() {
             for p in (first..first + count).flat_map(|index| view.triangle(index)) {
@@ -71,10 +70,10 @@ where
 }
 
 fn kernels_agree<const K: usize>(map: &Realignment<K>, wide: &Node16<K>, narrow: &Node4<K>) {
-    let (want_16, want_4) = (Scalar::new().realign_16(map, wide), Scalar::new().realign_4(map, narrow));
+    let (want_16, want_4) = (turned_16(Scalar::new(), map, wide), turned_4(Scalar::new(), map, narrow));
     on_every_isa!(kernel => {
-        assert_eq!(kernel.realign_16(map, wide), want_16, "{kernel:?} k {K} {map:?} {wide:x?}");
-        assert_eq!(kernel.realign_4(map, narrow), want_4, "{kernel:?} k {K} {map:?} {narrow:x?}");
+        assert_eq!(turned_16(kernel, map, wide), want_16, "{kernel:?} k {K} {map:?} {wide:x?}");
+        assert_eq!(turned_4(kernel, map, narrow), want_4, "{kernel:?} k {K} {map:?} {narrow:x?}");
     });
 }
 
@@ -94,7 +93,7 @@ fn any_map<const K: usize>(input: &mut Input, mode: Mode) -> Realignment<K> {
         map.offset[j] = float();
     }
     for source in map.sources.as_flattened_mut() {
-        *source = input.u8();
+        *source = input.u8() % K as u8;
     }
     map
 }

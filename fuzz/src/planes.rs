@@ -125,7 +125,7 @@ pub fn real_16<const K: usize>(input: &mut Input) -> (Query<16, K>, Node16<K>)
 where
     Node16<K>: Lanes<Map = Realignment<K>>,
 {
-    cached(|| Turned::<_, Node16<K>>::new(|map, node| Scalar::new().realign_16(map, node))).pick(input)
+    cached(|| Turned::<_, Node16<K>>::new(|map, node| turned_16(Scalar::new(), map, node))).pick(input)
 }
 
 /// [`real_16`] for four children.
@@ -133,5 +133,19 @@ pub fn real_4<const K: usize>(input: &mut Input) -> (Query<4, K>, Node4<K>)
 where
     Node4<K>: Lanes<Map = Realignment<K>>,
 {
-    cached(|| Turned::<_, Node4<K>>::new(|map, node| Scalar::new().realign_4(map, node))).pick(input)
+    cached(|| Turned::<_, Node4<K>>::new(|map, node| turned_4(Scalar::new(), map, node))).pick(input)
+}
+
+/// [`Kernel::realign_16`], by value.
+pub fn turned_16<const K: usize>(kernel: impl Kernel, map: &Realignment<K>, node: &Node16<K>) -> Query<16, K> {
+    let mut query = [[0; 16]; K];
+    kernel.realign_16(map, node, &mut query);
+    query
+}
+
+/// [`Kernel::realign_4`], by value.
+pub fn turned_4<const K: usize>(kernel: impl Kernel, map: &Realignment<K>, node: &Node4<K>) -> Query<4, K> {
+    let mut query = [[0; 4]; K];
+    kernel.realign_4(map, node, &mut query);
+    query
 }

@@ -21,9 +21,10 @@ pub(super) fn pack<N: Node>(
     if shape.depth > MAX_DEPTH {
         return Err(BuildError::TooDeep);
     }
-    let triangles: Vec<[u32; 3]> = shape.sources.iter().map(|&s| mesh.triangles[s as usize]).collect();
+    let (vertices, triangles) = in_order_of_use(mesh, &shape.sources);
+    let mesh = &Mesh { vertices: &vertices, triangles: &triangles };
     let mut nodes = shape.nodes;
-    wrap(&mut nodes, &frame, mesh.vertices, &triangles);
+    wrap(&mut nodes, &frame, mesh.vertices, mesh.triangles);
 
     let degenerate = |t: &&[u32; 3]| triangle::is_degenerate(&mesh.corners(t));
     let extent = |i: usize| low[i].abs().max(high[i].abs()).max(frame.centre[i].abs());
@@ -51,6 +52,24 @@ pub(super) fn pack<N: Node>(
         header.extent = 0.0;
     }
     Ok(bake(&header, &nodes, mesh.vertices, &triangles, &shape.sources))
+}
+
+/// The triangles in the order of the leaves, and the vertices in the order of their first use: what a leaf needs lies together. Vertices that no triangle uses come last.
+fn in_order_of_use(mesh: &Mesh<'_>, sources: &[u32]) -> (Vec<Point>, Vec<[u32; 3]>) {
+    const UNSEEN: u32 = u32::MAX;
+    let mut places = alloc::vec![UNSEEN; mesh.vertices.len()];
+    let mut vertices = Vec::with_capacity(mesh.vertices.len());
+    let mut place = |vertex: usize| {
+        if places[vertex] == UNSEEN {
+            places[vertex] = vertices.len() as u32;
+            vertices.push(mesh.vertices[vertex]);
+        }
+        places[vertex]
+    };
+    let corners = |&source: &u32| mesh.triangles[source as usize];
+    let triangles = sources.iter().map(corners).map(|t| t.map(|vertex| place(vertex as usize))).collect();
+    (0..mesh.vertices.len()).for_each(|vertex| _ = place(vertex));
+    (vertices, triangles)
 }
 
 /// Links of all nodes, without planes, and the triangles in the order of the leaves.

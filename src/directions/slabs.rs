@@ -10,7 +10,10 @@ pub(crate) struct Decomposition<const K: usize> {
 }
 
 impl<const K: usize> Directions<K> {
-    /// The coordinates of each slab's direction, by column: the first half of each array is used.
+    /// [`Directions::SLABS`], filled up to whole vectors of four `f64`: a remainder would be computed one by one. What is beyond the slabs is zero.
+    pub(crate) const COLUMNS: usize = Self::SLABS.next_multiple_of(4);
+
+    /// The coordinates of each slab's direction, by column.
     pub(crate) const SLAB_COLUMNS: [[f64; K]; 3] = {
         let mut columns = [[0.0; K]; 3];
         let mut s = 0;
@@ -30,7 +33,7 @@ impl<const K: usize> Directions<K> {
         if sectors::applies(K) {
             // Two loops: the first is compiled to vector instructions, looking up tables is not.
             let mut sectors = [0; K];
-            for s in 0..Self::SLABS {
+            for s in 0..Self::COLUMNS {
                 let weights;
                 (weights, sectors[s]) = sectors::split::<K>([u[0][s], u[1][s], u[2][s]]);
                 for l in 0..3 {

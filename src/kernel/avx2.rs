@@ -21,17 +21,21 @@
 //!
 //! # Re-alignment
 //!
-//! Codes become halves (arithmetic shift, and, xor), then floats (`vcvtph2ps`), once per plane of the node; each turned plane is
-//! three multiplications and three additions on 2 x 8 lanes; `vcvtps2ph` rounds up, and what turns halves into codes is done for sixteen at once.
+//! Codes become halves (two shifts and an xor, sixteen at once), then floats (`vcvtph2ps`), once per plane of the node; each turned plane is three multiplications
+//! and three additions on 2 x 8 lanes, the two of a slab with the same weights; `vcvtps2ph` rounds up, and what turns halves into codes is done for sixteen at once.
 
 #![expect(unsafe_code, reason = "intrinsics that load, and calls that the token makes sound")]
+
+mod triangles;
 
 use super::{Kernel, Query, SEPARATED};
 use crate::isa::{Avx2, compiled_for_avx2};
 use crate::key::Key;
 use crate::node::{Node4, Node16};
 use crate::realign::Realignment;
+use crate::triangle::{Probe, Triangle};
 use core::arch::x86_64::*;
+use core::mem::MaybeUninit;
 
 impl Kernel for Avx2 {
     #[inline(always)]
@@ -64,15 +68,21 @@ impl Kernel for Avx2 {
     }
 
     #[inline(always)]
-    fn realign_16<const K: usize>(self, map: &Realignment<K>, node: &Node16<K>) -> Query<16, K> {
+    fn apart_4(self, probe: &Probe<'_>, triangles: &[Triangle; 4]) -> u16 {
         // SAFETY: the token proves the features that the function is compiled for.
-        unsafe { realign_16(map, node) }
+        unsafe { triangles::apart_4(probe, triangles) }
     }
 
     #[inline(always)]
-    fn realign_4<const K: usize>(self, map: &Realignment<K>, node: &Node4<K>) -> Query<4, K> {
+    fn realign_16<const K: usize>(self, map: &Realignment<K>, node: &Node16<K>, query: &mut Query<16, K>) {
         // SAFETY: the token proves the features that the function is compiled for.
-        unsafe { realign_4(map, node) }
+        unsafe { realign_16(map, node, query) }
+    }
+
+    #[inline(always)]
+    fn realign_4<const K: usize>(self, map: &Realignment<K>, node: &Node4<K>, query: &mut Query<4, K>) {
+        // SAFETY: the token proves the features that the function is compiled for.
+        unsafe { realign_4(map, node, query) }
     }
 }
 
@@ -196,6 +206,14 @@ compiled_for_avx2! {
 }
 
 compiled_for_avx2! {
+    /// [`magnitude_if_negative`] of sixteen.
+    #[inline]
+    fn magnitudes_if_negative(x: __m256i) -> __m256i {
+        _mm256_srli_epi16::<1>(_mm256_srai_epi16::<15>(x))
+    }
+}
+
+compiled_for_avx2! {
     /// The halves that are not below eight numbers.
     #[cfg(not(miri))]
     #[inline]
@@ -226,8 +244,7 @@ compiled_for_avx2! {
         // NaN is an unbounded plane: with it as the first operand, `vminps` gives the second.
         let numbers = |x| _mm256_min_ps(x, _mm256_set1_ps(f32::INFINITY));
         let bits = _mm256_set_m128i(halves_up(numbers(high)), halves_up(numbers(low)));
-        let magnitude_if_negative = _mm256_srli_epi16::<1>(_mm256_srai_epi16::<15>(bits));
-        let code = _mm256_xor_si256(bits, magnitude_if_negative);
+        let code = _mm256_xor_si256(bits, magnitudes_if_negative(bits));
         // All that is below -65504 but -infinity was rounded up to it.
         let code = _mm256_max_epi16(code, _mm256_set1_epi16(Key::LOWEST.code()));
         let all_ones = _mm256_set1_epi16(-1);
@@ -239,49 +256,54 @@ compiled_for_avx2! {
 
 compiled_for_avx2! {
     #[inline]
-    fn turn(weights: &[f32; 3], offset: f32, planes: [__m256; 3]) -> __m256 {
-        let [x, y, z] = planes;
-        let [u, v, w] = weights.map(|weight| _mm256_set1_ps(weight));
+    fn turn([u, v, w]: [__m256; 3], offset: __m256, [x, y, z]: [__m256; 3]) -> __m256 {
         let two = _mm256_add_ps(_mm256_mul_ps(u, x), _mm256_mul_ps(v, y));
-        _mm256_add_ps(_mm256_add_ps(two, _mm256_mul_ps(w, z)), _mm256_set1_ps(offset))
+        _mm256_add_ps(_mm256_add_ps(two, _mm256_mul_ps(w, z)), offset)
     }
 }
 
 compiled_for_avx2! {
     #[inline]
-    fn realign_16<const K: usize>(map: &Realignment<K>, node: &Node16<K>) -> Query<16, K> {
-        let mut planes = [[_mm256_setzero_ps(); 2]; K];
+    fn realign_16<const K: usize>(map: &Realignment<K>, node: &Node16<K>, query: &mut Query<16, K>) {
+        // Not zeroed: a kilobyte of stores.
+        let mut planes = [const { MaybeUninit::<[__m256; 2]>::uninit() }; K];
         for (decoded, codes) in planes.iter_mut().zip(&node.planes) {
             let codes = load(codes);
-            *decoded = [decode(_mm256_castsi256_si128(codes)), decode(_mm256_extracti128_si256::<1>(codes))];
+            let bits = _mm256_xor_si256(codes, magnitudes_if_negative(codes));
+            let halves = [_mm256_castsi256_si128(bits), _mm256_extracti128_si256::<1>(bits)];
+            decoded.write(halves.map(|eight| _mm256_cvtph_ps(eight)));
         }
-        let mut query = [[0; 16]; K];
-        for j in 0..K {
-            let [a, b, c] = map.sources[j].map(|s| planes[usize::from(s) % K]);
-            let turned = |half: usize| turn(&map.weights[j], map.offset[j], [a[half], b[half], c[half]]);
-            let codes = encode_query([turned(0), turned(1)]);
-            // SAFETY: the array has the 32 bytes that are written; the store asks for no alignment.
-            unsafe { _mm256_storeu_si256(query[j ^ 1].as_mut_ptr().cast(), codes) };
+        for slab in 0..K / 2 {
+            let sources = map.sources[slab];
+            let weights = map.weights[slab].map(|weight| _mm256_set1_ps(weight));
+            for side in 0..2 {
+                // SAFETY: the loop above wrote all of them.
+                let [a, b, c] = sources.map(|source| unsafe { planes[usize::from(source) ^ side].assume_init_ref() });
+                let offset = _mm256_set1_ps(map.offset[2 * slab + side]);
+                let turned = |half: usize| turn(weights, offset, [a[half], b[half], c[half]]);
+                let codes = encode_query([turned(0), turned(1)]);
+                // SAFETY: the array has the 32 bytes that are written; the store asks for no alignment.
+                unsafe { _mm256_storeu_si256(query[2 * slab + (side ^ 1)].as_mut_ptr().cast(), codes) };
+            }
         }
         let unused = _mm256_cmpeq_epi16(load(&node.planes[0]), _mm256_set1_epi16(Key::EMPTY.code()));
         let codes = _mm256_blendv_epi8(load(&query[0]), _mm256_set1_epi16(SEPARATED), unused);
         // SAFETY: the array has the 32 bytes that are written; the store asks for no alignment.
         unsafe { _mm256_storeu_si256(query[0].as_mut_ptr().cast(), codes) };
-        query
     }
 }
 
 compiled_for_avx2! {
     #[inline]
-    fn realign_4<const K: usize>(map: &Realignment<K>, node: &Node4<K>) -> Query<4, K> {
+    fn realign_4<const K: usize>(map: &Realignment<K>, node: &Node4<K>, query: &mut Query<4, K>) {
         let mut planes = [_mm256_setzero_ps(); K];
         for (decoded, codes) in planes.iter_mut().zip(&node.planes) {
             *decoded = decode(load_4(codes));
         }
-        let mut query = [[0; 4]; K];
         for j in 0..K {
-            let sources = map.sources[j].map(|s| planes[usize::from(s) % K]);
-            let turned = turn(&map.weights[j], map.offset[j], sources);
+            let terms = map.terms(j);
+            let weights = terms.map(|(_, weight)| _mm256_set1_ps(weight));
+            let turned = turn(weights, _mm256_set1_ps(map.offset[j]), terms.map(|(source, _)| planes[source]));
             let codes = _mm256_castsi256_si128(encode_query([turned, turned]));
             // SAFETY: the array has the 8 bytes that are written; the store asks for no alignment.
             unsafe { _mm_storel_epi64(query[j ^ 1].as_mut_ptr().cast(), codes) };
@@ -290,6 +312,5 @@ compiled_for_avx2! {
         let codes = _mm_blendv_epi8(load_4(&query[0]), _mm_set1_epi16(SEPARATED), unused);
         // SAFETY: the array has the 8 bytes that are written; the store asks for no alignment.
         unsafe { _mm_storel_epi64(query[0].as_mut_ptr().cast(), codes) };
-        query
     }
 }

@@ -3,7 +3,7 @@
 //! One slab of sixteen children is one zmm: a masked broadcast puts the query's two planes in its two halves, one `vpcmpgtw` gives 32
 //! bits, `korord` collects them. The low 16 bits are planes 2s, the high 16 planes 2s + 1.
 //!
-//! Re-alignment and the hull of a root are the AVX2 code under this token: Miri runs `vcvtph2ps ymm` but not its zmm form, and what no machine at hand
+//! Re-alignment, the hull of a root and triangles are the AVX2 code under this token: Miri runs `vcvtph2ps ymm` but not its zmm form, and what no machine at hand
 //! has run is not worth a kernel.
 
 #![expect(unsafe_code, reason = "intrinsics that load, and calls that the token makes sound")]
@@ -12,6 +12,7 @@ use super::{Kernel, Query};
 use crate::isa::{Avx512, compiled_for_avx512};
 use crate::node::{Node4, Node16};
 use crate::realign::Realignment;
+use crate::triangle::{Probe, Triangle};
 use core::arch::x86_64::*;
 
 impl Kernel for Avx512 {
@@ -44,13 +45,18 @@ impl Kernel for Avx512 {
     }
 
     #[inline(always)]
-    fn realign_16<const K: usize>(self, map: &Realignment<K>, node: &Node16<K>) -> Query<16, K> {
-        self.as_avx2().realign_16(map, node)
+    fn apart_4(self, probe: &Probe<'_>, triangles: &[Triangle; 4]) -> u16 {
+        self.as_avx2().apart_4(probe, triangles)
     }
 
     #[inline(always)]
-    fn realign_4<const K: usize>(self, map: &Realignment<K>, node: &Node4<K>) -> Query<4, K> {
-        self.as_avx2().realign_4(map, node)
+    fn realign_16<const K: usize>(self, map: &Realignment<K>, node: &Node16<K>, query: &mut Query<16, K>) {
+        self.as_avx2().realign_16(map, node, query);
+    }
+
+    #[inline(always)]
+    fn realign_4<const K: usize>(self, map: &Realignment<K>, node: &Node4<K>, query: &mut Query<4, K>) {
+        self.as_avx2().realign_4(map, node, query);
     }
 }
 

@@ -44,15 +44,15 @@ impl Kernel for Neon {
     }
 
     #[inline(always)]
-    fn realign_16<const K: usize>(self, map: &Realignment<K>, node: &Node16<K>) -> Query<16, K> {
+    fn realign_16<const K: usize>(self, map: &Realignment<K>, node: &Node16<K>, query: &mut Query<16, K>) {
         // SAFETY: the token proves the features that the function is compiled for.
-        unsafe { realign::<16, 4, K>(map, &node.planes) }
+        unsafe { realign::<16, 4, K>(map, &node.planes, query) }
     }
 
     #[inline(always)]
-    fn realign_4<const K: usize>(self, map: &Realignment<K>, node: &Node4<K>) -> Query<4, K> {
+    fn realign_4<const K: usize>(self, map: &Realignment<K>, node: &Node4<K>, query: &mut Query<4, K>) {
         // SAFETY: the token proves the features that the function is compiled for.
-        unsafe { realign::<4, 1, K>(map, &node.planes) }
+        unsafe { realign::<4, 1, K>(map, &node.planes, query) }
     }
 }
 
@@ -222,17 +222,16 @@ compiled_for_neon! {
     fn realign<const W: usize, const Q: usize, const K: usize>(
         map: &Realignment<K>,
         planes: &[[i16; W]; K],
-    ) -> Query<W, K> {
+        query: &mut Query<W, K>,
+    ) {
         let mut decoded = [[vdupq_n_f32(0.0); Q]; K];
         for j in 0..K {
             for (quarter, codes) in decoded[j].iter_mut().zip(planes[j].as_chunks::<4>().0) {
                 *quarter = decode(load_4(codes));
             }
         }
-        let mut query = [[0; W]; K];
         for j in 0..K {
-            let [a, b, c] = map.sources[j].map(|s| decoded[usize::from(s) % K]);
-            let [u, v, w] = map.weights[j];
+            let [(a, u), (b, v), (c, w)] = map.terms(j).map(|(source, weight)| (decoded[source], weight));
             for (i, codes) in query[j ^ 1].as_chunks_mut::<4>().0.iter_mut().enumerate() {
                 // Separate multiplications and additions: fused ones would round otherwise than the specification.
                 let two = vaddq_f32(vmulq_n_f32(a[i], u), vmulq_n_f32(b[i], v));
@@ -248,6 +247,5 @@ compiled_for_neon! {
             // SAFETY: the array has the 8 bytes that are written.
             unsafe { vst1_s16(codes.as_mut_ptr(), marked) };
         }
-        query
     }
 }

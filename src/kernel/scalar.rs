@@ -16,11 +16,14 @@ fn separated<const W: usize, const K: usize>(
     query.iter().zip(planes).any(|(q, p)| q[a] > p[b])
 }
 
-fn realign<const W: usize, const K: usize>(map: &Realignment<K>, planes: &[[i16; W]; K]) -> Query<W, K> {
-    let mut query = [[0; W]; K];
+fn realign<const W: usize, const K: usize>(
+    map: &Realignment<K>,
+    planes: &[[i16; W]; K],
+    query: &mut Query<W, K>,
+) {
     for j in 0..K {
         for lane in 0..W {
-            query[j ^ 1][lane] = !map.plane(j, |source| planes[source % K][lane]).code();
+            query[j ^ 1][lane] = !map.plane(j, |source| planes[source][lane]).code();
         }
     }
     for lane in 0..W {
@@ -28,7 +31,6 @@ fn realign<const W: usize, const K: usize>(map: &Realignment<K>, planes: &[[i16;
             query[0][lane] = SEPARATED;
         }
     }
-    query
 }
 
 impl Kernel for Scalar {
@@ -55,11 +57,11 @@ impl Kernel for Scalar {
         (0..16).filter(|&i| !separated(query, i / 4, &node.planes, i % 4)).fold(0, |mask, i| mask | 1 << i)
     }
 
-    fn realign_16<const K: usize>(self, map: &Realignment<K>, node: &Node16<K>) -> Query<16, K> {
-        realign(map, &node.planes)
+    fn realign_16<const K: usize>(self, map: &Realignment<K>, node: &Node16<K>, query: &mut Query<16, K>) {
+        realign(map, &node.planes, query);
     }
 
-    fn realign_4<const K: usize>(self, map: &Realignment<K>, node: &Node4<K>) -> Query<4, K> {
-        realign(map, &node.planes)
+    fn realign_4<const K: usize>(self, map: &Realignment<K>, node: &Node4<K>, query: &mut Query<4, K>) {
+        realign(map, &node.planes, query);
     }
 }

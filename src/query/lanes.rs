@@ -44,7 +44,7 @@ pub trait Lanes: Node {
     #[doc(hidden)]
     fn map(pose: &Pose, a: &Header, b: &Frame) -> Self::Map;
     #[doc(hidden)]
-    fn realign<E: Kernel>(&self, kernel: E, map: &Self::Map) -> Self::Query;
+    fn realign<E: Kernel>(&self, kernel: E, map: &Self::Map, query: &mut Self::Query);
     /// The bodies in the `wanted` lanes of the query against all lanes of `self`; other rows are zero. Returns the number of kernel
     /// calls too.
     #[doc(hidden)]
@@ -97,8 +97,8 @@ macro_rules! impl_lanes {
             }
 
             #[inline(always)]
-            fn realign<E: Kernel>(&self, kernel: E, map: &Self::Map) -> Self::Query {
-                kernel.$realign(map, self)
+            fn realign<E: Kernel>(&self, kernel: E, map: &Self::Map, query: &mut Self::Query) {
+                kernel.$realign(map, self, query);
             }
 
             #[inline(always)]

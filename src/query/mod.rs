@@ -37,6 +37,7 @@ mod gaps;
 mod hint;
 mod lanes;
 mod leaf;
+mod leaves;
 mod nearest;
 mod stack;
 mod traverse;
@@ -55,7 +56,7 @@ use crate::triangle::distance::within;
 use crate::triangle::overlap;
 use core::ops::ControlFlow;
 use hint::Found;
-use traverse::{Stop, Traversal, moved};
+use traverse::{Limits, Stop, Traversal, moved};
 
 /// The one place that looks at the instruction set: `$call`, with the token as `$token`.
 macro_rules! on_isa {
@@ -204,14 +205,10 @@ impl Query {
         });
         let mut stop = None;
         if hit.is_none() {
-            let counters;
-            (stop, counters) = self.run(a, b, pose, margin, |found| {
+            stop = self.run(a, b, pose, margin, &mut work, |found| {
                 hit = Some(found);
                 ControlFlow::Break(())
             });
-            let (triangle_pairs, exact_pairs) =
-                (work.triangle_pairs + counters.triangle_pairs, work.exact_pairs + counters.exact_pairs);
-            work = Counters { triangle_pairs, exact_pairs, ..counters };
         }
         let verdict = match (hit, stop) {
             (Some(found), _) => Verdict::Hit(found.pair(a, b)),
@@ -229,7 +226,8 @@ impl Query {
         pose: &Pose,
         mut visit: impl FnMut(Pair) -> ControlFlow<()>,
     ) -> (Completion, Counters) {
-        let (stop, counters) = self.run(a, b, pose, 0.0, |found| visit(found.pair(a, b)));
+        let mut counters = Counters::default();
+        let stop = self.run(a, b, pose, 0.0, &mut counters, |found| visit(found.pair(a, b)));
         let completion = match stop {
             None => Completion::Complete,
             Some(Stop::Visitor) => Completion::Stopped,
@@ -245,28 +243,32 @@ impl Query {
         b: &BvhRef<'_, N>,
         pose: &Pose,
         margin: f64,
+        counters: &mut Counters,
         visit: impl FnMut(Found) -> ControlFlow<()>,
-    ) -> (Option<Stop>, Counters) {
-        on_isa!(self.isa, token => self.run_on(token, a, b, pose, margin, visit))
+    ) -> Option<Stop> {
+        on_isa!(self.isa, token => self.run_on(token, [a, b], pose, margin, counters, visit))
     }
 
     #[inline(always)]
     fn run_on<N: Lanes, E: Kernel>(
         &self,
         kernel: E,
-        a: &BvhRef<'_, N>,
-        b: &BvhRef<'_, N>,
+        [a, b]: [&BvhRef<'_, N>; 2],
         pose: &Pose,
         margin: f64,
+        counters: &mut Counters,
         visit: impl FnMut(Found) -> ControlFlow<()>,
-    ) -> (Option<Stop>, Counters) {
+    ) -> Option<Stop> {
         // Inlined in the gate whatever its size: outside of it, no kernel could be inlined.
         kernel.run(
             #[inline(always)]
             || {
-                let mut traversal = Traversal::new(kernel, *a, *b, pose, self.budget, margin, visit);
-                let stop = traversal.run().break_value();
-                (stop, traversal.counters)
+                let mut map = N::map(pose, a.header(), &b.frame());
+                if margin > 0.0 {
+                    N::widen(&mut map, &b.frame(), margin);
+                }
+                let limits = Limits { budget: self.budget, margin };
+                Traversal::new(kernel, [*a, *b], pose, &map, limits, counters, visit).run().break_value()
             },
         )
     }

@@ -221,7 +221,8 @@ impl<'t, N: Lanes, E: Kernel> Search<'t, N, E> {
             && let Link::Inner(node) = a.link()
         {
             self.counters.realignments += 1;
-            self.turned[slot] = (a, self.a.nodes()[node as usize].realign(self.kernel, &self.map));
+            self.turned[slot].0 = a;
+            self.a.nodes()[node as usize].realign(self.kernel, &self.map, &mut self.turned[slot].1);
         }
         slot
     }

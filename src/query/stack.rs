@@ -40,14 +40,14 @@ impl Stack {
         Self { frames: [frame; MAX_DEPTH], len: 0 }
     }
 
+    /// For rows with a bit.
+    ///
     /// # Panics
     /// If full, which trees that were validated cannot bring about.
     #[inline(always)]
     pub(crate) fn push(&mut self, a: Child, b: Child, rows: &Rows) {
-        if rows.pending != 0 {
-            self.frames[self.len] = Frame { a, b, rows: *rows };
-            self.len += 1;
-        }
+        self.frames[self.len] = Frame { a, b, rows: *rows };
+        self.len += 1;
     }
 
     /// Takes the next bit of the frame that was pushed last: lower rows first, lower bits first.

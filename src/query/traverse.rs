@@ -11,8 +11,7 @@ use crate::hierarchy::BvhRef;
 use crate::kernel::Kernel;
 use crate::node::{Child, Link};
 use crate::pose::Pose;
-use crate::triangle::distance::within;
-use crate::triangle::{Probe, Triangle};
+use crate::triangle::Triangle;
 use core::ops::{ControlFlow, Range};
 
 /// Why a traversal ended early.
@@ -24,25 +23,32 @@ pub(crate) enum Stop {
     Budget { upper: f64 },
 }
 
-type Flow = ControlFlow<Stop>;
+pub(super) type Flow = ControlFlow<Stop>;
+
+/// When a traversal ends, and what counts as meeting.
+#[derive(Copy, Clone, Debug)]
+pub(super) struct Limits {
+    pub(super) budget: u64,
+    pub(super) margin: f64,
+}
 
 /// One query under way.
 #[derive(Debug)]
 pub(crate) struct Traversal<'t, N: Lanes, E, V> {
-    kernel: E,
-    a: BvhRef<'t, N>,
-    b: BvhRef<'t, N>,
+    pub(super) kernel: E,
+    pub(super) a: BvhRef<'t, N>,
+    pub(super) b: BvhRef<'t, N>,
     pose: &'t Pose,
-    map: N::Map,
+    map: &'t N::Map,
     budget: u64,
     /// Triangles this far apart count as meeting.
-    margin: f64,
-    pub(crate) counters: Counters,
-    visit: V,
+    pub(super) margin: f64,
+    pub(super) counters: &'t mut Counters,
+    pub(super) visit: V,
     /// The node of A that was turned last, and its children's planes. Siblings in B follow each other, so it is often the next one too.
     turned: (Child, N::Query),
-    /// The leaf of A that is descending B's tree, and its planes in lane 0.
-    aimed: (Child, N::Query),
+    /// The leaf of A that is descending B's tree, if one did, and its planes in lane 0.
+    aimed: Option<(Child, N::Query)>,
     /// Node and lane in B of what A is descending against.
     target: Option<(u32, usize)>,
 }
@@ -51,17 +57,13 @@ impl<'t, N: Lanes, E: Kernel, V: FnMut(Found) -> ControlFlow<()>> Traversal<'t, 
     #[inline(always)]
     pub(crate) fn new(
         kernel: E,
-        a: BvhRef<'t, N>,
-        b: BvhRef<'t, N>,
+        [a, b]: [BvhRef<'t, N>; 2],
         pose: &'t Pose,
-        budget: u64,
-        margin: f64,
+        map: &'t N::Map,
+        Limits { budget, margin }: Limits,
+        counters: &'t mut Counters,
         visit: V,
     ) -> Self {
-        let mut map = N::map(pose, a.header(), &b.frame());
-        if margin > 0.0 {
-            N::widen(&mut map, &b.frame(), margin);
-        }
         let none = (Child::EMPTY, N::NO_QUERY);
         Self {
             kernel,
@@ -71,10 +73,10 @@ impl<'t, N: Lanes, E: Kernel, V: FnMut(Found) -> ControlFlow<()>> Traversal<'t, 
             map,
             budget,
             margin,
-            counters: Counters::default(),
+            counters,
             visit,
             turned: none,
-            aimed: none,
+            aimed: None,
             target: None,
         }
     }
@@ -86,11 +88,12 @@ impl<'t, N: Lanes, E: Kernel, V: FnMut(Found) -> ControlFlow<()>> Traversal<'t, 
         if self.a.is_empty() || self.b.is_empty() {
             return Flow::Continue(());
         }
-        let mut stack = Stack::new();
+        // Many queries end at the roots, and need no stack.
+        let mut stack = None;
         let mut pair = (Child::ROOT, Child::ROOT);
         loop {
             self.step(&mut stack, pair.0, pair.1)?;
-            let Some(next) = stack.next() else { return Flow::Continue(()) };
+            let Some(next) = stack.as_mut().and_then(Stack::next) else { return Flow::Continue(()) };
             pair = self.descend(next);
         }
     }
@@ -109,17 +112,17 @@ impl<'t, N: Lanes, E: Kernel, V: FnMut(Found) -> ControlFlow<()>> Traversal<'t, 
         }
     }
 
-    fn child_a(&self, node: u32, lane: usize) -> Child {
+    pub(super) fn child_a(&self, node: u32, lane: usize) -> Child {
         self.a.nodes()[node as usize].children()[lane]
     }
 
-    fn child_b(&self, node: u32, lane: usize) -> Child {
+    pub(super) fn child_b(&self, node: u32, lane: usize) -> Child {
         self.b.nodes()[node as usize].children()[lane]
     }
 
     /// Visits a pair of which at least one is a node.
     #[inline(always)]
-    fn step(&mut self, stack: &mut Stack, a: Child, b: Child) -> Flow {
+    fn step(&mut self, stack: &mut Option<Stack>, a: Child, b: Child) -> Flow {
         if self.counters.visits == self.budget {
             return Flow::Break(Stop::Budget { upper: self.corner_distance(a, b) });
         }
@@ -140,10 +143,16 @@ impl<'t, N: Lanes, E: Kernel, V: FnMut(Found) -> ControlFlow<()>> Traversal<'t, 
                 None => self.b.nodes()[0].overlap_hull(self.kernel, &self.turned.1),
             };
             self.counters.kernels += kernels;
+            // Half of the visits end here.
+            if wanted == 0 {
+                return Flow::Continue(());
+            }
         }
         if let Link::Inner(node) = b.link() {
-            let (query, wanted) =
-                if let Link::Inner(_) = a.link() { (&self.turned.1, wanted) } else { (&self.aimed.1, 1) };
+            let (query, wanted) = match (a.link(), &self.aimed) {
+                (Link::Leaf { .. }, Some((_, query))) => (query, 1),
+                _ => (&self.turned.1, wanted),
+            };
             let kernels;
             (rows, kernels) = self.b.nodes()[node as usize].overlap_rows(self.kernel, query, wanted);
             self.counters.kernels += kernels;
@@ -152,7 +161,9 @@ impl<'t, N: Lanes, E: Kernel, V: FnMut(Found) -> ControlFlow<()>> Traversal<'t, 
             rows.pending = u16::from(wanted != 0);
         }
         self.decide_leaves(a, b, &mut rows)?;
-        stack.push(a, b, &rows);
+        if rows.pending != 0 {
+            stack.get_or_insert_with(Stack::new).push(a, b, &rows);
+        }
         Flow::Continue(())
     }
 
@@ -161,90 +172,25 @@ impl<'t, N: Lanes, E: Kernel, V: FnMut(Found) -> ControlFlow<()>> Traversal<'t, 
     fn turn(&mut self, a: Child, node: u32) {
         if self.turned.0 != a {
             self.counters.realignments += 1;
-            self.turned = (a, self.a.nodes()[node as usize].realign(self.kernel, &self.map));
+            self.turned.0 = a;
+            self.a.nodes()[node as usize].realign(self.kernel, self.map, &mut self.turned.1);
         }
     }
 
     /// Computes the planes of leaf `a` from its moved corners.
     #[inline(always)]
     fn aim(&mut self, a: Child) {
-        if self.aimed.0 != a {
+        let (leaf, query) = self.aimed.get_or_insert_with(|| (Child::EMPTY, N::NO_QUERY));
+        if *leaf != a {
             let (body, pose) = (&self.a, self.pose);
             let triangles = primitives(a).map(|index| moved(body, pose, index));
-            N::aim(&mut self.aimed.1, &self.b.frame(), triangles, self.margin);
-            self.aimed.0 = a;
+            N::aim(query, &self.b.frame(), triangles, self.margin);
+            *leaf = a;
         }
     }
 
-    /// Decides the pairs of leaves among the bits, and clears them.
     #[inline(always)]
-    fn decide_leaves(&mut self, a: Child, b: Child, rows: &mut Rows) -> Flow {
-        match (a.link(), b.link()) {
-            (Link::Inner(node_a), Link::Inner(node_b)) => {
-                for row in bits_of(rows.pending) {
-                    let child = self.child_a(node_a, row);
-                    if let Link::Leaf { .. } = child.link() {
-                        rows.set(row, self.decide_row(child, node_b, rows.rows[row])?);
-                    }
-                }
-            }
-            (Link::Leaf { .. }, Link::Inner(node_b)) => {
-                rows.set(0, self.decide_row(a, node_b, rows.rows[0])?);
-            }
-            (Link::Inner(node_a), Link::Leaf { .. }) => {
-                let mut inner = rows.rows[0];
-                for lane in bits_of(inner) {
-                    let child = self.child_a(node_a, lane);
-                    if let Link::Leaf { .. } = child.link() {
-                        inner &= !(1 << lane);
-                        self.decide(child, b)?;
-                    }
-                }
-                rows.set(0, inner);
-            }
-            _ => {}
-        }
-        Flow::Continue(())
-    }
-
-    /// Leaf `a` against the leaves among the children of `b` that `bits` names. Returns the bits of the others.
-    #[inline(always)]
-    fn decide_row(&mut self, a: Child, b: u32, bits: u16) -> ControlFlow<Stop, u16> {
-        let mut inner = bits;
-        for lane in bits_of(bits) {
-            let child = self.child_b(b, lane);
-            if let Link::Leaf { .. } = child.link() {
-                inner &= !(1 << lane);
-                self.decide(a, child)?;
-            }
-        }
-        ControlFlow::Continue(inner)
-    }
-
-    /// Every triangle of one leaf against every triangle of the other.
-    #[inline(always)]
-    fn decide(&mut self, a: Child, b: Child) -> Flow {
-        for i in primitives(a) {
-            let moved = self.moved(i);
-            let probe = Probe::new(&moved);
-            for j in primitives(b) {
-                self.counters.triangle_pairs += 1;
-                let (still, exact) = (self.b.triangle(j), &mut self.counters.exact_pairs);
-                let meets = if self.margin > 0.0 {
-                    within(&moved, &still, self.margin, exact)
-                } else {
-                    probe.overlaps(&still, exact)
-                };
-                if meets && (self.visit)(Found { a: i, b: j }).is_break() {
-                    return Flow::Break(Stop::Visitor);
-                }
-            }
-        }
-        Flow::Continue(())
-    }
-
-    #[inline(always)]
-    fn moved(&self, index: u32) -> Triangle {
+    pub(super) fn moved(&self, index: u32) -> Triangle {
         moved(&self.a, self.pose, index)
     }
 
@@ -267,7 +213,7 @@ pub(super) fn moved<N: Lanes>(body: &BvhRef<'_, N>, pose: &Pose, index: u32) -> 
 
 /// The triangles of a leaf.
 #[inline(always)]
-fn primitives(leaf: Child) -> Range<u32> {
+pub(super) fn primitives(leaf: Child) -> Range<u32> {
     match leaf.link() {
         Link::Leaf { first, count } => first..first + count,
         _ => 0..0,
@@ -276,7 +222,7 @@ fn primitives(leaf: Child) -> Range<u32> {
 
 /// The indices of the set bits, ascending.
 #[inline(always)]
-fn bits_of(mut bits: u16) -> impl Iterator<Item = usize> {
+pub(super) fn bits_of(mut bits: u16) -> impl Iterator<Item = usize> {
     core::iter::from_fn(move || {
         let bit = (bits != 0).then(|| bits.trailing_zeros() as usize);
         bits &= bits.wrapping_sub(1);

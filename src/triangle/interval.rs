@@ -1,0 +1,60 @@
+//! The intervals that two triangles cut out of the line common to their planes.
+
+use super::{Signs, Triangle};
+
+/// A triangle that another plane cuts or touches, seen with its own normal towards the eye and the other plane's
+/// normal upwards.
+///
+/// The line common to both planes is then horizontal, and the triangle cuts an interval out of it. The edges from the
+/// apex to `left` and to `right` meet the line in just one point each: the ends of the interval.
+pub(super) struct Wedge {
+    /// The vertex that is alone on its side of the line.
+    apex: [f64; 3],
+    left: [f64; 3],
+    right: [f64; 3],
+    /// 1 if the apex is on or above the line and the others on or below it; -1 the other way round.
+    up: i8,
+}
+
+impl Wedge {
+    /// `sides` are those of the vertices of `t`: neither all zero nor all on one strict side.
+    pub(super) fn new(t: &Triangle, sides: [i8; 3]) -> Self {
+        let [p, q, r] = sides.map(|side| (side + 1) as usize);
+        let (apex, left, right, up) = APEX[(9 * p + 3 * q + r) % 27];
+        Self { apex: t[apex as usize % 3], left: t[left as usize % 3], right: t[right as usize % 3], up }
+    }
+}
+
+/// For the sides of three vertices, as digits of base 3, each one more: which is the apex, which are left and right, and whether it is up. A table, since no
+/// branch would be foreseen. Sides without an apex do not occur; they have some other vertex.
+const APEX: [(u8, u8, u8, i8); 27] = {
+    let mut table = [(0, 1, 2, 1); 27];
+    let mut code = 0;
+    while code < 27 {
+        let sides = [code / 9 - 1, code / 3 % 3 - 1, code % 3 - 1];
+        let mut i = 3;
+        while i > 0 {
+            i -= 1;
+            let (next, last) = ((i + 1) % 3, (i + 2) % 3);
+            let (s, p, q) = (sides[i], sides[next], sides[last]);
+            if s >= 0 && s > p && s > q {
+                table[code as usize] = (i as u8, next as u8, last as u8, 1);
+            } else if s <= 0 && s < p && s < q {
+                table[code as usize] = (i as u8, last as u8, next as u8, -1);
+            }
+        }
+        code += 1;
+    }
+    table
+};
+
+/// Whether the intervals that two triangles cut out of their planes' common line meet.
+///
+/// For an edge `pq` of one triangle and `rs` of the other, the side of `s` of the plane `pqr` tells which of the two
+/// edges meets the line further to the right; `up` corrects for edges that run upwards. The two wedges see the line
+/// from opposite ends: the left end of one is a right end to the other.
+pub(super) fn meet(a: &Wedge, b: &Wedge, signs: &mut Signs) -> bool {
+    let up = a.up * b.up;
+    up * signs.side(&[a.apex, a.left, b.apex], &b.left) <= 0
+        && up * signs.side(&[a.apex, a.right, b.apex], &b.right) >= 0
+}
