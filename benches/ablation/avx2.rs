@@ -93,10 +93,10 @@ impl Turn {
         for s in 0..SLABS {
             // The query's high side is made of the low plane, which is made of the opposites of the high plane's sources.
             for l in 0..3 {
-                let source = turn.sources[2 * s][l];
+                let source = turn.sources[s][l];
                 map.source[l][s] = source / 2;
                 map.sides[l][s] = SIDES[usize::from(source & 1)];
-                map.weights[l][s] = [-turn.weights[2 * s][l]; 4];
+                map.weights[l][s] = [-turn.weights[s][l]; 4];
             }
         }
         map
@@ -277,6 +277,7 @@ macro_rules! binary_system {
             type Map = Turn;
             type Turned<'n> = Slabs<$number>;
             type Leaf = Slabs<$number>;
+            type Isa = Avx2;
             const COLUMN_FIRST: bool = false;
 
             fn node(dops: &[Dop; 2], child: &[Child; 2]) -> $node {
@@ -287,8 +288,8 @@ macro_rules! binary_system {
                 node.child[lane % 2]
             }
             #[inline(always)]
-            fn gate<R>(self, f: impl FnOnce() -> R) -> R {
-                self.0.run(f)
+            fn isa(self) -> Avx2 {
+                self.0
             }
             #[inline(always)]
             fn map(self, turn: &Realignment<K>) -> Turn {

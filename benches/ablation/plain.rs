@@ -26,9 +26,8 @@ pub(crate) struct Vectorised<E>(pub(crate) E);
 
 #[inline(always)]
 fn turned(map: &Realignment<K>, dop: &Dop, j: usize) -> f32 {
-    let ([p, q, r], [u, v, w]) = (map.sources[j], map.weights[j]);
-    let plane = |source: u8| dop[usize::from(source) % K];
-    ((u * plane(p) + v * plane(q)) + w * plane(r)) + map.offset[j]
+    let [p, q, r] = map.terms(j).map(|(source, weight)| weight * dop[source % K]);
+    ((p + q) + r) + map.offset[j]
 }
 
 impl<E: Kernel> EarlyExit<E> {
@@ -59,6 +58,7 @@ impl<E: Kernel> System<2> for EarlyExit<E> {
     type Map = Realignment<K>;
     type Turned<'n> = &'n Pair;
     type Leaf = Dop;
+    type Isa = E;
     const COLUMN_FIRST: bool = false;
 
     fn node(dops: &[Dop; 2], child: &[Child; 2]) -> Pair {
@@ -69,8 +69,8 @@ impl<E: Kernel> System<2> for EarlyExit<E> {
         node.child[lane % 2]
     }
     #[inline(always)]
-    fn gate<R>(self, f: impl FnOnce() -> R) -> R {
-        self.0.run(f)
+    fn isa(self) -> E {
+        self.0
     }
     #[inline(always)]
     fn map(self, turn: &Realignment<K>) -> Realignment<K> {
@@ -119,6 +119,7 @@ impl<E: Kernel> System<2> for Vectorised<E> {
     type Map = Realignment<K>;
     type Turned<'n> = [Dop; 2];
     type Leaf = Dop;
+    type Isa = E;
     const COLUMN_FIRST: bool = false;
 
     fn node(dops: &[Dop; 2], child: &[Child; 2]) -> Pair {
@@ -129,8 +130,8 @@ impl<E: Kernel> System<2> for Vectorised<E> {
         node.child[lane % 2]
     }
     #[inline(always)]
-    fn gate<R>(self, f: impl FnOnce() -> R) -> R {
-        self.0.run(f)
+    fn isa(self) -> E {
+        self.0
     }
     #[inline(always)]
     fn map(self, turn: &Realignment<K>) -> Realignment<K> {

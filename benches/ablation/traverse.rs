@@ -7,10 +7,11 @@
 
 use super::tree::{Dop, K, Tree};
 use core::ops::ControlFlow;
+use simdop::kernel::Kernel;
 use simdop::node::{Child, Link};
 use simdop::pose::Pose;
 use simdop::realign::Realignment;
-use simdop::triangle::{Triangle, overlap};
+use simdop::triangle::{Probe, Triangle};
 
 /// What a query did.
 #[derive(Copy, Clone, Default, Debug)]
@@ -41,13 +42,14 @@ pub(crate) trait System<const W: usize>: Copy {
     type Turned<'n>;
     /// A triangle of A in B's frame.
     type Leaf;
+    type Isa: Kernel;
     /// Ask which children of A overlap what leads to the node of B, before they are tested against all of its children.
     const COLUMN_FIRST: bool;
 
     fn node(dops: &[Dop; W], children: &[Child; W]) -> Self::Node;
     fn child(node: &Self::Node, lane: usize) -> Child;
-    /// Enters code compiled for the instruction set.
-    fn gate<R>(self, f: impl FnOnce() -> R) -> R;
+    /// What the traversal is compiled for.
+    fn isa(self) -> Self::Isa;
     fn map(self, turn: &Realignment<K>) -> Self::Map;
     fn turn<'n>(self, map: &Self::Map, node: &'n Self::Node) -> Self::Turned<'n>;
     fn leaf(self, planes: &[f64; K]) -> Self::Leaf;
@@ -108,7 +110,7 @@ pub(crate) fn collide<const W: usize, S: System<W>>(
     stack: &mut Vec<Frame<W>>,
 ) -> (bool, Work) {
     stack.clear();
-    system.gate(
+    system.isa().run(
         #[inline(always)]
         || {
             let map = system.map(&Realignment::new(pose, &a.header, &b.frame));
@@ -176,6 +178,9 @@ impl<'t, const W: usize, S: System<W>> Descent<'t, W, S> {
             (Link::Inner(node_a), Link::Inner(node_b)) => {
                 let node_b = &self.b.nodes[node_b as usize];
                 let wanted = if S::COLUMN_FIRST { self.column(a, node_a) } else { u16::MAX };
+                if wanted == 0 {
+                    return ControlFlow::Continue(Rows::NONE);
+                }
                 self.turn(a, node_a);
                 let (map, work) = (&self.map, &mut self.work);
                 let mut rows = match &self.turned {
@@ -191,14 +196,12 @@ impl<'t, const W: usize, S: System<W>> Descent<'t, W, S> {
                 ControlFlow::Continue(rows)
             }
             (Link::Inner(node_a), _) => {
-                let mut inner = self.column(a, node_a);
-                for lane in bits_of(inner) {
-                    let child = self.child_a(node_a, lane);
-                    if is_leaf(child) {
-                        inner &= !(1 << lane);
-                        self.decide(child, b)?;
-                    }
-                }
+                let overlapping = self.column(a, node_a);
+                let node = &self.a.nodes[node_a as usize];
+                let leaves = leaves_among::<W, S>(node, overlapping);
+                let (tree, pose, still) = (self.a, self.pose, self.b.triangle(b));
+                self.decide(&still, leaves, |lane| moved(tree, pose, S::child(node, lane)))?;
+                let inner = overlapping & !leaves;
                 let mut rows = Rows::NONE;
                 rows.set(0, inner);
                 ControlFlow::Continue(rows)
@@ -239,7 +242,7 @@ impl<'t, const W: usize, S: System<W>> Descent<'t, W, S> {
     #[inline(always)]
     fn aim(&mut self, a: Child) {
         if !matches!(&self.aimed, Some((last, _)) if *last == a) {
-            let planes = self.b.planes_of(&self.moved(a));
+            let planes = self.b.planes_of(&moved(self.a, self.pose, a));
             self.aimed = Some((a, self.system.leaf(&planes)));
         }
     }
@@ -247,29 +250,55 @@ impl<'t, const W: usize, S: System<W>> Descent<'t, W, S> {
     /// Leaf `a` against the leaves among the children of `b` that `bits` names. Returns the bits of the others.
     #[inline(always)]
     fn decide_row(&mut self, a: Child, b: &S::Node, bits: u16) -> ControlFlow<(), u16> {
-        let mut inner = bits;
-        for lane in bits_of(bits) {
-            let child = S::child(b, lane);
-            if is_leaf(child) {
-                inner &= !(1 << lane);
-                self.decide(a, child)?;
+        let leaves = leaves_among::<W, S>(b, bits);
+        if leaves != 0 {
+            let tree = self.b;
+            let triangle = moved(self.a, self.pose, a);
+            self.decide(&triangle, leaves, |lane| tree.triangle(S::child(b, lane)))?;
+        }
+        ControlFlow::Continue(bits & !leaves)
+    }
+
+    /// One triangle against those of the other body in the lanes `leaves`: as in the library four at a time go through the planes' filter, but a
+    /// single one does not.
+    #[inline(always)]
+    fn decide(&mut self, one: &Triangle, leaves: u16, other: impl Fn(usize) -> Triangle) -> ControlFlow<()> {
+        let probe = Probe::new(one);
+        let mut lanes = bits_of(leaves);
+        let mut others = [[[0.0; 3]; 3]; 4];
+        loop {
+            let mut len = 0;
+            while len < 4
+                && let Some(lane) = lanes.next()
+            {
+                others[len] = other(lane);
+                len += 1;
+            }
+            self.work.triangle_pairs += len as u64;
+            let apart = if len > 1 { self.system.isa().apart_4(&probe, &others) } else { 0 };
+            for k in bits_of(!apart & ((1 << len) - 1)) {
+                if probe.overlaps(&others[k & 3], &mut 0) {
+                    return ControlFlow::Break(());
+                }
+            }
+            if len < 4 {
+                return ControlFlow::Continue(());
             }
         }
-        ControlFlow::Continue(inner)
     }
+}
 
-    #[inline(always)]
-    fn decide(&mut self, a: Child, b: Child) -> ControlFlow<()> {
-        self.work.triangle_pairs += 1;
-        let meet = overlap(&self.moved(a), &self.b.triangle(b), &mut 0);
-        if meet { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
-    }
+/// The triangle of a leaf of A at the pose.
+#[inline(always)]
+fn moved<const W: usize, S: System<W>>(tree: &Tree<W, S>, pose: &Pose, leaf: Child) -> Triangle {
+    let [p, q, r] = tree.triangle(leaf);
+    [pose.apply(p), pose.apply(q), pose.apply(r)]
+}
 
-    #[inline(always)]
-    fn moved(&self, a: Child) -> Triangle {
-        let [p, q, r] = self.a.triangle(a);
-        [self.pose.apply(p), self.pose.apply(q), self.pose.apply(r)]
-    }
+/// Which of the children that the bits name are leaves.
+#[inline(always)]
+fn leaves_among<const W: usize, S: System<W>>(node: &S::Node, bits: u16) -> u16 {
+    bits_of(bits).filter(|&lane| is_leaf(S::child(node, lane))).fold(0, |leaves, lane| leaves | 1 << lane)
 }
 
 fn is_leaf(child: Child) -> bool {

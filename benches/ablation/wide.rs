@@ -67,6 +67,7 @@ macro_rules! wide_system {
             type Map = Realignment<K>;
             type Turned<'n> = $query;
             type Leaf = $query;
+            type Isa = Avx2;
             const COLUMN_FIRST: bool = true;
 
             fn node(dops: &[Dop; 16], child: &[Child; 16]) -> $node {
@@ -77,8 +78,8 @@ macro_rules! wide_system {
                 node.child[lane % 16]
             }
             #[inline(always)]
-            fn gate<R>(self, f: impl FnOnce() -> R) -> R {
-                self.0.run(f)
+            fn isa(self) -> Avx2 {
+                self.0
             }
             #[inline(always)]
             fn map(self, turn: &Realignment<K>) -> Realignment<K> {
@@ -135,7 +136,11 @@ macro_rules! wide_system {
 
 wide_system! {
     Keys, Node16<K>, Query<16, K>, [[i16::MAX; 16]; K], keys,
-    |isa: Avx2, map, node| isa.realign_16(map, node),
+    |isa: Avx2, map, node| {
+        let mut query = [[0; 16]; K];
+        isa.realign_16(map, node, &mut query);
+        query
+    },
     |query: &mut Query<16, K>, j: usize, plane| {
         query[j ^ 1][0] = !Key::round_up_or_unbounded(plane).code();
     },
@@ -205,8 +210,9 @@ for_avx2! {
     /// Plane j turned, in lanes 8 h to 8 h + 7.
     fn turned(map: &Realignment<K>, planes: &Floats16, j: usize, h: usize) -> __m256 {
         let term = |l: usize| {
-            let plane = load(&planes[usize::from(map.sources[j][l]) % K], h);
-            _mm256_mul_ps(_mm256_set1_ps(map.weights[j][l]), plane)
+            // Plane 2 s + 1 takes the opposites of plane 2 s's sources, at the same weights.
+            let plane = load(&planes[(usize::from(map.sources[j / 2][l]) ^ (j & 1)) % K], h);
+            _mm256_mul_ps(_mm256_set1_ps(map.weights[j / 2][l]), plane)
         };
         let sum = _mm256_add_ps(_mm256_add_ps(term(0), term(1)), term(2));
         _mm256_add_ps(sum, _mm256_set1_ps(map.offset[j]))
