@@ -26,8 +26,21 @@ pub(crate) struct Vectorised<E>(pub(crate) E);
 
 #[inline(always)]
 fn turned(map: &Realignment<K>, dop: &Dop, j: usize) -> f32 {
-    let [p, q, r] = map.terms(j).map(|(source, weight)| weight * dop[source % K]);
-    ((p + q) + r) + map.offset[j]
+    let ([p, q, r], [u, v, w]) = (map.sources[j], map.weights[j]);
+    let plane = |source: u8| dop[usize::from(source) % K];
+    ((u * plane(p) + v * plane(q)) + w * plane(r)) + map.offset[j]
+}
+
+/// Sources and weights of every plane, where the library has them of every slab: nothing is left to be worked out when a plane is turned.
+#[inline(always)]
+pub(crate) fn by_planes(turn: &Realignment<K>) -> Realignment<K> {
+    let mut map = Realignment { sources: [[0; 3]; K], weights: [[0.0; 3]; K], offset: turn.offset };
+    for s in 0..K / 2 {
+        let [p, q, r] = turn.sources[s];
+        (map.sources[2 * s], map.sources[2 * s + 1]) = ([p, q, r], [p ^ 1, q ^ 1, r ^ 1]);
+        (map.weights[2 * s], map.weights[2 * s + 1]) = (turn.weights[s], turn.weights[s]);
+    }
+    map
 }
 
 impl<E: Kernel> EarlyExit<E> {
@@ -74,7 +87,7 @@ impl<E: Kernel> System<2> for EarlyExit<E> {
     }
     #[inline(always)]
     fn map(self, turn: &Realignment<K>) -> Realignment<K> {
-        *turn
+        by_planes(turn)
     }
     #[inline(always)]
     fn turn<'n>(self, _: &Realignment<K>, node: &'n Pair) -> &'n Pair {
@@ -135,7 +148,7 @@ impl<E: Kernel> System<2> for Vectorised<E> {
     }
     #[inline(always)]
     fn map(self, turn: &Realignment<K>) -> Realignment<K> {
-        *turn
+        by_planes(turn)
     }
     #[inline(always)]
     fn turn(self, map: &Realignment<K>, node: &Pair) -> [Dop; 2] {

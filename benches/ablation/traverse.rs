@@ -116,7 +116,18 @@ pub(crate) fn collide<const W: usize, S: System<W>>(
             let map = system.map(&Realignment::new(pose, &a.header, &b.frame));
             let target = (&b.above, 0);
             let work = Work::default();
-            let mut descent = Descent { system, a, b, pose, map, turned: None, aimed: None, target, work };
+            let mut descent = Descent {
+                system,
+                a,
+                b,
+                pose,
+                map,
+                turned: None,
+                aimed: None,
+                target,
+                others: [[[0.0; 3]; 3]; 4],
+                work,
+            };
             let hit = descent.run(stack).is_break();
             (hit, descent.work)
         },
@@ -133,6 +144,8 @@ struct Descent<'t, const W: usize, S: System<W>> {
     aimed: Option<(Child, S::Leaf)>,
     /// Node and lane in B of what A is descending against.
     target: (&'t S::Node, usize),
+    /// Triangles that are tested together.
+    others: [Triangle; 4],
     work: Work,
 }
 
@@ -260,24 +273,32 @@ impl<'t, const W: usize, S: System<W>> Descent<'t, W, S> {
     }
 
     /// One triangle against those of the other body in the lanes `leaves`: as in the library four at a time go through the planes' filter, but a
-    /// single one does not.
+    /// single one does not, nor do the two that a binary node has at most.
     #[inline(always)]
     fn decide(&mut self, one: &Triangle, leaves: u16, other: impl Fn(usize) -> Triangle) -> ControlFlow<()> {
         let probe = Probe::new(one);
         let mut lanes = bits_of(leaves);
-        let mut others = [[[0.0; 3]; 3]; 4];
+        if W < 4 {
+            for lane in lanes {
+                self.work.triangle_pairs += 1;
+                if probe.overlaps(&other(lane), &mut 0) {
+                    return ControlFlow::Break(());
+                }
+            }
+            return ControlFlow::Continue(());
+        }
         loop {
             let mut len = 0;
             while len < 4
                 && let Some(lane) = lanes.next()
             {
-                others[len] = other(lane);
+                self.others[len] = other(lane);
                 len += 1;
             }
             self.work.triangle_pairs += len as u64;
-            let apart = if len > 1 { self.system.isa().apart_4(&probe, &others) } else { 0 };
+            let apart = if len > 1 { self.system.isa().apart_4(&probe, &self.others) } else { 0 };
             for k in bits_of(!apart & ((1 << len) - 1)) {
-                if probe.overlaps(&others[k & 3], &mut 0) {
+                if probe.overlaps(&self.others[k & 3], &mut 0) {
                     return ControlFlow::Break(());
                 }
             }

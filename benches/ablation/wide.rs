@@ -3,6 +3,7 @@
 
 #![expect(unsafe_code, reason = "intrinsics that load and store, and calls that the token makes sound")]
 
+use super::plain::by_planes;
 use super::traverse::{Rows, System, Work};
 use super::tree::{Dop, K, round_up};
 use crate::support::papers::{FloatQuery, Halves, Papers, halves_16};
@@ -60,7 +61,7 @@ fn wanted_rows(wanted: u16, work: &mut Work, row: impl Fn(usize) -> u16) -> Rows
 
 macro_rules! wide_system {
     (
-        $system:ty, $node:ty, $query:ty, $none:expr, $make:expr, $turn:expr, $leaf:expr, $row:expr, $column:expr
+        $system:ty, $node:ty, $query:ty, $none:expr, $map:expr, $make:expr, $turn:expr, $leaf:expr, $row:expr, $column:expr
     ) => {
         impl System<16> for $system {
             type Node = $node;
@@ -83,7 +84,7 @@ macro_rules! wide_system {
             }
             #[inline(always)]
             fn map(self, turn: &Realignment<K>) -> Realignment<K> {
-                *turn
+                $map(turn)
             }
             #[inline(always)]
             fn turn(self, map: &Realignment<K>, node: &$node) -> $query {
@@ -135,7 +136,7 @@ macro_rules! wide_system {
 }
 
 wide_system! {
-    Keys, Node16<K>, Query<16, K>, [[i16::MAX; 16]; K], keys,
+    Keys, Node16<K>, Query<16, K>, [[i16::MAX; 16]; K], |turn: &Realignment<K>| *turn, keys,
     |isa: Avx2, map, node| {
         let mut query = [[0; 16]; K];
         isa.realign_16(map, node, &mut query);
@@ -151,7 +152,7 @@ wide_system! {
 type Floats16 = [[f32; 16]; K];
 
 wide_system! {
-    Floats, FloatNode, Floats16, [[f32::INFINITY; 16]; K],
+    Floats, FloatNode, Floats16, [[f32::INFINITY; 16]; K], by_planes,
     |dops: &[Dop; 16], child: &[Child; 16]| {
         FloatNode { planes: core::array::from_fn(|j| dops.map(|dop| dop[j])), child: *child }
     },
@@ -165,7 +166,7 @@ wide_system! {
 }
 
 wide_system! {
-    PapersHalves, Halves<16, K>, FloatQuery<16, K>, [[0.0; 16]; K],
+    PapersHalves, Halves<16, K>, FloatQuery<16, K>, [[0.0; 16]; K], by_planes,
     |dops, child| halves_16(&keys(dops, child)),
     // SAFETY: the token proves the features.
     |_: Avx2, map, node| unsafe { turn_halves(map, node) },
@@ -210,9 +211,8 @@ for_avx2! {
     /// Plane j turned, in lanes 8 h to 8 h + 7.
     fn turned(map: &Realignment<K>, planes: &Floats16, j: usize, h: usize) -> __m256 {
         let term = |l: usize| {
-            // Plane 2 s + 1 takes the opposites of plane 2 s's sources, at the same weights.
-            let plane = load(&planes[(usize::from(map.sources[j / 2][l]) ^ (j & 1)) % K], h);
-            _mm256_mul_ps(_mm256_set1_ps(map.weights[j / 2][l]), plane)
+            let plane = load(&planes[usize::from(map.sources[j][l]) % K], h);
+            _mm256_mul_ps(_mm256_set1_ps(map.weights[j][l]), plane)
         };
         let sum = _mm256_add_ps(_mm256_add_ps(term(0), term(1)), term(2));
         _mm256_add_ps(sum, _mm256_set1_ps(map.offset[j]))
