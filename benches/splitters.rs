@@ -7,6 +7,8 @@
 
 #[path = "../tests/support/data.rs"]
 mod data;
+#[path = "support/distances.rs"]
+mod distances;
 #[path = "../tests/support/rng.rs"]
 mod rng;
 #[path = "support/suites.rs"]
@@ -18,13 +20,14 @@ mod rng;
 mod suites;
 
 use data::{MeshData, directory};
+use distances::{PerDistance, poses};
 use simdop::build::{Builder, Magnification, Mesh, Splitter};
 use simdop::hierarchy::Bvh;
 use simdop::isa::Isa;
 use simdop::node::Node16;
 use simdop::pose::Pose;
 use simdop::query::{Lanes, Query};
-use suites::{Approaching, DISTANCES, Method};
+use suites::DISTANCES;
 
 const MODELS: [&str; 6] = ["cow", "armadillo", "bunny75k", "camel", "hand", "fandisk_large"];
 
@@ -41,9 +44,6 @@ const SPLITTERS: [(&str, Splitter); 6] = [
 /// So many that trees 1 % apart can be told from each other: with 100 poses, another seed changes the order of the best three.
 const POSES: usize = 1600;
 
-/// By distance.
-type PerDistance<T> = [T; DISTANCES.len()];
-
 fn main() {
     let Some(data) = directory() else { return };
     println!("| mesh | splitter | {} |", DISTANCES.map(|(name, _)| name).join(" | "));
@@ -51,7 +51,7 @@ fn main() {
     let mut fewest = 0;
     for model in MODELS {
         let mesh = MeshData::obj(&data.join("meshes").join(model).with_extension("obj"));
-        let poses = poses(&mesh);
+        let poses = poses(&mesh, POSES);
         let visits = SPLITTERS.map(|(_, splitter)| visits(&build(&mesh, splitter), &poses));
         for ((splitter, _), visits) in SPLITTERS.iter().zip(&visits) {
             println!("| {model} | {splitter} | {} |", visits.map(|v| format!("{v:.2}")).join(" | "));
@@ -65,19 +65,6 @@ fn main() {
 fn build<N: Lanes>(mesh: &MeshData, splitter: Splitter) -> Bvh<N> {
     let mesh = Mesh { vertices: &mesh.vertices, triangles: &mesh.triangles };
     Builder::new().splitter(splitter).build(&mesh).unwrap()
-}
-
-/// Found by the trees of one splitter, so that a change of another is judged at the same poses.
-fn poses(mesh: &MeshData) -> PerDistance<Vec<Pose>> {
-    let tree = build(mesh, Splitter::ExtendedLongestAxis);
-    let pair = Approaching { a: mesh, b: mesh, tree_a: tree.view(), tree_b: tree.view() };
-    let mut poses: PerDistance<Vec<Pose>> = Default::default();
-    for line in Method::ALL.into_iter().flat_map(|method| pair.poses(method, POSES / 2, 1)) {
-        for (poses, rows) in poses.iter_mut().zip(line) {
-            poses.push(Pose::from_rows(rows).unwrap());
-        }
-    }
-    poses
 }
 
 fn visits(tree: &Bvh<Node16<18>>, poses: &PerDistance<Vec<Pose>>) -> PerDistance<f64> {

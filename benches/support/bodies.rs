@@ -42,7 +42,7 @@ fn scene<N: Lanes>(mesh: MeshData) -> Scene<N> {
     Scene { tree, poses }
 }
 
-fn wavy_torus(n: u32) -> MeshData {
+pub(crate) fn wavy_torus(n: u32) -> MeshData {
     let angle = |i: u32| f64::from(i) / f64::from(n) * core::f64::consts::TAU;
     let grid = || (0..n).flat_map(|i| (0..n).map(move |j| (i, j)));
     let vertex = |(i, j)| {

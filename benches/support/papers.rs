@@ -11,7 +11,7 @@ use core::arch::x86_64::*;
 use simdop::isa::{Avx2, Avx512};
 use simdop::kernel::Query;
 use simdop::key::{Key, decode};
-use simdop::node::{Node4, Node16};
+use simdop::node::{Child, Node4, Node16};
 
 /// A query in floats, by slab: low bounds in `[2 s]`, high bounds in `[2 s + 1]`.
 pub(crate) type FloatQuery<const W: usize, const K: usize> = [[f32; W]; K];
@@ -21,8 +21,8 @@ pub(crate) type FloatQuery<const W: usize, const K: usize> = [[f32; W]; K];
 #[repr(C, align(64))]
 pub(crate) struct Halves<const W: usize, const K: usize> {
     /// By slab: low bounds in `[2 s]`, high bounds in `[2 s + 1]`.
-    planes: [[u16; W]; K],
-    child: [u32; W],
+    pub(crate) planes: [[u16; W]; K],
+    pub(crate) child: [Child; W],
 }
 
 pub(crate) fn float_query<const W: usize, const K: usize>(query: &Query<W, K>) -> FloatQuery<W, K> {
@@ -32,11 +32,11 @@ pub(crate) fn float_query<const W: usize, const K: usize>(query: &Query<W, K>) -
     })
 }
 
-fn halves<const W: usize, const K: usize>(planes: &[[i16; W]; K]) -> Halves<W, K> {
+fn halves<const W: usize, const K: usize>(planes: &[[i16; W]; K], child: [Child; W]) -> Halves<W, K> {
     let bits = |code: i16| if code >= 0 { code as u16 } else { (code ^ 0x7fff) as u16 };
     let plane =
         |j: usize| planes[j ^ 1].map(|code| if j.is_multiple_of(2) { bits(!code) } else { bits(code) });
-    let mut halves = Halves { planes: core::array::from_fn(plane), child: [0; W] };
+    let mut halves = Halves { planes: core::array::from_fn(plane), child };
     for lane in (0..W).filter(|&lane| planes[0][lane] == Key::EMPTY.code()) {
         for slab in halves.planes.chunks_exact_mut(2) {
             (slab[0][lane], slab[1][lane]) = (0x7c00, 0xfc00);
@@ -46,11 +46,11 @@ fn halves<const W: usize, const K: usize>(planes: &[[i16; W]; K]) -> Halves<W, K
 }
 
 pub(crate) fn halves_16<const K: usize>(node: &Node16<K>) -> Halves<16, K> {
-    halves(&node.planes)
+    halves(&node.planes, node.child)
 }
 
 pub(crate) fn halves_4<const K: usize>(node: &Node4<K>) -> Halves<4, K> {
-    halves(&node.planes)
+    halves(&node.planes, node.child)
 }
 
 /// The paper's 1vs16. `EXIT`: after each slab, leave if all lanes are separated, as the paper does.

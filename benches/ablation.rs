@@ -1,0 +1,192 @@
+//! The SIMDop paper's comparison: binary DOP trees, scalar, vectorised by the compiler and by hand, against 1vs16 and 4vs4; and an ablation of the
+//! library: what SIMD, arity, 16-bit keys and splitter are worth.
+//!
+//! ```sh
+//! cargo bench --bench ablation                     # cow, armadillo, hand, bunny75k and a made-up torus; a minute
+//! cargo bench --bench ablation -- cow              # these only; `torus` needs no files
+//! ```
+//!
+//! A mesh against itself, k = 18, one triangle a leaf, first hit. Every system has the same triangles, predicate and poses (those of
+//! `support/suites.rs`), and gives the library's verdict at every pose, and at poses that barely touch, before it is timed. Times are medians over the
+//! poses of the least of [`PASSES`] passes; the systems take turns, [`BLOCK`] poses each. Counts are means over the poses at the distance 0 %.
+//!
+//! The binary trees turn A's DOPs by the library's own inequality and pads (`src/realign.rs`), and descend as the library does
+//! (`ablation/traverse.rs`). They are split by full sweeps (`ablation/split.rs`).
+
+#![expect(clippy::unwrap_used, reason = "a benchmark that cannot go on has failed")]
+
+#[path = "../tests/support/data.rs"]
+mod data;
+#[path = "support/distances.rs"]
+mod distances;
+mod ablation {
+    #[cfg(target_arch = "x86_64")]
+    pub(crate) mod avx2;
+    pub(crate) mod orientations;
+    pub(crate) mod plain;
+    pub(crate) mod split;
+    pub(crate) mod systems;
+    pub(crate) mod traverse;
+    pub(crate) mod tree;
+    #[cfg(target_arch = "x86_64")]
+    pub(crate) mod wide;
+}
+#[path = "../tests/support/rng.rs"]
+mod rng;
+#[path = "support/suites.rs"]
+#[expect(
+    dead_code,
+    unused_imports,
+    reason = "its test runs with benches/peers, and names of methods are for the plots there"
+)]
+mod suites;
+#[expect(dead_code, reason = "the kernels' variants and their clock are for benches/kernel.rs")]
+mod support;
+
+use ablation::systems::{Entrant, entrants};
+use ablation::traverse::Work;
+use data::{MeshData, Suite, directory};
+use distances::{PerDistance, poses};
+use simdop::isa::Isa;
+use simdop::pose::Pose;
+use std::time::{Duration, Instant};
+use suites::DISTANCES;
+use support::bodies::wavy_torus;
+
+const MODELS: [&str; 4] = ["cow", "armadillo", "hand", "bunny75k"];
+const TORUS: &str = "torus";
+/// At each distance.
+const POSES: usize = 100;
+/// Poses that a system gets in a row before it is the next one's turn, as in `benches/peers`: a planner asks one library many things.
+const BLOCK: usize = 10;
+const PASSES: usize = 5;
+/// Which of [`DISTANCES`] the counts are of: the paper's.
+const TOUCHING: usize = 1;
+
+fn main() {
+    let asked: Vec<String> = std::env::args().skip(1).filter(|arg| !arg.starts_with("--")).collect();
+    let isas: Vec<&str> = Isa::available().map(Isa::name).collect();
+    println!("{}; instruction sets: {}\n", cpu(), isas.join(", "));
+    let mut all = Vec::new();
+    for (name, mesh) in meshes() {
+        if asked.is_empty() || asked.iter().any(|asked| asked == name) {
+            all.push(report(name, &mesh));
+        }
+    }
+    summary(&all);
+}
+
+/// Prints times as multiples of the first system's: geometric means over the meshes.
+fn summary(meshes: &[Vec<Timed>]) {
+    let Some(first) = meshes.first() else { return };
+    println!("## Times as multiples of the first system's, geometric means of {} meshes\n", meshes.len());
+    println!("| system | {} |", DISTANCES.map(|(name, _)| name).join(" | "));
+    println!("|---|{}", "---|".repeat(DISTANCES.len()));
+    for (i, Timed { name, .. }) in first.iter().enumerate() {
+        let mean = |distance: usize| {
+            let ratio = |mesh: &Vec<Timed>| mesh[i].medians[distance] / mesh[0].medians[distance];
+            (meshes.iter().map(|mesh| ratio(mesh).ln()).sum::<f64>() / meshes.len() as f64).exp()
+        };
+        let columns: PerDistance<String> = core::array::from_fn(|distance| format!("{:.2}", mean(distance)));
+        println!("| {name} | {} |", columns.join(" | "));
+    }
+}
+
+/// A system's times on a mesh.
+struct Timed {
+    name: String,
+    /// Microseconds.
+    medians: PerDistance<f64>,
+}
+
+fn meshes() -> impl Iterator<Item = (&'static str, MeshData)> {
+    let read = |data: std::path::PathBuf| {
+        MODELS.map(|name| (name, MeshData::obj(&data.join("meshes").join(name).with_extension("obj"))))
+    };
+    directory().map(read).into_iter().flatten().chain([(TORUS, wavy_torus(100))])
+}
+
+fn cpu() -> String {
+    let info = std::fs::read_to_string("/proc/cpuinfo").unwrap_or_default();
+    let name =
+        info.lines().find(|line| line.starts_with("model name")).and_then(|line| line.split(": ").nth(1));
+    name.unwrap_or("an unknown CPU").to_owned()
+}
+
+fn report(name: &str, mesh: &MeshData) -> Vec<Timed> {
+    let poses = poses(mesh, POSES);
+    let entrants = entrants(mesh);
+    check(&entrants, poses.iter().flatten());
+    check(&entrants, &grazing(mesh, &entrants[0]));
+    let medians = poses.each_ref().map(|poses| medians(&entrants, poses));
+    println!("## {name}, {} triangles\n", mesh.triangles.len());
+    let distances = DISTANCES.map(|(name, _)| format!("{name}, us")).join(" | ");
+    println!(
+        "| system | bytes of nodes a triangle | {distances} | visits | DOP pairs | slabs a pair | triangle pairs |"
+    );
+    println!("|---|---|{}---|---|---|---|", "---|".repeat(DISTANCES.len()));
+    for (i, entrant) in entrants.iter().enumerate() {
+        let times = medians.each_ref().map(|of| format!("{:.2}", of[i])).join(" | ");
+        let works: Vec<Work> = poses[TOUCHING].iter().map(|pose| (entrant.collide)(pose).1).collect();
+        let sum = |of: fn(&Work) -> u64| works.iter().map(of).sum::<u64>() as f64;
+        let mean = |of| format!("{:.1}", sum(of) / works.len() as f64);
+        println!(
+            "| {} | {:.0} | {times} | {} | {} | {:.2} | {} |",
+            entrant.name,
+            entrant.bytes as f64 / mesh.triangles.len() as f64,
+            mean(|w| w.visits),
+            mean(|w| w.tests),
+            sum(|w| w.slabs) / sum(|w| w.tests),
+            mean(|w| w.triangle_pairs),
+        );
+    }
+    println!();
+    ablation::orientations::report(mesh, &poses[TOUCHING]);
+    let timed = |(i, entrant): (usize, Entrant)| Timed {
+        name: entrant.name,
+        medians: medians.each_ref().map(|of| of[i]),
+    };
+    entrants.into_iter().enumerate().map(timed).collect()
+}
+
+/// # Panics
+/// If a system does not give the verdict of the first, the library's.
+fn check<'p>(entrants: &[Entrant], poses: impl IntoIterator<Item = &'p Pose>) {
+    for pose in poses {
+        let (expected, _) = (entrants[0].collide)(pose);
+        for Entrant { name, collide, .. } in entrants {
+            assert_eq!(collide(pose).0, expected, "{name} is wrong at {pose:?}");
+        }
+    }
+}
+
+/// Poses down to 1e-8 of the diagonal on either side of the contact, where a bound that is too tight shows.
+fn grazing(mesh: &MeshData, entrant: &Entrant) -> Vec<Pose> {
+    let suite = Suite { name: "ablation", a: mesh.clone(), b: mesh.clone() };
+    let pose = |rows: &_| Pose::from_rows(*rows).unwrap();
+    suite.poses(1, |rows| (entrant.collide)(&pose(rows)).0).iter().map(pose).collect()
+}
+
+/// Microseconds of each entrant.
+fn medians(entrants: &[Entrant], poses: &[Pose]) -> Vec<f64> {
+    let mut best = vec![vec![Duration::MAX; poses.len()]; entrants.len()];
+    for (turn, first) in (0..poses.len()).step_by(BLOCK).enumerate() {
+        let block = first..poses.len().min(first + BLOCK);
+        for i in 0..entrants.len() {
+            let which = (turn + i) % entrants.len();
+            for _ in 0..PASSES {
+                for pose in block.clone() {
+                    let start = Instant::now();
+                    std::hint::black_box((entrants[which].collide)(&poses[pose]));
+                    best[which][pose] = best[which][pose].min(start.elapsed());
+                }
+            }
+        }
+    }
+    best.into_iter()
+        .map(|mut times| {
+            times.sort_unstable();
+            1e6 * times[times.len() / 2].as_secs_f64()
+        })
+        .collect()
+}
