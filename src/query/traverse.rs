@@ -180,7 +180,7 @@ impl<'t, N: Lanes, E: Kernel, V: FnMut(Found) -> ControlFlow<()>> Traversal<'t, 
     /// Computes the planes of leaf `a` from its moved corners.
     #[inline(always)]
     fn aim(&mut self, a: Child) {
-        let (leaf, query) = self.aimed.get_or_insert_with(|| (Child::EMPTY, N::NO_QUERY));
+        let (leaf, query) = self.aimed.get_or_insert((Child::EMPTY, N::NO_QUERY));
         if *leaf != a {
             let (body, pose) = (&self.a, self.pose);
             let triangles = primitives(a).map(|index| moved(body, pose, index));
