@@ -2,7 +2,7 @@
 //!
 //! One macro makes the same named tests for each name in `Isa::NAMES`. An instruction set that this machine has not got is reported as
 //! `NOT RUN`, and is a failure where `SIMDOP_REQUIRE_ISA` (names, with commas) asks for it. `SIMDOP_PAIRS` sets the number of pairs of
-//! nodes per k.
+//! nodes per k. At [`RECORDED_PAIRS`] the oracle is the scalar kernel's recorded digest, which spares an emulator the scalar kernel.
 
 mod support;
 
@@ -110,6 +110,38 @@ fn pairs() -> u64 {
     }
 }
 
+/// Pairs of nodes per k at which digests are compared with [`RECORDED`] ones, and an eighth as many re-alignments.
+const RECORDED_PAIRS: u64 = 10_000_000;
+
+/// For each k, the scalar kernel's digests of overlaps and of re-alignments. The tests of `scalar` check them:
+/// `SIMDOP_PAIRS=10000000 cargo test --release --test kernel_law scalar`.
+#[rustfmt::skip]
+const RECORDED: [(usize, [u64; 2]); 5] = [
+    (6, [0xba1264ffb34951e5, 0x0acf102eedbb8724]),
+    (14, [0x9615bfaefa2ab949, 0xbc57a48948e2c6a1]),
+    (18, [0x66e79af1192efce7, 0x4be1c20b1690497a]),
+    (26, [0xe7459aa046af356b, 0x242050dc9399712e]),
+    (32, [0xd1e722160c3abf4c, 0x006699466526b10a]),
+];
+
+/// The scalar kernel's digests of overlaps and of re-alignments, where the number of pairs is the recorded one.
+fn recorded<const K: usize>() -> Option<[u64; 2]> {
+    (pairs() == RECORDED_PAIRS).then(|| RECORDED.iter().find(|row| row.0 == K).expect("a row for each k").1)
+}
+
+/// Prints a digest, and compares it if there is a recorded one.
+fn conclude(what: &str, digest: &Digest, recorded: Option<u64>) {
+    println!("{what}, digest {:016x}", digest.0);
+    let all = pairs();
+    assert!(
+        recorded.is_none_or(|want| digest.0 == want),
+        "{what}: digest {:#018x}, the scalar kernel's is {:#018x}; SIMDOP_PAIRS={} compares the same pairs one by one",
+        digest.0,
+        recorded.unwrap_or_default(),
+        all - 1
+    );
+}
+
 // ---- Inputs -------------------------------------------------------------------------------------------------------------------
 
 /// Planes of `W` bodies, by plane.
@@ -164,28 +196,82 @@ fn code(rng: &mut Rng) -> i16 {
     if rng.below(4) == 0 { *rng.pick(&SPECIAL) } else { rng.u64() as i16 }
 }
 
+/// Planes below `middles` (side -1, for queries) or above them (1, for nodes), except one in 2 K.
+fn planes<const W: usize, const K: usize>(
+    rng: &mut Rng,
+    mode: Mode,
+    middles: &[i16; K],
+    side: i64,
+) -> Planes<W, K> {
+    let grid = |x: i64| Key::round_up_f64(x as f64).unwrap().code();
+    let mut draw = |middle: i16| {
+        let side = if rng.below(2 * K as u64) == 0 { -side } else { side };
+        match mode {
+            Mode::Grid => grid(if side < 0 { rng.int(-2, 1) } else { rng.int(1, 3) }),
+            Mode::Near => middle.saturating_add((side * rng.int(0, 1)) as i16),
+            Mode::AnyBits | Mode::Real => {
+                let any = code(rng);
+                if side < 0 { any.min(middle) } else { any.max(middle) }
+            }
+        }
+    };
+    core::array::from_fn(|j| core::array::from_fn(|_| draw(middles[j])))
+}
+
+fn middles<const K: usize>(rng: &mut Rng) -> [i16; K] {
+    core::array::from_fn(|_| code(rng))
+}
+
 /// A query and a node's planes.
 fn pair<const W: usize, const K: usize>(rng: &mut Rng, mode: Mode) -> (Planes<W, K>, Planes<W, K>) {
-    let (mut query, mut planes) = ([[0; W]; K], [[0; W]; K]);
-    for j in 0..K {
-        let middle = code(rng);
-        let grid = |x: i64| Key::round_up_f64(x as f64).unwrap().code();
-        // Below the middle for the query, above it for the planes, except one in 2 K.
-        let mut draw = |side: i64| {
-            let side = if rng.below(2 * K as u64) == 0 { -side } else { side };
-            match mode {
-                Mode::Grid => grid(if side < 0 { rng.int(-2, 1) } else { rng.int(1, 3) }),
-                Mode::Near => middle.saturating_add((side * rng.int(0, 1)) as i16),
-                Mode::AnyBits | Mode::Real => {
-                    let any = code(rng);
-                    if side < 0 { any.min(middle) } else { any.max(middle) }
-                }
-            }
-        };
-        query[j] = core::array::from_fn(|_| draw(-1));
-        planes[j] = core::array::from_fn(|_| draw(1));
+    let middles = middles(rng);
+    (planes(rng, mode, &middles, -1), planes(rng, mode, &middles, 1))
+}
+
+/// A body of sixteen and one of four.
+type Both<const K: usize> = (Planes<16, K>, Planes<4, K>);
+
+/// `n` queries and `n` nodes, every two of which are a pair.
+fn pool<const K: usize>(
+    rng: &mut Rng,
+    mode: Mode,
+    trees: &LazyCell<Trees<K>, impl FnOnce() -> Trees<K>>,
+    n: usize,
+) -> (Vec<Both<K>>, Vec<Both<K>>)
+where
+    Node16<K>: Lanes,
+    Node4<K>: Lanes,
+{
+    if let Mode::Real = mode {
+        return (
+            (0..n).map(|_| (trees.query_16(rng), trees.query_4(rng))).collect(),
+            (0..n).map(|_| (trees.node_16(rng).planes, trees.node_4(rng).planes)).collect(),
+        );
     }
-    (query, planes)
+    let (wide, narrow) = (middles(rng), middles(rng));
+    let mut draw =
+        |side| (0..n).map(|_| (planes(rng, mode, &wide, side), planes(rng, mode, &narrow, side))).collect();
+    (draw(-1), draw(1))
+}
+
+/// `count` pairs: each item of a list with each of another, from lists that `draw` makes of a given length. To draw an item for every pair would
+/// take an emulator a hundred times as long as the kernels.
+fn each_pair<A, B>(
+    count: u64,
+    mut draw: impl FnMut(usize) -> (Vec<A>, Vec<B>),
+    mut visit: impl FnMut(u64, &A, &B),
+) {
+    // Many lists even where pairs are few.
+    let side = (count.isqrt() / 10).clamp(1, 64) as usize;
+    let mut i = 0;
+    while i < count {
+        let (left, right) = draw(side);
+        let pairs = left.iter().flat_map(|a| right.iter().map(move |b| (a, b)));
+        for (a, b) in pairs.take((count - i) as usize) {
+            visit(i, a, b);
+            i += 1;
+        }
+    }
 }
 
 /// Nodes of two trees, and A's in query form at poses where the trees meet.
@@ -238,14 +324,20 @@ where
         Self { wide, narrow, maps }
     }
 
-    fn wide(&self, rng: &mut Rng) -> (Query<16, K>, Node16<K>) {
-        let nodes = self.wide.view().nodes();
-        (turned_16(Scalar::new(), rng.pick(&self.maps), upper(rng, nodes)), *upper(rng, nodes))
+    fn node_16(&self, rng: &mut Rng) -> &Node16<K> {
+        upper(rng, self.wide.view().nodes())
     }
 
-    fn narrow(&self, rng: &mut Rng) -> (Query<4, K>, Node4<K>) {
-        let nodes = self.narrow.view().nodes();
-        (turned_4(Scalar::new(), rng.pick(&self.maps), upper(rng, nodes)), *upper(rng, nodes))
+    fn node_4(&self, rng: &mut Rng) -> &Node4<K> {
+        upper(rng, self.narrow.view().nodes())
+    }
+
+    fn query_16(&self, rng: &mut Rng) -> Query<16, K> {
+        turned_16(Scalar::new(), rng.pick(&self.maps), self.node_16(rng))
+    }
+
+    fn query_4(&self, rng: &mut Rng) -> Query<4, K> {
+        turned_4(Scalar::new(), rng.pick(&self.maps), self.node_4(rng))
     }
 }
 
@@ -278,17 +370,27 @@ const fn narrow<const K: usize>(planes: Planes<4, K>) -> Node4<K> {
     Node4 { planes, child: [Child::EMPTY; 4] }
 }
 
-/// FNV-1a, 64 bits.
+/// A digest of words. Each step is a bijection of the state and of the word, so that one word that differs always shows.
 struct Digest(u64);
 
 impl Digest {
-    const EMPTY: Self = Self(0xcbf2_9ce4_8422_2325);
+    const EMPTY: Self = Self(0);
 
-    fn add(&mut self, value: u16) {
-        for byte in value.to_le_bytes() {
-            self.0 = (self.0 ^ u64::from(byte)).wrapping_mul(0x100_0000_01b3);
-        }
+    #[inline]
+    fn add(&mut self, word: u64) {
+        // An odd factor: SplitMix64's.
+        self.0 = (self.0 ^ word).wrapping_mul(0xbf58_476d_1ce4_e5b9).rotate_left(29);
     }
+
+    fn add_query<const W: usize, const K: usize>(&mut self, query: &Query<W, K>) {
+        query.iter().for_each(|plane| words(&plane.map(|code| code as u16)).for_each(|word| self.add(word)));
+    }
+}
+
+/// Four values a word.
+#[inline]
+fn words(values: &[u16]) -> impl Iterator<Item = u64> {
+    values.chunks(4).map(|four| four.iter().rev().fold(0, |word, &value| word << 16 | u64::from(value)))
 }
 
 // ---- The laws -----------------------------------------------------------------------------------------------------------------
@@ -299,8 +401,8 @@ type Masks = [u16; 19];
 #[inline(always)]
 fn masks<E: Kernel, const K: usize>(
     kernel: E,
-    (query, node): &(Query<16, K>, Node16<K>),
-    (query_4, node_4): &(Query<4, K>, Node4<K>),
+    (query, query_4): &(Query<16, K>, Query<4, K>),
+    (node, node_4): &(Node16<K>, Node4<K>),
     column: usize,
 ) -> Masks {
     kernel.run(
@@ -325,31 +427,31 @@ where
 {
     let mut rng = Rng::new(K as u64);
     let trees = LazyCell::new(|| Trees::<K>::new(&mut Rng::new(K as u64)));
+    let recorded = recorded::<K>().map(|[overlaps, _]| overlaps);
     let mut digest = Digest::EMPTY;
+    let count = pairs() / MODES.len() as u64;
     for &mode in MODES {
-        let (mut ones, mut all) = (0_u64, 0_u64);
-        for i in 0..pairs() / MODES.len() as u64 {
-            let (case, case_4) = if let Mode::Real = mode {
-                (trees.wide(&mut rng), trees.narrow(&mut rng))
-            } else {
-                let (query, planes) = pair(&mut rng, mode);
-                let (query_4, planes_4) = pair(&mut rng, mode);
-                ((query, wide(planes)), (query_4, narrow(planes_4)))
-            };
+        let mut ones = 0_u64;
+        let draw = |n| {
+            let (queries, nodes) = pool(&mut rng, mode, &trees, n);
+            (queries, nodes.into_iter().map(|(planes, four)| (wide(planes), narrow(four))).collect())
+        };
+        each_pair(count, draw, |i, queries, nodes| {
             let column = (i % 16) as usize;
-            let got = masks(kernel, &case, &case_4, column);
-            let want = masks(Scalar::new(), &case, &case_4, column);
-            assert_eq!(got, want, "{name} k {K} {mode:?} pair {i}: {case:x?} {case_4:x?}");
-            for mask in got {
-                digest.add(mask);
-                ones += u64::from(mask.count_ones());
-                all += 16;
+            let got = masks(kernel, queries, nodes, column);
+            if recorded.is_none() {
+                let want = masks(Scalar::new(), queries, nodes, column);
+                assert_eq!(got, want, "{name} k {K} {mode:?} pair {i}: {queries:x?} {nodes:x?}");
             }
-        }
-        let share = ones as f64 / all as f64;
+            for word in words(&got) {
+                digest.add(word);
+                ones += u64::from(word.count_ones());
+            }
+        });
+        let share = ones as f64 / (count * 19 * 16) as f64;
         assert!(cfg!(miri) || (0.005..0.9).contains(&share), "{mode:?} k {K}: {share} of the bits are 1");
     }
-    println!("{name} k {K}: {} pairs of nodes, digest {:016x}", pairs(), digest.0);
+    conclude(&format!("{name} k {K}: {} pairs of nodes", pairs()), &digest, recorded);
 }
 
 /// A map with anything in it.
@@ -384,21 +486,36 @@ where
     let mut rng = Rng::new(100 + K as u64);
     let trees = LazyCell::new(|| Trees::<K>::new(&mut Rng::new(K as u64)));
     let scalar = Scalar::new();
+    let recorded = recorded::<K>().map(|[_, realignments]| realignments);
+    let mut digest = Digest::EMPTY;
     // A scalar re-alignment costs as much as a hundred overlaps.
-    let count = pairs() / 8;
+    let count = pairs() / 8 / MODES.len() as u64 + 1;
     for &mode in MODES {
-        for i in 0..count / MODES.len() as u64 + 1 {
-            let (map, node, node_4) = if let Mode::Real = mode {
-                (*rng.pick(&trees.maps), trees.wide(&mut rng).1, trees.narrow(&mut rng).1)
-            } else {
-                (any_map(&mut rng), wide(pair(&mut rng, mode).1), narrow(pair(&mut rng, mode).1))
+        let draw = |n| {
+            let maps: Vec<_> = match mode {
+                Mode::Real => (0..n).map(|_| *rng.pick(&trees.maps)).collect(),
+                _ => (0..n).map(|_| any_map(&mut rng)).collect(),
             };
-            let (got, want) = (turned_16(kernel, &map, &node), turned_16(scalar, &map, &node));
-            assert_eq!(got, want, "{name} k {K} {mode:?} map {i}: {map:?} {node:x?}");
-            let (got, want) = (turned_4(kernel, &map, &node_4), turned_4(scalar, &map, &node_4));
-            assert_eq!(got, want, "{name} k {K} {mode:?} map {i}: {map:?} {node_4:x?}");
-        }
+            let (_, nodes) = pool(&mut rng, mode, &trees, n);
+            (maps, nodes.into_iter().map(|(planes, four)| (wide(planes), narrow(four))).collect())
+        };
+        each_pair(count, draw, |i, map, (node, node_4): &(Node16<K>, Node4<K>)| {
+            let (got, got_4) = (turned_16(kernel, map, node), turned_4(kernel, map, node_4));
+            if recorded.is_none() {
+                assert_eq!(
+                    got,
+                    turned_16(scalar, map, node),
+                    "{name} k {K} {mode:?} map {i}: {map:?} {node:x?}"
+                );
+                let want = turned_4(scalar, map, node_4);
+                assert_eq!(got_4, want, "{name} k {K} {mode:?} map {i}: {map:?} {node_4:x?}");
+            }
+            digest.add_query(&got);
+            digest.add_query(&got_4);
+        });
     }
+    let all = count * MODES.len() as u64;
+    conclude(&format!("{name} k {K}: {all} re-alignments of 16 and of 4"), &digest, recorded);
 }
 
 /// Planes that overlap in every lane, by touching.
