@@ -676,7 +676,7 @@ fn filters_of_four_triangles_are_those_of_one() {
         let mut apart = [0_u64; 2];
         for i in 0..pairs() / 8 + 4 {
             let size =
-                if i % 3 == 0 { f64::from_bits((1023 + rng.int(-240, 290) as u64) << 52) } else { 1.0 };
+                if i % 3 == 0 { f64::from_bits(((1023 + rng.int(-190, 290)) as u64) << 52) } else { 1.0 };
             let mut point = |shift: f64| match i % 4 {
                 0 => core::array::from_fn(|_| rng.int(-2, 2) as f64 * size),
                 1 => {
