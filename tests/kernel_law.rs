@@ -5,6 +5,8 @@
 //! nodes per k. At [`RECORDED_PAIRS`] the oracle is the scalar kernel's recorded digest, which spares an emulator the scalar kernel.
 
 mod support;
+#[path = "support/turned.rs"]
+mod turned;
 
 use simdop::build::{Builder, Mesh};
 use simdop::hierarchy::Bvh;
@@ -19,6 +21,7 @@ use simdop::triangle::Probe;
 use std::cell::LazyCell;
 use std::io::Write;
 use support::rng::Rng;
+use turned::{turned_4, turned_16};
 
 // ---- Which instruction set ----------------------------------------------------------------------------------------------------
 
@@ -339,20 +342,6 @@ where
     fn query_4(&self, rng: &mut Rng) -> Query<4, K> {
         turned_4(Scalar::new(), rng.pick(&self.maps), self.node_4(rng))
     }
-}
-
-/// [`Kernel::realign_16`], by value.
-fn turned_16<const K: usize>(kernel: impl Kernel, map: &Realignment<K>, node: &Node16<K>) -> Query<16, K> {
-    let mut query = [[0; 16]; K];
-    kernel.realign_16(map, node, &mut query);
-    query
-}
-
-/// [`Kernel::realign_4`], by value.
-fn turned_4<const K: usize>(kernel: impl Kernel, map: &Realignment<K>, node: &Node4<K>) -> Query<4, K> {
-    let mut query = [[0; 4]; K];
-    kernel.realign_4(map, node, &mut query);
-    query
 }
 
 /// A node, more often one of the upper and larger: they come first, and overlap more.

@@ -425,6 +425,37 @@ fn offsets_pay_for_every_rounding() {
     for_each_k!(offsets_are_no_less_than_proven);
 }
 
+/// Bodies so far from the origin that the pad for rounded coordinates is nearly all of the offset: it may not be rounded below itself. The two offsets
+/// of a slab have opposite translations, so that their sum is twice the pad.
+fn far_offsets_hold_the_pad_for_coordinates<const K: usize>() {
+    let mut rng = Rng::new(350 + K as u64);
+    let greatest = |p: &Point| p.iter().fold(0.0, |m: f64, x| m.max(x.abs()));
+    for _ in 0..400 / suite_step() {
+        let mut a: Header = bytemuck::Zeroable::zeroed();
+        a.centre = random_point(&mut rng, [1e16, 1e20, 1e28]);
+        a.half_width = [127.0; 3];
+        a.max_plane = 300.0;
+        a.extent = greatest(&a.centre);
+        let pose = pose(&rotation(&mut rng), random_point(&mut rng, [0.0, 1e16, 1e20]));
+        let b = Frame { centre: pose.apply(a.centre), exponent: rng.int(-12, 12) as i32 };
+        let map = Realignment::<K>::new(&pose, &a, &b);
+        let exact = |x: f64| Dyadic::from(x);
+        let coordinates =
+            exact(8.0) * exact(a.extent) + exact(greatest(&pose.translation())) + exact(greatest(&b.centre));
+        for (n, offsets) in directions::table(K).vectors.iter().step_by(2).zip(map.offset.chunks_exact(2)) {
+            let length = n.iter().map(|&x| f64::from(x).abs()).sum::<f64>();
+            let pads = exact(2.0 * length) * Dyadic::power_of_two(b.exponent - 46) * coordinates.clone();
+            let sum = exact(offsets[0].into()) + exact(offsets[1].into());
+            assert!(sum >= pads, "k {K}: {offsets:?} for {pose:?} {a:?} {b:?}");
+        }
+    }
+}
+
+#[test]
+fn far_offsets_are_not_rounded_below_their_pad() {
+    for_each_k!(far_offsets_hold_the_pad_for_coordinates);
+}
+
 // ---- Margins, width and infinity --------------------------------------------------------------------------------
 
 /// Everything within the margin of a point: its support is `n . p + |n| margin`.

@@ -9,6 +9,10 @@ use simdop::kernel::{Kernel, Query};
 use simdop::node::{Child, Link, Node4, Node16};
 use simdop::query::Lanes;
 use simdop::realign::Realignment;
+use turned::{turned_4, turned_16};
+
+#[path = "../../tests/support/turned.rs"]
+mod turned;
 
 /// One call of an overlap kernel.
 #[derive(Copy, Clone, Debug)]
@@ -45,7 +49,7 @@ pub(crate) trait Arity: Lanes {
 }
 
 macro_rules! impl_arity {
-    ($node:ident, $arity:literal, $realign:ident, $($item:item)*) => {
+    ($node:ident, $arity:literal, $turned:ident, $($item:item)*) => {
         impl<const K: usize> Arity for $node<K>
         where
             Self: Lanes,
@@ -56,9 +60,7 @@ macro_rules! impl_arity {
                 Realignment::new(pose, tree.header(), &tree.frame())
             }
             fn turned(&self, turn: &Self::Turn) -> Self::Planes {
-                let mut planes = [[0; $arity]; K];
-                Scalar::new().$realign(turn, self, &mut planes);
-                planes
+                $turned(Scalar::new(), turn, self)
             }
             fn alone(planes: &Self::Planes, lane: usize) -> Self::Planes {
                 planes.map(|plane| [plane[lane]; $arity])
@@ -71,7 +73,7 @@ macro_rules! impl_arity {
 impl_arity! {
     Node16,
     16,
-    realign_16,
+    turned_16,
     fn column(&self, planes: &Self::Planes, lane: usize) -> u16 {
         Scalar::new().overlap_16v1(planes, self, lane)
     }
@@ -93,7 +95,7 @@ impl_arity! {
 impl_arity! {
     Node4,
     4,
-    realign_4,
+    turned_4,
     fn column(&self, planes: &Self::Planes, lane: usize) -> u16 {
         let pairs = Scalar::new().overlap_4v4(planes, self) >> lane;
         (0..4).fold(0, |mask, i| mask | (pairs >> (4 * i) & 1) << i)

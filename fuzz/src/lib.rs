@@ -22,6 +22,8 @@ pub mod planes;
 
 #[path = "../../tests/support/mod.rs"]
 mod support;
+#[path = "../../tests/support/turned.rs"]
+mod turned;
 
 use std::any::{Any, TypeId};
 use std::collections::HashMap;

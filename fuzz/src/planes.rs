@@ -3,11 +3,13 @@
 use crate::bodies::{bodies, pose};
 use crate::{Input, Mode, cached};
 use simdop::isa::Scalar;
-use simdop::kernel::{Kernel, Query};
+use simdop::kernel::Query;
 use simdop::key::Key;
 use simdop::node::{Child, Node4, Node16};
 use simdop::query::Lanes;
 use simdop::realign::Realignment;
+
+pub use crate::turned::{turned_4, turned_16};
 
 /// Planes of `W` bodies, by plane.
 pub type Planes<const W: usize, const K: usize> = [[i16; W]; K];
@@ -134,22 +136,4 @@ where
     Node4<K>: Lanes<Map = Realignment<K>>,
 {
     cached(|| Turned::<_, Node4<K>>::new(|map, node| turned_4(Scalar::new(), map, node))).pick(input)
-}
-
-/// [`Kernel::realign_16`], by value.
-pub fn turned_16<const K: usize>(
-    kernel: impl Kernel,
-    map: &Realignment<K>,
-    node: &Node16<K>,
-) -> Query<16, K> {
-    let mut query = [[0; 16]; K];
-    kernel.realign_16(map, node, &mut query);
-    query
-}
-
-/// [`Kernel::realign_4`], by value.
-pub fn turned_4<const K: usize>(kernel: impl Kernel, map: &Realignment<K>, node: &Node4<K>) -> Query<4, K> {
-    let mut query = [[0; 4]; K];
-    kernel.realign_4(map, node, &mut query);
-    query
 }

@@ -1,0 +1,23 @@
+//! [`Kernel::realign_16`] and [`Kernel::realign_4`] by value.
+
+#![allow(unreachable_pub, reason = "public to the fuzz targets, which take it from a library")]
+
+use simdop::kernel::{Kernel, Query};
+use simdop::node::{Node4, Node16};
+use simdop::realign::Realignment;
+
+pub fn turned_16<const K: usize>(
+    kernel: impl Kernel,
+    map: &Realignment<K>,
+    node: &Node16<K>,
+) -> Query<16, K> {
+    let mut query = [[0; 16]; K];
+    kernel.realign_16(map, node, &mut query);
+    query
+}
+
+pub fn turned_4<const K: usize>(kernel: impl Kernel, map: &Realignment<K>, node: &Node4<K>) -> Query<4, K> {
+    let mut query = [[0; 4]; K];
+    kernel.realign_4(map, node, &mut query);
+    query
+}
