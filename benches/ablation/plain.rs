@@ -25,22 +25,58 @@ pub(crate) struct EarlyExit<E>(pub(crate) E);
 pub(crate) struct Vectorised<E>(pub(crate) E);
 
 #[inline(always)]
-fn turned(map: &Realignment<K>, dop: &Dop, j: usize) -> f32 {
+fn turned(map: &ByPlanes, dop: &Dop, j: usize) -> f32 {
     let ([p, q, r], [u, v, w]) = (map.sources[j], map.weights[j]);
     let plane = |source: u8| dop[usize::from(source) % K];
     ((u * plane(p) + v * plane(q)) + w * plane(r)) + map.offset[j]
 }
 
-/// Sources and weights of every plane, where the library has them of every slab: nothing is left to be worked out when a plane is turned.
-#[inline(always)]
-pub(crate) fn by_planes(turn: &Realignment<K>) -> Realignment<K> {
-    let mut map = Realignment { sources: [[0; 3]; K], weights: [[0.0; 3]; K], offset: turn.offset };
-    for s in 0..K / 2 {
-        let [p, q, r] = turn.sources[s];
-        (map.sources[2 * s], map.sources[2 * s + 1]) = ([p, q, r], [p ^ 1, q ^ 1, r ^ 1]);
-        (map.weights[2 * s], map.weights[2 * s + 1]) = (turn.weights[s], turn.weights[s]);
+/// Re-alignment by planes, where the library has it by slabs: nothing is left to be worked out when a plane is turned.
+#[derive(Copy, Clone)]
+pub(crate) struct ByPlanes {
+    pub(crate) sources: [[u8; 3]; K],
+    pub(crate) weights: [[f32; 3]; K],
+    pub(crate) offset: [f32; K],
+}
+
+impl ByPlanes {
+    #[inline(always)]
+    pub(crate) fn new(turn: &Realignment<K>) -> Self {
+        let mut map = Self { sources: [[0; 3]; K], weights: [[0.0; 3]; K], offset: turn.offset };
+        for s in 0..K / 2 {
+            let [p, q, r] = turn.sources[s];
+            (map.sources[2 * s], map.sources[2 * s + 1]) = ([p, q, r], [p ^ 1, q ^ 1, r ^ 1]);
+            (map.weights[2 * s], map.weights[2 * s + 1]) = (turn.weights[s], turn.weights[s]);
+        }
+        map
     }
-    map
+}
+
+/// What the two systems have in common: all but the tests.
+macro_rules! two_children {
+    () => {
+        type Node = Pair;
+        type Map = ByPlanes;
+        type Leaf = Dop;
+        type Isa = E;
+        const COLUMN_FIRST: bool = false;
+
+        fn node(dops: &[Dop; 2], child: &[Child; 2]) -> Pair {
+            Pair { dops: *dops, child: *child }
+        }
+        #[inline(always)]
+        fn child(node: &Pair, lane: usize) -> Child {
+            node.child[lane % 2]
+        }
+        #[inline(always)]
+        fn isa(self) -> E {
+            self.0
+        }
+        #[inline(always)]
+        fn map(self, turn: &Realignment<K>) -> ByPlanes {
+            ByPlanes::new(turn)
+        }
+    };
 }
 
 impl<E: Kernel> EarlyExit<E> {
@@ -67,30 +103,11 @@ impl<E: Kernel> EarlyExit<E> {
 }
 
 impl<E: Kernel> System<2> for EarlyExit<E> {
-    type Node = Pair;
-    type Map = Realignment<K>;
     type Turned<'n> = &'n Pair;
-    type Leaf = Dop;
-    type Isa = E;
-    const COLUMN_FIRST: bool = false;
+    two_children!();
 
-    fn node(dops: &[Dop; 2], child: &[Child; 2]) -> Pair {
-        Pair { dops: *dops, child: *child }
-    }
     #[inline(always)]
-    fn child(node: &Pair, lane: usize) -> Child {
-        node.child[lane % 2]
-    }
-    #[inline(always)]
-    fn isa(self) -> E {
-        self.0
-    }
-    #[inline(always)]
-    fn map(self, turn: &Realignment<K>) -> Realignment<K> {
-        by_planes(turn)
-    }
-    #[inline(always)]
-    fn turn<'n>(self, _: &Realignment<K>, node: &'n Pair) -> &'n Pair {
+    fn turn<'n>(self, _: &ByPlanes, node: &'n Pair) -> &'n Pair {
         node
     }
     #[inline(always)]
@@ -98,7 +115,7 @@ impl<E: Kernel> System<2> for EarlyExit<E> {
         planes.map(round_up)
     }
     #[inline(always)]
-    fn rows(self, map: &Realignment<K>, a: &&Pair, node: &Pair, _: u16, work: &mut Work) -> Rows<2> {
+    fn rows(self, map: &ByPlanes, a: &&Pair, node: &Pair, _: u16, work: &mut Work) -> Rows<2> {
         let mut rows = Rows::NONE;
         for (lane, dop) in a.dops.iter().enumerate() {
             rows.set(lane, Self::test(|j| turned(map, dop, j), node, 0b11, work));
@@ -106,7 +123,7 @@ impl<E: Kernel> System<2> for EarlyExit<E> {
         rows
     }
     #[inline(always)]
-    fn column(self, map: &Realignment<K>, a: &&Pair, node: &Pair, lane: usize, work: &mut Work) -> u16 {
+    fn column(self, map: &ByPlanes, a: &&Pair, node: &Pair, lane: usize, work: &mut Work) -> u16 {
         let lane = lane % 2;
         let one = |dop: &Dop, work: &mut Work| Self::test(|j| turned(map, dop, j), node, 1 << lane, work);
         one(&a.dops[0], work) >> lane | one(&a.dops[1], work) >> lane << 1
@@ -128,30 +145,11 @@ fn overlap(query: &Dop, dop: &Dop) -> bool {
 }
 
 impl<E: Kernel> System<2> for Vectorised<E> {
-    type Node = Pair;
-    type Map = Realignment<K>;
     type Turned<'n> = [Dop; 2];
-    type Leaf = Dop;
-    type Isa = E;
-    const COLUMN_FIRST: bool = false;
+    two_children!();
 
-    fn node(dops: &[Dop; 2], child: &[Child; 2]) -> Pair {
-        Pair { dops: *dops, child: *child }
-    }
     #[inline(always)]
-    fn child(node: &Pair, lane: usize) -> Child {
-        node.child[lane % 2]
-    }
-    #[inline(always)]
-    fn isa(self) -> E {
-        self.0
-    }
-    #[inline(always)]
-    fn map(self, turn: &Realignment<K>) -> Realignment<K> {
-        by_planes(turn)
-    }
-    #[inline(always)]
-    fn turn(self, map: &Realignment<K>, node: &Pair) -> [Dop; 2] {
+    fn turn(self, map: &ByPlanes, node: &Pair) -> [Dop; 2] {
         let mut query = [[0.0; K]; 2];
         for (query, dop) in query.iter_mut().zip(&node.dops) {
             for j in 0..K {
@@ -165,14 +163,14 @@ impl<E: Kernel> System<2> for Vectorised<E> {
         from_fn(|j| -round_up(planes[j ^ 1]))
     }
     #[inline(always)]
-    fn rows(self, _: &Realignment<K>, a: &[Dop; 2], node: &Pair, _: u16, work: &mut Work) -> Rows<2> {
+    fn rows(self, _: &ByPlanes, a: &[Dop; 2], node: &Pair, _: u16, work: &mut Work) -> Rows<2> {
         let mut rows = Rows::NONE;
         rows.set(0, self.row(&a[0], node, work));
         rows.set(1, self.row(&a[1], node, work));
         rows
     }
     #[inline(always)]
-    fn column(self, _: &Realignment<K>, a: &[Dop; 2], node: &Pair, lane: usize, work: &mut Work) -> u16 {
+    fn column(self, _: &ByPlanes, a: &[Dop; 2], node: &Pair, lane: usize, work: &mut Work) -> u16 {
         work.in_all_slabs(2);
         let dop = &node.dops[lane % 2];
         u16::from(overlap(&a[0], dop)) | u16::from(overlap(&a[1], dop)) << 1

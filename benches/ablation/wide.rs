@@ -3,7 +3,7 @@
 
 #![expect(unsafe_code, reason = "intrinsics that load and store, and calls that the token makes sound")]
 
-use super::plain::by_planes;
+use super::plain::ByPlanes;
 use super::traverse::{Rows, System, Work};
 use super::tree::{Dop, K, round_up};
 use crate::support::papers::{FloatQuery, Halves, Papers, halves_16};
@@ -61,11 +61,11 @@ fn wanted_rows(wanted: u16, work: &mut Work, row: impl Fn(usize) -> u16) -> Rows
 
 macro_rules! wide_system {
     (
-        $system:ty, $node:ty, $query:ty, $none:expr, $map:expr, $make:expr, $turn:expr, $leaf:expr, $row:expr, $column:expr
+        $system:ty, $node:ty, $query:ty, $none:expr, $map_type:ty, $map:expr, $make:expr, $turn:expr, $leaf:expr, $row:expr, $column:expr
     ) => {
         impl System<16> for $system {
             type Node = $node;
-            type Map = Realignment<K>;
+            type Map = $map_type;
             type Turned<'n> = $query;
             type Leaf = $query;
             type Isa = Avx2;
@@ -83,11 +83,11 @@ macro_rules! wide_system {
                 self.0
             }
             #[inline(always)]
-            fn map(self, turn: &Realignment<K>) -> Realignment<K> {
+            fn map(self, turn: &Realignment<K>) -> $map_type {
                 $map(turn)
             }
             #[inline(always)]
-            fn turn(self, map: &Realignment<K>, node: &$node) -> $query {
+            fn turn(self, map: &$map_type, node: &$node) -> $query {
                 $turn(self.0, map, node)
             }
             #[inline(always)]
@@ -99,14 +99,7 @@ macro_rules! wide_system {
                 query
             }
             #[inline(always)]
-            fn rows(
-                self,
-                _: &Realignment<K>,
-                a: &$query,
-                node: &$node,
-                wanted: u16,
-                work: &mut Work,
-            ) -> Rows<16> {
+            fn rows(self, _: &$map_type, a: &$query, node: &$node, wanted: u16, work: &mut Work) -> Rows<16> {
                 wanted_rows(
                     wanted,
                     work,
@@ -115,14 +108,7 @@ macro_rules! wide_system {
                 )
             }
             #[inline(always)]
-            fn column(
-                self,
-                _: &Realignment<K>,
-                a: &$query,
-                node: &$node,
-                lane: usize,
-                work: &mut Work,
-            ) -> u16 {
+            fn column(self, _: &$map_type, a: &$query, node: &$node, lane: usize, work: &mut Work) -> u16 {
                 work.in_all_slabs(16);
                 $column(self.0, a, node, lane)
             }
@@ -136,7 +122,7 @@ macro_rules! wide_system {
 }
 
 wide_system! {
-    Keys, Node16<K>, Query<16, K>, [[i16::MAX; 16]; K], |turn: &Realignment<K>| *turn, keys,
+    Keys, Node16<K>, Query<16, K>, [[i16::MAX; 16]; K], Realignment<K>, |turn: &Realignment<K>| *turn, keys,
     |isa: Avx2, map, node| {
         let mut query = [[0; 16]; K];
         isa.realign_16(map, node, &mut query);
@@ -152,7 +138,7 @@ wide_system! {
 type Floats16 = [[f32; 16]; K];
 
 wide_system! {
-    Floats, FloatNode, Floats16, [[f32::INFINITY; 16]; K], by_planes,
+    Floats, FloatNode, Floats16, [[f32::INFINITY; 16]; K], ByPlanes, ByPlanes::new,
     |dops: &[Dop; 16], child: &[Child; 16]| {
         FloatNode { planes: core::array::from_fn(|j| dops.map(|dop| dop[j])), child: *child }
     },
@@ -166,7 +152,7 @@ wide_system! {
 }
 
 wide_system! {
-    PapersHalves, Halves<16, K>, FloatQuery<16, K>, [[0.0; 16]; K], by_planes,
+    PapersHalves, Halves<16, K>, FloatQuery<16, K>, [[0.0; 16]; K], ByPlanes, ByPlanes::new,
     |dops, child| halves_16(&keys(dops, child)),
     // SAFETY: the token proves the features.
     |_: Avx2, map, node| unsafe { turn_halves(map, node) },
@@ -209,7 +195,7 @@ for_avx2! {
     }
 
     /// Plane j turned, in lanes 8 h to 8 h + 7.
-    fn turned(map: &Realignment<K>, planes: &Floats16, j: usize, h: usize) -> __m256 {
+    fn turned(map: &ByPlanes, planes: &Floats16, j: usize, h: usize) -> __m256 {
         let term = |l: usize| {
             let plane = load(&planes[usize::from(map.sources[j][l]) % K], h);
             _mm256_mul_ps(_mm256_set1_ps(map.weights[j][l]), plane)
@@ -218,7 +204,7 @@ for_avx2! {
         _mm256_add_ps(sum, _mm256_set1_ps(map.offset[j]))
     }
 
-    fn turn_floats(map: &Realignment<K>, planes: &Floats16) -> Floats16 {
+    fn turn_floats(map: &ByPlanes, planes: &Floats16) -> Floats16 {
         let mut query = [[0.0; 16]; K];
         for j in 0..K {
             for h in 0..2 {
@@ -261,7 +247,7 @@ for_avx2! {
     }
 
     /// The paper's nodes hold low and high bounds, so does its query: low ones in `[2 s]`, high ones in `[2 s + 1]`.
-    fn turn_halves(map: &Realignment<K>, node: &Halves<16, K>) -> FloatQuery<16, K> {
+    fn turn_halves(map: &ByPlanes, node: &Halves<16, K>) -> FloatQuery<16, K> {
         let mut planes = [[0.0; 16]; K];
         for s in 0..K / 2 {
             for h in 0..2 {
