@@ -30,7 +30,8 @@ fn head(page: &mut String, rows: &[Row], all: &Summary<'_>, stamp: &str) {
         "# simdop beside its peers\n\n\
         {stamp}. {}, one thread. {} run(s); {} poses a mesh and distance, half by the sphere method, half by the grid method of Trenkel, Weller and\n\
         Zachmann's suite; distances are shares of the diagonal of A's box, \"0 %\" is a gap of 2e-5. A time is the least of up to five passes over a block of ten\n\
-        poses, with the libraries in turns, the pose's conversion in it. Where there are several runs, a figure is their median.\n\n\
+        poses, with the libraries in turns, the pose's conversion in it, less the least time that reading the clock twice takes. Where there are several runs, a figure is their\n\
+        median.\n\n\
         ![Median time against distance](results.svg)\n\n\
         Versions: ",
         cpu(),
