@@ -400,16 +400,73 @@ fn what_is_no_matter_of_the_device_stays_an_error() {
 /// In a process of its own, where no backend is allowed that this system has.
 #[test]
 fn no_adapter_is_an_error() {
-    let child = std::process::Command::new(std::env::current_exe().unwrap())
-        .args(["--exact", "without_an_adapter", "--ignored"])
-        .env("WGPU_BACKEND", "noop")
-        .output()
-        .unwrap();
-    assert!(child.status.success(), "{}", String::from_utf8_lossy(&child.stdout));
+    in_a_process("without_an_adapter", &[("WGPU_BACKEND", "noop")]);
 }
 
 #[test]
 #[ignore = "started by no_adapter_is_an_error"]
 fn without_an_adapter() {
     assert!(matches!(Gpu::new(), Err(GpuError::NoAdapter { .. })));
+}
+
+/// A device that computes on the CPU has as much memory as the process may have: limited, in a process of its own, once all is there but the tree's buffers.
+#[cfg(target_os = "linux")]
+#[test]
+fn too_little_memory_is_an_error() {
+    match devices().first() {
+        Some(gpu) if gpu.info().device_type == wgpu::DeviceType::Cpu => {
+            in_a_process("with_too_little_memory", &[]);
+        }
+        _ => eprintln!("\n*** SKIPPED: no device on the CPU, whose memory a process can limit ***\n"),
+    }
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+#[ignore = "started by too_little_memory_is_an_error"]
+fn with_too_little_memory() {
+    let gpu = &devices()[0];
+    let (small, mut rng) = (shapes::torus(30, 20), Rng::new(8));
+    let builder = builder(Magnification::None, 0);
+    compare::<Node16<6>>(gpu, "before", &builder, &small);
+
+    let points: Vec<[f64; 3]> = (0..3_000_000).map(|_| [(); 3].map(|()| rng.unit())).collect();
+    let clustering = Clustering { arity: 16, leaf_size: 1, seed: 0 };
+    limit_memory(&(address_space() + (100 << 20)).to_string());
+    let got = clustering.assign_on(gpu, &points, None, &mut |_| ControlFlow::Continue(()));
+    limit_memory("unlimited");
+    let Err(error @ GpuError::OutOfMemory { bytes: 150_000_000..200_000_000 }) = got else {
+        panic!("{:?}", got.map(|(_, spent)| spent))
+    };
+    println!("{error}");
+    // It leaves nothing broken.
+    compare::<Node16<6>>(gpu, "after", &builder, &small);
+}
+
+/// Bytes of this process's address space.
+#[cfg(target_os = "linux")]
+fn address_space() -> u64 {
+    let status = std::fs::read_to_string("/proc/self/status").unwrap();
+    let line = status.lines().find_map(|line| line.strip_prefix("VmSize:")).unwrap();
+    1024 * line.trim().trim_end_matches(" kB").parse::<u64>().unwrap()
+}
+
+/// The soft limit, which can be raised again, by the command of util-linux.
+#[cfg(target_os = "linux")]
+fn limit_memory(bytes: &str) {
+    let process = std::process::id().to_string();
+    let limit = format!("--as={bytes}:");
+    let status = std::process::Command::new("prlimit").args(["--pid", &process, &limit]).status();
+    assert!(status.unwrap().success());
+}
+
+fn in_a_process(test: &str, environment: &[(&str, &str)]) {
+    let child = std::process::Command::new(std::env::current_exe().unwrap())
+        .args(["--exact", test, "--ignored"])
+        .envs(environment.iter().copied())
+        .output()
+        .unwrap();
+    let output = String::from_utf8_lossy(&child.stdout);
+    assert!(child.status.success(), "{output}{}", String::from_utf8_lossy(&child.stderr));
+    assert!(output.contains("1 passed"), "{output}");
 }
