@@ -14,6 +14,7 @@ use std::rc::Rc;
 use std::time::Instant;
 
 type Count = Box<dyn Fn(&Rows) -> Counters>;
+type Measure = Box<dyn Fn(&Rows) -> f64>;
 
 /// A library that holds the bodies of a scene.
 pub(crate) struct Entrant {
@@ -26,7 +27,7 @@ pub(crate) struct Entrant {
     /// Do the bodies meet?
     pub(crate) collide: Box<dyn Fn(&Rows) -> bool>,
     /// How far apart are they? Of a library that measures it.
-    pub(crate) distance: Option<Box<dyn Fn(&Rows) -> f64>>,
+    pub(crate) distance: Option<Measure>,
     /// The work of a query, of a library that counts it.
     pub(crate) count: Option<Count>,
 }
@@ -46,10 +47,22 @@ const DRIVERS: [(&str, &str); 8] = [
     ("Embree", "embree"),
 ];
 
+/// Those that measure distances.
+const MEASURING: [(&str, &str); 3] =
+    [("FCL OBBRSS", "fcl-OBBRSS"), ("FCL native", "fcl-native-OBBRSS"), ("Coal OBBRSS", "coal-OBBRSS")];
+
+/// Everything that measures distances and could be had.
+pub(crate) fn measuring(meshes: &[MeshData], drivers: &Path) -> Vec<Entrant> {
+    let mut entrants = vec![ours::<Node16<18>>(OURS, meshes)];
+    entrants
+        .extend(loaded(&MEASURING, drivers).into_iter().map(|(name, driver)| driven(name, driver, meshes)));
+    entrants
+}
+
 /// Everything that could be had.
 pub(crate) fn entrants(meshes: &[MeshData], drivers: &Path) -> Vec<Entrant> {
     let mut entrants = vec![ours::<Node16<18>>(OURS, meshes), ours::<Node16<14>>("simdop k 14", meshes)];
-    entrants.extend(loaded(drivers).into_iter().map(|(name, driver)| driven(name, driver, meshes)));
+    entrants.extend(loaded(&DRIVERS, drivers).into_iter().map(|(name, driver)| driven(name, driver, meshes)));
     entrants.extend([parry_f32::entrant("parry f32", meshes), parry_f64::entrant("parry f64", meshes)]);
     entrants
 }
@@ -67,7 +80,7 @@ pub(crate) fn builders(drivers: &Path) -> Vec<(String, Build)> {
         (format!("simdop {name}"), Box::new(build))
     };
     let mut builders: Vec<_> = own.into_iter().map(ours).collect();
-    for (name, driver) in loaded(drivers) {
+    for (name, driver) in loaded(&DRIVERS, drivers) {
         let build = move |mesh: &MeshData| timed(|| Driver::build(&driver, mesh)).1;
         builders.push((name.to_owned(), Box::new(build)));
     }
@@ -77,15 +90,16 @@ pub(crate) fn builders(drivers: &Path) -> Vec<(String, Build)> {
 }
 
 /// The drivers that are there and load; for the others, a warning.
-fn loaded(drivers: &Path) -> Vec<(&'static str, Rc<Driver>)> {
-    let load = |(name, file): (&'static str, &str)| match Driver::load(&drivers.join(format!("{file}.so"))) {
+fn loaded(wanted: &[(&'static str, &str)], drivers: &Path) -> Vec<(&'static str, Rc<Driver>)> {
+    let load = |&(name, file): &(&'static str, &str)| match Driver::load(&drivers.join(format!("{file}.so")))
+    {
         Ok(driver) => Some((name, Rc::new(driver))),
         Err(error) => {
             eprintln!("*** {name} IS LEFT OUT: {error} ***");
             None
         }
     };
-    DRIVERS.into_iter().filter_map(load).collect()
+    wanted.iter().filter_map(load).collect()
 }
 
 fn tree<N: Lanes>(builder: Builder, mesh: &MeshData) -> Bvh<N> {
