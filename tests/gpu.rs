@@ -176,18 +176,16 @@ fn compare_meshes(wanted: Wanted) {
     }
 }
 
-/// llvmpipe is slow: small meshes in every combination with one seed or all, of the large ones a combination each.
+/// llvmpipe is slow: small meshes with every seed, the large ones with one for each combination of lanes and weights.
 #[test]
 fn real_meshes_have_the_scalar_builders_bytes() {
-    compare_meshes(|mesh, triangles, combination, seed| match triangles {
-        ..1000 => true,
-        1000..6000 => seed == (mesh + 3 * combination) as u32 % 10,
-        _ => combination == mesh % 4 && seed == mesh as u32 % 10,
+    compare_meshes(|mesh, triangles, combination, seed| {
+        triangles < 6000 || seed == (mesh + 3 * combination) as u32 % 10
     });
 }
 
 #[test]
-#[ignore = "time: 560 trees, minutes on a GPU, an hour on llvmpipe"]
+#[ignore = "time: 560 trees, minutes on a GPU, half an hour on llvmpipe"]
 fn real_meshes_in_all_combinations() {
     compare_meshes(|_, _, _, _| true);
 }
