@@ -14,7 +14,7 @@ pub(crate) struct Scene<N> {
     pub(crate) poses: Vec<Pose>,
 }
 
-/// Cow (5 804 triangles) and armadillo (34 606), if the data sets are there, else a made-up shape.
+/// Cow (5 804 triangles) and armadillo (52 000), if the data sets are there, else a made-up shape.
 pub(crate) fn scenes<N: Lanes>() -> Vec<Scene<N>> {
     let meshes = match directory() {
         Some(data) => vec![
