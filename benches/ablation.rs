@@ -34,11 +34,6 @@ mod ablation {
 #[path = "../tests/support/rng.rs"]
 mod rng;
 #[path = "support/suites.rs"]
-#[expect(
-    dead_code,
-    unused_imports,
-    reason = "its test runs with benches/peers, and names of methods are for the plots there"
-)]
 mod suites;
 #[expect(dead_code, reason = "the kernels' variants and their clock are for benches/kernel.rs")]
 mod support;

@@ -1,9 +1,9 @@
 //! What a hint is worth along a motion: `cargo bench --bench hints` prints a table. A minute.
 //!
-//! A mesh moves against itself in [`STEPS`] small steps, from several places. *In contact* it turns about its centre by 2e-4 radians a step, from 1 %
-//! deep, and may come free on the way; *apart* it does the same from a gap of 1 %; *approaching* it comes straight in from 5 % to 2e-5 of the diagonal. Each sweep is
-//! made without hints and with each step's hint from the step before, in turns, [`PASSES`] times; the least time of each counts, and every verdict and distance with hints is
-//! first compared with the one without.
+//! A mesh moves against itself in [`STEPS`] small steps, from places of both methods of `support/suites.rs`. *In contact* it turns about its centre by 2e-4 radians a
+//! step, from 1 % deep, and may come free on the way; *apart* it does the same from a gap of 1 %; *approaching* it comes straight in from 5 % to 2e-5 of the
+//! diagonal. Each sweep is made without hints and with each step's hint from the step before, in turns, [`PASSES`] times; the least time of each counts, and
+//! every verdict and distance with hints is first compared with the one without.
 
 #![expect(clippy::unwrap_used, reason = "a benchmark that cannot go on has failed")]
 
@@ -12,11 +12,6 @@ mod data;
 #[path = "../tests/support/rng.rs"]
 mod rng;
 #[path = "support/suites.rs"]
-#[expect(
-    dead_code,
-    unused_imports,
-    reason = "its test runs with benches/peers, and names of methods are for the plots there"
-)]
 mod suites;
 
 use data::{MeshData, directory};
@@ -53,7 +48,8 @@ fn main() {
         let (tree, rough) =
             (Builder::best().build::<Node16<18>>(&baked).unwrap(), Builder::new().build(&baked).unwrap());
         let pair = Approaching { a: &mesh, b: &mesh, tree_a: rough.view(), tree_b: rough.view() };
-        let places = pair.poses(Method::Sphere, SWEEPS, 1);
+        let places: Vec<_> =
+            Method::ALL.into_iter().flat_map(|method| pair.poses(method, SWEEPS / 2, 1)).collect();
         let mut rng = Rng::new(2);
         let mut turning = |from: usize| -> Vec<Vec<Pose>> {
             places.iter().map(|at| turns(&at[from], mesh.centre(), &mut rng)).collect()

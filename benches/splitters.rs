@@ -12,11 +12,6 @@ mod distances;
 #[path = "../tests/support/rng.rs"]
 mod rng;
 #[path = "support/suites.rs"]
-#[expect(
-    dead_code,
-    unused_imports,
-    reason = "its test runs with benches/peers, and names of methods are for the plots there"
-)]
 mod suites;
 
 use data::{MeshData, directory};

@@ -6,6 +6,7 @@
 
 mod support;
 #[path = "support/turned.rs"]
+#[expect(unreachable_pub, reason = "public to the fuzz targets, which take it from a library")]
 mod turned;
 
 use simdop::build::{Builder, Mesh};

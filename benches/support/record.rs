@@ -12,6 +12,7 @@ use simdop::realign::Realignment;
 use turned::{turned_4, turned_16};
 
 #[path = "../../tests/support/turned.rs"]
+#[expect(unreachable_pub, reason = "public to the fuzz targets, which take it from a library")]
 mod turned;
 
 /// One call of an overlap kernel.

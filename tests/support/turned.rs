@@ -1,7 +1,5 @@
 //! [`Kernel::realign_16`] and [`Kernel::realign_4`] by value.
 
-#![allow(unreachable_pub, reason = "public to the fuzz targets, which take it from a library")]
-
 use simdop::kernel::{Kernel, Query};
 use simdop::node::{Node4, Node16};
 use simdop::realign::Realignment;

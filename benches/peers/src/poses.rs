@@ -90,9 +90,17 @@ fn written(title: &str, suite: &[Judged]) -> String {
             // The shortest decimal that reads back as the same number.
             let _ = write!(text, "{number:e} ");
         }
-        let _ = writeln!(text, "# {} {}", pose.method.name(), if pose.meets { "hit" } else { "free" });
+        let _ = writeln!(text, "# {} {}", name_of(pose.method), if pose.meets { "hit" } else { "free" });
     }
     text
+}
+
+/// As files have it.
+const fn name_of(method: Method) -> &'static str {
+    match method {
+        Method::Sphere => "sphere",
+        Method::Grid => "grid",
+    }
 }
 
 fn read(text: &str) -> Result<Vec<Judged>, Fault> {
@@ -116,7 +124,7 @@ fn judged(line: &str) -> Option<Judged> {
     let (method, verdict) = words.trim().split_once(' ')?;
     Some(Judged {
         rows: core::array::from_fn(|i| core::array::from_fn(|j| twelve[4 * i + j])),
-        method: Method::ALL.into_iter().find(|known| known.name() == method)?,
+        method: Method::ALL.into_iter().find(|known| name_of(*known) == method)?,
         meets: match verdict {
             "hit" => true,
             "free" => false,
