@@ -22,7 +22,7 @@ mod rng;
 use data::{GAPS, MeshData, Suite, directory};
 use figures::decimate::{MODELS, series};
 use figures::plot::{Curve, plot};
-use simdop::build::{Builder, Magnification, Mesh, Splitter};
+use simdop::construct::{Builder, Magnification, Mesh, Splitter};
 use simdop::hierarchy::Bvh;
 use simdop::isa::Isa;
 use simdop::node::{Node4, Node16};

@@ -14,8 +14,8 @@ mod rng;
 
 use core::ops::ControlFlow;
 use rng::Rng;
-use simdop::build::gpu::{Gpu, Spent};
-use simdop::build::{Assignment, Clustering};
+use simdop::construct::gpu::{Gpu, Spent};
+use simdop::construct::{Assignment, Clustering};
 use std::time::{Duration, Instant};
 
 const COUNTS: [usize; 5] = [2_000, 10_000, 100_000, 1_000_000, 10_000_000];

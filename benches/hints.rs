@@ -17,7 +17,7 @@ mod suites;
 use data::{MeshData, directory};
 use glam::{DMat3, DQuat, DVec3};
 use rng::Rng;
-use simdop::build::{Builder, Mesh};
+use simdop::construct::{Builder, Mesh};
 use simdop::hierarchy::BvhRef;
 use simdop::isa::Isa;
 use simdop::node::Node16;

@@ -20,7 +20,7 @@ mod spheres {
 
 use data::{MeshData, directory};
 use rng::Rng;
-use simdop::build::{Magnification, Splitter};
+use simdop::construct::{Magnification, Splitter};
 use spheres::packing::{self, Sphere};
 use spheres::tree::{Moved, Node, by_heuristic, by_splitter, pairs_by_brute_force};
 use spheres::{heuristics, tree};

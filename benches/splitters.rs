@@ -16,7 +16,7 @@ mod suites;
 
 use data::{MeshData, directory};
 use distances::{PerDistance, poses};
-use simdop::build::{Builder, Magnification, Mesh, Splitter};
+use simdop::construct::{Builder, Magnification, Mesh, Splitter};
 use simdop::hierarchy::Bvh;
 use simdop::isa::Isa;
 use simdop::node::Node16;

@@ -5,10 +5,7 @@
 use crate::directions::Directions;
 use crate::exact::{Expansion, power_of_two};
 use crate::key::Key;
-use crate::triangle::MIN_COORDINATE;
-
-/// A vertex of a body, in the body's own coordinates and unit.
-pub type Point = [f64; 3];
+use crate::range::Point;
 
 /// Maps a body's coordinates to its hierarchy's: translate, then scale by a power of two.
 #[derive(Copy, Clone, PartialEq, Debug)]
@@ -31,7 +28,7 @@ pub(crate) const MAX_EXPONENT: i32 = 340;
 type SupportSum = Expansion<32>;
 
 impl Frame {
-    /// The frame for a body inside the box `min ..= max`, whose coordinates obey [`crate::triangle::MAX_COORDINATE`].
+    /// The frame for a body inside the box `min ..= max`, whose coordinates obey [`crate::range::MAX_COORDINATE`].
     #[cfg(feature = "alloc")]
     #[must_use]
     pub(crate) fn around(min: Point, max: Point) -> Self {
@@ -105,10 +102,4 @@ pub(crate) fn scale_to_one(x: f64) -> f64 {
 #[cfg(feature = "alloc")]
 const fn binary_exponent(x: f64) -> i32 {
     (x.to_bits() >> 52) as i32 - 1023
-}
-
-/// Coordinates below [`MIN_COORDINATE`] count as zero, so that no exact predicate can underflow.
-#[inline]
-pub(crate) fn flush(x: f64) -> f64 {
-    if x.abs() < MIN_COORDINATE { 0.0 } else { x }
 }

@@ -2,7 +2,7 @@
 //! sixteen at a time. `no_std`, no heap in a query, trees baked into bytes.
 //!
 //! ```
-//! use simdop::{build::{Builder, Mesh}, isa::Isa, node::Node16, pose::Pose, query::Query};
+//! use simdop::{construct::{Builder, Mesh}, isa::Isa, node::Node16, pose::Pose, query::Query};
 //!
 //! // A tetrahedron, against a copy of itself.
 //! let vertices = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
@@ -28,7 +28,7 @@
 //!
 //! # Guarantees
 //!
-//! * **No miss, no false hit.** Volumes are rounded outwards ([`key`], [`realign`]), triangles are decided [exactly](triangle). A verdict is exact
+//! * **No miss, no false hit.** Volumes are rounded outwards ([`key`], [`realign`]), triangles are decided [exactly](primitive::triangle). A verdict is exact
 //!   for the corners as [`pose::Pose::apply`] moves them: within 2^-50 of the pose asked for.
 //! * **No allocation in a query**, and a traversal stack of [`query::STACK_BYTES`] bytes whatever the trees.
 //! * **Untrusted trees.** [`hierarchy::BvhRef::from_bytes`] proves that bytes are safe to walk; [`hierarchy::BvhRef::verify`] proves, in exact
@@ -42,7 +42,7 @@
 //! | `std` | yes | run-time detection of instruction sets by the standard library; implies `alloc` |
 //! | `alloc` | yes | owned trees and the builders; without it: borrowed trees and every query |
 //! | `rayon` | no | construction on several threads, with the same bytes; implies `std` |
-//! | `gpu` | no | construction on a device, through wgpu (`build::gpu`), with the same bytes; implies `std` |
+//! | `gpu` | no | construction on a device, through wgpu (`construct::gpu`), with the same bytes; implies `std` |
 //! | `cli` | no | the command `simdop` |
 //!
 //! Without `std`, x86-64 is asked by CPUID and XCR0, aarch64 takes what the crate is compiled for.
@@ -66,9 +66,9 @@ extern crate alloc;
 #[cfg(feature = "std")]
 extern crate std;
 
-#[cfg(feature = "alloc")]
-pub mod build;
 mod bytes;
+#[cfg(feature = "alloc")]
+pub mod construct;
 pub mod directions;
 mod exact;
 pub mod frame;
@@ -78,9 +78,10 @@ pub mod kernel;
 pub mod key;
 pub mod node;
 pub mod pose;
+pub mod primitive;
 pub mod query;
+pub mod range;
 pub mod realign;
-pub mod triangle;
 
 #[cfg(doctest)]
 #[doc = include_str!("../README.md")]

@@ -125,9 +125,9 @@ pub trait Node: bytemuck::Pod + Send + Sync + sealed::Sealed + core::fmt::Debug 
     /// Raises plane `j` of child `lane` to bound `key` too.
     fn raise_plane(&mut self, j: usize, lane: usize, key: Key);
     /// The key of each direction's support of `p`, in `frame`, to `keys`: one for each plane.
-    fn supports(frame: &crate::frame::Frame, p: crate::frame::Point, keys: &mut [Key]);
+    fn supports(frame: &crate::frame::Frame, p: crate::range::Point, keys: &mut [Key]);
     /// Whether `key` bounds direction `j`'s support of `p`, in exact arithmetic.
-    fn bounds(frame: &crate::frame::Frame, j: usize, p: crate::frame::Point, key: Key) -> bool;
+    fn bounds(frame: &crate::frame::Frame, j: usize, p: crate::range::Point, key: Key) -> bool;
 }
 
 macro_rules! impl_node {
@@ -163,11 +163,11 @@ macro_rules! impl_node {
                 *plane = (*plane).max(key.code());
             }
 
-            fn supports(frame: &crate::frame::Frame, p: crate::frame::Point, keys: &mut [Key]) {
+            fn supports(frame: &crate::frame::Frame, p: crate::range::Point, keys: &mut [Key]) {
                 frame.supports::<K>(p, keys);
             }
 
-            fn bounds(frame: &crate::frame::Frame, j: usize, p: crate::frame::Point, key: Key) -> bool {
+            fn bounds(frame: &crate::frame::Frame, j: usize, p: crate::range::Point, key: Key) -> bool {
                 frame.bounds::<K>(j, p, key)
             }
         }

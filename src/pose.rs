@@ -1,7 +1,7 @@
 //! Rigid poses: where body A stands in the frame of body B.
 
-use crate::frame::{Point, flush};
-use crate::triangle::MAX_COORDINATE;
+use crate::range::MAX_COORDINATE;
+use crate::range::{Point, flush};
 use core::fmt;
 use glam::{Affine3, Affine3A, DAffine3, DMat3, DQuat, DVec3, Mat3, Quat, Vec3};
 
@@ -96,7 +96,7 @@ impl Pose {
     }
 
     /// `R p + t` in `f64`, each coordinate as `((r0 x + r1 y) + r2 z) + t` without fused operations: the same bits everywhere,
-    /// within 2^-50 (|R||p| + |t|) of the exact image. Coordinates below [`crate::triangle::MIN_COORDINATE`] become zero.
+    /// within 2^-50 (|R||p| + |t|) of the exact image. Coordinates below [`crate::range::MIN_COORDINATE`] become zero.
     #[inline(always)]
     #[must_use]
     pub fn apply(&self, p: Point) -> Point {

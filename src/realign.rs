@@ -27,11 +27,13 @@
 
 use crate::directions::Directions;
 use crate::exact::{power_of_two, round_up_f32};
-use crate::frame::{Frame, Point};
+use crate::frame::Frame;
 use crate::hierarchy::Header;
 use crate::key::{Key, decode};
 use crate::pose::Pose;
-use crate::triangle::{MIN_COORDINATE, Triangle};
+use crate::primitive::triangle::Triangle;
+use crate::range::MIN_COORDINATE;
+use crate::range::Point;
 
 /// How the planes of every node of one body turn into another body's frame, at one pose.
 #[derive(Copy, Clone, PartialEq, Debug)]

@@ -6,7 +6,7 @@ use core::alloc::{GlobalAlloc, Layout};
 use core::cell::Cell;
 use core::hint::black_box;
 use core::ops::ControlFlow;
-use simdop::build::{Builder, Mesh};
+use simdop::construct::{Builder, Mesh};
 use simdop::hierarchy::{BakeError, Bvh, BvhRef, Header, MAX_DEPTH};
 use simdop::isa::Isa;
 use simdop::node::{Child, Node4, Node16};

@@ -7,7 +7,7 @@
 
 mod support;
 
-use simdop::build::{Builder, Mesh};
+use simdop::construct::{Builder, Mesh};
 use simdop::hierarchy::Bvh;
 use simdop::isa::Isa;
 use simdop::node::{Node4, Node16};

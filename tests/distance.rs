@@ -4,13 +4,13 @@ mod support;
 
 use dashu_int::IBig;
 use dashu_int::ops::BitTest;
-use simdop::build::{Builder, Mesh};
+use simdop::construct::{Builder, Mesh};
 use simdop::hierarchy::Bvh;
 use simdop::isa::Isa;
 use simdop::node::{Node4, Node16};
 use simdop::pose::Pose;
+use simdop::primitive::triangle::distance::separation;
 use simdop::query::{Completion, Distance, Lanes, Query, Verdict};
-use simdop::triangle::distance::separation;
 use support::data::{MeshData, Suite, suite_step, suites};
 use support::exact::{Tri, triangles_meet};
 use support::rng::Rng;
@@ -240,7 +240,7 @@ fn norm(p: &[f64; 3], q: &[f64; 3]) -> f64 {
 
 /// The least altitude of a triangle, as far as `f64` can tell; infinite for a point or a segment that is one exactly.
 fn altitude(t: &Tri) -> f64 {
-    if simdop::triangle::is_degenerate(t) {
+    if simdop::primitive::triangle::is_degenerate(t) {
         return f64::INFINITY;
     }
     let edge = |i: usize| norm(&t[i], &t[(i + 1) % 3]);

@@ -7,7 +7,7 @@ mod support;
 
 use alloc::collections::BTreeSet;
 use core::ops::ControlFlow;
-use simdop::build::{BuildError, Builder, Magnification, Mesh, Splitter};
+use simdop::construct::{BuildError, Builder, Magnification, Mesh, Splitter};
 use simdop::directions;
 use simdop::hierarchy::{BakeError, Bvh, BvhRef, Header};
 use simdop::isa::Isa;
@@ -15,7 +15,7 @@ use simdop::key::Key;
 use simdop::node::{Child, Link, Node4, Node16};
 use simdop::pose::Pose;
 use simdop::query::{Completion, Lanes, Query, Verdict};
-use simdop::triangle::{MAX_COORDINATE, MIN_COORDINATE};
+use simdop::range::{MAX_COORDINATE, MIN_COORDINATE};
 use std::time::Instant;
 use support::data::{MeshData, suite_step};
 use support::dyadic::{Dyadic, dot, is_rounded_up};

@@ -2,13 +2,13 @@
 
 mod support;
 
-use simdop::build::{Builder, Mesh};
+use simdop::construct::{Builder, Mesh};
 use simdop::hierarchy::Bvh;
 use simdop::isa::Isa;
 use simdop::node::{Node4, Node16};
 use simdop::pose::Pose;
+use simdop::primitive::triangle::distance::separation;
 use simdop::query::{Answer, Distance, Hint, Lanes, Query, Verdict};
-use simdop::triangle::distance::separation;
 use std::ops::ControlFlow;
 use support::data::{MeshData, Suite, suite_step, suites};
 use support::exact::{Tri, triangles_meet};

@@ -6,7 +6,7 @@
 //! calls them: a function that is called has a symbol. `#[inline(never)]` on any of them fails the test. Needs an optimised ELF binary.
 #![cfg(target_os = "linux")]
 
-use simdop::build::{Builder, Mesh};
+use simdop::construct::{Builder, Mesh};
 use simdop::hierarchy::Bvh;
 use simdop::isa::Isa;
 use simdop::node::{Node4, Node16};

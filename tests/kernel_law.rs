@@ -9,16 +9,16 @@ mod support;
 #[expect(unreachable_pub, reason = "public to the fuzz targets, which take it from a library")]
 mod turned;
 
-use simdop::build::{Builder, Mesh};
+use simdop::construct::{Builder, Mesh};
 use simdop::hierarchy::Bvh;
 use simdop::isa::{Isa, IsaError, Scalar};
 use simdop::kernel::{Kernel, Query};
 use simdop::key::{Key, decode};
 use simdop::node::{Child, Node4, Node16};
 use simdop::pose::Pose;
+use simdop::primitive::triangle::Probe;
 use simdop::query::Lanes;
 use simdop::realign::Realignment;
-use simdop::triangle::Probe;
 use std::cell::LazyCell;
 use std::io::Write;
 use support::rng::Rng;

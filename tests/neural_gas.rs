@@ -6,7 +6,7 @@
 mod support;
 
 use core::ops::ControlFlow;
-use simdop::build::{BuildError, Builder, Magnification, Mesh, Progress, Splitter};
+use simdop::construct::{BuildError, Builder, Magnification, Mesh, Progress, Splitter};
 use simdop::hierarchy::{Bvh, BvhRef, MAX_DEPTH};
 use simdop::node::{Link, Node4, Node16};
 use simdop::query::Lanes;
@@ -198,7 +198,7 @@ fn awkward_meshes_are_built() {
 
 #[test]
 fn largest_and_smallest_coordinates_are_clustered() {
-    use simdop::triangle::{MAX_COORDINATE, MIN_COORDINATE};
+    use simdop::range::{MAX_COORDINATE, MIN_COORDINATE};
     let unit = shapes::torus(20, 20);
     let mut roots = Vec::new();
     for factor in [1.0, MAX_COORDINATE * 0.5, MIN_COORDINATE * MIN_COORDINATE.recip().sqrt(), 1e-60] {

@@ -3,16 +3,17 @@
 
 mod support;
 
-use simdop::build::{Builder, Mesh};
+use simdop::construct::{Builder, Mesh};
 use simdop::directions::{self, Directions};
-use simdop::frame::{Frame, Point};
+use simdop::frame::Frame;
 use simdop::hierarchy::{BvhRef, Header};
 use simdop::key::Key;
 use simdop::node::Node16;
 use simdop::pose::Pose;
 use simdop::query::Lanes;
+use simdop::range::MIN_COORDINATE;
+use simdop::range::Point;
 use simdop::realign::Realignment;
-use simdop::triangle::MIN_COORDINATE;
 use support::data::suite_step;
 use support::dyadic::{Dyadic, dot, half_value};
 use support::rng::Rng;

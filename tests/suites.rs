@@ -8,10 +8,10 @@ mod rng;
 mod suites;
 
 use data::MeshData;
-use simdop::build::{Builder, Mesh};
+use simdop::construct::{Builder, Mesh};
 use simdop::hierarchy::Bvh;
 use simdop::node::Node16;
-use simdop::triangle::distance::separation;
+use simdop::primitive::triangle::distance::separation;
 use suites::{Approaching, DISTANCES, Distance, Method, Rows};
 
 /// A long octahedron.

@@ -5,7 +5,7 @@
 
 mod support;
 
-use simdop::build::{Builder, Mesh, Splitter};
+use simdop::construct::{Builder, Mesh, Splitter};
 use simdop::hierarchy::{Bvh, MAX_DEPTH};
 use simdop::isa::Isa;
 use simdop::node::{Node4, Node16};

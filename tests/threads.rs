@@ -2,7 +2,7 @@
 
 mod support;
 
-use simdop::build::{Builder, Mesh};
+use simdop::construct::{Builder, Mesh};
 use simdop::hierarchy::{Bvh, BvhRef};
 use simdop::isa::Isa;
 use simdop::node::Node16;

@@ -4,7 +4,7 @@
 
 mod support;
 
-use simdop::build::{Builder, Mesh, Splitter};
+use simdop::construct::{Builder, Mesh, Splitter};
 use simdop::hierarchy::TreeStats;
 use simdop::node::{Node, Node4, Node16};
 use support::data::MeshData;

@@ -5,7 +5,7 @@ mod support;
 
 use core::fmt;
 
-use simdop::triangle::{Probe, Triangle, overlap};
+use simdop::primitive::triangle::{Probe, Triangle, overlap};
 use support::exact::{meeting_pairs, meshes_meet, triangles_meet, triangles_meet_in_integers};
 use support::rng::Rng;
 

@@ -6,7 +6,7 @@
 use crate::data::MeshData;
 use crate::support::bodies::Scene;
 use crate::support::record::{Arity, record};
-use simdop::build::{Builder, Mesh};
+use simdop::construct::{Builder, Mesh};
 use simdop::node::{Node4, Node16};
 use simdop::pose::Pose;
 

@@ -9,7 +9,7 @@ use super::tree::{K, Shape, Tree};
 #[cfg(target_arch = "x86_64")]
 use super::wide;
 use crate::data::MeshData;
-use simdop::build::{Builder, Magnification, Mesh, Splitter};
+use simdop::construct::{Builder, Magnification, Mesh, Splitter};
 use simdop::hierarchy::{Bvh, BvhRef};
 #[cfg(target_arch = "x86_64")]
 use simdop::isa::Avx2;

@@ -10,8 +10,8 @@ use core::ops::ControlFlow;
 use simdop::kernel::Kernel;
 use simdop::node::{Child, Link};
 use simdop::pose::Pose;
+use simdop::primitive::triangle::{Probe, Triangle};
 use simdop::realign::Realignment;
-use simdop::triangle::{Probe, Triangle};
 
 /// What a query did.
 #[derive(Copy, Clone, Default, Debug)]

@@ -4,10 +4,11 @@ use super::traverse::System;
 use crate::data::MeshData;
 use core::array::from_fn;
 use simdop::directions::Directions;
-use simdop::frame::{Frame, Point};
+use simdop::frame::Frame;
 use simdop::hierarchy::{BvhRef, Header};
 use simdop::node::{Child, Link, Node16};
-use simdop::triangle::Triangle;
+use simdop::primitive::triangle::Triangle;
+use simdop::range::Point;
 
 pub(crate) const K: usize = 18;
 

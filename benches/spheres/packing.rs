@@ -2,7 +2,7 @@
 
 use crate::data::MeshData;
 use crate::rng::Rng;
-use simdop::build::{Builder, Mesh};
+use simdop::construct::{Builder, Mesh};
 use simdop::hierarchy::Bvh;
 use simdop::isa::Isa;
 use simdop::node::Node16;

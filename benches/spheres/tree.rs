@@ -1,7 +1,7 @@
 //! Trees of balls around spheres, and the query that they are for.
 
 use super::packing::Sphere;
-use simdop::build::{Builder, Mesh, Splitter};
+use simdop::construct::{Builder, Mesh, Splitter};
 use simdop::hierarchy::{Bvh, BvhRef};
 use simdop::node::{Child, Link, Node as _, Node4};
 

@@ -1,7 +1,7 @@
 //! Pairs of meshes at poses where they nearly touch.
 
 use crate::data::{MeshData, Suite, directory};
-use simdop::build::{Builder, Mesh};
+use simdop::construct::{Builder, Mesh};
 use simdop::hierarchy::Bvh;
 use simdop::isa::Isa;
 use simdop::pose::Pose;

@@ -2,7 +2,7 @@
 
 use crate::data::MeshData;
 use crate::suites::{Approaching, DISTANCES, Method};
-use simdop::build::{Builder, Mesh, Splitter};
+use simdop::construct::{Builder, Mesh, Splitter};
 use simdop::hierarchy::Bvh;
 use simdop::node::Node16;
 use simdop::pose::Pose;

@@ -7,11 +7,12 @@ mod support;
 
 use libfuzzer_sys::fuzz_target;
 use simdop::directions;
-use simdop::frame::{Frame, Point};
+use simdop::frame::Frame;
 use simdop::isa::Scalar;
 use simdop::node::{Link, Node4, Node16};
 use simdop::pose::Pose;
 use simdop::query::Lanes;
+use simdop::range::Point;
 use simdop::realign::Realignment;
 use simdop_fuzz::bodies::{Body, bodies, pose, small_body};
 use simdop_fuzz::planes::{narrow, pair, turned_4, turned_16, wide};

@@ -4,7 +4,7 @@ use crate::support::data::MeshData;
 use crate::support::rng::Rng;
 use crate::support::shapes;
 use crate::{Input, Mode, cached};
-use simdop::build::{Builder, Mesh, Splitter};
+use simdop::construct::{Builder, Mesh, Splitter};
 use simdop::hierarchy::Bvh;
 use simdop::node::Node;
 use simdop::pose::{Pose, PoseError};
@@ -89,11 +89,11 @@ fn make_body<N: Node>(input: &mut Input, mode: Mode) -> Option<Body<N>> {
     let vertices: Vec<[f64; 3]> = corners.collect();
     let triangles: Vec<[u32; 3]> = (0..count as u32).map(|t| [3 * t, 3 * t + 1, 3 * t + 2]).collect();
     let leaf_size = 1 + input.below(4) as u32;
-    let legal = vertices.as_flattened().iter().all(|x| x.abs() <= simdop::triangle::MAX_COORDINATE);
+    let legal = vertices.as_flattened().iter().all(|x| x.abs() <= simdop::range::MAX_COORDINATE);
     let mesh = Mesh { vertices: &vertices, triangles: &triangles };
     let tree = Builder::new().leaf_size(leaf_size).build(&mesh);
     assert_eq!(tree.is_ok(), legal, "{vertices:?}: {:?}", tree.err());
-    let flush = |x: f64| if x.abs() < simdop::triangle::MIN_COORDINATE { 0.0 } else { x };
+    let flush = |x: f64| if x.abs() < simdop::range::MIN_COORDINATE { 0.0 } else { x };
     let triangles = triangles.iter().map(|t| t.map(|v| vertices[v as usize].map(flush))).collect();
     Some(Body { triangles, tree: tree.ok()? })
 }
@@ -129,7 +129,7 @@ pub fn pose(input: &mut Input, mode: Mode) -> Pose {
     match Pose::from_rows(core::array::from_fn(|i| [rotation[i][0], rotation[i][1], rotation[i][2], t[i]])) {
         Ok(pose) => pose,
         Err(error) => {
-            let too_far = t.iter().any(|x| x.abs() > simdop::triangle::MAX_COORDINATE);
+            let too_far = t.iter().any(|x| x.abs() > simdop::range::MAX_COORDINATE);
             let not_finite = t.iter().any(|x| !x.is_finite());
             let right = if not_finite { PoseError::NotFinite } else { PoseError::TooFar };
             assert!((too_far || not_finite) && error == right, "{t:?}: {error}");

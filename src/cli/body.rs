@@ -5,7 +5,7 @@ use super::mesh::{self, MeshData};
 use super::{TreeOptions, progress};
 use core::ops::ControlFlow;
 use core::time::Duration;
-use simdop::build::{BuildError, Builder, Mesh};
+use simdop::construct::{BuildError, Builder, Mesh};
 use simdop::hierarchy::{Aligned, BakeError, Bvh, Header, MAGIC, Stats, TreeStats, VerifyError};
 use simdop::isa::Isa;
 use simdop::node::{Link, Node, Node4, Node16};

@@ -2,7 +2,7 @@
 
 use super::body::Shape;
 use core::fmt;
-use simdop::build::BuildError;
+use simdop::construct::BuildError;
 use simdop::hierarchy::{BakeError, VerifyError};
 use std::path::PathBuf;
 

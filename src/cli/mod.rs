@@ -14,7 +14,7 @@ mod scene;
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use error::Error;
-use simdop::build::Magnification;
+use simdop::construct::Magnification;
 use simdop::isa::Isa;
 use std::io::Write;
 use std::path::PathBuf;
@@ -69,7 +69,7 @@ enum Splitter {
     NeuralGasByArea,
 }
 
-impl From<Splitter> for simdop::build::Splitter {
+impl From<Splitter> for simdop::construct::Splitter {
     fn from(splitter: Splitter) -> Self {
         match splitter {
             Splitter::LongestAxis => Self::LongestAxis,

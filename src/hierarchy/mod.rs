@@ -16,9 +16,10 @@ pub use stats::Stats;
 pub use tree_stats::TreeStats;
 pub use verify::VerifyError;
 
-use crate::frame::{Frame, Point};
+use crate::frame::Frame;
 use crate::node::Node;
-use crate::triangle::Triangle;
+use crate::primitive::triangle::Triangle;
+use crate::range::Point;
 #[cfg(feature = "alloc")]
 use core::marker::PhantomData;
 

@@ -1,10 +1,11 @@
 //! Is it safe to walk these bytes? Baked trees are untrusted input.
 
 use super::{BakeError, BvhRef, MAX_DEPTH, Vertices};
-use crate::frame::{MAX_EXPONENT, Point, flush};
+use crate::frame::MAX_EXPONENT;
 use crate::key::{Key, decode};
 use crate::node::{Child, Link, MAX_LEAF_SIZE, Node};
-use crate::triangle::MAX_COORDINATE;
+use crate::range::MAX_COORDINATE;
+use crate::range::{Point, flush};
 
 impl<N: Node> BvhRef<'_, N> {
     /// Proves that no query can read out of range, loop, or overflow its stack, and that the header's bounds hold. In one pass,

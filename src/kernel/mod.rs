@@ -25,8 +25,8 @@ pub mod scalar;
 #[cfg(doc)]
 use crate::key::Key;
 use crate::node::{Node4, Node16};
+use crate::primitive::triangle::{Probe, Triangle};
 use crate::realign::Realignment;
-use crate::triangle::{Probe, Triangle};
 
 /// Planes of `W` bodies in query form: `query[j][i]` is the complement of the key of plane `j ^ 1` of body i.
 pub type Query<const W: usize, const K: usize> = [[i16; W]; K];
@@ -70,12 +70,8 @@ pub trait Kernel: Copy + core::fmt::Debug + sealed::Sealed {
     fn overlap_4v4<const K: usize>(self, query: &Query<4, K>, node: &Node4<K>) -> u16;
 
     /// Bit i: the plane of the probe or of triangle i certainly separates the two, as [`Probe::is_apart`] says, which is the specification.
-    #[inline(always)]
     #[must_use]
-    fn apart_4(self, probe: &Probe<'_>, triangles: &[Triangle; 4]) -> u16 {
-        let bit = |i: usize| u16::from(probe.is_apart(&triangles[i])) << i;
-        bit(0) | bit(1) | bit(2) | bit(3)
-    }
+    fn apart_4(self, probe: &Probe<'_>, triangles: &[Triangle; 4]) -> u16;
 
     /// Turns the planes of all children of a node into another body's frame, in query form. In place: a result of half a kilobyte would be copied.
     ///

@@ -2,12 +2,12 @@
 
 use super::nearest::Search;
 use super::{Answer, Completion, Counters, Hint, Lanes, Pair, Query, Verdict, on_isa};
-use crate::frame::Point;
 use crate::hierarchy::BvhRef;
 use crate::isa::Isa;
 use crate::kernel::Kernel;
 use crate::pose::Pose;
-use crate::triangle::distance::TIGHT;
+use crate::primitive::triangle::distance::TIGHT;
+use crate::range::Point;
 use core::fmt;
 
 /// A margin or tolerance that is negative, infinite or NaN.
@@ -93,7 +93,7 @@ impl Query {
     /// far", and 0 for what `f64` can hold (2^-42 relatively). A budget ends it with the bounds it then has.
     ///
     /// ```
-    /// # use simdop::{build::{Builder, Mesh}, isa::Isa, node::Node16, pose::Pose, query::Query};
+    /// # use simdop::{construct::{Builder, Mesh}, isa::Isa, node::Node16, pose::Pose, query::Query};
     /// # let vertices = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
     /// # let triangles = [[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]];
     /// # let body = Builder::new().build::<Node16<18>>(&Mesh { vertices: &vertices, triangles: &triangles })?;

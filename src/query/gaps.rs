@@ -13,7 +13,7 @@ use crate::directions::Directions;
 use crate::exact::{power_of_two, round_up_f32};
 use crate::frame::Frame;
 use crate::node::Child;
-use crate::triangle::Triangle;
+use crate::primitive::triangle::Triangle;
 
 /// A bound and the lane it is for in one number: numbers order as the bounds do, equal bounds by lane.
 #[derive(Copy, Clone, PartialEq, Eq, PartialOrd, Ord, Debug)]

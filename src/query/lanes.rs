@@ -7,8 +7,8 @@ use crate::kernel::{Kernel, Query, SEPARATED};
 use crate::key::Key;
 use crate::node::{Node, Node4, Node16};
 use crate::pose::Pose;
+use crate::primitive::triangle::Triangle;
 use crate::realign::{Realignment, planes_of_triangles};
-use crate::triangle::Triangle;
 
 /// Which pairs of children overlap.
 #[derive(Copy, Clone, Default, Debug)]

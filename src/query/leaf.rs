@@ -3,11 +3,11 @@
 use super::Lanes;
 use super::traverse::moved;
 use crate::exact::power_of_two;
-use crate::frame::Point;
 use crate::hierarchy::BvhRef;
 use crate::node::{Child, Link, MAX_LEAF_SIZE};
 use crate::pose::Pose;
-use crate::triangle::Triangle;
+use crate::primitive::triangle::Triangle;
+use crate::range::Point;
 
 const MANY: usize = MAX_LEAF_SIZE as usize;
 

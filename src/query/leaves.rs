@@ -6,8 +6,8 @@ use super::lanes::Rows;
 use super::traverse::{Flow, Stop, Traversal, bits_of, primitives};
 use crate::kernel::Kernel;
 use crate::node::{Child, Link};
-use crate::triangle::distance::within;
-use crate::triangle::{Probe, Triangle};
+use crate::primitive::triangle::distance::within;
+use crate::primitive::triangle::{Probe, Triangle};
 use core::ops::ControlFlow;
 
 /// Which body has the one leaf that is tested against several of the other.

@@ -9,7 +9,7 @@
 //! [`BvhRef`] and a [`Pose`] are `Copy`, `Send` and `Sync`, so that threads (`std::thread::scope`, rayon) can divide the poses, and each answer is what one thread gives:
 //!
 //! ```
-//! # use simdop::{build::{Builder, Mesh}, isa::Isa, node::Node16, pose::Pose, query::Query};
+//! # use simdop::{construct::{Builder, Mesh}, isa::Isa, node::Node16, pose::Pose, query::Query};
 //! # let vertices = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
 //! # let triangles = [[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]];
 //! # let body = Builder::new().build::<Node16<18>>(&Mesh { vertices: &vertices, triangles: &triangles })?;
@@ -52,8 +52,8 @@ use crate::hierarchy::BvhRef;
 use crate::isa::Isa;
 use crate::kernel::Kernel;
 use crate::pose::Pose;
-use crate::triangle::distance::within;
-use crate::triangle::overlap;
+use crate::primitive::triangle::distance::within;
+use crate::primitive::triangle::overlap;
 use core::ops::ControlFlow;
 use hint::Found;
 use traverse::{Limits, Stop, Traversal, moved};
@@ -168,7 +168,7 @@ impl Query {
     /// Tries first what an earlier query of the same bodies found: for coherent motion. See [`Hint`].
     ///
     /// ```
-    /// # use simdop::{build::{Builder, Mesh}, isa::Isa, node::Node16, pose::Pose, query::{Hint, Query}};
+    /// # use simdop::{construct::{Builder, Mesh}, isa::Isa, node::Node16, pose::Pose, query::{Hint, Query}};
     /// # let vertices = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
     /// # let triangles = [[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]];
     /// # let body = Builder::new().build::<Node16<18>>(&Mesh { vertices: &vertices, triangles: &triangles })?;

@@ -11,12 +11,12 @@ use super::leaf::{Ahead, LeafA};
 use super::traverse::moved;
 use super::{Completion, Counters, Lanes, Query};
 use crate::exact::round_up_f32;
-use crate::frame::Point;
 use crate::hierarchy::BvhRef;
 use crate::kernel::Kernel;
 use crate::node::{Child, Link};
 use crate::pose::Pose;
-use crate::triangle::distance::{Separation, nearer};
+use crate::primitive::triangle::distance::{Separation, nearer};
+use crate::range::Point;
 
 /// Nodes of A whose turned planes are kept: the last on each level, levels counted modulo this.
 const KEPT: usize = 4;

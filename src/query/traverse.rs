@@ -11,7 +11,7 @@ use crate::hierarchy::BvhRef;
 use crate::kernel::Kernel;
 use crate::node::{Child, Link};
 use crate::pose::Pose;
-use crate::triangle::Triangle;
+use crate::primitive::triangle::Triangle;
 use core::ops::{ControlFlow, Range};
 
 /// Why a traversal ended early.

@@ -4,7 +4,7 @@ use crate::data::MeshData;
 use crate::suites::Rows;
 use core::ffi::{CStr, c_char, c_void};
 use libloading::{Library, Symbol};
-use simdop::triangle::{self, Triangle};
+use simdop::primitive::triangle::{self, Triangle};
 use std::path::Path;
 use std::rc::Rc;
 

@@ -3,7 +3,7 @@
 use crate::data::MeshData;
 use crate::driver::Driver;
 use crate::suites::Rows;
-use simdop::build::{Builder, Magnification, Mesh, Splitter};
+use simdop::construct::{Builder, Magnification, Mesh, Splitter};
 use simdop::hierarchy::Bvh;
 use simdop::isa::Isa;
 use simdop::node::Node16;

@@ -4,7 +4,7 @@ use crate::data::MeshData;
 use crate::exact::meshes_meet;
 use crate::suites::{Approaching, DISTANCES, Method, Rows};
 use core::fmt::Write as _;
-use simdop::build::{Builder, Mesh};
+use simdop::construct::{Builder, Mesh};
 use simdop::hierarchy::Bvh;
 use simdop::node::Node16;
 use std::path::{Path, PathBuf};

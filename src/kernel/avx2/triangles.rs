@@ -1,13 +1,13 @@
 //! One triangle against four: the planes' filter of the leaf test, a triangle a lane. Operation by operation that of [`Probe::is_apart`].
 
 use crate::isa::compiled_for_avx2;
-use crate::triangle::{DETERMINANT_ERROR, Probe, Triangle};
+use crate::primitive::triangle::{DETERMINANT_ERROR, Probe, Triangle};
 use core::arch::x86_64::*;
 
 /// Three coordinates of four points.
 type Points = [__m256d; 3];
 
-/// Planes of four triangles, or one four times, as in [`crate::triangle::Plane`].
+/// Planes of four triangles, or one four times, as in [`crate::primitive::triangle::Plane`].
 struct Planes {
     origin: Points,
     normal: Points,

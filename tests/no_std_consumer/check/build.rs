@@ -3,7 +3,7 @@
 #[path = "src/poses.rs"]
 mod poses;
 
-use simdop::build::{Builder, Mesh};
+use simdop::construct::{Builder, Mesh};
 use simdop::isa::Isa;
 use simdop::node::Node16;
 use simdop::pose::Pose;

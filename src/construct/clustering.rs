@@ -1,0 +1,53 @@
+//! Batch Neural Gas over weighted points.
+
+use super::longest_axis::Cutter;
+use super::{Assignment, BuildError, Observer, neural_gas};
+use crate::range::Point;
+
+/// Batch Neural Gas over points with weights, such as the centres and volumes of spheres: the shape of a tree, without bodies in it.
+#[doc(hidden)]
+#[derive(Copy, Clone, Debug)]
+pub struct Clustering {
+    /// 4 or 16.
+    pub arity: usize,
+    /// Points in a leaf, at most.
+    pub leaf_size: usize,
+    /// Decides where prototypes start, and nothing else.
+    pub seed: u32,
+}
+
+impl Clustering {
+    /// Of finite `points`, each with a finite weight that is not negative, or all alike.
+    ///
+    /// # Errors
+    /// [`BuildError::Cancelled`], [`BuildError::TooDeep`].
+    pub fn assign(
+        &self,
+        points: &[Point],
+        weights: Option<&[f64]>,
+        observer: &mut Observer<'_>,
+    ) -> Result<Assignment, BuildError> {
+        let cloud = neural_gas::Cloud::new(points, weights);
+        neural_gas::assign(&cloud, &self.cutter(), self.seed, observer)
+    }
+
+    /// The same on a device, and where its time went.
+    ///
+    /// # Errors
+    /// [`super::gpu::GpuError`].
+    #[cfg(feature = "gpu")]
+    pub fn assign_on(
+        &self,
+        gpu: &super::gpu::Gpu,
+        points: &[Point],
+        weights: Option<&[f64]>,
+        observer: &mut Observer<'_>,
+    ) -> Result<(Assignment, super::gpu::Spent), super::gpu::GpuError> {
+        let cloud = neural_gas::Cloud::new(points, weights);
+        super::gpu::assign(gpu, &cloud, &self.cutter(), self.seed, observer)
+    }
+
+    fn cutter(&self) -> Cutter {
+        Cutter { arity: self.arity, leaf_size: self.leaf_size, extended: true }
+    }
+}

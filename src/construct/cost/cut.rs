@@ -1,0 +1,174 @@
+//! One cut in two: the direction and the number of primitives that cost least.
+
+use super::Primitives;
+use super::bounds::{Bounds, Measure};
+use crate::range::Point;
+use alloc::vec::Vec;
+
+/// More primitives than this are counted in bins (Wald 2007), fewer are sorted and every cut is tried.
+const MAX_SORTED: usize = 256;
+const BINS: usize = 64;
+
+/// How many primitives go to the first side, and how many lanes each side gets.
+#[derive(Copy, Clone, PartialEq, Eq, Debug)]
+pub(super) struct Share {
+    pub(super) count: usize,
+    pub(super) lanes: [usize; 2],
+}
+
+/// The shares to choose from.
+pub(super) trait Shares {
+    /// The share with `count` primitives on the first side, if it is one to choose.
+    fn exactly(&self, count: usize) -> Option<Share>;
+    /// The shares with about `count` primitives on the first side.
+    fn near(&self, count: usize) -> impl Iterator<Item = Share>;
+}
+
+/// A share of primitives by their order along a direction; ties go by index.
+#[derive(Copy, Clone, Debug)]
+pub(super) struct Cut {
+    direction: Point,
+    pub(super) share: Share,
+}
+
+/// The best cut so far and its cost.
+#[derive(Copy, Clone, Debug)]
+struct Best {
+    cost: f64,
+    cut: Option<Cut>,
+}
+
+/// Memory of a [`Cutter`], for the next one.
+#[derive(Default, Debug)]
+pub(super) struct Buffers {
+    /// Place along a direction, as a number that sorts like it, and index.
+    keys: Vec<(i64, u32)>,
+    /// Measure of all from a place on.
+    behind: Vec<f64>,
+}
+
+/// Finds cuts.
+#[derive(Debug)]
+pub(super) struct Cutter<'a> {
+    primitives: Primitives<'a>,
+    measure: Measure,
+    pub(super) buffers: Buffers,
+}
+
+impl<'a> Cutter<'a> {
+    pub(super) const fn new(primitives: Primitives<'a>, measure: Measure, buffers: Buffers) -> Self {
+        Self { primitives, measure, buffers }
+    }
+
+    /// The cut that costs least, the first of equals, if it costs less than `limit`: a side costs its measure times its
+    /// primitives per lane.
+    pub(super) fn best(
+        &mut self,
+        items: &[u32],
+        directions: &[Point],
+        shares: &impl Shares,
+        limit: f64,
+    ) -> Option<Cut> {
+        let mut best = Best { cost: limit, cut: None };
+        for &direction in directions {
+            if items.len() > MAX_SORTED {
+                self.try_bins(items, direction, shares, &mut best);
+            } else {
+                self.try_all(items, direction, shares, &mut best);
+            }
+        }
+        best.cut
+    }
+
+    /// Moves the first side of a cut before the second. The order within the sides is unspecified.
+    pub(super) fn apply(&self, items: &mut [u32], cut: &Cut) {
+        items.select_nth_unstable_by_key(cut.share.count, |&i| (self.place(cut.direction, i), i));
+    }
+
+    pub(super) fn bounds(&self, items: &[u32]) -> Bounds {
+        items.iter().fold(Bounds::EMPTY, |b, &i| b.join(&self.primitives.boxes[i as usize]))
+    }
+
+    /// What a lane with so many primitives costs.
+    pub(super) fn lane_cost(&self, bounds: &Bounds, count: usize) -> f64 {
+        self.measure.of(bounds) * count as f64
+    }
+
+    fn along(&self, direction: Point, item: u32) -> f64 {
+        let p = &self.primitives.centroids[item as usize];
+        (direction[0] * p[0] + direction[1] * p[1]) + direction[2] * p[2]
+    }
+
+    /// Where an item lies along a direction, as a number that sorts as [`f64::total_cmp`] does, and faster.
+    fn place(&self, direction: Point, item: u32) -> i64 {
+        let bits = self.along(direction, item).to_bits() as i64;
+        bits ^ ((bits >> 63) & i64::MAX)
+    }
+
+    fn try_all(&mut self, items: &[u32], direction: Point, shares: &impl Shares, best: &mut Best) {
+        let mut keys = core::mem::take(&mut self.buffers.keys);
+        keys.clear();
+        keys.extend(items.iter().map(|&i| (self.place(direction, i), i)));
+        keys.sort_unstable();
+        let Self { primitives: Primitives { boxes, .. }, measure, buffers: Buffers { behind, .. } } = self;
+        behind.clear();
+        behind.resize(keys.len(), 0.0);
+        let mut bounds = Bounds::EMPTY;
+        for (k, &(_, i)) in keys.iter().enumerate().rev() {
+            bounds = bounds.join(&boxes[i as usize]);
+            behind[k] = measure.of(&bounds);
+        }
+        let mut bounds = Bounds::EMPTY;
+        for (k, &(_, i)) in keys.iter().enumerate() {
+            if k > 0
+                && let Some(share) = shares.exactly(k)
+            {
+                best.offer(direction, share, [measure.of(&bounds), behind[k]], keys.len());
+            }
+            bounds = bounds.join(&boxes[i as usize]);
+        }
+        self.buffers.keys = keys;
+    }
+
+    /// Cuts between bins. The share nearest to a border may be some primitives away from it: at more than [`MAX_SORTED`] of them that
+    /// is no matter.
+    fn try_bins(&self, items: &[u32], direction: Point, shares: &impl Shares, best: &mut Best) {
+        let places = || items.iter().map(|&i| self.along(direction, i));
+        let (low, high) =
+            (places().fold(f64::INFINITY, f64::min), places().fold(f64::NEG_INFINITY, f64::max));
+        let scale = BINS as f64 / (high - low);
+        if !scale.is_finite() {
+            return;
+        }
+        let mut bins = [(0, Bounds::EMPTY); BINS];
+        for (place, &item) in places().zip(items) {
+            let (count, bounds) = &mut bins[(((place - low) * scale) as usize).min(BINS - 1)];
+            *count += 1;
+            *bounds = bounds.join(&self.primitives.boxes[item as usize]);
+        }
+        let mut behind = [0.0; BINS];
+        let mut bounds = Bounds::EMPTY;
+        for k in (1..BINS).rev() {
+            bounds = bounds.join(&bins[k].1);
+            behind[k] = self.measure.of(&bounds);
+        }
+        let (mut count, mut bounds) = (0, Bounds::EMPTY);
+        for k in 1..BINS {
+            count += bins[k - 1].0;
+            bounds = bounds.join(&bins[k - 1].1);
+            for share in shares.near(count) {
+                best.offer(direction, share, [self.measure.of(&bounds), behind[k]], items.len());
+            }
+        }
+    }
+}
+
+impl Best {
+    fn offer(&mut self, direction: Point, share: Share, measures: [f64; 2], total: usize) {
+        let side = |i: usize, count: usize| measures[i] * (count as f64 / share.lanes[i] as f64);
+        let cost = side(0, share.count) + side(1, total - share.count);
+        if cost < self.cost {
+            *self = Self { cost, cut: Some(Cut { direction, share }) };
+        }
+    }
+}

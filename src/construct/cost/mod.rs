@@ -1,0 +1,268 @@
+//! Splitting by expected cost: binned cuts, made for wide nodes.
+//!
+//! The surface area heuristic gives a binary tree; collapsing that into wide nodes leaves many lanes unused. Here a node is cut
+//! in two, and each side again, until there is a part for each lane; a cut may be wherever it leaves **full nodes** on both sides (see
+//! [`longest_axis`]), and how many lanes each side gets follows from its number of primitives. What a cut costs is, for each side,
+//! [measure](Measure) x primitives per lane.
+//!
+//! Visits per query, mesh against itself, k = 18, arity 16, one triangle a leaf, mean over 50 random rotations and directions; gaps
+//! along the direction as shares of the diagonal:
+//!
+//! | splitter | cow, 2e-5 | 1e-2 | armadillo, 2e-5 | 1e-2 | bytes of nodes per triangle |
+//! |---|---|---|---|---|---|
+//! | extended longest axis | 49.6 | 22.0 | 60.8 | 22.2 | 43 |
+//! | binary by area x primitives, collapsed by opening the largest area | 38.3 | 10.8 | 68.2 | 9.0 | 156, 116 |
+//! | area | 57.8 | 27.4 | 87.5 | 16.9 | 43 |
+//! | cube of the mean width, and exchange in two passes | 31.4 | 11.8 | 47.3 | 8.9 | 43 |
+//!
+//! Tried with exchange, each better on one of cow, camel, man and armadillo and worse on another: the fourth to sixth power of the mean
+//! width, area x mean width, the same by the nine slabs of k = 18 instead of the box, less weight on primitives per lane (powers
+//! 1/4 to 3/4, the logarithm), more than three passes, cuts along the six diagonals of k = 18 too. Exchange that starts from the clusters
+//! of Batch Neural Gas or from the cuts, whichever costs less, takes 3 % off the visits when touching and 1 % at 1 %, for two to three
+//! times the build. Without exchange the first power of the mean width and its square were worse than the
+//! cube everywhere: 88 and 54 visits for the cow at the small gap, where the cube needed 35.
+
+mod bounds;
+mod cut;
+mod refine;
+
+pub(super) use bounds::{Bounds, Measure};
+
+use super::levels::{self, Place};
+use super::longest_axis::{self, Item};
+use super::{Assignment, BuildError, Observer};
+use crate::hierarchy::MAX_DEPTH;
+use crate::range::Point;
+use alloc::vec::Vec;
+use cut::{Buffers, Cutter, Share, Shares};
+
+const AXES: [Point; 3] = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+
+/// What to split.
+#[derive(Copy, Clone, Debug)]
+pub(super) struct Primitives<'a> {
+    pub(super) boxes: &'a [Bounds],
+    pub(super) centroids: &'a [Point],
+}
+
+/// How to split.
+#[derive(Copy, Clone, Debug)]
+pub(super) struct Plan {
+    pub(super) arity: usize,
+    pub(super) leaf_size: usize,
+    pub(super) measure: Measure,
+    /// How often the lanes of a node exchange primitives after its cuts.
+    pub(super) passes: usize,
+}
+
+pub(super) fn assign(
+    primitives: Primitives<'_>,
+    plan: Plan,
+    observer: &mut Observer<'_>,
+) -> Result<Assignment, BuildError> {
+    assign_within(primitives, plan, MAX_DEPTH, observer)
+}
+
+/// At most `max_depth` levels of nodes, which must be enough for a balanced tree.
+fn assign_within(
+    primitives: Primitives<'_>,
+    plan: Plan,
+    max_depth: usize,
+    observer: &mut Observer<'_>,
+) -> Result<Assignment, BuildError> {
+    let mut order: Vec<u32> = (0..primitives.boxes.len() as u32).collect();
+    let cut = |buffers: &mut Buffers, place: Place, items: &mut [u32], ends: &mut [u32]| {
+        let cutter = Cutter::new(primitives, plan.measure, core::mem::take(buffers));
+        let mut widener = Widener { cutter, primitives, plan };
+        let mut lanes = Vec::with_capacity(plan.arity);
+        widener.node(items, place.levels_left - 1 - (MAX_DEPTH - max_depth), &mut lanes);
+        ends.copy_from_slice(&lanes);
+        *buffers = widener.cutter.buffers;
+        let mut start = 0;
+        for end in lanes.into_iter().map(|end| end as usize) {
+            if end - start <= plan.leaf_size {
+                // A leaf is a set: its order must not depend on how a selection algorithm moves things.
+                items[start..end].sort_unstable();
+            }
+            start = end;
+        }
+    };
+    let ends = levels::split(&mut order, plan.arity, plan.leaf_size, observer, cut)?;
+    Ok(Assignment { order, ends })
+}
+
+/// Cuts that leave full nodes below a number of lanes.
+struct LaneShares {
+    total: usize,
+    lanes: usize,
+    leaf_size: usize,
+    arity: usize,
+}
+
+impl Shares for LaneShares {
+    fn exactly(&self, count: usize) -> Option<Share> {
+        let (lanes, step) = (self.lanes, self.arity - 1);
+        let leaves = self.total.div_ceil(self.leaf_size);
+        let left = count / self.leaf_size;
+        if !count.is_multiple_of(self.leaf_size) || left == 0 || left >= leaves {
+            return None;
+        }
+        if leaves <= lanes {
+            return Some(Share { count, lanes: [left, lanes - left] });
+        }
+        // Full nodes turn one leaf into `arity`, so the leaves below l lanes are l + (arity - 1) m. That leaves one l.
+        let left_lanes = (left - 1) % step + 1;
+        if left_lanes >= lanes || leaves - left < lanes - left_lanes {
+            return None;
+        }
+        let share = Share { count, lanes: [left_lanes, lanes - left_lanes] };
+        // Leaves per lane within a factor of two of the mean, or as near to it as full nodes permit.
+        let near = |leaves_here: usize, lanes_here: usize| {
+            let (here, mean) = (leaves_here * lanes, lanes_here * leaves);
+            here <= 2 * mean && mean <= 2 * here || here.abs_diff(mean) <= step * lanes
+        };
+        (near(left, share.lanes[0]) && near(leaves - left, share.lanes[1])).then_some(share)
+    }
+
+    fn near(&self, count: usize) -> impl Iterator<Item = Share> {
+        let (step, leaves) = (self.arity - 1, count / self.leaf_size);
+        (1..self.lanes).filter_map(move |lanes| {
+            let nodes = (leaves.saturating_sub(lanes) + step / 2) / step;
+            self.exactly((lanes + nodes * step) * self.leaf_size)
+        })
+    }
+}
+
+struct Widener<'a> {
+    cutter: Cutter<'a>,
+    primitives: Primitives<'a>,
+    plan: Plan,
+}
+
+impl Widener<'_> {
+    /// Puts where the lanes of a node end into `ends`, counted from its first item. Below it there may be `levels` levels.
+    fn node(&mut self, items: &mut [u32], levels: usize, ends: &mut Vec<u32>) {
+        let Plan { arity, leaf_size, passes, .. } = self.plan;
+        self.cut(items, 0, arity, ends);
+        if passes > 0 && (items.len() > arity || leaf_size > 1) {
+            self.refine(items, ends);
+        }
+        // What a full tree of so many levels holds: no more than that, and halving, if nothing else, gets it in.
+        let capacity = leaf_size.saturating_mul(arity.saturating_pow(levels as u32));
+        let starts = core::iter::once(0).chain(ends.iter().map(|&end| end as usize));
+        if starts.zip(&*ends).any(|(start, &end)| end as usize - start > capacity) {
+            ends.clear();
+            self.halve(items, 0, arity, ends);
+        }
+    }
+
+    /// Appends where `lanes` parts of `items` end, counted from `start`. Calls itself once for every lane at most.
+    fn cut(&mut self, items: &mut [u32], start: usize, lanes: usize, ends: &mut Vec<u32>) {
+        let Plan { arity, leaf_size, .. } = self.plan;
+        let total = items.len();
+        if lanes == 1 || total <= leaf_size {
+            ends.extend(core::iter::repeat_n((start + total) as u32, lanes));
+            return;
+        }
+        if leaf_size == 1 && total <= lanes {
+            // A leaf each: there is nothing to choose.
+            items.sort_unstable();
+            ends.extend((1..=lanes).map(|lane| (start + lane.min(total)) as u32));
+            return;
+        }
+        let shares = LaneShares { total, lanes, leaf_size, arity };
+        let Some(cut) = self.cutter.best(items, &AXES, &shares, f64::INFINITY) else {
+            // All in one place: no bin differs from another.
+            return self.halve(items, start, lanes, ends);
+        };
+        self.cutter.apply(items, &cut);
+        let Share { count, lanes: [left_lanes, right_lanes] } = cut.share;
+        let (left, right) = items.split_at_mut(count);
+        self.cut(left, start, left_lanes, ends);
+        self.cut(right, start + count, right_lanes, ends);
+    }
+
+    fn halve(&self, items: &mut [u32], start: usize, lanes: usize, ends: &mut Vec<u32>) {
+        let Plan { arity, leaf_size, .. } = self.plan;
+        let item = |&mut index: &mut u32| Item { centroid: self.primitives.centroids[index as usize], index };
+        let mut halved: Vec<Item> = items.iter_mut().map(item).collect();
+        let from = ends.len();
+        ends.resize(from + lanes, 0);
+        longest_axis::Cutter { arity, leaf_size, extended: true }.cut_node(&mut halved, &mut ends[from..]);
+        ends[from..].iter_mut().for_each(|end| *end += start as u32);
+        items.iter_mut().zip(halved).for_each(|(to, item)| *to = item.index);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use core::ops::ControlFlow;
+
+    /// Boxes twice as far out and twice as large each as the last: whatever is cut off first, most of the rest is in one place.
+    fn growing(n: usize) -> Vec<Bounds> {
+        let at =
+            |i: usize| (0..i % 900).fold(1.0, |x: f64, _| 2.0 * x) * f64::from_bits(0x3d30_0000_0000_0000);
+        (0..n).map(|i| Bounds::of(&[[at(i), 0.0, 0.0], [1.5 * at(i), 0.0, 0.5 * at(i)]])).collect()
+    }
+
+    /// Levels of nodes.
+    fn depth(assignment: &Assignment, arity: usize, leaf_size: u32) -> usize {
+        let mut levels = alloc::vec![(0, 1)];
+        for (node, ends) in assignment.ends.chunks_exact(arity).enumerate() {
+            let (mut start, level) = levels[node];
+            for &end in ends {
+                if end - start > leaf_size {
+                    levels.push((start, level + 1));
+                }
+                start = end;
+            }
+        }
+        levels.iter().map(|l| l.1).max().unwrap_or(0)
+    }
+
+    #[test]
+    fn no_tree_is_deeper_than_the_limit() {
+        for (arity, leaf_size, count, balanced) in [(4, 1, 256, 4), (4, 3, 192, 3), (16, 1, 256, 2)] {
+            let boxes = growing(count);
+            let centroids: Vec<Point> = boxes.iter().map(Bounds::centre).collect();
+            let primitives = Primitives { boxes: &boxes, centroids: &centroids };
+            let plan = Plan { arity, leaf_size, measure: Measure::MeanWidth, passes: 2 };
+            let levels = |limit| {
+                let assignment = assign_within(primitives, plan, limit, &mut |_| ControlFlow::Continue(()));
+                depth(&assignment.unwrap(), arity, leaf_size as u32)
+            };
+            assert!(levels(MAX_DEPTH) > balanced, "arity {arity}: left alone, it is deeper");
+            for limit in balanced..balanced + 3 {
+                assert!(levels(limit) <= limit, "arity {arity} leaf {leaf_size} limit {limit}");
+            }
+        }
+    }
+
+    #[test]
+    fn shares_leave_full_nodes() {
+        for (total, lanes, leaf_size, arity) in
+            [(3250, 16, 1, 16), (1000, 5, 2, 16), (77, 3, 1, 4), (12, 4, 5, 4)]
+        {
+            let shares = LaneShares { total, lanes, leaf_size, arity };
+            let mut found = 0;
+            for count in 0..=total {
+                if let Some(Share { count: n, lanes: [left, right] }) = shares.exactly(count) {
+                    assert_eq!((n, left + right), (count, lanes));
+                    let leaves = count / leaf_size;
+                    assert!(left >= 1 && right >= 1 && leaves * leaf_size == count);
+                    assert!(leaves == left || leaves > left && (leaves - left).is_multiple_of(arity - 1));
+                    assert!(
+                        (total - count).div_ceil(leaf_size) >= right.min(total.div_ceil(leaf_size) - leaves)
+                    );
+                    found += 1;
+                }
+                for share in shares.near(count) {
+                    assert_eq!(shares.exactly(share.count), Some(share));
+                    assert!(share.count.abs_diff(count) <= arity * leaf_size, "{share:?} for {count}");
+                }
+            }
+            assert!(found > 0, "{total} in {lanes} lanes");
+        }
+    }
+}

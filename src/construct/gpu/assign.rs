@@ -1,0 +1,263 @@
+//! Level by level: what the device does, and what the host does.
+
+use super::device::Gpu;
+use super::error::GpuError;
+use super::jobs::Jobs;
+use super::memory::{Binding, Memory, Sizes};
+use super::shader::{Kernel, Pipelines, SMALL, STEPS_AT_ONCE, balance_dispatches};
+use crate::construct::levels::{self, Level};
+use crate::construct::longest_axis::Cutter;
+use crate::construct::neural_gas::{Cloud, Splitter};
+use crate::construct::{Assignment, Observer};
+use alloc::vec::Vec;
+use core::ops::Range;
+use core::time::Duration;
+use std::time::Instant;
+
+/// Where the time of a build on a device went.
+#[derive(Copy, Clone, Default, Debug)]
+#[non_exhaustive]
+pub struct Spent {
+    /// Memory allocated, positions and weights moved to the device.
+    pub upload: Duration,
+    /// Waited for the device, for each level once.
+    pub device: Duration,
+    /// The order of the primitives moved back.
+    pub download: Duration,
+    /// Bytes read back in the middle of the build: where the lanes of each level end, and nodes that the host cut by axes.
+    pub read_back: u64,
+    /// Bytes of all buffers.
+    pub memory: u64,
+}
+
+/// The shape of a tree over a cloud, as [`crate::construct::neural_gas::assign`] has it.
+pub(in crate::construct) fn assign(
+    gpu: &Gpu,
+    cloud: &Cloud<'_>,
+    cutter: &Cutter,
+    seed: u32,
+    observer: &mut Observer<'_>,
+) -> Result<(Assignment, Spent), GpuError> {
+    match cutter.arity {
+        4 => Build::<4>::new(gpu, cloud, cutter, seed)?.assign(observer),
+        16 => Build::<16>::new(gpu, cloud, cutter, seed)?.assign(observer),
+        arity => unreachable!("nodes have 4 or 16 lanes, not {arity}"),
+    }
+}
+
+/// Marks places of `Build::order` that the device's order has.
+const ON_DEVICE: u32 = u32::MAX;
+
+/// A tree that is being built.
+struct Build<'a, const N: usize> {
+    gpu: &'a Gpu,
+    splitter: Splitter<'a, N>,
+    pipelines: &'a Pipelines,
+    memory: Memory,
+    groups: Vec<wgpu::BindGroup>,
+    /// Primitives of nodes so small that they and all below them are cut by axes, in their places; else [`ON_DEVICE`].
+    order: Vec<u32>,
+    spent: Spent,
+}
+
+impl<'a, const N: usize> Build<'a, N> {
+    fn new(gpu: &'a Gpu, cloud: &'a Cloud<'a>, cutter: &'a Cutter, seed: u32) -> Result<Self, GpuError> {
+        let pipelines = gpu.pipelines(N)?;
+        let start = Instant::now();
+        let splitter = Splitter::<N>::new(cloud, cutter, seed);
+        let schedule: Vec<u32> = splitter.schedule.iter().flatten().map(|&h| h.into()).collect();
+        let sizes = Sizes {
+            primitives: cloud.len().max(1),
+            lanes: N,
+            weighted: !cloud.weights().is_empty(),
+            schedule: schedule.len(),
+        };
+        sizes.check(&gpu.device.limits())?;
+        let (memory, groups) = gpu.guarded(sizes.total(), || {
+            let memory = Memory::new(&gpu.device, &sizes);
+            let groups = pipelines.bind(&gpu.device, &memory);
+            Ok((memory, groups))
+        })?;
+        let mut build = Self {
+            gpu,
+            splitter,
+            pipelines,
+            memory,
+            groups,
+            order: std::vec![ON_DEVICE; cloud.len()],
+            spent: Spent { memory: sizes.total(), ..Spent::default() },
+        };
+        gpu.guarded(sizes.total(), || build.upload(&schedule))?;
+        build.spent.upload = start.elapsed();
+        Ok(build)
+    }
+
+    fn upload(&self, schedule: &[u32]) -> Result<(), GpuError> {
+        let cloud = self.splitter.cloud;
+        self.write(Binding::Positions, cloud.positions());
+        self.write(Binding::Weights, cloud.weights());
+        self.write(Binding::Schedule, schedule);
+        self.write(Binding::Order, &(0..cloud.len() as u32).collect::<Vec<_>>());
+        self.gpu.queue.submit([]);
+        self.gpu.wait()
+    }
+
+    fn write<T: bytemuck::NoUninit>(&self, binding: Binding, data: &[T]) {
+        self.gpu.queue.write_buffer(self.memory.buffer(binding), 0, bytemuck::cast_slice(data));
+    }
+
+    fn assign(mut self, observer: &mut Observer<'_>) -> Result<(Assignment, Spent), GpuError> {
+        let cutter = self.splitter.cutter;
+        let total = self.order.len();
+        let cut = |level: &Level<'_>, ends: &mut [u32]| self.cut_level(level, ends);
+        let ends = levels::by_level(total, N, cutter.leaf_size, observer, cut)?;
+        let start = Instant::now();
+        let gpu = self.gpu;
+        let order = gpu.guarded(0, || self.read_order(core::slice::from_ref(&(0..total))))?;
+        for (own, order) in self.order.iter_mut().zip(order).filter(|(own, _)| **own == ON_DEVICE) {
+            *own = order;
+        }
+        self.spent.download = start.elapsed();
+        Ok((Assignment { order: self.order, ends }, self.spent))
+    }
+
+    fn cut_level(&mut self, level: &Level<'_>, ends: &mut [u32]) -> Result<(), GpuError> {
+        let (mut on_device, mut by_axes) = (Vec::new(), Vec::new());
+        for (i, (range, ends)) in level.nodes.iter().zip(ends.chunks_exact_mut(N)).enumerate() {
+            if range.len() <= N {
+                // A lane for each.
+                ends.iter_mut().zip(1..).for_each(|(end, i)| *end = range.end.min(range.start + i) as u32);
+            } else if self.is_on_host(range) || self.splitter.is_too_deep(level.levels_left, range.len()) {
+                by_axes.push(i);
+            } else {
+                on_device.push(i);
+            }
+        }
+        let mut small = Vec::new();
+        if !on_device.is_empty() {
+            let jobs = Jobs::new::<N>(level, &on_device, &self.splitter);
+            let gpu = self.gpu;
+            let device_ends = gpu.guarded(0, || self.run(&jobs))?;
+            for (&i, device_ends) in jobs.numbers.iter().zip(device_ends.chunks_exact(N)) {
+                match device_ends[0] {
+                    SMALL => small.push(i),
+                    outcome if outcome > SMALL => by_axes.push(i),
+                    _ => {
+                        let start = level.nodes[i].start as u32;
+                        let ends = ends[i * N..].iter_mut().zip(device_ends);
+                        ends.for_each(|(end, device_end)| *end = start + device_end);
+                    }
+                }
+            }
+        }
+        self.fetch(level, &small)?;
+        by_axes.extend(small);
+        self.cut_by_axes(level, &by_axes, ends)
+    }
+
+    fn is_on_host(&self, range: &Range<usize>) -> bool {
+        self.order[range.start] != ON_DEVICE
+    }
+
+    /// Clusters nodes on the device. Where their lanes end.
+    fn run(&mut self, jobs: &Jobs) -> Result<Vec<u32>, GpuError> {
+        let start = Instant::now();
+        self.write(Binding::Level, &[jobs.level]);
+        self.write(Binding::Nodes, &jobs.nodes);
+        self.write(Binding::Chunks, &jobs.chunks);
+        self.submit(jobs, &[Kernel::Bounds, Kernel::Start, Kernel::LocalCoordinates]);
+        // Not all in one: a system may stop a device that works too long on one submission.
+        for steps in self.splitter.schedule.chunks(STEPS_AT_ONCE) {
+            let each = [Kernel::Accumulate, Kernel::Update].repeat(steps.len());
+            self.submit(jobs, &[&*each, &[Kernel::Cluster]].concat());
+        }
+        let balance = balance_dispatches(N, self.splitter.cutter.leaf_size);
+        self.submit(jobs, &[&[Kernel::Nearest][..], &[Kernel::Balance].repeat(balance)].concat());
+        self.submit(jobs, &[Kernel::LaneEnds, Kernel::SortByLane, Kernel::Replace]);
+        let words = jobs.nodes.len() * N;
+        let ends = self.read_ranges(Binding::Ends, core::slice::from_ref(&(0..words)))?;
+        self.spent.device += start.elapsed();
+        self.spent.read_back += 4 * words as u64;
+        Ok(ends)
+    }
+
+    fn submit(&self, jobs: &Jobs, kernels: &[Kernel]) {
+        let mut encoder = self.gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+        if kernels.contains(&Kernel::Bounds) {
+            encoder.clear_buffer(self.memory.buffer(Binding::Boxes), 0, None);
+            encoder.clear_buffer(self.memory.buffer(Binding::Ends), 0, None);
+        }
+        let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor::default());
+        let most = self.gpu.device.limits().max_compute_workgroups_per_dimension;
+        for &kernel in kernels {
+            let groups = kernel.groups(&jobs.level, N);
+            if groups == 0 {
+                continue;
+            }
+            pass.set_pipeline(self.pipelines.pipeline(kernel));
+            pass.set_bind_group(0, &self.groups[kernel as usize], &[]);
+            pass.dispatch_workgroups(groups.min(most), groups.div_ceil(most), 1);
+        }
+        drop(pass);
+        self.gpu.queue.submit([encoder.finish()]);
+    }
+
+    /// Words of a buffer, one range after the other.
+    fn read_ranges(&self, binding: Binding, ranges: &[Range<usize>]) -> Result<Vec<u32>, GpuError> {
+        let (mut encoder, mut bytes) =
+            (self.gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default()), 0);
+        for range in ranges {
+            let length = 4 * range.len() as u64;
+            let from = self.memory.buffer(binding);
+            encoder.copy_buffer_to_buffer(from, 4 * range.start as u64, &self.memory.staging, bytes, length);
+            bytes += length;
+        }
+        if bytes == 0 {
+            return Ok(Vec::new());
+        }
+        self.gpu.queue.submit([encoder.finish()]);
+        self.gpu.read(&self.memory.staging, bytes, bytemuck::pod_collect_to_vec)
+    }
+
+    fn read_order(&self, ranges: &[Range<usize>]) -> Result<Vec<u32>, GpuError> {
+        self.read_ranges(Binding::Order, ranges)
+    }
+
+    /// Takes nodes off the device for good.
+    fn fetch(&mut self, level: &Level<'_>, nodes: &[usize]) -> Result<(), GpuError> {
+        let ranges: Vec<_> = nodes.iter().map(|&i| level.nodes[i].clone()).collect();
+        let gpu = self.gpu;
+        let read = gpu.guarded(0, || self.read_order(&ranges))?;
+        self.spent.read_back += 4 * read.len() as u64;
+        let mut rest = &*read;
+        for range in ranges {
+            let (own, after) = rest.split_at(range.len());
+            self.order[range].copy_from_slice(own);
+            rest = after;
+        }
+        Ok(())
+    }
+
+    /// Cuts nodes in full precision, which the host alone has.
+    fn cut_by_axes(&mut self, level: &Level<'_>, nodes: &[usize], ends: &mut [u32]) -> Result<(), GpuError> {
+        let visiting: Vec<usize> =
+            nodes.iter().copied().filter(|&i| !self.is_on_host(&level.nodes[i])).collect();
+        self.fetch(level, &visiting)?;
+        for &i in nodes {
+            let (range, ends) = (level.nodes[i].clone(), &mut ends[i * N..][..N]);
+            self.splitter.cut_by_axes(&mut self.order[range.clone()], ends);
+            ends.iter_mut().for_each(|end| *end += range.start as u32);
+        }
+        let gpu = self.gpu;
+        gpu.guarded(0, || {
+            for &i in &visiting {
+                let range = level.nodes[i].clone();
+                let own = &mut self.order[range.clone()];
+                let to = self.memory.buffer(Binding::Order);
+                gpu.queue.write_buffer(to, 4 * range.start as u64, bytemuck::cast_slice(own));
+                own.fill(ON_DEVICE);
+            }
+            Ok(())
+        })
+    }
+}

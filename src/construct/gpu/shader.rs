@@ -1,0 +1,207 @@
+//! The kernels: their text, and the pipelines made of it.
+
+use super::memory::{Binding, Memory};
+use crate::construct::neural_gas::{LIMITS, Limits};
+use alloc::format;
+use alloc::string::String;
+use alloc::vec::Vec;
+
+/// Threads of a workgroup. Not tuned: no figures of a GPU have been seen yet.
+const WORKGROUP: u32 = 64;
+
+/// Of `update`, whose workgroups are few and have many partial sums to add.
+const UPDATE_WORKGROUP: u32 = 256;
+
+/// Nodes of at most so many primitives are small: one workgroup clusters and balances each.
+pub(super) const BALANCED_SIZE: usize = LIMITS.balanced_size;
+
+/// Primitives of a chunk of a large node, at least.
+pub(super) const MIN_CHUNK: usize = 512;
+
+/// Chunks of a node, at most: one workgroup adds up their sums.
+pub(super) const MAX_CHUNKS: usize = 2048;
+
+/// Steps of a small node in one dispatch, and primitives taken out of crowded lanes. An invocation must not make more than 65,535 turns
+/// of loops: llvmpipe (Mesa 22.3) leaves its loops then without a word, and systems stop a dispatch that takes seconds.
+pub(super) const STEPS_AT_ONCE: usize = 8;
+const MOVES_AT_ONCE: usize = 32;
+
+/// Dispatches of [`Kernel::Balance`] after which no lane is crowded. Leaves are shared out in multiples of `lanes` - 1, each to the lane
+/// that lacks most: so no lane has room for more than that beyond its primitives, and all that lack can be no more than all that is free.
+pub(super) fn balance_dispatches(lanes: usize, leaf_size: usize) -> usize {
+    (lanes * (lanes - 1) * leaf_size).min(BALANCED_SIZE).div_ceil(MOVES_AT_ONCE)
+}
+
+/// Outcomes of a node, in `states` and `ends`: from here on it is to be cut by axes. No node has so many primitives that an end could
+/// be mistaken for one.
+pub(super) const SMALL: u32 = u32::MAX - 1;
+/// One prototype took everything.
+pub(super) const ONE_LANE: u32 = u32::MAX;
+
+/// The kernels, each named for its scalar twin in [`crate::construct::neural_gas`].
+#[derive(Copy, Clone, PartialEq, Eq, Debug)]
+pub(super) enum Kernel {
+    Bounds,
+    Start,
+    LocalCoordinates,
+    Accumulate,
+    Update,
+    Cluster,
+    Nearest,
+    Balance,
+    LaneEnds,
+    SortByLane,
+    Replace,
+}
+
+impl Kernel {
+    pub(super) const ALL: [Self; 11] = [
+        Self::Bounds,
+        Self::Start,
+        Self::LocalCoordinates,
+        Self::Accumulate,
+        Self::Update,
+        Self::Cluster,
+        Self::Nearest,
+        Self::Balance,
+        Self::LaneEnds,
+        Self::SortByLane,
+        Self::Replace,
+    ];
+
+    /// Its entry point, and the buffers that it uses.
+    pub(super) fn interface(self) -> (&'static str, &'static [Binding]) {
+        use Binding as B;
+        match self {
+            Self::Bounds => ("bounds", &[B::Level, B::Chunks, B::Positions, B::Weights, B::Order, B::Boxes]),
+            Self::Start => ("start", &[B::Level, B::Nodes, B::Boxes, B::States, B::Prototypes]),
+            Self::LocalCoordinates => (
+                "local_coordinates",
+                &[B::Level, B::Chunks, B::Positions, B::Weights, B::Order, B::Places, B::Boxes, B::States],
+            ),
+            Self::Accumulate => (
+                "accumulate",
+                &[B::Level, B::Chunks, B::Schedule, B::Places, B::States, B::Prototypes, B::PartialSums],
+            ),
+            Self::Update => ("update", &[B::Level, B::Nodes, B::States, B::Prototypes, B::PartialSums]),
+            Self::Cluster => {
+                ("cluster", &[B::Level, B::Nodes, B::Schedule, B::Places, B::States, B::Prototypes])
+            }
+            Self::Nearest => {
+                ("nearest", &[B::Level, B::Chunks, B::Places, B::Lanes, B::Prototypes, B::Counts])
+            }
+            Self::Balance => (
+                "balance",
+                &[B::Level, B::Nodes, B::Places, B::Lanes, B::States, B::Prototypes, B::Counts, B::Ends],
+            ),
+            Self::LaneEnds => ("lane_ends", &[B::Level, B::Nodes, B::States, B::Counts, B::Ends]),
+            Self::SortByLane => {
+                ("sort_by_lane", &[B::Level, B::Chunks, B::Order, B::Sorted, B::Lanes, B::States, B::Counts])
+            }
+            Self::Replace => ("replace", &[B::Level, B::Chunks, B::Order, B::Sorted, B::States]),
+        }
+    }
+
+    /// Workgroups for a level.
+    pub(super) fn groups(self, level: &super::memory::Level, lanes: usize) -> u32 {
+        match self {
+            Self::Start => (level.nodes * lanes as u32).div_ceil(WORKGROUP),
+            Self::Accumulate => level.large_chunks,
+            Self::Update => level.large_nodes,
+            Self::Cluster | Self::Balance => level.nodes - level.large_nodes,
+            Self::LaneEnds => level.nodes,
+            Self::Bounds | Self::LocalCoordinates | Self::Nearest | Self::SortByLane | Self::Replace => {
+                level.chunks
+            }
+        }
+    }
+}
+
+/// How sums of 64 bits are computed. The bytes are the same.
+#[derive(Copy, Clone, PartialEq, Eq, Debug)]
+pub(super) enum Int64 {
+    /// The adapter has them.
+    Native,
+    /// Two words each, with a carry.
+    Pairs,
+}
+
+/// The text of all kernels for nodes of so many lanes.
+pub(super) fn source(lanes: usize, int64: Int64) -> String {
+    let Limits { steps, local_bits, weight_bits, weight_sum_bits, min_extent, cost_shift, never, .. } =
+        LIMITS;
+    let constants = format!(
+        "const LANES = {lanes}u;\nconst STEPS = {steps}u;\nconst WORKGROUP = {WORKGROUP}u;\n\
+        const UPDATE_WORKGROUP = {UPDATE_WORKGROUP}u;\nconst LOCAL_BITS = {local_bits}u;\n\
+        const WEIGHT_BITS = {weight_bits}u;\nconst WEIGHT_SUM_BITS = {weight_sum_bits}u;\n\
+        const MIN_EXTENT = {min_extent}u;\nconst COST_SHIFT = {cost_shift}u;\nconst NEVER = {never};\n\
+        const STEPS_AT_ONCE = {STEPS_AT_ONCE}u;\nconst MOVES_AT_ONCE = {MOVES_AT_ONCE}u;\n\
+        const SMALL = {SMALL}u;\nconst ONE_LANE = {ONE_LANE}u;\n"
+    );
+    let int64 = match int64 {
+        Int64::Native => include_str!("wgsl/int64_native.wgsl"),
+        Int64::Pairs => include_str!("wgsl/int64_pairs.wgsl"),
+    };
+    [
+        &constants,
+        int64,
+        include_str!("wgsl/bindings.wgsl"),
+        include_str!("wgsl/frame.wgsl"),
+        include_str!("wgsl/cluster.wgsl"),
+        include_str!("wgsl/balance.wgsl"),
+        include_str!("wgsl/sort.wgsl"),
+    ]
+    .concat()
+}
+
+/// All kernels for one number of lanes, compiled.
+#[derive(Debug)]
+pub(super) struct Pipelines {
+    pipelines: Vec<wgpu::ComputePipeline>,
+}
+
+impl Pipelines {
+    pub(super) fn new(device: &wgpu::Device, lanes: usize, int64: Int64) -> Self {
+        let module = device.create_shader_module(wgpu::ShaderModuleDescriptor {
+            label: Some("simdop neural gas"),
+            source: wgpu::ShaderSource::Wgsl(source(lanes, int64).into()),
+        });
+        let pipeline = |kernel: &Kernel| {
+            let (name, _) = kernel.interface();
+            device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
+                label: Some(name),
+                layout: None,
+                module: &module,
+                entry_point: Some(name),
+                // Every kernel writes its workgroup's memory before it reads it.
+                compilation_options: wgpu::PipelineCompilationOptions {
+                    zero_initialize_workgroup_memory: false,
+                    ..Default::default()
+                },
+                cache: None,
+            })
+        };
+        Self { pipelines: Kernel::ALL.iter().map(pipeline).collect() }
+    }
+
+    pub(super) fn pipeline(&self, kernel: Kernel) -> &wgpu::ComputePipeline {
+        &self.pipelines[kernel as usize]
+    }
+
+    /// The kernels' views of a tree's buffers.
+    pub(super) fn bind(&self, device: &wgpu::Device, memory: &Memory) -> Vec<wgpu::BindGroup> {
+        let bind = |&kernel: &Kernel| {
+            let (name, bindings) = kernel.interface();
+            let entry = |&binding: &Binding| wgpu::BindGroupEntry {
+                binding: binding as u32,
+                resource: memory.buffer(binding).as_entire_binding(),
+            };
+            device.create_bind_group(&wgpu::BindGroupDescriptor {
+                label: Some(name),
+                layout: &self.pipeline(kernel).get_bind_group_layout(0),
+                entries: &bindings.iter().map(entry).collect::<Vec<_>>(),
+            })
+        };
+        Kernel::ALL.iter().map(bind).collect()
+    }
+}

@@ -1,0 +1,27 @@
+//! The numbers that every implementation of the steps shares.
+
+use super::{balance, cloud, schedule};
+
+/// See the table of number ranges in [`super`].
+pub(in crate::construct) struct Limits {
+    pub(in crate::construct) steps: usize,
+    pub(in crate::construct) local_bits: u32,
+    pub(in crate::construct) weight_bits: u32,
+    pub(in crate::construct) weight_sum_bits: u32,
+    pub(in crate::construct) min_extent: u32,
+    /// Nodes of at most so many primitives are balanced.
+    pub(in crate::construct) balanced_size: usize,
+    pub(in crate::construct) cost_shift: u32,
+    pub(in crate::construct) never: i32,
+}
+
+pub(in crate::construct) const LIMITS: Limits = Limits {
+    steps: schedule::STEPS,
+    local_bits: cloud::LOCAL_BITS,
+    weight_bits: cloud::WEIGHT_BITS,
+    weight_sum_bits: cloud::WEIGHT_SUM_BITS,
+    min_extent: cloud::MIN_EXTENT,
+    balanced_size: balance::MAX_SIZE,
+    cost_shift: balance::COST_SHIFT,
+    never: balance::NEVER,
+};

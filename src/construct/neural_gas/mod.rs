@@ -1,0 +1,210 @@
+//! Batch Neural Gas (BNG paper, sections 3.1 and 3.2; SIMDop paper, section IV-A 3), in integers.
+//!
+//! A node of n lanes gets n prototypes. At each step every primitive x ranks the prototypes by distance, k = 0 for the nearest, and
+//! each prototype moves to the mean of all primitives, weighted by h(k) v(x) with h(k) = exp(-k / lambda). lambda falls from n / 2 to
+//! 0.01: from everybody's mean to k-means. In the end a primitive goes to its nearest prototype, and each lane is a node again.
+//!
+//! # The steps
+//!
+//! [`Cloud::new`] (quantise) once a tree; for each node [`Cluster::local_coordinates`] and [`Prototypes::start`]; then, until nothing
+//! moves or the schedule ends, [`accumulate`] (distances, ranks, sums) and [`Prototypes::update`]; then [`nearest`] (assign),
+//! [`balance`](balance::balance) and [`sort_by_lane`]. Nodes of a level share nothing: whoever runs each step for all nodes of a
+//! level at once, as a GPU does, gets the same tree as this code, which runs all steps of one node while its data are in the cache.
+//!
+//! # Number ranges
+//!
+//! Everything after quantisation is integer arithmetic, and sums of integers do not depend on their order: that is why the tree is
+//! the same from any number of threads and on any machine.
+//!
+//! | quantity | range | type |
+//! |---|---|---|
+//! | position over the root's box, one scale for all axes | 0 ..= 2^32 - 1 | u32 |
+//! | local coordinate: position less the node's low corner, shifted | 0 ..= 2^15 - 1 | u16 |
+//! | squared distance | <= 3 (2^15 - 1)^2 < 2^32 | u32 |
+//! | h | 0 ..= 2^12 - 1 | u16 |
+//! | weight v in a node of c primitives | 1 ..= 2^min(13, 37 - b) - 1, c < 2^b; all 1 without magnification control | u16 |
+//! | pull h v | < 2^25 | u32 |
+//! | sum of h v | c h v < 2^(37 + 12) = 2^49 | u64 |
+//! | sum of h v x, and half of the sum of h v for rounding | < 2^49 (2^15 - 1/2) < 2^64 | u64 |
+//! | cost of moving a primitive, in [`balance`]: difference of two squared distances / 2^6; a path of 15 of them | < 2^26; < 2^30, both signs | i32 |
+//!
+//! So nothing overflows up to 2^24 primitives with 13-bit weights, nor, with as many bits fewer, up to the 2^27 that a tree may
+//! have. Weights are relative to the heaviest primitive of their node, and at least 1.
+//!
+//! # When clustering cannot
+//!
+//! A node is cut by the extended longest axis, in full precision, if it is so small that positions hardly tell its primitives apart, if
+//! one prototype takes everything, or if the branch is so unbalanced that it would become too deep. That always ends.
+
+mod accumulate;
+mod balance;
+mod cloud;
+#[cfg(feature = "gpu")]
+mod limits;
+mod prototypes;
+mod schedule;
+
+pub(super) use cloud::Cloud;
+#[cfg(feature = "gpu")]
+pub(super) use limits::{LIMITS, Limits};
+/// What each kernel of a device is compared with.
+#[cfg(all(test, feature = "gpu"))]
+pub(super) mod twins {
+    pub(in crate::construct) use super::accumulate::{Sums, accumulate, nearest};
+    pub(in crate::construct) use super::balance::Balance;
+    pub(in crate::construct) use super::cloud::{Bounds, Cluster};
+    pub(in crate::construct) use super::prototypes::Prototypes;
+    pub(in crate::construct) use super::schedule::schedule;
+    pub(in crate::construct) use super::{settle, sort_by_lane};
+}
+
+use super::longest_axis::{Cutter, Item};
+use super::{Assignment, BuildError, Observer, levels};
+use accumulate::{accumulate, nearest};
+use alloc::vec::Vec;
+use balance::Balance;
+use cloud::Cluster;
+use prototypes::Prototypes;
+use schedule::schedule;
+
+/// The shape of a tree over a cloud. `cutter` has the arity and leaf size, and cuts where clustering cannot.
+pub(super) fn assign(
+    cloud: &Cloud<'_>,
+    cutter: &Cutter,
+    seed: u32,
+    observer: &mut Observer<'_>,
+) -> Result<Assignment, BuildError> {
+    match cutter.arity {
+        4 => Splitter::<4>::new(cloud, cutter, seed).assign(observer),
+        16 => Splitter::<16>::new(cloud, cutter, seed).assign(observer),
+        arity => unreachable!("nodes have 4 or 16 lanes, not {arity}"),
+    }
+}
+
+/// Cuts nodes of `N` lanes.
+pub(super) struct Splitter<'a, const N: usize> {
+    pub(super) cloud: &'a Cloud<'a>,
+    pub(super) cutter: &'a Cutter,
+    pub(super) seed: u32,
+    /// h of each rank, step by step.
+    pub(super) schedule: Vec<[u16; N]>,
+}
+
+/// What a thread needs to cut nodes, kept from one to the next.
+#[derive(Default)]
+struct Scratch<const N: usize> {
+    cluster: Cluster,
+    balance: Balance<N>,
+    lanes: Vec<u8>,
+    sorted: Vec<u32>,
+}
+
+impl<'a, const N: usize> Splitter<'a, N> {
+    pub(super) fn new(cloud: &'a Cloud<'a>, cutter: &'a Cutter, seed: u32) -> Self {
+        Self { cloud, cutter, seed, schedule: schedule() }
+    }
+
+    fn assign(&self, observer: &mut Observer<'_>) -> Result<Assignment, BuildError> {
+        let mut order: Vec<u32> = (0..self.cloud.len() as u32).collect();
+        let cut = |scratch: &mut Scratch<N>, place, part: &mut [u32], ends: &mut [u32]| {
+            self.cut(scratch, place, part, ends);
+        };
+        let ends = levels::split(&mut order, N, self.cutter.leaf_size, observer, cut)?;
+        Ok(Assignment { order, ends })
+    }
+
+    fn cut(&self, scratch: &mut Scratch<N>, place: levels::Place, part: &mut [u32], ends: &mut [u32]) {
+        if part.len() <= N {
+            // A lane for each.
+            ends.iter_mut().zip(1..).for_each(|(end, i)| *end = (part.len() as u32).min(i));
+        } else if self.is_too_deep(place.levels_left, part.len())
+            || !self.cluster(scratch, place.node, part, ends)
+        {
+            self.cut_by_axes(part, ends);
+        }
+    }
+
+    /// Clusters a node. Whether that led to anything.
+    fn cluster(&self, scratch: &mut Scratch<N>, node: usize, part: &mut [u32], ends: &mut [u32]) -> bool {
+        let Scratch { cluster, balance, lanes, sorted } = scratch;
+        if !cluster.local_coordinates(self.cloud, part) {
+            return false;
+        }
+        let mut prototypes = Prototypes::<N>::start(cluster.extent(), self.seed, node as u32);
+        settle(cluster, &mut prototypes, &self.schedule);
+        let mut sizes = nearest(cluster, &prototypes, lanes);
+        if part.len() <= balance::MAX_SIZE {
+            balance.balance(cluster, &prototypes, self.cutter.leaf_size, lanes, &mut sizes);
+        }
+        if sizes.contains(&(part.len() as u32)) {
+            return false;
+        }
+        sort_by_lane(part, lanes, &sizes, sorted, ends);
+        true
+    }
+
+    pub(super) fn cut_by_axes(&self, part: &mut [u32], ends: &mut [u32]) {
+        let item = |&index: &u32| Item { centroid: self.cloud.point(index), index };
+        let mut items: Vec<Item> = part.iter().map(item).collect();
+        self.cutter.cut_node(&mut items, ends);
+        part.iter_mut().zip(&items).for_each(|(index, item)| *index = item.index);
+        let mut start = 0;
+        for &end in &*ends {
+            // As after clustering: a part's order must not depend on how a selection algorithm moves things.
+            part[start..end as usize].sort_unstable();
+            start = end as usize;
+        }
+    }
+
+    /// Whether only balanced cuts keep a branch over `count` primitives within the levels that are left.
+    pub(super) fn is_too_deep(&self, levels_left: usize, count: usize) -> bool {
+        levels_left <= self.levels_needed(count) + 1
+    }
+
+    /// Levels of a balanced tree over `count` primitives.
+    fn levels_needed(&self, count: usize) -> usize {
+        let (mut levels, mut room) = (0, self.cutter.leaf_size);
+        while room < count {
+            (levels, room) = (levels + 1, room * N);
+        }
+        levels
+    }
+}
+
+/// Moves prototypes step by step, until none moves.
+pub(in crate::construct) fn settle<const N: usize>(
+    cluster: &Cluster,
+    prototypes: &mut Prototypes<N>,
+    schedule: &[[u16; N]],
+) {
+    for h in schedule {
+        let sums = accumulate(cluster, prototypes, h);
+        if !prototypes.update(&sums) {
+            break;
+        }
+    }
+}
+
+/// Moves the primitives of each lane together, in the order they had, and writes where the lanes end.
+pub(in crate::construct) fn sort_by_lane<const N: usize>(
+    part: &mut [u32],
+    lanes: &[u8],
+    sizes: &[u32; N],
+    sorted: &mut Vec<u32>,
+    ends: &mut [u32],
+) {
+    let (mut next, mut end) = ([0; N], 0);
+    for lane in 0..N {
+        next[lane] = end as usize;
+        end += sizes[lane];
+        ends[lane] = end;
+    }
+    sorted.clear();
+    sorted.resize(part.len(), 0);
+    for (&index, &lane) in part.iter().zip(lanes) {
+        let place = &mut next[usize::from(lane)];
+        sorted[*place] = index;
+        *place += 1;
+    }
+    part.copy_from_slice(sorted);
+}

@@ -1,0 +1,262 @@
+//! Children against children, and re-alignment, in AVX2 and F16C.
+//!
+//! # 1vs16
+//!
+//! ```text
+//! for each slab, planes j = 2s and 2s + 1:
+//!     separated |= vpcmpgtw(vpbroadcastw(query[j][lane]), planes[j])      2 x (broadcast load, load + compare, or)
+//!     k = 32, after the fourth slab: leave if all lanes are separated     vptest, branch
+//! mask = !vpmovmskb(vpacksswb(separated))
+//! ```
+//!
+//! Two 256-bit loads a plane, of which Zen 3 does two a cycle, bound it from below at k cycles. **Tried, and slower** (`benches/kernel.rs`, calls
+//! of real queries, L1, ns a node for k = 14 / 18 / 32, Zen 3; chosen: 5.6 / 7.0 / 12.2): leaving after every second slab 9.2 / 11.7 / 17.7,
+//! every slab 11.4 / 15.2 / 16.1, after the second only 7.1 / 8.2 / 13.4, never at k = 32 12.7. Half of the masks are empty and nothing
+//! foretells which, so each exit is a mispredicted branch as often as it saves slabs. 4vs4 likewise: 6.7 / 8.2 / 14.2 without an exit, 9.1 / 10.1 /
+//! 16.5 with one; loading both planes of four children at once, 7.9 / 9.7 / 13.2.
+//!
+//! # 4vs4
+//!
+//! The four planes of A's children are broadcast and spread by one `vpshufb` to four lanes each, those of B's are broadcast as they are.
+//!
+//! # Re-alignment
+//!
+//! Codes become halves (two shifts and an xor, sixteen at once), then floats (`vcvtph2ps`), once per plane of the node; each turned plane is three multiplications
+//! and three additions on 2 x 8 lanes, the two of a slab with the same weights; `vcvtps2ph` rounds up, and what turns halves into codes is done for sixteen at once.
+
+use super::super::{Query, SEPARATED};
+use crate::isa::compiled_for_avx2;
+use crate::key::Key;
+use crate::node::{Node4, Node16};
+use crate::realign::Realignment;
+use core::arch::x86_64::*;
+use core::mem::MaybeUninit;
+
+/// Whether 1vs16 asks, after this slab, if every lane is separated already. Measured: see the head of this file.
+const fn may_exit<const K: usize>(slab: usize) -> bool {
+    K > 26 && slab == 3
+}
+
+compiled_for_avx2! {
+    #[inline]
+    fn load(planes: &[i16; 16]) -> __m256i {
+        // SAFETY: the array has the 32 bytes that are read; the load asks for no alignment.
+        unsafe { _mm256_loadu_si256(planes.as_ptr().cast()) }
+    }
+}
+
+compiled_for_avx2! {
+    #[inline]
+    fn load_4(planes: &[i16; 4]) -> __m128i {
+        // SAFETY: the array has the 8 bytes that are read; the load asks for no alignment.
+        unsafe { _mm_loadl_epi64(planes.as_ptr().cast()) }
+    }
+}
+
+compiled_for_avx2! {
+    /// Bit i: lane i is all zeros.
+    #[inline]
+    fn zero_lanes(separated: __m256i) -> u16 {
+        let bytes = _mm_packs_epi16(_mm256_castsi256_si128(separated), _mm256_extracti128_si256::<1>(separated));
+        !(_mm_movemask_epi8(bytes) as u16)
+    }
+}
+
+compiled_for_avx2! {
+    #[inline]
+    fn all_ones(separated: __m256i) -> bool {
+        _mm256_testc_si256(separated, _mm256_set1_epi16(-1)) != 0
+    }
+}
+
+compiled_for_avx2! {
+    #[inline]
+    pub(super) fn overlap_1v16<const K: usize>(query: &Query<16, K>, lane: usize, node: &Node16<K>) -> u16 {
+        let lane = lane & 15;
+        let mut separated = _mm256_setzero_si256();
+        for slab in 0..K / 2 {
+            let beyond = |j: usize| {
+                _mm256_cmpgt_epi16(_mm256_set1_epi16(query[j][lane]), load(&node.planes[j]))
+            };
+            separated = _mm256_or_si256(separated, _mm256_or_si256(beyond(2 * slab), beyond(2 * slab + 1)));
+            if may_exit::<K>(slab) && all_ones(separated) {
+                return 0;
+            }
+        }
+        zero_lanes(separated)
+    }
+}
+
+compiled_for_avx2! {
+    #[inline]
+    pub(super) fn overlap_16v1<const K: usize>(query: &Query<16, K>, node: &Node16<K>, lane: usize) -> u16 {
+        let lane = lane & 15;
+        let mut separated = _mm256_setzero_si256();
+        for (bodies, planes) in query.iter().zip(&node.planes) {
+            let beyond = _mm256_cmpgt_epi16(load(bodies), _mm256_set1_epi16(planes[lane]));
+            separated = _mm256_or_si256(separated, beyond);
+        }
+        zero_lanes(separated)
+    }
+}
+
+compiled_for_avx2! {
+    #[inline]
+    pub(super) fn overlap_16v_hull<const K: usize>(query: &Query<16, K>, node: &Node16<K>) -> u16 {
+        // `vphminposuw` finds the least of eight unsigned words; the exclusive or turns greatest signed to least unsigned and back.
+        let flip = _mm_set1_epi16(0x7fff);
+        let mut separated = _mm256_setzero_si256();
+        for (bodies, planes) in query.iter().zip(&node.planes) {
+            let planes = load(planes);
+            let eight = _mm_max_epi16(_mm256_castsi256_si128(planes), _mm256_extracti128_si256::<1>(planes));
+            let greatest = _mm_xor_si128(_mm_minpos_epu16(_mm_xor_si128(eight, flip)), flip);
+            let beyond = _mm256_cmpgt_epi16(load(bodies), _mm256_broadcastw_epi16(greatest));
+            separated = _mm256_or_si256(separated, beyond);
+        }
+        zero_lanes(separated)
+    }
+}
+
+compiled_for_avx2! {
+    #[inline]
+    pub(super) fn overlap_4v4<const K: usize>(query: &Query<4, K>, node: &Node4<K>) -> u16 {
+        // Each half of the register holds all four planes; the lower spreads the first two, the upper the last two.
+        let spread = _mm256_setr_epi8(
+            0, 1, 0, 1, 0, 1, 0, 1, 2, 3, 2, 3, 2, 3, 2, 3, //
+            4, 5, 4, 5, 4, 5, 4, 5, 6, 7, 6, 7, 6, 7, 6, 7,
+        );
+        let mut separated = _mm256_setzero_si256();
+        for (a, b) in query.iter().zip(&node.planes) {
+            let a = _mm256_shuffle_epi8(_mm256_broadcastq_epi64(load_4(a)), spread);
+            let b = _mm256_broadcastq_epi64(load_4(b));
+            separated = _mm256_or_si256(separated, _mm256_cmpgt_epi16(a, b));
+        }
+        zero_lanes(separated)
+    }
+}
+
+compiled_for_avx2! {
+    /// The halves of eight codes, as floats.
+    #[inline]
+    fn decode(codes: __m128i) -> __m256 {
+        _mm256_cvtph_ps(_mm_xor_si128(codes, magnitude_if_negative(codes)))
+    }
+}
+
+compiled_for_avx2! {
+    /// 0x7fff where negative: what turns a code into its half and back.
+    #[inline]
+    fn magnitude_if_negative(x: __m128i) -> __m128i {
+        _mm_srli_epi16::<1>(_mm_srai_epi16::<15>(x))
+    }
+}
+
+compiled_for_avx2! {
+    /// [`magnitude_if_negative`] of sixteen.
+    #[inline]
+    fn magnitudes_if_negative(x: __m256i) -> __m256i {
+        _mm256_srli_epi16::<1>(_mm256_srai_epi16::<15>(x))
+    }
+}
+
+compiled_for_avx2! {
+    /// The halves that are not below eight numbers.
+    #[cfg(not(miri))]
+    #[inline]
+    fn halves_up(x: __m256) -> __m128i {
+        _mm256_cvtps_ph::<_MM_FROUND_TO_POS_INF>(x)
+    }
+}
+
+#[cfg(miri)] // Miri has no `vcvtps2ph`: this lets it run the rest.
+compiled_for_avx2! {
+    fn halves_up(x: __m256) -> __m128i {
+        let mut floats = [0.0; 8];
+        // SAFETY: the array has the 32 bytes that are written.
+        unsafe { _mm256_storeu_ps(floats.as_mut_ptr(), x) };
+        let halves = floats.map(|x| {
+            let code = Key::round_up_or_unbounded(f64::from(x)).code();
+            if code < 0 { code ^ 0x7fff } else { code }
+        });
+        // SAFETY: the array has the 16 bytes that are read.
+        unsafe { _mm_loadu_si128(halves.as_ptr().cast()) }
+    }
+}
+
+compiled_for_avx2! {
+    /// The complements of the keys of two times eight values, rounded up.
+    #[inline]
+    fn encode_query([low, high]: [__m256; 2]) -> __m256i {
+        // NaN is an unbounded plane: with it as the first operand, `vminps` gives the second.
+        let numbers = |x| _mm256_min_ps(x, _mm256_set1_ps(f32::INFINITY));
+        let bits = _mm256_set_m128i(halves_up(numbers(high)), halves_up(numbers(low)));
+        let code = _mm256_xor_si256(bits, magnitudes_if_negative(bits));
+        // All that is below -65504 but -infinity was rounded up to it.
+        let code = _mm256_max_epi16(code, _mm256_set1_epi16(Key::LOWEST.code()));
+        let all_ones = _mm256_set1_epi16(-1);
+        // The code of -0 is -1, and must be 0: subtracting the compare's -1 does that.
+        let code = _mm256_sub_epi16(code, _mm256_cmpeq_epi16(code, all_ones));
+        _mm256_xor_si256(code, all_ones)
+    }
+}
+
+compiled_for_avx2! {
+    #[inline]
+    fn turn([u, v, w]: [__m256; 3], offset: __m256, [x, y, z]: [__m256; 3]) -> __m256 {
+        let two = _mm256_add_ps(_mm256_mul_ps(u, x), _mm256_mul_ps(v, y));
+        _mm256_add_ps(_mm256_add_ps(two, _mm256_mul_ps(w, z)), offset)
+    }
+}
+
+compiled_for_avx2! {
+    #[inline]
+    pub(super) fn realign_16<const K: usize>(map: &Realignment<K>, node: &Node16<K>, query: &mut Query<16, K>) {
+        // Not zeroed: a kilobyte of stores.
+        let mut planes = [const { MaybeUninit::<[__m256; 2]>::uninit() }; K];
+        for (decoded, codes) in planes.iter_mut().zip(&node.planes) {
+            let codes = load(codes);
+            let bits = _mm256_xor_si256(codes, magnitudes_if_negative(codes));
+            let halves = [_mm256_castsi256_si128(bits), _mm256_extracti128_si256::<1>(bits)];
+            decoded.write(halves.map(|eight| _mm256_cvtph_ps(eight)));
+        }
+        for slab in 0..K / 2 {
+            let sources = map.sources[slab];
+            let weights = map.weights[slab].map(|weight| _mm256_set1_ps(weight));
+            for side in 0..2 {
+                // SAFETY: the loop above wrote all of them.
+                let [a, b, c] = sources.map(|source| unsafe { planes[usize::from(source) ^ side].assume_init_ref() });
+                let offset = _mm256_set1_ps(map.offset[2 * slab + side]);
+                let turned = |half: usize| turn(weights, offset, [a[half], b[half], c[half]]);
+                let codes = encode_query([turned(0), turned(1)]);
+                // SAFETY: the array has the 32 bytes that are written; the store asks for no alignment.
+                unsafe { _mm256_storeu_si256(query[2 * slab + (side ^ 1)].as_mut_ptr().cast(), codes) };
+            }
+        }
+        let unused = _mm256_cmpeq_epi16(load(&node.planes[0]), _mm256_set1_epi16(Key::EMPTY.code()));
+        let codes = _mm256_blendv_epi8(load(&query[0]), _mm256_set1_epi16(SEPARATED), unused);
+        // SAFETY: the array has the 32 bytes that are written; the store asks for no alignment.
+        unsafe { _mm256_storeu_si256(query[0].as_mut_ptr().cast(), codes) };
+    }
+}
+
+compiled_for_avx2! {
+    #[inline]
+    pub(super) fn realign_4<const K: usize>(map: &Realignment<K>, node: &Node4<K>, query: &mut Query<4, K>) {
+        let mut planes = [_mm256_setzero_ps(); K];
+        for (decoded, codes) in planes.iter_mut().zip(&node.planes) {
+            *decoded = decode(load_4(codes));
+        }
+        for j in 0..K {
+            let terms = map.terms(j);
+            let weights = terms.map(|(_, weight)| _mm256_set1_ps(weight));
+            let turned = turn(weights, _mm256_set1_ps(map.offset[j]), terms.map(|(source, _)| planes[source]));
+            let codes = _mm256_castsi256_si128(encode_query([turned, turned]));
+            // SAFETY: the array has the 8 bytes that are written; the store asks for no alignment.
+            unsafe { _mm_storel_epi64(query[j ^ 1].as_mut_ptr().cast(), codes) };
+        }
+        let unused = _mm_cmpeq_epi16(load_4(&node.planes[0]), _mm_set1_epi16(Key::EMPTY.code()));
+        let codes = _mm_blendv_epi8(load_4(&query[0]), _mm_set1_epi16(SEPARATED), unused);
+        // SAFETY: the array has the 8 bytes that are written; the store asks for no alignment.
+        unsafe { _mm_storel_epi64(query[0].as_mut_ptr().cast(), codes) };
+    }
+}

@@ -1,0 +1,61 @@
+//! AVX2 and F16C.
+
+#![expect(unsafe_code, reason = "intrinsics that load, and calls that the token makes sound")]
+
+mod dops;
+mod triangles;
+
+use super::{Kernel, Query};
+use crate::isa::Avx2;
+use crate::node::{Node4, Node16};
+use crate::primitive::triangle::{Probe, Triangle};
+use crate::realign::Realignment;
+
+impl Kernel for Avx2 {
+    #[inline(always)]
+    fn run<R>(self, f: impl FnOnce() -> R) -> R {
+        Self::run(self, f)
+    }
+
+    #[inline(always)]
+    fn overlap_1v16<const K: usize>(self, query: &Query<16, K>, lane: usize, node: &Node16<K>) -> u16 {
+        // SAFETY: the token proves the features that the function is compiled for.
+        unsafe { dops::overlap_1v16(query, lane, node) }
+    }
+
+    #[inline(always)]
+    fn overlap_16v1<const K: usize>(self, query: &Query<16, K>, node: &Node16<K>, lane: usize) -> u16 {
+        // SAFETY: the token proves the features that the function is compiled for.
+        unsafe { dops::overlap_16v1(query, node, lane) }
+    }
+
+    #[inline(always)]
+    fn overlap_16v_hull<const K: usize>(self, query: &Query<16, K>, node: &Node16<K>) -> u16 {
+        // SAFETY: the token proves the features that the function is compiled for.
+        unsafe { dops::overlap_16v_hull(query, node) }
+    }
+
+    #[inline(always)]
+    fn overlap_4v4<const K: usize>(self, query: &Query<4, K>, node: &Node4<K>) -> u16 {
+        // SAFETY: the token proves the features that the function is compiled for.
+        unsafe { dops::overlap_4v4(query, node) }
+    }
+
+    #[inline(always)]
+    fn apart_4(self, probe: &Probe<'_>, triangles: &[Triangle; 4]) -> u16 {
+        // SAFETY: the token proves the features that the function is compiled for.
+        unsafe { triangles::apart_4(probe, triangles) }
+    }
+
+    #[inline(always)]
+    fn realign_16<const K: usize>(self, map: &Realignment<K>, node: &Node16<K>, query: &mut Query<16, K>) {
+        // SAFETY: the token proves the features that the function is compiled for.
+        unsafe { dops::realign_16(map, node, query) }
+    }
+
+    #[inline(always)]
+    fn realign_4<const K: usize>(self, map: &Realignment<K>, node: &Node4<K>, query: &mut Query<4, K>) {
+        // SAFETY: the token proves the features that the function is compiled for.
+        unsafe { dops::realign_4(map, node, query) }
+    }
+}

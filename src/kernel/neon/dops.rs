@@ -1,0 +1,206 @@
+//! Children against children, and re-alignment, in NEON.
+//!
+//! A plane of sixteen children is two q registers: 4 x `cmgt` a slab against a duplicated query plane. There is no move-mask: lanes are
+//! anded with their bit and added across. F16 conversion rounds to nearest only, so re-alignment converts there and back and steps up
+//! by one code where the result fell short.
+
+use super::super::{Query, SEPARATED};
+use crate::isa::compiled_for_neon;
+use crate::key::Key;
+use crate::node::{Node4, Node16};
+use crate::realign::Realignment;
+use core::arch::aarch64::*;
+
+/// Whether to ask, after this slab, if every lane is separated already. Once: asking costs a reduction and, half of the time, a mispredicted
+/// branch (measured for AVX2). A slab is twice as many instructions here, so it pays from a smaller k.
+const fn may_exit<const K: usize>(slab: usize) -> bool {
+    K > 14 && slab == 3
+}
+
+compiled_for_neon! {
+    #[inline]
+    fn load_8(planes: &[i16; 8]) -> int16x8_t {
+        // SAFETY: the array has the 16 bytes that are read; the load asks for no alignment.
+        unsafe { vld1q_s16(planes.as_ptr()) }
+    }
+}
+
+compiled_for_neon! {
+    #[inline]
+    fn load_4(planes: &[i16; 4]) -> int16x4_t {
+        // SAFETY: the array has the 8 bytes that are read; the load asks for no alignment.
+        unsafe { vld1_s16(planes.as_ptr()) }
+    }
+}
+
+compiled_for_neon! {
+    /// The planes of sixteen children: lanes 0..8 and 8..16.
+    #[inline]
+    fn halves(planes: &[i16; 16]) -> [int16x8_t; 2] {
+        let chunks = planes.as_chunks::<8>().0;
+        [load_8(&chunks[0]), load_8(&chunks[1])]
+    }
+}
+
+compiled_for_neon! {
+    /// Bit i: lane i is all zeros. Lanes 0..8, then 8..16.
+    #[inline]
+    fn zero_lanes(separated: [uint16x8_t; 2]) -> u16 {
+        let bits = [1_u16, 2, 4, 8, 16, 32, 64, 128];
+        // SAFETY: the array has the 16 bytes that are read.
+        let bits = unsafe { vld1q_u16(bits.as_ptr()) };
+        let low = vaddvq_u16(vbicq_u16(bits, separated[0]));
+        let high = vaddvq_u16(vbicq_u16(bits, separated[1]));
+        low | high << 8
+    }
+}
+
+compiled_for_neon! {
+    #[inline]
+    fn all_ones(separated: [uint16x8_t; 2]) -> bool {
+        vminvq_u16(vandq_u16(separated[0], separated[1])) == u16::MAX
+    }
+}
+
+compiled_for_neon! {
+    #[inline]
+    pub(super) fn overlap_1v16<const K: usize>(query: &Query<16, K>, lane: usize, node: &Node16<K>) -> u16 {
+        let lane = lane & 15;
+        let mut separated = [vdupq_n_u16(0); 2];
+        for slab in 0..K / 2 {
+            for j in [2 * slab, 2 * slab + 1] {
+                let q = vdupq_n_s16(query[j][lane]);
+                let [low, high] = halves(&node.planes[j]);
+                separated = [
+                    vorrq_u16(separated[0], vcgtq_s16(q, low)),
+                    vorrq_u16(separated[1], vcgtq_s16(q, high)),
+                ];
+            }
+            if may_exit::<K>(slab) && all_ones(separated) {
+                return 0;
+            }
+        }
+        zero_lanes(separated)
+    }
+}
+
+compiled_for_neon! {
+    #[inline]
+    pub(super) fn overlap_16v1<const K: usize>(query: &Query<16, K>, node: &Node16<K>, lane: usize) -> u16 {
+        let lane = lane & 15;
+        let mut separated = [vdupq_n_u16(0); 2];
+        for (query, planes) in query.iter().zip(&node.planes) {
+            let plane = vdupq_n_s16(planes[lane]);
+            let [low, high] = halves(query);
+            separated = [
+                vorrq_u16(separated[0], vcgtq_s16(low, plane)),
+                vorrq_u16(separated[1], vcgtq_s16(high, plane)),
+            ];
+        }
+        zero_lanes(separated)
+    }
+}
+
+compiled_for_neon! {
+    #[inline]
+    pub(super) fn overlap_16v_hull<const K: usize>(query: &Query<16, K>, node: &Node16<K>) -> u16 {
+        let mut separated = [vdupq_n_u16(0); 2];
+        for (query, planes) in query.iter().zip(&node.planes) {
+            let [low, high] = halves(planes);
+            let greatest = vdupq_n_s16(vmaxvq_s16(vmaxq_s16(low, high)));
+            let [low, high] = halves(query);
+            separated = [
+                vorrq_u16(separated[0], vcgtq_s16(low, greatest)),
+                vorrq_u16(separated[1], vcgtq_s16(high, greatest)),
+            ];
+        }
+        zero_lanes(separated)
+    }
+}
+
+compiled_for_neon! {
+    #[inline]
+    pub(super) fn overlap_4v4<const K: usize>(query: &Query<4, K>, node: &Node4<K>) -> u16 {
+        let mut separated = [vdupq_n_u16(0); 2];
+        for (query, planes) in query.iter().zip(&node.planes) {
+            let q = load_4(query);
+            let b = load_4(planes);
+            let b = vcombine_s16(b, b);
+            let low = vcombine_s16(vdup_lane_s16::<0>(q), vdup_lane_s16::<1>(q));
+            let high = vcombine_s16(vdup_lane_s16::<2>(q), vdup_lane_s16::<3>(q));
+            separated =
+                [vorrq_u16(separated[0], vcgtq_s16(low, b)), vorrq_u16(separated[1], vcgtq_s16(high, b))];
+        }
+        zero_lanes(separated)
+    }
+}
+
+compiled_for_neon! {
+    /// 0x7fff where negative: what turns a code into its half and back.
+    #[inline]
+    fn magnitude_if_negative(x: int16x4_t) -> int16x4_t {
+        vreinterpret_s16_u16(vshr_n_u16::<1>(vreinterpret_u16_s16(vshr_n_s16::<15>(x))))
+    }
+}
+
+compiled_for_neon! {
+    /// The halves of four codes, as floats.
+    #[inline]
+    fn decode(codes: int16x4_t) -> float32x4_t {
+        vcvt_f32_f16(vreinterpret_f16_s16(veor_s16(codes, magnitude_if_negative(codes))))
+    }
+}
+
+compiled_for_neon! {
+    /// The complements of four values' keys, rounded up.
+    #[inline]
+    fn encode_query(x: float32x4_t) -> int16x4_t {
+        // Selections, not FMINNM and FMAX: Miri runs these. NaN is an unbounded plane.
+        let number = vbslq_f32(vceqq_f32(x, x), x, vdupq_n_f32(f32::INFINITY));
+        let lowest = vdupq_n_f32(-65504.0);
+        let bounded = vbslq_f32(vcltq_f32(number, lowest), lowest, number);
+        let nearest = vcvt_f16_f32(bounded);
+        let bits = vreinterpret_s16_f16(nearest);
+        let code = veor_s16(bits, magnitude_if_negative(bits));
+        // Where the nearest half is below, the compare is -1, and subtracting it gives the next code.
+        let short = vmovn_u32(vcltq_f32(vcvt_f32_f16(nearest), bounded));
+        let code = vsub_s16(code, vreinterpret_s16_u16(short));
+        // The code of -0 is -1, and must be 0.
+        let negative_zero = vceq_s16(code, vdup_n_s16(-1));
+        vmvn_s16(vsub_s16(code, vreinterpret_s16_u16(negative_zero)))
+    }
+}
+
+compiled_for_neon! {
+    /// `Q` quarters of four children make the `W` lanes.
+    #[inline]
+    pub(super) fn realign<const W: usize, const Q: usize, const K: usize>(
+        map: &Realignment<K>,
+        planes: &[[i16; W]; K],
+        query: &mut Query<W, K>,
+    ) {
+        let mut decoded = [[vdupq_n_f32(0.0); Q]; K];
+        for j in 0..K {
+            for (quarter, codes) in decoded[j].iter_mut().zip(planes[j].as_chunks::<4>().0) {
+                *quarter = decode(load_4(codes));
+            }
+        }
+        for j in 0..K {
+            let [(a, u), (b, v), (c, w)] = map.terms(j).map(|(source, weight)| (decoded[source], weight));
+            for (i, codes) in query[j ^ 1].as_chunks_mut::<4>().0.iter_mut().enumerate() {
+                // Separate multiplications and additions: fused ones would round otherwise than the specification.
+                let two = vaddq_f32(vmulq_n_f32(a[i], u), vmulq_n_f32(b[i], v));
+                let sum = vaddq_f32(vaddq_f32(two, vmulq_n_f32(c[i], w)), vdupq_n_f32(map.offset[j]));
+                let turned = encode_query(sum);
+                // SAFETY: the array has the 8 bytes that are written.
+                unsafe { vst1_s16(codes.as_mut_ptr(), turned) };
+            }
+        }
+        for (codes, first) in query[0].as_chunks_mut::<4>().0.iter_mut().zip(planes[0].as_chunks::<4>().0) {
+            let unused = vceq_s16(load_4(first), vdup_n_s16(Key::EMPTY.code()));
+            let marked = vbsl_s16(unused, vdup_n_s16(SEPARATED), load_4(codes));
+            // SAFETY: the array has the 8 bytes that are written.
+            unsafe { vst1_s16(codes.as_mut_ptr(), marked) };
+        }
+    }
+}

@@ -1,0 +1,32 @@
+//! Children against children, and re-alignment.
+
+use super::super::{Query, SEPARATED};
+use crate::key::Key;
+use crate::realign::Realignment;
+
+/// Whether some plane separates body `a` of the query from child `b`.
+pub(super) fn separated<const W: usize, const K: usize>(
+    query: &Query<W, K>,
+    a: usize,
+    planes: &[[i16; W]; K],
+    b: usize,
+) -> bool {
+    query.iter().zip(planes).any(|(q, p)| q[a] > p[b])
+}
+
+pub(super) fn realign<const W: usize, const K: usize>(
+    map: &Realignment<K>,
+    planes: &[[i16; W]; K],
+    query: &mut Query<W, K>,
+) {
+    for j in 0..K {
+        for lane in 0..W {
+            query[j ^ 1][lane] = !map.plane(j, |source| planes[source][lane]).code();
+        }
+    }
+    for lane in 0..W {
+        if planes[0][lane] == Key::EMPTY.code() {
+            query[0][lane] = SEPARATED;
+        }
+    }
+}

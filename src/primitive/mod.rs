@@ -1,0 +1,3 @@
+//! What stands below the leaves of a hierarchy.
+
+pub mod triangle;
