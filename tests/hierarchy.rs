@@ -482,6 +482,12 @@ fn bytes_are_refused_by_name() {
             _ => BakeError::Truncated { have, need: size },
         };
         assert_eq!(read(&buffer[..have]), Some(want));
+        assert_eq!(Bvh::<Node16<18>>::from_bytes(&buffer[..have]).err(), Some(want), "copied");
+    }
+    for have in size + 1..size + 64 {
+        let want = Some(BakeError::TooLong { have, need: size });
+        assert_eq!(read(&buffer[..have]), want);
+        assert_eq!(Bvh::<Node16<18>>::from_bytes(&buffer[..have]).err(), want, "copied");
     }
     let other = BakeError::OtherNode { k: 18, arity: 16 };
     assert_eq!(BvhRef::<Node16<14>>::from_bytes(&buffer[..size]).err(), Some(other));
@@ -490,6 +496,28 @@ fn bytes_are_refused_by_name() {
     assert_eq!(read(&buffer[..size]), Some(BakeError::Version { found: 9 }));
     buffer[0] = b's';
     assert_eq!(read(&buffer[..size]), Some(BakeError::NotATree));
+}
+
+/// A caller looks its own triangles up by them.
+#[test]
+fn an_index_that_the_mesh_has_not_is_refused() {
+    let mesh = shapes::torus(6, 4);
+    let count = mesh.triangles.len();
+    let mut lines = aligned(default_build::<Node16<18>>(&mesh).as_bytes());
+    let bytes: &mut [u8] = bytemuck::cast_slice_mut(&mut lines);
+    let size = bytes.len() - 64;
+    let padding = bytes[..size].iter().rev().take_while(|byte| **byte == 0).count();
+    // The sources are the last part. The last of them ends in zeros itself.
+    let end = (size - padding).next_multiple_of(4);
+    for (index, source) in [(count - 1, count as u32), (0, u32::MAX), (count / 2, 1 << 31)] {
+        let at = end - 4 * (count - index);
+        let before = *bytes[at..].first_chunk::<4>().unwrap();
+        bytes[at..at + 4].copy_from_slice(&source.to_le_bytes());
+        let want = Some(BakeError::Source { index: index as u32 });
+        assert_eq!(BvhRef::<Node16<18>>::from_bytes(&bytes[..size]).err(), want);
+        bytes[at..at + 4].copy_from_slice(&before);
+    }
+    assert!(BvhRef::<Node16<18>>::from_bytes(&bytes[..size]).is_ok());
 }
 
 /// What became of damaged bytes.

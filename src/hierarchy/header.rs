@@ -80,6 +80,13 @@ pub enum BakeError {
         /// Bytes needed.
         need: usize,
     },
+    /// Bytes follow after the end of the tree.
+    TooLong {
+        /// Bytes given.
+        have: usize,
+        /// Bytes of the tree.
+        need: usize,
+    },
     /// A field of the header cannot be, or contradicts the contents.
     Header {
         /// Its name.
@@ -104,6 +111,11 @@ pub enum BakeError {
         /// Index of the triangle in leaf order.
         index: u32,
     },
+    /// A triangle's index in the mesh is not below the number of triangles.
+    Source {
+        /// Index of the triangle in leaf order.
+        index: u32,
+    },
 }
 
 impl fmt::Display for BakeError {
@@ -114,10 +126,15 @@ impl fmt::Display for BakeError {
             Self::Version { found } => write!(f, "layout version {found}, this library reads {VERSION}"),
             Self::OtherNode { k, arity } => write!(f, "the tree has k = {k} and arity {arity}"),
             Self::Truncated { have, need } => write!(f, "the tree ends early: {have} bytes of {need}"),
+            Self::TooLong { have, need } => write!(f, "{have} bytes, of which the tree is the first {need}"),
             Self::Header { field } => write!(f, "bad header: {field}"),
             Self::Node { node, lane, problem } => write!(f, "node {node}, lane {lane}: {problem}"),
             Self::Vertex { index } => write!(f, "vertex {index} is not finite or out of range"),
             Self::Triangle { index } => write!(f, "triangle {index} names a vertex that there is not"),
+            Self::Source { index } => write!(
+                f,
+                "triangle {index} has an index in its mesh that is not below the number of triangles"
+            ),
         }
     }
 }

@@ -65,7 +65,7 @@ impl<'a, N: Node> BvhRef<'a, N> {
     /// Borrows a baked tree in place, without a copy, after [`BvhRef::validate`]: linear in its size.
     ///
     /// # Errors
-    /// [`BakeError`] if the bytes are not a tree of this node type, are not aligned to 64, or are not safe to walk.
+    /// [`BakeError`] if the bytes are not a tree of this node type, all of it and nothing else, are not aligned to 64, or are not safe to walk.
     pub fn from_bytes(bytes: &'a [u8]) -> Result<Self, BakeError> {
         let view = Self::view(bytes)?;
         view.validate()?;
@@ -77,8 +77,10 @@ impl<'a, N: Node> BvhRef<'a, N> {
         let header = Header::read(bytes)?;
         header.check_type(N::K, N::ARITY)?;
         let layout = header.layout(size_of::<N>())?;
-        if bytes.len() < layout.end {
-            return Err(BakeError::Truncated { have: bytes.len(), need: layout.end });
+        match (bytes.len(), layout.end) {
+            (have, need) if have < need => return Err(BakeError::Truncated { have, need }),
+            (have, need) if have > need => return Err(BakeError::TooLong { have, need }),
+            _ => {}
         }
         let cast_error = |_| BakeError::Misaligned;
         let vertex_bytes = &bytes[layout.vertices.clone()];
@@ -182,10 +184,12 @@ impl<N: Node> Bvh<N> {
     /// Copies a baked tree, of any alignment, and validates it.
     ///
     /// # Errors
-    /// [`BakeError`] if the bytes are not a tree of this node type or are not safe to walk.
+    /// [`BakeError`] if the bytes are not a tree of this node type, all of it and nothing else, or are not safe to walk.
     pub fn from_bytes(bytes: &[u8]) -> Result<Self, BakeError> {
         let tree = Self::assemble(&[(64, bytes)]);
-        BvhRef::<N>::from_bytes(tree.as_bytes())?;
+        // The copy's own length is a multiple of 64: what is checked is that of the bytes given.
+        let copy = &bytemuck::cast_slice(&tree.lines)[..bytes.len()];
+        BvhRef::<N>::from_bytes(copy)?;
         Ok(tree)
     }
 

@@ -14,6 +14,7 @@ impl<N: Node> BvhRef<'_, N> {
     /// * nodes are in breadth-first order, so the links to nodes are 1, 2, 3 .. in the order they are met: each node has
     ///   one parent, none is unreachable, no path returns, and the levels can be counted;
     /// * triangles are in the order of the leaves, so the leaves' ranges follow each other likewise;
+    /// * the index that each triangle had in the mesh is below the number of triangles;
     /// * each plane of a used lane is a half that can bound something, each plane of an unused one is [`Key::EMPTY`].
     ///
     /// That the planes really bound the triangles is for [`BvhRef::verify`].
@@ -29,6 +30,9 @@ impl<N: Node> BvhRef<'_, N> {
             if triangle.iter().any(|&v| v >= vertex_count) {
                 return Err(BakeError::Triangle { index });
             }
+        }
+        if let Some(index) = self.sources.iter().position(|&source| source >= self.header.triangle_count) {
+            return Err(BakeError::Source { index: index as u32 });
         }
         Ok(())
     }
