@@ -132,7 +132,7 @@ fn report(name: &str, mesh: &MeshData) -> Vec<Timed> {
             mean(|w| w.visits),
             mean(|w| w.tests),
             sum(|w| w.slabs) / sum(|w| w.tests),
-            mean(|w| w.triangle_pairs),
+            mean(|w| w.primitive_pairs),
         );
     }
     println!();

@@ -59,7 +59,7 @@ struct Row {
     apart_microseconds: f64,
     visits: f64,
     kernels: f64,
-    triangle_pairs: f64,
+    primitive_pairs: f64,
     build_milliseconds: f64,
     expected_visits: f64,
 }
@@ -135,7 +135,7 @@ fn measure<N: Lanes>(model: &'static str, mesh: &MeshData, poses: &[Vec<Pose>; 2
             apart_microseconds: 1e6 * apart[i],
             visits: mean(|c| c.visits),
             kernels: mean(|c| c.kernels),
-            triangle_pairs: mean(|c| c.triangle_pairs),
+            primitive_pairs: mean(|c| c.primitive_pairs),
             build_milliseconds: 1e3 * build,
             expected_visits: tree.view().tree_stats().expected_visits,
         });
@@ -160,15 +160,15 @@ fn query_times<N: Lanes>(trees: &[&Bvh<N>; SPLITTERS.len()], poses: &[Pose]) -> 
 
 fn csv(rows: &[Row]) -> String {
     let mut text = String::from(
-        "model,polygons,arity,splitter,query_microseconds,apart_microseconds,visits,kernels,triangle_pairs,build_milliseconds,expected_visits\n",
+        "model,polygons,arity,splitter,query_microseconds,apart_microseconds,visits,kernels,primitive_pairs,build_milliseconds,expected_visits\n",
     );
     for row in rows {
         let Row { model, polygons, arity, splitter, query_microseconds, visits, kernels, .. } = row;
-        let Row { apart_microseconds, triangle_pairs, build_milliseconds, expected_visits, .. } = row;
+        let Row { apart_microseconds, primitive_pairs, build_milliseconds, expected_visits, .. } = row;
         writeln!(
             text,
             "{model},{polygons},{arity},{splitter},{query_microseconds:.3},{apart_microseconds:.3},{visits:.1},{kernels:.1},\
-             {triangle_pairs:.1},{build_milliseconds:.3},{expected_visits:.1}"
+             {primitive_pairs:.1},{build_milliseconds:.3},{expected_visits:.1}"
         )
         .unwrap();
     }

@@ -2,7 +2,6 @@
 //!
 //! Planes are supports of `(p - centre) * 2^exponent`, so that the half's steps are fine where the body is, whatever its unit.
 
-use crate::directions::Directions;
 use crate::exact::{Expansion, power_of_two};
 use crate::key::Key;
 use crate::range::Point;
@@ -14,6 +13,19 @@ pub struct Frame {
     pub centre: Point,
     /// The scale is `2^exponent`.
     pub exponent: i32,
+}
+
+/// How large a body and its planes are, in and out of its frame: what re-alignment pads by.
+#[derive(Copy, Clone, PartialEq, Debug)]
+pub struct Extent {
+    /// Where the planes are written.
+    pub frame: Frame,
+    /// Largest absolute coordinate of a corner or of the frame's centre, in the body's unit. At least.
+    pub max_coordinate: f64,
+    /// Largest `|x|`, `|y|`, `|z|` of a corner in the frame. At least.
+    pub half_width: [f32; 3],
+    /// Largest absolute finite plane.
+    pub max_plane: f32,
 }
 
 /// The border of a body lies between 2^6 and 2^7 of its frame. A half is finite up to 2^16 and has its full 11 bits down to
@@ -46,42 +58,46 @@ impl Frame {
         power_of_two(self.exponent)
     }
 
-    /// The key of each direction's support of point `p`: the exact value of `n_j . (p - centre) * 2^exponent`, rounded up.
-    pub(crate) fn supports<const K: usize>(&self, p: Point, keys: &mut [Key]) {
+    /// The key of each direction's support of point `p`: the exact value of `n . (p - centre) * 2^exponent`, rounded up.
+    #[cfg(feature = "alloc")]
+    pub(crate) fn supports(&self, directions: &[Point], p: Point, keys: &mut [Key]) {
         let d: Point = core::array::from_fn(|i| p[i] - self.centre[i]);
         let scale = self.scale();
-        for (j, key) in keys.iter_mut().enumerate() {
-            let n = Directions::<K>::VECTORS[j];
+        for (n, key) in directions.iter().zip(keys) {
             let (x, y, z) = (n[0] * d[0], n[1] * d[1], n[2] * d[2]);
             let value = ((x + y) + z) * scale;
             // Four roundings, each below 2^-53 of a partial result.
             let error = ((x.abs() + y.abs()) + z.abs()) * scale * power_of_two(-50);
             let rounded = Key::round_up_alike(value - error, value + error);
-            *key = rounded.unwrap_or_else(|| self.support_exact::<K>(j, p, value));
+            *key = rounded.unwrap_or_else(|| self.support_exact(n, p, value));
         }
     }
 
+    #[cfg(feature = "alloc")]
     #[cold]
-    fn support_exact<const K: usize>(&self, j: usize, p: Point, near: f64) -> Key {
+    fn support_exact(&self, direction: &Point, p: Point, near: f64) -> Key {
         let mut key = Key::round_up_or_unbounded(near);
         // `near` is within a fraction of a step, so one step either way is all that can be needed.
         while let Some(lower) = Key::from_code(if key.code() == 0 { -2 } else { key.code() - 1 })
-            && self.bounds::<K>(j, p, lower)
+            && self.is_bounded(direction, p, lower)
         {
             key = lower;
         }
-        while !self.bounds::<K>(j, p, key) {
+        while !self.is_bounded(direction, p, key) {
             key = Key::from_code(if key.code() == -2 { 0 } else { key.code() + 1 }).unwrap_or(Key::INFINITY);
         }
         key
     }
 
-    /// Whether plane `key` of direction `j` really is an upper bound of the support of `p`: decided in exact arithmetic.
-    pub(crate) fn bounds<const K: usize>(&self, j: usize, p: Point, key: Key) -> bool {
+    /// Whether plane `key` really is an upper bound of the support of `p` in `direction`, one of [`crate::directions`]: decided in
+    /// exact arithmetic.
+    #[must_use]
+    pub fn is_bounded(&self, direction: &Point, p: Point, key: Key) -> bool {
         if key == Key::INFINITY {
             return true;
         }
-        let n = Directions::<K>::TABLE.vectors[j];
+        // Components of directions are small integers.
+        let n = direction.map(|x| x as i8);
         let mut slack = SupportSum::ZERO;
         slack.add(key.to_f64() * power_of_two(-self.exponent));
         for axis in 0..3 {

@@ -27,13 +27,11 @@
 
 use crate::directions::Directions;
 use crate::exact::{power_of_two, round_up_f32};
-use crate::frame::Frame;
-use crate::hierarchy::Header;
+use crate::frame::{Extent, Frame};
 use crate::key::{Key, decode};
 use crate::pose::Pose;
-use crate::primitive::triangle::Triangle;
-use crate::range::MIN_COORDINATE;
-use crate::range::Point;
+use crate::primitive::Primitive;
+use crate::range::{MIN_COORDINATE, Point};
 
 /// How the planes of every node of one body turn into another body's frame, at one pose.
 #[derive(Copy, Clone, PartialEq, Debug)]
@@ -67,22 +65,22 @@ const UNDERFLOW: f64 = power_of_two(-130);
 const MAX_REACH: f64 = power_of_two(126);
 
 impl<const K: usize> Realignment<K> {
-    /// The map for the body with header `a`, posed in the frame `b`.
+    /// The map for a body of extent `a`, posed in the frame `b`.
     // Part of the query that it begins, so that it is compiled for the query's instruction set.
     #[inline(always)]
     #[must_use]
-    pub fn new(pose: &Pose, a: &Header, b: &Frame) -> Self {
+    pub fn new(pose: &Pose, a: &Extent, b: &Frame) -> Self {
         let m = pose.rows();
         let t = pose.translation();
-        let ratio = power_of_two(b.exponent - a.exponent);
+        let ratio = power_of_two(b.exponent - a.frame.exponent);
         let [x, y, z] = a.half_width;
         let width_sum = f64::from(x) + f64::from(y) + f64::from(z);
         let shift: Point = core::array::from_fn(|i| {
-            let c = a.centre;
+            let c = a.frame.centre;
             (((m[i][0] * c[0] + m[i][1] * c[1]) + m[i][2] * c[2]) + t[i]) - b.centre[i]
         });
         // 4 >= sum of a row's magnitudes, for the image; once more for the centre.
-        let coordinates = (8.0 * a.extent + greatest(&t)) + greatest(&b.centre);
+        let coordinates = (8.0 * a.max_coordinate + greatest(&t)) + greatest(&b.centre);
         let per_length =
             F64_SLACK * (2.0 * ratio * width_sum + b.scale() * coordinates) + MIN_COORDINATE * b.scale();
         let per_weight = HALF_PLACE * (Directions::<K>::MAX_COMPONENT * width_sum);
@@ -148,27 +146,29 @@ impl<const K: usize> Realignment<K> {
     }
 }
 
-/// The planes of everything within `margin` of moved triangles in frame `b`, each an upper bound of the exact support, rounded up: tighter
+/// The planes of everything within `margin` of moved primitives in frame `b`, each an upper bound of the exact support, rounded up: tighter
 /// than the re-aligned planes of the leaf that holds them.
 // Loops, not `array::from_fn`, which is not always inlined.
 #[inline(always)]
 #[must_use]
-pub(crate) fn planes_of_triangles<const K: usize>(
+pub(crate) fn planes_of<P: Primitive, const K: usize>(
     b: &Frame,
-    triangles: impl Iterator<Item = Triangle>,
+    items: impl Iterator<Item = P::Item>,
     margin: f64,
 ) -> [Key; K] {
     let mut low = [f64::INFINITY; K];
     let mut size = greatest(&b.centre);
-    for p in triangles.flatten() {
-        let d = [p[0] - b.centre[0], p[1] - b.centre[1], p[2] - b.centre[2]];
-        size = size.max(greatest(&p));
-        for j in (0..K).step_by(2) {
-            let n = Directions::<K>::VECTORS[j];
-            let support = (n[0] * d[0] + n[1] * d[1]) + n[2] * d[2];
-            // Slab j / 2: the greatest support of -n and of n, both as minima.
-            low[j] = low[j].min(-support);
-            low[j + 1] = low[j + 1].min(support);
+    for item in items {
+        for p in P::corners(&item) {
+            let d = [p[0] - b.centre[0], p[1] - b.centre[1], p[2] - b.centre[2]];
+            size = size.max(greatest(&p));
+            for j in (0..K).step_by(2) {
+                let n = Directions::<K>::VECTORS[j];
+                let support = (n[0] * d[0] + n[1] * d[1]) + n[2] * d[2];
+                // Slab j / 2: the greatest support of -n and of n, both as minima.
+                low[j] = low[j].min(-support);
+                low[j + 1] = low[j + 1].min(support);
+            }
         }
     }
     let scale = b.scale();

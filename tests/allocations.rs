@@ -170,7 +170,7 @@ fn comb(depth: usize) -> Vec<u8> {
     }
     let mut header = *view.header();
     (header.depth, header.node_count) = (depth as u32, nodes.len() as u32);
-    header.triangle_count = depth as u32;
+    header.primitive_count = depth as u32;
     let mut bytes = bytemuck::bytes_of(&header).to_vec();
     bytes.extend(nodes.iter().flat_map(bytemuck::bytes_of));
     bytes.extend(TILTED.as_flattened().iter().flat_map(|&x| (x as f32).to_le_bytes()));
@@ -195,7 +195,7 @@ fn trees_too_deep_for_the_stack_are_refused() {
                 let answer = collide(&apart);
                 assert_eq!(answer.verdict, Verdict::Free, "depth {depth}");
                 let pairs = (a.view().len() * b.view().len()) as u64;
-                assert_eq!(answer.counters.triangle_pairs, pairs, "all volumes overlap: depth {depth}");
+                assert_eq!(answer.counters.primitive_pairs, pairs, "all volumes overlap: depth {depth}");
             }
         }
     }

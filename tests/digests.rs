@@ -42,7 +42,7 @@ fn digests(answers: &[Answer]) -> Digests {
             Verdict::Unknown { .. } => panic!("a query without a budget knows its answer"),
         }
         let c = answer.counters;
-        [c.visits, c.kernels, c.realignments, c.triangle_pairs, c.exact_pairs]
+        [c.visits, c.kernels, c.realignments, c.primitive_pairs, c.exact_pairs]
             .into_iter()
             .for_each(|x| all.add(x));
     }

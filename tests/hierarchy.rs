@@ -168,8 +168,8 @@ fn check_tree<N: Lanes>(mesh: &MeshData, supports: &Supports, leaf_size: u32, sp
         assert_eq!(walk.nodes, full.max(walk.leaves.min(1)), "{what}: all nodes but one are full");
     }
     let corners = mesh.corners();
-    for index in 0..header.triangle_count {
-        assert_eq!(view.triangle(index), corners[view.source(index) as usize], "{what}: corners are kept");
+    for index in 0..header.primitive_count {
+        assert_eq!(view.primitive(index), corners[view.source(index) as usize], "{what}: corners are kept");
     }
     let degenerate = corners.iter().filter(|t| has_no_area(t)).count();
     assert_eq!(header.degenerate_count as usize, degenerate, "{what}: triangles without area");
@@ -273,7 +273,7 @@ fn bytes_per_triangle<N: Lanes>(mesh: &MeshData, budget: f64) {
         let view: BvhRef<'_, N> = tree.view();
         let stats = view.stats();
         assert_eq!(stats.node_bytes, size_of_val(view.nodes()));
-        let bytes = stats.node_bytes as f64 / stats.triangles as f64;
+        let bytes = stats.node_bytes as f64 / stats.primitives as f64;
         println!("k {:2}: {bytes:.2} bytes of planes and links a triangle, {splitter:?}", N::K);
         assert!(bytes <= budget, "k {}: {bytes} bytes a triangle, more than {budget}", N::K);
     }
@@ -326,7 +326,7 @@ fn bad_meshes_are_refused_by_name() {
     for bad in [3, u32::MAX] {
         let triangles = [[0, 1, 2], [0, 1, bad]];
         let mesh = Mesh { triangles: &triangles, ..good };
-        assert_eq!(build(Builder::new(), mesh), Err(BuildError::Triangle { index: 1 }), "{bad}");
+        assert_eq!(build(Builder::new(), mesh), Err(BuildError::Primitive { index: 1 }), "{bad}");
     }
     // Zeroed pages that nobody touches: the number is refused before anything is read.
     #[cfg(target_pointer_width = "64")]
@@ -355,7 +355,7 @@ fn vertices_are_stored_without_loss() {
             let tree = default_build::<Node4<6>>(&shapes::separate([corners]));
             let view = tree.view();
             assert_eq!(view.header().vertex_size, size, "{value:e}");
-            assert_eq!(view.triangle(0).map(|p| p.map(f64::to_bits)), corners.map(|p| p.map(f64::to_bits)));
+            assert_eq!(view.primitive(0).map(|p| p.map(f64::to_bits)), corners.map(|p| p.map(f64::to_bits)));
         }
     }
 }
@@ -368,7 +368,7 @@ fn coordinates_too_small_for_exact_signs_become_zero() {
     let kept = [[0.0, 1.0, 0.0], [MIN_COORDINATE, -MIN_COORDINATE, 0.0], [0.0, 2.0, 3.0]];
     let tree = default_build::<Node4<14>>(&shapes::separate([corners]));
     let view = tree.view();
-    assert_eq!(view.triangle(0).map(|p| p.map(f64::to_bits)), kept.map(|p| p.map(f64::to_bits)));
+    assert_eq!(view.primitive(0).map(|p| p.map(f64::to_bits)), kept.map(|p| p.map(f64::to_bits)));
     view.validate().unwrap();
     view.verify().unwrap();
 }
@@ -558,8 +558,8 @@ impl<N: Lanes> Patient<N> {
         for pose in &self.poses {
             for (a, b) in [(&view, &good), (&good, &view)] {
                 let moved: Vec<Tri> =
-                    (0..a.len()).map(|i| a.triangle(i as u32).map(|p| pose.apply(p))).collect();
-                let still: Vec<Tri> = (0..b.len()).map(|i| b.triangle(i as u32)).collect();
+                    (0..a.len()).map(|i| a.primitive(i as u32).map(|p| pose.apply(p))).collect();
+                let still: Vec<Tri> = (0..b.len()).map(|i| b.primitive(i as u32)).collect();
                 let query = Query::new(Isa::detect());
                 let distance = query.distance(a, b, pose, 0.1).unwrap();
                 assert!(!proven || (distance.upper == 0.0) == meshes_meet(&moved, &still), "{distance:?}");

@@ -64,7 +64,7 @@ fn check_pose<N: Lanes>(suite: &Suite, (a, b): (&Bvh<N>, &Bvh<N>), rows: &Rows, 
                 assert_eq!(answer.hint, *hint, "{what}: a free query passes its hint on");
                 assert_eq!(answer.counters.visits, plain.counters.visits, "{what}");
             } else if answer.counters.visits == 0 {
-                assert_eq!((answer.counters.triangle_pairs, answer.hint), (1, *hint), "{what}");
+                assert_eq!((answer.counters.primitive_pairs, answer.hint), (1, *hint), "{what}");
                 free_of_charge += 1;
             }
             // What it found, it finds again at once.

@@ -12,7 +12,7 @@ mod turned;
 use simdop::construct::{Builder, Mesh};
 use simdop::hierarchy::Bvh;
 use simdop::isa::{Isa, IsaError, Scalar};
-use simdop::kernel::{Kernel, Query};
+use simdop::kernel::{Kernel, Turned};
 use simdop::key::{Key, decode};
 use simdop::node::{Child, Node4, Node16};
 use simdop::pose::Pose;
@@ -322,7 +322,7 @@ where
                 [rotation[i][0], rotation[i][1], rotation[i][2], shift[i]]
             }));
             let tree: simdop::hierarchy::BvhRef<'_, Node16<K>> = Bvh::view(&wide);
-            Realignment::new(&pose.unwrap(), tree.header(), &tree.frame())
+            Realignment::new(&pose.unwrap(), &tree.extent(), &tree.frame())
         };
         let maps = (0..64).map(|_| map()).collect();
         Self { wide, narrow, maps }
@@ -336,11 +336,11 @@ where
         upper(rng, self.narrow.view().nodes())
     }
 
-    fn query_16(&self, rng: &mut Rng) -> Query<16, K> {
+    fn query_16(&self, rng: &mut Rng) -> Turned<16, K> {
         turned_16(Scalar::new(), rng.pick(&self.maps), self.node_16(rng))
     }
 
-    fn query_4(&self, rng: &mut Rng) -> Query<4, K> {
+    fn query_4(&self, rng: &mut Rng) -> Turned<4, K> {
         turned_4(Scalar::new(), rng.pick(&self.maps), self.node_4(rng))
     }
 }
@@ -372,7 +372,7 @@ impl Digest {
         self.0 = (self.0 ^ word).wrapping_mul(0xbf58_476d_1ce4_e5b9).rotate_left(29);
     }
 
-    fn add_query<const W: usize, const K: usize>(&mut self, query: &Query<W, K>) {
+    fn add_query<const W: usize, const K: usize>(&mut self, query: &Turned<W, K>) {
         query.iter().for_each(|plane| words(&plane.map(|code| code as u16)).for_each(|word| self.add(word)));
     }
 }
@@ -391,7 +391,7 @@ type Masks = [u16; 19];
 #[inline(always)]
 fn masks<E: Kernel, const K: usize>(
     kernel: E,
-    (query, query_4): &(Query<16, K>, Query<4, K>),
+    (query, query_4): &(Turned<16, K>, Turned<4, K>),
     (node, node_4): &(Node16<K>, Node4<K>),
     column: usize,
 ) -> Masks {

@@ -46,7 +46,7 @@ fn check<N: Lanes>(suite: &Suite, judged: &[([[f64; 4]; 3], bool)], leaf_size: u
         let answer = Query::new(Isa::detect()).collide(&a.view(), &b.view(), &pose);
         let what = format!("{} k {} arity {} leaf {leaf_size} pose {i} {rows:?}", suite.name, N::K, N::ARITY);
         assert_eq!(answer.is_hit(), *meets, "{what}");
-        pairs += answer.counters.triangle_pairs;
+        pairs += answer.counters.primitive_pairs;
         exact += answer.counters.exact_pairs;
     }
     println!(

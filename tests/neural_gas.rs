@@ -168,7 +168,7 @@ fn check<N: Lanes>(name: &str, mesh: &MeshData, magnification: Magnification, le
     let stats = view.stats();
     assert!(stats.depth <= MAX_DEPTH);
     // Full nodes have arity - 1 leaves each. Clusters of leaves of several triangles do not add up so well.
-    let full = stats.triangles.div_ceil(leaf_size as usize).div_ceil(N::ARITY - 1).max(1);
+    let full = stats.primitives.div_ceil(leaf_size as usize).div_ceil(N::ARITY - 1).max(1);
     let most = if leaf_size == 1 { full + full / 8 } else { 2 * full } + 2;
     assert!(stats.nodes <= most, "{name}: {stats:?}, {full} full nodes would do");
 }

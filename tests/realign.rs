@@ -5,8 +5,8 @@ mod support;
 
 use simdop::construct::{Builder, Mesh};
 use simdop::directions::{self, Directions};
-use simdop::frame::Frame;
-use simdop::hierarchy::{BvhRef, Header};
+use simdop::frame::{Extent, Frame};
+use simdop::hierarchy::BvhRef;
 use simdop::key::Key;
 use simdop::node::Node16;
 use simdop::pose::Pose;
@@ -184,13 +184,13 @@ fn check_mesh<const K: usize>(
 {
     let tree = Builder::new().build::<Node16<K>>(&Mesh { vertices, triangles }).unwrap();
     let view: BvhRef<'_, Node16<K>> = tree.view();
-    let map = Realignment::<K>::new(pose, view.header(), frame);
+    let map = Realignment::<K>::new(pose, &view.extent(), frame);
     let planes = &view.nodes()[0].planes;
-    let triangles = (0..view.len()).map(|index| view.triangle(index as u32));
+    let triangles = (0..view.len()).map(|index| view.primitive(index as u32));
     for (lane, corners) in triangles.enumerate() {
         let keys: [Key; K] = core::array::from_fn(|j| map.plane(j, |source| planes[source][lane]));
         for p in corners {
-            check(&keys, &pose.apply(p), frame, tally, &format!("{pose:?} {:?}", view.header()));
+            check(&keys, &pose.apply(p), frame, tally, &format!("{pose:?} {:?}", view.extent()));
         }
     }
 }
@@ -258,9 +258,17 @@ fn turned_planes_bound_bodies_too_large_for_single_precision() {
 
 // ---- One point, a hair from the next half -----------------------------------------------------------------------
 
+/// Of a body that is the origin.
+const NO_EXTENT: Extent = Extent {
+    frame: Frame { centre: [0.0; 3], exponent: 0 },
+    max_coordinate: 0.0,
+    half_width: [0.0; 3],
+    max_plane: 0.0,
+};
+
 /// A body that is one point, with planes that are halves exactly: nothing is lost before it is turned.
 struct OnePoint<const K: usize> {
-    header: Header,
+    extent: Extent,
     point: Point,
     planes: [i16; K],
 }
@@ -271,21 +279,21 @@ impl<const K: usize> OnePoint<K> {
         let y = [(); 3].map(|()| rng.int(-largest, largest) as f64);
         let support = |n: &[i8; 3]| n.iter().zip(y).map(|(&n, y)| f64::from(n) * y).sum::<f64>();
         let supports: [f64; K] = core::array::from_fn(|j| support(&directions::table(K).vectors[j]));
-        let mut header: Header = bytemuck::Zeroable::zeroed();
-        header.exponent = rng.int(-3, 9) as i32;
+        let mut extent = NO_EXTENT;
+        extent.frame.exponent = rng.int(-3, 9) as i32;
         // Multiples of 2^-10, so that the point is at y in the frame without rounding.
-        header.centre = random_point(rng, [0.0, 10.0, 1e6]).map(|x| (x * 1024.0).round() / 1024.0);
-        let scale = f64::from_bits(((1023 - header.exponent) as u64) << 52);
-        let point: Point = core::array::from_fn(|i| header.centre[i] + y[i] * scale);
-        header.extent = point.iter().chain(&header.centre).fold(0.0, |m, x| x.abs().max(m));
-        header.half_width = y.map(|x| x.abs() as f32);
-        header.max_plane = supports.iter().fold(0.0, |m, x| x.abs().max(m)) as f32;
+        extent.frame.centre = random_point(rng, [0.0, 10.0, 1e6]).map(|x| (x * 1024.0).round() / 1024.0);
+        let scale = f64::from_bits(((1023 - extent.frame.exponent) as u64) << 52);
+        let point: Point = core::array::from_fn(|i| extent.frame.centre[i] + y[i] * scale);
+        extent.max_coordinate = point.iter().chain(&extent.frame.centre).fold(0.0, |m, x| x.abs().max(m));
+        extent.half_width = y.map(|x| x.abs() as f32);
+        extent.max_plane = supports.iter().fold(0.0, |m, x| x.abs().max(m)) as f32;
         let planes = supports.map(|x| {
             let key = Key::round_up_f64(x).unwrap();
             assert_eq!(half_value(key.code()), x, "{x} is a half");
             key.code()
         });
-        Self { header, point, planes }
+        Self { extent, point, planes }
     }
 }
 
@@ -323,10 +331,10 @@ fn planes_of_one_point<const K: usize>() {
             t[axis] += (want - now) / f64::from(n[axis]);
         }
         let pose = pose(&turn, t);
-        let map = Realignment::<K>::new(&pose, &body.header, &frame);
+        let map = Realignment::<K>::new(&pose, &body.extent, &frame);
         let keys: [Key; K] = core::array::from_fn(|j| map.plane(j, |source| body.planes[source]));
         let moved = pose.apply(body.point);
-        check(&keys, &moved, &frame, &mut tally, &format!("{pose:?} {:?} {frame:?}", body.header));
+        check(&keys, &moved, &frame, &mut tally, &format!("{pose:?} {:?} {frame:?}", body.extent));
 
         let exact = exact_support(n, &moved, &frame);
         above += u64::from(exact > Dyadic::from(half));
@@ -352,14 +360,14 @@ fn required_offset<const K: usize>(
     map: &Realignment<K>,
     j: usize,
     pose: &Pose,
-    a: &Header,
+    a: &Extent,
     b: &Frame,
 ) -> Dyadic {
     let exact = |x: f64| Dyadic::from(x);
     let vectors = directions::table(K).vectors;
     let n = vectors[j].map(|x| exact(x.into()));
     let m = pose.rows().map(|row| row.map(exact));
-    let ratio = Dyadic::power_of_two(b.exponent - a.exponent);
+    let ratio = Dyadic::power_of_two(b.exponent - a.frame.exponent);
     let (mut pad, mut reach) = (Dyadic::power_of_two(UNDERFLOW_EXPONENT), Dyadic::zero());
     for (_, w) in map.terms(j) {
         assert!(w >= 0.0, "weights are not negative");
@@ -374,7 +382,7 @@ fn required_offset<const K: usize>(
         let residual = u - map.terms(j).into_iter().fold(Dyadic::zero(), sum);
         pad = pad + residual.abs() * exact(a.half_width[i].into());
     }
-    let centre = a.centre.map(exact);
+    let centre = a.frame.centre.map(exact);
     let shift = [0, 1, 2].map(|row| {
         let turned = dot(m[row].clone(), centre.clone());
         turned + exact(pose.translation()[row]) - exact(b.centre[row])
@@ -389,17 +397,17 @@ fn offsets_are_no_less_than_proven<const K: usize>() {
     let mut rng = Rng::new(300 + K as u64);
     let (mut checks, mut unbounded) = (0, 0);
     for _ in 0..4000 / suite_step() {
-        let mut a: Header = bytemuck::Zeroable::zeroed();
-        a.exponent = if rng.below(8) == 0 { rng.int(-300, 300) } else { rng.int(-12, 12) } as i32;
-        a.centre = random_point(&mut rng, [0.0, 1.0, 1e6, 1e12]);
+        let mut a = NO_EXTENT;
+        a.frame.exponent = if rng.below(8) == 0 { rng.int(-300, 300) } else { rng.int(-12, 12) } as i32;
+        a.frame.centre = random_point(&mut rng, [0.0, 1.0, 1e6, 1e12]);
         a.half_width = random_point(&mut rng, [0.0, 1.0, 127.0]).map(|x| x.abs() as f32);
         let widest = a.half_width.into_iter().fold(0.0, f32::max);
         a.max_plane = widest * rng.range(1.0, 6.0) as f32;
-        let scale = f64::from_bits(((1023 - a.exponent) as u64) << 52);
-        a.extent = a.centre.iter().fold(0.0, |m: f64, x| m.max(x.abs())) + f64::from(widest) * scale;
+        let scale = f64::from_bits(((1023 - a.frame.exponent) as u64) << 52);
+        a.max_coordinate = a.frame.centre.iter().fold(0.0, |m: f64, x| m.max(x.abs())) + f64::from(widest) * scale;
         let t = random_point(&mut rng, [0.0, 1.0, 1e3, 1e6, 1e12]);
         let pose = pose(&rotation(&mut rng), t);
-        let centre = add(pose.apply(a.centre), random_point(&mut rng, [0.0, 1.0, 100.0]));
+        let centre = add(pose.apply(a.frame.centre), random_point(&mut rng, [0.0, 1.0, 100.0]));
         let b = Frame { centre, exponent: rng.int(-12, 12) as i32 };
         let map = Realignment::<K>::new(&pose, &a, &b);
         for j in 0..K {
@@ -432,17 +440,17 @@ fn far_offsets_hold_the_pad_for_coordinates<const K: usize>() {
     let mut rng = Rng::new(350 + K as u64);
     let greatest = |p: &Point| p.iter().fold(0.0, |m: f64, x| m.max(x.abs()));
     for _ in 0..400 / suite_step() {
-        let mut a: Header = bytemuck::Zeroable::zeroed();
-        a.centre = random_point(&mut rng, [1e16, 1e20, 1e28]);
+        let mut a = NO_EXTENT;
+        a.frame.centre = random_point(&mut rng, [1e16, 1e20, 1e28]);
         a.half_width = [127.0; 3];
         a.max_plane = 300.0;
-        a.extent = greatest(&a.centre);
+        a.max_coordinate = greatest(&a.frame.centre);
         let pose = pose(&rotation(&mut rng), random_point(&mut rng, [0.0, 1e16, 1e20]));
-        let b = Frame { centre: pose.apply(a.centre), exponent: rng.int(-12, 12) as i32 };
+        let b = Frame { centre: pose.apply(a.frame.centre), exponent: rng.int(-12, 12) as i32 };
         let map = Realignment::<K>::new(&pose, &a, &b);
         let exact = |x: f64| Dyadic::from(x);
         let coordinates =
-            exact(8.0) * exact(a.extent) + exact(greatest(&pose.translation())) + exact(greatest(&b.centre));
+            exact(8.0) * exact(a.max_coordinate) + exact(greatest(&pose.translation())) + exact(greatest(&b.centre));
         for (n, offsets) in directions::table(K).vectors.iter().step_by(2).zip(map.offset.chunks_exact(2)) {
             let length = n.iter().map(|&x| f64::from(x).abs()).sum::<f64>();
             let pads = exact(2.0 * length) * Dyadic::power_of_two(b.exponent - 46) * coordinates.clone();
@@ -469,7 +477,7 @@ fn widened_planes_hold_the_margin<const K: usize>() {
         let frame =
             Frame { centre: add(moved, random_point(&mut rng, [1.0])), exponent: rng.int(-3, 9) as i32 };
         let margin = *rng.pick(&[1e-12, 1e-3, 0.1, 1.0, 3.0, 1e4]) * rng.unit();
-        let mut map = Realignment::<K>::new(&pose, &body.header, &frame);
+        let mut map = Realignment::<K>::new(&pose, &body.extent, &frame);
         map.widen(margin);
         for (j, n) in directions::table(K).vectors.iter().enumerate() {
             let limit = half_value(map.plane(j, |source| body.planes[source]).code());
@@ -506,7 +514,7 @@ where
         let tree = tree.unwrap();
         let view: BvhRef<'_, Node16<K>> = tree.view();
         let pose = pose(&rng.rotation(), [0.0; 3]);
-        let map = Realignment::<K>::new(&pose, view.header(), &view.frame());
+        let map = Realignment::<K>::new(&pose, &view.extent(), &view.frame());
         let key = |j: usize| map.plane(j, |source| view.nodes()[0].planes[source][0]);
         let moved: Vec<Point> = mesh.vertices.iter().map(|p| pose.apply(*p)).collect();
         for j in (0..K).step_by(2) {
@@ -544,8 +552,8 @@ fn infinity_spreads<const K: usize>() {
     for _ in 0..500 {
         let body = OnePoint::<K>::new(&mut rng);
         let pose = pose(&rotation(&mut rng), random_point(&mut rng, [1.0]));
-        let frame = Frame { centre: pose.apply(body.point), exponent: body.header.exponent };
-        let map = Realignment::<K>::new(&pose, &body.header, &frame);
+        let frame = Frame { centre: pose.apply(body.point), exponent: body.extent.frame.exponent };
+        let map = Realignment::<K>::new(&pose, &body.extent, &frame);
         let open = rng.below(K as u64) as usize;
         let code = |source| if source == open { Key::INFINITY.code() } else { body.planes[source] };
         for j in 0..K {

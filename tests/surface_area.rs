@@ -126,7 +126,7 @@ fn counters<N: Lanes>(suite: &Suite, poses: &[Pose], splitter: Splitter) -> (Vec
         let sum = &mut sums[usize::from(answer.is_hit())];
         sum.visits += answer.counters.visits;
         sum.kernels += answer.counters.kernels;
-        sum.triangle_pairs += answer.counters.triangle_pairs;
+        sum.primitive_pairs += answer.counters.primitive_pairs;
         answer.is_hit()
     };
     (poses.iter().map(verdict).collect(), sums)

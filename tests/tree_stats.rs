@@ -6,16 +6,16 @@ mod support;
 
 use simdop::construct::{Builder, Mesh, Splitter};
 use simdop::hierarchy::TreeStats;
-use simdop::node::{Node, Node4, Node16};
+use simdop::node::{Dop, Node4, Node16};
 use support::data::MeshData;
 use support::shapes;
 
-fn stats_by<N: Node>(mesh: &MeshData, splitter: Splitter) -> TreeStats {
+fn stats_by<N: Dop>(mesh: &MeshData, splitter: Splitter) -> TreeStats {
     let mesh = Mesh { vertices: &mesh.vertices, triangles: &mesh.triangles };
     Builder::new().splitter(splitter).build::<N>(&mesh).unwrap().view().tree_stats()
 }
 
-fn stats<N: Node>(mesh: &MeshData) -> TreeStats {
+fn stats<N: Dop>(mesh: &MeshData) -> TreeStats {
     stats_by::<N>(mesh, Splitter::ExtendedLongestAxis)
 }
 

@@ -95,7 +95,7 @@ fn library<N: Lanes>(name: String, tree: BvhRef<'static, N>, isa: Isa) -> Entran
         let counters = answer.counters;
         // Each call of a kernel tests 16 pairs: 1vs16, 16vs1 or 4vs4.
         let mut work =
-            Work { visits: counters.visits, triangle_pairs: counters.triangle_pairs, ..Work::default() };
+            Work { visits: counters.visits, primitive_pairs: counters.primitive_pairs, ..Work::default() };
         work.in_all_slabs(16 * counters.kernels);
         (answer.is_hit(), work)
     };

@@ -21,7 +21,7 @@ pub(crate) struct Work {
     pub(crate) tests: u64,
     /// Slabs tested in all of them: the orientations of the SIMDop paper's figure 12.
     pub(crate) slabs: u64,
-    pub(crate) triangle_pairs: u64,
+    pub(crate) primitive_pairs: u64,
 }
 
 impl Work {
@@ -113,7 +113,7 @@ pub(crate) fn collide<const W: usize, S: System<W>>(
     system.isa().run(
         #[inline(always)]
         || {
-            let map = system.map(&Realignment::new(pose, &a.header, &b.frame));
+            let map = system.map(&Realignment::new(pose, &a.header.extent(), &b.frame));
             let target = (&b.above, 0);
             let work = Work::default();
             let mut descent = Descent {
@@ -280,7 +280,7 @@ impl<'t, const W: usize, S: System<W>> Descent<'t, W, S> {
         let mut lanes = bits_of(leaves);
         if W < 4 {
             for lane in lanes {
-                self.work.triangle_pairs += 1;
+                self.work.primitive_pairs += 1;
                 if probe.overlaps(&other(lane), &mut 0) {
                     return ControlFlow::Break(());
                 }
@@ -295,7 +295,7 @@ impl<'t, const W: usize, S: System<W>> Descent<'t, W, S> {
                 self.others[len] = other(lane);
                 len += 1;
             }
-            self.work.triangle_pairs += len as u64;
+            self.work.primitive_pairs += len as u64;
             let apart = if len > 1 { self.system.isa().apart_4(&probe, &self.others) } else { 0 };
             for k in bits_of(!apart & ((1 << len) - 1)) {
                 if probe.overlaps(&self.others[k & 3], &mut 0) {

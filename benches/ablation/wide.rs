@@ -10,7 +10,7 @@ use crate::support::papers::{FloatQuery, Halves, Papers, halves_16};
 use crate::support::variants::Variant;
 use core::arch::x86_64::*;
 use simdop::isa::Avx2;
-use simdop::kernel::{Kernel, Query};
+use simdop::kernel::{Kernel, Turned};
 use simdop::key::Key;
 use simdop::node::{Child, Node16};
 use simdop::realign::Realignment;
@@ -122,13 +122,13 @@ macro_rules! wide_system {
 }
 
 wide_system! {
-    Keys, Node16<K>, Query<16, K>, [[i16::MAX; 16]; K], Realignment<K>, |turn: &Realignment<K>| *turn, keys,
+    Keys, Node16<K>, Turned<16, K>, [[i16::MAX; 16]; K], Realignment<K>, |turn: &Realignment<K>| *turn, keys,
     |isa: Avx2, map, node| {
         let mut query = [[0; 16]; K];
         isa.realign_16(map, node, &mut query);
         query
     },
-    |query: &mut Query<16, K>, j: usize, plane| {
+    |query: &mut Turned<16, K>, j: usize, plane| {
         query[j ^ 1][0] = !Key::round_up_or_unbounded(plane).code();
     },
     |isa: Avx2, a, lane, node| isa.overlap_1v16(a, lane, node),

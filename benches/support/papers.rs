@@ -9,7 +9,7 @@
 use super::variants::Variant;
 use core::arch::x86_64::*;
 use simdop::isa::{Avx2, Avx512};
-use simdop::kernel::Query;
+use simdop::kernel::Turned;
 use simdop::key::{Key, decode};
 use simdop::node::{Child, Node4, Node16};
 
@@ -25,7 +25,7 @@ pub(crate) struct Halves<const W: usize, const K: usize> {
     pub(crate) child: [Child; W],
 }
 
-pub(crate) fn float_query<const W: usize, const K: usize>(query: &Query<W, K>) -> FloatQuery<W, K> {
+pub(crate) fn float_query<const W: usize, const K: usize>(query: &Turned<W, K>) -> FloatQuery<W, K> {
     // query[2 s] is the key of A's low bound in the direction of plane 2 s, query[2 s + 1] that of its negated high bound.
     core::array::from_fn(|j| {
         query[j].map(|code| if j.is_multiple_of(2) { decode(code) } else { -decode(code) })

@@ -5,7 +5,7 @@ use crate::rng::Rng;
 use core::ops::Range;
 use simdop::hierarchy::BvhRef;
 use simdop::isa::Scalar;
-use simdop::kernel::{Kernel, Query};
+use simdop::kernel::{Kernel, Turned};
 use simdop::node::{Child, Link, Node4, Node16};
 use simdop::query::Lanes;
 use simdop::realign::Realignment;
@@ -55,10 +55,10 @@ macro_rules! impl_arity {
         where
             Self: Lanes,
         {
-            type Planes = Query<$arity, K>;
+            type Planes = Turned<$arity, K>;
             type Turn = Realignment<K>;
             fn turn_of(tree: BvhRef<'_, Self>, pose: &simdop::pose::Pose) -> Self::Turn {
-                Realignment::new(pose, tree.header(), &tree.frame())
+                Realignment::new(pose, &tree.extent(), &tree.frame())
             }
             fn turned(&self, turn: &Self::Turn) -> Self::Planes {
                 $turned(Scalar::new(), turn, self)

@@ -3,7 +3,7 @@
 use super::record::{Call, Recording};
 use core::hint::black_box;
 use core::ops::Range;
-use simdop::kernel::{Kernel, Query};
+use simdop::kernel::{Kernel, Turned};
 use simdop::node::{Node4, Node16};
 use std::time::{Duration, Instant};
 
@@ -21,14 +21,14 @@ pub(crate) trait Variant: Copy {
 pub(crate) struct Ours<E, const K: usize>(pub(crate) E);
 
 impl<E: Kernel, const K: usize> Variant for Ours<E, K> {
-    type Query = Query<16, K>;
+    type Query = Turned<16, K>;
     type Node = Node16<K>;
     #[inline(always)]
     fn gate<R>(self, f: impl FnOnce() -> R) -> R {
         self.0.run(f)
     }
     #[inline(always)]
-    fn overlap(self, query: &Query<16, K>, lane: usize, node: &Node16<K>) -> u16 {
+    fn overlap(self, query: &Turned<16, K>, lane: usize, node: &Node16<K>) -> u16 {
         self.0.overlap_1v16(query, lane, node)
     }
 }
@@ -38,14 +38,14 @@ impl<E: Kernel, const K: usize> Variant for Ours<E, K> {
 pub(crate) struct Ours4<E, const K: usize>(pub(crate) E);
 
 impl<E: Kernel, const K: usize> Variant for Ours4<E, K> {
-    type Query = Query<4, K>;
+    type Query = Turned<4, K>;
     type Node = Node4<K>;
     #[inline(always)]
     fn gate<R>(self, f: impl FnOnce() -> R) -> R {
         self.0.run(f)
     }
     #[inline(always)]
-    fn overlap(self, query: &Query<4, K>, _: usize, node: &Node4<K>) -> u16 {
+    fn overlap(self, query: &Turned<4, K>, _: usize, node: &Node4<K>) -> u16 {
         self.0.overlap_4v4(query, node)
     }
 }
@@ -56,14 +56,14 @@ impl<E: Kernel, const K: usize> Variant for Ours4<E, K> {
 pub(crate) struct Vectorised<E, const K: usize>(pub(crate) E);
 
 impl<E: Kernel, const K: usize> Variant for Vectorised<E, K> {
-    type Query = Query<16, K>;
+    type Query = Turned<16, K>;
     type Node = Node16<K>;
     #[inline(always)]
     fn gate<R>(self, f: impl FnOnce() -> R) -> R {
         self.0.run(f)
     }
     #[inline(always)]
-    fn overlap(self, query: &Query<16, K>, lane: usize, node: &Node16<K>) -> u16 {
+    fn overlap(self, query: &Turned<16, K>, lane: usize, node: &Node16<K>) -> u16 {
         let mut mask = 0;
         for i in 0..16 {
             let mut overlap = true;

@@ -1,6 +1,6 @@
 //! Writes the seeds of every target, always the same ones.
 
-use simdop::node::{Node, Node4, Node16};
+use simdop::node::{Dop, Node4, Node16};
 use simdop_fuzz::Input;
 use simdop_fuzz::bodies::bodies;
 use std::io;
@@ -24,7 +24,7 @@ fn main() -> io::Result<()> {
     write("from_bytes", "nothing", tree::<Node4<6>>(10))
 }
 
-fn tree<N: Node>(index: usize) -> &'static [u8] {
+fn tree<N: Dop>(index: usize) -> &'static [u8] {
     bodies::<N>().0[index].tree.as_bytes()
 }
 

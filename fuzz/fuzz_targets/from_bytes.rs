@@ -108,14 +108,14 @@ fn is_true<N: Lanes>(error: BakeError, bytes: &[u8]) -> bool {
         BakeError::TooLong { have, need } => have == bytes.len() && have > need,
         BakeError::Node { node, lane, .. } => node < field(24) && (lane as usize) < N::ARITY,
         BakeError::Vertex { index } => index < field(32),
-        BakeError::Triangle { index } => {
+        BakeError::Primitive { index } => {
             let header: &Header = Header::read(bytes).unwrap();
             let at = parts::<N>(header)[1] + 12 * index as usize;
             (0..3).any(|corner| field(at + 4 * corner) >= header.vertex_count)
         }
         BakeError::Source { index } => {
             let header: &Header = Header::read(bytes).unwrap();
-            field(parts::<N>(header)[2] + 4 * index as usize) >= header.triangle_count
+            field(parts::<N>(header)[2] + 4 * index as usize) >= header.primitive_count
         }
         BakeError::Header { field } => !field.is_empty(),
         _ => false,
@@ -126,8 +126,8 @@ fn is_true<N: Lanes>(error: BakeError, bytes: &[u8]) -> bool {
 fn parts<N: Lanes>(header: &Header) -> [usize; 4] {
     let vertices = 128 + header.node_count as usize * size_of::<N>();
     let triangles = vertices + header.vertex_count as usize * usize::from(header.vertex_size);
-    let sources = triangles + header.triangle_count as usize * 12;
-    [vertices, triangles, sources, (sources + header.triangle_count as usize * 4).next_multiple_of(64)]
+    let sources = triangles + header.primitive_count as usize * 12;
+    [vertices, triangles, sources, (sources + header.primitive_count as usize * 4).next_multiple_of(64)]
 }
 
 /// The parts of the tree, read from the bytes by other means.
@@ -137,11 +137,11 @@ fn is_what_the_bytes_say<N: Lanes>(view: &BvhRef<'_, N>, bytes: &[u8]) {
     assert_eq!(end, bytes.len());
     assert_eq!(bytemuck::bytes_of(header), &bytes[..128]);
     assert_eq!(bytemuck::cast_slice::<N, u8>(view.nodes()), &bytes[128..vertices]);
-    assert_eq!(view.len(), header.triangle_count as usize);
+    assert_eq!(view.len(), header.primitive_count as usize);
     let size = usize::from(header.vertex_size);
     for i in 0..view.len() {
         assert_eq!(view.source(i as u32), u32_at(bytes, sources + 4 * i));
-        for (corner, p) in view.triangle(i as u32).iter().enumerate() {
+        for (corner, p) in view.primitive(i as u32).iter().enumerate() {
             let vertex = vertices + size * u32_at(bytes, triangles + 12 * i + 4 * corner) as usize;
             for (axis, x) in p.iter().enumerate() {
                 let stored = match size {
@@ -181,7 +181,7 @@ fn is_safe_to_walk<N: Lanes>(view: &BvhRef<'_, N>) {
     }
     assert!(nodes == view.nodes().len() && seen.iter().all(|seen| *seen));
     let stats = view.stats();
-    assert_eq!((stats.nodes, stats.triangles, stats.lanes_used), (nodes, seen.len(), lanes));
+    assert_eq!((stats.nodes, stats.primitives, stats.lanes_used), (nodes, seen.len(), lanes));
 }
 
 /// Queries end, alike on every instruction set, with true hits; and if the tree is proven, which takes a while, with true verdicts.
@@ -222,7 +222,7 @@ fn distances_agree<N: Lanes>(a: &BvhRef<'_, N>, b: &BvhRef<'_, N>, pose: &Pose) 
 }
 
 fn corners<N: Lanes>(view: &BvhRef<'_, N>) -> impl Iterator<Item = Tri> {
-    (0..view.len()).map(|index| view.triangle(index as u32))
+    (0..view.len()).map(|index| view.primitive(index as u32))
 }
 
 /// Whether triangles with these indices in the meshes meet. Damaged trees may use an index twice.

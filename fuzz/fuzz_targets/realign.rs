@@ -59,7 +59,7 @@ where
     let query = turned_16(Scalar::new(), &map, root);
     for (lane, child) in root.child.iter().enumerate() {
         if let Link::Leaf { first, count } = child.link() {
-            for p in (first..first + count).flat_map(|index| view.triangle(index)) {
+            for p in (first..first + count).flat_map(|index| view.primitive(index)) {
                 let moved = pose.apply(p);
                 for (j, n) in directions::table(K).vectors.iter().enumerate() {
                     let limit = half_value(!query[j ^ 1][lane]);

@@ -6,7 +6,7 @@ use crate::support::shapes;
 use crate::{Input, Mode, cached};
 use simdop::construct::{Builder, Mesh, Splitter};
 use simdop::hierarchy::Bvh;
-use simdop::node::Node;
+use simdop::node::Dop;
 use simdop::pose::{Pose, PoseError};
 use std::ops::Deref;
 
@@ -17,7 +17,7 @@ pub struct Body<N> {
     pub tree: Bvh<N>,
 }
 
-impl<N: Node> Body<N> {
+impl<N: Dop> Body<N> {
     fn new(mesh: &MeshData, leaf_size: u32) -> Self {
         let builder = Builder::new().leaf_size(leaf_size).splitter(Splitter::ExtendedLongestAxis);
         let tree = builder.build(&Mesh { vertices: &mesh.vertices, triangles: &mesh.triangles }).unwrap();
@@ -29,7 +29,7 @@ impl<N: Node> Body<N> {
 pub struct Bodies<N>(pub Vec<Body<N>>);
 
 /// The real bodies of a node type.
-pub fn bodies<N: Node>() -> &'static Bodies<N> {
+pub fn bodies<N: Dop>() -> &'static Bodies<N> {
     cached(|| {
         let mut rng = Rng::new(1);
         let torus = shapes::torus(6, 4);
@@ -70,7 +70,7 @@ impl<N> Deref for Small<N> {
 struct Kept<N>([Vec<Body<N>>; 2]);
 
 /// A body of a few triangles, out of the input one time in sixteen. Vertices may be refused: then `None`, once it is known that this was right.
-pub fn small_body<N: Node>(input: &mut Input, mode: Mode) -> Option<Small<N>> {
+pub fn small_body<N: Dop>(input: &mut Input, mode: Mode) -> Option<Small<N>> {
     if input.one_in(16) {
         return make_body(input, mode).map(|body| Small::Made(Box::new(body)));
     }
@@ -82,7 +82,7 @@ pub fn small_body<N: Node>(input: &mut Input, mode: Mode) -> Option<Small<N>> {
     Some(Small::Kept(input.pick(&kept.0[usize::from(mode != Mode::Grid)])))
 }
 
-fn make_body<N: Node>(input: &mut Input, mode: Mode) -> Option<Body<N>> {
+fn make_body<N: Dop>(input: &mut Input, mode: Mode) -> Option<Body<N>> {
     let count = input.below(if mode == Mode::Grid { 9 } else { 4 });
     let unit = unit(input, mode);
     let corners = (0..3 * count).map(|_| [(); 3].map(|()| coordinate(input, mode, unit)));

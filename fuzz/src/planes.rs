@@ -3,7 +3,7 @@
 use crate::bodies::{bodies, pose};
 use crate::{Input, Mode, cached};
 use simdop::isa::Scalar;
-use simdop::kernel::Query;
+use simdop::kernel::Turned;
 use simdop::key::Key;
 use simdop::node::{Child, Node4, Node16};
 use simdop::query::Lanes;
@@ -97,19 +97,19 @@ pub const fn narrow<const K: usize>(planes: Planes<4, K>) -> Node4<K> {
 }
 
 /// Nodes of real trees, and some of them turned by the scalar kernel at poses where the trees meet.
-struct Turned<Q, N> {
+struct Recorded<Q, N> {
     queries: Vec<Q>,
     nodes: Vec<N>,
 }
 
-impl<Q: Copy, N: Lanes> Turned<Q, N> {
+impl<Q: Copy, N: Lanes> Recorded<Q, N> {
     fn new(turn: impl Fn(&N::Map, &N) -> Q) -> Self {
         let mut input = Input::new(&[]);
         let trees: Vec<_> =
             bodies::<N>().0.iter().map(|body| body.tree.view()).filter(|tree| !tree.is_empty()).collect();
         let queries = (0..512).map(|_| {
             let (a, b) = (input.pick(&trees), input.pick(&trees).frame());
-            turn(&N::map(&pose(&mut input, Mode::Real), a.header(), &b), input.pick(a.nodes()))
+            turn(&N::map(&pose(&mut input, Mode::Real), &a.extent(), &b), input.pick(a.nodes()))
         });
         Self {
             queries: queries.collect(),
@@ -123,17 +123,17 @@ impl<Q: Copy, N: Lanes> Turned<Q, N> {
 }
 
 /// A query and a node of real trees.
-pub fn real_16<const K: usize>(input: &mut Input) -> (Query<16, K>, Node16<K>)
+pub fn real_16<const K: usize>(input: &mut Input) -> (Turned<16, K>, Node16<K>)
 where
     Node16<K>: Lanes<Map = Realignment<K>>,
 {
-    cached(|| Turned::<_, Node16<K>>::new(|map, node| turned_16(Scalar::new(), map, node))).pick(input)
+    cached(|| Recorded::<_, Node16<K>>::new(|map, node| turned_16(Scalar::new(), map, node))).pick(input)
 }
 
 /// [`real_16`] for four children.
-pub fn real_4<const K: usize>(input: &mut Input) -> (Query<4, K>, Node4<K>)
+pub fn real_4<const K: usize>(input: &mut Input) -> (Turned<4, K>, Node4<K>)
 where
     Node4<K>: Lanes<Map = Realignment<K>>,
 {
-    cached(|| Turned::<_, Node4<K>>::new(|map, node| turned_4(Scalar::new(), map, node))).pick(input)
+    cached(|| Recorded::<_, Node4<K>>::new(|map, node| turned_4(Scalar::new(), map, node))).pick(input)
 }

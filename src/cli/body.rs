@@ -119,7 +119,7 @@ impl Tree {
                 match child.link() {
                     Link::Empty => {}
                     Link::Leaf { first, count } => {
-                        found.extend((first..first + count).map(|index| (lane, view.triangle(index))));
+                        found.extend((first..first + count).map(|index| (lane, view.primitive(index))));
                     }
                     Link::Inner(node) => {
                         let children = view.nodes()[node as usize].children();
@@ -139,7 +139,7 @@ impl Tree {
             for index in 0..view.len() as u32 {
                 // No more than a hint in an unverified tree: the library proves ranges, not that sources are a permutation.
                 if let Some(triangle) = soup.get_mut(view.source(index) as usize) {
-                    *triangle = view.triangle(index);
+                    *triangle = view.primitive(index);
                 }
             }
             MeshData::joined(soup)

@@ -39,7 +39,7 @@ pub(super) fn run(options: &Options) -> Result<(), Error> {
         std::io::stdout(),
         "{}: {} triangles, {} nodes, {} bytes, built in {milliseconds:.1} ms",
         options.output.as_ref().unwrap_or(&options.mesh).display(),
-        stats.triangles,
+        stats.primitives,
         stats.nodes,
         stats.total_bytes
     )

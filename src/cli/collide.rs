@@ -110,7 +110,7 @@ fn body_report(body: Body) -> BodyReport {
     let nanoseconds = |time: Option<Duration>| time.map(|t| t.as_nanos());
     BodyReport {
         name: body.name,
-        triangles: header.triangle_count,
+        triangles: header.primitive_count,
         degenerate_triangles: header.degenerate_count,
         leaf_size: header.leaf_size,
         read_nanoseconds: nanoseconds(body.read),
@@ -142,7 +142,7 @@ fn one(bodies: &[Body; 2], query: Query, pose: &Pose, options: &Options) -> Pose
         Verdict::Unknown { lower, upper } => ("unknown", None, Some([lower, upper])),
     };
     let (pairs, pairs_complete) = options.all_pairs.then(|| all_pairs(bodies, query, pose)).unzip();
-    let Counters { visits, kernels, realignments, triangle_pairs, exact_pairs } = answer.counters;
+    let Counters { visits, kernels, realignments, primitive_pairs, exact_pairs } = answer.counters;
     PoseReport {
         verdict,
         pair,
@@ -154,7 +154,7 @@ fn one(bodies: &[Body; 2], query: Query, pose: &Pose, options: &Options) -> Pose
         visits,
         kernels,
         realignments,
-        triangle_pairs,
+        primitive_pairs,
         exact_pairs,
     }
 }

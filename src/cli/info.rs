@@ -60,13 +60,13 @@ pub(super) fn run(options: &Options) -> Result<(), Error> {
         tree.verify().map_err(|error| Error::Verify { path: options.tree.clone(), error })?;
     }
     let (header, stats, quality) = (tree.header(), tree.stats(), tree.tree_stats());
-    let share = |bytes: usize| bytes as f64 / stats.triangles.max(1) as f64;
+    let share = |bytes: usize| bytes as f64 / stats.primitives.max(1) as f64;
     let report = Report {
         k: header.k,
         arity: header.arity,
         leaf_size: header.leaf_size,
         depth: stats.depth,
-        triangles: stats.triangles,
+        triangles: stats.primitives,
         degenerate_triangles: header.degenerate_count,
         vertices: header.vertex_count,
         vertex_format: if header.vertex_size == 12 { "f32" } else { "f64" },

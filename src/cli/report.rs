@@ -53,7 +53,7 @@ pub(super) struct PoseReport {
     pub(super) visits: u64,
     pub(super) kernels: u64,
     pub(super) realignments: u64,
-    pub(super) triangle_pairs: u64,
+    pub(super) primitive_pairs: u64,
     pub(super) exact_pairs: u64,
 }
 
@@ -149,7 +149,7 @@ impl Report {
             mean(|p| p.visits),
             mean(|p| p.kernels),
             mean(|p| p.realignments),
-            mean(|p| p.triangle_pairs),
+            mean(|p| p.primitive_pairs),
             sum(|p| p.exact_pairs)
         )
     }
@@ -157,9 +157,9 @@ impl Report {
 
 impl PoseReport {
     fn print(&self, out: &mut impl Write, index: usize) -> std::io::Result<()> {
-        let Self { verdict, visits, kernels, realignments, triangle_pairs, exact_pairs, .. } = self;
+        let Self { verdict, visits, kernels, realignments, primitive_pairs, exact_pairs, .. } = self;
         write!(out, "{index:6}  {verdict:7} {:11.2} ", microseconds(self.nanoseconds))?;
-        write!(out, "{visits:7} {kernels:8} {realignments:11} {triangle_pairs:15} {exact_pairs:6}")?;
+        write!(out, "{visits:7} {kernels:8} {realignments:11} {primitive_pairs:15} {exact_pairs:6}")?;
         match (self.pair, self.distance_bounds) {
             (Some([a, b]), _) => writeln!(out, "  triangle {a} of A meets {b} of B")?,
             (_, Some([low, high])) => writeln!(out, "  the distance is in {low} ..= {high}")?,
@@ -191,7 +191,7 @@ mod tests {
             visits: 0,
             kernels: 0,
             realignments: 0,
-            triangle_pairs: 0,
+            primitive_pairs: 0,
             exact_pairs: 0,
         }
     }

@@ -1,6 +1,6 @@
 //! Batch Neural Gas over weighted points.
 
-use super::longest_axis::Cutter;
+use super::longest_axis::Halving;
 use super::{Assignment, BuildError, Observer, neural_gas};
 use crate::range::Point;
 
@@ -27,8 +27,8 @@ impl Clustering {
         weights: Option<&[f64]>,
         observer: &mut Observer<'_>,
     ) -> Result<Assignment, BuildError> {
-        let cloud = neural_gas::Cloud::new(points, weights);
-        neural_gas::assign(&cloud, &self.cutter(), self.seed, observer)
+        let samples = neural_gas::Samples::new(points, weights);
+        neural_gas::assign(&samples, &self.halving(), self.seed, observer)
     }
 
     /// The same on a device, and where its time went.
@@ -43,11 +43,11 @@ impl Clustering {
         weights: Option<&[f64]>,
         observer: &mut Observer<'_>,
     ) -> Result<(Assignment, super::gpu::Spent), super::gpu::GpuError> {
-        let cloud = neural_gas::Cloud::new(points, weights);
-        super::gpu::assign(gpu, &cloud, &self.cutter(), self.seed, observer)
+        let samples = neural_gas::Samples::new(points, weights);
+        super::gpu::assign(gpu, &samples, &self.halving(), self.seed, observer)
     }
 
-    fn cutter(&self) -> Cutter {
-        Cutter { arity: self.arity, leaf_size: self.leaf_size, extended: true }
+    fn halving(&self) -> Halving {
+        Halving { arity: self.arity, leaf_size: self.leaf_size, extended: true }
     }
 }

@@ -19,13 +19,13 @@ pub(super) struct Item {
 
 pub(super) fn assign(
     centroids: &[Point],
-    cutter: &Cutter,
+    halving: &Halving,
     observer: &mut Observer<'_>,
 ) -> Result<Assignment, BuildError> {
     let mut items: Vec<Item> =
         centroids.iter().zip(0..).map(|(&centroid, index)| Item { centroid, index }).collect();
-    let cut = |(): &mut (), _, items: &mut [Item], ends: &mut [u32]| cutter.cut_node(items, ends);
-    let ends = levels::split(&mut items, cutter.arity, cutter.leaf_size, observer, cut)?;
+    let cut = |(): &mut (), _, items: &mut [Item], ends: &mut [u32]| halving.cut_node(items, ends);
+    let ends = levels::split(&mut items, halving.arity, halving.leaf_size, observer, cut)?;
     Ok(Assignment { order: items.iter().map(|item| item.index).collect(), ends })
 }
 
@@ -34,14 +34,14 @@ const JOIN_SIZE: usize = 4096;
 
 /// Cuts nodes.
 #[derive(Copy, Clone, Debug)]
-pub(super) struct Cutter {
+pub(super) struct Halving {
     pub(super) arity: usize,
     pub(super) leaf_size: usize,
     /// Whether each half takes its own longest axis.
     pub(super) extended: bool,
 }
 
-impl Cutter {
+impl Halving {
     /// Moves the items of a node to its lanes. Ends count from its first item.
     pub(super) fn cut_node(&self, items: &mut [Item], ends: &mut [u32]) {
         self.cut(items, 0, None, ends);

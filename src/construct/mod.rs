@@ -1,43 +1,41 @@
-//! Construction: a splitter assigns primitives to lanes, level by level; one packer makes the nodes.
+//! Construction: a splitter assigns primitives to lanes, level by level; then the nodes are wrapped and baked.
 //!
-//! Splitters only ever return an [`Assignment`]. Planes, links, bytes and their order are the packer's alone, so two
+//! Splitters only ever return an [`Assignment`]. Planes, links, bytes and their order are made in one place (`wrap`, `bake`), so two
 //! splitters, or two machines, that agree on the assignment agree on every byte.
 
+mod any;
 mod assignment;
+mod bake;
 mod clustering;
 mod cost;
+mod geometry;
 #[cfg(feature = "gpu")]
 pub mod gpu;
 mod levels;
 mod longest_axis;
 mod neural_gas;
-mod pack;
 mod parallel;
 mod progress;
+mod shape;
+mod wrap;
 
 pub use assignment::Assignment;
 #[doc(hidden)]
 pub use clustering::Clustering;
+pub use geometry::{Geometry, Mesh};
 pub use progress::Progress;
 
 use crate::hierarchy::Bvh;
-use crate::node::{Child, MAX_LEAF_SIZE, Node};
-use crate::range::MAX_COORDINATE;
-use crate::range::{Point, flush};
+#[cfg(doc)]
+use crate::node::Child;
+use crate::node::{Dop, MAX_LEAF_SIZE};
 use alloc::vec::Vec;
 use core::fmt;
 use core::ops::ControlFlow;
-use longest_axis::Cutter;
+use cost::Aabb;
+use geometry::{Record, Table};
+use longest_axis::Halving;
 use progress::Observer;
-
-/// Triangles as three indices each into the vertices. Duplicate, unused and non-manifold parts are welcome.
-#[derive(Copy, Clone, Debug)]
-pub struct Mesh<'a> {
-    /// Corners, in the body's unit.
-    pub vertices: &'a [Point],
-    /// Indices of the corners.
-    pub triangles: &'a [[u32; 3]],
-}
 
 /// How primitives are assigned to the lanes of a node (SIMDop paper, section IV-A).
 #[derive(Copy, Clone, PartialEq, Eq, Default, Debug)]
@@ -84,12 +82,12 @@ pub struct Builder {
 #[derive(Copy, Clone, PartialEq, Eq, Debug)]
 #[non_exhaustive]
 pub enum BuildError {
-    /// A leaf holds 1 to 16 triangles.
+    /// A leaf holds 1 to 16 primitives.
     LeafSize {
         /// The size asked for.
         asked: u32,
     },
-    /// More triangles than [`Child::MAX_PRIMITIVES`], or as many vertices as do not fit in 32 bits.
+    /// More primitives than [`Child::MAX_PRIMITIVES`], or as many vertices as do not fit in 32 bits.
     TooLarge {
         /// The number given.
         count: usize,
@@ -99,10 +97,17 @@ pub enum BuildError {
         /// Index of the vertex.
         index: usize,
     },
-    /// A triangle names a vertex that there is not.
-    Triangle {
-        /// Index of the triangle.
+    /// A triangle, or other primitive, names a vertex that there is not.
+    Primitive {
+        /// Index of the primitive.
         index: usize,
+    },
+    /// No node type has this k and arity.
+    NodeType {
+        /// Planes of a child.
+        k: usize,
+        /// Children of a node.
+        arity: usize,
     },
     /// The tree would be deeper than [`crate::hierarchy::MAX_DEPTH`].
     TooDeep,
@@ -114,9 +119,10 @@ impl fmt::Display for BuildError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::LeafSize { asked } => write!(f, "leaf size {asked}, must be 1 to {MAX_LEAF_SIZE}"),
-            Self::TooLarge { count } => write!(f, "{count} triangles or vertices are too many"),
+            Self::TooLarge { count } => write!(f, "{count} primitives or vertices are too many"),
             Self::Vertex { index } => write!(f, "vertex {index} is not finite, or beyond 2^300"),
-            Self::Triangle { index } => write!(f, "triangle {index} names a vertex that there is not"),
+            Self::Primitive { index } => write!(f, "primitive {index} names a vertex that there is not"),
+            Self::NodeType { k, arity } => write!(f, "there are no nodes of k = {k} and arity {arity}"),
             Self::TooDeep => f.write_str("the tree would be too deep"),
             Self::Cancelled => f.write_str("the build was cancelled"),
         }
@@ -179,7 +185,7 @@ impl Builder {
     ///
     /// # Errors
     /// [`BuildError`]: nothing is dropped or repaired in silence.
-    pub fn build<N: Node>(&self, mesh: &Mesh<'_>) -> Result<Bvh<N>, BuildError> {
+    pub fn build<N: Dop>(&self, mesh: &Mesh<'_>) -> Result<Bvh<N>, BuildError> {
         self.build_with(mesh, &mut |_| ControlFlow::Continue(()))
     }
 
@@ -187,116 +193,75 @@ impl Builder {
     ///
     /// # Errors
     /// [`BuildError`]: of the mesh, or [`BuildError::Cancelled`] if `observer` returned `Break`.
-    pub fn build_with<N: Node>(
+    pub fn build_with<N: Dop>(
         &self,
         mesh: &Mesh<'_>,
         observer: &mut dyn FnMut(Progress) -> ControlFlow<()>,
     ) -> Result<Bvh<N>, BuildError> {
-        self.build_by(mesh, |mesh| self.assign(mesh, N::ARITY, observer))
+        self.build_geometry(mesh, observer)
     }
 
-    /// Checks a mesh, lets `assign` make the shape of its tree, and packs it.
-    fn build_by<N: Node, E: From<BuildError>>(
+    /// [`Builder::build_with`] of any primitives.
+    ///
+    /// # Errors
+    /// As [`Builder::build_with`].
+    pub fn build_geometry<N: Dop, G: Geometry>(
         &self,
-        mesh: &Mesh<'_>,
-        assign: impl FnOnce(&Mesh<'_>) -> Result<Assignment, E>,
-    ) -> Result<Bvh<N>, E> {
+        geometry: &G,
+        observer: &mut dyn FnMut(Progress) -> ControlFlow<()>,
+    ) -> Result<Bvh<N, G::Primitive>, BuildError> {
+        self.build_by(geometry, |table| self.assign::<G>(table, N::ARITY, observer))
+    }
+
+    /// Checks a geometry, lets `assign` make the shape of its tree, and bakes it.
+    fn build_by<N: Dop, G: Geometry, E: From<BuildError>>(
+        &self,
+        geometry: &G,
+        assign: impl FnOnce(&Table<'_, Record<G>>) -> Result<Assignment, E>,
+    ) -> Result<Bvh<N, G::Primitive>, E> {
         if self.leaf_size == 0 || self.leaf_size > MAX_LEAF_SIZE {
             return Err(BuildError::LeafSize { asked: self.leaf_size }.into());
         }
-        let vertices = check(mesh)?;
-        let mesh = Mesh { vertices: &vertices, triangles: mesh.triangles };
-        let assignment = assign(&mesh)?;
-        Ok(pack::pack(&mesh, &assignment, self.leaf_size)?)
+        let table = Table::new(geometry)?;
+        let assignment = assign(&table)?;
+        Ok(bake::bake::<N, G>(&table, &assignment, self.leaf_size)?)
     }
 
-    /// The shape of a checked mesh's tree.
-    fn assign(
+    /// The shape of a checked geometry's tree.
+    fn assign<G: Geometry>(
         &self,
-        mesh: &Mesh<'_>,
+        table: &Table<'_, Record<G>>,
         arity: usize,
         observer: &mut Observer<'_>,
     ) -> Result<Assignment, BuildError> {
-        let centroids = centroids(mesh);
+        let centroids = table.centroids();
         let leaf_size = self.leaf_size as usize;
-        let cutter = |extended| Cutter { arity, leaf_size, extended };
+        let halving = |extended| Halving { arity, leaf_size, extended };
         let by_cost = |measure, passes, observer: &mut Observer<'_>| {
-            let boxes: Vec<_> = mesh.triangles.iter().map(|t| cost::Bounds::of(&mesh.corners(t))).collect();
+            let boxes: Vec<_> = table.primitives.iter().map(|r| Aabb::of(table.corners(r))).collect();
             let primitives = cost::Primitives { boxes: &boxes, centroids: &centroids };
             cost::assign(primitives, cost::Plan { arity, leaf_size, measure, passes }, observer)
         };
         match self.splitter {
-            Splitter::LongestAxis => longest_axis::assign(&centroids, &cutter(false), observer),
-            Splitter::ExtendedLongestAxis => longest_axis::assign(&centroids, &cutter(true), observer),
+            Splitter::LongestAxis => longest_axis::assign(&centroids, &halving(false), observer),
+            Splitter::ExtendedLongestAxis => longest_axis::assign(&centroids, &halving(true), observer),
             Splitter::SurfaceArea => by_cost(cost::Measure::Area, 0, observer),
             Splitter::MeanWidth => by_cost(cost::Measure::MeanWidth, 3, observer),
             Splitter::BatchNeuralGas { magnification, seed } => {
-                let weights = magnification.weights(mesh);
-                let cloud = neural_gas::Cloud::new(&centroids, weights.as_deref());
-                neural_gas::assign(&cloud, &cutter(true), seed, observer)
+                let weights = magnification.weights::<G>(table);
+                let samples = neural_gas::Samples::new(&centroids, weights.as_deref());
+                neural_gas::assign(&samples, &halving(true), seed, observer)
             }
         }
     }
 }
 
 impl Magnification {
-    /// What the triangles of a mesh weigh; none if all weigh the same.
-    fn weights(self, mesh: &Mesh<'_>) -> Option<Vec<f64>> {
+    /// What the primitives of a table weigh; none if all weigh the same.
+    fn weights<G: Geometry>(self, table: &Table<'_, Record<G>>) -> Option<Vec<f64>> {
         match self {
             Self::None => None,
-            Self::Area => Some(areas(mesh)),
+            Self::Area => Some(table.weights::<G>()),
         }
     }
-}
-
-impl Mesh<'_> {
-    /// The corners of a checked triangle.
-    pub(crate) fn corners(&self, triangle: &[u32; 3]) -> [Point; 3] {
-        triangle.map(|v| self.vertices[v as usize])
-    }
-}
-
-/// The vertices, checked and flushed.
-fn check(mesh: &Mesh<'_>) -> Result<Vec<Point>, BuildError> {
-    if mesh.triangles.len() > Child::MAX_PRIMITIVES as usize {
-        return Err(BuildError::TooLarge { count: mesh.triangles.len() });
-    }
-    if u32::try_from(mesh.vertices.len()).is_err() {
-        return Err(BuildError::TooLarge { count: mesh.vertices.len() });
-    }
-    // The comparison is false for NaN.
-    if let Some(index) = mesh.vertices.iter().position(|p| !p.iter().all(|x| x.abs() <= MAX_COORDINATE)) {
-        return Err(BuildError::Vertex { index });
-    }
-    let in_range = |t: &[u32; 3]| t.iter().all(|&v| (v as usize) < mesh.vertices.len());
-    if let Some(index) = mesh.triangles.iter().position(|t| !in_range(t)) {
-        return Err(BuildError::Triangle { index });
-    }
-    Ok(mesh.vertices.iter().map(|p| p.map(flush)).collect())
-}
-
-/// Of each triangle's bounding box.
-fn centroids(mesh: &Mesh<'_>) -> Vec<Point> {
-    mesh.triangles.iter().map(|t| box_centre(&mesh.corners(t))).collect()
-}
-
-/// Centre of a triangle's bounding box.
-fn box_centre(corners: &[Point; 3]) -> Point {
-    core::array::from_fn(|i| {
-        let [a, b, c] = corners.map(|p| p[i]);
-        0.5 * (a.min(b).min(c) + a.max(b).max(c))
-    })
-}
-
-/// The area of each triangle, in units of a power of two that suits the body.
-fn areas(mesh: &Mesh<'_>) -> Vec<f64> {
-    let largest = mesh.vertices.iter().flatten().fold(0.0, |m: f64, x| m.max(x.abs()));
-    let scale = crate::frame::scale_to_one(largest);
-    let area = |[p, q, r]: [Point; 3]| {
-        let edge = |a: Point, b: Point| -> Point { core::array::from_fn(|i| (b[i] - a[i]) * scale) };
-        let (u, v) = (edge(p, q), edge(p, r));
-        let n = [u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]];
-        libm::sqrt((n[0] * n[0] + n[1] * n[1]) + n[2] * n[2])
-    };
-    mesh.triangles.iter().map(|t| area(mesh.corners(t))).collect()
 }

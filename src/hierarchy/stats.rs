@@ -1,13 +1,15 @@
 //! What a tree costs.
 
 use super::BvhRef;
+use super::layout::Layout;
 use crate::node::{Child, Node};
+use crate::primitive::Primitive;
 
 /// Counts and bytes of a tree.
 #[derive(Copy, Clone, PartialEq, Eq, Debug)]
 pub struct Stats {
-    /// Number of triangles.
-    pub triangles: usize,
+    /// Number of primitives.
+    pub primitives: usize,
     /// Number of nodes.
     pub nodes: usize,
     /// Levels of nodes.
@@ -16,22 +18,25 @@ pub struct Stats {
     pub lanes_used: usize,
     /// Bytes of planes and links.
     pub node_bytes: usize,
-    /// Bytes of the whole baked tree, with vertices, triangles and their indices in the mesh.
+    /// Bytes of the whole baked tree, with vertices, primitives and their indices in what was built.
     pub total_bytes: usize,
 }
 
-impl<N: Node> BvhRef<'_, N> {
+impl<N: Node, P: Primitive> BvhRef<'_, N, P> {
     /// Counts lanes and bytes. Linear in the number of nodes.
     #[must_use]
     pub fn stats(&self) -> Stats {
         let used = |node: &N| node.children().iter().filter(|c| **c != Child::EMPTY).count();
+        let h = self.header;
+        let layout =
+            Layout::of_counts::<N, P>(h.node_count, h.vertex_count, h.vertex_size, h.primitive_count);
         Stats {
-            triangles: self.len(),
+            primitives: self.len(),
             nodes: self.nodes.len(),
             depth: self.header.depth as usize,
             lanes_used: self.nodes.iter().map(used).sum(),
             node_bytes: size_of_val(self.nodes),
-            total_bytes: self.header.layout(size_of::<N>()).map_or(0, |layout| layout.end),
+            total_bytes: layout.map_or(0, |layout| layout.end),
         }
     }
 }

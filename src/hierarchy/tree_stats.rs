@@ -1,8 +1,9 @@
 //! What queries of a tree will cost, from its shape alone.
 
-use super::{BvhRef, MAX_DEPTH};
+use super::{BvhRef, Lane, MAX_DEPTH};
 use crate::key::decode;
-use crate::node::{Link, Node};
+use crate::node::{Dop, Link};
+use crate::primitive::Primitive;
 
 /// How good a tree is, by the boxes of its lanes (the first three slabs, which every k has). All are ratios: no unit.
 ///
@@ -29,14 +30,14 @@ pub struct TreeStats {
     pub overlap: f64,
     /// Share of lanes in use.
     pub lanes_used: f64,
-    /// Levels of nodes above a triangle, mean over the triangles.
+    /// Levels of nodes above a primitive, mean over the primitives.
     pub mean_depth: f64,
 }
 
 /// Low and high end along each axis, in the tree's frame.
-type Bounds = [[f64; 2]; 3];
+type LaneBox = [[f64; 2]; 3];
 
-const NOTHING: Bounds = [[f64::INFINITY, f64::NEG_INFINITY]; 3];
+const NOTHING: LaneBox = [[f64::INFINITY, f64::NEG_INFINITY]; 3];
 
 /// Volume, area and sum of edges of boxes, and their number; of one box or summed over many.
 #[derive(Copy, Clone, Default, Debug)]
@@ -48,8 +49,8 @@ struct Size {
 }
 
 impl Size {
-    fn of(bounds: &Bounds) -> Self {
-        let [x, y, z] = bounds.map(|[low, high]| (high - low).max(0.0));
+    fn of(lane: &LaneBox) -> Self {
+        let [x, y, z] = lane.map(|[low, high]| (high - low).max(0.0));
         Self { count: 1.0, volume: x * y * z, area: 2.0 * (x * y + y * z + z * x), edges: x + y + z }
     }
 
@@ -98,7 +99,7 @@ struct Sums {
     depth: Mean,
 }
 
-impl<N: Node> BvhRef<'_, N> {
+impl<N: Dop, P: Primitive> BvhRef<'_, N, P> {
     /// Predicts what queries cost. Linear in the number of nodes. Zeros for an empty tree.
     #[must_use]
     pub fn tree_stats(&self) -> TreeStats {
@@ -119,27 +120,17 @@ impl<N: Node> BvhRef<'_, N> {
             return sums;
         }
         sums.nodes[0] = self.add_node(0, &mut sums);
-        let mut path = [(0_u32, 0_usize); MAX_DEPTH];
-        let mut level = 1;
-        while level > 0 {
-            let (node, lane) = path[level - 1];
-            let Some(child) = self.nodes()[node as usize].children().get(lane) else {
-                level -= 1;
-                continue;
-            };
-            path[level - 1].1 += 1;
+        for Lane { node, lane, level, child } in self.walk() {
             match child.link() {
                 Link::Empty => {}
                 Link::Leaf { count, .. } => {
-                    sums.leaves[level].add(&Size::of(&self.lane_bounds(node, lane)));
+                    sums.leaves[level].add(&Size::of(&self.lane_box(node, lane)));
                     sums.depth.sum += level as f64 * f64::from(count);
                     sums.depth.count += f64::from(count);
                 }
-                Link::Inner(next) => {
-                    let size = self.add_node(next, &mut sums);
+                Link::Inner(below) => {
+                    let size = self.add_node(below, &mut sums);
                     sums.nodes[level].add(&size);
-                    path[level] = (next, 0);
-                    level += 1;
                 }
             }
         }
@@ -149,7 +140,7 @@ impl<N: Node> BvhRef<'_, N> {
     /// Adds what a node's lanes are to each other and to the node. Returns the size of the box of its lanes.
     fn add_node(&self, node: u32, sums: &mut Sums) -> Size {
         let used = |lane: &usize| self.nodes()[node as usize].children()[*lane].link() != Link::Empty;
-        let lanes = || (0..N::ARITY).filter(used).map(|lane| self.lane_bounds(node, lane));
+        let lanes = || (0..N::ARITY).filter(used).map(|lane| self.lane_box(node, lane));
         let (mut whole, mut parts, mut shared) = (NOTHING, Size::default(), 0.0);
         for (i, a) in lanes().enumerate() {
             whole = core::array::from_fn(|k| [whole[k][0].min(a[k][0]), whole[k][1].max(a[k][1])]);
@@ -165,7 +156,7 @@ impl<N: Node> BvhRef<'_, N> {
         whole
     }
 
-    fn lane_bounds(&self, node: u32, lane: usize) -> Bounds {
+    fn lane_box(&self, node: u32, lane: usize) -> LaneBox {
         let plane = |j: usize| f64::from(decode(self.nodes()[node as usize].plane(j, lane)));
         core::array::from_fn(|axis| [-plane(2 * axis + 1), plane(2 * axis)])
     }

@@ -1,37 +1,32 @@
 //! Is it safe to walk these bytes? Baked trees are untrusted input.
 
-use super::{BakeError, BvhRef, MAX_DEPTH, Vertices};
-use crate::frame::MAX_EXPONENT;
+use super::{BakeError, BvhRef, MAX_DEPTH};
+use crate::frame::{Extent, MAX_EXPONENT};
 use crate::key::{Key, decode};
-use crate::node::{Child, Link, MAX_LEAF_SIZE, Node};
+use crate::node::{Child, Dop, Link, MAX_LEAF_SIZE};
+use crate::primitive::{Fault, Primitive};
 use crate::range::MAX_COORDINATE;
 use crate::range::{Point, flush};
 
-impl<N: Node> BvhRef<'_, N> {
+impl<N: Dop, P: Primitive> BvhRef<'_, N, P> {
     /// Proves that no query can read out of range, loop, or overflow its stack, and that the header's bounds hold. In one pass,
     /// without memory:
     ///
     /// * nodes are in breadth-first order, so the links to nodes are 1, 2, 3 .. in the order they are met: each node has
     ///   one parent, none is unreachable, no path returns, and the levels can be counted;
-    /// * triangles are in the order of the leaves, so the leaves' ranges follow each other likewise;
-    /// * the index that each triangle had in the mesh is below the number of triangles;
+    /// * primitives are in the order of the leaves, so the leaves' ranges follow each other likewise;
+    /// * the index that each primitive had in what was built is below their number;
     /// * each plane of a used lane is a half that can bound something, each plane of an unused one is [`Key::EMPTY`].
     ///
-    /// That the planes really bound the triangles is for [`BvhRef::verify`].
+    /// That the planes really bound the primitives is for [`BvhRef::verify`].
     ///
     /// # Errors
     /// [`BakeError`] names the first thing that is wrong.
     pub fn validate(&self) -> Result<(), BakeError> {
         self.validate_header()?;
         self.validate_nodes()?;
-        self.validate_vertices()?;
-        let vertex_count = self.header.vertex_count;
-        for (index, triangle) in (0..).zip(self.triangles) {
-            if triangle.iter().any(|&v| v >= vertex_count) {
-                return Err(BakeError::Triangle { index });
-            }
-        }
-        if let Some(index) = self.sources.iter().position(|&source| source >= self.header.triangle_count) {
+        self.validate_store()?;
+        if let Some(index) = self.sources.iter().position(|&source| source >= self.header.primitive_count) {
             return Err(BakeError::Source { index: index as u32 });
         }
         Ok(())
@@ -41,16 +36,19 @@ impl<N: Node> BvhRef<'_, N> {
         let h = self.header;
         let checks = [
             ("leaf_size", (1..=MAX_LEAF_SIZE).contains(&h.leaf_size.into())),
-            ("triangle_count", h.triangle_count <= Child::MAX_PRIMITIVES),
-            ("node_count", (h.node_count == 0) == (h.triangle_count == 0) && h.node_count < 1 << 31),
+            ("primitive_count", h.primitive_count <= Child::MAX_PRIMITIVES),
+            ("node_count", (h.node_count == 0) == (h.primitive_count == 0) && h.node_count < 1 << 31),
             ("depth", h.depth as usize <= MAX_DEPTH),
-            ("degenerate_count", h.degenerate_count <= h.triangle_count),
+            ("degenerate_count", h.degenerate_count <= h.primitive_count),
             ("centre", h.centre.iter().all(|c| c.abs() <= MAX_COORDINATE)),
-            ("extent", h.extent <= MAX_COORDINATE && h.centre.iter().all(|c| c.abs() <= h.extent)),
+            (
+                "max_coordinate",
+                h.max_coordinate <= MAX_COORDINATE && h.centre.iter().all(|c| c.abs() <= h.max_coordinate),
+            ),
             ("exponent", (-MAX_EXPONENT..=MAX_EXPONENT).contains(&h.exponent)),
             ("half_width", h.half_width.iter().all(|w| *w >= 0.0 && w.is_finite())),
             ("max_plane", h.max_plane >= 0.0 && h.max_plane.is_finite()),
-            ("reserved", h.reserved == [0; 9]),
+            ("reserved", h.reserved == [0; 17]),
         ];
         match checks.iter().find(|(_, ok)| !ok) {
             Some((field, _)) => Err(BakeError::Header { field }),
@@ -59,7 +57,7 @@ impl<N: Node> BvhRef<'_, N> {
     }
 
     fn validate_nodes(&self) -> Result<(), BakeError> {
-        let (mut next_node, mut next_triangle) = (1, 0);
+        let (mut next_node, mut next_primitive) = (1, 0);
         let (mut levels, mut level_end) = (0, 0);
         for (index, node) in (0_u32..).zip(self.nodes) {
             let error = |lane: usize, problem| BakeError::Node { node: index, lane: lane as u32, problem };
@@ -82,17 +80,17 @@ impl<N: Node> BvhRef<'_, N> {
                     }
                     Link::Leaf { first, count } => {
                         let fits = count <= self.header.leaf_size.into();
-                        if first != next_triangle || count > self.header.triangle_count - first || !fits {
+                        if first != next_primitive || count > self.header.primitive_count - first || !fits {
                             return Err(error(lane, "the leaf's range is out of order or too large"));
                         }
-                        next_triangle += count;
+                        next_primitive += count;
                     }
                 }
             }
         }
         let all_nodes = self.nodes.is_empty() || next_node == self.header.node_count;
-        if !all_nodes || next_triangle != self.header.triangle_count {
-            return Err(BakeError::Header { field: "node_count or triangle_count: not all are linked" });
+        if !all_nodes || next_primitive != self.header.primitive_count {
+            return Err(BakeError::Header { field: "node_count or primitive_count: not all are linked" });
         }
         if levels == self.header.depth { Ok(()) } else { Err(BakeError::Header { field: "depth" }) }
     }
@@ -116,18 +114,15 @@ impl<N: Node> BvhRef<'_, N> {
         Ok(())
     }
 
-    fn validate_vertices(&self) -> Result<(), BakeError> {
-        let frame = self.frame();
-        let check = |index: usize, p: Point| {
-            let in_range = p.iter().all(|&x| x.abs() <= self.header.extent && flush(x) == x);
-            let in_box = (0..3).all(|i| {
-                ((p[i] - frame.centre[i]) * frame.scale()).abs() <= f64::from(self.header.half_width[i])
-            });
-            if in_range && in_box { Ok(()) } else { Err(BakeError::Vertex { index: index as u32 }) }
+    fn validate_store(&self) -> Result<(), BakeError> {
+        let Extent { frame, max_coordinate, half_width, .. } = self.extent();
+        let in_range = |p: &Point| p.iter().all(|&x| x.abs() <= max_coordinate && flush(x) == x);
+        let in_box = |p: &Point| {
+            (0..3).all(|i| ((p[i] - frame.centre[i]) * frame.scale()).abs() <= f64::from(half_width[i]))
         };
-        match self.vertices {
-            Vertices::F32(all) => all.iter().enumerate().try_for_each(|(i, p)| check(i, p.map(f64::from))),
-            Vertices::F64(all) => all.iter().enumerate().try_for_each(|(i, p)| check(i, *p)),
-        }
+        self.store.check(|v| P::vertex_is(v, |p| in_range(p) && in_box(p))).map_err(|fault| match fault {
+            Fault::Vertex { index } => BakeError::Vertex { index },
+            Fault::Primitive { index } => BakeError::Primitive { index },
+        })
     }
 }

@@ -1,11 +1,14 @@
 //! Does every plane bound what is below it? Proved again, in exact arithmetic.
 
-use super::{BvhRef, MAX_DEPTH};
+use super::{BvhRef, Lane};
+use crate::frame::Frame;
 use crate::key::Key;
-use crate::node::{Link, Node};
+use crate::node::{Dop, Link};
+use crate::primitive::Primitive;
+use crate::range::Point;
 use core::fmt;
 
-/// A plane that cuts off a corner of a triangle below it: a collision could be missed.
+/// A plane that cuts off part of a primitive below it: a collision could be missed.
 #[derive(Copy, Clone, PartialEq, Eq, Debug)]
 pub struct VerifyError {
     /// Index of the node.
@@ -14,48 +17,37 @@ pub struct VerifyError {
     pub lane: u32,
     /// Index of the direction.
     pub plane: u32,
-    /// Index of the triangle in the mesh that was built.
-    pub triangle: u32,
+    /// Index of the primitive in what was built.
+    pub primitive: u32,
 }
 
 impl fmt::Display for VerifyError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Self { node, lane, plane, triangle } = self;
-        write!(f, "plane {plane} of node {node}, lane {lane} cuts off triangle {triangle} of the mesh")
+        let Self { node, lane, plane, primitive } = self;
+        write!(f, "plane {plane} of node {node}, lane {lane} cuts off primitive {primitive}")
     }
 }
 
 impl core::error::Error for VerifyError {}
 
-impl<N: Node> BvhRef<'_, N> {
-    /// Decides, for every triangle and every lane on the path to it, whether each plane is an upper bound of the exact support
-    /// of the three corners. No rounding takes part: planes, corners, centre and direction are dyadic numbers, summed as
-    /// expansions. Cost: triangles x depth x k.
+impl<N: Dop, P: Primitive> BvhRef<'_, N, P> {
+    /// Decides, for every primitive and every lane on the path to it, whether each plane is an upper bound of the exact support
+    /// of the primitive. No rounding takes part: planes, corners, centre and direction are dyadic numbers, summed as
+    /// expansions. Cost: primitives x depth x k.
     ///
     /// # Errors
     /// [`VerifyError`] names the first plane that is too low.
     pub fn verify(&self) -> Result<(), VerifyError> {
-        if self.nodes().is_empty() {
-            return Ok(());
-        }
-        let mut path = [(0_u32, 0_usize); MAX_DEPTH];
-        let mut level = 1;
-        while level > 0 {
-            let (node, lane) = path[level - 1];
-            let Some(child) = self.nodes()[node as usize].children().get(lane) else {
-                level -= 1;
-                continue;
-            };
-            path[level - 1].1 += 1;
-            match child.link() {
-                Link::Empty => {}
-                Link::Inner(next) => {
-                    path[level] = (next, 0);
-                    level += 1;
-                }
-                Link::Leaf { first, count } => {
-                    for triangle in first..first + count {
-                        self.verify_path(&path[..level], triangle)?;
+        let frame = self.frame();
+        let mut walk = self.walk();
+        while let Some(Lane { child, .. }) = walk.next() {
+            let Link::Leaf { first, count } = child.link() else { continue };
+            for index in first..first + count {
+                let item = self.primitive(index);
+                for (node, lane) in walk.path() {
+                    if let Some(plane) = self.too_low(&frame, node, lane, &item) {
+                        let lane = lane as u32;
+                        return Err(VerifyError { node, lane, plane, primitive: self.source(index) });
                     }
                 }
             }
@@ -63,21 +55,14 @@ impl<N: Node> BvhRef<'_, N> {
         Ok(())
     }
 
-    /// Checks one triangle against the lanes that lead to it. `path` holds the lane after the one taken.
-    fn verify_path(&self, path: &[(u32, usize)], triangle: u32) -> Result<(), VerifyError> {
-        let frame = self.frame();
-        let corners = self.triangle(triangle);
-        for &(node, next_lane) in path {
-            let lane = next_lane - 1;
-            for j in 0..N::K {
-                // A code that is no plane bounds nothing: -0, NaN, or the mark of an unused lane.
-                let key = Key::from_code(self.nodes()[node as usize].plane(j, lane));
-                if !key.is_some_and(|key| corners.iter().all(|&p| N::bounds(&frame, j, p, key))) {
-                    let (lane, plane) = (lane as u32, j as u32);
-                    return Err(VerifyError { node, lane, plane, triangle: self.source(triangle) });
-                }
-            }
-        }
-        Ok(())
+    /// The first plane of a lane that does not bound a primitive.
+    fn too_low(&self, frame: &Frame, node: u32, lane: usize, item: &P::Item) -> Option<u32> {
+        let node = &self.nodes()[node as usize];
+        let is_too_low = |(j, direction): &(u32, &Point)| {
+            // A code that is no plane bounds nothing: -0, NaN, or the mark of an unused lane.
+            let key = Key::from_code(node.plane(*j as usize, lane));
+            !key.is_some_and(|key| P::is_bounded(item, frame, direction, key))
+        };
+        (0..).zip(N::DIRECTIONS).find(is_too_low).map(|(j, _)| j)
     }
 }

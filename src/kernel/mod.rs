@@ -28,8 +28,9 @@ use crate::node::{Node4, Node16};
 use crate::primitive::triangle::{Probe, Triangle};
 use crate::realign::Realignment;
 
-/// Planes of `W` bodies in query form: `query[j][i]` is the complement of the key of plane `j ^ 1` of body i.
-pub type Query<const W: usize, const K: usize> = [[i16; W]; K];
+/// Planes of `W` bodies that were turned into another body's frame, ready to be compared with that body's planes: `turned[j][i]` is the
+/// complement of the key of plane `j ^ 1` of body i.
+pub type Turned<const W: usize, const K: usize> = [[i16; W]; K];
 
 /// Above every key and every complement of one: in a query, separated from everything.
 pub(crate) const SEPARATED: i16 = i16::MAX;
@@ -53,21 +54,21 @@ pub trait Kernel: Copy + core::fmt::Debug + sealed::Sealed {
 
     /// Which children of `node` the body in lane `lane` (below 16) of `query` overlaps.
     #[must_use]
-    fn overlap_1v16<const K: usize>(self, query: &Query<16, K>, lane: usize, node: &Node16<K>) -> u16;
+    fn overlap_1v16<const K: usize>(self, query: &Turned<16, K>, lane: usize, node: &Node16<K>) -> u16;
 
     /// Which of the 16 bodies of `query` child `lane` (below 16) of `node` overlaps: a column of what [`Kernel::overlap_1v16`] gives the
     /// rows of.
     #[must_use]
-    fn overlap_16v1<const K: usize>(self, query: &Query<16, K>, node: &Node16<K>, lane: usize) -> u16;
+    fn overlap_16v1<const K: usize>(self, query: &Turned<16, K>, node: &Node16<K>, lane: usize) -> u16;
 
     /// Which of the 16 bodies of `query` the hull of all children of `node` overlaps: the body whose planes are the greatest of theirs. For a
     /// root, which is no child of a node that could be asked.
     #[must_use]
-    fn overlap_16v_hull<const K: usize>(self, query: &Query<16, K>, node: &Node16<K>) -> u16;
+    fn overlap_16v_hull<const K: usize>(self, query: &Turned<16, K>, node: &Node16<K>) -> u16;
 
     /// Which children of `node` each of the four bodies of `query` overlaps.
     #[must_use]
-    fn overlap_4v4<const K: usize>(self, query: &Query<4, K>, node: &Node4<K>) -> u16;
+    fn overlap_4v4<const K: usize>(self, query: &Turned<4, K>, node: &Node4<K>) -> u16;
 
     /// Bit i: the plane of the probe or of triangle i certainly separates the two, as [`Probe::is_apart`] says, which is the specification.
     #[must_use]
@@ -77,11 +78,11 @@ pub trait Kernel: Copy + core::fmt::Debug + sealed::Sealed {
     ///
     /// # Panics
     /// If a source of the map is not below `K`, which those of [`Realignment::new`] are.
-    fn realign_16<const K: usize>(self, map: &Realignment<K>, node: &Node16<K>, query: &mut Query<16, K>);
+    fn realign_16<const K: usize>(self, map: &Realignment<K>, node: &Node16<K>, query: &mut Turned<16, K>);
 
     /// [`Kernel::realign_16`] for four children.
     ///
     /// # Panics
     /// As [`Kernel::realign_16`].
-    fn realign_4<const K: usize>(self, map: &Realignment<K>, node: &Node4<K>, query: &mut Query<4, K>);
+    fn realign_4<const K: usize>(self, map: &Realignment<K>, node: &Node4<K>, query: &mut Turned<4, K>);
 }

@@ -1,3 +1,113 @@
 //! What stands below the leaves of a hierarchy.
+//!
+//! A [`Primitive`] is a kind of body part: triangles today. Hierarchies, their header, the packer and the traversal are the same for
+//! all kinds; what differs is here: how primitives are stored, what they are once read, how a pose moves them, and whether a plane
+//! bounds them. The tests of one primitive against another are a trait of their own, [`crate::query::Pairwise`].
 
+mod store;
 pub mod triangle;
+
+pub(crate) use store::Fault;
+pub use store::Store;
+pub use triangle::Triangles;
+
+use crate::frame::Frame;
+use crate::key::Key;
+use crate::pose::Pose;
+use crate::range::Point;
+use core::fmt;
+
+/// What the primitives of a tree are, as its header says.
+#[derive(Copy, Clone, PartialEq, Eq, Hash, Debug)]
+pub struct Kind(u16);
+
+impl Kind {
+    /// [`Triangles`].
+    pub const TRIANGLES: Self = Self(1);
+
+    /// A kind that this crate does not know, defined by a user of it: `number` is below 2^15.
+    ///
+    /// # Panics
+    /// If it is not.
+    #[must_use]
+    pub const fn of_user(number: u16) -> Self {
+        assert!(number < 1 << 15, "the number of a user's kind is below 2^15");
+        Self(1 << 15 | number)
+    }
+
+    /// As the header of a tree holds it.
+    #[must_use]
+    pub const fn code(self) -> u16 {
+        self.0
+    }
+}
+
+impl fmt::Display for Kind {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match *self {
+            Self::TRIANGLES => f.write_str("triangles"),
+            Self(code) => write!(f, "primitives of kind {code}"),
+        }
+    }
+}
+
+/// A kind of primitive: the convex hull of a few corners.
+///
+/// A tree keeps its primitives in a [`Store`]: a table of vertices, and for each primitive a record, such as the indices of its corners.
+pub trait Primitive: Copy + fmt::Debug + Send + Sync + 'static {
+    /// What the header of a tree of them says.
+    const KIND: Kind;
+
+    /// A vertex in single precision, as stored where that loses nothing.
+    type Single: bytemuck::Pod + fmt::Debug + Send + Sync;
+    /// A vertex in double precision. Of another size than the other, and a multiple of 8 bytes.
+    type Double: bytemuck::Pod + fmt::Debug + Send + Sync;
+    /// What a primitive is made of: numbers of 4 bytes.
+    type Record: bytemuck::Pod + fmt::Debug + Send + Sync;
+    /// One primitive, in its body's coordinates and unit.
+    type Item: Copy + PartialEq + Default + fmt::Debug + Send + Sync;
+
+    /// A vertex that was stored in single precision.
+    fn widen(vertex: Self::Single) -> Self::Double;
+
+    /// A vertex in single precision, if that loses nothing.
+    fn narrow(vertex: &Self::Double) -> Option<Self::Single>;
+
+    /// Whether `accepts` holds for every point that is part of a vertex.
+    fn vertex_is(vertex: &Self::Double, accepts: impl Fn(&Point) -> bool) -> bool;
+
+    /// Whether a record names no vertex but the first `vertices`.
+    fn is_among(record: &Self::Record, vertices: u32) -> bool;
+
+    /// Primitive `index`.
+    ///
+    /// # Panics
+    /// If there is no such primitive.
+    fn item(store: &Store<'_, Self>, index: u32) -> Self::Item;
+
+    /// The corners, at least one.
+    fn corners(item: &Self::Item) -> impl Iterator<Item = Point>;
+
+    /// The primitive where the pose places it: each corner by [`Pose::apply`].
+    #[must_use]
+    fn moved(item: &Self::Item, pose: &Pose) -> Self::Item;
+
+    /// Whether plane `key` of a tree in `frame` bounds the primitive in `direction`: decided in exact arithmetic.
+    #[must_use]
+    fn is_bounded(item: &Self::Item, frame: &Frame, direction: &Point, key: Key) -> bool {
+        Self::corners(item).all(|p| frame.is_bounded(direction, p, key))
+    }
+}
+
+/// How far apart two primitives are, and where.
+#[derive(Copy, Clone, PartialEq, Debug)]
+pub struct Separation {
+    /// The distance is at least this.
+    pub lower: f64,
+    /// The distance is at most this: 0 if and only if the two meet.
+    pub upper: f64,
+    /// The point of the first that is closest to the second, up to rounding of its coordinates.
+    pub a: Point,
+    /// The point of the second.
+    pub b: Point,
+}

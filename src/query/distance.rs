@@ -1,11 +1,12 @@
 //! How far apart: within a margin or not, and the distance itself.
 
 use super::nearest::Search;
-use super::{Answer, Completion, Counters, Hint, Lanes, Pair, Query, Verdict, on_isa};
-use crate::hierarchy::BvhRef;
+use super::{Answer, Completion, Counters, Hint, Lanes, Pair, Pairwise, Query, Verdict, on_isa};
+use crate::hierarchy::AsBvh;
 use crate::isa::Isa;
 use crate::kernel::Kernel;
 use crate::pose::Pose;
+use crate::primitive::Primitive;
 use crate::primitive::triangle::distance::TIGHT;
 use crate::range::Point;
 use core::fmt;
@@ -25,10 +26,10 @@ impl fmt::Display for ToleranceError {
 
 impl core::error::Error for ToleranceError {}
 
-/// The closest triangles of two bodies, and their closest points.
+/// The closest primitives of two bodies, and their closest points.
 #[derive(Copy, Clone, PartialEq, Debug)]
 pub struct Witness {
-    /// The triangles.
+    /// The primitives.
     pub pair: Pair,
     /// The point of A, in B's frame, up to rounding of its coordinates.
     pub a: Point,
@@ -41,9 +42,9 @@ pub struct Witness {
 pub struct Distance {
     /// Lower bound, in the bodies' unit.
     pub lower: f64,
-    /// Upper bound, in the bodies' unit: that of the witness. Zero if and only if the witness's triangles meet.
+    /// Upper bound, in the bodies' unit: that of the witness. Zero if and only if the witness's primitives meet.
     pub upper: f64,
-    /// Two triangles and points that are `upper` apart. `None` if a body is empty: its distance is infinite.
+    /// Two primitives and points that are `upper` apart. `None` if a body is empty: its distance is infinite.
     pub witness: Option<Witness>,
     /// [`Completion::Complete`], or [`Completion::OutOfBudget`]: then the bounds are valid, and as far apart as they are.
     pub completion: Completion,
@@ -68,22 +69,27 @@ impl Distance {
 }
 
 impl Query {
-    /// Do the bodies come within `margin` (in their unit) of each other? [`Verdict::Hit`] names two triangles that do; [`Verdict::Free`] means
+    /// Do the bodies come within `margin` (in their unit) of each other? [`Verdict::Hit`] names two primitives that do; [`Verdict::Free`] means
     /// that the bodies are farther apart than `margin`.
     ///
     /// Never falsely free. Exact for margin 0, where this is [`Query::collide`]. For others a pair is a hit if its distance, computed to 90 bits
-    /// of the triangles' extent, is not certainly above the margin.
+    /// of the primitives' extent, is not certainly above the margin.
     ///
     /// # Errors
     /// [`ToleranceError`] if `margin` is negative, infinite or NaN.
-    pub fn within<N: Lanes>(
+    pub fn within<A: AsBvh, B: AsBvh<Node = A::Node>>(
         &self,
-        a: &BvhRef<'_, N>,
-        b: &BvhRef<'_, N>,
+        a: &A,
+        b: &B,
         pose: &Pose,
         margin: f64,
-    ) -> Result<Answer, ToleranceError> {
-        Ok(self.first_pair(a, b, pose, checked(margin)?))
+    ) -> Result<Answer, ToleranceError>
+    where
+        A::Node: Lanes,
+        A::Primitive: Pairwise<B::Primitive>,
+        B::Primitive: Pairwise<A::Primitive>,
+    {
+        Ok(self.first_pair(a.as_bvh(), b.as_bvh(), pose, checked(margin)?))
     }
 
     /// The distance of body `a`, placed by `pose` in the frame of body `b`, from `b`, and where they are closest. Zero if and only if they
@@ -106,13 +112,18 @@ impl Query {
     ///
     /// # Errors
     /// [`ToleranceError`] if `tolerance` is negative, infinite or NaN.
-    pub fn distance<N: Lanes>(
+    pub fn distance<A: AsBvh, B: AsBvh<Node = A::Node>>(
         &self,
-        a: &BvhRef<'_, N>,
-        b: &BvhRef<'_, N>,
+        a: &A,
+        b: &B,
         pose: &Pose,
         tolerance: f64,
-    ) -> Result<Distance, ToleranceError> {
+    ) -> Result<Distance, ToleranceError>
+    where
+        A::Node: Lanes,
+        A::Primitive: Pairwise<B::Primitive>,
+    {
+        let (a, b) = (a.as_bvh(), b.as_bvh());
         let tolerance = checked(tolerance)?.max(TIGHT);
         if a.is_empty() || b.is_empty() {
             let (lower, upper) = (f64::INFINITY, f64::INFINITY);
@@ -120,16 +131,14 @@ impl Query {
             let completion = Completion::Complete;
             return Ok(Distance { lower, upper, witness: None, completion, counters, hint: self.hint });
         }
-        Ok(on_isa!(self.isa, token => search(token, a, b, Search::new(token, *a, *b, pose, self, tolerance))))
+        Ok(on_isa!(self.isa, token => search(token, Search::new(token, a, b, pose, self, tolerance))))
     }
 }
 
 #[inline(always)]
-fn search<N: Lanes, E: Kernel>(
+fn search<N: Lanes, P: Pairwise<Q>, Q: Primitive, E: Kernel>(
     kernel: E,
-    a: &BvhRef<'_, N>,
-    b: &BvhRef<'_, N>,
-    mut search: Search<'_, N, E>,
+    mut search: Search<'_, N, P, Q, E>,
 ) -> Distance {
     let completion = kernel.run(
         #[inline(always)]
@@ -137,7 +146,7 @@ fn search<N: Lanes, E: Kernel>(
     );
     let (best, counters) = (&search.best, search.counters);
     let [p, q] = best.points;
-    let pair = Pair { a: a.source(best.found.a), b: b.source(best.found.b) };
+    let pair = best.found.pair(&search.a, &search.b);
     let witness = Some(Witness { pair, a: p, b: q });
     let hint = Hint::new(best.found);
     Distance { lower: best.lower, upper: best.upper, witness, completion, counters, hint }

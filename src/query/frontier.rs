@@ -25,12 +25,12 @@ pub(super) struct VolumeB {
 
 /// A step that was taken, and the lanes that are still to be followed.
 #[derive(Copy, Clone, Debug)]
-pub(super) struct Frame {
+pub(super) struct Opened {
     pub(super) entries: Entries,
     pub(super) a: VolumeA,
     pub(super) b: VolumeB,
     /// Whose children the lanes are.
-    pub(super) opened: Body,
+    pub(super) body: Body,
 }
 
 #[derive(Copy, Clone, PartialEq, Eq, Debug)]
@@ -42,44 +42,44 @@ pub(super) enum Body {
 /// Instead of the node that holds the root of B as a child, which there is not.
 pub(super) const ABOVE_ROOT: u32 = u32::MAX;
 
-/// Every frame is a level deeper in one of the trees.
-const FRAMES: usize = 2 * MAX_DEPTH;
+/// Every step is a level deeper in one of the trees.
+const MAX_OPENED: usize = 2 * MAX_DEPTH;
 
 /// Bytes of the stack of a distance query, whatever the trees: below 5 KB.
 pub const DISTANCE_STACK_BYTES: usize = size_of::<Stack>();
 const _: () = assert!(DISTANCE_STACK_BYTES <= 5120, "the stack of a distance query fits in 5 KB");
 
-impl Frame {
+impl Opened {
     const BLANK: Self = Self {
         entries: [Entry::NONE; 16],
         a: VolumeA { child: Child::EMPTY, parent: Child::EMPTY, lane: 0, level: 0 },
         b: VolumeB { child: Child::EMPTY, parent: ABOVE_ROOT, lane: 0, level: 0 },
-        opened: Body::A,
+        body: Body::A,
     };
 }
 
 #[derive(Debug)]
 pub(super) struct Stack {
-    frames: [Frame; FRAMES],
+    opened: [Opened; MAX_OPENED],
     len: usize,
 }
 
 impl Stack {
     pub(super) const fn new() -> Self {
-        Self { frames: [Frame::BLANK; FRAMES], len: 0 }
+        Self { opened: [Opened::BLANK; MAX_OPENED], len: 0 }
     }
 
     /// # Panics
     /// If full, which trees that were validated cannot bring about.
     #[inline(always)]
-    pub(super) fn push(&mut self, frame: Frame) {
-        self.frames[self.len] = frame;
+    pub(super) fn push(&mut self, step: Opened) {
+        self.opened[self.len] = step;
         self.len += 1;
     }
 
     #[inline(always)]
-    pub(super) fn top(&mut self) -> Option<&mut Frame> {
-        self.frames.get_mut(self.len.checked_sub(1)?)
+    pub(super) fn top(&mut self) -> Option<&mut Opened> {
+        self.opened.get_mut(self.len.checked_sub(1)?)
     }
 
     pub(super) fn pop(&mut self) {
@@ -88,7 +88,7 @@ impl Stack {
 
     /// The least squared bound of all that wait, if anything does.
     pub(super) fn least(&self) -> Option<f32> {
-        let least = self.frames[..self.len].iter().map(|frame| least(&frame.entries)).min()?;
+        let least = self.opened[..self.len].iter().map(|step| least(&step.entries)).min()?;
         (least != Entry::NONE).then(|| least.square())
     }
 }

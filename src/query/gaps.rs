@@ -1,8 +1,8 @@
 //! Lower bounds of distances between volumes, for all children of a node at once.
 //!
 //! Along direction n the gap between A and B is `-d_opposite(A) - d(B)`, and the bodies are at least `gap / |n|` apart. Gaps along
-//! three directions at right angles are those of boxes, whose distance is the root of the sum of their squares; k = 18 and 26 have four such **frames**,
-//! the others one. The greatest over all frames, and over the directions that are in none, is the bound. The greatest gap alone is lower by the cosine of the
+//! three directions at right angles are those of boxes, whose distance is the root of the sum of their squares; k = 18 and 26 have four such **triads**,
+//! the others one. The greatest over all triads, and over the directions that are in none, is the bound. The greatest gap alone is lower by the cosine of the
 //! angle to the nearest direction, and twice as many volumes are within reach (`ARCHITECTURE.md`).
 //!
 //! Where volumes overlap the greatest gap says how deep, so that a search can try the deepest first.
@@ -13,7 +13,7 @@ use crate::directions::Directions;
 use crate::exact::{power_of_two, round_up_f32};
 use crate::frame::Frame;
 use crate::node::Child;
-use crate::primitive::triangle::Triangle;
+use crate::primitive::Primitive;
 
 /// A bound and the lane it is for in one number: numbers order as the bounds do, equal bounds by lane.
 #[derive(Copy, Clone, PartialEq, Eq, PartialOrd, Ord, Debug)]
@@ -76,9 +76,9 @@ impl<const K: usize> Slabs<K> {
         inverse
     };
 
-    /// The frames, after their number: three slabs at right angles each, or one that is in no such three, with slab K - 1, which does not exist.
-    const FRAMES: (usize, [[usize; 3]; K]) = {
-        let (mut count, mut frames) = (0, [[K - 1; 3]; K]);
+    /// The triads, after their number: three slabs at right angles each, or one that is in no such three, with slab K - 1, which does not exist.
+    const TRIADS: (usize, [[usize; 3]; K]) = {
+        let (mut count, mut triads) = (0, [[K - 1; 3]; K]);
         let mut used = [false; K];
         let mut i = 0;
         while i < K / 2 {
@@ -87,7 +87,7 @@ impl<const K: usize> Slabs<K> {
                 let mut l = j + 1;
                 while l < K / 2 {
                     if Self::right_angle(i, j) && Self::right_angle(j, l) && Self::right_angle(i, l) {
-                        frames[count] = [i, j, l];
+                        triads[count] = [i, j, l];
                         (used[i], used[j], used[l]) = (true, true, true);
                         count += 1;
                     }
@@ -96,12 +96,12 @@ impl<const K: usize> Slabs<K> {
                 j += 1;
             }
             if !used[i] {
-                frames[count][0] = i;
+                triads[count][0] = i;
                 count += 1;
             }
             i += 1;
         }
-        (count, frames)
+        (count, triads)
     };
 
     const fn right_angle(s: usize, t: usize) -> bool {
@@ -125,12 +125,12 @@ pub(crate) const fn decode(code: i16) -> f32 {
 /// The least supports of a body in all directions, in a frame's unit times [`SHRUNK`], rounded down.
 pub(crate) type Lows<const K: usize> = [f32; K];
 
-/// Of moved triangles in frame `b`: tighter than their planes, since not rounded to halves. `reach` bounds all coordinates.
+/// Of moved primitives in frame `b`: tighter than their planes, since not rounded to halves. `reach` bounds all coordinates.
 #[inline(always)]
-pub(crate) fn lows_of_triangles<const K: usize>(b: &Frame, triangles: &[Triangle], reach: f64) -> Lows<K> {
+pub(crate) fn lows_of<P: Primitive, const K: usize>(b: &Frame, items: &[P::Item], reach: f64) -> Lows<K> {
     let least = |x: f64, y: f64| if x < y { x } else { y };
     let mut low = [f64::INFINITY; K];
-    for p in triangles.iter().flatten() {
+    for p in items.iter().flat_map(P::corners) {
         let d = [p[0] - b.centre[0], p[1] - b.centre[1], p[2] - b.centre[2]];
         for j in (0..K).step_by(2) {
             let n = Directions::<K>::VECTORS[j];
@@ -180,9 +180,9 @@ pub(crate) fn gaps<const W: usize, const K: usize>(
             squares[s][lane] = gap * gap;
         }
     }
-    let (count, frames) = Slabs::<K>::FRAMES;
+    let (count, triads) = Slabs::<K>::TRIADS;
     let mut best = [0.0; W];
-    for [x, y, z] in &frames[..count] {
+    for [x, y, z] in &triads[..count] {
         for lane in 0..W {
             let sum = (squares[*x][lane] + squares[*y][lane]) + squares[*z][lane];
             best[lane] = if sum > best[lane] { sum } else { best[lane] };
@@ -255,25 +255,25 @@ mod tests {
     }
 
     #[test]
-    fn every_slab_is_in_a_frame_and_frames_have_right_angles() {
+    fn every_slab_is_in_a_triad_and_triads_have_right_angles() {
         fn check<const K: usize>(threes: usize) {
-            let (count, frames) = Slabs::<K>::FRAMES;
-            let slabs = |frame: &[usize; 3]| frame.iter().copied().filter(|s| *s < K / 2).collect::<Vec<_>>();
-            for frame in &frames[..count] {
-                let real = slabs(frame);
-                assert!(frame.iter().all(|s| real.contains(s) || *s == K - 1), "k {K}: {frame:?}");
+            let (count, triads) = Slabs::<K>::TRIADS;
+            let slabs = |triad: &[usize; 3]| triad.iter().copied().filter(|s| *s < K / 2).collect::<Vec<_>>();
+            for triad in &triads[..count] {
+                let real = slabs(triad);
+                assert!(triad.iter().all(|s| real.contains(s) || *s == K - 1), "k {K}: {triad:?}");
                 for (i, s) in real.iter().enumerate() {
                     for t in &real[..i] {
                         let (n, m) = (Directions::<K>::VECTORS[2 * s], Directions::<K>::VECTORS[2 * t]);
-                        assert_eq!(n.iter().zip(m).map(|(x, y)| x * y).sum::<f64>(), 0.0, "k {K}: {frame:?}");
+                        assert_eq!(n.iter().zip(m).map(|(x, y)| x * y).sum::<f64>(), 0.0, "k {K}: {triad:?}");
                     }
                 }
             }
             for slab in 0..K / 2 {
-                assert!(frames[..count].iter().any(|frame| frame.contains(&slab)), "k {K}: slab {slab}");
+                assert!(triads[..count].iter().any(|triad| triad.contains(&slab)), "k {K}: slab {slab}");
             }
             assert_eq!(
-                frames[..count].iter().filter(|frame| slabs(frame).len() == 3).count(),
+                triads[..count].iter().filter(|triad| slabs(triad).len() == 3).count(),
                 threes,
                 "k {K}"
             );

@@ -1,17 +1,19 @@
 //! What a caller carries from one query to the next.
 
-use super::{Lanes, Pair};
+use super::Pair;
 use crate::hierarchy::BvhRef;
+use crate::node::Node;
+use crate::primitive::Primitive;
 
-/// The triangles that a query found, for the next query of the same bodies at a pose nearby to try first: those that met, or those that were closest.
+/// The primitives that a query found, for the next query of the same bodies at a pose nearby to try first: those that met, or those that were closest.
 ///
-/// A hint never changes a verdict, whatever bodies and poses it comes from: its triangles are tested as any others are. It changes which pair
-/// a [`Verdict::Hit`](super::Verdict::Hit) names, the counters, and, where several pairs of triangles are equally close, which one witnesses a distance (its
+/// A hint never changes a verdict, whatever bodies and poses it comes from: its primitives are tested as any others are. It changes which pair
+/// a [`Verdict::Hit`](super::Verdict::Hit) names, the counters, and, where several pairs of primitives are equally close, which one witnesses a distance (its
 /// bounds then differ by rounding).
 #[derive(Copy, Clone, PartialEq, Eq, Default, Debug)]
 pub struct Hint(Option<Found>);
 
-/// A pair of triangles, by their indices in leaf order.
+/// A pair of primitives, by their indices in leaf order.
 #[derive(Copy, Clone, PartialEq, Eq, Debug)]
 pub(super) struct Found {
     pub(super) a: u32,
@@ -19,8 +21,12 @@ pub(super) struct Found {
 }
 
 impl Found {
-    /// By their indices in the meshes.
-    pub(super) fn pair<N: Lanes>(self, a: &BvhRef<'_, N>, b: &BvhRef<'_, N>) -> Pair {
+    /// By their indices in what was built.
+    pub(super) fn pair<N: Node, P: Primitive, Q: Primitive>(
+        self,
+        a: &BvhRef<'_, N, P>,
+        b: &BvhRef<'_, N, Q>,
+    ) -> Pair {
         Pair { a: a.source(self.a), b: b.source(self.b) }
     }
 }
@@ -33,8 +39,8 @@ impl Hint {
         Self(Some(found))
     }
 
-    /// The pair, if there are such triangles in bodies of so many.
-    pub(super) fn pair(self, triangles_a: usize, triangles_b: usize) -> Option<Found> {
-        self.0.filter(|found| (found.a as usize) < triangles_a && (found.b as usize) < triangles_b)
+    /// The pair, if there are such primitives in bodies of so many.
+    pub(super) fn pair(self, count_a: usize, count_b: usize) -> Option<Found> {
+        self.0.filter(|found| (found.a as usize) < count_a && (found.b as usize) < count_b)
     }
 }

@@ -1,14 +1,13 @@
 //! What the traversal asks of a node type: the same questions for 1vs16 and 4vs4.
 
 use super::gaps::{self, Entries};
-use crate::frame::Frame;
-use crate::hierarchy::Header;
-use crate::kernel::{Kernel, Query, SEPARATED};
+use crate::frame::{Extent, Frame};
+use crate::kernel::{Kernel, SEPARATED, Turned};
 use crate::key::Key;
-use crate::node::{Node, Node4, Node16};
+use crate::node::{Dop, Node, Node4, Node16};
 use crate::pose::Pose;
-use crate::primitive::triangle::Triangle;
-use crate::realign::{Realignment, planes_of_triangles};
+use crate::primitive::Primitive;
+use crate::realign::{Realignment, planes_of};
 
 /// Which pairs of children overlap.
 #[derive(Copy, Clone, Default, Debug)]
@@ -29,41 +28,46 @@ impl Rows {
 }
 
 /// A node type that can be queried. Implemented by [`Node16`] and [`Node4`] only.
-pub trait Lanes: Node {
+pub trait Lanes: Dop {
     /// Re-alignment into the other body's frame.
     type Map: Copy + core::fmt::Debug;
-    /// Planes of as many bodies as there are lanes, in query form.
-    type Query: Copy + core::fmt::Debug;
+    /// Turned planes of as many bodies as there are lanes.
+    type Turned: Copy + core::fmt::Debug;
     /// The least supports of one body.
     type Lows: Copy + core::fmt::Debug;
     #[doc(hidden)]
-    const NO_QUERY: Self::Query;
+    const NO_TURNED: Self::Turned;
     #[doc(hidden)]
     const NO_LOWS: Self::Lows;
 
     #[doc(hidden)]
-    fn map(pose: &Pose, a: &Header, b: &Frame) -> Self::Map;
+    fn map(pose: &Pose, a: &Extent, b: &Frame) -> Self::Map;
     #[doc(hidden)]
-    fn realign<E: Kernel>(&self, kernel: E, map: &Self::Map, query: &mut Self::Query);
-    /// The bodies in the `wanted` lanes of the query against all lanes of `self`; other rows are zero. Returns the number of kernel
+    fn realign<E: Kernel>(&self, kernel: E, map: &Self::Map, turned: &mut Self::Turned);
+    /// The bodies in the `wanted` lanes of `turned` against all lanes of `self`; other rows are zero. Returns the number of kernel
     /// calls too.
     #[doc(hidden)]
-    fn overlap_rows<E: Kernel>(&self, kernel: E, query: &Self::Query, wanted: u16) -> (Rows, u64);
-    /// Puts the planes of everything within `margin` of moved triangles into lane 0 of the query.
+    fn overlap_rows<E: Kernel>(&self, kernel: E, turned: &Self::Turned, wanted: u16) -> (Rows, u64);
+    /// Puts the planes of everything within `margin` of moved primitives into lane 0 of `turned`.
     #[doc(hidden)]
-    fn aim(query: &mut Self::Query, b: &Frame, triangles: impl Iterator<Item = Triangle>, margin: f64);
+    fn aim<P: Primitive>(
+        turned: &mut Self::Turned,
+        b: &Frame,
+        items: impl Iterator<Item = P::Item>,
+        margin: f64,
+    );
     /// Turned planes shall hold everything within `margin` of the body.
     #[doc(hidden)]
     fn widen(map: &mut Self::Map, b: &Frame, margin: f64);
-    /// How far each child of `self`, turned as `query`, is from child `lane` of `b`.
+    /// How far each child of `self`, turned as `turned`, is from child `lane` of `b`.
     #[doc(hidden)]
-    fn gaps_of_query(&self, query: &Self::Query, b: &Self, lane: usize) -> Entries;
-    /// How far body `lane` of the query is from each child of `self`.
+    fn gaps_of_query(&self, turned: &Self::Turned, b: &Self, lane: usize) -> Entries;
+    /// How far body `lane` of `turned` is from each child of `self`.
     #[doc(hidden)]
-    fn gaps_of_node(&self, query: &Self::Query, lane: usize) -> Entries;
-    /// The least supports of moved triangles, whose coordinates and the frame's centre `reach` bounds.
+    fn gaps_of_node(&self, turned: &Self::Turned, lane: usize) -> Entries;
+    /// The least supports of moved primitives, whose coordinates and the frame's centre `reach` bounds.
     #[doc(hidden)]
-    fn lows(b: &Frame, triangles: &[Triangle], reach: f64) -> Self::Lows;
+    fn lows<P: Primitive>(b: &Frame, items: &[P::Item], reach: f64) -> Self::Lows;
     /// How far the body with these least supports is from each child of `self`.
     #[doc(hidden)]
     fn gaps_of_lows(&self, lows: &Self::Lows) -> Entries;
@@ -71,12 +75,12 @@ pub trait Lanes: Node {
     #[doc(hidden)]
     #[must_use]
     fn hull(&self) -> Self;
-    /// Which bodies of the query child `lane` of `self` overlaps.
+    /// Which bodies of `turned` child `lane` of `self` overlaps.
     #[doc(hidden)]
-    fn overlap_column<E: Kernel>(&self, kernel: E, query: &Self::Query, lane: usize) -> u16;
-    /// Which bodies of the query all of `self` overlaps, and the number of kernel calls.
+    fn overlap_column<E: Kernel>(&self, kernel: E, turned: &Self::Turned, lane: usize) -> u16;
+    /// Which bodies of `turned` all of `self` overlaps, and the number of kernel calls.
     #[doc(hidden)]
-    fn overlap_hull<E: Kernel>(&self, kernel: E, query: &Self::Query) -> (u16, u64);
+    fn overlap_hull<E: Kernel>(&self, kernel: E, turned: &Self::Turned) -> (u16, u64);
 }
 
 macro_rules! impl_lanes {
@@ -86,36 +90,36 @@ macro_rules! impl_lanes {
             Self: bytemuck::Pod,
         {
             type Map = Realignment<K>;
-            type Query = Query<$arity, K>;
+            type Turned = Turned<$arity, K>;
             type Lows = gaps::Lows<K>;
             const NO_LOWS: Self::Lows = [0.0; K];
-            const NO_QUERY: Self::Query = [[SEPARATED; $arity]; K];
+            const NO_TURNED: Self::Turned = [[SEPARATED; $arity]; K];
 
             #[inline(always)]
-            fn map(pose: &Pose, a: &Header, b: &Frame) -> Self::Map {
+            fn map(pose: &Pose, a: &Extent, b: &Frame) -> Self::Map {
                 Realignment::new(pose, a, b)
             }
 
             #[inline(always)]
-            fn realign<E: Kernel>(&self, kernel: E, map: &Self::Map, query: &mut Self::Query) {
-                kernel.$realign(map, self, query);
+            fn realign<E: Kernel>(&self, kernel: E, map: &Self::Map, turned: &mut Self::Turned) {
+                kernel.$realign(map, self, turned);
             }
 
             #[inline(always)]
-            fn overlap_rows<E: Kernel>(&self, kernel: E, query: &Self::Query, wanted: u16) -> (Rows, u64) {
-                $node::rows(self, kernel, query, wanted)
+            fn overlap_rows<E: Kernel>(&self, kernel: E, turned: &Self::Turned, wanted: u16) -> (Rows, u64) {
+                $node::rows(self, kernel, turned, wanted)
             }
 
             #[inline(always)]
-            fn aim(
-                query: &mut Self::Query,
+            fn aim<P: Primitive>(
+                turned: &mut Self::Turned,
                 b: &Frame,
-                triangles: impl Iterator<Item = Triangle>,
+                items: impl Iterator<Item = P::Item>,
                 margin: f64,
             ) {
-                let planes: [Key; K] = planes_of_triangles(b, triangles, margin);
+                let planes: [Key; K] = planes_of::<P, K>(b, items, margin);
                 for (j, plane) in planes.into_iter().enumerate() {
-                    query[j ^ 1][0] = !plane.code();
+                    turned[j ^ 1][0] = !plane.code();
                 }
             }
 
@@ -124,18 +128,18 @@ macro_rules! impl_lanes {
             }
 
             #[inline(always)]
-            fn gaps_of_query(&self, query: &Self::Query, b: &Self, lane: usize) -> Entries {
-                gaps::gaps(query, 0, |j| gaps::decode(!b.planes[j][lane % $arity]), &self.child)
+            fn gaps_of_query(&self, turned: &Self::Turned, b: &Self, lane: usize) -> Entries {
+                gaps::gaps(turned, 0, |j| gaps::decode(!b.planes[j][lane % $arity]), &self.child)
             }
 
             #[inline(always)]
-            fn gaps_of_node(&self, query: &Self::Query, lane: usize) -> Entries {
-                gaps::gaps(&self.planes, -1, |j| gaps::decode(query[j][lane % $arity]), &self.child)
+            fn gaps_of_node(&self, turned: &Self::Turned, lane: usize) -> Entries {
+                gaps::gaps(&self.planes, -1, |j| gaps::decode(turned[j][lane % $arity]), &self.child)
             }
 
             #[inline(always)]
-            fn lows(b: &Frame, triangles: &[Triangle], reach: f64) -> Self::Lows {
-                gaps::lows_of_triangles(b, triangles, reach)
+            fn lows<P: Primitive>(b: &Frame, items: &[P::Item], reach: f64) -> Self::Lows {
+                gaps::lows_of::<P, K>(b, items, reach)
             }
 
             #[inline(always)]
@@ -152,13 +156,13 @@ macro_rules! impl_lanes {
             }
 
             #[inline(always)]
-            fn overlap_column<E: Kernel>(&self, kernel: E, query: &Self::Query, lane: usize) -> u16 {
-                $node::column(self, kernel, query, lane)
+            fn overlap_column<E: Kernel>(&self, kernel: E, turned: &Self::Turned, lane: usize) -> u16 {
+                $node::column(self, kernel, turned, lane)
             }
 
             #[inline(always)]
-            fn overlap_hull<E: Kernel>(&self, kernel: E, query: &Self::Query) -> (u16, u64) {
-                $node::against_hull(self, kernel, query)
+            fn overlap_hull<E: Kernel>(&self, kernel: E, turned: &Self::Turned) -> (u16, u64) {
+                $node::against_hull(self, kernel, turned)
             }
         }
     };
@@ -169,13 +173,13 @@ impl_lanes!(Node4, 4, realign_4);
 
 impl<const K: usize> Node16<K> {
     #[inline(always)]
-    fn rows<E: Kernel>(&self, kernel: E, query: &Query<16, K>, wanted: u16) -> (Rows, u64) {
+    fn rows<E: Kernel>(&self, kernel: E, turned: &Turned<16, K>, wanted: u16) -> (Rows, u64) {
         let mut found = Rows::default();
         let mut left = wanted;
         while left != 0 {
             let lane = (left.trailing_zeros() & 15) as usize;
             left &= left - 1;
-            let row = kernel.overlap_1v16(query, lane, self);
+            let row = kernel.overlap_1v16(turned, lane, self);
             found.rows[lane] = row;
             found.pending |= u16::from(row != 0) << lane;
         }
@@ -183,20 +187,20 @@ impl<const K: usize> Node16<K> {
     }
 
     #[inline(always)]
-    fn column<E: Kernel>(&self, kernel: E, query: &Query<16, K>, lane: usize) -> u16 {
-        kernel.overlap_16v1(query, self, lane)
+    fn column<E: Kernel>(&self, kernel: E, turned: &Turned<16, K>, lane: usize) -> u16 {
+        kernel.overlap_16v1(turned, self, lane)
     }
 
     #[inline(always)]
-    fn against_hull<E: Kernel>(&self, kernel: E, query: &Query<16, K>) -> (u16, u64) {
-        (kernel.overlap_16v_hull(query, self), 1)
+    fn against_hull<E: Kernel>(&self, kernel: E, turned: &Turned<16, K>) -> (u16, u64) {
+        (kernel.overlap_16v_hull(turned, self), 1)
     }
 }
 
 impl<const K: usize> Node4<K> {
     #[inline(always)]
-    fn rows<E: Kernel>(&self, kernel: E, query: &Query<4, K>, wanted: u16) -> (Rows, u64) {
-        let pairs = kernel.overlap_4v4(query, self);
+    fn rows<E: Kernel>(&self, kernel: E, turned: &Turned<4, K>, wanted: u16) -> (Rows, u64) {
+        let pairs = kernel.overlap_4v4(turned, self);
         let mut found = Rows::default();
         for (lane, row) in found.rows.iter_mut().take(4).enumerate() {
             if wanted >> lane & 1 != 0 {
@@ -209,13 +213,13 @@ impl<const K: usize> Node4<K> {
 
     /// One call of 4vs4 says as much.
     #[inline(always)]
-    fn against_hull<E: Kernel>(&self, _: E, _: &Query<4, K>) -> (u16, u64) {
+    fn against_hull<E: Kernel>(&self, _: E, _: &Turned<4, K>) -> (u16, u64) {
         (u16::MAX, 0)
     }
 
     #[inline(always)]
-    fn column<E: Kernel>(&self, kernel: E, query: &Query<4, K>, lane: usize) -> u16 {
-        let pairs = kernel.overlap_4v4(query, self) >> lane;
+    fn column<E: Kernel>(&self, kernel: E, turned: &Turned<4, K>, lane: usize) -> u16 {
+        let pairs = kernel.overlap_4v4(turned, self) >> lane;
         (0..4).fold(0, |mask, i| mask | (pairs >> (4 * i) & 1) << i)
     }
 }

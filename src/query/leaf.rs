@@ -1,37 +1,39 @@
-//! The leaf of A that waits while B is descended: its triangles where the pose places them, and what is computed from them once.
+//! The leaf of A that waits while B is descended: its primitives where the pose places them, and what is computed from them once.
 
 use super::Lanes;
-use super::traverse::moved;
 use crate::exact::power_of_two;
+use crate::frame::Frame;
 use crate::hierarchy::BvhRef;
 use crate::node::{Child, Link, MAX_LEAF_SIZE};
 use crate::pose::Pose;
-use crate::primitive::triangle::Triangle;
+use crate::primitive::Primitive;
 use crate::range::Point;
 
 const MANY: usize = MAX_LEAF_SIZE as usize;
 
 /// A leaf of A at the pose.
 #[derive(Debug)]
-pub(super) struct LeafA<N: Lanes> {
+pub(super) struct LeafA<N: Lanes, P: Primitive> {
     leaf: Child,
-    moved: [Triangle; MANY],
+    moved: [P::Item; MANY],
     /// Of [`LeafA::leaf`] if `has_lows`.
     lows: N::Lows,
     has_lows: bool,
 }
 
-impl<N: Lanes> LeafA<N> {
-    pub(super) const NONE: Self =
-        Self { leaf: Child::EMPTY, moved: [[[0.0; 3]; 3]; MANY], lows: N::NO_LOWS, has_lows: false };
+impl<N: Lanes, P: Primitive> LeafA<N, P> {
+    pub(super) fn none() -> Self {
+        let moved = [P::Item::default(); MANY];
+        Self { leaf: Child::EMPTY, moved, lows: N::NO_LOWS, has_lows: false }
+    }
 
-    /// Its triangles; none if `leaf` is not a leaf.
+    /// Its primitives; none if `leaf` is not a leaf.
     #[inline(always)]
-    pub(super) fn triangles(&mut self, a: &BvhRef<'_, N>, pose: &Pose, leaf: Child) -> &[Triangle] {
+    pub(super) fn items(&mut self, a: &BvhRef<'_, N, P>, pose: &Pose, leaf: Child) -> &[P::Item] {
         let Link::Leaf { first, count } = leaf.link() else { return &[] };
         if self.leaf != leaf {
-            for (triangle, index) in self.moved.iter_mut().zip(first..first + count) {
-                *triangle = moved(a, pose, index);
+            for (item, index) in self.moved.iter_mut().zip(first..first + count) {
+                *item = P::moved(&a.primitive(index), pose);
             }
             (self.leaf, self.has_lows) = (leaf, false);
         }
@@ -42,24 +44,24 @@ impl<N: Lanes> LeafA<N> {
     #[inline(always)]
     pub(super) fn lows(
         &mut self,
-        a: &BvhRef<'_, N>,
-        b: &BvhRef<'_, N>,
+        a: &BvhRef<'_, N, P>,
+        b: &Frame,
         pose: &Pose,
         leaf: Child,
         reach: f64,
     ) -> &N::Lows {
-        let _ = self.triangles(a, pose, leaf);
+        let _ = self.items(a, pose, leaf);
         if !self.has_lows
             && let Link::Leaf { count, .. } = leaf.link()
         {
-            self.lows = N::lows(&b.frame(), &self.moved[..count as usize], reach);
+            self.lows = N::lows::<P>(b, &self.moved[..count as usize], reach);
             self.has_lows = true;
         }
         &self.lows
     }
 }
 
-/// Tells most pairs of triangles that are too far apart to matter by one axis: that of the best pair so far.
+/// Tells most pairs of primitives that are too far apart to matter by one axis: that of the best pair so far.
 #[derive(Copy, Clone, Debug)]
 pub(super) struct Ahead {
     /// From B to A, not normalised.
@@ -88,14 +90,14 @@ impl Ahead {
         }
     }
 
-    /// Whether the triangles are certainly farther apart than matters.
+    /// Whether the two are certainly farther apart than matters.
     #[inline(always)]
-    pub(super) fn is_far(&self, a: &Triangle, b: &Triangle) -> bool {
-        let along = |p: &Point| (self.axis[0] * p[0] + self.axis[1] * p[1]) + self.axis[2] * p[2];
+    pub(super) fn is_far<P: Primitive, Q: Primitive>(&self, a: &P::Item, b: &Q::Item) -> bool {
+        let along = |p: Point| (self.axis[0] * p[0] + self.axis[1] * p[1]) + self.axis[2] * p[2];
         let least = |x: f64, y: f64| if x < y { x } else { y };
         let greatest = |x: f64, y: f64| if x > y { x } else { y };
-        let low = least(least(along(&a[0]), along(&a[1])), along(&a[2]));
-        let high = greatest(greatest(along(&b[0]), along(&b[1])), along(&b[2]));
+        let low = P::corners(a).map(along).fold(f64::INFINITY, least);
+        let high = Q::corners(b).map(along).fold(f64::NEG_INFINITY, greatest);
         low - high > self.limit
     }
 }

@@ -1,18 +1,12 @@
 //! Pairs of leaves: decided when their bits appear.
 
-use super::Lanes;
 use super::hint::Found;
 use super::lanes::Rows;
 use super::traverse::{Flow, Stop, Traversal, bits_of, primitives};
+use super::{Counters, Lanes, Pairwise};
 use crate::kernel::Kernel;
 use crate::node::{Child, Link};
-use crate::primitive::triangle::distance::within;
-use crate::primitive::triangle::{Probe, Triangle};
 use core::ops::ControlFlow;
-
-/// Which body has the one leaf that is tested against several of the other.
-const A: bool = true;
-const B: bool = false;
 
 /// Up to sixteen leaves.
 struct Leaves {
@@ -20,7 +14,14 @@ struct Leaves {
     len: usize,
 }
 
-impl<N: Lanes, E: Kernel, V: FnMut(Found) -> ControlFlow<()>> Traversal<'_, N, E, V> {
+impl<N, P, Q, E, V> Traversal<'_, N, P, Q, E, V>
+where
+    N: Lanes,
+    P: Pairwise<Q>,
+    Q: Pairwise<P>,
+    E: Kernel,
+    V: FnMut(Found) -> ControlFlow<()>,
+{
     /// Decides the pairs of leaves among the bits, and clears them.
     #[inline(always)]
     pub(super) fn decide_leaves(&mut self, a: Child, b: Child, rows: &mut Rows) -> Flow {
@@ -31,19 +32,19 @@ impl<N: Lanes, E: Kernel, V: FnMut(Found) -> ControlFlow<()>> Traversal<'_, N, E
                     if let Link::Leaf { .. } = child.link() {
                         let (leaves, inner) =
                             leaves_among(self.b.nodes()[node_b as usize].children(), rows.rows[row]);
-                        self.decide::<A>(child, &leaves)?;
+                        self.decide_a(child, &leaves)?;
                         rows.set(row, inner);
                     }
                 }
             }
             (Link::Leaf { .. }, Link::Inner(node_b)) => {
                 let (leaves, inner) = leaves_among(self.b.nodes()[node_b as usize].children(), rows.rows[0]);
-                self.decide::<A>(a, &leaves)?;
+                self.decide_a(a, &leaves)?;
                 rows.set(0, inner);
             }
             (Link::Inner(node_a), Link::Leaf { .. }) => {
                 let (leaves, inner) = leaves_among(self.a.nodes()[node_a as usize].children(), rows.rows[0]);
-                self.decide::<B>(b, &leaves)?;
+                self.decide_b(b, &leaves)?;
                 rows.set(0, inner);
             }
             _ => {}
@@ -51,57 +52,77 @@ impl<N: Lanes, E: Kernel, V: FnMut(Found) -> ControlFlow<()>> Traversal<'_, N, E
         Flow::Continue(())
     }
 
-    /// Every triangle of a leaf of body `ONE` against every triangle of some leaves of the other.
+    /// Every primitive of a leaf of A against every primitive of some leaves of B.
     #[inline(always)]
-    fn decide<const ONE: bool>(&mut self, one: Child, leaves: &Leaves) -> Flow {
+    fn decide_a(&mut self, one: Child, leaves: &Leaves) -> Flow {
+        let (kernel, margin, b) = (self.kernel, self.margin, self.b);
         for i in primitives(one) {
-            let triangle = if ONE == A { self.moved(i) } else { self.b.triangle(i) };
-            self.decide_one::<ONE>(i, &triangle, leaves)?;
+            let item = self.moved(i);
+            let visit = |j| (self.visit)(Found { a: i, b: j });
+            let others = |j| b.primitive(j);
+            decide_one::<P, Q, E, false>(kernel, margin, self.counters, &item, leaves, others, visit)?;
         }
         Flow::Continue(())
     }
 
-    /// Four triangles at a time go through the planes' filter.
+    /// Every primitive of a leaf of B against every primitive of some leaves of A.
     #[inline(always)]
-    fn decide_one<const ONE: bool>(&mut self, i: u32, triangle: &Triangle, leaves: &Leaves) -> Flow {
-        let probe = Probe::new(triangle);
-        let (mut indices, mut others) = ([0; 4], [[[0.0; 3]; 3]; 4]);
-        let mut rest = leaves.children[..leaves.len].iter();
-        let mut range = 0..0;
-        loop {
-            let mut len = 0;
-            while len < 4 {
-                if let Some(j) = range.next() {
-                    let other = if ONE == A { self.b.triangle(j) } else { self.moved(j) };
-                    (indices[len], others[len]) = (j, other);
-                    len += 1;
-                } else if let Some(leaf) = rest.next() {
-                    range = primitives(*leaf);
-                } else {
-                    break;
-                }
+    fn decide_b(&mut self, one: Child, leaves: &Leaves) -> Flow {
+        let (kernel, margin, a, pose) = (self.kernel, self.margin, self.a, self.pose);
+        for j in primitives(one) {
+            let item = self.b.primitive(j);
+            let visit = |i| (self.visit)(Found { a: i, b: j });
+            let others = |i| P::moved(&a.primitive(i), pose);
+            decide_one::<Q, P, E, true>(kernel, margin, self.counters, &item, leaves, others, visit)?;
+        }
+        Flow::Continue(())
+    }
+}
+
+/// One primitive against those of some leaves, four at a time through the filter. `SWAPPED`: the one is of body B.
+#[inline(always)]
+fn decide_one<One: Pairwise<Other>, Other: Pairwise<One>, E: Kernel, const SWAPPED: bool>(
+    kernel: E,
+    margin: f64,
+    counters: &mut Counters,
+    item: &One::Item,
+    leaves: &Leaves,
+    other_at: impl Fn(u32) -> Other::Item,
+    mut visit: impl FnMut(u32) -> ControlFlow<()>,
+) -> Flow {
+    let probe = One::probe(item);
+    let (mut indices, mut others) = ([0; 4], [Other::Item::default(); 4]);
+    let mut rest = leaves.children[..leaves.len].iter();
+    let mut range = 0..0;
+    loop {
+        let mut len = 0;
+        while len < 4 {
+            if let Some(index) = range.next() {
+                (indices[len], others[len]) = (index, other_at(index));
+                len += 1;
+            } else if let Some(leaf) = rest.next() {
+                range = primitives(*leaf);
+            } else {
+                break;
             }
-            // A margin makes the planes' filter wrong. A single pair is decided as fast by the test itself.
-            let apart = if len > 1 && self.margin == 0.0 { self.kernel.apart_4(&probe, &others) } else { 0 };
-            for k in bits_of(!apart & ((1 << len) - 1)) {
-                let (other, exact) = (&others[k & 3], &mut self.counters.exact_pairs);
-                let meets = if self.margin > 0.0 {
-                    let (a, b) = if ONE == A { (triangle, other) } else { (other, triangle) };
-                    within(a, b, self.margin, exact)
-                } else {
-                    probe.overlaps(other, exact)
-                };
-                let j = indices[k & 3];
-                let found = if ONE == A { Found { a: i, b: j } } else { Found { a: j, b: i } };
-                if meets && (self.visit)(found).is_break() {
-                    self.counters.triangle_pairs += k as u64 + 1;
-                    return Flow::Break(Stop::Visitor);
-                }
+        }
+        // A margin makes the filter wrong. A single pair is decided as fast by the test itself.
+        let apart = if len > 1 && margin == 0.0 { One::apart_4(kernel, &probe, &others) } else { 0 };
+        for k in bits_of(!apart & ((1 << len) - 1)) {
+            let (other, exact) = (&others[k & 3], &mut counters.exact_pairs);
+            let meets = match (margin > 0.0, SWAPPED) {
+                (false, _) => One::meets(&probe, other, exact),
+                (true, false) => One::within(item, other, margin, exact),
+                (true, true) => Other::within(other, item, margin, exact),
+            };
+            if meets && visit(indices[k & 3]).is_break() {
+                counters.primitive_pairs += k as u64 + 1;
+                return Flow::Break(Stop::Visitor);
             }
-            self.counters.triangle_pairs += len as u64;
-            if len < 4 {
-                return Flow::Continue(());
-            }
+        }
+        counters.primitive_pairs += len as u64;
+        if len < 4 {
+            return Flow::Continue(());
         }
     }
 }

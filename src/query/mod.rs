@@ -31,6 +31,7 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+mod any;
 mod distance;
 mod frontier;
 mod gaps;
@@ -39,24 +40,25 @@ mod lanes;
 mod leaf;
 mod leaves;
 mod nearest;
+mod pairwise;
 mod stack;
 mod traverse;
 
+pub use any::AnyError;
 pub use distance::{Distance, ToleranceError, Witness};
 pub use frontier::DISTANCE_STACK_BYTES;
 pub use hint::Hint;
 pub use lanes::Lanes;
+pub use pairwise::Pairwise;
 pub use stack::STACK_BYTES;
 
-use crate::hierarchy::BvhRef;
+use crate::hierarchy::{AsBvh, BvhRef};
 use crate::isa::Isa;
 use crate::kernel::Kernel;
 use crate::pose::Pose;
-use crate::primitive::triangle::distance::within;
-use crate::primitive::triangle::overlap;
 use core::ops::ControlFlow;
 use hint::Found;
-use traverse::{Limits, Stop, Traversal, moved};
+use traverse::{Limits, Stop, Traversal};
 
 /// The one place that looks at the instruction set: `$call`, with the token as `$token`.
 macro_rules! on_isa {
@@ -82,12 +84,12 @@ pub struct Query {
     hint: Hint,
 }
 
-/// Two triangles that meet, by their indices in the meshes that were built.
+/// Two primitives that meet, by their indices in what was built.
 #[derive(Copy, Clone, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
 pub struct Pair {
-    /// Triangle of body A.
+    /// Primitive of body A.
     pub a: u32,
-    /// Triangle of body B.
+    /// Primitive of body B.
     pub b: u32,
 }
 
@@ -96,7 +98,7 @@ pub struct Pair {
 pub enum Verdict {
     /// The bodies meet, and here is where.
     Hit(Pair),
-    /// No triangle of A meets one of B.
+    /// No primitive of A meets one of B.
     Free,
     /// The budget was spent before the answer was known. The distance of the bodies, 0 if they meet, lies in `lower ..= upper`.
     Unknown {
@@ -116,8 +118,8 @@ pub struct Counters {
     pub kernels: u64,
     /// Nodes of A turned into B's frame.
     pub realignments: u64,
-    /// Pairs of triangles tested.
-    pub triangle_pairs: u64,
+    /// Pairs of primitives tested.
+    pub primitive_pairs: u64,
     /// Of these, the ones that needed exact arithmetic.
     pub exact_pairs: u64,
 }
@@ -129,7 +131,7 @@ pub struct Answer {
     pub verdict: Verdict,
     /// The work.
     pub counters: Counters,
-    /// The triangles that met, or else the hint that the query was given: for the next one to [try first](Query::with_hint).
+    /// The primitives that met, or else the hint that the query was given: for the next one to [try first](Query::with_hint).
     pub hint: Hint,
 }
 
@@ -194,43 +196,65 @@ impl Query {
     /// The order matters to speed where one body has flat walls along its own axes, as rooms have: as `b` it keeps its planes tight, as `a` they are turned and
     /// loose. A robot against its room takes 0.3 µs, the room against the robot 20 (`ARCHITECTURE.md`).
     #[must_use]
-    pub fn collide<N: Lanes>(&self, a: &BvhRef<'_, N>, b: &BvhRef<'_, N>, pose: &Pose) -> Answer {
-        self.first_pair(a, b, pose, 0.0)
+    pub fn collide<A: AsBvh, B: AsBvh<Node = A::Node>>(&self, a: &A, b: &B, pose: &Pose) -> Answer
+    where
+        A::Node: Lanes,
+        A::Primitive: Pairwise<B::Primitive>,
+        B::Primitive: Pairwise<A::Primitive>,
+    {
+        self.first_pair(a.as_bvh(), b.as_bvh(), pose, 0.0)
     }
 
-    /// The first pair of triangles at most `margin` apart: that of the hint, or the first that the traversal finds.
-    fn first_pair<N: Lanes>(&self, a: &BvhRef<'_, N>, b: &BvhRef<'_, N>, pose: &Pose, margin: f64) -> Answer {
+    /// The first pair of primitives at most `margin` apart: that of the hint, or the first that the traversal finds.
+    fn first_pair<N: Lanes, P: Pairwise<Q>, Q: Pairwise<P>>(
+        &self,
+        a: BvhRef<'_, N, P>,
+        b: BvhRef<'_, N, Q>,
+        pose: &Pose,
+        margin: f64,
+    ) -> Answer {
         let mut work = Counters::default();
         let mut hit = self.hint.pair(a.len(), b.len()).filter(|&Found { a: i, b: j }| {
-            work.triangle_pairs += 1;
-            let (moved, still, exact) = (moved(a, pose, i), b.triangle(j), &mut work.exact_pairs);
-            if margin > 0.0 { within(&moved, &still, margin, exact) } else { overlap(&moved, &still, exact) }
+            work.primitive_pairs += 1;
+            let moved = P::moved(&a.primitive(i), pose);
+            let (still, exact) = (b.primitive(j), &mut work.exact_pairs);
+            if margin > 0.0 {
+                P::within(&moved, &still, margin, exact)
+            } else {
+                P::meets(&P::probe(&moved), &still, exact)
+            }
         });
         let mut stop = None;
         if hit.is_none() {
-            stop = self.run(a, b, pose, margin, &mut work, |found| {
+            stop = self.run((a, b), pose, margin, &mut work, |found| {
                 hit = Some(found);
                 ControlFlow::Break(())
             });
         }
         let verdict = match (hit, stop) {
-            (Some(found), _) => Verdict::Hit(found.pair(a, b)),
+            (Some(found), _) => Verdict::Hit(found.pair(&a, &b)),
             (None, Some(Stop::Budget { upper })) => Verdict::Unknown { lower: 0.0, upper },
             (None, _) => Verdict::Free,
         };
         Answer { verdict, counters: work, hint: hit.map_or(self.hint, Hint::new) }
     }
 
-    /// Calls `visit` with every pair of triangles that meet, each once, in the order of the traversal, until it breaks. A hint is not heeded.
-    pub fn for_each_pair<N: Lanes>(
+    /// Calls `visit` with every pair of primitives that meet, each once, in the order of the traversal, until it breaks. A hint is not heeded.
+    pub fn for_each_pair<A: AsBvh, B: AsBvh<Node = A::Node>>(
         &self,
-        a: &BvhRef<'_, N>,
-        b: &BvhRef<'_, N>,
+        a: &A,
+        b: &B,
         pose: &Pose,
         mut visit: impl FnMut(Pair) -> ControlFlow<()>,
-    ) -> (Completion, Counters) {
+    ) -> (Completion, Counters)
+    where
+        A::Node: Lanes,
+        A::Primitive: Pairwise<B::Primitive>,
+        B::Primitive: Pairwise<A::Primitive>,
+    {
+        let (a, b) = (a.as_bvh(), b.as_bvh());
         let mut counters = Counters::default();
-        let stop = self.run(a, b, pose, 0.0, &mut counters, |found| visit(found.pair(a, b)));
+        let stop = self.run((a, b), pose, 0.0, &mut counters, |found| visit(found.pair(&a, &b)));
         let completion = match stop {
             None => Completion::Complete,
             Some(Stop::Visitor) => Completion::Stopped,
@@ -239,24 +263,23 @@ impl Query {
         (completion, counters)
     }
 
-    /// Visits pairs of triangles at most `margin` apart.
-    fn run<N: Lanes>(
+    /// Visits pairs of primitives at most `margin` apart.
+    fn run<N: Lanes, P: Pairwise<Q>, Q: Pairwise<P>>(
         &self,
-        a: &BvhRef<'_, N>,
-        b: &BvhRef<'_, N>,
+        trees: (BvhRef<'_, N, P>, BvhRef<'_, N, Q>),
         pose: &Pose,
         margin: f64,
         counters: &mut Counters,
         visit: impl FnMut(Found) -> ControlFlow<()>,
     ) -> Option<Stop> {
-        on_isa!(self.isa, token => self.run_on(token, [a, b], pose, margin, counters, visit))
+        on_isa!(self.isa, token => self.run_on(token, trees, pose, margin, counters, visit))
     }
 
     #[inline(always)]
-    fn run_on<N: Lanes, E: Kernel>(
+    fn run_on<N: Lanes, P: Pairwise<Q>, Q: Pairwise<P>, E: Kernel>(
         &self,
         kernel: E,
-        [a, b]: [&BvhRef<'_, N>; 2],
+        (a, b): (BvhRef<'_, N, P>, BvhRef<'_, N, Q>),
         pose: &Pose,
         margin: f64,
         counters: &mut Counters,
@@ -266,12 +289,12 @@ impl Query {
         kernel.run(
             #[inline(always)]
             || {
-                let mut map = N::map(pose, a.header(), &b.frame());
+                let mut map = N::map(pose, &a.extent(), &b.frame());
                 if margin > 0.0 {
                     N::widen(&mut map, &b.frame(), margin);
                 }
                 let limits = Limits { budget: self.budget, margin };
-                Traversal::new(kernel, [*a, *b], pose, &map, limits, counters, visit).run().break_value()
+                Traversal::new(kernel, (a, b), pose, &map, limits, counters, visit).run().break_value()
             },
         )
     }

@@ -1,21 +1,20 @@
 //! The distance of two bodies: branch and bound over the same nodes.
 //!
 //! A **step** takes one volume of one body and a node of the other: the lower bounds of all its children at once ([`super::gaps`]). The
-//! bodies take turns, the one with the larger volumes next. Children are followed nearest first; whatever is farther than the best pair of triangles
+//! bodies take turns, the one with the larger volumes next. Children are followed nearest first; whatever is farther than the best pair of primitives
 //! so far is dropped, by a threshold that allows for the tolerance.
 
-use super::frontier::{ABOVE_ROOT, Body, Frame, Stack, VolumeA, VolumeB};
+use super::frontier::{ABOVE_ROOT, Body, Opened, Stack, VolumeA, VolumeB};
 use super::gaps::{Entries, Entry, least};
 use super::hint::Found;
 use super::leaf::{Ahead, LeafA};
-use super::traverse::moved;
-use super::{Completion, Counters, Lanes, Query};
+use super::{Completion, Counters, Lanes, Pairwise, Query};
 use crate::exact::round_up_f32;
 use crate::hierarchy::BvhRef;
 use crate::kernel::Kernel;
 use crate::node::{Child, Link};
 use crate::pose::Pose;
-use crate::primitive::triangle::distance::{Separation, nearer};
+use crate::primitive::{Primitive, Separation};
 use crate::range::Point;
 
 /// Nodes of A whose turned planes are kept: the last on each level, levels counted modulo this.
@@ -41,10 +40,10 @@ struct Threshold {
 }
 
 #[derive(Debug)]
-pub(super) struct Search<'t, N: Lanes, E> {
+pub(super) struct Search<'t, N: Lanes, P: Primitive, Q: Primitive, E> {
     kernel: E,
-    a: BvhRef<'t, N>,
-    b: BvhRef<'t, N>,
+    pub(super) a: BvhRef<'t, N, P>,
+    pub(super) b: BvhRef<'t, N, Q>,
     pose: &'t Pose,
     map: N::Map,
     budget: u64,
@@ -54,35 +53,36 @@ pub(super) struct Search<'t, N: Lanes, E> {
     pub(super) counters: Counters,
     pub(super) best: Best,
     threshold: Threshold,
-    turned: [(Child, N::Query); KEPT],
-    leaf: LeafA<N>,
+    turned: [(Child, N::Turned); KEPT],
+    leaf: LeafA<N, P>,
     /// Lane 0: all of B.
     whole_b: N,
 }
 
-impl<'t, N: Lanes, E: Kernel> Search<'t, N, E> {
+impl<'t, N: Lanes, P: Pairwise<Q>, Q: Primitive, E: Kernel> Search<'t, N, P, Q, E> {
     /// For bodies that are not empty.
     pub(super) fn new(
         kernel: E,
-        a: BvhRef<'t, N>,
-        b: BvhRef<'t, N>,
+        a: BvhRef<'t, N, P>,
+        b: BvhRef<'t, N, Q>,
         pose: &'t Pose,
         query: &Query,
         tolerance: f64,
     ) -> Self {
         let Found { a: i, b: j } = query.hint.pair(a.len(), b.len()).unwrap_or(Found { a: 0, b: 0 });
-        let mut counters = Counters { triangle_pairs: 1, ..Counters::default() };
-        let first =
-            nearer(&moved(&a, pose, i), &b.triangle(j), f64::INFINITY, tolerance, &mut counters.exact_pairs);
+        let mut counters = Counters { primitive_pairs: 1, ..Counters::default() };
+        let (moved, still) = (P::moved(&a.primitive(i), pose), b.primitive(j));
+        let first = P::nearer(&moved, &still, f64::INFINITY, tolerance, &mut counters.exact_pairs);
         let mut search = Self {
             kernel,
             a,
             b,
             pose,
-            map: N::map(pose, a.header(), &b.frame()),
+            map: N::map(pose, &a.extent(), &b.frame()),
             budget: query.budget,
             tolerance,
-            reach: (4.0 * a.header().extent + greatest(&pose.translation())) + b.header().extent,
+            reach: (4.0 * a.extent().max_coordinate + greatest(&pose.translation()))
+                + b.extent().max_coordinate,
             counters,
             best: Best {
                 lower: f64::INFINITY,
@@ -91,8 +91,8 @@ impl<'t, N: Lanes, E: Kernel> Search<'t, N, E> {
                 points: [[0.0; 3]; 2],
             },
             threshold: Threshold { distance: f64::INFINITY, square: f32::INFINITY, ahead: Ahead::NOTHING },
-            turned: [(Child::EMPTY, N::NO_QUERY); KEPT],
-            leaf: LeafA::NONE,
+            turned: [(Child::EMPTY, N::NO_TURNED); KEPT],
+            leaf: LeafA::none(),
             whole_b: b.nodes()[0].hull(),
         };
         if let Some(first) = first {
@@ -138,31 +138,31 @@ impl<'t, N: Lanes, E: Kernel> Search<'t, N, E> {
                 }
                 self.counters.visits += 1;
                 // A leaf can only wait for the other; of two nodes the one on the higher level is opened.
-                let opened = if is_leaf(b.child) || (!is_leaf(a.child) && a.level <= b.level) {
+                let body = if is_leaf(b.child) || (!is_leaf(a.child) && a.level <= b.level) {
                     Body::A
                 } else {
                     Body::B
                 };
-                let entries = if opened == Body::A { self.open_a(&a, &b) } else { self.open_b(&a, &b) };
-                stack.push(Frame { entries, a, b, opened });
+                let entries = if body == Body::A { self.open_a(&a, &b) } else { self.open_b(&a, &b) };
+                stack.push(Opened { entries, a, b, body });
             }
             next = loop {
-                let Some(frame) = stack.top() else { break None };
-                let entry = least(&frame.entries);
+                let Some(step) = stack.top() else { break None };
+                let entry = least(&step.entries);
                 if entry == Entry::NONE || entry.square() > self.threshold.square || self.best.upper == 0.0 {
                     stack.pop();
                     continue;
                 }
                 let lane = entry.lane();
-                frame.entries[lane] = Entry::NONE;
-                break Some(self.child(frame, lane, entry.square()));
+                step.entries[lane] = Entry::NONE;
+                break Some(self.child(step, lane, entry.square()));
             };
         }
         self.best.lower = self.certain();
         Completion::Complete
     }
 
-    /// Every pair of triangles that was dropped or seen is at least this far apart.
+    /// Every pair of primitives that was dropped or seen is at least this far apart.
     fn certain(&self) -> f64 {
         self.best.lower.min(self.threshold.distance)
     }
@@ -172,11 +172,11 @@ impl<'t, N: Lanes, E: Kernel> Search<'t, N, E> {
         libm::sqrt(f64::from(square)) / self.b.frame().scale()
     }
 
-    /// The volumes that a lane of a frame stands for.
+    /// The volumes that a lane of a step stands for.
     #[inline(always)]
-    fn child(&self, frame: &Frame, lane: usize, bound: f32) -> (VolumeA, VolumeB, f32) {
-        let (a, b) = (frame.a, frame.b);
-        match (frame.opened, a.child.link(), b.child.link()) {
+    fn child(&self, step: &Opened, lane: usize, bound: f32) -> (VolumeA, VolumeB, f32) {
+        let (a, b) = (step.a, step.b);
+        match (step.body, a.child.link(), b.child.link()) {
             (Body::A, Link::Inner(node), _) => {
                 let child = self.a.nodes()[node as usize].children()[lane];
                 (VolumeA { child, parent: a.child, lane: lane as u8, level: a.level + 1 }, b, bound)
@@ -205,7 +205,7 @@ impl<'t, N: Lanes, E: Kernel> Search<'t, N, E> {
         let Link::Inner(node) = b.child.link() else { return [Entry::NONE; 16] };
         self.counters.kernels += 1;
         if let Link::Leaf { .. } = a.child.link() {
-            let lows = self.leaf.lows(&self.a, &self.b, self.pose, a.child, self.reach);
+            let lows = self.leaf.lows(&self.a, &self.b.frame(), self.pose, a.child, self.reach);
             return self.b.nodes()[node as usize].gaps_of_lows(lows);
         }
         // The volume has a parent: the root of A is opened before anything of B.
@@ -227,7 +227,7 @@ impl<'t, N: Lanes, E: Kernel> Search<'t, N, E> {
         slot
     }
 
-    /// Every triangle of one leaf against every triangle of the other.
+    /// Every primitive of one leaf against every primitive of the other.
     #[inline(always)]
     fn decide(&mut self, a: Child, b: Child) {
         let (Link::Leaf { first: i, count: m }, Link::Leaf { first: j, count: n }) = (a.link(), b.link())
@@ -235,15 +235,16 @@ impl<'t, N: Lanes, E: Kernel> Search<'t, N, E> {
             return;
         };
         for k in 0..m {
-            let moved = self.leaf.triangles(&self.a, self.pose, a)[k as usize];
+            let moved = self.leaf.items(&self.a, self.pose, a)[k as usize];
             for j in j..j + n {
-                self.counters.triangle_pairs += 1;
-                let still = self.b.triangle(j);
-                if self.threshold.ahead.is_far(&moved, &still) {
+                self.counters.primitive_pairs += 1;
+                let still = self.b.primitive(j);
+                if self.threshold.ahead.is_far::<P, Q>(&moved, &still) {
                     continue;
                 }
                 let exact = &mut self.counters.exact_pairs;
-                if let Some(pair) = nearer(&moved, &still, self.threshold.distance, self.tolerance, exact) {
+                if let Some(pair) = P::nearer(&moved, &still, self.threshold.distance, self.tolerance, exact)
+                {
                     self.note(Found { a: i + k, b: j }, &pair);
                 }
             }

@@ -6,21 +6,21 @@ use crate::node::Child;
 
 /// A pair that was visited: two nodes, or a node and a leaf; and the pairs below it that are still to be visited.
 #[derive(Copy, Clone, Debug)]
-struct Frame {
+struct Visited {
     a: Child,
     b: Child,
     rows: Rows,
 }
 
-/// Both bodies descend together, and one goes on alone when the other is at a leaf: each frame is a level deeper in whichever tree is still descending,
-/// so there are no more frames than the deeper tree has levels.
+/// Both bodies descend together, and one goes on alone when the other is at a leaf: each entry is a level deeper in whichever tree is still descending,
+/// so there are no more entries than the deeper tree has levels.
 #[derive(Debug)]
 pub(crate) struct Stack {
-    frames: [Frame; MAX_DEPTH],
+    visited: [Visited; MAX_DEPTH],
     len: usize,
 }
 
-/// Bytes of the stack of a query, whatever the trees: below 1 KB. (The frame of the traversal holds the planes of two
+/// Bytes of the stack of a query, whatever the trees: below 1 KB. (The traversal holds the planes of two
 /// bodies in query form besides: 2 x 576 bytes at arity 16 and k = 18.)
 pub const STACK_BYTES: usize = size_of::<Stack>();
 const _: () = assert!(STACK_BYTES <= 1024, "the stack of a query fits in 1 KB");
@@ -36,8 +36,8 @@ pub(crate) struct Next {
 
 impl Stack {
     pub(crate) const fn new() -> Self {
-        let frame = Frame { a: Child::EMPTY, b: Child::EMPTY, rows: Rows { rows: [0; 16], pending: 0 } };
-        Self { frames: [frame; MAX_DEPTH], len: 0 }
+        let none = Visited { a: Child::EMPTY, b: Child::EMPTY, rows: Rows { rows: [0; 16], pending: 0 } };
+        Self { visited: [none; MAX_DEPTH], len: 0 }
     }
 
     /// For rows with a bit.
@@ -46,14 +46,14 @@ impl Stack {
     /// If full, which trees that were validated cannot bring about.
     #[inline(always)]
     pub(crate) fn push(&mut self, a: Child, b: Child, rows: &Rows) {
-        self.frames[self.len] = Frame { a, b, rows: *rows };
+        self.visited[self.len] = Visited { a, b, rows: *rows };
         self.len += 1;
     }
 
-    /// Takes the next bit of the frame that was pushed last: lower rows first, lower bits first.
+    /// Takes the next bit of the entry that was pushed last: lower rows first, lower bits first.
     #[inline(always)]
     pub(crate) fn next(&mut self) -> Option<Next> {
-        let top = self.frames.get_mut(self.len.checked_sub(1)?)?;
+        let top = self.visited.get_mut(self.len.checked_sub(1)?)?;
         let rows = &mut top.rows;
         let row = (rows.pending.trailing_zeros() & 15) as usize;
         let bits = &mut rows.rows[row];

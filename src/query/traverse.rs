@@ -6,12 +6,13 @@
 use super::hint::Found;
 use super::lanes::Rows;
 use super::stack::{Next, Stack};
-use super::{Counters, Lanes};
+use super::{Counters, Lanes, Pairwise};
 use crate::hierarchy::BvhRef;
 use crate::kernel::Kernel;
 use crate::node::{Child, Link};
 use crate::pose::Pose;
-use crate::primitive::triangle::Triangle;
+use crate::primitive::Primitive;
+use crate::range::Point;
 use core::ops::{ControlFlow, Range};
 
 /// Why a traversal ended early.
@@ -34,37 +35,44 @@ pub(super) struct Limits {
 
 /// One query under way.
 #[derive(Debug)]
-pub(crate) struct Traversal<'t, N: Lanes, E, V> {
+pub(crate) struct Traversal<'t, N: Lanes, P: Primitive, Q: Primitive, E, V> {
     pub(super) kernel: E,
-    pub(super) a: BvhRef<'t, N>,
-    pub(super) b: BvhRef<'t, N>,
-    pose: &'t Pose,
+    pub(super) a: BvhRef<'t, N, P>,
+    pub(super) b: BvhRef<'t, N, Q>,
+    pub(super) pose: &'t Pose,
     map: &'t N::Map,
     budget: u64,
-    /// Triangles this far apart count as meeting.
+    /// Primitives this far apart count as meeting.
     pub(super) margin: f64,
     pub(super) counters: &'t mut Counters,
     pub(super) visit: V,
     /// The node of A that was turned last, and its children's planes. Siblings in B follow each other, so it is often the next one too.
-    turned: (Child, N::Query),
+    turned: (Child, N::Turned),
     /// The leaf of A that is descending B's tree, if one did, and its planes in lane 0.
-    aimed: Option<(Child, N::Query)>,
+    aimed: Option<(Child, N::Turned)>,
     /// Node and lane in B of what A is descending against.
     target: Option<(u32, usize)>,
 }
 
-impl<'t, N: Lanes, E: Kernel, V: FnMut(Found) -> ControlFlow<()>> Traversal<'t, N, E, V> {
+impl<'t, N, P, Q, E, V> Traversal<'t, N, P, Q, E, V>
+where
+    N: Lanes,
+    P: Pairwise<Q>,
+    Q: Pairwise<P>,
+    E: Kernel,
+    V: FnMut(Found) -> ControlFlow<()>,
+{
     #[inline(always)]
     pub(crate) fn new(
         kernel: E,
-        [a, b]: [BvhRef<'t, N>; 2],
+        (a, b): (BvhRef<'t, N, P>, BvhRef<'t, N, Q>),
         pose: &'t Pose,
         map: &'t N::Map,
         Limits { budget, margin }: Limits,
         counters: &'t mut Counters,
         visit: V,
     ) -> Self {
-        let none = (Child::EMPTY, N::NO_QUERY);
+        let none = (Child::EMPTY, N::NO_TURNED);
         Self {
             kernel,
             a,
@@ -81,7 +89,7 @@ impl<'t, N: Lanes, E: Kernel, V: FnMut(Found) -> ControlFlow<()>> Traversal<'t, 
         }
     }
 
-    /// Visits every pair of triangles that meet.
+    /// Visits every pair of primitives that meet.
     // One loop with one call of each kernel, so that each is inlined.
     #[inline(always)]
     pub(crate) fn run(&mut self) -> Flow {
@@ -149,12 +157,12 @@ impl<'t, N: Lanes, E: Kernel, V: FnMut(Found) -> ControlFlow<()>> Traversal<'t, 
             }
         }
         if let Link::Inner(node) = b.link() {
-            let (query, wanted) = match (a.link(), &self.aimed) {
-                (Link::Leaf { .. }, Some((_, query))) => (query, 1),
+            let (turned, wanted) = match (a.link(), &self.aimed) {
+                (Link::Leaf { .. }, Some((_, turned))) => (turned, 1),
                 _ => (&self.turned.1, wanted),
             };
             let kernels;
-            (rows, kernels) = self.b.nodes()[node as usize].overlap_rows(self.kernel, query, wanted);
+            (rows, kernels) = self.b.nodes()[node as usize].overlap_rows(self.kernel, turned, wanted);
             self.counters.kernels += kernels;
         } else {
             rows.rows[0] = wanted;
@@ -180,38 +188,32 @@ impl<'t, N: Lanes, E: Kernel, V: FnMut(Found) -> ControlFlow<()>> Traversal<'t, 
     /// Computes the planes of leaf `a` from its moved corners.
     #[inline(always)]
     fn aim(&mut self, a: Child) {
-        let (leaf, query) = self.aimed.get_or_insert((Child::EMPTY, N::NO_QUERY));
+        let (leaf, turned) = self.aimed.get_or_insert((Child::EMPTY, N::NO_TURNED));
         if *leaf != a {
             let (body, pose) = (&self.a, self.pose);
-            let triangles = primitives(a).map(|index| moved(body, pose, index));
-            N::aim(query, &self.b.frame(), triangles, self.margin);
+            let items = primitives(a).map(|index| P::moved(&body.primitive(index), pose));
+            N::aim::<P>(turned, &self.b.frame(), items, self.margin);
             *leaf = a;
         }
     }
 
     #[inline(always)]
-    pub(super) fn moved(&self, index: u32) -> Triangle {
-        moved(&self.a, self.pose, index)
+    pub(super) fn moved(&self, index: u32) -> P::Item {
+        P::moved(&self.a.primitive(index), self.pose)
     }
 
     /// The distance of some corner below `a` from some corner below `b`, rounded up.
     #[cold]
     fn corner_distance(&self, a: Child, b: Child) -> f64 {
-        let p = self.moved(first_triangle(&self.a, a.link()))[0];
-        let q = self.b.triangle(first_triangle(&self.b, b.link()))[0];
-        let d = glam::DVec3::from_array(p).distance(glam::DVec3::from_array(q));
+        let p = self.moved(first_primitive(&self.a, a.link()));
+        let q = self.b.primitive(first_primitive(&self.b, b.link()));
+        let corner = |p: Option<Point>| p.map_or(glam::DVec3::ZERO, glam::DVec3::from_array);
+        let d = corner(P::corners(&p).next()).distance(corner(Q::corners(&q).next()));
         d * (1.0 + 8.0 * f64::EPSILON)
     }
 }
 
-/// A triangle of a body at a pose.
-#[inline(always)]
-pub(super) fn moved<N: Lanes>(body: &BvhRef<'_, N>, pose: &Pose, index: u32) -> Triangle {
-    let [p, q, r] = body.triangle(index);
-    [pose.apply(p), pose.apply(q), pose.apply(r)]
-}
-
-/// The triangles of a leaf.
+/// The primitives of a leaf.
 #[inline(always)]
 pub(super) fn primitives(leaf: Child) -> Range<u32> {
     match leaf.link() {
@@ -230,12 +232,12 @@ pub(super) fn bits_of(mut bits: u16) -> impl Iterator<Item = usize> {
     })
 }
 
-/// Some triangle below a link.
-fn first_triangle<N: Lanes>(tree: &BvhRef<'_, N>, mut link: Link) -> u32 {
+/// Some primitive below a link.
+fn first_primitive<N: Lanes, P: Primitive>(tree: &BvhRef<'_, N, P>, mut link: Link) -> u32 {
     loop {
         match link {
             Link::Leaf { first, .. } => return first,
-            // Links lead to later nodes, so this ends; a node without a used lane does not bound anything: any triangle will do.
+            // Links lead to later nodes, so this ends; a node without a used lane does not bound anything: any primitive will do.
             Link::Inner(node) => {
                 let children = tree.nodes()[node as usize].children();
                 link = children.iter().map(|c| c.link()).find(|l| *l != Link::Empty).unwrap_or(Link::Empty);

@@ -1,6 +1,6 @@
 //! [`Kernel::realign_16`] and [`Kernel::realign_4`] by value.
 
-use simdop::kernel::{Kernel, Query};
+use simdop::kernel::{Kernel, Turned};
 use simdop::node::{Node4, Node16};
 use simdop::realign::Realignment;
 
@@ -8,13 +8,13 @@ pub fn turned_16<const K: usize>(
     kernel: impl Kernel,
     map: &Realignment<K>,
     node: &Node16<K>,
-) -> Query<16, K> {
+) -> Turned<16, K> {
     let mut query = [[0; 16]; K];
     kernel.realign_16(map, node, &mut query);
     query
 }
 
-pub fn turned_4<const K: usize>(kernel: impl Kernel, map: &Realignment<K>, node: &Node4<K>) -> Query<4, K> {
+pub fn turned_4<const K: usize>(kernel: impl Kernel, map: &Realignment<K>, node: &Node4<K>) -> Turned<4, K> {
     let mut query = [[0; 4]; K];
     kernel.realign_4(map, node, &mut query);
     query

@@ -119,7 +119,7 @@ fn row(
         visits: mean(|c| c.visits),
         kernels: mean(|c| c.kernels),
         realignments: mean(|c| c.realignments),
-        triangle_pairs: mean(|c| c.triangle_pairs),
+        primitive_pairs: mean(|c| c.primitive_pairs),
         exact_pairs: mean(|c| c.exact_pairs),
     }
 }

@@ -29,7 +29,7 @@ pub(crate) struct Row {
     pub(crate) visits: Option<f64>,
     pub(crate) kernels: Option<f64>,
     pub(crate) realignments: Option<f64>,
-    pub(crate) triangle_pairs: Option<f64>,
+    pub(crate) primitive_pairs: Option<f64>,
     pub(crate) exact_pairs: Option<f64>,
 }
 

@@ -235,7 +235,7 @@ fn work(page: &mut String, all: &Summary<'_>) {
                 value(|row| row.visits.unwrap_or_default()),
                 value(|row| row.kernels.unwrap_or_default()),
                 value(|row| row.realignments.unwrap_or_default()),
-                value(|row| row.triangle_pairs.unwrap_or_default()),
+                value(|row| row.primitive_pairs.unwrap_or_default()),
                 value(|row| row.exact_pairs.unwrap_or_default()),
             ]);
             row(page, &cells);

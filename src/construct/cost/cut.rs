@@ -1,7 +1,7 @@
 //! One cut in two: the direction and the number of primitives that cost least.
 
 use super::Primitives;
-use super::bounds::{Bounds, Measure};
+use super::aabb::{Aabb, Measure};
 use crate::range::Point;
 use alloc::vec::Vec;
 
@@ -38,7 +38,7 @@ struct Best {
     cut: Option<Cut>,
 }
 
-/// Memory of a [`Cutter`], for the next one.
+/// Memory of a [`CutFinder`], for the next one.
 #[derive(Default, Debug)]
 pub(super) struct Buffers {
     /// Place along a direction, as a number that sorts like it, and index.
@@ -49,13 +49,13 @@ pub(super) struct Buffers {
 
 /// Finds cuts.
 #[derive(Debug)]
-pub(super) struct Cutter<'a> {
+pub(super) struct CutFinder<'a> {
     primitives: Primitives<'a>,
     measure: Measure,
     pub(super) buffers: Buffers,
 }
 
-impl<'a> Cutter<'a> {
+impl<'a> CutFinder<'a> {
     pub(super) const fn new(primitives: Primitives<'a>, measure: Measure, buffers: Buffers) -> Self {
         Self { primitives, measure, buffers }
     }
@@ -85,12 +85,12 @@ impl<'a> Cutter<'a> {
         items.select_nth_unstable_by_key(cut.share.count, |&i| (self.place(cut.direction, i), i));
     }
 
-    pub(super) fn bounds(&self, items: &[u32]) -> Bounds {
-        items.iter().fold(Bounds::EMPTY, |b, &i| b.join(&self.primitives.boxes[i as usize]))
+    pub(super) fn bounds(&self, items: &[u32]) -> Aabb {
+        items.iter().fold(Aabb::EMPTY, |b, &i| b.join(&self.primitives.boxes[i as usize]))
     }
 
     /// What a lane with so many primitives costs.
-    pub(super) fn lane_cost(&self, bounds: &Bounds, count: usize) -> f64 {
+    pub(super) fn lane_cost(&self, bounds: &Aabb, count: usize) -> f64 {
         self.measure.of(bounds) * count as f64
     }
 
@@ -113,12 +113,12 @@ impl<'a> Cutter<'a> {
         let Self { primitives: Primitives { boxes, .. }, measure, buffers: Buffers { behind, .. } } = self;
         behind.clear();
         behind.resize(keys.len(), 0.0);
-        let mut bounds = Bounds::EMPTY;
+        let mut bounds = Aabb::EMPTY;
         for (k, &(_, i)) in keys.iter().enumerate().rev() {
             bounds = bounds.join(&boxes[i as usize]);
             behind[k] = measure.of(&bounds);
         }
-        let mut bounds = Bounds::EMPTY;
+        let mut bounds = Aabb::EMPTY;
         for (k, &(_, i)) in keys.iter().enumerate() {
             if k > 0
                 && let Some(share) = shares.exactly(k)
@@ -140,19 +140,19 @@ impl<'a> Cutter<'a> {
         if !scale.is_finite() {
             return;
         }
-        let mut bins = [(0, Bounds::EMPTY); BINS];
+        let mut bins = [(0, Aabb::EMPTY); BINS];
         for (place, &item) in places().zip(items) {
             let (count, bounds) = &mut bins[(((place - low) * scale) as usize).min(BINS - 1)];
             *count += 1;
             *bounds = bounds.join(&self.primitives.boxes[item as usize]);
         }
         let mut behind = [0.0; BINS];
-        let mut bounds = Bounds::EMPTY;
+        let mut bounds = Aabb::EMPTY;
         for k in (1..BINS).rev() {
             bounds = bounds.join(&bins[k].1);
             behind[k] = self.measure.of(&bounds);
         }
-        let (mut count, mut bounds) = (0, Bounds::EMPTY);
+        let (mut count, mut bounds) = (0, Aabb::EMPTY);
         for k in 1..BINS {
             count += bins[k - 1].0;
             bounds = bounds.join(&bins[k - 1].1);

@@ -22,26 +22,26 @@
 //! times the build. Without exchange the first power of the mean width and its square were worse than the
 //! cube everywhere: 88 and 54 visits for the cow at the small gap, where the cube needed 35.
 
-mod bounds;
+mod aabb;
 mod cut;
 mod refine;
 
-pub(super) use bounds::{Bounds, Measure};
+pub(super) use aabb::{Aabb, Measure};
 
 use super::levels::{self, Place};
-use super::longest_axis::{self, Item};
+use super::longest_axis::{Halving, Item};
 use super::{Assignment, BuildError, Observer};
 use crate::hierarchy::MAX_DEPTH;
 use crate::range::Point;
 use alloc::vec::Vec;
-use cut::{Buffers, Cutter, Share, Shares};
+use cut::{Buffers, CutFinder, Share, Shares};
 
 const AXES: [Point; 3] = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
 
 /// What to split.
 #[derive(Copy, Clone, Debug)]
 pub(super) struct Primitives<'a> {
-    pub(super) boxes: &'a [Bounds],
+    pub(super) boxes: &'a [Aabb],
     pub(super) centroids: &'a [Point],
 }
 
@@ -72,12 +72,12 @@ fn assign_within(
 ) -> Result<Assignment, BuildError> {
     let mut order: Vec<u32> = (0..primitives.boxes.len() as u32).collect();
     let cut = |buffers: &mut Buffers, place: Place, items: &mut [u32], ends: &mut [u32]| {
-        let cutter = Cutter::new(primitives, plan.measure, core::mem::take(buffers));
-        let mut widener = Widener { cutter, primitives, plan };
+        let finder = CutFinder::new(primitives, plan.measure, core::mem::take(buffers));
+        let mut widener = Widener { finder, primitives, plan };
         let mut lanes = Vec::with_capacity(plan.arity);
         widener.node(items, place.levels_left - 1 - (MAX_DEPTH - max_depth), &mut lanes);
         ends.copy_from_slice(&lanes);
-        *buffers = widener.cutter.buffers;
+        *buffers = widener.finder.buffers;
         let mut start = 0;
         for end in lanes.into_iter().map(|end| end as usize) {
             if end - start <= plan.leaf_size {
@@ -134,7 +134,7 @@ impl Shares for LaneShares {
 }
 
 struct Widener<'a> {
-    cutter: Cutter<'a>,
+    finder: CutFinder<'a>,
     primitives: Primitives<'a>,
     plan: Plan,
 }
@@ -171,11 +171,11 @@ impl Widener<'_> {
             return;
         }
         let shares = LaneShares { total, lanes, leaf_size, arity };
-        let Some(cut) = self.cutter.best(items, &AXES, &shares, f64::INFINITY) else {
+        let Some(cut) = self.finder.best(items, &AXES, &shares, f64::INFINITY) else {
             // All in one place: no bin differs from another.
             return self.halve(items, start, lanes, ends);
         };
-        self.cutter.apply(items, &cut);
+        self.finder.apply(items, &cut);
         let Share { count, lanes: [left_lanes, right_lanes] } = cut.share;
         let (left, right) = items.split_at_mut(count);
         self.cut(left, start, left_lanes, ends);
@@ -188,7 +188,7 @@ impl Widener<'_> {
         let mut halved: Vec<Item> = items.iter_mut().map(item).collect();
         let from = ends.len();
         ends.resize(from + lanes, 0);
-        longest_axis::Cutter { arity, leaf_size, extended: true }.cut_node(&mut halved, &mut ends[from..]);
+        Halving { arity, leaf_size, extended: true }.cut_node(&mut halved, &mut ends[from..]);
         ends[from..].iter_mut().for_each(|end| *end += start as u32);
         items.iter_mut().zip(halved).for_each(|(to, item)| *to = item.index);
     }
@@ -200,10 +200,10 @@ mod tests {
     use core::ops::ControlFlow;
 
     /// Boxes twice as far out and twice as large each as the last: whatever is cut off first, most of the rest is in one place.
-    fn growing(n: usize) -> Vec<Bounds> {
+    fn growing(n: usize) -> Vec<Aabb> {
         let at =
             |i: usize| (0..i % 900).fold(1.0, |x: f64, _| 2.0 * x) * f64::from_bits(0x3d30_0000_0000_0000);
-        (0..n).map(|i| Bounds::of(&[[at(i), 0.0, 0.0], [1.5 * at(i), 0.0, 0.5 * at(i)]])).collect()
+        (0..n).map(|i| Aabb::of([[at(i), 0.0, 0.0], [1.5 * at(i), 0.0, 0.5 * at(i)]].into_iter())).collect()
     }
 
     /// Levels of nodes.
@@ -225,7 +225,7 @@ mod tests {
     fn no_tree_is_deeper_than_the_limit() {
         for (arity, leaf_size, count, balanced) in [(4, 1, 256, 4), (4, 3, 192, 3), (16, 1, 256, 2)] {
             let boxes = growing(count);
-            let centroids: Vec<Point> = boxes.iter().map(Bounds::centre).collect();
+            let centroids: Vec<Point> = boxes.iter().map(Aabb::centre).collect();
             let primitives = Primitives { boxes: &boxes, centroids: &centroids };
             let plan = Plan { arity, leaf_size, measure: Measure::MeanWidth, passes: 2 };
             let levels = |limit| {

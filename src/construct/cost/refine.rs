@@ -1,7 +1,7 @@
 //! After the cuts of a node: its lanes exchange primitives, two lanes at a time, as long as that costs less; then they are put in the order in
 //! which a query looks at them.
 
-use super::bounds::Bounds;
+use super::aabb::Aabb;
 use super::cut::{Share, Shares};
 use super::{AXES, Plan, Widener};
 use alloc::vec::Vec;
@@ -34,14 +34,14 @@ impl Shares for PairShares {
 
 struct Lane {
     items: Vec<u32>,
-    bounds: Bounds,
+    bounds: Aabb,
 }
 
 /// A query descends into the lowest lanes first, and a hit ends it. Bodies that overlap a little do so with what is farthest out: 11 % fewer
 /// visits 1 % of the diagonal deep than with lanes in the order of the cuts, geometric mean over the meshes of `benches/splitters.rs`.
 /// Weighting by primitives per lane or per box, or the nearest or farthest corner in place of the centre, differ by less than 2 %.
 fn outermost_first(lanes: &mut [Lane]) {
-    let whole = lanes.iter().fold(Bounds::EMPTY, |b, lane| b.join(&lane.bounds)).centre();
+    let whole = lanes.iter().fold(Aabb::EMPTY, |b, lane| b.join(&lane.bounds)).centre();
     let squared_distance = |lane: &Lane| -> f64 {
         if lane.items.is_empty() {
             return -1.0;
@@ -61,7 +61,7 @@ impl Widener<'_> {
         let mut from = 0;
         for end in ends.iter().map(|&end| end as usize) {
             let items = items[from..end].to_vec();
-            lanes.push(Lane { bounds: self.cutter.bounds(&items), items });
+            lanes.push(Lane { bounds: self.finder.bounds(&items), items });
             from = end;
         }
         for _ in 0..self.plan.passes {
@@ -97,14 +97,14 @@ impl Widener<'_> {
         let [x, y, z] = AXES;
         let directions = [x, y, z, core::array::from_fn(|i| q[i] - p[i])];
         let shares = PairShares { sizes, leaf_size, arity };
-        let cutter = &mut self.cutter;
-        let cost = cutter.lane_cost(&a.bounds, sizes[0]) + cutter.lane_cost(&b.bounds, sizes[1]);
+        let finder = &mut self.finder;
+        let cost = finder.lane_cost(&a.bounds, sizes[0]) + finder.lane_cost(&b.bounds, sizes[1]);
         let mut items = [a.items.as_slice(), b.items.as_slice()].concat();
-        let Some(cut) = cutter.best(&items, &directions, &shares, cost) else { return false };
-        cutter.apply(&mut items, &cut);
+        let Some(cut) = finder.best(&items, &directions, &shares, cost) else { return false };
+        finder.apply(&mut items, &cut);
         let rest = items.split_off(cut.share.count);
-        let bounds = [cutter.bounds(&items), cutter.bounds(&rest)];
-        let new_cost = cutter.lane_cost(&bounds[0], items.len()) + cutter.lane_cost(&bounds[1], rest.len());
+        let bounds = [finder.bounds(&items), finder.bounds(&rest)];
+        let new_cost = finder.lane_cost(&bounds[0], items.len()) + finder.lane_cost(&bounds[1], rest.len());
         // Bins promise what rounding to full nodes may not keep; and a gain in the last bits could go on for ever.
         if new_cost >= cost * (1.0 - 1e-9) {
             return false;

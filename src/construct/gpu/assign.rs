@@ -6,8 +6,8 @@ use super::jobs::Jobs;
 use super::memory::{Binding, Memory, Sizes};
 use super::shader::{Kernel, Pipelines, SMALL, STEPS_AT_ONCE, balance_dispatches};
 use crate::construct::levels::{self, Level};
-use crate::construct::longest_axis::Cutter;
-use crate::construct::neural_gas::{Cloud, Splitter};
+use crate::construct::longest_axis::Halving;
+use crate::construct::neural_gas::{Clusterer, Samples};
 use crate::construct::{Assignment, Observer};
 use alloc::vec::Vec;
 use core::ops::Range;
@@ -30,17 +30,17 @@ pub struct Spent {
     pub memory: u64,
 }
 
-/// The shape of a tree over a cloud, as [`crate::construct::neural_gas::assign`] has it.
+/// The shape of a tree over a samples, as [`crate::construct::neural_gas::assign`] has it.
 pub(in crate::construct) fn assign(
     gpu: &Gpu,
-    cloud: &Cloud<'_>,
-    cutter: &Cutter,
+    samples: &Samples<'_>,
+    halving: &Halving,
     seed: u32,
     observer: &mut Observer<'_>,
 ) -> Result<(Assignment, Spent), GpuError> {
-    match cutter.arity {
-        4 => Build::<4>::new(gpu, cloud, cutter, seed)?.assign(observer),
-        16 => Build::<16>::new(gpu, cloud, cutter, seed)?.assign(observer),
+    match halving.arity {
+        4 => Build::<4>::new(gpu, samples, halving, seed)?.assign(observer),
+        16 => Build::<16>::new(gpu, samples, halving, seed)?.assign(observer),
         arity => unreachable!("nodes have 4 or 16 lanes, not {arity}"),
     }
 }
@@ -51,7 +51,7 @@ const ON_DEVICE: u32 = u32::MAX;
 /// A tree that is being built.
 struct Build<'a, const N: usize> {
     gpu: &'a Gpu,
-    splitter: Splitter<'a, N>,
+    clusterer: Clusterer<'a, N>,
     pipelines: &'a Pipelines,
     memory: Memory,
     groups: Vec<wgpu::BindGroup>,
@@ -61,15 +61,20 @@ struct Build<'a, const N: usize> {
 }
 
 impl<'a, const N: usize> Build<'a, N> {
-    fn new(gpu: &'a Gpu, cloud: &'a Cloud<'a>, cutter: &'a Cutter, seed: u32) -> Result<Self, GpuError> {
+    fn new(
+        gpu: &'a Gpu,
+        samples: &'a Samples<'a>,
+        halving: &'a Halving,
+        seed: u32,
+    ) -> Result<Self, GpuError> {
         let pipelines = gpu.pipelines(N)?;
         let start = Instant::now();
-        let splitter = Splitter::<N>::new(cloud, cutter, seed);
-        let schedule: Vec<u32> = splitter.schedule.iter().flatten().map(|&h| h.into()).collect();
+        let clusterer = Clusterer::<N>::new(samples, halving, seed);
+        let schedule: Vec<u32> = clusterer.schedule.iter().flatten().map(|&h| h.into()).collect();
         let sizes = Sizes {
-            primitives: cloud.len().max(1),
+            primitives: samples.len().max(1),
             lanes: N,
-            weighted: !cloud.weights().is_empty(),
+            weighted: !samples.weights().is_empty(),
             schedule: schedule.len(),
         };
         sizes.check(&gpu.device.limits())?;
@@ -80,11 +85,11 @@ impl<'a, const N: usize> Build<'a, N> {
         })?;
         let mut build = Self {
             gpu,
-            splitter,
+            clusterer,
             pipelines,
             memory,
             groups,
-            order: std::vec![ON_DEVICE; cloud.len()],
+            order: std::vec![ON_DEVICE; samples.len()],
             spent: Spent { memory: sizes.total(), ..Spent::default() },
         };
         gpu.guarded(sizes.total(), || build.upload(&schedule))?;
@@ -93,11 +98,11 @@ impl<'a, const N: usize> Build<'a, N> {
     }
 
     fn upload(&self, schedule: &[u32]) -> Result<(), GpuError> {
-        let cloud = self.splitter.cloud;
-        self.write(Binding::Positions, cloud.positions());
-        self.write(Binding::Weights, cloud.weights());
+        let samples = self.clusterer.samples;
+        self.write(Binding::Positions, samples.positions());
+        self.write(Binding::Weights, samples.weights());
         self.write(Binding::Schedule, schedule);
-        self.write(Binding::Order, &(0..cloud.len() as u32).collect::<Vec<_>>());
+        self.write(Binding::Order, &(0..samples.len() as u32).collect::<Vec<_>>());
         self.gpu.queue.submit([]);
         self.gpu.wait()
     }
@@ -107,10 +112,10 @@ impl<'a, const N: usize> Build<'a, N> {
     }
 
     fn assign(mut self, observer: &mut Observer<'_>) -> Result<(Assignment, Spent), GpuError> {
-        let cutter = self.splitter.cutter;
+        let halving = self.clusterer.halving;
         let total = self.order.len();
         let cut = |level: &Level<'_>, ends: &mut [u32]| self.cut_level(level, ends);
-        let ends = levels::by_level(total, N, cutter.leaf_size, observer, cut)?;
+        let ends = levels::by_level(total, N, halving.leaf_size, observer, cut)?;
         let start = Instant::now();
         let gpu = self.gpu;
         let order = gpu.guarded(0, || self.read_order(core::slice::from_ref(&(0..total))))?;
@@ -127,7 +132,7 @@ impl<'a, const N: usize> Build<'a, N> {
             if range.len() <= N {
                 // A lane for each.
                 ends.iter_mut().zip(1..).for_each(|(end, i)| *end = range.end.min(range.start + i) as u32);
-            } else if self.is_on_host(range) || self.splitter.is_too_deep(level.levels_left, range.len()) {
+            } else if self.is_on_host(range) || self.clusterer.is_too_deep(level.levels_left, range.len()) {
                 by_axes.push(i);
             } else {
                 on_device.push(i);
@@ -135,7 +140,7 @@ impl<'a, const N: usize> Build<'a, N> {
         }
         let mut small = Vec::new();
         if !on_device.is_empty() {
-            let jobs = Jobs::new::<N>(level, &on_device, &self.splitter);
+            let jobs = Jobs::new::<N>(level, &on_device, &self.clusterer);
             let gpu = self.gpu;
             let device_ends = gpu.guarded(0, || self.run(&jobs))?;
             for (&i, device_ends) in jobs.numbers.iter().zip(device_ends.chunks_exact(N)) {
@@ -165,13 +170,13 @@ impl<'a, const N: usize> Build<'a, N> {
         self.write(Binding::Level, &[jobs.level]);
         self.write(Binding::Nodes, &jobs.nodes);
         self.write(Binding::Chunks, &jobs.chunks);
-        self.submit(jobs, &[Kernel::Bounds, Kernel::Start, Kernel::LocalCoordinates]);
+        self.submit(jobs, &[Kernel::SampleBox, Kernel::Start, Kernel::LocalCoordinates]);
         // Not all in one: a system may stop a device that works too long on one submission.
-        for steps in self.splitter.schedule.chunks(STEPS_AT_ONCE) {
+        for steps in self.clusterer.schedule.chunks(STEPS_AT_ONCE) {
             let each = [Kernel::Accumulate, Kernel::Update].repeat(steps.len());
             self.submit(jobs, &[&*each, &[Kernel::Cluster]].concat());
         }
-        let balance = balance_dispatches(N, self.splitter.cutter.leaf_size);
+        let balance = balance_dispatches(N, self.clusterer.halving.leaf_size);
         self.submit(jobs, &[&[Kernel::Nearest][..], &[Kernel::Balance].repeat(balance)].concat());
         self.submit(jobs, &[Kernel::LaneEnds, Kernel::SortByLane, Kernel::Replace]);
         let words = jobs.nodes.len() * N;
@@ -183,7 +188,7 @@ impl<'a, const N: usize> Build<'a, N> {
 
     fn submit(&self, jobs: &Jobs, kernels: &[Kernel]) {
         let mut encoder = self.gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
-        if kernels.contains(&Kernel::Bounds) {
+        if kernels.contains(&Kernel::SampleBox) {
             encoder.clear_buffer(self.memory.buffer(Binding::Boxes), 0, None);
             encoder.clear_buffer(self.memory.buffer(Binding::Ends), 0, None);
         }
@@ -245,7 +250,7 @@ impl<'a, const N: usize> Build<'a, N> {
         self.fetch(level, &visiting)?;
         for &i in nodes {
             let (range, ends) = (level.nodes[i].clone(), &mut ends[i * N..][..N]);
-            self.splitter.cut_by_axes(&mut self.order[range.clone()], ends);
+            self.clusterer.cut_by_axes(&mut self.order[range.clone()], ends);
             ends.iter_mut().for_each(|end| *end += range.start as u32);
         }
         let gpu = self.gpu;

@@ -3,7 +3,7 @@
 use super::memory::{self, Chunk, Node};
 use super::shader::{BALANCED_SIZE, MAX_CHUNKS, MIN_CHUNK};
 use crate::construct::levels::Level;
-use crate::construct::neural_gas::Splitter;
+use crate::construct::neural_gas::Clusterer;
 use alloc::vec::Vec;
 use core::ops::Range;
 
@@ -20,7 +20,7 @@ impl Jobs {
     pub(super) fn new<const N: usize>(
         level: &Level<'_>,
         on_device: &[usize],
-        splitter: &Splitter<'_, N>,
+        clusterer: &Clusterer<'_, N>,
     ) -> Self {
         let is_large = |i: &usize| level.nodes[*i].len() > BALANCED_SIZE;
         let large = on_device.iter().copied().filter(is_large);
@@ -28,9 +28,9 @@ impl Jobs {
         let mut jobs = Self {
             level: memory::Level {
                 nodes: numbers.len() as u32,
-                seed: splitter.seed,
-                leaf_size: splitter.cutter.leaf_size as u32,
-                weighted: u32::from(!splitter.cloud.weights().is_empty()),
+                seed: clusterer.seed,
+                leaf_size: clusterer.halving.leaf_size as u32,
+                weighted: u32::from(!clusterer.samples.weights().is_empty()),
                 ..memory::Level::default()
             },
             nodes: Vec::with_capacity(numbers.len()),

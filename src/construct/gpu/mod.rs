@@ -51,11 +51,11 @@ pub use assign::Spent;
 pub use device::Gpu;
 pub use error::GpuError;
 
-use super::longest_axis::Cutter;
-use super::neural_gas::Cloud;
-use super::{Builder, Mesh, Progress, Splitter, centroids};
+use super::longest_axis::Halving;
+use super::neural_gas::Samples;
+use super::{Builder, Mesh, Progress, Splitter};
 use crate::hierarchy::Bvh;
-use crate::node::Node;
+use crate::node::Dop;
 use core::ops::ControlFlow;
 
 /// What [`Builder::build_on`] does where the device fails.
@@ -74,7 +74,7 @@ impl Builder {
     ///
     /// # Errors
     /// [`GpuError`]; with [`Otherwise::Scalar`] [`GpuError::Build`] and [`GpuError::Splitter`] only.
-    pub fn build_on<N: Node>(
+    pub fn build_on<N: Dop>(
         &self,
         gpu: &Gpu,
         otherwise: Otherwise,
@@ -84,11 +84,11 @@ impl Builder {
         let Splitter::BatchNeuralGas { magnification, seed } = self.splitter else {
             return Err(GpuError::Splitter);
         };
-        let on_device = self.build_by(mesh, |mesh| {
-            let (centroids, weights) = (centroids(mesh), magnification.weights(mesh));
-            let cloud = Cloud::new(&centroids, weights.as_deref());
-            let cutter = Cutter { arity: N::ARITY, leaf_size: self.leaf_size as usize, extended: true };
-            assign(gpu, &cloud, &cutter, seed, observer).map(|(assignment, _)| assignment)
+        let on_device = self.build_by(mesh, |table| {
+            let (centroids, weights) = (table.centroids(), magnification.weights::<Mesh<'_>>(table));
+            let samples = Samples::new(&centroids, weights.as_deref());
+            let halving = Halving { arity: N::ARITY, leaf_size: self.leaf_size as usize, extended: true };
+            assign(gpu, &samples, &halving, seed, observer).map(|(assignment, _)| assignment)
         });
         match on_device {
             Ok(tree) => Ok(tree),

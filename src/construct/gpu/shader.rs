@@ -41,7 +41,7 @@ pub(super) const ONE_LANE: u32 = u32::MAX;
 /// The kernels, each named for its scalar twin in [`crate::construct::neural_gas`].
 #[derive(Copy, Clone, PartialEq, Eq, Debug)]
 pub(super) enum Kernel {
-    Bounds,
+    SampleBox,
     Start,
     LocalCoordinates,
     Accumulate,
@@ -56,7 +56,7 @@ pub(super) enum Kernel {
 
 impl Kernel {
     pub(super) const ALL: [Self; 11] = [
-        Self::Bounds,
+        Self::SampleBox,
         Self::Start,
         Self::LocalCoordinates,
         Self::Accumulate,
@@ -73,7 +73,9 @@ impl Kernel {
     pub(super) fn interface(self) -> (&'static str, &'static [Binding]) {
         use Binding as B;
         match self {
-            Self::Bounds => ("bounds", &[B::Level, B::Chunks, B::Positions, B::Weights, B::Order, B::Boxes]),
+            Self::SampleBox => {
+                ("bounds", &[B::Level, B::Chunks, B::Positions, B::Weights, B::Order, B::Boxes])
+            }
             Self::Start => ("start", &[B::Level, B::Nodes, B::Boxes, B::States, B::Prototypes]),
             Self::LocalCoordinates => (
                 "local_coordinates",
@@ -110,7 +112,7 @@ impl Kernel {
             Self::Update => level.large_nodes,
             Self::Cluster | Self::Balance => level.nodes - level.large_nodes,
             Self::LaneEnds => level.nodes,
-            Self::Bounds | Self::LocalCoordinates | Self::Nearest | Self::SortByLane | Self::Replace => {
+            Self::SampleBox | Self::LocalCoordinates | Self::Nearest | Self::SortByLane | Self::Replace => {
                 level.chunks
             }
         }

@@ -4,9 +4,9 @@ use super::device::Gpu;
 use super::memory::{self, Binding, Chunk, Memory, Node, Sizes, State};
 use super::shader::{self, Int64, Kernel, ONE_LANE, SMALL, STEPS_AT_ONCE, balance_dispatches};
 use crate::construct::neural_gas::twins::{
-    Balance, Bounds, Cluster, Prototypes, Sums, accumulate, nearest, schedule, settle, sort_by_lane,
+    Balance, Cluster, Prototypes, SampleBox, Sums, accumulate, nearest, schedule, settle, sort_by_lane,
 };
-use crate::construct::neural_gas::{Cloud, LIMITS};
+use crate::construct::neural_gas::{LIMITS, Samples};
 use alloc::vec;
 use alloc::vec::Vec;
 use bytemuck::{NoUninit, Pod};
@@ -46,7 +46,7 @@ impl Random {
     }
 }
 
-/// The nodes of a level: parts of one cloud.
+/// The nodes of a level: parts of one samples.
 struct Nodes {
     points: Vec<[f64; 3]>,
     weights: Option<Vec<f64>>,
@@ -87,8 +87,8 @@ impl Nodes {
         Self { points, weights, order, sizes: sizes.to_vec() }
     }
 
-    fn cloud(&self) -> Cloud<'_> {
-        Cloud::new(&self.points, self.weights.as_deref())
+    fn samples(&self) -> Samples<'_> {
+        Samples::new(&self.points, self.weights.as_deref())
     }
 
     fn parts(&self) -> impl Iterator<Item = &[u32]> {
@@ -159,9 +159,9 @@ impl<'a, const N: usize> Rig<'a, N> {
         rig.write(Binding::Level, &[rig.level]);
         rig.write(Binding::Nodes, &rig.nodes);
         rig.write(Binding::Chunks, &rig.chunks);
-        let cloud = nodes.cloud();
-        rig.write(Binding::Positions, cloud.positions());
-        rig.write(Binding::Weights, cloud.weights());
+        let samples = nodes.samples();
+        rig.write(Binding::Positions, samples.positions());
+        rig.write(Binding::Weights, samples.weights());
         rig.write(Binding::Order, &nodes.order);
         let h: Vec<u32> = schedule::<N>().iter().flatten().map(|&h| h.into()).collect();
         rig.write(Binding::Schedule, &h);
@@ -208,10 +208,10 @@ impl<'a, const N: usize> Rig<'a, N> {
 
 /// The nodes that can be clustered; others have an empty cluster.
 fn clusters(nodes: &Nodes) -> Vec<(bool, Cluster)> {
-    let cloud = nodes.cloud();
+    let samples = nodes.samples();
     let cluster = |part| {
         let mut cluster = Cluster::default();
-        (cluster.local_coordinates(&cloud, part), cluster)
+        (cluster.local_coordinates(&samples, part), cluster)
     };
     nodes.parts().map(cluster).collect()
 }
@@ -268,13 +268,13 @@ fn for_all<const N: usize>(check: impl Fn(&mut Rig<'_, N>, &Nodes, &mut Random))
 
 fn check_bounds<const N: usize>(rig: &mut Rig<'_, N>, nodes: &Nodes, _: &mut Random) {
     rig.write(Binding::Boxes, &vec![0_u32; 7 * SIZES.len()]);
-    rig.run(Kernel::Bounds);
+    rig.run(Kernel::SampleBox);
     let got: Vec<[u32; 7]> = rig.read(Binding::Boxes, SIZES.len());
-    let cloud = nodes.cloud();
+    let samples = nodes.samples();
     for (got, part) in got.iter().zip(nodes.parts()) {
         let [a, b, c, x, y, z, heaviest] = *got;
-        let got = Bounds { low: [!a, !b, !c], high: [x, y, z], heaviest };
-        assert_eq!(got, cloud.bounds(part));
+        let got = SampleBox { low: [!a, !b, !c], high: [x, y, z], heaviest };
+        assert_eq!(got, samples.bounds(part));
     }
 }
 
@@ -290,9 +290,9 @@ fn bounds_of_16() {
 
 /// Boxes as the kernel `bounds` leaves them.
 fn write_boxes<const N: usize>(rig: &Rig<'_, N>, nodes: &Nodes) {
-    let cloud = nodes.cloud();
+    let samples = nodes.samples();
     let words = |part| {
-        let Bounds { low: [a, b, c], high: [x, y, z], heaviest } = cloud.bounds(part);
+        let SampleBox { low: [a, b, c], high: [x, y, z], heaviest } = samples.bounds(part);
         [!a, !b, !c, x, y, z, heaviest]
     };
     rig.write(Binding::Boxes, &nodes.parts().map(words).collect::<Vec<_>>());

@@ -1,7 +1,7 @@
 //! The step that takes the time: distances, ranks, sums.
 
-use super::cloud::{BLOCK, Block, Cluster};
 use super::prototypes::Prototypes;
+use super::samples::{BLOCK, Block, Cluster};
 use super::schedule::ONE;
 use crate::construct::parallel;
 use alloc::vec::Vec;
@@ -226,7 +226,7 @@ pub(in crate::construct) fn nearest<const N: usize>(
 
 #[cfg(test)]
 mod tests {
-    use super::super::cloud::Cloud;
+    use super::super::samples::Samples;
     use super::super::schedule::schedule;
     use super::*;
 
@@ -237,9 +237,9 @@ mod tests {
     }
 
     fn cluster(points: &[[f64; 3]], weights: Option<&[f64]>) -> Cluster {
-        let cloud = Cloud::new(points, weights);
+        let samples = Samples::new(points, weights);
         let mut cluster = Cluster::default();
-        assert!(cluster.local_coordinates(&cloud, &(0..points.len() as u32).collect::<Vec<_>>()));
+        assert!(cluster.local_coordinates(&samples, &(0..points.len() as u32).collect::<Vec<_>>()));
         cluster
     }
 

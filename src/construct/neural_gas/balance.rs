@@ -8,8 +8,8 @@
 //! Without this, half of the nodes would be those of clusters that do not quite fit in their lane, with two lanes in use.
 
 use super::accumulate::distances;
-use super::cloud::Cluster;
 use super::prototypes::Prototypes;
+use super::samples::Cluster;
 use alloc::vec::Vec;
 
 /// Larger nodes are as clustering leaves them: they have few unused lanes below them.
@@ -145,7 +145,7 @@ fn shortest_paths<const N: usize>(
 #[cfg(test)]
 mod tests {
     use super::super::accumulate::nearest;
-    use super::super::cloud::Cloud;
+    use super::super::samples::Samples;
     use super::*;
 
     /// Points of a cluster, from a generator that any machine has.
@@ -179,9 +179,9 @@ mod tests {
         for seed in 0..60 {
             let count = 5 + seed as usize % 6;
             let points = points(count, seed);
-            let cloud = Cloud::new(&points, None);
+            let samples = Samples::new(&points, None);
             let mut cluster = Cluster::default();
-            assert!(cluster.local_coordinates(&cloud, &(0..count as u32).collect::<Vec<_>>()));
+            assert!(cluster.local_coordinates(&samples, &(0..count as u32).collect::<Vec<_>>()));
             let prototypes = Prototypes::<4>::start(cluster.extent(), seed, 0);
             let mut lanes = Vec::new();
             let mut sizes = nearest(&cluster, &prototypes, &mut lanes);

@@ -1,6 +1,6 @@
 //! The numbers that every implementation of the steps shares.
 
-use super::{balance, cloud, schedule};
+use super::{balance, samples, schedule};
 
 /// See the table of number ranges in [`super`].
 pub(in crate::construct) struct Limits {
@@ -17,10 +17,10 @@ pub(in crate::construct) struct Limits {
 
 pub(in crate::construct) const LIMITS: Limits = Limits {
     steps: schedule::STEPS,
-    local_bits: cloud::LOCAL_BITS,
-    weight_bits: cloud::WEIGHT_BITS,
-    weight_sum_bits: cloud::WEIGHT_SUM_BITS,
-    min_extent: cloud::MIN_EXTENT,
+    local_bits: samples::LOCAL_BITS,
+    weight_bits: samples::WEIGHT_BITS,
+    weight_sum_bits: samples::WEIGHT_SUM_BITS,
+    min_extent: samples::MIN_EXTENT,
     balanced_size: balance::MAX_SIZE,
     cost_shift: balance::COST_SHIFT,
     never: balance::NEVER,

@@ -6,7 +6,7 @@
 //!
 //! # The steps
 //!
-//! [`Cloud::new`] (quantise) once a tree; for each node [`Cluster::local_coordinates`] and [`Prototypes::start`]; then, until nothing
+//! [`Samples::new`] (quantise) once a tree; for each node [`Cluster::local_coordinates`] and [`Prototypes::start`]; then, until nothing
 //! moves or the schedule ends, [`accumulate`] (distances, ranks, sums) and [`Prototypes::update`]; then [`nearest`] (assign),
 //! [`balance`](balance::balance) and [`sort_by_lane`]. Nodes of a level share nothing: whoever runs each step for all nodes of a
 //! level at once, as a GPU does, gets the same tree as this code, which runs all steps of one node while its data are in the cache.
@@ -38,53 +38,53 @@
 
 mod accumulate;
 mod balance;
-mod cloud;
 #[cfg(feature = "gpu")]
 mod limits;
 mod prototypes;
+mod samples;
 mod schedule;
 
-pub(super) use cloud::Cloud;
 #[cfg(feature = "gpu")]
 pub(super) use limits::{LIMITS, Limits};
+pub(super) use samples::Samples;
 /// What each kernel of a device is compared with.
 #[cfg(all(test, feature = "gpu"))]
 pub(super) mod twins {
     pub(in crate::construct) use super::accumulate::{Sums, accumulate, nearest};
     pub(in crate::construct) use super::balance::Balance;
-    pub(in crate::construct) use super::cloud::{Bounds, Cluster};
     pub(in crate::construct) use super::prototypes::Prototypes;
+    pub(in crate::construct) use super::samples::{Cluster, SampleBox};
     pub(in crate::construct) use super::schedule::schedule;
     pub(in crate::construct) use super::{settle, sort_by_lane};
 }
 
-use super::longest_axis::{Cutter, Item};
+use super::longest_axis::{Halving, Item};
 use super::{Assignment, BuildError, Observer, levels};
 use accumulate::{accumulate, nearest};
 use alloc::vec::Vec;
 use balance::Balance;
-use cloud::Cluster;
 use prototypes::Prototypes;
+use samples::Cluster;
 use schedule::schedule;
 
-/// The shape of a tree over a cloud. `cutter` has the arity and leaf size, and cuts where clustering cannot.
+/// The shape of a tree over a samples. `halving` has the arity and leaf size, and cuts where clustering cannot.
 pub(super) fn assign(
-    cloud: &Cloud<'_>,
-    cutter: &Cutter,
+    samples: &Samples<'_>,
+    halving: &Halving,
     seed: u32,
     observer: &mut Observer<'_>,
 ) -> Result<Assignment, BuildError> {
-    match cutter.arity {
-        4 => Splitter::<4>::new(cloud, cutter, seed).assign(observer),
-        16 => Splitter::<16>::new(cloud, cutter, seed).assign(observer),
+    match halving.arity {
+        4 => Clusterer::<4>::new(samples, halving, seed).assign(observer),
+        16 => Clusterer::<16>::new(samples, halving, seed).assign(observer),
         arity => unreachable!("nodes have 4 or 16 lanes, not {arity}"),
     }
 }
 
 /// Cuts nodes of `N` lanes.
-pub(super) struct Splitter<'a, const N: usize> {
-    pub(super) cloud: &'a Cloud<'a>,
-    pub(super) cutter: &'a Cutter,
+pub(super) struct Clusterer<'a, const N: usize> {
+    pub(super) samples: &'a Samples<'a>,
+    pub(super) halving: &'a Halving,
     pub(super) seed: u32,
     /// h of each rank, step by step.
     pub(super) schedule: Vec<[u16; N]>,
@@ -99,17 +99,17 @@ struct Scratch<const N: usize> {
     sorted: Vec<u32>,
 }
 
-impl<'a, const N: usize> Splitter<'a, N> {
-    pub(super) fn new(cloud: &'a Cloud<'a>, cutter: &'a Cutter, seed: u32) -> Self {
-        Self { cloud, cutter, seed, schedule: schedule() }
+impl<'a, const N: usize> Clusterer<'a, N> {
+    pub(super) fn new(samples: &'a Samples<'a>, halving: &'a Halving, seed: u32) -> Self {
+        Self { samples, halving, seed, schedule: schedule() }
     }
 
     fn assign(&self, observer: &mut Observer<'_>) -> Result<Assignment, BuildError> {
-        let mut order: Vec<u32> = (0..self.cloud.len() as u32).collect();
+        let mut order: Vec<u32> = (0..self.samples.len() as u32).collect();
         let cut = |scratch: &mut Scratch<N>, place, part: &mut [u32], ends: &mut [u32]| {
             self.cut(scratch, place, part, ends);
         };
-        let ends = levels::split(&mut order, N, self.cutter.leaf_size, observer, cut)?;
+        let ends = levels::split(&mut order, N, self.halving.leaf_size, observer, cut)?;
         Ok(Assignment { order, ends })
     }
 
@@ -127,14 +127,14 @@ impl<'a, const N: usize> Splitter<'a, N> {
     /// Clusters a node. Whether that led to anything.
     fn cluster(&self, scratch: &mut Scratch<N>, node: usize, part: &mut [u32], ends: &mut [u32]) -> bool {
         let Scratch { cluster, balance, lanes, sorted } = scratch;
-        if !cluster.local_coordinates(self.cloud, part) {
+        if !cluster.local_coordinates(self.samples, part) {
             return false;
         }
         let mut prototypes = Prototypes::<N>::start(cluster.extent(), self.seed, node as u32);
         settle(cluster, &mut prototypes, &self.schedule);
         let mut sizes = nearest(cluster, &prototypes, lanes);
         if part.len() <= balance::MAX_SIZE {
-            balance.balance(cluster, &prototypes, self.cutter.leaf_size, lanes, &mut sizes);
+            balance.balance(cluster, &prototypes, self.halving.leaf_size, lanes, &mut sizes);
         }
         if sizes.contains(&(part.len() as u32)) {
             return false;
@@ -144,9 +144,9 @@ impl<'a, const N: usize> Splitter<'a, N> {
     }
 
     pub(super) fn cut_by_axes(&self, part: &mut [u32], ends: &mut [u32]) {
-        let item = |&index: &u32| Item { centroid: self.cloud.point(index), index };
+        let item = |&index: &u32| Item { centroid: self.samples.point(index), index };
         let mut items: Vec<Item> = part.iter().map(item).collect();
-        self.cutter.cut_node(&mut items, ends);
+        self.halving.cut_node(&mut items, ends);
         part.iter_mut().zip(&items).for_each(|(index, item)| *index = item.index);
         let mut start = 0;
         for &end in &*ends {
@@ -163,7 +163,7 @@ impl<'a, const N: usize> Splitter<'a, N> {
 
     /// Levels of a balanced tree over `count` primitives.
     fn levels_needed(&self, count: usize) -> usize {
-        let (mut levels, mut room) = (0, self.cutter.leaf_size);
+        let (mut levels, mut room) = (0, self.halving.leaf_size);
         while room < count {
             (levels, room) = (levels + 1, room * N);
         }

@@ -24,7 +24,7 @@
 //! Codes become halves (two shifts and an xor, sixteen at once), then floats (`vcvtph2ps`), once per plane of the node; each turned plane is three multiplications
 //! and three additions on 2 x 8 lanes, the two of a slab with the same weights; `vcvtps2ph` rounds up, and what turns halves into codes is done for sixteen at once.
 
-use super::super::{Query, SEPARATED};
+use super::super::{SEPARATED, Turned};
 use crate::isa::compiled_for_avx2;
 use crate::key::Key;
 use crate::node::{Node4, Node16};
@@ -71,7 +71,7 @@ compiled_for_avx2! {
 
 compiled_for_avx2! {
     #[inline]
-    pub(super) fn overlap_1v16<const K: usize>(query: &Query<16, K>, lane: usize, node: &Node16<K>) -> u16 {
+    pub(super) fn overlap_1v16<const K: usize>(query: &Turned<16, K>, lane: usize, node: &Node16<K>) -> u16 {
         let lane = lane & 15;
         let mut separated = _mm256_setzero_si256();
         for slab in 0..K / 2 {
@@ -89,7 +89,7 @@ compiled_for_avx2! {
 
 compiled_for_avx2! {
     #[inline]
-    pub(super) fn overlap_16v1<const K: usize>(query: &Query<16, K>, node: &Node16<K>, lane: usize) -> u16 {
+    pub(super) fn overlap_16v1<const K: usize>(query: &Turned<16, K>, node: &Node16<K>, lane: usize) -> u16 {
         let lane = lane & 15;
         let mut separated = _mm256_setzero_si256();
         for (bodies, planes) in query.iter().zip(&node.planes) {
@@ -102,7 +102,7 @@ compiled_for_avx2! {
 
 compiled_for_avx2! {
     #[inline]
-    pub(super) fn overlap_16v_hull<const K: usize>(query: &Query<16, K>, node: &Node16<K>) -> u16 {
+    pub(super) fn overlap_16v_hull<const K: usize>(query: &Turned<16, K>, node: &Node16<K>) -> u16 {
         // `vphminposuw` finds the least of eight unsigned words; the exclusive or turns greatest signed to least unsigned and back.
         let flip = _mm_set1_epi16(0x7fff);
         let mut separated = _mm256_setzero_si256();
@@ -119,7 +119,7 @@ compiled_for_avx2! {
 
 compiled_for_avx2! {
     #[inline]
-    pub(super) fn overlap_4v4<const K: usize>(query: &Query<4, K>, node: &Node4<K>) -> u16 {
+    pub(super) fn overlap_4v4<const K: usize>(query: &Turned<4, K>, node: &Node4<K>) -> u16 {
         // Each half of the register holds all four planes; the lower spreads the first two, the upper the last two.
         let spread = _mm256_setr_epi8(
             0, 1, 0, 1, 0, 1, 0, 1, 2, 3, 2, 3, 2, 3, 2, 3, //
@@ -210,7 +210,7 @@ compiled_for_avx2! {
 
 compiled_for_avx2! {
     #[inline]
-    pub(super) fn realign_16<const K: usize>(map: &Realignment<K>, node: &Node16<K>, query: &mut Query<16, K>) {
+    pub(super) fn realign_16<const K: usize>(map: &Realignment<K>, node: &Node16<K>, query: &mut Turned<16, K>) {
         // Not zeroed: a kilobyte of stores.
         let mut planes = [const { MaybeUninit::<[__m256; 2]>::uninit() }; K];
         for (decoded, codes) in planes.iter_mut().zip(&node.planes) {
@@ -241,7 +241,7 @@ compiled_for_avx2! {
 
 compiled_for_avx2! {
     #[inline]
-    pub(super) fn realign_4<const K: usize>(map: &Realignment<K>, node: &Node4<K>, query: &mut Query<4, K>) {
+    pub(super) fn realign_4<const K: usize>(map: &Realignment<K>, node: &Node4<K>, query: &mut Turned<4, K>) {
         let mut planes = [_mm256_setzero_ps(); K];
         for (decoded, codes) in planes.iter_mut().zip(&node.planes) {
             *decoded = decode(load_4(codes));

@@ -5,7 +5,7 @@
 mod dops;
 mod triangles;
 
-use super::{Kernel, Query};
+use super::{Kernel, Turned};
 use crate::isa::Avx2;
 use crate::node::{Node4, Node16};
 use crate::primitive::triangle::{Probe, Triangle};
@@ -18,25 +18,25 @@ impl Kernel for Avx2 {
     }
 
     #[inline(always)]
-    fn overlap_1v16<const K: usize>(self, query: &Query<16, K>, lane: usize, node: &Node16<K>) -> u16 {
+    fn overlap_1v16<const K: usize>(self, query: &Turned<16, K>, lane: usize, node: &Node16<K>) -> u16 {
         // SAFETY: the token proves the features that the function is compiled for.
         unsafe { dops::overlap_1v16(query, lane, node) }
     }
 
     #[inline(always)]
-    fn overlap_16v1<const K: usize>(self, query: &Query<16, K>, node: &Node16<K>, lane: usize) -> u16 {
+    fn overlap_16v1<const K: usize>(self, query: &Turned<16, K>, node: &Node16<K>, lane: usize) -> u16 {
         // SAFETY: the token proves the features that the function is compiled for.
         unsafe { dops::overlap_16v1(query, node, lane) }
     }
 
     #[inline(always)]
-    fn overlap_16v_hull<const K: usize>(self, query: &Query<16, K>, node: &Node16<K>) -> u16 {
+    fn overlap_16v_hull<const K: usize>(self, query: &Turned<16, K>, node: &Node16<K>) -> u16 {
         // SAFETY: the token proves the features that the function is compiled for.
         unsafe { dops::overlap_16v_hull(query, node) }
     }
 
     #[inline(always)]
-    fn overlap_4v4<const K: usize>(self, query: &Query<4, K>, node: &Node4<K>) -> u16 {
+    fn overlap_4v4<const K: usize>(self, query: &Turned<4, K>, node: &Node4<K>) -> u16 {
         // SAFETY: the token proves the features that the function is compiled for.
         unsafe { dops::overlap_4v4(query, node) }
     }
@@ -48,13 +48,13 @@ impl Kernel for Avx2 {
     }
 
     #[inline(always)]
-    fn realign_16<const K: usize>(self, map: &Realignment<K>, node: &Node16<K>, query: &mut Query<16, K>) {
+    fn realign_16<const K: usize>(self, map: &Realignment<K>, node: &Node16<K>, query: &mut Turned<16, K>) {
         // SAFETY: the token proves the features that the function is compiled for.
         unsafe { dops::realign_16(map, node, query) }
     }
 
     #[inline(always)]
-    fn realign_4<const K: usize>(self, map: &Realignment<K>, node: &Node4<K>, query: &mut Query<4, K>) {
+    fn realign_4<const K: usize>(self, map: &Realignment<K>, node: &Node4<K>, query: &mut Turned<4, K>) {
         // SAFETY: the token proves the features that the function is compiled for.
         unsafe { dops::realign_4(map, node, query) }
     }

@@ -6,7 +6,7 @@
 //! Re-alignment, the hull of a root and triangles are the AVX2 code under this token: Miri runs `vcvtph2ps ymm` but not its zmm form, and what no machine at hand
 //! has run is not worth a kernel.
 
-use super::super::Query;
+use super::super::Turned;
 use crate::isa::compiled_for_avx512;
 use crate::node::{Node4, Node16};
 use core::arch::x86_64::*;
@@ -60,7 +60,7 @@ const TILE: [u8; 64] = bytes_of_bodies(false);
 
 compiled_for_avx512! {
     #[inline]
-    pub(super) fn overlap_1v16<const K: usize>(query: &Query<16, K>, lane: usize, node: &Node16<K>) -> u16 {
+    pub(super) fn overlap_1v16<const K: usize>(query: &Turned<16, K>, lane: usize, node: &Node16<K>) -> u16 {
         let lane = lane & 15;
         let mut separated: __mmask32 = 0;
         for slab in 0..K / 2 {
@@ -77,7 +77,7 @@ compiled_for_avx512! {
 
 compiled_for_avx512! {
     #[inline]
-    pub(super) fn overlap_16v1<const K: usize>(query: &Query<16, K>, node: &Node16<K>, lane: usize) -> u16 {
+    pub(super) fn overlap_16v1<const K: usize>(query: &Turned<16, K>, node: &Node16<K>, lane: usize) -> u16 {
         let lane = lane & 15;
         let mut separated: __mmask32 = 0;
         for slab in 0..K / 2 {
@@ -91,7 +91,7 @@ compiled_for_avx512! {
 
 compiled_for_avx512! {
     #[inline]
-    pub(super) fn overlap_4v4<const K: usize>(query: &Query<4, K>, node: &Node4<K>) -> u16 {
+    pub(super) fn overlap_4v4<const K: usize>(query: &Turned<4, K>, node: &Node4<K>) -> u16 {
         // A 128-bit register holds a slab: planes 2s in words 0..4, planes 2s + 1 in words 4..8. All four quarters get it, and pick theirs.
         let slab_of = |planes: &[[i16; 4]; 2]| {
             // SAFETY: the two arrays have the 16 bytes that are read; the load asks for no alignment.

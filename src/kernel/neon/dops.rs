@@ -4,7 +4,7 @@
 //! anded with their bit and added across. F16 conversion rounds to nearest only, so re-alignment converts there and back and steps up
 //! by one code where the result fell short.
 
-use super::super::{Query, SEPARATED};
+use super::super::{SEPARATED, Turned};
 use crate::isa::compiled_for_neon;
 use crate::key::Key;
 use crate::node::{Node4, Node16};
@@ -64,7 +64,7 @@ compiled_for_neon! {
 
 compiled_for_neon! {
     #[inline]
-    pub(super) fn overlap_1v16<const K: usize>(query: &Query<16, K>, lane: usize, node: &Node16<K>) -> u16 {
+    pub(super) fn overlap_1v16<const K: usize>(query: &Turned<16, K>, lane: usize, node: &Node16<K>) -> u16 {
         let lane = lane & 15;
         let mut separated = [vdupq_n_u16(0); 2];
         for slab in 0..K / 2 {
@@ -86,7 +86,7 @@ compiled_for_neon! {
 
 compiled_for_neon! {
     #[inline]
-    pub(super) fn overlap_16v1<const K: usize>(query: &Query<16, K>, node: &Node16<K>, lane: usize) -> u16 {
+    pub(super) fn overlap_16v1<const K: usize>(query: &Turned<16, K>, node: &Node16<K>, lane: usize) -> u16 {
         let lane = lane & 15;
         let mut separated = [vdupq_n_u16(0); 2];
         for (query, planes) in query.iter().zip(&node.planes) {
@@ -103,7 +103,7 @@ compiled_for_neon! {
 
 compiled_for_neon! {
     #[inline]
-    pub(super) fn overlap_16v_hull<const K: usize>(query: &Query<16, K>, node: &Node16<K>) -> u16 {
+    pub(super) fn overlap_16v_hull<const K: usize>(query: &Turned<16, K>, node: &Node16<K>) -> u16 {
         let mut separated = [vdupq_n_u16(0); 2];
         for (query, planes) in query.iter().zip(&node.planes) {
             let [low, high] = halves(planes);
@@ -120,7 +120,7 @@ compiled_for_neon! {
 
 compiled_for_neon! {
     #[inline]
-    pub(super) fn overlap_4v4<const K: usize>(query: &Query<4, K>, node: &Node4<K>) -> u16 {
+    pub(super) fn overlap_4v4<const K: usize>(query: &Turned<4, K>, node: &Node4<K>) -> u16 {
         let mut separated = [vdupq_n_u16(0); 2];
         for (query, planes) in query.iter().zip(&node.planes) {
             let q = load_4(query);
@@ -177,7 +177,7 @@ compiled_for_neon! {
     pub(super) fn realign<const W: usize, const Q: usize, const K: usize>(
         map: &Realignment<K>,
         planes: &[[i16; W]; K],
-        query: &mut Query<W, K>,
+        query: &mut Turned<W, K>,
     ) {
         let mut decoded = [[vdupq_n_f32(0.0); Q]; K];
         for j in 0..K {

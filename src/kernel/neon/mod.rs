@@ -4,7 +4,7 @@
 
 mod dops;
 
-use super::{Kernel, Query, scalar};
+use super::{Kernel, Turned, scalar};
 use crate::isa::Neon;
 use crate::node::{Node4, Node16};
 use crate::primitive::triangle::{Probe, Triangle};
@@ -17,25 +17,25 @@ impl Kernel for Neon {
     }
 
     #[inline(always)]
-    fn overlap_1v16<const K: usize>(self, query: &Query<16, K>, lane: usize, node: &Node16<K>) -> u16 {
+    fn overlap_1v16<const K: usize>(self, query: &Turned<16, K>, lane: usize, node: &Node16<K>) -> u16 {
         // SAFETY: the token proves the features that the function is compiled for.
         unsafe { dops::overlap_1v16(query, lane, node) }
     }
 
     #[inline(always)]
-    fn overlap_16v1<const K: usize>(self, query: &Query<16, K>, node: &Node16<K>, lane: usize) -> u16 {
+    fn overlap_16v1<const K: usize>(self, query: &Turned<16, K>, node: &Node16<K>, lane: usize) -> u16 {
         // SAFETY: the token proves the features that the function is compiled for.
         unsafe { dops::overlap_16v1(query, node, lane) }
     }
 
     #[inline(always)]
-    fn overlap_16v_hull<const K: usize>(self, query: &Query<16, K>, node: &Node16<K>) -> u16 {
+    fn overlap_16v_hull<const K: usize>(self, query: &Turned<16, K>, node: &Node16<K>) -> u16 {
         // SAFETY: the token proves the features that the function is compiled for.
         unsafe { dops::overlap_16v_hull(query, node) }
     }
 
     #[inline(always)]
-    fn overlap_4v4<const K: usize>(self, query: &Query<4, K>, node: &Node4<K>) -> u16 {
+    fn overlap_4v4<const K: usize>(self, query: &Turned<4, K>, node: &Node4<K>) -> u16 {
         // SAFETY: the token proves the features that the function is compiled for.
         unsafe { dops::overlap_4v4(query, node) }
     }
@@ -46,13 +46,13 @@ impl Kernel for Neon {
     }
 
     #[inline(always)]
-    fn realign_16<const K: usize>(self, map: &Realignment<K>, node: &Node16<K>, query: &mut Query<16, K>) {
+    fn realign_16<const K: usize>(self, map: &Realignment<K>, node: &Node16<K>, query: &mut Turned<16, K>) {
         // SAFETY: the token proves the features that the function is compiled for.
         unsafe { dops::realign::<16, 4, K>(map, &node.planes, query) }
     }
 
     #[inline(always)]
-    fn realign_4<const K: usize>(self, map: &Realignment<K>, node: &Node4<K>, query: &mut Query<4, K>) {
+    fn realign_4<const K: usize>(self, map: &Realignment<K>, node: &Node4<K>, query: &mut Turned<4, K>) {
         // SAFETY: the token proves the features that the function is compiled for.
         unsafe { dops::realign::<4, 1, K>(map, &node.planes, query) }
     }

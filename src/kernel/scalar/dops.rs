@@ -1,12 +1,12 @@
 //! Children against children, and re-alignment.
 
-use super::super::{Query, SEPARATED};
+use super::super::{SEPARATED, Turned};
 use crate::key::Key;
 use crate::realign::Realignment;
 
 /// Whether some plane separates body `a` of the query from child `b`.
 pub(super) fn separated<const W: usize, const K: usize>(
-    query: &Query<W, K>,
+    query: &Turned<W, K>,
     a: usize,
     planes: &[[i16; W]; K],
     b: usize,
@@ -17,7 +17,7 @@ pub(super) fn separated<const W: usize, const K: usize>(
 pub(super) fn realign<const W: usize, const K: usize>(
     map: &Realignment<K>,
     planes: &[[i16; W]; K],
-    query: &mut Query<W, K>,
+    query: &mut Turned<W, K>,
 ) {
     for j in 0..K {
         for lane in 0..W {

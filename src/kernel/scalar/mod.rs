@@ -3,7 +3,7 @@
 mod dops;
 pub(super) mod triangles;
 
-use super::{Kernel, Query};
+use super::{Kernel, Turned};
 use crate::isa::Scalar;
 use crate::node::{Node4, Node16};
 use crate::primitive::triangle::{Probe, Triangle};
@@ -15,21 +15,21 @@ impl Kernel for Scalar {
         f()
     }
 
-    fn overlap_1v16<const K: usize>(self, query: &Query<16, K>, lane: usize, node: &Node16<K>) -> u16 {
+    fn overlap_1v16<const K: usize>(self, query: &Turned<16, K>, lane: usize, node: &Node16<K>) -> u16 {
         (0..16).filter(|&i| !dops::separated(query, lane, &node.planes, i)).fold(0, |mask, i| mask | 1 << i)
     }
 
-    fn overlap_16v1<const K: usize>(self, query: &Query<16, K>, node: &Node16<K>, lane: usize) -> u16 {
+    fn overlap_16v1<const K: usize>(self, query: &Turned<16, K>, node: &Node16<K>, lane: usize) -> u16 {
         (0..16).filter(|&i| !dops::separated(query, i, &node.planes, lane)).fold(0, |mask, i| mask | 1 << i)
     }
 
-    fn overlap_16v_hull<const K: usize>(self, query: &Query<16, K>, node: &Node16<K>) -> u16 {
+    fn overlap_16v_hull<const K: usize>(self, query: &Turned<16, K>, node: &Node16<K>) -> u16 {
         let hull = node.planes.map(|plane| plane.into_iter().fold(i16::MIN, i16::max));
         let separated = |i: usize| query.iter().zip(&hull).any(|(q, p)| q[i] > *p);
         (0..16).filter(|&i| !separated(i)).fold(0, |mask, i| mask | 1 << i)
     }
 
-    fn overlap_4v4<const K: usize>(self, query: &Query<4, K>, node: &Node4<K>) -> u16 {
+    fn overlap_4v4<const K: usize>(self, query: &Turned<4, K>, node: &Node4<K>) -> u16 {
         (0..16)
             .filter(|&i| !dops::separated(query, i / 4, &node.planes, i % 4))
             .fold(0, |mask, i| mask | 1 << i)
@@ -40,11 +40,11 @@ impl Kernel for Scalar {
         triangles::apart_4(probe, triangles)
     }
 
-    fn realign_16<const K: usize>(self, map: &Realignment<K>, node: &Node16<K>, query: &mut Query<16, K>) {
+    fn realign_16<const K: usize>(self, map: &Realignment<K>, node: &Node16<K>, query: &mut Turned<16, K>) {
         dops::realign(map, &node.planes, query);
     }
 
-    fn realign_4<const K: usize>(self, map: &Realignment<K>, node: &Node4<K>, query: &mut Query<4, K>) {
+    fn realign_4<const K: usize>(self, map: &Realignment<K>, node: &Node4<K>, query: &mut Turned<4, K>) {
         dops::realign(map, &node.planes, query);
     }
 }

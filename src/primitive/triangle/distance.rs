@@ -28,19 +28,7 @@ use super::features::{
 };
 use super::{Triangle, in_range, overlap};
 use crate::exact::power_of_two;
-
-/// How far apart two triangles are, and where.
-#[derive(Copy, Clone, PartialEq, Debug)]
-pub struct Separation {
-    /// The distance is at least this.
-    pub lower: f64,
-    /// The distance is at most this: 0 if and only if the triangles meet.
-    pub upper: f64,
-    /// The point of the first triangle that is closest to the second, up to rounding of its coordinates.
-    pub a: [f64; 3],
-    /// The point of the second triangle.
-    pub b: [f64; 3],
-}
+use crate::primitive::Separation;
 
 /// Bounds this close together, relatively, are as good as equal: 2^-42.
 pub(crate) const TIGHT: f64 = power_of_two(-42);
@@ -74,13 +62,7 @@ pub fn separation(a: &Triangle, b: &Triangle) -> Separation {
 /// The [`separation`], or `None` if it is certainly greater than `limit`. Its bounds differ by at most `tolerance` relatively, if that is at
 /// least [`TIGHT`]. Adds 1 to `exact` if more than `f64` was needed.
 #[inline(always)]
-pub(crate) fn nearer(
-    a: &Triangle,
-    b: &Triangle,
-    limit: f64,
-    tolerance: f64,
-    exact: &mut u64,
-) -> Option<Separation> {
+pub fn nearer(a: &Triangle, b: &Triangle, limit: f64, tolerance: f64, exact: &mut u64) -> Option<Separation> {
     debug_assert!(in_range(a) && in_range(b), "coordinate out of range");
     let local = Local::<f64>::new(a, b);
     let faces = local.faces();
@@ -99,7 +81,7 @@ pub(crate) fn nearer(
 /// Whether two triangles are at most `margin` apart. Certain where the distance differs from the margin by more than 2^-90 of
 /// the triangles' extent; within that, true.
 #[inline(never)]
-pub(crate) fn within(a: &Triangle, b: &Triangle, margin: f64, exact: &mut u64) -> bool {
+pub fn within(a: &Triangle, b: &Triangle, margin: f64, exact: &mut u64) -> bool {
     let local = Local::<f64>::new(a, b);
     let faces = local.faces();
     if local.beyond_faces(&faces, margin) {

@@ -27,9 +27,12 @@ mod flat;
 mod interval;
 #[cfg(test)]
 mod tests;
+mod triangles;
 
 use crate::range::{MAX_COORDINATE, MIN_COORDINATE, Point};
 use interval::Wedge;
+
+pub use triangles::Triangles;
 
 /// Three vertices, in any unit of length; the order carries no meaning. Vertices may coincide or be collinear.
 pub type Triangle = [Point; 3];

@@ -4,14 +4,14 @@ use crate::range::Point;
 use alloc::vec::Vec;
 
 /// Points and weights of a tree, quantised once.
-pub(in crate::construct) struct Cloud<'a> {
+pub(in crate::construct) struct Samples<'a> {
     points: &'a [Point],
     positions: Vec<[u32; 3]>,
     /// At least 1; or none at all, if all weigh the same.
     weights: Vec<u32>,
 }
 
-impl<'a> Cloud<'a> {
+impl<'a> Samples<'a> {
     /// Finite `points`, at most [`crate::node::Child::MAX_PRIMITIVES`], each with a weight that is not negative, or all alike.
     ///
     /// Each step is one correctly rounded operation and monotone, so the integers are the same on every machine.
@@ -51,8 +51,8 @@ impl<'a> Cloud<'a> {
     }
 
     /// Of the primitives of a node.
-    pub(in crate::construct) fn bounds(&self, part: &[u32]) -> Bounds {
-        let mut bounds = Bounds { low: [u32::MAX; 3], high: [0; 3], heaviest: 1 };
+    pub(in crate::construct) fn bounds(&self, part: &[u32]) -> SampleBox {
+        let mut bounds = SampleBox { low: [u32::MAX; 3], high: [0; 3], heaviest: 1 };
         for &index in part {
             let p = &self.positions[index as usize];
             bounds.low = core::array::from_fn(|i| bounds.low[i].min(p[i]));
@@ -83,7 +83,7 @@ pub(in crate::construct) const BLOCK: usize = 8;
 
 /// The box of a node's positions, and its largest weight.
 #[derive(Copy, Clone, PartialEq, Eq, Debug)]
-pub(in crate::construct) struct Bounds {
+pub(in crate::construct) struct SampleBox {
     pub(in crate::construct) low: [u32; 3],
     pub(in crate::construct) high: [u32; 3],
     /// 1 if all weigh the same.
@@ -91,16 +91,16 @@ pub(in crate::construct) struct Bounds {
 }
 
 /// How positions and weights become those of a node.
-struct Frame {
+struct Grid {
     low: [u32; 3],
     shift: u32,
     extent: [u16; 3],
     weight_shift: u32,
 }
 
-impl Frame {
+impl Grid {
     /// None if positions hardly tell the primitives apart.
-    fn of(bounds: &Bounds, count: usize) -> Option<Self> {
+    fn of(bounds: &SampleBox, count: usize) -> Option<Self> {
         let size: [u32; 3] = core::array::from_fn(|i| bounds.high[i] - bounds.low[i]);
         let longest = size.into_iter().fold(0, u32::max);
         let shift = (u32::BITS - longest.leading_zeros()).saturating_sub(LOCAL_BITS);
@@ -134,9 +134,9 @@ pub(in crate::construct) struct Block<'a> {
 
 impl Cluster {
     /// Takes the primitives of `part`. False if positions hardly tell them apart.
-    pub(in crate::construct) fn local_coordinates(&mut self, cloud: &Cloud<'_>, part: &[u32]) -> bool {
-        let Some(frame) = Frame::of(&cloud.bounds(part), part.len()) else { return false };
-        let positions = || part.iter().map(|&index| &cloud.positions[index as usize]);
+    pub(in crate::construct) fn local_coordinates(&mut self, samples: &Samples<'_>, part: &[u32]) -> bool {
+        let Some(frame) = Grid::of(&samples.bounds(part), part.len()) else { return false };
+        let positions = || part.iter().map(|&index| &samples.positions[index as usize]);
         self.len = part.len();
         self.extent = frame.extent;
         for (i, list) in self.coordinates.iter_mut().enumerate() {
@@ -145,8 +145,8 @@ impl Cluster {
             list.resize(part.len().next_multiple_of(BLOCK), 0);
         }
         self.weights.clear();
-        if !cloud.weights.is_empty() {
-            let weights = part.iter().map(|&index| cloud.weights[index as usize]);
+        if !samples.weights.is_empty() {
+            let weights = part.iter().map(|&index| samples.weights[index as usize]);
             self.weights.extend(weights.map(|w| (w >> frame.weight_shift).max(1) as u16));
             self.weights.resize(part.len().next_multiple_of(BLOCK), 0);
         }
@@ -205,27 +205,27 @@ mod tests {
     #[test]
     fn positions_fill_their_range() {
         let points = [[-1.0, 5.0, 0.0], [1.0, 5.0, 0.25], [0.0, 5.5, 0.0]];
-        let cloud = Cloud::new(&points, Some(&[0.0, 2.0, 1.0]));
+        let samples = Samples::new(&points, Some(&[0.0, 2.0, 1.0]));
         assert_eq!(
-            cloud.positions,
+            samples.positions,
             [[0, 0, 0], [u32::MAX, 0, u32::MAX / 8], [u32::MAX / 2, u32::MAX / 4, 0]]
         );
-        assert_eq!(cloud.weights, [1, u32::MAX, u32::MAX / 2]);
+        assert_eq!(samples.weights, [1, u32::MAX, u32::MAX / 2]);
         let mut cluster = Cluster::default();
-        assert!(cluster.local_coordinates(&cloud, &[0, 1, 2]));
+        assert!(cluster.local_coordinates(&samples, &[0, 1, 2]));
         let block = cluster.block(0);
         assert_eq!(
             block.coordinates.map(|c| [c[0], c[1], c[2]]),
             [[0, 32767, 16383], [0, 0, 8191], [0, 4095, 0]]
         );
         assert_eq!((block.len, block.weights), (3, Some(&[1, 8191, 4095, 0, 0, 0, 0, 0])));
-        assert!(!cluster.local_coordinates(&cloud, &[1, 1]), "one place");
+        assert!(!cluster.local_coordinates(&samples, &[1, 1]), "one place");
     }
 
     #[test]
     fn one_place_and_no_weight_are_no_problem() {
-        let cloud = Cloud::new(&[[3.0; 3]; 2], Some(&[0.0; 2]));
-        assert_eq!((cloud.positions, cloud.weights), (alloc::vec![[0; 3]; 2], alloc::vec![1; 2]));
-        assert_eq!(Cloud::new(&[], None).len(), 0);
+        let samples = Samples::new(&[[3.0; 3]; 2], Some(&[0.0; 2]));
+        assert_eq!((samples.positions, samples.weights), (alloc::vec![[0; 3]; 2], alloc::vec![1; 2]));
+        assert_eq!(Samples::new(&[], None).len(), 0);
     }
 }

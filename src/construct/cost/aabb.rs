@@ -4,18 +4,18 @@ use crate::range::Point;
 
 /// An axis-aligned box.
 #[derive(Copy, Clone, Debug)]
-pub(in crate::construct) struct Bounds {
+pub(in crate::construct) struct Aabb {
     low: Point,
     high: Point,
 }
 
-impl Bounds {
+impl Aabb {
     /// The box of nothing: joins as the neutral element, has no measure.
     pub(super) const EMPTY: Self = Self { low: [f64::INFINITY; 3], high: [f64::NEG_INFINITY; 3] };
 
     /// The box of some points.
-    pub(in crate::construct) fn of(points: &[Point]) -> Self {
-        points.iter().fold(Self::EMPTY, |b, &p| b.join(&Self { low: p, high: p }))
+    pub(in crate::construct) fn of(points: impl Iterator<Item = Point>) -> Self {
+        points.fold(Self::EMPTY, |b, p| b.join(&Self { low: p, high: p }))
     }
 
     /// The box of both. Minima and maxima do not depend on the order in which boxes are joined: no coordinate is NaN or -0. Comparisons
@@ -58,7 +58,7 @@ pub(in crate::construct) enum Measure {
 
 impl Measure {
     /// The measure of a box that is not empty. Finite: coordinates are below 2^300.
-    pub(super) fn of(self, bounds: &Bounds) -> f64 {
+    pub(super) fn of(self, bounds: &Aabb) -> f64 {
         let [x, y, z] = bounds.widths();
         match self {
             Self::Area => (x * y + y * z) + z * x,

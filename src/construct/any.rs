@@ -1,0 +1,31 @@
+//! Trees whose node type is chosen at run time.
+
+use super::{BuildError, Builder, Mesh, Progress};
+use crate::hierarchy::{AnyBvh, for_node_types};
+use crate::node::{Node4, Node16};
+use core::ops::ControlFlow;
+
+macro_rules! build_any {
+    ($d:tt $($variant:ident $node:ident $arity:literal $k:literal),*) => {
+        impl Builder {
+            /// [`Builder::build_with`] for a k in 6, 14, 18, 26, 32 and an arity of 4 or 16.
+            ///
+            /// # Errors
+            /// [`BuildError::NodeType`] for any other; else as [`Builder::build_with`].
+            pub fn build_any(
+                &self,
+                mesh: &Mesh<'_>,
+                k: usize,
+                arity: usize,
+                observer: &mut dyn FnMut(Progress) -> ControlFlow<()>,
+            ) -> Result<AnyBvh, BuildError> {
+                match (k, arity) {
+                    $(($k, $arity) => self.build_with::<$node<$k>>(mesh, observer).map(AnyBvh::$variant),)*
+                    _ => Err(BuildError::NodeType { k, arity }),
+                }
+            }
+        }
+    };
+}
+
+for_node_types!(build_any);

@@ -1,0 +1,100 @@
+//! The baked tree of a shape: header, nodes, primitives in one run of bytes. The only code that makes nodes.
+
+use super::geometry::{Record, Table, bounding_box};
+use super::shape::{InOrder, Shape};
+use super::wrap::wrap;
+use super::{Assignment, BuildError, Geometry};
+use crate::exact::round_up_f32;
+use crate::frame::Frame;
+use crate::hierarchy::{Bvh, Header, MAGIC, MAX_DEPTH, VERSION};
+use crate::key::{Key, decode};
+use crate::node::Dop;
+use crate::primitive::Primitive;
+use crate::range::Point;
+use alloc::vec::Vec;
+
+/// Bakes the tree of a checked geometry.
+pub(super) fn bake<N: Dop, G: Geometry>(
+    table: &Table<'_, Record<G>>,
+    assignment: &Assignment,
+    leaf_size: u32,
+) -> Result<Bvh<N, G::Primitive>, BuildError> {
+    let shape: Shape<N> = Shape::new(assignment, leaf_size);
+    if shape.depth > MAX_DEPTH {
+        return Err(BuildError::TooDeep);
+    }
+    let InOrder { vertices, records } = InOrder::of(&table.vertices, table.primitives, &shape.sources);
+    // Of the vertices that primitives use: a stray one would take the frame's precision from all the others.
+    let (low, high) =
+        if vertices.is_empty() { ([0.0; 3], [0.0; 3]) } else { bounding_box(vertices.iter().copied()) };
+    let frame = Frame::around(low, high);
+    let mut nodes = shape.nodes;
+    wrap(&mut nodes, &frame, &vertices, &records);
+
+    let mut corners = Vec::new();
+    let mut is_degenerate = |record: &&Record<G>| {
+        corners.clear();
+        corners.extend(record.as_ref().iter().map(|&vertex| vertices[vertex as usize]));
+        G::is_degenerate(&corners)
+    };
+    let degenerate_count = records.iter().filter(&mut is_degenerate).count() as u32;
+    let coordinate = |i: usize| low[i].abs().max(high[i].abs()).max(frame.centre[i].abs());
+    let single: Option<Vec<_>> = vertices.iter().map(G::Primitive::narrow).collect();
+    let header = Header {
+        magic: MAGIC,
+        version: VERSION,
+        k: N::K as u16,
+        arity: N::ARITY as u16,
+        kind: G::Primitive::KIND.code(),
+        leaf_size: leaf_size as u16,
+        depth: shape.depth as u32,
+        node_count: nodes.len() as u32,
+        primitive_count: records.len() as u32,
+        vertex_count: vertices.len() as u32,
+        degenerate_count,
+        centre: frame.centre,
+        max_coordinate: coordinate(0).max(coordinate(1)).max(coordinate(2)),
+        exponent: frame.exponent,
+        half_width: half_width(&frame, &vertices),
+        max_plane: max_plane(&nodes),
+        vertex_size: match single {
+            Some(_) => size_of::<<G::Primitive as Primitive>::Single>() as u16,
+            None => size_of::<Point>() as u16,
+        },
+        reserved: [0; 17],
+    };
+    let vertex_bytes: &[u8] = match &single {
+        Some(single) => bytemuck::cast_slice(single),
+        None => bytemuck::cast_slice(&vertices),
+    };
+    // Each with its alignment: the order in which a layout reads them.
+    Ok(Bvh::assemble(&[
+        (64, bytemuck::bytes_of(&header)),
+        (64, bytemuck::cast_slice(&nodes)),
+        (8, vertex_bytes),
+        (4, bytemuck::cast_slice(&records)),
+        (4, bytemuck::cast_slice(&shape.sources)),
+    ]))
+}
+
+fn half_width(frame: &Frame, vertices: &[Point]) -> [f32; 3] {
+    core::array::from_fn(|i| {
+        let width = |p: &Point| ((p[i] - frame.centre[i]) * frame.scale()).abs();
+        round_up_f32(vertices.iter().map(width).fold(0.0, f64::max))
+    })
+}
+
+/// The largest magnitude of a finite plane. Codes order as what they stand for, so the least and the greatest have it.
+fn max_plane<N: Dop>(nodes: &[N]) -> f32 {
+    let (mut least, mut greatest) = (0, 0);
+    for node in nodes {
+        for j in 0..N::K {
+            for code in (0..N::ARITY).map(|lane| node.plane(j, lane)) {
+                let finite = code >= Key::LOWEST.code() && code < Key::INFINITY.code();
+                least = if finite { code.min(least) } else { least };
+                greatest = if finite { code.max(greatest) } else { greatest };
+            }
+        }
+    }
+    decode(least).abs().max(decode(greatest))
+}

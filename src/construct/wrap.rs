@@ -1,0 +1,62 @@
+//! The planes of a tree whose shape is known.
+
+use super::parallel;
+use crate::frame::Frame;
+use crate::key::Key;
+use crate::node::{Dop, Link};
+use crate::range::Point;
+use alloc::vec::Vec;
+
+/// The planes of every lane: the supports of the corners below it. Rounding up is monotone, so the greatest of the rounded
+/// supports is the greatest support rounded: a wrapped hierarchy, whether reduced from corners or from the lanes below. So each
+/// vertex is rounded once, though some six triangles and all their ancestors use it.
+pub(super) fn wrap<N: Dop, R: AsRef<[u32]> + Sync>(
+    nodes: &mut [N],
+    frame: &Frame,
+    vertices: &[Point],
+    records: &[R],
+) {
+    let keys = supports::<N>(frame, vertices);
+    let keys_of = |vertex: u32| &keys[vertex as usize * N::K..][..N::K];
+    parallel::for_each_chunk(nodes, NODES_PER_TASK, |_, nodes| {
+        for node in nodes {
+            for lane in 0..N::ARITY {
+                let Link::Leaf { first, count } = node.children()[lane].link() else { continue };
+                let records = &records[first as usize..][..count as usize];
+                for vertex in records.iter().flat_map(|record| record.as_ref()) {
+                    for (j, key) in keys_of(*vertex).iter().enumerate() {
+                        node.raise_plane(j, lane, *key);
+                    }
+                }
+            }
+        }
+    });
+    for index in (0..nodes.len()).rev() {
+        for lane in 0..N::ARITY {
+            let Link::Inner(below) = nodes[index].children()[lane].link() else { continue };
+            let below = nodes[below as usize];
+            for j in 0..N::K {
+                // Unused lanes hold the lowest code, and a node has at least one lane in use.
+                let code = (0..N::ARITY).map(|lane| below.plane(j, lane)).fold(i16::MIN, i16::max);
+                if let Some(key) = Key::from_code(code) {
+                    nodes[index].raise_plane(j, lane, key);
+                }
+            }
+        }
+    }
+}
+
+const NODES_PER_TASK: usize = 512;
+const VERTICES_PER_TASK: usize = 2048;
+
+/// The key of each direction's support of each vertex, `K` a vertex.
+fn supports<N: Dop>(frame: &Frame, vertices: &[Point]) -> Vec<Key> {
+    let mut keys = alloc::vec![Key::ZERO; vertices.len() * N::K];
+    parallel::for_each_chunk(&mut keys, VERTICES_PER_TASK * N::K, |task, keys| {
+        let vertices = &vertices[task * VERTICES_PER_TASK..];
+        for (keys, p) in keys.chunks_exact_mut(N::K).zip(vertices) {
+            frame.supports(N::DIRECTIONS, *p, keys);
+        }
+    });
+    keys
+}

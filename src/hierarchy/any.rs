@@ -1,0 +1,136 @@
+//! Trees whose node type is known at run time only.
+
+#[cfg(feature = "alloc")]
+use super::Bvh;
+use super::layout::node_type;
+use super::{BakeError, BvhRef, Header, Stats, TreeStats, VerifyError};
+use crate::node::{Node4, Node16};
+
+/// Every type of node, written once: `$with!` gets a dollar sign and a list of `Variant Node arity k`.
+macro_rules! for_node_types {
+    ($with:ident) => {
+        $with! {
+            $Arity16K6 Node16 16 6, Arity16K14 Node16 16 14, Arity16K18 Node16 16 18, Arity16K26 Node16 16 26,
+            Arity16K32 Node16 16 32, Arity4K6 Node4 4 6, Arity4K14 Node4 4 14, Arity4K18 Node4 4 18,
+            Arity4K26 Node4 4 26, Arity4K32 Node4 4 32
+        }
+    };
+}
+
+pub(crate) use for_node_types;
+
+macro_rules! any_bvh {
+    ($d:tt $($variant:ident $node:ident $arity:literal $k:literal),*) => {
+        /// A borrowed tree of triangles, of any node type. [`with_bvh!`](crate::with_bvh) gives the [`BvhRef`] in it.
+        #[derive(Copy, Clone, Debug)]
+        pub enum AnyBvhRef<'a> {
+            $(#[doc = concat!("[`", stringify!($node), "<", $k, ">`](", stringify!($node), ").")]
+            $variant(BvhRef<'a, $node<$k>>),)*
+        }
+
+        /// A tree of triangles that owns its bytes, of any node type.
+        #[cfg(feature = "alloc")]
+        #[derive(Clone, Debug)]
+        pub enum AnyBvh {
+            $(#[doc = concat!("[`", stringify!($node), "<", $k, ">`](", stringify!($node), ").")]
+            $variant(Bvh<$node<$k>>),)*
+        }
+
+        $(impl<'a> From<BvhRef<'a, $node<$k>>> for AnyBvhRef<'a> {
+            fn from(tree: BvhRef<'a, $node<$k>>) -> Self {
+                Self::$variant(tree)
+            }
+        }
+
+        #[cfg(feature = "alloc")]
+        impl From<Bvh<$node<$k>>> for AnyBvh {
+            fn from(tree: Bvh<$node<$k>>) -> Self {
+                Self::$variant(tree)
+            }
+        })*
+
+        impl<'a> AnyBvhRef<'a> {
+            /// [`BvhRef::from_bytes`] of whichever node type the header says.
+            ///
+            /// # Errors
+            /// As [`BvhRef::from_bytes`].
+            pub fn from_bytes(bytes: &'a [u8]) -> Result<Self, BakeError> {
+                match node_type(bytes)? {
+                    $(($k, $arity, _) => BvhRef::from_bytes(bytes).map(Self::$variant),)*
+                    (k, arity, _) => Err(BakeError::OtherNode { k, arity }),
+                }
+            }
+        }
+
+        #[cfg(feature = "alloc")]
+        impl AnyBvh {
+            /// [`Bvh::from_bytes`] of whichever node type the header says.
+            ///
+            /// # Errors
+            /// As [`Bvh::from_bytes`].
+            pub fn from_bytes(bytes: &[u8]) -> Result<Self, BakeError> {
+                match node_type(bytes)? {
+                    $(($k, $arity, _) => Bvh::from_bytes(bytes).map(Self::$variant),)*
+                    (k, arity, _) => Err(BakeError::OtherNode { k, arity }),
+                }
+            }
+
+            /// Borrows the tree.
+            #[must_use]
+            pub fn view(&self) -> AnyBvhRef<'_> {
+                match self {
+                    $(Self::$variant(tree) => AnyBvhRef::$variant(tree.view()),)*
+                }
+            }
+
+            /// The baked tree: write this to a file or to flash.
+            #[must_use]
+            pub fn as_bytes(&self) -> &[u8] {
+                match self {
+                    $(Self::$variant(tree) => tree.as_bytes(),)*
+                }
+            }
+        }
+
+        /// Evaluates an expression for the [`BvhRef`](crate::hierarchy::BvhRef) in an [`AnyBvhRef`](crate::hierarchy::AnyBvhRef),
+        /// whichever its node type is: `with_bvh!(any, tree => tree.len())`.
+        #[macro_export]
+        macro_rules! with_bvh {
+            ($d any:expr, $d tree:ident => $d value:expr) => {
+                match $d any {
+                    $($crate::hierarchy::AnyBvhRef::$variant($d tree) => $d value,)*
+                }
+            };
+        }
+    };
+}
+
+for_node_types!(any_bvh);
+
+impl AnyBvhRef<'_> {
+    /// The tree's description: k and arity among it.
+    #[must_use]
+    pub fn header(&self) -> &Header {
+        with_bvh!(self, tree => tree.header())
+    }
+
+    /// As [`BvhRef::stats`].
+    #[must_use]
+    pub fn stats(&self) -> Stats {
+        with_bvh!(self, tree => tree.stats())
+    }
+
+    /// As [`BvhRef::tree_stats`].
+    #[must_use]
+    pub fn tree_stats(&self) -> TreeStats {
+        with_bvh!(self, tree => tree.tree_stats())
+    }
+
+    /// As [`BvhRef::verify`].
+    ///
+    /// # Errors
+    /// As [`BvhRef::verify`].
+    pub fn verify(&self) -> Result<(), VerifyError> {
+        with_bvh!(self, tree => tree.verify())
+    }
+}

@@ -1,0 +1,91 @@
+//! Trees that are part of the program.
+
+use super::layout::Layout;
+use super::{BakeError, BvhRef};
+use crate::node::Dop;
+use crate::primitive::{Primitive, Triangles};
+use core::marker::PhantomData;
+use core::sync::atomic::{AtomicBool, Ordering};
+
+/// Gives its content the alignment that [`BvhRef::from_bytes`] asks for.
+///
+/// ```
+/// use simdop::hierarchy::Aligned;
+/// static TREE: Aligned<[u8; 4]> = Aligned(*b"tree");
+/// assert_eq!(TREE.0.as_ptr() as usize % 64, 0);
+/// ```
+#[derive(Copy, Clone, Debug)]
+#[repr(C, align(64))]
+pub struct Aligned<T: ?Sized>(pub T);
+
+/// A tree in the program's own read-only memory, such as a microcontroller's flash. [`include_tree!`](crate::include_tree) makes one.
+///
+/// Its header was checked when the program was compiled. Its contents are validated by the first call of [`Baked::view`], which
+/// is remembered: later calls take a few instructions.
+#[derive(Debug)]
+pub struct Baked<N, P = Triangles> {
+    bytes: &'static [u8],
+    layout: Layout,
+    is_valid: AtomicBool,
+    kind: PhantomData<(N, P)>,
+}
+
+impl<N: Dop, P: Primitive> Baked<N, P> {
+    /// Of bytes that are aligned to 64. In a constant, whatever is wrong with the header is an error of compilation.
+    ///
+    /// # Panics
+    /// If the bytes are not a tree of this node type and these primitives, all of it and nothing else.
+    #[must_use]
+    pub const fn new(bytes: &'static [u8]) -> Self {
+        let layout = match Layout::of::<N, P>(bytes) {
+            Ok(layout) => layout,
+            Err(BakeError::NotATree) => panic!("the file is not a baked tree"),
+            Err(BakeError::Version { .. }) => {
+                panic!("the tree has a layout of another version: bake it anew")
+            }
+            Err(BakeError::OtherNode { .. }) => panic!("the tree has another k or arity than the node type"),
+            Err(BakeError::OtherPrimitive { .. }) => panic!("the tree has other primitives"),
+            Err(BakeError::Truncated { .. }) => panic!("the tree's file ends early"),
+            Err(BakeError::TooLong { .. }) => panic!("bytes follow after the end of the tree"),
+            Err(_) => panic!("the tree has a bad header"),
+        };
+        Self { bytes, layout, is_valid: AtomicBool::new(false), kind: PhantomData }
+    }
+
+    /// The tree, borrowed. The first call [validates](BvhRef::validate) it, in time linear in its size.
+    ///
+    /// # Errors
+    /// [`BakeError`] if the contents are not safe to walk, or the bytes are not aligned.
+    pub fn view(&self) -> Result<BvhRef<'static, N, P>, BakeError> {
+        // What is remembered says something of constant bytes only, so that no other memory has to be in step with it.
+        if self.is_valid.load(Ordering::Relaxed) {
+            return BvhRef::of_layout(self.bytes, &self.layout);
+        }
+        let view = BvhRef::from_bytes(self.bytes)?;
+        self.is_valid.store(true, Ordering::Relaxed);
+        Ok(view)
+    }
+
+    /// The baked bytes.
+    #[must_use]
+    pub const fn as_bytes(&self) -> &'static [u8] {
+        self.bytes
+    }
+}
+
+/// A [`Baked`] tree from a file, aligned, its header checked by the compiler. The path is relative to the source file, as for
+/// [`include_bytes!`]; an absolute one may be made with `concat!` and `env!`.
+///
+/// ```ignore
+/// static HAND: Baked<Node16<18>> = include_tree!("hand.simdop");
+/// let hand = HAND.view()?; // validated once
+/// ```
+#[macro_export]
+macro_rules! include_tree {
+    ($path:expr $(,)?) => {{
+        const SIZE: usize = include_bytes!($path).len();
+        static BYTES: $crate::hierarchy::Aligned<[u8; SIZE]> =
+            $crate::hierarchy::Aligned(*include_bytes!($path));
+        $crate::hierarchy::Baked::new(&BYTES.0)
+    }};
+}

@@ -1,0 +1,145 @@
+//! Where the parts of a baked tree lie.
+
+use super::{BakeError, Header, MAGIC, VERSION};
+use crate::node::Node;
+use crate::primitive::{Primitive, Store};
+use core::mem::offset_of;
+
+/// `Result` has no `?` in a constant.
+macro_rules! attempt {
+    ($result:expr) => {
+        match $result {
+            Ok(value) => value,
+            Err(error) => return Err(error),
+        }
+    };
+}
+
+/// Where each part begins and how many bytes it has, found out from the header once.
+#[derive(Copy, Clone, PartialEq, Eq, Debug)]
+pub(super) struct Layout {
+    pub(super) nodes: Part,
+    pub(super) vertices: Part,
+    pub(super) records: Part,
+    pub(super) sources: Part,
+    pub(super) vertex_size: u16,
+    /// Length of the whole, a multiple of 64.
+    pub(super) end: usize,
+}
+
+/// A run of bytes.
+#[derive(Copy, Clone, PartialEq, Eq, Debug)]
+pub(super) struct Part {
+    start: usize,
+    len: usize,
+}
+
+impl Part {
+    /// # Panics
+    /// If the bytes end before the part does.
+    #[inline]
+    pub(super) fn of(self, bytes: &[u8]) -> &[u8] {
+        &bytes[self.start..][..self.len]
+    }
+
+    /// The next part, of `count` items: after this one, at a multiple of `align`. On a 32-bit machine a tree may be too large to address.
+    const fn then(self, count: u32, size: usize, align: usize) -> Result<Self, BakeError> {
+        const TOO_LARGE: BakeError = BakeError::Header { field: "counts overflow the address space" };
+        let Some(end) = self.start.checked_add(self.len) else { return Err(TOO_LARGE) };
+        let Some(start) = end.checked_next_multiple_of(align) else { return Err(TOO_LARGE) };
+        let Some(len) = (count as usize).checked_mul(size) else { return Err(TOO_LARGE) };
+        if start.checked_add(len).is_none() { Err(TOO_LARGE) } else { Ok(Self { start, len }) }
+    }
+}
+
+impl Layout {
+    /// Of bytes that shall be a tree of these nodes and primitives, all of it and nothing else. For constants too, so it reads the header
+    /// byte by byte.
+    pub(super) const fn of<N: Node, P: Primitive>(bytes: &[u8]) -> Result<Self, BakeError> {
+        attempt!(begins_as_a_tree(bytes));
+        let kind = u16_at(bytes, offset_of!(Header, kind));
+        if kind != P::KIND.code() {
+            return Err(BakeError::OtherPrimitive { kind });
+        }
+        let (k, arity) = (u16_at(bytes, offset_of!(Header, k)), u16_at(bytes, offset_of!(Header, arity)));
+        if k as usize != N::K || arity as usize != N::ARITY {
+            return Err(BakeError::OtherNode { k, arity });
+        }
+        let vertex_size = u16_at(bytes, offset_of!(Header, vertex_size));
+        if !Store::<P>::takes_vertices_of(vertex_size) {
+            return Err(BakeError::Header { field: "vertex_size" });
+        }
+        let layout = attempt!(Self::of_counts::<N, P>(
+            u32_at(bytes, offset_of!(Header, node_count)),
+            u32_at(bytes, offset_of!(Header, vertex_count)),
+            vertex_size,
+            u32_at(bytes, offset_of!(Header, primitive_count)),
+        ));
+        let end = layout.end;
+        if bytes.len() < end {
+            return Err(BakeError::Truncated { have: bytes.len(), need: end });
+        }
+        if bytes.len() > end {
+            return Err(BakeError::TooLong { have: bytes.len(), need: end });
+        }
+        Ok(layout)
+    }
+
+    /// Of a tree with so many nodes, vertices of some size, and primitives.
+    pub(super) const fn of_counts<N: Node, P: Primitive>(
+        nodes: u32,
+        vertices: u32,
+        vertex_size: u16,
+        primitives: u32,
+    ) -> Result<Self, BakeError> {
+        let header = Part { start: 0, len: size_of::<Header>() };
+        let nodes = attempt!(header.then(nodes, size_of::<N>(), 64));
+        let vertices = attempt!(nodes.then(vertices, vertex_size as usize, 8));
+        let records = attempt!(vertices.then(primitives, size_of::<P::Record>(), 4));
+        let sources = attempt!(records.then(primitives, 4, 4));
+        let end = attempt!(sources.then(0, 0, 64)).start;
+        Ok(Self { nodes, vertices, records, sources, vertex_size, end })
+    }
+}
+
+/// k, arity and the code of the kind of primitive, of bytes of any alignment.
+///
+/// # Errors
+/// As [`Header::read`].
+pub(super) fn node_type(bytes: &[u8]) -> Result<(u16, u16, u16), BakeError> {
+    attempt!(begins_as_a_tree(bytes));
+    let field = |at| u16_at(bytes, at);
+    Ok((field(offset_of!(Header, k)), field(offset_of!(Header, arity)), field(offset_of!(Header, kind))))
+}
+
+/// Magic number, length and version.
+const fn begins_as_a_tree(bytes: &[u8]) -> Result<(), BakeError> {
+    let need = size_of::<Header>();
+    if !begins_with_magic(bytes) {
+        return Err(BakeError::NotATree);
+    }
+    if bytes.len() < need {
+        return Err(BakeError::Truncated { have: bytes.len(), need });
+    }
+    let version = u32_at(bytes, offset_of!(Header, version));
+    if version != VERSION { Err(BakeError::Version { found: version }) } else { Ok(()) }
+}
+
+const fn begins_with_magic(bytes: &[u8]) -> bool {
+    let mut i = 0;
+    while i < MAGIC.len() {
+        if i >= bytes.len() || bytes[i] != MAGIC[i] {
+            return false;
+        }
+        i += 1;
+    }
+    true
+}
+
+const fn u16_at(bytes: &[u8], at: usize) -> u16 {
+    u16::from_le_bytes([bytes[at], bytes[at + 1]])
+}
+
+const fn u32_at(bytes: &[u8], at: usize) -> u32 {
+    u32::from_le_bytes([bytes[at], bytes[at + 1], bytes[at + 2], bytes[at + 3]])
+}

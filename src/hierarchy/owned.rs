@@ -1,0 +1,93 @@
+//! A hierarchy that owns its bytes.
+
+use super::layout::Layout;
+use super::{AsBvh, BakeError, BvhRef};
+use crate::node::{Dop, Node};
+use crate::primitive::{Primitive, Triangles};
+use alloc::vec::Vec;
+use core::marker::PhantomData;
+
+/// One aligned line of bytes.
+#[derive(Copy, Clone, Debug, bytemuck::Pod, bytemuck::Zeroable)]
+#[repr(C, align(64))]
+pub(super) struct Line([u8; 64]);
+
+/// Bytes in whole lines, and how many of them are meant.
+pub(super) fn in_lines(parts: &[(usize, &[u8])]) -> Vec<Line> {
+    let end_of = |end: usize, align: usize, part: &[u8]| end.next_multiple_of(align) + part.len();
+    let end = parts.iter().fold(0, |end, (align, part)| end_of(end, *align, part));
+    let mut lines = alloc::vec![Line([0; 64]); end.div_ceil(64)];
+    let bytes: &mut [u8] = bytemuck::cast_slice_mut(&mut lines);
+    let mut end = 0;
+    for (align, part) in parts {
+        end = end_of(end, *align, part);
+        bytes[end - part.len()..end].copy_from_slice(part);
+    }
+    lines
+}
+
+/// A hierarchy that owns its bytes.
+#[derive(Clone, Debug)]
+pub struct Bvh<N, P = Triangles> {
+    lines: Vec<Line>,
+    layout: Layout,
+    kind: PhantomData<(N, P)>,
+}
+
+impl<N: Dop, P: Primitive> Bvh<N, P> {
+    /// Copies a baked tree, of any alignment, and validates it.
+    ///
+    /// # Errors
+    /// [`BakeError`] if the bytes are not a tree of this node type and these primitives, all of it and nothing else, or are not safe to
+    /// walk.
+    pub fn from_bytes(bytes: &[u8]) -> Result<Self, BakeError> {
+        // Of the bytes given: their copy is filled up to whole lines.
+        let layout = Layout::of::<N, P>(bytes)?;
+        let tree = Self { lines: in_lines(&[(64, bytes)]), layout, kind: PhantomData };
+        BvhRef::<N, P>::from_bytes(tree.as_bytes())?;
+        Ok(tree)
+    }
+}
+
+impl<N: Node, P: Primitive> Bvh<N, P> {
+    /// Takes parts, each with the alignment it needs, that are known to be a tree: the packer's.
+    ///
+    /// # Panics
+    /// If they are not.
+    pub(crate) fn assemble(parts: &[(usize, &[u8])]) -> Self {
+        let lines = in_lines(parts);
+        match Layout::of::<N, P>(bytemuck::cast_slice(&lines)) {
+            Ok(layout) => Self { lines, layout, kind: PhantomData },
+            Err(error) => unreachable!("the packer's parts are a tree: {error}"),
+        }
+    }
+
+    /// The baked tree: write this to a file or to flash.
+    #[must_use]
+    pub fn as_bytes(&self) -> &[u8] {
+        bytemuck::cast_slice(&self.lines)
+    }
+
+    /// Borrows the tree. Constant time: the parts are known, and nothing is checked again. Queries take the owned tree as well.
+    ///
+    /// # Panics
+    /// Never: the bytes were checked when the tree was made.
+    #[inline]
+    #[must_use]
+    pub fn view(&self) -> BvhRef<'_, N, P> {
+        match BvhRef::of_layout(self.as_bytes(), &self.layout) {
+            Ok(view) => view,
+            Err(error) => unreachable!("a tree that was valid when it was made: {error}"),
+        }
+    }
+}
+
+impl<N: Node, P: Primitive> AsBvh for Bvh<N, P> {
+    type Node = N;
+    type Primitive = P;
+
+    #[inline]
+    fn as_bvh(&self) -> BvhRef<'_, N, P> {
+        self.view()
+    }
+}

@@ -1,0 +1,142 @@
+//! A hierarchy over borrowed bytes.
+
+use super::layout::Layout;
+use super::{BakeError, Header, Walk};
+use crate::frame::{Extent, Frame};
+use crate::node::{Dop, Node};
+use crate::primitive::{Primitive, Store, Triangles};
+
+/// A hierarchy over borrowed bytes, safe to walk. Small and `Copy`: pass it by value or reference as you like.
+#[derive(Debug)]
+pub struct BvhRef<'a, N, P: Primitive = Triangles> {
+    pub(super) header: &'a Header,
+    pub(super) nodes: &'a [N],
+    pub(super) store: Store<'a, P>,
+    pub(super) sources: &'a [u32],
+}
+
+impl<N, P: Primitive> Copy for BvhRef<'_, N, P> {}
+impl<N, P: Primitive> Clone for BvhRef<'_, N, P> {
+    fn clone(&self) -> Self {
+        *self
+    }
+}
+
+impl<'a, N: Dop, P: Primitive> BvhRef<'a, N, P> {
+    /// Borrows a baked tree in place, without a copy, after [`BvhRef::validate`]: linear in its size.
+    ///
+    /// # Errors
+    /// [`BakeError`] if the bytes are not a tree of this node type and these primitives, all of it and nothing else, are not aligned to
+    /// 64, or are not safe to walk.
+    pub fn from_bytes(bytes: &'a [u8]) -> Result<Self, BakeError> {
+        // First, so that the error of bytes that are too short for a header says so.
+        Header::read(bytes)?;
+        let view = Self::of_layout(bytes, &Layout::of::<N, P>(bytes)?)?;
+        view.validate()?;
+        Ok(view)
+    }
+}
+
+impl<'a, N: Node, P: Primitive> BvhRef<'a, N, P> {
+    /// The parts of the bytes, their contents unchecked.
+    pub(super) fn of_layout(bytes: &'a [u8], layout: &Layout) -> Result<Self, BakeError> {
+        let misaligned = |_| BakeError::Misaligned;
+        let (vertices, records) = (layout.vertices.of(bytes), layout.records.of(bytes));
+        Ok(Self {
+            header: bytemuck::try_from_bytes(&bytes[..size_of::<Header>()])
+                .map_err(|_| BakeError::Misaligned)?,
+            nodes: bytemuck::try_cast_slice(layout.nodes.of(bytes)).map_err(misaligned)?,
+            store: Store::read(layout.vertex_size, vertices, records).ok_or(BakeError::Misaligned)?,
+            sources: bytemuck::try_cast_slice(layout.sources.of(bytes)).map_err(misaligned)?,
+        })
+    }
+
+    /// Every lane in use, depth first.
+    #[must_use]
+    pub fn walk(&self) -> Walk<'a, N> {
+        Walk::new(self.nodes)
+    }
+
+    /// The tree's description.
+    #[inline]
+    #[must_use]
+    pub const fn header(&self) -> &'a Header {
+        self.header
+    }
+
+    /// All nodes, breadth-first: the root, if there is one, is the first.
+    #[inline]
+    #[must_use]
+    pub const fn nodes(&self) -> &'a [N] {
+        self.nodes
+    }
+
+    /// The frame that the planes are written in.
+    #[inline]
+    #[must_use]
+    pub const fn frame(&self) -> Frame {
+        Frame { centre: self.header.centre, exponent: self.header.exponent }
+    }
+
+    /// How large the body is.
+    #[inline(always)]
+    #[must_use]
+    pub const fn extent(&self) -> Extent {
+        self.header.extent()
+    }
+
+    /// Number of primitives.
+    #[inline]
+    #[must_use]
+    pub const fn len(&self) -> usize {
+        self.sources.len()
+    }
+
+    /// Whether there is no primitive. An empty body meets nothing.
+    #[inline]
+    #[must_use]
+    pub const fn is_empty(&self) -> bool {
+        self.sources.is_empty()
+    }
+
+    /// Primitive `index`, an index in leaf order below [`len`](Self::len), in the body's unit: of a triangle its corners.
+    ///
+    /// # Panics
+    /// If `index` is out of range.
+    #[inline(always)]
+    #[must_use]
+    pub fn primitive(&self, index: u32) -> P::Item {
+        P::item(&self.store, index)
+    }
+
+    /// The index that the primitive at `index` in leaf order had in what was built.
+    ///
+    /// # Panics
+    /// If `index` is out of range.
+    #[inline]
+    #[must_use]
+    pub const fn source(&self, index: u32) -> u32 {
+        self.sources[index as usize]
+    }
+}
+
+/// A tree that queries take: borrowed, or owned. A struct can so hold an owned tree and query it, without a view beside it.
+pub trait AsBvh {
+    /// Its nodes.
+    type Node: Node;
+    /// Its primitives.
+    type Primitive: Primitive;
+
+    /// The tree, borrowed. Constant time: nothing is checked again.
+    fn as_bvh(&self) -> BvhRef<'_, Self::Node, Self::Primitive>;
+}
+
+impl<N: Node, P: Primitive> AsBvh for BvhRef<'_, N, P> {
+    type Node = N;
+    type Primitive = P;
+
+    #[inline(always)]
+    fn as_bvh(&self) -> BvhRef<'_, N, P> {
+        *self
+    }
+}

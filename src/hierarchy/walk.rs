@@ -1,0 +1,66 @@
+//! The walk over a tree that everything but queries shares.
+
+use super::MAX_DEPTH;
+use crate::node::{Child, Link, Node};
+
+/// A lane in use, as a [`Walk`] meets it.
+#[derive(Copy, Clone, PartialEq, Eq, Debug)]
+pub struct Lane {
+    /// Index of its node.
+    pub node: u32,
+    /// Its number in the node.
+    pub lane: usize,
+    /// Levels of nodes from the root's node to this one, both included.
+    pub level: usize,
+    /// Where it leads.
+    pub child: Child,
+}
+
+/// All lanes in use, depth first, a lane before what is below it. Without heap: a path of at most [`MAX_DEPTH`] lanes.
+#[derive(Clone, Debug)]
+pub struct Walk<'a, N> {
+    nodes: &'a [N],
+    /// Of each level the node, and the lane that comes next.
+    path: [(u32, usize); MAX_DEPTH],
+    level: usize,
+    /// The node to enter before anything else.
+    below: Option<u32>,
+}
+
+impl<'a, N: Node> Walk<'a, N> {
+    pub(super) fn new(nodes: &'a [N]) -> Self {
+        let below = if nodes.is_empty() { None } else { Some(0) };
+        Self { nodes, path: [(0, 0); MAX_DEPTH], level: 0, below }
+    }
+
+    /// Node and lane on each level above the lane that was met last, and its own.
+    pub fn path(&self) -> impl Iterator<Item = (u32, usize)> {
+        self.path[..self.level].iter().map(|&(node, next)| (node, next - 1))
+    }
+}
+
+impl<N: Node> Iterator for Walk<'_, N> {
+    type Item = Lane;
+
+    fn next(&mut self) -> Option<Lane> {
+        if let Some(node) = self.below.take() {
+            self.path[self.level] = (node, 0);
+            self.level += 1;
+        }
+        while self.level > 0 {
+            let (node, next) = &mut self.path[self.level - 1];
+            let (node, lane) = (*node, core::mem::replace(next, *next + 1));
+            match self.nodes[node as usize].children().get(lane).map(|child| (*child, child.link())) {
+                None => self.level -= 1,
+                Some((_, Link::Empty)) => {}
+                Some((child, link)) => {
+                    if let Link::Inner(below) = link {
+                        self.below = Some(below);
+                    }
+                    return Some(Lane { node, lane, level: self.level, child });
+                }
+            }
+        }
+        None
+    }
+}

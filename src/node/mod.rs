@@ -1,0 +1,43 @@
+//! Nodes: links to what is below, and volumes that bound it.
+//!
+//! [`Node`] is what every kind of node has: a fixed number of lanes, each with a link. [`Dop`] adds the planes of k-DOPs, which
+//! [`Node16`] and [`Node4`] hold.
+
+mod dop;
+mod link;
+
+pub use dop::{Node4, Node16};
+pub use link::{Child, Link, MAX_LEAF_SIZE};
+
+use crate::key::Key;
+use crate::range::Point;
+
+mod sealed {
+    pub trait Sealed {}
+}
+
+/// A node: the links of its lanes. Implemented by [`Node16`] and [`Node4`] only.
+pub trait Node: bytemuck::Pod + Send + Sync + sealed::Sealed + core::fmt::Debug {
+    /// Number of planes of a child.
+    const K: usize;
+    /// Number of lanes.
+    const ARITY: usize;
+    /// A node of unused lanes.
+    const EMPTY: Self;
+
+    /// The links of all lanes.
+    fn children(&self) -> &[Child];
+    /// Makes `lane` a child.
+    fn set_child(&mut self, lane: usize, child: Child);
+}
+
+/// A node whose volumes are k-DOPs.
+pub trait Dop: Node {
+    /// The directions of the planes.
+    const DIRECTIONS: &'static [Point];
+
+    /// The code of plane `j` of child `lane`.
+    fn plane(&self, j: usize, lane: usize) -> i16;
+    /// Raises plane `j` of child `lane` to bound `key` too.
+    fn raise_plane(&mut self, j: usize, lane: usize, key: Key);
+}

@@ -1,0 +1,115 @@
+//! Queries between trees whose node type is known at run time only.
+
+use super::{Answer, Completion, Counters, Distance, Pair, Query, ToleranceError};
+use crate::hierarchy::{AnyBvhRef, for_node_types};
+use crate::pose::Pose;
+use core::fmt;
+use core::ops::ControlFlow;
+
+/// Why two trees of any node type cannot be asked.
+#[derive(Copy, Clone, PartialEq, Debug)]
+pub enum AnyError {
+    /// The two have nodes of different types: build one of them anew.
+    OtherNode {
+        /// k and arity of body A.
+        a: (u16, u16),
+        /// k and arity of body B.
+        b: (u16, u16),
+    },
+    /// The margin or tolerance cannot be.
+    Tolerance(ToleranceError),
+}
+
+impl fmt::Display for AnyError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::OtherNode { a, b } => write!(
+                f,
+                "a tree of k = {} and arity {} cannot be asked with one of k = {} and arity {}",
+                a.0, a.1, b.0, b.1
+            ),
+            Self::Tolerance(error) => error.fmt(f),
+        }
+    }
+}
+
+impl core::error::Error for AnyError {}
+
+impl From<ToleranceError> for AnyError {
+    fn from(error: ToleranceError) -> Self {
+        Self::Tolerance(error)
+    }
+}
+
+macro_rules! ask_any {
+    ($d:tt $($variant:ident $node:ident $arity:literal $k:literal),*) => {
+        /// Evaluates an expression for two trees of one node type; else returns the error that they are not.
+        macro_rules! with_both {
+            ($d a:ident, $d b:ident => $d value:expr) => {
+                match ($d a, $d b) {
+                    $((AnyBvhRef::$variant($d a), AnyBvhRef::$variant($d b)) => Ok($d value),)*
+                    _ => Err(other_node($d a, $d b)),
+                }
+            };
+        }
+    };
+}
+
+for_node_types!(ask_any);
+
+fn other_node(a: &AnyBvhRef<'_>, b: &AnyBvhRef<'_>) -> AnyError {
+    let shape = |tree: &AnyBvhRef<'_>| (tree.header().k, tree.header().arity);
+    AnyError::OtherNode { a: shape(a), b: shape(b) }
+}
+
+impl Query {
+    /// [`Query::collide`].
+    ///
+    /// # Errors
+    /// [`AnyError`] if the two have nodes of different types.
+    pub fn collide_any(&self, a: &AnyBvhRef<'_>, b: &AnyBvhRef<'_>, pose: &Pose) -> Result<Answer, AnyError> {
+        with_both!(a, b => self.collide(a, b, pose))
+    }
+
+    /// [`Query::for_each_pair`].
+    ///
+    /// # Errors
+    /// [`AnyError`] if the two have nodes of different types.
+    pub fn for_each_pair_any(
+        &self,
+        a: &AnyBvhRef<'_>,
+        b: &AnyBvhRef<'_>,
+        pose: &Pose,
+        visit: impl FnMut(Pair) -> ControlFlow<()>,
+    ) -> Result<(Completion, Counters), AnyError> {
+        with_both!(a, b => self.for_each_pair(a, b, pose, visit))
+    }
+
+    /// [`Query::within`].
+    ///
+    /// # Errors
+    /// [`AnyError`] if the two have nodes of different types, or the margin cannot be.
+    pub fn within_any(
+        &self,
+        a: &AnyBvhRef<'_>,
+        b: &AnyBvhRef<'_>,
+        pose: &Pose,
+        margin: f64,
+    ) -> Result<Answer, AnyError> {
+        with_both!(a, b => self.within(a, b, pose, margin)?)
+    }
+
+    /// [`Query::distance`].
+    ///
+    /// # Errors
+    /// [`AnyError`] if the two have nodes of different types, or the tolerance cannot be.
+    pub fn distance_any(
+        &self,
+        a: &AnyBvhRef<'_>,
+        b: &AnyBvhRef<'_>,
+        pose: &Pose,
+        tolerance: f64,
+    ) -> Result<Distance, AnyError> {
+        with_both!(a, b => self.distance(a, b, pose, tolerance)?)
+    }
+}

@@ -1,0 +1,75 @@
+//! One primitive against another: what pairs of leaves come down to.
+
+use crate::kernel::Kernel;
+use crate::primitive::triangle::distance::{nearer, within};
+use crate::primitive::triangle::{Probe, Triangle, Triangles};
+use crate::primitive::{Primitive, Separation};
+
+/// The tests of one primitive of this kind against one of the `Other` kind. A query between two bodies needs them both ways round, since
+/// either body may have the one leaf that is tested against several.
+///
+/// Verdicts are exact for the primitives as given; `exact` is increased by 1 where a test needed more than `f64`.
+pub trait Pairwise<Other: Primitive>: Primitive {
+    /// One primitive that is to be tested against many: what is computed of it once.
+    type Probe<'t>;
+
+    /// Prepares a primitive.
+    fn probe(item: &Self::Item) -> Self::Probe<'_>;
+
+    /// Whether the two meet. Touching is meeting.
+    fn meets(probe: &Self::Probe<'_>, other: &Other::Item, exact: &mut u64) -> bool;
+
+    /// Bit i: the probe and primitive i certainly do not meet. A filter that may be left out; the same bits on every instruction set.
+    #[inline(always)]
+    fn apart_4<E: Kernel>(_kernel: E, _probe: &Self::Probe<'_>, _others: &[Other::Item; 4]) -> u16 {
+        0
+    }
+
+    /// Whether the two are at most `margin`, which is above 0, apart. Never false of those that are.
+    fn within(item: &Self::Item, other: &Other::Item, margin: f64, exact: &mut u64) -> bool;
+
+    /// Certain bounds of the distance, or `None` if it is certainly greater than `limit`. The bounds differ by at most `tolerance`
+    /// relatively, which is at least 2^-42. The upper one is 0 if and only if the two meet.
+    fn nearer(
+        item: &Self::Item,
+        other: &Other::Item,
+        limit: f64,
+        tolerance: f64,
+        exact: &mut u64,
+    ) -> Option<Separation>;
+}
+
+impl Pairwise<Self> for Triangles {
+    type Probe<'t> = Probe<'t>;
+
+    #[inline(always)]
+    fn probe(item: &Triangle) -> Probe<'_> {
+        Probe::new(item)
+    }
+
+    #[inline(always)]
+    fn meets(probe: &Probe<'_>, other: &Triangle, exact: &mut u64) -> bool {
+        probe.overlaps(other, exact)
+    }
+
+    #[inline(always)]
+    fn apart_4<E: Kernel>(kernel: E, probe: &Probe<'_>, others: &[Triangle; 4]) -> u16 {
+        kernel.apart_4(probe, others)
+    }
+
+    #[inline(always)]
+    fn within(item: &Triangle, other: &Triangle, margin: f64, exact: &mut u64) -> bool {
+        within(item, other, margin, exact)
+    }
+
+    #[inline(always)]
+    fn nearer(
+        item: &Triangle,
+        other: &Triangle,
+        limit: f64,
+        tolerance: f64,
+        exact: &mut u64,
+    ) -> Option<Separation> {
+        nearer(item, other, limit, tolerance, exact)
+    }
+}
