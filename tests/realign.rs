@@ -404,7 +404,8 @@ fn offsets_are_no_less_than_proven<const K: usize>() {
         let widest = a.half_width.into_iter().fold(0.0, f32::max);
         a.max_plane = widest * rng.range(1.0, 6.0) as f32;
         let scale = f64::from_bits(((1023 - a.frame.exponent) as u64) << 52);
-        a.max_coordinate = a.frame.centre.iter().fold(0.0, |m: f64, x| m.max(x.abs())) + f64::from(widest) * scale;
+        a.max_coordinate =
+            a.frame.centre.iter().fold(0.0, |m: f64, x| m.max(x.abs())) + f64::from(widest) * scale;
         let t = random_point(&mut rng, [0.0, 1.0, 1e3, 1e6, 1e12]);
         let pose = pose(&rotation(&mut rng), t);
         let centre = add(pose.apply(a.frame.centre), random_point(&mut rng, [0.0, 1.0, 100.0]));
@@ -449,8 +450,9 @@ fn far_offsets_hold_the_pad_for_coordinates<const K: usize>() {
         let b = Frame { centre: pose.apply(a.frame.centre), exponent: rng.int(-12, 12) as i32 };
         let map = Realignment::<K>::new(&pose, &a, &b);
         let exact = |x: f64| Dyadic::from(x);
-        let coordinates =
-            exact(8.0) * exact(a.max_coordinate) + exact(greatest(&pose.translation())) + exact(greatest(&b.centre));
+        let coordinates = exact(8.0) * exact(a.max_coordinate)
+            + exact(greatest(&pose.translation()))
+            + exact(greatest(&b.centre));
         for (n, offsets) in directions::table(K).vectors.iter().step_by(2).zip(map.offset.chunks_exact(2)) {
             let length = n.iter().map(|&x| f64::from(x).abs()).sum::<f64>();
             let pads = exact(2.0 * length) * Dyadic::power_of_two(b.exponent - 46) * coordinates.clone();

@@ -69,7 +69,7 @@ fn change<N: Lanes>(buffer: &mut Buffer, input: &mut Input) {
 }
 
 fn input_nodes<N: Lanes>(tree: &[u8]) -> &[N] {
-    BvhRef::from_bytes(tree).unwrap().nodes()
+    BvhRef::<N>::from_bytes(tree).unwrap().nodes()
 }
 
 fn examine<N: Lanes>(bytes: &[u8], input: &mut Input) {

@@ -14,6 +14,7 @@ use crate::exact::{power_of_two, round_up_f32};
 use crate::frame::Frame;
 use crate::node::Child;
 use crate::primitive::Primitive;
+use crate::realign::Supports;
 
 /// A bound and the lane it is for in one number: numbers order as the bounds do, equal bounds by lane.
 #[derive(Copy, Clone, PartialEq, Eq, PartialOrd, Ord, Debug)]
@@ -128,24 +129,15 @@ pub(crate) type Lows<const K: usize> = [f32; K];
 /// Of moved primitives in frame `b`: tighter than their planes, since not rounded to halves. `reach` bounds all coordinates.
 #[inline(always)]
 pub(crate) fn lows_of<P: Primitive, const K: usize>(b: &Frame, items: &[P::Item], reach: f64) -> Lows<K> {
-    let least = |x: f64, y: f64| if x < y { x } else { y };
-    let mut low = [f64::INFINITY; K];
-    for p in items.iter().flat_map(P::corners) {
-        let d = [p[0] - b.centre[0], p[1] - b.centre[1], p[2] - b.centre[2]];
-        for j in (0..K).step_by(2) {
-            let n = Directions::<K>::VECTORS[j];
-            let support = (n[0] * d[0] + n[1] * d[1]) + n[2] * d[2];
-            low[j] = least(low[j], support);
-            low[j + 1] = least(low[j + 1], -support);
-        }
-    }
-    let greatest = |x: f64, y: f64| if x > y { x } else { y };
+    let Supports { least, greatest, .. } = Supports::<K>::of::<P>(b, items.iter().copied());
+    let above = |x: f64, y: f64| if x > y { x } else { y };
     let scale = b.scale() * SHRUNK;
     let mut lows = [0.0; K];
     for (j, down) in lows.iter_mut().enumerate() {
         let n = Directions::<K>::VECTORS[j];
         let pad = F64_SLACK * ((n[0].abs() + n[1].abs()) + n[2].abs()) * reach;
-        *down = -round_up_f32(greatest((pad - low[j]) * scale, FARTHEST));
+        let low = if j % 2 == 0 { least[j / 2] } else { -greatest[j / 2] };
+        *down = -round_up_f32(above((pad - low) * scale, FARTHEST));
     }
     lows
 }

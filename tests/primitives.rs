@@ -1,0 +1,254 @@
+//! A kind of primitive that the library does not know, written as a user of it would: segments get a tree, `verify`, and queries among themselves and with
+//! triangles, from outside of the crate.
+
+mod support;
+
+use core::ops::ControlFlow;
+use simdop::construct::{Builder, Geometry, Mesh, Splitter};
+use simdop::hierarchy::{BakeError, Bvh, BvhRef};
+use simdop::isa::Isa;
+use simdop::node::{Node4, Node16};
+use simdop::pose::Pose;
+use simdop::primitive::triangle::distance::{nearer, within};
+use simdop::primitive::triangle::{Triangle, Triangles, overlap};
+use simdop::primitive::{Kind, Primitive, Separation, Store};
+use simdop::query::{Lanes, Pairwise, Query};
+use simdop::range::Point;
+use std::collections::BTreeSet;
+use support::exact::triangles_meet;
+use support::rng::Rng;
+
+type Segment = [Point; 2];
+
+#[derive(Copy, Clone, PartialEq, Eq, Debug)]
+struct Segments;
+
+impl Primitive for Segments {
+    const KIND: Kind = Kind::of_user(7);
+
+    type Single = [f32; 3];
+    type Double = Point;
+    type Record = [u32; 2];
+    type Item = Segment;
+
+    fn widen(vertex: [f32; 3]) -> Point {
+        vertex.map(f64::from)
+    }
+
+    fn narrow(vertex: &Point) -> Option<[f32; 3]> {
+        Triangles::narrow(vertex)
+    }
+
+    fn vertex_is(vertex: &Point, accepts: impl Fn(&Point) -> bool) -> bool {
+        accepts(vertex)
+    }
+
+    fn is_among(record: &[u32; 2], vertices: u32) -> bool {
+        record.iter().all(|&vertex| vertex < vertices)
+    }
+
+    fn item(store: &Store<'_, Self>, index: u32) -> Segment {
+        store.record(index).map(|vertex| store.vertex(vertex))
+    }
+
+    fn corners(item: &Segment) -> impl Iterator<Item = Point> {
+        item.iter().copied()
+    }
+
+    fn moved(item: &Segment, pose: &Pose) -> Segment {
+        item.map(|p| pose.apply(p))
+    }
+}
+
+/// A segment is a triangle with two equal corners, which the library decides exactly.
+const fn flat([p, q]: &Segment) -> Triangle {
+    [*p, *q, *q]
+}
+
+macro_rules! as_triangles {
+    ($one:ty, $other:ty, $flat_one:expr, $flat_other:expr) => {
+        impl Pairwise<$other> for $one {
+            type Probe<'t> = Triangle;
+
+            fn probe(item: &Self::Item) -> Triangle {
+                $flat_one(item)
+            }
+
+            fn meets(probe: &Triangle, other: &<$other as Primitive>::Item, exact: &mut u64) -> bool {
+                overlap(probe, &$flat_other(other), exact)
+            }
+
+            fn within(
+                item: &Self::Item,
+                other: &<$other as Primitive>::Item,
+                margin: f64,
+                exact: &mut u64,
+            ) -> bool {
+                within(&$flat_one(item), &$flat_other(other), margin, exact)
+            }
+
+            fn nearer(
+                item: &Self::Item,
+                other: &<$other as Primitive>::Item,
+                limit: f64,
+                tolerance: f64,
+                exact: &mut u64,
+            ) -> Option<Separation> {
+                nearer(&$flat_one(item), &$flat_other(other), limit, tolerance, exact)
+            }
+        }
+    };
+}
+
+as_triangles!(Segments, Segments, flat, flat);
+as_triangles!(Segments, Triangles, flat, |t: &Triangle| *t);
+as_triangles!(Triangles, Segments, |t: &Triangle| *t, flat);
+
+/// Segments over a table of points.
+struct Polyline {
+    vertices: Vec<Point>,
+    segments: Vec<[u32; 2]>,
+}
+
+impl Geometry for Polyline {
+    type Primitive = Segments;
+
+    fn vertices(&self) -> &[Point] {
+        &self.vertices
+    }
+
+    fn primitives(&self) -> &[[u32; 2]] {
+        &self.segments
+    }
+
+    /// Its length.
+    fn weight(corners: &[Point]) -> f64 {
+        glam::DVec3::from_array(corners[0]).distance(glam::DVec3::from_array(corners[1]))
+    }
+
+    fn is_degenerate(corners: &[Point]) -> bool {
+        corners[0] == corners[1]
+    }
+}
+
+/// Short segments between points of a coarse lattice, so that many meet at ends, in the middle, or along a stretch.
+fn lattice(rng: &mut Rng, count: usize) -> Polyline {
+    let mut line = Polyline { vertices: Vec::new(), segments: Vec::new() };
+    for _ in 0..count {
+        let from: Point = [(); 3].map(|()| rng.int(0, 24) as f64);
+        let to = from.map(|x| x + rng.int(-2, 2) as f64);
+        let first = line.vertices.len() as u32;
+        line.vertices.extend([from, to]);
+        line.segments.push([first, first + 1]);
+    }
+    line
+}
+
+fn build<N: Lanes>(line: &Polyline, splitter: Splitter, leaf_size: u32) -> Bvh<N, Segments> {
+    let builder = Builder::new().splitter(splitter).leaf_size(leaf_size);
+    builder.build_geometry(line, &mut |_| ControlFlow::Continue(())).unwrap()
+}
+
+fn pairs_of<N: Lanes, P: Pairwise<Q>, Q: Pairwise<P>>(
+    query: Query,
+    a: &Bvh<N, P>,
+    b: &Bvh<N, Q>,
+    pose: &Pose,
+) -> BTreeSet<(u32, u32)> {
+    let mut found = BTreeSet::new();
+    let (_, counters) = query.for_each_pair(a, b, pose, |pair| {
+        assert!(found.insert((pair.a, pair.b)), "each pair once");
+        ControlFlow::Continue(())
+    });
+    assert!(counters.primitive_pairs < (a.view().len() * b.view().len() / 4) as u64, "{counters:?}");
+    found
+}
+
+fn all_pairs(a: &[Triangle], b: &[Triangle], pose: &Pose) -> BTreeSet<(u32, u32)> {
+    let moved: Vec<Triangle> = a.iter().map(|t| t.map(|p| pose.apply(p))).collect();
+    let meets = |i: usize, j: usize| triangles_meet(&moved[i], &b[j]).then_some((i as u32, j as u32));
+    (0..a.len())
+        .flat_map(|i| (0..b.len()).filter_map(move |j| Some((i, j))))
+        .filter_map(|(i, j)| meets(i, j))
+        .collect()
+}
+
+fn check<N: Lanes>() {
+    let mut rng = Rng::new(11);
+    let (a, b) = (lattice(&mut rng, 300), lattice(&mut rng, 280));
+    let flat_of = |line: &Polyline| -> Vec<Triangle> {
+        line.segments.iter().map(|s| flat(&s.map(|v| line.vertices[v as usize]))).collect()
+    };
+    let patches: Vec<Triangle> = (0..150)
+        .map(|_| [(); 3].map(|()| [(); 3].map(|()| rng.int(0, 24) as f64)))
+        .map(|[p, q, r]: [Point; 3]| {
+            // Small ones: corners two steps apart at most.
+            let near = |x: Point| core::array::from_fn(|i| p[i] + (x[i] - p[i]).clamp(-2.0, 2.0));
+            [p, near(q), near(r)]
+        })
+        .collect();
+    let vertices: Vec<Point> = patches.iter().flatten().copied().collect();
+    let triangles: Vec<[u32; 3]> = (0..patches.len() as u32).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect();
+    let mesh = Builder::new().build::<N>(&Mesh { vertices: &vertices, triangles: &triangles }).unwrap();
+    // Quarter turns and whole steps keep to the lattice.
+    let turned =
+        Pose::from_rows([[0.0, -1.0, 0.0, 24.0], [1.0, 0.0, 0.0, 1.0], [0.0, 0.0, 1.0, -2.0]]).unwrap();
+    for (splitter, leaf_size) in [(Splitter::MeanWidth, 1), (Splitter::ExtendedLongestAxis, 3)] {
+        let (tree_a, tree_b) = (build::<N>(&a, splitter, leaf_size), build::<N>(&b, splitter, leaf_size));
+        tree_a.view().verify().unwrap();
+        let copied = Bvh::<N, Segments>::from_bytes(tree_a.as_bytes()).unwrap();
+        assert_eq!(copied.as_bytes(), tree_a.as_bytes());
+        for pose in [Pose::IDENTITY, turned] {
+            let want = all_pairs(&flat_of(&a), &flat_of(&b), &pose);
+            let [onto, under] =
+                [all_pairs(&flat_of(&a), &patches, &pose), all_pairs(&patches, &flat_of(&a), &pose)];
+            assert!(want.len() > 20 && onto.len() > 20 && under.len() > 20, "the test would say little");
+            for isa in Isa::available() {
+                let query = Query::new(isa);
+                assert_eq!(pairs_of(query, &tree_a, &tree_b, &pose), want, "segments and segments, {isa}");
+                assert_eq!(pairs_of(query, &tree_a, &mesh, &pose), onto, "segments and triangles, {isa}");
+                assert_eq!(pairs_of(query, &mesh, &tree_a, &pose), under, "triangles and segments, {isa}");
+                assert_eq!(query.collide(&tree_a, &tree_b, &pose).is_hit(), !want.is_empty());
+            }
+        }
+        let far =
+            Pose::from_rows([[1.0, 0.0, 0.0, 100.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0]]).unwrap();
+        let distance = Query::new(Isa::detect()).distance(&tree_a, &tree_b, &far, 0.0).unwrap();
+        let [moved, still] = [&a, &b].map(flat_of);
+        let least = moved
+            .iter()
+            .flat_map(|s| still.iter().map(move |t| (s, t)))
+            .map(|(s, t)| nearer(&s.map(|p| far.apply(p)), t, f64::INFINITY, 0.0, &mut 0).unwrap().upper);
+        let least = least.fold(f64::INFINITY, f64::min);
+        assert!((distance.upper - least).abs() <= 1e-9 * least, "{} {least}", distance.upper);
+        assert!(!Query::new(Isa::detect()).within(&tree_a, &tree_b, &far, 0.99 * least).unwrap().is_hit());
+        assert!(Query::new(Isa::detect()).within(&tree_a, &tree_b, &far, 1.01 * least).unwrap().is_hit());
+    }
+}
+
+#[test]
+fn segments_are_decided_as_brute_force_decides_them() {
+    check::<Node16<18>>();
+    check::<Node4<14>>();
+}
+
+#[test]
+fn a_tree_of_other_primitives_is_refused() {
+    let tree = build::<Node16<18>>(&lattice(&mut Rng::new(12), 40), Splitter::MeanWidth, 1);
+    let error = BvhRef::<Node16<18>>::from_bytes(tree.as_bytes()).unwrap_err();
+    assert_eq!(error, BakeError::OtherPrimitive { kind: Kind::of_user(7).code() });
+    assert!(BvhRef::<Node16<18>, Segments>::from_bytes(tree.as_bytes()).is_ok());
+}
+
+/// `verify` reads the primitives by their own means: a plane moved in by one step is found.
+#[test]
+fn a_plane_that_cuts_a_segment_off_is_found() {
+    let tree = build::<Node16<18>>(&lattice(&mut Rng::new(13), 40), Splitter::MeanWidth, 1);
+    let mut bytes = tree.as_bytes().to_vec();
+    // Plane 0 of lane 0 of the root, after the header's 128 bytes.
+    let code = i16::from_le_bytes([bytes[128], bytes[129]]);
+    bytes[128..130].copy_from_slice(&(code - 1).to_le_bytes());
+    let changed = Bvh::<Node16<18>, Segments>::from_bytes(&bytes).unwrap();
+    let error = changed.view().verify().unwrap_err();
+    assert_eq!((error.node, error.lane, error.plane), (0, 0, 0));
+}
