@@ -30,8 +30,8 @@ pub enum PoseError {
     },
     /// The matrix mirrors: its determinant is -1.
     Mirrored,
-    /// The quaternion is not a unit one within [`Pose::TOLERANCE`]. A deviation of 1 is that of (0, 0, 0, 0), which
-    /// a message holds that nobody has filled in.
+    /// The quaternion is not a unit one within [`Pose::TOLERANCE`]. A deviation of 1 is that of (0, 0, 0, 0),
+    /// which a message holds that nobody has filled in.
     NotUnit {
         /// How far the sum of the squares of its components is from 1.
         deviation: f64,
@@ -51,8 +51,8 @@ impl fmt::Display for PoseError {
             Self::Mirrored => f.write_str("the pose is not rigid: it mirrors (determinant -1)"),
             Self::NotUnit { deviation } => write!(
                 f,
-                "the pose's quaternion is not a unit one: its squared length differs from 1 by {deviation:e}, \
-                 more than {:e}",
+                "the pose's quaternion is not a unit one: its squared length differs from 1 by \
+                 {deviation:e}, more than {:e}",
                 Pose::TOLERANCE
             ),
         }
@@ -62,9 +62,9 @@ impl fmt::Display for PoseError {
 impl core::error::Error for PoseError {}
 
 impl Pose {
-    /// Largest accepted absolute entry of `R R^T - 1`, and largest accepted `abs(q . q - 1)` of a quaternion q: room
-    /// for numbers written with five digits (which are 2e-5 off in a quaternion) or in `f32` (3e-7), none for
-    /// scaled ones.
+    /// Largest accepted absolute entry of `R R^T - 1`, and largest accepted `abs(q . q - 1)` of a quaternion
+    /// q: room for numbers written with five digits (which are 2e-5 off in a quaternion) or in `f32` (3e-7),
+    /// none for scaled ones.
     pub const TOLERANCE: f64 = 1e-4;
 
     /// The identity.
@@ -85,11 +85,11 @@ impl Pose {
         if pose.is_rigid() { Ok(pose) } else { Err(pose.fault()) }
     }
 
-    /// A rotation and a translation. Quaternions and single-precision types: through [`TryFrom`], which converts to
-    /// `f64` first.
+    /// A rotation and a translation. Quaternions and single-precision types: through [`TryFrom`], which
+    /// converts to `f64` first.
     ///
-    /// A quaternion must be a unit one within [`Pose::TOLERANCE`], and is then divided by its length: the matrix is
-    /// a rotation to within the rounding of `f64`, however few digits the quaternion came with.
+    /// A quaternion must be a unit one within [`Pose::TOLERANCE`], and is then divided by its length: the
+    /// matrix is a rotation to within the rounding of `f64`, however few digits the quaternion came with.
     ///
     /// ```
     /// use glam::{DQuat, DVec3};
@@ -292,8 +292,8 @@ mod tests {
         assert_eq!(Pose::try_from((DQuat::IDENTITY, DVec3::new(0.0, 0.0, 1e300))), Err(PoseError::TooFar));
     }
 
-    /// Rounded to `f32`, printed with five digits, or a bit off by whatever else: the pose is a rotation to within
-    /// `f64` all the same, and not farther from the one that was meant than the quaternion is.
+    /// Rounded to `f32`, printed with five digits, or a bit off by whatever else: the pose is a rotation to
+    /// within `f64` all the same, and not farther from the one that was meant than the quaternion is.
     #[test]
     fn a_quaternion_that_is_nearly_a_unit_one_gives_a_rotation() {
         let five_digits = |x: f64| (x * 1e5).round() / 1e5;
