@@ -12,8 +12,9 @@ use simdop::pose::Pose;
 use simdop::primitive::triangle::distance::separation;
 use simdop::query::{Completion, Distance, Lanes, Query, Verdict};
 use support::data::{MeshData, Suite, suite_step, suites};
-use support::exact::{Tri, triangles_meet};
+use support::exact::{Tri, meshes_meet, triangles_meet};
 use support::rng::Rng;
+use support::shapes;
 
 type Rows = [[f64; 4]; 3];
 
@@ -370,9 +371,13 @@ fn check_margins<N: Lanes>(scene: &Scene<'_>, (a, b): (&Bvh<N>, &Bvh<N>), want: 
     for margin in margins {
         let answer = within(margin);
         if (want - margin).abs() > 1e-13 * margin {
-            assert_eq!(answer.is_hit(), want <= margin, "margin {margin:e} {want:e} {answer:?} {what}");
+            assert_eq!(
+                answer.hit().is_some(),
+                want <= margin,
+                "margin {margin:e} {want:e} {answer:?} {what}"
+            );
         } else {
-            assert!(answer.is_hit() || want > margin, "margin {margin:e} {want:e} {what}");
+            assert!(answer.hit().is_some() || want > margin, "margin {margin:e} {want:e} {what}");
         }
         if let Verdict::Hit(pair) = answer.verdict {
             let (p, q) = (&scene.a[pair.a as usize], &scene.b[pair.b as usize]);
@@ -381,7 +386,7 @@ fn check_margins<N: Lanes>(scene: &Scene<'_>, (a, b): (&Bvh<N>, &Bvh<N>), want: 
         let short = query.with_budget(3).within(&a.view(), &b.view(), &scene.pose, margin).unwrap();
         match short.verdict {
             Verdict::Unknown { lower, upper } => assert!(lower <= want && want <= upper, "{short:?} {what}"),
-            decided => assert_eq!(matches!(decided, Verdict::Hit(_)), answer.is_hit(), "{what}"),
+            decided => assert_eq!(matches!(decided, Verdict::Hit(_)), answer.hit().is_some(), "{what}"),
         }
     }
 }
@@ -406,7 +411,7 @@ fn distances_and_margins_equal_brute_force_on_meshes() {
         let (a, b) = (build::<Node16<18>>(&suite.a, 1), build::<Node16<18>>(&suite.b, 1));
         let meets = |rows: &Rows| {
             let pose = Pose::from_rows(*rows).unwrap();
-            Query::new(Isa::detect()).collide(&a.view(), &b.view(), &pose).is_hit()
+            Query::new(Isa::detect()).collide(&a.view(), &b.view(), &pose).hit().is_some()
         };
         // At most a quarter of the directions: exact distances take their time.
         let poses = suite.poses(suite_step().max(4), meets);
@@ -543,4 +548,45 @@ fn margins_and_tolerances_are_checked_and_empty_bodies_are_far() {
         assert_eq!(distance.verdict(), Verdict::Free);
         assert_eq!(query.within(&a.view(), &b.view(), &Pose::IDENTITY, 1e9).unwrap().verdict, Verdict::Free);
     }
+}
+
+/// Whatever the budget: what is said to be free is, what is said to be a hit is, and what is unknown is said
+/// to be neither.
+#[test]
+fn an_unknown_is_neither_free_nor_a_hit() {
+    let mesh = shapes::torus(12, 8);
+    let tree = build::<Node16<18>>(&mesh, 1);
+    let view = tree.view();
+    // How often a body that is free, or is not, was said to be free, a hit, neither.
+    let mut said = [[0; 3]; 2];
+    let mut rng = Rng::new(29);
+    for _ in 0..60 {
+        let (r, towards, far) = (rng.rotation(), rng.rotation()[0], rng.range(0.0, 3.0));
+        let rows: Rows = core::array::from_fn(|i| [r[i][0], r[i][1], r[i][2], far * towards[i]]);
+        let pose = Pose::from_rows(rows).unwrap();
+        let meets = meshes_meet(&mesh.placed(&rows), &mesh.corners());
+        let query = Query::new(Isa::detect());
+        let needed = query.collide(&view, &view, &pose).counters.visits;
+        for budget in 0..=needed {
+            let query = query.with_budget(budget);
+            let answer = query.collide(&view, &view, &pose);
+            let distance = query.distance(&view, &view, &pose, 0.0).unwrap();
+            for verdict in [answer.verdict, distance.verdict()] {
+                assert!(!verdict.is_free() || !meets, "falsely free: {answer:?} {distance:?}");
+                assert!(verdict.hit().is_none() || meets, "falsely a hit: {answer:?} {distance:?}");
+            }
+            assert_eq!((answer.is_free(), answer.hit()), (answer.verdict.is_free(), answer.verdict.hit()));
+            let column = match (answer.is_free(), answer.hit()) {
+                (true, None) => 0,
+                (false, Some(_)) => 1,
+                (false, None) => 2,
+                (true, Some(_)) => panic!("free and a hit: {answer:?}"),
+            };
+            assert_eq!(column == 2, budget < needed, "{answer:?} of {needed}");
+            said[usize::from(meets)][column] += 1;
+        }
+    }
+    let [[free, false_hit, free_unknown], [false_free, hit, hit_unknown]] = said;
+    assert!(free > 5 && hit > 5 && free_unknown > 5 && hit_unknown > 5, "{said:?}");
+    assert_eq!((false_hit, false_free), (0, 0));
 }

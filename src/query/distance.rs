@@ -37,6 +37,10 @@ pub struct Witness {
 }
 
 /// What a distance query found out: the distance of the bodies lies in `lower ..= upper`.
+///
+/// The bodies are free if `lower` is above 0, which `upper` says nothing of while the search is not complete:
+/// [`Distance::verdict`] tells.
+#[must_use = "a query has no other effect than its answer"]
 #[derive(Copy, Clone, PartialEq, Debug)]
 pub struct Distance {
     /// Lower bound, in the bodies' unit.
@@ -55,7 +59,6 @@ pub struct Distance {
 
 impl Distance {
     /// Do the bodies meet? Unknown only if the budget was spent before either bound could tell.
-    #[must_use]
     pub fn verdict(&self) -> Verdict {
         match self.witness {
             Some(witness) if self.upper == 0.0 => Verdict::Hit(witness.pair),
