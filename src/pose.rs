@@ -1,7 +1,6 @@
 //! Rigid poses: where body A stands in the frame of body B.
 
-use crate::range::MAX_COORDINATE;
-use crate::range::{Point, flush};
+use crate::range::{MAX_COORDINATE, MAX_MOVED, Point, flush};
 use core::fmt;
 use glam::{Affine3, Affine3A, DAffine3, DMat3, DQuat, DVec3, Mat3, Quat, Vec3};
 
@@ -122,8 +121,10 @@ impl Pose {
         self.translation
     }
 
-    /// `R p + t` in `f64`, each coordinate as `((r0 x + r1 y) + r2 z) + t` without fused operations: the same bits everywhere,
-    /// within 2^-50 (|R||p| + |t|) of the exact image. Coordinates below [`crate::range::MIN_COORDINATE`] become zero.
+    /// `R p + t` in `f64`, each coordinate as `((r0 x + r1 y) + r2 z) + t` without fused operations: the same
+    /// bits everywhere, within 2^-50 (|R||p| + |t|) of the exact image. Coordinates below
+    /// [`crate::range::MIN_COORDINATE`] become zero; of a point within [`MAX_COORDINATE`] none is beyond
+    /// [`MAX_MOVED`].
     #[inline(always)]
     #[must_use]
     pub fn apply(&self, p: Point) -> Point {
@@ -173,6 +174,16 @@ impl Pose {
         dot(p, &[q[1] * r[2] - q[2] * r[1], q[2] * r[0] - q[0] * r[2], q[0] * r[1] - q[1] * r[0]])
     }
 }
+
+// A row of R is at most sqrt(1 + TOLERANCE) long and a point sqrt(3) MAX_COORDINATE, so their product is at
+// most that times this; the translation adds at most MAX_COORDINATE. There is plenty left for rounding.
+const _: () = {
+    let by_rotation = MAX_MOVED / MAX_COORDINATE - 1.0;
+    assert!(
+        by_rotation * by_rotation > 2.0 * 3.0 * (1.0 + Pose::TOLERANCE),
+        "moved points are within MAX_MOVED"
+    );
+};
 
 #[inline]
 fn dot(a: &[f64; 3], b: &[f64; 3]) -> f64 {
@@ -323,6 +334,30 @@ mod tests {
             );
         }
         assert_eq!(of([0.0, 0.0, 0.0, 1.0]).unwrap().rows(), Pose::IDENTITY.rows());
+    }
+
+    /// Corners of the cube of all points, turned onto an axis and moved away: nothing that is accepted goes
+    /// farther.
+    #[test]
+    fn moved_points_are_in_the_range_of_moved_points() {
+        let mut farthest = 0.0;
+        let third = f64::sqrt(1.0 / 3.0);
+        let diagonal = DQuat::from_rotation_arc(DVec3::splat(third), DVec3::X);
+        for turn in turns().chain([diagonal]) {
+            // As long as rows may be.
+            let rotation = DMat3::from_quat(turn) * (1.0 + 0.499 * Pose::TOLERANCE);
+            for corner in 0..8 {
+                let signs: Point = core::array::from_fn(|i| if corner >> i & 1 == 0 { 1.0 } else { -1.0 });
+                let pose = Pose::new(rotation, MAX_COORDINATE * DVec3::from_array(signs)).unwrap();
+                for other in 0..8 {
+                    let p =
+                        core::array::from_fn(|i| MAX_COORDINATE * (1.0 - f64::from(other >> i & 1) * 2.0));
+                    farthest = pose.apply(p).iter().fold(farthest, |m: f64, x| m.max(x.abs()));
+                }
+            }
+        }
+        assert!(farthest <= MAX_MOVED, "{farthest:e}");
+        assert!(farthest > 2.73 * MAX_COORDINATE, "the worst case is among them: {farthest:e}");
     }
 
     #[test]

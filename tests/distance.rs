@@ -11,6 +11,7 @@ use simdop::node::{Node4, Node16};
 use simdop::pose::Pose;
 use simdop::primitive::triangle::distance::separation;
 use simdop::query::{Completion, Distance, Lanes, Query, Verdict};
+use simdop::range::{MAX_COORDINATE, MIN_COORDINATE};
 use support::data::{MeshData, Suite, suite_step, suites};
 use support::exact::{Tri, meshes_meet, triangles_meet};
 use support::rng::Rng;
@@ -180,6 +181,10 @@ fn mixed(p: &[f64; 3], q: &[f64; 3], s: f64) -> [f64; 3] {
     core::array::from_fn(|k| p[k] + s * (q[k] - p[k]))
 }
 
+fn flush(x: f64) -> f64 {
+    if x.abs() < MIN_COORDINATE { 0.0 } else { x }
+}
+
 /// Pairs of many kinds: general, points, segments, needles, almost parallel edges, parallel planes, almost touching.
 fn hard_pair(rng: &mut Rng) -> (Tri, Tri) {
     let shape = |rng: &mut Rng| -> Tri {
@@ -220,14 +225,17 @@ fn hard_pair(rng: &mut Rng) -> (Tri, Tri) {
         }
         _ => {}
     }
-    let scale = *rng.pick(&[1.0, 1.0, 1.0, 1e-30, 1e30, 2_f64.powi(-240), 2_f64.powi(290)]);
-    let flush = |x: f64| if x.abs() < 2_f64.powi(-250) { 0.0 } else { x };
+    let scale = *rng.pick(&[1.0, 1.0, 1.0, 1e-30, 1e30, 2_f64.powi(-240), 2_f64.powi(299)]);
     (a.map(|p| p.map(|x| flush(x * scale))), b.map(|p| p.map(|x| flush(x * scale))))
 }
 
-/// How far `p` is from triangle `t`, as far as `f64` can tell.
+/// How far `p` is from triangle `t`, as far as `f64` can tell. A point of a pair, unlike corners, may have
+/// smaller coordinates than the range of corners allows: where that may be, all is scaled by a power of two.
 fn off(p: &[f64; 3], t: &Tri) -> f64 {
-    separation(&[*p; 3], t).upper
+    let small = t.iter().flatten().all(|x| x.abs() < 1e-60);
+    let scale = if small { 2_f64.powi(200) } else { 1.0 };
+    let [p, q, r, s] = [*p, t[0], t[1], t[2]].map(|p| p.map(|x| flush(x * scale)));
+    separation(&[p; 3], &[q, r, s]).upper / scale
 }
 
 fn norm(p: &[f64; 3], q: &[f64; 3]) -> f64 {
@@ -480,6 +488,40 @@ fn distances_and_margins_equal_brute_force_on_random_shapes() {
         check(&scene, (&build::<Node4<14>>(&a, leaf_size), &build::<Node4<14>>(&b, leaf_size)), &mut want);
         check(&scene, (&build::<Node4<6>>(&a, 1), &build::<Node4<6>>(&b, 1)), &mut want);
     }
+}
+
+/// Bodies as large as they may be, moved as far as they may be: corners come to lie beyond the range of
+/// bodies.
+#[test]
+fn distances_and_margins_equal_brute_force_at_the_largest_coordinates() {
+    let mut rng = Rng::new(31);
+    let (mut beyond, mut met) = (0, 0);
+    for case in 0..100 {
+        let scale = MAX_COORDINATE * *rng.pick(&[1.0, 1.0, 1e-3]);
+        let mut body = |kind| match kind {
+            0 => soup(&mut rng, scale / 128.0),
+            1 => needles(&mut rng, scale / 4.0),
+            _ => shapes::separate((0..4).map(|_| [(); 3].map(|()| point(&mut rng).map(|x| scale * x)))),
+        };
+        let (a, b) = (body(case % 5), body(case / 5 % 5));
+        let (rotation, shift) = (rng.rotation(), point(&mut rng));
+        let near = *rng.pick(&[0.0, 0.1, 1.0]);
+        let rows = core::array::from_fn(|i| {
+            let r = rotation[i];
+            [r[0], r[1], r[2], MAX_COORDINATE * near * shift[i]]
+        });
+        let (moved, still) = (a.placed(&rows), b.corners());
+        let size = moved.iter().chain(&still).flatten().flatten().fold(0.0_f64, |m, x| m.max(x.abs()));
+        beyond += u32::from(size > MAX_COORDINATE);
+        let pose = Pose::from_rows(rows).unwrap();
+        let scene = Scene { name: format!("case {case}"), a: &moved, b: &still, pose, size };
+        let mut want = None;
+        check(&scene, (&build::<Node16<18>>(&a, 1), &build::<Node16<18>>(&b, 2)), &mut want);
+        check(&scene, (&build::<Node4<32>>(&a, 3), &build::<Node4<32>>(&b, 1)), &mut want);
+        met += u32::from(want == Some(0.0));
+    }
+    println!("{beyond} beyond the range of bodies, {met} meet");
+    assert!(beyond > 20 && met > 10 && met < 90, "{beyond} beyond, {met} meet");
 }
 
 fn same_on_all<N: Lanes>(a: &MeshData, b: &MeshData, poses: &[Rows], margin: f64) {
