@@ -10,11 +10,11 @@
 //! let mesh = Mesh { vertices: &vertices, triangles: &triangles };
 //! let body = Builder::new().build::<Node16<18>>(&mesh)?; // k = 18, arity 16
 //!
-//! let query = Query::new(Isa::detect()); // once let apart = Pose::from_rows([[1.0, 0.0, 0.0, 1.0], [0.0,
-//! 1.0, 0.0, 1e-9], [0.0, 0.0, 1.0, 0.0]])?; let touching = Pose::from_rows([[1.0, 0.0, 0.0, 1.0], [0.0, 1.0,
-//! 0.0, 0.0], [0.0, 0.0, 1.0, 0.0]])?; assert!(query.collide(&body.view(), &body.view(), &apart).is_free());
-//! assert!(query.collide(&body.view(), &body.view(), &touching).hit().is_some()); // closed sets: touching is
-//! overlapping
+//! let query = Query::new(Isa::detect()); // once
+//! let apart = Pose::from_rows([[1.0, 0.0, 0.0, 1.0], [0.0, 1.0, 0.0, 1e-9], [0.0, 0.0, 1.0, 0.0]])?;
+//! let touching = Pose::from_rows([[1.0, 0.0, 0.0, 1.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0]])?;
+//! assert!(query.collide(&body.view(), &body.view(), &apart).is_free());
+//! assert!(!query.collide(&body.view(), &body.view(), &touching).is_free()); // closed sets: touching is meeting
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
