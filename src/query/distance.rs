@@ -1,9 +1,9 @@
 //! How far apart: within a margin or not, and the distance itself.
 
 use super::nearest::Search;
-use super::{Answer, Completion, Counters, Hint, Lanes, Pair, Query, Verdict, on_isa};
+use super::{Answer, Completion, Counters, Hint, Lanes, Pair, Query, Verdict};
 use crate::hierarchy::BvhRef;
-use crate::isa::Isa;
+use crate::isa::on_isa;
 use crate::kernel::Kernel;
 use crate::pose::Pose;
 use crate::primitive::triangle::distance::TIGHT;

@@ -1,7 +1,7 @@
 //! Queries between two hierarchies of one node type, at a pose: no heap, a fixed stack, exact verdicts.
 //!
-//! [`Query`] holds what the caller chooses, the instruction set above all; its methods are the entries. Each has the one `match` on the
-//! instruction set; below it everything is monomorphic.
+//! [`Query`] holds what the caller chooses, the instruction set above all; its methods are the entries. Each
+//! looks at the instruction set once ([`on_isa`]); below it everything is monomorphic.
 //!
 //! # Many queries
 //!
@@ -49,7 +49,7 @@ pub use lanes::Lanes;
 pub use stack::STACK_BYTES;
 
 use crate::hierarchy::BvhRef;
-use crate::isa::Isa;
+use crate::isa::{Isa, on_isa};
 use crate::kernel::Kernel;
 use crate::pose::Pose;
 use crate::primitive::triangle::distance::within;
@@ -57,22 +57,6 @@ use crate::primitive::triangle::overlap;
 use core::ops::ControlFlow;
 use hint::Found;
 use traverse::{Limits, Stop, Traversal, moved};
-
-/// The one place that looks at the instruction set: `$call`, with the token as `$token`.
-macro_rules! on_isa {
-    ($isa:expr, $token:ident => $call:expr) => {
-        match $isa {
-            Isa::Scalar($token) => $call,
-            #[cfg(all(target_arch = "aarch64", target_feature = "neon"))]
-            Isa::Neon($token) => $call,
-            #[cfg(all(target_arch = "x86_64", target_feature = "sse2"))]
-            Isa::Avx2($token) => $call,
-            #[cfg(all(target_arch = "x86_64", target_feature = "sse2"))]
-            Isa::Avx512($token) => $call,
-        }
-    };
-}
-use on_isa;
 
 /// How a query runs.
 #[derive(Copy, Clone, PartialEq, Eq, Debug)]
