@@ -97,9 +97,18 @@ pub enum Verdict {
 pub struct Counters {
     /// Visits: pairs of nodes, or of a node and a leaf. The unit of the budget.
     pub visits: u64,
-    /// Calls of the 1vs16 or 4vs4 kernel.
+    /// Calls of overlap kernels: each tests up to sixteen pairs of volumes. A visit makes, at arity 16,
+    ///
+    /// * of two nodes: one of 16vs1, of A's children against the child of B that led there (for the roots:
+    ///   against the hull of B), and one of 1vs16 for each child of A that overlaps it;
+    /// * of a leaf of A and a node of B: one of 1vs16;
+    /// * of a node of A and a leaf of B: one of 16vs1.
+    ///
+    /// At arity 4 they are calls of 4vs4: one for all of A's children instead of one for each, and none for
+    /// the roots' hull. A visit of a distance query counts as one: a volume's distance from all children of a
+    /// node. Re-alignments and the filter of triangles are no overlap kernels.
     pub kernels: u64,
-    /// Nodes of A turned into B's frame.
+    /// Nodes of A whose children were turned into B's frame.
     pub realignments: u64,
     /// Pairs of triangles tested.
     pub triangle_pairs: u64,
