@@ -4,7 +4,7 @@ mod support;
 
 use dashu_int::IBig;
 use dashu_int::ops::BitTest;
-use simdop::construct::{Builder, Mesh};
+use simdop::construct::{BuildError, Builder, Mesh};
 use simdop::hierarchy::Bvh;
 use simdop::isa::Isa;
 use simdop::node::{Node4, Node16};
@@ -522,6 +522,64 @@ fn distances_and_margins_equal_brute_force_at_the_largest_coordinates() {
     }
     println!("{beyond} beyond the range of bodies, {met} meet");
     assert!(beyond > 20 && met > 10 && met < 90, "{beyond} beyond, {met} meet");
+}
+
+/// The unit of length does not matter: scaled by powers of two, from the largest coordinates to the smallest,
+/// bodies give the verdicts and distances of the unscaled ones, scaled. Beyond is an error.
+#[test]
+fn units_do_not_matter_over_the_whole_range() {
+    let mut rng = Rng::new(41);
+    // Multiples of 2^-20 below 2: no scale of the range rounds them or makes them too small.
+    let round = |mesh: &mut MeshData| {
+        mesh.vertices.as_flattened_mut().iter_mut().for_each(|x| *x = (*x * 1048576.0).round() / 1048576.0);
+    };
+    let mut a = shapes::torus(12, 8);
+    let mut b = shapes::torus(9, 7);
+    round(&mut a);
+    round(&mut b);
+    let scaled = |mesh: &MeshData, exponent| {
+        let mut mesh = mesh.clone();
+        mesh.vertices.as_flattened_mut().iter_mut().for_each(|x| *x *= 2_f64.powi(exponent));
+        mesh
+    };
+    let poses: Vec<Rows> = (0..20)
+        .map(|_| {
+            let (r, t) = (rng.rotation(), point(&mut rng));
+            core::array::from_fn(|i| [r[i][0], r[i][1], r[i][2], 1.9 * t[i]])
+        })
+        .collect();
+    let answers = |exponent| -> Vec<(bool, f64, bool)> {
+        let (a, b) =
+            (build::<Node16<18>>(&scaled(&a, exponent), 1), build::<Node16<18>>(&scaled(&b, exponent), 1));
+        let query = Query::new(Isa::detect());
+        let ask = |rows: &Rows| {
+            let mut rows = *rows;
+            rows.iter_mut().for_each(|r| r[3] *= 2_f64.powi(exponent));
+            let pose = Pose::from_rows(rows).unwrap();
+            let (a, b) = (a.view(), b.view());
+            let collide = query.collide(&a, &b, &pose);
+            let distance = query.distance(&a, &b, &pose, 0.0).unwrap().upper * 2_f64.powi(-exponent);
+            let near = query.within(&a, &b, &pose, 0.25 * 2_f64.powi(exponent)).unwrap();
+            assert_eq!(collide.is_free(), collide.hit().is_none());
+            (collide.is_free(), distance, near.is_free())
+        };
+        poses.iter().map(ask).collect()
+    };
+    let want = answers(0);
+    let free = want.iter().filter(|(free, ..)| *free).count();
+    assert!((3..18).contains(&free), "{free} of 20 are free");
+    for exponent in (-230..=299).step_by(23) {
+        for (got, want) in answers(exponent).iter().zip(&want) {
+            assert_eq!((got.0, got.2), (want.0, want.2), "2^{exponent}");
+            assert!((got.1 - want.1).abs() <= 1e-12 * want.1, "2^{exponent}: {got:?} {want:?}");
+        }
+    }
+    for exponent in [300, 301, 500, 1000, 1022] {
+        let large = scaled(&a, exponent);
+        let mesh = Mesh { vertices: &large.vertices, triangles: &large.triangles };
+        let error = Builder::new().build::<Node16<18>>(&mesh).unwrap_err();
+        assert!(matches!(error, BuildError::Vertex { .. }), "2^{exponent}: {error:?}");
+    }
 }
 
 fn same_on_all<N: Lanes>(a: &MeshData, b: &MeshData, poses: &[Rows], margin: f64) {
