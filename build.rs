@@ -1,6 +1,7 @@
-//! Generates `$OUT_DIR/directions.rs`: for each k the directions, the triangles of their convex hull with
-//! inverse matrices, and a grid that starts the point location. Read by `src/directions.rs`, which documents
-//! the sets and the choice among them; every property that module relies on is asserted here.
+//! Decides which vector kernels the target has ([`vector_kernels`]), and generates `$OUT_DIR/directions.rs`:
+//! for each k the directions, the triangles of their convex hull with inverse matrices, and a grid that
+//! starts the point location. Read by `src/directions.rs`, which documents the sets and the choice among
+//! them; every property that module relies on is asserted here.
 
 type Vector = [i32; 3];
 type Ray = [f64; 3];
@@ -20,7 +21,8 @@ struct Face {
 }
 
 fn main() {
-    println!("cargo:rerun-if-changed=build.rs");
+    println!("cargo::rerun-if-changed=build.rs");
+    vector_kernels();
     let mut source = format!("pub(super) const GRID_SIDE: usize = {GRID_SIDE};\n");
     for k in [6, 14, 18, 26, 32] {
         let vectors = directions(k);
@@ -34,6 +36,19 @@ fn main() {
     }
     let folder = std::env::var("OUT_DIR").expect("cargo sets OUT_DIR");
     std::fs::write(format!("{folder}/directions.rs"), source).expect("OUT_DIR is writable");
+}
+
+/// Sets `simdop_x86` or `simdop_neon`: the target can pass and keep vector registers, so that there are
+/// kernels and tokens for them. Not so where the ABI is soft-float, as on `x86_64-unknown-none`.
+fn vector_kernels() {
+    let condition = |name: &str| std::env::var(name).unwrap_or_default();
+    let (arch, features) = (condition("CARGO_CFG_TARGET_ARCH"), condition("CARGO_CFG_TARGET_FEATURE"));
+    println!("cargo::rustc-check-cfg=cfg(simdop_x86, simdop_neon)");
+    for (name, its_arch, feature) in [("simdop_x86", "x86_64", "sse2"), ("simdop_neon", "aarch64", "neon")] {
+        if arch == its_arch && features.split(',').any(|f| f == feature) {
+            println!("cargo::rustc-cfg={name}");
+        }
+    }
 }
 
 /// One direction per slab, then its antipode: n_{2i+1} = -n_{2i}.

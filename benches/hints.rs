@@ -69,13 +69,13 @@ fn row(model: &str, name: &str, tree: &Tree<'_>, sweeps: &[Vec<Pose>]) {
     let query = Query::new(Isa::detect());
     let collide = |hint: Hint, pose: &Pose| {
         let answer = query.with_hint(hint).collide(tree, tree, pose);
-        (answer.hint, if answer.is_hit() { 0.0 } else { 1.0 })
+        (answer.hint, if answer.is_free() { 1.0 } else { 0.0 })
     };
     let distance = |hint: Hint, pose: &Pose| {
         let found = query.with_hint(hint).distance(tree, tree, pose, 0.0).unwrap();
         (found.hint, found.upper)
     };
-    let hits = sweeps.iter().flatten().filter(|pose| query.collide(tree, tree, pose).is_hit()).count();
+    let hits = sweeps.iter().flatten().filter(|pose| query.collide(tree, tree, pose).hit().is_some()).count();
     println!(
         "| {model} | {name} | {:.0} % | {} | {} |",
         100.0 * hits as f64 / (sweeps.len() * STEPS) as f64,

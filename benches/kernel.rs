@@ -16,7 +16,7 @@ mod support;
 
 use core::ops::Range;
 use criterion::{Criterion, Throughput};
-use simdop::isa::Isa;
+use simdop::isa::{Isa, on_isa};
 use simdop::node::{Node4, Node16};
 use simdop::query::Lanes;
 use std::rc::Rc;
@@ -79,16 +79,7 @@ fn at<Q: Clone, N: Clone>(recording: Recording<Q, N>, level: Level) -> (Recordin
 macro_rules! each_isa {
     ($isa:ident, $token:ident => $body:expr) => {
         for $isa in Isa::available() {
-            match $isa {
-                Isa::Scalar($token) => $body,
-                #[cfg(target_arch = "x86_64")]
-                Isa::Avx2($token) => $body,
-                #[cfg(target_arch = "x86_64")]
-                Isa::Avx512($token) => $body,
-                #[cfg(target_arch = "aarch64")]
-                Isa::Neon($token) => $body,
-                other => panic!("no bench runs {other}"),
-            }
+            on_isa!($isa, $token => $body);
         }
     };
 }

@@ -153,7 +153,16 @@ impl<const K: usize> Directions<K> {
     };
 
     /// The greatest magnitude of a component of a direction.
-    pub const MAX_COMPONENT: f64 = if K == 32 { 3.0 } else { 1.0 };
+    pub const MAX_COMPONENT: f64 = {
+        let mut greatest = 0.0;
+        let mut j = 0;
+        while j < K {
+            let [x, y, z] = Self::VECTORS[j];
+            greatest = f64::max(greatest, f64::max(x.abs(), f64::max(y.abs(), z.abs())));
+            j += 1;
+        }
+        greatest
+    };
 
     /// The Euclidean length of each direction, rounded up: no plane of a point at distance r exceeds `LENGTHS[j] * r`.
     pub const LENGTHS: [f64; K] = {

@@ -29,11 +29,11 @@ impl<const N: usize> Expansion<N> {
         self.len += 1;
     }
 
-    /// Adds `n * x` exactly, as the powers of two in `n`: at most three terms for the |n| <= 21 of the direction tables.
+    /// Adds `n * x` exactly, as the powers of two in `n`: as many numbers as [`terms_of_multiple`] says.
     pub(crate) fn add_multiple(&mut self, n: i8, x: f64) {
         let signed = if n < 0 { -x } else { x };
         let magnitude = n.unsigned_abs();
-        for bit in 0..7_u8 {
+        for bit in 0..u8::BITS {
             if magnitude & (1 << bit) != 0 {
                 self.add(signed * f64::from(1_u8 << bit));
             }
@@ -45,6 +45,11 @@ impl<const N: usize> Expansion<N> {
         let top = self.components[..self.len].iter().rev().find(|c| **c != 0.0);
         top.map_or(0, |c| if *c > 0.0 { 1 } else { -1 })
     }
+}
+
+/// How many numbers [`Expansion::add_multiple`] adds for `n`: one for each of its bits.
+pub(crate) const fn terms_of_multiple(n: i8) -> usize {
+    n.unsigned_abs().count_ones() as usize
 }
 
 /// 2^`exponent`, for -1022 ..= 1023.
@@ -83,9 +88,11 @@ mod tests {
     #[test]
     fn multiples_are_exact() {
         let x = 1.0 + f64::EPSILON;
-        for n in [-21_i8, -13, -1, 1, 5, 8, 21] {
-            let mut sum = Expansion::<24>::ZERO;
+        for n in i8::MIN..=i8::MAX {
+            let mut sum = Expansion::<136>::ZERO;
             sum.add_multiple(n, x);
+            assert_eq!(sum.len, terms_of_multiple(n), "{n}");
+            assert_eq!(sum.sign(), n.signum().into());
             for _ in 0..n.unsigned_abs() {
                 sum.add(if n < 0 { x } else { -x });
             }

@@ -2,7 +2,8 @@
 //!
 //! Planes are supports of `(p - centre) * 2^exponent`, so that the half's steps are fine where the body is, whatever its unit.
 
-use crate::exact::{Expansion, power_of_two};
+use crate::directions::{SUPPORTED, table};
+use crate::exact::{Expansion, power_of_two, terms_of_multiple};
 use crate::key::Key;
 use crate::range::Point;
 
@@ -36,8 +37,27 @@ const BORDER_EXPONENT: i32 = 7;
 /// Largest scale exponent in use, either way: keeps `2^exponent` and its products normal.
 pub(crate) const MAX_EXPONENT: i32 = 340;
 
-/// Terms of one support in exact arithmetic: three axes, coordinate and centre, up to five powers of two each, and the plane.
-type SupportSum = Expansion<32>;
+/// The slack of a plane in exact arithmetic.
+type SupportSum = Expansion<SUPPORT_TERMS>;
+
+/// The most numbers that one slack is the sum of: the plane, and on each axis coordinate and centre as often
+/// as the direction's component takes.
+const SUPPORT_TERMS: usize = {
+    let mut most = 0;
+    let mut set = 0;
+    while set < SUPPORTED.len() {
+        let vectors = table(SUPPORTED[set]).vectors;
+        let mut j = 0;
+        while j < vectors.len() {
+            let [x, y, z] = vectors[j];
+            let terms = terms_of_multiple(x) + terms_of_multiple(y) + terms_of_multiple(z);
+            most = if terms > most { terms } else { most };
+            j += 1;
+        }
+        set += 1;
+    }
+    1 + 2 * most
+};
 
 impl Frame {
     /// The frame for a body inside the box `min ..= max`, whose coordinates obey [`crate::range::MAX_COORDINATE`].
@@ -118,4 +138,36 @@ pub(crate) fn scale_to_one(x: f64) -> f64 {
 #[cfg(feature = "alloc")]
 const fn binary_exponent(x: f64) -> i32 {
     (x.to_bits() >> 52) as i32 - 1023
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::directions::Directions;
+
+    /// Points on a plane and a few last places off it, with sums that no single `f64` holds.
+    fn planes_are_decided_exactly<const K: usize>() {
+        let frame = Frame { centre: [1.0 + f64::EPSILON, -1.0 / 3.0, 1e-9], exponent: -3 };
+        for j in 0..K {
+            let n = &Directions::<K>::VECTORS[j];
+            for height in [-1.0, 1.0] {
+                let mut p = frame.centre;
+                assert!(frame.is_bounded(n, p, Key::ZERO), "k {K} direction {j}: on the plane");
+                // Off the plane, along an axis on which the direction is not zero.
+                let axis = (0..3).find(|&i| n[i] != 0.0).unwrap_or(0);
+                p[axis] += power_of_two(-50) * height * n[axis].signum();
+                assert_eq!(frame.is_bounded(n, p, Key::ZERO), height < 0.0, "k {K} direction {j}");
+            }
+        }
+    }
+
+    #[test]
+    fn the_slack_of_every_direction_has_room() {
+        planes_are_decided_exactly::<6>();
+        planes_are_decided_exactly::<14>();
+        planes_are_decided_exactly::<18>();
+        planes_are_decided_exactly::<26>();
+        planes_are_decided_exactly::<32>();
+        assert_eq!(SUPPORT_TERMS, 9, "the plane, and (3, -2, 1) in four powers of two, twice");
+    }
 }

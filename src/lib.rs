@@ -13,8 +13,8 @@
 //! let query = Query::new(Isa::detect()); // once
 //! let apart = Pose::from_rows([[1.0, 0.0, 0.0, 1.0], [0.0, 1.0, 0.0, 1e-9], [0.0, 0.0, 1.0, 0.0]])?;
 //! let touching = Pose::from_rows([[1.0, 0.0, 0.0, 1.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0]])?;
-//! assert!(!query.collide(&body.view(), &body.view(), &apart).is_hit());
-//! assert!(query.collide(&body.view(), &body.view(), &touching).is_hit()); // closed sets: touching is overlapping
+//! assert!(query.collide(&body.view(), &body.view(), &apart).is_free());
+//! assert!(!query.collide(&body.view(), &body.view(), &touching).is_free()); // closed sets: touching is meeting
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!

@@ -297,7 +297,7 @@ fn json_holds_every_pose_with_its_work_and_times() {
     assert_eq!(report["summary"]["free"], count("free"));
     for pose in &answers {
         assert_eq!(pose.get("pair").is_some(), pose["verdict"] == "hit");
-        for counter in ["visits", "kernels", "realignments", "triangle_pairs", "exact_pairs"] {
+        for counter in ["visits", "kernels", "realignments", "primitive_pairs", "exact_pairs"] {
             assert!(pose[counter].is_u64(), "{counter}");
         }
     }

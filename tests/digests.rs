@@ -35,7 +35,7 @@ type Digests = [u64; 2];
 fn digests(answers: &[Answer]) -> Digests {
     let (mut verdicts, mut all) = (Digest::EMPTY, Digest::EMPTY);
     for answer in answers {
-        verdicts.add(answer.is_hit().into());
+        verdicts.add(answer.hit().is_some().into());
         match answer.verdict {
             Verdict::Hit(pair) => [1, pair.a.into(), pair.b.into()].into_iter().for_each(|x| all.add(x)),
             Verdict::Free => all.add(0),
@@ -57,8 +57,9 @@ fn build<N: Lanes>(mesh: &MeshData) -> Bvh<N> {
 fn poses(suite: &Suite) -> Vec<Pose> {
     let (a, b) = (build::<Node16<18>>(&suite.a), build::<Node16<18>>(&suite.b));
     let pose = |rows: &[[f64; 4]; 3]| Pose::from_rows(*rows).unwrap();
-    let meets =
-        |rows: &[[f64; 4]; 3]| Query::new(Isa::SCALAR).collide(&a.view(), &b.view(), &pose(rows)).is_hit();
+    let meets = |rows: &[[f64; 4]; 3]| {
+        Query::new(Isa::SCALAR).collide(&a.view(), &b.view(), &pose(rows)).hit().is_some()
+    };
     suite.poses(suite_step(), meets).iter().map(pose).collect()
 }
 

@@ -170,6 +170,8 @@ fn constants<const K: usize>(slabs: &[[i8; 3]]) {
     assert_eq!(Directions::<K>::VECTORS.to_vec(), expected, "k = {K}");
     assert_eq!(table(K).vectors.iter().map(|&n| exact(n)).collect::<Vec<_>>(), expected, "k = {K}");
     assert_eq!(Directions::<K>::SLABS, K / 2, "k = {K}");
+    let greatest = slabs.iter().flatten().map(|x| x.unsigned_abs()).max();
+    assert_eq!(Some(Directions::<K>::MAX_COMPONENT), greatest.map(f64::from), "k = {K}");
     for (n, bound) in expected.iter().zip(Directions::<K>::LENGTHS) {
         // In units of 2^-52 a bound is an integer, and so is every square.
         let scaled = (bound * 2.0_f64.powi(52)) as u128;

@@ -4,16 +4,18 @@ mod support;
 
 use dashu_int::IBig;
 use dashu_int::ops::BitTest;
-use simdop::construct::{Builder, Mesh};
+use simdop::construct::{BuildError, Builder, Mesh};
 use simdop::hierarchy::Bvh;
 use simdop::isa::Isa;
 use simdop::node::{Node4, Node16};
 use simdop::pose::Pose;
 use simdop::primitive::triangle::distance::separation;
 use simdop::query::{Completion, Distance, Lanes, Query, Verdict};
+use simdop::range::{MAX_COORDINATE, MIN_COORDINATE};
 use support::data::{MeshData, Suite, suite_step, suites};
-use support::exact::{Tri, triangles_meet};
+use support::exact::{Tri, meshes_meet, triangles_meet};
 use support::rng::Rng;
+use support::shapes;
 
 type Rows = [[f64; 4]; 3];
 
@@ -179,6 +181,10 @@ fn mixed(p: &[f64; 3], q: &[f64; 3], s: f64) -> [f64; 3] {
     core::array::from_fn(|k| p[k] + s * (q[k] - p[k]))
 }
 
+fn flush(x: f64) -> f64 {
+    if x.abs() < MIN_COORDINATE { 0.0 } else { x }
+}
+
 /// Pairs of many kinds: general, points, segments, needles, almost parallel edges, parallel planes, almost touching.
 fn hard_pair(rng: &mut Rng) -> (Tri, Tri) {
     let shape = |rng: &mut Rng| -> Tri {
@@ -219,14 +225,17 @@ fn hard_pair(rng: &mut Rng) -> (Tri, Tri) {
         }
         _ => {}
     }
-    let scale = *rng.pick(&[1.0, 1.0, 1.0, 1e-30, 1e30, 2_f64.powi(-240), 2_f64.powi(290)]);
-    let flush = |x: f64| if x.abs() < 2_f64.powi(-250) { 0.0 } else { x };
+    let scale = *rng.pick(&[1.0, 1.0, 1.0, 1e-30, 1e30, 2_f64.powi(-240), 2_f64.powi(299)]);
     (a.map(|p| p.map(|x| flush(x * scale))), b.map(|p| p.map(|x| flush(x * scale))))
 }
 
-/// How far `p` is from triangle `t`, as far as `f64` can tell.
+/// How far `p` is from triangle `t`, as far as `f64` can tell. A point of a pair, unlike corners, may have
+/// smaller coordinates than the range of corners allows: where that may be, all is scaled by a power of two.
 fn off(p: &[f64; 3], t: &Tri) -> f64 {
-    separation(&[*p; 3], t).upper
+    let small = t.iter().flatten().all(|x| x.abs() < 1e-60);
+    let scale = if small { 2_f64.powi(200) } else { 1.0 };
+    let [p, q, r, s] = [*p, t[0], t[1], t[2]].map(|p| p.map(|x| flush(x * scale)));
+    separation(&[p; 3], &[q, r, s]).upper / scale
 }
 
 fn norm(p: &[f64; 3], q: &[f64; 3]) -> f64 {
@@ -370,9 +379,13 @@ fn check_margins<N: Lanes>(scene: &Scene<'_>, (a, b): (&Bvh<N>, &Bvh<N>), want: 
     for margin in margins {
         let answer = within(margin);
         if (want - margin).abs() > 1e-13 * margin {
-            assert_eq!(answer.is_hit(), want <= margin, "margin {margin:e} {want:e} {answer:?} {what}");
+            assert_eq!(
+                answer.hit().is_some(),
+                want <= margin,
+                "margin {margin:e} {want:e} {answer:?} {what}"
+            );
         } else {
-            assert!(answer.is_hit() || want > margin, "margin {margin:e} {want:e} {what}");
+            assert!(answer.hit().is_some() || want > margin, "margin {margin:e} {want:e} {what}");
         }
         if let Verdict::Hit(pair) = answer.verdict {
             let (p, q) = (&scene.a[pair.a as usize], &scene.b[pair.b as usize]);
@@ -381,7 +394,7 @@ fn check_margins<N: Lanes>(scene: &Scene<'_>, (a, b): (&Bvh<N>, &Bvh<N>), want: 
         let short = query.with_budget(3).within(&a.view(), &b.view(), &scene.pose, margin).unwrap();
         match short.verdict {
             Verdict::Unknown { lower, upper } => assert!(lower <= want && want <= upper, "{short:?} {what}"),
-            decided => assert_eq!(matches!(decided, Verdict::Hit(_)), answer.is_hit(), "{what}"),
+            decided => assert_eq!(matches!(decided, Verdict::Hit(_)), answer.hit().is_some(), "{what}"),
         }
     }
 }
@@ -406,7 +419,7 @@ fn distances_and_margins_equal_brute_force_on_meshes() {
         let (a, b) = (build::<Node16<18>>(&suite.a, 1), build::<Node16<18>>(&suite.b, 1));
         let meets = |rows: &Rows| {
             let pose = Pose::from_rows(*rows).unwrap();
-            Query::new(Isa::detect()).collide(&a.view(), &b.view(), &pose).is_hit()
+            Query::new(Isa::detect()).collide(&a.view(), &b.view(), &pose).hit().is_some()
         };
         // At most a quarter of the directions: exact distances take their time.
         let poses = suite.poses(suite_step().max(4), meets);
@@ -477,6 +490,98 @@ fn distances_and_margins_equal_brute_force_on_random_shapes() {
     }
 }
 
+/// Bodies as large as they may be, moved as far as they may be: corners come to lie beyond the range of
+/// bodies.
+#[test]
+fn distances_and_margins_equal_brute_force_at_the_largest_coordinates() {
+    let mut rng = Rng::new(31);
+    let (mut beyond, mut met) = (0, 0);
+    for case in 0..100 {
+        let scale = MAX_COORDINATE * *rng.pick(&[1.0, 1.0, 1e-3]);
+        let mut body = |kind| match kind {
+            0 => soup(&mut rng, scale / 128.0),
+            1 => needles(&mut rng, scale / 4.0),
+            _ => shapes::separate((0..4).map(|_| [(); 3].map(|()| point(&mut rng).map(|x| scale * x)))),
+        };
+        let (a, b) = (body(case % 5), body(case / 5 % 5));
+        let (rotation, shift) = (rng.rotation(), point(&mut rng));
+        let near = *rng.pick(&[0.0, 0.1, 1.0]);
+        let rows = core::array::from_fn(|i| {
+            let r = rotation[i];
+            [r[0], r[1], r[2], MAX_COORDINATE * near * shift[i]]
+        });
+        let (moved, still) = (a.placed(&rows), b.corners());
+        let size = moved.iter().chain(&still).flatten().flatten().fold(0.0_f64, |m, x| m.max(x.abs()));
+        beyond += u32::from(size > MAX_COORDINATE);
+        let pose = Pose::from_rows(rows).unwrap();
+        let scene = Scene { name: format!("case {case}"), a: &moved, b: &still, pose, size };
+        let mut want = None;
+        check(&scene, (&build::<Node16<18>>(&a, 1), &build::<Node16<18>>(&b, 2)), &mut want);
+        check(&scene, (&build::<Node4<32>>(&a, 3), &build::<Node4<32>>(&b, 1)), &mut want);
+        met += u32::from(want == Some(0.0));
+    }
+    println!("{beyond} beyond the range of bodies, {met} meet");
+    assert!(beyond > 20 && met > 10 && met < 90, "{beyond} beyond, {met} meet");
+}
+
+/// The unit of length does not matter: scaled by powers of two, from the largest coordinates to the smallest,
+/// bodies give the verdicts and distances of the unscaled ones, scaled. Beyond is an error.
+#[test]
+fn units_do_not_matter_over_the_whole_range() {
+    let mut rng = Rng::new(41);
+    // Multiples of 2^-20 below 2: no scale of the range rounds them or makes them too small.
+    let round = |mesh: &mut MeshData| {
+        mesh.vertices.as_flattened_mut().iter_mut().for_each(|x| *x = (*x * 1048576.0).round() / 1048576.0);
+    };
+    let mut a = shapes::torus(12, 8);
+    let mut b = shapes::torus(9, 7);
+    round(&mut a);
+    round(&mut b);
+    let scaled = |mesh: &MeshData, exponent| {
+        let mut mesh = mesh.clone();
+        mesh.vertices.as_flattened_mut().iter_mut().for_each(|x| *x *= 2_f64.powi(exponent));
+        mesh
+    };
+    let poses: Vec<Rows> = (0..20)
+        .map(|_| {
+            let (r, t) = (rng.rotation(), point(&mut rng));
+            core::array::from_fn(|i| [r[i][0], r[i][1], r[i][2], 1.9 * t[i]])
+        })
+        .collect();
+    let answers = |exponent| -> Vec<(bool, f64, bool)> {
+        let (a, b) =
+            (build::<Node16<18>>(&scaled(&a, exponent), 1), build::<Node16<18>>(&scaled(&b, exponent), 1));
+        let query = Query::new(Isa::detect());
+        let ask = |rows: &Rows| {
+            let mut rows = *rows;
+            rows.iter_mut().for_each(|r| r[3] *= 2_f64.powi(exponent));
+            let pose = Pose::from_rows(rows).unwrap();
+            let (a, b) = (a.view(), b.view());
+            let collide = query.collide(&a, &b, &pose);
+            let distance = query.distance(&a, &b, &pose, 0.0).unwrap().upper * 2_f64.powi(-exponent);
+            let near = query.within(&a, &b, &pose, 0.25 * 2_f64.powi(exponent)).unwrap();
+            assert_eq!(collide.is_free(), collide.hit().is_none());
+            (collide.is_free(), distance, near.is_free())
+        };
+        poses.iter().map(ask).collect()
+    };
+    let want = answers(0);
+    let free = want.iter().filter(|(free, ..)| *free).count();
+    assert!((3..18).contains(&free), "{free} of 20 are free");
+    for exponent in (-230..=299).step_by(23) {
+        for (got, want) in answers(exponent).iter().zip(&want) {
+            assert_eq!((got.0, got.2), (want.0, want.2), "2^{exponent}");
+            assert!((got.1 - want.1).abs() <= 1e-12 * want.1, "2^{exponent}: {got:?} {want:?}");
+        }
+    }
+    for exponent in [300, 301, 500, 1000, 1022] {
+        let large = scaled(&a, exponent);
+        let mesh = Mesh { vertices: &large.vertices, triangles: &large.triangles };
+        let error = Builder::new().build::<Node16<18>>(&mesh).unwrap_err();
+        assert!(matches!(error, BuildError::Vertex { .. }), "2^{exponent}: {error:?}");
+    }
+}
+
 fn same_on_all<N: Lanes>(a: &MeshData, b: &MeshData, poses: &[Rows], margin: f64) {
     let (a, b) = (build::<N>(a, 1), build::<N>(b, 2));
     let scalar = Query::new(Isa::SCALAR);
@@ -543,4 +648,45 @@ fn margins_and_tolerances_are_checked_and_empty_bodies_are_far() {
         assert_eq!(distance.verdict(), Verdict::Free);
         assert_eq!(query.within(&a.view(), &b.view(), &Pose::IDENTITY, 1e9).unwrap().verdict, Verdict::Free);
     }
+}
+
+/// Whatever the budget: what is said to be free is, what is said to be a hit is, and what is unknown is said
+/// to be neither.
+#[test]
+fn an_unknown_is_neither_free_nor_a_hit() {
+    let mesh = shapes::torus(12, 8);
+    let tree = build::<Node16<18>>(&mesh, 1);
+    let view = tree.view();
+    // How often a body that is free, or is not, was said to be free, a hit, neither.
+    let mut said = [[0; 3]; 2];
+    let mut rng = Rng::new(29);
+    for _ in 0..60 {
+        let (r, towards, far) = (rng.rotation(), rng.rotation()[0], rng.range(0.0, 3.0));
+        let rows: Rows = core::array::from_fn(|i| [r[i][0], r[i][1], r[i][2], far * towards[i]]);
+        let pose = Pose::from_rows(rows).unwrap();
+        let meets = meshes_meet(&mesh.placed(&rows), &mesh.corners());
+        let query = Query::new(Isa::detect());
+        let needed = query.collide(&view, &view, &pose).counters.visits;
+        for budget in 0..=needed {
+            let query = query.with_budget(budget);
+            let answer = query.collide(&view, &view, &pose);
+            let distance = query.distance(&view, &view, &pose, 0.0).unwrap();
+            for verdict in [answer.verdict, distance.verdict()] {
+                assert!(!verdict.is_free() || !meets, "falsely free: {answer:?} {distance:?}");
+                assert!(verdict.hit().is_none() || meets, "falsely a hit: {answer:?} {distance:?}");
+            }
+            assert_eq!((answer.is_free(), answer.hit()), (answer.verdict.is_free(), answer.verdict.hit()));
+            let column = match (answer.is_free(), answer.hit()) {
+                (true, None) => 0,
+                (false, Some(_)) => 1,
+                (false, None) => 2,
+                (true, Some(_)) => panic!("free and a hit: {answer:?}"),
+            };
+            assert_eq!(column == 2, budget < needed, "{answer:?} of {needed}");
+            said[usize::from(meets)][column] += 1;
+        }
+    }
+    let [[free, false_hit, free_unknown], [false_free, hit, hit_unknown]] = said;
+    assert!(free > 5 && hit > 5 && free_unknown > 5 && hit_unknown > 5, "{said:?}");
+    assert_eq!((false_hit, false_free), (0, 0));
 }

@@ -11,7 +11,7 @@ mod turned;
 
 use simdop::construct::{Builder, Mesh};
 use simdop::hierarchy::Bvh;
-use simdop::isa::{Isa, IsaError, Scalar};
+use simdop::isa::{Isa, IsaError, Scalar, on_isa};
 use simdop::kernel::{Kernel, Turned};
 use simdop::key::{Key, decode};
 use simdop::node::{Child, Node4, Node16};
@@ -40,21 +40,6 @@ fn available(name: &str) -> Option<Isa> {
             None
         }
     }
-}
-
-macro_rules! on_isa {
-    ($isa:expr, $kernel:ident => $body:expr) => {
-        match $isa {
-            Isa::Scalar($kernel) => $body,
-            #[cfg(target_arch = "x86_64")]
-            Isa::Avx2($kernel) => $body,
-            #[cfg(target_arch = "x86_64")]
-            Isa::Avx512($kernel) => $body,
-            #[cfg(target_arch = "aarch64")]
-            Isa::Neon($kernel) => $body,
-            other => panic!("no test runs {other}"),
-        }
-    };
 }
 
 /// The tests of one instruction set; each runs `law::<K>(kernel, name)` for every k.

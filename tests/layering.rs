@@ -233,6 +233,14 @@ fn stray_unsafe(path: &str, source: &str) -> Vec<Finding> {
     if is_in(path, &UNSAFE) { Vec::new() } else { places.collect() }
 }
 
+/// Which targets have vector kernels is said once, in the build script.
+fn stray_targets(source: &str) -> Vec<Finding> {
+    let code = code_of(source);
+    places_of(&code, "target_arch")
+        .map(|at| finding(line_of(&code, at), "a condition on the target"))
+        .collect()
+}
+
 /// Every unsafe block and implementation has its proof in the comment right above its line.
 fn unproven_unsafe(source: &str) -> Vec<Finding> {
     let code = code_of(source);
@@ -319,6 +327,11 @@ fn intrinsics_and_unsafe_stay_in_their_places() {
 }
 
 #[test]
+fn the_targets_with_vector_kernels_are_listed_once() {
+    assert_none(|_, source| stray_targets(source));
+}
+
+#[test]
 fn every_unsafe_block_is_proven() {
     assert_none(|_, source| unproven_unsafe(source));
     let blocks: usize =
@@ -380,6 +393,12 @@ fn stray_intrinsics_are_found() {
     assert_eq!(lines(&stray_intrinsics("kernel/scalar/mod.rs", "use core::{arch, mem};")), [1]);
     assert_eq!(stray_intrinsics("kernel/avx2/mod.rs", source), []);
     assert_eq!(stray_intrinsics("isa/cpuid.rs", source), []);
+}
+
+#[test]
+fn stray_targets_are_found() {
+    let source = "// target_arch\n#[cfg(simdop_x86)]\nmod a;\n#[cfg(target_arch = \"x86_64\")]\nmod b;";
+    assert_eq!(lines(&stray_targets(source)), [4]);
 }
 
 #[test]

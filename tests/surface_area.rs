@@ -119,11 +119,11 @@ fn counters<N: Lanes>(suite: &Suite, poses: &[Pose], splitter: Splitter) -> (Vec
     let mut sums = [Counters::default(); 2];
     let verdict = |pose| {
         let answer = Query::new(Isa::detect()).collide(&a.view(), &b.view(), pose);
-        let sum = &mut sums[usize::from(answer.is_hit())];
+        let sum = &mut sums[usize::from(answer.hit().is_some())];
         sum.visits += answer.counters.visits;
         sum.kernels += answer.counters.kernels;
         sum.primitive_pairs += answer.counters.primitive_pairs;
-        answer.is_hit()
+        answer.hit().is_some()
     };
     (poses.iter().map(verdict).collect(), sums)
 }
@@ -131,7 +131,8 @@ fn counters<N: Lanes>(suite: &Suite, poses: &[Pose], splitter: Splitter) -> (Vec
 fn poses(suite: &Suite) -> Vec<Pose> {
     let [a, b] = [&suite.a, &suite.b].map(|mesh| build::<Node16<18>>(mesh, 1, Splitter::ExtendedLongestAxis));
     let pose = |rows: &[[f64; 4]; 3]| Pose::from_rows(*rows).unwrap();
-    let meets = |rows: &_| Query::new(Isa::detect()).collide(&a.view(), &b.view(), &pose(rows)).is_hit();
+    let meets =
+        |rows: &_| Query::new(Isa::detect()).collide(&a.view(), &b.view(), &pose(rows)).hit().is_some();
     suite.poses(suite_step(), meets).iter().map(pose).collect()
 }
 

@@ -97,7 +97,7 @@ fn library<N: Lanes>(name: String, tree: BvhRef<'static, N>, isa: Isa) -> Entran
         let mut work =
             Work { visits: counters.visits, primitive_pairs: counters.primitive_pairs, ..Work::default() };
         work.in_all_slabs(16 * counters.kernels);
-        (answer.is_hit(), work)
+        (answer.hit().is_some(), work)
     };
     Entrant { name, bytes: size_of_val(tree.nodes()), collide: Box::new(collide) }
 }

@@ -34,7 +34,7 @@ fn scene<N: Lanes>(mesh: MeshData) -> Scene<N> {
         Builder::new().build(&Mesh { vertices: &mesh.vertices, triangles: &mesh.triangles }).unwrap();
     let meets = |rows: &[[f64; 4]; 3]| {
         let pose = Pose::from_rows(*rows).unwrap();
-        Query::new(Isa::detect()).collide(&tree.view(), &tree.view(), &pose).is_hit()
+        Query::new(Isa::detect()).collide(&tree.view(), &tree.view(), &pose).hit().is_some()
     };
     let suite = Suite { name: "bench", a: mesh.clone(), b: mesh };
     let free = suite.poses(1, meets).into_iter().filter(|rows| !meets(rows));

@@ -152,7 +152,8 @@ impl Approaching<'_> {
             query
                 .within(&self.tree_a, &self.tree_b, &pose(place), margin)
                 .expect("margins are finite")
-                .is_hit()
+                .hit()
+                .is_some()
         };
         let short = (self.place(gap) / 128).max(1);
         let (mut place, mut stride) = (start, 16 * short);

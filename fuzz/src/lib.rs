@@ -159,16 +159,8 @@ macro_rules! for_node {
 macro_rules! on_every_isa {
     ($kernel:ident => $body:expr) => {
         for isa in simdop::isa::Isa::available() {
-            use simdop::isa::Isa;
-            match isa {
-                Isa::Scalar(_) => {}
-                #[cfg(target_arch = "x86_64")]
-                Isa::Avx2($kernel) => $body,
-                #[cfg(target_arch = "x86_64")]
-                Isa::Avx512($kernel) => $body,
-                #[cfg(target_arch = "aarch64")]
-                Isa::Neon($kernel) => $body,
-                other => panic!("nothing compares {other}"),
+            if isa != simdop::isa::Isa::SCALAR {
+                simdop::isa::on_isa!(isa, $kernel => $body);
             }
         }
     };

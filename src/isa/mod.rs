@@ -4,160 +4,40 @@
 //! only by detection, or inside a function that is itself compiled for those features, so a kernel that takes a token needs no
 //! check of its own. [`Isa`] is one of the tokens, chosen at run time: a plain value that the caller holds and hands to queries.
 //!
-//! Each list of features is written once, in the rows below. A row makes the token, its detection, its gate
-//! (`run`), and the attribute macro that the token's kernels are compiled with.
+//! Each list of features is written once, in the rows of `token.rs`. A row makes the token, its detection,
+//! its gate (`run`), and the attribute macro that the token's kernels are compiled with.
+//!
+//! Which instruction sets there are kernels for is decided once, by the target, in `build.rs`: the conditions
+//! `simdop_x86` and `simdop_neon`.
 //!
 //! Without `std`: x86-64 asks CPUID and XCR0; aarch64 believes what the crate was compiled for, which on every aarch64 target
 //! but a few includes NEON; targets with a soft-float ABI (`x86_64-unknown-none`) have no vector registers to pass, and so [`Scalar`]
 //! only. On bare metal that knows more, `unsafe { Avx2::assume_supported() }` makes a token.
 
 #![cfg_attr(
-    any(
-        all(target_arch = "x86_64", target_feature = "sse2"),
-        all(target_arch = "aarch64", target_feature = "neon")
-    ),
+    any(simdop_x86, simdop_neon),
     expect(
         unsafe_code,
         reason = "entering a function compiled for detected features is the point of this module"
     )
 )]
 
-#[cfg(all(target_arch = "x86_64", target_feature = "sse2", any(test, not(feature = "std"))))]
+#[cfg(all(simdop_x86, any(test, not(feature = "std"))))]
 mod cpuid;
+mod token;
+
+#[cfg(simdop_neon)]
+pub use token::Neon;
+pub use token::Scalar;
+#[cfg(simdop_neon)]
+pub(crate) use token::compiled_for_neon;
+#[cfg(simdop_x86)]
+pub use token::{Avx2, Avx512};
+#[cfg(simdop_x86)]
+pub(crate) use token::{compiled_for_avx2, compiled_for_avx512};
 
 use core::fmt;
 use core::str::FromStr;
-
-/// Plain Rust, on every machine: the specification.
-#[derive(Copy, Clone, PartialEq, Eq, Debug, Default)]
-pub struct Scalar(());
-
-impl Scalar {
-    /// Always available.
-    #[must_use]
-    pub const fn new() -> Self {
-        Self(())
-    }
-}
-
-/// Whether this machine has a feature, by its name in `target_feature`.
-#[cfg(all(target_arch = "x86_64", target_feature = "sse2", feature = "std"))]
-macro_rules! detected {
-    ($feature:tt) => {
-        std::arch::is_x86_feature_detected!($feature)
-    };
-}
-
-#[cfg(all(target_arch = "x86_64", target_feature = "sse2", not(feature = "std")))]
-macro_rules! detected {
-    ($feature:tt) => {
-        const { cpuid::Feature::named($feature) }.detected()
-    };
-}
-
-#[cfg(all(target_arch = "aarch64", target_feature = "neon"))]
-macro_rules! detected {
-    ($feature:tt) => {
-        cfg!(target_feature = $feature)
-    };
-}
-
-/// One instruction set: token, detection, gate, and `$attribute!`, which compiles an item for it. `$d` is a dollar sign.
-#[cfg(any(
-    all(target_arch = "x86_64", target_feature = "sse2"),
-    all(target_arch = "aarch64", target_feature = "neon")
-))]
-macro_rules! instruction_set {
-    ($d:tt $(#[$doc:meta])* $token:ident, $attribute:ident, [$($feature:tt)+]) => {
-        $(#[$doc])*
-        #[derive(Copy, Clone, PartialEq, Eq, Debug)]
-        pub struct $token(());
-
-        impl $token {
-            /// The token, if this machine has the instruction set.
-            #[must_use]
-            pub fn detect() -> Option<Self> {
-                if !($(detected!($feature))&&+) {
-                    return None;
-                }
-                // SAFETY: each feature that the constructor is compiled for was just detected.
-                Some(unsafe { Self::assume_supported() })
-            }
-
-            /// The token, if the crate is compiled for it anyway.
-            #[must_use]
-            pub const fn baseline() -> Option<Self> {
-                if !($(cfg!(target_feature = $feature))&&+) {
-                    return None;
-                }
-                // SAFETY: each feature that the constructor is compiled for is enabled for the whole crate.
-                Some(unsafe { Self::assume_supported() })
-            }
-
-            /// The token, without a question. Safe to call from a function compiled for the same features.
-            ///
-            /// # Safety
-            /// Elsewhere: the machine must have every feature this function is compiled for, and the operating system must save
-            /// their registers.
-            #[inline]
-            #[must_use]
-            $(#[target_feature(enable = $feature)])+
-            pub const fn assume_supported() -> Self {
-                Self(())
-            }
-
-            /// Runs `f` compiled for the instruction set, as far as `f` is inlined.
-            #[inline(always)]
-            pub fn run<R>(self, f: impl FnOnce() -> R) -> R {
-                #[inline]
-                $(#[target_feature(enable = $feature)])+
-                fn compiled_for<R>(f: impl FnOnce() -> R) -> R {
-                    f()
-                }
-                // SAFETY: the token proves every feature of `compiled_for`: it has the list of `assume_supported`.
-                unsafe { compiled_for(f) }
-            }
-        }
-
-        /// Compiles a function for the instruction set of the same name.
-        macro_rules! $attribute {
-            ($d($d item:tt)*) => {
-                $(#[target_feature(enable = $feature)])+
-                $d($d item)*
-            };
-        }
-        pub(crate) use $attribute;
-    };
-}
-
-#[cfg(all(target_arch = "x86_64", target_feature = "sse2"))]
-instruction_set! { $
-    /// x86-64 with AVX2 and F16C: Intel since Haswell, AMD since Zen.
-    Avx2, compiled_for_avx2, ["avx2" "bmi1" "bmi2" "f16c" "lzcnt" "popcnt"]
-}
-
-#[cfg(all(target_arch = "x86_64", target_feature = "sse2"))]
-instruction_set! { $
-    /// x86-64 with AVX-512F, BW and VL: Intel servers since Skylake, AMD since Zen 4.
-    Avx512, compiled_for_avx512,
-    ["avx2" "avx512bw" "avx512f" "avx512vl" "bmi1" "bmi2" "f16c" "lzcnt" "popcnt"]
-}
-
-#[cfg(all(target_arch = "aarch64", target_feature = "neon"))]
-instruction_set! { $
-    /// aarch64 with NEON (Advanced SIMD).
-    Neon, compiled_for_neon, ["neon"]
-}
-
-#[cfg(all(target_arch = "x86_64", target_feature = "sse2"))]
-impl Avx512 {
-    /// AVX-512 includes AVX2.
-    #[must_use]
-    pub const fn as_avx2(self) -> Avx2 {
-        // SAFETY: the list of features of `Avx512` includes that of `Avx2`, and `self` proves it.
-        unsafe { Avx2::assume_supported() }
-    }
-}
 
 /// The instruction set that a query runs on.
 ///
@@ -169,20 +49,71 @@ impl Avx512 {
 /// assert_eq!(isa.name().parse(), Ok(isa));
 /// ```
 #[derive(Copy, Clone, PartialEq, Eq, Debug)]
-#[non_exhaustive]
 pub enum Isa {
     /// Plain Rust.
     Scalar(Scalar),
     /// NEON.
-    #[cfg(all(target_arch = "aarch64", target_feature = "neon"))]
+    #[cfg(simdop_neon)]
     Neon(Neon),
     /// AVX2.
-    #[cfg(all(target_arch = "x86_64", target_feature = "sse2"))]
+    #[cfg(simdop_x86)]
     Avx2(Avx2),
     /// AVX-512.
-    #[cfg(all(target_arch = "x86_64", target_feature = "sse2"))]
+    #[cfg(simdop_x86)]
     Avx512(Avx512),
 }
+
+// Once for each kind of target: a condition on an arm would be that of the crate that uses the macro.
+#[cfg(simdop_x86)]
+#[doc(hidden)]
+#[macro_export]
+macro_rules! __on_isa {
+    ($isa:expr, $token:ident => $call:expr) => {
+        match $isa {
+            $crate::isa::Isa::Scalar($token) => $call,
+            $crate::isa::Isa::Avx2($token) => $call,
+            $crate::isa::Isa::Avx512($token) => $call,
+        }
+    };
+}
+
+#[cfg(simdop_neon)]
+#[doc(hidden)]
+#[macro_export]
+macro_rules! __on_isa {
+    ($isa:expr, $token:ident => $call:expr) => {
+        match $isa {
+            $crate::isa::Isa::Scalar($token) => $call,
+            $crate::isa::Isa::Neon($token) => $call,
+        }
+    };
+}
+
+#[cfg(not(any(simdop_x86, simdop_neon)))]
+#[doc(hidden)]
+#[macro_export]
+macro_rules! __on_isa {
+    ($isa:expr, $token:ident => $call:expr) => {
+        match $isa {
+            $crate::isa::Isa::Scalar($token) => $call,
+        }
+    };
+}
+
+/// Evaluates an expression with the token of an [`Isa`] whichever it is: where a value becomes a type. The
+/// one place that has to know all of them.
+///
+/// ```
+/// use simdop::isa::{Isa, on_isa};
+/// use simdop::{kernel::Kernel, node::{Node, Node16}};
+/// let empty = Node16::<18>::EMPTY;
+/// for isa in Isa::available() {
+///     let rows = on_isa!(isa, token => token.overlap_16v_hull(&[[0; 16]; 18], &empty));
+///     assert_eq!(rows, 0, "{isa}: nothing overlaps an empty node");
+/// }
+/// ```
+#[doc(inline)]
+pub use __on_isa as on_isa;
 
 /// A name that is no [`Isa`] here.
 #[derive(Copy, Clone, PartialEq, Eq, Debug)]
@@ -219,7 +150,7 @@ impl Isa {
     /// The best instruction set among those that the crate is compiled for.
     #[must_use]
     pub const fn baseline() -> Self {
-        #[cfg(all(target_arch = "x86_64", target_feature = "sse2"))]
+        #[cfg(simdop_x86)]
         {
             if let Some(token) = Avx512::baseline() {
                 return Self::Avx512(token);
@@ -228,7 +159,7 @@ impl Isa {
                 return Self::Avx2(token);
             }
         }
-        #[cfg(all(target_arch = "aarch64", target_feature = "neon"))]
+        #[cfg(simdop_neon)]
         if let Some(token) = Neon::baseline() {
             return Self::Neon(token);
         }
@@ -239,11 +170,11 @@ impl Isa {
     pub fn available() -> impl Iterator<Item = Self> + Clone {
         [
             Some(Self::SCALAR),
-            #[cfg(all(target_arch = "aarch64", target_feature = "neon"))]
+            #[cfg(simdop_neon)]
             Neon::detect().map(Self::Neon),
-            #[cfg(all(target_arch = "x86_64", target_feature = "sse2"))]
+            #[cfg(simdop_x86)]
             Avx2::detect().map(Self::Avx2),
-            #[cfg(all(target_arch = "x86_64", target_feature = "sse2"))]
+            #[cfg(simdop_x86)]
             Avx512::detect().map(Self::Avx512),
         ]
         .into_iter()
@@ -266,11 +197,11 @@ impl Isa {
     const fn rank(self) -> usize {
         match self {
             Self::Scalar(_) => 0,
-            #[cfg(all(target_arch = "aarch64", target_feature = "neon"))]
+            #[cfg(simdop_neon)]
             Self::Neon(_) => 1,
-            #[cfg(all(target_arch = "x86_64", target_feature = "sse2"))]
+            #[cfg(simdop_x86)]
             Self::Avx2(_) => 2,
-            #[cfg(all(target_arch = "x86_64", target_feature = "sse2"))]
+            #[cfg(simdop_x86)]
             Self::Avx512(_) => 3,
         }
     }

@@ -14,11 +14,11 @@
 //!
 //! All operations take any bits. Codes that are not planes (NaN, -0) compare as the integers they are.
 
-#[cfg(all(target_arch = "x86_64", target_feature = "sse2"))]
+#[cfg(simdop_x86)]
 mod avx2;
-#[cfg(all(target_arch = "x86_64", target_feature = "sse2"))]
+#[cfg(simdop_x86)]
 mod avx512;
-#[cfg(all(target_arch = "aarch64", target_feature = "neon"))]
+#[cfg(simdop_neon)]
 mod neon;
 pub mod scalar;
 
@@ -38,11 +38,11 @@ pub(crate) const SEPARATED: i16 = i16::MAX;
 mod sealed {
     pub trait Sealed {}
     impl Sealed for crate::isa::Scalar {}
-    #[cfg(all(target_arch = "x86_64", target_feature = "sse2"))]
+    #[cfg(simdop_x86)]
     impl Sealed for crate::isa::Avx2 {}
-    #[cfg(all(target_arch = "x86_64", target_feature = "sse2"))]
+    #[cfg(simdop_x86)]
     impl Sealed for crate::isa::Avx512 {}
-    #[cfg(all(target_arch = "aarch64", target_feature = "neon"))]
+    #[cfg(simdop_neon)]
     impl Sealed for crate::isa::Neon {}
 }
 

@@ -1,9 +1,9 @@
 //! How far apart: within a margin or not, and the distance itself.
 
 use super::nearest::Search;
-use super::{Answer, Completion, Counters, Hint, Lanes, Pair, Pairwise, Query, Verdict, on_isa};
+use super::{Answer, Completion, Counters, Hint, Lanes, Pair, Pairwise, Query, Verdict};
 use crate::hierarchy::AsBvh;
-use crate::isa::Isa;
+use crate::isa::on_isa;
 use crate::kernel::Kernel;
 use crate::pose::Pose;
 use crate::primitive::Primitive;
@@ -38,6 +38,10 @@ pub struct Witness {
 }
 
 /// What a distance query found out: the distance of the bodies lies in `lower ..= upper`.
+///
+/// The bodies are free if `lower` is above 0, which `upper` says nothing of while the search is not complete:
+/// [`Distance::verdict`] tells.
+#[must_use = "a query has no other effect than its answer"]
 #[derive(Copy, Clone, PartialEq, Debug)]
 pub struct Distance {
     /// Lower bound, in the bodies' unit.
@@ -56,7 +60,6 @@ pub struct Distance {
 
 impl Distance {
     /// Do the bodies meet? Unknown only if the budget was spent before either bound could tell.
-    #[must_use]
     pub fn verdict(&self) -> Verdict {
         match self.witness {
             Some(witness) if self.upper == 0.0 => Verdict::Hit(witness.pair),

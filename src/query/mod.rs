@@ -1,7 +1,7 @@
 //! Queries between two hierarchies of one node type, at a pose: no heap, a fixed stack, exact verdicts.
 //!
-//! [`Query`] holds what the caller chooses, the instruction set above all; its methods are the entries. Each has the one `match` on the
-//! instruction set; below it everything is monomorphic.
+//! [`Query`] holds what the caller chooses, the instruction set above all; its methods are the entries. Each
+//! looks at the instruction set once ([`on_isa`]); below it everything is monomorphic.
 //!
 //! # Many queries
 //!
@@ -22,7 +22,7 @@
 //!     for (poses, free) in poses.chunks(share).zip(free.chunks_mut(share)) {
 //!         scope.spawn(move || {
 //!             for (pose, free) in poses.iter().zip(free) {
-//!                 *free = !query.collide(&view, &view, pose).is_hit();
+//!                 *free = query.collide(&view, &view, pose).is_free();
 //!             }
 //!         });
 //!     }
@@ -53,28 +53,12 @@ pub use pairwise::Pairwise;
 pub use stack::STACK_BYTES;
 
 use crate::hierarchy::{AsBvh, BvhRef};
-use crate::isa::Isa;
+use crate::isa::{Isa, on_isa};
 use crate::kernel::Kernel;
 use crate::pose::Pose;
 use core::ops::ControlFlow;
 use hint::Found;
 use traverse::{Limits, Stop, Traversal};
-
-/// The one place that looks at the instruction set: `$call`, with the token as `$token`.
-macro_rules! on_isa {
-    ($isa:expr, $token:ident => $call:expr) => {
-        match $isa {
-            Isa::Scalar($token) => $call,
-            #[cfg(all(target_arch = "aarch64", target_feature = "neon"))]
-            Isa::Neon($token) => $call,
-            #[cfg(all(target_arch = "x86_64", target_feature = "sse2"))]
-            Isa::Avx2($token) => $call,
-            #[cfg(all(target_arch = "x86_64", target_feature = "sse2"))]
-            Isa::Avx512($token) => $call,
-        }
-    };
-}
-use on_isa;
 
 /// How a query runs.
 #[derive(Copy, Clone, PartialEq, Eq, Debug)]
@@ -94,11 +78,12 @@ pub struct Pair {
 }
 
 /// What a query found out.
+#[must_use = "a query has no other effect than its verdict"]
 #[derive(Copy, Clone, PartialEq, Debug)]
 pub enum Verdict {
-    /// The bodies meet, and here is where.
+    /// The bodies meet, or come within the margin of each other, and here is where.
     Hit(Pair),
-    /// No primitive of A meets one of B.
+    /// No primitive of A meets one of B, or comes within the margin of one.
     Free,
     /// The budget was spent before the answer was known. The distance of the bodies, 0 if they meet, lies in `lower ..= upper`.
     Unknown {
@@ -114,9 +99,18 @@ pub enum Verdict {
 pub struct Counters {
     /// Visits: pairs of nodes, or of a node and a leaf. The unit of the budget.
     pub visits: u64,
-    /// Calls of the 1vs16 or 4vs4 kernel.
+    /// Calls of overlap kernels: each tests up to sixteen pairs of volumes. A visit makes, at arity 16,
+    ///
+    /// * of two nodes: one of 16vs1, of A's children against the child of B that led there (for the roots:
+    ///   against the hull of B), and one of 1vs16 for each child of A that overlaps it;
+    /// * of a leaf of A and a node of B: one of 1vs16;
+    /// * of a node of A and a leaf of B: one of 16vs1.
+    ///
+    /// At arity 4 they are calls of 4vs4: one for all of A's children instead of one for each, and none for
+    /// the roots' hull. A visit of a distance query counts as one: a volume's distance from all children of a
+    /// node. Re-alignments and the filter of triangles are no overlap kernels.
     pub kernels: u64,
-    /// Nodes of A turned into B's frame.
+    /// Nodes of A whose children were turned into B's frame.
     pub realignments: u64,
     /// Pairs of primitives tested.
     pub primitive_pairs: u64,
@@ -124,7 +118,43 @@ pub struct Counters {
     pub exact_pairs: u64,
 }
 
+impl Verdict {
+    /// Whether the bodies are certainly free: apart, or farther apart than the margin that was asked for.
+    /// What a motion must ask before it goes on: with a budget, no hit does not mean free.
+    #[must_use]
+    pub const fn is_free(&self) -> bool {
+        matches!(self, Self::Free)
+    }
+
+    /// The triangles of a hit. `None` is not "free": the budget may have been spent before one was found. For
+    /// that there is [`Verdict::is_free`].
+    #[must_use]
+    pub const fn hit(&self) -> Option<Pair> {
+        match self {
+            Self::Hit(pair) => Some(*pair),
+            _ => None,
+        }
+    }
+}
+
 /// A verdict and what it cost.
+///
+/// There is no `is_hit`, whose negation would read as "free" where the verdict is [`Verdict::Unknown`]: ask
+/// [`Answer::is_free`], whose negation is on the safe side, or match the verdict.
+///
+/// ```
+/// # use simdop::{construct::{Builder, Mesh}, isa::Isa, node::Node16, pose::Pose, query::Query};
+/// # let vertices = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+/// # let triangles = [[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]];
+/// # let body = Builder::new().build::<Node16<18>>(&Mesh { vertices: &vertices, triangles: &triangles })?;
+/// let query = Query::new(Isa::detect());
+/// let in_contact = query.collide(&body.view(), &body.view(), &Pose::IDENTITY);
+/// assert!(!in_contact.is_free() && in_contact.hit().is_some());
+/// let unknown = query.with_budget(0).collide(&body.view(), &body.view(), &Pose::IDENTITY);
+/// assert!(!unknown.is_free() && unknown.hit().is_none());
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[must_use = "a query has no other effect than its answer"]
 #[derive(Copy, Clone, PartialEq, Debug)]
 pub struct Answer {
     /// The verdict.
@@ -136,14 +166,21 @@ pub struct Answer {
 }
 
 impl Answer {
-    /// Whether the bodies certainly meet.
+    /// [`Verdict::is_free`] of the verdict.
     #[must_use]
-    pub const fn is_hit(&self) -> bool {
-        matches!(self.verdict, Verdict::Hit(_))
+    pub const fn is_free(&self) -> bool {
+        self.verdict.is_free()
+    }
+
+    /// [`Verdict::hit`] of the verdict.
+    #[must_use]
+    pub const fn hit(&self) -> Option<Pair> {
+        self.verdict.hit()
     }
 }
 
 /// What an enumeration came to.
+#[must_use = "pairs are missing unless the enumeration is complete"]
 #[derive(Copy, Clone, PartialEq, Eq, Debug)]
 pub enum Completion {
     /// Every pair was visited.
@@ -179,7 +216,7 @@ impl Query {
     /// for x in [0.5, 0.51, 0.52] {
     ///     let pose = Pose::from_rows([[1.0, 0.0, 0.0, x], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0]])?;
     ///     let answer = query.with_hint(hint).collide(&body.view(), &body.view(), &pose);
-    ///     assert!(answer.is_hit());
+    ///     assert!(answer.hit().is_some());
     ///     hint = answer.hint;
     /// }
     /// # Ok::<(), Box<dyn std::error::Error>>(())
@@ -195,7 +232,6 @@ impl Query {
     ///
     /// The order matters to speed where one body has flat walls along its own axes, as rooms have: as `b` it keeps its planes tight, as `a` they are turned and
     /// loose. A robot against its room takes 0.3 µs, the room against the robot 20 (`ARCHITECTURE.md`).
-    #[must_use]
     pub fn collide<A: AsBvh, B: AsBvh<Node = A::Node>>(&self, a: &A, b: &B, pose: &Pose) -> Answer
     where
         A::Node: Lanes,

@@ -130,7 +130,7 @@ fn ours<N: Lanes + 'static>(name: &str, meshes: &[MeshData]) -> Entrant {
         version: Isa::detect().name().to_owned(),
         build_ms,
         bytes: Some(bytes),
-        collide: Box::new(move |rows| answer(rows).is_hit()),
+        collide: Box::new(move |rows| answer(rows).hit().is_some()),
         distance: Some(Box::new(move |rows| {
             let (a, b) = (measured[0].view(), measured[measured.len() - 1].view());
             query.distance(&a, &b, &pose(rows), 0.0).expect("zero is a tolerance").upper

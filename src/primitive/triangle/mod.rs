@@ -13,12 +13,13 @@
 //!
 //! # Range
 //!
-//! Every coordinate must be zero or have a magnitude in [`MIN_COORDINATE`] `..=` [`MAX_COORDINATE`]; callers flush
-//! smaller ones to zero. Then nothing under- or overflows, and the error analysis (which knows neither) holds: each
-//! coordinate is a multiple of 2^-302, the last place of [`MIN_COORDINATE`]; so is each difference of two and its
-//! rounding error; so a product of three of them, and every part an expansion splits it into, is a multiple of
-//! 2^-906 and not subnormal. A difference is at most 2^301, so a sum of six products of three is below 2^906, and
-//! Dekker's splitting multiplies a factor of at most 2^603 by 2^27: all finite.
+//! Every coordinate must be zero or have a magnitude in [`MIN_COORDINATE`] `..=` [`MAX_MOVED`]: four times
+//! what a body's own may have, since poses move them, which flush smaller ones to zero. Then nothing under-
+//! or overflows, and the error analysis (which knows neither) holds: each coordinate is a multiple of 2^-302,
+//! the last place of [`MIN_COORDINATE`]; so is each difference of two and its rounding error; so a product of
+//! three of them, and every part an expansion splits it into, is a multiple of 2^-906 and not subnormal. A
+//! difference is at most 2^303, so a sum of six products of three is below 2^912, and Dekker's splitting
+//! multiplies a factor of at most 2^607 by 2^27 + 1: all finite.
 
 pub mod distance;
 mod double_double;
@@ -29,7 +30,7 @@ mod interval;
 mod tests;
 mod triangles;
 
-use crate::range::{MAX_COORDINATE, MIN_COORDINATE, Point};
+use crate::range::{MAX_MOVED, MIN_COORDINATE, Point};
 use interval::Wedge;
 
 pub use triangles::Triangles;
@@ -132,7 +133,7 @@ pub fn is_degenerate(t: &Triangle) -> bool {
 
 /// Whether every coordinate is zero or has a magnitude that the error analysis covers.
 fn in_range(t: &Triangle) -> bool {
-    t.as_flattened().iter().all(|x| *x == 0.0 || (MIN_COORDINATE..=MAX_COORDINATE).contains(&x.abs()))
+    t.as_flattened().iter().all(|x| *x == 0.0 || (MIN_COORDINATE..=MAX_MOVED).contains(&x.abs()))
 }
 
 /// A triangle's plane: what the determinants of all points against it have in common.

@@ -35,7 +35,7 @@ fn try_run(out: &mut impl Write) -> Result<bool, &'static str> {
         let pose = Pose::from_rows(*rows).map_err(|_| "the pose is not rigid")?;
         let answer = Query::new(isa).collide(&ring, &ring, &pose);
         let found = (answer.verdict, answer.counters);
-        let agrees = found == expected && answer.is_hit() == *meets;
+        let agrees = found == expected && answer.hit().is_some() == *meets;
         let verdict = if agrees { "as expected" } else { "WRONG" };
         writeln!(out, "{} {name}: {found:?}: {verdict}", isa.name()).map_err(|_| "no output")?;
         good &= agrees;

@@ -1,0 +1,119 @@
+//! What the counters count, on scenes whose work is known beforehand: trees of one or two levels.
+
+mod support;
+
+use simdop::construct::{Builder, Mesh};
+use simdop::hierarchy::Bvh;
+use simdop::isa::Isa;
+use simdop::node::{Node4, Node16};
+use simdop::pose::Pose;
+use simdop::query::{Counters, Lanes, Query};
+use support::data::MeshData;
+use support::shapes;
+
+/// Small triangles, each with a corner at one of the places.
+fn at(places: &[[f64; 2]]) -> MeshData {
+    shapes::separate(places.iter().map(|&[x, y]| [[x, y, 0.0], [x + 1.0, y, 0.0], [x, y + 1.0, 1.0]]))
+}
+
+fn build<N: Lanes>(mesh: &MeshData) -> Bvh<N> {
+    Builder::new().build(&Mesh { vertices: &mesh.vertices, triangles: &mesh.triangles }).unwrap()
+}
+
+/// The work of a query at the identity, the same on every instruction set.
+fn work<N: Lanes>(a: &[[f64; 2]], b: &[[f64; 2]]) -> Counters {
+    let (a, b) = (build::<N>(&at(a)), build::<N>(&at(b)));
+    let on = |isa| Query::new(isa).collide(&a.view(), &b.view(), &Pose::IDENTITY).counters;
+    assert!(Isa::available().all(|isa| on(isa) == on(Isa::SCALAR)));
+    on(Isa::SCALAR)
+}
+
+const ROW: [[f64; 2]; 5] = [[0.0, 0.0], [10.0, 0.0], [20.0, 0.0], [30.0, 0.0], [40.0, 0.0]];
+
+/// Two triangles that no other meets, in whose hull the first three of the row are.
+const AROUND_THREE: [[f64; 2]; 2] = [[-3.0, 5.0], [23.0, -5.0]];
+
+#[test]
+fn a_visit_of_two_nodes_of_arity_16() {
+    let counters = |visits, kernels, realignments, primitive_pairs| Counters {
+        visits,
+        kernels,
+        realignments,
+        primitive_pairs,
+        exact_pairs: 0,
+    };
+    // The hull, and a row for each of the three.
+    assert_eq!(work::<Node16<6>>(&ROW, &AROUND_THREE), counters(1, 1 + 3, 1, 0));
+    assert_eq!(
+        work::<Node16<18>>(&ROW, &[[0.0, 50.0], [40.0, 50.0]]),
+        counters(1, 1, 1, 0),
+        "none is in the hull"
+    );
+    // Every triangle of the row is in the hull, and first of all the first meets itself.
+    let touching = work::<Node16<6>>(&ROW, &ROW);
+    assert_eq!((touching.visits, touching.kernels, touching.primitive_pairs), (1, 1 + 5, 1));
+}
+
+#[test]
+fn a_visit_of_two_nodes_of_arity_4() {
+    let four = &ROW[..4];
+    for b in [&AROUND_THREE, &[[0.0, 50.0], [40.0, 50.0]]] {
+        let found = work::<Node4<6>>(four, b);
+        assert_eq!((found.visits, found.kernels, found.realignments), (1, 1, 1), "all children at once");
+    }
+}
+
+/// Seventeen in a row make a root and a node below it. One triangle between two of them is in the root's hull, in no leaf, and perhaps in
+/// the lower node's.
+#[test]
+fn a_visit_of_a_node_and_a_leaf() {
+    let many: Vec<[f64; 2]> = (0..17).map(|i| [10.0 * f64::from(i), 0.0]).collect();
+    let (long, short) = (build::<Node16<6>>(&at(&many)), build::<Node16<6>>(&at(&[[0.0, 0.0]])));
+    let nodes = |tree: &Bvh<Node16<6>>| tree.view().nodes().len();
+    assert_eq!((nodes(&long), nodes(&short)), (2, 1), "two levels and one");
+    let mut deep = 0;
+    for gap in 0..16 {
+        let pose = Pose::from_rows([
+            [1.0, 0.0, 0.0, 10.0 * f64::from(gap) + 5.0],
+            [0.0, 1.0, 0.0, 0.0],
+            [0.0, 0.0, 1.0, 0.0],
+        ])
+        .unwrap();
+        let back = Pose::from_rows([
+            [1.0, 0.0, 0.0, -10.0 * f64::from(gap) - 5.0],
+            [0.0, 1.0, 0.0, 0.0],
+            [0.0, 0.0, 1.0, 0.0],
+        ])
+        .unwrap();
+        for isa in Isa::available() {
+            let leaf_of_a = Query::new(isa).collide(&short.view(), &long.view(), &pose).counters;
+            let leaf_of_b = Query::new(isa).collide(&long.view(), &short.view(), &back).counters;
+            if leaf_of_a.visits == 1 {
+                // The roots: the hull, and the row of the one that is in it.
+                assert_eq!((leaf_of_a.kernels, leaf_of_a.realignments), (2, 1), "{isa} {gap}");
+                assert_eq!(leaf_of_b.kernels, 1, "{isa} {gap}: none of the many is in the hull of the one");
+            } else {
+                deep += 1;
+                assert_eq!((leaf_of_a.visits, leaf_of_a.kernels), (2, 2 + 1), "{isa} {gap}");
+                // The roots: the hull and a row; then the lower node's children against the leaf.
+                assert_eq!((leaf_of_b.visits, leaf_of_b.kernels), (2, 2 + 1), "{isa} {gap}");
+                assert_eq!(leaf_of_b.realignments, 2, "{isa} {gap}");
+            }
+        }
+    }
+    assert!(deep > 0, "the lower node has a gap");
+}
+
+#[test]
+fn a_visit_of_a_distance_query() {
+    let (a, b) = (shapes::torus(12, 8), shapes::torus(9, 7));
+    let apart = Pose::from_rows([[1.0, 0.0, 0.0, 0.1], [0.0, 0.8, -0.6, 0.3], [0.0, 0.6, 0.8, 3.0]]).unwrap();
+    fn check<N: Lanes>(a: &MeshData, b: &MeshData, pose: &Pose) {
+        let (a, b) = (build::<N>(a), build::<N>(b));
+        let found = Query::new(Isa::detect()).distance(&a.view(), &b.view(), pose, 0.0).unwrap().counters;
+        assert!(found.visits > 10, "{found:?}");
+        assert_eq!(found.kernels, found.visits, "{found:?}");
+    }
+    check::<Node16<18>>(&a, &b, &apart);
+    check::<Node4<14>>(&a, &b, &apart);
+}
