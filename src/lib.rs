@@ -91,7 +91,7 @@
 //! | on | k = 6 | k = 18 | k = 32 |
 //! |---|---|---|---|
 //! | x86-64, AVX2 or AVX-512: collide, within, pairs / distance | 13 / 33 | 16 / 35 | 19 / 38 |
-//! | x86-64, scalar | 11 / 24 | 12 / 26 | 13 / 28 |
+//! | x86-64, scalar | 11 / 23 | 12 / 26 | 13 / 28 |
 //! | Cortex-M4F, scalar | 12 / 26 | 13 / 29 | 14 / 35 |
 //!
 //! (Rust 1.95, release, arity 16; arity 4 takes up to 4 KiB less, and up to 8 less on Cortex-M.) `from_bytes`
