@@ -109,7 +109,7 @@ fn rows<N: Lanes>() {
                 take(0, &mut || exact += black_box(query.collide(body, body, pose)).counters.exact_pairs);
                 take(1, &mut || _ = black_box(query.within(body, body, pose, 0.01)));
                 take(1, &mut || {
-                    _ = black_box(query.for_each_pair(body, body, pose, |_| ControlFlow::Continue(())))
+                    _ = black_box(query.for_each_pair(body, body, pose, |_| ControlFlow::Continue(())));
                 });
                 take(2, &mut || _ = black_box(query.distance(body, body, pose, 0.0)));
             }

@@ -52,8 +52,8 @@ fn main() -> Result<(), Box<dyn core::error::Error>> {
     let table = build(shapes::cuboid([-0.2, -0.2, 0.0], [0.2, 0.2, 0.4]))?;
     let world_table = DAffine3::from_rotation_translation(DQuat::IDENTITY, DVec3::new(0.5, 0.5, -0.2));
 
-    let angles = || (0..3600).map(|i| (f64::from(i) * 0.1).to_radians());
-    let worlds = angles().map(|angle| DAffine3::from_rotation_z(angle));
+    let angles = (0..3600).map(|i| (f64::from(i) * 0.1).to_radians());
+    let worlds = angles.map(DAffine3::from_rotation_z);
     let poses: Vec<Pose> = worlds.map(|world| in_frame_of(&world_table, &world)).collect::<Result<_, _>>()?;
 
     let threads = thread::available_parallelism().map_or(1, usize::from);
