@@ -2,7 +2,7 @@
 //!
 //! ```sh
 //! cargo bench --bench kernel                        # criterion: kernel/1v16/k18/L1/avx2 ..
-//! SIMDOP_SUMMARY=1 cargo bench --bench kernel       # the README's table: all variants in turn, medians
+//! SIMDOP_SUMMARY=1 cargo bench --bench kernel       # the table of benches/MEASURED.md: all variants in turn, medians
 //! ```
 //!
 //! Before it is timed, every variant gives the scalar kernel's mask on every call. "L1" and "L2" data are in that cache when the clock starts,

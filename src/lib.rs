@@ -1,5 +1,6 @@
-//! Does this body touch that one? Exact answers between triangle meshes, from hierarchies of k-DOPs that SIMD kernels test
-//! sixteen at a time. `no_std`, no heap in a query, trees baked into bytes.
+//! Exact collision and distance queries between triangle meshes, on hierarchies of k-DOPs that SIMD kernels
+//! test sixteen volumes at a time. The library is `no_std`, a query allocates nothing, and trees are runs of
+//! bytes that are read in place, from flash if need be.
 //!
 //! ```
 //! use simdop::{construct::{Builder, Mesh}, isa::Isa, node::Node16, pose::Pose, query::Query};
@@ -13,27 +14,103 @@
 //! let query = Query::new(Isa::detect()); // once
 //! let apart = Pose::from_rows([[1.0, 0.0, 0.0, 1.0], [0.0, 1.0, 0.0, 1e-9], [0.0, 0.0, 1.0, 0.0]])?;
 //! let touching = Pose::from_rows([[1.0, 0.0, 0.0, 1.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0]])?;
-//! assert!(query.collide(&body.view(), &body.view(), &apart).is_free());
-//! assert!(!query.collide(&body.view(), &body.view(), &touching).is_free()); // closed sets: touching is meeting
+//! assert!(query.collide(&body, &body, &apart).is_free());
+//! assert!(query.collide(&body, &body, &touching).hit().is_some()); // bodies are closed sets: touching is meeting
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! # Choices
+//! A **body** is a mesh and the tree over its triangles: built with a [`construct::Builder`], or read from
+//! bytes with [`hierarchy::BvhRef::from_bytes`]. A query asks about two bodies, A and B, and a [`pose::Pose`]
+//! that places A in the frame of B.
 //!
-//! *The node type* is k and arity: [`node::Node16<18>`](node::Node16) or [`node::Node4<14>`](node::Node4), k in 6, 14, 18, 26, 32. Larger k: tighter volumes, fewer
-//! visits, more bytes. Both bodies of a query have the same node type; the type system sees to that.
+//! # Advice
 //!
-//! *The instruction set* is a value, [`isa::Isa`]: detected once, capped at will, held by the caller. Every one of them gives the same
-//! verdicts and the same [counters](query::Counters).
+//! **k and arity** are the node type. [`node::Node16<18>`](node::Node16), k = 18 and arity 16, is the fastest
+//! choice in almost all measurements and the one to begin with. Both bodies of a query have the same node
+//! type, which the type system checks.
+//!
+//! | node type | bytes a triangle, nodes / in all | when |
+//! |---|---|---|
+//! | `Node16<18>` | 43 / 71 | unless something below applies |
+//! | `Node16<14>` | 34 / 62 | flash is scarce: a fifth less of nodes for about a quarter more time in the mean; robots in rooms with flat walls lose more |
+//! | `Node16<6>` | 17 / 45 | flash is all that counts: volumes are boxes, which turn badly |
+//! | `Node16<26>`, `Node16<32>` | 60 / 88, 73 / 101 | equal in contact and slower when far apart: measure before you choose them |
+//! | `Node4<K>` | 53 / 81 for k = 18 | hardly ever: 1.1 to 1.9 times the time and a quarter more bytes of nodes; a query needs some KiB less stack |
+//!
+//! The bytes are those of a mesh of 52,000 triangles whose coordinates need `f64`; coordinates that `f32`
+//! holds exactly save 6 bytes a triangle. [`construct::Builder::balanced`], two triangles a leaf, halves the
+//! bytes of nodes.
+//!
+//! **Units.** The library knows no unit. Both meshes, the translations of poses, margins and distances use
+//! the same one; meters and millimeters work alike, because each tree has a scale of its own. STL files are
+//! often in millimeters: a robot in meters beside one is a mistake that no check can find. Coordinates reach
+//! from 2^-250 to 2^300 ([`range`]).
+//!
+//! **A in B from two poses in the world.** A planner knows where A and B stand in the world; a query asks
+//! where A stands, seen from B: `inverse(world_b) * world_a`. With [glam](https://docs.rs/glam/0.34) (the
+//! types of its version 0.34 convert; others go through [`pose::Pose::from_rows`]):
+//!
+//! ```
+//! use glam::{DAffine3, DQuat, DVec3};
+//! use simdop::pose::Pose;
+//!
+//! let world_a = DAffine3::from_rotation_translation(DQuat::from_rotation_z(0.3), DVec3::new(1.0, 2.0, 0.5));
+//! let world_b = DAffine3::from_rotation_translation(DQuat::from_rotation_x(-1.1), DVec3::new(0.2, 2.0, 0.0));
+//! let a_in_b = Pose::try_from(world_b.inverse() * world_a)?;
+//!
+//! // A corner of A: through the world into B's frame, or by the pose at once.
+//! let corner = DVec3::new(0.1, 0.0, -0.2);
+//! let by_world = world_b.inverse().transform_point3(world_a.transform_point3(corner));
+//! assert!((DVec3::from_array(a_in_b.apply(corner.to_array())) - by_world).length() < 1e-15);
+//! # Ok::<(), simdop::pose::PoseError>(())
+//! ```
+//!
+//! A verdict is exact for the pose that the query was given. The product of two poses is rounded, by some
+//! 1e-16 of the coordinates: where that matters, ask [`query::Query::within`] with a margin that is larger
+//! than the rounding.
+//!
+//! **Which body is A.** A is turned into B's frame, and its volumes widen as they turn. So a body with large
+//! flat walls along its own axes, such as a room or a table, is best given as B. A robot in its room takes 4
+//! to 80 times as long with the two swapped; for two bodies of like shape the order does not matter. Verdicts
+//! hold for A's corners as the pose moves them.
+//!
+//! **Surface or solid.** Every body is a surface: its triangles, whether or not they close. A body that is
+//! wholly inside another without touching it is `Free`. Where something could get inside without having been
+//! seen to touch, as between two samples of a motion, add inner triangles to the larger body, for example its
+//! planes of symmetry, so that nothing that matters fits between them.
+//!
+//! **What `Unknown` means.** A query without a budget always ends with `Hit` or `Free`. One with a budget
+//! ([`query::Query::with_budget`]) may end with [`query::Verdict::Unknown`]: it stopped before it knew, and
+//! the bodies may meet. It is neither a hit nor free: ask [`query::Answer::is_free`] where safety is at stake,
+//! which is true of proven freedom only. It comes with bounds of
+//! the distance; their lower one is 0, because volumes were still waiting that overlap.
+//!
+//! **Stack.** No query recurses, and none takes more stack for a larger tree. Measured, in KiB in all, with
+//! everything that a query calls, exact arithmetic included:
+//!
+//! | on | k = 6 | k = 18 | k = 32 |
+//! |---|---|---|---|
+//! | x86-64, AVX2 or AVX-512: collide, within, pairs / distance | 13 / 33 | 16 / 35 | 19 / 38 |
+//! | x86-64, scalar | 11 / 23 | 12 / 26 | 13 / 28 |
+//! | Cortex-M4F, scalar | 12 / 26 | 13 / 29 | 14 / 35 |
+//!
+//! (Rust 1.95, release, arity 16; arity 4 takes up to 4 KiB less, and up to 8 less on Cortex-M.) `from_bytes`
+//! and `verify` take 1 KiB. A thread with 32 KiB for collisions and 64 KiB for distances is enough, which
+//! `tests/stack.rs` checks. Exact arithmetic takes 6 KiB of this, the pairs that wait [`query::STACK_BYTES`]
+//! or [`query::DISTANCE_STACK_BYTES`], and most of the rest is turned planes and triangles.
+//!
+//! **The instruction set** is a value, [`isa::Isa`]: detected once, capped at will, held by the caller. All
+//! of them give the same verdicts and the same [counters](query::Counters).
 //!
 //! # Guarantees
 //!
-//! * **No miss, no false hit.** Volumes are rounded outwards ([`key`], [`realign`]), triangles are decided [exactly](primitive::triangle). A verdict is exact
-//!   for the corners as [`pose::Pose::apply`] moves them: within 2^-50 of the pose asked for.
-//! * **No allocation in a query**, and a traversal stack of [`query::STACK_BYTES`] bytes whatever the trees.
-//! * **Untrusted trees.** [`hierarchy::BvhRef::from_bytes`] proves that bytes are safe to walk; [`hierarchy::BvhRef::verify`] proves, in exact
-//!   arithmetic, that they bound their triangles.
-//! * **Determinism.** No fused multiply-add, no reordering: the same bits on every machine.
+//! * **No missed hit and no invented one.** Volumes are rounded outwards ([`key`], [`realign`]) and triangles
+//!   are decided [exactly](primitive::triangle), for the corners as [`pose::Pose::apply`] moves them: within
+//!   2^-50, relatively, of where the pose puts them.
+//! * **No allocation in a query.**
+//! * **Trees from outside are safe.** [`hierarchy::BvhRef::from_bytes`] proves that bytes are safe to walk;
+//!   [`hierarchy::BvhRef::verify`] proves, in exact arithmetic, that the volumes hold their triangles.
+//! * **Determinism.** No fused multiply-add and no reordering: the same bits on every machine.
 //!
 //! # Features
 //!
@@ -49,9 +126,10 @@
 //!
 //! # Sources
 //!
-//! Tan, Weller, Zachmann, *SIMDop: SIMD Optimized Bounding Volume Hierarchies for Collision Detection*, IROS 2019. Weller, Mainzer, Srinivas,
-//! Teschner, Zachmann, *Massively Parallel Batch Neural Gas for Bounding Volume Hierarchy Construction*, VRIPHYS 2014. Klosowski, Held, Mitchell,
-//! Sowizral, Zikan, *Efficient Collision Detection Using Bounding Volume Hierarchies of k-DOPs*, TVCG 1998.
+//! Tan, Weller, Zachmann, *SIMDop: SIMD Optimized Bounding Volume Hierarchies for Collision Detection*, IROS
+//! 2019. Weller, Mainzer, Srinivas, Teschner, Zachmann, *Massively Parallel Batch Neural Gas for Bounding
+//! Volume Hierarchy Construction*, VRIPHYS 2014. Klosowski, Held, Mitchell, Sowizral, Zikan, *Efficient
+//! Collision Detection Using Bounding Volume Hierarchies of k-DOPs*, TVCG 1998.
 #![no_std]
 // Of the library alone: a test may unwrap, and has std.
 #![deny(

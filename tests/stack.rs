@@ -1,0 +1,77 @@
+//! How much stack a query takes, all in all: it runs in a thread that has no more than the library's documentation says.
+//!
+//! A thread that overflows its stack ends the process, so there is nothing to assert: this test fails by being killed.
+
+use core::ops::ControlFlow;
+use simdop::construct::{Builder, Mesh};
+use simdop::hierarchy::BvhRef;
+use simdop::isa::Isa;
+use simdop::node::{Node4, Node16};
+use simdop::pose::Pose;
+use simdop::query::{Lanes, Query};
+
+/// Bytes that the crate documentation says are enough for the entries that decide, and for distances. Threads have little less: 25 KiB on Linux.
+const DECIDING: usize = 32 << 10;
+const DISTANCE: usize = 64 << 10;
+
+/// Corners with bits 0, 1 and 2 of their index as coordinates.
+fn cube() -> (Vec<[f64; 3]>, Vec<[u32; 3]>) {
+    let corner = |i: u32| [i & 1, i >> 1 & 1, i >> 2 & 1].map(f64::from);
+    let quad = |[p, q, r, s]: [u32; 4]| [[p, q, r], [p, r, s]];
+    let quads = [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
+    ((0..8).map(corner).collect(), quads.into_iter().flat_map(quad).collect())
+}
+
+/// Apart, almost touching, touching with whole faces, and one in the other. Almost flat configurations need exact arithmetic, which takes
+/// the most stack.
+fn poses() -> Vec<Pose> {
+    let moved = |x: f64, off: f64| [[1.0, 0.0, 0.0, x], [0.0, 1.0, 0.0, off], [0.0, 0.0, 1.0, 0.1 * off]];
+    let turned = |x: f64| [[0.6, -0.8, 0.0, x], [0.8, 0.6, 0.0, 0.3], [0.0, 0.0, 1.0, 0.01]];
+    let rows = (0..24).map(|i| f64::from(i) * 0.125);
+    let rows = rows.flat_map(|x| [moved(x, 0.0), moved(x, 1e-12), turned(x)]);
+    rows.map(|rows| Pose::from_rows(rows).unwrap()).collect()
+}
+
+fn in_thread<R: Send>(stack: usize, f: impl FnOnce() -> R + Send) -> R {
+    std::thread::scope(|scope| {
+        std::thread::Builder::new().stack_size(stack).spawn_scoped(scope, f).unwrap().join().unwrap()
+    })
+}
+
+fn check<N: Lanes>() {
+    let (vertices, triangles) = cube();
+    let tree = Builder::new().build::<N>(&Mesh { vertices: &vertices, triangles: &triangles }).unwrap();
+    let poses = poses();
+    for isa in Isa::available() {
+        let query = Query::new(isa);
+        let exact = in_thread(DECIDING, || {
+            let view = BvhRef::<N>::from_bytes(tree.as_bytes()).unwrap();
+            view.verify().unwrap();
+            let mut exact = 0;
+            for pose in &poses {
+                exact += query.collide(&view, &view, pose).counters.exact_pairs;
+                exact += query.within(&view, &view, pose, 0.01).unwrap().counters.exact_pairs;
+                exact += query.for_each_pair(&view, &view, pose, |_| ControlFlow::Continue(())).1.exact_pairs;
+            }
+            exact
+        });
+        assert!(exact > 0, "exact arithmetic takes part");
+        let exact = in_thread(DISTANCE, || {
+            let view = tree.view();
+            poses
+                .iter()
+                .map(|pose| query.distance(&view, &view, pose, 0.0).unwrap().counters.exact_pairs)
+                .sum::<u64>()
+        });
+        assert!(exact > 0, "exact arithmetic takes part");
+    }
+}
+
+#[test]
+fn queries_need_no_more_stack_than_is_documented() {
+    check::<Node16<6>>();
+    check::<Node16<18>>();
+    check::<Node16<32>>();
+    check::<Node4<6>>();
+    check::<Node4<32>>();
+}
