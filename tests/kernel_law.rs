@@ -20,13 +20,13 @@ use simdop::primitive::triangle::Probe;
 use simdop::query::Lanes;
 use simdop::realign::Realignment;
 use std::cell::LazyCell;
-use std::io::Write;
+use support::data::notice;
 use support::rng::Rng;
 use turned::{turned_4, turned_16};
 
 // ---- Which instruction set ----------------------------------------------------------------------------------------------------
 
-/// The instruction set, if it is here. Tells standard error itself when it is not: a passing test's output is not shown.
+/// The instruction set, if it is here. If not, a notice says so.
 fn available(name: &str) -> Option<Isa> {
     match name.parse() {
         Ok(isa) => Some(isa),
@@ -34,9 +34,7 @@ fn available(name: &str) -> Option<Isa> {
         Err(IsaError::NotAvailable) => {
             let required = std::env::var("SIMDOP_REQUIRE_ISA").unwrap_or_default();
             assert!(!required.split(',').any(|r| r == name), "SIMDOP_REQUIRE_ISA: there is no {name} here");
-            // In one piece: other tests write too.
-            let line = format!("*** ISA {name}: NOT RUN here ***\n");
-            std::io::stderr().write_all(line.as_bytes()).unwrap();
+            notice(&format!("NOT RUN: there is no {name} here"));
             None
         }
     }
