@@ -26,9 +26,11 @@ pub(crate) struct Halves<const W: usize, const K: usize> {
 }
 
 pub(crate) fn float_query<const W: usize, const K: usize>(query: &Query<W, K>) -> FloatQuery<W, K> {
-    // query[2 s] is the key of A's low bound in the direction of plane 2 s, query[2 s + 1] that of its negated high bound.
+    // query[2 s] is the key of A's low bound in the direction of plane 2 s, query[2 s + 1] that of its negated high bound. An unused lane
+    // has no half for a bound: low bounds above all others, and high bounds below.
+    let value = |code: i16| if code == !Key::EMPTY.code() { f32::INFINITY } else { decode(code) };
     core::array::from_fn(|j| {
-        query[j].map(|code| if j.is_multiple_of(2) { decode(code) } else { -decode(code) })
+        query[j].map(|code| if j.is_multiple_of(2) { value(code) } else { -value(code) })
     })
 }
 
