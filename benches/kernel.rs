@@ -3,6 +3,7 @@
 //! ```sh
 //! cargo bench --bench kernel                        # criterion: kernel/1v16/k18/L1/avx2 ..
 //! SIMDOP_SUMMARY=1 cargo bench --bench kernel       # the README's table: all variants in turn, medians
+//! cargo bench --bench kernel -- --test              # everything once, on a small shape
 //! ```
 //!
 //! Before it is timed, every variant gives the scalar kernel's mask on every call. "L1" and "L2" data are in that cache when the clock starts,
