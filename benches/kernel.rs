@@ -11,6 +11,8 @@
 
 #[path = "../tests/support/data.rs"]
 mod data;
+#[path = "../tests/support/isa.rs"]
+mod isa;
 #[path = "../tests/support/rng.rs"]
 mod rng;
 mod support;
@@ -76,24 +78,6 @@ fn at<Q: Clone, N: Clone>(recording: Recording<Q, N>, level: Level) -> (Recordin
     (recording, windows)
 }
 
-/// `[(name, token)]` of the instruction sets here, each with `$body` of it.
-macro_rules! each_isa {
-    ($isa:ident, $token:ident => $body:expr) => {
-        for $isa in Isa::available() {
-            match $isa {
-                Isa::Scalar($token) => $body,
-                #[cfg(target_arch = "x86_64")]
-                Isa::Avx2($token) => $body,
-                #[cfg(target_arch = "x86_64")]
-                Isa::Avx512($token) => $body,
-                #[cfg(target_arch = "aarch64")]
-                Isa::Neon($token) => $body,
-                other => panic!("no bench runs {other}"),
-            }
-        }
-    };
-}
-
 fn row_16<const K: usize>((level, level_name): (Level, &'static str)) -> Row
 where
     Node16<K>: Lanes,
@@ -104,10 +88,12 @@ where
     #[cfg(target_arch = "x86_64")]
     let papers = Timed::new(recording.map(float_query, halves_16), &windows, level);
     let ours = Timed::new(recording, &windows, level);
-    each_isa!(isa, token => {
-        row.benches.push(ours.bench(isa.name(), Ours(token)));
-        row.benches.push(ours.bench(&format!("vectorised-{isa}"), Vectorised(token)));
-    });
+    for isa in Isa::available() {
+        on_isa!(isa, token => {
+            row.benches.push(ours.bench(isa.name(), Ours(token)));
+            row.benches.push(ours.bench(&format!("vectorised-{isa}"), Vectorised(token)));
+        });
+    }
     #[cfg(target_arch = "x86_64")]
     for isa in Isa::available() {
         let names = [format!("papers-{isa}"), format!("papers-no-exit-{isa}")];
@@ -136,7 +122,9 @@ where
     #[cfg(target_arch = "x86_64")]
     let papers = Timed::new(recording.map(float_query, halves_4), &windows, level);
     let ours = Timed::new(recording, &windows, level);
-    each_isa!(isa, token => row.benches.push(ours.bench(isa.name(), Ours4(token))));
+    for isa in Isa::available() {
+        on_isa!(isa, token => row.benches.push(ours.bench(isa.name(), Ours4(token))));
+    }
     #[cfg(target_arch = "x86_64")]
     for isa in Isa::available() {
         let name = format!("papers-{isa}");

@@ -18,6 +18,7 @@ use simdop::query::{Completion, Lanes, Query, Verdict};
 use simdop::range::{MAX_COORDINATE, MIN_COORDINATE};
 use std::time::Instant;
 use support::data::{MeshData, suite_step};
+use support::digest::digest;
 use support::dyadic::{Dyadic, dot, is_rounded_up};
 use support::exact::{Tri, meeting_pairs, meshes_meet, triangles_meet};
 use support::rng::Rng;
@@ -416,13 +417,6 @@ fn all_pairs(a: &MeshData, b: &MeshData, pose: &[[f64; 4]; 3]) -> BTreeSet<(u32,
 }
 
 // ---- What comes back from storage -------------------------------------------------------------------------------
-
-/// FNV-1a, 64 bits.
-fn digest(bytes: &[u8]) -> u64 {
-    bytes
-        .iter()
-        .fold(0xcbf2_9ce4_8422_2325, |hash, &byte| (hash ^ u64::from(byte)).wrapping_mul(0x100_0000_01b3))
-}
 
 /// Whoever changes these has changed the format or the trees: bump `VERSION` for the former, say so in CHANGELOG.md for both.
 #[test]

@@ -4,6 +4,8 @@
 //! `NOT RUN`, and is a failure where `SIMDOP_REQUIRE_ISA` (names, with commas) asks for it. `SIMDOP_PAIRS` sets the number of pairs of
 //! nodes per k. At [`RECORDED_PAIRS`] the oracle is the scalar kernel's recorded digest, which spares an emulator the scalar kernel.
 
+#[path = "support/isa.rs"]
+mod isa;
 mod support;
 #[path = "support/turned.rs"]
 #[expect(unreachable_pub, reason = "public to the fuzz targets, which take it from a library")]
@@ -20,6 +22,7 @@ use simdop::primitive::triangle::Probe;
 use simdop::query::Lanes;
 use simdop::realign::Realignment;
 use std::cell::LazyCell;
+use support::codes::SPECIAL;
 use support::data::notice;
 use support::rng::Rng;
 use turned::{turned_4, turned_16};
@@ -38,21 +41,6 @@ fn available(name: &str) -> Option<Isa> {
             None
         }
     }
-}
-
-macro_rules! on_isa {
-    ($isa:expr, $kernel:ident => $body:expr) => {
-        match $isa {
-            Isa::Scalar($kernel) => $body,
-            #[cfg(target_arch = "x86_64")]
-            Isa::Avx2($kernel) => $body,
-            #[cfg(target_arch = "x86_64")]
-            Isa::Avx512($kernel) => $body,
-            #[cfg(target_arch = "aarch64")]
-            Isa::Neon($kernel) => $body,
-            other => panic!("no test runs {other}"),
-        }
-    };
 }
 
 /// The tests of one instruction set; each runs `law::<K>(kernel, name)` for every k.
@@ -168,31 +156,6 @@ const MODES: &[Mode] = if cfg!(miri) {
 } else {
     &[Mode::Grid, Mode::Near, Mode::AnyBits, Mode::Real]
 };
-
-/// Codes at the ends of their kinds: the lowest, an unused lane's neighbours, -infinity and about, lowest finite, about -1, about zero (-0
-/// is -1, the largest negative subnormal -2), subnormal ends, 1, the largest finite, infinity, NaN.
-const SPECIAL: [i16; 20] = [
-    i16::MIN,
-    -0x7fff,
-    -0x7c02,
-    -0x7c01,
-    -0x7c00,
-    -0x3c01,
-    -0x401,
-    -0x400,
-    -3,
-    -2,
-    -1,
-    0,
-    1,
-    0x3ff,
-    0x400,
-    0x3c00,
-    0x7bff,
-    0x7c00,
-    0x7c01,
-    i16::MAX,
-];
 
 fn code(rng: &mut Rng) -> i16 {
     if rng.below(4) == 0 { *rng.pick(&SPECIAL) } else { rng.u64() as i16 }

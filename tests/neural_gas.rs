@@ -12,6 +12,7 @@ use simdop::node::{Link, Node4, Node16};
 use simdop::query::Lanes;
 use std::time::Instant;
 use support::data::{MeshData, directory, suite_step};
+use support::digest::digest;
 use support::rng::Rng;
 use support::shapes;
 
@@ -26,13 +27,6 @@ fn mesh_of(mesh: &MeshData) -> Mesh<'_> {
 }
 
 // ---- The same bytes everywhere ----------------------------------------------------------------------------------
-
-/// FNV-1a, 64 bits.
-fn digest(bytes: &[u8]) -> u64 {
-    bytes
-        .iter()
-        .fold(0xcbf2_9ce4_8422_2325, |hash, &byte| (hash ^ u64::from(byte)).wrapping_mul(0x100_0000_01b3))
-}
 
 /// Of 16 lanes without magnification control, and of 4 lanes with it and 3 triangles a leaf.
 fn digests(mesh: &MeshData) -> [u64; 2] {

@@ -12,6 +12,7 @@ use simdop::node::{Node4, Node16};
 use simdop::pose::Pose;
 use simdop::query::{Counters, Lanes, Query};
 use support::data::{MeshData, Suite, directory, suite_step, suites};
+use support::digest::digest;
 use support::rng::Rng;
 use support::shapes;
 
@@ -92,11 +93,6 @@ fn a_hundred_thousand_coincident_triangles() {
 }
 
 // ---- Every machine --------------------------------------------------------------------------------------------------
-
-/// FNV-1a, 64 bits.
-fn digest(bytes: &[u8]) -> u64 {
-    bytes.iter().fold(0xcbf2_9ce4_8422_2325, |h, b| (h ^ u64::from(*b)).wrapping_mul(0x100_0000_01b3))
-}
 
 /// Trees of a mesh made by rule, byte for byte. A change of the splitter or of the format changes them.
 #[test]

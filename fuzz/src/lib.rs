@@ -20,6 +20,8 @@
 pub mod bodies;
 pub mod planes;
 
+#[path = "../../tests/support/isa.rs"]
+mod isa;
 #[path = "../../tests/support/mod.rs"]
 mod support;
 #[path = "../../tests/support/turned.rs"]
@@ -28,6 +30,7 @@ mod turned;
 use std::any::{Any, TypeId};
 use std::collections::HashMap;
 use std::sync::{LazyLock, Mutex};
+use support::digest::digest;
 use support::rng::Rng;
 
 /// How an input is read.
@@ -49,9 +52,7 @@ pub struct Input<'a> {
 
 impl<'a> Input<'a> {
     pub fn new(bytes: &'a [u8]) -> Self {
-        // FNV-1a, 64 bits.
-        let hash = |hash: u64, byte: &u8| (hash ^ u64::from(*byte)).wrapping_mul(0x100_0000_01b3);
-        Self { bytes, after: Rng::new(bytes.iter().fold(0xcbf2_9ce4_8422_2325, hash)) }
+        Self { bytes, after: Rng::new(digest(bytes)) }
     }
 
     /// The next `N` bytes, at most 8.
@@ -158,18 +159,8 @@ macro_rules! for_node {
 #[macro_export]
 macro_rules! on_every_isa {
     ($kernel:ident => $body:expr) => {
-        for isa in simdop::isa::Isa::available() {
-            use simdop::isa::Isa;
-            match isa {
-                Isa::Scalar(_) => {}
-                #[cfg(target_arch = "x86_64")]
-                Isa::Avx2($kernel) => $body,
-                #[cfg(target_arch = "x86_64")]
-                Isa::Avx512($kernel) => $body,
-                #[cfg(target_arch = "aarch64")]
-                Isa::Neon($kernel) => $body,
-                other => panic!("nothing compares {other}"),
-            }
+        for isa in simdop::isa::Isa::available().filter(|isa| *isa != simdop::isa::Isa::SCALAR) {
+            $crate::on_isa!(isa, $kernel => $body);
         }
     };
 }

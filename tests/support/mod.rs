@@ -1,6 +1,8 @@
 //! What the integration tests share: nothing here uses the library under test.
 
+pub(crate) mod codes;
 pub(crate) mod data;
+pub(crate) mod digest;
 pub(crate) mod dyadic;
 pub(crate) mod exact;
 pub(crate) mod rng;
