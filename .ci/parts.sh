@@ -1,5 +1,11 @@
-# Parts of the stages of .ci/run, which sources this file.
+# Parts of the stages of .ci/run, and of .ci/mutations: both source this file.
 # shellcheck shell=bash
+
+NEON=aarch64-unknown-linux-gnu
+export CARGO_TARGET_AARCH64_UNKNOWN_LINUX_GNU_LINKER=aarch64-linux-gnu-gcc
+# For Miri, whose detection answers what the crate is compiled for: the features of the tokens in src/isa.
+# shellcheck disable=SC2034 # used by who sources this
+X86_FEATURES=+avx2,+bmi1,+bmi2,+f16c,+lzcnt,+popcnt,+avx512f,+avx512bw,+avx512vl
 
 die() {
   echo "error: $*" >&2
@@ -13,6 +19,8 @@ have() { command -v "$1" >/dev/null 2>&1; }
 
 has_flag() { grep -m1 '^flags' /proc/cpuinfo | grep -qw "$1"; }
 
+has_avx512() { has_flag avx512f && has_flag avx512bw && has_flag avx512vl; }
+
 step() { echo "-- $*"; }
 
 install_rust_parts() {
@@ -21,7 +29,7 @@ install_rust_parts() {
   for target in "$NEON" "${BARE[@]%% *}"; do
     grep -qx "$target" <<<"$installed" || rustup target add "$target"
   done
-  cargo clippy --version && cargo fmt --version || rustup component add clippy rustfmt
+  { cargo clippy --version && cargo fmt --version; } || rustup component add clippy rustfmt
   installed=$(rustup +nightly component list --installed)
   for part in miri rust-src; do
     grep -q "^$part" <<<"$installed" || rustup +nightly component add "$part"
@@ -70,6 +78,13 @@ miri() {
 kernel_tests() {
   "$@" --lib -- kernel
   if [ -f tests/kernel_law.rs ]; then "$@" --test kernel_law; fi
+}
+
+# short_bench NAME: a benchmark in its short form.
+short_bench() {
+  step "$1, short"
+  timeout 60 cargo bench --quiet --locked --all-features --bench "$1" -- --test
+  evidence "bench $1, short"
 }
 
 # conclude WHERE LOG ISA...: fails unless tests passed, and for each instruction set some that are named after it

@@ -4,6 +4,7 @@
 //! ```sh
 //! cargo bench --bench ablation                     # cow, armadillo, hand, bunny75k and a made-up torus; a minute
 //! cargo bench --bench ablation -- cow              # these only; `torus` needs no files
+//! cargo bench --bench ablation -- --test           # the torus, small, at a few poses
 //! ```
 //!
 //! A mesh against itself, k = 18, one triangle a leaf, first hit. Every system has the same triangles, predicate and poses (those of
@@ -47,6 +48,7 @@ use simdop::pose::Pose;
 use std::time::{Duration, Instant};
 use suites::DISTANCES;
 use support::bodies::wavy_torus;
+use support::short::{count, is_short};
 
 const MODELS: [&str; 4] = ["cow", "armadillo", "hand", "bunny75k"];
 const TORUS: &str = "torus";
@@ -98,7 +100,8 @@ fn meshes() -> impl Iterator<Item = (&'static str, MeshData)> {
     let read = |data: std::path::PathBuf| {
         MODELS.map(|name| (name, MeshData::obj(&data.join("meshes").join(name).with_extension("obj"))))
     };
-    directory().map(read).into_iter().flatten().chain([(TORUS, wavy_torus(100))])
+    let data = if is_short() { None } else { directory() };
+    data.map(read).into_iter().flatten().chain([(TORUS, wavy_torus(count(100, 24) as u32))])
 }
 
 fn cpu() -> String {
@@ -109,7 +112,7 @@ fn cpu() -> String {
 }
 
 fn report(name: &str, mesh: &MeshData) -> Vec<Timed> {
-    let poses = poses(mesh, POSES);
+    let poses = poses(mesh, count(POSES, 8));
     let entrants = entrants(mesh);
     check(&entrants, poses.iter().flatten());
     check(&entrants, &grazing(mesh, &entrants[0]));
@@ -159,7 +162,7 @@ fn check<'p>(entrants: &[Entrant], poses: impl IntoIterator<Item = &'p Pose>) {
 fn grazing(mesh: &MeshData, entrant: &Entrant) -> Vec<Pose> {
     let suite = Suite { name: "ablation", a: mesh.clone(), b: mesh.clone() };
     let pose = |rows: &_| Pose::from_rows(*rows).unwrap();
-    suite.poses(1, |rows| (entrant.collide)(&pose(rows)).0).iter().map(pose).collect()
+    suite.poses(count(1, 8), |rows| (entrant.collide)(&pose(rows)).0).iter().map(pose).collect()
 }
 
 /// Microseconds of each entrant.
@@ -169,7 +172,7 @@ fn medians(entrants: &[Entrant], poses: &[Pose]) -> Vec<f64> {
         let block = first..poses.len().min(first + BLOCK);
         for i in 0..entrants.len() {
             let which = (turn + i) % entrants.len();
-            for _ in 0..PASSES {
+            for _ in 0..count(PASSES, 1) {
                 for pose in block.clone() {
                     let start = Instant::now();
                     std::hint::black_box((entrants[which].collide)(&poses[pose]));

@@ -18,10 +18,13 @@ mod figures {
 }
 #[path = "../tests/support/rng.rs"]
 mod rng;
+#[path = "support/short.rs"]
+mod short;
 
 use data::{GAPS, MeshData, Suite, directory};
 use figures::decimate::{MODELS, series};
 use figures::plot::{Curve, plot};
+use short::{count, is_short, some};
 use simdop::construct::{Builder, Magnification, Mesh, Splitter};
 use simdop::hierarchy::Bvh;
 use simdop::isa::Isa;
@@ -67,19 +70,25 @@ struct Row {
 fn main() {
     let Some(data) = directory() else { return };
     let mut rows = Vec::new();
-    for model in MODELS {
+    for &model in some(&MODELS) {
         let mesh = MeshData::obj(&data.join("meshes").join(model).with_extension("obj"));
-        for mesh in series(&mesh) {
-            let poses = [TOUCHING, APART].map(|gap| poses(&mesh, gap));
+        let series = series(&mesh);
+        // Of a short run the coarsest.
+        for mesh in &series[..count(series.len(), 2)] {
+            let poses = [TOUCHING, APART].map(|gap| poses(mesh, gap));
             eprintln!("{model}: {} polygons", mesh.triangles.len());
-            measure::<Node4<32>>(model, &mesh, &poses, &mut rows);
-            measure::<Node16<32>>(model, &mesh, &poses, &mut rows);
+            measure::<Node4<32>>(model, mesh, &poses, &mut rows);
+            measure::<Node16<32>>(model, mesh, &poses, &mut rows);
         }
     }
-    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).with_file_name("figures");
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).with_file_name(if is_short() {
+        "figures-short"
+    } else {
+        "figures"
+    });
     std::fs::create_dir_all(&folder).unwrap();
     std::fs::write(folder.join("figures.csv"), csv(&rows)).unwrap();
-    for model in MODELS {
+    for &model in some(&MODELS) {
         for (arity, letter, kernel) in [(4, 'a', "4vs4"), (16, 'b', "1vs16")] {
             let curves = |value: fn(&Row) -> f64| curves(&rows, model, arity, value);
             let file = |figure: u32| folder.join(format!("figure-{figure}{letter}-{model}.svg"));
@@ -103,7 +112,7 @@ fn poses(mesh: &MeshData, gap: usize) -> Vec<Pose> {
     let meets =
         |rows: &_| Query::new(Isa::detect()).collide(&tree.view(), &tree.view(), &pose(rows)).hit().is_some();
     let suite = Suite { name: "figures", a: mesh.clone(), b: mesh.clone() };
-    suite.poses(1, meets).chunks_exact(GAPS.len()).map(|at_gaps| pose(&at_gaps[gap])).collect()
+    suite.poses(count(1, 8), meets).chunks_exact(GAPS.len()).map(|at_gaps| pose(&at_gaps[gap])).collect()
 }
 
 /// Appends a row for each splitter, measured on poses that touch and poses apart.
@@ -114,7 +123,7 @@ fn measure<N: Lanes>(model: &'static str, mesh: &MeshData, poses: &[Vec<Pose>; 2
             let tree = build::<N>(mesh, splitter);
             (start.elapsed().as_secs_f64(), tree)
         };
-        (0..3).map(|_| time()).min_by(|a, b| a.0.total_cmp(&b.0)).unwrap()
+        (0..count(3, 1)).map(|_| time()).min_by(|a, b| a.0.total_cmp(&b.0)).unwrap()
     });
     let trees = built.each_ref().map(|(_, tree)| tree);
     let [touching, apart] = poses.each_ref().map(|poses| query_times(&trees, poses));
@@ -146,7 +155,7 @@ fn measure<N: Lanes>(model: &'static str, mesh: &MeshData, poses: &[Vec<Pose>; 2
 fn query_times<N: Lanes>(trees: &[&Bvh<N>; SPLITTERS.len()], poses: &[Pose]) -> [f64; SPLITTERS.len()] {
     let query = Query::new(Isa::detect());
     let mut times = vec![[f64::INFINITY; SPLITTERS.len()]; poses.len()];
-    for _ in 0..RUNS {
+    for _ in 0..count(RUNS, 1) {
         for (pose, times) in poses.iter().zip(&mut times) {
             for (tree, time) in trees.iter().zip(times) {
                 let start = Instant::now();

@@ -2,6 +2,7 @@
 //!
 //! ```sh
 //! cargo bench --features gpu,rayon --bench gpu -- 10000000   # the largest number; 100 000 without
+//! cargo bench --features gpu,rayon --bench gpu -- --test     # 2 000, once
 //! ```
 //!
 //! Prints a table: medians, milliseconds. The first build of all compiles the kernels and is not counted. Every tree is compared with
@@ -11,9 +12,12 @@
 
 #[path = "../tests/support/rng.rs"]
 mod rng;
+#[path = "support/short.rs"]
+mod short;
 
 use core::ops::ControlFlow;
 use rng::Rng;
+use short::count;
 use simdop::construct::gpu::{Gpu, Spent};
 use simdop::construct::{Assignment, Clustering};
 use std::time::{Duration, Instant};
@@ -72,7 +76,7 @@ impl Bench {
                 .assign(&cloud.points, Some(&cloud.weights), &mut |_| ControlFlow::Continue(()))
                 .unwrap()
         };
-        let repeats = if cloud.points.len() > 100_000 { 1 } else { 5 };
+        let repeats = if cloud.points.len() > 100_000 { 1 } else { count(5, 1) };
         let (mut one, mut all, mut whole, mut parts) = (vec![], vec![], vec![], vec![]);
         for _ in 0..repeats {
             let (want, time) = self.one.install(|| timed(scalar));
@@ -100,7 +104,8 @@ impl Bench {
 }
 
 fn main() {
-    let most = std::env::args().skip(1).find_map(|word| word.parse().ok()).unwrap_or(100_000);
+    let most =
+        std::env::args().skip(1).find_map(|word| word.parse().ok()).unwrap_or(count(100_000, COUNTS[0]));
     let pool = |threads| rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
     let bench = Bench { gpu: Gpu::new().unwrap(), one: pool(1), all: pool(0) };
     let info = bench.gpu.info();

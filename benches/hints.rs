@@ -11,12 +11,15 @@
 mod data;
 #[path = "../tests/support/rng.rs"]
 mod rng;
+#[path = "support/short.rs"]
+mod short;
 #[path = "support/suites.rs"]
 mod suites;
 
 use data::{MeshData, directory};
 use glam::{DMat3, DQuat, DVec3};
 use rng::Rng;
+use short::{count, some};
 use simdop::construct::{Builder, Mesh};
 use simdop::hierarchy::BvhRef;
 use simdop::isa::Isa;
@@ -32,24 +35,34 @@ const SWEEPS: usize = 16;
 const STEPS: usize = 400;
 const PASSES: usize = 3;
 
+fn sweeps() -> usize {
+    count(SWEEPS, 2)
+}
+
+fn steps() -> usize {
+    count(STEPS, 20)
+}
+
 type Tree<'t> = BvhRef<'t, Node16<18>>;
 
 fn main() {
     let Some(data) = directory() else { return };
     println!(
-        "Microseconds a query without hints, with them, and the ratio: medians over {SWEEPS} sweeps of {STEPS} steps. {}.\n",
+        "Microseconds a query without hints, with them, and the ratio: medians over {} sweeps of {} steps. {}.\n",
+        sweeps(),
+        steps(),
         Isa::detect()
     );
     println!("| mesh | sweep | steps in contact | collide | hinted | ratio | distance | hinted | ratio |");
     println!("|---|---|--:|--:|--:|--:|--:|--:|--:|");
-    for model in MODELS {
+    for model in some(&MODELS) {
         let mesh = MeshData::obj(&data.join("meshes").join(model).with_extension("obj"));
         let baked = Mesh { vertices: &mesh.vertices, triangles: &mesh.triangles };
         let (tree, rough) =
             (Builder::best().build::<Node16<18>>(&baked).unwrap(), Builder::new().build(&baked).unwrap());
         let pair = Approaching { a: &mesh, b: &mesh, tree_a: rough.view(), tree_b: rough.view() };
         let places: Vec<_> =
-            Method::ALL.into_iter().flat_map(|method| pair.poses(method, SWEEPS / 2, 1)).collect();
+            Method::ALL.into_iter().flat_map(|method| pair.poses(method, sweeps() / 2, 1)).collect();
         let mut rng = Rng::new(2);
         let mut turning = |from: usize| -> Vec<Vec<Pose>> {
             places.iter().map(|at| turns(&at[from], mesh.centre(), &mut rng)).collect()
@@ -78,7 +91,7 @@ fn row(model: &str, name: &str, tree: &Tree<'_>, sweeps: &[Vec<Pose>]) {
     let hits = sweeps.iter().flatten().filter(|pose| query.collide(tree, tree, pose).hit().is_some()).count();
     println!(
         "| {model} | {name} | {:.0} % | {} | {} |",
-        100.0 * hits as f64 / (sweeps.len() * STEPS) as f64,
+        100.0 * hits as f64 / (sweeps.len() * steps()) as f64,
         compared(sweeps, collide),
         compared(sweeps, distance),
     );
@@ -133,18 +146,18 @@ fn turns(from: &Rows, centre: [f64; 3], rng: &mut Rng) -> Vec<Pose> {
         let rotation = DMat3::from_quat(DQuat::from_axis_angle(axis, 2e-4 * step as f64)) * start;
         Pose::new(rotation, stays - rotation * centre).unwrap()
     };
-    (0..STEPS).map(turned).collect()
+    (0..steps()).map(turned).collect()
 }
 
 /// The same rotation, from one place to another.
 fn straight(from: &Rows, to: &Rows) -> Vec<Pose> {
     let at = |step: usize| {
-        let share = step as f64 / (STEPS - 1) as f64;
+        let share = step as f64 / (steps() - 1) as f64;
         let mut rows = *from;
         for (row, end) in rows.iter_mut().zip(to) {
             row[3] += share * (end[3] - row[3]);
         }
         Pose::from_rows(rows).unwrap()
     };
-    (0..STEPS).map(at).collect()
+    (0..steps()).map(at).collect()
 }

@@ -3,6 +3,7 @@
 //! ```sh
 //! cargo bench --bench kernel                        # criterion: kernel/1v16/k18/L1/avx2 ..
 //! SIMDOP_SUMMARY=1 cargo bench --bench kernel       # the table of benches/MEASURED.md: all variants in turn, medians
+//! cargo bench --bench kernel -- --test              # everything once, on a small shape
 //! ```
 //!
 //! Before it is timed, every variant gives the scalar kernel's mask on every call. "L1" and "L2" data are in that cache when the clock starts,
@@ -75,15 +76,6 @@ fn at<Q: Clone, N: Clone>(recording: Recording<Q, N>, level: Level) -> (Recordin
     (recording, windows)
 }
 
-/// `[(name, token)]` of the instruction sets here, each with `$body` of it.
-macro_rules! each_isa {
-    ($isa:ident, $token:ident => $body:expr) => {
-        for $isa in Isa::available() {
-            on_isa!($isa, $token => $body);
-        }
-    };
-}
-
 fn row_16<const K: usize>((level, level_name): (Level, &'static str)) -> Row
 where
     Node16<K>: Lanes,
@@ -94,10 +86,12 @@ where
     #[cfg(target_arch = "x86_64")]
     let papers = Timed::new(recording.map(float_query, halves_16), &windows, level);
     let ours = Timed::new(recording, &windows, level);
-    each_isa!(isa, token => {
-        row.benches.push(ours.bench(isa.name(), Ours(token)));
-        row.benches.push(ours.bench(&format!("vectorised-{isa}"), Vectorised(token)));
-    });
+    for isa in Isa::available() {
+        on_isa!(isa, token => {
+            row.benches.push(ours.bench(isa.name(), Ours(token)));
+            row.benches.push(ours.bench(&format!("vectorised-{isa}"), Vectorised(token)));
+        });
+    }
     #[cfg(target_arch = "x86_64")]
     for isa in Isa::available() {
         let names = [format!("papers-{isa}"), format!("papers-no-exit-{isa}")];
@@ -126,7 +120,9 @@ where
     #[cfg(target_arch = "x86_64")]
     let papers = Timed::new(recording.map(float_query, halves_4), &windows, level);
     let ours = Timed::new(recording, &windows, level);
-    each_isa!(isa, token => row.benches.push(ours.bench(isa.name(), Ours4(token))));
+    for isa in Isa::available() {
+        on_isa!(isa, token => row.benches.push(ours.bench(isa.name(), Ours4(token))));
+    }
     #[cfg(target_arch = "x86_64")]
     for isa in Isa::available() {
         let name = format!("papers-{isa}");

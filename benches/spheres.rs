@@ -12,6 +12,8 @@
 mod data;
 #[path = "../tests/support/rng.rs"]
 mod rng;
+#[path = "support/short.rs"]
+mod short;
 mod spheres {
     pub(crate) mod heuristics;
     pub(crate) mod packing;
@@ -20,6 +22,7 @@ mod spheres {
 
 use data::{MeshData, directory};
 use rng::Rng;
+use short::{count, some};
 use simdop::construct::{Magnification, Splitter};
 use spheres::packing::{self, Sphere};
 use spheres::tree::{Moved, Node, by_heuristic, by_splitter, pairs_by_brute_force};
@@ -29,18 +32,22 @@ const POSES: usize = 200;
 /// Of a packing.
 const SPHERES: usize = 4000;
 /// Batch Neural Gas is built so often, from other starts; its figures are means.
-const SEEDS: u32 = 5;
+const SEEDS: usize = 5;
+
+fn number() -> usize {
+    count(SPHERES, 200)
+}
 
 fn main() {
     println!("| spheres | hierarchy | visits | tests | children's volume | depth |");
     println!("|---|---|---|---|---|---|");
     for (exponent, name) in [(0.0, "alike"), (1.0, "1 : 10"), (2.0, "1 : 100")] {
-        compare(name, &packing::in_a_ball(SPHERES, 10_f64.powf(-exponent), &mut Rng::new(1)));
+        compare(name, &packing::in_a_ball(number(), 10_f64.powf(-exponent), &mut Rng::new(1)));
     }
     let Some(data) = directory() else { return };
-    for model in ["cow", "hand", "camel", "armadillo"] {
+    for model in some(&["cow", "hand", "camel", "armadillo"]) {
         let mesh = MeshData::obj(&data.join("meshes").join(model).with_extension("obj"));
-        compare(model, &packing::inside(&mesh, SPHERES));
+        compare(model, &packing::inside(&mesh, number()));
     }
 }
 
@@ -48,7 +55,7 @@ fn main() {
 fn hierarchies(spheres: &[Sphere]) -> Vec<(&'static str, Vec<Node>)> {
     let gas = |magnification| -> Vec<Node> {
         let build = |seed| by_splitter(spheres, Splitter::BatchNeuralGas { magnification, seed });
-        (0..SEEDS).map(build).collect()
+        (0..count(SEEDS, 1) as u32).map(build).collect()
     };
     vec![
         ("neural gas, by volume", gas(Magnification::Area)),
@@ -103,5 +110,5 @@ fn poses(root: &Node) -> Vec<tree::Pose> {
         let shift = core::array::from_fn(|i| centre[i] - rotated[i] + distance * direction[i]);
         tree::Pose { rotation, shift }
     };
-    (0..POSES).map(pose).collect()
+    (0..count(POSES, 8)).map(pose).collect()
 }

@@ -92,7 +92,7 @@ mod tests {
             let mut sum = Expansion::<136>::ZERO;
             sum.add_multiple(n, x);
             assert_eq!(sum.len, terms_of_multiple(n), "{n}");
-            assert_eq!(sum.sign(), n.signum().into());
+            assert_eq!(sum.sign(), i32::from(n.signum()));
             for _ in 0..n.unsigned_abs() {
                 sum.add(if n < 0 { x } else { -x });
             }

@@ -14,37 +14,23 @@ use simdop::node::{Node4, Node16};
 use simdop::pose::Pose;
 use simdop::query::{Answer, Lanes, Query, Verdict};
 use support::data::{MeshData, Suite, suite_step, suites};
-
-/// FNV-1a, 64 bits.
-#[derive(Copy, Clone, PartialEq, Eq, Debug)]
-struct Digest(u64);
-
-impl Digest {
-    const EMPTY: Self = Self(0xcbf2_9ce4_8422_2325);
-
-    fn add(&mut self, value: u64) {
-        for byte in value.to_le_bytes() {
-            self.0 = (self.0 ^ u64::from(byte)).wrapping_mul(0x100_0000_01b3);
-        }
-    }
-}
+use support::digest::Digest;
 
 /// Digests of the verdicts, and of the verdicts with their witnesses and counters.
 type Digests = [u64; 2];
 
 fn digests(answers: &[Answer]) -> Digests {
     let (mut verdicts, mut all) = (Digest::EMPTY, Digest::EMPTY);
+    let add = |digest: &mut Digest, values: &[u64]| values.iter().for_each(|x| digest.add(&x.to_le_bytes()));
     for answer in answers {
-        verdicts.add(answer.hit().is_some().into());
+        add(&mut verdicts, &[answer.hit().is_some().into()]);
         match answer.verdict {
-            Verdict::Hit(pair) => [1, pair.a.into(), pair.b.into()].into_iter().for_each(|x| all.add(x)),
-            Verdict::Free => all.add(0),
+            Verdict::Hit(pair) => add(&mut all, &[1, pair.a.into(), pair.b.into()]),
+            Verdict::Free => add(&mut all, &[0]),
             Verdict::Unknown { .. } => panic!("a query without a budget knows its answer"),
         }
         let c = answer.counters;
-        [c.visits, c.kernels, c.realignments, c.primitive_pairs, c.exact_pairs]
-            .into_iter()
-            .for_each(|x| all.add(x));
+        add(&mut all, &[c.visits, c.kernels, c.realignments, c.primitive_pairs, c.exact_pairs]);
     }
     [verdicts.0, all.0]
 }

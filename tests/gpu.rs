@@ -14,11 +14,13 @@ use simdop::construct::{BuildError, Builder, Clustering, Magnification, Mesh, Pr
 use simdop::hierarchy::Bvh;
 use simdop::node::{Node, Node4, Node16};
 use std::sync::OnceLock;
-use support::data::{MeshData, directory};
+use support::data::{MeshData, directory, notice};
 use support::rng::Rng;
 use support::shapes;
 
 // ---- Devices ----------------------------------------------------------------------------------------------------
+
+const NO_ADAPTER: &str = "SKIPPED: no adapter";
 
 fn adapter() -> Option<wgpu::Adapter> {
     let instance = wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle_from_env());
@@ -26,7 +28,7 @@ fn adapter() -> Option<wgpu::Adapter> {
     let required = std::env::var_os("SIMDOP_REQUIRE_GPU").is_some();
     assert!(adapter.is_ok() || !required, "SIMDOP_REQUIRE_GPU is set, and there is no adapter: {adapter:?}");
     if adapter.is_err() {
-        eprintln!("\n*** SKIPPED: no adapter ***\n");
+        notice(NO_ADAPTER);
     }
     adapter.ok()
 }
@@ -45,7 +47,7 @@ fn device_with(features: wgpu::Features, limits: wgpu::Limits) -> Option<(wgpu::
 /// The devices that all tests share: with 64-bit integers, where the adapter has them, and without.
 fn devices() -> &'static [Gpu] {
     static DEVICES: OnceLock<Vec<Gpu>> = OnceLock::new();
-    DEVICES.get_or_init(|| {
+    let devices = DEVICES.get_or_init(|| {
         let Some(adapter) = adapter() else { return Vec::new() };
         let (device, queue) = device_with(wgpu::Features::empty(), wgpu::Limits::default()).unwrap();
         log::set_logger(&Listener).unwrap();
@@ -61,7 +63,11 @@ fn devices() -> &'static [Gpu] {
             devices[0].has_int64()
         );
         devices
-    })
+    });
+    if devices.is_empty() {
+        notice(NO_ADAPTER);
+    }
+    devices
 }
 
 // ---- What wgpu says ---------------------------------------------------------------------------------------------
@@ -415,7 +421,7 @@ fn too_little_memory_is_an_error() {
         Some(gpu) if gpu.info().device_type == wgpu::DeviceType::Cpu => {
             in_a_process("with_too_little_memory", &[]);
         }
-        _ => eprintln!("\n*** SKIPPED: no device on the CPU, whose memory a process can limit ***\n"),
+        _ => notice("SKIPPED: no device on the CPU, whose memory a process can limit"),
     }
 }
 

@@ -6,6 +6,8 @@
 //! calls them: a function that is called has a symbol. `#[inline(never)]` on any of them fails the test. Needs an optimised ELF binary.
 #![cfg(target_os = "linux")]
 
+mod support;
+
 use simdop::construct::{Builder, Mesh};
 use simdop::hierarchy::Bvh;
 use simdop::isa::Isa;
@@ -13,6 +15,7 @@ use simdop::node::{Node4, Node16};
 use simdop::pose::Pose;
 use simdop::query::{Lanes, Query};
 use std::hint::black_box;
+use support::data::notice;
 
 /// One query on every instruction set, so that each traversal is compiled.
 fn query<N: Lanes>() {
@@ -58,7 +61,7 @@ fn kernels_leave_no_function_of_their_own() {
         Node16<6> Node16<14> Node16<18> Node16<26> Node16<32> Node4<6> Node4<14> Node4<18> Node4<26> Node4<32>
     };
     if cfg!(debug_assertions) {
-        eprintln!("*** NOT CHECKED: needs cargo test --release ***");
+        notice("NOT CHECKED: needs cargo test --release");
         return;
     }
     let functions = functions(&std::fs::read(std::env::current_exe().unwrap()).unwrap());

@@ -20,13 +20,14 @@ use simdop::primitive::triangle::Probe;
 use simdop::query::Lanes;
 use simdop::realign::Realignment;
 use std::cell::LazyCell;
-use std::io::Write;
+use support::codes::SPECIAL;
+use support::data::notice;
 use support::rng::Rng;
 use turned::{turned_4, turned_16};
 
 // ---- Which instruction set ----------------------------------------------------------------------------------------------------
 
-/// The instruction set, if it is here. Tells standard error itself when it is not: a passing test's output is not shown.
+/// The instruction set, if it is here. If not, a notice says so.
 fn available(name: &str) -> Option<Isa> {
     match name.parse() {
         Ok(isa) => Some(isa),
@@ -34,9 +35,7 @@ fn available(name: &str) -> Option<Isa> {
         Err(IsaError::NotAvailable) => {
             let required = std::env::var("SIMDOP_REQUIRE_ISA").unwrap_or_default();
             assert!(!required.split(',').any(|r| r == name), "SIMDOP_REQUIRE_ISA: there is no {name} here");
-            // In one piece: other tests write too.
-            let line = format!("*** ISA {name}: NOT RUN here ***\n");
-            std::io::stderr().write_all(line.as_bytes()).unwrap();
+            notice(&format!("NOT RUN: there is no {name} here"));
             None
         }
     }
@@ -155,31 +154,6 @@ const MODES: &[Mode] = if cfg!(miri) {
 } else {
     &[Mode::Grid, Mode::Near, Mode::AnyBits, Mode::Real]
 };
-
-/// Codes at the ends of their kinds: the lowest, an unused lane's neighbours, -infinity and about, lowest finite, about -1, about zero (-0
-/// is -1, the largest negative subnormal -2), subnormal ends, 1, the largest finite, infinity, NaN.
-const SPECIAL: [i16; 20] = [
-    i16::MIN,
-    -0x7fff,
-    -0x7c02,
-    -0x7c01,
-    -0x7c00,
-    -0x3c01,
-    -0x401,
-    -0x400,
-    -3,
-    -2,
-    -1,
-    0,
-    1,
-    0x3ff,
-    0x400,
-    0x3c00,
-    0x7bff,
-    0x7c00,
-    0x7c01,
-    i16::MAX,
-];
 
 fn code(rng: &mut Rng) -> i16 {
     if rng.below(4) == 0 { *rng.pick(&SPECIAL) } else { rng.u64() as i16 }

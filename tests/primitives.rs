@@ -222,7 +222,9 @@ fn check<N: Lanes>() {
         let least = least.fold(f64::INFINITY, f64::min);
         assert!((distance.upper - least).abs() <= 1e-9 * least, "{} {least}", distance.upper);
         assert!(Query::new(Isa::detect()).within(&tree_a, &tree_b, &far, 0.99 * least).unwrap().is_free());
-        assert!(Query::new(Isa::detect()).within(&tree_a, &tree_b, &far, 1.01 * least).unwrap().hit().is_some());
+        assert!(
+            Query::new(Isa::detect()).within(&tree_a, &tree_b, &far, 1.01 * least).unwrap().hit().is_some()
+        );
     }
 }
 

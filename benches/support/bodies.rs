@@ -1,5 +1,6 @@
 //! Pairs of meshes at poses where they nearly touch.
 
+use super::short::{count, is_short};
 use crate::data::{MeshData, Suite, directory};
 use simdop::construct::{Builder, Mesh};
 use simdop::hierarchy::Bvh;
@@ -14,17 +15,16 @@ pub(crate) struct Scene<N> {
     pub(crate) poses: Vec<Pose>,
 }
 
-/// Cow (5 804 triangles) and armadillo (52 000), if the data sets are there, else a made-up shape.
+/// Cow (5 804 triangles) and armadillo (52 000), if the data sets are there, else a made-up shape; of a short run a small one.
 pub(crate) fn scenes<N: Lanes>() -> Vec<Scene<N>> {
-    let meshes = match directory() {
-        Some(data) => vec![
-            MeshData::obj(&data.join("meshes/cow.obj")),
-            MeshData::obj(&data.join("meshes/armadillo.obj")),
-        ],
-        None => {
-            eprintln!("*** GENERATED SHAPE: figures are not those of the documents ***");
-            vec![wavy_torus(100)]
-        }
+    let meshes = if is_short() {
+        // The smaller has many unused lanes for its size.
+        vec![wavy_torus(40), wavy_torus(4)]
+    } else if let Some(data) = directory() {
+        ["cow", "armadillo"].map(|name| MeshData::obj(&data.join(format!("meshes/{name}.obj")))).into()
+    } else {
+        eprintln!("*** GENERATED SHAPE: figures are not those of the documents ***");
+        vec![wavy_torus(100)]
     };
     meshes.into_iter().map(scene).collect()
 }
@@ -37,7 +37,7 @@ fn scene<N: Lanes>(mesh: MeshData) -> Scene<N> {
         Query::new(Isa::detect()).collide(&tree.view(), &tree.view(), &pose).hit().is_some()
     };
     let suite = Suite { name: "bench", a: mesh.clone(), b: mesh };
-    let free = suite.poses(1, meets).into_iter().filter(|rows| !meets(rows));
+    let free = suite.poses(count(1, 8), meets).into_iter().filter(|rows| !meets(rows));
     let poses = free.map(|rows| Pose::from_rows(rows).unwrap()).collect();
     Scene { tree, poses }
 }

@@ -26,9 +26,11 @@ pub(crate) struct Halves<const W: usize, const K: usize> {
 }
 
 pub(crate) fn float_query<const W: usize, const K: usize>(query: &Turned<W, K>) -> FloatQuery<W, K> {
-    // query[2 s] is the key of A's low bound in the direction of plane 2 s, query[2 s + 1] that of its negated high bound.
+    // query[2 s] is the key of A's low bound in the direction of plane 2 s, query[2 s + 1] that of its negated high bound. An unused lane
+    // has no half for a bound: low bounds above all others, and high bounds below.
+    let value = |code: i16| if code == !Key::EMPTY.code() { f32::INFINITY } else { decode(code) };
     core::array::from_fn(|j| {
-        query[j].map(|code| if j.is_multiple_of(2) { decode(code) } else { -decode(code) })
+        query[j].map(|code| if j.is_multiple_of(2) { value(code) } else { -value(code) })
     })
 }
 
@@ -57,65 +59,38 @@ pub(crate) fn halves_4<const K: usize>(node: &Node4<K>) -> Halves<4, K> {
 #[derive(Copy, Clone)]
 pub(crate) struct Papers<E, const K: usize, const EXIT: bool>(pub(crate) E);
 
-impl<const K: usize, const EXIT: bool> Variant for Papers<Avx2, K, EXIT> {
-    type Query = FloatQuery<16, K>;
-    type Node = Halves<16, K>;
-    #[inline(always)]
-    fn gate<R>(self, f: impl FnOnce() -> R) -> R {
-        self.0.run(f)
-    }
-    #[inline(always)]
-    fn overlap(self, query: &FloatQuery<16, K>, lane: usize, node: &Halves<16, K>) -> u16 {
-        // SAFETY: the token proves the features.
-        unsafe { avx2_16::<K, EXIT>(query, lane, node) }
-    }
-}
-
-impl<const K: usize, const EXIT: bool> Variant for Papers<Avx512, K, EXIT> {
-    type Query = FloatQuery<16, K>;
-    type Node = Halves<16, K>;
-    #[inline(always)]
-    fn gate<R>(self, f: impl FnOnce() -> R) -> R {
-        self.0.run(f)
-    }
-    #[inline(always)]
-    fn overlap(self, query: &FloatQuery<16, K>, lane: usize, node: &Halves<16, K>) -> u16 {
-        // SAFETY: the token proves the features.
-        unsafe { avx512_16::<K, EXIT>(query, lane, node) }
-    }
-}
-
 /// The paper's 4vs4.
 #[derive(Copy, Clone)]
 pub(crate) struct Papers4<E, const K: usize>(pub(crate) E);
 
-impl<const K: usize> Variant for Papers4<Avx2, K> {
-    type Query = FloatQuery<4, K>;
-    type Node = Halves<4, K>;
-    #[inline(always)]
-    fn gate<R>(self, f: impl FnOnce() -> R) -> R {
-        self.0.run(f)
-    }
-    #[inline(always)]
-    fn overlap(self, query: &FloatQuery<4, K>, _: usize, node: &Halves<4, K>) -> u16 {
-        // SAFETY: the token proves the features.
-        unsafe { avx2_4(query, node) }
-    }
+macro_rules! impl_variant {
+    ([$($parameters:tt)*] $variant:ty, $width:literal, ($query:ident, $lane:pat, $node:ident) => $overlap:expr) => {
+        impl<$($parameters)*> Variant for $variant {
+            type Query = FloatQuery<$width, K>;
+            type Node = Halves<$width, K>;
+            #[inline(always)]
+            fn gate<R>(self, f: impl FnOnce() -> R) -> R {
+                self.0.run(f)
+            }
+            #[inline(always)]
+            fn overlap(self, $query: &Self::Query, $lane: usize, $node: &Self::Node) -> u16 {
+                // SAFETY: the token proves the features.
+                unsafe { $overlap }
+            }
+        }
+    };
 }
 
-impl<const K: usize> Variant for Papers4<Avx512, K> {
-    type Query = FloatQuery<4, K>;
-    type Node = Halves<4, K>;
-    #[inline(always)]
-    fn gate<R>(self, f: impl FnOnce() -> R) -> R {
-        self.0.run(f)
-    }
-    #[inline(always)]
-    fn overlap(self, query: &FloatQuery<4, K>, _: usize, node: &Halves<4, K>) -> u16 {
-        // SAFETY: the token proves the features.
-        unsafe { avx512_4(query, node) }
-    }
+impl_variant! {
+    [const K: usize, const EXIT: bool] Papers<Avx2, K, EXIT>, 16,
+    (query, lane, node) => avx2_16::<K, EXIT>(query, lane, node)
 }
+impl_variant! {
+    [const K: usize, const EXIT: bool] Papers<Avx512, K, EXIT>, 16,
+    (query, lane, node) => avx512_16::<K, EXIT>(query, lane, node)
+}
+impl_variant! { [const K: usize] Papers4<Avx2, K>, 4, (query, _, node) => avx2_4(query, node) }
+impl_variant! { [const K: usize] Papers4<Avx512, K>, 4, (query, _, node) => avx512_4(query, node) }
 
 /// Eight of sixteen halves, as floats.
 #[inline]

@@ -28,6 +28,7 @@ mod turned;
 use std::any::{Any, TypeId};
 use std::collections::HashMap;
 use std::sync::{LazyLock, Mutex};
+use support::digest::digest;
 use support::rng::Rng;
 
 /// How an input is read.
@@ -49,9 +50,7 @@ pub struct Input<'a> {
 
 impl<'a> Input<'a> {
     pub fn new(bytes: &'a [u8]) -> Self {
-        // FNV-1a, 64 bits.
-        let hash = |hash: u64, byte: &u8| (hash ^ u64::from(*byte)).wrapping_mul(0x100_0000_01b3);
-        Self { bytes, after: Rng::new(bytes.iter().fold(0xcbf2_9ce4_8422_2325, hash)) }
+        Self { bytes, after: Rng::new(digest(bytes)) }
     }
 
     /// The next `N` bytes, at most 8.
@@ -158,10 +157,8 @@ macro_rules! for_node {
 #[macro_export]
 macro_rules! on_every_isa {
     ($kernel:ident => $body:expr) => {
-        for isa in simdop::isa::Isa::available() {
-            if isa != simdop::isa::Isa::SCALAR {
-                simdop::isa::on_isa!(isa, $kernel => $body);
-            }
+        for isa in simdop::isa::Isa::available().filter(|isa| *isa != simdop::isa::Isa::SCALAR) {
+            simdop::isa::on_isa!(isa, $kernel => $body);
         }
     };
 }

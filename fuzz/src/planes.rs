@@ -11,31 +11,10 @@ use simdop::realign::Realignment;
 
 pub use crate::turned::{turned_4, turned_16};
 
+use crate::support::codes::SPECIAL;
+
 /// Planes of `W` bodies, by plane.
 pub type Planes<const W: usize, const K: usize> = [[i16; W]; K];
-
-/// Codes at the ends of their kinds: unused lanes, NaN, -infinity, lowest finite, largest negative subnormal, -0, zero, subnormal ends, 1,
-/// largest finite, infinity, NaN.
-const SPECIAL: [i16; 18] = [
-    i16::MIN,
-    -0x7fff,
-    -0x7c02,
-    -0x7c01,
-    -0x7c00,
-    -0x3c01,
-    -0x401,
-    -0x400,
-    -2, //
-    -1,
-    0,
-    1,
-    0x3ff,
-    0x400,
-    0x3c00,
-    0x7bff,
-    0x7c00,
-    0x7c01,
-];
 
 /// Any code; one of [`SPECIAL`] as often as not.
 pub fn code(input: &mut Input) -> i16 {

@@ -108,3 +108,49 @@ fn longest_axis(part: &[Item]) -> usize {
 fn compare(a: &Item, b: &Item, axis: usize) -> Ordering {
     a.centroid[axis].total_cmp(&b.centroid[axis]).then(a.index.cmp(&b.index))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use core::ops::ControlFlow;
+
+    fn cut(centroids: &[Point], halving: &Halving) -> Assignment {
+        assign(centroids, halving, &mut |_| ControlFlow::Continue(())).unwrap()
+    }
+
+    /// Along a line every cut is by the same order: by place, and by index in one place.
+    #[test]
+    fn ties_go_by_index() {
+        let place = |i: usize| (i * 7919 % 3001 % 20) as f64;
+        let centroids: Vec<Point> = (0..3001).map(|i| [place(i), 0.0, 0.0]).collect();
+        let mut want: Vec<u32> = (0..3001).collect();
+        want.sort_by_key(|&i| (place(i as usize) as u32, i));
+        for (arity, extended) in [(4, false), (4, true), (16, true)] {
+            let got = cut(&centroids, &Halving { arity, leaf_size: 1, extended });
+            assert_eq!(got.order, want, "arity {arity}, extended {extended}");
+        }
+    }
+
+    #[test]
+    fn leaves_are_in_the_order_of_their_indices() {
+        let centroids: Vec<Point> = (0..3001).map(|i| [-f64::from(i), 0.0, 0.0]).collect();
+        for (arity, leaf_size) in [(4, 3), (16, 5)] {
+            let Assignment { order, ends } = cut(&centroids, &Halving { arity, leaf_size, extended: true });
+            let mut nodes = alloc::vec![0];
+            let mut leaves = 0;
+            for (node, ends) in ends.chunks_exact(arity).enumerate() {
+                let mut start = nodes[node];
+                for end in ends.iter().map(|&end| end as usize) {
+                    if end - start > leaf_size {
+                        nodes.push(start);
+                    } else {
+                        assert!(order[start..end].is_sorted(), "{:?}", &order[start..end]);
+                        leaves += usize::from(end > start + 1);
+                    }
+                    start = end;
+                }
+            }
+            assert!(leaves > 500, "{leaves} leaves of more than one");
+        }
+    }
+}

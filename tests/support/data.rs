@@ -1,7 +1,10 @@
 //! Real meshes, read apart from the library, and poses at given distances from contact.
 
 use super::rng::Rng;
+use std::collections::BTreeSet;
+use std::io::Write;
 use std::path::PathBuf;
+use std::sync::{Mutex, PoisonError};
 
 /// A mesh in the test's own words.
 #[derive(Clone, Debug)]
@@ -10,7 +13,21 @@ pub(crate) struct MeshData {
     pub(crate) triangles: Vec<[u32; 3]>,
 }
 
-/// Where the data sets are, if they are: `$SIMDOP_DATA`, else `../shared/data` beside the project.
+/// Writes `*** PROGRAM, TEST: WHAT ***` to standard error, once. In a passing test too: what `println!` and `eprintln!` write there is
+/// captured and thrown away, what the stream itself is given is not.
+pub(crate) fn notice(what: &str) {
+    static SAID: Mutex<BTreeSet<String>> = Mutex::new(BTreeSet::new());
+    let thread = std::thread::current();
+    // A test's thread has the test's name.
+    let test = thread.name().filter(|name| *name != "main").map_or(String::new(), |name| format!(", {name}"));
+    let line = format!("*** {}{test}: {what} ***\n", env!("CARGO_CRATE_NAME"));
+    if SAID.lock().unwrap_or_else(PoisonError::into_inner).insert(line.clone()) {
+        // In one piece: other tests write too.
+        std::io::stderr().write_all(line.as_bytes()).unwrap();
+    }
+}
+
+/// Where the data sets are, if they are: `$SIMDOP_DATA`, else `../shared/data` beside the project. If not, a notice says so.
 ///
 /// # Panics
 /// If they are absent and `SIMDOP_REQUIRE_DATA` is set, as CI does.
@@ -22,7 +39,10 @@ pub(crate) fn directory() -> Option<PathBuf> {
     }
     let required = std::env::var_os("SIMDOP_REQUIRE_DATA").is_some();
     assert!(!required, "SIMDOP_REQUIRE_DATA is set, and there are no data sets in {}", path.display());
-    eprintln!("\n*** SKIPPED: no data sets in {}; set SIMDOP_DATA ***\n", path.display());
+    notice(&format!(
+        "SKIPPED on real meshes: no data sets in {} ($SIMDOP_DATA, else ../shared/data)",
+        path.display()
+    ));
     None
 }
 
@@ -174,7 +194,7 @@ impl Suite {
 
 /// Names every helper once, so that a test which needs only some of them compiles without a warning.
 const _: () = {
-    let _ = (directory, suite_step, MeshData::placed, MeshData::corners, suites, GAPS);
+    let _ = (notice, directory, suite_step, MeshData::placed, MeshData::corners, suites, GAPS);
     let _ = (MeshData::bounds, MeshData::centre, Approach::at);
     let _ = Suite::poses::<fn(&[[f64; 4]; 3]) -> bool>;
     let _ = |suite: &Suite| suite.name;

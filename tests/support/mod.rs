@@ -1,5 +1,6 @@
 //! What the integration tests share: nothing here uses the library under test.
 
+pub(crate) mod codes;
 pub(crate) mod data;
 pub(crate) mod digest;
 pub(crate) mod dyadic;

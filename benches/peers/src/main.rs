@@ -7,6 +7,8 @@ mod curves;
 mod data;
 #[path = "../../figures/decimate.rs"]
 mod decimate;
+#[path = "../../../tests/support/digest.rs"]
+mod digest;
 mod distances;
 mod driver;
 mod entrants;

@@ -1,6 +1,7 @@
 //! Pose files: made once, with the exact oracle's verdicts, and read back with a checksum. `simdop collide --poses` reads them too.
 
 use crate::data::MeshData;
+use crate::digest::digest;
 use crate::exact::meshes_meet;
 use crate::suites::{Approaching, DISTANCES, Method, Rows};
 use core::fmt::Write as _;
@@ -133,16 +134,13 @@ fn judged(line: &str) -> Option<Judged> {
     })
 }
 
-/// FNV-1a, 64 bits, of the numbers' bits and the verdicts.
+/// Of the numbers' bits and the verdicts.
 fn checksum(suite: &[Judged]) -> String {
     let bytes = suite.iter().flat_map(|pose| {
         let numbers = pose.rows.iter().flatten().flat_map(|number| number.to_bits().to_le_bytes());
         numbers.chain([u8::from(pose.meets), pose.method as u8]).collect::<Vec<_>>()
     });
-    let hash = bytes.fold(0xcbf2_9ce4_8422_2325_u64, |hash, byte| {
-        (hash ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3)
-    });
-    format!("{hash:016x}")
+    format!("{:016x}", digest(&bytes.collect::<Vec<u8>>()))
 }
 
 #[cfg(test)]
