@@ -191,7 +191,7 @@ fn the_exit_code_is_the_verdict_of_one_pose() {
     assert_eq!(code(&["--budget", "0"]), 3, "unknown");
     assert_eq!(code(&["--poses", "poses"]), 0, "several poses have no one verdict");
     assert_eq!(
-        folder.fate(&["collide", "t.obj", "nothing.off"]),
+        folder.fate(&["collide", "t.obj", "nothing.off", "--allow-empty"]),
         (0, String::new()),
         "nothing meets nothing"
     );
@@ -212,7 +212,25 @@ fn faults_of_files_name_file_place_and_problem() {
         ("number.obj", b"v 0 zero 0\n", "line 1: 'zero' is not a number"),
         ("nan.obj", b"\nv 0 nan 0\n", "line 2: the coordinate 'nan' is not finite"),
         ("two.obj", b"v 0 0 0\nf 1 1\n", "line 2: a face with 2 corners, at least 3 are needed"),
-        ("page.obj", b"<html>\n", "line 1: '<html>' is no keyword of an OBJ, and no vertex follows"),
+        ("page.obj", b"<html>\n", "line 1: '<html>' is no keyword of an OBJ"),
+        ("large.obj", b"v 0 0 0\nF 1 1 1\n", "line 2: 'F' is no keyword of an OBJ"),
+        ("close.obj", b"v 0 0 0\nf1 1 1\n", "line 2: 'f1' is no keyword of an OBJ"),
+        ("words.obj", b"v 0 0 0 f 1 1 1\n", "line 1: 'f' is not a number"),
+        (
+            "bow.obj",
+            b"v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 3 2 4\n",
+            "line 5: a polygon whose edges cross each other",
+        ),
+        (
+            "open.obj",
+            b"v 0 0 0\nf 1 1 1",
+            "line 2: the last line does not end: if the file was not cut there, end it with a line break",
+        ),
+        (
+            "comments.obj",
+            b"# v 0 0 0\n# f 1 1 1\n",
+            "there is no triangle in the file (--allow-empty takes it for an empty body)",
+        ),
         ("short.off", b"OFF\n2 0 0\n0 0 0\n", "line 4: the file ends before its last vertex"),
         ("long.stl", &long, "byte 183: the file ends after 1 of 2 triangles"),
         ("nan.stl", &nan, "byte 96: the coordinate NaN is not finite"),
@@ -242,6 +260,45 @@ fn faults_of_files_name_file_place_and_problem() {
     assert!(code == 2 && message.starts_with("simdop: absent.obj: No such file"), "{message}");
     let (code, message) = folder.fate(&["info", "."]);
     assert!(code == 2 && message.starts_with("simdop: .: "), "{message}");
+}
+
+/// A cube on a floor, cut after every byte: what is accepted then are whole lines, and a file without triangles never.
+#[test]
+fn a_cut_mesh_is_not_silently_free() {
+    let folder = Folder::new("cut");
+    let corners: String = (0..8).map(|i| format!("v {} {} {}\n", i & 1, i >> 1 & 1, i >> 2)).collect();
+    let cube = corners + "f 1 3 4 2\nf 5 6 8 7\nf 1 2 6 5\nf 3 7 8 4\nf 1 5 7 3\nf 2 4 8 6\n";
+    folder.write("floor.obj", "v -9 -9 0\nv 9 -9 0\nv 0 9 0\nf 1 2 3\n");
+    let mut between_faces = 0;
+    for length in 0..=cube.len() {
+        folder.write("cut.obj", &cube[..length]);
+        let (code, message) = folder.fate(&["collide", "cut.obj", "floor.obj"]);
+        let has_face = cube[..length].ends_with('\n') && cube[..length].contains("f ");
+        assert_eq!(code, if has_face { 1 } else { 2 }, "{length}: {message}");
+        between_faces += u32::from(has_face);
+    }
+    assert_eq!(between_faces, 6, "the whole cube, and five that cannot be told from smaller meshes");
+    folder.write("mac.obj", cube.replace('\n', "\r"));
+    assert_eq!(folder.json(&["info", "mac.obj"])["triangles"], 12);
+}
+
+/// The notch of an L, and what a fan around a wrong corner would put into it.
+#[test]
+fn a_concave_polygon_does_not_fill_its_notch() {
+    let folder = Folder::new("notch");
+    let corners = ["2 2", "2 6", "0 6", "0 0", "6 0", "6 2"];
+    folder.write("needle.obj", "v 0 0 -1\nv 0 0 1\nf 1 2 2\n");
+    for first in 0..6 {
+        let turned: String = (0..6).map(|i| format!("v {} 0\n", corners[(first + i) % 6])).collect();
+        folder.write("l.obj", turned + "f 1 2 3 4 5 6\n");
+        let code = |at: &str| folder.fate(&["collide", "needle.obj", "l.obj", "--translate", at]).0;
+        for inside in ["1 1 0", "1 5 0", "5 1 0", "1.875 1.875 0"] {
+            assert_eq!(code(inside), 1, "{inside}");
+        }
+        for outside in ["3 3 0", "2.5 5 0", "5 2.5 0", "2.125 2.125 0"] {
+            assert_eq!(code(outside), 0, "{outside}");
+        }
+    }
 }
 
 #[test]

@@ -1,7 +1,7 @@
 //! Bodies: a mesh or a tree from a file, in whichever of the ten node types.
 
 use super::error::Error;
-use super::mesh::{self, MeshData};
+use super::mesh::{self, Empty, MeshData};
 use super::{TreeOptions, progress};
 use core::ops::ControlFlow;
 use core::time::Duration;
@@ -179,14 +179,15 @@ const LONG_READ: usize = 4 << 20;
 const LONG_BUILD: usize = 100_000;
 
 /// Reads a file: a tree if it begins as one, whatever its name; else a mesh.
-pub(super) fn read(path: &Path, quiet: bool) -> Result<Source, Error> {
+pub(super) fn read(path: &Path, options: &TreeOptions, quiet: bool) -> Result<Source, Error> {
     let bytes = std::fs::read(path).map_err(Error::io(path))?;
     let _spinner = progress::step(format!("reading {}", path.display()), quiet || bytes.len() < LONG_READ);
     if bytes.starts_with(&MAGIC) {
         let tree = load(&bytes).map_err(|error| Error::Tree { path: path.into(), error })?;
         Ok(Source::Tree(Box::new(tree)))
     } else {
-        mesh::read(path, &bytes).map(Source::Mesh)
+        let empty = if options.allow_empty { Empty::Allowed } else { Empty::Refused };
+        mesh::read(path, &bytes, empty).map(Source::Mesh)
     }
 }
 
@@ -228,7 +229,7 @@ pub(super) fn shape(options: &TreeOptions, given: Option<Shape>) -> Shape {
 pub(super) fn pair(paths: [&PathBuf; 2], options: &TreeOptions, quiet: bool) -> Result<[Body; 2], Error> {
     let timed = |path: &PathBuf| -> Result<(Source, Duration), Error> {
         let start = Instant::now();
-        Ok((read(path, quiet)?, start.elapsed()))
+        Ok((read(path, options, quiet)?, start.elapsed()))
     };
     let [a, b] = [timed(paths[0])?, timed(paths[1])?];
     let given = [&a.0, &b.0].into_iter().find_map(|source| match source {

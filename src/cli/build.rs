@@ -22,7 +22,7 @@ pub(super) struct Options {
 }
 
 pub(super) fn run(options: &Options) -> Result<(), Error> {
-    let mesh = body::read(&options.mesh, false)?.into_mesh();
+    let mesh = body::read(&options.mesh, &options.tree, false)?.into_mesh();
     let name = options.mesh.display().to_string();
     let shape = body::shape(&options.tree, None);
     let body = body::build(name, &mesh, &options.tree, shape, false)?;

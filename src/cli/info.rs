@@ -47,7 +47,7 @@ struct Report {
 }
 
 pub(super) fn run(options: &Options) -> Result<(), Error> {
-    let (tree, build) = match body::read(&options.tree, options.json)? {
+    let (tree, build) = match body::read(&options.tree, &options.build, options.json)? {
         Source::Tree(tree) => (*tree, None),
         Source::Mesh(mesh) => {
             let name = options.tree.display().to_string();

@@ -57,6 +57,9 @@ struct TreeOptions {
     /// How triangles are assigned to the children of a node.
     #[arg(short, long, value_enum, default_value_t = Splitter::MeanWidth)]
     splitter: Splitter,
+    /// Take a mesh file without a triangle for an empty body, which meets nothing. Without this it is an error.
+    #[arg(long)]
+    allow_empty: bool,
 }
 
 #[derive(ValueEnum, Copy, Clone, Debug)]

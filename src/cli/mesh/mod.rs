@@ -1,5 +1,10 @@
-//! Mesh files: OBJ, OFF, PLY, STL. Coordinates are kept to the bit: decimals become the nearest `f64`, `float32` widens. Nothing
-//! is dropped or repaired in silence: every fault names its line or byte.
+//! Mesh files: OBJ, OFF, PLY, STL. Nothing is dropped or repaired in silence: every fault names its line or byte.
+//!
+//! Coordinates are kept to the bit: `float32` widens, decimals become the nearest `f64`.
+//!
+//! Lines end in LF, CR LF or CR, also the last one: the last number of a file that was cut in the middle of a line would otherwise
+//! pass for a shorter number, and a square for a triangle. (In ASCII STL the word `endsolid` is an end, too.) A file that was cut
+//! between two lines cannot be told from a smaller one where its format has no counts: in OBJ, and between the solids of an ASCII STL.
 //!
 //! PLY headers and binary payloads are read by the crate `ply-rs-bw`. The rest is read here: `ply-rs-bw` refuses ASCII numbers such
 //! as `.5`, `tobj`'s errors name no line, `stl_io` rounds ASCII decimals to `f32`, and for OFF there is no crate that is kept.
@@ -7,9 +12,10 @@
 mod obj;
 mod off;
 mod ply;
+mod polygon;
 mod stl;
 
-use super::error::{Error, Fault};
+use super::error::{Error, Fault, Place};
 use alloc::borrow::Cow;
 use std::collections::HashMap;
 use std::path::Path;
@@ -21,8 +27,17 @@ pub(crate) struct MeshData {
     pub(crate) triangles: Vec<[u32; 3]>,
 }
 
+/// Whether a file without a triangle is one.
+#[derive(Copy, Clone, PartialEq, Eq, Debug)]
+pub(crate) enum Empty {
+    /// An empty body is meant.
+    Allowed,
+    /// Something was lost on the way here.
+    Refused,
+}
+
 /// Reads a mesh, by the extension of its file's name.
-pub(crate) fn read(path: &Path, bytes: &[u8]) -> Result<MeshData, Error> {
+pub(crate) fn read(path: &Path, bytes: &[u8], empty: Empty) -> Result<MeshData, Error> {
     let extension = path.extension().and_then(|e| e.to_str()).unwrap_or("").to_ascii_lowercase();
     let parse = match extension.as_str() {
         "obj" => |bytes: &[u8]| obj::parse(&text(bytes)),
@@ -35,7 +50,12 @@ pub(crate) fn read(path: &Path, bytes: &[u8]) -> Result<MeshData, Error> {
     };
     // A file of no bytes is a failed copy, not a mesh of no triangles.
     let mesh = if bytes.is_empty() { Err(Fault::file("the file is empty")) } else { parse(bytes) };
-    mesh.map_err(|fault| Error::content(path, fault))
+    let mesh = mesh.map_err(|fault| Error::content(path, fault))?;
+    if mesh.triangles.is_empty() && empty == Empty::Refused {
+        let problem = "there is no triangle in the file (--allow-empty takes it for an empty body)";
+        return Err(Error::content(path, Fault::file(problem)));
+    }
+    Ok(mesh)
 }
 
 /// Comments are in any encoding: what is not UTF-8 becomes U+FFFD, which no number or keyword holds.
@@ -44,18 +64,77 @@ fn text(bytes: &[u8]) -> Cow<'_, str> {
     String::from_utf8_lossy(bytes)
 }
 
-impl MeshData {
-    /// Adds a polygon as a fan around its first corner. `place` makes a fault of a problem.
-    fn add_polygon(&mut self, corners: &[u32], place: impl Fn(String) -> Fault) -> Result<(), Fault> {
-        if corners.len() < 3 {
-            return Err(place(format!("a face with {} corners, at least 3 are needed", corners.len())));
+/// The lines of a text with their numbers, from 1. A line ends in LF, CR LF or CR.
+pub(crate) fn lines(text: &str) -> impl Iterator<Item = (usize, &str)> {
+    let mut rest = text;
+    (1..).map_while(move |number| {
+        let end = rest.bytes().position(|b| matches!(b, b'\n' | b'\r')).unwrap_or(rest.len());
+        let (line, after) = rest.split_at(end);
+        let is_line = !rest.is_empty();
+        rest = after.strip_prefix("\r\n").or_else(|| after.strip_prefix(['\n', '\r'])).unwrap_or(after);
+        is_line.then_some((number, line))
+    })
+}
+
+/// Refuses a text whose last line has no end, counted from a first line.
+fn check_last_line(text: &str, first_line: usize) -> Result<(), Fault> {
+    if text.is_empty() || text.ends_with(['\n', '\r']) {
+        return Ok(());
+    }
+    let last = first_line + lines(text).count() - 1;
+    Err(Fault::line(
+        last,
+        "the last line does not end: if the file was not cut there, end it with a line break",
+    ))
+}
+
+/// The faces of a file, before they are cut into triangles: their vertices may come later.
+#[derive(Default)]
+struct Faces {
+    corners: Vec<u32>,
+    /// Where each face ends in `corners`, and where it is in the file.
+    ends: Vec<(usize, Place)>,
+}
+
+impl Faces {
+    fn add(&mut self, corners: impl IntoIterator<Item = u32>, place: Place) -> Result<(), Fault> {
+        let start = self.corners.len();
+        self.corners.extend(corners);
+        let count = self.corners.len() - start;
+        if count < 3 {
+            let problem = format!("a face with {count} corners, at least 3 are needed");
+            return Err(Fault { place, problem });
         }
-        for pair in corners[1..].windows(2) {
-            self.triangles.push([corners[0], pair[0], pair[1]]);
-        }
+        self.ends.push((self.corners.len(), place));
         Ok(())
     }
 
+    fn iter(&self) -> impl Iterator<Item = (&[u32], Place)> {
+        let mut start = 0;
+        self.ends
+            .iter()
+            .map(move |&(end, place)| (&self.corners[core::mem::replace(&mut start, end)..end], place))
+    }
+
+    /// The mesh of these faces. Every corner is one of the vertices.
+    fn into_mesh(self, vertices: Vec<[f64; 3]>) -> Result<MeshData, Fault> {
+        let mut triangles = Vec::with_capacity(self.ends.len());
+        let mut points = Vec::new();
+        for (corners, place) in self.iter() {
+            if let &[a, b, c] = corners {
+                triangles.push([a, b, c]);
+                continue;
+            }
+            points.clear();
+            points.extend(corners.iter().map(|&v| vertices[v as usize]));
+            polygon::triangulate(&points, |t| triangles.push(t.map(|i| corners[i])))
+                .map_err(|problem| Fault { place, problem: problem.into() })?;
+        }
+        Ok(MeshData { vertices, triangles })
+    }
+}
+
+impl MeshData {
     /// Joins vertices whose coordinates have the same bits: for formats without indices.
     pub(crate) fn joined(soup: impl IntoIterator<Item = [[f64; 3]; 3]>) -> Self {
         let mut mesh = Self::default();
@@ -94,6 +173,16 @@ fn point<'a>(words: &mut impl Iterator<Item = &'a str>, line: usize) -> Result<[
     Ok([coordinate(words.next(), line)?, coordinate(words.next(), line)?, coordinate(words.next(), line)?])
 }
 
+/// The number of words that are left, all of them numbers; what they say is not asked for.
+fn numbers_left<'a>(words: &mut impl Iterator<Item = &'a str>, line: usize) -> Result<usize, Fault> {
+    let mut count = 0;
+    for word in words {
+        word.parse::<f64>().map_err(|_| Fault::line(line, format!("{} is not a number", quote(word))))?;
+        count += 1;
+    }
+    Ok(count)
+}
+
 /// A count, or an index from 0, in a text file. Indices are 32 bits wide in a tree.
 fn count(word: Option<&str>, line: usize) -> Result<u32, Fault> {
     let word = word.ok_or_else(|| Fault::line(line, "a count or index is missing"))?;
@@ -111,7 +200,8 @@ mod tests {
 
     #[test]
     fn the_extension_decides() {
-        let error = |name: &str, bytes: &[u8]| read(Path::new(name), bytes).unwrap_err().to_string();
+        let error =
+            |name: &str, bytes: &[u8]| read(Path::new(name), bytes, Empty::Allowed).unwrap_err().to_string();
         assert!(error("a.step", b"x").starts_with("a.step: neither a tree nor a mesh"));
         assert_eq!(error("a.obj", b"v 0 0 \xff"), "a.obj, line 1: '\u{fffd}' is not a number");
         assert_eq!(error("a.off", b"\x89PNG"), "a.off, line 1: the first word is '\u{fffd}PNG', not OFF");
@@ -121,10 +211,33 @@ mod tests {
     }
 
     #[test]
-    fn no_triangles_are_a_mesh() {
-        assert!(read(Path::new("a.OBJ"), b"\xef\xbb\xbf# caf\xe9\nv 0 0 0\n").unwrap().triangles.is_empty());
-        assert!(read(Path::new("a.Off"), b"OFF 0 0 0").unwrap().triangles.is_empty());
-        assert!(read(Path::new("a.STL"), b"solid\nendsolid\n").unwrap().triangles.is_empty());
+    fn no_triangle_is_a_mesh_only_if_that_is_meant() {
+        let files: [(&str, &[u8]); 6] = [
+            ("a.OBJ", b"\xef\xbb\xbf# caf\xe9\nv 0 0 0\n"),
+            ("comment.obj", b"# v 0 0 0\r# f 1 1 1\r"),
+            ("a.Off", b"OFF 0 0 0\n"),
+            ("a.STL", b"solid\nendsolid\n"),
+            ("b.stl", &[0; 84]),
+            ("a.ply", b"ply\nformat ascii 1.0\nelement vertex 0\nproperty float x\nproperty float y\nproperty float z\nelement face 0\nproperty list uchar int vertex_index\nend_header\n"),
+        ];
+        for (name, bytes) in files {
+            let mesh = |empty| read(Path::new(name), bytes, empty);
+            assert!(mesh(Empty::Allowed).unwrap().triangles.is_empty());
+            let message = mesh(Empty::Refused).unwrap_err().to_string();
+            assert!(message.starts_with(&format!("{name}: there is no triangle")), "{message}");
+        }
+    }
+
+    #[test]
+    fn lines_end_in_any_of_three_ways() {
+        let numbered: Vec<_> = lines("a\n\nb\r\nc\rd\r\re").collect();
+        assert_eq!(numbered, [(1, "a"), (2, ""), (3, "b"), (4, "c"), (5, "d"), (6, ""), (7, "e")]);
+        assert_eq!(lines("a\r").count(), 1);
+        assert_eq!(lines("").count(), 0);
+        for whole in ["", "a\n", "a\r", "a\r\n"] {
+            assert_eq!(check_last_line(whole, 1), Ok(()));
+        }
+        assert_eq!(check_last_line("a\nb", 5).unwrap_err().place, Place::Line(6));
     }
 
     #[test]
