@@ -518,21 +518,52 @@ fn the_built_in_scene_needs_no_file() {
     assert!(table.contains("... and 55 more") && table.contains("\n64 poses: "), "{table}");
 }
 
+/// The exit code and standard error of a command whose reader has left before it begins.
+fn unread(mut command: Command) -> (Option<i32>, String) {
+    let mut child = command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
+    drop(child.stdout.take());
+    let output = child.wait_with_output().unwrap();
+    (output.status.code(), String::from_utf8(output.stderr).unwrap())
+}
+
 #[test]
-fn a_reader_that_leaves_early_is_no_error() {
+fn a_reader_that_leaves_early_is_no_error_and_changes_no_verdict() {
     let folder = Folder::new("pipe");
     folder.write("t.obj", obj(&tetrahedron()));
     folder.write("poses", pose_file(&vec![IDENTITY; 20_000]));
+    let cases: [(&[&str], i32); 6] = [
+        (&["--poses", "poses"], 0),
+        (&[], 1),
+        (&["--all-pairs"], 1),
+        (&["--translate", "1 0 0"], 1),
+        (&["--translate", "2 0 0"], 0),
+        (&["--budget", "0"], 3),
+    ];
     for format in ["--json", "--rows=20000"] {
-        let arguments = ["collide", "t.obj", "t.obj", "--poses", "poses", format];
-        let mut child =
-            folder.command(&arguments).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
-        drop(child.stdout.take());
-        let output = child.wait_with_output().unwrap();
-        assert_eq!(
-            (output.status.code(), String::from_utf8(output.stderr).unwrap()),
-            (Some(0), String::new())
-        );
+        for (arguments, code) in cases {
+            let arguments = [&["collide", "t.obj", "t.obj", format], arguments].concat();
+            assert_eq!(unread(folder.command(&arguments)), (Some(code), String::new()), "{arguments:?}");
+        }
+    }
+    for arguments in [&["info", "t.obj"][..], &["build", "t.obj", "-o", "t.tree"]] {
+        assert_eq!(unread(folder.command(arguments)), (Some(0), String::new()));
+    }
+    assert!(folder.0.join("t.tree").is_file());
+}
+
+/// An output that cannot be written is an error, whatever the verdict.
+#[cfg(target_os = "linux")]
+#[test]
+fn a_full_output_is_an_error() {
+    let folder = Folder::new("full");
+    folder.write("t.obj", obj(&tetrahedron()));
+    for at in ["0 0 0", "2 0 0"] {
+        let full = std::fs::OpenOptions::new().write(true).open("/dev/full").unwrap();
+        let mut command = folder.command(&["collide", "t.obj", "t.obj", "--translate", at]);
+        let output = command.stdout(full).stderr(Stdio::piped()).output().unwrap();
+        let message = String::from_utf8(output.stderr).unwrap();
+        assert!(message.starts_with("simdop: standard output: No space left"), "{message}");
+        assert_eq!(output.status.code(), Some(2));
     }
 }
 

@@ -74,12 +74,16 @@ pub(super) fn run(options: &Options) -> Result<u8, Error> {
         poses: reports,
     };
     let printed = if options.json { report.print_json() } else { report.print_table(options.rows) };
-    printed.map_err(Error::Output)?;
-    Ok(match report.poses.as_slice() {
+    let code = match report.poses.as_slice() {
         [only] if only.verdict == "hit" => 1,
         [only] if only.verdict == "unknown" => 3,
         _ => 0,
-    })
+    };
+    match printed {
+        // The reader of our output has seen enough. The verdict is what it is.
+        Err(error) if error.kind() == std::io::ErrorKind::BrokenPipe => Ok(code),
+        printed => printed.map(|()| code).map_err(Error::Output),
+    }
 }
 
 fn scene_of(options: &Options) -> Result<([Body; 2], Vec<Pose>), Error> {
