@@ -394,7 +394,8 @@ fn every_format_and_tree_gives_the_pairs_of_brute_force() {
     for name in names {
         let report = folder.json(&["collide", name, "b.obj", "--poses", "poses", "--all-pairs"]);
         assert_eq!(pairs(&report), want, "{name}");
-        assert_eq!(report["k"], if name == "tree.obj" { 26 } else { 18 }, "a tree decides k");
+        let is_tree = ["tree.obj", "again"].contains(&name);
+        assert_eq!(report["k"], if is_tree { 26 } else { 18 }, "a tree decides k");
     }
 }
 
@@ -502,6 +503,197 @@ fn build_paints_the_first_level() {
     assert!(code == 2 && message.contains("--output"), "{message}");
     let (code, message) = folder.fate(&["build", "a<b>&.off", "--picture", "absent/a.svg"]);
     assert!(code == 2 && message.starts_with("simdop: absent/a.svg: "), "{message}");
+}
+
+/// The PNG against the paths of the SVG: at the middle of each pixel that no outline is near, the last path that covers it.
+#[test]
+fn a_png_shows_what_the_svg_does() {
+    let folder = Folder::new("png");
+    folder.write("a.obj", obj(&strewn(10, 40)));
+    for name in ["a.svg", "a.PNG"] {
+        assert_eq!(folder.fate(&["build", "a.obj", "--picture", name]), (0, String::new()));
+    }
+    let svg = std::fs::read_to_string(folder.0.join("a.svg")).unwrap();
+    let image = tiny_skia::Pixmap::load_png(folder.0.join("a.PNG")).unwrap();
+    let size = format!("viewBox=\"0 0 {} {}\"", image.width(), image.height());
+    assert!(svg.contains(&size) && image.width() > 100 && image.height() > 100, "{size}");
+    let paths: Vec<(String, [[f64; 2]; 3])> = svg
+        .lines()
+        .filter_map(|line| line.strip_prefix("<path fill=\"#"))
+        .map(|line| {
+            let numbers: Vec<f64> = line[12..]
+                .split(|c: char| !"-.0123456789".contains(c))
+                .filter_map(|word| word.parse().ok())
+                .collect();
+            (line[..6].to_string(), core::array::from_fn(|i| [numbers[2 * i], numbers[2 * i + 1]]))
+        })
+        .collect();
+    assert_eq!(paths.len(), 40);
+    let mut checked = [0, 0];
+    for (index, pixel) in image.pixels().iter().enumerate() {
+        let (x, y) = (index as u32 % image.width(), index as u32 / image.width());
+        let (x, y) = (f64::from(x) + 0.5, f64::from(y) + 0.5);
+        // Distances from the three edges, positive inside if the corners turn one way, negative if the other.
+        let distances = |t: &[[f64; 2]; 3]| -> [f64; 3] {
+            core::array::from_fn(|i| {
+                let ([ax, ay], [bx, by]) = (t[i], t[(i + 1) % 3]);
+                ((bx - ax) * (y - ay) - (by - ay) * (x - ax)) / (bx - ax).hypot(by - ay).max(1e-9)
+            })
+        };
+        let all: Vec<[f64; 3]> = paths.iter().map(|(_, t)| distances(t)).collect();
+        if all.iter().flatten().all(|d| d.abs() > 1.0) {
+            let covers = |d: &[f64; 3]| d.iter().all(|d| *d > 0.0) || d.iter().all(|d| *d < 0.0);
+            let top = all.iter().rposition(covers);
+            let want = top.map_or("ffffff", |top| &paths[top].0);
+            let have = format!("{:02x}{:02x}{:02x}", pixel.red(), pixel.green(), pixel.blue());
+            assert_eq!((have.as_str(), pixel.alpha()), (want, 255), "at {x} {y}");
+            checked[usize::from(top.is_some())] += 1;
+        }
+    }
+    assert!(checked.iter().all(|count| *count > 10_000), "{checked:?}");
+    for name in ["a.jpg", "a", "a.svg.bak"] {
+        let want = format!("simdop: --picture: {name}: a picture's name ends in .svg or .png");
+        assert_eq!(folder.fate(&["build", "a.obj", "-o", "a.tree", "--picture", name]), (2, want));
+        assert!(!folder.0.join(name).exists() && !folder.0.join("a.tree").exists());
+    }
+}
+
+/// Run by a shell that first sets a limit, a mask or a trap.
+#[cfg(unix)]
+fn through_shell(folder: &Folder, before: &str, arguments: &[&str]) -> Output {
+    let mut command = Command::new("sh");
+    command.current_dir(&folder.0).args(["-c", &format!("{before}; exec \"$@\""), "sh"]);
+    command.arg(env!("CARGO_BIN_EXE_simdop")).args(arguments).output().unwrap()
+}
+
+/// A file of at most 4 or 8 KiB (`ulimit -f` counts blocks of 512 bytes, or of 1024) has no room for the tree: the process is told so,
+/// or killed. Either way the old tree is whole.
+#[cfg(unix)]
+#[test]
+fn a_limit_or_a_kill_leaves_the_old_tree() {
+    let folder = Folder::new("limit");
+    folder.write("small.obj", obj(&tetrahedron()));
+    folder.write("large.obj", obj(&strewn(11, 1000)));
+    assert_eq!(folder.fate(&["build", "small.obj", "-o", "t.tree"]), (0, String::new()));
+    let old = std::fs::read(folder.0.join("t.tree")).unwrap();
+    let arguments = ["build", "large.obj", "-o", "t.tree", "--picture", "p.svg"];
+    let told = through_shell(&folder, "trap '' XFSZ; ulimit -f 8", &arguments);
+    let message = String::from_utf8(told.stderr).unwrap();
+    assert!(
+        told.status.code() == Some(2) && message.starts_with("simdop: t.tree: File too large"),
+        "{message}"
+    );
+    assert_eq!(std::fs::read(folder.0.join("t.tree")).unwrap(), old);
+    assert_eq!(std::fs::read_dir(&folder.0).unwrap().count(), 3, "nothing is left lying about");
+    let killed = through_shell(&folder, "ulimit -c 0; ulimit -f 8", &arguments);
+    assert_eq!(killed.status.code(), None, "killed by a signal");
+    assert_eq!(std::fs::read(folder.0.join("t.tree")).unwrap(), old);
+    // A picture that cannot be written keeps the tree from being replaced, too.
+    let arguments = ["build", "large.obj", "-o", "t.tree", "--picture", "absent/p.png"];
+    assert_eq!(folder.fate(&arguments).0, 2);
+    assert_eq!(std::fs::read(folder.0.join("t.tree")).unwrap(), old);
+}
+
+#[cfg(unix)]
+#[test]
+fn a_replaced_tree_keeps_its_link_and_mode() {
+    use std::os::unix::fs::PermissionsExt;
+    let folder = Folder::new("mode");
+    folder.write("a.obj", obj(&tetrahedron()));
+    let mode = |name: &str| std::fs::metadata(folder.0.join(name)).unwrap().permissions().mode() & 0o777;
+    let build =
+        |name: &str| through_shell(&folder, "umask 027", &["build", "a.obj", "-o", name]).status.code();
+    assert_eq!((build("t.tree"), mode("t.tree")), (Some(0), 0o640));
+    std::fs::set_permissions(folder.0.join("t.tree"), PermissionsExt::from_mode(0o604)).unwrap();
+    std::os::unix::fs::symlink("t.tree", folder.0.join("link")).unwrap();
+    folder.write("t.tree", "old");
+    assert_eq!((build("link"), mode("t.tree")), (Some(0), 0o604));
+    assert!(std::fs::symlink_metadata(folder.0.join("link")).unwrap().is_symlink());
+    assert!(std::fs::read(folder.0.join("t.tree")).unwrap().starts_with(b"SIMDOP"));
+    assert_eq!(build("/dev/null"), Some(0));
+    assert!(!std::fs::metadata("/dev/null").unwrap().is_file());
+}
+
+#[test]
+fn a_file_is_not_written_twice_nor_over_its_source() {
+    let folder = Folder::new("targets");
+    let mesh = obj(&tetrahedron());
+    folder.write("a.obj", &mesh);
+    folder.write("a.svg", "old");
+    std::fs::hard_link(folder.0.join("a.obj"), folder.0.join("same.png")).unwrap();
+    let cases: [(&[&str], &str); 5] = [
+        (&["-o", "a.obj"], "--output: a.obj is the file that is read"),
+        (&["-o", "../targets/a.obj"], "--output: a.obj is the file that is read"),
+        (&["--picture", "same.png"], "--picture: a.obj is the file that is read"),
+        (&["-o", "a.svg", "--picture", "./a.svg"], "--picture: ./a.svg is the tree's file"),
+        (
+            &["-o", "new.svg", "--picture", "../targets/new.svg"],
+            "--picture: ../targets/new.svg is the tree's file",
+        ),
+    ];
+    for (arguments, problem) in cases {
+        let fate = folder.fate(&[&["build", "a.obj"], arguments].concat());
+        assert_eq!(fate, (2, format!("simdop: {problem}")));
+    }
+    assert_eq!(std::fs::read_to_string(folder.0.join("a.obj")).unwrap(), mesh);
+    assert_eq!(std::fs::read_to_string(folder.0.join("a.svg")).unwrap(), "old");
+    assert!(!folder.0.join("new.svg").exists());
+}
+
+/// The standard output, a pipe or a file, holds the tree and no text.
+#[cfg(target_os = "linux")]
+#[test]
+fn a_tree_on_the_standard_output_is_alone_there() {
+    let folder = Folder::new("stdout");
+    folder.write("a.obj", obj(&tetrahedron()));
+    assert_eq!(folder.fate(&["build", "a.obj", "-o", "a.tree"]).0, 0);
+    let tree = std::fs::read(folder.0.join("a.tree")).unwrap();
+    let summary = "/dev/stdout: 4 triangles, 1 nodes, ";
+    let piped = folder.run(&["build", "a.obj", "-o", "/dev/stdout"]);
+    assert_eq!((piped.status.code(), piped.stdout), (Some(0), tree.clone()));
+    assert!(String::from_utf8(piped.stderr).unwrap().starts_with(summary));
+    let file = std::fs::File::create(folder.0.join("piped.tree")).unwrap();
+    let mut command = folder.command(&["build", "a.obj", "-o", "/dev/stdout"]);
+    let to_file = command.stdout(file).stderr(Stdio::piped()).output().unwrap();
+    assert!(String::from_utf8(to_file.stderr).unwrap().starts_with(summary));
+    assert_eq!(std::fs::read(folder.0.join("piped.tree")).unwrap(), tree);
+    let (code, message) = unread(folder.command(&["build", "a.obj", "-o", "/dev/stdout"]));
+    assert_eq!(code, Some(2), "the tree has not arrived");
+    assert!(message.starts_with("simdop: /dev/stdout: Broken pipe"), "{message}");
+}
+
+#[test]
+fn a_tree_that_is_built_again_keeps_its_k_and_arity() {
+    let folder = Folder::new("again");
+    folder.write("a.obj", obj(&strewn(12, 50)));
+    assert_eq!(folder.fate(&["build", "a.obj", "-o", "a.tree", "-k", "6", "-a", "4"]), (0, String::new()));
+    for (options, k, arity) in
+        [(&[][..], 6, 4), (&["-k", "26"], 26, 4), (&["-a", "16"], 6, 16), (&["-s", "longest-axis"], 6, 4)]
+    {
+        let fate = folder.fate(&[&["build", "a.tree", "-o", "b.tree"], options].concat());
+        assert_eq!(fate, (0, String::new()));
+        let info = folder.json(&["info", "b.tree"]);
+        assert_eq!((&info["k"], &info["arity"]), (&k.into(), &arity.into()), "{options:?}");
+    }
+}
+
+#[test]
+fn options_that_do_nothing_on_a_tree_are_errors() {
+    let folder = Folder::new("idle");
+    folder.write("a.obj", obj(&tetrahedron()));
+    assert_eq!(folder.fate(&["build", "a.obj", "-o", "a.tree"]), (0, String::new()));
+    for option in ["--k=18", "--arity=16", "--leaf-size=1", "--splitter=mean-width", "--allow-empty"] {
+        let name = option.split('=').next().unwrap();
+        let idle = format!(
+            "simdop: {name}: a.tree is a tree and stays as it is: `simdop build` makes another of it"
+        );
+        assert_eq!(folder.fate(&["info", "a.tree", option]), (2, idle.clone()));
+        assert_eq!(folder.fate(&["collide", "a.tree", "a.tree", option]), (2, idle.clone()));
+        assert_eq!(folder.fate(&["info", "a.obj", option]), (0, String::new()));
+        assert_eq!(folder.fate(&["collide", "a.tree", "a.obj", option]), (1, String::new()));
+        let want = if option == "--allow-empty" { (2, idle) } else { (0, String::new()) };
+        assert_eq!(folder.fate(&["build", "a.tree", "-o", "b.tree", option]), want);
+    }
 }
 
 #[test]

@@ -132,7 +132,7 @@ impl Tree {
     }
 
     /// The mesh that was built: its triangles in their order, its vertices as far as triangles use them.
-    fn mesh(&self) -> MeshData {
+    pub(super) fn mesh(&self) -> MeshData {
         with_tree!(self, tree => {
             let view = tree.view();
             let mut soup = vec![[[0.0; 3]; 3]; view.len()];
@@ -151,16 +151,6 @@ impl Tree {
 pub(super) enum Source {
     Tree(Box<Tree>),
     Mesh(MeshData),
-}
-
-impl Source {
-    /// The mesh, or the one that the tree was built from.
-    pub(super) fn into_mesh(self) -> MeshData {
-        match self {
-            Self::Tree(tree) => tree.mesh(),
-            Self::Mesh(mesh) => mesh,
-        }
-    }
 }
 
 /// A tree, its name, and how long it took to read its file and to build it.
@@ -212,7 +202,7 @@ pub(super) fn build(
 ) -> Result<Body, Error> {
     let _spinner = progress::step(format!("building {name}"), quiet || mesh.triangles.len() < LONG_BUILD);
     let mesh = Mesh { vertices: &mesh.vertices, triangles: &mesh.triangles };
-    let builder = Builder::new().leaf_size(options.leaf_size).splitter(options.splitter.into());
+    let builder = Builder::new().leaf_size(options.leaf_size()).splitter(options.splitter().into());
     let start = Instant::now();
     let tree =
         Tree::build(&mesh, &builder, shape).map_err(|error| Error::Build { name: name.clone(), error })?;
@@ -232,6 +222,9 @@ pub(super) fn pair(paths: [&PathBuf; 2], options: &TreeOptions, quiet: bool) -> 
         Ok((read(path, options, quiet)?, start.elapsed()))
     };
     let [a, b] = [timed(paths[0])?, timed(paths[1])?];
+    if let (Source::Tree(_), Source::Tree(_), Some(option)) = (&a.0, &b.0, options.first_given()) {
+        return Err(Error::idle(option, &paths[0].display()));
+    }
     let given = [&a.0, &b.0].into_iter().find_map(|source| match source {
         Source::Tree(tree) => Some(tree.shape()),
         Source::Mesh(_) => None,

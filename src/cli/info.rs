@@ -48,7 +48,10 @@ struct Report {
 
 pub(super) fn run(options: &Options) -> Result<(), Error> {
     let (tree, build) = match body::read(&options.tree, &options.build, options.json)? {
-        Source::Tree(tree) => (*tree, None),
+        Source::Tree(tree) => match options.build.first_given() {
+            Some(option) => return Err(Error::idle(option, &options.tree.display())),
+            None => (*tree, None),
+        },
         Source::Mesh(mesh) => {
             let name = options.tree.display().to_string();
             let shape = body::shape(&options.build, None);
