@@ -166,12 +166,15 @@ fn answers(report: &Value) -> Vec<Value> {
     report["poses"].as_array().unwrap().iter().map(timeless).collect()
 }
 
-/// The lists of pairs, pose by pose.
+/// The lists of pairs, pose by pose, each in order.
 fn pairs(report: &Value) -> Vec<Vec<(usize, usize)>> {
     let index = |value: &Value| value.as_u64().unwrap() as usize;
     let list = |pose: &Value| {
         assert_eq!(pose["pairs_complete"], true);
-        pose["pairs"].as_array().unwrap().iter().map(|pair| (index(&pair[0]), index(&pair[1]))).collect()
+        let pairs = pose["pairs"].as_array().unwrap().iter();
+        let mut pairs: Vec<_> = pairs.map(|pair| (index(&pair[0]), index(&pair[1]))).collect();
+        pairs.sort_unstable();
+        pairs
     };
     report["poses"].as_array().unwrap().iter().map(list).collect()
 }
@@ -741,6 +744,48 @@ fn a_reader_that_leaves_early_is_no_error_and_changes_no_verdict() {
         assert_eq!(unread(folder.command(arguments)), (Some(0), String::new()));
     }
     assert!(folder.0.join("t.tree").is_file());
+}
+
+/// Four million pairs, which take 32 MB, in a process that has 48 MB of address space for all that it is.
+#[cfg(target_os = "linux")]
+#[test]
+fn pairs_are_written_as_they_are_found() {
+    let folder = Folder::new("stream");
+    let sheaf = |axis: usize| {
+        let mut mesh = MeshData { vertices: Vec::new(), triangles: Vec::new() };
+        for i in 0..2000 {
+            let width = 1.0 + f64::from(i) / 4096.0;
+            for corner in [[-width, -1.0], [width, -1.0], [0.0, 2.0]] {
+                let mut p = [0.0; 3];
+                (p[axis], p[2]) = (corner[0], corner[1]);
+                mesh.vertices.push(p);
+            }
+            mesh.triangles.push([3 * i, 3 * i + 1, 3 * i + 2]);
+        }
+        mesh
+    };
+    for (name, axis) in [("a.obj", 0), ("b.obj", 1)] {
+        folder.write(name, obj(&sheaf(axis)));
+        let tree = name.replace("obj", "tree");
+        assert_eq!(folder.fate(&["build", name, "-o", &tree, "-s", "longest-axis"]), (0, String::new()));
+    }
+    for format in [&["--rows=1"][..], &["--json"]] {
+        let arguments = [&["collide", "a.tree", "b.tree", "--all-pairs"], format].concat();
+        let output = through_shell(&folder, "exec > pairs; ulimit -v 49152", &arguments);
+        assert_eq!(
+            (output.status.code(), String::from_utf8(output.stderr).unwrap()),
+            (Some(1), String::new())
+        );
+        let text = std::fs::read_to_string(folder.0.join("pairs")).unwrap();
+        let pairs = if format == ["--json"] {
+            assert!(text.contains("\"pairs_complete\": true"));
+            text.lines().filter(|line| line.trim_end() == "        [").count()
+        } else {
+            text.lines().filter(|line| line.starts_with("        ")).count()
+        };
+        assert_eq!(pairs, 2000 * 2000);
+    }
+    std::fs::remove_file(folder.0.join("pairs")).unwrap();
 }
 
 /// An output that cannot be written is an error, whatever the verdict.

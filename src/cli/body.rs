@@ -10,7 +10,7 @@ use simdop::hierarchy::{Aligned, BakeError, Bvh, Header, MAGIC, Stats, TreeStats
 use simdop::isa::Isa;
 use simdop::node::{Link, Node, Node4, Node16};
 use simdop::pose::Pose;
-use simdop::query::{Answer, Completion, Counters, Pair, Query};
+use simdop::query::{Answer, Completion, Pair, Query};
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
@@ -59,19 +59,19 @@ macro_rules! trees {
                 }
             }
 
-            /// All pairs of triangles that meet. `None` if their node types differ.
-            pub(super) fn all_pairs(&self, other: &Self, query: Query, pose: &Pose) -> Option<(Vec<Pair>, Completion, Counters)> {
-                let mut pairs = Vec::new();
-                let visit = |pair| {
-                    pairs.push(pair);
-                    ControlFlow::Continue(())
-                };
-                let (completion, counters) = match (self, other) {
+            /// Calls `visit` with every pair of triangles that meet, until it breaks. `None` if their node types differ.
+            pub(super) fn for_each_pair(
+                &self,
+                other: &Self,
+                query: Query,
+                pose: &Pose,
+                visit: &mut dyn FnMut(Pair) -> ControlFlow<()>,
+            ) -> Option<Completion> {
+                let (completion, _) = match (self, other) {
                     $((Self::$variant(a), Self::$variant(b)) => query.for_each_pair(&a.view(), &b.view(), pose, visit),)*
                     _ => return None,
                 };
-                pairs.sort_unstable();
-                Some((pairs, completion, counters))
+                Some(completion)
             }
         }
     };
@@ -214,6 +214,9 @@ pub(super) fn shape(options: &TreeOptions, given: Option<Shape>) -> Shape {
     let default = given.unwrap_or(Shape { k: 18, arity: 16 });
     Shape { k: options.k.unwrap_or(default.k), arity: options.arity.unwrap_or(default.arity) }
 }
+
+/// What two bodies are: [`pair`] and the built-in scene see to that.
+pub(super) const SAME: &str = "bodies of one node type";
 
 /// Two bodies of one node type, from files that may be trees.
 pub(super) fn pair(paths: [&PathBuf; 2], options: &TreeOptions, quiet: bool) -> Result<[Body; 2], Error> {
