@@ -746,7 +746,7 @@ fn a_reader_that_leaves_early_is_no_error_and_changes_no_verdict() {
     assert!(folder.0.join("t.tree").is_file());
 }
 
-/// Four million pairs, which take 32 MB, in a process that has 48 MB of address space for all that it is.
+/// Four million pairs, which take 32 MB, in a process that has 24 MB of address space for all that it is.
 #[cfg(target_os = "linux")]
 #[test]
 fn pairs_are_written_as_they_are_found() {
@@ -771,7 +771,7 @@ fn pairs_are_written_as_they_are_found() {
     }
     for format in [&["--rows=1"][..], &["--json"]] {
         let arguments = [&["collide", "a.tree", "b.tree", "--all-pairs"], format].concat();
-        let output = through_shell(&folder, "exec > pairs; ulimit -v 49152", &arguments);
+        let output = through_shell(&folder, "exec > pairs; ulimit -v 24576", &arguments);
         assert_eq!(
             (output.status.code(), String::from_utf8(output.stderr).unwrap()),
             (Some(1), String::new())
