@@ -458,6 +458,7 @@ fn info_describes_a_tree_and_proves_it() {
         assert_eq!(tree[key], number, "{key}");
     }
     assert_eq!((&tree["vertex_format"], &tree["verified"]), (&"f64".into(), &true.into()));
+    assert_eq!(tree["vertices"], 300);
     let bytes = std::fs::metadata(folder.0.join("a.tree")).unwrap().len();
     assert_eq!(tree["total_bytes"], bytes);
     assert_eq!(tree["bytes_per_triangle_total"], bytes as f64 / 101.0);
@@ -651,7 +652,7 @@ fn a_tree_on_the_standard_output_is_alone_there() {
     folder.write("a.obj", obj(&tetrahedron()));
     assert_eq!(folder.fate(&["build", "a.obj", "-o", "a.tree"]).0, 0);
     let tree = std::fs::read(folder.0.join("a.tree")).unwrap();
-    let summary = "/dev/stdout: 4 triangles, 1 nodes, ";
+    let summary = "/dev/stdout: 4 triangles, 4 vertices in f32, 1 nodes, ";
     let piped = folder.run(&["build", "a.obj", "-o", "/dev/stdout"]);
     assert_eq!((piped.status.code(), piped.stdout), (Some(0), tree.clone()));
     assert!(String::from_utf8(piped.stderr).unwrap().starts_with(summary));
@@ -805,29 +806,40 @@ fn a_full_output_is_an_error() {
 }
 
 #[test]
-fn real_meshes_have_the_triangles_that_their_tables_say() {
+fn real_meshes_have_the_triangles_and_vertices_that_their_tables_say() {
     let Some(data) = directory() else { return };
     let table = std::fs::read_to_string(data.join("TABLE.md")).unwrap();
-    let mut files: Vec<(PathBuf, u64)> = Vec::new();
+    let mut files: Vec<(PathBuf, [u64; 2])> = Vec::new();
     for row in table.lines().filter(|row| row.starts_with("| meshes/") || row.starts_with("| planning/unc")) {
         let cells: Vec<&str> = row.split('|').map(str::trim).collect();
-        files.push((data.join(cells[1]), cells[2].parse().unwrap()));
+        files.push((data.join(cells[1]), [2, 3].map(|i| cells[i].parse().unwrap())));
     }
     for robot in std::fs::read_dir(data.join("robots")).unwrap() {
         let robot = robot.unwrap().path();
         let table = std::fs::read_to_string(robot.join("meshes.tsv")).unwrap();
         for row in table.lines().skip(1) {
-            let mut cells = row.split('\t');
-            files.push((
-                robot.join("meshes").join(cells.next().unwrap()),
-                cells.next().unwrap().parse().unwrap(),
-            ));
+            let cells: Vec<&str> = row.split('\t').collect();
+            files.push((robot.join("meshes").join(cells[0]), [1, 2].map(|i| cells[i].parse().unwrap())));
         }
     }
     assert!(files.len() > 90, "{} files", files.len());
     let folder = Folder::new("real");
-    for (file, triangles) in files.iter().step_by(suite_step()) {
+    for (file, [triangles, vertices]) in files.iter().step_by(suite_step()) {
         let report = folder.json(&["info", file.to_str().unwrap(), "-k", "6"]);
         assert_eq!(report["triangles"], *triangles, "{}", file.display());
+        assert_eq!(report["vertices"], *vertices, "{}", file.display());
     }
+}
+
+/// Each triangle of this file has vertices of its own, printed with six digits.
+#[test]
+fn a_link_is_stored_without_what_its_file_repeats() {
+    let Some(data) = directory() else { return };
+    let folder = Folder::new("link");
+    let link = data.join("robots/panda/meshes/link5.obj");
+    assert_eq!(folder.fate(&["build", link.to_str().unwrap(), "-o", "link5.tree"]), (0, String::new()));
+    let info = folder.json(&["info", "link5.tree", "--verify"]);
+    assert_eq!((&info["triangles"], &info["vertices"]), (&300.into(), &152.into()));
+    assert_eq!(info["vertex_format"], "f32");
+    assert!(info["total_bytes"].as_u64().unwrap() < 20_000, "{}", info["total_bytes"]);
 }

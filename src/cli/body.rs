@@ -142,9 +142,14 @@ impl Tree {
                     *triangle = view.triangle(index);
                 }
             }
-            MeshData::joined(soup)
+            MeshData::of(&soup)
         })
     }
+}
+
+/// How a tree holds its vertices.
+pub(super) fn vertex_format(header: &Header) -> &'static str {
+    if header.vertex_size == 12 { "f32" } else { "f64" }
 }
 
 /// What a file holds.

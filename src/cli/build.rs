@@ -46,12 +46,14 @@ pub(super) fn run(options: &Options) -> Result<(), Error> {
     let picture = picture.map(|(path, bytes)| output::stage(path, bytes)).transpose()?;
     tree.into_iter().chain(picture).try_for_each(Staged::commit)?;
 
-    let stats = body.tree.stats();
+    let (header, stats) = (body.tree.header(), body.tree.stats());
     let milliseconds = body.build.unwrap_or_default().as_secs_f64() * 1e3;
     let summary = format!(
-        "{}: {} triangles, {} nodes, {} bytes, built in {milliseconds:.1} ms",
+        "{}: {} triangles, {} vertices in {}, {} nodes, {} bytes, built in {milliseconds:.1} ms",
         options.output.as_ref().unwrap_or(&options.mesh).display(),
         stats.triangles,
+        header.vertex_count,
+        body::vertex_format(&header),
         stats.nodes,
         stats.total_bytes
     );

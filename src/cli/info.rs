@@ -72,7 +72,7 @@ pub(super) fn run(options: &Options) -> Result<(), Error> {
         triangles: stats.triangles,
         degenerate_triangles: header.degenerate_count,
         vertices: header.vertex_count,
-        vertex_format: if header.vertex_size == 12 { "f32" } else { "f64" },
+        vertex_format: body::vertex_format(&header),
         nodes: stats.nodes,
         lanes_used_per_node: stats.lanes_used as f64 / stats.nodes.max(1) as f64,
         expected_visits: quality.expected_visits,

@@ -1,6 +1,11 @@
 //! Mesh files: OBJ, OFF, PLY, STL. Nothing is dropped or repaired in silence: every fault names its line or byte.
 //!
-//! Coordinates are kept to the bit: `float32` widens, decimals become the nearest `f64`.
+//! What a file holds in binary is kept to the bit. Decimals become the nearest `f32` where that loses nothing: if each coordinate of
+//! the file, printed from its `f32` with as many digits as the file gives it, is what the file says. So it is for six digits and
+//! fewer, and for what a program printed from `f32`. One coordinate that says more makes the whole file `f64`. The library stores
+//! either as it is, the first in half of the bytes.
+//!
+//! Corners whose coordinates have the same bits become one vertex. A vertex that no triangle uses is no part of a body.
 //!
 //! Lines end in LF, CR LF or CR, also the last one: the last number of a file that was cut in the middle of a line would otherwise
 //! pass for a shorter number, and a square for a triangle. (In ASCII STL the word `endsolid` is an end, too.) A file that was cut
@@ -130,25 +135,34 @@ impl Faces {
             polygon::triangulate(&points, |t| triangles.push(t.map(|i| corners[i])))
                 .map_err(|problem| Fault { place, problem: problem.into() })?;
         }
-        Ok(MeshData { vertices, triangles })
+        Ok(MeshData { vertices, triangles }.joined())
     }
 }
 
 impl MeshData {
-    /// Joins vertices whose coordinates have the same bits: for formats without indices.
-    pub(crate) fn joined(soup: impl IntoIterator<Item = [[f64; 3]; 3]>) -> Self {
-        let mut mesh = Self::default();
+    /// The mesh of triangles that are given by their corners.
+    pub(crate) fn of(soup: &[[[f64; 3]; 3]]) -> Self {
+        let first_corners = (0..soup.len() as u32).map(|i| 3 * i);
+        Self { vertices: soup.concat(), triangles: first_corners.map(|c| [c, c + 1, c + 2]).collect() }
+            .joined()
+    }
+
+    /// Vertices whose coordinates have the same bits become one; those that no triangle uses are left out.
+    fn joined(self) -> Self {
+        let mut vertices = Vec::new();
         let mut known: HashMap<[u64; 3], u32> = HashMap::new();
-        for triangle in soup {
-            let corners = triangle.map(|p| {
+        let mut places = vec![None; self.vertices.len()];
+        let mut place = |v: u32| {
+            let p = self.vertices[v as usize];
+            *places[v as usize].get_or_insert_with(|| {
                 *known.entry(p.map(f64::to_bits)).or_insert_with(|| {
-                    mesh.vertices.push(p);
-                    (mesh.vertices.len() - 1) as u32
+                    vertices.push(p);
+                    (vertices.len() - 1) as u32
                 })
-            });
-            mesh.triangles.push(corners);
-        }
-        mesh
+            })
+        };
+        let triangles = self.triangles.iter().map(|t| t.map(&mut place)).collect();
+        Self { vertices, triangles }
     }
 }
 
@@ -168,9 +182,50 @@ fn coordinate(word: Option<&str>, line: usize) -> Result<f64, Fault> {
     }
 }
 
-/// Three coordinates in a text file.
-fn point<'a>(words: &mut impl Iterator<Item = &'a str>, line: usize) -> Result<[f64; 3], Fault> {
-    Ok([coordinate(words.next(), line)?, coordinate(words.next(), line)?, coordinate(words.next(), line)?])
+/// The coordinates of a text file: whether those read so far lose nothing as `f32`.
+#[derive(Default)]
+struct Decimals {
+    need_f64: bool,
+}
+
+impl Decimals {
+    fn coordinate(&mut self, word: Option<&str>, line: usize) -> Result<f64, Fault> {
+        let x = coordinate(word, line)?;
+        self.need_f64 = self.need_f64 || !word.is_some_and(|word| survives_f32(word, x));
+        Ok(x)
+    }
+
+    fn point<'a>(
+        &mut self,
+        words: &mut impl Iterator<Item = &'a str>,
+        line: usize,
+    ) -> Result<[f64; 3], Fault> {
+        let mut next = || self.coordinate(words.next(), line);
+        Ok([next()?, next()?, next()?])
+    }
+
+    /// Rounds the points of a whole file, if that loses nothing.
+    fn settle(&self, points: &mut [[f64; 3]]) {
+        if !self.need_f64 {
+            points.as_flattened_mut().iter_mut().for_each(|x| *x = f64::from(*x as f32));
+        }
+    }
+}
+
+/// Whether a decimal number, `x` as `f64`, can be printed again from its `f32`, digit by digit.
+fn survives_f32(word: &str, x: f64) -> bool {
+    let single = x as f32;
+    if f64::from(single) == x {
+        return true;
+    }
+    let digits = |word: &str| {
+        let mantissa = word.split(['e', 'E']).next().unwrap_or("");
+        mantissa.trim_start_matches(['+', '-', '0', '.']).bytes().filter(u8::is_ascii_digit).count()
+    };
+    let count = digits(word);
+    // One digit stands before the point. Half way between two numbers of that many digits, some printers take the other one.
+    let (rounded, shortest) = (format!("{single:.*e}", count.saturating_sub(1)), format!("{single:e}"));
+    [rounded, shortest].iter().any(|print| digits(print) == count && print.parse() == Ok(x))
 }
 
 /// The number of words that are left, all of them numbers; what they say is not asked for.
@@ -259,9 +314,86 @@ mod tests {
     #[test]
     fn only_the_same_bits_are_joined() {
         let (one, next) = (1.0_f64, 1.0_f64.next_up());
-        let mesh =
-            MeshData::joined([[[one, 0.0, 0.0], [next, 0.0, 0.0], [one, -0.0, 0.0]], [[one, 0.0, 0.0]; 3]]);
+        let soup = [[[one, 0.0, 0.0], [next, 0.0, 0.0], [one, -0.0, 0.0]], [[one, 0.0, 0.0]; 3]];
+        let mesh = MeshData::of(&soup);
         assert_eq!(mesh.triangles, [[0, 1, 2], [0, 0, 0]]);
         assert_eq!(mesh.vertices[1][0].to_bits(), next.to_bits());
+    }
+
+    #[test]
+    fn every_format_joins_corners_and_leaves_out_what_no_triangle_uses() {
+        let vertices = "0 0 0\n1 0 0\n0 1 0\n9 9 9\n1 0 0\n0 1 0\n1 1 0\n";
+        let ply = "ply\nformat ascii 1.0\nelement vertex 7\nproperty float x\nproperty float y\nproperty float z\nelement face 2\nproperty list uchar int vertex_index\nend_header\n";
+        let files = [
+            (
+                "a.obj",
+                vertices.lines().map(|line| format!("v {line}\n")).collect::<String>() + "f 1 2 3\nf 5 6 7\n",
+            ),
+            ("a.off", format!("OFF 7 2 0\n{vertices}3 0 1 2\n3 4 5 6\n")),
+            ("a.ply", format!("{ply}{vertices}3 0 1 2\n3 4 5 6\n")),
+        ];
+        for (name, text) in files {
+            let mesh = read(Path::new(name), text.as_bytes(), Empty::Refused).unwrap();
+            assert_eq!(
+                mesh.vertices,
+                [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [1.0, 1.0, 0.0]],
+                "{name}"
+            );
+            assert_eq!(mesh.triangles, [[0, 1, 2], [1, 2, 3]], "{name}");
+        }
+    }
+
+    /// What is lost is decided here without digits: the neighbouring `f32`s, and how far from them the number is.
+    #[test]
+    fn six_digits_survive_f32_and_seventeen_do_not() {
+        let survives = |word: &str| survives_f32(word, word.parse().unwrap());
+        let mut state = 1_u64;
+        let mut random = || {
+            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            state >> 11
+        };
+        for _ in 0..10_000 {
+            let (mantissa, exponent) = (100_000 + random() % 900_000, (random() % 60) as i32 - 36);
+            assert!(survives(&format!("-{mantissa}e{exponent}")));
+            let single = f32::from_bits(0x3000_0000 + (random() % 0x2000_0000) as u32);
+            for word in [format!("{single:e}"), format!("{single:.8e}"), format!("{:?}", f64::from(single))] {
+                assert!(survives(&word), "{word}");
+            }
+            // A tenth of the way to the next one: no f32, whatever the number of digits, as long as they tell it apart.
+            let step = f64::from(single.next_up()) - f64::from(single);
+            assert!(!survives(&format!("{:.12e}", f64::from(single) + 0.1 * step)));
+        }
+        for (word, want) in [
+            ("0.1", true),
+            ("00.100000", true),
+            ("+1.E-1", true),
+            ("0.100000001", true),
+            ("0.10000000149011612", true),
+            ("0.10000000000", false),
+            ("0.1000000014901", true),
+            ("16777217", false),
+            // Zeros before the point may be meant.
+            ("115486832", true),
+            ("115486830", false),
+            ("142838.62", true),
+            ("142838.63", true),
+            ("142838.65", false),
+            ("1e-50", false),
+            ("1e39", false),
+            ("-0", true),
+            ("0e9", true),
+        ] {
+            assert_eq!(survives(word), want, "{word}");
+        }
+    }
+
+    #[test]
+    fn one_coordinate_that_needs_it_makes_a_file_f64() {
+        let read = |z: &str| {
+            let text = format!("v 0.1 -.25 {z}\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
+            read(Path::new("a.obj"), text.as_bytes(), Empty::Refused).unwrap().vertices[0]
+        };
+        assert_eq!(read("0.3"), [f64::from(0.1_f32), -0.25, f64::from(0.3_f32)]);
+        assert_eq!(read("0.30000000001"), [0.1, -0.25, 0.300_000_000_01]);
     }
 }

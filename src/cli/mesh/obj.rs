@@ -1,7 +1,7 @@
 //! Wavefront OBJ: vertices and polygons. Other statements of the format are passed over, but for those that hold, or may hold, a
 //! surface, which would be missed: these are a fault, and so is every word that the format does not know.
 
-use super::{Faces, MeshData, check_last_line, coordinate, count, lines, numbers_left, point, quote};
+use super::{Decimals, Faces, MeshData, check_last_line, coordinate, count, lines, numbers_left, quote};
 use crate::cli::error::{Fault, Place};
 use alloc::borrow::Cow;
 
@@ -34,6 +34,7 @@ const FETCHING: [&str; 2] = ["call", "csh"];
 
 pub(super) fn parse(text: &str) -> Result<MeshData, Fault> {
     let mut vertices = Vec::new();
+    let mut decimals = Decimals::default();
     // Faces may come before their vertices: indices are checked at the end.
     let mut faces = Faces::default();
     let mut corners = Vec::new();
@@ -46,7 +47,7 @@ pub(super) fn parse(text: &str) -> Result<MeshData, Fault> {
         let mut words = content.split_ascii_whitespace();
         let Some(word) = words.next() else { continue };
         match word {
-            "v" => vertices.push(vertex(&mut words, line)?),
+            "v" => vertices.push(vertex(&mut decimals, &mut words, line)?),
             // `fo` is what the format called it before.
             "f" | "fo" => {
                 corners.clear();
@@ -82,6 +83,7 @@ pub(super) fn parse(text: &str) -> Result<MeshData, Fault> {
         return Err(Fault::line(line, problem));
     }
     check_indices(&faces, vertices.len())?;
+    decimals.settle(&mut vertices);
     faces.into_mesh(vertices)
 }
 
@@ -115,8 +117,12 @@ fn continued<'a>(
 
 /// `x y z`, then nothing, a weight, or a colour of three or four numbers. A weight other than 1 is for rational curves: what it means
 /// here is unclear.
-fn vertex<'a>(words: &mut impl Iterator<Item = &'a str>, line: usize) -> Result<[f64; 3], Fault> {
-    let p = point(words, line)?;
+fn vertex<'a>(
+    decimals: &mut Decimals,
+    words: &mut impl Iterator<Item = &'a str>,
+    line: usize,
+) -> Result<[f64; 3], Fault> {
+    let p = decimals.point(words, line)?;
     let Some(fourth) = words.next() else { return Ok(p) };
     let weight = coordinate(Some(fourth), line)?;
     match numbers_left(words, line)? {
@@ -212,7 +218,7 @@ mod tests {
         assert_eq!(fault("v 0 0 0 1 1 1 1 1"), Fault::line(4, "a vertex of 8 numbers"));
         let known = "# c:\\\ng a#b\no x\ns off\nusemtl y z\nmtllib f\nvn 0 nan 0\nvt 0 0\nl 1 2\np 1\n\t \nv 0 0 0 .5 .5 .5 1";
         let text = format!("v 0 0 0\nv 1 0 0\nv 0 1 0\n{known}\nf 1//1 2/1/1 3//\n");
-        assert_eq!(parse(&text).map(|mesh| (mesh.vertices.len(), mesh.triangles.len())), Ok((4, 1)));
+        assert_eq!(parse(&text).map(|mesh| (mesh.vertices.len(), mesh.triangles.len())), Ok((3, 1)));
         let fault = Fault::line(1, "2 vertices and 0 faces are announced, there are 1 and 0");
         assert_eq!(parse("2 0\nv 0 0 0\n"), Err(fault));
         assert_eq!(parse("2\nv 0 0 0\n"), Err(Fault::line(1, "a count or index is missing")));

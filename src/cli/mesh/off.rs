@@ -1,6 +1,6 @@
 //! OFF: counts, vertices, polygons. Comments, normals, colours and texture coordinates are passed over, but counted.
 
-use super::{Faces, MeshData, check_last_line, count, lines, numbers_left, point, quote, unknown_vertex};
+use super::{Decimals, Faces, MeshData, check_last_line, count, lines, numbers_left, quote, unknown_vertex};
 use crate::cli::error::{Fault, Place};
 
 /// First words: with texture coordinates (ST), colours (C), normals (N); and how many numbers may stand after the three coordinates of
@@ -44,10 +44,11 @@ pub(super) fn parse(text: &str) -> Result<MeshData, Fault> {
     check_rest(&mut words, &[0, 1], line)?;
 
     let mut vertices = Vec::new();
+    let mut decimals = Decimals::default();
     for _ in 0..vertex_count {
         let (line, content) = next("last vertex")?;
         let mut words = content.split_ascii_whitespace();
-        vertices.push(point(&mut words, line)?);
+        vertices.push(decimals.point(&mut words, line)?);
         check_rest(&mut words, after_vertex, line)?;
     }
     let mut faces = Faces::default();
@@ -70,6 +71,7 @@ pub(super) fn parse(text: &str) -> Result<MeshData, Fault> {
         return Err(Fault::line(line, "more lines than the counts announce"));
     }
     check_last_line(text, 1)?;
+    decimals.settle(&mut vertices);
     faces.into_mesh(vertices)
 }
 
@@ -105,7 +107,7 @@ mod tests {
         {
             let vertex = format!("0 0 0 {rest}\n");
             let mesh = parse(&format!("{head} 3 1 0\n{}3 0 1 2 7\n", vertex.repeat(3))).unwrap();
-            assert_eq!((mesh.vertices.len(), mesh.triangles.len()), (3, 1), "{head}");
+            assert_eq!((mesh.vertices.len(), mesh.triangles.len()), (1, 1), "{head}");
         }
     }
 

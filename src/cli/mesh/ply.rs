@@ -1,6 +1,6 @@
 //! PLY, ASCII and binary of either byte order. The crate `ply-rs-bw` reads headers and binary elements; ASCII elements are read here.
 
-use super::{Faces, MeshData, check_last_line, coordinate, count, lines, quote, text, unknown_vertex};
+use super::{Decimals, Faces, MeshData, check_last_line, count, lines, quote, text, unknown_vertex};
 use crate::cli::error::{Fault, Place};
 use ply_rs_bw::parser::{ParseError, Parser, Reader};
 use ply_rs_bw::ply::{
@@ -148,6 +148,7 @@ fn inside(def: &ElementDef, index: usize) -> String {
 }
 
 fn ascii(text: &str, first_line: usize, header: &Header, vertices: usize) -> Result<MeshData, Fault> {
+    let mut decimals = Decimals::default();
     let mut elements = Elements::default();
     let end = first_line + lines(text).count();
     let source = lines(text).map(|(line, content)| (first_line + line - 1, content));
@@ -156,7 +157,7 @@ fn ascii(text: &str, first_line: usize, header: &Header, vertices: usize) -> Res
         for index in 0..def.count {
             let (line, content) = source.next().ok_or_else(|| Fault::line(end, inside(def, index)))?;
             if matches!(def.name.as_str(), "vertex" | "face") {
-                let element = ascii_element(def, content, line)?;
+                let element = ascii_element(def, content, line, &mut decimals)?;
                 elements.add(&def.name, &element, vertices, Place::Line(line))?;
             }
         }
@@ -165,17 +166,25 @@ fn ascii(text: &str, first_line: usize, header: &Header, vertices: usize) -> Res
         return Err(Fault::line(line, "more lines than the header announces"));
     }
     check_last_line(text, first_line)?;
+    decimals.settle(&mut elements.vertices);
     elements.faces.into_mesh(elements.vertices)
 }
 
-/// Decimals become the nearest `f64`, whatever type the header gives them. Properties that are not asked for are not looked at.
-fn ascii_element(def: &ElementDef, content: &str, line: usize) -> Result<Element, Fault> {
+/// Decimals are read as in the other formats, whatever type the header gives them. Properties that are not asked for are not looked at.
+fn ascii_element(
+    def: &ElementDef,
+    content: &str,
+    line: usize,
+    decimals: &mut Decimals,
+) -> Result<Element, Fault> {
     let mut element = Element::new();
     let mut words = content.split_ascii_whitespace();
     let missing = || Fault::line(line, "a number is missing");
     for (name, property) in &def.properties {
         match (&property.data_type, axis(name)) {
-            (PropertyType::Scalar(_), Some(axis)) => element.position[axis] = coordinate(words.next(), line)?,
+            (PropertyType::Scalar(_), Some(axis)) => {
+                element.position[axis] = decimals.coordinate(words.next(), line)?;
+            }
             (PropertyType::Scalar(_), None) => drop(words.next().ok_or_else(missing)?),
             (PropertyType::List(..), _) => {
                 for _ in 0..count(words.next(), line)? {
@@ -258,7 +267,8 @@ mod tests {
     #[test]
     fn ascii_of_mixed_types() {
         let mesh = parse(&ascii_file("0.1 0.1 7 nan\n\n1 .5 0 0\n0 1. 0 0\n3 0 1 2\n")).unwrap();
-        assert_eq!(mesh.vertices, [[0.1, 0.1, 7.0], [1.0, 0.5, 0.0], [0.0, 1.0, 0.0]]);
+        let tenth = f64::from(0.1_f32);
+        assert_eq!(mesh.vertices, [[tenth, tenth, 7.0], [1.0, 0.5, 0.0], [0.0, 1.0, 0.0]]);
         assert_eq!(mesh.triangles, [[0, 1, 2]]);
     }
 
@@ -267,8 +277,9 @@ mod tests {
         for big in [false, true] {
             let (bytes, _) = binary_file(big, 0.1, [2, 1, 0]);
             let mesh = parse(&bytes).unwrap();
-            assert_eq!(mesh.vertices[2], [0.1, f64::from(2.0 * 0.1_f32), 2.0]);
-            assert_eq!(mesh.triangles, [[2, 1, 0]]);
+            // In the order of their first use.
+            assert_eq!(mesh.vertices[0], [0.1, f64::from(2.0 * 0.1_f32), 2.0]);
+            assert_eq!(mesh.triangles, [[0, 1, 2]]);
         }
     }
 

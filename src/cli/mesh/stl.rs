@@ -1,6 +1,6 @@
 //! STL, binary and ASCII. Both are triangles without indices: corners with the same bits become one vertex.
 
-use super::{MeshData, lines, point, quote, text};
+use super::{Decimals, MeshData, lines, quote, text};
 use crate::cli::error::Fault;
 
 /// Bytes before the triangles of a binary file: a free header and a count.
@@ -44,14 +44,15 @@ fn binary(records: &[u8], count: usize) -> Result<MeshData, Fault> {
         }
         soup.push([0, 3, 6].map(|c| [coordinate(c), coordinate(c + 1), coordinate(c + 2)]));
     }
-    Ok(MeshData::joined(soup))
+    Ok(MeshData::of(&soup))
 }
 
 /// The statements of an ASCII file, which stand in this order; facets repeat, and so may solids.
 const FACET: [&str; 7] = ["facet normal", "outer loop", "vertex", "vertex", "vertex", "endloop", "endfacet"];
 
 fn ascii(text: &str) -> Result<MeshData, Fault> {
-    let mut soup = Vec::new();
+    let mut soup: Vec<[[f64; 3]; 3]> = Vec::new();
+    let mut decimals = Decimals::default();
     let mut corners = [[0.0; 3]; 3];
     let mut last = 0;
     let mut is_open = false;
@@ -77,7 +78,7 @@ fn ascii(text: &str) -> Result<MeshData, Fault> {
                     }
                 }
                 if word == "vertex" {
-                    corners[step - 2] = point(&mut words, line)?;
+                    corners[step - 2] = decimals.point(&mut words, line)?;
                 }
                 // What a normal says is not asked for: some writers leave it undefined.
                 let more = words.count();
@@ -95,7 +96,8 @@ fn ascii(text: &str) -> Result<MeshData, Fault> {
     if is_open {
         return Err(Fault::line(last + 1, "the file ends before endsolid"));
     }
-    Ok(MeshData::joined(soup))
+    decimals.settle(soup.as_flattened_mut());
+    Ok(MeshData::of(&soup))
 }
 
 #[cfg(test)]
@@ -128,7 +130,7 @@ mod tests {
     fn ascii_keeps_decimals() {
         let text = "SOLID a\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 0.1 0\nendloop\nendfacet\nendsolid\n";
         let mesh = parse(text.as_bytes()).unwrap();
-        assert_eq!((mesh.triangles.len(), mesh.vertices[2]), (1, [0.0, 0.1, 0.0]));
+        assert_eq!((mesh.triangles.len(), mesh.vertices[2]), (1, [0.0, f64::from(0.1_f32), 0.0]));
     }
 
     #[test]
