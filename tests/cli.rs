@@ -166,12 +166,15 @@ fn answers(report: &Value) -> Vec<Value> {
     report["poses"].as_array().unwrap().iter().map(timeless).collect()
 }
 
-/// The lists of pairs, pose by pose.
+/// The lists of pairs, pose by pose, each in order.
 fn pairs(report: &Value) -> Vec<Vec<(usize, usize)>> {
     let index = |value: &Value| value.as_u64().unwrap() as usize;
     let list = |pose: &Value| {
         assert_eq!(pose["pairs_complete"], true);
-        pose["pairs"].as_array().unwrap().iter().map(|pair| (index(&pair[0]), index(&pair[1]))).collect()
+        let pairs = pose["pairs"].as_array().unwrap().iter();
+        let mut pairs: Vec<_> = pairs.map(|pair| (index(&pair[0]), index(&pair[1]))).collect();
+        pairs.sort_unstable();
+        pairs
     };
     report["poses"].as_array().unwrap().iter().map(list).collect()
 }
@@ -191,7 +194,7 @@ fn the_exit_code_is_the_verdict_of_one_pose() {
     assert_eq!(code(&["--budget", "0"]), 3, "unknown");
     assert_eq!(code(&["--poses", "poses"]), 0, "several poses have no one verdict");
     assert_eq!(
-        folder.fate(&["collide", "t.obj", "nothing.off"]),
+        folder.fate(&["collide", "t.obj", "nothing.off", "--allow-empty"]),
         (0, String::new()),
         "nothing meets nothing"
     );
@@ -212,7 +215,25 @@ fn faults_of_files_name_file_place_and_problem() {
         ("number.obj", b"v 0 zero 0\n", "line 1: 'zero' is not a number"),
         ("nan.obj", b"\nv 0 nan 0\n", "line 2: the coordinate 'nan' is not finite"),
         ("two.obj", b"v 0 0 0\nf 1 1\n", "line 2: a face with 2 corners, at least 3 are needed"),
-        ("page.obj", b"<html>\n", "line 1: '<html>' is no keyword of an OBJ, and no vertex follows"),
+        ("page.obj", b"<html>\n", "line 1: '<html>' is no keyword of an OBJ"),
+        ("large.obj", b"v 0 0 0\nF 1 1 1\n", "line 2: 'F' is no keyword of an OBJ"),
+        ("close.obj", b"v 0 0 0\nf1 1 1\n", "line 2: 'f1' is no keyword of an OBJ"),
+        ("words.obj", b"v 0 0 0 f 1 1 1\n", "line 1: 'f' is not a number"),
+        (
+            "bow.obj",
+            b"v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 3 2 4\n",
+            "line 5: a polygon whose edges cross each other",
+        ),
+        (
+            "open.obj",
+            b"v 0 0 0\nf 1 1 1",
+            "line 2: the last line does not end: if the file was not cut there, end it with a line break",
+        ),
+        (
+            "comments.obj",
+            b"# v 0 0 0\n# f 1 1 1\n",
+            "there is no triangle in the file (--allow-empty takes it for an empty body)",
+        ),
         ("short.off", b"OFF\n2 0 0\n0 0 0\n", "line 4: the file ends before its last vertex"),
         ("long.stl", &long, "byte 183: the file ends after 1 of 2 triangles"),
         ("nan.stl", &nan, "byte 96: the coordinate NaN is not finite"),
@@ -242,6 +263,45 @@ fn faults_of_files_name_file_place_and_problem() {
     assert!(code == 2 && message.starts_with("simdop: absent.obj: No such file"), "{message}");
     let (code, message) = folder.fate(&["info", "."]);
     assert!(code == 2 && message.starts_with("simdop: .: "), "{message}");
+}
+
+/// A cube on a floor, cut after every byte: what is accepted then are whole lines, and a file without triangles never.
+#[test]
+fn a_cut_mesh_is_not_silently_free() {
+    let folder = Folder::new("cut");
+    let corners: String = (0..8).map(|i| format!("v {} {} {}\n", i & 1, i >> 1 & 1, i >> 2)).collect();
+    let cube = corners + "f 1 3 4 2\nf 5 6 8 7\nf 1 2 6 5\nf 3 7 8 4\nf 1 5 7 3\nf 2 4 8 6\n";
+    folder.write("floor.obj", "v -9 -9 0\nv 9 -9 0\nv 0 9 0\nf 1 2 3\n");
+    let mut between_faces = 0;
+    for length in 0..=cube.len() {
+        folder.write("cut.obj", &cube[..length]);
+        let (code, message) = folder.fate(&["collide", "cut.obj", "floor.obj"]);
+        let has_face = cube[..length].ends_with('\n') && cube[..length].contains("f ");
+        assert_eq!(code, if has_face { 1 } else { 2 }, "{length}: {message}");
+        between_faces += u32::from(has_face);
+    }
+    assert_eq!(between_faces, 6, "the whole cube, and five that cannot be told from smaller meshes");
+    folder.write("mac.obj", cube.replace('\n', "\r"));
+    assert_eq!(folder.json(&["info", "mac.obj"])["triangles"], 12);
+}
+
+/// The notch of an L, and what a fan around a wrong corner would put into it.
+#[test]
+fn a_concave_polygon_does_not_fill_its_notch() {
+    let folder = Folder::new("notch");
+    let corners = ["2 2", "2 6", "0 6", "0 0", "6 0", "6 2"];
+    folder.write("needle.obj", "v 0 0 -1\nv 0 0 1\nf 1 2 2\n");
+    for first in 0..6 {
+        let turned: String = (0..6).map(|i| format!("v {} 0\n", corners[(first + i) % 6])).collect();
+        folder.write("l.obj", turned + "f 1 2 3 4 5 6\n");
+        let code = |at: &str| folder.fate(&["collide", "needle.obj", "l.obj", "--translate", at]).0;
+        for inside in ["1 1 0", "1 5 0", "5 1 0", "1.875 1.875 0"] {
+            assert_eq!(code(inside), 1, "{inside}");
+        }
+        for outside in ["3 3 0", "2.5 5 0", "5 2.5 0", "2.125 2.125 0"] {
+            assert_eq!(code(outside), 0, "{outside}");
+        }
+    }
 }
 
 #[test]
@@ -337,7 +397,8 @@ fn every_format_and_tree_gives_the_pairs_of_brute_force() {
     for name in names {
         let report = folder.json(&["collide", name, "b.obj", "--poses", "poses", "--all-pairs"]);
         assert_eq!(pairs(&report), want, "{name}");
-        assert_eq!(report["k"], if name == "tree.obj" { 26 } else { 18 }, "a tree decides k");
+        let is_tree = ["tree.obj", "again"].contains(&name);
+        assert_eq!(report["k"], if is_tree { 26 } else { 18 }, "a tree decides k");
     }
 }
 
@@ -397,6 +458,7 @@ fn info_describes_a_tree_and_proves_it() {
         assert_eq!(tree[key], number, "{key}");
     }
     assert_eq!((&tree["vertex_format"], &tree["verified"]), (&"f64".into(), &true.into()));
+    assert_eq!(tree["vertices"], 300);
     let bytes = std::fs::metadata(folder.0.join("a.tree")).unwrap().len();
     assert_eq!(tree["total_bytes"], bytes);
     assert_eq!(tree["bytes_per_triangle_total"], bytes as f64 / 101.0);
@@ -447,6 +509,197 @@ fn build_paints_the_first_level() {
     assert!(code == 2 && message.starts_with("simdop: absent/a.svg: "), "{message}");
 }
 
+/// The PNG against the paths of the SVG: at the middle of each pixel that no outline is near, the last path that covers it.
+#[test]
+fn a_png_shows_what_the_svg_does() {
+    let folder = Folder::new("png");
+    folder.write("a.obj", obj(&strewn(10, 40)));
+    for name in ["a.svg", "a.PNG"] {
+        assert_eq!(folder.fate(&["build", "a.obj", "--picture", name]), (0, String::new()));
+    }
+    let svg = std::fs::read_to_string(folder.0.join("a.svg")).unwrap();
+    let image = tiny_skia::Pixmap::load_png(folder.0.join("a.PNG")).unwrap();
+    let size = format!("viewBox=\"0 0 {} {}\"", image.width(), image.height());
+    assert!(svg.contains(&size) && image.width() > 100 && image.height() > 100, "{size}");
+    let paths: Vec<(String, [[f64; 2]; 3])> = svg
+        .lines()
+        .filter_map(|line| line.strip_prefix("<path fill=\"#"))
+        .map(|line| {
+            let numbers: Vec<f64> = line[12..]
+                .split(|c: char| !"-.0123456789".contains(c))
+                .filter_map(|word| word.parse().ok())
+                .collect();
+            (line[..6].to_string(), core::array::from_fn(|i| [numbers[2 * i], numbers[2 * i + 1]]))
+        })
+        .collect();
+    assert_eq!(paths.len(), 40);
+    let mut checked = [0, 0];
+    for (index, pixel) in image.pixels().iter().enumerate() {
+        let (x, y) = (index as u32 % image.width(), index as u32 / image.width());
+        let (x, y) = (f64::from(x) + 0.5, f64::from(y) + 0.5);
+        // Distances from the three edges, positive inside if the corners turn one way, negative if the other.
+        let distances = |t: &[[f64; 2]; 3]| -> [f64; 3] {
+            core::array::from_fn(|i| {
+                let ([ax, ay], [bx, by]) = (t[i], t[(i + 1) % 3]);
+                ((bx - ax) * (y - ay) - (by - ay) * (x - ax)) / (bx - ax).hypot(by - ay).max(1e-9)
+            })
+        };
+        let all: Vec<[f64; 3]> = paths.iter().map(|(_, t)| distances(t)).collect();
+        if all.iter().flatten().all(|d| d.abs() > 1.0) {
+            let covers = |d: &[f64; 3]| d.iter().all(|d| *d > 0.0) || d.iter().all(|d| *d < 0.0);
+            let top = all.iter().rposition(covers);
+            let want = top.map_or("ffffff", |top| &paths[top].0);
+            let have = format!("{:02x}{:02x}{:02x}", pixel.red(), pixel.green(), pixel.blue());
+            assert_eq!((have.as_str(), pixel.alpha()), (want, 255), "at {x} {y}");
+            checked[usize::from(top.is_some())] += 1;
+        }
+    }
+    assert!(checked.iter().all(|count| *count > 10_000), "{checked:?}");
+    for name in ["a.jpg", "a", "a.svg.bak"] {
+        let want = format!("simdop: --picture: {name}: a picture's name ends in .svg or .png");
+        assert_eq!(folder.fate(&["build", "a.obj", "-o", "a.tree", "--picture", name]), (2, want));
+        assert!(!folder.0.join(name).exists() && !folder.0.join("a.tree").exists());
+    }
+}
+
+/// Run by a shell that first sets a limit, a mask or a trap.
+#[cfg(unix)]
+fn through_shell(folder: &Folder, before: &str, arguments: &[&str]) -> Output {
+    let mut command = Command::new("sh");
+    command.current_dir(&folder.0).args(["-c", &format!("{before}; exec \"$@\""), "sh"]);
+    command.arg(env!("CARGO_BIN_EXE_simdop")).args(arguments).output().unwrap()
+}
+
+/// A file of at most 4 or 8 KiB (`ulimit -f` counts blocks of 512 bytes, or of 1024) has no room for the tree: the process is told so,
+/// or killed. Either way the old tree is whole.
+#[cfg(unix)]
+#[test]
+fn a_limit_or_a_kill_leaves_the_old_tree() {
+    let folder = Folder::new("limit");
+    folder.write("small.obj", obj(&tetrahedron()));
+    folder.write("large.obj", obj(&strewn(11, 1000)));
+    assert_eq!(folder.fate(&["build", "small.obj", "-o", "t.tree"]), (0, String::new()));
+    let old = std::fs::read(folder.0.join("t.tree")).unwrap();
+    let arguments = ["build", "large.obj", "-o", "t.tree", "--picture", "p.svg"];
+    let told = through_shell(&folder, "trap '' XFSZ; ulimit -f 8", &arguments);
+    let message = String::from_utf8(told.stderr).unwrap();
+    assert!(
+        told.status.code() == Some(2) && message.starts_with("simdop: t.tree: File too large"),
+        "{message}"
+    );
+    assert_eq!(std::fs::read(folder.0.join("t.tree")).unwrap(), old);
+    assert_eq!(std::fs::read_dir(&folder.0).unwrap().count(), 3, "nothing is left lying about");
+    let killed = through_shell(&folder, "ulimit -c 0; ulimit -f 8", &arguments);
+    assert_eq!(killed.status.code(), None, "killed by a signal");
+    assert_eq!(std::fs::read(folder.0.join("t.tree")).unwrap(), old);
+    // A picture that cannot be written keeps the tree from being replaced, too.
+    let arguments = ["build", "large.obj", "-o", "t.tree", "--picture", "absent/p.png"];
+    assert_eq!(folder.fate(&arguments).0, 2);
+    assert_eq!(std::fs::read(folder.0.join("t.tree")).unwrap(), old);
+}
+
+#[cfg(unix)]
+#[test]
+fn a_replaced_tree_keeps_its_link_and_mode() {
+    use std::os::unix::fs::PermissionsExt;
+    let folder = Folder::new("mode");
+    folder.write("a.obj", obj(&tetrahedron()));
+    let mode = |name: &str| std::fs::metadata(folder.0.join(name)).unwrap().permissions().mode() & 0o777;
+    let build =
+        |name: &str| through_shell(&folder, "umask 027", &["build", "a.obj", "-o", name]).status.code();
+    assert_eq!((build("t.tree"), mode("t.tree")), (Some(0), 0o640));
+    std::fs::set_permissions(folder.0.join("t.tree"), PermissionsExt::from_mode(0o604)).unwrap();
+    std::os::unix::fs::symlink("t.tree", folder.0.join("link")).unwrap();
+    folder.write("t.tree", "old");
+    assert_eq!((build("link"), mode("t.tree")), (Some(0), 0o604));
+    assert!(std::fs::symlink_metadata(folder.0.join("link")).unwrap().is_symlink());
+    assert!(std::fs::read(folder.0.join("t.tree")).unwrap().starts_with(b"SIMDOP"));
+    assert_eq!(build("/dev/null"), Some(0));
+    assert!(!std::fs::metadata("/dev/null").unwrap().is_file());
+}
+
+#[test]
+fn a_file_is_not_written_twice_nor_over_its_source() {
+    let folder = Folder::new("targets");
+    let mesh = obj(&tetrahedron());
+    folder.write("a.obj", &mesh);
+    folder.write("a.svg", "old");
+    std::fs::hard_link(folder.0.join("a.obj"), folder.0.join("same.png")).unwrap();
+    let cases: [(&[&str], &str); 5] = [
+        (&["-o", "a.obj"], "--output: a.obj is the file that is read"),
+        (&["-o", "../targets/a.obj"], "--output: a.obj is the file that is read"),
+        (&["--picture", "same.png"], "--picture: a.obj is the file that is read"),
+        (&["-o", "a.svg", "--picture", "./a.svg"], "--picture: ./a.svg is the tree's file"),
+        (
+            &["-o", "new.svg", "--picture", "../targets/new.svg"],
+            "--picture: ../targets/new.svg is the tree's file",
+        ),
+    ];
+    for (arguments, problem) in cases {
+        let fate = folder.fate(&[&["build", "a.obj"], arguments].concat());
+        assert_eq!(fate, (2, format!("simdop: {problem}")));
+    }
+    assert_eq!(std::fs::read_to_string(folder.0.join("a.obj")).unwrap(), mesh);
+    assert_eq!(std::fs::read_to_string(folder.0.join("a.svg")).unwrap(), "old");
+    assert!(!folder.0.join("new.svg").exists());
+}
+
+/// The standard output, a pipe or a file, holds the tree and no text.
+#[cfg(target_os = "linux")]
+#[test]
+fn a_tree_on_the_standard_output_is_alone_there() {
+    let folder = Folder::new("stdout");
+    folder.write("a.obj", obj(&tetrahedron()));
+    assert_eq!(folder.fate(&["build", "a.obj", "-o", "a.tree"]).0, 0);
+    let tree = std::fs::read(folder.0.join("a.tree")).unwrap();
+    let summary = "/dev/stdout: 4 triangles, 4 vertices in f32, 1 nodes, ";
+    let piped = folder.run(&["build", "a.obj", "-o", "/dev/stdout"]);
+    assert_eq!((piped.status.code(), piped.stdout), (Some(0), tree.clone()));
+    assert!(String::from_utf8(piped.stderr).unwrap().starts_with(summary));
+    let file = std::fs::File::create(folder.0.join("piped.tree")).unwrap();
+    let mut command = folder.command(&["build", "a.obj", "-o", "/dev/stdout"]);
+    let to_file = command.stdout(file).stderr(Stdio::piped()).output().unwrap();
+    assert!(String::from_utf8(to_file.stderr).unwrap().starts_with(summary));
+    assert_eq!(std::fs::read(folder.0.join("piped.tree")).unwrap(), tree);
+    let (code, message) = unread(folder.command(&["build", "a.obj", "-o", "/dev/stdout"]));
+    assert_eq!(code, Some(2), "the tree has not arrived");
+    assert!(message.starts_with("simdop: /dev/stdout: Broken pipe"), "{message}");
+}
+
+#[test]
+fn a_tree_that_is_built_again_keeps_its_k_and_arity() {
+    let folder = Folder::new("again");
+    folder.write("a.obj", obj(&strewn(12, 50)));
+    assert_eq!(folder.fate(&["build", "a.obj", "-o", "a.tree", "-k", "6", "-a", "4"]), (0, String::new()));
+    for (options, k, arity) in
+        [(&[][..], 6, 4), (&["-k", "26"], 26, 4), (&["-a", "16"], 6, 16), (&["-s", "longest-axis"], 6, 4)]
+    {
+        let fate = folder.fate(&[&["build", "a.tree", "-o", "b.tree"], options].concat());
+        assert_eq!(fate, (0, String::new()));
+        let info = folder.json(&["info", "b.tree"]);
+        assert_eq!((&info["k"], &info["arity"]), (&k.into(), &arity.into()), "{options:?}");
+    }
+}
+
+#[test]
+fn options_that_do_nothing_on_a_tree_are_errors() {
+    let folder = Folder::new("idle");
+    folder.write("a.obj", obj(&tetrahedron()));
+    assert_eq!(folder.fate(&["build", "a.obj", "-o", "a.tree"]), (0, String::new()));
+    for option in ["--k=18", "--arity=16", "--leaf-size=1", "--splitter=mean-width", "--allow-empty"] {
+        let name = option.split('=').next().unwrap();
+        let idle = format!(
+            "simdop: {name}: a.tree is a tree and stays as it is: `simdop build` makes another of it"
+        );
+        assert_eq!(folder.fate(&["info", "a.tree", option]), (2, idle.clone()));
+        assert_eq!(folder.fate(&["collide", "a.tree", "a.tree", option]), (2, idle.clone()));
+        assert_eq!(folder.fate(&["info", "a.obj", option]), (0, String::new()));
+        assert_eq!(folder.fate(&["collide", "a.tree", "a.obj", option]), (1, String::new()));
+        let want = if option == "--allow-empty" { (2, idle) } else { (0, String::new()) };
+        assert_eq!(folder.fate(&["build", "a.tree", "-o", "b.tree", option]), want);
+    }
+}
+
 #[test]
 fn the_built_in_scene_needs_no_file() {
     let folder = Folder::new("scene");
@@ -461,48 +714,132 @@ fn the_built_in_scene_needs_no_file() {
     assert!(table.contains("... and 55 more") && table.contains("\n64 poses: "), "{table}");
 }
 
+/// The exit code and standard error of a command whose reader has left before it begins.
+fn unread(mut command: Command) -> (Option<i32>, String) {
+    let mut child = command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
+    drop(child.stdout.take());
+    let output = child.wait_with_output().unwrap();
+    (output.status.code(), String::from_utf8(output.stderr).unwrap())
+}
+
 #[test]
-fn a_reader_that_leaves_early_is_no_error() {
+fn a_reader_that_leaves_early_is_no_error_and_changes_no_verdict() {
     let folder = Folder::new("pipe");
     folder.write("t.obj", obj(&tetrahedron()));
     folder.write("poses", pose_file(&vec![IDENTITY; 20_000]));
+    let cases: [(&[&str], i32); 6] = [
+        (&["--poses", "poses"], 0),
+        (&[], 1),
+        (&["--all-pairs"], 1),
+        (&["--translate", "1 0 0"], 1),
+        (&["--translate", "2 0 0"], 0),
+        (&["--budget", "0"], 3),
+    ];
     for format in ["--json", "--rows=20000"] {
-        let arguments = ["collide", "t.obj", "t.obj", "--poses", "poses", format];
-        let mut child =
-            folder.command(&arguments).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
-        drop(child.stdout.take());
-        let output = child.wait_with_output().unwrap();
+        for (arguments, code) in cases {
+            let arguments = [&["collide", "t.obj", "t.obj", format], arguments].concat();
+            assert_eq!(unread(folder.command(&arguments)), (Some(code), String::new()), "{arguments:?}");
+        }
+    }
+    for arguments in [&["info", "t.obj"][..], &["build", "t.obj", "-o", "t.tree"]] {
+        assert_eq!(unread(folder.command(arguments)), (Some(0), String::new()));
+    }
+    assert!(folder.0.join("t.tree").is_file());
+}
+
+/// Four million pairs, which take 32 MB, in a process that has 24 MB of address space for all that it is.
+#[cfg(target_os = "linux")]
+#[test]
+fn pairs_are_written_as_they_are_found() {
+    let folder = Folder::new("stream");
+    let sheaf = |axis: usize| {
+        let mut mesh = MeshData { vertices: Vec::new(), triangles: Vec::new() };
+        for i in 0..2000 {
+            let width = 1.0 + f64::from(i) / 4096.0;
+            for corner in [[-width, -1.0], [width, -1.0], [0.0, 2.0]] {
+                let mut p = [0.0; 3];
+                (p[axis], p[2]) = (corner[0], corner[1]);
+                mesh.vertices.push(p);
+            }
+            mesh.triangles.push([3 * i, 3 * i + 1, 3 * i + 2]);
+        }
+        mesh
+    };
+    for (name, axis) in [("a.obj", 0), ("b.obj", 1)] {
+        folder.write(name, obj(&sheaf(axis)));
+        let tree = name.replace("obj", "tree");
+        assert_eq!(folder.fate(&["build", name, "-o", &tree, "-s", "longest-axis"]), (0, String::new()));
+    }
+    for format in [&["--rows=1"][..], &["--json"]] {
+        let arguments = [&["collide", "a.tree", "b.tree", "--all-pairs"], format].concat();
+        let output = through_shell(&folder, "exec > pairs; ulimit -v 24576", &arguments);
         assert_eq!(
             (output.status.code(), String::from_utf8(output.stderr).unwrap()),
-            (Some(0), String::new())
+            (Some(1), String::new())
         );
+        let text = std::fs::read_to_string(folder.0.join("pairs")).unwrap();
+        let pairs = if format == ["--json"] {
+            assert!(text.contains("\"pairs_complete\": true"));
+            text.lines().filter(|line| line.trim_end() == "        [").count()
+        } else {
+            text.lines().filter(|line| line.starts_with("        ")).count()
+        };
+        assert_eq!(pairs, 2000 * 2000);
+    }
+    std::fs::remove_file(folder.0.join("pairs")).unwrap();
+}
+
+/// An output that cannot be written is an error, whatever the verdict.
+#[cfg(target_os = "linux")]
+#[test]
+fn a_full_output_is_an_error() {
+    let folder = Folder::new("full");
+    folder.write("t.obj", obj(&tetrahedron()));
+    for at in ["0 0 0", "2 0 0"] {
+        let full = std::fs::OpenOptions::new().write(true).open("/dev/full").unwrap();
+        let mut command = folder.command(&["collide", "t.obj", "t.obj", "--translate", at]);
+        let output = command.stdout(full).stderr(Stdio::piped()).output().unwrap();
+        let message = String::from_utf8(output.stderr).unwrap();
+        assert!(message.starts_with("simdop: standard output: No space left"), "{message}");
+        assert_eq!(output.status.code(), Some(2));
     }
 }
 
 #[test]
-fn real_meshes_have_the_triangles_that_their_tables_say() {
+fn real_meshes_have_the_triangles_and_vertices_that_their_tables_say() {
     let Some(data) = directory() else { return };
     let table = std::fs::read_to_string(data.join("TABLE.md")).unwrap();
-    let mut files: Vec<(PathBuf, u64)> = Vec::new();
+    let mut files: Vec<(PathBuf, [u64; 2])> = Vec::new();
     for row in table.lines().filter(|row| row.starts_with("| meshes/") || row.starts_with("| planning/unc")) {
         let cells: Vec<&str> = row.split('|').map(str::trim).collect();
-        files.push((data.join(cells[1]), cells[2].parse().unwrap()));
+        files.push((data.join(cells[1]), [2, 3].map(|i| cells[i].parse().unwrap())));
     }
     for robot in std::fs::read_dir(data.join("robots")).unwrap() {
         let robot = robot.unwrap().path();
         let table = std::fs::read_to_string(robot.join("meshes.tsv")).unwrap();
         for row in table.lines().skip(1) {
-            let mut cells = row.split('\t');
-            files.push((
-                robot.join("meshes").join(cells.next().unwrap()),
-                cells.next().unwrap().parse().unwrap(),
-            ));
+            let cells: Vec<&str> = row.split('\t').collect();
+            files.push((robot.join("meshes").join(cells[0]), [1, 2].map(|i| cells[i].parse().unwrap())));
         }
     }
     assert!(files.len() > 90, "{} files", files.len());
     let folder = Folder::new("real");
-    for (file, triangles) in files.iter().step_by(suite_step()) {
+    for (file, [triangles, vertices]) in files.iter().step_by(suite_step()) {
         let report = folder.json(&["info", file.to_str().unwrap(), "-k", "6"]);
         assert_eq!(report["triangles"], *triangles, "{}", file.display());
+        assert_eq!(report["vertices"], *vertices, "{}", file.display());
     }
+}
+
+/// Each triangle of this file has vertices of its own, printed with six digits.
+#[test]
+fn a_link_is_stored_without_what_its_file_repeats() {
+    let Some(data) = directory() else { return };
+    let folder = Folder::new("link");
+    let link = data.join("robots/panda/meshes/link5.obj");
+    assert_eq!(folder.fate(&["build", link.to_str().unwrap(), "-o", "link5.tree"]), (0, String::new()));
+    let info = folder.json(&["info", "link5.tree", "--verify"]);
+    assert_eq!((&info["triangles"], &info["vertices"]), (&300.into(), &152.into()));
+    assert_eq!(info["vertex_format"], "f32");
+    assert!(info["total_bytes"].as_u64().unwrap() < 20_000, "{}", info["total_bytes"]);
 }

@@ -51,7 +51,7 @@ where
 {
     let b = input.pick(&bodies::<Node16<K>>().0).tree.view().frame();
     let view = a.tree.view();
-    let map = Realignment::<K>::new(pose, view.header(), &b);
+    let map = Realignment::<K>::new(pose, &view.extent(), &b);
     let Some(root) = view.nodes().first() else { return };
     let narrow = narrow(root.planes.map(|p| [p[0], p[1], p[2], p[3]]));
     kernels_agree(&map, root, &narrow);

@@ -1,16 +1,16 @@
-//! Bodies: a mesh or a tree from a file, in whichever of the ten node types.
+//! Bodies: a mesh or a tree from a file, of any node type.
 
 use super::error::Error;
-use super::mesh::{self, MeshData};
+use super::mesh::{self, Empty, MeshData};
 use super::{TreeOptions, progress};
 use core::ops::ControlFlow;
 use core::time::Duration;
-use simdop::construct::{BuildError, Builder, Mesh};
-use simdop::hierarchy::{Aligned, BakeError, Bvh, Header, MAGIC, Stats, TreeStats, VerifyError};
+use simdop::construct::{Builder, Mesh};
+use simdop::hierarchy::{AnyBvh, Header, Lane, MAGIC};
 use simdop::isa::Isa;
-use simdop::node::{Link, Node, Node4, Node16};
-use simdop::pose::Pose;
-use simdop::query::{Answer, Completion, Counters, Pair, Query};
+use simdop::node::Link;
+use simdop::query::Query;
+use simdop::with_bvh;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
@@ -21,152 +21,56 @@ pub(super) struct Shape {
     pub(super) arity: usize,
 }
 
-macro_rules! trees {
-    ($($variant:ident $node:ident $k:literal),*) => {
-        /// A tree of any node type.
-        pub(super) enum Tree {
-            $($variant(Bvh<$node<$k>>),)*
-        }
-
-        /// Evaluates an expression for whichever tree it is.
-        macro_rules! with_tree {
-            ($tree:expr, $bound:ident => $value:expr) => {
-                match $tree { $(Tree::$variant($bound) => $value,)* }
-            };
-        }
-
-        impl Tree {
-            fn build(mesh: &Mesh<'_>, builder: &Builder, shape: Shape) -> Result<Self, BuildError> {
-                $(if (shape.k, shape.arity) == ($k, $node::<$k>::ARITY) {
-                    return builder.build(mesh).map(Self::$variant);
-                })*
-                unreachable!("k and arity were checked with the arguments")
-            }
-
-            /// `None` if no node type has this k and arity.
-            fn load(bytes: &[u8], shape: Shape) -> Option<Result<Self, BakeError>> {
-                $(if (shape.k, shape.arity) == ($k, $node::<$k>::ARITY) {
-                    return Some(Bvh::from_bytes(bytes).map(Self::$variant));
-                })*
-                None
-            }
-
-            /// Runs a query on two trees. `None` if their node types differ.
-            pub(super) fn collide(&self, other: &Self, query: Query, pose: &Pose) -> Option<Answer> {
-                match (self, other) {
-                    $((Self::$variant(a), Self::$variant(b)) => Some(query.collide(&a.view(), &b.view(), pose)),)*
-                    _ => None,
-                }
-            }
-
-            /// All pairs of triangles that meet. `None` if their node types differ.
-            pub(super) fn all_pairs(&self, other: &Self, query: Query, pose: &Pose) -> Option<(Vec<Pair>, Completion, Counters)> {
-                let mut pairs = Vec::new();
-                let visit = |pair| {
-                    pairs.push(pair);
-                    ControlFlow::Continue(())
-                };
-                let (completion, counters) = match (self, other) {
-                    $((Self::$variant(a), Self::$variant(b)) => query.for_each_pair(&a.view(), &b.view(), pose, visit),)*
-                    _ => return None,
-                };
-                pairs.sort_unstable();
-                Some((pairs, completion, counters))
-            }
-        }
-    };
+impl Shape {
+    pub(super) fn of(tree: &AnyBvh) -> Self {
+        let header = *tree.view().header();
+        Self { k: header.k.into(), arity: header.arity.into() }
+    }
 }
 
-trees!(
-    A6 Node16 6, A14 Node16 14, A18 Node16 18, A26 Node16 26, A32 Node16 32,
-    B6 Node4 6, B14 Node4 14, B18 Node4 18, B26 Node4 26, B32 Node4 32
-);
+/// Every triangle, with the lane of the root that it is below.
+pub(super) fn clusters(tree: &AnyBvh) -> Vec<(usize, [[f64; 3]; 3])> {
+    with_bvh!(tree.view(), tree => {
+        let mut found = Vec::with_capacity(tree.len());
+        let mut walk = tree.walk();
+        while let Some(Lane { child, .. }) = walk.next() {
+            let Link::Leaf { first, count } = child.link() else { continue };
+            let root_lane = walk.path().next().map_or(0, |(_, lane)| lane);
+            found.extend((first..first + count).map(|index| (root_lane, tree.primitive(index))));
+        }
+        found
+    })
+}
 
-impl Tree {
-    pub(super) fn header(&self) -> Header {
-        with_tree!(self, tree => *tree.view().header())
-    }
-
-    pub(super) fn shape(&self) -> Shape {
-        let header = self.header();
-        Shape { k: header.k.into(), arity: header.arity.into() }
-    }
-
-    pub(super) fn stats(&self) -> Stats {
-        with_tree!(self, tree => tree.view().stats())
-    }
-
-    pub(super) fn tree_stats(&self) -> TreeStats {
-        with_tree!(self, tree => tree.view().tree_stats())
-    }
-
-    pub(super) fn verify(&self) -> Result<(), VerifyError> {
-        with_tree!(self, tree => tree.view().verify())
-    }
-
-    pub(super) fn as_bytes(&self) -> &[u8] {
-        with_tree!(self, tree => tree.as_bytes())
-    }
-
-    /// Every triangle, with the lane of the root that it is below.
-    pub(super) fn clusters(&self) -> Vec<(usize, [[f64; 3]; 3])> {
-        with_tree!(self, tree => {
-            let view = tree.view();
-            let mut found = Vec::with_capacity(view.len());
-            let root = view.nodes().first().map_or(&[][..], |root| root.children());
-            let mut pending: Vec<_> = root.iter().enumerate().map(|(lane, child)| (lane, *child)).collect();
-            while let Some((lane, child)) = pending.pop() {
-                match child.link() {
-                    Link::Empty => {}
-                    Link::Leaf { first, count } => {
-                        found.extend((first..first + count).map(|index| (lane, view.primitive(index))));
-                    }
-                    Link::Inner(node) => {
-                        let children = view.nodes()[node as usize].children();
-                        pending.extend(children.iter().map(|child| (lane, *child)));
-                    }
-                }
+/// The mesh that was built: its triangles in their order, its vertices as far as triangles use them.
+pub(super) fn mesh_of(tree: &AnyBvh) -> MeshData {
+    with_bvh!(tree.view(), tree => {
+        let mut soup = vec![[[0.0; 3]; 3]; tree.len()];
+        for index in 0..tree.len() as u32 {
+            // No more than a hint in an unverified tree: the library proves ranges, not that sources are a permutation.
+            if let Some(triangle) = soup.get_mut(tree.source(index) as usize) {
+                *triangle = tree.primitive(index);
             }
-            found
-        })
-    }
+        }
+        MeshData::of(&soup)
+    })
+}
 
-    /// The mesh that was built: its triangles in their order, its vertices as far as triangles use them.
-    fn mesh(&self) -> MeshData {
-        with_tree!(self, tree => {
-            let view = tree.view();
-            let mut soup = vec![[[0.0; 3]; 3]; view.len()];
-            for index in 0..view.len() as u32 {
-                // No more than a hint in an unverified tree: the library proves ranges, not that sources are a permutation.
-                if let Some(triangle) = soup.get_mut(view.source(index) as usize) {
-                    *triangle = view.primitive(index);
-                }
-            }
-            MeshData::joined(soup)
-        })
-    }
+/// How a tree holds its vertices.
+pub(super) fn vertex_format(header: &Header) -> &'static str {
+    if header.vertex_size == 12 { "f32" } else { "f64" }
 }
 
 /// What a file holds.
 pub(super) enum Source {
-    Tree(Box<Tree>),
+    Tree(Box<AnyBvh>),
     Mesh(MeshData),
-}
-
-impl Source {
-    /// The mesh, or the one that the tree was built from.
-    pub(super) fn into_mesh(self) -> MeshData {
-        match self {
-            Self::Tree(tree) => tree.mesh(),
-            Self::Mesh(mesh) => mesh,
-        }
-    }
 }
 
 /// A tree, its name, and how long it took to read its file and to build it.
 pub(super) struct Body {
     pub(super) name: String,
-    pub(super) tree: Tree,
+    pub(super) tree: AnyBvh,
     /// `None`: generated.
     pub(super) read: Option<Duration>,
     /// `None`: the file held the tree.
@@ -179,26 +83,16 @@ const LONG_READ: usize = 4 << 20;
 const LONG_BUILD: usize = 100_000;
 
 /// Reads a file: a tree if it begins as one, whatever its name; else a mesh.
-pub(super) fn read(path: &Path, quiet: bool) -> Result<Source, Error> {
+pub(super) fn read(path: &Path, options: &TreeOptions, quiet: bool) -> Result<Source, Error> {
     let bytes = std::fs::read(path).map_err(Error::io(path))?;
     let _spinner = progress::step(format!("reading {}", path.display()), quiet || bytes.len() < LONG_READ);
     if bytes.starts_with(&MAGIC) {
-        let tree = load(&bytes).map_err(|error| Error::Tree { path: path.into(), error })?;
+        let tree = AnyBvh::from_bytes(&bytes).map_err(|error| Error::Tree { path: path.into(), error })?;
         Ok(Source::Tree(Box::new(tree)))
     } else {
-        mesh::read(path, &bytes).map(Source::Mesh)
+        let empty = if options.allow_empty { Empty::Allowed } else { Empty::Refused };
+        mesh::read(path, &bytes, empty).map(Source::Mesh)
     }
-}
-
-/// The bytes of a file have no alignment: the header is copied first, to find out which node type to load.
-fn load(bytes: &[u8]) -> Result<Tree, BakeError> {
-    const SIZE: usize = size_of::<Header>();
-    let mut head = Aligned([0_u8; SIZE]);
-    let part = bytes.get(..SIZE).ok_or(BakeError::Truncated { have: bytes.len(), need: SIZE })?;
-    head.0.copy_from_slice(part);
-    let &Header { k, arity, .. } = Header::read(&head.0)?;
-    let shape = Shape { k: k.into(), arity: arity.into() };
-    Tree::load(bytes, shape).unwrap_or(Err(BakeError::OtherNode { k, arity }))
 }
 
 /// Builds the tree of a mesh.
@@ -211,10 +105,11 @@ pub(super) fn build(
 ) -> Result<Body, Error> {
     let _spinner = progress::step(format!("building {name}"), quiet || mesh.triangles.len() < LONG_BUILD);
     let mesh = Mesh { vertices: &mesh.vertices, triangles: &mesh.triangles };
-    let builder = Builder::new().leaf_size(options.leaf_size).splitter(options.splitter.into());
+    let builder = Builder::new().leaf_size(options.leaf_size()).splitter(options.splitter().into());
     let start = Instant::now();
-    let tree =
-        Tree::build(&mesh, &builder, shape).map_err(|error| Error::Build { name: name.clone(), error })?;
+    let tree = builder
+        .build_any(&mesh, shape.k, shape.arity, &mut |_| ControlFlow::Continue(()))
+        .map_err(|error| Error::Build { name: name.clone(), error })?;
     Ok(Body { name, tree, read: None, build: Some(start.elapsed()) })
 }
 
@@ -224,15 +119,21 @@ pub(super) fn shape(options: &TreeOptions, given: Option<Shape>) -> Shape {
     Shape { k: options.k.unwrap_or(default.k), arity: options.arity.unwrap_or(default.arity) }
 }
 
+/// What two bodies are: [`pair`] and the built-in scene see to that.
+pub(super) const SAME: &str = "bodies of one node type";
+
 /// Two bodies of one node type, from files that may be trees.
 pub(super) fn pair(paths: [&PathBuf; 2], options: &TreeOptions, quiet: bool) -> Result<[Body; 2], Error> {
     let timed = |path: &PathBuf| -> Result<(Source, Duration), Error> {
         let start = Instant::now();
-        Ok((read(path, quiet)?, start.elapsed()))
+        Ok((read(path, options, quiet)?, start.elapsed()))
     };
     let [a, b] = [timed(paths[0])?, timed(paths[1])?];
+    if let (Source::Tree(_), Source::Tree(_), Some(option)) = (&a.0, &b.0, options.first_given()) {
+        return Err(Error::idle(option, &paths[0].display()));
+    }
     let given = [&a.0, &b.0].into_iter().find_map(|source| match source {
-        Source::Tree(tree) => Some(tree.shape()),
+        Source::Tree(tree) => Some(Shape::of(tree)),
         Source::Mesh(_) => None,
     });
     let shape = shape(options, given);
@@ -240,10 +141,12 @@ pub(super) fn pair(paths: [&PathBuf; 2], options: &TreeOptions, quiet: bool) -> 
         let name = path.display().to_string();
         let body = match source {
             Source::Mesh(mesh) => build(name, &mesh, options, shape, quiet)?,
-            Source::Tree(tree) if tree.shape() == shape => {
+            Source::Tree(tree) if Shape::of(&tree) == shape => {
                 Body { name, tree: *tree, read: None, build: None }
             }
-            Source::Tree(tree) => return Err(Error::OtherShape { name, has: tree.shape(), asked: shape }),
+            Source::Tree(tree) => {
+                return Err(Error::OtherShape { name, has: Shape::of(&tree), asked: shape });
+            }
         };
         Ok(Body { read: Some(time), ..body })
     };

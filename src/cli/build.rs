@@ -1,8 +1,9 @@
 //! `simdop build`.
 
-use super::body;
+use super::body::{self, Source};
 use super::error::Error;
-use super::picture;
+use super::output::{self, Staged};
+use super::picture::{self, Format};
 use super::{File, TreeOptions};
 use clap::Args;
 use std::io::Write;
@@ -11,10 +12,10 @@ use std::io::Write;
 pub(super) struct Options {
     /// The mesh, or a tree: then the mesh that it was built from.
     mesh: File,
-    /// The tree to write.
+    /// The tree to write. A file that is there is replaced at once, when the tree is whole.
     #[arg(short, long, required_unless_present = "picture")]
     output: Option<File>,
-    /// An SVG image to write: the mesh, coloured by the child of the root that each triangle is below.
+    /// An image to write, by its name's ending .svg or .png: the mesh, coloured by the child of the root that each triangle is below.
     #[arg(long, value_name = "FILE")]
     picture: Option<File>,
     #[command(flatten)]
@@ -22,26 +23,61 @@ pub(super) struct Options {
 }
 
 pub(super) fn run(options: &Options) -> Result<(), Error> {
-    let mesh = body::read(&options.mesh, false)?.into_mesh();
+    let format = options.picture.as_deref().map(Format::of).transpose()?;
+    check_targets(options)?;
+    let (mesh, given) = match body::read(&options.mesh, &options.tree, false)? {
+        Source::Mesh(mesh) => (mesh, None),
+        Source::Tree(_) if options.tree.allow_empty => {
+            let name = options.mesh.display();
+            return Err(Error::idle("--allow-empty", &name));
+        }
+        Source::Tree(tree) => (body::mesh_of(&tree), Some(body::Shape::of(&tree))),
+    };
     let name = options.mesh.display().to_string();
-    let shape = body::shape(&options.tree, None);
+    let shape = body::shape(&options.tree, given);
     let body = body::build(name, &mesh, &options.tree, shape, false)?;
-    if let Some(path) = &options.output {
-        std::fs::write(path, body.tree.as_bytes()).map_err(Error::io(path))?;
-    }
-    if let Some(path) = &options.picture {
-        let title = format!("{}, {:?}, arity {}", body.name, options.tree.splitter, shape.arity);
-        std::fs::write(path, picture::svg(&body.tree, &title)).map_err(Error::io(path))?;
-    }
-    let stats = body.tree.stats();
+    let picture = format.map(|format| {
+        let title = format!("{}, {:?}, arity {}", body.name, options.tree.splitter(), shape.arity);
+        picture::paint(&body.tree, &title, format)
+    });
+    // Both, before either takes the place of what was there.
+    let tree = options.output.as_deref().map(|path| output::stage(path, body.tree.as_bytes())).transpose()?;
+    let picture = options.picture.as_deref().zip(picture.as_deref());
+    let picture = picture.map(|(path, bytes)| output::stage(path, bytes)).transpose()?;
+    tree.into_iter().chain(picture).try_for_each(Staged::commit)?;
+
+    let (header, stats) = (*body.tree.view().header(), body.tree.view().stats());
     let milliseconds = body.build.unwrap_or_default().as_secs_f64() * 1e3;
-    writeln!(
-        std::io::stdout(),
-        "{}: {} triangles, {} nodes, {} bytes, built in {milliseconds:.1} ms",
+    let summary = format!(
+        "{}: {} triangles, {} vertices in {}, {} nodes, {} bytes, built in {milliseconds:.1} ms",
         options.output.as_ref().unwrap_or(&options.mesh).display(),
         stats.primitives,
+        header.vertex_count,
+        body::vertex_format(&header),
         stats.nodes,
         stats.total_bytes
-    )
-    .map_err(Error::Output)
+    );
+    if options.output.as_deref().is_some_and(output::is_standard_output) {
+        // The standard output holds the tree, and nothing else.
+        let _ = writeln!(std::io::stderr(), "{summary}");
+        return Ok(());
+    }
+    writeln!(std::io::stdout(), "{summary}").map_err(Error::Output)
+}
+
+/// Refuses to write one file twice, or over the one that is read.
+fn check_targets(options: &Options) -> Result<(), Error> {
+    let targets = [("--output", &options.output), ("--picture", &options.picture)];
+    for (option, target) in targets {
+        if target.as_deref().is_some_and(|path| output::is_same(path, &options.mesh)) {
+            let problem = format!("{} is the file that is read", options.mesh.display());
+            return Err(Error::Option { option, problem });
+        }
+    }
+    match targets {
+        [(_, Some(tree)), (option, Some(picture))] if output::is_same(tree, picture) => {
+            Err(Error::Option { option, problem: format!("{} is the tree's file", picture.display()) })
+        }
+        _ => Ok(()),
+    }
 }

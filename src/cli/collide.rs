@@ -2,13 +2,13 @@
 
 use super::body::{self, Body};
 use super::error::Error;
-use super::report::{BodyReport, PoseReport, Report, Summary};
+use super::report::{BodyReport, Pairs, PoseReport, Report, Summary};
 use super::{File, TreeOptions, isa, poses, progress, scene};
 use clap::Args;
 use core::time::Duration;
 use simdop::isa::Isa;
 use simdop::pose::Pose;
-use simdop::query::{Answer, Completion, Counters, Pair, Query, Verdict};
+use simdop::query::{Answer, Counters, Query, Verdict};
 use std::time::Instant;
 
 #[derive(Args, Debug)]
@@ -39,7 +39,7 @@ pub(super) struct Options {
     /// Give up after this many visits of node pairs.
     #[arg(long, value_name = "VISITS")]
     budget: Option<u64>,
-    /// List every pair of triangles that meet, by their indices from 0, not only whether there is one.
+    /// List every pair of triangles that meet, by their indices from 0, in the order in which they are found.
     #[arg(long)]
     all_pairs: bool,
     /// Instruction set: auto, scalar, neon, avx2 or avx512.
@@ -59,8 +59,8 @@ pub(super) fn run(options: &Options) -> Result<u8, Error> {
     let (bodies, poses) = scene_of(options)?;
     let query = body::query(options.isa, options.budget);
     let reports = all(&bodies, query, &poses, options);
-    let shape = bodies[0].tree.shape();
-    let [a, b] = bodies.map(body_report);
+    let shape = body::Shape::of(&bodies[0].tree);
+    let [a, b] = bodies.each_ref().map(body_report);
     let report = Report {
         version: env!("CARGO_PKG_VERSION"),
         a,
@@ -74,12 +74,16 @@ pub(super) fn run(options: &Options) -> Result<u8, Error> {
         poses: reports,
     };
     let printed = if options.json { report.print_json() } else { report.print_table(options.rows) };
-    printed.map_err(Error::Output)?;
-    Ok(match report.poses.as_slice() {
+    let code = match report.poses.as_slice() {
         [only] if only.verdict == "hit" => 1,
         [only] if only.verdict == "unknown" => 3,
         _ => 0,
-    })
+    };
+    match printed {
+        // The reader of our output has seen enough. The verdict is what it is.
+        Err(error) if error.kind() == std::io::ErrorKind::BrokenPipe => Ok(code),
+        printed => printed.map(|()| code).map_err(Error::Output),
+    }
 }
 
 fn scene_of(options: &Options) -> Result<([Body; 2], Vec<Pose>), Error> {
@@ -105,11 +109,11 @@ fn single(option: &'static str, rows: Result<[[f64; 4]; 3], String>) -> Result<P
     Pose::from_rows(rows).map_err(|error| Error::Option { option, problem: error.to_string() })
 }
 
-fn body_report(body: Body) -> BodyReport {
-    let header = body.tree.header();
+fn body_report(body: &Body) -> BodyReport {
+    let header = body.tree.view().header();
     let nanoseconds = |time: Option<Duration>| time.map(|t| t.as_nanos());
     BodyReport {
-        name: body.name,
+        name: body.name.clone(),
         triangles: header.primitive_count,
         degenerate_triangles: header.degenerate_count,
         leaf_size: header.leaf_size,
@@ -118,7 +122,7 @@ fn body_report(body: Body) -> BodyReport {
     }
 }
 
-fn all(bodies: &[Body; 2], query: Query, poses: &[Pose], options: &Options) -> Vec<PoseReport> {
+fn all<'a>(bodies: &'a [Body; 2], query: Query, poses: &'a [Pose], options: &Options) -> Vec<PoseReport<'a>> {
     // Fewer are done at once.
     let bar = progress::bar(poses.len(), options.json || poses.len() < 1000);
     let mut reports = Vec::with_capacity(poses.len());
@@ -129,10 +133,7 @@ fn all(bodies: &[Body; 2], query: Query, poses: &[Pose], options: &Options) -> V
     reports
 }
 
-/// Both bodies have one node type: [`body::pair`] and the built-in scene see to that.
-const SAME: &str = "bodies of one node type";
-
-fn one(bodies: &[Body; 2], query: Query, pose: &Pose, options: &Options) -> PoseReport {
+fn one<'a>(bodies: &'a [Body; 2], query: Query, pose: &'a Pose, options: &Options) -> PoseReport<'a> {
     let (answer, nanoseconds) = fastest(bodies, query, pose, options.repeat);
     // A query without visits is the set-up alone.
     let (_, set_up_nanoseconds) = fastest(bodies, query.with_budget(0), pose, options.repeat);
@@ -141,7 +142,7 @@ fn one(bodies: &[Body; 2], query: Query, pose: &Pose, options: &Options) -> Pose
         Verdict::Free => ("free", None, None),
         Verdict::Unknown { lower, upper } => ("unknown", None, Some([lower, upper])),
     };
-    let (pairs, pairs_complete) = options.all_pairs.then(|| all_pairs(bodies, query, pose)).unzip();
+    let (pairs, pairs_complete) = options.all_pairs.then(|| Pairs::new(bodies, query, pose)).unzip();
     let Counters { visits, kernels, realignments, primitive_pairs, exact_pairs } = answer.counters;
     PoseReport {
         verdict,
@@ -163,15 +164,9 @@ fn one(bodies: &[Body; 2], query: Query, pose: &Pose, options: &Options) -> Pose
 fn fastest([a, b]: &[Body; 2], query: Query, pose: &Pose, repeat: u32) -> (Answer, u64) {
     let timed = || {
         let start = Instant::now();
-        let answer = a.tree.collide(&b.tree, query, pose).expect(SAME);
+        let answer = query.collide_any(&a.tree.view(), &b.tree.view(), pose).expect(body::SAME);
         (answer, u64::try_from(start.elapsed().as_nanos()).unwrap_or(u64::MAX))
     };
     let (answer, first) = timed();
     (answer, (1..repeat).map(|_| timed().1).fold(first, u64::min))
-}
-
-/// The pairs, and whether they are all: the budget may be spent before.
-fn all_pairs([a, b]: &[Body; 2], query: Query, pose: &Pose) -> (Vec<[u32; 2]>, bool) {
-    let (pairs, completion, _) = a.tree.all_pairs(&b.tree, query, pose).expect(SAME);
-    (pairs.into_iter().map(|Pair { a, b }| [a, b]).collect(), completion == Completion::Complete)
 }

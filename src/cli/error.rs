@@ -47,7 +47,7 @@ pub(crate) enum Error {
     Verify { path: PathBuf, error: VerifyError },
     /// A mesh cannot be built.
     Build { name: String, error: BuildError },
-    /// A pose on the command line is none.
+    /// An option that cannot be followed.
     Option { option: &'static str, problem: String },
     /// A tree has another node type than the other body, or than the options ask for.
     OtherShape { name: String, has: Shape, asked: Shape },
@@ -58,6 +58,14 @@ pub(crate) enum Error {
 impl Error {
     pub(crate) fn content(path: impl Into<PathBuf>, fault: Fault) -> Self {
         Self::Content { path: path.into(), fault }
+    }
+
+    /// An option about building, where there is nothing to build.
+    pub(crate) fn idle(option: &'static str, name: &impl fmt::Display) -> Self {
+        Self::Option {
+            option,
+            problem: format!("{name} is a tree and stays as it is: `simdop build` makes another of it"),
+        }
     }
 
     pub(crate) fn io(path: impl Into<PathBuf>) -> impl FnOnce(std::io::Error) -> Self {

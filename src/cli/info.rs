@@ -47,8 +47,11 @@ struct Report {
 }
 
 pub(super) fn run(options: &Options) -> Result<(), Error> {
-    let (tree, build) = match body::read(&options.tree, options.json)? {
-        Source::Tree(tree) => (*tree, None),
+    let (tree, build) = match body::read(&options.tree, &options.build, options.json)? {
+        Source::Tree(tree) => match options.build.first_given() {
+            Some(option) => return Err(Error::idle(option, &options.tree.display())),
+            None => (*tree, None),
+        },
         Source::Mesh(mesh) => {
             let name = options.tree.display().to_string();
             let shape = body::shape(&options.build, None);
@@ -56,10 +59,11 @@ pub(super) fn run(options: &Options) -> Result<(), Error> {
             (body.tree, body.build)
         }
     };
+    let view = tree.view();
     if options.verify {
-        tree.verify().map_err(|error| Error::Verify { path: options.tree.clone(), error })?;
+        view.verify().map_err(|error| Error::Verify { path: options.tree.clone(), error })?;
     }
-    let (header, stats, quality) = (tree.header(), tree.stats(), tree.tree_stats());
+    let (header, stats, quality) = (view.header(), view.stats(), view.tree_stats());
     let share = |bytes: usize| bytes as f64 / stats.primitives.max(1) as f64;
     let report = Report {
         k: header.k,
@@ -69,7 +73,7 @@ pub(super) fn run(options: &Options) -> Result<(), Error> {
         triangles: stats.primitives,
         degenerate_triangles: header.degenerate_count,
         vertices: header.vertex_count,
-        vertex_format: if header.vertex_size == 12 { "f32" } else { "f64" },
+        vertex_format: body::vertex_format(header),
         nodes: stats.nodes,
         lanes_used_per_node: stats.lanes_used as f64 / stats.nodes.max(1) as f64,
         expected_visits: quality.expected_visits,

@@ -6,6 +6,7 @@ mod collide;
 mod error;
 mod info;
 mod mesh;
+mod output;
 mod picture;
 mod poses;
 mod progress;
@@ -42,7 +43,7 @@ enum Command {
     Info(info::Options),
 }
 
-/// What hierarchy a mesh becomes. A tree is what it is.
+/// What hierarchy a mesh becomes. A tree is what it is: where there are only trees, these are errors.
 #[derive(Args, Clone, Debug)]
 struct TreeOptions {
     /// Planes of a volume: 6, 14, 18, 26 or 32 [default: 18, or that of a given tree].
@@ -51,12 +52,37 @@ struct TreeOptions {
     /// Children of a node: 4 or 16 [default: 16, or that of a given tree].
     #[arg(short, long, value_parser = arity)]
     arity: Option<usize>,
-    /// Triangles in a leaf, at most: 1 to 16.
-    #[arg(short, long, default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=16))]
-    leaf_size: u32,
-    /// How triangles are assigned to the children of a node.
-    #[arg(short, long, value_enum, default_value_t = Splitter::MeanWidth)]
-    splitter: Splitter,
+    /// Triangles in a leaf, at most: 1 to 16 [default: 1].
+    #[arg(short, long, value_parser = clap::value_parser!(u32).range(1..=16))]
+    leaf_size: Option<u32>,
+    /// How triangles are assigned to the children of a node [default: mean-width].
+    #[arg(short, long, value_enum)]
+    splitter: Option<Splitter>,
+    /// Take a mesh file without a triangle for an empty body, which meets nothing. Without this it is an error.
+    #[arg(long)]
+    allow_empty: bool,
+}
+
+impl TreeOptions {
+    fn leaf_size(&self) -> u32 {
+        self.leaf_size.unwrap_or(1)
+    }
+
+    fn splitter(&self) -> Splitter {
+        self.splitter.unwrap_or(Splitter::MeanWidth)
+    }
+
+    /// One of these that was given, if any was: for bodies that are trees already, on which they do nothing.
+    fn first_given(&self) -> Option<&'static str> {
+        let given = [
+            ("--k", self.k.is_some()),
+            ("--arity", self.arity.is_some()),
+            ("--leaf-size", self.leaf_size.is_some()),
+            ("--splitter", self.splitter.is_some()),
+            ("--allow-empty", self.allow_empty),
+        ];
+        given.iter().find(|(_, is_given)| *is_given).map(|(option, _)| *option)
+    }
 }
 
 #[derive(ValueEnum, Copy, Clone, Debug)]

@@ -1,7 +1,11 @@
 //! The first level of a tree as a picture: the mesh, one colour for each child of the root (as figure 3 of the SIMDop paper).
 
-use super::body::Tree;
+use super::body;
+use super::error::Error;
 use core::fmt::Write;
+use simdop::hierarchy::AnyBvh;
+use std::path::Path;
+use tiny_skia::{Color, FillRule, Paint, PathBuilder, Pixmap, Transform};
 
 type Vector = [f64; 3];
 
@@ -12,15 +16,43 @@ const MARGIN: f64 = 20.0;
 const TURN: f64 = 0.35;
 const TILT: f64 = 0.25;
 
-/// An SVG image: orthographic, painted from back to front.
-pub(super) fn svg(tree: &Tree, title: &str) -> String {
-    let clusters = tree.clusters();
+/// What kind of image a file is.
+#[derive(Copy, Clone, PartialEq, Eq, Debug)]
+pub(super) enum Format {
+    Svg,
+    Png,
+}
+
+impl Format {
+    /// By the ending of the file's name.
+    pub(super) fn of(path: &Path) -> Result<Self, Error> {
+        let extension = path.extension().and_then(|e| e.to_str()).unwrap_or("").to_ascii_lowercase();
+        match extension.as_str() {
+            "svg" => Ok(Self::Svg),
+            "png" => Ok(Self::Png),
+            _ => {
+                let problem = format!("{}: a picture's name ends in .svg or .png", path.display());
+                Err(Error::Option { option: "--picture", problem })
+            }
+        }
+    }
+}
+
+/// The bytes of an image: orthographic, painted from back to front.
+pub(super) fn paint(tree: &AnyBvh, title: &str, format: Format) -> Vec<u8> {
+    let clusters = body::clusters(tree);
     let camera = Camera::for_corners(clusters.iter().flat_map(|(_, t)| t));
     let mut faces: Vec<Face> = clusters.iter().map(|(lane, t)| Face::new(&camera, *lane, t)).collect();
     faces.sort_by(|a, b| a.depth.total_cmp(&b.depth));
+    let size = camera.extent.map(|x| x * camera.scale + 2.0 * MARGIN);
+    match format {
+        Format::Svg => svg(&faces, size, title).into_bytes(),
+        Format::Png => png(&faces, size),
+    }
+}
 
+fn svg(faces: &[Face], [width, height]: [f64; 2], title: &str) -> String {
     let mut text = String::new();
-    let [width, height] = camera.extent.map(|x| x * camera.scale + 2.0 * MARGIN);
     // Writing to a string does not fail.
     let _ = write!(
         text,
@@ -29,13 +61,35 @@ pub(super) fn svg(tree: &Tree, title: &str) -> String {
          <rect width=\"100%\" height=\"100%\" fill=\"white\"/>\n",
         escaped(title)
     );
-    for Face { corners: [[ax, ay], [bx, by], [cx, cy]], colour: [r, g, b], .. } in &faces {
+    for Face { corners: [[ax, ay], [bx, by], [cx, cy]], colour: [r, g, b], .. } in faces {
         let _ = writeln!(
             text,
             "<path fill=\"#{r:02x}{g:02x}{b:02x}\" d=\"M{ax:.1} {ay:.1}L{bx:.1} {by:.1}L{cx:.1} {cy:.1}z\"/>"
         );
     }
     text + "</svg>\n"
+}
+
+fn png(faces: &[Face], size: [f64; 2]) -> Vec<u8> {
+    // Neither is zero, nor more than the longer side and two margins.
+    let [width, height] = size.map(|pixels| pixels.round() as u32);
+    let mut image = Pixmap::new(width, height).expect("a size that memory has room for");
+    image.fill(Color::WHITE);
+    let mut paint = Paint { anti_alias: false, ..Paint::default() };
+    for Face { corners, colour: [r, g, b], .. } in faces {
+        let [p, q, s] = corners.map(|corner| corner.map(|x| x as f32));
+        let mut outline = PathBuilder::new();
+        outline.move_to(p[0], p[1]);
+        outline.line_to(q[0], q[1]);
+        outline.line_to(s[0], s[1]);
+        outline.close();
+        paint.set_color_rgba8(*r, *g, *b, u8::MAX);
+        // Seen from its edge, a triangle has no outline.
+        if let Some(outline) = outline.finish() {
+            image.fill_path(&outline, &paint, FillRule::Winding, Transform::identity(), None);
+        }
+    }
+    image.encode_png().expect("an image in memory can be encoded")
 }
 
 /// Looks along the axis in which the mesh is thinnest.

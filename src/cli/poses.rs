@@ -1,7 +1,7 @@
 //! Poses from a file or the command line: the 12 numbers of the row-major 3x4 matrix `[R|t]`.
 
 use super::error::{Error, Fault};
-use super::mesh::quote;
+use super::mesh::{lines, quote};
 use simdop::pose::Pose;
 use std::path::Path;
 
@@ -13,11 +13,11 @@ pub(super) fn read(path: &Path) -> Result<Vec<Pose>, Error> {
 
 fn parse(text: &str) -> Result<Vec<Pose>, Fault> {
     let mut poses = Vec::new();
-    for (index, line) in text.lines().enumerate() {
+    for (number, line) in lines(text) {
         let content = line.split('#').next().unwrap_or("").trim();
         if !content.is_empty() {
-            let rows = matrix(content).map_err(|problem| Fault::line(index + 1, problem))?;
-            poses.push(Pose::from_rows(rows).map_err(|error| Fault::line(index + 1, error.to_string()))?);
+            let rows = matrix(content).map_err(|problem| Fault::line(number, problem))?;
+            poses.push(Pose::from_rows(rows).map_err(|error| Fault::line(number, error.to_string()))?);
         }
     }
     if poses.is_empty() { Err(Fault::file("there is no pose in the file")) } else { Ok(poses) }
@@ -57,10 +57,12 @@ mod tests {
         assert_eq!(matrix("1 2").unwrap_err(), "2 numbers, 12 are needed: the rows of [R|t]");
         assert_eq!(matrix("1 two").unwrap_err(), "'two' is not a number");
     }
+
     #[test]
     fn faults_name_their_line() {
         let good = "1 0 0 0  0 1 0 0  0 0 1 0";
         assert_eq!(parse(&format!("# two\n\n{good} # here\n{good}\n")).unwrap(), [Pose::IDENTITY; 2]);
+        assert_eq!(parse(&format!("# two\r{good} # here\r{good}\r")).unwrap(), [Pose::IDENTITY; 2]);
         let fault = |line: &str| parse(&format!("{good}\n{line}\n")).unwrap_err();
         assert_eq!(fault("1 2 3"), Fault::line(2, "3 numbers, 12 are needed: the rows of [R|t]"));
         assert_eq!(fault(&good.replacen('0', "nan", 1)).problem, "the pose has an entry that is not finite");

@@ -1,10 +1,16 @@
 //! What `simdop collide` reports: a table for people, an object for programs.
 
-use serde::Serialize;
+use super::body::{Body, SAME};
+use alloc::rc::Rc;
+use core::cell::Cell;
+use core::ops::ControlFlow;
+use serde::ser::{Serialize, SerializeSeq, Serializer};
+use simdop::pose::Pose;
+use simdop::query::{Completion, Pair, Query};
 use std::io::{BufWriter, Write};
 
-#[derive(Serialize)]
-pub(super) struct Report {
+#[derive(serde::Serialize)]
+pub(super) struct Report<'a> {
     pub(super) version: &'static str,
     pub(super) a: BodyReport,
     pub(super) b: BodyReport,
@@ -16,10 +22,10 @@ pub(super) struct Report {
     pub(super) repeat: u32,
     pub(super) summary: Summary,
     /// In the order of the file.
-    pub(super) poses: Vec<PoseReport>,
+    pub(super) poses: Vec<PoseReport<'a>>,
 }
 
-#[derive(Serialize)]
+#[derive(serde::Serialize)]
 pub(super) struct BodyReport {
     pub(super) name: String,
     pub(super) triangles: u32,
@@ -31,18 +37,18 @@ pub(super) struct BodyReport {
     pub(super) build_nanoseconds: Option<u128>,
 }
 
-#[derive(Serialize)]
-pub(super) struct PoseReport {
+#[derive(serde::Serialize)]
+pub(super) struct PoseReport<'a> {
     pub(super) verdict: &'static str,
     /// The first pair of triangles found to meet, by their indices in the meshes.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) pair: Option<[u32; 2]>,
     /// All of them.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub(super) pairs: Option<Vec<[u32; 2]>>,
-    /// Whether the budget lasted for all of them.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub(super) pairs_complete: Option<bool>,
+    pub(super) pairs: Option<Pairs<'a>>,
+    /// Whether the budget lasted for all of them: known once they are written, so it comes after them.
+    #[serde(skip_serializing_if = "Option::is_none", serialize_with = "known")]
+    pub(super) pairs_complete: Option<Rc<Cell<bool>>>,
     /// Bounds of the distance, if the budget was spent.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) distance_bounds: Option<[f64; 2]>,
@@ -57,7 +63,49 @@ pub(super) struct PoseReport {
     pub(super) exact_pairs: u64,
 }
 
-#[derive(Serialize)]
+fn known<S: Serializer>(value: &Option<Rc<Cell<bool>>>, serializer: S) -> Result<S::Ok, S::Error> {
+    value.as_deref().map(Cell::get).serialize(serializer)
+}
+
+/// Every pair of triangles that meet, found while they are written: there may be as many as the product of two numbers of triangles.
+pub(super) struct Pairs<'a> {
+    bodies: &'a [Body; 2],
+    query: Query,
+    pose: &'a Pose,
+    is_complete: Rc<Cell<bool>>,
+}
+
+impl<'a> Pairs<'a> {
+    /// The pairs, and what will say whether they were all.
+    pub(super) fn new(bodies: &'a [Body; 2], query: Query, pose: &'a Pose) -> (Self, Rc<Cell<bool>>) {
+        let is_complete = Rc::new(Cell::new(false));
+        (Self { bodies, query, pose, is_complete: is_complete.clone() }, is_complete)
+    }
+
+    /// Writes each, until one cannot be written.
+    fn try_for_each<E>(&self, mut write: impl FnMut(Pair) -> Result<(), E>) -> Result<(), E> {
+        let [a, b] = self.bodies;
+        let mut written = Ok(());
+        let mut visit = |pair| {
+            written = write(pair);
+            if written.is_ok() { ControlFlow::Continue(()) } else { ControlFlow::Break(()) }
+        };
+        let (completion, _) =
+            self.query.for_each_pair_any(&a.tree.view(), &b.tree.view(), self.pose, &mut visit).expect(SAME);
+        self.is_complete.set(completion == Completion::Complete);
+        written
+    }
+}
+
+impl Serialize for Pairs<'_> {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let mut list = serializer.serialize_seq(None)?;
+        self.try_for_each(|Pair { a, b }| list.serialize_element(&[a, b]))?;
+        list.end()
+    }
+}
+
+#[derive(serde::Serialize)]
 pub(super) struct Summary {
     hits: usize,
     free: usize,
@@ -69,7 +117,7 @@ pub(super) struct Summary {
 
 impl Summary {
     /// Of one pose at least.
-    pub(super) fn of(poses: &[PoseReport]) -> Self {
+    pub(super) fn of(poses: &[PoseReport<'_>]) -> Self {
         let count = |verdict| poses.iter().filter(|pose| pose.verdict == verdict).count();
         let mut times: Vec<u64> = poses.iter().map(|pose| pose.nanoseconds).collect();
         times.sort_unstable();
@@ -91,7 +139,7 @@ fn microseconds(nanoseconds: u64) -> f64 {
     nanoseconds as f64 / 1e3
 }
 
-impl Report {
+impl Report<'_> {
     pub(super) fn print_json(&self) -> std::io::Result<()> {
         let mut out = BufWriter::new(std::io::stdout().lock());
         serde_json::to_writer_pretty(&mut out, self)?;
@@ -133,7 +181,7 @@ impl Report {
     fn print_summary(&self, out: &mut impl Write) -> std::io::Result<()> {
         let Summary { hits, free, unknown, .. } = self.summary;
         let count = self.poses.len();
-        let sum = |value: fn(&PoseReport) -> u64| self.poses.iter().map(value).sum::<u64>();
+        let sum = |value: fn(&PoseReport<'_>) -> u64| self.poses.iter().map(value).sum::<u64>();
         let mean = |value| sum(value) as f64 / count as f64;
         writeln!(out, "\n{count} poses: {hits} hits, {free} free, {unknown} unknown")?;
         writeln!(
@@ -155,7 +203,7 @@ impl Report {
     }
 }
 
-impl PoseReport {
+impl PoseReport<'_> {
     fn print(&self, out: &mut impl Write, index: usize) -> std::io::Result<()> {
         let Self { verdict, visits, kernels, realignments, primitive_pairs, exact_pairs, .. } = self;
         write!(out, "{index:6}  {verdict:7} {:11.2} ", microseconds(self.nanoseconds))?;
@@ -165,10 +213,9 @@ impl PoseReport {
             (_, Some([low, high])) => writeln!(out, "  the distance is in {low} ..= {high}")?,
             _ => writeln!(out)?,
         }
-        for [a, b] in self.pairs.iter().flatten() {
-            writeln!(out, "        {a} {b}")?;
-        }
-        if self.pairs_complete == Some(false) {
+        let Some(pairs) = &self.pairs else { return Ok(()) };
+        pairs.try_for_each(|Pair { a, b }| writeln!(out, "        {a} {b}"))?;
+        if !pairs.is_complete.get() {
             writeln!(out, "        the budget was spent: there may be more pairs")?;
         }
         Ok(())
@@ -179,7 +226,7 @@ impl PoseReport {
 mod tests {
     use super::*;
 
-    fn pose(verdict: &'static str, nanoseconds: u64) -> PoseReport {
+    fn pose(verdict: &'static str, nanoseconds: u64) -> PoseReport<'static> {
         PoseReport {
             verdict,
             pair: None,

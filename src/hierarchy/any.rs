@@ -107,10 +107,10 @@ macro_rules! any_bvh {
 
 for_node_types!(any_bvh);
 
-impl AnyBvhRef<'_> {
+impl<'a> AnyBvhRef<'a> {
     /// The tree's description: k and arity among it.
     #[must_use]
-    pub fn header(&self) -> &Header {
+    pub fn header(&self) -> &'a Header {
         with_bvh!(self, tree => tree.header())
     }
 

@@ -1,5 +1,15 @@
-//! Mesh files: OBJ, OFF, PLY, STL. Coordinates are kept to the bit: decimals become the nearest `f64`, `float32` widens. Nothing
-//! is dropped or repaired in silence: every fault names its line or byte.
+//! Mesh files: OBJ, OFF, PLY, STL. Nothing is dropped or repaired in silence: every fault names its line or byte.
+//!
+//! What a file holds in binary is kept to the bit. Decimals become the nearest `f32` where that loses nothing: if each coordinate of
+//! the file, printed from its `f32` with as many digits as the file gives it, is what the file says. So it is for six digits and
+//! fewer, and for what a program printed from `f32`. One coordinate that says more makes the whole file `f64`. The library stores
+//! either as it is, the first in half of the bytes.
+//!
+//! Corners whose coordinates have the same bits become one vertex. A vertex that no triangle uses is no part of a body.
+//!
+//! Lines end in LF, CR LF or CR, also the last one: the last number of a file that was cut in the middle of a line would otherwise
+//! pass for a shorter number, and a square for a triangle. (In ASCII STL the word `endsolid` is an end, too.) A file that was cut
+//! between two lines cannot be told from a smaller one where its format has no counts: in OBJ, and between the solids of an ASCII STL.
 //!
 //! PLY headers and binary payloads are read by the crate `ply-rs-bw`. The rest is read here: `ply-rs-bw` refuses ASCII numbers such
 //! as `.5`, `tobj`'s errors name no line, `stl_io` rounds ASCII decimals to `f32`, and for OFF there is no crate that is kept.
@@ -7,9 +17,10 @@
 mod obj;
 mod off;
 mod ply;
+mod polygon;
 mod stl;
 
-use super::error::{Error, Fault};
+use super::error::{Error, Fault, Place};
 use alloc::borrow::Cow;
 use std::collections::HashMap;
 use std::path::Path;
@@ -21,8 +32,17 @@ pub(crate) struct MeshData {
     pub(crate) triangles: Vec<[u32; 3]>,
 }
 
+/// Whether a file without a triangle is one.
+#[derive(Copy, Clone, PartialEq, Eq, Debug)]
+pub(crate) enum Empty {
+    /// An empty body is meant.
+    Allowed,
+    /// Something was lost on the way here.
+    Refused,
+}
+
 /// Reads a mesh, by the extension of its file's name.
-pub(crate) fn read(path: &Path, bytes: &[u8]) -> Result<MeshData, Error> {
+pub(crate) fn read(path: &Path, bytes: &[u8], empty: Empty) -> Result<MeshData, Error> {
     let extension = path.extension().and_then(|e| e.to_str()).unwrap_or("").to_ascii_lowercase();
     let parse = match extension.as_str() {
         "obj" => |bytes: &[u8]| obj::parse(&text(bytes)),
@@ -35,7 +55,12 @@ pub(crate) fn read(path: &Path, bytes: &[u8]) -> Result<MeshData, Error> {
     };
     // A file of no bytes is a failed copy, not a mesh of no triangles.
     let mesh = if bytes.is_empty() { Err(Fault::file("the file is empty")) } else { parse(bytes) };
-    mesh.map_err(|fault| Error::content(path, fault))
+    let mesh = mesh.map_err(|fault| Error::content(path, fault))?;
+    if mesh.triangles.is_empty() && empty == Empty::Refused {
+        let problem = "there is no triangle in the file (--allow-empty takes it for an empty body)";
+        return Err(Error::content(path, Fault::file(problem)));
+    }
+    Ok(mesh)
 }
 
 /// Comments are in any encoding: what is not UTF-8 becomes U+FFFD, which no number or keyword holds.
@@ -44,32 +69,100 @@ fn text(bytes: &[u8]) -> Cow<'_, str> {
     String::from_utf8_lossy(bytes)
 }
 
-impl MeshData {
-    /// Adds a polygon as a fan around its first corner. `place` makes a fault of a problem.
-    fn add_polygon(&mut self, corners: &[u32], place: impl Fn(String) -> Fault) -> Result<(), Fault> {
-        if corners.len() < 3 {
-            return Err(place(format!("a face with {} corners, at least 3 are needed", corners.len())));
+/// The lines of a text with their numbers, from 1. A line ends in LF, CR LF or CR.
+pub(crate) fn lines(text: &str) -> impl Iterator<Item = (usize, &str)> {
+    let mut rest = text;
+    (1..).map_while(move |number| {
+        let end = rest.bytes().position(|b| matches!(b, b'\n' | b'\r')).unwrap_or(rest.len());
+        let (line, after) = rest.split_at(end);
+        let is_line = !rest.is_empty();
+        rest = after.strip_prefix("\r\n").or_else(|| after.strip_prefix(['\n', '\r'])).unwrap_or(after);
+        is_line.then_some((number, line))
+    })
+}
+
+/// Refuses a text whose last line has no end, counted from a first line.
+fn check_last_line(text: &str, first_line: usize) -> Result<(), Fault> {
+    if text.is_empty() || text.ends_with(['\n', '\r']) {
+        return Ok(());
+    }
+    let last = first_line + lines(text).count() - 1;
+    Err(Fault::line(
+        last,
+        "the last line does not end: if the file was not cut there, end it with a line break",
+    ))
+}
+
+/// The faces of a file, before they are cut into triangles: their vertices may come later.
+#[derive(Default)]
+struct Faces {
+    corners: Vec<u32>,
+    /// Where each face ends in `corners`, and where it is in the file.
+    ends: Vec<(usize, Place)>,
+}
+
+impl Faces {
+    fn add(&mut self, corners: impl IntoIterator<Item = u32>, place: Place) -> Result<(), Fault> {
+        let start = self.corners.len();
+        self.corners.extend(corners);
+        let count = self.corners.len() - start;
+        if count < 3 {
+            let problem = format!("a face with {count} corners, at least 3 are needed");
+            return Err(Fault { place, problem });
         }
-        for pair in corners[1..].windows(2) {
-            self.triangles.push([corners[0], pair[0], pair[1]]);
-        }
+        self.ends.push((self.corners.len(), place));
         Ok(())
     }
 
-    /// Joins vertices whose coordinates have the same bits: for formats without indices.
-    pub(crate) fn joined(soup: impl IntoIterator<Item = [[f64; 3]; 3]>) -> Self {
-        let mut mesh = Self::default();
-        let mut known: HashMap<[u64; 3], u32> = HashMap::new();
-        for triangle in soup {
-            let corners = triangle.map(|p| {
-                *known.entry(p.map(f64::to_bits)).or_insert_with(|| {
-                    mesh.vertices.push(p);
-                    (mesh.vertices.len() - 1) as u32
-                })
-            });
-            mesh.triangles.push(corners);
+    fn iter(&self) -> impl Iterator<Item = (&[u32], Place)> {
+        let mut start = 0;
+        self.ends
+            .iter()
+            .map(move |&(end, place)| (&self.corners[core::mem::replace(&mut start, end)..end], place))
+    }
+
+    /// The mesh of these faces. Every corner is one of the vertices.
+    fn into_mesh(self, vertices: Vec<[f64; 3]>) -> Result<MeshData, Fault> {
+        let mut triangles = Vec::with_capacity(self.ends.len());
+        let mut points = Vec::new();
+        for (corners, place) in self.iter() {
+            if let &[a, b, c] = corners {
+                triangles.push([a, b, c]);
+                continue;
+            }
+            points.clear();
+            points.extend(corners.iter().map(|&v| vertices[v as usize]));
+            polygon::triangulate(&points, |t| triangles.push(t.map(|i| corners[i])))
+                .map_err(|problem| Fault { place, problem: problem.into() })?;
         }
-        mesh
+        Ok(MeshData { vertices, triangles }.joined())
+    }
+}
+
+impl MeshData {
+    /// The mesh of triangles that are given by their corners.
+    pub(crate) fn of(soup: &[[[f64; 3]; 3]]) -> Self {
+        let first_corners = (0..soup.len() as u32).map(|i| 3 * i);
+        Self { vertices: soup.concat(), triangles: first_corners.map(|c| [c, c + 1, c + 2]).collect() }
+            .joined()
+    }
+
+    /// Vertices whose coordinates have the same bits become one; those that no triangle uses are left out.
+    fn joined(self) -> Self {
+        let mut vertices = Vec::new();
+        let mut known: HashMap<[u64; 3], u32> = HashMap::new();
+        let mut places = vec![None; self.vertices.len()];
+        let mut place = |v: u32| {
+            let p = self.vertices[v as usize];
+            *places[v as usize].get_or_insert_with(|| {
+                *known.entry(p.map(f64::to_bits)).or_insert_with(|| {
+                    vertices.push(p);
+                    (vertices.len() - 1) as u32
+                })
+            })
+        };
+        let triangles = self.triangles.iter().map(|t| t.map(&mut place)).collect();
+        Self { vertices, triangles }
     }
 }
 
@@ -89,9 +182,60 @@ fn coordinate(word: Option<&str>, line: usize) -> Result<f64, Fault> {
     }
 }
 
-/// Three coordinates in a text file.
-fn point<'a>(words: &mut impl Iterator<Item = &'a str>, line: usize) -> Result<[f64; 3], Fault> {
-    Ok([coordinate(words.next(), line)?, coordinate(words.next(), line)?, coordinate(words.next(), line)?])
+/// The coordinates of a text file: whether those read so far lose nothing as `f32`.
+#[derive(Default)]
+struct Decimals {
+    need_f64: bool,
+}
+
+impl Decimals {
+    fn coordinate(&mut self, word: Option<&str>, line: usize) -> Result<f64, Fault> {
+        let x = coordinate(word, line)?;
+        self.need_f64 = self.need_f64 || !word.is_some_and(|word| survives_f32(word, x));
+        Ok(x)
+    }
+
+    fn point<'a>(
+        &mut self,
+        words: &mut impl Iterator<Item = &'a str>,
+        line: usize,
+    ) -> Result<[f64; 3], Fault> {
+        let mut next = || self.coordinate(words.next(), line);
+        Ok([next()?, next()?, next()?])
+    }
+
+    /// Rounds the points of a whole file, if that loses nothing.
+    fn settle(&self, points: &mut [[f64; 3]]) {
+        if !self.need_f64 {
+            points.as_flattened_mut().iter_mut().for_each(|x| *x = f64::from(*x as f32));
+        }
+    }
+}
+
+/// Whether a decimal number, `x` as `f64`, can be printed again from its `f32`, digit by digit.
+fn survives_f32(word: &str, x: f64) -> bool {
+    let single = x as f32;
+    if f64::from(single) == x {
+        return true;
+    }
+    let digits = |word: &str| {
+        let mantissa = word.split(['e', 'E']).next().unwrap_or("");
+        mantissa.trim_start_matches(['+', '-', '0', '.']).bytes().filter(u8::is_ascii_digit).count()
+    };
+    let count = digits(word);
+    // One digit stands before the point. Half way between two numbers of that many digits, some printers take the other one.
+    let (rounded, shortest) = (format!("{single:.*e}", count.saturating_sub(1)), format!("{single:e}"));
+    [rounded, shortest].iter().any(|print| digits(print) == count && print.parse() == Ok(x))
+}
+
+/// The number of words that are left, all of them numbers; what they say is not asked for.
+fn numbers_left<'a>(words: &mut impl Iterator<Item = &'a str>, line: usize) -> Result<usize, Fault> {
+    let mut count = 0;
+    for word in words {
+        word.parse::<f64>().map_err(|_| Fault::line(line, format!("{} is not a number", quote(word))))?;
+        count += 1;
+    }
+    Ok(count)
 }
 
 /// A count, or an index from 0, in a text file. Indices are 32 bits wide in a tree.
@@ -111,7 +255,8 @@ mod tests {
 
     #[test]
     fn the_extension_decides() {
-        let error = |name: &str, bytes: &[u8]| read(Path::new(name), bytes).unwrap_err().to_string();
+        let error =
+            |name: &str, bytes: &[u8]| read(Path::new(name), bytes, Empty::Allowed).unwrap_err().to_string();
         assert!(error("a.step", b"x").starts_with("a.step: neither a tree nor a mesh"));
         assert_eq!(error("a.obj", b"v 0 0 \xff"), "a.obj, line 1: '\u{fffd}' is not a number");
         assert_eq!(error("a.off", b"\x89PNG"), "a.off, line 1: the first word is '\u{fffd}PNG', not OFF");
@@ -121,10 +266,33 @@ mod tests {
     }
 
     #[test]
-    fn no_triangles_are_a_mesh() {
-        assert!(read(Path::new("a.OBJ"), b"\xef\xbb\xbf# caf\xe9\nv 0 0 0\n").unwrap().triangles.is_empty());
-        assert!(read(Path::new("a.Off"), b"OFF 0 0 0").unwrap().triangles.is_empty());
-        assert!(read(Path::new("a.STL"), b"solid\nendsolid\n").unwrap().triangles.is_empty());
+    fn no_triangle_is_a_mesh_only_if_that_is_meant() {
+        let files: [(&str, &[u8]); 6] = [
+            ("a.OBJ", b"\xef\xbb\xbf# caf\xe9\nv 0 0 0\n"),
+            ("comment.obj", b"# v 0 0 0\r# f 1 1 1\r"),
+            ("a.Off", b"OFF 0 0 0\n"),
+            ("a.STL", b"solid\nendsolid\n"),
+            ("b.stl", &[0; 84]),
+            ("a.ply", b"ply\nformat ascii 1.0\nelement vertex 0\nproperty float x\nproperty float y\nproperty float z\nelement face 0\nproperty list uchar int vertex_index\nend_header\n"),
+        ];
+        for (name, bytes) in files {
+            let mesh = |empty| read(Path::new(name), bytes, empty);
+            assert!(mesh(Empty::Allowed).unwrap().triangles.is_empty());
+            let message = mesh(Empty::Refused).unwrap_err().to_string();
+            assert!(message.starts_with(&format!("{name}: there is no triangle")), "{message}");
+        }
+    }
+
+    #[test]
+    fn lines_end_in_any_of_three_ways() {
+        let numbered: Vec<_> = lines("a\n\nb\r\nc\rd\r\re").collect();
+        assert_eq!(numbered, [(1, "a"), (2, ""), (3, "b"), (4, "c"), (5, "d"), (6, ""), (7, "e")]);
+        assert_eq!(lines("a\r").count(), 1);
+        assert_eq!(lines("").count(), 0);
+        for whole in ["", "a\n", "a\r", "a\r\n"] {
+            assert_eq!(check_last_line(whole, 1), Ok(()));
+        }
+        assert_eq!(check_last_line("a\nb", 5).unwrap_err().place, Place::Line(6));
     }
 
     #[test]
@@ -146,9 +314,86 @@ mod tests {
     #[test]
     fn only_the_same_bits_are_joined() {
         let (one, next) = (1.0_f64, 1.0_f64.next_up());
-        let mesh =
-            MeshData::joined([[[one, 0.0, 0.0], [next, 0.0, 0.0], [one, -0.0, 0.0]], [[one, 0.0, 0.0]; 3]]);
+        let soup = [[[one, 0.0, 0.0], [next, 0.0, 0.0], [one, -0.0, 0.0]], [[one, 0.0, 0.0]; 3]];
+        let mesh = MeshData::of(&soup);
         assert_eq!(mesh.triangles, [[0, 1, 2], [0, 0, 0]]);
         assert_eq!(mesh.vertices[1][0].to_bits(), next.to_bits());
+    }
+
+    #[test]
+    fn every_format_joins_corners_and_leaves_out_what_no_triangle_uses() {
+        let vertices = "0 0 0\n1 0 0\n0 1 0\n9 9 9\n1 0 0\n0 1 0\n1 1 0\n";
+        let ply = "ply\nformat ascii 1.0\nelement vertex 7\nproperty float x\nproperty float y\nproperty float z\nelement face 2\nproperty list uchar int vertex_index\nend_header\n";
+        let files = [
+            (
+                "a.obj",
+                vertices.lines().map(|line| format!("v {line}\n")).collect::<String>() + "f 1 2 3\nf 5 6 7\n",
+            ),
+            ("a.off", format!("OFF 7 2 0\n{vertices}3 0 1 2\n3 4 5 6\n")),
+            ("a.ply", format!("{ply}{vertices}3 0 1 2\n3 4 5 6\n")),
+        ];
+        for (name, text) in files {
+            let mesh = read(Path::new(name), text.as_bytes(), Empty::Refused).unwrap();
+            assert_eq!(
+                mesh.vertices,
+                [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [1.0, 1.0, 0.0]],
+                "{name}"
+            );
+            assert_eq!(mesh.triangles, [[0, 1, 2], [1, 2, 3]], "{name}");
+        }
+    }
+
+    /// What is lost is decided here without digits: the neighbouring `f32`s, and how far from them the number is.
+    #[test]
+    fn six_digits_survive_f32_and_seventeen_do_not() {
+        let survives = |word: &str| survives_f32(word, word.parse().unwrap());
+        let mut state = 1_u64;
+        let mut random = || {
+            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            state >> 11
+        };
+        for _ in 0..10_000 {
+            let (mantissa, exponent) = (100_000 + random() % 900_000, (random() % 60) as i32 - 36);
+            assert!(survives(&format!("-{mantissa}e{exponent}")));
+            let single = f32::from_bits(0x3000_0000 + (random() % 0x2000_0000) as u32);
+            for word in [format!("{single:e}"), format!("{single:.8e}"), format!("{:?}", f64::from(single))] {
+                assert!(survives(&word), "{word}");
+            }
+            // A tenth of the way to the next one: no f32, whatever the number of digits, as long as they tell it apart.
+            let step = f64::from(single.next_up()) - f64::from(single);
+            assert!(!survives(&format!("{:.12e}", f64::from(single) + 0.1 * step)));
+        }
+        for (word, want) in [
+            ("0.1", true),
+            ("00.100000", true),
+            ("+1.E-1", true),
+            ("0.100000001", true),
+            ("0.10000000149011612", true),
+            ("0.10000000000", false),
+            ("0.1000000014901", true),
+            ("16777217", false),
+            // Zeros before the point may be meant.
+            ("115486832", true),
+            ("115486830", false),
+            ("142838.62", true),
+            ("142838.63", true),
+            ("142838.65", false),
+            ("1e-50", false),
+            ("1e39", false),
+            ("-0", true),
+            ("0e9", true),
+        ] {
+            assert_eq!(survives(word), want, "{word}");
+        }
+    }
+
+    #[test]
+    fn one_coordinate_that_needs_it_makes_a_file_f64() {
+        let read = |z: &str| {
+            let text = format!("v 0.1 -.25 {z}\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
+            read(Path::new("a.obj"), text.as_bytes(), Empty::Refused).unwrap().vertices[0]
+        };
+        assert_eq!(read("0.3"), [f64::from(0.1_f32), -0.25, f64::from(0.3_f32)]);
+        assert_eq!(read("0.30000000001"), [0.1, -0.25, 0.300_000_000_01]);
     }
 }

@@ -1,24 +1,36 @@
-//! OFF: counts, vertices, polygons. Comments, normals and colours are passed over.
+//! OFF: counts, vertices, polygons. Comments, normals, colours and texture coordinates are passed over, but counted.
 
-use super::{MeshData, count, point, quote, unknown_vertex};
-use crate::cli::error::Fault;
+use super::{Decimals, Faces, MeshData, check_last_line, count, lines, numbers_left, quote, unknown_vertex};
+use crate::cli::error::{Fault, Place};
 
-/// First words: with texture coordinates (ST), colours (C), normals (N). Each stands after the vertex's three coordinates.
-const HEADS: [&str; 8] = ["OFF", "COFF", "NOFF", "CNOFF", "STOFF", "STCOFF", "STNOFF", "STCNOFF"];
+/// First words: with texture coordinates (ST), colours (C), normals (N); and how many numbers may stand after the three coordinates of
+/// a vertex. A colour has three or four.
+const HEADS: [(&str, &[usize]); 8] = [
+    ("OFF", &[0]),
+    ("COFF", &[3, 4]),
+    ("NOFF", &[3]),
+    ("CNOFF", &[6, 7]),
+    ("STOFF", &[2]),
+    ("STCOFF", &[5, 6]),
+    ("STNOFF", &[5]),
+    ("STCNOFF", &[8, 9]),
+];
+/// How many numbers may stand after the corners of a face: a colour, or its index in a table.
+const FACE_COLOUR: [usize; 4] = [0, 1, 3, 4];
 
 pub(super) fn parse(text: &str) -> Result<MeshData, Fault> {
-    let end = text.lines().count() + 1;
-    let lines =
-        text.lines().enumerate().map(|(i, line)| (i + 1, line.split('#').next().unwrap_or("").trim()));
-    let mut lines = lines.filter(|(_, line)| !line.is_empty());
-    let mut next =
-        |what: &str| lines.next().ok_or_else(|| Fault::line(end, format!("the file ends before its {what}")));
+    let end = lines(text).count() + 1;
+    let source = lines(text).map(|(line, content)| (line, content.split('#').next().unwrap_or("").trim()));
+    let mut source = source.filter(|(_, content)| !content.is_empty());
+    let mut next = |what: &str| {
+        source.next().ok_or_else(|| Fault::line(end, format!("the file ends before its {what}")))
+    };
 
     let (mut line, first) = next("first line")?;
     let (head, mut counts) = first.split_once(char::is_whitespace).unwrap_or((first, ""));
-    if !HEADS.contains(&head) {
+    let Some((_, after_vertex)) = HEADS.iter().find(|(known, _)| *known == head) else {
         return Err(Fault::line(line, format!("the first word is {}, not OFF", quote(head))));
-    }
+    };
     if counts.trim() == "BINARY" {
         return Err(Fault::line(line, "binary OFF is not supported"));
     }
@@ -28,12 +40,18 @@ pub(super) fn parse(text: &str) -> Result<MeshData, Fault> {
     let mut words = counts.split_ascii_whitespace();
     let vertex_count = count(words.next(), line)?;
     let face_count = count(words.next(), line)?;
+    // The number of edges, which nobody keeps.
+    check_rest(&mut words, &[0, 1], line)?;
 
-    let mut mesh = MeshData::default();
+    let mut vertices = Vec::new();
+    let mut decimals = Decimals::default();
     for _ in 0..vertex_count {
         let (line, content) = next("last vertex")?;
-        mesh.vertices.push(point(&mut content.split_ascii_whitespace(), line)?);
+        let mut words = content.split_ascii_whitespace();
+        vertices.push(decimals.point(&mut words, line)?);
+        check_rest(&mut words, after_vertex, line)?;
     }
+    let mut faces = Faces::default();
     let mut corners = Vec::new();
     for _ in 0..face_count {
         let (line, content) = next("last face")?;
@@ -46,12 +64,28 @@ pub(super) fn parse(text: &str) -> Result<MeshData, Fault> {
             }
             corners.push(index);
         }
-        mesh.add_polygon(&corners, |problem| Fault::line(line, problem))?;
+        check_rest(&mut words, &FACE_COLOUR, line)?;
+        faces.add(corners.iter().copied(), Place::Line(line))?;
     }
-    match lines.next() {
-        Some((line, _)) => Err(Fault::line(line, "more lines than the counts announce")),
-        None => Ok(mesh),
+    if let Some((line, _)) = source.next() {
+        return Err(Fault::line(line, "more lines than the counts announce"));
     }
+    check_last_line(text, 1)?;
+    decimals.settle(&mut vertices);
+    faces.into_mesh(vertices)
+}
+
+/// Refuses a line with another number of numbers at its end than one of these.
+fn check_rest<'a>(
+    words: &mut impl Iterator<Item = &'a str>,
+    allowed: &[usize],
+    line: usize,
+) -> Result<(), Fault> {
+    let count = numbers_left(words, line)?;
+    if allowed.contains(&count) {
+        return Ok(());
+    }
+    Err(Fault::line(line, format!("{count} more numbers at the end of the line, not one of {allowed:?}")))
 }
 
 #[cfg(test)]
@@ -60,11 +94,20 @@ mod tests {
 
     #[test]
     fn counts_may_share_the_first_line() {
-        let body = "0 0 0\n1 0 0 # corner\n\n0 1 0\n0 0 1\n4 0 1 2 3 255 0 0\n3 0 1 2\n";
-        for head in ["OFF\n4 2 0\n", "OFF 4 2 0\n", "# made by hand\nCOFF\n\n4 2\n"] {
-            let mesh = parse(&format!("{head}{body}")).unwrap();
-            assert_eq!(mesh.vertices.len(), 4);
-            assert_eq!(mesh.triangles, [[0, 1, 2], [0, 2, 3], [0, 1, 2]]);
+        let body = "0 0 0\n1 0 0 # corner\n\n1 1 0\n0 1 0\n4 0 1 2 3 255 0 0\n3 0 1 2\n";
+        for head in ["OFF\n4 2 0\n", "OFF 4 2 0\n", "# made by hand\nOFF\n\n4 2\n"] {
+            for end in ["\n", "\r\n", "\r"] {
+                let mesh = parse(&format!("{head}{body}").replace('\n', end)).unwrap();
+                assert_eq!(mesh.vertices.len(), 4);
+                assert_eq!(mesh.triangles, [[0, 1, 2], [0, 2, 3], [0, 1, 2]]);
+            }
+        }
+        for (head, rest) in
+            [("COFF", "1 0 0"), ("COFF", "1 0 0 .5"), ("NOFF", "nan 0 1"), ("STNOFF", "0 0 1 .5 .5")]
+        {
+            let vertex = format!("0 0 0 {rest}\n");
+            let mesh = parse(&format!("{head} 3 1 0\n{}3 0 1 2 7\n", vertex.repeat(3))).unwrap();
+            assert_eq!((mesh.vertices.len(), mesh.triangles.len()), (1, 1), "{head}");
         }
     }
 
@@ -90,5 +133,23 @@ mod tests {
             fault("OFF\n1 0 0\n0 0 0\n3 0 0 0\n"),
             Fault::line(4, "more lines than the counts announce")
         );
+        let rest = |line: usize, count: usize, allowed: &str| {
+            Fault::line(line, format!("{count} more numbers at the end of the line, not one of {allowed}"))
+        };
+        assert_eq!(fault("OFF 1 1 0 0\n"), rest(1, 2, "[0, 1]"));
+        assert_eq!(fault("OFF 1 1 0\n0 0 0 7\n"), rest(2, 1, "[0]"));
+        assert_eq!(fault("COFF 1 1 0\n0 0 0\n"), rest(2, 0, "[3, 4]"));
+        assert_eq!(fault("OFF 1 1 0\n0 0 0 x\n"), Fault::line(2, "'x' is not a number"));
+        assert_eq!(fault("OFF 1 1 0\n0 0 0\n3 0 0 0 1 2\n"), rest(3, 2, "[0, 1, 3, 4]"));
+        assert_eq!(fault("OFF 1 1 0\n0 0 0\n3 0 0 0 f\n"), Fault::line(3, "'f' is not a number"));
+    }
+
+    #[test]
+    fn a_cut_file_is_refused() {
+        let text = "OFF\n4 2 0\n0 0 0\n1 0 0\n1 1 0\n0 1 0\n4 0 1 2 3\n3 0 1 2\n";
+        assert_eq!(parse(text).map(|mesh| mesh.triangles.len()), Ok(3));
+        for length in 0..text.len() {
+            assert!(parse(&text[..length]).is_err(), "{length}");
+        }
     }
 }

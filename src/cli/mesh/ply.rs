@@ -1,6 +1,6 @@
 //! PLY, ASCII and binary of either byte order. The crate `ply-rs-bw` reads headers and binary elements; ASCII elements are read here.
 
-use super::{MeshData, coordinate, count, quote, text, unknown_vertex};
+use super::{Decimals, Faces, MeshData, check_last_line, count, lines, quote, text, unknown_vertex};
 use crate::cli::error::{Fault, Place};
 use ply_rs_bw::parser::{ParseError, Parser, Reader};
 use ply_rs_bw::ply::{
@@ -111,15 +111,16 @@ fn check_header(header: &Header) -> Result<usize, Fault> {
     Ok(vertex.count)
 }
 
-impl MeshData {
+/// What has been read of a mesh.
+#[derive(Default)]
+struct Elements {
+    vertices: Vec<[f64; 3]>,
+    faces: Faces,
+}
+
+impl Elements {
     /// Adds what an element of the file is.
-    fn add_element(
-        &mut self,
-        kind: &str,
-        element: &Element,
-        vertices: usize,
-        place: Place,
-    ) -> Result<(), Fault> {
+    fn add(&mut self, kind: &str, element: &Element, vertices: usize, place: Place) -> Result<(), Fault> {
         let fault = |problem| Fault { place, problem };
         match kind {
             "vertex" => {
@@ -134,7 +135,7 @@ impl MeshData {
                     index.ok_or_else(|| fault(unknown_vertex(v, vertices)))
                 };
                 let corners = element.corners.iter().map(known).collect::<Result<Vec<u32>, Fault>>()?;
-                self.add_polygon(&corners, fault)?;
+                self.faces.add(corners, place)?;
             }
             _ => {}
         }
@@ -147,33 +148,43 @@ fn inside(def: &ElementDef, index: usize) -> String {
 }
 
 fn ascii(text: &str, first_line: usize, header: &Header, vertices: usize) -> Result<MeshData, Fault> {
-    let mut mesh = MeshData::default();
-    let end = first_line + text.lines().count();
-    let lines = text.lines().enumerate().map(|(i, content)| (first_line + i, content));
-    let mut lines = lines.filter(|(_, content)| !content.trim().is_empty());
+    let mut decimals = Decimals::default();
+    let mut elements = Elements::default();
+    let end = first_line + lines(text).count();
+    let source = lines(text).map(|(line, content)| (first_line + line - 1, content));
+    let mut source = source.filter(|(_, content)| !content.trim().is_empty());
     for def in header.elements.values() {
         for index in 0..def.count {
-            let (line, content) = lines.next().ok_or_else(|| Fault::line(end, inside(def, index)))?;
+            let (line, content) = source.next().ok_or_else(|| Fault::line(end, inside(def, index)))?;
             if matches!(def.name.as_str(), "vertex" | "face") {
-                let element = ascii_element(def, content, line)?;
-                mesh.add_element(&def.name, &element, vertices, Place::Line(line))?;
+                let element = ascii_element(def, content, line, &mut decimals)?;
+                elements.add(&def.name, &element, vertices, Place::Line(line))?;
             }
         }
     }
-    match lines.next() {
-        Some((line, _)) => Err(Fault::line(line, "more lines than the header announces")),
-        None => Ok(mesh),
+    if let Some((line, _)) = source.next() {
+        return Err(Fault::line(line, "more lines than the header announces"));
     }
+    check_last_line(text, first_line)?;
+    decimals.settle(&mut elements.vertices);
+    elements.faces.into_mesh(elements.vertices)
 }
 
-/// Decimals become the nearest `f64`, whatever type the header gives them. Properties that are not asked for are not looked at.
-fn ascii_element(def: &ElementDef, content: &str, line: usize) -> Result<Element, Fault> {
+/// Decimals are read as in the other formats, whatever type the header gives them. Properties that are not asked for are not looked at.
+fn ascii_element(
+    def: &ElementDef,
+    content: &str,
+    line: usize,
+    decimals: &mut Decimals,
+) -> Result<Element, Fault> {
     let mut element = Element::new();
     let mut words = content.split_ascii_whitespace();
     let missing = || Fault::line(line, "a number is missing");
     for (name, property) in &def.properties {
         match (&property.data_type, axis(name)) {
-            (PropertyType::Scalar(_), Some(axis)) => element.position[axis] = coordinate(words.next(), line)?,
+            (PropertyType::Scalar(_), Some(axis)) => {
+                element.position[axis] = decimals.coordinate(words.next(), line)?;
+            }
             (PropertyType::Scalar(_), None) => drop(words.next().ok_or_else(missing)?),
             (PropertyType::List(..), _) => {
                 for _ in 0..count(words.next(), line)? {
@@ -200,7 +211,7 @@ fn binary(
     vertices: usize,
 ) -> Result<MeshData, Fault> {
     let parser = Parser::<Element>::new();
-    let mut mesh = MeshData::default();
+    let mut elements = Elements::default();
     let mut rest = payload;
     // An element without properties has no bytes, however many there are.
     for def in header.elements.values().filter(|def| !def.properties.is_empty()) {
@@ -214,11 +225,11 @@ fn binary(
                 std::io::ErrorKind::UnexpectedEof => Fault::byte(file_size, inside(def, index)),
                 _ => Fault { place: Place::Byte(start), ..header_fault(&error) },
             })?;
-            mesh.add_element(&def.name, &element, vertices, Place::Byte(start))?;
+            elements.add(&def.name, &element, vertices, Place::Byte(start))?;
         }
     }
     if rest.is_empty() {
-        Ok(mesh)
+        elements.faces.into_mesh(elements.vertices)
     } else {
         Err(Fault::byte(file_size - rest.len(), "more bytes than the header announces"))
     }
@@ -256,7 +267,8 @@ mod tests {
     #[test]
     fn ascii_of_mixed_types() {
         let mesh = parse(&ascii_file("0.1 0.1 7 nan\n\n1 .5 0 0\n0 1. 0 0\n3 0 1 2\n")).unwrap();
-        assert_eq!(mesh.vertices, [[0.1, 0.1, 7.0], [1.0, 0.5, 0.0], [0.0, 1.0, 0.0]]);
+        let tenth = f64::from(0.1_f32);
+        assert_eq!(mesh.vertices, [[tenth, tenth, 7.0], [1.0, 0.5, 0.0], [0.0, 1.0, 0.0]]);
         assert_eq!(mesh.triangles, [[0, 1, 2]]);
     }
 
@@ -265,8 +277,9 @@ mod tests {
         for big in [false, true] {
             let (bytes, _) = binary_file(big, 0.1, [2, 1, 0]);
             let mesh = parse(&bytes).unwrap();
-            assert_eq!(mesh.vertices[2], [0.1, f64::from(2.0 * 0.1_f32), 2.0]);
-            assert_eq!(mesh.triangles, [[2, 1, 0]]);
+            // In the order of their first use.
+            assert_eq!(mesh.vertices[0], [0.1, f64::from(2.0 * 0.1_f32), 2.0]);
+            assert_eq!(mesh.triangles, [[0, 1, 2]]);
         }
     }
 
@@ -303,6 +316,17 @@ mod tests {
             let (file, size) = binary_file(big, 0.0, [0, 1, 3]);
             let problem = "vertex 3 of 3, counted from 0, does not exist";
             assert_eq!(parse(&file), Err(Fault::byte(size + 3 * 17, problem)));
+        }
+    }
+
+    #[test]
+    fn a_cut_file_is_refused() {
+        for file in [ascii_file("0 0 0 0\n1 0 0 0\n0 1 0 0\n3 0 1 2\n"), binary_file(false, 0.0, [0, 1, 2]).0]
+        {
+            assert_eq!(parse(&file).map(|mesh| mesh.triangles.len()), Ok(1));
+            for length in 0..file.len() {
+                assert!(parse(&file[..length]).is_err(), "{length}");
+            }
         }
     }
 

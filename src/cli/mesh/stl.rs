@@ -1,6 +1,6 @@
 //! STL, binary and ASCII. Both are triangles without indices: corners with the same bits become one vertex.
 
-use super::{MeshData, point, quote, text};
+use super::{Decimals, MeshData, lines, quote, text};
 use crate::cli::error::Fault;
 
 /// Bytes before the triangles of a binary file: a free header and a count.
@@ -44,36 +44,60 @@ fn binary(records: &[u8], count: usize) -> Result<MeshData, Fault> {
         }
         soup.push([0, 3, 6].map(|c| [coordinate(c), coordinate(c + 1), coordinate(c + 2)]));
     }
-    Ok(MeshData::joined(soup))
+    Ok(MeshData::of(&soup))
 }
 
+/// The statements of an ASCII file, which stand in this order; facets repeat, and so may solids.
+const FACET: [&str; 7] = ["facet normal", "outer loop", "vertex", "vertex", "vertex", "endloop", "endfacet"];
+
 fn ascii(text: &str) -> Result<MeshData, Fault> {
-    let mut soup = Vec::new();
-    let mut corners: Vec<[f64; 3]> = Vec::new();
-    let (mut last, mut open) = (0, false);
-    for (index, content) in text.lines().enumerate() {
-        last = index + 1;
+    let mut soup: Vec<[[f64; 3]; 3]> = Vec::new();
+    let mut decimals = Decimals::default();
+    let mut corners = [[0.0; 3]; 3];
+    let mut last = 0;
+    let mut is_open = false;
+    // How much of a facet there is.
+    let mut step = 0;
+    for (line, content) in lines(text) {
+        last = line;
         let mut words = content.split_ascii_whitespace();
-        let word = words.next().unwrap_or("");
-        match word.to_ascii_lowercase().as_str() {
-            "vertex" => corners.push(point(&mut words, last)?),
-            "endfacet" => {
-                let triangle = <[[f64; 3]; 3]>::try_from(corners.as_slice()).map_err(|_| {
-                    Fault::line(last, format!("a facet with {} corners, 3 are needed", corners.len()))
-                })?;
-                soup.push(triangle);
-                corners.clear();
+        let Some(word) = words.next().map(str::to_ascii_lowercase) else { continue };
+        let expected = match (is_open, step) {
+            (false, _) => "solid",
+            (true, 0) => "facet or endsolid",
+            _ => FACET[step],
+        };
+        match (word.as_str(), is_open, step) {
+            // After these two, a name of any words.
+            ("solid", false, _) => is_open = true,
+            ("endsolid", true, 0) => is_open = false,
+            (_, true, _) if FACET[step].split(' ').next() == Some(&word) => {
+                for second in FACET[step].split(' ').skip(1) {
+                    if !words.next().is_some_and(|word| word.eq_ignore_ascii_case(second)) {
+                        return Err(Fault::line(line, format!("{word} without its second word, {second}")));
+                    }
+                }
+                if word == "vertex" {
+                    corners[step - 2] = decimals.point(&mut words, line)?;
+                }
+                // What a normal says is not asked for: some writers leave it undefined.
+                let more = words.count();
+                if more != if step == 0 { 3 } else { 0 } {
+                    return Err(Fault::line(line, format!("{word} with {more} words more")));
+                }
+                step = (step + 1) % FACET.len();
+                if step == 0 {
+                    soup.push(corners);
+                }
             }
-            "solid" => open = true,
-            "endsolid" => open = false,
-            "" | "facet" | "outer" | "endloop" => {}
-            _ => return Err(Fault::line(last, format!("{} is no word of an ASCII STL", quote(word)))),
+            _ => return Err(Fault::line(line, format!("{} stands where {expected} should", quote(&word)))),
         }
     }
-    if open || !corners.is_empty() {
+    if is_open {
         return Err(Fault::line(last + 1, "the file ends before endsolid"));
     }
-    Ok(MeshData::joined(soup))
+    decimals.settle(soup.as_flattened_mut());
+    Ok(MeshData::of(&soup))
 }
 
 #[cfg(test)]
@@ -106,7 +130,7 @@ mod tests {
     fn ascii_keeps_decimals() {
         let text = "SOLID a\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 0.1 0\nendloop\nendfacet\nendsolid\n";
         let mesh = parse(text.as_bytes()).unwrap();
-        assert_eq!((mesh.triangles.len(), mesh.vertices[2]), (1, [0.0, 0.1, 0.0]));
+        assert_eq!((mesh.triangles.len(), mesh.vertices[2]), (1, [0.0, f64::from(0.1_f32), 0.0]));
     }
 
     #[test]
@@ -122,14 +146,43 @@ mod tests {
             parse(&binary_file(&nan)),
             Err(Fault::byte(84 + 50 + 12 + 16, "the coordinate NaN is not finite"))
         );
+    }
+
+    const FACET: &str =
+        "facet normal 0 0 nan\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\nendloop\nendfacet\n";
+
+    #[test]
+    fn ascii_is_read_in_order_or_refused() {
         let fault = |text: &str| parse(text.as_bytes()).unwrap_err();
-        assert_eq!(fault("solid\nvertex 0 0\n"), Fault::line(2, "a number is missing"));
         assert_eq!(
-            fault("solid\nvertex 0 0 0\nendfacet\n"),
-            Fault::line(3, "a facet with 1 corners, 3 are needed")
+            fault("solid\nvertex 0 0 0\n"),
+            Fault::line(2, "'vertex' stands where facet or endsolid should")
         );
-        assert_eq!(fault("solid\nvertex 0 nan 0\n"), Fault::line(2, "the coordinate 'nan' is not finite"));
-        assert_eq!(fault("solid\nfacet\n"), Fault::line(3, "the file ends before endsolid"));
-        assert_eq!(fault("solid\nhello\n"), Fault::line(2, "'hello' is no word of an ASCII STL"));
+        assert_eq!(fault("solid\nfacet\n"), Fault::line(2, "facet without its second word, normal"));
+        assert_eq!(fault("solid\nfacet normal 0 0\n"), Fault::line(2, "facet with 2 words more"));
+        assert_eq!(fault("solid\nhello\n"), Fault::line(2, "'hello' stands where facet or endsolid should"));
+        assert_eq!(fault("solid\nendsolid\nhello\n"), Fault::line(3, "'hello' stands where solid should"));
+        assert_eq!(fault("solid\nfacet normal 0 0 1\n"), Fault::line(3, "the file ends before endsolid"));
+        let file = format!("solid two words\n{FACET}{FACET}endsolid two words\nsolid\n{FACET}endsolid\n");
+        let end = file.lines().count();
+        assert_eq!(parse(file.as_bytes()).map(|mesh| mesh.triangles.len()), Ok(3));
+        assert_eq!(parse(file.replace('\n', "\r").as_bytes()).map(|mesh| mesh.triangles.len()), Ok(3));
+        for number in 1..=end {
+            let without: String =
+                file.lines().zip(1..).filter(|(_, n)| *n != number).map(|(l, _)| format!("{l}\n")).collect();
+            assert!(parse(without.as_bytes()).is_err(), "without line {number}");
+        }
+        let junk = |line: &str, junk: &str| fault(&file.replacen(line, &format!("{line}{junk}"), 1)).problem;
+        assert_eq!(junk("vertex 1 0 0", " 7"), "vertex with 1 words more");
+        assert_eq!(junk("vertex 1 0 0", "x"), "'0x' is not a number");
+        assert_eq!(junk("vertex 1 0", "\n"), "a number is missing");
+        assert_eq!(junk("vertex 1 0 ", "nan 0 "), "the coordinate 'nan' is not finite");
+        assert_eq!(junk("endloop", " now"), "endloop with 1 words more");
+        assert_eq!(junk("endfacet", "\nendfacet"), "'endfacet' stands where facet or endsolid should");
+        // Whole only where a solid has ended: with or without its name.
+        let whole = |length: &usize| parse(&file.as_bytes()[..*length]).is_ok();
+        let first = file.find("endsolid").unwrap() + "endsolid".len();
+        let expected: Vec<usize> = (first..=first + " two words\n".len()).chain([file.len() - 1]).collect();
+        assert_eq!((0..file.len()).filter(whole).collect::<Vec<_>>(), expected);
     }
 }

@@ -1,0 +1,111 @@
+//! Files that are written whole or not at all: a full disk, a limit or a kill leaves what was there.
+
+use super::error::Error;
+use std::io::Write;
+use std::path::{Path, PathBuf};
+use tempfile::NamedTempFile;
+
+/// Bytes on their way to a file.
+pub(super) enum Staged<'a> {
+    /// In a file beside the one to replace.
+    Beside { file: NamedTempFile, target: PathBuf },
+    /// To be written to what is no file: the standard output, a pipe, a device.
+    Stream { path: &'a Path, bytes: &'a [u8] },
+}
+
+/// Writes the bytes where a rename will bring them to `path`.
+pub(super) fn stage<'a>(path: &'a Path, bytes: &'a [u8]) -> Result<Staged<'a>, Error> {
+    let old = std::fs::metadata(path);
+    if is_standard_output(path) || old.as_ref().is_ok_and(|old| !old.is_file() && !old.is_dir()) {
+        return Ok(Staged::Stream { path, bytes });
+    }
+    // Where `path` is a symbolic link, what it names is replaced.
+    let target = std::fs::canonicalize(path).unwrap_or_else(|_| path.to_path_buf());
+    let write = || {
+        let name = target.file_name().ok_or(std::io::ErrorKind::IsADirectory)?;
+        let mut prefix = std::ffi::OsString::from(".");
+        prefix.push(name);
+        let mut builder = tempfile::Builder::new();
+        builder.prefix(&prefix).suffix(".part");
+        #[cfg(unix)]
+        // What a file has that is made without a wish of its own; the process's mask applies.
+        builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
+        let mut file = builder.tempfile_in(folder(&target))?;
+        file.write_all(bytes)?;
+        if let Ok(old) = old {
+            file.as_file().set_permissions(old.permissions())?;
+        }
+        file.as_file().sync_all()?;
+        Ok(file)
+    };
+    let file = write().map_err(Error::io(path))?;
+    Ok(Staged::Beside { file, target })
+}
+
+impl Staged<'_> {
+    /// Brings the bytes to their place.
+    pub(super) fn commit(self) -> Result<(), Error> {
+        match self {
+            Self::Beside { file, target } => {
+                file.persist(&target)
+                    .map_err(|problem| Error::Io { path: target.clone(), error: problem.error })?;
+                // So that the new name lasts, too. Not every file system can be asked for it.
+                let _ = std::fs::File::open(folder(&target)).and_then(|folder| folder.sync_all());
+                Ok(())
+            }
+            Self::Stream { path, bytes } if is_standard_output(path) => {
+                let mut out = std::io::stdout().lock();
+                out.write_all(bytes).and_then(|()| out.flush()).map_err(Error::io(path))
+            }
+            Self::Stream { path, bytes } => {
+                let file = std::fs::OpenOptions::new().write(true).open(path);
+                file.and_then(|mut file| file.write_all(bytes)).map_err(Error::io(path))
+            }
+        }
+    }
+}
+
+fn folder(target: &Path) -> &Path {
+    target.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."))
+}
+
+/// Whether two paths name one file, whether it is there or not.
+pub(super) fn is_same(a: &Path, b: &Path) -> bool {
+    match (std::fs::metadata(a), std::fs::metadata(b)) {
+        (Ok(a_data), Ok(b_data)) => identity(a, &a_data) == identity(b, &b_data),
+        (Err(_), Err(_)) => {
+            let place =
+                |path: &Path| Some((std::fs::canonicalize(folder(path)).ok()?, path.file_name()?.to_owned()));
+            place(a).is_some_and(|of_a| Some(of_a) == place(b))
+        }
+        _ => false,
+    }
+}
+
+/// Whether a path, such as `/dev/stdout`, names what the standard output goes to.
+pub(super) fn is_standard_output(path: &Path) -> bool {
+    #[cfg(unix)]
+    {
+        use std::os::fd::AsFd;
+        let of_output = std::io::stdout().as_fd().try_clone_to_owned().map(std::fs::File::from);
+        let of_output = of_output.and_then(|output| output.metadata());
+        let (Ok(of_output), Ok(of_path)) = (of_output, std::fs::metadata(path)) else { return false };
+        identity(path, &of_output) == identity(path, &of_path)
+    }
+    #[cfg(not(unix))]
+    {
+        let _ = path;
+        false
+    }
+}
+
+#[cfg(unix)]
+fn identity(_: &Path, data: &std::fs::Metadata) -> impl PartialEq + use<> {
+    use std::os::unix::fs::MetadataExt;
+    (data.dev(), data.ino())
+}
+
+#[cfg(not(unix))]
+fn identity(path: &Path, _: &std::fs::Metadata) -> impl PartialEq + use<> {
+    std::fs::canonicalize(path).ok()
+}
