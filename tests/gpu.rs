@@ -12,7 +12,7 @@ use proptest::prelude::*;
 use simdop::construct::gpu::{Gpu, GpuError, Otherwise, wgpu};
 use simdop::construct::{BuildError, Builder, Clustering, Magnification, Mesh, Progress, Splitter};
 use simdop::hierarchy::Bvh;
-use simdop::node::{Node, Node4, Node16};
+use simdop::node::{Dop, Node4, Node16};
 use std::sync::OnceLock;
 use support::data::{MeshData, directory, notice};
 use support::rng::Rng;
@@ -114,11 +114,11 @@ fn mesh_of(mesh: &MeshData) -> Mesh<'_> {
     Mesh { vertices: &mesh.vertices, triangles: &mesh.triangles }
 }
 
-fn on<N: Node>(gpu: &Gpu, builder: &Builder, mesh: &MeshData) -> Result<Bvh<N>, GpuError> {
+fn on<N: Dop>(gpu: &Gpu, builder: &Builder, mesh: &MeshData) -> Result<Bvh<N>, GpuError> {
     builder.build_on(gpu, Otherwise::Fail, &mesh_of(mesh), &mut |_| ControlFlow::Continue(()))
 }
 
-fn compare<N: Node>(gpu: &Gpu, name: &str, builder: &Builder, mesh: &MeshData) {
+fn compare<N: Dop>(gpu: &Gpu, name: &str, builder: &Builder, mesh: &MeshData) {
     let got: Bvh<N> = quietly(|| on(gpu, builder, mesh)).unwrap();
     let want: Bvh<N> = builder.build(&mesh_of(mesh)).unwrap();
     assert!(got.as_bytes() == want.as_bytes(), "{name}, {builder:?}, 64 bits: {}", gpu.has_int64());

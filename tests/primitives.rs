@@ -167,10 +167,7 @@ fn pairs_of<N: Lanes, P: Pairwise<Q>, Q: Pairwise<P>>(
 fn all_pairs(a: &[Triangle], b: &[Triangle], pose: &Pose) -> BTreeSet<(u32, u32)> {
     let moved: Vec<Triangle> = a.iter().map(|t| t.map(|p| pose.apply(p))).collect();
     let meets = |i: usize, j: usize| triangles_meet(&moved[i], &b[j]).then_some((i as u32, j as u32));
-    (0..a.len())
-        .flat_map(|i| (0..b.len()).filter_map(move |j| Some((i, j))))
-        .filter_map(|(i, j)| meets(i, j))
-        .collect()
+    (0..a.len()).flat_map(|i| (0..b.len()).map(move |j| (i, j))).filter_map(|(i, j)| meets(i, j)).collect()
 }
 
 fn check<N: Lanes>() {

@@ -55,12 +55,21 @@ where
     /// Every primitive of a leaf of A against every primitive of some leaves of B.
     #[inline(always)]
     fn decide_a(&mut self, one: Child, leaves: &Leaves) -> Flow {
-        let (kernel, margin, b) = (self.kernel, self.margin, self.b);
+        let (kernel, margin, a, b) = (self.kernel, self.margin, &self.a, &self.b);
         for i in primitives(one) {
-            let item = self.moved(i);
-            let visit = |j| (self.visit)(Found { a: i, b: j });
-            let others = |j| b.primitive(j);
-            decide_one::<P, Q, E, false>(kernel, margin, self.counters, &item, leaves, others, visit)?;
+            let item = P::moved(&a.primitive(i), self.pose);
+            // Closures that are not said to be inlined were calls, out of the gate.
+            decide_one::<P, Q, E, false>(
+                kernel,
+                margin,
+                self.counters,
+                &item,
+                leaves,
+                #[inline(always)]
+                |j| b.primitive(j),
+                #[inline(always)]
+                |j| (self.visit)(Found { a: i, b: j }),
+            )?;
         }
         Flow::Continue(())
     }
@@ -68,12 +77,20 @@ where
     /// Every primitive of a leaf of B against every primitive of some leaves of A.
     #[inline(always)]
     fn decide_b(&mut self, one: Child, leaves: &Leaves) -> Flow {
-        let (kernel, margin, a, pose) = (self.kernel, self.margin, self.a, self.pose);
+        let (kernel, margin, a, b, pose) = (self.kernel, self.margin, &self.a, &self.b, self.pose);
         for j in primitives(one) {
-            let item = self.b.primitive(j);
-            let visit = |i| (self.visit)(Found { a: i, b: j });
-            let others = |i| P::moved(&a.primitive(i), pose);
-            decide_one::<Q, P, E, true>(kernel, margin, self.counters, &item, leaves, others, visit)?;
+            let item = b.primitive(j);
+            decide_one::<Q, P, E, true>(
+                kernel,
+                margin,
+                self.counters,
+                &item,
+                leaves,
+                #[inline(always)]
+                |i| P::moved(&a.primitive(i), pose),
+                #[inline(always)]
+                |i| (self.visit)(Found { a: i, b: j }),
+            )?;
         }
         Flow::Continue(())
     }
@@ -98,7 +115,8 @@ fn decide_one<One: Pairwise<Other>, Other: Pairwise<One>, E: Kernel, const SWAPP
         let mut len = 0;
         while len < 4 {
             if let Some(index) = range.next() {
-                (indices[len], others[len]) = (index, other_at(index));
+                indices[len & 3] = index;
+                others[len & 3] = other_at(index);
                 len += 1;
             } else if let Some(leaf) = rest.next() {
                 range = primitives(*leaf);
