@@ -5,7 +5,7 @@ use super::mesh::{self, Empty, MeshData};
 use super::{TreeOptions, progress};
 use core::ops::ControlFlow;
 use core::time::Duration;
-use simdop::construct::{BuildError, Builder, Mesh};
+use simdop::construct::{BuildError, Builder, Mesh, Progress};
 use simdop::hierarchy::{Aligned, BakeError, Bvh, Header, MAGIC, Stats, TreeStats, VerifyError};
 use simdop::isa::Isa;
 use simdop::node::{Link, Node, Node4, Node16};
@@ -36,9 +36,14 @@ macro_rules! trees {
         }
 
         impl Tree {
-            fn build(mesh: &Mesh<'_>, builder: &Builder, shape: Shape) -> Result<Self, BuildError> {
+            fn build(
+                mesh: &Mesh<'_>,
+                builder: &Builder,
+                shape: Shape,
+                observer: &mut dyn FnMut(Progress) -> ControlFlow<()>,
+            ) -> Result<Self, BuildError> {
                 $(if (shape.k, shape.arity) == ($k, $node::<$k>::ARITY) {
-                    return builder.build(mesh).map(Self::$variant);
+                    return builder.build_with(mesh, observer).map(Self::$variant);
                 })*
                 unreachable!("k and arity were checked with the arguments")
             }
@@ -205,12 +210,18 @@ pub(super) fn build(
     shape: Shape,
     quiet: bool,
 ) -> Result<Body, Error> {
-    let _spinner = progress::step(format!("building {name}"), quiet || mesh.triangles.len() < LONG_BUILD);
+    let levels = progress::levels(mesh.triangles.len(), options.leaf_size() as usize, shape.arity);
+    let bar = progress::build(&name, levels, quiet || mesh.triangles.len() < LONG_BUILD);
+    let mut observer = |_: Progress| {
+        // A tree may be deeper than a full one.
+        bar.set_position((bar.position() + 1).min(levels));
+        ControlFlow::Continue(())
+    };
     let mesh = Mesh { vertices: &mesh.vertices, triangles: &mesh.triangles };
     let builder = Builder::new().leaf_size(options.leaf_size()).splitter(options.splitter().into());
     let start = Instant::now();
-    let tree =
-        Tree::build(&mesh, &builder, shape).map_err(|error| Error::Build { name: name.clone(), error })?;
+    let tree = Tree::build(&mesh, &builder, shape, &mut observer)
+        .map_err(|error| Error::Build { name: name.clone(), error })?;
     Ok(Body { name, tree, read: None, build: Some(start.elapsed()) })
 }
 
