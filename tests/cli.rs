@@ -700,6 +700,31 @@ fn options_that_do_nothing_on_a_tree_are_errors() {
     }
 }
 
+/// On a terminal, which `script` makes.
+#[cfg(target_os = "linux")]
+#[test]
+fn a_long_build_shows_its_share_and_the_time_left() {
+    let folder = Folder::new("progress");
+    folder.write("long.ply", ply_binary(&strewn(13, 120_000), false));
+    folder.write("short.ply", ply_binary(&strewn(13, 1000), false));
+    let shares = |mesh: &str| -> Vec<u32> {
+        let command = format!("'{}' build {mesh} -o t.tree", env!("CARGO_BIN_EXE_simdop"));
+        let mut script = Command::new("script");
+        let output = script.current_dir(&folder.0).args(["-qefc", &command, "/dev/null"]).output().unwrap();
+        let text = String::from_utf8(output.stdout).unwrap();
+        assert!(output.status.success() && text.contains("triangles, "), "{text}");
+        let drawn = text.split("building ").filter_map(|part| part.split_once(" %, "));
+        let share = |(before, after): (&str, &str)| {
+            assert!(after.split_once(" left").is_some_and(|(time, _)| time.ends_with('s')), "{after}");
+            before.rsplit(' ').next()?.parse().ok()
+        };
+        drawn.filter_map(share).collect()
+    };
+    let long = shares("long.ply");
+    assert!(long.is_sorted() && long.iter().any(|share| (1..100).contains(share)), "{long:?}");
+    assert!(shares("short.ply").is_empty(), "it is done before anybody reads");
+}
+
 #[test]
 fn the_built_in_scene_needs_no_file() {
     let folder = Folder::new("scene");

@@ -5,7 +5,7 @@ use super::mesh::{self, Empty, MeshData};
 use super::{TreeOptions, progress};
 use core::ops::ControlFlow;
 use core::time::Duration;
-use simdop::construct::{Builder, Mesh};
+use simdop::construct::{Builder, Mesh, Progress};
 use simdop::hierarchy::{AnyBvh, Header, Lane, MAGIC};
 use simdop::isa::Isa;
 use simdop::node::Link;
@@ -103,12 +103,18 @@ pub(super) fn build(
     shape: Shape,
     quiet: bool,
 ) -> Result<Body, Error> {
-    let _spinner = progress::step(format!("building {name}"), quiet || mesh.triangles.len() < LONG_BUILD);
+    let levels = progress::levels(mesh.triangles.len(), options.leaf_size() as usize, shape.arity);
+    let bar = progress::build(&name, levels, quiet || mesh.triangles.len() < LONG_BUILD);
+    let mut observer = |_: Progress| {
+        // A tree may be deeper than a full one.
+        bar.set_position((bar.position() + 1).min(levels));
+        ControlFlow::Continue(())
+    };
     let mesh = Mesh { vertices: &mesh.vertices, triangles: &mesh.triangles };
     let builder = Builder::new().leaf_size(options.leaf_size()).splitter(options.splitter().into());
     let start = Instant::now();
     let tree = builder
-        .build_any(&mesh, shape.k, shape.arity, &mut |_| ControlFlow::Continue(()))
+        .build_any(&mesh, shape.k, shape.arity, &mut observer)
         .map_err(|error| Error::Build { name: name.clone(), error })?;
     Ok(Body { name, tree, read: None, build: Some(start.elapsed()) })
 }

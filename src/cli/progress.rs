@@ -24,9 +24,48 @@ pub(super) fn bar(count: usize, quiet: bool) -> ProgressBar {
     bar
 }
 
+/// A bar over the work of a build, in levels of the tree: but for the first, which takes the longest, they take about
+/// as long as each other. It is gone when it is dropped.
+pub(super) fn build(name: &str, levels: u64, quiet: bool) -> ProgressBar {
+    // Making nodes of the levels is one step more.
+    let bar = visible(ProgressBar::new(levels + 1), quiet);
+    if bar.is_hidden() {
+        return bar;
+    }
+    if let Ok(style) = ProgressStyle::with_template("building {msg} {wide_bar} {percent} %, {eta} left") {
+        bar.set_style(style);
+    }
+    bar.set_message(name.to_owned());
+    bar.enable_steady_tick(Duration::from_millis(100));
+    bar
+}
+
+/// Levels of a tree over so many triangles whose nodes are full.
+pub(super) fn levels(triangles: usize, leaf_size: usize, arity: usize) -> u64 {
+    let (mut levels, mut room) = (1, leaf_size.saturating_mul(arity));
+    while room < triangles {
+        (levels, room) = (levels + 1, room.saturating_mul(arity));
+    }
+    levels
+}
+
 fn visible(bar: ProgressBar, quiet: bool) -> ProgressBar {
     if quiet || !std::io::stderr().is_terminal() {
         return ProgressBar::hidden();
     }
     bar.with_finish(ProgressFinish::AndClear)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn full_trees_have_so_many_levels() {
+        for (triangles, leaf_size, arity, want) in
+            [(0, 1, 16, 1), (16, 1, 16, 1), (17, 1, 16, 2), (32, 2, 16, 1), (4096, 1, 16, 3), (65, 1, 4, 4)]
+        {
+            assert_eq!(levels(triangles, leaf_size, arity), want);
+        }
+    }
 }
