@@ -4,15 +4,16 @@
 
 extern crate alloc;
 
-use alloc::collections::BTreeSet;
+use alloc::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
 /// The modules of the crate, lowest layer first. A module may import from lower layers only, never from its own.
-const LAYERS: [&[&str]; 9] = [
-    &["range", "key", "exact", "directions", "isa"],
+const LAYERS: [&[&str]; 10] = [
+    &["range"],
+    &["key", "exact", "directions", "isa"],
+    &["frame", "pose"],
     &["primitive"],
-    &["frame"],
-    &["node", "pose"],
+    &["node"],
     &["bytes", "hierarchy"],
     &["realign"],
     &["kernel", "construct"],
@@ -30,7 +31,7 @@ const INTRINSICS: [&str; 4] = ["kernel/avx2/", "kernel/avx512/", "kernel/neon/",
 const UNSAFE: [&str; 5] = ["kernel/avx2/", "kernel/avx512/", "kernel/neon/", "isa/", "bytes.rs"];
 
 /// Lines of a library file without its unit tests, at most.
-const MAX_LINES: usize = 320;
+const MAX_LINES: usize = 350;
 
 /// Something that a rule objects to, on a line counted from 1.
 #[derive(Clone, PartialEq, Eq, Debug)]
@@ -261,12 +262,32 @@ fn unproven_unsafe(source: &str) -> Vec<Finding> {
 fn too_long(path: &str, source: &str) -> Vec<Finding> {
     let tests = source.find("#[cfg(test)]\nmod tests {").unwrap_or(source.len());
     let lines = source[..tests].lines().count();
-    let exempt = path.starts_with("cli/") || path.ends_with("tests.rs");
+    let exempt = path.starts_with("cli/") || (path.ends_with("tests.rs") || path.contains("/tests/"));
     if exempt || lines <= MAX_LINES {
         Vec::new()
     } else {
         vec![finding(MAX_LINES + 1, format!("{lines} lines, more than {MAX_LINES}"))]
     }
+}
+
+/// The types of the library that a file defines for all of its module, with lines.
+fn types_defined(source: &str) -> Vec<(usize, String)> {
+    let tests = source.find("#[cfg(test)]\nmod tests {").unwrap_or(source.len());
+    let code = code_of(&source[..tests]);
+    let mut found = Vec::new();
+    for keyword in ["struct", "enum", "trait", "union", "type"] {
+        for at in places_of(&code, keyword) {
+            let line_start = code[..at].rfind('\n').map_or(0, |newline| newline + 1);
+            // Of an implementation are indented.
+            let before = &code[line_start..at];
+            let name: String =
+                code[at + keyword.len()..].trim_start().chars().take_while(|c| is_word(*c)).collect();
+            if !before.starts_with(' ') && !name.is_empty() {
+                found.push((line_of(&code, at), name));
+            }
+        }
+    }
+    found
 }
 
 // ---- The source -------------------------------------------------------------------------------------------------
@@ -344,6 +365,25 @@ fn library_files_are_short() {
     assert_none(too_long);
 }
 
+/// Whoever meets a name for the second time knows what it is.
+#[test]
+fn a_name_of_a_type_means_one_thing() {
+    let mut places: BTreeMap<String, Vec<String>> = BTreeMap::new();
+    for (path, source) in sources() {
+        if path.starts_with("cli/") || (path.ends_with("tests.rs") || path.contains("/tests/")) {
+            continue;
+        }
+        for (line, name) in types_defined(&source) {
+            places.entry(name).or_default().push(format!("src/{path}:{line}"));
+        }
+    }
+    assert!(places.len() > 100, "the rule saw {} types", places.len());
+    // Sealed is what the field calls the private half of a sealed trait, and private to each.
+    let twice: Vec<_> =
+        places.iter().filter(|(name, places)| places.len() > 1 && *name != "Sealed").collect();
+    assert!(twice.is_empty(), "{twice:#?}");
+}
+
 // ---- Each rule finds what it is for -----------------------------------------------------------------------------
 
 fn lines(findings: &[Finding]) -> Vec<usize> {
@@ -374,9 +414,9 @@ fn upward_imports_are_found() {
     assert_eq!(found("node.rs", "use crate::\n    kernel;"), [1]);
     assert_eq!(found("node.rs", "use super::hierarchy::Header;"), [1]);
     assert_eq!(found("node.rs", "mod tests { use super::*; use super::Child; }"), []);
-    assert_eq!(found("primitive/flat.rs", "use super::Plane;\nuse super::super::frame::Frame;"), [2]);
-    assert_eq!(found("primitive/mod.rs", "use super::{exact, frame};"), [1]);
-    assert_eq!(found("pose.rs", "use crate::node::Node;"), [1], "one layer: neither may import the other");
+    assert_eq!(found("primitive/flat.rs", "use super::Plane;\nuse super::super::node::Node;"), [2]);
+    assert_eq!(found("primitive/mod.rs", "use super::{exact, node};"), [1]);
+    assert_eq!(found("pose.rs", "use crate::frame::Frame;"), [1], "one layer: neither may import the other");
     assert_eq!(found("construct/pack.rs", "use super::Mesh;\nuse crate::node::Node;"), []);
     for name in FORBIDDEN[0].1 {
         assert_eq!(found("construct/pack.rs", &format!("use crate::{name}::X;")), [1], "{name}");
@@ -393,6 +433,12 @@ fn stray_intrinsics_are_found() {
     assert_eq!(lines(&stray_intrinsics("kernel/scalar/mod.rs", "use core::{arch, mem};")), [1]);
     assert_eq!(stray_intrinsics("kernel/avx2/mod.rs", source), []);
     assert_eq!(stray_intrinsics("isa/cpuid.rs", source), []);
+}
+
+#[test]
+fn types_are_found() {
+    let source = "/// struct A\npub(crate) struct B<T>(T);\nimpl C {\n    type D = E;\n}\nenum F {}\n#[cfg(test)]\nmod tests {\nstruct G;\n}";
+    assert_eq!(types_defined(source), [(2, "B".to_owned()), (6, "F".to_owned())]);
 }
 
 #[test]

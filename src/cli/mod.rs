@@ -57,7 +57,7 @@ struct TreeOptions {
     leaf_size: Option<u32>,
     /// How triangles are assigned to the children of a node [default: mean-width].
     #[arg(short, long, value_enum)]
-    splitter: Option<Splitter>,
+    splitter: Option<SplitterName>,
     /// Take a mesh file without a triangle for an empty body, which meets nothing. Without this it is an error.
     #[arg(long)]
     allow_empty: bool,
@@ -68,8 +68,8 @@ impl TreeOptions {
         self.leaf_size.unwrap_or(1)
     }
 
-    fn splitter(&self) -> Splitter {
-        self.splitter.unwrap_or(Splitter::MeanWidth)
+    fn splitter(&self) -> SplitterName {
+        self.splitter.unwrap_or(SplitterName::MeanWidth)
     }
 
     /// One of these that was given, if any was: for bodies that are trees already, on which they do nothing.
@@ -86,7 +86,7 @@ impl TreeOptions {
 }
 
 #[derive(ValueEnum, Copy, Clone, Debug)]
-enum Splitter {
+enum SplitterName {
     LongestAxis,
     ExtendedLongestAxis,
     SurfaceArea,
@@ -95,15 +95,17 @@ enum Splitter {
     NeuralGasByArea,
 }
 
-impl From<Splitter> for simdop::construct::Splitter {
-    fn from(splitter: Splitter) -> Self {
+impl From<SplitterName> for simdop::construct::Splitter {
+    fn from(splitter: SplitterName) -> Self {
         match splitter {
-            Splitter::LongestAxis => Self::LongestAxis,
-            Splitter::ExtendedLongestAxis => Self::ExtendedLongestAxis,
-            Splitter::SurfaceArea => Self::SurfaceArea,
-            Splitter::MeanWidth => Self::MeanWidth,
-            Splitter::NeuralGas => Self::BatchNeuralGas { magnification: Magnification::None, seed: 0 },
-            Splitter::NeuralGasByArea => Self::BatchNeuralGas { magnification: Magnification::Area, seed: 0 },
+            SplitterName::LongestAxis => Self::LongestAxis,
+            SplitterName::ExtendedLongestAxis => Self::ExtendedLongestAxis,
+            SplitterName::SurfaceArea => Self::SurfaceArea,
+            SplitterName::MeanWidth => Self::MeanWidth,
+            SplitterName::NeuralGas => Self::BatchNeuralGas { magnification: Magnification::None, seed: 0 },
+            SplitterName::NeuralGasByArea => {
+                Self::BatchNeuralGas { magnification: Magnification::Area, seed: 0 }
+            }
         }
     }
 }

@@ -1,6 +1,6 @@
 //! The baked tree of a shape: header, nodes, primitives in one run of bytes. The only code that makes nodes.
 
-use super::geometry::{Record, Table, bounding_box};
+use super::geometry::{Checked, Record, bounding_box};
 use super::shape::{InOrder, Shape};
 use super::wrap::wrap;
 use super::{Assignment, BuildError, Geometry};
@@ -15,7 +15,7 @@ use alloc::vec::Vec;
 
 /// Bakes the tree of a checked geometry.
 pub(super) fn bake<N: Dop, G: Geometry>(
-    table: &Table<'_, Record<G>>,
+    table: &Checked<'_, Record<G>>,
     assignment: &Assignment,
     leaf_size: u32,
 ) -> Result<Bvh<N, G::Primitive>, BuildError> {

@@ -63,12 +63,12 @@ impl Geometry for Mesh<'_> {
 
 /// A geometry that was checked, its coordinates flushed.
 #[derive(Clone, Debug)]
-pub(super) struct Table<'a, R> {
+pub(super) struct Checked<'a, R> {
     pub(super) vertices: Vec<Point>,
     pub(super) primitives: &'a [R],
 }
 
-impl<'a, R: AsRef<[u32]>> Table<'a, R> {
+impl<'a, R: AsRef<[u32]>> Checked<'a, R> {
     pub(super) fn new<G: Geometry>(geometry: &'a G) -> Result<Self, BuildError>
     where
         G::Primitive: Primitive<Record = R>,

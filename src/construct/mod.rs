@@ -33,7 +33,7 @@ use alloc::vec::Vec;
 use core::fmt;
 use core::ops::ControlFlow;
 use cost::Aabb;
-use geometry::{Record, Table};
+use geometry::{Checked, Record};
 use longest_axis::Halving;
 use progress::Observer;
 
@@ -217,12 +217,12 @@ impl Builder {
     fn build_by<N: Dop, G: Geometry, E: From<BuildError>>(
         &self,
         geometry: &G,
-        assign: impl FnOnce(&Table<'_, Record<G>>) -> Result<Assignment, E>,
+        assign: impl FnOnce(&Checked<'_, Record<G>>) -> Result<Assignment, E>,
     ) -> Result<Bvh<N, G::Primitive>, E> {
         if self.leaf_size == 0 || self.leaf_size > MAX_LEAF_SIZE {
             return Err(BuildError::LeafSize { asked: self.leaf_size }.into());
         }
-        let table = Table::new(geometry)?;
+        let table = Checked::new(geometry)?;
         let assignment = assign(&table)?;
         Ok(bake::bake::<N, G>(&table, &assignment, self.leaf_size)?)
     }
@@ -230,7 +230,7 @@ impl Builder {
     /// The shape of a checked geometry's tree.
     fn assign<G: Geometry>(
         &self,
-        table: &Table<'_, Record<G>>,
+        table: &Checked<'_, Record<G>>,
         arity: usize,
         observer: &mut Observer<'_>,
     ) -> Result<Assignment, BuildError> {
@@ -258,7 +258,7 @@ impl Builder {
 
 impl Magnification {
     /// What the primitives of a table weigh; none if all weigh the same.
-    fn weights<G: Geometry>(self, table: &Table<'_, Record<G>>) -> Option<Vec<f64>> {
+    fn weights<G: Geometry>(self, table: &Checked<'_, Record<G>>) -> Option<Vec<f64>> {
         match self {
             Self::None => None,
             Self::Area => Some(table.weights::<G>()),

@@ -90,7 +90,7 @@ impl Mean {
 }
 
 #[derive(Default, Debug)]
-struct Sums {
+struct LevelSums {
     /// By level, the root's node being 0: sizes of nodes, and of leaves.
     nodes: [Size; MAX_DEPTH + 1],
     leaves: [Size; MAX_DEPTH + 1],
@@ -114,8 +114,8 @@ impl<N: Dop, P: Primitive> BvhRef<'_, N, P> {
         }
     }
 
-    fn sums(&self) -> Sums {
-        let mut sums = Sums::default();
+    fn sums(&self) -> LevelSums {
+        let mut sums = LevelSums::default();
         if self.nodes().is_empty() {
             return sums;
         }
@@ -138,7 +138,7 @@ impl<N: Dop, P: Primitive> BvhRef<'_, N, P> {
     }
 
     /// Adds what a node's lanes are to each other and to the node. Returns the size of the box of its lanes.
-    fn add_node(&self, node: u32, sums: &mut Sums) -> Size {
+    fn add_node(&self, node: u32, sums: &mut LevelSums) -> Size {
         let used = |lane: &usize| self.nodes()[node as usize].children()[*lane].link() != Link::Empty;
         let lanes = || (0..N::ARITY).filter(used).map(|lane| self.lane_box(node, lane));
         let (mut whole, mut parts, mut shared) = (NOTHING, Size::default(), 0.0);
@@ -162,7 +162,7 @@ impl<N: Dop, P: Primitive> BvhRef<'_, N, P> {
     }
 }
 
-impl Sums {
+impl LevelSums {
     fn expected_visits(&self) -> f64 {
         let whole = self.nodes[0].meeting(&self.nodes[0]);
         let chance = |a: &Size, b: &Size| {

@@ -30,11 +30,11 @@ pub(super) struct Opened {
     pub(super) a: VolumeA,
     pub(super) b: VolumeB,
     /// Whose children the lanes are.
-    pub(super) body: Body,
+    pub(super) body: Side,
 }
 
 #[derive(Copy, Clone, PartialEq, Eq, Debug)]
-pub(super) enum Body {
+pub(super) enum Side {
     A,
     B,
 }
@@ -46,7 +46,7 @@ pub(super) const ABOVE_ROOT: u32 = u32::MAX;
 const MAX_OPENED: usize = 2 * MAX_DEPTH;
 
 /// Bytes of the stack of a distance query, whatever the trees: below 5 KB.
-pub const DISTANCE_STACK_BYTES: usize = size_of::<Stack>();
+pub const DISTANCE_STACK_BYTES: usize = size_of::<Frontier>();
 const _: () = assert!(DISTANCE_STACK_BYTES <= 5120, "the stack of a distance query fits in 5 KB");
 
 impl Opened {
@@ -54,17 +54,17 @@ impl Opened {
         entries: [Entry::NONE; 16],
         a: VolumeA { child: Child::EMPTY, parent: Child::EMPTY, lane: 0, level: 0 },
         b: VolumeB { child: Child::EMPTY, parent: ABOVE_ROOT, lane: 0, level: 0 },
-        body: Body::A,
+        body: Side::A,
     };
 }
 
 #[derive(Debug)]
-pub(super) struct Stack {
+pub(super) struct Frontier {
     opened: [Opened; MAX_OPENED],
     len: usize,
 }
 
-impl Stack {
+impl Frontier {
     pub(super) const fn new() -> Self {
         Self { opened: [Opened::BLANK; MAX_OPENED], len: 0 }
     }

@@ -4,7 +4,7 @@
 //! bodies take turns, the one with the larger volumes next. Children are followed nearest first; whatever is farther than the best pair of primitives
 //! so far is dropped, by a threshold that allows for the tolerance.
 
-use super::frontier::{ABOVE_ROOT, Body, Opened, Stack, VolumeA, VolumeB};
+use super::frontier::{ABOVE_ROOT, Frontier, Opened, Side, VolumeA, VolumeB};
 use super::gaps::{Entries, Entry, least};
 use super::hint::Found;
 use super::leaf::{Ahead, LeafA};
@@ -122,7 +122,7 @@ impl<'t, N: Lanes, P: Pairwise<Q>, Q: Primitive, E: Kernel> Search<'t, N, P, Q, 
     /// Searches until nothing is left that could be nearer, or the budget is spent. Then [`Best::lower`] bounds the bodies' distance.
     #[inline(always)]
     pub(super) fn run(&mut self) -> Completion {
-        let mut stack = Stack::new();
+        let mut stack = Frontier::new();
         let root_a = VolumeA { child: Child::ROOT, parent: Child::EMPTY, lane: 0, level: 0 };
         let root_b = VolumeB { child: Child::ROOT, parent: ABOVE_ROOT, lane: 0, level: 0 };
         let mut next = (self.best.upper > 0.0).then_some((root_a, root_b, 0.0));
@@ -139,11 +139,11 @@ impl<'t, N: Lanes, P: Pairwise<Q>, Q: Primitive, E: Kernel> Search<'t, N, P, Q, 
                 self.counters.visits += 1;
                 // A leaf can only wait for the other; of two nodes the one on the higher level is opened.
                 let body = if is_leaf(b.child) || (!is_leaf(a.child) && a.level <= b.level) {
-                    Body::A
+                    Side::A
                 } else {
-                    Body::B
+                    Side::B
                 };
-                let entries = if body == Body::A { self.open_a(&a, &b) } else { self.open_b(&a, &b) };
+                let entries = if body == Side::A { self.open_a(&a, &b) } else { self.open_b(&a, &b) };
                 stack.push(Opened { entries, a, b, body });
             }
             next = loop {
@@ -177,11 +177,11 @@ impl<'t, N: Lanes, P: Pairwise<Q>, Q: Primitive, E: Kernel> Search<'t, N, P, Q, 
     fn child(&self, step: &Opened, lane: usize, bound: f32) -> (VolumeA, VolumeB, f32) {
         let (a, b) = (step.a, step.b);
         match (step.body, a.child.link(), b.child.link()) {
-            (Body::A, Link::Inner(node), _) => {
+            (Side::A, Link::Inner(node), _) => {
                 let child = self.a.nodes()[node as usize].children()[lane];
                 (VolumeA { child, parent: a.child, lane: lane as u8, level: a.level + 1 }, b, bound)
             }
-            (Body::B, _, Link::Inner(node)) => {
+            (Side::B, _, Link::Inner(node)) => {
                 let child = self.b.nodes()[node as usize].children()[lane];
                 (a, VolumeB { child, parent: node, lane: lane as u8, level: b.level + 1 }, bound)
             }

@@ -33,7 +33,7 @@ pub(super) struct Cut {
 
 /// The best cut so far and its cost.
 #[derive(Copy, Clone, Debug)]
-struct Best {
+struct BestCut {
     cost: f64,
     cut: Option<Cut>,
 }
@@ -69,7 +69,7 @@ impl<'a> CutFinder<'a> {
         shares: &impl Shares,
         limit: f64,
     ) -> Option<Cut> {
-        let mut best = Best { cost: limit, cut: None };
+        let mut best = BestCut { cost: limit, cut: None };
         for &direction in directions {
             if items.len() > MAX_SORTED {
                 self.try_bins(items, direction, shares, &mut best);
@@ -105,7 +105,7 @@ impl<'a> CutFinder<'a> {
         bits ^ ((bits >> 63) & i64::MAX)
     }
 
-    fn try_all(&mut self, items: &[u32], direction: Point, shares: &impl Shares, best: &mut Best) {
+    fn try_all(&mut self, items: &[u32], direction: Point, shares: &impl Shares, best: &mut BestCut) {
         let mut keys = core::mem::take(&mut self.buffers.keys);
         keys.clear();
         keys.extend(items.iter().map(|&i| (self.place(direction, i), i)));
@@ -132,7 +132,7 @@ impl<'a> CutFinder<'a> {
 
     /// Cuts between bins. The share nearest to a border may be some primitives away from it: at more than [`MAX_SORTED`] of them that
     /// is no matter.
-    fn try_bins(&self, items: &[u32], direction: Point, shares: &impl Shares, best: &mut Best) {
+    fn try_bins(&self, items: &[u32], direction: Point, shares: &impl Shares, best: &mut BestCut) {
         let places = || items.iter().map(|&i| self.along(direction, i));
         let (low, high) =
             (places().fold(f64::INFINITY, f64::min), places().fold(f64::NEG_INFINITY, f64::max));
@@ -163,7 +163,7 @@ impl<'a> CutFinder<'a> {
     }
 }
 
-impl Best {
+impl BestCut {
     fn offer(&mut self, direction: Point, share: Share, measures: [f64; 2], total: usize) {
         let side = |i: usize, count: usize| measures[i] * (count as f64 / share.lanes[i] as f64);
         let cost = side(0, share.count) + side(1, total - share.count);

@@ -32,7 +32,7 @@ impl Shares for PairShares {
     }
 }
 
-struct Lane {
+struct LanePart {
     items: Vec<u32>,
     bounds: Aabb,
 }
@@ -40,9 +40,9 @@ struct Lane {
 /// A query descends into the lowest lanes first, and a hit ends it. Bodies that overlap a little do so with what is farthest out: 11 % fewer
 /// visits 1 % of the diagonal deep than with lanes in the order of the cuts, geometric mean over the meshes of `benches/splitters.rs`.
 /// Weighting by primitives per lane or per box, or the nearest or farthest corner in place of the centre, differ by less than 2 %.
-fn outermost_first(lanes: &mut [Lane]) {
+fn outermost_first(lanes: &mut [LanePart]) {
     let whole = lanes.iter().fold(Aabb::EMPTY, |b, lane| b.join(&lane.bounds)).centre();
-    let squared_distance = |lane: &Lane| -> f64 {
+    let squared_distance = |lane: &LanePart| -> f64 {
         if lane.items.is_empty() {
             return -1.0;
         }
@@ -61,7 +61,7 @@ impl Widener<'_> {
         let mut from = 0;
         for end in ends.iter().map(|&end| end as usize) {
             let items = items[from..end].to_vec();
-            lanes.push(Lane { bounds: self.finder.bounds(&items), items });
+            lanes.push(LanePart { bounds: self.finder.bounds(&items), items });
             from = end;
         }
         for _ in 0..self.plan.passes {
@@ -87,7 +87,7 @@ impl Widener<'_> {
     }
 
     /// Cuts two lanes anew, along an axis or from centre to centre. Whether they changed.
-    fn exchange(&mut self, a: &mut Lane, b: &mut Lane) -> bool {
+    fn exchange(&mut self, a: &mut LanePart, b: &mut LanePart) -> bool {
         let Plan { arity, leaf_size, .. } = self.plan;
         let sizes = [a.items.len(), b.items.len()];
         if sizes == [1, 1] || !a.bounds.touches(&b.bounds) {
@@ -110,8 +110,8 @@ impl Widener<'_> {
             return false;
         }
         let [first, second] = bounds;
-        *a = Lane { items, bounds: first };
-        *b = Lane { items: rest, bounds: second };
+        *a = LanePart { items, bounds: first };
+        *b = LanePart { items: rest, bounds: second };
         true
     }
 }

@@ -4,7 +4,7 @@ use super::device::Gpu;
 use super::error::GpuError;
 use super::jobs::Jobs;
 use super::memory::{Binding, Memory, Sizes};
-use super::shader::{Kernel, Pipelines, SMALL, STEPS_AT_ONCE, balance_dispatches};
+use super::shader::{Pipelines, SMALL, STEPS_AT_ONCE, Shader, balance_dispatches};
 use crate::construct::levels::{self, Level};
 use crate::construct::longest_axis::Halving;
 use crate::construct::neural_gas::{Clusterer, Samples};
@@ -170,15 +170,15 @@ impl<'a, const N: usize> Build<'a, N> {
         self.write(Binding::Level, &[jobs.level]);
         self.write(Binding::Nodes, &jobs.nodes);
         self.write(Binding::Chunks, &jobs.chunks);
-        self.submit(jobs, &[Kernel::SampleBox, Kernel::Start, Kernel::LocalCoordinates]);
+        self.submit(jobs, &[Shader::Bounds, Shader::Start, Shader::LocalCoordinates]);
         // Not all in one: a system may stop a device that works too long on one submission.
         for steps in self.clusterer.schedule.chunks(STEPS_AT_ONCE) {
-            let each = [Kernel::Accumulate, Kernel::Update].repeat(steps.len());
-            self.submit(jobs, &[&*each, &[Kernel::Cluster]].concat());
+            let each = [Shader::Accumulate, Shader::Update].repeat(steps.len());
+            self.submit(jobs, &[&*each, &[Shader::Cluster]].concat());
         }
         let balance = balance_dispatches(N, self.clusterer.halving.leaf_size);
-        self.submit(jobs, &[&[Kernel::Nearest][..], &[Kernel::Balance].repeat(balance)].concat());
-        self.submit(jobs, &[Kernel::LaneEnds, Kernel::SortByLane, Kernel::Replace]);
+        self.submit(jobs, &[&[Shader::Nearest][..], &[Shader::Balance].repeat(balance)].concat());
+        self.submit(jobs, &[Shader::LaneEnds, Shader::SortByLane, Shader::Replace]);
         let words = jobs.nodes.len() * N;
         let ends = self.read_ranges(Binding::Ends, core::slice::from_ref(&(0..words)))?;
         self.spent.device += start.elapsed();
@@ -186,9 +186,9 @@ impl<'a, const N: usize> Build<'a, N> {
         Ok(ends)
     }
 
-    fn submit(&self, jobs: &Jobs, kernels: &[Kernel]) {
+    fn submit(&self, jobs: &Jobs, kernels: &[Shader]) {
         let mut encoder = self.gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
-        if kernels.contains(&Kernel::SampleBox) {
+        if kernels.contains(&Shader::Bounds) {
             encoder.clear_buffer(self.memory.buffer(Binding::Boxes), 0, None);
             encoder.clear_buffer(self.memory.buffer(Binding::Ends), 0, None);
         }

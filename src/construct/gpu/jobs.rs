@@ -1,6 +1,6 @@
 //! What the host tells the device about a level.
 
-use super::memory::{self, Chunk, Node};
+use super::memory::{self, Chunk, NodeData};
 use super::shader::{BALANCED_SIZE, MAX_CHUNKS, MIN_CHUNK};
 use crate::construct::levels::Level;
 use crate::construct::neural_gas::Clusterer;
@@ -9,8 +9,8 @@ use core::ops::Range;
 
 /// The nodes of a level that are clustered, the large ones first.
 pub(super) struct Jobs {
-    pub(super) level: memory::Level,
-    pub(super) nodes: Vec<Node>,
+    pub(super) level: memory::LevelData,
+    pub(super) nodes: Vec<NodeData>,
     pub(super) chunks: Vec<Chunk>,
     /// Of the nodes in their level.
     pub(super) numbers: Vec<usize>,
@@ -26,12 +26,12 @@ impl Jobs {
         let large = on_device.iter().copied().filter(is_large);
         let numbers: Vec<usize> = large.chain(on_device.iter().copied().filter(|i| !is_large(i))).collect();
         let mut jobs = Self {
-            level: memory::Level {
+            level: memory::LevelData {
                 nodes: numbers.len() as u32,
                 seed: clusterer.seed,
                 leaf_size: clusterer.halving.leaf_size as u32,
                 weighted: u32::from(!clusterer.samples.weights().is_empty()),
-                ..memory::Level::default()
+                ..memory::LevelData::default()
             },
             nodes: Vec::with_capacity(numbers.len()),
             chunks: Vec::new(),
@@ -60,7 +60,7 @@ impl Jobs {
             self.level.large_nodes += 1;
             self.level.large_chunks += chunks;
         }
-        self.nodes.push(Node {
+        self.nodes.push(NodeData {
             start: range.start as u32,
             count: range.len() as u32,
             number,

@@ -8,7 +8,7 @@ use bytemuck::{Pod, Zeroable};
 /// Of all dispatches of a level.
 #[repr(C)]
 #[derive(Copy, Clone, Pod, Zeroable, Default, Debug)]
-pub(super) struct Level {
+pub(super) struct LevelData {
     pub(super) nodes: u32,
     pub(super) large_nodes: u32,
     pub(super) chunks: u32,
@@ -21,7 +21,7 @@ pub(super) struct Level {
 /// A node of the level that is clustered.
 #[repr(C)]
 #[derive(Copy, Clone, Pod, Zeroable, Debug)]
-pub(super) struct Node {
+pub(super) struct NodeData {
     pub(super) start: u32,
     pub(super) count: u32,
     pub(super) number: u32,
@@ -114,8 +114,8 @@ impl Sizes {
         let (primitives, lanes, nodes) = (self.primitives, self.lanes, self.nodes());
         let words = |count: usize| 4 * count as u64;
         match binding {
-            Binding::Level => size_of::<Level>() as u64,
-            Binding::Nodes => (nodes * size_of::<Node>()) as u64,
+            Binding::Level => size_of::<LevelData>() as u64,
+            Binding::Nodes => (nodes * size_of::<NodeData>()) as u64,
             Binding::Chunks => (nodes * size_of::<Chunk>()) as u64,
             Binding::Positions => words(3 * primitives),
             Binding::Weights => words(if self.weighted { primitives } else { 1 }),

@@ -1,7 +1,7 @@
 //! The kernels: their text, and the pipelines made of it.
 
 use super::memory::{Binding, Memory};
-use crate::construct::neural_gas::{LIMITS, Limits};
+use crate::construct::neural_gas::{ClusterLimits, LIMITS};
 use alloc::format;
 use alloc::string::String;
 use alloc::vec::Vec;
@@ -26,7 +26,7 @@ pub(super) const MAX_CHUNKS: usize = 2048;
 pub(super) const STEPS_AT_ONCE: usize = 8;
 const MOVES_AT_ONCE: usize = 32;
 
-/// Dispatches of [`Kernel::Balance`] after which no lane is crowded. Leaves are shared out in multiples of `lanes` - 1, each to the lane
+/// Dispatches of [`Shader::Balance`] after which no lane is crowded. Leaves are shared out in multiples of `lanes` - 1, each to the lane
 /// that lacks most: so no lane has room for more than that beyond its primitives, and all that lack can be no more than all that is free.
 pub(super) fn balance_dispatches(lanes: usize, leaf_size: usize) -> usize {
     (lanes * (lanes - 1) * leaf_size).min(BALANCED_SIZE).div_ceil(MOVES_AT_ONCE)
@@ -40,8 +40,8 @@ pub(super) const ONE_LANE: u32 = u32::MAX;
 
 /// The kernels, each named for its scalar twin in [`crate::construct::neural_gas`].
 #[derive(Copy, Clone, PartialEq, Eq, Debug)]
-pub(super) enum Kernel {
-    SampleBox,
+pub(super) enum Shader {
+    Bounds,
     Start,
     LocalCoordinates,
     Accumulate,
@@ -54,9 +54,9 @@ pub(super) enum Kernel {
     Replace,
 }
 
-impl Kernel {
+impl Shader {
     pub(super) const ALL: [Self; 11] = [
-        Self::SampleBox,
+        Self::Bounds,
         Self::Start,
         Self::LocalCoordinates,
         Self::Accumulate,
@@ -73,9 +73,7 @@ impl Kernel {
     pub(super) fn interface(self) -> (&'static str, &'static [Binding]) {
         use Binding as B;
         match self {
-            Self::SampleBox => {
-                ("bounds", &[B::Level, B::Chunks, B::Positions, B::Weights, B::Order, B::Boxes])
-            }
+            Self::Bounds => ("bounds", &[B::Level, B::Chunks, B::Positions, B::Weights, B::Order, B::Boxes]),
             Self::Start => ("start", &[B::Level, B::Nodes, B::Boxes, B::States, B::Prototypes]),
             Self::LocalCoordinates => (
                 "local_coordinates",
@@ -105,14 +103,14 @@ impl Kernel {
     }
 
     /// Workgroups for a level.
-    pub(super) fn groups(self, level: &super::memory::Level, lanes: usize) -> u32 {
+    pub(super) fn groups(self, level: &super::memory::LevelData, lanes: usize) -> u32 {
         match self {
             Self::Start => (level.nodes * lanes as u32).div_ceil(WORKGROUP),
             Self::Accumulate => level.large_chunks,
             Self::Update => level.large_nodes,
             Self::Cluster | Self::Balance => level.nodes - level.large_nodes,
             Self::LaneEnds => level.nodes,
-            Self::SampleBox | Self::LocalCoordinates | Self::Nearest | Self::SortByLane | Self::Replace => {
+            Self::Bounds | Self::LocalCoordinates | Self::Nearest | Self::SortByLane | Self::Replace => {
                 level.chunks
             }
         }
@@ -130,8 +128,9 @@ pub(super) enum Int64 {
 
 /// The text of all kernels for nodes of so many lanes.
 pub(super) fn source(lanes: usize, int64: Int64) -> String {
-    let Limits { steps, local_bits, weight_bits, weight_sum_bits, min_extent, cost_shift, never, .. } =
-        LIMITS;
+    let ClusterLimits {
+        steps, local_bits, weight_bits, weight_sum_bits, min_extent, cost_shift, never, ..
+    } = LIMITS;
     let constants = format!(
         "const LANES = {lanes}u;\nconst STEPS = {steps}u;\nconst WORKGROUP = {WORKGROUP}u;\n\
         const UPDATE_WORKGROUP = {UPDATE_WORKGROUP}u;\nconst LOCAL_BITS = {local_bits}u;\n\
@@ -168,7 +167,7 @@ impl Pipelines {
             label: Some("simdop neural gas"),
             source: wgpu::ShaderSource::Wgsl(source(lanes, int64).into()),
         });
-        let pipeline = |kernel: &Kernel| {
+        let pipeline = |kernel: &Shader| {
             let (name, _) = kernel.interface();
             device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
                 label: Some(name),
@@ -183,16 +182,16 @@ impl Pipelines {
                 cache: None,
             })
         };
-        Self { pipelines: Kernel::ALL.iter().map(pipeline).collect() }
+        Self { pipelines: Shader::ALL.iter().map(pipeline).collect() }
     }
 
-    pub(super) fn pipeline(&self, kernel: Kernel) -> &wgpu::ComputePipeline {
+    pub(super) fn pipeline(&self, kernel: Shader) -> &wgpu::ComputePipeline {
         &self.pipelines[kernel as usize]
     }
 
     /// The kernels' views of a tree's buffers.
     pub(super) fn bind(&self, device: &wgpu::Device, memory: &Memory) -> Vec<wgpu::BindGroup> {
-        let bind = |&kernel: &Kernel| {
+        let bind = |&kernel: &Shader| {
             let (name, bindings) = kernel.interface();
             let entry = |&binding: &Binding| wgpu::BindGroupEntry {
                 binding: binding as u32,
@@ -204,6 +203,6 @@ impl Pipelines {
                 entries: &bindings.iter().map(entry).collect::<Vec<_>>(),
             })
         };
-        Kernel::ALL.iter().map(bind).collect()
+        Shader::ALL.iter().map(bind).collect()
     }
 }

@@ -76,14 +76,14 @@ fn sums_of<const N: usize>(
     sums
 }
 
-type Lanes<T, const N: usize> = [[T; BLOCK]; N];
+type PerLane<T, const N: usize> = [[T; BLOCK]; N];
 
 /// Squared distances of a block's primitives to each prototype.
 #[inline]
 pub(in crate::construct) fn distances<const N: usize>(
     block: &Block<'_>,
     prototypes: &Prototypes<N>,
-) -> Lanes<u32, N> {
+) -> PerLane<u32, N> {
     let mut distances = [[0; BLOCK]; N];
     for (lane, distances) in distances.iter_mut().enumerate() {
         let at = prototypes.coordinates.map(|c| c[lane] as i16);
@@ -101,9 +101,9 @@ pub(in crate::construct) fn distances<const N: usize>(
 
 /// How many prototypes are nearer, the one with the lower index if two are equally near.
 #[inline]
-fn ranks<const N: usize>(distances: &Lanes<u32, N>) -> Lanes<u32, N> {
+fn ranks<const N: usize>(distances: &PerLane<u32, N>) -> PerLane<u32, N> {
     // Each starts behind all that follow it, and overtakes those that are farther.
-    let mut ranks: Lanes<u32, N> = core::array::from_fn(|lane| [(N - 1 - lane) as u32; BLOCK]);
+    let mut ranks: PerLane<u32, N> = core::array::from_fn(|lane| [(N - 1 - lane) as u32; BLOCK]);
     for lane in 1..N {
         let mut own = ranks[lane];
         for other in 0..lane {
@@ -120,7 +120,7 @@ fn ranks<const N: usize>(distances: &Lanes<u32, N>) -> Lanes<u32, N> {
 
 /// h of each rank; 0 for padding, which pulls nothing.
 #[inline]
-fn pulls<const N: usize>(block: &Block<'_>, prototypes: &Prototypes<N>, h: &[u16; N]) -> Lanes<u16, N> {
+fn pulls<const N: usize>(block: &Block<'_>, prototypes: &Prototypes<N>, h: &[u16; N]) -> PerLane<u16, N> {
     let ranks = ranks(&distances(block, prototypes));
     let mut pulls = [[0; BLOCK]; N];
     for lane in 0..N {

@@ -3,7 +3,7 @@
 use super::{balance, samples, schedule};
 
 /// See the table of number ranges in [`super`].
-pub(in crate::construct) struct Limits {
+pub(in crate::construct) struct ClusterLimits {
     pub(in crate::construct) steps: usize,
     pub(in crate::construct) local_bits: u32,
     pub(in crate::construct) weight_bits: u32,
@@ -15,7 +15,7 @@ pub(in crate::construct) struct Limits {
     pub(in crate::construct) never: i32,
 }
 
-pub(in crate::construct) const LIMITS: Limits = Limits {
+pub(in crate::construct) const LIMITS: ClusterLimits = ClusterLimits {
     steps: schedule::STEPS,
     local_bits: samples::LOCAL_BITS,
     weight_bits: samples::WEIGHT_BITS,

@@ -45,7 +45,7 @@ mod samples;
 mod schedule;
 
 #[cfg(feature = "gpu")]
-pub(super) use limits::{LIMITS, Limits};
+pub(super) use limits::{ClusterLimits, LIMITS};
 pub(super) use samples::Samples;
 /// What each kernel of a device is compared with.
 #[cfg(all(test, feature = "gpu"))]

@@ -24,7 +24,7 @@
 
 use super::double_double::DoubleDouble;
 use super::features::{
-    Closest, Corners, Face, Real, Vector, closest_on_edges, dot, greatest, least, rejection, sub,
+    Closest, Corners, FacePlane, Real, Vector, closest_on_edges, dot, greatest, least, rejection, sub,
 };
 use super::{Triangle, in_range, overlap};
 use crate::exact::power_of_two;
@@ -168,8 +168,8 @@ impl<R: Real> Local<R> {
     }
 
     #[inline(always)]
-    fn faces(&self) -> [Face<R>; 2] {
-        [Face::new(&self.a, &self.b), Face::new(&self.b, &self.a)]
+    fn faces(&self) -> [FacePlane<R>; 2] {
+        [FacePlane::new(&self.a, &self.b), FacePlane::new(&self.b, &self.a)]
     }
 
     /// What rounding may have done to a bound.
@@ -180,7 +180,12 @@ impl<R: Real> Local<R> {
 
     /// Tries the features in turn until the bounds meet. `likely`: edges to try before all others.
     #[inline(always)]
-    fn separation(&self, faces: &[Face<R>; 2], likely: Option<[usize; 2]>, tolerance: f64) -> Separation {
+    fn separation(
+        &self,
+        faces: &[FacePlane<R>; 2],
+        likely: Option<[usize; 2]>,
+        tolerance: f64,
+    ) -> Separation {
         let mut best = Separation { lower: 0.0, upper: f64::INFINITY, a: self.origin, b: self.origin };
         if let Some((q, p)) = faces[0].foot(&self.b) {
             best = self.bounded(best, &Closest { p, q, axis: faces[0].normal });
@@ -260,7 +265,7 @@ impl Local<f64> {
     /// Heights over a face count its own corners as in the plane. They are off it by what rounding did to the normal: at most
     /// `32 u size^2` a component, so `192 u size^3` for an edge. Of a needle's normal that can be all there is.
     #[inline(always)]
-    fn beyond_faces(&self, [over_a, over_b]: &[Face<f64>; 2], limit: f64) -> bool {
+    fn beyond_faces(&self, [over_a, over_b]: &[FacePlane<f64>; 2], limit: f64) -> bool {
         let off_plane = 256.0 * f64::ROUNDOFF * (self.size * self.size * self.size);
         self.beyond(over_a.gap() - off_plane, &over_a.normal, limit)
             || self.beyond(over_b.gap() - off_plane, &over_b.normal, limit)

@@ -113,7 +113,7 @@ pub(super) struct OnEdges<R> {
 
 /// A triangle's plane and the three corners of the other triangle over it.
 #[derive(Debug)]
-pub(super) struct Face<R> {
+pub(super) struct FacePlane<R> {
     origin: Vector<R>,
     edges: [Vector<R>; 2],
     pub(super) normal: Vector<R>,
@@ -121,7 +121,7 @@ pub(super) struct Face<R> {
     pub(super) heights: [R; 3],
 }
 
-impl<R: Real> Face<R> {
+impl<R: Real> FacePlane<R> {
     #[inline(always)]
     pub(super) fn new(face: &Corners<R>, corners: &Corners<R>) -> Self {
         let origin = face[0];

@@ -4,8 +4,7 @@
 //! edges, which therefore stand for it everywhere.
 
 use super::{Signs, Triangle, UNIT_ROUNDOFF, sign};
-
-type Point = [f64; 3];
+use crate::range::Point;
 
 /// Relative error bound of a 2 by 2 determinant of differences: `ccwerrboundA` of the same paper.
 const AREA_ERROR: f64 = (3.0 + 16.0 * UNIT_ROUNDOFF) * UNIT_ROUNDOFF;
