@@ -4,14 +4,15 @@
 pub mod poses;
 
 use core::fmt::Write;
-use simdop::hierarchy::{Aligned, BvhRef};
+use simdop::hierarchy::Baked;
+use simdop::include_tree;
 use simdop::isa::Isa;
 use simdop::node::Node16;
 use simdop::pose::Pose;
 use simdop::query::{Counters, Pair, Query, Verdict, Verdict::*};
 
-/// The baked tree, read in place.
-static RING: &Aligned<[u8]> = &Aligned(*include_bytes!(concat!(env!("OUT_DIR"), "/ring.simdop")));
+/// The baked tree, read in place. The compiler has checked its header.
+static RING: Baked<Node16<14>> = include_tree!(concat!(env!("OUT_DIR"), "/ring.simdop"));
 
 include!(concat!(env!("OUT_DIR"), "/expected.rs"));
 
@@ -29,11 +30,12 @@ pub fn run(out: &mut impl Write) -> bool {
 
 fn try_run(out: &mut impl Write) -> Result<bool, &'static str> {
     let isa = Isa::detect();
-    let ring = BvhRef::<Node16<14>>::from_bytes(&RING.0).map_err(|_| "the tree is not one")?;
+    let ring = RING.view().map_err(|_| "the tree is not one")?;
+    let again = RING.view().map_err(|_| "the tree is one no longer")?;
     let mut good = true;
     for ((name, rows, meets), expected) in poses::POSES.iter().zip(EXPECTED) {
         let pose = Pose::from_rows(*rows).map_err(|_| "the pose is not rigid")?;
-        let answer = Query::new(isa).collide(&ring, &ring, &pose);
+        let answer = Query::new(isa).collide(&ring, &again, &pose);
         let found = (answer.verdict, answer.counters);
         let agrees = found == expected && answer.hit().is_some() == *meets;
         let verdict = if agrees { "as expected" } else { "WRONG" };

@@ -1,0 +1,203 @@
+//! Trees in whichever form a caller holds them: owned in a struct, of any node type, in flash; and vertices that no triangle uses.
+
+mod support;
+
+use core::ops::ControlFlow;
+use simdop::construct::{BuildError, Builder, Mesh};
+use simdop::hierarchy::{AnyBvh, AnyBvhRef, AsBvh, BakeError, Baked, Bvh, BvhRef};
+use simdop::isa::Isa;
+use simdop::node::{Node4, Node16};
+use simdop::pose::Pose;
+use simdop::query::{AnyError, Query, ToleranceError};
+use simdop::with_bvh;
+use support::data::MeshData;
+use support::shapes;
+
+fn mesh_of(mesh: &MeshData) -> Mesh<'_> {
+    Mesh { vertices: &mesh.vertices, triangles: &mesh.triangles }
+}
+
+/// From apart to deep inside each other.
+fn poses() -> Vec<Pose> {
+    let pose = |i: i32| {
+        let x = f64::from(i) * 0.35;
+        Pose::from_rows([[0.6, -0.8, 0.0, x], [0.8, 0.6, 0.0, 0.1], [0.0, 0.0, 1.0, 0.05]]).unwrap()
+    };
+    (0..12).map(pose).collect()
+}
+
+/// What a planner would hold: the tree and what it asks of it, without a lifetime.
+struct Link {
+    tree: Bvh<Node16<18>>,
+    query: Query,
+}
+
+impl Link {
+    fn is_free_of(
+        &self,
+        other: &impl AsBvh<Node = Node16<18>, Primitive = simdop::primitive::Triangles>,
+        pose: &Pose,
+    ) -> bool {
+        self.query.collide(&self.tree, other, pose).is_free()
+    }
+}
+
+#[test]
+fn queries_take_owned_and_borrowed_trees_alike() {
+    let tree = Builder::new().build::<Node16<18>>(&mesh_of(&shapes::torus(16, 12))).unwrap();
+    let link = Link { tree: tree.clone(), query: Query::new(Isa::detect()) };
+    let mut verdicts = Vec::new();
+    for pose in &poses() {
+        let want = link.query.collide(&tree.view(), &tree.view(), pose);
+        assert_eq!(link.query.collide(&tree, &tree, pose), want);
+        assert_eq!(link.query.collide(&tree, &tree.view(), pose), want);
+        assert_eq!(link.is_free_of(&tree, pose), want.is_free());
+        assert_eq!(link.is_free_of(&tree.view(), pose), want.is_free());
+        verdicts.push(want.is_free());
+    }
+    assert!(verdicts.contains(&true) && verdicts.contains(&false));
+}
+
+fn any_agrees<N: simdop::query::Lanes>(mesh: &MeshData)
+where
+    for<'a> AnyBvhRef<'a>: From<BvhRef<'a, N>>,
+    AnyBvh: From<Bvh<N>>,
+{
+    let query = Query::new(Isa::detect());
+    let tree = Builder::new().build::<N>(&mesh_of(mesh)).unwrap();
+    let built =
+        Builder::new().build_any(&mesh_of(mesh), N::K, N::ARITY, &mut |_| ControlFlow::Continue(())).unwrap();
+    assert_eq!(built.as_bytes(), tree.as_bytes());
+    // Bytes of a file have no alignment.
+    let mut file = vec![0; tree.as_bytes().len() + 1];
+    file[1..].copy_from_slice(tree.as_bytes());
+    let any = AnyBvh::from_bytes(&file[1..]).unwrap();
+    assert_eq!(any.as_bytes(), tree.as_bytes());
+    let borrowed = AnyBvhRef::from_bytes(tree.as_bytes()).unwrap();
+    let view = tree.view();
+    assert_eq!((borrowed.stats(), borrowed.tree_stats()), (view.stats(), view.tree_stats()));
+    assert_eq!(borrowed.header(), view.header());
+    assert_eq!(borrowed.verify(), Ok(()));
+    assert_eq!(with_bvh!(AnyBvhRef::from(view), tree => tree.len()), mesh.triangles.len());
+    assert_eq!(AnyBvh::from(tree.clone()).view().header(), view.header());
+    for pose in &poses() {
+        assert_eq!(query.collide_any(&any.view(), &borrowed, pose), Ok(query.collide(&tree, &tree, pose)));
+        let within = query.within_any(&any.view(), &borrowed, pose, 0.1).unwrap();
+        assert_eq!(within, query.within(&tree, &tree, pose, 0.1).unwrap());
+        let distance = query.distance_any(&any.view(), &borrowed, pose, 0.01).unwrap();
+        assert_eq!(distance, query.distance(&tree, &tree, pose, 0.01).unwrap());
+        let (mut got, mut want) = (Vec::new(), Vec::new());
+        let done = query.for_each_pair_any(&any.view(), &borrowed, pose, |pair| {
+            got.push(pair);
+            ControlFlow::Continue(())
+        });
+        let completion = query.for_each_pair(&tree, &tree, pose, |pair| {
+            want.push(pair);
+            ControlFlow::Continue(())
+        });
+        assert_eq!((done.unwrap(), got), (completion, want));
+    }
+}
+
+#[test]
+fn trees_of_any_node_type_answer_as_their_own_type_does() {
+    let mesh = shapes::torus(12, 8);
+    any_agrees::<Node16<6>>(&mesh);
+    any_agrees::<Node16<14>>(&mesh);
+    any_agrees::<Node16<18>>(&mesh);
+    any_agrees::<Node16<26>>(&mesh);
+    any_agrees::<Node16<32>>(&mesh);
+    any_agrees::<Node4<6>>(&mesh);
+    any_agrees::<Node4<14>>(&mesh);
+    any_agrees::<Node4<18>>(&mesh);
+    any_agrees::<Node4<26>>(&mesh);
+    any_agrees::<Node4<32>>(&mesh);
+}
+
+#[test]
+fn what_cannot_be_asked_of_any_trees_has_a_name() {
+    let mesh = shapes::torus(6, 4);
+    let build =
+        |k, arity| Builder::new().build_any(&mesh_of(&mesh), k, arity, &mut |_| ControlFlow::Continue(()));
+    assert_eq!(build(17, 16).err(), Some(BuildError::NodeType { k: 17, arity: 16 }));
+    assert_eq!(build(18, 8).err(), Some(BuildError::NodeType { k: 18, arity: 8 }));
+    let (a, b) = (build(18, 16).unwrap(), build(14, 4).unwrap());
+    let query = Query::new(Isa::detect());
+    let other = AnyError::OtherNode { a: (18, 16), b: (14, 4) };
+    assert_eq!(query.collide_any(&a.view(), &b.view(), &Pose::IDENTITY), Err(other));
+    assert_eq!(query.distance_any(&a.view(), &b.view(), &Pose::IDENTITY, 0.0), Err(other));
+    let negative = AnyError::Tolerance(ToleranceError { given: -1.0 });
+    assert_eq!(query.within_any(&a.view(), &a.view(), &Pose::IDENTITY, -1.0), Err(negative));
+    assert!(!other.to_string().is_empty() && !negative.to_string().is_empty());
+
+    // A node type that there is not, in bytes of any length.
+    let mut bytes = a.as_bytes().to_vec();
+    bytes[12] = 17;
+    assert_eq!(AnyBvh::from_bytes(&bytes).err(), Some(BakeError::OtherNode { k: 17, arity: 16 }));
+    bytes[12] = 14;
+    assert!(AnyBvh::from_bytes(&bytes).is_err(), "nodes of another size");
+    assert_eq!(AnyBvh::from_bytes(&bytes[..7]).err(), Some(BakeError::NotATree));
+    assert_eq!(AnyBvh::from_bytes(&bytes[..100]).err(), Some(BakeError::Truncated { have: 100, need: 128 }));
+}
+
+fn leaked(bytes: &[u8]) -> &'static [u8] {
+    // At a multiple of 64 somewhere in a longer run.
+    let run: &'static mut [u8] = vec![0; bytes.len() + 64].leak();
+    let start = run.as_ptr().align_offset(64);
+    run[start..start + bytes.len()].copy_from_slice(bytes);
+    &run[start..start + bytes.len()]
+}
+
+#[test]
+fn a_tree_in_flash_is_validated_by_its_first_view_and_every_failing_one() {
+    let tree = Builder::new().build::<Node16<18>>(&mesh_of(&shapes::torus(12, 8))).unwrap();
+    let baked = Baked::<Node16<18>>::new(leaked(tree.as_bytes()));
+    let first = baked.view().unwrap();
+    let again = baked.view().unwrap();
+    assert_eq!(first.nodes().as_ptr(), again.nodes().as_ptr(), "in place");
+    assert_eq!((first.stats(), again.stats()), (tree.view().stats(), tree.view().stats()));
+
+    // The root's first link, to a node that there is not: the header is sound.
+    let mut bytes = tree.as_bytes().to_vec();
+    let link = 128 + 32 * 18;
+    bytes[link..link + 4].copy_from_slice(&0x7fff_ffff_u32.to_le_bytes());
+    let damaged = Baked::<Node16<18>>::new(leaked(&bytes));
+    let error = damaged.view().err();
+    assert!(error.is_some(), "a link out of range was not seen");
+    assert_eq!(damaged.view().err(), error, "and is not remembered as sound");
+    let off = leaked(&[&[0_u8; 8][..], tree.as_bytes()].concat());
+    assert_eq!(Baked::<Node16<18>>::new(&off[8..]).view().err(), Some(BakeError::Misaligned));
+}
+
+#[test]
+#[should_panic(expected = "another k or arity")]
+fn a_tree_in_flash_of_another_node_type_does_not_compile_in_a_constant() {
+    let tree = Builder::new().build::<Node16<18>>(&mesh_of(&shapes::torus(6, 4))).unwrap();
+    let _ = Baked::<Node16<14>>::new(leaked(tree.as_bytes()));
+}
+
+/// A vertex that no triangle uses, a million body sizes away, took the frame's precision from all planes: every query tested all pairs.
+#[test]
+fn stray_vertices_change_nothing() {
+    let mesh = shapes::torus(24, 16);
+    let clean = Builder::new().build::<Node16<18>>(&mesh_of(&mesh)).unwrap();
+    for stray in [[1e6, 0.0, 0.0], [-1e6, 1e6, 1e6], [1e80, 0.0, -1e80]] {
+        for at_front in [false, true] {
+            let mut strayed = mesh.clone();
+            if at_front {
+                strayed.vertices.insert(0, stray);
+                strayed.triangles.iter_mut().flatten().for_each(|vertex| *vertex += 1);
+            } else {
+                strayed.vertices.push(stray);
+            }
+            let tree = Builder::new().build::<Node16<18>>(&mesh_of(&strayed)).unwrap();
+            assert!(tree.as_bytes() == clean.as_bytes(), "{stray:?}");
+        }
+    }
+    // One that could not be used is an error all the same: nothing is dropped in silence that might have been meant.
+    let mut broken = mesh;
+    broken.vertices.push([f64::NAN, 0.0, 0.0]);
+    let index = broken.vertices.len() - 1;
+    let error = Builder::new().build::<Node16<18>>(&mesh_of(&broken)).err();
+    assert_eq!(error, Some(BuildError::Vertex { index }));
+}
