@@ -208,3 +208,33 @@ pub(in crate::construct) fn sort_by_lane<const N: usize>(
     }
     part.copy_from_slice(sorted);
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Points twice as far out each as the last: a cluster is all that is near the middle.
+    #[test]
+    fn a_node_with_no_level_to_spare_is_balanced() {
+        const COUNT: u32 = 256;
+        let points: Vec<[f64; 3]> =
+            (0..COUNT).map(|i| [f64::from(1 << (i % 20)), f64::from(i) / 256.0, 0.0]).collect();
+        let cloud = Cloud::new(&points, None);
+        let cutter = Cutter { arity: 4, leaf_size: 1, extended: true };
+        let splitter = Splitter::<4>::new(&cloud, &cutter, 0);
+        let largest = |levels_left| {
+            let (mut part, mut ends) = ((0..COUNT).collect::<Vec<_>>(), [0; 4]);
+            splitter.cut(
+                &mut Scratch::default(),
+                levels::Place { node: 0, levels_left },
+                &mut part,
+                &mut ends,
+            );
+            let starts = core::iter::once(0).chain(ends);
+            starts.zip(ends).map(|(start, end)| end - start).max().unwrap()
+        };
+        assert_eq!(splitter.levels_needed(COUNT as usize), 4);
+        assert!(largest(20) > 64, "left alone, a lane gets more than its share");
+        assert_eq!([4, 5].map(largest), [64; 2]);
+    }
+}
