@@ -78,8 +78,9 @@ fn rotations(n: Vector) -> Vec<Vector> {
 
 /// The faces of the convex hull of the NORMALISED directions, antipodal faces at 2i and 2i+1.
 ///
-/// Over random orientations of a body its mean plane is proportional to the direction's length, so the mean width
-/// after re-alignment is proportional to the sum of weight times length, which this hull's triangles minimise.
+/// Over random orientations of a body its mean plane is proportional to the direction's length, so the mean
+/// width after re-alignment is proportional to the sum of weight times length, which this hull's triangles
+/// minimise.
 fn triangulate(vectors: &[Vector]) -> Vec<Face> {
     let k = vectors.len();
     let mut triples: Vec<[usize; 3]> = Vec::new();
@@ -101,8 +102,8 @@ fn triangulate(vectors: &[Vector]) -> Vec<Face> {
     triples.iter().enumerate().map(face).collect()
 }
 
-/// Whether every other direction's end lies below the plane through these three; a fourth on the plane would make
-/// the triangulation ambiguous, so it is refused.
+/// Whether every other direction's end lies below the plane through these three; a fourth on the plane would
+/// make the triangulation ambiguous, so it is refused.
 fn is_hull_face(vectors: &[Vector], triple: [usize; 3]) -> bool {
     let [a, b, c] = triple.map(|j| normalised(vectors[j]));
     let normal = cross(sub(b, a), sub(c, a));
@@ -144,8 +145,9 @@ fn start_faces(faces: &[Face]) -> Vec<usize> {
     (0..GRID_SIDE * GRID_SIDE).map(vote).collect()
 }
 
-/// Rays that `Table::start` maps to this cell: the octahedral map of the upper half sphere, turned by 45 degrees
-/// to fill the square. (x + y, x - y) / (|x| + |y| + |z|), scaled to 0..=GRID_SIDE-1, is rounded to (row, column).
+/// Rays that `Table::start` maps to this cell: the octahedral map of the upper half sphere, turned by 45
+/// degrees to fill the square. (x + y, x - y) / (|x| + |y| + |z|), scaled to 0..=GRID_SIDE-1, is rounded to
+/// (row, column).
 fn samples(cell: usize) -> Vec<Ray> {
     let coordinate = |index: usize, sample: usize| {
         let offset = (sample as f64 + 0.5) / VOTES as f64 - 0.5;

@@ -1,5 +1,5 @@
-//! The SIMDop paper's comparison: binary DOP trees, scalar, vectorised by the compiler and by hand, against 1vs16 and 4vs4; and an ablation of the
-//! library: what SIMD, arity, 16-bit keys and splitter are worth.
+//! The SIMDop paper's comparison: binary DOP trees, scalar, vectorised by the compiler and by hand, against
+//! 1vs16 and 4vs4; and an ablation of the library: what SIMD, arity, 16-bit keys and splitter are worth.
 //!
 //! ```sh
 //! cargo bench --bench ablation                     # cow, armadillo, hand, bunny75k and a made-up torus; a minute
@@ -7,12 +7,13 @@
 //! cargo bench --bench ablation -- --test           # the torus, small, at a few poses
 //! ```
 //!
-//! A mesh against itself, k = 18, one triangle a leaf, first hit. Every system has the same triangles, predicate and poses (those of
-//! `support/suites.rs`), and gives the library's verdict at every pose, and at poses that barely touch, before it is timed. Times are medians over the
-//! poses of the least of [`PASSES`] passes; the systems take turns, [`BLOCK`] poses each. Counts are means over the poses at the distance 0 %.
+//! A mesh against itself, k = 18, one triangle a leaf, first hit. Every system has the same triangles,
+//! predicate and poses (those of `support/suites.rs`), and gives the library's verdict at every pose, and at
+//! poses that barely touch, before it is timed. Times are medians over the poses of the least of [`PASSES`]
+//! passes; the systems take turns, [`BLOCK`] poses each. Counts are means over the poses at the distance 0 %.
 //!
-//! The binary trees turn A's DOPs by the library's own inequality and pads (`src/realign.rs`), and descend as the library does
-//! (`ablation/traverse.rs`). They are split by full sweeps (`ablation/split.rs`).
+//! The binary trees turn A's DOPs by the library's own inequality and pads (`src/realign.rs`), and descend as
+//! the library does (`ablation/traverse.rs`). They are split by full sweeps (`ablation/split.rs`).
 
 #![expect(clippy::unwrap_used, reason = "a benchmark that cannot go on has failed")]
 
@@ -54,7 +55,8 @@ const MODELS: [&str; 4] = ["cow", "armadillo", "hand", "bunny75k"];
 const TORUS: &str = "torus";
 /// At each distance.
 const POSES: usize = 100;
-/// Poses that a system gets in a row before it is the next one's turn, as in `benches/peers`: a planner asks one library many things.
+/// Poses that a system gets in a row before it is the next one's turn, as in `benches/peers`: a planner asks
+/// one library many things.
 const BLOCK: usize = 10;
 const PASSES: usize = 5;
 /// Which of [`DISTANCES`] the counts are of: the paper's.

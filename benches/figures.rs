@@ -1,12 +1,14 @@
-//! Figures 6 and 7 of the SIMDop paper (Tan, Weller, Zachmann, IROS 2019) for this library's splitters: time of a query and of a build
-//! against the number of polygons. `cargo bench --bench figures` writes `figures.csv` and the plots to `target/figures/`, and prints after how many
-//! queries, touching and 1 % of the diagonal apart, a longer build has paid.
+//! Figures 6 and 7 of the SIMDop paper (Tan, Weller, Zachmann, IROS 2019) for this library's splitters: time
+//! of a query and of a build against the number of polygons. `cargo bench --bench figures` writes
+//! `figures.csv` and the plots to `target/figures/`, and prints after how many queries, touching and 1 % of
+//! the diagonal apart, a longer build has paid.
 //!
 //! Figure 7 with other libraries' builds: `benches/peers/run --builds`.
 //!
-//! As in the paper k is 32, poses are at the distance zero (a millionth of the diagonal from contact, free), and the polygon count
-//! varies by decimation: vertices that share a cell of a grid become one. A model is tested against itself. Query times are means over the
-//! poses of the least of several interleaved runs; build times are the least of several.
+//! As in the paper k is 32, poses are at the distance zero (a millionth of the diagonal from contact, free),
+//! and the polygon count varies by decimation: vertices that share a cell of a grid become one. A model is
+//! tested against itself. Query times are means over the poses of the least of several interleaved runs;
+//! build times are the least of several.
 
 #![expect(clippy::unwrap_used, reason = "a benchmark that cannot go on has failed")]
 
@@ -184,7 +186,8 @@ fn csv(rows: &[Row]) -> String {
     text
 }
 
-/// After how many queries the longer build of a splitter has paid, against the fast preset's: both models in full, 1vs16.
+/// After how many queries the longer build of a splitter has paid, against the fast preset's: both models in
+/// full, 1vs16.
 fn pay_offs(rows: &[Row]) -> String {
     let mut text = String::from(
         "| model | splitter | build, ms | touching, us | pays after | 1 % apart, us | pays after |\n|---|---|---|---|---|---|---|\n",

@@ -1,12 +1,13 @@
-//! Batch Neural Gas on a device against the scalar builder: time against the number of spheres and of triangles.
+//! Batch Neural Gas on a device against the scalar builder: time against the number of spheres and of
+//! triangles.
 //!
 //! ```sh
 //! cargo bench --features gpu,rayon --bench gpu -- 10000000   # the largest number; 100 000 without
 //! cargo bench --features gpu,rayon --bench gpu -- --test     # 2 000, once
 //! ```
 //!
-//! Prints a table: medians, milliseconds. The first build of all compiles the kernels and is not counted. Every tree is compared with
-//! the scalar builder's.
+//! Prints a table: medians, milliseconds. The first build of all compiles the kernels and is not counted.
+//! Every tree is compared with the scalar builder's.
 
 #![expect(clippy::unwrap_used, reason = "a bench that cannot go on has failed")]
 

@@ -1,9 +1,11 @@
 //! What a hint is worth along a motion: `cargo bench --bench hints` prints a table. A minute.
 //!
-//! A mesh moves against itself in [`STEPS`] small steps, from places of both methods of `support/suites.rs`. *In contact* it turns about its centre by 2e-4 radians a
-//! step, from 1 % deep, and may come free on the way; *apart* it does the same from a gap of 1 %; *approaching* it comes straight in from 5 % to 2e-5 of the
-//! diagonal. Each sweep is made without hints and with each step's hint from the step before, in turns, [`PASSES`] times; the least time of each counts, and
-//! every verdict and distance with hints is first compared with the one without.
+//! A mesh moves against itself in [`STEPS`] small steps, from places of both methods of `support/suites.rs`.
+//! *In contact* it turns about its centre by 2e-4 radians a step, from 1 % deep, and may come free on the
+//! way; *apart* it does the same from a gap of 1 %; *approaching* it comes straight in from 5 % to 2e-5 of
+//! the diagonal. Each sweep is made without hints and with each step's hint from the step before, in turns,
+//! [`PASSES`] times; the least time of each counts, and every verdict and distance with hints is first
+//! compared with the one without.
 
 #![expect(clippy::unwrap_used, reason = "a benchmark that cannot go on has failed")]
 

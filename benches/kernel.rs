@@ -1,4 +1,5 @@
-//! The overlap kernels on the calls of real queries: cow and armadillo against themselves, free, 1e-2 to 1e-8 of the diagonal apart.
+//! The overlap kernels on the calls of real queries: cow and armadillo against themselves, free, 1e-2 to 1e-8
+//! of the diagonal apart.
 //!
 //! ```sh
 //! cargo bench --bench kernel                        # criterion: kernel/1v16/k18/L1/avx2 ..
@@ -6,8 +7,9 @@
 //! cargo bench --bench kernel -- --test              # everything once, on a small shape
 //! ```
 //!
-//! Before it is timed, every variant gives the scalar kernel's mask on every call. "L1" and "L2" data are in that cache when the clock starts,
-//! and the branch predictor has not seen the masks: each call happens once in a pass, in the order of the traversal.
+//! Before it is timed, every variant gives the scalar kernel's mask on every call. "L1" and "L2" data are in
+//! that cache when the clock starts, and the branch predictor has not seen the masks: each call happens once
+//! in a pass, in the order of the traversal.
 
 #[path = "../tests/support/data.rs"]
 mod data;
@@ -142,7 +144,8 @@ impl Row {
         Self { kernel, k, level, calls, separated, bytes: plane_bytes * k, benches: Vec::new() }
     }
 
-    /// Nanoseconds a call of each variant: medians over rounds in which they take turns, so that a busy neighbour hits all of them.
+    /// Nanoseconds a call of each variant: medians over rounds in which they take turns, so that a busy
+    /// neighbour hits all of them.
     fn medians(&self, rounds: usize) -> Vec<f64> {
         let mut times = vec![Vec::new(); self.benches.len()];
         for _ in 0..rounds {

@@ -1,10 +1,12 @@
-//! Hierarchies over spheres: Batch Neural Gas, with and without the spheres' volumes as weights, beside the two heuristics that the BNG paper measures
-//! it against (Weller, Mainzer, Srinivas, Teschner & Zachmann 2014, section 4). `cargo bench --bench spheres` prints a table, the same on every machine.
+//! Hierarchies over spheres: Batch Neural Gas, with and without the spheres' volumes as weights, beside the
+//! two heuristics that the BNG paper measures it against (Weller, Mainzer, Srinivas, Teschner & Zachmann
+//! 2014, section 4). `cargo bench --bench spheres` prints a table, the same on every machine.
 //!
-//! Arity 4, as in the paper. Nodes are wrapped: a node's ball encloses the spheres below it, not the balls of its children. Compared are, in a query
-//! for penetration volume, which meets every pair of spheres that overlap, the visits of two nodes, which are what SIMD code pays for, and the
-//! tests of two balls: means over [`POSES`] poses of a packing against itself, and in brackets their ratio to the first row's. Every tree must find
-//! the pairs that brute force finds.
+//! Arity 4, as in the paper. Nodes are wrapped: a node's ball encloses the spheres below it, not the balls of
+//! its children. Compared are, in a query for penetration volume, which meets every pair of spheres that
+//! overlap, the visits of two nodes, which are what SIMD code pays for, and the tests of two balls: means
+//! over [`POSES`] poses of a packing against itself, and in brackets their ratio to the first row's. Every
+//! tree must find the pairs that brute force finds.
 
 #![expect(clippy::unwrap_used, reason = "a benchmark that cannot go on has failed")]
 

@@ -1,7 +1,8 @@
-//! What each splitter's trees cost a query, in counted work: `cargo bench --bench splitters` prints a table, the same on every machine. Five minutes.
+//! What each splitter's trees cost a query, in counted work: `cargo bench --bench splitters` prints a table,
+//! the same on every machine. Five minutes.
 //!
-//! Visits a query of a mesh against itself, mean over [`POSES`] poses at each of the four distances of `support/suites.rs`: k = 18, arity 16, one
-//! triangle a leaf.
+//! Visits a query of a mesh against itself, mean over [`POSES`] poses at each of the four distances of
+//! `support/suites.rs`: k = 18, arity 16, one triangle a leaf.
 
 #![expect(clippy::unwrap_used, reason = "a benchmark that cannot go on has failed")]
 
@@ -39,7 +40,8 @@ const SPLITTERS: [(&str, Splitter); 6] = [
     ("mean width", Splitter::MeanWidth),
 ];
 
-/// So many that trees 1 % apart can be told from each other: with 100 poses, another seed changes the order of the best three.
+/// So many that trees 1 % apart can be told from each other: with 100 poses, another seed changes the order
+/// of the best three.
 const POSES: usize = 1600;
 
 fn main() {

@@ -1,8 +1,9 @@
-//! How many bytes of stack a query takes, with everything that it calls: `cargo bench --bench stack` prints a table. Seconds.
+//! How many bytes of stack a query takes, with everything that it calls: `cargo bench --bench stack` prints a
+//! table. Seconds.
 //!
-//! The stack below a frame is painted, a query runs on it, and what is still painted afterwards was not needed. The greatest over poses of a
-//! torus and a cube against themselves, some of which need exact arithmetic: it takes the most. `tests/stack.rs` keeps the bounds that
-//! the crate's documentation promises.
+//! The stack below a frame is painted, a query runs on it, and what is still painted afterwards was not
+//! needed. The greatest over poses of a torus and a cube against themselves, some of which need exact
+//! arithmetic: it takes the most. `tests/stack.rs` keeps the bounds that the crate's documentation promises.
 
 #![expect(unsafe_code, reason = "the stack below the own frame is nobody's variable")]
 #![expect(clippy::unwrap_used, reason = "a benchmark that cannot go on has failed")]
@@ -34,7 +35,8 @@ fn used(top: usize) -> usize {
     // The last page of the paint may lie below what `paint` reached.
     let lowest = top - PAINTED + 4096;
     let painted = (lowest..top).take_while(|&address| {
-        // SAFETY: `paint` has just used these bytes of this thread's stack, so they are mapped; nothing is made of what is read.
+        // SAFETY: `paint` has just used these bytes of this thread's stack, so they are mapped; nothing is
+        // made of what is read.
         let byte = unsafe { core::ptr::read_volatile(address as *const u8) };
         byte == PAINT
     });

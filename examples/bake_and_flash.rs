@@ -1,4 +1,5 @@
-//! A tree as bytes: baked on a workstation, kept in flash, and read in place on the robot, without a copy and without a heap.
+//! A tree as bytes: baked on a workstation, kept in flash, and read in place on the robot, without a copy and
+//! without a heap.
 //!
 //! ```sh
 //! cargo run --example bake_and_flash
@@ -26,7 +27,8 @@ type Node = Node16<14>;
 type Flash = Aligned<[u8; 4096]>;
 
 fn main() -> Result<(), Box<dyn core::error::Error>> {
-    // On the workstation: build, and write the bytes to a file. `simdop build gripper.obj -k 14 -o gripper.simdop` does the same.
+    // On the workstation: build, and write the bytes to a file. `simdop build gripper.obj -k 14 -o
+    // gripper.simdop` does the same.
     let (vertices, triangles) = shapes::cuboid([-0.04, -0.1, -0.02], [0.04, 0.1, 0.02]);
     let built = Builder::new().build::<Node>(&Mesh { vertices: &vertices, triangles: &triangles })?;
     let file: Vec<u8> = built.as_bytes().to_vec();
@@ -35,10 +37,11 @@ fn main() -> Result<(), Box<dyn core::error::Error>> {
     flash.0[..file.len()].copy_from_slice(&file);
     println!("{} triangles in {} bytes of flash", triangles.len(), file.len());
 
-    // On the robot, once at boot. Bytes are not trusted: those that are not a tree of this node type, or could lead a query out of
-    // range, are refused.
+    // On the robot, once at boot. Bytes are not trusted: those that are not a tree of this node type, or
+    // could lead a query out of range, are refused.
     let gripper = BvhRef::<Node>::from_bytes(&flash.0[..file.len()])?;
-    // Where the bytes come from somebody else: prove too, in exact arithmetic, that every volume holds the triangles below it.
+    // Where the bytes come from somebody else: prove too, in exact arithmetic, that every volume holds the
+    // triangles below it.
     gripper.verify()?;
 
     // From here on a query is what it is anywhere, and gives what it gives on the workstation.

@@ -4,8 +4,9 @@
 //! cargo run --release --example margin_sweep
 //! ```
 //!
-//! A tool moves past a post. For a list of safety margins the sweep finds the part of the motion that is nearer than each, with
-//! `Query::within`; one `Query::distance` at each pose, which costs more, has the answers for all margins.
+//! A tool moves past a post. For a list of safety margins the sweep finds the part of the motion that is
+//! nearer than each, with `Query::within`; one `Query::distance` at each pose, which costs more, has the
+//! answers for all margins.
 
 mod shapes;
 
@@ -35,7 +36,8 @@ fn main() -> Result<(), Box<dyn core::error::Error>> {
 
     let query = Query::new(Isa::detect());
     let mut distances = Vec::new();
-    // Consecutive poses are alike, so the pair of triangles that was nearest is a good one to begin with at the next.
+    // Consecutive poses are alike, so the pair of triangles that was nearest is a good one to begin with at
+    // the next.
     let mut hint = Hint::NONE;
     for step in steps.clone() {
         let distance = query.with_hint(hint).distance(&tool, &post, &at(step)?, 0.0)?;

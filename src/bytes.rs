@@ -1,6 +1,7 @@
 //! The byte view: which types may be read in place from a baked tree.
 //!
-//! The only `unsafe` outside the kernels and ISA detection. Everything else casts through `bytemuck`'s checked functions.
+//! The only `unsafe` outside the kernels and ISA detection. Everything else casts through `bytemuck`'s
+//! checked functions.
 #![expect(unsafe_code, reason = "bytemuck cannot derive Pod for const-generic structs")]
 
 use crate::node::{Node4, Node16};

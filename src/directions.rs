@@ -1,8 +1,9 @@
 //! The direction sets of the k-DOPs, and how any vector is written in them.
 //!
-//! A set is k directions with `n[2 i + 1] = -n[2 i]`: k / 2 slabs. Components are small integers and the directions are
-//! not normalised, so that `n . p` is exact in `f64` for `f32` coordinates of one magnitude. Slabs are in the order in
-//! which a test should try them: of the pairs that any slab separates, most fall to an axis.
+//! A set is k directions with `n[2 i + 1] = -n[2 i]`: k / 2 slabs. Components are small integers and the
+//! directions are not normalised, so that `n . p` is exact in `f64` for `f32` coordinates of one magnitude.
+//! Slabs are in the order in which a test should try them: of the pairs that any slab separates, most fall to
+//! an axis.
 //!
 //! | k | directions, each with its antipode | faces |
 //! |---|---|---|
@@ -14,16 +15,17 @@
 //!
 //! # Re-alignment
 //!
-//! The plane of a turned body in direction n is at most `sum c[l] d[l]` where `u = transpose(M) n = sum c[l] n[l]` and no
-//! c is negative ([`Directions::decompose`]). Any three directions around u will do. Over all orientations of a body its
-//! mean plane is proportional to the direction's length, so the best three on average minimise `sum c[l] |n[l]|`, and those
-//! are the corners of the face that u pierces in the convex hull of the *normalised* directions. For each of the five
-//! sets this hull has triangles only, so there is nothing to choose. `build.rs` makes it, and proves it a centrally
-//! symmetric triangulation of the sphere; it also makes the grid from which the face is found in 1.20 trials on average at k = 32.
-//! The other sets have the symmetry of the cube, and need no search (`sectors`). Data for one k: 1 KB to 5.4 KB.
+//! The plane of a turned body in direction n is at most `sum c[l] d[l]` where `u = transpose(M) n = sum c[l]
+//! n[l]` and no c is negative ([`Directions::decompose`]). Any three directions around u will do. Over all
+//! orientations of a body its mean plane is proportional to the direction's length, so the best three on
+//! average minimise `sum c[l] |n[l]|`, and those are the corners of the face that u pierces in the convex
+//! hull of the *normalised* directions. For each of the five sets this hull has triangles only, so there is
+//! nothing to choose. `build.rs` makes it, and proves it a centrally symmetric triangulation of the sphere;
+//! it also makes the grid from which the face is found in 1.20 trials on average at k = 32. The other sets
+//! have the symmetry of the cube, and need no search (`sectors`). Data for one k: 1 KB to 5.4 KB.
 //!
-//! Width of a body in direction n after re-alignment over its true width there, mean over uniform rotations of body and
-//! pose and over the slabs (ball: 20 000 rays; others: 300 bodies, 4 poses each):
+//! Width of a body in direction n after re-alignment over its true width there, mean over uniform rotations
+//! of body and pose and over the slabs (ball: 20 000 rays; others: 300 bodies, 4 poses each):
 //!
 //! | k | ball | cube | box 1 : 0.5 : 0.1 | triangle with normally distributed corners |
 //! |---|---|---|---|---|
@@ -35,9 +37,10 @@
 //!
 //! # The choice for k = 32
 //!
-//! Width for a ball; 1vs16 tests per query, geometric mean over 12 scenes of scanned meshes in random frames and over 16 of
-//! machined parts and robot links in their own frames, 50 random poses a scene at a gap of 0.001 or 0.01 of the diagonal
-//! (median-split trees of arity 16, one triangle a leaf); slabs tried until one separates, over all separated pairs:
+//! Width for a ball; 1vs16 tests per query, geometric mean over 12 scenes of scanned meshes in random frames
+//! and over 16 of machined parts and robot links in their own frames, 50 random poses a scene at a gap of
+//! 0.001 or 0.01 of the diagonal (median-split trees of arity 16, one triangle a leaf); slabs tried until one
+//! separates, over all separated pairs:
 //!
 //! | slabs | ball | scans | parts | slabs until separated: scans, parts |
 //! |---|---|---|---|---|
@@ -47,8 +50,9 @@
 //! | 16 found by annealing, axes fixed, components up to 4 | 1.069 | 424 | 361 | 1.97, 1.83 |
 //! | chosen: the best 3-fold symmetric set with axes and components up to 3 | 1.068 | 415 | 364 | 1.98, 1.80 |
 //!
-//! The pentakis dodecahedron turns best but lacks the axes, which parts with axis-parallel faces need, and so separates
-//! late; three slabs more than 26 leave the widest gaps of 26 open. The chosen set is within 5 % of the best on both.
+//! The pentakis dodecahedron turns best but lacks the axes, which parts with axis-parallel faces need, and so
+//! separates late; three slabs more than 26 leave the widest gaps of 26 open. The chosen set is within 5 % of
+//! the best on both.
 
 mod sectors;
 mod slabs;
@@ -61,9 +65,11 @@ pub const SUPPORTED: [usize; 5] = [6, 14, 18, 26, 32];
 pub struct Face {
     /// Its corners, as indices into [`Table::vectors`].
     pub directions: [u8; 3],
-    /// The inverse of the matrix whose columns are the corners: row `l` times u is the weight of `directions[l]`.
+    /// The inverse of the matrix whose columns are the corners: row `l` times u is the weight of
+    /// `directions[l]`.
     pub inverse: [[f64; 3]; 3],
-    /// `neighbours[l]` is the face across the edge opposite `directions[l]`: where that corner's weight is negative.
+    /// `neighbours[l]` is the face across the edge opposite `directions[l]`: where that corner's weight is
+    /// negative.
     pub neighbours: [u8; 3],
 }
 
@@ -85,7 +91,8 @@ pub struct Table {
     pub lengths: &'static [f64],
     /// Face `f ^ 1` is the antipode of face `f`: the same corners, each `^ 1`, in the same order.
     pub faces: &'static [Face],
-    /// A face in or near each cell of the upper half sphere, under the octahedral map (see [`Directions::decompose`]).
+    /// A face in or near each cell of the upper half sphere, under the octahedral map (see
+    /// [`Directions::decompose`]).
     pub grid: &'static [u8; GRID_CELLS],
 }
 
@@ -105,7 +112,8 @@ pub const fn table(k: usize) -> &'static Table {
     }
 }
 
-/// A vector as a sum of at most three directions, none of them backwards: `u = sum weights[l] n[directions[l]]`.
+/// A vector as a sum of at most three directions, none of them backwards: `u = sum weights[l]
+/// n[directions[l]]`.
 #[derive(Copy, Clone, PartialEq, Debug)]
 pub struct Weights {
     /// Three directions that are the corners of one hull face.
@@ -164,7 +172,8 @@ impl<const K: usize> Directions<K> {
         greatest
     };
 
-    /// The Euclidean length of each direction, rounded up: no plane of a point at distance r exceeds `LENGTHS[j] * r`.
+    /// The Euclidean length of each direction, rounded up: no plane of a point at distance r exceeds
+    /// `LENGTHS[j] * r`.
     pub const LENGTHS: [f64; K] = {
         let mut lengths = [0.0; K];
         let mut j = 0;
@@ -180,9 +189,10 @@ impl<const K: usize> Directions<K> {
 
     /// Writes `u` as a sum of the three corners of the hull face that the ray along `u` pierces.
     ///
-    /// The weights are never negative, so a caller may bound `u . x` by them for whatever it gets; what they miss,
-    /// `u - sum c n`, is below `2^-46 |u|` for a finite `u` whose components neither overflow when added nor are
-    /// subnormal. For any other `u`, zero and NaN included, the answer is a valid face with some weights.
+    /// The weights are never negative, so a caller may bound `u . x` by them for whatever it gets; what they
+    /// miss, `u - sum c n`, is below `2^-46 |u|` for a finite `u` whose components neither overflow when
+    /// added nor are subnormal. For any other `u`, zero and NaN included, the answer is a valid face with
+    /// some weights.
     #[inline(always)]
     #[must_use]
     pub fn decompose(u: [f64; 3]) -> Weights {
@@ -209,8 +219,8 @@ impl<const K: usize> Directions<K> {
 
 /// From a face near `u`, across the edge that `u` is furthest behind, until none is behind.
 ///
-/// Out of line, or the compiler unrolls it into every caller; in scalars, or `u` must lie in memory in every caller,
-/// which costs more than the walk.
+/// Out of line, or the compiler unrolls it into every caller; in scalars, or `u` must lie in memory in every
+/// caller, which costs more than the walk.
 #[inline(never)]
 fn walk(table: &'static Table, near: &'static Face, x: f64, y: f64, z: f64) -> &'static Face {
     let u = [x, y, z];
@@ -290,7 +300,8 @@ mod generated {
 mod tests {
     use super::*;
 
-    /// The map in `start` is written a second time, inverted, in the build script: a disagreement would cost only time.
+    /// The map in `start` is written a second time, inverted, in the build script: a disagreement would cost
+    /// only time.
     fn few_steps<const K: usize>() {
         let table = Directions::<K>::TABLE;
         let range = || (-9..=9_i32).map(|x| f64::from(x) / 9.0 + 0.01);

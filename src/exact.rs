@@ -8,8 +8,8 @@ pub(crate) const fn two_sum(a: f64, b: f64) -> (f64, f64) {
     (sum, (a - (sum - b_part)) + (b - b_part))
 }
 
-/// A sum of up to `N` numbers as non-overlapping components of increasing magnitude (Shewchuk 1997, "Adaptive precision
-/// floating-point arithmetic", `Grow-Expansion`). Exact as long as nothing overflows.
+/// A sum of up to `N` numbers as non-overlapping components of increasing magnitude (Shewchuk 1997, "Adaptive
+/// precision floating-point arithmetic", `Grow-Expansion`). Exact as long as nothing overflows.
 #[derive(Copy, Clone, Debug)]
 pub(crate) struct Expansion<const N: usize> {
     components: [f64; N],
@@ -40,7 +40,8 @@ impl<const N: usize> Expansion<N> {
         }
     }
 
-    /// -1, 0 or 1: the sign of the exact sum. The last component that is not zero decides, the others being smaller.
+    /// -1, 0 or 1: the sign of the exact sum. The last component that is not zero decides, the others being
+    /// smaller.
     pub(crate) fn sign(&self) -> i32 {
         let top = self.components[..self.len].iter().rev().find(|c| **c != 0.0);
         top.map_or(0, |c| if *c > 0.0 { 1 } else { -1 })
@@ -61,8 +62,8 @@ pub(crate) const fn power_of_two(exponent: i32) -> f64 {
 /// The smallest `f32` that is not below `x`; +infinity for NaN.
 #[inline]
 pub(crate) fn round_up_f32(x: f64) -> f32 {
-    // Without a branch, which would be taken half of the time: the next code up is one more if positive, one less if negative. Zero is only
-    // below a positive x, so -0 has no next.
+    // Without a branch, which would be taken half of the time: the next code up is one more if positive, one
+    // less if negative. Zero is only below a positive x, so -0 has no next.
     let nearest = x as f32;
     let bits = nearest.to_bits();
     let next = bits.wrapping_add(1_u32.wrapping_sub(2 * (bits >> 31)));

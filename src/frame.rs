@@ -1,6 +1,7 @@
 //! The frame of a hierarchy: where its planes are written.
 //!
-//! Planes are supports of `(p - centre) * 2^exponent`, so that the half's steps are fine where the body is, whatever its unit.
+//! Planes are supports of `(p - centre) * 2^exponent`, so that the half's steps are fine where the body is,
+//! whatever its unit.
 
 use crate::directions::{SUPPORTED, table};
 use crate::exact::{Expansion, power_of_two, terms_of_multiple};
@@ -29,8 +30,9 @@ pub struct Extent {
     pub max_plane: f32,
 }
 
-/// The border of a body lies between 2^6 and 2^7 of its frame. A half is finite up to 2^16 and has its full 11 bits down to
-/// 2^-14, so a body 2^8 times larger or 2^20 times smaller still turns into this frame without loss of relative precision.
+/// The border of a body lies between 2^6 and 2^7 of its frame. A half is finite up to 2^16 and has its full
+/// 11 bits down to 2^-14, so a body 2^8 times larger or 2^20 times smaller still turns into this frame
+/// without loss of relative precision.
 #[cfg(feature = "alloc")]
 const BORDER_EXPONENT: i32 = 7;
 
@@ -60,7 +62,8 @@ const SUPPORT_TERMS: usize = {
 };
 
 impl Frame {
-    /// The frame for a body inside the box `min ..= max`, whose coordinates obey [`crate::range::MAX_COORDINATE`].
+    /// The frame for a body inside the box `min ..= max`, whose coordinates obey
+    /// [`crate::range::MAX_COORDINATE`].
     #[cfg(feature = "alloc")]
     #[must_use]
     pub(crate) fn around(min: Point, max: Point) -> Self {
@@ -78,7 +81,8 @@ impl Frame {
         power_of_two(self.exponent)
     }
 
-    /// The key of each direction's support of point `p`: the exact value of `n . (p - centre) * 2^exponent`, rounded up.
+    /// The key of each direction's support of point `p`: the exact value of `n . (p - centre) * 2^exponent`,
+    /// rounded up.
     #[cfg(feature = "alloc")]
     pub(crate) fn supports(&self, directions: &[Point], p: Point, keys: &mut [Key]) {
         let d: Point = core::array::from_fn(|i| p[i] - self.centre[i]);
@@ -109,8 +113,8 @@ impl Frame {
         key
     }
 
-    /// Whether plane `key` really is an upper bound of the support of `p` in `direction`, one of [`crate::directions`]: decided in
-    /// exact arithmetic.
+    /// Whether plane `key` really is an upper bound of the support of `p` in `direction`, one of
+    /// [`crate::directions`]: decided in exact arithmetic.
     #[must_use]
     pub fn is_bounded(&self, direction: &Point, p: Point, key: Key) -> bool {
         if key == Key::INFINITY {

@@ -6,12 +6,12 @@
 //! key(h) = if h >= 0 { bits(h) } else { bits(h) ^ 0x7fff }      as i16
 //! ```
 //!
-//! Keys order as the halves do, `key(-h) = !key(h)`, and the next larger half is `key + 1`, so the hot loop needs no
-//! conversion from half to float at all: one 16-bit integer compare decides one plane of one child.
+//! Keys order as the halves do, `key(-h) = !key(h)`, and the next larger half is `key + 1`, so the hot loop
+//! needs no conversion from half to float at all: one 16-bit integer compare decides one plane of one child.
 //!
-//! Two codes need care. **-0** has key -1, below +0: a stored -0 would let a touch at 0 be missed, so no function here makes
-//! it. **[`Key::EMPTY`]** (`i16::MIN`) marks an unused lane: it is below the key of -infinity, so that even a query that is
-//! unbounded in every direction is separated from it.
+//! Two codes need care. **-0** has key -1, below +0: a stored -0 would let a touch at 0 be missed, so no
+//! function here makes it. **[`Key::EMPTY`]** (`i16::MIN`) marks an unused lane: it is below the key of
+//! -infinity, so that even a query that is unbounded in every direction is separated from it.
 
 use core::fmt;
 
@@ -44,8 +44,8 @@ impl Key {
     /// The plane of an unused lane, separated from every query.
     pub const EMPTY: Self = Self(i16::MIN);
 
-    /// The smallest half that is not below `x`: exact if `x` is a half, +infinity above 65504, [`Key::LOWEST`] below -65504;
-    /// zero, of either sign, is [`Key::ZERO`].
+    /// The smallest half that is not below `x`: exact if `x` is a half, +infinity above 65504,
+    /// [`Key::LOWEST`] below -65504; zero, of either sign, is [`Key::ZERO`].
     ///
     /// # Errors
     /// [`NotANumber`] if `x` is NaN.
@@ -63,7 +63,8 @@ impl Key {
         Self::round_up_f64(x as f64)
     }
 
-    /// [`Key::round_up_f64`], with +infinity for NaN: the rule of re-alignment, where `0 * infinity` stands for "unbounded".
+    /// [`Key::round_up_f64`], with +infinity for NaN: the rule of re-alignment, where `0 * infinity` stands
+    /// for "unbounded".
     #[inline]
     #[must_use]
     pub const fn round_up_or_unbounded(x: f64) -> Self {
@@ -107,8 +108,8 @@ impl Key {
         if low == high { Some(low) } else { None }
     }
 
-    /// The key with this code, if it can be the plane of a body: -65504 to +infinity, without -0. `None` for the rest: -0,
-    /// -infinity, the NaN codes, and [`Key::EMPTY`].
+    /// The key with this code, if it can be the plane of a body: -65504 to +infinity, without -0. `None` for
+    /// the rest: -0, -infinity, the NaN codes, and [`Key::EMPTY`].
     #[inline]
     #[must_use]
     pub const fn from_code(code: i16) -> Option<Self> {
@@ -149,7 +150,8 @@ pub fn decode(code: i16) -> f32 {
 const FRACTION: u32 = 52;
 const DROPPED: u32 = FRACTION - 10;
 
-/// The bits of the largest finite half that is not above `x`, and whether it differs from `x`. `x` is not negative, not NaN.
+/// The bits of the largest finite half that is not above `x`, and whether it differs from `x`. `x` is not
+/// negative, not NaN.
 const fn truncate_to_half(x: f64) -> (u16, bool) {
     let bits = x.to_bits();
     let exponent = (bits >> FRACTION) as i32 - 1023;
@@ -292,7 +294,8 @@ mod tests {
 
     #[test]
     fn f32_inputs_agree_with_the_definition() {
-        // Every 4099th f32 pattern (a prime stride: all exponents, odd fractions) against a search in the sorted halves.
+        // Every 4099th f32 pattern (a prime stride: all exponents, odd fractions) against a search in the
+        // sorted halves.
         let all = ascending();
         for bits in (0..=u32::MAX).step_by(4099) {
             let x = f32::from_bits(bits);

@@ -81,8 +81,8 @@
 //!
 //! **What `Unknown` means.** A query without a budget always ends with `Hit` or `Free`. One with a budget
 //! ([`query::Query::with_budget`]) may end with [`query::Verdict::Unknown`]: it stopped before it knew, and
-//! the bodies may meet. It is neither a hit nor free: ask [`query::Answer::is_free`] where safety is at stake,
-//! which is true of proven freedom only. It comes with bounds of
+//! the bodies may meet. It is neither a hit nor free: ask [`query::Answer::is_free`] where safety is at
+//! stake, which is true of proven freedom only. It comes with bounds of
 //! the distance; their lower one is 0, because volumes were still waiting that overlap.
 //!
 //! **Stack.** No query recurses, and none takes more stack for a larger tree. Measured, in KiB in all, with

@@ -1,18 +1,19 @@
 //! Re-alignment: the planes of a turned body, without touching its vertices (DESIGN 5).
 //!
-//! Body A stands at pose (M, t) in the frame of body B, so its planes must be turned before they can be compared with B's. For a
-//! direction n of B and a point x of A
+//! Body A stands at pose (M, t) in the frame of body B, so its planes must be turned before they can be
+//! compared with B's. For a direction n of B and a point x of A
 //!
 //! ```text
 //! n . (M x + t) = u . x + n . t,     u = transpose(M) n = sum of three c_l n_l,  c_l >= 0
 //!              <= sum c_l d_l(A) + n . t                                          (weak duality of linear programming)
 //! ```
 //!
-//! The three directions are the corners of the face that the ray u pierces in the hull of the directions. They depend on the
-//! rotation alone: they are found once a query, and then cost three multiplications and three additions a plane, for 16
-//! children at once.
+//! The three directions are the corners of the face that the ray u pierces in the hull of the directions.
+//! They depend on the rotation alone: they are found once a query, and then cost three multiplications and
+//! three additions a plane, for 16 children at once.
 //!
-//! **Why no rounding can lose a collision.** Every quantity that was rounded is paid for in `offset`, once, for all nodes:
+//! **Why no rounding can lose a collision.** Every quantity that was rounded is paid for in `offset`, once,
+//! for all nodes:
 //!
 //! | what was rounded | the pad |
 //! |---|---|
@@ -36,8 +37,9 @@ use crate::range::{MIN_COORDINATE, Point};
 /// How the planes of every node of one body turn into another body's frame, at one pose.
 #[derive(Copy, Clone, PartialEq, Debug)]
 pub struct Realignment<const K: usize> {
-    /// Three planes for each slab: plane `2s` turned is `(w[0] d[p[0]] + w[1] d[p[1]]) + w[2] d[p[2]] + offset[2s]` with `p = sources[s]`,
-    /// `w = weights[s]`. Plane `2s + 1` takes their opposites, `p ^ 1`, at the same weights. The first half of the array is used.
+    /// Three planes for each slab: plane `2s` turned is `(w[0] d[p[0]] + w[1] d[p[1]]) + w[2] d[p[2]] +
+    /// offset[2s]` with `p = sources[s]`, `w = weights[s]`. Plane `2s + 1` takes their opposites, `p ^
+    /// 1`, at the same weights. The first half of the array is used.
     pub sources: [[u8; 3]; K],
     /// The weights of each slab, not negative. The first half of the array is used.
     pub weights: [[f32; 3]; K],
@@ -60,8 +62,8 @@ const HALF_PLACE: f64 = 1.0625 * power_of_two(-24);
 /// More than what weights and products lose that are too small for a normal `f32`.
 const UNDERFLOW: f64 = power_of_two(-130);
 
-/// Sums of magnitudes below this cannot overflow an `f32`. Beyond it a product could become -infinity, which bounds nothing: such a plane is
-/// unbounded instead.
+/// Sums of magnitudes below this cannot overflow an `f32`. Beyond it a product could become -infinity, which
+/// bounds nothing: such a plane is unbounded instead.
 const MAX_REACH: f64 = power_of_two(126);
 
 impl<const K: usize> Realignment<K> {
@@ -119,8 +121,9 @@ impl<const K: usize> Realignment<K> {
         map
     }
 
-    /// Moves every plane out by `margin`, in units of the frame: turned planes then hold everything within it of the body. The `f32` roundings of
-    /// the longer offset are paid for by a few more of its last places.
+    /// Moves every plane out by `margin`, in units of the frame: turned planes then hold everything within it
+    /// of the body. The `f32` roundings of the longer offset are paid for by a few more of its last
+    /// places.
     pub fn widen(&mut self, margin: f64) {
         for (offset, length) in self.offset.iter_mut().zip(Directions::<K>::LENGTHS) {
             *offset = round_up_f32(f64::from(*offset) + (1.0 + 4.0 * GAMMA_5) * length * margin);
@@ -135,8 +138,9 @@ impl<const K: usize> Realignment<K> {
         core::array::from_fn(|l| (usize::from(sources[l]) ^ (j & 1), weights[l]))
     }
 
-    /// Plane `j` turned, from the codes of a body's planes: the specification that the kernels follow, operation by operation. An
-    /// unbounded plane, and a weight or offset beyond `f32`, give [`Key::INFINITY`].
+    /// Plane `j` turned, from the codes of a body's planes: the specification that the kernels follow,
+    /// operation by operation. An unbounded plane, and a weight or offset beyond `f32`, give
+    /// [`Key::INFINITY`].
     #[inline]
     #[must_use]
     pub fn plane(&self, j: usize, code: impl Fn(usize) -> i16) -> Key {
@@ -146,8 +150,8 @@ impl<const K: usize> Realignment<K> {
     }
 }
 
-/// The planes of everything within `margin` of moved primitives in frame `b`, each an upper bound of the exact support, rounded up: tighter
-/// than the re-aligned planes of the leaf that holds them.
+/// The planes of everything within `margin` of moved primitives in frame `b`, each an upper bound of the
+/// exact support, rounded up: tighter than the re-aligned planes of the leaf that holds them.
 // Loops, not `array::from_fn`, which is not always inlined.
 #[inline(always)]
 #[must_use]
@@ -181,7 +185,8 @@ pub(crate) struct Supports<const K: usize> {
 }
 
 impl<const K: usize> Supports<K> {
-    // By columns of slabs. With the two planes of a slab side by side, a loop in steps of two, LLVM 22.1 gave code for AVX-512 that lost supports.
+    // By columns of slabs. With the two planes of a slab side by side, a loop in steps of two, LLVM 22.1 gave
+    // code for AVX-512 that lost supports.
     #[inline(always)]
     pub(crate) fn of<P: Primitive>(b: &Frame, items: impl Iterator<Item = P::Item>) -> Self {
         let [nx, ny, nz] = &Directions::<K>::SLAB_COLUMNS;

@@ -1,4 +1,5 @@
-//! What a planner on a robot relies on: no query touches the heap, and the stack of a query is bounded whatever the trees.
+//! What a planner on a robot relies on: no query touches the heap, and the stack of a query is bounded
+//! whatever the trees.
 
 mod support;
 
@@ -140,8 +141,8 @@ fn the_stack_of_a_query_is_below_one_kilobyte() {
 /// A tilted triangle: its box is fat, so that bodies can overlap as volumes and not meet.
 const TILTED: [[f64; 3]; 3] = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.5], [0.0, 1.0, 0.25]];
 
-/// The bytes of a tree like a comb: below each node of the spine, the rest of the spine and a node with a leaf. Each of its `depth`
-/// leaves holds the same triangle, so that all planes are alike.
+/// The bytes of a tree like a comb: below each node of the spine, the rest of the spine and a node with a
+/// leaf. Each of its `depth` leaves holds the same triangle, so that all planes are alike.
 fn comb(depth: usize) -> Vec<u8> {
     let builder = Builder::new();
     let mesh = shapes::separate([TILTED]);
@@ -158,7 +159,8 @@ fn comb(depth: usize) -> Vec<u8> {
     };
     let leaf = |first: usize| 1 << 31 | first as u32;
 
-    // Level by level: the spine, then the tooth. The teeth's triangles come first; at the bottom, the spine's comes before the tooth's.
+    // Level by level: the spine, then the tooth. The teeth's triangles come first; at the bottom, the spine's
+    // comes before the tooth's.
     let mut nodes = Vec::new();
     for level in 1..=depth {
         let next = (2 * level - 1) as u32;

@@ -1,4 +1,5 @@
-//! The command `simdop`, run as a user runs it: exit codes, messages, JSON, formats, trees in the place of meshes.
+//! The command `simdop`, run as a user runs it: exit codes, messages, JSON, formats, trees in the place of
+//! meshes.
 
 #![cfg(feature = "cli")]
 mod support;
@@ -265,7 +266,8 @@ fn faults_of_files_name_file_place_and_problem() {
     assert!(code == 2 && message.starts_with("simdop: .: "), "{message}");
 }
 
-/// A cube on a floor, cut after every byte: what is accepted then are whole lines, and a file without triangles never.
+/// A cube on a floor, cut after every byte: what is accepted then are whole lines, and a file without
+/// triangles never.
 #[test]
 fn a_cut_mesh_is_not_silently_free() {
     let folder = Folder::new("cut");
@@ -475,7 +477,8 @@ fn info_describes_a_tree_and_proves_it() {
     mesh["verified"] = true.into();
     assert_eq!(mesh, tree);
 
-    // Plane 0 of lane 0 a step below its opposite, plane 1, cuts triangles off: valid to walk, not conservative.
+    // Plane 0 of lane 0 a step below its opposite, plane 1, cuts triangles off: valid to walk, not
+    // conservative.
     let mut bytes = std::fs::read(folder.0.join("a.tree")).unwrap();
     let opposite = i16::from_le_bytes([bytes[160], bytes[161]]);
     bytes[128..130].copy_from_slice(&(!opposite - 1).to_le_bytes());
@@ -509,7 +512,8 @@ fn build_paints_the_first_level() {
     assert!(code == 2 && message.starts_with("simdop: absent/a.svg: "), "{message}");
 }
 
-/// The PNG against the paths of the SVG: at the middle of each pixel that no outline is near, the last path that covers it.
+/// The PNG against the paths of the SVG: at the middle of each pixel that no outline is near, the last path
+/// that covers it.
 #[test]
 fn a_png_shows_what_the_svg_does() {
     let folder = Folder::new("png");
@@ -570,8 +574,8 @@ fn through_shell(folder: &Folder, before: &str, arguments: &[&str]) -> Output {
     command.arg(env!("CARGO_BIN_EXE_simdop")).args(arguments).output().unwrap()
 }
 
-/// A file of at most 4 or 8 KiB (`ulimit -f` counts blocks of 512 bytes, or of 1024) has no room for the tree: the process is told so,
-/// or killed. Either way the old tree is whole.
+/// A file of at most 4 or 8 KiB (`ulimit -f` counts blocks of 512 bytes, or of 1024) has no room for the
+/// tree: the process is told so, or killed. Either way the old tree is whole.
 #[cfg(unix)]
 #[test]
 fn a_limit_or_a_kill_leaves_the_old_tree() {

@@ -63,8 +63,8 @@ fn a_visit_of_two_nodes_of_arity_4() {
     }
 }
 
-/// Seventeen in a row make a root and a node below it. One triangle between two of them is in the root's hull, in no leaf, and perhaps in
-/// the lower node's.
+/// Seventeen in a row make a root and a node below it. One triangle between two of them is in the root's
+/// hull, in no leaf, and perhaps in the lower node's.
 #[test]
 fn a_visit_of_a_node_and_a_leaf() {
     let many: Vec<[f64; 2]> = (0..17).map(|i| [10.0 * f64::from(i), 0.0]).collect();

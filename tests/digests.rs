@@ -1,9 +1,10 @@
-//! The same verdicts and the same counters on every instruction set, and on every machine: one digest for each suite of
-//! `tests/mesh_poses.rs` and node type, over all poses, equal on all instruction sets here and to the number written below, which
-//! x86-64 and aarch64 share.
+//! The same verdicts and the same counters on every instruction set, and on every machine: one digest for
+//! each suite of `tests/mesh_poses.rs` and node type, over all poses, equal on all instruction sets here and
+//! to the number written below, which x86-64 and aarch64 share.
 //!
-//! A change of the builder, of the order of the traversal or of the re-alignment changes the counters and so the digests: the failing test
-//! prints the new rows. The verdicts have a digest of their own, which only an error can change.
+//! A change of the builder, of the order of the traversal or of the re-alignment changes the counters and so
+//! the digests: the failing test prints the new rows. The verdicts have a digest of their own, which only an
+//! error can change.
 
 mod support;
 
@@ -49,7 +50,8 @@ fn poses(suite: &Suite) -> Vec<Pose> {
     suite.poses(suite_step(), meets).iter().map(pose).collect()
 }
 
-/// The digests of a node type on the scalar kernel, once every other instruction set has given the same answers.
+/// The digests of a node type on the scalar kernel, once every other instruction set has given the same
+/// answers.
 fn check<N: Lanes>(suite: &Suite, poses: &[Pose]) -> Digests {
     let (a, b) = (build::<N>(&suite.a), build::<N>(&suite.b));
     let answers = |isa: Isa| -> Vec<Answer> {
@@ -67,7 +69,8 @@ fn check<N: Lanes>(suite: &Suite, poses: &[Pose]) -> Digests {
     digests(&want)
 }
 
-/// A suite, the digest of its verdicts, and its digests of everything on `Node16<18>`, `Node4<18>` and `Node16<32>`.
+/// A suite, the digest of its verdicts, and its digests of everything on `Node16<18>`, `Node4<18>` and
+/// `Node16<32>`.
 type Golden = (&'static str, u64, [u64; 3]);
 
 #[rustfmt::skip]

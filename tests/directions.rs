@@ -36,7 +36,8 @@ fn ray(rng: &mut Rng) -> Vector {
     }
 }
 
-/// For the best of all triples of directions: every invertible triple, its inverse by Cramer's rule, and its lengths.
+/// For the best of all triples of directions: every invertible triple, its inverse by Cramer's rule, and its
+/// lengths.
 struct Triples(Vec<([Vector; 3], Vector)>);
 
 impl Triples {
@@ -59,7 +60,8 @@ impl Triples {
         Self(triples)
     }
 
-    /// The optimum of: minimise `sum c |n|` with `sum c n = u`, `c >= 0`. A basic solution has at most three terms.
+    /// The optimum of: minimise `sum c |n|` with `sum c n = u`, `c >= 0`. A basic solution has at most three
+    /// terms.
     fn least_cost(&self, u: Vector) -> f64 {
         let slack = -1e-13 * length(u);
         let cost = |(rows, lengths): &([Vector; 3], Vector)| {
@@ -90,7 +92,8 @@ fn check_decomposition<const K: usize>(u: Vector) -> f64 {
     for (direction, weight) in found.directions.map(|j| j ^ 1).into_iter().zip(found.weights) {
         let other =
             (0..3).filter(|&m| opposite.directions[m] == direction).map(|m| opposite.weights[m]).sum::<f64>();
-        // On a border -u may take the face next to the antipodal one; then the corner that differs weighs nothing.
+        // On a border -u may take the face next to the antipodal one; then the corner that differs weighs
+        // nothing.
         assert!(
             (other - weight).abs() <= 1e-12 * length(u),
             "k = {K}, u = {u:?}: {found:?} but {opposite:?}"

@@ -1,4 +1,5 @@
-//! Distances and margins against brute force in exact integers: on real meshes, on random shapes, and on pairs of triangles that are hard.
+//! Distances and margins against brute force in exact integers: on real meshes, on random shapes, and on
+//! pairs of triangles that are hard.
 
 mod support;
 
@@ -19,12 +20,14 @@ use support::shapes;
 
 type Rows = [[f64; 4]; 3];
 
-// ---- the oracle -----------------------------------------------------------------------------------------------------------
+// ---- the oracle
+// -----------------------------------------------------------------------------------------------------------
 
 type Vector = [IBig; 3];
 
-/// The exact distance of two triangles, rounded to `f64`. All corners become integers with a common factor. Two convex polygons that do
-/// not meet are closest between a corner and a face, two edges, or a corner and an edge: the least of all 33, each a fraction.
+/// The exact distance of two triangles, rounded to `f64`. All corners become integers with a common factor.
+/// Two convex polygons that do not meet are closest between a corner and a face, two edges, or a corner and
+/// an edge: the least of all 33, each a fraction.
 fn exact_distance(a: &Tri, b: &Tri) -> f64 {
     if triangles_meet(a, b) {
         return 0.0;
@@ -137,8 +140,8 @@ fn box_distance(a: &[[f64; 2]; 3], b: &[[f64; 2]; 3]) -> f64 {
     (gap(0).powi(2) + gap(1).powi(2) + gap(2).powi(2)).sqrt()
 }
 
-/// The exact distance of two meshes, if it is at most `reach`, else infinity: over all pairs of triangles whose boxes are that close, nearest
-/// boxes first, until no box can hold anything nearer.
+/// The exact distance of two meshes, if it is at most `reach`, else infinity: over all pairs of triangles
+/// whose boxes are that close, nearest boxes first, until no box can hold anything nearer.
 fn mesh_distance(a: &[Tri], b: &[Tri], reach: f64) -> f64 {
     let hull = |t: &[Tri]| -> [[f64; 2]; 3] {
         core::array::from_fn(|k| {
@@ -171,7 +174,8 @@ fn mesh_distance(a: &[Tri], b: &[Tri], reach: f64) -> f64 {
     best
 }
 
-// ---- pairs of triangles ---------------------------------------------------------------------------------------------------
+// ---- pairs of triangles
+// ---------------------------------------------------------------------------------------------------
 
 fn point(rng: &mut Rng) -> [f64; 3] {
     core::array::from_fn(|_| rng.range(-1.0, 1.0))
@@ -185,7 +189,8 @@ fn flush(x: f64) -> f64 {
     if x.abs() < MIN_COORDINATE { 0.0 } else { x }
 }
 
-/// Pairs of many kinds: general, points, segments, needles, almost parallel edges, parallel planes, almost touching.
+/// Pairs of many kinds: general, points, segments, needles, almost parallel edges, parallel planes, almost
+/// touching.
 fn hard_pair(rng: &mut Rng) -> (Tri, Tri) {
     let shape = |rng: &mut Rng| -> Tri {
         let (p, q, r) = (point(rng), point(rng), point(rng));
@@ -247,7 +252,8 @@ fn norm(p: &[f64; 3], q: &[f64; 3]) -> f64 {
     }
 }
 
-/// The least altitude of a triangle, as far as `f64` can tell; infinite for a point or a segment that is one exactly.
+/// The least altitude of a triangle, as far as `f64` can tell; infinite for a point or a segment that is one
+/// exactly.
 fn altitude(t: &Tri) -> f64 {
     if simdop::primitive::triangle::is_degenerate(t) {
         return f64::INFINITY;
@@ -290,7 +296,8 @@ fn separations_bound_the_exact_distance() {
     assert!((1_000..15_000).contains(&zeros), "{zeros} pairs meet");
 }
 
-// ---- bodies ---------------------------------------------------------------------------------------------------------------
+// ---- bodies
+// ---------------------------------------------------------------------------------------------------------------
 
 fn build<N: Lanes>(mesh: &MeshData, leaf_size: u32) -> Bvh<N> {
     let mesh = Mesh { vertices: &mesh.vertices, triangles: &mesh.triangles };
@@ -412,7 +419,8 @@ fn check_suite<N: Lanes>(suite: &Suite, poses: &[Rows], wanted: &mut [Option<f64
     }
 }
 
-/// Bodies of one triangle each, at margins about their distance: what is near enough is never missed, however hard the pair.
+/// Bodies of one triangle each, at margins about their distance: what is near enough is never missed, however
+/// hard the pair.
 #[test]
 fn margins_of_hard_pairs_are_kept() {
     let one = |t: &Tri| build::<Node16<6>>(&MeshData { vertices: t.to_vec(), triangles: vec![[0, 1, 2]] }, 1);
@@ -505,7 +513,8 @@ fn soup(rng: &mut Rng, scale: f64) -> MeshData {
     MeshData { vertices, triangles }
 }
 
-/// Triangles whose corners lie on a line, up to rounding: of a normal, rounding is all there is. They go right through other triangles.
+/// Triangles whose corners lie on a line, up to rounding: of a normal, rounding is all there is. They go
+/// right through other triangles.
 fn needles(rng: &mut Rng, scale: f64) -> MeshData {
     let count = 1 + rng.below(12) as usize;
     let corners = |_| {

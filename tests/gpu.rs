@@ -1,6 +1,7 @@
 //! Batch Neural Gas on a device: the scalar builder's bytes, whatever is built, and errors as values.
 //!
-//! Needs an adapter: a GPU, or Mesa's llvmpipe (`mesa-vulkan-drivers`). `SIMDOP_REQUIRE_GPU=1` makes its absence a failure.
+//! Needs an adapter: a GPU, or Mesa's llvmpipe (`mesa-vulkan-drivers`). `SIMDOP_REQUIRE_GPU=1` makes its
+//! absence a failure.
 
 #![expect(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
 
@@ -18,7 +19,8 @@ use support::data::{MeshData, directory, notice};
 use support::rng::Rng;
 use support::shapes;
 
-// ---- Devices ----------------------------------------------------------------------------------------------------
+// ---- Devices
+// ----------------------------------------------------------------------------------------------------
 
 const NO_ADAPTER: &str = "SKIPPED: no adapter";
 
@@ -70,7 +72,8 @@ fn devices() -> &'static [Gpu] {
     devices
 }
 
-// ---- What wgpu says ---------------------------------------------------------------------------------------------
+// ---- What wgpu says
+// ---------------------------------------------------------------------------------------------
 
 thread_local! {
     /// Warnings and errors that this thread's calls caused.
@@ -102,7 +105,8 @@ fn quietly<T>(work: impl FnOnce() -> T) -> T {
     result
 }
 
-// ---- The same trees ---------------------------------------------------------------------------------------------
+// ---- The same trees
+// ---------------------------------------------------------------------------------------------
 
 const MAGNIFICATIONS: [Magnification; 2] = [Magnification::None, Magnification::Area];
 
@@ -182,7 +186,8 @@ fn compare_meshes(wanted: Wanted) {
     }
 }
 
-/// llvmpipe is slow: small meshes with every seed, the large ones with one for each combination of lanes and weights.
+/// llvmpipe is slow: small meshes with every seed, the large ones with one for each combination of lanes and
+/// weights.
 #[test]
 fn real_meshes_have_the_scalar_builders_bytes() {
     compare_meshes(|mesh, triangles, combination, seed| {
@@ -295,7 +300,8 @@ proptest! {
     }
 }
 
-// ---- Watching ---------------------------------------------------------------------------------------------------
+// ---- Watching
+// ---------------------------------------------------------------------------------------------------
 
 #[test]
 fn an_observer_sees_what_the_scalar_builders_does_and_can_stop() {
@@ -326,7 +332,8 @@ fn an_observer_sees_what_the_scalar_builders_does_and_can_stop() {
     }
 }
 
-// ---- What can go wrong ------------------------------------------------------------------------------------------
+// ---- What can go wrong
+// ------------------------------------------------------------------------------------------
 
 #[test]
 fn a_device_destroyed_in_between_is_an_error_and_no_more() {
@@ -413,7 +420,8 @@ fn without_an_adapter() {
     assert!(matches!(Gpu::new(), Err(GpuError::NoAdapter { .. })));
 }
 
-/// A device that computes on the CPU has as much memory as the process may have: limited, in a process of its own, once all is there but the tree's buffers.
+/// A device that computes on the CPU has as much memory as the process may have: limited, in a process of its
+/// own, once all is there but the tree's buffers.
 #[cfg(target_os = "linux")]
 #[test]
 fn too_little_memory_is_an_error() {

@@ -1,5 +1,5 @@
-//! Builder and baked tree: every plane of every lane equals exact arithmetic, for every node type, leaf size, splitter and awkward mesh;
-//! and no bytes, however damaged, do harm.
+//! Builder and baked tree: every plane of every lane equals exact arithmetic, for every node type, leaf size,
+//! splitter and awkward mesh; and no bytes, however damaged, do harm.
 
 extern crate alloc;
 
@@ -57,7 +57,8 @@ fn default_build<N: Lanes>(mesh: &MeshData) -> Bvh<N> {
     build(mesh, 1, Splitter::default())
 }
 
-// ---- Planes, links and counts -----------------------------------------------------------------------------------
+// ---- Planes, links and counts
+// -----------------------------------------------------------------------------------
 
 /// The exact support of each triangle of a mesh in each direction, in the frame of its tree.
 type Supports = Vec<Vec<Dyadic>>;
@@ -303,7 +304,8 @@ fn a_million_triangles() {
     );
 }
 
-// ---- What goes in -----------------------------------------------------------------------------------------------
+// ---- What goes in
+// -----------------------------------------------------------------------------------------------
 
 #[test]
 fn bad_meshes_are_refused_by_name() {
@@ -416,9 +418,11 @@ fn all_pairs(a: &MeshData, b: &MeshData, pose: &[[f64; 4]; 3]) -> BTreeSet<(u32,
     pairs
 }
 
-// ---- What comes back from storage -------------------------------------------------------------------------------
+// ---- What comes back from storage
+// -------------------------------------------------------------------------------
 
-/// Whoever changes these has changed the format or the trees: bump `VERSION` for the former, say so in CHANGELOG.md for both.
+/// Whoever changes these has changed the format or the trees: bump `VERSION` for the former, say so in
+/// CHANGELOG.md for both.
 #[test]
 fn golden_bytes() {
     let tetrahedron = MeshData {
@@ -540,7 +544,8 @@ impl<N: Lanes> Patient<N> {
         Self { tree, poses: [pose(0.75), pose(3.0)], seen: Damage::default() }
     }
 
-    /// However the bytes came about: an error, or a tree on which queries end with true hits; and if it can be proven, with true verdicts.
+    /// However the bytes came about: an error, or a tree on which queries end with true hits; and if it can
+    /// be proven, with true verdicts.
     fn examine(&mut self, bytes: &[u8]) {
         let Ok(view) = BvhRef::<N>::from_bytes(bytes) else {
             self.seen.refused += 1;

@@ -1,4 +1,5 @@
-//! Hints change the work of a query and nothing else: verdicts and distances are those without, wherever a hint comes from.
+//! Hints change the work of a query and nothing else: verdicts and distances are those without, wherever a
+//! hint comes from.
 
 mod support;
 

@@ -1,9 +1,11 @@
 //! The kernels are inlined in the traversal: a call for each row would cost as much as the row.
 //!
-//! What is asserted, on this binary's own table of symbols: of the modules `simdop::kernel::{avx2, avx512, neon}` no function is left but
-//! the re-alignment. This program queries with every node type, on every instruction set, and uses the kernels in no other way; so
-//! `overlap_1v16`, `overlap_16v1`, `overlap_4v4` and what they are made of (loads, masks) are inlined in each of those traversals, and nothing
-//! calls them: a function that is called has a symbol. `#[inline(never)]` on any of them fails the test. Needs an optimised ELF binary.
+//! What is asserted, on this binary's own table of symbols: of the modules `simdop::kernel::{avx2, avx512,
+//! neon}` no function is left but the re-alignment. This program queries with every node type, on every
+//! instruction set, and uses the kernels in no other way; so `overlap_1v16`, `overlap_16v1`, `overlap_4v4`
+//! and what they are made of (loads, masks) are inlined in each of those traversals, and nothing calls them:
+//! a function that is called has a symbol. `#[inline(never)]` on any of them fails the test. Needs an
+//! optimised ELF binary.
 #![cfg(target_os = "linux")]
 
 mod support;
@@ -65,8 +67,9 @@ fn kernels_leave_no_function_of_their_own() {
         return;
     }
     let functions = functions(&std::fs::read(std::env::current_exe().unwrap()).unwrap());
-    // Were names written otherwise than expected, none would be found. So the gates must be: a function compiled for an instruction set
-    // cannot be inlined in one that is not, so each traversal is in a gate of its own.
+    // Were names written otherwise than expected, none would be found. So the gates must be: a function
+    // compiled for an instruction set cannot be inlined in one that is not, so each traversal is in a
+    // gate of its own.
     let gates = functions.iter().filter(|name| name.contains("12compiled_for")).count();
     let vector_isas = if cfg!(target_arch = "x86_64") { 2 } else { 1 };
     println!("{} functions, {gates} gates", functions.len());
@@ -81,8 +84,9 @@ fn is_kernel(name: &str) -> bool {
         .any(|path| name.contains(path))
 }
 
-/// Re-alignment is called once for up to 16 rows, the planes' filter once for up to four pairs of triangles, and each is hundreds of instructions: the compiler shares
-/// them between the queries. They are compiled for the same features, and what they are made of must still be in them.
+/// Re-alignment is called once for up to 16 rows, the planes' filter once for up to four pairs of triangles,
+/// and each is hundreds of instructions: the compiler shares them between the queries. They are compiled for
+/// the same features, and what they are made of must still be in them.
 fn may_be_apart(name: &str) -> bool {
     ["10realign_16", "9realign_4", "7realign17h", "7apart_4"].iter().any(|function| name.contains(function))
 }

@@ -1,8 +1,10 @@
-//! The law of the kernels (`simdop::kernel`): every instruction set gives the scalar kernel's bits, for every input.
+//! The law of the kernels (`simdop::kernel`): every instruction set gives the scalar kernel's bits, for every
+//! input.
 //!
-//! One macro makes the same named tests for each name in `Isa::NAMES`. An instruction set that this machine has not got is reported as
-//! `NOT RUN`, and is a failure where `SIMDOP_REQUIRE_ISA` (names, with commas) asks for it. `SIMDOP_PAIRS` sets the number of pairs of
-//! nodes per k. At [`RECORDED_PAIRS`] the oracle is the scalar kernel's recorded digest, which spares an emulator the scalar kernel.
+//! One macro makes the same named tests for each name in `Isa::NAMES`. An instruction set that this machine
+//! has not got is reported as `NOT RUN`, and is a failure where `SIMDOP_REQUIRE_ISA` (names, with commas)
+//! asks for it. `SIMDOP_PAIRS` sets the number of pairs of nodes per k. At [`RECORDED_PAIRS`] the oracle is
+//! the scalar kernel's recorded digest, which spares an emulator the scalar kernel.
 
 mod support;
 #[path = "support/turned.rs"]
@@ -25,7 +27,8 @@ use support::data::notice;
 use support::rng::Rng;
 use turned::{turned_4, turned_16};
 
-// ---- Which instruction set ----------------------------------------------------------------------------------------------------
+// ---- Which instruction set
+// ----------------------------------------------------------------------------------------------------
 
 /// The instruction set, if it is here. If not, a notice says so.
 fn available(name: &str) -> Option<Isa> {
@@ -98,7 +101,8 @@ fn pairs() -> u64 {
     }
 }
 
-/// Pairs of nodes per k at which digests are compared with [`RECORDED`] ones, and an eighth as many re-alignments.
+/// Pairs of nodes per k at which digests are compared with [`RECORDED`] ones, and an eighth as many
+/// re-alignments.
 const RECORDED_PAIRS: u64 = 10_000_000;
 
 /// For each k, the scalar kernel's digests of overlaps and of re-alignments. The tests of `scalar` check them:
@@ -112,7 +116,8 @@ const RECORDED: [(usize, [u64; 2]); 5] = [
     (32, [0xd1e722160c3abf4c, 0xa61415c6299d6e85]),
 ];
 
-/// The scalar kernel's digests of overlaps and of re-alignments, where the number of pairs is the recorded one.
+/// The scalar kernel's digests of overlaps and of re-alignments, where the number of pairs is the recorded
+/// one.
 fn recorded<const K: usize>() -> Option<[u64; 2]> {
     (pairs() == RECORDED_PAIRS).then(|| RECORDED.iter().find(|row| row.0 == K).expect("a row for each k").1)
 }
@@ -130,12 +135,14 @@ fn conclude(what: &str, digest: &Digest, recorded: Option<u64>) {
     );
 }
 
-// ---- Inputs -------------------------------------------------------------------------------------------------------------------
+// ---- Inputs
+// -------------------------------------------------------------------------------------------------------------------
 
 /// Planes of `W` bodies, by plane.
 type Planes<const W: usize, const K: usize> = [[i16; W]; K];
 
-/// How a pair is generated. In all but the last, a compare separates with a chance of about 1 / K, so that masks have bits of both kinds.
+/// How a pair is generated. In all but the last, a compare separates with a chance of about 1 / K, so that
+/// masks have bits of both kinds.
 #[derive(Copy, Clone, Debug)]
 enum Mode {
     /// Small integers as halves: bodies touch often.
@@ -217,8 +224,8 @@ where
     (draw(-1), draw(1))
 }
 
-/// `count` pairs: each item of a list with each of another, from lists that `draw` makes of a given length. To draw an item for every pair would
-/// take an emulator a hundred times as long as the kernels.
+/// `count` pairs: each item of a list with each of another, from lists that `draw` makes of a given length.
+/// To draw an item for every pair would take an emulator a hundred times as long as the kernels.
 fn each_pair<A, B>(
     count: u64,
     mut draw: impl FnMut(usize) -> (Vec<A>, Vec<B>),
@@ -319,7 +326,8 @@ const fn narrow<const K: usize>(planes: Planes<4, K>) -> Node4<K> {
     Node4 { planes, child: [Child::EMPTY; 4] }
 }
 
-/// A digest of words. Each step is a bijection of the state and of the word, so that one word that differs always shows.
+/// A digest of words. Each step is a bijection of the state and of the word, so that one word that differs
+/// always shows.
 struct Digest(u64);
 
 impl Digest {
@@ -342,7 +350,8 @@ fn words(values: &[u16]) -> impl Iterator<Item = u64> {
     values.chunks(4).map(|four| four.iter().rev().fold(0, |word, &value| word << 16 | u64::from(value)))
 }
 
-// ---- The laws -----------------------------------------------------------------------------------------------------------------
+// ---- The laws
+// -----------------------------------------------------------------------------------------------------------------
 
 /// The overlap kernels in one list of masks: 16 lanes 1vs16, one lane 16vs1, 4vs4, and 16 against the hull.
 type Masks = [u16; 19];
@@ -527,8 +536,8 @@ fn any_one_lane_overlaps<const K: usize>(kernel: impl Kernel, name: &str) {
     }
 }
 
-/// Overlap is symmetric: with the roles swapped, A's planes in the node and B's in the query, rows are columns. And a reflection of
-/// space, which swaps the two planes of each slab, changes nothing.
+/// Overlap is symmetric: with the roles swapped, A's planes in the node and B's in the query, rows are
+/// columns. And a reflection of space, which swaps the two planes of each slab, changes nothing.
 fn roles_swapped_and_bodies_mirrored<const K: usize>(kernel: impl Kernel, name: &str) {
     let mut rng = Rng::new(200 + K as u64);
     let swapped = |planes: &Planes<16, K>| -> Planes<16, K> {
@@ -571,8 +580,9 @@ fn lanes_permuted<const K: usize>(kernel: impl Kernel, name: &str) {
     }
 }
 
-/// All 2^32 pairs of codes in one compare, sixteen at a time: ascending codes in the lanes, so that the lanes below the query are
-/// counted by a subtraction. The compare does not depend on the plane, the lane or k: [`any_one_plane_separates`] tries those.
+/// All 2^32 pairs of codes in one compare, sixteen at a time: ascending codes in the lanes, so that the lanes
+/// below the query are counted by a subtraction. The compare does not depend on the plane, the lane or k:
+/// [`any_one_plane_separates`] tries those.
 fn all_key_pairs<E: Kernel>(kernel: E) {
     const CLEAR: i16 = i16::MIN;
     let mut nodes = vec![wide::<6>([[CLEAR; 16]; 6]); 4096];
@@ -617,7 +627,8 @@ fn all_key_pairs<E: Kernel>(kernel: E) {
     }
 }
 
-/// The planes' filter on four triangles is that on one, on every instruction set: corners on a small grid, on few planes, and of any size.
+/// The planes' filter on four triangles is that on one, on every instruction set: corners on a small grid, on
+/// few planes, and of any size.
 #[test]
 fn filters_of_four_triangles_are_those_of_one() {
     for isa in Isa::available() {

@@ -1,13 +1,16 @@
-//! The architecture as rules (ARCHITECTURE.md, "Layers"): imports go down, intrinsics and `unsafe` stay where they belong, files stay short.
+//! The architecture as rules (ARCHITECTURE.md, "Layers"): imports go down, intrinsics and `unsafe` stay where
+//! they belong, files stay short.
 //!
-//! The rules look at the text of `src/`, with comments and literals blanked. Each has a test that it finds what it is for.
+//! The rules look at the text of `src/`, with comments and literals blanked. Each has a test that it finds
+//! what it is for.
 
 extern crate alloc;
 
 use alloc::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
-/// The modules of the crate, lowest layer first. A module may import from lower layers only, never from its own.
+/// The modules of the crate, lowest layer first. A module may import from lower layers only, never from its
+/// own.
 const LAYERS: [&[&str]; 10] = [
     &["range"],
     &["key", "exact", "directions", "isa"],
@@ -44,7 +47,8 @@ fn finding(line: usize, what: impl Into<String>) -> Finding {
     Finding { line, what: what.into() }
 }
 
-// ---- Reading Rust, as far as the rules need it ------------------------------------------------------------------
+// ---- Reading Rust, as far as the rules need it
+// ------------------------------------------------------------------
 
 /// The code with every character of comments, strings and character literals blanked; lines stay lines.
 fn code_of(source: &str) -> String {
@@ -196,7 +200,8 @@ fn is_in(path: &str, places: &[&str]) -> bool {
     places.iter().any(|place| path == *place || place.ends_with('/') && path.starts_with(place))
 }
 
-// ---- The rules --------------------------------------------------------------------------------------------------
+// ---- The rules
+// --------------------------------------------------------------------------------------------------
 
 /// An import may only go down.
 fn upward_imports(path: &str, source: &str) -> Vec<Finding> {
@@ -290,7 +295,8 @@ fn types_defined(source: &str) -> Vec<(usize, String)> {
     found
 }
 
-// ---- The source -------------------------------------------------------------------------------------------------
+// ---- The source
+// -------------------------------------------------------------------------------------------------
 
 /// Every Rust file below `src/`: path from there, and text.
 fn sources() -> Vec<(String, String)> {
@@ -384,7 +390,8 @@ fn a_name_of_a_type_means_one_thing() {
     assert!(twice.is_empty(), "{twice:#?}");
 }
 
-// ---- Each rule finds what it is for -----------------------------------------------------------------------------
+// ---- Each rule finds what it is for
+// -----------------------------------------------------------------------------
 
 fn lines(findings: &[Finding]) -> Vec<usize> {
     findings.iter().map(|f| f.line).collect()

@@ -1,14 +1,18 @@
-//! The main job on real meshes: every verdict equal to brute force in exact arithmetic, at gaps and depths down to 1e-8 of the diagonal.
+//! The main job on real meshes: every verdict equal to brute force in exact arithmetic, at gaps and depths
+//! down to 1e-8 of the diagonal.
 //!
-//! What runs, on each of the four pairs of meshes of `support::data::suites` and on every instruction set that this machine has:
+//! What runs, on each of the four pairs of meshes of `support::data::suites` and on every instruction set
+//! that this machine has:
 //!
-//! * verdicts at all 200 poses of the pair, which brute force judges once: trees of every k (6, 14, 18, 26, 32) and both arities, with one triangle
-//!   a leaf, by the default splitter (mean width) and by the fast preset's (extended longest axis); and three more with other leaf sizes. Witnesses and
-//!   counters equal on all instruction sets.
-//! * all pairs of triangles that meet, at two deep poses: every k and both arities, two triangles a leaf, by the default splitter.
+//! * verdicts at all 200 poses of the pair, which brute force judges once: trees of every k (6, 14, 18, 26,
+//!   32) and both arities, with one triangle a leaf, by the default splitter (mean width) and by the fast
+//!   preset's (extended longest axis); and three more with other leaf sizes. Witnesses and counters equal on
+//!   all instruction sets.
+//! * all pairs of triangles that meet, at two deep poses: every k and both arities, two triangles a leaf, by
+//!   the default splitter.
 //!
-//! `SIMDOP_SUITE=small`, for emulators, takes 32 poses instead of 200, and trees as they are built: elsewhere they are verified first, which takes
-//! an emulator twice as long as all the rest.
+//! `SIMDOP_SUITE=small`, for emulators, takes 32 poses instead of 200, and trees as they are built: elsewhere
+//! they are verified first, which takes an emulator twice as long as all the rest.
 
 mod support;
 

@@ -1,4 +1,5 @@
-//! What a test leaves out for want of data, a person sees: this program is run once more where there are none.
+//! What a test leaves out for want of data, a person sees: this program is run once more where there are
+//! none.
 
 mod support;
 

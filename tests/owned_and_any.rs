@@ -1,4 +1,5 @@
-//! Trees in whichever form a caller holds them: owned in a struct, of any node type, in flash; and vertices that no triangle uses.
+//! Trees in whichever form a caller holds them: owned in a struct, of any node type, in flash; and vertices
+//! that no triangle uses.
 
 mod support;
 
@@ -176,7 +177,8 @@ fn a_tree_in_flash_of_another_node_type_does_not_compile_in_a_constant() {
     let _ = Baked::<Node16<14>>::new(leaked(tree.as_bytes()));
 }
 
-/// A vertex that no triangle uses, a million body sizes away, took the frame's precision from all planes: every query tested all pairs.
+/// A vertex that no triangle uses, a million body sizes away, took the frame's precision from all planes:
+/// every query tested all pairs.
 #[test]
 fn stray_vertices_change_nothing() {
     let mesh = shapes::torus(24, 16);
@@ -194,7 +196,8 @@ fn stray_vertices_change_nothing() {
             assert!(tree.as_bytes() == clean.as_bytes(), "{stray:?}");
         }
     }
-    // One that could not be used is an error all the same: nothing is dropped in silence that might have been meant.
+    // One that could not be used is an error all the same: nothing is dropped in silence that might have been
+    // meant.
     let mut broken = mesh;
     broken.vertices.push([f64::NAN, 0.0, 0.0]);
     let index = broken.vertices.len() - 1;

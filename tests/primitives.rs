@@ -1,5 +1,5 @@
-//! A kind of primitive that the library does not know, written as a user of it would: segments get a tree, `verify`, and queries among themselves and with
-//! triangles, from outside of the crate.
+//! A kind of primitive that the library does not know, written as a user of it would: segments get a tree,
+//! `verify`, and queries among themselves and with triangles, from outside of the crate.
 
 mod support;
 
@@ -131,7 +131,8 @@ impl Geometry for Polyline {
     }
 }
 
-/// Short segments between points of a coarse lattice, so that many meet at ends, in the middle, or along a stretch.
+/// Short segments between points of a coarse lattice, so that many meet at ends, in the middle, or along a
+/// stretch.
 fn lattice(rng: &mut Rng, count: usize) -> Polyline {
     let mut line = Polyline { vertices: Vec::new(), segments: Vec::new() };
     for _ in 0..count {

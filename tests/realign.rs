@@ -1,5 +1,5 @@
-//! Re-alignment loses no collision: the turned planes bound every moved point, decided in exact arithmetic; and they are not much wider
-//! than they must be.
+//! Re-alignment loses no collision: the turned planes bound every moved point, decided in exact arithmetic;
+//! and they are not much wider than they must be.
 
 mod support;
 
@@ -32,7 +32,8 @@ macro_rules! for_each_k {
     };
 }
 
-// ---- Poses and frames that are hard in different ways -----------------------------------------------------------
+// ---- Poses and frames that are hard in different ways
+// -----------------------------------------------------------
 
 fn from_quaternion(q: [f64; 4]) -> Rows {
     let length = ((q[0] * q[0] + q[1] * q[1]) + (q[2] * q[2] + q[3] * q[3])).sqrt();
@@ -93,12 +94,14 @@ fn exponent_for(size: f64) -> i32 {
     6 - ((size.to_bits() >> 52) as i32 - 1023)
 }
 
-/// Body sizes relative to the other body's, and how far coordinates lie from the origin, relative to the body.
+/// Body sizes relative to the other body's, and how far coordinates lie from the origin, relative to the
+/// body.
 fn size_and_distance(rng: &mut Rng) -> (f64, f64) {
     (*rng.pick(&[1e-3, 0.05, 1.0, 1.0, 30.0, 1e3]), *rng.pick(&[0.0, 1.0, 1.0, 1e3, 1e6, 1e12]))
 }
 
-// ---- The question, decided exactly ------------------------------------------------------------------------------
+// ---- The question, decided exactly
+// ------------------------------------------------------------------------------
 
 fn offset(p: f64, centre: f64) -> Dyadic {
     Dyadic::from(p) - Dyadic::from(centre)
@@ -110,7 +113,8 @@ fn exact_support(n: &[i8; 3], p: &Point, frame: &Frame) -> Dyadic {
     dot(n, d) * Dyadic::power_of_two(frame.exponent)
 }
 
-/// Whether the plane is an upper bound of `n . p` in the frame. Intervals far wider than the rounding errors decide most.
+/// Whether the plane is an upper bound of `n . p` in the frame. Intervals far wider than the rounding errors
+/// decide most.
 fn bounds(key: Key, n: &[i8; 3], p: &Point, frame: &Frame) -> bool {
     let limit = half_value(key.code());
     assert!(!limit.is_nan() && limit > f64::NEG_INFINITY && key.code() != -1, "{key:?} is no plane");
@@ -147,7 +151,8 @@ fn check<const K: usize>(keys: &[Key; K], p: &Point, frame: &Frame, tally: &mut 
     }
 }
 
-// ---- Bodies as they are built -----------------------------------------------------------------------------------
+// ---- Bodies as they are built
+// -----------------------------------------------------------------------------------
 
 fn turned_planes_bound_the_moved_triangles<const K: usize>()
 where
@@ -172,7 +177,8 @@ where
     assert!(tally.unbounded * 2 < tally.checks, "most planes are finite: {tally:?}");
 }
 
-/// Builds a tree of at most 16 triangles, turns its lanes, and checks each lane's planes against the moved corners.
+/// Builds a tree of at most 16 triangles, turns its lanes, and checks each lane's planes against the moved
+/// corners.
 fn check_mesh<const K: usize>(
     vertices: &[Point],
     triangles: &[[u32; 3]],
@@ -200,7 +206,8 @@ fn turned_planes_bound_moved_triangles() {
     for_each_k!(turned_planes_bound_the_moved_triangles);
 }
 
-/// Coordinates so small that moving a corner flushes some of them to zero, and so large that they nearly overflow.
+/// Coordinates so small that moving a corner flushes some of them to zero, and so large that they nearly
+/// overflow.
 fn the_ends_of_the_range<const K: usize>()
 where
     Node16<K>: Lanes,
@@ -225,8 +232,8 @@ fn turned_planes_bound_bodies_at_the_ends_of_the_range() {
     for_each_k!(the_ends_of_the_range);
 }
 
-/// A body 10^33 to 10^40 times larger than the other one's unit, a corner of it beside the other: products of planes and weights overflow `f32`,
-/// to either side, where the planes of that corner are small.
+/// A body 10^33 to 10^40 times larger than the other one's unit, a corner of it beside the other: products of
+/// planes and weights overflow `f32`, to either side, where the planes of that corner are small.
 fn bodies_too_large_for_single_precision<const K: usize>()
 where
     Node16<K>: Lanes,
@@ -256,7 +263,8 @@ fn turned_planes_bound_bodies_too_large_for_single_precision() {
     for_each_k!(bodies_too_large_for_single_precision);
 }
 
-// ---- One point, a hair from the next half -----------------------------------------------------------------------
+// ---- One point, a hair from the next half
+// -----------------------------------------------------------------------
 
 /// Of a body that is the origin.
 const NO_EXTENT: Extent = Extent {
@@ -303,9 +311,10 @@ fn some_half(rng: &mut Rng) -> f64 {
     if rng.below(2) == 0 { value } else { -value }
 }
 
-/// Every inequality between the point and its turned planes is an equation, so the planes are tight; and the translation puts the point
-/// within a few units in the last place of an `f64` from a half. A quarter of the time it is above it, and then the next half must come out,
-/// although all of `f32` is too coarse to see that.
+/// Every inequality between the point and its turned planes is an equation, so the planes are tight; and the
+/// translation puts the point within a few units in the last place of an `f64` from a half. A quarter of the
+/// time it is above it, and then the next half must come out, although all of `f32` is too coarse to see
+/// that.
 fn planes_of_one_point<const K: usize>() {
     let mut rng = Rng::new(200 + K as u64);
     let mut tally = Tally::default();
@@ -350,12 +359,14 @@ fn turned_planes_of_one_point_a_hair_above_a_half() {
     for_each_k!(planes_of_one_point);
 }
 
-// ---- What the offset pays for -----------------------------------------------------------------------------------
+// ---- What the offset pays for
+// -----------------------------------------------------------------------------------
 
 /// Below any product of a half and a weight that is normal: three such products, each off by at most 2^-150.
 const UNDERFLOW_EXPONENT: i32 = -148;
 
-/// The bound that the module's text proves, without its last two lines' allowance for `f64`, in exact arithmetic.
+/// The bound that the module's text proves, without its last two lines' allowance for `f64`, in exact
+/// arithmetic.
 fn required_offset<const K: usize>(
     map: &Realignment<K>,
     j: usize,
@@ -435,8 +446,9 @@ fn offsets_pay_for_every_rounding() {
     for_each_k!(offsets_are_no_less_than_proven);
 }
 
-/// Bodies so far from the origin that the pad for rounded coordinates is nearly all of the offset: it may not be rounded below itself. The two offsets
-/// of a slab have opposite translations, so that their sum is twice the pad.
+/// Bodies so far from the origin that the pad for rounded coordinates is nearly all of the offset: it may not
+/// be rounded below itself. The two offsets of a slab have opposite translations, so that their sum is twice
+/// the pad.
 fn far_offsets_hold_the_pad_for_coordinates<const K: usize>() {
     let mut rng = Rng::new(350 + K as u64);
     let greatest = |p: &Point| p.iter().fold(0.0, |m: f64, x| m.max(x.abs()));
@@ -467,7 +479,8 @@ fn far_offsets_are_not_rounded_below_their_pad() {
     for_each_k!(far_offsets_hold_the_pad_for_coordinates);
 }
 
-// ---- Margins, width and infinity --------------------------------------------------------------------------------
+// ---- Margins, width and infinity
+// --------------------------------------------------------------------------------
 
 /// Everything within the margin of a point: its support is `n . p + |n| margin`.
 fn widened_planes_hold_the_margin<const K: usize>() {
@@ -502,7 +515,8 @@ fn widened_planes_hold_everything_within_the_margin() {
     for_each_k!(widened_planes_hold_the_margin);
 }
 
-/// Mean over random turns and directions of a body's width after re-alignment over its true width: a ball-like cloud in the cube.
+/// Mean over random turns and directions of a body's width after re-alignment over its true width: a
+/// ball-like cloud in the cube.
 fn width_ratio<const K: usize>() -> f64
 where
     Node16<K>: Lanes,

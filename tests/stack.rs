@@ -1,6 +1,8 @@
-//! How much stack a query takes, all in all: it runs in a thread that has no more than the library's documentation says.
+//! How much stack a query takes, all in all: it runs in a thread that has no more than the library's
+//! documentation says.
 //!
-//! A thread that overflows its stack ends the process, so there is nothing to assert: this test fails by being killed.
+//! A thread that overflows its stack ends the process, so there is nothing to assert: this test fails by
+//! being killed.
 
 use core::ops::ControlFlow;
 use simdop::construct::{Builder, Mesh};
@@ -10,7 +12,8 @@ use simdop::node::{Node4, Node16};
 use simdop::pose::Pose;
 use simdop::query::{Lanes, Query};
 
-/// Bytes that the crate documentation says are enough for the entries that decide, and for distances. Threads have little less: 25 KiB on Linux.
+/// Bytes that the crate documentation says are enough for the entries that decide, and for distances. Threads
+/// have little less: 25 KiB on Linux.
 const DECIDING: usize = 32 << 10;
 const DISTANCE: usize = 64 << 10;
 
@@ -22,8 +25,8 @@ fn cube() -> (Vec<[f64; 3]>, Vec<[u32; 3]>) {
     ((0..8).map(corner).collect(), quads.into_iter().flat_map(quad).collect())
 }
 
-/// Apart, almost touching, touching with whole faces, and one in the other. Almost flat configurations need exact arithmetic, which takes
-/// the most stack.
+/// Apart, almost touching, touching with whole faces, and one in the other. Almost flat configurations need
+/// exact arithmetic, which takes the most stack.
 fn poses() -> Vec<Pose> {
     let moved = |x: f64, off: f64| [[1.0, 0.0, 0.0, x], [0.0, 1.0, 0.0, off], [0.0, 0.0, 1.0, 0.1 * off]];
     let turned = |x: f64| [[0.6, -0.8, 0.0, x], [0.8, 0.6, 0.0, 0.3], [0.0, 0.0, 1.0, 0.01]];

@@ -1,4 +1,5 @@
-//! The poses of `benches/support/suites.rs` are as far from contact as they say: brute force over all pairs of triangles.
+//! The poses of `benches/support/suites.rs` are as far from contact as they say: brute force over all pairs
+//! of triangles.
 
 #[path = "support/data.rs"]
 mod data;

@@ -1,5 +1,6 @@
-//! The splitters by cost, `SurfaceArea` and `MeanWidth`: trees that hold every triangle once and bound it, whatever the mesh; the same bytes
-//! on every machine; the same answers as any other splitter's trees; and fewer visits, which is what they are for.
+//! The splitters by cost, `SurfaceArea` and `MeanWidth`: trees that hold every triangle once and bound it,
+//! whatever the mesh; the same bytes on every machine; the same answers as any other splitter's trees; and
+//! fewer visits, which is what they are for.
 
 #![expect(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
 
@@ -23,7 +24,8 @@ fn build<N: Lanes>(mesh: &MeshData, leaf_size: u32, splitter: Splitter) -> Bvh<N
     Builder::new().leaf_size(leaf_size).splitter(splitter).build(&mesh).unwrap()
 }
 
-// ---- Every mesh ---------------------------------------------------------------------------------------------------
+// ---- Every mesh
+// ---------------------------------------------------------------------------------------------------
 
 fn check_tree<N: Lanes>(what: &str, mesh: &MeshData, leaf_size: u32, splitter: Splitter) {
     let what = format!("{what}, k {} arity {} leaf {leaf_size} {splitter:?}", N::K, N::ARITY);
@@ -92,7 +94,8 @@ fn a_hundred_thousand_coincident_triangles() {
     }
 }
 
-// ---- Every machine --------------------------------------------------------------------------------------------------
+// ---- Every machine
+// --------------------------------------------------------------------------------------------------
 
 /// Trees of a mesh made by rule, byte for byte. A change of the splitter or of the format changes them.
 #[test]
@@ -111,7 +114,8 @@ fn trees_have_the_bytes_written_here() {
 const GOLDEN: [[u64; 2]; 2] =
     [[0xf5d2_4a59_fb8f_c448, 0x368c_190d_3c23_a15d], [0x69f7_e376_a3c8_5654, 0xeaca_e263_f3ab_adc8]];
 
-// ---- Queries ----------------------------------------------------------------------------------------------------------
+// ---- Queries
+// ----------------------------------------------------------------------------------------------------------
 
 /// Sums over the poses of a suite, by verdict: free, hit.
 fn counters<N: Lanes>(suite: &Suite, poses: &[Pose], splitter: Splitter) -> (Vec<bool>, [Counters; 2]) {

@@ -39,8 +39,8 @@ fn nothing_and_one() {
     assert_eq!(stats::<Node4<6>>(&cubes(&[3.0])), one);
 }
 
-/// The root has three leaves and a node of two. Its box is 31.5 x 1 x 1: S = 128, m = 33.5, V = 31.5. The node's is 1.5 x 1 x 1: S = 8,
-/// m = 3.5, V = 1.5. A leaf's is a unit cube: S = 6, m = 3, V = 1.
+/// The root has three leaves and a node of two. Its box is 31.5 x 1 x 1: S = 128, m = 33.5, V = 31.5. The
+/// node's is 1.5 x 1 x 1: S = 8, m = 3.5, V = 1.5. A leaf's is a unit cube: S = 6, m = 3, V = 1.
 #[test]
 fn two_levels() {
     let got = stats::<Node4<14>>(&cubes(&[0.0, 10.0, 20.0, 30.0, 30.5]));
@@ -60,8 +60,9 @@ fn two_levels() {
 #[test]
 fn leaves_meet_deeper_nodes() {
     let got = stats::<Node4<6>>(&cubes(&[0.0; 8]));
-    // All in one place, so every pair meets. Eight leaves: the root has 2 leaves and 2 nodes of three lanes, or 3 leaves and a node
-    // of four with a node of two in it: either way the figure follows from the depths.
+    // All in one place, so every pair meets. Eight leaves: the root has 2 leaves and 2 nodes of three lanes,
+    // or 3 leaves and a node of four with a node of two in it: either way the figure follows from the
+    // depths.
     let deep = (got.mean_depth * 8.0).round();
     let want = if deep == 14.0 { 1.0 + (4.0 + 2.0 * 4.0) } else { 1.0 + (1.0 + 6.0) + (1.0 + 12.0) };
     assert_close(got.expected_visits, want);

@@ -1,5 +1,6 @@
-//! The exact triangle test against an independent oracle, over a million pairs made to be difficult: contacts that
-//! are exact in `f64`, the same moved by one unit in the last place, and the same turned, scaled and shifted.
+//! The exact triangle test against an independent oracle, over a million pairs made to be difficult: contacts
+//! that are exact in `f64`, the same moved by one unit in the last place, and the same turned, scaled and
+//! shifted.
 
 mod support;
 
@@ -112,7 +113,8 @@ impl fmt::Display for Bits<'_> {
     }
 }
 
-// ---- treatments -----------------------------------------------------------------------------------------------
+// ---- treatments
+// -----------------------------------------------------------------------------------------------
 
 /// What happens to a pair that was built on a dyadic grid.
 #[derive(Clone, Copy, Debug)]
@@ -184,7 +186,8 @@ fn map_points(pair: Pair, mut f: impl FnMut(Vector) -> Vector) -> Pair {
     pair.map(|t| t.map(&mut f))
 }
 
-// ---- shapes: coordinates are small multiples of 1/64, so that sums and products of a few are exact ---------------
+// ---- shapes: coordinates are small multiples of 1/64, so that sums and products of a few are exact
+// ---------------
 
 #[derive(Clone, Copy)]
 struct Shape {
@@ -411,7 +414,8 @@ fn cross(p: &Vector, q: &Vector) -> Vector {
     [minor(1, 2), minor(2, 0), minor(0, 1)]
 }
 
-// ---- the ends of the range, the counter, and the oracle itself ---------------------------------------------------
+// ---- the ends of the range, the counter, and the oracle itself
+// ---------------------------------------------------
 
 /// Coordinates from 2^-250 to 2^302, mixed, so that an intermediate that under- or overflows changes a
 /// verdict. With debug assertions a coordinate that is not in the range is a panic.

@@ -1,8 +1,10 @@
-//! Hand-vectorised nodes for AVX2: binary trees over slabs, in floats and in 16-bit keys, and the 16-ary tree in floats.
+//! Hand-vectorised nodes for AVX2: binary trees over slabs, in floats and in 16-bit keys, and the 16-ary tree
+//! in floats.
 //!
-//! The binary nodes keep the planes of their children in turns, `[slab][side][child]`: a register holds two slabs of both DOPs in floats, four
-//! in keys. Re-alignment takes three loads a pair of slabs, swapped by side where the source is the other end of its slab, and turns both
-//! children at once. A child of A, doubled by one shuffle, then meets both children of B at once. No early exit: one movemask a pair of children.
+//! The binary nodes keep the planes of their children in turns, `[slab][side][child]`: a register holds two
+//! slabs of both DOPs in floats, four in keys. Re-alignment takes three loads a pair of slabs, swapped by
+//! side where the source is the other end of its slab, and turns both children at once. A child of A, doubled
+//! by one shuffle, then meets both children of B at once. No early exit: one movemask a pair of children.
 
 #![expect(unsafe_code, reason = "intrinsics that load and store, and calls that the token makes sound")]
 
@@ -27,8 +29,8 @@ pub(crate) struct Floats(pub(crate) Avx2);
 #[derive(Copy, Clone)]
 pub(crate) struct Keys(pub(crate) Avx2);
 
-/// Both DOPs of a node: by slab, `[high of 0, high of 1, low of 0, low of 1]`, as planes that are greatest supports; or of a query, what they are
-/// compared with.
+/// Both DOPs of a node: by slab, `[high of 0, high of 1, low of 0, low of 1]`, as planes that are greatest
+/// supports; or of a query, what they are compared with.
 type Slabs<T> = [[T; 4]; SLABS];
 
 /// No load of it crosses a line.
@@ -91,7 +93,8 @@ impl Turn {
             offset: doubled(|j| -turn.offset[j]),
         };
         for s in 0..SLABS {
-            // The query's high side is made of the low plane, which is made of the opposites of the high plane's sources.
+            // The query's high side is made of the low plane, which is made of the opposites of the high
+            // plane's sources.
             for l in 0..3 {
                 let source = turn.sources[s][l];
                 map.source[l][s] = source / 2;

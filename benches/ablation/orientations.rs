@@ -1,7 +1,7 @@
 //! How many slabs tell two DOPs apart: figure 12 of the SIMDop paper, from the kernel calls of real queries.
 //!
-//! A scalar test of one pair ends at the slab that separates it. A kernel that tests sixteen pairs at once can leave when all of them are separated, as
-//! the paper's does, or not at all, as the library's at k = 18.
+//! A scalar test of one pair ends at the slab that separates it. A kernel that tests sixteen pairs at once
+//! can leave when all of them are separated, as the paper's does, or not at all, as the library's at k = 18.
 
 use crate::data::MeshData;
 use crate::support::bodies::Scene;
@@ -28,7 +28,8 @@ pub(crate) fn report(mesh: &MeshData, poses: &[Pose]) {
     println!();
 }
 
-/// Slabs that the scalar tests of a call's pairs need, and that each pair gets if they are tested till the last is separated.
+/// Slabs that the scalar tests of a call's pairs need, and that each pair gets if they are tested till the
+/// last is separated.
 fn slabs(k: usize, pairs: usize, beyond: impl Fn(usize, usize) -> bool) -> [usize; 2] {
     let of = |pair: usize| {
         let first = (0..k / 2).find(|s| beyond(2 * s, pair) || beyond(2 * s + 1, pair));

@@ -15,8 +15,9 @@ pub(crate) struct Pair {
     child: [Child; 2],
 }
 
-/// Slab by slab, and no further than the first that separates. Planes of A are turned when they are asked for: to turn all planes of a node and keep
-/// them for the next visit takes 20 to 40 % longer (touching, cow and armadillo).
+/// Slab by slab, and no further than the first that separates. Planes of A are turned when they are asked
+/// for: to turn all planes of a node and keep them for the next visit takes 20 to 40 % longer (touching, cow
+/// and armadillo).
 #[derive(Copy, Clone)]
 pub(crate) struct EarlyExit<E>(pub(crate) E);
 
@@ -31,7 +32,8 @@ fn turned(map: &ByPlanes, dop: &Dop, j: usize) -> f32 {
     ((u * plane(p) + v * plane(q)) + w * plane(r)) + map.offset[j]
 }
 
-/// Re-alignment by planes, where the library has it by slabs: nothing is left to be worked out when a plane is turned.
+/// Re-alignment by planes, where the library has it by slabs: nothing is left to be worked out when a plane
+/// is turned.
 #[derive(Copy, Clone)]
 pub(crate) struct ByPlanes {
     pub(crate) sources: [[u8; 3]; K],

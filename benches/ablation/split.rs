@@ -1,4 +1,5 @@
-//! Binary trees: split in two where the library's own measures say, by a full sweep over all places along three axes, no bins.
+//! Binary trees: split in two where the library's own measures say, by a full sweep over all places along
+//! three axes, no bins.
 
 use super::tree::{Shape, inner, leaf};
 use crate::data::MeshData;

@@ -1,4 +1,5 @@
-//! What is compared: the library's systems first, the default on the best instruction set at their head, then the benchmark's own.
+//! What is compared: the library's systems first, the default on the best instruction set at their head, then
+//! the benchmark's own.
 
 #[cfg(target_arch = "x86_64")]
 use super::avx2;

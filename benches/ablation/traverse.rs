@@ -1,9 +1,11 @@
-//! The simultaneous traversal once more, for any form of node: what the systems have in common, so that they differ in nothing but their
-//! nodes and how those are tested.
+//! The simultaneous traversal once more, for any form of node: what the systems have in common, so that they
+//! differ in nothing but their nodes and how those are tested.
 //!
-//! It is the library's, step by step (`src/query/traverse.rs`): the node of A that was turned last is kept, pairs of leaves are decided when
-//! their bits appear, a leaf of A goes on with planes made of its moved corners, masks and not pairs wait on the stack, a hit ends it. The predicate is
-//! the library's too. Binary trees differ in one thing: all four pairs of children are tested at once, without asking first which rows can have a bit.
+//! It is the library's, step by step (`src/query/traverse.rs`): the node of A that was turned last is kept,
+//! pairs of leaves are decided when their bits appear, a leaf of A goes on with planes made of its moved
+//! corners, masks and not pairs wait on the stack, a hit ends it. The predicate is the library's too. Binary
+//! trees differ in one thing: all four pairs of children are tested at once, without asking first which rows
+//! can have a bit.
 
 use super::tree::{Dop, K, Tree};
 use core::ops::ControlFlow;
@@ -33,7 +35,8 @@ impl Work {
     }
 }
 
-/// A form of nodes with `W` children, and an instruction set to test them with. Planes of bodies in B's frame are bounds, rounded up.
+/// A form of nodes with `W` children, and an instruction set to test them with. Planes of bodies in B's frame
+/// are bounds, rounded up.
 pub(crate) trait System<const W: usize>: Copy {
     type Node;
     /// Re-alignment at a pose, prepared.
@@ -43,7 +46,8 @@ pub(crate) trait System<const W: usize>: Copy {
     /// A triangle of A in B's frame.
     type Leaf;
     type Isa: Kernel;
-    /// Ask which children of A overlap what leads to the node of B, before they are tested against all of its children.
+    /// Ask which children of A overlap what leads to the node of B, before they are tested against all of its
+    /// children.
     const COLUMN_FIRST: bool;
 
     fn node(dops: &[Dop; W], children: &[Child; W]) -> Self::Node;
@@ -78,7 +82,8 @@ pub(crate) trait System<const W: usize>: Copy {
 /// Which pairs of children overlap.
 #[derive(Copy, Clone)]
 pub(crate) struct Rows<const W: usize> {
-    /// For each child of A, or in row 0 for what does not split: bits of the children of B, or of A if B does not split.
+    /// For each child of A, or in row 0 for what does not split: bits of the children of B, or of A if B
+    /// does not split.
     rows: [u16; W],
     /// Bit i: row i has a bit.
     pending: u16,
@@ -260,7 +265,8 @@ impl<'t, const W: usize, S: System<W>> Descent<'t, W, S> {
         }
     }
 
-    /// Leaf `a` against the leaves among the children of `b` that `bits` names. Returns the bits of the others.
+    /// Leaf `a` against the leaves among the children of `b` that `bits` names. Returns the bits of the
+    /// others.
     #[inline(always)]
     fn decide_row(&mut self, a: Child, b: &S::Node, bits: u16) -> ControlFlow<(), u16> {
         let leaves = leaves_among::<W, S>(b, bits);
@@ -272,8 +278,9 @@ impl<'t, const W: usize, S: System<W>> Descent<'t, W, S> {
         ControlFlow::Continue(bits & !leaves)
     }
 
-    /// One triangle against those of the other body in the lanes `leaves`: as in the library four at a time go through the planes' filter, but a
-    /// single one does not, nor do the two that a binary node has at most.
+    /// One triangle against those of the other body in the lanes `leaves`: as in the library four at a time
+    /// go through the planes' filter, but a single one does not, nor do the two that a binary node has at
+    /// most.
     #[inline(always)]
     fn decide(&mut self, one: &Triangle, leaves: u16, other: impl Fn(usize) -> Triangle) -> ControlFlow<()> {
         let probe = Probe::new(one);

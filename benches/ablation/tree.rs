@@ -1,4 +1,5 @@
-//! Trees in floats: the shape from a splitter, planes from the triangles below, and then whatever form of nodes a system wants.
+//! Trees in floats: the shape from a splitter, planes from the triangles below, and then whatever form of
+//! nodes a system wants.
 
 use super::traverse::System;
 use crate::data::MeshData;
@@ -126,7 +127,8 @@ fn planes(frame: &Frame, corners: &Triangle) -> [f64; K] {
             greatest[j + 1] = if -support > greatest[j + 1] { -support } else { greatest[j + 1] };
         }
     }
-    // Roundings of a difference, three products of it with 0, 1 or -1, and two sums: a few 2^-53 of three coordinates.
+    // Roundings of a difference, three products of it with 0, 1 or -1, and two sums: a few 2^-53 of three
+    // coordinates.
     let pad = 3.0 * size * (16.0 * f64::EPSILON);
     let scale = frame.scale();
     for plane in &mut greatest {

@@ -1,5 +1,5 @@
-//! The library's 16-ary tree in three forms of node: its own keys and kernels, floats, and the SIMDop paper's halves that are converted to be
-//! compared.
+//! The library's 16-ary tree in three forms of node: its own keys and kernels, floats, and the SIMDop paper's
+//! halves that are converted to be compared.
 
 #![expect(unsafe_code, reason = "intrinsics that load and store, and calls that the token makes sound")]
 
@@ -15,7 +15,8 @@ use simdop::key::Key;
 use simdop::node::{Child, Node16};
 use simdop::realign::Realignment;
 
-/// The library's nodes and kernels: this against the library's own query shows what the benchmark's traversal costs.
+/// The library's nodes and kernels: this against the library's own query shows what the benchmark's traversal
+/// costs.
 #[derive(Copy, Clone)]
 pub(crate) struct Keys(pub(crate) Avx2);
 
@@ -23,7 +24,8 @@ pub(crate) struct Keys(pub(crate) Avx2);
 #[derive(Copy, Clone)]
 pub(crate) struct Floats(pub(crate) Avx2);
 
-/// Planes in halves, converted at each test, which ends when all lanes are separated: algorithm 2 of the paper with its section IV-C.
+/// Planes in halves, converted at each test, which ends when all lanes are separated: algorithm 2 of the
+/// paper with its section IV-C.
 #[derive(Copy, Clone)]
 pub(crate) struct PapersHalves(pub(crate) Avx2);
 

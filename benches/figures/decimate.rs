@@ -18,7 +18,8 @@ pub(crate) fn series(mesh: &MeshData) -> Vec<MeshData> {
     meshes
 }
 
-/// The vertices of a cell become their mean; triangles with two corners in a cell, and all but one on the same three, go.
+/// The vertices of a cell become their mean; triangles with two corners in a cell, and all but one on the
+/// same three, go.
 fn decimated(mesh: &MeshData, cells: u32) -> MeshData {
     let bound = |i: usize, f: fn(f64, f64) -> f64| mesh.vertices.iter().map(|p| p[i]).reduce(f).unwrap();
     let low: [f64; 3] = core::array::from_fn(|i| bound(i, f64::min));

@@ -1,6 +1,7 @@
-//! The BNG paper's control group. Both choose four spheres and give each of the others to the one whose centre is nearest. (The paper says
-//! "closest"; with the nearest surface instead, big spheres draw in their whole surroundings, trees inside meshes get over 100 levels, and the four
-//! biggest cost ten times as many tests, which is not what the paper found.)
+//! The BNG paper's control group. Both choose four spheres and give each of the others to the one whose
+//! centre is nearest. (The paper says "closest"; with the nearest surface instead, big spheres draw in their
+//! whole surroundings, trees inside meshes get over 100 levels, and the four biggest cost ten times as many
+//! tests, which is not what the paper found.)
 
 use super::packing::Sphere;
 
@@ -36,7 +37,8 @@ pub(crate) fn extremes(spheres: &[Sphere], items: &[u32]) -> Vec<Vec<u32>> {
     nearest(spheres, items, &chosen)
 }
 
-/// A part for each of the `chosen`, which holds it and the others that are nearest to it; the first of equals.
+/// A part for each of the `chosen`, which holds it and the others that are nearest to it; the first of
+/// equals.
 fn nearest(spheres: &[Sphere], items: &[u32], chosen: &[u32]) -> Vec<Vec<u32>> {
     let mut parts: Vec<Vec<u32>> = chosen.iter().map(|&c| vec![c]).collect();
     for &item in items.iter().filter(|item| !chosen.contains(item)) {

@@ -32,8 +32,8 @@ impl Sphere {
     }
 }
 
-/// In the unit ball: large ones first, each at the first random place where it is free. Radii fall from the largest to `least` of it, as
-/// many of each size as have the same volume together.
+/// In the unit ball: large ones first, each at the first random place where it is free. Radii fall from the
+/// largest to `least` of it, as many of each size as have the same volume together.
 pub(crate) fn in_a_ball(count: usize, least: f64, rng: &mut Rng) -> Vec<Sphere> {
     // Number of spheres smaller than r ~ r^-3.
     let size = |i: usize| {
@@ -66,7 +66,8 @@ struct Place {
     seen: usize,
 }
 
-/// Inside a watertight mesh: again and again the largest sphere with its centre on a grid that touches neither the surface nor another. At most `count`.
+/// Inside a watertight mesh: again and again the largest sphere with its centre on a grid that touches
+/// neither the surface nor another. At most `count`.
 pub(crate) fn inside(mesh: &MeshData, count: usize) -> Vec<Sphere> {
     let clearances = clearances(mesh);
     let place = |(centre, clearance)| Place { centre, clearance, seen: 0 };

@@ -82,7 +82,8 @@ impl Node {
     }
 }
 
-/// The ball around some balls, by Badoiu & Clarkson's walk towards the farthest: the radius is 1 % too large at most, and encloses.
+/// The ball around some balls, by Badoiu & Clarkson's walk towards the farthest: the radius is 1 % too large
+/// at most, and encloses.
 fn enclosing(balls: &[Sphere]) -> Sphere {
     let [.., first] = balls else { unreachable!("a node has spheres") };
     if balls.len() == 1 {
@@ -105,7 +106,8 @@ fn enclosing(balls: &[Sphere]) -> Sphere {
     Sphere { centre, radius: reach(farthest(centre), centre) * (1.0 + 1e-12) }
 }
 
-/// The tree of a heuristic: `split` gives the parts of a node of several spheres, none of them empty and more than one.
+/// The tree of a heuristic: `split` gives the parts of a node of several spheres, none of them empty and more
+/// than one.
 pub(crate) fn by_heuristic(spheres: &[Sphere], split: fn(&[Sphere], &[u32]) -> Vec<Vec<u32>>) -> Node {
     fn node(spheres: &[Sphere], items: &[u32], split: fn(&[Sphere], &[u32]) -> Vec<Vec<u32>>) -> Node {
         let parts = if items.len() > 1 { split(spheres, items) } else { Vec::new() };
@@ -115,8 +117,8 @@ pub(crate) fn by_heuristic(spheres: &[Sphere], split: fn(&[Sphere], &[u32]) -> V
     node(spheres, &(0..spheres.len() as u32).collect::<Vec<_>>(), split)
 }
 
-/// The tree that the library makes of triangles that stand for the spheres: a triangle has the sphere's place, and an area in proportion to its
-/// volume; or the sphere's box, for what splits by boxes.
+/// The tree that the library makes of triangles that stand for the spheres: a triangle has the sphere's
+/// place, and an area in proportion to its volume; or the sphere's box, for what splits by boxes.
 pub(crate) fn by_splitter(spheres: &[Sphere], splitter: Splitter) -> Node {
     let in_box = matches!(splitter, Splitter::MeanWidth | Splitter::SurfaceArea);
     let corners = |sphere: &Sphere| {

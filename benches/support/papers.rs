@@ -1,8 +1,10 @@
-//! The kernels of the SIMDop paper (Tan, Weller, Zachmann, IROS 2019, algorithms 2 and 3) on its storage: halves, turned to floats
-//! and compared, two compares a slab, leaving when all lanes are separated. With its optimisations of section IV-C: children's values
-//! stored side by side, and the permutation of figure 4 for 4vs4.
+//! The kernels of the SIMDop paper (Tan, Weller, Zachmann, IROS 2019, algorithms 2 and 3) on its storage:
+//! halves, turned to floats and compared, two compares a slab, leaving when all lanes are separated. With its
+//! optimisations of section IV-C: children's values stored side by side, and the permutation of figure 4 for
+//! 4vs4.
 //!
-//! In its favour: the query is kept in floats, already converted; its AVX2 form leaves as early as the AVX-512 one.
+//! In its favour: the query is kept in floats, already converted; its AVX2 form leaves as early as the
+//! AVX-512 one.
 
 #![expect(unsafe_code, reason = "intrinsics that load, and calls that the token makes sound")]
 
@@ -26,8 +28,9 @@ pub(crate) struct Halves<const W: usize, const K: usize> {
 }
 
 pub(crate) fn float_query<const W: usize, const K: usize>(query: &Turned<W, K>) -> FloatQuery<W, K> {
-    // query[2 s] is the key of A's low bound in the direction of plane 2 s, query[2 s + 1] that of its negated high bound. An unused lane
-    // has no half for a bound: low bounds above all others, and high bounds below.
+    // query[2 s] is the key of A's low bound in the direction of plane 2 s, query[2 s + 1] that of its
+    // negated high bound. An unused lane has no half for a bound: low bounds above all others, and high
+    // bounds below.
     let value = |code: i16| if code == !Key::EMPTY.code() { f32::INFINITY } else { decode(code) };
     core::array::from_fn(|j| {
         query[j].map(|code| if j.is_multiple_of(2) { value(code) } else { -value(code) })

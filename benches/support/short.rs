@@ -1,4 +1,5 @@
-//! Short runs, `cargo bench --bench NAME -- --test`: everything is executed and checked, on less, within seconds. Their figures mean nothing.
+//! Short runs, `cargo bench --bench NAME -- --test`: everything is executed and checked, on less, within
+//! seconds. Their figures mean nothing.
 
 /// Whether this is one. The flag is criterion's.
 pub(crate) fn is_short() -> bool {

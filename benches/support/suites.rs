@@ -1,12 +1,15 @@
-//! Poses of two bodies at given distances, after the benchmarking suite of Trenkel, Weller and Zachmann (WSCG 2007), which the SIMDop paper uses.
+//! Poses of two bodies at given distances, after the benchmarking suite of Trenkel, Weller and Zachmann (WSCG
+//! 2007), which the SIMDop paper uses.
 //!
-//! Body A is turned at random and comes along a line until it is as far from B as wanted. Two ways to choose lines:
+//! Body A is turned at random and comes along a line until it is as far from B as wanted. Two ways to choose
+//! lines:
 //!
 //! * *sphere*: from a random direction towards the centre of B's box;
-//! * *grid*: along a coordinate axis through a point of a regular grid, so that A also comes past the side of B. The grid spans what the two boxes,
-//!   A's in whatever rotation, can reach of each other.
+//! * *grid*: along a coordinate axis through a point of a regular grid, so that A also comes past the side of
+//!   B. The grid spans what the two boxes, A's in whatever rotation, can reach of each other.
 //!
-//! A line that does not come to a contact is left out, so that each line has a pose at every distance. Distances are shares of the diagonal of A's box.
+//! A line that does not come to a contact is left out, so that each line has a pose at every distance.
+//! Distances are shares of the diagonal of A's box.
 
 use crate::data::{Approach, MeshData};
 use crate::rng::Rng;
@@ -47,8 +50,8 @@ impl Method {
     pub(crate) const ALL: [Self; 2] = [Self::Sphere, Self::Grid];
 }
 
-/// Places along a line are multiples of this share of the diagonal: 0.3 % of the smallest gap, and coarse enough that a pose does not depend on
-/// the last bits of a distance.
+/// Places along a line are multiples of this share of the diagonal: 0.3 % of the smallest gap, and coarse
+/// enough that a pose does not depend on the last bits of a distance.
 const STEP: f64 = 1.0 / (1 << 24) as f64;
 
 /// A pair of bodies, and their trees to ask for distances.
@@ -140,10 +143,12 @@ impl Approaching<'_> {
         (distance / (STEP * self.a.diagonal())) as i64
     }
 
-    /// The last place on the way in from `start` at which the bodies are more than `gap` apart, to 1/128 of the gap.
+    /// The last place on the way in from `start` at which the bodies are more than `gap` apart, to 1/128 of
+    /// the gap.
     ///
-    /// No point moves farther than A's centre does: a stride as long as the spare distance is safe. The last steps are found by bisection, since the spare
-    /// distance shrinks slowly where A comes past the side of B.
+    /// No point moves farther than A's centre does: a stride as long as the spare distance is safe. The last
+    /// steps are found by bisection, since the spare distance shrinks slowly where A comes past the side
+    /// of B.
     fn reach(&self, line: &Approach, start: i64, gap: f64) -> Option<i64> {
         let query = Query::new(Isa::detect());
         let pose = |place: i64| Pose::from_rows(line.at(self.distance(place))).expect("rotations are rigid");

@@ -50,8 +50,9 @@ impl<E: Kernel, const K: usize> Variant for Ours4<E, K> {
     }
 }
 
-/// Plain loops without a branch, which the compiler vectorises for the instruction set of the gate. Of six ways to write them the one it
-/// understood best: with the loop over planes outside it took 2 to 9 times as long.
+/// Plain loops without a branch, which the compiler vectorises for the instruction set of the gate. Of six
+/// ways to write them the one it understood best: with the loop over planes outside it took 2 to 9 times as
+/// long.
 #[derive(Copy, Clone)]
 pub(crate) struct Vectorised<E, const K: usize>(pub(crate) E);
 

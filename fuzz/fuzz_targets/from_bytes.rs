@@ -1,7 +1,8 @@
-//! Whatever bytes `from_bytes` accepts are safe to walk and to query, and are what it says; whatever it refuses, it refuses for a reason
-//! that is true.
+//! Whatever bytes `from_bytes` accepts are safe to walk and to query, and are what it says; whatever it
+//! refuses, it refuses for a reason that is true.
 //!
-//! An input that begins as a baked tree does is taken as one. Any other is a list of changes to a tree of the builder.
+//! An input that begins as a baked tree does is taken as one. Any other is a list of changes to a tree of the
+//! builder.
 #![no_main]
 
 #[path = "../../tests/support/mod.rs"]
@@ -154,7 +155,8 @@ fn is_what_the_bytes_say<N: Lanes>(view: &BvhRef<'_, N>, bytes: &[u8]) {
     }
 }
 
-/// Every node and every triangle is reached once, no deeper than the header says, by planes that bound something.
+/// Every node and every triangle is reached once, no deeper than the header says, by planes that bound
+/// something.
 fn is_safe_to_walk<N: Lanes>(view: &BvhRef<'_, N>) {
     let (mut nodes, mut seen) = (0, vec![false; view.len()]);
     let mut lanes = 0;
@@ -184,7 +186,8 @@ fn is_safe_to_walk<N: Lanes>(view: &BvhRef<'_, N>) {
     assert_eq!((stats.nodes, stats.primitives, stats.lanes_used), (nodes, seen.len(), lanes));
 }
 
-/// Queries end, alike on every instruction set, with true hits; and if the tree is proven, which takes a while, with true verdicts.
+/// Queries end, alike on every instruction set, with true hits; and if the tree is proven, which takes a
+/// while, with true verdicts.
 fn queries_agree<N: Lanes>(view: &BvhRef<'_, N>, input: &mut Input) {
     let other = input.pick(&bodies::<N>().0).tree.view();
     let pose = pose(input, Mode::Real);

@@ -1,5 +1,5 @@
-//! Rounding up to an ordered half, against the definition of IEEE 754: in the library's scalar code, and in the re-alignment of every
-//! instruction set, whose planes are the offsets when all weights are zero.
+//! Rounding up to an ordered half, against the definition of IEEE 754: in the library's scalar code, and in
+//! the re-alignment of every instruction set, whose planes are the offsets when all weights are zero.
 #![no_main]
 
 #[path = "../../tests/support/mod.rs"]

@@ -1,5 +1,5 @@
-//! Re-alignment gives the scalar kernel's bits on every instruction set; and the turned planes of a real tree bound its moved triangles,
-//! decided exactly.
+//! Re-alignment gives the scalar kernel's bits on every instruction set; and the turned planes of a real tree
+//! bound its moved triangles, decided exactly.
 #![no_main]
 
 #[path = "../../tests/support/mod.rs"]
@@ -99,7 +99,8 @@ fn any_map<const K: usize>(input: &mut Input, mode: Mode) -> Realignment<K> {
     map
 }
 
-/// Whether `limit` is an upper bound of `n . p` in the frame. Intervals far wider than the rounding errors decide most.
+/// Whether `limit` is an upper bound of `n . p` in the frame. Intervals far wider than the rounding errors
+/// decide most.
 fn bounds(limit: f64, n: &[i8; 3], p: &Point, frame: &Frame) -> bool {
     assert!(!limit.is_nan() && limit > f64::NEG_INFINITY, "{limit} is no plane");
     if limit == f64::INFINITY {

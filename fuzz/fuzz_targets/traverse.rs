@@ -1,4 +1,5 @@
-//! Queries between two trees give brute force's answers, and the scalar kernel's counters on every instruction set.
+//! Queries between two trees give brute force's answers, and the scalar kernel's counters on every
+//! instruction set.
 #![no_main]
 
 #[path = "../../tests/support/mod.rs"]

@@ -49,7 +49,8 @@ pub fn bodies<N: Dop>() -> &'static Bodies<N> {
     })
 }
 
-/// A body of a few triangles: mostly one of some that were made before, as making one takes longer than a query.
+/// A body of a few triangles: mostly one of some that were made before, as making one takes longer than a
+/// query.
 pub enum Small<N: 'static> {
     Kept(&'static Body<N>),
     Made(Box<Body<N>>),
@@ -69,7 +70,8 @@ impl<N> Deref for Small<N> {
 /// The small bodies that are kept, of integer coordinates and of any bits.
 struct Kept<N>([Vec<Body<N>>; 2]);
 
-/// A body of a few triangles, out of the input one time in sixteen. Vertices may be refused: then `None`, once it is known that this was right.
+/// A body of a few triangles, out of the input one time in sixteen. Vertices may be refused: then `None`,
+/// once it is known that this was right.
 pub fn small_body<N: Dop>(input: &mut Input, mode: Mode) -> Option<Small<N>> {
     if input.one_in(16) {
         return make_body(input, mode).map(|body| Small::Made(Box::new(body)));

@@ -1,5 +1,5 @@
-//! What the fuzz targets share: the fuzzer's bytes read as numbers, planes and bodies made from them, and every instruction set that is
-//! here.
+//! What the fuzz targets share: the fuzzer's bytes read as numbers, planes and bodies made from them, and
+//! every instruction set that is here.
 //!
 //! ```text
 //! cargo +nightly fuzz run TARGET fuzz/corpus/TARGET fuzz/seeds/TARGET -- -max_len=4096
@@ -15,7 +15,8 @@
 //! | `from_bytes` | bytes refused for a true reason, or safe to walk and to query | a second reader; brute force |
 //! | `traverse` | verdicts, pairs, budgets and distances; counters of every instruction set | brute force; the scalar kernel |
 //!
-//! The first byte chooses the [`Mode`], the second k, the rest is values. `from_bytes` takes a baked tree as it is, too.
+//! The first byte chooses the [`Mode`], the second k, the rest is values. `from_bytes` takes a baked tree as
+//! it is, too.
 
 pub mod bodies;
 pub mod planes;
@@ -42,7 +43,8 @@ pub enum Mode {
     Real,
 }
 
-/// The fuzzer's bytes as numbers. After their end come pseudo-random ones that the bytes seed, so that a short input fills a node.
+/// The fuzzer's bytes as numbers. After their end come pseudo-random ones that the bytes seed, so that a
+/// short input fills a node.
 pub struct Input<'a> {
     bytes: &'a [u8],
     after: Rng,

@@ -1,4 +1,5 @@
-//! Planes of queries and nodes that separate now and then, in any mode: kernels that only ever give empty masks agree about nothing.
+//! Planes of queries and nodes that separate now and then, in any mode: kernels that only ever give empty
+//! masks agree about nothing.
 
 use crate::bodies::{bodies, pose};
 use crate::{Input, Mode, cached};

@@ -15,7 +15,8 @@ pub(super) struct Options {
     /// The tree to write. A file that is there is replaced at once, when the tree is whole.
     #[arg(short, long, required_unless_present = "picture")]
     output: Option<File>,
-    /// An image to write, by its name's ending .svg or .png: the mesh, coloured by the child of the root that each triangle is below.
+    /// An image to write, by its name's ending .svg or .png: the mesh, coloured by the child of the root
+    /// that each triangle is below.
     #[arg(long, value_name = "FILE")]
     picture: Option<File>,
     #[command(flatten)]

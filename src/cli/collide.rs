@@ -18,7 +18,8 @@ pub(super) struct Options {
     a: Option<File>,
     /// The body that stands still.
     b: Option<File>,
-    /// One pose: the 12 numbers of the row-major 3x4 matrix [R|t] that places A in B's frame [default: identity].
+    /// One pose: the 12 numbers of the row-major 3x4 matrix [R|t] that places A in B's frame [default:
+    /// identity].
     #[arg(
         long,
         value_name = "NUMBERS",
@@ -39,7 +40,8 @@ pub(super) struct Options {
     /// Give up after this many visits of node pairs.
     #[arg(long, value_name = "VISITS")]
     budget: Option<u64>,
-    /// List every pair of triangles that meet, by their indices from 0, in the order in which they are found.
+    /// List every pair of triangles that meet, by their indices from 0, in the order in which they are
+    /// found.
     #[arg(long)]
     all_pairs: bool,
     /// Instruction set: auto, scalar, neon, avx2 or avx512.

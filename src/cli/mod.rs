@@ -33,9 +33,10 @@ struct Cli {
 enum Command {
     /// Does A, placed by a pose in B's frame, meet B?
     ///
-    /// A and B are meshes (.obj, .off, .ply, .stl) or trees made by `simdop build`. Without files: two generated bodies and a sweep
-    /// of poses. For one pose the exit code is the verdict: 0 free, 1 hit; for several it is 0. It is 2 for errors, and 3 if the
-    /// budget was spent before the only verdict was known.
+    /// A and B are meshes (.obj, .off, .ply, .stl) or trees made by `simdop build`. Without files: two
+    /// generated bodies and a sweep of poses. For one pose the exit code is the verdict: 0 free, 1 hit;
+    /// for several it is 0. It is 2 for errors, and 3 if the budget was spent before the only verdict was
+    /// known.
     Collide(collide::Options),
     /// Builds the hierarchy of a mesh and writes it as a tree.
     Build(build::Options),
@@ -58,7 +59,8 @@ struct TreeOptions {
     /// How triangles are assigned to the children of a node [default: mean-width].
     #[arg(short, long, value_enum)]
     splitter: Option<SplitterName>,
-    /// Take a mesh file without a triangle for an empty body, which meets nothing. Without this it is an error.
+    /// Take a mesh file without a triangle for an empty body, which meets nothing. Without this it is an
+    /// error.
     #[arg(long)]
     allow_empty: bool,
 }

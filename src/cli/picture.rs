@@ -1,4 +1,5 @@
-//! The first level of a tree as a picture: the mesh, one colour for each child of the root (as figure 3 of the SIMDop paper).
+//! The first level of a tree as a picture: the mesh, one colour for each child of the root (as figure 3 of
+//! the SIMDop paper).
 
 use super::body;
 use super::error::Error;
@@ -153,7 +154,8 @@ impl Face {
             (core::array::from_fn(|i| b[i] - a[i]), core::array::from_fn(|i| c[i] - a[i]));
         let normal = [u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]];
         let length = dot(&normal, &normal).sqrt();
-        // Lit from behind the viewer's left shoulder, and on both sides: nobody promises which is the outer one.
+        // Lit from behind the viewer's left shoulder, and on both sides: nobody promises which is the outer
+        // one.
         let light: Vector =
             core::array::from_fn(|i| camera.back[i] - 0.5 * camera.right[i] + 0.5 * camera.up[i]);
         let facing = dot(&normal, &light).abs() / (length * dot(&light, &light).sqrt());
@@ -164,7 +166,8 @@ impl Face {
     }
 }
 
-/// Hues a golden angle apart, so that lanes next to each other differ; every other round of the circle is paler.
+/// Hues a golden angle apart, so that lanes next to each other differ; every other round of the circle is
+/// paler.
 fn colour(lane: usize) -> Vector {
     let hue = (lane as f64 * 0.618_033_988_75).fract() * 6.0;
     let floor = [0.15, 0.45, 0.0][lane % 3];

@@ -24,8 +24,8 @@ pub(super) fn bar(count: usize, quiet: bool) -> ProgressBar {
     bar
 }
 
-/// A bar over the work of a build, in levels of the tree: but for the first, which takes the longest, they take about
-/// as long as each other. It is gone when it is dropped.
+/// A bar over the work of a build, in levels of the tree: but for the first, which takes the longest, they
+/// take about as long as each other. It is gone when it is dropped.
 pub(super) fn build(name: &str, levels: u64, quiet: bool) -> ProgressBar {
     // Making nodes of the levels is one step more.
     let bar = visible(ProgressBar::new(levels + 1), quiet);

@@ -67,7 +67,8 @@ fn known<S: Serializer>(value: &Option<Rc<Cell<bool>>>, serializer: S) -> Result
     value.as_deref().map(Cell::get).serialize(serializer)
 }
 
-/// Every pair of triangles that meet, found while they are written: there may be as many as the product of two numbers of triangles.
+/// Every pair of triangles that meet, found while they are written: there may be as many as the product of
+/// two numbers of triangles.
 pub(super) struct Pairs<'a> {
     bodies: &'a [Body; 2],
     query: Query,

@@ -62,7 +62,8 @@ fn grid(along: u32, around: u32, point: impl Fn(u32, u32) -> [f64; 3]) -> MeshDa
     mesh
 }
 
-/// The nearest multiple of 2^-30: mathematical libraries differ in the last bits of a sine, the scene does not.
+/// The nearest multiple of 2^-30: mathematical libraries differ in the last bits of a sine, the scene does
+/// not.
 fn snap(x: f64) -> f64 {
     const STEPS: f64 = (1_u32 << 30) as f64;
     (x * STEPS).round() / STEPS

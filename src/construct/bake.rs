@@ -84,7 +84,8 @@ fn half_width(frame: &Frame, vertices: &[Point]) -> [f32; 3] {
     })
 }
 
-/// The largest magnitude of a finite plane. Codes order as what they stand for, so the least and the greatest have it.
+/// The largest magnitude of a finite plane. Codes order as what they stand for, so the least and the greatest
+/// have it.
 fn max_plane<N: Dop>(nodes: &[N]) -> f32 {
     let (mut least, mut greatest) = (0, 0);
     for node in nodes {

@@ -4,7 +4,8 @@ use super::longest_axis::Halving;
 use super::{Assignment, BuildError, Observer, neural_gas};
 use crate::range::Point;
 
-/// Batch Neural Gas over points with weights, such as the centres and volumes of spheres: the shape of a tree, without bodies in it.
+/// Batch Neural Gas over points with weights, such as the centres and volumes of spheres: the shape of a
+/// tree, without bodies in it.
 #[doc(hidden)]
 #[derive(Copy, Clone, Debug)]
 pub struct Clustering {

@@ -16,10 +16,11 @@ pub trait Geometry {
     fn vertices(&self) -> &[Point];
     /// The indices of each primitive's corners.
     fn primitives(&self) -> &[<Self::Primitive as Primitive>::Record];
-    /// What a primitive weighs with [`super::Magnification::Area`]: finite and not negative. Its corners are in a unit of length in which
-    /// no coordinate is above 2.
+    /// What a primitive weighs with [`super::Magnification::Area`]: finite and not negative. Its corners are
+    /// in a unit of length in which no coordinate is above 2.
     fn weight(corners: &[Point]) -> f64;
-    /// Whether a primitive is flat in more ways than its kind is, as a triangle without area: such ones are counted.
+    /// Whether a primitive is flat in more ways than its kind is, as a triangle without area: such ones are
+    /// counted.
     fn is_degenerate(corners: &[Point]) -> bool;
 }
 

@@ -1,5 +1,5 @@
-//! What all splitters by levels share: all nodes of a level are cut, each on its own, then their parts that are no leaves are the
-//! next level. So nodes come out breadth-first, and a level is one parallel step.
+//! What all splitters by levels share: all nodes of a level are cut, each on its own, then their parts that
+//! are no leaves are the next level. So nodes come out breadth-first, and a level is one parallel step.
 
 use super::{BuildError, Observer, Progress, parallel};
 use alloc::vec::Vec;
@@ -32,10 +32,11 @@ pub(super) struct Level<'a> {
     pub(super) levels_left: usize,
 }
 
-/// Moves `items` into the order of the leaves and returns where the parts end, as [`super::Assignment`] wants them.
+/// Moves `items` into the order of the leaves and returns where the parts end, as [`super::Assignment`] wants
+/// them.
 ///
-/// `cut(scratch, place, items, ends)` moves the items of one node so that the parts of its lanes are consecutive, and writes
-/// where each ends, from the node's first item.
+/// `cut(scratch, place, items, ends)` moves the items of one node so that the parts of its lanes are
+/// consecutive, and writes where each ends, from the node's first item.
 pub(super) fn split<T: Send, S: Default>(
     items: &mut [T],
     arity: usize,
@@ -63,8 +64,8 @@ pub(super) fn split<T: Send, S: Default>(
     by_level(total, arity, leaf_size, observer, cut_level)
 }
 
-/// Where the parts of a tree over `total` items end. `cut(level, ends)` cuts all nodes of a level, and writes where their parts end,
-/// from the first item of all.
+/// Where the parts of a tree over `total` items end. `cut(level, ends)` cuts all nodes of a level, and writes
+/// where their parts end, from the first item of all.
 pub(super) fn by_level<E: From<BuildError>>(
     total: usize,
     arity: usize,

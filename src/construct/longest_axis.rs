@@ -1,16 +1,18 @@
-//! The two splitters by sorting: longest axis and extended longest axis (SIMDop paper, section IV-A, 1 and 2).
+//! The two splitters by sorting: longest axis and extended longest axis (SIMDop paper, section IV-A, 1 and
+//! 2).
 //!
-//! Both cut at positions that leave **full nodes**. A full tree of arity w with m nodes has 1 + (w - 1) m leaves; so each lane
-//! gets a number of leaves of this form, as near to an equal share as that allows, and at most one node of the tree has
-//! unused lanes. Cutting into equal shares instead leaves most nodes of the last level with two lanes in use: about four times
-//! the bytes.
+//! Both cut at positions that leave **full nodes**. A full tree of arity w with m nodes has 1 + (w - 1) m
+//! leaves; so each lane gets a number of leaves of this form, as near to an equal share as that allows, and
+//! at most one node of the tree has unused lanes. Cutting into equal shares instead leaves most nodes of the
+//! last level with two lanes in use: about four times the bytes.
 
 use super::{Assignment, BuildError, Observer, levels, parallel};
 use crate::range::Point;
 use alloc::vec::Vec;
 use core::cmp::Ordering;
 
-/// A primitive, as far as these splitters see it. Moved as a whole: an index to look it up by would miss the cache at each step.
+/// A primitive, as far as these splitters see it. Moved as a whole: an index to look it up by would miss the
+/// cache at each step.
 #[derive(Copy, Clone, Debug)]
 pub(super) struct Item {
     pub(super) centroid: Point,

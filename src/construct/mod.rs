@@ -1,7 +1,8 @@
-//! Construction: a splitter assigns primitives to lanes, level by level; then the nodes are wrapped and baked.
+//! Construction: a splitter assigns primitives to lanes, level by level; then the nodes are wrapped and
+//! baked.
 //!
-//! Splitters only ever return an [`Assignment`]. Planes, links, bytes and their order are made in one place (`wrap`, `bake`), so two
-//! splitters, or two machines, that agree on the assignment agree on every byte.
+//! Splitters only ever return an [`Assignment`]. Planes, links, bytes and their order are made in one place
+//! (`wrap`, `bake`), so two splitters, or two machines, that agree on the assignment agree on every byte.
 
 mod any;
 mod assignment;
@@ -45,13 +46,16 @@ pub enum Splitter {
     LongestAxis,
     /// Halve along the longest axis, then each half along its own, until there is a part for each lane.
     ExtendedLongestAxis,
-    /// Cut where the sum of box area x primitives per lane is least: the surface area heuristic, without the detour over a binary tree.
+    /// Cut where the sum of box area x primitives per lane is least: the surface area heuristic, without the
+    /// detour over a binary tree.
     SurfaceArea,
-    /// Cut where the sum of the cube of the box's mean width x primitives per lane is least, then exchange primitives between lanes
-    /// as long as that sum falls, and look at the outermost lanes first. The fewest visits.
+    /// Cut where the sum of the cube of the box's mean width x primitives per lane is least, then exchange
+    /// primitives between lanes as long as that sum falls, and look at the outermost lanes first. The
+    /// fewest visits.
     #[default]
     MeanWidth,
-    /// Cluster with Batch Neural Gas, one prototype for each lane (BNG paper, section 3): the slowest to build.
+    /// Cluster with Batch Neural Gas, one prototype for each lane (BNG paper, section 3): the slowest to
+    /// build.
     BatchNeuralGas {
         /// What draws prototypes besides the number of primitives.
         magnification: Magnification,
@@ -67,7 +71,8 @@ pub enum Magnification {
     /// Each primitive counts once, as in the SIMDop paper.
     #[default]
     None,
-    /// A triangle weighs as much as its area, so that large ones are not outliers and come high up in the tree.
+    /// A triangle weighs as much as its area, so that large ones are not outliers and come high up in the
+    /// tree.
     Area,
 }
 
@@ -92,7 +97,7 @@ pub enum BuildError {
         /// The number given.
         count: usize,
     },
-    /// A coordinate is NaN, infinite, or beyond [`MAX_COORDINATE`].
+    /// A coordinate is NaN, infinite, or beyond [`crate::range::MAX_COORDINATE`].
     Vertex {
         /// Index of the vertex.
         index: usize,
@@ -150,13 +155,15 @@ impl Builder {
         Self { splitter: Splitter::ExtendedLongestAxis, leaf_size: 1 }
     }
 
-    /// Half the bytes of nodes at about the speed of the best: [`Splitter::MeanWidth`], up to two triangles a leaf.
+    /// Half the bytes of nodes at about the speed of the best: [`Splitter::MeanWidth`], up to two triangles a
+    /// leaf.
     #[must_use]
     pub const fn balanced() -> Self {
         Self { splitter: Splitter::MeanWidth, leaf_size: 2 }
     }
 
-    /// The fewest visits a query: [`Splitter::MeanWidth`], one triangle a leaf. Some fifteen times as long to build as the fast one.
+    /// The fewest visits a query: [`Splitter::MeanWidth`], one triangle a leaf. Some fifteen times as long to
+    /// build as the fast one.
     #[must_use]
     pub const fn best() -> Self {
         Self { splitter: Splitter::MeanWidth, leaf_size: 1 }
@@ -179,9 +186,9 @@ impl Builder {
     /// Coordinates are kept as they are (stored as `f32` where that loses nothing), except that those below
     /// [`crate::range::MIN_COORDINATE`] become zero. Degenerate triangles are kept and counted.
     ///
-    /// The same bytes on every machine and, with the feature `rayon`, from any number of threads: those of the current pool.
-    /// A build needs some 100 bytes a triangle besides the mesh and the tree (k = 18, arity 16, half as many vertices as
-    /// triangles), whatever the splitter.
+    /// The same bytes on every machine and, with the feature `rayon`, from any number of threads: those of
+    /// the current pool. A build needs some 100 bytes a triangle besides the mesh and the tree (k = 18,
+    /// arity 16, half as many vertices as triangles), whatever the splitter.
     ///
     /// # Errors
     /// [`BuildError`]: nothing is dropped or repaired in silence.
@@ -189,7 +196,8 @@ impl Builder {
         self.build_with(mesh, &mut |_| ControlFlow::Continue(()))
     }
 
-    /// [`Builder::build`], telling `observer` after each level of the tree how far it is, and stopping when told to.
+    /// [`Builder::build`], telling `observer` after each level of the tree how far it is, and stopping when
+    /// told to.
     ///
     /// # Errors
     /// [`BuildError`]: of the mesh, or [`BuildError::Cancelled`] if `observer` returned `Break`.

@@ -1,5 +1,5 @@
-//! Work that may be shared among threads: by `rayon` with the feature of that name, else one after the other. What is computed never
-//! depends on it: jobs write to places of their own, and sums are of integers.
+//! Work that may be shared among threads: by `rayon` with the feature of that name, else one after the other.
+//! What is computed never depends on it: jobs write to places of their own, and sums are of integers.
 
 /// Runs `work` on every job, each thread with its own scratch memory.
 #[cfg(feature = "rayon")]

@@ -52,8 +52,8 @@ pub(super) struct InOrder<R> {
 }
 
 impl<R: Copy + AsRef<[u32]> + AsMut<[u32]>> InOrder<R> {
-    /// The primitives in the order of the leaves, and the vertices in the order of their first use: what a leaf needs lies together.
-    /// Vertices that no primitive uses are left out.
+    /// The primitives in the order of the leaves, and the vertices in the order of their first use: what a
+    /// leaf needs lies together. Vertices that no primitive uses are left out.
     pub(super) fn of(vertices: &[Point], primitives: &[R], sources: &[u32]) -> Self {
         const UNSEEN: u32 = u32::MAX;
         let mut places = alloc::vec![UNSEEN; vertices.len()];

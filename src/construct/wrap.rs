@@ -7,9 +7,10 @@ use crate::node::{Dop, Link};
 use crate::range::Point;
 use alloc::vec::Vec;
 
-/// The planes of every lane: the supports of the corners below it. Rounding up is monotone, so the greatest of the rounded
-/// supports is the greatest support rounded: a wrapped hierarchy, whether reduced from corners or from the lanes below. So each
-/// vertex is rounded once, though some six triangles and all their ancestors use it.
+/// The planes of every lane: the supports of the corners below it. Rounding up is monotone, so the greatest
+/// of the rounded supports is the greatest support rounded: a wrapped hierarchy, whether reduced from corners
+/// or from the lanes below. So each vertex is rounded once, though some six triangles and all their ancestors
+/// use it.
 pub(super) fn wrap<N: Dop, R: AsRef<[u32]> + Sync>(
     nodes: &mut [N],
     frame: &Frame,

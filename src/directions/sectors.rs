@@ -1,7 +1,8 @@
-//! Faces and weights without a search, for the four sets that have the symmetry of the cube (k = 6, 14, 18, 26).
+//! Faces and weights without a search, for the four sets that have the symmetry of the cube (k = 6, 14, 18,
+//! 26).
 //!
-//! The cube has 48 symmetries: permutations of the axes, and signs. Some symmetry brings any u to `hi >= mid >= lo >= 0`, and
-//! there the hull has one face, or two:
+//! The cube has 48 symmetries: permutations of the axes, and signs. Some symmetry brings any u to
+//! `hi >= mid >= lo >= 0`, and there the hull has one face, or two:
 //!
 //! | k | corners of the face there | weights |
 //! |---|---|---|
@@ -11,8 +12,8 @@
 //! | 18, a < 0 | (0,1,1) (1,1,0) (1,0,1) | -a / 2, mid + a / 2, lo + a / 2 |
 //! | 26 | (1,0,0) (1,1,0) (1,1,1) | hi - mid, mid - lo, lo |
 //!
-//! The tests compare with the cheapest of all triples. No branch depends on u: a search through the grid of the general way
-//! took 13 ns a direction, 116 of the 380 ns of a set-up at k = 18.
+//! The tests compare with the cheapest of all triples. No branch depends on u: a search through the grid of
+//! the general way took 13 ns a direction, 116 of the 380 ns of a set-up at k = 18.
 
 use super::{greater, table};
 

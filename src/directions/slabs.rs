@@ -10,7 +10,8 @@ pub(crate) struct Decomposition<const K: usize> {
 }
 
 impl<const K: usize> Directions<K> {
-    /// [`Directions::SLABS`], filled up to whole vectors of four `f64`: a remainder would be computed one by one. What is beyond the slabs is zero.
+    /// [`Directions::SLABS`], filled up to whole vectors of four `f64`: a remainder would be computed one by
+    /// one. What is beyond the slabs is zero.
     pub(crate) const COLUMNS: usize = Self::SLABS.next_multiple_of(4);
 
     /// The coordinates of each slab's direction, by column.

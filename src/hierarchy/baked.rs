@@ -18,10 +18,11 @@ use core::sync::atomic::{AtomicBool, Ordering};
 #[repr(C, align(64))]
 pub struct Aligned<T: ?Sized>(pub T);
 
-/// A tree in the program's own read-only memory, such as a microcontroller's flash. [`include_tree!`](crate::include_tree) makes one.
+/// A tree in the program's own read-only memory, such as a microcontroller's flash.
+/// [`include_tree!`](crate::include_tree) makes one.
 ///
-/// Its header was checked when the program was compiled. Its contents are validated by the first call of [`Baked::view`], which
-/// is remembered: later calls take a few instructions.
+/// Its header was checked when the program was compiled. Its contents are validated by the first call of
+/// [`Baked::view`], which is remembered: later calls take a few instructions.
 #[derive(Debug)]
 pub struct Baked<N, P = Triangles> {
     bytes: &'static [u8],
@@ -31,7 +32,8 @@ pub struct Baked<N, P = Triangles> {
 }
 
 impl<N: Dop, P: Primitive> Baked<N, P> {
-    /// Of bytes that are aligned to 64. In a constant, whatever is wrong with the header is an error of compilation.
+    /// Of bytes that are aligned to 64. In a constant, whatever is wrong with the header is an error of
+    /// compilation.
     ///
     /// # Panics
     /// If the bytes are not a tree of this node type and these primitives, all of it and nothing else.
@@ -57,7 +59,8 @@ impl<N: Dop, P: Primitive> Baked<N, P> {
     /// # Errors
     /// [`BakeError`] if the contents are not safe to walk, or the bytes are not aligned.
     pub fn view(&self) -> Result<BvhRef<'static, N, P>, BakeError> {
-        // What is remembered says something of constant bytes only, so that no other memory has to be in step with it.
+        // What is remembered says something of constant bytes only, so that no other memory has to be in step
+        // with it.
         if self.is_valid.load(Ordering::Relaxed) {
             return BvhRef::of_layout(self.bytes, &self.layout);
         }
@@ -73,8 +76,8 @@ impl<N: Dop, P: Primitive> Baked<N, P> {
     }
 }
 
-/// A [`Baked`] tree from a file, aligned, its header checked by the compiler. The path is relative to the source file, as for
-/// [`include_bytes!`]; an absolute one may be made with `concat!` and `env!`.
+/// A [`Baked`] tree from a file, aligned, its header checked by the compiler. The path is relative to the
+/// source file, as for [`include_bytes!`]; an absolute one may be made with `concat!` and `env!`.
 ///
 /// ```ignore
 /// static HAND: Baked<Node16<18>> = include_tree!("hand.simdop");

@@ -40,8 +40,8 @@ pub struct Header {
     pub primitive_count: u32,
     /// Number of vertices.
     pub vertex_count: u32,
-    /// Primitives that are flat in more ways than their kind is: triangles without area, whose corners are collinear or coincide. They are
-    /// kept, and collide as the segments or points they are.
+    /// Primitives that are flat in more ways than their kind is: triangles without area, whose corners are
+    /// collinear or coincide. They are kept, and collide as the segments or points they are.
     pub degenerate_count: u32,
     /// Centre of the frame, in the body's unit.
     pub centre: Point,

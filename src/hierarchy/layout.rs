@@ -42,7 +42,8 @@ impl Part {
         &bytes[self.start..][..self.len]
     }
 
-    /// The next part, of `count` items: after this one, at a multiple of `align`. On a 32-bit machine a tree may be too large to address.
+    /// The next part, of `count` items: after this one, at a multiple of `align`. On a 32-bit machine a tree
+    /// may be too large to address.
     const fn then(self, count: u32, size: usize, align: usize) -> Result<Self, BakeError> {
         const TOO_LARGE: BakeError = BakeError::Header { field: "counts overflow the address space" };
         let Some(end) = self.start.checked_add(self.len) else { return Err(TOO_LARGE) };
@@ -53,8 +54,8 @@ impl Part {
 }
 
 impl Layout {
-    /// Of bytes that shall be a tree of these nodes and primitives, all of it and nothing else. For constants too, so it reads the header
-    /// byte by byte.
+    /// Of bytes that shall be a tree of these nodes and primitives, all of it and nothing else. For constants
+    /// too, so it reads the header byte by byte.
     pub(super) const fn of<N: Node, P: Primitive>(bytes: &[u8]) -> Result<Self, BakeError> {
         attempt!(begins_as_a_tree(bytes));
         let kind = u16_at(bytes, offset_of!(Header, kind));

@@ -1,8 +1,8 @@
 //! Bounding volume hierarchies: one run of bytes, read in place.
 //!
-//! A baked tree is a [`Header`], the nodes in breadth-first order, the vertices, the primitives in the order of the leaves (of a triangle
-//! the indices of its corners), and for each primitive its index in what was built. All little-endian, each part aligned for its type,
-//! the whole to 64 bytes.
+//! A baked tree is a [`Header`], the nodes in breadth-first order, the vertices, the primitives in the order
+//! of the leaves (of a triangle the indices of its corners), and for each primitive its index in what was
+//! built. All little-endian, each part aligned for its type, the whole to 64 bytes.
 //!
 //! | type | the bytes | for |
 //! |---|---|---|
@@ -40,5 +40,6 @@ pub use verify::VerifyError;
 pub use view::{AsBvh, BvhRef};
 pub use walk::{Lane, Walk};
 
-/// Levels of nodes, at most: it bounds the stack of every query. 16-ary trees of any practical size have fewer than 10.
+/// Levels of nodes, at most: it bounds the stack of every query. 16-ary trees of any practical size have
+/// fewer than 10.
 pub const MAX_DEPTH: usize = 22;

@@ -38,8 +38,8 @@ impl<N: Dop, P: Primitive> Bvh<N, P> {
     /// Copies a baked tree, of any alignment, and validates it.
     ///
     /// # Errors
-    /// [`BakeError`] if the bytes are not a tree of this node type and these primitives, all of it and nothing else, or are not safe to
-    /// walk.
+    /// [`BakeError`] if the bytes are not a tree of this node type and these primitives, all of it and
+    /// nothing else, or are not safe to walk.
     pub fn from_bytes(bytes: &[u8]) -> Result<Self, BakeError> {
         // Of the bytes given: their copy is filled up to whole lines.
         let layout = Layout::of::<N, P>(bytes)?;
@@ -68,7 +68,8 @@ impl<N: Node, P: Primitive> Bvh<N, P> {
         bytemuck::cast_slice(&self.lines)
     }
 
-    /// Borrows the tree. Constant time: the parts are known, and nothing is checked again. Queries take the owned tree as well.
+    /// Borrows the tree. Constant time: the parts are known, and nothing is checked again. Queries take the
+    /// owned tree as well.
     ///
     /// # Panics
     /// Never: the bytes were checked when the tree was made.

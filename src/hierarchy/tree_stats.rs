@@ -5,28 +5,31 @@ use crate::key::decode;
 use crate::node::{Dop, Link};
 use crate::primitive::Primitive;
 
-/// How good a tree is, by the boxes of its lanes (the first three slabs, which every k has). All are ratios: no unit.
+/// How good a tree is, by the boxes of its lanes (the first three slabs, which every k has). All are ratios:
+/// no unit.
 ///
 /// Not finite if a plane is unbounded, which no builder makes.
 #[derive(Copy, Clone, PartialEq, Debug)]
 pub struct TreeStats {
-    /// Visits expected of a query against a copy of itself that finds no hit, at a uniformly random motion that lets the two
-    /// root boxes meet.
+    /// Visits expected of a query against a copy of itself that finds no hit, at a uniformly random motion
+    /// that lets the two root boxes meet.
     ///
-    /// Boxes a and b meet, given that the roots r do, with the probability mu(a, b) / mu(r, r), where by Blaschke's kinematic formula
+    /// Boxes a and b meet, given that the roots r do, with the probability mu(a, b) / mu(r, r), where by
+    /// Blaschke's kinematic formula
     ///
     /// ```text
     /// mu(a, b) = 4 (V_a + V_b) + S_a m_b + S_b m_a          (times 2 pi^2)
     /// ```
     ///
-    /// with the volume V, the area S and the sum m of the three edges of a box. The sum of that over all pairs that a query can visit:
-    /// nodes of one level, and nodes and leaves of no deeper a level, each leaf of one tree with each node of the other, twice.
-    /// 1 for a single node. If the root has no area, every pair is taken to meet.
+    /// with the volume V, the area S and the sum m of the three edges of a box. The sum of that over all
+    /// pairs that a query can visit: nodes of one level, and nodes and leaves of no deeper a level, each
+    /// leaf of one tree with each node of the other, twice. 1 for a single node. If the root has no
+    /// area, every pair is taken to meet.
     pub expected_visits: f64,
     /// Sum of the areas of a node's lanes over the area of the node, mean over the nodes that have one.
     pub area_ratio: f64,
-    /// Volume that two lanes of a node share, summed over pairs of lanes, over the sum of the lanes' volumes; mean over the nodes
-    /// whose lanes have volume.
+    /// Volume that two lanes of a node share, summed over pairs of lanes, over the sum of the lanes'
+    /// volumes; mean over the nodes whose lanes have volume.
     pub overlap: f64,
     /// Share of lanes in use.
     pub lanes_used: f64,
@@ -61,7 +64,8 @@ impl Size {
         self.edges += other.edges;
     }
 
-    /// The measure of the motions that let two boxes meet, over `2 pi^2`, summed over every box of one set with every box of the other.
+    /// The measure of the motions that let two boxes meet, over `2 pi^2`, summed over every box of one set
+    /// with every box of the other.
     fn meeting(&self, other: &Self) -> f64 {
         let volumes = 4.0 * (self.volume * other.count + other.volume * self.count);
         volumes + self.area * other.edges + other.area * self.edges

@@ -9,14 +9,15 @@ use crate::range::MAX_COORDINATE;
 use crate::range::{Point, flush};
 
 impl<N: Dop, P: Primitive> BvhRef<'_, N, P> {
-    /// Proves that no query can read out of range, loop, or overflow its stack, and that the header's bounds hold. In one pass,
-    /// without memory:
+    /// Proves that no query can read out of range, loop, or overflow its stack, and that the header's bounds
+    /// hold. In one pass, without memory:
     ///
-    /// * nodes are in breadth-first order, so the links to nodes are 1, 2, 3 .. in the order they are met: each node has
-    ///   one parent, none is unreachable, no path returns, and the levels can be counted;
+    /// * nodes are in breadth-first order, so the links to nodes are 1, 2, 3 .. in the order they are met:
+    ///   each node has one parent, none is unreachable, no path returns, and the levels can be counted;
     /// * primitives are in the order of the leaves, so the leaves' ranges follow each other likewise;
     /// * the index that each primitive had in what was built is below their number;
-    /// * each plane of a used lane is a half that can bound something, each plane of an unused one is [`Key::EMPTY`].
+    /// * each plane of a used lane is a half that can bound something, each plane of an unused one is
+    ///   [`Key::EMPTY`].
     ///
     /// That the planes really bound the primitives is for [`BvhRef::verify`].
     ///

@@ -31,9 +31,9 @@ impl fmt::Display for VerifyError {
 impl core::error::Error for VerifyError {}
 
 impl<N: Dop, P: Primitive> BvhRef<'_, N, P> {
-    /// Decides, for every primitive and every lane on the path to it, whether each plane is an upper bound of the exact support
-    /// of the primitive. No rounding takes part: planes, corners, centre and direction are dyadic numbers, summed as
-    /// expansions. Cost: primitives x depth x k.
+    /// Decides, for every primitive and every lane on the path to it, whether each plane is an upper bound of
+    /// the exact support of the primitive. No rounding takes part: planes, corners, centre and direction
+    /// are dyadic numbers, summed as expansions. Cost: primitives x depth x k.
     ///
     /// # Errors
     /// [`VerifyError`] names the first plane that is too low.

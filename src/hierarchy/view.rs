@@ -6,7 +6,8 @@ use crate::frame::{Extent, Frame};
 use crate::node::{Dop, Node};
 use crate::primitive::{Primitive, Store, Triangles};
 
-/// A hierarchy over borrowed bytes, safe to walk. Small and `Copy`: pass it by value or reference as you like.
+/// A hierarchy over borrowed bytes, safe to walk. Small and `Copy`: pass it by value or reference as you
+/// like.
 #[derive(Debug)]
 pub struct BvhRef<'a, N, P: Primitive = Triangles> {
     pub(super) header: &'a Header,
@@ -26,8 +27,8 @@ impl<'a, N: Dop, P: Primitive> BvhRef<'a, N, P> {
     /// Borrows a baked tree in place, without a copy, after [`BvhRef::validate`]: linear in its size.
     ///
     /// # Errors
-    /// [`BakeError`] if the bytes are not a tree of this node type and these primitives, all of it and nothing else, are not aligned to
-    /// 64, or are not safe to walk.
+    /// [`BakeError`] if the bytes are not a tree of this node type and these primitives, all of it and
+    /// nothing else, are not aligned to 64, or are not safe to walk.
     pub fn from_bytes(bytes: &'a [u8]) -> Result<Self, BakeError> {
         // First, so that the error of bytes that are too short for a header says so.
         Header::read(bytes)?;
@@ -99,7 +100,8 @@ impl<'a, N: Node, P: Primitive> BvhRef<'a, N, P> {
         self.sources.is_empty()
     }
 
-    /// Primitive `index`, an index in leaf order below [`len`](Self::len), in the body's unit: of a triangle its corners.
+    /// Primitive `index`, an index in leaf order below [`len`](Self::len), in the body's unit: of a triangle
+    /// its corners.
     ///
     /// # Panics
     /// If `index` is out of range.
@@ -120,7 +122,8 @@ impl<'a, N: Node, P: Primitive> BvhRef<'a, N, P> {
     }
 }
 
-/// A tree that queries take: borrowed, or owned. A struct can so hold an owned tree and query it, without a view beside it.
+/// A tree that queries take: borrowed, or owned. A struct can so hold an owned tree and query it, without a
+/// view beside it.
 pub trait AsBvh {
     /// Its nodes.
     type Node: Node;

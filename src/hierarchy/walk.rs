@@ -16,7 +16,8 @@ pub struct Lane {
     pub child: Child,
 }
 
-/// All lanes in use, depth first, a lane before what is below it. Without heap: a path of at most [`MAX_DEPTH`] lanes.
+/// All lanes in use, depth first, a lane before what is below it. Without heap: a path of at most
+/// [`MAX_DEPTH`] lanes.
 #[derive(Clone, Debug)]
 pub struct Walk<'a, N> {
     nodes: &'a [N],

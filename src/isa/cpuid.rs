@@ -26,7 +26,8 @@ const YMM: u64 = 0b110;
 const ZMM: u64 = 0b1110_0110;
 
 impl Feature {
-    /// The row of a feature, from Intel's Software Developer's Manual, volume 2A, CPUID, and AMD's volume 3, appendix E.
+    /// The row of a feature, from Intel's Software Developer's Manual, volume 2A, CPUID, and AMD's volume 3,
+    /// appendix E.
     pub(super) const fn named(name: &str) -> Self {
         let (leaf, register, bit, state) = match name.as_bytes() {
             b"popcnt" => (1, Register::Ecx, 23, NONE),

@@ -1,8 +1,9 @@
 //! Instruction sets as values.
 //!
-//! A *token* ([`Scalar`], `Avx2`, `Avx512`, `Neon`) is a zero-sized proof that this machine has an instruction set. Safe code gets one
-//! only by detection, or inside a function that is itself compiled for those features, so a kernel that takes a token needs no
-//! check of its own. [`Isa`] is one of the tokens, chosen at run time: a plain value that the caller holds and hands to queries.
+//! A *token* ([`Scalar`], `Avx2`, `Avx512`, `Neon`) is a zero-sized proof that this machine has an
+//! instruction set. Safe code gets one only by detection, or inside a function that is itself compiled for
+//! those features, so a kernel that takes a token needs no check of its own. [`Isa`] is one of the tokens,
+//! chosen at run time: a plain value that the caller holds and hands to queries.
 //!
 //! Each list of features is written once, in the rows of `token.rs`. A row makes the token, its detection,
 //! its gate (`run`), and the attribute macro that the token's kernels are compiled with.
@@ -10,9 +11,10 @@
 //! Which instruction sets there are kernels for is decided once, by the target, in `build.rs`: the conditions
 //! `simdop_x86` and `simdop_neon`.
 //!
-//! Without `std`: x86-64 asks CPUID and XCR0; aarch64 believes what the crate was compiled for, which on every aarch64 target
-//! but a few includes NEON; targets with a soft-float ABI (`x86_64-unknown-none`) have no vector registers to pass, and so [`Scalar`]
-//! only. On bare metal that knows more, `unsafe { Avx2::assume_supported() }` makes a token.
+//! Without `std`: x86-64 asks CPUID and XCR0; aarch64 believes what the crate was compiled for, which on
+//! every aarch64 target but a few includes NEON; targets with a soft-float ABI (`x86_64-unknown-none`) have
+//! no vector registers to pass, and so [`Scalar`] only. On bare metal that knows more, `unsafe {
+//! Avx2::assume_supported() }` makes a token.
 
 #![cfg_attr(
     any(simdop_x86, simdop_neon),
@@ -100,8 +102,8 @@ macro_rules! __on_isa {
     };
 }
 
-/// Evaluates an expression with the token of an [`Isa`] whichever it is: where a value becomes a type. The
-/// one place that has to know all of them.
+/// Evaluates an expression with the token of an [`Isa`] whichever it is: where a value becomes a type.
+/// The one place that has to know all of them.
 ///
 /// ```
 /// use simdop::isa::{Isa, on_isa};

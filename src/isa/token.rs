@@ -37,7 +37,8 @@ macro_rules! detected {
     };
 }
 
-/// One instruction set: token, detection, gate, and `$attribute!`, which compiles an item for it. `$d` is a dollar sign.
+/// One instruction set: token, detection, gate, and `$attribute!`, which compiles an item for it. `$d` is a
+/// dollar sign.
 #[cfg(any(simdop_x86, simdop_neon))]
 macro_rules! instruction_set {
     ($d:tt $(#[$doc:meta])* $token:ident, $attribute:ident, [$($feature:tt)+]) => {

@@ -4,13 +4,16 @@
 //!
 //! Every implementation of [`Kernel`] gives the same bits as [`scalar`], for every input, with no tolerance:
 //!
-//! 1. **Closed sets.** Bodies that touch overlap. Slab by slab, body A is separated from child i of B if and only if
-//!    `-d_opposite(j)(A) > d_j(B)` for some plane j; on keys, `query[j] > planes[j]` with `query[j] = !key(d_opposite(j)(A))`.
+//! 1. **Closed sets.** Bodies that touch overlap. Slab by slab, body A is separated from child i of B if and
+//!    only if `-d_opposite(j)(A) > d_j(B)` for some plane j; on keys, `query[j] > planes[j]` with `query[j] =
+//!    !key(d_opposite(j)(A))`.
 //! 2. **Lane i is bit i.** In 4vs4, bit `4 a + b` is the pair of child a of A and child b of B.
-//! 3. **An unused lane is separated from every query**, unbounded ones too: its planes are below every complement of a key.
-//! 4. **Re-alignment** is [`Realignment::plane`], operation by operation: `f32`, no fused multiply-add, the sum from left to right,
-//!    rounded up to a half, NaN to +infinity. A lane whose plane 0 is [`Key::EMPTY`] is unused: its `query[0]` comes out above every
-//!    key, so that it is separated from everything; the rest of it is as for any bits.
+//! 3. **An unused lane is separated from every query**, unbounded ones too: its planes are below every
+//!    complement of a key.
+//! 4. **Re-alignment** is [`Realignment::plane`], operation by operation: `f32`, no fused multiply-add, the
+//!    sum from left to right, rounded up to a half, NaN to +infinity. A lane whose plane 0 is [`Key::EMPTY`]
+//!    is unused: its `query[0]` comes out above every key, so that it is separated from everything; the rest
+//!    of it is as for any bits.
 //!
 //! All operations take any bits. Codes that are not planes (NaN, -0) compare as the integers they are.
 
@@ -28,8 +31,8 @@ use crate::node::{Node4, Node16};
 use crate::primitive::triangle::{Probe, Triangle};
 use crate::realign::Realignment;
 
-/// Planes of `W` bodies that were turned into another body's frame, ready to be compared with that body's planes: `turned[j][i]` is the
-/// complement of the key of plane `j ^ 1` of body i.
+/// Planes of `W` bodies that were turned into another body's frame, ready to be compared with that body's
+/// planes: `turned[j][i]` is the complement of the key of plane `j ^ 1` of body i.
 pub type Turned<const W: usize, const K: usize> = [[i16; W]; K];
 
 /// Above every key and every complement of one: in a query, separated from everything.
@@ -46,23 +49,24 @@ mod sealed {
     impl Sealed for crate::isa::Neon {}
 }
 
-/// The operations of the hot loop, for one instruction set. The implementor is the token that proves it is there. See the
-/// [law](self).
+/// The operations of the hot loop, for one instruction set. The implementor is the token that proves it is
+/// there. See the [law](self).
 pub trait Kernel: Copy + core::fmt::Debug + sealed::Sealed {
-    /// Runs `f` compiled for the instruction set, as far as `f` is inlined: the gate that a traversal enters once.
+    /// Runs `f` compiled for the instruction set, as far as `f` is inlined: the gate that a traversal enters
+    /// once.
     fn run<R>(self, f: impl FnOnce() -> R) -> R;
 
     /// Which children of `node` the body in lane `lane` (below 16) of `query` overlaps.
     #[must_use]
     fn overlap_1v16<const K: usize>(self, query: &Turned<16, K>, lane: usize, node: &Node16<K>) -> u16;
 
-    /// Which of the 16 bodies of `query` child `lane` (below 16) of `node` overlaps: a column of what [`Kernel::overlap_1v16`] gives the
-    /// rows of.
+    /// Which of the 16 bodies of `query` child `lane` (below 16) of `node` overlaps: a column of what
+    /// [`Kernel::overlap_1v16`] gives the rows of.
     #[must_use]
     fn overlap_16v1<const K: usize>(self, query: &Turned<16, K>, node: &Node16<K>, lane: usize) -> u16;
 
-    /// Which of the 16 bodies of `query` the hull of all children of `node` overlaps: the body whose planes are the greatest of theirs. For a
-    /// root, which is no child of a node that could be asked.
+    /// Which of the 16 bodies of `query` the hull of all children of `node` overlaps: the body whose planes
+    /// are the greatest of theirs. For a root, which is no child of a node that could be asked.
     #[must_use]
     fn overlap_16v_hull<const K: usize>(self, query: &Turned<16, K>, node: &Node16<K>) -> u16;
 
@@ -70,11 +74,13 @@ pub trait Kernel: Copy + core::fmt::Debug + sealed::Sealed {
     #[must_use]
     fn overlap_4v4<const K: usize>(self, query: &Turned<4, K>, node: &Node4<K>) -> u16;
 
-    /// Bit i: the plane of the probe or of triangle i certainly separates the two, as [`Probe::is_apart`] says, which is the specification.
+    /// Bit i: the plane of the probe or of triangle i certainly separates the two, as [`Probe::is_apart`]
+    /// says, which is the specification.
     #[must_use]
     fn apart_4(self, probe: &Probe<'_>, triangles: &[Triangle; 4]) -> u16;
 
-    /// Turns the planes of all children of a node into another body's frame, in query form. In place: a result of half a kilobyte would be copied.
+    /// Turns the planes of all children of a node into another body's frame, in query form. In place: a
+    /// result of half a kilobyte would be copied.
     ///
     /// # Panics
     /// If a source of the map is not below `K`, which those of [`Realignment::new`] are.

@@ -6,7 +6,8 @@
 //! | link of child `i` | bytes `32 K + 4 i` | bytes `8 K + 4 i` |
 //! | size, k = 6 / 14 / 18 / 26 / 32 | 256 / 512 / 640 / 896 / 1088 | 64 / 128 / 160 / 224 / 272 |
 //!
-//! Planes `2 s` and `2 s + 1` are slab `s`. In a `Node16` they share one 64-byte line: one zmm, two ymm or four q registers.
+//! Planes `2 s` and `2 s + 1` are slab `s`. In a `Node16` they share one 64-byte line: one zmm, two ymm or
+//! four q registers.
 
 use super::{Child, Dop, Node, sealed};
 use crate::directions::Directions;

@@ -1,7 +1,7 @@
 //! Nodes: links to what is below, and volumes that bound it.
 //!
-//! [`Node`] is what every kind of node has: a fixed number of lanes, each with a link. [`Dop`] adds the planes of k-DOPs, which
-//! [`Node16`] and [`Node4`] hold.
+//! [`Node`] is what every kind of node has: a fixed number of lanes, each with a link. [`Dop`] adds the
+//! planes of k-DOPs, which [`Node16`] and [`Node4`] hold.
 
 mod dop;
 mod link;

@@ -25,7 +25,8 @@ pub enum PoseError {
     NotFinite,
     /// The translation is longer than [`MAX_COORDINATE`].
     TooFar,
-    /// The rows are not unit vectors at right angles within [`Pose::TOLERANCE`]: the largest deviation of `R R^T` from 1.
+    /// The rows are not unit vectors at right angles within [`Pose::TOLERANCE`]: the largest deviation of `R
+    /// R^T` from 1.
     NotOrthonormal {
         /// Largest absolute entry of `R R^T - 1`.
         deviation: f64,
@@ -76,7 +77,8 @@ impl Pose {
     /// The pose `[R|t]` from three rows of four numbers.
     ///
     /// # Errors
-    /// [`PoseError`] if a number is not finite, R is not a rotation within [`Pose::TOLERANCE`], or t is too long.
+    /// [`PoseError`] if a number is not finite, R is not a rotation within [`Pose::TOLERANCE`], or t is too
+    /// long.
     #[inline]
     pub fn from_rows(rows: [[f64; 4]; 3]) -> Result<Self, PoseError> {
         let [p, q, r] = rows;
@@ -139,7 +141,8 @@ impl Pose {
         [coordinate(0), coordinate(1), coordinate(2)]
     }
 
-    // Without a branch: a tenth of a query between bodies 5 % apart is spent here. Not NaN, by how each is compared.
+    // Without a branch: a tenth of a query between bodies 5 % apart is spent here. Not NaN, by how each is
+    // compared.
     #[inline]
     fn is_rigid(&self) -> bool {
         let (r, t) = (&self.rows, &self.translation);

@@ -1,8 +1,9 @@
 //! What stands below the leaves of a hierarchy.
 //!
-//! A [`Primitive`] is a kind of body part: triangles today. Hierarchies, their header, the packer and the traversal are the same for
-//! all kinds; what differs is here: how primitives are stored, what they are once read, how a pose moves them, and whether a plane
-//! bounds them. The tests of one primitive against another are a trait of their own, [`crate::query::Pairwise`].
+//! A [`Primitive`] is a kind of body part: triangles today. Hierarchies, their header, the packer and the
+//! traversal are the same for all kinds; what differs is here: how primitives are stored, what they are once
+//! read, how a pose moves them, and whether a plane bounds them. The tests of one primitive against another
+//! are a trait of their own, [`crate::query::Pairwise`].
 
 mod store;
 pub mod triangle;
@@ -53,7 +54,8 @@ impl fmt::Display for Kind {
 
 /// A kind of primitive: the convex hull of a few corners.
 ///
-/// A tree keeps its primitives in a [`Store`]: a table of vertices, and for each primitive a record, such as the indices of its corners.
+/// A tree keeps its primitives in a [`Store`]: a table of vertices, and for each primitive a record, such as
+/// the indices of its corners.
 pub trait Primitive: Copy + fmt::Debug + Send + Sync + 'static {
     /// What the header of a tree of them says.
     const KIND: Kind;
@@ -92,7 +94,8 @@ pub trait Primitive: Copy + fmt::Debug + Send + Sync + 'static {
     #[must_use]
     fn moved(item: &Self::Item, pose: &Pose) -> Self::Item;
 
-    /// Whether plane `key` of a tree in `frame` bounds the primitive in `direction`: decided in exact arithmetic.
+    /// Whether plane `key` of a tree in `frame` bounds the primitive in `direction`: decided in exact
+    /// arithmetic.
     #[must_use]
     fn is_bounded(item: &Self::Item, frame: &Frame, direction: &Point, key: Key) -> bool {
         Self::corners(item).all(|p| frame.is_bounded(direction, p, key))

@@ -46,9 +46,11 @@ pub struct Witness {
 pub struct Distance {
     /// Lower bound, in the bodies' unit.
     pub lower: f64,
-    /// Upper bound, in the bodies' unit: that of the witness. Zero if and only if the witness's primitives meet.
+    /// Upper bound, in the bodies' unit: that of the witness. Zero if and only if the witness's primitives
+    /// meet.
     pub upper: f64,
-    /// Two primitives and points that are `upper` apart. `None` if a body is empty: its distance is infinite.
+    /// Two primitives and points that are `upper` apart. `None` if a body is empty: its distance is
+    /// infinite.
     pub witness: Option<Witness>,
     /// [`Completion::Complete`], or [`Completion::OutOfBudget`]: then the bounds are valid, and as far apart as they are.
     pub completion: Completion,
@@ -72,11 +74,11 @@ impl Distance {
 }
 
 impl Query {
-    /// Do the bodies come within `margin` (in their unit) of each other? [`Verdict::Hit`] names two primitives that do; [`Verdict::Free`] means
-    /// that the bodies are farther apart than `margin`.
+    /// Do the bodies come within `margin` (in their unit) of each other? [`Verdict::Hit`] names two
+    /// primitives that do; [`Verdict::Free`] means that the bodies are farther apart than `margin`.
     ///
-    /// Never falsely free. Exact for margin 0, where this is [`Query::collide`]. For others a pair is a hit if its distance, computed to 90 bits
-    /// of the primitives' extent, is not certainly above the margin.
+    /// Never falsely free. Exact for margin 0, where this is [`Query::collide`]. For others a pair is a hit
+    /// if its distance, computed to 90 bits of the primitives' extent, is not certainly above the margin.
     ///
     /// # Errors
     /// [`ToleranceError`] if `margin` is negative, infinite or NaN.
@@ -95,11 +97,12 @@ impl Query {
         Ok(self.first_pair(a.as_bvh(), b.as_bvh(), pose, checked(margin)?))
     }
 
-    /// The distance of body `a`, placed by `pose` in the frame of body `b`, from `b`, and where they are closest. Zero if and only if they
-    /// meet; the first common point ends it.
+    /// The distance of body `a`, placed by `pose` in the frame of body `b`, from `b`, and where they are
+    /// closest. Zero if and only if they meet; the first common point ends it.
     ///
-    /// With `tolerance` t the search ends when it has proved `upper <= (1 + t) lower`, up to rounding: 0.01 is for "roughly how
-    /// far", and 0 for what `f64` can hold (2^-42 relatively). A budget ends it with the bounds it then has.
+    /// With `tolerance` t the search ends when it has proved `upper <= (1 + t) lower`, up to rounding: 0.01
+    /// is for "roughly how far", and 0 for what `f64` can hold (2^-42 relatively). A budget ends it with
+    /// the bounds it then has.
     ///
     /// ```
     /// # use simdop::{construct::{Builder, Mesh}, isa::Isa, node::Node16, pose::Pose, query::Query};

@@ -1,13 +1,16 @@
 //! Lower bounds of distances between volumes, for all children of a node at once.
 //!
-//! Along direction n the gap between A and B is `-d_opposite(A) - d(B)`, and the bodies are at least `gap / |n|` apart. Gaps along
-//! three directions at right angles are those of boxes, whose distance is the root of the sum of their squares; k = 18 and 26 have four such **triads**,
-//! the others one. The greatest over all triads, and over the directions that are in none, is the bound. The greatest gap alone is lower by the cosine of the
-//! angle to the nearest direction, and twice as many volumes are within reach (`ARCHITECTURE.md`).
+//! Along direction n the gap between A and B is `-d_opposite(A) - d(B)`, and the bodies are at least `gap /
+//! |n|` apart. Gaps along three directions at right angles are those of boxes, whose distance is the root of
+//! the sum of their squares; k = 18 and 26 have four such **triads**, the others one. The greatest over all
+//! triads, and over the directions that are in none, is the bound. The greatest gap alone is lower by the
+//! cosine of the angle to the nearest direction, and twice as many volumes are within reach
+//! (`ARCHITECTURE.md`).
 //!
 //! Where volumes overlap the greatest gap says how deep, so that a search can try the deepest first.
 //!
-//! Plain Rust in a fixed order, in a shape that compilers make vectors of: the same bits on every instruction set.
+//! Plain Rust in a fixed order, in a shape that compilers make vectors of: the same bits on every instruction
+//! set.
 
 use crate::directions::Directions;
 use crate::exact::{power_of_two, round_up_f32};
@@ -64,8 +67,9 @@ pub(crate) fn least(entries: &Entries) -> Entry {
 struct Slabs<const K: usize>;
 
 impl<const K: usize> Slabs<K> {
-    /// What turns a shrunk gap along a slab into one of points: below the reciprocal of [`SHRUNK`] times the slab's length by more than six roundings of `f32`: twice
-    /// those of the gap, and those of squaring and adding.
+    /// What turns a shrunk gap along a slab into one of points: below the reciprocal of [`SHRUNK`] times the
+    /// slab's length by more than six roundings of `f32`: twice those of the gap, and those of squaring
+    /// and adding.
     const INVERSE_LENGTHS: [f32; K] = {
         let mut inverse = [0.0; K];
         let mut s = 0;
@@ -77,7 +81,8 @@ impl<const K: usize> Slabs<K> {
         inverse
     };
 
-    /// The triads, after their number: three slabs at right angles each, or one that is in no such three, with slab K - 1, which does not exist.
+    /// The triads, after their number: three slabs at right angles each, or one that is in no such three,
+    /// with slab K - 1, which does not exist.
     const TRIADS: (usize, [[usize; 3]; K]) = {
         let (mut count, mut triads) = (0, [[K - 1; 3]; K]);
         let mut used = [false; K];
@@ -114,8 +119,8 @@ impl<const K: usize> Slabs<K> {
 /// Decoded halves are smaller than the halves by this factor.
 const SHRUNK: f64 = power_of_two(-112);
 
-/// The half with this code as a float, times [`SHRUNK`]: its fields moved into place, and no multiplication. Infinity comes out as 65536: beyond every
-/// finite half, so that it never makes a gap.
+/// The half with this code as a float, times [`SHRUNK`]: its fields moved into place, and no multiplication.
+/// Infinity comes out as 65536: beyond every finite half, so that it never makes a gap.
 #[inline(always)]
 pub(crate) const fn decode(code: i16) -> f32 {
     let half = code ^ ((code >> 15) & i16::MAX);
@@ -126,7 +131,8 @@ pub(crate) const fn decode(code: i16) -> f32 {
 /// The least supports of a body in all directions, in a frame's unit times [`SHRUNK`], rounded down.
 pub(crate) type Lows<const K: usize> = [f32; K];
 
-/// Of moved primitives in frame `b`: tighter than their planes, since not rounded to halves. `reach` bounds all coordinates.
+/// Of moved primitives in frame `b`: tighter than their planes, since not rounded to halves. `reach` bounds
+/// all coordinates.
 #[inline(always)]
 pub(crate) fn lows_of<P: Primitive, const K: usize>(b: &Frame, items: &[P::Item], reach: f64) -> Lows<K> {
     let Supports { least, greatest, .. } = Supports::<K>::of::<P>(b, items.iter().copied());
@@ -148,8 +154,8 @@ const FARTHEST: f64 = -65504.0 * SHRUNK;
 /// Bounds the roundings of a support in `f64`: each is 2^-53 of a partial sum.
 const F64_SLACK: f64 = power_of_two(-46);
 
-/// The bounds between a body with the given planes and 16 or 4 others: for the direction whose plane is in row j of `codes`, the gap
-/// is the sum of both. `flip` is -1 if the codes are to be complemented, else 0.
+/// The bounds between a body with the given planes and 16 or 4 others: for the direction whose plane is in
+/// row j of `codes`, the gap is the sum of both. `flip` is -1 if the codes are to be complemented, else 0.
 #[inline(always)]
 pub(crate) fn gaps<const W: usize, const K: usize>(
     codes: &[[i16; W]; K],

@@ -5,11 +5,13 @@ use crate::hierarchy::BvhRef;
 use crate::node::Node;
 use crate::primitive::Primitive;
 
-/// The primitives that a query found, for the next query of the same bodies at a pose nearby to try first: those that met, or those that were closest.
+/// The primitives that a query found, for the next query of the same bodies at a pose nearby to try first:
+/// those that met, or those that were closest.
 ///
-/// A hint never changes a verdict, whatever bodies and poses it comes from: its primitives are tested as any others are. It changes which pair
-/// a [`Verdict::Hit`](super::Verdict::Hit) names, the counters, and, where several pairs of primitives are equally close, which one witnesses a distance (its
-/// bounds then differ by rounding).
+/// A hint never changes a verdict, whatever bodies and poses it comes from: its primitives are tested as any
+/// others are. It changes which pair a [`Verdict::Hit`](super::Verdict::Hit) names, the counters, and, where
+/// several pairs of primitives are equally close, which one witnesses a distance (its bounds then differ by
+/// rounding).
 #[derive(Copy, Clone, PartialEq, Eq, Default, Debug)]
 pub struct Hint(Option<Found>);
 

@@ -44,8 +44,8 @@ pub trait Lanes: Dop {
     fn map(pose: &Pose, a: &Extent, b: &Frame) -> Self::Map;
     #[doc(hidden)]
     fn realign<E: Kernel>(&self, kernel: E, map: &Self::Map, turned: &mut Self::Turned);
-    /// The bodies in the `wanted` lanes of `turned` against all lanes of `self`; other rows are zero. Returns the number of kernel
-    /// calls too.
+    /// The bodies in the `wanted` lanes of `turned` against all lanes of `self`; other rows are zero. Returns
+    /// the number of kernel calls too.
     #[doc(hidden)]
     fn overlap_rows<E: Kernel>(&self, kernel: E, turned: &Self::Turned, wanted: u16) -> (Rows, u64);
     /// Puts the planes of everything within `margin` of moved primitives into lane 0 of `turned`.

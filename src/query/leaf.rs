@@ -1,4 +1,5 @@
-//! The leaf of A that waits while B is descended: its primitives where the pose places them, and what is computed from them once.
+//! The leaf of A that waits while B is descended: its primitives where the pose places them, and what is
+//! computed from them once.
 
 use super::Lanes;
 use crate::exact::power_of_two;
@@ -66,7 +67,8 @@ impl<N: Lanes, P: Primitive> LeafA<N, P> {
 pub(super) struct Ahead {
     /// From B to A, not normalised.
     axis: Point,
-    /// A is farther ahead of B along the axis than this: it does not matter. Infinite if the axis says nothing.
+    /// A is farther ahead of B along the axis than this: it does not matter. Infinite if the axis says
+    /// nothing.
     limit: f64,
 }
 
@@ -81,7 +83,8 @@ impl Ahead {
         let [x, y, z] = axis;
         let square = (x * x + y * y) + z * z;
         if square > SHORT {
-            // Two products of axis and corner and their difference: 8 roundings of at most `reach` times the axis's magnitudes.
+            // Two products of axis and corner and their difference: 8 roundings of at most `reach` times the
+            // axis's magnitudes.
             let rounding = power_of_two(-49) * reach * ((x.abs() + y.abs()) + z.abs());
             let length = glam::DVec3::from_array(axis).length();
             Self { axis, limit: (threshold * length + rounding) * (1.0 + power_of_two(-48)) }

@@ -96,7 +96,8 @@ where
     }
 }
 
-/// One primitive against those of some leaves, four at a time through the filter. `SWAPPED`: the one is of body B.
+/// One primitive against those of some leaves, four at a time through the filter. `SWAPPED`: the one is of
+/// body B.
 #[inline(always)]
 fn decide_one<One: Pairwise<Other>, Other: Pairwise<One>, E: Kernel, const SWAPPED: bool>(
     kernel: E,

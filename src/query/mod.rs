@@ -5,8 +5,9 @@
 //!
 //! # Many queries
 //!
-//! Queries share nothing that could be set up once for several poses or pairs, and allocate nothing: a loop is as fast as any batch. A [`Query`], a
-//! [`BvhRef`] and a [`Pose`] are `Copy`, `Send` and `Sync`, so that threads (`std::thread::scope`, rayon) can divide the poses, and each answer is what one thread gives:
+//! Queries share nothing that could be set up once for several poses or pairs, and allocate nothing: a loop
+//! is as fast as any batch. A [`Query`], a [`BvhRef`] and a [`Pose`] are `Copy`, `Send` and `Sync`, so that
+//! threads (`std::thread::scope`, rayon) can divide the poses, and each answer is what one thread gives:
 //!
 //! ```
 //! # use simdop::{construct::{Builder, Mesh}, isa::Isa, node::Node16, pose::Pose, query::Query};
@@ -85,7 +86,8 @@ pub enum Verdict {
     Hit(Pair),
     /// No primitive of A meets one of B, or comes within the margin of one.
     Free,
-    /// The budget was spent before the answer was known. The distance of the bodies, 0 if they meet, lies in `lower ..= upper`.
+    /// The budget was spent before the answer was known. The distance of the bodies, 0 if they meet, lies in
+    /// `lower ..= upper`.
     Unknown {
         /// Lower bound of the distance, in the bodies' unit. Zero: pending volumes overlap.
         lower: f64,
@@ -107,8 +109,8 @@ pub struct Counters {
     /// * of a node of A and a leaf of B: one of 16vs1.
     ///
     /// At arity 4 they are calls of 4vs4: one for all of A's children instead of one for each, and none for
-    /// the roots' hull. A visit of a distance query counts as one: a volume's distance from all children of a
-    /// node. Re-alignments and the filter of triangles are no overlap kernels.
+    /// the roots' hull. A visit of a distance query counts as one: a volume's distance from all children of
+    /// a node. Re-alignments and the filter of triangles are no overlap kernels.
     pub kernels: u64,
     /// Nodes of A whose children were turned into B's frame.
     pub realignments: u64,
@@ -161,7 +163,8 @@ pub struct Answer {
     pub verdict: Verdict,
     /// The work.
     pub counters: Counters,
-    /// The primitives that met, or else the hint that the query was given: for the next one to [try first](Query::with_hint).
+    /// The primitives that met, or else the hint that the query was given: for the next one to [try
+    /// first](Query::with_hint).
     pub hint: Hint,
 }
 
@@ -230,8 +233,9 @@ impl Query {
     ///
     /// The verdict is exact for the corners of `a` moved by [`Pose::apply`]. First hit ends it.
     ///
-    /// The order matters to speed where one body has flat walls along its own axes, as rooms have: as `b` it keeps its planes tight, as `a` they are turned and
-    /// loose. A robot against its room takes 0.3 µs, the room against the robot 20 (`ARCHITECTURE.md`).
+    /// The order matters to speed where one body has flat walls along its own axes, as rooms have: as `b` it
+    /// keeps its planes tight, as `a` they are turned and loose. A robot against its room takes 0.3 µs,
+    /// the room against the robot 20 (`ARCHITECTURE.md`).
     pub fn collide<A: AsBvh, B: AsBvh<Node = A::Node>>(&self, a: &A, b: &B, pose: &Pose) -> Answer
     where
         A::Node: Lanes,
@@ -241,7 +245,8 @@ impl Query {
         self.first_pair(a.as_bvh(), b.as_bvh(), pose, 0.0)
     }
 
-    /// The first pair of primitives at most `margin` apart: that of the hint, or the first that the traversal finds.
+    /// The first pair of primitives at most `margin` apart: that of the hint, or the first that the traversal
+    /// finds.
     fn first_pair<N: Lanes, P: Pairwise<Q>, Q: Pairwise<P>>(
         &self,
         a: BvhRef<'_, N, P>,
@@ -275,7 +280,8 @@ impl Query {
         Answer { verdict, counters: work, hint: hit.map_or(self.hint, Hint::new) }
     }
 
-    /// Calls `visit` with every pair of primitives that meet, each once, in the order of the traversal, until it breaks. A hint is not heeded.
+    /// Calls `visit` with every pair of primitives that meet, each once, in the order of the traversal, until
+    /// it breaks. A hint is not heeded.
     pub fn for_each_pair<A: AsBvh, B: AsBvh<Node = A::Node>>(
         &self,
         a: &A,

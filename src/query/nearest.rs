@@ -1,8 +1,9 @@
 //! The distance of two bodies: branch and bound over the same nodes.
 //!
-//! A **step** takes one volume of one body and a node of the other: the lower bounds of all its children at once ([`super::gaps`]). The
-//! bodies take turns, the one with the larger volumes next. Children are followed nearest first; whatever is farther than the best pair of primitives
-//! so far is dropped, by a threshold that allows for the tolerance.
+//! A **step** takes one volume of one body and a node of the other: the lower bounds of all its children at
+//! once ([`super::gaps`]). The bodies take turns, the one with the larger volumes next. Children are followed
+//! nearest first; whatever is farther than the best pair of primitives so far is dropped, by a threshold that
+//! allows for the tolerance.
 
 use super::frontier::{ABOVE_ROOT, Frontier, Opened, Side, VolumeA, VolumeB};
 use super::gaps::{Entries, Entry, least};
@@ -119,7 +120,8 @@ impl<'t, N: Lanes, P: Pairwise<Q>, Q: Primitive, E: Kernel> Search<'t, N, P, Q, 
         }
     }
 
-    /// Searches until nothing is left that could be nearer, or the budget is spent. Then [`Best::lower`] bounds the bodies' distance.
+    /// Searches until nothing is left that could be nearer, or the budget is spent. Then [`Best::lower`]
+    /// bounds the bodies' distance.
     #[inline(always)]
     pub(super) fn run(&mut self) -> Completion {
         let mut stack = Frontier::new();

@@ -5,10 +5,11 @@ use crate::primitive::triangle::distance::{nearer, within};
 use crate::primitive::triangle::{Probe, Triangle, Triangles};
 use crate::primitive::{Primitive, Separation};
 
-/// The tests of one primitive of this kind against one of the `Other` kind. A query between two bodies needs them both ways round, since
-/// either body may have the one leaf that is tested against several.
+/// The tests of one primitive of this kind against one of the `Other` kind. A query between two bodies needs
+/// them both ways round, since either body may have the one leaf that is tested against several.
 ///
-/// Verdicts are exact for the primitives as given; `exact` is increased by 1 where a test needed more than `f64`.
+/// Verdicts are exact for the primitives as given; `exact` is increased by 1 where a test needed more than
+/// `f64`.
 pub trait Pairwise<Other: Primitive>: Primitive {
     /// One primitive that is to be tested against many: what is computed of it once.
     type Probe<'t>;
@@ -19,7 +20,8 @@ pub trait Pairwise<Other: Primitive>: Primitive {
     /// Whether the two meet. Touching is meeting.
     fn meets(probe: &Self::Probe<'_>, other: &Other::Item, exact: &mut u64) -> bool;
 
-    /// Bit i: the probe and primitive i certainly do not meet. A filter that may be left out; the same bits on every instruction set.
+    /// Bit i: the probe and primitive i certainly do not meet. A filter that may be left out; the same bits
+    /// on every instruction set.
     #[inline(always)]
     fn apart_4<E: Kernel>(_kernel: E, _probe: &Self::Probe<'_>, _others: &[Other::Item; 4]) -> u16 {
         0
@@ -28,8 +30,9 @@ pub trait Pairwise<Other: Primitive>: Primitive {
     /// Whether the two are at most `margin`, which is above 0, apart. Never false of those that are.
     fn within(item: &Self::Item, other: &Other::Item, margin: f64, exact: &mut u64) -> bool;
 
-    /// Certain bounds of the distance, or `None` if it is certainly greater than `limit`. The bounds differ by at most `tolerance`
-    /// relatively, which is at least 2^-42. The upper one is 0 if and only if the two meet.
+    /// Certain bounds of the distance, or `None` if it is certainly greater than `limit`. The bounds differ
+    /// by at most `tolerance` relatively, which is at least 2^-42. The upper one is 0 if and only if the
+    /// two meet.
     fn nearer(
         item: &Self::Item,
         other: &Other::Item,

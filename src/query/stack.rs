@@ -4,7 +4,8 @@ use super::lanes::Rows;
 use crate::hierarchy::MAX_DEPTH;
 use crate::node::Child;
 
-/// A pair that was visited: two nodes, or a node and a leaf; and the pairs below it that are still to be visited.
+/// A pair that was visited: two nodes, or a node and a leaf; and the pairs below it that are still to be
+/// visited.
 #[derive(Copy, Clone, Debug)]
 struct Visited {
     a: Child,
@@ -12,8 +13,9 @@ struct Visited {
     rows: Rows,
 }
 
-/// Both bodies descend together, and one goes on alone when the other is at a leaf: each entry is a level deeper in whichever tree is still descending,
-/// so there are no more entries than the deeper tree has levels.
+/// Both bodies descend together, and one goes on alone when the other is at a leaf: each entry is a level
+/// deeper in whichever tree is still descending, so there are no more entries than the deeper tree has
+/// levels.
 #[derive(Debug)]
 pub(crate) struct Stack {
     visited: [Visited; MAX_DEPTH],

@@ -1,7 +1,8 @@
 //! The simultaneous traversal: both trees descend together, sixteen pairs a step.
 //!
-//! A **visit** takes two nodes, or a node and a leaf. A's children are turned into B's frame (one re-alignment), the kernel gives a row of
-//! bits for each of them, pairs of leaves among the bits are decided at once, and what is left goes on the stack.
+//! A **visit** takes two nodes, or a node and a leaf. A's children are turned into B's frame (one
+//! re-alignment), the kernel gives a row of bits for each of them, pairs of leaves among the bits are decided
+//! at once, and what is left goes on the stack.
 
 use super::hint::Found;
 use super::lanes::Rows;
@@ -46,7 +47,8 @@ pub(crate) struct Traversal<'t, N: Lanes, P: Primitive, Q: Primitive, E, V> {
     pub(super) margin: f64,
     pub(super) counters: &'t mut Counters,
     pub(super) visit: V,
-    /// The node of A that was turned last, and its children's planes. Siblings in B follow each other, so it is often the next one too.
+    /// The node of A that was turned last, and its children's planes. Siblings in B follow each other, so it
+    /// is often the next one too.
     turned: (Child, N::Turned),
     /// The leaf of A that is descending B's tree, if one did, and its planes in lane 0.
     aimed: Option<(Child, N::Turned)>,
@@ -141,7 +143,8 @@ where
         }
         let mut rows = Rows::default();
         let mut wanted = u16::MAX;
-        // The children of A that overlap the child of B that leads here, or all of B: only their rows can have a bit.
+        // The children of A that overlap the child of B that leads here, or all of B: only their rows can
+        // have a bit.
         if let Link::Inner(_) = a.link() {
             let kernels;
             (wanted, kernels) = match self.target {
@@ -237,7 +240,8 @@ fn first_primitive<N: Lanes, P: Primitive>(tree: &BvhRef<'_, N, P>, mut link: Li
     loop {
         match link {
             Link::Leaf { first, .. } => return first,
-            // Links lead to later nodes, so this ends; a node without a used lane does not bound anything: any primitive will do.
+            // Links lead to later nodes, so this ends; a node without a used lane does not bound anything:
+            // any primitive will do.
             Link::Inner(node) => {
                 let children = tree.nodes()[node as usize].children();
                 link = children.iter().map(|c| c.link()).find(|l| *l != Link::Empty).unwrap_or(Link::Empty);

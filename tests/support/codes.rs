@@ -1,7 +1,8 @@
 //! Codes of planes that kernels are most likely to get wrong.
 
-/// Codes at the ends of their kinds: the lowest (an unused lane), NaN, -infinity and about, lowest finite, about -1, about zero (-0 is -1, the
-/// largest negative subnormal -2), subnormal ends, 1, the largest finite, infinity, NaN.
+/// Codes at the ends of their kinds: the lowest (an unused lane), NaN, -infinity and about, lowest finite,
+/// about -1, about zero (-0 is -1, the largest negative subnormal -2), subnormal ends, 1, the largest finite,
+/// infinity, NaN.
 pub(crate) const SPECIAL: [i16; 20] = [
     i16::MIN,
     -0x7fff,

@@ -13,8 +13,8 @@ pub(crate) struct MeshData {
     pub(crate) triangles: Vec<[u32; 3]>,
 }
 
-/// Writes `*** PROGRAM, TEST: WHAT ***` to standard error, once. In a passing test too: what `println!` and `eprintln!` write there is
-/// captured and thrown away, what the stream itself is given is not.
+/// Writes `*** PROGRAM, TEST: WHAT ***` to standard error, once. In a passing test too: what `println!` and
+/// `eprintln!` write there is captured and thrown away, what the stream itself is given is not.
 pub(crate) fn notice(what: &str) {
     static SAID: Mutex<BTreeSet<String>> = Mutex::new(BTreeSet::new());
     let thread = std::thread::current();
@@ -27,7 +27,8 @@ pub(crate) fn notice(what: &str) {
     }
 }
 
-/// Where the data sets are, if they are: `$SIMDOP_DATA`, else `../shared/data` beside the project. If not, a notice says so.
+/// Where the data sets are, if they are: `$SIMDOP_DATA`, else `../shared/data` beside the project. If not, a
+/// notice says so.
 ///
 /// # Panics
 /// If they are absent and `SIMDOP_REQUIRE_DATA` is set, as CI does.
@@ -78,8 +79,8 @@ impl MeshData {
         mesh
     }
 
-    /// The corners of every triangle, where the pose places them: the arithmetic that the library documents for a moved corner,
-    /// written again.
+    /// The corners of every triangle, where the pose places them: the arithmetic that the library documents
+    /// for a moved corner, written again.
     pub(crate) fn placed(&self, pose: &[[f64; 4]; 3]) -> Vec<[[f64; 3]; 3]> {
         let place = |p: &[f64; 3]| pose.map(|r| ((r[0] * p[0] + r[1] * p[1]) + r[2] * p[2]) + r[3]);
         let moved: Vec<[f64; 3]> = self.vertices.iter().map(place).collect();
@@ -163,8 +164,9 @@ impl Approach {
 pub(crate) const GAPS: [f64; 8] = [1e-2, -1e-2, 1e-4, -1e-4, 1e-6, -1e-6, 1e-8, -1e-8];
 
 impl Suite {
-    /// 25 random rotations and directions; for each, the place where A, coming from outside, first touches B as far as `meets`
-    /// can tell, and the eight poses before and behind it. Deterministic, given exact answers.
+    /// 25 random rotations and directions; for each, the place where A, coming from outside, first touches B
+    /// as far as `meets` can tell, and the eight poses before and behind it. Deterministic, given exact
+    /// answers.
     pub(crate) fn poses<F>(&self, step: usize, meets: F) -> Vec<[[f64; 4]; 3]>
     where
         F: Fn(&[[f64; 4]; 3]) -> bool,
@@ -177,7 +179,8 @@ impl Suite {
             let towards = rng.rotation()[0];
             let line = Approach { rotation, target: self.b.centre(), towards, centre: self.a.centre() };
             let at = |distance: f64| line.at(distance);
-            // From far away inwards in steps, to the first that meets (an open scene may let A pass: then its middle will do).
+            // From far away inwards in steps, to the first that meets (an open scene may let A pass: then its
+            // middle will do).
             let far = size_a + size_b;
             let first = (0..=200).find(|i| meets(&at(far * (1.0 - f64::from(*i) / 200.0))));
             let mut inside = far * first.map_or(0.0, |i| 1.0 - f64::from(i) / 200.0);

@@ -1,4 +1,5 @@
-//! Exact arithmetic on what floating point stores: integers times powers of two. And the halves, by their definition in IEEE 754.
+//! Exact arithmetic on what floating point stores: integers times powers of two. And the halves, by their
+//! definition in IEEE 754.
 
 use core::cmp::Ordering;
 use core::ops::{Add, Mul, Sub};
@@ -95,7 +96,8 @@ pub(crate) fn dot(n: [Dyadic; 3], p: [Dyadic; 3]) -> Dyadic {
     n.into_iter().zip(p).fold(Dyadic::zero(), |sum, (n, p)| sum + n * p)
 }
 
-/// The value of a key: the half with these bits, or with `code ^ 0x7fff` for a negative code. Infinities and NaN as themselves.
+/// The value of a key: the half with these bits, or with `code ^ 0x7fff` for a negative code. Infinities and
+/// NaN as themselves.
 pub(crate) fn half_value(code: i16) -> f64 {
     let bits = if code >= 0 { code } else { code ^ 0x7fff } as u16;
     let sign = if bits & 0x8000 == 0 { 1.0 } else { -1.0 };

@@ -1,30 +1,32 @@
-//! An oracle for "do these two closed triangles meet?", and for whole meshes. It shares neither code nor method
-//! with the library: separating axes, decided in integers.
+//! An oracle for "do these two closed triangles meet?", and for whole meshes. It shares neither code nor
+//! method with the library: separating axes, decided in integers.
 //!
 //! # The method
 //!
 //! Two compact convex sets are disjoint if and only if their projections on some direction `n` are disjoint
-//! intervals. For triangles `A` and `B` a finite set of directions suffices, with no exception for shapes without
-//! area:
+//! intervals. For triangles `A` and `B` a finite set of directions suffices, with no exception for shapes
+//! without area:
 //!
 //! * the two triangle normals, and the three coordinate axes;
 //! * the cross product of each edge of `A` with each edge of `B`;
 //! * the cross product of each edge of `A` or `B` with each coordinate axis.
 //!
-//! *Proof.* Any direction that separates proves that the triangles are disjoint. Conversely let them be disjoint:
-//! the compact set `C = A - B` of all differences does not hold the origin, and neither does `D = C + eK`, with `K` a
-//! cube along the axes and `e > 0` small enough. `D = A + (-B) + eK` is a polytope with an interior, so the origin
-//! is strictly outside one of its facets, and that facet's normal separates `D`, and so `C`, from the origin. A facet
-//! of a sum is a sum of faces of the summands. The edge directions of those faces span the facet's plane: two that are
-//! not parallel come either from one summand, which then has a face with the facet's normal (a triangle normal or a
-//! coordinate axis), or from two summands (a cross product of the list). QED. Normals of triangles without area and
-//! products of parallel edges vanish; the zero vector separates nothing and does no harm.
+//! *Proof.* Any direction that separates proves that the triangles are disjoint. Conversely let them be
+//! disjoint: the compact set `C = A - B` of all differences does not hold the origin, and neither does
+//! `D = C + eK`, with `K` a cube along the axes and `e > 0` small enough. `D = A + (-B) + eK` is a polytope with an
+//! interior, so the origin is strictly outside one of its facets, and that facet's normal separates `D`, and
+//! so `C`, from the origin. A facet of a sum is a sum of faces of the summands. The edge directions of those
+//! faces span the facet's plane: two that are not parallel come either from one summand, which then has a
+//! face with the facet's normal (a triangle normal or a coordinate axis), or from two summands (a cross
+//! product of the list). QED. Normals of triangles without area and products of parallel edges vanish; the
+//! zero vector separates nothing and does no harm.
 //!
 //! # The arithmetic
 //!
-//! An `f64` is an integer times a power of two, so all coordinates of a pair become integers with one common factor:
-//! `i128` where three of them multiplied fit, else big integers. To be fast, each direction is first tried with
-//! `f64` intervals that are far wider than the rounding errors; only a direction in doubt costs integers.
+//! An `f64` is an integer times a power of two, so all coordinates of a pair become integers with one common
+//! factor: `i128` where three of them multiplied fit, else big integers. To be fast, each direction is first
+//! tried with `f64` intervals that are far wider than the rounding errors; only a direction in doubt costs
+//! integers.
 
 use core::ops::{Add, Mul, Sub};
 
@@ -32,7 +34,8 @@ use dashu_int::IBig;
 
 pub(crate) type Tri = [[f64; 3]; 3];
 
-/// Whether two closed triangles have a point in common, exactly for the coordinates as given. Any finite ones.
+/// Whether two closed triangles have a point in common, exactly for the coordinates as given. Any finite
+/// ones.
 pub(crate) fn triangles_meet(a: &Tri, b: &Tri) -> bool {
     if Bounds::of(a).apart(&Bounds::of(b)) {
         return false;
@@ -82,7 +85,8 @@ pub(crate) fn meeting_pairs(a: &[Tri], b: &[Tri]) -> Vec<(usize, usize)> {
 fn sweep(a: &[Tri], b: &[Tri], mut visit: impl FnMut(usize, usize) -> bool) {
     let (a, b) = (Boxed::all(a), Boxed::all(b));
     let (Some(hull_a), Some(hull_b)) = (Bounds::hull(&a), Bounds::hull(&b)) else { return };
-    // Only what reaches into the other mesh's box matters, and the longest axis of that leaves the fewest pairs.
+    // Only what reaches into the other mesh's box matters, and the longest axis of that leaves the fewest
+    // pairs.
     let (a, b) = (Boxed::within(a, &hull_b), Boxed::within(b, &hull_a));
     let spread =
         |axis: usize| hull_a.high[axis].min(hull_b.high[axis]) - hull_a.low[axis].max(hull_b.low[axis]);
@@ -153,8 +157,8 @@ impl Boxed {
     }
 }
 
-/// One direction of the list: the cross product of two vectors out of the nine "edges": 0..3 are edges of `A`,
-/// 3..6 edges of `B`, 6..9 the coordinate axes.
+/// One direction of the list: the cross product of two vectors out of the nine "edges": 0..3 are edges of
+/// `A`, 3..6 edges of `B`, 6..9 the coordinate axes.
 type Axis = (usize, usize);
 
 /// All directions; those that most often separate come first.
@@ -165,7 +169,8 @@ fn axes() -> impl Iterator<Item = Axis> {
     normals.into_iter().chain(edge_edge).chain(edge_axis)
 }
 
-// ---- in floating point, with doubt ----------------------------------------------------------------------------
+// ---- in floating point, with doubt
+// ----------------------------------------------------------------------------
 
 enum Rough {
     Apart,
@@ -183,8 +188,8 @@ fn edges(t: &Tri) -> [[f64; 3]; 3] {
     core::array::from_fn(|i| core::array::from_fn(|k| t[(i + 1) % 3][k] - t[i][k]))
 }
 
-/// Each of a projection's at most six products of three differences has a relative error below 16 units of `2^-53`
-/// (three differences, two products, at most five additions); the margin is 128 of them.
+/// Each of a projection's at most six products of three differences has a relative error below 16 units of
+/// `2^-53` (three differences, two products, at most five additions); the margin is 128 of them.
 fn rough_verdict((i, j): Axis, (ea, eb): &([[f64; 3]; 3], [[f64; 3]; 3]), a: &Tri, b: &Tri) -> Rough {
     const UNIT: [[f64; 3]; 3] = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
     let vector = |i: usize| [ea, eb, &UNIT][i / 3][i % 3];
@@ -211,7 +216,8 @@ fn rough_verdict((i, j): Axis, (ea, eb): &([[f64; 3]; 3], [[f64; 3]; 3]), a: &Tr
     }
 }
 
-// ---- in integers ----------------------------------------------------------------------------------------------
+// ---- in integers
+// ----------------------------------------------------------------------------------------------
 
 /// Six points as integers, all multiplied by the same power of two.
 enum Scaled {

@@ -42,8 +42,8 @@ impl Rng {
         &items[self.below(items.len() as u64) as usize]
     }
 
-    /// A uniformly distributed rotation, row by row, from a quaternion drawn from the 4-ball. Only operations that are
-    /// correctly rounded everywhere: sines are not.
+    /// A uniformly distributed rotation, row by row, from a quaternion drawn from the 4-ball. Only operations
+    /// that are correctly rounded everywhere: sines are not.
     pub(crate) fn rotation(&mut self) -> [[f64; 3]; 3] {
         let (q, square) = loop {
             let q: [f64; 4] = core::array::from_fn(|_| self.range(-1.0, 1.0));

@@ -1,4 +1,5 @@
-//! Meshes made by rule. Correctly rounded operations only (no sines), so that every machine makes the same ones.
+//! Meshes made by rule. Correctly rounded operations only (no sines), so that every machine makes the same
+//! ones.
 
 use super::data::MeshData;
 use super::rng::Rng;
@@ -17,7 +18,8 @@ fn on_circle(i: u32, n: u32) -> [f64; 2] {
     [x / length, y / length]
 }
 
-/// Triangles of a grid of `rows` x `columns` vertices, row by row; a closed direction joins its last line to its first.
+/// Triangles of a grid of `rows` x `columns` vertices, row by row; a closed direction joins its last line to
+/// its first.
 fn quads(rows: u32, columns: u32, closed: bool) -> Vec<[u32; 3]> {
     let open = u32::from(!closed);
     let index = |i: u32, j: u32| i % rows * columns + j % columns;
@@ -45,7 +47,8 @@ pub(crate) fn torus(around: u32, along: u32) -> MeshData {
     MeshData { vertices, triangles: quads(around, along, true) }
 }
 
-/// A flat square of `side` x `side` vertices at integer places, turned out of the coordinate planes by adding x to z.
+/// A flat square of `side` x `side` vertices at integer places, turned out of the coordinate planes by adding
+/// x to z.
 pub(crate) fn flat_grid(side: u32) -> MeshData {
     let place = |i: u32| [f64::from(i % side), f64::from(i / side), f64::from(i % side)];
     MeshData { vertices: (0..side * side).map(place).collect(), triangles: quads(side, side, false) }
@@ -87,7 +90,8 @@ pub(crate) fn without_area(mesh: &MeshData, rng: &mut Rng, n: usize) -> MeshData
             0 => [p, p, p],
             1 => [p, q, p],
             2 => [p, q, q],
-            // Halving, doubling and adding a power of two times a coordinate that it fits is exact: a straight line.
+            // Halving, doubling and adding a power of two times a coordinate that it fits is exact: a
+            // straight line.
             _ => [[0.0, 1.0, -1.0], [0.5, 1.25, -1.5], [1.0, 1.5, -2.0]],
         }
     };

@@ -1,4 +1,5 @@
-//! Distances instead of collisions, at the same poses: ours at tolerance 0, and of the peers that measure them.
+//! Distances instead of collisions, at the same poses: ours at tolerance 0, and of the peers that measure
+//! them.
 
 use crate::Options;
 use crate::entrants::{Entrant, OURS, measuring};
@@ -12,7 +13,8 @@ use std::time::{Duration, Instant};
 /// The project's bar: FCL's median is so many of ours.
 const BAR: f64 = 2.0;
 
-/// A peer's answer is wrong if it differs from ours by more than this, relatively. Ours are tested against exact arithmetic (`tests/distance.rs`).
+/// A peer's answer is wrong if it differs from ours by more than this, relatively. Ours are tested against
+/// exact arithmetic (`tests/distance.rs`).
 const AGREE: f64 = 1e-9;
 
 /// One library on one suite.

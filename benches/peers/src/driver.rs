@@ -34,8 +34,9 @@ extern "C" fn meet(a: &Triangle, b: &Triangle) -> bool {
 
 impl Driver {
     pub(crate) fn load(path: &Path) -> Result<Self, libloading::Error> {
-        // SAFETY: the drivers are this crate's own; loading one starts nothing but what the peer's package starts. The types are those of `peer.h`,
-        // and of `embree.cpp`, which alone takes a triangle test. Symbols of one driver are not seen by the others (RTLD_LOCAL).
+        // SAFETY: the drivers are this crate's own; loading one starts nothing but what the peer's package
+        // starts. The types are those of `peer.h`, and of `embree.cpp`, which alone takes a triangle
+        // test. Symbols of one driver are not seen by the others (RTLD_LOCAL).
         unsafe {
             let library = Library::new(path)?;
             let take: Result<Symbol<'_, unsafe extern "C" fn(TriangleTest)>, _> =
@@ -66,7 +67,8 @@ impl Driver {
 
     pub(crate) fn build(this: &Rc<Self>, mesh: &MeshData) -> Body {
         let (vertices, triangles) = (&mesh.vertices, &mesh.triangles);
-        // SAFETY: the pointers and counts are those of the arrays, and every index is below the vertex count: simdop's builder has checked the mesh.
+        // SAFETY: the pointers and counts are those of the arrays, and every index is below the vertex count:
+        // simdop's builder has checked the mesh.
         let handle =
             unsafe { (this.build)(vertices.as_ptr(), vertices.len(), triangles.as_ptr(), triangles.len()) };
         Body { driver: Rc::clone(this), handle }
@@ -81,7 +83,8 @@ impl Body {
 
     /// Whether this, placed by the pose, meets the other.
     pub(crate) fn collides(&self, other: &Self, rows: &Rows) -> bool {
-        // SAFETY: both handles are of one driver (its bodies are made together) and alive; 12 numbers are in a row.
+        // SAFETY: both handles are of one driver (its bodies are made together) and alive; 12 numbers are in
+        // a row.
         unsafe { (self.driver.collide)(self.handle, other.handle, rows) }
     }
 }

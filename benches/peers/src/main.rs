@@ -1,4 +1,5 @@
-//! simdop beside other collision libraries: the same meshes, the same poses, one process, in turns. `benches/peers/run` builds and starts it.
+//! simdop beside other collision libraries: the same meshes, the same poses, one process, in turns.
+//! `benches/peers/run` builds and starts it.
 
 mod builds;
 #[path = "../../figures/plot.rs"]

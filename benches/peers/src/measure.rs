@@ -7,8 +7,9 @@ use crate::record::Row;
 use crate::suites::DISTANCES;
 use std::time::{Duration, Instant};
 
-/// Poses that a library gets in a row before it is the next one's turn. With one, the caches are the other libraries' at each query; a planner asks
-/// one library many things. The same pose comes again only after the others of the block, so that no branch predictor learns a query by heart.
+/// Poses that a library gets in a row before it is the next one's turn. With one, the caches are the other
+/// libraries' at each query; a planner asks one library many things. The same pose comes again only after the
+/// others of the block, so that no branch predictor learns a query by heart.
 pub(crate) const BLOCK: usize = 10;
 
 /// Passes over a block; the least time of each pose counts.
@@ -48,7 +49,8 @@ pub(crate) fn measure(
     rows
 }
 
-/// What it takes to read the clock twice with nothing between, at the least: this much of a time is certainly not the query's.
+/// What it takes to read the clock twice with nothing between, at the least: this much of a time is certainly
+/// not the query's.
 fn clock_cost() -> Duration {
     (0..10_000).map(|_| Instant::now().elapsed()).min().unwrap_or_default()
 }

@@ -1,4 +1,5 @@
-//! Pose files: made once, with the exact oracle's verdicts, and read back with a checksum. `simdop collide --poses` reads them too.
+//! Pose files: made once, with the exact oracle's verdicts, and read back with a checksum. `simdop collide
+//! --poses` reads them too.
 
 use crate::data::MeshData;
 use crate::digest::digest;

@@ -6,7 +6,8 @@ use crate::record::Row;
 use crate::summary::Summary;
 use core::fmt::Write as _;
 
-/// Bars of the project: the fastest exact peer and the fastest tree of FCL take so many times longer; our p99 is at most so many medians.
+/// Bars of the project: the fastest exact peer and the fastest tree of FCL take so many times longer; our p99
+/// is at most so many medians.
 const EXACT_BAR: f64 = 5.0;
 const FCL_BAR: f64 = 10.0;
 const TAIL_BAR: f64 = 3.0;

@@ -54,7 +54,8 @@ fn survives_f32(word: &str, x: f64) -> bool {
         mantissa.trim_start_matches(['+', '-', '0', '.']).bytes().filter(u8::is_ascii_digit).count()
     };
     let count = digits(word);
-    // One digit stands before the point. Half way between two numbers of that many digits, some printers take the other one.
+    // One digit stands before the point. Half way between two numbers of that many digits, some printers take
+    // the other one.
     let (rounded, shortest) = (format!("{single:.*e}", count.saturating_sub(1)), format!("{single:e}"));
     [rounded, shortest].iter().any(|print| digits(print) == count && print.parse() == Ok(x))
 }
@@ -78,7 +79,8 @@ mod tests {
         }
     }
 
-    /// What is lost is decided here without digits: the neighbouring `f32`s, and how far from them the number is.
+    /// What is lost is decided here without digits: the neighbouring `f32`s, and how far from them the number
+    /// is.
     #[test]
     fn six_digits_survive_f32_and_seventeen_do_not() {
         let survives = |word: &str| survives_f32(word, word.parse().unwrap());
@@ -94,7 +96,8 @@ mod tests {
             for word in [format!("{single:e}"), format!("{single:.8e}"), format!("{:?}", f64::from(single))] {
                 assert!(survives(&word), "{word}");
             }
-            // A tenth of the way to the next one: no f32, whatever the number of digits, as long as they tell it apart.
+            // A tenth of the way to the next one: no f32, whatever the number of digits, as long as they tell
+            // it apart.
             let step = f64::from(single.next_up()) - f64::from(single);
             assert!(!survives(&format!("{:.12e}", f64::from(single) + 0.1 * step)));
         }

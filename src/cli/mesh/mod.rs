@@ -1,18 +1,23 @@
-//! Mesh files: OBJ, OFF, PLY, STL. Nothing is dropped or repaired in silence: every fault names its line or byte.
+//! Mesh files: OBJ, OFF, PLY, STL. Nothing is dropped or repaired in silence: every fault names its line or
+//! byte.
 //!
-//! What a file holds in binary is kept to the bit. Decimals become the nearest `f32` where that loses nothing: if each coordinate of
-//! the file, printed from its `f32` with as many digits as the file gives it, is what the file says. So it is for six digits and
-//! fewer, and for what a program printed from `f32`. One coordinate that says more makes the whole file `f64`. The library stores
-//! either as it is, the first in half of the bytes.
+//! What a file holds in binary is kept to the bit. Decimals become the nearest `f32` where that loses
+//! nothing: if each coordinate of the file, printed from its `f32` with as many digits as the file gives it,
+//! is what the file says. So it is for six digits and fewer, and for what a program printed from `f32`. One
+//! coordinate that says more makes the whole file `f64`. The library stores either as it is, the first in
+//! half of the bytes.
 //!
-//! Corners whose coordinates have the same bits become one vertex. A vertex that no triangle uses is no part of a body.
+//! Corners whose coordinates have the same bits become one vertex. A vertex that no triangle uses is no part
+//! of a body.
 //!
-//! Lines end in LF, CR LF or CR, also the last one: the last number of a file that was cut in the middle of a line would otherwise
-//! pass for a shorter number, and a square for a triangle. (In ASCII STL the word `endsolid` is an end, too.) A file that was cut
-//! between two lines cannot be told from a smaller one where its format has no counts: in OBJ, and between the solids of an ASCII STL.
+//! Lines end in LF, CR LF or CR, also the last one: the last number of a file that was cut in the middle of a
+//! line would otherwise pass for a shorter number, and a square for a triangle. (In ASCII STL the word
+//! `endsolid` is an end, too.) A file that was cut between two lines cannot be told from a smaller one where
+//! its format has no counts: in OBJ, and between the solids of an ASCII STL.
 //!
-//! PLY headers and binary payloads are read by the crate `ply-rs-bw`. The rest is read here: `ply-rs-bw` refuses ASCII numbers such
-//! as `.5`, `tobj`'s errors name no line, `stl_io` rounds ASCII decimals to `f32`, and for OFF there is no crate that is kept.
+//! PLY headers and binary payloads are read by the crate `ply-rs-bw`. The rest is read here: `ply-rs-bw`
+//! refuses ASCII numbers such as `.5`, `tobj`'s errors name no line, `stl_io` rounds ASCII decimals to `f32`,
+//! and for OFF there is no crate that is kept.
 
 mod decimals;
 mod obj;

@@ -1,5 +1,6 @@
-//! Wavefront OBJ: vertices and polygons. Other statements of the format are passed over, but for those that hold, or may hold, a
-//! surface, which would be missed: these are a fault, and so is every word that the format does not know.
+//! Wavefront OBJ: vertices and polygons. Other statements of the format are passed over, but for those that
+//! hold, or may hold, a surface, which would be missed: these are a fault, and so is every word that the
+//! format does not know.
 
 use super::{Decimals, Faces, MeshData, check_last_line, coordinate, count, lines, numbers_left, quote};
 use crate::cli::error::{Fault, Place};
@@ -115,8 +116,8 @@ fn continued<'a>(
     }
 }
 
-/// `x y z`, then nothing, a weight, or a colour of three or four numbers. A weight other than 1 is for rational curves: what it means
-/// here is unclear.
+/// `x y z`, then nothing, a weight, or a colour of three or four numbers. A weight other than 1 is for
+/// rational curves: what it means here is unclear.
 fn vertex<'a>(
     decimals: &mut Decimals,
     words: &mut impl Iterator<Item = &'a str>,
@@ -132,7 +133,8 @@ fn vertex<'a>(
     }
 }
 
-/// The vertex of `v`, `v/vt`, `v//vn` or `v/vt/vn`: counted from 1, or backwards from the last one if negative.
+/// The vertex of `v`, `v/vt`, `v//vn` or `v/vt/vn`: counted from 1, or backwards from the last one if
+/// negative.
 fn corner(word: &str, count: usize, line: usize) -> Result<u32, Fault> {
     let mut parts = word.split('/');
     let index = parts.next().unwrap_or("");
@@ -252,7 +254,8 @@ mod tests {
                     accepted.push(mesh.triangles.len());
                 }
             }
-            // Nothing at all, 8 vertices, and 5 squares; of CR LF both the CR and the LF are an end of the line, of the last one too.
+            // Nothing at all, 8 vertices, and 5 squares; of CR LF both the CR and the LF are an end of the
+            // line, of the last one too.
             let of_each = if end.len() == 2 { 2 } else { 1 };
             assert_eq!(accepted.len(), 1 + 13 * of_each + of_each - 1);
             assert_eq!(accepted.iter().filter(|count| **count > 0).count(), 5 * of_each + of_each - 1);

@@ -1,10 +1,11 @@
-//! OFF: counts, vertices, polygons. Comments, normals, colours and texture coordinates are passed over, but counted.
+//! OFF: counts, vertices, polygons. Comments, normals, colours and texture coordinates are passed over, but
+//! counted.
 
 use super::{Decimals, Faces, MeshData, check_last_line, count, lines, numbers_left, quote, unknown_vertex};
 use crate::cli::error::{Fault, Place};
 
-/// First words: with texture coordinates (ST), colours (C), normals (N); and how many numbers may stand after the three coordinates of
-/// a vertex. A colour has three or four.
+/// First words: with texture coordinates (ST), colours (C), normals (N); and how many numbers may stand after
+/// the three coordinates of a vertex. A colour has three or four.
 const HEADS: [(&str, &[usize]); 8] = [
     ("OFF", &[0]),
     ("COFF", &[3, 4]),

@@ -1,4 +1,5 @@
-//! PLY, ASCII and binary of either byte order. The crate `ply-rs-bw` reads headers and binary elements; ASCII elements are read here.
+//! PLY, ASCII and binary of either byte order. The crate `ply-rs-bw` reads headers and binary elements; ASCII
+//! elements are read here.
 
 use super::{Decimals, Faces, MeshData, check_last_line, count, lines, quote, text, unknown_vertex};
 use crate::cli::error::{Fault, Place};
@@ -170,7 +171,8 @@ fn ascii(text: &str, first_line: usize, header: &Header, vertices: usize) -> Res
     elements.faces.into_mesh(elements.vertices)
 }
 
-/// Decimals are read as in the other formats, whatever type the header gives them. Properties that are not asked for are not looked at.
+/// Decimals are read as in the other formats, whatever type the header gives them. Properties that are not
+/// asked for are not looked at.
 fn ascii_element(
     def: &ElementDef,
     content: &str,
@@ -245,7 +247,8 @@ mod tests {
         format!("ply\nformat ascii 1.0\ncomment made by hand\n{ELEMENTS}{rest}").into_bytes()
     }
 
-    /// Three vertices of 17 bytes and a face with `corners`; `big` is the byte order. Returns the header's size too.
+    /// Three vertices of 17 bytes and a face with `corners`; `big` is the byte order. Returns the header's
+    /// size too.
     fn binary_file(big: bool, x: f64, corners: [i32; 3]) -> (Vec<u8>, usize) {
         let name = if big { "big" } else { "little" };
         let mut bytes = format!("ply\nformat binary_{name}_endian 1.0\n{ELEMENTS}").into_bytes();

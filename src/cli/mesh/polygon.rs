@@ -1,18 +1,21 @@
 //! Polygons into triangles: ears are cut off, and every decision is a sign that is computed exactly.
 //!
-//! Crates for this task drop corners that lie on a line up to rounding, or merge corners that coincide. A face that is not quite
-//! flat would lose a part of itself. Here a polygon of n corners always becomes n - 2 triangles that use all of them.
+//! Crates for this task drop corners that lie on a line up to rounding, or merge corners that coincide. A
+//! face that is not quite flat would lose a part of itself. Here a polygon of n corners always becomes n - 2
+//! triangles that use all of them.
 //!
-//! Why the result is right: seen along an axis, the signed areas of the triangles add up to the winding number of the polygon at
-//! each point. No triangle is turned the other way, and no two edges cross; so the triangles tile the polygon's inside.
+//! Why the result is right: seen along an axis, the signed areas of the triangles add up to the winding
+//! number of the polygon at each point. No triangle is turned the other way, and no two edges cross; so the
+//! triangles tile the polygon's inside.
 
 use robust::{Coord, orient2d};
 
 /// Why a polygon cannot be cut.
 pub(super) const CROSSED: &str = "a polygon whose edges cross each other";
 
-/// Calls `emit` with the corners of the triangles that a polygon of three corners at least consists of, counted from 0, all turned as
-/// the polygon is. A polygon whose corners lie on one line becomes triangles without area.
+/// Calls `emit` with the corners of the triangles that a polygon of three corners at least consists of,
+/// counted from 0, all turned as the polygon is. A polygon whose corners lie on one line becomes triangles
+/// without area.
 pub(super) fn triangulate(corners: &[[f64; 3]], emit: impl FnMut([usize; 3])) -> Result<(), &'static str> {
     let count = corners.len();
     let fan = (2..count).map(|i| [0, i - 1, i]);
@@ -20,8 +23,8 @@ pub(super) fn triangulate(corners: &[[f64; 3]], emit: impl FnMut([usize; 3])) ->
         fan.for_each(emit);
         return Ok(());
     };
-    // Each triangle turns as the polygon does, and together by less than half a turn: so it is for every convex polygon without a
-    // corner in the middle of an edge.
+    // Each triangle turns as the polygon does, and together by less than half a turn: so it is for every
+    // convex polygon without a corner in the middle of an edge.
     if (2..count).all(|i| polygon.turn(0, i - 1, i) > 0 && polygon.turn(0, 1, i) > 0) {
         fan.for_each(emit);
         return Ok(());
@@ -30,8 +33,8 @@ pub(super) fn triangulate(corners: &[[f64; 3]], emit: impl FnMut([usize; 3])) ->
 }
 
 struct Polygon {
-    /// The corners without the coordinate along which the polygon is seen largest. Leaving out a coordinate does not round, as turning
-    /// the polygon into its own plane would.
+    /// The corners without the coordinate along which the polygon is seen largest. Leaving out a coordinate
+    /// does not round, as turning the polygon into its own plane would.
     points: Vec<Coord<f64>>,
     is_clockwise: bool,
 }
@@ -59,7 +62,8 @@ impl Polygon {
         if self.is_clockwise { -sign } else { sign }
     }
 
-    /// Whether two edges cross at a point inside of both. Edges that only touch may be those of a hole and of the bridge to it.
+    /// Whether two edges cross at a point inside of both. Edges that only touch may be those of a hole and of
+    /// the bridge to it.
     fn has_crossing(&self) -> bool {
         let count = self.points.len();
         let next = |i: usize| (i + 1) % count;
@@ -77,8 +81,8 @@ impl Polygon {
                 let [a, b, c] = ear(i);
                 self.turn(a, b, c) > 0 && !(0..count).any(|place| self.is_in_the_way(&ring, [a, b, c], place))
             };
-            // A way there and back, or a corner passed twice in a row, encloses nothing: it goes first. Any other ear without area is
-            // taken only where there is no better one.
+            // A way there and back, or a corner passed twice in a row, encloses nothing: it goes first. Any
+            // other ear without area is taken only where there is no better one.
             let coincides = |&i: &usize| {
                 let [a, b, c] = ear(i).map(|corner| self.points[corner]);
                 a == b || b == c || a == c
@@ -98,8 +102,8 @@ impl Polygon {
         Ok(())
     }
 
-    /// Whether the corner at a place of the ring lies in the closed triangle of an ear; where it coincides with one of the ear's,
-    /// whether an edge goes from there into the triangle.
+    /// Whether the corner at a place of the ring lies in the closed triangle of an ear; where it coincides
+    /// with one of the ear's, whether an edge goes from there into the triangle.
     fn is_in_the_way(&self, ring: &[usize], [a, b, c]: [usize; 3], place: usize) -> bool {
         let p = ring[place];
         for [before, corner, after] in [[c, a, b], [a, b, c], [b, c, a]] {
@@ -148,8 +152,8 @@ mod tests {
         flat.iter().enumerate().map(|(i, p)| p[0] * next(i)[1] - p[1] * next(i)[0]).sum()
     }
 
-    /// Whether a point, given in thirds of the grid's unit so that it lies on no edge, is inside: how often a ray to the right meets
-    /// the outline.
+    /// Whether a point, given in thirds of the grid's unit so that it lies on no edge, is inside: how often a
+    /// ray to the right meets the outline.
     fn is_inside(flat: &[[i32; 2]], [x, y]: [i32; 2]) -> bool {
         let meets = |i: usize| {
             let (p, q) = (flat[i].map(|c| 3 * c), flat[(i + 1) % flat.len()].map(|c| 3 * c));
@@ -159,7 +163,8 @@ mod tests {
         (0..flat.len()).filter(|i| meets(*i)).count() % 2 == 1
     }
 
-    /// That the triangles use each corner, number n - 2, and cover what the even-odd rule says, sampled between the lines of the grid.
+    /// That the triangles use each corner, number n - 2, and cover what the even-odd rule says, sampled
+    /// between the lines of the grid.
     fn check(flat: &[[i32; 2]]) {
         let triangles = cut(flat).unwrap_or_else(|problem| panic!("{flat:?}: {problem}"));
         assert_eq!(triangles.len(), flat.len() - 2, "{flat:?}");
@@ -167,7 +172,8 @@ mod tests {
         let sign = doubled_area(flat).signum();
         let parts: Vec<[[i32; 2]; 3]> = triangles.iter().map(|t| t.map(|i| flat[i])).collect();
         assert!(parts.iter().all(|t| doubled_area(t) * sign >= 0), "{flat:?} {parts:?}");
-        // Slopes of the grid's lines are fractions of small numbers: these samples are on none of them, or on both sides alike.
+        // Slopes of the grid's lines are fractions of small numbers: these samples are on none of them, or on
+        // both sides alike.
         for x in -2..40 {
             for y in -2..40 {
                 let sample = [3 * (x / 2) + 1 + x % 2, 3 * (y / 2) + 1 + y % 2];

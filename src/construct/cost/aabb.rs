@@ -18,8 +18,8 @@ impl Aabb {
         points.fold(Self::EMPTY, |b, p| b.join(&Self { low: p, high: p }))
     }
 
-    /// The box of both. Minima and maxima do not depend on the order in which boxes are joined: no coordinate is NaN or -0. Comparisons
-    /// are one instruction where [`f64::min`], which looks for NaN, is four.
+    /// The box of both. Minima and maxima do not depend on the order in which boxes are joined: no coordinate
+    /// is NaN or -0. Comparisons are one instruction where [`f64::min`], which looks for NaN, is four.
     pub(super) fn join(&self, other: &Self) -> Self {
         Self {
             low: core::array::from_fn(
@@ -49,10 +49,11 @@ impl Aabb {
 pub(in crate::construct) enum Measure {
     /// The area: a ray's chance to meet a convex body (the surface area heuristic, Goldsmith & Salmon 1987).
     Area,
-    /// The cube of the mean width: a bound of the chance to meet another body of its kind. By Blaschke's kinematic formula, motions
-    /// that let two convex bodies meet have the measure `8 pi^2 (V + V') + 2 pi (S M' + M S')`, with volume, area, and `M = 2 pi` times
-    /// the mean width. For two alike that is of the third degree in their size, and by the isoperimetric inequalities no more than
-    /// a multiple of `M^3`, which unlike `S M` also tells long segments from short ones.
+    /// The cube of the mean width: a bound of the chance to meet another body of its kind. By Blaschke's
+    /// kinematic formula, motions that let two convex bodies meet have the measure `8 pi^2 (V + V') + 2
+    /// pi (S M' + M S')`, with volume, area, and `M = 2 pi` times the mean width. For two alike that is
+    /// of the third degree in their size, and by the isoperimetric inequalities no more than a multiple
+    /// of `M^3`, which unlike `S M` also tells long segments from short ones.
     MeanWidth,
 }
 

@@ -60,8 +60,8 @@ impl<'a> CutFinder<'a> {
         Self { primitives, measure, buffers }
     }
 
-    /// The cut that costs least, the first of equals, if it costs less than `limit`: a side costs its measure times its
-    /// primitives per lane.
+    /// The cut that costs least, the first of equals, if it costs less than `limit`: a side costs its measure
+    /// times its primitives per lane.
     pub(super) fn best(
         &mut self,
         items: &[u32],
@@ -130,8 +130,8 @@ impl<'a> CutFinder<'a> {
         self.buffers.keys = keys;
     }
 
-    /// Cuts between bins. The share nearest to a border may be some primitives away from it: at more than [`MAX_SORTED`] of them that
-    /// is no matter.
+    /// Cuts between bins. The share nearest to a border may be some primitives away from it: at more than
+    /// [`MAX_SORTED`] of them that is no matter.
     fn try_bins(&self, items: &[u32], direction: Point, shares: &impl Shares, best: &mut BestCut) {
         let places = || items.iter().map(|&i| self.along(direction, i));
         let (low, high) =

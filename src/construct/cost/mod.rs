@@ -1,12 +1,13 @@
 //! Splitting by expected cost: binned cuts, made for wide nodes.
 //!
-//! The surface area heuristic gives a binary tree; collapsing that into wide nodes leaves many lanes unused. Here a node is cut
-//! in two, and each side again, until there is a part for each lane; a cut may be wherever it leaves **full nodes** on both sides (see
-//! [`longest_axis`]), and how many lanes each side gets follows from its number of primitives. What a cut costs is, for each side,
-//! [measure](Measure) x primitives per lane.
+//! The surface area heuristic gives a binary tree; collapsing that into wide nodes leaves many lanes unused.
+//! Here a node is cut in two, and each side again, until there is a part for each lane; a cut may be wherever
+//! it leaves **full nodes** on both sides (see [`longest_axis`]), and how many lanes each side gets follows
+//! from its number of primitives. What a cut costs is, for each side, [measure](Measure) x primitives per
+//! lane.
 //!
-//! Visits per query, mesh against itself, k = 18, arity 16, one triangle a leaf, mean over 50 random rotations and directions; gaps
-//! along the direction as shares of the diagonal:
+//! Visits per query, mesh against itself, k = 18, arity 16, one triangle a leaf, mean over 50 random
+//! rotations and directions; gaps along the direction as shares of the diagonal:
 //!
 //! | splitter | cow, 2e-5 | 1e-2 | armadillo, 2e-5 | 1e-2 | bytes of nodes per triangle |
 //! |---|---|---|---|---|---|
@@ -15,10 +16,11 @@
 //! | area | 57.8 | 27.4 | 87.5 | 16.9 | 43 |
 //! | cube of the mean width, and exchange in two passes | 31.4 | 11.8 | 47.3 | 8.9 | 43 |
 //!
-//! Tried with exchange, each better on one of cow, camel, man and armadillo and worse on another: the fourth to sixth power of the mean
-//! width, area x mean width, the same by the nine slabs of k = 18 instead of the box, less weight on primitives per lane (powers
-//! 1/4 to 3/4, the logarithm), more than three passes, cuts along the six diagonals of k = 18 too. Exchange that starts from the clusters
-//! of Batch Neural Gas or from the cuts, whichever costs less, takes 3 % off the visits when touching and 1 % at 1 %, for two to three
+//! Tried with exchange, each better on one of cow, camel, man and armadillo and worse on another: the fourth
+//! to sixth power of the mean width, area x mean width, the same by the nine slabs of k = 18 instead of the
+//! box, less weight on primitives per lane (powers 1/4 to 3/4, the logarithm), more than three passes, cuts
+//! along the six diagonals of k = 18 too. Exchange that starts from the clusters of Batch Neural Gas or from
+//! the cuts, whichever costs less, takes 3 % off the visits when touching and 1 % at 1 %, for two to three
 //! times the build. Without exchange the first power of the mean width and its square were worse than the
 //! cube everywhere: 88 and 54 visits for the cow at the small gap, where the cube needed 35.
 
@@ -110,7 +112,8 @@ impl Shares for LaneShares {
         if leaves <= lanes {
             return Some(Share { count, lanes: [left, lanes - left] });
         }
-        // Full nodes turn one leaf into `arity`, so the leaves below l lanes are l + (arity - 1) m. That leaves one l.
+        // Full nodes turn one leaf into `arity`, so the leaves below l lanes are l + (arity - 1) m. That
+        // leaves one l.
         let left_lanes = (left - 1) % step + 1;
         if left_lanes >= lanes || leaves - left < lanes - left_lanes {
             return None;
@@ -140,14 +143,16 @@ struct Widener<'a> {
 }
 
 impl Widener<'_> {
-    /// Puts where the lanes of a node end into `ends`, counted from its first item. Below it there may be `levels` levels.
+    /// Puts where the lanes of a node end into `ends`, counted from its first item. Below it there may be
+    /// `levels` levels.
     fn node(&mut self, items: &mut [u32], levels: usize, ends: &mut Vec<u32>) {
         let Plan { arity, leaf_size, passes, .. } = self.plan;
         self.cut(items, 0, arity, ends);
         if passes > 0 && (items.len() > arity || leaf_size > 1) {
             self.refine(items, ends);
         }
-        // What a full tree of so many levels holds: no more than that, and halving, if nothing else, gets it in.
+        // What a full tree of so many levels holds: no more than that, and halving, if nothing else, gets it
+        // in.
         let capacity = leaf_size.saturating_mul(arity.saturating_pow(levels as u32));
         let starts = core::iter::once(0).chain(ends.iter().map(|&end| end as usize));
         if starts.zip(&*ends).any(|(start, &end)| end as usize - start > capacity) {
@@ -156,7 +161,8 @@ impl Widener<'_> {
         }
     }
 
-    /// Appends where `lanes` parts of `items` end, counted from `start`. Calls itself once for every lane at most.
+    /// Appends where `lanes` parts of `items` end, counted from `start`. Calls itself once for every lane at
+    /// most.
     fn cut(&mut self, items: &mut [u32], start: usize, lanes: usize, ends: &mut Vec<u32>) {
         let Plan { arity, leaf_size, .. } = self.plan;
         let total = items.len();
@@ -199,7 +205,8 @@ mod tests {
     use super::*;
     use core::ops::ControlFlow;
 
-    /// Boxes twice as far out and twice as large each as the last: whatever is cut off first, most of the rest is in one place.
+    /// Boxes twice as far out and twice as large each as the last: whatever is cut off first, most of the
+    /// rest is in one place.
     fn growing(n: usize) -> Vec<Aabb> {
         let at =
             |i: usize| (0..i % 900).fold(1.0, |x: f64, _| 2.0 * x) * f64::from_bits(0x3d30_0000_0000_0000);

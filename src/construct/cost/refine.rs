@@ -1,13 +1,13 @@
-//! After the cuts of a node: its lanes exchange primitives, two lanes at a time, as long as that costs less; then they are put in the order in
-//! which a query looks at them.
+//! After the cuts of a node: its lanes exchange primitives, two lanes at a time, as long as that costs less;
+//! then they are put in the order in which a query looks at them.
 
 use super::aabb::Aabb;
 use super::cut::{Share, Shares};
 use super::{AXES, Plan, Widener};
 use alloc::vec::Vec;
 
-/// Cuts of two lanes together that leave full nodes below both: each has 1 + (arity - 1) m leaves, but for one lane of
-/// the tree.
+/// Cuts of two lanes together that leave full nodes below both: each has 1 + (arity - 1) m leaves, but for
+/// one lane of the tree.
 struct PairShares {
     sizes: [usize; 2],
     leaf_size: usize,
@@ -37,9 +37,10 @@ struct LanePart {
     bounds: Aabb,
 }
 
-/// A query descends into the lowest lanes first, and a hit ends it. Bodies that overlap a little do so with what is farthest out: 11 % fewer
-/// visits 1 % of the diagonal deep than with lanes in the order of the cuts, geometric mean over the meshes of `benches/splitters.rs`.
-/// Weighting by primitives per lane or per box, or the nearest or farthest corner in place of the centre, differ by less than 2 %.
+/// A query descends into the lowest lanes first, and a hit ends it. Bodies that overlap a little do so with
+/// what is farthest out: 11 % fewer visits 1 % of the diagonal deep than with lanes in the order of the cuts,
+/// geometric mean over the meshes of `benches/splitters.rs`. Weighting by primitives per lane or per box, or
+/// the nearest or farthest corner in place of the centre, differ by less than 2 %.
 fn outermost_first(lanes: &mut [LanePart]) {
     let whole = lanes.iter().fold(Aabb::EMPTY, |b, lane| b.join(&lane.bounds)).centre();
     let squared_distance = |lane: &LanePart| -> f64 {
@@ -54,8 +55,8 @@ fn outermost_first(lanes: &mut [LanePart]) {
 }
 
 impl Widener<'_> {
-    /// Cuts every two lanes that touch anew, as often as planned or until no cut is better. The lanes of the node's `items` are given by
-    /// their `ends`.
+    /// Cuts every two lanes that touch anew, as often as planned or until no cut is better. The lanes of the
+    /// node's `items` are given by their `ends`.
     pub(super) fn refine(&mut self, items: &mut [u32], ends: &mut [u32]) {
         let mut lanes = Vec::with_capacity(ends.len());
         let mut from = 0;
@@ -105,7 +106,8 @@ impl Widener<'_> {
         let rest = items.split_off(cut.share.count);
         let bounds = [finder.bounds(&items), finder.bounds(&rest)];
         let new_cost = finder.lane_cost(&bounds[0], items.len()) + finder.lane_cost(&bounds[1], rest.len());
-        // Bins promise what rounding to full nodes may not keep; and a gain in the last bits could go on for ever.
+        // Bins promise what rounding to full nodes may not keep; and a gain in the last bits could go on for
+        // ever.
         if new_cost >= cost * (1.0 - 1e-9) {
             return false;
         }

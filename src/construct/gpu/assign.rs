@@ -24,7 +24,8 @@ pub struct Spent {
     pub device: Duration,
     /// The order of the primitives moved back.
     pub download: Duration,
-    /// Bytes read back in the middle of the build: where the lanes of each level end, and nodes that the host cut by axes.
+    /// Bytes read back in the middle of the build: where the lanes of each level end, and nodes that the
+    /// host cut by axes.
     pub read_back: u64,
     /// Bytes of all buffers.
     pub memory: u64,
@@ -55,7 +56,8 @@ struct Build<'a, const N: usize> {
     pipelines: &'a Pipelines,
     memory: Memory,
     groups: Vec<wgpu::BindGroup>,
-    /// Primitives of nodes so small that they and all below them are cut by axes, in their places; else [`ON_DEVICE`].
+    /// Primitives of nodes so small that they and all below them are cut by axes, in their places; else
+    /// [`ON_DEVICE`].
     order: Vec<u32>,
     spent: Spent,
 }

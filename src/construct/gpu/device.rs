@@ -18,7 +18,8 @@ pub struct Gpu {
 }
 
 impl Gpu {
-    /// The most powerful adapter there is: a GPU before a CPU. `WGPU_BACKEND` in the environment restricts the backends.
+    /// The most powerful adapter there is: a GPU before a CPU. `WGPU_BACKEND` in the environment restricts
+    /// the backends.
     ///
     /// # Errors
     /// [`GpuError::NoAdapter`], and those of [`Gpu::with_adapter`].
@@ -55,8 +56,8 @@ impl Gpu {
         Self::with_device(device, queue)
     }
 
-    /// A device that the caller has, which may have other work too. 64-bit sums are native if its features have `SHADER_INT64`; its
-    /// limits must be WebGPU's defaults for compute shaders at least.
+    /// A device that the caller has, which may have other work too. 64-bit sums are native if its features
+    /// have `SHADER_INT64`; its limits must be WebGPU's defaults for compute shaders at least.
     ///
     /// # Errors
     /// [`GpuError::Limit`].
@@ -90,8 +91,8 @@ impl Gpu {
         place.get().ok_or(GpuError::Lost)
     }
 
-    /// Runs `work`, and returns what the device has to object rather than to leave it to the device's handler, which panics.
-    /// `bytes` are allocated by it.
+    /// Runs `work`, and returns what the device has to object rather than to leave it to the device's
+    /// handler, which panics. `bytes` are allocated by it.
     pub(super) fn guarded<T>(
         &self,
         bytes: u64,
@@ -140,7 +141,8 @@ impl Gpu {
             let _ = sender.send(result);
         });
         self.wait()?;
-        // The callback runs in whichever thread polls the device: maybe in another one that has not come to it yet.
+        // The callback runs in whichever thread polls the device: maybe in another one that has not come to
+        // it yet.
         match receiver.recv_timeout(Duration::from_secs(10)) {
             Ok(Ok(())) => {}
             _ => return Err(GpuError::Lost),
@@ -158,7 +160,8 @@ impl Gpu {
     }
 }
 
-/// What the kernels need, by the limits' names: within the defaults of WebGPU, which every adapter has but the oldest.
+/// What the kernels need, by the limits' names: within the defaults of WebGPU, which every adapter has but
+/// the oldest.
 fn needed_limits() -> wgpu::Limits {
     wgpu::Limits {
         max_storage_buffers_per_shader_stage: 8,

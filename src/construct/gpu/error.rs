@@ -48,7 +48,8 @@ pub enum GpuError {
         /// What it said.
         reason: String,
     },
-    /// The builder's splitter does not run on devices: only [`crate::construct::Splitter::BatchNeuralGas`] does.
+    /// The builder's splitter does not run on devices: only [`crate::construct::Splitter::BatchNeuralGas`]
+    /// does.
     Splitter,
     /// Not a matter of the device: the mesh cannot be built, or the build was cancelled.
     Build(BuildError),

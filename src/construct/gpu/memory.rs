@@ -103,8 +103,8 @@ pub(super) struct Sizes {
 }
 
 impl Sizes {
-    /// Nodes of a level that are clustered, at most: each has more primitives than lanes. Also the chunks of a level: only nodes so
-    /// large that it does not matter have more than one.
+    /// Nodes of a level that are clustered, at most: each has more primitives than lanes. Also the chunks of
+    /// a level: only nodes so large that it does not matter have more than one.
     pub(super) fn nodes(&self) -> usize {
         self.primitives / (self.lanes + 1) + 1
     }
@@ -130,7 +130,8 @@ impl Sizes {
         }
     }
 
-    /// Bytes of the buffer through which the host reads: the order of all primitives, or the ends of a level's nodes.
+    /// Bytes of the buffer through which the host reads: the order of all primitives, or the ends of a
+    /// level's nodes.
     fn staging_bytes(&self) -> u64 {
         self.bytes(Binding::Order).max(self.bytes(Binding::Ends))
     }

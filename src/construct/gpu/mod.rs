@@ -1,4 +1,5 @@
-//! Batch Neural Gas on a device, through wgpu: all nodes of a level at once, and the scalar builder's trees, byte for byte.
+//! Batch Neural Gas on a device, through wgpu: all nodes of a level at once, and the scalar builder's trees,
+//! byte for byte.
 //!
 //! ```no_run
 //! use core::ops::ControlFlow;
@@ -15,27 +16,31 @@
 //!
 //! # A level
 //!
-//! The host tells the device which nodes the level has. Then, without a word between them: the box of each node (`bounds`), its frame and
-//! prototypes (`start`), `local_coordinates`, the steps, `nearest`, full nodes (`balance`), and a stable sort by lane (`lane_ends`,
-//! `sort_by_lane`, `replace`). The host reads once, where the lanes end: that is the tree's own data, and says what the next level is.
+//! The host tells the device which nodes the level has. Then, without a word between them: the box of each
+//! node (`bounds`), its frame and prototypes (`start`), `local_coordinates`, the steps, `nearest`, full nodes
+//! (`balance`), and a stable sort by lane (`lane_ends`, `sort_by_lane`, `replace`). The host reads once,
+//! where the lanes end: that is the tree's own data, and says what the next level is.
 //!
-//! A *small* node (2048 primitives or fewer) is clustered by one workgroup, eight steps in one dispatch (`cluster`). A *large* one is cut
-//! into chunks; each step is a dispatch that adds up each chunk (`accumulate`) and one that adds up the chunks and moves the
-//! prototypes (`update`); nodes that have settled sit the rest out.
+//! A *small* node (2048 primitives or fewer) is clustered by one workgroup, eight steps in one dispatch
+//! (`cluster`). A *large* one is cut into chunks; each step is a dispatch that adds up each chunk
+//! (`accumulate`) and one that adds up the chunks and moves the prototypes (`update`); nodes that have
+//! settled sit the rest out.
 //!
-//! Nodes that clustering cannot split are cut by the host, in full precision: it reads the order of their primitives, and keeps it where
-//! everything below will be cut so too.
+//! Nodes that clustering cannot split are cut by the host, in full precision: it reads the order of their
+//! primitives, and keeps it where everything below will be cut so too.
 //!
 //! # Memory
 //!
-//! Allocated once a tree, and used again by every step and level: 40 bytes a primitive; 332 bytes (16 lanes) or 140 (4 lanes) for each
-//! node that a level may have, which has more primitives than lanes; partial sums. In all 61 bytes a primitive (16 lanes), 69 (4 lanes).
-//! The largest buffer has 12 bytes a primitive: 11 million fit in the 128 MiB that every device binds.
+//! Allocated once a tree, and used again by every step and level: 40 bytes a primitive; 332 bytes (16 lanes)
+//! or 140 (4 lanes) for each node that a level may have, which has more primitives than lanes; partial sums.
+//! In all 61 bytes a primitive (16 lanes), 69 (4 lanes). The largest buffer has 12 bytes a primitive: 11
+//! million fit in the 128 MiB that every device binds.
 //!
 //! # Sources
 //!
-//! The BNG paper, section 3.2, has the order of the steps: distances, ranks, sums per prototype, sort by prototype. The number ranges are
-//! those of the scalar builder: every sum is of integers, so that their order does not matter.
+//! The BNG paper, section 3.2, has the order of the steps: distances, ranks, sums per prototype, sort by
+//! prototype. The number ranges are those of the scalar builder: every sum is of integers, so that their
+//! order does not matter.
 
 mod assign;
 mod device;
@@ -68,9 +73,11 @@ pub enum Otherwise {
 }
 
 impl Builder {
-    /// [`Builder::build_with`] on a device: the same bytes. The splitter must be [`Splitter::BatchNeuralGas`].
+    /// [`Builder::build_with`] on a device: the same bytes. The splitter must be
+    /// [`Splitter::BatchNeuralGas`].
     ///
-    /// `observer` is called after each level of the tree; if the device fails and the CPU is to build the tree, it begins anew.
+    /// `observer` is called after each level of the tree; if the device fails and the CPU is to build the
+    /// tree, it begins anew.
     ///
     /// # Errors
     /// [`GpuError`]; with [`Otherwise::Scalar`] [`GpuError::Build`] and [`GpuError::Splitter`] only.

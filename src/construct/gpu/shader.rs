@@ -21,19 +21,21 @@ pub(super) const MIN_CHUNK: usize = 512;
 /// Chunks of a node, at most: one workgroup adds up their sums.
 pub(super) const MAX_CHUNKS: usize = 2048;
 
-/// Steps of a small node in one dispatch, and primitives taken out of crowded lanes. An invocation must not make more than 65,535 turns
-/// of loops: llvmpipe (Mesa 22.3) leaves its loops then without a word, and systems stop a dispatch that takes seconds.
+/// Steps of a small node in one dispatch, and primitives taken out of crowded lanes. An invocation must not
+/// make more than 65,535 turns of loops: llvmpipe (Mesa 22.3) leaves its loops then without a word, and
+/// systems stop a dispatch that takes seconds.
 pub(super) const STEPS_AT_ONCE: usize = 8;
 const MOVES_AT_ONCE: usize = 32;
 
-/// Dispatches of [`Shader::Balance`] after which no lane is crowded. Leaves are shared out in multiples of `lanes` - 1, each to the lane
-/// that lacks most: so no lane has room for more than that beyond its primitives, and all that lack can be no more than all that is free.
+/// Dispatches of [`Shader::Balance`] after which no lane is crowded. Leaves are shared out in multiples of
+/// `lanes` - 1, each to the lane that lacks most: so no lane has room for more than that beyond its
+/// primitives, and all that lack can be no more than all that is free.
 pub(super) fn balance_dispatches(lanes: usize, leaf_size: usize) -> usize {
     (lanes * (lanes - 1) * leaf_size).min(BALANCED_SIZE).div_ceil(MOVES_AT_ONCE)
 }
 
-/// Outcomes of a node, in `states` and `ends`: from here on it is to be cut by axes. No node has so many primitives that an end could
-/// be mistaken for one.
+/// Outcomes of a node, in `states` and `ends`: from here on it is to be cut by axes. No node has so many
+/// primitives that an end could be mistaken for one.
 pub(super) const SMALL: u32 = u32::MAX - 1;
 /// One prototype took everything.
 pub(super) const ONE_LANE: u32 = u32::MAX;

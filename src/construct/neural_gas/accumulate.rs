@@ -303,8 +303,9 @@ mod tests {
         }
     }
 
-    /// Everything as large as it gets: primitives in the far corner, as heavy as can be, in as many blocks as one sum of 32 bits takes;
-    /// then 2^24 times the share of one primitive, as a tree of 16 M of them would add up.
+    /// Everything as large as it gets: primitives in the far corner, as heavy as can be, in as many blocks as
+    /// one sum of 32 bits takes; then 2^24 times the share of one primitive, as a tree of 16 M of them
+    /// would add up.
     #[test]
     fn nothing_overflows_at_the_extremes() {
         const TOP: u64 = (1 << 15) - 1;

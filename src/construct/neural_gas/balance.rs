@@ -1,11 +1,13 @@
 //! Full nodes: clusters of sizes that leave no lane unused further down.
 //!
-//! A tree of arity w with m nodes, all full, has 1 + (w - 1) m leaves. So each lane gets room for a number of leaves of this form,
-//! near to what clustering gave it, and primitives move until every lane has room for its own: the assignment to the prototypes
-//! with the least sum of squared distances, found as a flow of least cost by successive shortest paths. A primitive that has to
-//! go makes room by moving a neighbour to the next lane, and so on; it does not jump across the node.
+//! A tree of arity w with m nodes, all full, has 1 + (w - 1) m leaves. So each lane gets room for a number of
+//! leaves of this form, near to what clustering gave it, and primitives move until every lane has room for
+//! its own: the assignment to the prototypes with the least sum of squared distances, found as a flow of
+//! least cost by successive shortest paths. A primitive that has to go makes room by moving a neighbour to
+//! the next lane, and so on; it does not jump across the node.
 //!
-//! Without this, half of the nodes would be those of clusters that do not quite fit in their lane, with two lanes in use.
+//! Without this, half of the nodes would be those of clusters that do not quite fit in their lane, with two
+//! lanes in use.
 
 use super::accumulate::distances;
 use super::prototypes::Prototypes;
@@ -57,7 +59,8 @@ impl<const N: usize> Balance<N> {
             let full = |lane: usize| sizes[lane] > room[lane];
             let (cost, from) = shortest_paths(&moves, full);
             let open = (0..N).filter(|&lane| sizes[lane] < room[lane]);
-            // There is more room than there are primitives, and any lane that is too full can give to any other.
+            // There is more room than there are primitives, and any lane that is too full can give to any
+            // other.
             let Some(end) = open.min_by_key(|&lane| cost[lane]) else { return };
             let mut lane = end;
             stale = 1 << end;
@@ -101,7 +104,8 @@ impl<const N: usize> Balance<N> {
     }
 }
 
-/// How many primitives each lane has room for. Each further node, which turns one leaf into N, goes to the lane that lacks most.
+/// How many primitives each lane has room for. Each further node, which turns one leaf into N, goes to the
+/// lane that lacks most.
 fn rooms<const N: usize>(sizes: &[u32; N], leaf_size: usize) -> [u32; N] {
     let leaf = leaf_size as u32;
     let count: u32 = sizes.iter().sum();
@@ -116,8 +120,9 @@ fn rooms<const N: usize>(sizes: &[u32; N], leaf_size: usize) -> [u32; N] {
     room
 }
 
-/// The cheapest ways from any of the lanes that are too `full` to each lane, and each lane's last giver: Bellman-Ford, for moves back
-/// towards a primitive's nearest prototype have a negative cost. There is no cycle of negative cost: each flow so far was the cheapest.
+/// The cheapest ways from any of the lanes that are too `full` to each lane, and each lane's last giver:
+/// Bellman-Ford, for moves back towards a primitive's nearest prototype have a negative cost. There is no
+/// cycle of negative cost: each flow so far was the cheapest.
 fn shortest_paths<const N: usize>(
     moves: &[[Move; N]; N],
     full: impl Fn(usize) -> bool,

@@ -1,20 +1,23 @@
 //! Batch Neural Gas (BNG paper, sections 3.1 and 3.2; SIMDop paper, section IV-A 3), in integers.
 //!
-//! A node of n lanes gets n prototypes. At each step every primitive x ranks the prototypes by distance, k = 0 for the nearest, and
-//! each prototype moves to the mean of all primitives, weighted by h(k) v(x) with h(k) = exp(-k / lambda). lambda falls from n / 2 to
-//! 0.01: from everybody's mean to k-means. In the end a primitive goes to its nearest prototype, and each lane is a node again.
+//! A node of n lanes gets n prototypes. At each step every primitive x ranks the prototypes by distance, k =
+//! 0 for the nearest, and each prototype moves to the mean of all primitives, weighted by h(k) v(x) with
+//! h(k) = exp(-k / lambda). lambda falls from n / 2 to 0.01: from everybody's mean to k-means. In the end a
+//! primitive goes to its nearest prototype, and each lane is a node again.
 //!
 //! # The steps
 //!
-//! [`Samples::new`] (quantise) once a tree; for each node [`Cluster::local_coordinates`] and [`Prototypes::start`]; then, until nothing
-//! moves or the schedule ends, [`accumulate`] (distances, ranks, sums) and [`Prototypes::update`]; then [`nearest`] (assign),
-//! [`balance`](balance::balance) and [`sort_by_lane`]. Nodes of a level share nothing: whoever runs each step for all nodes of a
-//! level at once, as a GPU does, gets the same tree as this code, which runs all steps of one node while its data are in the cache.
+//! [`Samples::new`] (quantise) once a tree; for each node [`Cluster::local_coordinates`] and
+//! [`Prototypes::start`]; then, until nothing moves or the schedule ends, [`accumulate`] (distances, ranks,
+//! sums) and [`Prototypes::update`]; then [`nearest`] (assign), [`balance`](balance::balance) and
+//! [`sort_by_lane`]. Nodes of a level share nothing: whoever runs each step for all nodes of a level at once,
+//! as a GPU does, gets the same tree as this code, which runs all steps of one node while its data are in the
+//! cache.
 //!
 //! # Number ranges
 //!
-//! Everything after quantisation is integer arithmetic, and sums of integers do not depend on their order: that is why the tree is
-//! the same from any number of threads and on any machine.
+//! Everything after quantisation is integer arithmetic, and sums of integers do not depend on their order:
+//! that is why the tree is the same from any number of threads and on any machine.
 //!
 //! | quantity | range | type |
 //! |---|---|---|
@@ -28,13 +31,14 @@
 //! | sum of h v x, and half of the sum of h v for rounding | < 2^49 (2^15 - 1/2) < 2^64 | u64 |
 //! | cost of moving a primitive, in [`balance`]: difference of two squared distances / 2^6; a path of 15 of them | < 2^26; < 2^30, both signs | i32 |
 //!
-//! So nothing overflows up to 2^24 primitives with 13-bit weights, nor, with as many bits fewer, up to the 2^27 that a tree may
-//! have. Weights are relative to the heaviest primitive of their node, and at least 1.
+//! So nothing overflows up to 2^24 primitives with 13-bit weights, nor, with as many bits fewer, up to the
+//! 2^27 that a tree may have. Weights are relative to the heaviest primitive of their node, and at least 1.
 //!
 //! # When clustering cannot
 //!
-//! A node is cut by the extended longest axis, in full precision, if it is so small that positions hardly tell its primitives apart, if
-//! one prototype takes everything, or if the branch is so unbalanced that it would become too deep. That always ends.
+//! A node is cut by the extended longest axis, in full precision, if it is so small that positions hardly
+//! tell its primitives apart, if one prototype takes everything, or if the branch is so unbalanced that it
+//! would become too deep. That always ends.
 
 mod accumulate;
 mod balance;
@@ -67,7 +71,8 @@ use prototypes::Prototypes;
 use samples::Cluster;
 use schedule::schedule;
 
-/// The shape of a tree over a samples. `halving` has the arity and leaf size, and cuts where clustering cannot.
+/// The shape of a tree over a samples. `halving` has the arity and leaf size, and cuts where clustering
+/// cannot.
 pub(super) fn assign(
     samples: &Samples<'_>,
     halving: &Halving,
@@ -219,12 +224,12 @@ mod tests {
         const COUNT: u32 = 256;
         let points: Vec<[f64; 3]> =
             (0..COUNT).map(|i| [f64::from(1 << (i % 20)), f64::from(i) / 256.0, 0.0]).collect();
-        let cloud = Cloud::new(&points, None);
-        let cutter = Cutter { arity: 4, leaf_size: 1, extended: true };
-        let splitter = Splitter::<4>::new(&cloud, &cutter, 0);
+        let samples = Samples::new(&points, None);
+        let halving = Halving { arity: 4, leaf_size: 1, extended: true };
+        let clusterer = Clusterer::<4>::new(&samples, &halving, 0);
         let largest = |levels_left| {
             let (mut part, mut ends) = ((0..COUNT).collect::<Vec<_>>(), [0; 4]);
-            splitter.cut(
+            clusterer.cut(
                 &mut Scratch::default(),
                 levels::Place { node: 0, levels_left },
                 &mut part,
@@ -233,7 +238,7 @@ mod tests {
             let starts = core::iter::once(0).chain(ends);
             starts.zip(ends).map(|(start, end)| end - start).max().unwrap()
         };
-        assert_eq!(splitter.levels_needed(COUNT as usize), 4);
+        assert_eq!(clusterer.levels_needed(COUNT as usize), 4);
         assert!(largest(20) > 64, "left alone, a lane gets more than its share");
         assert_eq!([4, 5].map(largest), [64; 2]);
     }

@@ -18,8 +18,8 @@ impl<const N: usize> Prototypes<N> {
         Self { coordinates: core::array::from_fn(|axis| core::array::from_fn(|lane| at(axis, lane))) }
     }
 
-    /// Moves each prototype to its mean, rounded half up; one that nothing pulls stays. Whether any moved: one step of a
-    /// coordinate is more than 1e-5 of the node's box, the paper's threshold.
+    /// Moves each prototype to its mean, rounded half up; one that nothing pulls stays. Whether any moved:
+    /// one step of a coordinate is more than 1e-5 of the node's box, the paper's threshold.
     pub(in crate::construct) fn update(&mut self, sums: &Sums<N>) -> bool {
         let mut moved = false;
         for (coordinates, moments) in self.coordinates.iter_mut().zip(&sums.moments) {
@@ -35,7 +35,8 @@ impl<const N: usize> Prototypes<N> {
     }
 }
 
-/// The finaliser of `MurmurHash3` (Appleby): every bit of the number changes every bit of the result with probability 1/2.
+/// The finaliser of `MurmurHash3` (Appleby): every bit of the number changes every bit of the result with
+/// probability 1/2.
 fn scramble(number: u32) -> u32 {
     let mut x = number;
     x = (x ^ x >> 16).wrapping_mul(0x85eb_ca6b);

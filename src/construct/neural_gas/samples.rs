@@ -12,9 +12,11 @@ pub(in crate::construct) struct Samples<'a> {
 }
 
 impl<'a> Samples<'a> {
-    /// Finite `points`, at most [`crate::node::Child::MAX_PRIMITIVES`], each with a weight that is not negative, or all alike.
+    /// Finite `points`, at most [`crate::node::Child::MAX_PRIMITIVES`], each with a weight that is not
+    /// negative, or all alike.
     ///
-    /// Each step is one correctly rounded operation and monotone, so the integers are the same on every machine.
+    /// Each step is one correctly rounded operation and monotone, so the integers are the same on every
+    /// machine.
     pub(in crate::construct) fn new(points: &'a [Point], weights: Option<&[f64]>) -> Self {
         const TOP: f64 = u32::MAX as f64;
         let corner = |fold: fn(f64, f64) -> f64, from: f64| -> Point {
@@ -71,7 +73,8 @@ impl<'a> Samples<'a> {
 /// Bits of a local coordinate: three squares of differences still fit in 32 bits.
 pub(in crate::construct) const LOCAL_BITS: u32 = 15;
 
-/// Bits of a weight, at most, and of the sum of the weights of a node: times 12 bits of h and 15 of a coordinate below 2^64.
+/// Bits of a weight, at most, and of the sum of the weights of a node: times 12 bits of h and 15 of a
+/// coordinate below 2^64.
 pub(in crate::construct) const WEIGHT_BITS: u32 = 13;
 pub(in crate::construct) const WEIGHT_SUM_BITS: u32 = 37;
 

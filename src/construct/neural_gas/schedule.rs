@@ -11,7 +11,8 @@ const LAST_LAMBDA: f64 = 0.01;
 /// h(0): 12 bits.
 pub(in crate::construct) const ONE: u16 = (1 << 12) - 1;
 
-/// h of the ranks 0 to n - 1 at each step: exp(-k / lambda) with lambda = n / 2 (0.01 / (n / 2))^(t / steps), in units of 1 / 4095.
+/// h of the ranks 0 to n - 1 at each step: exp(-k / lambda) with lambda = n / 2 (0.01 / (n / 2))^(t / steps),
+/// in units of 1 / 4095.
 pub(in crate::construct) fn schedule<const N: usize>() -> Vec<[u16; N]> {
     // Rounded to the nearest, half up. `libm` is software: the same bits on every machine.
     (0..STEPS).map(|t| core::array::from_fn(|k| (exact::<N>(t, k) + 0.5) as u16)).collect()

@@ -9,20 +9,25 @@
 //! mask = !vpmovmskb(vpacksswb(separated))
 //! ```
 //!
-//! Two 256-bit loads a plane, of which Zen 3 does two a cycle, bound it from below at k cycles. **Tried, and slower** (`benches/kernel.rs`, calls
-//! of real queries, L1, ns a node for k = 14 / 18 / 32, Zen 3; chosen: 5.6 / 7.0 / 12.2): leaving after every second slab 9.2 / 11.7 / 17.7,
-//! every slab 11.4 / 15.2 / 16.1, after the second only 7.1 / 8.2 / 13.4, never at k = 32 12.7. Half of the masks are empty and nothing
-//! foretells which, so each exit is a mispredicted branch as often as it saves slabs. 4vs4 likewise: 6.7 / 8.2 / 14.2 without an exit, 9.1 / 10.1 /
-//! 16.5 with one; loading both planes of four children at once, 7.9 / 9.7 / 13.2.
+//! Two 256-bit loads a plane, of which Zen 3 does two a cycle, bound it from below at k cycles. **Tried, and
+//! slower** (`benches/kernel.rs`, calls of real queries, L1, ns a node for k = 14 / 18 / 32, Zen 3; chosen:
+//! 5.6 / 7.0 / 12.2): leaving after every second slab 9.2 / 11.7 / 17.7, every slab 11.4 / 15.2 / 16.1, after
+//! the second only 7.1 / 8.2 / 13.4, never at k = 32 12.7. Half of the masks are empty and nothing
+//! foretells which, so each exit is a mispredicted branch as often as it saves slabs. 4vs4 likewise: 6.7 /
+//! 8.2 / 14.2 without an exit, 9.1 / 10.1 / 16.5 with one; loading both planes of four children at once, 7.9
+//! / 9.7 / 13.2.
 //!
 //! # 4vs4
 //!
-//! The four planes of A's children are broadcast and spread by one `vpshufb` to four lanes each, those of B's are broadcast as they are.
+//! The four planes of A's children are broadcast and spread by one `vpshufb` to four lanes each, those of B's
+//! are broadcast as they are.
 //!
 //! # Re-alignment
 //!
-//! Codes become halves (two shifts and an xor, sixteen at once), then floats (`vcvtph2ps`), once per plane of the node; each turned plane is three multiplications
-//! and three additions on 2 x 8 lanes, the two of a slab with the same weights; `vcvtps2ph` rounds up, and what turns halves into codes is done for sixteen at once.
+//! Codes become halves (two shifts and an xor, sixteen at once), then floats (`vcvtph2ps`), once per plane of
+//! the node; each turned plane is three multiplications and three additions on 2 x 8 lanes, the two of a slab
+//! with the same weights; `vcvtps2ph` rounds up, and what turns halves into codes is done for sixteen at
+//! once.
 
 use super::super::{SEPARATED, Turned};
 use crate::isa::compiled_for_avx2;
@@ -32,7 +37,8 @@ use crate::realign::Realignment;
 use core::arch::x86_64::*;
 use core::mem::MaybeUninit;
 
-/// Whether 1vs16 asks, after this slab, if every lane is separated already. Measured: see the head of this file.
+/// Whether 1vs16 asks, after this slab, if every lane is separated already. Measured: see the head of this
+/// file.
 const fn may_exit<const K: usize>(slab: usize) -> bool {
     K > 26 && slab == 3
 }

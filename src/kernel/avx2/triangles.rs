@@ -1,4 +1,5 @@
-//! One triangle against four: the planes' filter of the leaf test, a triangle a lane. Operation by operation that of [`Probe::is_apart`].
+//! One triangle against four: the planes' filter of the leaf test, a triangle a lane. Operation by operation
+//! that of [`Probe::is_apart`].
 
 use crate::isa::compiled_for_avx2;
 use crate::primitive::triangle::{DETERMINANT_ERROR, Probe, Triangle};

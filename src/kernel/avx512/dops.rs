@@ -1,10 +1,11 @@
 //! Children against children in AVX-512.
 //!
-//! One slab of sixteen children is one zmm: a masked broadcast puts the query's two planes in its two halves, one `vpcmpgtw` gives 32
-//! bits, `korord` collects them. The low 16 bits are planes 2s, the high 16 planes 2s + 1.
+//! One slab of sixteen children is one zmm: a masked broadcast puts the query's two planes in its two halves,
+//! one `vpcmpgtw` gives 32 bits, `korord` collects them. The low 16 bits are planes 2s, the high 16 planes
+//! 2s + 1.
 //!
-//! Re-alignment, the hull of a root and triangles are the AVX2 code under this token: Miri runs `vcvtph2ps ymm` but not its zmm form, and what no machine at hand
-//! has run is not worth a kernel.
+//! Re-alignment, the hull of a root and triangles are the AVX2 code under this token: Miri runs `vcvtph2ps
+//! ymm` but not its zmm form, and what no machine at hand has run is not worth a kernel.
 
 use super::super::Turned;
 use crate::isa::compiled_for_avx512;
@@ -40,8 +41,8 @@ compiled_for_avx512! {
     }
 }
 
-/// For 4vs4: where each byte of a zmm comes from in the slab of four bodies that every quarter of it holds. Lane `4 a + b` of the lower
-/// half takes word a, or b, of plane 2s; of the upper half, of plane 2s + 1.
+/// For 4vs4: where each byte of a zmm comes from in the slab of four bodies that every quarter of it holds.
+/// Lane `4 a + b` of the lower half takes word a, or b, of plane 2s; of the upper half, of plane 2s + 1.
 const fn bytes_of_bodies(of_a: bool) -> [u8; 64] {
     let mut bytes = [0; 64];
     let mut i = 0;

@@ -1,8 +1,8 @@
 //! Children against children, and re-alignment, in NEON.
 //!
-//! A plane of sixteen children is two q registers: 4 x `cmgt` a slab against a duplicated query plane. There is no move-mask: lanes are
-//! anded with their bit and added across. F16 conversion rounds to nearest only, so re-alignment converts there and back and steps up
-//! by one code where the result fell short.
+//! A plane of sixteen children is two q registers: 4 x `cmgt` a slab against a duplicated query plane. There
+//! is no move-mask: lanes are anded with their bit and added across. F16 conversion rounds to nearest only,
+//! so re-alignment converts there and back and steps up by one code where the result fell short.
 
 use super::super::{SEPARATED, Turned};
 use crate::isa::compiled_for_neon;
@@ -11,8 +11,9 @@ use crate::node::{Node4, Node16};
 use crate::realign::Realignment;
 use core::arch::aarch64::*;
 
-/// Whether to ask, after this slab, if every lane is separated already. Once: asking costs a reduction and, half of the time, a mispredicted
-/// branch (measured for AVX2). A slab is twice as many instructions here, so it pays from a smaller k.
+/// Whether to ask, after this slab, if every lane is separated already. Once: asking costs a reduction and,
+/// half of the time, a mispredicted branch (measured for AVX2). A slab is twice as many instructions here, so
+/// it pays from a smaller k.
 const fn may_exit<const K: usize>(slab: usize) -> bool {
     K > 14 && slab == 3
 }

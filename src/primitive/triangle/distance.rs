@@ -2,8 +2,9 @@
 //!
 //! # Why the bounds hold
 //!
-//! *Upper bound:* the distance of two points on the triangles. Any two will do, so no rounding in finding them can make the bound wrong; only
-//! the evaluation of the points and of their distance can, which costs `32 u size`.
+//! *Upper bound:* the distance of two points on the triangles. Any two will do, so no rounding in finding
+//! them can make the bound wrong; only the evaluation of the points and of their distance can, which costs
+//! `32 u size`.
 //!
 //! *Lower bound:* triangles A and B are at least as far apart as their projections on any axis n,
 //!
@@ -11,16 +12,19 @@
 //! distance >= (min n . A - max n . B) / |n|
 //! ```
 //!
-//! Again any axis will do, and only the evaluation of six dot products costs: another `32 u size`. Here `size` is the largest coordinate of
-//! any corner relative to the first corner of A, and u bounds the relative error of an operation. A dot product of local coordinates is off by
-//! at most `(3 + 1) u sqrt(3) |n| size` (three products and two sums; the coordinates themselves), a difference of two of them by twice that
-//! and one rounding more, the length of n by `3 u`: below `24 u size` in all.
+//! Again any axis will do, and only the evaluation of six dot products costs: another `32 u size`. Here
+//! `size` is the largest coordinate of any corner relative to the first corner of A, and u bounds the
+//! relative error of an operation. A dot product of local coordinates is off by at most `(3 + 1) u sqrt(3)
+//! |n| size` (three products and two sums; the coordinates themselves), a difference of two of them by twice
+//! that and one rounding more, the length of n by `3 u`: below `24 u size` in all.
 //!
-//! The best axis is known with the closest points: the normal of the face, the common normal of the edges, or the line between the points. So
-//! the bounds usually meet to within rounding. Where they do not, because the triangles are almost in touch or the pair is ill-conditioned,
-//! [`overlap`] decides whether the distance is 0, and if not all is done again in double-double (u = 2^-98 instead of
-//! 2^-53). What comes out has `upper <= (1 + 2^-42) lower`, unless the triangles are needles that almost touch: the direction of a normal is
-//! known to `u size / altitude` only, so the bounds are certain to meet only while `distance * altitude` is above 2^-56 `size^2`.
+//! The best axis is known with the closest points: the normal of the face, the common normal of the edges, or
+//! the line between the points. So the bounds usually meet to within rounding. Where they do not, because the
+//! triangles are almost in touch or the pair is ill-conditioned, [`overlap`] decides whether the distance is
+//! 0, and if not all is done again in double-double (u = 2^-98 instead of 2^-53). What comes out has `upper
+//! <= (1 + 2^-42) lower`, unless the triangles are needles that almost touch: the direction of a normal is
+//! known to `u size / altitude` only, so the bounds are certain to meet only while `distance * altitude` is
+//! above 2^-56 `size^2`.
 
 use super::double_double::DoubleDouble;
 use super::features::{
@@ -36,7 +40,8 @@ pub(crate) const TIGHT: f64 = power_of_two(-42);
 /// Roundings in each of the two bounds, in units of `u size`.
 const ROUNDINGS: f64 = 32.0;
 
-/// The distance of two closed triangles, to twelve digits, and the closest points. Zero if and only if they meet.
+/// The distance of two closed triangles, to twelve digits, and the closest points. Zero if and only if they
+/// meet.
 ///
 /// The coordinates must keep to the [range](super#range); corners may coincide or be collinear.
 ///
@@ -59,8 +64,8 @@ pub fn separation(a: &Triangle, b: &Triangle) -> Separation {
         .unwrap_or_else(|| unreachable!("no distance is above infinity"))
 }
 
-/// The [`separation`], or `None` if it is certainly greater than `limit`. Its bounds differ by at most `tolerance` relatively, if that is at
-/// least [`TIGHT`]. Adds 1 to `exact` if more than `f64` was needed.
+/// The [`separation`], or `None` if it is certainly greater than `limit`. Its bounds differ by at most
+/// `tolerance` relatively, if that is at least 2^-42. Adds 1 to `exact` if more than `f64` was needed.
 #[inline(always)]
 pub fn nearer(a: &Triangle, b: &Triangle, limit: f64, tolerance: f64, exact: &mut u64) -> Option<Separation> {
     debug_assert!(in_range(a) && in_range(b), "coordinate out of range");
@@ -78,8 +83,8 @@ pub fn nearer(a: &Triangle, b: &Triangle, limit: f64, tolerance: f64, exact: &mu
     }
 }
 
-/// Whether two triangles are at most `margin` apart. Certain where the distance differs from the margin by more than 2^-90 of
-/// the triangles' extent; within that, true.
+/// Whether two triangles are at most `margin` apart. Certain where the distance differs from the margin by
+/// more than 2^-90 of the triangles' extent; within that, true.
 #[inline(never)]
 pub fn within(a: &Triangle, b: &Triangle, margin: f64, exact: &mut u64) -> bool {
     let local = Local::<f64>::new(a, b);
@@ -124,7 +129,8 @@ impl Separation {
     }
 }
 
-/// Two triangles relative to the first corner of the first, and scaled where squares of squares would over- or underflow.
+/// Two triangles relative to the first corner of the first, and scaled where squares of squares would over-
+/// or underflow.
 struct Local<R> {
     a: Corners<R>,
     b: Corners<R>,
@@ -262,8 +268,9 @@ impl<R: Real> Local<R> {
 impl Local<f64> {
     /// Whether the plane of a face proves that the distance is above `limit`.
     ///
-    /// Heights over a face count its own corners as in the plane. They are off it by what rounding did to the normal: at most
-    /// `32 u size^2` a component, so `192 u size^3` for an edge. Of a needle's normal that can be all there is.
+    /// Heights over a face count its own corners as in the plane. They are off it by what rounding did to the
+    /// normal: at most `32 u size^2` a component, so `192 u size^3` for an edge. Of a needle's normal
+    /// that can be all there is.
     #[inline(always)]
     fn beyond_faces(&self, [over_a, over_b]: &[FacePlane<f64>; 2], limit: f64) -> bool {
         let off_plane = 256.0 * f64::ROUNDOFF * (self.size * self.size * self.size);
@@ -271,7 +278,8 @@ impl Local<f64> {
             || self.beyond(over_b.gap() - off_plane, &over_b.normal, limit)
     }
 
-    /// Whether the gap along an axis proves that the distance is above `limit`. Cheaper than [`Local::gap_along`]: no root, no division.
+    /// Whether the gap along an axis proves that the distance is above `limit`. Cheaper than
+    /// [`Local::gap_along`]: no root, no division.
     #[inline(always)]
     fn beyond(&self, gap: f64, axis: &Vector<f64>, limit: f64) -> bool {
         let [x, y, z] = axis;

@@ -1,8 +1,8 @@
-//! Numbers of 106 bits: an unevaluated sum of two `f64` (Dekker 1971; Joldes, Muller & Popescu, *Tight and rigorous error bounds for basic
-//! building blocks of double-word arithmetic*, ACM TOMS 2017).
+//! Numbers of 106 bits: an unevaluated sum of two `f64` (Dekker 1971; Joldes, Muller & Popescu, *Tight and
+//! rigorous error bounds for basic building blocks of double-word arithmetic*, ACM TOMS 2017).
 //!
-//! What the distance of two triangles falls back on where 53 bits are too few. No fused multiply-add: products are split by Veltkamp's
-//! method, so the bits are the same everywhere.
+//! What the distance of two triangles falls back on where 53 bits are too few. No fused multiply-add:
+//! products are split by Veltkamp's method, so the bits are the same everywhere.
 
 use super::features::Real;
 use crate::exact::two_sum;

@@ -1,8 +1,9 @@
-//! The closest points of two disjoint triangles: between a corner and a face, or between two edges. One algorithm, for any numbers.
+//! The closest points of two disjoint triangles: between a corner and a face, or between two edges. One
+//! algorithm, for any numbers.
 //!
-//! Nothing here is trusted to be right: an ill-conditioned pair may give points that are not the closest. They are always *on* the
-//! triangles, up to rounding, so their distance is an upper bound; the axis that comes with them makes the lower bound
-//! (`super::distance`), and the two tell whether the points were right.
+//! Nothing here is trusted to be right: an ill-conditioned pair may give points that are not the closest.
+//! They are always *on* the triangles, up to rounding, so their distance is an upper bound; the axis that
+//! comes with them makes the lower bound (`super::distance`), and the two tell whether the points were right.
 
 use core::ops::{Add, Div, Mul, Sub};
 
@@ -91,7 +92,8 @@ fn clamped<R: Real>(x: R) -> R {
     if x < R::ONE { x } else { R::ONE }
 }
 
-/// Two points, and a direction along which the triangles are as far apart as they are, if the points are the closest.
+/// Two points, and a direction along which the triangles are as far apart as they are, if the points are the
+/// closest.
 #[derive(Copy, Clone, Debug)]
 pub(super) struct Closest<R> {
     /// On the first triangle.
@@ -132,7 +134,8 @@ impl<R: Real> FacePlane<R> {
         Self { origin, edges, normal, heights }
     }
 
-    /// How far all corners are from the plane, on one side of it, times the length of the normal; not positive if they are not.
+    /// How far all corners are from the plane, on one side of it, times the length of the normal; not
+    /// positive if they are not.
     #[inline(always)]
     pub(super) fn gap(&self) -> R {
         let [x, y, z] = self.heights;
@@ -141,8 +144,8 @@ impl<R: Real> FacePlane<R> {
 
     /// The nearest corner, if it is over the face itself, and the point below it.
     ///
-    /// Where a corner and the inside of a face are closest, the face's plane separates the triangles and no other corner is nearer to
-    /// it: this corner is the only one to try.
+    /// Where a corner and the inside of a face are closest, the face's plane separates the triangles and no
+    /// other corner is nearer to it: this corner is the only one to try.
     #[inline(always)]
     pub(super) fn foot(&self, corners: &Corners<R>) -> Option<(Vector<R>, Vector<R>)> {
         let gap = self.gap();
@@ -177,9 +180,9 @@ impl<R: Real> FacePlane<R> {
     }
 }
 
-/// Nine pairs of edges: the parameters by Cramer's rule in the form that divides by the square of the cross product, which keeps
-/// twice the digits of the usual difference of squares where edges are almost parallel; then one step of alternating projections.
-/// `only` restricts it to one pair of edges.
+/// Nine pairs of edges: the parameters by Cramer's rule in the form that divides by the square of the cross
+/// product, which keeps twice the digits of the usual difference of squares where edges are almost parallel;
+/// then one step of alternating projections. `only` restricts it to one pair of edges.
 #[inline(always)]
 pub(super) fn closest_on_edges<R: Real>(
     a: &Corners<R>,
@@ -238,8 +241,9 @@ pub(super) fn closest_on_edges<R: Real>(
     OnEdges { closest: Closest { p, q, axis }, pair: [i, j], edges: [u, v[j]] }
 }
 
-/// The part of `d`, almost orthogonal to `u`, that is orthogonal to it. The point on the edge is off by a rounding of the edge, which
-/// may be much in comparison with `d`, and an axis that is oblique by it would see the edge as long as that.
+/// The part of `d`, almost orthogonal to `u`, that is orthogonal to it. The point on the edge is off by a
+/// rounding of the edge, which may be much in comparison with `d`, and an axis that is oblique by it would
+/// see the edge as long as that.
 #[inline(always)]
 pub(super) fn rejection<R: Real>(d: &Vector<R>, u: &Vector<R>) -> Vector<R> {
     along(d, R::ZERO - dot(d, u) / dot(u, u), u)

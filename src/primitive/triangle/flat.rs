@@ -1,7 +1,7 @@
 //! Pairs that lie in one plane, and triangles that are only a segment or a point.
 //!
-//! Rare and never on the fast path, so written for the fewest cases: a triangle without area is the union of its
-//! edges, which therefore stand for it everywhere.
+//! Rare and never on the fast path, so written for the fewest cases: a triangle without area is the union of
+//! its edges, which therefore stand for it everywhere.
 
 use super::{Signs, Triangle, UNIT_ROUNDOFF, sign};
 use crate::range::Point;
@@ -14,9 +14,11 @@ const EDGES: [(usize, usize); 3] = [(0, 1), (1, 2), (2, 0)];
 /// The two coordinates that stay when space is projected along an axis.
 const PROJECTIONS: [(usize, usize); 3] = [(0, 1), (1, 2), (2, 0)];
 
-/// The test for a pair in which one triangle's vertices are all on the other's plane, or the other has no plane.
+/// The test for a pair in which one triangle's vertices are all on the other's plane, or the other has no
+/// plane.
 ///
-/// `a_sides` are the sides of `a`'s vertices of `b`'s plane, `b_sides` the reverse; neither separates the pair.
+/// `a_sides` are the sides of `a`'s vertices of `b`'s plane, `b_sides` the reverse; neither separates the
+/// pair.
 #[cold]
 pub(super) fn overlap(
     a: &Triangle,
@@ -38,10 +40,11 @@ pub(super) fn overlap(
     overlap_in_plane(a, b, signs)
 }
 
-/// Whether `thin`, which has no area, meets `t`, given the `sides` of its vertices of `t`'s plane, not all zero.
+/// Whether `thin`, which has no area, meets `t`, given the `sides` of its vertices of `t`'s plane, not all
+/// zero.
 ///
-/// An edge of `thin` with both ends in that plane is only a point, for its line leaves the plane. A neighbouring edge
-/// has the same point as an end, so edges that meet the plane in just one point are enough.
+/// An edge of `thin` with both ends in that plane is only a point, for its line leaves the plane. A
+/// neighbouring edge has the same point as an end, so edges that meet the plane in just one point are enough.
 fn some_edge_pierces(thin: &Triangle, sides: [i8; 3], t: &Triangle, signs: &mut Signs) -> bool {
     EDGES.iter().any(|&(i, j)| {
         let (s, r) = (sides[i], sides[j]);
@@ -49,7 +52,8 @@ fn some_edge_pierces(thin: &Triangle, sides: [i8; 3], t: &Triangle, signs: &mut 
     })
 }
 
-/// Whether the line through `p` and `q`, which crosses the plane of `t`, meets `t`: it passes all edges on one side.
+/// Whether the line through `p` and `q`, which crosses the plane of `t`, meets `t`: it passes all edges on
+/// one side.
 fn line_meets(p: &Point, q: &Point, t: &Triangle, signs: &mut Signs) -> bool {
     let around = EDGES.map(|(i, j)| signs.side(&[*p, *q, t[i]], &t[j]));
     around.iter().all(|s| *s >= 0) || around.iter().all(|s| *s <= 0)
@@ -66,8 +70,8 @@ fn skew(a: &Triangle, b: &Triangle, signs: &mut Signs) -> bool {
     signs.side(&[*p, *q, *r], s) != 0
 }
 
-/// The least and the greatest point in lexicographic order. On a line they are its extreme points, because the
-/// order is monotone along it.
+/// The least and the greatest point in lexicographic order. On a line they are its extreme points, because
+/// the order is monotone along it.
 fn extremes([p, q, r]: &Triangle) -> [&Point; 2] {
     [least(least(p, q), r), greatest(greatest(p, q), r)]
 }

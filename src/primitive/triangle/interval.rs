@@ -2,11 +2,11 @@
 
 use super::{Signs, Triangle};
 
-/// A triangle that another plane cuts or touches, seen with its own normal towards the eye and the other plane's
-/// normal upwards.
+/// A triangle that another plane cuts or touches, seen with its own normal towards the eye and the other
+/// plane's normal upwards.
 ///
-/// The line common to both planes is then horizontal, and the triangle cuts an interval out of it. The edges from the
-/// apex to `left` and to `right` meet the line in just one point each: the ends of the interval.
+/// The line common to both planes is then horizontal, and the triangle cuts an interval out of it. The edges
+/// from the apex to `left` and to `right` meet the line in just one point each: the ends of the interval.
 pub(super) struct Wedge {
     /// The vertex that is alone on its side of the line.
     apex: [f64; 3],
@@ -25,8 +25,9 @@ impl Wedge {
     }
 }
 
-/// For the sides of three vertices, as digits of base 3, each one more: which is the apex, which are left and right, and whether it is up. A table, since no
-/// branch would be foreseen. Sides without an apex do not occur; they have some other vertex.
+/// For the sides of three vertices, as digits of base 3, each one more: which is the apex, which are left and
+/// right, and whether it is up. A table, since no branch would be foreseen. Sides without an apex do not
+/// occur; they have some other vertex.
 const APEX: [(u8, u8, u8, i8); 27] = {
     let mut table = [(0, 1, 2, 1); 27];
     let mut code = 0;
@@ -50,9 +51,9 @@ const APEX: [(u8, u8, u8, i8); 27] = {
 
 /// Whether the intervals that two triangles cut out of their planes' common line meet.
 ///
-/// For an edge `pq` of one triangle and `rs` of the other, the side of `s` of the plane `pqr` tells which of the two
-/// edges meets the line further to the right; `up` corrects for edges that run upwards. The two wedges see the line
-/// from opposite ends: the left end of one is a right end to the other.
+/// For an edge `pq` of one triangle and `rs` of the other, the side of `s` of the plane `pqr` tells which of
+/// the two edges meets the line further to the right; `up` corrects for edges that run upwards. The two
+/// wedges see the line from opposite ends: the left end of one is a right end to the other.
 pub(super) fn meet(a: &Wedge, b: &Wedge, signs: &mut Signs) -> bool {
     let up = a.up * b.up;
     up * signs.side(&[a.apex, a.left, b.apex], &b.left) <= 0

@@ -1,13 +1,14 @@
 //! Whether two closed triangles meet: the exact leaf test.
 //!
-//! The answer depends on nothing but the signs of determinants of the coordinates as given. Each sign is first
-//! computed in plain `f64` together with a bound on its rounding error; only when the bound does not decide is the
-//! determinant evaluated with Shewchuk's expansions. So the verdict is the true one for the given coordinates.
+//! The answer depends on nothing but the signs of determinants of the coordinates as given. Each sign is
+//! first computed in plain `f64` together with a bound on its rounding error; only when the bound does not
+//! decide is the determinant evaluated with Shewchuk's expansions. So the verdict is the true one for the
+//! given coordinates.
 //!
 //! 1. *Plane sides.* If the three vertices of one triangle lie strictly on one side of the other's plane, the
 //!    triangles are disjoint. Nearly every pair ends here.
-//! 2. *Intervals.* Otherwise each triangle cuts the line shared by the two planes in an interval, and two more
-//!    determinants compare the interval ends without constructing them (Devillers & Guigue, *Faster
+//! 2. *Intervals.* Otherwise each triangle cuts the line shared by the two planes in an interval, and two
+//!    more determinants compare the interval ends without constructing them (Devillers & Guigue, *Faster
 //!    triangle-triangle intersection tests*, INRIA RR-4488, 2002).
 //! 3. *Flat cases.* Coplanar pairs and triangles that are a segment or a point go to a module of their own.
 //!
@@ -35,16 +36,17 @@ use interval::Wedge;
 
 pub use triangles::Triangles;
 
-/// Three vertices, in any unit of length; the order carries no meaning. Vertices may coincide or be collinear.
+/// Three vertices, in any unit of length; the order carries no meaning. Vertices may coincide or be
+/// collinear.
 pub type Triangle = [Point; 3];
 
 /// Relative error bound of a 3 by 3 determinant of coordinate differences, in units of its permanent
 /// (the same sum with absolute values, itself rounded).
 ///
-/// This is `o3derrboundA` of Shewchuk, *Adaptive Precision Floating-Point Arithmetic and Fast Robust Geometric
-/// Predicates*, 1997, section 4.3. His proof fits because the expression has the same shape: nine rounded
-/// differences, three 2 by 2 minors, each multiplied by a difference, summed from left to right. That the cofactors
-/// are taken along the tested point's row and not along a column only renames the entries.
+/// This is `o3derrboundA` of Shewchuk, *Adaptive Precision Floating-Point Arithmetic and Fast Robust
+/// Geometric Predicates*, 1997, section 4.3. His proof fits because the expression has the same shape: nine
+/// rounded differences, three 2 by 2 minors, each multiplied by a difference, summed from left to right. That
+/// the cofactors are taken along the tested point's row and not along a column only renames the entries.
 pub(crate) const DETERMINANT_ERROR: f64 = (7.0 + 56.0 * UNIT_ROUNDOFF) * UNIT_ROUNDOFF;
 
 /// Half a unit in the last place of 1: 2^-53.
@@ -97,7 +99,8 @@ impl<'t> Probe<'t> {
         Self { triangle, plane: Plane::of(triangle) }
     }
 
-    /// Whether the plane of one of the triangles certainly separates them. What [`Probe::overlaps`] asks first; nearly every pair ends here.
+    /// Whether the plane of one of the triangles certainly separates them. What [`Probe::overlaps`] asks
+    /// first; nearly every pair ends here.
     #[inline]
     #[must_use]
     pub fn is_apart(&self, b: &Triangle) -> bool {
@@ -124,8 +127,8 @@ impl<'t> Probe<'t> {
     }
 }
 
-/// Whether a triangle has no area: its vertices lie on one line, or coincide. Exact, for coordinates within the
-/// [range](self#range).
+/// Whether a triangle has no area: its vertices lie on one line, or coincide. Exact, for coordinates within
+/// the [range](self#range).
 #[must_use]
 pub fn is_degenerate(t: &Triangle) -> bool {
     flat::has_no_area(t, &mut Signs { exact: false })
@@ -224,7 +227,8 @@ impl Signs {
         if determinant.abs() > bound {
             return if determinant > 0.0 { 1 } else { -1 };
         }
-        // Nothing underflows, so a vanishing permanent means that each product has a factor that is exactly zero.
+        // Nothing underflows, so a vanishing permanent means that each product has a factor that is exactly
+        // zero.
         if bound == 0.0 || t.contains(p) {
             return 0;
         }

@@ -1,4 +1,5 @@
-//! Pairs with obvious answers, one for each way through the test. `tests/triangle_pairs.rs` has the million others.
+//! Pairs with obvious answers, one for each way through the test. `tests/triangle_pairs.rs` has the million
+//! others.
 
 use super::*;
 

@@ -1,4 +1,5 @@
-//! Each kernel alone against its scalar twin, on generated nodes; the text of the kernels against the types here.
+//! Each kernel alone against its scalar twin, on generated nodes; the text of the kernels against the types
+//! here.
 
 mod lanes;
 mod steps;
@@ -60,7 +61,8 @@ struct Nodes {
 }
 
 impl Nodes {
-    /// Of the sizes at which kernels change their ways, and of all kinds: spread, in few places, flat, coincident, in corners.
+    /// Of the sizes at which kernels change their ways, and of all kinds: spread, in few places, flat,
+    /// coincident, in corners.
     fn generate(random: &mut Random, weighted: bool, sizes: &[usize]) -> Self {
         let count: usize = sizes.iter().sum();
         let mut points = Vec::new();
@@ -214,7 +216,8 @@ impl<'a, const N: usize> Rig<'a, N> {
     }
 }
 
-// ---- The twins' data as the device has them ---------------------------------------------------------------------
+// ---- The twins' data as the device has them
+// ---------------------------------------------------------------------
 
 /// The nodes that can be clustered; others have an empty cluster.
 fn clusters(nodes: &Nodes) -> Vec<(bool, Cluster)> {
@@ -261,7 +264,8 @@ fn all_words<const N: usize>(prototypes: &[Prototypes<N>]) -> Vec<[u32; 2]> {
 /// Numbers of primitives around those at which kernels change their ways.
 const SIZES: [usize; 15] = [17, 18, 63, 64, 65, 127, 128, 129, 200, 255, 256, 700, 1023, 2047, 2048];
 
-/// Runs `check` on both kinds of device, weighted or not, for nodes that are large, in chunks of 64 or 100, and for small ones.
+/// Runs `check` on both kinds of device, weighted or not, for nodes that are large, in chunks of 64 or 100,
+/// and for small ones.
 fn for_all<const N: usize>(check: impl Fn(&mut Rig<'_, N>, &Nodes, &mut Random)) {
     let mut random = Random(1);
     for gpu in &devices() {

@@ -29,8 +29,8 @@ const APPLICATION_EXIT: usize = 0x20026;
 
 fn semihosting(operation: usize, arguments: &[usize]) -> usize {
     let result;
-    // SAFETY: the trap that asks the debugger, here QEMU, for a service: it reads the arguments, and what they point to, and
-    // changes x0 only.
+    // SAFETY: the trap that asks the debugger, here QEMU, for a service: it reads the arguments, and what
+    // they point to, and changes x0 only.
     unsafe {
         asm!("hlt #0xf000", inout("x0") operation => result, in("x1") arguments.as_ptr(), options(nostack));
     }

@@ -16,8 +16,8 @@ static RING: Baked<Node16<14>> = include_tree!(concat!(env!("OUT_DIR"), "/ring.s
 
 include!(concat!(env!("OUT_DIR"), "/expected.rs"));
 
-/// Runs every query and prints its answer. True if each has the verdict that geometry gives, and equals the host's in every
-/// counter too.
+/// Runs every query and prints its answer. True if each has the verdict that geometry gives, and equals the
+/// host's in every counter too.
 pub fn run(out: &mut impl Write) -> bool {
     match try_run(out) {
         Ok(good) => good,

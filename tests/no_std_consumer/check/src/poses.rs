@@ -7,8 +7,9 @@ pub const TUBE_RADIUS: f64 = 0.25;
 
 /// Name, pose by rows, and whether the moved ring meets the one at rest.
 ///
-/// The first two moved rings stand upright: their tube passes the plane of the other at `t_x - 1` and `t_x + 1`, and misses it
-/// when both are further than two tube radii from its middle line, that is from `x = -1` and `x = 1`.
+/// The first two moved rings stand upright: their tube passes the plane of the other at `t_x - 1` and `t_x +
+/// 1`, and misses it when both are further than two tube radii from its middle line, that is from `x = -1`
+/// and `x = 1`.
 pub const POSES: [(&str, [[f64; 4]; 3], bool); 3] = [
     // At 0 and 2: two links of a chain. Their boxes and hulls overlap.
     ("linked", [[1.0, 0.0, 0.0, 1.0], [0.0, 0.0, -1.0, 0.0], [0.0, 1.0, 0.0, 0.0]], false),

@@ -1,6 +1,8 @@
-//! Queries on x86-64 without std. Both builds start as Linux processes, whose system calls stand in for a console.
+//! Queries on x86-64 without std. Both builds start as Linux processes, whose system calls stand in for a
+//! console.
 //!
-//! * `x86_64-unknown-none`: freestanding. Its ABI keeps away from vector registers, so this is the scalar kernel's.
+//! * `x86_64-unknown-none`: freestanding. Its ABI keeps away from vector registers, so this is the scalar
+//!   kernel's.
 //! * `x86_64-unknown-linux-gnu`: libc only starts it. CPUID and XGETBV alone say which vector kernel may run.
 #![no_std]
 #![no_main]
@@ -26,7 +28,8 @@ const EXIT: usize = 60;
 
 fn system_call(number: usize, arguments: [usize; 3]) {
     let [a, b, c] = arguments;
-    // SAFETY: `write` only reads the string it is given, `exit` does not come back; the call changes rax, rcx and r11.
+    // SAFETY: `write` only reads the string it is given, `exit` does not come back; the call changes rax, rcx
+    // and r11.
     unsafe {
         asm!("syscall", inout("rax") number => _, in("rdi") a, in("rsi") b, in("rdx") c,
             out("rcx") _, out("r11") _, options(nostack));
