@@ -92,6 +92,7 @@ impl Key {
     }
 
     /// What both numbers round up to, if it is the same.
+    #[cfg(any(test, feature = "alloc"))]
     #[inline]
     pub(crate) fn round_up_alike(low: f64, high: f64) -> Option<Self> {
         const DROPPED: u32 = 42;

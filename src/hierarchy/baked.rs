@@ -62,7 +62,7 @@ impl<N: Dop, P: Primitive> Baked<N, P> {
         // What is remembered says something of constant bytes only, so that no other memory has to be in step
         // with it.
         if self.is_valid.load(Ordering::Relaxed) {
-            return BvhRef::of_layout(self.bytes, &self.layout);
+            return BvhRef::of_layout(self.bytes, &self.layout).ok_or(BakeError::Misaligned);
         }
         let view = BvhRef::from_bytes(self.bytes)?;
         self.is_valid.store(true, Ordering::Relaxed);

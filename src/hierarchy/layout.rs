@@ -35,11 +35,10 @@ pub(super) struct Part {
 }
 
 impl Part {
-    /// # Panics
-    /// If the bytes end before the part does.
-    #[inline]
-    pub(super) fn of(self, bytes: &[u8]) -> &[u8] {
-        &bytes[self.start..][..self.len]
+    /// `None` if the bytes end before the part does.
+    #[inline(always)]
+    pub(super) fn of(self, bytes: &[u8]) -> Option<&[u8]> {
+        bytes.get(self.start..)?.get(..self.len)
     }
 
     /// The next part, of `count` items: after this one, at a multiple of `align`. On a 32-bit machine a tree

@@ -73,13 +73,11 @@ impl<N: Node, P: Primitive> Bvh<N, P> {
     ///
     /// # Panics
     /// Never: the bytes were checked when the tree was made.
-    #[inline]
+    #[inline(always)]
     #[must_use]
     pub fn view(&self) -> BvhRef<'_, N, P> {
-        match BvhRef::of_layout(self.as_bytes(), &self.layout) {
-            Ok(view) => view,
-            Err(error) => unreachable!("a tree that was valid when it was made: {error}"),
-        }
+        let view = BvhRef::of_layout(self.as_bytes(), &self.layout);
+        view.unwrap_or_else(|| unreachable!("the bytes are those that the layout was made of"))
     }
 }
 
@@ -87,7 +85,7 @@ impl<N: Node, P: Primitive> AsBvh for Bvh<N, P> {
     type Node = N;
     type Primitive = P;
 
-    #[inline]
+    #[inline(always)]
     fn as_bvh(&self) -> BvhRef<'_, N, P> {
         self.view()
     }

@@ -32,23 +32,23 @@ impl<'a, N: Dop, P: Primitive> BvhRef<'a, N, P> {
     pub fn from_bytes(bytes: &'a [u8]) -> Result<Self, BakeError> {
         // First, so that the error of bytes that are too short for a header says so.
         Header::read(bytes)?;
-        let view = Self::of_layout(bytes, &Layout::of::<N, P>(bytes)?)?;
+        let layout = Layout::of::<N, P>(bytes)?;
+        let view = Self::of_layout(bytes, &layout).ok_or(BakeError::Misaligned)?;
         view.validate()?;
         Ok(view)
     }
 }
 
 impl<'a, N: Node, P: Primitive> BvhRef<'a, N, P> {
-    /// The parts of the bytes, their contents unchecked.
-    pub(super) fn of_layout(bytes: &'a [u8], layout: &Layout) -> Result<Self, BakeError> {
-        let misaligned = |_| BakeError::Misaligned;
-        let (vertices, records) = (layout.vertices.of(bytes), layout.records.of(bytes));
-        Ok(Self {
-            header: bytemuck::try_from_bytes(&bytes[..size_of::<Header>()])
-                .map_err(|_| BakeError::Misaligned)?,
-            nodes: bytemuck::try_cast_slice(layout.nodes.of(bytes)).map_err(misaligned)?,
-            store: Store::read(layout.vertex_size, vertices, records).ok_or(BakeError::Misaligned)?,
-            sources: bytemuck::try_cast_slice(layout.sources.of(bytes)).map_err(misaligned)?,
+    /// The parts of the bytes, their contents unchecked. `None` if they are misaligned.
+    #[inline(always)]
+    pub(super) fn of_layout(bytes: &'a [u8], layout: &Layout) -> Option<Self> {
+        let (vertices, records) = (layout.vertices.of(bytes)?, layout.records.of(bytes)?);
+        Some(Self {
+            header: bytemuck::try_from_bytes(bytes.get(..size_of::<Header>())?).ok()?,
+            nodes: bytemuck::try_cast_slice(layout.nodes.of(bytes)?).ok()?,
+            store: Store::read(layout.vertex_size, vertices, records)?,
+            sources: bytemuck::try_cast_slice(layout.sources.of(bytes)?).ok()?,
         })
     }
 

@@ -45,7 +45,7 @@ impl<'a, P: Primitive> Store<'a, P> {
     }
 
     /// Reads it in place. `None` if the bytes are not aligned, or do not divide into vertices and records.
-    #[inline]
+    #[inline(always)]
     pub(crate) fn read(vertex_size: u16, vertices: &'a [u8], records: &'a [u8]) -> Option<Self> {
         let vertices = if usize::from(vertex_size) == size_of::<P::Single>() {
             Vertices::Single(bytemuck::try_cast_slice(vertices).ok()?)
