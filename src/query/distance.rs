@@ -78,7 +78,9 @@ impl Query {
     /// primitives that do; [`Verdict::Free`] means that the bodies are farther apart than `margin`.
     ///
     /// Never falsely free. Exact for margin 0, where this is [`Query::collide`]. For others a pair is a hit
-    /// if its distance, computed to 90 bits of the primitives' extent, is not certainly above the margin.
+    /// if its distance, known to 2^-90 of the primitives' extent or 2^-50 of the distance, whichever is
+    /// greater, is not certainly above the margin. Needles that almost touch are known less well: see
+    /// [`crate::primitive::triangle::distance`].
     ///
     /// # Errors
     /// [`ToleranceError`] if `margin` is negative, infinite or NaN.
@@ -94,7 +96,7 @@ impl Query {
         A::Primitive: Pairwise<B::Primitive>,
         B::Primitive: Pairwise<A::Primitive>,
     {
-        Ok(self.first_pair(a.as_bvh(), b.as_bvh(), pose, checked(margin)?))
+        Ok(self.first_pair(&a.as_bvh(), &b.as_bvh(), pose, checked(margin)?))
     }
 
     /// The distance of body `a`, placed by `pose` in the frame of body `b`, from `b`, and where they are

@@ -242,15 +242,15 @@ impl Query {
         A::Primitive: Pairwise<B::Primitive>,
         B::Primitive: Pairwise<A::Primitive>,
     {
-        self.first_pair(a.as_bvh(), b.as_bvh(), pose, 0.0)
+        self.first_pair(&a.as_bvh(), &b.as_bvh(), pose, 0.0)
     }
 
     /// The first pair of primitives at most `margin` apart: that of the hint, or the first that the traversal
     /// finds.
     fn first_pair<N: Lanes, P: Pairwise<Q>, Q: Pairwise<P>>(
         &self,
-        a: BvhRef<'_, N, P>,
-        b: BvhRef<'_, N, Q>,
+        a: &BvhRef<'_, N, P>,
+        b: &BvhRef<'_, N, Q>,
         pose: &Pose,
         margin: f64,
     ) -> Answer {
@@ -273,7 +273,7 @@ impl Query {
             });
         }
         let verdict = match (hit, stop) {
-            (Some(found), _) => Verdict::Hit(found.pair(&a, &b)),
+            (Some(found), _) => Verdict::Hit(found.pair(a, b)),
             (None, Some(Stop::Budget { upper })) => Verdict::Unknown { lower: 0.0, upper },
             (None, _) => Verdict::Free,
         };
@@ -294,9 +294,9 @@ impl Query {
         A::Primitive: Pairwise<B::Primitive>,
         B::Primitive: Pairwise<A::Primitive>,
     {
-        let (a, b) = (a.as_bvh(), b.as_bvh());
         let mut counters = Counters::default();
-        let stop = self.run((a, b), pose, 0.0, &mut counters, |found| visit(found.pair(&a, &b)));
+        let (a, b) = (&a.as_bvh(), &b.as_bvh());
+        let stop = self.run((a, b), pose, 0.0, &mut counters, |found| visit(found.pair(a, b)));
         let completion = match stop {
             None => Completion::Complete,
             Some(Stop::Visitor) => Completion::Stopped,
@@ -308,7 +308,7 @@ impl Query {
     /// Visits pairs of primitives at most `margin` apart.
     fn run<N: Lanes, P: Pairwise<Q>, Q: Pairwise<P>>(
         &self,
-        trees: (BvhRef<'_, N, P>, BvhRef<'_, N, Q>),
+        trees: (&BvhRef<'_, N, P>, &BvhRef<'_, N, Q>),
         pose: &Pose,
         margin: f64,
         counters: &mut Counters,
@@ -321,7 +321,7 @@ impl Query {
     fn run_on<N: Lanes, P: Pairwise<Q>, Q: Pairwise<P>, E: Kernel>(
         &self,
         kernel: E,
-        (a, b): (BvhRef<'_, N, P>, BvhRef<'_, N, Q>),
+        (a, b): (&BvhRef<'_, N, P>, &BvhRef<'_, N, Q>),
         pose: &Pose,
         margin: f64,
         counters: &mut Counters,
@@ -336,7 +336,7 @@ impl Query {
                     N::widen(&mut map, &b.frame(), margin);
                 }
                 let limits = Limits { budget: self.budget, margin };
-                Traversal::new(kernel, (a, b), pose, &map, limits, counters, visit).run().break_value()
+                Traversal::new(kernel, (*a, *b), pose, &map, limits, counters, visit).run().break_value()
             },
         )
     }
