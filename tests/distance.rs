@@ -20,8 +20,7 @@ use support::shapes;
 
 type Rows = [[f64; 4]; 3];
 
-// ---- the oracle
-// -----------------------------------------------------------------------------------------------------------
+// ---- the oracle -------------------------------------------------------------------------------------------
 
 type Vector = [IBig; 3];
 
@@ -174,8 +173,7 @@ fn mesh_distance(a: &[Tri], b: &[Tri], reach: f64) -> f64 {
     best
 }
 
-// ---- pairs of triangles
-// ---------------------------------------------------------------------------------------------------
+// ---- pairs of triangles -----------------------------------------------------------------------------------
 
 fn point(rng: &mut Rng) -> [f64; 3] {
     core::array::from_fn(|_| rng.range(-1.0, 1.0))
@@ -296,8 +294,7 @@ fn separations_bound_the_exact_distance() {
     assert!((1_000..15_000).contains(&zeros), "{zeros} pairs meet");
 }
 
-// ---- bodies
-// ---------------------------------------------------------------------------------------------------------------
+// ---- bodies -----------------------------------------------------------------------------------------------
 
 fn build<N: Lanes>(mesh: &MeshData, leaf_size: u32) -> Bvh<N> {
     let mesh = Mesh { vertices: &mesh.vertices, triangles: &mesh.triangles };
@@ -428,7 +425,11 @@ fn margins_of_hard_pairs_are_kept() {
     let mut rng = Rng::new(2);
     let mut free = 0;
     for case in 0..10_000 / suite_step() {
-        let (a, b) = hard_pair(&mut rng);
+        let (mut a, mut b) = hard_pair(&mut rng);
+        // Some are where only moved corners may be: a power of two nearer they are what bodies may have.
+        if a.iter().chain(&b).flatten().any(|x| x.abs() > MAX_COORDINATE) {
+            a.iter_mut().chain(&mut b).flatten().for_each(|x| *x *= 0.25);
+        }
         let (tree_a, tree_b) = (one(&a), one(&b));
         let within = |margin| {
             query.within(&tree_a.view(), &tree_b.view(), &Pose::IDENTITY, margin).unwrap().hit().is_some()

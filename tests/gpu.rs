@@ -19,8 +19,7 @@ use support::data::{MeshData, directory, notice};
 use support::rng::Rng;
 use support::shapes;
 
-// ---- Devices
-// ----------------------------------------------------------------------------------------------------
+// ---- Devices ----------------------------------------------------------------------------------------------
 
 const NO_ADAPTER: &str = "SKIPPED: no adapter";
 
@@ -72,8 +71,7 @@ fn devices() -> &'static [Gpu] {
     devices
 }
 
-// ---- What wgpu says
-// ---------------------------------------------------------------------------------------------
+// ---- What wgpu says ---------------------------------------------------------------------------------------
 
 thread_local! {
     /// Warnings and errors that this thread's calls caused.
@@ -105,8 +103,7 @@ fn quietly<T>(work: impl FnOnce() -> T) -> T {
     result
 }
 
-// ---- The same trees
-// ---------------------------------------------------------------------------------------------
+// ---- The same trees ---------------------------------------------------------------------------------------
 
 const MAGNIFICATIONS: [Magnification; 2] = [Magnification::None, Magnification::Area];
 
@@ -300,8 +297,7 @@ proptest! {
     }
 }
 
-// ---- Watching
-// ---------------------------------------------------------------------------------------------------
+// ---- Watching ---------------------------------------------------------------------------------------------
 
 #[test]
 fn an_observer_sees_what_the_scalar_builders_does_and_can_stop() {
@@ -332,8 +328,7 @@ fn an_observer_sees_what_the_scalar_builders_does_and_can_stop() {
     }
 }
 
-// ---- What can go wrong
-// ------------------------------------------------------------------------------------------
+// ---- What can go wrong ------------------------------------------------------------------------------------
 
 #[test]
 fn a_device_destroyed_in_between_is_an_error_and_no_more() {

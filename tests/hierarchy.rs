@@ -57,8 +57,7 @@ fn default_build<N: Lanes>(mesh: &MeshData) -> Bvh<N> {
     build(mesh, 1, Splitter::default())
 }
 
-// ---- Planes, links and counts
-// -----------------------------------------------------------------------------------
+// ---- Planes, links and counts -----------------------------------------------------------------------------
 
 /// The exact support of each triangle of a mesh in each direction, in the frame of its tree.
 type Supports = Vec<Vec<Dyadic>>;
@@ -304,8 +303,7 @@ fn a_million_triangles() {
     );
 }
 
-// ---- What goes in
-// -----------------------------------------------------------------------------------------------
+// ---- What goes in -----------------------------------------------------------------------------------------
 
 #[test]
 fn bad_meshes_are_refused_by_name() {
@@ -418,8 +416,7 @@ fn all_pairs(a: &MeshData, b: &MeshData, pose: &[[f64; 4]; 3]) -> BTreeSet<(u32,
     pairs
 }
 
-// ---- What comes back from storage
-// -------------------------------------------------------------------------------
+// ---- What comes back from storage -------------------------------------------------------------------------
 
 /// Whoever changes these has changed the format or the trees: bump `VERSION` for the former, say so in
 /// CHANGELOG.md for both.

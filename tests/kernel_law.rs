@@ -27,8 +27,7 @@ use support::data::notice;
 use support::rng::Rng;
 use turned::{turned_4, turned_16};
 
-// ---- Which instruction set
-// ----------------------------------------------------------------------------------------------------
+// ---- Which instruction set --------------------------------------------------------------------------------
 
 /// The instruction set, if it is here. If not, a notice says so.
 fn available(name: &str) -> Option<Isa> {
@@ -135,8 +134,7 @@ fn conclude(what: &str, digest: &Digest, recorded: Option<u64>) {
     );
 }
 
-// ---- Inputs
-// -------------------------------------------------------------------------------------------------------------------
+// ---- Inputs -----------------------------------------------------------------------------------------------
 
 /// Planes of `W` bodies, by plane.
 type Planes<const W: usize, const K: usize> = [[i16; W]; K];
@@ -350,8 +348,7 @@ fn words(values: &[u16]) -> impl Iterator<Item = u64> {
     values.chunks(4).map(|four| four.iter().rev().fold(0, |word, &value| word << 16 | u64::from(value)))
 }
 
-// ---- The laws
-// -----------------------------------------------------------------------------------------------------------------
+// ---- The laws ---------------------------------------------------------------------------------------------
 
 /// The overlap kernels in one list of masks: 16 lanes 1vs16, one lane 16vs1, 4vs4, and 16 against the hull.
 type Masks = [u16; 19];

@@ -47,8 +47,7 @@ fn finding(line: usize, what: impl Into<String>) -> Finding {
     Finding { line, what: what.into() }
 }
 
-// ---- Reading Rust, as far as the rules need it
-// ------------------------------------------------------------------
+// ---- Reading Rust, as far as the rules need it ------------------------------------------------------------
 
 /// The code with every character of comments, strings and character literals blanked; lines stay lines.
 fn code_of(source: &str) -> String {
@@ -200,8 +199,7 @@ fn is_in(path: &str, places: &[&str]) -> bool {
     places.iter().any(|place| path == *place || place.ends_with('/') && path.starts_with(place))
 }
 
-// ---- The rules
-// --------------------------------------------------------------------------------------------------
+// ---- The rules --------------------------------------------------------------------------------------------
 
 /// An import may only go down.
 fn upward_imports(path: &str, source: &str) -> Vec<Finding> {
@@ -295,8 +293,7 @@ fn types_defined(source: &str) -> Vec<(usize, String)> {
     found
 }
 
-// ---- The source
-// -------------------------------------------------------------------------------------------------
+// ---- The source -------------------------------------------------------------------------------------------
 
 /// Every Rust file below `src/`: path from there, and text.
 fn sources() -> Vec<(String, String)> {
@@ -390,8 +387,7 @@ fn a_name_of_a_type_means_one_thing() {
     assert!(twice.is_empty(), "{twice:#?}");
 }
 
-// ---- Each rule finds what it is for
-// -----------------------------------------------------------------------------
+// ---- Each rule finds what it is for -----------------------------------------------------------------------
 
 fn lines(findings: &[Finding]) -> Vec<usize> {
     findings.iter().map(|f| f.line).collect()

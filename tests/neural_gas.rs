@@ -26,8 +26,7 @@ fn mesh_of(mesh: &MeshData) -> Mesh<'_> {
     Mesh { vertices: &mesh.vertices, triangles: &mesh.triangles }
 }
 
-// ---- The same bytes everywhere
-// ----------------------------------------------------------------------------------
+// ---- The same bytes everywhere ----------------------------------------------------------------------------
 
 /// Of 16 lanes without magnification control, and of 4 lanes with it and 3 triangles a leaf.
 fn digests(mesh: &MeshData) -> [u64; 2] {
@@ -140,8 +139,7 @@ fn the_seed_is_all_there_is_of_chance() {
     assert_ne!(tree(1).as_bytes(), tree(2).as_bytes());
 }
 
-// ---- Every build ends
-// -------------------------------------------------------------------------------------------
+// ---- Every build ends -------------------------------------------------------------------------------------
 
 /// Triangles at 2^-1, 2^-2, and so on, over and over: clusters as unbalanced as they come.
 fn ever_smaller(n: u32) -> MeshData {
@@ -255,8 +253,7 @@ fn sixteen_million() {
     tree.view().validate().unwrap();
 }
 
-// ---- Clusters as good as the paper's
-// ----------------------------------------------------------------------------
+// ---- Clusters as good as the paper's ----------------------------------------------------------------------
 
 /// The paper's algorithm in floating point, as it stands there: 100 steps, no early stop, prototypes that
 /// start anywhere.

@@ -32,8 +32,7 @@ macro_rules! for_each_k {
     };
 }
 
-// ---- Poses and frames that are hard in different ways
-// -----------------------------------------------------------
+// ---- Poses and frames that are hard in different ways -----------------------------------------------------
 
 fn from_quaternion(q: [f64; 4]) -> Rows {
     let length = ((q[0] * q[0] + q[1] * q[1]) + (q[2] * q[2] + q[3] * q[3])).sqrt();
@@ -100,8 +99,7 @@ fn size_and_distance(rng: &mut Rng) -> (f64, f64) {
     (*rng.pick(&[1e-3, 0.05, 1.0, 1.0, 30.0, 1e3]), *rng.pick(&[0.0, 1.0, 1.0, 1e3, 1e6, 1e12]))
 }
 
-// ---- The question, decided exactly
-// ------------------------------------------------------------------------------
+// ---- The question, decided exactly ------------------------------------------------------------------------
 
 fn offset(p: f64, centre: f64) -> Dyadic {
     Dyadic::from(p) - Dyadic::from(centre)
@@ -151,8 +149,7 @@ fn check<const K: usize>(keys: &[Key; K], p: &Point, frame: &Frame, tally: &mut 
     }
 }
 
-// ---- Bodies as they are built
-// -----------------------------------------------------------------------------------
+// ---- Bodies as they are built -----------------------------------------------------------------------------
 
 fn turned_planes_bound_the_moved_triangles<const K: usize>()
 where
@@ -263,8 +260,7 @@ fn turned_planes_bound_bodies_too_large_for_single_precision() {
     for_each_k!(bodies_too_large_for_single_precision);
 }
 
-// ---- One point, a hair from the next half
-// -----------------------------------------------------------------------
+// ---- One point, a hair from the next half -----------------------------------------------------------------
 
 /// Of a body that is the origin.
 const NO_EXTENT: Extent = Extent {
@@ -359,8 +355,7 @@ fn turned_planes_of_one_point_a_hair_above_a_half() {
     for_each_k!(planes_of_one_point);
 }
 
-// ---- What the offset pays for
-// -----------------------------------------------------------------------------------
+// ---- What the offset pays for -----------------------------------------------------------------------------
 
 /// Below any product of a half and a weight that is normal: three such products, each off by at most 2^-150.
 const UNDERFLOW_EXPONENT: i32 = -148;
@@ -479,8 +474,7 @@ fn far_offsets_are_not_rounded_below_their_pad() {
     for_each_k!(far_offsets_hold_the_pad_for_coordinates);
 }
 
-// ---- Margins, width and infinity
-// --------------------------------------------------------------------------------
+// ---- Margins, width and infinity --------------------------------------------------------------------------
 
 /// Everything within the margin of a point: its support is `n . p + |n| margin`.
 fn widened_planes_hold_the_margin<const K: usize>() {

@@ -24,8 +24,7 @@ fn build<N: Lanes>(mesh: &MeshData, leaf_size: u32, splitter: Splitter) -> Bvh<N
     Builder::new().leaf_size(leaf_size).splitter(splitter).build(&mesh).unwrap()
 }
 
-// ---- Every mesh
-// ---------------------------------------------------------------------------------------------------
+// ---- Every mesh -------------------------------------------------------------------------------------------
 
 fn check_tree<N: Lanes>(what: &str, mesh: &MeshData, leaf_size: u32, splitter: Splitter) {
     let what = format!("{what}, k {} arity {} leaf {leaf_size} {splitter:?}", N::K, N::ARITY);
@@ -94,8 +93,7 @@ fn a_hundred_thousand_coincident_triangles() {
     }
 }
 
-// ---- Every machine
-// --------------------------------------------------------------------------------------------------
+// ---- Every machine ----------------------------------------------------------------------------------------
 
 /// Trees of a mesh made by rule, byte for byte. A change of the splitter or of the format changes them.
 #[test]
@@ -114,8 +112,7 @@ fn trees_have_the_bytes_written_here() {
 const GOLDEN: [[u64; 2]; 2] =
     [[0xf5d2_4a59_fb8f_c448, 0x368c_190d_3c23_a15d], [0x69f7_e376_a3c8_5654, 0xeaca_e263_f3ab_adc8]];
 
-// ---- Queries
-// ----------------------------------------------------------------------------------------------------------
+// ---- Queries ----------------------------------------------------------------------------------------------
 
 /// Sums over the poses of a suite, by verdict: free, hit.
 fn counters<N: Lanes>(suite: &Suite, poses: &[Pose], splitter: Splitter) -> (Vec<bool>, [Counters; 2]) {

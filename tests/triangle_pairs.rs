@@ -113,8 +113,7 @@ impl fmt::Display for Bits<'_> {
     }
 }
 
-// ---- treatments
-// -----------------------------------------------------------------------------------------------
+// ---- treatments -------------------------------------------------------------------------------------------
 
 /// What happens to a pair that was built on a dyadic grid.
 #[derive(Clone, Copy, Debug)]
@@ -414,8 +413,7 @@ fn cross(p: &Vector, q: &Vector) -> Vector {
     [minor(1, 2), minor(2, 0), minor(0, 1)]
 }
 
-// ---- the ends of the range, the counter, and the oracle itself
-// ---------------------------------------------------
+// ---- the ends of the range, the counter, and the oracle itself --------------------------------------------
 
 /// Coordinates from 2^-250 to 2^302, mixed, so that an intermediate that under- or overflows changes a
 /// verdict. With debug assertions a coordinate that is not in the range is a panic.

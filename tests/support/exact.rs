@@ -169,8 +169,7 @@ fn axes() -> impl Iterator<Item = Axis> {
     normals.into_iter().chain(edge_edge).chain(edge_axis)
 }
 
-// ---- in floating point, with doubt
-// ----------------------------------------------------------------------------
+// ---- in floating point, with doubt ------------------------------------------------------------------------
 
 enum Rough {
     Apart,
@@ -216,8 +215,7 @@ fn rough_verdict((i, j): Axis, (ea, eb): &([[f64; 3]; 3], [[f64; 3]; 3]), a: &Tr
     }
 }
 
-// ---- in integers
-// ----------------------------------------------------------------------------------------------
+// ---- in integers ------------------------------------------------------------------------------------------
 
 /// Six points as integers, all multiplied by the same power of two.
 enum Scaled {

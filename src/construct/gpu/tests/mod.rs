@@ -216,8 +216,7 @@ impl<'a, const N: usize> Rig<'a, N> {
     }
 }
 
-// ---- The twins' data as the device has them
-// ---------------------------------------------------------------------
+// ---- The twins' data as the device has them ---------------------------------------------------------------
 
 /// The nodes that can be clustered; others have an empty cluster.
 fn clusters(nodes: &Nodes) -> Vec<(bool, Cluster)> {
