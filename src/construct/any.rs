@@ -12,6 +12,8 @@ macro_rules! build_any {
             ///
             /// # Errors
             /// [`BuildError::NodeType`] for any other; else as [`Builder::build_with`].
+            // Compiled where it is used: for ten node types.
+            #[inline]
             pub fn build_any(
                 &self,
                 mesh: &Mesh<'_>,

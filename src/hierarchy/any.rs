@@ -6,6 +6,8 @@ use super::layout::node_type;
 use super::{BakeError, BvhRef, Header, Stats, TreeStats, VerifyError};
 use crate::node::{Node4, Node16};
 
+// Functions over all of them are `inline`: compiled where they are used, and not for everyone.
+
 /// Every type of node, written once: `$with!` gets a dollar sign and a list of `Variant Node arity k`.
 macro_rules! for_node_types {
     ($with:ident) => {
@@ -54,6 +56,7 @@ macro_rules! any_bvh {
             ///
             /// # Errors
             /// As [`BvhRef::from_bytes`].
+            #[inline]
             pub fn from_bytes(bytes: &'a [u8]) -> Result<Self, BakeError> {
                 match node_type(bytes)? {
                     $(($k, $arity, _) => BvhRef::from_bytes(bytes).map(Self::$variant),)*
@@ -68,6 +71,7 @@ macro_rules! any_bvh {
             ///
             /// # Errors
             /// As [`Bvh::from_bytes`].
+            #[inline]
             pub fn from_bytes(bytes: &[u8]) -> Result<Self, BakeError> {
                 match node_type(bytes)? {
                     $(($k, $arity, _) => Bvh::from_bytes(bytes).map(Self::$variant),)*
@@ -116,12 +120,14 @@ impl<'a> AnyBvhRef<'a> {
 
     /// As [`BvhRef::stats`].
     #[must_use]
+    #[inline]
     pub fn stats(&self) -> Stats {
         with_bvh!(self, tree => tree.stats())
     }
 
     /// As [`BvhRef::tree_stats`].
     #[must_use]
+    #[inline]
     pub fn tree_stats(&self) -> TreeStats {
         with_bvh!(self, tree => tree.tree_stats())
     }
@@ -130,6 +136,7 @@ impl<'a> AnyBvhRef<'a> {
     ///
     /// # Errors
     /// As [`BvhRef::verify`].
+    #[inline]
     pub fn verify(&self) -> Result<(), VerifyError> {
         with_bvh!(self, tree => tree.verify())
     }

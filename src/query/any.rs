@@ -62,11 +62,13 @@ fn other_node(a: &AnyBvhRef<'_>, b: &AnyBvhRef<'_>) -> AnyError {
     AnyError::OtherNode { a: shape(a), b: shape(b) }
 }
 
+// `inline`, so that the ten node types are compiled where they are used, and not for everyone.
 impl Query {
     /// [`Query::collide`].
     ///
     /// # Errors
     /// [`AnyError`] if the two have nodes of different types.
+    #[inline]
     pub fn collide_any(&self, a: &AnyBvhRef<'_>, b: &AnyBvhRef<'_>, pose: &Pose) -> Result<Answer, AnyError> {
         with_both!(a, b => self.collide(a, b, pose))
     }
@@ -89,6 +91,7 @@ impl Query {
     ///
     /// # Errors
     /// [`AnyError`] if the two have nodes of different types, or the margin cannot be.
+    #[inline]
     pub fn within_any(
         &self,
         a: &AnyBvhRef<'_>,
@@ -103,6 +106,7 @@ impl Query {
     ///
     /// # Errors
     /// [`AnyError`] if the two have nodes of different types, or the tolerance cannot be.
+    #[inline]
     pub fn distance_any(
         &self,
         a: &AnyBvhRef<'_>,
