@@ -244,7 +244,7 @@ fn faults_of_files_name_file_place_and_problem() {
         (
             "tree2",
             &[&b"SIMDOP\x1a\n"[..], &[9; 500]].concat(),
-            "layout version 151587081, this library reads 1",
+            "layout version 151587081, this library reads 2",
         ),
         (
             "mesh.step",
@@ -485,7 +485,7 @@ fn info_describes_a_tree_and_proves_it() {
     folder.write("low.tree", &bytes);
     assert_eq!(folder.fate(&["info", "low.tree"]), (0, String::new()));
     let (code, message) = folder.fate(&["info", "low.tree", "--verify"]);
-    let start = "simdop: low.tree: not conservative: plane 0 of node 0, lane 0 cuts off triangle ";
+    let start = "simdop: low.tree: not conservative: plane 0 of node 0, lane 0 cuts off primitive ";
     assert!(code == 2 && message.starts_with(start), "{message}");
 }
 
