@@ -15,6 +15,7 @@ use simdop::primitive::{Kind, Primitive, Separation, Store};
 use simdop::query::{Lanes, Pairwise, Query};
 use simdop::range::Point;
 use std::collections::BTreeSet;
+use support::data::suite_step;
 use support::exact::triangles_meet;
 use support::rng::Rng;
 
@@ -229,7 +230,10 @@ fn check<N: Lanes>() {
 #[test]
 fn segments_are_decided_as_brute_force_decides_them() {
     check::<Node16<18>>();
-    check::<Node4<14>>();
+    // The oracle is slow under an emulator.
+    if suite_step() == 1 {
+        check::<Node4<14>>();
+    }
 }
 
 #[test]

@@ -13,6 +13,7 @@ use simdop::hierarchy::{Aligned, BakeError, Bvh, BvhRef, Header, MAGIC, MAX_DEPT
 use simdop::isa::Isa;
 use simdop::node::Link;
 use simdop::pose::Pose;
+use simdop::primitive::Kind;
 use simdop::query::{Lanes, Query, Verdict};
 use simdop_fuzz::bodies::{bodies, pose};
 use simdop_fuzz::planes::code;
@@ -104,6 +105,9 @@ fn is_true<N: Lanes>(error: BakeError, bytes: &[u8]) -> bool {
         BakeError::OtherNode { k, arity } => {
             u32::from(k) | u32::from(arity) << 16 == field(12)
                 && (usize::from(k), usize::from(arity)) != (N::K, N::ARITY)
+        }
+        BakeError::OtherPrimitive { kind } => {
+            u32::from(kind) == field(16) & 0xffff && kind != Kind::TRIANGLES.code()
         }
         BakeError::Truncated { have, need } => have == bytes.len() && have < need,
         BakeError::TooLong { have, need } => have == bytes.len() && have > need,
