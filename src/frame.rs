@@ -115,6 +115,9 @@ impl Frame {
 
     /// Whether plane `key` really is an upper bound of the support of `p` in `direction`, one of
     /// [`crate::directions`]: decided in exact arithmetic.
+    ///
+    /// # Panics
+    /// If `direction` has components larger than those: the exact sum has room for no more terms.
     #[must_use]
     pub fn is_bounded(&self, direction: &Point, p: Point, key: Key) -> bool {
         if key == Key::INFINITY {

@@ -79,7 +79,7 @@ pub trait Kernel: Copy + core::fmt::Debug + sealed::Sealed {
     #[must_use]
     fn apart_4(self, probe: &Probe<'_>, triangles: &[Triangle; 4]) -> u16;
 
-    /// Turns the planes of all children of a node into another body's frame, in query form. In place: a
+    /// Turns the planes of all children of a node into another body's frame. In place: a
     /// result of half a kilobyte would be copied.
     ///
     /// # Panics

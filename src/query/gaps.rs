@@ -5,7 +5,7 @@
 //! the sum of their squares; k = 18 and 26 have four such **triads**, the others one. The greatest over all
 //! triads, and over the directions that are in none, is the bound. The greatest gap alone is lower by the
 //! cosine of the angle to the nearest direction, and twice as many volumes are within reach
-//! (`ARCHITECTURE.md`).
+//! (`DECISIONS.md`).
 //!
 //! Where volumes overlap the greatest gap says how deep, so that a search can try the deepest first.
 //!

@@ -235,7 +235,7 @@ impl Query {
     ///
     /// The order matters to speed where one body has flat walls along its own axes, as rooms have: as `b` it
     /// keeps its planes tight, as `a` they are turned and loose. A robot against its room takes 0.3 µs,
-    /// the room against the robot 20 (`ARCHITECTURE.md`).
+    /// the room against the robot 20 (`benches/MEASURED.md`).
     pub fn collide<A: AsBvh, B: AsBvh<Node = A::Node>>(&self, a: &A, b: &B, pose: &Pose) -> Answer
     where
         A::Node: Lanes,

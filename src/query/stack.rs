@@ -23,7 +23,7 @@ pub(crate) struct Stack {
 }
 
 /// Bytes of the stack of a query, whatever the trees: below 1 KB. (The traversal holds the planes of two
-/// bodies in query form besides: 2 x 576 bytes at arity 16 and k = 18.)
+/// bodies, turned, besides: 2 x 576 bytes at arity 16 and k = 18.)
 pub const STACK_BYTES: usize = size_of::<Stack>();
 const _: () = assert!(STACK_BYTES <= 1024, "the stack of a query fits in 1 KB");
 
