@@ -35,6 +35,8 @@ mod ablation {
 }
 #[path = "../tests/support/rng.rs"]
 mod rng;
+#[path = "../tests/support/shapes.rs"]
+mod shapes;
 #[path = "support/suites.rs"]
 mod suites;
 #[expect(dead_code, reason = "the kernels' variants and their clock are for benches/kernel.rs")]
@@ -44,11 +46,11 @@ use ablation::systems::{Entrant, entrants};
 use ablation::traverse::Work;
 use data::{MeshData, Suite, directory};
 use distances::{PerDistance, poses};
+use shapes::wavy_torus;
 use simdop::isa::Isa;
 use simdop::pose::Pose;
 use std::time::{Duration, Instant};
 use suites::DISTANCES;
-use support::bodies::wavy_torus;
 use support::short::{count, is_short};
 
 const MODELS: [&str; 4] = ["cow", "armadillo", "hand", "bunny75k"];
@@ -103,7 +105,7 @@ fn meshes() -> impl Iterator<Item = (&'static str, MeshData)> {
         MODELS.map(|name| (name, MeshData::obj(&data.join("meshes").join(name).with_extension("obj"))))
     };
     let data = if is_short() { None } else { directory() };
-    data.map(read).into_iter().flatten().chain([(TORUS, wavy_torus(count(100, 24) as u32))])
+    data.map(read).into_iter().flatten().chain([(TORUS, wavy_torus(count(20_000, 1152) as u32))])
 }
 
 fn cpu() -> String {

@@ -30,7 +30,7 @@ use simdop::pose::Pose;
 use simdop::query::{Hint, Query};
 use std::hint::black_box;
 use std::time::{Duration, Instant};
-use suites::{Approaching, Method, Rows};
+use suites::{Approaching, DISTANCES, Method, Rows};
 
 const MODELS: [&str; 3] = ["cow", "armadillo", "bunny75k"];
 const SWEEPS: usize = 16;
@@ -63,8 +63,10 @@ fn main() {
         let (tree, rough) =
             (Builder::best().build::<Node16<18>>(&baked).unwrap(), Builder::new().build(&baked).unwrap());
         let pair = Approaching { a: &mesh, b: &mesh, tree_a: rough.view(), tree_b: rough.view() };
-        let places: Vec<_> =
-            Method::ALL.into_iter().flat_map(|method| pair.poses(method, sweeps() / 2, 1)).collect();
+        let places: Vec<_> = Method::ALL
+            .into_iter()
+            .flat_map(|method| pair.poses(&DISTANCES, method, sweeps() / 2, 1))
+            .collect();
         let mut rng = Rng::new(2);
         let mut turning = |from: usize| -> Vec<Vec<Pose>> {
             places.iter().map(|at| turns(&at[from], mesh.centre(), &mut rng)).collect()

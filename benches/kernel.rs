@@ -15,6 +15,8 @@
 mod data;
 #[path = "../tests/support/rng.rs"]
 mod rng;
+#[path = "../tests/support/shapes.rs"]
+mod shapes;
 mod support;
 
 use core::ops::Range;

@@ -30,12 +30,12 @@ impl<const N: usize> Expansion<N> {
     }
 
     /// Adds `n * x` exactly, as the powers of two in `n`: as many numbers as [`terms_of_multiple`] says.
-    pub(crate) fn add_multiple(&mut self, n: i8, x: f64) {
+    pub(crate) fn add_multiple(&mut self, n: i16, x: f64) {
         let signed = if n < 0 { -x } else { x };
         let magnitude = n.unsigned_abs();
-        for bit in 0..u8::BITS {
+        for bit in 0..u16::BITS {
             if magnitude & (1 << bit) != 0 {
-                self.add(signed * f64::from(1_u8 << bit));
+                self.add(signed * f64::from(1_u16 << bit));
             }
         }
     }
@@ -49,7 +49,7 @@ impl<const N: usize> Expansion<N> {
 }
 
 /// How many numbers [`Expansion::add_multiple`] adds for `n`: one for each of its bits.
-pub(crate) const fn terms_of_multiple(n: i8) -> usize {
+pub(crate) const fn terms_of_multiple(n: i16) -> usize {
     n.unsigned_abs().count_ones() as usize
 }
 
@@ -89,12 +89,17 @@ mod tests {
     #[test]
     fn multiples_are_exact() {
         let x = 1.0 + f64::EPSILON;
-        for n in i8::MIN..=i8::MAX {
-            let mut sum = Expansion::<136>::ZERO;
+        for n in (-130..=130).chain([i16::MIN, -2047, -1024, 1023, 2047, i16::MAX]) {
+            let mut sum = Expansion::<150>::ZERO;
             sum.add_multiple(n, x);
             assert_eq!(sum.len, terms_of_multiple(n), "{n}");
             assert_eq!(sum.sign(), i32::from(n.signum()));
-            for _ in 0..n.unsigned_abs() {
+            if n.unsigned_abs() > 130 {
+                // The product as two numbers that are exact: x is one and the last place of one.
+                sum.add(-f64::from(n));
+                sum.add(-f64::from(n) * f64::EPSILON);
+            }
+            for _ in 0..n.unsigned_abs() % 131 * u16::from(n.unsigned_abs() <= 130) {
                 sum.add(if n < 0 { x } else { -x });
             }
             assert_eq!(sum.sign(), 0, "{n}");

@@ -30,6 +30,17 @@ pub struct Extent {
     pub max_plane: f32,
 }
 
+impl Extent {
+    /// The square of half of the diagonal of the body's box about the centre of its frame, in the body's unit. Up to
+    /// rounding, at least.
+    // A root takes as long as a visit where it is computed in software, as `libm` does.
+    #[inline(always)]
+    pub(crate) fn square_of_radius(&self) -> f64 {
+        let [x, y, z] = self.half_width.map(|x| f64::from(x) / self.frame.scale());
+        (x * x + y * y) + z * z
+    }
+}
+
 /// The border of a body lies between 2^6 and 2^7 of its frame. A half is finite up to 2^16 and has its full
 /// 11 bits down to 2^-14, so a body 2^8 times larger or 2^20 times smaller still turns into this frame
 /// without loss of relative precision.
@@ -52,7 +63,8 @@ const SUPPORT_TERMS: usize = {
         let mut j = 0;
         while j < vectors.len() {
             let [x, y, z] = vectors[j];
-            let terms = terms_of_multiple(x) + terms_of_multiple(y) + terms_of_multiple(z);
+            let terms =
+                terms_of_multiple(x as i16) + terms_of_multiple(y as i16) + terms_of_multiple(z as i16);
             most = if terms > most { terms } else { most };
             j += 1;
         }
@@ -124,7 +136,7 @@ impl Frame {
             return true;
         }
         // Components of directions are small integers.
-        let n = direction.map(|x| x as i8);
+        let n = direction.map(|x| x as i16);
         let mut slack = SupportSum::ZERO;
         slack.add(key.to_f64() * power_of_two(-self.exponent));
         for axis in 0..3 {
@@ -133,7 +145,33 @@ impl Frame {
         }
         slack.sign() >= 0
     }
+
+    /// -1, 0 or 1: the sign of `n . (p - centre) * 2^exponent - bound`, in exact arithmetic, for a vector n of
+    /// integers below 2^11.
+    #[must_use]
+    pub(crate) fn side(&self, n: &Point, p: Point, bound: f64) -> i32 {
+        let mut terms = Expansion::<SIDE_TERMS>::ZERO;
+        let bound = bound * power_of_two(-self.exponent);
+        let (mut value, mut size) = (-bound, bound.abs());
+        for i in 0..3 {
+            value += n[i] * (p[i] - self.centre[i]);
+            size += n[i].abs() * (p[i].abs() + self.centre[i].abs());
+        }
+        // A dozen roundings, each 2^-53 of a partial sum.
+        if value.abs() > power_of_two(-48) * size {
+            return if value > 0.0 { 1 } else { -1 };
+        }
+        terms.add(-bound);
+        for i in 0..3 {
+            terms.add_multiple(n[i] as i16, p[i]);
+            terms.add_multiple(-n[i] as i16, self.centre[i]);
+        }
+        terms.sign()
+    }
 }
+
+/// The bound, and on each axis coordinate and centre, eleven powers of two each.
+const SIDE_TERMS: usize = 1 + 3 * 2 * 11;
 
 /// A power of two that takes `x`, zero or in the range of coordinates, below 2.
 #[cfg(feature = "alloc")]
@@ -166,6 +204,33 @@ mod tests {
                 assert_eq!(frame.is_bounded(n, p, Key::ZERO), height < 0.0, "k {K} direction {j}");
             }
         }
+    }
+
+    /// Sides of planes whose directions take all the terms that there is room for, of points on them and a last
+    /// place off.
+    #[test]
+    fn sides_of_any_plane_are_decided_exactly() {
+        let frame = Frame { centre: [1.0 + f64::EPSILON, -1.0 / 3.0, 1e-9], exponent: -3 };
+        let normals =
+            [[683.0, -682.0, 682.0], [-1023.0, 1023.0, 1.0], [2047.0, 0.0, 0.0], [0.0, -2047.0, 0.0]];
+        for n in normals {
+            assert_eq!(frame.side(&n, frame.centre, 0.0), 0, "{n:?}: on the plane");
+            for (axis, height) in (0..3).flat_map(|axis| [(axis, -1.0), (axis, 1.0)]) {
+                let mut p = frame.centre;
+                p[axis] += power_of_two(-50) * height;
+                let sign = if n[axis] == 0.0 { 0 } else { (n[axis] * height).signum() as i32 };
+                assert_eq!(frame.side(&n, p, 0.0), sign, "{n:?}, axis {axis}");
+            }
+        }
+        // 2047 (1 + 2^-52) / 8 lies between these neighbours, nearer to the upper.
+        let upper = 2047.0 * (1.0 + f64::EPSILON) / 8.0;
+        let p = [2.0 * frame.centre[0], 0.0, 0.0];
+        assert_eq!(frame.side(&normals[2], p, upper), -1);
+        assert_eq!(frame.side(&normals[2], p, upper.next_down()), 1);
+        // 1 + 2^-53 + 2^-80 rounds to 1 + 2^-52; less 2^-53 + 2^-79 it is below 1, and rounded above.
+        let [half, x, y] = [-53, -80, -79].map(power_of_two);
+        let frame = Frame { centre: [-half - x, half + y, 0.0], exponent: 0 };
+        assert_eq!(frame.side(&[1.0, 1.0, 2045.0], [1.0, 0.0, 0.0], 1.0), -1);
     }
 
     #[test]

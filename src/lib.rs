@@ -31,15 +31,15 @@
 //!
 //! | node type | bytes a triangle, nodes / in all | when |
 //! |---|---|---|
-//! | `Node16<18>` | 43 / 71 | unless something below applies |
-//! | `Node16<14>` | 34 / 62 | flash is scarce: a fifth less of nodes for about a quarter more time in the mean; robots in rooms with flat walls lose more |
-//! | `Node16<6>` | 17 / 45 | flash is all that counts: volumes are boxes, which turn badly |
-//! | `Node16<26>`, `Node16<32>` | 60 / 88, 73 / 101 | equal in contact and slower when far apart: measure before you choose them |
-//! | `Node4<K>` | 53 / 81 for k = 18 | hardly ever: 1.1 to 1.9 times the time and a quarter more bytes of nodes; a query needs some KiB less stack |
+//! | `Node16<18>` | 43 / 73 | unless something below applies |
+//! | `Node16<14>` | 34 / 65 | flash is scarce: a fifth less of nodes for about a quarter more time in the mean; robots in rooms with flat walls lose more |
+//! | `Node16<6>` | 17 / 48 | flash is all that counts: volumes are boxes, which turn badly |
+//! | `Node16<26>`, `Node16<32>` | 60 / 90, 73 / 103 | equal in contact and slower when far apart: measure before you choose them |
+//! | `Node4<K>` | 53 / 86 for k = 18 | hardly ever: 1.1 to 1.9 times the time and a quarter more bytes of nodes; a query needs some KiB less stack |
 //!
-//! The bytes are those of a mesh of 52,000 triangles whose coordinates need `f64`; coordinates that `f32`
-//! holds exactly save 6 bytes a triangle. [`construct::Builder::balanced`], two triangles a leaf, halves the
-//! bytes of nodes.
+//! The bytes are those of a mesh of 52,000 triangles whose coordinates `f32` holds exactly; others take 6
+//! more a triangle. [`construct::Builder::without_thin_slabs`] saves 9 of them (11 at arity 4), and
+//! [`construct::Builder::balanced`], two triangles a leaf, halves the bytes of nodes.
 //!
 //! **Units.** The library knows no unit. Both meshes, the translations of poses, margins and distances use
 //! the same one; meters and millimeters work alike, because each tree has a scale of its own. STL files are

@@ -26,6 +26,10 @@
 //!
 //! with `gamma_5 = 5u / (1 - 5u)`, `u = 2^-24`. The result is then rounded up to a half.
 
+mod own_slab;
+
+pub use own_slab::{OwnSlab, OwnSlabs, own_slabs};
+
 use crate::directions::Directions;
 use crate::exact::{power_of_two, round_up_f32};
 use crate::frame::{Extent, Frame};
@@ -48,19 +52,19 @@ pub struct Realignment<const K: usize> {
 }
 
 /// Bounds five roundings of `f32`, with room for the rounding of the pad itself.
-const GAMMA_5: f64 = 5.25 * power_of_two(-24);
+pub(crate) const GAMMA_5: f64 = 5.25 * power_of_two(-24);
 
 /// Bounds the few dozen roundings of `f64` in a sum of magnitudes: each is 2^-53 of a partial sum.
-const F64_SLACK: f64 = power_of_two(-46);
+pub(crate) const F64_SLACK: f64 = power_of_two(-46);
 
 /// Pays for the pad's own rounding to `f32`: it can be far greater than what it pads.
 const ITS_OWN_ROUNDING: f64 = 1.0 + power_of_two(-23);
 
 /// A bit more than half of a last place of `f32`.
-const HALF_PLACE: f64 = 1.0625 * power_of_two(-24);
+pub(crate) const HALF_PLACE: f64 = 1.0625 * power_of_two(-24);
 
 /// More than what weights and products lose that are too small for a normal `f32`.
-const UNDERFLOW: f64 = power_of_two(-130);
+pub(crate) const UNDERFLOW: f64 = power_of_two(-130);
 
 /// Sums of magnitudes below this cannot overflow an `f32`. Beyond it a product could become -infinity, which
 /// bounds nothing: such a plane is unbounded instead.
@@ -73,18 +77,12 @@ impl<const K: usize> Realignment<K> {
     #[must_use]
     pub fn new(pose: &Pose, a: &Extent, b: &Frame) -> Self {
         let m = pose.rows();
-        let t = pose.translation();
         let ratio = power_of_two(b.exponent - a.frame.exponent);
         let [x, y, z] = a.half_width;
         let width_sum = f64::from(x) + f64::from(y) + f64::from(z);
-        let shift: Point = core::array::from_fn(|i| {
-            let c = a.frame.centre;
-            (((m[i][0] * c[0] + m[i][1] * c[1]) + m[i][2] * c[2]) + t[i]) - b.centre[i]
-        });
-        // 4 >= sum of a row's magnitudes, for the image; once more for the centre.
-        let coordinates = (8.0 * a.max_coordinate + greatest(&t)) + greatest(&b.centre);
-        let per_length =
-            F64_SLACK * (2.0 * ratio * width_sum + b.scale() * coordinates) + MIN_COORDINATE * b.scale();
+        let shift = shift(pose, a, b);
+        let per_length = F64_SLACK * (2.0 * ratio * width_sum + b.scale() * coordinates(pose, a, b))
+            + MIN_COORDINATE * b.scale();
         let per_weight = HALF_PLACE * (Directions::<K>::MAX_COMPONENT * width_sum);
 
         let mut map = Self { sources: [[0; 3]; K], weights: [[0.0; 3]; K], offset: [0.0; K] };
@@ -138,16 +136,46 @@ impl<const K: usize> Realignment<K> {
         core::array::from_fn(|l| (usize::from(sources[l]) ^ (j & 1), weights[l]))
     }
 
+    /// Plane `j` turned, from a body's planes, as the sum in `f32` that it is: already a bound.
+    #[inline]
+    #[must_use]
+    pub fn sum(&self, j: usize, plane: impl Fn(usize) -> f32) -> f32 {
+        let terms = self.terms(j);
+        let term = |l: usize| terms[l].1 * plane(terms[l].0);
+        ((term(0) + term(1)) + term(2)) + self.offset[j]
+    }
+
     /// Plane `j` turned, from the codes of a body's planes: the specification that the kernels follow,
     /// operation by operation. An unbounded plane, and a weight or offset beyond `f32`, give
     /// [`Key::INFINITY`].
     #[inline]
     #[must_use]
     pub fn plane(&self, j: usize, code: impl Fn(usize) -> i16) -> Key {
-        let terms = self.terms(j);
-        let term = |l: usize| terms[l].1 * decode(code(terms[l].0));
-        Key::round_up_or_unbounded(f64::from(((term(0) + term(1)) + term(2)) + self.offset[j]))
+        Key::round_up_or_unbounded(f64::from(self.sum(j, |source| decode(code(source)))))
     }
+}
+
+/// Where the pose puts the centre of A's frame, from the centre of B's, up to rounding in `f64`.
+#[inline(always)]
+pub(crate) fn shift(pose: &Pose, a: &Extent, b: &Frame) -> Point {
+    let (m, t, c) = (pose.rows(), pose.translation(), a.frame.centre);
+    let along = |i: usize| (((m[i][0] * c[0] + m[i][1] * c[1]) + m[i][2] * c[2]) + t[i]) - b.centre[i];
+    [along(0), along(1), along(2)]
+}
+
+/// What the roundings of moved corners and centres are relative to.
+#[inline(always)]
+fn coordinates(pose: &Pose, a: &Extent, b: &Frame) -> f64 {
+    // 4 >= sum of a row's magnitudes, for the image; once more for the centre.
+    (8.0 * a.max_coordinate + greatest(&pose.translation())) + greatest(&b.centre)
+}
+
+/// What is lost along an axis of length 1 by rounding in `f64`, in the bodies' unit: of a moved corner's way from
+/// the centre of its own body, when the way between the centres is [`shift`].
+#[inline(always)]
+pub(crate) fn slack_of_shift(pose: &Pose, a: &Extent, b: &Frame) -> f64 {
+    // The sum of the axis's magnitudes is at most the root of 3.
+    2.0 * (F64_SLACK * coordinates(pose, a, b) + MIN_COORDINATE)
 }
 
 /// The planes of everything within `margin` of moved primitives in frame `b`, each an upper bound of the

@@ -244,7 +244,7 @@ fn faults_of_files_name_file_place_and_problem() {
         (
             "tree2",
             &[&b"SIMDOP\x1a\n"[..], &[9; 500]].concat(),
-            "layout version 151587081, this library reads 2",
+            "layout version 151587081, this library reads 3",
         ),
         (
             "mesh.step",
@@ -463,7 +463,8 @@ fn info_describes_a_tree_and_proves_it() {
     assert_eq!(tree["vertices"], 300);
     let bytes = std::fs::metadata(folder.0.join("a.tree")).unwrap().len();
     assert_eq!(tree["total_bytes"], bytes);
-    assert_eq!(tree["bytes_per_triangle_total"], bytes as f64 / 101.0);
+    // Read back from decimals, the last place may differ.
+    assert!((tree["bytes_per_triangle_total"].as_f64().unwrap() - bytes as f64 / 101.0).abs() < 1e-9);
     let lanes = tree["lanes_used_per_node"].as_f64().unwrap();
     assert!(lanes > 1.0 && lanes <= 4.0, "{lanes}");
     // All of 1 or more: the root against itself, lanes that cover what their node covers.
@@ -686,11 +687,37 @@ fn a_tree_that_is_built_again_keeps_its_k_and_arity() {
 }
 
 #[test]
+fn thin_slabs_may_be_left_out() {
+    let folder = Folder::new("slabs");
+    folder.write("a.obj", obj(&strewn(13, 50)));
+    assert_eq!(folder.fate(&["build", "a.obj", "-o", "with.tree"]), (0, String::new()));
+    let without = ["build", "a.obj", "-o", "without.tree", "--without-thin-slabs"];
+    assert_eq!(folder.fate(&without), (0, String::new()));
+    let [with, without] = ["with.tree", "without.tree"].map(|name| folder.json(&["info", name, "--verify"]));
+    let slabs = |report: &Value| report["bytes_per_triangle_thin_slabs"].as_f64().unwrap();
+    let nodes = with["nodes"].as_u64().unwrap();
+    assert_eq!((slabs(&with), slabs(&without)), (nodes as f64 * 16.0 * 8.0 / 50.0, 0.0));
+    let total = |report: &Value| report["total_bytes"].as_u64().unwrap();
+    // Both are multiples of 64.
+    assert_eq!(total(&with), total(&without) + nodes * 16 * 8);
+    assert_eq!(folder.fate(&["collide", "with.tree", "without.tree"]), (1, String::new()));
+    let table = String::from_utf8(folder.run(&["info", "without.tree"]).stdout).unwrap();
+    assert!(table.contains("0.0   thin slabs"), "{table}");
+}
+
+#[test]
 fn options_that_do_nothing_on_a_tree_are_errors() {
     let folder = Folder::new("idle");
     folder.write("a.obj", obj(&tetrahedron()));
     assert_eq!(folder.fate(&["build", "a.obj", "-o", "a.tree"]), (0, String::new()));
-    for option in ["--k=18", "--arity=16", "--leaf-size=1", "--splitter=mean-width", "--allow-empty"] {
+    for option in [
+        "--k=18",
+        "--arity=16",
+        "--leaf-size=1",
+        "--splitter=mean-width",
+        "--without-thin-slabs",
+        "--allow-empty",
+    ] {
         let name = option.split('=').next().unwrap();
         let idle = format!(
             "simdop: {name}: a.tree is a tree and stays as it is: `simdop build` makes another of it"
@@ -870,5 +897,5 @@ fn a_link_is_stored_without_what_its_file_repeats() {
     let info = folder.json(&["info", "link5.tree", "--verify"]);
     assert_eq!((&info["triangles"], &info["vertices"]), (&300.into(), &152.into()));
     assert_eq!(info["vertex_format"], "f32");
-    assert!(info["total_bytes"].as_u64().unwrap() < 20_000, "{}", info["total_bytes"]);
+    assert!(info["total_bytes"].as_u64().unwrap() < 23_000, "{}", info["total_bytes"]);
 }

@@ -57,18 +57,20 @@ fn a_visit_of_two_nodes_of_arity_16() {
 #[test]
 fn a_visit_of_two_nodes_of_arity_4() {
     let four = &ROW[..4];
-    for b in [&AROUND_THREE, &[[0.0, 50.0], [40.0, 50.0]]] {
+    // All children of both roots, and once more for the rows if any two overlap.
+    for (b, kernels) in [(&AROUND_THREE[..], 1), (&[[0.0, 50.0], [40.0, 50.0]], 1), (four, 2)] {
         let found = work::<Node4<6>>(four, b);
-        assert_eq!((found.visits, found.kernels, found.realignments), (1, 1, 1), "all children at once");
+        assert_eq!((found.visits, found.kernels, found.realignments), (1, kernels, 1));
     }
 }
 
 /// Seventeen in a row make a root and a node below it. One triangle between two of them is in the root's
-/// hull, in no leaf, and perhaps in the lower node's.
+/// hull, in no leaf, and perhaps in the lower node's. It is as wide as the row, across it.
 #[test]
 fn a_visit_of_a_node_and_a_leaf() {
     let many: Vec<[f64; 2]> = (0..17).map(|i| [10.0 * f64::from(i), 0.0]).collect();
-    let (long, short) = (build::<Node16<6>>(&at(&many)), build::<Node16<6>>(&at(&[[0.0, 0.0]])));
+    let across = shapes::separate([[[0.0, -40.0, -40.0], [1.0, -40.0, 40.0], [0.0, 40.0, 0.0]]]);
+    let (long, short) = (build::<Node16<6>>(&at(&many)), build::<Node16<6>>(&across));
     let nodes = |tree: &Bvh<Node16<6>>| tree.view().nodes().len();
     assert_eq!((nodes(&long), nodes(&short)), (2, 1), "two levels and one");
     let mut deep = 0;
@@ -102,6 +104,56 @@ fn a_visit_of_a_node_and_a_leaf() {
         }
     }
     assert!(deep > 0, "the lower node has a gap");
+}
+
+/// Sixteen places in a row, a thousandth as far apart: a body that is far smaller than a gap of the row above.
+fn speck() -> Vec<[f64; 2]> {
+    (0..16).map(|i| [f64::from(i) / 1024.0, 0.0]).collect()
+}
+
+/// The wider of two nodes is opened alone, whatever the units of the two frames. The small body stands in a
+/// gap between two triangles of the lower node: its own children are never asked for.
+#[test]
+fn a_visit_of_a_node_that_is_much_wider() {
+    let many: Vec<[f64; 2]> = (0..17).map(|i| [10.0 * f64::from(i), 0.0]).collect();
+    let small = |places: &[[f64; 2]]| {
+        shapes::separate(places.iter().map(|&[x, y]| {
+            let at = |dx: f64, dy: f64, z: f64| [x + dx / 1024.0, y + dy / 1024.0, z / 1024.0];
+            [at(0.0, 0.0, 0.0), at(0.5, 0.0, 0.0), at(0.0, 0.5, 0.5)]
+        }))
+    };
+    let large = build::<Node16<6>>(&at(&many));
+    // Of sixteen triangles, and of three: unused lanes are no part of the small body.
+    for count in [16, 3] {
+        let speck = build::<Node16<6>>(&small(&speck()[..count]));
+        let mut deep = 0;
+        for gap in 0..16 {
+            let x = 10.0 * f64::from(gap) + 5.0;
+            let pose = |x: f64| {
+                Pose::from_rows([[1.0, 0.0, 0.0, x], [0.0, 1.0, 0.0, 0.25], [0.0, 0.0, 1.0, 0.25]]).unwrap()
+            };
+            let back = |x: f64| {
+                Pose::from_rows([[1.0, 0.0, 0.0, -x], [0.0, 1.0, 0.0, -0.25], [0.0, 0.0, 1.0, -0.25]])
+                    .unwrap()
+            };
+            for isa in Isa::available() {
+                let wide_b = Query::new(isa).collide(&speck.view(), &large.view(), &pose(x));
+                let wide_a = Query::new(isa).collide(&large.view(), &speck.view(), &back(x));
+                assert!(wide_b.is_free() && wide_a.is_free());
+                let (wide_b, wide_a) = (wide_b.counters, wide_a.counters);
+                // In the lower node's volume, or in none: the roots, then the lower node.
+                deep += u64::from(wide_a.visits == 2);
+                let visits = wide_a.visits;
+                assert!(visits == 1 || visits == 2, "{isa} {gap}: {wide_a:?}");
+                // A's children against all of B, at each visit.
+                assert_eq!((wide_a.kernels, wide_a.realignments), (visits, visits), "{isa} {gap}");
+                // B's children, too, against all of A, whose children are turned once.
+                assert_eq!(wide_b.visits, visits, "{isa} {gap}: {wide_b:?}");
+                assert_eq!((wide_b.kernels, wide_b.realignments), (2 * visits, 1), "{isa} {gap}");
+            }
+        }
+        assert!(deep > 0, "the lower node has a gap");
+    }
 }
 
 #[test]

@@ -435,7 +435,7 @@ fn golden_bytes() {
 }
 
 const GOLDEN: [(usize, u64); 3] =
-    [(320, 0x5910_3e28_5ad1_c7ce), (54_912, 0x3497_8634_3619_7da5), (35_520, 0xfc59_3aae_2f39_9999)];
+    [(384, 0x23e0_0724_120c_f393), (61_568, 0x8523_e4e5_233a_3e8b), (37_184, 0xc7c2_7a09_7e9f_d936)];
 
 /// Sixty-four bytes on a cache line.
 #[derive(Copy, Clone, bytemuck::Pod, bytemuck::Zeroable)]
@@ -513,6 +513,52 @@ fn an_index_that_the_mesh_has_not_is_refused() {
         bytes[at..at + 4].copy_from_slice(&before);
     }
     assert!(BvhRef::<Node16<18>>::from_bytes(&bytes[..size]).is_ok());
+}
+
+/// The five bits of a link that say how wide its node's volume is, of the root's in the header too.
+#[test]
+fn a_width_that_is_not_of_the_planes_is_refused() {
+    widths_are_checked::<Node16<18>>();
+    widths_are_checked::<Node4<6>>();
+}
+
+fn widths_are_checked<N: Lanes>() {
+    let tree = default_build::<N>(&shapes::torus(12, 9));
+    let mut lines = aligned(tree.as_bytes());
+    let bytes: &mut [u8] = bytemuck::cast_slice_mut(&mut lines);
+    let size = tree.as_bytes().len();
+    let mut refusal = |at: usize, flip: u32| {
+        let link = u32::from_le_bytes(*bytes[at..].first_chunk().unwrap());
+        bytes[at..at + 4].copy_from_slice(&(link ^ flip << 26).to_le_bytes());
+        let found = BvhRef::<N>::from_bytes(&bytes[..size]).err();
+        bytes[at..at + 4].copy_from_slice(&link.to_le_bytes());
+        found
+    };
+    let mut links = 0;
+    for (index, node) in tree.view().nodes().iter().enumerate() {
+        for (lane, child) in node.children().iter().enumerate() {
+            if let Link::Inner(_) = child.link() {
+                links += 1;
+                // A node's links are its last part.
+                let at = 128 + (index + 1) * size_of::<N>() - 4 * (N::ARITY - lane);
+                for flip in 1..32 {
+                    match refusal(at, flip) {
+                        Some(BakeError::Node { node, lane: at, problem }) => {
+                            assert_eq!((node as usize, at as usize), (index, lane));
+                            assert!(problem.contains("width"), "{problem}");
+                        }
+                        other => panic!("node {index} lane {lane}: {other:?}"),
+                    }
+                }
+            }
+        }
+    }
+    assert_eq!(links + 1, tree.view().nodes().len(), "each node but the root");
+    let root = core::mem::offset_of!(Header, root);
+    for flip in 1..32 {
+        assert_eq!(refusal(root, flip), Some(BakeError::Header { field: "root" }));
+    }
+    assert_eq!(refusal(root, 0), None, "unchanged");
 }
 
 /// What became of damaged bytes.

@@ -67,13 +67,13 @@ fn kernels_leave_no_function_of_their_own() {
         return;
     }
     let functions = functions(&std::fs::read(std::env::current_exe().unwrap()).unwrap());
-    // Were names written otherwise than expected, none would be found. So the gates must be: a function
-    // compiled for an instruction set cannot be inlined in one that is not, so each traversal is in a
-    // gate of its own.
+    // Were names written otherwise than expected, none would be found. So the gates must be. On x86-64 a function
+    // compiled for an instruction set cannot be inlined in one that is not, so each traversal is in a gate of its
+    // own; NEON is in what all of an aarch64 program is compiled for, so there some gates are inlined themselves.
     let gates = functions.iter().filter(|name| name.contains("12compiled_for")).count();
-    let vector_isas = if cfg!(target_arch = "x86_64") { 2 } else { 1 };
+    let at_least = if cfg!(target_arch = "x86_64") { 2 * node_types } else { 1 };
     println!("{} functions, {gates} gates", functions.len());
-    assert!(gates >= node_types * vector_isas, "a gate for each traversal");
+    assert!(gates >= at_least, "a gate for each traversal");
     let apart: Vec<_> = functions.iter().filter(|name| is_kernel(name) && !may_be_apart(name)).collect();
     assert!(apart.is_empty(), "not inlined: {apart:#?}");
 }

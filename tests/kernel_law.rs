@@ -18,9 +18,10 @@ use simdop::kernel::{Kernel, Turned};
 use simdop::key::{Key, decode};
 use simdop::node::{Child, Node4, Node16};
 use simdop::pose::Pose;
+use simdop::primitive::Triangles;
 use simdop::primitive::triangle::Probe;
 use simdop::query::Lanes;
-use simdop::realign::Realignment;
+use simdop::realign::{OwnSlab, Realignment, own_slabs};
 use std::cell::LazyCell;
 use support::codes::SPECIAL;
 use support::data::notice;
@@ -55,6 +56,7 @@ macro_rules! laws {
             laws!(@each $isa:
                 overlaps_equal_the_scalar_kernel
                 realignments_equal_the_scalar_kernel
+                own_slabs_equal_the_scalar_kernel
                 any_one_plane_separates
                 any_one_lane_overlaps
                 roles_swapped_and_bodies_mirrored
@@ -101,23 +103,23 @@ fn pairs() -> u64 {
 }
 
 /// Pairs of nodes per k at which digests are compared with [`RECORDED`] ones, and an eighth as many
-/// re-alignments.
+/// re-alignments and own slabs.
 const RECORDED_PAIRS: u64 = 10_000_000;
 
-/// For each k, the scalar kernel's digests of overlaps and of re-alignments. The tests of `scalar` check them:
+/// For each k, the scalar kernel's digests of overlaps, re-alignments and own slabs. The tests of `scalar`
+/// check them:
 /// `SIMDOP_PAIRS=10000000 cargo test --release --test kernel_law scalar`.
 #[rustfmt::skip]
-const RECORDED: [(usize, [u64; 2]); 5] = [
-    (6, [0xba1264ffb34951e5, 0x576d200f5f71bf0f]),
-    (14, [0x9615bfaefa2ab949, 0x9160a455d043508f]),
-    (18, [0x66e79af1192efce7, 0x0b9c1fddfc73815e]),
-    (26, [0xe7459aa046af356b, 0xf8c7627a3e20de07]),
-    (32, [0xd1e722160c3abf4c, 0xa61415c6299d6e85]),
+const RECORDED: [(usize, [u64; 3]); 5] = [
+    (6, [0xba1264ffb34951e5, 0x576d200f5f71bf0f, 0xfbcd6cfffab4b088]),
+    (14, [0x9615bfaefa2ab949, 0x9160a455d043508f, 0x1f8c1f3f8b2cce3b]),
+    (18, [0x66e79af1192efce7, 0x0b9c1fddfc73815e, 0x2320bae51a891b0e]),
+    (26, [0xe7459aa046af356b, 0xf8c7627a3e20de07, 0x4ad6010c8fd025da]),
+    (32, [0xd1e722160c3abf4c, 0xa61415c6299d6e85, 0x80e8b27a7ae43f01]),
 ];
 
-/// The scalar kernel's digests of overlaps and of re-alignments, where the number of pairs is the recorded
-/// one.
-fn recorded<const K: usize>() -> Option<[u64; 2]> {
+/// The scalar kernel's digests, where the number of pairs is the recorded one.
+fn recorded<const K: usize>() -> Option<[u64; 3]> {
     (pairs() == RECORDED_PAIRS).then(|| RECORDED.iter().find(|row| row.0 == K).expect("a row for each k").1)
 }
 
@@ -242,11 +244,13 @@ fn each_pair<A, B>(
     }
 }
 
-/// Nodes of two trees, and A's in query form at poses where the trees meet.
+/// Nodes of two trees of one mesh, A's in query form at poses where the trees meet, and slabs of triangles
+/// beside them.
 struct Trees<const K: usize> {
     wide: Bvh<Node16<K>>,
     narrow: Bvh<Node4<K>>,
     maps: Vec<Realignment<K>>,
+    slabs: Vec<OwnSlab>,
 }
 
 /// A torus with a wave: curved both ways, and not symmetric.
@@ -279,17 +283,24 @@ where
         let (vertices, triangles) = shape(24);
         let mesh = Mesh { vertices: &vertices, triangles: &triangles };
         let (wide, narrow) = (Builder::new().build(&mesh).unwrap(), Builder::new().build(&mesh).unwrap());
-        let mut map = || {
+        let extent = Bvh::<Node16<K>>::view(&wide).extent();
+        let mut pose = || {
             let rotation = rng.rotation();
             let shift = rng.rotation()[0].map(|x| x * 2.0);
-            let pose = Pose::from_rows(core::array::from_fn(|i| {
-                [rotation[i][0], rotation[i][1], rotation[i][2], shift[i]]
-            }));
-            let tree: simdop::hierarchy::BvhRef<'_, Node16<K>> = Bvh::view(&wide);
-            Realignment::new(&pose.unwrap(), &tree.extent(), &tree.frame())
+            let rows = core::array::from_fn(|i| [rotation[i][0], rotation[i][1], rotation[i][2], shift[i]]);
+            Pose::from_rows(rows).unwrap()
         };
-        let maps = (0..64).map(|_| map()).collect();
-        Self { wide, narrow, maps }
+        let poses: Vec<_> = (0..64).map(|_| pose()).collect();
+        let maps = poses.iter().map(|pose| Realignment::new(pose, &extent, &extent.frame)).collect();
+        let mut corner = || [(); 3].map(|()| rng.range(-2.0, 2.0));
+        let mut triangle = || [corner(), corner(), corner()];
+        let slabs = poses.iter().flat_map(|pose| {
+            let posed = own_slabs::<Triangles, K>(&triangle(), 0.0, &extent, Some(pose));
+            let still = own_slabs::<Triangles, K>(&triangle(), 0.01, &extent, None);
+            posed.into_iter().chain(still)
+        });
+        let slabs = slabs.collect();
+        Self { wide, narrow, maps, slabs }
     }
 
     fn node_16(&self, rng: &mut Rng) -> &Node16<K> {
@@ -382,7 +393,7 @@ where
 {
     let mut rng = Rng::new(K as u64);
     let trees = LazyCell::new(|| Trees::<K>::new(&mut Rng::new(K as u64)));
-    let recorded = recorded::<K>().map(|[overlaps, _]| overlaps);
+    let recorded = recorded::<K>().map(|[overlaps, ..]| overlaps);
     let mut digest = Digest::EMPTY;
     let count = pairs() / MODES.len() as u64;
     for &mode in MODES {
@@ -409,9 +420,9 @@ where
     conclude(&format!("{name} k {K}: {} pairs of nodes", pairs()), &digest, recorded);
 }
 
-/// A map with anything in it.
-fn any_map<const K: usize>(rng: &mut Rng) -> Realignment<K> {
-    let float = |rng: &mut Rng| match rng.below(8) {
+/// Any number, more often one that is special or small.
+fn float(rng: &mut Rng) -> f32 {
+    match rng.below(8) {
         0 => *rng.pick(&[
             0.0,
             -0.0,
@@ -425,7 +436,11 @@ fn any_map<const K: usize>(rng: &mut Rng) -> Realignment<K> {
         1 => f32::from_bits(rng.u64() as u32),
         2 => rng.int(-4, 4) as f32,
         _ => rng.range(0.0, 2.0) as f32,
-    };
+    }
+}
+
+/// A map with anything in it.
+fn any_map<const K: usize>(rng: &mut Rng) -> Realignment<K> {
     Realignment {
         sources: core::array::from_fn(|_| core::array::from_fn(|_| rng.below(K as u64) as u8)),
         weights: core::array::from_fn(|_| core::array::from_fn(|_| float(rng).abs())),
@@ -441,7 +456,7 @@ where
     let mut rng = Rng::new(100 + K as u64);
     let trees = LazyCell::new(|| Trees::<K>::new(&mut Rng::new(K as u64)));
     let scalar = Scalar::new();
-    let recorded = recorded::<K>().map(|[_, realignments]| realignments);
+    let recorded = recorded::<K>().map(|[_, realignments, _]| realignments);
     let mut digest = Digest::EMPTY;
     // A scalar re-alignment costs as much as a hundred overlaps.
     let count = pairs() / 8 / MODES.len() as u64 + 1;
@@ -471,6 +486,73 @@ where
     }
     let all = count * MODES.len() as u64;
     conclude(&format!("{name} k {K}: {all} re-alignments of 16 and of 4"), &digest, recorded);
+}
+
+/// A slab with anything in it. As often as not a limit is the sum that some child has, so that the compare
+/// of equal numbers and the last place of the sum count.
+fn any_slab<const W: usize, const K: usize>(rng: &mut Rng, mode: Mode, nodes: &[Planes<W, K>]) -> OwnSlab {
+    let number = |rng: &mut Rng| match mode {
+        Mode::Grid => rng.int(-1, 3) as f32,
+        _ => float(rng),
+    };
+    let sources: [u8; 3] = core::array::from_fn(|_| rng.below(K as u64) as u8);
+    let weights: [f32; 3] = core::array::from_fn(|_| number(rng));
+    let limits = [0, 1].map(|side| {
+        if rng.below(2) == 0 {
+            return number(rng);
+        }
+        let (planes, lane) = (rng.pick(nodes), rng.below(W as u64) as usize);
+        let term = |l: usize| weights[l] * decode(planes[usize::from(sources[l]) ^ side][lane]);
+        (term(0) + term(1)) + term(2)
+    });
+    OwnSlab { sources, weights, limits }
+}
+
+/// Children beyond a slab, of sixteen and of four.
+fn beyond<const K: usize>(
+    kernel: impl Kernel,
+    (slab, slab_4): &(OwnSlab, OwnSlab),
+    (node, node_4): &(Node16<K>, Node4<K>),
+) -> [u16; 2] {
+    [kernel.beyond_16(slab, node), kernel.beyond_4(slab_4, node_4)]
+}
+
+fn own_slabs_equal_the_scalar_kernel<const K: usize>(kernel: impl Kernel, name: &str)
+where
+    Node16<K>: Lanes,
+    Node4<K>: Lanes,
+{
+    let mut rng = Rng::new(600 + K as u64);
+    let trees = LazyCell::new(|| Trees::<K>::new(&mut Rng::new(K as u64)));
+    let recorded = recorded::<K>().map(|[_, _, slabs]| slabs);
+    let mut digest = Digest::EMPTY;
+    let count = pairs() / 8 / MODES.len() as u64 + 1;
+    for &mode in MODES {
+        let mut ones = 0_u64;
+        let draw = |n| {
+            let (_, nodes) = pool(&mut rng, mode, &trees, n);
+            let (wides, narrows): (Vec<_>, Vec<_>) = nodes.into_iter().unzip();
+            let slab = |_| match mode {
+                Mode::Real => (*rng.pick(&trees.slabs), *rng.pick(&trees.slabs)),
+                _ => (any_slab(&mut rng, mode, &wides), any_slab(&mut rng, mode, &narrows)),
+            };
+            let slabs: Vec<_> = (0..n).map(slab).collect();
+            (slabs, wides.into_iter().map(wide).zip(narrows.into_iter().map(narrow)).collect())
+        };
+        each_pair(count, draw, |i, slabs, nodes: &(Node16<K>, Node4<K>)| {
+            let got = beyond(kernel, slabs, nodes);
+            if recorded.is_none() {
+                let want = beyond(Scalar::new(), slabs, nodes);
+                assert_eq!(got, want, "{name} k {K} {mode:?} pair {i}: {slabs:?} {nodes:x?}");
+            }
+            words(&got).for_each(|word| digest.add(word));
+            ones += got.iter().map(|mask| u64::from(mask.count_ones())).sum::<u64>();
+        });
+        let share = ones as f64 / (count * 20) as f64;
+        assert!(cfg!(miri) || (0.05..0.95).contains(&share), "{mode:?} k {K}: {share} of the bits are 1");
+    }
+    let all = count * MODES.len() as u64;
+    conclude(&format!("{name} k {K}: {all} own slabs against 16 and against 4"), &digest, recorded);
 }
 
 /// Planes that overlap in every lane, by touching.

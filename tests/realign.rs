@@ -1,8 +1,11 @@
 //! Re-alignment loses no collision: the turned planes bound every moved point, decided in exact arithmetic;
 //! and they are not much wider than they must be.
 
+#[path = "support/one_point.rs"]
+mod one_point;
 mod support;
 
+use one_point::{NO_EXTENT, OnePoint};
 use simdop::construct::{Builder, Mesh};
 use simdop::directions::{self, Directions};
 use simdop::frame::{Extent, Frame};
@@ -18,8 +21,7 @@ use support::data::suite_step;
 use support::dyadic::{Dyadic, dot, half_value};
 use support::rng::Rng;
 use support::shapes;
-
-type Rows = [[f64; 3]; 3];
+use support::turns::{Rows, add, random_point, rotation};
 
 /// Calls a generic function once for every k.
 macro_rules! for_each_k {
@@ -34,58 +36,8 @@ macro_rules! for_each_k {
 
 // ---- Poses and frames that are hard in different ways -----------------------------------------------------
 
-fn from_quaternion(q: [f64; 4]) -> Rows {
-    let length = ((q[0] * q[0] + q[1] * q[1]) + (q[2] * q[2] + q[3] * q[3])).sqrt();
-    let [x, y, z, w] = q.map(|c| c / length);
-    [
-        [1.0 - 2.0 * (y * y + z * z), 2.0 * (x * y - z * w), 2.0 * (x * z + y * w)],
-        [2.0 * (x * y + z * w), 1.0 - 2.0 * (x * x + z * z), 2.0 * (y * z - x * w)],
-        [2.0 * (x * z - y * w), 2.0 * (y * z + x * w), 1.0 - 2.0 * (x * x + y * y)],
-    ]
-}
-
-/// A turn by about `angle` about a random axis.
-fn small_turn(rng: &mut Rng, angle: f64) -> Rows {
-    let mut component = || 0.5 * angle * rng.range(-1.0, 1.0);
-    let (x, y, z) = (component(), component(), component());
-    from_quaternion([x, y, z, 1.0])
-}
-
-/// Each axis to an axis: every direction of most sets meets another one.
-fn axis_turn(rng: &mut Rng) -> Rows {
-    const STEP: Rows = [[0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [1.0, 0.0, 0.0]];
-    const QUARTER: Rows = [[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]];
-    let product = |a: Rows, b: Rows| -> Rows {
-        core::array::from_fn(|i| core::array::from_fn(|j| (0..3).map(|k| a[i][k] * b[k][j]).sum()))
-    };
-    (0..6).fold(STEP, |m, _| product(m, if rng.below(2) == 0 { STEP } else { QUARTER }))
-}
-
-fn rotation(rng: &mut Rng) -> Rows {
-    match rng.below(8) {
-        0 => [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
-        1 => small_turn(rng, 1e-9),
-        2 => small_turn(rng, 1e-3),
-        3 => axis_turn(rng),
-        4 => [[0.6, -0.8, 0.0], [0.8, 0.6, 0.0], [0.0, 0.0, 1.0]],
-        // As far from a rotation as a pose may be.
-        5 => rng.rotation().map(|row| row.map(|x| x + rng.range(-2e-5, 2e-5))),
-        _ => rng.rotation(),
-    }
-}
-
 fn pose(rotation: &Rows, t: Point) -> Pose {
     Pose::from_rows(core::array::from_fn(|i| [rotation[i][0], rotation[i][1], rotation[i][2], t[i]])).unwrap()
-}
-
-/// In a cube of one of these half widths.
-fn random_point<const N: usize>(rng: &mut Rng, sizes: [f64; N]) -> Point {
-    let size = *rng.pick(&sizes);
-    [(); 3].map(|()| rng.range(-size, size))
-}
-
-fn add(p: Point, q: Point) -> Point {
-    core::array::from_fn(|i| p[i] + q[i])
 }
 
 /// The exponent that puts something of this size between 2^6 and 2^7, as the builder does.
@@ -261,45 +213,6 @@ fn turned_planes_bound_bodies_too_large_for_single_precision() {
 }
 
 // ---- One point, a hair from the next half -----------------------------------------------------------------
-
-/// Of a body that is the origin.
-const NO_EXTENT: Extent = Extent {
-    frame: Frame { centre: [0.0; 3], exponent: 0 },
-    max_coordinate: 0.0,
-    half_width: [0.0; 3],
-    max_plane: 0.0,
-};
-
-/// A body that is one point, with planes that are halves exactly: nothing is lost before it is turned.
-struct OnePoint<const K: usize> {
-    extent: Extent,
-    point: Point,
-    planes: [i16; K],
-}
-
-impl<const K: usize> OnePoint<K> {
-    fn new(rng: &mut Rng) -> Self {
-        let largest = *rng.pick(&[3, 20, 120]);
-        let y = [(); 3].map(|()| rng.int(-largest, largest) as f64);
-        let support = |n: &[i8; 3]| n.iter().zip(y).map(|(&n, y)| f64::from(n) * y).sum::<f64>();
-        let supports: [f64; K] = core::array::from_fn(|j| support(&directions::table(K).vectors[j]));
-        let mut extent = NO_EXTENT;
-        extent.frame.exponent = rng.int(-3, 9) as i32;
-        // Multiples of 2^-10, so that the point is at y in the frame without rounding.
-        extent.frame.centre = random_point(rng, [0.0, 10.0, 1e6]).map(|x| (x * 1024.0).round() / 1024.0);
-        let scale = f64::from_bits(((1023 - extent.frame.exponent) as u64) << 52);
-        let point: Point = core::array::from_fn(|i| extent.frame.centre[i] + y[i] * scale);
-        extent.max_coordinate = point.iter().chain(&extent.frame.centre).fold(0.0, |m, x| x.abs().max(m));
-        extent.half_width = y.map(|x| x.abs() as f32);
-        extent.max_plane = supports.iter().fold(0.0, |m, x| x.abs().max(m)) as f32;
-        let planes = supports.map(|x| {
-            let key = Key::round_up_f64(x).unwrap();
-            assert_eq!(half_value(key.code()), x, "{x} is a half");
-            key.code()
-        });
-        Self { extent, point, planes }
-    }
-}
 
 /// A half with the magnitude that planes have.
 fn some_half(rng: &mut Rng) -> f64 {

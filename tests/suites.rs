@@ -43,8 +43,8 @@ fn bodies_are_as_far_apart_as_said() {
         Builder::new().build(&Mesh { vertices: &mesh.vertices, triangles: &mesh.triangles }).unwrap();
     let pair = Approaching { a: &mesh, b: &mesh, tree_a: tree.view(), tree_b: tree.view() };
     for method in Method::ALL {
-        let lines = pair.poses(method, 20, 1);
-        assert_eq!(lines, pair.poses(method, 20, 1));
+        let lines = pair.poses(&DISTANCES, method, 20, 1);
+        assert_eq!(lines, pair.poses(&DISTANCES, method, 20, 1));
         for line in lines {
             for (rows, (name, wanted)) in line.iter().zip(DISTANCES) {
                 match wanted {

@@ -43,7 +43,7 @@ fn row<N: Arity>(
     name: &str,
     mesh: &MeshData,
     poses: &[Pose],
-    slabs: impl Fn(&N::Planes, usize, &N) -> [usize; 2],
+    slabs: impl Fn(&N::Bodies, usize, &N) -> [usize; 2],
 ) {
     let tree = Builder::new().build(&Mesh { vertices: &mesh.vertices, triangles: &mesh.triangles }).unwrap();
     let recording = record(&[Scene { tree, poses: poses.to_vec() }]);

@@ -19,7 +19,7 @@ pub(crate) fn poses(mesh: &MeshData, count: usize) -> PerDistance<Vec<Pose>> {
         .unwrap();
     let pair = Approaching { a: mesh, b: mesh, tree_a: tree.view(), tree_b: tree.view() };
     let mut poses: PerDistance<Vec<Pose>> = Default::default();
-    for line in Method::ALL.into_iter().flat_map(|method| pair.poses(method, count / 2, 1)) {
+    for line in Method::ALL.into_iter().flat_map(|method| pair.poses(&DISTANCES, method, count / 2, 1)) {
         for (poses, rows) in poses.iter_mut().zip(line) {
             poses.push(Pose::from_rows(rows).unwrap());
         }

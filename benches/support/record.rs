@@ -35,18 +35,18 @@ pub(crate) struct Recording<Q, N> {
 
 /// What the recorder asks of a node.
 pub(crate) trait Arity: Lanes {
-    type Planes: Copy;
+    type Bodies: Copy;
     type Turn;
     fn turn_of(scene: BvhRef<'_, Self>, pose: &simdop::pose::Pose) -> Self::Turn;
-    fn turned(&self, turn: &Self::Turn) -> Self::Planes;
+    fn turned(&self, turn: &Self::Turn) -> Self::Bodies;
     /// The planes of one child in all lanes: a leaf that descends alone.
-    fn alone(planes: &Self::Planes, lane: usize) -> Self::Planes;
+    fn alone(planes: &Self::Bodies, lane: usize) -> Self::Bodies;
     /// Which bodies of the query child `lane` of `self` overlaps.
-    fn column(&self, planes: &Self::Planes, lane: usize) -> u16;
+    fn column(&self, planes: &Self::Bodies, lane: usize) -> u16;
     /// Which children of A the root of B overlaps.
-    fn against_hull(&self, planes: &Self::Planes) -> u16;
+    fn against_hull(&self, planes: &Self::Bodies) -> u16;
     /// Calls the kernel for the `wanted` children of A: `call(lane, answer)`. Returns the rows of bits.
-    fn rows(&self, planes: &Self::Planes, wanted: u16, call: impl FnMut(usize, u16)) -> [u16; 16];
+    fn rows(&self, planes: &Self::Bodies, wanted: u16, call: impl FnMut(usize, u16)) -> [u16; 16];
 }
 
 macro_rules! impl_arity {
@@ -55,15 +55,15 @@ macro_rules! impl_arity {
         where
             Self: Lanes,
         {
-            type Planes = Turned<$arity, K>;
+            type Bodies = Turned<$arity, K>;
             type Turn = Realignment<K>;
             fn turn_of(tree: BvhRef<'_, Self>, pose: &simdop::pose::Pose) -> Self::Turn {
                 Realignment::new(pose, &tree.extent(), &tree.frame())
             }
-            fn turned(&self, turn: &Self::Turn) -> Self::Planes {
+            fn turned(&self, turn: &Self::Turn) -> Self::Bodies {
                 $turned(Scalar::new(), turn, self)
             }
-            fn alone(planes: &Self::Planes, lane: usize) -> Self::Planes {
+            fn alone(planes: &Self::Bodies, lane: usize) -> Self::Bodies {
                 planes.map(|plane| [plane[lane]; $arity])
             }
             $($item)*
@@ -75,15 +75,15 @@ impl_arity! {
     Node16,
     16,
     turned_16,
-    fn column(&self, planes: &Self::Planes, lane: usize) -> u16 {
+    fn column(&self, planes: &Self::Bodies, lane: usize) -> u16 {
         Scalar::new().overlap_16v1(planes, self, lane)
     }
 
-    fn against_hull(&self, planes: &Self::Planes) -> u16 {
+    fn against_hull(&self, planes: &Self::Bodies) -> u16 {
         Scalar::new().overlap_16v_hull(planes, self)
     }
 
-    fn rows(&self, planes: &Self::Planes, wanted: u16, mut call: impl FnMut(usize, u16)) -> [u16; 16] {
+    fn rows(&self, planes: &Self::Bodies, wanted: u16, mut call: impl FnMut(usize, u16)) -> [u16; 16] {
         let mut rows = [0; 16];
         for lane in (0..16).filter(|lane| wanted >> lane & 1 != 0) {
             rows[lane] = Scalar::new().overlap_1v16(planes, lane, self);
@@ -97,16 +97,16 @@ impl_arity! {
     Node4,
     4,
     turned_4,
-    fn column(&self, planes: &Self::Planes, lane: usize) -> u16 {
+    fn column(&self, planes: &Self::Bodies, lane: usize) -> u16 {
         let pairs = Scalar::new().overlap_4v4(planes, self) >> lane;
         (0..4).fold(0, |mask, i| mask | (pairs >> (4 * i) & 1) << i)
     }
 
-    fn against_hull(&self, _: &Self::Planes) -> u16 {
+    fn against_hull(&self, _: &Self::Bodies) -> u16 {
         u16::MAX
     }
 
-    fn rows(&self, planes: &Self::Planes, wanted: u16, mut call: impl FnMut(usize, u16)) -> [u16; 16] {
+    fn rows(&self, planes: &Self::Bodies, wanted: u16, mut call: impl FnMut(usize, u16)) -> [u16; 16] {
         let pairs = Scalar::new().overlap_4v4(planes, self);
         call(0, pairs);
         let row =
@@ -129,11 +129,11 @@ struct Recorder<'t, N: Arity> {
     turn: N::Turn,
     first_node: u32,
     turned: Option<(u32, u32)>,
-    out: &'t mut Recording<N::Planes, N>,
+    out: &'t mut Recording<N::Bodies, N>,
 }
 
 /// Records every scene at every pose.
-pub(crate) fn record<N: Arity>(scenes: &[Scene<N>]) -> Recording<N::Planes, N> {
+pub(crate) fn record<N: Arity>(scenes: &[Scene<N>]) -> Recording<N::Bodies, N> {
     let mut out = Recording { queries: Vec::new(), nodes: Vec::new(), calls: Vec::new() };
     for scene in scenes {
         let tree = scene.tree.view();
@@ -204,7 +204,7 @@ impl<N: Arity> Recorder<'_, N> {
         })
     }
 
-    fn query(&mut self, planes: N::Planes) -> u32 {
+    fn query(&mut self, planes: N::Bodies) -> u32 {
         self.out.queries.push(planes);
         self.out.queries.len() as u32 - 1
     }

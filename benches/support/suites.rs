@@ -63,11 +63,17 @@ pub(crate) struct Approaching<'t> {
 }
 
 impl Approaching<'_> {
-    /// `count` lines' poses, each with its place for each of [`DISTANCES`].
+    /// `count` lines' poses, each with its place for each of the distances, nearest (or deepest) first.
     ///
     /// # Panics
     /// If most lines miss: then the bodies are not ones that can touch.
-    pub(crate) fn poses(&self, method: Method, count: usize, seed: u64) -> Vec<[Rows; DISTANCES.len()]> {
+    pub(crate) fn poses<const N: usize>(
+        &self,
+        distances: &[(&str, Distance); N],
+        method: Method,
+        count: usize,
+        seed: u64,
+    ) -> Vec<[Rows; N]> {
         let mut rng = Rng::new(seed);
         let mut poses = Vec::with_capacity(count);
         let mut lines = 0;
@@ -77,7 +83,8 @@ impl Approaching<'_> {
                 Method::Grid => self.grid_lines(count, &mut rng),
             };
             lines += batch.len();
-            poses.extend(batch.iter().filter_map(|line| self.along(line)).take(count - poses.len()));
+            let found = batch.iter().filter_map(|line| self.along(line, distances));
+            poses.extend(found.take(count - poses.len()));
             assert!(lines <= 1000 * (poses.len() + 1), "no line of {lines} comes to a contact");
         }
         poses
@@ -119,13 +126,13 @@ impl Approaching<'_> {
     }
 
     /// The places on a line, or nothing if it misses.
-    fn along(&self, line: &Approach) -> Option<[Rows; DISTANCES.len()]> {
+    fn along<const N: usize>(&self, line: &Approach, distances: &[(&str, Distance); N]) -> Option<[Rows; N]> {
         let far = 2.0 * (self.a.diagonal() + self.b.diagonal());
-        let mut at = [line.at(far); DISTANCES.len()];
+        let mut at = [line.at(far); N];
         let mut place = self.place(far);
         // From the largest gap to the contact: each search goes on where the last one ended.
-        for i in (0..DISTANCES.len()).rev() {
-            let (gap, depth) = match DISTANCES[i].1 {
+        for i in (0..N).rev() {
+            let (gap, depth) = match distances[i].1 {
                 Distance::Gap(gap) => (gap, 0.0),
                 Distance::Deep(depth) => (0.0, depth),
             };

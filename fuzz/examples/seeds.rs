@@ -7,7 +7,8 @@ use std::io;
 use std::path::Path;
 
 fn main() -> io::Result<()> {
-    for target in ["kernel_1v16", "kernel_4v4", "half_keys", "realign", "traverse", "from_bytes"] {
+    for target in ["kernel_1v16", "kernel_4v4", "half_keys", "realign", "own_slab", "traverse", "from_bytes"]
+    {
         // Each k, and the modes in turn; then numbers as they come.
         for k in 0..5 {
             let choice = [k];
@@ -16,6 +17,25 @@ fn main() -> io::Result<()> {
             seed.extend((0..48).map(|_| input.u8()));
             write(target, ["k6", "k14", "k18", "k26", "k32"][usize::from(k)], &seed)?;
         }
+    }
+    // Bodies of unlike size, the torus against the torus: at equal size, at the greatest ratio in both orders, and
+    // with one, the other or both far from the origin. Then a corner near a corner, and numbers as they come.
+    let torus = |size: u8, place: u8| [4 * (4 * 7 + size) + place, 0];
+    let pairs = [
+        (torus(0, 0), torus(0, 0)),
+        (torus(6, 0), torus(0, 0)),
+        (torus(0, 0), torus(6, 0)),
+        (torus(2, 3), torus(0, 0)),
+        (torus(0, 0), torus(2, 3)),
+        (torus(1, 3), torus(0, 3)),
+    ];
+    for (k, (a, b)) in (0..).zip(pairs) {
+        let choice = [k, 1];
+        let mut input = Input::new(&choice);
+        let mut seed = vec![2, k % 5, k, 0];
+        seed.extend([a, b].concat());
+        seed.extend((0..48).map(|_| input.u8()));
+        write("traverse", &format!("sizes{k}"), &seed)?;
     }
     write("from_bytes", "torus", tree::<Node16<18>>(0))?;
     write("from_bytes", "doubles", tree::<Node4<14>>(2))?;

@@ -15,7 +15,7 @@ use simdop::query::Lanes;
 use simdop::range::Point;
 use simdop::realign::Realignment;
 use simdop_fuzz::bodies::{Body, bodies, pose, small_body};
-use simdop_fuzz::planes::{narrow, pair, turned_4, turned_16, wide};
+use simdop_fuzz::planes::{float, narrow, pair, turned_4, turned_16, wide};
 use simdop_fuzz::{Input, Mode, for_k, on_every_isa};
 use support::dyadic::{Dyadic, dot, half_value};
 
@@ -80,14 +80,7 @@ fn kernels_agree<const K: usize>(map: &Realignment<K>, wide: &Node16<K>, narrow:
 
 /// A map with anything in it, but for negative weights.
 fn any_map<const K: usize>(input: &mut Input, mode: Mode) -> Realignment<K> {
-    let mut float = || match (mode, input.u8()) {
-        (Mode::Grid, choice) => f32::from(choice as i8 >> 4),
-        (_, choice @ 0..8) => {
-            [0.0, -0.0, 1.0, f32::MIN_POSITIVE, 1e-45, f32::MAX, f32::INFINITY, f32::NAN][usize::from(choice)]
-        }
-        (_, 8..32) => f32::from_bits(input.u32()),
-        _ => f32::from(input.u16() as i16) / 8192.0,
-    };
+    let mut float = || float(input, mode);
     let mut map = Realignment { sources: [[0; 3]; K], weights: [[0.0; 3]; K], offset: [0.0; K] };
     for j in 0..K {
         map.weights[j] = [float().abs(), float().abs(), float().abs()];

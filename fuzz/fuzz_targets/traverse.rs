@@ -10,7 +10,7 @@ use libfuzzer_sys::fuzz_target;
 use simdop::isa::Isa;
 use simdop::pose::Pose;
 use simdop::query::{Answer, Completion, Distance, Lanes, Pair, Query, Verdict};
-use simdop_fuzz::bodies::{Body, bodies, pose, small_body};
+use simdop_fuzz::bodies::{Body, bodies, corner_pose, pose, small_body, unlike_body};
 use simdop_fuzz::{Input, Mode, for_node};
 use support::exact::meeting_pairs;
 
@@ -21,6 +21,10 @@ fuzz_target!(|data: &[u8]| {
 });
 
 fn check<N: Lanes>(input: &mut Input, mode: Mode) {
+    if mode == Mode::Real && input.one_in(2) {
+        let (a, b) = (unlike_body::<N>(input), unlike_body::<N>(input));
+        return compare(a, b, &corner_pose(input, a, b), input);
+    }
     if mode == Mode::Real {
         let bodies = &bodies::<N>().0;
         return compare(input.pick(bodies), input.pick(bodies), &pose(input, mode), input);
@@ -54,9 +58,46 @@ fn compare<N: Lanes>(a: &Body<N>, b: &Body<N>, pose: &Pose, input: &mut Input) {
     if let Some(distance) = distance {
         assert_eq!(distance.upper == 0.0, !want.is_empty(), "{distance:?} {pose:?}");
         assert!(distance.lower <= distance.upper, "{distance:?}");
+        if distance.upper.is_finite() {
+            compare_bounds(a, b, pose, (budget, distance), input);
+        }
     }
     for isa in Isa::available().filter(|isa| *isa != Isa::SCALAR) {
         assert_eq!(answers(isa, a, b, pose, budget, distances), scalar, "{isa} {pose:?}");
+    }
+}
+
+/// Margins, and distances within a budget, agree with the distance.
+fn compare_bounds<N: Lanes>(
+    a: &Body<N>,
+    b: &Body<N>,
+    pose: &Pose,
+    (budget, distance): (u64, &Distance),
+    input: &mut Input,
+) {
+    let (a, b) = (a.tree.view(), b.tree.view());
+    let margin = distance.upper * [0.5, 0.98, 1.0, 1.02, 2.0, 1000.0][input.below(6)];
+    let ask = |isa: Isa| {
+        let query = Query::new(isa);
+        let partial = query.with_budget(budget).distance(&a, &b, pose, 0.01).unwrap();
+        let within = query.within(&a, &b, pose, margin).unwrap();
+        (partial, within, query.with_budget(budget).within(&a, &b, pose, margin).unwrap())
+    };
+    let (partial, within, short) = ask(Isa::SCALAR);
+    let (lower, upper) = (distance.lower * (1.0 - 1e-12), distance.upper * (1.0 + 1e-12));
+    assert!(partial.lower <= upper && lower <= partial.upper, "{partial:?} {distance:?} {pose:?}");
+    assert!(
+        if within.is_free() { margin < upper } else { lower <= margin },
+        "{margin:e} {within:?} {distance:?}"
+    );
+    match short.verdict {
+        Verdict::Unknown { lower: least, upper: most } => {
+            assert!(least <= upper && lower <= most, "{short:?} {distance:?} {pose:?}");
+        }
+        verdict => assert_eq!(verdict, within.verdict, "{budget} {pose:?}"),
+    }
+    for isa in Isa::available() {
+        assert_eq!(ask(isa), (partial, within, short), "{isa} {pose:?}");
     }
 }
 

@@ -15,14 +15,65 @@ pub struct Body<N> {
     /// Corners of the triangles, in the order of the mesh.
     pub triangles: Vec<[[f64; 3]; 3]>,
     pub tree: Bvh<N>,
+    /// The diagonal of its box.
+    size: f64,
 }
 
 impl<N: Dop> Body<N> {
     fn new(mesh: &MeshData, leaf_size: u32) -> Self {
         let builder = Builder::new().leaf_size(leaf_size).splitter(Splitter::ExtendedLongestAxis);
         let tree = builder.build(&Mesh { vertices: &mesh.vertices, triangles: &mesh.triangles }).unwrap();
-        Self { triangles: mesh.corners(), tree }
+        Self { triangles: mesh.corners(), tree, size: mesh.diagonal() }
     }
+}
+
+/// How large bodies of unlike size are, and how many of their diagonals from the origin.
+const FACTORS: [f64; 7] = [1.0, 1e-2, 1e-4, 1e-6, 1e-8, 1e-10, 1e-12];
+const OFFSETS: [f64; 4] = [0.0, 1e3, 1e6, 1e9];
+
+/// Bodies of all these sizes at all these places: of one kind after the other, each kind by size, each size by
+/// place.
+struct Unlike<N>(Vec<Body<N>>);
+
+/// One of them: two have a ratio of sizes of up to 10^12.
+pub fn unlike_body<N: Dop>(input: &mut Input) -> &'static Body<N> {
+    let all = cached(|| {
+        let mut rng = Rng::new(2);
+        let torus = shapes::torus(6, 4);
+        let kinds = [
+            shapes::soup(&mut rng, 18, 0.3),
+            shapes::flat_grid(3),
+            shapes::huge_among_tiny(&mut rng, 12),
+            shapes::without_area(&torus, &mut rng, 6),
+            torus,
+        ];
+        let sizes =
+            kinds.iter().flat_map(|mesh| FACTORS.map(|factor| shapes::scaled(mesh, factor, [0.0; 3])));
+        let places = |mesh: MeshData| {
+            OFFSETS.map(|diagonals| {
+                let away = diagonals * mesh.diagonal();
+                Body::new(&shapes::scaled(&mesh, 1.0, [0.48, -0.6, 0.64].map(|x| x * away)), 1)
+            })
+        };
+        Unlike(sizes.flat_map(places).collect())
+    });
+    input.pick(&all.0)
+}
+
+/// A pose that brings a corner of one body to a corner of the other, or near it.
+pub fn corner_pose<N>(input: &mut Input, a: &Body<N>, b: &Body<N>) -> Pose {
+    let rotation = turn(input);
+    let [from, to] = [a, b].map(|body| {
+        let corners = *input.pick(&body.triangles);
+        corners[input.below(3)]
+    });
+    let reach = *input.pick(&[0.0, 1e-9, 1e-3, 1.0]) * a.size.min(b.size);
+    let off = [(); 3].map(|()| reach * f64::from(input.u16() as i16) / 65536.0);
+    let rows = core::array::from_fn(|i| {
+        let [x, y, z] = rotation[i];
+        [x, y, z, (to[i] + off[i]) - ((x * from[0] + y * from[1]) + z * from[2])]
+    });
+    Pose::from_rows(rows).expect("bodies are in range, and so are their differences")
 }
 
 /// The bodies of real trees: of size about 1 about the origin, so that most poses let them meet, and small.
@@ -96,8 +147,9 @@ fn make_body<N: Dop>(input: &mut Input, mode: Mode) -> Option<Body<N>> {
     let tree = Builder::new().leaf_size(leaf_size).build(&mesh);
     assert_eq!(tree.is_ok(), legal, "{vertices:?}: {:?}", tree.err());
     let flush = |x: f64| if x.abs() < simdop::range::MIN_COORDINATE { 0.0 } else { x };
-    let triangles = triangles.iter().map(|t| t.map(|v| vertices[v as usize].map(flush))).collect();
-    Some(Body { triangles, tree: tree.ok()? })
+    let tree = tree.ok()?;
+    let mesh = MeshData { vertices: vertices.iter().map(|p| p.map(flush)).collect(), triangles };
+    Some(Body { triangles: mesh.corners(), tree, size: mesh.diagonal() })
 }
 
 /// What coordinates are about as large as.
@@ -123,10 +175,13 @@ fn coordinate(input: &mut Input, mode: Mode, unit: f64) -> f64 {
 pub fn pose(input: &mut Input, mode: Mode) -> Pose {
     let rotation = if mode == Mode::Grid { axis_turn(input) } else { turn(input) };
     let unit = unit(input, mode);
+    // Some bodies are far apart.
+    let far =
+        if mode == Mode::Real && input.one_in(16) { [30.0, 3e3, 1e6, 1e9][input.below(4)] } else { 1.0 };
     let t = [(); 3].map(|()| match mode {
         Mode::Grid => input.int(-4, 4).into(),
         Mode::AnyBits => coordinate(input, mode, unit),
-        Mode::Real => f64::from(input.u16() as i16) / 20_000.0,
+        Mode::Real => far * f64::from(input.u16() as i16) / 20_000.0,
     });
     match Pose::from_rows(core::array::from_fn(|i| [rotation[i][0], rotation[i][1], rotation[i][2], t[i]])) {
         Ok(pose) => pose,

@@ -11,9 +11,10 @@
 //! |---|---|---|
 //! | `kernel_1v16`, `kernel_4v4` | masks of every instruction set | the scalar kernel |
 //! | `realign` | the same for turned planes; turned planes bound the moved triangles | the scalar kernel; exact arithmetic |
+//! | `own_slab` | the same for children beyond a slab; children beyond a triangle's slab are apart from it | the scalar kernel; exact arithmetic |
 //! | `half_keys` | rounding up, by the keys and by every instruction set; codes and values | the definition of a half |
 //! | `from_bytes` | bytes refused for a true reason, or safe to walk and to query | a second reader; brute force |
-//! | `traverse` | verdicts, pairs, budgets and distances; counters of every instruction set | brute force; the scalar kernel |
+//! | `traverse` | verdicts, pairs, budgets and distances, of sizes to 1e12 : 1 and as far as 1e9 diagonals from the origin; counters of every instruction set | brute force; the scalar kernel |
 //!
 //! The first byte chooses the [`Mode`], the second k, the rest is values. `from_bytes` takes a baked tree as
 //! it is, too.

@@ -25,6 +25,18 @@ pub fn code(input: &mut Input) -> i16 {
     }
 }
 
+/// Any number; a small integer with [`Mode::Grid`].
+pub fn float(input: &mut Input, mode: Mode) -> f32 {
+    match (mode, input.u8()) {
+        (Mode::Grid, choice) => f32::from(choice as i8 >> 4),
+        (_, choice @ 0..8) => {
+            [0.0, -0.0, 1.0, f32::MIN_POSITIVE, 1e-45, f32::MAX, f32::INFINITY, f32::NAN][usize::from(choice)]
+        }
+        (_, 8..32) => f32::from_bits(input.u32()),
+        _ => f32::from(input.u16() as i16) / 8192.0,
+    }
+}
+
 /// The key of a small integer.
 pub fn grid_code(value: i32) -> i16 {
     Key::round_up_f64(value.into()).unwrap().code()

@@ -59,6 +59,9 @@ struct TreeOptions {
     /// How triangles are assigned to the children of a node [default: mean-width].
     #[arg(short, long, value_enum)]
     splitter: Option<SplitterName>,
+    /// Leave out the thin slabs: 8 bytes a child fewer, and more visits of smooth meshes that nearly touch.
+    #[arg(long)]
+    without_thin_slabs: bool,
     /// Take a mesh file without a triangle for an empty body, which meets nothing. Without this it is an
     /// error.
     #[arg(long)]
@@ -81,6 +84,7 @@ impl TreeOptions {
             ("--arity", self.arity.is_some()),
             ("--leaf-size", self.leaf_size.is_some()),
             ("--splitter", self.splitter.is_some()),
+            ("--without-thin-slabs", self.without_thin_slabs),
             ("--allow-empty", self.allow_empty),
         ];
         given.iter().find(|(_, is_given)| *is_given).map(|(option, _)| *option)

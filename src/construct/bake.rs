@@ -2,6 +2,7 @@
 
 use super::geometry::{Checked, Record, bounding_box};
 use super::shape::{InOrder, Shape};
+use super::thin::thin_slabs;
 use super::wrap::wrap;
 use super::{Assignment, BuildError, Geometry};
 use crate::exact::round_up_f32;
@@ -18,6 +19,7 @@ pub(super) fn bake<N: Dop, G: Geometry>(
     table: &Checked<'_, Record<G>>,
     assignment: &Assignment,
     leaf_size: u32,
+    has_thin_slabs: bool,
 ) -> Result<Bvh<N, G::Primitive>, BuildError> {
     let shape: Shape<N> = Shape::new(assignment, leaf_size);
     if shape.depth > MAX_DEPTH {
@@ -31,6 +33,17 @@ pub(super) fn bake<N: Dop, G: Geometry>(
     let mut nodes = shape.nodes;
     wrap(&mut nodes, &frame, &vertices, &records);
 
+    let thin_slabs = if has_thin_slabs {
+        let mut corners = Vec::new();
+        let normal = |record: &Record<G>| {
+            corners.clear();
+            corners.extend(record.as_ref().iter().map(|&vertex| vertices[vertex as usize]));
+            G::normal(&corners)
+        };
+        thin_slabs(&nodes, &frame, &vertices, &records, normal)
+    } else {
+        Vec::new()
+    };
     let mut corners = Vec::new();
     let mut is_degenerate = |record: &&Record<G>| {
         corners.clear();
@@ -40,6 +53,7 @@ pub(super) fn bake<N: Dop, G: Geometry>(
     let degenerate_count = records.iter().filter(&mut is_degenerate).count() as u32;
     let coordinate = |i: usize| low[i].abs().max(high[i].abs()).max(frame.centre[i].abs());
     let single: Option<Vec<_>> = vertices.iter().map(G::Primitive::narrow).collect();
+    let half_width = half_width(&frame, &vertices);
     let header = Header {
         magic: MAGIC,
         version: VERSION,
@@ -55,13 +69,15 @@ pub(super) fn bake<N: Dop, G: Geometry>(
         centre: frame.centre,
         max_coordinate: coordinate(0).max(coordinate(1)).max(coordinate(2)),
         exponent: frame.exponent,
-        half_width: half_width(&frame, &vertices),
+        half_width,
         max_plane: max_plane(&nodes),
+        root: Header::root_of(half_width),
         vertex_size: match single {
             Some(_) => size_of::<<G::Primitive as Primitive>::Single>() as u16,
             None => size_of::<Point>() as u16,
         },
-        reserved: [0; 17],
+        has_thin_slabs: has_thin_slabs.into(),
+        reserved: [0; 14],
     };
     let vertex_bytes: &[u8] = match &single {
         Some(single) => bytemuck::cast_slice(single),
@@ -71,6 +87,7 @@ pub(super) fn bake<N: Dop, G: Geometry>(
     Ok(Bvh::assemble(&[
         (64, bytemuck::bytes_of(&header)),
         (64, bytemuck::cast_slice(&nodes)),
+        (8, bytemuck::cast_slice(&thin_slabs)),
         (8, vertex_bytes),
         (4, bytemuck::cast_slice(&records)),
         (4, bytemuck::cast_slice(&shape.sources)),

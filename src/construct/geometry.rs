@@ -3,6 +3,8 @@
 use super::BuildError;
 use crate::frame::scale_to_one;
 use crate::node::Child;
+#[cfg(doc)]
+use crate::node::ThinSlab;
 use crate::primitive::{Primitive, Triangles, triangle};
 use crate::range::{MAX_COORDINATE, Point, flush};
 use alloc::vec::Vec;
@@ -19,6 +21,12 @@ pub trait Geometry {
     /// What a primitive weighs with [`super::Magnification::Area`]: finite and not negative. Its corners are
     /// in a unit of length in which no coordinate is above 2.
     fn weight(corners: &[Point]) -> f64;
+    /// A primitive's normal, of either sign, as long as it weighs; zero if it has none. Children get a
+    /// [`ThinSlab`] along their primitives' mean normal.
+    #[must_use]
+    fn normal(_corners: &[Point]) -> Point {
+        [0.0; 3]
+    }
     /// Whether a primitive is flat in more ways than its kind is, as a triangle without area: such ones are
     /// counted.
     fn is_degenerate(corners: &[Point]) -> bool;
@@ -49,11 +57,15 @@ impl Geometry for Mesh<'_> {
 
     /// Its area.
     fn weight(corners: &[Point]) -> f64 {
-        let &[p, q, r] = corners else { return 0.0 };
+        let n = Self::normal(corners);
+        libm::sqrt((n[0] * n[0] + n[1] * n[1]) + n[2] * n[2])
+    }
+
+    fn normal(corners: &[Point]) -> Point {
+        let &[p, q, r] = corners else { return [0.0; 3] };
         let edge = |a: Point, b: Point| -> Point { core::array::from_fn(|i| b[i] - a[i]) };
         let (u, v) = (edge(p, q), edge(p, r));
-        let n = [u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]];
-        libm::sqrt((n[0] * n[0] + n[1] * n[1]) + n[2] * n[2])
+        [u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]]
     }
 
     fn is_degenerate(corners: &[Point]) -> bool {

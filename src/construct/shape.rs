@@ -1,7 +1,7 @@
-//! The shape of a tree: links without planes.
+//! The shape of a tree: links without planes, and therefore without widths.
 
 use super::Assignment;
-use crate::node::{Child, Node};
+use crate::node::{Child, Node, Width};
 use crate::range::Point;
 use alloc::vec::Vec;
 
@@ -29,7 +29,7 @@ impl<N: Node> Shape<N> {
             for &end in ends {
                 let count = end - start;
                 if count > leaf_size {
-                    node.set_child(lane, Child::inner(starts.len() as u32));
+                    node.set_child(lane, Child::inner(starts.len() as u32, Width::of(0.0)));
                     starts.push((start, level + 1));
                 } else if count > 0 {
                     node.set_child(lane, Child::leaf(sources.len() as u32, count));

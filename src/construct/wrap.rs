@@ -1,9 +1,9 @@
-//! The planes of a tree whose shape is known.
+//! The planes of a tree whose shape is known, and the widths that its links say.
 
 use super::parallel;
 use crate::frame::Frame;
 use crate::key::Key;
-use crate::node::{Dop, Link};
+use crate::node::{Child, Dop, Link, Width};
 use crate::range::Point;
 use alloc::vec::Vec;
 
@@ -34,8 +34,8 @@ pub(super) fn wrap<N: Dop, R: AsRef<[u32]> + Sync>(
     });
     for index in (0..nodes.len()).rev() {
         for lane in 0..N::ARITY {
-            let Link::Inner(below) = nodes[index].children()[lane].link() else { continue };
-            let below = nodes[below as usize];
+            let Link::Inner(target) = nodes[index].children()[lane].link() else { continue };
+            let below = nodes[target as usize];
             for j in 0..N::K {
                 // Unused lanes hold the lowest code, and a node has at least one lane in use.
                 let code = (0..N::ARITY).map(|lane| below.plane(j, lane)).fold(i16::MIN, i16::max);
@@ -43,6 +43,8 @@ pub(super) fn wrap<N: Dop, R: AsRef<[u32]> + Sync>(
                     nodes[index].raise_plane(j, lane, key);
                 }
             }
+            let width = Width::of_lane(&nodes[index], lane);
+            nodes[index].set_child(lane, Child::inner(target, width));
         }
     }
 }

@@ -2,11 +2,11 @@
 
 use super::{Directions, sectors};
 
-/// The [`super::Weights`] of a vector for each slab, by column: the first half of each array is used.
+/// The [`super::Weights`] of several vectors, by column.
 #[derive(Copy, Clone, Debug)]
-pub(crate) struct Decomposition<const K: usize> {
-    pub(crate) directions: [[u8; 3]; K],
-    pub(crate) weights: [[f64; K]; 3],
+pub(crate) struct Decomposition<const W: usize> {
+    pub(crate) directions: [[u8; 3]; W],
+    pub(crate) weights: [[f64; W]; 3],
 }
 
 impl<const K: usize> Directions<K> {
@@ -26,27 +26,41 @@ impl<const K: usize> Directions<K> {
         columns
     };
 
-    /// [`Directions::decompose`] of a vector for each slab.
-    #[expect(clippy::needless_range_loop, reason = "several columns share the index, of which half is used")]
+    /// [`Directions::decompose`] of a vector for each slab: the first half of each array.
     #[inline(always)]
     pub(crate) fn decompose_slabs(u: &[[f64; K]; 3]) -> Decomposition<K> {
-        let mut found = Decomposition { directions: [[0; 3]; K], weights: [[0.0; K]; 3] };
+        Self::decompose_columns(u, Self::COLUMNS, Self::SLABS)
+    }
+
+    /// [`Directions::decompose`] of the first `count` columns; `columns` is as many, filled up to whole
+    /// vectors.
+    #[expect(
+        clippy::needless_range_loop,
+        reason = "several columns share the index, not all of which is used"
+    )]
+    #[inline(always)]
+    pub(crate) fn decompose_columns<const W: usize>(
+        u: &[[f64; W]; 3],
+        columns: usize,
+        count: usize,
+    ) -> Decomposition<W> {
+        let mut found = Decomposition { directions: [[0; 3]; W], weights: [[0.0; W]; 3] };
         if sectors::applies(K) {
             // Two loops: the first is compiled to vector instructions, looking up tables is not.
-            let mut sectors = [0; K];
-            for s in 0..Self::COLUMNS {
+            let mut sectors = [0; W];
+            for s in 0..columns {
                 let weights;
                 (weights, sectors[s]) = sectors::split::<K>([u[0][s], u[1][s], u[2][s]]);
                 for l in 0..3 {
                     found.weights[l][s] = weights[l];
                 }
             }
-            for s in 0..Self::SLABS {
+            for s in 0..count {
                 found.directions[s] = Self::SECTORS[sectors[s] as usize & 127];
             }
             return found;
         }
-        for s in 0..Self::SLABS {
+        for s in 0..count {
             let one = Self::search([u[0][s], u[1][s], u[2][s]]);
             found.directions[s] = one.directions;
             for l in 0..3 {

@@ -2,6 +2,7 @@
 
 use super::layout::node_type;
 use crate::frame::{Extent, Frame};
+use crate::node::{Child, Width};
 #[cfg(doc)]
 use crate::primitive::Kind;
 use crate::range::Point;
@@ -11,7 +12,7 @@ use core::fmt;
 pub const MAGIC: [u8; 8] = *b"SIMDOP\x1a\n";
 
 /// Version of the layout that this crate reads and writes.
-pub const VERSION: u32 = 2;
+pub const VERSION: u32 = 3;
 
 #[cfg(target_endian = "big")]
 compile_error!("baked trees are little-endian and read in place: big-endian targets are not supported");
@@ -53,9 +54,13 @@ pub struct Header {
     pub half_width: [f32; 3],
     /// Largest absolute finite plane.
     pub max_plane: f32,
+    /// The link to the root, with the [`Width`] of a box of twice [`Header::half_width`].
+    pub root: Child,
     /// Bytes of a vertex. Of triangles: 12 (three `f32`) or 24 (three `f64`).
     pub vertex_size: u16,
-    pub(crate) reserved: [u16; 17],
+    /// 1 if the tree has thin slabs, else 0.
+    pub has_thin_slabs: u16,
+    pub(crate) reserved: [u16; 14],
 }
 
 const _: () = assert!(size_of::<Header>() == 128 && align_of::<Header>() == 8, "the header has 128 bytes");
@@ -164,6 +169,11 @@ impl Header {
             return Err(BakeError::Misaligned);
         }
         bytemuck::try_from_bytes(&bytes[..size_of::<Self>()]).map_err(|_| BakeError::Misaligned)
+    }
+
+    /// What [`Header::root`] must be.
+    pub(crate) const fn root_of([x, y, z]: [f32; 3]) -> Child {
+        Child::inner(0, Width::of(2.0 * ((x + y) + z)))
     }
 
     /// How large the body is.

@@ -18,6 +18,8 @@ pub struct Stats {
     pub lanes_used: usize,
     /// Bytes of planes and links.
     pub node_bytes: usize,
+    /// Bytes of thin slabs.
+    pub thin_slab_bytes: usize,
     /// Bytes of the whole baked tree, with vertices, primitives and their indices in what was built.
     pub total_bytes: usize,
 }
@@ -28,14 +30,20 @@ impl<N: Node, P: Primitive> BvhRef<'_, N, P> {
     pub fn stats(&self) -> Stats {
         let used = |node: &N| node.children().iter().filter(|c| **c != Child::EMPTY).count();
         let h = self.header;
-        let layout =
-            Layout::of_counts::<N, P>(h.node_count, h.vertex_count, h.vertex_size, h.primitive_count);
+        let layout = Layout::of_counts::<N, P>(
+            h.node_count,
+            h.has_thin_slabs,
+            h.vertex_count,
+            h.vertex_size,
+            h.primitive_count,
+        );
         Stats {
             primitives: self.len(),
             nodes: self.nodes.len(),
             depth: self.header.depth as usize,
             lanes_used: self.nodes.iter().map(used).sum(),
             node_bytes: size_of_val(self.nodes),
+            thin_slab_bytes: size_of_val(self.thin_slabs),
             total_bytes: layout.map_or(0, |layout| layout.end),
         }
     }

@@ -1,9 +1,9 @@
 //! Is it safe to walk these bytes? Baked trees are untrusted input.
 
-use super::{BakeError, BvhRef, MAX_DEPTH};
+use super::{BakeError, BvhRef, Header, MAX_DEPTH};
 use crate::frame::{Extent, MAX_EXPONENT};
 use crate::key::{Key, decode};
-use crate::node::{Child, Dop, Link, MAX_LEAF_SIZE};
+use crate::node::{Child, Dop, Link, MAX_LEAF_SIZE, Width};
 use crate::primitive::{Fault, Primitive};
 use crate::range::MAX_COORDINATE;
 use crate::range::{Point, flush};
@@ -38,7 +38,10 @@ impl<N: Dop, P: Primitive> BvhRef<'_, N, P> {
         let checks = [
             ("leaf_size", (1..=MAX_LEAF_SIZE).contains(&h.leaf_size.into())),
             ("primitive_count", h.primitive_count <= Child::MAX_PRIMITIVES),
-            ("node_count", (h.node_count == 0) == (h.primitive_count == 0) && h.node_count < 1 << 31),
+            (
+                "node_count",
+                (h.node_count == 0) == (h.primitive_count == 0) && h.node_count <= h.primitive_count,
+            ),
             ("depth", h.depth as usize <= MAX_DEPTH),
             ("degenerate_count", h.degenerate_count <= h.primitive_count),
             ("centre", h.centre.iter().all(|c| c.abs() <= MAX_COORDINATE)),
@@ -49,7 +52,9 @@ impl<N: Dop, P: Primitive> BvhRef<'_, N, P> {
             ("exponent", (-MAX_EXPONENT..=MAX_EXPONENT).contains(&h.exponent)),
             ("half_width", h.half_width.iter().all(|w| *w >= 0.0 && w.is_finite())),
             ("max_plane", h.max_plane >= 0.0 && h.max_plane.is_finite()),
-            ("reserved", h.reserved == [0; 17]),
+            ("root", h.root == Header::root_of(h.half_width)),
+            ("has_thin_slabs", h.has_thin_slabs <= 1),
+            ("reserved", h.reserved == [0; 14]),
         ];
         match checks.iter().find(|(_, ok)| !ok) {
             Some((field, _)) => Err(BakeError::Header { field }),
@@ -71,11 +76,17 @@ impl<N: Dop, P: Primitive> BvhRef<'_, N, P> {
             }
             for (lane, child) in node.children().iter().enumerate() {
                 self.validate_planes(node, lane).map_err(|problem| error(lane, problem))?;
+                if self.thin_slab(index, lane).is_some_and(|slab| !slab.is_valid()) {
+                    return Err(error(lane, "a thin slab has no direction, or no thickness"));
+                }
                 match child.link() {
                     Link::Empty => {}
                     Link::Inner(target) => {
                         if target != next_node || target >= self.header.node_count {
                             return Err(error(lane, "the link to a node is out of breadth-first order"));
+                        }
+                        if child.width() != Width::of_lane(node, lane) {
+                            return Err(error(lane, "the width in a link is not that of its planes"));
                         }
                         next_node += 1;
                     }

@@ -15,7 +15,7 @@ pub struct VerifyError {
     pub node: u32,
     /// Lane in the node.
     pub lane: u32,
-    /// Index of the direction.
+    /// Index of the direction; k and k + 1 for the low and the high end of the thin slab.
     pub plane: u32,
     /// Index of the primitive in what was built.
     pub primitive: u32,
@@ -32,7 +32,7 @@ impl core::error::Error for VerifyError {}
 
 impl<N: Dop, P: Primitive> BvhRef<'_, N, P> {
     /// Decides, for every primitive and every lane on the path to it, whether each plane is an upper bound of
-    /// the exact support of the primitive. No rounding takes part: planes, corners, centre and direction
+    /// the exact support of the primitive, and whether it lies within the lane's thin slab. No rounding takes part: planes, corners, centre and direction
     /// are dyadic numbers, summed as expansions. Cost: primitives x depth x k.
     ///
     /// # Errors
@@ -45,7 +45,8 @@ impl<N: Dop, P: Primitive> BvhRef<'_, N, P> {
             for index in first..first + count {
                 let item = self.primitive(index);
                 for (node, lane) in walk.path() {
-                    if let Some(plane) = self.too_low(&frame, node, lane, &item) {
+                    let wrong = self.too_low(&frame, node, lane, &item);
+                    if let Some(plane) = wrong.or_else(|| self.too_thin(&frame, node, lane, &item)) {
                         let lane = lane as u32;
                         return Err(VerifyError { node, lane, plane, primitive: self.source(index) });
                     }
@@ -64,5 +65,16 @@ impl<N: Dop, P: Primitive> BvhRef<'_, N, P> {
             !key.is_some_and(|key| P::is_bounded(item, frame, direction, key))
         };
         (0..).zip(N::DIRECTIONS).find(is_too_low).map(|(j, _)| j)
+    }
+
+    /// The end of a lane's thin slab that a primitive is beyond, if the tree has such slabs.
+    fn too_thin(&self, frame: &Frame, node: u32, lane: usize, item: &P::Item) -> Option<u32> {
+        let slab = self.thin_slab(node, lane)?;
+        let (n, ends) = (slab.normal(), slab.ends());
+        let is_beyond = |end: usize| {
+            let outwards = if end == 0 { -1 } else { 1 };
+            ends[end].is_finite() && P::corners(item).any(|p| frame.side(&n, p, ends[end]) == outwards)
+        };
+        (0..2).find(|&end| is_beyond(end)).map(|end| (N::K + end) as u32)
     }
 }

@@ -3,7 +3,7 @@
 use super::layout::Layout;
 use super::{BakeError, Header, Walk};
 use crate::frame::{Extent, Frame};
-use crate::node::{Dop, Node};
+use crate::node::{Dop, Node, ThinSlab};
 use crate::primitive::{Primitive, Store, Triangles};
 
 /// A hierarchy over borrowed bytes, safe to walk. Small and `Copy`: pass it by value or reference as you
@@ -12,6 +12,7 @@ use crate::primitive::{Primitive, Store, Triangles};
 pub struct BvhRef<'a, N, P: Primitive = Triangles> {
     pub(super) header: &'a Header,
     pub(super) nodes: &'a [N],
+    pub(super) thin_slabs: &'a [ThinSlab],
     pub(super) store: Store<'a, P>,
     pub(super) sources: &'a [u32],
 }
@@ -47,6 +48,7 @@ impl<'a, N: Node, P: Primitive> BvhRef<'a, N, P> {
         Some(Self {
             header: bytemuck::try_from_bytes(bytes.get(..size_of::<Header>())?).ok()?,
             nodes: bytemuck::try_cast_slice(layout.nodes.of(bytes)?).ok()?,
+            thin_slabs: bytemuck::try_cast_slice(layout.thin_slabs.of(bytes)?).ok()?,
             store: Store::read(layout.vertex_size, vertices, records)?,
             sources: bytemuck::try_cast_slice(layout.sources.of(bytes)?).ok()?,
         })
@@ -70,6 +72,25 @@ impl<'a, N: Node, P: Primitive> BvhRef<'a, N, P> {
     #[must_use]
     pub const fn nodes(&self) -> &'a [N] {
         self.nodes
+    }
+
+    /// The thin slabs of all lanes, `ARITY` a node; none if the tree was built without.
+    #[inline(always)]
+    #[must_use]
+    pub const fn thin_slabs(&self) -> &'a [ThinSlab] {
+        self.thin_slabs
+    }
+
+    /// The thin slab of a lane, if the tree has them.
+    #[inline(always)]
+    pub(crate) fn thin_slab(&self, node: u32, lane: usize) -> Option<ThinSlab> {
+        self.thin_slabs.get(node as usize * N::ARITY + lane).copied()
+    }
+
+    /// Those of a node.
+    #[inline(always)]
+    pub(crate) fn thin_slabs_of(&self, node: u32) -> Option<&'a [ThinSlab]> {
+        self.thin_slabs.get(node as usize * N::ARITY..)?.get(..N::ARITY)
     }
 
     /// The frame that the planes are written in.

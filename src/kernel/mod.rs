@@ -15,6 +15,9 @@
 //!    is unused: its `query[0]` comes out above every key, so that it is separated from everything; the rest
 //!    of it is as for any bits.
 //!
+//! 5. **Own slabs** are [`OwnSlab::is_beyond`], likewise: `f32`, no fused multiply-add, the sum from left to
+//!    right, and a comparison that is false of NaN, as in unused lanes and where a plane is unbounded.
+//!
 //! All operations take any bits. Codes that are not planes (NaN, -0) compare as the integers they are.
 
 #[cfg(simdop_x86)]
@@ -29,7 +32,7 @@ pub mod scalar;
 use crate::key::Key;
 use crate::node::{Node4, Node16};
 use crate::primitive::triangle::{Probe, Triangle};
-use crate::realign::Realignment;
+use crate::realign::{OwnSlab, Realignment};
 
 /// Planes of `W` bodies that were turned into another body's frame, ready to be compared with that body's
 /// planes: `turned[j][i]` is the complement of the key of plane `j ^ 1` of body i.
@@ -78,6 +81,21 @@ pub trait Kernel: Copy + core::fmt::Debug + sealed::Sealed {
     /// says, which is the specification.
     #[must_use]
     fn apart_4(self, probe: &Probe<'_>, triangles: &[Triangle; 4]) -> u16;
+
+    /// Which children of `node` lie beyond a slab of a primitive's own, as [`OwnSlab::is_beyond`] says, which
+    /// is the specification. Unused lanes never do.
+    ///
+    /// # Panics
+    /// If a source of the slab is not below `K`, which those of [`crate::realign::own_slabs`] are.
+    #[must_use]
+    fn beyond_16<const K: usize>(self, slab: &OwnSlab, node: &Node16<K>) -> u16;
+
+    /// [`Kernel::beyond_16`] for four children.
+    ///
+    /// # Panics
+    /// As [`Kernel::beyond_16`].
+    #[must_use]
+    fn beyond_4<const K: usize>(self, slab: &OwnSlab, node: &Node4<K>) -> u16;
 
     /// Turns the planes of all children of a node into another body's frame. In place: a
     /// result of half a kilobyte would be copied.

@@ -1,13 +1,16 @@
 //! Nodes: links to what is below, and volumes that bound it.
 //!
 //! [`Node`] is what every kind of node has: a fixed number of lanes, each with a link. [`Dop`] adds the
-//! planes of k-DOPs, which [`Node16`] and [`Node4`] hold.
+//! planes of k-DOPs, which [`Node16`] and [`Node4`] hold. A tree may have the [`ThinSlab`]s of its lanes
+//! beside its nodes.
 
 mod dop;
 mod link;
+mod thin;
 
 pub use dop::{Node4, Node16};
-pub use link::{Child, Link, MAX_LEAF_SIZE};
+pub use link::{Child, Link, MAX_LEAF_SIZE, Width};
+pub use thin::ThinSlab;
 
 use crate::key::Key;
 use crate::range::Point;

@@ -94,6 +94,15 @@ pub trait Primitive: Copy + fmt::Debug + Send + Sync + 'static {
     #[must_use]
     fn moved(item: &Self::Item, pose: &Pose) -> Self::Item;
 
+    /// Directions along which the primitive is thin, the thinnest first: the normals of its plane and of its
+    /// edges. Their coordinates, by column, with a greatest component of about 1; zeros where there is none.
+    /// They need not be exact.
+    #[inline(always)]
+    #[must_use]
+    fn own_directions(_item: &Self::Item) -> [[f64; OWN_DIRECTIONS]; 3] {
+        [[0.0; OWN_DIRECTIONS]; 3]
+    }
+
     /// Whether plane `key` of a tree in `frame` bounds the primitive in `direction`: decided in exact
     /// arithmetic.
     #[must_use]
@@ -101,6 +110,9 @@ pub trait Primitive: Copy + fmt::Debug + Send + Sync + 'static {
         Self::corners(item).all(|p| frame.is_bounded(direction, p, key))
     }
 }
+
+/// How many directions of its own a primitive has at most: a triangle's plane and its three edges.
+pub const OWN_DIRECTIONS: usize = 4;
 
 /// How far apart two primitives are, and where.
 #[derive(Copy, Clone, PartialEq, Debug)]

@@ -1,10 +1,9 @@
 //! How far apart: within a margin or not, and the distance itself.
 
-use super::nearest::Search;
+use super::nearest::{Goal, Outcome, search};
 use super::{Answer, Completion, Counters, Hint, Lanes, Pair, Pairwise, Query, Verdict};
-use crate::hierarchy::AsBvh;
+use crate::hierarchy::{AsBvh, BvhRef};
 use crate::isa::on_isa;
-use crate::kernel::Kernel;
 use crate::pose::Pose;
 use crate::primitive::Primitive;
 use crate::primitive::triangle::distance::TIGHT;
@@ -82,6 +81,9 @@ impl Query {
     /// greater, is not certainly above the margin. Needles that almost touch are known less well: see
     /// [`crate::primitive::triangle::distance`].
     ///
+    /// A margin may be of any size: one that is larger than the smaller of the bodies is decided as distances are,
+    /// by the search for the nearest primitives.
+    ///
     /// # Errors
     /// [`ToleranceError`] if `margin` is negative, infinite or NaN.
     pub fn within<A: AsBvh, B: AsBvh<Node = A::Node>>(
@@ -96,7 +98,12 @@ impl Query {
         A::Primitive: Pairwise<B::Primitive>,
         B::Primitive: Pairwise<A::Primitive>,
     {
-        Ok(self.first_pair(&a.as_bvh(), &b.as_bvh(), pose, checked(margin)?))
+        let (a, b, margin) = (a.as_bvh(), b.as_bvh(), checked(margin)?);
+        let smaller = a.extent().square_of_radius().min(b.extent().square_of_radius());
+        if margin * margin > LARGE * LARGE * smaller && !a.is_empty() && !b.is_empty() {
+            return Ok(self.first_near(a, b, pose, margin));
+        }
+        Ok(self.first_pair(&a, &b, pose, margin))
     }
 
     /// The distance of body `a`, placed by `pose` in the frame of body `b`, from `b`, and where they are
@@ -104,7 +111,7 @@ impl Query {
     ///
     /// With `tolerance` t the search ends when it has proved `upper <= (1 + t) lower`, up to rounding: 0.01
     /// is for "roughly how far", and 0 for what `f64` can hold (2^-42 relatively). A budget ends it with
-    /// the bounds it then has.
+    /// the bounds it then has. Bodies may be as far apart and as unlike in size as they like.
     ///
     /// ```
     /// # use simdop::{construct::{Builder, Mesh}, isa::Isa, node::Node16, pose::Pose, query::Query};
@@ -139,26 +146,45 @@ impl Query {
             let completion = Completion::Complete;
             return Ok(Distance { lower, upper, witness: None, completion, counters, hint: self.hint });
         }
-        Ok(on_isa!(self.isa, token => search(token, Search::new(token, a, b, pose, self, tolerance))))
+        let Outcome { completion, best, counters, .. } =
+            self.search(a, b, pose, Goal::Distance { tolerance });
+        let [p, q] = best.points;
+        let witness = Some(Witness { pair: best.found.pair(&a, &b), a: p, b: q });
+        let hint = Hint::new(best.found);
+        Ok(Distance { lower: best.lower, upper: best.upper, witness, completion, counters, hint })
+    }
+
+    /// [`Query::within`] of bodies that are not empty and small compared with the margin: k-DOPs that are widened by
+    /// it overlap nearly all.
+    fn first_near<N: Lanes, P: Pairwise<Q>, Q: Primitive>(
+        &self,
+        a: BvhRef<'_, N, P>,
+        b: BvhRef<'_, N, Q>,
+        pose: &Pose,
+        margin: f64,
+    ) -> Answer {
+        let Outcome { completion, best, hit, counters } = self.search(a, b, pose, Goal::Within { margin });
+        let verdict = match (hit, completion) {
+            (Some(found), _) => Verdict::Hit(found.pair(&a, &b)),
+            (None, Completion::Complete) => Verdict::Free,
+            (None, _) => Verdict::Unknown { lower: best.lower, upper: best.upper },
+        };
+        Answer { verdict, counters, hint: hit.map_or(self.hint, Hint::new) }
+    }
+
+    fn search<N: Lanes, P: Pairwise<Q>, Q: Primitive>(
+        &self,
+        a: BvhRef<'_, N, P>,
+        b: BvhRef<'_, N, Q>,
+        pose: &Pose,
+        goal: Goal,
+    ) -> Outcome {
+        on_isa!(self.isa, token => search(token, a, b, pose, self, goal))
     }
 }
 
-#[inline(always)]
-fn search<N: Lanes, P: Pairwise<Q>, Q: Primitive, E: Kernel>(
-    kernel: E,
-    mut search: Search<'_, N, P, Q, E>,
-) -> Distance {
-    let completion = kernel.run(
-        #[inline(always)]
-        || search.run(),
-    );
-    let (best, counters) = (&search.best, search.counters);
-    let [p, q] = best.points;
-    let pair = best.found.pair(&search.a, &search.b);
-    let witness = Some(Witness { pair, a: p, b: q });
-    let hint = Hint::new(best.found);
-    Distance { lower: best.lower, upper: best.upper, witness, completion, counters, hint }
-}
+/// Margins above this share of the smaller body are large.
+const LARGE: f64 = 1.0;
 
 fn checked(value: f64) -> Result<f64, ToleranceError> {
     if value >= 0.0 && value.is_finite() { Ok(value) } else { Err(ToleranceError { given: value }) }

@@ -1,6 +1,7 @@
 //! The stack of a distance query: volumes that wait, with their bounds.
 
-use super::gaps::{Entries, Entry, least};
+use super::entries::{Entries, Entry, least};
+use super::stack::ABOVE_ROOT;
 use crate::hierarchy::MAX_DEPTH;
 use crate::node::Child;
 
@@ -12,6 +13,8 @@ pub(super) struct VolumeA {
     pub(super) parent: Child,
     pub(super) lane: u8,
     pub(super) level: u8,
+    /// Of nodes; leaves are not opened.
+    pub(super) width: f32,
 }
 
 /// A child of a node of B.
@@ -21,6 +24,18 @@ pub(super) struct VolumeB {
     pub(super) parent: u32,
     pub(super) lane: u8,
     pub(super) level: u8,
+    pub(super) width: f32,
+}
+
+/// A volume this much wider than the other is opened next, whatever their levels.
+const WIDER: f32 = 4.0;
+
+impl VolumeA {
+    /// Which of two nodes is opened next: the one on the higher level, unless the other is much wider.
+    #[inline(always)]
+    pub(super) fn is_next(&self, b: &VolumeB) -> bool {
+        if self.level <= b.level { self.width * WIDER >= b.width } else { self.width > WIDER * b.width }
+    }
 }
 
 /// A step that was taken, and the lanes that are still to be followed.
@@ -39,9 +54,6 @@ pub(super) enum Side {
     B,
 }
 
-/// Instead of the node that holds the root of B as a child, which there is not.
-pub(super) const ABOVE_ROOT: u32 = u32::MAX;
-
 /// Every step is a level deeper in one of the trees.
 const MAX_OPENED: usize = 2 * MAX_DEPTH;
 
@@ -52,8 +64,8 @@ const _: () = assert!(DISTANCE_STACK_BYTES <= 5120, "the stack of a distance que
 impl Opened {
     const BLANK: Self = Self {
         entries: [Entry::NONE; 16],
-        a: VolumeA { child: Child::EMPTY, parent: Child::EMPTY, lane: 0, level: 0 },
-        b: VolumeB { child: Child::EMPTY, parent: ABOVE_ROOT, lane: 0, level: 0 },
+        a: VolumeA { child: Child::EMPTY, parent: Child::EMPTY, lane: 0, level: 0, width: 0.0 },
+        b: VolumeB { child: Child::EMPTY, parent: ABOVE_ROOT, lane: 0, level: 0, width: 0.0 },
         body: Side::A,
     };
 }
@@ -86,9 +98,9 @@ impl Frontier {
         self.len -= 1;
     }
 
-    /// The least squared bound of all that wait, if anything does.
+    /// The least bound of all that wait, if anything does.
     pub(super) fn least(&self) -> Option<f32> {
         let least = self.opened[..self.len].iter().map(|step| least(&step.entries)).min()?;
-        (least != Entry::NONE).then(|| least.square())
+        (least != Entry::NONE).then(|| least.bound())
     }
 }

@@ -9,73 +9,31 @@
 //!
 //! Where volumes overlap the greatest gap says how deep, so that a search can try the deepest first.
 //!
+//! A's planes are turned into B's frame as `f32`: a half cannot say how far a body is that is much larger than
+//! B. All is in the unit of the larger body's frame, so that no number here is above 2^20 and nothing
+//! overflows, whatever the ratio of their sizes.
+//!
 //! Plain Rust in a fixed order, in a shape that compilers make vectors of: the same bits on every instruction
 //! set.
 
 use crate::directions::Directions;
 use crate::exact::{power_of_two, round_up_f32};
 use crate::frame::Frame;
-use crate::node::Child;
+use crate::key::Key;
 use crate::primitive::Primitive;
-use crate::realign::Supports;
-
-/// A bound and the lane it is for in one number: numbers order as the bounds do, equal bounds by lane.
-#[derive(Copy, Clone, PartialEq, Eq, PartialOrd, Ord, Debug)]
-pub struct Entry(u32);
-
-/// Bounds for up to 16 lanes.
-pub(crate) type Entries = [Entry; 16];
-
-const LANE_BITS: u32 = 15;
-const SIGN: u32 = 1 << 31;
-
-impl Entry {
-    /// No lane, or one that is done with.
-    pub(crate) const NONE: Self = Self(u32::MAX);
-
-    /// Rounds the bound down, to 20 bits.
-    #[inline(always)]
-    fn new(bound: f32, lane: usize) -> Self {
-        let bits = bound.to_bits();
-        let flip = ((bits as i32 >> 31) as u32) | SIGN;
-        Self((bits ^ flip) & !LANE_BITS | lane as u32)
-    }
-
-    #[inline(always)]
-    pub(crate) const fn lane(self) -> usize {
-        (self.0 & LANE_BITS) as usize
-    }
-
-    /// The square of the distance is at least this; 0 for volumes that overlap.
-    #[inline(always)]
-    pub(crate) const fn square(self) -> f32 {
-        f32::from_bits(if self.0 >= SIGN { (self.0 ^ SIGN) & !LANE_BITS } else { 0 })
-    }
-}
-
-/// The least entry.
-#[inline(always)]
-pub(crate) fn least(entries: &Entries) -> Entry {
-    let mut least = entries[0];
-    for entry in entries {
-        least = if *entry < least { *entry } else { least };
-    }
-    least
-}
+use crate::realign::{F64_SLACK, Realignment, Supports};
 
 /// What follows from the directions alone.
 struct Slabs<const K: usize>;
 
 impl<const K: usize> Slabs<K> {
-    /// What turns a shrunk gap along a slab into one of points: below the reciprocal of [`SHRUNK`] times the
-    /// slab's length by more than six roundings of `f32`: twice those of the gap, and those of squaring
-    /// and adding.
+    /// What turns a gap along a slab into one of points: below the reciprocal of the slab's length by more than
+    /// six roundings of `f32`: twice those of the gap, and those of squaring and adding.
     const INVERSE_LENGTHS: [f32; K] = {
         let mut inverse = [0.0; K];
         let mut s = 0;
         while s < K / 2 {
-            inverse[s] =
-                ((1.0 - 1.0 / (1_u32 << 21) as f64) / (SHRUNK * Directions::<K>::LENGTHS[2 * s])) as f32;
+            inverse[s] = ((1.0 - 1.0 / (1_u32 << 21) as f64) / Directions::<K>::LENGTHS[2 * s]) as f32;
             s += 1;
         }
         inverse
@@ -119,8 +77,11 @@ impl<const K: usize> Slabs<K> {
 /// Decoded halves are smaller than the halves by this factor.
 const SHRUNK: f64 = power_of_two(-112);
 
+/// What makes up for it.
+pub(crate) const GROWN: f32 = (1.0 / SHRUNK) as f32;
+
 /// The half with this code as a float, times [`SHRUNK`]: its fields moved into place, and no multiplication.
-/// Infinity comes out as 65536: beyond every finite half, so that it never makes a gap.
+/// Infinity comes out as 65536, and its lane is told by [`is_unbounded`].
 #[inline(always)]
 pub(crate) const fn decode(code: i16) -> f32 {
     let half = code ^ ((code >> 15) & i16::MAX);
@@ -128,53 +89,189 @@ pub(crate) const fn decode(code: i16) -> f32 {
     f32::from_bits(((half as i32) << 13) as u32 & 0x8fff_ffff)
 }
 
-/// The least supports of a body in all directions, in a frame's unit times [`SHRUNK`], rounded down.
-pub(crate) type Lows<const K: usize> = [f32; K];
-
-/// Of moved primitives in frame `b`: tighter than their planes, since not rounded to halves. `reach` bounds
-/// all coordinates.
+/// The half with this code, infinity as such.
 #[inline(always)]
-pub(crate) fn lows_of<P: Primitive, const K: usize>(b: &Frame, items: &[P::Item], reach: f64) -> Lows<K> {
-    let Supports { least, greatest, .. } = Supports::<K>::of::<P>(b, items.iter().copied());
-    let above = |x: f64, y: f64| if x > y { x } else { y };
-    let scale = b.scale() * SHRUNK;
-    let mut lows = [0.0; K];
-    for (j, down) in lows.iter_mut().enumerate() {
-        let n = Directions::<K>::VECTORS[j];
-        let pad = F64_SLACK * ((n[0].abs() + n[1].abs()) + n[2].abs()) * reach;
-        let low = if j % 2 == 0 { least[j / 2] } else { -greatest[j / 2] };
-        *down = -round_up_f32(above((pad - low) * scale, FARTHEST));
-    }
-    lows
+pub(crate) fn decode_or_infinite(code: i16) -> f64 {
+    let value = f64::from(decode(code)) * f64::from(GROWN);
+    if code == Key::INFINITY.code() { f64::INFINITY } else { value }
 }
 
-/// A body may be so far away that squares of gaps overflow; it is not said to be farther than a half can say.
-const FARTHEST: f64 = -65504.0 * SHRUNK;
-
-/// Bounds the roundings of a support in `f64`: each is 2^-53 of a partial sum.
-const F64_SLACK: f64 = power_of_two(-46);
-
-/// The bounds between a body with the given planes and 16 or 4 others: for the direction whose plane is in
-/// row j of `codes`, the gap is the sum of both. `flip` is -1 if the codes are to be complemented, else 0.
+/// Of a lane's greatest code: a plane at infinity leaves the lane without a bound.
 #[inline(always)]
-pub(crate) fn gaps<const W: usize, const K: usize>(
+pub(crate) const fn is_unbounded(greatest: i16) -> bool {
+    greatest >= Key::INFINITY.code()
+}
+
+/// What takes decoded planes of a body in `frame` into a unit of `2^-exponent`, which is not smaller than the
+/// frame's.
+#[inline(always)]
+pub(crate) fn growth(frame: &Frame, exponent: i32) -> f32 {
+    // Planes of a body that much smaller are below the pad for underflow, in the other body's planes.
+    let smaller = frame.exponent - exponent;
+    if smaller > 200 { 0.0 } else { power_of_two(112 - smaller) as f32 }
+}
+
+/// How wide a child is along the axes, the first three slabs of every set, in all.
+#[inline(always)]
+pub(crate) fn width<const W: usize, const K: usize>(codes: &[[i16; W]; K], lane: usize) -> f32 {
+    let plane = |j: usize| decode(codes[j][lane % W]);
+    ((plane(0) + plane(1)) + (plane(2) + plane(3))) + (plane(4) + plane(5))
+}
+
+/// The planes of a body turned into B's frame, rounded up.
+pub(crate) type Planes<const K: usize> = [f32; K];
+
+/// The turned planes of several bodies: row j is direction j.
+pub(crate) type PlaneRows<const W: usize, const K: usize> = [[f32; W]; K];
+
+/// The turned planes of the bodies with the given ones: [`Realignment::sum`], operation by operation. Infinite in a
+/// lane that is unbounded anywhere.
+#[inline(always)]
+pub(crate) fn turn<const W: usize, const K: usize>(
+    map: &Realignment<K>,
     codes: &[[i16; W]; K],
-    flip: i16,
-    fixed: impl Fn(usize) -> f32,
-    links: &[Child; W],
-) -> Entries {
+    rows: &mut PlaneRows<W, K>,
+) {
+    let mut decoded = [[0.0; W]; K];
+    // Row by row, LLVM 22.1 makes vectors across rows, and scatters them.
+    for (decoded, code) in decoded.as_flattened_mut().iter_mut().zip(codes.as_flattened()) {
+        *decoded = decode(*code);
+    }
+    for s in 0..K / 2 {
+        let [(p, u), (q, v), (r, w)] = map.terms(2 * s);
+        // Powers of two change no rounding.
+        let (u, v, w) = (u * GROWN, v * GROWN, w * GROWN);
+        for side in 0..2 {
+            let (x, y, z) = (&decoded[p ^ side], &decoded[q ^ side], &decoded[r ^ side]);
+            let offset = map.offset[2 * s + side];
+            for lane in 0..W {
+                rows[2 * s + side][lane] = ((u * x[lane] + v * y[lane]) + w * z[lane]) + offset;
+            }
+        }
+    }
+    let greatest = greatest(codes);
+    let mut most = i16::MIN;
+    for code in greatest {
+        most = code.max(most);
+    }
+    if is_unbounded(most) {
+        for lane in (0..W).filter(|lane| is_unbounded(greatest[*lane])) {
+            rows.iter_mut().for_each(|row| row[lane] = f32::INFINITY);
+        }
+    }
+}
+
+/// The turned planes of one of several bodies.
+#[inline(always)]
+pub(crate) fn column<const W: usize, const K: usize>(rows: &PlaneRows<W, K>, lane: usize) -> Planes<K> {
+    let mut planes = [0.0; K];
+    for (plane, row) in planes.iter_mut().zip(rows) {
+        *plane = row[lane % W];
+    }
+    planes
+}
+
+/// The planes of moved primitives, in frame `b`: tighter than those of nodes, since not rounded to halves. `reach`
+/// bounds all coordinates.
+#[inline(always)]
+pub(crate) fn planes_of<P: Primitive, const K: usize>(b: &Frame, items: &[P::Item], reach: f64) -> Planes<K> {
+    let Supports { least, greatest, .. } = Supports::<K>::of::<P>(b, items.iter().copied());
+    let scale = b.scale();
+    let mut planes = [0.0; K];
+    for (j, plane) in planes.iter_mut().enumerate() {
+        let n = Directions::<K>::VECTORS[j];
+        let pad = F64_SLACK * ((n[0].abs() + n[1].abs()) + n[2].abs()) * reach;
+        let support = if j % 2 == 0 { greatest[j / 2] } else { -least[j / 2] };
+        *plane = round_up_f32((pad + support) * scale);
+    }
+    planes
+}
+
+/// The bounds between the bodies of `rows` and child `lane` of a node of B with these codes.
+#[inline(always)]
+pub(crate) fn gaps_of_rows<const W: usize, const K: usize>(
+    rows: &PlaneRows<W, K>,
+    codes: &[[i16; W]; K],
+    lane: usize,
+    growth: f32,
+) -> [f32; W] {
+    let (mut planes, mut greatest) = ([0.0; K], i16::MIN);
+    for (plane, codes) in planes.iter_mut().zip(codes) {
+        let code = codes[lane % W];
+        *plane = decode(code) * growth;
+        greatest = if code > greatest { code } else { greatest };
+    }
+    if is_unbounded(greatest) {
+        return [f32::MIN; W];
+    }
+    gaps(
+        #[inline(always)]
+        |j, lane| rows[j][lane],
+        &planes,
+        1.0,
+    )
+}
+
+/// The bounds between a body with these turned planes and the children of a node of B with these codes.
+#[inline(always)]
+pub(crate) fn gaps_of_planes<const W: usize, const K: usize>(
+    planes: &Planes<K>,
+    codes: &[[i16; W]; K],
+    growth: f32,
+) -> [f32; W] {
+    if growth == 0.0 {
+        return [f32::MIN; W];
+    }
+    // The body's few planes are shrunk instead of growing those of all children. What gets too small for a normal
+    // number is rounded up.
+    let shrink = 1.0 / growth;
+    let (mut shrunk, mut least) = ([0.0; K], 0.0);
+    for j in 0..K {
+        shrunk[j] = planes[j] * shrink + f32::from_bits(1);
+        least = lesser(shrunk[j], least);
+    }
+    let mut bounds = gaps(
+        #[inline(always)]
+        |j, lane| decode(codes[j][lane]),
+        &shrunk,
+        growth,
+    );
+    // A plane at infinity, which decodes as 65536, makes a gap only to what is beyond that.
+    if least <= decode(Key::LOWEST.code()) {
+        let greatest = greatest(codes);
+        for lane in 0..W {
+            bounds[lane] = if is_unbounded(greatest[lane]) { f32::MIN } else { bounds[lane] };
+        }
+    }
+    bounds
+}
+
+/// The bounds between one body and 16 or 4 others: along direction j the gap is what is missing to zero of the sum of
+/// row j and the other's plane in the opposite direction, both of which `growth` takes into the unit. The square of the
+/// distance; or, of volumes that overlap, their greatest gap.
+#[inline(always)]
+fn gaps<const W: usize, const K: usize>(
+    row: impl Fn(usize, usize) -> f32,
+    other: &[f32; K],
+    growth: f32,
+) -> [f32; W] {
     // Row K - 1 stays zero: there are half as many slabs.
     let mut squares = [[0.0; W]; K];
-    let mut signed = [f32::NEG_INFINITY; W];
+    let mut signed = [f32::MIN; W];
     for s in 0..K / 2 {
-        let (low, high) = (fixed(2 * s), fixed(2 * s + 1));
-        let inverse = Slabs::<K>::INVERSE_LENGTHS[s];
+        let (ahead, behind) = (other[2 * s], other[2 * s + 1]);
+        let inverse = -Slabs::<K>::INVERSE_LENGTHS[s] * growth;
+        let mut gaps = [0.0; W];
+        for (lane, gap) in gaps.iter_mut().enumerate() {
+            let below = row(2 * s, lane) + behind;
+            let above = row(2 * s + 1, lane) + ahead;
+            *gap = lesser(below, above) * inverse;
+        }
         for lane in 0..W {
-            let below = decode(codes[2 * s][lane] ^ flip) + low;
-            let above = decode(codes[2 * s + 1][lane] ^ flip) + high;
-            let gap = (if below > above { below } else { above }) * inverse;
-            signed[lane] = if gap > signed[lane] { gap } else { signed[lane] };
-            let gap = if gap > 0.0 { gap } else { 0.0 };
+            signed[lane] = greater(gaps[lane], signed[lane]);
+        }
+        for lane in 0..W {
+            let gap = greater(gaps[lane], 0.0);
             squares[s][lane] = gap * gap;
         }
     }
@@ -183,16 +280,37 @@ pub(crate) fn gaps<const W: usize, const K: usize>(
     for [x, y, z] in &triads[..count] {
         for lane in 0..W {
             let sum = (squares[*x][lane] + squares[*y][lane]) + squares[*z][lane];
-            best[lane] = if sum > best[lane] { sum } else { best[lane] };
+            best[lane] = greater(sum, best[lane]);
         }
     }
-    let mut entries = [Entry::NONE; 16];
     for lane in 0..W {
-        let used = links[lane] != Child::EMPTY;
-        let bound = if best[lane] > 0.0 { best[lane] } else { signed[lane] };
-        entries[lane] = if used { Entry::new(bound, lane) } else { Entry::NONE };
+        // The square of a gap may be too small for an `f32`, and the gap itself is no bound of a square.
+        best[lane] = if best[lane] > 0.0 { best[lane] } else { lesser(signed[lane], 0.0) };
     }
-    entries
+    best
+}
+
+/// Like [`f32::max`], in one instruction on x86.
+#[inline(always)]
+fn greater(a: f32, b: f32) -> f32 {
+    if a > b { a } else { b }
+}
+
+#[inline(always)]
+fn lesser(a: f32, b: f32) -> f32 {
+    if a < b { a } else { b }
+}
+
+/// The greatest code of each lane.
+#[inline(always)]
+fn greatest<const W: usize, const K: usize>(codes: &[[i16; W]; K]) -> [i16; W] {
+    let mut greatest = [i16::MIN; W];
+    for codes in codes {
+        for lane in 0..W {
+            greatest[lane] = codes[lane].max(greatest[lane]);
+        }
+    }
+    greatest
 }
 
 /// The planes of a whole node: the greatest of its lanes', which are lowest where unused.
@@ -210,7 +328,10 @@ pub(crate) fn hull<const W: usize, const K: usize>(planes: &[[i16; W]; K]) -> [i
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::key::Key;
+    use crate::frame::Extent;
+    use crate::node::Child;
+    use crate::pose::Pose;
+    use crate::query::entries::entries;
     use alloc::vec::Vec;
 
     #[test]
@@ -224,30 +345,40 @@ mod tests {
         }
     }
 
+    /// A body whose plane is at infinity is beyond every finite half, and says nothing of how far it is.
     #[test]
-    fn entries_order_and_round_down() {
-        let bounds = [-65536.0, -3.5, -1e-7, 0.0, 1e-7, 1.0, 1.0 + 1e-6, 99.9, 131_072.0_f32];
-        for (i, &x) in bounds.iter().enumerate() {
-            for (lane, other) in [(0, 15), (15, 3)] {
-                let entry = Entry::new(x, lane);
-                assert_eq!(entry.lane(), lane);
-                assert!(entry < Entry::NONE);
-                assert!(
-                    entry.square() <= x.max(0.0) && entry.square() >= (x - x.abs() * 4e-6).max(0.0),
-                    "{x}"
-                );
-                for &y in bounds[i + 1..].iter().filter(|y| (**y - x).abs() > 1e-5 * x.abs()) {
-                    assert!(entry < Entry::new(y, other), "{x} {y}");
-                }
-            }
+    fn planes_at_infinity_are_no_gap() {
+        let (mut codes, links) = ([[0; 4]; 6], [Child::ROOT; 4]);
+        codes[3][2] = Key::INFINITY.code();
+        let far = |bounds: [f32; 4]| entries(&bounds, &links).map(|entry| entry.bound() > 1e6);
+        let planes = [-3e5; 6];
+        assert_eq!(far(gaps_of_planes(&planes, &codes, GROWN))[..4], [true, true, false, true]);
+        let rows = [[-3e5; 4]; 6];
+        for lane in 0..4 {
+            assert_eq!(far(gaps_of_rows(&rows, &codes, lane, GROWN))[..4], [lane != 2; 4], "{lane}");
+        }
+        let extent = Extent {
+            frame: Frame { centre: [0.0; 3], exponent: 0 },
+            max_coordinate: 1.0,
+            half_width: [1.0; 3],
+            max_plane: 1.0,
+        };
+        let pose = [[1.0, 0.0, 0.0, 3e5], [0.0, 1.0, 0.0, 3e5], [0.0, 0.0, 1.0, 3e5]];
+        let map = Realignment::new(&Pose::from_rows(pose).unwrap(), &extent, &extent.frame);
+        let mut turned = rows;
+        turn(&map, &codes, &mut turned);
+        let plain = [[0; 4]; 6];
+        for lane in 0..4 {
+            assert_eq!(far(gaps_of_rows(&turned, &plain, lane, GROWN))[..4], [true, true, false, true]);
+            let bounds = gaps_of_planes(&column(&turned, lane), &plain, GROWN);
+            assert_eq!(far(bounds)[..4], [lane != 2; 4], "{lane}");
         }
     }
 
     #[test]
     fn reciprocals_are_low_by_less_than_a_millionth() {
         for slab in 0..16 {
-            let product =
-                f64::from(Slabs::<32>::INVERSE_LENGTHS[slab]) * SHRUNK * Directions::<32>::LENGTHS[2 * slab];
+            let product = f64::from(Slabs::<32>::INVERSE_LENGTHS[slab]) * Directions::<32>::LENGTHS[2 * slab];
             assert!(product < 1.0 - 6.0 * f64::powi(2.0, -24) && product > 1.0 - 1e-6, "{product}");
         }
     }

@@ -1,31 +1,19 @@
 //! What the traversal asks of a node type: the same questions for 1vs16 and 4vs4.
 
-use super::gaps::{self, Entries};
+use super::entries::{Entries, entries};
+use super::far::{self, Along};
+use super::gaps;
+use super::stack::Rows;
+use super::thin::AT_ONCE;
+use crate::directions::Directions;
 use crate::frame::{Extent, Frame};
 use crate::kernel::{Kernel, SEPARATED, Turned};
 use crate::key::Key;
-use crate::node::{Dop, Node, Node4, Node16};
+use crate::node::{Child, Dop, Link, Node, Node4, Node16};
 use crate::pose::Pose;
 use crate::primitive::Primitive;
-use crate::realign::{Realignment, planes_of};
-
-/// Which pairs of children overlap.
-#[derive(Copy, Clone, Default, Debug)]
-pub struct Rows {
-    /// Row i: the children of B that child i of A overlaps.
-    pub(crate) rows: [u16; 16],
-    /// Bit i: row i has a bit.
-    pub(crate) pending: u16,
-}
-
-impl Rows {
-    /// Puts fewer bits in a row.
-    #[inline(always)]
-    pub(crate) fn set(&mut self, row: usize, bits: u16) {
-        self.rows[row & 15] = bits;
-        self.pending &= !(u16::from(bits == 0) << (row & 15));
-    }
-}
+use crate::range::Point;
+use crate::realign::{OwnSlab, OwnSlabs, Realignment, own_slabs, planes_of};
 
 /// A node type that can be queried. Implemented by [`Node16`] and [`Node4`] only.
 pub trait Lanes: Dop {
@@ -33,12 +21,16 @@ pub trait Lanes: Dop {
     type Map: Copy + core::fmt::Debug;
     /// Turned planes of as many bodies as there are lanes.
     type Turned: Copy + core::fmt::Debug;
-    /// The least supports of one body.
-    type Lows: Copy + core::fmt::Debug;
+    /// Turned planes of one body, in `f32`.
+    type Planes: Copy + core::fmt::Debug;
+    /// Those of as many bodies as there are lanes.
+    type PlaneRows: Copy + core::fmt::Debug;
     #[doc(hidden)]
     const NO_TURNED: Self::Turned;
     #[doc(hidden)]
-    const NO_LOWS: Self::Lows;
+    const NO_PLANES: Self::Planes;
+    #[doc(hidden)]
+    const NO_PLANE_ROWS: Self::PlaneRows;
 
     #[doc(hidden)]
     fn map(pose: &Pose, a: &Extent, b: &Frame) -> Self::Map;
@@ -56,22 +48,55 @@ pub trait Lanes: Dop {
         items: impl Iterator<Item = P::Item>,
         margin: f64,
     );
+    /// Puts planes that hold all used lanes of `turned` into lane 0 of `out`.
+    #[doc(hidden)]
+    fn enclose(turned: &Self::Turned, out: &mut Self::Turned);
+    /// [`own_slabs`].
+    #[doc(hidden)]
+    fn own_slabs<P: Primitive>(item: &P::Item, margin: f64, body: &Extent, pose: Option<&Pose>) -> OwnSlabs;
+    /// Which children of `self` lie beyond a slab of a primitive's own.
+    #[doc(hidden)]
+    fn beyond<E: Kernel>(&self, kernel: E, slab: &OwnSlab) -> u16;
+    /// The least and the greatest support of some children along a direction each, by column.
+    #[doc(hidden)]
+    fn supports_of_children(
+        children: [(&Self, usize); AT_ONCE],
+        directions: &[[f64; AT_ONCE]; 3],
+    ) -> [[f64; AT_ONCE]; 2];
     /// Turned planes shall hold everything within `margin` of the body.
     #[doc(hidden)]
     fn widen(map: &mut Self::Map, b: &Frame, margin: f64);
-    /// How far each child of `self`, turned as `turned`, is from child `lane` of `b`.
+    /// The planes of the children, turned into the other body's frame.
     #[doc(hidden)]
-    fn gaps_of_query(&self, turned: &Self::Turned, b: &Self, lane: usize) -> Entries;
-    /// How far body `lane` of `turned` is from each child of `self`.
+    fn turn(&self, map: &Self::Map, rows: &mut Self::PlaneRows);
+    /// Those of one of the children.
     #[doc(hidden)]
-    fn gaps_of_node(&self, turned: &Self::Turned, lane: usize) -> Entries;
-    /// The least supports of moved primitives, whose coordinates and the frame's centre `reach` bounds.
+    fn column(rows: &Self::PlaneRows, lane: usize) -> Self::Planes;
+    /// The planes of moved primitives, whose coordinates and the frame's centre `reach` bounds.
     #[doc(hidden)]
-    fn lows<P: Primitive>(b: &Frame, items: &[P::Item], reach: f64) -> Self::Lows;
-    /// How far the body with these least supports is from each child of `self`.
+    fn planes_of<P: Primitive>(b: &Frame, items: &[P::Item], reach: f64) -> Self::Planes;
+    /// How far each child of `self`, with the turned planes in `rows`, is from child `lane` of `b`, whose planes
+    /// `growth` takes into the unit of the turned ones.
     #[doc(hidden)]
-    fn gaps_of_lows(&self, lows: &Self::Lows) -> Entries;
-    /// A node whose lane 0 has the planes of all of `self`.
+    fn gaps_of_rows(&self, rows: &Self::PlaneRows, b: &Self, lane: usize, growth: f32) -> Entries;
+    /// How far the body with these turned planes is from each child of `self`.
+    #[doc(hidden)]
+    fn gaps_of_planes(&self, planes: &Self::Planes, growth: f32) -> Entries;
+    /// How volumes of a body reach along an axis of its frame, in a unit of `2^-exponent`.
+    #[doc(hidden)]
+    fn along(axis: Point, body: &Extent, exponent: i32) -> Along;
+    /// How far child `lane` reaches.
+    #[doc(hidden)]
+    fn reach_along(&self, along: &Along, lane: usize) -> f32;
+    /// How far each child of `self` is from a volume of the other body that reaches `other` towards them, relative
+    /// to the bodies' centres.
+    #[doc(hidden)]
+    fn gaps_along(&self, along: &Along, other: f32) -> Entries;
+    /// How wide child `lane` is along the axes, in all, if it is a node; `growth` takes it into the unit. Zero of
+    /// others, and if `growth` is.
+    #[doc(hidden)]
+    fn width(&self, lane: usize, growth: f32) -> f32;
+    /// A node whose lane 0 is all of `self`, which is a root.
     #[doc(hidden)]
     #[must_use]
     fn hull(&self) -> Self;
@@ -84,15 +109,17 @@ pub trait Lanes: Dop {
 }
 
 macro_rules! impl_lanes {
-    ($node:ident, $arity:literal, $realign:ident) => {
+    ($node:ident, $arity:literal, $realign:ident, $beyond:ident) => {
         impl<const K: usize> Lanes for $node<K>
         where
             Self: bytemuck::Pod,
         {
             type Map = Realignment<K>;
             type Turned = Turned<$arity, K>;
-            type Lows = gaps::Lows<K>;
-            const NO_LOWS: Self::Lows = [0.0; K];
+            type Planes = gaps::Planes<K>;
+            type PlaneRows = gaps::PlaneRows<$arity, K>;
+            const NO_PLANES: Self::Planes = [0.0; K];
+            const NO_PLANE_ROWS: Self::PlaneRows = [[0.0; $arity]; K];
             const NO_TURNED: Self::Turned = [[SEPARATED; $arity]; K];
 
             #[inline(always)]
@@ -123,28 +150,110 @@ macro_rules! impl_lanes {
                 }
             }
 
+            #[inline(always)]
+            fn enclose(turned: &Self::Turned, out: &mut Self::Turned) {
+                // An unused lane holds no body, and only its first row says so.
+                let unused = turned[0].map(|code| if code == SEPARATED { SEPARATED } else { i16::MIN });
+                for (planes, out) in turned.iter().zip(out) {
+                    let mut least = SEPARATED;
+                    for lane in 0..$arity {
+                        let code = if planes[lane] > unused[lane] { planes[lane] } else { unused[lane] };
+                        least = if code < least { code } else { least };
+                    }
+                    out[0] = least;
+                }
+            }
+
+            #[inline(always)]
+            fn own_slabs<P: Primitive>(
+                item: &P::Item,
+                margin: f64,
+                body: &Extent,
+                pose: Option<&Pose>,
+            ) -> OwnSlabs {
+                own_slabs::<P, K>(item, margin, body, pose)
+            }
+
+            #[inline(always)]
+            fn beyond<E: Kernel>(&self, kernel: E, slab: &OwnSlab) -> u16 {
+                kernel.$beyond(slab, self)
+            }
+
+            #[inline(always)]
+            fn supports_of_children(
+                children: [(&Self, usize); AT_ONCE],
+                directions: &[[f64; AT_ONCE]; 3],
+            ) -> [[f64; AT_ONCE]; 2] {
+                let found = Directions::<K>::decompose_columns(directions, AT_ONCE, AT_ONCE);
+                let mut codes = [[[0_i16; AT_ONCE]; 3]; 2];
+                for (j, (node, lane)) in children.into_iter().enumerate() {
+                    for (l, &source) in found.directions[j].iter().enumerate() {
+                        for side in 0..2 {
+                            codes[side][l][j] = node.planes[usize::from(source) ^ side][lane % $arity];
+                        }
+                    }
+                }
+                let w = &found.weights;
+                let mut supports = [[0.0; AT_ONCE]; 2];
+                for side in 0..2 {
+                    for j in 0..AT_ONCE {
+                        let plane = |l: usize| gaps::decode_or_infinite(codes[side][l][j]);
+                        supports[side][j] = (w[0][j] * plane(0) + w[1][j] * plane(1)) + w[2][j] * plane(2);
+                    }
+                }
+                let [greatest, opposite] = supports;
+                [opposite.map(|x| -x), greatest]
+            }
+
             fn widen(map: &mut Self::Map, b: &Frame, margin: f64) {
                 map.widen(margin * b.scale());
             }
 
             #[inline(always)]
-            fn gaps_of_query(&self, turned: &Self::Turned, b: &Self, lane: usize) -> Entries {
-                gaps::gaps(turned, 0, |j| gaps::decode(!b.planes[j][lane % $arity]), &self.child)
+            fn turn(&self, map: &Self::Map, rows: &mut Self::PlaneRows) {
+                gaps::turn(map, &self.planes, rows);
             }
 
             #[inline(always)]
-            fn gaps_of_node(&self, turned: &Self::Turned, lane: usize) -> Entries {
-                gaps::gaps(&self.planes, -1, |j| gaps::decode(turned[j][lane % $arity]), &self.child)
+            fn column(rows: &Self::PlaneRows, lane: usize) -> Self::Planes {
+                gaps::column(rows, lane)
             }
 
             #[inline(always)]
-            fn lows<P: Primitive>(b: &Frame, items: &[P::Item], reach: f64) -> Self::Lows {
-                gaps::lows_of::<P, K>(b, items, reach)
+            fn planes_of<P: Primitive>(b: &Frame, items: &[P::Item], reach: f64) -> Self::Planes {
+                gaps::planes_of::<P, K>(b, items, reach)
             }
 
             #[inline(always)]
-            fn gaps_of_lows(&self, lows: &Self::Lows) -> Entries {
-                gaps::gaps(&self.planes, -1, |j| lows[j], &self.child)
+            fn gaps_of_rows(&self, rows: &Self::PlaneRows, b: &Self, lane: usize, growth: f32) -> Entries {
+                entries(&gaps::gaps_of_rows(rows, &b.planes, lane, growth), &self.child)
+            }
+
+            #[inline(always)]
+            fn gaps_of_planes(&self, planes: &Self::Planes, growth: f32) -> Entries {
+                entries(&gaps::gaps_of_planes(planes, &self.planes, growth), &self.child)
+            }
+
+            fn along(axis: Point, body: &Extent, exponent: i32) -> Along {
+                Along::new::<K>(axis, body, exponent)
+            }
+
+            #[inline(always)]
+            fn reach_along(&self, along: &Along, lane: usize) -> f32 {
+                far::reach_of(&self.planes, along, lane)
+            }
+
+            #[inline(always)]
+            fn gaps_along(&self, along: &Along, other: f32) -> Entries {
+                entries(&far::bounds(&self.planes, along, other), &self.child)
+            }
+
+            #[inline(always)]
+            fn width(&self, lane: usize, growth: f32) -> f32 {
+                match self.child[lane % $arity].link() {
+                    Link::Inner(_) if growth > 0.0 => gaps::width(&self.planes, lane) * growth,
+                    _ => 0.0,
+                }
             }
 
             fn hull(&self) -> Self {
@@ -152,6 +261,7 @@ macro_rules! impl_lanes {
                 for (j, plane) in gaps::hull(&self.planes).into_iter().enumerate() {
                     whole.planes[j][0] = plane;
                 }
+                whole.child[0] = Child::ROOT;
                 whole
             }
 
@@ -168,8 +278,8 @@ macro_rules! impl_lanes {
     };
 }
 
-impl_lanes!(Node16, 16, realign_16);
-impl_lanes!(Node4, 4, realign_4);
+impl_lanes!(Node16, 16, realign_16, beyond_16);
+impl_lanes!(Node4, 4, realign_4, beyond_4);
 
 impl<const K: usize> Node16<K> {
     #[inline(always)]
@@ -181,7 +291,7 @@ impl<const K: usize> Node16<K> {
             left &= left - 1;
             let row = kernel.overlap_1v16(turned, lane, self);
             found.rows[lane] = row;
-            found.pending |= u16::from(row != 0) << lane;
+            found.pending |= u32::from(row != 0) << lane;
         }
         (found, wanted.count_ones().into())
     }
@@ -205,16 +315,16 @@ impl<const K: usize> Node4<K> {
         for (lane, row) in found.rows.iter_mut().take(4).enumerate() {
             if wanted >> lane & 1 != 0 {
                 *row = pairs >> (4 * lane) & 0xf;
-                found.pending |= u16::from(*row != 0) << lane;
+                found.pending |= u32::from(*row != 0) << lane;
             }
         }
         (found, 1)
     }
 
-    /// One call of 4vs4 says as much.
     #[inline(always)]
-    fn against_hull<E: Kernel>(&self, _: E, _: &Turned<4, K>) -> (u16, u64) {
-        (u16::MAX, 0)
+    fn against_hull<E: Kernel>(&self, kernel: E, turned: &Turned<4, K>) -> (u16, u64) {
+        let pairs = kernel.overlap_4v4(turned, self);
+        ((0..4).fold(0, |mask, i| mask | u16::from(pairs >> (4 * i) & 0xf != 0) << i), 1)
     }
 
     #[inline(always)]

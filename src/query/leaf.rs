@@ -2,6 +2,7 @@
 //! computed from them once.
 
 use super::Lanes;
+use super::far::Axis;
 use crate::exact::power_of_two;
 use crate::frame::Frame;
 use crate::hierarchy::BvhRef;
@@ -17,15 +18,16 @@ const MANY: usize = MAX_LEAF_SIZE as usize;
 pub(super) struct LeafA<N: Lanes, P: Primitive> {
     leaf: Child,
     moved: [P::Item; MANY],
-    /// Of [`LeafA::leaf`] if `has_lows`.
-    lows: N::Lows,
-    has_lows: bool,
+    /// Of [`LeafA::leaf`] if `is_bounded`; or `reach` is.
+    planes: N::Planes,
+    reach: f32,
+    is_bounded: bool,
 }
 
 impl<N: Lanes, P: Primitive> LeafA<N, P> {
     pub(super) fn none() -> Self {
         let moved = [P::Item::default(); MANY];
-        Self { leaf: Child::EMPTY, moved, lows: N::NO_LOWS, has_lows: false }
+        Self { leaf: Child::EMPTY, moved, planes: N::NO_PLANES, reach: 0.0, is_bounded: false }
     }
 
     /// Its primitives; none if `leaf` is not a leaf.
@@ -36,29 +38,49 @@ impl<N: Lanes, P: Primitive> LeafA<N, P> {
             for (item, index) in self.moved.iter_mut().zip(first..first + count) {
                 *item = P::moved(&a.primitive(index), pose);
             }
-            (self.leaf, self.has_lows) = (leaf, false);
+            (self.leaf, self.is_bounded) = (leaf, false);
         }
         &self.moved[..count as usize]
     }
 
-    /// Its least supports in B's frame. `reach` bounds all coordinates.
+    /// Its planes in B's frame. `reach` bounds all coordinates.
     #[inline(always)]
-    pub(super) fn lows(
+    pub(super) fn planes(
         &mut self,
         a: &BvhRef<'_, N, P>,
         b: &Frame,
         pose: &Pose,
         leaf: Child,
         reach: f64,
-    ) -> &N::Lows {
+    ) -> &N::Planes {
         let _ = self.items(a, pose, leaf);
-        if !self.has_lows
+        if !self.is_bounded
             && let Link::Leaf { count, .. } = leaf.link()
         {
-            self.lows = N::lows::<P>(b, &self.moved[..count as usize], reach);
-            self.has_lows = true;
+            self.planes = N::planes_of::<P>(b, &self.moved[..count as usize], reach);
+            self.is_bounded = true;
         }
-        &self.lows
+        &self.planes
+    }
+
+    /// How far it reaches towards B, of bodies far apart.
+    #[inline(always)]
+    pub(super) fn reach(
+        &mut self,
+        a: &BvhRef<'_, N, P>,
+        b: &Frame,
+        pose: &Pose,
+        leaf: Child,
+        line: &Axis,
+    ) -> f32 {
+        let _ = self.items(a, pose, leaf);
+        if !self.is_bounded
+            && let Link::Leaf { count, .. } = leaf.link()
+        {
+            self.reach = line.reach::<P>(b, &self.moved[..count as usize]);
+            self.is_bounded = true;
+        }
+        self.reach
     }
 }
 

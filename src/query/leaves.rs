@@ -1,7 +1,7 @@
 //! Pairs of leaves: decided when their bits appear.
 
 use super::hint::Found;
-use super::lanes::Rows;
+use super::stack::{Descent, Rows};
 use super::traverse::{Flow, Stop, Traversal, bits_of, primitives};
 use super::{Counters, Lanes, Pairwise};
 use crate::kernel::Kernel;
@@ -24,11 +24,14 @@ where
 {
     /// Decides the pairs of leaves among the bits, and clears them.
     #[inline(always)]
-    pub(super) fn decide_leaves(&mut self, a: Child, b: Child, rows: &mut Rows) -> Flow {
-        match (a.link(), b.link()) {
-            (Link::Inner(node_a), Link::Inner(node_b)) => {
-                for row in bits_of(rows.pending) {
-                    let child = self.child_a(node_a, row);
+    pub(super) fn decide_leaves(&mut self, a: Child, b: Child, opened: Descent, rows: &mut Rows) -> Flow {
+        match (opened, b.link()) {
+            (Descent::Both | Descent::B, Link::Inner(node_b)) => {
+                for row in bits_of(rows.pending as u16) {
+                    let child = match (opened, a.link()) {
+                        (Descent::Both, Link::Inner(node_a)) => self.child_a(node_a, row),
+                        _ => a,
+                    };
                     if let Link::Leaf { .. } = child.link() {
                         let (leaves, inner) =
                             leaves_among(self.b.nodes()[node_b as usize].children(), rows.rows[row]);
@@ -37,16 +40,15 @@ where
                     }
                 }
             }
-            (Link::Leaf { .. }, Link::Inner(node_b)) => {
-                let (leaves, inner) = leaves_among(self.b.nodes()[node_b as usize].children(), rows.rows[0]);
-                self.decide_a(a, &leaves)?;
-                rows.set(0, inner);
+            (_, Link::Leaf { .. }) => {
+                if let Link::Inner(node_a) = a.link() {
+                    let (leaves, inner) =
+                        leaves_among(self.a.nodes()[node_a as usize].children(), rows.rows[0]);
+                    self.decide_b(b, &leaves)?;
+                    rows.set(0, inner);
+                }
             }
-            (Link::Inner(node_a), Link::Leaf { .. }) => {
-                let (leaves, inner) = leaves_among(self.a.nodes()[node_a as usize].children(), rows.rows[0]);
-                self.decide_b(b, &leaves)?;
-                rows.set(0, inner);
-            }
+            // A node of A that was opened alone: no child of B to decide its leaves against.
             _ => {}
         }
         Flow::Continue(())

@@ -33,16 +33,22 @@
 //! ```
 
 mod any;
+mod bounds;
+mod cut;
 mod distance;
+mod entries;
+mod far;
 mod frontier;
 mod gaps;
 mod hint;
 mod lanes;
 mod leaf;
 mod leaves;
+mod long;
 mod nearest;
 mod pairwise;
 mod stack;
+mod thin;
 mod traverse;
 
 pub use any::AnyError;
@@ -91,7 +97,7 @@ pub enum Verdict {
     Unknown {
         /// Lower bound of the distance, in the bodies' unit. Zero: pending volumes overlap.
         lower: f64,
-        /// Upper bound of the distance, in the bodies' unit: that of two corners in pending volumes.
+        /// Upper bound of the distance, in the bodies' unit: that of two points in pending volumes.
         upper: f64,
     },
 }
@@ -103,14 +109,15 @@ pub struct Counters {
     pub visits: u64,
     /// Calls of overlap kernels: each tests up to sixteen pairs of volumes. A visit makes, at arity 16,
     ///
-    /// * of two nodes: one of 16vs1, of A's children against the child of B that led there (for the roots:
-    ///   against the hull of B), and one of 1vs16 for each child of A that overlaps it;
+    /// * of two nodes: one of 16vs1, of A's children against the child of B that led there (for B's root:
+    ///   against the hull of B). If some overlap it, and both nodes are of like width: one of 1vs16 for each
+    ///   that does. If B's is much wider: one of 1vs16 for all of A. If A's is much wider: no other;
     /// * of a leaf of A and a node of B: one of 1vs16;
     /// * of a node of A and a leaf of B: one of 16vs1.
     ///
-    /// At arity 4 they are calls of 4vs4: one for all of A's children instead of one for each, and none for
-    /// the roots' hull. A visit of a distance query counts as one: a volume's distance from all children of
-    /// a node. Re-alignments and the filter of triangles are no overlap kernels.
+    /// At arity 4 they are calls of 4vs4: one for all of A's children instead of one for each, and against the
+    /// children of B's root instead of their hull. A visit of a distance query counts as one. Re-alignments,
+    /// slabs of leaves and the filter of triangles are no overlap kernels.
     pub kernels: u64,
     /// Nodes of A whose children were turned into B's frame.
     pub realignments: u64,

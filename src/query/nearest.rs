@@ -1,16 +1,18 @@
 //! The distance of two bodies: branch and bound over the same nodes.
 //!
 //! A **step** takes one volume of one body and a node of the other: the lower bounds of all its children at
-//! once ([`super::gaps`]). The bodies take turns, the one with the larger volumes next. Children are followed
-//! nearest first; whatever is farther than the best pair of primitives so far is dropped, by a threshold that
-//! allows for the tolerance.
+//! once ([`super::bounds`]): of the wider volume's node. Children are followed
+//! nearest first; whatever is farther than matters is dropped: than the best pair of primitives so far, by a
+//! threshold that allows for the tolerance, or than a margin.
 
-use super::frontier::{ABOVE_ROOT, Frontier, Opened, Side, VolumeA, VolumeB};
-use super::gaps::{Entries, Entry, least};
+use super::bounds::{Bounds, Kept, growths, no_turned};
+use super::entries::{Entries, Entry, least};
+use super::frontier::{Frontier, Opened, Side, VolumeA, VolumeB};
 use super::hint::Found;
 use super::leaf::{Ahead, LeafA};
+use super::stack::ABOVE_ROOT;
+use super::traverse::first_primitive;
 use super::{Completion, Counters, Lanes, Pairwise, Query};
-use crate::exact::round_up_f32;
 use crate::hierarchy::BvhRef;
 use crate::kernel::Kernel;
 use crate::node::{Child, Link};
@@ -18,8 +20,14 @@ use crate::pose::Pose;
 use crate::primitive::{Primitive, Separation};
 use crate::range::Point;
 
-/// Nodes of A whose turned planes are kept: the last on each level, levels counted modulo this.
-const KEPT: usize = 4;
+/// What a search is for.
+#[derive(Copy, Clone, Debug)]
+pub(super) enum Goal {
+    /// The distance, known when its bounds differ by this relatively.
+    Distance { tolerance: f64 },
+    /// Two primitives that are at most this far apart.
+    Within { margin: f64 },
+}
 
 /// The best pair so far.
 #[derive(Copy, Clone, Debug)]
@@ -30,89 +38,162 @@ pub(super) struct Best {
     pub(super) points: [Point; 2],
 }
 
+/// What a search came to.
+#[derive(Debug)]
+pub(super) struct Outcome {
+    pub(super) completion: Completion,
+    /// Its `lower` bounds the bodies' distance.
+    pub(super) best: Best,
+    /// Two primitives within the margin.
+    pub(super) hit: Option<Found>,
+    pub(super) counters: Counters,
+}
+
 /// No pair farther apart than this matters.
 #[derive(Copy, Clone, Debug)]
 struct Threshold {
     /// In the bodies' unit.
     distance: f64,
-    /// In B's frame, squared, rounded up: as the bounds of volumes are.
-    square: f32,
+    /// As the bounds of volumes are, rounded up.
+    bound: f32,
     ahead: Ahead,
 }
 
 #[derive(Debug)]
-pub(super) struct Search<'t, N: Lanes, P: Primitive, Q: Primitive, E> {
-    kernel: E,
-    pub(super) a: BvhRef<'t, N, P>,
-    pub(super) b: BvhRef<'t, N, Q>,
+struct Search<'t, N: Lanes, P: Primitive, Q: Primitive> {
+    a: BvhRef<'t, N, P>,
+    b: BvhRef<'t, N, Q>,
     pose: &'t Pose,
-    map: N::Map,
+    bounds: Bounds<'t, N>,
     budget: u64,
-    tolerance: f64,
+    goal: Goal,
     /// Bounds all coordinates.
     reach: f64,
-    pub(super) counters: Counters,
-    pub(super) best: Best,
+    counters: Counters,
+    best: Best,
+    hit: Option<Found>,
     threshold: Threshold,
-    turned: [(Child, N::Turned); KEPT],
     leaf: LeafA<N, P>,
     /// Lane 0: all of B.
     whole_b: N,
+    /// What takes widths of A and of B into one unit.
+    growths: [f32; 2],
 }
 
-impl<'t, N: Lanes, P: Pairwise<Q>, Q: Primitive, E: Kernel> Search<'t, N, P, Q, E> {
-    /// For bodies that are not empty.
-    pub(super) fn new(
-        kernel: E,
+/// Searches bodies that are not empty.
+#[inline(never)]
+pub(super) fn search<N: Lanes, P: Pairwise<Q>, Q: Primitive, E: Kernel>(
+    kernel: E,
+    a: BvhRef<'_, N, P>,
+    b: BvhRef<'_, N, Q>,
+    pose: &Pose,
+    query: &Query,
+    goal: Goal,
+) -> Outcome {
+    kernel.run(
+        #[inline(always)]
+        || {
+            let mut kept = no_turned::<N>();
+            let mut search = Search::new(a, b, pose, query, goal, &mut kept);
+            search.try_first(query.hint.pair(a.len(), b.len()));
+            let completion = search.run();
+            let Search { best, hit, counters, .. } = search;
+            Outcome { completion, best, hit, counters }
+        },
+    )
+}
+
+impl<'t, N: Lanes, P: Pairwise<Q>, Q: Primitive> Search<'t, N, P, Q> {
+    #[inline(always)]
+    fn new(
         a: BvhRef<'t, N, P>,
         b: BvhRef<'t, N, Q>,
         pose: &'t Pose,
         query: &Query,
-        tolerance: f64,
+        goal: Goal,
+        kept: &'t mut Kept<N>,
     ) -> Self {
-        let Found { a: i, b: j } = query.hint.pair(a.len(), b.len()).unwrap_or(Found { a: 0, b: 0 });
-        let mut counters = Counters { primitive_pairs: 1, ..Counters::default() };
-        let (moved, still) = (P::moved(&a.primitive(i), pose), b.primitive(j));
-        let first = P::nearer(&moved, &still, f64::INFINITY, tolerance, &mut counters.exact_pairs);
-        let mut search = Self {
-            kernel,
+        let bounds = Bounds::new(pose, &a.extent(), &b.extent(), kept);
+        let (distance, bound) = match goal {
+            Goal::Distance { .. } => (f64::INFINITY, f32::INFINITY),
+            Goal::Within { margin } => (margin, bounds.of_distance(margin)),
+        };
+        Self {
             a,
             b,
             pose,
-            map: N::map(pose, &a.extent(), &b.frame()),
+            bounds,
             budget: query.budget,
-            tolerance,
+            goal,
             reach: (4.0 * a.extent().max_coordinate + greatest(&pose.translation()))
                 + b.extent().max_coordinate,
-            counters,
+            counters: Counters::default(),
             best: Best {
                 lower: f64::INFINITY,
                 upper: f64::INFINITY,
-                found: Found { a: i, b: j },
+                found: Found { a: 0, b: 0 },
                 points: [[0.0; 3]; 2],
             },
-            threshold: Threshold { distance: f64::INFINITY, square: f32::INFINITY, ahead: Ahead::NOTHING },
-            turned: [(Child::EMPTY, N::NO_TURNED); KEPT],
+            hit: None,
+            threshold: Threshold { distance, bound, ahead: Ahead::NOTHING },
             leaf: LeafA::none(),
             whole_b: b.nodes()[0].hull(),
-        };
-        if let Some(first) = first {
-            search.note(Found { a: i, b: j }, &first);
+            growths: growths(&a.extent(), &b.extent()),
         }
-        search
     }
 
-    fn note(&mut self, found: Found, pair: &Separation) {
+    /// Tests the pair of the hint. A distance has to begin with some pair.
+    #[inline(always)]
+    fn try_first(&mut self, hint: Option<Found>) {
+        let found = match self.goal {
+            Goal::Distance { .. } => hint.unwrap_or(Found { a: 0, b: 0 }),
+            Goal::Within { .. } => match hint {
+                Some(found) => found,
+                None => return,
+            },
+        };
+        let moved = P::moved(&self.a.primitive(found.a), self.pose);
+        self.test(found, &moved);
+    }
+
+    /// Whether nothing is left to be found.
+    const fn is_over(&self) -> bool {
+        self.best.upper == 0.0 || self.hit.is_some()
+    }
+
+    /// A pair of primitives.
+    #[inline(always)]
+    fn test(&mut self, found: Found, moved: &P::Item) {
+        self.counters.primitive_pairs += 1;
+        let still = self.b.primitive(found.b);
+        if self.threshold.ahead.is_far::<P, Q>(moved, &still) {
+            return;
+        }
+        let exact = &mut self.counters.exact_pairs;
+        match self.goal {
+            Goal::Distance { tolerance } => {
+                if let Some(pair) = P::nearer(moved, &still, self.threshold.distance, tolerance, exact) {
+                    self.note(found, &pair, tolerance);
+                }
+            }
+            Goal::Within { margin } => {
+                if P::within(moved, &still, margin, exact) {
+                    self.hit = Some(found);
+                }
+            }
+        }
+    }
+
+    fn note(&mut self, found: Found, pair: &Separation, tolerance: f64) {
         let lower = self.best.lower.min(pair.lower);
         if pair.upper < self.best.upper {
             self.best = Best { lower, upper: pair.upper, found, points: [pair.a, pair.b] };
-            let distance = pair.upper / (1.0 + self.tolerance);
-            let scaled = distance * self.b.frame().scale();
+            let distance = pair.upper / (1.0 + tolerance);
             let [p, q] = self.best.points;
             let axis = [p[0] - q[0], p[1] - q[1], p[2] - q[2]];
             self.threshold = Threshold {
                 distance,
-                square: round_up_f32(scaled * scaled * (1.0 + 8.0 * f64::EPSILON)),
+                bound: self.bounds.of_distance(distance),
                 ahead: Ahead::new(axis, distance, self.reach),
             };
         } else {
@@ -123,41 +204,39 @@ impl<'t, N: Lanes, P: Pairwise<Q>, Q: Primitive, E: Kernel> Search<'t, N, P, Q, 
     /// Searches until nothing is left that could be nearer, or the budget is spent. Then [`Best::lower`]
     /// bounds the bodies' distance.
     #[inline(always)]
-    pub(super) fn run(&mut self) -> Completion {
+    fn run(&mut self) -> Completion {
         let mut stack = Frontier::new();
-        let root_a = VolumeA { child: Child::ROOT, parent: Child::EMPTY, lane: 0, level: 0 };
-        let root_b = VolumeB { child: Child::ROOT, parent: ABOVE_ROOT, lane: 0, level: 0 };
-        let mut next = (self.best.upper > 0.0).then_some((root_a, root_b, 0.0));
+        // The root of A is opened first: no node holds its planes.
+        let root_a =
+            VolumeA { child: Child::ROOT, parent: Child::EMPTY, lane: 0, level: 0, width: f32::INFINITY };
+        let width = self.whole_b.width(0, self.growths[1]);
+        let root_b = VolumeB { child: Child::ROOT, parent: ABOVE_ROOT, lane: 0, level: 0, width };
+        let mut next = (!self.is_over()).then_some((root_a, root_b, self.bounds.least()));
         while let Some((a, b, bound)) = next {
             let is_leaf = |child: Child| matches!(child.link(), Link::Leaf { .. });
             if is_leaf(a.child) && is_leaf(b.child) {
                 self.decide(a.child, b.child);
             } else {
                 if self.counters.visits == self.budget {
-                    let pending = stack.least().map_or(bound, |least| least.min(bound));
-                    self.best.lower = self.in_unit(pending).min(self.certain());
+                    self.give_up(stack.least().map_or(bound, |least| least.min(bound)), a.child, b.child);
                     return Completion::OutOfBudget;
                 }
                 self.counters.visits += 1;
-                // A leaf can only wait for the other; of two nodes the one on the higher level is opened.
-                let body = if is_leaf(b.child) || (!is_leaf(a.child) && a.level <= b.level) {
-                    Side::A
-                } else {
-                    Side::B
-                };
+                let body =
+                    if is_leaf(b.child) || (!is_leaf(a.child) && a.is_next(&b)) { Side::A } else { Side::B };
                 let entries = if body == Side::A { self.open_a(&a, &b) } else { self.open_b(&a, &b) };
                 stack.push(Opened { entries, a, b, body });
             }
             next = loop {
                 let Some(step) = stack.top() else { break None };
                 let entry = least(&step.entries);
-                if entry == Entry::NONE || entry.square() > self.threshold.square || self.best.upper == 0.0 {
+                if entry == Entry::NONE || entry.bound() > self.threshold.bound || self.is_over() {
                     stack.pop();
                     continue;
                 }
                 let lane = entry.lane();
                 step.entries[lane] = Entry::NONE;
-                break Some(self.child(step, lane, entry.square()));
+                break Some(self.child(step, lane, entry.bound()));
             };
         }
         self.best.lower = self.certain();
@@ -169,9 +248,16 @@ impl<'t, N: Lanes, P: Pairwise<Q>, Q: Primitive, E: Kernel> Search<'t, N, P, Q, 
         self.best.lower.min(self.threshold.distance)
     }
 
-    /// A bound in the bodies' unit.
-    fn in_unit(&self, square: f32) -> f64 {
-        libm::sqrt(f64::from(square)) / self.b.frame().scale()
+    /// Leaves volumes that wait, with the least of their bounds, among them `a` and `b`.
+    #[cold]
+    fn give_up(&mut self, pending: f32, a: Child, b: Child) {
+        self.best.lower = self.bounds.distance(pending).min(self.certain());
+        if let Goal::Within { .. } = self.goal {
+            let moved = P::moved(&self.a.primitive(first_primitive(&self.a, a.link())), self.pose);
+            let still = self.b.primitive(first_primitive(&self.b, b.link()));
+            let pair = P::nearer(&moved, &still, f64::INFINITY, 1.0, &mut 0);
+            self.best.upper = pair.map_or(f64::INFINITY, |pair| pair.upper);
+        }
     }
 
     /// The volumes that a lane of a step stands for.
@@ -180,12 +266,14 @@ impl<'t, N: Lanes, P: Pairwise<Q>, Q: Primitive, E: Kernel> Search<'t, N, P, Q, 
         let (a, b) = (step.a, step.b);
         match (step.body, a.child.link(), b.child.link()) {
             (Side::A, Link::Inner(node), _) => {
-                let child = self.a.nodes()[node as usize].children()[lane];
-                (VolumeA { child, parent: a.child, lane: lane as u8, level: a.level + 1 }, b, bound)
+                let node = &self.a.nodes()[node as usize];
+                let (child, width) = (node.children()[lane], node.width(lane, self.growths[0]));
+                (VolumeA { child, parent: a.child, lane: lane as u8, level: a.level + 1, width }, b, bound)
             }
             (Side::B, _, Link::Inner(node)) => {
-                let child = self.b.nodes()[node as usize].children()[lane];
-                (a, VolumeB { child, parent: node, lane: lane as u8, level: b.level + 1 }, bound)
+                let holder = &self.b.nodes()[node as usize];
+                let (child, width) = (holder.children()[lane], holder.width(lane, self.growths[1]));
+                (a, VolumeB { child, parent: node, lane: lane as u8, level: b.level + 1, width }, bound)
             }
             _ => (a, b, bound),
         }
@@ -194,11 +282,18 @@ impl<'t, N: Lanes, P: Pairwise<Q>, Q: Primitive, E: Kernel> Search<'t, N, P, Q, 
     /// The children of node `a` against volume `b`.
     #[inline(always)]
     fn open_a(&mut self, a: &VolumeA, b: &VolumeB) -> Entries {
-        let slot = self.turn(a.child, a.level);
         let Link::Inner(node) = a.child.link() else { return [Entry::NONE; 16] };
         self.counters.kernels += 1;
+        let (node, lane) = (&self.a.nodes()[node as usize], usize::from(b.lane));
         let holder = if b.parent == ABOVE_ROOT { &self.whole_b } else { &self.b.nodes()[b.parent as usize] };
-        self.a.nodes()[node as usize].gaps_of_query(&self.turned[slot].1, holder, b.lane.into())
+        match &mut self.bounds {
+            Bounds::Near(near) => {
+                let growth = near.growth;
+                let rows = near.turn(&self.a, a.child, a.level, &mut self.counters);
+                node.gaps_of_rows(rows, holder, lane, growth)
+            }
+            Bounds::Far(line) => node.gaps_along(&line.a, holder.reach_along(&line.b, lane)),
+        }
     }
 
     /// Volume `a` against the children of node `b`.
@@ -206,27 +301,27 @@ impl<'t, N: Lanes, P: Pairwise<Q>, Q: Primitive, E: Kernel> Search<'t, N, P, Q, 
     fn open_b(&mut self, a: &VolumeA, b: &VolumeB) -> Entries {
         let Link::Inner(node) = b.child.link() else { return [Entry::NONE; 16] };
         self.counters.kernels += 1;
-        if let Link::Leaf { .. } = a.child.link() {
-            let lows = self.leaf.lows(&self.a, &self.b.frame(), self.pose, a.child, self.reach);
-            return self.b.nodes()[node as usize].gaps_of_lows(lows);
+        let (node, lane) = (&self.b.nodes()[node as usize], usize::from(a.lane));
+        // A volume that is no leaf has a parent: the root of A is opened before anything of B.
+        match (&mut self.bounds, a.child.link(), a.parent.link()) {
+            (Bounds::Near(near), Link::Leaf { .. }, _) => {
+                let planes = self.leaf.planes(&self.a, &near.frame, self.pose, a.child, self.reach);
+                node.gaps_of_planes(planes, near.growth)
+            }
+            (Bounds::Near(near), ..) => {
+                let growth = near.growth;
+                let rows = near.turn(&self.a, a.parent, a.level - 1, &mut self.counters);
+                node.gaps_of_planes(&N::column(rows, lane), growth)
+            }
+            (Bounds::Far(line), Link::Inner(_), Link::Inner(parent)) => {
+                let reach = self.a.nodes()[parent as usize].reach_along(&line.a, lane);
+                node.gaps_along(&line.b, reach)
+            }
+            (Bounds::Far(line), ..) => {
+                let reach = self.leaf.reach(&self.a, &self.b.frame(), self.pose, a.child, line);
+                node.gaps_along(&line.b, reach)
+            }
         }
-        // The volume has a parent: the root of A is opened before anything of B.
-        let slot = self.turn(a.parent, a.level - 1);
-        self.b.nodes()[node as usize].gaps_of_node(&self.turned[slot].1, a.lane.into())
-    }
-
-    /// Where the planes of the children of node `a` are, turned into B's frame.
-    #[inline(always)]
-    fn turn(&mut self, a: Child, level: u8) -> usize {
-        let slot = usize::from(level) % KEPT;
-        if self.turned[slot].0 != a
-            && let Link::Inner(node) = a.link()
-        {
-            self.counters.realignments += 1;
-            self.turned[slot].0 = a;
-            self.a.nodes()[node as usize].realign(self.kernel, &self.map, &mut self.turned[slot].1);
-        }
-        slot
     }
 
     /// Every primitive of one leaf against every primitive of the other.
@@ -239,15 +334,9 @@ impl<'t, N: Lanes, P: Pairwise<Q>, Q: Primitive, E: Kernel> Search<'t, N, P, Q, 
         for k in 0..m {
             let moved = self.leaf.items(&self.a, self.pose, a)[k as usize];
             for j in j..j + n {
-                self.counters.primitive_pairs += 1;
-                let still = self.b.primitive(j);
-                if self.threshold.ahead.is_far::<P, Q>(&moved, &still) {
-                    continue;
-                }
-                let exact = &mut self.counters.exact_pairs;
-                if let Some(pair) = P::nearer(&moved, &still, self.threshold.distance, self.tolerance, exact)
-                {
-                    self.note(Found { a: i + k, b: j }, &pair);
+                self.test(Found { a: i + k, b: j }, &moved);
+                if self.hit.is_some() {
+                    return;
                 }
             }
         }

@@ -3,17 +3,26 @@
 //! A **visit** takes two nodes, or a node and a leaf. A's children are turned into B's frame (one
 //! re-alignment), the kernel gives a row of bits for each of them, pairs of leaves among the bits are decided
 //! at once, and what is left goes on the stack.
+//!
+//! **Unlike sizes.** Two nodes are opened both at once only if their volumes are of like width. Else a small
+//! body would be walked down to its leaves while the other is still at nodes that are larger than all of it:
+//! every pair of such leaves and nodes overlaps. So the wider node is opened alone, its children against the
+//! narrower volume as a whole, until the two are alike. The widths are in the links ([`Width`]).
 
+use super::cut::Cutter;
 use super::hint::Found;
-use super::lanes::Rows;
-use super::stack::{Next, Stack};
+use super::long::{LONG, Thin};
+use super::stack::{ABOVE_ROOT, Descent, Next, Rows, Stack, Volumes};
 use super::{Counters, Lanes, Pairwise};
 use crate::hierarchy::BvhRef;
 use crate::kernel::Kernel;
+#[cfg(doc)]
+use crate::node::Width;
 use crate::node::{Child, Link};
 use crate::pose::Pose;
 use crate::primitive::Primitive;
 use crate::range::Point;
+use crate::realign::OwnSlabs;
 use core::ops::{ControlFlow, Range};
 
 /// Why a traversal ended early.
@@ -50,11 +59,18 @@ pub(crate) struct Traversal<'t, N: Lanes, P: Primitive, Q: Primitive, E, V> {
     /// The node of A that was turned last, and its children's planes. Siblings in B follow each other, so it
     /// is often the next one too.
     turned: (Child, N::Turned),
-    /// The leaf of A that is descending B's tree, if one did, and its planes in lane 0.
+    /// The leaf or node of A whose volume is descending B's tree, if one did, and its planes in lane 0.
     aimed: Option<(Child, N::Turned)>,
-    /// Node and lane in B of what A is descending against.
-    target: Option<(u32, usize)>,
+    /// The leaf that was cutting the other tree's nodes last, and the slabs of its primitive.
+    pub(super) cutter: Option<(Cutter, OwnSlabs)>,
+    pub(super) thin: Thin,
+    /// How many powers of two the unit of A's frame is larger than that of B's.
+    units: i32,
 }
+
+/// A node is opened alone if it is wider than the other by this many powers of two, that is by a factor of 4
+/// to 16: below, bodies of like size would be opened in turns, which costs them more visits.
+const MUCH_WIDER: i32 = 3;
 
 impl<'t, N, P, Q, E, V> Traversal<'t, N, P, Q, E, V>
 where
@@ -87,7 +103,9 @@ where
             visit,
             turned: none,
             aimed: None,
-            target: None,
+            cutter: None,
+            thin: Thin::default(),
+            units: b.frame().exponent - a.frame().exponent,
         }
     }
 
@@ -100,25 +118,53 @@ where
         }
         // Many queries end at the roots, and need no stack.
         let mut stack = None;
-        let mut pair = (Child::ROOT, Child::ROOT);
+        let (a, b) = (self.a.header().root, self.b.header().root);
+        let mut volumes = Volumes { a, b, holder_b: ABOVE_ROOT, lane_b: 0 };
         loop {
-            self.step(&mut stack, pair.0, pair.1)?;
-            let Some(next) = stack.as_mut().and_then(Stack::next) else { return Flow::Continue(()) };
-            pair = self.descend(next);
+            self.step(&mut stack, &volumes)?;
+            let Some(stack) = &mut stack else { return Flow::Continue(()) };
+            if self.counters.visits >= LONG {
+                self.look_again(stack);
+            }
+            let Some(next) = stack.next() else { return Flow::Continue(()) };
+            volumes = self.descend(next);
         }
     }
 
     /// The children that a bit on the stack stands for.
     #[inline(always)]
-    fn descend(&mut self, Next { a, b, row, bit }: Next) -> (Child, Child) {
+    fn descend(&self, Next { volumes, opened, row, bit }: Next) -> Volumes {
+        let mut below = volumes;
+        if opened != Descent::B
+            && let Link::Inner(node) = volumes.a.link()
+        {
+            below.a = self.child_a(node, if opened == Descent::Both { row } else { bit });
+        }
+        if opened != Descent::A
+            && let Link::Inner(node) = volumes.b.link()
+        {
+            below.b = self.child_b(node, bit);
+            (below.holder_b, below.lane_b) = (node, bit as u8);
+        }
+        below
+    }
+
+    /// Whose children are next.
+    #[inline(always)]
+    fn opened(&self, a: Child, b: Child) -> Descent {
         match (a.link(), b.link()) {
-            (Link::Inner(node_a), Link::Inner(node_b)) => {
-                self.target = Some((node_b, bit));
-                (self.child_a(node_a, row), self.child_b(node_b, bit))
+            (Link::Inner(_), Link::Inner(_)) => {
+                let excess = a.width().excess(b.width(), -self.units);
+                if excess >= MUCH_WIDER {
+                    Descent::A
+                } else if excess <= -MUCH_WIDER {
+                    Descent::B
+                } else {
+                    Descent::Both
+                }
             }
-            (Link::Inner(node_a), _) => (self.child_a(node_a, bit), b),
-            (_, Link::Inner(node_b)) => (a, self.child_b(node_b, bit)),
-            _ => (a, b),
+            (Link::Inner(_), _) => Descent::A,
+            _ => Descent::B,
         }
     }
 
@@ -132,7 +178,8 @@ where
 
     /// Visits a pair of which at least one is a node.
     #[inline(always)]
-    fn step(&mut self, stack: &mut Option<Stack>, a: Child, b: Child) -> Flow {
+    fn step(&mut self, stack: &mut Option<Stack>, volumes: &Volumes) -> Flow {
+        let Volumes { a, b, holder_b, lane_b } = *volumes;
         if self.counters.visits == self.budget {
             return Flow::Break(Stop::Budget { upper: self.corner_distance(a, b) });
         }
@@ -143,15 +190,14 @@ where
         }
         let mut rows = Rows::default();
         let mut wanted = u16::MAX;
-        // The children of A that overlap the child of B that leads here, or all of B: only their rows can
-        // have a bit.
+        // The children of A that overlap b: only their rows can have a bit.
         if let Link::Inner(_) = a.link() {
             let kernels;
-            (wanted, kernels) = match self.target {
-                Some((node, lane)) => {
-                    (self.b.nodes()[node as usize].overlap_column(self.kernel, &self.turned.1, lane), 1)
-                }
-                None => self.b.nodes()[0].overlap_hull(self.kernel, &self.turned.1),
+            (wanted, kernels) = if holder_b == ABOVE_ROOT {
+                self.b.nodes()[0].overlap_hull(self.kernel, &self.turned.1)
+            } else {
+                let holder = &self.b.nodes()[holder_b as usize];
+                (holder.overlap_column(self.kernel, &self.turned.1, lane_b.into()), 1)
             };
             self.counters.kernels += kernels;
             // Half of the visits end here.
@@ -159,21 +205,34 @@ where
                 return Flow::Continue(());
             }
         }
-        if let Link::Inner(node) = b.link() {
-            let (turned, wanted) = match (a.link(), &self.aimed) {
-                (Link::Leaf { .. }, Some((_, turned))) => (turned, 1),
-                _ => (&self.turned.1, wanted),
-            };
-            let kernels;
-            (rows, kernels) = self.b.nodes()[node as usize].overlap_rows(self.kernel, turned, wanted);
-            self.counters.kernels += kernels;
-        } else {
-            rows.rows[0] = wanted;
-            rows.pending = u16::from(wanted != 0);
+        let opened = self.opened(a, b);
+        match (opened, b.link()) {
+            (Descent::Both | Descent::B, Link::Inner(node)) => {
+                let (turned, wanted) = if opened == Descent::Both {
+                    (&self.turned.1, wanted)
+                } else {
+                    if let Link::Inner(_) = a.link() {
+                        self.enclose(a);
+                    }
+                    let Some((_, aimed)) = &self.aimed else { return Flow::Continue(()) };
+                    (aimed, 1)
+                };
+                let kernels;
+                (rows, kernels) = self.b.nodes()[node as usize].overlap_rows(self.kernel, turned, wanted);
+                self.counters.kernels += kernels;
+            }
+            _ => {
+                rows.rows[0] = wanted;
+                rows.pending = 1;
+            }
         }
-        self.decide_leaves(a, b, &mut rows)?;
+        if opened != Descent::Both && self.is_worth_cutting(a, b, rows.rows[0]) {
+            let left = self.cut(a, b, rows.rows[0]);
+            rows.set(0, left);
+        }
+        self.decide_leaves(a, b, opened, &mut rows)?;
         if rows.pending != 0 {
-            stack.get_or_insert_with(Stack::new).push(a, b, &rows);
+            stack.get_or_insert_with(Stack::new).push(*volumes, opened, &rows);
         }
         Flow::Continue(())
     }
@@ -191,12 +250,22 @@ where
     /// Computes the planes of leaf `a` from its moved corners.
     #[inline(always)]
     fn aim(&mut self, a: Child) {
-        let (leaf, turned) = self.aimed.get_or_insert((Child::EMPTY, N::NO_TURNED));
-        if *leaf != a {
-            let (body, pose) = (&self.a, self.pose);
-            let items = primitives(a).map(|index| P::moved(&body.primitive(index), pose));
-            N::aim::<P>(turned, &self.b.frame(), items, self.margin);
-            *leaf = a;
+        let (body, aimed) = self.aimed.get_or_insert((Child::EMPTY, N::NO_TURNED));
+        if *body != a {
+            let (tree, pose) = (&self.a, self.pose);
+            let items = primitives(a).map(|index| P::moved(&tree.primitive(index), pose));
+            N::aim::<P>(aimed, &self.b.frame(), items, self.margin);
+            *body = a;
+        }
+    }
+
+    /// Computes planes that hold all of node `a` from those of its children, which are turned.
+    #[cold]
+    fn enclose(&mut self, a: Child) {
+        let (body, aimed) = self.aimed.get_or_insert((Child::EMPTY, N::NO_TURNED));
+        if *body != a {
+            N::enclose(&self.turned.1, aimed);
+            *body = a;
         }
     }
 
@@ -236,7 +305,7 @@ pub(super) fn bits_of(mut bits: u16) -> impl Iterator<Item = usize> {
 }
 
 /// Some primitive below a link.
-fn first_primitive<N: Lanes, P: Primitive>(tree: &BvhRef<'_, N, P>, mut link: Link) -> u32 {
+pub(super) fn first_primitive<N: Lanes, P: Primitive>(tree: &BvhRef<'_, N, P>, mut link: Link) -> u32 {
     loop {
         match link {
             Link::Leaf { first, .. } => return first,

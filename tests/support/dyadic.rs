@@ -96,6 +96,38 @@ pub(crate) fn dot(n: [Dyadic; 3], p: [Dyadic; 3]) -> Dyadic {
     n.into_iter().zip(p).fold(Dyadic::zero(), |sum, (n, p)| sum + n * p)
 }
 
+/// `n . p` in `f64`.
+pub(crate) fn dot_rounded(n: &[f64; 3], p: &[f64; 3]) -> f64 {
+    (n[0] * p[0] + n[1] * p[1]) + n[2] * p[2]
+}
+
+/// Whether all of some points lie before all others along `n`, either way round, by more than `margin`. Intervals far
+/// wider than the rounding errors decide most.
+pub(crate) fn apart_along(n: &[f64; 3], one: &[[f64; 3]], other: &[[f64; 3]], margin: f64) -> bool {
+    let reach = margin * dot_rounded(n, n).sqrt();
+    let size =
+        one.iter().chain(other).fold(reach, |size, p| size + dot_rounded(&n.map(f64::abs), &p.map(f64::abs)));
+    let (mut before, mut after) = (f64::INFINITY, f64::INFINITY);
+    for p in one {
+        for q in other {
+            let gap = dot_rounded(n, q) - dot_rounded(n, p);
+            (before, after) = (before.min(gap), after.min(-gap));
+        }
+    }
+    let gap = before.max(after);
+    if (gap - reach).abs() > 64.0 * f64::EPSILON * size {
+        return gap > reach;
+    }
+    let along = |p: &[f64; 3]| dot(n.map(Dyadic::from), p.map(Dyadic::from));
+    let [one, other] = [one, other].map(|points| {
+        let supports: Vec<Dyadic> = points.iter().map(along).collect();
+        (supports.iter().min().unwrap().clone(), supports.into_iter().max().unwrap())
+    });
+    let gap = (other.0 - one.1).max(one.0 - other.1);
+    let square = dot(n.map(Dyadic::from), n.map(Dyadic::from)) * Dyadic::from(margin) * Dyadic::from(margin);
+    gap > Dyadic::zero() && gap.clone() * gap > square
+}
+
 /// The value of a key: the half with these bits, or with `code ^ 0x7fff` for a negative code. Infinities and
 /// NaN as themselves.
 pub(crate) fn half_value(code: i16) -> f64 {
@@ -121,5 +153,5 @@ pub(crate) fn is_rounded_up(code: i16, x: &Dyadic) -> bool {
 
 /// Names every helper once, so that a test which needs only some of them compiles without a warning.
 const _: () = {
-    let _ = (Dyadic::power_of_two, Dyadic::abs, dot, is_rounded_up);
+    let _ = (Dyadic::power_of_two, Dyadic::abs, dot, dot_rounded, apart_along, is_rounded_up);
 };

@@ -1,5 +1,5 @@
-//! Meshes made by rule. Correctly rounded operations only (no sines), so that every machine makes the same
-//! ones.
+//! Meshes made by rule. Correctly rounded operations only (no library's sines), so that every machine makes
+//! the same ones.
 
 use super::data::MeshData;
 use super::rng::Rng;
@@ -16,6 +16,36 @@ fn on_circle(i: u32, n: u32) -> [f64; 2] {
     };
     let length = (x * x + y * y).sqrt();
     [x / length, y / length]
+}
+
+/// Cosine and sine of `i / n` of a turn, by their series on an eighth of a turn: within 2^-52, and the same
+/// everywhere.
+fn at_angle(i: u32, n: u32) -> [f64; 2] {
+    let eighths = 8.0 * f64::from(i % n) / f64::from(n);
+    let (whole, part) = (eighths.floor(), eighths - eighths.floor());
+    // Eighths of odd number are run through backwards, so that each quarter is symmetric.
+    let odd = whole % 2.0 != 0.0;
+    let x = if odd { 1.0 - part } else { part } * core::f64::consts::FRAC_PI_4;
+    // From the term of x^19 on, the series change no bit.
+    let series = |first: f64, from: i32| {
+        let (mut term, mut sum) = (first, first);
+        for k in (from..from + 16).step_by(2) {
+            term *= -(x * x) / f64::from(k * (k + 1));
+            sum += term;
+        }
+        sum
+    };
+    let (c, s) = (series(1.0, 1), series(x, 2));
+    match whole as u32 {
+        0 => [c, s],
+        1 => [s, c],
+        2 => [-s, c],
+        3 => [-c, s],
+        4 => [-c, -s],
+        5 => [-s, -c],
+        6 => [s, -c],
+        _ => [c, -s],
+    }
 }
 
 /// Triangles of a grid of `rows` x `columns` vertices, row by row; a closed direction joins its last line to
@@ -45,6 +75,99 @@ pub(crate) fn torus(around: u32, along: u32) -> MeshData {
         }
     }
     MeshData { vertices, triangles: quads(around, along, true) }
+}
+
+/// A ring with waves along and around its tube, smooth and watertight, nearly 6 across: the most that
+/// 2 n^2 triangles can be without being more than `triangles`, with n at least 3.
+pub(crate) fn wavy_torus(triangles: u32) -> MeshData {
+    let n = (f64::from(triangles) / 2.0).sqrt().floor().max(3.0) as u32;
+    let mut vertices = Vec::new();
+    for i in 0..n {
+        let ([x, y], [wave, _]) = (at_angle(i, n), at_angle(5 * i, n));
+        for j in 0..n {
+            let ([out, up], [_, bulge]) = (at_angle(j, n), at_angle(3 * j, n));
+            let radius = 2.0 + (0.7 + 0.2 * wave) * out;
+            vertices.push([radius * x, radius * y, 0.7 * up + 0.3 * bulge]);
+        }
+    }
+    MeshData { vertices, triangles: quads(n, n, true) }
+}
+
+/// A box of a room: half widths, turned about the z axis, around a centre.
+struct Block {
+    half: [f64; 3],
+    turn: [f64; 2],
+    centre: [f64; 3],
+}
+
+/// What stands in a room of 10 x 8 x 3 m, and the room.
+fn furniture() -> Vec<Block> {
+    const STRAIGHT: [f64; 2] = [1.0, 0.0];
+    let block = |half, turn, centre| Block { half, turn, centre };
+    let mut blocks = vec![block([5.0, 4.0, 1.5], STRAIGHT, [0.0, 0.0, 1.5])];
+    let turns = [STRAIGHT, [0.8, 0.6], [0.28, 0.96], [-0.6, 0.8]];
+    // A table of a top and four legs, a stool before it.
+    for (i, turn) in turns.into_iter().enumerate() {
+        let centre = [-3.0 + 2.0 * i as f64, 1.5 - f64::from(i as u32 % 2) * 2.5];
+        let at = |x: f64, y: f64, z: f64| {
+            [centre[0] + (turn[0] * x - turn[1] * y), centre[1] + (turn[1] * x + turn[0] * y), z]
+        };
+        blocks.push(block([0.7, 0.4, 0.02], turn, at(0.0, 0.0, 0.74)));
+        for (x, y) in [(-0.66, -0.36), (-0.66, 0.36), (0.66, -0.36), (0.66, 0.36)] {
+            blocks.push(block([0.025, 0.025, 0.36], turn, at(x, y, 0.36)));
+        }
+        blocks.push(block([0.2, 0.2, 0.22], turn, at(0.1, -0.7, 0.22)));
+    }
+    // Shelves along a wall: two sides and five boards each.
+    for x in [-3.0, -1.0, 1.0, 3.0] {
+        blocks.extend([-0.5, 0.5].map(|side| block([0.01, 0.15, 1.0], STRAIGHT, [x + side, 3.8, 1.0])));
+        blocks.extend([0.1, 0.5, 0.9, 1.3, 1.7].map(|z| block([0.48, 0.14, 0.01], STRAIGHT, [x, 3.8, z])));
+    }
+    blocks
+}
+
+/// A room of walls, floor, ceiling and furniture, in metres, in cells of about one size: at most `triangles`
+/// triangles and nearly as many, but at least 12 a box. Faces share no vertices.
+pub(crate) fn room(triangles: u32) -> MeshData {
+    let blocks = furniture();
+    let cells = |length: f64, cell: f64| (2.0 * length / cell).ceil().max(1.0);
+    let count = |cell: f64| -> f64 {
+        let faces = |half: &[f64; 3]| {
+            let [x, y, z] = half.map(|length| cells(length, cell));
+            4.0 * (x * y + y * z + z * x)
+        };
+        blocks.iter().map(|block| faces(&block.half)).sum()
+    };
+    let (mut fine, mut coarse) = (1e-4, 20.0);
+    for _ in 0..60 {
+        let middle = 0.5 * (fine + coarse);
+        if count(middle) > f64::from(triangles) { fine = middle } else { coarse = middle }
+    }
+    let mut room = MeshData { vertices: Vec::new(), triangles: Vec::new() };
+    for Block { half, turn, centre } in &blocks {
+        for (axis, side) in (0..3).flat_map(|axis| [(axis, -1.0), (axis, 1.0)]) {
+            let (along, across) = ((axis + 1) % 3, (axis + 2) % 3);
+            let [rows, columns] = [along, across].map(|axis| cells(half[axis], coarse) as u32 + 1);
+            let step = |i: u32, of: u32| 2.0 * f64::from(i) / f64::from(of - 1) - 1.0;
+            let vertex = |i: u32, j: u32| {
+                let mut p = [0.0; 3];
+                p[axis] = side * half[axis];
+                p[along] = step(i, rows) * half[along];
+                p[across] = step(j, columns) * half[across];
+                let [x, y] = [turn[0] * p[0] - turn[1] * p[1], turn[1] * p[0] + turn[0] * p[1]];
+                [centre[0] + x, centre[1] + y, centre[2] + p[2]]
+            };
+            let vertices = (0..rows).flat_map(|i| (0..columns).map(move |j| vertex(i, j))).collect();
+            append(&mut room, &MeshData { vertices, triangles: quads(rows, columns, false) });
+        }
+    }
+    room
+}
+
+/// The mesh, `factor` times as large and then shifted.
+pub(crate) fn scaled(mesh: &MeshData, factor: f64, shift: [f64; 3]) -> MeshData {
+    let place = |p: &[f64; 3]| core::array::from_fn(|i| p[i] * factor + shift[i]);
+    MeshData { vertices: mesh.vertices.iter().map(place).collect(), triangles: mesh.triangles.clone() }
 }
 
 /// A flat square of `side` x `side` vertices at integer places, turned out of the coordinate planes by adding
@@ -115,4 +238,5 @@ pub(crate) fn append(mesh: &mut MeshData, other: &MeshData) {
 /// Names every helper once, so that a test which needs only some of them compiles without a warning.
 const _: () = {
     let _ = (torus, flat_grid, soup, coincident, collinear, huge_among_tiny, without_area, append);
+    let _ = (wavy_torus, room, scaled);
 };

@@ -38,6 +38,8 @@ bool peer_collide(void *a, void *b, const Rows &rows) {
   coal::CollisionRequest request;
   request.num_max_contacts = 1;
   request.enable_contact = false;
+  // Nodes that are nearer than this are opened though they are apart, for a better bound of the distance: by default 1e-3, in any unit.
+  request.break_distance = 0;
   coal::CollisionResult result;
   coal::collide(static_cast<Model *>(a), transform(rows), static_cast<Model *>(b), coal::Transform3s::Identity(), request, result);
   return result.isCollision();

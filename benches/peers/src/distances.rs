@@ -1,12 +1,11 @@
 //! Distances instead of collisions, at the same poses: ours at tolerance 0, and of the peers that measure
 //! them.
 
-use crate::Options;
 use crate::entrants::{Entrant, OURS, measuring};
 use crate::measure::{BLOCK, ENOUGH, PASSES, quantile};
 use crate::meshes::Scene;
 use crate::poses::{self, Judged};
-use crate::suites::DISTANCES;
+use crate::{Options, save};
 use core::fmt::Write as _;
 use std::time::{Duration, Instant};
 
@@ -45,25 +44,22 @@ pub(crate) fn run(options: &Options, scenes: &[&Scene]) -> Result<(), String> {
         options.stamp,
         crate::table::cpu(),
         options.runs,
-        options.poses
+        options.poses()
     );
     for (i, scene) in scenes.iter().enumerate() {
         let meshes = scene.meshes(&options.data);
-        let suites = poses::suites(scene.name, &directory, &meshes, options.poses as usize, options.seed)?;
+        let suites = poses::suites(scene.name, &directory, &meshes, options.poses(), options.seed)?;
         let entrants = measuring(&meshes, &options.drivers);
         if i == 0 {
             head(&mut page, &entrants);
         }
-        for (suite, (distance, _)) in suites.iter().zip(DISTANCES) {
+        for (distance, suite) in &suites {
             eprintln!("{}, {distance}", scene.name);
             let runs: Vec<_> = (0..options.runs).map(|_| in_turns(&entrants, suite)).collect();
             row(&mut page, scene.name, distance, &cells(&runs, suite));
         }
     }
-    let path = options.out.join("DISTANCES.md");
-    std::fs::write(&path, page).map_err(|e| format!("{}: {e}", path.display()))?;
-    println!("{}", path.display());
-    Ok(())
+    save(&options.out.join("DISTANCES.md"), &page)
 }
 
 fn in_turns(entrants: &[Entrant], suite: &[Judged]) -> Vec<Results> {

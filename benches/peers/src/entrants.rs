@@ -1,6 +1,6 @@
 //! The libraries that take part, each with its bodies built.
 
-use crate::data::MeshData;
+use crate::data::{MeshData, notice};
 use crate::driver::Driver;
 use crate::suites::Rows;
 use simdop::construct::{Builder, Magnification, Mesh, Splitter};
@@ -35,12 +35,18 @@ pub(crate) struct Entrant {
 /// Ours, and the name that the ratios are about.
 pub(crate) const OURS: &str = "simdop k 18";
 
+/// FCL with its templates compiled for this machine.
+pub(crate) const FCL_NATIVE: &str = "FCL native";
+
+/// The peer in C++ that is fastest on most bodies.
+pub(crate) const OPCODE: &str = "OPCODE";
+
 /// A peer in C++, and its driver.
 const DRIVERS: [(&str, &str); 8] = [
-    ("OPCODE", "opcode"),
+    (OPCODE, "opcode"),
     ("ODE", "ode"),
     ("FCL OBB", "fcl-OBB"),
-    ("FCL native", "fcl-native"),
+    (FCL_NATIVE, "fcl-native"),
     ("FCL OBBRSS", "fcl-OBBRSS"),
     ("Coal OBB", "coal-OBB"),
     ("Coal OBBRSS", "coal-OBBRSS"),
@@ -49,7 +55,7 @@ const DRIVERS: [(&str, &str); 8] = [
 
 /// Those that measure distances.
 const MEASURING: [(&str, &str); 3] =
-    [("FCL OBBRSS", "fcl-OBBRSS"), ("FCL native", "fcl-native-OBBRSS"), ("Coal OBBRSS", "coal-OBBRSS")];
+    [("FCL OBBRSS", "fcl-OBBRSS"), (FCL_NATIVE, "fcl-native-OBBRSS"), ("Coal OBBRSS", "coal-OBBRSS")];
 
 /// Everything that measures distances and could be had.
 pub(crate) fn measuring(meshes: &[MeshData], drivers: &Path) -> Vec<Entrant> {
@@ -64,6 +70,14 @@ pub(crate) fn entrants(meshes: &[MeshData], drivers: &Path) -> Vec<Entrant> {
     let mut entrants = vec![ours::<Node16<18>>(OURS, meshes), ours::<Node16<14>>("simdop k 14", meshes)];
     entrants.extend(loaded(&DRIVERS, drivers).into_iter().map(|(name, driver)| driven(name, driver, meshes)));
     entrants.extend([parry_f32::entrant("parry f32", meshes), parry_f64::entrant("parry f64", meshes)]);
+    entrants
+}
+
+/// Ours and FCL compiled here: for bodies of which so many copies do not fit into memory.
+pub(crate) fn beside_fcl(meshes: &[MeshData], drivers: &Path) -> Vec<Entrant> {
+    let fcl = DRIVERS.iter().copied().filter(|(name, _)| *name == FCL_NATIVE).collect::<Vec<_>>();
+    let mut entrants = vec![ours::<Node16<18>>(OURS, meshes)];
+    entrants.extend(loaded(&fcl, drivers).into_iter().map(|(name, driver)| driven(name, driver, meshes)));
     entrants
 }
 
@@ -95,7 +109,7 @@ fn loaded(wanted: &[(&'static str, &str)], drivers: &Path) -> Vec<(&'static str,
     {
         Ok(driver) => Some((name, Rc::new(driver))),
         Err(error) => {
-            eprintln!("*** {name} IS LEFT OUT: {error} ***");
+            notice(&format!("{name} IS LEFT OUT: {error}"));
             None
         }
     };

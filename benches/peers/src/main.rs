@@ -2,6 +2,8 @@
 //! `benches/peers/run` builds and starts it.
 
 mod builds;
+#[path = "../../../tests/support/corners.rs"]
+mod corners;
 #[path = "../../figures/plot.rs"]
 mod curves;
 #[path = "../../../tests/support/data.rs"]
@@ -15,6 +17,7 @@ mod driver;
 mod entrants;
 #[path = "../../../tests/support/exact.rs"]
 mod exact;
+mod fineness;
 mod measure;
 mod meshes;
 mod plot;
@@ -22,6 +25,9 @@ mod poses;
 mod record;
 #[path = "../../../tests/support/rng.rs"]
 mod rng;
+#[path = "../../../tests/support/shapes.rs"]
+mod shapes;
+mod sizes;
 #[path = "../../support/suites.rs"]
 mod suites;
 mod summary;
@@ -29,7 +35,7 @@ mod table;
 
 use clap::Parser;
 use meshes::{SCENES, Scene};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 /// Time simdop beside other libraries
@@ -44,12 +50,13 @@ struct Options {
     /// Where poses and results go
     #[arg(long, overrides_with = "out")]
     out: PathBuf,
-    /// Which meshes, separated by commas [default: all]
+    /// Which meshes, separated by commas [default: all]; of --sizes: cow, armadillo, room, hand
     #[arg(long, value_delimiter = ',')]
     meshes: Vec<String>,
-    /// Poses for each mesh and distance, half of each method
-    #[arg(long, default_value_t = 200, value_parser = clap::value_parser!(u32).range(2..))]
-    poses: u32,
+    /// Poses for each mesh and distance, half of each method; of --sizes and --fineness, for each row
+    /// [default: 200, of these 60]
+    #[arg(long, value_parser = clap::value_parser!(u32).range(2..))]
+    poses: Option<u32>,
     /// Of the poses
     #[arg(long, default_value_t = 1)]
     seed: u64,
@@ -57,23 +64,43 @@ struct Options {
     #[arg(long, default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..))]
     runs: u32,
     /// Time builds against the number of polygons, and nothing else
-    #[arg(long)]
+    #[arg(long, group = "instead")]
     builds: bool,
     /// Keep what an interrupted run measured
     #[arg(long)]
     resume: bool,
     /// Measure distances instead of collisions, by the libraries that can
-    #[arg(long)]
+    #[arg(long, group = "instead")]
     distance: bool,
+    /// Collide small bodies with large ones, near corners of these
+    #[arg(long, group = "instead")]
+    sizes: bool,
+    /// Collide meshes of one surface, ever finer, that nearly touch
+    #[arg(long, group = "instead")]
+    fineness: bool,
+    /// Of --fineness: the numbers of triangles, separated by commas
+    #[arg(long, value_delimiter = ',', default_values_t = fineness::TRIANGLES, requires = "fineness")]
+    triangles: Vec<u32>,
     /// What to say of date, version and command
     #[arg(long, default_value = "")]
     stamp: String,
+}
+
+impl Options {
+    fn poses(&self) -> usize {
+        let default = if self.sizes || self.fineness { 60 } else { 200 };
+        self.poses.unwrap_or(default) as usize
+    }
 }
 
 fn main() -> ExitCode {
     let options = Options::parse();
     let done = if options.builds {
         builds::run(&options.data, &options.drivers, &options.out)
+    } else if options.sizes {
+        sizes::run(&options)
+    } else if options.fineness {
+        fineness::run(&options)
     } else {
         run(&options)
     };
@@ -101,12 +128,11 @@ fn run(options: &Options) -> Result<(), String> {
     let mut rows = Vec::new();
     for run in 1..=options.runs {
         for scene in &scenes {
-            let part = parts.join(format!("{}_{}_{}_{run}.csv", scene.name, options.poses, options.seed));
+            let part = parts.join(format!("{}_{}_{}_{run}.csv", scene.name, options.poses(), options.seed));
             if !part.exists() {
                 let meshes = scene.meshes(&options.data);
                 eprintln!("run {run}, {}: poses", scene.name);
-                let suites =
-                    poses::suites(scene.name, &poses, &meshes, options.poses as usize, options.seed)?;
+                let suites = poses::suites(scene.name, &poses, &meshes, options.poses(), options.seed)?;
                 eprintln!("run {run}, {}: queries", scene.name);
                 let entrants = entrants::entrants(&meshes, &options.drivers);
                 let occasion = measure::Occasion { run, mesh: scene.name };
@@ -120,12 +146,15 @@ fn run(options: &Options) -> Result<(), String> {
 
 fn report(options: &Options, rows: &[record::Row]) -> Result<(), String> {
     record::write(&options.out.join("results.csv"), rows)?;
-    let page = options.out.join("RESULTS.md");
-    std::fs::write(&page, table::page(rows, &options.stamp))
-        .map_err(|e| format!("{}: {e}", page.display()))?;
     let plot = options.out.join("results.svg");
     plot::draw(&plot, &summary::Summary::new(rows)).map_err(|e| format!("{}: {e}", plot.display()))?;
-    println!("{}", page.display());
+    save(&options.out.join("RESULTS.md"), &table::page(rows, &options.stamp))
+}
+
+/// Writes a page of results and says where.
+fn save(path: &Path, page: &str) -> Result<(), String> {
+    std::fs::write(path, page).map_err(|e| format!("{}: {e}", path.display()))?;
+    println!("{}", path.display());
     Ok(())
 }
 

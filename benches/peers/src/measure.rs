@@ -2,9 +2,8 @@
 
 use crate::data::MeshData;
 use crate::entrants::Entrant;
-use crate::poses::Judged;
+use crate::poses::{Judged, Named};
 use crate::record::Row;
-use crate::suites::DISTANCES;
 use std::time::{Duration, Instant};
 
 /// Poses that a library gets in a row before it is the next one's turn. With one, the caches are the other
@@ -36,11 +35,11 @@ pub(crate) fn measure(
     occasion: &Occasion<'_>,
     meshes: &[MeshData],
     entrants: &[Entrant],
-    suites: &[Vec<Judged>],
+    suites: &[Named],
 ) -> Vec<Row> {
     let mut rows = Vec::new();
     let clock = clock_cost();
-    for (suite, (distance, _)) in suites.iter().zip(DISTANCES) {
+    for (distance, suite) in suites {
         let results = in_turns(entrants, suite, clock);
         for (entrant, results) in entrants.iter().zip(results) {
             rows.push(row(occasion, meshes, distance, entrant, suite, &results));

@@ -4,7 +4,7 @@
 use crate::data::MeshData;
 use crate::digest::digest;
 use crate::exact::meshes_meet;
-use crate::suites::{Approaching, DISTANCES, Method, Rows};
+use crate::suites::{Approaching, DISTANCES, Distance, Method, Rows};
 use core::fmt::Write as _;
 use simdop::construct::{Builder, Mesh};
 use simdop::hierarchy::Bvh;
@@ -15,10 +15,15 @@ use std::path::{Path, PathBuf};
 #[derive(Copy, Clone, PartialEq, Debug)]
 pub(crate) struct Judged {
     pub(crate) rows: Rows,
-    pub(crate) method: Method,
     /// Do the bodies meet?
     pub(crate) meets: bool,
 }
+
+/// Poses of one kind, and what kind that is.
+pub(crate) type Named = (String, Vec<Judged>);
+
+/// A line of a pose file.
+type Line = (Judged, Method);
 
 /// What is wrong with a pose file.
 #[derive(Debug)]
@@ -43,7 +48,7 @@ pub(crate) fn suites(
     meshes: &[MeshData],
     count: usize,
     seed: u64,
-) -> Result<Vec<Vec<Judged>>, String> {
+) -> Result<Vec<Named>, String> {
     let path = |index: usize| -> PathBuf {
         let distance = DISTANCES[index].0.replace(" %", "").replace(' ', "-");
         directory.join(format!("{name}_{distance}_{count}_{seed}.poses"))
@@ -58,41 +63,61 @@ pub(crate) fn suites(
     }
     let read_back = |index| {
         let text = std::fs::read_to_string(path(index)).map_err(|e| e.to_string());
-        let poses = text.and_then(|text| read(&text).map_err(|e| e.to_string()));
-        poses.map_err(|e| format!("{}: {e}; remove it to have it made again", path(index).display()))
+        let lines = text.and_then(|text| read(&text).map_err(|e| e.to_string()));
+        let lines =
+            lines.map_err(|e| format!("{}: {e}; remove it to have it made again", path(index).display()))?;
+        let poses = lines.into_iter().map(|(judged, _)| judged).collect();
+        Ok((DISTANCES[index].0.to_owned(), poses))
     };
     (0..DISTANCES.len()).map(read_back).collect()
 }
 
-fn make(meshes: &[MeshData], count: usize, seed: u64) -> Vec<Vec<Judged>> {
+fn make(meshes: &[MeshData], count: usize, seed: u64) -> [Vec<Line>; DISTANCES.len()] {
+    let judge = judge(&meshes[0], &meshes[meshes.len() - 1]);
+    let counts = [count.div_ceil(2), count / 2];
+    let suites = approaching(meshes, &DISTANCES, Method::ALL.into_iter().zip(counts), seed);
+    suites.map(|suite| suite.into_iter().map(|(rows, method)| (judge(rows), method)).collect())
+}
+
+/// Whether the bodies meet, in exact arithmetic, over all pairs of triangles.
+pub(crate) fn judge<'m>(a: &'m MeshData, b: &MeshData) -> impl Fn(Rows) -> Judged + use<'m> {
+    let still = b.corners();
+    move |rows| Judged { rows, meets: meshes_meet(&a.placed(&rows), &still) }
+}
+
+/// Poses at each of the distances, nearest first: so many by each method.
+pub(crate) fn approaching<const N: usize>(
+    meshes: &[MeshData],
+    distances: &[(&str, Distance); N],
+    counts: impl IntoIterator<Item = (Method, usize)>,
+    seed: u64,
+) -> [Vec<(Rows, Method)>; N] {
     let (a, b) = (&meshes[0], &meshes[meshes.len() - 1]);
     let tree = |mesh: &MeshData| -> Bvh<Node16<32>> {
         let mesh = Mesh { vertices: &mesh.vertices, triangles: &mesh.triangles };
         Builder::new().build(&mesh).expect("the data sets can be built")
     };
-    let (tree_a, tree_b) = (tree(a), tree(b));
+    let tree_a = tree(a);
+    let tree_b = (meshes.len() > 1).then(|| tree(b));
+    let tree_b = tree_b.as_ref().unwrap_or(&tree_a);
     let pair = Approaching { a, b, tree_a: tree_a.view(), tree_b: tree_b.view() };
-    let still = b.corners();
-    let mut suites = vec![Vec::new(); DISTANCES.len()];
-    for (method, count) in Method::ALL.into_iter().zip([count.div_ceil(2), count / 2]) {
-        for line in pair.poses(method, count, seed) {
-            for (suite, rows) in suites.iter_mut().zip(line) {
-                suite.push(Judged { rows, method, meets: meshes_meet(&a.placed(&rows), &still) });
-            }
-        }
-    }
-    suites
+    let by = |(method, count)| {
+        let lines = pair.poses(distances, method, count, seed);
+        lines.into_iter().map(move |line| line.map(|rows| (rows, method)))
+    };
+    let lines: Vec<_> = counts.into_iter().flat_map(by).collect();
+    core::array::from_fn(|i| lines.iter().map(|line| line[i]).collect())
 }
 
-fn written(title: &str, suite: &[Judged]) -> String {
+fn written(title: &str, suite: &[Line]) -> String {
     let mut text =
         format!("# {title}: the rows of [R|t] of A in B's frame\n# checksum {}\n", checksum(suite));
-    for pose in suite {
+    for (pose, method) in suite {
         for number in pose.rows.iter().flatten() {
             // The shortest decimal that reads back as the same number.
             let _ = write!(text, "{number:e} ");
         }
-        let _ = writeln!(text, "# {} {}", name_of(pose.method), if pose.meets { "hit" } else { "free" });
+        let _ = writeln!(text, "# {} {}", name_of(*method), if pose.meets { "hit" } else { "free" });
     }
     text
 }
@@ -105,41 +130,40 @@ const fn name_of(method: Method) -> &'static str {
     }
 }
 
-fn read(text: &str) -> Result<Vec<Judged>, Fault> {
+fn read(text: &str) -> Result<Vec<Line>, Fault> {
     let mut stated = "missing";
     let mut suite = Vec::new();
     for (index, line) in text.lines().enumerate() {
         if let Some(sum) = line.strip_prefix("# checksum ") {
             stated = sum;
         } else if !line.starts_with('#') {
-            suite.push(judged(line).ok_or(Fault::Line(index + 1))?);
+            suite.push(parsed(line).ok_or(Fault::Line(index + 1))?);
         }
     }
     let real = checksum(&suite);
     if real == stated { Ok(suite) } else { Err(Fault::Checksum { stated: stated.to_owned(), real }) }
 }
 
-fn judged(line: &str) -> Option<Judged> {
+fn parsed(line: &str) -> Option<Line> {
     let (numbers, words) = line.split_once('#')?;
     let numbers: Result<Vec<f64>, _> = numbers.split_whitespace().map(str::parse).collect();
     let twelve: [f64; 12] = numbers.ok()?.try_into().ok()?;
     let (method, verdict) = words.trim().split_once(' ')?;
-    Some(Judged {
-        rows: core::array::from_fn(|i| core::array::from_fn(|j| twelve[4 * i + j])),
-        method: Method::ALL.into_iter().find(|known| name_of(*known) == method)?,
-        meets: match verdict {
-            "hit" => true,
-            "free" => false,
-            _ => return None,
-        },
-    })
+    let method = Method::ALL.into_iter().find(|known| name_of(*known) == method)?;
+    let rows = core::array::from_fn(|i| core::array::from_fn(|j| twelve[4 * i + j]));
+    let meets = match verdict {
+        "hit" => true,
+        "free" => false,
+        _ => return None,
+    };
+    Some((Judged { rows, meets }, method))
 }
 
 /// Of the numbers' bits and the verdicts.
-fn checksum(suite: &[Judged]) -> String {
-    let bytes = suite.iter().flat_map(|pose| {
+fn checksum(suite: &[Line]) -> String {
+    let bytes = suite.iter().flat_map(|(pose, method)| {
         let numbers = pose.rows.iter().flatten().flat_map(|number| number.to_bits().to_le_bytes());
-        numbers.chain([u8::from(pose.meets), pose.method as u8]).collect::<Vec<_>>()
+        numbers.chain([u8::from(pose.meets), *method as u8]).collect::<Vec<_>>()
     });
     format!("{:016x}", digest(&bytes.collect::<Vec<u8>>()))
 }
@@ -152,10 +176,8 @@ mod tests {
     fn files_read_back_to_the_bit_and_notice_a_change() {
         let rows =
             [[0.1, -0.2, 1e-300, 3.0], [f64::MIN_POSITIVE, 0.3, 1.0 / 3.0, -7.5], [1.0, 2.0, 3.0, 4e17]];
-        let suite = [
-            Judged { rows, method: Method::Sphere, meets: true },
-            Judged { rows, method: Method::Grid, meets: false },
-        ];
+        let suite =
+            [(Judged { rows, meets: true }, Method::Sphere), (Judged { rows, meets: false }, Method::Grid)];
         let text = written("test", &suite);
         assert_eq!(read(&text).unwrap(), suite);
         for (from, to) in [("-7.5", "-7.4"), ("hit", "free"), ("grid", "sphere")] {

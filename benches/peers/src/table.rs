@@ -1,6 +1,6 @@
 //! The results as a page of Markdown.
 
-use crate::entrants::OURS;
+use crate::entrants::{FCL_NATIVE, OPCODE, OURS};
 use crate::measure::quantile;
 use crate::record::Row;
 use crate::summary::Summary;
@@ -53,8 +53,8 @@ fn head(page: &mut String, rows: &[Row], all: &Summary<'_>, stamp: &str) {
     page.push_str(
         "What is compared: simdop, Coal, FCL and parry f64 keep coordinates in f64, OPCODE, ODE and parry f32 in f32. Coal, FCL, ODE and Embree are compiled as their\n\
         packages are; \"FCL native\" is FCL OBB with its templates compiled here, and OPCODE is ODE's copy compiled here, both with -O3 -march=native.\n\
-        ODE collects all pairs of triangles, the others end at the first. Embree finds pairs of boxes, simdop's exact test decides them, and its time holds the\n\
-        refit of A's tree, since its trees have no pose.\n\n",
+        ODE collects all pairs of triangles, the others end at the first. Coal's break_distance is 0: its default, 1e-3 in any unit, opens nodes that are apart.\n\
+        Embree finds pairs of boxes, simdop's exact test decides them, and its time holds the refit of A's tree, since its trees have no pose.\n\n",
     );
 }
 
@@ -62,6 +62,51 @@ pub(crate) fn cpu() -> String {
     let info = std::fs::read_to_string("/proc/cpuinfo").unwrap_or_default();
     let name = info.lines().find_map(|line| line.strip_prefix("model name")?.split_once(": "));
     name.map_or_else(|| "unknown CPU".to_owned(), |(_, name)| name.to_owned())
+}
+
+/// What a page of [`near_contact`] is about, and what its rows are of.
+pub(crate) struct Labels {
+    pub(crate) title: &'static str,
+    pub(crate) mesh: &'static str,
+    pub(crate) distance: &'static str,
+}
+
+/// A page with a row for each pair of bodies at each distance: times, our visits, and all wrong answers.
+pub(crate) fn near_contact(rows: &[Row], labels: &Labels, about: &str) -> String {
+    let all = Summary::new(rows);
+    let mut page = format!("# {}\n\n{about}\n\n", labels.title);
+    let peers = || all.libraries.iter().copied().filter(|library| *library != OURS);
+    let mut cells = strings(&[labels.mesh, labels.distance, "hits", "visits, mean", "triangle pairs, mean"]);
+    cells.push(format!("{OURS}, median / p99"));
+    cells.extend(peers().map(str::to_owned));
+    cells.extend([FCL_NATIVE, OPCODE].map(|peer| format!("{peer} / ours")));
+    cells.push("wrong".to_owned());
+    header(&mut page, "Median time of a query, µs", 2, &cells);
+    for (mesh, distance) in all.meshes.iter().flat_map(|mesh| all.distances.iter().map(move |d| (mesh, d))) {
+        let Some(ours) = all.rows(mesh, distance, OURS).next() else { continue };
+        let median = |library: &str| all.value(mesh, distance, library, |row| row.median_us);
+        let value = |of| all.value(mesh, distance, OURS, of).map_or_else(|| "-".to_owned(), short);
+        let mut cells = strings(&[mesh, distance, &format!("{} of {}", ours.hits, ours.poses)]);
+        cells.push(value(|row| row.visits.unwrap_or_default()));
+        cells.push(value(|row| row.primitive_pairs.unwrap_or_default()));
+        cells.push(format!("{} / {}", value(|row| row.median_us), value(|row| row.p99_us)));
+        cells.extend(peers().map(|peer| median(peer).map_or_else(|| "-".to_owned(), short)));
+        for peer in [FCL_NATIVE, OPCODE] {
+            cells.push(match median(peer).zip(median(OURS)) {
+                Some((theirs, ours)) => short(theirs / ours),
+                None => "-".to_owned(),
+            });
+        }
+        let wrong = |library: &&str| {
+            let row = all.rows(mesh, distance, library).find(|row| row.wrong() > 0)?;
+            Some(format!("{library} {} + {}", row.missed, row.invented))
+        };
+        let wrong: Vec<String> = all.libraries.iter().filter_map(wrong).collect();
+        cells.push(if wrong.is_empty() { "none".to_owned() } else { wrong.join(", ") });
+        row(&mut page, &cells);
+    }
+    page.push_str("\nWrong: answers \"free\" where the bodies meet + \"hit\" where they do not.\n");
+    page
 }
 
 fn row(page: &mut String, cells: &[String]) {

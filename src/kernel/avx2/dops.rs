@@ -33,7 +33,7 @@ use super::super::{SEPARATED, Turned};
 use crate::isa::compiled_for_avx2;
 use crate::key::Key;
 use crate::node::{Node4, Node16};
-use crate::realign::Realignment;
+use crate::realign::{OwnSlab, Realignment};
 use core::arch::x86_64::*;
 use core::mem::MaybeUninit;
 
@@ -208,9 +208,8 @@ compiled_for_avx2! {
 
 compiled_for_avx2! {
     #[inline]
-    fn turn([u, v, w]: [__m256; 3], offset: __m256, [x, y, z]: [__m256; 3]) -> __m256 {
-        let two = _mm256_add_ps(_mm256_mul_ps(u, x), _mm256_mul_ps(v, y));
-        _mm256_add_ps(_mm256_add_ps(two, _mm256_mul_ps(w, z)), offset)
+    fn turn(weights: [__m256; 3], offset: __m256, planes: [__m256; 3]) -> __m256 {
+        _mm256_add_ps(weighted_sum(weights, planes), offset)
     }
 }
 
@@ -264,5 +263,49 @@ compiled_for_avx2! {
         let codes = _mm_blendv_epi8(load_4(&query[0]), _mm_set1_epi16(SEPARATED), unused);
         // SAFETY: the array has the 8 bytes that are written; the store asks for no alignment.
         unsafe { _mm_storel_epi64(query[0].as_mut_ptr().cast(), codes) };
+    }
+}
+
+compiled_for_avx2! {
+    /// Weighted planes of eight children, added from left to right.
+    #[inline]
+    fn weighted_sum([u, v, w]: [__m256; 3], [x, y, z]: [__m256; 3]) -> __m256 {
+        _mm256_add_ps(_mm256_add_ps(_mm256_mul_ps(u, x), _mm256_mul_ps(v, y)), _mm256_mul_ps(w, z))
+    }
+}
+
+compiled_for_avx2! {
+    #[inline]
+    pub(super) fn beyond_16<const K: usize>(slab: &OwnSlab, node: &Node16<K>) -> u16 {
+        let weights = slab.weights.map(|weight| _mm256_set1_ps(weight));
+        let mut beyond = 0;
+        for (side, limit) in slab.limits.into_iter().enumerate() {
+            let planes = slab.sources.map(|source| {
+                let codes = load(&node.planes[usize::from(source) ^ side]);
+                let bits = _mm256_xor_si256(codes, magnitudes_if_negative(codes));
+                [_mm256_cvtph_ps(_mm256_castsi256_si128(bits)), _mm256_cvtph_ps(_mm256_extracti128_si256::<1>(bits))]
+            });
+            let below = |half: usize| {
+                let sum = weighted_sum(weights, planes.map(|plane| plane[half]));
+                _mm256_movemask_ps(_mm256_cmp_ps::<_CMP_LT_OQ>(sum, _mm256_set1_ps(limit)))
+            };
+            beyond |= below(0) | below(1) << 8;
+        }
+        beyond as u16
+    }
+}
+
+compiled_for_avx2! {
+    #[inline]
+    pub(super) fn beyond_4<const K: usize>(slab: &OwnSlab, node: &Node4<K>) -> u16 {
+        let weights = slab.weights.map(|weight| _mm256_set1_ps(weight));
+        let mut beyond = 0;
+        for (side, limit) in slab.limits.into_iter().enumerate() {
+            let planes = slab.sources.map(|source| decode(load_4(&node.planes[usize::from(source) ^ side])));
+            let sum = weighted_sum(weights, planes);
+            beyond |= _mm256_movemask_ps(_mm256_cmp_ps::<_CMP_LT_OQ>(sum, _mm256_set1_ps(limit)));
+        }
+        // The upper lanes are zeros, not children.
+        beyond as u16 & 0xf
     }
 }

@@ -9,7 +9,7 @@ use super::{Kernel, Turned};
 use crate::isa::Avx2;
 use crate::node::{Node4, Node16};
 use crate::primitive::triangle::{Probe, Triangle};
-use crate::realign::Realignment;
+use crate::realign::{OwnSlab, Realignment};
 
 impl Kernel for Avx2 {
     #[inline(always)]
@@ -45,6 +45,18 @@ impl Kernel for Avx2 {
     fn apart_4(self, probe: &Probe<'_>, triangles: &[Triangle; 4]) -> u16 {
         // SAFETY: the token proves the features that the function is compiled for.
         unsafe { triangles::apart_4(probe, triangles) }
+    }
+
+    #[inline(always)]
+    fn beyond_16<const K: usize>(self, slab: &OwnSlab, node: &Node16<K>) -> u16 {
+        // SAFETY: the token proves the features that the function is compiled for.
+        unsafe { dops::beyond_16(slab, node) }
+    }
+
+    #[inline(always)]
+    fn beyond_4<const K: usize>(self, slab: &OwnSlab, node: &Node4<K>) -> u16 {
+        // SAFETY: the token proves the features that the function is compiled for.
+        unsafe { dops::beyond_4(slab, node) }
     }
 
     #[inline(always)]

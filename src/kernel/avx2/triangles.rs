@@ -9,19 +9,19 @@ use core::arch::x86_64::*;
 type Points = [__m256d; 3];
 
 /// Planes of four triangles, or one four times, as in [`crate::primitive::triangle::Plane`].
-struct Planes {
+struct FourPlanes {
     origin: Points,
     normal: Points,
     magnitude: Points,
 }
 
 compiled_for_avx2! {
-    #[inline]
+    #[inline(never)]
     pub(super) fn apart_4(probe: &Probe<'_>, triangles: &[Triangle; 4]) -> u16 {
         let corners = [corners(triangles, 0), corners(triangles, 1), corners(triangles, 2)];
         let plane = &probe.plane;
         let plane =
-            Planes { origin: splat(&plane.origin), normal: splat(&plane.normal), magnitude: splat(&plane.magnitude) };
+            FourPlanes { origin: splat(&plane.origin), normal: splat(&plane.normal), magnitude: splat(&plane.magnitude) };
         let mut apart = strictly_one_side(&plane, &corners);
         if _mm256_movemask_pd(apart) != 0b1111 {
             let [p, q, r] = probe.triangle;
@@ -76,10 +76,10 @@ compiled_for_avx2! {
 
 compiled_for_avx2! {
     #[inline]
-    fn planes_of([origin, p, q]: &[Points; 3]) -> Planes {
+    fn planes_of([origin, p, q]: &[Points; 3]) -> FourPlanes {
         let (u, v) = (difference(p, origin), difference(q, origin));
         let (x, y, z) = (minor(&u, &v, 1, 2), minor(&u, &v, 2, 0), minor(&u, &v, 0, 1));
-        Planes { origin: *origin, normal: [x.0, y.0, z.0], magnitude: [x.1, y.1, z.1] }
+        FourPlanes { origin: *origin, normal: [x.0, y.0, z.0], magnitude: [x.1, y.1, z.1] }
     }
 }
 
@@ -95,7 +95,7 @@ compiled_for_avx2! {
 compiled_for_avx2! {
     /// All ones where all three points are certainly on the same side of the plane, and off it.
     #[inline]
-    fn strictly_one_side(planes: &Planes, points: &[Points; 3]) -> __m256d {
+    fn strictly_one_side(planes: &FourPlanes, points: &[Points; 3]) -> __m256d {
         let mut above = _mm256_castsi256_pd(_mm256_set1_epi64x(-1));
         let mut below = above;
         for p in points {

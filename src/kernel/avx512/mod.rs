@@ -8,7 +8,7 @@ use super::{Kernel, Turned};
 use crate::isa::Avx512;
 use crate::node::{Node4, Node16};
 use crate::primitive::triangle::{Probe, Triangle};
-use crate::realign::Realignment;
+use crate::realign::{OwnSlab, Realignment};
 
 impl Kernel for Avx512 {
     #[inline(always)]
@@ -42,6 +42,16 @@ impl Kernel for Avx512 {
     #[inline(always)]
     fn apart_4(self, probe: &Probe<'_>, triangles: &[Triangle; 4]) -> u16 {
         self.as_avx2().apart_4(probe, triangles)
+    }
+
+    #[inline(always)]
+    fn beyond_16<const K: usize>(self, slab: &OwnSlab, node: &Node16<K>) -> u16 {
+        self.as_avx2().beyond_16(slab, node)
+    }
+
+    #[inline(always)]
+    fn beyond_4<const K: usize>(self, slab: &OwnSlab, node: &Node4<K>) -> u16 {
+        self.as_avx2().beyond_4(slab, node)
     }
 
     #[inline(always)]

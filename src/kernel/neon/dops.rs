@@ -8,7 +8,7 @@ use super::super::{SEPARATED, Turned};
 use crate::isa::compiled_for_neon;
 use crate::key::Key;
 use crate::node::{Node4, Node16};
-use crate::realign::Realignment;
+use crate::realign::{OwnSlab, Realignment};
 use core::arch::aarch64::*;
 
 /// Whether to ask, after this slab, if every lane is separated already. Once: asking costs a reduction and,
@@ -203,5 +203,30 @@ compiled_for_neon! {
             // SAFETY: the array has the 8 bytes that are written.
             unsafe { vst1_s16(codes.as_mut_ptr(), marked) };
         }
+    }
+}
+
+compiled_for_neon! {
+    /// `Q` quarters of four children make the `W` lanes.
+    #[inline]
+    pub(super) fn beyond<const W: usize, const Q: usize, const K: usize>(
+        slab: &OwnSlab,
+        planes: &[[i16; W]; K],
+    ) -> u16 {
+        let [u, v, w] = slab.weights;
+        // SAFETY: the array has the 16 bytes that are read.
+        let bits = unsafe { vld1q_u32([1, 2, 4, 8].as_ptr()) };
+        let mut beyond = 0;
+        for (side, limit) in slab.limits.into_iter().enumerate() {
+            let sources = slab.sources.map(|source| planes[usize::from(source) ^ side].as_chunks::<4>().0);
+            for quarter in 0..Q {
+                let [a, b, c] = sources.map(|plane| decode(load_4(&plane[quarter])));
+                // Separate multiplications and additions, as the specification has them.
+                let two = vaddq_f32(vmulq_n_f32(a, u), vmulq_n_f32(b, v));
+                let below = vcltq_f32(vaddq_f32(two, vmulq_n_f32(c, w)), vdupq_n_f32(limit));
+                beyond |= (vaddvq_u32(vandq_u32(below, bits)) as u16) << (4 * quarter);
+            }
+        }
+        beyond
     }
 }

@@ -8,7 +8,7 @@ use super::{Kernel, Turned, scalar};
 use crate::isa::Neon;
 use crate::node::{Node4, Node16};
 use crate::primitive::triangle::{Probe, Triangle};
-use crate::realign::Realignment;
+use crate::realign::{OwnSlab, Realignment};
 
 impl Kernel for Neon {
     #[inline(always)]
@@ -43,6 +43,18 @@ impl Kernel for Neon {
     #[inline(always)]
     fn apart_4(self, probe: &Probe<'_>, triangles: &[Triangle; 4]) -> u16 {
         scalar::triangles::apart_4(probe, triangles)
+    }
+
+    #[inline(always)]
+    fn beyond_16<const K: usize>(self, slab: &OwnSlab, node: &Node16<K>) -> u16 {
+        // SAFETY: the token proves the features that the function is compiled for.
+        unsafe { dops::beyond::<16, 4, K>(slab, &node.planes) }
+    }
+
+    #[inline(always)]
+    fn beyond_4<const K: usize>(self, slab: &OwnSlab, node: &Node4<K>) -> u16 {
+        // SAFETY: the token proves the features that the function is compiled for.
+        unsafe { dops::beyond::<4, 1, K>(slab, &node.planes) }
     }
 
     #[inline(always)]

@@ -2,7 +2,7 @@
 
 use super::super::{SEPARATED, Turned};
 use crate::key::Key;
-use crate::realign::Realignment;
+use crate::realign::{OwnSlab, Realignment};
 
 /// Whether some plane separates body `a` of the query from child `b`.
 pub(super) fn separated<const W: usize, const K: usize>(
@@ -12,6 +12,11 @@ pub(super) fn separated<const W: usize, const K: usize>(
     b: usize,
 ) -> bool {
     query.iter().zip(planes).any(|(q, p)| q[a] > p[b])
+}
+
+/// Bit i: child i lies beyond the slab.
+pub(super) fn beyond<const W: usize, const K: usize>(slab: &OwnSlab, planes: &[[i16; W]; K]) -> u16 {
+    (0..W).filter(|&i| slab.is_beyond(|source| planes[source][i])).fold(0, |mask, i| mask | 1 << i)
 }
 
 pub(super) fn realign<const W: usize, const K: usize>(

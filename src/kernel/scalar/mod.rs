@@ -7,7 +7,7 @@ use super::{Kernel, Turned};
 use crate::isa::Scalar;
 use crate::node::{Node4, Node16};
 use crate::primitive::triangle::{Probe, Triangle};
-use crate::realign::Realignment;
+use crate::realign::{OwnSlab, Realignment};
 
 impl Kernel for Scalar {
     #[inline(always)]
@@ -38,6 +38,14 @@ impl Kernel for Scalar {
     #[inline(always)]
     fn apart_4(self, probe: &Probe<'_>, triangles: &[Triangle; 4]) -> u16 {
         triangles::apart_4(probe, triangles)
+    }
+
+    fn beyond_16<const K: usize>(self, slab: &OwnSlab, node: &Node16<K>) -> u16 {
+        dops::beyond(slab, &node.planes)
+    }
+
+    fn beyond_4<const K: usize>(self, slab: &OwnSlab, node: &Node4<K>) -> u16 {
+        dops::beyond(slab, &node.planes)
     }
 
     fn realign_16<const K: usize>(self, map: &Realignment<K>, node: &Node16<K>, query: &mut Turned<16, K>) {

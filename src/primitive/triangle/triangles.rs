@@ -2,7 +2,7 @@
 
 use super::Triangle;
 use crate::pose::Pose;
-use crate::primitive::{Kind, Primitive, Store};
+use crate::primitive::{Kind, OWN_DIRECTIONS, Primitive, Store};
 use crate::range::Point;
 
 /// Triangles, stored as the indices of their corners.
@@ -50,4 +50,31 @@ impl Primitive for Triangles {
     fn moved([p, q, r]: &Triangle, pose: &Pose) -> Triangle {
         [pose.apply(*p), pose.apply(*q), pose.apply(*r)]
     }
+
+    // Within the range of coordinates no product under- or overflows.
+    #[inline(always)]
+    fn own_directions([p, q, r]: &Triangle) -> [[f64; OWN_DIRECTIONS]; 3] {
+        let edge = |from: &Point, to: &Point| [to[0] - from[0], to[1] - from[1], to[2] - from[2]];
+        let edges = [edge(p, q), edge(q, r), edge(r, p)];
+        let normal = cross(&edges[0], &edges[1]);
+        let [a, b, c] = edges.map(
+            #[inline(always)]
+            |edge| cross(&edge, &normal),
+        );
+        let mut columns = [0, 1, 2].map(|i| [normal[i], a[i], b[i], c[i]]);
+        for s in 0..OWN_DIRECTIONS {
+            let greater = |x: f64, y: f64| if x > y { x } else { y };
+            let size = greater(columns[0][s].abs(), greater(columns[1][s].abs(), columns[2][s].abs()));
+            let inverse = if size > 0.0 { 1.0 / size } else { 0.0 };
+            for column in &mut columns {
+                column[s] *= inverse;
+            }
+        }
+        columns
+    }
+}
+
+#[inline(always)]
+fn cross(a: &Point, b: &Point) -> Point {
+    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
 }

@@ -14,7 +14,7 @@ fn check_nearest<const N: usize>(rig: &mut Rig<'_, N>, nodes: &Nodes, _: &mut Ra
         let (node, mut lanes) = (&rig.nodes[i], Vec::new());
         let sizes = nearest(cluster, &prototypes[i], &mut lanes);
         let own = &got[node.start as usize..][..node.count as usize];
-        assert!(own.iter().copied().eq(lanes.iter().map(|&lane| lane.into())), "node {i}");
+        assert!(own.iter().copied().eq(lanes.iter().map(|&lane| u32::from(lane))), "node {i}");
         let mut total = [0; N];
         for counts in got_counts[node.first_chunk as usize * N..][..node.chunks as usize * N].chunks(N) {
             total.iter_mut().zip(counts).for_each(|(total, count)| *total += count);
@@ -64,7 +64,7 @@ fn check_balance<const N: usize>(rig: &mut Rig<'_, N>, nodes: &Nodes, _: &mut Ra
         }
         let own = &got[rig.nodes[i].start as usize..][..nodes.sizes[i]];
         assert_eq!(got_sizes[i * N..][..N], sizes[i], "node {i}");
-        assert!(own.iter().copied().eq(lanes[i].iter().map(|&lane| lane.into())), "node {i}");
+        assert!(own.iter().copied().eq(lanes[i].iter().map(|&lane| u32::from(lane))), "node {i}");
     }
 }
 

@@ -1,0 +1,105 @@
+//! A leaf that waits for the other tree cuts its nodes, by slabs of its primitive's own
+//! ([`crate::realign::own_slabs`]): each in the frame of its own tree, where its planes are tight.
+
+use super::hint::Found;
+use super::traverse::{Traversal, bits_of};
+use super::{Lanes, Pairwise};
+use crate::frame::Extent;
+use crate::kernel::Kernel;
+use crate::node::{Child, Link};
+use crate::pose::Pose;
+use crate::primitive::Primitive;
+use crate::realign::OwnSlabs;
+use core::ops::ControlFlow;
+
+/// A leaf of one primitive that waits for the other tree, by the index of the primitive.
+#[derive(Copy, Clone, PartialEq, Eq, Debug)]
+pub(super) enum Cutter {
+    A(u32),
+    B(u32),
+}
+
+#[inline(never)]
+fn own_slabs<N: Lanes, P: Primitive, E: Kernel>(
+    kernel: E,
+    item: &P::Item,
+    margin: f64,
+    body: &Extent,
+    pose: Option<&Pose>,
+) -> OwnSlabs {
+    kernel.run(
+        #[inline(always)]
+        || N::own_slabs::<P>(item, margin, body, pose),
+    )
+}
+
+/// A leaf's primitive cuts where it can clear as many leaves as this, a child that is a node counting as
+/// several: it would be visited.
+const WORTH_CUTTING: usize = 16;
+const WEIGHT_OF_INNER: usize = 8;
+
+impl<N, P, Q, E, V> Traversal<'_, N, P, Q, E, V>
+where
+    N: Lanes,
+    P: Pairwise<Q>,
+    Q: Pairwise<P>,
+    E: Kernel,
+    V: FnMut(Found) -> ControlFlow<()>,
+{
+    /// Whether the children of one node that the bits name are worth being cut by the leaf that waits for them.
+    #[inline(always)]
+    pub(super) fn is_worth_cutting(&self, a: Child, b: Child, bits: u16) -> bool {
+        let children = match (a.link(), b.link()) {
+            (Link::Leaf { .. }, Link::Inner(node)) => self.b.nodes()[node as usize].children(),
+            (Link::Inner(node), Link::Leaf { .. }) => self.a.nodes()[node as usize].children(),
+            _ => return false,
+        };
+        let weight =
+            |lane: usize| if let Link::Leaf { .. } = children[lane].link() { 1 } else { WEIGHT_OF_INNER };
+        bits_of(bits).map(weight).sum::<usize>() >= WORTH_CUTTING
+    }
+
+    /// Where a leaf waits for a node: which of the children that the bits name do not lie beyond its
+    /// primitive's own slabs.
+    // Not a part of the loop, which is faster without it, but behind a gate of its own.
+    #[inline(never)]
+    pub(super) fn cut(&mut self, a: Child, b: Child, bits: u16) -> u16 {
+        let (cutter, node) = match (a.link(), b.link()) {
+            (Link::Leaf { first, count: 1 }, Link::Inner(node)) => {
+                (Cutter::A(first), &self.b.nodes()[node as usize])
+            }
+            (Link::Inner(node), Link::Leaf { first, count: 1 }) => {
+                (Cutter::B(first), &self.a.nodes()[node as usize])
+            }
+            _ => return bits,
+        };
+        if self.cutter.is_none_or(|(last, _)| last != cutter) {
+            let slabs = match cutter {
+                Cutter::A(index) => {
+                    let item = P::moved(&self.a.primitive(index), self.pose);
+                    own_slabs::<N, P, E>(self.kernel, &item, self.margin, &self.b.extent(), None)
+                }
+                Cutter::B(index) => {
+                    let item = self.b.primitive(index);
+                    own_slabs::<N, Q, E>(self.kernel, &item, self.margin, &self.a.extent(), Some(self.pose))
+                }
+            };
+            self.cutter = Some((cutter, slabs));
+        }
+        let Some((_, slabs)) = &self.cutter else { return bits };
+        let kernel = self.kernel;
+        kernel.run(
+            #[inline(always)]
+            || {
+                let mut left = bits;
+                for slab in slabs {
+                    left &= !node.beyond(kernel, slab);
+                    if left == 0 {
+                        break;
+                    }
+                }
+                left
+            },
+        )
+    }
+}

@@ -1,0 +1,103 @@
+//! What a query does besides once it has become long: it looks at pairs that wait once more, by their thin
+//! slabs ([`super::thin`]).
+
+use super::hint::Found;
+use super::stack::{Descent, Stack, Visited};
+use super::thin::{AT_ONCE, ThinChild, ThinTest};
+use super::traverse::{Traversal, bits_of};
+use super::{Lanes, Pairwise};
+use crate::kernel::Kernel;
+use crate::node::{Link, ThinSlab};
+use core::ops::ControlFlow;
+
+/// What thin slabs are tested with, and how that went.
+#[derive(Default, Debug)]
+pub(super) struct Thin {
+    test: Option<ThinTest>,
+    asked: u32,
+    apart: u32,
+}
+
+/// Thin slabs are asked from this visit on: most queries are shorter, and of hits most pairs that wait are
+/// never visited.
+pub(super) const LONG: u64 = 32;
+/// Thin slabs are given up when, after so many pairs, fewer than one in [`SHARE`] was apart.
+const TRIAL: u32 = 32;
+const SHARE: u32 = 4;
+
+impl<N, P, Q, E, V> Traversal<'_, N, P, Q, E, V>
+where
+    N: Lanes,
+    P: Pairwise<Q>,
+    Q: Pairwise<P>,
+    E: Kernel,
+    V: FnMut(Found) -> ControlFlow<()>,
+{
+    /// Clears the bits of the last entry of the stack whose children are apart by their thin slabs. Each entry
+    /// is looked at once, when it is its turn: of a hit most never are.
+    #[inline(never)]
+    pub(super) fn look_again(&mut self, stack: &mut Stack) {
+        while let Some(top) = stack.top() {
+            if top.opened != Descent::Both || top.looked_at {
+                return;
+            }
+            top.looked_at = true;
+            self.clear_apart(top);
+            if top.rows.pending != 0 {
+                return;
+            }
+            stack.pop();
+        }
+    }
+
+    #[inline(always)]
+    fn clear_apart(&mut self, Visited { rows, volumes, .. }: &mut Visited) {
+        let (Link::Inner(node_a), Link::Inner(node_b)) = (volumes.a.link(), volumes.b.link()) else { return };
+        let (a, b, pose, margin) = (self.a, self.b, self.pose, self.margin);
+        let (Some(slabs_a), Some(slabs_b)) = (a.thin_slabs_of(node_a), b.thin_slabs_of(node_b)) else {
+            return;
+        };
+        // Where it hardly ever separates, it is not asked any more.
+        if self.thin.asked >= TRIAL && self.thin.apart * SHARE < self.thin.asked {
+            return;
+        }
+        let test =
+            self.thin.test.get_or_insert_with(|| ThinTest::new(pose, &a.extent(), &b.extent(), margin));
+        let (node_a, node_b) = (&a.nodes()[node_a as usize], &b.nodes()[node_b as usize]);
+        let (mut asked, mut found) = (0, 0);
+        self.kernel.run(
+            #[inline(always)]
+            || {
+                let mut pairs = bits_of(rows.pending as u16)
+                    .flat_map(|row| bits_of(rows.rows[row]).map(move |bit| (row, bit)));
+                let mut left = *rows;
+                loop {
+                    let none = ThinSlab::EVERYWHERE;
+                    let mut of_a = [ThinChild { node: node_a, lane: 0, slab: none }; AT_ONCE];
+                    let mut of_b = [ThinChild { node: node_b, lane: 0, slab: none }; AT_ONCE];
+                    let mut count = 0;
+                    while count < AT_ONCE {
+                        let Some((row, bit)) = pairs.next() else { break };
+                        (of_a[count].lane, of_a[count].slab) = (row, slabs_a[row]);
+                        (of_b[count].lane, of_b[count].slab) = (bit, slabs_b[bit]);
+                        count += 1;
+                    }
+                    if count == 0 {
+                        break;
+                    }
+                    let apart = test.apart(&of_a, &of_b) & ((1 << count) - 1);
+                    for j in bits_of(apart) {
+                        let row = of_a[j].lane;
+                        left.set(row, left.rows[row & 15] & !(1 << of_b[j].lane));
+                    }
+                    asked += count as u32;
+                    found += apart.count_ones();
+                }
+                drop(pairs);
+                *rows = left;
+            },
+        );
+        self.thin.asked += asked;
+        self.thin.apart += found;
+    }
+}

@@ -1,0 +1,145 @@
+//! Slabs of a primitive's own: directions along which it is thinner than any k-DOP.
+//!
+//! The k-DOP of a large triangle is fat, and a small body beside the triangle lies inside it. So while a leaf
+//! of one tree waits for a node of the other, the plane of its triangle and the planes through its edges cut
+//! the node's children, each in the frame of the node's own tree, where its planes are tight. In coordinates
+//! of the node's body, a direction u is the sum of three `c_l n_l` with `c_l >= 0`, as in re-alignment
+//! ([`super`]), so that for a child with planes d
+//!
+//! ```text
+//! u . x <= sum c_l d_l            -u . x <= sum c_l d_opposite(l)
+//! ```
+//!
+//! Neither side may reach the interval that the primitive covers along the same direction, moved out by all
+//! that was rounded:
+//!
+//! | what was rounded | the pad |
+//! |---|---|
+//! | the weights c, to `f32` | `2^-24 sum c sum half_width`, times the greatest component of a direction |
+//! | the arithmetic that computed u and c, in `f64` | `2^-45 abs(n) sum half_width` |
+//! | the interval, the frame's centre where the pose moves it, moved corners, in `f64` | `2^-46 abs(n) (coordinates)` |
+//! | coordinates of moved corners that [`Pose::apply`] flushes to zero | `2^-250 abs(n)` |
+//! | products and sums of planes, in `f32` | `gamma_5 sum c max_plane`, plus 2^-130 for underflow |
+//!
+//! The direction itself needs no pad: any vector will do, since both bodies are measured along the same one.
+
+use super::{F64_SLACK, GAMMA_5, HALF_PLACE, ITS_OWN_ROUNDING, UNDERFLOW, greatest};
+use crate::directions::Directions;
+use crate::exact::{power_of_two, round_up_f32};
+use crate::frame::Extent;
+use crate::key::decode;
+use crate::pose::Pose;
+use crate::primitive::{OWN_DIRECTIONS, Primitive};
+use crate::range::MIN_COORDINATE;
+
+/// A direction and the interval that a primitive covers along it, for comparison with the planes of another
+/// tree.
+#[derive(Copy, Clone, PartialEq, Debug)]
+pub struct OwnSlab {
+    /// The three planes whose weighted sum bounds a child along the direction. Their opposites, `p ^ 1`, at
+    /// the same weights bound it the other way.
+    pub sources: [u8; 3],
+    /// The weights, not negative.
+    pub weights: [f32; 3],
+    /// A child is beyond the slab if the first sum is below the first limit, or the second below the second.
+    pub limits: [f32; 2],
+}
+
+impl OwnSlab {
+    /// No child is beyond it.
+    pub const EVERYWHERE: Self = Self { sources: [0; 3], weights: [0.0; 3], limits: [f32::NEG_INFINITY; 2] };
+
+    /// Whether a child with these codes lies beyond the slab, on either side: the specification that the
+    /// kernels follow, operation by operation. False where a plane is unbounded.
+    #[inline]
+    #[must_use]
+    pub fn is_beyond(&self, code: impl Fn(usize) -> i16) -> bool {
+        let sum = |side: usize| {
+            let term = |l: usize| self.weights[l] * decode(code(usize::from(self.sources[l]) ^ side));
+            (term(0) + term(1)) + term(2)
+        };
+        sum(0) < self.limits[0] || sum(1) < self.limits[1]
+    }
+}
+
+/// Directions whose sum of magnitudes is not between these are not used.
+const SHORTEST: f64 = power_of_two(-10);
+const LONGEST: f64 = power_of_two(10);
+
+/// The slabs of a primitive's own, in the order in which they are worth trying.
+pub type OwnSlabs = [OwnSlab; OWN_DIRECTIONS];
+
+/// The slabs of everything within `margin` of a primitive, for the nodes of a body of extent `body`.
+///
+/// The primitive is in the coordinates in which `pose` places that body, which is body A; or, without a
+/// pose, in the body's own, which is body B.
+// Part of the query, so that it is compiled for the query's instruction set.
+#[inline(always)]
+#[must_use]
+pub fn own_slabs<P: Primitive, const K: usize>(
+    item: &P::Item,
+    margin: f64,
+    body: &Extent,
+    pose: Option<&Pose>,
+) -> OwnSlabs {
+    let c = body.frame.centre;
+    let mut size = 0.0_f64;
+    for p in P::corners(item) {
+        size = size.max(greatest(&p));
+    }
+    // All by columns, one direction a lane.
+    let n = P::own_directions(item);
+    let (mut u, mut origin, mut coordinates) = (n, c, size + greatest(&c));
+    if let Some(pose) = pose {
+        let (m, t) = (pose.rows(), pose.translation());
+        origin = core::array::from_fn(|i| ((m[i][0] * c[0] + m[i][1] * c[1]) + m[i][2] * c[2]) + t[i]);
+        // 4 >= sum of a row's magnitudes, for the image; once more for the centre.
+        coordinates = (8.0 * body.max_coordinate + greatest(&t)) + size;
+        for i in 0..3 {
+            for s in 0..OWN_DIRECTIONS {
+                u[i][s] = (m[0][i] * n[0][s] + m[1][i] * n[1][s]) + m[2][i] * n[2][s];
+            }
+        }
+    }
+    let found = Directions::<K>::decompose_columns(&u, OWN_DIRECTIONS, OWN_DIRECTIONS);
+    let (mut low, mut high) = ([f64::INFINITY; OWN_DIRECTIONS], [f64::NEG_INFINITY; OWN_DIRECTIONS]);
+    for p in P::corners(item) {
+        let d = [p[0] - origin[0], p[1] - origin[1], p[2] - origin[2]];
+        for s in 0..OWN_DIRECTIONS {
+            let along = (n[0][s] * d[0] + n[1][s] * d[1]) + n[2][s] * d[2];
+            low[s] = if along < low[s] { along } else { low[s] };
+            high[s] = if along > high[s] { along } else { high[s] };
+        }
+    }
+    let scale = body.frame.scale();
+    let [x, y, z] = body.half_width;
+    let width_sum = f64::from(x) + f64::from(y) + f64::from(z);
+    let per_weight =
+        HALF_PLACE * (Directions::<K>::MAX_COMPONENT * width_sum) + GAMMA_5 * f64::from(body.max_plane);
+    // The sum of magnitudes is at least the length, by which the margin counts.
+    let per_length =
+        2.0 * F64_SLACK * width_sum + ((F64_SLACK * coordinates + MIN_COORDINATE) + margin) * scale;
+    let mut slabs = [OwnSlab::EVERYWHERE; OWN_DIRECTIONS];
+    let mut weights = [[0.0_f32; OWN_DIRECTIONS]; 3];
+    let mut limits = [[0.0_f32; OWN_DIRECTIONS]; 2];
+    for s in 0..OWN_DIRECTIONS {
+        let length = (n[0][s].abs() + n[1][s].abs()) + n[2][s].abs();
+        let w = [found.weights[0][s] as f32, found.weights[1][s] as f32, found.weights[2][s] as f32];
+        let weight_sum = (f64::from(w[0]) + f64::from(w[1])) + f64::from(w[2]);
+        let pad = ((weight_sum * per_weight + length * per_length) + UNDERFLOW) * ITS_OWN_ROUNDING;
+        // A vector of zeros, or of what is not finite, is no direction; weights of one that is far from length 1
+        // could overflow an `f32`.
+        let pad = if length > SHORTEST && length < LONGEST { pad } else { f64::INFINITY };
+        (weights[0][s], weights[1][s], weights[2][s]) = (w[0], w[1], w[2]);
+        (limits[0][s], limits[1][s]) =
+            (-round_up_f32(pad - low[s] * scale), -round_up_f32(pad + high[s] * scale));
+    }
+    for (s, slab) in slabs.iter_mut().enumerate() {
+        *slab = OwnSlab {
+            sources: found.directions[s],
+            weights: [weights[0][s], weights[1][s], weights[2][s]],
+            limits: [limits[0][s], limits[1][s]],
+        };
+    }
+    slabs
+}

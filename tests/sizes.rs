@@ -1,0 +1,411 @@
+//! Bodies of unlike size, in any unit, far from their origins, with stray parts: every verdict, all pairs and
+//! margins against brute force in exact arithmetic, with equal answers and counters on every instruction set.
+//!
+//! A small body is brought to random corners of a large one, once as A and once as B, at ratios of sizes from 1
+//! to 10^12. `SIMDOP_SUITE=small`, for emulators, takes smaller bodies and fewer poses.
+
+mod support;
+
+use core::ops::ControlFlow;
+use simdop::construct::{BuildError, Builder, Mesh};
+use simdop::hierarchy::Bvh;
+use simdop::isa::Isa;
+use simdop::node::{Node4, Node16};
+use simdop::pose::Pose;
+use simdop::query::{Answer, Completion, Counters, Lanes, Pair, Query};
+use simdop::range::{MAX_COORDINATE, MIN_COORDINATE};
+use std::collections::BTreeSet;
+use support::corners::{inverse, near_corners};
+use support::data::{MeshData, directory, suite_step};
+use support::exact::{Tri, meeting_pairs};
+use support::exact_distance::mesh_distance;
+use support::rng::Rng;
+use support::shapes::{append, room, scaled, separate, wavy_torus};
+
+type Rows = [[f64; 4]; 3];
+
+/// `full`, or `small` for emulators.
+fn size(full: u32, small: u32) -> u32 {
+    if suite_step() == 1 { full } else { small }
+}
+
+fn build<N: Lanes>(mesh: &MeshData) -> Result<Bvh<N>, BuildError> {
+    Builder::new().build(&Mesh { vertices: &mesh.vertices, triangles: &mesh.triangles })
+}
+
+/// Two bodies, and what is true of them at some poses.
+struct Scene {
+    name: String,
+    a: MeshData,
+    b: MeshData,
+    judged: Vec<Judged>,
+}
+
+struct Judged {
+    rows: Rows,
+    /// In ascending order.
+    pairs: Vec<Pair>,
+}
+
+impl Scene {
+    fn new(name: String, a: &MeshData, b: &MeshData, poses: Vec<Rows>) -> Self {
+        let still = flushed(b.corners());
+        let judge = |rows: Rows| {
+            let pairs = meeting_pairs(&moved(a, &rows), &still);
+            let pairs = pairs.into_iter().map(|(i, j)| Pair { a: i as u32, b: j as u32 }).collect();
+            Judged { rows, pairs }
+        };
+        Self { name, a: a.clone(), b: b.clone(), judged: poses.into_iter().map(judge).collect() }
+    }
+
+    /// The small body near corners of the large one, in both orders, at `poses` poses each.
+    fn both_ways(
+        name: &str,
+        small: &MeshData,
+        large: &MeshData,
+        corners: &MeshData,
+        poses: u32,
+    ) -> [Self; 2] {
+        let rng = &mut Rng::new(small.diagonal().to_bits());
+        let count = poses as usize;
+        let mut poses = near_corners(small, corners, 0.5, count - count / 4, rng);
+        // Corner on corner, up to rounding.
+        poses.extend(near_corners(small, corners, 0.0, count / 4, rng));
+        let back = poses.iter().map(inverse).collect();
+        [
+            Self::new(format!("{name}, small as A"), small, large, poses),
+            Self::new(format!("{name}, small as B"), large, small, back),
+        ]
+    }
+
+    /// The body with a copy of itself at a thousandth of its size beside one of its corners, and another such
+    /// copy near corners of that.
+    fn both_ways_at_a_detail(name: &str, body: &MeshData, poses: u32) -> [Self; 2] {
+        let small = scaled(body, 1e-3, [0.0; 3]);
+        let corner = body.vertices[body.triangles[body.triangles.len() / 2][0] as usize];
+        let detail = scaled(body, 1e-3, corner);
+        let mut scene = body.clone();
+        append(&mut scene, &detail);
+        Self::both_ways(&format!("{name} with a detail"), &small, &scene, &detail, poses)
+    }
+
+    fn hits(&self) -> usize {
+        self.judged.iter().filter(|judged| !judged.pairs.is_empty()).count()
+    }
+
+    /// Every query with three node types.
+    fn check(&self) {
+        self.check_nodes::<Node16<18>>();
+        self.check_nodes::<Node4<14>>();
+        self.check_nodes::<Node16<32>>();
+    }
+
+    fn check_nodes<N: Lanes>(&self) {
+        let (a, b) = (build::<N>(&self.a).unwrap(), build::<N>(&self.b).unwrap());
+        for Judged { rows, pairs } in &self.judged {
+            let pose = Pose::from_rows(*rows).unwrap();
+            let what = format!("{}, k {} arity {}, {rows:?}", self.name, N::K, N::ARITY);
+            let mut first = None;
+            for isa in Isa::available() {
+                let got = Answers::of(isa, &a, &b, &pose);
+                if first.is_none() {
+                    assert_eq!(got.collide.is_free(), pairs.is_empty(), "{what}");
+                    assert!(got.collide.hit().is_none_or(|pair| pairs.contains(&pair)), "{what}");
+                    assert!(got.pairs == *pairs, "{what}: {} pairs, not {}", got.pairs.len(), pairs.len());
+                }
+                let want = first.get_or_insert_with(|| got.clone());
+                assert!(got == *want, "{isa}, {what}: {:?} {:?}", got.collide, got.counters);
+            }
+        }
+    }
+}
+
+/// What a pair of bodies is asked at a pose.
+#[derive(Clone, PartialEq)]
+struct Answers {
+    collide: Answer,
+    /// In ascending order.
+    pairs: Vec<Pair>,
+    /// Of the enumeration.
+    counters: Counters,
+}
+
+impl Answers {
+    fn of<N: Lanes>(isa: Isa, a: &Bvh<N>, b: &Bvh<N>, pose: &Pose) -> Self {
+        let query = Query::new(isa);
+        let mut pairs = Vec::new();
+        let (completion, counters) = query.for_each_pair(&a.view(), &b.view(), pose, |pair| {
+            pairs.push(pair);
+            ControlFlow::Continue(())
+        });
+        assert_eq!(completion, Completion::Complete);
+        pairs.sort_unstable();
+        Self { collide: query.collide(&a.view(), &b.view(), pose), pairs, counters }
+    }
+}
+
+/// As the library documents it of coordinates that are given or moved: those below [`MIN_COORDINATE`] are zero.
+fn flushed(mut triangles: Vec<Tri>) -> Vec<Tri> {
+    for x in triangles.as_flattened_mut().as_flattened_mut() {
+        if x.abs() < MIN_COORDINATE {
+            *x = 0.0;
+        }
+    }
+    triangles
+}
+
+/// The corners of a body that was built, where the pose places them.
+fn moved(mesh: &MeshData, rows: &Rows) -> Vec<Tri> {
+    let corners = flushed(mesh.corners());
+    let built = separate(corners);
+    flushed(built.placed(rows))
+}
+
+fn check_all(scenes: impl IntoIterator<Item = Scene>) {
+    let (mut hits, mut poses) = (0, 0);
+    for scene in scenes {
+        scene.check();
+        println!("{}: {} hits in {} poses", scene.name, scene.hits(), scene.judged.len());
+        (hits, poses) = (hits + scene.hits(), poses + scene.judged.len());
+    }
+    assert!(hits * 20 > poses && hits * 20 < poses * 19, "both answers are frequent: {hits} hits of {poses}");
+}
+
+/// How much larger the large body is, as the sizes of the two.
+const SIZES: [(f64, f64); 10] = [
+    (1.0, 1.0),
+    (0.3, 1.0),
+    (0.1, 1.0),
+    (0.01, 1.0),
+    (1e-3, 1.0),
+    (1e-4, 1.0),
+    (1e-5, 1.0),
+    (1e-6, 1.0),
+    (1e-6, 1e3),
+    (1e-6, 1e6),
+];
+
+fn torus_and_room() -> [(&'static str, MeshData); 2] {
+    [("torus", wavy_torus(size(2000, 512))), ("room", room(size(3000, 640)))]
+}
+
+#[test]
+fn answers_are_exact_at_every_ratio_of_sizes() {
+    for (name, mesh) in torus_and_room() {
+        let scenes = SIZES.iter().flat_map(|&(small, large)| {
+            let name = format!("{name}, {small:e} against {large:e}");
+            let (small, large) = (scaled(&mesh, small, [0.0; 3]), scaled(&mesh, large, [0.0; 3]));
+            Scene::both_ways(&name, &small, &large, &large, size(16, 4))
+        });
+        check_all(scenes);
+    }
+}
+
+/// From units in which the small body's coordinates are a few times the least one to those in which the large
+/// body's are the greatest.
+#[test]
+fn answers_are_exact_in_every_unit() {
+    let body = wavy_torus(size(800, 200));
+    let units = [1e-68, 1e-60, 1e-40, 1e-20, 1e-9, 1e9, 1e20, 1e40, 1e60, 5e89];
+    check_all(units.into_iter().flat_map(|unit| {
+        let (small, large) = (scaled(&body, 1e-3 * unit, [0.0; 3]), scaled(&body, unit, [0.0; 3]));
+        Scene::both_ways(&format!("unit {unit:e}"), &small, &large, &large, size(8, 3))
+    }));
+}
+
+/// Beyond the range of coordinates a body is refused, and what is smaller than the range is zero, as `build` says:
+/// a body of which some coordinates are is judged as the one that is left.
+#[test]
+fn units_beyond_the_range_are_refused() {
+    let body = wavy_torus(200);
+    for unit in [1e91, 1e100, 1e200, 1e300] {
+        let large = scaled(&body, unit, [0.0; 3]);
+        let first = large.vertices.iter().position(|p| p.iter().any(|x| x.abs() > MAX_COORDINATE));
+        let want = BuildError::Vertex { index: first.expect("beyond the range") };
+        assert_eq!(build::<Node16<18>>(&large).unwrap_err(), want, "{unit:e}");
+        assert_eq!(build::<Node4<14>>(&large).unwrap_err(), want, "{unit:e}");
+    }
+    check_all([1e-75, 5e-76, 3e-76].into_iter().flat_map(|unit| {
+        let small = scaled(&body, unit, [0.0; 3]);
+        assert!(small.corners() != flushed(small.corners()), "{unit:e}: some coordinates are too small");
+        Scene::both_ways(&format!("unit {unit:e}"), &small, &small, &small, size(8, 6))
+    }));
+}
+
+/// Bodies that are far from the origins of their own coordinates: to 10^9 of their diagonals, where a corner's
+/// last place is 2^-23 of the diagonal, and to 10^12, where it is 2^-13 and the pads of re-alignment show.
+#[test]
+fn answers_are_exact_far_from_the_origin() {
+    let body = wavy_torus(size(800, 200));
+    let away = [0.48, -0.6, 0.64];
+    let shifted = |factor: f64, diagonals: f64| {
+        let by = diagonals * factor * body.diagonal();
+        scaled(&body, factor, away.map(|x| x * by))
+    };
+    let offsets =
+        [(1e3, 0.0), (0.0, 1e6), (1e6, 1e6), (1e9, 0.0), (0.0, 1e9), (1e9, 1e9), (1e12, 0.0), (1e12, 1e12)];
+    check_all(offsets.into_iter().flat_map(|(of_small, of_large)| {
+        let scenes = |factor| {
+            let (small, large) = (shifted(factor, of_small), shifted(1.0, of_large));
+            let name = format!("{factor:e} of the size, {of_small:e} and {of_large:e} diagonals away");
+            Scene::both_ways(&name, &small, &large, &large, size(6, 2))
+        };
+        [1.0, 1e-3].into_iter().flat_map(scenes).collect::<Vec<_>>()
+    }));
+}
+
+/// However far apart two bodies are: free, within a few visits, and the same where they are brought back.
+#[test]
+fn bodies_that_are_far_apart_are_free_at_once() {
+    let body = wavy_torus(800);
+    let mut rng = Rng::new(2);
+    for factor in [1.0, 1e-3, 1e-6, 1e-12] {
+        let small = scaled(&body, factor, [0.0; 3]);
+        for diagonals in [2.0, 1e3, 1e6, 1e9] {
+            let turn = rng.rotation();
+            let away = diagonals * body.diagonal();
+            let rows = core::array::from_fn(|i| [turn[i][0], turn[i][1], turn[i][2], away * turn[i][0]]);
+            for (a, b, rows) in [(&small, &body, rows), (&body, &small, inverse(&rows))] {
+                let scene = Scene::new(format!("{factor:e}, {diagonals:e} diagonals"), a, b, vec![rows]);
+                assert_eq!(scene.hits(), 0, "{rows:?}");
+                scene.check();
+                let [a, b] = [a, b].map(|mesh| build::<Node16<18>>(mesh).unwrap());
+                let pose = Pose::from_rows(rows).unwrap();
+                let counters = Query::new(Isa::detect()).collide(&a, &b, &pose).counters;
+                assert!(counters.visits <= 2 && counters.primitive_pairs == 0, "{counters:?} {rows:?}");
+            }
+        }
+    }
+}
+
+/// A triangle far away makes the frame of the tree as coarse as the way there is long, and a vertex that no
+/// triangle has is none of the tree's business.
+#[test]
+fn stray_parts_change_no_answer() {
+    let body = wavy_torus(200);
+    let mut scenes = Vec::new();
+    for (factor, way) in [(1.0, 1e3), (1.0, 1e9), (0.01, 1e3), (0.01, 1e9), (1e-5, 1e4)] {
+        let small = scaled(&body, factor, [0.0; 3]);
+        let stray = |mesh: &MeshData| {
+            let far = way * mesh.diagonal();
+            let mut mesh = mesh.clone();
+            append(&mut mesh, &separate([[[far, 0.0, 0.0], [far, 0.5 * far, 0.0], [far, 0.0, 0.1 * far]]]));
+            mesh
+        };
+        let poses = near_corners(&small, &body, 0.5, size(4, 2) as usize, &mut Rng::new(way as u64));
+        for (a, b) in
+            [(stray(&small), body.clone()), (small.clone(), stray(&body)), (stray(&small), stray(&body))]
+        {
+            scenes.push(Scene::new(format!("{factor:e}, strays {way:e} away"), &a, &b, poses.clone()));
+        }
+    }
+    check_all(scenes);
+
+    let clean = build::<Node16<18>>(&body).unwrap();
+    let mut more = body.clone();
+    more.vertices.push([1e80, -1e-70, 3.0]);
+    let with_vertex = build::<Node16<18>>(&more).unwrap();
+    for rows in near_corners(&body, &body, 0.5, 20, &mut Rng::new(3)) {
+        let pose = Pose::from_rows(rows).unwrap();
+        let want = Answers::of(Isa::detect(), &clean, &clean, &pose);
+        let got = Answers::of(Isa::detect(), &with_vertex, &with_vertex, &pose);
+        assert!(got == want, "{rows:?}");
+    }
+}
+
+/// Margins about the exact distance, and the distance, at unlike sizes.
+#[test]
+fn margins_are_kept_at_every_ratio_of_sizes() {
+    for (name, mesh) in torus_and_room() {
+        let mut apart = 0;
+        for (small, large) in SIZES {
+            let name = format!("{name}, {small:e} against {large:e}");
+            let (small, large) = (scaled(&mesh, small, [0.0; 3]), scaled(&mesh, large, [0.0; 3]));
+            for scene in Scene::both_ways(&name, &small, &large, &large, size(6, 2)) {
+                apart += scene.judged.len() - scene.hits();
+                check_margins::<Node16<18>>(&scene);
+                check_margins::<Node4<14>>(&scene);
+            }
+        }
+        assert!(apart > SIZES.len(), "{apart} poses apart are few");
+    }
+}
+
+fn check_margins<N: Lanes>(scene: &Scene) {
+    let (a, b) = (build::<N>(&scene.a).unwrap(), build::<N>(&scene.b).unwrap());
+    let still = scene.b.corners();
+    for Judged { rows, pairs } in scene.judged.iter().filter(|judged| judged.pairs.is_empty()) {
+        let pose = Pose::from_rows(*rows).unwrap();
+        let what = format!("{}, k {} arity {}, {rows:?}", scene.name, N::K, N::ARITY);
+        let found = Query::new(Isa::detect()).distance(&a, &b, &pose, 0.0).unwrap();
+        // A distance that is too great is found by a nearer pair, one that is too small by there being none.
+        let want = mesh_distance(&moved(&scene.a, rows), &still, found.upper * (1.0 + 1e-9));
+        assert!(want > 0.0 && pairs.is_empty(), "{what}");
+        assert!((found.upper - want).abs() <= 1e-9 * want, "{want:e} {found:?} {what}");
+        assert!(found.lower <= want * (1.0 + 1e-15), "{want:e} {found:?} {what}");
+        for (share, within) in
+            [(1e-6, false), (0.5, false), (1.0 - 1e-9, false), (1.0 + 1e-9, true), (3.0, true)]
+        {
+            let mut first = None;
+            for isa in Isa::available() {
+                let answer = Query::new(isa).within(&a, &b, &pose, share * want).unwrap();
+                assert_eq!(answer.hit().is_some(), within, "{share} of {want:e}, {isa}, {what}");
+                assert_eq!(answer.is_free(), !within, "{share} of {want:e}, {isa}, {what}");
+                assert_eq!(answer, *first.get_or_insert(answer), "{share} of {want:e}, {isa}, {what}");
+            }
+        }
+    }
+}
+
+#[test]
+fn answers_are_exact_at_details_of_scenes() {
+    for (name, mesh) in torus_and_room() {
+        check_all(Scene::both_ways_at_a_detail(name, &mesh, size(12, 6)));
+    }
+}
+
+#[test]
+fn answers_are_exact_on_real_meshes_of_unlike_size() {
+    let Some(data) = directory() else { return };
+    let read = |file: &str| MeshData::obj(&data.join(file));
+    let (cow, hall) = (read("meshes/cow.obj"), read("planning/unc_env.obj"));
+    let poses = size(12, 2);
+    let mut scenes = Vec::new();
+    for factor in [0.1, 0.01, 1e-4, 1e-6] {
+        let small = scaled(&cow, factor, [0.0; 3]);
+        scenes.extend(Scene::both_ways(&format!("cow, {factor:e}"), &small, &cow, &cow, poses));
+    }
+    // The hall is in millimetres.
+    for link in ["hand", "finger"] {
+        let link = scaled(&read(&format!("robots/panda/meshes/{link}.obj")), 1e3, [0.0; 3]);
+        scenes.extend(Scene::both_ways("a link in a hall", &link, &hall, &hall, poses));
+    }
+    scenes.extend(Scene::both_ways_at_a_detail("cow", &cow, poses));
+    check_all(scenes);
+}
+
+/// The generated bodies, by the formula and by their edges.
+#[test]
+fn generated_bodies_are_what_they_say() {
+    let n = 50;
+    let torus = wavy_torus(2 * n * n + 7);
+    assert_eq!(torus.triangles.len(), 2 * (n * n) as usize);
+    let mut edges = BTreeSet::new();
+    for t in &torus.triangles {
+        assert!((0..3).all(|i| edges.insert([t[i], t[(i + 1) % 3]])), "an edge is run through once");
+    }
+    assert!(edges.iter().all(|&[from, to]| edges.contains(&[to, from])), "and once backwards");
+    for (index, p) in (0..).zip(&torus.vertices) {
+        let [i, j] = [index / n, index % n].map(|i| f64::from(i) / f64::from(n) * core::f64::consts::TAU);
+        let radius = 2.0 + (0.7 + 0.2 * (5.0 * i).cos()) * j.cos();
+        let want = [radius * i.cos(), radius * i.sin(), 0.7 * j.sin() + 0.3 * (3.0 * j).sin()];
+        assert!((0..3).all(|k| (p[k] - want[k]).abs() < 1e-14), "{index}: {p:?} {want:?}");
+    }
+    for triangles in [1000, 10_000, 100_000] {
+        let room = room(triangles);
+        let count = room.triangles.len();
+        assert!(count <= triangles as usize && count * 10 > triangles as usize * 9, "{count} of {triangles}");
+        let (low, high) = room.bounds();
+        assert_eq!((low, high), ([-5.0, -4.0, 0.0], [5.0, 4.0, 3.0]), "all is in the room");
+    }
+}

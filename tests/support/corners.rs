@@ -1,0 +1,42 @@
+//! Poses that bring a small body to a corner of a large one.
+
+use super::data::MeshData;
+use super::rng::Rng;
+
+type Rows = [[f64; 4]; 3];
+
+/// `count` poses of `small` in the frame of `large`: turned at random, a random corner of a triangle of the one
+/// at a random corner of the other, then shifted by up to `share` of the small one's diagonal along each axis.
+pub(crate) fn near_corners(
+    small: &MeshData,
+    large: &MeshData,
+    share: f64,
+    count: usize,
+    rng: &mut Rng,
+) -> Vec<Rows> {
+    let reach = share * small.diagonal();
+    let mut pose = || {
+        let rotation = rng.rotation();
+        let [from, to] = [small, large].map(|mesh| mesh.vertices[rng.pick(&mesh.triangles)[0] as usize]);
+        let shift: [f64; 3] = core::array::from_fn(|_| rng.range(-reach, reach));
+        core::array::from_fn(|i| {
+            let [x, y, z] = rotation[i];
+            [x, y, z, (to[i] + shift[i]) - ((x * from[0] + y * from[1]) + z * from[2])]
+        })
+    };
+    (0..count).map(|_| pose()).collect()
+}
+
+/// Where the other body is in the frame of the posed one, up to rounding.
+pub(crate) fn inverse(rows: &Rows) -> Rows {
+    core::array::from_fn(|i| {
+        let column = rows.map(|row| row[i]);
+        let shift = (column[0] * rows[0][3] + column[1] * rows[1][3]) + column[2] * rows[2][3];
+        [column[0], column[1], column[2], -shift]
+    })
+}
+
+/// Names every helper once, so that a test which needs only some of them compiles without a warning.
+const _: () = {
+    let _ = (near_corners, inverse);
+};

@@ -1,0 +1,48 @@
+//! A body that is one point, whose planes are tight.
+
+use crate::support::dyadic::half_value;
+use crate::support::rng::Rng;
+use crate::support::turns::random_point;
+use simdop::directions;
+use simdop::frame::{Extent, Frame};
+use simdop::key::Key;
+use simdop::range::Point;
+
+/// Of a body that is the origin.
+pub(crate) const NO_EXTENT: Extent = Extent {
+    frame: Frame { centre: [0.0; 3], exponent: 0 },
+    max_coordinate: 0.0,
+    half_width: [0.0; 3],
+    max_plane: 0.0,
+};
+
+/// A body that is one point, with planes that are halves exactly: nothing is lost before it is turned.
+pub(crate) struct OnePoint<const K: usize> {
+    pub(crate) extent: Extent,
+    pub(crate) point: Point,
+    pub(crate) planes: [i16; K],
+}
+
+impl<const K: usize> OnePoint<K> {
+    pub(crate) fn new(rng: &mut Rng) -> Self {
+        let largest = *rng.pick(&[3, 20, 120]);
+        let y = [(); 3].map(|()| rng.int(-largest, largest) as f64);
+        let support = |n: &[i8; 3]| n.iter().zip(y).map(|(&n, y)| f64::from(n) * y).sum::<f64>();
+        let supports: [f64; K] = core::array::from_fn(|j| support(&directions::table(K).vectors[j]));
+        let mut extent = NO_EXTENT;
+        extent.frame.exponent = rng.int(-3, 9) as i32;
+        // Multiples of 2^-10, so that the point is at y in the frame without rounding.
+        extent.frame.centre = random_point(rng, [0.0, 10.0, 1e6]).map(|x| (x * 1024.0).round() / 1024.0);
+        let scale = f64::from_bits(((1023 - extent.frame.exponent) as u64) << 52);
+        let point: Point = core::array::from_fn(|i| extent.frame.centre[i] + y[i] * scale);
+        extent.max_coordinate = point.iter().chain(&extent.frame.centre).fold(0.0, |m, x| x.abs().max(m));
+        extent.half_width = y.map(|x| x.abs() as f32);
+        extent.max_plane = supports.iter().fold(0.0, |m, x| x.abs().max(m)) as f32;
+        let planes = supports.map(|x| {
+            let key = Key::round_up_f64(x).unwrap();
+            assert_eq!(half_value(key.code()), x, "{x} is a half");
+            key.code()
+        });
+        Self { extent, point, planes }
+    }
+}

@@ -1,0 +1,461 @@
+//! Thin slabs: that they bound what is below them, and no more than that; that damaged ones are refused; that
+//! they change no verdict; and what they spare.
+
+extern crate alloc;
+
+mod support;
+
+use alloc::collections::BTreeSet;
+use core::ops::ControlFlow;
+use simdop::construct::{Builder, Mesh, Splitter};
+use simdop::hierarchy::{BakeError, Bvh, BvhRef, Header, Lane};
+use simdop::isa::Isa;
+use simdop::node::{Link, Node4, Node16, ThinSlab};
+use simdop::pose::Pose;
+use simdop::query::{Completion, Counters, Lanes, Query};
+use support::data::{Approach, MeshData, notice, suite_step};
+use support::dyadic::{Dyadic, dot};
+use support::rng::Rng;
+use support::shapes;
+
+/// Calls a generic function on one argument, once for every node type.
+macro_rules! for_each_node {
+    ($function:ident, $argument:expr) => {
+        for_each_node!($function, $argument; Node16<6>, Node16<14>, Node16<18>, Node16<26>, Node16<32>,
+            Node4<6>, Node4<14>, Node4<18>, Node4<26>, Node4<32>)
+    };
+    ($function:ident, $argument:expr; $($node:ty),*) => {{
+        let argument = $argument;
+        $( $function::<$node>(argument); )*
+    }};
+}
+
+fn build<N: Lanes>(builder: Builder, mesh: &MeshData) -> Bvh<N> {
+    builder.build(&Mesh { vertices: &mesh.vertices, triangles: &mesh.triangles }).unwrap()
+}
+
+/// A lane in use, its slab, and the primitives below it by their indices in leaf order.
+struct Volume {
+    node: u32,
+    lane: usize,
+    slab: ThinSlab,
+    below: Vec<u32>,
+}
+
+fn volumes<N: Lanes>(tree: &BvhRef<'_, N>) -> Vec<Volume> {
+    let places = tree.nodes().len() * N::ARITY;
+    let mut below = vec![Vec::new(); places];
+    let mut walk = tree.walk();
+    while let Some(Lane { child, .. }) = walk.next() {
+        let Link::Leaf { first, count } = child.link() else { continue };
+        for (node, lane) in walk.path() {
+            below[node as usize * N::ARITY + lane].extend(first..first + count);
+        }
+    }
+    assert_eq!(tree.thin_slabs().len(), places);
+    let volume = |(place, below): (usize, Vec<u32>)| Volume {
+        node: (place / N::ARITY) as u32,
+        lane: place % N::ARITY,
+        slab: tree.thin_slabs()[place],
+        below,
+    };
+    below.into_iter().enumerate().map(volume).filter(|v| !v.below.is_empty()).collect()
+}
+
+/// The least and the greatest support of a primitive along n, in the frame of its tree: exactly.
+fn supports<N: Lanes>(tree: &BvhRef<'_, N>, n: [f64; 3], primitive: u32) -> [Dyadic; 2] {
+    let frame = tree.frame();
+    let along = |p: [f64; 3]| {
+        let offset = |i: usize| Dyadic::from(p[i]) - Dyadic::from(frame.centre[i]);
+        dot(n.map(Dyadic::from), [offset(0), offset(1), offset(2)]) * Dyadic::power_of_two(frame.exponent)
+    };
+    let all = tree.primitive(primitive).map(along);
+    [all.iter().min().unwrap().clone(), all.iter().max().unwrap().clone()]
+}
+
+/// Meshes of every kind that slabs are wrong on most easily.
+fn meshes() -> Vec<MeshData> {
+    let mut rng = Rng::new(1);
+    let scaled = |mut mesh: MeshData, factor: f64, offset: f64| {
+        mesh.vertices.iter_mut().flatten().for_each(|x| *x = *x * factor + offset);
+        mesh
+    };
+    let mut mixed = shapes::torus(6, 5);
+    let flat = shapes::without_area(&mixed, &mut rng, 20);
+    shapes::append(&mut mixed, &flat);
+    vec![
+        shapes::separate([]),
+        shapes::soup(&mut rng, 70, 0.3),
+        shapes::flat_grid(6),
+        shapes::torus(8, 6),
+        mixed,
+        shapes::coincident(20),
+        shapes::collinear(20),
+        shapes::separate([[[7.0, 8.0, 9.0]; 3]]),
+        shapes::huge_among_tiny(&mut rng, 40),
+        scaled(shapes::torus(6, 4), 1.0, 1e9),
+        scaled(shapes::torus(6, 4), 1e-60, 0.0),
+        scaled(shapes::torus(6, 4), 1e80, 3e80),
+    ]
+}
+
+// ---- The slabs themselves ---------------------------------------------------------------------------------
+
+/// Bounds, and thin: within two steps and a half's rounding of the exact extent along their own direction.
+fn slabs_are_exact<N: Lanes>(meshes: &[MeshData]) {
+    for (number, mesh) in meshes.iter().enumerate() {
+        for leaf_size in [1, 3] {
+            let what = format!("k {} arity {}, mesh {number}", N::K, N::ARITY);
+            let tree = build::<N>(Builder::new().leaf_size(leaf_size), mesh);
+            let tree = tree.view();
+            tree.verify().unwrap_or_else(|e| panic!("{what}: {e}"));
+            let step = 1.0 / 32.0;
+            for Volume { node, lane, slab, below } in volumes(&tree) {
+                let n = slab.normal();
+                assert!(n[2] >= 0.0 && n.iter().map(|x| x.abs()).sum::<f64>() == 2047.0, "{what}: {n:?}");
+                let all: Vec<_> = below.iter().map(|&p| supports(&tree, n, p)).collect();
+                let low = all.iter().map(|s| &s[0]).min().unwrap().clone();
+                let high = all.iter().map(|s| &s[1]).max().unwrap().clone();
+                let degenerate = slab.ends()[1] == f64::INFINITY;
+                if degenerate {
+                    // Triangles without area have no normal.
+                    assert!(number != 1 && number != 2 && number != 3, "{what}: node {node} lane {lane}");
+                    continue;
+                }
+                let [least, greatest] = slab.ends().map(Dyadic::from);
+                assert!(least <= low && greatest >= high, "{what}: node {node} lane {lane}");
+                let slack = [low.clone() - least, greatest - high.clone()];
+                let loose = Dyadic::from(2.0 * step) + (high - low) * Dyadic::from(0.002);
+                assert!(
+                    slack[0] <= Dyadic::from(2.0 * step) && slack[1] <= loose,
+                    "{what}: node {node} lane {lane}"
+                );
+            }
+        }
+    }
+}
+
+#[test]
+fn slabs_bound_what_is_below_and_no_more() {
+    for_each_node!(slabs_are_exact, &meshes());
+}
+
+/// Where a slab lies among the bytes of its tree.
+fn place<N: Lanes>(tree: &BvhRef<'_, N>, node: u32, lane: usize) -> usize {
+    128 + size_of_val(tree.nodes()) + 8 * (node as usize * N::ARITY + lane)
+}
+
+/// The tree with other bits of one slab.
+fn edited<N: Lanes>(tree: &Bvh<N>, at: usize, edit: impl FnOnce(u64) -> u64) -> Vec<Line> {
+    let mut lines = aligned(tree.as_bytes());
+    let field: &mut [u8; 8] = (&mut bytemuck::cast_slice_mut(&mut lines)[at..at + 8]).try_into().unwrap();
+    *field = edit(u64::from_le_bytes(*field)).to_le_bytes();
+    lines
+}
+
+/// A tree's bytes must begin at a multiple of 64.
+#[derive(Copy, Clone, bytemuck::Pod, bytemuck::Zeroable)]
+#[repr(C, align(64))]
+struct Line([u8; 64]);
+
+/// Bytes, filled up to whole lines.
+fn aligned(bytes: &[u8]) -> Vec<Line> {
+    let mut lines = vec![Line([0; 64]); bytes.len().div_ceil(64)];
+    bytemuck::cast_slice_mut(&mut lines)[..bytes.len()].copy_from_slice(bytes);
+    lines
+}
+
+fn tree_in<N: Lanes>(lines: &[Line]) -> Result<BvhRef<'_, N>, BakeError> {
+    BvhRef::from_bytes(bytemuck::cast_slice(lines))
+}
+
+/// One step thinner at either end: refused exactly where something is cut off, by the name of the plane.
+fn thinner_is_refused<N: Lanes>(meshes: &[MeshData]) {
+    let (mut refused, mut accepted) = ([0, 0], 0);
+    for mesh in meshes {
+        let owned = build::<N>(Builder::new(), mesh);
+        let tree = owned.view();
+        for Volume { node, lane, slab, below } in volumes(&tree) {
+            if slab.ends()[1] == f64::INFINITY {
+                continue;
+            }
+            let edits: [fn(u64) -> u64; 2] =
+                [|bits| bits.wrapping_add(1 << 40), |bits| bits.wrapping_sub(1 << 24)];
+            for (end, edit) in edits.into_iter().enumerate() {
+                let lines = edited(&owned, place(&tree, node, lane), edit);
+                let thin = tree_in::<N>(&lines).unwrap();
+                let ends = thin.thin_slabs()[node as usize * N::ARITY + lane].ends();
+                assert!(if end == 0 { ends[0] > slab.ends()[0] } else { ends[1] < slab.ends()[1] });
+                let beyond = |p: u32| {
+                    let [low, high] = supports(&thin, slab.normal(), p);
+                    if end == 0 { low < Dyadic::from(ends[0]) } else { high > Dyadic::from(ends[1]) }
+                };
+                let cut_off: BTreeSet<u32> =
+                    below.iter().filter(|&&p| beyond(p)).map(|&p| tree.source(p)).collect();
+                match thin.verify() {
+                    Ok(()) => {
+                        assert!(cut_off.is_empty(), "k {}: node {node} lane {lane} end {end}", N::K);
+                        accepted += 1;
+                    }
+                    Err(e) => {
+                        assert_eq!((e.node, e.lane as usize, e.plane as usize), (node, lane, N::K + end));
+                        assert!(cut_off.contains(&e.primitive), "{e}");
+                        refused[end] += 1;
+                    }
+                }
+            }
+        }
+    }
+    assert!(refused[0] > 50 && refused[1] > 50 && accepted > 10, "{refused:?} {accepted}");
+}
+
+#[test]
+fn slabs_one_step_thinner_are_refused() {
+    let mut rng = Rng::new(2);
+    for_each_node!(
+        thinner_is_refused,
+        &[shapes::torus(8, 6), shapes::soup(&mut rng, 40, 0.3), shapes::flat_grid(6)]
+    );
+}
+
+/// Every way in which a slab's 64 bits can be none, in a used lane and in an unused one.
+fn bad_bits_are_refused<N: Lanes>(mesh: &MeshData) {
+    let owned = build::<N>(Builder::new(), mesh);
+    let tree = owned.view();
+    // |x| + |y| of 2048, in three ways; a thickness of -0, below 0, NaN, and negative NaN.
+    let normal = |x: i64, y: i64| (x as u64 & 0xfff) | (y as u64 & 0xfff) << 12;
+    let bad = [
+        (0xff_ffff, normal(1024, 1024)),
+        (0xff_ffff, normal(-2048, 0)),
+        (0xff_ffff, normal(0, -2048)),
+        (0xff_ffff, normal(-2047, -1)),
+        (0xffff << 24, 0xffff << 24),
+        (0xffff << 24, 0x8000 << 24),
+        (0xffff << 24, 0x7c01 << 24),
+        (0xffff << 24, 0x7fff << 24),
+    ];
+    let good = [
+        (0xff_ffff, normal(1024, -1023)),
+        (0xff_ffff, normal(-2047, 0)),
+        (0xffff << 24, 0x7c00 << 24),
+        (0xffff << 24, 0),
+        (0xff_ffff << 40, 0x80_0000 << 40),
+    ];
+    let last = tree.nodes().len() as u32 - 1;
+    for (node, lane) in [(0, 0), (0, N::ARITY - 1), (last, 0), (last, N::ARITY - 1)] {
+        let at = place(&tree, node, lane);
+        for (mask, bits) in bad {
+            let lines = edited(&owned, at, |was| was & !mask | bits);
+            let problem = "a thin slab has no direction, or no thickness";
+            let want = BakeError::Node { node, lane: lane as u32, problem };
+            assert_eq!(tree_in::<N>(&lines).err(), Some(want), "{bits:x}");
+        }
+        for (mask, bits) in good {
+            let lines = edited(&owned, at, |was| was & !mask | bits);
+            assert!(tree_in::<N>(&lines).is_ok(), "{bits:x}");
+        }
+    }
+}
+
+#[test]
+fn bits_that_are_no_slab_are_refused() {
+    for_each_node!(bad_bits_are_refused, &shapes::torus(5, 3));
+}
+
+/// Where the flag of thin slabs is in the header.
+const FLAG: usize = core::mem::offset_of!(Header, has_thin_slabs);
+
+#[test]
+fn the_flag_must_be_true() {
+    let mesh = shapes::torus(8, 6);
+    let with = build::<Node16<18>>(Builder::new(), &mesh);
+    let without = build::<Node16<18>>(Builder::new().without_thin_slabs(), &mesh);
+    let need = |tree: &Bvh<Node16<18>>| tree.as_bytes().len();
+    assert!(need(&without) < need(&with));
+    let flagged = |tree: &Bvh<Node16<18>>, was: u8, flag: u8| {
+        let mut lines = aligned(tree.as_bytes());
+        let bytes: &mut [u8] = bytemuck::cast_slice_mut(&mut lines);
+        assert_eq!((bytes[FLAG], bytes[FLAG + 1]), (was, 0));
+        bytes[FLAG] = flag;
+        tree_in::<Node16<18>>(&lines).err()
+    };
+    let (have, shorter) = (need(&with), need(&without));
+    assert_eq!(flagged(&with, 1, 0), Some(BakeError::TooLong { have, need: shorter }));
+    assert_eq!(flagged(&without, 0, 1), Some(BakeError::Truncated { have: shorter, need: have }));
+    assert_eq!(flagged(&with, 1, 2), Some(BakeError::Header { field: "has_thin_slabs" }));
+    let slabs = size_of_val(with.view().thin_slabs());
+    let lines = aligned(with.as_bytes());
+    for end in [0, 8, slabs - 8, slabs] {
+        let cut = 128 + size_of_val(with.view().nodes()) + end;
+        let error = BvhRef::<Node16<18>>::from_bytes(&bytemuck::cast_slice(&lines)[..cut]).err();
+        assert_eq!(error, Some(BakeError::Truncated { have: cut, need: have }));
+    }
+}
+
+/// A tree without slabs has the bytes of the tree with them, but for the slabs and the flag.
+fn less_the_slabs<N: Lanes>(meshes: &[MeshData]) {
+    for mesh in meshes {
+        let with = build::<N>(Builder::new(), mesh);
+        let without = build::<N>(Builder::new().without_thin_slabs(), mesh);
+        without.view().verify().unwrap();
+        assert_eq!(without.view().thin_slabs(), []);
+        let (stats, other) = (with.view().stats(), without.view().stats());
+        assert_eq!(stats.thin_slab_bytes, 8 * N::ARITY * stats.nodes);
+        assert_eq!((other.thin_slab_bytes, other.node_bytes), (0, stats.node_bytes));
+        let slabs = 128 + stats.node_bytes..128 + stats.node_bytes + stats.thin_slab_bytes;
+        let mut expected = with.as_bytes().to_vec();
+        expected.drain(slabs);
+        expected[FLAG] = 0;
+        // Both are filled up to a multiple of 64.
+        let len = without.as_bytes().len().min(expected.len());
+        assert_eq!(without.as_bytes()[..len], expected[..len]);
+        let rest = without.as_bytes()[len..].iter().chain(&expected[len..]);
+        assert!(rest.clone().count() < 64 && rest.clone().all(|byte| *byte == 0));
+    }
+}
+
+#[test]
+fn a_tree_without_slabs_is_the_same_but_for_them() {
+    for_each_node!(less_the_slabs, &meshes());
+}
+
+// ---- Long queries -----------------------------------------------------------------------------------------
+
+/// A ring with waves along and around its tube, smooth: 2 n^2 triangles.
+fn wavy_torus(n: u32) -> MeshData {
+    let mut mesh = shapes::torus(n, n);
+    for p in &mut mesh.vertices {
+        let [x, y, z] = *p;
+        // Cosines and sines of five times the angle about the axis, by the multiples of a complex number.
+        let length = (x * x + y * y).sqrt();
+        let (c, s) = (x / length, y / length);
+        let (mut re, mut im) = (1.0, 0.0);
+        for _ in 0..5 {
+            (re, im) = (re * c - im * s, re * s + im * c);
+        }
+        let (out, wave) = ((length - 1.0) * (1.0 + 0.3 * re), 0.15 * im);
+        *p = [(2.0 + 2.0 * out) * c, (2.0 + 2.0 * out) * s, 2.0 * (z + wave)];
+    }
+    mesh
+}
+
+/// Poses of a body against itself, in contact but for a gap.
+fn poses<N: Lanes>(mesh: &MeshData, tree: &Bvh<N>, gap: f64, count: usize) -> Vec<Pose> {
+    let mut rng = Rng::new(3);
+    let query = Query::new(Isa::detect());
+    let size = mesh.diagonal();
+    let mut found = Vec::new();
+    while found.len() < count {
+        let (rotation, towards) = (rng.rotation(), rng.rotation()[0]);
+        let line = Approach { rotation, target: mesh.centre(), towards, centre: mesh.centre() };
+        let at = |distance: f64| Pose::from_rows(line.at(distance)).unwrap();
+        let meets = |distance: f64| !query.collide(tree, tree, &at(distance)).is_free();
+        let (mut inside, mut outside) = (0.0, 2.0 * size);
+        for i in (0..100).rev() {
+            let distance = 2.0 * size * f64::from(i) / 100.0;
+            if meets(distance) {
+                inside = distance;
+                break;
+            }
+            outside = distance;
+        }
+        for _ in 0..30 {
+            let middle = 0.5 * (inside + outside);
+            if meets(middle) { inside = middle } else { outside = middle }
+        }
+        found.push(at(outside + gap * size));
+    }
+    found
+}
+
+/// Work of all poses, in total, of the collision of a tree with itself.
+fn visits<N: Lanes>(tree: &Bvh<N>, poses: &[Pose]) -> u64 {
+    let query = Query::new(Isa::detect());
+    let visits = |pose: &Pose| {
+        let answer = query.collide(tree, tree, pose);
+        assert!(answer.is_free());
+        answer.counters.visits
+    };
+    poses.iter().map(visits).sum()
+}
+
+/// Both trees of a torus of 2 n^2 triangles, with slabs and without, and poses with a gap of a thousandth.
+fn near_tori(n: u32) -> [u64; 2] {
+    let mesh = wavy_torus(n);
+    let builder = Builder::fast();
+    let with = build::<Node16<18>>(builder, &mesh);
+    let without = build::<Node16<18>>(builder.without_thin_slabs(), &mesh);
+    let poses = poses(&mesh, &with, 1e-3, 40);
+    let found = [visits(&with, &poses), visits(&without, &poses)];
+    println!(
+        "{} triangles: {} visits a pose with slabs, {} without",
+        2 * n * n,
+        found[0] / 40,
+        found[1] / 40
+    );
+    found
+}
+
+#[test]
+fn near_smooth_bodies_take_half_the_visits() {
+    if suite_step() > 1 || cfg!(debug_assertions) {
+        notice(
+            "SKIPPED: meshes of 80,000 triangles and more, which only the full suite in release builds has",
+        );
+        return;
+    }
+    let [coarse, fine, finest] = [100, 200, 400].map(near_tori);
+    assert!(10 * fine[0] <= 6 * fine[1], "{fine:?}");
+    assert!(10 * finest[0] <= 16 * coarse[0], "{coarse:?} {finest:?}");
+}
+
+/// All pairs that meet, and the work.
+fn pairs<N: Lanes>(isa: Isa, a: &Bvh<N>, b: &Bvh<N>, pose: &Pose) -> (BTreeSet<(u32, u32)>, Counters) {
+    let mut found = BTreeSet::new();
+    let (completion, counters) = Query::new(isa).for_each_pair(a, b, pose, |pair| {
+        assert!(found.insert((pair.a, pair.b)), "each pair once");
+        ControlFlow::Continue(())
+    });
+    assert_eq!(completion, Completion::Complete);
+    (found, counters)
+}
+
+/// Long queries of trees with slabs, with those of one tree only, and without: the same answers on every
+/// instruction set, by the same work.
+fn answers_agree<N: Lanes>(mesh: &MeshData) {
+    let builder = Builder::new().splitter(Splitter::ExtendedLongestAxis);
+    let with = build::<N>(builder, mesh);
+    let without = build::<N>(builder.without_thin_slabs(), mesh);
+    let (mut long, mut spared) = (0, 0);
+    for (gap, margin) in [(1e-3, 0.0), (1e-3, 2e-3), (-1e-3, 1e-4), (-2e-2, 1e-4)] {
+        for pose in poses(mesh, &with, gap, 8 / suite_step()) {
+            let (want, without_slabs) = pairs(Isa::SCALAR, &without, &without, &pose);
+            assert_eq!(want.is_empty(), gap > 0.0);
+            for (a, b) in [(&with, &with), (&with, &without), (&without, &with)] {
+                let (found, counters) = pairs(Isa::SCALAR, a, b, &pose);
+                assert_eq!(found, want, "k {} arity {}: {pose:?}", N::K, N::ARITY);
+                let both = core::ptr::eq(a, b);
+                if !both {
+                    assert_eq!(counters, without_slabs, "slabs are asked where both trees have them");
+                }
+                long += usize::from(both && counters.visits > 100);
+                spared += usize::from(counters.visits < without_slabs.visits);
+                let margin = margin * mesh.diagonal();
+                let near = Query::new(Isa::SCALAR).within(a, b, &pose, margin).unwrap();
+                let expected = Query::new(Isa::SCALAR).within(&without, &without, &pose, margin).unwrap();
+                assert_eq!(near.is_free(), expected.is_free());
+                for isa in Isa::available() {
+                    assert_eq!(pairs(isa, a, b, &pose), (found.clone(), counters), "{isa:?}");
+                    let on = Query::new(isa).within(a, b, &pose, margin).unwrap();
+                    assert_eq!((on.verdict, on.counters), (near.verdict, near.counters), "{isa:?}");
+                }
+            }
+        }
+    }
+    assert!(long > 0 && spared > 0, "k {} arity {}: {long} were long, {spared} shorter", N::K, N::ARITY);
+}
+
+#[test]
+fn long_queries_agree_with_and_without_slabs() {
+    for_each_node!(answers_agree, &wavy_torus(if suite_step() > 1 { 30 } else { 60 }));
+}
