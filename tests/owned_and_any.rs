@@ -9,7 +9,7 @@ use simdop::hierarchy::{AnyBvh, AnyBvhRef, AsBvh, BakeError, Baked, Bvh, BvhRef}
 use simdop::isa::Isa;
 use simdop::node::{Node4, Node16};
 use simdop::pose::Pose;
-use simdop::query::{AnyError, Query, ToleranceError};
+use simdop::query::{AnyError, Pair, Query, ToleranceError};
 use simdop::with_bvh;
 use support::data::MeshData;
 use support::shapes;
@@ -87,15 +87,18 @@ where
         assert_eq!(within, query.within(&tree, &tree, pose, 0.1).unwrap());
         let distance = query.distance_any(&any.view(), &borrowed, pose, 0.01).unwrap();
         assert_eq!(distance, query.distance(&tree, &tree, pose, 0.01).unwrap());
+        // A visitor of a type of its own here would compile every node type's query once more for each.
         let (mut got, mut want) = (Vec::new(), Vec::new());
-        let done = query.for_each_pair_any(&any.view(), &borrowed, pose, |pair| {
+        let visitor: &mut dyn FnMut(Pair) -> ControlFlow<()> = &mut |pair| {
             got.push(pair);
             ControlFlow::Continue(())
-        });
-        let completion = query.for_each_pair(&tree, &tree, pose, |pair| {
+        };
+        let done = query.for_each_pair_any(&any.view(), &borrowed, pose, visitor);
+        let visitor: &mut dyn FnMut(Pair) -> ControlFlow<()> = &mut |pair| {
             want.push(pair);
             ControlFlow::Continue(())
-        });
+        };
+        let completion = query.for_each_pair(&tree, &tree, pose, visitor);
         assert_eq!((done.unwrap(), got), (completion, want));
     }
 }
