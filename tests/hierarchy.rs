@@ -324,6 +324,12 @@ fn bad_meshes_are_refused_by_name() {
             assert_eq!(build(Builder::new(), mesh), Err(BuildError::Vertex { index: 1 }), "{bad}");
         }
     }
+    for (greatest, want) in
+        [(0.0, Ok(())), (MIN_COORDINATE, Ok(())), (MIN_COORDINATE.next_down(), Err(BuildError::TooSmall))]
+    {
+        let vertices = [[0.0; 3], [-greatest, 0.0, 0.0], [0.0, 5e-324_f64.min(greatest), 0.0]];
+        assert_eq!(build(Builder::new(), Mesh { vertices: &vertices, ..good }), want, "{greatest:e}");
+    }
     for bad in [3, u32::MAX] {
         let triangles = [[0, 1, 2], [0, 1, bad]];
         let mesh = Mesh { triangles: &triangles, ..good };

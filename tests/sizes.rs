@@ -213,8 +213,8 @@ fn answers_are_exact_in_every_unit() {
     }));
 }
 
-/// Beyond the range of coordinates a body is refused, and what is smaller than the range is zero, as `build` says:
-/// a body of which some coordinates are is judged as the one that is left.
+/// Beyond the range of coordinates a body is refused, and so is one that would become a point because all of its
+/// coordinates are smaller than the range. One of which some are is judged as what is left of it, as `build` says.
 #[test]
 fn units_beyond_the_range_are_refused() {
     let body = wavy_torus(200);
@@ -224,6 +224,11 @@ fn units_beyond_the_range_are_refused() {
         let want = BuildError::Vertex { index: first.expect("beyond the range") };
         assert_eq!(build::<Node16<18>>(&large).unwrap_err(), want, "{unit:e}");
         assert_eq!(build::<Node4<14>>(&large).unwrap_err(), want, "{unit:e}");
+    }
+    for unit in [1e-76, 1e-100, 1e-200, 1e-300] {
+        let small = scaled(&body, unit, [0.0; 3]);
+        assert_eq!(build::<Node16<18>>(&small).unwrap_err(), BuildError::TooSmall, "{unit:e}");
+        assert_eq!(build::<Node4<14>>(&small).unwrap_err(), BuildError::TooSmall, "{unit:e}");
     }
     check_all([1e-75, 5e-76, 3e-76].into_iter().flat_map(|unit| {
         let small = scaled(&body, unit, [0.0; 3]);

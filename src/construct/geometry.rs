@@ -97,6 +97,10 @@ impl<'a, R: AsRef<[u32]>> Checked<'a, R> {
         if let Some(index) = vertices.iter().position(|p| !p.iter().all(|x| x.abs() <= MAX_COORDINATE)) {
             return Err(BuildError::Vertex { index });
         }
+        let greatest = vertices.iter().flatten().fold(0.0, |m: f64, x| m.max(x.abs()));
+        if greatest > 0.0 && flush(greatest) == 0.0 {
+            return Err(BuildError::TooSmall);
+        }
         let in_range = |record: &R| record.as_ref().iter().all(|&v| (v as usize) < vertices.len());
         if let Some(index) = primitives.iter().position(|record| !in_range(record)) {
             return Err(BuildError::Primitive { index });

@@ -104,6 +104,8 @@ pub enum BuildError {
         /// Index of the vertex.
         index: usize,
     },
+    /// No coordinate reaches [`crate::range::MIN_COORDINATE`], and not all are zero: the body would become a point.
+    TooSmall,
     /// A triangle, or other primitive, names a vertex that there is not.
     Primitive {
         /// Index of the primitive.
@@ -128,6 +130,7 @@ impl fmt::Display for BuildError {
             Self::LeafSize { asked } => write!(f, "leaf size {asked}, must be 1 to {MAX_LEAF_SIZE}"),
             Self::TooLarge { count } => write!(f, "{count} primitives or vertices are too many"),
             Self::Vertex { index } => write!(f, "vertex {index} is not finite, or beyond 2^300"),
+            Self::TooSmall => f.write_str("all coordinates are below 2^-250: choose a smaller unit"),
             Self::Primitive { index } => write!(f, "primitive {index} names a vertex that there is not"),
             Self::NodeType { k, arity } => write!(f, "there are no nodes of k = {k} and arity {arity}"),
             Self::TooDeep => f.write_str("the tree would be too deep"),
