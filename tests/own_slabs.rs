@@ -201,7 +201,9 @@ fn points_off_the_triangle<const K: usize>() {
             found += u64::from(beyond[s]);
         }
         println!("k {K:2}, {share:e} of the frame off: {found} of {of} found; {tally:?}");
-        assert!(of > 1000 / suite_step() as u64 && found * 100 >= of * 98, "{found} of {of} found");
+        // Of a few hundred the share scatters by a percent.
+        let least = if suite_step() == 1 { 98 } else { 95 };
+        assert!(of > 1000 / suite_step() as u64 && found * 100 >= of * least, "{found} of {of} found");
     }
 }
 

@@ -25,10 +25,13 @@ pub(super) fn thin_slabs<N: Node, R: AsRef<[u32]> + Sync>(
                 Link::Empty => (f64::INFINITY, f64::NEG_INFINITY),
                 Link::Inner(below) => extent(points.below(below), n),
                 Link::Leaf { first, count } => {
-                    let corners = records[first as usize..][..count as usize].iter().flat_map(|r| r.as_ref());
-                    corners.fold((f64::INFINITY, f64::NEG_INFINITY), |ends, &vertex| {
-                        reach(ends, &n, &relative(&vertices[vertex as usize], frame))
-                    })
+                    let mut ends = (f64::INFINITY, f64::NEG_INFINITY);
+                    for record in &records[first as usize..][..count as usize] {
+                        for &vertex in record.as_ref() {
+                            ends = reach(ends, &n, &relative(&vertices[vertex as usize], frame));
+                        }
+                    }
+                    ends
                 }
             };
             *slab = ThinSlab::new(normals[index], |n| {
