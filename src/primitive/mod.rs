@@ -5,9 +5,11 @@
 //! read, how a pose moves them, and whether a plane bounds them. The tests of one primitive against another
 //! are a trait of their own, [`crate::query::Pairwise`].
 
+pub mod sphere;
 mod store;
 pub mod triangle;
 
+pub use sphere::Sphere;
 pub(crate) use store::Fault;
 pub use store::Store;
 pub use triangle::Triangles;
