@@ -11,9 +11,10 @@ use simdop::node::{Node4, Node16};
 use simdop::pose::Pose;
 use simdop::primitive::triangle::distance::{nearer, within};
 use simdop::primitive::triangle::{Triangle, Triangles, overlap};
-use simdop::primitive::{Kind, Primitive, Separation, Store};
+use simdop::primitive::{Kind, Primitive, Separation, Sphere, Store};
 use simdop::query::{Lanes, Pairwise, Query};
 use simdop::range::Point;
+use std::borrow::Cow;
 use std::collections::BTreeSet;
 use support::data::suite_step;
 use support::exact::triangles_meet;
@@ -40,8 +41,12 @@ impl Primitive for Segments {
         Triangles::narrow(vertex)
     }
 
-    fn vertex_is(vertex: &Point, accepts: impl Fn(&Point) -> bool) -> bool {
-        accepts(vertex)
+    fn ball(vertex: &Point) -> Sphere {
+        Sphere { centre: *vertex, radius: 0.0 }
+    }
+
+    fn map(vertex: &Point, number: impl Fn(f64) -> f64) -> Point {
+        vertex.map(number)
     }
 
     fn is_among(record: &[u32; 2], vertices: u32) -> bool {
@@ -118,16 +123,16 @@ impl Geometry for Polyline {
         &self.vertices
     }
 
-    fn primitives(&self) -> &[[u32; 2]] {
-        &self.segments
+    fn primitives(&self) -> Cow<'_, [[u32; 2]]> {
+        Cow::Borrowed(&self.segments)
     }
 
     /// Its length.
-    fn weight(corners: &[Point]) -> f64 {
+    fn weight(corners: &[Point], _radius: f64) -> f64 {
         glam::DVec3::from_array(corners[0]).distance(glam::DVec3::from_array(corners[1]))
     }
 
-    fn is_degenerate(corners: &[Point]) -> bool {
+    fn is_degenerate(corners: &[Point], _radius: f64) -> bool {
         corners[0] == corners[1]
     }
 }

@@ -24,7 +24,7 @@ mod wrap;
 pub use assignment::Assignment;
 #[doc(hidden)]
 pub use clustering::Clustering;
-pub use geometry::{Geometry, Mesh};
+pub use geometry::{Geometry, Mesh, SphereSet};
 pub use progress::Progress;
 
 use crate::hierarchy::Bvh;
@@ -35,7 +35,7 @@ use alloc::vec::Vec;
 use core::fmt;
 use core::ops::ControlFlow;
 use cost::Aabb;
-use geometry::{Checked, Record};
+use geometry::Checked;
 use longest_axis::Halving;
 use progress::Observer;
 
@@ -72,8 +72,8 @@ pub enum Magnification {
     /// Each primitive counts once, as in the SIMDop paper.
     #[default]
     None,
-    /// A triangle weighs as much as its area, so that large ones are not outliers and come high up in the
-    /// tree.
+    /// A primitive weighs as much as it is large, a triangle its area, a sphere its volume, so that large ones are
+    /// not outliers and come high up in the tree.
     Area,
 }
 
@@ -85,7 +85,7 @@ pub struct Builder {
     has_thin_slabs: bool,
 }
 
-/// Why a mesh cannot be built.
+/// Why a mesh, or another geometry, cannot be built.
 #[derive(Copy, Clone, PartialEq, Eq, Debug)]
 #[non_exhaustive]
 pub enum BuildError {
@@ -102,6 +102,11 @@ pub enum BuildError {
     /// A coordinate is NaN, infinite, or beyond [`crate::range::MAX_COORDINATE`].
     Vertex {
         /// Index of the vertex.
+        index: usize,
+    },
+    /// A radius is negative, NaN or infinite, or a point of the sphere is beyond [`crate::range::MAX_COORDINATE`].
+    Radius {
+        /// Index of the sphere, or of the vertex with this radius.
         index: usize,
     },
     /// A triangle, or other primitive, names a vertex that there is not.
@@ -128,6 +133,9 @@ impl fmt::Display for BuildError {
             Self::LeafSize { asked } => write!(f, "leaf size {asked}, must be 1 to {MAX_LEAF_SIZE}"),
             Self::TooLarge { count } => write!(f, "{count} primitives or vertices are too many"),
             Self::Vertex { index } => write!(f, "vertex {index} is not finite, or beyond 2^300"),
+            Self::Radius { index } => {
+                write!(f, "the radius of sphere {index} is negative or not finite, or takes it beyond 2^300")
+            }
             Self::Primitive { index } => write!(f, "primitive {index} names a vertex that there is not"),
             Self::NodeType { k, arity } => write!(f, "there are no nodes of k = {k} and arity {arity}"),
             Self::TooDeep => f.write_str("the tree would be too deep"),
@@ -234,7 +242,7 @@ impl Builder {
     fn build_by<N: Dop, G: Geometry, E: From<BuildError>>(
         &self,
         geometry: &G,
-        assign: impl FnOnce(&Checked<'_, Record<G>>) -> Result<Assignment, E>,
+        assign: impl FnOnce(&Checked<'_, G::Primitive>) -> Result<Assignment, E>,
     ) -> Result<Bvh<N, G::Primitive>, E> {
         if self.leaf_size == 0 || self.leaf_size > MAX_LEAF_SIZE {
             return Err(BuildError::LeafSize { asked: self.leaf_size }.into());
@@ -247,7 +255,7 @@ impl Builder {
     /// The shape of a checked geometry's tree.
     fn assign<G: Geometry>(
         &self,
-        table: &Checked<'_, Record<G>>,
+        table: &Checked<'_, G::Primitive>,
         arity: usize,
         observer: &mut Observer<'_>,
     ) -> Result<Assignment, BuildError> {
@@ -255,7 +263,7 @@ impl Builder {
         let leaf_size = self.leaf_size as usize;
         let halving = |extended| Halving { arity, leaf_size, extended };
         let by_cost = |measure, passes, observer: &mut Observer<'_>| {
-            let boxes: Vec<_> = table.primitives.iter().map(|r| Aabb::of(table.corners(r))).collect();
+            let boxes: Vec<_> = table.boxes().map(Aabb::of).collect();
             let primitives = cost::Primitives { boxes: &boxes, centroids: &centroids };
             cost::assign(primitives, cost::Plan { arity, leaf_size, measure, passes }, observer)
         };
@@ -275,7 +283,7 @@ impl Builder {
 
 impl Magnification {
     /// What the primitives of a table weigh; none if all weigh the same.
-    fn weights<G: Geometry>(self, table: &Checked<'_, Record<G>>) -> Option<Vec<f64>> {
+    fn weights<G: Geometry>(self, table: &Checked<'_, G::Primitive>) -> Option<Vec<f64>> {
         match self {
             Self::None => None,
             Self::Area => Some(table.weights::<G>()),

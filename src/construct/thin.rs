@@ -1,19 +1,21 @@
 //! The thin slabs of a tree whose planes are known.
 
+use super::geometry::balls;
 use super::parallel;
 use crate::frame::Frame;
 use crate::node::{Link, Node, ThinSlab};
+use crate::primitive::{Primitive, Sphere};
 use crate::range::Point;
 use alloc::vec::Vec;
 
 /// The thin slab of every lane, `ARITY` a node: along the mean normal of what is below. `normal` gives a
 /// primitive's, as long as it weighs.
-pub(super) fn thin_slabs<N: Node, R: AsRef<[u32]> + Sync>(
+pub(super) fn thin_slabs<N: Node, P: Primitive<Record: AsRef<[u32]>>>(
     nodes: &[N],
     frame: &Frame,
-    vertices: &[Point],
-    records: &[R],
-    normal: impl FnMut(&R) -> Point,
+    vertices: &[P::Double],
+    records: &[P::Record],
+    normal: impl FnMut(&P::Record) -> Point,
 ) -> Vec<ThinSlab> {
     let normals = mean_normals(nodes, records, normal);
     let mut slabs = alloc::vec![ThinSlab::EVERYWHERE; nodes.len() * N::ARITY];
@@ -24,7 +26,7 @@ pub(super) fn thin_slabs<N: Node, R: AsRef<[u32]> + Sync>(
             let link = nodes[node].children()[lane].link();
             *slab = ThinSlab::new(normals[index], |n| {
                 pending.push(link);
-                extent(nodes, frame, vertices, records, &mut pending, n)
+                extent::<N, P>(nodes, frame, vertices, records, &mut pending, n)
             });
         }
     });
@@ -61,15 +63,16 @@ fn mean_normals<N: Node, R>(nodes: &[N], records: &[R], mut normal: impl FnMut(&
 }
 
 /// The least and the greatest support along n of what is below the pending links, in the frame.
-fn extent<N: Node, R: AsRef<[u32]>>(
+fn extent<N: Node, P: Primitive<Record: AsRef<[u32]>>>(
     nodes: &[N],
     frame: &Frame,
-    vertices: &[Point],
-    records: &[R],
+    vertices: &[P::Double],
+    records: &[P::Record],
     pending: &mut Vec<Link>,
     n: Point,
 ) -> (f64, f64) {
     let (c, scale) = (frame.centre, frame.scale());
+    let length = libm::sqrt((n[0] * n[0] + n[1] * n[1]) + n[2] * n[2]);
     let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
     while let Some(link) = pending.pop() {
         match link {
@@ -77,11 +80,13 @@ fn extent<N: Node, R: AsRef<[u32]>>(
             Link::Inner(node) => pending.extend(nodes[node as usize].children().iter().map(|c| c.link())),
             Link::Leaf { first, count } => {
                 for record in &records[first as usize..][..count as usize] {
-                    for &vertex in record.as_ref() {
-                        let p = vertices[vertex as usize];
-                        // Five roundings, each 2^-53 of at most 2047 * 2^7.
+                    for Sphere { centre: p, radius } in balls::<P>(vertices, record) {
+                        // A few roundings, each 2^-53 of at most 2047 * 2^7.
                         let x = (n[0] * (p[0] - c[0]) + n[1] * (p[1] - c[1])) + n[2] * (p[2] - c[2]);
-                        (low, high) = (if x < low { x } else { low }, if x > high { x } else { high });
+                        let reach = length * radius;
+                        let (least, most) = (x - reach, x + reach);
+                        (low, high) =
+                            (if least < low { least } else { low }, if most > high { most } else { high });
                     }
                 }
             }
