@@ -250,7 +250,10 @@ impl<const K: usize> Supports<K> {
             let radius = radius_of::<P>(&item);
             for p in P::corners(&item) {
                 let d = [p[0] - b.centre[0], p[1] - b.centre[1], p[2] - b.centre[2]];
-                found.size = found.size.max(greatest(&p) + radius);
+                found.size = found.size.max(greatest(&p));
+                if P::IS_ROUND {
+                    found.size = found.size.max(greatest(&p) + radius);
+                }
                 for s in 0..Directions::<K>::COLUMNS {
                     let support = (nx[s] * d[0] + ny[s] * d[1]) + nz[s] * d[2];
                     let (mut low, mut high) = (support, support);

@@ -179,12 +179,17 @@ fn pose(rows: [[f64; 3]; 3], t: Point) -> Pose {
 const STRAIGHT: [[f64; 3]; 3] = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
 const QUARTER: [[f64; 3]; 3] = [[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]];
 
+/// Of a lattice that so many of are dense in.
+fn side(count: usize) -> i64 {
+    if count < 100 { 6 } else { 16 }
+}
+
 /// Centres on a lattice and radii in halves, so that many touch: at distances such as that of (3, 4, 0) and (1, 2, 2).
 /// Some are points, some are equal, some hold others.
 fn lattice(rng: &mut Rng, count: usize, unit: f64, offset: f64) -> Vec<Sphere> {
     let mut spheres: Vec<Sphere> = Vec::new();
     for _ in 0..count {
-        let centre = [(); 3].map(|()| offset + unit * rng.int(0, 16) as f64);
+        let centre = [(); 3].map(|()| offset + unit * rng.int(0, side(count)) as f64);
         let radius = unit * *rng.pick(&[0.0, 0.5, 1.0, 1.5, 2.5]);
         spheres.push(Sphere { centre, radius });
         if rng.below(16) == 0 {
@@ -196,7 +201,7 @@ fn lattice(rng: &mut Rng, count: usize, unit: f64, offset: f64) -> Vec<Sphere> {
 
 /// Triangles between points of the same lattice, some of them flat.
 fn lattice_triangles(rng: &mut Rng, count: usize, unit: f64, offset: f64) -> Vec<Triangle> {
-    let corner = |rng: &mut Rng| [(); 3].map(|()| rng.int(0, 16) as f64);
+    let corner = |rng: &mut Rng| [(); 3].map(|()| rng.int(0, side(count)) as f64);
     let mut triangles = Vec::new();
     for _ in 0..count {
         let p = corner(rng);
@@ -306,7 +311,7 @@ fn check_bodies<N: Lanes>(
         check((&tree_a, a), (&tree_m, patches), pose, &format!("{what}, spheres and triangles")),
         check((&tree_m, patches), (&tree_a, a), pose, &format!("{what}, triangles and spheres")),
     ];
-    [x.0.min(y.0).min(z.0), x.1.min(y.1).min(z.1)]
+    [x.0.min(y.0).min(z.0), x.1]
 }
 
 fn lattices<N: Lanes>(count: usize) {
@@ -322,7 +327,7 @@ fn lattices<N: Lanes>(count: usize) {
         for (i, pose) in poses.iter().enumerate() {
             let [meet, touch] =
                 check_bodies::<N>(&a, &b, &patches, pose, &format!("unit {unit:e}, pose {i}"));
-            let says_much = i == 2 || count < 100 || meet > count / 4 && touch > 0;
+            let says_much = i == 2 || meet > count / 4 && touch > count / 20;
             assert!(says_much, "the test would say little: {meet} {touch}");
         }
         // Beside each other, with faces that touch, and a step of the translation apart.
@@ -389,32 +394,24 @@ fn spheres_of_unlike_sizes_far_from_the_origin() {
     }
 }
 
-/// Matrices that are as far from a rotation as a pose may be shrink a tree's volumes, but no sphere.
+/// A matrix that is as far from a rotation as a pose may be shrinks volumes, but no sphere: bounds that shrank with it
+/// would hide that the other pair than the first is the nearest.
 #[test]
 fn spheres_keep_their_size_at_poses_that_shrink() {
-    let mut rng = Rng::new(24);
-    for round in 0..40 / suite_step() {
-        let turn = if round % 2 == 0 { STRAIGHT } else { rng.rotation() };
-        let share = *rng.pick(&[1.0 - 4.9e-5, 1.0 + 4.9e-5]);
-        let rows = turn.map(|row| row.map(|x| x * share));
-        // All touch the plane x = 0 from below, but for what the pose does; B is points along it.
-        let mut radius = || 2.0 + rng.below(2) as f64 * 1e-5;
-        let a: Vec<Sphere> = (0..40)
-            .map(|i| (radius(), i))
-            .map(|(r, i)| Sphere { centre: [0.0, 4.0 * f64::from(i), 0.0], radius: r })
-            .collect();
-        let x = |p: Point| (0..3).map(|i| rows[i][0] * p[i]).sum::<f64>();
-        let b: Vec<Sphere> = (0..40)
-            .map(|i| {
-                let at: Point = core::array::from_fn(|k| rows[k][1] * 4.0 * f64::from(i) + rows[k][0] * 3.0);
-                Sphere { centre: at, radius: 0.0 }
-            })
-            .collect();
-        assert!(x(b[0].centre) > 0.0);
-        let pose = pose(rows, [0.0; 3]);
-        let (tree_a, tree_b) = (build::<Node16<18>>(&a), build::<Node16<18>>(&b));
-        check((&tree_a, &a), (&tree_b, &b), &pose, &format!("round {round}"));
-        check((&tree_b, &b), (&tree_a, &a), &pose, &format!("round {round}, the other way round"));
+    for share in [1.0 - 4.9e-5, 1.0 + 4.9e-5] {
+        let pose = pose(STRAIGHT.map(|row| row.map(|x| x * share)), [0.0; 3]);
+        let a = [0.0, 4.0].map(|y| Sphere { centre: [0.0, y, 0.0], radius: 2.0 });
+        for nearest in 0..2 {
+            let beside = |i: usize| {
+                let [x, y, z] = pose.apply(a[i].centre);
+                let gap = if i == nearest { 3.0 } else { 3.00005 };
+                Sphere { centre: [x + gap, y, z], radius: 0.0 }
+            };
+            let b = [beside(0), beside(1)];
+            let (tree_a, tree_b) = (build::<Node16<18>>(&a), build::<Node16<18>>(&b));
+            check((&tree_a, &a), (&tree_b, &b), &pose, &format!("{share}, {nearest}"));
+            check((&tree_b, &b), (&tree_a, &a), &pose, &format!("{share}, {nearest}, the other way round"));
+        }
     }
 }
 
@@ -566,8 +563,9 @@ fn bytes_are_read_back_whatever_their_node_type() {
     let error = BvhRef::<Node16<18>, Triangles>::from_bytes(tree.as_bytes()).unwrap_err();
     assert_eq!(error, BakeError::OtherPrimitive { kind: 2 });
     // A radius that is negative, not a number, or takes the sphere out of the header's box.
-    // After the header, the nodes and the thin slabs.
-    let at = 128 + tree.view().nodes().len() * (640 + 128) + 12;
+    // After the header and the nodes: there are no thin slabs.
+    assert_eq!(tree.view().header().has_thin_slabs, 0);
+    let at = 128 + tree.view().nodes().len() * 640 + 12;
     for radius in [-1.0_f32, f32::NAN, f32::INFINITY, 20.0, -f32::MIN_POSITIVE] {
         let mut bytes = tree.as_bytes().to_vec();
         bytes[at..at + 4].copy_from_slice(&radius.to_le_bytes());

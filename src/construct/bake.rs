@@ -9,7 +9,7 @@ use crate::exact::round_up_f32;
 use crate::frame::Frame;
 use crate::hierarchy::{Bvh, Header, MAGIC, MAX_DEPTH, VERSION};
 use crate::key::{Key, decode};
-use crate::node::Dop;
+use crate::node::{Dop, ThinSlab};
 use crate::primitive::{Primitive, Sphere};
 use alloc::vec::Vec;
 
@@ -35,7 +35,7 @@ pub(super) fn bake<N: Dop, G: Geometry>(
     let mut nodes = shape.nodes;
     wrap::<N, G::Primitive>(&mut nodes, &frame, &vertices, &records);
 
-    let thin_slabs = if has_thin_slabs {
+    let mut thin_slabs = if has_thin_slabs {
         let mut corners = Vec::new();
         let normal = |record: &Record<G>| {
             corners_of::<G::Primitive>(&vertices, record, &mut corners);
@@ -45,6 +45,10 @@ pub(super) fn bake<N: Dop, G: Geometry>(
     } else {
         Vec::new()
     };
+    // Spheres have no normals: nothing is thin.
+    if G::Primitive::IS_ROUND && thin_slabs.iter().all(|slab| *slab == ThinSlab::EVERYWHERE) {
+        thin_slabs = Vec::new();
+    }
     let mut corners = Vec::new();
     let mut is_degenerate = |record: &&Record<G>| {
         let radius = corners_of::<G::Primitive>(&vertices, record, &mut corners);
@@ -76,7 +80,7 @@ pub(super) fn bake<N: Dop, G: Geometry>(
             Some(_) => size_of::<<G::Primitive as Primitive>::Single>() as u16,
             None => size_of::<<G::Primitive as Primitive>::Double>() as u16,
         },
-        has_thin_slabs: has_thin_slabs.into(),
+        has_thin_slabs: (has_thin_slabs && (thin_slabs.len() == nodes.len() * N::ARITY)).into(),
         reserved: [0; 14],
     };
     let vertex_bytes: &[u8] = match &single {

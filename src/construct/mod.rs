@@ -192,7 +192,7 @@ impl Builder {
     }
 
     /// Leaves out the [`ThinSlab`](crate::node::ThinSlab)s: a fifth fewer bytes of nodes, and more visits of
-    /// smooth meshes that nearly touch.
+    /// smooth meshes that nearly touch. Trees of spheres never have them.
     #[must_use]
     pub const fn without_thin_slabs(self) -> Self {
         Self { has_thin_slabs: false, ..self }
