@@ -319,9 +319,10 @@ fn lattices<N: Lanes>(count: usize) {
         let mut rng = Rng::new(21);
         let (a, b) = (lattice(&mut rng, count, unit, offset), lattice(&mut rng, count, unit, offset));
         let patches = lattice_triangles(&mut rng, count, unit, offset);
+        let width = side(count) as f64;
         let poses = [
             pose(STRAIGHT, [0.0; 3]),
-            pose(QUARTER, [2.0 * offset + 16.0 * unit, 0.0, unit]),
+            pose(QUARTER, [2.0 * offset + width * unit, 0.0, unit]),
             pose([[0.6, -0.8, 0.0], [0.8, 0.6, 0.0], [0.0, 0.0, 1.0]], [unit, 0.0, 0.0]),
         ];
         for (i, pose) in poses.iter().enumerate() {
@@ -331,8 +332,7 @@ fn lattices<N: Lanes>(count: usize) {
             assert!(says_much, "the test would say little: {meet} {touch}");
         }
         // Beside each other, with faces that touch, and a step of the translation apart.
-        let side = 19.0 * unit;
-        for x in [side, side + unit, side + 40.0 * unit, side + 1000.0 * unit] {
+        for x in [3.0, 4.0, 40.0, 1000.0].map(|x| (width + x) * unit) {
             let beside = pose(STRAIGHT, [x, 0.0, 0.0]);
             check_bodies::<N>(&a, &b, &patches, &beside, &format!("unit {unit:e}, {:e} aside", x / unit));
         }
