@@ -35,11 +35,7 @@ struct Link {
 }
 
 impl Link {
-    fn is_free_of(
-        &self,
-        other: &impl AsBvh<Node = Node16<18>, Primitive = simdop::primitive::Triangles>,
-        pose: &Pose,
-    ) -> bool {
+    fn is_free_of(&self, other: &impl AsBvh<Node = Node16<18>, Primitive = Triangles>, pose: &Pose) -> bool {
         self.query.collide(&self.tree, other, pose).is_free()
     }
 }
@@ -75,7 +71,7 @@ where
     file[1..].copy_from_slice(tree.as_bytes());
     let any = AnyBvh::<Triangles>::from_bytes(&file[1..]).unwrap();
     assert_eq!(any.as_bytes(), tree.as_bytes());
-    let borrowed = AnyBvhRef::from_bytes(tree.as_bytes()).unwrap();
+    let borrowed = AnyBvhRef::<Triangles>::from_bytes(tree.as_bytes()).unwrap();
     let view = tree.view();
     assert_eq!((borrowed.stats(), borrowed.tree_stats()), (view.stats(), view.tree_stats()));
     assert_eq!(borrowed.header(), view.header());
