@@ -1,4 +1,6 @@
-//! Sums of `f64` without error: what the packer rounds up and the verifier decides by.
+//! Sums of `f64` without error, and integers of many words: what the packer rounds up and the verifier decides by.
+
+pub(crate) mod wide;
 
 /// `a + b` as a rounded sum and its error, exactly (Knuth's `TwoSum`).
 #[inline]

@@ -4,6 +4,7 @@
 //! whatever its unit.
 
 use crate::directions::{SUPPORTED, table};
+use crate::exact::wide::{Wide, unit_of};
 use crate::exact::{Expansion, power_of_two, terms_of_multiple};
 use crate::key::Key;
 use crate::range::Point;
@@ -22,9 +23,9 @@ pub struct Frame {
 pub struct Extent {
     /// Where the planes are written.
     pub frame: Frame,
-    /// Largest absolute coordinate of a corner or of the frame's centre, in the body's unit. At least.
+    /// Largest absolute coordinate of a point of the body or of the frame's centre, in the body's unit. At least.
     pub max_coordinate: f64,
-    /// Largest `|x|`, `|y|`, `|z|` of a corner in the frame. At least.
+    /// Largest `|x|`, `|y|`, `|z|` of a point of the body in the frame. At least.
     pub half_width: [f32; 3],
     /// Largest absolute finite plane.
     pub max_plane: f32,
@@ -49,6 +50,9 @@ const BORDER_EXPONENT: i32 = 7;
 
 /// Largest scale exponent in use, either way: keeps `2^exponent` and its products normal.
 pub(crate) const MAX_EXPONENT: i32 = 340;
+
+/// The square of a slack: of a multiple of the least number that there is, 2^-1074, below 2^360, whatever bytes hold.
+type Room = Wide<46>;
 
 /// The slack of a plane in exact arithmetic.
 type SupportSum = Expansion<SUPPORT_TERMS>;
@@ -93,33 +97,39 @@ impl Frame {
         power_of_two(self.exponent)
     }
 
-    /// The key of each direction's support of point `p`: the exact value of `n . (p - centre) * 2^exponent`,
-    /// rounded up.
+    /// The key of each direction's support of what is within `radius` of point `p`: the exact value of `(n . (p -
+    /// centre) + |n| radius) * 2^exponent`, rounded up.
     #[cfg(feature = "alloc")]
-    pub(crate) fn supports(&self, directions: &[Point], p: Point, keys: &mut [Key]) {
+    #[inline(always)]
+    pub(crate) fn supports(&self, directions: &[Point], p: Point, radius: f64, keys: &mut [Key]) {
         let d: Point = core::array::from_fn(|i| p[i] - self.centre[i]);
         let scale = self.scale();
         for (n, key) in directions.iter().zip(keys) {
             let (x, y, z) = (n[0] * d[0], n[1] * d[1], n[2] * d[2]);
-            let value = ((x + y) + z) * scale;
-            // Four roundings, each below 2^-53 of a partial result.
-            let error = ((x.abs() + y.abs()) + z.abs()) * scale * power_of_two(-50);
+            let (mut sum, mut size) = ((x + y) + z, (x.abs() + y.abs()) + z.abs());
+            if radius > 0.0 {
+                let reach = libm::sqrt((n[0] * n[0] + n[1] * n[1]) + n[2] * n[2]) * radius;
+                (sum, size) = (sum + reach, size + reach);
+            }
+            let value = sum * scale;
+            // Five roundings, each below 2^-53 of a partial result.
+            let error = size * scale * power_of_two(-50);
             let rounded = Key::round_up_alike(value - error, value + error);
-            *key = rounded.unwrap_or_else(|| self.support_exact(n, p, value));
+            *key = rounded.unwrap_or_else(|| self.support_exact(n, p, radius, value));
         }
     }
 
     #[cfg(feature = "alloc")]
     #[cold]
-    fn support_exact(&self, direction: &Point, p: Point, near: f64) -> Key {
+    fn support_exact(&self, direction: &Point, p: Point, radius: f64, near: f64) -> Key {
         let mut key = Key::round_up_or_unbounded(near);
         // `near` is within a fraction of a step, so one step either way is all that can be needed.
         while let Some(lower) = Key::from_code(if key.code() == 0 { -2 } else { key.code() - 1 })
-            && self.is_bounded(direction, p, lower)
+            && self.is_bounded_around(direction, p, radius, lower)
         {
             key = lower;
         }
-        while !self.is_bounded(direction, p, key) {
+        while !self.is_bounded_around(direction, p, radius, key) {
             key = Key::from_code(if key.code() == -2 { 0 } else { key.code() + 1 }).unwrap_or(Key::INFINITY);
         }
         key
@@ -144,6 +154,50 @@ impl Frame {
             slack.add_multiple(n[axis], self.centre[axis]);
         }
         slack.sign() >= 0
+    }
+
+    /// Whether plane `key` really bounds all that is within `radius` of `p` in `direction`: [`Frame::is_bounded`]
+    /// for radius 0, and as exact for any other. The length of n is a root, so squares are compared: the slack
+    /// that the plane leaves to `p`, and `|n| radius`.
+    #[must_use]
+    pub fn is_bounded_around(&self, direction: &Point, p: Point, radius: f64, key: Key) -> bool {
+        if radius > 0.0 && key != Key::INFINITY {
+            self.has_room(direction, p, radius, key)
+        } else {
+            self.is_bounded(direction, p, key)
+        }
+    }
+
+    fn has_room(&self, n: &Point, p: Point, radius: f64, key: Key) -> bool {
+        let plane = key.to_f64() * power_of_two(-self.exponent);
+        let (mut slack, mut size) = (plane, plane.abs());
+        for i in 0..3 {
+            slack -= n[i] * (p[i] - self.centre[i]);
+            size += n[i].abs() * (p[i].abs() + self.centre[i].abs());
+        }
+        let square = (n[0] * n[0] + n[1] * n[1]) + n[2] * n[2];
+        let reach = libm::sqrt(square) * radius;
+        // A dozen roundings, each 2^-53 of a partial sum.
+        if (slack - reach).abs() > power_of_two(-48) * (size + reach) {
+            return slack > reach;
+        }
+        self.has_room_exactly(n, p, radius, plane)
+    }
+
+    #[cold]
+    #[inline(never)]
+    fn has_room_exactly(&self, n: &Point, p: Point, radius: f64, plane: f64) -> bool {
+        let unit = unit_of(p.into_iter().chain(self.centre).chain([radius, plane]));
+        let (number, integer) = (|x: f64| Room::new(x, unit), |x: f64| Room::new(x, 0));
+        let (mut slack, mut square) = (number(plane), Room::ZERO);
+        for i in 0..3 {
+            let d = number(p[i]).minus(&number(self.centre[i]));
+            let component = integer(n[i]);
+            slack = slack.minus(&component.times(&d));
+            square = square.plus(&component.times(&component));
+        }
+        let radius = number(radius);
+        slack.sign() >= 0 && slack.times(&slack).minus(&square.times(&radius.times(&radius))).sign() >= 0
     }
 
     /// -1, 0 or 1: the sign of `n . (p - centre) * 2^exponent - bound`, in exact arithmetic, for a vector n of

@@ -19,7 +19,8 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! A **body** is a mesh and the tree over its triangles: built with a [`construct::Builder`], or read from
+//! A **body** is a mesh and the tree over its triangles, or a set of spheres and theirs
+//! ([`construct::SphereSet`]): built with a [`construct::Builder`], or read from
 //! bytes with [`hierarchy::BvhRef::from_bytes`]. A query asks about two bodies, A and B, and a [`pose::Pose`]
 //! that places A in the frame of B.
 //!
@@ -77,7 +78,7 @@
 //! **Surface or solid.** Every body is a surface: its triangles, whether or not they close. A body that is
 //! wholly inside another without touching it is `Free`. Where something could get inside without having been
 //! seen to touch, as between two samples of a motion, add inner triangles to the larger body, for example its
-//! planes of symmetry, so that nothing that matters fits between them.
+//! planes of symmetry, so that nothing that matters fits between them. Spheres are solid.
 //!
 //! **What `Unknown` means.** A query without a budget always ends with `Hit` or `Free`. One with a budget
 //! ([`query::Query::with_budget`]) may end with [`query::Verdict::Unknown`]: it stopped before it knew, and
@@ -104,8 +105,8 @@
 //!
 //! # Guarantees
 //!
-//! * **No missed hit and no invented one.** Volumes are rounded outwards ([`key`], [`realign`]) and triangles
-//!   are decided [exactly](primitive::triangle), for the corners as [`pose::Pose::apply`] moves them: within
+//! * **No missed hit and no invented one.** Volumes are rounded outwards ([`key`], [`realign`]), and triangles
+//!   and [spheres](primitive::sphere) are decided [exactly](primitive::triangle), for corners and centres as [`pose::Pose::apply`] moves them: within
 //!   2^-50, relatively, of where the pose puts them.
 //! * **No allocation in a query.**
 //! * **Trees from outside are safe.** [`hierarchy::BvhRef::from_bytes`] proves that bytes are safe to walk;

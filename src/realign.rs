@@ -25,6 +25,10 @@
 //! | sums that could overflow an `f32`, of bodies 2^100 times larger than the other | the plane is unbounded |
 //!
 //! with `gamma_5 = 5u / (1 - 5u)`, `u = 2^-24`. The result is then rounded up to a half.
+//!
+//! **Radii.** A pose moves the corners of a primitive; everything within its radius of them keeps its shape. Its
+//! planes bound `u . x + |u| r`, which is less than `u . x + |n| r` where M makes vectors shorter, as an accepted
+//! matrix may by 1e-4. So the planes of bodies with radii are moved out by [`shrinkage`] besides.
 
 mod own_slab;
 
@@ -35,7 +39,7 @@ use crate::exact::{power_of_two, round_up_f32};
 use crate::frame::{Extent, Frame};
 use crate::key::{Key, decode};
 use crate::pose::Pose;
-use crate::primitive::Primitive;
+use crate::primitive::{Primitive, radius_of};
 use crate::range::{MIN_COORDINATE, Point};
 
 /// How the planes of every node of one body turn into another body's frame, at one pose.
@@ -178,6 +182,28 @@ pub(crate) fn slack_of_shift(pose: &Pose, a: &Extent, b: &Frame) -> f64 {
     2.0 * (F64_SLACK * coordinates(pose, a, b) + MIN_COORDINATE)
 }
 
+/// What a margin has to grow by where volumes of A are compared as M turns them, if A's primitives have radii: by at
+/// least as much as M makes any of these radii shorter or longer. No singular value of M is farther from 1 than its
+/// square, and that is an eigenvalue of `M transpose(M)`, so three times the greatest entry of `M transpose(M) - 1`
+/// away. No radius is above half of the body's width.
+#[inline(always)]
+pub(crate) fn shrinkage<P: Primitive>(pose: &Pose, a: &Extent) -> f64 {
+    if !P::IS_ROUND {
+        return 0.0;
+    }
+    let m = pose.rows();
+    let mut skew = F64_SLACK;
+    for i in 0..3 {
+        for j in 0..=i {
+            let product = (m[i][0] * m[j][0] + m[i][1] * m[j][1]) + m[i][2] * m[j][2];
+            let off = (product - if i == j { 1.0 } else { 0.0 }).abs() + F64_SLACK;
+            skew = if off > skew { off } else { skew };
+        }
+    }
+    let [x, y, z] = a.half_width;
+    3.0 * skew * (f64::from(x.min(y).min(z)) / a.frame.scale())
+}
+
 /// The planes of everything within `margin` of moved primitives in frame `b`, each an upper bound of the
 /// exact support, rounded up: tighter than the re-aligned planes of the leaf that holds them.
 // Loops, not `array::from_fn`, which is not always inlined.
@@ -201,7 +227,7 @@ pub(crate) fn planes_of<P: Primitive, const K: usize>(
     planes
 }
 
-/// Supports of the corners of some primitives, relative to the centre of a frame, up to rounding in `f64`.
+/// Supports of some primitives, relative to the centre of a frame, up to rounding in `f64`.
 #[derive(Copy, Clone, Debug)]
 pub(crate) struct Supports<const K: usize> {
     /// The least for each slab. The first half of the array is used.
@@ -221,14 +247,23 @@ impl<const K: usize> Supports<K> {
         let mut found =
             Self { least: [f64::INFINITY; K], greatest: [f64::NEG_INFINITY; K], size: greatest(&b.centre) };
         for item in items {
+            let radius = radius_of::<P>(&item);
             for p in P::corners(&item) {
                 let d = [p[0] - b.centre[0], p[1] - b.centre[1], p[2] - b.centre[2]];
                 found.size = found.size.max(greatest(&p));
+                if P::IS_ROUND {
+                    found.size = found.size.max(greatest(&p) + radius);
+                }
                 for s in 0..Directions::<K>::COLUMNS {
                     let support = (nx[s] * d[0] + ny[s] * d[1]) + nz[s] * d[2];
+                    let (mut low, mut high) = (support, support);
+                    if P::IS_ROUND {
+                        let reach = Directions::<K>::SLAB_LENGTHS[s] * radius;
+                        (low, high) = (support - reach, support + reach);
+                    }
                     let (least, greatest) = (found.least[s], found.greatest[s]);
-                    found.least[s] = if support < least { support } else { least };
-                    found.greatest[s] = if support > greatest { support } else { greatest };
+                    found.least[s] = if low < least { low } else { least };
+                    found.greatest[s] = if high > greatest { high } else { greatest };
                 }
             }
         }

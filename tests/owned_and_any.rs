@@ -9,6 +9,7 @@ use simdop::hierarchy::{AnyBvh, AnyBvhRef, AsBvh, BakeError, Baked, Bvh, BvhRef}
 use simdop::isa::Isa;
 use simdop::node::{Node4, Node16};
 use simdop::pose::Pose;
+use simdop::primitive::Triangles;
 use simdop::query::{AnyError, Pair, Query, ToleranceError};
 use simdop::with_bvh;
 use support::data::MeshData;
@@ -34,11 +35,7 @@ struct Link {
 }
 
 impl Link {
-    fn is_free_of(
-        &self,
-        other: &impl AsBvh<Node = Node16<18>, Primitive = simdop::primitive::Triangles>,
-        pose: &Pose,
-    ) -> bool {
+    fn is_free_of(&self, other: &impl AsBvh<Node = Node16<18>, Primitive = Triangles>, pose: &Pose) -> bool {
         self.query.collide(&self.tree, other, pose).is_free()
     }
 }
@@ -72,9 +69,9 @@ where
     // Bytes of a file have no alignment.
     let mut file = vec![0; tree.as_bytes().len() + 1];
     file[1..].copy_from_slice(tree.as_bytes());
-    let any = AnyBvh::from_bytes(&file[1..]).unwrap();
+    let any = AnyBvh::<Triangles>::from_bytes(&file[1..]).unwrap();
     assert_eq!(any.as_bytes(), tree.as_bytes());
-    let borrowed = AnyBvhRef::from_bytes(tree.as_bytes()).unwrap();
+    let borrowed = AnyBvhRef::<Triangles>::from_bytes(tree.as_bytes()).unwrap();
     let view = tree.view();
     assert_eq!((borrowed.stats(), borrowed.tree_stats()), (view.stats(), view.tree_stats()));
     assert_eq!(borrowed.header(), view.header());
@@ -137,11 +134,17 @@ fn what_cannot_be_asked_of_any_trees_has_a_name() {
     // A node type that there is not, in bytes of any length.
     let mut bytes = a.as_bytes().to_vec();
     bytes[12] = 17;
-    assert_eq!(AnyBvh::from_bytes(&bytes).err(), Some(BakeError::OtherNode { k: 17, arity: 16 }));
+    assert_eq!(
+        AnyBvh::<Triangles>::from_bytes(&bytes).err(),
+        Some(BakeError::OtherNode { k: 17, arity: 16 })
+    );
     bytes[12] = 14;
-    assert!(AnyBvh::from_bytes(&bytes).is_err(), "nodes of another size");
-    assert_eq!(AnyBvh::from_bytes(&bytes[..7]).err(), Some(BakeError::NotATree));
-    assert_eq!(AnyBvh::from_bytes(&bytes[..100]).err(), Some(BakeError::Truncated { have: 100, need: 128 }));
+    assert!(AnyBvh::<Triangles>::from_bytes(&bytes).is_err(), "nodes of another size");
+    assert_eq!(AnyBvh::<Triangles>::from_bytes(&bytes[..7]).err(), Some(BakeError::NotATree));
+    assert_eq!(
+        AnyBvh::<Triangles>::from_bytes(&bytes[..100]).err(),
+        Some(BakeError::Truncated { have: 100, need: 128 })
+    );
 }
 
 fn leaked(bytes: &[u8]) -> &'static [u8] {

@@ -11,13 +11,15 @@ use simdop::node::{Node4, Node16};
 use simdop::pose::Pose;
 use simdop::primitive::triangle::distance::{nearer, within};
 use simdop::primitive::triangle::{Triangle, Triangles, overlap};
-use simdop::primitive::{Kind, Primitive, Separation, Store};
+use simdop::primitive::{Kind, OWN_DIRECTIONS, Primitive, Separation, Sphere, Spheres, Store};
 use simdop::query::{Lanes, Pairwise, Query};
 use simdop::range::Point;
+use std::borrow::Cow;
 use std::collections::BTreeSet;
 use support::data::suite_step;
 use support::exact::triangles_meet;
 use support::rng::Rng;
+use support::shapes::wavy_torus;
 
 type Segment = [Point; 2];
 
@@ -40,8 +42,12 @@ impl Primitive for Segments {
         Triangles::narrow(vertex)
     }
 
-    fn vertex_is(vertex: &Point, accepts: impl Fn(&Point) -> bool) -> bool {
-        accepts(vertex)
+    fn ball(vertex: &Point) -> Sphere {
+        Sphere { centre: *vertex, radius: 0.0 }
+    }
+
+    fn map(vertex: &Point, number: impl Fn(f64) -> f64) -> Point {
+        vertex.map(number)
     }
 
     fn is_among(record: &[u32; 2], vertices: u32) -> bool {
@@ -118,16 +124,16 @@ impl Geometry for Polyline {
         &self.vertices
     }
 
-    fn primitives(&self) -> &[[u32; 2]] {
-        &self.segments
+    fn primitives(&self) -> Cow<'_, [[u32; 2]]> {
+        Cow::Borrowed(&self.segments)
     }
 
     /// Its length.
-    fn weight(corners: &[Point]) -> f64 {
+    fn weight(corners: &[Point], _radius: f64) -> f64 {
         glam::DVec3::from_array(corners[0]).distance(glam::DVec3::from_array(corners[1]))
     }
 
-    fn is_degenerate(corners: &[Point]) -> bool {
+    fn is_degenerate(corners: &[Point], _radius: f64) -> bool {
         corners[0] == corners[1]
     }
 }
@@ -255,4 +261,192 @@ fn a_plane_that_cuts_a_segment_off_is_found() {
     let changed = Bvh::<Node16<18>, Segments>::from_bytes(&bytes).unwrap();
     let error = changed.view().verify().unwrap_err();
     assert_eq!((error.node, error.lane, error.plane), (0, 0, 0));
+}
+
+/// Triangles with a radius each: what is round, flat, and thin at once.
+#[derive(Copy, Clone, PartialEq, Eq, Debug)]
+struct Padded;
+
+impl Primitive for Padded {
+    const KIND: Kind = Kind::of_user(8);
+    const IS_ROUND: bool = true;
+
+    type Single = [f32; 4];
+    type Double = Sphere;
+    type Record = [u32; 3];
+    type Item = (Triangle, f64);
+
+    fn widen(vertex: [f32; 4]) -> Sphere {
+        Spheres::widen(vertex)
+    }
+
+    fn narrow(vertex: &Sphere) -> Option<[f32; 4]> {
+        Spheres::narrow(vertex)
+    }
+
+    fn ball(vertex: &Sphere) -> Sphere {
+        *vertex
+    }
+
+    fn map(vertex: &Sphere, number: impl Fn(f64) -> f64) -> Sphere {
+        Spheres::map(vertex, number)
+    }
+
+    fn is_among(record: &[u32; 3], vertices: u32) -> bool {
+        Triangles::is_among(record, vertices)
+    }
+
+    fn item(store: &Store<'_, Self>, index: u32) -> (Triangle, f64) {
+        let corners = store.record(index).map(|vertex| store.vertex(vertex));
+        (corners.map(|ball| ball.centre), corners[0].radius)
+    }
+
+    fn corners((corners, _): &(Triangle, f64)) -> impl Iterator<Item = Point> {
+        corners.iter().copied()
+    }
+
+    fn radius((_, radius): &(Triangle, f64)) -> f64 {
+        *radius
+    }
+
+    fn moved((corners, radius): &(Triangle, f64), pose: &Pose) -> (Triangle, f64) {
+        (Triangles::moved(corners, pose), *radius)
+    }
+
+    fn own_directions((corners, _): &(Triangle, f64)) -> [[f64; OWN_DIRECTIONS]; 3] {
+        Triangles::own_directions(corners)
+    }
+}
+
+impl Pairwise<Self> for Padded {
+    type Probe<'t> = (Triangle, f64);
+
+    fn probe(item: &(Triangle, f64)) -> (Triangle, f64) {
+        *item
+    }
+
+    fn meets((a, r): &(Triangle, f64), (b, s): &(Triangle, f64), exact: &mut u64) -> bool {
+        within(a, b, r + s, exact)
+    }
+
+    fn within(a: &(Triangle, f64), b: &(Triangle, f64), margin: f64, exact: &mut u64) -> bool {
+        within(&a.0, &b.0, (a.1 + b.1) + margin, exact)
+    }
+
+    fn nearer(
+        a: &(Triangle, f64),
+        b: &(Triangle, f64),
+        limit: f64,
+        tolerance: f64,
+        exact: &mut u64,
+    ) -> Option<Separation> {
+        let radii = a.1 + b.1;
+        let found = nearer(&a.0, &b.0, limit + radii, tolerance, exact)?;
+        let [lower, upper] = [found.lower, found.upper].map(|bound| (bound - radii).max(0.0));
+        Some(Separation { lower, upper, ..found })
+    }
+}
+
+struct PaddedMesh {
+    vertices: Vec<Sphere>,
+    triangles: Vec<[u32; 3]>,
+}
+
+impl PaddedMesh {
+    fn of(corners: &[Triangle], mut radius: impl FnMut() -> f64) -> Self {
+        let with_radius = |t: &Triangle| {
+            let radius = radius();
+            t.map(|centre| Sphere { centre, radius })
+        };
+        let vertices: Vec<Sphere> = corners.iter().flat_map(with_radius).collect();
+        let triangles = (0..corners.len() as u32).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect();
+        Self { vertices, triangles }
+    }
+
+    fn items(&self) -> Vec<(Triangle, f64)> {
+        let balls = self.triangles.iter().map(|t| t.map(|vertex| self.vertices[vertex as usize]));
+        balls.map(|balls| (balls.map(|ball| ball.centre), balls[0].radius)).collect()
+    }
+}
+
+impl Geometry for PaddedMesh {
+    type Primitive = Padded;
+
+    fn vertices(&self) -> &[Sphere] {
+        &self.vertices
+    }
+
+    fn primitives(&self) -> Cow<'_, [[u32; 3]]> {
+        Cow::Borrowed(&self.triangles)
+    }
+
+    fn weight(corners: &[Point], radius: f64) -> f64 {
+        Mesh::weight(corners, radius)
+    }
+
+    fn normal(corners: &[Point]) -> Point {
+        Mesh::normal(corners)
+    }
+
+    fn is_degenerate(corners: &[Point], radius: f64) -> bool {
+        Mesh::is_degenerate(corners, radius)
+    }
+}
+
+/// All that volumes pay for radii by, thin slabs and slabs of a primitive's own among it: smooth surfaces close to each
+/// other, and one large triangle close to a small body.
+#[test]
+fn padded_triangles_are_decided_as_brute_force_decides_them() {
+    let mut rng = Rng::new(14);
+    let ring = wavy_torus(800 / suite_step() as u32).corners();
+    let wall: Triangle = [[3.3, -40.0, -30.0], [3.3, 40.0, -30.0], [3.35, 0.0, 50.0]];
+    let thick = PaddedMesh::of(&ring, || 0.02 * f64::from(rng.below(64) as u32) / 64.0);
+    let bodies = [&thick, &PaddedMesh::of(&[wall], || 0.25)];
+    let builder = Builder::new();
+    let trees = bodies.map(|body| -> Bvh<Node16<18>, Padded> {
+        builder.build_geometry(body, &mut |_| ControlFlow::Continue(())).unwrap()
+    });
+    for tree in &trees {
+        tree.view().verify().unwrap();
+        assert_eq!(tree.view().header().has_thin_slabs, 1);
+        assert_eq!(
+            Bvh::<Node16<18>, Padded>::from_bytes(tree.as_bytes()).unwrap().as_bytes(),
+            tree.as_bytes()
+        );
+    }
+    let turn = Rng::new(15).rotation();
+    for x in [-5.75, -0.3, -0.1, 0.02, 0.05] {
+        for (b, tree_b) in bodies.iter().zip(&trees) {
+            let t = [x, 0.07, 0.03];
+            // As far from a rotation as a pose may be, and turned.
+            for m in [[[1.0, 0.0, 4e-5], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]], turn] {
+                let pose =
+                    Pose::from_rows(core::array::from_fn(|i| [m[i][0], m[i][1], m[i][2], t[i]])).unwrap();
+                let moved: Vec<_> = thick.items().iter().map(|item| Padded::moved(item, &pose)).collect();
+                let (mut want, mut least) = (BTreeSet::new(), f64::INFINITY);
+                for (i, (p, r)) in moved.iter().enumerate() {
+                    for (j, (q, s)) in b.items().iter().enumerate() {
+                        // Coordinates have no two pairs that a rounding decides.
+                        if let Some(found) = nearer(p, q, least.max(0.0) + r + s, 0.0, &mut 0) {
+                            least = least.min(found.upper - (r + s));
+                            if found.upper <= r + s {
+                                want.insert((i as u32, j as u32));
+                            }
+                        }
+                    }
+                }
+                for isa in Isa::available() {
+                    let (query, mut found) = (Query::new(isa), BTreeSet::new());
+                    let _ = query.for_each_pair(&trees[0], tree_b, &pose, |pair| {
+                        assert!(found.insert((pair.a, pair.b)), "each pair once");
+                        ControlFlow::Continue(())
+                    });
+                    assert_eq!(found, want, "{x}, {isa}");
+                    let distance = query.distance(&trees[0], tree_b, &pose, 0.0).unwrap().upper;
+                    assert!((distance - least.max(0.0)).abs() < 1e-9, "{x}, {isa}: {distance} {least}");
+                    assert_eq!(query.collide(&trees[0], tree_b, &pose).is_free(), want.is_empty());
+                }
+            }
+        }
+    }
 }

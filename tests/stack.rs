@@ -5,12 +5,13 @@
 //! being killed.
 
 use core::ops::ControlFlow;
-use simdop::construct::{Builder, Mesh};
-use simdop::hierarchy::BvhRef;
+use simdop::construct::{Builder, Mesh, SphereSet};
+use simdop::hierarchy::{Bvh, BvhRef};
 use simdop::isa::Isa;
 use simdop::node::{Node4, Node16};
 use simdop::pose::Pose;
-use simdop::query::{Lanes, Query};
+use simdop::primitive::{Sphere, Spheres};
+use simdop::query::{Lanes, Pairwise, Query};
 
 /// Bytes that the crate documentation says are enough for the entries that decide, and for distances. Threads
 /// have little less: 25 KiB on Linux.
@@ -41,30 +42,50 @@ fn in_thread<R: Send>(stack: usize, f: impl FnOnce() -> R + Send) -> R {
     })
 }
 
-fn check<N: Lanes>() {
+/// Spheres whose distances from the cube's faces and edges, and from each other, are often sums of radii.
+fn spheres() -> Vec<Sphere> {
+    let at = |i: u32| f64::from(i % 5) * 0.25;
+    (0..40)
+        .map(|i| Sphere { centre: [at(i), at(i / 5), at(3 * i)], radius: f64::from(1 + i % 2) * 0.125 })
+        .collect()
+}
+
+fn cubes<N: Lanes>() -> Bvh<N> {
     let (vertices, triangles) = cube();
-    let tree = Builder::new().build::<N>(&Mesh { vertices: &vertices, triangles: &triangles }).unwrap();
+    Builder::new().build::<N>(&Mesh { vertices: &vertices, triangles: &triangles }).unwrap()
+}
+
+fn check<N: Lanes>() {
+    check_trees(&cubes::<N>(), &cubes::<N>());
+}
+
+fn check_spheres<N: Lanes>() {
+    let set = SphereSet { spheres: &spheres() };
+    let tree: Bvh<N, Spheres> =
+        Builder::new().build_geometry(&set, &mut |_| ControlFlow::Continue(())).unwrap();
+    check_trees(&tree, &tree);
+    check_trees(&tree, &cubes::<N>());
+}
+
+fn check_trees<N: Lanes, P: Pairwise<Q>, Q: Pairwise<P>>(a: &Bvh<N, P>, b: &Bvh<N, Q>) {
     let poses = poses();
     for isa in Isa::available() {
         let query = Query::new(isa);
         let exact = in_thread(DECIDING, || {
-            let view = BvhRef::<N>::from_bytes(tree.as_bytes()).unwrap();
-            view.verify().unwrap();
+            let (a, b) = (BvhRef::<N, P>::from_bytes(a.as_bytes()).unwrap(), b.view());
+            a.verify().unwrap();
             let mut exact = 0;
             for pose in &poses {
-                exact += query.collide(&view, &view, pose).counters.exact_pairs;
-                exact += query.within(&view, &view, pose, 0.01).unwrap().counters.exact_pairs;
-                exact += query.for_each_pair(&view, &view, pose, |_| ControlFlow::Continue(())).1.exact_pairs;
+                exact += query.collide(&a, &b, pose).counters.exact_pairs;
+                exact += query.within(&a, &b, pose, 0.01).unwrap().counters.exact_pairs;
+                exact += query.for_each_pair(&a, &b, pose, |_| ControlFlow::Continue(())).1.exact_pairs;
             }
             exact
         });
         assert!(exact > 0, "exact arithmetic takes part");
         let exact = in_thread(DISTANCE, || {
-            let view = tree.view();
-            poses
-                .iter()
-                .map(|pose| query.distance(&view, &view, pose, 0.0).unwrap().counters.exact_pairs)
-                .sum::<u64>()
+            let exact = |pose: &Pose| query.distance(a, b, pose, 0.0).unwrap().counters.exact_pairs;
+            poses.iter().map(exact).sum::<u64>()
         });
         assert!(exact > 0, "exact arithmetic takes part");
     }
@@ -77,4 +98,5 @@ fn queries_need_no_more_stack_than_is_documented() {
     check::<Node16<32>>();
     check::<Node4<6>>();
     check::<Node4<32>>();
+    check_spheres::<Node16<32>>();
 }

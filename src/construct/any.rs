@@ -1,6 +1,6 @@
 //! Trees whose node type is chosen at run time.
 
-use super::{BuildError, Builder, Mesh, Progress};
+use super::{BuildError, Builder, Geometry, Progress};
 use crate::hierarchy::{AnyBvh, for_node_types};
 use crate::node::{Node4, Node16};
 use core::ops::ControlFlow;
@@ -8,21 +8,23 @@ use core::ops::ControlFlow;
 macro_rules! build_any {
     ($d:tt $($variant:ident $node:ident $arity:literal $k:literal),*) => {
         impl Builder {
-            /// [`Builder::build_with`] for a k in 6, 14, 18, 26, 32 and an arity of 4 or 16.
+            /// [`Builder::build_geometry`] for a k in 6, 14, 18, 26, 32 and an arity of 4 or 16.
             ///
             /// # Errors
-            /// [`BuildError::NodeType`] for any other; else as [`Builder::build_with`].
+            /// [`BuildError::NodeType`] for any other; else as [`Builder::build_geometry`].
             // Compiled where it is used: for ten node types.
             #[inline]
-            pub fn build_any(
+            pub fn build_any<G: Geometry>(
                 &self,
-                mesh: &Mesh<'_>,
+                geometry: &G,
                 k: usize,
                 arity: usize,
                 observer: &mut dyn FnMut(Progress) -> ControlFlow<()>,
-            ) -> Result<AnyBvh, BuildError> {
+            ) -> Result<AnyBvh<G::Primitive>, BuildError> {
                 match (k, arity) {
-                    $(($k, $arity) => self.build_with::<$node<$k>>(mesh, observer).map(AnyBvh::$variant),)*
+                    $(($k, $arity) => {
+                        self.build_geometry::<$node<$k>, G>(geometry, observer).map(AnyBvh::$variant)
+                    })*
                     _ => Err(BuildError::NodeType { k, arity }),
                 }
             }

@@ -1,6 +1,6 @@
 //! The baked tree of a shape: header, nodes, primitives in one run of bytes. The only code that makes nodes.
 
-use super::geometry::{Checked, Record, bounding_box};
+use super::geometry::{Checked, Record, bounding_box, corners_of};
 use super::shape::{InOrder, Shape};
 use super::thin::thin_slabs;
 use super::wrap::wrap;
@@ -9,14 +9,13 @@ use crate::exact::round_up_f32;
 use crate::frame::Frame;
 use crate::hierarchy::{Bvh, Header, MAGIC, MAX_DEPTH, VERSION};
 use crate::key::{Key, decode};
-use crate::node::Dop;
-use crate::primitive::Primitive;
-use crate::range::Point;
+use crate::node::{Dop, ThinSlab};
+use crate::primitive::{Primitive, Sphere};
 use alloc::vec::Vec;
 
 /// Bakes the tree of a checked geometry.
 pub(super) fn bake<N: Dop, G: Geometry>(
-    table: &Checked<'_, Record<G>>,
+    table: &Checked<'_, G::Primitive>,
     assignment: &Assignment,
     leaf_size: u32,
     has_thin_slabs: bool,
@@ -25,35 +24,40 @@ pub(super) fn bake<N: Dop, G: Geometry>(
     if shape.depth > MAX_DEPTH {
         return Err(BuildError::TooDeep);
     }
-    let InOrder { vertices, records } = InOrder::of(&table.vertices, table.primitives, &shape.sources);
+    let InOrder { vertices, records } = InOrder::of(&table.vertices, &table.primitives, &shape.sources);
     // Of the vertices that primitives use: a stray one would take the frame's precision from all the others.
-    let (low, high) =
-        if vertices.is_empty() { ([0.0; 3], [0.0; 3]) } else { bounding_box(vertices.iter().copied()) };
+    let (low, high) = if vertices.is_empty() {
+        ([0.0; 3], [0.0; 3])
+    } else {
+        bounding_box(vertices.iter().map(G::Primitive::ball))
+    };
     let frame = Frame::around(low, high);
     let mut nodes = shape.nodes;
-    wrap(&mut nodes, &frame, &vertices, &records);
+    wrap::<N, G::Primitive>(&mut nodes, &frame, &vertices, &records);
 
-    let thin_slabs = if has_thin_slabs {
+    let mut thin_slabs = if has_thin_slabs {
         let mut corners = Vec::new();
         let normal = |record: &Record<G>| {
-            corners.clear();
-            corners.extend(record.as_ref().iter().map(|&vertex| vertices[vertex as usize]));
+            corners_of::<G::Primitive>(&vertices, record, &mut corners);
             G::normal(&corners)
         };
-        thin_slabs(&nodes, &frame, &vertices, &records, normal)
+        thin_slabs::<N, G::Primitive>(&nodes, &frame, &vertices, &records, normal)
     } else {
         Vec::new()
     };
+    // Spheres have no normals: nothing is thin.
+    if G::Primitive::IS_ROUND && thin_slabs.iter().all(|slab| *slab == ThinSlab::EVERYWHERE) {
+        thin_slabs = Vec::new();
+    }
     let mut corners = Vec::new();
     let mut is_degenerate = |record: &&Record<G>| {
-        corners.clear();
-        corners.extend(record.as_ref().iter().map(|&vertex| vertices[vertex as usize]));
-        G::is_degenerate(&corners)
+        let radius = corners_of::<G::Primitive>(&vertices, record, &mut corners);
+        G::is_degenerate(&corners, radius)
     };
     let degenerate_count = records.iter().filter(&mut is_degenerate).count() as u32;
     let coordinate = |i: usize| low[i].abs().max(high[i].abs()).max(frame.centre[i].abs());
     let single: Option<Vec<_>> = vertices.iter().map(G::Primitive::narrow).collect();
-    let half_width = half_width(&frame, &vertices);
+    let half_width = half_width::<G::Primitive>(&frame, &vertices);
     let header = Header {
         magic: MAGIC,
         version: VERSION,
@@ -74,9 +78,9 @@ pub(super) fn bake<N: Dop, G: Geometry>(
         root: Header::root_of(half_width),
         vertex_size: match single {
             Some(_) => size_of::<<G::Primitive as Primitive>::Single>() as u16,
-            None => size_of::<Point>() as u16,
+            None => size_of::<<G::Primitive as Primitive>::Double>() as u16,
         },
-        has_thin_slabs: has_thin_slabs.into(),
+        has_thin_slabs: (has_thin_slabs && (thin_slabs.len() == nodes.len() * N::ARITY)).into(),
         reserved: [0; 14],
     };
     let vertex_bytes: &[u8] = match &single {
@@ -94,10 +98,12 @@ pub(super) fn bake<N: Dop, G: Geometry>(
     ]))
 }
 
-fn half_width(frame: &Frame, vertices: &[Point]) -> [f32; 3] {
+fn half_width<P: Primitive>(frame: &Frame, vertices: &[P::Double]) -> [f32; 3] {
     core::array::from_fn(|i| {
-        let width = |p: &Point| ((p[i] - frame.centre[i]) * frame.scale()).abs();
-        round_up_f32(vertices.iter().map(width).fold(0.0, f64::max))
+        let width = |Sphere { centre, radius }: Sphere| {
+            ((centre[i] - frame.centre[i]) * frame.scale()).abs() + radius * frame.scale()
+        };
+        round_up_f32(vertices.iter().map(P::ball).map(width).fold(0.0, f64::max))
     })
 }
 

@@ -24,7 +24,7 @@ mod wrap;
 pub use assignment::Assignment;
 #[doc(hidden)]
 pub use clustering::Clustering;
-pub use geometry::{Geometry, Mesh};
+pub use geometry::{Geometry, Mesh, SphereSet};
 pub use progress::Progress;
 
 use crate::hierarchy::Bvh;
@@ -35,7 +35,7 @@ use alloc::vec::Vec;
 use core::fmt;
 use core::ops::ControlFlow;
 use cost::Aabb;
-use geometry::{Checked, Record};
+use geometry::Checked;
 use longest_axis::Halving;
 use progress::Observer;
 
@@ -72,8 +72,8 @@ pub enum Magnification {
     /// Each primitive counts once, as in the SIMDop paper.
     #[default]
     None,
-    /// A triangle weighs as much as its area, so that large ones are not outliers and come high up in the
-    /// tree.
+    /// A primitive weighs as much as it is large, a triangle its area, a sphere its volume, so that large ones are
+    /// not outliers and come high up in the tree.
     Area,
 }
 
@@ -85,7 +85,7 @@ pub struct Builder {
     has_thin_slabs: bool,
 }
 
-/// Why a mesh cannot be built.
+/// Why a mesh, or another geometry, cannot be built.
 #[derive(Copy, Clone, PartialEq, Eq, Debug)]
 #[non_exhaustive]
 pub enum BuildError {
@@ -102,6 +102,11 @@ pub enum BuildError {
     /// A coordinate is NaN, infinite, or beyond [`crate::range::MAX_COORDINATE`].
     Vertex {
         /// Index of the vertex.
+        index: usize,
+    },
+    /// A radius is negative, NaN or infinite, or a point of the sphere is beyond [`crate::range::MAX_COORDINATE`].
+    Radius {
+        /// Index of the sphere, or of the vertex with this radius.
         index: usize,
     },
     /// No coordinate reaches [`crate::range::MIN_COORDINATE`], and not all are zero: the body would become a point.
@@ -130,6 +135,9 @@ impl fmt::Display for BuildError {
             Self::LeafSize { asked } => write!(f, "leaf size {asked}, must be 1 to {MAX_LEAF_SIZE}"),
             Self::TooLarge { count } => write!(f, "{count} primitives or vertices are too many"),
             Self::Vertex { index } => write!(f, "vertex {index} is not finite, or beyond 2^300"),
+            Self::Radius { index } => {
+                write!(f, "the radius of sphere {index} is negative or not finite, or takes it beyond 2^300")
+            }
             Self::TooSmall => f.write_str("all coordinates are below 2^-250: choose a smaller unit"),
             Self::Primitive { index } => write!(f, "primitive {index} names a vertex that there is not"),
             Self::NodeType { k, arity } => write!(f, "there are no nodes of k = {k} and arity {arity}"),
@@ -187,7 +195,7 @@ impl Builder {
     }
 
     /// Leaves out the [`ThinSlab`](crate::node::ThinSlab)s: a fifth fewer bytes of nodes, and more visits of
-    /// smooth meshes that nearly touch.
+    /// smooth meshes that nearly touch. Trees of spheres never have them.
     #[must_use]
     pub const fn without_thin_slabs(self) -> Self {
         Self { has_thin_slabs: false, ..self }
@@ -237,7 +245,7 @@ impl Builder {
     fn build_by<N: Dop, G: Geometry, E: From<BuildError>>(
         &self,
         geometry: &G,
-        assign: impl FnOnce(&Checked<'_, Record<G>>) -> Result<Assignment, E>,
+        assign: impl FnOnce(&Checked<'_, G::Primitive>) -> Result<Assignment, E>,
     ) -> Result<Bvh<N, G::Primitive>, E> {
         if self.leaf_size == 0 || self.leaf_size > MAX_LEAF_SIZE {
             return Err(BuildError::LeafSize { asked: self.leaf_size }.into());
@@ -250,7 +258,7 @@ impl Builder {
     /// The shape of a checked geometry's tree.
     fn assign<G: Geometry>(
         &self,
-        table: &Checked<'_, Record<G>>,
+        table: &Checked<'_, G::Primitive>,
         arity: usize,
         observer: &mut Observer<'_>,
     ) -> Result<Assignment, BuildError> {
@@ -258,7 +266,7 @@ impl Builder {
         let leaf_size = self.leaf_size as usize;
         let halving = |extended| Halving { arity, leaf_size, extended };
         let by_cost = |measure, passes, observer: &mut Observer<'_>| {
-            let boxes: Vec<_> = table.primitives.iter().map(|r| Aabb::of(table.corners(r))).collect();
+            let boxes: Vec<_> = table.boxes().map(Aabb::of).collect();
             let primitives = cost::Primitives { boxes: &boxes, centroids: &centroids };
             cost::assign(primitives, cost::Plan { arity, leaf_size, measure, passes }, observer)
         };
@@ -278,7 +286,7 @@ impl Builder {
 
 impl Magnification {
     /// What the primitives of a table weigh; none if all weigh the same.
-    fn weights<G: Geometry>(self, table: &Checked<'_, Record<G>>) -> Option<Vec<f64>> {
+    fn weights<G: Geometry>(self, table: &Checked<'_, G::Primitive>) -> Option<Vec<f64>> {
         match self {
             Self::None => None,
             Self::Area => Some(table.weights::<G>()),

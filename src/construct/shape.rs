@@ -2,7 +2,6 @@
 
 use super::Assignment;
 use crate::node::{Child, Node, Width};
-use crate::range::Point;
 use alloc::vec::Vec;
 
 /// Links of all nodes, without planes, and the primitives in the order of the leaves.
@@ -46,15 +45,15 @@ impl<N: Node> Shape<N> {
 }
 
 /// The primitives of a tree over its own table of vertices.
-pub(super) struct InOrder<R> {
-    pub(super) vertices: Vec<Point>,
+pub(super) struct InOrder<V, R> {
+    pub(super) vertices: Vec<V>,
     pub(super) records: Vec<R>,
 }
 
-impl<R: Copy + AsRef<[u32]> + AsMut<[u32]>> InOrder<R> {
+impl<V: Copy, R: Copy + AsRef<[u32]> + AsMut<[u32]>> InOrder<V, R> {
     /// The primitives in the order of the leaves, and the vertices in the order of their first use: what a
     /// leaf needs lies together. Vertices that no primitive uses are left out.
-    pub(super) fn of(vertices: &[Point], primitives: &[R], sources: &[u32]) -> Self {
+    pub(super) fn of(vertices: &[V], primitives: &[R], sources: &[u32]) -> Self {
         const UNSEEN: u32 = u32::MAX;
         let mut places = alloc::vec![UNSEEN; vertices.len()];
         let mut used = Vec::with_capacity(vertices.len());

@@ -3,41 +3,43 @@
 use super::parallel;
 use crate::frame::Frame;
 use crate::node::{Link, Node, ThinSlab};
+use crate::primitive::{Primitive, Sphere};
 use crate::range::Point;
 use alloc::vec::Vec;
 
 /// The thin slab of every lane, `ARITY` a node: along the mean normal of what is below. `normal` gives a
 /// primitive's, as long as it weighs.
-pub(super) fn thin_slabs<N: Node, R: AsRef<[u32]> + Sync>(
+pub(super) fn thin_slabs<N: Node, P: Primitive<Record: AsRef<[u32]>>>(
     nodes: &[N],
     frame: &Frame,
-    vertices: &[Point],
-    records: &[R],
-    normal: impl FnMut(&R) -> Point,
+    vertices: &[P::Double],
+    records: &[P::Record],
+    normal: impl FnMut(&P::Record) -> Point,
 ) -> Vec<ThinSlab> {
     let normals = mean_normals(nodes, records, normal);
-    let points = Points::new(nodes, frame, vertices, records);
+    let corners = Corners::<P>::new(nodes, vertices, records);
     let mut slabs = alloc::vec![ThinSlab::EVERYWHERE; nodes.len() * N::ARITY];
     parallel::for_each_chunk(&mut slabs, NODES_PER_TASK * N::ARITY, |task, slabs| {
         for (index, slab) in (task * NODES_PER_TASK * N::ARITY..).zip(slabs) {
             let (node, lane) = (index / N::ARITY, index % N::ARITY);
-            let extent = |n| match nodes[node].children()[lane].link() {
-                Link::Empty => (f64::INFINITY, f64::NEG_INFINITY),
-                Link::Inner(below) => extent(points.below(below), n),
-                Link::Leaf { first, count } => {
-                    let mut ends = (f64::INFINITY, f64::NEG_INFINITY);
-                    for record in &records[first as usize..][..count as usize] {
-                        for &vertex in record.as_ref() {
-                            ends = reach(ends, &n, &relative(&vertices[vertex as usize], frame));
+            let along = |n| {
+                let length = if P::IS_ROUND { length(n) } else { 0.0 };
+                let mut along = Along { n, length, centre: frame.centre, ends: NONE };
+                match nodes[node].children()[lane].link() {
+                    Link::Empty => {}
+                    Link::Inner(below) => along.extend::<P>(corners.below(below)),
+                    Link::Leaf { first, count } => {
+                        for record in &records[first as usize..][..count as usize] {
+                            for &vertex in record.as_ref() {
+                                along.add::<P>(&vertices[vertex as usize]);
+                            }
                         }
                     }
-                    ends
                 }
-            };
-            *slab = ThinSlab::new(normals[index], |n| {
-                let (low, high) = extent(n);
+                let (low, high) = along.ends;
                 (low * frame.scale(), high * frame.scale())
-            });
+            };
+            *slab = ThinSlab::new(normals[index], along);
         }
     });
     slabs
@@ -72,16 +74,16 @@ fn mean_normals<N: Node, R>(nodes: &[N], records: &[R], mut normal: impl FnMut(&
     normals
 }
 
-/// The corners below each node, relative to the frame's centre, those below one node in one run: a corner
-/// counts once for each node that has a leaf which uses it.
-struct Points {
-    points: Vec<Point>,
+/// The corners below each node, those below one node in one run: a corner counts once for each node that has a leaf
+/// which uses it.
+struct Corners<P: Primitive> {
+    corners: Vec<P::Double>,
     /// Where the run of each node begins and ends.
     runs: Vec<(usize, usize)>,
 }
 
-impl Points {
-    fn new<N: Node, R: AsRef<[u32]>>(nodes: &[N], frame: &Frame, vertices: &[Point], records: &[R]) -> Self {
+impl<P: Primitive<Record: AsRef<[u32]>>> Corners<P> {
+    fn new<N: Node>(nodes: &[N], vertices: &[P::Double], records: &[P::Record]) -> Self {
         // The corners of each node's own leaves, node by node.
         let mut own = Vec::with_capacity(vertices.len());
         let mut own_ends = Vec::with_capacity(nodes.len());
@@ -107,12 +109,12 @@ impl Points {
             counts[node] = own_of(node).len() + inner.map(|below| counts[below]).sum::<usize>();
         }
         // A node's own corners, then its children's.
-        let mut points = alloc::vec![[0.0; 3]; own.len()];
+        let mut corners = alloc::vec![bytemuck::Zeroable::zeroed(); own.len()];
         let mut runs = alloc::vec![(0, own.len()); nodes.len()];
         for node in 0..nodes.len() {
             let mut next = runs[node].0;
             for &vertex in &own[own_of(node)] {
-                points[next] = relative(&vertices[vertex as usize], frame);
+                corners[next] = vertices[vertex as usize];
                 next += 1;
             }
             for below in inner_links(&nodes[node]) {
@@ -120,12 +122,12 @@ impl Points {
                 next += counts[below];
             }
         }
-        Self { points, runs }
+        Self { corners, runs }
     }
 
-    fn below(&self, node: u32) -> &[Point] {
+    fn below(&self, node: u32) -> &[P::Double] {
         let (start, end) = self.runs[node as usize];
-        &self.points[start..end]
+        &self.corners[start..end]
     }
 }
 
@@ -136,28 +138,53 @@ fn inner_links<N: Node>(node: &N) -> impl Iterator<Item = usize> {
     })
 }
 
-fn relative(p: &Point, frame: &Frame) -> Point {
-    core::array::from_fn(|i| p[i] - frame.centre[i])
+fn length(n: Point) -> f64 {
+    libm::sqrt((n[0] * n[0] + n[1] * n[1]) + n[2] * n[2])
 }
 
-/// The least and the greatest support along n. Two at a time, so that they do not wait for each other.
-fn extent(points: &[Point], n: Point) -> (f64, f64) {
-    let mut ends = [(f64::INFINITY, f64::NEG_INFINITY); 2];
-    let (pairs, rest) = points.as_chunks::<2>();
-    for pair in pairs {
-        ends = [reach(ends[0], &n, &pair[0]), reach(ends[1], &n, &pair[1])];
-    }
-    for p in rest {
-        ends[0] = reach(ends[0], &n, p);
-    }
-    let [(low, high), (other_low, other_high)] = ends;
-    (if other_low < low { other_low } else { low }, if other_high > high { other_high } else { high })
+/// The least and the greatest support of nothing.
+const NONE: (f64, f64) = (f64::INFINITY, f64::NEG_INFINITY);
+
+/// The least and the greatest support along n, relative to a centre.
+#[derive(Copy, Clone)]
+struct Along {
+    n: Point,
+    length: f64,
+    centre: Point,
+    ends: (f64, f64),
 }
 
-/// The least and the greatest support, of p too.
-#[inline(always)]
-fn reach((low, high): (f64, f64), n: &Point, p: &Point) -> (f64, f64) {
-    // Five roundings with that of p, each 2^-53 of at most 2047 * 2^7 units.
-    let x = (n[0] * p[0] + n[1] * p[1]) + n[2] * p[2];
-    (if x < low { x } else { low }, if x > high { x } else { high })
+impl Along {
+    /// Of some corners too. Two at a time, so that they do not wait for each other.
+    fn extend<P: Primitive>(&mut self, corners: &[P::Double]) {
+        let mut other = Self { ends: NONE, ..*self };
+        let (pairs, rest) = corners.as_chunks::<2>();
+        for [p, q] in pairs {
+            self.add::<P>(p);
+            other.add::<P>(q);
+        }
+        for p in rest {
+            self.add::<P>(p);
+        }
+        self.join(other.ends);
+    }
+
+    /// Of a corner too.
+    #[inline(always)]
+    fn add<P: Primitive>(&mut self, corner: &P::Double) {
+        let Sphere { centre: p, radius } = P::ball(corner);
+        let (n, c) = (&self.n, &self.centre);
+        // A few roundings, each 2^-53 of at most 2047 * 2^7 units.
+        let x = (n[0] * (p[0] - c[0]) + n[1] * (p[1] - c[1])) + n[2] * (p[2] - c[2]);
+        let reach = self.length * radius;
+        self.join(if P::IS_ROUND { (x - reach, x + reach) } else { (x, x) });
+    }
+
+    #[inline(always)]
+    fn join(&mut self, (low, high): (f64, f64)) {
+        self.ends = (
+            if low < self.ends.0 { low } else { self.ends.0 },
+            if high > self.ends.1 { high } else { self.ends.1 },
+        );
+    }
 }

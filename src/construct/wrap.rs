@@ -4,20 +4,20 @@ use super::parallel;
 use crate::frame::Frame;
 use crate::key::Key;
 use crate::node::{Child, Dop, Link, Width};
-use crate::range::Point;
+use crate::primitive::{Primitive, Sphere};
 use alloc::vec::Vec;
 
-/// The planes of every lane: the supports of the corners below it. Rounding up is monotone, so the greatest
+/// The planes of every lane: the supports of the corners below it, with the radius about them. Rounding up is monotone, so the greatest
 /// of the rounded supports is the greatest support rounded: a wrapped hierarchy, whether reduced from corners
 /// or from the lanes below. So each vertex is rounded once, though some six triangles and all their ancestors
 /// use it.
-pub(super) fn wrap<N: Dop, R: AsRef<[u32]> + Sync>(
+pub(super) fn wrap<N: Dop, P: Primitive<Record: AsRef<[u32]>>>(
     nodes: &mut [N],
     frame: &Frame,
-    vertices: &[Point],
-    records: &[R],
+    vertices: &[P::Double],
+    records: &[P::Record],
 ) {
-    let keys = supports::<N>(frame, vertices);
+    let keys = supports::<N, P>(frame, vertices);
     let keys_of = |vertex: u32| &keys[vertex as usize * N::K..][..N::K];
     parallel::for_each_chunk(nodes, NODES_PER_TASK, |_, nodes| {
         for node in nodes {
@@ -53,12 +53,13 @@ const NODES_PER_TASK: usize = 512;
 const VERTICES_PER_TASK: usize = 2048;
 
 /// The key of each direction's support of each vertex, `K` a vertex.
-fn supports<N: Dop>(frame: &Frame, vertices: &[Point]) -> Vec<Key> {
+fn supports<N: Dop, P: Primitive>(frame: &Frame, vertices: &[P::Double]) -> Vec<Key> {
     let mut keys = alloc::vec![Key::ZERO; vertices.len() * N::K];
     parallel::for_each_chunk(&mut keys, VERTICES_PER_TASK * N::K, |task, keys| {
         let vertices = &vertices[task * VERTICES_PER_TASK..];
-        for (keys, p) in keys.chunks_exact_mut(N::K).zip(vertices) {
-            frame.supports(N::DIRECTIONS, *p, keys);
+        for (keys, vertex) in keys.chunks_exact_mut(N::K).zip(vertices) {
+            let Sphere { centre, radius } = P::ball(vertex);
+            frame.supports(N::DIRECTIONS, centre, radius, keys);
         }
     });
     keys

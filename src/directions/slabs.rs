@@ -26,6 +26,17 @@ impl<const K: usize> Directions<K> {
         columns
     };
 
+    /// [`Directions::LENGTHS`] of each slab's direction.
+    pub(crate) const SLAB_LENGTHS: [f64; K] = {
+        let mut lengths = [0.0; K];
+        let mut s = 0;
+        while s < Self::SLABS {
+            lengths[s] = Self::LENGTHS[2 * s];
+            s += 1;
+        }
+        lengths
+    };
+
     /// [`Directions::decompose`] of a vector for each slab: the first half of each array.
     #[inline(always)]
     pub(crate) fn decompose_slabs(u: &[[f64; K]; 3]) -> Decomposition<K> {

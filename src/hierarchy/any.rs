@@ -5,6 +5,7 @@ use super::Bvh;
 use super::layout::node_type;
 use super::{BakeError, BvhRef, Header, Stats, TreeStats, VerifyError};
 use crate::node::{Node4, Node16};
+use crate::primitive::{Primitive, Triangles};
 
 // Functions over all of them are `inline`: compiled where they are used, and not for everyone.
 
@@ -23,35 +24,43 @@ pub(crate) use for_node_types;
 
 macro_rules! any_bvh {
     ($d:tt $($variant:ident $node:ident $arity:literal $k:literal),*) => {
-        /// A borrowed tree of triangles, of any node type. [`with_bvh!`](crate::with_bvh) gives the [`BvhRef`] in it.
-        #[derive(Copy, Clone, Debug)]
-        pub enum AnyBvhRef<'a> {
+        /// A borrowed tree of any node type. [`with_bvh!`](crate::with_bvh) gives the [`BvhRef`] in it. Of triangles,
+        /// unless said otherwise: [`Header::kind`] tells what bytes are a tree of.
+        #[derive(Debug)]
+        pub enum AnyBvhRef<'a, P: Primitive = Triangles> {
             $(#[doc = concat!("[`", stringify!($node), "<", $k, ">`](", stringify!($node), ").")]
-            $variant(BvhRef<'a, $node<$k>>),)*
+            $variant(BvhRef<'a, $node<$k>, P>),)*
         }
 
-        /// A tree of triangles that owns its bytes, of any node type.
+        impl<P: Primitive> Copy for AnyBvhRef<'_, P> {}
+        impl<P: Primitive> Clone for AnyBvhRef<'_, P> {
+            fn clone(&self) -> Self {
+                *self
+            }
+        }
+
+        /// A tree that owns its bytes, of any node type; of triangles, unless said otherwise.
         #[cfg(feature = "alloc")]
         #[derive(Clone, Debug)]
-        pub enum AnyBvh {
+        pub enum AnyBvh<P = Triangles> {
             $(#[doc = concat!("[`", stringify!($node), "<", $k, ">`](", stringify!($node), ").")]
-            $variant(Bvh<$node<$k>>),)*
+            $variant(Bvh<$node<$k>, P>),)*
         }
 
-        $(impl<'a> From<BvhRef<'a, $node<$k>>> for AnyBvhRef<'a> {
-            fn from(tree: BvhRef<'a, $node<$k>>) -> Self {
+        $(impl<'a, P: Primitive> From<BvhRef<'a, $node<$k>, P>> for AnyBvhRef<'a, P> {
+            fn from(tree: BvhRef<'a, $node<$k>, P>) -> Self {
                 Self::$variant(tree)
             }
         }
 
         #[cfg(feature = "alloc")]
-        impl From<Bvh<$node<$k>>> for AnyBvh {
-            fn from(tree: Bvh<$node<$k>>) -> Self {
+        impl<P: Primitive> From<Bvh<$node<$k>, P>> for AnyBvh<P> {
+            fn from(tree: Bvh<$node<$k>, P>) -> Self {
                 Self::$variant(tree)
             }
         })*
 
-        impl<'a> AnyBvhRef<'a> {
+        impl<'a, P: Primitive> AnyBvhRef<'a, P> {
             /// [`BvhRef::from_bytes`] of whichever node type the header says.
             ///
             /// # Errors
@@ -66,7 +75,7 @@ macro_rules! any_bvh {
         }
 
         #[cfg(feature = "alloc")]
-        impl AnyBvh {
+        impl<P: Primitive> AnyBvh<P> {
             /// [`Bvh::from_bytes`] of whichever node type the header says.
             ///
             /// # Errors
@@ -81,7 +90,7 @@ macro_rules! any_bvh {
 
             /// Borrows the tree.
             #[must_use]
-            pub fn view(&self) -> AnyBvhRef<'_> {
+            pub fn view(&self) -> AnyBvhRef<'_, P> {
                 match self {
                     $(Self::$variant(tree) => AnyBvhRef::$variant(tree.view()),)*
                 }
@@ -111,7 +120,7 @@ macro_rules! any_bvh {
 
 for_node_types!(any_bvh);
 
-impl<'a> AnyBvhRef<'a> {
+impl<'a, P: Primitive> AnyBvhRef<'a, P> {
     /// The tree's description: k and arity among it.
     #[must_use]
     pub fn header(&self) -> &'a Header {

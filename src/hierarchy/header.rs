@@ -46,17 +46,17 @@ pub struct Header {
     pub degenerate_count: u32,
     /// Centre of the frame, in the body's unit.
     pub centre: Point,
-    /// Largest absolute coordinate of a vertex or of the centre, in the body's unit. At least.
+    /// Largest absolute coordinate of a point of the body or of the centre, in the body's unit. At least.
     pub max_coordinate: f64,
     /// Scale of the frame: `2^exponent`.
     pub exponent: i32,
-    /// Largest `|x|`, `|y|`, `|z|` of a vertex in the frame. At least.
+    /// Largest `|x|`, `|y|`, `|z|` of a point of the body in the frame. At least.
     pub half_width: [f32; 3],
     /// Largest absolute finite plane.
     pub max_plane: f32,
     /// The link to the root, with the [`Width`] of a box of twice [`Header::half_width`].
     pub root: Child,
-    /// Bytes of a vertex. Of triangles: 12 (three `f32`) or 24 (three `f64`).
+    /// Bytes of a vertex. Of triangles: 12 (three `f32`) or 24 (three `f64`); of spheres 16 or 32.
     pub vertex_size: u16,
     /// 1 if the tree has thin slabs, else 0.
     pub has_thin_slabs: u16,

@@ -4,9 +4,8 @@ use super::{BakeError, BvhRef, Header, MAX_DEPTH};
 use crate::frame::{Extent, MAX_EXPONENT};
 use crate::key::{Key, decode};
 use crate::node::{Child, Dop, Link, MAX_LEAF_SIZE, Width};
-use crate::primitive::{Fault, Primitive};
-use crate::range::MAX_COORDINATE;
-use crate::range::{Point, flush};
+use crate::primitive::{Fault, Primitive, Sphere};
+use crate::range::{MAX_COORDINATE, flush};
 
 impl<N: Dop, P: Primitive> BvhRef<'_, N, P> {
     /// Proves that no query can read out of range, loop, or overflow its stack, and that the header's bounds
@@ -128,11 +127,17 @@ impl<N: Dop, P: Primitive> BvhRef<'_, N, P> {
 
     fn validate_store(&self) -> Result<(), BakeError> {
         let Extent { frame, max_coordinate, half_width, .. } = self.extent();
-        let in_range = |p: &Point| p.iter().all(|&x| x.abs() <= max_coordinate && flush(x) == x);
-        let in_box = |p: &Point| {
-            (0..3).all(|i| ((p[i] - frame.centre[i]) * frame.scale()).abs() <= f64::from(half_width[i]))
+        let scale = frame.scale();
+        let is_inside = |vertex: &P::Double| {
+            let Sphere { centre: p, radius } = P::ball(vertex);
+            let reach = radius * scale;
+            // False of NaN.
+            (radius >= 0.0 && flush(radius) == radius)
+                && p.iter().all(|&x| x.abs() + radius <= max_coordinate && flush(x) == x)
+                && (0..3)
+                    .all(|i| ((p[i] - frame.centre[i]) * scale).abs() + reach <= f64::from(half_width[i]))
         };
-        self.store.check(|v| P::vertex_is(v, |p| in_range(p) && in_box(p))).map_err(|fault| match fault {
+        self.store.check(is_inside).map_err(|fault| match fault {
             Fault::Vertex { index } => BakeError::Vertex { index },
             Fault::Primitive { index } => BakeError::Primitive { index },
         })

@@ -4,7 +4,7 @@ use super::{BvhRef, Lane};
 use crate::frame::Frame;
 use crate::key::Key;
 use crate::node::{Dop, Link};
-use crate::primitive::Primitive;
+use crate::primitive::{Primitive, radius_of};
 use crate::range::Point;
 use core::fmt;
 
@@ -33,7 +33,8 @@ impl core::error::Error for VerifyError {}
 impl<N: Dop, P: Primitive> BvhRef<'_, N, P> {
     /// Decides, for every primitive and every lane on the path to it, whether each plane is an upper bound of
     /// the exact support of the primitive, and whether it lies within the lane's thin slab. No rounding takes part: planes, corners, centre and direction
-    /// are dyadic numbers, summed as expansions. Cost: primitives x depth x k.
+    /// are dyadic numbers, summed as expansions; of primitives with a radius, squares are compared in integers.
+    /// Cost: primitives x depth x k.
     ///
     /// # Errors
     /// [`VerifyError`] names the first plane that is too low.
@@ -71,9 +72,19 @@ impl<N: Dop, P: Primitive> BvhRef<'_, N, P> {
     fn too_thin(&self, frame: &Frame, node: u32, lane: usize, item: &P::Item) -> Option<u32> {
         let slab = self.thin_slab(node, lane)?;
         let (n, ends) = (slab.normal(), slab.ends());
+        let radius = radius_of::<P>(item);
+        // By less than what the packer leaves, too much.
+        let reach = libm::sqrt((n[0] * n[0] + n[1] * n[1]) + n[2] * n[2])
+            * (radius * frame.scale())
+            * (1.0 + 4.0 * f64::EPSILON);
         let is_beyond = |end: usize| {
             let outwards = if end == 0 { -1 } else { 1 };
-            ends[end].is_finite() && P::corners(item).any(|p| frame.side(&n, p, ends[end]) == outwards)
+            let inside = match end {
+                _ if radius == 0.0 => ends[end],
+                0 => (ends[end] + reach).next_up(),
+                _ => (ends[end] - reach).next_down(),
+            };
+            ends[end].is_finite() && P::corners(item).any(|p| frame.side(&n, p, inside) == outwards)
         };
         (0..2).find(|&end| is_beyond(end)).map(|end| (N::K + end) as u32)
     }

@@ -1,13 +1,15 @@
 //! What stands below the leaves of a hierarchy.
 //!
-//! A [`Primitive`] is a kind of body part: triangles today. Hierarchies, their header, the packer and the
+//! A [`Primitive`] is a kind of body part: triangles and spheres today. Hierarchies, their header, the packer and the
 //! traversal are the same for all kinds; what differs is here: how primitives are stored, what they are once
 //! read, how a pose moves them, and whether a plane bounds them. The tests of one primitive against another
 //! are a trait of their own, [`crate::query::Pairwise`].
 
+pub mod sphere;
 mod store;
 pub mod triangle;
 
+pub use sphere::{Sphere, Spheres};
 pub(crate) use store::Fault;
 pub use store::Store;
 pub use triangle::Triangles;
@@ -25,6 +27,8 @@ pub struct Kind(u16);
 impl Kind {
     /// [`Triangles`].
     pub const TRIANGLES: Self = Self(1);
+    /// [`Spheres`].
+    pub const SPHERES: Self = Self(2);
 
     /// A kind that this crate does not know, defined by a user of it: `number` is below 2^15.
     ///
@@ -47,18 +51,23 @@ impl fmt::Display for Kind {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match *self {
             Self::TRIANGLES => f.write_str("triangles"),
+            Self::SPHERES => f.write_str("spheres"),
             Self(code) => write!(f, "primitives of kind {code}"),
         }
     }
 }
 
-/// A kind of primitive: the convex hull of a few corners.
+/// A kind of primitive: the convex hull of a few corners, and everything within a radius of it. A triangle has
+/// three corners and no radius, a sphere one corner and a radius.
 ///
 /// A tree keeps its primitives in a [`Store`]: a table of vertices, and for each primitive a record, such as
 /// the indices of its corners.
 pub trait Primitive: Copy + fmt::Debug + Send + Sync + 'static {
     /// What the header of a tree of them says.
     const KIND: Kind;
+    /// Whether there are primitives of this kind that have a radius. If not, [`Primitive::radius`] is not asked,
+    /// and what would pay for one costs nothing.
+    const IS_ROUND: bool = false;
 
     /// A vertex in single precision, as stored where that loses nothing.
     type Single: bytemuck::Pod + fmt::Debug + Send + Sync;
@@ -75,8 +84,12 @@ pub trait Primitive: Copy + fmt::Debug + Send + Sync + 'static {
     /// A vertex in single precision, if that loses nothing.
     fn narrow(vertex: &Self::Double) -> Option<Self::Single>;
 
-    /// Whether `accepts` holds for every point that is part of a vertex.
-    fn vertex_is(vertex: &Self::Double, accepts: impl Fn(&Point) -> bool) -> bool;
+    /// The point that a vertex is, and about it the radius of the primitives that it is a corner of.
+    fn ball(vertex: &Self::Double) -> Sphere;
+
+    /// A vertex with `number` of each of its coordinates, and of its radius if it has one.
+    #[must_use]
+    fn map(vertex: &Self::Double, number: impl Fn(f64) -> f64) -> Self::Double;
 
     /// Whether a record names no vertex but the first `vertices`.
     fn is_among(record: &Self::Record, vertices: u32) -> bool;
@@ -90,7 +103,14 @@ pub trait Primitive: Copy + fmt::Debug + Send + Sync + 'static {
     /// The corners, at least one.
     fn corners(item: &Self::Item) -> impl Iterator<Item = Point>;
 
-    /// The primitive where the pose places it: each corner by [`Pose::apply`].
+    /// How far the primitive reaches beyond the hull of its corners, in every direction. Not negative.
+    #[inline(always)]
+    #[must_use]
+    fn radius(_item: &Self::Item) -> f64 {
+        0.0
+    }
+
+    /// The primitive where the pose places it: each corner by [`Pose::apply`]. The radius stays as it is.
     #[must_use]
     fn moved(item: &Self::Item, pose: &Pose) -> Self::Item;
 
@@ -107,8 +127,15 @@ pub trait Primitive: Copy + fmt::Debug + Send + Sync + 'static {
     /// arithmetic.
     #[must_use]
     fn is_bounded(item: &Self::Item, frame: &Frame, direction: &Point, key: Key) -> bool {
-        Self::corners(item).all(|p| frame.is_bounded(direction, p, key))
+        let radius = radius_of::<Self>(item);
+        Self::corners(item).all(|p| frame.is_bounded_around(direction, p, radius, key))
     }
+}
+
+/// The radius of a primitive: a constant, of a kind that has none.
+#[inline(always)]
+pub(crate) fn radius_of<P: Primitive>(item: &P::Item) -> f64 {
+    if P::IS_ROUND { P::radius(item) } else { 0.0 }
 }
 
 /// How many directions of its own a primitive has at most: a triangle's plane and its three edges.

@@ -1,8 +1,9 @@
 //! Queries between trees whose node type is known at run time only.
 
-use super::{Answer, Completion, Counters, Distance, Pair, Query, ToleranceError};
-use crate::hierarchy::{AnyBvhRef, for_node_types};
+use super::{Answer, Completion, Counters, Distance, Pair, Pairwise, Query, ToleranceError};
+use crate::hierarchy::{AnyBvhRef, Header, for_node_types};
 use crate::pose::Pose;
+use crate::primitive::Primitive;
 use core::fmt;
 use core::ops::ControlFlow;
 
@@ -57,9 +58,9 @@ macro_rules! ask_any {
 
 for_node_types!(ask_any);
 
-fn other_node(a: &AnyBvhRef<'_>, b: &AnyBvhRef<'_>) -> AnyError {
-    let shape = |tree: &AnyBvhRef<'_>| (tree.header().k, tree.header().arity);
-    AnyError::OtherNode { a: shape(a), b: shape(b) }
+fn other_node<P: Primitive, Q: Primitive>(a: &AnyBvhRef<'_, P>, b: &AnyBvhRef<'_, Q>) -> AnyError {
+    let shape = |header: &Header| (header.k, header.arity);
+    AnyError::OtherNode { a: shape(a.header()), b: shape(b.header()) }
 }
 
 // `inline`, so that the ten node types are compiled where they are used, and not for everyone.
@@ -69,7 +70,12 @@ impl Query {
     /// # Errors
     /// [`AnyError`] if the two have nodes of different types.
     #[inline]
-    pub fn collide_any(&self, a: &AnyBvhRef<'_>, b: &AnyBvhRef<'_>, pose: &Pose) -> Result<Answer, AnyError> {
+    pub fn collide_any<P: Pairwise<Q>, Q: Pairwise<P>>(
+        &self,
+        a: &AnyBvhRef<'_, P>,
+        b: &AnyBvhRef<'_, Q>,
+        pose: &Pose,
+    ) -> Result<Answer, AnyError> {
         with_both!(a, b => self.collide(a, b, pose))
     }
 
@@ -77,10 +83,10 @@ impl Query {
     ///
     /// # Errors
     /// [`AnyError`] if the two have nodes of different types.
-    pub fn for_each_pair_any(
+    pub fn for_each_pair_any<P: Pairwise<Q>, Q: Pairwise<P>>(
         &self,
-        a: &AnyBvhRef<'_>,
-        b: &AnyBvhRef<'_>,
+        a: &AnyBvhRef<'_, P>,
+        b: &AnyBvhRef<'_, Q>,
         pose: &Pose,
         visit: impl FnMut(Pair) -> ControlFlow<()>,
     ) -> Result<(Completion, Counters), AnyError> {
@@ -92,10 +98,10 @@ impl Query {
     /// # Errors
     /// [`AnyError`] if the two have nodes of different types, or the margin cannot be.
     #[inline]
-    pub fn within_any(
+    pub fn within_any<P: Pairwise<Q>, Q: Pairwise<P>>(
         &self,
-        a: &AnyBvhRef<'_>,
-        b: &AnyBvhRef<'_>,
+        a: &AnyBvhRef<'_, P>,
+        b: &AnyBvhRef<'_, Q>,
         pose: &Pose,
         margin: f64,
     ) -> Result<Answer, AnyError> {
@@ -107,10 +113,10 @@ impl Query {
     /// # Errors
     /// [`AnyError`] if the two have nodes of different types, or the tolerance cannot be.
     #[inline]
-    pub fn distance_any(
+    pub fn distance_any<P: Pairwise<Q>, Q: Pairwise<P>>(
         &self,
-        a: &AnyBvhRef<'_>,
-        b: &AnyBvhRef<'_>,
+        a: &AnyBvhRef<'_, P>,
+        b: &AnyBvhRef<'_, Q>,
         pose: &Pose,
         tolerance: f64,
     ) -> Result<Distance, AnyError> {

@@ -13,6 +13,7 @@ use crate::hierarchy::BvhRef;
 use crate::node::{Child, Link};
 use crate::pose::Pose;
 use crate::primitive::Primitive;
+use crate::realign::shrinkage;
 
 /// Nodes of A whose turned planes are kept: the last on each level, levels counted modulo this.
 const KEPT: usize = 4;
@@ -70,14 +71,20 @@ pub(super) const fn no_turned<N: Lanes>() -> Kept<N> {
 }
 
 impl<'t, N: Lanes> Bounds<'t, N> {
+    /// Where A is made of `P`.
     #[inline(always)]
-    pub(super) fn new(pose: &Pose, a: &Extent, b: &Extent, turned: &'t mut Kept<N>) -> Self {
+    pub(super) fn new<P: Primitive>(pose: &Pose, a: &Extent, b: &Extent, turned: &'t mut Kept<N>) -> Self {
         let exponent = unit(a, b);
-        if let Some(line) = Axis::new::<N>(pose, a, b, exponent) {
+        let shrinkage = shrinkage::<P>(pose, a);
+        if let Some(line) = Axis::new::<N>(pose, a, b, shrinkage, exponent) {
             return Self::Far(line);
         }
         let frame = Frame { exponent, ..b.frame };
-        Self::Near(Near { map: N::map(pose, a, &frame), frame, growth: growth(&b.frame, exponent), turned })
+        let mut map = N::map(pose, a, &frame);
+        if shrinkage > 0.0 {
+            N::widen(&mut map, &frame, shrinkage);
+        }
+        Self::Near(Near { map, frame, growth: growth(&b.frame, exponent), turned })
     }
 
     /// The least bound that there is.
@@ -136,6 +143,7 @@ impl<N: Lanes> Near<'_, N> {
 mod tests {
     use super::*;
     use crate::node::Node16;
+    use crate::primitive::Triangles;
 
     /// Two balls of radius 100 in their frames, centres `far` units of A's frame apart; B's unit is 2^20 times smaller.
     fn bounds(far: f64, kept: &mut Kept<Node16<18>>) -> Bounds<'_, Node16<18>> {
@@ -149,7 +157,7 @@ mod tests {
         let far = far * power_of_two(-3);
         let rows = [[1.0, 0.0, 0.0, 0.6 * far], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.8 * far]];
         let pose = Pose::from_rows(rows).unwrap_or(Pose::IDENTITY);
-        Bounds::new(&pose, &body(3), &body(23), kept)
+        Bounds::new::<Triangles>(&pose, &body(3), &body(23), kept)
     }
 
     #[test]

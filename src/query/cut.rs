@@ -9,7 +9,7 @@ use crate::kernel::Kernel;
 use crate::node::{Child, Link};
 use crate::pose::Pose;
 use crate::primitive::Primitive;
-use crate::realign::OwnSlabs;
+use crate::realign::{OwnSlabs, shrinkage};
 use core::ops::ControlFlow;
 
 /// A leaf of one primitive that waits for the other tree, by the index of the primitive.
@@ -81,7 +81,8 @@ where
                 }
                 Cutter::B(index) => {
                     let item = self.b.primitive(index);
-                    own_slabs::<N, Q, E>(self.kernel, &item, self.margin, &self.a.extent(), Some(self.pose))
+                    let margin = self.margin + shrinkage::<P>(self.pose, &self.a.extent());
+                    own_slabs::<N, Q, E>(self.kernel, &item, margin, &self.a.extent(), Some(self.pose))
                 }
             };
             self.cutter = Some((cutter, slabs));

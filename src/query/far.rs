@@ -21,7 +21,7 @@ use crate::directions::Directions;
 use crate::exact::{power_of_two, round_up_f32};
 use crate::frame::{Extent, Frame};
 use crate::pose::Pose;
-use crate::primitive::Primitive;
+use crate::primitive::{Primitive, radius_of};
 use crate::range::Point;
 use crate::realign::{F64_SLACK, GAMMA_5, HALF_PLACE, UNDERFLOW, shift, slack_of_shift};
 
@@ -49,14 +49,22 @@ pub(super) struct Axis {
 }
 
 impl Axis {
-    /// Of bodies that are far apart, with volumes in a unit of `2^-exponent`.
+    /// Of bodies that are far apart, with volumes in a unit of `2^-exponent`, of which A's fall short by
+    /// `shrinkage` once turned.
     #[inline(always)]
-    pub(super) fn new<N: Lanes>(pose: &Pose, a: &Extent, b: &Extent, exponent: i32) -> Option<Self> {
+    pub(super) fn new<N: Lanes>(
+        pose: &Pose,
+        a: &Extent,
+        b: &Extent,
+        shrinkage: f64,
+        exponent: i32,
+    ) -> Option<Self> {
         let shift = shift(pose, a, &b.frame);
         // At least the square of the sum of their sizes.
         let sizes = 2.0 * (a.square_of_radius() + b.square_of_radius());
         if dot(&shift, &shift) > FAR * FAR * sizes {
-            Some(Self::between::<N>(pose, (a, b), &shift, exponent))
+            let line = Self::between::<N>(pose, (a, b), &shift, exponent);
+            Some(Self { between: line.between - shrinkage, ..line })
         } else {
             None
         }
@@ -94,10 +102,14 @@ impl Axis {
     pub(super) fn reach<P: Primitive>(&self, b: &Frame, items: &[P::Item]) -> f32 {
         let mut greatest = f64::NEG_INFINITY;
         for item in items {
+            let radius = radius_of::<P>(item);
             for p in P::corners(item) {
                 // Its own roundings are within the slack of `between`.
                 let x = [0, 1, 2].map(|i| (p[i] - b.centre[i]) - self.shift[i]);
-                let reach = -dot(&self.axis, &x);
+                let mut reach = -dot(&self.axis, &x);
+                if P::IS_ROUND {
+                    reach += radius;
+                }
                 greatest = if reach > greatest { reach } else { greatest };
             }
         }

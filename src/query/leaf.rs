@@ -8,7 +8,7 @@ use crate::frame::Frame;
 use crate::hierarchy::BvhRef;
 use crate::node::{Child, Link, MAX_LEAF_SIZE};
 use crate::pose::Pose;
-use crate::primitive::Primitive;
+use crate::primitive::{Primitive, radius_of};
 use crate::range::Point;
 
 const MANY: usize = MAX_LEAF_SIZE as usize;
@@ -92,13 +92,15 @@ pub(super) struct Ahead {
     /// A is farther ahead of B along the axis than this: it does not matter. Infinite if the axis says
     /// nothing.
     limit: f64,
+    /// Of the axis: by how much, times a radius, something round is nearer than its corners. At least.
+    length: f64,
 }
 
 /// Axes whose square is above this lose nothing to underflow.
 const SHORT: f64 = power_of_two(-800);
 
 impl Ahead {
-    pub(super) const NOTHING: Self = Self { axis: [0.0; 3], limit: f64::INFINITY };
+    pub(super) const NOTHING: Self = Self { axis: [0.0; 3], limit: f64::INFINITY, length: 0.0 };
 
     /// For pairs that do not matter if farther apart than `threshold`. `reach` bounds all coordinates.
     pub(super) fn new(axis: Point, threshold: f64, reach: f64) -> Self {
@@ -106,10 +108,11 @@ impl Ahead {
         let square = (x * x + y * y) + z * z;
         if square > SHORT {
             // Two products of axis and corner and their difference: 8 roundings of at most `reach` times the
-            // axis's magnitudes.
+            // axis's magnitudes. Radii take 4 more.
             let rounding = power_of_two(-49) * reach * ((x.abs() + y.abs()) + z.abs());
             let length = glam::DVec3::from_array(axis).length();
-            Self { axis, limit: (threshold * length + rounding) * (1.0 + power_of_two(-48)) }
+            let longer = 1.0 + power_of_two(-48);
+            Self { axis, limit: (threshold * length + rounding) * longer, length: length * longer }
         } else {
             Self::NOTHING
         }
@@ -123,6 +126,10 @@ impl Ahead {
         let greatest = |x: f64, y: f64| if x > y { x } else { y };
         let low = P::corners(a).map(along).fold(f64::INFINITY, least);
         let high = Q::corners(b).map(along).fold(f64::NEG_INFINITY, greatest);
+        if P::IS_ROUND || Q::IS_ROUND {
+            let radii = radius_of::<P>(a) + radius_of::<Q>(b);
+            return (low - high) - radii * self.length > self.limit;
+        }
         low - high > self.limit
     }
 }

@@ -8,6 +8,7 @@ use super::traverse::{Traversal, bits_of};
 use super::{Lanes, Pairwise};
 use crate::kernel::Kernel;
 use crate::node::{Link, ThinSlab};
+use crate::realign::shrinkage;
 use core::ops::ControlFlow;
 
 /// What thin slabs are tested with, and how that went.
@@ -61,8 +62,10 @@ where
         if self.thin.asked >= TRIAL && self.thin.apart * SHARE < self.thin.asked {
             return;
         }
-        let test =
-            self.thin.test.get_or_insert_with(|| ThinTest::new(pose, &a.extent(), &b.extent(), margin));
+        let test = self.thin.test.get_or_insert_with(|| {
+            let outwards = margin + shrinkage::<P>(pose, &a.extent());
+            ThinTest::new(pose, &a.extent(), &b.extent(), outwards)
+        });
         let (node_a, node_b) = (&a.nodes()[node_a as usize], &b.nodes()[node_b as usize]);
         let (mut asked, mut found) = (0, 0);
         self.kernel.run(

@@ -63,6 +63,7 @@ use crate::hierarchy::{AsBvh, BvhRef};
 use crate::isa::{Isa, on_isa};
 use crate::kernel::Kernel;
 use crate::pose::Pose;
+use crate::realign::shrinkage;
 use core::ops::ControlFlow;
 use hint::Found;
 use traverse::{Limits, Stop, Traversal};
@@ -339,8 +340,9 @@ impl Query {
             #[inline(always)]
             || {
                 let mut map = N::map(pose, &a.extent(), &b.frame());
-                if margin > 0.0 {
-                    N::widen(&mut map, &b.frame(), margin);
+                let outwards = margin + shrinkage::<P>(pose, &a.extent());
+                if outwards > 0.0 {
+                    N::widen(&mut map, &b.frame(), outwards);
                 }
                 let limits = Limits { budget: self.budget, margin };
                 Traversal::new(kernel, (*a, *b), pose, &map, limits, counters, visit).run().break_value()

@@ -113,7 +113,7 @@ impl<'t, N: Lanes, P: Pairwise<Q>, Q: Primitive> Search<'t, N, P, Q> {
         goal: Goal,
         kept: &'t mut Kept<N>,
     ) -> Self {
-        let bounds = Bounds::new(pose, &a.extent(), &b.extent(), kept);
+        let bounds = Bounds::new::<P>(pose, &a.extent(), &b.extent(), kept);
         let (distance, bound) = match goal {
             Goal::Distance { .. } => (f64::INFINITY, f32::INFINITY),
             Goal::Within { margin } => (margin, bounds.of_distance(margin)),

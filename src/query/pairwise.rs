@@ -1,9 +1,10 @@
 //! One primitive against another: what pairs of leaves come down to.
 
 use crate::kernel::Kernel;
+use crate::primitive::sphere::{against_sphere, against_triangle};
 use crate::primitive::triangle::distance::{nearer, within};
 use crate::primitive::triangle::{Probe, Triangle, Triangles};
-use crate::primitive::{Primitive, Separation};
+use crate::primitive::{Primitive, Separation, Sphere, Spheres};
 
 /// The tests of one primitive of this kind against one of the `Other` kind. A query between two bodies needs
 /// them both ways round, since either body may have the one leaf that is tested against several.
@@ -74,5 +75,96 @@ impl Pairwise<Self> for Triangles {
         exact: &mut u64,
     ) -> Option<Separation> {
         nearer(item, other, limit, tolerance, exact)
+    }
+}
+
+impl Pairwise<Self> for Spheres {
+    type Probe<'t> = &'t Sphere;
+
+    #[inline(always)]
+    fn probe(item: &Sphere) -> &Sphere {
+        item
+    }
+
+    #[inline(always)]
+    fn meets(probe: &&Sphere, other: &Sphere, exact: &mut u64) -> bool {
+        against_sphere::is_within(probe, other, 0.0, exact)
+    }
+
+    #[inline(always)]
+    fn within(item: &Sphere, other: &Sphere, margin: f64, exact: &mut u64) -> bool {
+        against_sphere::is_within(item, other, margin, exact)
+    }
+
+    #[inline(always)]
+    fn nearer(
+        item: &Sphere,
+        other: &Sphere,
+        limit: f64,
+        tolerance: f64,
+        exact: &mut u64,
+    ) -> Option<Separation> {
+        against_sphere::nearer(item, other, limit, tolerance, exact)
+    }
+}
+
+impl Pairwise<Triangles> for Spheres {
+    type Probe<'t> = &'t Sphere;
+
+    #[inline(always)]
+    fn probe(item: &Sphere) -> &Sphere {
+        item
+    }
+
+    #[inline(always)]
+    fn meets(probe: &&Sphere, other: &Triangle, exact: &mut u64) -> bool {
+        against_triangle::is_within(probe, other, 0.0, exact)
+    }
+
+    #[inline(always)]
+    fn within(item: &Sphere, other: &Triangle, margin: f64, exact: &mut u64) -> bool {
+        against_triangle::is_within(item, other, margin, exact)
+    }
+
+    #[inline(always)]
+    fn nearer(
+        item: &Sphere,
+        other: &Triangle,
+        limit: f64,
+        tolerance: f64,
+        exact: &mut u64,
+    ) -> Option<Separation> {
+        against_triangle::nearer(item, other, limit, tolerance, exact)
+    }
+}
+
+impl Pairwise<Spheres> for Triangles {
+    type Probe<'t> = &'t Triangle;
+
+    #[inline(always)]
+    fn probe(item: &Triangle) -> &Triangle {
+        item
+    }
+
+    #[inline(always)]
+    fn meets(probe: &&Triangle, other: &Sphere, exact: &mut u64) -> bool {
+        against_triangle::is_within(other, probe, 0.0, exact)
+    }
+
+    #[inline(always)]
+    fn within(item: &Triangle, other: &Sphere, margin: f64, exact: &mut u64) -> bool {
+        against_triangle::is_within(other, item, margin, exact)
+    }
+
+    #[inline(always)]
+    fn nearer(
+        item: &Triangle,
+        other: &Sphere,
+        limit: f64,
+        tolerance: f64,
+        exact: &mut u64,
+    ) -> Option<Separation> {
+        let found = against_triangle::nearer(other, item, limit, tolerance, exact)?;
+        Some(Separation { a: found.b, b: found.a, ..found })
     }
 }

@@ -29,7 +29,7 @@ use crate::exact::{power_of_two, round_up_f32};
 use crate::frame::Extent;
 use crate::key::decode;
 use crate::pose::Pose;
-use crate::primitive::{OWN_DIRECTIONS, Primitive};
+use crate::primitive::{OWN_DIRECTIONS, Primitive, radius_of};
 use crate::range::MIN_COORDINATE;
 
 /// A direction and the interval that a primitive covers along it, for comparison with the planes of another
@@ -83,6 +83,7 @@ pub fn own_slabs<P: Primitive, const K: usize>(
     pose: Option<&Pose>,
 ) -> OwnSlabs {
     let c = body.frame.centre;
+    let margin = margin + radius_of::<P>(item);
     let mut size = 0.0_f64;
     for p in P::corners(item) {
         size = size.max(greatest(&p));

@@ -13,9 +13,9 @@ impl Aabb {
     /// The box of nothing: joins as the neutral element, has no measure.
     pub(super) const EMPTY: Self = Self { low: [f64::INFINITY; 3], high: [f64::NEG_INFINITY; 3] };
 
-    /// The box of some points.
-    pub(in crate::construct) fn of(points: impl Iterator<Item = Point>) -> Self {
-        points.fold(Self::EMPTY, |b, p| b.join(&Self { low: p, high: p }))
+    /// The box between two corners.
+    pub(in crate::construct) const fn of((low, high): (Point, Point)) -> Self {
+        Self { low, high }
     }
 
     /// The box of both. Minima and maxima do not depend on the order in which boxes are joined: no coordinate

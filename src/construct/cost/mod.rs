@@ -210,7 +210,7 @@ mod tests {
     fn growing(n: usize) -> Vec<Aabb> {
         let at =
             |i: usize| (0..i % 900).fold(1.0, |x: f64, _| 2.0 * x) * f64::from_bits(0x3d30_0000_0000_0000);
-        (0..n).map(|i| Aabb::of([[at(i), 0.0, 0.0], [1.5 * at(i), 0.0, 0.5 * at(i)]].into_iter())).collect()
+        (0..n).map(|i| Aabb::of(([at(i), 0.0, 0.0], [1.5 * at(i), 0.0, 0.5 * at(i)]))).collect()
     }
 
     /// Levels of nodes.

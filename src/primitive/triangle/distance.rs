@@ -38,7 +38,7 @@ use crate::primitive::Separation;
 pub(crate) const TIGHT: f64 = power_of_two(-42);
 
 /// Roundings in each of the two bounds, in units of `u size`.
-const ROUNDINGS: f64 = 32.0;
+pub(super) const ROUNDINGS: f64 = 32.0;
 
 /// The distance of two closed triangles, to twelve digits, and the closest points. Zero if and only if they
 /// meet.
@@ -141,10 +141,10 @@ struct Local<R> {
 }
 
 /// Sizes whose fourth powers are normal, with all their error terms.
-const COMFORTABLE: core::ops::Range<f64> = power_of_two(-100)..power_of_two(100);
+pub(super) const COMFORTABLE: core::ops::Range<f64> = power_of_two(-100)..power_of_two(100);
 
 /// The square of a longer axis is normal, with all its error terms.
-const SHORT: f64 = power_of_two(-400);
+pub(super) const SHORT: f64 = power_of_two(-400);
 
 impl<R: Real> Local<R> {
     #[inline(always)]
@@ -292,7 +292,7 @@ impl Local<f64> {
 
 /// The power of two that brings `size` to 1 .. 2.
 #[cold]
-fn unit_scale(size: f64) -> f64 {
+pub(super) fn unit_scale(size: f64) -> f64 {
     let exponent = (size.to_bits() >> 52) as i32 - 1023;
     power_of_two(-exponent)
 }

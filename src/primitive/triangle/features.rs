@@ -65,13 +65,13 @@ pub(super) fn sub<R: Real>(u: &Vector<R>, v: &Vector<R>) -> Vector<R> {
 }
 
 #[inline(always)]
-fn cross<R: Real>(u: &Vector<R>, v: &Vector<R>) -> Vector<R> {
+pub(super) fn cross<R: Real>(u: &Vector<R>, v: &Vector<R>) -> Vector<R> {
     [u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]]
 }
 
 /// `p + s u`.
 #[inline(always)]
-fn along<R: Real>(p: &Vector<R>, s: R, u: &Vector<R>) -> Vector<R> {
+pub(super) fn along<R: Real>(p: &Vector<R>, s: R, u: &Vector<R>) -> Vector<R> {
     [p[0] + s * u[0], p[1] + s * u[1], p[2] + s * u[2]]
 }
 
@@ -87,7 +87,7 @@ pub(super) fn greatest<R: Real>(x: R, y: R) -> R {
 
 /// To 0 ..= 1; NaN to 0.
 #[inline(always)]
-fn clamped<R: Real>(x: R) -> R {
+pub(super) fn clamped<R: Real>(x: R) -> R {
     let x = if x > R::ZERO { x } else { R::ZERO };
     if x < R::ONE { x } else { R::ONE }
 }

@@ -27,6 +27,7 @@ mod double_double;
 mod features;
 mod flat;
 mod interval;
+pub(crate) mod point;
 #[cfg(test)]
 mod tests;
 mod triangles;

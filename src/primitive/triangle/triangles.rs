@@ -2,7 +2,7 @@
 
 use super::Triangle;
 use crate::pose::Pose;
-use crate::primitive::{Kind, OWN_DIRECTIONS, Primitive, Store};
+use crate::primitive::{Kind, OWN_DIRECTIONS, Primitive, Sphere, Store};
 use crate::range::Point;
 
 /// Triangles, stored as the indices of their corners.
@@ -27,8 +27,14 @@ impl Primitive for Triangles {
         (single.map(f64::from) == *vertex).then_some(single)
     }
 
-    fn vertex_is(vertex: &Point, accepts: impl Fn(&Point) -> bool) -> bool {
-        accepts(vertex)
+    #[inline(always)]
+    fn ball(vertex: &Point) -> Sphere {
+        Sphere { centre: *vertex, radius: 0.0 }
+    }
+
+    #[inline(always)]
+    fn map(vertex: &Point, number: impl Fn(f64) -> f64) -> Point {
+        vertex.map(number)
     }
 
     fn is_among(record: &[u32; 3], vertices: u32) -> bool {

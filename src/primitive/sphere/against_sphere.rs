@@ -1,0 +1,116 @@
+//! Two spheres: whether they meet, come within a margin of each other, and how far apart they are.
+
+use super::Sphere;
+use crate::exact::power_of_two;
+use crate::exact::wide::{Wide, unit_of};
+use crate::primitive::Separation;
+use crate::range::{MIN_COORDINATE, Point};
+
+/// More than what a dozen roundings do to a number, relatively.
+pub(super) const ROUNDING: f64 = power_of_two(-48);
+
+/// Squares of centres' differences and of sums of radii. Those of coordinates of 2^303 and their multiples of
+/// 2^-302 have 1218 bits.
+type Square = Wide<20>;
+
+/// Whether the two are at most `margin` apart. Exact; a margin that is above 0 and below [`MIN_COORDINATE`] counts as
+/// that.
+#[inline(always)]
+pub(crate) fn is_within(a: &Sphere, b: &Sphere, margin: f64, exact: &mut u64) -> bool {
+    let square = square_between(&a.centre, &b.centre);
+    let reach = (a.radius + b.radius) + margin;
+    let limit = reach * reach;
+    // Five roundings of each. Nothing that could be equal under- or overflows.
+    if square < limit * (1.0 - ROUNDING) {
+        return true;
+    }
+    if square > limit * (1.0 + ROUNDING) {
+        return false;
+    }
+    *exact += 1;
+    excess(a, b, margin) <= 0.0
+}
+
+/// The distance of the two, or `None` if it is certainly greater than `limit`. The bounds differ by at most
+/// `tolerance` relatively, which is at least 2^-42.
+#[inline(always)]
+pub(crate) fn nearer(
+    a: &Sphere,
+    b: &Sphere,
+    limit: f64,
+    tolerance: f64,
+    exact: &mut u64,
+) -> Option<Separation> {
+    let between = libm::sqrt(square_between(&a.centre, &b.centre));
+    let reach = a.radius + b.radius;
+    let (gap, error) = (between - reach, ROUNDING * (between + reach));
+    if gap - error > limit {
+        return None;
+    }
+    let (lower, upper) = if 2.0 * error <= tolerance * (gap - error) {
+        (gap - error, gap + error)
+    } else if gap < -error {
+        (0.0, 0.0)
+    } else {
+        *exact += 1;
+        bounds_of_gap(excess(a, b, 0.0), between + reach)
+    };
+    let [p, q] = if upper > 0.0 { nearest_points(a, b, between) } else { [common_point(a, b); 2] };
+    Some(Separation { lower, upper, a: p, b: q })
+}
+
+/// Bounds of `(x^2 - y^2) / (x + y)`, which is x - y without cancellation: zeros if that is not positive.
+pub(super) fn bounds_of_gap(difference_of_squares: f64, sum: f64) -> (f64, f64) {
+    if difference_of_squares <= 0.0 {
+        return (0.0, 0.0);
+    }
+    let gap = difference_of_squares / sum;
+    let upper = gap * (1.0 + ROUNDING);
+    // What is too small for a normal number has no relative precision.
+    let is_normal = gap >= f64::MIN_POSITIVE && difference_of_squares > f64::MIN_POSITIVE;
+    let lower = if is_normal { gap * (1.0 - ROUNDING) } else { 0.0 };
+    (lower, if upper > f64::MIN_POSITIVE { upper } else { f64::MIN_POSITIVE })
+}
+
+/// The square of the distance of the centres, less that of the radii and the margin: its sign is right, and its value
+/// to 2^-50.
+#[cold]
+#[inline(never)]
+fn excess(a: &Sphere, b: &Sphere, margin: f64) -> f64 {
+    let margin = if margin > 0.0 && margin < MIN_COORDINATE { MIN_COORDINATE } else { margin };
+    let unit = unit_of(a.centre.into_iter().chain(b.centre).chain([a.radius, b.radius, margin]));
+    let number = |x: f64| Square::new(x, unit);
+    let mut excess = Square::ZERO;
+    for i in 0..3 {
+        let d = number(a.centre[i]).minus(&number(b.centre[i]));
+        excess = excess.plus(&d.times(&d));
+    }
+    let reach = number(a.radius).plus(&number(b.radius)).plus(&number(margin));
+    excess.minus(&reach.times(&reach)).over(&Square::new(1.0, 0), 2 * unit)
+}
+
+/// The point of each that is nearest to the other, for centres that are `between` apart.
+#[inline(always)]
+fn nearest_points(a: &Sphere, b: &Sphere, between: f64) -> [Point; 2] {
+    let (p, q) = (&a.centre, &b.centre);
+    let (from_a, from_b) = (a.radius / between, b.radius / between);
+    let coordinate = |i: usize| (p[i] + (q[i] - p[i]) * from_a, q[i] + (p[i] - q[i]) * from_b);
+    let [(x, u), (y, v), (z, w)] = [coordinate(0), coordinate(1), coordinate(2)];
+    [[x, y, z], [u, v, w]]
+}
+
+/// A point of both, which meet: on the line of the centres, where its distances from the surfaces are alike in power,
+/// but not beyond a centre.
+fn common_point(a: &Sphere, b: &Sphere) -> Point {
+    let square = square_between(&a.centre, &b.centre);
+    let share = 0.5 + 0.5 * ((a.radius - b.radius) * (a.radius + b.radius)) / square;
+    // Equal centres give infinity or NaN.
+    let share = if share > 0.0 { if share < 1.0 { share } else { 1.0 } } else { 0.0 };
+    core::array::from_fn(|i| a.centre[i] + (b.centre[i] - a.centre[i]) * share)
+}
+
+#[inline(always)]
+fn square_between(p: &Point, q: &Point) -> f64 {
+    let [x, y, z] = [p[0] - q[0], p[1] - q[1], p[2] - q[2]];
+    (x * x + y * y) + z * z
+}

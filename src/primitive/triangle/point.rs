@@ -1,0 +1,132 @@
+//! The distance of a point from a triangle: between certain bounds in `f64`, and its square against another
+//! without error.
+//!
+//! The bounds hold for the reasons given in [`super::distance`]: any point of the triangle gives an upper bound, any
+//! axis a lower one, and only their evaluation costs.
+
+use super::distance::{COMFORTABLE, ROUNDINGS, SHORT, unit_scale};
+use super::features::{Corners, Vector, along, clamped, cross, dot, greatest, least, sub};
+use super::{Triangle, UNIT_ROUNDOFF};
+use crate::exact::wide::{Wide, unit_of};
+use crate::range::Point;
+
+/// The point of a triangle that is nearest to some point, and bounds of how far.
+#[derive(Copy, Clone, Debug)]
+pub(crate) struct Foot {
+    pub(crate) lower: f64,
+    pub(crate) upper: f64,
+    /// The way there, times `scale`.
+    pub(crate) way: Point,
+    /// A power of two.
+    pub(crate) scale: f64,
+}
+
+impl Foot {
+    /// For coordinates within the [range](super#range).
+    #[inline(always)]
+    pub(crate) fn of(c: &Point, [p, q, r]: &Triangle) -> Self {
+        let far = |d: &Point| greatest(greatest(d[0].abs(), d[1].abs()), d[2].abs());
+        let corners = [sub(p, c), sub(q, c), sub(r, c)];
+        let size = greatest(greatest(far(&corners[0]), far(&corners[1])), far(&corners[2]));
+        let scale = if COMFORTABLE.contains(&size) || size == 0.0 { 1.0 } else { unit_scale(size) };
+        let scaled = |[x, y, z]: Point| [x * scale, y * scale, z * scale];
+        let corners = [scaled(corners[0]), scaled(corners[1]), scaled(corners[2])];
+        let (way, axis) = nearest(&corners);
+        let slack = ROUNDINGS * UNIT_ROUNDOFF * (size * scale);
+        let (wide, narrow) = (1.0 + 4.0 * f64::EPSILON, 1.0 - 4.0 * f64::EPSILON);
+        let upper = (libm::sqrt(dot(&way, &way)) + slack) * wide / scale;
+        let length = libm::sqrt(dot(&axis, &axis));
+        let [x, y, z] = [dot(&axis, &corners[0]), dot(&axis, &corners[1]), dot(&axis, &corners[2])];
+        let gap = greatest(least(least(x, y), z), -greatest(greatest(x, y), z));
+        let lower = if length > SHORT { (gap / length - slack) * narrow / scale } else { 0.0 };
+        Self { lower: greatest(lower, 0.0), upper, way, scale }
+    }
+}
+
+/// The point of a triangle nearest to the origin, and an axis along which it is as far, if the point is the nearest.
+#[inline(always)]
+fn nearest(corners: &Corners<f64>) -> (Vector<f64>, Vector<f64>) {
+    let [p, q, r] = corners;
+    let (u, v) = (sub(q, p), sub(r, p));
+    let normal = cross(&u, &v);
+    // Of a triangle without area NaN or infinite: not in the face.
+    let inverse = -1.0 / dot(&normal, &normal);
+    let s = dot(p, &cross(&v, &normal)) * inverse;
+    let t = dot(p, &cross(&normal, &u)) * inverse;
+    if s >= 0.0 && t >= 0.0 && s + t <= 1.0 {
+        return (along(&along(p, s, &u), t, &v), normal);
+    }
+    let (mut best, mut square) = ([0.0; 3], f64::INFINITY);
+    for i in 0..3 {
+        let (from, to) = (&corners[i], &corners[(i + 1) % 3]);
+        let u = sub(to, from);
+        // Corners that coincide give NaN, and so an end of the edge.
+        let s = clamped(-dot(&u, from) / dot(&u, &u));
+        let point = if s < 1.0 { along(from, s, &u) } else { *to };
+        let of_point = dot(&point, &point);
+        if of_point < square {
+            (best, square) = (point, of_point);
+        }
+    }
+    (best, best)
+}
+
+/// Coordinates are multiples of 2^-302, and differences of two below 2^303: they have 606 bits. The comparison of a
+/// height with a radius is of the sixth degree, and has 3644.
+type Sixth = Wide<58>;
+
+/// The square of the distance of a point from a triangle, less that of the sum of two numbers: its sign is right, and
+/// its value to 2^-50. The numbers are not negative, zero or in the range of coordinates.
+#[cold]
+#[inline(never)]
+pub(crate) fn excess(c: &Point, t: &Triangle, reach: [f64; 2]) -> f64 {
+    let unit = unit_of(t.as_flattened().iter().chain(c).chain(&reach).copied());
+    let number = |x: f64| Sixth::new(x, unit);
+    // Made again wherever they are needed: few of them are on the stack at once.
+    let corner = |i: usize| move |k: usize| number(t[i % 3][k]).minus(&number(c[k]));
+    let edge = |i: usize| move |k: usize| number(t[(i + 1) % 3][k]).minus(&number(t[i][k]));
+    let square = {
+        let sum = number(reach[0]).plus(&number(reach[1]));
+        sum.times(&sum)
+    };
+    let one = Sixth::new(1.0, 0);
+    let mut least = f64::INFINITY;
+    // Each of these is the distance from some point of the triangle, and one of them is from the nearest.
+    let mut offer = |excess: &Sixth, denominator: &Sixth| {
+        let excess = excess.over(denominator, 2 * unit);
+        least = if excess < least { excess } else { least };
+    };
+    for i in 0..3 {
+        let over = product(corner(i), corner(i)).minus(&square);
+        offer(&over, &one);
+        let (length, back) = (product(edge(i), edge(i)), product(edge(i), corner(i)));
+        if back.sign() < 0 && length.plus(&back).sign() > 0 {
+            offer(&over.times(&length).minus(&back.times(&back)), &length);
+        }
+    }
+    let normal = [minor(edge(0), edge(1), 0), minor(edge(0), edge(1), 1), minor(edge(0), edge(1), 2)];
+    let along_normal = |v: &dyn Fn(usize) -> Sixth| product(|k| normal[k], v);
+    let length = along_normal(&|k| normal[k]);
+    let is_over = |i: usize| along_normal(&|k| minor(corner(i), corner(i + 1), k)).sign() >= 0;
+    if length.sign() > 0 && is_over(0) && is_over(1) && is_over(2) {
+        let height = along_normal(&corner(0));
+        offer(&height.times(&height).minus(&square.times(&length)), &length);
+    }
+    least
+}
+
+#[inline(never)]
+fn product(u: impl Fn(usize) -> Sixth, v: impl Fn(usize) -> Sixth) -> Sixth {
+    let mut sum = Sixth::ZERO;
+    for k in 0..3 {
+        sum = sum.plus(&u(k).times(&v(k)));
+    }
+    sum
+}
+
+/// Coordinate `k` of the cross product.
+#[inline(never)]
+fn minor(u: impl Fn(usize) -> Sixth, v: impl Fn(usize) -> Sixth, k: usize) -> Sixth {
+    let (i, j) = ((k + 1) % 3, (k + 2) % 3);
+    u(i).times(&v(j)).minus(&u(j).times(&v(i)))
+}
