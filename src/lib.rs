@@ -155,6 +155,8 @@ pub mod isa;
 pub mod kernel;
 pub mod key;
 pub mod node;
+#[cfg(feature = "alloc")]
+pub mod packing;
 pub mod pose;
 pub mod primitive;
 pub mod query;
