@@ -117,9 +117,8 @@ impl Room<'_> {
         }
         while known.len() > KNOWN {
             // The farthest; the last that came cannot be told from it where they are alike.
-            let farthest = (0..known.len()).fold(0, |far, i| {
-                if known[i].distance > known[far].distance { i } else { far }
-            });
+            let farthest = (0..known.len())
+                .fold(0, |far, i| if known[i].distance > known[far].distance { i } else { far });
             known.remove(farthest);
         }
         is_new

@@ -41,6 +41,7 @@
 
 mod ascent;
 mod closed;
+mod cube;
 mod error;
 mod grid;
 mod search;
@@ -105,8 +106,8 @@ impl Packer {
         Self { spheres }
     }
 
-    /// Fills a mesh. There are fewer spheres than asked for if no other larger than some 2^-20 of the mesh's
-    /// greatest coordinate fits.
+    /// Fills a mesh. There are fewer spheres than asked for if no other fits whose radius is above a 2^-21st
+    /// of the mesh's width.
     ///
     /// The mesh must be closed: with corners of the same coordinates joined, as many of its triangles run along
     /// each edge in one direction as in the other. Two is usual; four, where parts touch along an edge, are

@@ -120,7 +120,11 @@ fn sphere(content: &str, line: usize) -> Result<Option<Sphere>, TextError> {
         return Err(TextError::Count { line, count });
     }
     let [x, y, z, radius] = numbers;
-    if radius < 0.0 { Err(TextError::Negative { line }) } else { Ok(Some(Sphere { centre: [x, y, z], radius })) }
+    if radius < 0.0 {
+        Err(TextError::Negative { line })
+    } else {
+        Ok(Some(Sphere { centre: [x, y, z], radius }))
+    }
 }
 
 /// Writes spheres, in their order: each number as the shortest decimal that [`read`] reads back with the same
@@ -129,5 +133,7 @@ fn sphere(content: &str, line: usize) -> Result<Option<Sphere>, TextError> {
 /// # Errors
 /// Those of `out`.
 pub fn write(spheres: &[Sphere], out: &mut impl fmt::Write) -> fmt::Result {
-    spheres.iter().try_for_each(|Sphere { centre: [x, y, z], radius }| writeln!(out, "{x:?} {y:?} {z:?} {radius:?}"))
+    spheres
+        .iter()
+        .try_for_each(|Sphere { centre: [x, y, z], radius }| writeln!(out, "{x:?} {y:?} {z:?} {radius:?}"))
 }
