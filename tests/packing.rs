@@ -180,6 +180,11 @@ fn check(mesh: &MeshData, packing: &Packing) {
             }
         }
     }
+    let mut least = f64::INFINITY;
+    for sphere in &packing.spheres {
+        assert!(sphere.radius <= 1.5 * least, "{sphere:?} comes after one of radius {least}");
+        least = least.min(sphere.radius);
+    }
     let shares: Vec<f64> = packing.shares().collect();
     assert_eq!(shares.len(), packing.spheres.len());
     assert!(shares.is_sorted() && shares.last().is_none_or(|share| *share < 1.0), "{:?}", shares.last());

@@ -119,10 +119,9 @@ impl Surface {
                 }
                 Link::Inner(index) => {
                     let node = &self.nodes[index as usize];
-                    let is_met = node.on_ray(at);
-                    for lane in 0..16 {
-                        if is_met[lane] {
-                            stack[len] = node.child[lane];
+                    for (child, is_met) in node.child.iter().zip(node.on_ray(at)) {
+                        if is_met {
+                            stack[len] = *child;
                             len += 1;
                         }
                     }
@@ -151,9 +150,8 @@ impl Surface {
                 Link::Leaf { first, count } => (first..first + count).for_each(|i| visit(i, &mut limit)),
                 Link::Inner(index) => {
                     let node = &self.nodes[index as usize];
-                    let (gaps, bound, start) = (node.gaps(at), square(limit), len);
-                    for lane in 0..16 {
-                        let gap = gaps[lane];
+                    let (bound, start) = (square(limit), len);
+                    for (child, gap) in node.child.iter().zip(node.gaps(at)) {
                         if gap <= bound {
                             // The nearest comes to lie on top.
                             let mut place = len;
@@ -161,7 +159,7 @@ impl Surface {
                                 stack[place] = stack[place - 1];
                                 place -= 1;
                             }
-                            stack[place] = (node.child[lane], gap);
+                            stack[place] = (*child, gap);
                             len += 1;
                         }
                     }
@@ -194,12 +192,12 @@ impl LaneBoxes {
     #[inline]
     fn gaps(&self, p: [f32; 3]) -> [f32; 16] {
         let mut sums = [0.0; 16];
-        for axis in 0..3 {
-            for lane in 0..16 {
-                let (before, after) = (self.low[axis][lane] - p[axis], p[axis] - self.high[axis][lane]);
+        for (axis, x) in p.into_iter().enumerate() {
+            for (lane, sum) in sums.iter_mut().enumerate() {
+                let (before, after) = (self.low[axis][lane] - x, x - self.high[axis][lane]);
                 let gap = if before > after { before } else { after };
                 let gap = if gap > 0.0 { gap } else { 0.0 };
-                sums[lane] += gap * gap;
+                *sum += gap * gap;
             }
         }
         sums

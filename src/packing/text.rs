@@ -111,8 +111,9 @@ fn sphere(content: &str, line: usize) -> Result<Option<Sphere>, TextError> {
     let mut numbers = [0.0; 4];
     for (word, (text, number)) in content.split_whitespace().zip(&mut numbers).enumerate() {
         *number = text.parse::<f64>().map_err(|_| TextError::Word { line, word })?;
-        // The comparison is false for NaN.
-        if !(number.abs() <= MAX_COORDINATE) {
+        // False for NaN.
+        let is_in_range = number.abs() <= MAX_COORDINATE;
+        if !is_in_range {
             return Err(TextError::Range { line, word });
         }
     }
