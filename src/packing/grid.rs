@@ -77,6 +77,12 @@ impl Placed {
         for class in &self.classes {
             let reach = limit + class.greatest;
             let (low, high) = (cell_of(p - reach, class.per_cell), cell_of(p + reach, class.per_cell));
+            let cells = (high - low + 1).as_dvec3().element_product();
+            if cells > self.balls.len() as f64 {
+                // Small balls, and much room around the point.
+                (0..).zip(&self.balls).for_each(|(index, ball)| visit(index, ball, &mut limit));
+                return;
+            }
             for x in low.x..=high.x {
                 for y in low.y..=high.y {
                     for z in low.z..=high.z {

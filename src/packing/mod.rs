@@ -37,6 +37,7 @@
 //! local maximum, to about a 1000th, and no smaller than two thirds of the largest that would have fit there
 //! and then. (Where proving that would take too long, as in curved shells a thousand times as wide as they are
 //! thick, it is two thirds of the largest that a few hundred trials found.)
+//!
 //! Radii are numbers in single precision, and so are centres where that costs less than a 1000th of the
 //! radius: in all but meshes that are far from their origin. Trees of such spheres are stored in single
 //! precision.

@@ -145,16 +145,7 @@ impl Task {
     fn work(&mut self, room: &Room<'_>) {
         match self.fate {
             Fate::Waits | Fate::Gone => {}
-            Fate::Climbs => {
-                self.found = self.cube.climbed(room);
-                // Where nothing can be proved, what is smaller may help, but not for ever.
-                if self.found.is_none() {
-                    self.fate = Fate::Gone;
-                    if self.cube.half > (1.0 - PROVEN) * self.cube.clearance {
-                        self.parts.extend(self.cube.parts(room));
-                    }
-                }
-            }
+            Fate::Climbs => self.climb(room),
             Fate::Cut => {
                 self.fate = Fate::Gone;
                 self.parts.extend(self.cube.parts(room));
@@ -170,9 +161,23 @@ impl Task {
                     let Some(roomiest) = roomiest else { return };
                     cube = self.parts.swap_remove(roomiest);
                 }
-                self.found = cube.climbed(room);
-                self.parts.push(cube);
+                if cube.clearance < cube.half {
+                    self.parts.push(cube);
+                } else {
+                    self.cube = cube;
+                    self.climb(room);
+                }
             }
+        }
+    }
+
+    /// Finds a sphere. Where nothing can be proved of it, parts of the cube may lead to another, but not for
+    /// ever.
+    fn climb(&mut self, room: &Room<'_>) {
+        self.found = self.cube.climbed(room);
+        self.fate = if self.found.is_some() { Fate::Climbs } else { Fate::Gone };
+        if self.found.is_none() && self.cube.half > (1.0 - PROVEN) * self.cube.clearance {
+            self.parts.extend(self.cube.parts(room));
         }
     }
 }
