@@ -118,8 +118,8 @@
 //! | feature | default | what |
 //! |---|---|---|
 //! | `std` | yes | run-time detection of instruction sets by the standard library; implies `alloc` |
-//! | `alloc` | yes | owned trees and the builders; without it: borrowed trees and every query |
-//! | `rayon` | no | construction on several threads, with the same bytes; implies `std` |
+//! | `alloc` | yes | owned trees, the builders and sphere packings; without it: borrowed trees and every query |
+//! | `rayon` | no | construction and packing on several threads, with the same bytes; implies `std` |
 //! | `gpu` | no | construction on a device, through wgpu (`construct::gpu`), with the same bytes; implies `std` |
 //! | `cli` | no | the command `simdop` |
 //!
@@ -129,7 +129,8 @@
 //!
 //! Tan, Weller, Zachmann, *SIMDop: SIMD Optimized Bounding Volume Hierarchies for Collision Detection*, IROS
 //! 2019. Weller, Mainzer, Srinivas, Teschner, Zachmann, *Massively Parallel Batch Neural Gas for Bounding
-//! Volume Hierarchy Construction*, VRIPHYS 2014. Klosowski, Held, Mitchell, Sowizral, Zikan, *Efficient
+//! Volume Hierarchy Construction*, VRIPHYS 2014. Weller, Zachmann, *Inner Sphere Trees for Proximity and
+//! Penetration Queries*, RSS 2009. Klosowski, Held, Mitchell, Sowizral, Zikan, *Efficient
 //! Collision Detection Using Bounding Volume Hierarchies of k-DOPs*, TVCG 1998.
 #![no_std]
 // Of the library alone: a test may unwrap, and has std.
@@ -156,6 +157,8 @@ pub mod isa;
 pub mod kernel;
 pub mod key;
 pub mod node;
+#[cfg(feature = "alloc")]
+pub mod packing;
 pub mod pose;
 pub mod primitive;
 pub mod query;

@@ -899,3 +899,64 @@ fn a_link_is_stored_without_what_its_file_repeats() {
     assert_eq!(info["vertex_format"], "f32");
     assert!(info["total_bytes"].as_u64().unwrap() < 23_000, "{}", info["total_bytes"]);
 }
+
+#[test]
+fn a_packing_is_written_and_reported() {
+    let folder = Folder::new("pack");
+    folder.write("a.obj", obj(&tetrahedron()));
+    let report = folder.json(&["pack", "a.obj", "-n", "30", "-o", "a.txt"]);
+    assert_eq!(
+        (&report["spheres"], &report["asked"], &report["triangles"]),
+        (&30.into(), &30.into(), &4.into())
+    );
+    assert!((report["volume"].as_f64().unwrap() - 1.0 / 6.0).abs() < 1e-12);
+    let steps: Vec<u64> =
+        report["steps"].as_array().unwrap().iter().map(|s| s["spheres"].as_u64().unwrap()).collect();
+    assert_eq!(steps, [1, 2, 5, 10, 20, 30]);
+    let text = std::fs::read_to_string(folder.0.join("a.txt")).unwrap();
+    let spheres = simdop::packing::text::read(&text).unwrap();
+    assert_eq!(spheres.len(), 30);
+    // The inscribed sphere of the tetrahedron.
+    let radius = 1.0 / (3.0 + 3.0_f64.sqrt());
+    assert!((0.999 * radius..=radius).contains(&spheres[0].radius), "{:?}", spheres[0]);
+
+    // Of a tree the mesh that it was built from; a packing that is there is replaced.
+    assert_eq!(folder.fate(&["build", "a.obj", "-o", "a.tree"]), (0, String::new()));
+    assert_eq!(folder.fate(&["pack", "a.tree", "-n", "30", "-o", "a.txt"]), (0, String::new()));
+    assert_eq!(std::fs::read_to_string(folder.0.join("a.txt")).unwrap(), text);
+
+    // Without a file: a shape that is built in.
+    let output = folder.run(&["pack", "-n", "12", "-o", "gear.txt"]);
+    let table = String::from_utf8(output.stdout).unwrap();
+    assert_eq!(output.status.code(), Some(0));
+    assert!(
+        table.starts_with("gear ring (built in): 7680 triangles, volume ") && table.contains("\n        12 "),
+        "{table}"
+    );
+    assert_eq!(
+        simdop::packing::text::read(&std::fs::read_to_string(folder.0.join("gear.txt")).unwrap())
+            .unwrap()
+            .len(),
+        12
+    );
+}
+
+#[test]
+fn what_cannot_be_packed_is_an_error() {
+    let folder = Folder::new("pack_errors");
+    let mut open = tetrahedron();
+    open.triangles.pop();
+    folder.write("open.obj", obj(&open));
+    folder.write("a.obj", obj(&tetrahedron()));
+    let (code, message) = folder.fate(&["pack", "open.obj", "-o", "open.txt"]);
+    assert_eq!(code, 2);
+    let want = "simdop: open.obj: the mesh is open, or not oriented alike, at the edge of vertices ";
+    assert!(message.starts_with(want), "{message}");
+    assert!(!folder.0.join("open.txt").exists());
+    let want = "simdop: --output: a.obj is the file that is read".to_owned();
+    assert_eq!(folder.fate(&["pack", "a.obj", "-o", "a.obj"]), (2, want));
+    assert_eq!(folder.fate(&["pack", "a.obj", "-n", "0", "-o", "a.txt"]).0, 2);
+    assert_eq!(folder.fate(&["pack", "absent.obj", "-o", "a.txt"]).0, 2);
+    let (code, message) = folder.fate(&["pack", "a.obj", "-n", "3", "-o", "absent/a.txt"]);
+    assert!(code == 2 && message.starts_with("simdop: absent/a.txt: "), "{message}");
+}

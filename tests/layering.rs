@@ -11,7 +11,7 @@ use std::path::{Path, PathBuf};
 
 /// The modules of the crate, lowest layer first. A module may import from lower layers only, never from its
 /// own.
-const LAYERS: [&[&str]; 10] = [
+const LAYERS: [&[&str]; 11] = [
     &["range"],
     &["key", "exact", "directions", "isa"],
     &["frame", "pose"],
@@ -21,6 +21,7 @@ const LAYERS: [&[&str]; 10] = [
     &["realign"],
     &["kernel", "construct"],
     &["query"],
+    &["packing"],
     // The command: a crate of its own, which sees of the library what every user does.
     &["cli"],
 ];

@@ -4,6 +4,7 @@ use super::body::Shape;
 use core::fmt;
 use simdop::construct::BuildError;
 use simdop::hierarchy::{BakeError, VerifyError};
+use simdop::packing::PackError;
 use std::path::PathBuf;
 
 /// Where in a file.
@@ -47,6 +48,8 @@ pub(crate) enum Error {
     Verify { path: PathBuf, error: VerifyError },
     /// A mesh cannot be built.
     Build { name: String, error: BuildError },
+    /// A mesh cannot be filled with spheres.
+    Pack { name: String, error: PackError },
     /// An option that cannot be followed.
     Option { option: &'static str, problem: String },
     /// A tree has another node type than the other body, or than the options ask for.
@@ -89,6 +92,7 @@ impl fmt::Display for Error {
             Self::Tree { path, error } => write!(f, "{}: {error}", path.display()),
             Self::Verify { path, error } => write!(f, "{}: not conservative: {error}", path.display()),
             Self::Build { name, error } => write!(f, "{name}: {error}"),
+            Self::Pack { name, error } => write!(f, "{name}: {error}"),
             Self::Option { option, problem } => write!(f, "{option}: {problem}"),
             Self::OtherShape { name, has, asked } => write!(
                 f,

@@ -7,6 +7,7 @@ mod error;
 mod info;
 mod mesh;
 mod output;
+mod pack;
 mod picture;
 mod poses;
 mod progress;
@@ -42,10 +43,14 @@ enum Command {
     Build(build::Options),
     /// Describes a tree, or the tree that a mesh becomes.
     Info(info::Options),
+    /// Fills a closed mesh with disjoint spheres, the largest that fits first, and writes them as text.
+    ///
+    /// The table says what share of the mesh's volume the first spheres cover.
+    Pack(pack::Options),
 }
 
 /// What hierarchy a mesh becomes. A tree is what it is: where there are only trees, these are errors.
-#[derive(Args, Clone, Debug)]
+#[derive(Args, Clone, Default, Debug)]
 struct TreeOptions {
     /// Planes of a volume: 6, 14, 18, 26 or 32 [default: 18, or that of a given tree].
     #[arg(short, long, value_parser = k)]
@@ -144,6 +149,7 @@ pub(crate) fn run() -> ExitCode {
         Command::Collide(options) => collide::run(&options),
         Command::Build(options) => build::run(&options).map(|()| 0),
         Command::Info(options) => info::run(&options).map(|()| 0),
+        Command::Pack(options) => pack::run(&options).map(|()| 0),
     };
     match outcome {
         Ok(code) => ExitCode::from(code),

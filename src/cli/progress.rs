@@ -40,6 +40,15 @@ pub(super) fn build(name: &str, levels: u64, quiet: bool) -> ProgressBar {
     bar
 }
 
+/// A bar over the spheres of a packing. It is gone when it is dropped.
+pub(super) fn pack(count: u64, quiet: bool) -> ProgressBar {
+    let bar = visible(ProgressBar::new(count), quiet);
+    if let Ok(style) = ProgressStyle::with_template("{wide_bar} {pos}/{len} spheres, {eta} left") {
+        bar.set_style(style);
+    }
+    bar
+}
+
 /// Levels of a tree over so many triangles whose nodes are full.
 pub(super) fn levels(triangles: usize, leaf_size: usize, arity: usize) -> u64 {
     let (mut levels, mut room) = (1, leaf_size.saturating_mul(arity));

@@ -15,7 +15,7 @@ pub mod gpu;
 mod levels;
 mod longest_axis;
 mod neural_gas;
-mod parallel;
+pub(crate) mod parallel;
 mod progress;
 mod shape;
 mod thin;

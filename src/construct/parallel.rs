@@ -31,13 +31,13 @@ pub(super) fn join<A: Send, B: Send>(a: impl FnOnce() -> A + Send, b: impl FnOnc
 
 /// Runs `work` on each run of `size` items, the last maybe shorter, with its number.
 #[cfg(feature = "rayon")]
-pub(super) fn for_each_chunk<T: Send>(items: &mut [T], size: usize, work: impl Fn(usize, &mut [T]) + Sync) {
+pub(crate) fn for_each_chunk<T: Send>(items: &mut [T], size: usize, work: impl Fn(usize, &mut [T]) + Sync) {
     use rayon::prelude::*;
     items.par_chunks_mut(size).enumerate().for_each(|(number, chunk)| work(number, chunk));
 }
 
 /// Runs `work` on each run of `size` items, the last maybe shorter, with its number.
 #[cfg(not(feature = "rayon"))]
-pub(super) fn for_each_chunk<T: Send>(items: &mut [T], size: usize, work: impl Fn(usize, &mut [T]) + Sync) {
+pub(crate) fn for_each_chunk<T: Send>(items: &mut [T], size: usize, work: impl Fn(usize, &mut [T]) + Sync) {
     items.chunks_mut(size).enumerate().for_each(|(number, chunk)| work(number, chunk));
 }

@@ -1,0 +1,151 @@
+//! `simdop pack`.
+
+use super::body::{self, Source};
+use super::error::Error;
+use super::mesh::MeshData;
+use super::{File, TreeOptions, output, progress, scene};
+use clap::Args;
+use core::ops::ControlFlow;
+use serde::Serialize;
+use simdop::construct::Mesh;
+use simdop::packing::{Filling, Packer, Packing, text};
+use std::io::Write;
+use std::time::Instant;
+
+#[derive(Args, Debug)]
+pub(super) struct Options {
+    /// A closed mesh, or a tree: then the mesh that it was built from. Without it: a gear that is built in.
+    mesh: Option<File>,
+    /// How many spheres.
+    #[arg(short = 'n', long, value_name = "NUMBER", default_value_t = 1000, value_parser = clap::value_parser!(u32).range(1..))]
+    spheres: u32,
+    /// The packing to write, a sphere a line: x y z r. A file that is there is replaced at once, when the
+    /// packing is whole.
+    #[arg(short, long)]
+    output: File,
+    /// One JSON object instead of a table.
+    #[arg(long)]
+    json: bool,
+}
+
+#[derive(Serialize)]
+struct Report {
+    version: &'static str,
+    mesh: String,
+    triangles: usize,
+    /// Of the mesh, in its unit to the third.
+    volume: f64,
+    spheres: usize,
+    asked: u32,
+    pack_nanoseconds: u128,
+    /// After 1, 2, 5, 10, 20 and so on spheres, and after all.
+    steps: Vec<Step>,
+}
+
+/// What the first spheres cover.
+#[derive(Serialize)]
+struct Step {
+    spheres: usize,
+    volume: f64,
+    share: f64,
+    /// Of the last of them.
+    radius: f64,
+}
+
+pub(super) fn run(options: &Options) -> Result<(), Error> {
+    let (name, mesh) = read(options)?;
+    let bar = progress::pack(options.spheres.into(), options.json);
+    let mut observer = |filling: Filling| {
+        bar.set_position(filling.placed as u64);
+        ControlFlow::Continue(())
+    };
+    let start = Instant::now();
+    let packing = Packer::new()
+        .spheres(options.spheres as usize)
+        .pack_with(&Mesh { vertices: &mesh.vertices, triangles: &mesh.triangles }, &mut observer)
+        .map_err(|error| Error::Pack { name: name.clone(), error })?;
+    let pack_nanoseconds = start.elapsed().as_nanos();
+    drop(bar);
+    let mut lines = String::new();
+    // Writing to a string does not fail.
+    let _ = text::write(&packing.spheres, &mut lines);
+    output::stage(&options.output, lines.as_bytes())?.commit()?;
+    let report = Report {
+        version: env!("CARGO_PKG_VERSION"),
+        mesh: name,
+        triangles: mesh.triangles.len(),
+        volume: packing.volume,
+        spheres: packing.spheres.len(),
+        asked: options.spheres,
+        pack_nanoseconds,
+        steps: steps(&packing),
+    };
+    if output::is_standard_output(&options.output) {
+        // The standard output holds the packing, and nothing else.
+        let _ = print(&report, options.json, &mut std::io::stderr().lock());
+        return Ok(());
+    }
+    print(&report, options.json, &mut std::io::stdout().lock()).map_err(Error::Output)
+}
+
+fn read(options: &Options) -> Result<(String, MeshData), Error> {
+    let Some(path) = &options.mesh else { return Ok(("gear ring (built in)".into(), scene::gear())) };
+    if output::is_same(&options.output, path) {
+        let problem = format!("{} is the file that is read", path.display());
+        return Err(Error::Option { option: "--output", problem });
+    }
+    let mesh = match body::read(path, &TreeOptions::default(), options.json)? {
+        Source::Mesh(mesh) => mesh,
+        Source::Tree(tree) => body::mesh_of(&tree),
+    };
+    Ok((path.display().to_string(), mesh))
+}
+
+fn steps(packing: &Packing) -> Vec<Step> {
+    let all = packing.spheres.len();
+    let shares = packing.shares().zip(&packing.spheres).zip(1..);
+    let rows = shares.filter(|(_, count)| *count == all || is_step(*count));
+    let step = |((share, sphere), spheres): ((f64, &simdop::primitive::Sphere), usize)| Step {
+        spheres,
+        volume: share * packing.volume,
+        share,
+        radius: sphere.radius,
+    };
+    rows.map(step).collect()
+}
+
+/// Whether a number is 1, 2 or 5 times a power of ten.
+const fn is_step(mut count: usize) -> bool {
+    while count >= 10 && count.is_multiple_of(10) {
+        count /= 10;
+    }
+    matches!(count, 1 | 2 | 5)
+}
+
+fn print(report: &Report, json: bool, out: &mut impl Write) -> std::io::Result<()> {
+    if json {
+        return writeln!(out, "{}", serde_json::to_string_pretty(report)?);
+    }
+    let Report { mesh, triangles, volume, spheres, asked, .. } = report;
+    let seconds = report.pack_nanoseconds as f64 / 1e9;
+    writeln!(out, "{mesh}: {triangles} triangles, volume {volume:.6e}, {spheres} spheres in {seconds:.2} s")?;
+    if *spheres < *asked as usize {
+        writeln!(out, "of {asked} spheres asked for, the rest would be too small")?;
+    }
+    writeln!(out, "\n   spheres  covered %        volume   last radius")?;
+    for Step { spheres, volume, share, radius } in &report.steps {
+        writeln!(out, "{spheres:10} {:10.2}  {volume:12.5e}  {radius:12.5e}", 100.0 * share)?;
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::is_step;
+
+    #[test]
+    fn steps_are_1_2_5() {
+        let steps: Vec<usize> = (1..=2000).filter(|count| is_step(*count)).collect();
+        assert_eq!(steps, [1, 2, 5, 10, 20, 50, 100, 200, 500, 1000, 2000]);
+    }
+}

@@ -1,0 +1,57 @@
+//! Why a mesh cannot be filled.
+
+use crate::construct::BuildError;
+use crate::range::Point;
+use core::fmt;
+
+/// Why a mesh cannot be filled with spheres.
+#[derive(Copy, Clone, PartialEq, Debug)]
+#[non_exhaustive]
+pub enum PackError {
+    /// The mesh has no triangle.
+    Empty,
+    /// Vertices, triangles or their numbers are not what a tree can be built of: a coordinate that is not
+    /// finite or out of [range](crate::range), an index of a vertex that there is not.
+    Mesh(BuildError),
+    /// Not as many triangles run along an edge in one direction as in the other: the mesh has a border
+    /// there, or its triangles are not oriented alike.
+    Open {
+        /// The edge's two vertices: of several with the same coordinates the first.
+        edge: [u32; 2],
+        /// Their coordinates.
+        corners: [Point; 2],
+        /// Triangles that run from the first vertex to the second.
+        forward: usize,
+        /// Triangles that run from the second vertex to the first.
+        backward: usize,
+    },
+    /// The mesh encloses no volume, up to rounding.
+    Flat,
+    /// The caller of [`super::Packer::pack_with`] wished to stop.
+    Cancelled,
+}
+
+impl fmt::Display for PackError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Empty => f.write_str("there is no triangle, and so nothing to fill"),
+            Self::Mesh(error) => error.fmt(f),
+            Self::Open { edge: [a, b], corners: [p, q], forward, backward } => write!(
+                f,
+                "the mesh is open, or not oriented alike, at the edge of vertices {a} and {b}, {p:?} to {q:?}: {forward} \
+                 of its triangles run from {a} to {b}, {backward} back"
+            ),
+            Self::Flat => f.write_str("the mesh encloses no volume"),
+            Self::Cancelled => f.write_str("the packing was cancelled"),
+        }
+    }
+}
+
+impl core::error::Error for PackError {
+    fn source(&self) -> Option<&(dyn core::error::Error + 'static)> {
+        match self {
+            Self::Mesh(error) => Some(error),
+            _ => None,
+        }
+    }
+}

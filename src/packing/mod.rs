@@ -1,0 +1,178 @@
+//! Sphere packings: a closed mesh, filled with disjoint spheres, the largest that fits first.
+//!
+//! ```
+//! use simdop::{construct::Mesh, packing::Packer};
+//!
+//! // A cube of edge 2: its largest sphere is the unit sphere, and fills pi / 6 of it.
+//! let vertices: Vec<[f64; 3]> =
+//!     (0..8).map(|i| [i & 1, i >> 1 & 1, i >> 2].map(|x| 2.0 * f64::from(x) - 1.0)).collect();
+//! let triangles = [
+//!     [0, 2, 1], [1, 2, 3], [4, 5, 6], [5, 7, 6], [0, 1, 4], [1, 5, 4],
+//!     [2, 6, 3], [3, 6, 7], [0, 4, 2], [2, 4, 6], [1, 3, 5], [3, 7, 5],
+//! ];
+//! let packing = Packer::new().spheres(9).pack(&Mesh { vertices: &vertices, triangles: &triangles })?;
+//! assert_eq!(packing.volume, 8.0);
+//! assert!((packing.spheres[0].radius - 1.0).abs() < 1e-3);
+//! let shares: Vec<f64> = packing.shares().collect();
+//! assert!((shares[0] - core::f64::consts::FRAC_PI_6).abs() < 1e-2 && shares[8] > 0.6);
+//! # Ok::<(), simdop::packing::PackError>(())
+//! ```
+//!
+//! Packings stand for volumes: how deep two bodies are in each other is what their spheres have in common
+//! (Weller and Zachmann, *Inner Sphere Trees for Proximity and Penetration Queries*, RSS 2009; Weller, Mainzer,
+//! Srinivas, Teschner, Zachmann, *Massively Parallel Batch Neural Gas for Bounding Volume Hierarchy
+//! Construction*, VRIPHYS 2014, section 3). [`text`] reads and writes them.
+//!
+//! # Guarantees
+//!
+//! * **Inside.** Each sphere lies inside the mesh: no triangle has a point nearer to its centre than its
+//!   radius, and a ray from its centre crosses the mesh an odd number of times. Both hold in exact arithmetic,
+//!   for the coordinates as given (those below [`MIN_COORDINATE`](crate::range::MIN_COORDINATE) are zero).
+//! * **Disjoint.** Two centres are at least as far apart as the sum of the radii, in exact arithmetic: spheres
+//!   touch at most.
+//! * **Determinism.** The same spheres on every machine and, with the feature `rayon`, from any number of
+//!   threads: those of the current pool.
+//!
+//! How large a sphere is, and that it is the largest, is not exact. It is at a place where the clearance is a
+//! local maximum, to about a 1000th, and no smaller than two thirds of the largest that would have fit there
+//! and then. (Where proving that would take too long, as in curved shells a thousand times as wide as they are
+//! thick, it is two thirds of the largest that a few hundred trials found.)
+//!
+//! Radii are numbers in single precision, and so are centres where that costs less than a 1000th of the
+//! radius: in all but meshes that are far from their origin. Trees of such spheres are stored in single
+//! precision.
+
+mod ascent;
+mod closed;
+mod cube;
+mod error;
+mod grid;
+mod search;
+mod surface;
+pub mod text;
+
+pub use error::PackError;
+
+use crate::construct::Mesh;
+use crate::frame::scale_to_one;
+use crate::primitive::Sphere;
+use crate::range::{Point, flush};
+use alloc::vec::Vec;
+use core::f64::consts::PI;
+use core::ops::ControlFlow;
+use surface::Surface;
+
+/// How to fill a mesh.
+#[derive(Copy, Clone, PartialEq, Eq, Debug)]
+pub struct Packer {
+    spheres: usize,
+}
+
+/// Disjoint spheres inside a mesh.
+#[derive(Clone, PartialEq, Debug)]
+pub struct Packing {
+    /// The spheres, in the mesh's unit, in the order in which they were placed: the greatest first, roughly. None
+    /// is more than some half larger than one before it.
+    pub spheres: Vec<Sphere>,
+    /// The volume that the mesh encloses, in its unit to the third: the sum of signed tetrahedra, so that
+    /// what is enclosed twice counts twice.
+    pub volume: f64,
+}
+
+/// How far a packing is.
+#[derive(Copy, Clone, PartialEq, Debug)]
+pub struct Filling {
+    /// Spheres that were placed.
+    pub placed: usize,
+    /// Spheres that were asked for.
+    pub asked: usize,
+    /// The share of the volume that they cover.
+    pub share: f64,
+}
+
+impl Default for Packer {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+impl Packer {
+    /// For 1000 spheres.
+    #[must_use]
+    pub const fn new() -> Self {
+        Self { spheres: 1000 }
+    }
+
+    /// For so many spheres.
+    #[must_use]
+    pub const fn spheres(self, spheres: usize) -> Self {
+        Self { spheres }
+    }
+
+    /// Fills a mesh. There are fewer spheres than asked for if no other fits whose radius is above a 2^-21st
+    /// of the mesh's width.
+    ///
+    /// The mesh must be closed: with corners of the same coordinates joined, as many of its triangles run along
+    /// each edge in one direction as in the other. Two is usual; four, where parts touch along an edge, are
+    /// welcome, and so are triangles without area. It may have several parts and hollows, and be turned inside
+    /// out. Inside is where a ray crosses it an odd number of times: of parts that overlap each other, what they
+    /// have in common is not.
+    ///
+    /// # Errors
+    /// [`PackError`].
+    pub fn pack(&self, mesh: &Mesh<'_>) -> Result<Packing, PackError> {
+        self.pack_with(mesh, &mut |_| ControlFlow::Continue(()))
+    }
+
+    /// [`Packer::pack`], telling `observer` every few hundred spheres, or more often, how far it is, and stopping
+    /// when told to.
+    ///
+    /// # Errors
+    /// [`PackError`]: of the mesh, or [`PackError::Cancelled`] if `observer` returned `Break`.
+    pub fn pack_with(
+        &self,
+        mesh: &Mesh<'_>,
+        observer: &mut dyn FnMut(Filling) -> ControlFlow<()>,
+    ) -> Result<Packing, PackError> {
+        closed::check(mesh)?;
+        // By a power of two: without rounding.
+        let corners = mesh.triangles.iter().flatten().flat_map(|&v| mesh.vertices[v as usize]);
+        let scale = scale_to_one(corners.fold(0.0, |greatest: f64, x| greatest.max(x.abs())));
+        let vertices: Vec<Point> = mesh.vertices.iter().map(|p| p.map(|x| flush(x) * scale)).collect();
+        let scaled = Mesh { vertices: &vertices, triangles: mesh.triangles };
+        let surface = Surface::new(&scaled).map_err(PackError::Mesh)?;
+        let volume = closed::volume(surface.triangles(), surface.middle()).ok_or(PackError::Flat)?;
+
+        let (mut known, mut covered) = (0, 0.0);
+        let mut observer = |balls: &[grid::Ball]| {
+            covered += balls[known..].iter().map(|ball| volume_of(ball.radius)).sum::<f64>();
+            known = balls.len();
+            observer(Filling { placed: known, asked: self.spheres, share: covered / volume })
+        };
+        let balls = search::fill(&surface, self.spheres, &mut observer).ok_or(PackError::Cancelled)?;
+        let unscale = 1.0 / scale;
+        let sphere = |ball: &grid::Ball| Sphere {
+            centre: (ball.centre * unscale).to_array(),
+            radius: ball.radius * unscale,
+        };
+        let spheres = balls.iter().map(sphere).collect();
+        Ok(Packing { spheres, volume: volume * (unscale * unscale * unscale) })
+    }
+}
+
+impl Packing {
+    /// The share of the mesh's volume that the first spheres cover: one after the first, another after the
+    /// second, and so on.
+    pub fn shares(&self) -> impl Iterator<Item = f64> {
+        // In shares of the volume from the start: the cube of a radius may be too small a number.
+        let unit = libm::cbrt(self.volume);
+        self.spheres.iter().scan(0.0, move |covered, sphere| {
+            *covered += volume_of(sphere.radius / unit);
+            Some(*covered)
+        })
+    }
+}
+
+fn volume_of(radius: f64) -> f64 {
+    4.0 / 3.0 * PI * (radius * radius * radius)
+}
