@@ -28,7 +28,7 @@
 //!
 //! **Radii.** A pose moves the corners of a primitive; everything within its radius of them keeps its shape. Its
 //! planes bound `u . x + |u| r`, which is less than `u . x + |n| r` where M makes vectors shorter, as an accepted
-//! matrix may by 1e-4. So the planes of bodies with radii are moved out by [`shrinkage`] besides.
+//! matrix may by 1e-4. So the planes of bodies with radii are moved out by `shrinkage` besides.
 
 mod own_slab;
 

@@ -63,7 +63,6 @@ use crate::hierarchy::{AsBvh, BvhRef};
 use crate::isa::{Isa, on_isa};
 use crate::kernel::Kernel;
 use crate::pose::Pose;
-use crate::realign::shrinkage;
 use core::ops::ControlFlow;
 use hint::Found;
 use traverse::{Limits, Stop, Traversal};
@@ -302,8 +301,7 @@ impl Query {
         A::Primitive: Pairwise<B::Primitive>,
         B::Primitive: Pairwise<A::Primitive>,
     {
-        let mut counters = Counters::default();
-        let (a, b) = (&a.as_bvh(), &b.as_bvh());
+        let (a, b, mut counters) = (&a.as_bvh(), &b.as_bvh(), Counters::default());
         let stop = self.run((a, b), pose, 0.0, &mut counters, |found| visit(found.pair(a, b)));
         let completion = match stop {
             None => Completion::Complete,
@@ -340,7 +338,7 @@ impl Query {
             #[inline(always)]
             || {
                 let mut map = N::map(pose, &a.extent(), &b.frame());
-                let outwards = margin + shrinkage::<P>(pose, &a.extent());
+                let outwards = margin + crate::realign::shrinkage::<P>(pose, &a.extent());
                 if outwards > 0.0 {
                     N::widen(&mut map, &b.frame(), outwards);
                 }
