@@ -349,7 +349,7 @@ fn spheres_on_a_lattice_are_decided_as_exact_arithmetic_decides_them() {
 }
 
 #[test]
-fn every_node_type_decides_alike() {
+fn other_node_types_decide_alike() {
     fn one<N: Lanes>() {
         let mut rng = Rng::new(22);
         let (a, b) = (lattice(&mut rng, 70, 1.0, 0.0), lattice(&mut rng, 70, 1.0, 0.0));
@@ -358,14 +358,10 @@ fn every_node_type_decides_alike() {
             check((&tree_a, &a), (&tree_b, &b), &pose, core::any::type_name::<N>());
         }
     }
+    // What differs between the others is tested without spheres.
     one::<Node16<6>>();
-    one::<Node16<14>>();
-    one::<Node16<26>>();
     one::<Node16<32>>();
-    one::<Node4<6>>();
     one::<Node4<18>>();
-    one::<Node4<26>>();
-    one::<Node4<32>>();
 }
 
 #[test]
