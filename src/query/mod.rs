@@ -3,8 +3,6 @@
 //! [`Query`] holds what the caller chooses, the instruction set above all; its methods are the entries. Each
 //! looks at the instruction set once ([`on_isa`]); below it everything is monomorphic.
 //!
-//! # Many queries
-//!
 //! Queries share nothing that could be set up once for several poses or pairs, and allocate nothing: a loop
 //! is as fast as any batch. A [`Query`], a [`BvhRef`] and a [`Pose`] are `Copy`, `Send` and `Sync`, so that
 //! threads (`std::thread::scope`, rayon) can divide the poses, and each answer is what one thread gives:
@@ -47,6 +45,7 @@ mod leaves;
 mod long;
 mod nearest;
 mod pairwise;
+mod penetration;
 mod stack;
 mod thin;
 mod traverse;
@@ -57,6 +56,7 @@ pub use frontier::DISTANCE_STACK_BYTES;
 pub use hint::Hint;
 pub use lanes::Lanes;
 pub use pairwise::Pairwise;
+pub use penetration::Penetration;
 pub use stack::STACK_BYTES;
 
 use crate::hierarchy::{AsBvh, BvhRef};

@@ -1,0 +1,224 @@
+//! Penetration volume against the sum over all pairs of spheres.
+
+mod support;
+
+use core::ops::ControlFlow;
+use simdop::construct::{Builder, SphereSet};
+use simdop::hierarchy::Bvh;
+use simdop::isa::Isa;
+use simdop::node::{Node4, Node16};
+use simdop::packing::Packer;
+use simdop::pose::Pose;
+use simdop::primitive::{Sphere, Spheres};
+use simdop::query::{Completion, Lanes, Penetration, Query};
+use std::f64::consts::PI;
+use support::corners::inverse;
+use support::data::{MeshData, directory, suite_step};
+use support::rng::Rng;
+use support::shapes::wavy_torus;
+
+fn build<N: Lanes>(spheres: &[Sphere]) -> Bvh<N, Spheres> {
+    Builder::new().build_geometry(&SphereSet { spheres }, &mut |_| ControlFlow::Continue(())).unwrap()
+}
+
+fn pack(mesh: &MeshData, count: usize) -> Vec<Sphere> {
+    let mesh = simdop::construct::Mesh { vertices: &mesh.vertices, triangles: &mesh.triangles };
+    Packer::new().spheres(count).pack(&mesh).unwrap().spheres
+}
+
+/// What two balls share: the integral of the discs' areas, by the caps on both sides of the plane of the circle in
+/// which they meet. The height of a cap as a quotient, so that thin ones keep their digits.
+fn lens(a: &Sphere, b: &Sphere) -> f64 {
+    let apart = glam::DVec3::from_array(a.centre) - glam::DVec3::from_array(b.centre);
+    let (r, s) = (a.radius.max(b.radius), a.radius.min(b.radius));
+    let d = apart.length();
+    if d >= r + s {
+        return 0.0;
+    }
+    if d + s <= r {
+        return 4.0 / 3.0 * PI * s * s * s;
+    }
+    let cap = |radius: f64, height: f64| PI * height * height * (radius - height / 3.0);
+    // r - (d^2 + r^2 - s^2) / 2d = (s^2 - (d - r)^2) / 2d.
+    let height = |r: f64, s: f64| (s - (d - r)) * (s + (d - r)) / (2.0 * d);
+    cap(r, height(r, s)) + cap(s, height(s, r))
+}
+
+struct Want {
+    volume: f64,
+    /// Of the lenses' volumes times unit vectors, and times the middles.
+    moments: [glam::DVec3; 2],
+    pairs: u64,
+}
+
+/// All pairs, the smallest volumes added first.
+fn brute(a: &[Sphere], b: &[Sphere], pose: &Pose) -> Want {
+    let moved: Vec<Sphere> = a.iter().map(|s| Sphere { centre: pose.apply(s.centre), ..*s }).collect();
+    let mut lenses = Vec::new();
+    let mut pairs = 0;
+    for p in &moved {
+        for q in b {
+            let (from, to) = (glam::DVec3::from_array(q.centre), glam::DVec3::from_array(p.centre));
+            let d = from.distance(to);
+            pairs += u64::from(d <= p.radius + q.radius);
+            let volume = lens(p, q);
+            if volume > 0.0 {
+                let towards = (to - from).normalize_or_zero();
+                let middle = 0.5 * ((d - p.radius).max(-q.radius) + (d + p.radius).min(q.radius));
+                lenses.push((volume, towards, from + middle * towards));
+            }
+        }
+    }
+    lenses.sort_by(|x, y| x.0.total_cmp(&y.0));
+    let sum = |of: fn(&(f64, glam::DVec3, glam::DVec3)) -> glam::DVec3| lenses.iter().map(of).sum();
+    Want {
+        volume: lenses.iter().map(|lens| lens.0).sum(),
+        moments: [sum(|(v, towards, _)| *v * *towards), sum(|(v, _, middle)| *v * *middle)],
+        pairs,
+    }
+}
+
+/// On every instruction set; all answers are the same.
+fn ask<N: Lanes>(a: &Bvh<N, Spheres>, b: &Bvh<N, Spheres>, pose: &Pose) -> Penetration {
+    let mut answers = Isa::available().map(|isa| Query::new(isa).penetration(a, b, pose));
+    let first = answers.next().unwrap();
+    assert!(answers.all(|other| format!("{other:?}") == format!("{first:?}")), "{first:?}");
+    assert_eq!(first.completion, Completion::Complete);
+    first
+}
+
+fn check<N: Lanes>(a: &[Sphere], b: &[Sphere], poses: &[Pose]) -> f64 {
+    let (tree_a, tree_b) = (build::<N>(a), build::<N>(b));
+    let mut deepest = 0.0_f64;
+    for pose in poses {
+        let (got, want) = (ask(&tree_a, &tree_b, pose), brute(a, b, pose));
+        assert!((got.volume - want.volume).abs() <= 1e-9 * want.volume, "{got:?} {}", want.volume);
+        assert_eq!(got.pairs, want.pairs);
+        assert_eq!(got.point.is_some(), want.volume > 0.0);
+        if let Some(point) = got.point {
+            let size = b.iter().flat_map(|s| s.centre).fold(0.0, |m: f64, x| m.max(x.abs()));
+            let [towards, middle] = want.moments.map(|sum| sum / want.volume);
+            assert!((glam::DVec3::from_array(got.direction) - towards).length() < 1e-9, "{got:?} {towards}");
+            assert!((glam::DVec3::from_array(point) - middle).length() < 1e-9 * size, "{got:?} {middle}");
+        } else {
+            assert_eq!(got.direction, [0.0; 3]);
+        }
+        deepest = deepest.max(want.volume);
+    }
+    deepest
+}
+
+/// From far apart to one in the other, turned at random.
+fn poses(rng: &mut Rng, size: f64, count: usize) -> Vec<Pose> {
+    let pose = |i: usize| {
+        let (turn, towards) = (rng.rotation(), rng.rotation()[0]);
+        let way = 1.1 * size * i as f64 / count as f64;
+        Pose::from_rows(core::array::from_fn(|k| [turn[k][0], turn[k][1], turn[k][2], way * towards[k]]))
+            .unwrap()
+    };
+    (0..count).map(pose).collect()
+}
+
+#[test]
+fn volumes_are_the_sum_over_all_pairs() {
+    let torus = wavy_torus(800);
+    let (a, b) = (pack(&torus, 400 / suite_step()), pack(&torus, 300 / suite_step()));
+    let poses = poses(&mut Rng::new(1), torus.diagonal(), 200 / suite_step());
+    let covered: f64 = b.iter().map(|s| 4.0 / 3.0 * PI * s.radius.powi(3)).sum();
+    let deepest = check::<Node16<18>>(&a, &b, &poses);
+    assert!(deepest > 0.1 * covered && deepest <= covered, "{deepest} of {covered}");
+    let _ = check::<Node4<6>>(&a, &b, &poses[..poses.len() / 8]);
+}
+
+#[test]
+fn volumes_of_real_packings() {
+    let Some(data) = directory() else { return };
+    let [cow, hand] = ["cow", "hand"].map(|name| MeshData::obj(&data.join(format!("meshes/{name}.obj"))));
+    let count = 1000 / suite_step();
+    let (a, b) = (pack(&cow, count), pack(&hand, count));
+    let poses = poses(&mut Rng::new(2), cow.diagonal(), 200 / suite_step());
+    assert!(check::<Node16<18>>(&a, &b, &poses) > 0.0);
+}
+
+/// In any unit, with spheres of sizes 1 to 10^6 and bodies of unlike size.
+#[test]
+fn volumes_in_every_unit_and_of_unlike_sizes() {
+    let mut rng = Rng::new(3);
+    let spheres = |rng: &mut Rng, unit: f64, count: usize| -> Vec<Sphere> {
+        (0..count)
+            .map(|_| Sphere {
+                centre: [(); 3].map(|()| unit * rng.range(-1.0, 1.0)),
+                radius: unit * 10_f64.powf(rng.range(-6.5, -0.5)),
+            })
+            .collect()
+    };
+    for (of_a, of_b) in [(1.0, 1.0), (1e-60, 1e-60), (1e80, 1e80), (1e-3, 1.0), (1.0, 1e-3), (1e-6, 1.0)] {
+        let (a, b) = (spheres(&mut rng, of_a, 60), spheres(&mut rng, of_b, 60));
+        // About a sphere's surface.
+        let near: Vec<Pose> = (0..40 / suite_step())
+            .map(|_| {
+                let (turn, way) = (rng.rotation(), rng.rotation()[1]);
+                let at = rng.pick(&b);
+                let t: [f64; 3] = core::array::from_fn(|i| at.centre[i] + at.radius * way[i]);
+                Pose::from_rows(core::array::from_fn(|i| [turn[i][0], turn[i][1], turn[i][2], t[i]])).unwrap()
+            })
+            .collect();
+        assert!(check::<Node16<18>>(&a, &b, &near) > 0.0, "{of_a:e} {of_b:e}");
+    }
+}
+
+#[test]
+fn two_spheres_part_along_their_centres() {
+    let ball = |radius: f64| build::<Node16<18>>(&[Sphere { centre: [1.0, 2.0, 3.0], radius }]);
+    let aside =
+        |x: f64| Pose::from_rows([[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, x], [0.0, 0.0, 1.0, 0.0]]).unwrap();
+    let (one, two) = (ball(1.0), ball(2.0));
+    let found = ask(&one, &two, &aside(2.5));
+    assert_eq!((found.direction, found.pairs), ([0.0, 1.0, 0.0], 1));
+    // From 1.5 to 2 above the centre of the larger.
+    assert_eq!(found.point, Some([1.0, 3.75, 3.0]));
+    let inside = ask(&one, &two, &aside(-0.5));
+    assert!((inside.volume - 4.0 / 3.0 * PI).abs() < 1e-14);
+    assert_eq!((inside.direction, inside.point), ([0.0, -1.0, 0.0], Some([1.0, 1.5, 3.0])));
+    let same = ask(&one, &one, &aside(0.0));
+    assert_eq!((same.direction, same.point), ([0.0; 3], Some([1.0, 2.0, 3.0])));
+    // They touch, and share nothing.
+    let touching = ask(&one, &two, &aside(3.0));
+    assert_eq!((touching.volume, touching.pairs, touching.point), (0.0, 1, None));
+    assert_eq!(ask(&one, &two, &aside(3.5)).pairs, 0);
+    let empty = build::<Node16<18>>(&[]);
+    assert_eq!(ask(&empty, &two, &aside(0.0)).volume, 0.0);
+}
+
+/// Exchanged bodies at the inverse pose share as much, and are pushed the other way.
+#[test]
+fn exchanged_bodies_share_as_much() {
+    let torus = wavy_torus(200);
+    let spheres = pack(&torus, 200);
+    let tree = build::<Node16<18>>(&spheres);
+    let mut rng = Rng::new(4);
+    for _ in 0..20 {
+        let turn = rng.rotation();
+        let t = rng.rotation()[0].map(|x| 0.2 * torus.diagonal() * x);
+        let rows = core::array::from_fn(|i| [turn[i][0], turn[i][1], turn[i][2], t[i]]);
+        let [forth, back] =
+            [rows, inverse(&rows)].map(|rows| ask(&tree, &tree, &Pose::from_rows(rows).unwrap()));
+        assert!((forth.volume - back.volume).abs() <= 1e-9 * forth.volume);
+        let turned: [f64; 3] = core::array::from_fn(|i| (0..3).map(|k| turn[i][k] * back.direction[k]).sum());
+        assert!((0..3).all(|i| (turned[i] + forth.direction[i]).abs() < 1e-9), "{forth:?} {back:?}");
+    }
+}
+
+#[test]
+fn a_budget_leaves_a_lower_bound() {
+    let tree = build::<Node16<18>>(&pack(&wavy_torus(200), 300));
+    let whole = ask(&tree, &tree, &Pose::IDENTITY);
+    let mut last = 0.0;
+    for visits in 0..whole.counters.visits {
+        let part = Query::new(Isa::detect()).with_budget(visits).penetration(&tree, &tree, &Pose::IDENTITY);
+        assert_eq!((part.completion, part.counters.visits), (Completion::OutOfBudget, visits));
+        assert!(part.volume >= last && part.volume <= whole.volume);
+        last = part.volume;
+    }
+    assert!(last > 0.0);
+}
