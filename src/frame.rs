@@ -197,7 +197,8 @@ impl Frame {
             square = square.plus(&component.times(&component));
         }
         let radius = number(radius);
-        slack.sign() >= 0 && slack.times(&slack).minus(&square.times(&radius.times(&radius))).sign() >= 0
+        let (room, reach): (Room, Room) = (slack.times(&slack), radius.times(&radius));
+        slack.sign() >= 0 && room.minus(&square.times(&reach)).sign() >= 0
     }
 
     /// -1, 0 or 1: the sign of `n . (p - centre) * 2^exponent - bound`, in exact arithmetic, for a vector n of

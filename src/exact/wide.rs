@@ -99,8 +99,9 @@ impl<const L: usize> Wide<L> {
         result
     }
 
-    pub(crate) fn times(&self, other: &Self) -> Self {
-        let mut result = Self::ZERO;
+    /// The product, of a width that has room for it.
+    pub(crate) fn times<const M: usize, const R: usize>(&self, other: &Wide<M>) -> Wide<R> {
+        let mut result = Wide::<R>::ZERO;
         for (i, x) in self.words[..self.len].iter().enumerate() {
             let mut carry = 0;
             for (j, y) in other.words[..other.len].iter().enumerate() {
@@ -120,7 +121,7 @@ impl<const L: usize> Wide<L> {
 
     /// `self / other * 2^exponent`, to 2^-50 relatively; what `f64` is too small for is the least normal number of
     /// its sign, never zero. `other` is not zero.
-    pub(crate) fn over(&self, other: &Self, exponent: i32) -> f64 {
+    pub(crate) fn over<const M: usize>(&self, other: &Wide<M>, exponent: i32) -> f64 {
         let ((x, e), (y, f)) = (self.leading(), other.leading());
         let exponent = (exponent + e - f).clamp(-2000, 2000);
         let ratio = x / y * power_of_two(exponent / 2) * power_of_two(exponent - exponent / 2);
@@ -175,7 +176,7 @@ mod tests {
             let (a, b) = (value(&x), value(&y));
             assert_eq!(value(&x.plus(&y)), &a + &b);
             assert_eq!(value(&x.minus(&y)), &a - &b);
-            assert_eq!(value(&x.times(&y)), &a * &b);
+            assert_eq!(value(&x.times::<12, 12>(&y)), &a * &b);
             assert_eq!(x.sign(), if a == IBig::ZERO { 0 } else { i32::from(a > IBig::ZERO) * 2 - 1 });
             assert_eq!(x.minus(&x).sign(), 0);
             if y.len > 0 {

@@ -71,9 +71,13 @@ fn nearest(corners: &Corners<f64>) -> (Vector<f64>, Vector<f64>) {
     (best, best)
 }
 
-/// Coordinates are multiples of 2^-302, and differences of two below 2^303: they have 606 bits. The comparison of a
-/// height with a radius is of the sixth degree, and has 3644.
-type Sixth = Wide<58>;
+/// Differences of coordinates are multiples of 2^-302 below 2^303, and sums of radii below 2^305: they have 607 bits. The
+/// comparison of a height with a radius is of the sixth degree, and has 3644.
+type Length = Wide<10>;
+type Second = Wide<20>;
+type Third = Wide<30>;
+type Fourth = Wide<40>;
+type Sixth = Wide<60>;
 
 /// The square of the distance of a point from a triangle, less that of the sum of two numbers: its sign is right, and
 /// its value to 2^-50. The numbers are not negative, zero or in the range of coordinates.
@@ -81,52 +85,50 @@ type Sixth = Wide<58>;
 #[inline(never)]
 pub(crate) fn excess(c: &Point, t: &Triangle, reach: [f64; 2]) -> f64 {
     let unit = unit_of(t.as_flattened().iter().chain(c).chain(&reach).copied());
-    let number = |x: f64| Sixth::new(x, unit);
+    let number = |x: f64| Length::new(x, unit);
     // Made again wherever they are needed: few of them are on the stack at once.
     let corner = |i: usize| move |k: usize| number(t[i % 3][k]).minus(&number(c[k]));
     let edge = |i: usize| move |k: usize| number(t[(i + 1) % 3][k]).minus(&number(t[i][k]));
-    let square = {
-        let sum = number(reach[0]).plus(&number(reach[1]));
-        sum.times(&sum)
-    };
-    let one = Sixth::new(1.0, 0);
-    let mut least = f64::INFINITY;
+    let sum = number(reach[0]).plus(&number(reach[1]));
+    let square: Second = sum.times(&sum);
     // Each of these is the distance from some point of the triangle, and one of them is from the nearest.
-    let mut offer = |excess: &Sixth, denominator: &Sixth| {
-        let excess = excess.over(denominator, 2 * unit);
-        least = if excess < least { excess } else { least };
-    };
+    let mut least = f64::INFINITY;
     for i in 0..3 {
-        let over = product(corner(i), corner(i)).minus(&square);
-        offer(&over, &one);
-        let (length, back) = (product(edge(i), edge(i)), product(edge(i), corner(i)));
+        let over = product::<10, 10, 20>(corner(i), corner(i)).minus(&square);
+        least = least.min(over.over(&Length::new(1.0, 0), 2 * unit));
+        let length: Second = product(edge(i), edge(i));
+        let back: Second = product(edge(i), corner(i));
         if back.sign() < 0 && length.plus(&back).sign() > 0 {
-            offer(&over.times(&length).minus(&back.times(&back)), &length);
+            let over: Fourth = over.times(&length);
+            least = least.min(over.minus(&back.times(&back)).over(&length, 2 * unit));
         }
     }
-    let normal = [minor(edge(0), edge(1), 0), minor(edge(0), edge(1), 1), minor(edge(0), edge(1), 2)];
-    let along_normal = |v: &dyn Fn(usize) -> Sixth| product(|k| normal[k], v);
-    let length = along_normal(&|k| normal[k]);
-    let is_over = |i: usize| along_normal(&|k| minor(corner(i), corner(i + 1), k)).sign() >= 0;
+    let normal = [0, 1, 2].map(|k| minor(edge(0), edge(1), k));
+    let length: Fourth = product(|k| normal[k], |k| normal[k]);
+    let is_over = |i: usize| {
+        let inside: Fourth = product(|k| normal[k], |k| minor(corner(i), corner(i + 1), k));
+        inside.sign() >= 0
+    };
     if length.sign() > 0 && is_over(0) && is_over(1) && is_over(2) {
-        let height = along_normal(&corner(0));
-        offer(&height.times(&height).minus(&square.times(&length)), &length);
+        let height: Third = product(|k| normal[k], corner(0));
+        let over: Sixth = height.times(&height);
+        least = least.min(over.minus(&square.times(&length)).over(&length, 2 * unit));
     }
     least
 }
 
 #[inline(never)]
-fn product(u: impl Fn(usize) -> Sixth, v: impl Fn(usize) -> Sixth) -> Sixth {
-    let mut sum = Sixth::ZERO;
-    for k in 0..3 {
-        sum = sum.plus(&u(k).times(&v(k)));
-    }
-    sum
+fn product<const M: usize, const N: usize, const R: usize>(
+    u: impl Fn(usize) -> Wide<M>,
+    v: impl Fn(usize) -> Wide<N>,
+) -> Wide<R> {
+    (0..3).fold(Wide::ZERO, |sum: Wide<R>, k| sum.plus(&u(k).times(&v(k))))
 }
 
 /// Coordinate `k` of the cross product.
 #[inline(never)]
-fn minor(u: impl Fn(usize) -> Sixth, v: impl Fn(usize) -> Sixth, k: usize) -> Sixth {
+fn minor(u: impl Fn(usize) -> Length, v: impl Fn(usize) -> Length, k: usize) -> Second {
     let (i, j) = ((k + 1) % 3, (k + 2) % 3);
-    u(i).times(&v(j)).minus(&u(j).times(&v(i)))
+    let product: Second = u(i).times(&v(j));
+    product.minus(&u(j).times(&v(i)))
 }
