@@ -942,6 +942,42 @@ fn a_packing_is_written_and_reported() {
 }
 
 #[test]
+fn the_volume_that_packings_share_is_told() {
+    let folder = Folder::new("volume");
+    folder.write("one.txt", "0 0 0 1\n");
+    folder.write("two.txt", "# Two that do not overlap.\n0 0 0 1\n0 3 0 2\n");
+    let report = folder.json(&["volume", "one.txt", "two.txt", "--translate", "1 0 0"]);
+    let row = &report["poses"][0];
+    let lens = 5.0 / 12.0 * std::f64::consts::PI;
+    // At (1, 0, 0) it is 3.16 from the other.
+    assert!((row["volume"].as_f64().unwrap() - lens).abs() < 1e-12, "{row}");
+    assert_eq!((&row["pairs"], &row["direction"][0]), (&1.into(), &1.0.into()));
+    assert_eq!(row["point"], serde_json::json!([0.5, 0.0, 0.0]));
+    assert_eq!((&report["a"]["spheres"], &report["b"]["spheres"]), (&1.into(), &2.into()));
+
+    folder.write("poses.txt", "1 0 0 0  0 1 0 9  0 0 1 0\n1 0 0 0  0 1 0 0  0 0 1 0\n");
+    let output = folder.run(&["volume", "one.txt", "two.txt", "--poses", "poses.txt"]);
+    let table = String::from_utf8(output.stdout).unwrap();
+    assert_eq!(output.status.code(), Some(0), "{table}");
+    assert!(
+        table.starts_with("A: one.txt, 1 spheres, volume 4.18879") && table.contains("\n     0   0.00000e0"),
+        "{table}"
+    );
+    assert_eq!(table.lines().count(), 6, "{table}");
+
+    folder.write("a.obj", obj(&tetrahedron()));
+    let (code, message) = folder.fate(&["volume", "one.txt", "a.obj"]);
+    assert_eq!(code, 2);
+    assert!(
+        message.contains("a.obj: line 1: word 1 is not a number; a packing is a sphere a line"),
+        "{message}"
+    );
+    assert_eq!(folder.fate(&["volume", "one.txt", "absent.txt"]).0, 2);
+    assert_eq!(folder.fate(&["volume", "one.txt", "two.txt", "--pose", "1 2"]).0, 2);
+    assert_eq!(folder.fate(&["volume", "one.txt"]).0, 2);
+}
+
+#[test]
 fn what_cannot_be_packed_is_an_error() {
     let folder = Folder::new("pack_errors");
     let mut open = tetrahedron();

@@ -127,9 +127,10 @@ fn is_true<N: Lanes>(error: BakeError, bytes: &[u8]) -> bool {
     }
 }
 
-/// Where vertices, triangles and sources begin, and where all ends.
+/// Where vertices, triangles and sources begin, and where all ends. Nodes and thin slabs are before them.
 fn parts<N: Lanes>(header: &Header) -> [usize; 4] {
-    let vertices = 128 + header.node_count as usize * size_of::<N>();
+    let slabs = if header.has_thin_slabs == 1 { N::ARITY * 8 } else { 0 };
+    let vertices = 128 + header.node_count as usize * (size_of::<N>() + slabs);
     let triangles = vertices + header.vertex_count as usize * usize::from(header.vertex_size);
     let sources = triangles + header.primitive_count as usize * 12;
     [vertices, triangles, sources, (sources + header.primitive_count as usize * 4).next_multiple_of(64)]
@@ -141,7 +142,9 @@ fn is_what_the_bytes_say<N: Lanes>(view: &BvhRef<'_, N>, bytes: &[u8]) {
     let [vertices, triangles, sources, end] = parts::<N>(header);
     assert_eq!(end, bytes.len());
     assert_eq!(bytemuck::bytes_of(header), &bytes[..128]);
-    assert_eq!(bytemuck::cast_slice::<N, u8>(view.nodes()), &bytes[128..vertices]);
+    let slabs = 128 + header.node_count as usize * size_of::<N>();
+    assert_eq!(bytemuck::cast_slice::<N, u8>(view.nodes()), &bytes[128..slabs]);
+    assert_eq!(bytemuck::cast_slice::<_, u8>(view.thin_slabs()), &bytes[slabs..vertices]);
     assert_eq!(view.len(), header.primitive_count as usize);
     let size = usize::from(header.vertex_size);
     for i in 0..view.len() {

@@ -18,22 +18,8 @@ pub(super) struct Options {
     a: Option<File>,
     /// The body that stands still.
     b: Option<File>,
-    /// One pose: the 12 numbers of the row-major 3x4 matrix [R|t] that places A in B's frame [default:
-    /// identity].
-    #[arg(
-        long,
-        value_name = "NUMBERS",
-        conflicts_with = "poses",
-        requires = "a",
-        allow_hyphen_values = true
-    )]
-    pose: Option<String>,
-    /// One pose that only moves: "x y z".
-    #[arg(long, value_name = "NUMBERS", conflicts_with_all = ["poses", "pose"], requires = "a", allow_hyphen_values = true)]
-    translate: Option<String>,
-    /// A file with one pose a line, as for --pose; `#` begins a comment.
-    #[arg(long, value_name = "FILE", requires = "a")]
-    poses: Option<File>,
+    #[command(flatten)]
+    poses: poses::Options,
     /// Time each query this often and report the fastest.
     #[arg(long, value_name = "TIMES", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..))]
     repeat: u32,
@@ -97,18 +83,8 @@ fn scene_of(options: &Options) -> Result<([Body; 2], Vec<Pose>), Error> {
         return Ok((bodies, scene::sweep()));
     };
     // Poses first: a slip in them shows before the work of building.
-    let poses = match (&options.poses, &options.pose, &options.translate) {
-        (Some(path), ..) => poses::read(path)?,
-        (_, Some(text), _) => vec![single("--pose", poses::matrix(text))?],
-        (.., Some(text)) => vec![single("--translate", poses::translation(text))?],
-        _ => vec![Pose::IDENTITY],
-    };
+    let poses = options.poses.read()?;
     Ok((body::pair([a, b], &options.tree, options.json)?, poses))
-}
-
-fn single(option: &'static str, rows: Result<[[f64; 4]; 3], String>) -> Result<Pose, Error> {
-    let rows = rows.map_err(|problem| Error::Option { option, problem })?;
-    Pose::from_rows(rows).map_err(|error| Error::Option { option, problem: error.to_string() })
 }
 
 fn body_report(body: &Body) -> BodyReport {

@@ -13,6 +13,7 @@ mod poses;
 mod progress;
 mod report;
 mod scene;
+mod volume;
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use error::Error;
@@ -47,6 +48,10 @@ enum Command {
     ///
     /// The table says what share of the mesh's volume the first spheres cover.
     Pack(pack::Options),
+    /// How much of their volume do two packings share, A placed by a pose in B's frame?
+    ///
+    /// With the direction in which A is pushed, and as many rows as there are poses.
+    Volume(volume::Options),
 }
 
 /// What hierarchy a mesh becomes. A tree is what it is: where there are only trees, these are errors.
@@ -150,6 +155,7 @@ pub(crate) fn run() -> ExitCode {
         Command::Build(options) => build::run(&options).map(|()| 0),
         Command::Info(options) => info::run(&options).map(|()| 0),
         Command::Pack(options) => pack::run(&options).map(|()| 0),
+        Command::Volume(options) => volume::run(&options).map(|()| 0),
     };
     match outcome {
         Ok(code) => ExitCode::from(code),

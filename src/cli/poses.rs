@@ -1,12 +1,51 @@
 //! Poses from a file or the command line: the 12 numbers of the row-major 3x4 matrix `[R|t]`.
 
+use super::File;
 use super::error::{Error, Fault};
 use super::mesh::{lines, quote};
+use clap::Args;
 use simdop::pose::Pose;
 use std::path::Path;
 
+/// Where A stands.
+#[derive(Args, Debug)]
+pub(super) struct Options {
+    /// One pose: the 12 numbers of the row-major 3x4 matrix [R|t] that places A in B's frame [default:
+    /// identity].
+    #[arg(
+        long,
+        value_name = "NUMBERS",
+        conflicts_with = "poses",
+        requires = "a",
+        allow_hyphen_values = true
+    )]
+    pose: Option<String>,
+    /// One pose that only moves: "x y z".
+    #[arg(long, value_name = "NUMBERS", conflicts_with_all = ["poses", "pose"], requires = "a", allow_hyphen_values = true)]
+    translate: Option<String>,
+    /// A file with one pose a line, as for --pose; `#` begins a comment.
+    #[arg(long, value_name = "FILE", requires = "a")]
+    poses: Option<File>,
+}
+
+impl Options {
+    pub(super) fn read(&self) -> Result<Vec<Pose>, Error> {
+        match (&self.poses, &self.pose, &self.translate) {
+            (Some(path), ..) => read(path),
+            (_, Some(text), _) => Ok(vec![single("--pose", matrix(text))?]),
+            (.., Some(text)) => Ok(vec![single("--translate", translation(text))?]),
+            _ => Ok(vec![Pose::IDENTITY]),
+        }
+    }
+}
+
+fn single(option: &'static str, rows: Result<[[f64; 4]; 3], String>) -> Result<Pose, Error> {
+    let rows = rows.map_err(|problem| Error::Option { option, problem })?;
+    Pose::from_rows(rows).map_err(|error| Error::Option { option, problem: error.to_string() })
+}
+
 /// One pose a line. Blank lines, and what follows a `#`, are passed over.
-pub(super) fn read(path: &Path) -> Result<Vec<Pose>, Error> {
+fn read(path: &Path) -> Result<Vec<Pose>, Error> {
     let bytes = std::fs::read(path).map_err(Error::io(path))?;
     parse(&String::from_utf8_lossy(&bytes)).map_err(|fault| Error::content(path, fault))
 }
@@ -24,13 +63,13 @@ fn parse(text: &str) -> Result<Vec<Pose>, Fault> {
 }
 
 /// Twelve numbers: the rows of `[R|t]`.
-pub(super) fn matrix(text: &str) -> Result<[[f64; 4]; 3], String> {
+fn matrix(text: &str) -> Result<[[f64; 4]; 3], String> {
     let twelve: [f64; 12] = numbers(text, "the rows of [R|t]")?;
     Ok(core::array::from_fn(|i| core::array::from_fn(|j| twelve[4 * i + j])))
 }
 
 /// The pose that only moves, by three numbers.
-pub(super) fn translation(text: &str) -> Result<[[f64; 4]; 3], String> {
+fn translation(text: &str) -> Result<[[f64; 4]; 3], String> {
     let [x, y, z]: [f64; 3] = numbers(text, "x, y and z")?;
     Ok([[1.0, 0.0, 0.0, x], [0.0, 1.0, 0.0, y], [0.0, 0.0, 1.0, z]])
 }

@@ -1,0 +1,124 @@
+//! `simdop volume`.
+
+use super::error::{Error, Fault};
+use super::{File, isa, poses};
+use clap::Args;
+use core::ops::ControlFlow;
+use serde::Serialize;
+use simdop::construct::{Builder, SphereSet};
+use simdop::hierarchy::Bvh;
+use simdop::isa::Isa;
+use simdop::node::Node16;
+use simdop::packing::text;
+use simdop::pose::Pose;
+use simdop::primitive::{Sphere, Spheres};
+use simdop::query::Query;
+use std::io::{BufWriter, Write};
+use std::path::Path;
+use std::time::Instant;
+
+#[derive(Args, Debug)]
+pub(super) struct Options {
+    /// The packing that the poses move, as `simdop pack` writes it: a sphere a line, x y z r.
+    a: File,
+    /// The packing that stands still.
+    b: File,
+    #[command(flatten)]
+    poses: poses::Options,
+    /// Instruction set: auto, scalar, neon, avx2 or avx512.
+    #[arg(long, default_value = "auto", value_parser = isa)]
+    isa: Isa,
+    /// Rows of the table, at most.
+    #[arg(long, default_value_t = 64)]
+    rows: usize,
+    /// One JSON object instead of a table.
+    #[arg(long)]
+    json: bool,
+}
+
+#[derive(Serialize)]
+struct Report {
+    version: &'static str,
+    a: Body,
+    b: Body,
+    isa: &'static str,
+    /// In the order of the file.
+    poses: Vec<Row>,
+}
+
+#[derive(Serialize)]
+struct Body {
+    name: String,
+    spheres: usize,
+    /// Of all of its spheres: what is covered twice counts twice.
+    volume: f64,
+}
+
+#[derive(Serialize)]
+struct Row {
+    /// What the two share, in their unit to the third.
+    volume: f64,
+    /// Where A is pushed.
+    direction: [f64; 3],
+    /// In B's frame. Null if they share nothing.
+    point: Option<[f64; 3]>,
+    pairs: u64,
+    visits: u64,
+    nanoseconds: u128,
+}
+
+pub(super) fn run(options: &Options) -> Result<(), Error> {
+    // Poses first: a slip in them shows before the work of building.
+    let poses = options.poses.read()?;
+    let [(a, tree_a), (b, tree_b)] = [read(&options.a)?, read(&options.b)?];
+    let query = Query::new(options.isa);
+    let row = |pose: &Pose| {
+        let start = Instant::now();
+        let found = query.penetration(&tree_a, &tree_b, pose);
+        let nanoseconds = start.elapsed().as_nanos();
+        let visits = found.counters.visits;
+        let (volume, direction, point, pairs) = (found.volume, found.direction, found.point, found.pairs);
+        Row { volume, direction, point, pairs, visits, nanoseconds }
+    };
+    let rows = poses.iter().map(row).collect();
+    let report = Report { version: env!("CARGO_PKG_VERSION"), a, b, isa: options.isa.name(), poses: rows };
+    print(&report, options, &mut BufWriter::new(std::io::stdout().lock())).map_err(Error::Output)
+}
+
+fn read(path: &Path) -> Result<(Body, Bvh<Node16<18>, Spheres>), Error> {
+    let bytes = std::fs::read(path).map_err(Error::io(path))?;
+    let name = path.display().to_string();
+    let spheres = text::read(&String::from_utf8_lossy(&bytes)).map_err(|error| {
+        let advice = "a packing is a sphere a line, x y z r, as `simdop pack` makes it of a mesh";
+        Error::content(path, Fault::file(format!("{error}; {advice}")))
+    })?;
+    let tree = Builder::new()
+        .build_geometry(&SphereSet { spheres: &spheres }, &mut |_| ControlFlow::Continue(()))
+        .map_err(|error| Error::Build { name: name.clone(), error })?;
+    let volume_of = |sphere: &Sphere| 4.0 / 3.0 * core::f64::consts::PI * sphere.radius.powi(3);
+    Ok((Body { name, spheres: spheres.len(), volume: spheres.iter().map(volume_of).sum() }, tree))
+}
+
+fn print(report: &Report, options: &Options, out: &mut impl Write) -> std::io::Result<()> {
+    if options.json {
+        writeln!(out, "{}", serde_json::to_string_pretty(report)?)?;
+        return out.flush();
+    }
+    for (which, Body { name, spheres, volume }) in [("A", &report.a), ("B", &report.b)] {
+        writeln!(out, "{which}: {name}, {spheres} spheres, volume {volume:.6e}")?;
+    }
+    let smaller = f64::min(report.a.volume, report.b.volume);
+    writeln!(out, "\n  pose        volume  % of smaller     pairs  direction of A                   us")?;
+    for (index, row) in report.poses.iter().enumerate().take(options.rows) {
+        let Row { volume, direction: [x, y, z], pairs, nanoseconds, .. } = row;
+        let (share, time) = (100.0 * volume / smaller, *nanoseconds as f64 / 1e3);
+        writeln!(
+            out,
+            "{index:6}  {volume:12.5e}  {share:12.3}  {pairs:8}  {x:7.3} {y:7.3} {z:7.3}  {time:10.2}"
+        )?;
+    }
+    if report.poses.len() > options.rows {
+        writeln!(out, "   ... and {} more: --rows or --json shows them", report.poses.len() - options.rows)?;
+    }
+    out.flush()
+}
