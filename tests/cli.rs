@@ -960,7 +960,8 @@ fn the_volume_that_packings_share_is_told() {
     let table = String::from_utf8(output.stdout).unwrap();
     assert_eq!(output.status.code(), Some(0), "{table}");
     assert!(
-        table.starts_with("A: one.txt, 1 spheres, volume 4.18879") && table.contains("\n     0   0.00000e0"),
+        table.starts_with("A: one.txt, number of spheres 1, volume 4.18879")
+            && table.contains("\n     0     0.00000e0"),
         "{table}"
     );
     assert_eq!(table.lines().count(), 6, "{table}");

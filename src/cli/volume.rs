@@ -105,7 +105,7 @@ fn print(report: &Report, options: &Options, out: &mut impl Write) -> std::io::R
         return out.flush();
     }
     for (which, Body { name, spheres, volume }) in [("A", &report.a), ("B", &report.b)] {
-        writeln!(out, "{which}: {name}, {spheres} spheres, volume {volume:.6e}")?;
+        writeln!(out, "{which}: {name}, number of spheres {spheres}, volume {volume:.6e}")?;
     }
     let smaller = f64::min(report.a.volume, report.b.volume);
     writeln!(out, "\n  pose        volume  % of smaller     pairs  direction of A                   us")?;
