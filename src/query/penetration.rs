@@ -184,6 +184,7 @@ impl Sum {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use alloc::vec::Vec;
 
     #[test]
     fn sums_are_those_of_any_order() {
