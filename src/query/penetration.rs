@@ -196,7 +196,7 @@ mod tests {
         // From 2^-140 to 2^32, of both signs.
         let numbers: Vec<f64> = (0..2000)
             .map(|_| {
-                let x = random(53) as f64 * power_of_two(random(7) as i32 - 180 + random(6) as i32);
+                let x = random(53) as f64 * power_of_two(random(7) as i32 - 180 + random(5) as i32);
                 if random(1) == 0 { x } else { -x }
             })
             .collect();
