@@ -154,12 +154,14 @@ fn volumes_in_every_unit_and_of_unlike_sizes() {
     };
     for (of_a, of_b) in [(1.0, 1.0), (1e-60, 1e-60), (1e70, 1e70), (1e-3, 1.0), (1.0, 1e-3), (1e-6, 1.0)] {
         let (a, b) = (spheres(&mut rng, of_a, 60), spheres(&mut rng, of_b, 60));
-        // About a sphere's surface.
+        // One sphere of each overlaps.
         let near: Vec<Pose> = (0..40)
             .map(|_| {
                 let (turn, way) = (rng.rotation(), rng.rotation()[1]);
-                let at = rng.pick(&b);
-                let t: [f64; 3] = core::array::from_fn(|i| at.centre[i] + at.radius * way[i]);
+                let (p, q) = (*rng.pick(&a), *rng.pick(&b));
+                let apart = rng.range(0.0, 0.99) * (p.radius + q.radius);
+                let turned = |i: usize| (0..3).map(|k| turn[i][k] * p.centre[k]).sum::<f64>();
+                let t: [f64; 3] = core::array::from_fn(|i| q.centre[i] + apart * way[i] - turned(i));
                 Pose::from_rows(core::array::from_fn(|i| [turn[i][0], turn[i][1], turn[i][2], t[i]])).unwrap()
             })
             .collect();
