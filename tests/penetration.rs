@@ -152,7 +152,7 @@ fn volumes_in_every_unit_and_of_unlike_sizes() {
             })
             .collect()
     };
-    for (of_a, of_b) in [(1.0, 1.0), (1e-60, 1e-60), (1e70, 1e70), (1e-3, 1.0), (1.0, 1e-3), (1e-6, 1.0)] {
+    for (of_a, of_b) in [(1.0, 1.0), (1e-60, 1e-60), (1e70, 1e70), (1e-3, 1.0), (1.0, 1e-3), (1e-12, 1.0)] {
         let (a, b) = (spheres(&mut rng, of_a, 60), spheres(&mut rng, of_b, 60));
         // One sphere of each overlaps.
         let near: Vec<Pose> = (0..40)
