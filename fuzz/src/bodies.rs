@@ -142,7 +142,10 @@ fn make_body<N: Dop>(input: &mut Input, mode: Mode) -> Option<Body<N>> {
     let vertices: Vec<[f64; 3]> = corners.collect();
     let triangles: Vec<[u32; 3]> = (0..count as u32).map(|t| [3 * t, 3 * t + 1, 3 * t + 2]).collect();
     let leaf_size = 1 + input.below(4) as u32;
-    let legal = vertices.as_flattened().iter().all(|x| x.abs() <= simdop::range::MAX_COORDINATE);
+    // False for NaN. A body that would become a point is refused, one that is a point is not.
+    let in_range = vertices.as_flattened().iter().all(|x| x.abs() <= simdop::range::MAX_COORDINATE);
+    let greatest = vertices.as_flattened().iter().fold(0.0, |m: f64, x| m.max(x.abs()));
+    let legal = in_range && (greatest == 0.0 || greatest >= simdop::range::MIN_COORDINATE);
     let mesh = Mesh { vertices: &vertices, triangles: &triangles };
     let tree = Builder::new().leaf_size(leaf_size).build(&mesh);
     assert_eq!(tree.is_ok(), legal, "{vertices:?}: {:?}", tree.err());

@@ -111,9 +111,9 @@ impl Sums {
         let high = f64::min(distance + r_a, r_b);
         let middle = 0.5 * (low + high);
         self.volume.add(volume);
-        for i in 0..3 {
-            let point = (b.centre[i] - self.origin[i]) * self.scale + middle * towards[i];
-            self.direction[i].add(volume * towards[i]);
+        for (i, along) in towards.into_iter().enumerate() {
+            let point = (b.centre[i] - self.origin[i]) * self.scale + middle * along;
+            self.direction[i].add(volume * along);
             self.point[i].add(volume * point);
         }
     }
