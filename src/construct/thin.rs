@@ -24,7 +24,7 @@ pub(super) fn thin_slabs<N: Node, P: Primitive<Record: AsRef<[u32]>>>(
             let (node, lane) = (index / N::ARITY, index % N::ARITY);
             let along = |n| {
                 let length = if P::IS_ROUND { length(n) } else { 0.0 };
-                let mut along = Along { n, length, centre: frame.centre, ends: NONE };
+                let mut along = Stretch { n, length, centre: frame.centre, ends: NONE };
                 match nodes[node].children()[lane].link() {
                     Link::Empty => {}
                     Link::Inner(below) => along.extend::<P>(corners.below(below)),
@@ -147,14 +147,14 @@ const NONE: (f64, f64) = (f64::INFINITY, f64::NEG_INFINITY);
 
 /// The least and the greatest support along n, relative to a centre.
 #[derive(Copy, Clone)]
-struct Along {
+struct Stretch {
     n: Point,
     length: f64,
     centre: Point,
     ends: (f64, f64),
 }
 
-impl Along {
+impl Stretch {
     /// Of some corners too. Two at a time, so that they do not wait for each other.
     fn extend<P: Primitive>(&mut self, corners: &[P::Double]) {
         let mut other = Self { ends: NONE, ..*self };
