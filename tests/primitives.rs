@@ -424,13 +424,16 @@ fn padded_triangles_are_decided_as_brute_force_decides_them() {
                     Pose::from_rows(core::array::from_fn(|i| [m[i][0], m[i][1], m[i][2], t[i]])).unwrap();
                 let moved: Vec<_> = thick.items().iter().map(|item| Padded::moved(item, &pose)).collect();
                 let (mut want, mut least) = (BTreeSet::new(), f64::INFINITY);
+                // Pairs that touch, as far as the bounds of their distance tell.
+                let mut touching = BTreeSet::new();
                 for (i, (p, r)) in moved.iter().enumerate() {
                     for (j, (q, s)) in b.items().iter().enumerate() {
-                        // Coordinates have no two pairs that a rounding decides.
                         if let Some(found) = nearer(p, q, least.max(0.0) + r + s, 0.0, &mut 0) {
                             least = least.min(found.upper - (r + s));
                             if found.upper <= r + s {
                                 want.insert((i as u32, j as u32));
+                            } else if found.lower <= r + s {
+                                touching.insert((i as u32, j as u32));
                             }
                         }
                     }
@@ -441,10 +444,11 @@ fn padded_triangles_are_decided_as_brute_force_decides_them() {
                         assert!(found.insert((pair.a, pair.b)), "each pair once");
                         ControlFlow::Continue(())
                     });
-                    assert_eq!(found, want, "{x}, {isa}");
+                    let decided = |pair: &&(u32, u32)| !touching.contains(pair);
+                    assert!(found.iter().filter(decided).eq(want.iter()), "{x}, {isa}: {found:?} {want:?}");
                     let distance = query.distance(&trees[0], tree_b, &pose, 0.0).unwrap().upper;
                     assert!((distance - least.max(0.0)).abs() < 1e-9, "{x}, {isa}: {distance} {least}");
-                    assert_eq!(query.collide(&trees[0], tree_b, &pose).is_free(), want.is_empty());
+                    assert_eq!(query.collide(&trees[0], tree_b, &pose).is_free(), found.is_empty());
                 }
             }
         }
