@@ -17,7 +17,7 @@ pub(super) fn thin_slabs<N: Node, P: Primitive<Record: AsRef<[u32]>>>(
     normal: impl FnMut(&P::Record) -> Point,
 ) -> Vec<ThinSlab> {
     let normals = mean_normals(nodes, records, normal);
-    let corners = Corners::<P>::new(nodes, vertices, records);
+    let corners = CornersBelow::<P>::new(nodes, vertices, records);
     let mut slabs = alloc::vec![ThinSlab::EVERYWHERE; nodes.len() * N::ARITY];
     parallel::for_each_chunk(&mut slabs, NODES_PER_TASK * N::ARITY, |task, slabs| {
         for (index, slab) in (task * NODES_PER_TASK * N::ARITY..).zip(slabs) {
@@ -76,13 +76,13 @@ fn mean_normals<N: Node, R>(nodes: &[N], records: &[R], mut normal: impl FnMut(&
 
 /// The corners below each node, those below one node in one run: a corner counts once for each node that has a leaf
 /// which uses it.
-struct Corners<P: Primitive> {
+struct CornersBelow<P: Primitive> {
     corners: Vec<P::Double>,
     /// Where the run of each node begins and ends.
     runs: Vec<(usize, usize)>,
 }
 
-impl<P: Primitive<Record: AsRef<[u32]>>> Corners<P> {
+impl<P: Primitive<Record: AsRef<[u32]>>> CornersBelow<P> {
     fn new<N: Node>(nodes: &[N], vertices: &[P::Double], records: &[P::Record]) -> Self {
         // The corners of each node's own leaves, node by node.
         let mut own = Vec::with_capacity(vertices.len());

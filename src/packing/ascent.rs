@@ -29,7 +29,7 @@ struct Tangent {
 
 /// Everything that spheres must keep clear of.
 #[derive(Copy, Clone, Debug)]
-pub(super) struct Room<'a> {
+pub(super) struct Clearance<'a> {
     pub(super) surface: &'a Surface,
     pub(super) placed: &'a Placed,
 }
@@ -55,7 +55,7 @@ const STEPS: usize = 32;
 /// A step that gains less than this share of the clearance is the last.
 const GAIN: f64 = 1.0 / 8192.0;
 
-impl Room<'_> {
+impl Clearance<'_> {
     /// What is near a point that is inside. `likely` is a triangle.
     pub(super) fn spot(&self, at: DVec3, likely: u32) -> Spot {
         let (depth, triangle) = self.surface.nearest(at, likely);

@@ -1,6 +1,6 @@
 //! Cubes that may hold centres, and the queue that they wait in.
 
-use super::ascent::{Room, Spot};
+use super::ascent::{Clearance, Spot};
 use super::grid::{Ball, Placed};
 use super::surface::Surface;
 use alloc::vec::Vec;
@@ -124,7 +124,7 @@ impl Cube {
     }
 
     /// The eight parts, as far as a sphere may have its centre there.
-    pub(super) fn parts(&self, room: &Room<'_>) -> impl Iterator<Item = Self> {
+    pub(super) fn parts(&self, room: &Clearance<'_>) -> impl Iterator<Item = Self> {
         let half = 0.5 * self.half;
         let way = SQRT_3 * half;
         (0..8).filter_map(move |octant| {
@@ -151,7 +151,7 @@ impl Cube {
     }
 
     /// The sphere that climbs from the centre.
-    pub(super) fn climbed(&self, room: &Room<'_>) -> Option<Ball> {
+    pub(super) fn climbed(&self, room: &Clearance<'_>) -> Option<Ball> {
         let start = room.spot(self.centre, self.triangle);
         let end = room.climb(start, (SQRT_3 * self.half).max(0.25 * start.clearance));
         proven(room.surface, &end)

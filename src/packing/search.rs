@@ -10,7 +10,7 @@
 //! into eight. The number of cubes does not depend on the number of threads, and what is found is put in its
 //! place in one order, so that the packing does not depend on it either.
 
-use super::ascent::Room;
+use super::ascent::Clearance;
 use super::cube::{Cube, PROVEN, Queue};
 use super::grid::{Ball, Placed};
 use super::surface::Surface;
@@ -76,7 +76,7 @@ pub(super) fn fill(
         {
             tasks.push(Task { cube, fate: Fate::Waits, parts: Vec::new(), found: None });
         }
-        let room = Room { surface, placed: &placed };
+        let room = Clearance { surface, placed: &placed };
         parallel::for_each_chunk(&mut tasks, 2 * CHUNK, |_, chunk| {
             chunk.iter_mut().for_each(|task| task.cube.refresh(&placed));
         });
@@ -142,7 +142,7 @@ fn place(tasks: &[Task], placed: &mut Placed, count: usize) {
 }
 
 impl Task {
-    fn work(&mut self, room: &Room<'_>) {
+    fn work(&mut self, room: &Clearance<'_>) {
         match self.fate {
             Fate::Waits | Fate::Gone => {}
             Fate::Climbs => self.climb(room),
@@ -173,7 +173,7 @@ impl Task {
 
     /// Finds a sphere. Where nothing can be proved of it, parts of the cube may lead to another, but not for
     /// ever.
-    fn climb(&mut self, room: &Room<'_>) {
+    fn climb(&mut self, room: &Clearance<'_>) {
         self.found = self.cube.climbed(room);
         self.fate = if self.found.is_some() { Fate::Climbs } else { Fate::Gone };
         if self.found.is_none() && self.cube.half > (1.0 - PROVEN) * self.cube.clearance {

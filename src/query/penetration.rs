@@ -67,7 +67,7 @@ impl Query {
         B: AsBvh<Primitive = Spheres, Node = A::Node>,
     {
         let (a, b) = (a.as_bvh(), b.as_bvh());
-        let mut sums = Sums::new(&a.frame(), &b.frame(), pose);
+        let mut sums = LensSums::new(&a.frame(), &b.frame(), pose);
         let mut counters = Counters::default();
         let stop = self.run((&a, &b), pose, 0.0, &mut counters, |found| {
             sums.add(&Spheres::moved(&a.primitive(found.a), pose), &b.primitive(found.b));
@@ -80,7 +80,7 @@ impl Query {
 
 /// Sums over pairs of spheres, relative to the centre of the smaller body and in the unit of its frame: all that the two
 /// have in common is in it, and at most 2^8 away from there.
-struct Sums {
+struct LensSums {
     origin: Point,
     scale: f64,
     volume: Sum,
@@ -89,7 +89,7 @@ struct Sums {
     pairs: u64,
 }
 
-impl Sums {
+impl LensSums {
     fn new(a: &Frame, b: &Frame, pose: &Pose) -> Self {
         let is_a = a.scale() > b.scale();
         let origin = if is_a { pose.apply(a.centre) } else { b.centre };

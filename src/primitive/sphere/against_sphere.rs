@@ -10,7 +10,7 @@ use crate::range::{MIN_COORDINATE, Point};
 pub(super) const ROUNDING: f64 = power_of_two(-48);
 
 /// Differences of coordinates, and sums of radii: multiples of 2^-302 below 2^305. Their squares have 1218 bits.
-type Length = Wide<10>;
+type OfDegreeOne = Wide<10>;
 type Square = Wide<20>;
 
 /// Whether the two are at most `margin` apart. Exact; a margin that is above 0 and below [`MIN_COORDINATE`] counts as
@@ -79,14 +79,14 @@ pub(super) fn bounds_of_gap(difference_of_squares: f64, sum: f64) -> (f64, f64) 
 fn excess(a: &Sphere, b: &Sphere, margin: f64) -> f64 {
     let margin = if margin > 0.0 && margin < MIN_COORDINATE { MIN_COORDINATE } else { margin };
     let unit = unit_of(a.centre.into_iter().chain(b.centre).chain([a.radius, b.radius, margin]));
-    let number = |x: f64| Length::new(x, unit);
+    let number = |x: f64| OfDegreeOne::new(x, unit);
     let mut excess = Square::ZERO;
     for i in 0..3 {
         let d = number(a.centre[i]).minus(&number(b.centre[i]));
         excess = excess.plus(&d.times(&d));
     }
     let reach = number(a.radius).plus(&number(b.radius)).plus(&number(margin));
-    excess.minus(&reach.times(&reach)).over(&Length::new(1.0, 0), 2 * unit)
+    excess.minus(&reach.times(&reach)).over(&OfDegreeOne::new(1.0, 0), 2 * unit)
 }
 
 /// The point of each that is nearest to the other, for centres that are `between` apart.
