@@ -32,6 +32,13 @@ pub struct Extent {
 }
 
 impl Extent {
+    /// The sum of the half widths, in the frame.
+    #[inline(always)]
+    pub(crate) fn width_sum(&self) -> f64 {
+        let [x, y, z] = self.half_width.map(f64::from);
+        (x + y) + z
+    }
+
     /// The square of half of the diagonal of the body's box about the centre of its frame, in the body's unit. Up to
     /// rounding, at least.
     // A root takes as long as a visit where it is computed in software, as `libm` does.

@@ -82,8 +82,7 @@ impl<const K: usize> Realignment<K> {
     pub fn new(pose: &Pose, a: &Extent, b: &Frame) -> Self {
         let m = pose.rows();
         let ratio = power_of_two(b.exponent - a.frame.exponent);
-        let [x, y, z] = a.half_width;
-        let width_sum = f64::from(x) + f64::from(y) + f64::from(z);
+        let width_sum = a.width_sum();
         let shift = shift(pose, a, b);
         let per_length = F64_SLACK * (2.0 * ratio * width_sum + b.scale() * coordinates(pose, a, b))
             + MIN_COORDINATE * b.scale();
@@ -169,7 +168,7 @@ pub(crate) fn shift(pose: &Pose, a: &Extent, b: &Frame) -> Point {
 
 /// What the roundings of moved corners and centres are relative to.
 #[inline(always)]
-fn coordinates(pose: &Pose, a: &Extent, b: &Frame) -> f64 {
+pub(crate) fn coordinates(pose: &Pose, a: &Extent, b: &Frame) -> f64 {
     // 4 >= sum of a row's magnitudes, for the image; once more for the centre.
     (8.0 * a.max_coordinate + greatest(&pose.translation())) + greatest(&b.centre)
 }
@@ -273,6 +272,6 @@ impl<const K: usize> Supports<K> {
 
 /// The greatest magnitude of a coordinate.
 #[inline(always)]
-fn greatest(p: &Point) -> f64 {
+pub(crate) fn greatest(p: &Point) -> f64 {
     p[0].abs().max(p[1].abs()).max(p[2].abs())
 }

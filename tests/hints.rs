@@ -14,6 +14,7 @@ use std::ops::ControlFlow;
 use support::data::{MeshData, Suite, suite_step, suites};
 use support::exact::{Tri, triangles_meet};
 use support::rng::Rng;
+use support::turns::pose;
 
 type Rows = [[f64; 4]; 3];
 
@@ -109,7 +110,7 @@ fn hints_change_no_verdict_and_no_distance() {
     let foreign: Vec<Hint> = (0..50)
         .map(|_| {
             let (r, t) = (rng.rotation(), rng.rotation()[0]);
-            let pose = Pose::from_rows(core::array::from_fn(|i| [r[i][0], r[i][1], r[i][2], t[i]])).unwrap();
+            let pose = pose(&r, t);
             query.distance(&largest.0.view(), &largest.1.view(), &pose, 1.0).unwrap().hint
         })
         .collect();

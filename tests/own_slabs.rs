@@ -29,7 +29,7 @@ use support::dyadic::{Dyadic, apart_along, dot, dot_rounded};
 use support::exact::{Tri, meeting_pairs};
 use support::rng::Rng;
 use support::shapes;
-use support::turns::{add, random_point, rotation};
+use support::turns::{add, pose, random_point, rotation};
 
 /// Calls a generic function once for every k.
 macro_rules! for_each_k {
@@ -99,10 +99,6 @@ impl Placed<'_> {
         }
         beyond
     }
-}
-
-fn pose(rotation: &[[f64; 3]; 3], t: Point) -> Pose {
-    Pose::from_rows(core::array::from_fn(|i| [rotation[i][0], rotation[i][1], rotation[i][2], t[i]])).unwrap()
 }
 
 /// Mostly a pose, from near to far away.

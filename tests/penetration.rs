@@ -16,6 +16,7 @@ use support::corners::inverse;
 use support::data::{MeshData, directory, suite_step};
 use support::rng::Rng;
 use support::shapes::wavy_torus;
+use support::turns::pose;
 
 fn build<N: Lanes>(spheres: &[Sphere]) -> Bvh<N, Spheres> {
     Builder::new().build_geometry(&SphereSet { spheres }, &mut |_| ControlFlow::Continue(())).unwrap()
@@ -110,13 +111,12 @@ fn check<N: Lanes>(a: &[Sphere], b: &[Sphere], poses: &[Pose]) -> f64 {
 
 /// From far apart to one in the other, turned at random.
 fn poses(rng: &mut Rng, size: f64, count: usize) -> Vec<Pose> {
-    let pose = |i: usize| {
+    let placed = |i: usize| {
         let (turn, towards) = (rng.rotation(), rng.rotation()[0]);
         let way = 1.1 * size * i as f64 / count as f64;
-        Pose::from_rows(core::array::from_fn(|k| [turn[k][0], turn[k][1], turn[k][2], way * towards[k]]))
-            .unwrap()
+        pose(&turn, towards.map(|x| way * x))
     };
-    (0..count).map(pose).collect()
+    (0..count).map(placed).collect()
 }
 
 #[test]
@@ -162,7 +162,7 @@ fn volumes_in_every_unit_and_of_unlike_sizes() {
                 let apart = rng.range(0.0, 0.99) * (p.radius + q.radius);
                 let turned = |i: usize| (0..3).map(|k| turn[i][k] * p.centre[k]).sum::<f64>();
                 let t: [f64; 3] = core::array::from_fn(|i| q.centre[i] + apart * way[i] - turned(i));
-                Pose::from_rows(core::array::from_fn(|i| [turn[i][0], turn[i][1], turn[i][2], t[i]])).unwrap()
+                pose(&turn, t)
             })
             .collect();
         assert!(check::<Node16<18>>(&a, &b, &near) > 0.0, "{of_a:e} {of_b:e}");

@@ -20,6 +20,7 @@ use support::data::suite_step;
 use support::exact::triangles_meet;
 use support::rng::Rng;
 use support::shapes::wavy_torus;
+use support::turns::pose;
 
 type Segment = [Point; 2];
 
@@ -420,8 +421,7 @@ fn padded_triangles_are_decided_as_brute_force_decides_them() {
             let t = [x, 0.07, 0.03];
             // As far from a rotation as a pose may be, and turned.
             for m in [[[1.0, 0.0, 4e-5], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]], turn] {
-                let pose =
-                    Pose::from_rows(core::array::from_fn(|i| [m[i][0], m[i][1], m[i][2], t[i]])).unwrap();
+                let pose = pose(&m, t);
                 let moved: Vec<_> = thick.items().iter().map(|item| Padded::moved(item, &pose)).collect();
                 let (mut want, mut least) = (BTreeSet::new(), f64::INFINITY);
                 // Pairs that touch, as far as the bounds of their distance tell.

@@ -21,7 +21,7 @@ use support::data::suite_step;
 use support::dyadic::{Dyadic, dot, half_value};
 use support::rng::Rng;
 use support::shapes;
-use support::turns::{Rows, add, random_point, rotation};
+use support::turns::{add, pose, random_point, rotation};
 
 /// Calls a generic function once for every k.
 macro_rules! for_each_k {
@@ -35,10 +35,6 @@ macro_rules! for_each_k {
 }
 
 // ---- Poses and frames that are hard in different ways -----------------------------------------------------
-
-fn pose(rotation: &Rows, t: Point) -> Pose {
-    Pose::from_rows(core::array::from_fn(|i| [rotation[i][0], rotation[i][1], rotation[i][2], t[i]])).unwrap()
-}
 
 /// The exponent that puts something of this size between 2^6 and 2^7, as the builder does.
 fn exponent_for(size: f64) -> i32 {

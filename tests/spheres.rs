@@ -17,6 +17,7 @@ use std::collections::BTreeSet;
 use support::data::suite_step;
 use support::dyadic::{Dyadic, dot, is_rounded_up};
 use support::rng::Rng;
+use support::turns::pose;
 
 type Exact = [Dyadic; 3];
 
@@ -172,10 +173,6 @@ fn mesh<N: Lanes>(triangles: &[Triangle]) -> Bvh<N> {
     Builder::new().build(&Mesh { vertices: &vertices, triangles: &triangles }).unwrap()
 }
 
-fn pose(rows: [[f64; 3]; 3], t: Point) -> Pose {
-    Pose::from_rows(core::array::from_fn(|i| [rows[i][0], rows[i][1], rows[i][2], t[i]])).unwrap()
-}
-
 const STRAIGHT: [[f64; 3]; 3] = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
 const QUARTER: [[f64; 3]; 3] = [[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]];
 
@@ -321,9 +318,9 @@ fn lattices<N: Lanes>(count: usize) {
         let patches = lattice_triangles(&mut rng, count, unit, offset);
         let width = side(count) as f64;
         let poses = [
-            pose(STRAIGHT, [0.0; 3]),
-            pose(QUARTER, [2.0 * offset + width * unit, 0.0, unit]),
-            pose([[0.6, -0.8, 0.0], [0.8, 0.6, 0.0], [0.0, 0.0, 1.0]], [unit, 0.0, 0.0]),
+            pose(&STRAIGHT, [0.0; 3]),
+            pose(&QUARTER, [2.0 * offset + width * unit, 0.0, unit]),
+            pose(&[[0.6, -0.8, 0.0], [0.8, 0.6, 0.0], [0.0, 0.0, 1.0]], [unit, 0.0, 0.0]),
         ];
         for (i, pose) in poses.iter().enumerate() {
             let [meet, touch] =
@@ -333,7 +330,7 @@ fn lattices<N: Lanes>(count: usize) {
         }
         // Beside each other, with faces that touch, and a step of the translation apart.
         for x in [3.0, 4.0, 40.0, 1000.0].map(|x| (width + x) * unit) {
-            let beside = pose(STRAIGHT, [x, 0.0, 0.0]);
+            let beside = pose(&STRAIGHT, [x, 0.0, 0.0]);
             check_bodies::<N>(&a, &b, &patches, &beside, &format!("unit {unit:e}, {:e} aside", x / unit));
         }
     }
@@ -354,7 +351,7 @@ fn other_node_types_decide_alike() {
         let mut rng = Rng::new(22);
         let (a, b) = (lattice(&mut rng, 70, 1.0, 0.0), lattice(&mut rng, 70, 1.0, 0.0));
         let (tree_a, tree_b) = (build::<N>(&a), build::<N>(&b));
-        for pose in [pose(rng.rotation(), [3.0, -2.0, 1.0]), pose(QUARTER, [38.0, 0.0, 1.0])] {
+        for pose in [pose(&rng.rotation(), [3.0, -2.0, 1.0]), pose(&QUARTER, [38.0, 0.0, 1.0])] {
             check((&tree_a, &a), (&tree_b, &b), &pose, core::any::type_name::<N>());
         }
     }
@@ -383,7 +380,7 @@ fn spheres_of_unlike_sizes_far_from_the_origin() {
                 &a,
                 &b,
                 &patches,
-                &pose(turn, t),
+                &pose(&turn, t),
                 &format!("offset {offset:e}, {far}"),
             );
         }
@@ -395,7 +392,7 @@ fn spheres_of_unlike_sizes_far_from_the_origin() {
 #[test]
 fn spheres_keep_their_size_at_poses_that_shrink() {
     for share in [1.0 - 4.9e-5, 1.0 + 4.9e-5] {
-        let pose = pose(STRAIGHT.map(|row| row.map(|x| x * share)), [0.0; 3]);
+        let pose = pose(&STRAIGHT.map(|row| row.map(|x| x * share)), [0.0; 3]);
         let a = [0.0, 4.0].map(|y| Sphere { centre: [0.0, y, 0.0], radius: 2.0 });
         for nearest in 0..2 {
             let beside = |i: usize| {

@@ -95,8 +95,7 @@ fn read(path: &Path) -> Result<(Body, Bvh<Node16<18>, Spheres>), Error> {
     let tree = Builder::new()
         .build_geometry(&SphereSet { spheres: &spheres }, &mut |_| ControlFlow::Continue(()))
         .map_err(|error| Error::Build { name: name.clone(), error })?;
-    let volume_of = |sphere: &Sphere| 4.0 / 3.0 * core::f64::consts::PI * sphere.radius.powi(3);
-    Ok((Body { name, spheres: spheres.len(), volume: spheres.iter().map(volume_of).sum() }, tree))
+    Ok((Body { name, spheres: spheres.len(), volume: spheres.iter().map(Sphere::volume).sum() }, tree))
 }
 
 fn print(report: &Report, options: &Options, out: &mut impl Write) -> std::io::Result<()> {

@@ -131,32 +131,14 @@ pub(super) struct Checked<'a, P: Primitive> {
 impl<'a, P: Primitive<Record: AsRef<[u32]>>> Checked<'a, P> {
     pub(super) fn new<G: Geometry<Primitive = P>>(geometry: &'a G) -> Result<Self, BuildError> {
         let vertices = geometry.vertices();
-        if u32::try_from(vertices.len()).is_err() {
-            return Err(BuildError::TooLarge { count: vertices.len() });
-        }
-        let primitives = geometry.primitives();
-        if primitives.len() > Child::MAX_PRIMITIVES as usize {
-            return Err(BuildError::TooLarge { count: primitives.len() });
-        }
-        for (index, vertex) in vertices.iter().enumerate() {
-            let Sphere { centre, radius } = P::ball(vertex);
-            // The comparisons are false for NaN.
-            if !centre.iter().all(|x| x.abs() <= MAX_COORDINATE) {
-                return Err(BuildError::Vertex { index });
-            }
-            if !(radius >= 0.0 && centre.iter().all(|x| x.abs() + radius <= MAX_COORDINATE)) {
-                return Err(BuildError::Radius { index });
-            }
-        }
+        check_vertices::<P>(vertices)?;
         let size = |ball: Sphere| ball.centre.into_iter().fold(ball.radius, |m, x| m.max(x.abs()));
         let greatest = vertices.iter().map(|vertex| size(P::ball(vertex))).fold(0.0, f64::max);
         if greatest > 0.0 && flush(greatest) == 0.0 {
             return Err(BuildError::TooSmall);
         }
-        let in_range = |record: &P::Record| record.as_ref().iter().all(|&v| (v as usize) < vertices.len());
-        if let Some(index) = primitives.iter().position(|record| !in_range(record)) {
-            return Err(BuildError::Primitive { index });
-        }
+        let primitives = geometry.primitives();
+        check_records(&primitives, vertices.len())?;
         Ok(Self { vertices: vertices.iter().map(|v| P::map(v, flush)).collect(), primitives })
     }
 
@@ -182,6 +164,36 @@ impl<'a, P: Primitive<Record: AsRef<[u32]>>> Checked<'a, P> {
             G::weight(&corners, radius * scale)
         };
         self.primitives.iter().map(weigh).collect()
+    }
+}
+
+/// Whether vertices are in the range, and not too many.
+pub(crate) fn check_vertices<P: Primitive>(vertices: &[P::Double]) -> Result<(), BuildError> {
+    if u32::try_from(vertices.len()).is_err() {
+        return Err(BuildError::TooLarge { count: vertices.len() });
+    }
+    for (index, vertex) in vertices.iter().enumerate() {
+        let Sphere { centre, radius } = P::ball(vertex);
+        // The comparisons are false for NaN.
+        if !centre.iter().all(|x| x.abs() <= MAX_COORDINATE) {
+            return Err(BuildError::Vertex { index });
+        }
+        if !(radius >= 0.0 && centre.iter().all(|x| x.abs() + radius <= MAX_COORDINATE)) {
+            return Err(BuildError::Radius { index });
+        }
+    }
+    Ok(())
+}
+
+/// Whether records are not too many, and name no vertex but the first `vertices`.
+pub(crate) fn check_records<R: AsRef<[u32]>>(records: &[R], vertices: usize) -> Result<(), BuildError> {
+    if records.len() > Child::MAX_PRIMITIVES as usize {
+        return Err(BuildError::TooLarge { count: records.len() });
+    }
+    let in_range = |record: &R| record.as_ref().iter().all(|&v| (v as usize) < vertices);
+    match records.iter().position(|record| !in_range(record)) {
+        Some(index) => Err(BuildError::Primitive { index }),
+        None => Ok(()),
     }
 }
 

@@ -25,6 +25,7 @@ pub use assignment::Assignment;
 #[doc(hidden)]
 pub use clustering::Clustering;
 pub use geometry::{Geometry, Mesh, SphereSet};
+pub(crate) use geometry::{check_records, check_vertices};
 pub use progress::Progress;
 
 use crate::hierarchy::Bvh;

@@ -1,8 +1,9 @@
 //! Whether a mesh is closed, and what it encloses.
 
 use super::PackError;
-use crate::construct::{BuildError, Mesh};
-use crate::range::{MAX_COORDINATE, Point};
+use crate::construct::{Mesh, check_records, check_vertices};
+use crate::primitive::Triangles;
+use crate::range::Point;
 use alloc::vec::Vec;
 use core::cmp::Ordering;
 use glam::DVec3;
@@ -13,17 +14,8 @@ pub(super) fn check(mesh: &Mesh<'_>) -> Result<(), PackError> {
     if triangles.is_empty() {
         return Err(PackError::Empty);
     }
-    // The comparison is false for NaN.
-    if let Some(index) = vertices.iter().position(|p| !p.iter().all(|x| x.abs() <= MAX_COORDINATE)) {
-        return Err(PackError::Mesh(BuildError::Vertex { index }));
-    }
-    if u32::try_from(vertices.len()).is_err() {
-        return Err(PackError::Mesh(BuildError::TooLarge { count: vertices.len() }));
-    }
-    let is_known = |t: &[u32; 3]| t.iter().all(|&v| (v as usize) < vertices.len());
-    if let Some(index) = triangles.iter().position(|t| !is_known(t)) {
-        return Err(PackError::Mesh(BuildError::Primitive { index }));
-    }
+    check_vertices::<Triangles>(vertices).map_err(PackError::Mesh)?;
+    check_records(triangles, vertices.len()).map_err(PackError::Mesh)?;
     check_edges(mesh)
 }
 

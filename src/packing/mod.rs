@@ -55,10 +55,9 @@ pub use error::PackError;
 
 use crate::construct::Mesh;
 use crate::frame::scale_to_one;
-use crate::primitive::Sphere;
+use crate::primitive::{Sphere, sphere};
 use crate::range::{Point, flush};
 use alloc::vec::Vec;
-use core::f64::consts::PI;
 use core::ops::ControlFlow;
 use surface::Surface;
 
@@ -145,7 +144,7 @@ impl Packer {
 
         let (mut known, mut covered) = (0, 0.0);
         let mut observer = |balls: &[grid::Ball]| {
-            covered += balls[known..].iter().map(|ball| volume_of(ball.radius)).sum::<f64>();
+            covered += balls[known..].iter().map(|ball| sphere::volume(ball.radius)).sum::<f64>();
             known = balls.len();
             observer(Filling { placed: known, asked: self.spheres, share: covered / volume })
         };
@@ -167,12 +166,8 @@ impl Packing {
         // In shares of the volume from the start: the cube of a radius may be too small a number.
         let unit = libm::cbrt(self.volume);
         self.spheres.iter().scan(0.0, move |covered, sphere| {
-            *covered += volume_of(sphere.radius / unit);
+            *covered += sphere::volume(sphere.radius / unit);
             Some(*covered)
         })
     }
-}
-
-fn volume_of(radius: f64) -> f64 {
-    4.0 / 3.0 * PI * (radius * radius * radius)
 }

@@ -139,8 +139,7 @@ impl Along {
         let ratio = power_of_two(exponent - body.frame.exponent);
         let weights = found.weights.map(|c| (ratio * c) as f32);
         let weight_sum = (f64::from(weights[0]) + f64::from(weights[1])) + f64::from(weights[2]);
-        let [x, y, z] = body.half_width;
-        let width_sum = f64::from(x) + f64::from(y) + f64::from(z);
+        let width_sum = body.width_sum();
         let residual = weight_sum * (HALF_PLACE * (Directions::<K>::MAX_COMPONENT * width_sum));
         let in_f64 = F64_SLACK * (4.0 * ratio * width_sum);
         let rounding = GAMMA_5 * (weight_sum * f64::from(body.max_plane));

@@ -19,6 +19,7 @@ use crate::node::{Child, Link};
 use crate::pose::Pose;
 use crate::primitive::{Primitive, Separation};
 use crate::range::Point;
+use crate::realign::greatest;
 
 /// What a search is for.
 #[derive(Copy, Clone, Debug)]
@@ -341,9 +342,4 @@ impl<'t, N: Lanes, P: Pairwise<Q>, Q: Primitive> Search<'t, N, P, Q> {
             }
         }
     }
-}
-
-/// The greatest magnitude of a coordinate.
-fn greatest(p: &Point) -> f64 {
-    p[0].abs().max(p[1].abs()).max(p[2].abs())
 }

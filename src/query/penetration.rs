@@ -9,6 +9,7 @@ use crate::exact::power_of_two;
 use crate::frame::Frame;
 use crate::hierarchy::AsBvh;
 use crate::pose::Pose;
+use crate::primitive::sphere::volume;
 use crate::primitive::{Primitive, Sphere, Spheres};
 use crate::range::Point;
 use core::f64::consts::PI;
@@ -146,7 +147,7 @@ fn lens(r_a: f64, r_b: f64, distance: f64) -> f64 {
     }
     let smaller = f64::min(r_a, r_b);
     if distance <= difference {
-        return 4.0 / 3.0 * PI * (smaller * smaller * smaller);
+        return volume(smaller);
     }
     let depth = sum - distance;
     // (distance - difference) (distance + 3 difference) + 4 smaller distance, without a difference of squares.

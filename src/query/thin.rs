@@ -29,6 +29,7 @@ use crate::frame::Extent;
 use crate::node::ThinSlab;
 use crate::pose::Pose;
 use crate::range::{MIN_COORDINATE, Point};
+use crate::realign::{F64_SLACK, coordinates, shift};
 
 /// What of a pose and two bodies is the same for all pairs.
 #[derive(Copy, Clone, Debug)]
@@ -52,20 +53,15 @@ pub(super) struct ThinChild<'t, N> {
 /// How many pairs are tested at once.
 pub(super) const AT_ONCE: usize = 4;
 
-const F64_SLACK: f64 = power_of_two(-46);
-
 /// Bounds the sum of magnitudes of a direction, and of a direction that a pose turned.
 const SUM: f64 = 4096.0;
 
 impl ThinTest {
     #[inline(always)]
     pub(super) fn new(pose: &Pose, a: &Extent, b: &Extent, margin: f64) -> Self {
-        let (m, t, c) = (pose.rows(), pose.translation(), a.frame.centre);
-        let scale = b.frame.scale();
+        let (m, scale) = (pose.rows(), b.frame.scale());
         let ratio = power_of_two(b.frame.exponent - a.frame.exponent);
-        let shift = core::array::from_fn(|i| {
-            ((((m[i][0] * c[0] + m[i][1] * c[1]) + m[i][2] * c[2]) + t[i]) - b.frame.centre[i]) * scale
-        });
+        let shift = shift(pose, a, &b.frame).map(|x| x * scale);
         let mut skew = 0.0_f64;
         for i in 0..3 {
             for j in 0..3 {
@@ -73,16 +69,11 @@ impl ThinTest {
                 skew = skew.max((dot - f64::from(u8::from(i == j))).abs());
             }
         }
-        let greatest = |p: &Point| p[0].abs().max(p[1].abs()).max(p[2].abs());
-        let widths = |extent: &Extent| {
-            let [x, y, z] = extent.half_width.map(f64::from);
-            (x + y) + z
-        };
-        let coordinates = (8.0 * a.max_coordinate + greatest(&t)) + greatest(&b.frame.centre);
-        let inexact = ratio * ((widths(a) + f64::from(a.max_plane)) + 1.0)
-            + ((widths(b) + f64::from(b.max_plane)) + 1.0);
+        let coordinates = coordinates(pose, a, &b.frame);
+        let inexact = ratio * ((a.width_sum() + f64::from(a.max_plane)) + 1.0)
+            + ((b.width_sum() + f64::from(b.max_plane)) + 1.0);
         let pad = SUM
-            * ((4.0 * F64_SLACK * inexact + (skew + F64_SLACK) * (ratio * widths(a)))
+            * ((4.0 * F64_SLACK * inexact + (skew + F64_SLACK) * (ratio * a.width_sum()))
                 + ((F64_SLACK * coordinates + MIN_COORDINATE) + margin) * scale);
         Self { m: *m, shift, ratio, pad }
     }

@@ -113,8 +113,7 @@ pub fn own_slabs<P: Primitive, const K: usize>(
         }
     }
     let scale = body.frame.scale();
-    let [x, y, z] = body.half_width;
-    let width_sum = f64::from(x) + f64::from(y) + f64::from(z);
+    let width_sum = body.width_sum();
     let per_weight =
         HALF_PLACE * (Directions::<K>::MAX_COMPONENT * width_sum) + GAMMA_5 * f64::from(body.max_plane);
     // The sum of magnitudes is at least the length, by which the margin counts.

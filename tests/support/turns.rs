@@ -1,6 +1,7 @@
 //! Turns, and points, that are hard in different ways.
 
 use super::rng::Rng;
+use simdop::pose::Pose;
 
 /// A matrix by rows.
 pub(crate) type Rows = [[f64; 3]; 3];
@@ -55,7 +56,12 @@ pub(crate) fn add(p: [f64; 3], q: [f64; 3]) -> [f64; 3] {
     core::array::from_fn(|i| p[i] + q[i])
 }
 
+/// The pose that turns and then shifts.
+pub(crate) fn pose(turn: &Rows, t: [f64; 3]) -> Pose {
+    Pose::from_rows(core::array::from_fn(|i| [turn[i][0], turn[i][1], turn[i][2], t[i]])).unwrap()
+}
+
 /// Names every helper once, so that a test which needs only some of them compiles without a warning.
 const _: () = {
-    let _ = (rotation, random_point::<1>, add);
+    let _ = (rotation, random_point::<1>, add, pose);
 };

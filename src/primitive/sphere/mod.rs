@@ -15,6 +15,7 @@ pub(crate) mod against_triangle;
 use super::{Kind, Primitive, Store};
 use crate::pose::Pose;
 use crate::range::Point;
+use core::f64::consts::PI;
 
 /// A closed ball: all points at most `radius` from `centre`, in its body's coordinates and unit.
 #[derive(Copy, Clone, PartialEq, Default, Debug, bytemuck::Pod, bytemuck::Zeroable)]
@@ -24,6 +25,19 @@ pub struct Sphere {
     pub centre: Point,
     /// Its radius, not negative. One of radius 0 is a point.
     pub radius: f64,
+}
+
+impl Sphere {
+    /// Its volume.
+    #[must_use]
+    pub const fn volume(&self) -> f64 {
+        volume(self.radius)
+    }
+}
+
+/// The volume of a sphere.
+pub(crate) const fn volume(radius: f64) -> f64 {
+    4.0 / 3.0 * PI * (radius * radius * radius)
 }
 
 /// Spheres, stored as centre and radius: 16 bytes where `f32` holds the four numbers, else 32, and 4 for the
