@@ -1,22 +1,18 @@
 //! Thin slabs: that they bound what is below them, and no more than that; that damaged ones are refused; that
 //! they change no verdict; and what they spare.
 
-extern crate alloc;
-
-mod support;
-
+use crate::pairs_that_meet;
+use crate::support::data::{Approach, MeshData, notice, suite_step};
+use crate::support::dyadic::{Dyadic, dot};
+use crate::support::rng::Rng;
+use crate::support::shapes;
 use alloc::collections::BTreeSet;
-use core::ops::ControlFlow;
 use simdop::construct::{Builder, Mesh, Splitter};
 use simdop::hierarchy::{BakeError, Bvh, BvhRef, Header, Lane};
 use simdop::isa::Isa;
 use simdop::node::{Link, Node4, Node16, ThinSlab};
 use simdop::pose::Pose;
-use simdop::query::{Completion, Counters, Lanes, Query};
-use support::data::{Approach, MeshData, notice, suite_step};
-use support::dyadic::{Dyadic, dot};
-use support::rng::Rng;
-use support::shapes;
+use simdop::query::{Counters, Lanes, Query};
 
 /// Calls a generic function on one argument, once for every node type.
 macro_rules! for_each_node {
@@ -411,13 +407,7 @@ fn near_smooth_bodies_take_half_the_visits() {
 
 /// All pairs that meet, and the work.
 fn pairs<N: Lanes>(isa: Isa, a: &Bvh<N>, b: &Bvh<N>, pose: &Pose) -> (BTreeSet<(u32, u32)>, Counters) {
-    let mut found = BTreeSet::new();
-    let (completion, counters) = Query::new(isa).for_each_pair(a, b, pose, |pair| {
-        assert!(found.insert((pair.a, pair.b)), "each pair once");
-        ControlFlow::Continue(())
-    });
-    assert_eq!(completion, Completion::Complete);
-    (found, counters)
+    pairs_that_meet(Query::new(isa), a, b, pose)
 }
 
 /// Long queries of trees with slabs, with those of one tree only, and without: the same answers on every

@@ -1,8 +1,8 @@
 //! Trees in whichever form a caller holds them: owned in a struct, of any node type, in flash; and vertices
 //! that no triangle uses.
 
-mod support;
-
+use crate::support::data::MeshData;
+use crate::support::shapes;
 use core::ops::ControlFlow;
 use simdop::construct::{BuildError, Builder, Mesh};
 use simdop::hierarchy::{AnyBvh, AnyBvhRef, AsBvh, BakeError, Baked, Bvh, BvhRef};
@@ -12,8 +12,6 @@ use simdop::pose::Pose;
 use simdop::primitive::Triangles;
 use simdop::query::{AnyError, Pair, Query, ToleranceError};
 use simdop::with_bvh;
-use support::data::MeshData;
-use support::shapes;
 
 fn mesh_of(mesh: &MeshData) -> Mesh<'_> {
     Mesh { vertices: &mesh.vertices, triangles: &mesh.triangles }

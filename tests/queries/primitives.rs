@@ -1,8 +1,12 @@
 //! A kind of primitive that the library does not know, written as a user of it would: segments get a tree,
 //! `verify`, and queries among themselves and with triangles, from outside of the crate.
 
-mod support;
-
+use crate::pairs_that_meet;
+use crate::support::data::suite_step;
+use crate::support::exact::triangles_meet;
+use crate::support::rng::Rng;
+use crate::support::shapes::wavy_torus;
+use crate::support::turns::pose;
 use core::ops::ControlFlow;
 use simdop::construct::{Builder, Geometry, Mesh, Splitter};
 use simdop::hierarchy::{BakeError, Bvh, BvhRef};
@@ -16,11 +20,6 @@ use simdop::query::{Lanes, Pairwise, Query};
 use simdop::range::Point;
 use std::borrow::Cow;
 use std::collections::BTreeSet;
-use support::data::suite_step;
-use support::exact::triangles_meet;
-use support::rng::Rng;
-use support::shapes::wavy_torus;
-use support::turns::pose;
 
 type Segment = [Point; 2];
 
@@ -164,11 +163,7 @@ fn pairs_of<N: Lanes, P: Pairwise<Q>, Q: Pairwise<P>>(
     b: &Bvh<N, Q>,
     pose: &Pose,
 ) -> BTreeSet<(u32, u32)> {
-    let mut found = BTreeSet::new();
-    let (_, counters) = query.for_each_pair(a, b, pose, |pair| {
-        assert!(found.insert((pair.a, pair.b)), "each pair once");
-        ControlFlow::Continue(())
-    });
+    let (found, counters) = pairs_that_meet(query, a, b, pose);
     assert!(counters.primitive_pairs < (a.view().len() * b.view().len() / 4) as u64, "{counters:?}");
     found
 }
@@ -439,11 +434,8 @@ fn padded_triangles_are_decided_as_brute_force_decides_them() {
                     }
                 }
                 for isa in Isa::available() {
-                    let (query, mut found) = (Query::new(isa), BTreeSet::new());
-                    let _ = query.for_each_pair(&trees[0], tree_b, &pose, |pair| {
-                        assert!(found.insert((pair.a, pair.b)), "each pair once");
-                        ControlFlow::Continue(())
-                    });
+                    let query = Query::new(isa);
+                    let (found, _) = pairs_that_meet(query, &trees[0], tree_b, &pose);
                     let decided = |pair: &&(u32, u32)| !touching.contains(pair);
                     assert!(found.iter().filter(decided).eq(want.iter()), "{x}, {isa}: {found:?} {want:?}");
                     let distance = query.distance(&trees[0], tree_b, &pose, 0.0).unwrap().upper;

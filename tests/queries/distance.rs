@@ -1,8 +1,11 @@
 //! Distances and margins against brute force in exact integers: on real meshes, on random shapes, and on
 //! pairs of triangles that are hard.
 
-mod support;
-
+use crate::support::data::{MeshData, Suite, suite_step, suites};
+use crate::support::exact::{Tri, meshes_meet};
+use crate::support::exact_distance::{exact_distance, mesh_distance};
+use crate::support::rng::Rng;
+use crate::support::shapes;
 use simdop::construct::{BuildError, Builder, Mesh};
 use simdop::hierarchy::Bvh;
 use simdop::isa::Isa;
@@ -11,11 +14,6 @@ use simdop::pose::Pose;
 use simdop::primitive::triangle::distance::separation;
 use simdop::query::{Completion, Distance, Lanes, Query, Verdict};
 use simdop::range::{MAX_COORDINATE, MIN_COORDINATE};
-use support::data::{MeshData, Suite, suite_step, suites};
-use support::exact::{Tri, meshes_meet};
-use support::exact_distance::{exact_distance, mesh_distance};
-use support::rng::Rng;
-use support::shapes;
 
 type Rows = [[f64; 4]; 3];
 

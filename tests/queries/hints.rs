@@ -1,8 +1,11 @@
 //! Hints change the work of a query and nothing else: verdicts and distances are those without, wherever a
 //! hint comes from.
 
-mod support;
-
+use crate::pairs_that_meet;
+use crate::support::data::{MeshData, Suite, suite_step, suites};
+use crate::support::exact::{Tri, triangles_meet};
+use crate::support::rng::Rng;
+use crate::support::turns::pose;
 use simdop::construct::{Builder, Mesh};
 use simdop::hierarchy::Bvh;
 use simdop::isa::Isa;
@@ -10,11 +13,6 @@ use simdop::node::{Node4, Node16};
 use simdop::pose::Pose;
 use simdop::primitive::triangle::distance::separation;
 use simdop::query::{Answer, Distance, Hint, Lanes, Query, Verdict};
-use std::ops::ControlFlow;
-use support::data::{MeshData, Suite, suite_step, suites};
-use support::exact::{Tri, triangles_meet};
-use support::rng::Rng;
-use support::turns::pose;
 
 type Rows = [[f64; 4]; 3];
 
@@ -135,12 +133,7 @@ fn enumerations_and_empty_bodies_take_no_hint() {
     let hint = query.collide(&one.view(), &one.view(), &Pose::IDENTITY).hint;
     assert_ne!(hint, Hint::NONE);
     let hinted = query.with_hint(hint);
-    let mut pairs = 0;
-    let _ = hinted.for_each_pair(&one.view(), &one.view(), &Pose::IDENTITY, |_| {
-        pairs += 1;
-        ControlFlow::Continue(())
-    });
-    assert_eq!(pairs, 1);
+    assert_eq!(pairs_that_meet(hinted, &one, &one, &Pose::IDENTITY).0.len(), 1);
     let nothing = hinted.collide(&one.view(), &empty.view(), &Pose::IDENTITY);
     assert_eq!((nothing.verdict, nothing.hint), (Verdict::Free, hint));
     let nowhere = hinted.distance(&empty.view(), &one.view(), &Pose::IDENTITY, 0.0).unwrap();

@@ -4,12 +4,15 @@
 //! The directions are the ones that the triangle gives. That they are no true normals does not matter: if all
 //! of one body lies before all of another along any vector, they are apart.
 
-#[path = "support/one_point.rs"]
-mod one_point;
-mod support;
-
-use core::ops::ControlFlow;
-use one_point::{NO_EXTENT, OnePoint};
+use crate::one_point::{NO_EXTENT, OnePoint};
+use crate::pairs_that_meet;
+use crate::support::codes::SPECIAL;
+use crate::support::data::{MeshData, suite_step};
+use crate::support::dyadic::{Dyadic, apart_along, dot, dot_rounded};
+use crate::support::exact::{Tri, meeting_pairs};
+use crate::support::rng::Rng;
+use crate::support::shapes;
+use crate::support::turns::{add, pose, random_point, rotation};
 use simdop::construct::{Builder, Mesh};
 use simdop::directions;
 use simdop::frame::Extent;
@@ -19,17 +22,10 @@ use simdop::key::Key;
 use simdop::node::{Child, Dop, Link, Node, Node4, Node16};
 use simdop::pose::Pose;
 use simdop::primitive::{OWN_DIRECTIONS, Primitive, Triangles};
-use simdop::query::{Completion, Lanes, Query};
+use simdop::query::{Lanes, Query};
 use simdop::range::{MAX_COORDINATE, MIN_COORDINATE, Point};
 use simdop::realign::{OwnSlab, own_slabs};
 use std::collections::BTreeSet;
-use support::codes::SPECIAL;
-use support::data::{MeshData, suite_step};
-use support::dyadic::{Dyadic, apart_along, dot, dot_rounded};
-use support::exact::{Tri, meeting_pairs};
-use support::rng::Rng;
-use support::shapes;
-use support::turns::{add, pose, random_point, rotation};
 
 /// Calls a generic function once for every k.
 macro_rules! for_each_k {
@@ -525,12 +521,7 @@ fn unlike_bodies<N: Lanes>() {
         let margin = scale * 0.1;
         for isa in Isa::available() {
             let query = Query::new(isa);
-            let mut found = BTreeSet::new();
-            let (completion, counters) = query.for_each_pair(&a, &b, &pose, |pair| {
-                found.insert((pair.a, pair.b));
-                ControlFlow::Continue(())
-            });
-            assert_eq!(completion, Completion::Complete);
+            let (found, counters) = pairs_that_meet(query, &a, &b, &pose);
             assert_eq!(found, want, "{isa} k {} arity {} pose {i}", N::K, N::ARITY);
             let distance = query.distance(&a, &b, &pose, 0.01 * scale).unwrap();
             let within = query.within(&a, &b, &pose, margin).unwrap().is_free();

@@ -1,7 +1,10 @@
 //! Penetration volume against the sum over all pairs of spheres.
 
-mod support;
-
+use crate::support::corners::inverse;
+use crate::support::data::{MeshData, directory, suite_step};
+use crate::support::rng::Rng;
+use crate::support::shapes::wavy_torus;
+use crate::support::turns::pose;
 use core::ops::ControlFlow;
 use simdop::construct::{Builder, SphereSet};
 use simdop::hierarchy::Bvh;
@@ -12,11 +15,6 @@ use simdop::pose::Pose;
 use simdop::primitive::{Sphere, Spheres};
 use simdop::query::{Completion, Lanes, Penetration, Query};
 use std::f64::consts::PI;
-use support::corners::inverse;
-use support::data::{MeshData, directory, suite_step};
-use support::rng::Rng;
-use support::shapes::wavy_torus;
-use support::turns::pose;
 
 fn build<N: Lanes>(spheres: &[Sphere]) -> Bvh<N, Spheres> {
     Builder::new().build_geometry(&SphereSet { spheres }, &mut |_| ControlFlow::Continue(())).unwrap()

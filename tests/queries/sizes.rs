@@ -4,23 +4,21 @@
 //! A small body is brought to random corners of a large one, once as A and once as B, at ratios of sizes from 1
 //! to 10^12. `SIMDOP_SUITE=small`, for emulators, takes smaller bodies and fewer poses.
 
-mod support;
-
-use core::ops::ControlFlow;
+use crate::support::corners::{inverse, near_corners};
+use crate::support::data::{MeshData, directory, suite_step};
+use crate::support::exact::{Tri, meeting_pairs};
+use crate::support::exact_distance::mesh_distance;
+use crate::support::rng::Rng;
+use crate::support::shapes::{append, room, scaled, separate, wavy_torus};
+use crate::{Pairs, pairs_that_meet};
 use simdop::construct::{BuildError, Builder, Mesh};
 use simdop::hierarchy::Bvh;
 use simdop::isa::Isa;
 use simdop::node::{Node4, Node16};
 use simdop::pose::Pose;
-use simdop::query::{Answer, Completion, Counters, Lanes, Pair, Query};
+use simdop::query::{Answer, Counters, Lanes, Query};
 use simdop::range::{MAX_COORDINATE, MIN_COORDINATE};
 use std::collections::BTreeSet;
-use support::corners::{inverse, near_corners};
-use support::data::{MeshData, directory, suite_step};
-use support::exact::{Tri, meeting_pairs};
-use support::exact_distance::mesh_distance;
-use support::rng::Rng;
-use support::shapes::{append, room, scaled, separate, wavy_torus};
 
 type Rows = [[f64; 4]; 3];
 
@@ -44,7 +42,7 @@ struct Scene {
 struct Judged {
     rows: Rows,
     /// In ascending order.
-    pairs: Vec<Pair>,
+    pairs: Pairs,
 }
 
 impl Scene {
@@ -52,7 +50,7 @@ impl Scene {
         let still = flushed(b.corners());
         let judge = |rows: Rows| {
             let pairs = meeting_pairs(&moved(a, &rows), &still);
-            let pairs = pairs.into_iter().map(|(i, j)| Pair { a: i as u32, b: j as u32 }).collect();
+            let pairs = pairs.into_iter().map(|(i, j)| (i as u32, j as u32)).collect();
             Judged { rows, pairs }
         };
         Self { name, a: a.clone(), b: b.clone(), judged: poses.into_iter().map(judge).collect() }
@@ -110,7 +108,7 @@ impl Scene {
                 let got = Answers::of(isa, &a, &b, &pose);
                 if first.is_none() {
                     assert_eq!(got.collide.is_free(), pairs.is_empty(), "{what}");
-                    assert!(got.collide.hit().is_none_or(|pair| pairs.contains(&pair)), "{what}");
+                    assert!(got.collide.hit().is_none_or(|pair| pairs.contains(&(pair.a, pair.b))), "{what}");
                     assert!(got.pairs == *pairs, "{what}: {} pairs, not {}", got.pairs.len(), pairs.len());
                 }
                 let want = first.get_or_insert_with(|| got.clone());
@@ -125,7 +123,7 @@ impl Scene {
 struct Answers {
     collide: Answer,
     /// In ascending order.
-    pairs: Vec<Pair>,
+    pairs: Pairs,
     /// Of the enumeration.
     counters: Counters,
 }
@@ -133,13 +131,7 @@ struct Answers {
 impl Answers {
     fn of<N: Lanes>(isa: Isa, a: &Bvh<N>, b: &Bvh<N>, pose: &Pose) -> Self {
         let query = Query::new(isa);
-        let mut pairs = Vec::new();
-        let (completion, counters) = query.for_each_pair(&a.view(), &b.view(), pose, |pair| {
-            pairs.push(pair);
-            ControlFlow::Continue(())
-        });
-        assert_eq!(completion, Completion::Complete);
-        pairs.sort_unstable();
+        let (pairs, counters) = pairs_that_meet(query, a, b, pose);
         Self { collide: query.collide(&a.view(), &b.view(), pose), pairs, counters }
     }
 }

@@ -1,15 +1,13 @@
 //! What the counters count, on scenes whose work is known beforehand: trees of one or two levels.
 
-mod support;
-
+use crate::support::data::MeshData;
+use crate::support::shapes;
 use simdop::construct::{Builder, Mesh};
 use simdop::hierarchy::Bvh;
 use simdop::isa::Isa;
 use simdop::node::{Node4, Node16};
 use simdop::pose::Pose;
 use simdop::query::{Counters, Lanes, Query};
-use support::data::MeshData;
-use support::shapes;
 
 /// Small triangles, each with a corner at one of the places.
 fn at(places: &[[f64; 2]]) -> MeshData {

@@ -1,15 +1,13 @@
 //! Queries from any number of threads, on the same trees, give the answers and counters of one thread.
 
-mod support;
-
+use crate::support::rng::Rng;
+use crate::support::shapes;
 use simdop::construct::{Builder, Mesh};
 use simdop::hierarchy::{Bvh, BvhRef};
 use simdop::isa::Isa;
 use simdop::node::Node16;
 use simdop::pose::Pose;
 use simdop::query::{Answer, Distance, Query};
-use support::rng::Rng;
-use support::shapes;
 
 type View<'t> = BvhRef<'t, Node16<18>>;
 

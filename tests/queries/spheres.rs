@@ -1,8 +1,11 @@
 //! Spheres as primitives: verdicts, pairs, margins and distances among themselves and with triangles, against brute
 //! force in exact arithmetic; their planes, decided by squares; what is refused.
 
-mod support;
-
+use crate::support::data::suite_step;
+use crate::support::dyadic::{Dyadic, dot, is_rounded_up};
+use crate::support::rng::Rng;
+use crate::support::turns::pose;
+use crate::{Pairs, pairs_that_meet};
 use core::ops::ControlFlow;
 use simdop::construct::{BuildError, Builder, Magnification, Mesh, SphereSet, Splitter};
 use simdop::hierarchy::{AnyBvh, BakeError, Bvh, BvhRef};
@@ -13,11 +16,6 @@ use simdop::primitive::triangle::Triangle;
 use simdop::primitive::{Kind, Sphere, Spheres, Triangles};
 use simdop::query::{Lanes, Pairwise, Query};
 use simdop::range::{MAX_COORDINATE, MIN_COORDINATE, Point};
-use std::collections::BTreeSet;
-use support::data::suite_step;
-use support::dyadic::{Dyadic, dot, is_rounded_up};
-use support::rng::Rng;
-use support::turns::pose;
 
 type Exact = [Dyadic; 3];
 
@@ -123,8 +121,6 @@ fn are_far<A: Shape, B: Shape>(a: &A, b: &B, margin: f64) -> bool {
     })
 }
 
-type Pairs = BTreeSet<(u32, u32)>;
-
 /// The pairs that are at most `margin` apart, and how many are exactly so.
 fn brute<A: Shape, B: Shape>(a: &[A], b: &[B], pose: &Pose, margin: f64) -> (Pairs, usize) {
     let (mut pairs, mut ties) = (Pairs::new(), 0);
@@ -148,12 +144,7 @@ fn pairs_of<N: Lanes, P: Pairwise<Q>, Q: Pairwise<P>>(
     b: &Bvh<N, Q>,
     pose: &Pose,
 ) -> Pairs {
-    let mut found = Pairs::new();
-    let _ = query.for_each_pair(a, b, pose, |pair| {
-        assert!(found.insert((pair.a, pair.b)), "each pair once");
-        ControlFlow::Continue(())
-    });
-    found
+    pairs_that_meet(query, a, b, pose).0
 }
 
 fn build_with<N: Lanes>(spheres: &[Sphere], builder: Builder) -> Bvh<N, Spheres> {

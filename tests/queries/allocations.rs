@@ -1,8 +1,9 @@
 //! What a planner on a robot relies on: no query touches the heap, and the stack of a query is bounded
 //! whatever the trees.
 
-mod support;
-
+use crate::each_pair;
+use crate::support::dyadic::half_value;
+use crate::support::shapes;
 use core::alloc::{GlobalAlloc, Layout};
 use core::cell::Cell;
 use core::hint::black_box;
@@ -14,8 +15,6 @@ use simdop::node::{Child, Node4, Node16};
 use simdop::pose::Pose;
 use simdop::query::{Completion, Lanes, Query, STACK_BYTES, Verdict};
 use std::alloc::System;
-use support::dyadic::half_value;
-use support::shapes;
 
 thread_local! {
     /// Calls of the allocator by this thread: the test harness runs others.
@@ -116,7 +115,7 @@ fn queries_stay_off_the_heap<N: Lanes>() {
         }
         let mut count = 0;
         let (completion, _) = without_heap("for_each_pair", || {
-            query.for_each_pair(&view, &borrowed, &near, |_| {
+            each_pair(query, &view, &borrowed, &near, &mut |_| {
                 count += 1;
                 ControlFlow::Continue(())
             })

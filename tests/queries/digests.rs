@@ -6,16 +6,14 @@
 //! the digests: the failing test prints the new rows. The verdicts have a digest of their own, which only an
 //! error can change.
 
-mod support;
-
+use crate::support::data::{MeshData, Suite, suite_step, suites};
+use crate::support::digest::Digest;
 use simdop::construct::{Builder, Mesh};
 use simdop::hierarchy::Bvh;
 use simdop::isa::Isa;
 use simdop::node::{Node4, Node16};
 use simdop::pose::Pose;
 use simdop::query::{Answer, Lanes, Query, Verdict};
-use support::data::{MeshData, Suite, suite_step, suites};
-use support::digest::Digest;
 
 /// Digests of the verdicts, and of the verdicts with their witnesses and counters.
 type Digests = [u64; 2];

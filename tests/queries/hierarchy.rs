@@ -1,12 +1,14 @@
 //! Builder and baked tree: every plane of every lane equals exact arithmetic, for every node type, leaf size,
 //! splitter and awkward mesh; and no bytes, however damaged, do harm.
 
-extern crate alloc;
-
-mod support;
-
+use crate::pairs_that_meet;
+use crate::support::data::{MeshData, suite_step};
+use crate::support::digest::digest_of_tree;
+use crate::support::dyadic::{Dyadic, dot, is_rounded_up};
+use crate::support::exact::{Tri, meeting_pairs, meshes_meet, triangles_meet};
+use crate::support::rng::Rng;
+use crate::support::shapes;
 use alloc::collections::BTreeSet;
-use core::ops::ControlFlow;
 use simdop::construct::{BuildError, Builder, Magnification, Mesh, Splitter};
 use simdop::directions;
 use simdop::hierarchy::{BakeError, Bvh, BvhRef, Header};
@@ -14,15 +16,9 @@ use simdop::isa::Isa;
 use simdop::key::Key;
 use simdop::node::{Child, Link, Node4, Node16};
 use simdop::pose::Pose;
-use simdop::query::{Completion, Lanes, Query, Verdict};
+use simdop::query::{Lanes, Query, Verdict};
 use simdop::range::{MAX_COORDINATE, MIN_COORDINATE};
 use std::time::Instant;
-use support::data::{MeshData, suite_step};
-use support::digest::digest_of_tree;
-use support::dyadic::{Dyadic, dot, is_rounded_up};
-use support::exact::{Tri, meeting_pairs, meshes_meet, triangles_meet};
-use support::rng::Rng;
-use support::shapes;
 
 const SPLITTERS: [Splitter; 5] = [
     Splitter::LongestAxis,
@@ -412,14 +408,7 @@ fn triangles_without_area_change_nobody_elses_verdict() {
 
 fn all_pairs(a: &MeshData, b: &MeshData, pose: &[[f64; 4]; 3]) -> BTreeSet<(u32, u32)> {
     let (a, b) = (build::<Node16<14>>(a, 3, Splitter::default()), build(b, 3, Splitter::default()));
-    let mut pairs = BTreeSet::new();
-    let pose = Pose::from_rows(*pose).unwrap();
-    let (completion, _) = Query::new(Isa::detect()).for_each_pair(&a.view(), &b.view(), &pose, |pair| {
-        assert!(pairs.insert((pair.a, pair.b)), "each pair once");
-        ControlFlow::Continue(())
-    });
-    assert_eq!(completion, Completion::Complete);
-    pairs
+    pairs_that_meet(Query::new(Isa::detect()), &a, &b, &Pose::from_rows(*pose).unwrap()).0
 }
 
 // ---- What comes back from storage -------------------------------------------------------------------------

@@ -1,19 +1,17 @@
 //! Distances and margins of bodies that are far apart, or of very unlike size, against brute force in exact
 //! integers; and that they cost no more than those of bodies nearby.
 
-mod support;
-
+use crate::support::data::{MeshData, suite_step};
+use crate::support::exact::Tri;
+use crate::support::exact_distance::{exact_distance, mesh_distance};
+use crate::support::rng::Rng;
+use crate::support::shapes;
 use simdop::construct::{Builder, Mesh};
 use simdop::hierarchy::Bvh;
 use simdop::isa::Isa;
 use simdop::node::{Node4, Node16};
 use simdop::pose::Pose;
 use simdop::query::{Completion, Lanes, Query, Verdict};
-use support::data::{MeshData, suite_step};
-use support::exact::Tri;
-use support::exact_distance::{exact_distance, mesh_distance};
-use support::rng::Rng;
-use support::shapes;
 
 type Rows = [[f64; 4]; 3];
 

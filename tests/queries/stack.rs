@@ -4,6 +4,7 @@
 //! A thread that overflows its stack ends the process, so there is nothing to assert: this test fails by
 //! being killed.
 
+use crate::each_pair;
 use core::ops::ControlFlow;
 use simdop::construct::{Builder, Mesh, SphereSet};
 use simdop::hierarchy::{Bvh, BvhRef};
@@ -78,7 +79,7 @@ fn check_trees<N: Lanes, P: Pairwise<Q>, Q: Pairwise<P>>(a: &Bvh<N, P>, b: &Bvh<
             for pose in &poses {
                 exact += query.collide(&a, &b, pose).counters.exact_pairs;
                 exact += query.within(&a, &b, pose, 0.01).unwrap().counters.exact_pairs;
-                exact += query.for_each_pair(&a, &b, pose, |_| ControlFlow::Continue(())).1.exact_pairs;
+                exact += each_pair(query, &a, &b, pose, &mut |_| ControlFlow::Continue(())).1.exact_pairs;
             }
             exact
         });

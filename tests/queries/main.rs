@@ -1,0 +1,69 @@
+//! Everything that asks queries, in one program: what a query is compiled to for ten node types and each
+//! instruction set is then compiled once and not once a file. A file is named by its module:
+//! `cargo test --release --test queries distance::`.
+
+extern crate alloc;
+
+#[path = "../support/one_point.rs"]
+mod one_point;
+#[path = "../support/mod.rs"]
+mod support;
+
+mod allocations;
+mod counters;
+mod digests;
+mod distance;
+mod far;
+mod hierarchy;
+mod hints;
+mod mesh_poses;
+mod own_slabs;
+mod owned_and_any;
+mod penetration;
+mod primitives;
+mod sizes;
+mod spheres;
+mod stack;
+mod thin_slabs;
+mod threads;
+
+use alloc::collections::BTreeSet;
+use core::ops::ControlFlow;
+use simdop::hierarchy::{AsBvh, BvhRef};
+use simdop::pose::Pose;
+use simdop::query::{Completion, Counters, Lanes, Pair, Pairwise, Query};
+
+/// Indices of primitives of A and B.
+type Pairs = BTreeSet<(u32, u32)>;
+
+/// [`Query::for_each_pair`], which is compiled again for each type of closure: here there is but one.
+fn each_pair<N: Lanes, P: Pairwise<Q>, Q: Pairwise<P>>(
+    query: Query,
+    a: &BvhRef<'_, N, P>,
+    b: &BvhRef<'_, N, Q>,
+    pose: &Pose,
+    visit: &mut dyn FnMut(Pair) -> ControlFlow<()>,
+) -> (Completion, Counters) {
+    query.for_each_pair(a, b, pose, visit)
+}
+
+/// All pairs that meet, each of them given once, and the work.
+fn pairs_that_meet<A: AsBvh, B: AsBvh<Node = A::Node>>(
+    query: Query,
+    a: &A,
+    b: &B,
+    pose: &Pose,
+) -> (Pairs, Counters)
+where
+    A::Node: Lanes,
+    A::Primitive: Pairwise<B::Primitive>,
+    B::Primitive: Pairwise<A::Primitive>,
+{
+    let mut pairs = Pairs::new();
+    let (completion, counters) = each_pair(query, &a.as_bvh(), &b.as_bvh(), pose, &mut |pair| {
+        assert!(pairs.insert((pair.a, pair.b)), "each pair once");
+        ControlFlow::Continue(())
+    });
+    assert_eq!(completion, Completion::Complete);
+    (pairs, counters)
+}
