@@ -1,7 +1,6 @@
 //! A leaf that waits for the other tree cuts its nodes, by slabs of its primitive's own
 //! ([`crate::realign::own_slabs`]): each in the frame of its own tree, where its planes are tight.
 
-use super::hint::Found;
 use super::traverse::{Traversal, bits_of};
 use super::{Lanes, Pairwise};
 use crate::frame::Extent;
@@ -10,7 +9,6 @@ use crate::node::{Child, Link};
 use crate::pose::Pose;
 use crate::primitive::Primitive;
 use crate::realign::{OwnSlabs, shrinkage};
-use core::ops::ControlFlow;
 
 /// A leaf of one primitive that waits for the other tree, by the index of the primitive.
 #[derive(Copy, Clone, PartialEq, Eq, Debug)]
@@ -38,13 +36,12 @@ fn own_slabs<N: Lanes, P: Primitive, E: Kernel>(
 const WORTH_CUTTING: usize = 16;
 const WEIGHT_OF_INNER: usize = 8;
 
-impl<N, P, Q, E, V> Traversal<'_, N, P, Q, E, V>
+impl<N, P, Q, E> Traversal<'_, N, P, Q, E>
 where
     N: Lanes,
     P: Pairwise<Q>,
     Q: Pairwise<P>,
     E: Kernel,
-    V: FnMut(Found) -> ControlFlow<()>,
 {
     /// Whether the children of one node that the bits name are worth being cut by the leaf that waits for them.
     #[inline(always)]

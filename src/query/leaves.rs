@@ -14,13 +14,12 @@ struct Leaves {
     len: usize,
 }
 
-impl<N, P, Q, E, V> Traversal<'_, N, P, Q, E, V>
+impl<N, P, Q, E> Traversal<'_, N, P, Q, E>
 where
     N: Lanes,
     P: Pairwise<Q>,
     Q: Pairwise<P>,
     E: Kernel,
-    V: FnMut(Found) -> ControlFlow<()>,
 {
     /// Decides the pairs of leaves among the bits, and clears them.
     #[inline(always)]

@@ -1,7 +1,6 @@
 //! What a query does besides once it has become long: it looks at pairs that wait once more, by their thin
 //! slabs ([`super::thin`]).
 
-use super::hint::Found;
 use super::stack::{Descent, Stack, Visited};
 use super::thin::{AT_ONCE, ThinChild, ThinTest};
 use super::traverse::{Traversal, bits_of};
@@ -9,7 +8,6 @@ use super::{Lanes, Pairwise};
 use crate::kernel::Kernel;
 use crate::node::{Link, ThinSlab};
 use crate::realign::shrinkage;
-use core::ops::ControlFlow;
 
 /// What thin slabs are tested with, and how that went.
 #[derive(Default, Debug)]
@@ -26,13 +24,12 @@ pub(super) const LONG: u64 = 32;
 const TRIAL: u32 = 32;
 const SHARE: u32 = 4;
 
-impl<N, P, Q, E, V> Traversal<'_, N, P, Q, E, V>
+impl<N, P, Q, E> Traversal<'_, N, P, Q, E>
 where
     N: Lanes,
     P: Pairwise<Q>,
     Q: Pairwise<P>,
     E: Kernel,
-    V: FnMut(Found) -> ControlFlow<()>,
 {
     /// Clears the bits of the last entry of the stack whose children are apart by their thin slabs. Each entry
     /// is looked at once, when it is its turn: of a hit most never are.

@@ -65,7 +65,7 @@ use crate::kernel::Kernel;
 use crate::pose::Pose;
 use core::ops::ControlFlow;
 use hint::Found;
-use traverse::{Limits, Stop, Traversal};
+use traverse::{Limits, Stop, Traversal, Visitor};
 
 /// How a query runs.
 #[derive(Copy, Clone, PartialEq, Eq, Debug)]
@@ -274,7 +274,7 @@ impl Query {
         });
         let mut stop = None;
         if hit.is_none() {
-            stop = self.run((a, b), pose, margin, &mut work, |found| {
+            stop = self.run((a, b), pose, margin, &mut work, &mut |found| {
                 hit = Some(found);
                 ControlFlow::Break(())
             });
@@ -302,7 +302,7 @@ impl Query {
         B::Primitive: Pairwise<A::Primitive>,
     {
         let (a, b, mut counters) = (&a.as_bvh(), &b.as_bvh(), Counters::default());
-        let stop = self.run((a, b), pose, 0.0, &mut counters, |found| visit(found.pair(a, b)));
+        let stop = self.run((a, b), pose, 0.0, &mut counters, &mut |found| visit(found.pair(a, b)));
         let completion = match stop {
             None => Completion::Complete,
             Some(Stop::Visitor) => Completion::Stopped,
@@ -318,7 +318,7 @@ impl Query {
         pose: &Pose,
         margin: f64,
         counters: &mut Counters,
-        visit: impl FnMut(Found) -> ControlFlow<()>,
+        visit: Visitor<'_>,
     ) -> Option<Stop> {
         on_isa!(self.isa, token => self.run_on(token, trees, pose, margin, counters, visit))
     }
@@ -331,7 +331,7 @@ impl Query {
         pose: &Pose,
         margin: f64,
         counters: &mut Counters,
-        visit: impl FnMut(Found) -> ControlFlow<()>,
+        visit: Visitor<'_>,
     ) -> Option<Stop> {
         // Inlined in the gate whatever its size: outside of it, no kernel could be inlined.
         kernel.run(

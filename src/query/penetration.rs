@@ -70,7 +70,7 @@ impl Query {
         let (a, b) = (a.as_bvh(), b.as_bvh());
         let mut sums = LensSums::new(&a.frame(), &b.frame(), pose);
         let mut counters = Counters::default();
-        let stop = self.run((&a, &b), pose, 0.0, &mut counters, |found| {
+        let stop = self.run((&a, &b), pose, 0.0, &mut counters, &mut |found| {
             sums.add(&Spheres::moved(&a.primitive(found.a), pose), &b.primitive(found.b));
             ControlFlow::Continue(())
         });

@@ -36,6 +36,10 @@ pub(crate) enum Stop {
 
 pub(super) type Flow = ControlFlow<Stop>;
 
+/// What is handed the pairs that meet. Few are, of all that are looked at: a call costs less than a traversal
+/// that is compiled once more for each visitor.
+pub(super) type Visitor<'v> = &'v mut dyn FnMut(Found) -> ControlFlow<()>;
+
 /// When a traversal ends, and what counts as meeting.
 #[derive(Copy, Clone, Debug)]
 pub(super) struct Limits {
@@ -44,8 +48,7 @@ pub(super) struct Limits {
 }
 
 /// One query under way.
-#[derive(Debug)]
-pub(crate) struct Traversal<'t, N: Lanes, P: Primitive, Q: Primitive, E, V> {
+pub(crate) struct Traversal<'t, N: Lanes, P: Primitive, Q: Primitive, E> {
     pub(super) kernel: E,
     pub(super) a: BvhRef<'t, N, P>,
     pub(super) b: BvhRef<'t, N, Q>,
@@ -55,7 +58,7 @@ pub(crate) struct Traversal<'t, N: Lanes, P: Primitive, Q: Primitive, E, V> {
     /// Primitives this far apart count as meeting.
     pub(super) margin: f64,
     pub(super) counters: &'t mut Counters,
-    pub(super) visit: V,
+    pub(super) visit: Visitor<'t>,
     /// The node of A that was turned last, and its children's planes. Siblings in B follow each other, so it
     /// is often the next one too.
     turned: (Child, N::Turned),
@@ -72,13 +75,12 @@ pub(crate) struct Traversal<'t, N: Lanes, P: Primitive, Q: Primitive, E, V> {
 /// to 16: below, bodies of like size would be opened in turns, which costs them more visits.
 const MUCH_WIDER: i32 = 3;
 
-impl<'t, N, P, Q, E, V> Traversal<'t, N, P, Q, E, V>
+impl<'t, N, P, Q, E> Traversal<'t, N, P, Q, E>
 where
     N: Lanes,
     P: Pairwise<Q>,
     Q: Pairwise<P>,
     E: Kernel,
-    V: FnMut(Found) -> ControlFlow<()>,
 {
     #[inline(always)]
     pub(crate) fn new(
@@ -88,7 +90,7 @@ where
         map: &'t N::Map,
         Limits { budget, margin }: Limits,
         counters: &'t mut Counters,
-        visit: V,
+        visit: Visitor<'t>,
     ) -> Self {
         let none = (Child::EMPTY, N::NO_TURNED);
         Self {
