@@ -7,6 +7,9 @@ export CARGO_TARGET_AARCH64_UNKNOWN_LINUX_GNU_LINKER=aarch64-linux-gnu-gcc
 # shellcheck disable=SC2034 # used by who sources this
 X86_FEATURES=+avx2,+bmi1,+bmi2,+f16c,+lzcnt,+popcnt,+avx512f,+avx512bw,+avx512vl
 
+# The features that benches and tests of wgpu are built with: the same, so that nothing is built twice.
+BENCHED=gpu,rayon
+
 die() {
   echo "error: $*" >&2
   exit 1
@@ -66,24 +69,15 @@ neon() {
     cargo test --locked --target "$NEON" "$@"
 }
 
-# miri TARGET ARGUMENTS...: cargo test in Miri. Few random cases: it is a thousand times slower.
-miri() {
-  local target=$1
-  shift
-  MIRIFLAGS=-Zmiri-disable-isolation PROPTEST_CASES=4 SIMDOP_SUITE=small \
-    cargo +nightly miri test --locked --target "$target" "$@"
-}
-
-# kernel_tests COMMAND...: the library's unit tests of the kernels, and the kernels' law where it is a test of its own.
-kernel_tests() {
-  "$@" --lib -- kernel
-  if [ -f tests/kernel_law.rs ]; then "$@" --test kernel_law; fi
+# miri_kernels TARGET: the kernels' law in Miri. The scalar kernels have a part in each test, and no unsafe code to be looked at.
+miri_kernels() {
+  MIRIFLAGS=-Zmiri-disable-isolation cargo +nightly miri test --locked --target "$1" --test kernel_law -- --skip scalar::
 }
 
 # short_bench NAME: a benchmark in its short form.
 short_bench() {
   step "$1, short"
-  timeout 60 cargo bench --quiet --locked --all-features --bench "$1" -- --test
+  timeout 60 cargo bench --quiet --locked --features "$BENCHED" --bench "$1" -- --test
   evidence "bench $1, short"
 }
 

@@ -3,7 +3,7 @@
 //!
 //! The stack below a frame is painted, a query runs on it, and what is still painted afterwards was not
 //! needed. The greatest over poses of a torus and a cube against themselves, some of which need exact
-//! arithmetic: it takes the most. `tests/stack.rs` keeps the bounds that the crate's documentation promises.
+//! arithmetic: it takes the most. `tests/queries/stack.rs` keeps the bounds that the crate's documentation promises.
 
 #![expect(unsafe_code, reason = "the stack below the own frame is nobody's variable")]
 #![expect(clippy::unwrap_used, reason = "a benchmark that cannot go on has failed")]

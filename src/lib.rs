@@ -97,7 +97,7 @@
 //!
 //! (Rust 1.95, release, arity 16; arity 4 takes up to 4 KiB less, and up to 8 less on Cortex-M.) `from_bytes`
 //! and `verify` take 1 KiB. A thread with 32 KiB for collisions and 64 KiB for distances is enough, which
-//! `tests/stack.rs` checks. Exact arithmetic takes 6 KiB of this, the pairs that wait [`query::STACK_BYTES`]
+//! `tests/queries/stack.rs` checks. Exact arithmetic takes 6 KiB of this, the pairs that wait [`query::STACK_BYTES`]
 //! or [`query::DISTANCE_STACK_BYTES`], and most of the rest is turned planes and triangles.
 //!
 //! **The instruction set** is a value, [`isa::Isa`]: detected once, capped at will, held by the caller. All

@@ -1,5 +1,5 @@
 //! The same verdicts and the same counters on every instruction set, and on every machine: one digest for
-//! each suite of `tests/mesh_poses.rs` and node type, over all poses, equal on all instruction sets here and
+//! each suite of `tests/queries/mesh_poses.rs` and node type, over all poses, equal on all instruction sets here and
 //! to the number written below, which x86-64 and aarch64 share.
 //!
 //! A change of the builder, of the order of the traversal or of the re-alignment changes the counters and so

@@ -13,7 +13,7 @@ use std::time::{Duration, Instant};
 const BAR: f64 = 2.0;
 
 /// A peer's answer is wrong if it differs from ours by more than this, relatively. Ours are tested against
-/// exact arithmetic (`tests/distance.rs`).
+/// exact arithmetic (`tests/queries/distance.rs`).
 const AGREE: f64 = 1e-9;
 
 /// One library on one suite.
