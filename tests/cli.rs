@@ -634,10 +634,10 @@ fn a_file_is_not_written_twice_nor_over_its_source() {
         (&["-o", "a.obj"], "--output: a.obj is the file that is read"),
         (&["-o", "../targets/a.obj"], "--output: a.obj is the file that is read"),
         (&["--picture", "same.png"], "--picture: a.obj is the file that is read"),
-        (&["-o", "a.svg", "--picture", "./a.svg"], "--picture: ./a.svg is the tree's file"),
+        (&["-o", "a.svg", "--picture", "./a.svg"], "--picture: ./a.svg is the file of --output"),
         (
             &["-o", "new.svg", "--picture", "../targets/new.svg"],
-            "--picture: ../targets/new.svg is the tree's file",
+            "--picture: ../targets/new.svg is the file of --output",
         ),
     ];
     for (arguments, problem) in cases {
@@ -898,6 +898,55 @@ fn a_link_is_stored_without_what_its_file_repeats() {
     assert_eq!((&info["triangles"], &info["vertices"]), (&300.into(), &152.into()));
     assert_eq!(info["vertex_format"], "f32");
     assert!(info["total_bytes"].as_u64().unwrap() < 23_000, "{}", info["total_bytes"]);
+}
+
+/// A circle for each sphere, within the picture; and the PNG shows at each pixel that no rim is near the last
+/// circle that covers it.
+#[test]
+fn a_picture_of_a_packing_shows_its_spheres() {
+    let folder = Folder::new("pack_picture");
+    folder.write("a.obj", obj(&tetrahedron()));
+    for name in ["a.svg", "a.png"] {
+        let arguments = ["pack", "a.obj", "-n", "40", "-o", "a.txt", "--picture", name];
+        assert_eq!(folder.fate(&arguments), (0, String::new()));
+    }
+    let svg = std::fs::read_to_string(folder.0.join("a.svg")).unwrap();
+    let image = tiny_skia::Pixmap::load_png(folder.0.join("a.png")).unwrap();
+    let (width, height) = (f64::from(image.width()), f64::from(image.height()));
+    let circles: Vec<(String, [f64; 3])> = svg
+        .lines()
+        .filter_map(|line| line.strip_prefix("<circle fill=\"#"))
+        .map(|line| {
+            let number = |name: &str| -> f64 {
+                let (_, rest) = line.split_once(&format!(" {name}=\"")).unwrap();
+                rest.split_once('"').unwrap().0.parse().unwrap()
+            };
+            (line[..6].to_string(), ["cx", "cy", "r"].map(number))
+        })
+        .collect();
+    assert_eq!(circles.len(), 40);
+    for (_, [x, y, r]) in &circles {
+        assert!(*r > 0.0 && x - r >= 0.0 && x + r <= width && y - r >= 0.0 && y + r <= height, "{x} {y} {r}");
+    }
+    let colours: std::collections::BTreeSet<&String> = circles.iter().map(|(colour, _)| colour).collect();
+    assert!((8..=16).contains(&colours.len()), "{colours:?}: a colour for each child of the root");
+    let mut checked = [0, 0];
+    for (index, pixel) in image.pixels().iter().enumerate() {
+        let (x, y) = (index as u32 % image.width(), index as u32 / image.width());
+        let (x, y) = (f64::from(x) + 0.5, f64::from(y) + 0.5);
+        let outside: Vec<f64> = circles.iter().map(|(_, [cx, cy, r])| (x - cx).hypot(y - cy) - r).collect();
+        if outside.iter().all(|d| d.abs() > 2.0) {
+            let top = outside.iter().rposition(|d| *d < 0.0);
+            let want = top.map_or("ffffff", |top| &circles[top].0);
+            let have = format!("{:02x}{:02x}{:02x}", pixel.red(), pixel.green(), pixel.blue());
+            assert_eq!((have.as_str(), pixel.alpha()), (want, 255), "at {x} {y}");
+            checked[usize::from(top.is_some())] += 1;
+        }
+    }
+    assert!(checked.iter().all(|count| *count > 10_000), "{checked:?}");
+    let arguments = ["pack", "a.obj", "-o", "b.svg", "--picture", "./b.svg"];
+    let want = "simdop: --picture: ./b.svg is the file of --output".to_owned();
+    assert_eq!(folder.fate(&arguments), (2, want));
 }
 
 #[test]

@@ -176,9 +176,11 @@ fn awkward_meshes_are_built() {
         meshes.push((name, shapes::soup(&mut rng, count, 0.1)));
     }
     meshes.push(("points", shapes::separate((0..300).map(|i| [[f64::from(i % 7); 3]; 3]))));
+    // An emulator need not repeat all of that: what is built is the same, bit for bit.
+    let leaf_sizes: &[u32] = if suite_step() > 1 { &[5] } else { &[1, 5, 16] };
     for (name, mesh) in &meshes {
         for magnification in MAGNIFICATIONS {
-            for leaf_size in [1, 5, 16] {
+            for &leaf_size in leaf_sizes {
                 check::<Node16<6>>(name, mesh, magnification, leaf_size);
                 check::<Node4<6>>(name, mesh, magnification, leaf_size);
             }

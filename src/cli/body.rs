@@ -6,9 +6,10 @@ use super::{TreeOptions, progress};
 use core::ops::ControlFlow;
 use core::time::Duration;
 use simdop::construct::{Builder, Mesh, Progress};
-use simdop::hierarchy::{AnyBvh, Header, Lane, MAGIC};
+use simdop::hierarchy::{AnyBvh, BvhRef, Header, Lane, MAGIC};
 use simdop::isa::Isa;
-use simdop::node::Link;
+use simdop::node::{Dop, Link};
+use simdop::primitive::Primitive;
 use simdop::query::Query;
 use simdop::with_bvh;
 use std::path::{Path, PathBuf};
@@ -30,16 +31,21 @@ impl Shape {
 
 /// Every triangle, with the lane of the root that it is below.
 pub(super) fn clusters(tree: &AnyBvh) -> Vec<(usize, [[f64; 3]; 3])> {
-    with_bvh!(tree.view(), tree => {
-        let mut found = Vec::with_capacity(tree.len());
-        let mut walk = tree.walk();
-        while let Some(Lane { child, .. }) = walk.next() {
-            let Link::Leaf { first, count } = child.link() else { continue };
-            let root_lane = walk.path().next().map_or(0, |(_, lane)| lane);
-            found.extend((first..first + count).map(|index| (root_lane, tree.primitive(index))));
-        }
-        found
-    })
+    with_bvh!(tree.view(), tree => primitives_by_root_lane(&tree))
+}
+
+/// Every primitive, with the lane of the root that it is below.
+pub(super) fn primitives_by_root_lane<N: Dop, P: Primitive>(
+    tree: &BvhRef<'_, N, P>,
+) -> Vec<(usize, P::Item)> {
+    let mut found = Vec::with_capacity(tree.len());
+    let mut walk = tree.walk();
+    while let Some(Lane { child, .. }) = walk.next() {
+        let Link::Leaf { first, count } = child.link() else { continue };
+        let root_lane = walk.path().next().map_or(0, |(_, lane)| lane);
+        found.extend((first..first + count).map(|index| (root_lane, tree.primitive(index))));
+    }
+    found
 }
 
 /// The mesh that was built: its triangles in their order, its vertices as far as triangles use them.

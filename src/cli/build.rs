@@ -25,7 +25,8 @@ pub(super) struct Options {
 
 pub(super) fn run(options: &Options) -> Result<(), Error> {
     let format = options.picture.as_deref().map(Format::of).transpose()?;
-    check_targets(options)?;
+    let targets = [("--output", options.output.as_deref()), ("--picture", options.picture.as_deref())];
+    output::check_targets(Some(&options.mesh), targets)?;
     let (mesh, given) = match body::read(&options.mesh, &options.tree, false)? {
         Source::Mesh(mesh) => (mesh, None),
         Source::Tree(_) if options.tree.allow_empty => {
@@ -64,21 +65,4 @@ pub(super) fn run(options: &Options) -> Result<(), Error> {
         return Ok(());
     }
     writeln!(std::io::stdout(), "{summary}").map_err(Error::Output)
-}
-
-/// Refuses to write one file twice, or over the one that is read.
-fn check_targets(options: &Options) -> Result<(), Error> {
-    let targets = [("--output", &options.output), ("--picture", &options.picture)];
-    for (option, target) in targets {
-        if target.as_deref().is_some_and(|path| output::is_same(path, &options.mesh)) {
-            let problem = format!("{} is the file that is read", options.mesh.display());
-            return Err(Error::Option { option, problem });
-        }
-    }
-    match targets {
-        [(_, Some(tree)), (option, Some(picture))] if output::is_same(tree, picture) => {
-            Err(Error::Option { option, problem: format!("{} is the tree's file", picture.display()) })
-        }
-        _ => Ok(()),
-    }
 }

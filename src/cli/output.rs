@@ -65,6 +65,27 @@ impl Staged<'_> {
     }
 }
 
+/// Refuses to write one file twice, or over the one that is read. The names are those of the options.
+pub(super) fn check_targets(
+    read: Option<&Path>,
+    [first, second]: [(&'static str, Option<&Path>); 2],
+) -> Result<(), Error> {
+    let refuse = |option, problem| Err(Error::Option { option, problem });
+    for (option, target) in [first, second] {
+        if let (Some(read), Some(target)) = (read, target)
+            && is_same(target, read)
+        {
+            return refuse(option, format!("{} is the file that is read", read.display()));
+        }
+    }
+    match (first, second) {
+        ((name, Some(one)), (option, Some(other))) if is_same(one, other) => {
+            refuse(option, format!("{} is the file of {name}", other.display()))
+        }
+        _ => Ok(()),
+    }
+}
+
 fn folder(target: &Path) -> &Path {
     target.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."))
 }

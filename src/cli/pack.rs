@@ -3,12 +3,17 @@
 use super::body::{self, Source};
 use super::error::Error;
 use super::mesh::MeshData;
-use super::{File, TreeOptions, output, progress, scene};
+use super::output::{self, Staged};
+use super::picture::{self, Format};
+use super::{File, TreeOptions, progress, scene};
 use clap::Args;
 use core::ops::ControlFlow;
 use serde::Serialize;
-use simdop::construct::Mesh;
+use simdop::construct::{Builder, Mesh, SphereSet};
+use simdop::hierarchy::Bvh;
+use simdop::node::Node16;
 use simdop::packing::{Filling, Packer, Packing, text};
+use simdop::primitive::Spheres;
 use std::io::Write;
 use std::time::Instant;
 
@@ -23,6 +28,10 @@ pub(super) struct Options {
     /// packing is whole.
     #[arg(short, long)]
     output: File,
+    /// An image to write, by its name's ending .svg or .png: the spheres, coloured by the child of the root of
+    /// their tree that each is below.
+    #[arg(long, value_name = "FILE")]
+    picture: Option<File>,
     /// One JSON object instead of a table.
     #[arg(long)]
     json: bool,
@@ -53,6 +62,9 @@ struct Step {
 }
 
 pub(super) fn run(options: &Options) -> Result<(), Error> {
+    let format = options.picture.as_deref().map(Format::of).transpose()?;
+    let targets = [("--output", Some(options.output.as_path())), ("--picture", options.picture.as_deref())];
+    output::check_targets(options.mesh.as_deref(), targets)?;
     let (name, mesh) = read(options)?;
     let bar = progress::pack(options.spheres.into(), options.json);
     let mut observer = |filling: Filling| {
@@ -69,7 +81,12 @@ pub(super) fn run(options: &Options) -> Result<(), Error> {
     let mut lines = String::new();
     // Writing to a string does not fail.
     let _ = text::write(&packing.spheres, &mut lines);
-    output::stage(&options.output, lines.as_bytes())?.commit()?;
+    let image = format.map(|format| paint(&name, &packing, format)).transpose()?;
+    // Both, before either takes the place of what was there.
+    let staged = output::stage(&options.output, lines.as_bytes())?;
+    let picture = options.picture.as_deref().zip(image.as_deref());
+    let picture = picture.map(|(path, bytes)| output::stage(path, bytes)).transpose()?;
+    core::iter::once(staged).chain(picture).try_for_each(Staged::commit)?;
     let report = Report {
         version: env!("CARGO_PKG_VERSION"),
         mesh: name,
@@ -90,15 +107,20 @@ pub(super) fn run(options: &Options) -> Result<(), Error> {
 
 fn read(options: &Options) -> Result<(String, MeshData), Error> {
     let Some(path) = &options.mesh else { return Ok(("gear ring (built in)".into(), scene::gear())) };
-    if output::is_same(&options.output, path) {
-        let problem = format!("{} is the file that is read", path.display());
-        return Err(Error::Option { option: "--output", problem });
-    }
     let mesh = match body::read(path, &TreeOptions::default(), options.json)? {
         Source::Mesh(mesh) => mesh,
         Source::Tree(tree) => body::mesh_of(&tree),
     };
     Ok((path.display().to_string(), mesh))
+}
+
+fn paint(name: &str, packing: &Packing, format: Format) -> Result<Vec<u8>, Error> {
+    let spheres = SphereSet { spheres: &packing.spheres };
+    let tree: Bvh<Node16<18>, Spheres> = Builder::new()
+        .build_geometry(&spheres, &mut |_| ControlFlow::Continue(()))
+        .map_err(|error| Error::Build { name: name.into(), error })?;
+    let title = format!("{name}, {} spheres", packing.spheres.len());
+    Ok(picture::paint_spheres(&tree.view(), &title, format))
 }
 
 fn steps(packing: &Packing) -> Vec<Step> {

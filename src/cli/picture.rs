@@ -1,12 +1,14 @@
-//! The first level of a tree as a picture: the mesh, one colour for each child of the root (as figure 3 of
-//! the SIMDop paper).
+//! The first level of a tree as a picture: the mesh or the spheres, one colour for each child of the root (as
+//! figure 3 of the SIMDop paper).
 
 use super::body;
 use super::error::Error;
 use core::fmt::Write;
-use simdop::hierarchy::AnyBvh;
+use simdop::hierarchy::{AnyBvh, BvhRef};
+use simdop::node::Node16;
+use simdop::primitive::Spheres;
 use std::path::Path;
-use tiny_skia::{Color, FillRule, Paint, PathBuilder, Pixmap, Transform};
+use tiny_skia::{Color, FillRule, Paint, PathBuilder, Pixmap, Stroke, Transform};
 
 type Vector = [f64; 3];
 
@@ -39,20 +41,40 @@ impl Format {
     }
 }
 
-/// The bytes of an image: orthographic, painted from back to front.
+/// The bytes of an image of a mesh: orthographic, painted from back to front.
 pub(super) fn paint(tree: &AnyBvh, title: &str, format: Format) -> Vec<u8> {
     let clusters = body::clusters(tree);
-    let camera = Camera::for_corners(clusters.iter().flat_map(|(_, t)| t));
-    let mut faces: Vec<Face> = clusters.iter().map(|(lane, t)| Face::new(&camera, *lane, t)).collect();
-    faces.sort_by(|a, b| a.depth.total_cmp(&b.depth));
+    let camera = Camera::for_balls(clusters.iter().flat_map(|(_, t)| t).map(|p| (*p, 0.0)));
+    let parts = clusters.iter().map(|(lane, t)| Part::of_triangle(&camera, *lane, t)).collect();
+    image(parts, &camera, title, format)
+}
+
+/// The bytes of an image of spheres. Of disjoint ones, which this order of painting is right for: where a line
+/// of sight meets two, the one whose centre is nearer is nearer.
+pub(super) fn paint_spheres(tree: &BvhRef<'_, Node16<18>, Spheres>, title: &str, format: Format) -> Vec<u8> {
+    let clusters = body::primitives_by_root_lane(tree);
+    let camera = Camera::for_balls(clusters.iter().map(|(_, sphere)| (sphere.centre, sphere.radius)));
+    let disc = |(lane, sphere): &(usize, simdop::primitive::Sphere)| Part {
+        depth: dot(&camera.back, &sphere.centre),
+        outline: Outline::Disc {
+            centre: camera.project(&sphere.centre),
+            radius: sphere.radius * camera.scale,
+        },
+        colour: colour(*lane).map(|x| (x * 235.0) as u8),
+    };
+    image(clusters.iter().map(disc).collect(), &camera, title, format)
+}
+
+fn image(mut parts: Vec<Part>, camera: &Camera, title: &str, format: Format) -> Vec<u8> {
+    parts.sort_by(|a, b| a.depth.total_cmp(&b.depth));
     let size = camera.extent.map(|x| x * camera.scale + 2.0 * MARGIN);
     match format {
-        Format::Svg => svg(&faces, size, title).into_bytes(),
-        Format::Png => png(&faces, size),
+        Format::Svg => svg(&parts, size, title).into_bytes(),
+        Format::Png => png(&parts, size),
     }
 }
 
-fn svg(faces: &[Face], [width, height]: [f64; 2], title: &str) -> String {
+fn svg(parts: &[Part], [width, height]: [f64; 2], title: &str) -> String {
     let mut text = String::new();
     // Writing to a string does not fail.
     let _ = write!(
@@ -62,32 +84,55 @@ fn svg(faces: &[Face], [width, height]: [f64; 2], title: &str) -> String {
          <rect width=\"100%\" height=\"100%\" fill=\"white\"/>\n",
         escaped(title)
     );
-    for Face { corners: [[ax, ay], [bx, by], [cx, cy]], colour: [r, g, b], .. } in faces {
-        let _ = writeln!(
-            text,
-            "<path fill=\"#{r:02x}{g:02x}{b:02x}\" d=\"M{ax:.1} {ay:.1}L{bx:.1} {by:.1}L{cx:.1} {cy:.1}z\"/>"
-        );
+    for Part { outline, colour: [r, g, b], .. } in parts {
+        let _ = match outline {
+            Outline::Triangle([[ax, ay], [bx, by], [cx, cy]]) => writeln!(
+                text,
+                "<path fill=\"#{r:02x}{g:02x}{b:02x}\" d=\"M{ax:.1} {ay:.1}L{bx:.1} {by:.1}L{cx:.1} {cy:.1}z\"/>"
+            ),
+            Outline::Disc { centre: [x, y], radius } => {
+                let [s, t, u] = rim([*r, *g, *b]);
+                writeln!(
+                    text,
+                    "<circle fill=\"#{r:02x}{g:02x}{b:02x}\" stroke=\"#{s:02x}{t:02x}{u:02x}\" cx=\"{x:.1}\" cy=\"{y:.1}\" r=\"{radius:.1}\"/>"
+                )
+            }
+        };
     }
     text + "</svg>\n"
 }
 
-fn png(faces: &[Face], size: [f64; 2]) -> Vec<u8> {
+fn png(parts: &[Part], size: [f64; 2]) -> Vec<u8> {
     // Neither is zero, nor more than the longer side and two margins.
     let [width, height] = size.map(|pixels| pixels.round() as u32);
     let mut image = Pixmap::new(width, height).expect("a size that memory has room for");
     image.fill(Color::WHITE);
     let mut paint = Paint { anti_alias: false, ..Paint::default() };
-    for Face { corners, colour: [r, g, b], .. } in faces {
-        let [p, q, s] = corners.map(|corner| corner.map(|x| x as f32));
-        let mut outline = PathBuilder::new();
-        outline.move_to(p[0], p[1]);
-        outline.line_to(q[0], q[1]);
-        outline.line_to(s[0], s[1]);
-        outline.close();
+    let still = Transform::identity();
+    for Part { outline, colour: [r, g, b], .. } in parts {
         paint.set_color_rgba8(*r, *g, *b, u8::MAX);
-        // Seen from its edge, a triangle has no outline.
-        if let Some(outline) = outline.finish() {
-            image.fill_path(&outline, &paint, FillRule::Winding, Transform::identity(), None);
+        match outline {
+            Outline::Triangle(corners) => {
+                let [p, q, s] = corners.map(|corner| corner.map(|x| x as f32));
+                let mut path = PathBuilder::new();
+                path.move_to(p[0], p[1]);
+                path.line_to(q[0], q[1]);
+                path.line_to(s[0], s[1]);
+                path.close();
+                // Seen from its edge, a triangle has no outline.
+                if let Some(path) = path.finish() {
+                    image.fill_path(&path, &paint, FillRule::Winding, still, None);
+                }
+            }
+            Outline::Disc { centre: [x, y], radius } => {
+                // Nor has a point.
+                if let Some(path) = PathBuilder::from_circle(*x as f32, *y as f32, *radius as f32) {
+                    image.fill_path(&path, &paint, FillRule::Winding, still, None);
+                    let [r, g, b] = rim([*r, *g, *b]);
+                    paint.set_color_rgba8(r, g, b, u8::MAX);
+                    image.stroke_path(&path, &paint, &Stroke::default(), still, None);
+                }
+            }
         }
     }
     image.encode_png().expect("an image in memory can be encoded")
@@ -106,11 +151,12 @@ struct Camera {
 }
 
 impl Camera {
-    fn for_corners<'c>(corners: impl Iterator<Item = &'c Vector> + Clone) -> Self {
+    /// Centres and radii of what is to be seen.
+    fn for_balls(balls: impl Iterator<Item = (Vector, f64)> + Clone) -> Self {
         let range = |direction: Vector| {
             let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
-            for x in corners.clone().map(|p| dot(&direction, p)) {
-                (low, high) = (low.min(x), high.max(x));
+            for (x, radius) in balls.clone().map(|(p, radius)| (dot(&direction, &p), radius)) {
+                (low, high) = (low.min(x - radius), high.max(x + radius));
             }
             if low <= high { (low, high - low) } else { (0.0, 0.0) }
         };
@@ -140,15 +186,27 @@ impl Camera {
     }
 }
 
-struct Face {
+/// What is painted at once.
+struct Part {
     /// Towards the viewer.
     depth: f64,
-    corners: [[f64; 2]; 3],
+    outline: Outline,
     colour: [u8; 3],
 }
 
-impl Face {
-    fn new(camera: &Camera, lane: usize, triangle: &[Vector; 3]) -> Self {
+/// In pixels.
+enum Outline {
+    Triangle([[f64; 2]; 3]),
+    Disc { centre: [f64; 2], radius: f64 },
+}
+
+/// The colour of a disc's edge.
+fn rim(colour: [u8; 3]) -> [u8; 3] {
+    colour.map(|x| x / 2)
+}
+
+impl Part {
+    fn of_triangle(camera: &Camera, lane: usize, triangle: &[Vector; 3]) -> Self {
         let [a, b, c] = triangle;
         let (u, v): (Vector, Vector) =
             (core::array::from_fn(|i| b[i] - a[i]), core::array::from_fn(|i| c[i] - a[i]));
@@ -162,7 +220,7 @@ impl Face {
         let shade = if length > 0.0 { 0.45 + 0.55 * facing } else { 1.0 };
         let depth = triangle.iter().map(|p| dot(&camera.back, p)).sum::<f64>();
         let colour = colour(lane).map(|x| (x * shade * 255.0) as u8);
-        Self { depth, corners: triangle.each_ref().map(|p| camera.project(p)), colour }
+        Self { depth, outline: Outline::Triangle(triangle.each_ref().map(|p| camera.project(p))), colour }
     }
 }
 
@@ -212,7 +270,7 @@ mod tests {
         let boxes = [[1.0, 2.0, 3.0], [3.0, 1.0, 2.0], [2.0, 3.0, 1.0], [0.0, 0.0, 0.0]];
         for size in boxes {
             let corners = [[0.0; 3], size];
-            let camera = Camera::for_corners(corners.iter());
+            let camera = Camera::for_balls(corners.iter().map(|p| (*p, 0.0)));
             let Camera { right, up, back, .. } = &camera;
             for (a, b) in [(right, up), (up, back), (back, right)] {
                 assert!(dot(a, b).abs() < 1e-15 && (dot(a, a) - 1.0).abs() < 1e-15);
