@@ -167,6 +167,10 @@ fn tree_in<N: Lanes>(lines: &[Line]) -> Result<BvhRef<'_, N>, BakeError> {
 
 /// One step thinner at either end: refused exactly where something is cut off, by the name of the plane.
 fn thinner_is_refused<N: Lanes>(meshes: &[MeshData]) {
+    // An emulator need not repeat that for all k: what is refused is the same.
+    if suite_step() > 1 && N::K != 18 {
+        return;
+    }
     let (mut refused, mut accepted) = ([0, 0], 0);
     for mesh in meshes {
         let owned = build::<N>(Builder::new(), mesh);
