@@ -5,7 +5,7 @@
 mod one_point;
 mod support;
 
-use one_point::{NO_EXTENT, OnePoint};
+use one_point::{NO_EXTENT, OnePoint, for_each_k};
 use simdop::construct::{Builder, Mesh};
 use simdop::directions::{self, Directions};
 use simdop::frame::{Extent, Frame};
@@ -22,17 +22,6 @@ use support::dyadic::{Dyadic, dot, half_value};
 use support::rng::Rng;
 use support::shapes;
 use support::turns::{add, pose, random_point, rotation};
-
-/// Calls a generic function once for every k.
-macro_rules! for_each_k {
-    ($function:ident) => {
-        $function::<6>();
-        $function::<14>();
-        $function::<18>();
-        $function::<26>();
-        $function::<32>();
-    };
-}
 
 // ---- Poses and frames that are hard in different ways -----------------------------------------------------
 

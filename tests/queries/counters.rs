@@ -1,8 +1,8 @@
 //! What the counters count, on scenes whose work is known beforehand: trees of one or two levels.
 
+use crate::build;
 use crate::support::data::MeshData;
 use crate::support::shapes;
-use simdop::construct::{Builder, Mesh};
 use simdop::hierarchy::Bvh;
 use simdop::isa::Isa;
 use simdop::node::{Node4, Node16};
@@ -12,10 +12,6 @@ use simdop::query::{Counters, Lanes, Query};
 /// Small triangles, each with a corner at one of the places.
 fn at(places: &[[f64; 2]]) -> MeshData {
     shapes::separate(places.iter().map(|&[x, y]| [[x, y, 0.0], [x + 1.0, y, 0.0], [x, y + 1.0, 1.0]]))
-}
-
-fn build<N: Lanes>(mesh: &MeshData) -> Bvh<N> {
-    Builder::new().build(&Mesh { vertices: &mesh.vertices, triangles: &mesh.triangles }).unwrap()
 }
 
 /// The work of a query at the identity, the same on every instruction set.

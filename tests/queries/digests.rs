@@ -6,10 +6,9 @@
 //! the digests: the failing test prints the new rows. The verdicts have a digest of their own, which only an
 //! error can change.
 
-use crate::support::data::{MeshData, Suite, suite_step, suites};
+use crate::build;
+use crate::support::data::{Suite, suite_step, suites};
 use crate::support::digest::Digest;
-use simdop::construct::{Builder, Mesh};
-use simdop::hierarchy::Bvh;
 use simdop::isa::Isa;
 use simdop::node::{Node4, Node16};
 use simdop::pose::Pose;
@@ -32,10 +31,6 @@ fn digests(answers: &[Answer]) -> Digests {
         add(&mut all, &[c.visits, c.kernels, c.realignments, c.primitive_pairs, c.exact_pairs]);
     }
     [verdicts.0, all.0]
-}
-
-fn build<N: Lanes>(mesh: &MeshData) -> Bvh<N> {
-    Builder::new().build(&Mesh { vertices: &mesh.vertices, triangles: &mesh.triangles }).unwrap()
 }
 
 /// The poses of a suite. The search for contact decides by the scalar kernel.

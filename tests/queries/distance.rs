@@ -1,6 +1,7 @@
 //! Distances and margins against brute force in exact integers: on real meshes, on random shapes, and on
 //! pairs of triangles that are hard.
 
+use crate::build_with_leaves;
 use crate::support::data::{MeshData, Suite, suite_step, suites};
 use crate::support::exact::{Tri, meshes_meet};
 use crate::support::exact_distance::{exact_distance, mesh_distance};
@@ -140,11 +141,6 @@ fn separations_bound_the_exact_distance() {
 
 // ---- bodies -----------------------------------------------------------------------------------------------
 
-fn build<N: Lanes>(mesh: &MeshData, leaf_size: u32) -> Bvh<N> {
-    let mesh = Mesh { vertices: &mesh.vertices, triangles: &mesh.triangles };
-    Builder::new().leaf_size(leaf_size).build(&mesh).unwrap()
-}
-
 /// Two bodies at a pose, and all that the test knows about them.
 struct Scene<'s> {
     name: String,
@@ -249,7 +245,7 @@ fn check_margins<N: Lanes>(scene: &Scene<'_>, (a, b): (&Bvh<N>, &Bvh<N>), want: 
 
 /// The trees of a suite, for one node type and leaf size, at some of its poses.
 fn check_suite<N: Lanes>(suite: &Suite, poses: &[Rows], wanted: &mut [Option<f64>], leaf_size: u32) {
-    let (a, b) = (build::<N>(&suite.a, leaf_size), build::<N>(&suite.b, leaf_size));
+    let (a, b) = (build_with_leaves::<N>(&suite.a, leaf_size), build_with_leaves::<N>(&suite.b, leaf_size));
     let still = suite.b.corners();
     for (rows, want) in poses.iter().zip(wanted) {
         let moved = suite.a.placed(rows);
@@ -264,7 +260,9 @@ fn check_suite<N: Lanes>(suite: &Suite, poses: &[Rows], wanted: &mut [Option<f64
 /// hard the pair.
 #[test]
 fn margins_of_hard_pairs_are_kept() {
-    let one = |t: &Tri| build::<Node16<6>>(&MeshData { vertices: t.to_vec(), triangles: vec![[0, 1, 2]] }, 1);
+    let one = |t: &Tri| {
+        build_with_leaves::<Node16<6>>(&MeshData { vertices: t.to_vec(), triangles: vec![[0, 1, 2]] }, 1)
+    };
     let query = Query::new(Isa::detect());
     let mut rng = Rng::new(2);
     let mut free = 0;
@@ -301,8 +299,9 @@ fn margins_of_hard_pairs_are_kept() {
 /// A corner over a face at a height that is a number: the margin itself counts.
 #[test]
 fn a_margin_that_is_the_distance_is_kept() {
-    let body =
-        |t: Tri| build::<Node16<14>>(&MeshData { vertices: t.to_vec(), triangles: vec![[0, 1, 2]] }, 1);
+    let body = |t: Tri| {
+        build_with_leaves::<Node16<14>>(&MeshData { vertices: t.to_vec(), triangles: vec![[0, 1, 2]] }, 1)
+    };
     let query = Query::new(Isa::detect());
     let mut rng = Rng::new(3);
     for case in 0..1000 {
@@ -322,7 +321,8 @@ fn a_margin_that_is_the_distance_is_kept() {
 fn distances_and_margins_equal_brute_force_on_meshes() {
     let Some(suites) = suites() else { return };
     for suite in &suites {
-        let (a, b) = (build::<Node16<18>>(&suite.a, 1), build::<Node16<18>>(&suite.b, 1));
+        let (a, b) =
+            (build_with_leaves::<Node16<18>>(&suite.a, 1), build_with_leaves::<Node16<18>>(&suite.b, 1));
         let meets = |rows: &Rows| {
             let pose = Pose::from_rows(*rows).unwrap();
             Query::new(Isa::detect()).collide(&a.view(), &b.view(), &pose).hit().is_some()
@@ -390,10 +390,26 @@ fn distances_and_margins_equal_brute_force_on_random_shapes() {
         let scene = Scene { name: format!("case {case}"), a: &moved, b: &still, pose, size };
         let mut want = None;
         let leaf_size = 1 + rng.below(5) as u32;
-        check(&scene, (&build::<Node16<18>>(&a, leaf_size), &build::<Node16<18>>(&b, 1)), &mut want);
-        check(&scene, (&build::<Node16<32>>(&a, 1), &build::<Node16<32>>(&b, leaf_size)), &mut want);
-        check(&scene, (&build::<Node4<14>>(&a, leaf_size), &build::<Node4<14>>(&b, leaf_size)), &mut want);
-        check(&scene, (&build::<Node4<6>>(&a, 1), &build::<Node4<6>>(&b, 1)), &mut want);
+        check(
+            &scene,
+            (&build_with_leaves::<Node16<18>>(&a, leaf_size), &build_with_leaves::<Node16<18>>(&b, 1)),
+            &mut want,
+        );
+        check(
+            &scene,
+            (&build_with_leaves::<Node16<32>>(&a, 1), &build_with_leaves::<Node16<32>>(&b, leaf_size)),
+            &mut want,
+        );
+        check(
+            &scene,
+            (&build_with_leaves::<Node4<14>>(&a, leaf_size), &build_with_leaves::<Node4<14>>(&b, leaf_size)),
+            &mut want,
+        );
+        check(
+            &scene,
+            (&build_with_leaves::<Node4<6>>(&a, 1), &build_with_leaves::<Node4<6>>(&b, 1)),
+            &mut want,
+        );
     }
 }
 
@@ -423,8 +439,16 @@ fn distances_and_margins_equal_brute_force_at_the_largest_coordinates() {
         let pose = Pose::from_rows(rows).unwrap();
         let scene = Scene { name: format!("case {case}"), a: &moved, b: &still, pose, size };
         let mut want = None;
-        check(&scene, (&build::<Node16<18>>(&a, 1), &build::<Node16<18>>(&b, 2)), &mut want);
-        check(&scene, (&build::<Node4<32>>(&a, 3), &build::<Node4<32>>(&b, 1)), &mut want);
+        check(
+            &scene,
+            (&build_with_leaves::<Node16<18>>(&a, 1), &build_with_leaves::<Node16<18>>(&b, 2)),
+            &mut want,
+        );
+        check(
+            &scene,
+            (&build_with_leaves::<Node4<32>>(&a, 3), &build_with_leaves::<Node4<32>>(&b, 1)),
+            &mut want,
+        );
         met += u32::from(want == Some(0.0));
     }
     println!("{beyond} beyond the range of bodies, {met} meet");
@@ -456,8 +480,10 @@ fn units_do_not_matter_over_the_whole_range() {
         })
         .collect();
     let answers = |exponent| -> Vec<(bool, f64, bool)> {
-        let (a, b) =
-            (build::<Node16<18>>(&scaled(&a, exponent), 1), build::<Node16<18>>(&scaled(&b, exponent), 1));
+        let (a, b) = (
+            build_with_leaves::<Node16<18>>(&scaled(&a, exponent), 1),
+            build_with_leaves::<Node16<18>>(&scaled(&b, exponent), 1),
+        );
         let query = Query::new(Isa::detect());
         let ask = |rows: &Rows| {
             let mut rows = *rows;
@@ -490,7 +516,7 @@ fn units_do_not_matter_over_the_whole_range() {
 }
 
 fn same_on_all<N: Lanes>(a: &MeshData, b: &MeshData, poses: &[Rows], margin: f64) {
-    let (a, b) = (build::<N>(a, 1), build::<N>(b, 2));
+    let (a, b) = (build_with_leaves::<N>(a, 1), build_with_leaves::<N>(b, 2));
     let scalar = Query::new(Isa::SCALAR);
     for rows in poses {
         let pose = Pose::from_rows(*rows).unwrap();
@@ -539,7 +565,7 @@ fn margins_and_tolerances_are_checked_and_empty_bodies_are_far() {
     let empty = MeshData { vertices: Vec::new(), triangles: Vec::new() };
     let one =
         MeshData { vertices: vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]], triangles: vec![[0, 1, 2]] };
-    let (empty, one) = (build::<Node16<14>>(&empty, 1), build::<Node16<14>>(&one, 1));
+    let (empty, one) = (build_with_leaves::<Node16<14>>(&empty, 1), build_with_leaves::<Node16<14>>(&one, 1));
     let query = Query::new(Isa::detect());
     for bad in [-1.0, -f64::MIN_POSITIVE, f64::NAN, f64::INFINITY] {
         let distance = query.distance(&one.view(), &one.view(), &Pose::IDENTITY, bad).unwrap_err();
@@ -562,7 +588,7 @@ fn margins_and_tolerances_are_checked_and_empty_bodies_are_far() {
 #[test]
 fn an_unknown_is_neither_free_nor_a_hit() {
     let mesh = shapes::torus(12, 8);
-    let tree = build::<Node16<18>>(&mesh, 1);
+    let tree = build_with_leaves::<Node16<18>>(&mesh, 1);
     let view = tree.view();
     // How often a body that is free, or is not, was said to be free, a hit, neither.
     let mut said = [[0; 3]; 2];

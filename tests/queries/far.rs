@@ -1,12 +1,12 @@
 //! Distances and margins of bodies that are far apart, or of very unlike size, against brute force in exact
 //! integers; and that they cost no more than those of bodies nearby.
 
+use crate::build_with_leaves;
 use crate::support::data::{MeshData, suite_step};
 use crate::support::exact::Tri;
 use crate::support::exact_distance::{exact_distance, mesh_distance};
 use crate::support::rng::Rng;
 use crate::support::shapes;
-use simdop::construct::{Builder, Mesh};
 use simdop::hierarchy::Bvh;
 use simdop::isa::Isa;
 use simdop::node::{Node4, Node16};
@@ -14,11 +14,6 @@ use simdop::pose::Pose;
 use simdop::query::{Completion, Lanes, Query, Verdict};
 
 type Rows = [[f64; 4]; 3];
-
-fn build<N: Lanes>(mesh: &MeshData, leaf_size: u32) -> Bvh<N> {
-    let mesh = Mesh { vertices: &mesh.vertices, triangles: &mesh.triangles };
-    Builder::new().leaf_size(leaf_size).build(&mesh).unwrap()
-}
 
 fn scaled(mesh: &MeshData, by: f64) -> MeshData {
     let vertices = mesh.vertices.iter().map(|p| p.map(|x| x * by)).collect();
@@ -141,11 +136,15 @@ fn distances_and_margins_equal_brute_force_at_any_offset() {
         let scene = Scene { name, a: &placed, b: &still, pose: Pose::from_rows(rows).unwrap(), want };
         let leaf_size = 1 + rng.below(3) as u32;
         match rng.below(5) {
-            0 => check::<Node16<6>>(&scene, &build(&a, leaf_size), &build(&b, 1)),
-            1 => check::<Node4<14>>(&scene, &build(&a, 1), &build(&b, leaf_size)),
-            2 => check::<Node4<26>>(&scene, &build(&a, leaf_size), &build(&b, leaf_size)),
-            3 => check::<Node16<32>>(&scene, &build(&a, 1), &build(&b, 1)),
-            _ => check::<Node16<18>>(&scene, &build(&a, leaf_size), &build(&b, 1)),
+            0 => check::<Node16<6>>(&scene, &build_with_leaves(&a, leaf_size), &build_with_leaves(&b, 1)),
+            1 => check::<Node4<14>>(&scene, &build_with_leaves(&a, 1), &build_with_leaves(&b, leaf_size)),
+            2 => check::<Node4<26>>(
+                &scene,
+                &build_with_leaves(&a, leaf_size),
+                &build_with_leaves(&b, leaf_size),
+            ),
+            3 => check::<Node16<32>>(&scene, &build_with_leaves(&a, 1), &build_with_leaves(&b, 1)),
+            _ => check::<Node16<18>>(&scene, &build_with_leaves(&a, leaf_size), &build_with_leaves(&b, 1)),
         }
     }
 }
@@ -181,10 +180,10 @@ fn distances_and_margins_equal_brute_force_at_details_of_large_bodies() {
         apart += 1;
         let scene = Scene { name, a: &placed, b: &still, pose: Pose::from_rows(rows).unwrap(), want };
         match rng.below(4) {
-            0 => check::<Node16<14>>(&scene, &build(a, 1), &build(b, 2)),
-            1 => check::<Node4<18>>(&scene, &build(a, 2), &build(b, 1)),
-            2 => check::<Node16<26>>(&scene, &build(a, 1), &build(b, 1)),
-            _ => check::<Node16<18>>(&scene, &build(a, 1), &build(b, 1)),
+            0 => check::<Node16<14>>(&scene, &build_with_leaves(a, 1), &build_with_leaves(b, 2)),
+            1 => check::<Node4<18>>(&scene, &build_with_leaves(a, 2), &build_with_leaves(b, 1)),
+            2 => check::<Node16<26>>(&scene, &build_with_leaves(a, 1), &build_with_leaves(b, 1)),
+            _ => check::<Node16<18>>(&scene, &build_with_leaves(a, 1), &build_with_leaves(b, 1)),
         }
     }
     assert!(apart * 3 * suite_step() > 200, "{apart} are apart");
@@ -232,7 +231,7 @@ where
         let pose = Pose::from_rows(rows).unwrap();
         let (placed, still) = (a.placed(&rows), b.corners());
         let want = mesh_distance(&placed, &still, f64::INFINITY);
-        let (a, b) = (build::<Node16<K>>(&a, 1), build::<Node16<K>>(&b, 1));
+        let (a, b) = (build_with_leaves::<Node16<K>>(&a, 1), build_with_leaves::<Node16<K>>(&b, 1));
         let query = Query::new(Isa::detect());
         let what = format!("case {case} k {K}: {want:e} {far} {unit} {p:?} {q:?} {rows:?}");
         let distance = query.distance(&a.view(), &b.view(), &pose, 0.0).unwrap();
@@ -265,7 +264,8 @@ fn work(
 ) -> u64 {
     let mut rng = Rng::new(53);
     let mesh = shapes::torus(50, 40);
-    let (tree, other) = (build::<Node16<18>>(&mesh, 1), build::<Node16<18>>(&scaled(&mesh, size), 1));
+    let (tree, other) =
+        (build_with_leaves::<Node16<18>>(&mesh, 1), build_with_leaves::<Node16<18>>(&scaled(&mesh, size), 1));
     let far = (0.5 + offset) * mesh.diagonal();
     (0..40)
         .map(|_| {

@@ -1,12 +1,12 @@
 //! Hints change the work of a query and nothing else: verdicts and distances are those without, wherever a
 //! hint comes from.
 
+use crate::build;
 use crate::pairs_that_meet;
 use crate::support::data::{MeshData, Suite, suite_step, suites};
 use crate::support::exact::{Tri, triangles_meet};
 use crate::support::rng::Rng;
 use crate::support::turns::pose;
-use simdop::construct::{Builder, Mesh};
 use simdop::hierarchy::Bvh;
 use simdop::isa::Isa;
 use simdop::node::{Node4, Node16};
@@ -15,10 +15,6 @@ use simdop::primitive::triangle::distance::separation;
 use simdop::query::{Answer, Distance, Hint, Lanes, Query, Verdict};
 
 type Rows = [[f64; 4]; 3];
-
-fn build<N: Lanes>(mesh: &MeshData) -> Bvh<N> {
-    Builder::new().build(&Mesh { vertices: &mesh.vertices, triangles: &mesh.triangles }).unwrap()
-}
 
 fn bodies<N: Lanes>(suite: &Suite) -> (Bvh<N>, Bvh<N>) {
     (build(&suite.a), build(&suite.b))

@@ -9,6 +9,15 @@ mod one_point;
 #[path = "../support/mod.rs"]
 mod support;
 
+/// Calls a generic function with the arguments, once for every node type.
+macro_rules! for_each_node {
+    ($function:ident($($argument:expr),*)) => {
+        for_each_node!(@ $function ($($argument),*)
+            Node16<6>, Node16<14>, Node16<18>, Node16<26>, Node16<32>, Node4<6>, Node4<14>, Node4<18>, Node4<26>, Node4<32>)
+    };
+    (@ $function:ident $arguments:tt $($node:ty),*) => { $( $function::<$node> $arguments; )* };
+}
+
 mod allocations;
 mod counters;
 mod digests;
@@ -29,9 +38,23 @@ mod threads;
 
 use alloc::collections::BTreeSet;
 use core::ops::ControlFlow;
-use simdop::hierarchy::{AsBvh, BvhRef};
+use simdop::construct::{Builder, Mesh};
+use simdop::hierarchy::{AsBvh, Bvh, BvhRef};
 use simdop::pose::Pose;
 use simdop::query::{Completion, Counters, Lanes, Pair, Pairwise, Query};
+use support::data::MeshData;
+
+fn mesh_of(mesh: &MeshData) -> Mesh<'_> {
+    Mesh { vertices: &mesh.vertices, triangles: &mesh.triangles }
+}
+
+fn build<N: Lanes>(mesh: &MeshData) -> Bvh<N> {
+    build_with_leaves(mesh, 1)
+}
+
+fn build_with_leaves<N: Lanes>(mesh: &MeshData, leaf_size: u32) -> Bvh<N> {
+    Builder::new().leaf_size(leaf_size).build(&mesh_of(mesh)).unwrap()
+}
 
 /// Indices of primitives of A and B.
 type Pairs = BTreeSet<(u32, u32)>;

@@ -73,15 +73,6 @@ fn check<N: Lanes>(suite: &Suite, judged: &[Judged], leaf_size: u32, splitter: S
     assert!(exact * 1000 <= pairs, "{trees}: {exact} exact fallbacks in {pairs} pairs are more than 0.1 %");
 }
 
-/// Calls a generic function for every node type.
-macro_rules! each_node_type {
-    ($function:ident($($argument:expr),*)) => {
-        each_node_type!(@ $function ($($argument),*)
-            Node16<6>, Node16<14>, Node16<18>, Node16<26>, Node16<32>, Node4<6>, Node4<14>, Node4<18>, Node4<26>, Node4<32>)
-    };
-    (@ $function:ident $arguments:tt $($node:ty),*) => { $( $function::<$node> $arguments; )* };
-}
-
 #[test]
 fn verdicts_equal_brute_force_in_exact_arithmetic() {
     let Some(suites) = suites() else { return };
@@ -91,7 +82,7 @@ fn verdicts_equal_brute_force_in_exact_arithmetic() {
         println!("{}: {hits} hits in {} poses", suite.name, judged.len());
         assert!(hits * 4 > judged.len() && hits * 4 < judged.len() * 3, "both answers are frequent");
         for splitter in [Splitter::default(), Splitter::ExtendedLongestAxis] {
-            each_node_type!(check(suite, &judged, 1, splitter));
+            for_each_node!(check(suite, &judged, 1, splitter));
         }
         check::<Node16<18>>(suite, &judged, 5, Splitter::ExtendedLongestAxis);
         check::<Node16<18>>(suite, &judged, 16, Splitter::LongestAxis);
@@ -127,6 +118,6 @@ fn all_pairs_equal_brute_force() {
             let pairs = pairs.into_iter().map(|(i, j)| (i as u32, j as u32)).collect();
             (Pose::from_rows(rows).unwrap(), pairs)
         });
-        each_node_type!(check_pairs(suite, &wanted));
+        for_each_node!(check_pairs(suite, &wanted));
     }
 }

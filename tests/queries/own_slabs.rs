@@ -4,7 +4,7 @@
 //! The directions are the ones that the triangle gives. That they are no true normals does not matter: if all
 //! of one body lies before all of another along any vector, they are apart.
 
-use crate::one_point::{NO_EXTENT, OnePoint};
+use crate::one_point::{NO_EXTENT, OnePoint, for_each_k};
 use crate::pairs_that_meet;
 use crate::support::codes::SPECIAL;
 use crate::support::data::{MeshData, suite_step};
@@ -26,17 +26,6 @@ use simdop::query::{Lanes, Query};
 use simdop::range::{MAX_COORDINATE, MIN_COORDINATE, Point};
 use simdop::realign::{OwnSlab, own_slabs};
 use std::collections::BTreeSet;
-
-/// Calls a generic function once for every k.
-macro_rules! for_each_k {
-    ($function:ident) => {
-        $function::<6>();
-        $function::<14>();
-        $function::<18>();
-        $function::<26>();
-        $function::<32>();
-    };
-}
 
 // ---- The question, decided exactly ------------------------------------------------------------------------
 

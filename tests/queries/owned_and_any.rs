@@ -1,10 +1,11 @@
 //! Trees in whichever form a caller holds them: owned in a struct, of any node type, in flash; and vertices
 //! that no triangle uses.
 
+use crate::mesh_of;
 use crate::support::data::MeshData;
 use crate::support::shapes;
 use core::ops::ControlFlow;
-use simdop::construct::{BuildError, Builder, Mesh};
+use simdop::construct::{BuildError, Builder};
 use simdop::hierarchy::{AnyBvh, AnyBvhRef, AsBvh, BakeError, Baked, Bvh, BvhRef};
 use simdop::isa::Isa;
 use simdop::node::{Node4, Node16};
@@ -12,10 +13,6 @@ use simdop::pose::Pose;
 use simdop::primitive::Triangles;
 use simdop::query::{AnyError, Pair, Query, ToleranceError};
 use simdop::with_bvh;
-
-fn mesh_of(mesh: &MeshData) -> Mesh<'_> {
-    Mesh { vertices: &mesh.vertices, triangles: &mesh.triangles }
-}
 
 /// From apart to deep inside each other.
 fn poses() -> Vec<Pose> {

@@ -138,15 +138,6 @@ fn brute<A: Shape, B: Shape>(a: &[A], b: &[B], pose: &Pose, margin: f64) -> (Pai
     (pairs, ties)
 }
 
-fn pairs_of<N: Lanes, P: Pairwise<Q>, Q: Pairwise<P>>(
-    query: Query,
-    a: &Bvh<N, P>,
-    b: &Bvh<N, Q>,
-    pose: &Pose,
-) -> Pairs {
-    pairs_that_meet(query, a, b, pose).0
-}
-
 fn build_with<N: Lanes>(spheres: &[Sphere], builder: Builder) -> Bvh<N, Spheres> {
     let tree = builder.build_geometry(&SphereSet { spheres }, &mut |_| ControlFlow::Continue(())).unwrap();
     tree.view().verify().unwrap();
@@ -228,7 +219,7 @@ where
     let mut counters = None;
     for isa in Isa::available() {
         let query = Query::new(isa);
-        assert_eq!(pairs_of(query, tree_a, tree_b, pose), want, "{what}, {isa}");
+        assert_eq!(pairs_that_meet(query, tree_a, tree_b, pose).0, want, "{what}, {isa}");
         let answer = query.collide(tree_a, tree_b, pose);
         assert_eq!(answer.is_free(), want.is_empty(), "{what}, {isa}");
         assert!(answer.hit().is_none_or(|pair| want.contains(&(pair.a, pair.b))), "{what}, {isa}");
@@ -504,8 +495,16 @@ fn all_splitters_and_leaf_sizes() {
             let tree =
                 build_with::<Node16<18>>(&a, if i % 2 == 0 { builder } else { builder.without_thin_slabs() });
             let query = Query::new(Isa::detect());
-            assert_eq!(pairs_of(query, &tree, &tree_b, &Pose::IDENTITY), want, "{splitter:?} {leaf_size}");
-            assert_eq!(pairs_of(query, &tree_b, &tree, &Pose::IDENTITY).len(), want.len(), "{splitter:?}");
+            assert_eq!(
+                pairs_that_meet(query, &tree, &tree_b, &Pose::IDENTITY).0,
+                want,
+                "{splitter:?} {leaf_size}"
+            );
+            assert_eq!(
+                pairs_that_meet(query, &tree_b, &tree, &Pose::IDENTITY).0.len(),
+                want.len(),
+                "{splitter:?}"
+            );
         }
     }
     let heavy = build_with::<Node16<18>>(&a, Builder::new().splitter(gas(Magnification::Area)));

@@ -12,19 +12,7 @@ use simdop::hierarchy::{BakeError, Bvh, BvhRef, Header, Lane};
 use simdop::isa::Isa;
 use simdop::node::{Link, Node4, Node16, ThinSlab};
 use simdop::pose::Pose;
-use simdop::query::{Counters, Lanes, Query};
-
-/// Calls a generic function on one argument, once for every node type.
-macro_rules! for_each_node {
-    ($function:ident, $argument:expr) => {
-        for_each_node!($function, $argument; Node16<6>, Node16<14>, Node16<18>, Node16<26>, Node16<32>,
-            Node4<6>, Node4<14>, Node4<18>, Node4<26>, Node4<32>)
-    };
-    ($function:ident, $argument:expr; $($node:ty),*) => {{
-        let argument = $argument;
-        $( $function::<$node>(argument); )*
-    }};
-}
+use simdop::query::{Lanes, Query};
 
 fn build<N: Lanes>(builder: Builder, mesh: &MeshData) -> Bvh<N> {
     builder.build(&Mesh { vertices: &mesh.vertices, triangles: &mesh.triangles }).unwrap()
@@ -133,7 +121,8 @@ fn slabs_are_exact<N: Lanes>(meshes: &[MeshData]) {
 
 #[test]
 fn slabs_bound_what_is_below_and_no_more() {
-    for_each_node!(slabs_are_exact, &meshes());
+    let meshes = meshes();
+    for_each_node!(slabs_are_exact(&meshes));
 }
 
 /// Where a slab lies among the bytes of its tree.
@@ -212,10 +201,8 @@ fn thinner_is_refused<N: Lanes>(meshes: &[MeshData]) {
 #[test]
 fn slabs_one_step_thinner_are_refused() {
     let mut rng = Rng::new(2);
-    for_each_node!(
-        thinner_is_refused,
-        &[shapes::torus(8, 6), shapes::soup(&mut rng, 40, 0.3), shapes::flat_grid(6)]
-    );
+    let meshes = [shapes::torus(8, 6), shapes::soup(&mut rng, 40, 0.3), shapes::flat_grid(6)];
+    for_each_node!(thinner_is_refused(&meshes));
 }
 
 /// Every way in which a slab's 64 bits can be none, in a used lane and in an unused one.
@@ -259,7 +246,8 @@ fn bad_bits_are_refused<N: Lanes>(mesh: &MeshData) {
 
 #[test]
 fn bits_that_are_no_slab_are_refused() {
-    for_each_node!(bad_bits_are_refused, &shapes::torus(5, 3));
+    let mesh = shapes::torus(5, 3);
+    for_each_node!(bad_bits_are_refused(&mesh));
 }
 
 /// Where the flag of thin slabs is in the header.
@@ -316,7 +304,8 @@ fn less_the_slabs<N: Lanes>(meshes: &[MeshData]) {
 
 #[test]
 fn a_tree_without_slabs_is_the_same_but_for_them() {
-    for_each_node!(less_the_slabs, &meshes());
+    let meshes = meshes();
+    for_each_node!(less_the_slabs(&meshes));
 }
 
 // ---- Long queries -----------------------------------------------------------------------------------------
@@ -409,11 +398,6 @@ fn near_smooth_bodies_take_half_the_visits() {
     assert!(10 * finest[0] <= 16 * coarse[0], "{coarse:?} {finest:?}");
 }
 
-/// All pairs that meet, and the work.
-fn pairs<N: Lanes>(isa: Isa, a: &Bvh<N>, b: &Bvh<N>, pose: &Pose) -> (BTreeSet<(u32, u32)>, Counters) {
-    pairs_that_meet(Query::new(isa), a, b, pose)
-}
-
 /// Long queries of trees with slabs, with those of one tree only, and without: the same answers on every
 /// instruction set, by the same work.
 fn answers_agree<N: Lanes>(mesh: &MeshData) {
@@ -423,10 +407,10 @@ fn answers_agree<N: Lanes>(mesh: &MeshData) {
     let (mut long, mut spared) = (0, 0);
     for (gap, margin) in [(1e-3, 0.0), (1e-3, 2e-3), (-1e-3, 1e-4), (-2e-2, 1e-4)] {
         for pose in poses(mesh, &with, gap, 8 / suite_step()) {
-            let (want, without_slabs) = pairs(Isa::SCALAR, &without, &without, &pose);
+            let (want, without_slabs) = pairs_that_meet(Query::new(Isa::SCALAR), &without, &without, &pose);
             assert_eq!(want.is_empty(), gap > 0.0);
             for (a, b) in [(&with, &with), (&with, &without), (&without, &with)] {
-                let (found, counters) = pairs(Isa::SCALAR, a, b, &pose);
+                let (found, counters) = pairs_that_meet(Query::new(Isa::SCALAR), a, b, &pose);
                 assert_eq!(found, want, "k {} arity {}: {pose:?}", N::K, N::ARITY);
                 let both = core::ptr::eq(a, b);
                 if !both {
@@ -439,7 +423,11 @@ fn answers_agree<N: Lanes>(mesh: &MeshData) {
                 let expected = Query::new(Isa::SCALAR).within(&without, &without, &pose, margin).unwrap();
                 assert_eq!(near.is_free(), expected.is_free());
                 for isa in Isa::available() {
-                    assert_eq!(pairs(isa, a, b, &pose), (found.clone(), counters), "{isa:?}");
+                    assert_eq!(
+                        pairs_that_meet(Query::new(isa), a, b, &pose),
+                        (found.clone(), counters),
+                        "{isa:?}"
+                    );
                     let on = Query::new(isa).within(a, b, &pose, margin).unwrap();
                     assert_eq!((on.verdict, on.counters), (near.verdict, near.counters), "{isa:?}");
                 }

@@ -46,3 +46,16 @@ impl<const K: usize> OnePoint<K> {
         Self { extent, point, planes }
     }
 }
+
+/// Calls a generic function once for every k.
+macro_rules! for_each_k {
+    ($function:ident) => {
+        $function::<6>();
+        $function::<14>();
+        $function::<18>();
+        $function::<26>();
+        $function::<32>();
+    };
+}
+
+pub(crate) use for_each_k;
