@@ -5,11 +5,11 @@ use super::mesh::{self, Empty, MeshData};
 use super::{TreeOptions, progress};
 use core::ops::ControlFlow;
 use core::time::Duration;
-use simdop::construct::{Builder, Mesh, Progress};
-use simdop::hierarchy::{AnyBvh, BvhRef, Header, Lane, MAGIC};
+use simdop::construct::{Builder, Mesh, Progress, SphereSet};
+use simdop::hierarchy::{AnyBvh, Bvh, BvhRef, Header, Lane, MAGIC};
 use simdop::isa::Isa;
-use simdop::node::{Dop, Link};
-use simdop::primitive::Primitive;
+use simdop::node::{Dop, Link, Node16};
+use simdop::primitive::{Primitive, Sphere, Spheres};
 use simdop::query::Query;
 use simdop::with_bvh;
 use std::path::{Path, PathBuf};
@@ -124,6 +124,13 @@ pub(super) fn build(
         .build_any(&mesh, shape.k, shape.arity, &mut observer)
         .map_err(|error| Error::Build { name: name.clone(), error })?;
     Ok(Body { name, tree, read: None, build: Some(start.elapsed()) })
+}
+
+/// Builds the tree of spheres.
+pub(super) fn of_spheres(name: &str, spheres: &[Sphere]) -> Result<Bvh<Node16<18>, Spheres>, Error> {
+    Builder::new()
+        .build_geometry(&SphereSet { spheres }, &mut |_| ControlFlow::Continue(()))
+        .map_err(|error| Error::Build { name: name.into(), error })
 }
 
 /// The shape that the options ask for, where they do, and else the one of a given tree, or the default.

@@ -2,7 +2,7 @@
 
 use super::body::{self, Source};
 use super::error::Error;
-use super::output::{self, Staged};
+use super::output;
 use super::picture::{self, Format};
 use super::{File, TreeOptions};
 use clap::Args;
@@ -42,11 +42,8 @@ pub(super) fn run(options: &Options) -> Result<(), Error> {
         let title = format!("{}, {:?}, arity {}", body.name, options.tree.splitter(), shape.arity);
         picture::paint(&body.tree, &title, format)
     });
-    // Both, before either takes the place of what was there.
-    let tree = options.output.as_deref().map(|path| output::stage(path, body.tree.as_bytes())).transpose()?;
-    let picture = options.picture.as_deref().zip(picture.as_deref());
-    let picture = picture.map(|(path, bytes)| output::stage(path, bytes)).transpose()?;
-    tree.into_iter().chain(picture).try_for_each(Staged::commit)?;
+    let tree = options.output.as_deref().map(|path| (path, body.tree.as_bytes()));
+    output::replace(tree.into_iter().chain(options.picture.as_deref().zip(picture.as_deref())))?;
 
     let (header, stats) = (*body.tree.view().header(), body.tree.view().stats());
     let milliseconds = body.build.unwrap_or_default().as_secs_f64() * 1e3;

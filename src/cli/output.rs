@@ -5,8 +5,15 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 use tempfile::NamedTempFile;
 
+/// Writes each file's bytes, all of them before any takes the place of what was there.
+pub(super) fn replace<'a>(files: impl IntoIterator<Item = (&'a Path, &'a [u8])>) -> Result<(), Error> {
+    let staged: Vec<Staged<'a>> =
+        files.into_iter().map(|(path, bytes)| stage(path, bytes)).collect::<Result<_, _>>()?;
+    staged.into_iter().try_for_each(Staged::commit)
+}
+
 /// Bytes on their way to a file.
-pub(super) enum Staged<'a> {
+enum Staged<'a> {
     /// In a file beside the one to replace.
     Beside { file: NamedTempFile, target: PathBuf },
     /// To be written to what is no file: the standard output, a pipe, a device.
@@ -14,7 +21,7 @@ pub(super) enum Staged<'a> {
 }
 
 /// Writes the bytes where a rename will bring them to `path`.
-pub(super) fn stage<'a>(path: &'a Path, bytes: &'a [u8]) -> Result<Staged<'a>, Error> {
+fn stage<'a>(path: &'a Path, bytes: &'a [u8]) -> Result<Staged<'a>, Error> {
     let old = std::fs::metadata(path);
     if is_standard_output(path) || old.as_ref().is_ok_and(|old| !old.is_file() && !old.is_dir()) {
         return Ok(Staged::Stream { path, bytes });
@@ -44,7 +51,7 @@ pub(super) fn stage<'a>(path: &'a Path, bytes: &'a [u8]) -> Result<Staged<'a>, E
 
 impl Staged<'_> {
     /// Brings the bytes to their place.
-    pub(super) fn commit(self) -> Result<(), Error> {
+    fn commit(self) -> Result<(), Error> {
         match self {
             Self::Beside { file, target } => {
                 file.persist(&target)

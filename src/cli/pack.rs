@@ -3,17 +3,14 @@
 use super::body::{self, Source};
 use super::error::Error;
 use super::mesh::MeshData;
-use super::output::{self, Staged};
+use super::output;
 use super::picture::{self, Format};
 use super::{File, TreeOptions, progress, scene};
 use clap::Args;
 use core::ops::ControlFlow;
 use serde::Serialize;
-use simdop::construct::{Builder, Mesh, SphereSet};
-use simdop::hierarchy::Bvh;
-use simdop::node::Node16;
+use simdop::construct::Mesh;
 use simdop::packing::{Filling, Packer, Packing, text};
-use simdop::primitive::Spheres;
 use std::io::Write;
 use std::time::Instant;
 
@@ -82,11 +79,8 @@ pub(super) fn run(options: &Options) -> Result<(), Error> {
     // Writing to a string does not fail.
     let _ = text::write(&packing.spheres, &mut lines);
     let image = format.map(|format| paint(&name, &packing, format)).transpose()?;
-    // Both, before either takes the place of what was there.
-    let staged = output::stage(&options.output, lines.as_bytes())?;
-    let picture = options.picture.as_deref().zip(image.as_deref());
-    let picture = picture.map(|(path, bytes)| output::stage(path, bytes)).transpose()?;
-    core::iter::once(staged).chain(picture).try_for_each(Staged::commit)?;
+    let packed = (options.output.as_path(), lines.as_bytes());
+    output::replace([packed].into_iter().chain(options.picture.as_deref().zip(image.as_deref())))?;
     let report = Report {
         version: env!("CARGO_PKG_VERSION"),
         mesh: name,
@@ -115,10 +109,7 @@ fn read(options: &Options) -> Result<(String, MeshData), Error> {
 }
 
 fn paint(name: &str, packing: &Packing, format: Format) -> Result<Vec<u8>, Error> {
-    let spheres = SphereSet { spheres: &packing.spheres };
-    let tree: Bvh<Node16<18>, Spheres> = Builder::new()
-        .build_geometry(&spheres, &mut |_| ControlFlow::Continue(()))
-        .map_err(|error| Error::Build { name: name.into(), error })?;
+    let tree = body::of_spheres(name, &packing.spheres)?;
     let title = format!("{name}, {} spheres", packing.spheres.len());
     Ok(picture::paint_spheres(&tree.view(), &title, format))
 }

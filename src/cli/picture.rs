@@ -6,7 +6,7 @@ use super::error::Error;
 use core::fmt::Write;
 use simdop::hierarchy::{AnyBvh, BvhRef};
 use simdop::node::Node16;
-use simdop::primitive::Spheres;
+use simdop::primitive::{Sphere, Spheres};
 use std::path::Path;
 use tiny_skia::{Color, FillRule, Paint, PathBuilder, Pixmap, Stroke, Transform};
 
@@ -54,12 +54,13 @@ pub(super) fn paint(tree: &AnyBvh, title: &str, format: Format) -> Vec<u8> {
 pub(super) fn paint_spheres(tree: &BvhRef<'_, Node16<18>, Spheres>, title: &str, format: Format) -> Vec<u8> {
     let clusters = body::primitives_by_root_lane(tree);
     let camera = Camera::for_balls(clusters.iter().map(|(_, sphere)| (sphere.centre, sphere.radius)));
-    let disc = |(lane, sphere): &(usize, simdop::primitive::Sphere)| Part {
+    let disc = |(lane, sphere): &(usize, Sphere)| Part {
         depth: dot(&camera.back, &sphere.centre),
         outline: Outline::Disc {
             centre: camera.project(&sphere.centre),
             radius: sphere.radius * camera.scale,
         },
+        // A little darker than the paper, from which pale hues would not be told.
         colour: colour(*lane).map(|x| (x * 235.0) as u8),
     };
     image(clusters.iter().map(disc).collect(), &camera, title, format)

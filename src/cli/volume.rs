@@ -1,11 +1,9 @@
 //! `simdop volume`.
 
 use super::error::{Error, Fault};
-use super::{File, isa, poses};
+use super::{File, body, isa, poses};
 use clap::Args;
-use core::ops::ControlFlow;
 use serde::Serialize;
-use simdop::construct::{Builder, SphereSet};
 use simdop::hierarchy::Bvh;
 use simdop::isa::Isa;
 use simdop::node::Node16;
@@ -92,9 +90,7 @@ fn read(path: &Path) -> Result<(Body, Bvh<Node16<18>, Spheres>), Error> {
         let advice = "a packing is a sphere a line, x y z r, as `simdop pack` makes it of a mesh";
         Error::content(path, Fault::file(format!("{error}; {advice}")))
     })?;
-    let tree = Builder::new()
-        .build_geometry(&SphereSet { spheres: &spheres }, &mut |_| ControlFlow::Continue(()))
-        .map_err(|error| Error::Build { name: name.clone(), error })?;
+    let tree = body::of_spheres(&name, &spheres)?;
     Ok((Body { name, spheres: spheres.len(), volume: spheres.iter().map(Sphere::volume).sum() }, tree))
 }
 
