@@ -287,4 +287,28 @@ mod tests {
             }
         }
     }
+
+    /// What is nearer is painted later: with the camera in front of each side of the spheres in turn.
+    #[test]
+    fn the_nearer_sphere_is_painted_last() {
+        for axis in 0..3 {
+            let centres = [-1.0, 3.0, 1.0].map(|x| core::array::from_fn(|i| if i == axis { x } else { 0.0 }));
+            let spheres = centres.map(|centre| Sphere { centre, radius: 0.5 });
+            let camera = Camera::for_balls(centres.iter().map(|centre| (*centre, 0.5)));
+            let sign = camera.back[axis].signum();
+            let tree = body::of_spheres("spheres", &spheres).unwrap();
+            let text = String::from_utf8(paint_spheres(&tree.view(), "spheres", Format::Svg)).unwrap();
+            let painted = text.lines().filter(|line| line.starts_with("<circle"));
+            let mut want = [-1.0, 1.0, 3.0].map(|x| x * sign);
+            want.sort_by(f64::total_cmp);
+            let place = |x: f64| {
+                let [x, y] =
+                    camera.project(&core::array::from_fn(|i| if i == axis { x * sign } else { 0.0 }));
+                format!("cx=\"{x:.1}\" cy=\"{y:.1}\"")
+            };
+            for (line, x) in painted.zip(want) {
+                assert!(line.contains(&place(x)), "{line} {axis} {x}");
+            }
+        }
+    }
 }
