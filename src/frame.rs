@@ -208,6 +208,40 @@ impl Frame {
         slack.sign() >= 0 && room.minus(&square.times(&reach)).sign() >= 0
     }
 
+    /// Whether all that is within `reach` of p is in a ball of this frame: decided in exact arithmetic.
+    #[must_use]
+    pub(crate) fn is_in_ball(&self, centre: &Point, radius: f64, p: Point, reach: f64) -> bool {
+        let scale = self.scale();
+        let (mut square, mut size) = (0.0, radius + reach * scale);
+        for i in 0..3 {
+            let d = (p[i] - self.centre[i]) * scale - centre[i];
+            square += d * d;
+            size += (p[i].abs() + self.centre[i].abs()) * scale + centre[i].abs();
+        }
+        let (distance, room) = (libm::sqrt(square), radius - reach * scale);
+        // A dozen roundings, each 2^-53 of a partial sum.
+        if (room - distance).abs() > power_of_two(-48) * size {
+            return room > distance;
+        }
+        self.is_in_ball_exactly(centre, radius, p, reach)
+    }
+
+    #[cold]
+    #[inline(never)]
+    fn is_in_ball_exactly(&self, centre: &Point, radius: f64, p: Point, reach: f64) -> bool {
+        let unscale = power_of_two(-self.exponent);
+        let (centre, radius) = (centre.map(|x| x * unscale), radius * unscale);
+        let unit = unit_of(p.into_iter().chain(self.centre).chain(centre).chain([radius, reach]));
+        let number = |x: f64| Room::new(x, unit);
+        let mut square = Room::ZERO;
+        for i in 0..3 {
+            let d = number(p[i]).minus(&number(self.centre[i])).minus(&number(centre[i]));
+            square = square.plus(&d.times(&d));
+        }
+        let room = number(radius).minus(&number(reach));
+        room.sign() >= 0 && room.times::<46, 46>(&room).minus(&square).sign() >= 0
+    }
+
     /// -1, 0 or 1: the sign of `n . (p - centre) * 2^exponent - bound`, in exact arithmetic, for a vector n of
     /// integers below 2^11.
     #[must_use]

@@ -30,8 +30,10 @@
 //! planes bound `u . x + |u| r`, which is less than `u . x + |n| r` where M makes vectors shorter, as an accepted
 //! matrix may by 1e-4. So the planes of bodies with radii are moved out by `shrinkage` besides.
 
+mod ball;
 mod own_slab;
 
+pub(crate) use ball::BallMap;
 pub use own_slab::{OwnSlab, OwnSlabs, own_slabs};
 
 use crate::directions::Directions;
@@ -182,14 +184,21 @@ pub(crate) fn slack_of_shift(pose: &Pose, a: &Extent, b: &Frame) -> f64 {
 }
 
 /// What a margin has to grow by where volumes of A are compared as M turns them, if A's primitives have radii: by at
-/// least as much as M makes any of these radii shorter or longer. No singular value of M is farther from 1 than its
-/// square, and that is an eigenvalue of `M transpose(M)`, so three times the greatest entry of `M transpose(M) - 1`
-/// away. No radius is above half of the body's width.
+/// least as much as M makes any of these radii shorter or longer. No radius is above half of the body's width.
 #[inline(always)]
 pub(crate) fn shrinkage<P: Primitive>(pose: &Pose, a: &Extent) -> f64 {
     if !P::IS_ROUND {
         return 0.0;
     }
+    let [x, y, z] = a.half_width;
+    skew(pose) * (f64::from(x.min(y).min(z)) / a.frame.scale())
+}
+
+/// By how much of itself M makes a vector longer or shorter, at most. No singular value of M is farther from 1 than its
+/// square, and that is an eigenvalue of `M transpose(M)`, so three times the greatest entry of `M transpose(M) - 1`
+/// away.
+#[inline(always)]
+pub(crate) fn skew(pose: &Pose) -> f64 {
     let m = pose.rows();
     let mut skew = F64_SLACK;
     for i in 0..3 {
@@ -199,8 +208,7 @@ pub(crate) fn shrinkage<P: Primitive>(pose: &Pose, a: &Extent) -> f64 {
             skew = if off > skew { off } else { skew };
         }
     }
-    let [x, y, z] = a.half_width;
-    3.0 * skew * (f64::from(x.min(y).min(z)) / a.frame.scale())
+    3.0 * skew
 }
 
 /// The planes of everything within `margin` of moved primitives in frame `b`, each an upper bound of the

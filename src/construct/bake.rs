@@ -1,10 +1,11 @@
 //! The baked tree of a shape: header, nodes, primitives in one run of bytes. The only code that makes nodes.
 
+use super::balls::balls;
 use super::geometry::{Checked, Record, bounding_box, corners_of};
 use super::shape::{InOrder, Shape};
 use super::thin::thin_slabs;
 use super::wrap::wrap;
-use super::{Assignment, BuildError, Geometry};
+use super::{Assignment, BuildError, Builder, Geometry};
 use crate::exact::round_up_f32;
 use crate::frame::Frame;
 use crate::hierarchy::{Bvh, Header, MAGIC, MAX_DEPTH, VERSION};
@@ -17,8 +18,7 @@ use alloc::vec::Vec;
 pub(super) fn bake<N: Dop, G: Geometry>(
     table: &Checked<'_, G::Primitive>,
     assignment: &Assignment,
-    leaf_size: u32,
-    has_thin_slabs: bool,
+    Builder { leaf_size, has_thin_slabs, has_balls, .. }: Builder,
 ) -> Result<Bvh<N, G::Primitive>, BuildError> {
     let shape: Shape<N> = Shape::new(assignment, leaf_size);
     if shape.depth > MAX_DEPTH {
@@ -32,6 +32,7 @@ pub(super) fn bake<N: Dop, G: Geometry>(
         bounding_box(vertices.iter().map(G::Primitive::ball))
     };
     let frame = Frame::around(low, high);
+    let half_width = half_width::<G::Primitive>(&frame, &vertices);
     let mut nodes = shape.nodes;
     wrap::<N, G::Primitive>(&mut nodes, &frame, &vertices, &records);
 
@@ -49,6 +50,11 @@ pub(super) fn bake<N: Dop, G: Geometry>(
     if G::Primitive::IS_ROUND && thin_slabs.iter().all(|slab| *slab == ThinSlab::EVERYWHERE) {
         thin_slabs = Vec::new();
     }
+    let balls = if has_balls && G::Primitive::HAS_BALLS && N::ARITY == 16 {
+        balls::<N, G::Primitive>(&nodes, &frame, half_width, &vertices, &records)
+    } else {
+        Vec::new()
+    };
     let mut corners = Vec::new();
     let mut is_degenerate = |record: &&Record<G>| {
         let radius = corners_of::<G::Primitive>(&vertices, record, &mut corners);
@@ -57,7 +63,6 @@ pub(super) fn bake<N: Dop, G: Geometry>(
     let degenerate_count = records.iter().filter(&mut is_degenerate).count() as u32;
     let coordinate = |i: usize| low[i].abs().max(high[i].abs()).max(frame.centre[i].abs());
     let single: Option<Vec<_>> = vertices.iter().map(G::Primitive::narrow).collect();
-    let half_width = half_width::<G::Primitive>(&frame, &vertices);
     let header = Header {
         magic: MAGIC,
         version: VERSION,
@@ -81,7 +86,8 @@ pub(super) fn bake<N: Dop, G: Geometry>(
             None => size_of::<<G::Primitive as Primitive>::Double>() as u16,
         },
         has_thin_slabs: (has_thin_slabs && (thin_slabs.len() == nodes.len() * N::ARITY)).into(),
-        reserved: [0; 14],
+        has_balls: (!balls.is_empty()).into(),
+        reserved: [0; 13],
     };
     let vertex_bytes: &[u8] = match &single {
         Some(single) => bytemuck::cast_slice(single),
@@ -91,6 +97,7 @@ pub(super) fn bake<N: Dop, G: Geometry>(
     Ok(Bvh::assemble(&[
         (64, bytemuck::bytes_of(&header)),
         (64, bytemuck::cast_slice(&nodes)),
+        (1, bytemuck::cast_slice(&balls)),
         (8, bytemuck::cast_slice(&thin_slabs)),
         (8, vertex_bytes),
         (4, bytemuck::cast_slice(&records)),

@@ -60,7 +60,9 @@ pub struct Header {
     pub vertex_size: u16,
     /// 1 if the tree has thin slabs, else 0.
     pub has_thin_slabs: u16,
-    pub(crate) reserved: [u16; 14],
+    /// 1 if the tree has the balls of its lanes, else 0.
+    pub has_balls: u16,
+    pub(crate) reserved: [u16; 13],
 }
 
 const _: () = assert!(size_of::<Header>() == 128 && align_of::<Header>() == 8, "the header has 128 bytes");

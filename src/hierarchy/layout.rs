@@ -1,7 +1,7 @@
 //! Where the parts of a baked tree lie.
 
 use super::{BakeError, Header, MAGIC, VERSION};
-use crate::node::{Node, ThinSlab};
+use crate::node::{Ball16, Node, ThinSlab};
 use crate::primitive::{Primitive, Store};
 use core::mem::offset_of;
 
@@ -19,6 +19,7 @@ macro_rules! attempt {
 #[derive(Copy, Clone, PartialEq, Eq, Debug)]
 pub(super) struct Layout {
     pub(super) nodes: Part,
+    pub(super) balls: Part,
     pub(super) thin_slabs: Part,
     pub(super) vertices: Part,
     pub(super) records: Part,
@@ -73,6 +74,7 @@ impl Layout {
         let layout = attempt!(Self::of_counts::<N, P>(
             u32_at(bytes, offset_of!(Header, node_count)),
             u16_at(bytes, offset_of!(Header, has_thin_slabs)),
+            u16_at(bytes, offset_of!(Header, has_balls)),
             u32_at(bytes, offset_of!(Header, vertex_count)),
             vertex_size,
             u32_at(bytes, offset_of!(Header, primitive_count)),
@@ -87,23 +89,27 @@ impl Layout {
         Ok(layout)
     }
 
-    /// Of a tree with so many nodes, thin slabs or not, vertices of some size, and primitives.
+    /// Of a tree with so many nodes, thin slabs or not, balls or not, vertices of some size, and primitives.
     pub(super) const fn of_counts<N: Node, P: Primitive>(
         nodes: u32,
         has_thin_slabs: u16,
+        has_balls: u16,
         vertices: u32,
         vertex_size: u16,
         primitives: u32,
     ) -> Result<Self, BakeError> {
         let header = Part { start: 0, len: size_of::<Header>() };
         let with_slabs = if has_thin_slabs != 0 { nodes } else { 0 };
+        let with_balls = if has_balls != 0 { nodes } else { 0 };
         let nodes = attempt!(header.then(nodes, size_of::<N>(), 64));
-        let thin_slabs = attempt!(nodes.then(with_slabs, N::ARITY * size_of::<ThinSlab>(), 8));
+        // Where nodes have sixteen lanes, they end at a multiple of 64.
+        let balls = attempt!(nodes.then(with_balls, size_of::<Ball16>(), 1));
+        let thin_slabs = attempt!(balls.then(with_slabs, N::ARITY * size_of::<ThinSlab>(), 8));
         let vertices = attempt!(thin_slabs.then(vertices, vertex_size as usize, 8));
         let records = attempt!(vertices.then(primitives, size_of::<P::Record>(), 4));
         let sources = attempt!(records.then(primitives, 4, 4));
         let end = attempt!(sources.then(0, 0, 64)).start;
-        Ok(Self { nodes, thin_slabs, vertices, records, sources, vertex_size, end })
+        Ok(Self { nodes, thin_slabs, balls, vertices, records, sources, vertex_size, end })
     }
 }
 

@@ -20,6 +20,8 @@ pub struct Stats {
     pub node_bytes: usize,
     /// Bytes of thin slabs.
     pub thin_slab_bytes: usize,
+    /// Bytes of balls.
+    pub ball_bytes: usize,
     /// Bytes of the whole baked tree, with vertices, primitives and their indices in what was built.
     pub total_bytes: usize,
 }
@@ -33,6 +35,7 @@ impl<N: Node, P: Primitive> BvhRef<'_, N, P> {
         let layout = Layout::of_counts::<N, P>(
             h.node_count,
             h.has_thin_slabs,
+            h.has_balls,
             h.vertex_count,
             h.vertex_size,
             h.primitive_count,
@@ -44,6 +47,7 @@ impl<N: Node, P: Primitive> BvhRef<'_, N, P> {
             lanes_used: self.nodes.iter().map(used).sum(),
             node_bytes: size_of_val(self.nodes),
             thin_slab_bytes: size_of_val(self.thin_slabs),
+            ball_bytes: size_of_val(self.balls),
             total_bytes: layout.map_or(0, |layout| layout.end),
         }
     }

@@ -1,9 +1,10 @@
 //! Is it safe to walk these bytes? Baked trees are untrusted input.
 
 use super::{BakeError, BvhRef, Header, MAX_DEPTH};
+use crate::exact::power_of_two;
 use crate::frame::{Extent, MAX_EXPONENT};
 use crate::key::{Key, decode};
-use crate::node::{Child, Dop, Link, MAX_LEAF_SIZE, Width};
+use crate::node::{BoundingBall, Child, Dop, Link, MAX_LEAF_SIZE, Width};
 use crate::primitive::{Fault, Primitive, Sphere};
 use crate::range::{MAX_COORDINATE, flush};
 
@@ -16,7 +17,7 @@ impl<N: Dop, P: Primitive> BvhRef<'_, N, P> {
     /// * primitives are in the order of the leaves, so the leaves' ranges follow each other likewise;
     /// * the index that each primitive had in what was built is below their number;
     /// * each plane of a used lane is a half that can bound something, each plane of an unused one is
-    ///   [`Key::EMPTY`].
+    ///   [`Key::EMPTY`]; balls are finite and lie about the body.
     ///
     /// That the planes really bound the primitives is for [`BvhRef::verify`].
     ///
@@ -53,7 +54,8 @@ impl<N: Dop, P: Primitive> BvhRef<'_, N, P> {
             ("max_plane", h.max_plane >= 0.0 && h.max_plane.is_finite()),
             ("root", h.root == Header::root_of(h.half_width)),
             ("has_thin_slabs", h.has_thin_slabs <= 1),
-            ("reserved", h.reserved == [0; 14]),
+            ("has_balls", h.has_balls == 0 || h.has_balls == 1 && P::HAS_BALLS && N::ARITY == 16),
+            ("reserved", h.reserved == [0; 13]),
         ];
         match checks.iter().find(|(_, ok)| !ok) {
             Some((field, _)) => Err(BakeError::Header { field }),
@@ -77,6 +79,9 @@ impl<N: Dop, P: Primitive> BvhRef<'_, N, P> {
                 self.validate_planes(node, lane).map_err(|problem| error(lane, problem))?;
                 if self.thin_slab(index, lane).is_some_and(|slab| !slab.is_valid()) {
                     return Err(error(lane, "a thin slab has no direction, or no thickness"));
+                }
+                if !self.is_ball_valid(index, lane, *child) {
+                    return Err(error(lane, "a ball is not finite, or larger than the body"));
                 }
                 match child.link() {
                     Link::Empty => {}
@@ -123,6 +128,21 @@ impl<N: Dop, P: Primitive> BvhRef<'_, N, P> {
             }
         }
         Ok(())
+    }
+
+    /// Whether the ball of a lane, if the tree has balls, is no larger than the body, or that of an unused lane.
+    fn is_ball_valid(&self, node: u32, lane: usize, child: Child) -> bool {
+        let Some(balls) = self.balls.get(node as usize) else { return true };
+        let ball = balls.lane(lane);
+        if child == Child::EMPTY {
+            return ball.is_empty();
+        }
+        let BoundingBall { centre, radius, volume } = ball;
+        // False of NaN. What rounding adds to a radius is more than the widths of a body that is a point.
+        let most = self.extent().width_sum() * (1.0 + power_of_two(-10)) + power_of_two(-30);
+        centre.iter().zip(self.header.half_width).all(|(x, most)| x.abs() <= most)
+            && (radius >= 0.0 && f64::from(radius) <= most)
+            && (volume >= 0.0 && volume.is_finite())
     }
 
     fn validate_store(&self) -> Result<(), BakeError> {

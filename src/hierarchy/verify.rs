@@ -3,8 +3,8 @@
 use super::{BvhRef, Lane};
 use crate::frame::Frame;
 use crate::key::Key;
-use crate::node::{Dop, Link};
-use crate::primitive::{Primitive, radius_of};
+use crate::node::{BoundingBall, Dop, Link};
+use crate::primitive::{Primitive, radius_of, sphere};
 use crate::range::Point;
 use core::fmt;
 
@@ -15,7 +15,8 @@ pub struct VerifyError {
     pub node: u32,
     /// Lane in the node.
     pub lane: u32,
-    /// Index of the direction; k and k + 1 for the low and the high end of the thin slab.
+    /// Index of the direction; k and k + 1 for the low and the high end of the thin slab; k + 2 for the ball, and k + 3
+    /// for the sum of volumes that it says, of which the first primitive below the lane is named.
     pub plane: u32,
     /// Index of the primitive in what was built.
     pub primitive: u32,
@@ -32,9 +33,10 @@ impl core::error::Error for VerifyError {}
 
 impl<N: Dop, P: Primitive> BvhRef<'_, N, P> {
     /// Decides, for every primitive and every lane on the path to it, whether each plane is an upper bound of
-    /// the exact support of the primitive, and whether it lies within the lane's thin slab. No rounding takes part: planes, corners, centre and direction
-    /// are dyadic numbers, summed as expansions; of primitives with a radius, squares are compared in integers.
-    /// Cost: primitives x depth x k.
+    /// the exact support of the primitive, and whether it lies within the lane's thin slab, or its ball. No
+    /// rounding takes part: planes, corners, centre and direction are dyadic numbers, summed as expansions; of
+    /// primitives with a radius, squares are compared in integers. (Volumes below a lane are added up in `f64`, in the
+    /// order in which the packer does.) Cost: primitives x depth x k.
     ///
     /// # Errors
     /// [`VerifyError`] names the first plane that is too low.
@@ -47,14 +49,62 @@ impl<N: Dop, P: Primitive> BvhRef<'_, N, P> {
                 let item = self.primitive(index);
                 for (node, lane) in walk.path() {
                     let wrong = self.too_low(&frame, node, lane, &item);
-                    if let Some(plane) = wrong.or_else(|| self.too_thin(&frame, node, lane, &item)) {
+                    let wrong = wrong.or_else(|| self.too_thin(&frame, node, lane, &item));
+                    if let Some(plane) = wrong.or_else(|| self.too_round(&frame, node, lane, &item)) {
                         let lane = lane as u32;
                         return Err(VerifyError { node, lane, plane, primitive: self.source(index) });
                     }
                 }
             }
         }
+        self.verify_volumes()
+    }
+
+    /// Whether the volume that each ball says is that of the spheres below its lane, at least.
+    fn verify_volumes(&self) -> Result<(), VerifyError> {
+        for (node, balls) in (0..).zip(self.balls) {
+            for (lane, child) in (0..).zip(self.nodes()[node as usize].children()) {
+                let volume = self.volume_below(child.link());
+                if volume > f64::from(balls.lane(lane as usize).volume) {
+                    let (plane, first) = (N::K as u32 + 3, self.first_below(child.link()));
+                    return Err(VerifyError { node, lane, plane, primitive: self.source(first) });
+                }
+            }
+        }
         Ok(())
+    }
+
+    /// The sum of the volumes of what is below a link, in the unit of the frame: as the packer adds them up.
+    fn volume_below(&self, link: Link) -> f64 {
+        match link {
+            Link::Empty => 0.0,
+            Link::Inner(node) => self.nodes()[node as usize]
+                .children()
+                .iter()
+                .map(|child| self.volume_below(child.link()))
+                .sum(),
+            Link::Leaf { first, count } => {
+                let scale = self.frame().scale();
+                let volume = |index| sphere::volume(radius_of::<P>(&self.primitive(index)) * scale);
+                (first..first + count).map(volume).sum()
+            }
+        }
+    }
+
+    fn first_below(&self, link: Link) -> u32 {
+        match link {
+            Link::Leaf { first, .. } => first,
+            Link::Inner(node) => self.first_below(self.nodes()[node as usize].children()[0].link()),
+            Link::Empty => 0,
+        }
+    }
+
+    /// Whether the ball of a lane, if the tree has balls, leaves out some of a primitive.
+    fn too_round(&self, frame: &Frame, node: u32, lane: usize, item: &P::Item) -> Option<u32> {
+        let BoundingBall { centre, radius, .. } = self.balls.get(node as usize)?.lane(lane);
+        let (centre, reach) = (centre.map(f64::from), radius_of::<P>(item));
+        let is_in = |p| frame.is_in_ball(&centre, radius.into(), p, reach);
+        (!P::corners(item).all(is_in)).then_some(N::K as u32 + 2)
     }
 
     /// The first plane of a lane that does not bound a primitive.

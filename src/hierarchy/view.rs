@@ -3,7 +3,7 @@
 use super::layout::Layout;
 use super::{BakeError, Header, Walk};
 use crate::frame::{Extent, Frame};
-use crate::node::{Dop, Node, ThinSlab};
+use crate::node::{Ball16, Dop, Node, ThinSlab};
 use crate::primitive::{Primitive, Store, Triangles};
 
 /// A hierarchy over borrowed bytes, safe to walk. Small and `Copy`: pass it by value or reference as you
@@ -13,6 +13,7 @@ pub struct BvhRef<'a, N, P: Primitive = Triangles> {
     pub(super) header: &'a Header,
     pub(super) nodes: &'a [N],
     pub(super) thin_slabs: &'a [ThinSlab],
+    pub(super) balls: &'a [Ball16],
     pub(super) store: Store<'a, P>,
     pub(super) sources: &'a [u32],
 }
@@ -44,11 +45,17 @@ impl<'a, N: Node, P: Primitive> BvhRef<'a, N, P> {
     /// The parts of the bytes, their contents unchecked. `None` if they are misaligned.
     #[inline(always)]
     pub(super) fn of_layout(bytes: &'a [u8], layout: &Layout) -> Option<Self> {
+        // No balls lie where nodes end, aligned or not.
+        let balls = match layout.balls.of(bytes)? {
+            [] => &[],
+            balls => bytemuck::try_cast_slice(balls).ok()?,
+        };
         let (vertices, records) = (layout.vertices.of(bytes)?, layout.records.of(bytes)?);
         Some(Self {
             header: bytemuck::try_from_bytes(bytes.get(..size_of::<Header>())?).ok()?,
             nodes: bytemuck::try_cast_slice(layout.nodes.of(bytes)?).ok()?,
             thin_slabs: bytemuck::try_cast_slice(layout.thin_slabs.of(bytes)?).ok()?,
+            balls,
             store: Store::read(layout.vertex_size, vertices, records)?,
             sources: bytemuck::try_cast_slice(layout.sources.of(bytes)?).ok()?,
         })
@@ -79,6 +86,14 @@ impl<'a, N: Node, P: Primitive> BvhRef<'a, N, P> {
     #[must_use]
     pub const fn thin_slabs(&self) -> &'a [ThinSlab] {
         self.thin_slabs
+    }
+
+    /// The enclosing balls of all lanes, one item a node; none but of spheres at arity 16, and none of a tree that was
+    /// built without.
+    #[inline(always)]
+    #[must_use]
+    pub const fn balls(&self) -> &'a [Ball16] {
+        self.balls
     }
 
     /// The thin slab of a lane, if the tree has them.

@@ -18,6 +18,9 @@
 //! 5. **Own slabs** are [`OwnSlab::is_beyond`], likewise: `f32`, no fused multiply-add, the sum from left to
 //!    right, and a comparison that is false of NaN, as in unused lanes and where a plane is unbounded.
 //!
+//! 6. **Balls** are compared in `f32`, no fused multiply-add, sums from left to right; comparisons are false of NaN,
+//!    which unused lanes have, and the lesser of two numbers is the second unless the first is less.
+//!
 //! All operations take any bits. Codes that are not planes (NaN, -0) compare as the integers they are.
 
 #[cfg(simdop_x86)]
@@ -30,13 +33,21 @@ pub mod scalar;
 
 #[cfg(doc)]
 use crate::key::Key;
-use crate::node::{Node4, Node16};
+use crate::node::{Ball16, BoundingBall, Node4, Node16};
 use crate::primitive::triangle::{Probe, Triangle};
 use crate::realign::{OwnSlab, Realignment};
 
 /// Planes of `W` bodies that were turned into another body's frame, ready to be compared with that body's
 /// planes: `turned[j][i]` is the complement of the key of plane `j ^ 1` of body i.
 pub type Turned<const W: usize, const K: usize> = [[i16; W]; K];
+
+/// Makes the volume of a lens from its other factors; and that of a ball from the cube of its radius. By some 2^-18
+/// too large: more than the dozen roundings beside them make too small.
+pub(crate) const LENS: f32 = (core::f64::consts::PI / 12.0 * ENLARGED) as f32;
+pub(crate) const WHOLE: f32 = (core::f64::consts::PI * 4.0 / 3.0 * ENLARGED) as f32;
+/// The least bound of a volume that is not nothing: more than what factors lose that are too small for a normal `f32`.
+pub(crate) const LEAST_VOLUME: f32 = crate::exact::power_of_two(-100) as f32;
+const ENLARGED: f64 = 1.0 + crate::exact::power_of_two(-18);
 
 /// Above every key and every complement of one: in a query, separated from everything.
 pub(crate) const SEPARATED: i16 = i16::MAX;
@@ -109,4 +120,12 @@ pub trait Kernel: Copy + core::fmt::Debug + sealed::Sealed {
     /// # Panics
     /// As [`Kernel::realign_16`].
     fn realign_4<const K: usize>(self, map: &Realignment<K>, node: &Node4<K>, query: &mut Turned<4, K>);
+
+    /// For each ball of `a` in a lane of `wanted`: which balls of `b` it meets, in the row of its lane. The other rows
+    /// stay as they are.
+    fn balls_meet(self, a: &Ball16, wanted: u16, b: &Ball16, rows: &mut [u16; 16]);
+
+    /// For each lane of `b` an upper bound of the volume that its spheres share with those in `a`, where neither
+    /// body's spheres overlap each other; 0 if and only if the balls do not meet.
+    fn balls_share(self, a: &BoundingBall, b: &Ball16, shared: &mut [f32; 16]);
 }

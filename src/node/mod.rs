@@ -2,12 +2,14 @@
 //!
 //! [`Node`] is what every kind of node has: a fixed number of lanes, each with a link. [`Dop`] adds the
 //! planes of k-DOPs, which [`Node16`] and [`Node4`] hold. A tree may have the [`ThinSlab`]s of its lanes
-//! beside its nodes.
+//! beside its nodes, or, of spheres, their enclosing balls ([`Ball16`]).
 
+mod ball;
 mod dop;
 mod link;
 mod thin;
 
+pub use ball::{Ball16, BoundingBall};
 pub use dop::{Node4, Node16};
 pub use link::{Child, Link, MAX_LEAF_SIZE, Width};
 pub use thin::ThinSlab;

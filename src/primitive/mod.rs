@@ -68,6 +68,8 @@ pub trait Primitive: Copy + fmt::Debug + Send + Sync + 'static {
     /// Whether there are primitives of this kind that have a radius. If not, [`Primitive::radius`] is not asked,
     /// and what would pay for one costs nothing.
     const IS_ROUND: bool = false;
+    /// Whether every primitive is a ball, so that trees have the balls of their lanes: only [`Spheres`].
+    const HAS_BALLS: bool = false;
 
     /// A vertex in single precision, as stored where that loses nothing.
     type Single: bytemuck::Pod + fmt::Debug + Send + Sync;

@@ -57,7 +57,7 @@ where
     #[inline(always)]
     fn decide_a(&mut self, one: Child, leaves: &Leaves) -> Flow {
         let (kernel, margin, a, b) = (self.kernel, self.margin, &self.a, &self.b);
-        for i in primitives(one) {
+        for i in primitives(one.link()) {
             let item = P::moved(&a.primitive(i), self.pose);
             // Closures that are not said to be inlined were calls, out of the gate.
             decide_one::<P, Q, E, false>(
@@ -79,7 +79,7 @@ where
     #[inline(always)]
     fn decide_b(&mut self, one: Child, leaves: &Leaves) -> Flow {
         let (kernel, margin, a, b, pose) = (self.kernel, self.margin, &self.a, &self.b, self.pose);
-        for j in primitives(one) {
+        for j in primitives(one.link()) {
             let item = b.primitive(j);
             decide_one::<Q, P, E, true>(
                 kernel,
@@ -121,7 +121,7 @@ fn decide_one<One: Pairwise<Other>, Other: Pairwise<One>, E: Kernel, const SWAPP
                 others[len & 3] = other_at(index);
                 len += 1;
             } else if let Some(leaf) = rest.next() {
-                range = primitives(*leaf);
+                range = primitives(leaf.link());
             } else {
                 break;
             }

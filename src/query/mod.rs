@@ -1,7 +1,6 @@
 //! Queries between two hierarchies of one node type, at a pose: no heap, a fixed stack, exact verdicts.
 //!
-//! [`Query`] holds what the caller chooses, the instruction set above all; its methods are the entries. Each
-//! looks at the instruction set once ([`on_isa`]); below it everything is monomorphic.
+//! [`Query`] holds what the caller chooses, the instruction set above all; its methods are the entries.
 //!
 //! Queries share nothing that could be set up once for several poses or pairs, and allocate nothing: a loop
 //! is as fast as any batch. A [`Query`], a [`BvhRef`] and a [`Pose`] are `Copy`, `Send` and `Sync`, so that
@@ -31,6 +30,7 @@
 //! ```
 
 mod any;
+mod balls;
 mod bounds;
 mod cut;
 mod distance;
@@ -42,6 +42,7 @@ mod hint;
 mod lanes;
 mod leaf;
 mod leaves;
+mod lens;
 mod long;
 mod nearest;
 mod pairwise;
@@ -49,6 +50,7 @@ mod penetration;
 mod stack;
 mod thin;
 mod traverse;
+mod waiting;
 
 pub use any::AnyError;
 pub use distance::{Distance, ToleranceError, Witness};
@@ -58,6 +60,7 @@ pub use lanes::Lanes;
 pub use pairwise::Pairwise;
 pub use penetration::Penetration;
 pub use stack::STACK_BYTES;
+pub use waiting::PENETRATION_QUEUE_BYTES;
 
 use crate::hierarchy::{AsBvh, BvhRef};
 use crate::isa::{Isa, on_isa};
@@ -107,8 +110,7 @@ pub enum Verdict {
 pub struct Counters {
     /// Visits: pairs of nodes, or of a node and a leaf. The unit of the budget.
     pub visits: u64,
-    /// Calls of overlap kernels: each tests up to sixteen pairs of volumes. A visit makes, at arity 16,
-    ///
+    /// Calls of overlap kernels, which test up to sixteen pairs of volumes each. A visit makes, at arity 16,
     /// * of two nodes: one of 16vs1, of A's children against the child of B that led there (for B's root:
     ///   against the hull of B). If some overlap it, and both nodes are of like width: one of 1vs16 for each
     ///   that does. If B's is much wider: one of 1vs16 for all of A. If A's is much wider: no other;
@@ -149,7 +151,7 @@ impl Verdict {
 /// A verdict and what it cost.
 ///
 /// There is no `is_hit`, whose negation would read as "free" where the verdict is [`Verdict::Unknown`]: ask
-/// [`Answer::is_free`], whose negation is on the safe side, or match the verdict.
+/// [`Answer::is_free`], or match the verdict.
 ///
 /// ```
 /// # use simdop::{construct::{Builder, Mesh}, isa::Isa, node::Node16, pose::Pose, query::Query};
@@ -170,8 +172,7 @@ pub struct Answer {
     pub verdict: Verdict,
     /// The work.
     pub counters: Counters,
-    /// The primitives that met, or else the hint that the query was given: for the next one to [try
-    /// first](Query::with_hint).
+    /// The primitives that met, or else the hint that was given: for the next query to [try first](Query::with_hint).
     pub hint: Hint,
 }
 
@@ -287,8 +288,7 @@ impl Query {
         Answer { verdict, counters: work, hint: hit.map_or(self.hint, Hint::new) }
     }
 
-    /// Calls `visit` with every pair of primitives that meet, each once, in the order of the traversal, until
-    /// it breaks. A hint is not heeded.
+    /// Calls `visit` with every pair of primitives that meet, each once, until it breaks. A hint is not heeded.
     pub fn for_each_pair<A: AsBvh, B: AsBvh<Node = A::Node>>(
         &self,
         a: &A,

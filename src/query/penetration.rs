@@ -4,15 +4,18 @@
 //! are disjoint, so what two packings have in common is the sum of what each of their spheres has in common with each
 //! of the other's: lenses. It is continuous in the pose, and grows where a distance is zero.
 
+use super::balls::{BallSearch, Rest};
+use super::lens::LensSums;
 use super::{Completion, Counters, Lanes, Query};
 use crate::exact::power_of_two;
-use crate::frame::Frame;
-use crate::hierarchy::AsBvh;
+use crate::hierarchy::{AsBvh, BvhRef};
+use crate::isa::on_isa;
+use crate::kernel::Kernel;
+use crate::node::Node;
 use crate::pose::Pose;
-use crate::primitive::sphere::volume;
-use crate::primitive::{Primitive, Sphere, Spheres};
+use crate::primitive::{Primitive, Spheres};
 use crate::range::Point;
-use core::f64::consts::PI;
+use crate::realign::{BallMap, skew};
 use core::ops::ControlFlow;
 
 /// What two bodies of spheres have in common.
@@ -25,6 +28,10 @@ pub struct Penetration {
     ///
     /// In `f64`: a lens is right to some 1e-15 of the smaller of its spheres, times how much larger the other one is.
     pub volume: f64,
+    /// Not below the volume of a complete search, where neither body's spheres overlap each other, as those of packings do
+    /// not: the same as `volume` if the search was complete. Else with what the spheres in all volumes that wait share
+    /// at most; infinite for trees without balls ([`crate::construct::Builder::without_balls`]) and for those of arity 4.
+    pub upper: f64,
     /// Where A is pushed: the mean, weighted by volume, of the unit vectors from the centres of B's spheres to those of
     /// A's. As long as 1 if all agree, shorter the less they do.
     pub direction: Point,
@@ -33,7 +40,8 @@ pub struct Penetration {
     pub point: Option<Point>,
     /// The pairs of spheres that meet.
     pub pairs: u64,
-    /// Unless [`Completion::Complete`], pairs are missing, and the volume is a lower bound.
+    /// Unless [`Completion::Complete`], pairs are missing: the volume is a lower bound, and direction and point are those of
+    /// the pairs that were found.
     pub completion: Completion,
     /// The work.
     pub counters: Counters,
@@ -43,9 +51,11 @@ impl Query {
     /// How much of their volume two bodies of spheres have in common, body `a` placed by `pose` in the frame of body
     /// `b`, and where they would part. Zero if and only if no spheres overlap: those that touch share no volume.
     ///
-    /// The sums do not depend on the order in which pairs are found: the same bits on every instruction set.
+    /// The sums do not depend on the order in which pairs are found: the same bits on every instruction set, with and
+    /// without balls.
     ///
-    /// A hint is not heeded.
+    /// With a [budget](Query::with_budget), what may share the most volume is looked at first, so that the bounds close in
+    /// soon: `volume` from below and `upper` from above. Without one, depth first, which is faster. A hint is not heeded.
     ///
     /// ```
     /// use core::ops::ControlFlow;
@@ -70,186 +80,55 @@ impl Query {
         let (a, b) = (a.as_bvh(), b.as_bvh());
         let mut sums = LensSums::new(&a.frame(), &b.frame(), pose);
         let mut counters = Counters::default();
+        if !a.balls().is_empty() && !b.balls().is_empty() {
+            let rest = self.by_balls(&a, &b, pose, &mut sums, &mut counters);
+            return sums.finish(rest, counters);
+        }
         let stop = self.run((&a, &b), pose, 0.0, &mut counters, &mut |found| {
             sums.add(&Spheres::moved(&a.primitive(found.a), pose), &b.primitive(found.b));
             ControlFlow::Continue(())
         });
-        let completion = if stop.is_none() { Completion::Complete } else { Completion::OutOfBudget };
-        sums.finish(completion, counters)
-    }
-}
-
-/// Sums over pairs of spheres, relative to the centre of the smaller body and in the unit of its frame: all that the two
-/// have in common is in it, and at most 2^8 away from there.
-struct LensSums {
-    origin: Point,
-    scale: f64,
-    volume: Sum,
-    direction: [Sum; 3],
-    point: [Sum; 3],
-    pairs: u64,
-}
-
-impl LensSums {
-    fn new(a: &Frame, b: &Frame, pose: &Pose) -> Self {
-        let is_a = a.scale() > b.scale();
-        let origin = if is_a { pose.apply(a.centre) } else { b.centre };
-        let scale = if is_a { a.scale() } else { b.scale() };
-        let (volume, direction, point) = (Sum::ZERO, [Sum::ZERO; 3], [Sum::ZERO; 3]);
-        Self { origin, scale, volume, direction, point, pairs: 0 }
+        sums.finish(stop.map(|_| f64::INFINITY), counters)
     }
 
-    fn add(&mut self, a: &Sphere, b: &Sphere) {
-        self.pairs += 1;
-        let (r_a, r_b) = (a.radius * self.scale, b.radius * self.scale);
-        let apart: Point = core::array::from_fn(|i| (a.centre[i] - b.centre[i]) * self.scale);
-        let distance = libm::sqrt((apart[0] * apart[0] + apart[1] * apart[1]) + apart[2] * apart[2]);
-        let volume = lens(r_a, r_b, distance);
-        // Concentric spheres do not say where to go.
-        let towards = apart.map(|x| if distance > 0.0 { x / distance } else { 0.0 });
-        // Along the line of centres the lens reaches from where A's sphere begins, or B's, to where B's ends, or A's.
-        let low = f64::max(distance - r_a, -r_b);
-        let high = f64::min(distance + r_a, r_b);
-        let middle = 0.5 * (low + high);
-        self.volume.add(volume);
-        for (i, along) in towards.into_iter().enumerate() {
-            let point = (b.centre[i] - self.origin[i]) * self.scale + middle * along;
-            self.direction[i].add(volume * along);
-            self.point[i].add(volume * point);
-        }
-    }
-
-    fn finish(&self, completion: Completion, counters: Counters) -> Penetration {
-        let volume = self.volume.value();
-        let unscale = 1.0 / self.scale;
-        let mean = |sums: &[Sum; 3]| sums.each_ref().map(|sum| sum.value() / volume);
-        let is_deep = volume > 0.0;
-        let point = || {
-            let mean = mean(&self.point);
-            core::array::from_fn(|i| self.origin[i] + mean[i] * unscale)
-        };
-        Penetration {
-            volume: volume * unscale * unscale * unscale,
-            direction: if is_deep { mean(&self.direction) } else { [0.0; 3] },
-            point: is_deep.then(point),
-            pairs: self.pairs,
-            completion,
-            counters,
-        }
-    }
-}
-
-/// The volume that two balls share whose centres are `distance` apart.
-fn lens(r_a: f64, r_b: f64, distance: f64) -> f64 {
-    let (sum, difference) = (r_a + r_b, (r_a - r_b).abs());
-    if distance >= sum {
-        return 0.0;
-    }
-    let smaller = f64::min(r_a, r_b);
-    if distance <= difference {
-        return volume(smaller);
-    }
-    let depth = sum - distance;
-    // (distance - difference) (distance + 3 difference) + 4 smaller distance, without a difference of squares.
-    let rest = (distance - difference) * (distance + 3.0 * difference) + 4.0 * smaller * distance;
-    PI * (depth * depth) * rest / (12.0 * distance)
-}
-
-/// A sum that does not depend on the order of what is added: integers, in three parts. What is added has a magnitude
-/// below 2^40 and is cut off at 2^-124, and 2^60 numbers may be added.
-#[derive(Copy, Clone)]
-struct Sum([i128; 3]);
-
-/// What a part of a sum counts.
-const UNITS: [f64; 3] = [power_of_two(-20), power_of_two(-72), power_of_two(-124)];
-
-impl Sum {
-    const ZERO: Self = Self([0; 3]);
-
-    #[inline(always)]
-    fn add(&mut self, mut x: f64) {
-        for (sum, unit) in self.0.iter_mut().zip(UNITS) {
-            // Exact: powers of two, and what is left has no more bits than there were.
-            let whole = (x * (1.0 / unit)) as i64;
-            *sum += i128::from(whole);
-            x -= whole as f64 * unit;
-        }
-    }
-
-    fn value(&self) -> f64 {
-        let [high, middle, low] = self.0.map(|sum| sum as f64);
-        high * UNITS[0] + (middle * UNITS[1] + low * UNITS[2])
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use alloc::vec::Vec;
-
-    #[test]
-    fn sums_are_those_of_any_order() {
-        let mut state = 1_u64;
-        let mut random = |bits: u32| {
-            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-            state >> (64 - bits)
-        };
-        // From 2^-140 to 2^32, of both signs.
-        let numbers: Vec<f64> = (0..2000)
-            .map(|_| {
-                let x = random(53) as f64 * power_of_two(random(7) as i32 - 180 + random(5) as i32);
-                if random(1) == 0 { x } else { -x }
-            })
-            .collect();
-        let sum = |numbers: &mut dyn Iterator<Item = &f64>| {
-            let mut sum = Sum::ZERO;
-            numbers.for_each(|x| sum.add(*x));
-            (sum.0, sum.value())
-        };
-        let (forth, back) = (sum(&mut numbers.iter()), sum(&mut numbers.iter().rev()));
-        assert_eq!(forth, back);
-        // Of each number at most a unit is lost, and no bit of one that is a multiple of it.
-        for x in &numbers {
-            let (_, alone) = sum(&mut core::iter::once(x));
-            assert!((alone - x).abs() <= UNITS[2], "{x:e} {alone:e}");
-            assert!(x.abs() < power_of_two(-70) || alone == *x, "{x:e} {alone:e}");
-        }
-    }
-
-    /// The volume of two caps, which loses digits where the lens is thin.
-    fn by_caps(r_a: f64, r_b: f64, d: f64) -> f64 {
-        let cap = |r: f64, h: f64| PI * h * h * (3.0 * r - h) / 3.0;
-        let t = (d * d + r_b * r_b - r_a * r_a) / (2.0 * d);
-        cap(r_b, r_b - t) + cap(r_a, r_a - (d - t))
-    }
-
-    #[test]
-    fn lenses_are_two_caps() {
-        for r_a in [1.0, 0.3, 2.5] {
-            for r_b in [1.0, 0.7, 10.0] {
-                let (from, to) = (f64::abs(r_a - r_b), r_a + r_b);
-                let smaller = f64::min(r_a, r_b);
-                let whole = 4.0 / 3.0 * PI * smaller.powi(3);
-                for step in 1..=1000 {
-                    let d = from + (to - from) * f64::from(step) / 1001.0;
-                    let (got, want) = (lens(r_a, r_b, d), by_caps(r_a, r_b, d));
-                    assert!(
-                        (got - want).abs() <= 1e-13 * whole * r_b.max(r_a),
-                        "{r_a} {r_b} {d}: {got} {want}"
-                    );
-                    assert_eq!(got, lens(r_b, r_a, d));
-                }
-                for inside in [0.0, 0.5, 1.0] {
-                    assert_eq!(lens(r_a, r_b, from * inside), whole);
-                }
-                // Nothing jumps where one is just inside of the other, or outside. Squares of coordinates that differ by
-                // less are zero, and so is their root.
-                let just_out = f64::max(from.next_up(), 1e-160);
-                assert!((lens(r_a, r_b, just_out) - whole).abs() < 1e-13 * whole);
-                assert_eq!([lens(r_a, r_b, to), lens(r_a, r_b, 2.0 * to)], [0.0; 2]);
-                let thin = lens(r_a, r_b, to - 1e-6 * smaller);
-                assert!(thin > 0.0 && thin < 1e-10 * whole, "{thin:e}");
+    /// Adds up all pairs that the balls of two trees lead to. What is missing, at most, if the budget is spent: an upper
+    /// bound of the whole volume, in the bodies' unit.
+    fn by_balls<N: Node>(
+        &self,
+        a: &BvhRef<'_, N, Spheres>,
+        b: &BvhRef<'_, N, Spheres>,
+        pose: &Pose,
+        sums: &mut LensSums,
+        counters: &mut Counters,
+    ) -> Option<f64> {
+        let map = BallMap::new(pose, &a.extent(), &b.extent())?;
+        // A gate each, so that only a search with a budget has room for what waits.
+        let Rest { known, bound } = on_isa!(self.isa, token => {
+            let trees = (*a, *b);
+            if self.budget == u64::MAX {
+                let _ = token.run(
+                    #[inline(always)]
+                    || BallSearch::new(token, trees, pose, &map, self.budget, (counters, sums)).all(),
+                );
+                return None;
             }
-        }
+            let flow = token.run(
+                #[inline(always)]
+                || BallSearch::new(token, trees, pose, &map, self.budget, (counters, sums)).best_first(),
+            );
+            flow.break_value()?
+        });
+        // A pose may bring A's spheres nearer to each other, as much as its matrix is no rotation: of what so overlaps, each
+        // of them has three times that share of its volume.
+        let volume = |tree: &BvhRef<'_, N, Spheres>| {
+            let unscale = 1.0 / tree.frame().scale();
+            let lanes = tree.balls()[0].volume.iter().map(|x| f64::from(*x)).sum::<f64>();
+            lanes * (unscale * unscale * unscale)
+        };
+        let unscale = 1.0 / b.frame().scale();
+        let bound = bound * (unscale * unscale * unscale);
+        let overlaps = 3.0 * skew(pose) * (1.0 + 2.0 * skew(pose)) * volume(a);
+        let whole = f64::min(known + bound, f64::min(volume(a), volume(b)));
+        Some((whole + overlaps) * (1.0 + power_of_two(-30)))
     }
 }

@@ -255,7 +255,7 @@ where
         let (body, aimed) = self.aimed.get_or_insert((Child::EMPTY, N::NO_TURNED));
         if *body != a {
             let (tree, pose) = (&self.a, self.pose);
-            let items = primitives(a).map(|index| P::moved(&tree.primitive(index), pose));
+            let items = primitives(a.link()).map(|index| P::moved(&tree.primitive(index), pose));
             N::aim::<P>(aimed, &self.b.frame(), items, self.margin);
             *body = a;
         }
@@ -289,8 +289,8 @@ where
 
 /// The primitives of a leaf.
 #[inline(always)]
-pub(super) fn primitives(leaf: Child) -> Range<u32> {
-    match leaf.link() {
+pub(super) fn primitives(leaf: Link) -> Range<u32> {
+    match leaf {
         Link::Leaf { first, count } => first..first + count,
         _ => 0..0,
     }

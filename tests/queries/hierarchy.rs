@@ -1,14 +1,13 @@
 //! Builder and baked tree: every plane of every lane equals exact arithmetic, for every node type, leaf size,
 //! splitter and awkward mesh; and no bytes, however damaged, do harm.
 
-use crate::mesh_of;
-use crate::pairs_that_meet;
 use crate::support::data::{MeshData, suite_step};
 use crate::support::digest::digest_of_tree;
 use crate::support::dyadic::{Dyadic, dot, is_rounded_up};
 use crate::support::exact::{Tri, meeting_pairs, meshes_meet, triangles_meet};
 use crate::support::rng::Rng;
 use crate::support::shapes;
+use crate::{Line, aligned, mesh_of, pairs_that_meet};
 use alloc::collections::BTreeSet;
 use simdop::construct::{BuildError, Builder, Magnification, Mesh, Splitter};
 use simdop::directions;
@@ -422,18 +421,6 @@ fn golden_bytes() {
 
 const GOLDEN: [(usize, u64); 3] =
     [(384, 0x23e0_0724_120c_f393), (61_568, 0x8523_e4e5_233a_3e8b), (37_184, 0xc7c2_7a09_7e9f_d936)];
-
-/// Sixty-four bytes on a cache line.
-#[derive(Copy, Clone, bytemuck::Pod, bytemuck::Zeroable)]
-#[repr(C, align(64))]
-struct Line([u8; 64]);
-
-/// A copy of the bytes at an address that is a multiple of 64, and 64 more behind it.
-fn aligned(bytes: &[u8]) -> Vec<Line> {
-    let mut lines = vec![Line([0; 64]); bytes.len().div_ceil(64) + 1];
-    bytemuck::cast_slice_mut(&mut lines)[..bytes.len()].copy_from_slice(bytes);
-    lines
-}
 
 #[test]
 fn bytes_are_refused_by_name() {

@@ -19,6 +19,7 @@ macro_rules! for_each_node {
 }
 
 mod allocations;
+mod balls;
 mod counters;
 mod digests;
 mod distance;
@@ -54,6 +55,18 @@ fn build<N: Lanes>(mesh: &MeshData) -> Bvh<N> {
 
 fn build_with_leaves<N: Lanes>(mesh: &MeshData, leaf_size: u32) -> Bvh<N> {
     Builder::new().leaf_size(leaf_size).build(&mesh_of(mesh)).unwrap()
+}
+
+/// Sixty-four bytes on a cache line.
+#[derive(Copy, Clone, bytemuck::Pod, bytemuck::Zeroable)]
+#[repr(C, align(64))]
+struct Line([u8; 64]);
+
+/// A copy of the bytes at an address that is a multiple of 64, and 64 more behind it.
+fn aligned(bytes: &[u8]) -> Vec<Line> {
+    let mut lines = vec![Line([0; 64]); bytes.len().div_ceil(64) + 1];
+    bytemuck::cast_slice_mut(&mut lines)[..bytes.len()].copy_from_slice(bytes);
+    lines
 }
 
 /// Indices of primitives of A and B.

@@ -17,7 +17,11 @@ use simdop::query::{Completion, Lanes, Penetration, Query};
 use std::f64::consts::PI;
 
 fn build<N: Lanes>(spheres: &[Sphere]) -> Bvh<N, Spheres> {
-    Builder::new().build_geometry(&SphereSet { spheres }, &mut |_| ControlFlow::Continue(())).unwrap()
+    build_by(Builder::new(), spheres)
+}
+
+fn build_by<N: Lanes>(builder: Builder, spheres: &[Sphere]) -> Bvh<N, Spheres> {
+    builder.build_geometry(&SphereSet { spheres }, &mut |_| ControlFlow::Continue(())).unwrap()
 }
 
 fn pack(mesh: &MeshData, count: usize) -> Vec<Sphere> {
@@ -82,15 +86,26 @@ fn ask<N: Lanes>(a: &Bvh<N, Spheres>, b: &Bvh<N, Spheres>, pose: &Pose) -> Penet
     let mut answers = Isa::available().map(|isa| Query::new(isa).penetration(a, b, pose));
     let first = answers.next().unwrap();
     assert!(answers.all(|other| format!("{other:?}") == format!("{first:?}")), "{first:?}");
-    assert_eq!(first.completion, Completion::Complete);
+    assert_eq!((first.completion, first.upper), (Completion::Complete, first.volume));
     first
+}
+
+/// What does not depend on the way to it, bit by bit.
+fn sums(found: &Penetration) -> String {
+    let Penetration { volume, direction, point, pairs, .. } = found;
+    format!("{volume:e} {direction:?} {point:?} {pairs}")
 }
 
 fn check<N: Lanes>(a: &[Sphere], b: &[Sphere], poses: &[Pose]) -> f64 {
     let (tree_a, tree_b) = (build::<N>(a), build::<N>(b));
+    let plain = build_by::<N>(Builder::new().without_balls(), b);
+    let query = Query::new(Isa::detect());
     let mut deepest = 0.0_f64;
     for pose in poses {
         let (got, want) = (ask(&tree_a, &tree_b, pose), brute(a, b, pose));
+        assert_eq!(sums(&ask(&tree_a, &plain, pose)), sums(&got), "without balls");
+        let best_first = query.with_budget(u64::MAX - 1).penetration(&tree_a, &tree_b, pose);
+        assert_eq!((best_first.completion, sums(&best_first)), (Completion::Complete, sums(&got)));
         assert!((got.volume - want.volume).abs() <= 1e-9 * want.volume, "{got:?} {}", want.volume);
         assert_eq!(got.pairs, want.pairs);
         assert_eq!(got.point.is_some(), want.volume > 0.0);
@@ -209,16 +224,97 @@ fn exchanged_bodies_share_as_much() {
     }
 }
 
+/// Budgets from none to more than enough: bounds hold, the same on every instruction set, and close in.
+#[test]
+fn bounds_hold_whatever_the_budget() {
+    let torus = wavy_torus(800);
+    let (a, b) = (pack(&torus, 600 / suite_step()), pack(&torus, 500 / suite_step()));
+    let trees = [(1, Builder::new()), (3, Builder::new().leaf_size(3))].map(|(_, builder)| {
+        let trees: [Bvh<Node16<18>, Spheres>; 2] = [&a, &b].map(|spheres| build_by(builder, spheres));
+        trees
+    });
+    let poses = poses(&mut Rng::new(5), 0.4 * torus.diagonal(), 100 / suite_step());
+    let query = Query::new(Isa::detect());
+    let mut rng = Rng::new(6);
+    let (mut closed, mut asked) = (0, 0);
+    for [a, b] in &trees {
+        for pose in &poses {
+            let whole = ask(a, b, pose);
+            let visits = query.with_budget(u64::MAX - 1).penetration(a, b, pose).counters.visits;
+            for _ in 0..500 / suite_step() {
+                let budget = rng.below(visits + 2);
+                let part = query.with_budget(budget).penetration(a, b, pose);
+                assert_eq!(part.completion == Completion::Complete, budget >= visits);
+                assert_eq!(part.counters.visits, budget.min(visits));
+                assert!(
+                    part.volume <= whole.volume && whole.volume <= part.upper,
+                    "{budget}: {part:?} {whole:?}"
+                );
+                assert!(part.pairs <= whole.pairs);
+                asked += 1;
+                closed += u32::from(part.upper <= 2.0 * part.volume);
+            }
+            for budget in [0, visits / 10, visits / 2] {
+                let ask = |isa| format!("{:?}", Query::new(isa).with_budget(budget).penetration(a, b, pose));
+                let want = ask(Isa::SCALAR);
+                assert!(Isa::available().all(|isa| ask(isa) == want), "{want}");
+            }
+        }
+    }
+    assert!(closed * 5 > asked, "{closed} of {asked}: bounds are within a factor of 2");
+}
+
 #[test]
 fn a_budget_leaves_a_lower_bound() {
-    let tree = build::<Node16<18>>(&pack(&wavy_torus(200), 300));
-    let whole = ask(&tree, &tree, &Pose::IDENTITY);
+    let spheres = pack(&wavy_torus(200), 300);
+    let plain = build_by::<Node16<18>>(Builder::new().without_balls(), &spheres);
+    let whole = ask(&plain, &plain, &Pose::IDENTITY);
     let mut last = 0.0;
     for visits in 0..whole.counters.visits {
-        let part = Query::new(Isa::detect()).with_budget(visits).penetration(&tree, &tree, &Pose::IDENTITY);
+        let part = Query::new(Isa::detect()).with_budget(visits).penetration(&plain, &plain, &Pose::IDENTITY);
         assert_eq!((part.completion, part.counters.visits), (Completion::OutOfBudget, visits));
-        assert!(part.volume >= last && part.volume <= whole.volume);
+        assert!(part.volume >= last && part.volume <= whole.volume && part.upper == f64::INFINITY);
         last = part.volume;
     }
     assert!(last > 0.0);
+}
+
+/// More waits than there is room for: some is looked at depth first.
+#[test]
+fn bounds_hold_where_much_waits() {
+    let mut rng = Rng::new(7);
+    // On a lattice, and touching: as many pairs as there can be of disjoint spheres.
+    let side = 12 / suite_step().min(2) as i32;
+    let lattice = (0..side * side * side).map(|i| {
+        let at = [i % side, i / side % side, i / side / side];
+        Sphere { centre: at.map(f64::from), radius: 0.5 }
+    });
+    let tree = build::<Node16<18>>(&lattice.collect::<Vec<_>>());
+    let query = Query::new(Isa::detect());
+    let turned = pose(&rng.rotation(), [0.1, 0.2, 0.3]);
+    let whole = ask(&tree, &tree, &turned);
+    let visits = query.with_budget(u64::MAX - 1).penetration(&tree, &tree, &turned).counters.visits;
+    for budget in (0..visits).step_by(1 + visits as usize / 200) {
+        let part = query.with_budget(budget).penetration(&tree, &tree, &turned);
+        assert!(part.volume <= whole.volume && whole.volume <= part.upper, "{budget}: {part:?} {whole:?}");
+    }
+}
+
+/// A matrix that is no rotation, within what poses accept, brings spheres nearer to each other.
+#[test]
+fn bounds_hold_at_poses_that_shrink() {
+    let spheres = pack(&wavy_torus(200), 200);
+    let tree = build::<Node16<18>>(&spheres);
+    let whole: f64 = spheres.iter().map(|s| 4.0 / 3.0 * PI * s.radius.powi(3)).sum();
+    for shrunk in [1.0, 1.0 - 4.9e-5, 1.0 + 4.9e-5] {
+        let pose = Pose::from_rows(core::array::from_fn(|i| {
+            core::array::from_fn(|j| if i == j { shrunk } else { 0.0 })
+        }))
+        .unwrap();
+        let complete = ask(&tree, &tree, &pose);
+        for budget in 0..complete.counters.visits {
+            let part = Query::new(Isa::detect()).with_budget(budget).penetration(&tree, &tree, &pose);
+            assert!(part.upper >= complete.volume && part.upper <= whole * 1.001, "{part:?} {complete:?}");
+        }
+    }
 }

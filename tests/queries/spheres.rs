@@ -546,9 +546,9 @@ fn bytes_are_read_back_whatever_their_node_type() {
     let error = BvhRef::<Node16<18>, Triangles>::from_bytes(tree.as_bytes()).unwrap_err();
     assert_eq!(error, BakeError::OtherPrimitive { kind: 2 });
     // A radius that is negative, not a number, or takes the sphere out of the header's box.
-    // After the header and the nodes: there are no thin slabs.
+    // After the header, the nodes and the balls: there are no thin slabs.
     assert_eq!(tree.view().header().has_thin_slabs, 0);
-    let at = 128 + tree.view().nodes().len() * 640 + 12;
+    let at = 128 + tree.view().nodes().len() * (640 + 320) + 12;
     for radius in [-1.0_f32, f32::NAN, f32::INFINITY, 20.0, -f32::MIN_POSITIVE] {
         let mut bytes = tree.as_bytes().to_vec();
         bytes[at..at + 4].copy_from_slice(&radius.to_le_bytes());

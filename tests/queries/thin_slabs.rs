@@ -1,11 +1,11 @@
 //! Thin slabs: that they bound what is below them, and no more than that; that damaged ones are refused; that
 //! they change no verdict; and what they spare.
 
-use crate::pairs_that_meet;
 use crate::support::data::{Approach, MeshData, notice, suite_step};
 use crate::support::dyadic::{Dyadic, dot};
 use crate::support::rng::Rng;
 use crate::support::shapes;
+use crate::{Line, aligned, pairs_that_meet};
 use alloc::collections::BTreeSet;
 use simdop::construct::{Builder, Mesh, Splitter};
 use simdop::hierarchy::{BakeError, Bvh, BvhRef, Header, Lane};
@@ -138,20 +138,9 @@ fn edited<N: Lanes>(tree: &Bvh<N>, at: usize, edit: impl FnOnce(u64) -> u64) -> 
     lines
 }
 
-/// A tree's bytes must begin at a multiple of 64.
-#[derive(Copy, Clone, bytemuck::Pod, bytemuck::Zeroable)]
-#[repr(C, align(64))]
-struct Line([u8; 64]);
-
-/// Bytes, filled up to whole lines.
-fn aligned(bytes: &[u8]) -> Vec<Line> {
-    let mut lines = vec![Line([0; 64]); bytes.len().div_ceil(64)];
-    bytemuck::cast_slice_mut(&mut lines)[..bytes.len()].copy_from_slice(bytes);
-    lines
-}
-
 fn tree_in<N: Lanes>(lines: &[Line]) -> Result<BvhRef<'_, N>, BakeError> {
-    BvhRef::from_bytes(bytemuck::cast_slice(lines))
+    // Less the spare line.
+    BvhRef::from_bytes(bytemuck::cast_slice(&lines[..lines.len() - 1]))
 }
 
 /// One step thinner at either end: refused exactly where something is cut off, by the name of the plane.

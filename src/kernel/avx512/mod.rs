@@ -6,7 +6,7 @@ mod dops;
 
 use super::{Kernel, Turned};
 use crate::isa::Avx512;
-use crate::node::{Node4, Node16};
+use crate::node::{Ball16, BoundingBall, Node4, Node16};
 use crate::primitive::triangle::{Probe, Triangle};
 use crate::realign::{OwnSlab, Realignment};
 
@@ -62,5 +62,15 @@ impl Kernel for Avx512 {
     #[inline(always)]
     fn realign_4<const K: usize>(self, map: &Realignment<K>, node: &Node4<K>, query: &mut Turned<4, K>) {
         self.as_avx2().realign_4(map, node, query);
+    }
+
+    #[inline(always)]
+    fn balls_meet(self, a: &Ball16, wanted: u16, b: &Ball16, rows: &mut [u16; 16]) {
+        self.as_avx2().balls_meet(a, wanted, b, rows);
+    }
+
+    #[inline(always)]
+    fn balls_share(self, a: &BoundingBall, b: &Ball16, shared: &mut [f32; 16]) {
+        self.as_avx2().balls_share(a, b, shared);
     }
 }

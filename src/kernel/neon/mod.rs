@@ -2,11 +2,12 @@
 
 #![expect(unsafe_code, reason = "intrinsics that load, and calls that the token makes sound")]
 
+mod balls;
 mod dops;
 
 use super::{Kernel, Turned, scalar};
 use crate::isa::Neon;
-use crate::node::{Node4, Node16};
+use crate::node::{Ball16, BoundingBall, Node4, Node16};
 use crate::primitive::triangle::{Probe, Triangle};
 use crate::realign::{OwnSlab, Realignment};
 
@@ -67,5 +68,17 @@ impl Kernel for Neon {
     fn realign_4<const K: usize>(self, map: &Realignment<K>, node: &Node4<K>, query: &mut Turned<4, K>) {
         // SAFETY: the token proves the features that the function is compiled for.
         unsafe { dops::realign::<4, 1, K>(map, &node.planes, query) }
+    }
+
+    #[inline(always)]
+    fn balls_meet(self, a: &Ball16, wanted: u16, b: &Ball16, rows: &mut [u16; 16]) {
+        // SAFETY: the token proves the features that the function is compiled for.
+        unsafe { balls::balls_meet(a, wanted, b, rows) }
+    }
+
+    #[inline(always)]
+    fn balls_share(self, a: &BoundingBall, b: &Ball16, shared: &mut [f32; 16]) {
+        // SAFETY: the token proves the features that the function is compiled for.
+        unsafe { balls::balls_share(a, b, shared) }
     }
 }

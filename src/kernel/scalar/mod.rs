@@ -1,11 +1,12 @@
 //! The specification. Every other kernel is tested against these few lines.
 
+mod balls;
 mod dops;
 pub(super) mod triangles;
 
 use super::{Kernel, Turned};
 use crate::isa::Scalar;
-use crate::node::{Node4, Node16};
+use crate::node::{Ball16, BoundingBall, Node4, Node16};
 use crate::primitive::triangle::{Probe, Triangle};
 use crate::realign::{OwnSlab, Realignment};
 
@@ -54,5 +55,15 @@ impl Kernel for Scalar {
 
     fn realign_4<const K: usize>(self, map: &Realignment<K>, node: &Node4<K>, query: &mut Turned<4, K>) {
         dops::realign(map, &node.planes, query);
+    }
+
+    fn balls_meet(self, a: &Ball16, wanted: u16, b: &Ball16, rows: &mut [u16; 16]) {
+        for lane in (0..16).filter(|lane| wanted >> lane & 1 != 0) {
+            rows[lane] = balls::meet(&a.lane(lane), b);
+        }
+    }
+
+    fn balls_share(self, a: &BoundingBall, b: &Ball16, shared: &mut [f32; 16]) {
+        *shared = balls::shared(a, b);
     }
 }

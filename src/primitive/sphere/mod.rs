@@ -48,6 +48,7 @@ pub struct Spheres;
 impl Primitive for Spheres {
     const KIND: Kind = Kind::SPHERES;
     const IS_ROUND: bool = true;
+    const HAS_BALLS: bool = true;
 
     type Single = [f32; 4];
     type Double = Sphere;

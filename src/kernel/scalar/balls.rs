@@ -1,0 +1,45 @@
+//! Balls against balls.
+
+use super::super::{LEAST_VOLUME, LENS, WHOLE};
+use crate::node::{Ball16, BoundingBall};
+
+/// Which lanes of `b` a ball meets: `|c_a - c_b|^2 <= (r_a + r_b)^2`, which is false of NaN.
+pub(super) fn meet(a: &BoundingBall, b: &Ball16) -> u16 {
+    (0..16).filter(|&i| is_met(&distances(a, &b.lane(i)))).fold(0, |mask, i| mask | 1 << i)
+}
+
+/// The square of the distance of the centres, and the sum of the radii.
+fn distances(a: &BoundingBall, b: &BoundingBall) -> (f32, f32) {
+    let [x, y, z] = [0, 1, 2].map(|i| a.centre[i] - b.centre[i]);
+    ((x * x + y * y) + z * z, a.radius + b.radius)
+}
+
+fn is_met(&(square, sum): &(f32, f32)) -> bool {
+    square <= sum * sum
+}
+
+/// For each lane of `b` an upper bound of the volume that its spheres share with those in `a`: 0 where the balls do
+/// not meet, else the least of both volumes and of the balls' lens, enlarged by more than
+/// rounding made it too small.
+pub(super) fn shared(a: &BoundingBall, b: &Ball16) -> [f32; 16] {
+    core::array::from_fn(|i| {
+        let b = b.lane(i);
+        let (square, sum) = distances(a, &b);
+        let distance = libm::sqrtf(square);
+        let difference = (a.radius - b.radius).abs();
+        let smaller = least(a.radius, b.radius);
+        let depth = sum - distance;
+        let rest = (distance - difference) * (distance + 3.0 * difference) + (4.0 * smaller) * distance;
+        let lens = (((depth * depth) * rest) / distance) * LENS;
+        let whole = ((smaller * smaller) * smaller) * WHOLE;
+        let lens = if distance > difference { lens } else { whole };
+        let bound = least(lens, least(a.volume, b.volume));
+        let bound = if bound > LEAST_VOLUME { bound } else { LEAST_VOLUME };
+        if is_met(&(square, sum)) { bound } else { 0.0 }
+    })
+}
+
+/// The second unless the first is less.
+fn least(x: f32, y: f32) -> f32 {
+    if x < y { x } else { y }
+}
