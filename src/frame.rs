@@ -329,6 +329,30 @@ mod tests {
         assert_eq!(frame.side(&[1.0, 1.0, 2045.0], [1.0, 0.0, 0.0], 1.0), -1);
     }
 
+    /// Balls that spheres touch from within, and miss by a last place.
+    #[test]
+    fn is_in_ball_is_decided_exactly() {
+        let frame = Frame { centre: [1.0, -2.0, 3.0], exponent: -1 };
+        // Half of it is (1, 2, 2), three units from the ball's centre at the origin.
+        let p = [3.0, 2.0, 7.0];
+        let is_in = |radius: f64, reach: f64| frame.is_in_ball(&[0.0; 3], radius, p, reach);
+        for reach in [0.0, 1.0, 0.1 + 0.2, 2.0_f64.powi(-40)] {
+            // Sums that are rounded up and down.
+            let radius = 3.0 + 0.5 * reach;
+            let exact = (radius - 3.0) - 0.5 * reach;
+            assert_eq!(is_in(radius, reach), exact >= 0.0, "{reach}");
+            assert!(is_in(radius.next_up(), reach) && !is_in(radius.next_down(), reach), "{reach}");
+        }
+        let far = power_of_two(-60);
+        assert!(frame.is_in_ball(&[0.0, 0.0, far], 3.0, p, 0.0), "a little nearer");
+        assert!(!frame.is_in_ball(&[0.0, 0.0, -far], 3.0, p, 0.0), "a little farther");
+        // A sphere larger than the ball, about its centre: the square alone would let it in.
+        assert!(!frame.is_in_ball(&[0.0; 3], 1.0, frame.centre, 2.0_f64.next_up()));
+        assert!(frame.is_in_ball(&[0.0; 3], 1.0, frame.centre, 2.0));
+        let lowest = f64::from_bits(1);
+        assert!(!frame.is_in_ball(&[0.0; 3], 0.0, frame.centre, lowest));
+    }
+
     #[test]
     fn the_slack_of_every_direction_has_room() {
         planes_are_decided_exactly::<6>();

@@ -97,3 +97,100 @@ impl BallMap {
         turned.lane(0)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::frame::Frame;
+    use crate::isa::Scalar;
+    use crate::kernel::Kernel;
+    use crate::range::Point;
+    use glam::{DMat3, DQuat, DVec3};
+
+    struct Random(u64);
+
+    impl Random {
+        /// In -1 .. 1.
+        fn number(&mut self) -> f64 {
+            self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            (self.0 >> 11) as f64 / (1_u64 << 52) as f64 - 1.0
+        }
+
+        fn vector(&mut self) -> DVec3 {
+            DVec3::new(self.number(), self.number(), self.number())
+        }
+    }
+
+    fn extent(exponent: i32, centre: DVec3) -> Extent {
+        let max_coordinate = centre.abs().max_element() + 100.0 * power_of_two(-exponent);
+        let frame = Frame { centre: centre.to_array(), exponent };
+        Extent { frame, max_coordinate, half_width: [100.0; 3], max_plane: 200.0 }
+    }
+
+    /// A ball in single precision around a sphere in a frame, as tight as can be.
+    fn around(frame: &Frame, centre: Point, radius: f64, out: DVec3) -> BoundingBall {
+        let middle = DVec3::from_array(centre) - DVec3::from_array(frame.centre);
+        // Off the sphere's centre, so that the sphere touches the ball from within.
+        let single = (middle * frame.scale() + out).to_array().map(|x| x as f32);
+        let apart = DVec3::from_array(single.map(f64::from)).distance(middle * frame.scale());
+        BoundingBall { centre: single, radius: round_up_f32(apart + radius * frame.scale()), volume: 1.0 }
+    }
+
+    /// Spheres that touch have balls that meet: as large as each other or not, far from the origin, and at matrices that
+    /// are no rotations.
+    #[test]
+    fn balls_of_spheres_that_touch_meet() {
+        let mut random = Random(1);
+        let mut bare = 0;
+        for round in 0..40_000 {
+            let far = [0.0, 0.0, 1e3, 1e6][round % 4];
+            let (up, skew) = ([0, 3, -3, 20, -20][round % 5], [0.0, 3e-5, -3e-5][round % 3]);
+            let (a, b) = (extent(up, far * random.vector()), extent(0, far * random.vector()));
+            let turn = DQuat::from_xyzw(random.number(), random.number(), random.number(), random.number());
+            let matrix = DMat3::from_quat(turn.normalize()) * (1.0 + skew);
+            // A sphere of B, and one of A that touches it where the pose puts it.
+            let half = |scale: f64| 50.0 / scale;
+            let centre_b = DVec3::from_array(b.frame.centre) + half(b.frame.scale()) * random.vector();
+            let centre_a = DVec3::from_array(a.frame.centre) + half(a.frame.scale()) * random.vector();
+            let radius = |scale: f64, x: f64| half(scale) * 0.1_f64.powf(3.0 * x.abs());
+            let radius_a = radius(a.frame.scale(), random.number());
+            let radius_b = radius(b.frame.scale(), random.number());
+            let way = random.vector().normalize() * (radius_a + radius_b);
+            let Ok(pose) = Pose::new(matrix, centre_b + way - matrix * centre_a) else { continue };
+            let moved = DVec3::from_array(pose.apply(centre_a.to_array()));
+            // Rounding may part them: they are as large as they have to be to touch.
+            let radius_b = moved.distance(centre_b) - radius_a + 1e-14 * (moved.length() + centre_b.length());
+            let outside = random.vector().normalize() * [0.0, 10.0][round / 2 % 2];
+            let ball_a = around(&a.frame, centre_a.to_array(), radius_a, outside);
+            let ball_b = around(&b.frame, centre_b.to_array(), radius_b, DVec3::ZERO);
+            let map = BallMap::new(&pose, &a, &b).expect("they touch");
+            let mut balls = Ball16::EMPTY;
+            balls.set(3, &ball_b);
+            let meets = |a: &BoundingBall| {
+                let (mut of_a, mut rows) = (Ball16::EMPTY, [0; 16]);
+                of_a.set(0, a);
+                Scalar::new().balls_meet(&of_a, 1, &balls, &mut rows);
+                assert!(rows[0] == 0 || rows[0] == 8);
+                rows[0] == 8
+            };
+            let turned = map.turned(&ball_a);
+            assert!(meets(&turned), "{round}: {turned:?} {ball_b:?}");
+            // Without what pays for rounding, many would be missed.
+            let tight = BoundingBall { radius: ball_a.radius * power_of_two(-up) as f32, ..turned };
+            bare += u32::from(!meets(&tight));
+        }
+        assert!(bare > 1000, "{bare}");
+    }
+
+    /// Bodies are told apart only if no sphere of one can reach the other.
+    #[test]
+    fn far_bodies_are_apart() {
+        let (a, b) = (extent(0, DVec3::ZERO), extent(5, DVec3::ZERO));
+        // 300 units of each body: at most.
+        let reach = 300.0 + 300.0 / 32.0;
+        for (x, is_far) in [(0.0, false), (reach, false), (reach * 1.000_1, true), (1e80, true)] {
+            let pose = Pose::new(DMat3::IDENTITY, DVec3::new(0.0, -x, 0.0)).expect("a pose");
+            assert_eq!(BallMap::new(&pose, &a, &b).is_none(), is_far, "{x}");
+        }
+    }
+}

@@ -210,7 +210,7 @@ fn bounds_of_volumes_are_those_of_the_lens() {
         let mut ball = || {
             let centre = [(); 3].map(|()| rng.range(-1.0, 1.0) as f32);
             let radius = (size * 10_f64.powf(rng.range(-2.0, 0.0))) as f32;
-            let volume = (4.2 * f64::from(radius).powi(3) * rng.range(0.0, 1.0)) as f32;
+            let volume = (8.4 * f64::from(radius).powi(3) * rng.range(0.0, 1.0)) as f32;
             BoundingBall { centre, radius, volume }
         };
         let (a, b) = (ball(), ball());
