@@ -991,6 +991,31 @@ fn a_packing_is_written_and_reported() {
 }
 
 #[test]
+fn a_packing_is_described() {
+    let folder = Folder::new("info_packing");
+    folder.write("two.txt", "0 0 0 1\n0 3 0 2\n9 0 0 0.5\n");
+    let report = folder.json(&["info", "two.txt", "--verify"]);
+    let radii = ["least_radius", "median_radius", "greatest_radius"].map(|key| report[key].as_f64().unwrap());
+    assert_eq!(radii, [0.5, 1.0, 2.0]);
+    let volume = 4.0 / 3.0 * std::f64::consts::PI * (0.125 + 1.0 + 8.0);
+    assert!((report["volume"].as_f64().unwrap() - volume).abs() < 1e-12);
+    assert_eq!(
+        (&report["spheres"], &report["nodes"], &report["verified"]),
+        (&3.into(), &1.into(), &true.into())
+    );
+    assert!((report["bytes_per_sphere_balls"].as_f64().unwrap() - 320.0 / 3.0).abs() < 1e-9);
+    let output = folder.run(&["info", "two.txt"]);
+    let table = String::from_utf8(output.stdout).unwrap();
+    assert!(
+        table.starts_with("spheres                      3   volume 3.82") && table.contains("106.7   balls"),
+        "{table}"
+    );
+    assert_eq!(folder.fate(&["info", "two.txt", "-k", "6"]).0, 2);
+    folder.write("bad.txt", "0 0 0\n");
+    assert_eq!(folder.fate(&["info", "bad.txt"]).0, 2);
+}
+
+#[test]
 fn the_volume_that_packings_share_is_told() {
     let folder = Folder::new("volume");
     folder.write("one.txt", "0 0 0 1\n");
@@ -1014,6 +1039,13 @@ fn the_volume_that_packings_share_is_told() {
         "{table}"
     );
     assert_eq!(table.lines().count(), 6, "{table}");
+
+    // Nothing is looked at: all of the smaller body may be shared.
+    let report = folder.json(&["volume", "one.txt", "two.txt", "--translate", "1 0 0", "--budget", "0"]);
+    let row = &report["poses"][0];
+    let whole = 4.0 / 3.0 * std::f64::consts::PI;
+    assert_eq!((&row["volume"], &row["visits"]), (&0.0.into(), &0.into()));
+    assert!((row["upper"].as_f64().unwrap() - whole).abs() < 1e-6, "{row}");
 
     folder.write("a.obj", obj(&tetrahedron()));
     let (code, message) = folder.fate(&["volume", "one.txt", "a.obj"]);

@@ -2,14 +2,14 @@
 
 use super::body::{self, Source};
 use super::error::Error;
-use super::{File, TreeOptions};
+use super::{File, TreeOptions, packing};
 use clap::Args;
 use serde::Serialize;
 use std::io::Write;
 
 #[derive(Args, Debug)]
 pub(super) struct Options {
-    /// A tree, or a mesh that is built first.
+    /// A tree, or a mesh or a packing (.txt) that is built first.
     tree: File,
     /// Prove, in exact arithmetic, that every plane bounds what is below it.
     #[arg(long)]
@@ -48,6 +48,12 @@ struct Report {
 }
 
 pub(super) fn run(options: &Options) -> Result<(), Error> {
+    if packing::is_named(&options.tree) {
+        return match options.build.first_given() {
+            Some(option) => Err(Error::idle(option, &options.tree.display())),
+            None => packing::info(&options.tree, options.verify, options.json),
+        };
+    }
     let (tree, build) = match body::read(&options.tree, &options.build, options.json)? {
         Source::Tree(tree) => match options.build.first_given() {
             Some(option) => return Err(Error::idle(option, &options.tree.display())),

@@ -8,6 +8,7 @@ mod info;
 mod mesh;
 mod output;
 mod pack;
+mod packing;
 mod picture;
 mod poses;
 mod progress;
@@ -42,7 +43,7 @@ enum Command {
     Collide(collide::Options),
     /// Builds the hierarchy of a mesh and writes it as a tree.
     Build(build::Options),
-    /// Describes a tree, or the tree that a mesh becomes.
+    /// Describes a tree, or the tree that a mesh or a packing (.txt) becomes.
     Info(info::Options),
     /// Fills a closed mesh with disjoint spheres, the largest that fits first, and writes them as text.
     ///

@@ -1,16 +1,15 @@
 //! `simdop volume`.
 
-use super::error::{Error, Fault};
-use super::{File, body, isa, poses};
+use super::error::Error;
+use super::{File, isa, packing, poses};
 use clap::Args;
 use serde::Serialize;
 use simdop::hierarchy::Bvh;
 use simdop::isa::Isa;
 use simdop::node::Node16;
-use simdop::packing::text;
 use simdop::pose::Pose;
-use simdop::primitive::{Sphere, Spheres};
-use simdop::query::Query;
+use simdop::primitive::Spheres;
+use simdop::query::{Penetration, Query};
 use std::io::{BufWriter, Write};
 use std::path::Path;
 use std::time::Instant;
@@ -26,6 +25,9 @@ pub(super) struct Options {
     /// Instruction set: auto, scalar, neon, avx2 or avx512.
     #[arg(long, default_value = "auto", value_parser = isa)]
     isa: Isa,
+    /// Give up after so many visits, and say how much may be missing.
+    #[arg(long, value_name = "VISITS")]
+    budget: Option<u64>,
     /// Rows of the table, at most.
     #[arg(long, default_value_t = 64)]
     rows: usize,
@@ -54,8 +56,10 @@ struct Body {
 
 #[derive(Serialize)]
 struct Row {
-    /// What the two share, in their unit to the third.
+    /// What the two share, in their unit to the third: at least.
     volume: f64,
+    /// And at most, if no spheres of a body overlap each other.
+    upper: f64,
     /// Where A is pushed.
     direction: [f64; 3],
     /// In B's frame. Null if they share nothing.
@@ -69,14 +73,14 @@ pub(super) fn run(options: &Options) -> Result<(), Error> {
     // Poses first: a slip in them shows before the work of building.
     let poses = options.poses.read()?;
     let [(a, tree_a), (b, tree_b)] = [read(&options.a)?, read(&options.b)?];
-    let query = Query::new(options.isa);
+    let query = Query::new(options.isa).with_budget(options.budget.unwrap_or(u64::MAX));
     let row = |pose: &Pose| {
         let start = Instant::now();
         let found = query.penetration(&tree_a, &tree_b, pose);
         let nanoseconds = start.elapsed().as_nanos();
         let visits = found.counters.visits;
-        let (volume, direction, point, pairs) = (found.volume, found.direction, found.point, found.pairs);
-        Row { volume, direction, point, pairs, visits, nanoseconds }
+        let Penetration { volume, upper, direction, point, pairs, .. } = found;
+        Row { volume, upper, direction, point, pairs, visits, nanoseconds }
     };
     let rows = poses.iter().map(row).collect();
     let report = Report { version: env!("CARGO_PKG_VERSION"), a, b, isa: options.isa.name(), poses: rows };
@@ -84,14 +88,10 @@ pub(super) fn run(options: &Options) -> Result<(), Error> {
 }
 
 fn read(path: &Path) -> Result<(Body, Bvh<Node16<18>, Spheres>), Error> {
-    let bytes = std::fs::read(path).map_err(Error::io(path))?;
-    let name = path.display().to_string();
-    let spheres = text::read(&String::from_utf8_lossy(&bytes)).map_err(|error| {
-        let advice = "a packing is a sphere a line, x y z r, as `simdop pack` makes it of a mesh";
-        Error::content(path, Fault::file(format!("{error}; {advice}")))
-    })?;
-    let tree = body::of_spheres(&name, &spheres)?;
-    Ok((Body { name, spheres: spheres.len(), volume: spheres.iter().map(Sphere::volume).sum() }, tree))
+    let (spheres, tree) = packing::read(path)?;
+    let body =
+        Body { name: path.display().to_string(), spheres: spheres.len(), volume: packing::volume(&spheres) };
+    Ok((body, tree))
 }
 
 fn print(report: &Report, options: &Options, out: &mut impl Write) -> std::io::Result<()> {
@@ -103,13 +103,16 @@ fn print(report: &Report, options: &Options, out: &mut impl Write) -> std::io::R
         writeln!(out, "{which}: {name}, number of spheres {spheres}, volume {volume:.6e}")?;
     }
     let smaller = f64::min(report.a.volume, report.b.volume);
-    writeln!(out, "\n  pose        volume  % of smaller     pairs  direction of A                   us")?;
+    writeln!(
+        out,
+        "\n  pose        volume       at most  % of smaller     pairs  direction of A                   us"
+    )?;
     for (index, row) in report.poses.iter().enumerate().take(options.rows) {
-        let Row { volume, direction: [x, y, z], pairs, nanoseconds, .. } = row;
+        let Row { volume, upper, direction: [x, y, z], pairs, nanoseconds, .. } = row;
         let (share, time) = (100.0 * volume / smaller, *nanoseconds as f64 / 1e3);
         writeln!(
             out,
-            "{index:6}  {volume:12.5e}  {share:12.3}  {pairs:8}  {x:7.3} {y:7.3} {z:7.3}  {time:10.2}"
+            "{index:6}  {volume:12.5e}  {upper:12.5e}  {share:12.3}  {pairs:8}  {x:7.3} {y:7.3} {z:7.3}  {time:10.2}"
         )?;
     }
     if report.poses.len() > options.rows {
