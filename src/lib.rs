@@ -40,7 +40,8 @@
 //!
 //! The bytes are those of a mesh of 52,000 triangles whose coordinates `f32` holds exactly; others take 6
 //! more a triangle. [`construct::Builder::without_thin_slabs`] saves 9 of them (11 at arity 4), and
-//! [`construct::Builder::balanced`], two triangles a leaf, halves the bytes of nodes.
+//! [`construct::Builder::balanced`], two triangles a leaf, halves the bytes of nodes. Trees of spheres have the enclosing
+//! balls of their lanes instead of thin slabs, 20 bytes a lane, which [`construct::Builder::without_balls`] leaves out.
 //!
 //! **Units.** The library knows no unit. Both meshes, the translations of poses, margins and distances use
 //! the same one; meters and millimeters work alike, because each tree has a scale of its own. STL files are
@@ -98,7 +99,8 @@
 //! (Rust 1.95, release, arity 16; arity 4 takes up to 4 KiB less, and up to 8 less on Cortex-M.) `from_bytes`
 //! and `verify` take 1 KiB. A thread with 32 KiB for collisions and 64 KiB for distances is enough, which
 //! `tests/queries/stack.rs` checks. Exact arithmetic takes 6 KiB of this, the pairs that wait [`query::STACK_BYTES`]
-//! or [`query::DISTANCE_STACK_BYTES`], and most of the rest is turned planes and triangles.
+//! or [`query::DISTANCE_STACK_BYTES`], and most of the rest is turned planes and triangles. Penetration volumes take less
+//! than collisions, and [`query::PENETRATION_QUEUE_BYTES`] more where there is a budget.
 //!
 //! **The instruction set** is a value, [`isa::Isa`]: detected once, capped at will, held by the caller. All
 //! of them give the same verdicts and the same [counters](query::Counters).

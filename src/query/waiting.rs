@@ -45,7 +45,7 @@ pub(super) struct PairQueue {
     len: usize,
 }
 
-/// Bytes of what waits in a search for penetration volumes with a budget.
+/// Bytes of what waits in a search for a penetration volume with a budget: 12 KiB.
 pub const PENETRATION_QUEUE_BYTES: usize = size_of::<PairQueue>();
 
 impl PairQueue {

@@ -92,6 +92,21 @@ fn check_trees<N: Lanes, P: Pairwise<Q>, Q: Pairwise<P>>(a: &Bvh<N, P>, b: &Bvh<
     }
 }
 
+/// Penetration volumes: with a budget, what waits is on the stack too.
+fn check_penetration<N: Lanes>() {
+    let set = SphereSet { spheres: &spheres() };
+    let tree: Bvh<N, Spheres> =
+        Builder::new().build_geometry(&set, &mut |_| ControlFlow::Continue(())).unwrap();
+    for isa in Isa::available() {
+        for (stack, query) in [(DECIDING, Query::new(isa)), (DISTANCE, Query::new(isa).with_budget(3))] {
+            let pairs = in_thread(stack, || {
+                poses().iter().map(|pose| query.penetration(&tree, &tree, pose).pairs).sum::<u64>()
+            });
+            assert!(pairs > 0);
+        }
+    }
+}
+
 #[test]
 fn queries_need_no_more_stack_than_is_documented() {
     check::<Node16<6>>();
@@ -100,4 +115,6 @@ fn queries_need_no_more_stack_than_is_documented() {
     check::<Node4<6>>();
     check::<Node4<32>>();
     check_spheres::<Node16<32>>();
+    check_penetration::<Node16<32>>();
+    check_penetration::<Node4<32>>();
 }
