@@ -91,6 +91,38 @@ impl Query {
         sums.finish(stop.map(|_| f64::INFINITY), counters)
     }
 
+    // Functions of their own, so that only a search with a budget has room for what waits.
+    #[inline(never)]
+    fn all<N: Node>(
+        &self,
+        a: &BvhRef<'_, N, Spheres>,
+        b: &BvhRef<'_, N, Spheres>,
+        (pose, map): (&Pose, &BallMap),
+        sums: &mut LensSums,
+        counters: &mut Counters,
+    ) {
+        let _ = on_isa!(self.isa, token => token.run(
+            #[inline(always)]
+            || BallSearch::new(token, (*a, *b), pose, map, self.budget, (counters, sums)).all(),
+        ));
+    }
+
+    #[inline(never)]
+    fn best_first<N: Node>(
+        &self,
+        a: &BvhRef<'_, N, Spheres>,
+        b: &BvhRef<'_, N, Spheres>,
+        (pose, map): (&Pose, &BallMap),
+        sums: &mut LensSums,
+        counters: &mut Counters,
+    ) -> Option<Rest> {
+        let flow = on_isa!(self.isa, token => token.run(
+            #[inline(always)]
+            || BallSearch::new(token, (*a, *b), pose, map, self.budget, (counters, sums)).best_first(),
+        ));
+        flow.break_value()
+    }
+
     /// Adds up all pairs that the balls of two trees lead to. What is missing, at most, if the budget is spent: an upper
     /// bound of the whole volume, in the bodies' unit.
     fn by_balls<N: Node>(
@@ -102,22 +134,11 @@ impl Query {
         counters: &mut Counters,
     ) -> Option<f64> {
         let map = BallMap::new(pose, &a.extent(), &b.extent())?;
-        // A gate each, so that only a search with a budget has room for what waits.
-        let Rest { known, bound } = on_isa!(self.isa, token => {
-            let trees = (*a, *b);
-            if self.budget == u64::MAX {
-                let _ = token.run(
-                    #[inline(always)]
-                    || BallSearch::new(token, trees, pose, &map, self.budget, (counters, sums)).all(),
-                );
-                return None;
-            }
-            let flow = token.run(
-                #[inline(always)]
-                || BallSearch::new(token, trees, pose, &map, self.budget, (counters, sums)).best_first(),
-            );
-            flow.break_value()?
-        });
+        if self.budget == u64::MAX {
+            self.all(a, b, (pose, &map), sums, counters);
+            return None;
+        }
+        let Rest { known, bound } = self.best_first(a, b, (pose, &map), sums, counters)?;
         // A pose may bring A's spheres nearer to each other, as much as its matrix is no rotation: of what so overlaps, each
         // of them has three times that share of its volume.
         let volume = |tree: &BvhRef<'_, N, Spheres>| {
