@@ -11,9 +11,13 @@ use core::cell::RefCell;
 use core::ops::ControlFlow;
 use proptest::prelude::*;
 use simdop::construct::gpu::{Gpu, GpuError, Otherwise, wgpu};
-use simdop::construct::{BuildError, Builder, Clustering, Magnification, Mesh, Progress, Splitter};
+use simdop::construct::{
+    BuildError, Builder, Clustering, Magnification, Mesh, Progress, SphereSet, Splitter,
+};
 use simdop::hierarchy::Bvh;
 use simdop::node::{Dop, Node4, Node16};
+use simdop::packing::Packer;
+use simdop::primitive::{Sphere, Spheres};
 use std::sync::OnceLock;
 use support::data::{MeshData, directory, notice};
 use support::rng::Rng;
@@ -246,6 +250,44 @@ fn weighted_spheres_have_the_scalar_builders_shape() {
                     cloud.compare(gpu, weighted, Clustering { arity, leaf_size: 1, seed });
                 }
             }
+        }
+    }
+}
+
+/// The trees of a packing, by the builder on a device, by the scalar builder, and of the shape that a device makes of
+/// the centres, each of which weighs what the sphere's volume is.
+fn compare_packing<N: Dop>(gpu: &Gpu, spheres: &[Sphere], seed: u32) {
+    let set = SphereSet { spheres };
+    let go_on = || |_: Progress| ControlFlow::Continue(());
+    for magnification in MAGNIFICATIONS {
+        let builder = builder(magnification, seed);
+        let on_device: Bvh<N, Spheres> =
+            quietly(|| builder.build_geometry_on(gpu, Otherwise::Fail, &set, &mut go_on())).unwrap();
+        let scalar: Bvh<N, Spheres> = builder.build_geometry(&set, &mut go_on()).unwrap();
+        let centres: Vec<_> = spheres.iter().map(|sphere| sphere.centre).collect();
+        let volumes: Vec<_> = spheres.iter().map(|Sphere { radius: r, .. }| r * r * r).collect();
+        let weights = (magnification == Magnification::Area).then_some(&*volumes);
+        let clustering = Clustering { arity: N::ARITY, leaf_size: 1, seed };
+        let (shape, _) = quietly(|| clustering.assign_on(gpu, &centres, weights, &mut go_on())).unwrap();
+        let of_shape: Bvh<N, Spheres> = Builder::new().build_assigned(&set, &shape).unwrap();
+        let what = format!("{} spheres, {builder:?}, 64 bits: {}", spheres.len(), gpu.has_int64());
+        assert!(on_device.as_bytes() == scalar.as_bytes(), "{what}: other bytes than the scalar builder's");
+        assert!(on_device.as_bytes() == of_shape.as_bytes(), "{what}: other weights");
+        on_device.view().verify().unwrap();
+    }
+}
+
+/// With [`Magnification::Area`] a sphere weighs its volume, on a device too. A packing's spheres are in single
+/// precision, so the middle of a sphere's box is its centre.
+#[test]
+fn packings_have_the_scalar_builders_bytes() {
+    let mesh = shapes::wavy_torus(800);
+    let packing = Packer::new().spheres(2500).pack(&mesh_of(&mesh)).unwrap();
+    for (i, gpu) in devices().iter().enumerate() {
+        for count in [1, 17, 400, 2500] {
+            let spheres = &packing.spheres[..count];
+            compare_packing::<Node16<18>>(gpu, spheres, i as u32);
+            compare_packing::<Node4<18>>(gpu, spheres, i as u32);
         }
     }
 }

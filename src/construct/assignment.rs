@@ -1,17 +1,92 @@
-//! What a splitter returns.
+//! What a splitter returns, and trees of a caller's own.
 
+use super::{BuildError, Builder, Geometry};
+use crate::hierarchy::Bvh;
+use crate::node::Dop;
+use alloc::collections::VecDeque;
 use alloc::vec::Vec;
 
 /// Which primitive goes into which lane of which node: the shape of a tree, without a plane in it.
 ///
 /// Nodes are in breadth-first order. A node stands for a range of `order`; its lanes are consecutive parts of
 /// that range. A part of at most `leaf_size` primitives is a leaf; a longer one is the next node that no
-/// earlier part has taken.
+/// earlier part has taken. The root stands for all primitives; where there are none, there is no node.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct Assignment {
     /// The primitives, each once.
     pub order: Vec<u32>,
     /// `arity` numbers a node: where each lane's part of `order` ends. The first begins where the node's
-    /// range does. Parts may be empty: unused lanes.
+    /// range does. Parts may be empty: unused lanes. None that is a node is the whole of the range.
     pub ends: Vec<u32>,
+}
+
+impl Assignment {
+    /// What is wrong with it, if anything, as the shape of a tree over so many primitives.
+    fn check(&self, primitives: usize, arity: usize, leaf_size: usize) -> Result<(), BuildError> {
+        let wrong = |problem| Err(BuildError::Assignment { problem });
+        let mut is_placed = alloc::vec![false; primitives];
+        for &index in &self.order {
+            match is_placed.get_mut(index as usize) {
+                Some(placed) if !*placed => *placed = true,
+                _ => return wrong("the order has a primitive twice, or one that there is not"),
+            }
+        }
+        if self.order.len() != primitives {
+            return wrong("the order lacks a primitive");
+        }
+        let mut waiting: VecDeque<_> = (primitives > 0).then_some(0..primitives).into_iter().collect();
+        for ends in self.ends.chunks(arity) {
+            let Some(range) = waiting.pop_front() else { return wrong("there are more nodes than ranges") };
+            let mut start = range.start;
+            for end in ends.iter().map(|&end| end as usize) {
+                if end < start || end > range.end {
+                    return wrong("a part ends before it begins, or outside of its node's range");
+                }
+                if end - start > leaf_size {
+                    if (start..end) == range {
+                        return wrong("a node has one part, and that is a node");
+                    }
+                    waiting.push_back(start..end);
+                }
+                start = end;
+            }
+            if ends.len() != arity || start != range.end {
+                return wrong("the parts of a node do not end where its range does");
+            }
+        }
+        if waiting.is_empty() { Ok(()) } else { wrong("there are fewer nodes than ranges") }
+    }
+}
+
+impl Builder {
+    /// The tree of a shape that the caller has chosen, whatever the splitter: with the builder's leaf size, for
+    /// nodes of this arity. It may have at most [`MAX_DEPTH`](crate::hierarchy::MAX_DEPTH) levels.
+    ///
+    /// ```
+    /// use simdop::construct::{Assignment, Builder, SphereSet};
+    /// use simdop::primitive::{Sphere, Spheres};
+    /// use simdop::{hierarchy::Bvh, node::Node4};
+    ///
+    /// let spheres = [0.0, 9.0, 1.0, 3.0, 2.0, 4.0].map(|x| Sphere { centre: [x, 0.0, 0.0], radius: 0.5 });
+    /// // The one that is far from the others alone, and two nodes of which the second has a leaf more.
+    /// let shape = Assignment { order: vec![1, 0, 2, 4, 3, 5], ends: vec![1, 3, 6, 6, 2, 3, 3, 3, 4, 5, 6, 6] };
+    /// let tree: Bvh<Node4<18>, Spheres> =
+    ///     Builder::new().build_assigned(&SphereSet { spheres: &spheres }, &shape)?;
+    /// assert_eq!(tree.view().nodes().len(), 3);
+    /// assert_eq!(tree.view().source(0), 1);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    ///
+    /// # Errors
+    /// [`BuildError`]: of the geometry; [`BuildError::Assignment`]; [`BuildError::TooDeep`].
+    pub fn build_assigned<N: Dop, G: Geometry>(
+        &self,
+        geometry: &G,
+        assignment: &Assignment,
+    ) -> Result<Bvh<N, G::Primitive>, BuildError> {
+        self.build_by(geometry, |table| {
+            assignment.check(table.primitives.len(), N::ARITY, self.leaf_size as usize)?;
+            Ok::<_, BuildError>(assignment)
+        })
+    }
 }

@@ -36,6 +36,7 @@ use crate::hierarchy::Bvh;
 use crate::node::Child;
 use crate::node::{Dop, MAX_LEAF_SIZE};
 use alloc::vec::Vec;
+use core::borrow::Borrow;
 use core::fmt;
 use core::ops::ControlFlow;
 use cost::Aabb;
@@ -130,6 +131,11 @@ pub enum BuildError {
     },
     /// The tree would be deeper than [`crate::hierarchy::MAX_DEPTH`].
     TooDeep,
+    /// The assignment is not the shape of a tree over the primitives.
+    Assignment {
+        /// What is wrong with it.
+        problem: &'static str,
+    },
     /// The caller of [`Builder::build_with`] wished to stop.
     Cancelled,
 }
@@ -147,6 +153,7 @@ impl fmt::Display for BuildError {
             Self::Primitive { index } => write!(f, "primitive {index} names a vertex that there is not"),
             Self::NodeType { k, arity } => write!(f, "there are no nodes of k = {k} and arity {arity}"),
             Self::TooDeep => f.write_str("the tree would be too deep"),
+            Self::Assignment { problem } => write!(f, "the assignment is no tree: {problem}"),
             Self::Cancelled => f.write_str("the build was cancelled"),
         }
     }
@@ -255,17 +262,17 @@ impl Builder {
     }
 
     /// Checks a geometry, lets `assign` make the shape of its tree, and bakes it.
-    fn build_by<N: Dop, G: Geometry, E: From<BuildError>>(
+    fn build_by<N: Dop, G: Geometry, A: Borrow<Assignment>, E: From<BuildError>>(
         &self,
         geometry: &G,
-        assign: impl FnOnce(&Checked<'_, G::Primitive>) -> Result<Assignment, E>,
+        assign: impl FnOnce(&Checked<'_, G::Primitive>) -> Result<A, E>,
     ) -> Result<Bvh<N, G::Primitive>, E> {
         if self.leaf_size == 0 || self.leaf_size > MAX_LEAF_SIZE {
             return Err(BuildError::LeafSize { asked: self.leaf_size }.into());
         }
         let table = Checked::new(geometry)?;
         let assignment = assign(&table)?;
-        Ok(bake::bake::<N, G>(&table, &assignment, *self)?)
+        Ok(bake::bake::<N, G>(&table, assignment.borrow(), *self)?)
     }
 
     /// The shape of a checked geometry's tree.

@@ -19,6 +19,7 @@ macro_rules! for_each_node {
 }
 
 mod allocations;
+mod assignments;
 mod balls;
 mod counters;
 mod digests;

@@ -58,7 +58,7 @@ pub use error::GpuError;
 
 use super::longest_axis::Halving;
 use super::neural_gas::Samples;
-use super::{Builder, Mesh, Progress, Splitter};
+use super::{Builder, Geometry, Mesh, Progress, Splitter};
 use crate::hierarchy::Bvh;
 use crate::node::Dop;
 use core::ops::ControlFlow;
@@ -88,11 +88,25 @@ impl Builder {
         mesh: &Mesh<'_>,
         observer: &mut dyn FnMut(Progress) -> ControlFlow<()>,
     ) -> Result<Bvh<N>, GpuError> {
+        self.build_geometry_on(gpu, otherwise, mesh, observer)
+    }
+
+    /// [`Builder::build_on`] of any primitives, such as the spheres of a packing.
+    ///
+    /// # Errors
+    /// As [`Builder::build_on`].
+    pub fn build_geometry_on<N: Dop, G: Geometry>(
+        &self,
+        gpu: &Gpu,
+        otherwise: Otherwise,
+        geometry: &G,
+        observer: &mut dyn FnMut(Progress) -> ControlFlow<()>,
+    ) -> Result<Bvh<N, G::Primitive>, GpuError> {
         let Splitter::BatchNeuralGas { magnification, seed } = self.splitter else {
             return Err(GpuError::Splitter);
         };
-        let on_device = self.build_by(mesh, |table| {
-            let (centroids, weights) = (table.centroids(), magnification.weights::<Mesh<'_>>(table));
+        let on_device = self.build_by(geometry, |table| {
+            let (centroids, weights) = (table.centroids(), magnification.weights::<G>(table));
             let samples = Samples::new(&centroids, weights.as_deref());
             let halving = Halving { arity: N::ARITY, leaf_size: self.leaf_size as usize, extended: true };
             assign(gpu, &samples, &halving, seed, observer).map(|(assignment, _)| assignment)
@@ -101,7 +115,7 @@ impl Builder {
             Ok(tree) => Ok(tree),
             Err(error @ GpuError::Build(_)) => Err(error),
             Err(error) if otherwise == Otherwise::Fail => Err(error),
-            Err(_) => Ok(self.build_with(mesh, observer)?),
+            Err(_) => Ok(self.build_geometry(geometry, observer)?),
         }
     }
 }

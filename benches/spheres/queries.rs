@@ -1,0 +1,429 @@
+//! The BNG paper's figure 10: time of a query along a path, by how the spheres were divided; and whether volumes as
+//! weights help.
+
+use super::heuristics::Heuristic;
+use super::models::{Model, path};
+use crate::short::count;
+use core::ops::ControlFlow;
+use simdop::construct::{Builder, Magnification, SphereSet, Splitter};
+use simdop::hierarchy::Bvh;
+use simdop::isa::Isa;
+use simdop::node::{Node4, Node16};
+use simdop::pose::Pose;
+use simdop::primitive::{Sphere, Spheres};
+use simdop::query::{Completion, Counters, Lanes, Query};
+use std::fmt::Write;
+use std::hint::black_box;
+use std::time::Instant;
+
+/// Of a path.
+const POSES: usize = 400;
+/// Times that each tree goes along a path, of which the least of each pose counts: as many as spheres of all of them
+/// together allow, and no fewer or more than this.
+const RUNS: core::ops::RangeInclusive<usize> = 5..=25;
+const SPHERES_OF_ALL_RUNS: usize = 100_000;
+/// Batch Neural Gas is built so often, from other starts, to tell the effect of weights from chance.
+const SEEDS: usize = 10;
+/// Pairs of spheres that are tested one by one for a pair of bodies. At least one pose is.
+const PAIRS: usize = 2_000_000_000;
+
+/// How the spheres of a node are divided.
+#[derive(Copy, Clone, PartialEq, Eq, Debug)]
+enum Division {
+    Splitter(Splitter),
+    Heuristic(Heuristic),
+}
+
+/// What is compared, the first with all others.
+const DIVISIONS: [Division; 5] = [
+    gas(Magnification::Area, 0),
+    gas(Magnification::None, 0),
+    Division::Heuristic(Heuristic::Biggest),
+    Division::Heuristic(Heuristic::Extremes),
+    Division::Splitter(Splitter::MeanWidth),
+];
+
+const fn gas(magnification: Magnification, seed: u32) -> Division {
+    Division::Splitter(Splitter::BatchNeuralGas { magnification, seed })
+}
+
+impl Division {
+    fn name(self, arity: usize) -> &'static str {
+        match self {
+            Self::Splitter(Splitter::BatchNeuralGas { magnification: Magnification::Area, .. }) => {
+                "neural gas by volume"
+            }
+            Self::Splitter(Splitter::BatchNeuralGas { .. }) => "neural gas",
+            Self::Splitter(_) => "mean width",
+            Self::Heuristic(Heuristic::Biggest) if arity == 4 => "four biggest",
+            Self::Heuristic(Heuristic::Biggest) => "sixteen biggest",
+            Self::Heuristic(Heuristic::Extremes) if arity == 4 => "extremes on two axes",
+            Self::Heuristic(Heuristic::Extremes) => "extremes on two axes, twice",
+        }
+    }
+
+    /// The tree, and how many of its nodes could not be divided so.
+    fn build<N: Lanes>(self, spheres: &[Sphere]) -> (Bvh<N, Spheres>, usize) {
+        let set = SphereSet { spheres };
+        match self {
+            Self::Splitter(splitter) => {
+                let builder = Builder::new().splitter(splitter);
+                (builder.build_geometry(&set, &mut |_| ControlFlow::Continue(())).unwrap(), 0)
+            }
+            Self::Heuristic(heuristic) => {
+                let shape = heuristic.shape(spheres, N::ARITY);
+                (Builder::new().build_assigned(&set, &shape.assignment).unwrap(), shape.balanced)
+            }
+        }
+    }
+}
+
+/// Two bodies and a path of the first through the second.
+pub(crate) struct Scene<'m> {
+    a: &'m Model,
+    b: &'m Model,
+    size: usize,
+    poses: Vec<Pose>,
+    /// What the two share at each pose.
+    shared: Vec<Shared>,
+}
+
+/// An answer, that of each tree.
+#[derive(Copy, Clone, PartialEq, Debug)]
+struct Shared {
+    volume: f64,
+    pairs: u64,
+}
+
+/// Of a query.
+#[derive(Copy, Clone, Debug)]
+pub(crate) struct Cost {
+    /// In microseconds.
+    mean: f64,
+    median: f64,
+    p99: f64,
+    /// Mean.
+    work: Work,
+}
+
+/// Counted: the same on every machine.
+#[derive(Copy, Clone, Debug)]
+struct Work {
+    visits: f64,
+    kernels: f64,
+    pairs: f64,
+}
+
+/// One scene, one number of spheres, one arity, one way to divide them.
+pub(crate) struct Row {
+    scene: String,
+    spheres: usize,
+    arity: usize,
+    division: &'static str,
+    /// Of both trees.
+    nodes: usize,
+    depth: u32,
+    balanced: usize,
+    pub(crate) volume: Cost,
+    pub(crate) verdict: Cost,
+}
+
+/// What weights do to the work of a query, as ratios: with over without, over the seeds.
+pub(crate) struct Weights {
+    scene: String,
+    spheres: usize,
+    arity: usize,
+    volume: [Spread; 3],
+    verdict: [Spread; 3],
+}
+
+#[derive(Copy, Clone, Debug)]
+struct Spread {
+    mean: f64,
+    least: f64,
+    most: f64,
+}
+
+impl<'m> Scene<'m> {
+    /// Both bodies with their first `size` spheres. Answers are asked of the default's trees; those of some poses are
+    /// compared with the sum over all pairs.
+    pub(crate) fn new(a: &'m Model, b: &'m Model, size: usize) -> Self {
+        let poses = path(a, b, count(POSES, 23));
+        let mut scene = Self { a, b, size, poses, shared: Vec::new() };
+        let trees = scene.trees::<Node16<18>>(Division::Splitter(Splitter::default())).0;
+        scene.shared = scene.poses.iter().map(|pose| shared(&trees, pose).0).collect();
+        scene.check();
+        scene
+    }
+
+    fn name(&self) -> String {
+        format!("{} in {}", self.a.name, self.b.name)
+    }
+
+    fn spheres(&self) -> [&'m [Sphere]; 2] {
+        [self.a, self.b].map(|model| &model.spheres[..self.size])
+    }
+
+    fn trees<N: Lanes>(&self, division: Division) -> ([Bvh<N, Spheres>; 2], usize) {
+        let [(a, of_a), (b, of_b)] = self.spheres().map(|spheres| division.build(spheres));
+        ([a, b], of_a + of_b)
+    }
+
+    /// The deepest pose, and as many more as there is time for.
+    fn check(&self) {
+        let deepest = (0..self.poses.len()).max_by(|&i, &j| {
+            let volume = |i: usize| self.shared[i].volume;
+            volume(i).total_cmp(&volume(j))
+        });
+        let step = self.poses.len().div_ceil((PAIRS / (self.size * self.size)).max(1));
+        let others = (step / 2..self.poses.len()).step_by(step).filter(|_| step < self.poses.len());
+        for i in deepest.into_iter().chain(others) {
+            let want = by_all_pairs(self.spheres(), &self.poses[i]);
+            let got = self.shared[i];
+            assert!((got.volume - want.volume).abs() <= 1e-9 * want.volume, "{got:?}, not {want:?}");
+            assert_eq!(got.pairs, want.pairs, "{}", self.name());
+        }
+    }
+
+    /// What the path is like.
+    pub(crate) fn describe(&self) -> String {
+        let meet = self.shared.iter().filter(|shared| shared.pairs > 0).count();
+        let deepest = self.shared.iter().map(|shared| shared.volume).fold(0.0, f64::max);
+        let volume = |model: &Model| {
+            let cubes = model.spheres[..self.size].iter().map(|s| s.radius * s.radius * s.radius);
+            4.0 / 3.0 * core::f64::consts::PI * cubes.sum::<f64>()
+        };
+        let smaller = f64::min(volume(self.a), volume(self.b));
+        let pairs = self.shared.iter().map(|shared| shared.pairs).sum::<u64>() / self.poses.len() as u64;
+        format!(
+            "{}, {} spheres each: {} poses, the two meet at {:.0} %, share at most {:.0} % of the smaller packing, \
+             and {pairs} pairs of spheres in the mean",
+            self.name(),
+            self.size,
+            self.poses.len(),
+            100.0 * meet as f64 / self.poses.len() as f64,
+            100.0 * deepest / smaller,
+        )
+    }
+
+    pub(crate) fn measure(&self, rows: &mut Vec<Row>) {
+        self.measure_arity::<Node4<18>>(rows);
+        self.measure_arity::<Node16<18>>(rows);
+    }
+
+    fn measure_arity<N: Lanes>(&self, rows: &mut Vec<Row>) {
+        eprintln!("{}, {} spheres, arity {}: queries", self.name(), self.size, N::ARITY);
+        let built = DIVISIONS.map(|division| self.trees::<N>(division));
+        // Before the clock: every answer of every tree, and what it takes.
+        let work = built.each_ref().map(|(trees, _)| self.work(trees));
+        let mut times =
+            vec![[vec![f64::INFINITY; self.poses.len()], vec![f64::INFINITY; self.poses.len()]]; 5];
+        let query = Query::new(Isa::detect());
+        let runs = (SPHERES_OF_ALL_RUNS / self.size).clamp(*RUNS.start(), *RUNS.end());
+        for _ in 0..count(runs, 1) {
+            for ((trees, _), [volume, verdict]) in built.iter().zip(&mut times) {
+                let [a, b] = trees.each_ref().map(Bvh::view);
+                timed(&self.poses, volume, |pose| query.penetration(&a, &b, pose).volume);
+                timed(&self.poses, verdict, |pose| query.collide(&a, &b, pose).is_free());
+            }
+        }
+        for (((division, (trees, balanced)), work), times) in
+            DIVISIONS.iter().zip(&built).zip(work).zip(times)
+        {
+            let [volume, verdict] = times;
+            let headers = trees.each_ref().map(|tree| *tree.view().header());
+            rows.push(Row {
+                scene: self.name(),
+                spheres: self.size,
+                arity: N::ARITY,
+                division: division.name(N::ARITY),
+                nodes: headers.iter().map(|header| header.node_count as usize).sum(),
+                depth: headers.iter().map(|header| header.depth).max().unwrap(),
+                balanced: *balanced,
+                volume: Cost::of(volume, work[0]),
+                verdict: Cost::of(verdict, work[1]),
+            });
+        }
+    }
+
+    /// Of the volume and of yes or no, in the mean.
+    ///
+    /// # Panics
+    /// If an answer is not, bit for bit, what it is of all other trees.
+    fn work<N: Lanes>(&self, trees: &[Bvh<N, Spheres>; 2]) -> [Work; 2] {
+        let mut counters = [Vec::new(), Vec::new()];
+        for (pose, want) in self.poses.iter().zip(&self.shared) {
+            let (got, work) = shared(trees, pose);
+            assert!(
+                got.volume.to_bits() == want.volume.to_bits() && got.pairs == want.pairs,
+                "{got:?} {want:?}"
+            );
+            counters[0].push(work);
+            let verdict = Query::new(Isa::detect()).collide(&trees[0], &trees[1], pose);
+            assert_eq!(verdict.is_free(), want.pairs == 0, "{}", self.name());
+            counters[1].push(verdict.counters);
+        }
+        counters.map(|counters| Work::of(&counters))
+    }
+
+    pub(crate) fn weights(&self, rows: &mut Vec<Weights>) {
+        rows.push(self.weights_of_arity::<Node4<18>>());
+        rows.push(self.weights_of_arity::<Node16<18>>());
+    }
+
+    fn weights_of_arity<N: Lanes>(&self) -> Weights {
+        eprintln!("{}, {} spheres, arity {}: weights", self.name(), self.size, N::ARITY);
+        let works = |magnification| -> Vec<[Work; 2]> {
+            let seeds = 0..count(SEEDS, 2) as u32;
+            seeds.map(|seed| self.work(&self.trees::<N>(gas(magnification, seed)).0)).collect()
+        };
+        let (with, without) = (works(Magnification::Area), works(Magnification::None));
+        let ratios = |query: usize| {
+            [|work: &Work| work.visits, |work: &Work| work.kernels, |work: &Work| work.pairs].map(|of| {
+                // To the mean over seeds: which seed is compared with which means nothing.
+                let mean = without.iter().map(|work| of(&work[query])).sum::<f64>() / without.len() as f64;
+                Spread::of(with.iter().map(|work| of(&work[query]) / mean).collect())
+            })
+        };
+        Weights {
+            scene: self.name(),
+            spheres: self.size,
+            arity: N::ARITY,
+            volume: ratios(0),
+            verdict: ratios(1),
+        }
+    }
+}
+
+fn shared<N: Lanes>([a, b]: &[Bvh<N, Spheres>; 2], pose: &Pose) -> (Shared, Counters) {
+    let found = Query::new(Isa::detect()).penetration(a, b, pose);
+    assert_eq!(found.completion, Completion::Complete);
+    (Shared { volume: found.volume, pairs: found.pairs }, found.counters)
+}
+
+/// One after the other along the path; of each pose the least.
+fn timed<T>(poses: &[Pose], times: &mut [f64], query: impl Fn(&Pose) -> T) {
+    for (pose, time) in poses.iter().zip(times) {
+        let start = Instant::now();
+        let _ = black_box(query(black_box(pose)));
+        *time = time.min(start.elapsed().as_secs_f64());
+    }
+}
+
+impl Cost {
+    fn of(mut seconds: Vec<f64>, work: Work) -> Self {
+        seconds.sort_by(f64::total_cmp);
+        let at = |percent: usize| 1e6 * seconds[(seconds.len() * percent / 100).min(seconds.len() - 1)];
+        let mean = 1e6 * seconds.iter().sum::<f64>() / seconds.len() as f64;
+        Self { mean, median: at(50), p99: at(99), work }
+    }
+}
+
+impl Work {
+    fn of(counters: &[Counters]) -> Self {
+        let mean =
+            |of: fn(&Counters) -> u64| counters.iter().map(of).sum::<u64>() as f64 / counters.len() as f64;
+        Self { visits: mean(|c| c.visits), kernels: mean(|c| c.kernels), pairs: mean(|c| c.primitive_pairs) }
+    }
+}
+
+impl Spread {
+    fn of(numbers: Vec<f64>) -> Self {
+        Self {
+            mean: numbers.iter().sum::<f64>() / numbers.len() as f64,
+            least: numbers.iter().copied().fold(f64::INFINITY, f64::min),
+            most: numbers.iter().copied().fold(0.0, f64::max),
+        }
+    }
+}
+
+/// What a tree must find, without one.
+fn by_all_pairs([a, b]: [&[Sphere]; 2], pose: &Pose) -> Shared {
+    let (mut volume, mut pairs) = (0.0, 0);
+    for p in a.iter().map(|sphere| Sphere { centre: pose.apply(sphere.centre), ..*sphere }) {
+        for q in b {
+            let [x, y, z] = [0, 1, 2].map(|i| (p.centre[i] - q.centre[i]) * (p.centre[i] - q.centre[i]));
+            let (square, reach) = ((x + y) + z, p.radius + q.radius);
+            if square <= reach * reach {
+                pairs += 1;
+                volume += lens(p.radius, q.radius, square.sqrt());
+            }
+        }
+    }
+    Shared { volume, pairs }
+}
+
+/// What two balls share: a cap of each, on the two sides of the circle in which they meet.
+fn lens(r: f64, s: f64, distance: f64) -> f64 {
+    let (r, s) = (r.max(s), r.min(s));
+    let pi = core::f64::consts::PI;
+    if distance >= r + s {
+        return 0.0;
+    }
+    if distance + s <= r {
+        return 4.0 / 3.0 * pi * s * s * s;
+    }
+    let height = |r: f64, s: f64| (s - (distance - r)) * (s + (distance - r)) / (2.0 * distance);
+    let cap = |r: f64, h: f64| pi * h * h * (r - h / 3.0);
+    cap(r, height(r, s)) + cap(s, height(s, r))
+}
+
+/// Of one of the two queries. In brackets ratios to the first of a group.
+pub(crate) fn table(rows: &[Row], cost: fn(&Row) -> Cost) -> String {
+    let mut text = String::from(
+        "| scene | spheres | arity | partitioning | mean, us | median | p99 | visits | kernels | pairs tested | nodes of both | depth |\n\
+         |---|--:|--:|---|--:|--:|--:|--:|--:|--:|--:|--:|\n",
+    );
+    for group in rows.chunks(DIVISIONS.len()) {
+        let first = cost(&group[0]);
+        for row in group {
+            let Row { scene, spheres, arity, division, nodes, depth, .. } = row;
+            let Cost { mean, median, p99, work: Work { visits, kernels, pairs } } = cost(row);
+            let [in_time, in_visits] = [mean / first.mean, visits / first.work.visits];
+            // How many nodes a heuristic could not divide.
+            let note = if row.balanced > 0 { format!(", {} balanced", row.balanced) } else { String::new() };
+            writeln!(
+                text,
+                "| {scene} | {spheres} | {arity} | {division} | {mean:.2} ({in_time:.2}) | {median:.2} | {p99:.2} | \
+                 {visits:.1} ({in_visits:.2}) | {kernels:.1} | {pairs:.1} | {nodes}{note} | {depth} |"
+            )
+            .unwrap();
+        }
+    }
+    text
+}
+
+pub(crate) fn csv(rows: &[Row]) -> String {
+    let mut text = String::from("scene,spheres,arity,partitioning,nodes,depth,balanced");
+    for query in ["volume", "verdict"] {
+        for column in ["mean", "median", "p99"] {
+            write!(text, ",{query}_{column}_microseconds").unwrap();
+        }
+        write!(text, ",{query}_visits,{query}_kernels,{query}_pairs").unwrap();
+    }
+    for row in rows {
+        let Row { scene, spheres, arity, division, nodes, depth, balanced, .. } = row;
+        // One name has a comma.
+        write!(text, "\n{scene},{spheres},{arity},\"{division}\",{nodes},{depth},{balanced}").unwrap();
+        for Cost { mean, median, p99, work: Work { visits, kernels, pairs } } in [row.volume, row.verdict] {
+            write!(text, ",{mean:.3},{median:.3},{p99:.3},{visits:.1},{kernels:.1},{pairs:.1}").unwrap();
+        }
+    }
+    text.push('\n');
+    text
+}
+
+pub(crate) fn table_of_weights(rows: &[Weights]) -> String {
+    let mut text = String::from(
+        "| scene | spheres | arity | volume: visits | kernels | pairs tested | yes or no: visits | kernels | pairs tested |\n\
+         |---|--:|--:|--:|--:|--:|--:|--:|--:|\n",
+    );
+    for Weights { scene, spheres, arity, volume, verdict } in rows {
+        write!(text, "| {scene} | {spheres} | {arity} |").unwrap();
+        for Spread { mean, least, most } in volume.iter().chain(verdict) {
+            write!(text, " {mean:.2} ({least:.2} to {most:.2}) |").unwrap();
+        }
+        text.push('\n');
+    }
+    text
+}
