@@ -15,6 +15,7 @@
 //!   over all pairs of spheres.
 //! * **Weights**: the work of the same queries with the spheres' volumes as weights over that without, for Batch Neural
 //!   Gas from several starts.
+//! * **Bounds**: how soon they close in, with a budget.
 //!
 //! Prints tables and writes CSV to `target/spheres/`. Counted work is the same on every machine. As the paper's pig and
 //! statue are not to be had, a hand and the armadillo stand for them.
@@ -28,6 +29,7 @@ mod rng;
 #[path = "support/short.rs"]
 mod short;
 mod spheres {
+    pub(crate) mod bounds;
     pub(crate) mod construction;
     pub(crate) mod heuristics;
     pub(crate) mod makers;
@@ -37,6 +39,7 @@ mod spheres {
 
 use data::directory;
 use short::{count, is_short};
+use spheres::bounds;
 use spheres::construction;
 use spheres::makers::Makers;
 use spheres::models::Model;
@@ -67,13 +70,14 @@ fn main() {
     let built = construction::measure(&models, &sizes, &makers);
     println!("{}", construction::table(&built));
 
-    let (mut asked, mut weights) = (Vec::new(), Vec::new());
+    let (mut asked, mut weights, mut bounds) = (Vec::new(), Vec::new(), Vec::new());
     for [a, b] in SCENES.into_iter().take(count(SCENES.len(), 1)) {
         for &size in &sizes {
             let scene = Scene::new(&models[a], &models[b], size);
             println!("{}.", scene.describe());
             scene.measure(&mut asked);
             scene.weights(&mut weights);
+            bounds.push(bounds::measure(&scene));
         }
     }
     println!("\nQueries, figure 10, penetration volume (in brackets: over the first):\n");
@@ -81,6 +85,10 @@ fn main() {
     println!("Queries, yes or no:\n\n{}", queries::table(&asked, |row| row.verdict));
     println!("Volumes as weights, work with over work without (least to most over the starts):\n");
     println!("{}", queries::table_of_weights(&weights));
+    println!(
+        "Bounds of volumes with a part of the visits, over the volume, medians of the poses that share one:\n"
+    );
+    println!("{}", bounds::table(&bounds));
 
     let name = if is_short() { "spheres-short" } else { "spheres" };
     let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).with_file_name(name);

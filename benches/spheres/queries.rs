@@ -31,16 +31,19 @@ const PAIRS: usize = 2_000_000_000;
 #[derive(Copy, Clone, PartialEq, Eq, Debug)]
 enum Division {
     Splitter(Splitter),
+    /// By the default splitter, and trees without balls.
+    KDops,
     Heuristic(Heuristic),
 }
 
 /// What is compared, the first with all others.
-const DIVISIONS: [Division; 5] = [
+const DIVISIONS: [Division; 6] = [
     gas(Magnification::Area, 0),
     gas(Magnification::None, 0),
     Division::Heuristic(Heuristic::Biggest),
     Division::Heuristic(Heuristic::Extremes),
     Division::Splitter(Splitter::MeanWidth),
+    Division::KDops,
 ];
 
 const fn gas(magnification: Magnification, seed: u32) -> Division {
@@ -55,6 +58,7 @@ impl Division {
             }
             Self::Splitter(Splitter::BatchNeuralGas { .. }) => "neural gas",
             Self::Splitter(_) => "mean width",
+            Self::KDops => "mean width, without balls",
             Self::Heuristic(Heuristic::Biggest) if arity == 4 => "four biggest",
             Self::Heuristic(Heuristic::Biggest) => "sixteen biggest",
             Self::Heuristic(Heuristic::Extremes) if arity == 4 => "extremes on two axes",
@@ -68,6 +72,10 @@ impl Division {
         match self {
             Self::Splitter(splitter) => {
                 let builder = Builder::new().splitter(splitter);
+                (builder.build_geometry(&set, &mut |_| ControlFlow::Continue(())).unwrap(), 0)
+            }
+            Self::KDops => {
+                let builder = Builder::new().without_balls();
                 (builder.build_geometry(&set, &mut |_| ControlFlow::Continue(())).unwrap(), 0)
             }
             Self::Heuristic(heuristic) => {
@@ -156,6 +164,15 @@ impl<'m> Scene<'m> {
         scene
     }
 
+    pub(crate) fn poses(&self) -> &[Pose] {
+        &self.poses
+    }
+
+    /// The trees of both bodies.
+    pub(crate) fn trees_of(&self, splitter: Splitter) -> [Bvh<Node16<18>, Spheres>; 2] {
+        self.trees(Division::Splitter(splitter)).0
+    }
+
     fn name(&self) -> String {
         format!("{} in {}", self.a.name, self.b.name)
     }
@@ -216,8 +233,10 @@ impl<'m> Scene<'m> {
         let built = DIVISIONS.map(|division| self.trees::<N>(division));
         // Before the clock: every answer of every tree, and what it takes.
         let work = built.each_ref().map(|(trees, _)| self.work(trees));
-        let mut times =
-            vec![[vec![f64::INFINITY; self.poses.len()], vec![f64::INFINITY; self.poses.len()]]; 5];
+        let mut times = vec![
+            [vec![f64::INFINITY; self.poses.len()], vec![f64::INFINITY; self.poses.len()]];
+            DIVISIONS.len()
+        ];
         let query = Query::new(Isa::detect());
         let runs = (SPHERES_OF_ALL_RUNS / self.size).clamp(*RUNS.start(), *RUNS.end());
         for _ in 0..count(runs, 1) {
