@@ -28,11 +28,13 @@ mod rng;
 #[path = "support/short.rs"]
 mod short;
 mod spheres {
+    pub(crate) mod all_pairs;
     pub(crate) mod construction;
     pub(crate) mod heuristics;
     pub(crate) mod makers;
     pub(crate) mod models;
     pub(crate) mod queries;
+    pub(crate) mod report;
 }
 
 use data::directory;
@@ -40,7 +42,8 @@ use short::{count, is_short};
 use spheres::construction;
 use spheres::makers::Makers;
 use spheres::models::Model;
-use spheres::queries::{self, Scene};
+use spheres::queries::Scene;
+use spheres::report;
 use std::path::Path;
 
 /// The first two are what a short run has.
@@ -77,15 +80,19 @@ fn main() {
         }
     }
     println!("\nQueries, figure 10, penetration volume (in brackets: over the first):\n");
-    println!("{}", queries::table(&asked, |row| row.volume));
-    println!("Queries, yes or no:\n\n{}", queries::table(&asked, |row| row.verdict));
+    println!("{}", report::table(&asked, |row| row.volume));
+    println!("Queries, yes or no:\n\n{}", report::table(&asked, |row| row.verdict));
+    println!(
+        "All scenes and sizes, geometric means of the ratios to the first:\n\n{}",
+        report::summary(&asked)
+    );
     println!("Volumes as weights, work with over work without (least to most over the starts):\n");
-    println!("{}", queries::table_of_weights(&weights));
+    println!("{}", report::table_of_weights(&weights));
 
     let name = if is_short() { "spheres-short" } else { "spheres" };
     let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).with_file_name(name);
     std::fs::create_dir_all(&folder).unwrap();
     std::fs::write(folder.join("construction.csv"), construction::csv(&built)).unwrap();
-    std::fs::write(folder.join("queries.csv"), queries::csv(&asked)).unwrap();
+    std::fs::write(folder.join("queries.csv"), report::csv(&asked)).unwrap();
     println!("{}", folder.display());
 }
