@@ -29,12 +29,14 @@ mod rng;
 #[path = "support/short.rs"]
 mod short;
 mod spheres {
+    pub(crate) mod all_pairs;
     pub(crate) mod bounds;
     pub(crate) mod construction;
     pub(crate) mod heuristics;
     pub(crate) mod makers;
     pub(crate) mod models;
     pub(crate) mod queries;
+    pub(crate) mod report;
 }
 
 use data::directory;
@@ -43,7 +45,8 @@ use spheres::bounds;
 use spheres::construction;
 use spheres::makers::Makers;
 use spheres::models::Model;
-use spheres::queries::{self, Scene};
+use spheres::queries::Scene;
+use spheres::report;
 use std::path::Path;
 
 /// The first two are what a short run has.
@@ -81,10 +84,14 @@ fn main() {
         }
     }
     println!("\nQueries, figure 10, penetration volume (in brackets: over the first):\n");
-    println!("{}", queries::table(&asked, |row| row.volume));
-    println!("Queries, yes or no:\n\n{}", queries::table(&asked, |row| row.verdict));
+    println!("{}", report::table(&asked, |row| row.volume));
+    println!("Queries, yes or no:\n\n{}", report::table(&asked, |row| row.verdict));
+    println!(
+        "All scenes and sizes, geometric means of the ratios to the first:\n\n{}",
+        report::summary(&asked)
+    );
     println!("Volumes as weights, work with over work without (least to most over the starts):\n");
-    println!("{}", queries::table_of_weights(&weights));
+    println!("{}", report::table_of_weights(&weights));
     println!(
         "Bounds of volumes with a part of the visits, over the volume, medians of the poses that share one:\n"
     );
@@ -94,6 +101,6 @@ fn main() {
     let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).with_file_name(name);
     std::fs::create_dir_all(&folder).unwrap();
     std::fs::write(folder.join("construction.csv"), construction::csv(&built)).unwrap();
-    std::fs::write(folder.join("queries.csv"), queries::csv(&asked)).unwrap();
+    std::fs::write(folder.join("queries.csv"), report::csv(&asked)).unwrap();
     println!("{}", folder.display());
 }

@@ -1,6 +1,7 @@
 //! The BNG paper's figure 10: time of a query along a path, by how the spheres were divided; and whether volumes as
 //! weights help.
 
+use super::all_pairs::{Shared, by_all_pairs};
 use super::heuristics::Heuristic;
 use super::models::{Model, path};
 use crate::short::count;
@@ -12,7 +13,6 @@ use simdop::node::{Node4, Node16};
 use simdop::pose::Pose;
 use simdop::primitive::{Sphere, Spheres};
 use simdop::query::{Completion, Counters, Lanes, Query};
-use std::fmt::Write;
 use std::hint::black_box;
 use std::time::Instant;
 
@@ -29,7 +29,7 @@ const PAIRS: usize = 2_000_000_000;
 
 /// How the spheres of a node are divided.
 #[derive(Copy, Clone, PartialEq, Eq, Debug)]
-enum Division {
+pub(crate) enum Division {
     Splitter(Splitter),
     /// By the default splitter, and trees without balls.
     KDops,
@@ -37,7 +37,7 @@ enum Division {
 }
 
 /// What is compared, the first with all others.
-const DIVISIONS: [Division; 6] = [
+pub(crate) const DIVISIONS: [Division; 6] = [
     gas(Magnification::Area, 0),
     gas(Magnification::None, 0),
     Division::Heuristic(Heuristic::Biggest),
@@ -96,60 +96,53 @@ pub(crate) struct Scene<'m> {
     shared: Vec<Shared>,
 }
 
-/// An answer, that of each tree.
-#[derive(Copy, Clone, PartialEq, Debug)]
-struct Shared {
-    volume: f64,
-    pairs: u64,
-}
-
 /// Of a query.
 #[derive(Copy, Clone, Debug)]
 pub(crate) struct Cost {
     /// In microseconds.
-    mean: f64,
-    median: f64,
-    p99: f64,
+    pub(crate) mean: f64,
+    pub(crate) median: f64,
+    pub(crate) p99: f64,
     /// Mean.
-    work: Work,
+    pub(crate) work: Work,
 }
 
 /// Counted: the same on every machine.
 #[derive(Copy, Clone, Debug)]
-struct Work {
-    visits: f64,
-    kernels: f64,
-    pairs: f64,
+pub(crate) struct Work {
+    pub(crate) visits: f64,
+    pub(crate) kernels: f64,
+    pub(crate) pairs: f64,
 }
 
 /// One scene, one number of spheres, one arity, one way to divide them.
 pub(crate) struct Row {
-    scene: String,
-    spheres: usize,
-    arity: usize,
-    division: &'static str,
+    pub(crate) scene: String,
+    pub(crate) spheres: usize,
+    pub(crate) arity: usize,
+    pub(crate) division: &'static str,
     /// Of both trees.
-    nodes: usize,
-    depth: u32,
-    balanced: usize,
+    pub(crate) nodes: usize,
+    pub(crate) depth: u32,
+    pub(crate) balanced: usize,
     pub(crate) volume: Cost,
     pub(crate) verdict: Cost,
 }
 
 /// What weights do to the work of a query, as ratios: with over without, over the seeds.
 pub(crate) struct Weights {
-    scene: String,
-    spheres: usize,
-    arity: usize,
-    volume: [Spread; 3],
-    verdict: [Spread; 3],
+    pub(crate) scene: String,
+    pub(crate) spheres: usize,
+    pub(crate) arity: usize,
+    pub(crate) volume: [Spread; 3],
+    pub(crate) verdict: [Spread; 3],
 }
 
 #[derive(Copy, Clone, Debug)]
-struct Spread {
-    mean: f64,
-    least: f64,
-    most: f64,
+pub(crate) struct Spread {
+    pub(crate) mean: f64,
+    pub(crate) least: f64,
+    pub(crate) most: f64,
 }
 
 impl<'m> Scene<'m> {
@@ -354,95 +347,4 @@ impl Spread {
             most: numbers.iter().copied().fold(0.0, f64::max),
         }
     }
-}
-
-/// What a tree must find, without one.
-fn by_all_pairs([a, b]: [&[Sphere]; 2], pose: &Pose) -> Shared {
-    let (mut volume, mut pairs) = (0.0, 0);
-    for p in a.iter().map(|sphere| Sphere { centre: pose.apply(sphere.centre), ..*sphere }) {
-        for q in b {
-            let [x, y, z] = [0, 1, 2].map(|i| (p.centre[i] - q.centre[i]) * (p.centre[i] - q.centre[i]));
-            let (square, reach) = ((x + y) + z, p.radius + q.radius);
-            if square <= reach * reach {
-                pairs += 1;
-                volume += lens(p.radius, q.radius, square.sqrt());
-            }
-        }
-    }
-    Shared { volume, pairs }
-}
-
-/// What two balls share: a cap of each, on the two sides of the circle in which they meet.
-fn lens(r: f64, s: f64, distance: f64) -> f64 {
-    let (r, s) = (r.max(s), r.min(s));
-    let pi = core::f64::consts::PI;
-    if distance >= r + s {
-        return 0.0;
-    }
-    if distance + s <= r {
-        return 4.0 / 3.0 * pi * s * s * s;
-    }
-    let height = |r: f64, s: f64| (s - (distance - r)) * (s + (distance - r)) / (2.0 * distance);
-    let cap = |r: f64, h: f64| pi * h * h * (r - h / 3.0);
-    cap(r, height(r, s)) + cap(s, height(s, r))
-}
-
-/// Of one of the two queries. In brackets ratios to the first of a group.
-pub(crate) fn table(rows: &[Row], cost: fn(&Row) -> Cost) -> String {
-    let mut text = String::from(
-        "| scene | spheres | arity | partitioning | mean, us | median | p99 | visits | kernels | pairs tested | nodes of both | depth |\n\
-         |---|--:|--:|---|--:|--:|--:|--:|--:|--:|--:|--:|\n",
-    );
-    for group in rows.chunks(DIVISIONS.len()) {
-        let first = cost(&group[0]);
-        for row in group {
-            let Row { scene, spheres, arity, division, nodes, depth, .. } = row;
-            let Cost { mean, median, p99, work: Work { visits, kernels, pairs } } = cost(row);
-            let [in_time, in_visits] = [mean / first.mean, visits / first.work.visits];
-            // How many nodes a heuristic could not divide.
-            let note = if row.balanced > 0 { format!(", {} balanced", row.balanced) } else { String::new() };
-            writeln!(
-                text,
-                "| {scene} | {spheres} | {arity} | {division} | {mean:.2} ({in_time:.2}) | {median:.2} | {p99:.2} | \
-                 {visits:.1} ({in_visits:.2}) | {kernels:.1} | {pairs:.1} | {nodes}{note} | {depth} |"
-            )
-            .unwrap();
-        }
-    }
-    text
-}
-
-pub(crate) fn csv(rows: &[Row]) -> String {
-    let mut text = String::from("scene,spheres,arity,partitioning,nodes,depth,balanced");
-    for query in ["volume", "verdict"] {
-        for column in ["mean", "median", "p99"] {
-            write!(text, ",{query}_{column}_microseconds").unwrap();
-        }
-        write!(text, ",{query}_visits,{query}_kernels,{query}_pairs").unwrap();
-    }
-    for row in rows {
-        let Row { scene, spheres, arity, division, nodes, depth, balanced, .. } = row;
-        // One name has a comma.
-        write!(text, "\n{scene},{spheres},{arity},\"{division}\",{nodes},{depth},{balanced}").unwrap();
-        for Cost { mean, median, p99, work: Work { visits, kernels, pairs } } in [row.volume, row.verdict] {
-            write!(text, ",{mean:.3},{median:.3},{p99:.3},{visits:.1},{kernels:.1},{pairs:.1}").unwrap();
-        }
-    }
-    text.push('\n');
-    text
-}
-
-pub(crate) fn table_of_weights(rows: &[Weights]) -> String {
-    let mut text = String::from(
-        "| scene | spheres | arity | volume: visits | kernels | pairs tested | yes or no: visits | kernels | pairs tested |\n\
-         |---|--:|--:|--:|--:|--:|--:|--:|--:|\n",
-    );
-    for Weights { scene, spheres, arity, volume, verdict } in rows {
-        write!(text, "| {scene} | {spheres} | {arity} |").unwrap();
-        for Spread { mean, least, most } in volume.iter().chain(verdict) {
-            write!(text, " {mean:.2} ({least:.2} to {most:.2}) |").unwrap();
-        }
-        text.push('\n');
-    }
-    text
 }

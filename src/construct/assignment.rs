@@ -16,7 +16,7 @@ pub struct Assignment {
     /// The primitives, each once.
     pub order: Vec<u32>,
     /// `arity` numbers a node: where each lane's part of `order` ends. The first begins where the node's
-    /// range does. Parts may be empty: unused lanes. None that is a node is the whole of the range.
+    /// range does. Parts may be empty: unused lanes. No part longer than a leaf is the whole of its range.
     pub ends: Vec<u32>,
 }
 
