@@ -3,12 +3,23 @@
 use simdop::node::{Dop, Node4, Node16};
 use simdop_fuzz::Input;
 use simdop_fuzz::bodies::bodies;
+use simdop_fuzz::spheres::sphere_bodies;
 use std::io;
 use std::path::Path;
 
 fn main() -> io::Result<()> {
-    for target in ["kernel_1v16", "kernel_4v4", "half_keys", "realign", "own_slab", "traverse", "from_bytes"]
-    {
+    let targets = [
+        "kernel_1v16",
+        "kernel_4v4",
+        "half_keys",
+        "realign",
+        "own_slab",
+        "balls",
+        "traverse",
+        "from_bytes",
+        "sphere_bytes",
+    ];
+    for target in targets {
         // Each k, and the modes in turn; then numbers as they come.
         for k in 0..5 {
             let choice = [k];
@@ -41,11 +52,22 @@ fn main() -> io::Result<()> {
     write("from_bytes", "doubles", tree::<Node4<14>>(2))?;
     write("from_bytes", "coincident", tree::<Node4<32>>(6))?;
     write("from_bytes", "triangle", tree::<Node16<6>>(9))?;
-    write("from_bytes", "nothing", tree::<Node4<6>>(10))
+    write("from_bytes", "nothing", tree::<Node4<6>>(10))?;
+    write("sphere_bytes", "lattice", spheres::<Node16<18>>(0))?;
+    write("sphere_bytes", "without_balls", spheres::<Node16<6>>(1))?;
+    write("sphere_bytes", "unlike", spheres::<Node16<6>>(2))?;
+    write("sphere_bytes", "leaves", spheres::<Node16<6>>(3))?;
+    write("sphere_bytes", "overlapping", spheres::<Node4<6>>(4))?;
+    write("sphere_bytes", "sphere", spheres::<Node16<26>>(5))?;
+    write("sphere_bytes", "nothing", spheres::<Node16<6>>(7))
 }
 
 fn tree<N: Dop>(index: usize) -> &'static [u8] {
     bodies::<N>().0[index].tree.as_bytes()
+}
+
+fn spheres<N: Dop>(index: usize) -> &'static [u8] {
+    sphere_bodies::<N>().0[index].tree.as_bytes()
 }
 
 fn write(target: &str, name: &str, seed: &[u8]) -> io::Result<()> {

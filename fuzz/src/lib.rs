@@ -14,13 +14,17 @@
 //! | `own_slab` | the same for children beyond a slab; children beyond a triangle's slab are apart from it | the scalar kernel; exact arithmetic |
 //! | `half_keys` | rounding up, by the keys and by every instruction set; codes and values | the definition of a half |
 //! | `from_bytes` | bytes refused for a true reason, or safe to walk and to query | a second reader; brute force |
+//! | `balls` | which balls meet, and bounds of what they share | the scalar kernel; lenses in `f64` |
+//! | `sphere_bytes` | as `from_bytes`, of trees of spheres; penetration volumes and their bounds | a second reader; brute force |
 //! | `traverse` | verdicts, pairs, budgets and distances, of sizes to 1e12 : 1 and as far as 1e9 diagonals from the origin; counters of every instruction set | brute force; the scalar kernel |
 //!
-//! The first byte chooses the [`Mode`], the second k, the rest is values. `from_bytes` takes a baked tree as
-//! it is, too.
+//! The first byte chooses the [`Mode`], the second k, the rest is values. `from_bytes` and
+//! `sphere_bytes` take a baked tree as it is, too.
 
+pub mod baked;
 pub mod bodies;
 pub mod planes;
+pub mod spheres;
 
 #[path = "../../tests/support/mod.rs"]
 mod support;

@@ -1,0 +1,266 @@
+//! Whatever bytes `from_bytes` accepts as a tree of spheres are safe to walk and to query, and are what it says;
+//! whatever it refuses, it refuses for a reason that is true. What two proven trees share is the sum over all pairs of
+//! spheres, and lies between the bounds that a budget leaves.
+//!
+//! An input that begins as a baked tree does is taken as one. Any other is a list of changes to a tree of the
+//! builder.
+#![no_main]
+
+use core::f64::consts::PI;
+use libfuzzer_sys::fuzz_target;
+use simdop::hierarchy::{Aligned, Bvh, BvhRef};
+use simdop::isa::Isa;
+use simdop::pose::Pose;
+use simdop::primitive::{Sphere, Spheres};
+use simdop::query::{Answer, Completion, Lanes, Penetration, Query, Verdict};
+use simdop_fuzz::baked::{
+    Buffer, Parts, change, copied, cut, is_safe_to_walk, is_true, is_what_the_bytes_say, number_at, put_code,
+    put_number, said_node, u32_at,
+};
+use simdop_fuzz::bodies::pose;
+use simdop_fuzz::spheres::{distance, lens, sphere_bodies};
+use simdop_fuzz::{Input, Mode, for_node};
+
+type View<'t, N> = BvhRef<'t, N, Spheres>;
+
+fuzz_target!(|data: &[u8]| {
+    let mut buffer: Buffer = Aligned([0; _]);
+    let mut input = Input::new(data);
+    if let Some((k, four)) = said_node(data) {
+        for_node!(k, four, examine(copied(&mut buffer, data), &mut input));
+    } else {
+        // Trees with four children to a node have no balls.
+        let (k, four) = (input.below(5), input.one_in(8));
+        for_node!([6, 14, 18, 26, 32][k], four, changed(&mut buffer, &mut input));
+    }
+});
+
+/// Makes up to four changes to a sound tree.
+fn changed<N: Lanes>(buffer: &mut Buffer, input: &mut Input) {
+    let tree = &input.pick(&sphere_bodies::<N>().0).tree;
+    let header = tree.view().header();
+    let parts = Parts::of::<N, Spheres>(header);
+    // Of vertices in single precision 4, and 8 of those in double precision.
+    let number = usize::from(header.vertex_size) / 4;
+    let len = copied(buffer, tree.as_bytes()).len();
+    let bytes = &mut buffer.0[..len];
+    for _ in 0..input.below(5) {
+        let (region, size) = match input.u8() {
+            0..32 => (0..128, 4),
+            32..80 => (128..parts.balls, 2),
+            80..160 => (parts.balls..parts.slabs, 4),
+            160..176 => (parts.slabs..parts.vertices, 4),
+            176..224 => (parts.vertices..parts.records, number),
+            224..240 => (parts.records..parts.sources, 4),
+            _ => (parts.sources..parts.end, 4),
+        };
+        change(bytes, &region, input, |bytes, at, input| match size {
+            2 => put_code(bytes, at, input),
+            _ => put_number(bytes, at, size, input),
+        });
+    }
+    let size = cut(parts.end, input);
+    examine::<N>(&buffer.0[..size], input);
+}
+
+fn examine<N: Lanes>(bytes: &[u8], input: &mut Input) {
+    let owned = Bvh::<N, Spheres>::from_bytes(bytes);
+    match View::<N>::from_bytes(bytes) {
+        Ok(view) => {
+            is_what_the_bytes_say(&view, bytes);
+            are_its_spheres(&view, bytes);
+            is_safe_to_walk(&view);
+            balls_are_of_the_body(&view);
+            let owned = owned.expect("what can be borrowed can be copied");
+            assert_eq!(owned.as_bytes(), bytes, "encoded again");
+            queries_agree(&view, input);
+        }
+        Err(error) => {
+            assert!(is_true::<N, Spheres>(error, bytes), "{error:?}");
+            assert!(!error.to_string().is_empty());
+            assert_eq!(owned.err(), Some(error));
+        }
+    }
+}
+
+/// The spheres, read from the bytes by other means.
+fn are_its_spheres<N: Lanes>(view: &View<'_, N>, bytes: &[u8]) {
+    let header = view.header();
+    let records = Parts::of::<N, Spheres>(header).records;
+    for i in 0..view.len() {
+        let Sphere { centre: [x, y, z], radius } = view.primitive(i as u32);
+        let vertex = u32_at(bytes, records + 4 * i);
+        for (number, value) in [x, y, z, radius].into_iter().enumerate() {
+            let stored = number_at::<N, Spheres>(header, bytes, vertex, number);
+            assert_eq!(value.to_bits(), stored.to_bits());
+        }
+        assert!(radius >= 0.0 && [x, y, z].iter().all(|x| x.is_finite()));
+    }
+}
+
+/// Balls of used lanes have numbers that can be turned, and those of unused ones meet nothing.
+fn balls_are_of_the_body<N: Lanes>(view: &View<'_, N>) {
+    let half_width = view.header().half_width;
+    let width = half_width.iter().map(|x| f64::from(*x)).sum::<f64>();
+    for (node, balls) in view.nodes().iter().zip(view.balls()) {
+        for (lane, child) in node.children().iter().enumerate() {
+            let ball = balls.lane(lane);
+            if *child == simdop::node::Child::EMPTY {
+                assert!(ball.centre.iter().all(|x| x.is_nan()) && (ball.radius, ball.volume) == (0.0, 0.0));
+            } else {
+                assert!(ball.centre.iter().zip(half_width).all(|(x, most)| x.abs() <= most), "{ball:?}");
+                let most = width * 1.001 + 1e-9;
+                assert!(ball.radius >= 0.0 && f64::from(ball.radius) <= most, "{ball:?}");
+                assert!(ball.volume >= 0.0 && ball.volume.is_finite(), "{ball:?}");
+            }
+        }
+    }
+}
+
+/// What is asked of two trees.
+#[derive(PartialEq, Debug)]
+struct Answers {
+    collided: Answer,
+    within: Answer,
+    whole: Penetration,
+    part: Penetration,
+}
+
+/// Queries end, alike on every instruction set; and if the tree is proven, with what brute force finds.
+fn queries_agree<N: Lanes>(view: &View<'_, N>, input: &mut Input) {
+    let other = input.pick(&sphere_bodies::<N>().0).tree.view();
+    let pose = pose(input, Mode::Real);
+    let (a, b) = [(view, &other), (&other, view), (view, view)][input.below(3)];
+    let margin = [0.0, 1e-3, 0.1, 2.0][input.below(4)];
+    let (visits, budget) = (300, input.below(64) as u64);
+    let ask = |isa| {
+        let query = Query::new(isa);
+        // Planes at infinity can make a query test all pairs.
+        let bounded = query.with_budget(visits);
+        Answers {
+            collided: bounded.collide(a, b, &pose),
+            within: bounded.within(a, b, &pose, margin).unwrap(),
+            whole: query.penetration(a, b, &pose),
+            part: query.with_budget(budget).penetration(a, b, &pose),
+        }
+    };
+    let answers = ask(Isa::SCALAR);
+    for isa in Isa::available().filter(|isa| *isa != Isa::SCALAR) {
+        let other = ask(isa);
+        // Bit by bit where a volume is not a number.
+        assert!(
+            other == answers || format!("{other:?}") == format!("{answers:?}"),
+            "{isa} {other:?} {answers:?}"
+        );
+    }
+    let Answers { collided, within, whole, part } = &answers;
+    for answer in [collided, within] {
+        let is_unknown = matches!(answer.verdict, Verdict::Unknown { .. });
+        assert!(!is_unknown || answer.counters.visits == visits, "{answer:?}");
+    }
+    assert!(whole.completion == Completion::Complete && part.pairs <= whole.pairs, "{part:?} {whole:?}");
+    match part.completion {
+        Completion::Complete => assert_eq!(part.pairs, whole.pairs),
+        _ => assert_eq!(part.counters.visits, budget),
+    }
+    let proven = input.one_in(4) && view.verify().is_ok();
+    let placed = Placed { pose: &pose, a, b, moved: spheres(a, |p| pose.apply(p)), still: spheres(b, |p| p) };
+    placed.verdict_is_true(collided, 0.0, proven);
+    placed.verdict_is_true(within, margin, proven);
+    if proven {
+        placed.volumes_are_true(whole, part);
+    }
+}
+
+fn spheres<N: Lanes>(view: &View<'_, N>, place: impl Fn([f64; 3]) -> [f64; 3]) -> Vec<Sphere> {
+    let item = |index| view.primitive(index as u32);
+    (0..view.len()).map(item).map(|s| Sphere { centre: place(s.centre), ..s }).collect()
+}
+
+/// Two bodies, and their spheres in the frame of the second.
+struct Placed<'t, N> {
+    pose: &'t Pose,
+    a: &'t View<'t, N>,
+    b: &'t View<'t, N>,
+    moved: Vec<Sphere>,
+    still: Vec<Sphere>,
+}
+
+impl<N: Lanes> Placed<'_, N> {
+    /// Hits are within the margin, and of proven trees no two spheres are if none was found: up to rounding.
+    fn verdict_is_true(&self, answer: &Answer, margin: f64, proven: bool) {
+        let all = || {
+            let of = |i| self.still.iter().zip(0..).map(move |(q, j)| (i, j, q));
+            self.moved.iter().zip(0..).flat_map(move |(p, i)| of(i).map(move |(i, j, q)| (i, j, gap(p, q))))
+        };
+        match answer.verdict {
+            Verdict::Hit(pair) => {
+                // Damaged trees may use an index twice.
+                let is_it = |i, j| (self.a.source(i), self.b.source(j)) == (pair.a, pair.b);
+                let is_near =
+                    |(i, j, (gap, slack)): (u32, u32, (f64, f64))| is_it(i, j) && gap <= margin + slack;
+                assert!(all().any(is_near), "a false hit: {pair:?} {:?}", self.pose);
+            }
+            Verdict::Free if proven => {
+                let is_apart = |(_, _, (gap, slack)): (u32, u32, (f64, f64))| gap >= margin - slack;
+                assert!(all().all(is_apart), "a miss in a proven tree: {:?}", self.pose);
+            }
+            _ => {}
+        }
+    }
+
+    /// The volume is the sum over all pairs, and so are the pairs; a budget's bounds are on both sides of it.
+    fn volumes_are_true(&self, whole: &Penetration, part: &Penetration) {
+        // In the unit of the smaller body's frame, where nothing is too small or too large.
+        let frames = [self.a, self.b].map(|tree| tree.frame().scale());
+        let scale = f64::max(frames[0], frames[1]);
+        let smaller = if frames[0] == scale { self.a } else { self.b };
+        // Sums are of limited size: of bodies in the frame that the builder chooses.
+        if smaller.header().half_width.iter().any(|x| *x > 1024.0) {
+            return;
+        }
+        let (mut volume, mut slack) = (0.0, 0.0);
+        let (mut certain, mut possible) = (0, 0);
+        for p in &self.moved {
+            for q in &self.still {
+                let (gap, rounding) = gap(p, q);
+                certain += u64::from(gap < -rounding);
+                possible += u64::from(gap <= rounding);
+                let (r, s) = (p.radius * scale, q.radius * scale);
+                let way: [f64; 3] = core::array::from_fn(|i| (p.centre[i] - q.centre[i]) * scale);
+                let shared = lens(r, s, distance(&way, &[0.0; 3]));
+                volume += shared;
+                if gap <= rounding {
+                    // A lens is right to some last places of the smaller sphere, times how much larger the other one is.
+                    slack +=
+                        1e-13 * (4.0 / 3.0 * PI) * (r.min(s) * r.min(s)) * r.max(s) + (-120.0_f64).exp2();
+                }
+            }
+        }
+        let found = ((whole.volume * scale) * scale) * scale;
+        assert!(
+            (found - volume).abs() <= 1e-9 * volume + slack,
+            "{found:e} is not {volume:e}: {whole:?} {:?}",
+            self.pose
+        );
+        assert!((certain..=possible).contains(&whole.pairs), "{certain} {possible} {whole:?}");
+        assert!(whole.upper == whole.volume && part.volume <= whole.volume, "{part:?} {whole:?}");
+        if is_disjoint(&self.moved) && is_disjoint(&self.still) {
+            assert!(whole.volume <= part.upper, "{part:?} {whole:?} {:?}", self.pose);
+        }
+    }
+}
+
+/// How far two spheres are from each other, less than nothing where they overlap; and what rounding may have changed.
+fn gap(p: &Sphere, q: &Sphere) -> (f64, f64) {
+    let d = distance(&p.centre, &q.centre);
+    let reach = p.radius + q.radius;
+    // Squares of what is so small are zero.
+    (d - reach, 1e-14 * (d + reach) + 1e-150)
+}
+
+/// Whether no two of the spheres overlap by more than rounding.
+fn is_disjoint(spheres: &[Sphere]) -> bool {
+    let overlap = |p: &Sphere, q: &Sphere| gap(p, q).0 < -1e-12 * p.radius.min(q.radius);
+    spheres.iter().enumerate().all(|(i, p)| !spheres[..i].iter().any(|q| overlap(p, q)))
+}

@@ -1,0 +1,200 @@
+//! Baked trees as bytes: changes to them, a second reader of where their parts are, and a walk that trusts none of them.
+
+use crate::Input;
+use crate::planes::code;
+use crate::support::dyadic::half_value;
+use core::ops::Range;
+use simdop::hierarchy::{Aligned, BakeError, BvhRef, Header, MAGIC, MAX_DEPTH, VERSION};
+use simdop::node::{Ball16, Link};
+use simdop::primitive::Primitive;
+use simdop::query::Lanes;
+
+/// At a multiple of 64, and large enough for every tree here.
+pub type Buffer = Aligned<[u8; 32 << 10]>;
+
+/// The number of planes and the number of children that the bytes say, if they begin as a baked tree does.
+pub fn said_node(data: &[u8]) -> Option<(u8, bool)> {
+    let field = |at: usize| data.get(at).copied().unwrap_or(0);
+    data.starts_with(&MAGIC[..4]).then(|| (field(12), field(14) == 4))
+}
+
+/// Copies as many bytes as there is room for.
+pub fn copied<'b>(buffer: &'b mut Buffer, data: &[u8]) -> &'b [u8] {
+    let size = data.len().min(buffer.0.len());
+    buffer.0[..size].copy_from_slice(&data[..size]);
+    &buffer.0[..size]
+}
+
+/// Makes one change to the bytes of a tree, somewhere in a region, by any number or by `special`.
+pub fn change(
+    bytes: &mut [u8],
+    region: &Range<usize>,
+    input: &mut Input,
+    special: impl FnOnce(&mut [u8], usize, &mut Input),
+) {
+    let mut place = |size: usize| {
+        let at = region.start + usize::from(input.u16()) % region.len().max(1);
+        (at - at % size).min(bytes.len() - size)
+    };
+    let (at, from) = (place(8), place(4));
+    let at = at + input.below(8);
+    match input.u8() % 8 {
+        0 => bytes[at] ^= 1 << input.below(8),
+        1 => bytes[at] = input.u8(),
+        2 | 3 => special(bytes, at, input),
+        4 => bytes[at & !3..][..4].copy_from_slice(&u32::from(input.u8()).to_le_bytes()),
+        5 => bytes[at & !3..][..4].copy_from_slice(&input.u32().to_le_bytes()),
+        6 => bytes[at & !7..][..8].copy_from_slice(&input.u64().to_le_bytes()),
+        _ => bytes.copy_within(from..from + 4, at & !3),
+    }
+}
+
+/// Puts the code of a plane, or any two bytes, at an even place.
+pub fn put_code(bytes: &mut [u8], at: usize, input: &mut Input) {
+    bytes[at & !1..][..2].copy_from_slice(&code(input).to_le_bytes());
+}
+
+/// How many of the bytes are left: nearly always all.
+pub fn cut(len: usize, input: &mut Input) -> usize {
+    if input.u8() == 0 { usize::from(input.u16()) % (len + 1) } else { len }
+}
+
+/// Little-endian, whatever the library reads.
+pub fn u32_at(bytes: &[u8], at: usize) -> u32 {
+    u32::from_le_bytes(*bytes[at..].first_chunk().unwrap())
+}
+
+/// Where the parts of a tree after its nodes begin, and where all ends.
+#[derive(Copy, Clone, Debug)]
+pub struct Parts {
+    pub balls: usize,
+    pub slabs: usize,
+    pub vertices: usize,
+    pub records: usize,
+    pub sources: usize,
+    pub end: usize,
+}
+
+impl Parts {
+    pub fn of<N: Lanes, P: Primitive>(header: &Header) -> Self {
+        let [nodes, vertices, primitives] =
+            [header.node_count, header.vertex_count, header.primitive_count].map(|count| count as usize);
+        let balls = 128 + nodes * size_of::<N>();
+        let slabs = balls + if header.has_balls == 1 { nodes * size_of::<Ball16>() } else { 0 };
+        let start = slabs + if header.has_thin_slabs == 1 { nodes * N::ARITY * 8 } else { 0 };
+        let records = start + vertices * usize::from(header.vertex_size);
+        let sources = records + primitives * size_of::<P::Record>();
+        let end = (sources + primitives * 4).next_multiple_of(64);
+        Self { balls, slabs, vertices: start, records, sources, end }
+    }
+}
+
+/// Whether what is said to be wrong with the bytes is.
+pub fn is_true<N: Lanes, P: Primitive>(error: BakeError, bytes: &[u8]) -> bool {
+    let field = |at: usize| u32_at(bytes, at);
+    match error {
+        BakeError::NotATree => !bytes.starts_with(&MAGIC),
+        BakeError::Version { found } => found == field(8) && found != VERSION,
+        BakeError::OtherNode { k, arity } => {
+            u32::from(k) | u32::from(arity) << 16 == field(12)
+                && (usize::from(k), usize::from(arity)) != (N::K, N::ARITY)
+        }
+        BakeError::OtherPrimitive { kind } => u32::from(kind) == field(16) & 0xffff && kind != P::KIND.code(),
+        BakeError::Truncated { have, need } => have == bytes.len() && have < need,
+        BakeError::TooLong { have, need } => have == bytes.len() && have > need,
+        BakeError::Node { node, lane, .. } => node < field(24) && (lane as usize) < N::ARITY,
+        BakeError::Vertex { index } => index < field(32),
+        BakeError::Primitive { index } => {
+            let header: &Header = Header::read(bytes).unwrap();
+            let size = size_of::<P::Record>();
+            let at = Parts::of::<N, P>(header).records + size * index as usize;
+            (0..size).step_by(4).any(|corner| field(at + corner) >= header.vertex_count)
+        }
+        BakeError::Source { index } => {
+            let header: &Header = Header::read(bytes).unwrap();
+            field(Parts::of::<N, P>(header).sources + 4 * index as usize) >= header.primitive_count
+        }
+        BakeError::Header { field } => !field.is_empty(),
+        _ => false,
+    }
+}
+
+/// The parts of the tree but for its primitives, read from the bytes by other means.
+pub fn is_what_the_bytes_say<N: Lanes, P: Primitive>(view: &BvhRef<'_, N, P>, bytes: &[u8]) {
+    let header = view.header();
+    let parts = Parts::of::<N, P>(header);
+    assert_eq!(parts.end, bytes.len());
+    assert_eq!(bytemuck::bytes_of(header), &bytes[..128]);
+    assert_eq!(bytemuck::cast_slice::<N, u8>(view.nodes()), &bytes[128..parts.balls]);
+    assert_eq!(bytemuck::cast_slice::<_, u8>(view.balls()), &bytes[parts.balls..parts.slabs]);
+    assert_eq!(bytemuck::cast_slice::<_, u8>(view.thin_slabs()), &bytes[parts.slabs..parts.vertices]);
+    assert_eq!(view.len(), header.primitive_count as usize);
+    for i in 0..view.len() {
+        assert_eq!(view.source(i as u32), u32_at(bytes, parts.sources + 4 * i));
+    }
+}
+
+/// Number `i` of a vertex, in either precision.
+pub fn number_at<N: Lanes, P: Primitive>(header: &Header, bytes: &[u8], vertex: u32, i: usize) -> f64 {
+    let size = usize::from(header.vertex_size);
+    let at = Parts::of::<N, P>(header).vertices + size * vertex as usize;
+    if size == size_of::<P::Single>() {
+        f32::from_bits(u32_at(bytes, at + 4 * i)).into()
+    } else {
+        f64::from_le_bytes(*bytes[at + 8 * i..].first_chunk().unwrap())
+    }
+}
+
+/// Every node and every primitive is reached once, no deeper than the header says, by planes that bound
+/// something.
+pub fn is_safe_to_walk<N: Lanes, P: Primitive>(view: &BvhRef<'_, N, P>) {
+    let (mut nodes, mut seen) = (0, vec![false; view.len()]);
+    let mut lanes = 0;
+    let mut pending = if view.nodes().is_empty() { vec![] } else { vec![(0, 1)] };
+    while let Some((index, level)) = pending.pop() {
+        let node: &N = &view.nodes()[index as usize];
+        nodes += 1;
+        assert!(nodes <= view.nodes().len() && level <= view.header().depth && level as usize <= MAX_DEPTH);
+        for (lane, child) in node.children().iter().enumerate() {
+            let link = child.link();
+            lanes += usize::from(link != Link::Empty);
+            let bounds = |code| code != -1 && half_value(code) > f64::NEG_INFINITY;
+            assert!((0..N::K).all(|j| bounds(node.plane(j, lane)) != (link == Link::Empty)));
+            match link {
+                Link::Empty => {}
+                Link::Inner(below) => pending.push((below, level + 1)),
+                Link::Leaf { first, count } => {
+                    for primitive in first..first + count {
+                        assert!(!core::mem::replace(&mut seen[primitive as usize], true), "twice");
+                    }
+                }
+            }
+        }
+    }
+    assert!(nodes == view.nodes().len() && seen.iter().all(|seen| *seen));
+    let stats = view.stats();
+    assert_eq!((stats.nodes, stats.primitives, stats.lanes_used), (nodes, seen.len(), lanes));
+}
+
+/// Puts a number that is not what was there, but often near it, at a multiple of its size: of 4 or 8 bytes.
+pub fn put_number(bytes: &mut [u8], at: usize, size: usize, input: &mut Input) {
+    let at = at - at % size;
+    let old = match size {
+        4 => f32::from_bits(u32_at(bytes, at)).into(),
+        _ => f64::from_le_bytes(*bytes[at..].first_chunk().unwrap()),
+    };
+    let step = (-(input.int(1, 30) as f64)).exp2();
+    let new = match input.u8() % 12 {
+        0 => 0.0,
+        1 => -old,
+        2 => f64::NAN,
+        3 => f64::INFINITY,
+        4 => f64::from(input.int(-128, 127)),
+        5..8 => old * (1.0 - step),
+        _ => old * (1.0 + step),
+    };
+    match size {
+        4 => bytes[at..][..4].copy_from_slice(&(new as f32).to_le_bytes()),
+        _ => bytes[at..][..8].copy_from_slice(&new.to_le_bytes()),
+    }
+}
