@@ -117,11 +117,12 @@ fn is_moderate(ball: &BoundingBall) -> bool {
         && ball.volume.is_finite()
 }
 
-/// What two balls share, in `f64`: of balls smaller by what the kernels leave to the pads of turned balls.
+/// What two balls share, in `f64`: where they hardly meet, of balls smaller by what the kernels leave to the pads of turned
+/// balls.
 fn least_bound(a: &BoundingBall, b: &BoundingBall) -> f64 {
     let (r, s) = (f64::from(a.radius), f64::from(b.radius));
     let d = distance(&a.centre.map(f64::from), &b.centre.map(f64::from));
     let rim = 16.0 / 16_777_216.0 * (d + r + s);
-    let shared = lens((r - rim).max(0.0), s, d).min(lens(r, (s - rim).max(0.0), d)).min(lens(r, s, d));
+    let shared = lens((r - rim).max(0.0), s, d).min(lens(r, s, d));
     shared.min(a.volume.into()).min(b.volume.into()) * (1.0 - 1e-9)
 }

@@ -45,6 +45,11 @@ pub type Turned<const W: usize, const K: usize> = [[i16; W]; K];
 /// too large: more than the dozen roundings beside them make too small.
 pub(crate) const LENS: f32 = (core::f64::consts::PI / 12.0 * ENLARGED) as f32;
 pub(crate) const WHOLE: f32 = (core::f64::consts::PI * 4.0 / 3.0 * ENLARGED) as f32;
+/// What a lens loses by the rounding of the distance, of the sums and of the difference of the radii, over the sum of the
+/// radii and the square of the smaller one. A lens grows with either radius by the area of a disc, which is at most that
+/// of the smaller ball's: with the distance right to 3.5 u and the others to u, that is 14 u; and `rest` loses 19 u of
+/// the smaller ball at most, u being 2^-24.
+pub(crate) const LENS_SLACK: f32 = crate::exact::power_of_two(-18) as f32;
 /// The least bound of a volume that is not nothing: more than what factors lose that are too small for a normal `f32`.
 pub(crate) const LEAST_VOLUME: f32 = crate::exact::power_of_two(-100) as f32;
 const ENLARGED: f64 = 1.0 + crate::exact::power_of_two(-18);
@@ -126,6 +131,7 @@ pub trait Kernel: Copy + core::fmt::Debug + sealed::Sealed {
     fn balls_meet(self, a: &Ball16, wanted: u16, b: &Ball16, rows: &mut [u16; 16]);
 
     /// For each lane of `b` an upper bound of the volume that its spheres share with those in `a`, where neither
-    /// body's spheres overlap each other; 0 if and only if the balls do not meet.
+    /// body's spheres overlap each other: the least of both volumes and of the balls' lens, and that of a lens whatever
+    /// the sizes of the two. 0 if and only if the balls do not meet.
     fn balls_share(self, a: &BoundingBall, b: &Ball16, shared: &mut [f32; 16]);
 }

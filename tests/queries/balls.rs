@@ -183,37 +183,45 @@ fn what_is_wrong_with_balls_is_said() {
     assert!(matches!(refused, Some(BakeError::TooLong { .. })));
 }
 
-/// The volume of the lens of two balls, by the discs that it is made of: Simpson's rule is exact for them.
+/// The volume of the lens of two balls, by the caps on both sides of the plane of the circle in which they meet.
 fn lens(r: f64, s: f64, d: f64) -> f64 {
+    let (r, s) = (r.max(s), r.min(s));
     if d >= r + s {
         return 0.0;
     }
-    let smaller = r.min(s);
-    if d <= (r - s).abs() {
-        return 4.0 / 3.0 * PI * smaller.powi(3);
+    if d <= r - s {
+        return 4.0 / 3.0 * PI * s.powi(3);
     }
-    // The plane of the circle, from the first centre.
-    let x = (d * d + r * r - s * s) / (2.0 * d);
-    let cap = |radius: f64, from: f64| {
-        let disc = |at: f64| PI * (radius * radius - at * at);
-        (radius - from) / 6.0 * (disc(from) + 4.0 * disc(0.5 * (from + radius)) + disc(radius))
-    };
-    cap(r, x) + cap(s, d - x)
+    let height = |r: f64, s: f64| (s - (d - r)) * ((s - r) + d) / (2.0 * d);
+    let cap = |r: f64, h: f64| PI * h * h * (r - h / 3.0);
+    cap(r, height(r, s)) + cap(s, height(s, r))
 }
 
+/// Balls of any sizes, and of sizes a thousand times apart where the smaller one just leaves the larger: there the lens
+/// hardly changes with the larger radius, and digits are lost.
 #[test]
 fn bounds_of_volumes_are_those_of_the_lens() {
     let mut rng = Rng::new(4);
     let mut by_lens = 0;
-    for _ in 0..20_000 {
+    for round in 0..60_000 {
         let size = 10_f64.powf(rng.range(-3.0, 2.0));
-        let mut ball = || {
+        let mut ball = |share: f64| {
             let centre = [(); 3].map(|()| rng.range(-1.0, 1.0) as f32);
-            let radius = (size * 10_f64.powf(rng.range(-2.0, 0.0))) as f32;
+            let radius = (size * share * 10_f64.powf(rng.range(-2.0, 0.0))) as f32;
             let volume = (8.4 * f64::from(radius).powi(3) * rng.range(0.0, 1.0)) as f32;
             BoundingBall { centre, radius, volume }
         };
-        let (a, b) = (ball(), ball());
+        let (mut a, mut b) = (ball(1.0), ball(1.0));
+        if round % 2 == 1 {
+            b = ball(0.1_f64.powi(round / 2 % 5));
+            let way = rng.rotation()[0];
+            let d = f64::from(a.radius) + f64::from(b.radius) * rng.range(-1.001, 1.0).powi(3);
+            b.centre = core::array::from_fn(|i| a.centre[i] + (way[i] * d) as f32);
+            (a.volume, b.volume) = (f32::MAX, f32::MAX);
+        }
+        if rng.below(2) == 0 {
+            core::mem::swap(&mut a, &mut b);
+        }
         let (mut balls, mut shared) = (Ball16::EMPTY, [0.0; 16]);
         balls.set(5, &b);
         Scalar::new().balls_share(&a, &balls, &mut shared);
@@ -224,13 +232,13 @@ fn bounds_of_volumes_are_those_of_the_lens() {
         let (r, s) = (f64::from(a.radius), f64::from(b.radius));
         let of_lens = lens(r, s, distance);
         let want = of_lens.min(a.volume.into()).min(b.volume.into());
-        // What the kernel takes for the depth is right to some last places of the distance.
-        let rim = 1e-6 * (distance + r + s);
-        let most =
-            lens(r + rim, s, distance).min(a.volume.into()).min(b.volume.into()) * (1.0 + 1e-5) + 1e-29;
-        let least = lens((r - rim).max(0.0), s, distance).min(want) * (1.0 - 1e-9);
-        assert!((least..=most).contains(&got), "{a:?} {b:?}: {got:e} is not {want:e}");
+        // Whether balls meet that only just do is for what pads their radii.
+        if distance < (r + s) * (1.0 - 1e-6) {
+            assert!(got >= want * (1.0 - 1e-9), "{a:?} {b:?}: {got:e} is below {want:e}");
+        }
+        let slack = 2e-5 * (r + s) * r.min(s).powi(2) + 1e-5 * want + 1e-29;
+        assert!(got <= want + slack, "{a:?} {b:?}: {got:e} is not {want:e}");
         by_lens += u32::from(want > 0.0 && want == of_lens);
     }
-    assert!(by_lens > 300, "{by_lens}");
+    assert!(by_lens > 20_000, "{by_lens}");
 }

@@ -43,7 +43,7 @@ fn lens(a: &Sphere, b: &Sphere) -> f64 {
     }
     let cap = |radius: f64, height: f64| PI * height * height * (radius - height / 3.0);
     // r - (d^2 + r^2 - s^2) / 2d = (s^2 - (d - r)^2) / 2d.
-    let height = |r: f64, s: f64| (s - (d - r)) * (s + (d - r)) / (2.0 * d);
+    let height = |r: f64, s: f64| (s - (d - r)) * ((s - r) + d) / (2.0 * d);
     cap(r, height(r, s)) + cap(s, height(s, r))
 }
 

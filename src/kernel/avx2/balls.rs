@@ -1,6 +1,6 @@
 //! Balls against balls, eight lanes a register. Operation by operation as in [`super::super::scalar`].
 
-use super::super::{LEAST_VOLUME, LENS, WHOLE};
+use super::super::{LEAST_VOLUME, LENS, LENS_SLACK, WHOLE};
 use crate::isa::compiled_for_avx2;
 use crate::node::{Ball16, BoundingBall};
 use core::arch::x86_64::*;
@@ -95,7 +95,10 @@ compiled_for_avx2! {
             );
             let product = _mm256_mul_ps(_mm256_mul_ps(depth, depth), rest);
             let lens = _mm256_mul_ps(_mm256_div_ps(product, distance), _mm256_set1_ps(LENS));
-            let cube = _mm256_mul_ps(_mm256_mul_ps(smaller, smaller), smaller);
+            let square_of_smaller = _mm256_mul_ps(smaller, smaller);
+            let slack = _mm256_mul_ps(_mm256_mul_ps(_mm256_set1_ps(LENS_SLACK), sum), square_of_smaller);
+            let lens = _mm256_add_ps(lens, slack);
+            let cube = _mm256_mul_ps(square_of_smaller, smaller);
             let whole = _mm256_mul_ps(cube, _mm256_set1_ps(WHOLE));
             let lens = _mm256_blendv_ps(whole, lens, _mm256_cmp_ps::<_CMP_GT_OQ>(distance, difference));
             let bound = _mm256_min_ps(lens, _mm256_min_ps(volume, load(&b.volume, half)));

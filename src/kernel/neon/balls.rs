@@ -1,6 +1,6 @@
 //! Balls against balls, four lanes a register. Operation by operation as in [`super::super::scalar`].
 
-use super::super::{LEAST_VOLUME, LENS, WHOLE};
+use super::super::{LEAST_VOLUME, LENS, LENS_SLACK, WHOLE};
 use crate::isa::compiled_for_neon;
 use crate::node::{Ball16, BoundingBall};
 use core::arch::aarch64::*;
@@ -103,7 +103,10 @@ compiled_for_neon! {
             );
             let product = vmulq_f32(vmulq_f32(depth, depth), rest);
             let lens = vmulq_f32(vdivq_f32(product, distance), vdupq_n_f32(LENS));
-            let cube = vmulq_f32(vmulq_f32(smaller, smaller), smaller);
+            let square_of_smaller = vmulq_f32(smaller, smaller);
+            let slack = vmulq_f32(vmulq_f32(vdupq_n_f32(LENS_SLACK), sum), square_of_smaller);
+            let lens = vaddq_f32(lens, slack);
+            let cube = vmulq_f32(square_of_smaller, smaller);
             let whole = vmulq_f32(cube, vdupq_n_f32(WHOLE));
             let lens = vbslq_f32(vcgtq_f32(distance, difference), lens, whole);
             let bound = least(lens, least(volume, load(&b.volume, quarter)));

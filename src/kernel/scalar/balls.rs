@@ -1,6 +1,6 @@
 //! Balls against balls.
 
-use super::super::{LEAST_VOLUME, LENS, WHOLE};
+use super::super::{LEAST_VOLUME, LENS, LENS_SLACK, WHOLE};
 use crate::node::{Ball16, BoundingBall};
 
 /// Which lanes of `b` a ball meets: `|c_a - c_b|^2 <= (r_a + r_b)^2`, which is false of NaN.
@@ -30,7 +30,8 @@ pub(super) fn shared(a: &BoundingBall, b: &Ball16) -> [f32; 16] {
         let smaller = least(a.radius, b.radius);
         let depth = sum - distance;
         let rest = (distance - difference) * (distance + 3.0 * difference) + (4.0 * smaller) * distance;
-        let lens = (((depth * depth) * rest) / distance) * LENS;
+        let slack = (LENS_SLACK * sum) * (smaller * smaller);
+        let lens = (((depth * depth) * rest) / distance) * LENS + slack;
         let whole = ((smaller * smaller) * smaller) * WHOLE;
         let lens = if distance > difference { lens } else { whole };
         let bound = least(lens, least(a.volume, b.volume));
