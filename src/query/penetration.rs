@@ -91,36 +91,30 @@ impl Query {
         sums.finish(stop.map(|_| f64::INFINITY), counters)
     }
 
-    // Functions of their own, so that only a search with a budget has room for what waits.
+    /// Depth first, or what may share the most first. Two functions, of which only the second has room for what waits on
+    /// its stack.
     #[inline(never)]
-    fn all<N: Node>(
+    fn search_balls<N: Node, const BEST_FIRST: bool>(
         &self,
-        a: &BvhRef<'_, N, Spheres>,
-        b: &BvhRef<'_, N, Spheres>,
-        (pose, map): (&Pose, &BallMap),
-        sums: &mut LensSums,
-        counters: &mut Counters,
-    ) {
-        let _ = on_isa!(self.isa, token => token.run(
-            #[inline(always)]
-            || BallSearch::new(token, (*a, *b), pose, map, self.budget, (counters, sums)).all(),
-        ));
-    }
-
-    #[inline(never)]
-    fn best_first<N: Node>(
-        &self,
-        a: &BvhRef<'_, N, Spheres>,
-        b: &BvhRef<'_, N, Spheres>,
+        trees: (&BvhRef<'_, N, Spheres>, &BvhRef<'_, N, Spheres>),
         (pose, map): (&Pose, &BallMap),
         sums: &mut LensSums,
         counters: &mut Counters,
     ) -> Option<Rest> {
-        let flow = on_isa!(self.isa, token => token.run(
+        on_isa!(self.isa, token => token.run(
             #[inline(always)]
-            || BallSearch::new(token, (*a, *b), pose, map, self.budget, (counters, sums)).best_first(),
-        ));
-        flow.break_value()
+            || {
+                let (a, b) = trees;
+                let mut search = BallSearch::new(token, (*a, *b), pose, map, self.budget, (counters, sums));
+                if BEST_FIRST {
+                    search.best_first().break_value()
+                } else {
+                    // Without a budget nothing breaks it off.
+                    let _ = search.all();
+                    None
+                }
+            },
+        ))
     }
 
     /// Adds up all pairs that the balls of two trees lead to. What is missing, at most, if the budget is spent: an upper
@@ -134,11 +128,12 @@ impl Query {
         counters: &mut Counters,
     ) -> Option<f64> {
         let map = BallMap::new(pose, &a.extent(), &b.extent())?;
-        if self.budget == u64::MAX {
-            self.all(a, b, (pose, &map), sums, counters);
-            return None;
-        }
-        let Rest { known, bound } = self.best_first(a, b, (pose, &map), sums, counters)?;
+        let rest = if self.budget == u64::MAX {
+            self.search_balls::<N, false>((a, b), (pose, &map), sums, counters)
+        } else {
+            self.search_balls::<N, true>((a, b), (pose, &map), sums, counters)
+        };
+        let Rest { known, bound } = rest?;
         // A pose may bring A's spheres nearer to each other, as much as its matrix is no rotation: of what so overlaps, each
         // of them has three times that share of its volume.
         let volume = |tree: &BvhRef<'_, N, Spheres>| {
