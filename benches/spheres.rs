@@ -24,6 +24,8 @@
 
 #[path = "../tests/support/data.rs"]
 mod data;
+#[path = "../tests/support/lens.rs"]
+mod lens;
 #[path = "../tests/support/rng.rs"]
 mod rng;
 #[path = "support/short.rs"]

@@ -1,5 +1,6 @@
 //! What a tree must find, without one.
 
+use crate::lens::lens;
 use simdop::pose::Pose;
 use simdop::primitive::Sphere;
 
@@ -25,19 +26,4 @@ pub(crate) fn by_all_pairs([a, b]: [&[Sphere]; 2], pose: &Pose) -> Shared {
         }
     }
     Shared { volume, pairs }
-}
-
-/// What two balls share: a cap of each, on the two sides of the circle in which they meet.
-fn lens(r: f64, s: f64, distance: f64) -> f64 {
-    let (r, s) = (r.max(s), r.min(s));
-    let pi = core::f64::consts::PI;
-    if distance >= r + s {
-        return 0.0;
-    }
-    if distance + s <= r {
-        return 4.0 / 3.0 * pi * s * s * s;
-    }
-    let height = |r: f64, s: f64| (s - (distance - r)) * (s + (distance - r)) / (2.0 * distance);
-    let cap = |r: f64, h: f64| pi * h * h * (r - h / 3.0);
-    cap(r, height(r, s)) + cap(s, height(s, r))
 }

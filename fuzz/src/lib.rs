@@ -26,6 +26,8 @@ pub mod bodies;
 pub mod planes;
 pub mod spheres;
 
+#[path = "../../tests/support/lens.rs"]
+mod lens;
 #[path = "../../tests/support/mod.rs"]
 mod support;
 #[path = "../../tests/support/turned.rs"]

@@ -2,7 +2,6 @@
 
 use crate::cached;
 use crate::support::rng::Rng;
-use core::f64::consts::PI;
 use core::ops::ControlFlow;
 use simdop::construct::{Builder, SphereSet};
 use simdop::hierarchy::Bvh;
@@ -81,18 +80,7 @@ pub fn distance(p: &Point, q: &Point) -> f64 {
     (x * x + y * y + z * z).sqrt()
 }
 
-/// What two balls share: the caps on both sides of the plane of the circle in which they meet. The height of a cap
-/// as a quotient of what does not cancel, so that thin ones keep their digits, and those of balls that nearly coincide.
+/// What two balls share whose centres are `d` apart.
 pub fn lens(r_a: f64, r_b: f64, d: f64) -> f64 {
-    let (r, s) = (r_a.max(r_b), r_a.min(r_b));
-    let depth = (r + s) - d;
-    let out = d - (r - s);
-    if depth <= 0.0 {
-        return 0.0;
-    }
-    if out <= 0.0 {
-        return 4.0 / 3.0 * PI * s * s * s;
-    }
-    let cap = |radius: f64, height: f64| PI * height * height * (radius - height / 3.0);
-    cap(r, depth * out / (2.0 * d)) + cap(s, depth * (d + (r - s)) / (2.0 * d))
+    crate::lens::lens(r_a, r_b, d)
 }

@@ -2,6 +2,7 @@
 //! bodies share.
 
 use crate::aligned;
+use crate::lens::lens;
 use crate::support::dyadic::{Dyadic, dot};
 use crate::support::rng::Rng;
 use core::mem::offset_of;
@@ -181,20 +182,6 @@ fn what_is_wrong_with_balls_is_said() {
     assert_eq!(refused, Some(BakeError::Header { field: "has_balls" }));
     let (refused, _) = changed(&tree, |bytes| bytes[flag] = 0);
     assert!(matches!(refused, Some(BakeError::TooLong { .. })));
-}
-
-/// The volume of the lens of two balls, by the caps on both sides of the plane of the circle in which they meet.
-fn lens(r: f64, s: f64, d: f64) -> f64 {
-    let (r, s) = (r.max(s), r.min(s));
-    if d >= r + s {
-        return 0.0;
-    }
-    if d <= r - s {
-        return 4.0 / 3.0 * PI * s.powi(3);
-    }
-    let height = |r: f64, s: f64| (s - (d - r)) * ((s - r) + d) / (2.0 * d);
-    let cap = |r: f64, h: f64| PI * h * h * (r - h / 3.0);
-    cap(r, height(r, s)) + cap(s, height(s, r))
 }
 
 /// Balls of any sizes, and of sizes a thousand times apart where the smaller one just leaves the larger: there the lens

@@ -4,6 +4,8 @@
 
 extern crate alloc;
 
+#[path = "../support/lens.rs"]
+mod lens;
 #[path = "../support/one_point.rs"]
 mod one_point;
 #[path = "../support/mod.rs"]
