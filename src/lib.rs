@@ -149,6 +149,7 @@ extern crate alloc;
 extern crate std;
 
 mod bytes;
+pub mod cloud;
 #[cfg(feature = "alloc")]
 pub mod construct;
 pub mod directions;

@@ -20,7 +20,7 @@ const LAYERS: [&[&str]; 11] = [
     &["bytes", "hierarchy"],
     &["realign"],
     &["kernel", "construct"],
-    &["query"],
+    &["query", "cloud"],
     &["packing"],
     // The command: a crate of its own, which sees of the library what every user does.
     &["cli"],

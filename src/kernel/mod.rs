@@ -21,6 +21,12 @@
 //! 6. **Balls** are compared in `f32`, no fused multiply-add, sums from left to right; comparisons are false of NaN,
 //!    which unused lanes have, and the lesser of two numbers is the second unless the first is less.
 //!
+//! 7. **Points and boxes** likewise: the distance of a point is `(x * x + y * y) + z * z` of the differences of its
+//!    coordinates, that of a box the same of the gaps along the axes, each the greatest of 0, `box.lower - query.upper` and
+//!    `query.lower - box.upper`, and the greater of two numbers is the second unless the first is greater. Since every
+//!    operation rounds upwards and downwards alike, a box's is not above that of any point in it **as it is rounded**: a
+//!    box that is too far has no point that is near, without a pad.
+//!
 //! All operations take any bits. Codes that are not planes (NaN, -0) compare as the integers they are.
 
 #[cfg(simdop_x86)]
@@ -33,7 +39,7 @@ pub mod scalar;
 
 #[cfg(doc)]
 use crate::key::Key;
-use crate::node::{Ball16, BoundingBall, Node4, Node16};
+use crate::node::{Aabb16, Ball16, BoundingBall, Box3, Bucket, Node4, Node16};
 use crate::primitive::triangle::{Probe, Triangle};
 use crate::realign::{OwnSlab, Realignment};
 
@@ -134,4 +140,22 @@ pub trait Kernel: Copy + core::fmt::Debug + sealed::Sealed {
     /// body's spheres overlap each other: the least of both volumes and of the balls' lens, and that of a lens whatever
     /// the sizes of the two. 0 if and only if the balls do not meet.
     fn balls_share(self, a: &BoundingBall, b: &Ball16, shared: &mut [f32; 16]);
+
+    /// Which boxes of `node` are at most the root of `square` from the query: the distance's square, as the
+    /// [law](self) rounds it, is at most `square`. Lanes that are NaN never are.
+    #[must_use]
+    fn boxes_near(self, query: &Box3, square: f32, node: &Aabb16) -> u16;
+
+    /// Which points of `bucket` are at most the root of `square` from `point`, likewise.
+    #[must_use]
+    fn points_near(self, point: [f32; 3], square: f32, bucket: &Bucket) -> u16;
+
+    /// The squares that [`Kernel::boxes_near`] compares; NaN of lanes that are.
+    fn box_squares(self, query: &Box3, node: &Aabb16, squares: &mut [f32; 16]);
+
+    /// The squares that [`Kernel::points_near`] compares; NaN of slots that are.
+    fn point_squares(self, point: [f32; 3], bucket: &Bucket, squares: &mut [f32; 16]);
+
+    /// Puts the indices of the slots in `mask` at the front of `found`, in their order. What follows them is anything.
+    fn pick(self, mask: u16, indices: &[u32; 16], found: &mut [u32; 16]);
 }

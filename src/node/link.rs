@@ -57,7 +57,6 @@ impl Child {
     }
 
     /// Link to `count` (1 ..= 16) primitives from `first`, below [`Child::MAX_PRIMITIVES`].
-    #[cfg(feature = "alloc")]
     pub(crate) const fn leaf(first: u32, count: u32) -> Self {
         debug_assert!(
             first < Self::MAX_PRIMITIVES && count >= 1 && count <= MAX_LEAF_SIZE,

@@ -2,13 +2,16 @@
 //!
 //! [`Node`] is what every kind of node has: a fixed number of lanes, each with a link. [`Dop`] adds the
 //! planes of k-DOPs, which [`Node16`] and [`Node4`] hold. A tree may have the [`ThinSlab`]s of its lanes
-//! beside its nodes, or, of spheres, their enclosing balls ([`Ball16`]).
+//! beside its nodes, or, of spheres, their enclosing balls ([`Ball16`]). Trees over moving points
+//! have nodes of boxes, [`Aabb16`], and [`Bucket`]s.
 
+mod aabb;
 mod ball;
 mod dop;
 mod link;
 mod thin;
 
+pub use aabb::{Aabb16, Box3, Bucket};
 pub use ball::{Ball16, BoundingBall};
 pub use dop::{Node4, Node16};
 pub use link::{Child, Link, MAX_LEAF_SIZE, Width};

@@ -4,11 +4,12 @@
 
 mod balls;
 mod dops;
+mod points;
 mod triangles;
 
 use super::{Kernel, Turned};
 use crate::isa::Avx2;
-use crate::node::{Ball16, BoundingBall, Node4, Node16};
+use crate::node::{Aabb16, Ball16, BoundingBall, Box3, Bucket, Node4, Node16};
 use crate::primitive::triangle::{Probe, Triangle};
 use crate::realign::{OwnSlab, Realignment};
 
@@ -82,5 +83,35 @@ impl Kernel for Avx2 {
     fn balls_share(self, a: &BoundingBall, b: &Ball16, shared: &mut [f32; 16]) {
         // SAFETY: the token proves the features that the function is compiled for.
         unsafe { balls::balls_share(a, b, shared) }
+    }
+
+    #[inline(always)]
+    fn boxes_near(self, query: &Box3, square: f32, node: &Aabb16) -> u16 {
+        // SAFETY: the token proves the features that the function is compiled for.
+        unsafe { points::boxes_near(query, square, node) }
+    }
+
+    #[inline(always)]
+    fn points_near(self, point: [f32; 3], square: f32, bucket: &Bucket) -> u16 {
+        // SAFETY: the token proves the features that the function is compiled for.
+        unsafe { points::points_near(point, square, bucket) }
+    }
+
+    #[inline(always)]
+    fn box_squares(self, query: &Box3, node: &Aabb16, squares: &mut [f32; 16]) {
+        // SAFETY: the token proves the features that the function is compiled for.
+        unsafe { points::box_squares(query, node, squares) }
+    }
+
+    #[inline(always)]
+    fn point_squares(self, point: [f32; 3], bucket: &Bucket, squares: &mut [f32; 16]) {
+        // SAFETY: the token proves the features that the function is compiled for.
+        unsafe { points::point_squares(point, bucket, squares) }
+    }
+
+    #[inline(always)]
+    fn pick(self, mask: u16, indices: &[u32; 16], found: &mut [u32; 16]) {
+        // SAFETY: the token proves the features that the function is compiled for.
+        unsafe { points::pick(mask, indices, found) }
     }
 }

@@ -2,11 +2,12 @@
 
 mod balls;
 mod dops;
+pub(super) mod points;
 pub(super) mod triangles;
 
 use super::{Kernel, Turned};
 use crate::isa::Scalar;
-use crate::node::{Ball16, BoundingBall, Node4, Node16};
+use crate::node::{Aabb16, Ball16, BoundingBall, Box3, Bucket, Node4, Node16};
 use crate::primitive::triangle::{Probe, Triangle};
 use crate::realign::{OwnSlab, Realignment};
 
@@ -65,5 +66,26 @@ impl Kernel for Scalar {
 
     fn balls_share(self, a: &BoundingBall, b: &Ball16, shared: &mut [f32; 16]) {
         *shared = balls::shared(a, b);
+    }
+
+    fn boxes_near(self, query: &Box3, square: f32, node: &Aabb16) -> u16 {
+        points::mask_of(|lane| points::box_square(query, &node.lane(lane)) <= square)
+    }
+
+    fn points_near(self, point: [f32; 3], square: f32, bucket: &Bucket) -> u16 {
+        points::mask_of(|slot| points::point_square(point, bucket.point(slot)) <= square)
+    }
+
+    fn box_squares(self, query: &Box3, node: &Aabb16, squares: &mut [f32; 16]) {
+        *squares = core::array::from_fn(|lane| points::box_square(query, &node.lane(lane)));
+    }
+
+    fn point_squares(self, point: [f32; 3], bucket: &Bucket, squares: &mut [f32; 16]) {
+        *squares = core::array::from_fn(|slot| points::point_square(point, bucket.point(slot)));
+    }
+
+    #[inline(always)]
+    fn pick(self, mask: u16, indices: &[u32; 16], found: &mut [u32; 16]) {
+        points::pick(mask, indices, found);
     }
 }

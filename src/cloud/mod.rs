@@ -1,0 +1,58 @@
+//! Points that move: trees of boxes over them, and all neighbours within a radius, exactly.
+//!
+//! Xing, Wang, Hui, *Coherent Spherical Range-Search for Dynamic Points on GPUs*, CAD 2017. Points lie in [buckets](crate::node::Bucket) of
+//! up to sixteen, under [nodes](crate::node::Aabb16) of sixteen boxes each. Points that move keep their buckets: [`CloudMut::refit`] makes the
+//! boxes anew, in one pass from below, until the boxes have grown so much that another tree pays ([`Upkeep`]).
+//! [`RangeSearch`] answers queries; those of one bucket go down the tree together (coherent search).
+//!
+//! ```
+//! use simdop::cloud::{Cloud, Queries, Radii, RangeSearch};
+//! use simdop::isa::Isa;
+//!
+//! let mut points = vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [9.0, 9.0, 9.0]];
+//! let mut cloud = Cloud::new(&points)?;
+//! let search = RangeSearch::new(Isa::detect());
+//! let mut counts = [0; 4];
+//! search.count(&cloud.view(), &Queries::own(), Radii::Same(1.0), &mut counts)?;
+//! assert_eq!(counts, [3, 2, 2, 1], "each point is its own neighbour, and what touches the sphere is in it");
+//!
+//! points[3] = [1.0, 1.0, 0.0];
+//! cloud.refit(&points)?;
+//! search.count(&cloud.view(), &Queries::own(), Radii::Same(1.0), &mut counts)?;
+//! assert_eq!(counts, [3, 3, 3, 3]);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
+//! # What near means
+//!
+//! Point p is a neighbour of query q with radius r where `(x * x + y * y) + z * z <= r * r`, with x, y, z the differences
+//! of their coordinates, every operation rounded to `f32` and none of them fused: what a loop over all points would
+//! compute. The tree finds neither more nor less, on every machine (the [law](crate::kernel), 7).
+//!
+//! Coordinates are any finite `f32`, in any unit. Squares of differences below 1e-23 are nothing in `f32`, so points that
+//! near to each other count as one; and those above 1.8e19 are infinite, which is no neighbour unless `r * r` is infinite as well.
+
+mod error;
+mod median;
+#[cfg(feature = "alloc")]
+mod owned;
+mod packet;
+mod search;
+mod store;
+
+mod view;
+
+pub use error::{CloudError, SearchError};
+#[cfg(feature = "alloc")]
+pub use owned::Cloud;
+pub use packet::{Queries, Radii, Seat};
+pub use search::{List, RangeCounters, RangeSearch};
+pub use store::{CloudMut, Memory, buckets_for, nodes_for};
+
+pub use view::CloudRef;
+
+/// A cloud has at most this many points: links count buckets in 26 bits, and places of points in 30.
+pub const MAX_POINTS: usize = 1 << 26;
+
+/// Points in a bucket, at most.
+pub const BUCKET_SIZE: u32 = 16;

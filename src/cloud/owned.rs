@@ -1,0 +1,95 @@
+//! A cloud that owns its memory.
+
+use super::store::Used;
+use super::{BUCKET_SIZE, CloudError, CloudMut, CloudRef, MAX_POINTS, Memory, buckets_for, nodes_for};
+use crate::node::{Aabb16, Bucket};
+use alloc::vec::Vec;
+
+/// A cloud that owns its memory.
+#[derive(Clone, Debug)]
+pub struct Cloud {
+    nodes: Vec<Aabb16>,
+    buckets: Vec<Bucket>,
+    places: Vec<u32>,
+    used: Used,
+}
+
+impl Cloud {
+    /// Builds a cloud of points, sixteen a bucket: [`CloudMut::build`].
+    ///
+    /// # Errors
+    /// [`CloudError::Point`], [`CloudError::TooMany`].
+    pub fn new(points: &[[f32; 3]]) -> Result<Self, CloudError> {
+        Self::with_room(points, BUCKET_SIZE, points.len())
+    }
+
+    /// Builds a cloud with so many points a bucket, and room for so many indices: for points that come and go.
+    ///
+    /// # Errors
+    /// [`CloudError::Point`], [`CloudError::TooMany`], [`CloudError::BucketSize`].
+    pub fn with_room(points: &[[f32; 3]], bucket_size: u32, capacity: usize) -> Result<Self, CloudError> {
+        let capacity = capacity.max(points.len());
+        if capacity > MAX_POINTS {
+            return Err(CloudError::TooMany { count: capacity });
+        }
+        let count = buckets_for(capacity, bucket_size);
+        let mut nodes = alloc::vec![Aabb16::EMPTY; nodes_for(count)];
+        let mut buckets = alloc::vec![Bucket::EMPTY; count];
+        let mut places = alloc::vec![0; capacity];
+        let memory = Memory { nodes: &mut nodes, buckets: &mut buckets, places: &mut places };
+        let used = CloudMut::build(memory, points, bucket_size)?.used;
+        Ok(Self { nodes, buckets, places, used })
+    }
+
+    /// The cloud to search.
+    #[must_use]
+    pub fn view(&self) -> CloudRef<'_> {
+        CloudRef {
+            nodes: &self.nodes[..self.used.nodes as usize],
+            buckets: &self.buckets[..self.used.buckets as usize],
+            points: self.used.points,
+            capacity: self.places.len() as u32,
+            bucket_size: self.used.bucket_size,
+        }
+    }
+
+    /// [`CloudMut::refit`].
+    ///
+    /// # Errors
+    /// As there.
+    pub fn refit(&mut self, positions: &[[f32; 3]]) -> Result<f64, CloudError> {
+        self.change(|cloud| cloud.refit(positions))
+    }
+
+    /// [`CloudMut::rebuild`].
+    ///
+    /// # Errors
+    /// As there: never, since there is memory for all indices.
+    pub fn rebuild(&mut self) -> Result<(), CloudError> {
+        self.change(|cloud| cloud.rebuild())
+    }
+
+    /// [`CloudMut::insert`].
+    ///
+    /// # Errors
+    /// As there.
+    pub fn insert(&mut self, index: u32, point: [f32; 3]) -> Result<(), CloudError> {
+        self.change(|cloud| cloud.insert(index, point))
+    }
+
+    /// [`CloudMut::remove`].
+    ///
+    /// # Errors
+    /// As there.
+    pub fn remove(&mut self, index: u32) -> Result<(), CloudError> {
+        self.change(|cloud| cloud.remove(index))
+    }
+
+    fn change<R>(&mut self, change: impl FnOnce(&mut CloudMut<'_>) -> R) -> R {
+        let Self { nodes, buckets, places, used } = self;
+        let mut cloud = CloudMut { memory: Memory { nodes, buckets, places }, used: *used };
+        let result = change(&mut cloud);
+        *used = cloud.used;
+        result
+    }
+}

@@ -1,0 +1,184 @@
+//! Who asks: queries in packets, which go down the tree together.
+
+use super::{CloudRef, RangeSearch, SearchError};
+use crate::node::{Box3, Bucket};
+use core::ops::Range;
+
+/// The points that ask.
+#[derive(Clone, Debug)]
+pub struct Queries<'a>(pub(super) Asking<'a>);
+
+#[derive(Clone, Debug)]
+pub(super) enum Asking<'a> {
+    /// The cloud's own points, those of these buckets. They are packed as they lie.
+    Own(Range<usize>),
+    /// Other points, and where in the tree they are.
+    Others { points: &'a [[f32; 3]], seats: &'a [Seat] },
+}
+
+/// Where a query that is no point of the cloud goes down with others: beside the points of a bucket. Memory for
+/// [`RangeSearch::seat`].
+#[derive(Copy, Clone, PartialEq, Eq, PartialOrd, Ord, Default, Debug)]
+pub struct Seat {
+    pub(super) bucket: u32,
+    pub(super) query: u32,
+}
+
+/// How far each query looks.
+#[derive(Copy, Clone, Debug)]
+pub enum Radii<'a> {
+    /// All as far as this.
+    Same(f32),
+    /// Query i as far as number i. Of the cloud's own points, by their indices; those of indices without a point are not
+    /// looked at.
+    Each(&'a [f32]),
+}
+
+/// A query.
+#[derive(Copy, Clone, Debug)]
+pub(super) struct Ask {
+    pub(super) point: [f32; 3],
+    /// The radius's square.
+    pub(super) square: f32,
+    pub(super) query: u32,
+}
+
+/// Up to sixteen queries.
+#[derive(Debug)]
+pub(super) struct Packet {
+    asks: [Ask; 16],
+    count: usize,
+    /// Around their points.
+    pub(super) bounds: Box3,
+    /// The largest of their squares.
+    pub(super) square: f32,
+}
+
+impl<'a> Queries<'a> {
+    /// All points of the cloud, with their own indices. Each finds itself too.
+    #[must_use]
+    pub const fn own() -> Queries<'static> {
+        Queries(Asking::Own(0..usize::MAX))
+    }
+
+    /// The points of some [buckets](CloudRef::buckets): a share of them, for a thread. Buckets beyond the last are none.
+    #[must_use]
+    pub const fn own_of(buckets: Range<usize>) -> Queries<'static> {
+        Queries(Asking::Own(buckets))
+    }
+
+    /// How many results there are room for to be: the cloud's capacity, or the number of points that ask.
+    pub(super) fn room(&self, cloud: &CloudRef<'_>) -> usize {
+        match &self.0 {
+            Asking::Own(_) => cloud.capacity(),
+            Asking::Others { points, .. } => points.len(),
+        }
+    }
+}
+
+impl Radii<'_> {
+    /// Whether all are radii, one for each query.
+    pub(super) fn check(&self, queries: usize) -> Result<(), SearchError> {
+        let is_radius = |r: f32| r >= 0.0 && r.is_finite();
+        match *self {
+            Self::Same(r) if is_radius(r) => Ok(()),
+            Self::Same(_) => Err(SearchError::Radius { query: 0 }),
+            Self::Each(radii) => {
+                let Some(radii) = radii.get(..queries) else {
+                    return Err(SearchError::Length { what: "radii", have: radii.len(), need: queries });
+                };
+                match radii.iter().position(|&r| !is_radius(r)) {
+                    Some(query) => Err(SearchError::Radius { query: query as u32 }),
+                    None => Ok(()),
+                }
+            }
+        }
+    }
+
+    /// The square of a query's, as the comparison takes it.
+    #[inline(always)]
+    fn square(&self, query: u32) -> f32 {
+        let r = match *self {
+            Self::Same(r) => r,
+            Self::Each(radii) => radii[query as usize],
+        };
+        r * r
+    }
+}
+
+impl Packet {
+    pub(super) const EMPTY: Self = Self {
+        asks: [Ask { point: [0.0; 3], square: 0.0, query: 0 }; 16],
+        count: 0,
+        bounds: Box3::EMPTY,
+        square: 0.0,
+    };
+
+    #[inline(always)]
+    pub(super) fn asks(&self) -> &[Ask] {
+        &self.asks[..self.count & 31]
+    }
+
+    /// The points of a bucket.
+    #[inline(always)]
+    pub(super) fn take_bucket(&mut self, bucket: &Bucket, radii: &Radii<'_>) {
+        (self.count, self.square) = (0, 0.0);
+        for slot in 0..16 {
+            let query = bucket.indices[slot];
+            if query != Bucket::UNUSED {
+                self.push(Ask { point: bucket.point(slot), square: radii.square(query), query });
+            }
+        }
+        self.bounds = bucket.bounds();
+    }
+
+    /// The first of the queries that share a seat, up to sixteen. Returns the others.
+    #[inline(always)]
+    pub(super) fn take_seats<'s>(
+        &mut self,
+        points: &[[f32; 3]],
+        seats: &'s [Seat],
+        radii: &Radii<'_>,
+    ) -> &'s [Seat] {
+        (self.count, self.square, self.bounds) = (0, 0.0, Box3::EMPTY);
+        for seat in seats.iter().take(16).take_while(|seat| seat.bucket == seats[0].bucket) {
+            let point = points[seat.query as usize];
+            self.push(Ask { point, square: radii.square(seat.query), query: seat.query });
+            self.bounds.add(&Box3::of_point(point));
+        }
+        &seats[self.count..]
+    }
+
+    #[inline(always)]
+    fn push(&mut self, ask: Ask) {
+        self.square = if ask.square > self.square { ask.square } else { self.square };
+        self.asks[self.count & 15] = ask;
+        self.count += 1;
+    }
+}
+
+impl RangeSearch {
+    /// Packs queries that are no points of the cloud (section 4.2.1 of the paper): finds a bucket beside each, and sorts
+    /// them by it. `seats` is memory for it, one for each point; it may be kept as long as the points move little, since only
+    /// speed depends on it.
+    ///
+    /// # Errors
+    /// [`SearchError::Query`] if a coordinate is not finite, [`SearchError::Length`] if there are fewer seats than points.
+    pub fn seat<'a>(
+        &self,
+        cloud: &CloudRef<'_>,
+        points: &'a [[f32; 3]],
+        seats: &'a mut [Seat],
+    ) -> Result<Queries<'a>, SearchError> {
+        let have = seats.len();
+        let Some(seats) = seats.get_mut(..points.len()) else {
+            return Err(SearchError::Length { what: "seats", have, need: points.len() });
+        };
+        if let Some(query) = points.iter().position(|point| !super::store::is_finite(*point)) {
+            return Err(SearchError::Query { query: query as u32 });
+        }
+        self.find_buckets(cloud, points, seats);
+        seats.sort_unstable();
+        Ok(Queries(Asking::Others { points, seats }))
+    }
+}

@@ -1,0 +1,430 @@
+//! Coherent search (section 4.2 of the paper): packets of queries go down the tree together, and each query picks its
+//! neighbours out of the buckets that were found for all.
+//!
+//! The paper goes up from the packet's bucket and looks into the other branches on the way. Since it goes up to the root in
+//! any case, the nodes that are visited are those of a search from the root, which needs no links upwards and finds
+//! buckets in their order.
+
+use super::packet::{Ask, Asking, Packet};
+use super::{CloudRef, Queries, Radii, SearchError, Seat};
+use crate::hierarchy::MAX_DEPTH;
+use crate::isa::{Isa, on_isa};
+use crate::kernel::Kernel;
+use crate::node::{Aabb16, Box3, Bucket, Link};
+use core::ops::ControlFlow;
+
+/// How searches run: on which instruction set. All of them give the same neighbours in the same order.
+#[derive(Copy, Clone, PartialEq, Eq, Debug)]
+pub struct RangeSearch {
+    pub(super) isa: Isa,
+}
+
+/// Where the neighbours of a query lie in the buffer that they were put into.
+#[derive(Copy, Clone, PartialEq, Eq, Default, Debug)]
+pub struct List {
+    /// Of the first.
+    pub start: u32,
+    /// How many.
+    pub count: u32,
+}
+
+/// The work of a search: the same on every instruction set.
+#[derive(Copy, Clone, PartialEq, Eq, Default, Debug)]
+pub struct RangeCounters {
+    /// Calls of the kernel that tests sixteen boxes, those that packets have found among them.
+    pub boxes: u64,
+    /// Calls of the kernel that tests the points of a bucket.
+    pub buckets: u64,
+    /// Neighbours found.
+    pub neighbours: u64,
+}
+
+impl List {
+    /// The places in the buffer.
+    #[must_use]
+    pub const fn range(&self) -> core::ops::Range<usize> {
+        self.start as usize..self.start as usize + self.count as usize
+    }
+}
+
+/// What is done with neighbours.
+trait Sink {
+    /// A query's neighbours follow.
+    fn begin(&mut self, query: u32);
+    /// Some of them: slots of a bucket.
+    fn found<E: Kernel>(&mut self, kernel: E, mask: u16, bucket: &Bucket) -> ControlFlow<()>;
+    /// These were all.
+    fn end(&mut self, query: u32) -> ControlFlow<()>;
+}
+
+struct Count<'a> {
+    counts: &'a mut [u32],
+    count: u32,
+}
+
+impl Sink for Count<'_> {
+    #[inline(always)]
+    fn begin(&mut self, _: u32) {
+        self.count = 0;
+    }
+
+    #[inline(always)]
+    fn found<E: Kernel>(&mut self, _: E, mask: u16, _: &Bucket) -> ControlFlow<()> {
+        self.count += mask.count_ones();
+        ControlFlow::Continue(())
+    }
+
+    #[inline(always)]
+    fn end(&mut self, query: u32) -> ControlFlow<()> {
+        self.counts[query as usize] = self.count;
+        ControlFlow::Continue(())
+    }
+}
+
+struct Fill<'a> {
+    lists: &'a mut [List],
+    indices: &'a mut [u32],
+    start: u64,
+    end: u64,
+}
+
+impl Sink for Fill<'_> {
+    #[inline(always)]
+    fn begin(&mut self, _: u32) {
+        self.start = self.end;
+    }
+
+    #[inline(always)]
+    fn found<E: Kernel>(&mut self, kernel: E, mask: u16, bucket: &Bucket) -> ControlFlow<()> {
+        // What lies behind the neighbours is overwritten by the next ones.
+        let (from, count) = (self.end as usize, mask.count_ones() as usize);
+        self.end += count as u64;
+        let room = self.indices.get_mut(from..).unwrap_or(&mut []);
+        if let Some(places) = room.first_chunk_mut::<16>() {
+            kernel.pick(mask, &bucket.indices, places);
+        } else if let Some(places) = room.get_mut(..count) {
+            let mut picked = [0; 16];
+            kernel.pick(mask, &bucket.indices, &mut picked);
+            places.copy_from_slice(&picked[..count]);
+        }
+        ControlFlow::Continue(())
+    }
+
+    #[inline(always)]
+    fn end(&mut self, query: u32) -> ControlFlow<()> {
+        self.lists[query as usize] = List { start: self.start as u32, count: (self.end - self.start) as u32 };
+        ControlFlow::Continue(())
+    }
+}
+
+/// Neighbours that wait to be visited, so that the visitor is called in a loop over many: a loop over those of one bucket
+/// ends where no branch predictor expects it.
+struct Visit<F> {
+    query: u32,
+    waiting: [u32; 64],
+    count: usize,
+    visit: F,
+}
+
+impl<F: FnMut(u32, u32) -> ControlFlow<()>> Visit<F> {
+    #[inline(always)]
+    fn flush(&mut self) -> ControlFlow<()> {
+        for &neighbour in &self.waiting[..core::mem::take(&mut self.count) & 63] {
+            (self.visit)(self.query, neighbour)?;
+        }
+        ControlFlow::Continue(())
+    }
+}
+
+impl<F: FnMut(u32, u32) -> ControlFlow<()>> Sink for Visit<F> {
+    #[inline(always)]
+    fn begin(&mut self, query: u32) {
+        self.query = query;
+    }
+
+    #[inline(always)]
+    fn found<E: Kernel>(&mut self, kernel: E, mask: u16, bucket: &Bucket) -> ControlFlow<()> {
+        // Sixteen more have room: more than 47 do not wait.
+        if let Some(places) = self.waiting[self.count & 63..].first_chunk_mut::<16>() {
+            kernel.pick(mask, &bucket.indices, places);
+        }
+        self.count += mask.count_ones() as usize;
+        if self.count > 47 { self.flush() } else { ControlFlow::Continue(()) }
+    }
+
+    #[inline(always)]
+    fn end(&mut self, _: u32) -> ControlFlow<()> {
+        self.flush()
+    }
+}
+
+/// Buckets that a packet finds, up to so many sixteens: else each of its queries goes down alone.
+const SIXTEENS: usize = 8;
+
+/// The buckets that may hold neighbours of a packet, with their boxes, as if they were lanes of nodes.
+struct Candidates {
+    sixteens: [Aabb16; SIXTEENS],
+    count: usize,
+}
+
+impl Candidates {
+    #[inline(always)]
+    fn push(&mut self, node: &Aabb16, lane: usize) -> bool {
+        let (sixteen, place) = (self.count / 16, self.count % 16);
+        let Some(copy) = self.sixteens.get_mut(sixteen) else { return false };
+        for i in 0..3 {
+            copy.lower[i][place] = node.lower[i][lane & 15];
+            copy.upper[i][place] = node.upper[i][lane & 15];
+        }
+        copy.child[place] = node.child[lane & 15];
+        self.count += 1;
+        true
+    }
+}
+
+/// A search under way.
+struct Descent<'a, E> {
+    kernel: E,
+    cloud: CloudRef<'a>,
+    work: RangeCounters,
+}
+
+impl<E: Kernel> Descent<'_, E> {
+    /// Calls `leaf` with every lane that leads to a bucket near the query, in the order of the buckets, until it breaks.
+    #[inline(always)]
+    fn go_down(
+        &mut self,
+        query: &Box3,
+        square: f32,
+        mut leaf: impl FnMut(&mut Self, &Aabb16, usize, u32) -> ControlFlow<()>,
+    ) -> ControlFlow<()> {
+        let nodes = self.cloud.nodes;
+        let Some(root) = nodes.first() else { return ControlFlow::Continue(()) };
+        let mut path = [(root, 0); MAX_DEPTH];
+        let mut level = 0;
+        self.work.boxes += 1;
+        path[0].1 = self.kernel.boxes_near(query, square, root);
+        loop {
+            let (node, left) = &mut path[level];
+            if *left == 0 {
+                if level == 0 {
+                    return ControlFlow::Continue(());
+                }
+                level -= 1;
+                continue;
+            }
+            let (node, lane) = (*node, left.trailing_zeros() as usize);
+            *left &= *left - 1;
+            match node.child[lane & 15].link() {
+                Link::Inner(below) => {
+                    let below = &nodes[below as usize];
+                    self.work.boxes += 1;
+                    level += 1;
+                    path[level] = (below, self.kernel.boxes_near(query, square, below));
+                }
+                Link::Leaf { first, .. } => leaf(self, node, lane, first)?,
+                Link::Empty => {}
+            }
+        }
+    }
+
+    #[inline(always)]
+    fn packet<S: Sink>(&mut self, packet: &Packet, found: &mut Candidates, sink: &mut S) -> ControlFlow<()> {
+        found.count = 0;
+        let all = self.go_down(&packet.bounds, packet.square, |_, node, lane, _| {
+            if found.push(node, lane) { ControlFlow::Continue(()) } else { ControlFlow::Break(()) }
+        });
+        for ask in packet.asks() {
+            sink.begin(ask.query);
+            if all.is_continue() {
+                self.pick(ask, found, sink)?;
+            } else {
+                self.alone(ask, sink)?;
+            }
+            sink.end(ask.query)?;
+        }
+        ControlFlow::Continue(())
+    }
+
+    /// The neighbours of one query among what its packet found.
+    #[inline(always)]
+    fn pick<S: Sink>(&mut self, ask: &Ask, found: &Candidates, sink: &mut S) -> ControlFlow<()> {
+        let query = Box3::of_point(ask.point);
+        for (sixteen, at) in found.sixteens.iter().zip((0..found.count).step_by(16)) {
+            self.work.boxes += 1;
+            let mut left = self.kernel.boxes_near(&query, ask.square, sixteen);
+            if found.count - at < 16 {
+                left &= (1 << (found.count - at)) - 1;
+            }
+            while left != 0 {
+                let lane = left.trailing_zeros() as usize & 15;
+                left &= left - 1;
+                if let Link::Leaf { first, .. } = sixteen.child[lane].link() {
+                    self.bucket(ask, first, sink)?;
+                }
+            }
+        }
+        ControlFlow::Continue(())
+    }
+
+    #[inline(always)]
+    fn alone<S: Sink>(&mut self, ask: &Ask, sink: &mut S) -> ControlFlow<()> {
+        let query = Box3::of_point(ask.point);
+        self.go_down(&query, ask.square, |this, _, _, bucket| this.bucket(ask, bucket, sink))
+    }
+
+    #[inline(always)]
+    fn bucket<S: Sink>(&mut self, ask: &Ask, bucket: u32, sink: &mut S) -> ControlFlow<()> {
+        let bucket = &self.cloud.buckets[bucket as usize];
+        self.work.buckets += 1;
+        let mask = self.kernel.points_near(ask.point, ask.square, bucket);
+        self.work.neighbours += u64::from(mask.count_ones());
+        sink.found(self.kernel, mask, bucket)
+    }
+
+    #[inline(always)]
+    fn all<S: Sink>(&mut self, queries: &Queries<'_>, radii: &Radii<'_>, sink: &mut S) -> ControlFlow<()> {
+        let mut found = Candidates { sixteens: [Aabb16::EMPTY; SIXTEENS], count: 0 };
+        let mut packet = Packet::EMPTY;
+        match &queries.0 {
+            Asking::Own(range) => {
+                let end = range.end.min(self.cloud.buckets.len());
+                for bucket in self.cloud.buckets.get(range.start..end).unwrap_or(&[]) {
+                    packet.take_bucket(bucket, radii);
+                    self.packet(&packet, &mut found, sink)?;
+                }
+            }
+            Asking::Others { points, seats } => {
+                let mut left = *seats;
+                while !left.is_empty() {
+                    left = packet.take_seats(points, left, radii);
+                    self.packet(&packet, &mut found, sink)?;
+                }
+            }
+        }
+        ControlFlow::Continue(())
+    }
+}
+
+impl RangeSearch {
+    /// Searches on an instruction set.
+    #[must_use]
+    pub const fn new(isa: Isa) -> Self {
+        Self { isa }
+    }
+
+    /// How many neighbours each query has: `counts[i]` of query i. Of indices of the cloud without a point, the count is
+    /// left as it was.
+    ///
+    /// # Errors
+    /// [`SearchError::Radius`], [`SearchError::Length`].
+    pub fn count(
+        &self,
+        cloud: &CloudRef<'_>,
+        queries: &Queries<'_>,
+        radii: Radii<'_>,
+        counts: &mut [u32],
+    ) -> Result<RangeCounters, SearchError> {
+        let (have, need) = (counts.len(), queries.room(cloud));
+        if have < need {
+            return Err(SearchError::Length { what: "counts", have, need });
+        }
+        self.run(cloud, queries, radii, &mut Count { counts, count: 0 })
+    }
+
+    /// The neighbours of each query: those of query i are `indices[lists[i].range()]`, in the order of the tree's buckets and
+    /// their slots, which is the same on every machine. Lists lie one after another in the order in which packets are
+    /// searched. Lists of indices of the cloud without a point are left as they were.
+    ///
+    /// Asked with an empty buffer, the error says how large one must be. What lies in the buffer behind the last list is
+    /// anything.
+    ///
+    /// # Errors
+    /// [`SearchError::Radius`], [`SearchError::Length`], [`SearchError::Buffer`].
+    pub fn fill(
+        &self,
+        cloud: &CloudRef<'_>,
+        queries: &Queries<'_>,
+        radii: Radii<'_>,
+        lists: &mut [List],
+        indices: &mut [u32],
+    ) -> Result<RangeCounters, SearchError> {
+        let (have, need) = (lists.len(), queries.room(cloud));
+        if have < need {
+            return Err(SearchError::Length { what: "lists", have, need });
+        }
+        let room = indices.len();
+        let mut sink = Fill { lists, indices, start: 0, end: 0 };
+        let work = self.run(cloud, queries, radii, &mut sink)?;
+        if sink.end > room as u64 || sink.end > u64::from(u32::MAX) {
+            return Err(SearchError::Buffer { have: room, need: sink.end });
+        }
+        Ok(work)
+    }
+
+    /// Calls `visit` with each query and each of its neighbours, in the order of [`RangeSearch::fill`], until it breaks.
+    ///
+    /// # Errors
+    /// [`SearchError::Radius`], [`SearchError::Length`].
+    pub fn visit(
+        &self,
+        cloud: &CloudRef<'_>,
+        queries: &Queries<'_>,
+        radii: Radii<'_>,
+        visit: impl FnMut(u32, u32) -> ControlFlow<()>,
+    ) -> Result<RangeCounters, SearchError> {
+        self.run(cloud, queries, radii, &mut Visit { query: 0, waiting: [0; 64], count: 0, visit })
+    }
+
+    fn run<S: Sink>(
+        &self,
+        cloud: &CloudRef<'_>,
+        queries: &Queries<'_>,
+        radii: Radii<'_>,
+        sink: &mut S,
+    ) -> Result<RangeCounters, SearchError> {
+        radii.check(queries.room(cloud))?;
+        Ok(on_isa!(self.isa, kernel => kernel.run(
+            #[inline(always)]
+            || {
+                let mut descent = Descent { kernel, cloud: *cloud, work: RangeCounters::default() };
+                // A visitor that breaks wants no more.
+                let _ = descent.all(queries, &radii, sink);
+                descent.work
+            },
+        )))
+    }
+
+    /// The bucket beside each point: down to the lane whose box is nearest, the first of them.
+    pub(super) fn find_buckets(&self, cloud: &CloudRef<'_>, points: &[[f32; 3]], seats: &mut [Seat]) {
+        on_isa!(self.isa, kernel => kernel.run(
+            #[inline(always)]
+            || {
+                for ((seat, point), query) in seats.iter_mut().zip(points).zip(0..) {
+                    *seat = Seat { bucket: nearest_bucket(kernel, cloud, *point), query };
+                }
+            },
+        ));
+    }
+}
+
+#[inline(always)]
+fn nearest_bucket<E: Kernel>(kernel: E, cloud: &CloudRef<'_>, point: [f32; 3]) -> u32 {
+    let (query, mut squares) = (Box3::of_point(point), [0.0; 16]);
+    let mut node = match cloud.nodes.first() {
+        Some(root) => root,
+        None => return 0,
+    };
+    loop {
+        kernel.box_squares(&query, node, &mut squares);
+        // Squares are ordered as their bits are, and NaN of what is empty lies above them all. The lowest four bits make room
+        // for the lane: as near as the rest of them tell is near enough for a seat.
+        let keys: [u32; 16] = core::array::from_fn(|lane| squares[lane].to_bits() & !15 | lane as u32);
+        let lane = (keys.into_iter().fold(u32::MAX, u32::min) & 15) as usize;
+        match node.child[lane].link() {
+            Link::Inner(below) => node = &cloud.nodes[below as usize],
+            Link::Leaf { first, .. } => return first,
+            Link::Empty => return 0,
+        }
+    }
+}

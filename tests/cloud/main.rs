@@ -1,0 +1,5 @@
+//! Points that move, against a loop over all points: the same neighbours to the last bit.
+
+mod changes;
+mod neighbours;
+mod scenes;
