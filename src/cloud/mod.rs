@@ -38,6 +38,7 @@ mod median;
 mod owned;
 mod packet;
 mod search;
+mod single;
 mod store;
 
 mod view;
@@ -47,6 +48,7 @@ pub use error::{CloudError, SearchError};
 pub use owned::Cloud;
 pub use packet::{Queries, Radii, Seat};
 pub use search::{List, RangeCounters, RangeSearch};
+pub use single::Neighbour;
 pub use store::{CloudMut, Memory, buckets_for, nodes_for};
 
 pub use view::CloudRef;

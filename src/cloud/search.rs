@@ -183,16 +183,16 @@ impl Candidates {
 }
 
 /// A search under way.
-struct Descent<'a, E> {
-    kernel: E,
-    cloud: CloudRef<'a>,
-    work: RangeCounters,
+pub(super) struct Descent<'a, E> {
+    pub(super) kernel: E,
+    pub(super) cloud: CloudRef<'a>,
+    pub(super) work: RangeCounters,
 }
 
 impl<E: Kernel> Descent<'_, E> {
     /// Calls `leaf` with every lane that leads to a bucket near the query, in the order of the buckets, until it breaks.
     #[inline(always)]
-    fn go_down(
+    pub(super) fn go_down(
         &mut self,
         query: &Box3,
         square: f32,

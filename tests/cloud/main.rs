@@ -3,3 +3,4 @@
 mod changes;
 mod neighbours;
 mod scenes;
+mod single;
