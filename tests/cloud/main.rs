@@ -2,6 +2,7 @@
 
 mod bytes;
 mod changes;
+mod memory;
 mod neighbours;
 mod scenes;
 mod single;
