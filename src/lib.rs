@@ -155,6 +155,7 @@ pub mod construct;
 pub mod directions;
 mod exact;
 pub mod frame;
+mod halving;
 pub mod hierarchy;
 pub mod isa;
 pub mod kernel;
@@ -162,6 +163,7 @@ pub mod key;
 pub mod node;
 #[cfg(feature = "alloc")]
 pub mod packing;
+mod parallel;
 pub mod pose;
 pub mod primitive;
 pub mod query;

@@ -12,8 +12,8 @@ use std::path::{Path, PathBuf};
 /// The modules of the crate, lowest layer first. A module may import from lower layers only, never from its
 /// own.
 const LAYERS: [&[&str]; 11] = [
-    &["range"],
-    &["key", "exact", "directions", "isa"],
+    &["range", "parallel"],
+    &["key", "exact", "directions", "halving", "isa"],
     &["frame", "pose"],
     &["primitive"],
     &["node"],

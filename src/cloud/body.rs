@@ -1,6 +1,6 @@
 //! A body among points: a robot's spheres or its meshes, in a scan of what is around it.
 
-use super::search::Descent;
+use super::search::RangeDescent;
 use super::{CloudRef, RangeCounters, RangeSearch, SearchError};
 use crate::exact::power_of_two;
 use crate::hierarchy::{AsBvh, BvhRef, MAX_DEPTH};
@@ -78,7 +78,7 @@ impl RangeSearch {
         Ok(on_isa!(self.isa, kernel => kernel.run(
             #[inline(always)]
             || {
-                let mut descent = Descent { kernel, cloud: *cloud, work: RangeCounters::default() };
+                let mut descent = RangeDescent { kernel, cloud: *cloud, work: RangeCounters::default() };
                 let mut turned = B::Node::NO_TURNED;
                 let mut contact = None;
                 // What overlaps the box has no gap.
