@@ -20,8 +20,8 @@ const LAYERS: [&[&str]; 11] = [
     &["bytes", "hierarchy"],
     &["realign"],
     &["kernel", "construct"],
-    &["query", "cloud"],
-    &["packing"],
+    &["query"],
+    &["cloud", "packing"],
     // The command: a crate of its own, which sees of the library what every user does.
     &["cli"],
 ];

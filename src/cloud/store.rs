@@ -58,7 +58,7 @@ pub(super) const fn is_finite([x, y, z]: [f32; 3]) -> bool {
     x.is_finite() && y.is_finite() && z.is_finite()
 }
 
-fn check_points(points: &[[f32; 3]], bucket_size: u32) -> Result<(), CloudError> {
+pub(super) fn check_points(points: &[[f32; 3]], bucket_size: u32) -> Result<(), CloudError> {
     if bucket_size == 0 || bucket_size > BUCKET_SIZE {
         return Err(CloudError::BucketSize { asked: bucket_size });
     }
@@ -269,6 +269,21 @@ impl<'a> CloudMut<'a> {
         self.used.nodes = count as u32;
         self.used.buckets = points.div_ceil(size) as u32;
         spread(buckets, points, size);
+        self.settle();
+    }
+
+    /// What follows from the links and the points in the buckets: places, boxes, and how large they are.
+    pub(super) fn settle(&mut self) {
+        self.find_places();
+        let _ = self.refit_boxes();
+        for node in &mut self.memory.nodes[..self.used.nodes as usize] {
+            node.built = core::array::from_fn(|lane| node.lane(lane).fourth_root_of_volume());
+        }
+    }
+
+    /// Where each point is.
+    pub(super) fn find_places(&mut self) {
+        let Memory { buckets, places, .. } = &mut self.memory;
         places.fill(NOWHERE);
         for (bucket, b) in buckets[..self.used.buckets as usize].iter().zip(0..) {
             for (&index, slot) in bucket.indices.iter().zip(0..) {
@@ -276,10 +291,6 @@ impl<'a> CloudMut<'a> {
                     *place = b * BUCKET_SIZE + slot;
                 }
             }
-        }
-        let _ = self.refit_boxes();
-        for node in &mut self.memory.nodes[..count] {
-            node.built = core::array::from_fn(|lane| node.lane(lane).fourth_root_of_volume());
         }
     }
 }

@@ -35,6 +35,7 @@ use crate::hierarchy::Bvh;
 #[cfg(doc)]
 use crate::node::Child;
 use crate::node::{Dop, MAX_LEAF_SIZE};
+use crate::primitive::Sphere;
 use alloc::vec::Vec;
 use core::borrow::Borrow;
 use core::fmt;
@@ -302,6 +303,20 @@ impl Builder {
             }
         }
     }
+}
+
+/// The shape of a tree of sixteen lanes over points, each of which is a primitive.
+pub(crate) fn assign_points(
+    points: &[[f32; 3]],
+    splitter: Splitter,
+    leaf_size: u32,
+) -> Result<Assignment, BuildError> {
+    let sphere = |p: &[f32; 3]| Sphere { centre: p.map(f64::from), radius: 0.0 };
+    let spheres: Vec<_> = points.iter().map(sphere).collect();
+    let builder = Builder::best().splitter(splitter).leaf_size(leaf_size);
+    let set = SphereSet { spheres: &spheres };
+    let table = Checked::new(&set)?;
+    builder.assign::<SphereSet<'_>>(&table, 16, &mut |_| ControlFlow::Continue(()))
 }
 
 impl Magnification {
