@@ -55,8 +55,6 @@ pub(crate) enum Error {
     Cloud { name: String, error: CloudError },
     /// A search in a cloud cannot be answered.
     Search { name: String, error: SearchError },
-    /// A sphere is, at a pose, where no point of a cloud can be.
-    Beyond { name: String, sphere: usize, pose: usize },
     /// An option that cannot be followed.
     Option { option: &'static str, problem: String },
     /// A tree has another node type than the other body, or than the options ask for.
@@ -102,9 +100,6 @@ impl fmt::Display for Error {
             Self::Pack { name, error } => write!(f, "{name}: {error}"),
             Self::Cloud { name, error } => write!(f, "{name}: {error}"),
             Self::Search { name, error } => write!(f, "{name}: {error}"),
-            Self::Beyond { name, sphere, pose } => {
-                write!(f, "{name}: sphere {sphere} at pose {pose}, both from 0, has a centre beyond f32")
-            }
             Self::Option { option, problem } => write!(f, "{option}: {problem}"),
             Self::OtherShape { name, has, asked } => write!(
                 f,

@@ -54,10 +54,10 @@ enum Command {
     ///
     /// With the direction in which A is pushed, and as many rows as there are poses.
     Volume(volume::Options),
-    /// Which points of a cloud are near each other, or near a body of spheres?
+    /// Which points of a cloud are near each other, or near a body?
     ///
     /// With a radius: how many neighbours the points have, how long it takes, and the neighbours themselves.
-    /// With spheres: whether they hold a point, placed by a pose in the cloud's frame. For one pose the exit
+    /// With a body, placed by a pose in the cloud's frame: whether any point is near it. For one pose the exit
     /// code is the verdict: 0 free, 1 hit; for several it is 0. It is 2 for errors. Without files: the
     /// neighbours of points that are built in.
     Near(near::Options),

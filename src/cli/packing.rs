@@ -16,18 +16,13 @@ pub(super) fn is_named(path: &Path) -> bool {
     path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("txt"))
 }
 
-/// The spheres of a file.
-pub(super) fn spheres(path: &Path) -> Result<Vec<Sphere>, Error> {
-    let bytes = std::fs::read(path).map_err(Error::io(path))?;
-    text::read(&String::from_utf8_lossy(&bytes)).map_err(|error| {
-        let advice = "a packing is a sphere a line, x y z r, as `simdop pack` makes it of a mesh";
-        Error::content(path, Fault::file(format!("{error}; {advice}")))
-    })
-}
-
 /// The spheres of a file, and their tree.
 pub(super) fn read(path: &Path) -> Result<(Vec<Sphere>, Bvh<Node16<18>, Spheres>), Error> {
-    let spheres = spheres(path)?;
+    let bytes = std::fs::read(path).map_err(Error::io(path))?;
+    let spheres = text::read(&String::from_utf8_lossy(&bytes)).map_err(|error| {
+        let advice = "a packing is a sphere a line, x y z r, as `simdop pack` makes it of a mesh";
+        Error::content(path, Fault::file(format!("{error}; {advice}")))
+    })?;
     let tree = body::of_spheres(&path.display().to_string(), &spheres)?;
     Ok((spheres, tree))
 }

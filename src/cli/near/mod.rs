@@ -1,9 +1,9 @@
 //! `simdop near`.
 
+mod body;
 mod cloud;
 mod histogram;
 mod neighbours;
-mod spheres;
 
 use super::error::Error;
 use super::{File, isa, output, poses};
@@ -22,19 +22,19 @@ pub(super) struct Options {
     cloud: Option<File>,
     /// Find the neighbours of every point within this distance; each point is its own neighbour, too
     /// [default for the built-in points: 0.038].
-    #[arg(short, long, value_name = "DISTANCE", value_parser = length, allow_hyphen_values = true)]
+    #[arg(short, long, value_name = "DISTANCE", value_parser = radius, allow_hyphen_values = true)]
     radius: Option<f32>,
     /// The neighbours to write, those of a point on each line: indices from 0, in ascending order. A file that
     /// is there is replaced at once, when the list is whole.
     #[arg(short, long, value_name = "FILE", conflicts_with = "a")]
     output: Option<File>,
-    /// Ask for another body, A, at each pose, whether any point lies in one of its spheres: a packing, a
-    /// sphere a line, x y z r. The cloud is B.
-    #[arg(id = "a", long = "spheres", value_name = "FILE")]
-    spheres: Option<File>,
-    /// How much larger every sphere is than its file says.
-    #[arg(long, value_name = "DISTANCE", default_value_t = 0.0, requires = "a", value_parser = length, allow_hyphen_values = true)]
-    margin: f32,
+    /// Ask at each pose whether any point is near this body, A: a packing (.txt), whose spheres are solid, a
+    /// mesh, which is a surface, or a tree. The cloud is B.
+    #[arg(id = "a", long = "body", value_name = "FILE")]
+    body: Option<File>,
+    /// How far from the body is near; none of it is touching or being inside of a sphere.
+    #[arg(long, value_name = "DISTANCE", default_value_t = 0.0, requires = "a", value_parser = margin, allow_hyphen_values = true)]
+    margin: f64,
     #[command(flatten)]
     poses: poses::Options,
     /// Time each search this often and report the fastest.
@@ -51,10 +51,14 @@ pub(super) struct Options {
     json: bool,
 }
 
-/// A radius, or what is added to one.
-fn length(text: &str) -> Result<f32, String> {
+fn radius(text: &str) -> Result<f32, String> {
     let number = text.parse().ok().filter(|x: &f32| *x >= 0.0 && x.is_finite());
     number.ok_or_else(|| "must be a number that is not negative, and finite as f32".into())
+}
+
+fn margin(text: &str) -> Result<f64, String> {
+    let number = text.parse().ok().filter(|x: &f64| *x >= 0.0 && x.is_finite());
+    number.ok_or_else(|| "must be a number that is not negative, and finite".into())
 }
 
 pub(super) fn run(options: &Options) -> Result<u8, Error> {
@@ -62,8 +66,8 @@ pub(super) fn run(options: &Options) -> Result<u8, Error> {
         options.cloud.as_deref(),
         [("--output", options.output.as_deref()), ("--output", None)],
     )?;
-    match &options.spheres {
-        Some(path) => spheres::run(path, options),
+    match &options.body {
+        Some(path) => body::run(path, options),
         None => neighbours::run(options).map(|()| 0),
     }
 }
