@@ -134,9 +134,15 @@ impl<'a, N: Lanes, P: Pairwise<Spheres>> Around<'a, N, P> {
         let used = bucket.used();
         let slots = (0..16).filter(|&slot| used >> slot & 1 != 0);
         let far = slots.clone().map(|slot| greatest(&point(slot).centre)).fold(0.0, f64::max);
-        let into_body = |slot: usize| Sphere { centre: self.into_body(point(slot).centre), radius: 0.0 };
+        let seen_from_body =
+            |slot: usize| Sphere { centre: self.seen_from_body(point(slot).centre), radius: 0.0 };
         let frame = self.body.frame();
-        N::aim::<Spheres>(turned, &frame, slots.clone().map(into_body), self.reach + 4.0 * ROUNDING * far);
+        N::aim::<Spheres>(
+            turned,
+            &frame,
+            slots.clone().map(seen_from_body),
+            self.reach + 4.0 * ROUNDING * far,
+        );
         let (nodes, mut stack, mut waiting) = (self.body.nodes(), [Child::EMPTY; STACK], 1);
         stack[0] = self.body.header().root;
         let mut contact = None;
@@ -181,7 +187,7 @@ impl<'a, N: Lanes, P: Pairwise<Spheres>> Around<'a, N, P> {
 
     /// Where a point is, seen from the body.
     #[inline(always)]
-    fn into_body(&self, q: Point) -> Point {
+    fn seen_from_body(&self, q: Point) -> Point {
         let (m, t) = (self.pose.rows(), self.pose.translation());
         let d = [q[0] - t[0], q[1] - t[1], q[2] - t[2]];
         [0, 1, 2].map(|j| (m[0][j] * d[0] + m[1][j] * d[1]) + m[2][j] * d[2])

@@ -208,9 +208,9 @@ mod tests {
                 let point = [slot as f32 * 0.5 - 3.0, -(slot as f32), ((slot * 7) % 16) as f32];
                 bucket.set(slot, point, slot as u32);
                 let held = want.get_or_insert(Box3::of_point(point));
-                for i in 0..3 {
-                    held.lower[i] = held.lower[i].min(point[i]);
-                    held.upper[i] = held.upper[i].max(point[i]);
+                for (i, x) in point.into_iter().enumerate() {
+                    held.lower[i] = held.lower[i].min(x);
+                    held.upper[i] = held.upper[i].max(x);
                 }
             }
             assert_eq!(bucket.used(), used);
