@@ -32,6 +32,7 @@
 //! Coordinates are any finite `f32`, in any unit. Squares of differences below 1e-23 are nothing in `f32`, so points that
 //! near to each other count as one; and those above 1.8e19 are infinite, which is no neighbour unless `r * r` is infinite as well.
 
+mod body;
 mod bytes;
 mod error;
 mod median;
@@ -48,6 +49,7 @@ mod upkeep;
 
 mod view;
 
+pub use body::Contact;
 pub use bytes::{CLOUD_MAGIC, CLOUD_VERSION};
 pub use error::{CloudError, SearchError};
 #[cfg(feature = "alloc")]

@@ -73,13 +73,13 @@ impl Candidates {
 }
 
 /// A search under way.
-pub(super) struct Descent<'a, E> {
+pub(super) struct RangeDescent<'a, E> {
     pub(super) kernel: E,
     pub(super) cloud: CloudRef<'a>,
     pub(super) work: RangeCounters,
 }
 
-impl<E: Kernel> Descent<'_, E> {
+impl<E: Kernel> RangeDescent<'_, E> {
     /// Calls `leaf` with every lane that leads to a bucket near the query, in the order of the buckets, until it breaks.
     #[inline(always)]
     pub(super) fn go_down(
@@ -277,7 +277,7 @@ impl RangeSearch {
         Ok(on_isa!(self.isa, kernel => kernel.run(
             #[inline(always)]
             || {
-                let mut descent = Descent { kernel, cloud: *cloud, work: RangeCounters::default() };
+                let mut descent = RangeDescent { kernel, cloud: *cloud, work: RangeCounters::default() };
                 // A visitor that breaks wants no more.
                 let _ = descent.all(queries, &radii, sink);
                 descent.work

@@ -105,7 +105,7 @@ mod tests {
         assert_eq!(due(Policy::Work, 1e9, 0), None);
         // (0.8 * 7 - 1.4) * 1600 = 6720 for a build: -1 + sqrt(1 + 13440 / growth).
         assert_eq!(due(Policy::Work, 1.0, 13440), Some(1));
-        assert_eq!(due(Policy::Work, 1.0, 13440 / 8), Some(2));
-        assert_eq!(due(Policy::Work, 1.0, 13440 / 120), Some(10));
+        assert_eq!(due(Policy::Work, 1.0, 13440 / 8 + 1), Some(2));
+        assert_eq!(due(Policy::Work, 1.0, 13440 / 120 + 1), Some(10));
     }
 }

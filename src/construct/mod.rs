@@ -18,7 +18,6 @@ pub mod gpu;
 mod levels;
 mod longest_axis;
 mod neural_gas;
-pub(crate) mod parallel;
 mod progress;
 mod shape;
 mod thin;
@@ -31,6 +30,7 @@ pub use geometry::{Geometry, Mesh, SphereSet};
 pub(crate) use geometry::{check_records, check_vertices};
 pub use progress::Progress;
 
+use crate::halving::Halving;
 use crate::hierarchy::Bvh;
 #[cfg(doc)]
 use crate::node::Child;
@@ -42,7 +42,6 @@ use core::fmt;
 use core::ops::ControlFlow;
 use cost::Aabb;
 use geometry::Checked;
-use longest_axis::Halving;
 use progress::Observer;
 
 /// How primitives are assigned to the lanes of a node (SIMDop paper, section IV-A).
