@@ -31,7 +31,7 @@ pub struct Memory<'a> {
     pub places: &'a mut [u32],
 }
 
-/// A cloud that can be changed, in borrowed memory. Nothing here allocates.
+/// A cloud that can be changed, in borrowed memory. Nothing here allocates; only `rayon` may, in builds of thousands of points.
 #[derive(Debug)]
 pub struct CloudMut<'a> {
     pub(super) memory: Memory<'a>,

@@ -11,9 +11,53 @@ use simdop::cloud::{
     Cloud, CloudMut, CloudRef, List, Memory, Neighbour, Policy, Queries, Radii, RangeSearch, Seat, Upkeep,
     buckets_for, nodes_for,
 };
-use simdop::hierarchy::BakeError;
+use simdop::construct::{Builder, Mesh, SphereSet};
+use simdop::hierarchy::{BakeError, Bvh};
 use simdop::isa::Isa;
-use simdop::node::{Aabb16, Bucket};
+use simdop::node::{Aabb16, Bucket, Node16};
+use simdop::pose::Pose;
+use simdop::primitive::{Sphere, Spheres};
+
+/// Spheres, and triangles that touch points of a lattice: exact arithmetic takes the most stack.
+fn bodies() -> (Bvh<Node16<32>, Spheres>, Bvh<Node16<32>>) {
+    let at = |i: u32| f64::from(i) * 0.25;
+    let spheres: Vec<_> =
+        (0..40).map(|i| Sphere { centre: [at(i % 4), at(i / 4 % 4), at(i / 16)], radius: 0.125 }).collect();
+    let set = SphereSet { spheres: &spheres };
+    let round = Builder::new().build_geometry(&set, &mut |_| ControlFlow::Continue(())).unwrap();
+    let vertices: Vec<_> = (0..25).map(|i| [at(i % 5), at(i / 5), at(i % 5) + at(i / 5) * 0.5]).collect();
+    let quads = (0..20).filter(|i| i % 5 < 4).flat_map(|i| [[i, i + 1, i + 6], [i, i + 6, i + 5]]);
+    let triangles: Vec<_> = quads.collect();
+    let mesh = Mesh { vertices: &vertices, triangles: &triangles };
+    (round, Builder::new().build(&mesh).unwrap())
+}
+
+/// The points that the bodies' corners and centres may touch.
+fn lattice() -> Vec<[f32; 3]> {
+    (0..729).map(|i| [i % 9, i / 9 % 9, i / 81].map(|x| x as f32 * 0.125)).collect()
+}
+
+/// Along the mesh: by nothing, by so little that only exact arithmetic can say whether it touches, by a step of the lattice, and away.
+fn poses() -> [Pose; 4] {
+    [0.0, 1e-17, 0.125, 3.0]
+        .map(|x| Pose::from_rows([[1.0, 0.0, 0.0, x], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, x]]).unwrap())
+}
+
+#[test]
+fn bodies_among_points_stay_off_the_heap() {
+    let ((round, mesh), cloud) = (bodies(), Cloud::new(&lattice()).unwrap());
+    for isa in Isa::available() {
+        let (search, view) = (RangeSearch::new(isa), cloud.view());
+        for pose in &poses() {
+            for margin in [0.0, 0.01] {
+                let found = without_heap("body_within", || search.body_within(&view, &round, pose, margin));
+                let other = without_heap("body_within", || search.body_within(&view, &mesh, pose, margin));
+                let is_far = pose.translation()[0] > 1.0;
+                assert_eq!((found.unwrap().is_none(), other.unwrap().is_none()), (is_far, is_far), "{isa}");
+            }
+        }
+    }
+}
 
 #[test]
 fn nothing_allocates_in_borrowed_memory() {
@@ -180,6 +224,7 @@ fn searches_need_no_more_stack_than_is_documented() {
     let mut found = vec![Neighbour::NONE; 100];
     let mut cloud = Cloud::with_room(&points, 10, points.len()).unwrap();
     let deepest = comb(simdop::hierarchy::MAX_DEPTH);
+    let ((round, mesh), poses, grid) = (bodies(), poses(), Cloud::new(&lattice()).unwrap());
     for isa in Isa::available() {
         in_thread(|| {
             let (view, search) = (cloud.view(), RangeSearch::new(isa));
@@ -194,6 +239,12 @@ fn searches_need_no_more_stack_than_is_documented() {
                 search.each_within(&view, points[3], radius, |_| ControlFlow::Continue(())).unwrap();
             }
             search.k_nearest(&view, points[7], &mut found).unwrap();
+            for pose in &poses {
+                for margin in [0.0, 0.01] {
+                    search.body_within(&grid.view(), &round, pose, margin).unwrap();
+                    search.body_within(&grid.view(), &mesh, pose, margin).unwrap();
+                }
+            }
             let deepest = read(&deepest).unwrap();
             search.k_nearest(&deepest, [0.1; 3], &mut found).unwrap();
             search.nearest(&deepest, [0.1; 3]).unwrap();
