@@ -106,6 +106,10 @@ impl<'a> CloudRef<'a> {
     pub fn validate(&self) -> Result<(), BakeError> {
         let mut next = 1;
         for (n, node) in self.nodes.iter().enumerate() {
+            // Nothing above leads to it: not even to itself may it lead.
+            if n >= next {
+                return Err(BakeError::Header { field: "nodes" });
+            }
             for (lane, child) in node.child.iter().enumerate() {
                 let (held, bounds) = (
                     node.lane(lane),

@@ -5,7 +5,7 @@ use simdop::cloud::{CLOUD_MAGIC, Cloud, CloudRef, Neighbour, Queries, Radii, Ran
 use simdop::construct::Splitter;
 use simdop::hierarchy::{Aligned, BakeError};
 use simdop::isa::Isa;
-use simdop::node::Bucket;
+use simdop::node::{Aabb16, Bucket};
 
 /// Bytes that start at a multiple of 64.
 fn aligned(bytes: &[u8]) -> Vec<Bucket> {
@@ -97,6 +97,24 @@ fn bytes_that_are_no_cloud_are_refused() {
     twice[bucket + 192..bucket + 196].copy_from_slice(&word(bucket + 196).to_le_bytes());
     assert_eq!(read(&twice), Ok(400));
     assert_eq!(Cloud::from_bytes(&twice).unwrap_err(), BakeError::Source { index: 1 });
+}
+
+/// A node that nothing but itself leads to: it is the next one that any lane leads to.
+#[test]
+fn nodes_that_nothing_leads_to_are_refused() {
+    let points: Vec<_> = (0..10).map(|i| [i as f32, 0.0, 0.0]).collect();
+    let mut bytes = Cloud::new(&points).unwrap().view().to_bytes();
+    let mut node = Aabb16::EMPTY;
+    node.child[0] = bytemuck::cast(1_u32);
+    for i in 0..3 {
+        (node.lower[i][0], node.upper[i][0]) = (-1.0, 1.0);
+    }
+    bytes.splice(64 + 512..64 + 512, bytemuck::bytes_of(&node).iter().copied());
+    bytes[24..28].copy_from_slice(&2_u32.to_le_bytes());
+    assert_eq!(read(&bytes), Err(BakeError::Header { field: "nodes" }));
+    bytes[24..28].copy_from_slice(&1_u32.to_le_bytes());
+    bytes.drain(64 + 512..64 + 1024);
+    assert_eq!(read(&bytes), Ok(10));
 }
 
 /// Whatever the bytes, a cloud that is accepted can be searched.

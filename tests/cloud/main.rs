@@ -3,6 +3,7 @@
 mod body;
 mod bytes;
 mod changes;
+mod memory;
 mod neighbours;
 mod scenes;
 mod single;
