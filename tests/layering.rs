@@ -12,16 +12,16 @@ use std::path::{Path, PathBuf};
 /// The modules of the crate, lowest layer first. A module may import from lower layers only, never from its
 /// own.
 const LAYERS: [&[&str]; 11] = [
-    &["range"],
-    &["key", "exact", "directions", "isa"],
+    &["range", "parallel"],
+    &["key", "exact", "directions", "halving", "isa"],
     &["frame", "pose"],
     &["primitive"],
     &["node"],
     &["bytes", "hierarchy"],
     &["realign"],
     &["kernel", "construct"],
-    &["query", "cloud"],
-    &["packing"],
+    &["query"],
+    &["cloud", "packing"],
     // The command: a crate of its own, which sees of the library what every user does.
     &["cli"],
 ];

@@ -1,6 +1,6 @@
 //! One query at a time: is anything near, and what is nearest?
 
-use super::search::Descent;
+use super::search::RangeDescent;
 use super::store::is_finite;
 use super::{CloudRef, RangeCounters, RangeSearch, SearchError};
 use crate::hierarchy::MAX_DEPTH;
@@ -46,7 +46,7 @@ impl RangeSearch {
             #[inline(always)]
             || {
                 let square = radius * radius;
-                let mut descent = Descent { kernel, cloud: *cloud, work: RangeCounters::default() };
+                let mut descent = RangeDescent { kernel, cloud: *cloud, work: RangeCounters::default() };
                 let found = descent.go_down(&Box3::of_point(centre), square, |this, _, _, bucket| {
                     match kernel.points_near(centre, square, &this.cloud.buckets[bucket as usize]) {
                         0 => ControlFlow::Continue(()),
@@ -75,7 +75,7 @@ impl RangeSearch {
             #[inline(always)]
             || {
                 let square = radius * radius;
-                let mut descent = Descent { kernel, cloud: *cloud, work: RangeCounters::default() };
+                let mut descent = RangeDescent { kernel, cloud: *cloud, work: RangeCounters::default() };
                 // A visitor that breaks wants no more.
                 let _ = descent.go_down(&Box3::of_point(centre), square, |this, _, _, bucket| {
                     let bucket = &this.cloud.buckets[bucket as usize];

@@ -56,9 +56,9 @@ pub use assign::Spent;
 pub use device::Gpu;
 pub use error::GpuError;
 
-use super::longest_axis::Halving;
 use super::neural_gas::Samples;
 use super::{Builder, Geometry, Mesh, Progress, Splitter};
+use crate::halving::Halving;
 use crate::hierarchy::Bvh;
 use crate::node::Dop;
 use core::ops::ControlFlow;
