@@ -1,9 +1,12 @@
 //! Whether anything is within a sphere, as planners ask: beside capt, whose trees are made for a range of radii.
 
-use super::single::{Row, Way, compare, row};
 use super::scenes::{self, Points};
+use super::single::{Row, Way, compare, row};
+use super::{
+    entrants::Radii,
+    grid::{Grid, Kind, best_side},
+};
 use super::{lent, median, milliseconds, square, wanted};
-use super::{entrants::Radii, grid::{Grid, Kind, best_side}};
 use crate::Options;
 use crate::rng::Rng;
 use capt::Capt;
@@ -85,7 +88,9 @@ fn measure_sweep(name: &str, sweep: &Points, options: &Options, rows: &mut Vec<R
         let spheres = &links(sweep, away, range, &mut rng);
         #[cfg(feature = "simd")]
         let lanes = in_lanes(spheres);
-        let is_in = |sphere: &Sphere| sweep.iter().any(|&p| square(p, sphere.centre) <= sphere.radius * sphere.radius);
+        let is_in = |sphere: &Sphere| {
+            sweep.iter().any(|&p| square(p, sphere.centre) <= sphere.radius * sphere.radius)
+        };
         let truth: Vec<u64> = spheres[..TRUE].iter().map(|sphere| u64::from(is_in(sphere))).collect();
         let any = |sphere: &Sphere| search.any_within(&view, sphere.centre, sphere.radius) == Ok(true);
         let mut ways = vec![
@@ -117,10 +122,18 @@ fn measure_sweep(name: &str, sweep: &Points, options: &Options, rows: &mut Vec<R
             });
         }
         let from = rows.len();
-        compare(&row("any", name, sweep.len(), &format!("a sphere {what}"), spheres.len()), ways, &truth, rows);
+        compare(
+            &row("any", name, sweep.len(), &format!("a sphere {what}"), spheres.len()),
+            ways,
+            &truth,
+            rows,
+        );
 
         let truth: Vec<u64> = truth.chunks(LINK).map(|link| u64::from(link.contains(&1))).collect();
-        #[cfg_attr(not(feature = "simd"), expect(unused_mut, reason = "capt's SIMD needs an unstable compiler"))]
+        #[cfg_attr(
+            not(feature = "simd"),
+            expect(unused_mut, reason = "capt's SIMD needs an unstable compiler")
+        )]
         let mut ways = vec![
             Way {
                 library: "simdop",
@@ -148,7 +161,8 @@ fn measure_sweep(name: &str, sweep: &Points, options: &Options, rows: &mut Vec<R
                 }
             }),
         });
-        let of = row("any", name, sweep.len(), &format!("any of {LINK} spheres {what}"), spheres.len() / LINK);
+        let of =
+            row("any", name, sweep.len(), &format!("any of {LINK} spheres {what}"), spheres.len() / LINK);
         compare(&of, ways, &truth, rows);
         for row in &mut rows[from..] {
             let per_point = |bytes: usize| Some(bytes as f64 / sweep.len() as f64);
@@ -168,7 +182,8 @@ type Lanes = std::simd::Simd<f32, LINK>;
 #[cfg(feature = "simd")]
 fn in_lanes(spheres: &[Sphere]) -> Vec<([Lanes; 3], Lanes)> {
     let lanes = |link: &[Sphere]| {
-        let centres = core::array::from_fn(|axis| Lanes::from_array(core::array::from_fn(|i| link[i].centre[axis])));
+        let centres =
+            core::array::from_fn(|axis| Lanes::from_array(core::array::from_fn(|i| link[i].centre[axis])));
         (centres, Lanes::from_array(core::array::from_fn(|i| link[i].radius)))
     };
     spheres.chunks(LINK).map(lanes).collect()

@@ -43,7 +43,7 @@ struct Case {
 const SAMPLE: usize = 128;
 
 /// Seconds for the rounds of a cloud.
-const PATIENCE: f64 = 6.0;
+const PATIENCE: f64 = 3.0;
 
 pub(crate) fn measure(options: &Options) -> Result<Vec<Row>, String> {
     let entrants = entrants(&options.drivers);
@@ -81,7 +81,12 @@ fn cases(options: &Options) -> Result<Vec<Case>, String> {
     add("radii", "uniform, 1000 neighbours", scenes::uniform(few, &mut rng(1)), radii);
     add("radii", "uniform, the whole cube", scenes::uniform(5000, &mut rng(0)), Radii::Same(2.0));
 
-    add("scenes", "uniform, along a Morton curve", scenes::morton(uniform()), Radii::Same(scenes::radius(usual, USUAL)));
+    add(
+        "scenes",
+        "uniform, along a Morton curve",
+        scenes::morton(uniform()),
+        Radii::Same(scenes::radius(usual, USUAL)),
+    );
     for radius in [0.001, 0.004] {
         let points = scenes::clustered(usual, &mut rng(10));
         add("scenes", &format!("clusters, r {radius}"), points, Radii::Same(radius));
@@ -109,11 +114,21 @@ fn cases(options: &Options) -> Result<Vec<Case>, String> {
     for share in [1e-2, 1e-3, 1e-4] {
         for count in [10_000, usual] {
             let (points, radii) = scenes::particles(count, share, &mut rng(20));
-            add("particles", &format!("nine tenths in a cube of {share:e}, radii of two sizes"), points, radii);
+            add(
+                "particles",
+                &format!("nine tenths in a cube of {share:e}, radii of two sizes"),
+                points,
+                radii,
+            );
         }
         let (points, _) = scenes::particles(usual, share, &mut rng(20));
         let radii = Radii::Same(share as f32 * scenes::radius(usual * 9 / 10, USUAL));
-        add("particles", &format!("nine tenths in a cube of {share:e}, the small radius for all"), points, radii);
+        add(
+            "particles",
+            &format!("nine tenths in a cube of {share:e}, the small radius for all"),
+            points,
+            radii,
+        );
     }
     for count in [10_000, usual] {
         let (points, radii) = scenes::halos(count, &mut rng(21));
@@ -129,7 +144,8 @@ fn cases(options: &Options) -> Result<Vec<Case>, String> {
     let radii = Radii::Same(scenes::radius(usual, USUAL));
     add("odd", "uniform, each point twice", twice(scenes::uniform(usual / 2, &mut rng(31))), radii);
     // Of a sheet: pi r^2 n = 30.
-    let flat = |share: f32| Radii::Same(share * (USUAL as f32 / (usual as f32 * std::f32::consts::PI)).sqrt());
+    let flat =
+        |share: f32| Radii::Same(share * (USUAL as f32 / (usual as f32 * std::f32::consts::PI)).sqrt());
     add("odd", "a sheet across an axis", scenes::sheet(usual, false, &mut rng(32)), flat(1.0));
     add("odd", "a tilted sheet", scenes::sheet(usual, true, &mut rng(32)), flat(1.06));
     let along = Radii::Same(15.0 * 1.146 / usual as f32);
@@ -286,8 +302,11 @@ fn sample(points: &[[f32; 3]], radii: &Radii) -> Sample {
 /// Queries of the sample whose count or set is not brute force's.
 fn wrong(sample: &Sample, counts: &[u32], lists: &Lists, filled: Filled) -> usize {
     let sets = lists.sets(filled, &sample.queries);
-    let right = sample.queries.iter().zip(&sample.sets).zip(&sets).filter(|((query, truth), set)| {
-        counts[**query as usize] as usize == truth.len() && truth == set
-    });
+    let right = sample
+        .queries
+        .iter()
+        .zip(&sample.sets)
+        .zip(&sets)
+        .filter(|((query, truth), set)| counts[**query as usize] as usize == truth.len() && truth == set);
     sample.len() - right.count()
 }

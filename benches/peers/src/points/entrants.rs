@@ -81,7 +81,9 @@ impl Lists {
                 };
                 queries.iter().map(list).collect()
             }
-            Filled::Ours => queries.iter().map(|&q| self.indices[self.ours[q as usize].range()].to_vec()).collect(),
+            Filled::Ours => {
+                queries.iter().map(|&q| self.indices[self.ours[q as usize].range()].to_vec()).collect()
+            }
             Filled::Pairs => {
                 let mut sets = vec![Vec::new(); queries.len()];
                 for pair in &self.pairs {
@@ -134,12 +136,15 @@ struct Ours {
 impl Built for Ours {
     fn count(&mut self, _: &[[f32; 3]], radii: &Radii, counts: &mut [u32]) {
         let own = cloud::Queries::own();
-        self.search.count(&self.cloud.view(), &own, radii.ours(), counts).expect("the queries are the points");
+        self.search
+            .count(&self.cloud.view(), &own, radii.ours(), counts)
+            .expect("the queries are the points");
     }
 
     fn fill(&mut self, _: &[[f32; 3]], radii: &Radii, lists: &mut Lists) -> Filled {
         let own = cloud::Queries::own();
-        let filled = self.search.fill(&self.cloud.view(), &own, radii.ours(), &mut lists.ours, &mut lists.indices);
+        let filled =
+            self.search.fill(&self.cloud.view(), &own, radii.ours(), &mut lists.ours, &mut lists.indices);
         filled.expect("there is room");
         Filled::Ours
     }
@@ -173,8 +178,13 @@ macro_rules! kiddo {
                 let mut scratch = self.tree.create_scratch::<SquaredEuclidean<f32>>();
                 for (index, point) in &self.order {
                     let (radius, mut count) = (radii.of(*index), 0);
-                    let query = self.tree.query(point).within::<SquaredEuclidean<f32>>(radius * radius).unsorted();
-                    query.without_items().without_distances().with_scratch(&mut scratch).visit(|_| count += 1);
+                    let query =
+                        self.tree.query(point).within::<SquaredEuclidean<f32>>(radius * radius).unsorted();
+                    query
+                        .without_items()
+                        .without_distances()
+                        .with_scratch(&mut scratch)
+                        .visit(|_| count += 1);
                     counts[*index as usize] = count;
                 }
             }
@@ -184,7 +194,8 @@ macro_rules! kiddo {
                 let mut end = 0;
                 for (index, point) in &self.order {
                     let (radius, start) = (radii.of(*index), end);
-                    let query = self.tree.query(point).within::<SquaredEuclidean<f32>>(radius * radius).unsorted();
+                    let query =
+                        self.tree.query(point).within::<SquaredEuclidean<f32>>(radius * radius).unsorted();
                     query.without_distances().with_scratch(&mut scratch).visit(|found| {
                         lists.indices[end] = found.item;
                         end += 1;

@@ -2,8 +2,8 @@
 //! cells side by side in x are one run of memory; a run is tested sixteen points at a time, which the compiler vectorises.
 
 use super::entrants::{List, Lists, Radii};
+use super::milliseconds;
 use core::ops::Range;
-use std::time::Instant;
 
 /// Cells of a dense grid, at most: those of the paper's finest, 256 along each axis.
 const DENSE: u64 = 1 << 24;
@@ -61,8 +61,9 @@ impl Grid {
             }
         }
         let inverse = 1.0 / side;
-        let counts: [f64; 3] =
-            core::array::from_fn(|axis| (f64::from(upper[axis]) - f64::from(lower[axis])) * f64::from(inverse) + 2.0);
+        let counts: [f64; 3] = core::array::from_fn(|axis| {
+            (f64::from(upper[axis]) - f64::from(lower[axis])) * f64::from(inverse) + 2.0
+        });
         let most = if kind == Kind::Dense { DENSE as f64 } else { f64::INFINITY };
         if !inverse.is_finite() || counts.iter().any(|&c| c > 2e9) || counts.iter().product::<f64>() > most {
             return None;
@@ -80,7 +81,8 @@ impl Grid {
             points: points.len(),
         };
         let (numbers, starts) = if kind == Kind::Dense {
-            let numbers: Vec<u32> = points.iter().map(|&point| grid.number(grid.cell(point)) as u32).collect();
+            let numbers: Vec<u32> =
+                points.iter().map(|&point| grid.number(grid.cell(point)) as u32).collect();
             let starts = starts(&numbers, count.iter().map(|&c| c as usize).product());
             (numbers, starts)
         } else {
@@ -186,12 +188,15 @@ impl Grid {
                 }
             }
             Cells::Hashed { table, keys, starts } => {
-                let wanted = (0..3).map(|axis| u64::from(last[axis] - first[axis]) + 1).fold(1, u64::saturating_mul);
+                let wanted =
+                    (0..3).map(|axis| u64::from(last[axis] - first[axis]) + 1).fold(1, u64::saturating_mul);
                 let cell = |number: usize| starts[number] as usize..starts[number + 1] as usize;
                 // More cells than there are: each of these is looked at.
                 if wanted > keys.len() as u64 {
                     for (number, key) in keys.iter().enumerate() {
-                        if (0..3).all(|axis| first[axis] <= key[axis] && key[axis] <= last[axis]) && !run(cell(number)) {
+                        if (0..3).all(|axis| first[axis] <= key[axis] && key[axis] <= last[axis])
+                            && !run(cell(number))
+                        {
                             return;
                         }
                     }
@@ -348,13 +353,16 @@ pub(crate) fn best_side(points: &[[f32; 3]], radii: &Radii, kind: Kind) -> Optio
         let (each, step) = ((points.len() / runs).clamp(1, 64), (points.len() / runs).max(1));
         let mut least = f64::INFINITY;
         for _ in 0..2 {
-            let started = Instant::now();
-            for place in (0..points.len()).step_by(step).flat_map(|from| from..(from + each).min(points.len())) {
-                let query = grid.at.each_ref().map(|axis| axis[place]);
-                std::hint::black_box(grid.count_one(query, radii.of(grid.indices[place])));
-            }
-            least = least.min(started.elapsed().as_secs_f64());
-            if least > 0.5 {
+            let ms = milliseconds(|| {
+                for place in
+                    (0..points.len()).step_by(step).flat_map(|from| from..(from + each).min(points.len()))
+                {
+                    let query = grid.at.each_ref().map(|axis| axis[place]);
+                    std::hint::black_box(grid.count_one(query, radii.of(grid.indices[place])));
+                }
+            });
+            least = least.min(ms);
+            if least > 500.0 {
                 break;
             }
         }

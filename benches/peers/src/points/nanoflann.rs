@@ -134,7 +134,10 @@ impl Cloud {
     pub(crate) fn nearest(&self, queries: Queries<'_>, k: usize, indices: &mut [u32], squares: &mut [f32]) {
         queries.check();
         let need = k * queries.points.len();
-        assert!(k <= self.points && indices.len() >= need && squares.len() >= need, "k places for each query");
+        assert!(
+            k <= self.points && indices.len() >= need && squares.len() >= need,
+            "k places for each query"
+        );
         // SAFETY: the order names queries, each of which has k places in both arrays: checked above.
         unsafe {
             (self.driver.nearest)(

@@ -53,7 +53,8 @@ pub(crate) fn line(count: usize, rng: &mut Rng) -> Points {
 
 /// Along a Morton curve: points that are near to each other in space are so in memory.
 pub(crate) fn morton(mut points: Points) -> Points {
-    let spread = |x: f32| (0..10).fold(0_u32, |key, bit| key | (((x * 1023.0) as u32) >> bit & 1) << (3 * bit));
+    let spread =
+        |x: f32| (0..10).fold(0_u32, |key, bit| key | (((x * 1023.0) as u32) >> bit & 1) << (3 * bit));
     points.sort_by_cached_key(|&[x, y, z]| spread(x) | spread(y) << 1 | spread(z) << 2);
     points
 }
@@ -83,9 +84,11 @@ pub(crate) fn halos(count: usize, rng: &mut Rng) -> (Points, Radii) {
         let centre = *rng.pick(&centres);
         let direction = rng.rotation()[0];
         let distance = 10_f64.powf(-decades * rng.unit());
-        points.push(core::array::from_fn(|axis| (f64::from(centre[axis]) + distance * direction[axis]) as f32));
+        points
+            .push(core::array::from_fn(|axis| (f64::from(centre[axis]) + distance * direction[axis]) as f32));
         // Particles of a centre between distances a and b: their share is log10(b / a) / decades.
-        let density = count as f64 / centres.len() as f64
+        let density = count as f64
+            / centres.len() as f64
             / (decades * std::f64::consts::LN_10 * 4.0 * std::f64::consts::PI * distance.powi(3));
         radii.push((USUAL / density * 0.75 / std::f64::consts::PI).cbrt().min(distance) as f32);
     }
@@ -102,7 +105,8 @@ fn shuffle<T>(items: &mut [T], rng: &mut Rng) {
 pub(crate) fn ply(path: &Path) -> Result<Points, String> {
     let say = |problem: &dyn std::fmt::Display| format!("{}: {problem}", path.display());
     let file = std::fs::File::open(path).map_err(|e| say(&e))?;
-    let ply = Parser::<DefaultElement>::new().read_ply(&mut std::io::BufReader::new(file)).map_err(|e| say(&e))?;
+    let ply =
+        Parser::<DefaultElement>::new().read_ply(&mut std::io::BufReader::new(file)).map_err(|e| say(&e))?;
     let axis = |element: &DefaultElement, axis: &str| match element[axis] {
         Property::Float(x) => Ok(f64::from(x)),
         Property::Double(x) => Ok(x),

@@ -124,12 +124,24 @@ fn scenes(options: &Options) -> Result<Vec<Scene>, String> {
     scenes.push(Scene { name: "uniform, far from it".to_owned(), points, queries, radius, ks: &[1, 30] });
     let points = scenes::clustered(usual, &mut rng);
     let queries = scenes::uniform(ASKED, &mut rng);
-    scenes.push(Scene { name: "clusters, anywhere".to_owned(), points, queries, radius: 0.004, ks: &[1, 30] });
+    scenes.push(Scene {
+        name: "clusters, anywhere".to_owned(),
+        points,
+        queries,
+        radius: 0.004,
+        ks: &[1, 30],
+    });
     let sweep = scenes::ply(&options.data.join("points/street_lidar_source.ply"))?;
     let queries = (0..ASKED)
         .map(|_| sweep[rng.below(sweep.len() as u64) as usize].map(|x| x + rng.range(-0.5, 0.5) as f32))
         .collect();
-    scenes.push(Scene { name: "street_lidar_source, within 0.5 m of its points".to_owned(), points: sweep, queries, radius: 0.5, ks: &[1, 30] });
+    scenes.push(Scene {
+        name: "street_lidar_source, within 0.5 m of its points".to_owned(),
+        points: sweep,
+        queries,
+        radius: 0.5,
+        ks: &[1, 30],
+    });
     Ok(scenes)
 }
 
@@ -170,7 +182,9 @@ fn measure_scene(scene: &Scene, options: &Options, rows: &mut Vec<Row>) {
             library: "simdop, seated",
             answer: Box::new(|answers| {
                 let seated = search.seat(&view, queries, &mut seats).expect("a seat for each");
-                search.count(&view, &seated, cloud::Radii::Same(radius), &mut counts).expect("a count for each");
+                search
+                    .count(&view, &seated, cloud::Radii::Same(radius), &mut counts)
+                    .expect("a count for each");
                 answers.iter_mut().zip(&counts).for_each(|(answer, count)| *answer = u64::from(*count));
             }),
         },
@@ -181,7 +195,11 @@ fn measure_scene(scene: &Scene, options: &Options, rows: &mut Vec<Row>) {
                 for (answer, query) in answers.iter_mut().zip(queries) {
                     let mut count = 0;
                     let query = tree.query(query).within::<SquaredEuclidean<f32>>(radius * radius).unsorted();
-                    query.without_items().without_distances().with_scratch(&mut scratch).visit(|_| count += 1);
+                    query
+                        .without_items()
+                        .without_distances()
+                        .with_scratch(&mut scratch)
+                        .visit(|_| count += 1);
                     *answer = count;
                 }
             }),
@@ -260,6 +278,11 @@ fn measure_scene(scene: &Scene, options: &Options, rows: &mut Vec<Row>) {
                 }),
             });
         }
-        compare(&row("single", name, points.len(), &format!("the nearest {k}"), queries.len()), ways, &truth, rows);
+        compare(
+            &row("single", name, points.len(), &format!("the nearest {k}"), queries.len()),
+            ways,
+            &truth,
+            rows,
+        );
     }
 }
