@@ -119,6 +119,7 @@ fn by_cloud<'a>(rows: &[&'a Row]) -> Vec<Vec<&'a Row>> {
 
 fn number(x: f64) -> String {
     match x {
+        0.0 => "0".to_owned(),
         x if x >= 100.0 => format!("{x:.0}"),
         x if x >= 10.0 => format!("{x:.1}"),
         x if x >= 0.1 => format!("{x:.2}"),
