@@ -18,8 +18,8 @@
 //! give its ranges of movement in numbers. Before a time counts, counts of some queries are compared with those of a loop over all
 //! points, on the cloud as it is after all steps.
 //!
-//! Prints tables and writes CSV to `target/cloud/`. Times are means over the steps; work is counted, and the same on every
-//! machine.
+//! Prints tables and writes CSV to `target/cloud/`. Times of figure 10 are medians over the steps, those of a simulation means,
+//! those of table 2 the least of several; work is counted, and the same on every machine.
 
 #![expect(clippy::unwrap_used, reason = "a benchmark that cannot go on has failed")]
 
@@ -106,10 +106,10 @@ struct Moving {
     cloud: Cloud,
     upkeep: Upkeep,
     counts: Vec<u32>,
-    rebuilds: u32,
-    refit: f64,
-    rebuild: f64,
-    search: f64,
+    /// Of every step, and of every rebuild.
+    refits: Vec<f64>,
+    searches: Vec<f64>,
+    rebuilds: Vec<f64>,
     work: RangeCounters,
 }
 
@@ -119,10 +119,9 @@ impl Moving {
             cloud: Cloud::new(points).unwrap(),
             upkeep: Upkeep::new(policy),
             counts: vec![0; points.len()],
-            rebuilds: 0,
-            refit: 0.0,
-            rebuild: 0.0,
-            search: 0.0,
+            refits: Vec::new(),
+            searches: Vec::new(),
+            rebuilds: Vec::new(),
             work: RangeCounters::default(),
         }
     }
@@ -137,21 +136,37 @@ impl Moving {
         let own = Queries::own();
         let work = search.count(&self.cloud.view(), &own, Radii::Same(radius), &mut self.counts).unwrap();
         let searched = milliseconds(start);
-        let start = Instant::now();
-        let is_due = self.upkeep.is_due(&self.cloud.view(), ratio, &work);
-        if is_due {
+        let mut rebuild = 0.0;
+        if self.upkeep.is_due(&self.cloud.view(), ratio, &work) {
+            let start = Instant::now();
             self.cloud.rebuild().unwrap();
-            self.rebuilds += 1;
+            rebuild = milliseconds(start);
+            self.rebuilds.push(rebuild);
         }
-        let rebuild = milliseconds(start);
-        self.refit += refit;
-        self.search += searched;
-        self.rebuild += rebuild;
+        self.refits.push(refit);
+        self.searches.push(searched);
         self.work.boxes += work.boxes;
         self.work.buckets += work.buckets;
         self.work.neighbours += work.neighbours;
         [refit, searched, rebuild]
     }
+
+    /// Milliseconds a step: of the refit, of the search, and of the rebuild, which not every step has.
+    fn times(&self, of: fn(&[f64]) -> f64) -> [f64; 3] {
+        let share = self.rebuilds.len() as f64 / self.refits.len() as f64;
+        let rebuild = if self.rebuilds.is_empty() { 0.0 } else { share * of(&self.rebuilds) };
+        [of(&self.refits), of(&self.searches), rebuild]
+    }
+}
+
+fn median(times: &[f64]) -> f64 {
+    let mut times = times.to_vec();
+    times.sort_by(f64::total_cmp);
+    times[times.len() / 2]
+}
+
+fn mean(times: &[f64]) -> f64 {
+    times.iter().sum::<f64>() / times.len() as f64
 }
 
 fn figure_10(sizes: &[usize]) -> String {
@@ -179,12 +194,11 @@ fn figure_10(sizes: &[usize]) -> String {
                 for cloud in &clouds {
                     check(&points, &points, radius, &cloud.counts);
                 }
-                let per = |x: f64| x / steps as f64;
-                let neighbours = per(clouds[0].work.neighbours as f64 / size as f64);
+                let neighbours = clouds[0].work.neighbours as f64 / (steps * size) as f64;
                 print!("| {size} | {movement} | {share} | {neighbours:.1} |");
                 for ((policy, _), cloud) in POLICIES.iter().zip(&clouds) {
-                    let Moving { refit, search, rebuild, rebuilds, work, .. } = cloud;
-                    let [refit, search, rebuild] = [refit, search, rebuild].map(|x| per(*x));
+                    let ([refit, search, rebuild], rebuilds) = (cloud.times(median), cloud.rebuilds.len());
+                    let work = cloud.work;
                     let all = refit + search + rebuild;
                     print!(" {all:.1} | {refit:.2} | {search:.1} | {rebuild:.2} | {rebuilds} |");
                     writeln!(
@@ -376,11 +390,11 @@ fn figure_19(size: usize, steps: usize) -> String {
     println!("Figure 19: {size} particles, {steps} steps, milliseconds a step.\n");
     println!("| rebuild | all | refit | search | rebuild | rebuilds |\n|---|--:|--:|--:|--:|--:|");
     for ((policy, _), cloud) in policies.iter().zip(&clouds) {
-        let [refit, search, rebuild] = [cloud.refit, cloud.search, cloud.rebuild].map(|x| x / steps as f64);
+        let [refit, search, rebuild] = cloud.times(mean);
         println!(
             "| {policy} | {:.2} | {refit:.3} | {search:.2} | {rebuild:.3} | {} |",
             refit + search + rebuild,
-            cloud.rebuilds
+            cloud.rebuilds.len()
         );
     }
     println!();

@@ -39,7 +39,9 @@ pub(crate) fn measure(options: &Options) -> Result<Vec<Row>, String> {
         let sweep = scenes::ply(&options.data.join("points").join(name).with_extension("ply"))?;
         let seen: Points = sweep.iter().copied().filter(|point| *point != [0.0; 3]).collect();
         let thin = thinned(&seen);
-        for (what, points) in [("as it is", sweep), ("(0, 0, 0) left out", seen), ("a point each 0.1 m", thin)] {
+        for (what, points) in
+            [("as it is", sweep), ("(0, 0, 0) left out", seen), ("a point each 0.1 m", thin)]
+        {
             if points.len() <= options.most {
                 eprintln!("any: {name}, {what}");
                 measure_sweep(&format!("{name}, {what}"), &points, options, &mut rows);
