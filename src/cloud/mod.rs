@@ -33,6 +33,8 @@
 //! near to each other count as one; and those above 1.8e19 are infinite, which is no neighbour unless `r * r` is infinite as well.
 
 mod error;
+#[cfg(feature = "gpu")]
+pub mod gpu;
 mod median;
 #[cfg(feature = "alloc")]
 mod owned;
