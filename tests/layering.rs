@@ -11,7 +11,7 @@ use std::path::{Path, PathBuf};
 
 /// The modules of the crate, lowest layer first. A module may import from lower layers only, never from its
 /// own.
-const LAYERS: [&[&str]; 11] = [
+const LAYERS: [&[&str]; 12] = [
     &["range", "parallel"],
     &["key", "exact", "directions", "halving", "isa"],
     &["frame", "pose"],
@@ -19,6 +19,7 @@ const LAYERS: [&[&str]; 11] = [
     &["node"],
     &["bytes", "hierarchy"],
     &["realign"],
+    &["device"],
     &["kernel", "construct"],
     &["query"],
     &["cloud", "packing"],

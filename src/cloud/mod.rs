@@ -35,6 +35,8 @@
 mod body;
 mod bytes;
 mod error;
+#[cfg(feature = "gpu")]
+pub mod gpu;
 mod median;
 #[cfg(feature = "alloc")]
 mod owned;

@@ -5,13 +5,13 @@ mod lanes;
 mod steps;
 mod text;
 
-use super::device::Gpu;
 use super::memory::{self, Binding, Chunk, Memory, NodeData, Sizes, State};
 use super::shader::{self, Int64, ONE_LANE, SMALL, STEPS_AT_ONCE, Shader, balance_dispatches};
 use crate::construct::neural_gas::twins::{
     Balance, Cluster, Prototypes, SampleBox, Sums, accumulate, nearest, schedule, settle, sort_by_lane,
 };
 use crate::construct::neural_gas::{LIMITS, Samples};
+use crate::device::{DeviceError, Gpu};
 use alloc::vec;
 use alloc::vec::Vec;
 use bytemuck::{NoUninit, Pod};
@@ -137,7 +137,7 @@ impl<'a, const N: usize> Rig<'a, N> {
         // More chunks than a tree would have.
         let roomy = Sizes { primitives: 64 * sizes.primitives.max(1000), ..sizes };
         let memory = Memory::new(&gpu.device, &roomy);
-        let groups = gpu.pipelines(N).unwrap().bind(&gpu.device, &memory);
+        let groups = shader::bind(&gpu.compiled(&shader::program(N)).unwrap(), gpu, &memory);
         let mut rig =
             Self { gpu, memory, groups, level: memory::LevelData::default(), nodes: vec![], chunks: vec![] };
         let mut start = 0;
@@ -186,10 +186,11 @@ impl<'a, const N: usize> Rig<'a, N> {
 
     fn run(&self, kernel: Shader) {
         let gpu = self.gpu;
-        let done = gpu.guarded(0, || {
+        let compiled = gpu.compiled(&shader::program(N)).unwrap();
+        let done: Result<(), DeviceError> = gpu.guarded(0, || {
             let mut encoder = gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
             let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor::default());
-            pass.set_pipeline(gpu.pipelines(N)?.pipeline(kernel));
+            pass.set_pipeline(compiled.pipeline(kernel as usize));
             pass.set_bind_group(0, &self.groups[kernel as usize], &[]);
             // In two dimensions, and more than needed.
             pass.dispatch_workgroups(3, kernel.groups(&self.level, N).div_ceil(3) + 1, 1);
