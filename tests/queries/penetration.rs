@@ -87,6 +87,8 @@ fn check<N: Lanes>(a: &[Sphere], b: &[Sphere], poses: &[Pose]) -> f64 {
     for pose in poses {
         let (got, want) = (ask(&tree_a, &tree_b, pose), brute(a, b, pose));
         assert_eq!(sums(&ask(&tree_a, &plain, pose)), sums(&got), "without balls");
+        let hint = query.collide(&tree_a, &tree_b, pose).hint;
+        assert_eq!(query.with_hint(hint).penetration(&tree_a, &tree_b, pose), got, "a hint is not heeded");
         let best_first = query.with_budget(u64::MAX - 1).penetration(&tree_a, &tree_b, pose);
         assert_eq!((best_first.completion, sums(&best_first)), (Completion::Complete, sums(&got)));
         assert!((got.volume - want.volume).abs() <= 1e-9 * want.volume, "{got:?} {}", want.volume);
