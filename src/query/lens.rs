@@ -92,7 +92,7 @@ impl LensSums {
 /// The volume that the spheres in two balls would share if each body's were spread evenly in its ball: the lens, times
 /// the shares of both balls that spheres take. Not a number for balls that are points.
 pub(super) fn expected(a: &BoundingBall, b: &BoundingBall) -> f64 {
-    let [x, y, z] = [0, 1, 2].map(|i| f64::from(a.centre[i] - b.centre[i]));
+    let [x, y, z] = [0, 1, 2].map(|i| f64::from(b.centre[i] - a.centre[i]));
     let distance = libm::sqrt((x * x + y * y) + z * z);
     let [of_a, of_b] = [a, b].map(|ball| volume(ball.radius.into()));
     // No more than all of a ball where spheres overlap.
