@@ -175,6 +175,10 @@ pub mod primitive;
 pub mod query;
 pub mod range;
 pub mod realign;
+// What all tests draw their random numbers from.
+#[cfg(test)]
+#[path = "../tests/support/rng.rs"]
+mod rng;
 
 #[cfg(doctest)]
 #[doc = include_str!("../README.md")]
