@@ -19,8 +19,9 @@ mod short;
 use core::ops::ControlFlow;
 use rng::Rng;
 use short::count;
-use simdop::construct::gpu::{Gpu, Spent};
+use simdop::construct::gpu::Spent;
 use simdop::construct::{Assignment, Clustering};
+use simdop::device::Gpu;
 use std::time::{Duration, Instant};
 
 const COUNTS: [usize; 5] = [2_000, 10_000, 100_000, 1_000_000, 10_000_000];

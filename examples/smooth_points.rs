@@ -18,7 +18,8 @@ use simdop::isa::Isa;
 
 /// How far a point looks, in the unit of the points.
 const H: f32 = 0.12;
-const ROUNDS: usize = 4;
+/// Each draws a curved surface inwards a little: more rounds leave less noise, and less of the torus.
+const ROUNDS: usize = 2;
 /// How far a point of the scan is from the surface, at most.
 const NOISE: f32 = 0.02;
 
@@ -100,7 +101,7 @@ fn main() -> Result<(), Box<dyn core::error::Error>> {
     Ok(())
 }
 
-/// The noise falls to less than a third, and no point is left that is as far away as the farthest were.
+/// The noise falls to less than a third, and no point is as far away as the farthest were.
 #[test]
 fn the_noise_falls() {
     let mut points = scan(20_000);
@@ -110,7 +111,7 @@ fn the_noise_falls() {
     smooth(&mut points).unwrap();
     assert!(noise(&points) < before / 3.0, "{before} {}", noise(&points));
     let farthest = points.iter().map(|p| torus::distance(Vec3::from(*p)).abs()).fold(0.0, f32::max);
-    assert!(farthest < 0.6 * NOISE, "{farthest}");
+    assert!(farthest < 0.75 * NOISE, "{farthest}");
 }
 
 /// Points of a plane stay where they are, and one beside it goes onto it.

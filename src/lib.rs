@@ -125,7 +125,7 @@
 //! | `std` | yes | run-time detection of instruction sets by the standard library; implies `alloc` |
 //! | `alloc` | yes | owned trees, the builders and sphere packings; without it: borrowed trees, clouds in lent memory and every query |
 //! | `rayon` | no | construction and packing on several threads, with the same bytes; implies `std` |
-//! | `gpu` | no | construction on a device, through wgpu (`construct::gpu`), with the same bytes; implies `std` |
+//! | `gpu` | no | construction (`construct::gpu`) and search of moving points (`cloud::gpu`) on a device, through wgpu, with the same bytes; implies `std` |
 //! | `cli` | no | the command `simdop` |
 //!
 //! Without `std`, x86-64 is asked by CPUID and XCR0, aarch64 takes what the crate is compiled for.
@@ -156,6 +156,8 @@ mod bytes;
 pub mod cloud;
 #[cfg(feature = "alloc")]
 pub mod construct;
+#[cfg(feature = "gpu")]
+pub mod device;
 pub mod directions;
 mod exact;
 pub mod frame;
@@ -173,6 +175,10 @@ pub mod primitive;
 pub mod query;
 pub mod range;
 pub mod realign;
+// What all tests draw their random numbers from.
+#[cfg(test)]
+#[path = "../tests/support/rng.rs"]
+mod rng;
 
 #[cfg(doctest)]
 #[doc = include_str!("../README.md")]

@@ -10,10 +10,11 @@ mod support;
 use core::cell::RefCell;
 use core::ops::ControlFlow;
 use proptest::prelude::*;
-use simdop::construct::gpu::{Gpu, GpuError, Otherwise, wgpu};
+use simdop::construct::gpu::{GpuError, Otherwise};
 use simdop::construct::{
     BuildError, Builder, Clustering, Magnification, Mesh, Progress, SphereSet, Splitter,
 };
+use simdop::device::{DeviceError, Gpu, wgpu};
 use simdop::hierarchy::Bvh;
 use simdop::node::{Dop, Node4, Node16};
 use simdop::packing::Packer;
@@ -372,6 +373,8 @@ fn an_observer_sees_what_the_scalar_builders_does_and_can_stop() {
 
 // ---- What can go wrong ------------------------------------------------------------------------------------
 
+const LOST: GpuError = GpuError::Device(DeviceError::Lost);
+
 #[test]
 fn a_device_destroyed_in_between_is_an_error_and_no_more() {
     let mesh = shapes::torus(30, 20);
@@ -395,11 +398,11 @@ fn a_device_destroyed_in_between_is_an_error_and_no_more() {
             };
             let got = builder.build_on::<Node4<14>>(&gpu, otherwise, &mesh_of(&mesh), &mut destroy);
             match otherwise {
-                Otherwise::Fail => assert_eq!(got.unwrap_err(), GpuError::Lost, "after {after} levels"),
+                Otherwise::Fail => assert_eq!(got.unwrap_err(), LOST, "after {after} levels"),
                 Otherwise::Scalar => assert!(got.unwrap().as_bytes() == want.as_bytes()),
             }
             // Once lost, lost for good.
-            assert_eq!(on::<Node16<6>>(&gpu, &builder, &mesh).unwrap_err(), GpuError::Lost);
+            assert_eq!(on::<Node16<6>>(&gpu, &builder, &mesh).unwrap_err(), LOST);
         }
         compare::<Node4<14>>(&devices()[0], "another device", &builder, &mesh);
     }
@@ -418,7 +421,8 @@ fn too_large_an_input_is_refused_with_its_size() {
     // 12 bytes for each position: 5461 fit.
     let mesh = shapes::torus(70, 40);
     let error = on::<Node16<6>>(&gpu, &builder, &mesh).unwrap_err();
-    assert_eq!(error, GpuError::TooLarge { count: 5600, bytes: 67_200, limit: 65_536 });
+    let too_large = DeviceError::TooLarge { what: "primitives", count: 5600, bytes: 67_200, limit: 65_536 };
+    assert_eq!(error, GpuError::Device(too_large));
     assert_eq!(error.to_string(), "5600 primitives need a buffer of 67200 bytes, the device binds 65536");
     let tree: Bvh<Node16<6>> = builder
         .build_on(&gpu, Otherwise::Scalar, &mesh_of(&mesh), &mut |_| ControlFlow::Continue(()))
@@ -432,7 +436,7 @@ fn too_small_limits_are_named() {
     let Some((device, queue)) = device_with(wgpu::Features::empty(), limits) else { return };
     let error = Gpu::with_device(device, queue).unwrap_err();
     let name = "max_storage_buffers_per_shader_stage";
-    assert_eq!(error, GpuError::Limit { name, needed: 8, available: 4 });
+    assert_eq!(error, DeviceError::Limit { name, needed: 8, available: 4 });
 }
 
 #[test]
@@ -454,7 +458,7 @@ fn no_adapter_is_an_error() {
 #[test]
 #[ignore = "started by no_adapter_is_an_error"]
 fn without_an_adapter() {
-    assert!(matches!(Gpu::new(), Err(GpuError::NoAdapter { .. })));
+    assert!(matches!(Gpu::new(), Err(DeviceError::NoAdapter { .. })));
 }
 
 /// A device that computes on the CPU has as much memory as the process may have: limited, in a process of its
@@ -484,7 +488,8 @@ fn with_too_little_memory() {
     limit_memory(&(address_space() + (100 << 20)).to_string());
     let got = clustering.assign_on(gpu, &points, None, &mut |_| ControlFlow::Continue(()));
     limit_memory("unlimited");
-    let Err(error @ GpuError::OutOfMemory { bytes: 150_000_000..200_000_000 }) = got else {
+    let Err(GpuError::Device(error @ DeviceError::OutOfMemory { bytes: 150_000_000..200_000_000 })) = got
+    else {
         panic!("{:?}", got.map(|(_, spent)| spent))
     };
     println!("{error}");

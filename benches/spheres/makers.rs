@@ -11,7 +11,7 @@ pub(crate) struct Makers {
     #[cfg(feature = "rayon")]
     one: rayon::ThreadPool,
     #[cfg(feature = "gpu")]
-    gpu: Option<simdop::construct::gpu::Gpu>,
+    gpu: Option<simdop::device::Gpu>,
 }
 
 /// A tree, and how long it took.
@@ -26,7 +26,7 @@ impl Makers {
             #[cfg(feature = "rayon")]
             one: rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap(),
             #[cfg(feature = "gpu")]
-            gpu: simdop::construct::gpu::Gpu::new().ok(),
+            gpu: simdop::device::Gpu::new().ok(),
         }
     }
 
@@ -60,7 +60,8 @@ impl Makers {
 
     #[cfg(feature = "gpu")]
     pub(crate) fn on_device<N: Dop>(&self, builder: &Builder, spheres: &[Sphere]) -> Option<Made<N>> {
-        use simdop::construct::gpu::{Otherwise, wgpu::DeviceType};
+        use simdop::construct::gpu::Otherwise;
+        use simdop::device::wgpu::DeviceType;
         let gpu = self.gpu.as_ref()?;
         if gpu.info().device_type == DeviceType::Cpu && spheres.len() > MOST_ON_A_CPU {
             return None;

@@ -40,6 +40,8 @@
 mod body;
 mod bytes;
 mod error;
+#[cfg(feature = "gpu")]
+pub mod gpu;
 mod median;
 #[cfg(feature = "alloc")]
 mod owned;
@@ -67,8 +69,8 @@ pub use store::{CloudMut, Memory, buckets_for, nodes_for};
 pub use upkeep::{Policy, Upkeep};
 pub use view::CloudRef;
 
-/// A cloud has at most this many points: links count buckets in 26 bits, and places of points in 30.
-pub const MAX_POINTS: usize = 1 << 26;
+/// A cloud has at most this many points, since a link counts as many buckets.
+pub const MAX_POINTS: usize = crate::node::Child::MAX_PRIMITIVES as usize;
 
 /// Points in a bucket, at most.
 pub const BUCKET_SIZE: u32 = 16;

@@ -97,7 +97,7 @@ impl Radii<'_> {
 
     /// The square of a query's, as the comparison takes it.
     #[inline(always)]
-    fn square(&self, query: u32) -> f32 {
+    pub(super) fn square(&self, query: u32) -> f32 {
         let r = match *self {
             Self::Same(r) => r,
             Self::Each(radii) => radii[query as usize],

@@ -39,7 +39,7 @@ impl Clustering {
     #[cfg(feature = "gpu")]
     pub fn assign_on(
         &self,
-        gpu: &super::gpu::Gpu,
+        gpu: &crate::device::Gpu,
         points: &[Point],
         weights: Option<&[f64]>,
         observer: &mut Observer<'_>,

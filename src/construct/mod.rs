@@ -187,7 +187,7 @@ impl Builder {
         Self { splitter: Splitter::MeanWidth, leaf_size: 2, has_thin_slabs: true, has_balls: true }
     }
 
-    /// The fewest visits a query: [`Splitter::MeanWidth`], one triangle a leaf. Some fifteen times as long to
+    /// The fewest visits a query: [`Splitter::MeanWidth`], one triangle a leaf. Some eleven times as long to
     /// build as the fast one.
     #[must_use]
     pub const fn best() -> Self {

@@ -30,10 +30,13 @@ pub enum Link {
     },
 }
 
-const LEAF_BIT: u32 = 1 << 31;
+pub(crate) const LEAF_BIT: u32 = 1 << 31;
 const COUNT_SHIFT: u32 = 27;
 const WIDTH_SHIFT: u32 = 26;
-const INDEX: u32 = (1 << WIDTH_SHIFT) - 1;
+/// Of links to nodes.
+pub(crate) const INDEX: u32 = (1 << WIDTH_SHIFT) - 1;
+/// Of links to primitives.
+pub(crate) const FIRST: u32 = (1 << COUNT_SHIFT) - 1;
 
 impl Child {
     /// The link to the root, as if it were as narrow as a volume can be.
@@ -75,7 +78,7 @@ impl Child {
             Link::Inner(self.0 & INDEX)
         } else {
             let count = (self.0 >> COUNT_SHIFT & 0xf) + 1;
-            Link::Leaf { first: self.0 & ((1 << COUNT_SHIFT) - 1), count }
+            Link::Leaf { first: self.0 & FIRST, count }
         }
     }
 }

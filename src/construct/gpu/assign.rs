@@ -1,14 +1,15 @@
 //! Level by level: what the device does, and what the host does.
 
-use super::device::Gpu;
 use super::error::GpuError;
 use super::jobs::Jobs;
-use super::memory::{Binding, Memory, Sizes};
-use super::shader::{Pipelines, SMALL, STEPS_AT_ONCE, Shader, balance_dispatches};
+use super::memory::{Binding, Sizes, TreeMemory};
+use super::shader::{SMALL, STEPS_AT_ONCE, Shader, balance_dispatches, bind, program};
 use crate::construct::levels::{self, Level};
 use crate::construct::neural_gas::{Clusterer, Samples};
 use crate::construct::{Assignment, Observer};
+use crate::device::{Compiled, Gpu};
 use crate::halving::Halving;
+use alloc::sync::Arc;
 use alloc::vec::Vec;
 use core::ops::Range;
 use core::time::Duration;
@@ -53,8 +54,8 @@ const ON_DEVICE: u32 = u32::MAX;
 struct Build<'a, const N: usize> {
     gpu: &'a Gpu,
     clusterer: Clusterer<'a, N>,
-    pipelines: &'a Pipelines,
-    memory: Memory,
+    compiled: Arc<Compiled>,
+    memory: TreeMemory,
     groups: Vec<wgpu::BindGroup>,
     /// Primitives of nodes so small that they and all below them are cut by axes, in their places; else
     /// [`ON_DEVICE`].
@@ -69,7 +70,7 @@ impl<'a, const N: usize> Build<'a, N> {
         halving: &'a Halving,
         seed: u32,
     ) -> Result<Self, GpuError> {
-        let pipelines = gpu.pipelines(N)?;
+        let compiled = gpu.compiled(&program(N))?;
         let start = Instant::now();
         let clusterer = Clusterer::<N>::new(samples, halving, seed);
         let schedule: Vec<u32> = clusterer.schedule.iter().flatten().map(|&h| h.into()).collect();
@@ -81,14 +82,14 @@ impl<'a, const N: usize> Build<'a, N> {
         };
         sizes.check(&gpu.device.limits())?;
         let (memory, groups) = gpu.guarded(sizes.total(), || {
-            let memory = Memory::new(&gpu.device, &sizes);
-            let groups = pipelines.bind(&gpu.device, &memory);
-            Ok((memory, groups))
+            let memory = TreeMemory::new(&gpu.device, &sizes);
+            let groups = bind(&compiled, gpu, &memory);
+            Ok::<_, GpuError>((memory, groups))
         })?;
         let mut build = Self {
             gpu,
             clusterer,
-            pipelines,
+            compiled,
             memory,
             groups,
             order: std::vec![ON_DEVICE; samples.len()],
@@ -106,7 +107,7 @@ impl<'a, const N: usize> Build<'a, N> {
         self.write(Binding::Schedule, schedule);
         self.write(Binding::Order, &(0..samples.len() as u32).collect::<Vec<_>>());
         self.gpu.queue.submit([]);
-        self.gpu.wait()
+        Ok(self.gpu.wait()?)
     }
 
     fn write<T: bytemuck::NoUninit>(&self, binding: Binding, data: &[T]) {
@@ -201,7 +202,7 @@ impl<'a, const N: usize> Build<'a, N> {
             if groups == 0 {
                 continue;
             }
-            pass.set_pipeline(self.pipelines.pipeline(kernel));
+            pass.set_pipeline(self.compiled.pipeline(kernel as usize));
             pass.set_bind_group(0, &self.groups[kernel as usize], &[]);
             pass.dispatch_workgroups(groups.min(most), groups.div_ceil(most), 1);
         }
@@ -223,7 +224,7 @@ impl<'a, const N: usize> Build<'a, N> {
             return Ok(Vec::new());
         }
         self.gpu.queue.submit([encoder.finish()]);
-        self.gpu.read(&self.memory.staging, bytes, bytemuck::pod_collect_to_vec)
+        Ok(self.gpu.read(&self.memory.staging, bytes, bytemuck::pod_collect_to_vec)?)
     }
 
     fn read_order(&self, ranges: &[Range<usize>]) -> Result<Vec<u32>, GpuError> {

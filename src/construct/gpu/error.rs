@@ -1,53 +1,15 @@
-//! What can go wrong on a device.
+//! What can go wrong with a build on a device.
 
 use crate::construct::BuildError;
-use alloc::string::String;
+use crate::device::DeviceError;
 use core::fmt;
 
-/// Why a tree was not built on a device. The library, and other devices, can be used as before.
+/// Why a tree was not built on a device.
 #[derive(Clone, PartialEq, Eq, Debug)]
 #[non_exhaustive]
 pub enum GpuError {
-    /// There is no adapter, or none that may be used.
-    NoAdapter {
-        /// What the system said.
-        reason: String,
-    },
-    /// The adapter's limits are too small for the kernels.
-    Limit {
-        /// The limit's name in WebGPU.
-        name: &'static str,
-        /// What the kernels need.
-        needed: u64,
-        /// What the adapter has.
-        available: u64,
-    },
-    /// The adapter gave no device.
-    NoDevice {
-        /// What it said.
-        reason: String,
-    },
-    /// More primitives than one buffer of this device can hold.
-    TooLarge {
-        /// Primitives given.
-        count: usize,
-        /// Bytes of the largest buffer that they need.
-        bytes: u64,
-        /// Bytes of the largest buffer that the device binds.
-        limit: u64,
-    },
-    /// The device's memory does not suffice.
-    OutOfMemory {
-        /// Bytes that the tree needs while it is built.
-        bytes: u64,
-    },
-    /// The device was lost: unplugged, reset, destroyed, or stopped by the system's watchdog.
-    Lost,
-    /// The device objects to what it was told to do: a defect of this library or of the driver.
-    Device {
-        /// What it said.
-        reason: String,
-    },
+    /// The device has failed.
+    Device(DeviceError),
     /// The builder's splitter does not run on devices: only [`crate::construct::Splitter::BatchNeuralGas`]
     /// does.
     Splitter,
@@ -58,17 +20,7 @@ pub enum GpuError {
 impl fmt::Display for GpuError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::NoAdapter { reason } => write!(f, "no adapter: {reason}"),
-            Self::Limit { name, needed, available } => {
-                write!(f, "the adapter's limit {name} is {available}, must be {needed}")
-            }
-            Self::NoDevice { reason } => write!(f, "no device: {reason}"),
-            Self::TooLarge { count, bytes, limit } => {
-                write!(f, "{count} primitives need a buffer of {bytes} bytes, the device binds {limit}")
-            }
-            Self::OutOfMemory { bytes } => write!(f, "the device has no room for {bytes} bytes"),
-            Self::Lost => f.write_str("the device was lost"),
-            Self::Device { reason } => write!(f, "the device objects: {reason}"),
+            Self::Device(error) => error.fmt(f),
             Self::Splitter => f.write_str("only Batch Neural Gas runs on devices"),
             Self::Build(error) => error.fmt(f),
         }
@@ -76,6 +28,12 @@ impl fmt::Display for GpuError {
 }
 
 impl core::error::Error for GpuError {}
+
+impl From<DeviceError> for GpuError {
+    fn from(error: DeviceError) -> Self {
+        Self::Device(error)
+    }
+}
 
 impl From<BuildError> for GpuError {
     fn from(error: BuildError) -> Self {

@@ -1,7 +1,7 @@
 //! What lies in the device's memory.
 
-use super::error::GpuError;
 use super::shader::{BALANCED_SIZE, MIN_CHUNK};
+use crate::device::DeviceError;
 use alloc::vec::Vec;
 use bytemuck::{Pod, Zeroable};
 
@@ -142,11 +142,12 @@ impl Sizes {
     }
 
     /// The first buffer that is larger than the device's limits allow.
-    pub(super) fn check(&self, limits: &wgpu::Limits) -> Result<(), GpuError> {
+    pub(super) fn check(&self, limits: &wgpu::Limits) -> Result<(), DeviceError> {
         let most = limits.max_storage_buffer_binding_size.min(limits.max_buffer_size);
         let largest = Binding::ALL.iter().map(|&binding| self.bytes(binding)).fold(0, u64::max);
         if largest > most || self.staging_bytes() > limits.max_buffer_size {
-            return Err(GpuError::TooLarge { count: self.primitives, bytes: largest, limit: most });
+            let what = "primitives";
+            return Err(DeviceError::TooLarge { what, count: self.primitives, bytes: largest, limit: most });
         }
         Ok(())
     }
@@ -158,12 +159,12 @@ fn max_large_chunks(primitives: usize) -> usize {
 }
 
 /// A tree's buffers, allocated once.
-pub(super) struct Memory {
+pub(super) struct TreeMemory {
     buffers: Vec<wgpu::Buffer>,
     pub(super) staging: wgpu::Buffer,
 }
 
-impl Memory {
+impl TreeMemory {
     pub(super) fn new(device: &wgpu::Device, sizes: &Sizes) -> Self {
         let create = |label, size: u64, usage| {
             device.create_buffer(&wgpu::BufferDescriptor { label, size, usage, mapped_at_creation: false })

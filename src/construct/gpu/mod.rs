@@ -3,7 +3,7 @@
 //!
 //! ```no_run
 //! use core::ops::ControlFlow;
-//! use simdop::{construct::{Builder, Magnification, Mesh, Splitter, gpu::{Gpu, Otherwise}}, hierarchy::Bvh, node::Node16};
+//! use simdop::{construct::{Builder, Magnification, Mesh, Splitter, gpu::Otherwise}, device::Gpu, hierarchy::Bvh, node::Node16};
 //!
 //! let gpu = Gpu::new()?; // or Gpu::with_adapter, Gpu::with_device; once
 //! # let (vertices, triangles) = ([[0.0; 3]; 3], [[0, 1, 2]]);
@@ -43,7 +43,6 @@
 //! order does not matter.
 
 mod assign;
-mod device;
 mod error;
 mod jobs;
 mod memory;
@@ -51,13 +50,12 @@ mod shader;
 #[cfg(test)]
 mod tests;
 
-pub use ::wgpu;
 pub use assign::Spent;
-pub use device::Gpu;
 pub use error::GpuError;
 
 use super::neural_gas::Samples;
 use super::{Builder, Geometry, Mesh, Progress, Splitter};
+use crate::device::Gpu;
 use crate::halving::Halving;
 use crate::hierarchy::Bvh;
 use crate::node::Dop;

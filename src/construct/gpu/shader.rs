@@ -1,7 +1,8 @@
 //! The kernels: their text, and the pipelines made of it.
 
-use super::memory::{Binding, Memory};
+use super::memory::{Binding, TreeMemory};
 use crate::construct::neural_gas::{ClusterLimits, LIMITS};
+use crate::device::{Compiled, Gpu, Program};
 use alloc::format;
 use alloc::string::String;
 use alloc::vec::Vec;
@@ -157,54 +158,22 @@ pub(super) fn source(lanes: usize, int64: Int64) -> String {
     .concat()
 }
 
-/// All kernels for one number of lanes, compiled.
-#[derive(Debug)]
-pub(super) struct Pipelines {
-    pipelines: Vec<wgpu::ComputePipeline>,
+/// All kernels for one number of lanes.
+pub(super) fn program(lanes: usize) -> Program {
+    Program {
+        label: "simdop neural gas",
+        variant: lanes,
+        source: |lanes, gpu| source(lanes, if gpu.has_int64() { Int64::Native } else { Int64::Pairs }),
+        kernels: Shader::ALL.iter().map(|kernel| kernel.interface().0).collect(),
+    }
 }
 
-impl Pipelines {
-    pub(super) fn new(device: &wgpu::Device, lanes: usize, int64: Int64) -> Self {
-        let module = device.create_shader_module(wgpu::ShaderModuleDescriptor {
-            label: Some("simdop neural gas"),
-            source: wgpu::ShaderSource::Wgsl(source(lanes, int64).into()),
-        });
-        let pipeline = |kernel: &Shader| {
-            let (name, _) = kernel.interface();
-            device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
-                label: Some(name),
-                layout: None,
-                module: &module,
-                entry_point: Some(name),
-                // Every kernel writes its workgroup's memory before it reads it.
-                compilation_options: wgpu::PipelineCompilationOptions {
-                    zero_initialize_workgroup_memory: false,
-                    ..Default::default()
-                },
-                cache: None,
-            })
-        };
-        Self { pipelines: Shader::ALL.iter().map(pipeline).collect() }
-    }
-
-    pub(super) fn pipeline(&self, kernel: Shader) -> &wgpu::ComputePipeline {
-        &self.pipelines[kernel as usize]
-    }
-
-    /// The kernels' views of a tree's buffers.
-    pub(super) fn bind(&self, device: &wgpu::Device, memory: &Memory) -> Vec<wgpu::BindGroup> {
-        let bind = |&kernel: &Shader| {
-            let (name, bindings) = kernel.interface();
-            let entry = |&binding: &Binding| wgpu::BindGroupEntry {
-                binding: binding as u32,
-                resource: memory.buffer(binding).as_entire_binding(),
-            };
-            device.create_bind_group(&wgpu::BindGroupDescriptor {
-                label: Some(name),
-                layout: &self.pipeline(kernel).get_bind_group_layout(0),
-                entries: &bindings.iter().map(entry).collect::<Vec<_>>(),
-            })
-        };
-        Shader::ALL.iter().map(bind).collect()
-    }
+/// The kernels' views of a tree's buffers.
+pub(super) fn bind(compiled: &Compiled, gpu: &Gpu, memory: &TreeMemory) -> Vec<wgpu::BindGroup> {
+    let bind = |&kernel: &Shader| {
+        let (_, bindings) = kernel.interface();
+        let entry = |&binding: &Binding| (binding as u32, memory.buffer(binding).as_entire_binding());
+        compiled.bind(gpu, kernel as usize, bindings.iter().map(entry))
+    };
+    Shader::ALL.iter().map(bind).collect()
 }

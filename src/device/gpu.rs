@@ -1,20 +1,18 @@
 //! A device, and its errors as values.
 
-use super::error::GpuError;
-use super::shader::{Int64, Pipelines};
+use super::{Compiled, DeviceError};
 use alloc::string::ToString;
+use alloc::sync::Arc;
 use alloc::vec::Vec;
 use core::time::Duration;
-use std::sync::OnceLock;
+use std::sync::{Mutex, MutexGuard, PoisonError};
 
-/// A device that builds trees, with the kernels that it has compiled so far.
+/// A device, with the kernels that it has compiled so far.
 #[derive(Debug)]
 pub struct Gpu {
-    pub(super) device: wgpu::Device,
-    pub(super) queue: wgpu::Queue,
-    int64: Int64,
-    /// For 4 lanes and for 16.
-    pipelines: [OnceLock<Pipelines>; 2],
+    pub(crate) device: wgpu::Device,
+    pub(crate) queue: wgpu::Queue,
+    programs: Mutex<Vec<Arc<Compiled>>>,
 }
 
 impl Gpu {
@@ -22,23 +20,23 @@ impl Gpu {
     /// the backends.
     ///
     /// # Errors
-    /// [`GpuError::NoAdapter`], and those of [`Gpu::with_adapter`].
-    pub fn new() -> Result<Self, GpuError> {
+    /// [`DeviceError::NoAdapter`], and those of [`Gpu::with_adapter`].
+    pub fn new() -> Result<Self, DeviceError> {
         let instance = wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle_from_env());
         let options = wgpu::RequestAdapterOptions {
             power_preference: wgpu::PowerPreference::HighPerformance,
             ..Default::default()
         };
         let adapter = pollster::block_on(instance.request_adapter(&options))
-            .map_err(|error| GpuError::NoAdapter { reason: error.to_string() })?;
+            .map_err(|error| DeviceError::NoAdapter { reason: error.to_string() })?;
         Self::with_adapter(&adapter)
     }
 
     /// A device of an adapter that the caller chose, with as large buffers as it has.
     ///
     /// # Errors
-    /// [`GpuError::Limit`], [`GpuError::NoDevice`].
-    pub fn with_adapter(adapter: &wgpu::Adapter) -> Result<Self, GpuError> {
+    /// [`DeviceError::Limit`], [`DeviceError::NoDevice`].
+    pub fn with_adapter(adapter: &wgpu::Adapter) -> Result<Self, DeviceError> {
         let available = adapter.limits();
         check_limits(&available)?;
         let descriptor = wgpu::DeviceDescriptor {
@@ -52,7 +50,7 @@ impl Gpu {
             ..Default::default()
         };
         let (device, queue) = pollster::block_on(adapter.request_device(&descriptor))
-            .map_err(|error| GpuError::NoDevice { reason: error.to_string() })?;
+            .map_err(|error| DeviceError::NoDevice { reason: error.to_string() })?;
         Self::with_device(device, queue)
     }
 
@@ -60,12 +58,10 @@ impl Gpu {
     /// have `SHADER_INT64`; its limits must be WebGPU's defaults for compute shaders at least.
     ///
     /// # Errors
-    /// [`GpuError::Limit`].
-    pub fn with_device(device: wgpu::Device, queue: wgpu::Queue) -> Result<Self, GpuError> {
+    /// [`DeviceError::Limit`].
+    pub fn with_device(device: wgpu::Device, queue: wgpu::Queue) -> Result<Self, DeviceError> {
         check_limits(&device.limits())?;
-        let native = device.features().contains(wgpu::Features::SHADER_INT64);
-        let int64 = if native { Int64::Native } else { Int64::Pairs };
-        Ok(Self { device, queue, int64, pipelines: [OnceLock::new(), OnceLock::new()] })
+        Ok(Self { device, queue, programs: Mutex::new(Vec::new()) })
     }
 
     /// Name, driver and kind of the adapter.
@@ -74,30 +70,25 @@ impl Gpu {
         self.device.adapter_info()
     }
 
-    /// Whether sums of 64 bits are native, not two words with a carry. The trees are the same.
+    /// Whether sums of 64 bits are native, not two words with a carry. Results are the same.
     #[must_use]
     pub fn has_int64(&self) -> bool {
-        self.int64 == Int64::Native
+        self.device.features().contains(wgpu::Features::SHADER_INT64)
     }
 
-    /// Compiled when first needed: some tenths of a second.
-    pub(super) fn pipelines(&self, lanes: usize) -> Result<&Pipelines, GpuError> {
-        let place = &self.pipelines[usize::from(lanes == 16)];
-        if place.get().is_none() {
-            let made = self.guarded(0, || Ok(Pipelines::new(&self.device, lanes, self.int64)))?;
-            // Should another thread have been faster, either will do.
-            let _ = place.set(made);
-        }
-        place.get().ok_or(GpuError::Lost)
+    /// What was compiled so far.
+    pub(super) fn programs(&self) -> MutexGuard<'_, Vec<Arc<Compiled>>> {
+        // A thread that panicked has pushed, or it has not.
+        self.programs.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
     /// Runs `work`, and returns what the device has to object rather than to leave it to the device's
     /// handler, which panics. `bytes` are allocated by it.
-    pub(super) fn guarded<T>(
+    pub(crate) fn guarded<T, E: From<DeviceError>>(
         &self,
         bytes: u64,
-        work: impl FnOnce() -> Result<T, GpuError>,
-    ) -> Result<T, GpuError> {
+        work: impl FnOnce() -> Result<T, E>,
+    ) -> Result<T, E> {
         use wgpu::ErrorFilter::{Internal, OutOfMemory, Validation};
         let scopes = [Internal, Validation, OutOfMemory].map(|filter| self.device.push_error_scope(filter));
         let result = work();
@@ -106,10 +97,10 @@ impl Gpu {
             scopes.into_iter().rev().filter_map(|scope| pollster::block_on(scope.pop())).collect();
         match errors.first() {
             None => result,
-            Some(wgpu::Error::OutOfMemory { .. }) => Err(GpuError::OutOfMemory { bytes }),
+            Some(wgpu::Error::OutOfMemory { .. }) => Err(DeviceError::OutOfMemory { bytes }.into()),
             // A lost device says nothing itself; what is made on it is invalid.
-            Some(_) if self.is_lost() => Err(GpuError::Lost),
-            Some(error) => Err(GpuError::Device { reason: error.to_string() }),
+            Some(_) if self.is_lost() => Err(DeviceError::Lost.into()),
+            Some(error) => Err(DeviceError::Device { reason: error.to_string() }.into()),
         }
     }
 
@@ -128,12 +119,12 @@ impl Gpu {
     }
 
     /// The bytes of `buffer`, which is mapped for that, as soon as all that was submitted is done.
-    pub(super) fn read<T>(
+    pub(crate) fn read<T>(
         &self,
         buffer: &wgpu::Buffer,
         bytes: u64,
         use_bytes: impl FnOnce(&[u8]) -> T,
-    ) -> Result<T, GpuError> {
+    ) -> Result<T, DeviceError> {
         let (sender, receiver) = std::sync::mpsc::channel();
         let slice = buffer.slice(..bytes);
         slice.map_async(wgpu::MapMode::Read, move |result| {
@@ -145,9 +136,9 @@ impl Gpu {
         // it yet.
         match receiver.recv_timeout(Duration::from_secs(10)) {
             Ok(Ok(())) => {}
-            _ => return Err(GpuError::Lost),
+            _ => return Err(DeviceError::Lost),
         }
-        let view = slice.get_mapped_range().map_err(|_| GpuError::Lost)?;
+        let view = slice.get_mapped_range().map_err(|_| DeviceError::Lost)?;
         let result = use_bytes(&view);
         drop(view);
         buffer.unmap();
@@ -155,8 +146,8 @@ impl Gpu {
     }
 
     /// Until all that was submitted is done.
-    pub(super) fn wait(&self) -> Result<(), GpuError> {
-        self.device.poll(wgpu::PollType::wait_indefinitely()).map(|_| ()).map_err(|_| GpuError::Lost)
+    pub(crate) fn wait(&self) -> Result<(), DeviceError> {
+        self.device.poll(wgpu::PollType::wait_indefinitely()).map(|_| ()).map_err(|_| DeviceError::Lost)
     }
 }
 
@@ -175,12 +166,12 @@ fn needed_limits() -> wgpu::Limits {
     }
 }
 
-fn check_limits(available: &wgpu::Limits) -> Result<(), GpuError> {
-    // Only these: a device may be made for compute shaders alone. Buffers are checked with each tree.
+fn check_limits(available: &wgpu::Limits) -> Result<(), DeviceError> {
+    // Only these: a device may be made for compute shaders alone. Buffers are checked when they are made.
     let needed = needed_limits();
     let check = |name, of: fn(&wgpu::Limits) -> u32| {
         let (needed, available) = (of(&needed).into(), of(available).into());
-        if needed > available { Err(GpuError::Limit { name, needed, available }) } else { Ok(()) }
+        if needed > available { Err(DeviceError::Limit { name, needed, available }) } else { Ok(()) }
     };
     check("max_storage_buffers_per_shader_stage", |l| l.max_storage_buffers_per_shader_stage)?;
     check("max_compute_workgroup_storage_size", |l| l.max_compute_workgroup_storage_size)?;
