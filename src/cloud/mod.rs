@@ -42,6 +42,7 @@ mod bytes;
 mod error;
 #[cfg(feature = "gpu")]
 pub mod gpu;
+mod insert;
 mod median;
 #[cfg(feature = "alloc")]
 mod owned;

@@ -126,6 +126,35 @@ fn points_come_and_go() {
     }
 }
 
+/// A cloud without points takes some, whether it was built so or emptied, and as many as there is room for.
+#[test]
+fn an_empty_cloud_takes_points() {
+    let random = &mut Random(41);
+    let points: Vec<_> = (0..100).map(|_| random.point()).collect();
+    let mut emptied = Cloud::with_room(&points[..50], 8, 100).unwrap();
+    (0..50).for_each(|index| emptied.remove(index).unwrap());
+    emptied.rebuild().unwrap();
+    for mut cloud in [Cloud::with_room(&[], 8, 100).unwrap(), emptied] {
+        cloud.view().validate().unwrap();
+        assert!(cloud.view().bounds().is_empty() && cloud.view().is_empty());
+        assert_eq!(Cloud::from_bytes(&cloud.view().to_bytes()).unwrap().view().len(), 0);
+        let mut there = vec![None; 100];
+        assert_right(&cloud, &there, 0.3, "empty");
+        assert_eq!(cloud.refit(&[[f32::NAN; 3]; 100]), Ok(1.0));
+        for (index, &point) in points.iter().enumerate() {
+            if cloud.insert(index as u32, point) == Err(CloudError::Full) {
+                cloud.rebuild().unwrap();
+                cloud.insert(index as u32, point).unwrap();
+            }
+            there[index] = Some(point);
+        }
+        assert_right(&cloud, &there, 0.3, "filled");
+    }
+    // There is no index that a point could have.
+    let nothing = Cloud::new(&[]).unwrap();
+    assert_eq!((nothing.view().buckets().len(), nothing.view().nodes().len()), (0, 1));
+}
+
 #[test]
 fn what_is_wrong_changes_nothing() {
     let points: Vec<_> = (0..40).map(|i| [i as f32, 0.0, 1.0]).collect();
