@@ -70,7 +70,7 @@ fn check<N: Lanes, P: Pairwise<Spheres>>(
                 let got = RangeSearch::new(isa).body_within(&cloud.view(), body, &pose, margin).unwrap();
                 match got {
                     Some(contact) => {
-                        assert!(want.contains(&contact), "{what}, {isa}, pose {step}: {contact:?}")
+                        assert!(want.contains(&contact), "{what}, {isa}, pose {step}: {contact:?}");
                     }
                     None => assert!(want.is_empty(), "{what}, {isa}, pose {step}: misses {:?}", want[0]),
                 }
@@ -79,7 +79,9 @@ fn check<N: Lanes, P: Pairwise<Spheres>>(
             (hits, free) = if want.is_empty() { (hits, free + 1) } else { (hits + 1, free) };
         }
     }
-    assert!(hits > 0 && free > 0, "{what}: {hits} hits, {free} free");
+    // Few poses need not have both.
+    let few = scenes::size(60, 8) < 60;
+    assert!(few || hits > 0 && free > 0, "{what}: {hits} hits, {free} free");
 }
 
 /// A few triangles about the origin, and spheres that overlap as a robot's do.
@@ -95,7 +97,7 @@ fn spheres() -> Vec<Sphere> {
     let random = &mut Random(41);
     let sphere = |i: usize| Sphere {
         centre: random.point().map(|x| f64::from(x) - 0.5),
-        radius: if i % 9 == 0 { 0.0 } else { 0.05 },
+        radius: if i.is_multiple_of(9) { 0.0 } else { 0.05 },
     };
     (0..scenes::size(70, 20)).map(sphere).collect()
 }

@@ -155,16 +155,15 @@ fn comb(depth: usize) -> Vec<Bucket> {
         let next = if level < depth { bytemuck::cast(level as u32) } else { leaf(depth) };
         node.child[..2].copy_from_slice(&[leaf(level - 1), next]);
         for i in 0..3 {
-            (node.lower[i][..2].fill(0.0), node.upper[i][..2].fill(1.0));
+            node.lower[i][..2].fill(0.0);
+            node.upper[i][..2].fill(1.0);
         }
         bytes.extend(bytemuck::bytes_of(&node));
     }
     for (index, point) in points.iter().enumerate() {
         let mut bucket = Bucket::EMPTY;
         bucket.indices[0] = index as u32;
-        for i in 0..3 {
-            bucket.coordinates[i][0] = point[i];
-        }
+        bucket.coordinates.iter_mut().zip(point).for_each(|(slots, x)| slots[0] = *x);
         bytes.extend(bytemuck::bytes_of(&bucket));
     }
     let mut lines = vec![Bucket::EMPTY; bytes.len().div_ceil(256)];

@@ -103,12 +103,16 @@ fn neighbours_of_other_points_are_those_of_a_loop() {
         let random = &mut Random(3);
         let bounds = cloud.view().bounds();
         let other = |i: usize| -> [f32; 3] {
-            let share = if i % 4 == 0 { 3.0 } else { 1.0 };
+            let share = if i.is_multiple_of(4) { 3.0 } else { 1.0 };
             let side =
                 |k: usize| bounds.lower[k] + share * (bounds.upper[k] - bounds.lower[k]) * random.next();
             let asked: [f32; 3] = [0, 1, 2].map(side);
             // Every third is a point of the cloud.
-            if i % 3 == 0 || asked.iter().any(|x| !x.is_finite()) { points[i % points.len()] } else { asked }
+            if i.is_multiple_of(3) || asked.iter().any(|x| !x.is_finite()) {
+                points[i % points.len()]
+            } else {
+                asked
+            }
         };
         let queries: Vec<_> = (0..scenes::size(700, 90)).map(other).collect();
         let each: Vec<f32> = (0..queries.len()).map(|i| radii[i % radii.len()]).collect();
@@ -138,7 +142,8 @@ fn every_instruction_set_seats_alike() {
 #[test]
 fn any_number_of_points_makes_a_cloud() {
     let random = &mut Random(11);
-    for n in (0..70).chain([255, 256, 257, 271, 272, 273, 4095, 4096, 4097]) {
+    let most = scenes::size(5000, 300);
+    for n in (0..70).chain([255, 256, 257, 271, 272, 273, 4095, 4096, 4097]).filter(|&n| n < most) {
         let points: Vec<_> = (0..n).map(|_| random.point()).collect();
         for bucket_size in [1, 2, 5, 15, 16] {
             let cloud = Cloud::with_room(&points, bucket_size, n).unwrap();

@@ -29,8 +29,11 @@ pub(crate) fn brute(points: &[[f32; 3]], q: [f32; 3], r: f32) -> Vec<u32> {
     (0..points.len() as u32).filter(|&i| is_near(points[i as usize], q, r)).collect()
 }
 
+/// A name, points, and radii.
+pub(crate) type Scene = (&'static str, Vec<[f32; 3]>, Vec<f32>);
+
 /// Named sets of about `n` points, with radii that matter to each.
-pub(crate) fn all(n: usize) -> Vec<(&'static str, Vec<[f32; 3]>, Vec<f32>)> {
+pub(crate) fn all(n: usize) -> Vec<Scene> {
     let random = &mut Random(7);
     let side = (n as f32).cbrt().ceil() as usize;
     let grid = |scale: f32| -> Vec<[f32; 3]> {
