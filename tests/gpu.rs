@@ -488,7 +488,8 @@ fn with_too_little_memory() {
     limit_memory(&(address_space() + (100 << 20)).to_string());
     let got = clustering.assign_on(gpu, &points, None, &mut |_| ControlFlow::Continue(()));
     limit_memory("unlimited");
-    let Err(GpuError::Device(error @ DeviceError::OutOfMemory { bytes: 150_000_000..200_000_000 })) = got else {
+    let Err(GpuError::Device(error @ DeviceError::OutOfMemory { bytes: 150_000_000..200_000_000 })) = got
+    else {
         panic!("{:?}", got.map(|(_, spent)| spent))
     };
     println!("{error}");

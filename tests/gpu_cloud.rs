@@ -103,8 +103,8 @@ fn others(points: &[[f32; 3]], cloud: &Cloud, count: usize) -> Vec<[f32; 3]> {
     let (bounds, random) = (cloud.view().bounds(), &mut Random(3));
     let other = |i: usize| -> [f32; 3] {
         let share = if i % 4 == 0 { 3.0 } else { 1.0 };
-        let asked = [0, 1, 2]
-            .map(|k| bounds.lower[k] + share * (bounds.upper[k] - bounds.lower[k]) * random.next());
+        let asked =
+            [0, 1, 2].map(|k| bounds.lower[k] + share * (bounds.upper[k] - bounds.lower[k]) * random.next());
         if i % 3 == 0 { points[i % points.len()] } else { asked }
     };
     (0..count).map(other).collect()
@@ -113,7 +113,7 @@ fn others(points: &[[f32; 3]], cloud: &Cloud, count: usize) -> Vec<[f32; 3]> {
 #[test]
 fn own_neighbours_are_the_cpus() {
     let Some(gpu) = device() else { return };
-    for (name, points, radii) in scenes::all(1200) {
+    for (name, points, radii) in scenes::all(scenes::size(700, 150)) {
         let cloud = Cloud::new(&points).unwrap();
         let made = DeviceCloud::new(gpu, &cloud.view());
         if name == "near the greatest numbers" {
@@ -124,7 +124,8 @@ fn own_neighbours_are_the_cpus() {
         for &radius in &radii {
             let what = format!("{name}, radius {radius}");
             if radius * radius < LEAST_SQUARE {
-                let refused = on_device.count(&Queries::own(), Radii::Same(radius), &mut vec![0; points.len()]);
+                let refused =
+                    on_device.count(&Queries::own(), Radii::Same(radius), &mut vec![0; points.len()]);
                 assert_eq!(refused, Err(DeviceCloudError::Radius { query: 0 }), "{what}");
                 continue;
             }
@@ -147,8 +148,16 @@ fn own_neighbours_are_the_cpus() {
             Some(query) => {
                 let refused = on_device.count(&Queries::own(), asked, &mut vec![0; points.len()]);
                 assert_eq!(refused, Err(DeviceCloudError::Radius { query: query as u32 }), "{name}");
-                let each: Vec<f32> = each.iter().map(|&r| if r == 0.0 { 1e-3 } else { r.max(4e-12) }).collect();
-                compare(name, &mut on_device, &cloud.view(), &Queries::own(), Radii::Each(&each), points.len());
+                let each: Vec<f32> =
+                    each.iter().map(|&r| if r == 0.0 { 1e-3 } else { r.max(4e-12) }).collect();
+                compare(
+                    name,
+                    &mut on_device,
+                    &cloud.view(),
+                    &Queries::own(),
+                    Radii::Each(&each),
+                    points.len(),
+                );
             }
         }
     }
@@ -157,7 +166,9 @@ fn own_neighbours_are_the_cpus() {
 #[test]
 fn neighbours_of_other_points_are_the_cpus() {
     let Some(gpu) = device() else { return };
-    for (name, points, radii) in scenes::all(900).into_iter().filter(|(name, ..)| !name.contains("greatest")) {
+    for (name, points, radii) in
+        scenes::all(scenes::size(600, 150)).into_iter().filter(|(name, ..)| !name.contains("greatest"))
+    {
         let cloud = Cloud::new(&points).unwrap();
         let mut on_device = DeviceCloud::new(gpu, &cloud.view()).unwrap();
         let queries = others(&points, &cloud, 700);
@@ -218,7 +229,7 @@ fn some_buckets_ask() {
 #[test]
 fn refits_have_the_cpus_boxes_and_neighbours() {
     let Some(gpu) = device() else { return };
-    for (name, points, radii) in scenes::all(700) {
+    for (name, points, radii) in scenes::all(scenes::size(330, 100)) {
         if name.contains("greatest") || name.contains("least") {
             continue;
         }
@@ -254,7 +265,14 @@ fn refits_have_the_cpus_boxes_and_neighbours() {
                 assert_same_nodes(&mut on_device, &cloud, &what);
                 assert_eq!(on_device.growth().unwrap().to_bits(), growth.to_bits(), "{what}");
                 let radii = Radii::Same(radius);
-                compare(&what, &mut on_device, &cloud.view(), &Queries::own(), radii, cloud.view().capacity());
+                compare(
+                    &what,
+                    &mut on_device,
+                    &cloud.view(),
+                    &Queries::own(),
+                    radii,
+                    cloud.view().capacity(),
+                );
             }
             let queries = others(&points, &cloud, 100);
             let (mut seats, mut want) = (vec![Seat::default(); 100], vec![Seat::default(); 100]);
@@ -314,7 +332,8 @@ fn a_buffer_that_holds_few_neighbours_is_enough() {
     let mut on_device = DeviceCloud::new(&gpu, &cloud.view()).unwrap();
     let (mut lists, mut indices) = (vec![List::default(); 3000], vec![0; 9_000_000]);
     let error = on_device.fill(&Queries::own(), Radii::Same(1e4), &mut lists, &mut indices).unwrap_err();
-    let too_large = DeviceError::TooLarge { what: "neighbours", count: 48_000, bytes: 192_000, limit: 98_304 };
+    let too_large =
+        DeviceError::TooLarge { what: "neighbours", count: 48_000, bytes: 192_000, limit: 98_304 };
     assert_eq!(error, DeviceCloudError::Device(too_large));
     // And more points than it has buckets for.
     let points: Vec<_> = (0..8000).map(|i| [i as f32, 0.0, 0.0]).collect();
@@ -382,7 +401,8 @@ fn what_is_wrong_is_said() {
     assert_eq!(on_device.refit(&moved).unwrap_err(), wrong);
     assert_same_nodes(&mut on_device, &cloud, "nothing has moved");
     // As far as may be.
-    let ends: Vec<_> = (0..100).map(|i| [FARTHEST, -FARTHEST, 0.0].map(|x| if i % 2 == 0 { x } else { -x })).collect();
+    let ends: Vec<_> =
+        (0..100).map(|i| [FARTHEST, -FARTHEST, 0.0].map(|x| if i % 2 == 0 { x } else { -x })).collect();
     let cloud = Cloud::new(&ends).unwrap();
     let mut on_device = DeviceCloud::new(gpu, &cloud.view()).unwrap();
     for radius in [1.0, 1e18, 3.3e18, 1e19, 1e38] {

@@ -126,8 +126,7 @@ fn create(gpu: &Gpu, bytes: u64, usage: wgpu::BufferUsages) -> wgpu::Buffer {
 }
 
 fn create_for(gpu: &Gpu, binding: CloudBinding, bytes: u64) -> wgpu::Buffer {
-    let bound =
-        if binding.is_uniform() { wgpu::BufferUsages::UNIFORM } else { wgpu::BufferUsages::STORAGE };
+    let bound = if binding.is_uniform() { wgpu::BufferUsages::UNIFORM } else { wgpu::BufferUsages::STORAGE };
     create(gpu, bytes, bound | wgpu::BufferUsages::COPY_DST | wgpu::BufferUsages::COPY_SRC)
 }
 
@@ -140,7 +139,10 @@ impl DeviceMemory {
     pub(super) fn new(gpu: &Gpu) -> Result<Self, DeviceError> {
         let one = |binding: &CloudBinding| create_for(gpu, *binding, binding.element().1 as u64);
         gpu.guarded(0, || {
-            Ok(Self { buffers: CloudBinding::ALL.iter().map(one).collect(), staging: create_staging(gpu, 16) })
+            Ok(Self {
+                buffers: CloudBinding::ALL.iter().map(one).collect(),
+                staging: create_staging(gpu, 16),
+            })
         })
     }
 
@@ -152,7 +154,12 @@ impl DeviceMemory {
     }
 
     /// Makes room for so many elements. What was there is lost if there was less.
-    pub(super) fn make_room(&mut self, gpu: &Gpu, binding: CloudBinding, count: usize) -> Result<(), DeviceError> {
+    pub(super) fn make_room(
+        &mut self,
+        gpu: &Gpu,
+        binding: CloudBinding,
+        count: usize,
+    ) -> Result<(), DeviceError> {
         let (what, size) = binding.element();
         let bytes = count as u64 * size as u64;
         let buffer = &mut self.buffers[binding.place()];

@@ -274,8 +274,7 @@ impl<'g> DeviceCloud<'g> {
         let gpu = self.gpu;
         let most = gpu.device.limits().max_compute_workgroups_per_dimension as usize;
         gpu.guarded(0, || {
-            let mut encoder =
-                gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+            let mut encoder = gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
             let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor::default());
             for &(kernel, level, groups) in work.iter().filter(|(.., groups)| *groups > 0) {
                 let (_, bindings) = kernel.interface();
