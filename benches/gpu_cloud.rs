@@ -49,7 +49,14 @@ fn print(what: &str, points: usize, cpu: Vec<Duration>, device: &[DeviceTimes], 
 }
 
 /// One kind of queries, on both.
-fn search(what: &str, on_device: &mut DeviceCloud<'_>, cloud: &Cloud, queries: &Queries<'_>, radius: f32, repeats: usize) {
+fn search(
+    what: &str,
+    on_device: &mut DeviceCloud<'_>,
+    cloud: &Cloud,
+    queries: &Queries<'_>,
+    radius: f32,
+    repeats: usize,
+) {
     let (view, cpu) = (cloud.view(), RangeSearch::new(Isa::detect()));
     let (room, radii) = (view.len(), Radii::Same(radius));
     let (mut counts, mut got_counts) = (vec![0; room], vec![0; room]);
@@ -93,7 +100,11 @@ fn row(gpu: &Gpu, points: usize, repeats: usize) {
         times.push(timed(|| cloud.refit(&positions).unwrap()).1);
         device.push(on_device.refit(&positions).unwrap());
     }
-    assert_eq!(on_device.growth().unwrap().to_bits(), cloud.refit(&positions).unwrap().to_bits(), "other boxes");
+    assert_eq!(
+        on_device.growth().unwrap().to_bits(),
+        cloud.refit(&positions).unwrap().to_bits(),
+        "other boxes"
+    );
     let note = format!("build on the CPU {:.2}, copied in {:.2}", median(vec![build]), median(vec![copy]));
     print("refit", points, times, &device, &note);
     search("own points", &mut on_device, &cloud, &Queries::own(), radius, repeats);
@@ -116,8 +127,17 @@ fn main() {
         std::env::args().skip(1).find_map(|word| word.parse().ok()).unwrap_or(count(131_072, COUNTS[0]));
     let gpu = Gpu::new().unwrap();
     let info = gpu.info();
-    println!("{} ({} {}, {:?}); CPU: {}", info.name, info.driver, info.driver_info, info.backend, Isa::detect());
-    println!("\n| points | | CPU, one core | device | in and out | CPU / device | CPU / all of it | |\n|---|---|---|---|---|---|---|---|");
+    println!(
+        "{} ({} {}, {:?}); CPU: {}",
+        info.name,
+        info.driver,
+        info.driver_info,
+        info.backend,
+        Isa::detect()
+    );
+    println!(
+        "\n| points | | CPU, one core | device | in and out | CPU / device | CPU / all of it | |\n|---|---|---|---|---|---|---|---|"
+    );
     let warm = Cloud::new(&[[0.0; 3]; 100]).unwrap();
     let mut on_device = DeviceCloud::new(&gpu, &warm.view()).unwrap();
     on_device.count(&Queries::own(), Radii::Same(1.0), &mut [0; 100]).unwrap();

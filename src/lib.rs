@@ -24,6 +24,9 @@
 //! bytes with [`hierarchy::BvhRef::from_bytes`]. A query asks about two bodies, A and B, and a [`pose::Pose`]
 //! that places A in the frame of B.
 //!
+//! **Points that move**, such as a lidar's, have trees of their own ([`cloud`]): all neighbours within a radius, the nearest,
+//! and whether a robot is near any.
+//!
 //! # Advice
 //!
 //! **k and arity** are the node type. [`node::Node16<18>`](node::Node16), k = 18 and arity 16, is the fastest
@@ -120,7 +123,7 @@
 //! | feature | default | what |
 //! |---|---|---|
 //! | `std` | yes | run-time detection of instruction sets by the standard library; implies `alloc` |
-//! | `alloc` | yes | owned trees, the builders and sphere packings; without it: borrowed trees and every query |
+//! | `alloc` | yes | owned trees, the builders and sphere packings; without it: borrowed trees, clouds in lent memory and every query |
 //! | `rayon` | no | construction and packing on several threads, with the same bytes; implies `std` |
 //! | `gpu` | no | construction (`construct::gpu`) and search of moving points (`cloud::gpu`) on a device, through wgpu, with the same bytes; implies `std` |
 //! | `cli` | no | the command `simdop` |
@@ -132,7 +135,8 @@
 //! Tan, Weller, Zachmann, *SIMDop: SIMD Optimized Bounding Volume Hierarchies for Collision Detection*, IROS
 //! 2019. Weller, Mainzer, Srinivas, Teschner, Zachmann, *Massively Parallel Batch Neural Gas for Bounding
 //! Volume Hierarchy Construction*, VRIPHYS 2014. Weller, Zachmann, *Inner Sphere Trees for Proximity and
-//! Penetration Queries*, RSS 2009. Klosowski, Held, Mitchell, Sowizral, Zikan, *Efficient
+//! Penetration Queries*, RSS 2009. Xing, Wang, Hui, *Coherent Spherical
+//! Range-Search for Dynamic Points on GPUs*, CAD 2017. Klosowski, Held, Mitchell, Sowizral, Zikan, *Efficient
 //! Collision Detection Using Bounding Volume Hierarchies of k-DOPs*, TVCG 1998.
 #![no_std]
 // Of the library alone: a test may unwrap, and has std.
@@ -157,6 +161,7 @@ pub mod device;
 pub mod directions;
 mod exact;
 pub mod frame;
+mod halving;
 pub mod hierarchy;
 pub mod isa;
 pub mod kernel;
@@ -164,11 +169,16 @@ pub mod key;
 pub mod node;
 #[cfg(feature = "alloc")]
 pub mod packing;
+mod parallel;
 pub mod pose;
 pub mod primitive;
 pub mod query;
 pub mod range;
 pub mod realign;
+// What all tests draw their random numbers from.
+#[cfg(test)]
+#[path = "../tests/support/rng.rs"]
+mod rng;
 
 #[cfg(doctest)]
 #[doc = include_str!("../README.md")]

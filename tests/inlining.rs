@@ -1,15 +1,17 @@
 //! The kernels are inlined in the traversal: a call for each row would cost as much as the row.
 //!
 //! What is asserted, on this binary's own table of symbols: of the modules `simdop::kernel::{avx2, avx512,
-//! neon}` no function is left but the re-alignment. This program queries with every node type, on every
-//! instruction set, and uses the kernels in no other way; so `overlap_1v16`, `overlap_16v1`, `overlap_4v4`
-//! and what they are made of (loads, masks) are inlined in each of those traversals, and nothing calls them:
-//! a function that is called has a symbol. `#[inline(never)]` on any of them fails the test. Needs an
+//! neon}` no function is left but the re-alignment. This program queries with every node type, and searches a cloud of points
+//! in every way, on every instruction set, and uses the kernels in no other way; so `overlap_1v16`, `overlap_16v1`,
+//! `overlap_4v4`, `boxes_near`, `points_near`, `pick` and what they are made of (loads, masks) are inlined in each of those
+//! traversals, and nothing calls them: a function that is called has a symbol. `#[inline(never)]` on any of them fails the test. Needs an
 //! optimised ELF binary.
 #![cfg(target_os = "linux")]
 
 mod support;
 
+use core::ops::ControlFlow;
+use simdop::cloud::{Cloud, List, Neighbour, Queries, Radii, RangeSearch, Seat};
 use simdop::construct::{Builder, Mesh};
 use simdop::hierarchy::Bvh;
 use simdop::isa::Isa;
@@ -27,6 +29,40 @@ fn query<N: Lanes>() {
         let answer = Query::new(isa).collide(&tree.view(), &tree.view(), black_box(&Pose::IDENTITY));
         assert!(answer.hit().is_some(), "{isa}");
     }
+}
+
+/// Every search of a cloud, on every instruction set; returns how many there are.
+fn search() -> usize {
+    let points: Vec<_> = (0..500).map(|i| [i % 10, i / 10 % 10, i / 100].map(|x| x as f32)).collect();
+    let cloud = black_box(Cloud::new(&points).unwrap());
+    let (view, own, radii) = (cloud.view(), Queries::own(), Radii::Same(black_box(1.0)));
+    let (mut counts, mut lists, mut indices) = ([0; 500], [List::default(); 500], [0; 4000]);
+    let (mut seats, mut found) = ([Seat::default(); 500], [Neighbour::NONE; 7]);
+    for isa in Isa::available() {
+        let search = RangeSearch::new(isa);
+        let work = search.count(&view, &own, radii, &mut counts).unwrap();
+        assert_eq!(search.fill(&view, &own, radii, &mut lists, &mut indices), Ok(work), "{isa}");
+        let mut seen = 0;
+        let visit = |_, _| {
+            seen += 1;
+            ControlFlow::Continue(())
+        };
+        assert_eq!(search.visit(&view, &own, radii, visit), Ok(work), "{isa}");
+        assert_eq!(seen, work.neighbours, "{isa}");
+        let others = search.seat(&view, &points, &mut seats).unwrap();
+        let same = search.count(&view, &others, radii, &mut counts).unwrap();
+        assert_eq!(same.neighbours, work.neighbours, "{isa}");
+        assert_eq!(search.any_within(&view, points[55], 0.5), Ok(true), "{isa}");
+        let mut near = 0;
+        let visit = |_| {
+            near += 1;
+            ControlFlow::Continue(())
+        };
+        search.each_within(&view, points[255], 1.0, visit).unwrap();
+        assert_eq!((near, search.k_nearest(&view, points[255], &mut found)), (7, Ok(7)), "{isa}");
+    }
+    // Count, fill, visit, seat, any_within, each_within, k_nearest.
+    7
 }
 
 /// The mangled names of all functions in a 64-bit little-endian ELF file (System V ABI, chapter 4).
@@ -62,6 +98,7 @@ fn kernels_leave_no_function_of_their_own() {
     let node_types = query_each! {
         Node16<6> Node16<14> Node16<18> Node16<26> Node16<32> Node4<6> Node4<14> Node4<18> Node4<26> Node4<32>
     };
+    let searches = search();
     if cfg!(debug_assertions) {
         notice("NOT CHECKED: needs cargo test --release");
         return;
@@ -71,7 +108,7 @@ fn kernels_leave_no_function_of_their_own() {
     // compiled for an instruction set cannot be inlined in one that is not, so each traversal is in a gate of its
     // own; NEON is in what all of an aarch64 program is compiled for, so there some gates are inlined themselves.
     let gates = functions.iter().filter(|name| name.contains("12compiled_for")).count();
-    let at_least = if cfg!(target_arch = "x86_64") { 2 * node_types } else { 1 };
+    let at_least = if cfg!(target_arch = "x86_64") { 2 * (node_types + searches) } else { 1 };
     println!("{} functions, {gates} gates", functions.len());
     assert!(gates >= at_least, "a gate for each traversal");
     let apart: Vec<_> = functions.iter().filter(|name| is_kernel(name) && !may_be_apart(name)).collect();

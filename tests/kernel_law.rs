@@ -6,6 +6,8 @@
 //! asks for it. `SIMDOP_PAIRS` sets the number of pairs of nodes per k. At [`RECORDED_PAIRS`] the oracle is
 //! the scalar kernel's recorded digest, which spares an emulator the scalar kernel.
 
+#[path = "kernel_law/points.rs"]
+mod points;
 mod support;
 #[path = "support/turned.rs"]
 #[expect(unreachable_pub, reason = "public to the fuzz targets, which take it from a library")]
@@ -67,6 +69,20 @@ macro_rules! laws {
             fn balls_equal_the_scalar_kernel() {
                 if let Some(isa) = available(stringify!($isa)) {
                     on_isa!(isa, kernel => super::balls_equal_the_scalar_kernel(kernel, stringify!($isa)));
+                }
+            }
+
+            #[test]
+            fn points_equal_the_scalar_kernel() {
+                if let Some(isa) = available(stringify!($isa)) {
+                    on_isa!(isa, kernel => points::points_equal_the_scalar_kernel(kernel, stringify!($isa)));
+                }
+            }
+
+            #[test]
+            fn picks_are_the_slots_of_the_mask() {
+                if let Some(isa) = available(stringify!($isa)) {
+                    on_isa!(isa, kernel => points::picks_are_the_slots_of_the_mask(kernel, stringify!($isa)));
                 }
             }
 

@@ -15,7 +15,7 @@ use support::data::{MeshData, directory, suite_step};
 use support::digest::digest;
 use support::dyadic::{Dyadic, dot, dot_rounded};
 use support::rng::Rng;
-use support::shapes;
+use support::shapes::{self, cuboid};
 
 type Vector = [Dyadic; 3];
 
@@ -191,28 +191,6 @@ fn check(mesh: &MeshData, packing: &Packing) {
 }
 
 // ---- Generated shapes -------------------------------------------------------------------------------------
-
-/// A box from `low` to `high`, or seen from inside.
-fn cuboid(low: [f64; 3], high: [f64; 3], inside_out: bool) -> MeshData {
-    let vertices =
-        (0..8).map(|i| core::array::from_fn(|axis| if i >> axis & 1 == 0 { low[axis] } else { high[axis] }));
-    let triangles = [
-        [0, 2, 1],
-        [1, 2, 3],
-        [4, 5, 6],
-        [5, 7, 6],
-        [0, 1, 4],
-        [1, 5, 4],
-        [2, 6, 3],
-        [3, 6, 7],
-        [0, 4, 2],
-        [2, 4, 6],
-        [1, 3, 5],
-        [3, 7, 5],
-    ];
-    let turn = |[a, b, c]: [u32; 3]| if inside_out { [a, c, b] } else { [a, b, c] };
-    MeshData { vertices: vertices.collect(), triangles: triangles.map(turn).to_vec() }
-}
 
 /// Turned out of the axes: sums of products of what few bits hold are exact, so that what was flat is.
 fn turned(mesh: &MeshData) -> MeshData {

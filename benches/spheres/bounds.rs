@@ -1,5 +1,5 @@
 //! How soon the bounds of a penetration volume close in: with a part of the visits that all of it takes, what is known of
-//! it from below and from above. Counted work: the same on every machine.
+//! it from below and from above, and what is estimated. Counted work: the same on every machine.
 
 use super::queries::Scene;
 use simdop::construct::{Magnification, Splitter};
@@ -10,28 +10,31 @@ use std::fmt::Write;
 /// Shares of the visits.
 const SHARES: [f64; 4] = [0.1, 0.25, 0.5, 0.75];
 
-/// One scene: of each share of the visits, the medians of both bounds over the volume.
+/// One scene: of each share of the visits, the medians of both bounds and of the estimate over the volume, and of what the
+/// estimate is wrong by.
 pub(crate) struct Row {
     scene: String,
     visits: u64,
-    bounds: [[f64; 2]; SHARES.len()],
+    bounds: [[f64; 4]; SHARES.len()],
 }
 
 pub(crate) fn measure(scene: &Scene<'_>) -> Row {
     let [a, b] = scene.trees_of(Splitter::BatchNeuralGas { magnification: Magnification::Area, seed: 0 });
     let query = Query::new(Isa::detect());
-    let mut found = SHARES.map(|_| [Vec::new(), Vec::new()]);
+    let mut found = SHARES.map(|_| [(); 4].map(|()| Vec::new()));
     let mut visits = Vec::new();
     for pose in scene.poses() {
         let whole = query.with_budget(u64::MAX - 1).penetration(&a, &b, pose);
         if whole.volume > 0.0 {
             visits.push(whole.counters.visits);
-            for (share, [lower, upper]) in SHARES.iter().zip(&mut found) {
+            for (share, [lower, upper, estimate, error]) in SHARES.iter().zip(&mut found) {
                 let budget = (whole.counters.visits as f64 * share) as u64;
                 let part = query.with_budget(budget).penetration(&a, &b, pose);
                 assert!(part.volume <= whole.volume && whole.volume <= part.upper, "{part:?} {whole:?}");
                 lower.push(part.volume / whole.volume);
                 upper.push(part.upper / whole.volume);
+                estimate.push(part.estimate / whole.volume);
+                error.push((part.estimate / whole.volume - 1.0).abs());
             }
         }
     }
@@ -43,7 +46,7 @@ pub(crate) fn measure(scene: &Scene<'_>) -> Row {
     Row {
         scene: scene.describe(),
         visits: visits[visits.len() / 2],
-        bounds: found.map(|both| both.map(median)),
+        bounds: found.map(|numbers| numbers.map(median)),
     }
 }
 
@@ -55,8 +58,8 @@ pub(crate) fn table(rows: &[Row]) -> String {
     writeln!(text, "\n|---|--:|{}", "--:|".repeat(SHARES.len())).unwrap();
     for Row { scene, visits, bounds } in rows {
         write!(text, "| {scene} | {visits} |").unwrap();
-        for [lower, upper] in bounds {
-            write!(text, " {lower:.2} to {upper:.2} |").unwrap();
+        for [lower, upper, estimate, error] in bounds {
+            write!(text, " {lower:.2} to {upper:.2}, {estimate:.2} ± {error:.2} |").unwrap();
         }
         text.push('\n');
     }

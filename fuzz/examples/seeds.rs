@@ -3,6 +3,7 @@
 use simdop::node::{Dop, Node4, Node16};
 use simdop_fuzz::Input;
 use simdop_fuzz::bodies::bodies;
+use simdop_fuzz::clouds::clouds;
 use simdop_fuzz::spheres::sphere_bodies;
 use std::io;
 use std::path::Path;
@@ -18,6 +19,8 @@ fn main() -> io::Result<()> {
         "traverse",
         "from_bytes",
         "sphere_bytes",
+        "points",
+        "cloud_bytes",
     ];
     for target in targets {
         // Each k, and the modes in turn; then numbers as they come.
@@ -59,7 +62,31 @@ fn main() -> io::Result<()> {
     write("sphere_bytes", "leaves", spheres::<Node16<6>>(3))?;
     write("sphere_bytes", "overlapping", spheres::<Node4<6>>(4))?;
     write("sphere_bytes", "sphere", spheres::<Node16<26>>(5))?;
-    write("sphere_bytes", "nothing", spheres::<Node16<6>>(7))
+    write("sphere_bytes", "nothing", spheres::<Node16<6>>(7))?;
+    // Changes to bytes begin with an even number, points and what happens to them with an odd one. Those that are longer than the fuzzer's
+    // inputs are left to the changes.
+    let names = [
+        (0, "lattice"),
+        (1, "real"),
+        (6, "coincident"),
+        (7, "zeros"),
+        (8, "huge"),
+        (9, "point"),
+        (10, "nothing"),
+        (11, "emptied"),
+    ];
+    for (cloud, name) in names {
+        write("cloud_bytes", name, &clouds()[cloud].view().to_bytes())?;
+    }
+    for mode in 0..3 {
+        for (size, points) in [(15, 200), (0, 60), (4, 17)] {
+            let mut seed = vec![1, mode, points, 9];
+            let mut input = Input::new(&[mode, size]);
+            seed.extend((0..usize::from(points) * 9).map(|_| input.u8()));
+            write("cloud_bytes", &format!("moved{mode}_{points}"), &seed)?;
+        }
+    }
+    Ok(())
 }
 
 fn tree<N: Dop>(index: usize) -> &'static [u8] {

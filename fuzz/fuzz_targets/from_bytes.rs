@@ -9,15 +9,12 @@
 mod support;
 
 use libfuzzer_sys::fuzz_target;
-use simdop::hierarchy::{Aligned, Bvh, BvhRef};
+use simdop::hierarchy::{Aligned, BvhRef};
 use simdop::isa::Isa;
 use simdop::pose::Pose;
 use simdop::primitive::Triangles;
 use simdop::query::{Lanes, Query, Verdict};
-use simdop_fuzz::baked::{
-    Buffer, Parts, change, copied, cut, is_safe_to_walk, is_true, is_what_the_bytes_say, number_at, put_code,
-    said_node, u32_at,
-};
+use simdop_fuzz::baked::{self, Buffer, Parts, change, copied, number_at, put_code, said_node, u32_at};
 use simdop_fuzz::bodies::{bodies, pose};
 use simdop_fuzz::{Input, Mode, for_node};
 use support::exact::{Tri, meshes_meet, triangles_meet};
@@ -36,38 +33,22 @@ fuzz_target!(|data: &[u8]| {
 /// Makes up to four changes to a sound tree.
 fn changed<N: Lanes>(buffer: &mut Buffer, input: &mut Input) {
     let tree = &input.pick(&bodies::<N>().0).tree;
-    let len = copied(buffer, tree.as_bytes()).len();
-    let bytes = &mut buffer.0[..len];
-    let nodes_end = Parts::of::<N, Triangles>(tree.view().header()).balls;
-    for _ in 0..input.below(5) {
+    let bytes = baked::changed(buffer, tree, input, |bytes, parts, input| {
         let region = match input.u8() {
             0..64 => 0..128,
-            64..160 => 128..nodes_end,
-            _ => nodes_end..len,
+            64..160 => 128..parts.balls,
+            _ => parts.balls..parts.end,
         };
         change(bytes, &region, input, put_code);
-    }
-    let size = cut(len, input);
-    examine::<N>(&buffer.0[..size], input);
+    });
+    examine::<N>(bytes, input);
 }
 
 fn examine<N: Lanes>(bytes: &[u8], input: &mut Input) {
-    let owned = Bvh::<N>::from_bytes(bytes);
-    match BvhRef::<N>::from_bytes(bytes) {
-        Ok(view) => {
-            is_what_the_bytes_say(&view, bytes);
-            are_its_triangles(&view, bytes);
-            is_safe_to_walk(&view);
-            let owned = owned.expect("what can be borrowed can be copied");
-            assert_eq!(owned.as_bytes(), bytes, "encoded again");
-            queries_agree(&view, input);
-        }
-        Err(error) => {
-            assert!(is_true::<N, Triangles>(error, bytes), "{error:?}");
-            assert!(!error.to_string().is_empty());
-            assert_eq!(owned.err(), Some(error));
-        }
-    }
+    baked::examine::<N, Triangles>(bytes, |view| {
+        are_its_triangles(view, bytes);
+        queries_agree(view, input);
+    });
 }
 
 /// The corners of the triangles, read from the bytes by other means.

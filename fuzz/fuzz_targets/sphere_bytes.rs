@@ -8,14 +8,13 @@
 
 use core::f64::consts::PI;
 use libfuzzer_sys::fuzz_target;
-use simdop::hierarchy::{Aligned, Bvh, BvhRef};
+use simdop::hierarchy::{Aligned, BvhRef};
 use simdop::isa::Isa;
 use simdop::pose::Pose;
 use simdop::primitive::{Sphere, Spheres};
 use simdop::query::{Answer, Completion, Lanes, Penetration, Query, Verdict};
 use simdop_fuzz::baked::{
-    Buffer, Parts, change, copied, cut, is_safe_to_walk, is_true, is_what_the_bytes_say, number_at, put_code,
-    put_number, said_node, u32_at,
+    self, Buffer, Parts, change, copied, number_at, put_code, put_number, said_node, u32_at,
 };
 use simdop_fuzz::bodies::pose;
 use simdop_fuzz::spheres::{distance, lens, sphere_bodies};
@@ -38,13 +37,9 @@ fuzz_target!(|data: &[u8]| {
 /// Makes up to four changes to a sound tree.
 fn changed<N: Lanes>(buffer: &mut Buffer, input: &mut Input) {
     let tree = &input.pick(&sphere_bodies::<N>().0).tree;
-    let header = tree.view().header();
-    let parts = Parts::of::<N, Spheres>(header);
     // Of vertices in single precision 4, and 8 of those in double precision.
-    let number = usize::from(header.vertex_size) / 4;
-    let len = copied(buffer, tree.as_bytes()).len();
-    let bytes = &mut buffer.0[..len];
-    for _ in 0..input.below(5) {
+    let number = usize::from(tree.view().header().vertex_size) / 4;
+    let bytes = baked::changed(buffer, tree, input, |bytes, parts, input| {
         let (region, size) = match input.u8() {
             0..32 => (0..128, 4),
             32..80 => (128..parts.balls, 2),
@@ -58,29 +53,16 @@ fn changed<N: Lanes>(buffer: &mut Buffer, input: &mut Input) {
             2 => put_code(bytes, at, input),
             _ => put_number(bytes, at, size, input),
         });
-    }
-    let size = cut(parts.end, input);
-    examine::<N>(&buffer.0[..size], input);
+    });
+    examine::<N>(bytes, input);
 }
 
 fn examine<N: Lanes>(bytes: &[u8], input: &mut Input) {
-    let owned = Bvh::<N, Spheres>::from_bytes(bytes);
-    match View::<N>::from_bytes(bytes) {
-        Ok(view) => {
-            is_what_the_bytes_say(&view, bytes);
-            are_its_spheres(&view, bytes);
-            is_safe_to_walk(&view);
-            balls_are_of_the_body(&view);
-            let owned = owned.expect("what can be borrowed can be copied");
-            assert_eq!(owned.as_bytes(), bytes, "encoded again");
-            queries_agree(&view, input);
-        }
-        Err(error) => {
-            assert!(is_true::<N, Spheres>(error, bytes), "{error:?}");
-            assert!(!error.to_string().is_empty());
-            assert_eq!(owned.err(), Some(error));
-        }
-    }
+    baked::examine::<N, Spheres>(bytes, |view| {
+        are_its_spheres(view, bytes);
+        balls_are_of_the_body(view);
+        queries_agree(view, input);
+    });
 }
 
 /// The spheres, read from the bytes by other means.
@@ -245,6 +227,7 @@ impl<N: Lanes> Placed<'_, N> {
         );
         assert!((certain..=possible).contains(&whole.pairs), "{certain} {possible} {whole:?}");
         assert!(whole.upper == whole.volume && part.volume <= whole.volume, "{part:?} {whole:?}");
+        assert!(!(part.estimate < part.volume), "{part:?}");
         if is_disjoint(&self.moved) && is_disjoint(&self.still) {
             assert!(whole.volume <= part.upper, "{part:?} {whole:?} {:?}", self.pose);
         }

@@ -1,10 +1,11 @@
-//! Baked trees as bytes: changes to them, a second reader of where their parts are, and a walk that trusts none of them.
+//! Baked trees as bytes: changes to them, a second reader of where their parts are, a walk that trusts none of them, and what
+//! holds of all bytes whatever the primitives.
 
 use crate::Input;
 use crate::planes::code;
 use crate::support::dyadic::half_value;
 use core::ops::Range;
-use simdop::hierarchy::{Aligned, BakeError, BvhRef, Header, MAGIC, MAX_DEPTH, VERSION};
+use simdop::hierarchy::{Aligned, BakeError, Bvh, BvhRef, Header, MAGIC, MAX_DEPTH, VERSION};
 use simdop::node::{Ball16, Link};
 use simdop::primitive::Primitive;
 use simdop::query::Lanes;
@@ -55,7 +56,7 @@ pub fn put_code(bytes: &mut [u8], at: usize, input: &mut Input) {
 }
 
 /// How many of the bytes are left: nearly always all.
-pub fn cut(len: usize, input: &mut Input) -> usize {
+fn cut(len: usize, input: &mut Input) -> usize {
     if input.u8() == 0 { usize::from(input.u16()) % (len + 1) } else { len }
 }
 
@@ -90,7 +91,7 @@ impl Parts {
 }
 
 /// Whether what is said to be wrong with the bytes is.
-pub fn is_true<N: Lanes, P: Primitive>(error: BakeError, bytes: &[u8]) -> bool {
+fn is_true<N: Lanes, P: Primitive>(error: BakeError, bytes: &[u8]) -> bool {
     let field = |at: usize| u32_at(bytes, at);
     match error {
         BakeError::NotATree => !bytes.starts_with(&MAGIC),
@@ -119,8 +120,44 @@ pub fn is_true<N: Lanes, P: Primitive>(error: BakeError, bytes: &[u8]) -> bool {
     }
 }
 
+/// The bytes of a sound tree after up to four changes.
+pub fn changed<'b, N: Lanes, P: Primitive>(
+    buffer: &'b mut Buffer,
+    tree: &Bvh<N, P>,
+    input: &mut Input,
+    mut change: impl FnMut(&mut [u8], &Parts, &mut Input),
+) -> &'b [u8] {
+    let len = copied(buffer, tree.as_bytes()).len();
+    let parts = Parts::of::<N, P>(tree.view().header());
+    for _ in 0..input.below(5) {
+        change(&mut buffer.0[..len], &parts, input);
+    }
+    let size = cut(len, input);
+    &buffer.0[..size]
+}
+
+/// Bytes that are refused are refused for a reason that is true. Those that are not are what they say, safe to walk, and
+/// the same when copied: `then` asks more of them.
+pub fn examine<N: Lanes, P: Primitive>(bytes: &[u8], then: impl FnOnce(&BvhRef<'_, N, P>)) {
+    let owned = Bvh::<N, P>::from_bytes(bytes);
+    match BvhRef::<N, P>::from_bytes(bytes) {
+        Ok(view) => {
+            is_what_the_bytes_say(&view, bytes);
+            is_safe_to_walk(&view);
+            let owned = owned.expect("what can be borrowed can be copied");
+            assert_eq!(owned.as_bytes(), bytes, "encoded again");
+            then(&view);
+        }
+        Err(error) => {
+            assert!(is_true::<N, P>(error, bytes), "{error:?}");
+            assert!(!error.to_string().is_empty());
+            assert_eq!(owned.err(), Some(error));
+        }
+    }
+}
+
 /// The parts of the tree but for its primitives, read from the bytes by other means.
-pub fn is_what_the_bytes_say<N: Lanes, P: Primitive>(view: &BvhRef<'_, N, P>, bytes: &[u8]) {
+fn is_what_the_bytes_say<N: Lanes, P: Primitive>(view: &BvhRef<'_, N, P>, bytes: &[u8]) {
     let header = view.header();
     let parts = Parts::of::<N, P>(header);
     assert_eq!(parts.end, bytes.len());
@@ -147,7 +184,7 @@ pub fn number_at<N: Lanes, P: Primitive>(header: &Header, bytes: &[u8], vertex: 
 
 /// Every node and every primitive is reached once, no deeper than the header says, by planes that bound
 /// something.
-pub fn is_safe_to_walk<N: Lanes, P: Primitive>(view: &BvhRef<'_, N, P>) {
+fn is_safe_to_walk<N: Lanes, P: Primitive>(view: &BvhRef<'_, N, P>) {
     let (mut nodes, mut seen) = (0, vec![false; view.len()]);
     let mut lanes = 0;
     let mut pending = if view.nodes().is_empty() { vec![] } else { vec![(0, 1)] };

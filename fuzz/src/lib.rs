@@ -16,13 +16,16 @@
 //! | `from_bytes` | bytes refused for a true reason, or safe to walk and to query | a second reader; brute force |
 //! | `balls` | which balls meet, and bounds of what they share | the scalar kernel; lenses in `f64` |
 //! | `sphere_bytes` | as `from_bytes`, of trees of spheres; penetration volumes and their bounds | a second reader; brute force |
+//! | `points` | which points and boxes are near, and how far they are | the scalar kernel |
+//! | `cloud_bytes` | as `from_bytes`, of clouds; clouds that change, and all searches of them | a second reader; a loop over the points |
 //! | `traverse` | verdicts, pairs, budgets and distances, of sizes to 1e12 : 1 and as far as 1e9 diagonals from the origin; counters of every instruction set | brute force; the scalar kernel |
 //!
-//! The first byte chooses the [`Mode`], the second k, the rest is values. `from_bytes` and
-//! `sphere_bytes` take a baked tree as it is, too.
+//! The first byte chooses the [`Mode`], the second k, the rest is values. `from_bytes`,
+//! `sphere_bytes` and `cloud_bytes` take what was baked as it is, too.
 
 pub mod baked;
 pub mod bodies;
+pub mod clouds;
 pub mod planes;
 pub mod spheres;
 

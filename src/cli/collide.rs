@@ -58,7 +58,7 @@ pub(super) fn run(options: &Options) -> Result<u8, Error> {
         isa: options.isa.name(),
         budget: options.budget,
         repeat: options.repeat,
-        summary: Summary::of(&reports),
+        summary: Summary::of(reports.iter().map(|pose| (pose.verdict, pose.nanoseconds))),
         poses: reports,
     };
     let printed = if options.json { report.print_json() } else { report.print_table(options.rows) };

@@ -2,6 +2,7 @@
 
 use super::body::Shape;
 use core::fmt;
+use simdop::cloud::{CloudError, SearchError};
 use simdop::construct::BuildError;
 use simdop::hierarchy::{BakeError, VerifyError};
 use simdop::packing::PackError;
@@ -50,6 +51,10 @@ pub(crate) enum Error {
     Build { name: String, error: BuildError },
     /// A mesh cannot be filled with spheres.
     Pack { name: String, error: PackError },
+    /// Points cannot be a cloud.
+    Cloud { name: String, error: CloudError },
+    /// A search in a cloud cannot be answered.
+    Search { name: String, error: SearchError },
     /// An option that cannot be followed.
     Option { option: &'static str, problem: String },
     /// A tree has another node type than the other body, or than the options ask for.
@@ -93,6 +98,8 @@ impl fmt::Display for Error {
             Self::Verify { path, error } => write!(f, "{}: not conservative: {error}", path.display()),
             Self::Build { name, error } => write!(f, "{name}: {error}"),
             Self::Pack { name, error } => write!(f, "{name}: {error}"),
+            Self::Cloud { name, error } => write!(f, "{name}: {error}"),
+            Self::Search { name, error } => write!(f, "{name}: {error}"),
             Self::Option { option, problem } => write!(f, "{option}: {problem}"),
             Self::OtherShape { name, has, asked } => write!(
                 f,

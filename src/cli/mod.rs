@@ -6,6 +6,7 @@ mod collide;
 mod error;
 mod info;
 mod mesh;
+mod near;
 mod output;
 mod pack;
 mod packing;
@@ -53,6 +54,13 @@ enum Command {
     ///
     /// With the direction in which A is pushed, and as many rows as there are poses.
     Volume(volume::Options),
+    /// Which points of a cloud are near each other, or near a body?
+    ///
+    /// With a radius: how many neighbours the points have, how long it takes, and the neighbours themselves.
+    /// With a body, placed by a pose in the cloud's frame: whether any point is near it. For one pose the exit
+    /// code is the verdict: 0 free, 1 hit; for several it is 0. It is 2 for errors. Without files: the
+    /// neighbours of points that are built in.
+    Near(near::Options),
 }
 
 /// What hierarchy a mesh becomes. A tree is what it is: where there are only trees, these are errors.
@@ -157,6 +165,7 @@ pub(crate) fn run() -> ExitCode {
         Command::Info(options) => info::run(&options).map(|()| 0),
         Command::Pack(options) => pack::run(&options).map(|()| 0),
         Command::Volume(options) => volume::run(&options).map(|()| 0),
+        Command::Near(options) => near::run(&options),
     };
     match outcome {
         Ok(code) => ExitCode::from(code),

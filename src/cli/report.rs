@@ -117,10 +117,10 @@ pub(super) struct Summary {
 }
 
 impl Summary {
-    /// Of one pose at least.
-    pub(super) fn of(poses: &[PoseReport<'_>]) -> Self {
-        let count = |verdict| poses.iter().filter(|pose| pose.verdict == verdict).count();
-        let mut times: Vec<u64> = poses.iter().map(|pose| pose.nanoseconds).collect();
+    /// Of verdicts and times, one of each for a pose, and one pose at least.
+    pub(super) fn of(poses: impl Iterator<Item = (&'static str, u64)>) -> Self {
+        let (verdicts, mut times): (Vec<_>, Vec<_>) = poses.unzip();
+        let count = |of| verdicts.iter().filter(|verdict| **verdict == of).count();
         times.sort_unstable();
         // Nearest rank: the smallest time that the share of all times is not above.
         let rank = |percent: usize| (times.len() * percent).div_ceil(100).saturating_sub(1);
@@ -133,6 +133,20 @@ impl Summary {
             p99_nanoseconds: at(99),
             max_nanoseconds: at(100),
         }
+    }
+}
+
+impl Summary {
+    pub(super) fn print(&self, out: &mut impl Write) -> std::io::Result<()> {
+        let Self { hits, free, unknown, .. } = self;
+        writeln!(out, "{} poses: {hits} hits, {free} free, {unknown} unknown", hits + free + unknown)?;
+        writeln!(
+            out,
+            "us per query: median {:.2}, p99 {:.2}, max {:.2}",
+            microseconds(self.median_nanoseconds),
+            microseconds(self.p99_nanoseconds),
+            microseconds(self.max_nanoseconds)
+        )
     }
 }
 
@@ -180,18 +194,11 @@ impl Report<'_> {
     }
 
     fn print_summary(&self, out: &mut impl Write) -> std::io::Result<()> {
-        let Summary { hits, free, unknown, .. } = self.summary;
         let count = self.poses.len();
         let sum = |value: fn(&PoseReport<'_>) -> u64| self.poses.iter().map(value).sum::<u64>();
         let mean = |value| sum(value) as f64 / count as f64;
-        writeln!(out, "\n{count} poses: {hits} hits, {free} free, {unknown} unknown")?;
-        writeln!(
-            out,
-            "us per query: median {:.2}, p99 {:.2}, max {:.2}",
-            microseconds(self.summary.median_nanoseconds),
-            microseconds(self.summary.p99_nanoseconds),
-            microseconds(self.summary.max_nanoseconds)
-        )?;
+        writeln!(out)?;
+        self.summary.print(out)?;
         writeln!(
             out,
             "per query: {:.1} visits, {:.1} kernels, {:.1} re-alignments, {:.1} triangle pairs; {} pairs in all were exact",
@@ -227,28 +234,10 @@ impl PoseReport<'_> {
 mod tests {
     use super::*;
 
-    fn pose(verdict: &'static str, nanoseconds: u64) -> PoseReport<'static> {
-        PoseReport {
-            verdict,
-            pair: None,
-            pairs: None,
-            pairs_complete: None,
-            distance_bounds: None,
-            nanoseconds,
-            set_up_nanoseconds: 0,
-            visits: 0,
-            kernels: 0,
-            realignments: 0,
-            primitive_pairs: 0,
-            exact_pairs: 0,
-        }
-    }
-
     #[test]
     fn percentiles_are_times_that_were_measured() {
         let of = |count: u64| {
-            let poses: Vec<_> = (1..=count).rev().map(|ns| pose("free", ns)).collect();
-            let s = Summary::of(&poses);
+            let s = Summary::of((1..=count).rev().map(|nanoseconds| ("free", nanoseconds)));
             (s.free as u64, s.median_nanoseconds, s.p99_nanoseconds, s.max_nanoseconds)
         };
         assert_eq!(of(1), (1, 1, 1, 1));

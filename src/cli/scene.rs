@@ -1,4 +1,5 @@
-//! The built-in scene: two generated bodies and a sweep of poses, so that the first run needs no file.
+//! The built-in scenes: two generated bodies and a sweep of poses, and a cloud, so that the first run needs no
+//! file.
 
 use super::mesh::MeshData;
 use core::f64::consts::TAU;
@@ -45,6 +46,17 @@ pub(super) fn sweep() -> Vec<Pose> {
         Pose::from_rows(rows.map(|row| row.map(snap)))
     });
     poses.map(|pose| pose.unwrap_or(Pose::IDENTITY)).collect()
+}
+
+/// Points that are uniform in the unit cube.
+pub(super) fn cube() -> Vec<[f32; 3]> {
+    // A linear congruential generator of 64 bits (Knuth's MMIX), of whose words the upper 24 bits are taken.
+    let mut state = 1_u64;
+    let mut coordinate = || {
+        state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        (state >> 40) as f32 / (1_u32 << 24) as f32
+    };
+    (0..1 << 17).map(|_| [coordinate(), coordinate(), coordinate()]).collect()
 }
 
 /// A surface closed in both directions.

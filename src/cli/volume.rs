@@ -58,6 +58,8 @@ struct Body {
 struct Row {
     /// What the two share, in their unit to the third: at least.
     volume: f64,
+    /// What it probably is: the same, unless the budget was spent.
+    estimate: f64,
     /// And at most, if no spheres of a body overlap each other.
     upper: f64,
     /// Where A is pushed.
@@ -79,8 +81,8 @@ pub(super) fn run(options: &Options) -> Result<(), Error> {
         let found = query.penetration(&tree_a, &tree_b, pose);
         let nanoseconds = start.elapsed().as_nanos();
         let visits = found.counters.visits;
-        let Penetration { volume, upper, direction, point, pairs, .. } = found;
-        Row { volume, upper, direction, point, pairs, visits, nanoseconds }
+        let Penetration { volume, estimate, upper, direction, point, pairs, .. } = found;
+        Row { volume, estimate, upper, direction, point, pairs, visits, nanoseconds }
     };
     let rows = poses.iter().map(row).collect();
     let report = Report { version: env!("CARGO_PKG_VERSION"), a, b, isa: options.isa.name(), poses: rows };

@@ -32,6 +32,8 @@
 //! Coordinates are any finite `f32`, in any unit. Squares of differences below 1e-23 are nothing in `f32`, so points that
 //! near to each other count as one; and those above 1.8e19 are infinite, which is no neighbour unless `r * r` is infinite as well.
 
+mod body;
+mod bytes;
 mod error;
 #[cfg(feature = "gpu")]
 pub mod gpu;
@@ -40,21 +42,30 @@ mod median;
 mod owned;
 mod packet;
 mod search;
+mod single;
+mod sink;
+#[cfg(feature = "alloc")]
+mod split;
 mod store;
+mod upkeep;
 
 mod view;
 
+pub use body::Contact;
+pub use bytes::{CLOUD_MAGIC, CLOUD_VERSION};
 pub use error::{CloudError, SearchError};
 #[cfg(feature = "alloc")]
 pub use owned::Cloud;
 pub use packet::{Queries, Radii, Seat};
 pub use search::{List, RangeCounters, RangeSearch};
+pub use single::Neighbour;
 pub use store::{CloudMut, Memory, buckets_for, nodes_for};
 
+pub use upkeep::{Policy, Upkeep};
 pub use view::CloudRef;
 
-/// A cloud has at most this many points: links count buckets in 26 bits, and places of points in 30.
-pub const MAX_POINTS: usize = 1 << 26;
+/// A cloud has at most this many points, since a link counts as many buckets.
+pub const MAX_POINTS: usize = crate::node::Child::MAX_PRIMITIVES as usize;
 
 /// Points in a bucket, at most.
 pub const BUCKET_SIZE: u32 = 16;

@@ -2,16 +2,17 @@
 
 use super::store::Used;
 use super::{BUCKET_SIZE, CloudError, CloudMut, CloudRef, MAX_POINTS, Memory, buckets_for, nodes_for};
+use crate::hierarchy::BakeError;
 use crate::node::{Aabb16, Bucket};
 use alloc::vec::Vec;
 
 /// A cloud that owns its memory.
 #[derive(Clone, Debug)]
 pub struct Cloud {
-    nodes: Vec<Aabb16>,
-    buckets: Vec<Bucket>,
-    places: Vec<u32>,
-    used: Used,
+    pub(super) nodes: Vec<Aabb16>,
+    pub(super) buckets: Vec<Bucket>,
+    pub(super) places: Vec<u32>,
+    pub(super) used: Used,
 }
 
 impl Cloud {
@@ -38,6 +39,43 @@ impl Cloud {
         let mut places = alloc::vec![0; capacity];
         let memory = Memory { nodes: &mut nodes, buckets: &mut buckets, places: &mut places };
         let used = CloudMut::build(memory, points, bucket_size)?.used;
+        Ok(Self { nodes, buckets, places, used })
+    }
+
+    /// Copies a cloud that was [written as bytes](CloudRef::to_bytes), of any alignment, and validates it. It has room for the
+    /// indices it had room for.
+    ///
+    /// # Errors
+    /// [`BakeError`]; besides those of [`CloudRef::from_bytes`], if two points have the same index.
+    pub fn from_bytes(bytes: &[u8]) -> Result<Self, BakeError> {
+        // Memory that is aligned.
+        let mut lines = alloc::vec![Bucket::EMPTY; bytes.len().div_ceil(size_of::<Bucket>())];
+        let aligned: &mut [u8] = bytemuck::cast_slice_mut(&mut lines);
+        aligned[..bytes.len()].copy_from_slice(bytes);
+        let view = CloudRef::from_bytes(&aligned[..bytes.len()])?;
+        let mut is_there = alloc::vec![false; view.capacity()];
+        for (bucket, b) in view.buckets().iter().zip(0..) {
+            for (&index, slot) in
+                bucket.indices.iter().zip(0..).filter(|(index, _)| **index != Bucket::UNUSED)
+            {
+                if core::mem::replace(&mut is_there[index as usize], true) {
+                    return Err(BakeError::Source { index: b * BUCKET_SIZE + slot });
+                }
+            }
+        }
+        let count = buckets_for(view.capacity(), view.bucket_size());
+        let (mut nodes, mut buckets) = (view.nodes().to_vec(), view.buckets().to_vec());
+        nodes.resize(nodes.len().max(nodes_for(count)), Aabb16::EMPTY);
+        buckets.resize(buckets.len().max(count), Bucket::EMPTY);
+        let mut places = alloc::vec![0; view.capacity()];
+        let used = Used {
+            nodes: view.nodes().len() as u32,
+            buckets: view.buckets().len() as u32,
+            points: view.len() as u32,
+            bucket_size: view.bucket_size(),
+        };
+        let memory = Memory { nodes: &mut nodes, buckets: &mut buckets, places: &mut places };
+        CloudMut { memory, used }.find_places();
         Ok(Self { nodes, buckets, places, used })
     }
 

@@ -6,11 +6,12 @@
 //! buckets in their order.
 
 use super::packet::{Ask, Asking, Packet};
+use super::sink::{Count, Fill, Sink, Visit};
 use super::{CloudRef, Queries, Radii, SearchError, Seat};
 use crate::hierarchy::MAX_DEPTH;
 use crate::isa::{Isa, on_isa};
 use crate::kernel::Kernel;
-use crate::node::{Aabb16, Box3, Bucket, Link};
+use crate::node::{Aabb16, Box3, Link};
 use core::ops::ControlFlow;
 
 /// How searches run: on which instruction set. All of them give the same neighbours in the same order.
@@ -47,117 +48,6 @@ impl List {
     }
 }
 
-/// What is done with neighbours.
-trait Sink {
-    /// A query's neighbours follow.
-    fn begin(&mut self, query: u32);
-    /// Some of them: slots of a bucket.
-    fn found<E: Kernel>(&mut self, kernel: E, mask: u16, bucket: &Bucket) -> ControlFlow<()>;
-    /// These were all.
-    fn end(&mut self, query: u32) -> ControlFlow<()>;
-}
-
-struct Count<'a> {
-    counts: &'a mut [u32],
-    count: u32,
-}
-
-impl Sink for Count<'_> {
-    #[inline(always)]
-    fn begin(&mut self, _: u32) {
-        self.count = 0;
-    }
-
-    #[inline(always)]
-    fn found<E: Kernel>(&mut self, _: E, mask: u16, _: &Bucket) -> ControlFlow<()> {
-        self.count += mask.count_ones();
-        ControlFlow::Continue(())
-    }
-
-    #[inline(always)]
-    fn end(&mut self, query: u32) -> ControlFlow<()> {
-        self.counts[query as usize] = self.count;
-        ControlFlow::Continue(())
-    }
-}
-
-struct Fill<'a> {
-    lists: &'a mut [List],
-    indices: &'a mut [u32],
-    start: u64,
-    end: u64,
-}
-
-impl Sink for Fill<'_> {
-    #[inline(always)]
-    fn begin(&mut self, _: u32) {
-        self.start = self.end;
-    }
-
-    #[inline(always)]
-    fn found<E: Kernel>(&mut self, kernel: E, mask: u16, bucket: &Bucket) -> ControlFlow<()> {
-        // What lies behind the neighbours is overwritten by the next ones.
-        let (from, count) = (self.end as usize, mask.count_ones() as usize);
-        self.end += count as u64;
-        let room = self.indices.get_mut(from..).unwrap_or(&mut []);
-        if let Some(places) = room.first_chunk_mut::<16>() {
-            kernel.pick(mask, &bucket.indices, places);
-        } else if let Some(places) = room.get_mut(..count) {
-            let mut picked = [0; 16];
-            kernel.pick(mask, &bucket.indices, &mut picked);
-            places.copy_from_slice(&picked[..count]);
-        }
-        ControlFlow::Continue(())
-    }
-
-    #[inline(always)]
-    fn end(&mut self, query: u32) -> ControlFlow<()> {
-        self.lists[query as usize] = List { start: self.start as u32, count: (self.end - self.start) as u32 };
-        ControlFlow::Continue(())
-    }
-}
-
-/// Neighbours that wait to be visited, so that the visitor is called in a loop over many: a loop over those of one bucket
-/// ends where no branch predictor expects it.
-struct Visit<F> {
-    query: u32,
-    waiting: [u32; 64],
-    count: usize,
-    visit: F,
-}
-
-impl<F: FnMut(u32, u32) -> ControlFlow<()>> Visit<F> {
-    #[inline(always)]
-    fn flush(&mut self) -> ControlFlow<()> {
-        for &neighbour in &self.waiting[..core::mem::take(&mut self.count) & 63] {
-            (self.visit)(self.query, neighbour)?;
-        }
-        ControlFlow::Continue(())
-    }
-}
-
-impl<F: FnMut(u32, u32) -> ControlFlow<()>> Sink for Visit<F> {
-    #[inline(always)]
-    fn begin(&mut self, query: u32) {
-        self.query = query;
-    }
-
-    #[inline(always)]
-    fn found<E: Kernel>(&mut self, kernel: E, mask: u16, bucket: &Bucket) -> ControlFlow<()> {
-        // Sixteen more have room: more than 47 do not wait.
-        if let Some(places) = self.waiting[self.count & 63..].first_chunk_mut::<16>() {
-            kernel.pick(mask, &bucket.indices, places);
-        }
-        self.count += mask.count_ones() as usize;
-        if self.count > 47 { self.flush() } else { ControlFlow::Continue(()) }
-    }
-
-    #[inline(always)]
-    fn end(&mut self, _: u32) -> ControlFlow<()> {
-        self.flush()
-    }
-}
-
 /// Buckets that a packet finds, up to so many sixteens: else each of its queries goes down alone.
 const SIXTEENS: usize = 8;
 
@@ -183,16 +73,16 @@ impl Candidates {
 }
 
 /// A search under way.
-struct Descent<'a, E> {
-    kernel: E,
-    cloud: CloudRef<'a>,
-    work: RangeCounters,
+pub(super) struct RangeDescent<'a, E> {
+    pub(super) kernel: E,
+    pub(super) cloud: CloudRef<'a>,
+    pub(super) work: RangeCounters,
 }
 
-impl<E: Kernel> Descent<'_, E> {
+impl<E: Kernel> RangeDescent<'_, E> {
     /// Calls `leaf` with every lane that leads to a bucket near the query, in the order of the buckets, until it breaks.
     #[inline(always)]
-    fn go_down(
+    pub(super) fn go_down(
         &mut self,
         query: &Box3,
         square: f32,
@@ -373,7 +263,7 @@ impl RangeSearch {
         radii: Radii<'_>,
         visit: impl FnMut(u32, u32) -> ControlFlow<()>,
     ) -> Result<RangeCounters, SearchError> {
-        self.run(cloud, queries, radii, &mut Visit { query: 0, waiting: [0; 64], count: 0, visit })
+        self.run(cloud, queries, radii, &mut Visit::new(visit))
     }
 
     fn run<S: Sink>(
@@ -387,7 +277,7 @@ impl RangeSearch {
         Ok(on_isa!(self.isa, kernel => kernel.run(
             #[inline(always)]
             || {
-                let mut descent = Descent { kernel, cloud: *cloud, work: RangeCounters::default() };
+                let mut descent = RangeDescent { kernel, cloud: *cloud, work: RangeCounters::default() };
                 // A visitor that breaks wants no more.
                 let _ = descent.all(queries, &radii, sink);
                 descent.work

@@ -1,7 +1,8 @@
 //! A cloud in memory that can be changed: the caller's, or its own.
 
-use super::median::{Item, cut};
+use super::median::LoosePoint;
 use super::{BUCKET_SIZE, CloudError, CloudRef, MAX_POINTS};
+use crate::halving::Halving;
 use crate::hierarchy::MAX_DEPTH;
 use crate::isa::Scalar;
 use crate::kernel::Kernel;
@@ -58,7 +59,7 @@ pub(super) const fn is_finite([x, y, z]: [f32; 3]) -> bool {
     x.is_finite() && y.is_finite() && z.is_finite()
 }
 
-fn check_points(points: &[[f32; 3]], bucket_size: u32) -> Result<(), CloudError> {
+pub(super) fn check_points(points: &[[f32; 3]], bucket_size: u32) -> Result<(), CloudError> {
     if bucket_size == 0 || bucket_size > BUCKET_SIZE {
         return Err(CloudError::BucketSize { asked: bucket_size });
     }
@@ -75,7 +76,7 @@ fn check_points(points: &[[f32; 3]], bucket_size: u32) -> Result<(), CloudError>
 fn spread(buckets: &mut [Bucket], points: usize, size: usize) {
     // From the last: a bucket lies where only items of its own and of later ones are.
     for b in (0..points.div_ceil(size)).rev() {
-        let items: &[Item] = bytemuck::cast_slice(buckets);
+        let items: &[LoosePoint] = bytemuck::cast_slice(buckets);
         let mut made = Bucket::EMPTY;
         for (item, slot) in items[b * size..points.min((b + 1) * size)].iter().zip(0..) {
             made.set(slot, item.point, item.index);
@@ -97,9 +98,9 @@ impl<'a> CloudMut<'a> {
         let used = Used { nodes: 0, buckets: 0, points: points.len() as u32, bucket_size };
         let mut cloud = Self { memory, used };
         cloud.check_memory(points.len())?;
-        let items: &mut [Item] = bytemuck::cast_slice_mut(cloud.memory.buckets);
+        let items: &mut [LoosePoint] = bytemuck::cast_slice_mut(cloud.memory.buckets);
         for ((item, &point), index) in items.iter_mut().zip(points).zip(0..) {
-            *item = Item { point, index };
+            *item = LoosePoint { point, index };
         }
         cloud.shape();
         Ok(cloud)
@@ -210,10 +211,10 @@ impl<'a> CloudMut<'a> {
         let mut count = 0;
         for b in 0..self.used.buckets as usize {
             let bucket = self.memory.buckets[b];
-            let items: &mut [Item] = bytemuck::cast_slice_mut(self.memory.buckets);
+            let items: &mut [LoosePoint] = bytemuck::cast_slice_mut(self.memory.buckets);
             for slot in (0..16).filter(|&slot| bucket.indices[slot] != Bucket::UNUSED) {
                 // Not beyond bucket b, which was copied: as many places as slots.
-                items[count] = Item { point: bucket.point(slot), index: bucket.indices[slot] };
+                items[count] = LoosePoint { point: bucket.point(slot), index: bucket.indices[slot] };
                 count += 1;
             }
         }
@@ -241,14 +242,15 @@ impl<'a> CloudMut<'a> {
     fn shape(&mut self) {
         let (points, size) = (self.used.points as usize, self.used.bucket_size as usize);
         let Memory { nodes, buckets, places } = &mut self.memory;
-        let items: &mut [Item] = bytemuck::cast_slice_mut(buckets);
+        let items: &mut [LoosePoint] = bytemuck::cast_slice_mut(buckets);
         // Nodes that wait: where their items begin and end, two numbers each, but for the root. In the memory of the places,
         // of which there is one for each point: a node that waits has more than one bucket of them.
+        let halving = Halving { arity: 16, leaf_size: size, extended: true };
         let (mut node, mut count) = (0, 1);
         while node < count {
             let (start, end) = if node == 0 { (0, points) } else { waiting(places, node) };
             let mut ends = [0; 16];
-            cut(&mut items[start..end], size, &mut ends);
+            halving.cut_node(&mut items[start..end], &mut ends);
             let (mut made, mut from, mut lane) = (Aabb16::EMPTY, start, 0);
             for to in ends.map(|end| start + end as usize) {
                 if to > from {
@@ -269,6 +271,21 @@ impl<'a> CloudMut<'a> {
         self.used.nodes = count as u32;
         self.used.buckets = points.div_ceil(size) as u32;
         spread(buckets, points, size);
+        self.settle();
+    }
+
+    /// What follows from the links and the points in the buckets: places, boxes, and how large they are.
+    pub(super) fn settle(&mut self) {
+        self.find_places();
+        let _ = self.refit_boxes();
+        for node in &mut self.memory.nodes[..self.used.nodes as usize] {
+            node.built = core::array::from_fn(|lane| node.lane(lane).fourth_root_of_volume());
+        }
+    }
+
+    /// Where each point is.
+    pub(super) fn find_places(&mut self) {
+        let Memory { buckets, places, .. } = &mut self.memory;
         places.fill(NOWHERE);
         for (bucket, b) in buckets[..self.used.buckets as usize].iter().zip(0..) {
             for (&index, slot) in bucket.indices.iter().zip(0..) {
@@ -276,10 +293,6 @@ impl<'a> CloudMut<'a> {
                     *place = b * BUCKET_SIZE + slot;
                 }
             }
-        }
-        let _ = self.refit_boxes();
-        for node in &mut self.memory.nodes[..count] {
-            node.built = core::array::from_fn(|lane| node.lane(lane).fourth_root_of_volume());
         }
     }
 }

@@ -2,10 +2,10 @@
 
 use super::below::CornersBelow;
 use super::enclosing::smallest_enclosing;
-use super::parallel;
 use crate::exact::{power_of_two, round_up_f32};
 use crate::frame::Frame;
 use crate::node::{Ball16, BoundingBall, Link, Node};
+use crate::parallel;
 use crate::primitive::{Primitive, Sphere, sphere};
 use alloc::vec::Vec;
 

@@ -1,7 +1,7 @@
 //! Batch Neural Gas over weighted points.
 
-use super::longest_axis::Halving;
 use super::{Assignment, BuildError, Observer, neural_gas};
+use crate::halving::Halving;
 use crate::range::Point;
 
 /// Batch Neural Gas over points with weights, such as the centres and volumes of spheres: the shape of a

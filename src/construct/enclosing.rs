@@ -201,24 +201,11 @@ fn solve(rows: &mut [Row]) -> Option<[(f64, f64); 3]> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::rng::Rng;
     use alloc::vec::Vec;
 
-    struct Random(u64);
-
-    impl Random {
-        /// In 0 .. 1.
-        fn number(&mut self) -> f64 {
-            self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-            (self.0 >> 11) as f64 / (1_u64 << 53) as f64
-        }
-
-        fn below(&mut self, n: usize) -> usize {
-            (self.number() * n as f64) as usize
-        }
-
-        fn point(&mut self) -> Point {
-            [(); 3].map(|()| 200.0 * self.number() - 100.0)
-        }
+    fn point(rng: &mut Rng) -> Point {
+        [(); 3].map(|()| rng.range(-100.0, 100.0))
     }
 
     /// How far balls reach from a point.
@@ -251,31 +238,31 @@ mod tests {
     }
 
     /// Up to nine balls, of one of the kinds that are hard.
-    fn hard_set(random: &mut Random) -> Vec<Sphere> {
-        let kind = random.below(8);
-        let first = Sphere { centre: random.point(), radius: 20.0 * random.number() };
-        let [q, r] = [random.point(), random.point()];
-        let count = 1 + random.below(9);
+    fn hard_set(rng: &mut Rng) -> Vec<Sphere> {
+        let kind = rng.below(8);
+        let first = Sphere { centre: point(rng), radius: 20.0 * rng.unit() };
+        let [q, r] = [point(rng), point(rng)];
+        let count = 1 + rng.below(9) as usize;
         let along = |t: f64, u: f64| core::array::from_fn(|i| first.centre[i] + t * q[i] + u * r[i]);
         let mut next = |i: usize| match kind {
             // Of unlike sizes.
-            0 => Sphere { centre: random.point(), radius: 100.0 * 1e-6_f64.powf(random.number()) },
+            0 => Sphere { centre: point(rng), radius: 100.0 * 1e-6_f64.powf(rng.unit()) },
             // Points.
-            1 => Sphere { centre: random.point(), radius: 0.0 },
+            1 => Sphere { centre: point(rng), radius: 0.0 },
             // In each other, and touching from within.
             2 => {
-                let share = random.number();
-                let d = DVec3::from_array(random.point()).normalize_or_zero();
+                let share = rng.unit();
+                let d = DVec3::from_array(point(rng)).normalize_or_zero();
                 let centre = DVec3::from_array(first.centre) + share * first.radius * d;
                 Sphere { centre: centre.to_array(), radius: first.radius * (1.0 - share) }
             }
             // Equal.
             3 => first,
             // Collinear, of one size or of many.
-            4 => Sphere { centre: along(random.number(), 0.0), radius: first.radius },
-            5 => Sphere { centre: along(random.number(), 0.0), radius: 20.0 * random.number() },
+            4 => Sphere { centre: along(rng.unit(), 0.0), radius: first.radius },
+            5 => Sphere { centre: along(rng.unit(), 0.0), radius: 20.0 * rng.unit() },
             // In a plane.
-            6 => Sphere { centre: along(random.number(), random.number()), radius: 5.0 * random.number() },
+            6 => Sphere { centre: along(rng.unit(), rng.unit()), radius: 5.0 * rng.unit() },
             // The corners of a cube, whose ball touches all.
             _ => Sphere {
                 centre: core::array::from_fn(|axis| if i >> axis & 1 == 0 { -50.0 } else { 50.0 }),
@@ -287,9 +274,9 @@ mod tests {
 
     #[test]
     fn balls_are_the_smallest() {
-        let mut random = Random(1);
+        let rng = &mut Rng::new(1);
         for _ in 0..400 {
-            let balls = hard_set(&mut random);
+            let balls = hard_set(rng);
             let (got, want) = (reach(&balls, smallest_enclosing(&balls)), least_reach(&balls));
             assert!(got <= want * 1.0001, "{got} is not {want}: {balls:?}");
         }
@@ -299,21 +286,19 @@ mod tests {
     /// there is none anywhere else, but for what the directions of the steps leave out.
     #[test]
     fn no_step_makes_it_smaller() {
-        let mut random = Random(2);
+        let rng = &mut Rng::new(2);
         let mut worst = 0.0;
         for round in 0..20_000 {
             let balls = if round % 100 == 0 {
-                (0..2000)
-                    .map(|_| Sphere { centre: random.point(), radius: 30.0 * random.number().powi(8) })
-                    .collect()
+                (0..2000).map(|_| Sphere { centre: point(rng), radius: 30.0 * rng.unit().powi(8) }).collect()
             } else {
-                hard_set(&mut random)
+                hard_set(rng)
             };
             let centre = smallest_enclosing(&balls);
             let radius = reach(&balls, centre);
             for _ in 0..10 {
-                let d = DVec3::from_array(random.point()).normalize_or_zero();
-                let step = radius * 0.1_f64.powf(6.0 * random.number());
+                let d = DVec3::from_array(point(rng)).normalize_or_zero();
+                let step = radius * 0.1_f64.powf(6.0 * rng.unit());
                 let other = (DVec3::from_array(centre) + step * d).to_array();
                 let other = reach(&balls, other);
                 worst = f64::max(worst, 1.0 - other / radius);

@@ -1,7 +1,8 @@
 //! What all splitters by levels share: all nodes of a level are cut, each on its own, then their parts that
 //! are no leaves are the next level. So nodes come out breadth-first, and a level is one parallel step.
 
-use super::{BuildError, Observer, Progress, parallel};
+use super::{BuildError, Observer, Progress};
+use crate::parallel;
 use alloc::vec::Vec;
 use core::ops::Range;
 

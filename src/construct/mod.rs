@@ -18,7 +18,6 @@ pub mod gpu;
 mod levels;
 mod longest_axis;
 mod neural_gas;
-pub(crate) mod parallel;
 mod progress;
 mod shape;
 mod thin;
@@ -31,17 +30,18 @@ pub use geometry::{Geometry, Mesh, SphereSet};
 pub(crate) use geometry::{check_records, check_vertices};
 pub use progress::Progress;
 
+use crate::halving::Halving;
 use crate::hierarchy::Bvh;
 #[cfg(doc)]
 use crate::node::Child;
 use crate::node::{Dop, MAX_LEAF_SIZE};
+use crate::primitive::Sphere;
 use alloc::vec::Vec;
 use core::borrow::Borrow;
 use core::fmt;
 use core::ops::ControlFlow;
 use cost::Aabb;
 use geometry::Checked;
-use longest_axis::Halving;
 use progress::Observer;
 
 /// How primitives are assigned to the lanes of a node (SIMDop paper, section IV-A).
@@ -302,6 +302,20 @@ impl Builder {
             }
         }
     }
+}
+
+/// The shape of a tree of sixteen lanes over points, each of which is a primitive.
+pub(crate) fn assign_points(
+    points: &[[f32; 3]],
+    splitter: Splitter,
+    leaf_size: u32,
+) -> Result<Assignment, BuildError> {
+    let sphere = |p: &[f32; 3]| Sphere { centre: p.map(f64::from), radius: 0.0 };
+    let spheres: Vec<_> = points.iter().map(sphere).collect();
+    let builder = Builder::best().splitter(splitter).leaf_size(leaf_size);
+    let set = SphereSet { spheres: &spheres };
+    let table = Checked::new(&set)?;
+    builder.assign::<SphereSet<'_>>(&table, 16, &mut |_| ControlFlow::Continue(()))
 }
 
 impl Magnification {

@@ -1,9 +1,9 @@
 //! The thin slabs of a tree whose planes are known.
 
 use super::below::CornersBelow;
-use super::parallel;
 use crate::frame::Frame;
 use crate::node::{Link, Node, ThinSlab};
+use crate::parallel;
 use crate::primitive::{Primitive, Sphere};
 use crate::range::Point;
 use alloc::vec::Vec;

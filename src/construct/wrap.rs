@@ -1,9 +1,9 @@
 //! The planes of a tree whose shape is known, and the widths that its links say.
 
-use super::parallel;
 use crate::frame::Frame;
 use crate::key::Key;
 use crate::node::{Child, Dop, Link, Width};
+use crate::parallel;
 use crate::primitive::{Primitive, Sphere};
 use alloc::vec::Vec;
 

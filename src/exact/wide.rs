@@ -143,6 +143,7 @@ impl<const L: usize> Wide<L> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::rng::Rng;
     use dashu_int::IBig;
 
     type Short = Wide<12>;
@@ -156,11 +157,8 @@ mod tests {
     /// Sums, differences, products and quotients, of numbers whose words are often all zeros or all ones.
     #[test]
     fn arithmetic_is_that_of_integers() {
-        let mut state = 3_u64;
-        let mut word = || {
-            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-            state >> 11
-        };
+        let mut rng = Rng::new(3);
+        let mut word = || rng.u64() >> 11;
         let mut random = || {
             let mut wide = Short::ZERO;
             let len = word() as usize % 6;

@@ -208,9 +208,9 @@ mod tests {
                 let point = [slot as f32 * 0.5 - 3.0, -(slot as f32), ((slot * 7) % 16) as f32];
                 bucket.set(slot, point, slot as u32);
                 let held = want.get_or_insert(Box3::of_point(point));
-                for i in 0..3 {
-                    held.lower[i] = held.lower[i].min(point[i]);
-                    held.upper[i] = held.upper[i].max(point[i]);
+                for (i, x) in point.into_iter().enumerate() {
+                    held.lower[i] = held.lower[i].min(x);
+                    held.upper[i] = held.upper[i].max(x);
                 }
             }
             assert_eq!(bucket.used(), used);
@@ -236,9 +236,14 @@ mod tests {
 
     #[test]
     fn flat_boxes_have_a_volume_and_points_have_none() {
-        let flat = Box3 { lower: [0.0; 3], upper: [4.0, 2.0, 0.0] };
-        assert_eq!(flat.volume(), 4.0 * 2.0 * 4.0 / 1024.0);
-        assert_eq!(f64::from(flat.fourth_root_of_volume()).powi(4), 1.0 / 32.0);
+        let flat = Box3 { lower: [0.0; 3], upper: [8.0, 1.0, 0.0] };
+        assert_eq!(flat.volume(), 8.0 * 1.0 * 8.0 / 1024.0);
+        assert_eq!(flat.fourth_root_of_volume(), 0.5);
+        let box_of = |x: f32| Box3 { lower: [0.0; 3], upper: [x, 2.0, 3.0] };
+        for x in (1..100).map(|i| i as f32 * 0.1) {
+            let root = f64::from(box_of(x).fourth_root_of_volume());
+            assert!((root * root) * (root * root) >= box_of(x).volume(), "rounded up");
+        }
         assert_eq!(Box3::of_point([3.0; 3]).volume(), 0.0);
         assert_eq!(Box3::EMPTY.volume(), 0.0);
         let widest = Box3 { lower: [-f32::MAX; 3], upper: [f32::MAX; 3] };

@@ -14,7 +14,7 @@ use super::ascent::Clearance;
 use super::cube::{Cube, PROVEN, Queue};
 use super::grid::{Ball, Placed};
 use super::surface::Surface;
-use crate::construct::parallel;
+use crate::parallel;
 use alloc::vec::Vec;
 use core::ops::ControlFlow;
 

@@ -2,7 +2,7 @@
 //! what may share the most volume first.
 
 use super::Counters;
-use super::lens::LensSums;
+use super::lens::{LensSums, expected};
 use super::stack::{Descent, Rows};
 use super::traverse::{bits_of, primitives};
 use super::waiting::{BallPair, LaneAt, PairQueue, Waiting};
@@ -54,6 +54,8 @@ pub(super) struct Rest {
     pub(super) known: f64,
     /// What is shared besides, at most, in the unit of B's frame: where spheres do not overlap.
     pub(super) bound: f64,
+    /// And probably.
+    pub(super) expected: f64,
 }
 
 /// One search under way.
@@ -114,10 +116,11 @@ impl<'t, N: Node, E: Kernel> BallSearch<'t, N, E> {
             };
             if flow.is_break() {
                 queue.push(next);
+                let expected = queue.iter().map(|waiting| self.expected(waiting)).sum();
                 let volume_of_a = |at| Self::volume_at(&self.a, at) * self.map.volume_growth();
                 let of_a = queue.capped(|volumes| volumes.a, volume_of_a);
                 let of_b = queue.capped(|volumes| volumes.b, |at| Self::volume_at(&self.b, at));
-                return ControlFlow::Break(Rest { known, bound: f64::min(of_a, of_b) });
+                return ControlFlow::Break(Rest { known, bound: f64::min(of_a, of_b), expected });
             }
         }
         ControlFlow::Continue(())
@@ -266,6 +269,17 @@ impl<'t, N: Node, E: Kernel> BallSearch<'t, N, E> {
     /// The volume of the spheres below; of all, no bound.
     fn volume_at(tree: &BvhRef<'_, N, Spheres>, at: LaneAt) -> f32 {
         if at == LaneAt::ROOT { f32::MAX } else { Self::ball_at(tree, at).volume }
+    }
+
+    /// What volumes that wait probably share; of the roots, which have no balls, nothing is known.
+    #[inline(never)]
+    fn expected(&self, Waiting { bound, volumes: BallPair { a, b } }: &Waiting) -> f64 {
+        if *a == LaneAt::ROOT {
+            return 0.0;
+        }
+        let (a, b) = (self.map.turned(&Self::ball_at(&self.a, *a)), Self::ball_at(&self.b, *b));
+        // The bound also where balls have no size to compute with.
+        f64::min(expected(&a, &b), f64::from(*bound))
     }
 
     /// Turns the balls of node `a` into B's frame.

@@ -3,6 +3,7 @@
 use super::{Completion, Counters, Penetration};
 use crate::exact::power_of_two;
 use crate::frame::Frame;
+use crate::node::BoundingBall;
 use crate::pose::Pose;
 use crate::primitive::Sphere;
 use crate::primitive::sphere::volume;
@@ -20,6 +21,13 @@ pub(super) struct LensSums {
     pairs: u64,
 }
 
+/// What is known of a volume when the budget is spent, in the bodies' unit.
+#[derive(Copy, Clone, Debug)]
+pub(super) struct Outlook {
+    pub(super) estimate: f64,
+    pub(super) upper: f64,
+}
+
 impl LensSums {
     pub(super) fn new(a: &Frame, b: &Frame, pose: &Pose) -> Self {
         let is_a = a.scale() > b.scale();
@@ -29,7 +37,7 @@ impl LensSums {
         Self { origin, scale, volume, direction, point, pairs: 0 }
     }
 
-    pub(super) fn finish(&self, upper: Option<f64>, counters: Counters) -> Penetration {
+    pub(super) fn finish(&self, rest: Option<Outlook>, counters: Counters) -> Penetration {
         let volume = self.volume.value();
         let unscale = 1.0 / self.scale;
         let mean = |sums: &[Sum; 3]| sums.each_ref().map(|sum| sum.value() / volume);
@@ -39,13 +47,15 @@ impl LensSums {
             core::array::from_fn(|i| self.origin[i] + mean[i] * unscale)
         };
         let volume = self.volume();
+        let Outlook { estimate, upper } = rest.unwrap_or(Outlook { estimate: volume, upper: volume });
         Penetration {
             volume,
-            upper: upper.unwrap_or(volume),
+            upper,
+            estimate: f64::max(f64::min(estimate, upper), volume),
             direction: if is_deep { mean(&self.direction) } else { [0.0; 3] },
             point: is_deep.then(point),
             pairs: self.pairs,
-            completion: if upper.is_none() { Completion::Complete } else { Completion::OutOfBudget },
+            completion: if rest.is_none() { Completion::Complete } else { Completion::OutOfBudget },
             counters,
         }
     }
@@ -77,6 +87,17 @@ impl LensSums {
         let unscale = 1.0 / self.scale;
         self.volume.value() * unscale * unscale * unscale
     }
+}
+
+/// The volume that the spheres in two balls would share if each body's were spread evenly in its ball: the lens, times
+/// the shares of both balls that spheres take. Not a number for balls that are points.
+pub(super) fn expected(a: &BoundingBall, b: &BoundingBall) -> f64 {
+    let [x, y, z] = [0, 1, 2].map(|i| f64::from(b.centre[i] - a.centre[i]));
+    let distance = libm::sqrt((x * x + y * y) + z * z);
+    let [of_a, of_b] = [a, b].map(|ball| volume(ball.radius.into()));
+    // No more than all of a ball where spheres overlap.
+    let taken = f64::min(a.volume.into(), of_a) * f64::min(b.volume.into(), of_b);
+    lens(a.radius.into(), b.radius.into(), distance) * taken / (of_a * of_b)
 }
 
 /// The volume that two balls share whose centres are `distance` apart.
@@ -125,15 +146,13 @@ impl Sum {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::rng::Rng;
     use alloc::vec::Vec;
 
     #[test]
     fn sums_are_those_of_any_order() {
-        let mut state = 1_u64;
-        let mut random = |bits: u32| {
-            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-            state >> (64 - bits)
-        };
+        let mut rng = Rng::new(1);
+        let mut random = |bits: u32| rng.u64() >> (64 - bits);
         // From 2^-140 to 2^32, of both signs.
         let numbers: Vec<f64> = (0..2000)
             .map(|_| {
@@ -191,5 +210,25 @@ mod tests {
                 assert!(thin > 0.0 && thin < 1e-10 * whole, "{thin:e}");
             }
         }
+    }
+
+    #[test]
+    fn expected_shares_are_those_of_evenly_spread_spheres() {
+        let ball = |x: f32, radius: f32, share: f64| BoundingBall {
+            centre: [x, 0.0, 0.0],
+            radius,
+            volume: (share * volume(radius.into())) as f32,
+        };
+        let close = |got: f64, want: f64| assert!((got - want).abs() <= 1e-6 * want, "{got} {want}");
+        // Two unit balls at distance 1 share 5 / 16 of one.
+        let unit = volume(1.0);
+        for (of_a, of_b) in [(1.0, 1.0), (0.5, 1.0), (0.25, 0.5)] {
+            close(expected(&ball(0.0, 1.0, of_a), &ball(1.0, 1.0, of_b)), unit * 5.0 / 16.0 * of_a * of_b);
+            close(expected(&ball(0.0, 4.0, of_a), &ball(1.0, 1.0, of_b)), unit * of_a * of_b);
+        }
+        // Spheres that overlap do not share more than there is.
+        close(expected(&ball(0.0, 1.0, 3.0), &ball(1.0, 1.0, 1.0)), unit * 5.0 / 16.0);
+        assert_eq!(expected(&ball(0.0, 1.0, 0.5), &ball(2.5, 1.0, 0.5)), 0.0);
+        assert!(expected(&ball(0.0, 0.0, 1.0), &ball(0.0, 1.0, 1.0)).is_nan());
     }
 }

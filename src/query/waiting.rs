@@ -100,6 +100,10 @@ impl PairQueue {
         Some(first)
     }
 
+    pub(super) fn iter(&self) -> impl Iterator<Item = &Waiting> {
+        self.waiting[..self.len].iter()
+    }
+
     /// What all that wait share at most, up to rounding in `f64`: what one volume shares with all others is not more than
     /// what it holds.
     pub(super) fn capped(

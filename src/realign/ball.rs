@@ -103,20 +103,11 @@ mod tests {
     use super::*;
     use crate::frame::Frame;
     use crate::range::Point;
+    use crate::rng::Rng;
     use glam::{DMat3, DQuat, DVec3};
 
-    struct Random(u64);
-
-    impl Random {
-        /// In -1 .. 1.
-        fn number(&mut self) -> f64 {
-            self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-            (self.0 >> 11) as f64 / (1_u64 << 52) as f64 - 1.0
-        }
-
-        fn vector(&mut self) -> DVec3 {
-            DVec3::new(self.number(), self.number(), self.number())
-        }
+    fn vector(rng: &mut Rng) -> DVec3 {
+        DVec3::from_array([(); 3].map(|()| rng.range(-1.0, 1.0)))
     }
 
     fn extent(exponent: i32, centre: DVec3) -> Extent {
@@ -138,22 +129,22 @@ mod tests {
     /// are no rotations.
     #[test]
     fn balls_of_spheres_that_touch_meet() {
-        let mut random = Random(1);
+        let rng = &mut Rng::new(1);
         let mut bare = 0;
         for round in 0..40_000 {
             let far = [0.0, 0.0, 1e3, 1e6][round % 4];
             let (up, skew) = ([0, 3, -3, 20, -20][round % 5], [0.0, 4.9e-5, -4.9e-5][round / 2 % 3]);
-            let (a, b) = (extent(up, far * random.vector()), extent(0, far * random.vector()));
-            let turn = DQuat::from_xyzw(random.number(), random.number(), random.number(), random.number());
+            let (a, b) = (extent(up, far * vector(rng)), extent(0, far * vector(rng)));
+            let turn = DQuat::from_array([(); 4].map(|()| rng.range(-1.0, 1.0)));
             let matrix = DMat3::from_quat(turn.normalize()) * (1.0 + skew);
             // A sphere of B, and one of A that touches it where the pose puts it.
             let half = |scale: f64| 50.0 / scale;
-            let centre_b = DVec3::from_array(b.frame.centre) + half(b.frame.scale()) * random.vector();
-            let centre_a = DVec3::from_array(a.frame.centre) + half(a.frame.scale()) * random.vector();
+            let centre_b = DVec3::from_array(b.frame.centre) + half(b.frame.scale()) * vector(rng);
+            let centre_a = DVec3::from_array(a.frame.centre) + half(a.frame.scale()) * vector(rng);
             let radius = |scale: f64, x: f64| half(scale) * 0.1_f64.powf(3.0 * x.abs());
-            let radius_a = radius(a.frame.scale(), random.number());
-            let radius_b = radius(b.frame.scale(), random.number());
-            let way = random.vector().normalize() * (radius_a + radius_b);
+            let radius_a = radius(a.frame.scale(), rng.range(-1.0, 1.0));
+            let radius_b = radius(b.frame.scale(), rng.range(-1.0, 1.0));
+            let way = vector(rng).normalize() * (radius_a + radius_b);
             let Ok(pose) = Pose::new(matrix, centre_b + way - matrix * centre_a) else { continue };
             let moved = DVec3::from_array(pose.apply(centre_a.to_array()));
             // Rounding may part them: they are as large as they have to be to touch.

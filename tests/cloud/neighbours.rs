@@ -64,7 +64,8 @@ fn own_neighbours_are_those_of_a_loop() {
 #[test]
 fn neighbours_come_in_the_order_of_buckets_and_slots() {
     let (_, points, _) = scenes::all(2000).swap_remove(0);
-    let cloud = Cloud::new(&points).unwrap();
+    let cloud = Cloud::with_room(&points, 12, points.len()).unwrap();
+    assert!(cloud.view().buckets().len() > 128, "more than eight sixteens");
     let order: Vec<u32> = cloud.view().buckets().iter().flat_map(|bucket| bucket.indices).collect();
     let mut places = vec![0; points.len()];
     for (place, &index) in order.iter().enumerate().filter(|(_, index)| **index != u32::MAX) {
@@ -74,6 +75,22 @@ fn neighbours_come_in_the_order_of_buckets_and_slots() {
     for radius in [0.1, 0.3, 2.0] {
         for list in ask(&cloud.view(), &Queries::own(), Radii::Same(radius), points.len()) {
             assert!(list.is_sorted_by_key(|&index| places[index as usize]));
+        }
+    }
+}
+
+/// Where a packet finds more buckets than it remembers, its queries go down one by one: with radii on either side of that.
+#[test]
+fn queries_go_down_alone_where_packets_find_too_much() {
+    let random = &mut Random(23);
+    let n = scenes::size(2000, 500);
+    let points: Vec<_> = (0..n).map(|_| random.point()).collect();
+    let cloud = Cloud::with_room(&points, 3, n).unwrap();
+    assert!(cloud.view().buckets().len() > 128, "more than eight sixteens");
+    for radius in [0.2, 0.4, 0.6, 2.0] {
+        let found = ask(&cloud.view(), &Queries::own(), Radii::Same(radius), n);
+        for (i, list) in found.into_iter().enumerate().step_by(7) {
+            assert_eq!(sorted(list), brute(&points, points[i], radius), "radius {radius}, point {i}");
         }
     }
 }

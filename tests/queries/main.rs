@@ -4,6 +4,8 @@
 
 extern crate alloc;
 
+#[path = "../support/columns.rs"]
+mod columns;
 #[path = "../support/lens.rs"]
 mod lens;
 #[path = "../support/one_point.rs"]
@@ -35,6 +37,7 @@ mod owned_and_any;
 mod penetration;
 mod primitives;
 mod sizes;
+mod solids;
 mod spheres;
 mod stack;
 mod thin_slabs;

@@ -69,7 +69,8 @@ fn ask<N: Lanes>(a: &Bvh<N, Spheres>, b: &Bvh<N, Spheres>, pose: &Pose) -> Penet
     let mut answers = Isa::available().map(|isa| Query::new(isa).penetration(a, b, pose));
     let first = answers.next().unwrap();
     assert!(answers.all(|other| format!("{other:?}") == format!("{first:?}")), "{first:?}");
-    assert_eq!((first.completion, first.upper), (Completion::Complete, first.volume));
+    let whole = (Completion::Complete, first.volume, first.volume);
+    assert_eq!((first.completion, first.upper, first.estimate), whole);
     first
 }
 
@@ -87,6 +88,8 @@ fn check<N: Lanes>(a: &[Sphere], b: &[Sphere], poses: &[Pose]) -> f64 {
     for pose in poses {
         let (got, want) = (ask(&tree_a, &tree_b, pose), brute(a, b, pose));
         assert_eq!(sums(&ask(&tree_a, &plain, pose)), sums(&got), "without balls");
+        let hint = query.collide(&tree_a, &tree_b, pose).hint;
+        assert_eq!(query.with_hint(hint).penetration(&tree_a, &tree_b, pose), got, "a hint is not heeded");
         let best_first = query.with_budget(u64::MAX - 1).penetration(&tree_a, &tree_b, pose);
         assert_eq!((best_first.completion, sums(&best_first)), (Completion::Complete, sums(&got)));
         assert!((got.volume - want.volume).abs() <= 1e-9 * want.volume, "{got:?} {}", want.volume);
@@ -207,7 +210,8 @@ fn exchanged_bodies_share_as_much() {
     }
 }
 
-/// Budgets from none to more than enough: bounds hold, the same on every instruction set, and close in.
+/// Budgets from none to more than enough: bounds hold, the same on every instruction set, and close in; estimates are
+/// between them, and near the truth with a tenth of the visits.
 #[test]
 fn bounds_hold_whatever_the_budget() {
     let torus = wavy_torus(800);
@@ -222,6 +226,7 @@ fn bounds_hold_whatever_the_budget() {
     let (mut closed, mut asked) = (0, 0);
     // With half of the visits, where anything is shared: both bounds over the volume. Counted, the same everywhere.
     let mut halfway = [Vec::new(), Vec::new()];
+    let mut errors = Vec::new();
     for [a, b] in &trees {
         for pose in &poses {
             let whole = ask(a, b, pose);
@@ -235,6 +240,7 @@ fn bounds_hold_whatever_the_budget() {
                     part.volume <= whole.volume && whole.volume <= part.upper,
                     "{budget}: {part:?} {whole:?}"
                 );
+                assert!(part.volume <= part.estimate && part.estimate <= part.upper, "{budget}: {part:?}");
                 assert!(part.pairs <= whole.pairs);
                 asked += 1;
                 closed += u32::from(part.upper <= 2.0 * part.volume);
@@ -243,6 +249,8 @@ fn bounds_hold_whatever_the_budget() {
                 let half = query.with_budget(visits / 2).penetration(a, b, pose);
                 halfway[0].push(half.volume / whole.volume);
                 halfway[1].push(half.upper / whole.volume);
+                let tenth = query.with_budget(visits / 10).penetration(a, b, pose);
+                errors.push((tenth.estimate / whole.volume - 1.0).abs());
             }
             for budget in [0, visits / 10, visits / 2] {
                 let ask = |isa| format!("{:?}", Query::new(isa).with_budget(budget).penetration(a, b, pose));
@@ -251,16 +259,19 @@ fn bounds_hold_whatever_the_budget() {
             }
         }
     }
-    let [lower, upper] = halfway.map(|mut shares| {
+    let median = |mut shares: Vec<f64>| {
         shares.sort_by(f64::total_cmp);
         shares[shares.len() / 2]
-    });
+    };
+    let ([lower, upper], error) = (halfway.map(median), median(errors));
     // A small suite has small packings, which close later.
     let most = if suite_step() == 1 { 1.39 } else { 2.6 };
     assert!(
         lower > 0.9 && upper < most,
         "half of the visits: {lower} to {upper} of the volume at the median"
     );
+    let most = if suite_step() == 1 { 0.14 } else { 0.3 };
+    assert!(error < most, "a tenth of the visits: an estimate is {error} of the volume off at the median");
     assert!(closed * 5 > asked, "{closed} of {asked}: bounds are within a factor of 2");
 }
 
@@ -274,6 +285,7 @@ fn a_budget_leaves_a_lower_bound() {
         let part = Query::new(Isa::detect()).with_budget(visits).penetration(&plain, &plain, &Pose::IDENTITY);
         assert_eq!((part.completion, part.counters.visits), (Completion::OutOfBudget, visits));
         assert!(part.volume >= last && part.volume <= whole.volume && part.upper == f64::INFINITY);
+        assert_eq!(part.estimate, part.volume);
         last = part.volume;
     }
     assert!(last > 0.0);

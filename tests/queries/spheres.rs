@@ -14,7 +14,7 @@ use simdop::node::{Node4, Node16};
 use simdop::pose::Pose;
 use simdop::primitive::triangle::Triangle;
 use simdop::primitive::{Kind, Sphere, Spheres, Triangles};
-use simdop::query::{Lanes, Pairwise, Query};
+use simdop::query::{Hint, Lanes, Pairwise, Query};
 use simdop::range::{MAX_COORDINATE, MIN_COORDINATE, Point};
 
 type Exact = [Dyadic; 3];
@@ -274,6 +274,54 @@ fn check_distance<N, P, Q, A, B>(
         assert!(within(found.lower * (1.0 - 1e-15)).is_free(), "{what}: {found:?}");
         assert!(within(found.upper).hit().is_some(), "{what}: {found:?}");
     }
+}
+
+/// Along a motion, each query with the hint of the one before: answers as exact arithmetic has them, and at the cost of
+/// one pair as long as the last one still is within the margin. How many are, and how many cost no more.
+fn check_motion<N, P, Q, A, B>(
+    (tree_a, a): (&Bvh<N, P>, &[A]),
+    (tree_b, b): (&Bvh<N, Q>, &[B]),
+    poses: &[Pose],
+    margin: f64,
+    what: &str,
+) -> [usize; 2]
+where
+    N: Lanes,
+    P: Pairwise<Q>,
+    Q: Pairwise<P>,
+    A: Shape,
+    B: Shape,
+{
+    let (mut hint, mut last) = (Hint::NONE, None);
+    let [mut hits, mut free_of_charge] = [0; 2];
+    for (step, pose) in poses.iter().enumerate() {
+        let what = format!("{what}, step {step}, margin {margin}");
+        let (want, _) = brute(a, b, pose, margin);
+        let ask = |query: Query| query.within(tree_a, tree_b, pose, margin).unwrap();
+        let (plain, answer) = (ask(Query::new(Isa::SCALAR)), ask(Query::new(Isa::SCALAR).with_hint(hint)));
+        assert!(Isa::available().all(|isa| ask(Query::new(isa).with_hint(hint)) == answer), "{what}");
+        assert_eq!(answer.is_free(), want.is_empty(), "{what}");
+        let found = answer.hit().map(|pair| (pair.a, pair.b));
+        assert!(found.is_none_or(|pair| want.contains(&pair)), "{what}");
+        let work = (answer.counters.visits, answer.counters.primitive_pairs);
+        if last.is_some_and(|pair| want.contains(&pair)) {
+            assert_eq!((found, work), (last, (0, 1)), "{what}");
+            free_of_charge += 1;
+        } else {
+            let in_vain = u64::from(last.is_some());
+            let plain = (plain.counters.visits, plain.counters.primitive_pairs + in_vain);
+            assert_eq!(work, plain, "{what}");
+        }
+        let hinted = Query::new(Isa::detect()).with_hint(hint);
+        if margin == 0.0 {
+            assert_eq!(hinted.collide(tree_a, tree_b, pose), answer, "{what}");
+            check_distance(hinted, (tree_a, a), (tree_b, b), pose, !want.is_empty(), &what);
+        }
+        hits += usize::from(found.is_some());
+        last = found.or(last);
+        hint = answer.hint;
+    }
+    [hits, free_of_charge]
 }
 
 /// Spheres and spheres, spheres and triangles, both ways round.
@@ -614,6 +662,37 @@ fn spheres_at_the_ends_of_the_range() {
             assert_eq!(query.collide(&tree, &tree_t, &Pose::IDENTITY).hit().is_some(), meets, "{t:?}");
             let found = query.distance(&tree, &tree_t, &Pose::IDENTITY, 0.0).unwrap();
             assert_eq!(found.upper == 0.0, meets, "{t:?}: {found:?}");
+        }
+    }
+}
+
+/// Two bodies that pass each other in steps of an eighth, in and out of contact.
+#[test]
+fn hints_are_tried_and_change_no_answer() {
+    let mut rng = Rng::new(26);
+    let (a, b) = (lattice(&mut rng, 40, 1.0, 0.0), lattice(&mut rng, 40, 1.0, 0.0));
+    let patches = lattice_triangles(&mut rng, 40, 1.0, 0.0);
+    let (tree_a, tree_b) = (build::<Node16<18>>(&a), build::<Node16<18>>(&b));
+    let tree_m = mesh::<Node16<18>>(&patches);
+    let width = side(40) as f64;
+    let poses: Vec<Pose> = (0..64)
+        .step_by(suite_step())
+        .flat_map(|i| {
+            let along = (width + 6.0) * (f64::from(i) / 32.0 - 1.0);
+            [pose(&STRAIGHT, [along, 2.0, 5.0]), pose(&QUARTER, [width + 0.01 * along, 7.5 - along, 0.125])]
+        })
+        .collect();
+    let (straight, turned): (Vec<Pose>, Vec<Pose>) = poses.as_chunks().0.iter().map(|&[p, q]| (p, q)).unzip();
+    for path in [straight, turned] {
+        for margin in [0.0, 0.5] {
+            for [hits, free_of_charge] in [
+                check_motion((&tree_a, &a), (&tree_b, &b), &path, margin, "spheres and spheres"),
+                check_motion((&tree_a, &a), (&tree_m, &patches), &path, margin, "spheres and triangles"),
+                check_motion((&tree_m, &patches), (&tree_a, &a), &path, margin, "triangles and spheres"),
+            ] {
+                let says_much = hits > path.len() / 4 && hits < path.len() && 2 * free_of_charge > hits;
+                assert!(says_much || suite_step() > 1, "{hits} of {}, {free_of_charge}", path.len());
+            }
         }
     }
 }

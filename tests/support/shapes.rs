@@ -170,6 +170,28 @@ pub(crate) fn scaled(mesh: &MeshData, factor: f64, shift: [f64; 3]) -> MeshData 
     MeshData { vertices: mesh.vertices.iter().map(place).collect(), triangles: mesh.triangles.clone() }
 }
 
+/// A box from `low` to `high`, or seen from inside.
+pub(crate) fn cuboid(low: [f64; 3], high: [f64; 3], inside_out: bool) -> MeshData {
+    let vertices =
+        (0..8).map(|i| core::array::from_fn(|axis| if i >> axis & 1 == 0 { low[axis] } else { high[axis] }));
+    let triangles = [
+        [0, 2, 1],
+        [1, 2, 3],
+        [4, 5, 6],
+        [5, 7, 6],
+        [0, 1, 4],
+        [1, 5, 4],
+        [2, 6, 3],
+        [3, 6, 7],
+        [0, 4, 2],
+        [2, 4, 6],
+        [1, 3, 5],
+        [3, 7, 5],
+    ];
+    let turn = |[a, b, c]: [u32; 3]| if inside_out { [a, c, b] } else { [a, b, c] };
+    MeshData { vertices: vertices.collect(), triangles: triangles.map(turn).to_vec() }
+}
+
 /// A flat square of `side` x `side` vertices at integer places, turned out of the coordinate planes by adding
 /// x to z.
 pub(crate) fn flat_grid(side: u32) -> MeshData {
@@ -238,5 +260,5 @@ pub(crate) fn append(mesh: &mut MeshData, other: &MeshData) {
 /// Names every helper once, so that a test which needs only some of them compiles without a warning.
 const _: () = {
     let _ = (torus, flat_grid, soup, coincident, collinear, huge_among_tiny, without_area, append);
-    let _ = (wavy_torus, room, scaled);
+    let _ = (wavy_torus, room, scaled, cuboid);
 };

@@ -1,6 +1,8 @@
 //! simdop beside other collision libraries: the same meshes, the same poses, one process, in turns.
 //! `benches/peers/run` builds and starts it.
 
+#![cfg_attr(feature = "simd", feature(portable_simd))]
+
 mod builds;
 #[path = "../../../tests/support/corners.rs"]
 mod corners;
@@ -21,6 +23,7 @@ mod fineness;
 mod measure;
 mod meshes;
 mod plot;
+mod points;
 mod poses;
 mod record;
 #[path = "../../../tests/support/rng.rs"]
@@ -50,7 +53,8 @@ struct Options {
     /// Where poses and results go
     #[arg(long, overrides_with = "out")]
     out: PathBuf,
-    /// Which meshes, separated by commas [default: all]; of --sizes: cow, armadillo, room, hand
+    /// Which meshes, separated by commas [default: all]; of --sizes: cow, armadillo, room, hand;
+    /// of --points tables: growth, radii, scenes, particles, odd, single, any
     #[arg(long, value_delimiter = ',')]
     meshes: Vec<String>,
     /// Poses for each mesh and distance, half of each method; of --sizes and --fineness, for each row
@@ -81,6 +85,12 @@ struct Options {
     /// Of --fineness: the numbers of triangles, separated by commas
     #[arg(long, value_delimiter = ',', default_values_t = fineness::TRIANGLES, requires = "fineness")]
     triangles: Vec<u32>,
+    /// Search neighbours of points instead, beside libraries that do that
+    #[arg(long, group = "instead")]
+    points: bool,
+    /// Of --points: clouds of at most so many points
+    #[arg(long, default_value_t = usize::MAX, hide_default_value = true, requires = "points")]
+    most: usize,
     /// What to say of date, version and command
     #[arg(long, default_value = "")]
     stamp: String,
@@ -101,6 +111,8 @@ fn main() -> ExitCode {
         sizes::run(&options)
     } else if options.fineness {
         fineness::run(&options)
+    } else if options.points {
+        points::run(&options)
     } else {
         run(&options)
     };

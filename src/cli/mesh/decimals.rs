@@ -63,6 +63,7 @@ fn survives_f32(word: &str, x: f64) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::rng::Rng;
 
     #[test]
     fn decimals_become_the_nearest_double() {
@@ -84,11 +85,8 @@ mod tests {
     #[test]
     fn six_digits_survive_f32_and_seventeen_do_not() {
         let survives = |word: &str| survives_f32(word, word.parse().unwrap());
-        let mut state = 1_u64;
-        let mut random = || {
-            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-            state >> 11
-        };
+        let mut rng = Rng::new(1);
+        let mut random = || rng.u64() >> 11;
         for _ in 0..10_000 {
             let (mantissa, exponent) = (100_000 + random() % 900_000, (random() % 60) as i32 - 36);
             assert!(survives(&format!("-{mantissa}e{exponent}")));

@@ -1,4 +1,4 @@
-//! Mesh files: OBJ, OFF, PLY, STL. Nothing is dropped or repaired in silence: every fault names its line or
+//! Mesh files: OBJ, OFF, PLY, STL; and clouds of points: PLY, XYZ. Nothing is dropped or repaired in silence: every fault names its line or
 //! byte.
 //!
 //! What a file holds in binary is kept to the bit. Decimals become the nearest `f32` where that loses
@@ -8,7 +8,7 @@
 //! half of the bytes.
 //!
 //! Corners whose coordinates have the same bits become one vertex. A vertex that no triangle uses is no part
-//! of a body.
+//! of a body. Points of a cloud are all kept, in their order: their indices are those of the file.
 //!
 //! Lines end in LF, CR LF or CR, also the last one: the last number of a file that was cut in the middle of a
 //! line would otherwise pass for a shorter number, and a square for a triangle. (In ASCII STL the word
@@ -25,6 +25,7 @@ mod off;
 mod ply;
 mod polygon;
 mod stl;
+mod xyz;
 
 use super::error::{Error, Fault, Place};
 use alloc::borrow::Cow;
@@ -68,6 +69,31 @@ pub(crate) fn read(path: &Path, bytes: &[u8], empty: Empty) -> Result<MeshData, 
         return Err(Error::content(path, Fault::file(problem)));
     }
     Ok(mesh)
+}
+
+/// Reads the points of a cloud, by the extension of its file's name. One at least, and all within `f32`.
+pub(crate) fn points(path: &Path, bytes: &[u8]) -> Result<Vec<[f64; 3]>, Error> {
+    let extension = path.extension().and_then(|e| e.to_str()).unwrap_or("").to_ascii_lowercase();
+    let points = match extension.as_str() {
+        _ if bytes.is_empty() => Err(Fault::file("the file is empty")),
+        "ply" => ply::points(bytes),
+        "xyz" => xyz::points(&text(bytes)),
+        _ => Err(Fault::file("not a cloud: a cloud's name ends in .ply or .xyz")),
+    };
+    match points {
+        Ok(points) if points.is_empty() => {
+            Err(Error::content(path, Fault::file("there is no point in the file")))
+        }
+        points => points.map_err(|fault| Error::content(path, fault)),
+    }
+}
+
+/// Whether a point can be one of a cloud, whose coordinates are `f32`. Else the problem.
+fn check_single(point: [f64; 3]) -> Result<(), String> {
+    match point.iter().find(|x| !(**x as f32).is_finite()) {
+        Some(x) => Err(format!("the coordinate {x:?} is beyond f32")),
+        None => Ok(()),
+    }
 }
 
 /// Comments are in any encoding: what is not UTF-8 becomes U+FFFD, which no number or keyword holds.

@@ -1,7 +1,9 @@
 //! PLY, ASCII and binary of either byte order. The crate `ply-rs-bw` reads headers and binary elements; ASCII
 //! elements are read here.
 
-use super::{Decimals, Faces, MeshData, check_last_line, count, lines, quote, text, unknown_vertex};
+use super::{
+    Decimals, Faces, MeshData, check_last_line, check_single, count, lines, quote, text, unknown_vertex,
+};
 use crate::cli::error::{Fault, Place};
 use ply_rs_bw::parser::{ParseError, Parser, Reader};
 use ply_rs_bw::ply::{
@@ -71,14 +73,32 @@ fn integers(property: Property) -> Option<Vec<i64>> {
 }
 
 pub(super) fn parse(bytes: &[u8]) -> Result<MeshData, Fault> {
+    let Elements { vertices, faces, .. } = elements(bytes, Wanted::Mesh)?;
+    faces.into_mesh(vertices)
+}
+
+/// The vertices in their order, whatever else is in the file.
+pub(super) fn points(bytes: &[u8]) -> Result<Vec<[f64; 3]>, Fault> {
+    Ok(elements(bytes, Wanted::Points)?.vertices)
+}
+
+/// What a file is read for.
+#[derive(Copy, Clone, PartialEq, Eq, Debug)]
+enum Wanted {
+    Mesh,
+    Points,
+}
+
+fn elements(bytes: &[u8], wanted: Wanted) -> Result<Elements, Fault> {
     let mut reader = Reader::new(bytes);
     let header = Parser::<Element>::new().read_header(&mut reader).map_err(|error| header_fault(&error))?;
-    let vertex_count = check_header(&header)?;
+    let vertex_count = check_header(&header, wanted)?;
     let first_line = reader.line();
     let payload = reader.into_inner();
+    let elements = Elements { wanted, vertex_count, vertices: Vec::new(), faces: Faces::default() };
     match header.encoding {
-        Encoding::Ascii => ascii(&text(payload), first_line, &header, vertex_count),
-        order => binary(payload, bytes.len(), order, &header, vertex_count),
+        Encoding::Ascii => ascii(&text(payload), first_line, &header, elements),
+        order => binary(payload, bytes.len(), order, &header, elements),
     }
 }
 
@@ -90,18 +110,23 @@ fn header_fault(error: &ParseError) -> Fault {
     Fault { place: error.line().map_or(Place::Nowhere, Place::Line), problem: message.to_string() }
 }
 
-/// Whether the file is a mesh that can be read in full. Returns the number of vertices.
-fn check_header(header: &Header) -> Result<usize, Fault> {
+/// Whether the file has what is wanted and can be read in full. Returns the number of vertices.
+fn check_header(header: &Header, wanted: Wanted) -> Result<usize, Fault> {
+    let what = if wanted == Wanted::Mesh { "mesh" } else { "cloud" };
     let element = |name: &str| {
-        let missing = || Fault::file(format!("not a mesh: there is no element '{name}'"));
+        let missing = || Fault::file(format!("not a {what}: there is no element '{name}'"));
         header.elements.get(name).ok_or_else(missing)
     };
-    let (vertex, face) = (element("vertex")?, element("face")?);
+    let vertex = element("vertex")?;
     for axis in ["x", "y", "z"] {
         if !matches!(vertex.properties.get(axis).map(|p| &p.data_type), Some(PropertyType::Scalar(_))) {
             return Err(Fault::file(format!("the element 'vertex' has no number '{axis}'")));
         }
     }
+    if wanted == Wanted::Points {
+        return Ok(vertex.count);
+    }
+    let face = element("face")?;
     let is_list = |p: &PropertyType| matches!(p, PropertyType::List(..));
     if !face.properties.iter().any(|(name, p)| is_corner_list(name) && is_list(&p.data_type)) {
         return Err(Fault::file("the element 'face' has no list 'vertex_indices'"));
@@ -112,25 +137,36 @@ fn check_header(header: &Header) -> Result<usize, Fault> {
     Ok(vertex.count)
 }
 
-/// What has been read of a mesh.
-#[derive(Default)]
+/// What has been read of a file.
 struct Elements {
+    wanted: Wanted,
+    /// How many vertices the header announces.
+    vertex_count: usize,
     vertices: Vec<[f64; 3]>,
     faces: Faces,
 }
 
 impl Elements {
+    /// Whether elements of a kind are looked at.
+    fn wants(&self, kind: &str) -> bool {
+        kind == "vertex" || kind == "face" && self.wanted == Wanted::Mesh
+    }
+
     /// Adds what an element of the file is.
-    fn add(&mut self, kind: &str, element: &Element, vertices: usize, place: Place) -> Result<(), Fault> {
+    fn add(&mut self, kind: &str, element: &Element, place: Place) -> Result<(), Fault> {
         let fault = |problem| Fault { place, problem };
         match kind {
             "vertex" => {
                 if let Some(x) = element.position.iter().find(|x| !x.is_finite()) {
                     return Err(fault(format!("the coordinate {x} is not finite")));
                 }
+                if self.wanted == Wanted::Points {
+                    check_single(element.position).map_err(fault)?;
+                }
                 self.vertices.push(element.position);
             }
-            "face" => {
+            "face" if self.wants(kind) => {
+                let vertices = self.vertex_count;
                 let known = |&v: &i64| {
                     let index = u32::try_from(v).ok().filter(|&v| (v as usize) < vertices);
                     index.ok_or_else(|| fault(unknown_vertex(v, vertices)))
@@ -148,18 +184,17 @@ fn inside(def: &ElementDef, index: usize) -> String {
     format!("the file ends at {} {index} of {}", def.name, def.count)
 }
 
-fn ascii(text: &str, first_line: usize, header: &Header, vertices: usize) -> Result<MeshData, Fault> {
+fn ascii(text: &str, first_line: usize, header: &Header, mut elements: Elements) -> Result<Elements, Fault> {
     let mut decimals = Decimals::default();
-    let mut elements = Elements::default();
     let end = first_line + lines(text).count();
     let source = lines(text).map(|(line, content)| (first_line + line - 1, content));
     let mut source = source.filter(|(_, content)| !content.trim().is_empty());
     for def in header.elements.values() {
         for index in 0..def.count {
             let (line, content) = source.next().ok_or_else(|| Fault::line(end, inside(def, index)))?;
-            if matches!(def.name.as_str(), "vertex" | "face") {
+            if elements.wants(&def.name) {
                 let element = ascii_element(def, content, line, &mut decimals)?;
-                elements.add(&def.name, &element, vertices, Place::Line(line))?;
+                elements.add(&def.name, &element, Place::Line(line))?;
             }
         }
     }
@@ -168,7 +203,7 @@ fn ascii(text: &str, first_line: usize, header: &Header, vertices: usize) -> Res
     }
     check_last_line(text, first_line)?;
     decimals.settle(&mut elements.vertices);
-    elements.faces.into_mesh(elements.vertices)
+    Ok(elements)
 }
 
 /// Decimals are read as in the other formats, whatever type the header gives them. Properties that are not
@@ -210,10 +245,9 @@ fn binary(
     file_size: usize,
     order: Encoding,
     header: &Header,
-    vertices: usize,
-) -> Result<MeshData, Fault> {
+    mut elements: Elements,
+) -> Result<Elements, Fault> {
     let parser = Parser::<Element>::new();
-    let mut elements = Elements::default();
     let mut rest = payload;
     // An element without properties has no bytes, however many there are.
     for def in header.elements.values().filter(|def| !def.properties.is_empty()) {
@@ -227,11 +261,11 @@ fn binary(
                 std::io::ErrorKind::UnexpectedEof => Fault::byte(file_size, inside(def, index)),
                 _ => Fault { place: Place::Byte(start), ..header_fault(&error) },
             })?;
-            elements.add(&def.name, &element, vertices, Place::Byte(start))?;
+            elements.add(&def.name, &element, Place::Byte(start))?;
         }
     }
     if rest.is_empty() {
-        elements.faces.into_mesh(elements.vertices)
+        Ok(elements)
     } else {
         Err(Fault::byte(file_size - rest.len(), "more bytes than the header announces"))
     }
@@ -331,6 +365,45 @@ mod tests {
                 assert!(parse(&file[..length]).is_err(), "{length}");
             }
         }
+    }
+
+    /// A cloud is the vertices, as often as they are there; faces are passed over, also where they are wrong.
+    #[test]
+    fn points_are_the_vertices_of_any_file() {
+        let same = [[0.5, 0.5, 7.0], [0.5, 0.5, 7.0], [0.0, 1.0, 0.0]];
+        let lines = ".5 .5 7 0\n.5 .5 7 0\n0 1 0 0\n";
+        assert_eq!(points(&ascii_file(&format!("{lines}3 0 1 99\n"))).unwrap(), same);
+        for big in [false, true] {
+            let (bytes, size) = binary_file(big, 0.5, [0, 1, 99]);
+            let want: [[f64; 3]; 3] =
+                core::array::from_fn(|i| [0.5, f64::from(i as f32 * 0.1), f64::from(i as u8)]);
+            assert_eq!(points(&bytes).unwrap(), want);
+            assert_eq!(
+                points(&bytes[..size + 20]),
+                Err(Fault::byte(size + 20, "the file ends at vertex 1 of 3"))
+            );
+            let (bytes, size) = binary_file(big, 1e39, [0, 1, 2]);
+            assert_eq!(points(&bytes), Err(Fault::byte(size, "the coordinate 1e39 is beyond f32")));
+        }
+        let cloud = "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\n";
+        let with_z = format!("{cloud}property float z\nend_header\n");
+        let fault = |text: &str| points(text.as_bytes()).unwrap_err();
+        assert_eq!(points(format!("{with_z}1 2 3\n").as_bytes()).unwrap(), [[1.0, 2.0, 3.0]]);
+        assert_eq!(fault(&with_z), Fault::line(8, "the file ends at vertex 0 of 1"));
+        assert_eq!(fault(&format!("{with_z}1 2\n")), Fault::line(8, "a number is missing"));
+        assert_eq!(fault(&format!("{with_z}1 2 -inf\n")).problem, "the coordinate '-inf' is not finite");
+        assert_eq!(
+            fault(&format!("{with_z}1 2 -4e38\n")),
+            Fault::line(8, "the coordinate -4e38 is beyond f32")
+        );
+        assert_eq!(
+            fault(&format!("{cloud}end_header\n1 2\n")),
+            Fault::file("the element 'vertex' has no number 'z'")
+        );
+        assert_eq!(
+            fault("ply\nformat ascii 1.0\nend_header\n"),
+            Fault::file("not a cloud: there is no element 'vertex'")
+        );
     }
 
     #[test]

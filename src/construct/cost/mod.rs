@@ -31,8 +31,9 @@ mod refine;
 pub(super) use aabb::{Aabb, Measure};
 
 use super::levels::{self, Place};
-use super::longest_axis::{Halving, Item};
+use super::longest_axis::Item;
 use super::{Assignment, BuildError, Observer};
+use crate::halving::Halving;
 use crate::hierarchy::MAX_DEPTH;
 use crate::range::Point;
 use alloc::vec::Vec;

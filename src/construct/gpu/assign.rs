@@ -2,13 +2,13 @@
 
 use super::error::GpuError;
 use super::jobs::Jobs;
-use super::memory::{Binding, Memory, Sizes};
+use super::memory::{Binding, Sizes, TreeMemory};
 use super::shader::{SMALL, STEPS_AT_ONCE, Shader, balance_dispatches, bind, program};
 use crate::construct::levels::{self, Level};
-use crate::construct::longest_axis::Halving;
 use crate::construct::neural_gas::{Clusterer, Samples};
 use crate::construct::{Assignment, Observer};
 use crate::device::{Compiled, Gpu};
+use crate::halving::Halving;
 use alloc::sync::Arc;
 use alloc::vec::Vec;
 use core::ops::Range;
@@ -55,7 +55,7 @@ struct Build<'a, const N: usize> {
     gpu: &'a Gpu,
     clusterer: Clusterer<'a, N>,
     compiled: Arc<Compiled>,
-    memory: Memory,
+    memory: TreeMemory,
     groups: Vec<wgpu::BindGroup>,
     /// Primitives of nodes so small that they and all below them are cut by axes, in their places; else
     /// [`ON_DEVICE`].
@@ -82,7 +82,7 @@ impl<'a, const N: usize> Build<'a, N> {
         };
         sizes.check(&gpu.device.limits())?;
         let (memory, groups) = gpu.guarded(sizes.total(), || {
-            let memory = Memory::new(&gpu.device, &sizes);
+            let memory = TreeMemory::new(&gpu.device, &sizes);
             let groups = bind(&compiled, gpu, &memory);
             Ok::<_, GpuError>((memory, groups))
         })?;

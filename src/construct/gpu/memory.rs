@@ -159,12 +159,12 @@ fn max_large_chunks(primitives: usize) -> usize {
 }
 
 /// A tree's buffers, allocated once.
-pub(super) struct Memory {
+pub(super) struct TreeMemory {
     buffers: Vec<wgpu::Buffer>,
     pub(super) staging: wgpu::Buffer,
 }
 
-impl Memory {
+impl TreeMemory {
     pub(super) fn new(device: &wgpu::Device, sizes: &Sizes) -> Self {
         let create = |label, size: u64, usage| {
             device.create_buffer(&wgpu::BufferDescriptor { label, size, usage, mapped_at_creation: false })

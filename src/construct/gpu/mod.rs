@@ -53,10 +53,10 @@ mod tests;
 pub use assign::Spent;
 pub use error::GpuError;
 
-use super::longest_axis::Halving;
 use super::neural_gas::Samples;
 use super::{Builder, Geometry, Mesh, Progress, Splitter};
 use crate::device::Gpu;
+use crate::halving::Halving;
 use crate::hierarchy::Bvh;
 use crate::node::Dop;
 use core::ops::ControlFlow;

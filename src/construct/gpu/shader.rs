@@ -1,6 +1,6 @@
 //! The kernels: their text, and the pipelines made of it.
 
-use super::memory::{Binding, Memory};
+use super::memory::{Binding, TreeMemory};
 use crate::construct::neural_gas::{ClusterLimits, LIMITS};
 use crate::device::{Compiled, Gpu, Program};
 use alloc::format;
@@ -169,7 +169,7 @@ pub(super) fn program(lanes: usize) -> Program {
 }
 
 /// The kernels' views of a tree's buffers.
-pub(super) fn bind(compiled: &Compiled, gpu: &Gpu, memory: &Memory) -> Vec<wgpu::BindGroup> {
+pub(super) fn bind(compiled: &Compiled, gpu: &Gpu, memory: &TreeMemory) -> Vec<wgpu::BindGroup> {
     let bind = |&kernel: &Shader| {
         let (_, bindings) = kernel.interface();
         let entry = |&binding: &Binding| (binding as u32, memory.buffer(binding).as_entire_binding());

@@ -3,7 +3,7 @@
 use super::prototypes::Prototypes;
 use super::samples::{BLOCK, Block, Cluster};
 use super::schedule::ONE;
-use crate::construct::parallel;
+use crate::parallel;
 use alloc::vec::Vec;
 use core::ops::Range;
 

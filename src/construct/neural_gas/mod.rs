@@ -62,8 +62,9 @@ pub(super) mod twins {
     pub(in crate::construct) use super::{settle, sort_by_lane};
 }
 
-use super::longest_axis::{Halving, Item};
+use super::longest_axis::Item;
 use super::{Assignment, BuildError, Observer, levels};
+use crate::halving::Halving;
 use accumulate::{accumulate, nearest};
 use alloc::vec::Vec;
 use balance::Balance;

@@ -124,6 +124,7 @@ impl Real for DoubleDouble {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::rng::Rng;
     use dashu_int::IBig;
 
     /// A double-double of integers, exactly.
@@ -131,11 +132,8 @@ mod tests {
         IBig::from(x.high as i128) + IBig::from(x.low as i128)
     }
 
-    fn random(state: &mut u64) -> DoubleDouble {
-        let mut word = || {
-            *state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-            ((*state >> 12) as i64 - (1 << 51)) as f64
-        };
+    fn random(rng: &mut Rng) -> DoubleDouble {
+        let mut word = || ((rng.u64() >> 12) as i64 - (1 << 51)) as f64;
         let (high, low) = (word(), word());
         renormalised(high * (1_u64 << 50) as f64, low)
     }
@@ -148,9 +146,9 @@ mod tests {
 
     #[test]
     fn sums_and_products_are_right_to_98_bits() {
-        let mut state = 1;
+        let rng = &mut Rng::new(1);
         for _ in 0..10_000 {
-            let (x, y) = (random(&mut state), random(&mut state));
+            let (x, y) = (random(rng), random(rng));
             let (a, b) = (value(x), value(y));
             assert!(close(value(x + y) - (&a + &b), &a + &b), "{x:?} + {y:?}");
             assert!(close(value(x - y) - (&a - &b), &a - &b), "{x:?} - {y:?}");
@@ -165,9 +163,9 @@ mod tests {
 
     #[test]
     fn quotients_and_roots_invert() {
-        let mut state = 2;
+        let rng = &mut Rng::new(2);
         for _ in 0..10_000 {
-            let (x, y) = (random(&mut state), random(&mut state));
+            let (x, y) = (random(rng), random(rng));
             let error = (x / y) * y - x;
             assert!(
                 error.high.abs() <= x.high.abs() * 2.0 * DoubleDouble::ROUNDOFF,

@@ -1,8 +1,12 @@
-//! Bakes the body into `$OUT_DIR/ring.simdop` and writes the host's own answers to `$OUT_DIR/expected.rs`.
+//! Bakes the body into `$OUT_DIR/ring.simdop` and writes the host's own answers to `$OUT_DIR/expected.rs`; likewise the points
+//! into `points.simdop`, and what its searches cost to `expected_work.rs`.
 
+#[path = "src/points.rs"]
+mod points;
 #[path = "src/poses.rs"]
 mod poses;
 
+use simdop::cloud::{Cloud, Queries, Radii, RangeSearch};
 use simdop::construct::{Builder, Mesh};
 use simdop::isa::Isa;
 use simdop::node::Node16;
@@ -10,13 +14,16 @@ use simdop::pose::Pose;
 use simdop::query::Query;
 use std::f64::consts::TAU;
 use std::fmt::Write as _;
+use std::path::Path;
 
 /// Corners around the ring, and around its tube.
 const AROUND: (u32, u32) = (32, 12);
 
 fn main() {
+    println!("cargo:rerun-if-changed=src/points.rs");
     println!("cargo:rerun-if-changed=src/poses.rs");
     let folder = std::path::PathBuf::from(std::env::var_os("OUT_DIR").expect("cargo sets OUT_DIR"));
+    bake_points(&folder);
     let (vertices, triangles) = ring();
     let mesh = Mesh { vertices: &vertices, triangles: &triangles };
     let tree = Builder::new().build::<Node16<14>>(&mesh).expect("a ring is a mesh");
@@ -34,6 +41,24 @@ fn main() {
     }
     source.push_str("];\n");
     std::fs::write(folder.join("expected.rs"), source).expect("OUT_DIR is writable");
+}
+
+/// The cloud, and the work of its searches: a constant of the consumer.
+fn bake_points(folder: &Path) {
+    let all: Vec<_> = (0..points::COUNT).map(|i| points::point(i, 0)).collect();
+    let cloud = Cloud::new(&all).expect("the points are finite");
+    std::fs::write(folder.join("points.simdop"), cloud.view().to_bytes()).expect("OUT_DIR is writable");
+    let works = points::RADII.map(|radius| {
+        let mut counts = [0; points::COUNT];
+        let search = RangeSearch::new(Isa::detect());
+        search.count(&cloud.view(), &Queries::own(), Radii::Same(radius), &mut counts).expect("a radius")
+    });
+    // The Debug form is the expression that makes it.
+    let source = format!(
+        "/// What the host's searches cost.\nconst EXPECTED_WORK: [RangeCounters; {}] = {works:?};\n",
+        works.len()
+    );
+    std::fs::write(folder.join("expected_work.rs"), source).expect("OUT_DIR is writable");
 }
 
 /// A torus round the z axis.

@@ -34,13 +34,13 @@ fn the_probes_tell_fused_and_reordered_operations() {
 fn arithmetic_is_rounded_step_by_step() {
     let Some(gpu) = device() else { return };
     let mut on_device = DeviceCloud::new(gpu, &Cloud::new(&[]).unwrap().view()).unwrap();
-    let random = &mut Random(2);
-    let coordinate = |random: &mut Random| {
-        let exponent = 127 - 18 + random.next() % 36;
-        f32::from_bits(random.next() & 0x807f_ffff | exponent << 23)
+    let rng = &mut Rng::new(2);
+    let coordinate = |rng: &mut Rng| {
+        let exponent = 127 - 18 + (rng.u64() as u32) % 36;
+        f32::from_bits((rng.u64() as u32) & 0x807f_ffff | exponent << 23)
     };
     let pairs: Vec<[[f32; 3]; 2]> =
-        (0..20_000).map(|_| [(); 2].map(|()| [(); 3].map(|()| coordinate(random)))).collect();
+        (0..20_000).map(|_| [(); 2].map(|()| [(); 3].map(|()| coordinate(rng)))).collect();
     let got = on_device.squares(&pairs).unwrap();
     for (pair, got) in pairs.iter().zip(got) {
         assert_eq!(got, rounded(pair), "{pair:?}");
@@ -52,15 +52,15 @@ fn arithmetic_is_rounded_step_by_step() {
 #[test]
 fn points_move_and_boxes_follow() {
     let Some(gpu) = device() else { return };
-    let random = &mut Random(3);
-    let before = points(random, 900);
+    let rng = &mut Rng::new(3);
+    let before = points(rng, 900);
     let mut cloud = Cloud::with_room(&before, 3, 903).unwrap();
     for index in 40..100 {
         cloud.remove(index).unwrap();
     }
     let mut on_device = DeviceCloud::new(gpu, &cloud.view()).unwrap();
     let old = cloud.view().nodes().to_vec();
-    let after = points(random, 903);
+    let after = points(rng, 903);
     cloud.refit(&after).unwrap();
 
     on_device.memory.write(gpu, CloudBinding::Positions, &after).unwrap();
@@ -93,12 +93,12 @@ fn points_move_and_boxes_follow() {
 #[test]
 fn seats_are_where_the_scalar_descent_ends() {
     let Some(gpu) = device() else { return };
-    let random = &mut Random(4);
-    let cloud = Cloud::with_room(&points(random, 1000), 7, 1000).unwrap();
+    let rng = &mut Rng::new(4);
+    let cloud = Cloud::with_room(&points(rng, 1000), 7, 1000).unwrap();
     let mut on_device = DeviceCloud::new(gpu, &cloud.view()).unwrap();
     // Inside, outside, and points of the cloud.
-    let mut asked: Vec<[f32; 3]> = (0..500).map(|_| random.point().map(|x| 3.0 * x - 1.0)).collect();
-    asked.extend((0..500).map(|_| random.point()));
+    let mut asked: Vec<[f32; 3]> = (0..500).map(|_| any_point(rng).map(|x| 3.0 * x - 1.0)).collect();
+    asked.extend((0..500).map(|_| any_point(rng)));
     asked.extend(cloud.view().buckets().iter().map(|bucket| bucket.point(0)));
     let mut want = vec![Seat::default(); asked.len()];
     scalar().find_buckets(&cloud.view(), &asked, &mut want);
@@ -140,12 +140,12 @@ fn a_device_says_where_it_is_not_sure() {
 #[test]
 fn scans_add_up_all_before() {
     let Some(gpu) = device() else { return };
-    let random = &mut Random(6);
+    let rng = &mut Rng::new(6);
     for (packets, shift) in
         [(1_usize, 20), (2, 20), (63, 20), (64, 20), (65, 20), (4097, 24), (5000, 20), (300, 4)]
     {
         let mut on_device = DeviceCloud::new(gpu, &Cloud::new(&[]).unwrap().view()).unwrap();
-        let counts: Vec<u32> = (0..16 * packets).map(|_| random.next() >> shift).collect();
+        let counts: Vec<u32> = (0..16 * packets).map(|_| (rng.u64() as u32) >> shift).collect();
         let own: Vec<[u32; 4]> = (0..16 * packets as u32).map(|i| [0, 0, 0, i ^ 1]).collect();
         let ranges: Vec<[u32; 2]> = (0..packets as u32).map(|packet| [16 * packet, 16]).collect();
         let memory = &mut on_device.memory;
@@ -200,10 +200,10 @@ fn scans_add_up_all_before() {
 #[test]
 fn packets_count_and_fill_as_the_scalar_search() {
     let Some(gpu) = device() else { return };
-    let random = &mut Random(7);
-    let cloud = Cloud::with_room(&points(random, 3000), 11, 3000).unwrap();
+    let rng = &mut Rng::new(7);
+    let cloud = Cloud::with_room(&points(rng, 3000), 11, 3000).unwrap();
     let view = cloud.view();
-    let others = points(random, 300);
+    let others = points(rng, 300);
     let mut seats = vec![Seat::default(); others.len()];
     let packed = scalar().seat(&view, &others, &mut seats).unwrap();
     let each: Vec<f32> = (0..3000).map(|i| 0.02 + (i % 5) as f32 * 0.05).collect();

@@ -13,6 +13,7 @@ use super::memory::{CloudBinding, SearchData, TreeLevel};
 use super::shader::{self, CloudShader, NO_BUCKET, WORKGROUP};
 use super::*;
 use crate::isa::{Isa, Scalar};
+use crate::rng::Rng;
 use std::{eprintln, format, println};
 
 /// The device that all tests share, where there is an adapter.
@@ -38,30 +39,16 @@ fn scalar() -> RangeSearch {
     RangeSearch::new(Isa::Scalar(Scalar::new()))
 }
 
-/// Numbers that any machine has.
-struct Random(u64);
-
-impl Random {
-    fn next(&mut self) -> u32 {
-        self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        (self.0 >> 32) as u32
-    }
-
-    /// In [0, 1).
-    fn unit(&mut self) -> f32 {
-        (self.next() >> 8) as f32 / (1_u32 << 24) as f32
-    }
-
-    fn point(&mut self) -> [f32; 3] {
-        [(); 3].map(|()| self.unit())
-    }
+/// In the unit cube.
+fn any_point(rng: &mut Rng) -> [f32; 3] {
+    [(); 3].map(|()| rng.unit() as f32)
 }
 
 /// Points in a cube, some in a plane, and some more than once.
-fn points(random: &mut Random, count: usize) -> Vec<[f32; 3]> {
+fn points(rng: &mut Rng, count: usize) -> Vec<[f32; 3]> {
     let mut points: Vec<[f32; 3]> = Vec::new();
     for i in 0..count {
-        let point = random.point();
+        let point = any_point(rng);
         points.push(match i % 10 {
             7 => [point[0], -0.0, point[2]],
             8 => [point[0], 0.0, point[2]],

@@ -5,13 +5,14 @@ mod lanes;
 mod steps;
 mod text;
 
-use super::memory::{self, Binding, Chunk, Memory, NodeData, Sizes, State};
+use super::memory::{self, Binding, Chunk, NodeData, Sizes, State, TreeMemory};
 use super::shader::{self, Int64, ONE_LANE, SMALL, STEPS_AT_ONCE, Shader, balance_dispatches};
 use crate::construct::neural_gas::twins::{
     Balance, Cluster, Prototypes, SampleBox, Sums, accumulate, nearest, schedule, settle, sort_by_lane,
 };
 use crate::construct::neural_gas::{LIMITS, Samples};
 use crate::device::{DeviceError, Gpu};
+use crate::rng::Rng;
 use alloc::vec;
 use alloc::vec::Vec;
 use bytemuck::{NoUninit, Pod};
@@ -38,16 +39,15 @@ fn devices() -> Vec<Gpu> {
 }
 
 /// Numbers that any machine has.
-struct Random(u64);
+struct Random(Rng);
 
 impl Random {
     fn next(&mut self) -> u32 {
-        self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        (self.0 >> 32) as u32
+        (self.0.u64() >> 32) as u32
     }
 
     fn below(&mut self, n: u32) -> u32 {
-        ((u64::from(self.next()) * u64::from(n)) >> 32) as u32
+        self.0.below(n.into()) as u32
     }
 }
 
@@ -110,7 +110,7 @@ impl Nodes {
 /// A device with the nodes of a level in its memory, all of them large or all small.
 struct Rig<'a, const N: usize> {
     gpu: &'a Gpu,
-    memory: Memory,
+    memory: TreeMemory,
     groups: Vec<wgpu::BindGroup>,
     level: memory::LevelData,
     nodes: Vec<NodeData>,
@@ -136,7 +136,7 @@ impl<'a, const N: usize> Rig<'a, N> {
         };
         // More chunks than a tree would have.
         let roomy = Sizes { primitives: 64 * sizes.primitives.max(1000), ..sizes };
-        let memory = Memory::new(&gpu.device, &roomy);
+        let memory = TreeMemory::new(&gpu.device, &roomy);
         let groups = shader::bind(&gpu.compiled(&shader::program(N)).unwrap(), gpu, &memory);
         let mut rig =
             Self { gpu, memory, groups, level: memory::LevelData::default(), nodes: vec![], chunks: vec![] };
@@ -267,7 +267,7 @@ const SIZES: [usize; 15] = [17, 18, 63, 64, 65, 127, 128, 129, 200, 255, 256, 70
 /// Runs `check` on both kinds of device, weighted or not, for nodes that are large, in chunks of 64 or 100,
 /// and for small ones.
 fn for_all<const N: usize>(check: impl Fn(&mut Rig<'_, N>, &Nodes, &mut Random)) {
-    let mut random = Random(1);
+    let mut random = Random(Rng::new(1));
     for gpu in &devices() {
         for weighted in [false, true] {
             for chunk in [None, Some(64), Some(100)] {

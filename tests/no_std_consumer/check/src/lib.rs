@@ -1,6 +1,8 @@
-//! The queries that every bare-metal program runs, on a tree that lies in its read-only memory.
+//! The queries that every bare-metal program runs, on a tree and a cloud that lie in its read-only memory.
 #![no_std]
 
+mod cloud;
+pub mod points;
 pub mod poses;
 
 use core::fmt::Write;
@@ -42,5 +44,5 @@ fn try_run(out: &mut impl Write) -> Result<bool, &'static str> {
         writeln!(out, "{} {name}: {found:?}: {verdict}", isa.name()).map_err(|_| "no output")?;
         good &= agrees;
     }
-    Ok(good)
+    Ok(cloud::run(out, isa)? && good)
 }

@@ -3,14 +3,14 @@
 
 /// Runs `work` on every job, each thread with its own scratch memory.
 #[cfg(feature = "rayon")]
-pub(super) fn for_each<J: Send, S: Default>(jobs: alloc::vec::Vec<J>, work: impl Fn(&mut S, J) + Sync) {
+pub(crate) fn for_each<J: Send, S: Default>(jobs: alloc::vec::Vec<J>, work: impl Fn(&mut S, J) + Sync) {
     use rayon::prelude::*;
     jobs.into_par_iter().for_each_init(S::default, &work);
 }
 
 /// Runs `work` on every job, with one scratch memory for all.
-#[cfg(not(feature = "rayon"))]
-pub(super) fn for_each<J: Send, S: Default>(jobs: alloc::vec::Vec<J>, work: impl Fn(&mut S, J) + Sync) {
+#[cfg(all(feature = "alloc", not(feature = "rayon")))]
+pub(crate) fn for_each<J: Send, S: Default>(jobs: alloc::vec::Vec<J>, work: impl Fn(&mut S, J) + Sync) {
     let mut scratch = S::default();
     for job in jobs {
         work(&mut scratch, job);
@@ -19,13 +19,13 @@ pub(super) fn for_each<J: Send, S: Default>(jobs: alloc::vec::Vec<J>, work: impl
 
 /// Runs both.
 #[cfg(feature = "rayon")]
-pub(super) fn join<A: Send, B: Send>(a: impl FnOnce() -> A + Send, b: impl FnOnce() -> B + Send) -> (A, B) {
+pub(crate) fn join<A: Send, B: Send>(a: impl FnOnce() -> A + Send, b: impl FnOnce() -> B + Send) -> (A, B) {
     rayon::join(a, b)
 }
 
 /// Runs both.
 #[cfg(not(feature = "rayon"))]
-pub(super) fn join<A: Send, B: Send>(a: impl FnOnce() -> A + Send, b: impl FnOnce() -> B + Send) -> (A, B) {
+pub(crate) fn join<A: Send, B: Send>(a: impl FnOnce() -> A + Send, b: impl FnOnce() -> B + Send) -> (A, B) {
     (a(), b())
 }
 
@@ -37,7 +37,7 @@ pub(crate) fn for_each_chunk<T: Send>(items: &mut [T], size: usize, work: impl F
 }
 
 /// Runs `work` on each run of `size` items, the last maybe shorter, with its number.
-#[cfg(not(feature = "rayon"))]
+#[cfg(all(feature = "alloc", not(feature = "rayon")))]
 pub(crate) fn for_each_chunk<T: Send>(items: &mut [T], size: usize, work: impl Fn(usize, &mut [T]) + Sync) {
     items.chunks_mut(size).enumerate().for_each(|(number, chunk)| work(number, chunk));
 }

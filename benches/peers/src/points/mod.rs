@@ -1,0 +1,100 @@
+//! Points instead of meshes: all neighbours within a radius, of every point of a cloud, beside kiddo, nanoflann and a uniform grid; single
+//! queries and nearest points beside the same; whether anything is within a sphere beside capt.
+
+mod any;
+mod batches;
+mod entrants;
+mod grid;
+mod nanoflann;
+mod page;
+mod scenes;
+mod single;
+
+use crate::{Options, save};
+use serde::Serialize;
+
+/// Everything about one run of `--points`.
+pub(crate) fn run(options: &Options) -> Result<(), String> {
+    let say = |e: std::io::Error| format!("{}: {e}", options.out.display());
+    std::fs::create_dir_all(&options.out).map_err(say)?;
+    let batches = batches::measure(options)?;
+    write(options, "points.csv", &batches)?;
+    let mut singles = single::measure(options)?;
+    singles.extend(any::measure(options)?);
+    write(options, "points-single.csv", &singles)?;
+    save(&options.out.join("POINTS.md"), &page::page(&batches, &singles, options))
+}
+
+fn write<T: Serialize>(options: &Options, file: &str, rows: &[T]) -> Result<(), String> {
+    let path = options.out.join(file);
+    let write = || -> Result<(), csv::Error> {
+        let mut writer = csv::Writer::from_path(&path)?;
+        rows.iter().try_for_each(|row| writer.serialize(row))?;
+        Ok(writer.flush()?)
+    };
+    write().map_err(|e| format!("{}: {e}", path.display()))
+}
+
+/// Whether the table is asked for.
+fn wanted(options: &Options, table: &str) -> bool {
+    options.meshes.is_empty() || options.meshes.iter().any(|name| name == table)
+}
+
+/// Of the processor: what other programs take of it is not counted. In this process one thread works.
+fn milliseconds(work: impl FnOnce()) -> f64 {
+    let started = processor_time();
+    work();
+    processor_time() - started
+}
+
+/// Of this process, in milliseconds.
+fn processor_time() -> f64 {
+    #[repr(C)]
+    struct Timespec {
+        seconds: i64,
+        nanoseconds: i64,
+    }
+    const CLOCK_PROCESS_CPUTIME_ID: i32 = 2;
+    unsafe extern "C" {
+        fn clock_gettime(clock: i32, time: *mut Timespec) -> i32;
+    }
+    let mut time = Timespec { seconds: 0, nanoseconds: 0 };
+    // SAFETY: Linux's, which writes the time where it is told to; both fields have 64 bits on all its 64-bit machines.
+    let failed = unsafe { clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &raw mut time) };
+    assert_eq!(failed, 0, "every Linux has this clock");
+    time.seconds as f64 * 1e3 + time.nanoseconds as f64 * 1e-6
+}
+
+fn median(mut times: Vec<f64>) -> f64 {
+    times.sort_by(f64::total_cmp);
+    times[times.len() / 2]
+}
+
+/// As simdop's documentation defines it.
+fn square([ax, ay, az]: [f32; 3], [bx, by, bz]: [f32; 3]) -> f32 {
+    let [x, y, z] = [ax - bx, ay - by, az - bz];
+    (x * x + y * y) + z * z
+}
+
+/// What is lent by the C library's allocator, to Rust and C++ alike. In this process one thread allocates.
+fn lent() -> usize {
+    #[repr(C)]
+    struct Mallinfo2 {
+        arena: usize,
+        ordblks: usize,
+        smblks: usize,
+        hblks: usize,
+        hblkhd: usize,
+        usmblks: usize,
+        fsmblks: usize,
+        uordblks: usize,
+        fordblks: usize,
+        keepcost: usize,
+    }
+    unsafe extern "C" {
+        fn mallinfo2() -> Mallinfo2;
+    }
+    // SAFETY: glibc's; it takes nothing and returns ten numbers.
+    let info = unsafe { mallinfo2() };
+    info.uordblks + info.hblkhd
+}

@@ -1,0 +1,156 @@
+//! Resampling: few samples spread themselves evenly over the surface that many noisy points are of.
+//!
+//! ```sh
+//! cargo run --release --example resample_points
+//! ```
+//!
+//! Xing, Wang, Hui, *Coherent Spherical Range-Search for Dynamic Points on GPUs*, CAD 2017, section 5.2, figure 15: the
+//! weighted locally optimal projection of Huang et al., *Consolidation of Unorganized Point Clouds for Surface
+//! Reconstruction*, SIGGRAPH Asia 2009. In every round each sample asks two clouds: the points, which pull it onto their
+//! local median, and the samples, which push it away from where they are dense. The points stay; the samples move, and
+//! their tree is refitted.
+
+mod points;
+
+use glam::Vec3;
+use points::{Neighbours, Random, torus};
+use simdop::cloud::{Cloud, Queries, RangeSearch, Seat};
+use simdop::isa::Isa;
+
+const POINTS: usize = 20_000;
+const SAMPLES: usize = 500;
+const ROUNDS: usize = 40;
+/// How far a sample looks, in the unit of the points.
+const H: f32 = 0.5;
+/// How strongly samples push each other, from 0 to 0.5.
+const PUSH: f32 = 0.45;
+/// How far a point is from the surface, at most.
+const NOISE: f32 = 0.02;
+
+/// What a point at a distance counts.
+fn weight(distance: f32) -> f32 {
+    (-(distance / (H / 4.0)).powi(2)).exp()
+}
+
+/// The same for a median instead of a mean: a point weighs less the farther it is, in proportion.
+fn median_weight(distance: f32) -> f32 {
+    weight(distance) / distance.max(1e-6)
+}
+
+/// How densely points lie around each point of a cloud: 1 if it is alone.
+fn densities(at: &[Vec3], found: &Neighbours) -> Vec<f32> {
+    // Each is its own neighbour, which is the 1.
+    (0..at.len()).map(|i| found.of(i).map(|j| weight(at[i].distance(at[j]))).sum()).collect()
+}
+
+fn vectors(points: &[[f32; 3]]) -> Vec<Vec3> {
+    points.iter().copied().map(Vec3::from).collect()
+}
+
+/// Moves the samples.
+fn resample(points: &[[f32; 3]], samples: &mut [[f32; 3]]) -> Result<(), Box<dyn core::error::Error>> {
+    let search = RangeSearch::new(Isa::detect());
+    let (still, mut moving) = (Cloud::new(points)?, Cloud::new(samples)?);
+    let (mut near_points, mut near_samples) = (Neighbours::default(), Neighbours::default());
+    let mut seats = vec![Seat::default(); samples.len()];
+    let p = vectors(points);
+    // So that a sample is not drawn to where the scanner has been twice.
+    near_points.find(&search, &still.view(), &Queries::own(), p.len(), H)?;
+    let of_points = densities(&p, &near_points);
+    for round in 0..ROUNDS {
+        let x = vectors(samples);
+        let queries = search.seat(&still.view(), samples, &mut seats)?;
+        near_points.find(&search, &still.view(), &queries, x.len(), H)?;
+        near_samples.find(&search, &moving.view(), &Queries::own(), x.len(), H)?;
+        let of_samples = densities(&x, &near_samples);
+        let moved = (0..x.len()).map(|i| {
+            let pull = near_points.of(i).map(|j| {
+                let distance = x[i].distance(p[j]);
+                // Samples begin at points, where the median's weights have no bound: first they go to the mean.
+                let w = if round == 0 { weight(distance) } else { median_weight(distance) };
+                (p[j] - x[i], w / of_points[j])
+            });
+            let push = near_samples.of(i).filter(|&j| j != i).map(|j| {
+                let apart = x[i] - x[j];
+                (apart, of_samples[j] * median_weight(apart.length()))
+            });
+            let push = if round == 0 { Vec3::ZERO } else { mean(push) };
+            (x[i] + mean(pull) + push * PUSH).to_array()
+        });
+        let moved: Vec<_> = moved.collect();
+        samples.copy_from_slice(&moved);
+        moving.refit(samples)?;
+    }
+    Ok(())
+}
+
+/// The mean of vectors by their weights; none if there are none.
+fn mean(weighted: impl Iterator<Item = (Vec3, f32)>) -> Vec3 {
+    let (sum, total) = weighted.fold((Vec3::ZERO, 0.0), |(sum, total), (v, w)| (sum + v * w, total + w));
+    if total > 0.0 { sum / total } else { Vec3::ZERO }
+}
+
+/// A noisy torus, on one side of which the scanner saw more, and samples that are some of its points.
+fn scan() -> (Vec<[f32; 3]>, Vec<[f32; 3]>) {
+    let random = &mut Random(3);
+    let mut points = Vec::new();
+    while points.len() < POINTS {
+        let (point, normal) = torus::point(random);
+        if random.unit() < 0.2 + 0.4 * (point.x + 1.0).max(0.0) {
+            points.push((point + normal * random.between(-NOISE, NOISE)).to_array());
+        }
+    }
+    let samples = points[..SAMPLES].to_vec();
+    (points, samples)
+}
+
+/// How far each sample is from the next one.
+fn gaps(samples: &[[f32; 3]]) -> Vec<f32> {
+    let x = vectors(samples);
+    let gap = |i: usize| {
+        (0..x.len()).filter(|&j| j != i).map(|j| x[i].distance(x[j])).fold(f32::INFINITY, f32::min)
+    };
+    (0..x.len()).map(gap).collect()
+}
+
+fn main() -> Result<(), Box<dyn core::error::Error>> {
+    let (points, mut samples) = scan();
+    let least = |samples: &[[f32; 3]]| gaps(samples).into_iter().fold(f32::INFINITY, f32::min);
+    let before = least(&samples);
+    resample(&points, &mut samples)?;
+    println!(
+        "{SAMPLES} samples of {POINTS} points: {before:.4} apart at least, {:.4} afterwards",
+        least(&samples)
+    );
+    let off: f32 = samples.iter().map(|x| torus::distance(Vec3::from(*x)).abs()).sum();
+    println!("{:.4} from the surface in the mean; the points are up to {NOISE} off", off / SAMPLES as f32);
+    Ok(())
+}
+
+/// On the surface, and spread: the least gap grows many times, and gaps are much more alike.
+#[test]
+fn samples_spread_over_the_surface() {
+    let (points, mut samples) = scan();
+    let before = gaps(&samples);
+    resample(&points, &mut samples).unwrap();
+    let after = gaps(&samples);
+    let least = |gaps: &[f32]| gaps.iter().copied().fold(f32::INFINITY, f32::min);
+    assert!(least(&after) > 5.0 * least(&before), "{} {}", least(&before), least(&after));
+    // The spread of the gaps as a share of their mean: 0 if all are the same.
+    let unevenness = |gaps: &[f32]| {
+        let n = gaps.len() as f32;
+        let mean = gaps.iter().sum::<f32>() / n;
+        (gaps.iter().map(|gap| (gap - mean).powi(2)).sum::<f32>() / n).sqrt() / mean
+    };
+    assert!(
+        unevenness(&after) < 0.25 * unevenness(&before),
+        "{} {}",
+        unevenness(&before),
+        unevenness(&after)
+    );
+    let off: Vec<f32> = samples.iter().map(|x| torus::distance(Vec3::from(*x)).abs()).collect();
+    let farthest = off.iter().copied().fold(0.0, f32::max);
+    assert!(farthest < 2.0 * NOISE, "{farthest}");
+    let mean = off.iter().sum::<f32>() / off.len() as f32;
+    assert!(mean < 0.5 * NOISE, "{mean}");
+}

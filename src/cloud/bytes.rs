@@ -1,0 +1,223 @@
+//! Clouds as bytes: for files, and for flash, where they are searched in place.
+//!
+//! | bytes | what |
+//! |---|---|
+//! | 0 .. 64 | the head: magic number, version, and how much there is of everything, in `u32` |
+//! | 64 .. | [`Aabb16`]s, 512 bytes each, breadth first |
+//! | .. end | [`Bucket`]s, 256 bytes each, in the order of the lanes |
+
+use super::{BUCKET_SIZE, CloudRef, MAX_POINTS};
+use crate::hierarchy::{BakeError, MAX_DEPTH};
+use crate::node::{Aabb16, Box3, Bucket, Link};
+
+/// First bytes of every cloud.
+pub const CLOUD_MAGIC: [u8; 8] = *b"SIMPTS\x1a\n";
+
+/// Version of the layout that this crate reads and writes.
+pub const CLOUD_VERSION: u32 = 1;
+
+#[derive(Copy, Clone, Debug, bytemuck::Pod, bytemuck::Zeroable)]
+#[repr(C)]
+struct Head {
+    magic: [u8; 8],
+    version: u32,
+    bucket_size: u32,
+    points: u32,
+    capacity: u32,
+    nodes: u32,
+    buckets: u32,
+    reserved: [u32; 8],
+}
+
+const _: () = assert!(size_of::<Head>() == 64, "the head of a cloud is a cache line");
+
+const fn node_error(node: usize, lane: usize, problem: &'static str) -> BakeError {
+    BakeError::Node { node: node as u32, lane: lane as u32, problem }
+}
+
+impl Head {
+    fn read(bytes: &[u8]) -> Result<Self, BakeError> {
+        let truncated = BakeError::Truncated { have: bytes.len(), need: size_of::<Self>() };
+        let first = bytes.get(..size_of::<Self>()).ok_or(truncated)?;
+        let head: Self = bytemuck::pod_read_unaligned(first);
+        if head.magic != CLOUD_MAGIC {
+            return Err(BakeError::NotATree);
+        }
+        if head.version != CLOUD_VERSION {
+            return Err(BakeError::Version { found: head.version });
+        }
+        let fields = [
+            ("bucket_size", (1..=BUCKET_SIZE).contains(&head.bucket_size)),
+            ("capacity", head.capacity as usize <= MAX_POINTS && head.points <= head.capacity),
+            ("nodes", head.nodes >= 1 && head.nodes as usize <= MAX_POINTS),
+            ("buckets", head.buckets <= head.capacity),
+            ("reserved", head.reserved == [0; 8]),
+        ];
+        match fields.into_iter().find(|(_, is_right)| !is_right) {
+            Some((field, _)) => Err(BakeError::Header { field }),
+            None => Ok(head),
+        }
+    }
+
+    /// Where the nodes end, and the buckets.
+    fn ends(&self) -> Option<(usize, usize)> {
+        let nodes = (self.nodes as usize).checked_mul(size_of::<Aabb16>())?.checked_add(size_of::<Self>())?;
+        let buckets = (self.buckets as usize).checked_mul(size_of::<Bucket>())?.checked_add(nodes)?;
+        Some((nodes, buckets))
+    }
+}
+
+impl<'a> CloudRef<'a> {
+    /// Borrows a cloud in place, without a copy, after [`CloudRef::validate`]: linear in its size.
+    ///
+    /// # Errors
+    /// [`BakeError`] if the bytes are not a cloud, all of it and nothing else, or do not start at a multiple of 64 (see
+    /// [`Aligned`](crate::hierarchy::Aligned)).
+    pub fn from_bytes(bytes: &'a [u8]) -> Result<Self, BakeError> {
+        let head = Head::read(bytes)?;
+        let have = bytes.len();
+        let Some((nodes_end, end)) = head.ends() else {
+            return Err(BakeError::Truncated { have, need: usize::MAX });
+        };
+        if have < end {
+            return Err(BakeError::Truncated { have, need: end });
+        }
+        if have > end {
+            return Err(BakeError::TooLong { have, need: end });
+        }
+        let view = Self {
+            nodes: bytemuck::try_cast_slice(&bytes[size_of::<Head>()..nodes_end])
+                .map_err(|_| BakeError::Misaligned)?,
+            buckets: bytemuck::try_cast_slice(&bytes[nodes_end..]).map_err(|_| BakeError::Misaligned)?,
+            points: head.points,
+            capacity: head.capacity,
+            bucket_size: head.bucket_size,
+        };
+        view.validate()?;
+        Ok(view)
+    }
+
+    /// Proves the cloud safe to search, and its searches right: nodes are breadth first and buckets in the order of the lanes,
+    /// each of them once; every box holds what is below it; points are finite, and their indices below the capacity. That no two
+    /// points have the same index is not looked at.
+    ///
+    /// # Errors
+    /// [`BakeError`].
+    pub fn validate(&self) -> Result<(), BakeError> {
+        let mut next = 1;
+        for (n, node) in self.nodes.iter().enumerate() {
+            // Nothing above leads to it: not even to itself may it lead.
+            if n >= next {
+                return Err(BakeError::Header { field: "nodes" });
+            }
+            for (lane, child) in node.child.iter().enumerate() {
+                let (held, bounds) = (
+                    node.lane(lane),
+                    match child.link() {
+                        Link::Empty => {
+                            let parts = [node.lane(lane).lower, node.lane(lane).upper];
+                            if parts.iter().flatten().any(|x| !x.is_nan()) {
+                                return Err(node_error(n, lane, "an unused lane has a box"));
+                            }
+                            continue;
+                        }
+                        Link::Inner(below) if below as usize == next && next < self.nodes.len() => {
+                            next += 1;
+                            self.nodes[below as usize].bounds()
+                        }
+                        Link::Inner(_) => return Err(node_error(n, lane, "the nodes are not breadth first")),
+                        Link::Leaf { first, count: 1 } => {
+                            let bucket = self.buckets.get(first as usize);
+                            bucket.ok_or(node_error(n, lane, "there is no such bucket"))?.bounds()
+                        }
+                        Link::Leaf { .. } => return Err(node_error(n, lane, "a lane leads to one bucket")),
+                    },
+                );
+                if !holds(&held, &bounds) {
+                    return Err(node_error(n, lane, "the box does not hold what is below it"));
+                }
+            }
+        }
+        if next != self.nodes.len() {
+            return Err(BakeError::Header { field: "nodes" });
+        }
+        self.check_order()?;
+        self.check_points()
+    }
+
+    /// Whether the lanes, depth first, lead to the buckets in their order.
+    fn check_order(&self) -> Result<(), BakeError> {
+        let (mut path, mut level, mut next) = ([(0, 0); MAX_DEPTH], 0, 0);
+        loop {
+            let (node, lane) = path[level];
+            if lane == 16 {
+                if level == 0 {
+                    break;
+                }
+                level -= 1;
+                continue;
+            }
+            path[level].1 += 1;
+            match self.nodes[node].child[lane].link() {
+                Link::Inner(below) => {
+                    level += 1;
+                    *path.get_mut(level).ok_or(BakeError::Header { field: "nodes" })? = (below as usize, 0);
+                }
+                Link::Leaf { first, .. } if first as usize == next => next += 1,
+                Link::Leaf { .. } => {
+                    return Err(node_error(node, lane, "the buckets are not in the lanes' order"));
+                }
+                Link::Empty => {}
+            }
+        }
+        if next == self.buckets.len() { Ok(()) } else { Err(BakeError::Header { field: "buckets" }) }
+    }
+
+    fn check_points(&self) -> Result<(), BakeError> {
+        let mut points = 0;
+        for (bucket, b) in self.buckets.iter().zip(0..) {
+            for slot in 0..16 {
+                let (point, index) = (bucket.point(slot), bucket.indices[slot]);
+                let place = b * BUCKET_SIZE + slot as u32;
+                if index == Bucket::UNUSED {
+                    if point.iter().any(|x| !x.is_nan()) {
+                        return Err(BakeError::Vertex { index: place });
+                    }
+                    continue;
+                }
+                if !super::store::is_finite(point) {
+                    return Err(BakeError::Vertex { index: place });
+                }
+                if index >= self.capacity {
+                    return Err(BakeError::Source { index: place });
+                }
+                points += 1;
+            }
+        }
+        if points == self.points { Ok(()) } else { Err(BakeError::Header { field: "points" }) }
+    }
+
+    /// The cloud as bytes, to write to a file or to flash.
+    #[cfg(feature = "alloc")]
+    #[must_use]
+    pub fn to_bytes(&self) -> alloc::vec::Vec<u8> {
+        let head = Head {
+            magic: CLOUD_MAGIC,
+            version: CLOUD_VERSION,
+            bucket_size: self.bucket_size,
+            points: self.points,
+            capacity: self.capacity,
+            nodes: self.nodes.len() as u32,
+            buckets: self.buckets.len() as u32,
+            reserved: [0; 8],
+        };
+        let parts: [&[u8]; 3] =
+            [bytemuck::bytes_of(&head), bytemuck::cast_slice(self.nodes), bytemuck::cast_slice(self.buckets)];
+        parts.concat()
+    }
+}
+
+/// Whether one box holds another, which may hold nothing.
+fn holds(outer: &Box3, inner: &Box3) -> bool {
+    inner.is_empty() || (0..3).all(|i| outer.lower[i] <= inner.lower[i] && inner.upper[i] <= outer.upper[i])
+}

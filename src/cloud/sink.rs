@@ -1,0 +1,123 @@
+//! What a search does with the neighbours it finds.
+
+use super::List;
+use crate::kernel::Kernel;
+use crate::node::Bucket;
+use core::ops::ControlFlow;
+
+/// What is done with neighbours.
+pub(super) trait Sink {
+    /// A query's neighbours follow.
+    fn begin(&mut self, query: u32);
+    /// Some of them: slots of a bucket.
+    fn found<E: Kernel>(&mut self, kernel: E, mask: u16, bucket: &Bucket) -> ControlFlow<()>;
+    /// These were all.
+    fn end(&mut self, query: u32) -> ControlFlow<()>;
+}
+
+pub(super) struct Count<'a> {
+    pub(super) counts: &'a mut [u32],
+    pub(super) count: u32,
+}
+
+impl Sink for Count<'_> {
+    #[inline(always)]
+    fn begin(&mut self, _: u32) {
+        self.count = 0;
+    }
+
+    #[inline(always)]
+    fn found<E: Kernel>(&mut self, _: E, mask: u16, _: &Bucket) -> ControlFlow<()> {
+        self.count += mask.count_ones();
+        ControlFlow::Continue(())
+    }
+
+    #[inline(always)]
+    fn end(&mut self, query: u32) -> ControlFlow<()> {
+        self.counts[query as usize] = self.count;
+        ControlFlow::Continue(())
+    }
+}
+
+pub(super) struct Fill<'a> {
+    pub(super) lists: &'a mut [List],
+    pub(super) indices: &'a mut [u32],
+    /// Of the list under way.
+    pub(super) start: u64,
+    /// Neighbours so far, those without room among them.
+    pub(super) end: u64,
+}
+
+impl Sink for Fill<'_> {
+    #[inline(always)]
+    fn begin(&mut self, _: u32) {
+        self.start = self.end;
+    }
+
+    #[inline(always)]
+    fn found<E: Kernel>(&mut self, kernel: E, mask: u16, bucket: &Bucket) -> ControlFlow<()> {
+        // What lies behind the neighbours is overwritten by the next ones.
+        let (from, count) = (self.end as usize, mask.count_ones() as usize);
+        self.end += count as u64;
+        let room = self.indices.get_mut(from..).unwrap_or(&mut []);
+        if let Some(places) = room.first_chunk_mut::<16>() {
+            kernel.pick(mask, &bucket.indices, places);
+        } else if let Some(places) = room.get_mut(..count) {
+            let mut picked = [0; 16];
+            kernel.pick(mask, &bucket.indices, &mut picked);
+            places.copy_from_slice(&picked[..count]);
+        }
+        ControlFlow::Continue(())
+    }
+
+    #[inline(always)]
+    fn end(&mut self, query: u32) -> ControlFlow<()> {
+        self.lists[query as usize] = List { start: self.start as u32, count: (self.end - self.start) as u32 };
+        ControlFlow::Continue(())
+    }
+}
+
+/// Neighbours that wait to be visited, so that the visitor is called in a loop over many: a loop over those of one bucket
+/// ends where no branch predictor expects it.
+pub(super) struct Visit<F> {
+    query: u32,
+    waiting: [u32; 64],
+    count: usize,
+    visit: F,
+}
+
+impl<F: FnMut(u32, u32) -> ControlFlow<()>> Visit<F> {
+    pub(super) const fn new(visit: F) -> Self {
+        Self { query: 0, waiting: [0; 64], count: 0, visit }
+    }
+
+    #[inline(always)]
+    fn flush(&mut self) -> ControlFlow<()> {
+        for &neighbour in &self.waiting[..core::mem::take(&mut self.count) & 63] {
+            (self.visit)(self.query, neighbour)?;
+        }
+        ControlFlow::Continue(())
+    }
+}
+
+impl<F: FnMut(u32, u32) -> ControlFlow<()>> Sink for Visit<F> {
+    #[inline(always)]
+    fn begin(&mut self, query: u32) {
+        self.query = query;
+    }
+
+    #[inline(always)]
+    fn found<E: Kernel>(&mut self, kernel: E, mask: u16, bucket: &Bucket) -> ControlFlow<()> {
+        // Sixteen more have room: more than 47 do not wait.
+        if let Some(places) = self.waiting[self.count & 63..].first_chunk_mut::<16>() {
+            kernel.pick(mask, &bucket.indices, places);
+        }
+        self.count += mask.count_ones() as usize;
+        if self.count > 47 { self.flush() } else { ControlFlow::Continue(()) }
+    }
+
+    #[inline(always)]
+    fn end(&mut self, _: u32) -> ControlFlow<()> {
+        self.flush()
+    }
+}
