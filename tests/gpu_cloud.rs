@@ -113,7 +113,7 @@ fn others(points: &[[f32; 3]], cloud: &Cloud, count: usize) -> Vec<[f32; 3]> {
 #[test]
 fn own_neighbours_are_the_cpus() {
     let Some(gpu) = device() else { return };
-    for (name, points, radii) in scenes::all(1200) {
+    for (name, points, radii) in scenes::all(scenes::size(700, 150)) {
         let cloud = Cloud::new(&points).unwrap();
         let made = DeviceCloud::new(gpu, &cloud.view());
         if name == "near the greatest numbers" {
@@ -166,7 +166,8 @@ fn own_neighbours_are_the_cpus() {
 #[test]
 fn neighbours_of_other_points_are_the_cpus() {
     let Some(gpu) = device() else { return };
-    for (name, points, radii) in scenes::all(900).into_iter().filter(|(name, ..)| !name.contains("greatest"))
+    for (name, points, radii) in
+        scenes::all(scenes::size(600, 150)).into_iter().filter(|(name, ..)| !name.contains("greatest"))
     {
         let cloud = Cloud::new(&points).unwrap();
         let mut on_device = DeviceCloud::new(gpu, &cloud.view()).unwrap();
@@ -228,7 +229,7 @@ fn some_buckets_ask() {
 #[test]
 fn refits_have_the_cpus_boxes_and_neighbours() {
     let Some(gpu) = device() else { return };
-    for (name, points, radii) in scenes::all(700) {
+    for (name, points, radii) in scenes::all(scenes::size(330, 100)) {
         if name.contains("greatest") || name.contains("least") {
             continue;
         }

@@ -17,11 +17,11 @@ use std::time::Instant;
 const PACKETS_AT_ONCE: usize = 1 << 16;
 
 /// What is asked, in the device's memory.
-struct Asked {
+pub(super) struct Asked {
     data: SearchData,
-    packets: usize,
+    pub(super) packets: usize,
     /// The queries of each packet, sixteen each; [`Bucket::UNUSED`] where there is none.
-    queries: Vec<[u32; 16]>,
+    pub(super) queries: Vec<[u32; 16]>,
 }
 
 /// Queries that share a seat, up to sixteen: the first of them, and how many.
@@ -199,7 +199,11 @@ impl DeviceCloud<'_> {
     }
 
     /// Moves what is asked to the device, and makes room for counts.
-    fn ask(&mut self, queries: &Queries<'_>, radii: &Radii<'_>) -> Result<Asked, DeviceCloudError> {
+    pub(super) fn ask(
+        &mut self,
+        queries: &Queries<'_>,
+        radii: &Radii<'_>,
+    ) -> Result<Asked, DeviceCloudError> {
         let gpu = self.gpu;
         let mut data = SearchData { own: NO_BUCKET, ..SearchData::default() };
         let members = match &queries.0 {
@@ -244,7 +248,7 @@ impl DeviceCloud<'_> {
     }
 
     /// Runs a kernel over some packets, some at a time. `start` is where the lists of the first begin.
-    fn run_packets(
+    pub(super) fn run_packets(
         &mut self,
         kernel: CloudShader,
         asked: &Asked,

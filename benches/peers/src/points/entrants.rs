@@ -107,13 +107,17 @@ pub(crate) enum Filled {
     Pairs,
 }
 
+/// `None` if the library cannot have these points or radii.
+type Build = dyn Fn(&[[f32; 3]], &Radii) -> Option<Box<dyn Built>>;
+type Prepare = dyn Fn(&[[f32; 3]], &Radii);
+
 /// A library, ready to build.
 pub(crate) struct Entrant {
     pub(crate) name: String,
     pub(crate) version: String,
-    pub(crate) build: Box<dyn Fn(&[[f32; 3]], &Radii) -> Option<Box<dyn Built>>>,
+    pub(crate) build: Box<Build>,
     /// What is found out before anything is timed.
-    pub(crate) prepare: Box<dyn Fn(&[[f32; 3]], &Radii)>,
+    pub(crate) prepare: Box<Prepare>,
 }
 
 /// What a library made of points.
@@ -308,7 +312,7 @@ pub(crate) fn capt_version() -> String {
 
 pub(crate) fn entrants(drivers: &Path) -> Vec<Entrant> {
     let search = RangeSearch::new(Isa::detect());
-    let nothing = || -> Box<dyn Fn(&[[f32; 3]], &Radii)> { Box::new(|_, _| ()) };
+    let nothing = || -> Box<Prepare> { Box::new(|_, _| ()) };
     let entrant = |name: &str, version: &str, build| Entrant {
         name: name.to_owned(),
         version: version.to_owned(),

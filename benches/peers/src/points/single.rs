@@ -41,10 +41,12 @@ const SAMPLE: usize = 128;
 
 const ASKED: usize = 20_000;
 
+type Answer<'a> = dyn FnMut(&mut [u64]) + 'a;
+
 /// A way to answer: it returns a number for each query, which is compared.
 pub(crate) struct Way<'a> {
     pub(crate) library: &'a str,
-    pub(crate) answer: Box<dyn FnMut(&mut [u64]) + 'a>,
+    pub(crate) answer: Box<Answer<'a>>,
 }
 
 /// Times ways in turns, and compares their answers with the first one's, whose first are compared with the truth.
