@@ -56,7 +56,7 @@ pub fn put_code(bytes: &mut [u8], at: usize, input: &mut Input) {
 }
 
 /// How many of the bytes are left: nearly always all.
-fn cut(len: usize, input: &mut Input) -> usize {
+pub fn cut(len: usize, input: &mut Input) -> usize {
     if input.u8() == 0 { usize::from(input.u16()) % (len + 1) } else { len }
 }
 
