@@ -22,6 +22,9 @@ const FRAMES: usize = 300;
 /// Of a frame, in seconds.
 const STEP: f32 = 0.01;
 
+/// Towards the middle, in proportion to the distance from it.
+const PULL: f32 = 4.0;
+
 struct Particles {
     positions: Vec<[f32; 3]>,
     velocities: Vec<Vec3>,
@@ -31,12 +34,18 @@ struct Particles {
 }
 
 impl Particles {
-    /// Half of them lie in a 4096th of the volume.
+    /// Half of them lie in an 800th of the volume, where they have just enough room.
     fn new(count: usize) -> Self {
-        let random = &mut Random(4);
-        let positions: Vec<[f32; 3]> =
-            (0..count).map(|_| (random.direction() * random.unit().powi(4)).to_array()).collect();
-        let velocities = positions.iter().map(|p| Vec3::Z.cross(Vec3::from(*p))).collect();
+        let (random, reach) = (&mut Random(4), 0.3 * (count as f32).cbrt());
+        let positions: Vec<[f32; 3]> = (0..count)
+            .map(|_| (random.direction() * (reach * (0.05 + random.unit().powi(4)))).to_array())
+            .collect();
+        // On circles around the middle, each on its own: so they stay as dense there as they are, and meet.
+        let circle = |p: &[f32; 3]| {
+            let p = Vec3::from(*p);
+            p.cross(random.direction()).normalize_or_zero() * p.length() * PULL.sqrt()
+        };
+        let velocities = positions.iter().map(circle).collect();
         // As many from 0.0005 to 0.001 as from 0.0125 to 0.025.
         let radii: Vec<f32> = (0..count).map(|_| 0.025 * 50.0_f32.powf(-random.unit())).collect();
         let reaches = radii.iter().map(|r| r + r).collect();
@@ -74,7 +83,7 @@ impl Particles {
         })
     }
 
-    /// A frame: what touches is pushed apart, and all fall towards the middle.
+    /// A frame: what touches is pushed apart, and all are pulled towards the middle.
     fn step(&mut self, pairs: &[[u32; 2]]) {
         let count = self.positions.len();
         let (mut pushes, mut contacts) = (vec![Vec3::ZERO; count], vec![0.0_f32; count]);
@@ -94,7 +103,7 @@ impl Particles {
             let push = pushes[i] / contacts[i].max(1.0);
             let before = Vec3::from(self.positions[i]);
             let velocity = &mut self.velocities[i];
-            *velocity -= before * (2.0 * STEP);
+            *velocity -= before * (PULL * STEP);
             let after = before + *velocity * STEP + push;
             // What was pushed goes on that way, with a loss.
             *velocity += push * (0.2 / STEP);
@@ -160,6 +169,6 @@ fn contacts_are_those_of_a_loop() {
         checked += want.len();
     });
     let rebuilds = rebuilds.unwrap();
-    assert!(checked > 20_000, "{checked} contacts");
+    assert!(checked > 5_000, "{checked} contacts");
     assert!(0 < rebuilds && rebuilds < FRAMES / 4, "{rebuilds} rebuilds");
 }

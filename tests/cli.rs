@@ -1268,12 +1268,12 @@ fn faults_of_clouds_name_file_place_and_problem() {
     let in_second = format!("byte {}: the coordinate NaN is not finite", header + 13);
     let cut = format!("byte {}: the file ends at vertex 1 of 2", header + 20);
     let ply = "ply\nformat ascii 1.0\nelement vertex 2\nproperty float x\nproperty float y\nproperty float z\nend_header\n";
-    let none = ply.replace("vertex 2", "vertex 0");
+    let (no_point, flat) = (ply.replace("vertex 2", "vertex 0"), ply.replace(" z", " w"));
     let cases: &[(&str, &[u8], &str)] = &[
         ("empty.xyz", b"", "the file is empty"),
         ("empty.ply", b"", "the file is empty"),
         ("none.xyz", b"# x y z\n\n", "there is no point in the file"),
-        ("none.ply", none.as_bytes(), "there is no point in the file"),
+        ("none.ply", no_point.as_bytes(), "there is no point in the file"),
         ("short.xyz", b"0 0 0\n1 2\n", "line 2: 2 numbers, a point is at least 3: x y z"),
         ("shorter.xyz", b"0 0 0 1\n\n1 2 3\n", "line 3: 3 numbers, on line 1 there are 4"),
         ("word.xyz", b"x y z\n", "line 1: 'x' is not a number"),
@@ -1294,7 +1294,7 @@ fn faults_of_clouds_name_file_place_and_problem() {
         ("few.ply", &[ply.as_bytes(), b"0 0 0\n"].concat(), "line 9: the file ends at vertex 1 of 2"),
         ("binary.ply", &nan, &in_second),
         ("cut.ply", &whole[..header + 20], &cut),
-        ("flat.ply", &ply.replace(" z", " w").into_bytes(), "the element 'vertex' has no number 'z'"),
+        ("flat.ply", flat.as_bytes(), "the element 'vertex' has no number 'z'"),
         ("faces.ply", b"ply\nformat ascii 1.0\nend_header\n", "not a cloud: there is no element 'vertex'"),
         ("mesh.obj", b"v 0 0 0\n", "not a cloud: a cloud's name ends in .ply or .xyz"),
     ];
