@@ -77,9 +77,9 @@ fn node_and_bucket(rng: &mut Rng, mode: Mode) -> (Aabb16, Bucket) {
     for lane in 0..16 {
         let (of, p) = (some_box(rng, mode), point(rng, mode));
         if rng.below(8) != 0 {
-            for i in 0..3 {
+            for (i, x) in p.into_iter().enumerate() {
                 (node.lower[i][lane], node.upper[i][lane]) = (of.lower[i], of.upper[i]);
-                bucket.coordinates[i][lane] = p[i];
+                bucket.coordinates[i][lane] = x;
             }
             bucket.indices[lane] = rng.u64() as u32;
         }
@@ -213,10 +213,10 @@ fn a_box_is_not_farther_than_what_is_in_it() {
             let inner = around(&mut rng, p);
             let mut outer = inner;
             outer.add(&some_box(&mut rng, mode));
-            for i in 0..3 {
+            for (i, x) in p.into_iter().enumerate() {
                 (node.lower[i][lane], node.upper[i][lane]) = (inner.lower[i], inner.upper[i]);
                 (wider.lower[i][lane], wider.upper[i][lane]) = (outer.lower[i], outer.upper[i]);
-                bucket.coordinates[i][lane] = p[i];
+                bucket.coordinates[i][lane] = x;
             }
         }
         let boxes = |query: &Box3, node: &Aabb16| {
