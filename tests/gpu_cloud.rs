@@ -102,10 +102,10 @@ fn assert_same_nodes(on_device: &mut DeviceCloud<'_>, cloud: &Cloud, what: &str)
 fn others(points: &[[f32; 3]], cloud: &Cloud, count: usize) -> Vec<[f32; 3]> {
     let (bounds, random) = (cloud.view().bounds(), &mut Random(3));
     let other = |i: usize| -> [f32; 3] {
-        let share = if i % 4 == 0 { 3.0 } else { 1.0 };
+        let share = if i.is_multiple_of(4) { 3.0 } else { 1.0 };
         let asked =
             [0, 1, 2].map(|k| bounds.lower[k] + share * (bounds.upper[k] - bounds.lower[k]) * random.next());
-        if i % 3 == 0 { points[i % points.len()] } else { asked }
+        if i.is_multiple_of(3) { points[i % points.len()] } else { asked }
     };
     (0..count).map(other).collect()
 }
@@ -181,7 +181,6 @@ fn neighbours_of_other_points_are_the_cpus() {
         compare(name, &mut on_device, &cloud.view(), &packed, same, queries.len());
         let each: Vec<f32> = (0..queries.len()).map(|i| radii[i % radii.len()].max(4e-12)).collect();
         compare(name, &mut on_device, &cloud.view(), &packed, Radii::Each(&each), queries.len());
-        drop(packed);
         assert!(seats == want, "{name}: seats");
     }
 }
