@@ -35,11 +35,36 @@ compiled_for_avx512! {
 
 compiled_for_avx512! {
     /// `vmaxps` is its second operand unless the first is greater, as the specification has it.
+    #[cfg(not(miri))]
+    #[inline]
+    fn greater(x: __m512, y: __m512) -> __m512 {
+        _mm512_max_ps(x, y)
+    }
+}
+
+#[cfg(miri)] // Miri has no `vmaxps` of this width: this lets it run the rest.
+compiled_for_avx512! {
+    fn greater(x: __m512, y: __m512) -> __m512 {
+        let (x, y) = (numbers(x), numbers(y));
+        load(&core::array::from_fn(|i| if x[i] > y[i] { x[i] } else { y[i] }))
+    }
+}
+
+#[cfg(miri)]
+compiled_for_avx512! {
+    fn numbers(sixteen: __m512) -> [f32; 16] {
+        let mut numbers = [0.0; 16];
+        store(&mut numbers, sixteen);
+        numbers
+    }
+}
+
+compiled_for_avx512! {
     #[inline]
     fn gap((from, to): (f32, f32), lower: &[f32; 16], upper: &[f32; 16]) -> __m512 {
         let below = _mm512_sub_ps(load(lower), _mm512_set1_ps(to));
         let above = _mm512_sub_ps(_mm512_set1_ps(from), load(upper));
-        _mm512_max_ps(_mm512_setzero_ps(), _mm512_max_ps(below, above))
+        greater(_mm512_setzero_ps(), greater(below, above))
     }
 }
 
@@ -56,9 +81,18 @@ compiled_for_avx512! {
 }
 
 compiled_for_avx512! {
+    #[cfg(not(miri))]
     #[inline]
     fn at_most(squares: __m512, square: f32) -> u16 {
         _mm512_cmp_ps_mask::<_CMP_LE_OQ>(squares, _mm512_set1_ps(square))
+    }
+}
+
+#[cfg(miri)] // Nor `vcmpps` of this width.
+compiled_for_avx512! {
+    fn at_most(squares: __m512, square: f32) -> u16 {
+        let squares = numbers(squares);
+        (0..16).fold(0, |mask, lane| mask | u16::from(squares[lane] <= square) << lane)
     }
 }
 
@@ -99,12 +133,32 @@ compiled_for_avx512! {
 }
 
 compiled_for_avx512! {
+    #[cfg(not(miri))]
+    #[inline]
+    fn packed(mask: u16, all: __m512i) -> __m512i {
+        _mm512_maskz_compress_epi32(mask, all)
+    }
+}
+
+#[cfg(miri)] // Nor `vpcompressd`.
+compiled_for_avx512! {
+    fn packed(mask: u16, all: __m512i) -> __m512i {
+        let (mut indices, mut first) = ([0; 16], [0; 16]);
+        // SAFETY: the array has the 64 bytes that are written; the store asks for no alignment.
+        unsafe { _mm512_storeu_si512(indices.as_mut_ptr().cast(), all) };
+        crate::kernel::scalar::points::pick(mask, &indices, &mut first);
+        // SAFETY: the array has the 64 bytes that are read; the load asks for no alignment.
+        unsafe { _mm512_loadu_si512(first.as_ptr().cast()) }
+    }
+}
+
+compiled_for_avx512! {
     /// Packed in a register: `vpcompressd` to memory is microcode on Zen 4.
     #[inline]
     pub(super) fn pick(mask: u16, indices: &[u32; 16], found: &mut [u32; 16]) {
         // SAFETY: the array has the 64 bytes that are read; the load asks for no alignment.
         let all = unsafe { _mm512_loadu_si512(indices.as_ptr().cast()) };
-        let packed = _mm512_maskz_compress_epi32(mask, all);
+        let packed = packed(mask, all);
         // SAFETY: the array has the 64 bytes that are written; the store asks for no alignment.
         unsafe { _mm512_storeu_si512(found.as_mut_ptr().cast(), packed) };
     }
