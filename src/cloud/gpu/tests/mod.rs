@@ -5,6 +5,7 @@
 //! loop that adds up.
 
 mod kernels;
+mod mutants;
 mod text;
 
 use super::super::packet::Asking;
