@@ -13,7 +13,6 @@ use simdop::hierarchy::Bvh;
 use simdop::isa::Isa;
 use simdop::node::Node16;
 use simdop::packing::Packer;
-use simdop::pose::Pose;
 use simdop::primitive::{Sphere, Spheres};
 use simdop::query::Query;
 use std::f64::consts::PI;
