@@ -4,6 +4,7 @@
 //! up to sixteen, under [nodes](crate::node::Aabb16) of sixteen boxes each. Points that move keep their buckets: [`CloudMut::refit`] makes the
 //! boxes anew, in one pass from below, until the boxes have grown so much that another tree pays ([`Upkeep`]).
 //! [`RangeSearch`] answers queries; those of one bucket go down the tree together (coherent search).
+//! With the feature `gpu`, `gpu::DeviceCloud` answers them on a device, in the same order.
 //!
 //! ```
 //! use simdop::cloud::{Cloud, Queries, Radii, RangeSearch};
