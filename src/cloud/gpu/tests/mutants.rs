@@ -5,7 +5,7 @@ use crate::device::Program;
 use alloc::string::String;
 
 /// What stands in the text once, and what is put in its place.
-const MUTANTS: [(&str, &str); 14] = [
+const MUTANTS: [[&str; 2]; 14] = [
     ["let two = lesser(four, four.zwxy);", "let two = four;"],
     ["vec4(0x80000000u), bits == vec4(0x80000000u)", "vec4(0x80000000u), bits == vec4(0x80000001u)"],
     ["select(old, at, is_point)", "at"],
@@ -30,7 +30,7 @@ const MUTANTS: [(&str, &str); 14] = [
 
 fn mutated(number: usize) -> String {
     let source = shader::source();
-    let Some((before, after)) = MUTANTS.get(number) else { return source };
+    let Some([before, after]) = MUTANTS.get(number) else { return source };
     assert_eq!(source.matches(before).count(), 1, "{before}");
     source.replace(before, after)
 }
@@ -38,8 +38,9 @@ fn mutated(number: usize) -> String {
 /// Whether refit, seats, lists or neighbours are others than the CPU's.
 fn differs(gpu: &Gpu, number: usize) -> bool {
     // A grid, for ties; zeros of both signs, and some points that are no more.
-    let side =
-        |i: usize| [i % 16, i / 16 % 16, i / 256].map(|c| if c == 0 && i % 2 == 0 { -0.0 } else { c as f32 });
+    let side = |i: usize| {
+        [i % 16, i / 16 % 16, i / 256].map(|c| if c == 0 && i.is_multiple_of(2) { -0.0 } else { c as f32 })
+    };
     let mut points: Vec<[f32; 3]> = (0..4096).map(side).collect();
     let mut cloud = Cloud::with_room(&points, 13, points.len()).unwrap();
     for index in (0..points.len() as u32).step_by(7) {
