@@ -79,9 +79,10 @@ fn main() -> io::Result<()> {
         write("cloud_bytes", name, &clouds()[cloud].view().to_bytes())?;
     }
     for mode in 0..3 {
-        for (size, points) in [(15, 200), (0, 60), (4, 17)] {
+        for points in [150, 60, 17] {
+            let choice = [mode, points];
+            let mut input = Input::new(&choice);
             let mut seed = vec![1, mode, points, 9];
-            let mut input = Input::new(&[mode, size]);
             seed.extend((0..usize::from(points) * 9).map(|_| input.u8()));
             write("cloud_bytes", &format!("moved{mode}_{points}"), &seed)?;
         }

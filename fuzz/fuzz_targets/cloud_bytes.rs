@@ -103,7 +103,7 @@ fn is_the_model(cloud: &Cloud, model: &[Option<[f32; 3]>], tight: bool) {
 /// Builds a cloud and lets things happen to it.
 fn moved(input: &mut Input) {
     let mode = input.mode();
-    let (n, room) = (input.u8().into(), input.below(20));
+    let (n, room) = (input.below(160), input.below(20));
     let points: Vec<_> = (0..n).map(|_| point(input, mode)).collect();
     let bucket_size = 1 + input.below(16) as u32;
     let splitter = match input.below(16) {

@@ -69,9 +69,9 @@ fn node_and_bucket(input: &mut Input, mode: Mode) -> (Aabb16, Bucket) {
         if input.one_in(8) {
             continue;
         }
-        for i in 0..3 {
+        for (i, x) in p.into_iter().enumerate() {
             (node.lower[i][lane], node.upper[i][lane]) = (of.lower[i], of.upper[i]);
-            bucket.coordinates[i][lane] = p[i];
+            bucket.coordinates[i][lane] = x;
         }
         bucket.indices[lane] = input.u32();
     }

@@ -227,7 +227,7 @@ impl<N: Lanes> Placed<'_, N> {
         );
         assert!((certain..=possible).contains(&whole.pairs), "{certain} {possible} {whole:?}");
         assert!(whole.upper == whole.volume && part.volume <= whole.volume, "{part:?} {whole:?}");
-        assert!(!(part.estimate < part.volume), "{part:?}");
+        assert!(part.estimate >= part.volume || part.estimate.is_nan(), "{part:?}");
         if is_disjoint(&self.moved) && is_disjoint(&self.still) {
             assert!(whole.volume <= part.upper, "{part:?} {whole:?} {:?}", self.pose);
         }

@@ -197,32 +197,51 @@ fn below(
     all
 }
 
+/// What a loop over all points finds.
+struct Found {
+    /// Of each point in turn, its index and its neighbours. Nothing of clouds with room for more than there is memory for results.
+    own: Option<Vec<(u32, Vec<u32>)>>,
+    /// Of each other query.
+    others: Vec<Vec<u32>>,
+    /// All points, nearest first.
+    nearest: Vec<Vec<(f32, u32)>>,
+}
+
 /// Searches of a cloud on every instruction set find what a loop does, in its order.
 pub fn searches_agree(view: &CloudRef<'_>, input: &mut Input, mode: Mode) {
     let all = held(view);
-    let asked: Vec<_> = (0..input.below(20)).map(|_| query(input, mode, &all)).collect();
+    let asked: Vec<_> = (0..input.below(12)).map(|_| query(input, mode, &all)).collect();
     let each: Vec<_> = asked.iter().map(|_| radius(input, mode, &all)).collect();
     let (same, limit, k) = (radius(input, mode, &all), 1 + input.below(40), input.below(20));
+    let sorted = |q: &Point| {
+        let mut all: Vec<_> = all.iter().map(|&(index, p)| (square(*q, p), index)).collect();
+        all.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+        all
+    };
+    let want = Found {
+        own: (view.capacity() <= 4096)
+            .then(|| all.iter().map(|&(index, p)| (index, near(&all, p, same))).collect()),
+        others: asked.iter().zip(&each).map(|(q, r)| near(&all, *q, *r)).collect(),
+        nearest: asked.iter().map(sorted).collect(),
+    };
     let mut works = Vec::new();
     for isa in Isa::available() {
         let search = RangeSearch::new(isa);
         let mut work = Vec::new();
-        // A cloud may have room for more than there is memory for results.
-        if view.capacity() <= 4096 {
-            work.extend(own_agree(&search, view, &all, same, limit));
+        if let Some(own) = &want.own {
+            work.extend(own_agree(&search, view, own, same, limit));
         }
-        work.extend(others_agree(&search, view, &all, &asked, &each));
-        for (&q, &r) in asked.iter().zip(&each) {
-            let want = near(&all, q, r);
-            assert_eq!(search.any_within(view, q, r), Ok(!want.is_empty()), "{isa} {q:?} {r:e}");
+        work.extend(others_agree(&search, view, &want.others, &asked, &each));
+        for (i, (&q, &r)) in asked.iter().zip(&each).enumerate() {
+            assert_eq!(search.any_within(view, q, r), Ok(!want.others[i].is_empty()), "{isa} {q:?} {r:e}");
             let mut found = Vec::new();
             let visit = |index| {
                 found.push(index);
                 ControlFlow::Continue(())
             };
             work.push(search.each_within(view, q, r, visit).unwrap());
-            assert_eq!(found, want, "{isa} {q:?} {r:e}");
-            nearest_agree(&search, view, &all, q, k);
+            assert_eq!(found, want.others[i], "{isa} {q:?} {r:e}");
+            nearest_agree(&search, view, &want.nearest[i], q, k);
         }
         works.push(work);
     }
@@ -236,12 +255,11 @@ fn near(all: &[(u32, Point)], q: Point, r: f32) -> Vec<u32> {
 fn own_agree(
     search: &RangeSearch,
     view: &CloudRef<'_>,
-    all: &[(u32, Point)],
+    lists: &[(u32, Vec<u32>)],
     radius: f32,
     limit: usize,
 ) -> [RangeCounters; 3] {
     let (own, radii, room) = (Queries::own(), Radii::Same(radius), view.capacity());
-    let lists: Vec<_> = all.iter().map(|&(index, p)| (index, near(all, p, radius))).collect();
     let mut want = vec![u32::MAX; room];
     // Damaged clouds may use an index twice: the last one stays.
     lists.iter().for_each(|(index, list)| want[*index as usize] = list.len() as u32);
@@ -274,10 +292,11 @@ fn own_agree(
     for (place, count) in places.iter().zip(&want).filter(|(_, count)| **count != u32::MAX) {
         assert_eq!(place.count, *count);
     }
-    for (index, list) in lists.iter().rev().take(40) {
-        let is_last =
-            lists.iter().rfind(|(other, _)| other == index).is_some_and(|last| core::ptr::eq(&last.1, list));
-        assert!(!is_last || buffer[places[*index as usize].range()] == list[..]);
+    let mut is_checked = vec![false; room];
+    for (index, list) in lists.iter().rev() {
+        if !core::mem::replace(&mut is_checked[*index as usize], true) {
+            assert!(buffer[places[*index as usize].range()] == list[..], "{search:?} {radius:e}");
+        }
     }
     [counted, visited.unwrap(), filled]
 }
@@ -286,7 +305,7 @@ fn own_agree(
 fn others_agree(
     search: &RangeSearch,
     view: &CloudRef<'_>,
-    all: &[(u32, Point)],
+    want: &[Vec<u32>],
     asked: &[Point],
     each: &[f32],
 ) -> [RangeCounters; 2] {
@@ -299,19 +318,18 @@ fn others_agree(
         ControlFlow::Continue(())
     });
     for (i, (&q, &r)) in asked.iter().zip(each).enumerate() {
-        let want = near(all, q, r);
-        assert_eq!((counts[i], &seen[i]), (want.len() as u32, &want), "{search:?} {q:?} {r:e}");
+        assert_eq!((counts[i], &seen[i]), (want[i].len() as u32, &want[i]), "{search:?} {q:?} {r:e}");
     }
     [counted, visited.unwrap()]
 }
 
-fn nearest_agree(search: &RangeSearch, view: &CloudRef<'_>, all: &[(u32, Point)], q: Point, k: usize) {
-    let mut want: Vec<_> = all.iter().map(|&(index, p)| (square(q, p), index)).collect();
-    want.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+/// The first of all points in order.
+fn nearest_agree(search: &RangeSearch, view: &CloudRef<'_>, want: &[(f32, u32)], q: Point, k: usize) {
     let mut found = vec![Neighbour::NONE; k];
-    assert_eq!(search.k_nearest(view, q, &mut found), Ok(k.min(all.len())));
-    let found: Vec<_> = found[..k.min(all.len())].iter().map(|n| (n.square, n.index)).collect();
-    assert_eq!(found, want[..found.len()], "{search:?} {q:?}");
+    let count = k.min(want.len());
+    assert_eq!(search.k_nearest(view, q, &mut found), Ok(count));
+    let found: Vec<_> = found[..count].iter().map(|n| (n.square, n.index)).collect();
+    assert_eq!(found, want[..count], "{search:?} {q:?}");
     let nearest = search.nearest(view, q).unwrap().map(|n| (n.square, n.index));
     assert_eq!(nearest, want.first().copied(), "{search:?} {q:?}");
 }
