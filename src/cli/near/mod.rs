@@ -22,7 +22,8 @@ pub(super) struct Options {
     cloud: Option<File>,
     /// Find the neighbours of every point within this distance; each point is its own neighbour, too
     /// [default for the built-in points: 0.038].
-    #[arg(short, long, value_name = "DISTANCE", value_parser = radius, allow_hyphen_values = true)]
+    // What needs a body would be taken in silence: clap asks for none where there must not be one.
+    #[arg(short, long, value_name = "DISTANCE", value_parser = radius, allow_hyphen_values = true, conflicts_with_all = ["margin", "pose", "poses", "translate"])]
     radius: Option<f32>,
     /// The neighbours to write, those of a point on each line: indices from 0, in ascending order. A file that
     /// is there is replaced at once, when the list is whole.
