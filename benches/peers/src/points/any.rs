@@ -6,7 +6,7 @@ use super::{
     entrants::Radii,
     grid::{Grid, Kind, best_side},
 };
-use super::{lent, median, milliseconds, square, wanted};
+use super::{lent, median, milliseconds, square};
 use crate::Options;
 use crate::rng::Rng;
 use capt::Capt;
@@ -32,9 +32,6 @@ struct Sphere {
 
 pub(crate) fn measure(options: &Options) -> Result<Vec<Row>, String> {
     let mut rows = Vec::new();
-    if !wanted(options, "any") {
-        return Ok(rows);
-    }
     for name in ["street_lidar_source", "street_lidar_target"] {
         let sweep = scenes::ply(&options.data.join("points").join(name).with_extension("ply"))?;
         let seen: Points = sweep.iter().copied().filter(|point| *point != [0.0; 3]).collect();

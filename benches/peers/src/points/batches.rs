@@ -2,16 +2,16 @@
 
 use super::entrants::{Built, Entrant, Filled, Lists, Radii, entrants};
 use super::scenes::{self, Points, USUAL};
-use super::{lent, median, milliseconds, square, wanted};
+use super::{lent, median, milliseconds, square};
 use crate::Options;
 use crate::rng::Rng;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 use std::collections::BTreeSet;
 
 /// A library on a cloud.
-#[derive(Clone, Serialize)]
+#[derive(Clone, Serialize, Deserialize)]
 pub(crate) struct Row {
-    pub(crate) table: &'static str,
+    pub(crate) table: String,
     pub(crate) scene: String,
     pub(crate) points: usize,
     /// Found by a point on average, itself among them.
@@ -45,20 +45,23 @@ const SAMPLE: usize = 128;
 /// Seconds for the rounds of a cloud.
 const PATIENCE: f64 = 3.0;
 
-pub(crate) fn measure(options: &Options) -> Result<Vec<Row>, String> {
+/// Of the page, in its order.
+pub(crate) const TABLES: [&str; 5] = ["growth", "radii", "scenes", "particles", "odd"];
+
+pub(crate) fn measure(table: &str, options: &Options) -> Result<Vec<Row>, String> {
     let entrants = entrants(&options.drivers);
     let mut rows = Vec::new();
-    for case in cases(options)? {
+    for case in cases(table, options)? {
         eprintln!("{}: {}, {} points", case.table, case.scene, case.points.len());
         rows.extend(measure_case(&case, &entrants));
     }
     Ok(rows)
 }
 
-fn cases(options: &Options) -> Result<Vec<Case>, String> {
+fn cases(wanted: &str, options: &Options) -> Result<Vec<Case>, String> {
     let mut cases = Vec::new();
-    let mut add = |table, scene: &str, points: Points, radii| {
-        if points.len() <= options.most && wanted(options, table) {
+    let mut add = |table: &'static str, scene: &str, points: Points, radii| {
+        if points.len() <= options.most && table == wanted {
             cases.push(Case { table, scene: scene.to_owned(), points, radii });
         }
     };
@@ -222,7 +225,7 @@ fn measure_case(case: &Case, entrants: &[Entrant]) -> Vec<Row> {
         rounds += 1;
     }
     let row = |lane: Lane<'_>| Row {
-        table: case.table,
+        table: case.table.to_owned(),
         scene: case.scene.clone(),
         points: points.len(),
         neighbours: total as f64 / points.len() as f64,

@@ -12,23 +12,48 @@ mod single;
 
 use crate::{Options, save};
 use serde::Serialize;
+use serde::de::DeserializeOwned;
+use std::path::Path;
 
-/// Everything about one run of `--points`.
+/// Everything about one run of `--points`. What a table's measurements gave is written when it is done, and read again with `--resume`.
 pub(crate) fn run(options: &Options) -> Result<(), String> {
-    let say = |e: std::io::Error| format!("{}: {e}", options.out.display());
-    std::fs::create_dir_all(&options.out).map_err(say)?;
-    let batches = batches::measure(options)?;
-    write(options, "points.csv", &batches)?;
-    let mut singles = single::measure(options)?;
-    singles.extend(any::measure(options)?);
-    write(options, "points-single.csv", &singles)?;
+    let parts = options.out.join("parts");
+    std::fs::create_dir_all(&parts).map_err(|e| format!("{}: {e}", parts.display()))?;
+    let mut batches = Vec::new();
+    for table in batches::TABLES.into_iter().filter(|table| wanted(options, table)) {
+        batches.extend(kept(options, &parts, table, || batches::measure(table, options))?);
+    }
+    write(&options.out.join("points.csv"), &batches)?;
+    let mut singles = Vec::new();
+    if wanted(options, "single") {
+        singles.extend(kept(options, &parts, "single", || single::measure(options))?);
+    }
+    if wanted(options, "any") {
+        singles.extend(kept(options, &parts, "any", || any::measure(options))?);
+    }
+    write(&options.out.join("points-single.csv"), &singles)?;
     save(&options.out.join("POINTS.md"), &page::page(&batches, &singles, options))
 }
 
-fn write<T: Serialize>(options: &Options, file: &str, rows: &[T]) -> Result<(), String> {
-    let path = options.out.join(file);
+fn kept<T: Serialize + DeserializeOwned>(
+    options: &Options,
+    parts: &Path,
+    table: &str,
+    measure: impl FnOnce() -> Result<Vec<T>, String>,
+) -> Result<Vec<T>, String> {
+    let part = parts.join(format!("points-{table}.csv"));
+    if options.resume && part.exists() {
+        let read = || csv::Reader::from_path(&part)?.deserialize().collect::<Result<_, csv::Error>>();
+        return read().map_err(|e| format!("{}: {e}", part.display()));
+    }
+    let rows = measure()?;
+    write(&part, &rows)?;
+    Ok(rows)
+}
+
+fn write<T: Serialize>(path: &Path, rows: &[T]) -> Result<(), String> {
     let write = || -> Result<(), csv::Error> {
-        let mut writer = csv::Writer::from_path(&path)?;
+        let mut writer = csv::Writer::from_path(path)?;
         rows.iter().try_for_each(|row| writer.serialize(row))?;
         Ok(writer.flush()?)
     };

@@ -4,20 +4,20 @@ use super::entrants::{LEAF, Radii, nanoflann};
 use super::grid::{Grid, Kind, best_side};
 use super::nanoflann::{Nanoflann, Queries};
 use super::scenes::{self, Points, USUAL};
-use super::{median, milliseconds, square, wanted};
+use super::{median, milliseconds, square};
 use crate::Options;
 use crate::rng::Rng;
 use core::num::NonZeroUsize;
 use core::ops::ControlFlow;
 use kiddo::{ImmutableKdTree, SquaredEuclidean};
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 use simdop::cloud::{self, Cloud, Neighbour, RangeSearch, Seat};
 use simdop::isa::Isa;
 
 /// A library and a kind of query.
-#[derive(Clone, Serialize)]
+#[derive(Clone, Serialize, Deserialize)]
 pub(crate) struct Row {
-    pub(crate) table: &'static str,
+    pub(crate) table: String,
     pub(crate) scene: String,
     pub(crate) points: usize,
     pub(crate) what: String,
@@ -74,9 +74,9 @@ pub(crate) fn compare(of: &Row, ways: Vec<Way<'_>>, truth: &[u64], rows: &mut Ve
     }
 }
 
-pub(crate) fn row(table: &'static str, scene: &str, points: usize, what: &str, asked: usize) -> Row {
+pub(crate) fn row(table: &str, scene: &str, points: usize, what: &str, asked: usize) -> Row {
     Row {
-        table,
+        table: table.to_owned(),
         scene: scene.to_owned(),
         points,
         what: what.to_owned(),
@@ -101,11 +101,9 @@ struct Scene {
 
 pub(crate) fn measure(options: &Options) -> Result<Vec<Row>, String> {
     let mut rows = Vec::new();
-    if wanted(options, "single") {
-        for scene in scenes(options)?.into_iter().filter(|scene| scene.points.len() <= options.most) {
-            eprintln!("single: {}", scene.name);
-            measure_scene(&scene, options, &mut rows);
-        }
+    for scene in scenes(options)?.into_iter().filter(|scene| scene.points.len() <= options.most) {
+        eprintln!("single: {}", scene.name);
+        measure_scene(&scene, options, &mut rows);
     }
     Ok(rows)
 }
