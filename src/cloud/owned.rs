@@ -1,6 +1,6 @@
 //! A cloud that owns its memory.
 
-use super::store::Used;
+use super::store::{NOWHERE, Used};
 use super::{BUCKET_SIZE, CloudError, CloudMut, CloudRef, MAX_POINTS, Memory, buckets_for, nodes_for};
 use crate::hierarchy::BakeError;
 use crate::node::{Aabb16, Bucket};
@@ -53,29 +53,25 @@ impl Cloud {
         let aligned: &mut [u8] = bytemuck::cast_slice_mut(&mut lines);
         aligned[..bytes.len()].copy_from_slice(bytes);
         let view = CloudRef::from_bytes(&aligned[..bytes.len()])?;
-        let mut is_there = alloc::vec![false; view.capacity()];
+        let mut places = alloc::vec![NOWHERE; view.capacity()];
         for (bucket, b) in view.buckets().iter().zip(0..) {
-            for (&index, slot) in
-                bucket.indices.iter().zip(0..).filter(|(index, _)| **index != Bucket::UNUSED)
-            {
-                if core::mem::replace(&mut is_there[index as usize], true) {
-                    return Err(BakeError::Source { index: b * BUCKET_SIZE + slot });
+            for (&index, slot) in bucket.indices.iter().zip(0..) {
+                let place = b * BUCKET_SIZE + slot;
+                // There is a place for each index that is used.
+                let Some(free) = places.get_mut(index as usize) else { continue };
+                if core::mem::replace(free, place) != NOWHERE {
+                    return Err(BakeError::Source { index: place });
                 }
             }
         }
-        let count = buckets_for(view.capacity(), view.bucket_size());
-        let (mut nodes, mut buckets) = (view.nodes().to_vec(), view.buckets().to_vec());
-        nodes.resize(nodes.len().max(nodes_for(count)), Aabb16::EMPTY);
-        buckets.resize(buckets.len().max(count), Bucket::EMPTY);
-        let mut places = alloc::vec![0; view.capacity()];
+        // No more than is there: whoever wrote the bytes says for how many points there shall be room.
+        let (nodes, buckets) = (view.nodes().to_vec(), view.buckets().to_vec());
         let used = Used {
             nodes: view.nodes().len() as u32,
             buckets: view.buckets().len() as u32,
             points: view.len() as u32,
             bucket_size: view.bucket_size(),
         };
-        let memory = Memory { nodes: &mut nodes, buckets: &mut buckets, places: &mut places };
-        CloudMut { memory, used }.find_places();
         Ok(Self { nodes, buckets, places, used })
     }
 
@@ -99,11 +95,15 @@ impl Cloud {
         self.change(|cloud| cloud.refit(positions))
     }
 
-    /// [`CloudMut::rebuild`].
+    /// [`CloudMut::rebuild`]. It takes memory if the cloud was read from bytes and has got more points since; one that was built has
+    /// memory for all indices.
     ///
     /// # Errors
-    /// As there: never, since there is memory for all indices.
+    /// As there: never, since memory is taken where it lacks.
     pub fn rebuild(&mut self) -> Result<(), CloudError> {
+        let count = buckets_for(self.used.points as usize, self.used.bucket_size).max(1);
+        self.buckets.resize(self.buckets.len().max(count), Bucket::EMPTY);
+        self.nodes.resize(self.nodes.len().max(nodes_for(count)), Aabb16::EMPTY);
         self.change(|cloud| cloud.rebuild())
     }
 

@@ -45,7 +45,7 @@ pub(super) struct Used {
 }
 
 /// No place: there is no point of this index.
-const NOWHERE: u32 = u32::MAX;
+pub(super) const NOWHERE: u32 = u32::MAX;
 
 /// Where the items of a node that waits begin and end.
 fn waiting(places: &[u32], node: usize) -> (usize, usize) {

@@ -1,7 +1,7 @@
 //! Clouds as bytes: the same cloud again, or an error.
 
 use crate::scenes::{self, Random};
-use simdop::cloud::{CLOUD_MAGIC, Cloud, CloudRef, Neighbour, Queries, Radii, RangeSearch};
+use simdop::cloud::{CLOUD_MAGIC, Cloud, CloudError, CloudRef, Neighbour, Queries, Radii, RangeSearch};
 use simdop::construct::Splitter;
 use simdop::hierarchy::{Aligned, BakeError};
 use simdop::isa::Isa;
@@ -115,6 +115,37 @@ fn nodes_that_nothing_leads_to_are_refused() {
     bytes[24..28].copy_from_slice(&1_u32.to_le_bytes());
     bytes.drain(64 + 512..64 + 1024);
     assert_eq!(read(&bytes), Ok(10));
+}
+
+/// A head may promise room for more points than there are: memory for them is taken when they come.
+#[test]
+fn a_cloud_from_bytes_has_the_room_that_it_says() {
+    let random = &mut Random(47);
+    let mut points: Vec<_> = (0..40).map(|_| random.point()).collect();
+    let mut bytes = Cloud::new(&points).unwrap().view().to_bytes();
+    bytes[20..24].copy_from_slice(&2000_u32.to_le_bytes());
+    let mut cloud = Cloud::from_bytes(&bytes).unwrap();
+    assert_eq!(cloud.view().buckets().len(), 3);
+    for index in 40..scenes::size(2000, 200) as u32 {
+        let point = random.point();
+        points.push(point);
+        if let Err(error) = cloud.insert(index, point) {
+            assert_eq!(error, CloudError::Full);
+            cloud.rebuild().unwrap();
+            // A rebuilt cloud is full but for its last bucket.
+            if cloud.insert(index, point).is_err() {
+                points.pop();
+                break;
+            }
+        }
+    }
+    assert!(points.len() > 48, "{}", points.len());
+    let mut counts = vec![0; 2000];
+    let search = RangeSearch::new(Isa::detect());
+    search.count(&cloud.view(), &Queries::own(), Radii::Same(0.2), &mut counts).unwrap();
+    for (i, point) in points.iter().enumerate() {
+        assert_eq!(counts[i] as usize, crate::scenes::brute(&points, *point, 0.2).len(), "point {i}");
+    }
 }
 
 /// Whatever the bytes, a cloud that is accepted can be searched.
