@@ -34,7 +34,9 @@ pub(super) fn shared(a: &BoundingBall, b: &Ball16) -> [f32; 16] {
         let lens = (((depth * depth) * rest) / distance) * LENS + slack;
         let whole = ((smaller * smaller) * smaller) * WHOLE;
         let lens = if distance > difference { lens } else { whole };
-        let bound = least(lens, least(a.volume, b.volume));
+        // A signalling NaN becomes a quiet one by the addition: LLVM takes the comparison below for a maximum, and aarch64's is
+        // NaN of a signalling one.
+        let bound = least(lens, least(a.volume, b.volume)) + 0.0;
         let bound = if bound > LEAST_VOLUME { bound } else { LEAST_VOLUME };
         if is_met(&(square, sum)) { bound } else { 0.0 }
     })
