@@ -144,7 +144,7 @@ fn a_cloud_from_bytes_has_the_room_that_it_says() {
     let search = RangeSearch::new(Isa::detect());
     search.count(&cloud.view(), &Queries::own(), Radii::Same(0.2), &mut counts).unwrap();
     for (i, point) in points.iter().enumerate() {
-        assert_eq!(counts[i] as usize, crate::scenes::brute(&points, *point, 0.2).len(), "point {i}");
+        assert_eq!(counts[i] as usize, scenes::brute(&points, *point, 0.2).len(), "point {i}");
     }
 }
 
