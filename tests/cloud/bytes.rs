@@ -122,24 +122,20 @@ fn nodes_that_nothing_leads_to_are_refused() {
 fn a_cloud_from_bytes_has_the_room_that_it_says() {
     let random = &mut Random(47);
     let mut points: Vec<_> = (0..40).map(|_| random.point()).collect();
-    let mut bytes = Cloud::new(&points).unwrap().view().to_bytes();
+    let mut bytes = Cloud::with_room(&points, 11, points.len()).unwrap().view().to_bytes();
     bytes[20..24].copy_from_slice(&2000_u32.to_le_bytes());
     let mut cloud = Cloud::from_bytes(&bytes).unwrap();
-    assert_eq!(cloud.view().buckets().len(), 3);
+    assert_eq!(cloud.view().buckets().len(), 4);
     for index in 40..scenes::size(2000, 200) as u32 {
         let point = random.point();
         points.push(point);
         if let Err(error) = cloud.insert(index, point) {
             assert_eq!(error, CloudError::Full);
             cloud.rebuild().unwrap();
-            // A rebuilt cloud is full but for its last bucket.
-            if cloud.insert(index, point).is_err() {
-                points.pop();
-                break;
-            }
+            cloud.insert(index, point).unwrap();
         }
     }
-    assert!(points.len() > 48, "{}", points.len());
+    assert!(cloud.view().len() == points.len() && cloud.view().buckets().len() > 10);
     let mut counts = vec![0; 2000];
     let search = RangeSearch::new(Isa::detect());
     search.count(&cloud.view(), &Queries::own(), Radii::Same(0.2), &mut counts).unwrap();

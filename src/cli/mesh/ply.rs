@@ -413,7 +413,7 @@ mod tests {
         assert_eq!(fault("ply\nformat ascii 2\n").place, Place::Line(2));
         let cloud = "ply\nformat ascii 1.0\nelement vertex 0\nproperty float x\nproperty float y\n";
         assert_eq!(
-            fault(&format!("{cloud}end_header\n")),
+            fault(&format!("{cloud}property float z\nend_header\n")),
             Fault::file("not a mesh: there is no element 'face'")
         );
         let flat = format!("{cloud}element face 0\nproperty list uchar int vertex_indices\nend_header\n");
