@@ -13,7 +13,8 @@ pub enum Policy {
     Ratio(f64),
     /// When searches have grown by more work than a new tree saves. If a search takes `d` more work with every frame, and a
     /// build takes `b` more than a refit, then the least work a frame is spent by building anew after `-1 + sqrt(1 + 2 b / d)`
-    /// frames: all of it is counted, so every machine decides alike.
+    /// frames: all of it is counted, so every machine decides alike. It knows after a search only: where points may jump by a tenth of
+    /// the scene from one frame to the next, searches in between take tens of times as long, and the ratio says so before them.
     Work,
 }
 
