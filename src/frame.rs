@@ -25,6 +25,8 @@ pub struct Extent {
     pub frame: Frame,
     /// Largest absolute coordinate of a point of the body or of the frame's centre, in the body's unit. At least.
     pub max_coordinate: f64,
+    /// Largest distance of a point of the body from the frame's centre, in the body's unit. At least.
+    pub radius: f64,
     /// Largest `|x|`, `|y|`, `|z|` of a point of the body in the frame. At least.
     pub half_width: [f32; 3],
     /// Largest absolute finite plane.
@@ -39,14 +41,6 @@ impl Extent {
         (x + y) + z
     }
 
-    /// The square of half of the diagonal of the body's box about the centre of its frame, in the body's unit. Up to
-    /// rounding, at least.
-    // A root takes as long as a visit where it is computed in software, as `libm` does.
-    #[inline(always)]
-    pub(crate) fn square_of_radius(&self) -> f64 {
-        let [x, y, z] = self.half_width.map(|x| f64::from(x) / self.frame.scale());
-        (x * x + y * y) + z * z
-    }
 }
 
 /// The border of a body lies between 2^6 and 2^7 of its frame. A half is finite up to 2^16 and has its full
@@ -102,6 +96,25 @@ impl Frame {
     #[must_use]
     pub fn scale(&self) -> f64 {
         power_of_two(self.exponent)
+    }
+
+    /// How far from the centre all that is within `radius` of p reaches, at most.
+    #[cfg(feature = "alloc")]
+    pub(crate) fn reach(&self, p: Point, radius: f64) -> f64 {
+        (libm::sqrt(self.square_of_way(p)) + radius) * (1.0 + power_of_two(-46))
+    }
+
+    /// Whether all that is within `radius` of p is certainly within `reach` of the centre, as it is within
+    /// [`Frame::reach`].
+    // Without a root, which some machines take in software.
+    pub(crate) fn is_in_reach(&self, p: Point, radius: f64, reach: f64) -> bool {
+        let room = reach - radius;
+        room >= 0.0 && self.square_of_way(p) * (1.0 + power_of_two(-48)) <= room * room
+    }
+
+    fn square_of_way(&self, p: Point) -> f64 {
+        let [x, y, z] = [p[0] - self.centre[0], p[1] - self.centre[1], p[2] - self.centre[2]];
+        (x * x + y * y) + z * z
     }
 
     /// The key of each direction's support of what is within `radius` of point `p`: the exact value of `(n . (p -

@@ -91,6 +91,22 @@ impl Key {
         }
     }
 
+    /// [`Key::round_up_or_unbounded`] of an `f32`, nearly always without `f64`, which a microcontroller has to emulate.
+    #[inline(always)]
+    #[must_use]
+    pub(crate) const fn round_up_single(x: f32) -> Self {
+        const DROPPED: u32 = 23 - 10;
+        let bits = x.to_bits();
+        let exponent = (bits >> 23) as i32 & 0xff;
+        if exponent < 127 - 14 || exponent > 127 + 15 {
+            return Self::round_up_or_unbounded(x as f64);
+        }
+        let sign = (bits as i32 >> 31) as i16;
+        let magnitude = (((bits >> DROPPED) & 0x3_ffff) as i32 - ((127 - 15) << 10)) as i16;
+        let inexact = (bits & ((1 << DROPPED) - 1) != 0) as i16;
+        Self((magnitude ^ sign) + (inexact & !sign))
+    }
+
     /// What both numbers round up to, if it is the same.
     #[cfg(any(test, feature = "alloc"))]
     #[inline]
@@ -143,9 +159,18 @@ impl Key {
 #[inline]
 #[must_use]
 pub fn decode(code: i16) -> f32 {
-    let bits = if code >= 0 { code } else { code ^ 0x7fff };
-    half::f16::from_bits(bits as u16).to_f32_const()
+    let bits = (if code >= 0 { code } else { code ^ 0x7fff }) as u16;
+    if bits & INFINITE == INFINITE {
+        return half::f16::from_bits(bits).to_f32_const();
+    }
+    // The half's exponent and fraction where a single has its own, 2^112 too small: exact for subnormals too.
+    const SCALE: f32 = f32::from_bits((127 + 112) << 23);
+    let magnitude = f32::from_bits(u32::from(bits & 0x7fff) << 13) * SCALE;
+    if code >= 0 { magnitude } else { -magnitude }
 }
+
+/// The exponent of halves that are infinite, or no numbers.
+const INFINITE: u16 = 0x7c00;
 
 /// Bits of the fraction of an `f64`, and how many of them a half drops.
 const FRACTION: u32 = 52;

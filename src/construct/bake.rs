@@ -77,6 +77,7 @@ pub(super) fn bake<N: Dop, G: Geometry>(
         degenerate_count,
         centre: frame.centre,
         max_coordinate: coordinate(0).max(coordinate(1)).max(coordinate(2)),
+        radius: radius::<G::Primitive>(&frame, &vertices),
         exponent: frame.exponent,
         half_width,
         max_plane: max_plane(&nodes),
@@ -87,7 +88,7 @@ pub(super) fn bake<N: Dop, G: Geometry>(
         },
         has_thin_slabs: (has_thin_slabs && (thin_slabs.len() == nodes.len() * N::ARITY)).into(),
         has_balls: (!balls.is_empty()).into(),
-        reserved: [0; 13],
+        reserved: [0; 9],
     };
     let vertex_bytes: &[u8] = match &single {
         Some(single) => bytemuck::cast_slice(single),
@@ -112,6 +113,11 @@ fn half_width<P: Primitive>(frame: &Frame, vertices: &[P::Double]) -> [f32; 3] {
         };
         round_up_f32(vertices.iter().map(P::ball).map(width).fold(0.0, f64::max))
     })
+}
+
+fn radius<P: Primitive>(frame: &Frame, vertices: &[P::Double]) -> f64 {
+    let reach = |Sphere { centre, radius }: Sphere| frame.reach(centre, radius);
+    vertices.iter().map(P::ball).map(reach).fold(0.0, f64::max)
 }
 
 /// The largest magnitude of a finite plane. Codes order as what they stand for, so the least and the greatest

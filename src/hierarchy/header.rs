@@ -12,7 +12,7 @@ use core::fmt;
 pub const MAGIC: [u8; 8] = *b"SIMDOP\x1a\n";
 
 /// Version of the layout that this crate reads and writes.
-pub const VERSION: u32 = 3;
+pub const VERSION: u32 = 4;
 
 #[cfg(target_endian = "big")]
 compile_error!("baked trees are little-endian and read in place: big-endian targets are not supported");
@@ -48,6 +48,8 @@ pub struct Header {
     pub centre: Point,
     /// Largest absolute coordinate of a point of the body or of the centre, in the body's unit. At least.
     pub max_coordinate: f64,
+    /// Largest distance of a point of the body from the centre, in the body's unit. At least.
+    pub radius: f64,
     /// Scale of the frame: `2^exponent`.
     pub exponent: i32,
     /// Largest `|x|`, `|y|`, `|z|` of a point of the body in the frame. At least.
@@ -62,7 +64,7 @@ pub struct Header {
     pub has_thin_slabs: u16,
     /// 1 if the tree has the balls of its lanes, else 0.
     pub has_balls: u16,
-    pub(crate) reserved: [u16; 13],
+    pub(crate) reserved: [u16; 9],
 }
 
 const _: () = assert!(size_of::<Header>() == 128 && align_of::<Header>() == 8, "the header has 128 bytes");
@@ -185,6 +187,7 @@ impl Header {
         Extent {
             frame: Frame { centre: self.centre, exponent: self.exponent },
             max_coordinate: self.max_coordinate,
+            radius: self.radius,
             half_width: self.half_width,
             max_plane: self.max_plane,
         }

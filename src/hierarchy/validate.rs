@@ -6,7 +6,7 @@ use crate::frame::{Extent, MAX_EXPONENT};
 use crate::key::{Key, decode};
 use crate::node::{BoundingBall, Child, Dop, Link, MAX_LEAF_SIZE, Width};
 use crate::primitive::{Fault, Primitive, Sphere};
-use crate::range::{MAX_COORDINATE, flush};
+use crate::range::{MAX_COORDINATE, MAX_MOVED, flush};
 
 impl<N: Dop, P: Primitive> BvhRef<'_, N, P> {
     /// Proves that no query can read out of range, loop, or overflow its stack, and that the header's bounds
@@ -49,13 +49,14 @@ impl<N: Dop, P: Primitive> BvhRef<'_, N, P> {
                 "max_coordinate",
                 h.max_coordinate <= MAX_COORDINATE && h.centre.iter().all(|c| c.abs() <= h.max_coordinate),
             ),
+            ("radius", (0.0..=MAX_MOVED).contains(&h.radius)),
             ("exponent", (-MAX_EXPONENT..=MAX_EXPONENT).contains(&h.exponent)),
             ("half_width", h.half_width.iter().all(|w| *w >= 0.0 && w.is_finite())),
             ("max_plane", h.max_plane >= 0.0 && h.max_plane.is_finite()),
             ("root", h.root == Header::root_of(h.half_width)),
             ("has_thin_slabs", h.has_thin_slabs <= 1),
             ("has_balls", h.has_balls == 0 || h.has_balls == 1 && P::HAS_BALLS && N::ARITY == 16),
-            ("reserved", h.reserved == [0; 13]),
+            ("reserved", h.reserved == [0; 9]),
         ];
         match checks.iter().find(|(_, ok)| !ok) {
             Some((field, _)) => Err(BakeError::Header { field }),
@@ -156,6 +157,7 @@ impl<N: Dop, P: Primitive> BvhRef<'_, N, P> {
                 && p.iter().all(|&x| x.abs() + radius <= max_coordinate && flush(x) == x)
                 && (0..3)
                     .all(|i| ((p[i] - frame.centre[i]) * scale).abs() + reach <= f64::from(half_width[i]))
+                && frame.is_in_reach(p, radius, self.header.radius)
         };
         self.store.check(is_inside).map_err(|fault| match fault {
             Fault::Vertex { index } => BakeError::Vertex { index },

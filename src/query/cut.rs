@@ -1,7 +1,7 @@
 //! A leaf that waits for the other tree cuts its nodes, by slabs of its primitive's own
 //! ([`crate::realign::own_slabs`]): each in the frame of its own tree, where its planes are tight.
 
-use super::traverse::{Traversal, bits_of};
+use super::traverse::{Margin, Traversal, bits_of};
 use super::{Lanes, Pairwise};
 use crate::frame::Extent;
 use crate::kernel::Kernel;
@@ -36,12 +36,13 @@ fn own_slabs<N: Lanes, P: Primitive, E: Kernel>(
 const WORTH_CUTTING: usize = 16;
 const WEIGHT_OF_INNER: usize = 8;
 
-impl<N, P, Q, E> Traversal<'_, N, P, Q, E>
+impl<N, P, Q, E, M> Traversal<'_, N, P, Q, E, M>
 where
     N: Lanes,
     P: Pairwise<Q>,
     Q: Pairwise<P>,
     E: Kernel,
+    M: Margin,
 {
     /// Whether the children of one node that the bits name are worth being cut by the leaf that waits for them.
     #[inline(always)]
@@ -74,11 +75,11 @@ where
             let slabs = match cutter {
                 Cutter::A(index) => {
                     let item = P::moved(&self.a.primitive(index), self.pose);
-                    own_slabs::<N, P, E>(self.kernel, &item, self.margin, &self.b.extent(), None)
+                    own_slabs::<N, P, E>(self.kernel, &item, self.margin.value(), &self.b.extent(), None)
                 }
                 Cutter::B(index) => {
                     let item = self.b.primitive(index);
-                    let margin = self.margin + shrinkage::<P>(self.pose, &self.a.extent());
+                    let margin = self.margin.value() + shrinkage::<P>(self.pose, &self.a.extent());
                     own_slabs::<N, Q, E>(self.kernel, &item, margin, &self.a.extent(), Some(self.pose))
                 }
             };

@@ -1,6 +1,8 @@
 //! How far apart: within a margin or not, and the distance itself.
 
 use super::nearest::{Goal, Outcome, search};
+use super::reject::are_apart;
+use super::traverse::Within;
 use super::{Answer, Completion, Counters, Hint, Lanes, Pair, Pairwise, Query, Verdict};
 use crate::hierarchy::{AsBvh, BvhRef};
 use crate::isa::on_isa;
@@ -48,8 +50,8 @@ pub struct Distance {
     /// Upper bound, in the bodies' unit: that of the witness. Zero if and only if the witness's primitives
     /// meet.
     pub upper: f64,
-    /// Two primitives and points that are `upper` apart. `None` if a body is empty: its distance is
-    /// infinite.
+    /// Two primitives and points that are `upper` apart. `None`, with an infinite `upper`, if a body is empty or no two
+    /// were found that are nearer than the cutoff.
     pub witness: Option<Witness>,
     /// [`Completion::Complete`], or [`Completion::OutOfBudget`]: then the bounds are valid, and as far apart as they are.
     pub completion: Completion,
@@ -64,7 +66,7 @@ impl Distance {
     pub fn verdict(&self) -> Verdict {
         match self.witness {
             Some(witness) if self.upper == 0.0 => Verdict::Hit(witness.pair),
-            Some(_) if self.completion != Completion::Complete && self.lower == 0.0 => {
+            _ if self.completion != Completion::Complete && self.lower == 0.0 => {
                 Verdict::Unknown { lower: 0.0, upper: self.upper }
             }
             _ => Verdict::Free,
@@ -99,11 +101,11 @@ impl Query {
         B::Primitive: Pairwise<A::Primitive>,
     {
         let (a, b, margin) = (a.as_bvh(), b.as_bvh(), checked(margin)?);
-        let smaller = a.extent().square_of_radius().min(b.extent().square_of_radius());
-        if margin * margin > LARGE * LARGE * smaller && !a.is_empty() && !b.is_empty() {
+        let smaller = a.header().radius.min(b.header().radius);
+        if margin > LARGE * smaller && !a.is_empty() && !b.is_empty() {
             return Ok(self.first_near(a, b, pose, margin));
         }
-        Ok(self.first_pair(&a, &b, pose, margin))
+        Ok(self.first_pair(&a, &b, pose, Within(margin)))
     }
 
     /// The distance of body `a`, placed by `pose` in the frame of body `b`, from `b`, and where they are
@@ -127,6 +129,7 @@ impl Query {
     ///
     /// # Errors
     /// [`ToleranceError`] if `tolerance` is negative, infinite or NaN.
+    #[inline]
     pub fn distance<A: AsBvh, B: AsBvh<Node = A::Node>>(
         &self,
         a: &A,
@@ -138,19 +141,69 @@ impl Query {
         A::Node: Lanes,
         A::Primitive: Pairwise<B::Primitive>,
     {
+        self.distance_up_to(a, b, pose, tolerance, f64::INFINITY)
+    }
+
+    /// [`Query::distance`] of bodies that are nearer than `cutoff`, in their unit. Others are only known to be at least
+    /// that far apart: `lower` is the cutoff then, or more, `upper` is infinite and there is no witness. Of bodies whose
+    /// distance is the cutoff, up to rounding, either may be the answer.
+    ///
+    /// For the nearest of many bodies: with the least `upper` so far as cutoff, those that are farther are left after a
+    /// few visits, most of them before the first.
+    ///
+    /// ```
+    /// # use simdop::{construct::{Builder, Mesh}, isa::Isa, node::Node16, pose::Pose, query::Query};
+    /// # let vertices = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+    /// # let triangles = [[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]];
+    /// # let body = Builder::new().build::<Node16<18>>(&Mesh { vertices: &vertices, triangles: &triangles })?;
+    /// let (query, mut nearest) = (Query::new(Isa::detect()), (f64::INFINITY, None));
+    /// for x in [7.0, 3.0, 5.0] {
+    ///     let pose = Pose::from_rows([[1.0, 0.0, 0.0, x], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0]])?;
+    ///     let found = query.distance_up_to(&body, &body, &pose, 0.01, nearest.0)?;
+    ///     if found.witness.is_some() {
+    ///         nearest = (found.upper, Some(x));
+    ///     }
+    /// }
+    /// assert_eq!(nearest, (2.0, Some(3.0)));
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    ///
+    /// # Errors
+    /// [`ToleranceError`] if `tolerance` is negative, infinite or NaN, or `cutoff` negative or NaN.
+    pub fn distance_up_to<A: AsBvh, B: AsBvh<Node = A::Node>>(
+        &self,
+        a: &A,
+        b: &B,
+        pose: &Pose,
+        tolerance: f64,
+        cutoff: f64,
+    ) -> Result<Distance, ToleranceError>
+    where
+        A::Node: Lanes,
+        A::Primitive: Pairwise<B::Primitive>,
+    {
         let (a, b) = (a.as_bvh(), b.as_bvh());
         let tolerance = checked(tolerance)?.max(TIGHT);
-        if a.is_empty() || b.is_empty() {
-            let (lower, upper) = (f64::INFINITY, f64::INFINITY);
-            let counters = Counters::default();
-            let completion = Completion::Complete;
-            return Ok(Distance { lower, upper, witness: None, completion, counters, hint: self.hint });
+        // Above zero, so that bodies that touch are nearer.
+        let cutoff =
+            if cutoff == f64::INFINITY { cutoff } else { checked(cutoff)?.max(f64::MIN_POSITIVE) };
+        let is_empty = a.is_empty() || b.is_empty();
+        if is_empty || are_apart(pose, &a.extent(), &b.extent(), cutoff) {
+            return Ok(Distance {
+                lower: if is_empty { f64::INFINITY } else { cutoff },
+                upper: f64::INFINITY,
+                witness: None,
+                completion: Completion::Complete,
+                counters: Counters::default(),
+                hint: self.hint,
+            });
         }
         let Outcome { completion, best, counters, .. } =
-            self.search(a, b, pose, Goal::Distance { tolerance });
+            self.search(a, b, pose, Goal::Distance { tolerance, cutoff });
         let [p, q] = best.points;
-        let witness = Some(Witness { pair: best.found.pair(&a, &b), a: p, b: q });
-        let hint = Hint::new(best.found);
+        let found = best.upper.is_finite().then_some(best.found);
+        let witness = found.map(|found| Witness { pair: found.pair(&a, &b), a: p, b: q });
+        let hint = found.map_or(self.hint, Hint::new);
         Ok(Distance { lower: best.lower, upper: best.upper, witness, completion, counters, hint })
     }
 
@@ -163,6 +216,9 @@ impl Query {
         pose: &Pose,
         margin: f64,
     ) -> Answer {
+        if are_apart(pose, &a.extent(), &b.extent(), margin) {
+            return Answer { verdict: Verdict::Free, counters: Counters::default(), hint: self.hint };
+        }
         let Outcome { completion, best, hit, counters } = self.search(a, b, pose, Goal::Within { margin });
         let verdict = match (hit, completion) {
             (Some(found), _) => Verdict::Hit(found.pair(&a, &b)),

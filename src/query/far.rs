@@ -60,9 +60,8 @@ impl Axis {
         exponent: i32,
     ) -> Option<Self> {
         let shift = shift(pose, a, &b.frame);
-        // At least the square of the sum of their sizes.
-        let sizes = 2.0 * (a.square_of_radius() + b.square_of_radius());
-        if dot(&shift, &shift) > FAR * FAR * sizes {
+        let far = FAR * (a.radius + b.radius);
+        if dot(&shift, &shift) > far * far {
             let line = Self::between::<N>(pose, (a, b), &shift, exponent);
             Some(Self { between: line.between - shrinkage, ..line })
         } else {

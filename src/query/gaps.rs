@@ -360,6 +360,7 @@ mod tests {
         let extent = Extent {
             frame: Frame { centre: [0.0; 3], exponent: 0 },
             max_coordinate: 1.0,
+            radius: 2.0,
             half_width: [1.0; 3],
             max_plane: 1.0,
         };

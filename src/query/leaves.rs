@@ -2,7 +2,7 @@
 
 use super::hint::Found;
 use super::stack::{Descent, Rows};
-use super::traverse::{Flow, Stop, Traversal, bits_of, primitives};
+use super::traverse::{Flow, Margin, Stop, Traversal, bits_of, primitives};
 use super::{Counters, Lanes, Pairwise};
 use crate::kernel::Kernel;
 use crate::node::{Child, Link};
@@ -14,12 +14,13 @@ struct Leaves {
     len: usize,
 }
 
-impl<N, P, Q, E> Traversal<'_, N, P, Q, E>
+impl<N, P, Q, E, M> Traversal<'_, N, P, Q, E, M>
 where
     N: Lanes,
     P: Pairwise<Q>,
     Q: Pairwise<P>,
     E: Kernel,
+    M: Margin,
 {
     /// Decides the pairs of leaves among the bits, and clears them.
     #[inline(always)]
@@ -56,7 +57,7 @@ where
     /// Every primitive of a leaf of A against every primitive of some leaves of B.
     #[inline(always)]
     fn decide_a(&mut self, one: Child, leaves: &Leaves) -> Flow {
-        let (kernel, margin, a, b) = (self.kernel, self.margin, &self.a, &self.b);
+        let (kernel, margin, a, b) = (self.kernel, self.margin.value(), &self.a, &self.b);
         for i in primitives(one.link()) {
             let item = P::moved(&a.primitive(i), self.pose);
             // Closures that are not said to be inlined were calls, out of the gate.
@@ -78,7 +79,7 @@ where
     /// Every primitive of a leaf of B against every primitive of some leaves of A.
     #[inline(always)]
     fn decide_b(&mut self, one: Child, leaves: &Leaves) -> Flow {
-        let (kernel, margin, a, b, pose) = (self.kernel, self.margin, &self.a, &self.b, self.pose);
+        let (kernel, margin, a, b, pose) = (self.kernel, self.margin.value(), &self.a, &self.b, self.pose);
         for j in primitives(one.link()) {
             let item = b.primitive(j);
             decide_one::<Q, P, E, true>(

@@ -3,7 +3,7 @@
 
 use super::stack::{Descent, Stack, Visited};
 use super::thin::{AT_ONCE, ThinChild, ThinTest};
-use super::traverse::{Traversal, bits_of};
+use super::traverse::{Margin, Traversal, bits_of};
 use super::{Lanes, Pairwise};
 use crate::kernel::Kernel;
 use crate::node::{Link, ThinSlab};
@@ -24,12 +24,13 @@ pub(super) const LONG: u64 = 32;
 const TRIAL: u32 = 32;
 const SHARE: u32 = 4;
 
-impl<N, P, Q, E> Traversal<'_, N, P, Q, E>
+impl<N, P, Q, E, M> Traversal<'_, N, P, Q, E, M>
 where
     N: Lanes,
     P: Pairwise<Q>,
     Q: Pairwise<P>,
     E: Kernel,
+    M: Margin,
 {
     /// Clears the bits of the last entry of the stack whose children are apart by their thin slabs. Each entry
     /// is looked at once, when it is its turn: of a hit most never are.
@@ -51,7 +52,7 @@ where
     #[inline(always)]
     fn clear_apart(&mut self, Visited { rows, volumes, .. }: &mut Visited) {
         let (Link::Inner(node_a), Link::Inner(node_b)) = (volumes.a.link(), volumes.b.link()) else { return };
-        let (a, b, pose, margin) = (self.a, self.b, self.pose, self.margin);
+        let (a, b, pose, margin) = (self.a, self.b, self.pose, self.margin.value());
         let (Some(slabs_a), Some(slabs_b)) = (a.thin_slabs_of(node_a), b.thin_slabs_of(node_b)) else {
             return;
         };

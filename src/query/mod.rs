@@ -48,6 +48,7 @@ mod long;
 mod nearest;
 mod pairwise;
 mod penetration;
+mod reject;
 mod stack;
 mod thin;
 mod traverse;
@@ -70,7 +71,8 @@ use crate::kernel::Kernel;
 use crate::pose::Pose;
 use core::ops::ControlFlow;
 use hint::Found;
-use traverse::{Limits, Stop, Traversal, Visitor};
+use reject::are_apart;
+use traverse::{Limits, Margin, Stop, Touching, Traversal, Visitor};
 
 /// How a query runs.
 #[derive(Copy, Clone, PartialEq, Eq, Debug)]
@@ -228,7 +230,7 @@ impl Query {
         A::Primitive: Pairwise<B::Primitive>,
         B::Primitive: Pairwise<A::Primitive>,
     {
-        self.first_pair(&a.as_bvh(), &b.as_bvh(), pose, 0.0)
+        self.first_pair(&a.as_bvh(), &b.as_bvh(), pose, Touching)
     }
 
     /// The first pair of primitives at most `margin` apart: that of the hint, or the first that the traversal
@@ -238,15 +240,18 @@ impl Query {
         a: &BvhRef<'_, N, P>,
         b: &BvhRef<'_, N, Q>,
         pose: &Pose,
-        margin: f64,
+        margin: impl Margin,
     ) -> Answer {
         let mut work = Counters::default();
+        if are_apart(pose, &a.extent(), &b.extent(), margin.value()) {
+            return Answer { verdict: Verdict::Free, counters: work, hint: self.hint };
+        }
         let mut hit = self.hint.pair(a.len(), b.len()).filter(|&Found { a: i, b: j }| {
             work.primitive_pairs += 1;
             let moved = P::moved(&a.primitive(i), pose);
             let (still, exact) = (b.primitive(j), &mut work.exact_pairs);
-            if margin > 0.0 {
-                P::within(&moved, &still, margin, exact)
+            if margin.value() > 0.0 {
+                P::within(&moved, &still, margin.value(), exact)
             } else {
                 P::meets(&P::probe(&moved), &still, exact)
             }
@@ -280,7 +285,10 @@ impl Query {
         B::Primitive: Pairwise<A::Primitive>,
     {
         let (a, b, mut counters) = (&a.as_bvh(), &b.as_bvh(), Counters::default());
-        let stop = self.run((a, b), pose, 0.0, &mut counters, &mut |found| visit(found.pair(a, b)));
+        if are_apart(pose, &a.extent(), &b.extent(), 0.0) {
+            return (Completion::Complete, counters);
+        }
+        let stop = self.run((a, b), pose, Touching, &mut counters, &mut |found| visit(found.pair(a, b)));
         let completion = match stop {
             None => Completion::Complete,
             Some(Stop::Visitor) => Completion::Stopped,
@@ -294,7 +302,7 @@ impl Query {
         &self,
         trees: (&BvhRef<'_, N, P>, &BvhRef<'_, N, Q>),
         pose: &Pose,
-        margin: f64,
+        margin: impl Margin,
         counters: &mut Counters,
         visit: Visitor<'_>,
     ) -> Option<Stop> {
@@ -307,7 +315,7 @@ impl Query {
         kernel: E,
         (a, b): (&BvhRef<'_, N, P>, &BvhRef<'_, N, Q>),
         pose: &Pose,
-        margin: f64,
+        margin: impl Margin,
         counters: &mut Counters,
         visit: Visitor<'_>,
     ) -> Option<Stop> {
@@ -316,7 +324,7 @@ impl Query {
             #[inline(always)]
             || {
                 let mut map = N::map(pose, &a.extent(), &b.frame());
-                let outwards = margin + crate::realign::shrinkage::<P>(pose, &a.extent());
+                let outwards = margin.value() + crate::realign::shrinkage::<P>(pose, &a.extent());
                 if outwards > 0.0 {
                     N::widen(&mut map, &b.frame(), outwards);
                 }

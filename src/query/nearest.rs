@@ -24,8 +24,8 @@ use crate::realign::greatest;
 /// What a search is for.
 #[derive(Copy, Clone, Debug)]
 pub(super) enum Goal {
-    /// The distance, known when its bounds differ by this relatively.
-    Distance { tolerance: f64 },
+    /// The distance, known when its bounds differ by `tolerance` relatively, or it is no less than the cutoff.
+    Distance { tolerance: f64, cutoff: f64 },
     /// Two primitives that are at most this far apart.
     Within { margin: f64 },
 }
@@ -116,8 +116,10 @@ impl<'t, N: Lanes, P: Pairwise<Q>, Q: Primitive> Search<'t, N, P, Q> {
     ) -> Self {
         let bounds = Bounds::new::<P>(pose, &a.extent(), &b.extent(), kept);
         let (distance, bound) = match goal {
-            Goal::Distance { .. } => (f64::INFINITY, f32::INFINITY),
-            Goal::Within { margin } => (margin, bounds.of_distance(margin)),
+            Goal::Distance { cutoff: f64::INFINITY, .. } => (f64::INFINITY, f32::INFINITY),
+            Goal::Distance { cutoff: distance, .. } | Goal::Within { margin: distance } => {
+                (distance, bounds.of_distance(distance))
+            }
         };
         Self {
             a,
@@ -143,16 +145,14 @@ impl<'t, N: Lanes, P: Pairwise<Q>, Q: Primitive> Search<'t, N, P, Q> {
         }
     }
 
-    /// Tests the pair of the hint. A distance has to begin with some pair.
+    /// Tests the pair of the hint. A distance that has no cutoff has to begin with some pair.
     #[inline(always)]
     fn try_first(&mut self, hint: Option<Found>) {
-        let found = match self.goal {
-            Goal::Distance { .. } => hint.unwrap_or(Found { a: 0, b: 0 }),
-            Goal::Within { .. } => match hint {
-                Some(found) => found,
-                None => return,
-            },
+        let first = match self.goal {
+            Goal::Distance { cutoff: f64::INFINITY, .. } => Some(Found { a: 0, b: 0 }),
+            _ => None,
         };
+        let Some(found) = hint.or(first) else { return };
         let moved = P::moved(&self.a.primitive(found.a), self.pose);
         self.test(found, &moved);
     }
@@ -172,7 +172,7 @@ impl<'t, N: Lanes, P: Pairwise<Q>, Q: Primitive> Search<'t, N, P, Q> {
         }
         let exact = &mut self.counters.exact_pairs;
         match self.goal {
-            Goal::Distance { tolerance } => {
+            Goal::Distance { tolerance, .. } => {
                 if let Some(pair) = P::nearer(moved, &still, self.threshold.distance, tolerance, exact) {
                     self.note(found, &pair, tolerance);
                 }

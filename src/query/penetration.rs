@@ -6,6 +6,8 @@
 
 use super::balls::{BallSearch, Rest};
 use super::lens::{LensSums, Outlook};
+use super::reject::are_apart;
+use super::traverse::Touching;
 use super::{Completion, Counters, Lanes, Query};
 use crate::exact::power_of_two;
 use crate::hierarchy::{AsBvh, BvhRef};
@@ -92,11 +94,14 @@ impl Query {
         let (a, b) = (a.as_bvh(), b.as_bvh());
         let mut sums = LensSums::new(&a.frame(), &b.frame(), pose);
         let mut counters = Counters::default();
+        if are_apart(pose, &a.extent(), &b.extent(), 0.0) {
+            return sums.finish(None, counters);
+        }
         if !a.balls().is_empty() && !b.balls().is_empty() {
             let rest = self.by_balls(&a, &b, pose, &mut sums, &mut counters);
             return sums.finish(rest, counters);
         }
-        let stop = self.run((&a, &b), pose, 0.0, &mut counters, &mut |found| {
+        let stop = self.run((&a, &b), pose, Touching, &mut counters, &mut |found| {
             sums.add(&Spheres::moved(&a.primitive(found.a), pose), &b.primitive(found.b));
             ControlFlow::Continue(())
         });

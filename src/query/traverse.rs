@@ -40,23 +40,51 @@ pub(super) type Flow = ControlFlow<Stop>;
 /// that is compiled once more for each visitor.
 pub(super) type Visitor<'v> = &'v mut dyn FnMut(Found) -> ControlFlow<()>;
 
+/// How far apart primitives may be that count as meeting. A type, so that a program which asks only whether bodies
+/// touch holds none of the code of distances: three quarters of the whole on a microcontroller.
+pub(super) trait Margin: Copy {
+    /// In the bodies' unit, not negative.
+    fn value(self) -> f64;
+}
+
+/// Primitives have to touch.
+#[derive(Copy, Clone, Debug)]
+pub(super) struct Touching;
+
+impl Margin for Touching {
+    #[inline(always)]
+    fn value(self) -> f64 {
+        0.0
+    }
+}
+
+/// They may be this far apart.
+#[derive(Copy, Clone, Debug)]
+pub(super) struct Within(pub(super) f64);
+
+impl Margin for Within {
+    #[inline(always)]
+    fn value(self) -> f64 {
+        self.0
+    }
+}
+
 /// When a traversal ends, and what counts as meeting.
 #[derive(Copy, Clone, Debug)]
-pub(super) struct Limits {
+pub(super) struct Limits<M> {
     pub(super) budget: u64,
-    pub(super) margin: f64,
+    pub(super) margin: M,
 }
 
 /// One query under way.
-pub(crate) struct Traversal<'t, N: Lanes, P: Primitive, Q: Primitive, E> {
+pub(crate) struct Traversal<'t, N: Lanes, P: Primitive, Q: Primitive, E, M> {
     pub(super) kernel: E,
     pub(super) a: BvhRef<'t, N, P>,
     pub(super) b: BvhRef<'t, N, Q>,
     pub(super) pose: &'t Pose,
     map: &'t N::Map,
     budget: u64,
-    /// Primitives this far apart count as meeting.
-    pub(super) margin: f64,
+    pub(super) margin: M,
     pub(super) counters: &'t mut Counters,
     pub(super) visit: Visitor<'t>,
     /// The node of A that was turned last, and its children's planes. Siblings in B follow each other, so it
@@ -75,20 +103,21 @@ pub(crate) struct Traversal<'t, N: Lanes, P: Primitive, Q: Primitive, E> {
 /// to 16: below, bodies of like size would be opened in turns, which costs them more visits.
 const MUCH_WIDER: i32 = 3;
 
-impl<'t, N, P, Q, E> Traversal<'t, N, P, Q, E>
+impl<'t, N, P, Q, E, M> Traversal<'t, N, P, Q, E, M>
 where
     N: Lanes,
     P: Pairwise<Q>,
     Q: Pairwise<P>,
     E: Kernel,
+    M: Margin,
 {
     #[inline(always)]
-    pub(crate) fn new(
+    pub(super) fn new(
         kernel: E,
         (a, b): (BvhRef<'t, N, P>, BvhRef<'t, N, Q>),
         pose: &'t Pose,
         map: &'t N::Map,
-        Limits { budget, margin }: Limits,
+        Limits { budget, margin }: Limits<M>,
         counters: &'t mut Counters,
         visit: Visitor<'t>,
     ) -> Self {
@@ -256,7 +285,7 @@ where
         if *body != a {
             let (tree, pose) = (&self.a, self.pose);
             let items = primitives(a.link()).map(|index| P::moved(&tree.primitive(index), pose));
-            N::aim::<P>(aimed, &self.b.frame(), items, self.margin);
+            N::aim::<P>(aimed, &self.b.frame(), items, self.margin.value());
             *body = a;
         }
     }

@@ -113,7 +113,8 @@ mod tests {
     fn extent(exponent: i32, centre: DVec3) -> Extent {
         let max_coordinate = centre.abs().max_element() + 100.0 * power_of_two(-exponent);
         let frame = Frame { centre: centre.to_array(), exponent };
-        Extent { frame, max_coordinate, half_width: [100.0; 3], max_plane: 200.0 }
+        let radius = 200.0 * power_of_two(-exponent);
+        Extent { frame, max_coordinate, radius, half_width: [100.0; 3], max_plane: 200.0 }
     }
 
     /// A ball in single precision around a sphere in a frame, as tight as can be.

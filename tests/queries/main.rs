@@ -36,6 +36,7 @@ mod own_slabs;
 mod owned_and_any;
 mod penetration;
 mod primitives;
+mod reject;
 mod sizes;
 mod solids;
 mod spheres;

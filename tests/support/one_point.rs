@@ -12,6 +12,7 @@ use simdop::range::Point;
 pub(crate) const NO_EXTENT: Extent = Extent {
     frame: Frame { centre: [0.0; 3], exponent: 0 },
     max_coordinate: 0.0,
+    radius: 0.0,
     half_width: [0.0; 3],
     max_plane: 0.0,
 };
@@ -36,6 +37,7 @@ impl<const K: usize> OnePoint<K> {
         let scale = f64::from_bits(((1023 - extent.frame.exponent) as u64) << 52);
         let point: Point = core::array::from_fn(|i| extent.frame.centre[i] + y[i] * scale);
         extent.max_coordinate = point.iter().chain(&extent.frame.centre).fold(0.0, |m, x| x.abs().max(m));
+        extent.radius = 2.0 * largest as f64 * scale;
         extent.half_width = y.map(|x| x.abs() as f32);
         extent.max_plane = supports.iter().fold(0.0, |m, x| x.abs().max(m)) as f32;
         let planes = supports.map(|x| {

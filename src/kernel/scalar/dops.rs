@@ -1,7 +1,7 @@
 //! Children against children, and re-alignment.
 
 use super::super::{SEPARATED, Turned};
-use crate::key::Key;
+use crate::key::{Key, decode};
 use crate::realign::{OwnSlab, Realignment};
 
 /// Whether some plane separates body `a` of the query from child `b`.
@@ -24,12 +24,16 @@ pub(super) fn realign<const W: usize, const K: usize>(
     planes: &[[i16; W]; K],
     query: &mut Turned<W, K>,
 ) {
-    for j in 0..K {
-        for lane in 0..W {
-            query[j ^ 1][lane] = !map.plane(j, |source| planes[source][lane]).code();
-        }
-    }
     for lane in 0..W {
+        // Each is a term of several sums.
+        let mut decoded = [0.0; K];
+        for (decoded, plane) in decoded.iter_mut().zip(planes) {
+            *decoded = decode(plane[lane]);
+        }
+        for s in 0..K / 2 {
+            let [ahead, behind] = map.slab_of(s, &decoded);
+            (query[2 * s + 1][lane], query[2 * s][lane]) = (!ahead.code(), !behind.code());
+        }
         if planes[0][lane] == Key::EMPTY.code() {
             query[0][lane] = SEPARATED;
         }

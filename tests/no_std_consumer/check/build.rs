@@ -26,7 +26,7 @@ fn main() {
     bake_points(&folder);
     let (vertices, triangles) = ring();
     let mesh = Mesh { vertices: &vertices, triangles: &triangles };
-    let tree = Builder::new().build::<Node16<14>>(&mesh).expect("a ring is a mesh");
+    let tree = Builder::new().build::<Node16<18>>(&mesh).expect("a ring is a mesh");
     std::fs::write(folder.join("ring.simdop"), tree.as_bytes()).expect("OUT_DIR is writable");
 
     let mut source = format!(

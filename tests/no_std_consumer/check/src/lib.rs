@@ -14,7 +14,7 @@ use simdop::pose::Pose;
 use simdop::query::{Counters, Pair, Query, Verdict, Verdict::*};
 
 /// The baked tree, read in place. The compiler has checked its header.
-static RING: Baked<Node16<14>> = include_tree!(concat!(env!("OUT_DIR"), "/ring.simdop"));
+pub static RING: Baked<Node16<18>> = include_tree!(concat!(env!("OUT_DIR"), "/ring.simdop"));
 
 include!(concat!(env!("OUT_DIR"), "/expected.rs"));
 

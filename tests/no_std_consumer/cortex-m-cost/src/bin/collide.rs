@@ -1,0 +1,29 @@
+//! The smallest program that asks a query: its size is what `Query::collide` adds to a firmware.
+#![no_std]
+#![no_main]
+
+use core::hint::black_box;
+use cortex_m_rt::entry;
+use cortex_m_semihosting::debug;
+use simdop::isa::Isa;
+use simdop::pose::Pose;
+use simdop::query::Query;
+
+#[entry]
+fn main() -> ! {
+    let (Ok(ring), Ok(pose)) = (check::RING.view(), Pose::from_rows(black_box(check::poses::POSES[1].1)))
+    else { exit(false) };
+    exit(Query::new(Isa::detect()).collide(&ring, &ring, &pose).hit().is_some())
+}
+
+fn exit(good: bool) -> ! {
+    debug::exit(if good { debug::EXIT_SUCCESS } else { debug::EXIT_FAILURE });
+    loop {
+        core::hint::spin_loop();
+    }
+}
+
+#[panic_handler]
+fn panic(_: &core::panic::PanicInfo<'_>) -> ! {
+    exit(false)
+}
