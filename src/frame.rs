@@ -40,7 +40,6 @@ impl Extent {
         let [x, y, z] = self.half_width.map(f64::from);
         (x + y) + z
     }
-
 }
 
 /// The border of a body lies between 2^6 and 2^7 of its frame. A half is finite up to 2^16 and has its full

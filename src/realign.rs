@@ -30,9 +30,11 @@
 //! planes bound `u . x + |u| r`, which is less than `u . x + |n| r` where M makes vectors shorter, as an accepted
 //! matrix may by 1e-4. So the planes of bodies with radii are moved out by `shrinkage` besides.
 
+mod back;
 mod ball;
 mod own_slab;
 
+pub use back::WayBack;
 pub(crate) use ball::BallMap;
 pub use own_slab::{OwnSlab, OwnSlabs, own_slabs};
 

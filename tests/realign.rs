@@ -13,10 +13,11 @@ use simdop::hierarchy::BvhRef;
 use simdop::key::Key;
 use simdop::node::Node16;
 use simdop::pose::Pose;
+use simdop::primitive::Triangles;
 use simdop::query::Lanes;
 use simdop::range::MIN_COORDINATE;
 use simdop::range::Point;
-use simdop::realign::Realignment;
+use simdop::realign::{Realignment, WayBack};
 use support::data::suite_step;
 use support::dyadic::{Dyadic, dot, half_value};
 use support::rng::Rng;
@@ -251,6 +252,59 @@ fn planes_of_one_point<const K: usize>() {
 #[test]
 fn turned_planes_of_one_point_a_hair_above_a_half() {
     for_each_k!(planes_of_one_point);
+}
+
+// ---- The way back -----------------------------------------------------------------------------------------
+
+/// Body B is one point y, and A has a point p there, as far from the centre of its frame as A reaches. B's planes, turned
+/// into A's frame and moved out, bound p: up to what `f64` leaves between y and the moved p.
+fn the_way_back_of_one_point<const K: usize>() {
+    let mut rng = Rng::new(300 + K as u64);
+    let (mut checks, mut decided) = (0_u64, 0_u64);
+    while checks < 200_000 / suite_step() as u64 {
+        let b = OnePoint::<K>::new(&mut rng);
+        let (size, distance) = size_and_distance(&mut rng);
+        let turn = rotation(&mut rng);
+        let pose = pose(&turn, random_point(&mut rng, [distance]));
+        // Three steps of refinement bring p to y as near as `f64` allows: the transpose is nearly the inverse.
+        let mut p = [0.0; 3];
+        for _ in 0..8 {
+            let moved = pose.apply(p);
+            let left: Point = core::array::from_fn(|i| b.point[i] - moved[i]);
+            p = core::array::from_fn(|j| p[j] + (0..3).map(|i| pose.rows()[i][j] * left[i]).sum::<f64>());
+        }
+        let moved = pose.apply(p);
+        let gap = (0..3).map(|i| (b.point[i] - moved[i]).powi(2)).sum::<f64>().sqrt() * (1.0 + 1e-12);
+
+        let mut a = NO_EXTENT;
+        a.frame.exponent = exponent_for(size);
+        a.frame.centre = add(p, random_point(&mut rng, [0.0, 1.0, 1.0]).map(|x| x * size));
+        let way: Point = core::array::from_fn(|i| p[i] - a.frame.centre[i]);
+        a.radius = way.iter().map(|x| x * x).sum::<f64>().sqrt() * (1.0 + 1e-15);
+        a.max_coordinate = p.iter().chain(&a.frame.centre).fold(0.0, |m, x| x.abs().max(m));
+
+        let back = WayBack::new(&pose, &a, &b.extent);
+        let mut map = Realignment::<K>::new(&back.pose, &b.extent, &a.frame);
+        let scale = f64::from_bits(((1023 + a.frame.exponent) as u64) << 52);
+        map.widen(back.outwards::<Triangles>(0.0, &b.extent) * scale);
+        for (j, n) in directions::table(K).vectors.iter().enumerate() {
+            checks += 1;
+            let limit = half_value(map.plane(j, |source| b.planes[source]).code());
+            if limit.is_finite() {
+                decided += 1;
+                let slack = directions::table(K).lengths[j] * gap * scale;
+                let exact = exact_support(n, &p, &a.frame);
+                let what = || format!("k {K} plane {j} cuts off {p:?}: {pose:?} {a:?} {:?}", b.extent);
+                assert!(exact <= Dyadic::from(limit) + Dyadic::from(slack), "{}", what());
+            }
+        }
+    }
+    assert!(decided * 2 > checks, "{decided} of {checks}");
+}
+
+#[test]
+fn planes_of_b_bound_points_of_a_on_the_way_back() {
+    for_each_k!(the_way_back_of_one_point);
 }
 
 // ---- What the offset pays for -----------------------------------------------------------------------------

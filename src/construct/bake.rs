@@ -8,7 +8,7 @@ use super::wrap::wrap;
 use super::{Assignment, BuildError, Builder, Geometry};
 use crate::exact::round_up_f32;
 use crate::frame::Frame;
-use crate::hierarchy::{Bvh, Header, MAGIC, MAX_DEPTH, VERSION};
+use crate::hierarchy::{Bvh, Header, MAGIC, MAX_DEPTH, VERSION, looseness};
 use crate::key::{Key, decode};
 use crate::node::{Dop, ThinSlab};
 use crate::primitive::{Primitive, Sphere};
@@ -81,6 +81,7 @@ pub(super) fn bake<N: Dop, G: Geometry>(
         exponent: frame.exponent,
         half_width,
         max_plane: max_plane(&nodes),
+        looseness: looseness(&nodes),
         root: Header::root_of(half_width),
         vertex_size: match single {
             Some(_) => size_of::<<G::Primitive as Primitive>::Single>() as u16,
@@ -88,7 +89,7 @@ pub(super) fn bake<N: Dop, G: Geometry>(
         },
         has_thin_slabs: (has_thin_slabs && (thin_slabs.len() == nodes.len() * N::ARITY)).into(),
         has_balls: (!balls.is_empty()).into(),
-        reserved: [0; 9],
+        reserved: [0; 7],
     };
     let vertex_bytes: &[u8] = match &single {
         Some(single) => bytemuck::cast_slice(single),

@@ -56,6 +56,9 @@ pub struct Header {
     pub half_width: [f32; 3],
     /// Largest absolute finite plane.
     pub max_plane: f32,
+    /// How loose the planes get when they are turned, in the unit of the frame: of two bodies a query turns the one that
+    /// loses less.
+    pub looseness: f32,
     /// The link to the root, with the [`Width`] of a box of twice [`Header::half_width`].
     pub root: Child,
     /// Bytes of a vertex. Of triangles: 12 (three `f32`) or 24 (three `f64`); of spheres 16 or 32.
@@ -64,7 +67,7 @@ pub struct Header {
     pub has_thin_slabs: u16,
     /// 1 if the tree has the balls of its lanes, else 0.
     pub has_balls: u16,
-    pub(crate) reserved: [u16; 9],
+    pub(crate) reserved: [u16; 7],
 }
 
 const _: () = assert!(size_of::<Header>() == 128 && align_of::<Header>() == 8, "the header has 128 bytes");

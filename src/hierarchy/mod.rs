@@ -19,6 +19,8 @@ mod baked;
 mod header;
 mod layout;
 #[cfg(feature = "alloc")]
+mod looseness;
+#[cfg(feature = "alloc")]
 mod owned;
 mod stats;
 mod tree_stats;
@@ -33,6 +35,8 @@ pub use any::AnyBvhRef;
 pub(crate) use any::for_node_types;
 pub use baked::{Aligned, Baked};
 pub use header::{BakeError, Header, MAGIC, VERSION};
+#[cfg(feature = "alloc")]
+pub(crate) use looseness::looseness;
 #[cfg(feature = "alloc")]
 pub use owned::Bvh;
 pub use stats::Stats;

@@ -53,10 +53,12 @@ impl<N: Dop, P: Primitive> BvhRef<'_, N, P> {
             ("exponent", (-MAX_EXPONENT..=MAX_EXPONENT).contains(&h.exponent)),
             ("half_width", h.half_width.iter().all(|w| *w >= 0.0 && w.is_finite())),
             ("max_plane", h.max_plane >= 0.0 && h.max_plane.is_finite()),
+            // Any number is safe: it decides what is faster.
+            ("looseness", h.looseness >= 0.0 && h.looseness.is_finite()),
             ("root", h.root == Header::root_of(h.half_width)),
             ("has_thin_slabs", h.has_thin_slabs <= 1),
             ("has_balls", h.has_balls == 0 || h.has_balls == 1 && P::HAS_BALLS && N::ARITY == 16),
-            ("reserved", h.reserved == [0; 9]),
+            ("reserved", h.reserved == [0; 7]),
         ];
         match checks.iter().find(|(_, ok)| !ok) {
             Some((field, _)) => Err(BakeError::Header { field }),

@@ -133,10 +133,24 @@ impl Pose {
     #[inline(always)]
     #[must_use]
     pub fn apply(&self, p: Point) -> Point {
-        let coordinate = |i: usize| {
-            let r = &self.rows[i];
-            flush(((r[0] * p[0] + r[1] * p[1]) + r[2] * p[2]) + self.translation[i])
-        };
+        let [x, y, z] = self.unflushed(&p);
+        [flush(x), flush(y), flush(z)]
+    }
+
+    /// The way back, for bodies about c: it takes the image of c to c, and ways from there to the ways from c by R
+    /// transposed. Not checked: it may lead farther than a pose.
+    pub(crate) fn back_to(&self, c: &Point) -> Self {
+        let (r, q) = (&self.rows, self.unflushed(c));
+        let along = |j: usize| c[j] - ((r[0][j] * q[0] + r[1][j] * q[1]) + r[2][j] * q[2]);
+        Self {
+            rows: [[r[0][0], r[1][0], r[2][0]], [r[0][1], r[1][1], r[2][1]], [r[0][2], r[1][2], r[2][2]]],
+            translation: [along(0), along(1), along(2)],
+        }
+    }
+
+    #[inline(always)]
+    fn unflushed(&self, p: &Point) -> Point {
+        let coordinate = |i: usize| dot(&self.rows[i], p) + self.translation[i];
         // Not `array::from_fn`: it is not always inlined, and this is on the path of every pair of triangles.
         [coordinate(0), coordinate(1), coordinate(2)]
     }

@@ -1,7 +1,9 @@
 //! A leaf that waits for the other tree cuts its nodes, by slabs of its primitive's own
 //! ([`crate::realign::own_slabs`]): each in the frame of its own tree, where its planes are tight.
 
-use super::traverse::{Margin, Traversal, bits_of};
+use super::frontier::Side;
+use super::placing::Margin;
+use super::traverse::{Traversal, bits_of};
 use super::{Lanes, Pairwise};
 use crate::frame::Extent;
 use crate::kernel::Kernel;
@@ -57,6 +59,21 @@ where
         bits_of(bits).map(weight).sum::<usize>() >= WORTH_CUTTING
     }
 
+    /// The slabs of a primitive, for nodes of the other body, of primitives `Others`. Of the query's bodies it is B's
+    /// nodes that keep their frame: those of A are turned by the pose.
+    #[inline(always)]
+    fn slabs<One: Primitive, Others: Primitive>(
+        &self,
+        item: One::Item,
+        is_of_a: bool,
+        others: &Extent,
+    ) -> OwnSlabs {
+        let (pose, margin) = (self.placing.pose, self.margin.value());
+        let (margin, pose) =
+            if is_of_a { (margin, None) } else { (margin + shrinkage::<Others>(pose, others), Some(pose)) };
+        own_slabs::<N, One, E>(self.kernel, &item, margin, others, pose)
+    }
+
     /// Where a leaf waits for a node: which of the children that the bits name do not lie beyond its
     /// primitive's own slabs.
     // Not a part of the loop, which is faster without it, but behind a gate of its own.
@@ -73,15 +90,16 @@ where
         };
         if self.cutter.is_none_or(|(last, _)| last != cutter) {
             let slabs = match cutter {
-                Cutter::A(index) => {
-                    let item = P::moved(&self.a.primitive(index), self.pose);
-                    own_slabs::<N, P, E>(self.kernel, &item, self.margin.value(), &self.b.extent(), None)
-                }
-                Cutter::B(index) => {
-                    let item = self.b.primitive(index);
-                    let margin = self.margin.value() + shrinkage::<P>(self.pose, &self.a.extent());
-                    own_slabs::<N, Q, E>(self.kernel, &item, margin, &self.a.extent(), Some(self.pose))
-                }
+                Cutter::A(index) => self.slabs::<P, Q>(
+                    self.placing.item_a(&self.a, index),
+                    self.placing.turned == Side::A,
+                    &self.b.extent(),
+                ),
+                Cutter::B(index) => self.slabs::<Q, P>(
+                    self.placing.item_b(&self.b, index),
+                    self.placing.turned == Side::B,
+                    &self.a.extent(),
+                ),
             };
             self.cutter = Some((cutter, slabs));
         }

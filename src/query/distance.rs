@@ -1,8 +1,8 @@
 //! How far apart: within a margin or not, and the distance itself.
 
 use super::nearest::{Goal, Outcome, search};
+use super::placing::Within;
 use super::reject::are_apart;
-use super::traverse::Within;
 use super::{Answer, Completion, Counters, Hint, Lanes, Pair, Pairwise, Query, Verdict};
 use crate::hierarchy::{AsBvh, BvhRef};
 use crate::isa::on_isa;
@@ -10,6 +10,7 @@ use crate::pose::Pose;
 use crate::primitive::Primitive;
 use crate::primitive::triangle::distance::TIGHT;
 use crate::range::Point;
+use crate::realign::shift;
 use core::fmt;
 
 /// A margin or tolerance that is negative, infinite or NaN.
@@ -185,10 +186,9 @@ impl Query {
         let (a, b) = (a.as_bvh(), b.as_bvh());
         let tolerance = checked(tolerance)?.max(TIGHT);
         // Above zero, so that bodies that touch are nearer.
-        let cutoff =
-            if cutoff == f64::INFINITY { cutoff } else { checked(cutoff)?.max(f64::MIN_POSITIVE) };
+        let cutoff = if cutoff == f64::INFINITY { cutoff } else { checked(cutoff)?.max(f64::MIN_POSITIVE) };
         let is_empty = a.is_empty() || b.is_empty();
-        if is_empty || are_apart(pose, &a.extent(), &b.extent(), cutoff) {
+        if is_empty || are_apart(&shift(pose, &a.extent(), &b.frame()), a.header(), b.header(), cutoff) {
             return Ok(Distance {
                 lower: if is_empty { f64::INFINITY } else { cutoff },
                 upper: f64::INFINITY,
@@ -216,7 +216,7 @@ impl Query {
         pose: &Pose,
         margin: f64,
     ) -> Answer {
-        if are_apart(pose, &a.extent(), &b.extent(), margin) {
+        if are_apart(&shift(pose, &a.extent(), &b.frame()), a.header(), b.header(), margin) {
             return Answer { verdict: Verdict::Free, counters: Counters::default(), hint: self.hint };
         }
         let Outcome { completion, best, hit, counters } = self.search(a, b, pose, Goal::Within { margin });

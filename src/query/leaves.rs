@@ -1,8 +1,10 @@
 //! Pairs of leaves: decided when their bits appear.
 
+use super::frontier::Side;
 use super::hint::Found;
+use super::placing::Margin;
 use super::stack::{Descent, Rows};
-use super::traverse::{Flow, Margin, Stop, Traversal, bits_of, primitives};
+use super::traverse::{Flow, Stop, Traversal, bits_of, primitives};
 use super::{Counters, Lanes, Pairwise};
 use crate::kernel::Kernel;
 use crate::node::{Child, Link};
@@ -57,18 +59,19 @@ where
     /// Every primitive of a leaf of A against every primitive of some leaves of B.
     #[inline(always)]
     fn decide_a(&mut self, one: Child, leaves: &Leaves) -> Flow {
-        let (kernel, margin, a, b) = (self.kernel, self.margin.value(), &self.a, &self.b);
+        let (kernel, margin, a, b, placing) =
+            (self.kernel, self.margin.value(), &self.a, &self.b, self.placing);
         for i in primitives(one.link()) {
-            let item = P::moved(&a.primitive(i), self.pose);
+            let item = placing.item_a(a, i);
             // Closures that are not said to be inlined were calls, out of the gate.
-            decide_one::<P, Q, E, false>(
+            decide_one::<P, Q, E>(
                 kernel,
                 margin,
                 self.counters,
-                &item,
+                (&item, placing.turned == Side::A),
                 leaves,
                 #[inline(always)]
-                |j| b.primitive(j),
+                |j| placing.item_b(b, j),
                 #[inline(always)]
                 |j| (self.visit)(Found { a: i, b: j }),
             )?;
@@ -79,17 +82,18 @@ where
     /// Every primitive of a leaf of B against every primitive of some leaves of A.
     #[inline(always)]
     fn decide_b(&mut self, one: Child, leaves: &Leaves) -> Flow {
-        let (kernel, margin, a, b, pose) = (self.kernel, self.margin.value(), &self.a, &self.b, self.pose);
+        let (kernel, margin, a, b, placing) =
+            (self.kernel, self.margin.value(), &self.a, &self.b, self.placing);
         for j in primitives(one.link()) {
-            let item = b.primitive(j);
-            decide_one::<Q, P, E, true>(
+            let item = placing.item_b(b, j);
+            decide_one::<Q, P, E>(
                 kernel,
                 margin,
                 self.counters,
-                &item,
+                (&item, placing.turned == Side::B),
                 leaves,
                 #[inline(always)]
-                |i| P::moved(&a.primitive(i), pose),
+                |i| placing.item_a(a, i),
                 #[inline(always)]
                 |i| (self.visit)(Found { a: i, b: j }),
             )?;
@@ -98,14 +102,13 @@ where
     }
 }
 
-/// One primitive against those of some leaves, four at a time through the filter. `SWAPPED`: the one is of
-/// body B.
+/// One primitive, which is of the query's A or not, against those of some leaves, four at a time through the filter.
 #[inline(always)]
-fn decide_one<One: Pairwise<Other>, Other: Pairwise<One>, E: Kernel, const SWAPPED: bool>(
+fn decide_one<One: Pairwise<Other>, Other: Pairwise<One>, E: Kernel>(
     kernel: E,
     margin: f64,
     counters: &mut Counters,
-    item: &One::Item,
+    (item, is_of_a): (&One::Item, bool),
     leaves: &Leaves,
     other_at: impl Fn(u32) -> Other::Item,
     mut visit: impl FnMut(u32) -> ControlFlow<()>,
@@ -131,10 +134,10 @@ fn decide_one<One: Pairwise<Other>, Other: Pairwise<One>, E: Kernel, const SWAPP
         let apart = if len > 1 && margin == 0.0 { One::apart_4(kernel, &probe, &others) } else { 0 };
         for k in bits_of(!apart & ((1 << len) - 1)) {
             let (other, exact) = (&others[k & 3], &mut counters.exact_pairs);
-            let meets = match (margin > 0.0, SWAPPED) {
+            let meets = match (margin > 0.0, is_of_a) {
                 (false, _) => One::meets(&probe, other, exact),
-                (true, false) => One::within(item, other, margin, exact),
-                (true, true) => Other::within(other, item, margin, exact),
+                (true, true) => One::within(item, other, margin, exact),
+                (true, false) => Other::within(other, item, margin, exact),
             };
             if meets && visit(indices[k & 3]).is_break() {
                 counters.primitive_pairs += k as u64 + 1;

@@ -1,9 +1,11 @@
 //! What a query does besides once it has become long: it looks at pairs that wait once more, by their thin
 //! slabs ([`super::thin`]).
 
+use super::frontier::Side;
+use super::placing::Margin;
 use super::stack::{Descent, Stack, Visited};
 use super::thin::{AT_ONCE, ThinChild, ThinTest};
-use super::traverse::{Margin, Traversal, bits_of};
+use super::traverse::{Traversal, bits_of};
 use super::{Lanes, Pairwise};
 use crate::kernel::Kernel;
 use crate::node::{Link, ThinSlab};
@@ -52,7 +54,8 @@ where
     #[inline(always)]
     fn clear_apart(&mut self, Visited { rows, volumes, .. }: &mut Visited) {
         let (Link::Inner(node_a), Link::Inner(node_b)) = (volumes.a.link(), volumes.b.link()) else { return };
-        let (a, b, pose, margin) = (self.a, self.b, self.pose, self.margin.value());
+        let (a, b, pose, margin) = (self.a, self.b, self.placing.pose, self.margin.value());
+        let is_a_turned = self.placing.turned == Side::A;
         let (Some(slabs_a), Some(slabs_b)) = (a.thin_slabs_of(node_a), b.thin_slabs_of(node_b)) else {
             return;
         };
@@ -61,8 +64,13 @@ where
             return;
         }
         let test = self.thin.test.get_or_insert_with(|| {
-            let outwards = margin + shrinkage::<P>(pose, &a.extent());
-            ThinTest::new(pose, &a.extent(), &b.extent(), outwards)
+            // Of the query's A and B.
+            let (of_a, of_b, shrinkage) = if is_a_turned {
+                (a.extent(), b.extent(), shrinkage::<P>(pose, &a.extent()))
+            } else {
+                (b.extent(), a.extent(), shrinkage::<Q>(pose, &b.extent()))
+            };
+            ThinTest::new(pose, &of_a, &of_b, margin + shrinkage)
         });
         let (node_a, node_b) = (&a.nodes()[node_a as usize], &b.nodes()[node_b as usize]);
         let (mut asked, mut found) = (0, 0);
@@ -86,7 +94,8 @@ where
                     if count == 0 {
                         break;
                     }
-                    let apart = test.apart(&of_a, &of_b) & ((1 << count) - 1);
+                    let (first, second) = if is_a_turned { (&of_a, &of_b) } else { (&of_b, &of_a) };
+                    let apart = test.apart(first, second) & ((1 << count) - 1);
                     for j in bits_of(apart) {
                         let row = of_a[j].lane;
                         left.set(row, left.rows[row & 15] & !(1 << of_b[j].lane));

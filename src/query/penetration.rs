@@ -6,8 +6,8 @@
 
 use super::balls::{BallSearch, Rest};
 use super::lens::{LensSums, Outlook};
+use super::placing::Touching;
 use super::reject::are_apart;
-use super::traverse::Touching;
 use super::{Completion, Counters, Lanes, Query};
 use crate::exact::power_of_two;
 use crate::hierarchy::{AsBvh, BvhRef};
@@ -17,7 +17,7 @@ use crate::node::Node;
 use crate::pose::Pose;
 use crate::primitive::{Primitive, Spheres};
 use crate::range::Point;
-use crate::realign::{BallMap, skew};
+use crate::realign::{BallMap, shift, skew};
 use core::ops::ControlFlow;
 
 /// What two bodies of spheres have in common.
@@ -94,7 +94,8 @@ impl Query {
         let (a, b) = (a.as_bvh(), b.as_bvh());
         let mut sums = LensSums::new(&a.frame(), &b.frame(), pose);
         let mut counters = Counters::default();
-        if are_apart(pose, &a.extent(), &b.extent(), 0.0) {
+        let shift = shift(pose, &a.extent(), &b.frame());
+        if are_apart(&shift, a.header(), b.header(), 0.0) {
             return sums.finish(None, counters);
         }
         if !a.balls().is_empty() && !b.balls().is_empty() {

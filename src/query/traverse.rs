@@ -8,21 +8,30 @@
 //! body would be walked down to its leaves while the other is still at nodes that are larger than all of it:
 //! every pair of such leaves and nodes overlaps. So the wider node is opened alone, its children against the
 //! narrower volume as a whole, until the two are alike. The widths are in the links ([`Width`]).
+//!
+//! **Which body is turned.** The one whose planes get less loose by it ([`Header::looseness`]). In a traversal `a` is
+//! that body and `b` the one that keeps its frame, whichever of the query's A and B they are: volumes of a are turned by
+//! the pose, or by the way back ([`WayBack`]). Only primitives are not alike, since the query is about those of A as the
+//! pose moves them: [`Placing`] says which body has to be moved.
 
 use super::cut::Cutter;
 use super::hint::Found;
 use super::long::{LONG, Thin};
+use super::placing::{Margin, Placing};
 use super::stack::{ABOVE_ROOT, Descent, Next, Rows, Stack, Volumes};
 use super::{Counters, Lanes, Pairwise};
 use crate::hierarchy::BvhRef;
+#[cfg(doc)]
+use crate::hierarchy::Header;
 use crate::kernel::Kernel;
 #[cfg(doc)]
 use crate::node::Width;
 use crate::node::{Child, Link};
-use crate::pose::Pose;
 use crate::primitive::Primitive;
 use crate::range::Point;
 use crate::realign::OwnSlabs;
+#[cfg(doc)]
+use crate::realign::WayBack;
 use core::ops::{ControlFlow, Range};
 
 /// Why a traversal ended early.
@@ -40,35 +49,6 @@ pub(super) type Flow = ControlFlow<Stop>;
 /// that is compiled once more for each visitor.
 pub(super) type Visitor<'v> = &'v mut dyn FnMut(Found) -> ControlFlow<()>;
 
-/// How far apart primitives may be that count as meeting. A type, so that a program which asks only whether bodies
-/// touch holds none of the code of distances: three quarters of the whole on a microcontroller.
-pub(super) trait Margin: Copy {
-    /// In the bodies' unit, not negative.
-    fn value(self) -> f64;
-}
-
-/// Primitives have to touch.
-#[derive(Copy, Clone, Debug)]
-pub(super) struct Touching;
-
-impl Margin for Touching {
-    #[inline(always)]
-    fn value(self) -> f64 {
-        0.0
-    }
-}
-
-/// They may be this far apart.
-#[derive(Copy, Clone, Debug)]
-pub(super) struct Within(pub(super) f64);
-
-impl Margin for Within {
-    #[inline(always)]
-    fn value(self) -> f64 {
-        self.0
-    }
-}
-
 /// When a traversal ends, and what counts as meeting.
 #[derive(Copy, Clone, Debug)]
 pub(super) struct Limits<M> {
@@ -81,7 +61,7 @@ pub(crate) struct Traversal<'t, N: Lanes, P: Primitive, Q: Primitive, E, M> {
     pub(super) kernel: E,
     pub(super) a: BvhRef<'t, N, P>,
     pub(super) b: BvhRef<'t, N, Q>,
-    pub(super) pose: &'t Pose,
+    pub(super) placing: &'t Placing<'t>,
     map: &'t N::Map,
     budget: u64,
     pub(super) margin: M,
@@ -115,7 +95,7 @@ where
     pub(super) fn new(
         kernel: E,
         (a, b): (BvhRef<'t, N, P>, BvhRef<'t, N, Q>),
-        pose: &'t Pose,
+        placing: &'t Placing<'t>,
         map: &'t N::Map,
         Limits { budget, margin }: Limits<M>,
         counters: &'t mut Counters,
@@ -126,7 +106,7 @@ where
             kernel,
             a,
             b,
-            pose,
+            placing,
             map,
             budget,
             margin,
@@ -283,9 +263,9 @@ where
     fn aim(&mut self, a: Child) {
         let (body, aimed) = self.aimed.get_or_insert((Child::EMPTY, N::NO_TURNED));
         if *body != a {
-            let (tree, pose) = (&self.a, self.pose);
+            let (tree, pose) = (&self.a, self.placing.to_b);
             let items = primitives(a.link()).map(|index| P::moved(&tree.primitive(index), pose));
-            N::aim::<P>(aimed, &self.b.frame(), items, self.margin.value());
+            N::aim::<P>(aimed, &self.b.frame(), items, self.placing.outwards);
             *body = a;
         }
     }
@@ -300,16 +280,11 @@ where
         }
     }
 
-    #[inline(always)]
-    pub(super) fn moved(&self, index: u32) -> P::Item {
-        P::moved(&self.a.primitive(index), self.pose)
-    }
-
     /// The distance of some corner below `a` from some corner below `b`, rounded up.
     #[cold]
     fn corner_distance(&self, a: Child, b: Child) -> f64 {
-        let p = self.moved(first_primitive(&self.a, a.link()));
-        let q = self.b.primitive(first_primitive(&self.b, b.link()));
+        let p = self.placing.item_a(&self.a, first_primitive(&self.a, a.link()));
+        let q = self.placing.item_b(&self.b, first_primitive(&self.b, b.link()));
         let corner = |p: Option<Point>| p.map_or(glam::DVec3::ZERO, glam::DVec3::from_array);
         let d = corner(P::corners(&p).next()).distance(corner(Q::corners(&q).next()));
         d * (1.0 + 8.0 * f64::EPSILON)

@@ -32,6 +32,7 @@ mod far;
 mod hierarchy;
 mod hints;
 mod mesh_poses;
+mod order;
 mod own_slabs;
 mod owned_and_any;
 mod penetration;

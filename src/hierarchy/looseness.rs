@@ -1,0 +1,60 @@
+//! How loose the planes of a tree get when it is turned.
+
+use crate::directions::table;
+use crate::exact::round_up_f32;
+use crate::key::{Key, decode};
+use crate::node::{Dop, Link};
+
+/// How many levels of nodes are looked at.
+const LEVELS: usize = 3;
+
+/// How much wider volumes of a tree get when they are turned into another frame, in the unit of its own: about what the
+/// mean width of a child's slabs is above the least of them. A flat wall along an axis has one slab that is far thinner
+/// than the others; once turned, all are as wide. The mean over the used lanes of a level; of the first three levels the
+/// geometric mean. Unbounded planes are not counted.
+///
+/// In `f32` and in one order, so that it is the same number on every machine.
+pub(crate) fn looseness<N: Dop>(nodes: &[N]) -> f32 {
+    let (mut product, mut levels) = (1.0, 0);
+    let (mut begin, mut end) = (0, 1);
+    while levels < LEVELS && begin < end {
+        let Some(level) = nodes.get(begin..end) else { break };
+        let (mut sum, mut lanes, mut below) = (0.0, 0_u32, 0);
+        for node in level {
+            for (lane, child) in node.children().iter().enumerate() {
+                match child.link() {
+                    Link::Empty => continue,
+                    Link::Inner(_) => below += 1,
+                    Link::Leaf { .. } => {}
+                }
+                sum += excess(node, lane);
+                lanes += 1;
+            }
+        }
+        product *= f64::from(sum / lanes as f32);
+        levels += 1;
+        (begin, end) = (end, end + below);
+    }
+    round_up_f32(match levels {
+        0 => 0.0,
+        1 => product,
+        2 => libm::sqrt(product),
+        _ => libm::cbrt(product),
+    })
+}
+
+/// The mean width of a child's slabs less the least.
+fn excess<N: Dop>(node: &N, lane: usize) -> f32 {
+    let lengths = table(N::K).lengths;
+    let (mut sum, mut slabs, mut least) = (0.0, 0_u32, f32::INFINITY);
+    for (s, length) in lengths.iter().step_by(2).enumerate() {
+        let (ahead, behind) = (node.plane(2 * s, lane), node.plane(2 * s + 1, lane));
+        if ahead != Key::INFINITY.code() && behind != Key::INFINITY.code() {
+            let width = (decode(ahead) + decode(behind)) / *length as f32;
+            least = if width < least { width } else { least };
+            sum += width;
+            slabs += 1;
+        }
+    }
+    if slabs > 0 { sum / slabs as f32 - least } else { 0.0 }
+}

@@ -1,0 +1,69 @@
+//! How the bodies of a traversal stand to each other: which of them is turned, and how far apart counts as meeting.
+
+use super::Lanes;
+use super::frontier::Side;
+use crate::hierarchy::BvhRef;
+use crate::pose::Pose;
+use crate::primitive::Primitive;
+
+/// How far apart primitives may be that count as meeting. A type, so that a program which asks only whether bodies
+/// touch holds none of the code of distances: three quarters of the whole on a microcontroller.
+pub(super) trait Margin: Copy {
+    /// In the bodies' unit, not negative.
+    fn value(self) -> f64;
+}
+
+/// Primitives have to touch.
+#[derive(Copy, Clone, Debug)]
+pub(super) struct Touching;
+
+impl Margin for Touching {
+    #[inline(always)]
+    fn value(self) -> f64 {
+        0.0
+    }
+}
+
+/// They may be this far apart.
+#[derive(Copy, Clone, Debug)]
+pub(super) struct Within(pub(super) f64);
+
+impl Margin for Within {
+    #[inline(always)]
+    fn value(self) -> f64 {
+        self.0
+    }
+}
+
+/// Body a of a traversal, which is turned, and body b, which keeps its frame.
+#[derive(Copy, Clone, Debug)]
+pub(super) struct Placing<'t> {
+    /// Moves the primitives of the query's A.
+    pub(super) pose: &'t Pose,
+    /// Which body of the query is turned.
+    pub(super) turned: Side,
+    /// Places it in the frame of the other: `pose`, or the way back.
+    pub(super) to_b: &'t Pose,
+    /// How far its volumes have to be moved out, in the bodies' unit: by the margin, and by what the way back pads.
+    pub(super) outwards: f64,
+}
+
+impl Placing<'_> {
+    /// Primitive of a as it is tested.
+    #[inline(always)]
+    pub(super) fn item_a<N: Lanes, P: Primitive>(&self, a: &BvhRef<'_, N, P>, index: u32) -> P::Item {
+        self.place::<P>(a.primitive(index), Side::A)
+    }
+
+    /// Primitive of b as it is tested.
+    #[inline(always)]
+    pub(super) fn item_b<N: Lanes, Q: Primitive>(&self, b: &BvhRef<'_, N, Q>, index: u32) -> Q::Item {
+        self.place::<Q>(b.primitive(index), Side::B)
+    }
+
+    /// Where a primitive of a (which is A if `turned` is) or of b stands in the frame of the query's B.
+    #[inline(always)]
+    fn place<P: Primitive>(&self, item: P::Item, of: Side) -> P::Item {
+        if self.turned == of { P::moved(&item, self.pose) } else { item }
+    }
+}
