@@ -12,7 +12,9 @@ use simdop::query::Query;
 #[entry]
 fn main() -> ! {
     let (Ok(ring), Ok(pose)) = (check::RING.view(), Pose::from_rows(black_box(check::poses::POSES[1].1)))
-    else { exit(false) };
+    else {
+        exit(false)
+    };
     exit(Query::new(Isa::detect()).collide(&ring, &ring, &pose).hit().is_some())
 }
 
