@@ -104,7 +104,8 @@ impl Key {
         let sign = (bits as i32 >> 31) as i16;
         let magnitude = (((bits >> DROPPED) & 0x3_ffff) as i32 - ((127 - 15) << 10)) as i16;
         let inexact = (bits & ((1 << DROPPED) - 1) != 0) as i16;
-        Self((magnitude ^ sign) + (inexact & !sign))
+        let up = inexact & !sign;
+        Self((magnitude ^ sign) + up)
     }
 
     /// What both numbers round up to, if it is the same.
@@ -232,6 +233,20 @@ mod tests {
             let bits = if code >= 0 { code as u16 } else { (code ^ 0x7fff) as u16 };
             let (want, got) = (half_value(bits), f64::from(decode(code)));
             assert!(want.to_bits() == got.to_bits() || want.is_nan() && got.is_nan(), "{code}: {want} {got}");
+        }
+    }
+
+    #[test]
+    fn singles_round_up_as_doubles_do() {
+        let check = |bits: u32| {
+            let x = f32::from_bits(bits);
+            assert_eq!(Key::round_up_single(x), Key::round_up_or_unbounded(f64::from(x)), "{x:e}");
+        };
+        (0..=u32::MAX).step_by(997).for_each(check);
+        // Every half, and the singles beside it.
+        for code in i16::MIN..=i16::MAX {
+            let bits = decode(code).to_bits();
+            [bits, bits.wrapping_add(1), bits.wrapping_sub(1)].into_iter().for_each(check);
         }
     }
 
