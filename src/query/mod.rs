@@ -226,9 +226,8 @@ impl Query {
     ///
     /// The verdict is exact for the corners of `a` moved by [`Pose::apply`]. First hit ends it.
     ///
-    /// The order matters to speed where one body has flat walls along its own axes, as rooms have: as `b` it
-    /// keeps its planes tight, as `a` they are turned and loose. A robot against its room takes 0.3 µs,
-    /// the room against the robot 20 (`benches/MEASURED.md`).
+    /// The order of the bodies hardly matters to speed: whichever of them gets less loose by it is turned into the frame
+    /// of the other ([`Header::looseness`]).
     pub fn collide<A: AsBvh, B: AsBvh<Node = A::Node>>(&self, a: &A, b: &B, pose: &Pose) -> Answer
     where
         A::Node: Lanes,
