@@ -11,7 +11,6 @@ use crate::support::turns;
 use simdop::hierarchy::Bvh;
 use simdop::isa::Isa;
 use simdop::node::{Node4, Node16};
-use simdop::pose::Pose;
 use simdop::query::{Lanes, Query};
 
 /// A room, whose flat walls get loose where they are turned, and a body that is as round as it can be.
