@@ -28,3 +28,16 @@ pub struct Counters {
     /// Of these, the ones that needed exact arithmetic.
     pub exact_pairs: u64,
 }
+
+impl Counters {
+    /// The work of both.
+    pub(super) const fn and(&self, other: &Self) -> Self {
+        Self {
+            visits: self.visits + other.visits,
+            kernels: self.kernels + other.kernels,
+            realignments: self.realignments + other.realignments,
+            primitive_pairs: self.primitive_pairs + other.primitive_pairs,
+            exact_pairs: self.exact_pairs + other.exact_pairs,
+        }
+    }
+}
