@@ -84,8 +84,8 @@ impl Query {
     /// greater, is not certainly above the margin. Needles that almost touch are known less well: see
     /// [`crate::primitive::triangle::distance`].
     ///
-    /// A margin may be of any size: one that is larger than the smaller of the bodies is decided as distances are,
-    /// by the search for the nearest primitives.
+    /// A margin may be of any size: where it is above a tenth of the smaller body, what two visits do not decide is decided
+    /// as distances are, by the search for the nearest primitives.
     ///
     /// # Errors
     /// [`ToleranceError`] if `margin` is negative, infinite or NaN.
