@@ -1,0 +1,83 @@
+//! From a query to a traversal: which body is turned, and the one gate.
+
+use super::frontier::Side;
+use super::hint::Found;
+use super::placing::{Margin, Placing};
+use super::traverse::{Limits, Stop, Traversal, Visitor};
+use super::{Counters, Lanes, Pairwise, Query};
+use crate::exact::power_of_two;
+use crate::hierarchy::{BvhRef, Header};
+use crate::isa::on_isa;
+use crate::kernel::Kernel;
+use crate::pose::Pose;
+use crate::realign::{WayBack, shrinkage};
+
+impl Query {
+    /// Visits pairs of primitives at most `margin` apart, by their indices in leaf order.
+    pub(super) fn run<N: Lanes, P: Pairwise<Q>, Q: Pairwise<P>>(
+        &self,
+        (a, b): (&BvhRef<'_, N, P>, &BvhRef<'_, N, Q>),
+        pose: &Pose,
+        margin: impl Margin,
+        counters: &mut Counters,
+        visit: Visitor<'_>,
+    ) -> Option<Stop> {
+        if !is_b_turned(a.header(), b.header()) {
+            let placing = Placing { pose, turned: Side::A, to_b: pose, outwards: margin.value() };
+            return self.traverse((a, b), &placing, margin, counters, visit);
+        }
+        let back = WayBack::new(pose, &a.extent(), &b.extent());
+        let outwards = back.outwards::<Q>(margin.value(), &b.extent());
+        let placing = Placing { pose, turned: Side::B, to_b: &back.pose, outwards };
+        self.traverse((b, a), &placing, margin, counters, &mut |found: Found| {
+            visit(Found { a: found.b, b: found.a })
+        })
+    }
+
+    /// Body a is turned. One function for both orders, which are of one type where both bodies have the same primitives.
+    #[inline(never)]
+    fn traverse<N: Lanes, P: Pairwise<Q>, Q: Pairwise<P>>(
+        &self,
+        trees: (&BvhRef<'_, N, P>, &BvhRef<'_, N, Q>),
+        placing: &Placing<'_>,
+        margin: impl Margin,
+        counters: &mut Counters,
+        visit: Visitor<'_>,
+    ) -> Option<Stop> {
+        on_isa!(self.isa, token => self.traverse_on(token, trees, placing, margin, counters, visit))
+    }
+
+    #[inline(always)]
+    fn traverse_on<N: Lanes, P: Pairwise<Q>, Q: Pairwise<P>, E: Kernel>(
+        &self,
+        kernel: E,
+        (a, b): (&BvhRef<'_, N, P>, &BvhRef<'_, N, Q>),
+        placing: &Placing<'_>,
+        margin: impl Margin,
+        counters: &mut Counters,
+        visit: Visitor<'_>,
+    ) -> Option<Stop> {
+        // Inlined in the gate whatever its size: outside of it, no kernel could be inlined.
+        kernel.run(
+            #[inline(always)]
+            || {
+                let mut map = N::map(placing.to_b, &a.extent(), &b.frame());
+                let outwards = placing.outwards + shrinkage::<P>(placing.to_b, &a.extent());
+                if outwards > 0.0 {
+                    N::widen(&mut map, &b.frame(), outwards);
+                }
+                let limits = Limits { budget: self.budget, margin };
+                Traversal::new(kernel, (*a, *b), placing, &map, limits, counters, visit).run().break_value()
+            },
+        )
+    }
+}
+
+/// Whether of bodies A and B it is B that gets less loose by being turned, and by enough to pay for the way back.
+fn is_b_turned(a: &Header, b: &Header) -> bool {
+    let loose = |h: &Header| f64::from(h.looseness) * power_of_two(-h.exponent);
+    WAY_BACK * loose(b) < loose(a)
+}
+
+/// What turning B costs besides: bodies that are alike are not exchanged.
+const WAY_BACK: f64 = 1.02;
