@@ -1,7 +1,7 @@
 //! Far pairs: bodies that are certainly apart, told before a query sets anything up.
 //!
-//! By the balls about the centres of the two frames. Let c_A, c_B be the centres, R_A, R_B the radii of the bodies about
-//! them, M and t the pose, `s = M c_A + t - c_B`. A point of A as moved is `c_B + s + M d` with `|d| <= R_A`, up to
+//! By the balls about the centres of the two frames. Let `c_A` and `c_B` be the centres, `R_A` and `R_B` the radii of the bodies
+//! about them, M and t the pose, `s = M c_A + t - c_B`. A point of A as moved is `c_B + s + M d` with `|d| <= R_A`, up to
 //! rounding, and a sphere's keeps its radius. So bodies that come within a margin m of each other have
 //!
 //! ```text

@@ -2,7 +2,7 @@
 //!
 //! A query is about A's corners as [`Pose::apply`] moves them. Let c be the centre of A's frame, `q = M c + t` where the
 //! pose puts it, and y a point of B. The way back takes y to `c + M^T (y - q)`. If y is a point of A as moved, then
-//! `y = q + M d + e`, with d the way of that point from c, at most R_A long, and e what rounding has moved it by, so that
+//! `y = q + M d + e`, with d the way of that point from c, at most `R_A` long, and e what rounding has moved it by, so that
 //!
 //! ```text
 //! M^T (y - q) = d + (M^T M - 1) d + M^T e
@@ -15,7 +15,7 @@
 //! | source | at most | paid by |
 //! |---|---|---|
 //! | `(M^T M - 1) d` | `skew R_A` | itself |
-//! | w of the margin and of A's radius, as M turns it | `skew / 2` of these | `skew` of margin and of R_A |
+//! | w of the margin and of A's radius, as M turns it | `skew / 2` of these | `skew` of margin and of `R_A` |
 //! | that of B's radius | `skew / 2` of it | [`shrinkage`], which pays for `abs(n) r` besides where planes are turned |
 //! | e: `2^-50 (abs(M) abs(p) + abs(t))` on an axis, and less than [`MIN_COORDINATE`] | `2^-49 X + 2 MIN_COORDINATE` | `2^-46 X + 4 MIN_COORDINATE` |
 //! | q and the translation `c - M^T q`, a dozen roundings | `2^-48 X` | the same |
