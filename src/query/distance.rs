@@ -10,7 +10,6 @@ use crate::pose::Pose;
 use crate::primitive::Primitive;
 use crate::primitive::triangle::distance::TIGHT;
 use crate::range::Point;
-use crate::realign::shift;
 use core::fmt;
 
 /// A margin or tolerance that is negative, infinite or NaN.
@@ -107,6 +106,10 @@ impl Query {
             return Ok(self.first_pair(&a, &b, pose, Within(margin)));
         }
         if margin > LARGE * smaller {
+            if are_apart(pose, &a.extent(), &b.extent(), margin) {
+                let counters = Counters::default();
+                return Ok(Answer { verdict: Verdict::Free, counters, hint: self.hint });
+            }
             return Ok(self.first_near(a, b, pose, margin));
         }
         let few = self.budget.min(FEW);
@@ -156,7 +159,7 @@ impl Query {
 
     /// [`Query::distance`] of bodies that are nearer than `cutoff`, in their unit. Others are only known to be at least
     /// that far apart: `lower` is the cutoff then, or more, `upper` is infinite and there is no witness. Of bodies whose
-    /// distance is the cutoff, up to rounding, either may be the answer.
+    /// distance is the cutoff, up to the tolerance, either may be the answer.
     ///
     /// For the nearest of many bodies: with the least `upper` so far as cutoff, those that are farther are left after a
     /// few visits, most of them before the first.
@@ -197,7 +200,7 @@ impl Query {
         // Above zero, so that bodies that touch are nearer.
         let cutoff = if cutoff == f64::INFINITY { cutoff } else { checked(cutoff)?.max(f64::MIN_POSITIVE) };
         let is_empty = a.is_empty() || b.is_empty();
-        if is_empty || are_apart(&shift(pose, &a.extent(), &b.frame()), a.header(), b.header(), cutoff) {
+        if is_empty || are_apart(pose, &a.extent(), &b.extent(), cutoff) {
             return Ok(Distance {
                 lower: if is_empty { f64::INFINITY } else { cutoff },
                 upper: f64::INFINITY,
@@ -225,9 +228,6 @@ impl Query {
         pose: &Pose,
         margin: f64,
     ) -> Answer {
-        if are_apart(&shift(pose, &a.extent(), &b.frame()), a.header(), b.header(), margin) {
-            return Answer { verdict: Verdict::Free, counters: Counters::default(), hint: self.hint };
-        }
         let Outcome { completion, best, hit, counters } = self.search(a, b, pose, Goal::Within { margin });
         let verdict = match (hit, completion) {
             (Some(found), _) => Verdict::Hit(found.pair(&a, &b)),

@@ -115,12 +115,8 @@ impl<'t, N: Lanes, P: Pairwise<Q>, Q: Primitive> Search<'t, N, P, Q> {
         kept: &'t mut Kept<N>,
     ) -> Self {
         let bounds = Bounds::new::<P>(pose, &a.extent(), &b.extent(), kept);
-        let (distance, bound) = match goal {
-            Goal::Distance { cutoff: f64::INFINITY, .. } => (f64::INFINITY, f32::INFINITY),
-            Goal::Distance { cutoff: distance, .. } | Goal::Within { margin: distance } => {
-                (distance, bounds.of_distance(distance))
-            }
-        };
+        let (Goal::Distance { cutoff: distance, .. } | Goal::Within { margin: distance }) = goal;
+        let bound = bounds.of_distance(distance);
         Self {
             a,
             b,
@@ -172,9 +168,12 @@ impl<'t, N: Lanes, P: Pairwise<Q>, Q: Primitive> Search<'t, N, P, Q> {
         }
         let exact = &mut self.counters.exact_pairs;
         match self.goal {
-            Goal::Distance { tolerance, .. } => {
-                if let Some(pair) = P::nearer(moved, &still, self.threshold.distance, tolerance, exact) {
-                    self.note(found, &pair, tolerance);
+            Goal::Distance { tolerance, cutoff } => {
+                // That may be a pair beyond the threshold. One beyond the cutoff is no better than those that were
+                // dropped for being so far: it must not raise the threshold.
+                let pair = P::nearer(moved, &still, self.threshold.distance, tolerance, exact);
+                if let Some(pair) = pair.filter(|pair| pair.lower < cutoff) {
+                    self.note(found, &pair, tolerance, cutoff);
                 }
             }
             Goal::Within { margin } => {
@@ -185,11 +184,11 @@ impl<'t, N: Lanes, P: Pairwise<Q>, Q: Primitive> Search<'t, N, P, Q> {
         }
     }
 
-    fn note(&mut self, found: Found, pair: &Separation, tolerance: f64) {
+    fn note(&mut self, found: Found, pair: &Separation, tolerance: f64, cutoff: f64) {
         let lower = self.best.lower.min(pair.lower);
         if pair.upper < self.best.upper {
             self.best = Best { lower, upper: pair.upper, found, points: [pair.a, pair.b] };
-            let distance = pair.upper / (1.0 + tolerance);
+            let distance = (pair.upper / (1.0 + tolerance)).min(cutoff);
             let [p, q] = self.best.points;
             let axis = [p[0] - q[0], p[1] - q[1], p[2] - q[2]];
             self.threshold = Threshold {

@@ -184,7 +184,37 @@ fn check<N: Lanes>(scene: &Scene<'_>, trees: (&Bvh<N>, &Bvh<N>), want: &mut Opti
             assert!(matches!(partial.verdict(), Verdict::Unknown { .. }), "{partial:?}");
         }
     }
+    check_cutoffs(scene, trees, want, &what);
     check_margins(scene, trees, want, &what);
+}
+
+/// Up to a cutoff beyond it a distance is what it is without one; of bodies that are farther apart only that is said.
+fn check_cutoffs<N: Lanes>(scene: &Scene<'_>, (a, b): (&Bvh<N>, &Bvh<N>), want: f64, what: &str) {
+    let query = Query::new(Isa::detect());
+    for cutoff in
+        [0.0, 0.5 * want, want * (1.0 - 1e-11), want * (1.0 + 1e-11), 2.0 * want + 1e-3 * scene.size]
+    {
+        let what = format!("cutoff {cutoff:e} {want:e} {what}");
+        let up_to = |query: Query| query.distance_up_to(a, b, &scene.pose, 0.0, cutoff).unwrap();
+        let got = up_to(query);
+        check_bounds(&got, want, &what);
+        assert_eq!(got.completion, Completion::Complete, "{what}");
+        if want == 0.0 || cutoff > want * (1.0 + 1e-12) {
+            assert!((got.upper - want).abs() <= 1e-12 * want, "{got:?} {what}");
+            check_witness(scene, &got, want, &what);
+        } else {
+            assert!(got.witness.is_none() && got.upper == f64::INFINITY, "{got:?} {what}");
+            assert!(got.lower >= cutoff && got.verdict() == Verdict::Free, "{got:?} {what}");
+        }
+        let rough = query.distance_up_to(a, b, &scene.pose, 0.5, cutoff).unwrap();
+        check_bounds(&rough, want, &what);
+        assert!(rough.witness.is_some() || rough.lower >= cutoff, "{rough:?} {what}");
+        assert!(rough.witness.is_none() || want < 1.5 * cutoff || want == 0.0, "{rough:?} {what}");
+        let partial = up_to(query.with_budget(1));
+        check_bounds(&partial, want, &what);
+        assert!(partial.counters.visits <= 1, "{partial:?} {what}");
+        assert!(want > 0.0 || !matches!(partial.verdict(), Verdict::Free), "{partial:?} {what}");
+    }
 }
 
 fn query_verdict(got: &Distance) -> Verdict {
@@ -236,6 +266,7 @@ fn check_margins<N: Lanes>(scene: &Scene<'_>, (a, b): (&Bvh<N>, &Bvh<N>), want: 
             assert!(exact_distance(p, q) <= margin * (1.0 + 1e-13), "margin {margin:e} {what}");
         }
         let short = query.with_budget(3).within(&a.view(), &b.view(), &scene.pose, margin).unwrap();
+        assert!(short.counters.visits <= 3, "{short:?} {what}");
         match short.verdict {
             Verdict::Unknown { lower, upper } => assert!(lower <= want && want <= upper, "{short:?} {what}"),
             decided => assert_eq!(matches!(decided, Verdict::Hit(_)), answer.hit().is_some(), "{what}"),
@@ -573,6 +604,10 @@ fn margins_and_tolerances_are_checked_and_empty_bodies_are_far() {
         for error in [distance, within] {
             assert!(error.given.to_bits() == bad.to_bits() && error.to_string().contains("finite"));
         }
+    }
+    for bad in [-1.0, -f64::MIN_POSITIVE, f64::NEG_INFINITY, f64::NAN] {
+        let error = query.distance_up_to(&one, &one, &Pose::IDENTITY, 0.0, bad).unwrap_err();
+        assert_eq!(error.given.to_bits(), bad.to_bits());
     }
     assert!(query.distance(&one.view(), &one.view(), &Pose::IDENTITY, -0.0).unwrap().upper == 0.0);
     for (a, b) in [(&empty, &one), (&one, &empty), (&empty, &empty)] {
