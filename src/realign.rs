@@ -161,15 +161,10 @@ impl<const K: usize> Realignment<K> {
         Key::round_up_single(self.sum(j, |source| decode(code(source))))
     }
 
-    /// Both planes of slab s turned, from a body's planes: [`Realignment::plane`] of `2 s` and `2 s + 1`, whose weights
-    /// are read once.
+    /// [`Realignment::plane`] of both planes of slab s, `2 s` and `2 s + 1`, from decoded planes.
     #[inline(always)]
     pub(crate) fn slab_of(&self, s: usize, planes: &[f32; K]) -> [Key; 2] {
-        let ([p, q, r], [u, v, w]) = (self.sources[s].map(usize::from), self.weights[s]);
-        let (ahead, behind) = (self.offset[2 * s], self.offset[2 * s + 1]);
-        let ahead = ((u * planes[p] + v * planes[q]) + w * planes[r]) + ahead;
-        let behind = ((u * planes[p ^ 1] + v * planes[q ^ 1]) + w * planes[r ^ 1]) + behind;
-        [Key::round_up_single(ahead), Key::round_up_single(behind)]
+        [2 * s, 2 * s + 1].map(|j| Key::round_up_single(self.sum(j, |source| planes[source])))
     }
 }
 

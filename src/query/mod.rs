@@ -72,7 +72,6 @@ use crate::hierarchy::Header;
 use crate::hierarchy::{AsBvh, BvhRef};
 use crate::isa::Isa;
 use crate::pose::Pose;
-use crate::realign::shift;
 use core::ops::ControlFlow;
 use hint::Found;
 use placing::{Margin, Touching};
@@ -247,8 +246,7 @@ impl Query {
         margin: impl Margin,
     ) -> Answer {
         let mut work = Counters::default();
-        let shift = shift(pose, &a.extent(), &b.frame());
-        if are_apart(&shift, a.header(), b.header(), margin.value()) {
+        if are_apart(pose, &a.extent(), &b.extent(), margin.value()) {
             return Answer { verdict: Verdict::Free, counters: work, hint: self.hint };
         }
         let mut hit = self.hint.pair(a.len(), b.len()).filter(|&Found { a: i, b: j }| {
@@ -290,8 +288,7 @@ impl Query {
         B::Primitive: Pairwise<A::Primitive>,
     {
         let (a, b, mut counters) = (&a.as_bvh(), &b.as_bvh(), Counters::default());
-        let shift = shift(pose, &a.extent(), &b.frame());
-        if are_apart(&shift, a.header(), b.header(), 0.0) {
+        if are_apart(pose, &a.extent(), &b.extent(), 0.0) {
             return (Completion::Complete, counters);
         }
         let stop = self.run((a, b), pose, Touching, &mut counters, &mut |found| visit(found.pair(a, b)));

@@ -17,7 +17,7 @@ use crate::node::Node;
 use crate::pose::Pose;
 use crate::primitive::{Primitive, Spheres};
 use crate::range::Point;
-use crate::realign::{BallMap, shift, skew};
+use crate::realign::{BallMap, skew};
 use core::ops::ControlFlow;
 
 /// What two bodies of spheres have in common.
@@ -94,8 +94,7 @@ impl Query {
         let (a, b) = (a.as_bvh(), b.as_bvh());
         let mut sums = LensSums::new(&a.frame(), &b.frame(), pose);
         let mut counters = Counters::default();
-        let shift = shift(pose, &a.extent(), &b.frame());
-        if are_apart(&shift, a.header(), b.header(), 0.0) {
+        if are_apart(pose, &a.extent(), &b.extent(), 0.0) {
             return sums.finish(None, counters);
         }
         if !a.balls().is_empty() && !b.balls().is_empty() {

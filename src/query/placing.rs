@@ -61,7 +61,7 @@ impl Placing<'_> {
         self.place::<Q>(b.primitive(index), Side::B)
     }
 
-    /// Where a primitive of a (which is A if `turned` is) or of b stands in the frame of the query's B.
+    /// A primitive of a or of b in the frame of the query's B: of these two it is the query's A that the pose moves.
     #[inline(always)]
     fn place<P: Primitive>(&self, item: P::Item, of: Side) -> P::Item {
         if self.turned == of { P::moved(&item, self.pose) } else { item }

@@ -13,7 +13,7 @@
 //!
 //! | source | at most | paid by |
 //! |---|---|---|
-//! | s in `f64`; corners of A as [`Pose::apply`](crate::pose::Pose::apply) rounds them, and flushes them to zero | `2^-46 (9 X + max abs(t))`, where `abs(t) <= abs(s) + 3 X`, and 2^-248 | `2^-40 X`, [`GROWN`] and 2^-100 |
+//! | s in `f64`; corners of A as [`Pose::apply`] rounds them, and flushes them to zero | `2^-46 (9 X + max abs(t))`, where `abs(t) <= abs(s) + 3 X`, and 2^-248 | `2^-40 X`, [`GROWN`] and 2^-100 |
 //! | M is accepted with `abs(M M^T - 1) <= 1e-4` on every entry, so that `|M|` is at most `1 + 1.5e-4` | `1.5e-4 R_A` | `2^-12 (R_A + R_B + m)` |
 //! | s, radii and margin to `f32`, a dozen roundings of the sides | `2^-20` of them | [`GROWN`], on each side of the square |
 //! | numbers too small for a normal `f32` | 2^-125 a term, 2^-140 in squares | 2^-100, and 2^-120 in squares |
@@ -21,8 +21,9 @@
 //! Numbers beyond `f32` become infinite, or NaN, of which every comparison is false: such bodies are left to the query.
 
 use crate::exact::power_of_two;
-use crate::hierarchy::Header;
-use crate::range::Point;
+use crate::frame::Extent;
+use crate::pose::Pose;
+use crate::realign::shift;
 
 const GROWN: f32 = 1.0 + power_of_two(-18) as f32;
 /// Of what is lost by rounding, relative to the coordinates.
@@ -31,11 +32,11 @@ const SKEW: f32 = power_of_two(-12) as f32;
 const LEAST: f32 = power_of_two(-100) as f32;
 const LEAST_SQUARE: f32 = power_of_two(-120) as f32;
 
-/// Whether bodies whose centres are so far from each other ([`crate::realign::shift`]) are certainly more than `margin`
-/// apart.
+/// Whether the bodies, of which `pose` places A in the frame of B, are certainly more than `margin` apart.
 #[inline(always)]
-pub(super) fn are_apart(shift: &Point, a: &Header, b: &Header, margin: f64) -> bool {
-    let [x, y, z] = [shift[0] as f32, shift[1] as f32, shift[2] as f32];
+pub(super) fn are_apart(pose: &Pose, a: &Extent, b: &Extent, margin: f64) -> bool {
+    let [x, y, z] = shift(pose, a, &b.frame);
+    let [x, y, z] = [x as f32, y as f32, z as f32];
     let sizes = (a.radius as f32 + b.radius as f32) + margin as f32;
     let coordinates = a.max_coordinate as f32 + b.max_coordinate as f32;
     let reach = ((sizes + SKEW * sizes) + (ROUNDING * coordinates + LEAST)) * GROWN;

@@ -3,20 +3,14 @@
 #![no_main]
 
 use core::fmt::Write as _;
+use cortex_m_consumer::exit;
 use cortex_m_rt::entry;
-use cortex_m_semihosting::{debug, hio};
+use cortex_m_semihosting::hio;
 
 #[entry]
 fn main() -> ! {
     let good = hio::hstdout().is_ok_and(|mut out| check::run(&mut out));
     exit(good)
-}
-
-fn exit(good: bool) -> ! {
-    debug::exit(if good { debug::EXIT_SUCCESS } else { debug::EXIT_FAILURE });
-    loop {
-        core::hint::spin_loop();
-    }
 }
 
 #[panic_handler]

@@ -3,8 +3,8 @@
 #![no_main]
 
 use core::hint::black_box;
+use cortex_m_consumer::exit;
 use cortex_m_rt::entry;
-use cortex_m_semihosting::debug;
 use simdop::isa::Isa;
 use simdop::pose::Pose;
 use simdop::query::Query;
@@ -16,13 +16,6 @@ fn main() -> ! {
         exit(false)
     };
     exit(Query::new(Isa::detect()).collide(&ring, &ring, &pose).hit().is_some())
-}
-
-fn exit(good: bool) -> ! {
-    debug::exit(if good { debug::EXIT_SUCCESS } else { debug::EXIT_FAILURE });
-    loop {
-        core::hint::spin_loop();
-    }
 }
 
 #[panic_handler]

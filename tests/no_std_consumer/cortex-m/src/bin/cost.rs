@@ -12,8 +12,9 @@ use core::hint::black_box;
 use core::ptr::{read_volatile, write_volatile};
 use cortex_m::peripheral::syst::SystClkSource;
 use cortex_m::peripheral::{Peripherals, SYST};
+use cortex_m_consumer::exit;
 use cortex_m_rt::entry;
-use cortex_m_semihosting::{debug, hio};
+use cortex_m_semihosting::hio;
 use simdop::isa::Isa;
 use simdop::pose::Pose;
 use simdop::query::Query;
@@ -93,13 +94,6 @@ fn main() -> ! {
         let _ = black_box(Pose::from_rows(black_box(rows)));
     });
     exit(good)
-}
-
-fn exit(good: bool) -> ! {
-    debug::exit(if good { debug::EXIT_SUCCESS } else { debug::EXIT_FAILURE });
-    loop {
-        core::hint::spin_loop();
-    }
 }
 
 #[panic_handler]
