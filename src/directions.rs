@@ -57,6 +57,8 @@
 mod sectors;
 mod slabs;
 
+use sectors::Real;
+
 /// Direction sets exist for these k.
 pub const SUPPORTED: [usize; 5] = [6, 14, 18, 26, 32];
 
@@ -197,8 +199,9 @@ impl<const K: usize> Directions<K> {
     #[must_use]
     pub fn decompose(u: [f64; 3]) -> Weights {
         if sectors::applies(K) {
-            let (weights, sector) = sectors::split::<K>(u);
-            return Weights { directions: Self::SECTORS[sector as usize & 127], weights };
+            let (weights, sector) = f64::split::<K>(u);
+            let [a, b, c, _] = Self::SECTORS[f64::index(sector)];
+            return Weights { directions: [a, b, c], weights };
         }
         Self::search(u)
     }
@@ -275,7 +278,7 @@ fn least_corner(c: [f64; 3]) -> usize {
 
 /// Like [`f64::max`], in one instruction on x86: a NaN `a` gives `b`, a NaN `b` gives `b`.
 #[inline]
-fn greater(a: f64, b: f64) -> f64 {
+pub(crate) fn greater<T: PartialOrd>(a: T, b: T) -> T {
     if a > b { a } else { b }
 }
 

@@ -12,19 +12,24 @@
 //! They depend on the rotation alone: they are found once a query, and then cost three multiplications and
 //! three additions a plane, for 16 children at once.
 //!
-//! **Why no rounding can lose a collision.** Every quantity that was rounded is paid for in `offset`, once,
-//! for all nodes:
+//! **Why no rounding can lose a collision.** All of it is in `f32`, but for the way s between the centres of the
+//! frames, so that a core without `f64` does not emulate it for every plane. Every quantity that was rounded is paid
+//! for in `offset`, once, for all nodes. With `e = 2^-24`, `|n|` the sum of magnitudes of a direction's components,
+//! `S = max |s|` in the frame, and `rho` the ratio of the units:
 //!
-//! | what was rounded | the pad |
-//! |---|---|
-//! | the weights c, to `f32` | `2^-24 sum c sum half_width`, times the greatest component of a direction |
-//! | the arithmetic that computed u and c, in `f64` | `2^-45 abs(n) sum half_width` |
-//! | n . t and the frames' centres, in `f64`; the moved corners that the leaf test decides on | `2^-46 abs(n) (coordinates)` |
-//! | coordinates of moved corners that [`Pose::apply`] flushes to zero | `2^-250 abs(n)` |
-//! | translation and pad, to `f32`; products and sums of a plane, in `f32` | `gamma_5 (sum c max_plane + abs(n . t))`, plus 2^-130 for underflow |
-//! | sums that could overflow an `f32`, of bodies 2^100 times larger than the other | the plane is unbounded |
+//! | what was rounded | at most | the pad |
+//! |---|---|---|
+//! | M, and u: four roundings of a sum of magnitudes below `1.0002 abs(n)` | `4.1 e abs(n)` of each component of u | `16 e abs(n) rho sum half_width` for both |
+//! | the weights c: six roundings of at most `max abs(u)`; for k = 32 they are computed in `f64` and then rounded, `sum c <= 1.2 abs(n)`, times the greatest component, 3 | `6.1 e abs(n)` of each component of `sum c n_l` | |
+//! | s to `f32`, and n . s | `4.1 e abs(n) S` | `8 e (sum c max_plane + abs(n) S)` for both |
+//! | products and sums of a plane, and the offset itself | `4.1 e (sum c max_plane)`, `2.1 e abs(n) S` | |
+//! | s in `f64`; the moved corners that the leaf test decides on | `2^-48 abs(n) (coordinates)` | `2^-46 abs(n) (coordinates)` |
+//! | coordinates of moved corners that [`Pose::apply`] flushes to zero | `2^-250 abs(n)` | the same |
+//! | what is too small for a normal `f32` | `2^-130` | `2^-120` |
+//! | sums that could overflow an `f32`, of bodies 2^100 times larger than the other | | the plane is unbounded |
 //!
-//! with `gamma_5 = 5u / (1 - 5u)`, `u = 2^-24`. The result is then rounded up to a half.
+//! and the pad is a sum of products of numbers that are not negative, so that its own roundings, each `e` of a partial
+//! result, are paid for by one factor. The turned plane is then rounded up to a half, whose steps are 2^13 e of it.
 //!
 //! **Radii.** A pose moves the corners of a primitive; everything within its radius of them keeps its shape. Its
 //! planes bound `u . x + |u| r`, which is less than `u . x + |n| r` where M makes vectors shorter, as an accepted
@@ -38,7 +43,7 @@ pub use back::WayBack;
 pub(crate) use ball::BallMap;
 pub use own_slab::{OwnSlab, OwnSlabs, own_slabs};
 
-use crate::directions::Directions;
+use crate::directions::{Directions, greater};
 use crate::exact::{power_of_two, round_up_f32};
 use crate::frame::{Extent, Frame};
 use crate::key::{Key, decode};
@@ -50,11 +55,12 @@ use crate::range::{MIN_COORDINATE, Point};
 #[derive(Copy, Clone, PartialEq, Debug)]
 pub struct Realignment<const K: usize> {
     /// Three planes for each slab: plane `2s` turned is `(w[0] d[p[0]] + w[1] d[p[1]]) + w[2] d[p[2]] +
-    /// offset[2s]` with `p = sources[s]`, `w = weights[s]`. Plane `2s + 1` takes their opposites, `p ^
-    /// 1`, at the same weights. The first half of the array is used.
-    pub sources: [[u8; 3]; K],
-    /// The weights of each slab, not negative. The first half of the array is used.
-    pub weights: [[f32; 3]; K],
+    /// offset[2s]` with `p = sources[s]`, `w[l] = weights[l][s]`. Plane `2s + 1` takes their opposites, `p ^
+    /// 1`, at the same weights. The first half of the array is used, and of each entry three: four bytes are moved at
+    /// once.
+    pub sources: [[u8; 4]; K],
+    /// The weights of each slab, not negative. The first half of each array is used.
+    pub weights: [[f32; K]; 3],
     /// Translation and pad of each plane.
     pub offset: [f32; K],
 }
@@ -68,15 +74,27 @@ pub(crate) const F64_SLACK: f64 = power_of_two(-46);
 /// Pays for the pad's own rounding to `f32`: it can be far greater than what it pads.
 const ITS_OWN_ROUNDING: f64 = 1.0 + power_of_two(-23);
 
+/// Those of a pad that is computed in `f32`.
+const ITS_OWN_ROUNDINGS: f32 = 1.0 + power_of_two(-16) as f32;
+
+/// Of the weights of a direction, in components of that direction.
+const RESIDUAL: f32 = power_of_two(-20) as f32;
+
+/// Of the sum that a turned plane is, of the magnitudes in it.
+const ROUNDINGS: f32 = power_of_two(-21) as f32;
+
 /// A bit more than half of a last place of `f32`.
 pub(crate) const HALF_PLACE: f64 = 1.0625 * power_of_two(-24);
 
 /// More than what weights and products lose that are too small for a normal `f32`.
 pub(crate) const UNDERFLOW: f64 = power_of_two(-130);
 
+/// The same in a set-up in `f32`, where it is a normal number.
+const UNDERFLOW_OF_SINGLES: f32 = power_of_two(-120) as f32;
+
 /// Sums of magnitudes below this cannot overflow an `f32`. Beyond it a product could become -infinity, which
 /// bounds nothing: such a plane is unbounded instead.
-const MAX_REACH: f64 = power_of_two(126);
+const MAX_REACH: f32 = power_of_two(126) as f32;
 
 impl<const K: usize> Realignment<K> {
     /// The map for a body of extent `a`, posed in the frame `b`.
@@ -84,54 +102,63 @@ impl<const K: usize> Realignment<K> {
     #[inline(always)]
     #[must_use]
     pub fn new(pose: &Pose, a: &Extent, b: &Frame) -> Self {
-        let m = pose.rows();
-        let ratio = power_of_two(b.exponent - a.frame.exponent);
-        let width_sum = a.width_sum();
-        let shift = shift(pose, a, b);
-        let per_length = F64_SLACK * (2.0 * ratio * width_sum + b.scale() * coordinates(pose, a, b))
-            + MIN_COORDINATE * b.scale();
-        let per_weight = HALF_PLACE * (Directions::<K>::MAX_COMPONENT * width_sum);
+        let rows = pose.rows();
+        // Loops, not `map`, which is not always inlined.
+        let mut m = [[0.0_f32; 3]; 3];
+        for i in 0..3 {
+            for j in 0..3 {
+                m[i][j] = rows[i][j] as f32;
+            }
+        }
+        let ratio = power_of_two(b.exponent - a.frame.exponent) as f32;
+        let [x, y, z] = a.half_width;
+        let scale = b.scale();
+        let [s0, s1, s2] = shift(pose, a, b);
+        let shift = [(s0 * scale) as f32, (s1 * scale) as f32, (s2 * scale) as f32];
+        let away = greater(greater(shift[0].abs(), shift[1].abs()), shift[2].abs());
+        let slack = (F64_SLACK * (scale * coordinates(pose, a, b)) + MIN_COORDINATE * scale) as f32;
+        let per_length = (RESIDUAL * (ratio * ((x + y) + z)) + ROUNDINGS * away) + slack;
+        let per_weight = ROUNDINGS * a.max_plane;
 
-        let mut map = Self { sources: [[0; 3]; K], weights: [[0.0; 3]; K], offset: [0.0; K] };
-        let [nx, ny, nz] = &Directions::<K>::SLAB_COLUMNS;
-        let (slabs, columns) = (Directions::<K>::SLABS, Directions::<K>::COLUMNS);
-        let mut u = [[0.0; K]; 3];
+        let [nx, ny, nz] = &Directions::<K>::SINGLE_SLAB_COLUMNS;
+        let (slabs, columns) = (Directions::<K>::SLABS, Directions::<K>::SINGLE_COLUMNS);
+        let mut u = [[0.0_f32; K]; 3];
         for i in 0..3 {
             for s in 0..columns {
                 u[i][s] = (m[0][i] * nx[s] + m[1][i] * ny[s]) + m[2][i] * nz[s];
             }
         }
-        let found = Directions::<K>::decompose_slabs(&u);
-        let mut weights = [[0.0_f32; K]; 3];
+        let mut found = Directions::<K>::decompose_columns(&u, columns, slabs);
         let (mut ahead, mut behind) = ([0.0_f32; K], [0.0_f32; K]);
-        let (scale, max_plane) = (b.scale(), f64::from(a.max_plane));
         for s in 0..columns {
             let length = nx[s].abs() + ny[s].abs() + nz[s].abs();
-            let c = [found.weights[0][s], found.weights[1][s], found.weights[2][s]];
-            let w = [(ratio * c[0]) as f32, (ratio * c[1]) as f32, (ratio * c[2]) as f32];
-            let weight_sum = (f64::from(w[0]) + f64::from(w[1])) + f64::from(w[2]);
-            let tau = ((nx[s] * shift[0] + ny[s] * shift[1]) + nz[s] * shift[2]) * scale;
-            let reach = weight_sum * max_plane + tau.abs();
-            let (residual_pad, rounding_pad) = (weight_sum * per_weight, GAMMA_5 * reach);
-            let pad = (((residual_pad + length * per_length) + rounding_pad) + UNDERFLOW) * ITS_OWN_ROUNDING;
-            let pad = if reach < MAX_REACH { pad } else { f64::INFINITY };
-            (weights[0][s], weights[1][s], weights[2][s]) = (w[0], w[1], w[2]);
-            (ahead[s], behind[s]) = ((tau + pad) as f32, (pad - tau) as f32);
+            let [c0, c1, c2] = &mut found.weights;
+            (c0[s], c1[s], c2[s]) = (ratio * c0[s], ratio * c1[s], ratio * c2[s]);
+            let weight_sum = (c0[s] + c1[s]) + c2[s];
+            let tau = (nx[s] * shift[0] + ny[s] * shift[1]) + nz[s] * shift[2];
+            let reach = weight_sum * a.max_plane + length * away;
+            let pad =
+                ((weight_sum * per_weight + length * per_length) + UNDERFLOW_OF_SINGLES) * ITS_OWN_ROUNDINGS;
+            let is_bounded = reach < MAX_REACH;
+            ahead[s] = if is_bounded { tau + pad } else { f32::INFINITY };
+            behind[s] = if is_bounded { pad - tau } else { f32::INFINITY };
         }
-        map.sources = found.directions;
+        let mut offset = [0.0; K];
         for s in 0..slabs {
-            map.weights[s] = [weights[0][s], weights[1][s], weights[2][s]];
-            (map.offset[2 * s], map.offset[2 * s + 1]) = (ahead[s], behind[s]);
+            (offset[2 * s], offset[2 * s + 1]) = (ahead[s], behind[s]);
         }
-        map
+        Self { sources: found.directions, weights: found.weights, offset }
     }
 
     /// Moves every plane out by `margin`, in units of the frame: turned planes then hold everything within it
-    /// of the body. The `f32` roundings of the longer offset are paid for by a few more of its last
-    /// places.
+    /// of the body. The roundings of the longer offset, and of the sums it is in, are paid for by a few more of the last
+    /// places of both terms.
+    #[inline(always)]
     pub fn widen(&mut self, margin: f64) {
-        for (offset, length) in self.offset.iter_mut().zip(Directions::<K>::LENGTHS) {
-            *offset = round_up_f32(f64::from(*offset) + (1.0 + 4.0 * GAMMA_5) * length * margin);
+        let margin = round_up_f32(margin);
+        for (offset, length) in self.offset.iter_mut().zip(Directions::<K>::SINGLE_LENGTHS) {
+            let reach = length * margin;
+            *offset += (reach + ROUNDINGS * reach) + ROUNDINGS * offset.abs();
         }
     }
 
@@ -139,8 +166,8 @@ impl<const K: usize> Realignment<K> {
     #[inline]
     #[must_use]
     pub fn terms(&self, j: usize) -> [(usize, f32); 3] {
-        let (sources, weights) = (&self.sources[j / 2], &self.weights[j / 2]);
-        core::array::from_fn(|l| (usize::from(sources[l]) ^ (j & 1), weights[l]))
+        let sources = &self.sources[j / 2];
+        core::array::from_fn(|l| (usize::from(sources[l]) ^ (j & 1), self.weights[l][j / 2]))
     }
 
     /// Plane `j` turned, from a body's planes, as the sum in `f32` that it is: already a bound.
@@ -289,5 +316,5 @@ impl<const K: usize> Supports<K> {
 /// The greatest magnitude of a coordinate.
 #[inline(always)]
 pub(crate) fn greatest(p: &Point) -> f64 {
-    p[0].abs().max(p[1].abs()).max(p[2].abs())
+    greater(greater(p[0].abs(), p[1].abs()), p[2].abs())
 }

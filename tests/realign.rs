@@ -126,6 +126,11 @@ fn check_mesh<const K: usize>(
     let tree = Builder::new().build::<Node16<K>>(&Mesh { vertices, triangles }).unwrap();
     let view: BvhRef<'_, Node16<K>> = tree.view();
     let map = Realignment::<K>::new(pose, &view.extent(), frame);
+    for j in 0..K {
+        let sum = map.terms(j).iter().fold(0.0, |sum, (_, w)| sum + f64::from(*w));
+        let may_overflow = !(sum * f64::from(view.extent().max_plane) < f64::from(f32::MAX));
+        assert!(!may_overflow || map.offset[j] == f32::INFINITY, "k {K} plane {j}: {pose:?} {map:?}");
+    }
     let planes = &view.nodes()[0].planes;
     let triangles = (0..view.len()).map(|index| view.primitive(index as u32));
     for (lane, corners) in triangles.enumerate() {
@@ -360,7 +365,8 @@ fn offsets_are_no_less_than_proven<const K: usize>() {
         a.frame.centre = random_point(&mut rng, [0.0, 1.0, 1e6, 1e12]);
         a.half_width = random_point(&mut rng, [0.0, 1.0, 127.0]).map(|x| x.abs() as f32);
         let widest = a.half_width.into_iter().fold(0.0, f32::max);
-        a.max_plane = widest * rng.range(1.0, 6.0) as f32;
+        // Where planes are small, nothing hides what the weights miss.
+        a.max_plane = widest * *rng.pick(&[1e-4, 1.0]) * rng.range(1.0, 6.0) as f32;
         let scale = f64::from_bits(((1023 - a.frame.exponent) as u64) << 52);
         a.max_coordinate =
             a.frame.centre.iter().fold(0.0, |m: f64, x| m.max(x.abs())) + f64::from(widest) * scale;
@@ -439,7 +445,18 @@ fn widened_planes_hold_the_margin<const K: usize>() {
             Frame { centre: add(moved, random_point(&mut rng, [1.0])), exponent: rng.int(-3, 9) as i32 };
         let margin = *rng.pick(&[1e-12, 1e-3, 0.1, 1.0, 3.0, 1e4]) * rng.unit();
         let mut map = Realignment::<K>::new(&pose, &body.extent, &frame);
+        let before = map.offset;
         map.widen(margin);
+        for (j, (&old, &new)) in before.iter().zip(&map.offset).enumerate() {
+            if new == f32::INFINITY {
+                continue;
+            }
+            let [old, new] = [old, new].map(|offset| Dyadic::from(f64::from(offset)));
+            let reach = Dyadic::from(Directions::<K>::LENGTHS[j]) * Dyadic::from(margin);
+            // Of the sum that the offset is in: half of a last place of the offset.
+            let rounding = Dyadic::power_of_two(-24) * new.clone().abs();
+            assert!(new - rounding >= old + reach, "k {K} offset {j}: margin {margin:e}");
+        }
         for (j, n) in directions::table(K).vectors.iter().enumerate() {
             let limit = half_value(map.plane(j, |source| body.planes[source]).code());
             if limit == f64::INFINITY {

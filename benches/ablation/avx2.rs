@@ -99,7 +99,7 @@ impl Turn {
                 let source = turn.sources[s][l];
                 map.source[l][s] = source / 2;
                 map.sides[l][s] = SIDES[usize::from(source & 1)];
-                map.weights[l][s] = [-turn.weights[s][l]; 4];
+                map.weights[l][s] = [-turn.weights[l][s]; 4];
             }
         }
         map

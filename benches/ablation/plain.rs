@@ -46,9 +46,10 @@ impl ByPlanes {
     pub(crate) fn new(turn: &Realignment<K>) -> Self {
         let mut map = Self { sources: [[0; 3]; K], weights: [[0.0; 3]; K], offset: turn.offset };
         for s in 0..K / 2 {
-            let [p, q, r] = turn.sources[s];
+            let [p, q, r, _] = turn.sources[s];
             (map.sources[2 * s], map.sources[2 * s + 1]) = ([p, q, r], [p ^ 1, q ^ 1, r ^ 1]);
-            (map.weights[2 * s], map.weights[2 * s + 1]) = (turn.weights[s], turn.weights[s]);
+            let weights = [turn.weights[0][s], turn.weights[1][s], turn.weights[2][s]];
+            (map.weights[2 * s], map.weights[2 * s + 1]) = (weights, weights);
         }
         map
     }

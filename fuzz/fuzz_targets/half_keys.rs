@@ -78,7 +78,7 @@ fn any_code(code: i16) {
 }
 
 fn every_isa_rounds_up(offsets: &[f32; 6]) {
-    let map = Realignment::<6> { sources: [[0; 3]; 6], weights: [[0.0; 3]; 6], offset: *offsets };
+    let map = Realignment::<6> { sources: [[0; 4]; 6], weights: [[0.0; 6]; 3], offset: *offsets };
     let node: Node16<6> = wide([[0; 16]; 6]);
     on_every_isa!(kernel => {
         let query = turned_16(kernel, &map, &node);

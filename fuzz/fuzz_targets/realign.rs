@@ -81,9 +81,11 @@ fn kernels_agree<const K: usize>(map: &Realignment<K>, wide: &Node16<K>, narrow:
 /// A map with anything in it, but for negative weights.
 fn any_map<const K: usize>(input: &mut Input, mode: Mode) -> Realignment<K> {
     let mut float = || float(input, mode);
-    let mut map = Realignment { sources: [[0; 3]; K], weights: [[0.0; 3]; K], offset: [0.0; K] };
+    let mut map = Realignment { sources: [[0; 4]; K], weights: [[0.0; K]; 3], offset: [0.0; K] };
     for j in 0..K {
-        map.weights[j] = [float().abs(), float().abs(), float().abs()];
+        for weights in &mut map.weights {
+            weights[j] = float().abs();
+        }
         map.offset[j] = float();
     }
     for source in map.sources.as_flattened_mut() {

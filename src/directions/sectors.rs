@@ -17,8 +17,9 @@
 
 use super::{greater, table};
 
-/// For each order and signs of the coordinates, and each of two faces: its corners.
-pub(super) type Sectors = [[u8; 3]; 128];
+/// For each order and signs of the coordinates, and each of two faces: its corners, and a byte that makes four, which are
+/// moved at once.
+pub(super) type Sectors = [[u8; 4]; 128];
 
 /// Whether the directions have the symmetry of the cube.
 pub(super) const fn applies(k: usize) -> bool {
@@ -41,7 +42,7 @@ const ORDER: [[usize; 3]; 8] =
     [[2, 1, 0], [2, 0, 1], [1, 2, 0], [0, 1, 2], [0, 1, 2], [0, 2, 1], [1, 0, 2], [0, 1, 2]];
 
 pub(super) const fn sectors(k: usize) -> Sectors {
-    let mut sectors = [[0; 3]; 128];
+    let mut sectors = [[0; 4]; 128];
     if !applies(k) {
         return sectors;
     }
@@ -81,29 +82,70 @@ const fn index_of(k: usize, v: [i8; 3]) -> u8 {
     panic!("not one of the directions")
 }
 
-/// The weights of u, and the sector that names their directions.
-#[inline(always)]
-pub(super) fn split<const K: usize>(u: [f64; 3]) -> ([f64; 3], u64) {
-    let lesser = |a: f64, b: f64| if a < b { a } else { b };
-    let bit = |condition: bool| if condition { 1_u64 } else { 0 };
-    let negative = |x: f64| x.to_bits() >> 63;
-    let [x, y, z] = [u[0].abs(), u[1].abs(), u[2].abs()];
-    let hi = greater(x, greater(y, z));
-    let mid = greater(lesser(x, y), lesser(greater(x, y), z));
-    let lo = lesser(x, lesser(y, z));
-    let a = (hi - mid) - lo;
-    let weights = match K {
-        14 => [hi - mid, 0.5 * (mid + lo), 0.5 * (mid - lo)],
-        18 => {
-            let half = 0.5 * lesser(a, 0.0);
-            [greater(a, -half), mid + half, lo + half]
-        }
-        26 => [hi - mid, mid - lo, lo],
-        _ => [hi, mid, lo],
-    };
-    let order = bit(x >= y) | bit(y >= z) << 1 | bit(x >= z) << 2;
-    let signs = negative(u[0]) | negative(u[1]) << 1 | negative(u[2]) << 2;
-    // No weight of a finite u is negative; this is for the others.
-    let weights = [greater(weights[0], 0.0), greater(weights[1], 0.0), greater(weights[2], 0.0)];
-    (weights, order | signs << 3 | bit(a < 0.0) << 6)
+/// What a vector is split in: set-ups in `f32`, bounds of distances in `f64`.
+pub(crate) trait Real: Copy + PartialOrd {
+    /// As wide, so that numbers and sectors share vector instructions.
+    type Sector: Copy;
+    const ZERO: Self;
+    const NO_SECTOR: Self::Sector;
+
+    fn from_f64(x: f64) -> Self;
+    fn to_f64(self) -> f64;
+    fn index(sector: Self::Sector) -> usize;
+    /// The weights of u, and the sector that names their directions.
+    fn split<const K: usize>(u: [Self; 3]) -> ([Self; 3], Self::Sector);
 }
+
+macro_rules! impl_real {
+    ($real:ident, $bits:ident) => {
+        impl Real for $real {
+            type Sector = $bits;
+            const ZERO: Self = 0.0;
+            const NO_SECTOR: $bits = 0;
+
+            #[inline(always)]
+            fn from_f64(x: f64) -> Self {
+                x as $real
+            }
+
+            #[inline(always)]
+            fn to_f64(self) -> f64 {
+                self.into()
+            }
+
+            #[inline(always)]
+            fn index(sector: $bits) -> usize {
+                sector as usize & 127
+            }
+
+            #[inline(always)]
+            fn split<const K: usize>(u: [Self; 3]) -> ([Self; 3], $bits) {
+                let lesser = |a: $real, b: $real| if a < b { a } else { b };
+                let bit = |condition: bool| if condition { 1 as $bits } else { 0 };
+                let negative = |x: $real| x.to_bits() >> ($bits::BITS - 1);
+                let [x, y, z] = [u[0].abs(), u[1].abs(), u[2].abs()];
+                let hi = greater(x, greater(y, z));
+                let mid = greater(lesser(x, y), lesser(greater(x, y), z));
+                let lo = lesser(x, lesser(y, z));
+                let a = (hi - mid) - lo;
+                let weights = match K {
+                    14 => [hi - mid, 0.5 * (mid + lo), 0.5 * (mid - lo)],
+                    18 => {
+                        let half = 0.5 * lesser(a, 0.0);
+                        [greater(a, -half), mid + half, lo + half]
+                    }
+                    26 => [hi - mid, mid - lo, lo],
+                    _ => [hi, mid, lo],
+                };
+                let order = bit(x >= y) | bit(y >= z) << 1 | bit(x >= z) << 2;
+                let signs = negative(u[0]) | negative(u[1]) << 1 | negative(u[2]) << 2;
+                // No weight of a finite u is negative; this is for the others.
+                let weights = [greater(weights[0], 0.0), greater(weights[1], 0.0), greater(weights[2], 0.0)];
+                (weights, order | signs << 3 | bit(a < 0.0) << 6)
+            }
+        }
+    };
+}
+
+impl_real!(f32, u32);
+impl_real!(f64, u64);

@@ -1,12 +1,14 @@
 //! All slabs at once, by columns: what the set-up of a query computes in vector instructions.
 
+use super::sectors::Real;
 use super::{Directions, sectors};
 
 /// The [`super::Weights`] of several vectors, by column.
 #[derive(Copy, Clone, Debug)]
-pub(crate) struct Decomposition<const W: usize> {
-    pub(crate) directions: [[u8; 3]; W],
-    pub(crate) weights: [[f64; W]; 3],
+pub(crate) struct Decomposition<T, const W: usize> {
+    /// Three each.
+    pub(crate) directions: [[u8; 4]; W],
+    pub(crate) weights: [[T; W]; 3],
 }
 
 impl<const K: usize> Directions<K> {
@@ -26,6 +28,18 @@ impl<const K: usize> Directions<K> {
         columns
     };
 
+    /// [`Directions::LENGTHS`] in `f32`, rounded up once more.
+    pub(crate) const SINGLE_LENGTHS: [f32; K] = {
+        let mut lengths = [0.0; K];
+        let mut j = 0;
+        while j < K {
+            let nearest = Self::LENGTHS[j] as f32;
+            lengths[j] = if (nearest as f64) < Self::LENGTHS[j] { nearest.next_up() } else { nearest };
+            j += 1;
+        }
+        lengths
+    };
+
     /// [`Directions::LENGTHS`] of each slab's direction.
     pub(crate) const SLAB_LENGTHS: [f64; K] = {
         let mut lengths = [0.0; K];
@@ -37,11 +51,23 @@ impl<const K: usize> Directions<K> {
         lengths
     };
 
-    /// [`Directions::decompose`] of a vector for each slab: the first half of each array.
-    #[inline(always)]
-    pub(crate) fn decompose_slabs(u: &[[f64; K]; 3]) -> Decomposition<K> {
-        Self::decompose_columns(u, Self::COLUMNS, Self::SLABS)
-    }
+    /// [`Directions::SLABS`], filled up to whole vectors of eight `f32`, or of four where there is no room for more.
+    pub(crate) const SINGLE_COLUMNS: usize = {
+        let columns = Self::SLABS.next_multiple_of(8);
+        if columns <= K { columns } else { Self::COLUMNS }
+    };
+
+    /// [`Directions::SLAB_COLUMNS`] in `f32`, which has these integers exactly.
+    pub(crate) const SINGLE_SLAB_COLUMNS: [[f32; K]; 3] = {
+        let mut columns = [[0.0; K]; 3];
+        let mut s = 0;
+        while s < Self::SLABS {
+            let [x, y, z] = Self::TABLE.vectors[2 * s];
+            (columns[0][s], columns[1][s], columns[2][s]) = (x as f32, y as f32, z as f32);
+            s += 1;
+        }
+        columns
+    };
 
     /// [`Directions::decompose`] of the first `count` columns; `columns` is as many, filled up to whole
     /// vectors.
@@ -50,32 +76,33 @@ impl<const K: usize> Directions<K> {
         reason = "several columns share the index, not all of which is used"
     )]
     #[inline(always)]
-    pub(crate) fn decompose_columns<const W: usize>(
-        u: &[[f64; W]; 3],
+    pub(crate) fn decompose_columns<T: Real, const W: usize>(
+        u: &[[T; W]; 3],
         columns: usize,
         count: usize,
-    ) -> Decomposition<W> {
-        let mut found = Decomposition { directions: [[0; 3]; W], weights: [[0.0; W]; 3] };
+    ) -> Decomposition<T, W> {
+        let mut found = Decomposition { directions: [[0; 4]; W], weights: [[T::ZERO; W]; 3] };
         if sectors::applies(K) {
             // Two loops: the first is compiled to vector instructions, looking up tables is not.
-            let mut sectors = [0; W];
+            let mut sectors = [T::NO_SECTOR; W];
             for s in 0..columns {
                 let weights;
-                (weights, sectors[s]) = sectors::split::<K>([u[0][s], u[1][s], u[2][s]]);
+                (weights, sectors[s]) = T::split::<K>([u[0][s], u[1][s], u[2][s]]);
                 for l in 0..3 {
                     found.weights[l][s] = weights[l];
                 }
             }
             for s in 0..count {
-                found.directions[s] = Self::SECTORS[sectors[s] as usize & 127];
+                found.directions[s] = Self::SECTORS[T::index(sectors[s])];
             }
             return found;
         }
         for s in 0..count {
-            let one = Self::search([u[0][s], u[1][s], u[2][s]]);
-            found.directions[s] = one.directions;
+            let one = Self::search([u[0][s].to_f64(), u[1][s].to_f64(), u[2][s].to_f64()]);
+            let [a, b, c] = one.directions;
+            found.directions[s] = [a, b, c, 0];
             for l in 0..3 {
-                found.weights[l][s] = one.weights[l];
+                found.weights[l][s] = T::from_f64(one.weights[l]);
             }
         }
         found

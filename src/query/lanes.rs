@@ -187,7 +187,7 @@ macro_rules! impl_lanes {
                 let found = Directions::<K>::decompose_columns(directions, AT_ONCE, AT_ONCE);
                 let mut codes = [[[0_i16; AT_ONCE]; 3]; 2];
                 for (j, (node, lane)) in children.into_iter().enumerate() {
-                    for (l, &source) in found.directions[j].iter().enumerate() {
+                    for (l, &source) in found.directions[j][..3].iter().enumerate() {
                         for side in 0..2 {
                             codes[side][l][j] = node.planes[usize::from(source) ^ side][lane % $arity];
                         }
@@ -205,6 +205,7 @@ macro_rules! impl_lanes {
                 [opposite.map(|x| -x), greatest]
             }
 
+            #[inline(always)]
             fn widen(map: &mut Self::Map, b: &Frame, margin: f64) {
                 map.widen(margin * b.scale());
             }

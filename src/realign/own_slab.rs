@@ -135,8 +135,9 @@ pub fn own_slabs<P: Primitive, const K: usize>(
             (-round_up_f32(pad - low[s] * scale), -round_up_f32(pad + high[s] * scale));
     }
     for (s, slab) in slabs.iter_mut().enumerate() {
+        let [p, q, r, _] = found.directions[s];
         *slab = OwnSlab {
-            sources: found.directions[s],
+            sources: [p, q, r],
             weights: [weights[0][s], weights[1][s], weights[2][s]],
             limits: [limits[0][s], limits[1][s]],
         };

@@ -225,11 +225,11 @@ compiled_for_avx2! {
             decoded.write(halves.map(|eight| _mm256_cvtph_ps(eight)));
         }
         for slab in 0..K / 2 {
-            let sources = map.sources[slab];
-            let weights = map.weights[slab].map(|weight| _mm256_set1_ps(weight));
+            let [p, q, r, _] = map.sources[slab];
+            let weights = [0, 1, 2].map(|l| _mm256_set1_ps(map.weights[l][slab]));
             for side in 0..2 {
                 // SAFETY: the loop above wrote all of them.
-                let [a, b, c] = sources.map(|source| unsafe { planes[usize::from(source) ^ side].assume_init_ref() });
+                let [a, b, c] = [p, q, r].map(|source| unsafe { planes[usize::from(source) ^ side].assume_init_ref() });
                 let offset = _mm256_set1_ps(map.offset[2 * slab + side]);
                 let turned = |half: usize| turn(weights, offset, [a[half], b[half], c[half]]);
                 let codes = encode_query([turned(0), turned(1)]);
