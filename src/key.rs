@@ -96,16 +96,17 @@ impl Key {
     #[must_use]
     pub(crate) const fn round_up_single(x: f32) -> Self {
         const DROPPED: u32 = 23 - 10;
-        let bits = x.to_bits();
-        let exponent = (bits >> 23) as i32 & 0xff;
+        const BIAS: i32 = (127 - 15) << 10;
+        let bits = x.to_bits() as i32;
+        let exponent = bits >> 23 & 0xff;
         if exponent < 127 - 14 || exponent > 127 + 15 {
             return Self::round_up_or_unbounded(x as f64);
         }
-        let sign = (bits as i32 >> 31) as i16;
-        let magnitude = (((bits >> DROPPED) & 0x3_ffff) as i32 - ((127 - 15) << 10)) as i16;
-        let inexact = (bits & ((1 << DROPPED) - 1) != 0) as i16;
-        let up = inexact & !sign;
-        Self((magnitude ^ sign) + up)
+        // The complement of a negative number's magnitude, as in codes: a shift rounds it up, and a positive one down.
+        let sign = bits >> 31;
+        let ordered = bits ^ (sign as u32 >> 1) as i32;
+        let up = (ordered + (((1 << DROPPED) - 1) & !sign)) >> DROPPED;
+        Self((up - ((BIAS ^ sign) - sign)) as i16)
     }
 
     /// What both numbers round up to, if it is the same.
@@ -160,18 +161,19 @@ impl Key {
 #[inline]
 #[must_use]
 pub fn decode(code: i16) -> f32 {
-    let bits = (if code >= 0 { code } else { code ^ 0x7fff }) as u16;
-    if bits & INFINITE == INFINITE {
-        return half::f16::from_bits(bits).to_f32_const();
+    let sign = i32::from(code) >> 31;
+    let magnitude = (i32::from(code) ^ sign) as u32;
+    let sign = sign as u32 & 1 << 31;
+    if magnitude >= INFINITE {
+        return half::f16::from_bits((magnitude | sign >> 16) as u16).to_f32_const();
     }
     // The half's exponent and fraction where a single has its own, 2^112 too small: exact for subnormals too.
     const SCALE: f32 = f32::from_bits((127 + 112) << 23);
-    let magnitude = f32::from_bits(u32::from(bits & 0x7fff) << 13) * SCALE;
-    if code >= 0 { magnitude } else { -magnitude }
+    f32::from_bits(magnitude << 13 | sign) * SCALE
 }
 
 /// The exponent of halves that are infinite, or no numbers.
-const INFINITE: u16 = 0x7c00;
+const INFINITE: u32 = 0x7c00;
 
 /// Bits of the fraction of an `f64`, and how many of them a half drops.
 const FRACTION: u32 = 52;

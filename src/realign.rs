@@ -187,12 +187,6 @@ impl<const K: usize> Realignment<K> {
     pub fn plane(&self, j: usize, code: impl Fn(usize) -> i16) -> Key {
         Key::round_up_single(self.sum(j, |source| decode(code(source))))
     }
-
-    /// [`Realignment::plane`] of both planes of slab s, `2 s` and `2 s + 1`, from decoded planes.
-    #[inline(always)]
-    pub(crate) fn slab_of(&self, s: usize, planes: &[f32; K]) -> [Key; 2] {
-        [2 * s, 2 * s + 1].map(|j| Key::round_up_single(self.sum(j, |source| planes[source])))
-    }
 }
 
 /// Where the pose puts the centre of A's frame, from the centre of B's, up to rounding in `f64`.

@@ -14,6 +14,22 @@ pub(super) fn separated<const W: usize, const K: usize>(
     query.iter().zip(planes).any(|(q, p)| q[a] > p[b])
 }
 
+/// Bit i: no plane separates body i of the query from the hull of all children.
+pub(super) fn overlap_hull<const K: usize>(query: &Turned<16, K>, planes: &[[i16; 16]; K]) -> u16 {
+    let mut mask = u16::MAX;
+    for (bodies, planes) in query.iter().zip(planes) {
+        let greatest = planes.iter().copied().fold(i16::MIN, i16::max);
+        for (i, body) in bodies.iter().enumerate() {
+            mask &= !(u16::from(*body > greatest) << i);
+        }
+        // Often after a few planes.
+        if mask == 0 {
+            break;
+        }
+    }
+    mask
+}
+
 /// Bit i: child i lies beyond the slab.
 pub(super) fn beyond<const W: usize, const K: usize>(slab: &OwnSlab, planes: &[[i16; W]; K]) -> u16 {
     (0..W).filter(|&i| slab.is_beyond(|source| planes[source][i])).fold(0, |mask, i| mask | 1 << i)
@@ -24,16 +40,19 @@ pub(super) fn realign<const W: usize, const K: usize>(
     planes: &[[i16; W]; K],
     query: &mut Turned<W, K>,
 ) {
+    // Each is a term of several sums.
+    let mut decoded = [[0.0; W]; K];
+    for (decoded, codes) in decoded.as_flattened_mut().iter_mut().zip(planes.as_flattened()) {
+        *decoded = decode(*codes);
+    }
+    for j in 0..K {
+        let [(x, u), (y, v), (z, w)] = map.terms(j).map(|(source, weight)| (&decoded[source], weight));
+        for lane in 0..W {
+            let sum = ((u * x[lane] + v * y[lane]) + w * z[lane]) + map.offset[j];
+            query[j ^ 1][lane] = !Key::round_up_single(sum).code();
+        }
+    }
     for lane in 0..W {
-        // Each is a term of several sums.
-        let mut decoded = [0.0; K];
-        for (decoded, plane) in decoded.iter_mut().zip(planes) {
-            *decoded = decode(plane[lane]);
-        }
-        for s in 0..K / 2 {
-            let [ahead, behind] = map.slab_of(s, &decoded);
-            (query[2 * s + 1][lane], query[2 * s][lane]) = (!ahead.code(), !behind.code());
-        }
         if planes[0][lane] == Key::EMPTY.code() {
             query[0][lane] = SEPARATED;
         }

@@ -26,9 +26,7 @@ impl Kernel for Scalar {
     }
 
     fn overlap_16v_hull<const K: usize>(self, query: &Turned<16, K>, node: &Node16<K>) -> u16 {
-        let hull = node.planes.map(|plane| plane.into_iter().fold(i16::MIN, i16::max));
-        let separated = |i: usize| query.iter().zip(&hull).any(|(q, p)| q[i] > *p);
-        (0..16).filter(|&i| !separated(i)).fold(0, |mask, i| mask | 1 << i)
+        dops::overlap_hull(query, &node.planes)
     }
 
     fn overlap_4v4<const K: usize>(self, query: &Turned<4, K>, node: &Node4<K>) -> u16 {

@@ -21,7 +21,7 @@ use simdop::query::Query;
 
 /// Instructions and bytes of stack of a query at each of the poses, and of checking a pose.
 const EXPECTED: [(u32, u32); 5] =
-    [(65_900, 8_800), (775_000, 9_780), (1_510, 720), (1_500, 720), (3_620, 520)];
+    [(26_300, 9_470), (698_000, 10_460), (1_510, 720), (1_500, 720), (3_620, 520)];
 
 /// How far a count may be from what is expected: one part in so many.
 const WITHIN: u32 = 25;
