@@ -1,71 +1,13 @@
-//! Queries on a 64-bit Arm core at EL1 with nothing but its vector unit switched on.
+//! Queries on a 64-bit Arm core without an operating system.
 #![no_std]
 #![no_main]
 
-use core::arch::{asm, global_asm};
-use core::fmt::{self, Write};
-
-global_asm!(
-    ".section .text.boot, \"ax\"",
-    ".global _start",
-    "_start:",
-    "ldr x0, =stack_top",
-    "mov sp, x0",
-    // CPACR_EL1.FPEN: no trap on floating point and NEON.
-    "mov x0, #(3 << 20)",
-    "msr cpacr_el1, x0",
-    "isb",
-    "b main",
-);
-
-/// Arm semihosting operations.
-const SYS_OPEN: usize = 0x01;
-const SYS_WRITE: usize = 0x05;
-const SYS_EXIT: usize = 0x18;
-/// `fopen` mode "w": of the special file `:tt`, standard output.
-const MODE_W: usize = 4;
-/// ADP_Stopped_ApplicationExit.
-const APPLICATION_EXIT: usize = 0x20026;
-
-fn semihosting(operation: usize, arguments: &[usize]) -> usize {
-    let result;
-    // SAFETY: the trap that asks the debugger, here QEMU, for a service: it reads the arguments, and what
-    // they point to, and changes x0 only.
-    unsafe {
-        asm!("hlt #0xf000", inout("x0") operation => result, in("x1") arguments.as_ptr(), options(nostack));
-    }
-    result
-}
-
-struct Console {
-    handle: usize,
-}
-
-impl Console {
-    fn open() -> Self {
-        let name = c":tt";
-        let arguments = [name.as_ptr().expose_provenance(), MODE_W, name.count_bytes()];
-        Self { handle: semihosting(SYS_OPEN, &arguments) }
-    }
-}
-
-impl Write for Console {
-    fn write_str(&mut self, text: &str) -> fmt::Result {
-        let left = semihosting(SYS_WRITE, &[self.handle, text.as_ptr().expose_provenance(), text.len()]);
-        if left == 0 { Ok(()) } else { Err(fmt::Error) }
-    }
-}
+use aarch64_none::{Console, exit};
+use core::fmt::Write;
 
 #[unsafe(no_mangle)]
 extern "C" fn main() -> ! {
     exit(check::run(&mut Console::open()))
-}
-
-fn exit(good: bool) -> ! {
-    semihosting(SYS_EXIT, &[APPLICATION_EXIT, usize::from(!good)]);
-    loop {
-        core::hint::spin_loop();
-    }
 }
 
 #[panic_handler]

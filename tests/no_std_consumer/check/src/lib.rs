@@ -2,6 +2,7 @@
 #![no_std]
 
 mod cloud;
+pub mod cost;
 pub mod points;
 pub mod poses;
 

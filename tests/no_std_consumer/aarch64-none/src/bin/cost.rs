@@ -1,0 +1,34 @@
+//! What queries cost on a Cortex-A53: [`check::cost`].
+#![no_std]
+#![no_main]
+
+use aarch64_none::{Console, exit};
+use check::cost::{Cost, Timer};
+use core::arch::asm;
+
+const A53: [Cost; 5] = [(8_230, 23_660), (77_100, 24_270), (352, 832), (352, 832), (280, 464)];
+
+/// Counts at 62.5 MHz.
+struct VirtualTimer;
+
+impl Timer for VirtualTimer {
+    const IN_A_TICK: u32 = 16;
+    const MASK: u32 = u32::MAX;
+
+    fn now(&mut self) -> u32 {
+        let ticks: u64;
+        // SAFETY: reads a counter, which every core has.
+        unsafe { asm!("isb", "mrs {}, cntvct_el0", out(reg) ticks, options(nomem, nostack)) };
+        ticks as u32
+    }
+}
+
+#[unsafe(no_mangle)]
+extern "C" fn main() -> ! {
+    exit(check::cost::run(&mut Console::open(), &mut VirtualTimer, "Cortex-A53", A53))
+}
+
+#[panic_handler]
+fn panic(_: &core::panic::PanicInfo<'_>) -> ! {
+    exit(false)
+}
