@@ -99,12 +99,10 @@
 //!
 //! | on | k = 6 | k = 18 | k = 32 |
 //! |---|---|---|---|
-//! | x86-64, AVX2 or AVX-512: collide, within, pairs / distance | 13 / 33 | 16 / 35 | 19 / 38 |
-//! | x86-64, scalar | 11 / 23 | 12 / 26 | 13 / 28 |
-//! | Cortex-M4F, scalar | 12 / 26 | 13 / 29 | 14 / 35 |
+//! | x86-64, AVX2 or scalar: collide, within, pairs / distance | 15 / 26 | 17 / 30 | 18 / 35 |
 //!
-//! (Rust 1.95, release, arity 16; arity 4 takes up to 4 KiB less, and up to 8 less on Cortex-M.) `from_bytes`
-//! and `verify` take 1 KiB. A thread with 32 KiB for collisions and 64 KiB for distances is enough, which
+//! (Rust 1.95, release, arity 16; arity 4 takes up to 7 KiB less.) On a Cortex-M4F a collision takes 11 KiB without
+//! exact arithmetic, on an A53 14. `from_bytes` and `verify` take 1.5 KiB. A thread with 32 KiB for collisions and 64 KiB for distances is enough, which
 //! `tests/queries/stack.rs` checks. Exact arithmetic takes 6 KiB of this, the pairs that wait [`query::STACK_BYTES`]
 //! or [`query::DISTANCE_STACK_BYTES`], and most of the rest is turned planes and triangles. Penetration volumes take less
 //! than collisions, and [`query::PENETRATION_QUEUE_BYTES`] more where there is a budget.

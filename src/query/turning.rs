@@ -34,8 +34,8 @@ impl Query {
         })
     }
 
-    /// Body a is turned. One function for both orders, which are of one type where both bodies have the same primitives.
-    #[inline(never)]
+    /// Body a is turned.
+    #[inline(always)]
     fn traverse<N: Lanes, P: Pairwise<Q>, Q: Pairwise<P>>(
         &self,
         trees: (&BvhRef<'_, N, P>, &BvhRef<'_, N, Q>),
@@ -47,7 +47,9 @@ impl Query {
         on_isa!(self.isa, token => self.traverse_on(token, trees, placing, margin, counters, visit))
     }
 
-    #[inline(always)]
+    /// One function for both orders, which are of one type where both bodies have the same primitives. Not part of its
+    /// caller, where the frame of the scalar code would lie below that of the instruction set that is used.
+    #[inline(never)]
     fn traverse_on<N: Lanes, P: Pairwise<Q>, Q: Pairwise<P>, E: Kernel>(
         &self,
         kernel: E,

@@ -187,7 +187,7 @@ compiled_for_neon! {
             }
         }
         for j in 0..K {
-            let [(a, u), (b, v), (c, w)] = map.terms(j).map(|(source, weight)| (decoded[source], weight));
+            let [(a, u), (b, v), (c, w)] = map.terms(j).map(|(source, weight)| (&decoded[source], weight));
             for (i, codes) in query[j ^ 1].as_chunks_mut::<4>().0.iter_mut().enumerate() {
                 // Separate multiplications and additions: fused ones would round otherwise than the specification.
                 let two = vaddq_f32(vmulq_n_f32(a[i], u), vmulq_n_f32(b[i], v));
