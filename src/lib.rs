@@ -38,7 +38,7 @@
 //! | `Node16<18>` | 43 / 73 | unless something below applies |
 //! | `Node16<14>` | 34 / 65 | flash is scarce: a fifth less of nodes for about a quarter more time in the mean; robots in rooms with flat walls lose more |
 //! | `Node16<6>` | 17 / 48 | flash is all that counts: volumes are boxes, which turn badly |
-//! | `Node16<26>`, `Node16<32>` | 60 / 90, 73 / 103 | equal in contact and slower when far apart: measure before you choose them |
+//! | `Node16<26>`, `Node16<32>` | 60 / 90, 73 / 103 | k = 26 for machined parts and short tails: 7 % faster in contact, the slowest queries a quarter, 5 % slower 5 % apart |
 //! | `Node4<K>` | 53 / 86 for k = 18 | hardly ever: 1.1 to 1.9 times the time and a quarter more bytes of nodes; a query needs some KiB less stack |
 //!
 //! The bytes are those of a mesh of 52,000 triangles whose coordinates `f32` holds exactly; others take 6
@@ -99,10 +99,10 @@
 //!
 //! | on | k = 6 | k = 18 | k = 32 |
 //! |---|---|---|---|
-//! | x86-64, AVX2 or scalar: collide, within, pairs / distance | 15 / 26 | 17 / 30 | 18 / 35 |
+//! | x86-64, AVX2 or scalar: collide, within, pairs / distance | 13 / 26 | 15 / 30 | 16 / 35 |
 //!
-//! (Rust 1.95, release, arity 16; arity 4 takes up to 7 KiB less.) On a Cortex-M4F a collision takes 11 KiB without
-//! exact arithmetic, on an A53 14. `from_bytes` and `verify` take 1.5 KiB. A thread with 32 KiB for collisions and 64 KiB for distances is enough, which
+//! (Rust 1.95, release, arity 16; arity 4 takes up to 7 KiB less.) On a Cortex-M4F a collision takes 9 KiB without
+//! exact arithmetic, on an A53 12. `from_bytes` and `verify` take 1.5 KiB. A thread with 32 KiB for collisions and 64 KiB for distances is enough, which
 //! `tests/queries/stack.rs` checks. Exact arithmetic takes 6 KiB of this, the pairs that wait [`query::STACK_BYTES`]
 //! or [`query::DISTANCE_STACK_BYTES`], and most of the rest is turned planes and triangles. Penetration volumes take less
 //! than collisions, and [`query::PENETRATION_QUEUE_BYTES`] more where there is a budget.

@@ -128,8 +128,8 @@ fn check_mesh<const K: usize>(
     let map = Realignment::<K>::new(pose, &view.extent(), frame);
     for j in 0..K {
         let sum = map.terms(j).iter().fold(0.0, |sum, (_, w)| sum + f64::from(*w));
-        let may_overflow = !(sum * f64::from(view.extent().max_plane) < f64::from(f32::MAX));
-        assert!(!may_overflow || map.offset[j] == f32::INFINITY, "k {K} plane {j}: {pose:?} {map:?}");
+        let is_finite = sum * f64::from(view.extent().max_plane) < f64::from(f32::MAX);
+        assert!(is_finite || map.offset[j] == f32::INFINITY, "k {K} plane {j}: {pose:?} {map:?}");
     }
     let planes = &view.nodes()[0].planes;
     let triangles = (0..view.len()).map(|index| view.primitive(index as u32));

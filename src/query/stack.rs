@@ -90,8 +90,11 @@ pub(super) struct Next {
 }
 
 impl Stack {
-    pub(crate) const fn new() -> Self {
-        Self { visited: [NONE; FIRST], more: None, len: 0 }
+    /// The stack of a query that had none.
+    #[cold]
+    #[inline(never)]
+    pub(super) fn begin(stack: &mut Option<Self>) {
+        *stack = Some(Self { visited: [NONE; FIRST], more: None, len: 0 });
     }
 
     /// For rows with a bit.
@@ -103,9 +106,16 @@ impl Stack {
         let entry = Visited { volumes, opened, rows: *rows, looked_at: false };
         match self.len.checked_sub(FIRST) {
             None => self.visited[self.len] = entry,
-            Some(beyond) => self.more.get_or_insert([NONE; 2 * MAX_DEPTH - FIRST])[beyond] = entry,
+            Some(beyond) => self.more()[beyond] = entry,
         }
         self.len += 1;
+    }
+
+    // Not inlined, as is `begin`: what is made here was made once more in the frame of the traversal.
+    #[cold]
+    #[inline(never)]
+    fn more(&mut self) -> &mut [Visited; 2 * MAX_DEPTH - FIRST] {
+        self.more.get_or_insert([NONE; 2 * MAX_DEPTH - FIRST])
     }
 
     /// The entry that was pushed last.

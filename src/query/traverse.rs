@@ -243,7 +243,12 @@ where
         }
         self.decide_leaves(a, b, opened, &mut rows)?;
         if rows.pending != 0 {
-            stack.get_or_insert_with(Stack::new).push(*volumes, opened, &rows);
+            if stack.is_none() {
+                Stack::begin(stack);
+            }
+            if let Some(stack) = stack {
+                stack.push(*volumes, opened, &rows);
+            }
         }
         Flow::Continue(())
     }

@@ -6,7 +6,7 @@ use aarch64_none::{Console, exit};
 use check::cost::{Cost, Timer};
 use core::arch::asm;
 
-const A53: [Cost; 5] = [(8_190, 13_170), (76_950, 13_780), (352, 832), (352, 832), (280, 464)];
+const A53: [Cost; 5] = [(8_190, 11_150), (77_350, 12_150), (352, 832), (352, 832), (280, 464)];
 
 /// Counts at 62.5 MHz.
 struct VirtualTimer;

@@ -9,8 +9,8 @@ use cortex_m_consumer::exit;
 use cortex_m_rt::entry;
 use cortex_m_semihosting::hio;
 
-const M4F: [Cost; 5] = [(27_130, 9_580), (700_500, 10_550), (1_510, 856), (1_490, 856), (3_620, 656)];
-const M7: [Cost; 5] = [(22_640, 9_210), (196_400, 9_820), (185, 632), (185, 632), (348, 444)];
+const M4F: [Cost; 5] = [(27_020, 7_390), (701_400, 8_370), (1_510, 856), (1_490, 856), (3_620, 656)];
+const M7: [Cost; 5] = [(22_270, 7_040), (194_700, 8_010), (185, 632), (185, 632), (348, 444)];
 
 /// The number of the Cortex-M7 among the parts that its maker numbers.
 const PART_OF_M7: u32 = 0xc27;
