@@ -550,6 +550,8 @@ where
     let scalar = Scalar::new();
     let recorded = recorded::<K>().map(|[_, realignments, _]| realignments);
     let mut digest = Digest::EMPTY;
+    // How many nodes meet no body of theirs turned, and some.
+    let mut met = [0; 2];
     // A scalar re-alignment costs as much as a hundred overlaps.
     let count = pairs() / 8 / MODES.len() as u64 + 1;
     for &mode in MODES {
@@ -574,8 +576,20 @@ where
             }
             digest.add_query(&got);
             digest.add_query(&got_4);
+            if i % 4 == 0 {
+                let mut early = got.map(|plane| plane.map(|code| !code));
+                let mask = kernel.realign_16_over_hull(map, node, &mut early, node);
+                assert_eq!(
+                    mask,
+                    scalar.overlap_16v_hull(&got, node),
+                    "{name} k {K} {mode:?} map {i}: {map:?} {node:x?}"
+                );
+                assert!(mask == 0 || early == got, "{name} k {K} {mode:?} map {i}: {map:?} {node:x?}");
+                met[usize::from(mask != 0)] += 1;
+            }
         });
     }
+    assert!(cfg!(miri) || met.into_iter().all(|count| count > 20), "k {K}: {met:?}");
     let all = count * MODES.len() as u64;
     conclude(&format!("{name} k {K}: {all} re-alignments of 16 and of 4"), &digest, recorded);
 }

@@ -126,6 +126,26 @@ pub trait Kernel: Copy + core::fmt::Debug + sealed::Sealed {
     /// If a source of the map is not below `K`, which those of [`Realignment::new`] are.
     fn realign_16<const K: usize>(self, map: &Realignment<K>, node: &Node16<K>, query: &mut Turned<16, K>);
 
+    /// Whether [`Kernel::realign_16_over_hull`] is worth its code: it ends early.
+    const TURNS_BY_PLANES: bool = false;
+
+    /// [`Kernel::realign_16`] of `a`, and [`Kernel::overlap_16v_hull`] of `b` with its result. Where no body overlaps the
+    /// hull, `query` may hold anything.
+    ///
+    /// # Panics
+    /// As [`Kernel::realign_16`].
+    #[must_use]
+    fn realign_16_over_hull<const K: usize>(
+        self,
+        map: &Realignment<K>,
+        a: &Node16<K>,
+        query: &mut Turned<16, K>,
+        b: &Node16<K>,
+    ) -> u16 {
+        self.realign_16(map, a, query);
+        self.overlap_16v_hull(query, b)
+    }
+
     /// [`Kernel::realign_16`] for four children.
     ///
     /// # Panics

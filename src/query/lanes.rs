@@ -103,6 +103,16 @@ pub trait Lanes: Dop {
     /// Which bodies of `turned` child `lane` of `self` overlaps.
     #[doc(hidden)]
     fn overlap_column<E: Kernel>(&self, kernel: E, turned: &Self::Turned, lane: usize) -> u16;
+    /// [`Lanes::realign`], and [`Lanes::overlap_hull`] of `b` with its result; where nothing overlaps, `turned` may hold
+    /// anything.
+    #[doc(hidden)]
+    fn realign_over_hull<E: Kernel>(
+        &self,
+        kernel: E,
+        map: &Self::Map,
+        turned: &mut Self::Turned,
+        b: &Self,
+    ) -> (u16, u64);
     /// Which bodies of `turned` all of `self` overlaps, and the number of kernel calls.
     #[doc(hidden)]
     fn overlap_hull<E: Kernel>(&self, kernel: E, turned: &Self::Turned) -> (u16, u64);
@@ -272,6 +282,17 @@ macro_rules! impl_lanes {
             }
 
             #[inline(always)]
+            fn realign_over_hull<E: Kernel>(
+                &self,
+                kernel: E,
+                map: &Self::Map,
+                turned: &mut Self::Turned,
+                b: &Self,
+            ) -> (u16, u64) {
+                $node::turned_over_hull(self, kernel, map, turned, b)
+            }
+
+            #[inline(always)]
             fn overlap_hull<E: Kernel>(&self, kernel: E, turned: &Self::Turned) -> (u16, u64) {
                 $node::against_hull(self, kernel, turned)
             }
@@ -306,6 +327,17 @@ impl<const K: usize> Node16<K> {
     fn against_hull<E: Kernel>(&self, kernel: E, turned: &Turned<16, K>) -> (u16, u64) {
         (kernel.overlap_16v_hull(turned, self), 1)
     }
+
+    #[inline(always)]
+    fn turned_over_hull<E: Kernel>(
+        &self,
+        kernel: E,
+        map: &Realignment<K>,
+        turned: &mut Turned<16, K>,
+        b: &Self,
+    ) -> (u16, u64) {
+        (kernel.realign_16_over_hull(map, self, turned, b), 1)
+    }
 }
 
 impl<const K: usize> Node4<K> {
@@ -326,6 +358,18 @@ impl<const K: usize> Node4<K> {
     fn against_hull<E: Kernel>(&self, kernel: E, turned: &Turned<4, K>) -> (u16, u64) {
         let pairs = kernel.overlap_4v4(turned, self);
         ((0..4).fold(0, |mask, i| mask | u16::from(pairs >> (4 * i) & 0xf != 0) << i), 1)
+    }
+
+    #[inline(always)]
+    fn turned_over_hull<E: Kernel>(
+        &self,
+        kernel: E,
+        map: &Realignment<K>,
+        turned: &mut Turned<4, K>,
+        b: &Self,
+    ) -> (u16, u64) {
+        kernel.realign_4(map, self, turned);
+        b.against_hull(kernel, turned)
     }
 
     #[inline(always)]

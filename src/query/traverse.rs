@@ -195,16 +195,20 @@ where
             return Flow::Break(Stop::Budget { upper: self.corner_distance(a, b) });
         }
         self.counters.visits += 1;
+        let is_b_root = holder_b == ABOVE_ROOT;
         match a.link() {
+            Link::Inner(_) if E::TURNS_BY_PLANES && is_b_root => {}
             Link::Inner(node) => self.turn(a, node),
             _ => self.aim(a),
         }
         let mut rows = Rows::default();
         let mut wanted = u16::MAX;
         // The children of A that overlap b: only their rows can have a bit.
-        if let Link::Inner(_) = a.link() {
+        if let Link::Inner(node) = a.link() {
             let kernels;
-            (wanted, kernels) = if holder_b == ABOVE_ROOT {
+            (wanted, kernels) = if E::TURNS_BY_PLANES && is_b_root {
+                self.turn_over_root(a, node)
+            } else if is_b_root {
                 self.b.nodes()[0].overlap_hull(self.kernel, &self.turned.1)
             } else {
                 let holder = &self.b.nodes()[holder_b as usize];
@@ -261,6 +265,18 @@ where
             self.turned.0 = a;
             self.a.nodes()[node as usize].realign(self.kernel, self.map, &mut self.turned.1);
         }
+    }
+
+    /// [`Self::turn`], and which of the children overlap all of B.
+    #[inline(always)]
+    fn turn_over_root(&mut self, a: Child, node: u32) -> (u16, u64) {
+        self.counters.realignments += u64::from(self.turned.0 != a);
+        let root = &self.b.nodes()[0];
+        let found =
+            self.a.nodes()[node as usize].realign_over_hull(self.kernel, self.map, &mut self.turned.1, root);
+        // Not all of them are turned where none overlaps.
+        self.turned.0 = if found.0 == 0 { Child::EMPTY } else { a };
+        found
     }
 
     /// Computes the planes of leaf `a` from its moved corners.

@@ -16,18 +16,13 @@ pub(super) fn separated<const W: usize, const K: usize>(
 
 /// Bit i: no plane separates body i of the query from the hull of all children.
 pub(super) fn overlap_hull<const K: usize>(query: &Turned<16, K>, planes: &[[i16; 16]; K]) -> u16 {
-    let mut mask = u16::MAX;
-    for (bodies, planes) in query.iter().zip(planes) {
-        let greatest = planes.iter().copied().fold(i16::MIN, i16::max);
-        for (i, body) in bodies.iter().enumerate() {
-            mask &= !(u16::from(*body > greatest) << i);
-        }
-        // Often after a few planes.
-        if mask == 0 {
-            break;
-        }
-    }
-    mask
+    query.iter().zip(planes).fold(u16::MAX, |mask, (bodies, planes)| mask & below(bodies, planes))
+}
+
+/// Bit i: one plane of body i does not separate it from the hull of all children.
+fn below(bodies: &[i16; 16], planes: &[i16; 16]) -> u16 {
+    let greatest = planes.iter().copied().fold(i16::MIN, i16::max);
+    (0..16).filter(|&i| bodies[i] <= greatest).fold(0, |mask, i| mask | 1 << i)
 }
 
 /// Bit i: child i lies beyond the slab.
@@ -40,18 +35,60 @@ pub(super) fn realign<const W: usize, const K: usize>(
     planes: &[[i16; W]; K],
     query: &mut Turned<W, K>,
 ) {
-    // Each is a term of several sums.
+    let decoded = decoded(planes);
+    for j in 0..K {
+        turn(map, &decoded, j, &mut query[j ^ 1]);
+    }
+    separate_unused(planes, query);
+}
+
+/// [`realign`], and [`overlap_hull`] of `b` with its result. Plane by plane, and no further than until all bodies are
+/// separated: often after a few planes.
+pub(super) fn realign_over_hull<const K: usize>(
+    map: &Realignment<K>,
+    a: &[[i16; 16]; K],
+    query: &mut Turned<16, K>,
+    b: &[[i16; 16]; K],
+) -> u16 {
+    let decoded = decoded(a);
+    let mut mask = u16::MAX;
+    for j in 0..K {
+        turn(map, &decoded, j, &mut query[j ^ 1]);
+        if j == 1 {
+            separate_unused(a, query);
+        }
+        mask &= below(&query[j ^ 1], &b[j ^ 1]);
+        if mask == 0 {
+            return 0;
+        }
+    }
+    mask
+}
+
+/// Each plane is a term of several sums.
+fn decoded<const W: usize, const K: usize>(planes: &[[i16; W]; K]) -> [[f32; W]; K] {
     let mut decoded = [[0.0; W]; K];
     for (decoded, codes) in decoded.as_flattened_mut().iter_mut().zip(planes.as_flattened()) {
         *decoded = decode(*codes);
     }
-    for j in 0..K {
-        let [(x, u), (y, v), (z, w)] = map.terms(j).map(|(source, weight)| (&decoded[source], weight));
-        for lane in 0..W {
-            let sum = ((u * x[lane] + v * y[lane]) + w * z[lane]) + map.offset[j];
-            query[j ^ 1][lane] = !Key::round_up_single(sum).code();
-        }
+    decoded
+}
+
+/// Plane j of all children, turned.
+fn turn<const W: usize, const K: usize>(
+    map: &Realignment<K>,
+    decoded: &[[f32; W]; K],
+    j: usize,
+    turned: &mut [i16; W],
+) {
+    let [(x, u), (y, v), (z, w)] = map.terms(j).map(|(source, weight)| (&decoded[source], weight));
+    for lane in 0..W {
+        let sum = ((u * x[lane] + v * y[lane]) + w * z[lane]) + map.offset[j];
+        turned[lane] = !Key::round_up_single(sum).code();
     }
+}
+
+fn separate_unused<const W: usize, const K: usize>(planes: &[[i16; W]; K], query: &mut Turned<W, K>) {
     for lane in 0..W {
         if planes[0][lane] == Key::EMPTY.code() {
             query[0][lane] = SEPARATED;

@@ -12,6 +12,8 @@ use crate::primitive::triangle::{Probe, Triangle};
 use crate::realign::{OwnSlab, Realignment};
 
 impl Kernel for Scalar {
+    const TURNS_BY_PLANES: bool = true;
+
     #[inline(always)]
     fn run<R>(self, f: impl FnOnce() -> R) -> R {
         f()
@@ -50,6 +52,16 @@ impl Kernel for Scalar {
 
     fn realign_16<const K: usize>(self, map: &Realignment<K>, node: &Node16<K>, query: &mut Turned<16, K>) {
         dops::realign(map, &node.planes, query);
+    }
+
+    fn realign_16_over_hull<const K: usize>(
+        self,
+        map: &Realignment<K>,
+        a: &Node16<K>,
+        query: &mut Turned<16, K>,
+        b: &Node16<K>,
+    ) -> u16 {
+        dops::realign_over_hull(map, &a.planes, query, &b.planes)
     }
 
     fn realign_4<const K: usize>(self, map: &Realignment<K>, node: &Node4<K>, query: &mut Turned<4, K>) {
