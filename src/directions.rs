@@ -57,7 +57,7 @@
 mod sectors;
 mod slabs;
 
-use sectors::Real;
+use sectors::Float;
 
 /// Direction sets exist for these k.
 pub const SUPPORTED: [usize; 5] = [6, 14, 18, 26, 32];

@@ -83,7 +83,7 @@ const fn index_of(k: usize, v: [i8; 3]) -> u8 {
 }
 
 /// What a vector is split in: set-ups in `f32`, bounds of distances in `f64`.
-pub(crate) trait Real: Copy + PartialOrd {
+pub(crate) trait Float: Copy + PartialOrd {
     /// As wide, so that numbers and sectors share vector instructions.
     type Sector: Copy;
     const ZERO: Self;
@@ -96,16 +96,16 @@ pub(crate) trait Real: Copy + PartialOrd {
     fn split<const K: usize>(u: [Self; 3]) -> ([Self; 3], Self::Sector);
 }
 
-macro_rules! impl_real {
-    ($real:ident, $bits:ident) => {
-        impl Real for $real {
+macro_rules! impl_float {
+    ($float:ident, $bits:ident) => {
+        impl Float for $float {
             type Sector = $bits;
             const ZERO: Self = 0.0;
             const NO_SECTOR: $bits = 0;
 
             #[inline(always)]
             fn from_f64(x: f64) -> Self {
-                x as $real
+                x as $float
             }
 
             #[inline(always)]
@@ -120,9 +120,9 @@ macro_rules! impl_real {
 
             #[inline(always)]
             fn split<const K: usize>(u: [Self; 3]) -> ([Self; 3], $bits) {
-                let lesser = |a: $real, b: $real| if a < b { a } else { b };
+                let lesser = |a: $float, b: $float| if a < b { a } else { b };
                 let bit = |condition: bool| if condition { 1 as $bits } else { 0 };
-                let negative = |x: $real| x.to_bits() >> ($bits::BITS - 1);
+                let negative = |x: $float| x.to_bits() >> ($bits::BITS - 1);
                 let [x, y, z] = [u[0].abs(), u[1].abs(), u[2].abs()];
                 let hi = greater(x, greater(y, z));
                 let mid = greater(lesser(x, y), lesser(greater(x, y), z));
@@ -147,5 +147,5 @@ macro_rules! impl_real {
     };
 }
 
-impl_real!(f32, u32);
-impl_real!(f64, u64);
+impl_float!(f32, u32);
+impl_float!(f64, u64);

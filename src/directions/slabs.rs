@@ -1,6 +1,6 @@
 //! All slabs at once, by columns: what the set-up of a query computes in vector instructions.
 
-use super::sectors::Real;
+use super::sectors::Float;
 use super::{Directions, sectors};
 
 /// The [`super::Weights`] of several vectors, by column.
@@ -76,7 +76,7 @@ impl<const K: usize> Directions<K> {
         reason = "several columns share the index, not all of which is used"
     )]
     #[inline(always)]
-    pub(crate) fn decompose_columns<T: Real, const W: usize>(
+    pub(crate) fn decompose_columns<T: Float, const W: usize>(
         u: &[[T; W]; 3],
         columns: usize,
         count: usize,
