@@ -45,6 +45,7 @@ mod leaf;
 mod leaves;
 mod lens;
 mod long;
+mod masks;
 mod nearest;
 mod pairwise;
 mod penetration;

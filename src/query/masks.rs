@@ -1,0 +1,83 @@
+//! Which children overlap: what [`super::Lanes`] asks the kernels, for each node type. Where numbers are returned
+//! besides, they are those of the kernel calls.
+
+use super::stack::Rows;
+use crate::kernel::{Kernel, Turned};
+use crate::node::{Node4, Node16};
+use crate::realign::Realignment;
+
+impl<const K: usize> Node16<K> {
+    #[inline(always)]
+    pub(super) fn rows<E: Kernel>(&self, kernel: E, turned: &Turned<16, K>, wanted: u16) -> (Rows, u64) {
+        let mut found = Rows::default();
+        let mut left = wanted;
+        while left != 0 {
+            let lane = (left.trailing_zeros() & 15) as usize;
+            left &= left - 1;
+            let row = kernel.overlap_1v16(turned, lane, self);
+            found.rows[lane] = row;
+            found.pending |= u32::from(row != 0) << lane;
+        }
+        (found, wanted.count_ones().into())
+    }
+
+    #[inline(always)]
+    pub(super) fn column<E: Kernel>(&self, kernel: E, turned: &Turned<16, K>, lane: usize) -> u16 {
+        kernel.overlap_16v1(turned, self, lane)
+    }
+
+    #[inline(always)]
+    pub(super) fn against_hull<E: Kernel>(&self, kernel: E, turned: &Turned<16, K>) -> (u16, u64) {
+        (kernel.overlap_16v_hull(turned, self), 1)
+    }
+
+    #[inline(always)]
+    pub(super) fn turned_over_hull<E: Kernel>(
+        &self,
+        kernel: E,
+        map: &Realignment<K>,
+        turned: &mut Turned<16, K>,
+        b: &Self,
+    ) -> (u16, u64) {
+        (kernel.realign_16_over_hull(map, self, turned, b), 1)
+    }
+}
+
+impl<const K: usize> Node4<K> {
+    #[inline(always)]
+    pub(super) fn rows<E: Kernel>(&self, kernel: E, turned: &Turned<4, K>, wanted: u16) -> (Rows, u64) {
+        let pairs = kernel.overlap_4v4(turned, self);
+        let mut found = Rows::default();
+        for (lane, row) in found.rows.iter_mut().take(4).enumerate() {
+            if wanted >> lane & 1 != 0 {
+                *row = pairs >> (4 * lane) & 0xf;
+                found.pending |= u32::from(*row != 0) << lane;
+            }
+        }
+        (found, 1)
+    }
+
+    #[inline(always)]
+    pub(super) fn against_hull<E: Kernel>(&self, kernel: E, turned: &Turned<4, K>) -> (u16, u64) {
+        let pairs = kernel.overlap_4v4(turned, self);
+        ((0..4).fold(0, |mask, i| mask | u16::from(pairs >> (4 * i) & 0xf != 0) << i), 1)
+    }
+
+    #[inline(always)]
+    pub(super) fn turned_over_hull<E: Kernel>(
+        &self,
+        kernel: E,
+        map: &Realignment<K>,
+        turned: &mut Turned<4, K>,
+        b: &Self,
+    ) -> (u16, u64) {
+        kernel.realign_4(map, self, turned);
+        b.against_hull(kernel, turned)
+    }
+
+    #[inline(always)]
+    pub(super) fn column<E: Kernel>(&self, kernel: E, turned: &Turned<4, K>, lane: usize) -> u16 {
+        let pairs = kernel.overlap_4v4(turned, self) >> lane;
+        (0..4).fold(0, |mask, i| mask | (pairs >> (4 * i) & 1) << i)
+    }
+}
