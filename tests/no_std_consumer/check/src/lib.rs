@@ -7,6 +7,7 @@ pub mod points;
 pub mod poses;
 
 use core::fmt::Write;
+use core::hint::black_box;
 use simdop::hierarchy::Baked;
 use simdop::include_tree;
 use simdop::isa::Isa;
@@ -18,6 +19,17 @@ use simdop::query::{Counters, Pair, Query, Verdict, Verdict::*};
 pub static RING: Baked<Node16<18>> = include_tree!(concat!(env!("OUT_DIR"), "/ring.simdop"));
 
 include!(concat!(env!("OUT_DIR"), "/expected.rs"));
+
+/// Whether the ring crosses itself moved, by one query: the size of a program that asks no more is what `Query::collide`
+/// adds to a firmware.
+// Inlined, so that programs which do not ask it hold no second caller of `collide`, which would change their counts.
+#[inline]
+pub fn crosses() -> bool {
+    let (Ok(ring), Ok(pose)) = (RING.view(), Pose::from_rows(black_box(poses::POSES[1].1))) else {
+        return false;
+    };
+    Query::new(Isa::detect()).collide(&ring, &ring, &pose).hit().is_some()
+}
 
 /// Runs every query and prints its answer. True if each has the verdict that geometry gives, and equals the
 /// host's in every counter too.

@@ -2,20 +2,12 @@
 #![no_std]
 #![no_main]
 
-use core::hint::black_box;
 use cortex_m_consumer::exit;
 use cortex_m_rt::entry;
-use simdop::isa::Isa;
-use simdop::pose::Pose;
-use simdop::query::Query;
 
 #[entry]
 fn main() -> ! {
-    let (Ok(ring), Ok(pose)) = (check::RING.view(), Pose::from_rows(black_box(check::poses::POSES[1].1)))
-    else {
-        exit(false)
-    };
-    exit(Query::new(Isa::detect()).collide(&ring, &ring, &pose).hit().is_some())
+    exit(check::crosses())
 }
 
 #[panic_handler]

@@ -2,16 +2,16 @@
 #![no_std]
 #![no_main]
 
-use check::cost::{Cost, Timer};
+use check::cost::{COUNTED, Cost, Timer};
 use cortex_m::peripheral::syst::SystClkSource;
 use cortex_m::peripheral::{Peripherals, SYST};
 use cortex_m_consumer::exit;
 use cortex_m_rt::entry;
 use cortex_m_semihosting::hio;
 
-const M4F: [Cost; 6] =
+const M4F: [Cost; COUNTED] =
     [(25_741, 7_496), (695_851, 8_440), (16_545, 7_496), (1_508, 856), (1_493, 856), (3_615, 656)];
-const M7: [Cost; 6] =
+const M7: [Cost; COUNTED] =
     [(20_933, 7_104), (188_549, 8_076), (12_336, 7_104), (185, 632), (185, 632), (348, 444)];
 
 /// The number of the Cortex-M7 among the parts that its maker numbers.
