@@ -177,6 +177,7 @@ pub mod primitive;
 pub mod query;
 pub mod range;
 pub mod realign;
+pub mod scene;
 // What all tests draw their random numbers from.
 #[cfg(test)]
 #[path = "../tests/support/rng.rs"]

@@ -220,24 +220,7 @@ pub(crate) fn shrinkage<P: Primitive>(pose: &Pose, a: &Extent) -> f64 {
         return 0.0;
     }
     let [x, y, z] = a.half_width;
-    skew(pose) * (f64::from(x.min(y).min(z)) / a.frame.scale())
-}
-
-/// By how much of itself M makes a vector longer or shorter, at most. No singular value of M is farther from 1 than its
-/// square, and that is an eigenvalue of `M transpose(M)`, so three times the greatest entry of `M transpose(M) - 1`
-/// away.
-#[inline(always)]
-pub(crate) fn skew(pose: &Pose) -> f64 {
-    let m = pose.rows();
-    let mut skew = F64_SLACK;
-    for i in 0..3 {
-        for j in 0..=i {
-            let product = (m[i][0] * m[j][0] + m[i][1] * m[j][1]) + m[i][2] * m[j][2];
-            let off = (product - if i == j { 1.0 } else { 0.0 }).abs() + F64_SLACK;
-            skew = if off > skew { off } else { skew };
-        }
-    }
-    3.0 * skew
+    pose.skew() * (f64::from(x.min(y).min(z)) / a.frame.scale())
 }
 
 /// The planes of everything within `margin` of moved primitives in frame `b`, each an upper bound of the

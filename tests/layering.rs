@@ -11,7 +11,7 @@ use std::path::{Path, PathBuf};
 
 /// The modules of the crate, lowest layer first. A module may import from lower layers only, never from its
 /// own.
-const LAYERS: [&[&str]; 12] = [
+const LAYERS: [&[&str]; 13] = [
     &["range", "parallel"],
     &["key", "exact", "directions", "halving", "isa"],
     &["frame", "pose"],
@@ -23,6 +23,7 @@ const LAYERS: [&[&str]; 12] = [
     &["kernel", "construct"],
     &["query"],
     &["cloud", "packing"],
+    &["scene"],
     // The command: a crate of its own, which sees of the library what every user does.
     &["cli"],
 ];

@@ -11,7 +11,7 @@ use crate::pose::Pose;
 use crate::primitive::{Primitive, Sphere, Spheres};
 use crate::query::{Lanes, Pairwise};
 use crate::range::{MIN_COORDINATE, Point};
-use crate::realign::{greatest, skew};
+use crate::realign::greatest;
 use core::ops::ControlFlow;
 
 /// A primitive of a body and a point of a cloud that are near each other.
@@ -108,7 +108,7 @@ struct Around<'a, N, P: Primitive> {
 impl<'a, N: Lanes, P: Pairwise<Spheres>> Around<'a, N, P> {
     fn new(body: &'a BvhRef<'a, N, P>, pose: &'a Pose, margin: f64) -> Self {
         let (extent, m, t) = (body.extent(), pose.rows(), pose.translation());
-        let (skew, most) = (skew(pose), extent.max_coordinate);
+        let (skew, most) = (pose.skew(), extent.max_coordinate);
         let unscale = 1.0 / extent.frame.scale();
         // Where p of the body is moved to M p + t, and q is within r of that, transpose(M) (q - t) is within (1 + skew) r
         // + skew |p| of p. A radius is no longer than the largest coordinate, nor |p| than twice that.
@@ -181,7 +181,7 @@ impl<'a, N: Lanes, P: Pairwise<Spheres>> Around<'a, N, P> {
         if self.margin > 0.0 {
             P::within(moved, point, self.margin, &mut exact)
         } else {
-            P::meets(&P::probe(moved), point, &mut exact)
+            P::meets(&P::probe(moved, 0.0), point, &mut exact)
         }
     }
 

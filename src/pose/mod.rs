@@ -2,10 +2,15 @@
 
 use crate::range::{MAX_COORDINATE, MAX_MOVED, Point, flush};
 use core::fmt;
-use glam::{Affine3, Affine3A, DAffine3, DMat3, DQuat, DVec3, Mat3, Quat, Vec3};
+use glam::{DMat3, DVec3};
 
+mod convert;
+mod relative;
 #[cfg(test)]
 mod tests;
+
+pub(crate) use relative::Inverted;
+pub use relative::Relative;
 
 /// A rigid motion `x -> R x + t`, in `f64`, in the unit of the bodies.
 ///
@@ -86,11 +91,11 @@ impl Pose {
             rows: [[p[0], p[1], p[2]], [q[0], q[1], q[2]], [r[0], r[1], r[2]]],
             translation: [p[3], q[3], r[3]],
         };
-        if pose.is_rigid() { Ok(pose) } else { Err(pose.fault()) }
+        pose.checked()
     }
 
-    /// A rotation and a translation. Quaternions and single-precision types: through [`TryFrom`], which
-    /// converts to `f64` first.
+    /// A rotation and a translation. Quaternions and single-precision types, and those of mint and nalgebra with the features
+    /// of these names: through [`TryFrom`], which converts to `f64` first.
     ///
     /// A quaternion must be a unit one within [`Pose::TOLERANCE`], and is then divided by its length: the
     /// matrix is a rotation to within the rounding of `f64`, however few digits the quaternion came with.
@@ -107,9 +112,8 @@ impl Pose {
     /// # Errors
     /// As [`Pose::from_rows`].
     pub fn new(rotation: DMat3, translation: DVec3) -> Result<Self, PoseError> {
-        let r = rotation.transpose().to_cols_array_2d();
-        let t = translation.to_array();
-        Self::from_rows(core::array::from_fn(|i| [r[i][0], r[i][1], r[i][2], t[i]]))
+        let [x, y, z] = rotation.transpose().to_cols_array_2d();
+        Self { rows: [x, y, z], translation: translation.to_array() }.checked()
     }
 
     /// R by rows.
@@ -155,17 +159,25 @@ impl Pose {
         [coordinate(0), coordinate(1), coordinate(2)]
     }
 
+    #[inline]
+    fn checked(self) -> Result<Self, PoseError> {
+        if self.is_rigid() { Ok(self) } else { Err(self.fault()) }
+    }
+
     // Without a branch: a tenth of a query between bodies 5 % apart is spent here. Not NaN, by how each is
     // compared.
     #[inline]
     fn is_rigid(&self) -> bool {
-        let (r, t) = (&self.rows, &self.translation);
-        let near = |x: f64| x.abs() <= MAX_COORDINATE;
-        let off = |x: f64| x.abs() <= Self::TOLERANCE;
-        (near(t[0]) & near(t[1]) & near(t[2]))
-            & (off(dot(&r[0], &r[0]) - 1.0) & off(dot(&r[1], &r[1]) - 1.0) & off(dot(&r[2], &r[2]) - 1.0))
+        is_near(&self.translation) & self.is_rotation(Self::TOLERANCE) & (self.determinant() >= 0.0)
+    }
+
+    /// Whether no entry of `R R^T - 1` is greater.
+    #[inline(always)]
+    pub(crate) fn is_rotation(&self, tolerance: f64) -> bool {
+        let r = &self.rows;
+        let off = |x: f64| x.abs() <= tolerance;
+        (off(dot(&r[0], &r[0]) - 1.0) & off(dot(&r[1], &r[1]) - 1.0) & off(dot(&r[2], &r[2]) - 1.0))
             & (off(dot(&r[0], &r[1])) & off(dot(&r[0], &r[2])) & off(dot(&r[1], &r[2])))
-            & (self.determinant() >= 0.0)
     }
 
     /// What is wrong with a pose that is not rigid.
@@ -178,14 +190,20 @@ impl Pose {
         if t.iter().any(|x| x.abs() > MAX_COORDINATE) {
             return PoseError::TooFar;
         }
-        // A product that overflows makes that of its row with itself infinite. max() drops a NaN beside it.
-        let off = |i: usize, j: usize| (dot(&r[i], &r[j]) - if i == j { 1.0 } else { 0.0 }).abs();
-        let pairs = [(0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2)];
-        let deviation = pairs.iter().fold(0.0, |m: f64, &(i, j)| m.max(off(i, j)));
+        let deviation = self.deviation();
         if deviation > Self::TOLERANCE {
             return PoseError::NotOrthonormal { deviation };
         }
         PoseError::Mirrored
+    }
+
+    /// The largest absolute entry of `R R^T - 1`.
+    pub(crate) fn deviation(&self) -> f64 {
+        let r = &self.rows;
+        // A product that overflows makes that of its row with itself infinite. max() drops a NaN beside it.
+        let off = |i: usize, j: usize| (dot(&r[i], &r[j]) - if i == j { 1.0 } else { 0.0 }).abs();
+        let pairs = [(0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2)];
+        pairs.iter().fold(0.0, |m: f64, &(i, j)| m.max(off(i, j)))
     }
 
     #[inline]
@@ -206,49 +224,12 @@ const _: () = {
 };
 
 #[inline]
+fn is_near(t: &Point) -> bool {
+    let near = |x: f64| x.abs() <= MAX_COORDINATE;
+    near(t[0]) & near(t[1]) & near(t[2])
+}
+
+#[inline]
 fn dot(a: &[f64; 3], b: &[f64; 3]) -> f64 {
     (a[0] * b[0] + a[1] * b[1]) + a[2] * b[2]
-}
-
-impl TryFrom<DAffine3> for Pose {
-    type Error = PoseError;
-    fn try_from(a: DAffine3) -> Result<Self, PoseError> {
-        Self::new(a.matrix3, a.translation)
-    }
-}
-
-impl TryFrom<Affine3A> for Pose {
-    type Error = PoseError;
-    fn try_from(a: Affine3A) -> Result<Self, PoseError> {
-        Self::new(Mat3::from(a.matrix3).as_dmat3(), Vec3::from(a.translation).as_dvec3())
-    }
-}
-
-impl TryFrom<Affine3> for Pose {
-    type Error = PoseError;
-    fn try_from(a: Affine3) -> Result<Self, PoseError> {
-        Self::new(a.matrix3.as_dmat3(), a.translation.as_dvec3())
-    }
-}
-
-impl TryFrom<(DQuat, DVec3)> for Pose {
-    type Error = PoseError;
-    fn try_from((rotation, translation): (DQuat, DVec3)) -> Result<Self, PoseError> {
-        if !(rotation.is_finite() && translation.is_finite()) {
-            return Err(PoseError::NotFinite);
-        }
-        // The matrix would not show it: that of (0, 0, 0, w) is the identity for every w.
-        let deviation = (rotation.length_squared() - 1.0).abs();
-        if deviation > Self::TOLERANCE {
-            return Err(PoseError::NotUnit { deviation });
-        }
-        Self::new(DMat3::from_quat(rotation.normalize()), translation)
-    }
-}
-
-impl TryFrom<(Quat, Vec3)> for Pose {
-    type Error = PoseError;
-    fn try_from((rotation, translation): (Quat, Vec3)) -> Result<Self, PoseError> {
-        Self::try_from((rotation.as_dquat(), translation.as_dvec3()))
-    }
 }

@@ -1,4 +1,5 @@
 use super::*;
+use glam::{Affine3, Affine3A, DAffine3, DQuat, Quat, Vec3};
 
 #[test]
 fn glam_types_give_the_matrix_that_glam_applies() {
@@ -146,4 +147,47 @@ fn what_is_not_rigid_is_refused() {
     assert!(matches!(with(0, 0, 1e200), Err(PoseError::NotOrthonormal { .. })));
     assert!(matches!(with(0, 0, 0.0), Err(PoseError::NotOrthonormal { .. })));
     assert_eq!(with(2, 2, -1.0), Err(PoseError::Mirrored));
+}
+
+#[cfg(feature = "mint")]
+#[test]
+fn mint_types_give_the_pose_of_their_numbers() {
+    let (q, t) = (DQuat::from_euler(glam::EulerRot::XYZ, 0.3, -1.2, 2.0), DVec3::new(1.0, -2.0, 0.5));
+    let want = Pose::try_from((q, t)).unwrap();
+    let of_quaternion = mint::Quaternion { v: [q.x, q.y, q.z].into(), s: q.w };
+    assert_eq!(Pose::try_from((of_quaternion, mint::Vector3::from(t.to_array()))), Ok(want));
+    let rows: [[f64; 4]; 3] = core::array::from_fn(|i| {
+        let ([x, y, z], shift) = (want.rows()[i], want.translation()[i]);
+        [x, y, z, shift]
+    });
+    let by_rows = mint::RowMatrix3x4::from(rows);
+    assert_eq!(Pose::try_from(by_rows), Ok(want));
+    assert_eq!(Pose::try_from(mint::ColumnMatrix3x4::from(by_rows)), Ok(want));
+    let single = mint::RowMatrix3x4::from(rows.map(|row| row.map(|x| x as f32)));
+    let got = Pose::try_from(single).unwrap();
+    assert_eq!(got.rows()[1][2], f64::from(want.rows()[1][2] as f32));
+    assert_eq!(
+        Pose::try_from(mint::RowMatrix3x4::from([[2.0_f64; 4]; 3])).map(|_| ()),
+        Err(PoseError::NotOrthonormal { deviation: 12.0 })
+    );
+}
+
+#[cfg(feature = "nalgebra")]
+#[test]
+fn nalgebra_isometries_give_the_pose_that_they_apply() {
+    let motion = nalgebra::Isometry3::new(
+        nalgebra::Vector3::new(1.0, -2.0, 0.5),
+        nalgebra::Vector3::new(0.3, 1.1, -2.0),
+    );
+    let p = [0.7, 11.0, -3.0];
+    let want = motion * nalgebra::Point3::from(p);
+    for (pose, off) in
+        [(Pose::try_from(motion).unwrap(), 1e-14), (Pose::try_from(motion.cast::<f32>()).unwrap(), 1e-5)]
+    {
+        let got = pose.apply(p);
+        assert!((0..3).all(|i| (got[i] - want[i]).abs() < off), "{want} {got:?}");
+    }
+    let mut far = motion;
+    far.translation.vector[1] = f64::NAN;
+    assert_eq!(Pose::try_from(far), Err(PoseError::NotFinite));
 }

@@ -31,7 +31,7 @@ pub struct Counters {
 
 impl Counters {
     /// The work of both.
-    pub(super) const fn and(&self, other: &Self) -> Self {
+    pub(crate) const fn and(&self, other: &Self) -> Self {
         Self {
             visits: self.visits + other.visits,
             kernels: self.kernels + other.kernels,

@@ -113,7 +113,7 @@ fn decide_one<One: Pairwise<Other>, Other: Pairwise<One>, E: Kernel>(
     other_at: impl Fn(u32) -> Other::Item,
     mut visit: impl FnMut(u32) -> ControlFlow<()>,
 ) -> Flow {
-    let probe = One::probe(item);
+    let probe = One::probe(item, margin);
     let (mut indices, mut others) = ([0; 4], [Other::Item::default(); 4]);
     let mut rest = leaves.children[..leaves.len].iter();
     let mut range = 0..0;
@@ -130,8 +130,8 @@ fn decide_one<One: Pairwise<Other>, Other: Pairwise<One>, E: Kernel>(
                 break;
             }
         }
-        // A margin makes the filter wrong. A single pair is decided as fast by the test itself.
-        let apart = if len > 1 && margin == 0.0 { One::apart_4(kernel, &probe, &others) } else { 0 };
+        // A single pair is decided as fast by the test itself.
+        let apart = if len > 1 { One::apart_4(kernel, &probe, &others) } else { 0 };
         for k in bits_of(!apart & ((1 << len) - 1)) {
             let (other, exact) = (&others[k & 3], &mut counters.exact_pairs);
             let meets = match (margin > 0.0, is_of_a) {

@@ -200,6 +200,15 @@ impl Query {
         Self { budget: visits, ..self }
     }
 
+    pub(crate) const fn isa(&self) -> Isa {
+        self.isa
+    }
+
+    /// Visits that it may make.
+    pub(crate) const fn budget(&self) -> u64 {
+        self.budget
+    }
+
     /// Tries first what an earlier query of the same bodies found: for coherent motion. See [`Hint`].
     ///
     /// ```
@@ -257,7 +266,7 @@ impl Query {
             if margin.value() > 0.0 {
                 P::within(&moved, &still, margin.value(), exact)
             } else {
-                P::meets(&P::probe(&moved), &still, exact)
+                P::meets(&P::probe(&moved, 0.0), &still, exact)
             }
         });
         let mut stop = None;

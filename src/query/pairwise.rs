@@ -15,14 +15,14 @@ pub trait Pairwise<Other: Primitive>: Primitive {
     /// One primitive that is to be tested against many: what is computed of it once.
     type Probe<'t>;
 
-    /// Prepares a primitive.
-    fn probe(item: &Self::Item) -> Self::Probe<'_>;
+    /// Prepares a primitive, for others that are at most `margin` apart from it.
+    fn probe(item: &Self::Item, margin: f64) -> Self::Probe<'_>;
 
     /// Whether the two meet. Touching is meeting.
     fn meets(probe: &Self::Probe<'_>, other: &Other::Item, exact: &mut u64) -> bool;
 
-    /// Bit i: the probe and primitive i certainly do not meet. A filter that may be left out; the same bits
-    /// on every instruction set.
+    /// Bit i: the probe and primitive i are certainly farther apart than the margin of the probe, or do not meet, if it is
+    /// 0. A filter that may be left out; the same bits on every instruction set.
     #[inline(always)]
     fn apart_4<E: Kernel>(_kernel: E, _probe: &Self::Probe<'_>, _others: &[Other::Item; 4]) -> u16 {
         0
@@ -47,8 +47,8 @@ impl Pairwise<Self> for Triangles {
     type Probe<'t> = Probe<'t>;
 
     #[inline(always)]
-    fn probe(item: &Triangle) -> Probe<'_> {
-        Probe::new(item)
+    fn probe(item: &Triangle, margin: f64) -> Probe<'_> {
+        Probe::with_margin(item, margin)
     }
 
     #[inline(always)]
@@ -82,7 +82,7 @@ impl Pairwise<Self> for Spheres {
     type Probe<'t> = &'t Sphere;
 
     #[inline(always)]
-    fn probe(item: &Sphere) -> &Sphere {
+    fn probe(item: &Sphere, _margin: f64) -> &Sphere {
         item
     }
 
@@ -112,7 +112,7 @@ impl Pairwise<Triangles> for Spheres {
     type Probe<'t> = &'t Sphere;
 
     #[inline(always)]
-    fn probe(item: &Sphere) -> &Sphere {
+    fn probe(item: &Sphere, _margin: f64) -> &Sphere {
         item
     }
 
@@ -142,7 +142,7 @@ impl Pairwise<Spheres> for Triangles {
     type Probe<'t> = &'t Triangle;
 
     #[inline(always)]
-    fn probe(item: &Triangle) -> &Triangle {
+    fn probe(item: &Triangle, _margin: f64) -> &Triangle {
         item
     }
 

@@ -17,7 +17,7 @@ use crate::node::Node;
 use crate::pose::Pose;
 use crate::primitive::{Primitive, Spheres};
 use crate::range::Point;
-use crate::realign::{BallMap, skew};
+use crate::realign::BallMap;
 use core::ops::ControlFlow;
 
 /// What two bodies of spheres have in common.
@@ -159,7 +159,7 @@ impl Query {
         };
         let unscale = 1.0 / b.frame().scale();
         let [bound, expected] = [bound, expected].map(|x| x * (unscale * unscale * unscale));
-        let overlaps = 3.0 * skew(pose) * (1.0 + 2.0 * skew(pose)) * volume(a);
+        let overlaps = 3.0 * pose.skew() * (1.0 + 2.0 * pose.skew()) * volume(a);
         let whole = f64::min(known + bound, f64::min(volume(a), volume(b)));
         let upper = (whole + overlaps) * (1.0 + power_of_two(-30));
         Some(Outlook { estimate: known + expected, upper })

@@ -23,7 +23,7 @@
 //! with `X = 8 max_coordinate_A + max abs(t) + max abs(c_B)`. How B's corners are moved along it, and how its planes are
 //! turned, is padded as on the way there.
 
-use super::{F64_SLACK, coordinates, shrinkage, skew};
+use super::{F64_SLACK, coordinates, shrinkage};
 use crate::frame::Extent;
 use crate::pose::Pose;
 use crate::primitive::Primitive;
@@ -43,7 +43,7 @@ impl WayBack {
     /// The way back of `pose`, which places body `a` in the frame of `b`.
     #[must_use]
     pub fn new(pose: &Pose, a: &Extent, b: &Extent) -> Self {
-        let skew = skew(pose);
+        let skew = pose.skew();
         let rounding = F64_SLACK * coordinates(pose, a, &b.frame) + 4.0 * MIN_COORDINATE;
         Self { pose: pose.back_to(&a.frame.centre), skew, pad: 2.0 * skew * a.radius + rounding }
     }

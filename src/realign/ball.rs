@@ -1,6 +1,6 @@
 //! Balls of a posed body in another body's frame: centres are turned, radii grow by what rounding may have lost.
 
-use super::{ITS_OWN_ROUNDING, shift, skew, slack_of_shift};
+use super::{ITS_OWN_ROUNDING, shift, slack_of_shift};
 use crate::exact::{power_of_two, round_up_f32};
 use crate::frame::Extent;
 use crate::node::{Ball16, BoundingBall};
@@ -42,7 +42,7 @@ impl BallMap {
     pub(crate) fn new(pose: &Pose, a: &Extent, b: &Extent) -> Option<Self> {
         let scale = b.frame.scale();
         let ratio = power_of_two(b.frame.exponent - a.frame.exponent);
-        let skew = skew(pose);
+        let skew = pose.skew();
         let way = shift(pose, a, &b.frame).map(|x| x * scale);
         // Radii, and coordinates, of balls: none is above the sum of the half widths.
         let widths = ratio * a.width_sum() * (1.0 + skew) + b.width_sum();

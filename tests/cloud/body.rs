@@ -42,7 +42,7 @@ fn pairs_within<N: Lanes, P: Pairwise<Spheres>>(
             let is_near = if margin > 0.0 {
                 P::within(&moved, &at, margin, &mut 0)
             } else {
-                P::meets(&P::probe(&moved), &at, &mut 0)
+                P::meets(&P::probe(&moved, 0.0), &at, &mut 0)
             };
             if is_near {
                 found.push(Contact { primitive: view.source(i), point: point as u32 });

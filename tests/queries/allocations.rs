@@ -2,7 +2,7 @@
 //! whatever the trees.
 
 #[path = "../support/heap.rs"]
-mod heap;
+pub(crate) mod heap;
 
 use crate::each_pair;
 use crate::support::dyadic::half_value;

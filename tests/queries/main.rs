@@ -38,12 +38,14 @@ mod owned_and_any;
 mod penetration;
 mod primitives;
 mod reject;
+mod scene;
 mod sizes;
 mod solids;
 mod spheres;
 mod stack;
 mod thin_slabs;
 mod threads;
+mod world;
 
 use alloc::collections::BTreeSet;
 use core::ops::ControlFlow;

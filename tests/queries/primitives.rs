@@ -77,7 +77,7 @@ macro_rules! as_triangles {
         impl Pairwise<$other> for $one {
             type Probe<'t> = Triangle;
 
-            fn probe(item: &Self::Item) -> Triangle {
+            fn probe(item: &Self::Item, _margin: f64) -> Triangle {
                 $flat_one(item)
             }
 
@@ -317,7 +317,7 @@ impl Primitive for Padded {
 impl Pairwise<Self> for Padded {
     type Probe<'t> = (Triangle, f64);
 
-    fn probe(item: &(Triangle, f64)) -> (Triangle, f64) {
+    fn probe(item: &(Triangle, f64), _margin: f64) -> (Triangle, f64) {
         *item
     }
 

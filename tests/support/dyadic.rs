@@ -26,6 +26,12 @@ impl Dyadic {
         if self < Self::zero() { Self::zero() - self } else { self }
     }
 
+    /// All as multiples of the same power of two.
+    pub(crate) fn integers<const N: usize>(numbers: [Self; N]) -> [IBig; N] {
+        let least = numbers.iter().map(|x| x.exponent).min().unwrap_or(0);
+        numbers.map(|x| x.mantissa << (x.exponent - least) as usize)
+    }
+
     /// Both as multiples of the same power of two.
     fn aligned(self, other: Self) -> (IBig, IBig, i32) {
         let exponent = self.exponent.min(other.exponent);
@@ -153,5 +159,13 @@ pub(crate) fn is_rounded_up(code: i16, x: &Dyadic) -> bool {
 
 /// Names every helper once, so that a test which needs only some of them compiles without a warning.
 const _: () = {
-    let _ = (Dyadic::power_of_two, Dyadic::abs, dot, dot_rounded, apart_along, is_rounded_up);
+    let _ = (
+        Dyadic::integers::<1>,
+        Dyadic::power_of_two,
+        Dyadic::abs,
+        dot,
+        dot_rounded,
+        apart_along,
+        is_rounded_up,
+    );
 };

@@ -58,6 +58,11 @@ pub(crate) fn triangles_meet_in_integers(a: &Tri, b: &Tri) -> bool {
     !axes().any(|axis| scaled.separates(axis))
 }
 
+/// Whether the triangles of the first three and of the last three corners meet, whose coordinates are multiples of one number.
+pub(crate) fn integer_triangles_meet(corners: &[[IBig; 3]; 6]) -> bool {
+    !axes().any(|axis| separates(corners, axis))
+}
+
 /// Whether any triangle of one mesh meets any of the other.
 pub(crate) fn meshes_meet(a: &[Tri], b: &[Tri]) -> bool {
     let mut found = false;
@@ -305,5 +310,5 @@ fn dot<T: Integer>(u: &[T; 3], v: &[T; 3]) -> T {
 
 /// Names every entry point once, so that a test which needs only some of them compiles without a warning.
 const _: () = {
-    let _ = (triangles_meet, triangles_meet_in_integers, meshes_meet, meeting_pairs);
+    let _ = (triangles_meet, triangles_meet_in_integers, integer_triangles_meet, meshes_meet, meeting_pairs);
 };

@@ -22,10 +22,11 @@ compiled_for_avx2! {
         let plane = &probe.plane;
         let plane =
             FourPlanes { origin: splat(&plane.origin), normal: splat(&plane.normal), magnitude: splat(&plane.magnitude) };
-        let mut apart = strictly_one_side(&plane, &corners);
+        let away = _mm256_set1_pd(probe.away);
+        let mut apart = strictly_one_side(&plane, &corners, away);
         if _mm256_movemask_pd(apart) != 0b1111 {
             let [p, q, r] = probe.triangle;
-            let other = strictly_one_side(&planes_of(&corners), &[splat(p), splat(q), splat(r)]);
+            let other = strictly_one_side(&planes_of(&corners), &[splat(p), splat(q), splat(r)], away);
             apart = _mm256_or_pd(apart, other);
         }
         _mm256_movemask_pd(apart) as u16
@@ -95,13 +96,14 @@ compiled_for_avx2! {
 compiled_for_avx2! {
     /// All ones where all three points are certainly on the same side of the plane, and off it.
     #[inline]
-    fn strictly_one_side(planes: &FourPlanes, points: &[Points; 3]) -> __m256d {
+    fn strictly_one_side(planes: &FourPlanes, points: &[Points; 3], away: __m256d) -> __m256d {
         let mut above = _mm256_castsi256_pd(_mm256_set1_epi64x(-1));
         let mut below = above;
         for p in points {
             let w = difference(p, &planes.origin);
             let determinant = dot(&planes.normal, &w);
-            let magnitudes = [magnitude(w[0]), magnitude(w[1]), magnitude(w[2])];
+            let far = |x: __m256d| _mm256_add_pd(magnitude(x), away);
+            let magnitudes = [far(w[0]), far(w[1]), far(w[2])];
             let bound = _mm256_mul_pd(_mm256_set1_pd(DETERMINANT_ERROR), dot(&planes.magnitude, &magnitudes));
             let minus = _mm256_xor_pd(determinant, _mm256_set1_pd(-0.0));
             above = _mm256_and_pd(above, _mm256_cmp_pd::<_CMP_GT_OQ>(determinant, bound));

@@ -97,7 +97,7 @@ pub fn within(a: &Triangle, b: &Triangle, margin: f64, exact: &mut u64) -> bool 
         return found.upper <= margin;
     }
     *exact += 1;
-    refined(a, b, &found, 0.0).lower <= margin
+    (found.lower <= 0.0 && overlap(a, b, &mut 0)) || refined(a, b, &found, 0.0).lower <= margin
 }
 
 #[cold]

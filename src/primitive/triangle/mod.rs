@@ -32,6 +32,7 @@ pub(crate) mod point;
 mod tests;
 mod triangles;
 
+use crate::exact::power_of_two;
 use crate::range::{MAX_MOVED, MIN_COORDINATE, Point};
 use interval::Wedge;
 
@@ -49,6 +50,9 @@ pub type Triangle = [Point; 3];
 /// rounded differences, three 2 by 2 minors, each multiplied by a difference, summed from left to right. That
 /// the cofactors are taken along the tested point's row and not along a column only renames the entries.
 pub(crate) const DETERMINANT_ERROR: f64 = (7.0 + 56.0 * UNIT_ROUNDOFF) * UNIT_ROUNDOFF;
+
+/// [`Probe::away`] of a margin of 1, with more than the roundings of the permanent and of the normal in it.
+const AWAY: f64 = (1.0 + power_of_two(-40)) / DETERMINANT_ERROR;
 
 /// Half a unit in the last place of 1: 2^-53.
 pub(crate) const UNIT_ROUNDOFF: f64 = f64::EPSILON * 0.5;
@@ -89,6 +93,10 @@ pub fn overlap(a: &Triangle, b: &Triangle, exact_calls: &mut u64) -> bool {
 pub struct Probe<'t> {
     pub(crate) triangle: &'t Triangle,
     pub(crate) plane: Plane,
+    /// What [`Probe::is_apart`] adds to each of a point's coordinates, relative to a plane, where it bounds the error of a
+    /// determinant: the bound grows by the margin times the sum of the normal's magnitudes, and so by more than the
+    /// determinant of a point which is as far as the margin from the plane.
+    pub(crate) away: f64,
 }
 
 impl<'t> Probe<'t> {
@@ -96,16 +104,24 @@ impl<'t> Probe<'t> {
     #[inline(always)]
     #[must_use]
     pub fn new(triangle: &'t Triangle) -> Self {
-        debug_assert!(in_range(triangle), "coordinate out of range");
-        Self { triangle, plane: Plane::of(triangle) }
+        Self::with_margin(triangle, 0.0)
     }
 
-    /// Whether the plane of one of the triangles certainly separates them. What [`Probe::overlaps`] asks
-    /// first; nearly every pair ends here.
+    /// For a triangle within the [range](self#range), which others come near to that are at most `margin` away.
+    #[inline(always)]
+    #[must_use]
+    pub fn with_margin(triangle: &'t Triangle, margin: f64) -> Self {
+        debug_assert!(in_range(triangle), "coordinate out of range");
+        Self { triangle, plane: Plane::of(triangle), away: margin * AWAY }
+    }
+
+    /// Whether the plane of one of the triangles certainly separates them, by more than the margin. What
+    /// [`Probe::overlaps`] asks first, without a margin; nearly every pair ends here.
     #[inline]
     #[must_use]
     pub fn is_apart(&self, b: &Triangle) -> bool {
-        self.plane.sides(b).strictly_one() || Plane::of(b).sides(self.triangle).strictly_one()
+        self.plane.sides(b, self.away).strictly_one()
+            || Plane::of(b).sides(self.triangle, self.away).strictly_one()
     }
 
     /// [`overlap`] with triangle `b`.
@@ -113,11 +129,11 @@ impl<'t> Probe<'t> {
     #[must_use]
     pub fn overlaps(&self, b: &Triangle, exact_calls: &mut u64) -> bool {
         debug_assert!(in_range(b), "coordinate out of range");
-        let b_sides = self.plane.sides(b);
+        let b_sides = self.plane.sides(b, 0.0);
         if b_sides.strictly_one() {
             return false;
         }
-        let a_sides = Plane::of(b).sides(self.triangle);
+        let a_sides = Plane::of(b).sides(self.triangle, 0.0);
         if a_sides.strictly_one() {
             return false;
         }
@@ -163,22 +179,22 @@ impl Plane {
         Self { origin: *origin, normal, magnitude }
     }
 
-    /// `normal . (p - origin)`, positive above the plane, and a bound on its error.
+    /// `normal . (p - origin)`, positive above the plane, and a bound on its error, for points `away` farther.
     #[inline(always)]
-    fn side(&self, p: &[f64; 3]) -> (f64, f64) {
+    fn side(&self, p: &[f64; 3], away: f64) -> (f64, f64) {
         let w = difference(p, &self.origin);
         let [nx, ny, nz] = self.normal;
         let [mx, my, mz] = self.magnitude;
         let determinant = nx * w[0] + ny * w[1] + nz * w[2];
-        let permanent = mx * w[0].abs() + my * w[1].abs() + mz * w[2].abs();
+        let permanent = mx * (w[0].abs() + away) + my * (w[1].abs() + away) + mz * (w[2].abs() + away);
         (determinant, DETERMINANT_ERROR * permanent)
     }
 
     #[inline(always)]
-    fn sides(&self, points: &Triangle) -> Sides {
+    fn sides(&self, points: &Triangle, away: f64) -> Sides {
         let (mut determinant, mut bound) = ([0.0; 3], [0.0; 3]);
         for (i, p) in points.iter().enumerate() {
-            (determinant[i], bound[i]) = self.side(p);
+            (determinant[i], bound[i]) = self.side(p, away);
         }
         Sides { determinant, bound }
     }
@@ -213,7 +229,7 @@ impl Signs {
     /// The side of `p` of the plane of `t`, positive where `t` is seen counterclockwise.
     #[inline]
     fn side(&mut self, t: &Triangle, p: &[f64; 3]) -> i8 {
-        let (determinant, bound) = Plane::of(t).side(p);
+        let (determinant, bound) = Plane::of(t).side(p, 0.0);
         self.refine(determinant, bound, t, p)
     }
 

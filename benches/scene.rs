@@ -1,0 +1,167 @@
+//! What a planner asks: may the robot stand here? `cargo bench --bench scene` prints a table. A minute.
+//!
+//! The Panda on every seventh problem of MotionBenchMaker: the start, a goal and ten random configurations. *Scene*: the links
+//! are placed and the scene is asked. *Pairs*: every pair is asked, each at its pose, without boxes, until one hits. Poses are
+//! given: forward kinematics are not in the time. The verdicts of both are compared first.
+
+#![expect(clippy::unwrap_used, reason = "a benchmark that cannot go on has failed")]
+
+#[path = "../tests/support/data.rs"]
+mod data;
+#[path = "../tests/support/rng.rs"]
+mod rng;
+#[path = "support/robots.rs"]
+mod robots;
+#[path = "../tests/support/shapes.rs"]
+mod shapes;
+#[path = "support/short.rs"]
+mod short;
+
+use data::{MeshData, directory};
+use glam::DAffine3;
+use rng::Rng;
+use robots::{Robot, problems};
+use short::count;
+use simdop::construct::{Builder, Mesh};
+use simdop::hierarchy::Bvh;
+use simdop::isa::Isa;
+use simdop::node::Node16;
+use simdop::pose::Pose;
+use simdop::query::Query;
+use simdop::scene::{Body, BodyId, Scene};
+use std::hint::black_box;
+use std::time::Instant;
+
+type Tree = Bvh<Node16<18>>;
+
+fn tree(mesh: &MeshData) -> Tree {
+    Builder::new().build(&Mesh { vertices: &mesh.vertices, triangles: &mesh.triangles }).unwrap()
+}
+
+fn pose(at: &DAffine3) -> Pose {
+    Pose::try_from(*at).unwrap()
+}
+
+/// A scene, and what is placed in it.
+struct World<'t> {
+    scene: Scene<'t, Node16<18>>,
+    links: Vec<BodyId>,
+    /// Trees and their places, for asking pairs: links first.
+    obstacles: Vec<(&'t Tree, DAffine3)>,
+    configurations: Vec<Vec<DAffine3>>,
+}
+
+fn main() {
+    println!("Microseconds a configuration. {}.\n", Isa::detect());
+    let Some(data) = directory() else { return };
+    for (name, is_visual) in [("Panda", false), ("Panda, drawn meshes", true)] {
+        run(&data, name, is_visual);
+    }
+}
+
+fn run(data: &std::path::Path, name: &str, is_visual: bool) {
+    let robot = Robot::read(&data.join("robots/panda"), "panda", is_visual);
+    let links: Vec<Tree> = robot.links.iter().map(|link| tree(&link.mesh)).collect();
+    let problems = problems(&data.join("planning/mbm_panda.jsonl"), count(7, 70));
+    let obstacles: Vec<Vec<Tree>> =
+        problems.iter().map(|p| p.obstacles.iter().map(|(mesh, _)| tree(mesh)).collect()).collect();
+    let mut rng = Rng::new(7);
+    let mut worlds: Vec<World<'_>> = Vec::new();
+    for (problem, trees) in problems.iter().zip(&obstacles) {
+        let mut scene = Scene::new();
+        let ids: Vec<BodyId> =
+            links.iter().map(|link| scene.insert(Body::new(link.view()), &Pose::IDENTITY).unwrap()).collect();
+        for i in 0..ids.len() {
+            for j in i + 1..ids.len() {
+                scene.set_pair(ids[i], ids[j], robot.pairs.contains(&(i, j))).unwrap();
+            }
+        }
+        let mut placed = Vec::new();
+        for (tree, (_, at)) in trees.iter().zip(&problem.obstacles) {
+            let _ = scene.insert(Body::new(tree.view()).fixed(), &pose(at)).unwrap();
+            placed.push((tree, *at));
+        }
+        let random = (0..10).map(|_| robot.random(&mut rng)).collect::<Vec<_>>();
+        let configurations =
+            problem.configurations.iter().chain(&random).map(|q| robot.poses(q)).collect::<Vec<_>>();
+        worlds.push(World { scene, links: ids, obstacles: placed, configurations });
+    }
+    let query = Query::new(Isa::detect());
+    let by_pairs = |world: &World<'_>, at: &[DAffine3]| {
+        for &(i, j) in &robot.pairs {
+            let relative = pose(&(at[j].inverse() * at[i]));
+            if !query.collide(&links[i], &links[j], &relative).is_free() {
+                return false;
+            }
+        }
+        for (tree, place) in &world.obstacles {
+            let back = place.inverse();
+            for (link, at) in links.iter().zip(at) {
+                if !query.collide(link, *tree, &pose(&(back * *at))).is_free() {
+                    return false;
+                }
+            }
+        }
+        true
+    };
+    let (mut asked, mut free, mut pairs, mut visits, mut differ) = (0_u64, 0, 0, 0, 0);
+    let mut more = [0_u64; 3];
+    for world in &mut worlds {
+        for i in 0..world.configurations.len() {
+            place(world, i);
+            let answer = world.scene.collide(&query).unwrap();
+            asked += 1;
+            free += u64::from(answer.is_free());
+            pairs += answer.pairs;
+            visits += answer.counters.visits;
+            more[0] += answer.counters.realignments;
+            more[1] += answer.counters.primitive_pairs;
+            more[2] += answer.counters.exact_pairs;
+            differ += u64::from(answer.is_free() != by_pairs(world, &world.configurations[i]));
+        }
+    }
+    assert_eq!(differ, 0, "verdicts of the scene and of its pairs differ");
+    println!(
+        "{name}: {asked} configurations, {free} free; pairs asked {:.2}, visits {:.2} a configuration",
+        pairs as f64 / asked as f64,
+        visits as f64 / asked as f64
+    );
+    println!("{more:?}");
+    let mut best = [f64::INFINITY; 6];
+    for _ in 0..count(15, 1) {
+        let mut time = |slot: usize, f: &mut dyn FnMut(&mut World<'_>, usize) -> bool| {
+            let start = Instant::now();
+            for world in &mut worlds {
+                for i in 0..world.configurations.len() {
+                    black_box(f(world, i));
+                }
+            }
+            best[slot] = best[slot].min(start.elapsed().as_secs_f64() * 1e6 / asked as f64);
+        };
+        time(0, &mut |world, i| {
+            place(world, i);
+            world.scene.collide(&query).unwrap().is_free()
+        });
+        time(1, &mut |world, i| by_pairs(world, &world.configurations[i]));
+        time(2, &mut |world, i| {
+            place(world, i);
+            true
+        });
+        for (slot, margin) in [(3, 0.005), (4, 0.02), (5, 0.05)] {
+            time(slot, &mut |world, i| {
+                place(world, i);
+                world.scene.within(&query, margin).unwrap().is_free()
+            });
+        }
+    }
+    let [scene, pairs, placing, five, twenty, fifty] = best;
+    println!(
+        "scene {scene:.2} (of which placing {placing:.2}), pairs {pairs:.2}; margins of 5, 20, 50 mm {five:.2} {twenty:.2} {fifty:.2}"
+    );
+}
+
+fn place(world: &mut World<'_>, configuration: usize) {
+    for (&id, at) in world.links.iter().zip(&world.configurations[configuration]) {
+        world.scene.place(id, &pose(at)).unwrap();
+    }
+}

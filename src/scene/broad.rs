@@ -1,0 +1,234 @@
+//! Which pairs of bodies are near each other, by boxes around them in the world.
+//!
+//! A point p of a body, at most h from the centre c of its frame along each axis, stands at `R c + t + R (p - c)`, which along
+//! axis i is at most `sum abs(R_ij) h_j` from where c stands. A sphere keeps its radius where R makes vectors shorter, by at
+//! most 1.5e-4 of them. The sums are in `f64`, with a dozen roundings of 2^-53 of the coordinates, paid for by 2^-40 of
+//! them; the boxes are `f32`, rounded outwards.
+
+use super::Scene;
+use super::body::Body;
+use crate::exact::power_of_two;
+use crate::isa::on_isa;
+use crate::kernel::Kernel;
+use crate::node::{Box3, Dop};
+use crate::pose::Pose;
+use crate::query::Query;
+use crate::range::Point;
+
+/// Of coordinates, for roundings.
+const ROUNDING: f64 = power_of_two(-40);
+/// Of a body's size, for what an accepted matrix makes shorter.
+const SKEW: f64 = power_of_two(-12);
+
+/// How large a body is, in its own frame: what its box in the world is made of.
+#[derive(Copy, Clone, Debug)]
+pub(super) struct Size {
+    /// Of the tree's frame.
+    centre: Point,
+    /// Half of the widths about it; negative of a body without primitives.
+    half: Point,
+    /// What the box grows by: the body's radius, and what rounding may do where the body stands at the origin.
+    reach: f64,
+    /// Largest absolute coordinate.
+    pub(super) max_coordinate: f64,
+    /// No primitive of the tree has a greater radius.
+    pub(super) greatest_radius: f64,
+}
+
+impl Size {
+    /// Of no body.
+    pub(super) const NOTHING: Self =
+        Self { centre: [0.0; 3], half: [-1.0; 3], reach: 0.0, max_coordinate: 0.0, greatest_radius: 0.0 };
+
+    pub(super) fn of<N: Dop>(body: &Body<'_, N>) -> Self {
+        if body.shape.is_empty() {
+            return Self::NOTHING;
+        }
+        let extent = body.shape.extent();
+        let unscale = (1.0 + SKEW) / extent.frame.scale();
+        Self {
+            centre: extent.frame.centre,
+            half: extent.half_width.map(|x| f64::from(x) * unscale),
+            // No row of a matrix is longer than 1.0001.
+            reach: body.radius + 2.0 * ROUNDING * extent.max_coordinate,
+            max_coordinate: extent.max_coordinate,
+            greatest_radius: body.shape.greatest_radius(),
+        }
+    }
+
+    /// The box around the body in the world. Nothing, if it has no primitive.
+    #[inline]
+    pub(super) fn bounds(&self, world: &Pose) -> Box3 {
+        if self.half[0] < 0.0 {
+            return Box3::EMPTY;
+        }
+        let (m, t, c, half) = (world.rows(), world.translation(), &self.centre, &self.half);
+        let mut around = Box3::EMPTY;
+        for i in 0..3 {
+            let centre = ((m[i][0] * c[0] + m[i][1] * c[1]) + m[i][2] * c[2]) + t[i];
+            let side = (m[i][0].abs() * half[0] + m[i][1].abs() * half[1]) + m[i][2].abs() * half[2];
+            let side = side + (self.reach + ROUNDING * t[i].abs());
+            (around.lower[i], around.upper[i]) = (below(centre - side), -below(-centre - side));
+        }
+        around
+    }
+}
+
+/// Whether the boxes of two bodies, turned with them, are certainly more than `margin` apart: along one of the axes of either.
+/// A direction of length at most 1.0001 parts them if the ways of all their points along it do. The axes of a body are at right
+/// angles up to the tolerance of a scene's poses; what they are not is paid for by 2^-14 of the widths.
+#[inline]
+pub(super) fn are_turned_boxes_apart(
+    (a, world_a): (&Size, &Pose),
+    (b, world_b): (&Size, &Pose),
+    margin: f64,
+) -> bool {
+    let (m, n) = (world_a.rows(), world_b.rows());
+    let (s, t) = (world_a.translation(), world_b.translation());
+    let centre = |m: &[[f64; 3]; 3], c: &Point, t: &Point, i: usize| {
+        ((m[i][0] * c[0] + m[i][1] * c[1]) + m[i][2] * c[2]) + t[i]
+    };
+    let mut d = [0.0; 3];
+    let mut coordinates = 0.0;
+    for i in 0..3 {
+        d[i] = centre(n, &b.centre, &t, i) - centre(m, &a.centre, &s, i);
+        coordinates += s[i].abs() + t[i].abs();
+    }
+    let widths = ((a.half[0] + a.half[1]) + a.half[2]) + ((b.half[0] + b.half[1]) + b.half[2]);
+    let reach = (margin + (a.reach + b.reach)) + (ROUNDING * coordinates + power_of_two(-14) * widths);
+    let reach = reach * (1.0 + SKEW);
+    let mut cosines = [[0.0; 3]; 3];
+    for i in 0..3 {
+        for j in 0..3 {
+            cosines[i][j] = ((m[0][i] * n[0][j] + m[1][i] * n[1][j]) + m[2][i] * n[2][j]).abs();
+        }
+    }
+    let mut apart = false;
+    for i in 0..3 {
+        let along_a = ((m[0][i] * d[0] + m[1][i] * d[1]) + m[2][i] * d[2]).abs();
+        let turned = (cosines[i][0] * b.half[0] + cosines[i][1] * b.half[1]) + cosines[i][2] * b.half[2];
+        let along_b = ((n[0][i] * d[0] + n[1][i] * d[1]) + n[2][i] * d[2]).abs();
+        let other = (cosines[0][i] * a.half[0] + cosines[1][i] * a.half[1]) + cosines[2][i] * a.half[2];
+        apart |= (along_a > (a.half[i] + turned) + reach) | (along_b > (b.half[i] + other) + reach);
+    }
+    apart
+}
+
+/// A number that is less, or -infinity, in `f32`.
+#[inline(always)]
+fn below(x: f64) -> f32 {
+    const MOST: f64 = 0.5 * f32::MAX as f64;
+    let x = if x < MOST { x } else { MOST };
+    (x - (x.abs() * power_of_two(-23) + power_of_two(-140))) as f32
+}
+
+/// Everything within `margin` of a box.
+#[inline(always)]
+fn widened(of: &Box3, margin: f64) -> Box3 {
+    let ([x, y, z], [p, q, r]) = (of.lower, of.upper);
+    let lower = |x: f32| below(f64::from(x) - margin);
+    let upper = |x: f32| -below(-f64::from(x) - margin);
+    Box3 { lower: [lower(x), lower(y), lower(z)], upper: [upper(p), upper(q), upper(r)] }
+}
+
+/// Two bodies whose boxes are near each other.
+#[derive(Copy, Clone, Debug)]
+pub(super) struct Candidate {
+    /// The body whose row it is.
+    pub(super) a: u32,
+    pub(super) b: u32,
+    /// How far the boxes overlap; the gap between them, if it is negative.
+    pub(super) depth: f32,
+}
+
+/// How many wait at once.
+const BATCH: usize = 32;
+
+/// Candidates, the deepest first.
+#[derive(Debug)]
+pub(super) struct Batch {
+    candidates: [Candidate; BATCH],
+    len: usize,
+    /// Where the search goes on: row, sixteen bodies, and which of them are left.
+    row: usize,
+    sixteen: usize,
+    rest: u16,
+}
+
+impl Batch {
+    pub(super) const fn new() -> Self {
+        const NONE: Candidate = Candidate { a: 0, b: 0, depth: 0.0 };
+        Self { candidates: [NONE; BATCH], len: 0, row: 0, sixteen: 0, rest: u16::MAX }
+    }
+
+    /// The next candidates of a scene whose boxes are at most `margin` apart. None: that was all.
+    pub(super) fn next<N>(&mut self, scene: &Scene<'_, N>, query: &Query, margin: f64) -> &[Candidate] {
+        self.len = 0;
+        on_isa!(query.isa(), kernel => kernel.run(
+            #[inline(always)]
+            || self.gather(kernel, scene, margin),
+        ));
+        &self.candidates[..self.len]
+    }
+
+    #[inline(always)]
+    fn gather<N>(&mut self, kernel: impl Kernel, scene: &Scene<'_, N>, margin: f64) {
+        let memory = &scene.memory;
+        let stride = memory.stride();
+        while self.row < memory.slots.len() {
+            let mut around = None;
+            while self.sixteen < stride {
+                let asked = memory.row(self.row, self.sixteen) & self.rest;
+                if asked != 0 {
+                    let bounds = &memory.slots[self.row].bounds;
+                    let around = *around.get_or_insert_with(
+                        #[inline(always)]
+                        || widened(bounds, margin),
+                    );
+                    let mut near = asked & kernel.boxes_near(&around, 0.0, &memory.boxes[self.sixteen]);
+                    while near != 0 {
+                        let lane = near.trailing_zeros() as usize;
+                        if self.len == BATCH {
+                            self.rest = near;
+                            return;
+                        }
+                        near &= near - 1;
+                        let depth = depth(bounds, &memory.boxes[self.sixteen].lane(lane));
+                        self.add(Candidate {
+                            a: self.row as u32,
+                            b: (16 * self.sixteen + lane) as u32,
+                            depth,
+                        });
+                    }
+                }
+                self.rest = u16::MAX;
+                self.sixteen += 1;
+            }
+            self.sixteen = 0;
+            self.row += 1;
+        }
+    }
+
+    #[inline(always)]
+    fn add(&mut self, candidate: Candidate) {
+        let mut place = self.len;
+        while place > 0 && self.candidates[place - 1].depth < candidate.depth {
+            self.candidates[place] = self.candidates[place - 1];
+            place -= 1;
+        }
+        self.candidates[place] = candidate;
+        self.len += 1;
+    }
+}
+
+/// How far two boxes overlap along the axis where they do least.
+#[inline(always)]
+fn depth(a: &Box3, b: &Box3) -> f32 {
+    let mut depth = f32::INFINITY;
+    for i in 0..3 {
+        let (p, q) = (a.upper[i] - b.lower[i], b.upper[i] - a.lower[i]);
+        let least = if p < q { p } else { q };
+        depth = if least < depth { least } else { depth };
+    }
+    depth
+}

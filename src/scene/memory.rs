@@ -1,0 +1,205 @@
+//! Where a scene keeps what it knows of its bodies: in memory lent by the caller, or in its own.
+
+use super::broad::Size;
+use super::{Body, SceneError};
+use crate::node::{Aabb16, Box3};
+use crate::pose::{Inverted, Pose, Relative};
+#[cfg(feature = "alloc")]
+use alloc::vec::Vec;
+use core::ops::{Deref, DerefMut};
+
+/// What a scene knows of one body. To be lent: [`Slot::EMPTY`].
+#[derive(Clone, Debug)]
+pub struct Slot<'t, N> {
+    pub(super) body: Option<Body<'t, N>>,
+    pub(super) generation: u32,
+    /// How many bodies are attached to it.
+    pub(super) attached: u32,
+    pub(super) parent: Option<Attached>,
+    pub(super) world: Pose,
+    /// Of the pose in the world, if the body stands still: it is asked about more often than placed.
+    pub(super) inverted: Inverted,
+    /// Around the body in the world, its radius included.
+    pub(super) bounds: Box3,
+    pub(super) size: Size,
+}
+
+/// Where an attached body is.
+#[derive(Copy, Clone, Debug)]
+pub(super) struct Attached {
+    pub(super) to: u32,
+    /// In the frame of the other.
+    pub(super) at: Pose,
+}
+
+impl<N> Slot<'_, N> {
+    /// No body.
+    pub const EMPTY: Self = Self {
+        body: None,
+        generation: 0,
+        attached: 0,
+        parent: None,
+        world: Pose::IDENTITY,
+        inverted: Inverted::IDENTITY,
+        bounds: Box3::EMPTY,
+        size: Size::NOTHING,
+    };
+}
+
+impl<N> Slot<'_, N> {
+    /// Where a body stands in the frame of this one.
+    #[inline]
+    pub(super) fn relative(&self, world_a: &Pose) -> Relative {
+        if self.body.as_ref().is_some_and(|body| body.is_fixed) {
+            return self.inverted.relative(world_a, &self.world);
+        }
+        self.world.inverted().relative(world_a, &self.world)
+    }
+}
+
+/// Nodes of boxes for so many bodies.
+#[must_use]
+pub const fn boxes_for(bodies: usize) -> usize {
+    bodies.div_ceil(16)
+}
+
+/// Rows of pairs for so many bodies.
+#[must_use]
+pub const fn rows_for(bodies: usize) -> usize {
+    bodies * boxes_for(bodies)
+}
+
+/// Memory for a scene, lent by the caller. The slots say for how many bodies there is room.
+#[derive(Debug)]
+pub struct Memory<'t, N> {
+    /// One for each body.
+    pub slots: &'t mut [Slot<'t, N>],
+    /// At least [`boxes_for`] the slots.
+    pub boxes: &'t mut [Aabb16],
+    /// At least [`rows_for`] the slots.
+    pub rows: &'t mut [u16],
+}
+
+/// A slice of the caller's, or one that grows.
+#[derive(Debug)]
+pub(super) enum Store<'m, T> {
+    Lent(&'m mut [T]),
+    #[cfg(feature = "alloc")]
+    Owned(Vec<T>),
+}
+
+impl<T> Deref for Store<'_, T> {
+    type Target = [T];
+
+    #[inline(always)]
+    fn deref(&self) -> &[T] {
+        match self {
+            Self::Lent(slice) => slice,
+            #[cfg(feature = "alloc")]
+            Self::Owned(slice) => slice,
+        }
+    }
+}
+
+impl<T> DerefMut for Store<'_, T> {
+    #[inline(always)]
+    fn deref_mut(&mut self) -> &mut [T] {
+        match self {
+            Self::Lent(slice) => slice,
+            #[cfg(feature = "alloc")]
+            Self::Owned(slice) => slice,
+        }
+    }
+}
+
+/// The memory of a scene.
+#[derive(Debug)]
+pub(super) struct Memories<'t, N> {
+    pub(super) slots: Store<'t, Slot<'t, N>>,
+    /// The bodies' bounds, sixteen at a time; NaN where there is none.
+    pub(super) boxes: Store<'t, Aabb16>,
+    /// Which pairs are asked: bit j of row i is set in one of two symmetric places, that of the body which moves, or else of
+    /// the lower index. [`Memories::stride`] numbers a row.
+    rows: Store<'t, u16>,
+}
+
+impl<'t, N> Memories<'t, N> {
+    pub(super) fn lent(memory: Memory<'t, N>) -> Result<Self, SceneError> {
+        let Memory { slots, boxes, rows } = memory;
+        let bodies = slots.len();
+        if boxes.len() < boxes_for(bodies) || rows.len() < rows_for(bodies) {
+            return Err(SceneError::Memory { bodies, boxes: boxes_for(bodies), rows: rows_for(bodies) });
+        }
+        for slot in slots.iter_mut() {
+            *slot = Slot::EMPTY;
+        }
+        boxes.fill(Aabb16::EMPTY);
+        rows.fill(0);
+        Ok(Self { slots: Store::Lent(slots), boxes: Store::Lent(boxes), rows: Store::Lent(rows) })
+    }
+
+    #[cfg(feature = "alloc")]
+    pub(super) const fn owned() -> Self {
+        Self {
+            slots: Store::Owned(Vec::new()),
+            boxes: Store::Owned(Vec::new()),
+            rows: Store::Owned(Vec::new()),
+        }
+    }
+
+    /// Words of a row.
+    #[inline(always)]
+    pub(super) fn stride(&self) -> usize {
+        boxes_for(self.slots.len())
+    }
+
+    /// The pairs of body i with sixteen others.
+    #[inline(always)]
+    pub(super) fn row(&self, i: usize, sixteen: usize) -> u16 {
+        self.rows[i * self.stride() + sixteen]
+    }
+
+    pub(super) fn set_pair(&mut self, i: usize, j: usize, is_asked: bool) {
+        let stride = self.stride();
+        let word = &mut self.rows[i * stride + j / 16];
+        *word = *word & !(1 << (j % 16)) | u16::from(is_asked) << (j % 16);
+    }
+
+    pub(super) fn set_bounds(&mut self, i: usize, bounds: Box3) {
+        self.slots[i].bounds = bounds;
+        self.boxes[i / 16].set_lane(i % 16, &bounds);
+    }
+
+    /// A slot without a body: the first there is, or a new one.
+    pub(super) fn vacant(&mut self) -> Option<usize> {
+        let vacant = self.slots.iter().position(|slot| slot.body.is_none());
+        if vacant.is_some() {
+            return vacant;
+        }
+        self.grow()
+    }
+
+    #[cfg(not(feature = "alloc"))]
+    fn grow(&mut self) -> Option<usize> {
+        None
+    }
+
+    #[cfg(feature = "alloc")]
+    fn grow(&mut self) -> Option<usize> {
+        let (Store::Owned(slots), Store::Owned(boxes), Store::Owned(rows)) =
+            (&mut self.slots, &mut self.boxes, &mut self.rows)
+        else {
+            return None;
+        };
+        let (old, bodies) = (slots.len(), (2 * slots.len()).max(16));
+        let (from, stride) = (boxes_for(old), boxes_for(bodies));
+        let mut longer = alloc::vec![0; rows_for(bodies)];
+        for i in 0..old {
+            longer[i * stride..i * stride + from].copy_from_slice(&rows[i * from..(i + 1) * from]);
+        }
+        *rows = longer;
+        boxes.resize(stride, Aabb16::EMPTY);
+        slots.resize_with(bodies, || Slot::EMPTY);
+        Some(old)
+    }
+}

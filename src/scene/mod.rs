@@ -1,0 +1,408 @@
+//! Many bodies, placed in the world: does any meet another, which do, and how near do they come?
+//!
+//! ```
+//! use glam::{DQuat, DVec3};
+//! use simdop::{construct::{Builder, Mesh}, isa::Isa, node::Node16, pose::Pose, query::Query};
+//! use simdop::scene::{Body, Scene};
+//!
+//! let vertices = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+//! let triangles = [[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]];
+//! let tree = Builder::new().build::<Node16<18>>(&Mesh { vertices: &vertices, triangles: &triangles })?;
+//! let at = |x: f64| Pose::try_from((DQuat::IDENTITY, DVec3::new(x, 0.0, 0.0)));
+//!
+//! let mut scene = Scene::new();
+//! let table = scene.insert(Body::new(tree.view()).fixed(), &at(0.0)?)?;
+//! let hand = scene.insert(Body::new(tree.view()), &at(3.0)?)?;
+//! let cup = scene.insert(Body::new(tree.view()).with_radius(0.01), &at(4.5)?)?;
+//! scene.set_pair(hand, cup, false)?; // the hand holds the cup
+//! scene.attach(cup, hand)?;          // which moves with it
+//!
+//! let query = Query::new(Isa::detect());
+//! assert!(scene.collide(&query)?.is_free());
+//! scene.place(hand, &at(-1.0)?)?;
+//! let hit = scene.collide(&query)?.hit().unwrap();
+//! assert_eq!((hit.a, hit.b), (cup, table));
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
+//! **Verdicts are for the poses in the world as they are given.** Free is certain: no two bodies that are asked meet, in exact
+//! arithmetic on the coordinates of both and both poses. A hit is exact up to the rounding of where one body stands in the
+//! frame of the other, some 1e-14 of the coordinates ([`crate::pose::Relative`]): bodies that are less than this apart count as
+//! meeting. A composed pose, as of an attached body, is rounded and then taken as it is.
+//!
+//! **How.** Boxes around the bodies in the world are compared, sixteen at a time by the kernels that search points; of those
+//! that overlap and are asked about, the deepest first are put to [`crate::query`]. What a body is asked against says a
+//! matrix of bits.
+
+mod ask;
+mod body;
+mod broad;
+mod memory;
+
+pub use ask::{SceneAnswer, SceneDistance, SceneHit, SceneVerdict};
+pub use body::{Body, BodyId, Groups, Shape};
+pub use memory::{Memory, Slot, boxes_for, rows_for};
+
+use crate::node::Dop;
+use crate::pose::{Pose, PoseError};
+use crate::query::ToleranceError;
+use crate::range::MAX_COORDINATE;
+use broad::Size;
+use core::fmt;
+use memory::{Attached, Memories};
+
+/// Bodies of one node type, placed in the world.
+#[derive(Debug)]
+pub struct Scene<'t, N> {
+    memory: Memories<'t, N>,
+}
+
+/// Why a scene does not take what it is given.
+#[derive(Copy, Clone, PartialEq, Debug)]
+#[non_exhaustive]
+pub enum SceneError {
+    /// There is no room for another body in the memory that was lent.
+    Full,
+    /// The memory that was lent is too small for as many bodies as it has slots for.
+    Memory {
+        /// Slots.
+        bodies: usize,
+        /// Nodes of boxes that are needed: [`boxes_for`].
+        boxes: usize,
+        /// Words that are needed: [`rows_for`].
+        rows: usize,
+    },
+    /// The body was removed, or is of another scene.
+    NoSuchBody {
+        /// The id given.
+        id: BodyId,
+    },
+    /// A body's radius is negative, NaN or beyond [`MAX_COORDINATE`].
+    Radius {
+        /// The value given.
+        given: f64,
+    },
+    /// The pose is farther from a rotation than [`Scene::TOLERANCE`], or farther away than [`Scene::MAX_TRANSLATION`].
+    Pose(PoseError),
+    /// A body that is attached is placed with what it is attached to.
+    IsAttached {
+        /// The body.
+        id: BodyId,
+    },
+    /// A body would be attached to itself.
+    Cycle {
+        /// The body.
+        id: BodyId,
+    },
+    /// A pair of one body.
+    NoPair {
+        /// The body.
+        id: BodyId,
+    },
+    /// A margin, cutoff or tolerance is negative, NaN or too great.
+    Tolerance(ToleranceError),
+}
+
+impl fmt::Display for SceneError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Full => f.write_str("the scene's memory has no slot for another body"),
+            Self::Memory { bodies, boxes, rows } => {
+                write!(f, "{bodies} slots need {boxes} nodes of boxes and {rows} rows")
+            }
+            Self::NoSuchBody { id } => {
+                write!(f, "there is no body {} in the scene, or not any more", id.index)
+            }
+            Self::Radius { given } => {
+                write!(f, "a body's radius of {given}: must be finite and not negative")
+            }
+            Self::Pose(error) => write!(f, "a pose in the world: {error}"),
+            Self::IsAttached { id } => {
+                write!(f, "body {} is attached to another, and placed with it", id.index)
+            }
+            Self::Cycle { id } => write!(f, "body {} would be attached to itself", id.index),
+            Self::NoPair { id } => write!(f, "body {} is no pair with itself", id.index),
+            Self::Tolerance(error) => error.fmt(f),
+        }
+    }
+}
+
+impl core::error::Error for SceneError {}
+
+impl From<PoseError> for SceneError {
+    fn from(error: PoseError) -> Self {
+        Self::Pose(error)
+    }
+}
+
+impl From<ToleranceError> for SceneError {
+    fn from(error: ToleranceError) -> Self {
+        Self::Tolerance(error)
+    }
+}
+
+#[cfg(feature = "alloc")]
+impl<N> Default for Scene<'_, N> {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+impl<N> Scene<'_, N> {
+    /// How far the matrix of a pose in the world may be from a rotation: the largest entry of `R R^T - 1`. Less than
+    /// [`Pose::TOLERANCE`], so that every two bodies have a pose relative to each other. Matrices of six digits or in `f32`
+    /// are near enough, and every quaternion that gives a pose.
+    pub const TOLERANCE: f64 = 1.5e-5;
+
+    /// How far away a body may be in the world, along an axis: 2^298.
+    pub const MAX_TRANSLATION: f64 = MAX_COORDINATE / 4.0;
+
+    /// A scene without bodies, which grows as they come.
+    #[cfg(feature = "alloc")]
+    #[must_use]
+    pub const fn new() -> Self {
+        Self { memory: Memories::owned() }
+    }
+}
+
+impl<'t, N> Scene<'t, N> {
+    /// A scene without bodies in the caller's memory, which does not allocate.
+    ///
+    /// ```
+    /// use simdop::node::{Aabb16, Node16};
+    /// use simdop::scene::{Memory, Scene, Slot, boxes_for, rows_for};
+    /// const ROOM: usize = 40;
+    /// let mut slots = [const { Slot::<Node16<18>>::EMPTY }; ROOM];
+    /// let mut boxes = [Aabb16::EMPTY; boxes_for(ROOM)];
+    /// let mut rows = [0; rows_for(ROOM)];
+    /// let scene = Scene::in_memory(Memory { slots: &mut slots, boxes: &mut boxes, rows: &mut rows })?;
+    /// assert_eq!(scene.ids().count(), 0);
+    /// # Ok::<(), simdop::scene::SceneError>(())
+    /// ```
+    ///
+    /// # Errors
+    /// [`SceneError::Memory`] if there are fewer boxes or rows than the slots need.
+    pub fn in_memory(memory: Memory<'t, N>) -> Result<Self, SceneError> {
+        Ok(Self { memory: Memories::lent(memory)? })
+    }
+
+    /// The bodies in the scene, by ascending place.
+    pub fn ids(&self) -> impl Iterator<Item = BodyId> + '_ {
+        (0..self.memory.slots.len())
+            .filter(|&index| self.memory.slots[index].body.is_some())
+            .map(|index| self.id(index))
+    }
+
+    fn id(&self, index: usize) -> BodyId {
+        BodyId { index: index as u32, generation: self.memory.slots[index].generation }
+    }
+
+    fn index(&self, id: BodyId) -> Result<usize, SceneError> {
+        let index = id.index as usize;
+        match self.memory.slots.get(index) {
+            Some(slot) if slot.body.is_some() && slot.generation == id.generation => Ok(index),
+            _ => Err(SceneError::NoSuchBody { id }),
+        }
+    }
+
+    /// The body's pose in the world.
+    ///
+    /// # Errors
+    /// [`SceneError::NoSuchBody`].
+    pub fn world_pose(&self, id: BodyId) -> Result<&Pose, SceneError> {
+        Ok(&self.memory.slots[self.index(id)?].world)
+    }
+
+    /// Whether the bodies are asked against each other.
+    ///
+    /// # Errors
+    /// [`SceneError::NoSuchBody`], and [`SceneError::NoPair`] of a body and itself.
+    pub fn is_asked(&self, a: BodyId, b: BodyId) -> Result<bool, SceneError> {
+        let (i, j) = self.place_of_pair(a, b)?;
+        Ok(self.memory.row(i, j / 16) >> (j % 16) & 1 != 0)
+    }
+
+    /// Says whether two bodies are asked against each other, whatever their groups.
+    ///
+    /// # Errors
+    /// [`SceneError::NoSuchBody`], and [`SceneError::NoPair`] of a body and itself.
+    pub fn set_pair(&mut self, a: BodyId, b: BodyId, is_asked: bool) -> Result<(), SceneError> {
+        let (i, j) = self.place_of_pair(a, b)?;
+        self.memory.set_pair(i, j, is_asked);
+        Ok(())
+    }
+
+    fn place_of_pair(&self, a: BodyId, b: BodyId) -> Result<(usize, usize), SceneError> {
+        let (i, j) = (self.index(a)?, self.index(b)?);
+        if i == j {
+            return Err(SceneError::NoPair { id: a });
+        }
+        Ok(self.row_and_bit(i, j))
+    }
+
+    /// Where the matrix has the bit of a pair. Rows of bodies that stand still are so without bits, and are not looked at.
+    fn row_and_bit(&self, i: usize, j: usize) -> (usize, usize) {
+        let is_fixed = |i: usize| self.memory.slots[i].body.as_ref().is_some_and(|body| body.is_fixed);
+        match (is_fixed(i), is_fixed(j)) {
+            (true, false) => (j, i),
+            (false, true) => (i, j),
+            _ => (i.min(j), i.max(j)),
+        }
+    }
+}
+
+impl<'t, N: Dop> Scene<'t, N> {
+    /// Puts a body into the scene.
+    ///
+    /// # Errors
+    /// [`SceneError`]: the radius, the pose, or no room.
+    pub fn insert(&mut self, body: Body<'t, N>, world: &Pose) -> Result<BodyId, SceneError> {
+        if !body.has_valid_radius() {
+            return Err(SceneError::Radius { given: body.radius });
+        }
+        check(world)?;
+        let i = self.memory.vacant().ok_or(SceneError::Full)?;
+        let slot = &mut self.memory.slots[i];
+        (slot.parent, slot.attached) = (None, 0);
+        slot.size = Size::of(&body);
+        slot.body = Some(body);
+        self.put(i, world);
+        for j in 0..self.memory.slots.len() {
+            if let Some(other) = self.memory.slots[j].body
+                && j != i
+            {
+                let (row, bit) = self.row_and_bit(i, j);
+                self.memory.set_pair(row, bit, body.is_asked_against(&other));
+            }
+        }
+        Ok(self.id(i))
+    }
+
+    /// Takes a body out of the scene. Those that are attached to it stay where they are, and are attached no more.
+    ///
+    /// # Errors
+    /// [`SceneError::NoSuchBody`].
+    pub fn remove(&mut self, id: BodyId) -> Result<Body<'t, N>, SceneError> {
+        let i = self.index(id)?;
+        self.detach(id)?;
+        for j in 0..self.memory.slots.len() {
+            if self.memory.slots[j].parent.is_some_and(|parent| parent.to as usize == i) {
+                self.memory.slots[j].parent = None;
+            }
+            self.memory.set_pair(i, j, false);
+            self.memory.set_pair(j, i, false);
+        }
+        self.memory.set_bounds(i, crate::node::Box3::EMPTY);
+        let slot = &mut self.memory.slots[i];
+        slot.attached = 0;
+        slot.generation = slot.generation.wrapping_add(1);
+        slot.body.take().ok_or(SceneError::NoSuchBody { id })
+    }
+
+    /// Places a body, and those that are attached to it.
+    ///
+    /// # Errors
+    /// [`SceneError`]: the pose, or that of what is attached, which leaves all of them where they were; or the body is itself
+    /// attached to another.
+    pub fn place(&mut self, id: BodyId, world: &Pose) -> Result<(), SceneError> {
+        let i = self.index(id)?;
+        if self.memory.slots[i].parent.is_some() {
+            return Err(SceneError::IsAttached { id });
+        }
+        check(world)?;
+        if self.memory.slots[i].attached == 0 {
+            self.put(i, world);
+            return Ok(());
+        }
+        let before = self.memory.slots[i].world;
+        self.put(i, world);
+        let moved = self.place_attached(i);
+        if moved.is_err() {
+            self.put(i, &before);
+            // They were there before.
+            let _ = self.place_attached(i);
+        }
+        moved
+    }
+
+    /// Attaches a body to another, which it is then placed with: it stays where it is as seen from there.
+    ///
+    /// # Errors
+    /// [`SceneError::NoSuchBody`]; [`SceneError::IsAttached`] if the body is attached already;
+    /// [`SceneError::Cycle`] if the other is attached to it, directly or not.
+    pub fn attach(&mut self, id: BodyId, to: BodyId) -> Result<(), SceneError> {
+        let (i, other) = (self.index(id)?, self.index(to)?);
+        if self.memory.slots[i].parent.is_some() {
+            return Err(SceneError::IsAttached { id });
+        }
+        let mut above = Some(other);
+        while let Some(j) = above {
+            if i == j {
+                return Err(SceneError::Cycle { id });
+            }
+            above = self.memory.slots[j].parent.map(|parent| parent.to as usize);
+        }
+        let slots = &mut self.memory.slots;
+        let at = *Pose::relative(&slots[i].world, &slots[other].world)?.pose();
+        slots[other].attached += 1;
+        slots[i].parent = Some(Attached { to: other as u32, at });
+        Ok(())
+    }
+
+    /// Attaches a body no more. It stays where it is. Of a body that is not attached, nothing.
+    ///
+    /// # Errors
+    /// [`SceneError::NoSuchBody`].
+    pub fn detach(&mut self, id: BodyId) -> Result<(), SceneError> {
+        let i = self.index(id)?;
+        if let Some(parent) = self.memory.slots[i].parent.take() {
+            self.memory.slots[parent.to as usize].attached -= 1;
+        }
+        Ok(())
+    }
+
+    /// Those that are attached to body i, and to these, and so on.
+    fn place_attached(&mut self, i: usize) -> Result<(), SceneError> {
+        for j in 0..self.memory.slots.len() {
+            // No recursion: what is attached to others is looked up from below, a few steps.
+            let mut above = self.memory.slots[j].parent.map(|parent| parent.to as usize);
+            let mut world = match self.memory.slots[j].parent {
+                Some(parent) if self.memory.slots[j].body.is_some() => parent.at,
+                _ => continue,
+            };
+            while let Some(k) = above.filter(|&k| k != i) {
+                let parent = self.memory.slots[k].parent;
+                above = parent.map(|parent| parent.to as usize);
+                if let Some(parent) = parent {
+                    world = parent.at.compose(&world)?;
+                }
+            }
+            if above.is_some() {
+                let world = self.memory.slots[i].world.compose(&world)?;
+                check(&world)?;
+                self.put(j, &world);
+            }
+        }
+        Ok(())
+    }
+
+    fn put(&mut self, i: usize, world: &Pose) {
+        let slot = &mut self.memory.slots[i];
+        slot.world = *world;
+        if slot.body.as_ref().is_some_and(|body| body.is_fixed) {
+            slot.inverted = world.inverted();
+        }
+        let bounds = slot.size.bounds(world);
+        self.memory.set_bounds(i, bounds);
+    }
+}
+
+/// Whether a pose may be one of a scene.
+fn check(world: &Pose) -> Result<(), SceneError> {
+    let near = |x: f64| x.abs() <= Scene::<()>::MAX_TRANSLATION;
+    let [x, y, z] = world.translation();
+    if !world.is_rotation(Scene::<()>::TOLERANCE) {
+        return Err(SceneError::Pose(PoseError::NotOrthonormal { deviation: world.deviation() }));
+    }
+    if near(x) & near(y) & near(z) { Ok(()) } else { Err(SceneError::Pose(PoseError::TooFar)) }
+}
