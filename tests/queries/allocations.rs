@@ -2,7 +2,7 @@
 //! whatever the trees.
 
 #[path = "../support/heap.rs"]
-pub(crate) mod heap;
+mod heap;
 
 use crate::each_pair;
 use crate::support::dyadic::half_value;
@@ -15,6 +15,7 @@ use simdop::isa::Isa;
 use simdop::node::{Child, Node4, Node16};
 use simdop::pose::Pose;
 use simdop::query::{Completion, Lanes, Query, STACK_BYTES, Verdict};
+use simdop::scene::{Body, Scene};
 
 fn tree<N: Lanes>() -> Bvh<N> {
     let mesh = shapes::torus(32, 20);
@@ -181,6 +182,27 @@ fn the_stack_holds_the_levels_of_both_trees() {
                 // One visit for each pair of a node and of a leaf's parent, and more on the way.
                 assert!(answer.counters.visits >= pairs, "{isa} {small}: {:?}", answer.counters);
             }
+        }
+    }
+}
+
+/// Nor do a scene's, in whatever memory it is: only bodies that come need more.
+#[test]
+fn queries_of_scenes_stay_off_the_heap() {
+    let tree = tree::<Node16<18>>();
+    let mut scene = Scene::new();
+    let ids = [-9.0, -1.0, 2.6, 7.0].map(|x| scene.insert(Body::new(tree.view()), &pose(x)).unwrap());
+    scene.attach(ids[3], ids[0]).unwrap();
+    for isa in Isa::available() {
+        let query = Query::new(isa);
+        for x in [-9.0, 0.0] {
+            without_heap("scene", || {
+                scene.place(ids[0], &pose(x)).unwrap();
+                assert_eq!(scene.collide(&query).unwrap().is_free(), x == -9.0);
+                let _ = scene.within(&query, 0.01).unwrap();
+                let _ = scene.clearance(&query, 0.1, 1.0).unwrap();
+                let _ = scene.for_each_hit(&query, 0.0, |_| ControlFlow::Continue(())).unwrap();
+            });
         }
     }
 }

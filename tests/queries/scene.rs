@@ -388,25 +388,3 @@ fn what_cannot_be_is_refused() {
         assert!(error.to_string().len() > 20, "{error:?} says what is wrong");
     }
 }
-
-#[test]
-fn queries_of_scenes_stay_off_the_heap() {
-    use crate::allocations::heap::without_heap;
-    let mut rng = Rng::new(162);
-    let models = models(&mut rng);
-    let mut scene = Scene::new();
-    let mut ids = Vec::new();
-    for _ in 0..20 {
-        ids.push(scene.insert(Body::new(rng.pick(&models).shape()), &random_pose(&mut rng, 2.0)).unwrap());
-    }
-    for isa in Isa::available() {
-        let query = Query::new(isa);
-        without_heap("scene", || {
-            scene.place(ids[0], &at(0.1, 0.2)).unwrap();
-            let _ = scene.collide(&query).unwrap();
-            let _ = scene.within(&query, 0.01).unwrap();
-            let _ = scene.clearance(&query, 0.1, 1.0).unwrap();
-            let _ = scene.for_each_hit(&query, 0.0, |_| ControlFlow::Continue(())).unwrap();
-        });
-    }
-}
