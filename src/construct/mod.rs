@@ -9,6 +9,7 @@ mod assignment;
 mod bake;
 mod balls;
 mod below;
+mod closed;
 mod clustering;
 mod cost;
 mod enclosing;
@@ -18,16 +19,17 @@ pub mod gpu;
 mod levels;
 mod longest_axis;
 mod neural_gas;
+mod parts;
 mod progress;
 mod shape;
 mod thin;
 mod wrap;
 
 pub use assignment::Assignment;
+pub(crate) use closed::{OpenEdge, Unclosed, check_closed};
 #[doc(hidden)]
 pub use clustering::Clustering;
 pub use geometry::{Geometry, Mesh, SphereSet};
-pub(crate) use geometry::{check_records, check_vertices};
 pub use progress::Progress;
 
 use crate::halving::Halving;
@@ -35,13 +37,14 @@ use crate::hierarchy::Bvh;
 #[cfg(doc)]
 use crate::node::Child;
 use crate::node::{Dop, MAX_LEAF_SIZE};
-use crate::primitive::Sphere;
+use crate::primitive::{Primitive, Sphere};
+use crate::range::Point;
 use alloc::vec::Vec;
 use core::borrow::Borrow;
 use core::fmt;
 use core::ops::ControlFlow;
 use cost::Aabb;
-use geometry::Checked;
+use geometry::{Checked, check_vertices};
 use progress::Observer;
 
 /// How primitives are assigned to the lanes of a node (SIMDop paper, section IV-A).
@@ -89,10 +92,11 @@ pub struct Builder {
     leaf_size: u32,
     has_thin_slabs: bool,
     has_balls: bool,
+    is_solid: bool,
 }
 
 /// Why a mesh, or another geometry, cannot be built.
-#[derive(Copy, Clone, PartialEq, Eq, Debug)]
+#[derive(Copy, Clone, PartialEq, Debug)]
 #[non_exhaustive]
 pub enum BuildError {
     /// A leaf holds 1 to 16 primitives.
@@ -122,6 +126,18 @@ pub enum BuildError {
         /// Index of the primitive.
         index: usize,
     },
+    /// The mesh is to be [solid](Builder::solid), and not as many triangles run along an edge in one direction as in the
+    /// other: there is a hole, or the triangles are not oriented alike.
+    Open {
+        /// The edge's two vertices: of several with the same coordinates the first.
+        edge: [u32; 2],
+        /// Their coordinates, in the body's unit.
+        corners: [Point; 2],
+        /// Triangles that run from the first vertex to the second.
+        forward: usize,
+        /// Triangles that run from the second vertex to the first.
+        backward: usize,
+    },
     /// No node type has this k and arity.
     NodeType {
         /// Planes of a child.
@@ -142,7 +158,7 @@ pub enum BuildError {
 
 impl fmt::Display for BuildError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
+        match *self {
             Self::LeafSize { asked } => write!(f, "leaf size {asked}, must be 1 to {MAX_LEAF_SIZE}"),
             Self::TooLarge { count } => write!(f, "{count} primitives or vertices are too many"),
             Self::Vertex { index } => write!(f, "vertex {index} is not finite, or beyond 2^300"),
@@ -151,6 +167,9 @@ impl fmt::Display for BuildError {
             }
             Self::TooSmall => f.write_str("all coordinates are below 2^-250: choose a smaller unit"),
             Self::Primitive { index } => write!(f, "primitive {index} names a vertex that there is not"),
+            Self::Open { edge, corners, forward, backward } => {
+                OpenEdge { edge, corners, forward, backward }.fmt(f)
+            }
             Self::NodeType { k, arity } => write!(f, "there are no nodes of k = {k} and arity {arity}"),
             Self::TooDeep => f.write_str("the tree would be too deep"),
             Self::Assignment { problem } => write!(f, "the assignment is no tree: {problem}"),
@@ -177,21 +196,27 @@ impl Builder {
     /// Built soonest: [`Splitter::ExtendedLongestAxis`], one triangle a leaf.
     #[must_use]
     pub const fn fast() -> Self {
-        Self { splitter: Splitter::ExtendedLongestAxis, leaf_size: 1, has_thin_slabs: true, has_balls: true }
+        Self { splitter: Splitter::ExtendedLongestAxis, ..Self::best() }
     }
 
     /// Half the bytes of nodes at about the speed of the best: [`Splitter::MeanWidth`], up to two triangles a
     /// leaf.
     #[must_use]
     pub const fn balanced() -> Self {
-        Self { splitter: Splitter::MeanWidth, leaf_size: 2, has_thin_slabs: true, has_balls: true }
+        Self { leaf_size: 2, ..Self::best() }
     }
 
     /// The fewest visits a query: [`Splitter::MeanWidth`], one triangle a leaf. Some eleven times as long to
     /// build as the fast one.
     #[must_use]
     pub const fn best() -> Self {
-        Self { splitter: Splitter::MeanWidth, leaf_size: 1, has_thin_slabs: true, has_balls: true }
+        Self {
+            splitter: Splitter::MeanWidth,
+            leaf_size: 1,
+            has_thin_slabs: true,
+            has_balls: true,
+            is_solid: false,
+        }
     }
 
     /// Assigns with `splitter`.
@@ -219,6 +244,41 @@ impl Builder {
     #[must_use]
     pub const fn without_balls(self) -> Self {
         Self { has_balls: false, ..self }
+    }
+
+    /// The mesh bounds a solid: a body that is wholly inside of it, without touching its surface, is a hit of
+    /// [`collide`](crate::query::Query::collide) and [`within`](crate::query::Query::within), and its distance is 0.
+    /// Without this a body is a surface, and what is wholly inside of it is free.
+    ///
+    /// Inside is where the surface winds around a point, as often as it may: parts that overlap are one solid, so is
+    /// a shell in a shell of the same orientation, and a shell of the other orientation is a cavity. A mesh that is turned
+    /// inside out is as solid. It must be closed: with corners of the same coordinates joined, as many triangles run
+    /// along each edge in one direction as in the other. An empty mesh is.
+    ///
+    /// Sets of spheres are solid anyway: of them this changes nothing.
+    ///
+    /// ```
+    /// # use simdop::{construct::{Builder, Mesh}, isa::Isa, node::Node16, pose::Pose, query::Query};
+    /// # let vertices = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+    /// # let triangles = [[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]];
+    /// let mesh = Mesh { vertices: &vertices, triangles: &triangles };
+    /// let surface = Builder::new().build::<Node16<18>>(&mesh)?;
+    /// let solid = Builder::new().solid().build::<Node16<18>>(&mesh)?;
+    ///
+    /// let small = vertices.map(|p| p.map(|x| 0.1 * x + 0.1)); // inside
+    /// let small = Builder::new().build::<Node16<18>>(&Mesh { vertices: &small, triangles: &triangles })?;
+    /// let query = Query::new(Isa::detect());
+    /// assert!(query.collide(&small, &surface, &Pose::IDENTITY).is_free());
+    /// assert!(query.collide(&small, &solid, &Pose::IDENTITY).hit().is_some());
+    ///
+    /// let open = Mesh { vertices: &vertices, triangles: &triangles[1..] };
+    /// let error = Builder::new().solid().build::<Node16<18>>(&open).unwrap_err();
+    /// assert!(error.to_string().contains("open"));
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    #[must_use]
+    pub const fn solid(self) -> Self {
+        Self { is_solid: true, ..self }
     }
 
     /// Builds the hierarchy of a mesh. The choice of `N` is the choice of k and arity.
@@ -271,6 +331,9 @@ impl Builder {
             return Err(BuildError::LeafSize { asked: self.leaf_size }.into());
         }
         let table = Checked::new(geometry)?;
+        if self.is_solid && G::Primitive::BOUNDS_SOLIDS {
+            table.check_closed()?;
+        }
         let assignment = assign(&table)?;
         Ok(bake::bake::<N, G>(&table, assignment.borrow(), *self)?)
     }

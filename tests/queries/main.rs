@@ -39,6 +39,7 @@ mod penetration;
 mod primitives;
 mod reject;
 mod sizes;
+mod solid;
 mod solids;
 mod spheres;
 mod stack;
