@@ -33,10 +33,18 @@ pub(super) enum Place {
     OutOfBudget { upper: f64 },
 }
 
-/// A solid, and how it stands in the query's frame: as it is, or, with the extent of the other body, as a pose places it.
+/// A solid, and how it stands in the query's frame: as it is, or as a pose places it.
 struct Solid<'t, N: Lanes, P: Primitive> {
     tree: &'t BvhRef<'t, N, P>,
     pose: Option<&'t Pose>,
+}
+
+/// A part that is inside of a solid: the primitive that stands for it, the one of the solid that is named with it, and a
+/// point of it.
+struct Inner {
+    part: u32,
+    crossed: u32,
+    point: Point,
 }
 
 /// A node on the way down, and its children that are still to be looked at.
@@ -49,7 +57,7 @@ struct Opened {
 impl Query {
     /// Whether a part of either body, none of whose primitives meet, is inside of the other. The work is added to the
     /// counters, whose visits the budget bounds.
-    // A program whose bodies are surfaces pays for a call that it never makes.
+    // Out of the way of programs whose bodies are surfaces.
     #[cold]
     #[inline(never)]
     pub(super) fn place<N: Lanes, P: Primitive, Q: Primitive>(
@@ -59,36 +67,47 @@ impl Query {
         pose: &Pose,
         counters: &mut Counters,
     ) -> Place {
-        if b.is_solid() {
-            for part in a.parts() {
-                let moved = P::moved(&a.primitive(part), pose);
-                let Some(point) = P::corners(&moved).next() else { continue };
-                let Some(ray) = Ray::new(&point, &b.extent(), None) else { continue };
-                let solid = Solid { tree: b, pose: None };
-                match self.around(&solid, &point, &ray, counters) {
-                    Ok(None) => {}
-                    Ok(Some(crossed)) => {
-                        return Place::Inside { found: Found { a: part, b: crossed }, point };
-                    }
-                    Err(upper) => return Place::OutOfBudget { upper },
-                }
+        let mut find = || {
+            if b.is_solid()
+                && let Some(Inner { part, crossed, point }) =
+                    self.first_inner(a, Some(pose), &Solid { tree: b, pose: None }, counters)?
+            {
+                return Ok(Some((Found { a: part, b: crossed }, point)));
+            }
+            if a.is_solid()
+                && let Some(Inner { part, crossed, point }) =
+                    self.first_inner(b, None, &Solid { tree: a, pose: Some(pose) }, counters)?
+            {
+                return Ok(Some((Found { a: crossed, b: part }, point)));
+            }
+            Ok(None)
+        };
+        match find() {
+            Ok(None) => Place::Outside,
+            Ok(Some((found, point))) => Place::Inside { found, point },
+            Err(upper) => Place::OutOfBudget { upper },
+        }
+    }
+
+    /// The first part of a body, where the pose places it if there is one, that is inside of a solid. An error if the budget
+    /// was spent: no less than the distance of the bodies.
+    fn first_inner<N: Lanes, P: Primitive, Q: Primitive>(
+        &self,
+        body: &BvhRef<'_, N, Q>,
+        pose: Option<&Pose>,
+        solid: &Solid<'_, N, P>,
+        counters: &mut Counters,
+    ) -> Result<Option<Inner>, f64> {
+        for part in body.parts() {
+            let Some(corner) = Q::corners(&body.primitive(part)).next() else { continue };
+            let point = pose.map_or(corner, |pose| pose.apply(corner));
+            let beside = solid.pose.map(|pose| (pose, body.header()));
+            let Some(ray) = Ray::new(&point, solid.tree.header(), beside) else { continue };
+            if let Some(crossed) = self.around(solid, &point, &ray, counters)? {
+                return Ok(Some(Inner { part, crossed, point }));
             }
         }
-        if a.is_solid() {
-            for part in b.parts() {
-                let Some(point) = Q::corners(&b.primitive(part)).next() else { continue };
-                let Some(ray) = Ray::new(&point, &a.extent(), Some((pose, &b.extent()))) else { continue };
-                let solid = Solid { tree: a, pose: Some(pose) };
-                match self.around(&solid, &point, &ray, counters) {
-                    Ok(None) => {}
-                    Ok(Some(crossed)) => {
-                        return Place::Inside { found: Found { a: crossed, b: part }, point };
-                    }
-                    Err(upper) => return Place::OutOfBudget { upper },
-                }
-            }
-        }
-        Place::Outside
+        Ok(None)
     }
 
     /// If the solid winds around the point, the crossed primitive with the lowest index in what was built. An error if the

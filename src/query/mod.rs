@@ -251,7 +251,7 @@ impl Query {
     #[inline(always)]
     fn or_inside<N: Lanes, P: Primitive, Q: Primitive>(
         &self,
-        answer: Answer,
+        mut answer: Answer,
         a: &BvhRef<'_, N, P>,
         b: &BvhRef<'_, N, Q>,
         pose: &Pose,
@@ -260,17 +260,16 @@ impl Query {
         if !(a.is_solid() || b.is_solid()) || answer.counters.visits == 0 {
             return answer;
         }
-        let mut counters = answer.counters;
-        let verdict = match answer.verdict {
-            Verdict::Hit(pair) => Verdict::Hit(pair),
-            Verdict::Unknown { upper, .. } => Verdict::Unknown { lower: 0.0, upper },
-            Verdict::Free => match self.place(a, b, pose, &mut counters) {
-                Place::Outside => Verdict::Free,
-                Place::Inside { found, .. } => Verdict::Hit(found.pair(a, b)),
-                Place::OutOfBudget { upper } => Verdict::Unknown { lower: 0.0, upper },
+        match &mut answer.verdict {
+            Verdict::Hit(_) => {}
+            Verdict::Unknown { lower, .. } => *lower = 0.0,
+            verdict @ Verdict::Free => match self.place(a, b, pose, &mut answer.counters) {
+                Place::Outside => {}
+                Place::Inside { found, .. } => *verdict = Verdict::Hit(found.pair(a, b)),
+                Place::OutOfBudget { upper } => *verdict = Verdict::Unknown { lower: 0.0, upper },
             },
-        };
-        Answer { verdict, counters, ..answer }
+        }
+        answer
     }
 
     /// The first pair of primitives at most `margin` apart: that of the hint, or the first that the traversal

@@ -14,9 +14,14 @@
 //! [`WayBack::outwards`] of a point of A: the table there holds for the points between moved corners as well, as these are
 //! between the corners that were moved, and rounded.
 //!
-//! **The length.** |u| is at least 1 - 1e-4. Where p is not left outside at once, both ends of the way from w to a point of the
-//! solid are in its box of half widths h, which is padded by o, so the way's length is at most `2 (sum h + 3 o)`, and
-//! `L = 4 (sum h + 3 o)`.
+//! **Outside.** Most points are beyond the solid's box of half widths h, which is told before anything else is computed. For B by
+//! `p - c`. For A by `M^T (p - q)`, with q where the pose puts the centre c: a point of A as moved is at most `skew R` and
+//! the roundings of the table farther from the centre than the point of A that it comes from, and no accepted matrix has
+//! a skew above 3.01e-4, so the box is widened by `2^-11 R`.
+//!
+//! **The length.** |u| is at least 1 - 1e-4. Where p is not outside, both ends of the way from w to a point of the solid are in
+//! its box, padded by o and by `2^-11 R`, so the sum of the way's magnitudes is below `2.01 (sum h + 2^-9 R + 3 o)`, and
+//! `L = 4 (sum h + 2^-8 R + 3 o)`.
 //!
 //! **The pads**, in the bodies' unit, along a direction n of which |n| is the sum of magnitudes; X bounds the magnitudes of p,
 //! of the solid's centre and of the way back's translation, eight times that of p:
@@ -33,7 +38,8 @@
 use super::{F64_SLACK, WayBack, coordinates, greatest, shift};
 use crate::directions::Directions;
 use crate::exact::power_of_two;
-use crate::frame::{Extent, Frame};
+use crate::frame::Frame;
+use crate::hierarchy::Header;
 use crate::key::Key;
 use crate::pose::Pose;
 use crate::primitive::Triangles;
@@ -51,51 +57,40 @@ pub struct Ray {
     pad: f64,
 }
 
-/// Of radii: what an accepted matrix may make longer, and a few roundings.
-const SKEW: f64 = 1.0 + power_of_two(-11);
+/// Of a radius: more than what an accepted matrix moves a point by, away from the centre.
+const SKEW: f64 = power_of_two(-11);
+
+/// Of the widths of a box, for a few roundings.
+const GROWN: f64 = 1.0 + power_of_two(-40);
 
 impl Ray {
-    /// From a point that is given in the query's frame. The solid is B, or A where a pose places it, together with the
-    /// extent of B. `None` if the point is certainly outside of the solid.
+    /// From a point that is given in the query's frame. The solid is B, or A where a pose places it beside B. `None` if the
+    /// point is certainly outside of the solid.
+    // Inlined up to where most points are outside.
     #[inline(always)]
-    pub(crate) fn new(origin: &Point, solid: &Extent, placed: Option<(&Pose, &Extent)>) -> Option<Self> {
-        let c = solid.frame.centre;
-        // Outside of the ball about the centre, wherever the pose puts it?
-        let (at, slack) = match placed {
-            None => (c, 0.0),
+    pub(crate) fn new(origin: &Point, solid: &Header, placed: Option<(&Pose, &Header)>) -> Option<Self> {
+        if is_outside(origin, solid, placed) { None } else { Some(Self::aimed(origin, solid, placed)) }
+    }
+
+    #[inline(never)]
+    fn aimed(origin: &Point, solid: &Header, placed: Option<(&Pose, &Header)>) -> Self {
+        let (solid, c) = (solid.extent(), solid.centre);
+        let (from, direction, moved) = match placed {
+            None => (*origin, [1.0, 0.0, 0.0], 0.0),
             Some((pose, b)) => {
-                let (s, o) = (shift(pose, solid, &b.frame), b.frame.centre);
-                let slack = F64_SLACK * (coordinates(pose, solid, &b.frame) + greatest(origin));
-                ([o[0] + s[0], o[1] + s[1], o[2] + s[2]], 2.0 * (slack + MIN_COORDINATE))
-            }
-        };
-        let d = [origin[0] - at[0], origin[1] - at[1], origin[2] - at[2]];
-        let reach = (solid.radius + slack) * SKEW;
-        if (d[0] * d[0] + d[1] * d[1]) + d[2] * d[2] > reach * reach {
-            return None;
-        }
-        let (way, direction, moved) = match placed {
-            None => (d, [1.0, 0.0, 0.0], 0.0),
-            Some((pose, b)) => {
-                let back = WayBack::new(pose, solid, b);
-                let p = back.pose.apply(*origin);
+                let back = WayBack::new(pose, &solid, &b.extent());
                 let size = (8.0 * greatest(origin) + greatest(&back.pose.translation())) + greatest(&c);
-                let moved = back.outwards::<Triangles>(0.0, b) + (F64_SLACK * size + MIN_COORDINATE);
-                ([p[0] - c[0], p[1] - c[1], p[2] - c[2]], pose.rows()[0], moved)
+                let rounding = F64_SLACK * size + MIN_COORDINATE;
+                let moved = back.outwards::<Triangles>(0.0, &b.extent()) + rounding;
+                (back.pose.apply(*origin), pose.rows()[0], moved)
             }
         };
-        let inverse = power_of_two(-solid.frame.exponent);
-        let mut widths = 0.0;
-        for (along, width) in way.iter().zip(solid.half_width) {
-            let width = f64::from(width) * inverse;
-            widths += width;
-            if along.abs() > (width + moved) * SKEW {
-                return None;
-            }
-        }
-        let length = 4.0 * (widths + 3.0 * moved);
+        let way = [from[0] - c[0], from[1] - c[1], from[2] - c[2]];
+        let [x, y, z] = solid.half_width;
+        let widths = ((f64::from(x) + f64::from(y)) + f64::from(z)) * power_of_two(-solid.frame.exponent);
+        let length = 4.0 * ((widths + 8.0 * SKEW * solid.radius) + 3.0 * moved);
         let pad = (moved + F64_SLACK * moved) + F64_SLACK * (greatest(&way) + length);
-        Some(Self { way, direction, length, pad })
+        Self { way, direction, length, pad }
     }
 
     /// Its planes in the frame of the solid's tree, rounded up.
@@ -113,4 +108,24 @@ impl Ray {
         }
         planes
     }
+}
+
+/// Whether a point is certainly beyond the box of a solid.
+#[inline(always)]
+fn is_outside(origin: &Point, solid: &Header, placed: Option<(&Pose, &Header)>) -> bool {
+    let (extent, c) = (solid.extent(), solid.centre);
+    let (way, slack) = match placed {
+        None => ([origin[0] - c[0], origin[1] - c[1], origin[2] - c[2]], 0.0),
+        Some((pose, b)) => {
+            let (m, s, o) = (pose.rows(), shift(pose, &extent, &b.extent().frame), b.centre);
+            let d = [(origin[0] - o[0]) - s[0], (origin[1] - o[1]) - s[1], (origin[2] - o[2]) - s[2]];
+            let along = |i: usize| (m[0][i] * d[0] + m[1][i] * d[1]) + m[2][i] * d[2];
+            let coordinates = coordinates(pose, &extent, &b.extent().frame) + greatest(origin);
+            let slack = SKEW * extent.radius + 2.0 * (F64_SLACK * coordinates + MIN_COORDINATE);
+            ([along(0), along(1), along(2)], slack)
+        }
+    };
+    let (inverse, widths) = (power_of_two(-solid.exponent), &solid.half_width);
+    let is_beyond = |i: usize| way[i].abs() > (f64::from(widths[i]) * inverse + slack) * GROWN;
+    is_beyond(0) | is_beyond(1) | is_beyond(2)
 }

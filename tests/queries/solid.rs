@@ -35,10 +35,13 @@ fn sign_of_determinant(o: &Point, p: &Point, q: &Point, [r, s]: [&Point; 2]) -> 
     let rough: [Point; 3] = [[p, o], [q, o], [r, s]].map(|[p, o]| core::array::from_fn(|i| p[i] - o[i]));
     let terms = |f: fn(f64) -> f64| {
         let [u, v, w] = rough.map(|v| v.map(f));
-        (w, core::array::from_fn::<[f64; 2], 3, _>(|i| {
-            let (j, k) = ((i + 1) % 3, (i + 2) % 3);
-            [u[j] * v[k], u[k] * v[j]]
-        }))
+        (
+            w,
+            core::array::from_fn::<[f64; 2], 3, _>(|i| {
+                let (j, k) = ((i + 1) % 3, (i + 2) % 3);
+                [u[j] * v[k], u[k] * v[j]]
+            }),
+        )
     };
     let (w, minors) = terms(core::convert::identity);
     let determinant: f64 = (0..3).map(|i| w[i] * (minors[i][0] - minors[i][1])).sum();
@@ -206,6 +209,7 @@ fn solids() -> Vec<Body> {
         Body::new(&[shell(-8.0, 8.0, false)]),
         Body::new(&[shell(-8.0, 8.0, true)]),
         Body::new(&[squares([-8.0; 3], 4, false)]),
+        Body::new(&[scaled(&squares([-8.0; 3], 4, false), 0.5, [0.0; 3])]),
         Body::new(&[torn(&octahedron(9.0, [0.0, 1.0, 0.0]))]),
         Body::new(&[ring]),
         // A cavity, and in it a solid.
@@ -268,7 +272,14 @@ struct Seen {
 
 /// Which parts are inside of a solid.
 fn parts_inside(corners: &[Point], solid: &[Triangle], rng: &mut Rng, seen: &mut Seen) -> Vec<bool> {
-    let is_tie = |p: &Point, t: &Triangle| t.iter().any(|q| q[0] > p[0] && q[1] == p[1] && q[2] == p[2]);
+    // An edge or a corner ahead, as far as `f64` can tell.
+    let is_tie = |p: &Point, t: &Triangle| {
+        let [a, b, c] = t.map(|q| [q[0] - p[0], q[1] - p[1], q[2] - p[2]]);
+        [[a, b], [b, c], [c, a]].iter().any(|[u, v]| {
+            let along = u[1] * v[1] + u[2] * v[2];
+            u[0].max(v[0]) > 0.0 && u[1] * v[2] == u[2] * v[1] && along <= 0.0
+        })
+    };
     seen.ties += usize::from(corners.iter().any(|p| solid.iter().any(|t| is_tie(p, t))));
     corners.iter().map(|p| winding(p, solid, rng) != 0).collect()
 }
@@ -373,10 +384,19 @@ fn check_distances<N: Lanes>(
 }
 
 /// A turn about the grid's axes, or any, and a shift along the grid, or any.
-fn placement(rng: &mut Rng, reach: i64, scale: f64, shift: Point) -> Pose {
-    let turn = rotation(rng);
-    let is_on_grid = rng.below(3) > 0;
-    let mut along = || if is_on_grid { rng.int(-2 * reach, 2 * reach) as f64 * 0.5 } else { rng.range(-1.0, 1.0) * reach as f64 };
+fn placement(rng: &mut Rng, reach: f64, scale: f64, shift: Point) -> Pose {
+    let (is_on_grid, is_along_axes) = (rng.below(3) > 0, rng.below(2) > 0);
+    let turn = loop {
+        let turn = rotation(rng);
+        if !is_along_axes || turn.as_flattened().iter().all(|x| x.fract() == 0.0) {
+            break turn;
+        }
+    };
+    let step = *rng.pick(&[0.5, 2.0]);
+    let mut along = || {
+        let x = rng.range(-1.0, 1.0) * reach;
+        if is_on_grid { (x / step).round() * step } else { x }
+    };
     // The bodies are at `shift`, both of them, which the turn must not move.
     let t = core::array::from_fn(|i| {
         let turned: f64 = (0..3).map(|j| turn[i][j] * shift[j]).sum();
@@ -401,7 +421,7 @@ fn random_placements<N: Lanes>(seed: u64, count: usize) {
         let other = other.scaled(scale * [1.0, 0.5, 1.0 / 3.0][rng.below(3) as usize], shift);
         let (one, other) = (Baked::<N>::new(&one, builder), Baked::<N>::new(&other, builder));
         for _ in 0..100.min(count) {
-            let pose = placement(&mut rng, 9, scale, shift);
+            let pose = placement(&mut rng, 9.0, scale, shift);
             if rng.below(2) == 0 {
                 check(&one, &other, &pose, &mut rng, &mut seen);
             } else {
@@ -411,8 +431,8 @@ fn random_placements<N: Lanes>(seed: u64, count: usize) {
     }
     println!("{seen:?}");
     if count > 1000 {
-        for kind in [seen.apart, seen.touching, seen.inside, seen.ties] {
-            assert!(kind > count / 50, "{seen:?}");
+        for kind in [seen.apart, seen.touching, seen.inside, 10 * seen.ties] {
+            assert!(kind > count / 10, "{seen:?}");
         }
     }
 }
@@ -455,7 +475,7 @@ fn spheres_in_a_solid_are_hits() {
         assert!(!tree.view().is_solid() && tree.view().parts().eq(0..count as u32));
         let body = rng.pick(&solids);
         let Some(solid) = &body.solid else { panic!("all of them are closed") };
-        let pose = placement(&mut rng, 3, 1.0, [0.0; 3]);
+        let pose = placement(&mut rng, 3.0, 1.0, [0.0; 3]);
         let is_first = rng.below(2) == 0;
         let ask = |query: &Query, mesh: &Bvh<Node16<18>>| {
             if is_first { query.collide(&tree, mesh, &pose) } else { query.collide(mesh, &tree, &pose) }
@@ -488,7 +508,10 @@ fn spheres_in_a_solid_are_hits() {
             }
         }
     }
-    assert!(rounds < 500 || [seen.apart, seen.touching, seen.inside].iter().all(|&n| n > rounds / 20), "{seen:?}");
+    assert!(
+        rounds < 500 || [seen.apart, seen.touching, seen.inside].iter().all(|&n| n > rounds / 20),
+        "{seen:?}"
+    );
 }
 
 /// The pair that is named is of the lowest index in what was built, whatever the tree.
@@ -507,10 +530,14 @@ fn the_crossed_triangle_of_the_lowest_index_is_named() {
             // At x = 4 and at x = 8.
             let is_crossed = |t: &[u32; 3]| {
                 let [a, b, c] = t.map(|v| mesh.vertices[v as usize]);
-                let side = |p: Point, q: Point| {
-                    (q[1] - p[1]) * (2.0 - p[2]) - (q[2] - p[2]) * (1.0 - p[1]) > 0.0
-                };
-                [4.0, 8.0].contains(&a[0]) && a[0] == b[0] && a[0] == c[0] && side(a, b) && side(b, c) && side(c, a)
+                let side =
+                    |p: Point, q: Point| (q[1] - p[1]) * (2.0 - p[2]) - (q[2] - p[2]) * (1.0 - p[1]) > 0.0;
+                [4.0, 8.0].contains(&a[0])
+                    && a[0] == b[0]
+                    && a[0] == c[0]
+                    && side(a, b)
+                    && side(b, c)
+                    && side(c, a)
             };
             let want = mesh.triangles.iter().position(is_crossed).unwrap() as u32;
             let query = Query::new(Isa::detect());
@@ -545,7 +572,9 @@ fn open_meshes_are_refused_where_they_are_open() {
                 let (most, least) = (forward.max(backward), forward.min(backward));
                 assert_eq!([most, least], counts);
                 let text = error.to_string();
-                assert!(text.contains("open") && text.contains(&format!("vertices {} and {}", edge[0], edge[1])));
+                assert!(
+                    text.contains("open") && text.contains(&format!("vertices {} and {}", edge[0], edge[1]))
+                );
             }
             assert!(Builder::new().build::<Node16<18>>(&mesh_of(mesh)).is_ok(), "surfaces may be open");
         }
@@ -576,7 +605,8 @@ fn every_tree_knows_its_parts() {
             assert!(again.view().parts().eq(parts) && again.as_bytes() == tree.as_bytes());
         }
         if is_closed(body) {
-            let [solid, surface] = [Builder::new().solid(), Builder::new()].map(|b| body.build::<Node16<18>>(b));
+            let [solid, surface] =
+                [Builder::new().solid(), Builder::new()].map(|b| body.build::<Node16<18>>(b));
             assert!(solid.view().is_solid() && solid.view().header().is_solid == 1);
             let at = offset_of!(Header, is_solid);
             let mut bytes = solid.as_bytes().to_vec();
@@ -591,11 +621,11 @@ fn every_tree_knows_its_parts() {
 fn solids_from_outside_are_safe() {
     let mut rng = Rng::new(7);
     let cube = cuboid([-1.0; 3], [1.0; 3], false);
-    let parts: Vec<MeshData> =
-        (0..5).map(|i| scaled(&cube, 1.0, [4.0 * f64::from(i), 0.0, 0.0])).collect();
+    let parts: Vec<MeshData> = (0..5).map(|i| scaled(&cube, 1.0, [4.0 * f64::from(i), 0.0, 0.0])).collect();
     let tree: Bvh<Node16<18>> = Body::new(&parts).build(Builder::new().solid());
     let other: Bvh<Node16<18>> =
-        Body::new(&[octahedron(0.25, [0.25; 3]), octahedron(0.25, [4.25, 0.0, 0.0])]).build(Builder::new().solid());
+        Body::new(&[octahedron(0.25, [0.25; 3]), octahedron(0.25, [4.25, 0.0, 0.0])])
+            .build(Builder::new().solid());
     let header = *tree.view().header();
     let bytes = tree.as_bytes();
     let section = (bytes.len() - 64..bytes.len()).rev().find(|&i| bytes[i] != 0).unwrap() / 4 * 4 - 16;
