@@ -14,10 +14,11 @@
 //! [`WayBack::outwards`] of a point of A: the table there holds for the points between moved corners as well, as these are
 //! between the corners that were moved, and rounded.
 //!
-//! **Outside.** Most points are beyond the solid's box of half widths h, which is told before anything else is computed. For B by
-//! `p - c`. For A by `M^T (p - q)`, with q where the pose puts the centre c: a point of A as moved is at most `skew R` and
-//! the roundings of the table farther from the centre than the point of A that it comes from, and no accepted matrix has
-//! a skew above 3.01e-4, so the box is widened by `2^-11 R`.
+//! **Outside.** Most points are beyond the ball of radius R about the centre, or the box of half widths h, which is told before
+//! anything else is computed. For B by `p - c`. For A by `p - q` and `M^T (p - q)`, with q where the pose puts the centre
+//! c: a point of A as moved is at most `skew R` and the roundings of the table farther from the centre than the point of A that
+//! it comes from, and no accepted matrix has a skew above 3.01e-4, so ball and box are widened by `2^-11 R` and
+//! twice `2^-46 X`.
 //!
 //! **The length.** |u| is at least 1 - 1e-4. Where p is not outside, both ends of the way from w to a point of the solid are in
 //! its box, padded by o and by `2^-11 R`, so the sum of the way's magnitudes is below `2.01 (sum h + 2^-9 R + 3 o)`, and
@@ -110,22 +111,34 @@ impl Ray {
     }
 }
 
-/// Whether a point is certainly beyond the box of a solid.
+/// Whether a point is certainly beyond the ball about the centre of a solid, or beyond its box.
 #[inline(always)]
 fn is_outside(origin: &Point, solid: &Header, placed: Option<(&Pose, &Header)>) -> bool {
     let (extent, c) = (solid.extent(), solid.centre);
+    let beyond = |way: &Point, reach: f64| {
+        (way[0] * way[0] + way[1] * way[1]) + way[2] * way[2] > (reach * reach) * GROWN
+    };
     let (way, slack) = match placed {
-        None => ([origin[0] - c[0], origin[1] - c[1], origin[2] - c[2]], 0.0),
+        None => {
+            let way = [origin[0] - c[0], origin[1] - c[1], origin[2] - c[2]];
+            if beyond(&way, extent.radius) {
+                return true;
+            }
+            (way, 0.0)
+        }
         Some((pose, b)) => {
             let (m, s, o) = (pose.rows(), shift(pose, &extent, &b.extent().frame), b.centre);
             let d = [(origin[0] - o[0]) - s[0], (origin[1] - o[1]) - s[1], (origin[2] - o[2]) - s[2]];
-            let along = |i: usize| (m[0][i] * d[0] + m[1][i] * d[1]) + m[2][i] * d[2];
             let coordinates = coordinates(pose, &extent, &b.extent().frame) + greatest(origin);
             let slack = SKEW * extent.radius + 2.0 * (F64_SLACK * coordinates + MIN_COORDINATE);
+            if beyond(&d, extent.radius + slack) {
+                return true;
+            }
+            let along = |i: usize| (m[0][i] * d[0] + m[1][i] * d[1]) + m[2][i] * d[2];
             ([along(0), along(1), along(2)], slack)
         }
     };
     let (inverse, widths) = (power_of_two(-solid.exponent), &solid.half_width);
-    let is_beyond = |i: usize| way[i].abs() > (f64::from(widths[i]) * inverse + slack) * GROWN;
-    is_beyond(0) | is_beyond(1) | is_beyond(2)
+    let is_wide = |i: usize| way[i].abs() > (f64::from(widths[i]) * inverse + slack) * GROWN;
+    is_wide(0) | is_wide(1) | is_wide(2)
 }
