@@ -1,6 +1,6 @@
 //! How far apart: within a margin or not, and the distance itself.
 
-use super::inside::Place;
+use super::inside::Containment;
 use super::nearest::{Goal, Outcome, search};
 use super::placing::Within;
 use super::reject::are_apart;
@@ -250,8 +250,8 @@ impl Query {
         }
         let mut counters = surfaces.counters;
         match self.place(a, b, pose, &mut counters) {
-            Place::Outside => Distance { counters, ..surfaces },
-            Place::Inside { found, point } => Distance {
+            Containment::Outside => Distance { counters, ..surfaces },
+            Containment::Inside { found, point } => Distance {
                 lower: 0.0,
                 upper: 0.0,
                 witness: Some(Witness { pair: found.pair(a, b), a: point, b: point }),
@@ -259,7 +259,7 @@ impl Query {
                 counters,
                 hint: surfaces.hint,
             },
-            Place::OutOfBudget { .. } => {
+            Containment::OutOfBudget { .. } => {
                 Distance { lower: 0.0, completion: Completion::OutOfBudget, counters, ..surfaces }
             }
         }

@@ -23,7 +23,7 @@ use crate::realign::Ray;
 
 /// Where bodies are whose primitives do not meet.
 #[derive(Copy, Clone, Debug)]
-pub(super) enum Place {
+pub(super) enum Containment {
     /// Each is outside of the other.
     Outside,
     /// A part of one is inside of the other, which is solid: the primitives are one of the part, and the one with the
@@ -49,7 +49,7 @@ struct Inner {
 
 /// A node on the way down, and its children that are still to be looked at.
 #[derive(Copy, Clone)]
-struct Opened {
+struct Descended {
     node: u32,
     lanes: u16,
 }
@@ -66,7 +66,7 @@ impl Query {
         b: &BvhRef<'_, N, Q>,
         pose: &Pose,
         counters: &mut Counters,
-    ) -> Place {
+    ) -> Containment {
         let mut find = || {
             if b.is_solid()
                 && let Some(Inner { part, crossed, point }) =
@@ -83,9 +83,9 @@ impl Query {
             Ok(None)
         };
         match find() {
-            Ok(None) => Place::Outside,
-            Ok(Some((found, point))) => Place::Inside { found, point },
-            Err(upper) => Place::OutOfBudget { upper },
+            Ok(None) => Containment::Outside,
+            Ok(Some((found, point))) => Containment::Inside { found, point },
+            Err(upper) => Containment::OutOfBudget { upper },
         }
     }
 
@@ -140,7 +140,7 @@ fn around_on<N: Lanes, P: Primitive, E: Kernel>(
             N::aim_ray(&mut turned, &solid.tree.frame(), ray);
             let mut winding = 0_i64;
             let mut lowest: Option<u32> = None;
-            let mut path = [Opened { node: 0, lanes: 0 }; MAX_DEPTH];
+            let mut path = [Descended { node: 0, lanes: 0 }; MAX_DEPTH];
             let mut level = 0;
             let mut next = (!solid.tree.is_empty()).then_some(0);
             loop {
@@ -152,11 +152,11 @@ fn around_on<N: Lanes, P: Primitive, E: Kernel>(
                     counters.visits += 1;
                     let (rows, kernels) = solid.tree.nodes()[node as usize].overlap_rows(kernel, &turned, 1);
                     counters.kernels += kernels;
-                    path[level] = Opened { node, lanes: rows.rows[0] };
+                    path[level] = Descended { node, lanes: rows.rows[0] };
                     level += 1;
                 }
                 let Some(above) = level.checked_sub(1) else { break };
-                let Opened { node, lanes } = &mut path[above];
+                let Descended { node, lanes } = &mut path[above];
                 if *lanes == 0 {
                     level = above;
                     continue;

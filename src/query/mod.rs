@@ -77,7 +77,7 @@ use crate::pose::Pose;
 use crate::primitive::Primitive;
 use core::ops::ControlFlow;
 use hint::Found;
-use inside::Place;
+use inside::Containment;
 use placing::{Margin, Touching};
 use reject::are_apart;
 use traverse::Stop;
@@ -264,9 +264,9 @@ impl Query {
             Verdict::Hit(_) => {}
             Verdict::Unknown { lower, .. } => *lower = 0.0,
             verdict @ Verdict::Free => match self.place(a, b, pose, &mut answer.counters) {
-                Place::Outside => {}
-                Place::Inside { found, .. } => *verdict = Verdict::Hit(found.pair(a, b)),
-                Place::OutOfBudget { upper } => *verdict = Verdict::Unknown { lower: 0.0, upper },
+                Containment::Outside => {}
+                Containment::Inside { found, .. } => *verdict = Verdict::Hit(found.pair(a, b)),
+                Containment::OutOfBudget { upper } => *verdict = Verdict::Unknown { lower: 0.0, upper },
             },
         }
         answer
