@@ -83,10 +83,13 @@
 //! margin if there is one, costs some fifteen nanoseconds and no visit. For the nearest of many bodies there is
 //! [`query::Query::distance_up_to`].
 //!
-//! **Surface or solid.** Every body is a surface: its triangles, whether or not they close. A body that is
-//! wholly inside another without touching it is `Free`. Where something could get inside without having been
-//! seen to touch, as between two samples of a motion, add inner triangles to the larger body, for example its
-//! planes of symmetry, so that nothing that matters fits between them. Spheres are solid.
+//! **Surface or solid** is said when a body is built. A surface is its triangles, whether or not they close: a body that is
+//! wholly inside of it without touching it is `Free`. A mesh that closes may be [solid](construct::Builder::solid): then that
+//! body is a hit, its distance is 0, and so it is for each part of a body of several, parts being what does not hang together
+//! at vertices. Where something could get inside without having been seen to touch, as between two samples of a motion, bodies
+//! should be solid. Inside is where the surface winds around a point, so that parts that overlap are one solid, and a
+//! shell of the other orientation is a cavity. It is asked only where no triangles meet, and by exact signs as all else is.
+//! Spheres are solid.
 //!
 //! **What `Unknown` means.** A query without a budget always ends with `Hit` or `Free`. One with a budget
 //! ([`query::Query::with_budget`]) may end with [`query::Verdict::Unknown`]: it stopped before it knew, and

@@ -38,10 +38,12 @@
 mod back;
 mod ball;
 mod own_slab;
+mod ray;
 
 pub use back::WayBack;
 pub(crate) use ball::BallMap;
 pub use own_slab::{OwnSlab, OwnSlabs, own_slabs};
+pub(crate) use ray::Ray;
 
 use crate::directions::{Directions, greater};
 use crate::exact::{power_of_two, round_up_f32};

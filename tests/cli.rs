@@ -491,6 +491,39 @@ fn info_describes_a_tree_and_proves_it() {
 }
 
 /// A path for each triangle; as many hues as the root has children; and no tree unless one is asked for.
+/// A solid is hit by what is inside of it, and stays one when its tree is built again; an open mesh is none.
+#[test]
+fn a_closed_mesh_may_be_built_as_a_solid() {
+    let folder = Folder::new("solid");
+    let mesh = tetrahedron();
+    let mut small = mesh.clone();
+    small.vertices.iter_mut().flatten().for_each(|x| *x = 0.125 * *x + 0.125);
+    folder.write("a.off", off(&mesh));
+    folder.write("small.off", off(&small));
+    let none = (0, String::new());
+    assert_eq!(folder.fate(&["build", "a.off", "-o", "surface.tree"]), none);
+    assert_eq!(folder.fate(&["build", "a.off", "--solid", "-o", "solid.tree"]), none);
+    assert_eq!(folder.fate(&["build", "solid.tree", "-k", "14", "-o", "again.tree"]), none);
+    for (tree, is_solid) in [("surface.tree", false), ("solid.tree", true), ("again.tree", true)] {
+        let info = folder.json(&["info", tree]);
+        assert_eq!((&info["solid"], &info["parts"]), (&is_solid.into(), &1.into()), "{tree}");
+    }
+    let pose = ["--pose", "1 0 0 0  0 1 0 0  0 0 1 0"];
+    let collide = |b: &str, options: &[&str]| {
+        folder.run(&[&["collide", "small.off", b], &pose[..], options].concat()).status.code().unwrap()
+    };
+    assert_eq!((collide("surface.tree", &[]), collide("solid.tree", &[])), (0, 1));
+    assert_eq!((collide("a.off", &[]), collide("a.off", &["--solid"])), (0, 1));
+
+    let mut open = mesh;
+    open.triangles.pop();
+    folder.write("open.off", off(&open));
+    let (code, message) = folder.fate(&["build", "open.off", "--solid", "-o", "open.tree"]);
+    let start = "simdop: open.off: the mesh is open, or not oriented alike, at the edge of vertices ";
+    assert!(code == 2 && message.starts_with(start), "{message}");
+    assert!(!folder.0.join("open.tree").exists());
+}
+
 #[test]
 fn build_paints_the_first_level() {
     let folder = Folder::new("picture");

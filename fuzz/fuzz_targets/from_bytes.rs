@@ -79,6 +79,8 @@ fn queries_agree<N: Lanes>(view: &BvhRef<'_, N>, input: &mut Input) {
     let query = |isa| Query::new(isa).with_budget(300);
     let answer = query(Isa::SCALAR).collide(a, b, &pose);
     match answer.verdict {
+        // What bytes say is solid need not be: a ray may find anything.
+        Verdict::Hit(_) if a.is_solid() || b.is_solid() => {}
         Verdict::Hit(pair) => {
             assert!(is_hit(a, b, &moved, &still, (pair.a, pair.b)), "a false hit: {pair:?}")
         }

@@ -73,6 +73,7 @@ pub struct Parts {
     pub vertices: usize,
     pub records: usize,
     pub sources: usize,
+    pub parts: usize,
     pub end: usize,
 }
 
@@ -85,8 +86,9 @@ impl Parts {
         let start = slabs + if header.has_thin_slabs == 1 { nodes * N::ARITY * 8 } else { 0 };
         let records = start + vertices * usize::from(header.vertex_size);
         let sources = records + primitives * size_of::<P::Record>();
-        let end = (sources + primitives * 4).next_multiple_of(64);
-        Self { balls, slabs, vertices: start, records, sources, end }
+        let parts = sources + primitives * 4;
+        let end = (parts + header.part_count as usize * 4).next_multiple_of(64);
+        Self { balls, slabs, vertices: start, records, sources, parts, end }
     }
 }
 
@@ -114,6 +116,11 @@ fn is_true<N: Lanes, P: Primitive>(error: BakeError, bytes: &[u8]) -> bool {
         BakeError::Source { index } => {
             let header: &Header = Header::read(bytes).unwrap();
             field(Parts::of::<N, P>(header).sources + 4 * index as usize) >= header.primitive_count
+        }
+        BakeError::Part { index } => {
+            let header: &Header = Header::read(bytes).unwrap();
+            let part = |index: u32| field(Parts::of::<N, P>(header).parts + 4 * index as usize);
+            part(index) >= header.primitive_count || index > 0 && part(index) <= part(index - 1)
         }
         BakeError::Header { field } => !field.is_empty(),
         _ => false,
@@ -169,6 +176,11 @@ fn is_what_the_bytes_say<N: Lanes, P: Primitive>(view: &BvhRef<'_, N, P>, bytes:
     for i in 0..view.len() {
         assert_eq!(view.source(i as u32), u32_at(bytes, parts.sources + 4 * i));
     }
+    if header.part_count > 0 {
+        let said = (0..header.part_count as usize).map(|i| u32_at(bytes, parts.parts + 4 * i));
+        assert!(view.parts().eq(said) && view.parts().is_sorted());
+    }
+    assert!(view.parts().all(|part| part < header.primitive_count));
 }
 
 /// Number `i` of a vertex, in either precision.

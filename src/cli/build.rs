@@ -27,17 +27,22 @@ pub(super) fn run(options: &Options) -> Result<(), Error> {
     let format = options.picture.as_deref().map(Format::of).transpose()?;
     let targets = [("--output", options.output.as_deref()), ("--picture", options.picture.as_deref())];
     output::check_targets(Some(&options.mesh), targets)?;
+    let mut tree_options = options.tree.clone();
     let (mesh, given) = match body::read(&options.mesh, &options.tree, false)? {
         Source::Mesh(mesh) => (mesh, None),
         Source::Tree(_) if options.tree.allow_empty => {
             let name = options.mesh.display();
             return Err(Error::idle("--allow-empty", &name));
         }
-        Source::Tree(tree) => (body::mesh_of(&tree), Some(body::Shape::of(&tree))),
+        Source::Tree(tree) => {
+            // A solid stays one.
+            tree_options.solid |= tree.view().header().is_solid != 0;
+            (body::mesh_of(&tree), Some(body::Shape::of(&tree)))
+        }
     };
     let name = options.mesh.display().to_string();
     let shape = body::shape(&options.tree, given);
-    let body = body::build(name, &mesh, &options.tree, shape, false)?;
+    let body = body::build(name, &mesh, &tree_options, shape, false)?;
     let picture = format.map(|format| {
         let title = format!("{}, {:?}, arity {}", body.name, options.tree.splitter(), shape.arity);
         picture::paint(&body.tree, &title, format)

@@ -29,6 +29,8 @@ struct Report {
     depth: usize,
     triangles: usize,
     degenerate_triangles: u32,
+    solid: bool,
+    parts: u32,
     vertices: u32,
     vertex_format: &'static str,
     nodes: usize,
@@ -79,6 +81,8 @@ pub(super) fn run(options: &Options) -> Result<(), Error> {
         depth: stats.depth,
         triangles: stats.primitives,
         degenerate_triangles: header.degenerate_count,
+        solid: header.is_solid != 0,
+        parts: stats.parts as u32,
         vertices: header.vertex_count,
         vertex_format: body::vertex_format(header),
         nodes: stats.nodes,
@@ -107,6 +111,8 @@ fn print(report: &Report, json: bool) -> std::io::Result<()> {
     let Report { k, arity, leaf_size, depth, triangles, vertices, nodes, .. } = report;
     writeln!(out, "k {k}, arity {arity}, leaf size {leaf_size}, depth {depth}")?;
     writeln!(out, "triangles           {triangles:>12}   without area {}", report.degenerate_triangles)?;
+    let is = if report.solid { "of a solid" } else { "of a surface" };
+    writeln!(out, "parts               {:>12}   {is}", report.parts)?;
     writeln!(out, "vertices            {vertices:>12}   stored as {}", report.vertex_format)?;
     writeln!(out, "nodes               {nodes:>12}")?;
     writeln!(out, "lanes used per node {:>12.2}   of {arity}", report.lanes_used_per_node)?;

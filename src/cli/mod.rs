@@ -81,6 +81,9 @@ struct TreeOptions {
     /// Leave out the thin slabs: 8 bytes a child fewer, and more visits of smooth meshes that nearly touch.
     #[arg(long)]
     without_thin_slabs: bool,
+    /// The mesh bounds a solid: what is wholly inside of it is a hit. It must be closed.
+    #[arg(long)]
+    solid: bool,
     /// Take a mesh file without a triangle for an empty body, which meets nothing. Without this it is an
     /// error.
     #[arg(long)]
@@ -104,6 +107,7 @@ impl TreeOptions {
             ("--leaf-size", self.leaf_size.is_some()),
             ("--splitter", self.splitter.is_some()),
             ("--without-thin-slabs", self.without_thin_slabs),
+            ("--solid", self.solid),
             ("--allow-empty", self.allow_empty),
         ];
         given.iter().find(|(_, is_given)| *is_given).map(|(option, _)| *option)

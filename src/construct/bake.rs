@@ -2,6 +2,7 @@
 
 use super::balls::balls;
 use super::geometry::{Checked, Record, bounding_box, corners_of};
+use super::parts::parts;
 use super::shape::{InOrder, Shape};
 use super::thin::thin_slabs;
 use super::wrap::wrap;
@@ -18,7 +19,7 @@ use alloc::vec::Vec;
 pub(super) fn bake<N: Dop, G: Geometry>(
     table: &Checked<'_, G::Primitive>,
     assignment: &Assignment,
-    Builder { leaf_size, has_thin_slabs, has_balls, .. }: Builder,
+    Builder { leaf_size, has_thin_slabs, has_balls, is_solid, .. }: Builder,
 ) -> Result<Bvh<N, G::Primitive>, BuildError> {
     let shape: Shape<N> = Shape::new(assignment, leaf_size);
     if shape.depth > MAX_DEPTH {
@@ -55,6 +56,12 @@ pub(super) fn bake<N: Dop, G: Geometry>(
     } else {
         Vec::new()
     };
+    // Each sphere is one.
+    let parts = if G::Primitive::HAS_BALLS {
+        Vec::new()
+    } else {
+        parts(&records, vertices.len(), || vertices.iter().map(|v| G::Primitive::ball(v).centre).collect())
+    };
     let mut corners = Vec::new();
     let mut is_degenerate = |record: &&Record<G>| {
         let radius = corners_of::<G::Primitive>(&vertices, record, &mut corners);
@@ -89,7 +96,9 @@ pub(super) fn bake<N: Dop, G: Geometry>(
         },
         has_thin_slabs: (has_thin_slabs && (thin_slabs.len() == nodes.len() * N::ARITY)).into(),
         has_balls: (!balls.is_empty()).into(),
-        reserved: [0; 7],
+        is_solid: (is_solid && G::Primitive::BOUNDS_SOLIDS).into(),
+        part_count: parts.len() as u32,
+        reserved: [0; 4],
     };
     let vertex_bytes: &[u8] = match &single {
         Some(single) => bytemuck::cast_slice(single),
@@ -104,6 +113,7 @@ pub(super) fn bake<N: Dop, G: Geometry>(
         (8, vertex_bytes),
         (4, bytemuck::cast_slice(&records)),
         (4, bytemuck::cast_slice(&shape.sources)),
+        (4, bytemuck::cast_slice(&parts)),
     ]))
 }
 

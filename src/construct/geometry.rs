@@ -1,6 +1,7 @@
 //! What can be built: primitives over a table of vertices.
 
 use super::BuildError;
+use super::closed::{OpenEdge, check_edges};
 use crate::frame::scale_to_one;
 use crate::node::Child;
 #[cfg(doc)]
@@ -142,6 +143,19 @@ impl<'a, P: Primitive<Record: AsRef<[u32]>>> Checked<'a, P> {
         Ok(Self { vertices: vertices.iter().map(|v| P::map(v, flush)).collect(), primitives })
     }
 
+    /// Whether triangles close.
+    pub(super) fn check_closed(&self) -> Result<(), BuildError> {
+        // The corners of a triangle, as of all primitives that bound solids.
+        let triangles = self.primitives.iter().filter_map(|record| record.as_ref().try_into().ok());
+        check_edges(&self.places(), triangles).map_err(|OpenEdge { edge, corners, forward, backward }| {
+            BuildError::Open { edge, corners, forward, backward }
+        })
+    }
+
+    fn places(&self) -> Vec<Point> {
+        self.vertices.iter().map(|vertex| P::ball(vertex).centre).collect()
+    }
+
     /// The box of each primitive.
     pub(super) fn boxes(&self) -> impl Iterator<Item = (Point, Point)> {
         self.primitives.iter().map(|record| bounding_box(balls::<P>(&self.vertices, record)))
@@ -168,7 +182,7 @@ impl<'a, P: Primitive<Record: AsRef<[u32]>>> Checked<'a, P> {
 }
 
 /// Whether vertices are in the range, and not too many.
-pub(crate) fn check_vertices<P: Primitive>(vertices: &[P::Double]) -> Result<(), BuildError> {
+pub(super) fn check_vertices<P: Primitive>(vertices: &[P::Double]) -> Result<(), BuildError> {
     if u32::try_from(vertices.len()).is_err() {
         return Err(BuildError::TooLarge { count: vertices.len() });
     }
@@ -186,7 +200,7 @@ pub(crate) fn check_vertices<P: Primitive>(vertices: &[P::Double]) -> Result<(),
 }
 
 /// Whether records are not too many, and name no vertex but the first `vertices`.
-pub(crate) fn check_records<R: AsRef<[u32]>>(records: &[R], vertices: usize) -> Result<(), BuildError> {
+pub(super) fn check_records<R: AsRef<[u32]>>(records: &[R], vertices: usize) -> Result<(), BuildError> {
     if records.len() > Child::MAX_PRIMITIVES as usize {
         return Err(BuildError::TooLarge { count: records.len() });
     }

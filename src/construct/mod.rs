@@ -9,39 +9,40 @@ mod assignment;
 mod bake;
 mod balls;
 mod below;
+mod closed;
 mod clustering;
 mod cost;
 mod enclosing;
+mod error;
 mod geometry;
 #[cfg(feature = "gpu")]
 pub mod gpu;
 mod levels;
 mod longest_axis;
 mod neural_gas;
+mod parts;
 mod progress;
 mod shape;
 mod thin;
 mod wrap;
 
 pub use assignment::Assignment;
+pub(crate) use closed::{OpenEdge, Unclosed, check_closed};
 #[doc(hidden)]
 pub use clustering::Clustering;
+pub use error::BuildError;
 pub use geometry::{Geometry, Mesh, SphereSet};
-pub(crate) use geometry::{check_records, check_vertices};
 pub use progress::Progress;
 
 use crate::halving::Halving;
 use crate::hierarchy::Bvh;
-#[cfg(doc)]
-use crate::node::Child;
 use crate::node::{Dop, MAX_LEAF_SIZE};
-use crate::primitive::Sphere;
+use crate::primitive::{Primitive, Sphere};
 use alloc::vec::Vec;
 use core::borrow::Borrow;
-use core::fmt;
 use core::ops::ControlFlow;
 use cost::Aabb;
-use geometry::Checked;
+use geometry::{Checked, check_vertices};
 use progress::Observer;
 
 /// How primitives are assigned to the lanes of a node (SIMDop paper, section IV-A).
@@ -89,77 +90,8 @@ pub struct Builder {
     leaf_size: u32,
     has_thin_slabs: bool,
     has_balls: bool,
+    is_solid: bool,
 }
-
-/// Why a mesh, or another geometry, cannot be built.
-#[derive(Copy, Clone, PartialEq, Eq, Debug)]
-#[non_exhaustive]
-pub enum BuildError {
-    /// A leaf holds 1 to 16 primitives.
-    LeafSize {
-        /// The size asked for.
-        asked: u32,
-    },
-    /// More primitives than [`Child::MAX_PRIMITIVES`], or as many vertices as do not fit in 32 bits.
-    TooLarge {
-        /// The number given.
-        count: usize,
-    },
-    /// A coordinate is NaN, infinite, or beyond [`crate::range::MAX_COORDINATE`].
-    Vertex {
-        /// Index of the vertex.
-        index: usize,
-    },
-    /// A radius is negative, NaN or infinite, or a point of the sphere is beyond [`crate::range::MAX_COORDINATE`].
-    Radius {
-        /// Index of the sphere, or of the vertex with this radius.
-        index: usize,
-    },
-    /// No coordinate reaches [`crate::range::MIN_COORDINATE`], and not all are zero: the body would become a point.
-    TooSmall,
-    /// A triangle, or other primitive, names a vertex that there is not.
-    Primitive {
-        /// Index of the primitive.
-        index: usize,
-    },
-    /// No node type has this k and arity.
-    NodeType {
-        /// Planes of a child.
-        k: usize,
-        /// Children of a node.
-        arity: usize,
-    },
-    /// The tree would be deeper than [`crate::hierarchy::MAX_DEPTH`].
-    TooDeep,
-    /// The assignment is not the shape of a tree over the primitives.
-    Assignment {
-        /// What is wrong with it.
-        problem: &'static str,
-    },
-    /// The caller of [`Builder::build_with`] wished to stop.
-    Cancelled,
-}
-
-impl fmt::Display for BuildError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::LeafSize { asked } => write!(f, "leaf size {asked}, must be 1 to {MAX_LEAF_SIZE}"),
-            Self::TooLarge { count } => write!(f, "{count} primitives or vertices are too many"),
-            Self::Vertex { index } => write!(f, "vertex {index} is not finite, or beyond 2^300"),
-            Self::Radius { index } => {
-                write!(f, "the radius of sphere {index} is negative or not finite, or takes it beyond 2^300")
-            }
-            Self::TooSmall => f.write_str("all coordinates are below 2^-250: choose a smaller unit"),
-            Self::Primitive { index } => write!(f, "primitive {index} names a vertex that there is not"),
-            Self::NodeType { k, arity } => write!(f, "there are no nodes of k = {k} and arity {arity}"),
-            Self::TooDeep => f.write_str("the tree would be too deep"),
-            Self::Assignment { problem } => write!(f, "the assignment is no tree: {problem}"),
-            Self::Cancelled => f.write_str("the build was cancelled"),
-        }
-    }
-}
-
-impl core::error::Error for BuildError {}
 
 impl Default for Builder {
     fn default() -> Self {
@@ -177,21 +109,27 @@ impl Builder {
     /// Built soonest: [`Splitter::ExtendedLongestAxis`], one triangle a leaf.
     #[must_use]
     pub const fn fast() -> Self {
-        Self { splitter: Splitter::ExtendedLongestAxis, leaf_size: 1, has_thin_slabs: true, has_balls: true }
+        Self { splitter: Splitter::ExtendedLongestAxis, ..Self::best() }
     }
 
     /// Half the bytes of nodes at about the speed of the best: [`Splitter::MeanWidth`], up to two triangles a
     /// leaf.
     #[must_use]
     pub const fn balanced() -> Self {
-        Self { splitter: Splitter::MeanWidth, leaf_size: 2, has_thin_slabs: true, has_balls: true }
+        Self { leaf_size: 2, ..Self::best() }
     }
 
     /// The fewest visits a query: [`Splitter::MeanWidth`], one triangle a leaf. Some eleven times as long to
     /// build as the fast one.
     #[must_use]
     pub const fn best() -> Self {
-        Self { splitter: Splitter::MeanWidth, leaf_size: 1, has_thin_slabs: true, has_balls: true }
+        Self {
+            splitter: Splitter::MeanWidth,
+            leaf_size: 1,
+            has_thin_slabs: true,
+            has_balls: true,
+            is_solid: false,
+        }
     }
 
     /// Assigns with `splitter`.
@@ -219,6 +157,41 @@ impl Builder {
     #[must_use]
     pub const fn without_balls(self) -> Self {
         Self { has_balls: false, ..self }
+    }
+
+    /// The mesh bounds a solid: a body that is wholly inside of it, without touching its surface, is a hit of
+    /// [`collide`](crate::query::Query::collide) and [`within`](crate::query::Query::within), and its distance is 0.
+    /// Without this a body is a surface, and what is wholly inside of it is free.
+    ///
+    /// Inside is where the surface winds around a point, as often as it may: parts that overlap are one solid, so is
+    /// a shell in a shell of the same orientation, and a shell of the other orientation is a cavity. A mesh that is turned
+    /// inside out is as solid. It must be closed: with corners of the same coordinates joined, as many triangles run
+    /// along each edge in one direction as in the other. An empty mesh is.
+    ///
+    /// Sets of spheres are solid anyway: of them this changes nothing.
+    ///
+    /// ```
+    /// # use simdop::{construct::{Builder, Mesh}, isa::Isa, node::Node16, pose::Pose, query::Query};
+    /// # let vertices = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+    /// # let triangles = [[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]];
+    /// let mesh = Mesh { vertices: &vertices, triangles: &triangles };
+    /// let surface = Builder::new().build::<Node16<18>>(&mesh)?;
+    /// let solid = Builder::new().solid().build::<Node16<18>>(&mesh)?;
+    ///
+    /// let small = vertices.map(|p| p.map(|x| 0.1 * x + 0.1)); // inside
+    /// let small = Builder::new().build::<Node16<18>>(&Mesh { vertices: &small, triangles: &triangles })?;
+    /// let query = Query::new(Isa::detect());
+    /// assert!(query.collide(&small, &surface, &Pose::IDENTITY).is_free());
+    /// assert!(query.collide(&small, &solid, &Pose::IDENTITY).hit().is_some());
+    ///
+    /// let open = Mesh { vertices: &vertices, triangles: &triangles[1..] };
+    /// let error = Builder::new().solid().build::<Node16<18>>(&open).unwrap_err();
+    /// assert!(error.to_string().contains("open"));
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    #[must_use]
+    pub const fn solid(self) -> Self {
+        Self { is_solid: true, ..self }
     }
 
     /// Builds the hierarchy of a mesh. The choice of `N` is the choice of k and arity.
@@ -271,6 +244,9 @@ impl Builder {
             return Err(BuildError::LeafSize { asked: self.leaf_size }.into());
         }
         let table = Checked::new(geometry)?;
+        if self.is_solid && G::Primitive::BOUNDS_SOLIDS {
+            table.check_closed()?;
+        }
         let assignment = assign(&table)?;
         Ok(bake::bake::<N, G>(&table, assignment.borrow(), *self)?)
     }

@@ -67,7 +67,12 @@ pub struct Header {
     pub has_thin_slabs: u16,
     /// 1 if the tree has the balls of its lanes, else 0.
     pub has_balls: u16,
-    pub(crate) reserved: [u16; 7],
+    /// 1 if the triangles bound a solid, 0 if they are a surface; 0 of spheres, each of which is solid.
+    pub is_solid: u16,
+    /// Number of parts of which a primitive each is named at the end of the bytes: parts do not hang together. 0 of a body
+    /// that is one part, which primitive 0 stands for, and of spheres, each of which is a part.
+    pub part_count: u32,
+    pub(crate) reserved: [u16; 4],
 }
 
 const _: () = assert!(size_of::<Header>() == 128 && align_of::<Header>() == 8, "the header has 128 bytes");
@@ -140,6 +145,11 @@ pub enum BakeError {
         /// Index of the primitive in leaf order.
         index: u32,
     },
+    /// What stands for a part is no primitive, or does not come after what stands for the part before.
+    Part {
+        /// Index of the part.
+        index: u32,
+    },
 }
 
 impl fmt::Display for BakeError {
@@ -158,6 +168,9 @@ impl fmt::Display for BakeError {
             Self::Primitive { index } => write!(f, "primitive {index} names a vertex that there is not"),
             Self::Source { index } => {
                 write!(f, "primitive {index} had an index that is not below the number of primitives")
+            }
+            Self::Part { index } => {
+                write!(f, "what stands for part {index} is no primitive, or out of order")
             }
         }
     }

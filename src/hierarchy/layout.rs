@@ -24,6 +24,7 @@ pub(super) struct Layout {
     pub(super) vertices: Part,
     pub(super) records: Part,
     pub(super) sources: Part,
+    pub(super) parts: Part,
     pub(super) vertex_size: u16,
     /// Length of the whole, a multiple of 64.
     pub(super) end: usize,
@@ -78,6 +79,7 @@ impl Layout {
             u32_at(bytes, offset_of!(Header, vertex_count)),
             vertex_size,
             u32_at(bytes, offset_of!(Header, primitive_count)),
+            u32_at(bytes, offset_of!(Header, part_count)),
         ));
         let end = layout.end;
         if bytes.len() < end {
@@ -89,7 +91,7 @@ impl Layout {
         Ok(layout)
     }
 
-    /// Of a tree with so many nodes, thin slabs or not, balls or not, vertices of some size, and primitives.
+    /// Of a tree with so many nodes, thin slabs or not, balls or not, vertices of some size, primitives and parts.
     pub(super) const fn of_counts<N: Node, P: Primitive>(
         nodes: u32,
         has_thin_slabs: u16,
@@ -97,6 +99,7 @@ impl Layout {
         vertices: u32,
         vertex_size: u16,
         primitives: u32,
+        parts: u32,
     ) -> Result<Self, BakeError> {
         let header = Part { start: 0, len: size_of::<Header>() };
         let with_slabs = if has_thin_slabs != 0 { nodes } else { 0 };
@@ -108,8 +111,9 @@ impl Layout {
         let vertices = attempt!(thin_slabs.then(vertices, vertex_size as usize, 8));
         let records = attempt!(vertices.then(primitives, size_of::<P::Record>(), 4));
         let sources = attempt!(records.then(primitives, 4, 4));
-        let end = attempt!(sources.then(0, 0, 64)).start;
-        Ok(Self { nodes, thin_slabs, balls, vertices, records, sources, vertex_size, end })
+        let parts = attempt!(sources.then(parts, 4, 4));
+        let end = attempt!(parts.then(0, 0, 64)).start;
+        Ok(Self { nodes, thin_slabs, balls, vertices, records, sources, parts, vertex_size, end })
     }
 }
 

@@ -2,7 +2,7 @@
 //!
 //! A baked tree is a [`Header`], the nodes in breadth-first order, the balls or the thin slabs of their lanes if it
 //! has them, the vertices, the primitives in the order of the leaves (of a triangle the indices of its corners), and
-//! for each primitive its index in what was built. All little-endian, each part aligned for its type, the whole to 64
+//! for each primitive its index in what was built; of a body of several parts also a primitive in each. All little-endian, each part aligned for its type, the whole to 64
 //! bytes.
 //!
 //! | type | the bytes | for |

@@ -10,6 +10,8 @@ use crate::primitive::Primitive;
 pub struct Stats {
     /// Number of primitives.
     pub primitives: usize,
+    /// Number of parts: primitives of different parts do not hang together. Each sphere is one.
+    pub parts: usize,
     /// Number of nodes.
     pub nodes: usize,
     /// Levels of nodes.
@@ -39,9 +41,11 @@ impl<N: Node, P: Primitive> BvhRef<'_, N, P> {
             h.vertex_count,
             h.vertex_size,
             h.primitive_count,
+            h.part_count,
         );
         Stats {
             primitives: self.len(),
+            parts: self.parts().len(),
             nodes: self.nodes.len(),
             depth: self.header.depth as usize,
             lanes_used: self.nodes.iter().map(used).sum(),

@@ -15,7 +15,8 @@ impl<N: Dop, P: Primitive> BvhRef<'_, N, P> {
     /// * nodes are in breadth-first order, so the links to nodes are 1, 2, 3 .. in the order they are met:
     ///   each node has one parent, none is unreachable, no path returns, and the levels can be counted;
     /// * primitives are in the order of the leaves, so the leaves' ranges follow each other likewise;
-    /// * the index that each primitive had in what was built is below their number;
+    /// * the index that each primitive had in what was built is below their number, and what stands for parts are
+    ///   primitives, ascending;
     /// * each plane of a used lane is a half that can bound something, each plane of an unused one is
     ///   [`Key::EMPTY`]; balls are finite and lie about the body.
     ///
@@ -29,6 +30,13 @@ impl<N: Dop, P: Primitive> BvhRef<'_, N, P> {
         self.validate_store()?;
         if let Some(index) = self.sources.iter().position(|&source| source >= self.header.primitive_count) {
             return Err(BakeError::Source { index: index as u32 });
+        }
+        let mut next = 0;
+        for (index, &part) in (0..).zip(self.parts) {
+            if part < next || part >= self.header.primitive_count {
+                return Err(BakeError::Part { index });
+            }
+            next = part + 1;
         }
         Ok(())
     }
@@ -58,7 +66,12 @@ impl<N: Dop, P: Primitive> BvhRef<'_, N, P> {
             ("root", h.root == Header::root_of(h.half_width)),
             ("has_thin_slabs", h.has_thin_slabs <= 1),
             ("has_balls", h.has_balls == 0 || h.has_balls == 1 && P::HAS_BALLS && N::ARITY == 16),
-            ("reserved", h.reserved == [0; 7]),
+            ("is_solid", h.is_solid == 0 || h.is_solid == 1 && P::BOUNDS_SOLIDS),
+            (
+                "part_count",
+                h.part_count == 0 || !P::HAS_BALLS && (2..=h.primitive_count).contains(&h.part_count),
+            ),
+            ("reserved", h.reserved == [0; 4]),
         ];
         match checks.iter().find(|(_, ok)| !ok) {
             Some((field, _)) => Err(BakeError::Header { field }),

@@ -38,6 +38,9 @@ impl<N: Dop, P: Primitive> BvhRef<'_, N, P> {
     /// primitives with a radius, squares are compared in integers. (Volumes below a lane are added up in `f64`, in the
     /// order in which the packer does.) Cost: primitives x depth x k.
     ///
+    /// That the triangles of a solid close, and which primitives hang together, is what the builder says: it is not proved
+    /// again, and where bytes say it falsely, a body may be taken for one that is inside, or for one that is not.
+    ///
     /// # Errors
     /// [`VerifyError`] names the first plane that is too low.
     pub fn verify(&self) -> Result<(), VerifyError> {

@@ -16,6 +16,8 @@ pub struct BvhRef<'a, N, P: Primitive = Triangles> {
     pub(super) balls: &'a [Ball16],
     pub(super) store: Store<'a, P>,
     pub(super) sources: &'a [u32],
+    /// Those that stand for a part each, of a body of several.
+    pub(super) parts: &'a [u32],
 }
 
 impl<N, P: Primitive> Copy for BvhRef<'_, N, P> {}
@@ -58,6 +60,7 @@ impl<'a, N: Node, P: Primitive> BvhRef<'a, N, P> {
             balls,
             store: Store::read(layout.vertex_size, vertices, records)?,
             sources: bytemuck::try_cast_slice(layout.sources.of(bytes)?).ok()?,
+            parts: bytemuck::try_cast_slice(layout.parts.of(bytes)?).ok()?,
         })
     }
 
@@ -134,6 +137,22 @@ impl<'a, N: Node, P: Primitive> BvhRef<'a, N, P> {
     #[must_use]
     pub const fn is_empty(&self) -> bool {
         self.sources.is_empty()
+    }
+
+    /// Whether the triangles bound a [solid](Header::is_solid).
+    #[inline(always)]
+    #[must_use]
+    pub const fn is_solid(&self) -> bool {
+        P::BOUNDS_SOLIDS && self.header.is_solid != 0
+    }
+
+    /// For each part of the body, of what hangs together at its vertices, a primitive in it: ascending indices in
+    /// leaf order. Of spheres each is a part; an empty body has none.
+    #[must_use]
+    pub fn parts(&self) -> impl ExactSizeIterator<Item = u32> + 'a {
+        let (parts, count) = (self.parts, self.len());
+        let several = if P::HAS_BALLS { count } else { parts.len().max(usize::from(count > 0)) };
+        (0..several).map(move |index| parts.get(index).map_or(index as u32, |part| *part))
     }
 
     /// Primitive `index`, an index in leaf order below [`len`](Self::len), in the body's unit: of a triangle

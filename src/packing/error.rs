@@ -1,6 +1,6 @@
 //! Why a mesh cannot be filled.
 
-use crate::construct::BuildError;
+use crate::construct::{BuildError, OpenEdge};
 use crate::range::Point;
 use core::fmt;
 
@@ -33,14 +33,12 @@ pub enum PackError {
 
 impl fmt::Display for PackError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
+        match *self {
             Self::Empty => f.write_str("there is no triangle, and so nothing to fill"),
             Self::Mesh(error) => error.fmt(f),
-            Self::Open { edge: [a, b], corners: [p, q], forward, backward } => write!(
-                f,
-                "the mesh is open, or not oriented alike, at the edge of vertices {a} and {b}, {p:?} to {q:?}: {forward} \
-                 of its triangles run from {a} to {b}, {backward} back"
-            ),
+            Self::Open { edge, corners, forward, backward } => {
+                OpenEdge { edge, corners, forward, backward }.fmt(f)
+            }
             Self::Flat => f.write_str("the mesh encloses no volume"),
             Self::Cancelled => f.write_str("the packing was cancelled"),
         }

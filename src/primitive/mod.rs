@@ -71,6 +71,10 @@ pub trait Primitive: Copy + fmt::Debug + Send + Sync + 'static {
     /// Whether every primitive is a ball, so that trees have the balls of their lanes: only [`Spheres`].
     const HAS_BALLS: bool = false;
 
+    /// Whether closed sets of these primitives bound solids: only [`Triangles`]. The records of such ones are the indices
+    /// of three corners.
+    const BOUNDS_SOLIDS: bool = false;
+
     /// A vertex in single precision, as stored where that loses nothing.
     type Single: bytemuck::Pod + fmt::Debug + Send + Sync;
     /// A vertex in double precision. Of another size than the other, and a multiple of 8 bytes.
@@ -123,6 +127,16 @@ pub trait Primitive: Copy + fmt::Debug + Send + Sync + 'static {
     #[must_use]
     fn own_directions(_item: &Self::Item) -> [[f64; OWN_DIRECTIONS]; 3] {
         [[0.0; OWN_DIRECTIONS]; 3]
+    }
+
+    /// How the ray from `origin` along the first axis crosses the primitive: 1 where it leaves what primitives like this
+    /// bound, -1 where it enters, and 0 if it does not cross. Of a primitive that [bounds solids](Self::BOUNDS_SOLIDS), and
+    /// then exact, for primitives that share corners as well: of closed ones the sum is how often they wind around the
+    /// origin. `exact` is increased by 1 where more than `f64` was needed.
+    #[inline(always)]
+    #[must_use]
+    fn crossing(_item: &Self::Item, _origin: &Point, _exact: &mut u64) -> i8 {
+        0
     }
 
     /// Whether plane `key` of a tree in `frame` bounds the primitive in `direction`: decided in exact

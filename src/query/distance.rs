@@ -1,5 +1,6 @@
 //! How far apart: within a margin or not, and the distance itself.
 
+use super::inside::Containment;
 use super::nearest::{Goal, Outcome, search};
 use super::placing::Within;
 use super::reject::are_apart;
@@ -27,7 +28,8 @@ impl fmt::Display for ToleranceError {
 
 impl core::error::Error for ToleranceError {}
 
-/// The closest primitives of two bodies, and their closest points.
+/// The closest primitives of two bodies, and their closest points. Of a body inside of a solid one primitive of the part that
+/// is inside and one of the solid's, and twice a corner of the former, which is a point of both bodies.
 #[derive(Copy, Clone, PartialEq, Debug)]
 pub struct Witness {
     /// The primitives.
@@ -48,7 +50,7 @@ pub struct Distance {
     /// Lower bound, in the bodies' unit.
     pub lower: f64,
     /// Upper bound, in the bodies' unit: that of the witness. Zero if and only if the witness's primitives
-    /// meet.
+    /// meet, or one body is inside of the other, which is [solid](crate::construct::Builder::solid).
     pub upper: f64,
     /// Two primitives and points that are `upper` apart. `None`, with an infinite `upper`, if a body is empty or no two
     /// were found that are nearer than the cutoff.
@@ -57,7 +59,8 @@ pub struct Distance {
     pub completion: Completion,
     /// The work.
     pub counters: Counters,
-    /// The witness, for the next query to [try first](Query::with_hint).
+    /// The witness, or of a body inside of a solid the primitives of the two surfaces that are closest, for the next
+    /// query to [try first](Query::with_hint).
     pub hint: Hint,
 }
 
@@ -76,7 +79,8 @@ impl Distance {
 
 impl Query {
     /// Do the bodies come within `margin` (in their unit) of each other? [`Verdict::Hit`] names two
-    /// primitives that do; [`Verdict::Free`] means that the bodies are farther apart than `margin`.
+    /// primitives that do, or, as [`Query::collide`] does, of bodies that are inside of a solid;
+    /// [`Verdict::Free`] means that the bodies are farther apart than `margin`.
     ///
     /// Never falsely free. Exact for margin 0, where this is [`Query::collide`]. For others a pair is a hit
     /// if its distance, known to 2^-90 of the primitives' extent or 2^-50 of the distance, whichever is
@@ -101,28 +105,40 @@ impl Query {
         B::Primitive: Pairwise<A::Primitive>,
     {
         let (a, b, margin) = (a.as_bvh(), b.as_bvh(), checked(margin)?);
+        Ok(self.or_inside(self.near_surfaces(&a, &b, pose, margin), &a, &b, pose))
+    }
+
+    /// [`Query::within`] of the primitives alone.
+    fn near_surfaces<N: Lanes, P: Pairwise<Q>, Q: Pairwise<P>>(
+        &self,
+        a: &BvhRef<'_, N, P>,
+        b: &BvhRef<'_, N, Q>,
+        pose: &Pose,
+        margin: f64,
+    ) -> Answer {
         let smaller = a.header().radius.min(b.header().radius);
         if margin <= SMALL * smaller || a.is_empty() || b.is_empty() {
-            return Ok(self.first_pair(&a, &b, pose, Within(margin)));
+            return self.first_pair(a, b, pose, Within(margin));
         }
         if margin > LARGE * smaller {
             if are_apart(pose, &a.extent(), &b.extent(), margin) {
                 let counters = Counters::default();
-                return Ok(Answer { verdict: Verdict::Free, counters, hint: self.hint });
+                return Answer { verdict: Verdict::Free, counters, hint: self.hint };
             }
-            return Ok(self.first_near(a, b, pose, margin));
+            return self.first_near(*a, *b, pose, margin);
         }
         let few = self.budget.min(FEW);
-        let answer = self.with_budget(few).first_pair(&a, &b, pose, Within(margin));
+        let answer = self.with_budget(few).first_pair(a, b, pose, Within(margin));
         if !matches!(answer.verdict, Verdict::Unknown { .. }) || few == self.budget {
-            return Ok(answer);
+            return answer;
         }
-        let rest = self.with_budget(self.budget - few).first_near(a, b, pose, margin);
-        Ok(Answer { counters: answer.counters.and(&rest.counters), ..rest })
+        let rest = self.with_budget(self.budget - few).first_near(*a, *b, pose, margin);
+        Answer { counters: answer.counters.and(&rest.counters), ..rest }
     }
 
     /// The distance of body `a`, placed by `pose` in the frame of body `b`, from `b`, and where they are
-    /// closest. Zero if and only if they meet; the first common point ends it.
+    /// closest. Zero if and only if they meet, or one is inside of the other, which is
+    /// [solid](crate::construct::Builder::solid); the first common point ends it.
     ///
     /// With `tolerance` t the search ends when it has proved `upper <= (1 + t) lower`, up to rounding: 0.01
     /// is for "roughly how far", and 0 for what `f64` can hold (2^-42 relatively). A budget ends it with
@@ -216,7 +232,37 @@ impl Query {
         let found = best.upper.is_finite().then_some(best.found);
         let witness = found.map(|found| Witness { pair: found.pair(&a, &b), a: p, b: q });
         let hint = found.map_or(self.hint, Hint::new);
-        Ok(Distance { lower: best.lower, upper: best.upper, witness, completion, counters, hint })
+        let found = Distance { lower: best.lower, upper: best.upper, witness, completion, counters, hint };
+        Ok(self.or_none(found, &a, &b, pose))
+    }
+
+    /// The distance of two surfaces, for bodies that may be solid: none where one is inside of the other.
+    #[inline(always)]
+    fn or_none<N: Lanes, P: Primitive, Q: Primitive>(
+        &self,
+        surfaces: Distance,
+        a: &BvhRef<'_, N, P>,
+        b: &BvhRef<'_, N, Q>,
+        pose: &Pose,
+    ) -> Distance {
+        if !(a.is_solid() || b.is_solid()) || surfaces.upper == 0.0 {
+            return surfaces;
+        }
+        let mut counters = surfaces.counters;
+        match self.place(a, b, pose, &mut counters) {
+            Containment::Outside => Distance { counters, ..surfaces },
+            Containment::Inside { found, point } => Distance {
+                lower: 0.0,
+                upper: 0.0,
+                witness: Some(Witness { pair: found.pair(a, b), a: point, b: point }),
+                completion: Completion::Complete,
+                counters,
+                hint: surfaces.hint,
+            },
+            Containment::OutOfBudget { .. } => {
+                Distance { lower: 0.0, completion: Completion::OutOfBudget, counters, ..surfaces }
+            }
+        }
     }
 
     /// [`Query::within`] of bodies that are not empty and small compared with the margin: k-DOPs that are widened by

@@ -13,7 +13,7 @@ use crate::node::{Child, Dop, Link, Node, Node4, Node16};
 use crate::pose::Pose;
 use crate::primitive::Primitive;
 use crate::range::Point;
-use crate::realign::{OwnSlab, OwnSlabs, Realignment, own_slabs, planes_of};
+use crate::realign::{OwnSlab, OwnSlabs, Ray, Realignment, own_slabs, planes_of};
 
 /// A node type that can be queried. Implemented by [`Node16`] and [`Node4`] only.
 pub trait Lanes: Dop {
@@ -48,6 +48,9 @@ pub trait Lanes: Dop {
         items: impl Iterator<Item = P::Item>,
         margin: f64,
     );
+    /// Puts the planes of a ray into lane 0 of `turned`.
+    #[doc(hidden)]
+    fn aim_ray(turned: &mut Self::Turned, frame: &Frame, ray: &Ray);
     /// Puts planes that hold all used lanes of `turned` into lane 0 of `out`.
     #[doc(hidden)]
     fn enclose(turned: &Self::Turned, out: &mut Self::Turned);
@@ -155,6 +158,14 @@ macro_rules! impl_lanes {
                 margin: f64,
             ) {
                 let planes: [Key; K] = planes_of::<P, K>(b, items, margin);
+                for (j, plane) in planes.into_iter().enumerate() {
+                    turned[j ^ 1][0] = !plane.code();
+                }
+            }
+
+            #[inline(always)]
+            fn aim_ray(turned: &mut Self::Turned, frame: &Frame, ray: &Ray) {
+                let planes: [Key; K] = ray.planes(frame);
                 for (j, plane) in planes.into_iter().enumerate() {
                     turned[j ^ 1][0] = !plane.code();
                 }

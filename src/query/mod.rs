@@ -40,6 +40,7 @@ mod far;
 mod frontier;
 mod gaps;
 mod hint;
+mod inside;
 mod lanes;
 mod leaf;
 mod leaves;
@@ -73,8 +74,10 @@ use crate::hierarchy::Header;
 use crate::hierarchy::{AsBvh, BvhRef};
 use crate::isa::Isa;
 use crate::pose::Pose;
+use crate::primitive::Primitive;
 use core::ops::ControlFlow;
 use hint::Found;
+use inside::Containment;
 use placing::{Margin, Touching};
 use reject::are_apart;
 use traverse::Stop;
@@ -100,9 +103,12 @@ pub struct Pair {
 #[must_use = "a query has no other effect than its verdict"]
 #[derive(Copy, Clone, PartialEq, Debug)]
 pub enum Verdict {
-    /// The bodies meet, or come within the margin of each other, and here is where.
+    /// The bodies meet, or come within the margin of each other, and here is where. Or a part of one is inside of the other,
+    /// which is [solid](crate::construct::Builder::solid): here are a primitive of that part and one of the solid's, of
+    /// those that a ray from a corner of the former crosses the one with the lowest index.
     Hit(Pair),
-    /// No primitive of A meets one of B, or comes within the margin of one.
+    /// No primitive of A meets one of B, or comes within the margin of one, and neither body has a part inside of the
+    /// other that is solid.
     Free,
     /// The budget was spent before the answer was known. The distance of the bodies, 0 if they meet, lies in
     /// `lower ..= upper`.
@@ -157,7 +163,8 @@ pub struct Answer {
     pub verdict: Verdict,
     /// The work.
     pub counters: Counters,
-    /// The primitives that met, or else the hint that was given: for the next query to [try first](Query::with_hint).
+    /// The primitives that met, or else the hint that was given, as where a body is inside of a solid: for the next query
+    /// to [try first](Query::with_hint).
     pub hint: Hint,
 }
 
@@ -231,7 +238,9 @@ impl Query {
         Self { hint, ..self }
     }
 
-    /// Does body `a`, placed by `pose` in the frame of body `b`, meet `b`? Touching counts.
+    /// Does body `a`, placed by `pose` in the frame of body `b`, meet `b`? Touching counts, and so does being inside of a
+    /// [solid](crate::construct::Builder::solid) body: then the primitives of the hit are any one of the part that is
+    /// inside, and one of the solid's.
     ///
     /// The verdict is exact for the corners of `a` moved by [`Pose::apply`]. First hit ends it.
     ///
@@ -243,7 +252,33 @@ impl Query {
         A::Primitive: Pairwise<B::Primitive>,
         B::Primitive: Pairwise<A::Primitive>,
     {
-        self.first_pair(&a.as_bvh(), &b.as_bvh(), pose, Touching)
+        let (a, b) = (a.as_bvh(), b.as_bvh());
+        self.or_inside(self.first_pair(&a, &b, pose, Touching), &a, &b, pose)
+    }
+
+    /// The answer of two surfaces, for bodies that may be solid.
+    #[inline(always)]
+    fn or_inside<N: Lanes, P: Primitive, Q: Primitive>(
+        &self,
+        mut answer: Answer,
+        a: &BvhRef<'_, N, P>,
+        b: &BvhRef<'_, N, Q>,
+        pose: &Pose,
+    ) -> Answer {
+        // Far pairs were told apart without a visit.
+        if !(a.is_solid() || b.is_solid()) || answer.counters.visits == 0 {
+            return answer;
+        }
+        match &mut answer.verdict {
+            Verdict::Hit(_) => {}
+            Verdict::Unknown { lower, .. } => *lower = 0.0,
+            verdict @ Verdict::Free => match self.place(a, b, pose, &mut answer.counters) {
+                Containment::Outside => {}
+                Containment::Inside { found, .. } => *verdict = Verdict::Hit(found.pair(a, b)),
+                Containment::OutOfBudget { upper } => *verdict = Verdict::Unknown { lower: 0.0, upper },
+            },
+        }
+        answer
     }
 
     /// The first pair of primitives at most `margin` apart: that of the hint, or the first that the traversal
@@ -284,7 +319,8 @@ impl Query {
         Answer { verdict, counters: work, hint: hit.map_or(self.hint, Hint::new) }
     }
 
-    /// Calls `visit` with every pair of primitives that meet, each once, until it breaks. A hint is not heeded.
+    /// Calls `visit` with every pair of primitives that meet, each once, until it breaks. A hint is not heeded. Of bodies
+    /// that are inside of a solid, and meet none of its triangles, there is no pair.
     pub fn for_each_pair<A: AsBvh, B: AsBvh<Node = A::Node>>(
         &self,
         a: &A,

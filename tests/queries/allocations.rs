@@ -5,6 +5,7 @@
 mod heap;
 
 use crate::each_pair;
+use crate::support::data::MeshData;
 use crate::support::dyadic::half_value;
 use crate::support::shapes;
 use core::ops::ControlFlow;
@@ -71,6 +72,23 @@ fn a_query_never_allocates() {
     queries_stay_off_the_heap::<Node16<18>>();
     queries_stay_off_the_heap::<Node16<32>>();
     queries_stay_off_the_heap::<Node4<14>>();
+}
+
+#[test]
+fn nor_does_one_of_solids() {
+    let cube = shapes::cuboid([-1.0; 3], [1.0; 3], false);
+    let build = |mesh: &MeshData| -> Bvh<Node16<18>> {
+        Builder::new().solid().build(&Mesh { vertices: &mesh.vertices, triangles: &mesh.triangles }).unwrap()
+    };
+    let (large, small) = (build(&shapes::scaled(&cube, 9.0, [0.0; 3])), build(&cube));
+    for query in Isa::available().map(Query::new) {
+        for (a, b) in [(&large, &small), (&small, &large)] {
+            let answer = without_heap("collide", || query.collide(a, b, &pose(1.0)));
+            assert!(answer.hit().is_some());
+            let distance = without_heap("distance", || query.distance(a, b, &pose(1.0), 0.0)).unwrap();
+            assert_eq!(distance.upper, 0.0);
+        }
+    }
 }
 
 #[test]

@@ -40,6 +40,7 @@ mod primitives;
 mod reject;
 mod scene;
 mod sizes;
+mod solid;
 mod solids;
 mod spheres;
 mod stack;

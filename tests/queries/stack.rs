@@ -92,6 +92,33 @@ fn check_trees<N: Lanes, P: Pairwise<Q>, Q: Pairwise<P>>(a: &Bvh<N, P>, b: &Bvh<
     }
 }
 
+/// A solid cube, and a small one in it, whose corners lie on diagonals of its faces as a ray sees them.
+fn check_solids<N: Lanes>() {
+    let (mut vertices, triangles) = cube();
+    let build = |vertices: &[[f64; 3]]| -> Bvh<N> {
+        Builder::new().solid().build(&Mesh { vertices, triangles: &triangles }).unwrap()
+    };
+    let outer = build(&vertices);
+    vertices.iter_mut().flatten().for_each(|x| *x = 0.3 + 0.4 * *x);
+    let inner = build(&vertices);
+    for isa in Isa::available() {
+        let query = Query::new(isa);
+        let exact = in_thread(DECIDING, || {
+            [(&inner, &outer), (&outer, &inner)].map(|(a, b)| {
+                let answer = query.collide(a, b, &Pose::IDENTITY);
+                assert!(answer.hit().is_some(), "{isa}");
+                answer.counters.exact_pairs
+            })
+        });
+        assert!(exact.iter().all(|&exact| exact > 0), "exact arithmetic takes part");
+        in_thread(DISTANCE, || {
+            for (a, b) in [(&inner, &outer), (&outer, &inner)] {
+                assert_eq!(query.distance(a, b, &Pose::IDENTITY, 0.0).unwrap().upper, 0.0, "{isa}");
+            }
+        });
+    }
+}
+
 /// Penetration volumes: with a budget, what waits is on the stack too.
 fn check_penetration<N: Lanes>() {
     let set = SphereSet { spheres: &spheres() };
@@ -115,6 +142,8 @@ fn queries_need_no_more_stack_than_is_documented() {
     check::<Node4<6>>();
     check::<Node4<32>>();
     check_spheres::<Node16<32>>();
+    check_solids::<Node16<32>>();
+    check_solids::<Node4<32>>();
     check_penetration::<Node16<32>>();
     check_penetration::<Node4<32>>();
 }

@@ -5,7 +5,7 @@ use crate::device::DeviceError;
 use core::fmt;
 
 /// Why a tree was not built on a device.
-#[derive(Clone, PartialEq, Eq, Debug)]
+#[derive(Clone, PartialEq, Debug)]
 #[non_exhaustive]
 pub enum GpuError {
     /// The device has failed.

@@ -140,7 +140,7 @@ impl Flat<'_> {
 
 impl Signs {
     /// The sign of the area of a projected triangle, positive when counterclockwise.
-    fn area(&mut self, (x, y): (usize, usize), p: &Point, q: &Point, r: &Point) -> i8 {
+    pub(super) fn area(&mut self, (x, y): (usize, usize), p: &Point, q: &Point, r: &Point) -> i8 {
         let (plus, minus) = ((p[x] - r[x]) * (q[y] - r[y]), (p[y] - r[y]) * (q[x] - r[x]));
         let (determinant, permanent) = (plus - minus, plus.abs() + minus.abs());
         if determinant.abs() > AREA_ERROR * permanent {

@@ -22,6 +22,7 @@
 //! difference is at most 2^303, so a sum of six products of three is below 2^912, and Dekker's splitting
 //! multiplies a factor of at most 2^607 by 2^27 + 1: all finite.
 
+mod crossing;
 pub mod distance;
 mod double_double;
 mod features;

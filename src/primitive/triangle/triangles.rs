@@ -1,6 +1,7 @@
 //! Triangles as the primitives of a tree.
 
 use super::Triangle;
+use super::crossing::crossing;
 use crate::pose::Pose;
 use crate::primitive::{Kind, OWN_DIRECTIONS, Primitive, Sphere, Store};
 use crate::range::Point;
@@ -11,6 +12,7 @@ pub struct Triangles;
 
 impl Primitive for Triangles {
     const KIND: Kind = Kind::TRIANGLES;
+    const BOUNDS_SOLIDS: bool = true;
 
     type Single = [f32; 3];
     type Double = Point;
@@ -55,6 +57,10 @@ impl Primitive for Triangles {
     #[inline(always)]
     fn moved([p, q, r]: &Triangle, pose: &Pose) -> Triangle {
         [pose.apply(*p), pose.apply(*q), pose.apply(*r)]
+    }
+
+    fn crossing(item: &Triangle, origin: &Point, exact: &mut u64) -> i8 {
+        crossing(item, origin, exact)
     }
 
     // Within the range of coordinates no product under- or overflows.

@@ -1,0 +1,93 @@
+//! Why something cannot be built.
+
+use super::OpenEdge;
+#[cfg(doc)]
+use crate::node::Child;
+use crate::node::MAX_LEAF_SIZE;
+use crate::range::Point;
+use core::fmt;
+
+/// Why a mesh, or another geometry, cannot be built.
+#[derive(Copy, Clone, PartialEq, Debug)]
+#[non_exhaustive]
+pub enum BuildError {
+    /// A leaf holds 1 to 16 primitives.
+    LeafSize {
+        /// The size asked for.
+        asked: u32,
+    },
+    /// More primitives than [`Child::MAX_PRIMITIVES`], or as many vertices as do not fit in 32 bits.
+    TooLarge {
+        /// The number given.
+        count: usize,
+    },
+    /// A coordinate is NaN, infinite, or beyond [`crate::range::MAX_COORDINATE`].
+    Vertex {
+        /// Index of the vertex.
+        index: usize,
+    },
+    /// A radius is negative, NaN or infinite, or a point of the sphere is beyond [`crate::range::MAX_COORDINATE`].
+    Radius {
+        /// Index of the sphere, or of the vertex with this radius.
+        index: usize,
+    },
+    /// No coordinate reaches [`crate::range::MIN_COORDINATE`], and not all are zero: the body would become a point.
+    TooSmall,
+    /// A triangle, or other primitive, names a vertex that there is not.
+    Primitive {
+        /// Index of the primitive.
+        index: usize,
+    },
+    /// The mesh is to be [solid](super::Builder::solid), and not as many triangles run along an edge in one direction as in the
+    /// other: there is a hole, or the triangles are not oriented alike.
+    Open {
+        /// The edge's two vertices: of several with the same coordinates the first.
+        edge: [u32; 2],
+        /// Their coordinates, in the body's unit.
+        corners: [Point; 2],
+        /// Triangles that run from the first vertex to the second.
+        forward: usize,
+        /// Triangles that run from the second vertex to the first.
+        backward: usize,
+    },
+    /// No node type has this k and arity.
+    NodeType {
+        /// Planes of a child.
+        k: usize,
+        /// Children of a node.
+        arity: usize,
+    },
+    /// The tree would be deeper than [`crate::hierarchy::MAX_DEPTH`].
+    TooDeep,
+    /// The assignment is not the shape of a tree over the primitives.
+    Assignment {
+        /// What is wrong with it.
+        problem: &'static str,
+    },
+    /// The caller of [`super::Builder::build_with`] wished to stop.
+    Cancelled,
+}
+
+impl fmt::Display for BuildError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match *self {
+            Self::LeafSize { asked } => write!(f, "leaf size {asked}, must be 1 to {MAX_LEAF_SIZE}"),
+            Self::TooLarge { count } => write!(f, "{count} primitives or vertices are too many"),
+            Self::Vertex { index } => write!(f, "vertex {index} is not finite, or beyond 2^300"),
+            Self::Radius { index } => {
+                write!(f, "the radius of sphere {index} is negative or not finite, or takes it beyond 2^300")
+            }
+            Self::TooSmall => f.write_str("all coordinates are below 2^-250: choose a smaller unit"),
+            Self::Primitive { index } => write!(f, "primitive {index} names a vertex that there is not"),
+            Self::Open { edge, corners, forward, backward } => {
+                OpenEdge { edge, corners, forward, backward }.fmt(f)
+            }
+            Self::NodeType { k, arity } => write!(f, "there are no nodes of k = {k} and arity {arity}"),
+            Self::TooDeep => f.write_str("the tree would be too deep"),
+            Self::Assignment { problem } => write!(f, "the assignment is no tree: {problem}"),
+            Self::Cancelled => f.write_str("the build was cancelled"),
+        }
+    }
+}
+
+impl core::error::Error for BuildError {}

@@ -1,0 +1,70 @@
+//! The parts of a body: what hangs together at its vertices.
+
+use super::closed::first_at_place;
+use crate::range::Point;
+use alloc::vec::Vec;
+
+/// For each part of a body its first primitive, ascending; nothing of a body that is one part, which its first primitive
+/// stands for.
+///
+/// Primitives hang together where they share a vertex, or have vertices at one place, as the triangles of STL files do. What
+/// is one part already by shared vertices is not asked for places, which have to be sorted.
+pub(super) fn parts<R: AsRef<[u32]>>(
+    records: &[R],
+    vertices: usize,
+    places: impl FnOnce() -> Vec<Point>,
+) -> Vec<u32> {
+    let mut sets = Sets::new(vertices);
+    for record in records {
+        let corners = record.as_ref();
+        corners.windows(2).for_each(|pair| sets.join(pair[0], pair[1]));
+    }
+    if sets.firsts(records).len() > 1 {
+        let first = first_at_place(&places());
+        (0..).zip(&first).for_each(|(vertex, &first)| sets.join(vertex, first));
+    }
+    let firsts = sets.firsts(records);
+    if firsts.len() > 1 { firsts } else { Vec::new() }
+}
+
+/// Disjoint sets of vertices (Tarjan, *Efficiency of a Good But Not Linear Set Union Algorithm*, JACM 1975), the least of
+/// each its root.
+struct Sets {
+    parents: Vec<u32>,
+}
+
+impl Sets {
+    fn new(vertices: usize) -> Self {
+        Self { parents: (0..vertices as u32).collect() }
+    }
+
+    fn root(&mut self, mut vertex: u32) -> u32 {
+        while self.parents[vertex as usize] != vertex {
+            // Halves the path.
+            let parent = self.parents[vertex as usize];
+            let above = self.parents[parent as usize];
+            self.parents[vertex as usize] = above;
+            vertex = above;
+        }
+        vertex
+    }
+
+    fn join(&mut self, v: u32, w: u32) {
+        let (v, w) = (self.root(v), self.root(w));
+        self.parents[v.max(w) as usize] = v.min(w);
+    }
+
+    /// The first record of each set, ascending.
+    fn firsts<R: AsRef<[u32]>>(&mut self, records: &[R]) -> Vec<u32> {
+        let mut is_seen = alloc::vec![false; self.parents.len()];
+        let mut firsts = Vec::new();
+        for (index, record) in (0..).zip(records) {
+            let Some(&corner) = record.as_ref().first() else { continue };
+            let root = self.root(corner) as usize;
+            if !core::mem::replace(&mut is_seen[root], true) {
+                firsts.push(index);
+            }
+        }
+        firsts
+    }
+}
