@@ -12,8 +12,6 @@ mod data;
 mod rng;
 #[path = "support/robots.rs"]
 mod robots;
-#[path = "../tests/support/shapes.rs"]
-mod shapes;
 #[path = "support/short.rs"]
 mod short;
 
@@ -22,7 +20,7 @@ use glam::DAffine3;
 use rng::Rng;
 use robots::{Robot, problems};
 use short::count;
-use simdop::construct::{Builder, Mesh};
+use simdop::construct::{Builder, Mesh, OwnedMesh};
 use simdop::hierarchy::Bvh;
 use simdop::isa::Isa;
 use simdop::node::Node16;
@@ -34,8 +32,13 @@ use std::time::Instant;
 
 type Tree = Bvh<Node16<18>>;
 
-fn tree(mesh: &MeshData) -> Tree {
+fn link_tree(mesh: &MeshData) -> Tree {
     Builder::new().build(&Mesh { vertices: &mesh.vertices, triangles: &mesh.triangles }).unwrap()
+}
+
+/// A solid.
+fn obstacle_tree(mesh: &OwnedMesh) -> Tree {
+    Builder::new().solid().build(&mesh.as_mesh()).unwrap()
 }
 
 fn pose(at: &DAffine3) -> Pose {
@@ -61,10 +64,10 @@ fn main() {
 
 fn run(data: &std::path::Path, name: &str, is_visual: bool) {
     let robot = Robot::read(&data.join("robots/panda"), "panda", is_visual);
-    let links: Vec<Tree> = robot.links.iter().map(|link| tree(&link.mesh)).collect();
+    let links: Vec<Tree> = robot.links.iter().map(|link| link_tree(&link.mesh)).collect();
     let problems = problems(&data.join("planning/mbm_panda.jsonl"), count(7, 70));
     let obstacles: Vec<Vec<Tree>> =
-        problems.iter().map(|p| p.obstacles.iter().map(|(mesh, _)| tree(mesh)).collect()).collect();
+        problems.iter().map(|p| p.obstacles.iter().map(|(mesh, _)| obstacle_tree(mesh)).collect()).collect();
     let mut rng = Rng::new(7);
     let mut worlds: Vec<World<'_>> = Vec::new();
     for (problem, trees) in problems.iter().zip(&obstacles) {

@@ -27,6 +27,8 @@
 //! **Points that move**, such as a lidar's, have trees of their own ([`cloud`]): all neighbours within a radius, the nearest,
 //! and whether a robot is near any.
 //!
+//! **Many bodies**, as a robot among others, are a [`scene`].
+//!
 //! # Advice
 //!
 //! **k and arity** are the node type. [`node::Node16<18>`](node::Node16), k = 18 and arity 16, is the fastest
@@ -52,27 +54,25 @@
 //! from 2^-250 to 2^300 ([`range`]).
 //!
 //! **A in B from two poses in the world.** A planner knows where A and B stand in the world; a query asks
-//! where A stands, seen from B: `inverse(world_b) * world_a`. With [glam](https://docs.rs/glam/0.34) (the
-//! types of its version 0.34 convert; others go through [`pose::Pose::from_rows`]):
+//! where A stands, seen from B. A [`scene::Scene`] takes poses in the world, for two bodies or hundreds. Or
+//! [`pose::Pose::relative`], which says what it rounds, some 1e-14 of the coordinates: [`query::Query::within`] with a margin of
+//! as much is never falsely free for the poses given ([`pose::Relative::margin`]). Poses are made from the types of
+//! [`glam`], which is re-exported, with features from those of mint and nalgebra, else by [`pose::Pose::from_rows`].
 //!
 //! ```
-//! use glam::{DAffine3, DQuat, DVec3};
+//! use simdop::glam::{DQuat, DVec3};
 //! use simdop::pose::Pose;
 //!
-//! let world_a = DAffine3::from_rotation_translation(DQuat::from_rotation_z(0.3), DVec3::new(1.0, 2.0, 0.5));
-//! let world_b = DAffine3::from_rotation_translation(DQuat::from_rotation_x(-1.1), DVec3::new(0.2, 2.0, 0.0));
-//! let a_in_b = Pose::try_from(world_b.inverse() * world_a)?;
+//! let world_a = Pose::try_from((DQuat::from_rotation_z(0.3), DVec3::new(1.0, 2.0, 0.5)))?;
+//! let world_b = Pose::try_from((DQuat::from_rotation_x(-1.1), DVec3::new(0.2, 2.0, 0.0)))?;
+//! let a_in_b = Pose::relative(&world_a, &world_b)?;
 //!
-//! // A corner of A: through the world into B's frame, or by the pose at once.
-//! let corner = DVec3::new(0.1, 0.0, -0.2);
-//! let by_world = world_b.inverse().transform_point3(world_a.transform_point3(corner));
-//! assert!((DVec3::from_array(a_in_b.apply(corner.to_array())) - by_world).length() < 1e-15);
+//! // A corner of A: into B's frame, and from there into the world.
+//! let corner = [0.1, 0.0, -0.2];
+//! let by_b = world_b.apply(a_in_b.pose().apply(corner));
+//! assert!((0..3).all(|i| (by_b[i] - world_a.apply(corner)[i]).abs() < a_in_b.error(0.2)));
 //! # Ok::<(), simdop::pose::PoseError>(())
 //! ```
-//!
-//! A verdict is exact for the pose that the query was given. The product of two poses is rounded, by some
-//! 1e-16 of the coordinates: where that matters, ask [`query::Query::within`] with a margin that is larger
-//! than the rounding.
 //!
 //! **Which body is A** is for the caller to choose: verdicts hold for A's corners as the pose moves them. One body's
 //! volumes are turned into the other's frame and widen by it, those of flat walls along its own axes the most.
@@ -131,6 +131,7 @@
 //! | `alloc` | yes | owned trees, the builders and sphere packings; without it: borrowed trees, clouds in lent memory and every query |
 //! | `rayon` | no | construction and packing on several threads, with the same bytes; implies `std` |
 //! | `gpu` | no | construction (`construct::gpu`) and search of moving points (`cloud::gpu`) on a device, through wgpu, with the same bytes; implies `std` |
+//! | `mint`, `nalgebra` | no | poses from the types of these crates |
 //! | `cli` | no | the command `simdop` |
 //!
 //! Without `std`, x86-64 is asked by CPUID and XCR0, aarch64 takes what the crate is compiled for.
@@ -156,6 +157,8 @@
 extern crate alloc;
 #[cfg(feature = "std")]
 extern crate std;
+
+pub use glam;
 
 mod bytes;
 pub mod cloud;

@@ -2,9 +2,9 @@
 
 use super::data::MeshData;
 use super::rng::Rng;
-use super::shapes::cuboid;
 use glam::{DAffine3, DQuat, DVec3, EulerRot};
 use serde_json::Value;
+use simdop::construct::OwnedMesh;
 use std::collections::BTreeMap;
 use std::path::Path;
 use urdf_rs::{Geometry, JointType};
@@ -128,12 +128,12 @@ impl Robot {
 /// A problem: what stands around the robot, and where it shall start and end.
 #[derive(Debug)]
 pub(crate) struct Problem {
-    pub(crate) obstacles: Vec<(MeshData, DAffine3)>,
+    pub(crate) obstacles: Vec<(OwnedMesh, DAffine3)>,
     pub(crate) configurations: Vec<Configuration>,
 }
 
-/// Sides of the prism around a cylinder.
-const SIDES: u32 = 16;
+/// How far from the cylinder a prism around it may be, of the radius: sixteen sides.
+const ERROR: f64 = 0.02;
 
 /// Every so many problems of a file, one a line.
 pub(crate) fn problems(file: &Path, step: usize) -> Vec<Problem> {
@@ -149,13 +149,11 @@ pub(crate) fn problems(file: &Path, step: usize) -> Vec<Problem> {
         let obstacle = |value: &Value| {
             let dims = numbers(&value["dims"]);
             let mesh = match value["type"].as_str().unwrap() {
-                "box" => {
-                    let half = [0.5 * dims[0], 0.5 * dims[1], 0.5 * dims[2]];
-                    cuboid(half.map(|x| -x), half, false)
-                }
-                "cylinder" => prism(dims[0], dims[1]),
+                "box" => OwnedMesh::cuboid([dims[0], dims[1], dims[2]]),
+                "cylinder" => OwnedMesh::cylinder(dims[1], dims[0], ERROR * dims[1]),
                 other => panic!("an obstacle is no {other}"),
             };
+            let mesh = mesh.unwrap();
             let (p, q) = (numbers(&value["pos"]), numbers(&value["quat_xyzw"]));
             let turn = DQuat::from_xyzw(q[0], q[1], q[2], q[3]).normalize();
             (mesh, DAffine3::from_rotation_translation(turn, DVec3::new(p[0], p[1], p[2])))
@@ -167,19 +165,4 @@ pub(crate) fn problems(file: &Path, step: usize) -> Vec<Problem> {
         Problem { obstacles, configurations }
     };
     text.lines().step_by(step).map(problem).collect()
-}
-
-/// Around a cylinder along z.
-fn prism(height: f64, radius: f64) -> MeshData {
-    let step = core::f64::consts::TAU / f64::from(SIDES);
-    let (outer, half) = (radius / (0.5 * step).cos(), 0.5 * height);
-    let mut vertices = vec![[0.0, 0.0, -half], [0.0, 0.0, half]];
-    let mut triangles = Vec::new();
-    for i in 0..SIDES {
-        let (sin, cos) = (step * f64::from(i)).sin_cos();
-        vertices.extend([[outer * cos, outer * sin, -half], [outer * cos, outer * sin, half]]);
-        let (p, q) = (2 + 2 * i, 2 + 2 * ((i + 1) % SIDES));
-        triangles.extend([[p, q, q + 1], [p, q + 1, p + 1], [0, q, p], [1, p + 1, q + 1]]);
-    }
-    MeshData { vertices, triangles }
 }

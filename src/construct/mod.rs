@@ -23,6 +23,7 @@ mod neural_gas;
 mod parts;
 mod progress;
 mod shape;
+mod shapes;
 mod thin;
 mod wrap;
 
@@ -33,6 +34,7 @@ pub use clustering::Clustering;
 pub use error::BuildError;
 pub use geometry::{Geometry, Mesh, SphereSet};
 pub use progress::Progress;
+pub use shapes::{OwnedMesh, ShapeError};
 
 use crate::halving::Halving;
 use crate::hierarchy::Bvh;
