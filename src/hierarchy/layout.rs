@@ -23,8 +23,8 @@ pub(super) struct Layout {
     pub(super) thin_slabs: Part,
     pub(super) vertices: Part,
     pub(super) records: Part,
-    pub(super) sources: Part,
-    pub(super) parts: Part,
+    /// What primitives were in what was built, then what stands for the parts.
+    pub(super) indices: Part,
     pub(super) vertex_size: u16,
     /// Length of the whole, a multiple of 64.
     pub(super) end: usize,
@@ -110,10 +110,12 @@ impl Layout {
         let thin_slabs = attempt!(balls.then(with_slabs, N::ARITY * size_of::<ThinSlab>(), 8));
         let vertices = attempt!(thin_slabs.then(vertices, vertex_size as usize, 8));
         let records = attempt!(vertices.then(primitives, size_of::<P::Record>(), 4));
-        let sources = attempt!(records.then(primitives, 4, 4));
-        let parts = attempt!(sources.then(parts, 4, 4));
-        let end = attempt!(parts.then(0, 0, 64)).start;
-        Ok(Self { nodes, thin_slabs, balls, vertices, records, sources, parts, vertex_size, end })
+        let mut indices = attempt!(records.then(primitives, 4, 4));
+        // No gap between the two.
+        let parts = attempt!(indices.then(parts, 4, 4));
+        indices.len += parts.len;
+        let end = attempt!(indices.then(0, 0, 64)).start;
+        Ok(Self { nodes, thin_slabs, balls, vertices, records, indices, vertex_size, end })
     }
 }
 

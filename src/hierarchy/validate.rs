@@ -28,11 +28,12 @@ impl<N: Dop, P: Primitive> BvhRef<'_, N, P> {
         self.validate_header()?;
         self.validate_nodes()?;
         self.validate_store()?;
-        if let Some(index) = self.sources.iter().position(|&source| source >= self.header.primitive_count) {
+        let (sources, parts) = self.indices.split_at(self.len());
+        if let Some(index) = sources.iter().position(|&source| source >= self.header.primitive_count) {
             return Err(BakeError::Source { index: index as u32 });
         }
         let mut next = 0;
-        for (index, &part) in (0..).zip(self.parts) {
+        for (index, &part) in (0..).zip(parts) {
             if part < next || part >= self.header.primitive_count {
                 return Err(BakeError::Part { index });
             }

@@ -15,9 +15,8 @@ pub struct BvhRef<'a, N, P: Primitive = Triangles> {
     pub(super) thin_slabs: &'a [ThinSlab],
     pub(super) balls: &'a [Ball16],
     pub(super) store: Store<'a, P>,
-    pub(super) sources: &'a [u32],
-    /// Those that stand for a part each, of a body of several.
-    pub(super) parts: &'a [u32],
+    /// The index that each primitive had in what was built; then, if the body has several parts, of a primitive in each.
+    pub(super) indices: &'a [u32],
 }
 
 impl<N, P: Primitive> Copy for BvhRef<'_, N, P> {}
@@ -59,8 +58,7 @@ impl<'a, N: Node, P: Primitive> BvhRef<'a, N, P> {
             thin_slabs: bytemuck::try_cast_slice(layout.thin_slabs.of(bytes)?).ok()?,
             balls,
             store: Store::read(layout.vertex_size, vertices, records)?,
-            sources: bytemuck::try_cast_slice(layout.sources.of(bytes)?).ok()?,
-            parts: bytemuck::try_cast_slice(layout.parts.of(bytes)?).ok()?,
+            indices: bytemuck::try_cast_slice(layout.indices.of(bytes)?).ok()?,
         })
     }
 
@@ -129,14 +127,14 @@ impl<'a, N: Node, P: Primitive> BvhRef<'a, N, P> {
     #[inline]
     #[must_use]
     pub const fn len(&self) -> usize {
-        self.sources.len()
+        self.header.primitive_count as usize
     }
 
     /// Whether there is no primitive. An empty body meets nothing.
     #[inline]
     #[must_use]
     pub const fn is_empty(&self) -> bool {
-        self.sources.is_empty()
+        self.header.primitive_count == 0
     }
 
     /// Whether the triangles bound a [solid](Header::is_solid).
@@ -150,7 +148,8 @@ impl<'a, N: Node, P: Primitive> BvhRef<'a, N, P> {
     /// leaf order. Of spheres each is a part; an empty body has none.
     #[must_use]
     pub fn parts(&self) -> impl ExactSizeIterator<Item = u32> + 'a {
-        let (parts, count) = (self.parts, self.len());
+        let count = self.len();
+        let parts = &self.indices[count..];
         let several = if P::HAS_BALLS { count } else { parts.len().max(usize::from(count > 0)) };
         (0..several).map(move |index| parts.get(index).map_or(index as u32, |part| *part))
     }
@@ -173,7 +172,7 @@ impl<'a, N: Node, P: Primitive> BvhRef<'a, N, P> {
     #[inline]
     #[must_use]
     pub const fn source(&self, index: u32) -> u32 {
-        self.sources[index as usize]
+        self.indices.split_at(self.len()).0[index as usize]
     }
 }
 

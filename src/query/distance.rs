@@ -105,7 +105,11 @@ impl Query {
         B::Primitive: Pairwise<A::Primitive>,
     {
         let (a, b, margin) = (a.as_bvh(), b.as_bvh(), checked(margin)?);
-        Ok(self.or_inside(self.near_surfaces(&a, &b, pose, margin), &a, &b, pose))
+        let mut answer = self.near_surfaces(&a, &b, pose, margin);
+        if answer.counters.visits > 0 {
+            self.add_inside(&mut answer, &a, &b, pose);
+        }
+        Ok(answer)
     }
 
     /// [`Query::within`] of the primitives alone.

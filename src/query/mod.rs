@@ -252,22 +252,25 @@ impl Query {
         A::Primitive: Pairwise<B::Primitive>,
         B::Primitive: Pairwise<A::Primitive>,
     {
-        let (a, b) = (a.as_bvh(), b.as_bvh());
-        self.or_inside(self.first_pair(&a, &b, pose, Touching), &a, &b, pose)
+        let mut answer = self.first_pair(&a.as_bvh(), &b.as_bvh(), pose, Touching);
+        // Far pairs were told apart without a visit.
+        if answer.counters.visits > 0 {
+            self.add_inside(&mut answer, &a.as_bvh(), &b.as_bvh(), pose);
+        }
+        answer
     }
 
-    /// The answer of two surfaces, for bodies that may be solid.
-    #[inline(always)]
-    fn or_inside<N: Lanes, P: Primitive, Q: Primitive>(
+    /// Makes the answer of two surfaces that of bodies which may be solid.
+    #[inline]
+    fn add_inside<N: Lanes, P: Primitive, Q: Primitive>(
         &self,
-        mut answer: Answer,
+        answer: &mut Answer,
         a: &BvhRef<'_, N, P>,
         b: &BvhRef<'_, N, Q>,
         pose: &Pose,
-    ) -> Answer {
-        // Far pairs were told apart without a visit.
-        if !(a.is_solid() || b.is_solid()) || answer.counters.visits == 0 {
-            return answer;
+    ) {
+        if !(a.is_solid() || b.is_solid()) {
+            return;
         }
         match &mut answer.verdict {
             Verdict::Hit(_) => {}
@@ -278,7 +281,6 @@ impl Query {
                 Containment::OutOfBudget { upper } => *verdict = Verdict::Unknown { lower: 0.0, upper },
             },
         }
-        answer
     }
 
     /// The first pair of primitives at most `margin` apart: that of the hint, or the first that the traversal

@@ -1,7 +1,7 @@
 //! What is asked of a scene.
 
 use super::broad::{Batch, Candidate, are_turned_boxes_apart};
-use super::{BodyId, Scene, SceneError, Shape};
+use super::{BodyId, BodyTree, Scene, SceneError};
 use crate::hierarchy::BvhRef;
 use crate::pose::Relative;
 use crate::primitive::{Spheres, Triangles};
@@ -142,18 +142,18 @@ impl<N: Lanes> Question<N> for HowFar<'_> {
 
 fn ask<N: Lanes, Q: Question<N>>(
     question: &Q,
-    a: &Shape<'_, N>,
-    b: &Shape<'_, N>,
+    a: &BodyTree<'_, N>,
+    b: &BodyTree<'_, N>,
 ) -> Result<Q::Answer, ToleranceError>
 where
     Triangles: Pairwise<Spheres>,
     Spheres: Pairwise<Triangles>,
 {
     match (a, b) {
-        (Shape::Mesh(a), Shape::Mesh(b)) => question.ask(a, b),
-        (Shape::Mesh(a), Shape::Spheres(b)) => question.ask(a, b),
-        (Shape::Spheres(a), Shape::Mesh(b)) => question.ask(a, b),
-        (Shape::Spheres(a), Shape::Spheres(b)) => question.ask(a, b),
+        (BodyTree::Mesh(a), BodyTree::Mesh(b)) => question.ask(a, b),
+        (BodyTree::Mesh(a), BodyTree::Spheres(b)) => question.ask(a, b),
+        (BodyTree::Spheres(a), BodyTree::Mesh(b)) => question.ask(a, b),
+        (BodyTree::Spheres(a), BodyTree::Spheres(b)) => question.ask(a, b),
     }
 }
 

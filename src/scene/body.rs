@@ -16,33 +16,33 @@ pub struct BodyId {
 
 /// The tree of a body.
 #[derive(Debug)]
-pub enum Shape<'t, N> {
+pub enum BodyTree<'t, N> {
     /// Of triangles.
     Mesh(BvhRef<'t, N, Triangles>),
     /// Of spheres: a packing, or a robot's sphere model.
     Spheres(BvhRef<'t, N, Spheres>),
 }
 
-impl<N> Copy for Shape<'_, N> {}
-impl<N> Clone for Shape<'_, N> {
+impl<N> Copy for BodyTree<'_, N> {}
+impl<N> Clone for BodyTree<'_, N> {
     fn clone(&self) -> Self {
         *self
     }
 }
 
-impl<'t, N> From<BvhRef<'t, N, Triangles>> for Shape<'t, N> {
+impl<'t, N> From<BvhRef<'t, N, Triangles>> for BodyTree<'t, N> {
     fn from(tree: BvhRef<'t, N, Triangles>) -> Self {
         Self::Mesh(tree)
     }
 }
 
-impl<'t, N> From<BvhRef<'t, N, Spheres>> for Shape<'t, N> {
+impl<'t, N> From<BvhRef<'t, N, Spheres>> for BodyTree<'t, N> {
     fn from(tree: BvhRef<'t, N, Spheres>) -> Self {
         Self::Spheres(tree)
     }
 }
 
-impl<N: Dop> Shape<'_, N> {
+impl<N: Dop> BodyTree<'_, N> {
     pub(super) fn extent(&self) -> Extent {
         match self {
             Self::Mesh(tree) => tree.extent(),
@@ -78,7 +78,7 @@ impl<N: Dop> Shape<'_, N> {
 /// the link with one.
 #[derive(Debug)]
 pub struct Body<'t, N> {
-    pub(super) shape: Shape<'t, N>,
+    pub(super) shape: BodyTree<'t, N>,
     pub(super) radius: f64,
     pub(super) is_fixed: bool,
     pub(super) groups: Groups,
@@ -115,7 +115,7 @@ impl Groups {
 impl<'t, N> Body<'t, N> {
     /// A body that moves, of radius 0, asked against all others.
     #[must_use]
-    pub fn new(shape: impl Into<Shape<'t, N>>) -> Self {
+    pub fn new(shape: impl Into<BodyTree<'t, N>>) -> Self {
         Self { shape: shape.into(), radius: 0.0, is_fixed: false, groups: Groups::ALL }
     }
 

@@ -22,7 +22,7 @@ const SKEW: f64 = power_of_two(-12);
 
 /// How large a body is, in its own frame: what its box in the world is made of.
 #[derive(Copy, Clone, Debug)]
-pub(super) struct Size {
+pub(super) struct BodySize {
     /// Of the tree's frame.
     centre: Point,
     /// Half of the widths about it; negative of a body without primitives.
@@ -35,7 +35,7 @@ pub(super) struct Size {
     pub(super) greatest_radius: f64,
 }
 
-impl Size {
+impl BodySize {
     /// Of no body.
     pub(super) const NOTHING: Self =
         Self { centre: [0.0; 3], half: [-1.0; 3], reach: 0.0, max_coordinate: 0.0, greatest_radius: 0.0 };
@@ -79,8 +79,8 @@ impl Size {
 /// angles up to the tolerance of a scene's poses; what they are not is paid for by 2^-14 of the widths.
 #[inline]
 pub(super) fn are_turned_boxes_apart(
-    (a, world_a): (&Size, &Pose),
-    (b, world_b): (&Size, &Pose),
+    (a, world_a): (&BodySize, &Pose),
+    (b, world_b): (&BodySize, &Pose),
     margin: f64,
 ) -> bool {
     let (m, n) = (world_a.rows(), world_b.rows());

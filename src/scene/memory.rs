@@ -1,6 +1,6 @@
 //! Where a scene keeps what it knows of its bodies: in memory lent by the caller, or in its own.
 
-use super::broad::Size;
+use super::broad::BodySize;
 use super::{Body, SceneError};
 use crate::node::{Aabb16, Box3};
 use crate::pose::{Inverted, Pose, Relative};
@@ -21,7 +21,7 @@ pub struct Slot<'t, N> {
     pub(super) inverted: Inverted,
     /// Around the body in the world, its radius included.
     pub(super) bounds: Box3,
-    pub(super) size: Size,
+    pub(super) size: BodySize,
 }
 
 /// Where an attached body is.
@@ -42,7 +42,7 @@ impl<N> Slot<'_, N> {
         world: Pose::IDENTITY,
         inverted: Inverted::IDENTITY,
         bounds: Box3::EMPTY,
-        size: Size::NOTHING,
+        size: BodySize::NOTHING,
     };
 }
 
@@ -71,7 +71,7 @@ pub const fn rows_for(bodies: usize) -> usize {
 
 /// Memory for a scene, lent by the caller. The slots say for how many bodies there is room.
 #[derive(Debug)]
-pub struct Memory<'t, N> {
+pub struct SceneMemory<'t, N> {
     /// One for each body.
     pub slots: &'t mut [Slot<'t, N>],
     /// At least [`boxes_for`] the slots.
@@ -82,13 +82,13 @@ pub struct Memory<'t, N> {
 
 /// A slice of the caller's, or one that grows.
 #[derive(Debug)]
-pub(super) enum Store<'m, T> {
+pub(super) enum Room<'m, T> {
     Lent(&'m mut [T]),
     #[cfg(feature = "alloc")]
     Owned(Vec<T>),
 }
 
-impl<T> Deref for Store<'_, T> {
+impl<T> Deref for Room<'_, T> {
     type Target = [T];
 
     #[inline(always)]
@@ -101,7 +101,7 @@ impl<T> Deref for Store<'_, T> {
     }
 }
 
-impl<T> DerefMut for Store<'_, T> {
+impl<T> DerefMut for Room<'_, T> {
     #[inline(always)]
     fn deref_mut(&mut self) -> &mut [T] {
         match self {
@@ -115,17 +115,17 @@ impl<T> DerefMut for Store<'_, T> {
 /// The memory of a scene.
 #[derive(Debug)]
 pub(super) struct Memories<'t, N> {
-    pub(super) slots: Store<'t, Slot<'t, N>>,
+    pub(super) slots: Room<'t, Slot<'t, N>>,
     /// The bodies' bounds, sixteen at a time; NaN where there is none.
-    pub(super) boxes: Store<'t, Aabb16>,
+    pub(super) boxes: Room<'t, Aabb16>,
     /// Which pairs are asked: bit j of row i is set in one of two symmetric places, that of the body which moves, or else of
     /// the lower index. [`Memories::stride`] numbers a row.
-    rows: Store<'t, u16>,
+    rows: Room<'t, u16>,
 }
 
 impl<'t, N> Memories<'t, N> {
-    pub(super) fn lent(memory: Memory<'t, N>) -> Result<Self, SceneError> {
-        let Memory { slots, boxes, rows } = memory;
+    pub(super) fn lent(memory: SceneMemory<'t, N>) -> Result<Self, SceneError> {
+        let SceneMemory { slots, boxes, rows } = memory;
         let bodies = slots.len();
         if boxes.len() < boxes_for(bodies) || rows.len() < rows_for(bodies) {
             return Err(SceneError::Memory { bodies, boxes: boxes_for(bodies), rows: rows_for(bodies) });
@@ -135,16 +135,12 @@ impl<'t, N> Memories<'t, N> {
         }
         boxes.fill(Aabb16::EMPTY);
         rows.fill(0);
-        Ok(Self { slots: Store::Lent(slots), boxes: Store::Lent(boxes), rows: Store::Lent(rows) })
+        Ok(Self { slots: Room::Lent(slots), boxes: Room::Lent(boxes), rows: Room::Lent(rows) })
     }
 
     #[cfg(feature = "alloc")]
     pub(super) const fn owned() -> Self {
-        Self {
-            slots: Store::Owned(Vec::new()),
-            boxes: Store::Owned(Vec::new()),
-            rows: Store::Owned(Vec::new()),
-        }
+        Self { slots: Room::Owned(Vec::new()), boxes: Room::Owned(Vec::new()), rows: Room::Owned(Vec::new()) }
     }
 
     /// Words of a row.
@@ -186,7 +182,7 @@ impl<'t, N> Memories<'t, N> {
 
     #[cfg(feature = "alloc")]
     fn grow(&mut self) -> Option<usize> {
-        let (Store::Owned(slots), Store::Owned(boxes), Store::Owned(rows)) =
+        let (Room::Owned(slots), Room::Owned(boxes), Room::Owned(rows)) =
             (&mut self.slots, &mut self.boxes, &mut self.rows)
         else {
             return None;

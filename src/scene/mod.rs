@@ -37,108 +37,24 @@
 mod ask;
 mod body;
 mod broad;
+mod error;
 mod memory;
 
 pub use ask::{SceneAnswer, SceneDistance, SceneHit, SceneVerdict};
-pub use body::{Body, BodyId, Groups, Shape};
-pub use memory::{Memory, Slot, boxes_for, rows_for};
+pub use body::{Body, BodyId, BodyTree, Groups};
+pub use error::SceneError;
+pub use memory::{SceneMemory, Slot, boxes_for, rows_for};
 
 use crate::node::Dop;
 use crate::pose::{Pose, PoseError};
-use crate::query::ToleranceError;
 use crate::range::MAX_COORDINATE;
-use broad::Size;
-use core::fmt;
+use broad::BodySize;
 use memory::{Attached, Memories};
 
 /// Bodies of one node type, placed in the world.
 #[derive(Debug)]
 pub struct Scene<'t, N> {
     memory: Memories<'t, N>,
-}
-
-/// Why a scene does not take what it is given.
-#[derive(Copy, Clone, PartialEq, Debug)]
-#[non_exhaustive]
-pub enum SceneError {
-    /// There is no room for another body in the memory that was lent.
-    Full,
-    /// The memory that was lent is too small for as many bodies as it has slots for.
-    Memory {
-        /// Slots.
-        bodies: usize,
-        /// Nodes of boxes that are needed: [`boxes_for`].
-        boxes: usize,
-        /// Words that are needed: [`rows_for`].
-        rows: usize,
-    },
-    /// The body was removed, or is of another scene.
-    NoSuchBody {
-        /// The id given.
-        id: BodyId,
-    },
-    /// A body's radius is negative, NaN or beyond [`MAX_COORDINATE`].
-    Radius {
-        /// The value given.
-        given: f64,
-    },
-    /// The pose is farther from a rotation than [`Scene::TOLERANCE`], or farther away than [`Scene::MAX_TRANSLATION`].
-    Pose(PoseError),
-    /// A body that is attached is placed with what it is attached to.
-    IsAttached {
-        /// The body.
-        id: BodyId,
-    },
-    /// A body would be attached to itself.
-    Cycle {
-        /// The body.
-        id: BodyId,
-    },
-    /// A pair of one body.
-    NoPair {
-        /// The body.
-        id: BodyId,
-    },
-    /// A margin, cutoff or tolerance is negative, NaN or too great.
-    Tolerance(ToleranceError),
-}
-
-impl fmt::Display for SceneError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Full => f.write_str("the scene's memory has no slot for another body"),
-            Self::Memory { bodies, boxes, rows } => {
-                write!(f, "{bodies} slots need {boxes} nodes of boxes and {rows} rows")
-            }
-            Self::NoSuchBody { id } => {
-                write!(f, "there is no body {} in the scene, or not any more", id.index)
-            }
-            Self::Radius { given } => {
-                write!(f, "a body's radius of {given}: must be finite and not negative")
-            }
-            Self::Pose(error) => write!(f, "a pose in the world: {error}"),
-            Self::IsAttached { id } => {
-                write!(f, "body {} is attached to another, and placed with it", id.index)
-            }
-            Self::Cycle { id } => write!(f, "body {} would be attached to itself", id.index),
-            Self::NoPair { id } => write!(f, "body {} is no pair with itself", id.index),
-            Self::Tolerance(error) => error.fmt(f),
-        }
-    }
-}
-
-impl core::error::Error for SceneError {}
-
-impl From<PoseError> for SceneError {
-    fn from(error: PoseError) -> Self {
-        Self::Pose(error)
-    }
-}
-
-impl From<ToleranceError> for SceneError {
-    fn from(error: ToleranceError) -> Self {
-        Self::Tolerance(error)
-    }
 }
 
 #[cfg(feature = "alloc")]
@@ -170,19 +86,19 @@ impl<'t, N> Scene<'t, N> {
     ///
     /// ```
     /// use simdop::node::{Aabb16, Node16};
-    /// use simdop::scene::{Memory, Scene, Slot, boxes_for, rows_for};
+    /// use simdop::scene::{SceneMemory, Scene, Slot, boxes_for, rows_for};
     /// const ROOM: usize = 40;
     /// let mut slots = [const { Slot::<Node16<18>>::EMPTY }; ROOM];
     /// let mut boxes = [Aabb16::EMPTY; boxes_for(ROOM)];
     /// let mut rows = [0; rows_for(ROOM)];
-    /// let scene = Scene::in_memory(Memory { slots: &mut slots, boxes: &mut boxes, rows: &mut rows })?;
+    /// let scene = Scene::in_memory(SceneMemory { slots: &mut slots, boxes: &mut boxes, rows: &mut rows })?;
     /// assert_eq!(scene.ids().count(), 0);
     /// # Ok::<(), simdop::scene::SceneError>(())
     /// ```
     ///
     /// # Errors
     /// [`SceneError::Memory`] if there are fewer boxes or rows than the slots need.
-    pub fn in_memory(memory: Memory<'t, N>) -> Result<Self, SceneError> {
+    pub fn in_memory(memory: SceneMemory<'t, N>) -> Result<Self, SceneError> {
         Ok(Self { memory: Memories::lent(memory)? })
     }
 
@@ -264,7 +180,7 @@ impl<'t, N: Dop> Scene<'t, N> {
         let i = self.memory.vacant().ok_or(SceneError::Full)?;
         let slot = &mut self.memory.slots[i];
         (slot.parent, slot.attached) = (None, 0);
-        slot.size = Size::of(&body);
+        slot.size = BodySize::of(&body);
         slot.body = Some(body);
         self.put(i, world);
         for j in 0..self.memory.slots.len() {

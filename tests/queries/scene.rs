@@ -16,7 +16,7 @@ use simdop::pose::{Pose, PoseError};
 use simdop::primitive::{Sphere, Spheres};
 use simdop::query::{Completion, Query, ToleranceError};
 use simdop::scene::{
-    Body, BodyId, Groups, Memory, Scene, SceneError, SceneVerdict, Shape, Slot, boxes_for, rows_for,
+    Body, BodyId, BodyTree, Groups, Scene, SceneError, SceneMemory, SceneVerdict, Slot, boxes_for, rows_for,
 };
 
 type Node = Node16<18>;
@@ -50,7 +50,7 @@ impl Model {
         Self { tree: Tree::Spheres(tree), primitives: centres.iter().map(|&c| [c; 3]).collect(), radius }
     }
 
-    fn shape(&self) -> Shape<'_, Node> {
+    fn shape(&self) -> BodyTree<'_, Node> {
         match &self.tree {
             Tree::Mesh(tree) => tree.view().into(),
             Tree::Spheres(tree) => tree.view().into(),
@@ -298,7 +298,7 @@ fn what_is_inside_a_solid_meets_it() {
     for is_solid in [false, true] {
         let builder = if is_solid { Builder::new().solid() } else { Builder::new() };
         let large: Bvh<Node> = builder.build(&mesh).unwrap();
-        for inner in [Shape::from(small.view()), sphere.shape()] {
+        for inner in [BodyTree::from(small.view()), sphere.shape()] {
             for (outer_first, x) in [(true, 0.25), (false, 0.25), (true, 9.0), (false, 9.0)] {
                 let mut scene = Scene::new();
                 let mut bodies = [(Body::new(large.view()).fixed(), 0.0), (Body::new(inner), x)];
@@ -341,11 +341,11 @@ fn lent_memory_holds_what_it_has_slots_for() {
     let mut slots = [const { Slot::<Node>::EMPTY }; ROOM];
     let mut boxes = [Aabb16::EMPTY; boxes_for(ROOM)];
     let mut rows = [u16::MAX; rows_for(ROOM)];
-    let few = Memory { slots: &mut slots.clone(), boxes: &mut [Aabb16::EMPTY], rows: &mut [0; 34] };
+    let few = SceneMemory { slots: &mut slots.clone(), boxes: &mut [Aabb16::EMPTY], rows: &mut [0; 34] };
     let needed = SceneError::Memory { bodies: ROOM, boxes: 2, rows: 34 };
     assert_eq!(Scene::in_memory(few).map(|_| ()), Err(needed));
     let mut scene =
-        Scene::in_memory(Memory { slots: &mut slots, boxes: &mut boxes, rows: &mut rows }).unwrap();
+        Scene::in_memory(SceneMemory { slots: &mut slots, boxes: &mut boxes, rows: &mut rows }).unwrap();
     let mut owned = Scene::new();
     assert!(scene.collide(&query).unwrap().is_free(), "there is nothing");
     for i in 0..ROOM {

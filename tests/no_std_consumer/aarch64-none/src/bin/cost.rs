@@ -7,7 +7,7 @@ use check::cost::{COUNTED, Cost, Timer};
 use core::arch::asm;
 
 const A53: [Cost; COUNTED] =
-    [(8_193, 11_152), (77_349, 12_152), (7_912, 11_152), (352, 832), (352, 832), (280, 464)];
+    [(8_429, 11_072), (78_173, 12_072), (8_147, 11_072), (367, 800), (367, 800), (215, 480)];
 
 /// Counts at 62.5 MHz.
 struct VirtualTimer;
