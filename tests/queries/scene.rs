@@ -7,7 +7,7 @@ use crate::support::rng::Rng;
 use crate::support::shapes;
 use alloc::collections::BTreeSet;
 use core::ops::ControlFlow;
-use glam::{DQuat, DVec3};
+use glam::{DAffine3, DMat3, DQuat, DVec3};
 use simdop::construct::{Builder, Mesh, SphereSet};
 use simdop::hierarchy::Bvh;
 use simdop::isa::Isa;
@@ -286,6 +286,31 @@ fn attached_bodies_move_along() {
     let other = put(&mut scene, &tree, 20.0);
     assert!(other != hand && scene.world_pose(hand).is_err() && scene.world_pose(other).is_ok());
     assert_eq!(scene.ids().count(), 4);
+}
+
+/// Each attached to the one before, at any poses: all move as one rigid body.
+#[test]
+fn a_chain_of_attached_bodies_is_rigid() {
+    let (tree, mut rng) = (cube(), Rng::new(163));
+    let affine = |pose: &Pose| {
+        let rows = DMat3::from_cols_array_2d(pose.rows());
+        DAffine3::from_mat3_translation(rows.transpose(), DVec3::from_array(pose.translation()))
+    };
+    for _ in 0..50 {
+        let mut scene = Scene::new();
+        let before = [(); 4].map(|()| random_pose(&mut rng, 3.0));
+        let ids = before.each_ref().map(|world| scene.insert(Body::new(tree.view()), world).unwrap());
+        for i in 1..4 {
+            scene.attach(ids[i], ids[i - 1]).unwrap();
+        }
+        let after = random_pose(&mut rng, 3.0);
+        scene.place(ids[0], &after).unwrap();
+        let motion = affine(&after) * affine(&before[0]).inverse();
+        for i in 0..4 {
+            let (got, want) = (affine(scene.world_pose(ids[i]).unwrap()), motion * affine(&before[i]));
+            assert!(got.abs_diff_eq(want, 1e-12), "body {i}: {got} {want}");
+        }
+    }
 }
 
 /// A body wholly inside of another meets it only where that one is solid.

@@ -28,8 +28,9 @@
 
 use super::double_double::DoubleDouble;
 use super::features::{
-    Closest, Corners, FacePlane, Real, Vector, closest_on_edges, dot, greatest, least, rejection, sub,
+    Closest, Corners, FacePlane, Real, Vector, closest_on_edges, cross, dot, greatest, least, rejection, sub,
 };
+use super::interval::Wedge;
 use super::{Triangle, in_range, overlap};
 use crate::exact::power_of_two;
 use crate::primitive::Separation;
@@ -89,7 +90,7 @@ pub fn nearer(a: &Triangle, b: &Triangle, limit: f64, tolerance: f64, exact: &mu
 pub fn within(a: &Triangle, b: &Triangle, margin: f64, exact: &mut u64) -> bool {
     let local = Local::<f64>::new(a, b);
     let faces = local.faces();
-    if local.beyond_faces(&faces, margin) {
+    if local.beyond_faces(&faces, margin) || local.beyond_edges(&faces, margin) {
         return false;
     }
     let found = local.separation(&faces, None, TIGHT);
@@ -276,6 +277,27 @@ impl Local<f64> {
         let off_plane = 256.0 * f64::ROUNDOFF * (self.size * self.size * self.size);
         self.beyond(over_a.gap() - off_plane, &over_a.normal, limit)
             || self.beyond(over_b.gap() - off_plane, &over_b.normal, limit)
+    }
+
+    /// Whether the common normal of two edges proves it, of triangles that cross each other's planes: of those edges that
+    /// end the intervals which the triangles cut out of the planes' common line, where these do not meet.
+    #[inline(always)]
+    fn beyond_edges(&self, [over_a, over_b]: &[FacePlane<f64>; 2], limit: f64) -> bool {
+        if over_a.gap() > 0.0 || over_b.gap() > 0.0 {
+            return false;
+        }
+        // As f64 has them: a wrong side makes the axes no better than others.
+        let side = |height: f64| i8::from(height > 0.0) - i8::from(height < 0.0);
+        let sides = |face: &FacePlane<f64>| {
+            let [x, y, z] = face.heights;
+            [side(x), side(y), side(z)]
+        };
+        let (a, b) = (Wedge::new(&self.a, sides(over_b)), Wedge::new(&self.b, sides(over_a)));
+        let beyond = |p: &Vector<f64>, q: &Vector<f64>| {
+            let axis = cross(&sub(p, &a.apex), &sub(q, &b.apex));
+            self.beyond(self.gap(&axis), &axis, limit)
+        };
+        beyond(&a.left, &b.left) || beyond(&a.right, &b.right)
     }
 
     /// Whether the gap along an axis proves that the distance is above `limit`. Cheaper than

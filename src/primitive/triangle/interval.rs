@@ -9,9 +9,9 @@ use super::{Signs, Triangle};
 /// from the apex to `left` and to `right` meet the line in just one point each: the ends of the interval.
 pub(super) struct Wedge {
     /// The vertex that is alone on its side of the line.
-    apex: [f64; 3],
-    left: [f64; 3],
-    right: [f64; 3],
+    pub(super) apex: [f64; 3],
+    pub(super) left: [f64; 3],
+    pub(super) right: [f64; 3],
     /// 1 if the apex is on or above the line and the others on or below it; -1 the other way round.
     up: i8,
 }
