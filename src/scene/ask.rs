@@ -1,6 +1,6 @@
 //! What is asked of a scene.
 
-use super::broad::{Batch, Candidate, are_turned_boxes_apart};
+use super::broad::{Batch, NearPair, are_turned_boxes_apart};
 use super::{BodyId, BodyTree, Scene, SceneError};
 use crate::hierarchy::BvhRef;
 use crate::pose::Relative;
@@ -285,16 +285,11 @@ impl<N: Lanes> Scene<'_, N> {
         }
     }
 
-    fn hit(&self, candidate: &Candidate, pair: Pair) -> SceneHit {
+    fn hit(&self, candidate: &NearPair, pair: Pair) -> SceneHit {
         SceneHit { a: self.id(candidate.a as usize), b: self.id(candidate.b as usize), pair }
     }
 
-    fn ask_within(
-        &self,
-        query: &Query,
-        candidate: &Candidate,
-        margin: f64,
-    ) -> Result<Answer, ToleranceError> {
+    fn ask_within(&self, query: &Query, candidate: &NearPair, margin: f64) -> Result<Answer, ToleranceError> {
         let free =
             Answer { verdict: Verdict::Free, counters: Counters::default(), hint: crate::query::Hint::NONE };
         let [a, b] = [candidate.a, candidate.b].map(|i| &self.memory.slots[i as usize]);
@@ -313,7 +308,7 @@ impl<N: Lanes> Scene<'_, N> {
     fn ask_distance(
         &self,
         query: &Query,
-        candidate: &Candidate,
+        candidate: &NearPair,
         tolerance: f64,
         cutoff: f64,
     ) -> Result<(f64, f64, Distance), ToleranceError> {

@@ -133,7 +133,7 @@ fn widened(of: &Box3, margin: f64) -> Box3 {
 
 /// Two bodies whose boxes are near each other.
 #[derive(Copy, Clone, Debug)]
-pub(super) struct Candidate {
+pub(super) struct NearPair {
     /// The body whose row it is.
     pub(super) a: u32,
     pub(super) b: u32,
@@ -147,7 +147,7 @@ const BATCH: usize = 32;
 /// Candidates, the deepest first.
 #[derive(Debug)]
 pub(super) struct Batch {
-    candidates: [Candidate; BATCH],
+    candidates: [NearPair; BATCH],
     len: usize,
     /// Where the search goes on: row, sixteen bodies, and which of them are left.
     row: usize,
@@ -157,12 +157,12 @@ pub(super) struct Batch {
 
 impl Batch {
     pub(super) const fn new() -> Self {
-        const NONE: Candidate = Candidate { a: 0, b: 0, depth: 0.0 };
+        const NONE: NearPair = NearPair { a: 0, b: 0, depth: 0.0 };
         Self { candidates: [NONE; BATCH], len: 0, row: 0, sixteen: 0, rest: u16::MAX }
     }
 
     /// The next candidates of a scene whose boxes are at most `margin` apart. None: that was all.
-    pub(super) fn next<N>(&mut self, scene: &Scene<'_, N>, query: &Query, margin: f64) -> &[Candidate] {
+    pub(super) fn next<N>(&mut self, scene: &Scene<'_, N>, query: &Query, margin: f64) -> &[NearPair] {
         self.len = 0;
         on_isa!(query.isa(), kernel => kernel.run(
             #[inline(always)]
@@ -194,7 +194,7 @@ impl Batch {
                         }
                         near &= near - 1;
                         let depth = depth(bounds, &memory.boxes[self.sixteen].lane(lane));
-                        self.add(Candidate {
+                        self.add(NearPair {
                             a: self.row as u32,
                             b: (16 * self.sixteen + lane) as u32,
                             depth,
@@ -210,7 +210,7 @@ impl Batch {
     }
 
     #[inline(always)]
-    fn add(&mut self, candidate: Candidate) {
+    fn add(&mut self, candidate: NearPair) {
         let mut place = self.len;
         while place > 0 && self.candidates[place - 1].depth < candidate.depth {
             self.candidates[place] = self.candidates[place - 1];

@@ -82,13 +82,13 @@ pub struct SceneMemory<'t, N> {
 
 /// A slice of the caller's, or one that grows.
 #[derive(Debug)]
-pub(super) enum Room<'m, T> {
+pub(super) enum LentOrOwned<'m, T> {
     Lent(&'m mut [T]),
     #[cfg(feature = "alloc")]
     Owned(Vec<T>),
 }
 
-impl<T> Deref for Room<'_, T> {
+impl<T> Deref for LentOrOwned<'_, T> {
     type Target = [T];
 
     #[inline(always)]
@@ -101,7 +101,7 @@ impl<T> Deref for Room<'_, T> {
     }
 }
 
-impl<T> DerefMut for Room<'_, T> {
+impl<T> DerefMut for LentOrOwned<'_, T> {
     #[inline(always)]
     fn deref_mut(&mut self) -> &mut [T] {
         match self {
@@ -115,12 +115,12 @@ impl<T> DerefMut for Room<'_, T> {
 /// The memory of a scene.
 #[derive(Debug)]
 pub(super) struct Memories<'t, N> {
-    pub(super) slots: Room<'t, Slot<'t, N>>,
+    pub(super) slots: LentOrOwned<'t, Slot<'t, N>>,
     /// The bodies' bounds, sixteen at a time; NaN where there is none.
-    pub(super) boxes: Room<'t, Aabb16>,
+    pub(super) boxes: LentOrOwned<'t, Aabb16>,
     /// Which pairs are asked: bit j of row i is set in one of two symmetric places, that of the body which moves, or else of
     /// the lower index. [`Memories::stride`] numbers a row.
-    rows: Room<'t, u16>,
+    rows: LentOrOwned<'t, u16>,
 }
 
 impl<'t, N> Memories<'t, N> {
@@ -135,12 +135,20 @@ impl<'t, N> Memories<'t, N> {
         }
         boxes.fill(Aabb16::EMPTY);
         rows.fill(0);
-        Ok(Self { slots: Room::Lent(slots), boxes: Room::Lent(boxes), rows: Room::Lent(rows) })
+        Ok(Self {
+            slots: LentOrOwned::Lent(slots),
+            boxes: LentOrOwned::Lent(boxes),
+            rows: LentOrOwned::Lent(rows),
+        })
     }
 
     #[cfg(feature = "alloc")]
     pub(super) const fn owned() -> Self {
-        Self { slots: Room::Owned(Vec::new()), boxes: Room::Owned(Vec::new()), rows: Room::Owned(Vec::new()) }
+        Self {
+            slots: LentOrOwned::Owned(Vec::new()),
+            boxes: LentOrOwned::Owned(Vec::new()),
+            rows: LentOrOwned::Owned(Vec::new()),
+        }
     }
 
     /// Words of a row.
@@ -182,7 +190,7 @@ impl<'t, N> Memories<'t, N> {
 
     #[cfg(feature = "alloc")]
     fn grow(&mut self) -> Option<usize> {
-        let (Room::Owned(slots), Room::Owned(boxes), Room::Owned(rows)) =
+        let (LentOrOwned::Owned(slots), LentOrOwned::Owned(boxes), LentOrOwned::Owned(rows)) =
             (&mut self.slots, &mut self.boxes, &mut self.rows)
         else {
             return None;
