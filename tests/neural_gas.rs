@@ -56,15 +56,15 @@ const GENERATED: [Golden<'_>; 7] = [
     ("flat grid", [0x350e_0a1b_fcbd_9160, 0xd8d6_9ef3_937e_04e2]),
     ("collinear", [0x36c8_22b4_9691_5c0e, 0x82b0_f488_1850_860a]),
     ("coincident", [0x365c_6a5a_815e_89e1, 0x8e46_5492_b899_f966]),
-    ("soup", [0x421b_3eac_8ce6_8dd3, 0x3d6e_1ff6_a04f_f78b]),
-    ("huge among tiny", [0x22bf_9449_6bbb_f7fd, 0x4449_8cee_db11_351f]),
-    ("ever smaller", [0xcfd4_80bd_8496_9ec4, 0xd209_fd27_28dd_eeb6]),
+    ("soup", [0x29ae_c0cb_f58c_7a23, 0xea2f_cafe_100a_943b]),
+    ("huge among tiny", [0x34c2_5d03_4110_2090, 0x625a_2fa8_691a_029e]),
+    ("ever smaller", [0xc7f8_f354_8207_5670, 0xce04_a0a4_3ec0_49d8]),
 ];
 
 #[rustfmt::skip]
 const DATA: [Golden<'_>; 14] = [
-    ("planning/unc_rob", [0xe01c_88dd_5dae_f186, 0x298f_9865_8554_a472]),
-    ("planning/unc_env", [0xdae3_bccb_2dfc_63c4, 0x635b_417c_7ace_12af]),
+    ("planning/unc_rob", [0x88e4_5767_d073_1886, 0x3f8e_7bee_4b7b_0961]),
+    ("planning/unc_env", [0xe236_e844_0b69_d014, 0x4a77_a776_950d_4648]),
     ("meshes/hand", [0x9b03_6d98_2711_d0ed, 0xc7a1_510e_ad0a_55a4]),
     ("meshes/pinion", [0xf2fe_b52c_1b9d_12ab, 0xfcb8_a75d_62a3_5739]),
     ("meshes/cow", [0xf59a_66a9_0fef_5b92, 0x8aad_fc3a_749e_e0a8]),
