@@ -65,7 +65,8 @@ impl Relative {
     /// # let body = Builder::new().build::<Node16<18>>(&Mesh { vertices: &vertices, triangles: &triangles })?;
     /// use glam::{DQuat, DVec3};
     /// let world_a = Pose::try_from((DQuat::from_rotation_z(0.3), DVec3::new(1.0, 2.0, 0.5)))?;
-    /// let world_b = Pose::try_from((DQuat::from_rotation_x(-1.1), DVec3::new(0.2, 2.0, 0.0)))?;
+    /// // A corner of each is at one place.
+    /// let world_b = Pose::try_from((DQuat::from_rotation_x(-1.1), DVec3::new(1.0, 2.0, 0.5)))?;
     /// let a_in_b = Pose::relative(&world_a, &world_b)?;
     /// let margin = a_in_b.margin(0.0, body.view().header().max_coordinate, 0.0);
     /// let answer = Query::new(Isa::detect()).within(&body, &body, a_in_b.pose(), margin)?;
