@@ -12,17 +12,13 @@ use simdop::glam::{DAffine3, DVec3};
 use simdop::hierarchy::Bvh;
 use simdop::isa::Isa;
 use simdop::node::Node16;
-use simdop::pose::{Pose, PoseError};
+use simdop::pose::Pose;
 use simdop::query::Query;
 use simdop::scene::{Body, Scene};
 
 /// In metres, as everything here.
 const UPPER_ARM: f64 = 0.4;
 const FOREARM: f64 = 0.3;
-
-fn world(at: DAffine3) -> Result<Pose, PoseError> {
-    Pose::try_from(at)
-}
 
 /// Where the upper arm and the forearm stand: segments along z, about their middles.
 fn arm(shoulder: f64, elbow: f64) -> [DAffine3; 2] {
@@ -46,12 +42,12 @@ fn main() -> Result<(), Box<dyn core::error::Error>> {
         (solid(OwnedMesh::cuboid([3.0, 3.0, 0.1])?)?, solid(OwnedMesh::cuboid([0.2, 0.6, 0.5])?)?);
     // Larger than the can, by at most a tenth of a millimetre.
     let can = solid(OwnedMesh::cylinder(0.03, 0.14, 1e-4)?)?;
-    let at = |x: f64, z: f64| world(DAffine3::from_translation(DVec3::new(x, 0.0, z)));
+    let at = |x: f64, z: f64| Pose::try_from(DAffine3::from_translation(DVec3::new(x, 0.0, z)));
 
     let mut scene = Scene::new();
     let rest = arm(0.0, 0.0);
-    let upper = scene.insert(Body::new(upper.view()).with_radius(0.06), &world(rest[0])?)?;
-    let fore = scene.insert(Body::new(fore.view()).with_radius(0.05), &world(rest[1])?)?;
+    let upper = scene.insert(Body::new(upper.view()).with_radius(0.06), &Pose::try_from(rest[0])?)?;
+    let fore = scene.insert(Body::new(fore.view()).with_radius(0.05), &Pose::try_from(rest[1])?)?;
     let can = scene.insert(Body::new(can.view()), &at(UPPER_ARM + FOREARM, 0.3)?)?;
     scene.insert(Body::new(table.view()).fixed(), &at(0.0, -0.05)?)?;
     let shelf = scene.insert(Body::new(shelf.view()).fixed(), &at(0.75, 0.25)?)?;
@@ -64,8 +60,8 @@ fn main() -> Result<(), Box<dyn core::error::Error>> {
     let (mut free, mut nearest) = (0, f64::INFINITY);
     for degrees in (0..360).step_by(2) {
         let [to, bent] = arm(f64::from(degrees).to_radians(), 0.0);
-        scene.place(upper, &world(to)?)?;
-        scene.place(fore, &world(bent)?)?;
+        scene.place(upper, &Pose::try_from(to)?)?;
+        scene.place(fore, &Pose::try_from(bent)?)?;
         let answer = scene.collide(&query)?;
         if let Some(hit) = answer.hit() {
             assert!(hit.b == shelf && (hit.a == fore || hit.a == can));

@@ -1,4 +1,4 @@
-//! Whether triangles close, and which of them hang together.
+//! Whether triangles close, once corners at one place are one.
 
 use super::geometry::check_records;
 use super::{BuildError, Mesh, check_vertices};

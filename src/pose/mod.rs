@@ -152,8 +152,9 @@ impl Pose {
         }
     }
 
+    /// Where the pose puts a point that need not be one of a body.
     #[inline(always)]
-    fn unflushed(&self, p: &Point) -> Point {
+    pub(crate) fn unflushed(&self, p: &Point) -> Point {
         let coordinate = |i: usize| dot(&self.rows[i], p) + self.translation[i];
         // Not `array::from_fn`: it is not always inlined, and this is on the path of every pair of triangles.
         [coordinate(0), coordinate(1), coordinate(2)]

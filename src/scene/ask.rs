@@ -1,12 +1,10 @@
 //! What is asked of a scene.
 
 use super::broad::{Batch, NearPair, are_turned_boxes_apart};
-use super::{BodyId, BodyTree, Scene, SceneError};
-use crate::hierarchy::BvhRef;
+use super::{BodyId, BodyTree, Scene, SceneError, Slot};
 use crate::pose::Relative;
-use crate::primitive::{Spheres, Triangles};
 use crate::query::{
-    Answer, Completion, Counters, Distance, Lanes, Pair, Pairwise, Query, ToleranceError, Verdict,
+    Answer, Completion, Counters, Distance, Hint, Lanes, Pair, Query, ToleranceError, Verdict,
 };
 use crate::range::{MAX_COORDINATE, Point};
 use core::ops::ControlFlow;
@@ -92,72 +90,51 @@ pub struct SceneWitness {
     pub b: Point,
 }
 
-/// A question about two trees of one node type, of whatever primitives.
-trait Question<N: Lanes> {
-    type Answer;
-
-    fn ask<P: Pairwise<Q>, Q: Pairwise<P>>(
-        &self,
-        a: &BvhRef<'_, N, P>,
-        b: &BvhRef<'_, N, Q>,
-    ) -> Result<Self::Answer, ToleranceError>;
+/// An expression with the trees of two bodies, whatever their primitives.
+macro_rules! with_trees {
+    (($a:expr, $b:expr), |$x:ident, $y:ident| $with:expr) => {
+        match ($a, $b) {
+            (BodyTree::Mesh($x), BodyTree::Mesh($y)) => $with,
+            (BodyTree::Mesh($x), BodyTree::Spheres($y)) => $with,
+            (BodyTree::Spheres($x), BodyTree::Mesh($y)) => $with,
+            (BodyTree::Spheres($x), BodyTree::Spheres($y)) => $with,
+        }
+    };
 }
 
-struct IsWithin<'q> {
-    query: &'q Query,
-    relative: &'q Relative,
-    margin: f64,
+/// Two bodies that are asked about, and how they stand to each other.
+struct AskedPair<'s, 't, N> {
+    trees: (&'s BodyTree<'t, N>, &'s BodyTree<'t, N>),
+    /// The first in the frame of the second.
+    relative: Relative,
+    /// The sum of the bodies' radii, and that of their primitives' greatest ones.
+    radii: f64,
+    round: f64,
+    /// Largest coordinate of the first.
+    max_coordinate: f64,
 }
 
-impl<N: Lanes> Question<N> for IsWithin<'_> {
-    type Answer = Answer;
+impl<'s, 't, N> AskedPair<'s, 't, N> {
+    fn new([a, b]: [&'s Slot<'t, N>; 2]) -> Self {
+        let (Some(body_a), Some(body_b)) = (&a.body, &b.body) else {
+            unreachable!("there is no box where there is no body")
+        };
+        Self {
+            trees: (&body_a.tree, &body_b.tree),
+            relative: b.relative(&a.world),
+            radii: body_a.radius + body_b.radius,
+            round: a.size.greatest_radius + b.size.greatest_radius,
+            max_coordinate: a.size.max_coordinate,
+        }
+    }
 
-    fn ask<P: Pairwise<Q>, Q: Pairwise<P>>(
-        &self,
-        a: &BvhRef<'_, N, P>,
-        b: &BvhRef<'_, N, Q>,
-    ) -> Result<Answer, ToleranceError> {
-        self.query.within(a, b, self.relative.pose(), self.margin)
+    /// What a distance of primitives in the world may be in the frame of the second, at most.
+    fn padded(&self, distance: f64) -> f64 {
+        self.relative.margin(distance, self.max_coordinate, self.round)
     }
 }
 
-struct HowFar<'q> {
-    query: &'q Query,
-    relative: &'q Relative,
-    tolerance: f64,
-    cutoff: f64,
-}
-
-impl<N: Lanes> Question<N> for HowFar<'_> {
-    type Answer = Distance;
-
-    fn ask<P: Pairwise<Q>, Q: Pairwise<P>>(
-        &self,
-        a: &BvhRef<'_, N, P>,
-        b: &BvhRef<'_, N, Q>,
-    ) -> Result<Distance, ToleranceError> {
-        self.query.distance_up_to(a, b, self.relative.pose(), self.tolerance, self.cutoff)
-    }
-}
-
-fn ask<N: Lanes, Q: Question<N>>(
-    question: &Q,
-    a: &BodyTree<'_, N>,
-    b: &BodyTree<'_, N>,
-) -> Result<Q::Answer, ToleranceError>
-where
-    Triangles: Pairwise<Spheres>,
-    Spheres: Pairwise<Triangles>,
-{
-    match (a, b) {
-        (BodyTree::Mesh(a), BodyTree::Mesh(b)) => question.ask(a, b),
-        (BodyTree::Mesh(a), BodyTree::Spheres(b)) => question.ask(a, b),
-        (BodyTree::Spheres(a), BodyTree::Mesh(b)) => question.ask(a, b),
-        (BodyTree::Spheres(a), BodyTree::Spheres(b)) => question.ask(a, b),
-    }
-}
-
-impl<N: Lanes> Scene<'_, N> {
+impl<'t, N: Lanes> Scene<'t, N> {
     /// Do any two bodies meet that are asked against each other? Touching counts. The first pair found ends it.
     ///
     /// The query's hint is not heeded; its budget is for all pairs together.
@@ -289,19 +266,18 @@ impl<N: Lanes> Scene<'_, N> {
         SceneHit { a: self.id(candidate.a as usize), b: self.id(candidate.b as usize), pair }
     }
 
+    fn slots_of(&self, candidate: &NearPair) -> [&Slot<'t, N>; 2] {
+        [candidate.a, candidate.b].map(|i| &self.memory.slots[i as usize])
+    }
+
     fn ask_within(&self, query: &Query, candidate: &NearPair, margin: f64) -> Result<Answer, ToleranceError> {
-        let free =
-            Answer { verdict: Verdict::Free, counters: Counters::default(), hint: crate::query::Hint::NONE };
-        let [a, b] = [candidate.a, candidate.b].map(|i| &self.memory.slots[i as usize]);
-        let (Some(body_a), Some(body_b)) = (&a.body, &b.body) else { return Ok(free) };
+        let slots @ [a, b] = self.slots_of(candidate);
         if are_turned_boxes_apart((&a.size, &a.world), (&b.size, &b.world), margin) {
-            return Ok(free);
+            return Ok(Answer { verdict: Verdict::Free, counters: Counters::default(), hint: Hint::NONE });
         }
-        let relative = b.relative(&a.world);
-        let apart = margin + (body_a.radius + body_b.radius);
-        let margin =
-            relative.margin(apart, a.size.max_coordinate, a.size.greatest_radius + b.size.greatest_radius);
-        ask(&IsWithin { query, relative: &relative, margin }, &body_a.shape, &body_b.shape)
+        let asked = AskedPair::new(slots);
+        let (pose, margin) = (asked.relative.pose(), asked.padded(margin + asked.radii));
+        with_trees!((asked.trees.0, asked.trees.1), |a, b| query.within(a, b, pose, margin))
     }
 
     /// Bounds of the distance in the world, and the answer in the frame of b.
@@ -312,22 +288,15 @@ impl<N: Lanes> Scene<'_, N> {
         tolerance: f64,
         cutoff: f64,
     ) -> Result<(f64, f64, Distance), ToleranceError> {
-        let [a, b] = [candidate.a, candidate.b].map(|i| &self.memory.slots[i as usize]);
-        let [body_a, body_b] = [a, b].map(|slot| slot.body.as_ref());
-        let relative = b.relative(&a.world);
-        let round = a.size.greatest_radius + b.size.greatest_radius;
-        let radii = body_a.map_or(0.0, |body| body.radius) + body_b.map_or(0.0, |body| body.radius);
-        let reach = relative.margin(cutoff + radii, a.size.max_coordinate, round);
-        let question = HowFar { query, relative: &relative, tolerance, cutoff: reach };
-        let (Some(body_a), Some(body_b)) = (body_a, body_b) else {
-            return Err(ToleranceError { given: tolerance });
-        };
-        let answer = ask(&question, &body_a.shape, &body_b.shape)?;
+        let asked = AskedPair::new(self.slots_of(candidate));
+        let (pose, cutoff) = (asked.relative.pose(), asked.padded(cutoff + asked.radii));
+        let answer = with_trees!((asked.trees.0, asked.trees.1), |a, b| query
+            .distance_up_to(a, b, pose, tolerance, cutoff))?;
         // What a distance in the frame of b may be in the world.
-        let off = |x: f64| relative.margin(x, a.size.max_coordinate, round) - x;
-        let lower = (answer.lower - off(answer.lower) - radii).max(0.0);
+        let off = |x: f64| asked.padded(x) - x;
+        let lower = (answer.lower - off(answer.lower) - asked.radii).max(0.0);
         let upper =
-            if answer.upper == 0.0 { 0.0 } else { (answer.upper + off(answer.upper) - radii).max(0.0) };
+            if answer.upper == 0.0 { 0.0 } else { (answer.upper + off(answer.upper) - asked.radii).max(0.0) };
         Ok((lower, upper, answer))
     }
 }

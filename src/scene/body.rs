@@ -78,7 +78,7 @@ impl<N: Dop> BodyTree<'_, N> {
 /// the link with one.
 #[derive(Debug)]
 pub struct Body<'t, N> {
-    pub(super) shape: BodyTree<'t, N>,
+    pub(super) tree: BodyTree<'t, N>,
     pub(super) radius: f64,
     pub(super) is_fixed: bool,
     pub(super) groups: Groups,
@@ -115,8 +115,8 @@ impl Groups {
 impl<'t, N> Body<'t, N> {
     /// A body that moves, of radius 0, asked against all others.
     #[must_use]
-    pub fn new(shape: impl Into<BodyTree<'t, N>>) -> Self {
-        Self { shape: shape.into(), radius: 0.0, is_fixed: false, groups: Groups::ALL }
+    pub fn new(tree: impl Into<BodyTree<'t, N>>) -> Self {
+        Self { tree: tree.into(), radius: 0.0, is_fixed: false, groups: Groups::ALL }
     }
 
     /// With everything within `radius`, in the body's unit, of its primitives. In the world: two bodies meet when they are

@@ -41,10 +41,10 @@ impl BodySize {
         Self { centre: [0.0; 3], half: [-1.0; 3], reach: 0.0, max_coordinate: 0.0, greatest_radius: 0.0 };
 
     pub(super) fn of<N: Dop>(body: &Body<'_, N>) -> Self {
-        if body.shape.is_empty() {
+        if body.tree.is_empty() {
             return Self::NOTHING;
         }
-        let extent = body.shape.extent();
+        let extent = body.tree.extent();
         let unscale = (1.0 + SKEW) / extent.frame.scale();
         Self {
             centre: extent.frame.centre,
@@ -52,7 +52,7 @@ impl BodySize {
             // No row of a matrix is longer than 1.0001.
             reach: body.radius + 2.0 * ROUNDING * extent.max_coordinate,
             max_coordinate: extent.max_coordinate,
-            greatest_radius: body.shape.greatest_radius(),
+            greatest_radius: body.tree.greatest_radius(),
         }
     }
 
@@ -62,13 +62,13 @@ impl BodySize {
         if self.half[0] < 0.0 {
             return Box3::EMPTY;
         }
-        let (m, t, c, half) = (world.rows(), world.translation(), &self.centre, &self.half);
+        let (m, t, centre, half) =
+            (world.rows(), world.translation(), world.unflushed(&self.centre), &self.half);
         let mut around = Box3::EMPTY;
         for i in 0..3 {
-            let centre = ((m[i][0] * c[0] + m[i][1] * c[1]) + m[i][2] * c[2]) + t[i];
             let side = (m[i][0].abs() * half[0] + m[i][1].abs() * half[1]) + m[i][2].abs() * half[2];
             let side = side + (self.reach + ROUNDING * t[i].abs());
-            (around.lower[i], around.upper[i]) = (below(centre - side), -below(-centre - side));
+            (around.lower[i], around.upper[i]) = (below(centre[i] - side), -below(-centre[i] - side));
         }
         around
     }
@@ -85,13 +85,11 @@ pub(super) fn are_turned_boxes_apart(
 ) -> bool {
     let (m, n) = (world_a.rows(), world_b.rows());
     let (s, t) = (world_a.translation(), world_b.translation());
-    let centre = |m: &[[f64; 3]; 3], c: &Point, t: &Point, i: usize| {
-        ((m[i][0] * c[0] + m[i][1] * c[1]) + m[i][2] * c[2]) + t[i]
-    };
+    let (centre_a, centre_b) = (world_a.unflushed(&a.centre), world_b.unflushed(&b.centre));
     let mut d = [0.0; 3];
     let mut coordinates = 0.0;
     for i in 0..3 {
-        d[i] = centre(n, &b.centre, &t, i) - centre(m, &a.centre, &s, i);
+        d[i] = centre_b[i] - centre_a[i];
         coordinates += s[i].abs() + t[i].abs();
     }
     let widths = ((a.half[0] + a.half[1]) + a.half[2]) + ((b.half[0] + b.half[1]) + b.half[2]);
@@ -180,10 +178,12 @@ impl Batch {
             while self.sixteen < stride {
                 let asked = memory.row(self.row, self.sixteen) & self.rest;
                 if asked != 0 {
-                    let bounds = &memory.slots[self.row].bounds;
-                    let around = *around.get_or_insert_with(
+                    let (bounds, around) = *around.get_or_insert_with(
                         #[inline(always)]
-                        || widened(bounds, margin),
+                        || {
+                            let bounds = memory.boxes[self.row / 16].lane(self.row % 16);
+                            (bounds, widened(&bounds, margin))
+                        },
                     );
                     let mut near = asked & kernel.boxes_near(&around, 0.0, &memory.boxes[self.sixteen]);
                     while near != 0 {
@@ -193,7 +193,7 @@ impl Batch {
                             return;
                         }
                         near &= near - 1;
-                        let depth = depth(bounds, &memory.boxes[self.sixteen].lane(lane));
+                        let depth = depth(&bounds, &memory.boxes[self.sixteen].lane(lane));
                         self.add(NearPair {
                             a: self.row as u32,
                             b: (16 * self.sixteen + lane) as u32,

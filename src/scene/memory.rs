@@ -19,8 +19,6 @@ pub struct Slot<'t, N> {
     pub(super) world: Pose,
     /// Of the pose in the world, if the body stands still: it is asked about more often than placed.
     pub(super) inverted: Inverted,
-    /// Around the body in the world, its radius included.
-    pub(super) bounds: Box3,
     pub(super) size: BodySize,
 }
 
@@ -41,12 +39,9 @@ impl<N> Slot<'_, N> {
         parent: None,
         world: Pose::IDENTITY,
         inverted: Inverted::IDENTITY,
-        bounds: Box3::EMPTY,
         size: BodySize::NOTHING,
     };
-}
 
-impl<N> Slot<'_, N> {
     /// Where a body stands in the frame of this one.
     #[inline]
     pub(super) fn relative(&self, world_a: &Pose) -> Relative {
@@ -116,7 +111,7 @@ impl<T> DerefMut for LentOrOwned<'_, T> {
 #[derive(Debug)]
 pub(super) struct Memories<'t, N> {
     pub(super) slots: LentOrOwned<'t, Slot<'t, N>>,
-    /// The bodies' bounds, sixteen at a time; NaN where there is none.
+    /// Around the bodies in the world, their radii included, sixteen at a time; NaN where there is none.
     pub(super) boxes: LentOrOwned<'t, Aabb16>,
     /// Which pairs are asked: bit j of row i is set in one of two symmetric places, that of the body which moves, or else of
     /// the lower index. [`Memories::stride`] numbers a row.
@@ -170,7 +165,6 @@ impl<'t, N> Memories<'t, N> {
     }
 
     pub(super) fn set_bounds(&mut self, i: usize, bounds: Box3) {
-        self.slots[i].bounds = bounds;
         self.boxes[i / 16].set_lane(i % 16, &bounds);
     }
 

@@ -45,7 +45,7 @@ pub use body::{Body, BodyId, BodyTree, Groups};
 pub use error::SceneError;
 pub use memory::{SceneMemory, Slot, boxes_for, rows_for};
 
-use crate::node::Dop;
+use crate::node::{Box3, Dop};
 use crate::pose::{Pose, PoseError};
 use crate::range::MAX_COORDINATE;
 use broad::BodySize;
@@ -179,7 +179,6 @@ impl<'t, N: Dop> Scene<'t, N> {
         check(world)?;
         let i = self.memory.vacant().ok_or(SceneError::Full)?;
         let slot = &mut self.memory.slots[i];
-        (slot.parent, slot.attached) = (None, 0);
         slot.size = BodySize::of(&body);
         slot.body = Some(body);
         self.put(i, world);
@@ -208,7 +207,7 @@ impl<'t, N: Dop> Scene<'t, N> {
             self.memory.set_pair(i, j, false);
             self.memory.set_pair(j, i, false);
         }
-        self.memory.set_bounds(i, crate::node::Box3::EMPTY);
+        self.memory.set_bounds(i, Box3::EMPTY);
         let slot = &mut self.memory.slots[i];
         slot.attached = 0;
         slot.generation = slot.generation.wrapping_add(1);
@@ -226,19 +225,19 @@ impl<'t, N: Dop> Scene<'t, N> {
             return Err(SceneError::IsAttached { id });
         }
         check(world)?;
-        if self.memory.slots[i].attached == 0 {
-            self.put(i, world);
-            return Ok(());
+        if self.memory.slots[i].attached > 0 {
+            // First whether all of them can be, so that a refusal moves none.
+            for j in 0..self.memory.slots.len() {
+                self.attached_pose(j, i, world)?;
+            }
+            for j in 0..self.memory.slots.len() {
+                if let Some(moved) = self.attached_pose(j, i, world)? {
+                    self.put(j, &moved);
+                }
+            }
         }
-        let before = self.memory.slots[i].world;
         self.put(i, world);
-        let moved = self.place_attached(i);
-        if moved.is_err() {
-            self.put(i, &before);
-            // They were there before.
-            let _ = self.place_attached(i);
-        }
-        moved
+        Ok(())
     }
 
     /// Attaches a body to another, which it is then placed with: it stays where it is as seen from there.
@@ -277,29 +276,21 @@ impl<'t, N: Dop> Scene<'t, N> {
         Ok(())
     }
 
-    /// Those that are attached to body i, and to these, and so on.
-    fn place_attached(&mut self, i: usize) -> Result<(), SceneError> {
-        for j in 0..self.memory.slots.len() {
-            // No recursion: what is attached to others is looked up from below, a few steps.
-            let mut above = self.memory.slots[j].parent.map(|parent| parent.to as usize);
-            let mut world = match self.memory.slots[j].parent {
-                Some(parent) if self.memory.slots[j].body.is_some() => parent.at,
-                _ => continue,
-            };
-            while let Some(k) = above.filter(|&k| k != i) {
-                let parent = self.memory.slots[k].parent;
-                above = parent.map(|parent| parent.to as usize);
-                if let Some(parent) = parent {
-                    world = parent.at.compose(&world)?;
-                }
-            }
-            if above.is_some() {
-                let world = self.memory.slots[i].world.compose(&world)?;
-                check(&world)?;
-                self.put(j, &world);
+    /// Where body j stands if body i is at `world`, and j is attached to it, or to one that is, and so on.
+    fn attached_pose(&self, j: usize, i: usize, world: &Pose) -> Result<Option<Pose>, SceneError> {
+        let mut at = Pose::IDENTITY;
+        let mut below = j;
+        // No recursion: from below, a few steps.
+        while let Some(parent) = self.memory.slots[below].parent {
+            at = parent.at.compose(&at)?;
+            below = parent.to as usize;
+            if below == i {
+                let moved = world.compose(&at)?;
+                check(&moved)?;
+                return Ok(Some(moved));
             }
         }
-        Ok(())
+        Ok(None)
     }
 
     fn put(&mut self, i: usize, world: &Pose) {
