@@ -132,7 +132,8 @@
 //! | `rayon` | no | construction and packing on several threads, with the same bytes; implies `std` |
 //! | `gpu` | no | construction (`construct::gpu`) and search of moving points (`cloud::gpu`) on a device, through wgpu, with the same bytes; implies `std` |
 //! | `mint`, `nalgebra` | no | poses from the types of these crates |
-//! | `cli` | no | the command `simdop` |
+//! | `urdf` | no | robots from URDF and SRDF files; implies `std` |
+//! | `cli` | no | the command `simdop`; implies `urdf` |
 //!
 //! Without `std`, x86-64 is asked by CPUID and XCR0, aarch64 takes what the crate is compiled for.
 //!
@@ -174,6 +175,7 @@ pub mod hierarchy;
 pub mod isa;
 pub mod kernel;
 pub mod key;
+pub mod motion;
 pub mod node;
 #[cfg(feature = "alloc")]
 pub mod packing;
@@ -183,6 +185,8 @@ pub mod primitive;
 pub mod query;
 pub mod range;
 pub mod realign;
+#[cfg(feature = "urdf")]
+pub mod robot;
 pub mod scene;
 // What all tests draw their random numbers from.
 #[cfg(test)]

@@ -160,6 +160,37 @@ impl Pose {
         [coordinate(0), coordinate(1), coordinate(2)]
     }
 
+    /// A turn about an axis through the origin, by an angle in radians. The axis is a unit vector up to rounding, and so the
+    /// matrix is a rotation.
+    #[inline]
+    pub(crate) fn turn(axis: &Point, angle: f64) -> Self {
+        let (sine, cosine) = libm::sincos(angle);
+        let ([x, y, z], rest) = (*axis, 1.0 - cosine);
+        let ([p, q, r], [s, t, u]) = ([rest * x, rest * y, rest * z], [sine * x, sine * y, sine * z]);
+        Self {
+            rows: [
+                [p * x + cosine, p * y - u, p * z + t],
+                [q * x + u, q * y + cosine, q * z - s],
+                [r * x - t, r * y + s, r * z + cosine],
+            ],
+            translation: [0.0; 3],
+        }
+    }
+
+    /// The pose with a way added to its translation. Not checked.
+    #[inline]
+    pub(crate) fn shifted(&self, by: &Point) -> Self {
+        let t = &self.translation;
+        Self { rows: self.rows, translation: [t[0] + by[0], t[1] + by[1], t[2] + by[2]] }
+    }
+
+    /// Where the pose's rotation takes a direction.
+    #[inline]
+    pub(crate) fn rotate(&self, direction: &Point) -> Point {
+        let r = &self.rows;
+        [dot(&r[0], direction), dot(&r[1], direction), dot(&r[2], direction)]
+    }
+
     #[inline]
     fn checked(self) -> Result<Self, PoseError> {
         if self.is_rigid() { Ok(self) } else { Err(self.fault()) }

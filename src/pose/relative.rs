@@ -98,9 +98,13 @@ impl Pose {
     /// [`PoseError`] if the translation is too long, or if the product is farther from a rotation than [`Pose::TOLERANCE`],
     /// as that of two matrices may be which are by half as much.
     pub fn compose(&self, inner: &Self) -> Result<Self, PoseError> {
-        let matrix = product(&self.rows, &inner.rows);
-        let moved = self.unflushed(&inner.translation);
-        Self { rows: matrix, translation: moved }.checked()
+        self.after(inner).checked()
+    }
+
+    /// As [`Pose::compose`], not checked.
+    #[inline]
+    pub(crate) fn after(&self, inner: &Self) -> Self {
+        Self { rows: product(&self.rows, &inner.rows), translation: self.unflushed(&inner.translation) }
     }
 
     /// Where A stands in the frame of B, when both poses place their bodies in the world: the inverse of `world_b` after

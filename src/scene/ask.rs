@@ -262,7 +262,7 @@ impl<'t, N: Lanes> Scene<'t, N> {
         }
     }
 
-    fn hit(&self, candidate: &NearPair, pair: Pair) -> SceneHit {
+    pub(super) fn hit(&self, candidate: &NearPair, pair: Pair) -> SceneHit {
         SceneHit { a: self.id(candidate.a as usize), b: self.id(candidate.b as usize), pair }
     }
 
@@ -270,7 +270,12 @@ impl<'t, N: Lanes> Scene<'t, N> {
         [candidate.a, candidate.b].map(|i| &self.memory.slots[i as usize])
     }
 
-    fn ask_within(&self, query: &Query, candidate: &NearPair, margin: f64) -> Result<Answer, ToleranceError> {
+    pub(super) fn ask_within(
+        &self,
+        query: &Query,
+        candidate: &NearPair,
+        margin: f64,
+    ) -> Result<Answer, ToleranceError> {
         let slots @ [a, b] = self.slots_of(candidate);
         if are_turned_boxes_apart((&a.size, &a.world), (&b.size, &b.world), margin) {
             return Ok(Answer { verdict: Verdict::Free, counters: Counters::default(), hint: Hint::NONE });

@@ -10,6 +10,7 @@ use super::body::Body;
 use crate::exact::power_of_two;
 use crate::isa::on_isa;
 use crate::kernel::Kernel;
+use crate::motion::CarriedBall;
 use crate::node::{Box3, Dop};
 use crate::pose::Pose;
 use crate::query::Query;
@@ -27,6 +28,8 @@ pub(super) struct BodySize {
     centre: Point,
     /// Half of the widths about it; negative of a body without primitives.
     half: Point,
+    /// No point is farther from it.
+    radius: f64,
     /// What the box grows by: the body's radius, and what rounding may do where the body stands at the origin.
     reach: f64,
     /// Largest absolute coordinate.
@@ -37,8 +40,14 @@ pub(super) struct BodySize {
 
 impl BodySize {
     /// Of no body.
-    pub(super) const NOTHING: Self =
-        Self { centre: [0.0; 3], half: [-1.0; 3], reach: 0.0, max_coordinate: 0.0, greatest_radius: 0.0 };
+    pub(super) const NOTHING: Self = Self {
+        centre: [0.0; 3],
+        half: [-1.0; 3],
+        radius: 0.0,
+        reach: 0.0,
+        max_coordinate: 0.0,
+        greatest_radius: 0.0,
+    };
 
     pub(super) fn of<N: Dop>(body: &Body<'_, N>) -> Self {
         if body.tree.is_empty() {
@@ -49,11 +58,23 @@ impl BodySize {
         Self {
             centre: extent.frame.centre,
             half: extent.half_width.map(|x| f64::from(x) * unscale),
+            radius: extent.radius * (1.0 + SKEW),
             // No row of a matrix is longer than 1.0001.
             reach: body.radius + 2.0 * ROUNDING * extent.max_coordinate,
             max_coordinate: extent.max_coordinate,
             greatest_radius: body.tree.greatest_radius(),
         }
+    }
+
+    /// The ball around the body's primitives in the world.
+    #[inline]
+    pub(super) fn ball(&self, world: &Pose) -> CarriedBall {
+        CarriedBall { centre: world.unflushed(&self.centre), radius: self.radius }
+    }
+
+    /// How far the body reaches from the centre of its frame, with its radius.
+    pub(super) fn whole_reach(&self) -> f64 {
+        self.radius + self.reach
     }
 
     /// The box around the body in the world. Nothing, if it has no primitive.
@@ -122,7 +143,7 @@ fn below(x: f64) -> f32 {
 
 /// Everything within `margin` of a box.
 #[inline(always)]
-fn widened(of: &Box3, margin: f64) -> Box3 {
+pub(super) fn widened(of: &Box3, margin: f64) -> Box3 {
     let ([x, y, z], [p, q, r]) = (of.lower, of.upper);
     let lower = |x: f32| below(f64::from(x) - margin);
     let upper = |x: f32| -below(-f64::from(x) - margin);
@@ -181,7 +202,7 @@ impl Batch {
                     let (bounds, around) = *around.get_or_insert_with(
                         #[inline(always)]
                         || {
-                            let bounds = memory.boxes[self.row / 16].lane(self.row % 16);
+                            let bounds = memory.bounds(self.row);
                             (bounds, widened(&bounds, margin))
                         },
                     );
@@ -193,7 +214,7 @@ impl Batch {
                             return;
                         }
                         near &= near - 1;
-                        let depth = depth(&bounds, &memory.boxes[self.sixteen].lane(lane));
+                        let depth = depth(&bounds, &memory.bounds(16 * self.sixteen + lane));
                         self.add(NearPair {
                             a: self.row as u32,
                             b: (16 * self.sixteen + lane) as u32,
@@ -223,7 +244,7 @@ impl Batch {
 
 /// How far two boxes overlap along the axis where they do least.
 #[inline(always)]
-fn depth(a: &Box3, b: &Box3) -> f32 {
+pub(super) fn depth(a: &Box3, b: &Box3) -> f32 {
     let mut depth = f32::INFINITY;
     for i in 0..3 {
         let (p, q) = (a.upper[i] - b.lower[i], b.upper[i] - a.lower[i]);

@@ -51,6 +51,15 @@ pub enum SceneError {
         /// The body.
         id: BodyId,
     },
+    /// As many bodies as a motion moves have to be named, and twice as many poses lent.
+    Motion {
+        /// How many bodies the motion moves.
+        bodies: usize,
+        /// How many were named.
+        given: usize,
+        /// How many poses were lent.
+        poses: usize,
+    },
     /// A margin, cutoff or tolerance is negative, NaN or too great.
     Tolerance(ToleranceError),
 }
@@ -74,6 +83,9 @@ impl fmt::Display for SceneError {
             }
             Self::Cycle { id } => write!(f, "body {} would be attached to itself", id.index),
             Self::NoPair { id } => write!(f, "body {} is no pair with itself", id.index),
+            Self::Motion { bodies, given, poses } => {
+                write!(f, "a motion of {bodies} bodies: {given} are named, and {poses} poses lent")
+            }
             Self::Tolerance(error) => error.fmt(f),
         }
     }

@@ -16,6 +16,8 @@ pub struct Slot<'t, N> {
     /// How many bodies are attached to it.
     pub(super) attached: u32,
     pub(super) parent: Option<Attached>,
+    /// Which body of a motion it moves with, while an edge is asked about.
+    pub(super) carrier: Option<u32>,
     pub(super) world: Pose,
     /// Of the pose in the world, if the body stands still: it is asked about more often than placed.
     pub(super) inverted: Inverted,
@@ -37,6 +39,7 @@ impl<N> Slot<'_, N> {
         generation: 0,
         attached: 0,
         parent: None,
+        carrier: None,
         world: Pose::IDENTITY,
         inverted: Inverted::IDENTITY,
         size: BodySize::NOTHING,
@@ -162,6 +165,11 @@ impl<'t, N> Memories<'t, N> {
         let stride = self.stride();
         let word = &mut self.rows[i * stride + j / 16];
         *word = *word & !(1 << (j % 16)) | u16::from(is_asked) << (j % 16);
+    }
+
+    /// The box around body i.
+    pub(super) fn bounds(&self, i: usize) -> Box3 {
+        self.boxes[i / 16].lane(i % 16)
     }
 
     pub(super) fn set_bounds(&mut self, i: usize, bounds: Box3) {

@@ -37,11 +37,13 @@
 mod ask;
 mod body;
 mod broad;
+mod edge;
 mod error;
 mod memory;
 
 pub use ask::{SceneAnswer, SceneDistance, SceneHit, SceneVerdict};
 pub use body::{Body, BodyId, BodyTree, Groups};
+pub use edge::{EdgeAnswer, EdgeMemory, EdgePair, EdgeVerdict};
 pub use error::SceneError;
 pub use memory::{SceneMemory, Slot, boxes_for, rows_for};
 

@@ -1,0 +1,191 @@
+//! Edges of a planner: does the robot meet anything on its way? `cargo bench --features urdf --bench edge` prints a table.
+//!
+//! The Panda on every seventh problem of MotionBenchMaker: straight ways in the joints from the start and the goal towards random
+//! configurations, of several lengths, as a tree of a planner grows, and from the start to the goal. *Certified*:
+//! `Scene::edge`. *Sampled*: the scene at as many times as VAMP takes, 32 for a unit of length in the joints.
+
+#![expect(clippy::unwrap_used, reason = "a benchmark that cannot go on has failed")]
+
+#[path = "../tests/support/data.rs"]
+mod data;
+#[path = "../tests/support/rng.rs"]
+mod rng;
+#[path = "support/robots.rs"]
+mod robots;
+#[path = "support/short.rs"]
+mod short;
+
+use core::num::NonZeroU32;
+use data::{MeshData, directory};
+use rng::Rng;
+use robots::problems;
+use short::count;
+use simdop::construct::{Builder, Mesh, OwnedMesh};
+use simdop::hierarchy::Bvh;
+use simdop::isa::Isa;
+use simdop::motion::{Link, StraightMotion};
+use simdop::node::Node16;
+use simdop::pose::Pose;
+use simdop::query::Query;
+use simdop::robot::{DisabledPair, LinkShape, LinkShapes, Robot};
+use simdop::scene::{Body, BodyId, EdgeAnswer, EdgeMemory, EdgePair, EdgeVerdict, Scene};
+use std::time::Instant;
+
+type Tree = Bvh<Node16<18>>;
+
+/// Samples for a unit of length in the joints, as VAMP takes them.
+const RESOLUTION: f64 = 32.0;
+
+fn obstacle_tree(mesh: &OwnedMesh) -> Tree {
+    Builder::new().solid().build(&mesh.as_mesh()).unwrap()
+}
+
+/// What edges of one length came to.
+#[derive(Default)]
+struct Row {
+    certified: Vec<f64>,
+    sampled: Vec<f64>,
+    free: usize,
+    hits: usize,
+    unresolved: usize,
+    missed: usize,
+    times: u64,
+    samples: u64,
+}
+
+fn median(values: &mut [f64]) -> f64 {
+    values.sort_by(f64::total_cmp);
+    values.get(values.len() / 2).copied().unwrap_or(f64::NAN)
+}
+
+fn main() {
+    println!("Microseconds an edge of the Panda. {}.\n", Isa::detect());
+    let Some(data) = directory() else { return };
+    let folder = data.join("robots/panda");
+    let text = |name: &str| std::fs::read_to_string(folder.join(name)).unwrap();
+    let robot = Robot::from_urdf(&text("panda.urdf"), LinkShapes::Collision).unwrap();
+    let pairs = robot.pairs(&DisabledPair::from_srdf(&text("panda.srdf")).unwrap());
+    let links: Vec<Tree> = robot
+        .shapes
+        .iter()
+        .map(|shape| {
+            let LinkShape::Mesh { file, .. } = shape else { panic!("a link of the Panda is a mesh") };
+            let mesh = MeshData::obj(&folder.join(file));
+            Builder::new().build(&Mesh { vertices: &mesh.vertices, triangles: &mesh.triangles }).unwrap()
+        })
+        .collect();
+    let kinematics = robot.kinematics().unwrap();
+    let query = Query::new(Isa::detect());
+    let mut rng = Rng::new(16);
+    let mut rows: Vec<(String, Row)> =
+        ["0.1", "0.3", "1", "start to goal"].map(|name| (name.to_string(), Row::default())).into();
+    for problem in problems(&data.join("planning/mbm_panda.jsonl"), count(7, 70)) {
+        let trees: Vec<Tree> = problem.obstacles.iter().map(|(mesh, _)| obstacle_tree(mesh)).collect();
+        let mut scene: Scene<'_, Node16<18>> = Scene::new();
+        let ids: Vec<BodyId> =
+            links.iter().map(|link| scene.insert(Body::new(link.view()), &Pose::IDENTITY).unwrap()).collect();
+        for i in 0..ids.len() {
+            for j in i + 1..ids.len() {
+                scene.set_pair(ids[i], ids[j], pairs.contains(&(i, j))).unwrap();
+            }
+        }
+        for (tree, (_, at)) in trees.iter().zip(&problem.obstacles) {
+            let _ = scene.insert(Body::new(tree.view()).fixed(), &Pose::try_from(*at).unwrap()).unwrap();
+        }
+        let ends: Vec<Vec<f64>> = problem
+            .configurations
+            .iter()
+            .map(|q| robot.variables.iter().map(|name| q.get(name).copied().unwrap_or(0.0)).collect())
+            .collect();
+        let mut links = vec![Link::EMPTY; kinematics.links()];
+        let mut values = vec![0.0; robot.limits.len()];
+        let mut poses = vec![Pose::IDENTITY; 2 * ids.len()];
+        let mut waiting = vec![EdgePair::EMPTY; 8192];
+        let mut ask = |row: &mut Row, from: &[f64], to: &[f64]| {
+            let length = from.iter().zip(to).map(|(p, q)| (p - q) * (p - q)).sum::<f64>().sqrt();
+            let parts = NonZeroU32::new((RESOLUTION * length).ceil().max(1.0) as u32).unwrap();
+            let mut best: [Option<(f64, EdgeAnswer)>; 2] = [None; 2];
+            for _ in 0..count(5, 1) {
+                for (slot, is_sampled) in [false, true].into_iter().enumerate() {
+                    let start = Instant::now();
+                    let mut motion =
+                        StraightMotion::new(kinematics, [from, to], &mut values, &mut links).unwrap();
+                    let mut memory = EdgeMemory { poses: &mut poses, waiting: &mut waiting };
+                    let answer = if is_sampled {
+                        scene.sampled_edge(&query, &ids, &mut motion, parts, &mut memory).unwrap()
+                    } else {
+                        scene.edge(&query, &ids, &mut motion, 1e-6, &mut memory).unwrap()
+                    };
+                    let time = start.elapsed().as_secs_f64() * 1e6;
+                    if best[slot].is_none_or(|(least, _)| time < least) {
+                        best[slot] = Some((time, answer));
+                    }
+                }
+            }
+            let [Some((time, certified)), Some((sampled_time, sampled))] = best else { return };
+            row.certified.push(time);
+            row.sampled.push(sampled_time);
+            row.times += certified.times;
+            row.samples += sampled.times;
+            let is_sampled_hit = matches!(sampled.verdict, EdgeVerdict::Hit { .. });
+            match certified.verdict {
+                EdgeVerdict::Free => {
+                    assert!(!is_sampled_hit, "certified free, and a sample is a hit");
+                    row.free += 1;
+                }
+                EdgeVerdict::Hit { .. } => {
+                    row.hits += 1;
+                    row.missed += usize::from(!is_sampled_hit);
+                }
+                EdgeVerdict::Unresolved { .. } => row.unresolved += 1,
+            }
+        };
+        for end in &ends {
+            for (row, length) in rows.iter_mut().zip([0.1, 0.3, 1.0]) {
+                for _ in 0..5 {
+                    let to = towards(&mut rng, &robot.limits, end, length);
+                    ask(&mut row.1, end, &to);
+                }
+            }
+        }
+        ask(&mut rows[3].1, &ends[0], &ends[1]);
+    }
+    println!(
+        "{:14} {:>6} {:>6} {:>6} {:>7} {:>9} {:>9} {:>9} {:>9} {:>7} {:>8}",
+        "length, rad",
+        "free",
+        "hits",
+        "unres.",
+        "missed",
+        "median",
+        "sampled",
+        "mean",
+        "sampled",
+        "times",
+        "samples"
+    );
+    for (name, row) in &mut rows {
+        let edges = row.certified.len() as f64;
+        let mean = |values: &[f64]| values.iter().sum::<f64>() / edges;
+        println!(
+            "{name:14} {:6} {:6} {:6} {:7} {:9.2} {:9.2} {:9.2} {:9.2} {:7.1} {:8.1}",
+            row.free,
+            row.hits,
+            row.unresolved,
+            row.missed,
+            median(&mut row.certified.clone()),
+            median(&mut row.sampled.clone()),
+            mean(&row.certified),
+            mean(&row.sampled),
+            row.times as f64 / edges,
+            row.samples as f64 / edges,
+        );
+    }
+}
+
+/// A configuration in a random direction from another, so far away in the joints, within the limits.
+fn towards(rng: &mut Rng, limits: &[[f64; 2]], from: &[f64], length: f64) -> Vec<f64> {
+    let target: Vec<f64> = limits.iter().map(|[low, high]| rng.range(*low, *high)).collect();
+    let whole = from.iter().zip(&target).map(|(p, q)| (p - q) * (p - q)).sum::<f64>().sqrt();
+    from.iter().zip(&target).map(|(p, q)| p + (q - p) * (length / whole).min(1.0)).collect()
+}

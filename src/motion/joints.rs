@@ -1,0 +1,266 @@
+//! Links that joints hold together: a chain, or a tree of them.
+
+use super::{MotionError, unit};
+use crate::pose::{Pose, PoseError};
+use crate::range::Point;
+
+/// What a joint does.
+#[derive(Copy, Clone, PartialEq, Eq, Hash, Debug)]
+pub enum JointKind {
+    /// Turns about its axis, by its value in radians.
+    Revolute,
+    /// Slides along its axis, by its value in the unit of length.
+    Prismatic,
+}
+
+/// A joint, and the link that it moves: the link behind joint i is link i + 1, and link 0 is the base. A joint that does not
+/// move is none: what is behind it belongs to the link before.
+#[derive(Copy, Clone, PartialEq, Debug)]
+pub struct Joint {
+    parent: u32,
+    origin: Pose,
+    kind: JointKind,
+    axis: Point,
+    variable: u32,
+    multiplier: f64,
+    offset: f64,
+}
+
+impl Joint {
+    /// A joint on link `parent`, which stands at `origin` in its frame, with an axis in the joint's frame, whose value is the
+    /// variable of this index.
+    ///
+    /// # Errors
+    /// [`MotionError::NoDirection`].
+    pub fn new(
+        kind: JointKind,
+        parent: u32,
+        origin: Pose,
+        axis: Point,
+        variable: u32,
+    ) -> Result<Self, MotionError> {
+        let axis = unit(&axis).ok_or(MotionError::NoDirection)?;
+        Ok(Self { parent, origin, kind, axis, variable, multiplier: 1.0, offset: 0.0 })
+    }
+
+    /// One that follows its variable: its value is `multiplier` times that, and `offset`. A joint that mimics another.
+    ///
+    /// # Errors
+    /// [`MotionError::NotFinite`].
+    pub const fn following(self, multiplier: f64, offset: f64) -> Result<Self, MotionError> {
+        if multiplier.is_finite() && offset.is_finite() {
+            return Ok(Self { multiplier, offset, ..self });
+        }
+        Err(MotionError::NotFinite)
+    }
+
+    /// The link that it is on.
+    #[must_use]
+    pub const fn parent(&self) -> u32 {
+        self.parent
+    }
+
+    /// The variable that moves it.
+    #[must_use]
+    pub const fn variable(&self) -> u32 {
+        self.variable
+    }
+
+    pub(super) const fn kind(&self) -> JointKind {
+        self.kind
+    }
+
+    pub(super) fn value(&self, variables: &[f64]) -> f64 {
+        self.multiplier * variables[self.variable as usize] + self.offset
+    }
+
+    /// By how much the value changes where the variable changes by this.
+    pub(super) const fn change_of(&self, change: f64) -> f64 {
+        (self.multiplier * change).abs()
+    }
+
+    /// No value has a greater magnitude where the variable has none greater than this.
+    pub(super) const fn magnitude_of(&self, variable: f64) -> f64 {
+        self.change_of(variable) + self.offset.abs()
+    }
+}
+
+/// A body on a link.
+#[derive(Copy, Clone, PartialEq, Debug)]
+pub struct LinkBody {
+    /// The link: 0 is the base.
+    pub link: u32,
+    /// Where the body stands in the link's frame.
+    pub at: Pose,
+}
+
+/// Where a link stands at some values: memory for [`Kinematics::go_to`].
+#[derive(Copy, Clone, PartialEq, Debug)]
+pub struct Link {
+    /// The link in the world.
+    pub(super) frame: Pose,
+    /// Its joint's origin in the world.
+    pub(super) origin: Point,
+    /// Its joint's axis in the world.
+    pub(super) axis: Point,
+}
+
+impl Link {
+    /// To be lent.
+    pub const EMPTY: Self = Self { frame: Pose::IDENTITY, origin: [0.0; 3], axis: [0.0; 3] };
+}
+
+/// A robot: joints with limits, and bodies on its links. All of it is borrowed, from flash if need be.
+#[derive(Copy, Clone, Debug)]
+pub struct Kinematics<'r> {
+    base: Pose,
+    joints: &'r [Joint],
+    bodies: &'r [LinkBody],
+    limits: &'r [[f64; 2]],
+}
+
+impl<'r> Kinematics<'r> {
+    /// Of joints, each behind the one that it is on, of bodies, and of the lower and upper limit of each variable. The base
+    /// stands at the origin of the world.
+    ///
+    /// ```
+    /// use simdop::motion::{Joint, JointKind, Kinematics, Link, LinkBody};
+    /// use simdop::{glam::{DQuat, DVec3}, pose::Pose};
+    /// let at = |x: f64| Pose::try_from((DQuat::IDENTITY, DVec3::new(x, 0.0, 0.0)));
+    /// // Two joints that turn about z, the second a metre from the first, and a body half a metre behind the second.
+    /// let joint = |parent, x| Joint::new(JointKind::Revolute, parent, at(x)?, [0.0, 0.0, 1.0], parent);
+    /// let joints = [joint(0, 0.0)?, joint(1, 1.0)?];
+    /// let bodies = [LinkBody { link: 2, at: at(0.5)? }];
+    /// let arm = Kinematics::new(&joints, &bodies, &[[-2.0, 2.0]; 2])?;
+    ///
+    /// let (mut links, mut poses) = ([Link::EMPTY; 3], [Pose::IDENTITY]);
+    /// arm.go_to(&[0.5 * core::f64::consts::PI, 0.0], &mut links, &mut poses)?;
+    /// let [x, y, _] = poses[0].translation();
+    /// assert!(x.abs() < 1e-12 && (y - 1.5).abs() < 1e-12);
+    /// # Ok::<(), simdop::motion::MotionError>(())
+    /// ```
+    ///
+    /// # Errors
+    /// [`MotionError::NoSuchLink`], [`MotionError::NoSuchVariable`], [`MotionError::Limits`].
+    pub fn new(
+        joints: &'r [Joint],
+        bodies: &'r [LinkBody],
+        limits: &'r [[f64; 2]],
+    ) -> Result<Self, MotionError> {
+        for (index, joint) in joints.iter().enumerate() {
+            if joint.parent as usize > index {
+                return Err(MotionError::NoSuchLink { index, link: joint.parent });
+            }
+            if joint.variable as usize >= limits.len() {
+                return Err(MotionError::NoSuchVariable { joint: index, variable: joint.variable });
+            }
+        }
+        for (i, body) in bodies.iter().enumerate() {
+            if body.link as usize > joints.len() {
+                return Err(MotionError::NoSuchLink { index: joints.len() + i, link: body.link });
+            }
+        }
+        let is_interval = |[from, to]: &[f64; 2]| from.is_finite() && to.is_finite() && from <= to;
+        match limits.iter().position(|limits| !is_interval(limits)) {
+            Some(variable) => Err(MotionError::Limits { variable }),
+            None => Ok(Self { base: Pose::IDENTITY, joints, bodies, limits }),
+        }
+    }
+
+    /// With the base there in the world.
+    #[must_use]
+    pub const fn with_base(self, base: Pose) -> Self {
+        Self { base, ..self }
+    }
+
+    /// The joints.
+    #[must_use]
+    pub const fn joints(&self) -> &'r [Joint] {
+        self.joints
+    }
+
+    /// The bodies on the links.
+    #[must_use]
+    pub const fn bodies(&self) -> &'r [LinkBody] {
+        self.bodies
+    }
+
+    /// The lower and upper limit of each variable.
+    #[must_use]
+    pub const fn limits(&self) -> &'r [[f64; 2]] {
+        self.limits
+    }
+
+    /// How many links there are, the base among them: as many places must be lent.
+    #[must_use]
+    pub const fn links(&self) -> usize {
+        self.joints.len() + 1
+    }
+
+    /// Whether there is a value for each variable, and within its limits.
+    ///
+    /// # Errors
+    /// [`MotionError::Length`], [`MotionError::OutOfLimits`].
+    pub fn check(&self, variables: &[f64]) -> Result<(), MotionError> {
+        if variables.len() != self.limits.len() {
+            return Err(MotionError::Length { given: variables.len(), needed: self.limits.len() });
+        }
+        let mut all = variables.iter().zip(self.limits).enumerate();
+        match all.find(|(_, (value, [from, to]))| !(from..=to).contains(value)) {
+            Some((variable, (&given, _))) => Err(MotionError::OutOfLimits { variable, given }),
+            None => Ok(()),
+        }
+    }
+
+    /// Where the links and the bodies stand at these values: forward kinematics.
+    ///
+    /// # Errors
+    /// Those of [`Kinematics::check`]; [`MotionError::Length`] of what is lent; [`MotionError::Pose`].
+    pub fn go_to(
+        &self,
+        variables: &[f64],
+        links: &mut [Link],
+        poses: &mut [Pose],
+    ) -> Result<(), MotionError> {
+        self.check(variables)?;
+        self.check_room(links, poses.len())?;
+        Ok(self.place(variables, links, poses)?)
+    }
+
+    pub(super) const fn check_room(&self, links: &[Link], poses: usize) -> Result<(), MotionError> {
+        if links.len() < self.links() {
+            return Err(MotionError::Length { given: links.len(), needed: self.links() });
+        }
+        if poses < self.bodies.len() {
+            return Err(MotionError::Length { given: poses, needed: self.bodies.len() });
+        }
+        Ok(())
+    }
+
+    pub(super) fn place(
+        &self,
+        variables: &[f64],
+        links: &mut [Link],
+        poses: &mut [Pose],
+    ) -> Result<(), PoseError> {
+        links[0] = Link { frame: self.base, ..Link::EMPTY };
+        for (i, joint) in self.joints.iter().enumerate() {
+            let before = links[joint.parent as usize].frame.after(&joint.origin);
+            let (value, axis) = (joint.value(variables), before.rotate(&joint.axis));
+            let frame = match joint.kind {
+                JointKind::Revolute => before.after(&Pose::turn(&joint.axis, value)),
+                JointKind::Prismatic => before.shifted(&axis.map(|x| value * x)),
+            };
+            links[i + 1] = Link { frame, origin: before.translation(), axis };
+        }
+        for (pose, body) in poses.iter_mut().zip(self.bodies) {
+            *pose = links[body.link as usize].frame.compose(&body.at)?;
+        }
+        Ok(())
+    }
+
+    /// The link before.
+    pub(super) fn parent_of(&self, link: usize) -> usize {
+        self.joints[link - 1].parent as usize
+    }
+}

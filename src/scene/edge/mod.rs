@@ -1,0 +1,164 @@
+//! Edges: do bodies meet anywhere on their way?
+//!
+//! An interval of time is asked about at its middle. A pair of bodies that are farther apart there than they can come nearer
+//! within half of the interval ([`Motion::path_between`]) is free in all of it; two that meet there are a hit; of all others,
+//! both halves are asked about. Long intervals come first, and in each the pairs that are deepest, so that most hits are found
+//! soon.
+
+mod queue;
+mod search;
+
+pub use queue::EdgePair;
+
+use super::{BodyId, Scene, SceneError, SceneHit};
+use crate::motion::Motion;
+use crate::pose::Pose;
+use crate::query::{Counters, Lanes, Query, ToleranceError};
+use core::num::NonZeroU32;
+use queue::Queue;
+use search::EdgeSearch;
+
+/// Memory for edges, lent by the caller.
+#[derive(Debug)]
+pub struct EdgeMemory<'m> {
+    /// Twice as many as bodies move.
+    pub poses: &'m mut [Pose],
+    /// For pairs in intervals that wait: as many as there are pairs of bodies near each other, twice, and more where these come
+    /// close. What there is no room for stays unresolved.
+    pub waiting: &'m mut [EdgePair],
+}
+
+/// What became of an edge.
+#[must_use = "a query has no other effect than its verdict"]
+#[derive(Copy, Clone, PartialEq, Debug)]
+pub enum EdgeVerdict {
+    /// No two bodies that are asked meet at any time from 0 to 1.
+    Free,
+    /// Two bodies meet at this time. It need not be the first.
+    Hit {
+        /// The bodies.
+        hit: SceneHit,
+        /// When.
+        time: f64,
+    },
+    /// No hit was found; but before this interval of time nothing meets, and within it something may.
+    Unresolved {
+        /// When it begins.
+        from: f64,
+        /// When it ends: not more than the resolution later, if neither budget nor room ended the query.
+        to: f64,
+    },
+}
+
+/// A verdict on an edge, and what it cost.
+#[must_use = "a query has no other effect than its answer"]
+#[derive(Copy, Clone, PartialEq, Debug)]
+pub struct EdgeAnswer {
+    /// The verdict.
+    pub verdict: EdgeVerdict,
+    /// At how many times the bodies were placed.
+    pub times: u64,
+    /// Pairs of bodies that were asked about, once for each time.
+    pub pairs: u64,
+    /// The work for these pairs.
+    pub counters: Counters,
+}
+
+impl EdgeAnswer {
+    fn new() -> Self {
+        Self { verdict: EdgeVerdict::Free, times: 0, pairs: 0, counters: Counters::default() }
+    }
+
+    /// Whether all bodies are certainly free of those that they are asked against, all the way.
+    #[must_use]
+    pub const fn is_free(&self) -> bool {
+        matches!(self.verdict, EdgeVerdict::Free)
+    }
+}
+
+impl<N: Lanes> Scene<'_, N> {
+    /// Do any two bodies that are asked against each other meet at any time of a motion of some of them, and of what is
+    /// attached to these? All others stand still. **Free is certain for all times**, not for samples of them.
+    ///
+    /// `moving` names the bodies that the motion numbers from 0. No interval of time shorter than `resolution` is halved: what
+    /// comes so near that this would be needed is unresolved. The query's hint is not heeded; its budget is for all pairs and
+    /// times together. Afterwards the bodies stand where they stood.
+    ///
+    /// # Errors
+    /// [`SceneError`]: a body that is not there, or is attached; not as many bodies or poses as the motion needs
+    /// ([`SceneError::Motion`]); a pose on the way; a resolution that is not above 0 ([`SceneError::Tolerance`]).
+    pub fn edge(
+        &mut self,
+        query: &Query,
+        moving: &[BodyId],
+        motion: &mut impl Motion,
+        resolution: f64,
+        memory: &mut EdgeMemory<'_>,
+    ) -> Result<EdgeAnswer, SceneError> {
+        if resolution.is_nan() || resolution <= 0.0 {
+            return Err(SceneError::Tolerance(ToleranceError { given: resolution }));
+        }
+        let (poses, before) = self.set_out(moving, motion, memory.poses)?;
+        let queue = Queue::new(memory.waiting);
+        let answer = EdgeSearch { scene: self, query, moving, motion, poses }.run(resolution, queue);
+        self.come_back(moving, before)?;
+        answer
+    }
+
+    /// The same question at some times only: at those that divide 0 to 1 into `parts` evenly, both ends among them, in an order
+    /// that halves the longest gaps first, until one is a hit. The verdict is never [`EdgeVerdict::Free`]: between the times,
+    /// nothing is known.
+    ///
+    /// # Errors
+    /// As [`Scene::edge`].
+    pub fn sampled_edge(
+        &mut self,
+        query: &Query,
+        moving: &[BodyId],
+        motion: &mut impl Motion,
+        parts: NonZeroU32,
+        memory: &mut EdgeMemory<'_>,
+    ) -> Result<EdgeAnswer, SceneError> {
+        let (poses, before) = self.set_out(moving, motion, memory.poses)?;
+        let answer = EdgeSearch { scene: self, query, moving, motion, poses }.sample(parts);
+        self.come_back(moving, before)?;
+        answer
+    }
+
+    /// Notes where the moving bodies stand, and what moves with them. The poses on the way, and those.
+    fn set_out<'m>(
+        &mut self,
+        moving: &[BodyId],
+        motion: &impl Motion,
+        poses: &'m mut [Pose],
+    ) -> Result<(&'m mut [Pose], &'m mut [Pose]), SceneError> {
+        let bodies = motion.bodies();
+        if moving.len() != bodies || poses.len() / 2 < bodies {
+            return Err(SceneError::Motion { bodies, given: moving.len(), poses: poses.len() });
+        }
+        for slot in self.memory.slots.iter_mut() {
+            slot.carrier = None;
+        }
+        let (now, before) = poses[..2 * bodies].split_at_mut(bodies);
+        for (i, (pose, &id)) in before.iter_mut().zip(moving).enumerate() {
+            let slot = self.index(id)?;
+            let slot = &mut self.memory.slots[slot];
+            if slot.parent.is_some() {
+                return Err(SceneError::IsAttached { id });
+            }
+            (*pose, slot.carrier) = (slot.world, Some(i as u32));
+        }
+        for i in 0..self.memory.slots.len() {
+            let mut above = i;
+            while let Some(parent) = self.memory.slots[above].parent {
+                above = parent.to as usize;
+            }
+            self.memory.slots[i].carrier = self.memory.slots[above].carrier;
+        }
+        Ok((now, before))
+    }
+
+    fn come_back(&mut self, moving: &[BodyId], before: &[Pose]) -> Result<(), SceneError> {
+        moving.iter().zip(before).try_for_each(|(&id, pose)| self.place(id, pose))
+    }
+}

@@ -1,0 +1,92 @@
+//! Pairs of bodies that wait, each for an interval of time.
+
+/// Two bodies that are asked about in an interval of time. To be lent: [`EdgePair::EMPTY`].
+#[derive(Copy, Clone, Debug)]
+pub struct EdgePair {
+    pub(super) a: u32,
+    pub(super) b: u32,
+    /// The root of a binary tree of intervals is 1, and the halves of i are 2 i and 2 i + 1.
+    pub(super) interval: u32,
+}
+
+impl EdgePair {
+    /// No pair.
+    pub const EMPTY: Self = Self { a: 0, b: 0, interval: 0 };
+}
+
+/// An interval of time.
+#[derive(Copy, Clone)]
+pub(super) struct Interval(pub(super) u32);
+
+impl Interval {
+    /// No halves have numbers beyond.
+    pub(super) const LAST: u32 = 1 << 30;
+
+    /// Its middle, and half of its length: binary fractions, without rounding.
+    pub(super) fn middle(self) -> (f64, f64) {
+        let level = self.0.ilog2();
+        let span = 1.0 / f64::from(2_u32 << level);
+        (f64::from(2 * (self.0 - (1 << level)) + 1) * span, span)
+    }
+}
+
+/// Pairs that wait, first in first out.
+pub(super) struct Queue<'m> {
+    ring: &'m mut [EdgePair],
+    first: usize,
+    pub(super) len: usize,
+}
+
+impl<'m> Queue<'m> {
+    pub(super) const fn new(ring: &'m mut [EdgePair]) -> Self {
+        Self { ring, first: 0, len: 0 }
+    }
+
+    fn at(&self, i: usize) -> usize {
+        let at = self.first + i;
+        if at < self.ring.len() { at } else { at - self.ring.len() }
+    }
+
+    pub(super) fn push(&mut self, pair: EdgePair) -> bool {
+        if self.len == self.ring.len() {
+            return false;
+        }
+        let at = self.at(self.len);
+        self.ring[at] = pair;
+        self.len += 1;
+        true
+    }
+
+    /// The first, if it is about this interval.
+    pub(super) fn pop_of(&mut self, interval: u32) -> Option<EdgePair> {
+        let first = self.get(0).filter(|pair| pair.interval == interval)?;
+        self.first = self.at(1);
+        self.len -= 1;
+        Some(first)
+    }
+
+    /// Nothing is known of what waits, and nothing waits any more.
+    pub(super) fn give_up(&mut self, unresolved: &mut Unresolved) {
+        for i in 0..self.len {
+            unresolved.add(self.ring[self.at(i)].interval);
+        }
+        self.len = 0;
+    }
+
+    pub(super) fn get(&self, i: usize) -> Option<EdgePair> {
+        (i < self.len).then(|| self.ring[self.at(i)])
+    }
+}
+
+/// The earliest interval about which nothing is known.
+pub(super) struct Unresolved(pub(super) Option<(f64, f64)>);
+
+impl Unresolved {
+    pub(super) fn add(&mut self, interval: u32) {
+        let (middle, span) = Interval(interval).middle();
+        let bounds = (middle - span, middle + span);
+        if self.0.is_none_or(|known| bounds < known) {
+            self.0 = Some(bounds);
+        }
+    }
+}

@@ -1,0 +1,228 @@
+//! The descent of an edge's query.
+
+use super::queue::{EdgePair, Interval, Queue, Unresolved};
+use super::{BodyId, EdgeAnswer, EdgeVerdict, Scene, SceneError, SceneHit};
+use crate::motion::Motion;
+use crate::pose::Pose;
+use crate::query::{Lanes, Query, Verdict};
+use crate::range::MAX_COORDINATE;
+use crate::scene::Slot;
+use crate::scene::broad::{Batch, NearPair, depth, widened};
+use core::num::NonZeroU32;
+
+/// What is known of a pair in an interval.
+enum Known {
+    Free,
+    Hit(SceneHit),
+    /// They do not meet at its middle; before or after, they may.
+    Near,
+    OutOfBudget,
+}
+
+/// Longest way, for bodies of these radii, within which it pays to ask how far apart they are: over longer ones, those that come
+/// near each other at all can seldom be told apart. A half of the smaller body's radius, which itself counts as at least a tenth
+/// of the other's; any way for two points.
+fn long_way(a: f64, b: f64) -> f64 {
+    let (small, large) = if a < b { (a, b) } else { (b, a) };
+    if large > 0.0 { 0.5 * small.max(0.1 * large) } else { f64::INFINITY }
+}
+
+/// A way that overflows may be no number: then it is longer than all.
+fn finite_or_infinite(path: f64) -> f64 {
+    if path <= MAX_COORDINATE { path } else { f64::INFINITY }
+}
+
+/// A query of an edge.
+pub(super) struct EdgeSearch<'s, 't, 'm, N, M> {
+    pub(super) scene: &'s mut Scene<'t, N>,
+    pub(super) query: &'m Query,
+    pub(super) moving: &'m [BodyId],
+    pub(super) motion: &'m mut M,
+    pub(super) poses: &'m mut [Pose],
+}
+
+impl<N: Lanes, M: Motion> EdgeSearch<'_, '_, '_, N, M> {
+    pub(super) fn run(mut self, resolution: f64, mut queue: Queue<'_>) -> Result<EdgeAnswer, SceneError> {
+        let mut found = EdgeAnswer::new();
+        let mut unresolved = Unresolved(None);
+        self.gather(&mut queue, &mut unresolved)?;
+        while let Some(EdgePair { interval, .. }) = queue.get(0) {
+            let (middle, span) = Interval(interval).middle();
+            self.go_to(middle)?;
+            found.times += 1;
+            let is_last = 2.0 * span <= resolution || interval >= Interval::LAST;
+            // Most hits are found soon, and end the query before anything is certified.
+            match self.first_hit(&queue, interval, &mut found)? {
+                Known::Hit(hit) => {
+                    found.verdict = EdgeVerdict::Hit { hit, time: middle };
+                    return Ok(found);
+                }
+                Known::OutOfBudget => queue.give_up(&mut unresolved),
+                Known::Free | Known::Near => {}
+            }
+            let mut near = 0;
+            while let Some(pair) = queue.pop_of(interval) {
+                match self.certify(pair, span, &mut found)? {
+                    Known::Near if !is_last && queue.push(EdgePair { interval: 2 * interval, ..pair }) => {
+                        near += 1;
+                    }
+                    Known::Near | Known::Hit(_) => unresolved.add(interval),
+                    Known::OutOfBudget => {
+                        unresolved.add(interval);
+                        queue.give_up(&mut unresolved);
+                        near = 0;
+                    }
+                    Known::Free => {}
+                }
+            }
+            // The later halves come behind the earlier ones, so that bodies are placed once for each.
+            for i in queue.len - near..queue.len {
+                let later = 2 * interval + 1;
+                if let Some(pair) = queue.get(i)
+                    && !queue.push(EdgePair { interval: later, ..pair })
+                {
+                    unresolved.add(later);
+                }
+            }
+        }
+        if let Some((from, to)) = unresolved.0 {
+            found.verdict = EdgeVerdict::Unresolved { from, to };
+        }
+        Ok(found)
+    }
+
+    pub(super) fn sample(mut self, parts: NonZeroU32) -> Result<EdgeAnswer, SceneError> {
+        let mut found = EdgeAnswer::new();
+        let parts = parts.get();
+        let bits = parts.ilog2() + 1;
+        // Numbers whose bits are counted backwards: 0, a half, a quarter, three quarters.
+        for i in 0..1_u64 << bits {
+            let part = i.reverse_bits() >> (64 - bits);
+            if part > u64::from(parts) {
+                continue;
+            }
+            let time = part as f64 / f64::from(parts);
+            self.go_to(time)?;
+            let left = self.query.with_budget(self.query.budget() - found.counters.visits);
+            let answer = self.scene.collide(&left)?;
+            found.times += 1;
+            found.pairs += answer.pairs;
+            found.counters = found.counters.and(&answer.counters);
+            if let Some(hit) = answer.hit() {
+                found.verdict = EdgeVerdict::Hit { hit, time };
+                return Ok(found);
+            }
+        }
+        found.verdict = EdgeVerdict::Unresolved { from: 0.0, to: 1.0 };
+        Ok(found)
+    }
+
+    fn go_to(&mut self, time: f64) -> Result<(), SceneError> {
+        self.motion.go_to(time, self.poses)?;
+        for (&id, pose) in self.moving.iter().zip(&*self.poses) {
+            self.scene.place(id, pose)?;
+        }
+        Ok(())
+    }
+
+    /// The pairs whose bodies' boxes come near each other at any time.
+    fn gather(&mut self, queue: &mut Queue<'_>, unresolved: &mut Unresolved) -> Result<(), SceneError> {
+        let (middle, span) = Interval(1).middle();
+        self.go_to(middle)?;
+        for i in 0..self.scene.memory.slots.len() {
+            let slot = &self.scene.memory.slots[i];
+            if let Some(carrier) = slot.carrier
+                && slot.body.is_some()
+            {
+                let path = self.motion.path(carrier as usize, &slot.size.ball(&slot.world), span);
+                let bounds = widened(&self.scene.memory.bounds(i), finite_or_infinite(path));
+                self.scene.memory.set_bounds(i, bounds);
+            }
+        }
+        let mut batch = Batch::new();
+        loop {
+            let candidates = batch.next(self.scene, self.query, 0.0);
+            if candidates.is_empty() {
+                return Ok(());
+            }
+            for &NearPair { a, b, .. } in candidates {
+                if !queue.push(EdgePair { a, b, interval: 1 }) {
+                    unresolved.add(1);
+                }
+            }
+        }
+    }
+
+    /// How much nearer two bodies may come than they are.
+    fn path(&self, [a, b]: [&Slot<'_, N>; 2], span: f64) -> f64 {
+        let [ball_a, ball_b] = [a, b].map(|slot| slot.size.ball(&slot.world));
+        finite_or_infinite(match (a.carrier, b.carrier) {
+            (None, None) => 0.0,
+            (Some(i), None) => self.motion.path(i as usize, &ball_a, span),
+            (None, Some(j)) => self.motion.path(j as usize, &ball_b, span),
+            (Some(i), Some(j)) => {
+                self.motion.path_between((i as usize, &ball_a), (j as usize, &ball_b), span)
+            }
+        })
+    }
+
+    /// The first pair that meets now, of those that wait for an interval.
+    fn first_hit(
+        &self,
+        queue: &Queue<'_>,
+        interval: u32,
+        found: &mut EdgeAnswer,
+    ) -> Result<Known, SceneError> {
+        let waiting = (0..queue.len).map_while(|i| queue.get(i).filter(|pair| pair.interval == interval));
+        for pair in waiting {
+            let candidate = self.candidate(pair);
+            if candidate.depth < 0.0 {
+                continue;
+            }
+            match self.ask_within(&candidate, 0.0, found)? {
+                Verdict::Free => {}
+                Verdict::Unknown { .. } => return Ok(Known::OutOfBudget),
+                Verdict::Hit(pair) => return Ok(Known::Hit(self.scene.hit(&candidate, pair))),
+            }
+        }
+        Ok(Known::Free)
+    }
+
+    /// Whether a pair that does not meet now is free in a span around.
+    fn certify(&self, pair: EdgePair, span: f64, found: &mut EdgeAnswer) -> Result<Known, SceneError> {
+        let slots @ [a, b] = [pair.a, pair.b].map(|i| &self.scene.memory.slots[i as usize]);
+        let path = self.path(slots, span);
+        let candidate = self.candidate(pair);
+        // Less than in f32, as the boxes are.
+        if f64::from(-candidate.depth) > path * (1.0 + 1e-6) {
+            return Ok(Known::Free);
+        }
+        if path > long_way(a.size.whole_reach(), b.size.whole_reach()) {
+            return Ok(Known::Near);
+        }
+        Ok(match self.ask_within(&candidate, path, found)? {
+            Verdict::Free => Known::Free,
+            Verdict::Unknown { .. } => Known::OutOfBudget,
+            Verdict::Hit(_) => Known::Near,
+        })
+    }
+
+    /// Two bodies as their boxes stand now.
+    fn candidate(&self, EdgePair { a, b, .. }: EdgePair) -> NearPair {
+        let [p, q] = [a, b].map(|i| self.scene.memory.bounds(i as usize));
+        NearPair { a, b, depth: depth(&p, &q) }
+    }
+
+    fn ask_within(
+        &self,
+        candidate: &NearPair,
+        margin: f64,
+        found: &mut EdgeAnswer,
+    ) -> Result<Verdict, SceneError> {
+        let left = self.query.with_budget(self.query.budget() - found.counters.visits);
+        let answer = self.scene.ask_within(&left, candidate, margin)?;
+        found.pairs += 1;
+        found.counters = found.counters.and(&answer.counters);
+        Ok(answer.verdict)
+    }
+}
