@@ -29,7 +29,8 @@ impl Screw {
         Ok(Self { point, direction, angle, advance })
     }
 
-    /// That which takes a body from one pose to another by less than a full half turn, up to rounding.
+    /// That which takes a body from one pose to another by at most half a turn. It ends there up to 1e-7 of the coordinates: a
+    /// turn by less than 1e-8 is left out, since its axis would be too far away.
     ///
     /// # Errors
     /// [`MotionError::Pose`] if there is no pose between them.
@@ -40,17 +41,19 @@ impl Screw {
         let twice = [r[1] - q[2], p[2] - r[0], q[0] - p[1]];
         let (sine, cosine) = (length(&twice), (p[0] + q[1] + r[2]) - 1.0);
         let angle = libm::atan2(sine, cosine);
-        // Near a half turn, the symmetric part has the axis: the longest row of `R + 1`.
-        let rows = [[p[0] + 1.0, p[1], p[2]], [q[0], q[1] + 1.0, q[2]], [r[0], r[1], r[2] + 1.0]];
-        let longest =
-            rows.into_iter().fold([0.0; 3], |m, row| if length(&row) > length(&m) { row } else { m });
+        // Near a half turn the sine has few digits of the axis left. The symmetric part less the cosine has all: w transpose(w),
+        // times what is then at least 1.
+        let half = 0.5 * cosine;
+        let [xy, xz, yz] = [0.5 * (p[1] + q[0]), 0.5 * (p[2] + r[0]), 0.5 * (q[2] + r[1])];
+        let rows = [[p[0] - half, xy, xz], [xy, q[1] - half, yz], [xz, yz, r[2] - half]];
+        let longest = rows.into_iter().fold([0.0; 3], |m, row| if length(&row) > length(&m) { row } else { m });
         let direction = if cosine < -1.0 {
             let along = (twice[0] * longest[0] + twice[1] * longest[1]) + twice[2] * longest[2];
             unit(&if along < 0.0 { longest.map(|x: f64| -x) } else { longest })
         } else {
             unit(&twice)
         };
-        let Some([x, y, z]) = direction.filter(|_| angle > 0.0) else {
+        let Some([x, y, z]) = direction.filter(|_| angle > 1e-8) else {
             // No turn: along the way, or nowhere.
             let along = unit(&t).unwrap_or([1.0, 0.0, 0.0]);
             return Self::new([0.0; 3], along, 0.0, length(&t));

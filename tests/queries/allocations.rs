@@ -13,10 +13,11 @@ use heap::without_heap;
 use simdop::construct::{Builder, Mesh};
 use simdop::hierarchy::{BakeError, Bvh, BvhRef, Header, MAX_DEPTH};
 use simdop::isa::Isa;
+use simdop::motion::{Screw, ScrewMotion};
 use simdop::node::{Child, Node4, Node16};
 use simdop::pose::Pose;
 use simdop::query::{Completion, Lanes, Query, STACK_BYTES, Verdict};
-use simdop::scene::{Body, Scene};
+use simdop::scene::{Body, EdgeMemory, EdgePair, Scene};
 
 fn tree<N: Lanes>() -> Bvh<N> {
     let mesh = shapes::torus(32, 20);
@@ -220,6 +221,15 @@ fn queries_of_scenes_stay_off_the_heap() {
                 let _ = scene.within(&query, 0.01).unwrap();
                 let _ = scene.clearance(&query, 0.1, 1.0).unwrap();
                 let _ = scene.for_each_hit(&query, 0.0, |_| ControlFlow::Continue(())).unwrap();
+            });
+            let (starts, mut poses) = ([pose(x)], [Pose::IDENTITY; 2]);
+            let mut waiting = [EdgePair::EMPTY; 64];
+            let screw = Screw::new([0.0; 3], [0.0, 0.0, 1.0], 0.5, 0.1).unwrap();
+            let mut motion = ScrewMotion::new(screw, &starts);
+            let mut memory = EdgeMemory { poses: &mut poses, waiting: &mut waiting };
+            without_heap("edge", || {
+                let answer = scene.edge(&query, &ids[..1], &mut motion, 1e-3, &mut memory).unwrap();
+                assert!(answer.pairs > 0);
             });
         }
     }

@@ -1,0 +1,55 @@
+//! How deep two triangles cross: whether they still do when one has moved a little.
+//!
+//! An edge pq passes through a triangle at x, p at a distance h above its plane and q at a distance g below, and x is m inside of
+//! its edges. If every point of the edge moves by at most d, and d is less than h and g, then p and q are still above and below;
+//! and the place `h / (h + g)` along the edge where it passes changes by at most `d / (h + g - 2 d)`, so that x moves by at most d
+//! and this much of the edge's length. If that is less than m, the edge still passes through the triangle.
+
+use super::Triangle;
+use crate::range::Point;
+
+/// More than the roundings of all that is computed here.
+const ROUNDING: f64 = 1e-9;
+
+/// Whether two triangles that cross certainly do so after every point of one of them has moved by at most `moved`.
+pub(crate) fn cross_after(a: &Triangle, b: &Triangle, moved: f64) -> bool {
+    let edges = |t: &Triangle| [[t[0], t[1]], [t[1], t[2]], [t[2], t[0]]];
+    edges(a).iter().any(|edge| passes_after(edge, b, moved)) || edges(b).iter().any(|edge| passes_after(edge, a, moved))
+}
+
+fn passes_after(&[p, q]: &[Point; 2], t: &Triangle, moved: f64) -> bool {
+    let greatest = t.iter().chain([&p, &q]).flatten().fold(0.0, |m: f64, x| m.max(x.abs()));
+    let moved = moved + ROUNDING * greatest;
+    let Some(normal) = unit(&cross(&minus(&t[1], &t[0]), &minus(&t[2], &t[0]))) else { return false };
+    let above = |p: &Point| dot(&normal, &minus(p, &t[0]));
+    let (h, g) = (above(&p), -above(&q));
+    let (h, g) = if h < 0.0 { (-h, -g) } else { (h, g) };
+    if h.min(g).partial_cmp(&moved) != Some(core::cmp::Ordering::Greater) {
+        return false;
+    }
+    let way = minus(&q, &p);
+    let share = h / (h + g);
+    let x = [0, 1, 2].map(|i| p[i] + share * way[i]);
+    let shift = moved * (1.0 + libm::sqrt(dot(&way, &way)) / (h + g - 2.0 * moved));
+    (0..3).all(|i| {
+        let (u, v) = (&t[i], &t[(i + 1) % 3]);
+        unit(&cross(&normal, &minus(v, u))).is_some_and(|inwards| dot(&inwards, &minus(&x, u)) > shift)
+    })
+}
+
+fn minus(a: &Point, b: &Point) -> Point {
+    [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
+}
+
+fn dot(a: &Point, b: &Point) -> f64 {
+    (a[0] * b[0] + a[1] * b[1]) + a[2] * b[2]
+}
+
+fn cross(a: &Point, b: &Point) -> Point {
+    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
+}
+
+fn unit(a: &Point) -> Option<Point> {
+    let length = libm::sqrt(dot(a, a));
+    (length > 0.0).then(|| a.map(|x| x / length))
+}

@@ -1,0 +1,290 @@
+//! Edges: what is certified free no sample refutes, a hit is one, and what is unresolved comes as near as the resolution; on
+//! every instruction set the same.
+
+use crate::support::rng::Rng;
+use crate::support::shapes;
+use core::f64::consts::{FRAC_PI_2, PI};
+use core::num::NonZeroU32;
+use glam::{DQuat, DVec3};
+use simdop::construct::{Builder, Mesh};
+use simdop::hierarchy::Bvh;
+use simdop::isa::Isa;
+use simdop::motion::{
+    Joint, JointKind, Kinematics, Link, LinkBody, Motion, Screw, ScrewMotion, StraightMotion,
+};
+use simdop::node::Node16;
+use simdop::pose::Pose;
+use simdop::query::{Query, ToleranceError};
+use simdop::scene::{
+    Body, BodyId, EdgeAnswer, EdgeMemory, EdgePair, EdgeVerdict, Scene, SceneError,
+};
+
+type Tree = Bvh<Node16<18>>;
+
+fn solid(low: [f64; 3], high: [f64; 3]) -> Tree {
+    let mesh = shapes::cuboid(low, high, true);
+    Builder::new().solid().build(&Mesh { vertices: &mesh.vertices, triangles: &mesh.triangles }).unwrap()
+}
+
+fn at(x: f64, y: f64, z: f64) -> Pose {
+    Pose::try_from((DQuat::IDENTITY, DVec3::new(x, y, z))).unwrap()
+}
+
+/// Four links, each 0.5 long, that turn about z and y by turns.
+fn arm() -> ([Joint; 4], [LinkBody; 4], [[f64; 2]; 4]) {
+    let joint = |i: u32| {
+        let axis = if i.is_multiple_of(2) { [0.0, 0.0, 1.0] } else { [0.0, 1.0, 0.0] };
+        let origin = at(if i == 0 { 0.0 } else { 0.5 }, 0.0, 0.0);
+        Joint::new(JointKind::Revolute, i, origin, axis, i).unwrap()
+    };
+    let body = |i: u32| LinkBody { link: i + 1, at: Pose::IDENTITY };
+    ([0, 1, 2, 3].map(joint), [0, 1, 2, 3].map(body), [[-PI, PI]; 4])
+}
+
+struct Memory {
+    poses: Vec<Pose>,
+    waiting: Vec<EdgePair>,
+}
+
+impl Memory {
+    fn new(waiting: usize) -> Self {
+        Self { poses: vec![Pose::IDENTITY; 8], waiting: vec![EdgePair::EMPTY; waiting] }
+    }
+
+    fn lend(&mut self) -> EdgeMemory<'_> {
+        EdgeMemory { poses: &mut self.poses, waiting: &mut self.waiting }
+    }
+}
+
+fn edge(
+    scene: &mut Scene<'_, Node16<18>>,
+    query: &Query,
+    moving: &[BodyId],
+    motion: &mut impl Motion,
+    waiting: usize,
+) -> EdgeAnswer {
+    scene.edge(query, moving, motion, 1e-5, &mut Memory::new(waiting).lend()).unwrap()
+}
+
+/// Whether any two bodies that are asked meet at a time.
+fn meets(
+    scene: &mut Scene<'_, Node16<18>>,
+    query: &Query,
+    moving: &[BodyId],
+    motion: &mut impl Motion,
+    time: f64,
+) -> bool {
+    let mut poses = vec![Pose::IDENTITY; moving.len()];
+    motion.go_to(time, &mut poses).unwrap();
+    for (&id, pose) in moving.iter().zip(&poses) {
+        scene.place(id, pose).unwrap();
+    }
+    !scene.collide(query).unwrap().is_free()
+}
+
+/// How many edges, and samples of each, by SIMDOP_EDGES.
+fn effort() -> (usize, u32) {
+    let edges = std::env::var("SIMDOP_EDGES").ok().map_or(150, |n| n.parse().unwrap());
+    (edges, if edges > 10_000 { 10_000 } else { 400 })
+}
+
+#[test]
+fn no_sample_refutes_what_is_certified() {
+    let mut rng = Rng::new(180);
+    let link = solid([0.04, -0.04, -0.04], [0.46, 0.04, 0.04]);
+    let can = solid([-0.05; 3], [0.05; 3]);
+    let blocks = [solid([-0.2; 3], [0.2; 3]), solid([-0.6, -0.6, -0.01], [0.6, 0.6, 0.01])];
+    let (joints, bodies, limits) = arm();
+    let robot = Kinematics::new(&joints, &bodies, &limits).unwrap();
+    let detected = Query::new(Isa::detect());
+    let (edges, samples) = effort();
+    let (mut free, mut hits, mut unresolved) = (0, 0, 0);
+    for round in 0..edges {
+        let mut scene = Scene::new();
+        let ids = [0, 1, 2, 3].map(|_| scene.insert(Body::new(link.view()), &Pose::IDENTITY).unwrap());
+        for i in 1..4 {
+            scene.set_pair(ids[i - 1], ids[i], false).unwrap();
+        }
+        let held = scene.insert(Body::new(can.view()).with_radius(0.01), &at(0.55, 0.0, 0.0)).unwrap();
+        scene.attach(held, ids[3]).unwrap();
+        scene.set_pair(held, ids[3], false).unwrap();
+        for tree in &blocks {
+            let [p, q, r] = rng.rotation();
+            let mut far = || if rng.below(2) == 0 { rng.range(0.4, 2.2) } else { rng.range(-2.2, -0.4) };
+            let (x, y, z) = (far(), far(), far());
+            let world = [[p[0], p[1], p[2], x], [q[0], q[1], q[2], y], [r[0], r[1], r[2], z]];
+            let body = Body::new(tree.view()).fixed();
+            let _ = scene.insert(body, &Pose::from_rows(world).unwrap()).unwrap();
+        }
+        let mut values = || -> [f64; 4] { core::array::from_fn(|_| rng.range(-PI, PI)) };
+        let from = values();
+        let (to, share) = (values(), if round % 2 == 0 { 1.0 } else { 0.1 });
+        let to: [f64; 4] = core::array::from_fn(|i| from[i] + share * (to[i] - from[i]));
+        let (mut values, mut links) = ([0.0; 4], [Link::EMPTY; 5]);
+        let mut motion = StraightMotion::new(robot, [&from, &to], &mut values, &mut links).unwrap();
+        let answer = edge(&mut scene, &detected, &ids, &mut motion, 4096);
+        for isa in Isa::available() {
+            assert_eq!(answer, edge(&mut scene, &Query::new(isa), &ids, &mut motion, 4096), "{isa}");
+        }
+        let mut sampled = |until: f64| {
+            (0..=samples).map(|i| f64::from(i) / f64::from(samples)).take_while(|&time| time < until).find(
+                |&time| meets(&mut scene, &detected, &ids, &mut motion, time),
+            )
+        };
+        match answer.verdict {
+            EdgeVerdict::Free => {
+                assert_eq!(sampled(2.0), None, "edge {round} is certified free");
+                free += 1;
+            }
+            EdgeVerdict::Hit { hit, time } => {
+                assert!(meets(&mut scene, &detected, &ids, &mut motion, time));
+                let both = [hit.a, hit.b].map(|id| scene.world_pose(id).is_ok());
+                assert_eq!(both, [true; 2]);
+                hits += 1;
+            }
+            EdgeVerdict::Unresolved { from, to } => {
+                assert!(to - from <= 1e-5, "room and budget were not short");
+                assert_eq!(sampled(from), None, "before edge {round} is unresolved it is free");
+                unresolved += 1;
+            }
+        }
+    }
+    assert!(free > edges / 5 && hits > edges / 8 && unresolved <= edges / 50, "{free} {hits} {unresolved}");
+}
+
+#[test]
+fn a_wall_between_two_samples_is_met() {
+    // A link 2 long, that turns by a quarter about z, through a wall 2 mm thick across its way.
+    let link = solid([0.0, -0.01, -0.01], [2.0, 0.01, 0.01]);
+    let wall = solid([1.2, 0.0, -0.5], [2.5, 0.002, 0.5]);
+    let joints = [Joint::new(JointKind::Revolute, 0, Pose::IDENTITY, [0.0, 0.0, 1.0], 0).unwrap()];
+    let bodies = [LinkBody { link: 1, at: Pose::IDENTITY }];
+    let limits = [[-PI, PI]];
+    let robot = Kinematics::new(&joints, &bodies, &limits).unwrap();
+    let query = Query::new(Isa::detect());
+    let mut scene = Scene::new();
+    let id = scene.insert(Body::new(link.view()), &Pose::IDENTITY).unwrap();
+    let turned = Pose::try_from((DQuat::from_rotation_z(0.3), DVec3::ZERO)).unwrap();
+    let _ = scene.insert(Body::new(wall.view()).fixed(), &turned).unwrap();
+    let (mut values, mut links) = ([0.0; 1], [Link::EMPTY; 2]);
+    let mut motion = StraightMotion::new(robot, [&[0.0], &[FRAC_PI_2]], &mut values, &mut links).unwrap();
+    let mut memory = Memory::new(64);
+    for parts in [1, 2, 3, 4, 8] {
+        let parts = NonZeroU32::new(parts).unwrap();
+        let sampled = scene.sampled_edge(&query, &[id], &mut motion, parts, &mut memory.lend()).unwrap();
+        assert_eq!(sampled.verdict, EdgeVerdict::Unresolved { from: 0.0, to: 1.0 });
+        assert_eq!(sampled.times, u64::from(parts.get()) + 1);
+    }
+    let answer = scene.edge(&query, &[id], &mut motion, 1e-6, &mut memory.lend()).unwrap();
+    let EdgeVerdict::Hit { time, .. } = answer.verdict else { panic!("{answer:?}") };
+    assert!((time * FRAC_PI_2 - 0.3).abs() < 0.02, "{time}");
+    let parts = NonZeroU32::new(1000).unwrap();
+    let sampled = scene.sampled_edge(&query, &[id], &mut motion, parts, &mut memory.lend()).unwrap();
+    assert!(matches!(sampled.verdict, EdgeVerdict::Hit { .. }), "a thousand samples find the wall");
+    assert_eq!(scene.world_pose(id), Ok(&Pose::IDENTITY), "bodies stand where they stood");
+}
+
+/// A cube whose corner comes to within `gap` of a plane, at a time of a third, and goes away again.
+fn tangent(gap: f64, budget: u64, waiting: usize, resolution: f64) -> EdgeAnswer {
+    let (cube, table) = (solid([0.0; 3], [1.0; 3]), solid([-5.0, -5.0, -1.0], [5.0, 5.0, 0.0]));
+    let query = Query::new(Isa::detect()).with_budget(budget);
+    let mut scene = Scene::new();
+    // The edge of the cube along y, 2 from the axis of the turn, is lowest at the angle of 0.
+    let start = at(0.0, 0.0, -2.0);
+    let id = scene.insert(Body::new(cube.view()), &start).unwrap();
+    let _ = scene.insert(Body::new(table.view()).fixed(), &at(0.0, 0.0, 0.0)).unwrap();
+    let low = Pose::try_from((DQuat::from_rotation_y(-core::f64::consts::FRAC_PI_4), DVec3::new(0.0, 0.0, gap)));
+    let screw = Screw::new([0.0, 0.0, 2.0], [0.0, 1.0, 0.0], 1.5, 0.0).unwrap();
+    // A third of the turn before it is lowest.
+    let back = Screw::new([0.0, 0.0, 2.0], [0.0, 1.0, 0.0], -0.5, 0.0).unwrap();
+    let starts = [back.at(1.0, &low.unwrap()).unwrap()];
+    let mut motion = ScrewMotion::new(screw, &starts);
+    scene.edge(&query, &[id], &mut motion, resolution, &mut Memory::new(waiting).lend()).unwrap()
+}
+
+#[test]
+fn near_misses_are_free_and_touching_is_unresolved_or_a_hit() {
+    for gap in [1e-2, 1e-4, 1e-6] {
+        assert_eq!(tangent(gap, u64::MAX, 4096, 1e-9).verdict, EdgeVerdict::Free, "{gap}");
+    }
+    for gap in [-1e-2, -1e-4] {
+        let answer = tangent(gap, u64::MAX, 256, 1e-9);
+        assert!(matches!(answer.verdict, EdgeVerdict::Hit { .. }), "{gap}: {answer:?}");
+    }
+    // It touches at a third, which is no binary fraction; before, it is too near for the resolution.
+    let answer = tangent(0.0, u64::MAX, 256, 1e-4);
+    let EdgeVerdict::Unresolved { from, to } = answer.verdict else { panic!("{answer:?}") };
+    assert!(to - from <= 1e-4 && (from - 1.0 / 3.0).abs() < 0.01, "{from} {to}");
+}
+
+#[test]
+fn short_of_budget_or_room_nothing_is_called_free() {
+    let whole = tangent(1e-4, u64::MAX, 256, 1e-9);
+    assert_eq!(whole.verdict, EdgeVerdict::Free);
+    for budget in 0..whole.counters.visits {
+        let answer = tangent(1e-4, budget, 256, 1e-9);
+        let EdgeVerdict::Unresolved { from, to } = answer.verdict else { panic!("{budget}: {answer:?}") };
+        assert!(from < to && answer.counters.visits <= budget);
+    }
+    assert_eq!(tangent(1e-4, whole.counters.visits, 256, 1e-9), whole);
+    for waiting in 0..2 {
+        let answer = tangent(1e-4, u64::MAX, waiting, 1e-9);
+        assert!(matches!(answer.verdict, EdgeVerdict::Unresolved { .. }), "{waiting}: {answer:?}");
+    }
+    assert_eq!(tangent(-1e-2, u64::MAX, 0, 1e-9).verdict, EdgeVerdict::Unresolved { from: 0.0, to: 1.0 });
+}
+
+#[test]
+fn spheres_and_points_have_edges() {
+    // A point of radius 0.1 passes a wall on its way along x.
+    let (point, wall) = (simdop::construct::OwnedMesh::point(), solid([-3.0, -1.0, -1.0], [3.0, 0.0, 1.0]));
+    let ball: Tree = Builder::new().build(&point.as_mesh()).unwrap();
+    let query = Query::new(Isa::detect());
+    for (y, is_free) in [(0.11, true), (0.0999, false)] {
+        let mut scene = Scene::new();
+        let start = at(-2.0, y, 0.0);
+        let id = scene.insert(Body::new(ball.view()).with_radius(0.1), &start).unwrap();
+        let turned = DQuat::from_rotation_x(0.3);
+        let world = |p: DVec3| Pose::try_from((turned, turned * p)).unwrap();
+        let _ = scene.insert(Body::new(wall.view()).fixed(), &world(DVec3::ZERO)).unwrap();
+        let starts = [world(DVec3::new(-2.0, y, 0.0))];
+        let screw = Screw::new([0.0; 3], [1.0, 0.0, 0.0], 0.0, 4.0).unwrap();
+        let mut motion = ScrewMotion::new(screw, &starts);
+        let answer = edge(&mut scene, &query, &[id], &mut motion, 512);
+        assert_eq!(answer.is_free(), is_free, "{answer:?}");
+    }
+}
+
+#[test]
+fn what_is_no_edge_is_refused() {
+    let cube = solid([0.0; 3], [1.0; 3]);
+    let query = Query::new(Isa::detect());
+    let mut scene = Scene::new();
+    let a = scene.insert(Body::new(cube.view()), &at(0.0, 0.0, 0.0)).unwrap();
+    let b = scene.insert(Body::new(cube.view()), &at(3.0, 0.0, 0.0)).unwrap();
+    let starts = [at(0.0, 0.0, 0.0)];
+    let screw = Screw::new([0.0; 3], [1.0, 0.0, 0.0], 0.0, 1.0).unwrap();
+    let mut motion = ScrewMotion::new(screw, &starts);
+    let mut memory = Memory::new(8);
+    for resolution in [0.0, -1.0, f64::NAN] {
+        let refused = scene.edge(&query, &[a], &mut motion, resolution, &mut memory.lend()).unwrap_err();
+        assert!(matches!(refused, SceneError::Tolerance(ToleranceError { .. })), "{refused}");
+    }
+    for moving in [&[] as &[BodyId], &[a, b]] {
+        let refused = scene.edge(&query, moving, &mut motion, 1e-3, &mut memory.lend()).unwrap_err();
+        assert_eq!(refused, SceneError::Motion { bodies: 1, given: moving.len(), poses: 8 });
+    }
+    let mut little = EdgeMemory { poses: &mut [Pose::IDENTITY], waiting: &mut [] };
+    let refused = scene.edge(&query, &[a], &mut motion, 1e-3, &mut little).unwrap_err();
+    assert_eq!(refused, SceneError::Motion { bodies: 1, given: 1, poses: 1 });
+    scene.attach(a, b).unwrap();
+    let refused = scene.edge(&query, &[a], &mut motion, 1e-3, &mut memory.lend()).unwrap_err();
+    assert_eq!(refused, SceneError::IsAttached { id: a });
+    scene.detach(a).unwrap();
+    // So far away that no pose of a scene is.
+    let far = Screw::new([0.0; 3], [1.0, 0.0, 0.0], 0.0, 1e91).unwrap();
+    let mut motion = ScrewMotion::new(far, &starts);
+    let refused = scene.edge(&query, &[a], &mut motion, 1e-3, &mut memory.lend()).unwrap_err();
+    assert!(matches!(refused, SceneError::Pose(_)), "{refused}");
+    assert_eq!(scene.world_pose(a), Ok(&at(0.0, 0.0, 0.0)), "and it stands where it stood");
+}
