@@ -25,6 +25,11 @@ static void expect(int is_so, const char *what) {
     }
 }
 
+/* Ends the program unless a call failed as expected. */
+static void must_fail(simdop_error error, simdop_error expected) {
+    expect(error == expected, simdop_last_error());
+}
+
 /* The solid box with sides x, y, z about the origin. */
 static simdop_body *box(double x, double y, double z) {
     static const uint32_t triangles[12 * 3] = {0, 2, 3, 0, 3, 1, 4, 5, 7, 4, 7, 6, 0, 1, 5, 0, 5, 4,
@@ -53,7 +58,8 @@ struct count {
 
 static int on_hit(void *user, const simdop_scene_hit *hit) {
     struct count *count = user;
-    printf("  primitive %u of one body meets primitive %u of the other\n", (unsigned)hit->pair.a, (unsigned)hit->pair.b);
+    printf("  primitive %u of one body meets primitive %u of the other\n", (unsigned)hit->pair.a,
+           (unsigned)hit->pair.b);
     count->found++;
     return count->found == count->most;
 }
@@ -61,23 +67,21 @@ static int on_hit(void *user, const simdop_scene_hit *hit) {
 int main(void) {
     static const double corners[4 * 3] = {0, 0, 0, 0.1, 0, 0, 0, 0.1, 0, 0, 0, 0.1};
     static const uint32_t faces[4 * 3] = {0, 2, 1, 0, 1, 3, 1, 2, 3, 2, 0, 3};
-    simdop_body *shelf = box(0.4, 0.4, 0.4), *link = box(0.5, 0.05, 0.05), *tool, *opened, *none;
+    simdop_body *shelf = box(0.4, 0.4, 0.4), *link = box(0.5, 0.05, 0.05), *built, *tool, *none;
 
     /* The tool comes from bytes, as it would from flash: they belong to `built`, which must stay as long. */
-    simdop_body *built;
     const uint8_t *bytes;
     size_t count;
     must(simdop_body_build_surface(corners, 4, faces, 4, &built));
     must(simdop_body_bytes(built, &bytes, &count));
-    must(simdop_body_open(bytes, count, &opened));
-    tool = opened;
+    must(simdop_body_open(bytes, count, &tool));
 
     /* Two bodies. */
     simdop_pose pose = at(1, 0, 0);
     simdop_answer answer;
     simdop_distance_answer distance;
     must(simdop_distance(tool, shelf, &pose, 0, SIMDOP_NO_BUDGET, &distance));
-    expect(fabs(distance.upper - 0.8) < 1e-12 && distance.lower <= distance.upper, "the tool is 0.8 m from the shelf");
+    expect(fabs(distance.upper - 0.8) < 1e-12 && distance.lower <= distance.upper, "it is 0.8 m to the shelf");
     expect(fabs(distance.point_a[0] - 1) < 1e-12 && fabs(distance.point_b[0] - 0.2) < 1e-12, "and this is where");
     must(simdop_within(tool, shelf, &pose, 0.79, SIMDOP_NO_BUDGET, &answer));
     expect(answer.verdict == SIMDOP_VERDICT_FREE, "it is not within 0.79 m");
@@ -111,22 +115,24 @@ int main(void) {
     pose = at(0.4, 0, 0);
     must(simdop_scene_place(scene, link_id, &pose));
     must(simdop_scene_within(scene, 0.05, SIMDOP_NO_BUDGET, &seen));
-    expect(seen.verdict == SIMDOP_VERDICT_HIT && seen.hit.a != link_id && seen.hit.b != link_id, "the tool meets the shelf");
+    expect(seen.verdict == SIMDOP_VERDICT_HIT, "it comes within 0.05 m of the shelf");
+    expect(seen.hit.a != link_id && seen.hit.b != link_id, "the tool does, not the link");
     struct count hits = {0, 1};
     simdop_scene_hits all;
     must(simdop_scene_each_hit(scene, 0.1, SIMDOP_NO_BUDGET, on_hit, &hits, &all));
     expect(hits.found == 1 && all.completion == SIMDOP_COMPLETION_STOPPED, "the callback stopped at the first hit");
 
     /* What is wrong is said. */
-    expect(simdop_body_build_solid(corners, 4, faces, 3, &none) == SIMDOP_ERROR_BUILD_OPEN && none == NULL, simdop_last_error());
-    expect(simdop_scene_place(scene, tool_id, &pose) == SIMDOP_ERROR_SCENE_IS_ATTACHED, simdop_last_error());
-    expect(simdop_collide(NULL, shelf, &pose, SIMDOP_NO_BUDGET, &answer) == SIMDOP_ERROR_NULL, simdop_last_error());
+    must_fail(simdop_body_build_solid(corners, 4, faces, 3, &none), SIMDOP_ERROR_BUILD_OPEN);
+    expect(none == NULL, "there is no body then");
+    must_fail(simdop_scene_place(scene, tool_id, &pose), SIMDOP_ERROR_SCENE_IS_ATTACHED);
+    must_fail(simdop_collide(NULL, shelf, &pose, SIMDOP_NO_BUDGET, &answer), SIMDOP_ERROR_NULL);
 
     must(simdop_scene_detach(scene, tool_id));
     must(simdop_scene_remove(scene, tool_id));
-    expect(simdop_scene_remove(scene, tool_id) == SIMDOP_ERROR_SCENE_NO_SUCH_BODY, simdop_last_error());
+    must_fail(simdop_scene_remove(scene, tool_id), SIMDOP_ERROR_SCENE_NO_SUCH_BODY);
     simdop_scene_destroy(scene);
-    simdop_body_destroy(opened);
+    simdop_body_destroy(tool);
     simdop_body_destroy(built);
     simdop_body_destroy(link);
     simdop_body_destroy(shelf);

@@ -21,6 +21,8 @@
  * Threads. Any number of them may use a handle at once where it is a pointer to const. Who changes or destroys it must be
  * alone with it. Messages belong to the thread that the failure was on.
  *
+ * Linking. With libsimdop_capi.so, or libsimdop_capi.a and on Linux -lpthread -lm -ldl.
+ *
  * Memory. Queries allocate nothing, except for the message where they fail. They take 64 KiB of stack at most.
  */
 
@@ -68,7 +70,7 @@ typedef enum {
    */
   SIMDOP_ERROR_TOO_LARGE = 3,
   /**
-   * A defect of the library. Handles that were part of the call may only be destroyed.
+   * A defect of the library, which is printed to stderr, too. Handles that were part of the call may only be destroyed.
    */
   SIMDOP_ERROR_PANIC = 4,
   /**
@@ -326,7 +328,7 @@ typedef struct {
    */
   simdop_completion completion;
   /**
-   * Lower bound.
+   * Lower bound: infinite if a body is empty.
    */
   double lower;
   /**

@@ -23,7 +23,7 @@ pub enum simdop_error {
     Misaligned = 2,
     /// An array is larger than there can be, or than a body may be.
     TooLarge = 3,
-    /// A defect of the library. Handles that were part of the call may only be destroyed.
+    /// A defect of the library, which is printed to stderr, too. Handles that were part of the call may only be destroyed.
     Panic = 4,
     /// An error that has no code of its own: see simdop_last_error().
     Other = 5,

@@ -92,7 +92,7 @@ pub struct simdop_distance_answer {
     pub verdict: simdop_verdict,
     /// Whether the bounds are as near to each other as was asked. They hold in any case.
     pub completion: simdop_completion,
-    /// Lower bound.
+    /// Lower bound: infinite if a body is empty.
     pub lower: f64,
     /// Upper bound: infinite if a body is empty, or the budget was spent before a witness was found. 0 if and only if the
     /// witnesses meet, or one body is inside of the other, which is solid.
