@@ -14,6 +14,20 @@ pub struct BodyId {
     pub(super) generation: u32,
 }
 
+impl BodyId {
+    /// As a number, for interfaces that know no such type.
+    #[must_use]
+    pub const fn to_bits(self) -> u64 {
+        (self.generation as u64) << 32 | self.index as u64
+    }
+
+    /// Of a number from [`BodyId::to_bits`]. Any other is that of no body, or of one that it happens to name.
+    #[must_use]
+    pub const fn from_bits(bits: u64) -> Self {
+        Self { index: bits as u32, generation: (bits >> 32) as u32 }
+    }
+}
+
 /// The tree of a body.
 #[derive(Debug)]
 pub enum BodyTree<'t, N> {

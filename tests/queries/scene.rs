@@ -285,6 +285,7 @@ fn attached_bodies_move_along() {
     // Another body in its place has another id.
     let other = put(&mut scene, &tree, 20.0);
     assert!(other != hand && scene.world_pose(hand).is_err() && scene.world_pose(other).is_ok());
+    assert_eq!([other, hand].map(|id| BodyId::from_bits(id.to_bits())), [other, hand]);
     assert_eq!(scene.ids().count(), 4);
 }
 

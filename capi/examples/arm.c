@@ -1,0 +1,140 @@
+/*
+ * An arm's link and a tetrahedron in its hand, beside a box: do they meet, and how near do they come?
+ *
+ * Lengths are in metres. Ends with 0 only if each answer is the one expected; `capi/check` builds and runs it.
+ */
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+
+#include "simdop.h"
+
+/* Ends the program with the library's message unless a call succeeded. */
+static void must(simdop_error error) {
+    if (error != SIMDOP_ERROR_NONE) {
+        fprintf(stderr, "%s: %s\n", simdop_error_text(error), simdop_last_error());
+        exit(EXIT_FAILURE);
+    }
+}
+
+/* Ends the program unless what was expected is so. */
+static void expect(int is_so, const char *what) {
+    printf("%s: %s\n", is_so ? "as expected" : "NOT AS EXPECTED", what);
+    if (!is_so) {
+        exit(EXIT_FAILURE);
+    }
+}
+
+/* Ends the program unless a call failed as expected. */
+static void must_fail(simdop_error error, simdop_error expected) {
+    expect(error == expected, simdop_last_error());
+}
+
+/* The solid box with sides x, y, z about the origin. */
+static simdop_body *box(double x, double y, double z) {
+    static const uint32_t triangles[12 * 3] = {0, 2, 3, 0, 3, 1, 4, 5, 7, 4, 7, 6, 0, 1, 5, 0, 5, 4,
+                                               2, 6, 7, 2, 7, 3, 0, 4, 6, 0, 6, 2, 1, 3, 7, 1, 7, 5};
+    double vertices[8 * 3];
+    simdop_body *body;
+    for (int i = 0; i < 8; i++) {
+        vertices[3 * i] = (i & 1) ? 0.5 * x : -0.5 * x;
+        vertices[3 * i + 1] = (i & 2) ? 0.5 * y : -0.5 * y;
+        vertices[3 * i + 2] = (i & 4) ? 0.5 * z : -0.5 * z;
+    }
+    must(simdop_body_build_solid(vertices, 8, triangles, 12, &body));
+    return body;
+}
+
+/* Without a turn. */
+static simdop_pose at(double x, double y, double z) {
+    const simdop_pose pose = {{{1, 0, 0, x}, {0, 1, 0, y}, {0, 0, 1, z}}};
+    return pose;
+}
+
+/* Counts hits, and stops when as many are found as were asked for. */
+struct count {
+    int found, most;
+};
+
+static int on_hit(void *user, const simdop_scene_hit *hit) {
+    struct count *count = user;
+    printf("  primitive %u of one body meets primitive %u of the other\n", (unsigned)hit->pair.a,
+           (unsigned)hit->pair.b);
+    count->found++;
+    return count->found == count->most;
+}
+
+int main(void) {
+    static const double corners[4 * 3] = {0, 0, 0, 0.1, 0, 0, 0, 0.1, 0, 0, 0, 0.1};
+    static const uint32_t faces[4 * 3] = {0, 2, 1, 0, 1, 3, 1, 2, 3, 2, 0, 3};
+    simdop_body *shelf = box(0.4, 0.4, 0.4), *link = box(0.5, 0.05, 0.05), *built, *tool, *none;
+
+    /* The tool comes from bytes, as it would from flash: they belong to `built`, which must stay as long. */
+    const uint8_t *bytes;
+    size_t count;
+    must(simdop_body_build_surface(corners, 4, faces, 4, &built));
+    must(simdop_body_bytes(built, &bytes, &count));
+    must(simdop_body_open(bytes, count, &tool));
+
+    /* Two bodies. */
+    simdop_pose pose = at(1, 0, 0);
+    simdop_answer answer;
+    simdop_distance_answer distance;
+    must(simdop_distance(tool, shelf, &pose, 0, SIMDOP_NO_BUDGET, &distance));
+    expect(fabs(distance.upper - 0.8) < 1e-12 && distance.lower <= distance.upper, "it is 0.8 m to the shelf");
+    expect(fabs(distance.point_a[0] - 1) < 1e-12 && fabs(distance.point_b[0] - 0.2) < 1e-12, "and this is where");
+    must(simdop_within(tool, shelf, &pose, 0.79, SIMDOP_NO_BUDGET, &answer));
+    expect(answer.verdict == SIMDOP_VERDICT_FREE, "it is not within 0.79 m");
+    const double quarter_about_z[4] = {0, 0, sqrt(0.5), sqrt(0.5)}, inside[3] = {0.05, 0, 0};
+    must(simdop_pose_from_quaternion(quarter_about_z, inside, &pose));
+    must(simdop_collide(tool, shelf, &pose, SIMDOP_NO_BUDGET, &answer));
+    expect(answer.verdict == SIMDOP_VERDICT_HIT, "wholly inside of the solid it is a hit");
+
+    /* A scene: the link holds the tool, and turns. */
+    simdop_scene *scene;
+    simdop_body_id shelf_id, link_id, tool_id;
+    simdop_role fixed = simdop_role_default(), padded = simdop_role_default();
+    fixed.is_fixed = 1;
+    padded.radius = 0.01;
+    must(simdop_scene_create(&scene));
+    pose = at(0.9, 0, 0);
+    must(simdop_scene_insert(scene, shelf, &fixed, &pose, &shelf_id));
+    pose = at(0, 0, 0);
+    must(simdop_scene_insert(scene, link, &padded, &pose, &link_id));
+    pose = at(0.25, 0, 0);
+    must(simdop_scene_insert(scene, tool, &padded, &pose, &tool_id));
+    must(simdop_scene_set_pair(scene, link_id, tool_id, 0));
+    must(simdop_scene_attach(scene, tool_id, link_id));
+
+    simdop_scene_answer seen;
+    simdop_scene_clearance_answer near;
+    must(simdop_scene_collide(scene, SIMDOP_NO_BUDGET, &seen));
+    expect(seen.verdict == SIMDOP_VERDICT_FREE, "the arm is free");
+    must(simdop_scene_clearance(scene, 0, 1, SIMDOP_NO_BUDGET, &near));
+    expect(fabs(near.upper - 0.34) < 1e-9, "the padded tool is 0.34 m from the shelf");
+    pose = at(0.4, 0, 0);
+    must(simdop_scene_place(scene, link_id, &pose));
+    must(simdop_scene_within(scene, 0.05, SIMDOP_NO_BUDGET, &seen));
+    expect(seen.verdict == SIMDOP_VERDICT_HIT, "it comes within 0.05 m of the shelf");
+    expect(seen.hit.a != link_id && seen.hit.b != link_id, "the tool does, not the link");
+    struct count hits = {0, 1};
+    simdop_scene_hits all;
+    must(simdop_scene_each_hit(scene, 0.1, SIMDOP_NO_BUDGET, on_hit, &hits, &all));
+    expect(hits.found == 1 && all.completion == SIMDOP_COMPLETION_STOPPED, "the callback stopped at the first hit");
+
+    /* What is wrong is said. */
+    must_fail(simdop_body_build_solid(corners, 4, faces, 3, &none), SIMDOP_ERROR_BUILD_OPEN);
+    expect(none == NULL, "there is no body then");
+    must_fail(simdop_scene_place(scene, tool_id, &pose), SIMDOP_ERROR_SCENE_IS_ATTACHED);
+    must_fail(simdop_collide(NULL, shelf, &pose, SIMDOP_NO_BUDGET, &answer), SIMDOP_ERROR_NULL);
+
+    must(simdop_scene_detach(scene, tool_id));
+    must(simdop_scene_remove(scene, tool_id));
+    must_fail(simdop_scene_remove(scene, tool_id), SIMDOP_ERROR_SCENE_NO_SUCH_BODY);
+    simdop_scene_destroy(scene);
+    simdop_body_destroy(tool);
+    simdop_body_destroy(built);
+    simdop_body_destroy(link);
+    simdop_body_destroy(shelf);
+    return EXIT_SUCCESS;
+}

@@ -1,0 +1,267 @@
+//! Queries of two bodies.
+
+use crate::body::{Node, simdop_body};
+use crate::boundary::{given, guarded};
+use crate::error::{Failure, simdop_error};
+use crate::pose::simdop_pose;
+use simdop::isa::Isa;
+use simdop::pose::Pose;
+use simdop::query::{Answer, Completion, Counters, Distance, Pair, Query, Verdict};
+use simdop::scene::BodyTree;
+use std::mem::MaybeUninit;
+use std::sync::LazyLock;
+
+/// As many visits as it takes: then no answer is unknown.
+pub const SIMDOP_NO_BUDGET: u64 = u64::MAX;
+
+/// The index of a primitive where there is none.
+pub const SIMDOP_NO_PRIMITIVE: u32 = u32::MAX;
+
+/// Whether bodies meet, or come within the margin. Touching counts.
+#[repr(C)]
+#[derive(Copy, Clone, PartialEq, Eq, Debug)]
+pub enum simdop_verdict {
+    /// They do not: certain.
+    Free = 0,
+    /// They do.
+    Hit = 1,
+    /// The budget was spent before it was known: they may.
+    Unknown = 2,
+}
+
+/// How a search ended.
+#[repr(C)]
+#[derive(Copy, Clone, PartialEq, Eq, Debug)]
+pub enum simdop_completion {
+    /// By itself.
+    Complete = 0,
+    /// The callback stopped it.
+    Stopped = 1,
+    /// The budget was spent.
+    OutOfBudget = 2,
+}
+
+/// Two primitives, by their indices in what was built; SIMDOP_NO_PRIMITIVE where there are none.
+#[repr(C)]
+#[derive(Copy, Clone, PartialEq, Eq, Debug)]
+pub struct simdop_pair {
+    /// Primitive of body A.
+    pub a: u32,
+    /// Primitive of body B.
+    pub b: u32,
+}
+
+/// The work of a query: the same on every machine.
+#[repr(C)]
+#[derive(Copy, Clone, PartialEq, Eq, Debug)]
+pub struct simdop_counters {
+    /// Pairs of nodes, or of a node and a leaf: the unit of the budget.
+    pub visits: u64,
+    /// Overlap kernels called.
+    pub kernels: u64,
+    /// Nodes whose children were turned into the other body's frame.
+    pub realignments: u64,
+    /// Pairs of primitives tested.
+    pub primitive_pairs: u64,
+    /// Of these, the ones that needed exact arithmetic.
+    pub exact_pairs: u64,
+}
+
+/// The answer of simdop_collide() and simdop_within().
+#[repr(C)]
+#[derive(Copy, Clone, PartialEq, Debug)]
+pub struct simdop_answer {
+    /// The verdict.
+    pub verdict: simdop_verdict,
+    /// Of a hit: primitives that meet, or come within the margin. Of a body that is inside of a solid, one of the part that is
+    /// inside and one of the solid's.
+    pub pair: simdop_pair,
+    /// Of an unknown verdict: the distance of the bodies is at least this. Otherwise 0.
+    pub lower: f64,
+    /// Of an unknown verdict: the distance of the bodies is at most this. Otherwise infinite.
+    pub upper: f64,
+    /// The work.
+    pub counters: simdop_counters,
+}
+
+/// The answer of simdop_distance(): the distance lies in lower ..= upper.
+#[repr(C)]
+#[derive(Copy, Clone, PartialEq, Debug)]
+pub struct simdop_distance_answer {
+    /// Whether the bodies meet.
+    pub verdict: simdop_verdict,
+    /// Whether the bounds are as near to each other as was asked. They hold in any case.
+    pub completion: simdop_completion,
+    /// Lower bound: infinite if a body is empty.
+    pub lower: f64,
+    /// Upper bound: infinite if a body is empty, or the budget was spent before a witness was found. 0 if and only if the
+    /// witnesses meet, or one body is inside of the other, which is solid.
+    pub upper: f64,
+    /// Two primitives that are `upper` apart, if that is finite.
+    pub pair: simdop_pair,
+    /// Where they are closest: the point of A, in B's frame, up to rounding. NaN if there is no witness.
+    pub point_a: [f64; 3],
+    /// The point of B, in B's frame.
+    pub point_b: [f64; 3],
+    /// The work.
+    pub counters: simdop_counters,
+}
+
+impl simdop_pair {
+    pub(crate) const NONE: Self = Self { a: SIMDOP_NO_PRIMITIVE, b: SIMDOP_NO_PRIMITIVE };
+}
+
+impl From<Pair> for simdop_pair {
+    fn from(Pair { a, b }: Pair) -> Self {
+        Self { a, b }
+    }
+}
+
+impl From<Counters> for simdop_counters {
+    fn from(Counters { visits, kernels, realignments, primitive_pairs, exact_pairs }: Counters) -> Self {
+        Self { visits, kernels, realignments, primitive_pairs, exact_pairs }
+    }
+}
+
+impl From<Completion> for simdop_completion {
+    fn from(completion: Completion) -> Self {
+        match completion {
+            Completion::Complete => Self::Complete,
+            Completion::Stopped => Self::Stopped,
+            Completion::OutOfBudget => Self::OutOfBudget,
+        }
+    }
+}
+
+impl From<Verdict> for simdop_verdict {
+    fn from(verdict: Verdict) -> Self {
+        match verdict {
+            Verdict::Free => Self::Free,
+            Verdict::Hit(_) => Self::Hit,
+            Verdict::Unknown { .. } => Self::Unknown,
+        }
+    }
+}
+
+impl From<Answer> for simdop_answer {
+    fn from(answer: Answer) -> Self {
+        let (lower, upper) = match answer.verdict {
+            Verdict::Unknown { lower, upper } => (lower, upper),
+            _ => (0.0, f64::INFINITY),
+        };
+        Self {
+            verdict: answer.verdict.into(),
+            pair: answer.hit().map_or(simdop_pair::NONE, simdop_pair::from),
+            lower,
+            upper,
+            counters: answer.counters.into(),
+        }
+    }
+}
+
+impl From<Distance> for simdop_distance_answer {
+    fn from(answer: Distance) -> Self {
+        let witness = answer.witness;
+        Self {
+            verdict: answer.verdict().into(),
+            completion: answer.completion.into(),
+            lower: answer.lower,
+            upper: answer.upper,
+            pair: witness.map_or(simdop_pair::NONE, |witness| witness.pair.into()),
+            point_a: witness.map_or([f64::NAN; 3], |witness| witness.a),
+            point_b: witness.map_or([f64::NAN; 3], |witness| witness.b),
+            counters: answer.counters.into(),
+        }
+    }
+}
+
+/// A query on the best instruction set of this machine, which is looked for once.
+pub(crate) fn query(budget: u64) -> Query {
+    static ISA: LazyLock<Isa> = LazyLock::new(Isa::detect);
+    Query::new(*ISA).with_budget(budget)
+}
+
+/// What a query is about.
+struct Posed<'a> {
+    a: BodyTree<'a, Node>,
+    b: BodyTree<'a, Node>,
+    pose: Pose,
+}
+
+impl<'a> Posed<'a> {
+    fn new(
+        a: Option<&'a simdop_body>,
+        b: Option<&'a simdop_body>,
+        a_in_b: Option<&simdop_pose>,
+    ) -> Result<Self, Failure> {
+        let pose = given(a_in_b, "a_in_b")?.checked()?;
+        Ok(Self { a: given(a, "a")?.tree(), b: given(b, "b")?.tree(), pose })
+    }
+}
+
+/// An expression with the trees of both bodies, whatever their primitives.
+macro_rules! with_trees {
+    ($posed:expr, |$a:ident, $b:ident| $with:expr) => {
+        match ($posed.a, $posed.b) {
+            (BodyTree::Mesh($a), BodyTree::Mesh($b)) => $with,
+            (BodyTree::Mesh($a), BodyTree::Spheres($b)) => $with,
+            (BodyTree::Spheres($a), BodyTree::Mesh($b)) => $with,
+            (BodyTree::Spheres($a), BodyTree::Spheres($b)) => $with,
+        }
+    };
+}
+
+/// Does body `a`, placed by `a_in_b` in the frame of body `b`, meet `b`? The verdict is exact. Gives up after `budget` visits.
+#[unsafe(no_mangle)]
+pub extern "C" fn simdop_collide(
+    a: Option<&simdop_body>,
+    b: Option<&simdop_body>,
+    a_in_b: Option<&simdop_pose>,
+    budget: u64,
+    answer: Option<&mut MaybeUninit<simdop_answer>>,
+) -> simdop_error {
+    guarded(|| {
+        let (posed, query) = (Posed::new(a, b, a_in_b)?, query(budget));
+        let answer = given(answer, "answer")?;
+        answer.write(with_trees!(posed, |a, b| query.collide(&a, &b, &posed.pose)).into());
+        Ok(())
+    })
+}
+
+/// Do the bodies come within `margin`, finite and not negative, of each other? Never falsely free. Otherwise as
+/// simdop_collide().
+#[unsafe(no_mangle)]
+pub extern "C" fn simdop_within(
+    a: Option<&simdop_body>,
+    b: Option<&simdop_body>,
+    a_in_b: Option<&simdop_pose>,
+    margin: f64,
+    budget: u64,
+    answer: Option<&mut MaybeUninit<simdop_answer>>,
+) -> simdop_error {
+    guarded(|| {
+        let (posed, query) = (Posed::new(a, b, a_in_b)?, query(budget));
+        let answer = given(answer, "answer")?;
+        answer.write(with_trees!(posed, |a, b| query.within(&a, &b, &posed.pose, margin))?.into());
+        Ok(())
+    })
+}
+
+/// How far apart are the bodies? The bounds are as near to each other as `tolerance`, relative to the distance, finite and not
+/// negative; 0 is as near as can be computed. Otherwise as simdop_collide(). The greater body is best given as `b`.
+#[unsafe(no_mangle)]
+pub extern "C" fn simdop_distance(
+    a: Option<&simdop_body>,
+    b: Option<&simdop_body>,
+    a_in_b: Option<&simdop_pose>,
+    tolerance: f64,
+    budget: u64,
+    answer: Option<&mut MaybeUninit<simdop_distance_answer>>,
+) -> simdop_error {
+    guarded(|| {
+        let (posed, query) = (Posed::new(a, b, a_in_b)?, query(budget));
+        let answer = given(answer, "answer")?;
+        answer.write(with_trees!(posed, |a, b| query.distance(&a, &b, &posed.pose, tolerance))?.into());
+        Ok(())
+    })
+}

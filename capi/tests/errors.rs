@@ -1,0 +1,265 @@
+//! Every code can be had, and has a text; nothing crashes at NULL.
+
+mod support;
+
+use simdop::construct::{Builder, Mesh, OwnedMesh};
+use simdop::hierarchy::{Aligned, Bvh};
+use simdop::node::{Node4, Node16};
+use simdop_capi::*;
+use std::collections::BTreeSet;
+use std::ffi::{CStr, c_char, c_int, c_void};
+use std::fs;
+use std::mem::MaybeUninit;
+use std::ptr::null;
+use support::{IDENTITY, answer, bytes, handle, open, solid, spheres, surface};
+
+const VERTICES: [[f64; 3]; 4] = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+const TRIANGLES: [[u32; 3]; 4] = [[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]];
+const TETRAHEDRON: Mesh<'static> = Mesh { vertices: &VERTICES, triangles: &TRIANGLES };
+
+fn text(text: *const c_char) -> String {
+    // SAFETY: all texts end with a 0, and are there until the next failure at least.
+    unsafe { CStr::from_ptr(text) }.to_str().unwrap().to_owned()
+}
+
+fn last_error() -> String {
+    text(simdop_last_error())
+}
+
+/// A tree of two parts, in bytes that may be changed.
+fn two_parts() -> (Aligned<[u8; 2048]>, usize) {
+    let apart = VERTICES.map(|[x, y, z]| [x + 5.0, y, z]);
+    let vertices = [VERTICES, apart].concat();
+    let triangles = [TRIANGLES, TRIANGLES.map(|t| t.map(|i| i + 4))].concat();
+    let body = surface(&Mesh { vertices: &vertices, triangles: &triangles }).unwrap();
+    let (mut copy, count) = (Aligned([0; 2048]), bytes(&body).len());
+    copy.0[..count].copy_from_slice(bytes(&body));
+    (copy, count)
+}
+
+/// What opening a tree of two parts comes to that has other bytes at one place.
+fn opened_with(at: usize, bytes: &[u8]) -> simdop_error {
+    let (mut copy, count) = two_parts();
+    copy.0[at..at + bytes.len()].copy_from_slice(bytes);
+    open(&copy.0[..count]).unwrap_err()
+}
+
+/// All errors of opening bytes.
+fn of_bytes() -> Vec<simdop_error> {
+    // Where what is in that tree: the header's fields, and after the node with its thin slabs the rest.
+    let [version, k, kind, leaf_size, node] = [8, 12, 16, 18, 128];
+    let vertices = node + size_of::<Node16<18>>() + 16 * 8;
+    let [records, sources, parts] = [96, 96 + 96, 96 + 96 + 32].map(|offset| vertices + offset);
+    let (copy, count) = two_parts();
+    let arity_4: Bvh<Node4<18>> = Builder::new().build(&TETRAHEDRON).unwrap();
+
+    assert!(open(&copy.0[..count]).is_ok());
+    let other_node = open(arity_4.as_bytes()).unwrap_err();
+    assert!(last_error().contains("arity 4"), "{}", last_error());
+    assert_eq!(opened_with(k, &[14, 0]), other_node);
+    let mut shifted = Aligned([0; 2048]);
+    shifted.0[8..8 + count].copy_from_slice(&copy.0[..count]);
+    for end in 0..count {
+        assert!(open(&copy.0[..end]).is_err(), "of {end} bytes of {count}");
+    }
+    vec![
+        other_node,
+        open(&shifted.0[8..8 + count]).unwrap_err(),
+        open(&copy.0[..count - 1]).unwrap_err(),
+        open(&copy.0[..count + 1]).unwrap_err(),
+        opened_with(0, b"simdop"),
+        opened_with(version, &[99]),
+        opened_with(kind, &[7]),
+        opened_with(leaf_size, &[0]),
+        opened_with(node, &[0xff, 0x7f]),
+        opened_with(vertices, &f32::NAN.to_le_bytes()),
+        opened_with(records, &[8, 0, 0, 0]),
+        opened_with(sources, &[8, 0, 0, 0]),
+        opened_with(parts, &[8, 0, 0, 0]),
+    ]
+}
+
+/// All errors of building.
+fn of_building() -> Vec<simdop_error> {
+    let changed = |place: f64| {
+        let mut vertices = VERTICES;
+        vertices[2][1] = place;
+        surface(&Mesh { vertices: &vertices, triangles: &TRIANGLES }).unwrap_err()
+    };
+    let not_finite = changed(f64::NAN);
+    assert!(last_error().contains("vertex 2"), "{}", last_error());
+    let open = solid(&Mesh { vertices: &VERTICES, triangles: &TRIANGLES[1..] }).unwrap_err();
+    let tiny = VERTICES.map(|p| p.map(|x| x * 1e-100));
+    let refused = |first: *const f64, count| {
+        // SAFETY: more than there can be, or misaligned, which is noticed before any is read.
+        handle(|body| unsafe { simdop_body_build_spheres(first, count, body) }).unwrap_err()
+    };
+    vec![
+        not_finite,
+        open,
+        changed(f64::INFINITY),
+        spheres(&[[0.0, 0.0, 0.0, -1.0]]).unwrap_err(),
+        surface(&Mesh { vertices: &tiny, triangles: &TRIANGLES }).unwrap_err(),
+        surface(&Mesh { vertices: &VERTICES[..3], triangles: &TRIANGLES }).unwrap_err(),
+        refused([0.0; 4].as_ptr(), usize::MAX),
+        refused(null::<f64>().wrapping_byte_add(4), 1),
+    ]
+}
+
+/// All errors of poses and margins.
+fn of_queries() -> Vec<simdop_error> {
+    let body = surface(&TETRAHEDRON).unwrap();
+    let placed = |row: usize, column: usize, number: f64| {
+        let mut pose = IDENTITY;
+        pose.rows[row][column] = number;
+        answer(|answer| simdop_collide(Some(&body), Some(&body), Some(&pose), SIMDOP_NO_BUDGET, answer))
+            .unwrap_err()
+    };
+    let not_rigid = placed(0, 0, 1.1);
+    assert!(last_error().contains("differs from 1 by"), "{}", last_error());
+    let (body, zeros) = (Some(&*body), [0.0; 4]);
+    // SAFETY: four numbers, and three of them.
+    let not_unit =
+        answer(|pose| unsafe { simdop_pose_from_quaternion(zeros.as_ptr(), zeros.as_ptr(), pose) });
+    let margin = answer(|answer| simdop_within(body, body, Some(&IDENTITY), -1.0, SIMDOP_NO_BUDGET, answer));
+    vec![
+        not_rigid,
+        placed(0, 3, f64::NAN),
+        placed(0, 3, 1e300),
+        placed(0, 0, -1.0),
+        not_unit.unwrap_err(),
+        margin.unwrap_err(),
+    ]
+}
+
+/// All errors of scenes.
+fn of_scenes() -> Vec<simdop_error> {
+    let body: &'static simdop_body = Box::leak(surface(&TETRAHEDRON).unwrap());
+    let mut scene = handle(|scene| simdop_scene_create(scene)).unwrap();
+    let mut insert = |radius: f64| {
+        let role = simdop_role { radius, ..simdop_role_default() };
+        answer(|id| simdop_scene_insert(Some(&mut scene), Some(body), Some(&role), Some(&IDENTITY), id))
+    };
+    let (a, b, radius) = (insert(0.0).unwrap(), insert(1.0).unwrap(), insert(f64::NAN).unwrap_err());
+    assert_eq!(simdop_scene_attach(Some(&mut scene), a, b), simdop_error::None);
+    let errors = vec![
+        radius,
+        simdop_scene_place(Some(&mut scene), a, Some(&IDENTITY)),
+        simdop_scene_attach(Some(&mut scene), b, a),
+        simdop_scene_set_pair(Some(&mut scene), a, a, 0),
+        simdop_scene_detach(Some(&mut scene), SIMDOP_NO_BODY),
+    ];
+    assert_eq!(simdop_scene_remove(Some(&mut scene), b), simdop_error::None);
+    assert_eq!(simdop_scene_remove(Some(&mut scene), b), simdop_error::SceneNoSuchBody);
+    // Nothing is attached to what is gone.
+    assert_eq!(simdop_scene_place(Some(&mut scene), a, Some(&IDENTITY)), simdop_error::None);
+    errors
+}
+
+/// What arrays and the callback come to where they are NULL, or what they are for is.
+#[expect(clippy::multiple_unsafe_ops_per_block, reason = "of all of them the same is to be said")]
+fn of_null_arrays(scene: &simdop_scene) -> Vec<simdop_error> {
+    unsafe extern "C" fn go_on(_: *mut c_void, _: *const simdop_scene_hit) -> c_int {
+        0
+    }
+    let (twelve, three, no_budget) = ([0.0; 12], [0_u32; 3], SIMDOP_NO_BUDGET);
+    let (numbers, indices, mut errors) = (twelve.as_ptr(), three.as_ptr(), Vec::new());
+    // SAFETY: what is not NULL has enough items.
+    unsafe {
+        errors.push(handle(|body| simdop_body_open(null(), 0, body)).unwrap_err());
+        errors.push(simdop_body_open(numbers.cast(), 96, None));
+        for build in [simdop_body_build_surface, simdop_body_build_solid] {
+            errors.push(handle(|body| build(null(), 0, indices, 1, body)).unwrap_err());
+            errors.push(handle(|body| build(numbers, 4, null(), 0, body)).unwrap_err());
+            errors.push(build(numbers, 4, indices, 1, None));
+        }
+        errors.push(handle(|body| simdop_body_build_spheres(null(), 1, body)).unwrap_err());
+        errors.push(simdop_body_build_spheres(numbers, 3, None));
+        errors.push(answer(|pose| simdop_pose_from_quaternion(null(), numbers, pose)).unwrap_err());
+        errors.push(answer(|pose| simdop_pose_from_quaternion(numbers, null(), pose)).unwrap_err());
+        errors.push(simdop_pose_from_quaternion(numbers, numbers, None));
+        let user = std::ptr::null_mut();
+        let each = |scene, on_hit| {
+            answer(|hits| simdop_scene_each_hit(scene, 0.0, no_budget, on_hit, user, hits)).unwrap_err()
+        };
+        errors.push(each(None, Some(go_on)));
+        errors.push(each(Some(scene), None));
+        errors.push(simdop_scene_each_hit(Some(scene), 0.0, no_budget, Some(go_on), user, None));
+    }
+    errors
+}
+
+/// The other functions, with a NULL in each place.
+fn of_null() -> Vec<simdop_error> {
+    let body: &'static simdop_body =
+        Box::leak(solid(&OwnedMesh::cuboid([1.0; 3]).unwrap().as_mesh()).unwrap());
+    let (role, no_budget, some, pose) =
+        (simdop_role_default(), SIMDOP_NO_BUDGET, Some(body), Some(&IDENTITY));
+    let mut scene = handle(|scene| simdop_scene_create(scene)).unwrap();
+    let mut errors = of_null_arrays(&scene);
+    let (mut first, mut count) = (MaybeUninit::uninit(), MaybeUninit::uninit());
+    errors.push(simdop_body_bytes(None, Some(&mut first), Some(&mut count)));
+    errors.push(simdop_body_bytes(some, None, Some(&mut count)));
+    errors.push(simdop_body_bytes(some, Some(&mut first), None));
+    for (a, b, pose) in [(None, some, pose), (some, None, pose), (some, some, None)] {
+        errors.push(answer(|answer| simdop_collide(a, b, pose, no_budget, answer)).unwrap_err());
+        errors.push(answer(|answer| simdop_within(a, b, pose, 0.0, no_budget, answer)).unwrap_err());
+        errors.push(answer(|answer| simdop_distance(a, b, pose, 0.0, no_budget, answer)).unwrap_err());
+    }
+    errors.push(simdop_collide(some, some, pose, no_budget, None));
+    errors.push(simdop_within(some, some, pose, 0.0, no_budget, None));
+    errors.push(simdop_distance(some, some, pose, 0.0, no_budget, None));
+
+    errors.push(simdop_scene_create(None));
+    errors.push(answer(|id| simdop_scene_insert(None, some, Some(&role), pose, id)).unwrap_err());
+    for (body, role, pose) in [(None, Some(&role), pose), (some, None, pose), (some, Some(&role), None)] {
+        errors.push(answer(|id| simdop_scene_insert(Some(&mut scene), body, role, pose, id)).unwrap_err());
+    }
+    errors.push(simdop_scene_insert(Some(&mut scene), some, Some(&role), pose, None));
+    errors.push(simdop_scene_remove(None, 0));
+    errors.push(simdop_scene_place(None, 0, pose));
+    errors.push(simdop_scene_place(Some(&mut scene), 0, None));
+    errors.push(simdop_scene_attach(None, 0, 0));
+    errors.push(simdop_scene_detach(None, 0));
+    errors.push(simdop_scene_set_pair(None, 0, 0, 0));
+    errors.push(answer(|answer| simdop_scene_collide(None, no_budget, answer)).unwrap_err());
+    errors.push(simdop_scene_collide(Some(&scene), no_budget, None));
+    errors.push(answer(|answer| simdop_scene_within(None, 0.0, no_budget, answer)).unwrap_err());
+    errors.push(simdop_scene_within(Some(&scene), 0.0, no_budget, None));
+    errors.push(answer(|near| simdop_scene_clearance(None, 0.0, 1.0, no_budget, near)).unwrap_err());
+    errors.push(simdop_scene_clearance(Some(&scene), 0.0, 1.0, no_budget, None));
+    simdop_body_destroy(None);
+    simdop_scene_destroy(None);
+    errors
+}
+
+#[test]
+fn null_is_an_error_wherever_it_is_given() {
+    assert_eq!(last_error(), "", "of a thread without a failure");
+    for (place, error) in of_null().into_iter().enumerate() {
+        assert_eq!(error, simdop_error::Null, "{place}");
+    }
+    assert!(last_error().ends_with(" is NULL"), "{}", last_error());
+}
+
+#[test]
+fn every_code_can_be_had_and_has_a_text() {
+    let had = [of_null(), of_bytes(), of_building(), of_queries(), of_scenes()].concat();
+    let had: BTreeSet<_> = had.into_iter().map(|error| error as c_int).collect();
+    let header = fs::read_to_string(concat!(env!("CARGO_MANIFEST_DIR"), "/include/simdop.h")).unwrap();
+    let codes: Vec<(&str, c_int)> = header
+        .lines()
+        .filter_map(|line| line.trim().strip_prefix("SIMDOP_ERROR_")?.strip_suffix(',')?.split_once(" = "))
+        .map(|(name, code)| (name, code.parse().unwrap()))
+        .collect();
+    let texts: BTreeSet<_> = codes.iter().map(|(_, code)| text(simdop_error_text(*code))).collect();
+    assert!(texts.len() == codes.len() && codes.len() > 30, "each has its own: {texts:?}");
+    for no_code in [-1, 6, 1000] {
+        assert!(!texts.contains(&text(simdop_error_text(no_code))));
+    }
+    for (name, code) in codes {
+        // What no call is known to give is tried in the crate's unit tests.
+        let elsewhere = ["NONE", "PANIC", "OTHER"].contains(&name);
+        assert!(had.contains(&code) != elsewhere, "{name}");
+    }
+}

@@ -1,0 +1,155 @@
+//! The answers about scenes are the library's.
+
+mod support;
+
+use simdop::isa::Isa;
+use simdop::query::{Completion, Query};
+use simdop::scene::{Body, BodyId, Groups, Scene, SceneHit, SceneVerdict};
+use simdop_capi::*;
+use std::ffi::{c_int, c_void};
+use std::ops::ControlFlow;
+use support::{Node, Rng, answer, handle, meshes, pose, sphere_sets};
+
+/// Adds a hit to what `user` leads to, a list and the length at which it stops.
+unsafe extern "C" fn collect(user: *mut c_void, hit: *const simdop_scene_hit) -> c_int {
+    // SAFETY: the tests hand over such a list.
+    let (list, most) = unsafe { &mut *user.cast::<(Vec<simdop_scene_hit>, usize)>() };
+    // SAFETY: a hit, by the function's promise.
+    list.push(unsafe { *hit });
+    c_int::from(list.len() == *most)
+}
+
+fn hits(scene: &simdop_scene, margin: f64, most: usize) -> (Vec<simdop_scene_hit>, simdop_scene_hits) {
+    let mut found = (Vec::new(), most);
+    let user = (&raw mut found).cast();
+    // SAFETY: the list is what the function takes it for.
+    let came_to = answer(|hits| unsafe {
+        simdop_scene_each_hit(Some(scene), margin, SIMDOP_NO_BUDGET, Some(collect), user, hits)
+    });
+    let came_to = came_to.unwrap();
+    (found.0, came_to)
+}
+
+fn assert_hits(c: &simdop_scene_hit, rust: Option<SceneHit>) {
+    let none = SIMDOP_NO_PRIMITIVE;
+    let expected = rust.map_or((SIMDOP_NO_BODY, SIMDOP_NO_BODY, none, none), |hit| {
+        (hit.a.to_bits(), hit.b.to_bits(), hit.pair.a, hit.pair.b)
+    });
+    assert_eq!((c.a, c.b, c.pair.a, c.pair.b), expected);
+}
+
+/// Asks both all that there is to ask.
+fn compare(c: &simdop_scene, rust: &Scene<'_, Node>, rng: &mut Rng, verdicts: &mut [u32; 3]) {
+    let margin = rng.range(0.0, 0.2);
+    for budget in [SIMDOP_NO_BUDGET, 2] {
+        let query = Query::new(Isa::detect()).with_budget(budget);
+        for (answer, expected) in [
+            (answer(|answer| simdop_scene_collide(Some(c), budget, answer)), rust.collide(&query)),
+            (
+                answer(|answer| simdop_scene_within(Some(c), margin, budget, answer)),
+                rust.within(&query, margin),
+            ),
+        ] {
+            let (answer, expected) = (answer.unwrap(), expected.unwrap());
+            let verdict = match expected.verdict {
+                SceneVerdict::Free => simdop_verdict::Free,
+                SceneVerdict::Hit(_) => simdop_verdict::Hit,
+                SceneVerdict::Unknown => simdop_verdict::Unknown,
+            };
+            assert_eq!(answer.verdict, verdict);
+            assert_hits(&answer.hit, expected.hit());
+            assert_eq!((answer.pairs, answer.counters.visits), (expected.pairs, expected.counters.visits));
+            verdicts[verdict as usize] += 1;
+        }
+        let (tolerance, cutoff) = (*rng.pick(&[0.0, 0.1]), *rng.pick(&[0.5, f64::INFINITY]));
+        let near = answer(|near| simdop_scene_clearance(Some(c), tolerance, cutoff, budget, near)).unwrap();
+        let expected = rust.clearance(&query, tolerance, cutoff).unwrap();
+        assert_eq!([near.lower, near.upper], [expected.lower, expected.upper]);
+        let is_complete = near.completion == simdop_completion::Complete;
+        assert_eq!(is_complete, expected.completion == Completion::Complete);
+        assert_hits(&near.hit, expected.witness.map(|witness| witness.hit));
+        let points = expected.witness.map(|witness| [witness.a, witness.b]);
+        assert!(points.is_none_or(|points| points == [near.point_a, near.point_b]));
+        assert_eq!((near.pairs, near.counters.visits), (expected.pairs, expected.counters.visits));
+    }
+
+    let mut expected = Vec::new();
+    let visit = |hit| {
+        expected.push(hit);
+        ControlFlow::Continue(())
+    };
+    let _ = rust.for_each_hit(&Query::new(Isa::detect()), margin, visit).unwrap();
+    let (all, came_to) = hits(c, margin, usize::MAX);
+    assert_eq!((all.len(), came_to.completion), (expected.len(), simdop_completion::Complete));
+    all.iter().zip(&expected).for_each(|(hit, expected)| assert_hits(hit, Some(*expected)));
+    if let [first, ..] = all[..] {
+        let (some, came_to) = hits(c, margin, 1);
+        assert_eq!((some, came_to.completion), (vec![first], simdop_completion::Stopped));
+    }
+}
+
+#[test]
+fn scenes_answer_as_the_librarys() {
+    let mut rng = Rng::new(3);
+    let (meshes, spheres) = (meshes(&mut rng), sphere_sets(&mut rng));
+    let meshes = meshes.iter().map(|body| (body.c, Body::new(body.rust.view())));
+    let spheres = spheres.iter().map(|body| (body.c, Body::new(body.rust.view())));
+    let bodies: Vec<_> = meshes.chain(spheres).collect();
+    let mut verdicts = [0; 3];
+    for _ in 0..30 {
+        let mut c = handle(|scene| simdop_scene_create(scene)).unwrap();
+        let mut rust = Scene::new();
+        for step in 0..60 {
+            let ids: Vec<BodyId> = rust.ids().collect();
+            let [id, other] = [0; 2].map(|_| match ids[..] {
+                [] => BodyId::from_bits(rng.u64()),
+                _ => *rng.pick(&ids),
+            });
+            let [c_id, c_other] = [id, other].map(BodyId::to_bits);
+            let (c_world, world) = pose(&mut rng);
+            let (scene, choice) = (Some(&mut *c), rng.below(10));
+            // Either both do it, or neither.
+            let (error, expected) = match if step < 5 { 0 } else { choice } {
+                0..=2 => {
+                    let (c_body, body) = *rng.pick(&bodies);
+                    let (radius, is_fixed) = (rng.range(0.0, 0.1), rng.below(4) == 0);
+                    let groups = Groups { of: rng.u64() as u32 & 7, against: rng.u64() as u32 & 7 };
+                    let role = simdop_role {
+                        radius,
+                        is_fixed: c_int::from(is_fixed),
+                        groups: groups.of,
+                        against: groups.against,
+                    };
+                    let body = body.with_radius(radius).with_groups(groups);
+                    let body = if is_fixed { body.fixed() } else { body };
+                    let inserted = rust.insert(body, &world).unwrap();
+                    let id = answer(|id| {
+                        simdop_scene_insert(scene, Some(c_body), Some(&role), Some(&c_world), id)
+                    });
+                    assert_eq!(id, Ok(inserted.to_bits()));
+                    continue;
+                }
+                3..=5 => (simdop_scene_place(scene, c_id, Some(&c_world)), rust.place(id, &world).is_ok()),
+                6 => (simdop_scene_attach(scene, c_id, c_other), rust.attach(id, other).is_ok()),
+                7 => (simdop_scene_detach(scene, c_id), rust.detach(id).is_ok()),
+                8 => {
+                    let is_asked = rng.below(2) == 0;
+                    let error = simdop_scene_set_pair(scene, c_id, c_other, c_int::from(is_asked));
+                    (error, rust.set_pair(id, other, is_asked).is_ok())
+                }
+                _ => (simdop_scene_remove(scene, c_id), rust.remove(id).is_ok()),
+            };
+            assert_eq!(error == simdop_error::None, expected, "{error:?}");
+            compare(&c, &rust, &mut rng, &mut verdicts);
+        }
+        simdop_scene_destroy(Some(c));
+    }
+    assert!(verdicts.iter().all(|&count| count > 100), "{verdicts:?}");
+}
+
+#[test]
+fn the_default_role_is_asked_against_all() {
+    let role = simdop_role_default();
+    assert_eq!((role.radius, role.is_fixed), (0.0, 0));
+    assert_eq!(Groups { of: role.groups, against: role.against }, Groups::ALL);
+}

@@ -1,0 +1,149 @@
+//! What the tests share: bodies and poses, by the C functions and by the library.
+
+#[path = "../../../tests/support/rng.rs"]
+mod rng;
+
+pub(crate) use rng::Rng;
+
+use simdop::construct::{Builder, Mesh, OwnedMesh, SphereSet};
+use simdop::hierarchy::Bvh;
+use simdop::node::Node16;
+use simdop::pose::Pose;
+use simdop::primitive::{Sphere, Spheres};
+use simdop_capi::*;
+use std::mem::MaybeUninit;
+use std::ops::ControlFlow;
+
+pub(crate) type Node = Node16<18>;
+
+/// A body, twice.
+pub(crate) struct Twice<T> {
+    pub(crate) c: &'static simdop_body,
+    pub(crate) rust: T,
+}
+
+/// What a function leaves behind its last pointer, or why it does not.
+pub(crate) fn answer<T>(
+    ask: impl FnOnce(Option<&mut MaybeUninit<T>>) -> simdop_error,
+) -> Result<T, simdop_error> {
+    let mut place = MaybeUninit::uninit();
+    match ask(Some(&mut place)) {
+        // SAFETY: written, of success.
+        simdop_error::None => Ok(unsafe { place.assume_init() }),
+        error => Err(error),
+    }
+}
+
+/// A new handle. Of failure, it is NULL.
+pub(crate) fn handle<T>(
+    make: impl FnOnce(Option<&mut MaybeUninit<Option<Box<T>>>>) -> simdop_error,
+) -> Result<Box<T>, simdop_error> {
+    let mut place = MaybeUninit::uninit();
+    let error = make(Some(&mut place));
+    // SAFETY: written, whatever came of it.
+    let handle = unsafe { place.assume_init() };
+    assert_eq!(handle.is_some(), error == simdop_error::None);
+    handle.ok_or(error)
+}
+
+pub(crate) fn surface(mesh: &Mesh<'_>) -> Result<Box<simdop_body>, simdop_error> {
+    let (vertices, triangles) = (mesh.vertices, mesh.triangles);
+    handle(|body| {
+        // SAFETY: the lengths are those of the slices.
+        unsafe {
+            simdop_body_build_surface(
+                vertices.as_ptr().cast(),
+                vertices.len(),
+                triangles.as_ptr().cast(),
+                triangles.len(),
+                body,
+            )
+        }
+    })
+}
+
+pub(crate) fn solid(mesh: &Mesh<'_>) -> Result<Box<simdop_body>, simdop_error> {
+    let (vertices, triangles) = (mesh.vertices, mesh.triangles);
+    handle(|body| {
+        // SAFETY: the lengths are those of the slices.
+        unsafe {
+            simdop_body_build_solid(
+                vertices.as_ptr().cast(),
+                vertices.len(),
+                triangles.as_ptr().cast(),
+                triangles.len(),
+                body,
+            )
+        }
+    })
+}
+
+pub(crate) fn spheres(spheres: &[[f64; 4]]) -> Result<Box<simdop_body>, simdop_error> {
+    // SAFETY: the length is that of the slice.
+    handle(|body| unsafe { simdop_body_build_spheres(spheres.as_ptr().cast(), spheres.len(), body) })
+}
+
+pub(crate) fn open(bytes: &[u8]) -> Result<Box<simdop_body>, simdop_error> {
+    // SAFETY: the length is that of the slice, which the callers keep longer than the body.
+    handle(|body| unsafe { simdop_body_open(bytes.as_ptr(), bytes.len(), body) })
+}
+
+pub(crate) fn bytes(body: &simdop_body) -> &[u8] {
+    let mut first = MaybeUninit::uninit();
+    let count = answer(|count| simdop_body_bytes(Some(body), Some(&mut first), count)).unwrap();
+    // SAFETY: written, of success.
+    let first = unsafe { first.assume_init() };
+    // SAFETY: so many bytes, which are there as long as the body.
+    unsafe { std::slice::from_raw_parts(first, count) }
+}
+
+/// Surfaces of random triangles, and solids.
+pub(crate) fn meshes(rng: &mut Rng) -> Vec<Twice<Bvh<Node>>> {
+    let mut all = Vec::new();
+    for count in [1, 7, 60] {
+        let vertices: Vec<_> = (0..3 * count).map(|_| [0; 3].map(|_| rng.range(-1.0, 1.0))).collect();
+        let triangles: Vec<_> = (0..count as u32).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect();
+        let mesh = Mesh { vertices: &vertices, triangles: &triangles };
+        let rust = Builder::new().build(&mesh).unwrap();
+        all.push(Twice { c: Box::leak(surface(&mesh).unwrap()), rust });
+    }
+    for sides in [[2.0, 2.0, 2.0], [0.1, 0.2, 0.3]] {
+        let mesh = OwnedMesh::cuboid(sides).unwrap();
+        let rust = Builder::new().solid().build(&mesh.as_mesh()).unwrap();
+        all.push(Twice { c: Box::leak(solid(&mesh.as_mesh()).unwrap()), rust });
+    }
+    all
+}
+
+/// Sets of random spheres.
+pub(crate) fn sphere_sets(rng: &mut Rng) -> Vec<Twice<Bvh<Node, Spheres>>> {
+    let mut all = Vec::new();
+    for count in [1, 40] {
+        let balls: Vec<[f64; 4]> = (0..count)
+            .map(|_| [rng.range(-1.0, 1.0), rng.range(-1.0, 1.0), rng.range(-1.0, 1.0), rng.range(0.0, 0.2)])
+            .collect();
+        let sphere = |&[x, y, z, radius]: &[f64; 4]| Sphere { centre: [x, y, z], radius };
+        let set: Vec<_> = balls.iter().map(sphere).collect();
+        let set = SphereSet { spheres: &set };
+        let rust = Builder::new().build_geometry(&set, &mut |_| ControlFlow::Continue(())).unwrap();
+        all.push(Twice { c: Box::leak(spheres(&balls).unwrap()), rust });
+    }
+    all
+}
+
+/// A random pose, of bodies that meet in about half of all cases.
+pub(crate) fn pose(rng: &mut Rng) -> (simdop_pose, Pose) {
+    let rotation = rng.rotation();
+    let row = |r: [f64; 3], t: f64| [r[0], r[1], r[2], t];
+    let rows = rotation.map(|r| row(r, rng.range(-1.5, 1.5)));
+    (simdop_pose { rows }, Pose::from_rows(rows).unwrap())
+}
+
+pub(crate) const IDENTITY: simdop_pose =
+    simdop_pose { rows: [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0]] };
+
+/// Names what only some of the tests need, so that the others compile without a warning.
+const _: () = {
+    let _ = (open, bytes, meshes, sphere_sets, pose, IDENTITY);
+    let _ = |twice: Twice<()>| (twice.c, twice.rust);
+};
