@@ -46,7 +46,8 @@ impl Screw {
         let half = 0.5 * cosine;
         let [xy, xz, yz] = [0.5 * (p[1] + q[0]), 0.5 * (p[2] + r[0]), 0.5 * (q[2] + r[1])];
         let rows = [[p[0] - half, xy, xz], [xy, q[1] - half, yz], [xz, yz, r[2] - half]];
-        let longest = rows.into_iter().fold([0.0; 3], |m, row| if length(&row) > length(&m) { row } else { m });
+        let longest =
+            rows.into_iter().fold([0.0; 3], |m, row| if length(&row) > length(&m) { row } else { m });
         let direction = if cosine < -1.0 {
             let along = (twice[0] * longest[0] + twice[1] * longest[1]) + twice[2] * longest[2];
             unit(&if along < 0.0 { longest.map(|x: f64| -x) } else { longest })

@@ -103,19 +103,19 @@ macro_rules! with_trees {
 }
 
 /// Two bodies that are asked about, and how they stand to each other.
-struct AskedPair<'s, 't, N> {
-    trees: (&'s BodyTree<'t, N>, &'s BodyTree<'t, N>),
+pub(super) struct AskedPair<'s, 't, N> {
+    pub(super) trees: (&'s BodyTree<'t, N>, &'s BodyTree<'t, N>),
     /// The first in the frame of the second.
-    relative: Relative,
+    pub(super) relative: Relative,
     /// The sum of the bodies' radii, and that of their primitives' greatest ones.
-    radii: f64,
+    pub(super) radii: f64,
     round: f64,
     /// Largest coordinate of the first.
     max_coordinate: f64,
 }
 
 impl<'s, 't, N> AskedPair<'s, 't, N> {
-    fn new([a, b]: [&'s Slot<'t, N>; 2]) -> Self {
+    pub(super) fn new([a, b]: [&'s Slot<'t, N>; 2]) -> Self {
         let (Some(body_a), Some(body_b)) = (&a.body, &b.body) else {
             unreachable!("there is no box where there is no body")
         };

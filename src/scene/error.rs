@@ -3,6 +3,7 @@
 use super::BodyId;
 #[cfg(doc)]
 use super::{Scene, boxes_for, rows_for};
+use crate::motion::MotionError;
 use crate::pose::PoseError;
 use crate::query::ToleranceError;
 #[cfg(doc)]
@@ -60,6 +61,8 @@ pub enum SceneError {
         /// How many poses were lent.
         poses: usize,
     },
+    /// A motion or its robot is none: values and limits, or a pose on the way.
+    Path(MotionError),
     /// A margin, cutoff or tolerance is negative, NaN or too great.
     Tolerance(ToleranceError),
 }
@@ -86,6 +89,7 @@ impl fmt::Display for SceneError {
             Self::Motion { bodies, given, poses } => {
                 write!(f, "a motion of {bodies} bodies: {given} are named, and {poses} poses lent")
             }
+            Self::Path(error) => error.fmt(f),
             Self::Tolerance(error) => error.fmt(f),
         }
     }
@@ -102,5 +106,11 @@ impl From<PoseError> for SceneError {
 impl From<ToleranceError> for SceneError {
     fn from(error: ToleranceError) -> Self {
         Self::Tolerance(error)
+    }
+}
+
+impl From<MotionError> for SceneError {
+    fn from(error: MotionError) -> Self {
+        Self::Path(error)
     }
 }

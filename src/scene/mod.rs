@@ -39,12 +39,16 @@ mod body;
 mod broad;
 mod edge;
 mod error;
+#[cfg(feature = "alloc")]
+mod fate;
 mod memory;
 
 pub use ask::{SceneAnswer, SceneDistance, SceneHit, SceneVerdict};
 pub use body::{Body, BodyId, BodyTree, Groups};
 pub use edge::{EdgeAnswer, EdgeMemory, EdgePair, EdgeVerdict};
 pub use error::SceneError;
+#[cfg(feature = "alloc")]
+pub use fate::{PairFate, PairReport};
 pub use memory::{SceneMemory, Slot, boxes_for, rows_for};
 
 use crate::node::{Box3, Dop};

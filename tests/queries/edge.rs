@@ -15,9 +15,7 @@ use simdop::motion::{
 use simdop::node::Node16;
 use simdop::pose::Pose;
 use simdop::query::{Query, ToleranceError};
-use simdop::scene::{
-    Body, BodyId, EdgeAnswer, EdgeMemory, EdgePair, EdgeVerdict, Scene, SceneError,
-};
+use simdop::scene::{Body, BodyId, EdgeAnswer, EdgeMemory, EdgePair, EdgeVerdict, Scene, SceneError};
 
 type Tree = Bvh<Node16<18>>;
 
@@ -127,9 +125,10 @@ fn no_sample_refutes_what_is_certified() {
             assert_eq!(answer, edge(&mut scene, &Query::new(isa), &ids, &mut motion, 4096), "{isa}");
         }
         let mut sampled = |until: f64| {
-            (0..=samples).map(|i| f64::from(i) / f64::from(samples)).take_while(|&time| time < until).find(
-                |&time| meets(&mut scene, &detected, &ids, &mut motion, time),
-            )
+            (0..=samples)
+                .map(|i| f64::from(i) / f64::from(samples))
+                .take_while(|&time| time < until)
+                .find(|&time| meets(&mut scene, &detected, &ids, &mut motion, time))
         };
         match answer.verdict {
             EdgeVerdict::Free => {
@@ -193,7 +192,8 @@ fn tangent(gap: f64, budget: u64, waiting: usize, resolution: f64) -> EdgeAnswer
     let start = at(0.0, 0.0, -2.0);
     let id = scene.insert(Body::new(cube.view()), &start).unwrap();
     let _ = scene.insert(Body::new(table.view()).fixed(), &at(0.0, 0.0, 0.0)).unwrap();
-    let low = Pose::try_from((DQuat::from_rotation_y(-core::f64::consts::FRAC_PI_4), DVec3::new(0.0, 0.0, gap)));
+    let low =
+        Pose::try_from((DQuat::from_rotation_y(-core::f64::consts::FRAC_PI_4), DVec3::new(0.0, 0.0, gap)));
     let screw = Screw::new([0.0, 0.0, 2.0], [0.0, 1.0, 0.0], 1.5, 0.0).unwrap();
     // A third of the turn before it is lowest.
     let back = Screw::new([0.0, 0.0, 2.0], [0.0, 1.0, 0.0], -0.5, 0.0).unwrap();

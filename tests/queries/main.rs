@@ -30,6 +30,7 @@ mod digests;
 mod distance;
 mod edge;
 mod far;
+mod fate;
 mod hierarchy;
 mod hints;
 mod mesh_poses;

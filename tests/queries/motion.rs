@@ -81,7 +81,8 @@ fn bodies_stand_where_their_joints_lead() {
         let specs = specs(&mut rng, 6);
         let (joints, base) = (joints(&specs), affine(&mut rng, 1.0));
         let places: Vec<DAffine3> = (0..4).map(|_| affine(&mut rng, 0.3)).collect();
-        let bodies: Vec<LinkBody> = (0..4).map(|i| LinkBody { link: 2 * i, at: pose(places[i as usize]) }).collect();
+        let bodies: Vec<LinkBody> =
+            (0..4).map(|i| LinkBody { link: 2 * i, at: pose(places[i as usize]) }).collect();
         let limits = [[-4.0, 4.0]; 6];
         let robot = Kinematics::new(&joints, &bodies, &limits).unwrap().with_base(pose(base));
         let values: Vec<f64> = (0..6).map(|_| rng.range(-4.0, 4.0)).collect();
@@ -139,7 +140,10 @@ fn check_paths(rng: &mut Rng, motion: &mut impl Motion, span: f64) -> (f64, f64)
         assert!(*seen <= said + CLOSE, "{i}: {seen} seen, {said} said");
     }
     for i in 1..n {
-        assert!(between[i - 1] <= (said[0] + said[i]) * (1.0 + 1e-12), "the sum of both paths is a bound as well");
+        assert!(
+            between[i - 1] <= (said[0] + said[i]) * (1.0 + 1e-12),
+            "the sum of both paths is a bound as well"
+        );
     }
     (seen.iter().sum(), said.iter().sum::<f64>() + between.iter().sum::<f64>())
 }
@@ -231,7 +235,8 @@ fn no_point_of_a_screw_gets_farther_than_is_said() {
 #[test]
 fn what_is_no_motion_is_refused() {
     let z = [0.0, 0.0, 1.0];
-    let joint = |parent, variable| Joint::new(JointKind::Revolute, parent, Pose::IDENTITY, z, variable).unwrap();
+    let joint =
+        |parent, variable| Joint::new(JointKind::Revolute, parent, Pose::IDENTITY, z, variable).unwrap();
     let body = |link| LinkBody { link, at: Pose::IDENTITY };
     for axis in [[0.0; 3], [f64::NAN, 1.0, 0.0], [f64::INFINITY, 0.0, 0.0]] {
         let none = Joint::new(JointKind::Prismatic, 0, Pose::IDENTITY, axis, 0);

@@ -14,7 +14,8 @@ const ROUNDING: f64 = 1e-9;
 /// Whether two triangles that cross certainly do so after every point of one of them has moved by at most `moved`.
 pub(crate) fn cross_after(a: &Triangle, b: &Triangle, moved: f64) -> bool {
     let edges = |t: &Triangle| [[t[0], t[1]], [t[1], t[2]], [t[2], t[0]]];
-    edges(a).iter().any(|edge| passes_after(edge, b, moved)) || edges(b).iter().any(|edge| passes_after(edge, a, moved))
+    edges(a).iter().any(|edge| passes_after(edge, b, moved))
+        || edges(b).iter().any(|edge| passes_after(edge, a, moved))
 }
 
 fn passes_after(&[p, q]: &[Point; 2], t: &Triangle, moved: f64) -> bool {
@@ -52,4 +53,38 @@ fn cross(a: &Point, b: &Point) -> Point {
 fn unit(a: &Point) -> Option<Point> {
     let length = libm::sqrt(dot(a, a));
     (length > 0.0).then(|| a.map(|x| x / length))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::primitive::triangle::overlap;
+    use crate::rng::Rng;
+
+    #[test]
+    fn what_crosses_deep_still_does_after_it_moved() {
+        let mut rng = Rng::new(191);
+        let point = |rng: &mut Rng, size: f64| -> Point { core::array::from_fn(|_| rng.range(-size, size)) };
+        let (mut deep, mut shallow) = (0, 0);
+        for _ in 0..4000 {
+            let [a, b]: [Triangle; 2] =
+                core::array::from_fn(|_| core::array::from_fn(|_| point(&mut rng, 1.0)));
+            let moved = rng.range(0.0, 0.2);
+            if !cross_after(&a, &b, moved) {
+                shallow += usize::from(overlap(&a, &b, &mut 0));
+                continue;
+            }
+            deep += 1;
+            assert!(overlap(&a, &b, &mut 0));
+            for _ in 0..20 {
+                let after = a.map(|p| {
+                    let way = point(&mut rng, 1.0);
+                    let share = moved / libm::sqrt(dot(&way, &way));
+                    [0, 1, 2].map(|i| p[i] + share * way[i])
+                });
+                assert!(overlap(&after, &b, &mut 0), "{a:?} {b:?} {moved}");
+            }
+        }
+        assert!(deep > 100 && shallow > deep / 2, "{deep} {shallow}");
+    }
 }

@@ -23,6 +23,8 @@
 //! multiplies a factor of at most 2^607 by 2^27 + 1: all finite.
 
 mod crossing;
+#[cfg(feature = "alloc")]
+pub(crate) mod deep;
 pub mod distance;
 mod double_double;
 mod features;

@@ -98,7 +98,7 @@ impl<N: Lanes> Scene<'_, N> {
         if resolution.is_nan() || resolution <= 0.0 {
             return Err(SceneError::Tolerance(ToleranceError { given: resolution }));
         }
-        let (poses, before) = self.set_out(moving, motion, memory.poses)?;
+        let (poses, before) = self.set_out(moving, motion.bodies(), memory.poses)?;
         let queue = Queue::new(memory.waiting);
         let answer = EdgeSearch { scene: self, query, moving, motion, poses }.run(resolution, queue);
         self.come_back(moving, before)?;
@@ -119,20 +119,19 @@ impl<N: Lanes> Scene<'_, N> {
         parts: NonZeroU32,
         memory: &mut EdgeMemory<'_>,
     ) -> Result<EdgeAnswer, SceneError> {
-        let (poses, before) = self.set_out(moving, motion, memory.poses)?;
+        let (poses, before) = self.set_out(moving, motion.bodies(), memory.poses)?;
         let answer = EdgeSearch { scene: self, query, moving, motion, poses }.sample(parts);
         self.come_back(moving, before)?;
         answer
     }
 
     /// Notes where the moving bodies stand, and what moves with them. The poses on the way, and those.
-    fn set_out<'m>(
+    pub(super) fn set_out<'m>(
         &mut self,
         moving: &[BodyId],
-        motion: &impl Motion,
+        bodies: usize,
         poses: &'m mut [Pose],
     ) -> Result<(&'m mut [Pose], &'m mut [Pose]), SceneError> {
-        let bodies = motion.bodies();
         if moving.len() != bodies || poses.len() / 2 < bodies {
             return Err(SceneError::Motion { bodies, given: moving.len(), poses: poses.len() });
         }
@@ -158,7 +157,7 @@ impl<N: Lanes> Scene<'_, N> {
         Ok((now, before))
     }
 
-    fn come_back(&mut self, moving: &[BodyId], before: &[Pose]) -> Result<(), SceneError> {
+    pub(super) fn come_back(&mut self, moving: &[BodyId], before: &[Pose]) -> Result<(), SceneError> {
         moving.iter().zip(before).try_for_each(|(&id, pose)| self.place(id, pose))
     }
 }

@@ -1,0 +1,227 @@
+//! Pairs of bodies over all that a robot can do: those that never meet, and those that always do.
+//!
+//! A box of values of the joints is asked about at its middle. No point of one body gets nearer to one of the other, anywhere in
+//! the box, than it is there by more than [`Motion::path_between`] says of the way along the box's diagonal, which heeds each
+//! joint's share by itself. So two bodies that are farther apart at the middle are free in all of the box, and two whose
+//! triangles cross deeper meet in all of it. A box of which neither holds is halved, along the joint whose share is greatest.
+
+use super::ask::AskedPair;
+use super::broad::{NearPair, depth};
+use super::{BodyId, BodyTree, Scene, SceneError};
+use crate::motion::{CarriedBall, Kinematics, Link, Motion, StraightMotion};
+use crate::node::Dop;
+use crate::pose::Pose;
+use crate::primitive::triangle::deep::cross_after;
+use crate::primitive::{Primitive, Triangles};
+use crate::query::{Lanes, Query, Verdict};
+use crate::range::MAX_COORDINATE;
+use alloc::collections::VecDeque;
+use alloc::vec;
+use alloc::vec::Vec;
+use core::ops::ControlFlow;
+
+/// Whether two bodies meet, over all values of the joints within their limits.
+#[derive(Copy, Clone, PartialEq, Eq, Hash, Debug)]
+pub enum PairFate {
+    /// At no values: the pair need not be asked.
+    Never,
+    /// At all values.
+    Always,
+    /// At some values, and not at others.
+    Sometimes,
+    /// As many boxes were asked about as was allowed, and neither was shown.
+    Undecided,
+}
+
+/// What is known of a pair.
+#[derive(Clone, PartialEq, Debug)]
+pub struct PairReport {
+    /// The verdict.
+    pub fate: PairFate,
+    /// Values at which the two meet, if any were seen.
+    pub meeting: Option<Vec<f64>>,
+    /// Values at which they do not.
+    pub free: Option<Vec<f64>>,
+    /// Boxes that were asked about.
+    pub boxes: usize,
+}
+
+/// Lower and upper values of the variables.
+type Values = [Vec<f64>; 2];
+
+impl<N: Lanes> Scene<'_, N> {
+    /// Whether two bodies meet within the limits of a robot's joints: `moving` names its bodies in the scene. All others stand
+    /// where they are. At most `boxes` boxes of values are asked about.
+    ///
+    /// # Errors
+    /// [`SceneError`]: as [`Scene::edge`], and [`SceneError::NoPair`] of a body and itself.
+    pub fn pair_fate(
+        &mut self,
+        query: &Query,
+        moving: &[BodyId],
+        robot: Kinematics<'_>,
+        (a, b): (BodyId, BodyId),
+        boxes: usize,
+    ) -> Result<PairReport, SceneError> {
+        let (i, j) = (self.index(a)?, self.index(b)?);
+        if i == j {
+            return Err(SceneError::NoPair { id: a });
+        }
+        let mut poses = vec![Pose::IDENTITY; 2 * robot.bodies().len()];
+        let (poses, before) = self.set_out(moving, robot.bodies().len(), &mut poses)?;
+        let leaves =
+            [i, j].map(|i| self.memory.slots[i].body.map_or_else(Vec::new, |body| leaves(&body.tree)));
+        let links = vec![Link::EMPTY; robot.links()];
+        let search = FateSearch { scene: self, query, moving, robot, pair: [i, j], poses, links, leaves };
+        let report = search.run(boxes);
+        self.come_back(moving, before)?;
+        report
+    }
+}
+
+struct FateSearch<'s, 't, 'm, N> {
+    scene: &'s mut Scene<'t, N>,
+    query: &'m Query,
+    moving: &'m [BodyId],
+    robot: Kinematics<'m>,
+    pair: [usize; 2],
+    poses: &'m mut [Pose],
+    links: Vec<Link>,
+    leaves: [Vec<u32>; 2],
+}
+
+impl<N: Lanes> FateSearch<'_, '_, '_, N> {
+    fn run(mut self, most: usize) -> Result<PairReport, SceneError> {
+        let limits = self.robot.limits();
+        let whole = [0, 1].map(|end| limits.iter().map(|limits| limits[end]).collect::<Vec<f64>>());
+        let mut waiting = VecDeque::from([whole]);
+        let mut report = PairReport { fate: PairFate::Undecided, meeting: None, free: None, boxes: 0 };
+        while let Some(values) = waiting.pop_front() {
+            if report.boxes == most {
+                return Ok(report);
+            }
+            report.boxes += 1;
+            let path = self.path(&values, 0.0, true)?;
+            let is_meeting = self.is_within(0.0)?;
+            let seen = if is_meeting { &mut report.meeting } else { &mut report.free };
+            if seen.is_none() {
+                *seen = Some(middle(&values));
+            }
+            if report.meeting.is_some() && report.free.is_some() {
+                return Ok(PairReport { fate: PairFate::Sometimes, ..report });
+            }
+            let widest = self.widest(&values)?;
+            let is_everywhere = if is_meeting {
+                widest.is_none() || self.meets_after(&values)?
+            } else {
+                path <= MAX_COORDINATE && !self.is_within(path)?
+            };
+            match widest {
+                _ if is_everywhere => {}
+                Some(variable) => waiting.extend(halves(&values, variable)),
+                None => return Ok(report),
+            }
+        }
+        let fate = if report.meeting.is_some() { PairFate::Always } else { PairFate::Never };
+        Ok(PairReport { fate, ..report })
+    }
+
+    /// How much nearer the bodies, and what is at most `beyond` away from the balls around them, can come to each other in a box
+    /// than they are at its middle; to which they are brought, if that is asked.
+    fn path(&mut self, values: &Values, beyond: f64, is_placed: bool) -> Result<f64, SceneError> {
+        let mut now = vec![0.0; values[0].len()];
+        let ends = [&*values[0], &*values[1]];
+        let mut motion = StraightMotion::new(self.robot, ends, &mut now, &mut self.links)?;
+        motion.go_to(0.5, self.poses)?;
+        if is_placed {
+            for (&id, pose) in self.moving.iter().zip(&*self.poses) {
+                self.scene.place(id, pose)?;
+            }
+        }
+        let [a, b] = self.pair.map(|i| {
+            let slot = &self.scene.memory.slots[i];
+            let ball = slot.size.ball(&slot.world);
+            (slot.carrier.map(|i| i as usize), CarriedBall { radius: ball.radius + beyond, ..ball })
+        });
+        Ok(match (a, b) {
+            ((None, _), (None, _)) => 0.0,
+            ((Some(i), ball), (None, _)) | ((None, _), (Some(i), ball)) => motion.path(i, &ball, 0.5),
+            ((Some(i), a), (Some(j), b)) => motion.path_between((i, &a), (j, &b), 0.5),
+        })
+    }
+
+    /// The variable that moves the bodies most, as one sees the other. `None` if none does.
+    fn widest(&mut self, values: &Values) -> Result<Option<usize>, SceneError> {
+        let middle = middle(values);
+        let mut line = [middle.clone(), middle.clone()];
+        let (mut most, mut widest) = (self.path(&line, 0.0, false)?, None);
+        for variable in 0..middle.len() {
+            for (end, values) in line.iter_mut().zip(values) {
+                end[variable] = values[variable];
+            }
+            let path = self.path(&line, 0.0, false)?;
+            for end in &mut line {
+                end[variable] = middle[variable];
+            }
+            if path > most {
+                (most, widest) = (path, Some(variable));
+            }
+        }
+        Ok(widest)
+    }
+
+    /// Whether the two certainly meet in all of a box, as they do at its middle.
+    fn meets_after(&mut self, values: &Values) -> Result<bool, SceneError> {
+        let [a, b] = self.pair.map(|i| &self.scene.memory.slots[i]);
+        // Where they meet, a primitive of one may reach beyond the ball of the other.
+        let moved = self.path(values, 2.0 * (a.size.whole_reach() + b.size.whole_reach()), false)?;
+        let [a, b] = self.pair.map(|i| &self.scene.memory.slots[i]);
+        let asked = AskedPair::new([a, b]);
+        if asked.radii > 0.0 {
+            // What a pose that is not quite a rotation makes of them is less.
+            let deep = -(moved + 1e-3 * asked.radii);
+            return Ok(deep + asked.radii > 0.0 && self.is_within(deep)?);
+        }
+        let (BodyTree::Mesh(tree_a), BodyTree::Mesh(tree_b)) = asked.trees else { return Ok(false) };
+        let (pose, mut is_deep) = (asked.relative.pose(), false);
+        let _ = self.query.for_each_pair(tree_a, tree_b, pose, |pair| {
+            let of = |sources: &[u32], source: u32| sources[source as usize];
+            let a = tree_a.primitive(of(&self.leaves[0], pair.a));
+            let b = tree_b.primitive(of(&self.leaves[1], pair.b));
+            is_deep = cross_after(&Triangles::moved(&a, pose), &b, moved);
+            if is_deep { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+        });
+        Ok(is_deep)
+    }
+
+    fn is_within(&self, margin: f64) -> Result<bool, SceneError> {
+        let [a, b] = self.pair;
+        let depth = depth(&self.scene.memory.bounds(a), &self.scene.memory.bounds(b));
+        let candidate = NearPair { a: a as u32, b: b as u32, depth };
+        let answer = self.scene.ask_within(self.query, &candidate, margin)?;
+        Ok(matches!(answer.verdict, Verdict::Hit(_)))
+    }
+}
+
+/// Where the primitives are in leaf order, by their indices in what was built.
+fn leaves<N: Dop>(tree: &BodyTree<'_, N>) -> Vec<u32> {
+    let BodyTree::Mesh(tree) = tree else { return Vec::new() };
+    let mut leaves = vec![0; tree.len()];
+    for i in 0..tree.len() as u32 {
+        leaves[tree.source(i) as usize] = i;
+    }
+    leaves
+}
+
+fn middle([low, high]: &Values) -> Vec<f64> {
+    low.iter().zip(high).map(|(low, high)| low + 0.5 * (high - low)).collect()
+}
+
+fn halves(values: &Values, variable: usize) -> [Values; 2] {
+    let middle = middle(values)[variable];
+    [1, 0].map(|end| {
+        let mut half = values.clone();
+        half[end][variable] = middle;
+        half
+    })
+}
