@@ -91,7 +91,7 @@ fn fate(trees: [(&Tree, f64); 4], limits: &[[f64; 2]], pair: (usize, usize), box
 fn fates_hold_at_random_values() {
     let link = cuboid([0.05, -0.03, -0.03], [0.45, 0.03, 0.03]);
     let long = cuboid([-0.06, -0.03, -0.03], [0.56, 0.03, 0.03]);
-    let tall = cuboid([-0.06, -0.03, -0.05], [0.56, 0.03, 0.05]);
+    let tall = cuboid([-0.06, -0.02, -0.07], [0.56, 0.02, 0.07]);
     let high = cuboid([0.05, -0.03, 0.1], [0.45, 0.03, 0.2]);
     let links = [(&link, 0.0); 4];
     let wide = [[-PI, PI]; 3];
