@@ -2,7 +2,7 @@
 
 use super::broad::{Batch, NearPair, are_turned_boxes_apart};
 use super::{BodyId, BodyTree, Scene, SceneError, Slot};
-use crate::pose::Relative;
+use crate::pose::{Pose, Relative};
 use crate::query::{
     Answer, Completion, Counters, Distance, Hint, Lanes, Pair, Query, ToleranceError, Verdict,
 };
@@ -115,13 +115,14 @@ pub(super) struct AskedPair<'s, 't, N> {
 }
 
 impl<'s, 't, N> AskedPair<'s, 't, N> {
-    pub(super) fn new([a, b]: [&'s Slot<'t, N>; 2]) -> Self {
+    /// Of two bodies that stand there in the world.
+    pub(super) fn new([a, b]: [&'s Slot<'t, N>; 2], [world_a, world_b]: [&Pose; 2]) -> Self {
         let (Some(body_a), Some(body_b)) = (&a.body, &b.body) else {
             unreachable!("there is no box where there is no body")
         };
         Self {
             trees: (&body_a.tree, &body_b.tree),
-            relative: b.relative(&a.world),
+            relative: b.relative(world_a, world_b),
             radii: body_a.radius + body_b.radius,
             round: a.size.greatest_radius + b.size.greatest_radius,
             max_coordinate: a.size.max_coordinate,
@@ -276,11 +277,23 @@ impl<'t, N: Lanes> Scene<'t, N> {
         candidate: &NearPair,
         margin: f64,
     ) -> Result<Answer, ToleranceError> {
+        let [a, b] = self.slots_of(candidate);
+        self.ask_within_at(query, candidate, [&a.world, &b.world], margin)
+    }
+
+    /// The same where the bodies stand elsewhere.
+    pub(super) fn ask_within_at(
+        &self,
+        query: &Query,
+        candidate: &NearPair,
+        worlds: [&Pose; 2],
+        margin: f64,
+    ) -> Result<Answer, ToleranceError> {
         let slots @ [a, b] = self.slots_of(candidate);
-        if are_turned_boxes_apart((&a.size, &a.world), (&b.size, &b.world), margin) {
+        if are_turned_boxes_apart((&a.size, worlds[0]), (&b.size, worlds[1]), margin) {
             return Ok(Answer { verdict: Verdict::Free, counters: Counters::default(), hint: Hint::NONE });
         }
-        let asked = AskedPair::new(slots);
+        let asked = AskedPair::new(slots, worlds);
         let (pose, margin) = (asked.relative.pose(), asked.padded(margin + asked.radii));
         with_trees!((asked.trees.0, asked.trees.1), |a, b| query.within(a, b, pose, margin))
     }
@@ -293,7 +306,8 @@ impl<'t, N: Lanes> Scene<'t, N> {
         tolerance: f64,
         cutoff: f64,
     ) -> Result<(f64, f64, Distance), ToleranceError> {
-        let asked = AskedPair::new(self.slots_of(candidate));
+        let slots @ [a, b] = self.slots_of(candidate);
+        let asked = AskedPair::new(slots, [&a.world, &b.world]);
         let (pose, cutoff) = (asked.relative.pose(), asked.padded(cutoff + asked.radii));
         let answer = with_trees!((asked.trees.0, asked.trees.1), |a, b| query
             .distance_up_to(a, b, pose, tolerance, cutoff))?;

@@ -176,7 +176,7 @@ impl<N: Lanes> FateSearch<'_, '_, '_, N> {
         // Where they meet, a primitive of one may reach beyond the ball of the other.
         let moved = self.path(values, 2.0 * (a.size.whole_reach() + b.size.whole_reach()), false)?;
         let [a, b] = self.pair.map(|i| &self.scene.memory.slots[i]);
-        let asked = AskedPair::new([a, b]);
+        let asked = AskedPair::new([a, b], [&a.world, &b.world]);
         if asked.radii > 0.0 {
             // What a pose that is not quite a rotation makes of them is less.
             let deep = -(moved + 1e-3 * asked.radii);

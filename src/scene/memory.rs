@@ -16,7 +16,7 @@ pub struct Slot<'t, N> {
     /// How many bodies are attached to it.
     pub(super) attached: u32,
     pub(super) parent: Option<Attached>,
-    /// Which body of a motion it moves with, while an edge is asked about.
+    /// Which of the bodies it moves with that an edge, or many configurations, are asked about.
     pub(super) carrier: Option<u32>,
     pub(super) world: Pose,
     /// Of the pose in the world, if the body stands still: it is asked about more often than placed.
@@ -45,13 +45,13 @@ impl<N> Slot<'_, N> {
         size: BodySize::NOTHING,
     };
 
-    /// Where a body stands in the frame of this one.
+    /// Where a body stands in the frame of this one, which itself stands at `world`.
     #[inline]
-    pub(super) fn relative(&self, world_a: &Pose) -> Relative {
-        if self.body.as_ref().is_some_and(|body| body.is_fixed) {
-            return self.inverted.relative(world_a, &self.world);
+    pub(super) fn relative(&self, world_a: &Pose, world: &Pose) -> Relative {
+        if self.body.as_ref().is_some_and(|body| body.is_fixed) && self.carrier.is_none() {
+            return self.inverted.relative(world_a, world);
         }
-        self.world.inverted().relative(world_a, &self.world)
+        world.inverted().relative(world_a, world)
     }
 }
 

@@ -41,7 +41,9 @@ mod edge;
 mod error;
 #[cfg(feature = "alloc")]
 mod fate;
+mod many;
 mod memory;
+mod pairs;
 
 pub use ask::{SceneAnswer, SceneDistance, SceneHit, SceneVerdict};
 pub use body::{Body, BodyId, BodyTree, Groups};
@@ -49,6 +51,7 @@ pub use edge::{EdgeAnswer, EdgeMemory, EdgePair, EdgeVerdict};
 pub use error::SceneError;
 #[cfg(feature = "alloc")]
 pub use fate::{PairFate, PairReport};
+pub use many::ConfigurationsAnswer;
 pub use memory::{SceneMemory, Slot, boxes_for, rows_for};
 
 use crate::node::{Box3, Dop};
@@ -108,6 +111,12 @@ impl<'t, N> Scene<'t, N> {
         Ok(Self { memory: Memories::lent(memory)? })
     }
 
+    /// For how many bodies there is room, as it is.
+    #[must_use]
+    pub fn room(&self) -> usize {
+        self.memory.slots.len()
+    }
+
     /// The bodies in the scene, by ascending place.
     pub fn ids(&self) -> impl Iterator<Item = BodyId> + '_ {
         (0..self.memory.slots.len())
@@ -135,41 +144,27 @@ impl<'t, N> Scene<'t, N> {
         Ok(&self.memory.slots[self.index(id)?].world)
     }
 
-    /// Whether the bodies are asked against each other.
-    ///
-    /// # Errors
-    /// [`SceneError::NoSuchBody`], and [`SceneError::NoPair`] of a body and itself.
-    pub fn is_asked(&self, a: BodyId, b: BodyId) -> Result<bool, SceneError> {
-        let (i, j) = self.place_of_pair(a, b)?;
-        Ok(self.memory.row(i, j / 16) >> (j % 16) & 1 != 0)
-    }
-
-    /// Says whether two bodies are asked against each other, whatever their groups.
-    ///
-    /// # Errors
-    /// [`SceneError::NoSuchBody`], and [`SceneError::NoPair`] of a body and itself.
-    pub fn set_pair(&mut self, a: BodyId, b: BodyId, is_asked: bool) -> Result<(), SceneError> {
-        let (i, j) = self.place_of_pair(a, b)?;
-        self.memory.set_pair(i, j, is_asked);
+    /// Says of each body which of these it moves with: that itself, or the one that it is attached to.
+    fn set_carriers(&mut self, moving: &[BodyId]) -> Result<(), SceneError> {
+        for slot in self.memory.slots.iter_mut() {
+            slot.carrier = None;
+        }
+        for (i, &id) in moving.iter().enumerate() {
+            let index = self.index(id)?;
+            let slot = &mut self.memory.slots[index];
+            if slot.parent.is_some() {
+                return Err(SceneError::IsAttached { id });
+            }
+            slot.carrier = Some(i as u32);
+        }
+        for i in 0..self.memory.slots.len() {
+            let mut above = i;
+            while let Some(parent) = self.memory.slots[above].parent {
+                above = parent.to as usize;
+            }
+            self.memory.slots[i].carrier = self.memory.slots[above].carrier;
+        }
         Ok(())
-    }
-
-    fn place_of_pair(&self, a: BodyId, b: BodyId) -> Result<(usize, usize), SceneError> {
-        let (i, j) = (self.index(a)?, self.index(b)?);
-        if i == j {
-            return Err(SceneError::NoPair { id: a });
-        }
-        Ok(self.row_and_bit(i, j))
-    }
-
-    /// Where the matrix has the bit of a pair. Rows of bodies that stand still are so without bits, and are not looked at.
-    fn row_and_bit(&self, i: usize, j: usize) -> (usize, usize) {
-        let is_fixed = |i: usize| self.memory.slots[i].body.as_ref().is_some_and(|body| body.is_fixed);
-        match (is_fixed(i), is_fixed(j)) {
-            (true, false) => (j, i),
-            (false, true) => (i, j),
-            _ => (i.min(j), i.max(j)),
-        }
     }
 }
 
@@ -297,6 +292,16 @@ impl<'t, N: Dop> Scene<'t, N> {
             }
         }
         Ok(None)
+    }
+
+    /// Where body i stands if the body that carries it is at `world`.
+    fn carried(&self, i: usize, world: &Pose) -> Result<Pose, SceneError> {
+        let Some(Attached { to, at }) = self.memory.slots[i].parent else { return Ok(*world) };
+        let (mut at, mut above) = (at, to);
+        while let Some(parent) = self.memory.slots[above as usize].parent {
+            (at, above) = (parent.at.compose(&at)?, parent.to);
+        }
+        Ok(world.compose(&at)?)
     }
 
     fn put(&mut self, i: usize, world: &Pose) {

@@ -33,6 +33,7 @@ mod far;
 mod fate;
 mod hierarchy;
 mod hints;
+mod many;
 mod mesh_poses;
 mod motion;
 mod order;

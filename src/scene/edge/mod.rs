@@ -135,24 +135,10 @@ impl<N: Lanes> Scene<'_, N> {
         if moving.len() != bodies || poses.len() / 2 < bodies {
             return Err(SceneError::Motion { bodies, given: moving.len(), poses: poses.len() });
         }
-        for slot in self.memory.slots.iter_mut() {
-            slot.carrier = None;
-        }
+        self.set_carriers(moving)?;
         let (now, before) = poses[..2 * bodies].split_at_mut(bodies);
-        for (i, (pose, &id)) in before.iter_mut().zip(moving).enumerate() {
-            let slot = self.index(id)?;
-            let slot = &mut self.memory.slots[slot];
-            if slot.parent.is_some() {
-                return Err(SceneError::IsAttached { id });
-            }
-            (*pose, slot.carrier) = (slot.world, Some(i as u32));
-        }
-        for i in 0..self.memory.slots.len() {
-            let mut above = i;
-            while let Some(parent) = self.memory.slots[above].parent {
-                above = parent.to as usize;
-            }
-            self.memory.slots[i].carrier = self.memory.slots[above].carrier;
+        for (pose, &id) in before.iter_mut().zip(moving) {
+            *pose = *self.world_pose(id)?;
         }
         Ok((now, before))
     }

@@ -5,6 +5,8 @@
 mod points;
 #[path = "src/poses.rs"]
 mod poses;
+#[path = "src/scene.rs"]
+mod scene;
 
 use simdop::cloud::{Cloud, Queries, Radii, RangeSearch};
 use simdop::construct::{Builder, Mesh};
@@ -12,6 +14,7 @@ use simdop::isa::Isa;
 use simdop::node::Node16;
 use simdop::pose::Pose;
 use simdop::query::Query;
+use simdop::scene::{EdgePair, Scene};
 use std::f64::consts::TAU;
 use std::fmt::Write as _;
 use std::path::Path;
@@ -22,6 +25,7 @@ const AROUND: (u32, u32) = (32, 12);
 fn main() {
     println!("cargo:rerun-if-changed=src/points.rs");
     println!("cargo:rerun-if-changed=src/poses.rs");
+    println!("cargo:rerun-if-changed=src/scene.rs");
     let folder = std::path::PathBuf::from(std::env::var_os("OUT_DIR").expect("cargo sets OUT_DIR"));
     bake_points(&folder);
     let (vertices, triangles) = ring();
@@ -40,6 +44,13 @@ fn main() {
         writeln!(source, "    {:?},", (answer.verdict, answer.counters)).expect("a String takes everything");
     }
     source.push_str("];\n");
+    let mut arm = scene::Arm::new(Scene::new(), tree.view()).expect("the scene is one");
+    let mut waiting = [EdgePair::EMPTY; scene::WAITING];
+    assert_eq!(arm.scene.ids().count(), scene::BODIES, "there is a slot for each");
+    let answers = arm.answers(&Query::new(Isa::detect()), &mut waiting).expect("the host answers");
+    assert_eq!(answers.map(|(is_free, ..)| is_free), scene::IS_FREE, "geometry gives these");
+    writeln!(source, "const EXPECTED_SCENE: [scene::Found; {}] = {answers:?};", scene::ANSWERS)
+        .expect("a String takes everything");
     std::fs::write(folder.join("expected.rs"), source).expect("OUT_DIR is writable");
 }
 

@@ -5,7 +5,8 @@
 //! `qemu -icount shift=0` gives each instruction a nanosecond of the machine's own time, which its timers count. A count
 //! that is not within [`WITHIN`] of the one that a program expects is a failure: write the new one down if it is meant.
 
-use crate::{RING, poses::POSES};
+use crate::scene::{BEYOND, FREE, HIT};
+use crate::{RING, memory, poses::POSES};
 use core::fmt::Write;
 use core::hint::black_box;
 use core::ptr::{read_volatile, write_volatile};
@@ -26,15 +27,16 @@ pub trait Timer {
 /// Instructions, and bytes of stack below the caller's frame.
 pub type Cost = (u32, u32);
 
-/// The queries at all poses, and checking a pose.
-pub const COUNTED: usize = POSES.len() + 1;
+/// The queries at all poses, checking a pose, and a scene: whether an arm may stand there, its forward kinematics included, and
+/// whether it may go there.
+pub const COUNTED: usize = POSES.len() + 3;
 
 /// How far a count may be from what is expected: one part in so many.
 const WITHIN: u32 = 25;
 
 const REPEATS: u32 = 64;
 
-/// Prints what a query at each of the poses costs, and checking a pose. True if all is as expected.
+/// Prints what all of them cost. True if all is as expected.
 pub fn run(out: &mut impl Write, timer: &mut impl Timer, machine: &str, expected: [Cost; COUNTED]) -> bool {
     let Ok(ring) = RING.view() else { return false };
     let isa = Isa::detect();
@@ -62,6 +64,13 @@ pub fn run(out: &mut impl Write, timer: &mut impl Timer, machine: &str, expected
     let rows = POSES[0].1;
     row("a pose checked", expected[POSES.len()], &mut || {
         let _ = black_box(Pose::from_rows(black_box(rows)));
+    });
+    let Ok(Some((mut arm, waiting))) = memory::arm() else { return false };
+    row("a hit in a scene", expected[POSES.len() + 1], &mut || {
+        let _ = black_box(arm.collide(&query, black_box(HIT)));
+    });
+    row("an edge to a hit", expected[POSES.len() + 2], &mut || {
+        let _ = black_box(arm.edge(&query, black_box([&FREE, &BEYOND]), waiting));
     });
     good
 }

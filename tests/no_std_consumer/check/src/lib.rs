@@ -3,8 +3,10 @@
 
 mod cloud;
 pub mod cost;
+pub mod memory;
 pub mod points;
 pub mod poses;
+pub mod scene;
 
 use core::fmt::Write;
 use core::hint::black_box;
@@ -55,6 +57,15 @@ fn try_run(out: &mut impl Write) -> Result<bool, &'static str> {
         let agrees = found == expected && answer.hit().is_some() == *meets;
         let verdict = if agrees { "as expected" } else { "WRONG" };
         writeln!(out, "{} {name}: {found:?}: {verdict}", isa.name()).map_err(|_| "no output")?;
+        good &= agrees;
+    }
+    let arm = memory::arm().map_err(|scene::Failed| "the scene is none")?;
+    let (mut arm, waiting) = arm.ok_or("the scene's memory is taken")?;
+    let answers = arm.answers(&Query::new(isa), waiting).map_err(|scene::Failed| "the scene does not answer")?;
+    for ((found, expected), is_free) in answers.iter().zip(EXPECTED_SCENE).zip(scene::IS_FREE) {
+        let agrees = *found == expected && found.0 == is_free;
+        let verdict = if agrees { "as expected" } else { "WRONG" };
+        writeln!(out, "{} scene: {found:?}: {verdict}", isa.name()).map_err(|_| "no output")?;
         good &= agrees;
     }
     Ok(cloud::run(out, isa)? && good)

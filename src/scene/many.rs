@@ -1,0 +1,297 @@
+//! Many configurations at once: which of them are free?
+//!
+//! The boxes of sixteen configurations are compared at a time: a lane for each. What is near is asked about one by one, of all
+//! sixteen the deepest first, and no more of a configuration once two of its bodies meet.
+
+use super::broad::{NearPair, depth};
+use super::{BodyId, Scene, SceneError};
+use crate::isa::on_isa;
+use crate::kernel::Kernel;
+use crate::node::{Aabb16, Box3};
+use crate::pose::Pose;
+use crate::query::{Completion, Counters, Lanes, Query, Verdict};
+
+/// What it cost to ask about many configurations.
+#[must_use = "a query has no other effect than its answer"]
+#[derive(Copy, Clone, PartialEq, Eq, Debug)]
+pub struct ConfigurationsAnswer {
+    /// [`Completion::Complete`], or [`Completion::OutOfBudget`]: then some that are free may not be marked.
+    pub completion: Completion,
+    /// Pairs of bodies that were asked about, once for each configuration.
+    pub pairs: u64,
+    /// The work for these pairs.
+    pub counters: Counters,
+}
+
+impl ConfigurationsAnswer {
+    fn new() -> Self {
+        Self { completion: Completion::Complete, pairs: 0, counters: Counters::default() }
+    }
+}
+
+impl<'t, N: Lanes> Scene<'t, N> {
+    /// Which configurations of some bodies are free of all that these are asked against? `poses` holds a pose of each of the
+    /// `moving` bodies for the first configuration, then for the second, and so on. Bit i % 16 of word i / 16 of `free` is set
+    /// if configuration i is certainly free. All other bodies stand where they are, and what is attached to a moving body moves
+    /// along; where those stand that move does not matter. Lent are as many boxes as [`Scene::room`].
+    ///
+    /// The budget is for all configurations together.
+    ///
+    /// # Errors
+    /// [`SceneError`]: a body that is not there, or is attached; a number of poses that is none of configurations
+    /// ([`SceneError::Motion`]); too few boxes or words ([`SceneError::Memory`]); a pose that can be none of a scene.
+    pub fn free_configurations(
+        &mut self,
+        query: &Query,
+        moving: &[BodyId],
+        poses: &[Pose],
+        boxes: &mut [Aabb16],
+        free: &mut [u16],
+    ) -> Result<ConfigurationsAnswer, SceneError> {
+        let words = self.prepare(moving, poses, free.len())?;
+        if boxes.len() < self.room() {
+            return Err(SceneError::Memory { bodies: self.room(), boxes: self.room(), rows: words });
+        }
+        self.fill(query, moving.len(), poses, boxes, &mut free[..words])
+    }
+
+    /// The same on several threads, with the feature `rayon`, and in memory of its own. The budget is for each run of 1,024
+    /// configurations.
+    ///
+    /// # Errors
+    /// As [`Scene::free_configurations`].
+    #[cfg(feature = "alloc")]
+    pub fn free_configurations_on_threads(
+        &mut self,
+        query: &Query,
+        moving: &[BodyId],
+        poses: &[Pose],
+        free: &mut [u16],
+    ) -> Result<ConfigurationsAnswer, SceneError> {
+        /// Words of a job.
+        const RUN: usize = 64;
+        let words = self.prepare(moving, poses, free.len())?;
+        let scene = &*self;
+        let runs = free[..words].chunks_mut(RUN).zip(poses.chunks(16 * RUN * moving.len()));
+        let mut answers = alloc::vec![Ok(ConfigurationsAnswer::new()); words.div_ceil(RUN)];
+        let jobs = runs.zip(&mut answers).collect();
+        crate::parallel::for_each(jobs, |boxes: &mut alloc::vec::Vec<Aabb16>, ((free, poses), answer)| {
+            boxes.resize(scene.room(), Aabb16::EMPTY);
+            *answer = scene.fill(query, moving.len(), poses, boxes, free);
+        });
+        answers.into_iter().try_fold(ConfigurationsAnswer::new(), |all, answer| {
+            let answer = answer?;
+            let is_complete = answer.completion == Completion::Complete;
+            Ok(ConfigurationsAnswer {
+                completion: if is_complete { all.completion } else { answer.completion },
+                pairs: all.pairs + answer.pairs,
+                counters: all.counters.and(&answer.counters),
+            })
+        })
+    }
+
+    /// How many words there have to be, and the bodies that each of those in the scene moves with.
+    fn prepare(&mut self, moving: &[BodyId], poses: &[Pose], words: usize) -> Result<usize, SceneError> {
+        if moving.is_empty() || poses.len() % moving.len() != 0 {
+            return Err(SceneError::Motion { bodies: moving.len(), given: moving.len(), poses: poses.len() });
+        }
+        self.set_carriers(moving)?;
+        let needed = (poses.len() / moving.len()).div_ceil(16);
+        if words < needed {
+            return Err(SceneError::Memory { bodies: self.room(), boxes: self.room(), rows: needed });
+        }
+        Ok(needed)
+    }
+
+    fn fill(
+        &self,
+        query: &Query,
+        moving: usize,
+        poses: &[Pose],
+        boxes: &mut [Aabb16],
+        free: &mut [u16],
+    ) -> Result<ConfigurationsAnswer, SceneError> {
+        let mut answer = ConfigurationsAnswer::new();
+        free.fill(0);
+        for (word, poses) in free.iter_mut().zip(poses.chunks(16 * moving)) {
+            let mut lanes = Sixteen { scene: self, poses, moving, boxes };
+            *word = lanes.ask(query, &mut answer)?;
+            if answer.completion != Completion::Complete {
+                break;
+            }
+        }
+        Ok(answer)
+    }
+}
+
+/// Up to sixteen configurations.
+struct Sixteen<'s, 't, 'c, N> {
+    scene: &'s Scene<'t, N>,
+    poses: &'c [Pose],
+    moving: usize,
+    /// Of each slot whose body moves, the boxes around it, a lane for each configuration.
+    boxes: &'c mut [Aabb16],
+}
+
+/// Two bodies that are near each other in one configuration.
+#[derive(Copy, Clone)]
+struct NearLane {
+    pair: NearPair,
+    lane: u8,
+}
+
+/// How many wait at once.
+const WAITING: usize = 128;
+
+/// Those that wait, the deepest first, and where the search goes on.
+struct NearLanes {
+    found: [NearLane; WAITING],
+    len: usize,
+    row: usize,
+    column: usize,
+    /// Lanes of this pair that are left.
+    rest: u16,
+}
+
+impl NearLanes {
+    fn add(&mut self, candidate: NearLane) {
+        let mut place = self.len;
+        while place > 0 && self.found[place - 1].pair.depth < candidate.pair.depth {
+            self.found[place] = self.found[place - 1];
+            place -= 1;
+        }
+        self.found[place] = candidate;
+        self.len += 1;
+    }
+}
+
+impl<N: Lanes> Sixteen<'_, '_, '_, N> {
+    fn ask(&mut self, query: &Query, answer: &mut ConfigurationsAnswer) -> Result<u16, SceneError> {
+        self.place()?;
+        let lanes = self.poses.len() / self.moving;
+        let mut free = u16::MAX >> (16 - lanes);
+        let none = NearLane { pair: NearPair { a: 0, b: 0, depth: 0.0 }, lane: 0 };
+        let mut near = NearLanes { found: [none; WAITING], len: 0, row: 0, column: 0, rest: u16::MAX };
+        loop {
+            near.len = 0;
+            on_isa!(query.isa(), kernel => kernel.run(
+                #[inline(always)]
+                || self.gather(kernel, &mut near, free),
+            ));
+            if near.len == 0 {
+                return Ok(free);
+            }
+            for &NearLane { pair, lane } in &near.found[..near.len] {
+                if free >> lane & 1 == 0 {
+                    continue;
+                }
+                let left = query.with_budget(query.budget() - answer.counters.visits);
+                let [a, b] = [pair.a, pair.b].map(|i| self.world(i as usize, lane as usize));
+                let found = self.scene.ask_within_at(&left, &pair, [&a?, &b?], 0.0)?;
+                answer.pairs += 1;
+                answer.counters = answer.counters.and(&found.counters);
+                match found.verdict {
+                    Verdict::Free => {}
+                    Verdict::Hit(_) => free &= !(1 << lane),
+                    Verdict::Unknown { .. } => {
+                        answer.completion = Completion::OutOfBudget;
+                        return Ok(0);
+                    }
+                }
+            }
+        }
+    }
+
+    /// Where the body of a slot stands in a configuration.
+    fn world(&self, i: usize, lane: usize) -> Result<Pose, SceneError> {
+        let slot = &self.scene.memory.slots[i];
+        match slot.carrier {
+            None => Ok(slot.world),
+            Some(carrier) => self.scene.carried(i, &self.poses[lane * self.moving + carrier as usize]),
+        }
+    }
+
+    /// Puts boxes around all that moves.
+    fn place(&mut self) -> Result<(), SceneError> {
+        for i in 0..self.scene.room() {
+            let slot = &self.scene.memory.slots[i];
+            if slot.carrier.is_none() || slot.body.is_none() {
+                continue;
+            }
+            self.boxes[i] = Aabb16::EMPTY;
+            for lane in 0..self.poses.len() / self.moving {
+                let world = self.world(i, lane)?;
+                super::check(&world)?;
+                self.boxes[i].set_lane(lane, &slot.size.bounds(&world));
+            }
+        }
+        Ok(())
+    }
+
+    /// Notes pairs whose boxes are near each other, in the lanes that are free so far.
+    #[inline(always)]
+    fn gather(&self, kernel: impl Kernel, near: &mut NearLanes, free: u16) {
+        let memory = &self.scene.memory;
+        while near.row < memory.slots.len() {
+            while near.column < memory.slots.len() {
+                let (a, b) = (near.row, near.column);
+                if memory.row(a, b / 16) >> (b % 16) & 1 != 0 {
+                    let mut lanes = near.rest & free & self.overlapping(kernel, a, b);
+                    while lanes != 0 {
+                        if near.len == WAITING {
+                            near.rest = lanes;
+                            return;
+                        }
+                        let lane = lanes.trailing_zeros();
+                        lanes &= lanes - 1;
+                        let [p, q] = [a, b].map(|i| self.bounds(i, lane as usize));
+                        let pair = NearPair { a: a as u32, b: b as u32, depth: depth(&p, &q) };
+                        near.add(NearLane { pair, lane: lane as u8 });
+                    }
+                    near.rest = u16::MAX;
+                }
+                near.column += 1;
+            }
+            near.column = 0;
+            near.row += 1;
+        }
+    }
+
+    /// The lanes in which the boxes of two bodies overlap.
+    #[inline(always)]
+    fn overlapping(&self, kernel: impl Kernel, a: usize, b: usize) -> u16 {
+        let memory = &self.scene.memory;
+        match (memory.slots[a].carrier, memory.slots[b].carrier) {
+            (Some(_), Some(_)) => lanes_overlapping(&self.boxes[a], &self.boxes[b]),
+            (Some(_), None) => kernel.boxes_near(&memory.bounds(b), 0.0, &self.boxes[a]),
+            (None, Some(_)) => kernel.boxes_near(&memory.bounds(a), 0.0, &self.boxes[b]),
+            (None, None) => {
+                if depth(&memory.bounds(a), &memory.bounds(b)) >= 0.0 {
+                    u16::MAX
+                } else {
+                    0
+                }
+            }
+        }
+    }
+
+    #[inline(always)]
+    fn bounds(&self, i: usize, lane: usize) -> Box3 {
+        match self.scene.memory.slots[i].carrier {
+            Some(_) => self.boxes[i].lane(lane),
+            None => self.scene.memory.bounds(i),
+        }
+    }
+}
+
+/// Lanes in which two boxes overlap. None of an empty one, which is NaN.
+#[inline(always)]
+fn lanes_overlapping(a: &Aabb16, b: &Aabb16) -> u16 {
+    let mut is_near = [true; 16];
+    for i in 0..3 {
+        for (lane, is_near) in is_near.iter_mut().enumerate() {
+            *is_near &= (a.lower[i][lane] <= b.upper[i][lane]) & (b.lower[i][lane] <= a.upper[i][lane]);
+        }
+    }
+    is_near.iter().enumerate().fold(0, |mask, (lane, is_near)| mask | u16::from(*is_near) << lane)
+}

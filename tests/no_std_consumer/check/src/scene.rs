@@ -1,0 +1,133 @@
+//! A scene and an edge: an arm of two rings, and a ring that hangs on it, among two that stand still.
+
+use crate::poses::RING_RADIUS;
+use simdop::glam::{DQuat, DVec3};
+use simdop::hierarchy::BvhRef;
+use simdop::motion::{Joint, JointKind, Kinematics, Link, LinkBody, MotionError, StraightMotion};
+use simdop::node::Node16;
+use simdop::pose::{Pose, PoseError};
+use simdop::query::{Counters, Query};
+use simdop::scene::{Body, BodyId, EdgeMemory, EdgePair, EdgeVerdict, Scene, SceneError};
+
+/// Bodies of the scene.
+pub const BODIES: usize = 5;
+/// Pairs in intervals that wait: more than any of the edges needs.
+pub const WAITING: usize = 256;
+
+/// What was asked, whether it is free, and what it cost.
+pub type Found = (bool, u64, Counters);
+
+/// How many answers there are.
+pub const ANSWERS: usize = 4;
+
+/// The arm, and the scene that it stands in.
+pub struct Arm<'t> {
+    /// The scene.
+    pub scene: Scene<'t, Node16<18>>,
+    moving: [BodyId; 2],
+    joints: [Joint; 2],
+    bodies: [LinkBody; 2],
+    links: [Link; 3],
+    values: [f64; 2],
+}
+
+/// Why there is no answer.
+#[derive(Debug)]
+pub struct Failed;
+
+impl From<SceneError> for Failed {
+    fn from(_: SceneError) -> Self {
+        Self
+    }
+}
+
+impl From<MotionError> for Failed {
+    fn from(_: MotionError) -> Self {
+        Self
+    }
+}
+
+impl From<PoseError> for Failed {
+    fn from(_: PoseError) -> Self {
+        Self
+    }
+}
+
+const LIMITS: [[f64; 2]; 2] = [[-3.0, 3.0]; 2];
+
+fn at(x: f64, y: f64, z: f64) -> Result<Pose, PoseError> {
+    Pose::try_from((DQuat::IDENTITY, DVec3::new(x, y, z)))
+}
+
+impl<'t> Arm<'t> {
+    /// Fills a scene. Each ring of the arm turns about a joint at its rim, and the one that hangs on it stands upright.
+    pub fn new(mut scene: Scene<'t, Node16<18>>, ring: BvhRef<'t, Node16<18>>) -> Result<Self, Failed> {
+        let reach = RING_RADIUS + 0.5;
+        let z = [0.0, 0.0, 1.0];
+        let joints = [
+            Joint::new(JointKind::Revolute, 0, Pose::IDENTITY, z, 0)?,
+            Joint::new(JointKind::Revolute, 1, at(2.0 * reach, 0.0, 0.0)?, z, 1)?,
+        ];
+        let body = |link| Ok::<_, PoseError>(LinkBody { link, at: at(reach, 0.0, 0.0)? });
+        let bodies = [body(1)?, body(2)?];
+        let first = scene.insert(Body::new(ring), &at(reach, 0.0, 0.0)?)?;
+        let second = scene.insert(Body::new(ring), &at(3.0 * reach, 0.0, 0.0)?)?;
+        let upright = Pose::try_from((
+            DQuat::from_rotation_x(core::f64::consts::FRAC_PI_2),
+            DVec3::new(4.0 * reach + 0.5, 0.0, 0.0),
+        ))?;
+        let hanging = scene.insert(Body::new(ring).with_radius(0.01), &upright)?;
+        scene.attach(hanging, second)?;
+        scene.set_pair(hanging, second, false)?;
+        let _ = scene.insert(Body::new(ring).fixed(), &at(0.0, 5.0, 0.5)?)?;
+        let _ = scene.insert(Body::new(ring).fixed(), &at(0.0, -7.0, 0.0)?)?;
+        Ok(Self { scene, moving: [first, second], joints, bodies, links: [Link::EMPTY; 3], values: [0.0; 2] })
+    }
+
+    /// Whether the arm may stand there.
+    pub fn collide(&mut self, query: &Query, values: [f64; 2]) -> Result<Found, Failed> {
+        let mut poses = [Pose::IDENTITY; 2];
+        let robot = Kinematics::new(&self.joints, &self.bodies, &LIMITS)?;
+        robot.go_to(&values, &mut self.links, &mut poses)?;
+        for (&id, pose) in self.moving.iter().zip(&poses) {
+            self.scene.place(id, pose)?;
+        }
+        let answer = self.scene.collide(query)?;
+        Ok((answer.is_free(), answer.pairs, answer.counters))
+    }
+
+    /// Whether it may go there.
+    pub fn edge(&mut self, query: &Query, ends: [&[f64; 2]; 2], waiting: &mut [EdgePair]) -> Result<Found, Failed> {
+        let robot = Kinematics::new(&self.joints, &self.bodies, &LIMITS)?;
+        let [from, to] = ends;
+        let mut motion = StraightMotion::new(robot, [from, to], &mut self.values, &mut self.links)?;
+        let mut memory = EdgeMemory { poses: &mut [Pose::IDENTITY; 4], waiting };
+        let answer = self.scene.edge(query, &self.moving, &mut motion, 1e-4, &mut memory)?;
+        match answer.verdict {
+            EdgeVerdict::Free => Ok((true, answer.pairs, answer.counters)),
+            EdgeVerdict::Hit { .. } => Ok((false, answer.pairs, answer.counters)),
+            EdgeVerdict::Unresolved { .. } => Err(Failed),
+        }
+    }
+
+    /// A place that is free, one that is not, a way that is free, and one that leads through the ring that stands.
+    pub fn answers(&mut self, query: &Query, waiting: &mut [EdgePair]) -> Result<[Found; ANSWERS], Failed> {
+        Ok([
+            self.collide(query, FREE)?,
+            self.collide(query, HIT)?,
+            self.edge(query, [&FREE, &NEAR], waiting)?,
+            self.edge(query, [&FREE, &BEYOND], waiting)?,
+        ])
+    }
+}
+
+/// Values of the joints, and what geometry gives for them.
+pub const FREE: [f64; 2] = [0.0, 0.0];
+/// Where the second ring meets the one that stands.
+pub const HIT: [f64; 2] = [1.2, 0.6];
+/// A little farther than [`FREE`].
+pub const NEAR: [f64; 2] = [0.4, 0.1];
+/// Behind the ring that stands.
+pub const BEYOND: [f64; 2] = [2.6, 0.2];
+/// Which of the answers are free.
+pub const IS_FREE: [bool; ANSWERS] = [true, false, true, false];
