@@ -35,12 +35,14 @@ impl Obstacles {
     }
 }
 
+/// In that problem, may the links be at these places?
+type Decide<'t> = Box<dyn FnMut(usize, &[Rows]) -> bool + 't>;
+
 /// A library that holds a scene for every problem of a robot.
 pub(super) struct Entrant<'t> {
     pub(super) name: String,
     pub(super) version: String,
-    /// In that problem, may the links be at these places?
-    pub(super) is_free: Box<dyn FnMut(usize, &[Rows]) -> bool + 't>,
+    pub(super) is_free: Decide<'t>,
 }
 
 pub(super) const OURS: &str = "simdop";
