@@ -1,4 +1,4 @@
-//! Robots and what they are asked: their links, where these stand, and the problems of MotionBenchMaker.
+//! Robots and what they are asked: their links, the problems of MotionBenchMaker, and where the links stand in these.
 
 use super::data::MeshData;
 use super::rng::Rng;
@@ -9,10 +9,40 @@ use std::collections::BTreeMap;
 use std::path::Path;
 use urdf_rs::{Geometry, JointType};
 
-/// Values of the joints, by name.
-pub(crate) type Configuration = BTreeMap<String, f64>;
+/// A robot, and which of its meshes are its links.
+#[derive(Debug)]
+pub(crate) struct Setting {
+    pub(crate) name: &'static str,
+    /// Of its folder and files.
+    robot: &'static str,
+    /// The meshes that are drawn, instead of those of collision.
+    is_drawn: bool,
+}
 
-/// A robot's links that have a mesh, and how they are joined.
+/// Of the UR5's arm no drawn meshes are there; the meshes of collision are the drawn ones in its gripper.
+pub(crate) const SETTINGS: [Setting; 3] = [
+    Setting { name: "Panda", robot: "panda", is_drawn: false },
+    Setting { name: "Panda, drawn meshes", robot: "panda", is_drawn: true },
+    Setting { name: "UR5", robot: "ur5", is_drawn: false },
+];
+
+impl Setting {
+    pub(crate) fn robot(&self, data: &Path) -> Robot {
+        Robot::read(&data.join("robots").join(self.robot), self.robot, self.is_drawn)
+    }
+
+    /// Every so many problems of the robot, the same at each call.
+    pub(crate) fn problems(&self, data: &Path, robot: &Robot, step: usize) -> Vec<Problem> {
+        let text = std::fs::read_to_string(data.join(format!("planning/mbm_{}.jsonl", self.robot))).unwrap();
+        let mut rng = Rng::new(7);
+        text.lines().step_by(step).map(|line| Problem::new(line, robot, &mut rng)).collect()
+    }
+}
+
+/// Values of the joints, by name.
+type Configuration = BTreeMap<String, f64>;
+
+/// A robot's links that have a shape, and how they are joined.
 #[derive(Debug)]
 pub(crate) struct Robot {
     pub(crate) links: Vec<Link>,
@@ -23,7 +53,7 @@ pub(crate) struct Robot {
 
 #[derive(Debug)]
 pub(crate) struct Link {
-    pub(crate) name: String,
+    name: String,
     pub(crate) mesh: MeshData,
     /// Of the mesh in the link's frame.
     origin: DAffine3,
@@ -48,17 +78,22 @@ fn affine(pose: &urdf_rs::Pose) -> DAffine3 {
 
 impl Robot {
     /// Of a folder with `NAME.urdf` and `NAME.srdf`; the meshes of collision, or those that are drawn.
-    pub(crate) fn read(folder: &Path, name: &str, is_visual: bool) -> Self {
+    fn read(folder: &Path, name: &str, is_drawn: bool) -> Self {
         let urdf = urdf_rs::read_file(folder.join(format!("{name}.urdf"))).unwrap();
         let mut links = Vec::new();
         for link in &urdf.links {
             let drawn = link.visual.first().map(|part| (&part.geometry, &part.origin));
             let solid = link.collision.first().map(|part| (&part.geometry, &part.origin));
-            let Some((Geometry::Mesh { filename, .. }, origin)) = (if is_visual { drawn } else { solid })
-            else {
-                continue;
+            let Some((geometry, origin)) = (if is_drawn { drawn } else { solid }) else { continue };
+            let mesh = match geometry {
+                Geometry::Mesh { filename, .. } if filename.ends_with(".stl") => stl(&folder.join(filename)),
+                Geometry::Mesh { filename, .. } => MeshData::obj(&folder.join(filename)),
+                Geometry::Box { size } => {
+                    let OwnedMesh { vertices, triangles } = OwnedMesh::cuboid(**size).unwrap();
+                    MeshData { vertices, triangles }
+                }
+                other => panic!("{} is {other:?}", link.name),
             };
-            let mesh = MeshData::obj(&folder.join(filename));
             links.push(Link { name: link.name.clone(), mesh, origin: affine(origin) });
         }
         let joints = urdf.joints.iter().map(|joint| Joint {
@@ -86,7 +121,7 @@ impl Robot {
     }
 
     /// Where the meshes of the links stand.
-    pub(crate) fn poses(&self, configuration: &Configuration) -> Vec<DAffine3> {
+    fn poses(&self, configuration: &Configuration) -> Vec<DAffine3> {
         let mut frames: BTreeMap<&str, DAffine3> = BTreeMap::new();
         // Joints may come in any order.
         loop {
@@ -115,7 +150,7 @@ impl Robot {
     }
 
     /// A configuration within the limits of the joints that move.
-    pub(crate) fn random(&self, rng: &mut Rng) -> Configuration {
+    fn random(&self, rng: &mut Rng) -> Configuration {
         let moving = |joint: &&Joint| !matches!(joint.kind, JointType::Fixed);
         self.joints
             .iter()
@@ -125,44 +160,91 @@ impl Robot {
     }
 }
 
-/// A problem: what stands around the robot, and where it shall start and end.
+/// The triangles of a binary STL file; corners at one place become one vertex.
+fn stl(path: &Path) -> MeshData {
+    let bytes = std::fs::read(path).unwrap_or_else(|e| panic!("{}: {e}", path.display()));
+    let (mut vertices, mut indices) = (Vec::new(), BTreeMap::new());
+    let mut vertex = |corner: &[u8]| {
+        let place: [[u8; 4]; 3] = core::array::from_fn(|i| corner[4 * i..][..4].try_into().unwrap());
+        *indices.entry(place).or_insert_with(|| {
+            vertices.push(place.map(|x| f64::from(f32::from_le_bytes(x))));
+            vertices.len() as u32 - 1
+        })
+    };
+    // After a head of 84 bytes, each triangle has 50: a normal, three corners, attributes.
+    let triangles =
+        bytes[84..].chunks_exact(50).map(|t| [12, 24, 36].map(|at| vertex(&t[at..at + 12]))).collect();
+    MeshData { vertices, triangles }
+}
+
+/// A problem: what stands around the robot, and where its links shall stand: at the start, at a goal and in ten random
+/// configurations.
 #[derive(Debug)]
 pub(crate) struct Problem {
-    pub(crate) obstacles: Vec<(OwnedMesh, DAffine3)>,
-    pub(crate) configurations: Vec<Configuration>,
+    pub(crate) obstacles: Vec<Obstacle>,
+    pub(crate) poses: Vec<Vec<DAffine3>>,
+}
+
+#[derive(Debug)]
+pub(crate) struct Obstacle {
+    pub(crate) shape: Shape,
+    pub(crate) at: DAffine3,
+}
+
+#[derive(Debug)]
+pub(crate) enum Shape {
+    /// Its sides.
+    Cuboid([f64; 3]),
+    Cylinder {
+        radius: f64,
+        height: f64,
+    },
 }
 
 /// How far from the cylinder a prism around it may be, of the radius: sixteen sides.
 const ERROR: f64 = 0.02;
 
-/// Every so many problems of a file, one a line.
-pub(crate) fn problems(file: &Path, step: usize) -> Vec<Problem> {
-    let text = std::fs::read_to_string(file).unwrap();
-    let numbers = |value: &Value| -> Vec<f64> {
-        value.as_array().unwrap().iter().map(|x| x.as_f64().unwrap()).collect()
-    };
-    let configuration = |value: &Value| -> Configuration {
-        value.as_object().unwrap().iter().map(|(name, x)| (name.clone(), x.as_f64().unwrap())).collect()
-    };
-    let problem = |line: &str| {
-        let line: Value = serde_json::from_str(line).unwrap();
-        let obstacle = |value: &Value| {
-            let dims = numbers(&value["dims"]);
-            let mesh = match value["type"].as_str().unwrap() {
-                "box" => OwnedMesh::cuboid([dims[0], dims[1], dims[2]]),
-                "cylinder" => OwnedMesh::cylinder(dims[1], dims[0], ERROR * dims[1]),
-                other => panic!("an obstacle is no {other}"),
-            };
-            let mesh = mesh.unwrap();
-            let (p, q) = (numbers(&value["pos"]), numbers(&value["quat_xyzw"]));
-            let turn = DQuat::from_xyzw(q[0], q[1], q[2], q[3]).normalize();
-            (mesh, DAffine3::from_rotation_translation(turn, DVec3::new(p[0], p[1], p[2])))
+impl Shape {
+    pub(crate) fn mesh(&self) -> OwnedMesh {
+        match *self {
+            Self::Cuboid(sides) => OwnedMesh::cuboid(sides),
+            Self::Cylinder { radius, height } => OwnedMesh::cylinder(radius, height, ERROR * radius),
+        }
+        .unwrap()
+    }
+}
+
+fn numbers<const N: usize>(value: &Value) -> [f64; N] {
+    core::array::from_fn(|i| value[i].as_f64().unwrap())
+}
+
+impl Obstacle {
+    fn new(value: &Value) -> Self {
+        let shape = match value["type"].as_str().unwrap() {
+            "box" => Shape::Cuboid(numbers(&value["dims"])),
+            "cylinder" => {
+                let [height, radius] = numbers(&value["dims"]);
+                Shape::Cylinder { radius, height }
+            }
+            other => panic!("an obstacle is no {other}"),
         };
-        let obstacles = line["obstacles"].as_array().unwrap().iter().map(obstacle).collect();
-        let goals = line["goals"].as_array().unwrap().iter();
-        let configurations =
-            core::iter::once(&line["start"]).chain(goals.take(1)).map(configuration).collect();
-        Problem { obstacles, configurations }
-    };
-    text.lines().step_by(step).map(problem).collect()
+        let turn = DQuat::from_array(numbers(&value["quat_xyzw"])).normalize();
+        let at = DAffine3::from_rotation_translation(turn, DVec3::from_array(numbers(&value["pos"])));
+        Self { shape, at }
+    }
+}
+
+impl Problem {
+    fn new(line: &str, robot: &Robot, rng: &mut Rng) -> Self {
+        let line: Value = serde_json::from_str(line).unwrap();
+        let given = |value: &Value| -> Configuration {
+            value.as_object().unwrap().iter().map(|(name, x)| (name.clone(), x.as_f64().unwrap())).collect()
+        };
+        let [start, goal] = [&line["start"], &line["goals"][0]].map(given);
+        let random = (0..10).map(|_| robot.random(rng));
+        Self {
+            obstacles: line["obstacles"].as_array().unwrap().iter().map(Obstacle::new).collect(),
+            poses: [start, goal].into_iter().chain(random).map(|q| robot.poses(&q)).collect(),
+        }
+    }
 }

@@ -2,7 +2,7 @@
 //! in exact arithmetic, by rays in random directions that pass no edge.
 
 use crate::support::data::{MeshData, suite_step};
-use crate::support::dyadic::Dyadic;
+use crate::support::dyadic::sign_of_determinant;
 use crate::support::rng::Rng;
 use crate::support::shapes::{append, cuboid, scaled, separate, torus};
 use crate::support::turns::{pose, rotation};
@@ -21,42 +21,6 @@ use simdop::range::Point;
 type Triangle = [Point; 3];
 
 // ---- The oracle -------------------------------------------------------------------------------------------
-
-fn sign(x: &Dyadic) -> i32 {
-    match x.cmp(&Dyadic::zero()) {
-        core::cmp::Ordering::Less => -1,
-        core::cmp::Ordering::Equal => 0,
-        core::cmp::Ordering::Greater => 1,
-    }
-}
-
-/// The sign of the determinant of `p - o`, `q - o` and `r - s`.
-fn sign_of_determinant(o: &Point, p: &Point, q: &Point, [r, s]: [&Point; 2]) -> i32 {
-    let rough: [Point; 3] = [[p, o], [q, o], [r, s]].map(|[p, o]| core::array::from_fn(|i| p[i] - o[i]));
-    let terms = |f: fn(f64) -> f64| {
-        let [u, v, w] = rough.map(|v| v.map(f));
-        (
-            w,
-            core::array::from_fn::<[f64; 2], 3, _>(|i| {
-                let (j, k) = ((i + 1) % 3, (i + 2) % 3);
-                [u[j] * v[k], u[k] * v[j]]
-            }),
-        )
-    };
-    let (w, minors) = terms(core::convert::identity);
-    let determinant: f64 = (0..3).map(|i| w[i] * (minors[i][0] - minors[i][1])).sum();
-    let (w, minors) = terms(f64::abs);
-    let permanent: f64 = (0..3).map(|i| w[i] * (minors[i][0] + minors[i][1])).sum();
-    if determinant.abs() > 1e-13 * permanent {
-        return if determinant > 0.0 { 1 } else { -1 };
-    }
-    let exact = |p: &Point, o: &Point| -> [Dyadic; 3] {
-        core::array::from_fn(|i| Dyadic::from(p[i]) - Dyadic::from(o[i]))
-    };
-    let (u, v, w) = (exact(p, o), exact(q, o), exact(r, s));
-    let minor = |j: usize, k: usize| u[j].clone() * v[k].clone() - u[k].clone() * v[j].clone();
-    sign(&(w[0].clone() * minor(1, 2) + w[1].clone() * minor(2, 0) + w[2].clone() * minor(0, 1)))
-}
 
 fn has_no_area([a, b, c]: &Triangle) -> bool {
     let axes = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];

@@ -107,6 +107,42 @@ pub(crate) fn dot_rounded(n: &[f64; 3], p: &[f64; 3]) -> f64 {
     (n[0] * p[0] + n[1] * p[1]) + n[2] * p[2]
 }
 
+fn sign(x: &Dyadic) -> i32 {
+    match x.cmp(&Dyadic::zero()) {
+        Ordering::Less => -1,
+        Ordering::Equal => 0,
+        Ordering::Greater => 1,
+    }
+}
+
+/// The sign of the determinant of `p - o`, `q - o` and `r - s`.
+pub(crate) fn sign_of_determinant(o: &[f64; 3], p: &[f64; 3], q: &[f64; 3], [r, s]: [&[f64; 3]; 2]) -> i32 {
+    let rough: [[f64; 3]; 3] = [[p, o], [q, o], [r, s]].map(|[p, o]| core::array::from_fn(|i| p[i] - o[i]));
+    let terms = |f: fn(f64) -> f64| {
+        let [u, v, w] = rough.map(|v| v.map(f));
+        (
+            w,
+            core::array::from_fn::<[f64; 2], 3, _>(|i| {
+                let (j, k) = ((i + 1) % 3, (i + 2) % 3);
+                [u[j] * v[k], u[k] * v[j]]
+            }),
+        )
+    };
+    let (w, minors) = terms(core::convert::identity);
+    let determinant: f64 = (0..3).map(|i| w[i] * (minors[i][0] - minors[i][1])).sum();
+    let (w, minors) = terms(f64::abs);
+    let permanent: f64 = (0..3).map(|i| w[i] * (minors[i][0] + minors[i][1])).sum();
+    if determinant.abs() > 1e-13 * permanent {
+        return if determinant > 0.0 { 1 } else { -1 };
+    }
+    let exact = |p: &[f64; 3], o: &[f64; 3]| -> [Dyadic; 3] {
+        core::array::from_fn(|i| Dyadic::from(p[i]) - Dyadic::from(o[i]))
+    };
+    let (u, v, w) = (exact(p, o), exact(q, o), exact(r, s));
+    let minor = |j: usize, k: usize| u[j].clone() * v[k].clone() - u[k].clone() * v[j].clone();
+    sign(&(w[0].clone() * minor(1, 2) + w[1].clone() * minor(2, 0) + w[2].clone() * minor(0, 1)))
+}
+
 /// Whether all of some points lie before all others along `n`, either way round, by more than `margin`. Intervals far
 /// wider than the rounding errors decide most.
 pub(crate) fn apart_along(n: &[f64; 3], one: &[[f64; 3]], other: &[[f64; 3]], margin: f64) -> bool {
@@ -165,6 +201,7 @@ const _: () = {
         Dyadic::abs,
         dot,
         dot_rounded,
+        sign_of_determinant,
         apart_along,
         is_rounded_up,
     );

@@ -1,29 +1,46 @@
 // Coal: trees of the volume that -DVOLUME names, as its wheel compiles them.
 #include "peer.h"
 #include <coal/BVH/BVH_model.h>
+#include <coal/broadphase/broadphase_dynamic_AABB_tree.h>
 #include <coal/collision.h>
 #include <coal/distance.h>
+#include <coal/shape/convex.h>
+#include <coal/shape/geometric_shapes.h>
 
 using Model = coal::BVHModel<coal::VOLUME>;
+using Geometry = coal::CollisionGeometry;
+using Object = coal::CollisionObject;
 
 const char *peer_version() { return COAL_VERSION; }
 
-void *peer_build(const double *vertices, size_t vertex_count, const uint32_t *triangles, size_t triangle_count) {
+static std::vector<coal::Vec3s> points(const double *vertices, size_t count) {
   std::vector<coal::Vec3s> points;
-  for (size_t i = 0; i < vertex_count; i++) points.emplace_back(vertices[3 * i], vertices[3 * i + 1], vertices[3 * i + 2]);
-  std::vector<coal::Triangle> faces;
-  for (size_t i = 0; i < triangle_count; i++) faces.emplace_back(triangles[3 * i], triangles[3 * i + 1], triangles[3 * i + 2]);
-  auto *model = new Model;
-  model->beginModel(static_cast<unsigned>(triangle_count), static_cast<unsigned>(vertex_count));
-  model->addSubModel(points, faces);
-  model->endModel();
-  return model;
+  for (size_t i = 0; i < count; i++) points.emplace_back(vertices[3 * i], vertices[3 * i + 1], vertices[3 * i + 2]);
+  return points;
 }
 
-void peer_free(void *body) { delete static_cast<Model *>(body); }
+static std::vector<coal::Triangle> faces(const uint32_t *triangles, size_t count) {
+  std::vector<coal::Triangle> faces;
+  for (size_t i = 0; i < count; i++) faces.emplace_back(triangles[3 * i], triangles[3 * i + 1], triangles[3 * i + 2]);
+  return faces;
+}
+
+// What the harness holds.
+static Geometry *geometry(void *body) { return static_cast<Geometry *>(body); }
+
+void *peer_build(const double *vertices, size_t vertex_count, const uint32_t *triangles, size_t triangle_count) {
+  auto *model = new Model;
+  model->beginModel(static_cast<unsigned>(triangle_count), static_cast<unsigned>(vertex_count));
+  model->addSubModel(points(vertices, vertex_count), faces(triangles, triangle_count));
+  model->endModel();
+  return static_cast<Geometry *>(model);
+}
+
+void peer_free(void *body) { delete geometry(body); }
 
 size_t peer_bytes(const void *body) {
-  auto *model = static_cast<const Model *>(body);
+  auto *model = dynamic_cast<const Model *>(static_cast<const Geometry *>(body));
+  if (!model) return 0;
   return sizeof(Model) + model->getNumBVs() * sizeof(coal::BVNode<coal::VOLUME>) + model->num_vertices * sizeof(coal::Vec3s) +
          model->num_tris * (sizeof(coal::Triangle) + sizeof(unsigned int));
 }
@@ -34,14 +51,19 @@ static coal::Transform3s transform(const Rows &m) {
   return coal::Transform3s(rotation, coal::Vec3s(m[3], m[7], m[11]));
 }
 
-bool peer_collide(void *a, void *b, const Rows &rows) {
+// The first hit, without its place.
+static coal::CollisionRequest first_hit() {
   coal::CollisionRequest request;
   request.num_max_contacts = 1;
   request.enable_contact = false;
   // Nodes that are nearer than this are opened though they are apart, for a better bound of the distance: by default 1e-3, in any unit.
   request.break_distance = 0;
+  return request;
+}
+
+bool peer_collide(void *a, void *b, const Rows &rows) {
   coal::CollisionResult result;
-  coal::collide(static_cast<Model *>(a), transform(rows), static_cast<Model *>(b), coal::Transform3s::Identity(), request, result);
+  coal::collide(geometry(a), transform(rows), geometry(b), coal::Transform3s::Identity(), first_hit(), result);
   return result.isCollision();
 }
 
@@ -49,6 +71,87 @@ bool peer_collide(void *a, void *b, const Rows &rows) {
 double peer_distance(void *a, void *b, const Rows &rows) {
   const coal::DistanceRequest request;
   coal::DistanceResult result;
-  return coal::distance(static_cast<Model *>(a), transform(rows), static_cast<Model *>(b), coal::Transform3s::Identity(), request, result);
+  return coal::distance(geometry(a), transform(rows), geometry(b), coal::Transform3s::Identity(), request, result);
 }
 #endif
+
+void *peer_box(const double *sides) { return static_cast<Geometry *>(new coal::Box(sides[0], sides[1], sides[2])); }
+
+void *peer_convex(const double *vertices, size_t vertex_count, const uint32_t *triangles, size_t triangle_count) {
+  auto corners = std::make_shared<std::vector<coal::Vec3s>>(points(vertices, vertex_count));
+  auto sides = std::make_shared<std::vector<coal::Triangle>>(faces(triangles, triangle_count));
+  return static_cast<Geometry *>(
+      new coal::Convex<coal::Triangle>(corners, static_cast<unsigned>(vertex_count), sides, static_cast<unsigned>(triangle_count)));
+}
+
+// An object of a manager, which does not own the body.
+static std::unique_ptr<Object> object(const Placed &placed) {
+  auto shared = std::shared_ptr<Geometry>(std::shared_ptr<void>(), geometry(placed.body));
+  return std::make_unique<Object>(shared, transform(placed.place));
+}
+
+namespace {
+struct Scene {
+  std::vector<std::unique_ptr<Object>> links, obstacles;
+  // links.size() to a row.
+  std::vector<bool> asked;
+  coal::DynamicAABBTreeCollisionManager robot, world;
+};
+
+// A link and an obstacle.
+struct Meet : coal::CollisionCallBackBase {
+  const coal::CollisionRequest request = first_hit();
+  bool hit = false;
+
+  bool collide(Object *a, Object *b) override {
+    coal::CollisionResult result;
+    coal::collide(a, b, request, result);
+    return hit = result.isCollision();
+  }
+};
+
+// Two links.
+struct MeetIfAsked : Meet {
+  const Scene &scene;
+  explicit MeetIfAsked(const Scene &scene) : scene(scene) {}
+
+  bool collide(Object *a, Object *b) override {
+    const auto index = [](Object *link) { return reinterpret_cast<size_t>(link->getUserData()); };
+    return scene.asked[index(a) * scene.links.size() + index(b)] && Meet::collide(a, b);
+  }
+};
+} // namespace
+
+void *peer_scene(const Placed *links, size_t link_count, const bool *asked, const Placed *obstacles, size_t obstacle_count) {
+  auto *scene = new Scene;
+  scene->asked.assign(asked, asked + link_count * link_count);
+  for (size_t i = 0; i < link_count; i++) {
+    scene->links.push_back(object(links[i]));
+    scene->links[i]->setUserData(reinterpret_cast<void *>(i));
+    scene->robot.registerObject(scene->links[i].get());
+  }
+  for (size_t i = 0; i < obstacle_count; i++) {
+    scene->obstacles.push_back(object(obstacles[i]));
+    scene->world.registerObject(scene->obstacles[i].get());
+  }
+  scene->robot.setup();
+  scene->world.setup();
+  return scene;
+}
+
+void peer_scene_free(void *scene) { delete static_cast<Scene *>(scene); }
+
+bool peer_scene_collide(void *data, const Rows *places) {
+  Scene &scene = *static_cast<Scene *>(data);
+  for (size_t i = 0; i < scene.links.size(); i++) {
+    scene.links[i]->setTransform(transform(places[i]));
+    scene.links[i]->computeAABB();
+  }
+  scene.robot.update();
+  Meet among_obstacles;
+  scene.robot.collide(&scene.world, &among_obstacles);
+  if (among_obstacles.hit) return true;
+  MeetIfAsked among_links(scene);
+  scene.robot.collide(&among_links);
+  return among_links.hit;
+}

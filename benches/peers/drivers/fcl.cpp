@@ -1,31 +1,48 @@
 // FCL: trees of the volume that -DVOLUME names (OBB, OBBRSS), as its package compiles them.
 #include "peer.h"
+#include <fcl/broadphase/broadphase_dynamic_AABB_tree.h>
 #include <fcl/config.h>
 #include <fcl/geometry/bvh/BVH_model.h>
+#include <fcl/geometry/shape/box.h>
+#include <fcl/geometry/shape/convex.h>
 #include <fcl/narrowphase/collision.h>
 #include <fcl/narrowphase/distance.h>
 
 using Volume = fcl::VOLUME<double>;
 using Model = fcl::BVHModel<Volume>;
+using Geometry = fcl::CollisionGeometryd;
+using Object = fcl::CollisionObjectd;
 
 const char *peer_version() { return FCL_VERSION; }
 
-void *peer_build(const double *vertices, size_t vertex_count, const uint32_t *triangles, size_t triangle_count) {
+static std::vector<fcl::Vector3d> points(const double *vertices, size_t count) {
   std::vector<fcl::Vector3d> points;
-  for (size_t i = 0; i < vertex_count; i++) points.emplace_back(vertices[3 * i], vertices[3 * i + 1], vertices[3 * i + 2]);
-  std::vector<fcl::Triangle> faces;
-  for (size_t i = 0; i < triangle_count; i++) faces.emplace_back(triangles[3 * i], triangles[3 * i + 1], triangles[3 * i + 2]);
-  auto *model = new Model;
-  model->beginModel(static_cast<int>(triangle_count), static_cast<int>(vertex_count));
-  model->addSubModel(points, faces);
-  model->endModel();
-  return model;
+  for (size_t i = 0; i < count; i++) points.emplace_back(vertices[3 * i], vertices[3 * i + 1], vertices[3 * i + 2]);
+  return points;
 }
 
-void peer_free(void *body) { delete static_cast<Model *>(body); }
+static std::vector<fcl::Triangle> faces(const uint32_t *triangles, size_t count) {
+  std::vector<fcl::Triangle> faces;
+  for (size_t i = 0; i < count; i++) faces.emplace_back(triangles[3 * i], triangles[3 * i + 1], triangles[3 * i + 2]);
+  return faces;
+}
+
+// What the harness holds.
+static Geometry *geometry(void *body) { return static_cast<Geometry *>(body); }
+
+void *peer_build(const double *vertices, size_t vertex_count, const uint32_t *triangles, size_t triangle_count) {
+  auto *model = new Model;
+  model->beginModel(static_cast<int>(triangle_count), static_cast<int>(vertex_count));
+  model->addSubModel(points(vertices, vertex_count), faces(triangles, triangle_count));
+  model->endModel();
+  return static_cast<Geometry *>(model);
+}
+
+void peer_free(void *body) { delete geometry(body); }
 
 size_t peer_bytes(const void *body) {
-  auto *model = static_cast<const Model *>(body);
+  auto *model = dynamic_cast<const Model *>(static_cast<const Geometry *>(body));
+  if (!model) return 0;
   return sizeof(Model) + model->getNumBVs() * sizeof(fcl::BVNode<Volume>) + model->num_vertices * sizeof(fcl::Vector3d) +
          model->num_tris * (sizeof(fcl::Triangle) + sizeof(unsigned int));
 }
@@ -40,7 +57,7 @@ static fcl::Transform3d transform(const Rows &m) {
 bool peer_collide(void *a, void *b, const Rows &rows) {
   const fcl::CollisionRequestd request(1, false);
   fcl::CollisionResultd result;
-  fcl::collide(static_cast<Model *>(a), transform(rows), static_cast<Model *>(b), fcl::Transform3d::Identity(), request, result);
+  fcl::collide(geometry(a), transform(rows), geometry(b), fcl::Transform3d::Identity(), request, result);
   return result.isCollision();
 }
 
@@ -48,7 +65,85 @@ bool peer_collide(void *a, void *b, const Rows &rows) {
 double peer_distance(void *a, void *b, const Rows &rows) {
   const fcl::DistanceRequestd request(true);
   fcl::DistanceResultd result;
-  fcl::distance(static_cast<Model *>(a), transform(rows), static_cast<Model *>(b), fcl::Transform3d::Identity(), request, result);
+  fcl::distance(geometry(a), transform(rows), geometry(b), fcl::Transform3d::Identity(), request, result);
   return result.min_distance;
 }
 #endif
+
+void *peer_box(const double *sides) { return static_cast<Geometry *>(new fcl::Boxd(sides[0], sides[1], sides[2])); }
+
+void *peer_convex(const double *vertices, size_t vertex_count, const uint32_t *triangles, size_t triangle_count) {
+  auto sides = std::make_shared<std::vector<int>>();
+  for (size_t i = 0; i < triangle_count; i++) {
+    sides->push_back(3);
+    sides->insert(sides->end(), triangles + 3 * i, triangles + 3 * i + 3);
+  }
+  auto corners = std::make_shared<const std::vector<fcl::Vector3d>>(points(vertices, vertex_count));
+  return static_cast<Geometry *>(new fcl::Convexd(corners, static_cast<int>(triangle_count), sides));
+}
+
+// An object of a manager, which does not own the body.
+static std::unique_ptr<Object> object(const Placed &placed) {
+  auto shared = std::shared_ptr<Geometry>(std::shared_ptr<void>(), geometry(placed.body));
+  return std::make_unique<Object>(shared, transform(placed.place));
+}
+
+namespace {
+struct Scene {
+  std::vector<std::unique_ptr<Object>> links, obstacles;
+  // links.size() to a row.
+  std::vector<bool> asked;
+  fcl::DynamicAABBTreeCollisionManagerd robot, world;
+};
+
+// What a callback works on.
+struct Asked {
+  const Scene &scene;
+  bool hit = false;
+
+  static bool meet(Object *a, Object *b, void *data) {
+    const fcl::CollisionRequestd request(1, false);
+    fcl::CollisionResultd result;
+    fcl::collide(a, b, request, result);
+    return static_cast<Asked *>(data)->hit = result.isCollision();
+  }
+
+  static bool meet_if_asked(Object *a, Object *b, void *data) {
+    const Scene &scene = static_cast<Asked *>(data)->scene;
+    const auto index = [](Object *link) { return reinterpret_cast<size_t>(link->getUserData()); };
+    return scene.asked[index(a) * scene.links.size() + index(b)] && meet(a, b, data);
+  }
+};
+} // namespace
+
+void *peer_scene(const Placed *links, size_t link_count, const bool *asked, const Placed *obstacles, size_t obstacle_count) {
+  auto *scene = new Scene;
+  scene->asked.assign(asked, asked + link_count * link_count);
+  for (size_t i = 0; i < link_count; i++) {
+    scene->links.push_back(object(links[i]));
+    scene->links[i]->setUserData(reinterpret_cast<void *>(i));
+    scene->robot.registerObject(scene->links[i].get());
+  }
+  for (size_t i = 0; i < obstacle_count; i++) {
+    scene->obstacles.push_back(object(obstacles[i]));
+    scene->world.registerObject(scene->obstacles[i].get());
+  }
+  scene->robot.setup();
+  scene->world.setup();
+  return scene;
+}
+
+void peer_scene_free(void *scene) { delete static_cast<Scene *>(scene); }
+
+bool peer_scene_collide(void *data, const Rows *places) {
+  Scene &scene = *static_cast<Scene *>(data);
+  for (size_t i = 0; i < scene.links.size(); i++) {
+    scene.links[i]->setTransform(transform(places[i]));
+    scene.links[i]->computeAABB();
+  }
+  scene.robot.update();
+  Asked asked{scene};
+  scene.robot.collide(&scene.world, &asked, Asked::meet);
+  if (!asked.hit) scene.robot.collide(&asked, Asked::meet_if_asked);
+  return asked.hit;
+}

@@ -19,13 +19,39 @@ pub(crate) struct Driver {
     bytes: unsafe extern "C" fn(Handle) -> usize,
     collide: unsafe extern "C" fn(Handle, Handle, *const Rows) -> bool,
     distance: Option<unsafe extern "C" fn(Handle, Handle, *const Rows) -> f64>,
+    managers: Option<Managers>,
     _library: Library,
+}
+
+/// The functions of a peer with managers of many bodies.
+#[derive(Copy, Clone)]
+struct Managers {
+    cuboid: unsafe extern "C" fn(*const [f64; 3]) -> Handle,
+    convex: unsafe extern "C" fn(*const [f64; 3], usize, *const [u32; 3], usize) -> Handle,
+    scene: unsafe extern "C" fn(*const Placed, usize, *const bool, *const Placed, usize) -> Handle,
+    free: unsafe extern "C" fn(Handle),
+    collide: unsafe extern "C" fn(Handle, *const Rows) -> bool,
+}
+
+/// A body and its place, as `peer.h` has it.
+#[repr(C)]
+struct Placed {
+    handle: Handle,
+    place: Rows,
 }
 
 /// A body in a peer's hands.
 pub(crate) struct Body {
     driver: Rc<Driver>,
     handle: Handle,
+}
+
+/// A robot's links among bodies that stand still, in a peer's hands.
+pub(crate) struct Scene {
+    managers: Managers,
+    handle: Handle,
+    links: Rc<Vec<Body>>,
+    _obstacles: Vec<Body>,
 }
 
 extern "C" fn meet(a: &Triangle, b: &Triangle) -> bool {
@@ -44,7 +70,18 @@ impl Driver {
             if let Ok(take) = take {
                 take(meet);
             }
+            let managers = match library.get(b"peer_scene") {
+                Err(_) => None,
+                Ok(scene) => Some(Managers {
+                    cuboid: *library.get(b"peer_box")?,
+                    convex: *library.get(b"peer_convex")?,
+                    scene: *scene,
+                    free: *library.get(b"peer_scene_free")?,
+                    collide: *library.get(b"peer_scene_collide")?,
+                }),
+            };
             Ok(Self {
+                managers,
                 version: *library.get(b"peer_version")?,
                 build: *library.get(b"peer_build")?,
                 free: *library.get(b"peer_free")?,
@@ -72,6 +109,67 @@ impl Driver {
         let handle =
             unsafe { (this.build)(vertices.as_ptr(), vertices.len(), triangles.as_ptr(), triangles.len()) };
         Body { driver: Rc::clone(this), handle }
+    }
+
+    fn managers(&self) -> Managers {
+        self.managers.expect("asked of drivers with managers")
+    }
+
+    /// A box about the origin, as a solid of the peer's own.
+    pub(crate) fn cuboid(this: &Rc<Self>, sides: &[f64; 3]) -> Body {
+        // SAFETY: three numbers.
+        Body { driver: Rc::clone(this), handle: unsafe { (this.managers().cuboid)(sides) } }
+    }
+
+    /// The hull of the mesh, which is convex, as a solid.
+    pub(crate) fn convex(this: &Rc<Self>, mesh: &MeshData) -> Body {
+        let (vertices, triangles) = (&mesh.vertices, &mesh.triangles);
+        // SAFETY: as in `build`.
+        let handle = unsafe {
+            (this.managers().convex)(vertices.as_ptr(), vertices.len(), triangles.as_ptr(), triangles.len())
+        };
+        Body { driver: Rc::clone(this), handle }
+    }
+
+    /// Links, at first like this, and which of them are asked against each other, row by row; and obstacles.
+    pub(crate) fn scene(
+        this: &Rc<Self>,
+        links: &Rc<Vec<Body>>,
+        places: &[Rows],
+        asked: &[bool],
+        obstacles: Vec<(Body, Rows)>,
+    ) -> Scene {
+        assert!(places.len() == links.len() && asked.len() == links.len() * links.len());
+        let placed = |(body, place): (&Body, &Rows)| {
+            assert!(Rc::ptr_eq(this, &body.driver));
+            Placed { handle: body.handle, place: *place }
+        };
+        let moving: Vec<Placed> = links.iter().zip(places).map(placed).collect();
+        let still: Vec<Placed> = obstacles.iter().map(|(body, place)| placed((body, place))).collect();
+        let managers = this.managers();
+        // SAFETY: pointers and counts are those of the arrays, and all handles are of this driver. The scene keeps the
+        // bodies alive, which keep the driver.
+        let handle = unsafe {
+            (managers.scene)(moving.as_ptr(), moving.len(), asked.as_ptr(), still.as_ptr(), still.len())
+        };
+        let obstacles = obstacles.into_iter().map(|(body, _)| body).collect();
+        Scene { managers, handle, links: Rc::clone(links), _obstacles: obstacles }
+    }
+}
+
+impl Scene {
+    /// Whether the links, at these places, meet an obstacle or each other.
+    pub(crate) fn collides(&mut self, places: &[Rows]) -> bool {
+        assert_eq!(places.len(), self.links.len());
+        // SAFETY: the handle is alive, nothing else uses it meanwhile, and there is a place for each link.
+        unsafe { (self.managers.collide)(self.handle, places.as_ptr()) }
+    }
+}
+
+impl Drop for Scene {
+    fn drop(&mut self) {
+        // SAFETY: the handle is this driver's and is not used again. The bodies are dropped after this.
+        unsafe { (self.managers.free)(self.handle) }
     }
 }
 

@@ -104,7 +104,7 @@ pub(crate) fn builders(drivers: &Path) -> Vec<(String, Build)> {
 }
 
 /// The drivers that are there and load; for the others, a warning.
-fn loaded(wanted: &[(&'static str, &str)], drivers: &Path) -> Vec<(&'static str, Rc<Driver>)> {
+pub(crate) fn loaded(wanted: &[(&'static str, &str)], drivers: &Path) -> Vec<(&'static str, Rc<Driver>)> {
     let load = |&(name, file): &(&'static str, &str)| match Driver::load(&drivers.join(format!("{file}.so")))
     {
         Ok(driver) => Some((name, Rc::new(driver))),
@@ -116,7 +116,7 @@ fn loaded(wanted: &[(&'static str, &str)], drivers: &Path) -> Vec<(&'static str,
     wanted.iter().filter_map(load).collect()
 }
 
-fn tree<N: Lanes>(builder: Builder, mesh: &MeshData) -> Bvh<N> {
+pub(crate) fn tree<N: Lanes>(builder: Builder, mesh: &MeshData) -> Bvh<N> {
     let mesh = Mesh { vertices: &mesh.vertices, triangles: &mesh.triangles };
     builder.build(&mesh).expect("the data sets can be built")
 }

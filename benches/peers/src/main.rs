@@ -16,6 +16,8 @@ mod decimate;
 mod digest;
 mod distances;
 mod driver;
+#[path = "../../../tests/support/dyadic.rs"]
+mod dyadic;
 mod entrants;
 #[path = "../../../tests/support/exact.rs"]
 mod exact;
@@ -28,6 +30,9 @@ mod poses;
 mod record;
 #[path = "../../../tests/support/rng.rs"]
 mod rng;
+#[path = "../../support/robots.rs"]
+mod robots;
+mod scenes;
 #[path = "../../../tests/support/shapes.rs"]
 mod shapes;
 mod sizes;
@@ -91,6 +96,12 @@ struct Options {
     /// Of --points: clouds of at most so many points
     #[arg(long, default_value_t = usize::MAX, hide_default_value = true, requires = "points")]
     most: usize,
+    /// Ask whether a robot may stand among bodies instead, by the libraries that have scenes
+    #[arg(long, group = "instead")]
+    scenes: bool,
+    /// Of --scenes: one problem in so many
+    #[arg(long, default_value_t = 7, value_parser = clap::value_parser!(u32).range(1..), requires = "scenes")]
+    every: u32,
     /// What to say of date, version and command
     #[arg(long, default_value = "")]
     stamp: String,
@@ -113,6 +124,8 @@ fn main() -> ExitCode {
         fineness::run(&options)
     } else if options.points {
         points::run(&options)
+    } else if options.scenes {
+        scenes::run(&options)
     } else {
         run(&options)
     };

@@ -39,7 +39,7 @@ impl Row {
     }
 }
 
-pub(crate) fn write(path: &Path, rows: &[Row]) -> Result<(), String> {
+pub(crate) fn write(path: &Path, rows: &[impl Serialize]) -> Result<(), String> {
     let write = || -> Result<(), csv::Error> {
         let mut writer = csv::Writer::from_path(path)?;
         for row in rows {

@@ -126,7 +126,7 @@ fn strings(words: &[&str]) -> Vec<String> {
 }
 
 /// Three digits.
-fn short(x: f64) -> String {
+pub(crate) fn short(x: f64) -> String {
     if x >= 100.0 {
         format!("{x:.0}")
     } else if x >= 10.0 {
