@@ -61,7 +61,8 @@ fn try_run(out: &mut impl Write) -> Result<bool, &'static str> {
     }
     let arm = memory::arm().map_err(|scene::Failed| "the scene is none")?;
     let (mut arm, waiting) = arm.ok_or("the scene's memory is taken")?;
-    let answers = arm.answers(&Query::new(isa), waiting).map_err(|scene::Failed| "the scene does not answer")?;
+    let answers =
+        arm.answers(&Query::new(isa), waiting).map_err(|scene::Failed| "the scene does not answer")?;
     for ((found, expected), is_free) in answers.iter().zip(EXPECTED_SCENE).zip(scene::IS_FREE) {
         let agrees = *found == expected && found.0 == is_free;
         let verdict = if agrees { "as expected" } else { "WRONG" };

@@ -17,6 +17,8 @@ static PAIRS: ConstStaticCell<[EdgePair; WAITING]> = ConstStaticCell::new([EdgeP
 ///
 /// # Errors
 /// If the scene does not take its bodies.
+// Inlined for the same reason as [`crate::crosses`].
+#[inline]
 pub fn arm() -> Result<Option<(Arm<'static>, &'static mut [EdgePair])>, Failed> {
     let (Some(slots), Some(boxes), Some(rows), Some(waiting)) =
         (SLOTS.try_take(), BOXES.try_take(), ROWS.try_take(), PAIRS.try_take())

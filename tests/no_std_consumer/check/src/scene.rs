@@ -97,7 +97,12 @@ impl<'t> Arm<'t> {
     }
 
     /// Whether it may go there.
-    pub fn edge(&mut self, query: &Query, ends: [&[f64; 2]; 2], waiting: &mut [EdgePair]) -> Result<Found, Failed> {
+    pub fn edge(
+        &mut self,
+        query: &Query,
+        ends: [&[f64; 2]; 2],
+        waiting: &mut [EdgePair],
+    ) -> Result<Found, Failed> {
         let robot = Kinematics::new(&self.joints, &self.bodies, &LIMITS)?;
         let [from, to] = ends;
         let mut motion = StraightMotion::new(robot, [from, to], &mut self.values, &mut self.links)?;
