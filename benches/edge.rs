@@ -18,7 +18,7 @@ mod short;
 use core::num::NonZeroU32;
 use data::{MeshData, directory};
 use rng::Rng;
-use robots::problems;
+use robots::SETTINGS;
 use short::count;
 use simdop::construct::{Builder, Mesh, OwnedMesh};
 use simdop::hierarchy::Bvh;
@@ -79,8 +79,9 @@ fn main() {
     let mut rng = Rng::new(16);
     let mut rows: Vec<(String, Row)> =
         ["0.1", "0.3", "1", "start to goal"].map(|name| (name.to_string(), Row::default())).into();
-    for problem in problems(&data.join("planning/mbm_panda.jsonl"), count(7, 70)) {
-        let trees: Vec<Tree> = problem.obstacles.iter().map(|(mesh, _)| obstacle_tree(mesh)).collect();
+    let panda = &SETTINGS[0];
+    for problem in panda.problems(&data, &panda.robot(&data), count(7, 70)) {
+        let trees: Vec<Tree> = problem.obstacles.iter().map(|o| obstacle_tree(&o.shape.mesh())).collect();
         let mut scene: Scene<'_, Node16<18>> = Scene::new();
         let ids: Vec<BodyId> =
             links.iter().map(|link| scene.insert(Body::new(link.view()), &Pose::IDENTITY).unwrap()).collect();
@@ -89,11 +90,12 @@ fn main() {
                 scene.set_pair(ids[i], ids[j], pairs.contains(&(i, j))).unwrap();
             }
         }
-        for (tree, (_, at)) in trees.iter().zip(&problem.obstacles) {
-            let _ = scene.insert(Body::new(tree.view()).fixed(), &Pose::try_from(*at).unwrap()).unwrap();
+        for (tree, obstacle) in trees.iter().zip(&problem.obstacles) {
+            let _ =
+                scene.insert(Body::new(tree.view()).fixed(), &Pose::try_from(obstacle.at).unwrap()).unwrap();
         }
         let ends: Vec<Vec<f64>> = problem
-            .configurations
+            .ends
             .iter()
             .map(|q| robot.variables.iter().map(|name| q.get(name).copied().unwrap_or(0.0)).collect())
             .collect();

@@ -2,7 +2,8 @@
 //!
 //! Robots on every seventh problem of MotionBenchMaker: the start, a goal and ten random configurations. *Scene*: the links
 //! are placed and the scene is asked. *Pairs*: every pair is asked, each at its pose, without boxes, until one hits. Poses are
-//! given: forward kinematics are not in the time. The verdicts of both are compared first.
+//! given: forward kinematics are not in the time. The verdicts of both are compared first. *At once*: 64 random configurations of
+//! each problem, one by one, and all by one call, on one thread and on all.
 
 #![expect(clippy::unwrap_used, reason = "a benchmark that cannot go on has failed")]
 
@@ -17,12 +18,13 @@ mod short;
 
 use data::{MeshData, directory};
 use glam::DAffine3;
-use robots::{SETTINGS, Setting};
+use rng::Rng;
+use robots::{Robot, SETTINGS, Setting};
 use short::count;
 use simdop::construct::{Builder, Mesh, OwnedMesh};
 use simdop::hierarchy::Bvh;
 use simdop::isa::Isa;
-use simdop::node::Node16;
+use simdop::node::{Aabb16, Node16};
 use simdop::pose::Pose;
 use simdop::query::Query;
 use simdop::scene::{Body, BodyId, Scene};
@@ -52,6 +54,7 @@ struct World<'t> {
     /// Trees and their places, for asking pairs: links first.
     obstacles: Vec<(&'t Tree, DAffine3)>,
     configurations: &'t [Vec<DAffine3>],
+    poses: Vec<Vec<Pose>>,
 }
 
 fn main() {
@@ -85,7 +88,8 @@ fn run(data: &Path, setting: &Setting) {
             let _ = scene.insert(Body::new(tree.view()).fixed(), &pose(&obstacle.at)).unwrap();
             placed.push((tree, obstacle.at));
         }
-        worlds.push(World { scene, links: ids, obstacles: placed, configurations: &problem.poses });
+        let poses = problem.poses.iter().map(|at| at.iter().map(pose).collect()).collect();
+        worlds.push(World { scene, links: ids, obstacles: placed, configurations: &problem.poses, poses });
     }
     let query = Query::new(Isa::detect());
     let by_pairs = |world: &World<'_>, at: &[DAffine3]| {
@@ -161,10 +165,66 @@ fn run(data: &Path, setting: &Setting) {
     println!(
         "scene {scene:.2} (of which placing {placing:.2}), pairs {pairs:.2}; margins of 5, 20, 50 mm {five:.2} {twenty:.2} {fifty:.2}"
     );
+    drop(best);
+    at_once(&robot, &mut worlds, &query);
+}
+
+/// Configurations of each problem that are asked about at once.
+const AT_ONCE: usize = 64;
+
+/// Which are free, a bit for each.
+fn one_by_one(
+    scene: &mut Scene<'_, Node16<18>>,
+    query: &Query,
+    moving: &[BodyId],
+    poses: &[Pose],
+) -> [u16; AT_ONCE / 16] {
+    let mut free = [0; AT_ONCE / 16];
+    for (i, poses) in poses.chunks(moving.len()).enumerate() {
+        for (&id, pose) in moving.iter().zip(poses) {
+            scene.place(id, pose).unwrap();
+        }
+        free[i / 16] |= u16::from(scene.collide(query).unwrap().is_free()) << (i % 16);
+    }
+    free
+}
+
+fn at_once(robot: &Robot, worlds: &mut [World<'_>], query: &Query) {
+    let mut rng = Rng::new(8);
+    let mut best = vec![[f64::INFINITY; 3]; worlds.len()];
+    for (world, best) in worlds.iter_mut().zip(&mut best) {
+        let configurations: Vec<_> = (0..AT_ONCE).map(|_| robot.random(&mut rng)).collect();
+        let poses: Vec<Pose> =
+            configurations.iter().flat_map(|q| robot.poses(q)).map(|at| pose(&at)).collect();
+        let mut boxes = vec![Aabb16::EMPTY; world.scene.room()];
+        let (scene, moving) = (&mut world.scene, &world.links);
+        let expected = one_by_one(scene, query, moving, &poses);
+        for _ in 0..count(15, 1) {
+            let mut time = |slot: usize, f: &mut dyn FnMut() -> [u16; AT_ONCE / 16]| {
+                let start = Instant::now();
+                let free = f();
+                best[slot] = best[slot].min(start.elapsed().as_secs_f64() * 1e6 / AT_ONCE as f64);
+                assert_eq!(free, expected, "free at once, and free one by one");
+            };
+            time(0, &mut || one_by_one(scene, query, moving, &poses));
+            time(1, &mut || {
+                let mut free = [0; AT_ONCE / 16];
+                let _ = scene.free_configurations(query, moving, &poses, &mut boxes, &mut free).unwrap();
+                free
+            });
+            time(2, &mut || {
+                let mut free = [0; AT_ONCE / 16];
+                let _ = scene.free_configurations_on_threads(query, moving, &poses, &mut free).unwrap();
+                free
+            });
+        }
+    }
+    let mean = |slot: usize| best.iter().map(|times| times[slot]).sum::<f64>() / worlds.len() as f64;
+    println!("random ones: one by one {:.2}, at once {:.2}, on threads {:.2}\n", mean(0), mean(1), mean(2));
 }
 
 fn place(world: &mut World<'_>, configuration: usize) {
-    for (&id, at) in world.links.iter().zip(&world.configurations[configuration]) {
-        world.scene.place(id, &pose(at)).unwrap();
+    for (&id, pose) in world.links.iter().zip(&world.poses[configuration]) {
+        world.scene.place(id, pose).unwrap();
     }
 }

@@ -133,35 +133,44 @@ struct Sixteen<'s, 't, 'c, N> {
     boxes: &'c mut [Aabb16],
 }
 
-/// Two bodies that are near each other in one configuration.
-#[derive(Copy, Clone)]
-struct NearLane {
-    pair: NearPair,
-    lane: u8,
-}
+/// How many pairs wait at once in a configuration.
+const WAITING: usize = 16;
 
-/// How many wait at once.
-const WAITING: usize = 128;
-
-/// Those that wait, the deepest first, and where the search goes on.
+/// Pairs whose boxes are near each other, of each configuration the deepest first, and where the search goes on.
 struct NearLanes {
-    found: [NearLane; WAITING],
-    len: usize,
+    pairs: [[NearPair; WAITING]; 16],
+    len: [usize; 16],
     row: usize,
-    column: usize,
-    /// Lanes of this pair that are left.
+    /// Sixteen bodies of the row, and which of them are left.
+    sixteen: usize,
     rest: u16,
+    /// Lanes of the first of them that are left.
+    lanes: u16,
 }
 
 impl NearLanes {
-    fn add(&mut self, candidate: NearLane) {
-        let mut place = self.len;
-        while place > 0 && self.found[place - 1].pair.depth < candidate.pair.depth {
-            self.found[place] = self.found[place - 1];
+    fn new() -> Self {
+        let none = NearPair { a: 0, b: 0, depth: 0.0 };
+        Self {
+            pairs: [[none; WAITING]; 16],
+            len: [0; 16],
+            row: 0,
+            sixteen: 0,
+            rest: u16::MAX,
+            lanes: u16::MAX,
+        }
+    }
+
+    #[inline(always)]
+    fn add(&mut self, lane: usize, pair: NearPair) {
+        let waiting = &mut self.pairs[lane];
+        let mut place = self.len[lane];
+        while place > 0 && waiting[place - 1].depth < pair.depth {
+            waiting[place] = waiting[place - 1];
             place -= 1;
         }
-        self.found[place] = candidate;
-        self.len += 1;
+        waiting[place] = pair;
+        self.len[lane] += 1;
     }
 }
 
@@ -170,32 +179,33 @@ impl<N: Lanes> Sixteen<'_, '_, '_, N> {
         self.place()?;
         let lanes = self.poses.len() / self.moving;
         let mut free = u16::MAX >> (16 - lanes);
-        let none = NearLane { pair: NearPair { a: 0, b: 0, depth: 0.0 }, lane: 0 };
-        let mut near = NearLanes { found: [none; WAITING], len: 0, row: 0, column: 0, rest: u16::MAX };
+        let mut near = NearLanes::new();
         loop {
-            near.len = 0;
+            near.len = [0; 16];
             on_isa!(query.isa(), kernel => kernel.run(
                 #[inline(always)]
                 || self.gather(kernel, &mut near, free),
             ));
-            if near.len == 0 {
+            if near.len == [0; 16] {
                 return Ok(free);
             }
-            for &NearLane { pair, lane } in &near.found[..near.len] {
-                if free >> lane & 1 == 0 {
-                    continue;
-                }
-                let left = query.with_budget(query.budget() - answer.counters.visits);
-                let [a, b] = [pair.a, pair.b].map(|i| self.world(i as usize, lane as usize));
-                let found = self.scene.ask_within_at(&left, &pair, [&a?, &b?], 0.0)?;
-                answer.pairs += 1;
-                answer.counters = answer.counters.and(&found.counters);
-                match found.verdict {
-                    Verdict::Free => {}
-                    Verdict::Hit(_) => free &= !(1 << lane),
-                    Verdict::Unknown { .. } => {
-                        answer.completion = Completion::OutOfBudget;
-                        return Ok(0);
+            for lane in 0..lanes {
+                for pair in &near.pairs[lane][..near.len[lane]] {
+                    let left = query.with_budget(query.budget() - answer.counters.visits);
+                    let [a, b] = [pair.a, pair.b].map(|i| self.world(i as usize, lane));
+                    let found = self.scene.ask_within_at(&left, pair, [&a?, &b?], 0.0)?;
+                    answer.pairs += 1;
+                    answer.counters = answer.counters.and(&found.counters);
+                    match found.verdict {
+                        Verdict::Free => {}
+                        Verdict::Hit(_) => {
+                            free &= !(1 << lane);
+                            break;
+                        }
+                        Verdict::Unknown { .. } => {
+                            answer.completion = Completion::OutOfBudget;
+                            return Ok(0);
+                        }
                     }
                 }
             }
@@ -228,31 +238,33 @@ impl<N: Lanes> Sixteen<'_, '_, '_, N> {
         Ok(())
     }
 
-    /// Notes pairs whose boxes are near each other, in the lanes that are free so far.
+    /// Notes pairs whose boxes are near each other, in the lanes that are free so far, until a lane has no room for more.
     #[inline(always)]
     fn gather(&self, kernel: impl Kernel, near: &mut NearLanes, free: u16) {
         let memory = &self.scene.memory;
         while near.row < memory.slots.len() {
-            while near.column < memory.slots.len() {
-                let (a, b) = (near.row, near.column);
-                if memory.row(a, b / 16) >> (b % 16) & 1 != 0 {
-                    let mut lanes = near.rest & free & self.overlapping(kernel, a, b);
+            while near.sixteen < memory.stride() {
+                let mut asked = memory.row(near.row, near.sixteen) & near.rest;
+                while asked != 0 {
+                    let (a, b) = (near.row, 16 * near.sixteen + asked.trailing_zeros() as usize);
+                    let mut lanes = near.lanes & free & self.overlapping(kernel, a, b);
                     while lanes != 0 {
-                        if near.len == WAITING {
-                            near.rest = lanes;
+                        let lane = lanes.trailing_zeros() as usize;
+                        if near.len[lane] == WAITING {
+                            (near.rest, near.lanes) = (asked, lanes);
                             return;
                         }
-                        let lane = lanes.trailing_zeros();
                         lanes &= lanes - 1;
-                        let [p, q] = [a, b].map(|i| self.bounds(i, lane as usize));
-                        let pair = NearPair { a: a as u32, b: b as u32, depth: depth(&p, &q) };
-                        near.add(NearLane { pair, lane: lane as u8 });
+                        let [p, q] = [a, b].map(|i| self.bounds(i, lane));
+                        near.add(lane, NearPair { a: a as u32, b: b as u32, depth: depth(&p, &q) });
                     }
-                    near.rest = u16::MAX;
+                    near.lanes = u16::MAX;
+                    asked &= asked - 1;
                 }
-                near.column += 1;
+                near.rest = u16::MAX;
+                near.sixteen += 1;
             }
-            near.column = 0;
+            near.sixteen = 0;
             near.row += 1;
         }
     }
@@ -284,14 +296,15 @@ impl<N: Lanes> Sixteen<'_, '_, '_, N> {
     }
 }
 
-/// Lanes in which two boxes overlap. None of an empty one, which is NaN.
+/// Lanes in which two boxes overlap. None of an empty one, which is NaN. Written so that compilers make vectors of it.
 #[inline(always)]
 fn lanes_overlapping(a: &Aabb16, b: &Aabb16) -> u16 {
-    let mut is_near = [true; 16];
+    let mut near: [u32; 16] = core::array::from_fn(|lane| 1 << lane);
     for i in 0..3 {
-        for (lane, is_near) in is_near.iter_mut().enumerate() {
-            *is_near &= (a.lower[i][lane] <= b.upper[i][lane]) & (b.lower[i][lane] <= a.upper[i][lane]);
+        for (lane, near) in near.iter_mut().enumerate() {
+            let overlap = (a.lower[i][lane] <= b.upper[i][lane]) & (b.lower[i][lane] <= a.upper[i][lane]);
+            *near &= u32::from(overlap).wrapping_neg();
         }
     }
-    is_near.iter().enumerate().fold(0, |mask, (lane, is_near)| mask | u16::from(*is_near) << lane)
+    near.iter().fold(0, |mask, near| mask | near) as u16
 }
