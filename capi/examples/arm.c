@@ -1,5 +1,6 @@
 /*
- * An arm's link and a tetrahedron in its hand, beside a box: do they meet, and how near do they come?
+ * An arm's link and a tetrahedron in its hand, beside a box: do they meet, and how near do they come? And a link that swings:
+ * does it meet a thin wall on its way?
  *
  * Lengths are in metres. Ends with 0 only if each answer is the one expected; `capi/check` builds and runs it.
  */
@@ -62,6 +63,86 @@ static int on_hit(void *user, const simdop_scene_hit *hit) {
            (unsigned)hit->pair.b);
     count->found++;
     return count->found == count->most;
+}
+
+/* A body that slides from one place to another in a straight line: a motion of the caller's. */
+struct slide {
+    double from[3], to[3];
+    int left; /* How often it may still be asked. */
+};
+
+static int slide_go_to(void *user, double time, simdop_pose *poses) {
+    struct slide *slide = user;
+    double place[3];
+    for (int i = 0; i < 3; i++) {
+        place[i] = slide->from[i] + time * (slide->to[i] - slide->from[i]);
+    }
+    poses[0] = at(place[0], place[1], place[2]);
+    return slide->left-- == 0;
+}
+
+/* All points of the body get equally far: in all of the time, from one place to the other. The rest is for rounding. */
+static double slide_path(void *user, size_t body, const double *centre, double radius, double span) {
+    const struct slide *slide = user;
+    double square = 0;
+    (void)body, (void)centre, (void)radius;
+    for (int i = 0; i < 3; i++) {
+        square += (slide->to[i] - slide->from[i]) * (slide->to[i] - slide->from[i]);
+    }
+    return span * sqrt(square) + 1e-12;
+}
+
+/* A link that swings about the origin, and a wall 2 mm thick across half of its way. */
+static void swing(simdop_body *link) {
+    simdop_body *wall = box(0.4, 0.002, 0.4);
+    simdop_role role = simdop_role_default(), fixed = simdop_role_default();
+    simdop_scene *scene;
+    simdop_body_id link_id, wall_id;
+    simdop_edge_answer edge;
+    const double none[4] = {0, 0, 0, 1}, eighth[4] = {0, 0, sin(atan(1) / 2), cos(atan(1) / 2)},
+                 quarter[4] = {0, 0, sqrt(0.5), sqrt(0.5)}, back[4] = {0, 0, -sqrt(0.5), sqrt(0.5)};
+    const double at_0[3] = {0.3, 0, 0}, at_45[3] = {0.25, 0.25, 0}, at_90[3] = {0, 0.3, 0},
+                 at_270[3] = {0, -0.3, 0};
+    simdop_pose start, across, end, other_end;
+    must(simdop_pose_from_quaternion(none, at_0, &start));
+    must(simdop_pose_from_quaternion(eighth, at_45, &across));
+    must(simdop_pose_from_quaternion(quarter, at_90, &end));
+    must(simdop_pose_from_quaternion(back, at_270, &other_end));
+    fixed.is_fixed = 1;
+    must(simdop_scene_create(&scene));
+    must(simdop_scene_insert(scene, link, &role, &start, &link_id));
+    must(simdop_scene_insert(scene, wall, &fixed, &across, &wall_id));
+
+    simdop_scene_answer seen;
+    must(simdop_scene_collide(scene, SIMDOP_NO_BUDGET, &seen));
+    expect(seen.verdict == SIMDOP_VERDICT_FREE, "the link is free where it begins");
+    must(simdop_scene_place(scene, link_id, &end));
+    must(simdop_scene_collide(scene, SIMDOP_NO_BUDGET, &seen));
+    expect(seen.verdict == SIMDOP_VERDICT_FREE, "and where it ends");
+    must(simdop_scene_screw_edge(scene, link_id, &start, &end, 1e-6, SIMDOP_NO_BUDGET, &edge));
+    expect(edge.verdict == SIMDOP_EDGE_VERDICT_HIT, "between the two it meets the wall");
+    expect((edge.hit.a == wall_id || edge.hit.b == wall_id) && fabs(edge.time - 0.5) < 0.1, "half way");
+    must(simdop_scene_screw_edge(scene, link_id, &start, &other_end, 1e-6, SIMDOP_NO_BUDGET, &edge));
+    expect(edge.verdict == SIMDOP_EDGE_VERDICT_FREE, "the other way round it is free, at all times");
+
+    /* The same questions about a motion of one's own: it slides past the wall, and through it. */
+    struct slide slide = {{-1, 0.6, 0}, {1, 0.6, 0}, 1000};
+    simdop_motion motion = {&slide, slide_go_to, slide_path, NULL};
+    must(simdop_scene_edge(scene, &link_id, 1, &motion, 1e-6, SIMDOP_NO_BUDGET, &edge));
+    expect(edge.verdict == SIMDOP_EDGE_VERDICT_FREE, "it slides past the wall");
+    slide.from[1] = slide.to[1] = 0.2;
+    must(simdop_scene_sampled_edge(scene, &link_id, 1, &motion, 1, SIMDOP_NO_BUDGET, &edge));
+    expect(edge.verdict == SIMDOP_EDGE_VERDICT_UNRESOLVED && edge.times == 2, "its two ends alone say nothing");
+    must(simdop_scene_edge(scene, &link_id, 1, &motion, 1e-6, SIMDOP_NO_BUDGET, &edge));
+    expect(edge.verdict == SIMDOP_EDGE_VERDICT_HIT, "it slides through it");
+    slide.left = 0;
+    must_fail(simdop_scene_edge(scene, &link_id, 1, &motion, 1e-6, SIMDOP_NO_BUDGET, &edge),
+              SIMDOP_ERROR_MOTION_STOPPED);
+    motion.path = NULL;
+    must_fail(simdop_scene_edge(scene, &link_id, 1, &motion, 1e-6, SIMDOP_NO_BUDGET, &edge), SIMDOP_ERROR_NULL);
+
+    simdop_scene_destroy(scene);
+    simdop_body_destroy(wall);
 }
 
 int main(void) {
@@ -132,6 +213,7 @@ int main(void) {
     must(simdop_scene_remove(scene, tool_id));
     must_fail(simdop_scene_remove(scene, tool_id), SIMDOP_ERROR_SCENE_NO_SUCH_BODY);
     simdop_scene_destroy(scene);
+    swing(link);
     simdop_body_destroy(tool);
     simdop_body_destroy(built);
     simdop_body_destroy(link);

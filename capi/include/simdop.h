@@ -5,6 +5,8 @@
  * makes unless told otherwise. A query asks about two bodies, A and B, and a pose that places A in the frame of B. A scene
  * has many bodies, at poses in the world.
  *
+ * An edge of a planner asks whether moving bodies meet anywhere on their way: at all times from 0 to 1, not at samples of them.
+ *
  * Units. The library knows none: coordinates, translations, radii, margins and distances are all in the same one. They are
  * at most 2^300, and those below 2^-250 count as zero.
  *
@@ -23,7 +25,8 @@
  *
  * Linking. With libsimdop_capi.so, or libsimdop_capi.a and on Linux -lpthread -lm -ldl.
  *
- * Memory. Queries allocate nothing, except for the message where they fail. They take 64 KiB of stack at most.
+ * Memory. Queries allocate nothing, except for the message where they fail, and for edges: see SIMDOP_EDGE_ROOM. They take
+ * 64 KiB of stack at most.
  */
 
 #ifndef SIMDOP_H
@@ -48,6 +51,13 @@
  * In every group, or against every group.
  */
 #define SIMDOP_ALL_GROUPS UINT32_MAX
+
+/**
+ * Pairs of bodies that a query of an edge has room for, each in an interval of time which it has yet to ask about: two for each
+ * pair of bodies that come near each other, and more where these come close. Those there is no room for are unresolved. A scene
+ * allocates this room, 768 KiB, at its first edge, and keeps it; its later edges allocate nothing, unless more bodies move.
+ */
+#define SIMDOP_EDGE_ROOM 65536
 
 /**
  * What a function came to. The numbers stay what they are.
@@ -166,7 +176,7 @@ typedef enum {
    */
   SIMDOP_ERROR_BUILD_OPEN = 44,
   /**
-   * A margin, tolerance or cutoff is negative, NaN or too large.
+   * A margin, tolerance or cutoff is negative, NaN or too large, or a resolution is NaN or not above 0.
    */
   SIMDOP_ERROR_TOLERANCE = 60,
   /**
@@ -189,6 +199,46 @@ typedef enum {
    * A body is no pair with itself.
    */
   SIMDOP_ERROR_SCENE_NO_PAIR = 74,
+  /**
+   * A motion's `go_to` stopped the query.
+   */
+  SIMDOP_ERROR_MOTION_STOPPED = 80,
+  /**
+   * An edge is asked about in no parts.
+   */
+  SIMDOP_ERROR_MOTION_NO_PARTS = 81,
+  /**
+   * A motion moves more or fewer bodies than are named.
+   */
+  SIMDOP_ERROR_MOTION_BODIES = 82,
+  /**
+   * A joint or a body is on a link that does not come before it.
+   */
+  SIMDOP_ERROR_MOTION_NO_SUCH_LINK = 83,
+  /**
+   * A joint is moved by a variable that has no limits.
+   */
+  SIMDOP_ERROR_MOTION_NO_SUCH_VARIABLE = 84,
+  /**
+   * The limits of a variable are no interval.
+   */
+  SIMDOP_ERROR_MOTION_LIMITS = 85,
+  /**
+   * An axis is no direction: zero, or not finite.
+   */
+  SIMDOP_ERROR_MOTION_NO_DIRECTION = 86,
+  /**
+   * A number of a motion is not finite.
+   */
+  SIMDOP_ERROR_MOTION_NOT_FINITE = 87,
+  /**
+   * There are more or fewer values than variables.
+   */
+  SIMDOP_ERROR_MOTION_LENGTH = 88,
+  /**
+   * A value is outside of the limits of its variable.
+   */
+  SIMDOP_ERROR_MOTION_OUT_OF_LIMITS = 89,
 } simdop_error;
 
 /**
@@ -226,6 +276,24 @@ typedef enum {
    */
   SIMDOP_COMPLETION_OUT_OF_BUDGET = 2,
 } simdop_completion;
+
+/**
+ * What became of an edge.
+ */
+typedef enum {
+  /**
+   * No two bodies that are asked against each other meet at any time from 0 to 1: certain.
+   */
+  SIMDOP_EDGE_VERDICT_FREE = 0,
+  /**
+   * Two bodies meet at a time. It need not be the first.
+   */
+  SIMDOP_EDGE_VERDICT_HIT = 1,
+  /**
+   * No hit was found, but within an interval of time something may meet.
+   */
+  SIMDOP_EDGE_VERDICT_UNRESOLVED = 2,
+} simdop_edge_verdict;
 
 /**
  * A body: a set of primitives, triangles or spheres, and the tree over them. It never changes.
@@ -485,6 +553,86 @@ typedef struct {
 } simdop_scene_hits;
 
 /**
+ * A motion of some bodies over the times from 0 to 1, by functions of the caller's. They get `user`, and bodies by their place
+ * in the list of those that move. They must return, without an exception or a longjmp(), and must not use the scene that the
+ * question is about. At the same time a motion must always have the same poses and paths.
+ */
+typedef struct {
+  /**
+   * What the functions are called with. May be NULL.
+   */
+  void *user;
+  /**
+   * Writes where all bodies are in the world at a time: as many poses as bodies move, each of which is then checked. One that
+   * is left as it was is SIMDOP_ERROR_POSE_NOT_FINITE. Returns 0; anything else stops the query with
+   * SIMDOP_ERROR_MOTION_STOPPED, for instance because it takes too long.
+   */
+  int (*go_to)(void *user, double time, simdop_pose *poses);
+  /**
+   * How far a point of a ball, which a body carries as if the ball were part of it, gets at most from where it is at the time
+   * last gone to, at any time that is at most `span` before or after, within 0 to 1. `centre` has three numbers: where the
+   * ball's centre is in the world at the time last gone to.
+   *
+   * The verdict rests on this bound: one that is too small makes verdicts wrong. It must have room for the rounding of the
+   * poses that are written. One that is larger than need be only costs time. NaN, a negative number and one beyond 2^300
+   * count as infinite, by which nothing is certified.
+   */
+  double (*path)(void *user, size_t body, const double *centre, double radius, double span);
+  /**
+   * The same of two balls that two moving bodies carry, as one sees the other: no two points of theirs come nearer to each
+   * other than they are at the time last gone to by more than this. May be NULL: then it is the sum of both paths. More
+   * than that it need never be, and less it is where both bodies are moved by the same, as the links of an arm are.
+   */
+  double (*path_between)(void *user,
+                         size_t body_a,
+                         const double *centre_a,
+                         double radius_a,
+                         size_t body_b,
+                         const double *centre_b,
+                         double radius_b,
+                         double span);
+} simdop_motion;
+
+/**
+ * The answer of simdop_scene_edge() and its like.
+ */
+typedef struct {
+  /**
+   * The verdict.
+   */
+  simdop_edge_verdict verdict;
+  /**
+   * Of a hit: the bodies, and primitives of theirs that meet.
+   */
+  simdop_scene_hit hit;
+  /**
+   * Of a hit: when. Otherwise NaN.
+   */
+  double time;
+  /**
+   * Of an unresolved verdict: when the first interval begins about which nothing is known. Before, nothing meets, unless
+   * this is the answer about samples. Otherwise NaN.
+   */
+  double from;
+  /**
+   * When that interval ends: not more than the resolution later, if neither budget nor room ended the query.
+   */
+  double to;
+  /**
+   * At how many times the bodies were placed.
+   */
+  uint64_t times;
+  /**
+   * Pairs of bodies that were asked about, once for each time.
+   */
+  uint64_t pairs;
+  /**
+   * The work for these pairs.
+   */
+  simdop_counters counters;
+} simdop_edge_answer;
+
+/**
  * The id of a body where there is none.
  */
 #define SIMDOP_NO_BODY UINT64_MAX
@@ -692,6 +840,57 @@ simdop_error simdop_scene_each_hit(const simdop_scene *scene,
                                    simdop_on_hit on_hit,
                                    void *user,
                                    simdop_scene_hits *hits);
+
+/**
+ * Do any two bodies that are asked against each other meet at any time of a motion of some of them, and of what is attached to
+ * these? All others stand still. SIMDOP_EDGE_VERDICT_FREE is certain for all times from 0 to 1, not for samples of them, if the
+ * motion's `path` is the bound that it should be.
+ *
+ * `moving` are the `count` bodies that move, in the motion's order; none of them is attached. No interval of time that is not
+ * longer than `resolution`, above 0, is halved: what comes so near that this would be needed is unresolved. Gives up after
+ * `budget` visits for all pairs and times together. Afterwards, and after a failure, the bodies stand where they stood.
+ *
+ * # Safety
+ * There are `count` ids. `motion->user` is what the motion's functions take it for, and these do what is said of them.
+ */
+simdop_error simdop_scene_edge(simdop_scene *scene,
+                               const simdop_body_id *moving,
+                               size_t count,
+                               const simdop_motion *motion,
+                               double resolution,
+                               uint64_t budget,
+                               simdop_edge_answer *answer);
+
+/**
+ * The same question at some times only: at those that divide 0 to 1 into `parts` evenly, at least 1, both ends among them, in
+ * an order that halves the longest gaps first, until one is a hit. The verdict is never SIMDOP_EDGE_VERDICT_FREE, but
+ * unresolved from 0 to 1: between the times, nothing is known. The motion's `path` is not called, and may be NULL. Otherwise as
+ * simdop_scene_edge().
+ *
+ * # Safety
+ * As of simdop_scene_edge().
+ */
+simdop_error simdop_scene_sampled_edge(simdop_scene *scene,
+                                       const simdop_body_id *moving,
+                                       size_t count,
+                                       const simdop_motion *motion,
+                                       uint32_t parts,
+                                       uint64_t budget,
+                                       simdop_edge_answer *answer);
+
+/**
+ * As simdop_scene_edge(), of one body, and of what is attached to it, on its way from one pose in the world to another: it turns
+ * evenly about an axis, by at most half a turn, and moves evenly along the axis. This screw is the one that leads there, and of
+ * poses which differ in no turn is a straight line. It ends at `to` up to 1e-7 of the coordinates, and up to what the matrices
+ * are off a rotation. Where the body stands in the scene does not matter.
+ */
+simdop_error simdop_scene_screw_edge(simdop_scene *scene,
+                                     simdop_body_id id,
+                                     const simdop_pose *from,
+                                     const simdop_pose *to,
+                                     double resolution,
+                                     uint64_t budget,
+                                     simdop_edge_answer *answer);
 
 #ifdef __cplusplus
 }  // extern "C"

@@ -2,7 +2,7 @@
 //! `include/simdop.h`, which cbindgen makes of this crate: all names and comments here are written for C.
 //!
 //! A pointer that may be NULL is an `Option` of a reference or of a `Box`, which Rust lays out as C does a pointer. What is
-//! behind it is then for the type system to look after; only arrays and the callback need `unsafe`.
+//! behind it is then for the type system to look after; only arrays and callbacks need `unsafe`.
 //!
 //! Nothing unwinds into C: what can panic runs in `boundary::guarded`.
 #![expect(non_camel_case_types, reason = "the names are those of C")]
@@ -10,6 +10,7 @@
 mod body;
 mod boundary;
 mod error;
+mod motion;
 mod pose;
 mod query;
 mod scene;
@@ -19,15 +20,17 @@ pub use body::{
     simdop_body_bytes, simdop_body_destroy, simdop_body_open,
 };
 pub use error::{simdop_error, simdop_error_text, simdop_last_error};
+pub use motion::simdop_motion;
 pub use pose::{simdop_pose, simdop_pose_from_quaternion};
 pub use query::{
     SIMDOP_NO_BUDGET, SIMDOP_NO_PRIMITIVE, simdop_answer, simdop_collide, simdop_completion, simdop_counters,
     simdop_distance, simdop_distance_answer, simdop_pair, simdop_verdict, simdop_within,
 };
 pub use scene::{
-    SIMDOP_ALL_GROUPS, SIMDOP_NO_BODY, simdop_body_id, simdop_on_hit, simdop_role, simdop_role_default,
-    simdop_scene, simdop_scene_answer, simdop_scene_attach, simdop_scene_clearance,
-    simdop_scene_clearance_answer, simdop_scene_collide, simdop_scene_create, simdop_scene_destroy,
-    simdop_scene_detach, simdop_scene_each_hit, simdop_scene_hit, simdop_scene_hits, simdop_scene_insert,
-    simdop_scene_place, simdop_scene_remove, simdop_scene_set_pair, simdop_scene_within,
+    SIMDOP_ALL_GROUPS, SIMDOP_EDGE_ROOM, SIMDOP_NO_BODY, simdop_body_id, simdop_edge_answer,
+    simdop_edge_verdict, simdop_on_hit, simdop_role, simdop_role_default, simdop_scene, simdop_scene_answer,
+    simdop_scene_attach, simdop_scene_clearance, simdop_scene_clearance_answer, simdop_scene_collide,
+    simdop_scene_create, simdop_scene_destroy, simdop_scene_detach, simdop_scene_each_hit, simdop_scene_edge,
+    simdop_scene_hit, simdop_scene_hits, simdop_scene_insert, simdop_scene_place, simdop_scene_remove,
+    simdop_scene_sampled_edge, simdop_scene_screw_edge, simdop_scene_set_pair, simdop_scene_within,
 };

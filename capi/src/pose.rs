@@ -16,6 +16,9 @@ pub struct simdop_pose {
 }
 
 impl simdop_pose {
+    /// No pose: one that a callback did not write.
+    pub(crate) const UNWRITTEN: Self = Self { rows: [[f64::NAN; 4]; 3] };
+
     pub(crate) fn checked(&self) -> Result<Pose, PoseError> {
         Pose::from_rows(self.rows)
     }

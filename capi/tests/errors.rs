@@ -1,4 +1,4 @@
-//! Every code can be had, and has a text; nothing crashes at NULL.
+//! Every code can be had, and has a text; nothing crashes at NULL. Of edges, the latter is in `motion.rs`.
 
 mod support;
 
@@ -142,17 +142,64 @@ fn of_scenes() -> Vec<simdop_error> {
     };
     let (a, b, radius) = (insert(0.0).unwrap(), insert(1.0).unwrap(), insert(f64::NAN).unwrap_err());
     assert_eq!(simdop_scene_attach(Some(&mut scene), a, b), simdop_error::None);
-    let errors = vec![
+    let mut errors = of_edges(&mut scene, b);
+    errors.extend([
         radius,
         simdop_scene_place(Some(&mut scene), a, Some(&IDENTITY)),
         simdop_scene_attach(Some(&mut scene), b, a),
         simdop_scene_set_pair(Some(&mut scene), a, a, 0),
         simdop_scene_detach(Some(&mut scene), SIMDOP_NO_BODY),
-    ];
+    ]);
     assert_eq!(simdop_scene_remove(Some(&mut scene), b), simdop_error::None);
     assert_eq!(simdop_scene_remove(Some(&mut scene), b), simdop_error::SceneNoSuchBody);
     // Nothing is attached to what is gone.
     assert_eq!(simdop_scene_place(Some(&mut scene), a, Some(&IDENTITY)), simdop_error::None);
+    errors
+}
+
+/// A motion that stops at once.
+fn motion() -> simdop_motion {
+    unsafe extern "C" fn go_to(_: *mut c_void, _: f64, _: *mut simdop_pose) -> c_int {
+        1
+    }
+    unsafe extern "C" fn path(_: *mut c_void, _: usize, _: *const f64, _: f64, _: f64) -> f64 {
+        f64::NAN
+    }
+    let user = std::ptr::null_mut();
+    simdop_motion { user, go_to: Some(go_to), path: Some(path), path_between: None }
+}
+
+/// All errors of edges of a body that is in the scene.
+fn of_edges(scene: &mut simdop_scene, id: simdop_body_id) -> Vec<simdop_error> {
+    let (budget, mut errors) = (SIMDOP_NO_BUDGET, Vec::new());
+    for resolution in [1e-3, 0.0, -1.0, f64::NAN] {
+        // SAFETY: there is one id; the motion asks nothing of its user.
+        let edge = answer(|answer| unsafe {
+            simdop_scene_edge(Some(scene), &raw const id, 1, Some(&motion()), resolution, budget, answer)
+        });
+        let stopped = last_error().contains("returned 1 at the time 0.5");
+        assert_eq!(stopped, edge == Err(simdop_error::MotionStopped), "{}", last_error());
+        errors.push(edge.unwrap_err());
+    }
+    for parts in [0, 1] {
+        // SAFETY: as above.
+        let edge = answer(|answer| unsafe {
+            simdop_scene_sampled_edge(Some(scene), &raw const id, 1, Some(&motion()), parts, budget, answer)
+        });
+        errors.push(edge.unwrap_err());
+    }
+    let mut mirrored = IDENTITY;
+    mirrored.rows[0][0] = -1.0;
+    for (from, to) in [(&mirrored, &IDENTITY), (&IDENTITY, &mirrored)] {
+        let edge = answer(|answer| {
+            simdop_scene_screw_edge(Some(scene), id, Some(from), Some(to), 0.1, budget, answer)
+        });
+        assert_eq!(edge, Err(simdop_error::PoseMirrored));
+    }
+    let no_way = answer(|answer| {
+        simdop_scene_screw_edge(Some(scene), id, Some(&IDENTITY), Some(&IDENTITY), 0.0, budget, answer)
+    });
+    assert_eq!(no_way, Err(simdop_error::Tolerance));
     errors
 }
 
@@ -259,7 +306,9 @@ fn every_code_can_be_had_and_has_a_text() {
     }
     for (name, code) in codes {
         // What no call is known to give is tried in the crate's unit tests.
-        let elsewhere = ["NONE", "PANIC", "OTHER"].contains(&name);
+        let is_of_joints =
+            name.starts_with("MOTION_") && !["MOTION_STOPPED", "MOTION_NO_PARTS"].contains(&name);
+        let elsewhere = ["NONE", "PANIC", "OTHER"].contains(&name) || is_of_joints;
         assert!(had.contains(&code) != elsewhere, "{name}");
     }
 }

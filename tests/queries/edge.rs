@@ -10,10 +10,10 @@ use simdop::construct::{Builder, Mesh};
 use simdop::hierarchy::Bvh;
 use simdop::isa::Isa;
 use simdop::motion::{
-    Joint, JointKind, Kinematics, Link, LinkBody, Motion, Screw, ScrewMotion, StraightMotion,
+    CarriedBall, Joint, JointKind, Kinematics, Link, LinkBody, Motion, Screw, ScrewMotion, StraightMotion,
 };
 use simdop::node::Node16;
-use simdop::pose::Pose;
+use simdop::pose::{Pose, PoseError};
 use simdop::query::{Query, ToleranceError};
 use simdop::scene::{Body, BodyId, EdgeAnswer, EdgeMemory, EdgePair, EdgeVerdict, Scene, SceneError};
 
@@ -252,6 +252,38 @@ fn spheres_and_points_have_edges() {
         let mut motion = ScrewMotion::new(screw, &starts);
         let answer = edge(&mut scene, &query, &[id], &mut motion, 512);
         assert_eq!(answer.is_free(), is_free, "{answer:?}");
+    }
+}
+
+/// Points that stand still, by what they say; how far they get is no number.
+struct Unbounded<'m>(&'m [Pose]);
+
+impl Motion for Unbounded<'_> {
+    fn bodies(&self) -> usize {
+        self.0.len()
+    }
+
+    fn go_to(&mut self, _: f64, poses: &mut [Pose]) -> Result<(), PoseError> {
+        poses.copy_from_slice(self.0);
+        Ok(())
+    }
+
+    fn path(&self, _: usize, _: &CarriedBall, _: f64) -> f64 {
+        f64::NAN
+    }
+}
+
+#[test]
+fn points_that_may_get_anywhere_are_unresolved() {
+    let point = simdop::construct::OwnedMesh::point();
+    let point: Tree = Builder::new().build(&point.as_mesh()).unwrap();
+    let mut scene = Scene::new();
+    let places = [at(0.0, 0.0, 0.0), at(1.0, 0.0, 0.0)];
+    let ids = places.map(|place| scene.insert(Body::new(point.view()), &place).unwrap());
+    for count in [1, 2] {
+        let mut motion = Unbounded(&places[..count]);
+        let answer = edge(&mut scene, &Query::new(Isa::detect()), &ids[..count], &mut motion, 512);
+        assert!(matches!(answer.verdict, EdgeVerdict::Unresolved { from: 0.0, .. }), "{answer:?}");
     }
 }
 

@@ -79,7 +79,7 @@ pub type simdop_on_hit =
     Option<unsafe extern "C" fn(user: *mut c_void, hit: *const simdop_scene_hit) -> c_int>;
 
 impl simdop_scene_hit {
-    const NONE: Self = Self { a: SIMDOP_NO_BODY, b: SIMDOP_NO_BODY, pair: simdop_pair::NONE };
+    pub(super) const NONE: Self = Self { a: SIMDOP_NO_BODY, b: SIMDOP_NO_BODY, pair: simdop_pair::NONE };
 }
 
 impl From<SceneHit> for simdop_scene_hit {
@@ -124,7 +124,7 @@ pub extern "C" fn simdop_scene_collide(
     answer: Option<&mut MaybeUninit<simdop_scene_answer>>,
 ) -> simdop_error {
     guarded(|| {
-        let (scene, answer) = (&given(scene, "scene")?.0, given(answer, "answer")?);
+        let (scene, answer) = (&given(scene, "scene")?.scene, given(answer, "answer")?);
         answer.write(scene.collide(&query(budget))?.into());
         Ok(())
     })
@@ -140,7 +140,7 @@ pub extern "C" fn simdop_scene_within(
     answer: Option<&mut MaybeUninit<simdop_scene_answer>>,
 ) -> simdop_error {
     guarded(|| {
-        let (scene, answer) = (&given(scene, "scene")?.0, given(answer, "answer")?);
+        let (scene, answer) = (&given(scene, "scene")?.scene, given(answer, "answer")?);
         answer.write(scene.within(&query(budget), margin)?.into());
         Ok(())
     })
@@ -158,7 +158,7 @@ pub extern "C" fn simdop_scene_clearance(
     answer: Option<&mut MaybeUninit<simdop_scene_clearance_answer>>,
 ) -> simdop_error {
     guarded(|| {
-        let (scene, answer) = (&given(scene, "scene")?.0, given(answer, "answer")?);
+        let (scene, answer) = (&given(scene, "scene")?.scene, given(answer, "answer")?);
         answer.write(scene.clearance(&query(budget), tolerance, cutoff)?.into());
         Ok(())
     })
@@ -179,7 +179,7 @@ pub unsafe extern "C" fn simdop_scene_each_hit(
     hits: Option<&mut MaybeUninit<simdop_scene_hits>>,
 ) -> simdop_error {
     guarded(|| {
-        let (scene, hits) = (&given(scene, "scene")?.0, given(hits, "hits")?);
+        let (scene, hits) = (&given(scene, "scene")?.scene, given(hits, "hits")?);
         let on_hit = given(on_hit, "on_hit")?;
         let (completion, pairs, counters) = scene.for_each_hit(&query(budget), margin, |hit| {
             // SAFETY: `user` is what the function takes it for, by the caller's promise; the hit is there during the call.

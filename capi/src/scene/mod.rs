@@ -1,17 +1,23 @@
 //! Scenes: bodies in the world, by id.
 
 mod ask;
+mod edge;
 
 pub use ask::{
     SIMDOP_NO_BODY, simdop_on_hit, simdop_scene_answer, simdop_scene_clearance,
     simdop_scene_clearance_answer, simdop_scene_collide, simdop_scene_each_hit, simdop_scene_hit,
     simdop_scene_hits, simdop_scene_within,
 };
+pub use edge::{
+    SIMDOP_EDGE_ROOM, simdop_edge_answer, simdop_edge_verdict, simdop_scene_edge, simdop_scene_sampled_edge,
+    simdop_scene_screw_edge,
+};
 
 use crate::body::{Node, simdop_body};
 use crate::boundary::{given, guarded};
 use crate::error::{Failure, simdop_error};
 use crate::pose::simdop_pose;
+use edge::EdgeRoom;
 use simdop::scene::{Body, BodyId, Groups, Scene};
 use std::ffi::c_int;
 use std::mem::MaybeUninit;
@@ -21,7 +27,10 @@ pub const SIMDOP_ALL_GROUPS: u32 = u32::MAX;
 
 /// Bodies, placed in the world.
 #[derive(Debug)]
-pub struct simdop_scene(Scene<'static, Node>);
+pub struct simdop_scene {
+    scene: Scene<'static, Node>,
+    room: EdgeRoom,
+}
 
 // What the header says of threads.
 const _: () = {
@@ -66,7 +75,7 @@ fn change(
     scene: Option<&mut simdop_scene>,
     change: impl FnOnce(&mut Scene<'static, Node>) -> Result<(), Failure>,
 ) -> simdop_error {
-    guarded(|| change(&mut given(scene, "scene")?.0))
+    guarded(|| change(&mut given(scene, "scene")?.scene))
 }
 
 /// Makes a scene without bodies, which grows as they come.
@@ -75,7 +84,8 @@ pub extern "C" fn simdop_scene_create(
     scene: Option<&mut MaybeUninit<Option<Box<simdop_scene>>>>,
 ) -> simdop_error {
     guarded(|| {
-        given(scene, "scene")?.write(Some(Box::new(simdop_scene(Scene::new()))));
+        given(scene, "scene")?
+            .write(Some(Box::new(simdop_scene { scene: Scene::new(), room: EdgeRoom::default() })));
         Ok(())
     })
 }

@@ -21,10 +21,10 @@ enum Known {
 
 /// Longest way, for bodies of these radii, within which it pays to ask how far apart they are: over longer ones, those that come
 /// near each other at all can seldom be told apart. A half of the smaller body's radius, which itself counts as at least a tenth
-/// of the other's; any way for two points.
+/// of the other's; any way for two points, unless it overflows.
 fn long_way(a: f64, b: f64) -> f64 {
     let (small, large) = if a < b { (a, b) } else { (b, a) };
-    if large > 0.0 { 0.5 * small.max(0.1 * large) } else { f64::INFINITY }
+    if large > 0.0 { 0.5 * small.max(0.1 * large) } else { MAX_COORDINATE }
 }
 
 /// A way that overflows may be no number: then it is longer than all.

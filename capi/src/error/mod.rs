@@ -1,14 +1,12 @@
 //! Errors as codes, each with a text, and the message of the last one.
 
-use simdop::construct::BuildError;
-use simdop::hierarchy::BakeError;
-use simdop::pose::PoseError;
-use simdop::query::ToleranceError;
-use simdop::scene::SceneError;
+mod coded;
+
+pub(crate) use coded::Coded;
+
 use std::any::Any;
 use std::cell::RefCell;
 use std::ffi::{CStr, CString, c_char, c_int};
-use std::fmt::Display;
 
 /// What a function came to. The numbers stay what they are.
 #[must_use]
@@ -75,7 +73,7 @@ pub enum simdop_error {
     /// What shall be solid is not closed, or its triangles are not oriented alike.
     BuildOpen = 44,
 
-    /// A margin, tolerance or cutoff is negative, NaN or too large.
+    /// A margin, tolerance or cutoff is negative, NaN or too large, or a resolution is NaN or not above 0.
     Tolerance = 60,
 
     /// The body is not in the scene, or not any more.
@@ -88,9 +86,30 @@ pub enum simdop_error {
     SceneCycle = 73,
     /// A body is no pair with itself.
     SceneNoPair = 74,
+
+    /// A motion's `go_to` stopped the query.
+    MotionStopped = 80,
+    /// An edge is asked about in no parts.
+    MotionNoParts = 81,
+    /// A motion moves more or fewer bodies than are named.
+    MotionBodies = 82,
+    /// A joint or a body is on a link that does not come before it.
+    MotionNoSuchLink = 83,
+    /// A joint is moved by a variable that has no limits.
+    MotionNoSuchVariable = 84,
+    /// The limits of a variable are no interval.
+    MotionLimits = 85,
+    /// An axis is no direction: zero, or not finite.
+    MotionNoDirection = 86,
+    /// A number of a motion is not finite.
+    MotionNotFinite = 87,
+    /// There are more or fewer values than variables.
+    MotionLength = 88,
+    /// A value is outside of the limits of its variable.
+    MotionOutOfLimits = 89,
 }
 
-const TEXTS: [(simdop_error, &CStr); 34] = [
+const TEXTS: [(simdop_error, &CStr); 44] = [
     (simdop_error::None, c"no error"),
     (simdop_error::Null, c"a pointer is NULL"),
     (simdop_error::Misaligned, c"a pointer is not aligned: the bytes of a tree to 64, an array to its items"),
@@ -119,12 +138,25 @@ const TEXTS: [(simdop_error, &CStr); 34] = [
     (simdop_error::BuildTooSmall, c"all coordinates are below 2^-250"),
     (simdop_error::BuildPrimitive, c"a triangle names a vertex that there is not"),
     (simdop_error::BuildOpen, c"what shall be solid is not closed"),
-    (simdop_error::Tolerance, c"a margin, tolerance or cutoff is negative, NaN or too large"),
+    (
+        simdop_error::Tolerance,
+        c"a margin, tolerance or cutoff is negative, NaN or too large, or a resolution not above 0",
+    ),
     (simdop_error::SceneNoSuchBody, c"the body is not in the scene, or not any more"),
     (simdop_error::SceneRadius, c"a body's radius is negative, NaN or too large"),
     (simdop_error::SceneIsAttached, c"the body is attached to another"),
     (simdop_error::SceneCycle, c"a body would be attached to itself"),
     (simdop_error::SceneNoPair, c"a body is no pair with itself"),
+    (simdop_error::MotionStopped, c"a motion's go_to stopped the query"),
+    (simdop_error::MotionNoParts, c"an edge is asked about in no parts"),
+    (simdop_error::MotionBodies, c"a motion moves more or fewer bodies than are named"),
+    (simdop_error::MotionNoSuchLink, c"a joint or a body is on a link that does not come before it"),
+    (simdop_error::MotionNoSuchVariable, c"a joint is moved by a variable that has no limits"),
+    (simdop_error::MotionLimits, c"the limits of a variable are no interval"),
+    (simdop_error::MotionNoDirection, c"an axis is no direction"),
+    (simdop_error::MotionNotFinite, c"a number of a motion is not finite"),
+    (simdop_error::MotionLength, c"there are more or fewer values than variables"),
+    (simdop_error::MotionOutOfLimits, c"a value is outside of the limits of its variable"),
 ];
 
 /// What a code means, in a few words: a text that is there for ever. Of a number that is no code, that it is none.
@@ -173,101 +205,8 @@ impl Failure {
     }
 }
 
-/// An error of the library, with its code.
-trait Coded: Display {
-    fn code(&self) -> simdop_error;
-}
-
-impl<E: Coded> From<E> for Failure {
-    fn from(error: E) -> Self {
-        Self::new(error.code(), error.to_string())
-    }
-}
-
-// The library's enumerations may grow, and some of their errors are of what this interface does not offer: these are `Other`.
-
-impl Coded for PoseError {
-    fn code(&self) -> simdop_error {
-        match self {
-            Self::NotFinite => simdop_error::PoseNotFinite,
-            Self::TooFar => simdop_error::PoseTooFar,
-            Self::NotOrthonormal { .. } => simdop_error::PoseNotOrthonormal,
-            Self::Mirrored => simdop_error::PoseMirrored,
-            Self::NotUnit { .. } => simdop_error::PoseNotUnit,
-            _ => simdop_error::Other,
-        }
-    }
-}
-
-impl Coded for BakeError {
-    fn code(&self) -> simdop_error {
-        match self {
-            Self::Misaligned => simdop_error::Misaligned,
-            Self::NotATree => simdop_error::BytesNotATree,
-            Self::Version { .. } => simdop_error::BytesVersion,
-            Self::OtherPrimitive { .. } => simdop_error::BytesOtherPrimitive,
-            Self::OtherNode { .. } => simdop_error::BytesOtherNode,
-            Self::Truncated { .. } => simdop_error::BytesTruncated,
-            Self::TooLong { .. } => simdop_error::BytesTooLong,
-            Self::Header { .. } => simdop_error::BytesHeader,
-            Self::Node { .. } => simdop_error::BytesNode,
-            Self::Vertex { .. } => simdop_error::BytesVertex,
-            Self::Primitive { .. } => simdop_error::BytesPrimitive,
-            Self::Source { .. } => simdop_error::BytesSource,
-            Self::Part { .. } => simdop_error::BytesPart,
-            _ => simdop_error::Other,
-        }
-    }
-}
-
-impl Coded for BuildError {
-    fn code(&self) -> simdop_error {
-        match self {
-            Self::TooLarge { .. } => simdop_error::TooLarge,
-            Self::Vertex { .. } => simdop_error::BuildVertex,
-            Self::Radius { .. } => simdop_error::BuildRadius,
-            Self::TooSmall => simdop_error::BuildTooSmall,
-            Self::Primitive { .. } => simdop_error::BuildPrimitive,
-            Self::Open { .. } => simdop_error::BuildOpen,
-            _ => simdop_error::Other,
-        }
-    }
-}
-
-impl Coded for ToleranceError {
-    fn code(&self) -> simdop_error {
-        simdop_error::Tolerance
-    }
-}
-
-impl Coded for SceneError {
-    fn code(&self) -> simdop_error {
-        match self {
-            Self::NoSuchBody { .. } => simdop_error::SceneNoSuchBody,
-            Self::Radius { .. } => simdop_error::SceneRadius,
-            Self::Pose(error) => error.code(),
-            Self::IsAttached { .. } => simdop_error::SceneIsAttached,
-            Self::Cycle { .. } => simdop_error::SceneCycle,
-            Self::NoPair { .. } => simdop_error::SceneNoPair,
-            Self::Tolerance(error) => error.code(),
-            _ => simdop_error::Other,
-        }
-    }
-}
-
 /// The message, for tests.
 #[cfg(test)]
 pub(crate) fn last_error() -> String {
     LAST.with_borrow(|last| last.as_ref().map_or(String::new(), |text| text.to_string_lossy().into_owned()))
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn an_error_without_a_code_keeps_its_message() {
-        assert_eq!(Failure::from(BuildError::Cancelled).keep(), simdop_error::Other);
-        assert_eq!(last_error(), BuildError::Cancelled.to_string());
-    }
 }

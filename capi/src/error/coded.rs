@@ -1,0 +1,144 @@
+//! The code of each error of the library.
+
+use super::{Failure, simdop_error};
+use simdop::construct::BuildError;
+use simdop::hierarchy::BakeError;
+use simdop::motion::MotionError;
+use simdop::pose::PoseError;
+use simdop::query::ToleranceError;
+use simdop::scene::SceneError;
+use std::fmt::Display;
+
+/// An error of the library, with its code.
+pub(crate) trait Coded: Display {
+    fn code(&self) -> simdop_error;
+}
+
+impl<E: Coded> From<E> for Failure {
+    fn from(error: E) -> Self {
+        Self::new(error.code(), error.to_string())
+    }
+}
+
+// The library's enumerations may grow, and some of their errors are of what this interface does not offer: these are `Other`.
+
+impl Coded for PoseError {
+    fn code(&self) -> simdop_error {
+        match self {
+            Self::NotFinite => simdop_error::PoseNotFinite,
+            Self::TooFar => simdop_error::PoseTooFar,
+            Self::NotOrthonormal { .. } => simdop_error::PoseNotOrthonormal,
+            Self::Mirrored => simdop_error::PoseMirrored,
+            Self::NotUnit { .. } => simdop_error::PoseNotUnit,
+            _ => simdop_error::Other,
+        }
+    }
+}
+
+impl Coded for BakeError {
+    fn code(&self) -> simdop_error {
+        match self {
+            Self::Misaligned => simdop_error::Misaligned,
+            Self::NotATree => simdop_error::BytesNotATree,
+            Self::Version { .. } => simdop_error::BytesVersion,
+            Self::OtherPrimitive { .. } => simdop_error::BytesOtherPrimitive,
+            Self::OtherNode { .. } => simdop_error::BytesOtherNode,
+            Self::Truncated { .. } => simdop_error::BytesTruncated,
+            Self::TooLong { .. } => simdop_error::BytesTooLong,
+            Self::Header { .. } => simdop_error::BytesHeader,
+            Self::Node { .. } => simdop_error::BytesNode,
+            Self::Vertex { .. } => simdop_error::BytesVertex,
+            Self::Primitive { .. } => simdop_error::BytesPrimitive,
+            Self::Source { .. } => simdop_error::BytesSource,
+            Self::Part { .. } => simdop_error::BytesPart,
+            _ => simdop_error::Other,
+        }
+    }
+}
+
+impl Coded for BuildError {
+    fn code(&self) -> simdop_error {
+        match self {
+            Self::TooLarge { .. } => simdop_error::TooLarge,
+            Self::Vertex { .. } => simdop_error::BuildVertex,
+            Self::Radius { .. } => simdop_error::BuildRadius,
+            Self::TooSmall => simdop_error::BuildTooSmall,
+            Self::Primitive { .. } => simdop_error::BuildPrimitive,
+            Self::Open { .. } => simdop_error::BuildOpen,
+            _ => simdop_error::Other,
+        }
+    }
+}
+
+impl Coded for ToleranceError {
+    fn code(&self) -> simdop_error {
+        simdop_error::Tolerance
+    }
+}
+
+impl Coded for MotionError {
+    fn code(&self) -> simdop_error {
+        match self {
+            Self::NoSuchLink { .. } => simdop_error::MotionNoSuchLink,
+            Self::NoSuchVariable { .. } => simdop_error::MotionNoSuchVariable,
+            Self::Limits { .. } => simdop_error::MotionLimits,
+            Self::NoDirection => simdop_error::MotionNoDirection,
+            Self::NotFinite => simdop_error::MotionNotFinite,
+            Self::Length { .. } => simdop_error::MotionLength,
+            Self::OutOfLimits { .. } => simdop_error::MotionOutOfLimits,
+            Self::Pose(error) => error.code(),
+            _ => simdop_error::Other,
+        }
+    }
+}
+
+impl Coded for SceneError {
+    fn code(&self) -> simdop_error {
+        match self {
+            Self::NoSuchBody { .. } => simdop_error::SceneNoSuchBody,
+            Self::Radius { .. } => simdop_error::SceneRadius,
+            Self::Pose(error) => error.code(),
+            Self::IsAttached { .. } => simdop_error::SceneIsAttached,
+            Self::Cycle { .. } => simdop_error::SceneCycle,
+            Self::NoPair { .. } => simdop_error::SceneNoPair,
+            Self::Motion { .. } => simdop_error::MotionBodies,
+            Self::Path(error) => error.code(),
+            Self::Tolerance(error) => error.code(),
+            _ => simdop_error::Other,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::error::last_error;
+
+    #[test]
+    fn an_error_without_a_code_keeps_its_message() {
+        assert_eq!(Failure::from(BuildError::Cancelled).keep(), simdop_error::Other);
+        assert_eq!(last_error(), BuildError::Cancelled.to_string());
+    }
+
+    /// The motions that can be had from C give none of these.
+    #[test]
+    fn errors_of_motions_have_codes() {
+        let errors = [
+            (MotionError::NoSuchLink { index: 1, link: 2 }, simdop_error::MotionNoSuchLink),
+            (MotionError::NoSuchVariable { joint: 1, variable: 2 }, simdop_error::MotionNoSuchVariable),
+            (MotionError::Limits { variable: 1 }, simdop_error::MotionLimits),
+            (MotionError::NoDirection, simdop_error::MotionNoDirection),
+            (MotionError::NotFinite, simdop_error::MotionNotFinite),
+            (MotionError::Length { given: 1, needed: 2 }, simdop_error::MotionLength),
+            (MotionError::OutOfLimits { variable: 1, given: 2.0 }, simdop_error::MotionOutOfLimits),
+            (MotionError::Pose(PoseError::Mirrored), simdop_error::PoseMirrored),
+        ];
+        for (error, code) in errors {
+            assert_eq!(Failure::from(error).keep(), code);
+            assert_eq!(last_error(), error.to_string());
+            assert_eq!(Failure::from(SceneError::Path(error)).keep(), code);
+        }
+        let bodies = SceneError::Motion { bodies: 1, given: 2, poses: 3 };
+        assert_eq!(Failure::from(bodies).keep(), simdop_error::MotionBodies);
+    }
+}

@@ -1,0 +1,205 @@
+//! Edges: do bodies of a scene meet anywhere on their way?
+
+use super::{simdop_body_id, simdop_scene, simdop_scene_hit};
+use crate::boundary::{given, guarded, items};
+use crate::error::{Failure, simdop_error};
+use crate::motion::{Called, simdop_motion};
+use crate::pose::simdop_pose;
+use crate::query::{query, simdop_counters};
+use simdop::motion::{Screw, ScrewMotion};
+use simdop::pose::Pose;
+use simdop::scene::{BodyId, EdgeAnswer, EdgeMemory, EdgePair, EdgeVerdict};
+use std::mem::MaybeUninit;
+use std::num::NonZeroU32;
+
+/// Pairs of bodies that a query of an edge has room for, each in an interval of time which it has yet to ask about: two for each
+/// pair of bodies that come near each other, and more where these come close. Those there is no room for are unresolved. A scene
+/// allocates this room, 768 KiB, at its first edge, and keeps it; its later edges allocate nothing, unless more bodies move.
+pub const SIMDOP_EDGE_ROOM: usize = 65536;
+
+/// What became of an edge.
+#[repr(C)]
+#[derive(Copy, Clone, PartialEq, Eq, Debug)]
+pub enum simdop_edge_verdict {
+    /// No two bodies that are asked against each other meet at any time from 0 to 1: certain.
+    Free = 0,
+    /// Two bodies meet at a time. It need not be the first.
+    Hit = 1,
+    /// No hit was found, but within an interval of time something may meet.
+    Unresolved = 2,
+}
+
+/// The answer of simdop_scene_edge() and its like.
+#[repr(C)]
+#[derive(Copy, Clone, PartialEq, Debug)]
+pub struct simdop_edge_answer {
+    /// The verdict.
+    pub verdict: simdop_edge_verdict,
+    /// Of a hit: the bodies, and primitives of theirs that meet.
+    pub hit: simdop_scene_hit,
+    /// Of a hit: when. Otherwise NaN.
+    pub time: f64,
+    /// Of an unresolved verdict: when the first interval begins about which nothing is known. Before, nothing meets, unless
+    /// this is the answer about samples. Otherwise NaN.
+    pub from: f64,
+    /// When that interval ends: not more than the resolution later, if neither budget nor room ended the query.
+    pub to: f64,
+    /// At how many times the bodies were placed.
+    pub times: u64,
+    /// Pairs of bodies that were asked about, once for each time.
+    pub pairs: u64,
+    /// The work for these pairs.
+    pub counters: simdop_counters,
+}
+
+impl From<EdgeAnswer> for simdop_edge_answer {
+    fn from(answer: EdgeAnswer) -> Self {
+        let mut made = Self {
+            verdict: simdop_edge_verdict::Free,
+            hit: simdop_scene_hit::NONE,
+            time: f64::NAN,
+            from: f64::NAN,
+            to: f64::NAN,
+            times: answer.times,
+            pairs: answer.pairs,
+            counters: answer.counters.into(),
+        };
+        match answer.verdict {
+            EdgeVerdict::Free => {}
+            EdgeVerdict::Hit { hit, time } => {
+                (made.verdict, made.hit, made.time) = (simdop_edge_verdict::Hit, hit.into(), time);
+            }
+            EdgeVerdict::Unresolved { from, to } => {
+                (made.verdict, made.from, made.to) = (simdop_edge_verdict::Unresolved, from, to);
+            }
+        }
+        made
+    }
+}
+
+/// Where an answer goes.
+type Place<'a> = Option<&'a mut MaybeUninit<simdop_edge_answer>>;
+
+/// Memory for edges, which stays with the scene.
+#[derive(Default, Debug)]
+pub(super) struct EdgeRoom {
+    moving: Vec<BodyId>,
+    written: Vec<simdop_pose>,
+    poses: Vec<Pose>,
+    waiting: Vec<EdgePair>,
+}
+
+impl EdgeRoom {
+    /// Makes room for an edge of these bodies: their ids, a place for a pose of each, and memory for the query.
+    fn lend(&mut self, moving: &[simdop_body_id]) -> (&[BodyId], &mut [simdop_pose], EdgeMemory<'_>) {
+        let Self { moving: ids, written, poses, waiting } = self;
+        ids.clear();
+        ids.extend(moving.iter().copied().map(BodyId::from_bits));
+        written.resize(ids.len(), simdop_pose::UNWRITTEN);
+        poses.resize(2 * ids.len(), Pose::IDENTITY);
+        waiting.resize(SIMDOP_EDGE_ROOM, EdgePair::EMPTY);
+        (ids, written, EdgeMemory { poses, waiting })
+    }
+}
+
+/// Do any two bodies that are asked against each other meet at any time of a motion of some of them, and of what is attached to
+/// these? All others stand still. SIMDOP_EDGE_VERDICT_FREE is certain for all times from 0 to 1, not for samples of them, if the
+/// motion's `path` is the bound that it should be.
+///
+/// `moving` are the `count` bodies that move, in the motion's order; none of them is attached. No interval of time that is not
+/// longer than `resolution`, above 0, is halved: what comes so near that this would be needed is unresolved. Gives up after
+/// `budget` visits for all pairs and times together. Afterwards, and after a failure, the bodies stand where they stood.
+///
+/// # Safety
+/// There are `count` ids. `motion->user` is what the motion's functions take it for, and these do what is said of them.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn simdop_scene_edge(
+    scene: Option<&mut simdop_scene>,
+    moving: *const simdop_body_id,
+    count: usize,
+    motion: Option<&simdop_motion>,
+    resolution: f64,
+    budget: u64,
+    answer: Option<&mut MaybeUninit<simdop_edge_answer>>,
+) -> simdop_error {
+    ask(scene, answer, |simdop_scene { scene, room }| {
+        // SAFETY: there are so many, by the caller's promise.
+        let moving = unsafe { items(moving, count, "moving") }?;
+        let motion = *given(motion, "motion")?;
+        given(motion.go_to, "motion->go_to")?;
+        given(motion.path, "motion->path")?;
+        let (moving, written, mut memory) = room.lend(moving);
+        // SAFETY: its functions may be called during this call, by the caller's promise.
+        let mut motion = unsafe { Called::new(motion, written) };
+        let answer = scene.edge(&query(budget), moving, &mut motion, resolution, &mut memory);
+        motion.conclude(answer)
+    })
+}
+
+/// The same question at some times only: at those that divide 0 to 1 into `parts` evenly, at least 1, both ends among them, in
+/// an order that halves the longest gaps first, until one is a hit. The verdict is never SIMDOP_EDGE_VERDICT_FREE, but
+/// unresolved from 0 to 1: between the times, nothing is known. The motion's `path` is not called, and may be NULL. Otherwise as
+/// simdop_scene_edge().
+///
+/// # Safety
+/// As of simdop_scene_edge().
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn simdop_scene_sampled_edge(
+    scene: Option<&mut simdop_scene>,
+    moving: *const simdop_body_id,
+    count: usize,
+    motion: Option<&simdop_motion>,
+    parts: u32,
+    budget: u64,
+    answer: Option<&mut MaybeUninit<simdop_edge_answer>>,
+) -> simdop_error {
+    ask(scene, answer, |simdop_scene { scene, room }| {
+        // SAFETY: there are so many, by the caller's promise.
+        let moving = unsafe { items(moving, count, "moving") }?;
+        let motion = *given(motion, "motion")?;
+        given(motion.go_to, "motion->go_to")?;
+        let parts = NonZeroU32::new(parts)
+            .ok_or_else(|| Failure::new(simdop_error::MotionNoParts, "an edge of 0 parts".into()))?;
+        let (moving, written, mut memory) = room.lend(moving);
+        // SAFETY: its functions may be called during this call, by the caller's promise.
+        let mut motion = unsafe { Called::new(motion, written) };
+        let answer = scene.sampled_edge(&query(budget), moving, &mut motion, parts, &mut memory);
+        motion.conclude(answer)
+    })
+}
+
+/// As simdop_scene_edge(), of one body, and of what is attached to it, on its way from one pose in the world to another: it turns
+/// evenly about an axis, by at most half a turn, and moves evenly along the axis. This screw is the one that leads there, and of
+/// poses which differ in no turn is a straight line. It ends at `to` up to 1e-7 of the coordinates, and up to what the matrices
+/// are off a rotation. Where the body stands in the scene does not matter.
+#[unsafe(no_mangle)]
+pub extern "C" fn simdop_scene_screw_edge(
+    scene: Option<&mut simdop_scene>,
+    id: simdop_body_id,
+    from: Option<&simdop_pose>,
+    to: Option<&simdop_pose>,
+    resolution: f64,
+    budget: u64,
+    answer: Option<&mut MaybeUninit<simdop_edge_answer>>,
+) -> simdop_error {
+    ask(scene, answer, |simdop_scene { scene, room }| {
+        let (from, to) = (given(from, "from")?.checked()?, given(to, "to")?.checked()?);
+        let starts = [from];
+        let mut motion = ScrewMotion::new(Screw::between(&from, &to)?, &starts);
+        let (moving, _, mut memory) = room.lend(&[id]);
+        Ok(scene.edge(&query(budget), moving, &mut motion, resolution, &mut memory)?)
+    })
+}
+
+/// Asks a scene, and writes the answer.
+fn ask(
+    scene: Option<&mut simdop_scene>,
+    answer: Place<'_>,
+    ask: impl FnOnce(&mut simdop_scene) -> Result<EdgeAnswer, Failure>,
+) -> simdop_error {
+    guarded(|| {
+        let (scene, answer) = (given(scene, "scene")?, given(answer, "answer")?);
+        answer.write(ask(scene)?.into());
+        Ok(())
+    })
+}

@@ -1,0 +1,241 @@
+//! The answers about edges are the library's, whoever moves the bodies.
+
+mod support;
+
+use simdop::isa::Isa;
+use simdop::motion::{CarriedBall, Motion, Screw, ScrewMotion};
+use simdop::pose::{Pose, PoseError};
+use simdop::query::Query;
+use simdop::scene::{Body, BodyId, EdgeAnswer, EdgeMemory, EdgePair, EdgeVerdict, Scene};
+use simdop_capi::*;
+use std::ffi::{c_int, c_void};
+use std::num::NonZeroU32;
+use support::{Node, Rng, answer, handle, meshes, pose, sphere_sets};
+
+/// Bodies that each move by a screw of their own.
+struct Screws(Vec<(Screw, Pose)>);
+
+impl Motion for Screws {
+    fn bodies(&self) -> usize {
+        self.0.len()
+    }
+
+    fn go_to(&mut self, time: f64, poses: &mut [Pose]) -> Result<(), PoseError> {
+        for (pose, (screw, start)) in poses.iter_mut().zip(&self.0) {
+            *pose = screw.at(time, start)?;
+        }
+        Ok(())
+    }
+
+    fn path(&self, i: usize, ball: &CarriedBall, span: f64) -> f64 {
+        let (screw, start) = self.0[i];
+        ScrewMotion::new(screw, &[start]).path(0, ball, span)
+    }
+}
+
+/// A motion that C calls.
+struct User<'m> {
+    motion: &'m mut dyn Motion,
+    /// Calls of `go_to` until it stops the query.
+    left: u32,
+}
+
+fn rows(pose: &Pose) -> simdop_pose {
+    let (rows, t) = (pose.rows(), pose.translation());
+    simdop_pose { rows: [0, 1, 2].map(|i| [rows[i][0], rows[i][1], rows[i][2], t[i]]) }
+}
+
+unsafe extern "C" fn go_to(user: *mut c_void, time: f64, poses: *mut simdop_pose) -> c_int {
+    // SAFETY: the tests hand over such a motion.
+    let user = unsafe { &mut *user.cast::<User<'_>>() };
+    if user.left == 0 {
+        return 7;
+    }
+    user.left -= 1;
+    let mut at = vec![Pose::IDENTITY; user.motion.bodies()];
+    user.motion.go_to(time, &mut at).unwrap();
+    for (i, pose) in at.iter().enumerate() {
+        // SAFETY: there is a place for each body.
+        unsafe { poses.wrapping_add(i).write(rows(pose)) };
+    }
+    0
+}
+
+fn ball(centre: *const f64, radius: f64) -> CarriedBall {
+    // SAFETY: the library hands over three numbers.
+    CarriedBall { centre: unsafe { centre.cast::<[f64; 3]>().read() }, radius }
+}
+
+unsafe extern "C" fn path(user: *mut c_void, body: usize, centre: *const f64, radius: f64, span: f64) -> f64 {
+    // SAFETY: the tests hand over such a motion.
+    let user = unsafe { &*user.cast::<User<'_>>() };
+    user.motion.path(body, &ball(centre, radius), span)
+}
+
+unsafe extern "C" fn path_between(
+    user: *mut c_void,
+    a: usize,
+    centre_a: *const f64,
+    radius_a: f64,
+    b: usize,
+    centre_b: *const f64,
+    radius_b: f64,
+    span: f64,
+) -> f64 {
+    // SAFETY: the tests hand over such a motion.
+    let user = unsafe { &*user.cast::<User<'_>>() };
+    user.motion.path_between((a, &ball(centre_a, radius_a)), (b, &ball(centre_b, radius_b)), span)
+}
+
+fn motion(user: &mut User<'_>) -> simdop_motion {
+    let user = (&raw mut *user).cast();
+    simdop_motion { user, go_to: Some(go_to), path: Some(path), path_between: Some(path_between) }
+}
+
+fn edge(
+    scene: &mut simdop_scene,
+    ids: &[u64],
+    motion: &simdop_motion,
+    resolution: f64,
+    budget: u64,
+) -> Result<simdop_edge_answer, simdop_error> {
+    // SAFETY: the ids are those of the slice; the motion is that of `motion`, or asks nothing of its user.
+    answer(|answer| unsafe {
+        simdop_scene_edge(Some(scene), ids.as_ptr(), ids.len(), Some(motion), resolution, budget, answer)
+    })
+}
+
+fn sampled(
+    scene: &mut simdop_scene,
+    ids: &[u64],
+    motion: &simdop_motion,
+    parts: u32,
+) -> Result<simdop_edge_answer, simdop_error> {
+    let budget = SIMDOP_NO_BUDGET;
+    // SAFETY: as of `edge`.
+    answer(|answer| unsafe {
+        simdop_scene_sampled_edge(Some(scene), ids.as_ptr(), ids.len(), Some(motion), parts, budget, answer)
+    })
+}
+
+fn assert_same(c: &simdop_edge_answer, rust: &EdgeAnswer) {
+    let no_hit = (SIMDOP_NO_BODY, SIMDOP_NO_BODY, SIMDOP_NO_PRIMITIVE, SIMDOP_NO_PRIMITIVE);
+    let bits = |numbers: [f64; 3]| numbers.map(f64::to_bits);
+    let (verdict, hit, times) = match rust.verdict {
+        EdgeVerdict::Free => (simdop_edge_verdict::Free, no_hit, [f64::NAN; 3]),
+        EdgeVerdict::Hit { hit, time } => {
+            let hit = (hit.a.to_bits(), hit.b.to_bits(), hit.pair.a, hit.pair.b);
+            (simdop_edge_verdict::Hit, hit, [time, f64::NAN, f64::NAN])
+        }
+        EdgeVerdict::Unresolved { from, to } => {
+            (simdop_edge_verdict::Unresolved, no_hit, [f64::NAN, from, to])
+        }
+    };
+    assert_eq!((c.verdict, (c.hit.a, c.hit.b, c.hit.pair.a, c.hit.pair.b)), (verdict, hit));
+    assert_eq!(bits([c.time, c.from, c.to]), bits(times));
+    assert_eq!((c.times, c.pairs, c.counters.visits), (rust.times, rust.pairs, rust.counters.visits));
+}
+
+struct Memory {
+    poses: Vec<Pose>,
+    waiting: Vec<EdgePair>,
+}
+
+impl Memory {
+    fn new() -> Self {
+        Self { poses: vec![Pose::IDENTITY; 8], waiting: vec![EdgePair::EMPTY; SIMDOP_EDGE_ROOM] }
+    }
+
+    fn lend(&mut self) -> EdgeMemory<'_> {
+        EdgeMemory { poses: &mut self.poses, waiting: &mut self.waiting }
+    }
+}
+
+/// A scene twice: three bodies that move, two in the hand of the last, and others that stand still.
+fn scene(rng: &mut Rng) -> (Box<simdop_scene>, Scene<'static, Node>, Vec<BodyId>, Vec<Pose>) {
+    let (meshes, spheres) = (meshes(rng), sphere_sets(rng));
+    let meshes = meshes.into_iter().map(|body| (body.c, Body::new(Box::leak(Box::new(body.rust)).view())));
+    let spheres = spheres.into_iter().map(|body| (body.c, Body::new(Box::leak(Box::new(body.rust)).view())));
+    let bodies: Vec<_> = meshes.chain(spheres).collect();
+    let (mut c, mut rust) = (handle(|scene| simdop_scene_create(scene)).unwrap(), Scene::new());
+    let (mut ids, mut places) = (Vec::new(), Vec::new());
+    for i in 0..8 {
+        let (c_body, body) = *rng.pick(&bodies);
+        let (mut far, _) = pose(rng);
+        far.rows.iter_mut().for_each(|row| row[3] *= 3.0);
+        let world = Pose::from_rows(far.rows).unwrap();
+        let (radius, is_fixed) = (rng.range(0.0, 0.05), i > 4);
+        let role = simdop_role { radius, is_fixed: c_int::from(is_fixed), ..simdop_role_default() };
+        let body = if is_fixed { body.fixed() } else { body };
+        let id = rust.insert(body.with_radius(radius), &world).unwrap();
+        let c_id = answer(|id| simdop_scene_insert(Some(&mut c), Some(c_body), Some(&role), Some(&far), id));
+        assert_eq!(c_id, Ok(id.to_bits()));
+        ids.push(id);
+        places.push(world);
+    }
+    for i in [3, 4] {
+        rust.attach(ids[i], ids[2]).unwrap();
+        rust.set_pair(ids[i], ids[2], false).unwrap();
+        let [held, hand] = [i, 2].map(|i| ids[i].to_bits());
+        assert_eq!(simdop_scene_attach(Some(&mut c), held, hand), simdop_error::None);
+        assert_eq!(simdop_scene_set_pair(Some(&mut c), held, hand, 0), simdop_error::None);
+    }
+    (c, rust, ids, places)
+}
+
+#[test]
+fn edges_answer_as_the_librarys() {
+    let mut rng = Rng::new(5);
+    let (mut verdicts, mut memory) = ([0; 3], Memory::new());
+    for round in 0..120 {
+        let (mut c, mut rust, ids, places) = scene(&mut rng);
+        let share = if round % 2 == 0 { 1.0 } else { 0.05 };
+        let mut screw = || {
+            let mut point = || [0; 3].map(|_| rng.range(-1.0, 1.0));
+            let (point, direction) = (point(), point());
+            let (angle, advance) = (rng.range(-3.0, 3.0) * share, rng.range(-2.0, 2.0) * share);
+            Screw::new(point, direction, angle, advance).unwrap()
+        };
+        let mut own = Screws(places[..3].iter().map(|&start| (screw(), start)).collect());
+        let mut shared = ScrewMotion::new(screw(), &places[..3]);
+        let moving = &ids[..3];
+        let c_ids: Vec<_> = moving.iter().map(|id| id.to_bits()).collect();
+        for budget in [SIMDOP_NO_BUDGET, 5] {
+            let query = Query::new(Isa::detect()).with_budget(budget);
+            let expected = rust.edge(&query, moving, &mut own, 1e-3, &mut memory.lend()).unwrap();
+            let mut user = User { motion: &mut own, left: u32::MAX };
+            let between = motion(&mut user);
+            let sum = simdop_motion { path_between: None, ..between };
+            for motion in [between, sum] {
+                assert_same(&edge(&mut c, &c_ids, &motion, 1e-3, budget).unwrap(), &expected);
+            }
+            verdicts[edge(&mut c, &c_ids, &sum, 1e-3, budget).unwrap().verdict as usize] += 1;
+
+            // Bodies that move as one do not meet each other, which only `path_between` tells.
+            let expected = rust.edge(&query, moving, &mut shared, 1e-3, &mut memory.lend()).unwrap();
+            let mut user = User { motion: &mut shared, left: u32::MAX };
+            assert_same(&edge(&mut c, &c_ids, &motion(&mut user), 1e-3, budget).unwrap(), &expected);
+        }
+
+        let parts = NonZeroU32::new(rng.int(1, 20) as u32).unwrap();
+        let query = Query::new(Isa::detect());
+        let expected = rust.sampled_edge(&query, moving, &mut own, parts, &mut memory.lend()).unwrap();
+        let mut user = User { motion: &mut own, left: u32::MAX };
+        let by_poses = simdop_motion { path: None, ..motion(&mut user) };
+        assert_same(&sampled(&mut c, &c_ids, &by_poses, parts.get()).unwrap(), &expected);
+
+        let (to, from) = (pose(&mut rng), [places[2]]);
+        let mut screw = ScrewMotion::new(Screw::between(&from[0], &to.1).unwrap(), &from);
+        let expected = rust.edge(&query, &ids[2..3], &mut screw, 1e-3, &mut memory.lend()).unwrap();
+        let (from, id) = (rows(&from[0]), ids[2].to_bits());
+        let made = answer(|answer| {
+            let (from, to) = (Some(&from), Some(&to.0));
+            simdop_scene_screw_edge(Some(&mut c), id, from, to, 1e-3, SIMDOP_NO_BUDGET, answer)
+        });
+        let made = made.unwrap();
+        assert_same(&made, &expected);
+        verdicts[made.verdict as usize] += 1;
+        simdop_scene_destroy(Some(c));
+    }
+    assert!(verdicts.iter().all(|&count| count > 10), "{verdicts:?}");
+}
