@@ -2,7 +2,7 @@
 //!
 //! Robots on every seventh problem of MotionBenchMaker: the start, a goal and ten random configurations. *Scene*: the links
 //! are placed and the scene is asked. *Pairs*: every pair is asked, each at its pose, without boxes, until one hits. Poses are
-//! given: forward kinematics are not in the time. The verdicts of both are compared first. *At once*: 64 random configurations of
+//! given: forward kinematics are not in the time. The verdicts of both are compared first. *At once*: 256 random configurations of
 //! each problem, one by one, and all by one call, on one thread and on all.
 
 #![expect(clippy::unwrap_used, reason = "a benchmark that cannot go on has failed")]
@@ -170,7 +170,7 @@ fn run(data: &Path, setting: &Setting) {
 }
 
 /// Configurations of each problem that are asked about at once.
-const AT_ONCE: usize = 64;
+const AT_ONCE: usize = 256;
 
 /// Which are free, a bit for each.
 fn one_by_one(

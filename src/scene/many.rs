@@ -55,7 +55,7 @@ impl<'t, N: Lanes> Scene<'t, N> {
         self.fill(query, moving.len(), poses, boxes, &mut free[..words])
     }
 
-    /// The same on several threads, with the feature `rayon`, and in memory of its own. The budget is for each run of 1,024
+    /// The same on several threads, with the feature `rayon`, and in memory of its own. The budget is for each run of 64
     /// configurations.
     ///
     /// # Errors
@@ -69,7 +69,7 @@ impl<'t, N: Lanes> Scene<'t, N> {
         free: &mut [u16],
     ) -> Result<ConfigurationsAnswer, SceneError> {
         /// Words of a job.
-        const RUN: usize = 64;
+        const RUN: usize = 4;
         let words = self.prepare(moving, poses, free.len())?;
         let scene = &*self;
         let runs = free[..words].chunks_mut(RUN).zip(poses.chunks(16 * RUN * moving.len()));
@@ -192,8 +192,10 @@ impl<N: Lanes> Sixteen<'_, '_, '_, N> {
             for lane in 0..lanes {
                 for pair in &near.pairs[lane][..near.len[lane]] {
                     let left = query.with_budget(query.budget() - answer.counters.visits);
-                    let [a, b] = [pair.a, pair.b].map(|i| self.world(i as usize, lane));
-                    let found = self.scene.ask_within_at(&left, pair, [&a?, &b?], 0.0)?;
+                    let [mut a, mut b] = [Pose::IDENTITY; 2];
+                    let a = self.world(pair.a as usize, lane, &mut a)?;
+                    let b = self.world(pair.b as usize, lane, &mut b)?;
+                    let found = self.scene.ask_within_at(&left, pair, [a, b], 0.0)?;
                     answer.pairs += 1;
                     answer.counters = answer.counters.and(&found.counters);
                     match found.verdict {
@@ -212,13 +214,17 @@ impl<N: Lanes> Sixteen<'_, '_, '_, N> {
         }
     }
 
-    /// Where the body of a slot stands in a configuration.
-    fn world(&self, i: usize, lane: usize) -> Result<Pose, SceneError> {
+    /// Where the body of a slot stands in a configuration: there already, or in `composed` if it is attached to another.
+    #[inline]
+    fn world<'p>(&'p self, i: usize, lane: usize, composed: &'p mut Pose) -> Result<&'p Pose, SceneError> {
         let slot = &self.scene.memory.slots[i];
-        match slot.carrier {
-            None => Ok(slot.world),
-            Some(carrier) => self.scene.carried(i, &self.poses[lane * self.moving + carrier as usize]),
+        let Some(carrier) = slot.carrier else { return Ok(&slot.world) };
+        let world = &self.poses[lane * self.moving + carrier as usize];
+        if slot.parent.is_none() {
+            return Ok(world);
         }
+        *composed = self.scene.carried(i, world)?;
+        Ok(composed)
     }
 
     /// Puts boxes around all that moves.
@@ -230,9 +236,11 @@ impl<N: Lanes> Sixteen<'_, '_, '_, N> {
             }
             self.boxes[i] = Aabb16::EMPTY;
             for lane in 0..self.poses.len() / self.moving {
-                let world = self.world(i, lane)?;
-                super::check(&world)?;
-                self.boxes[i].set_lane(lane, &slot.size.bounds(&world));
+                let mut composed = Pose::IDENTITY;
+                let world = self.world(i, lane, &mut composed)?;
+                super::check(world)?;
+                let bounds = slot.size.bounds(world);
+                self.boxes[i].set_lane(lane, &bounds);
             }
         }
         Ok(())

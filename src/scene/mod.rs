@@ -33,6 +33,8 @@
 //! **How.** Boxes around the bodies in the world are compared, sixteen at a time by the kernels that search points; of those
 //! that overlap and are asked about, the deepest first are put to [`crate::query`]. What a body is asked against says a
 //! matrix of bits.
+//!
+//! **Stack.** No more than queries take ([`crate::query`]): on a Cortex-M4F a scene takes 10 KB in all, and an edge 11 KB.
 
 mod ask;
 mod body;

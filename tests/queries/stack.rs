@@ -9,10 +9,12 @@ use core::ops::ControlFlow;
 use simdop::construct::{Builder, Mesh, SphereSet};
 use simdop::hierarchy::{Bvh, BvhRef};
 use simdop::isa::Isa;
-use simdop::node::{Node4, Node16};
+use simdop::motion::{Screw, ScrewMotion};
+use simdop::node::{Aabb16, Node4, Node16};
 use simdop::pose::Pose;
 use simdop::primitive::{Sphere, Spheres};
 use simdop::query::{Lanes, Pairwise, Query};
+use simdop::scene::{Body, EdgeMemory, EdgePair, Scene, SceneMemory, Slot, boxes_for, rows_for};
 
 /// Bytes that the crate documentation says are enough for the entries that decide, and for distances. Threads
 /// have little less: 25 KiB on Linux.
@@ -134,10 +136,53 @@ fn check_penetration<N: Lanes>() {
     }
 }
 
+/// A scene in lent memory, many configurations in it, and an edge: nothing of them is on the stack but a query, and what is
+/// near.
+fn check_scenes<N: Lanes>() {
+    let cube = cubes::<N>();
+    let (mut slots, mut boxes) = ([const { Slot::<N>::EMPTY }; 4], [Aabb16::EMPTY; boxes_for(4)]);
+    let mut rows = [0; rows_for(4)];
+    let at =
+        |x: f64| Pose::from_rows([[1.0, 0.0, 0.0, x], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0]]).unwrap();
+    let memory = SceneMemory { slots: &mut slots, boxes: &mut boxes, rows: &mut rows };
+    let mut scene = Scene::in_memory(memory).unwrap();
+    let moving = [0.0, 3.0].map(|x| scene.insert(Body::new(cube.view()), &at(x)).unwrap());
+    let _ = scene.insert(Body::new(cube.view()).fixed(), &at(9.0)).unwrap();
+    let starts = [at(0.0), at(3.0)];
+    let mut waiting = [EdgePair::EMPTY; 64];
+    let mut poses_on_the_way = [Pose::IDENTITY; 4];
+    let lent = &mut [Aabb16::EMPTY; 4];
+    for isa in Isa::available() {
+        let query = Query::new(isa);
+        in_thread(DECIDING, || {
+            for pose in &poses() {
+                scene.place(moving[1], pose).unwrap();
+                let _ = scene.collide(&query).unwrap();
+                let _ = scene.within(&query, 0.01).unwrap();
+                let both = [at(0.0), *pose];
+                let _ = scene.free_configurations(&query, &moving, &both, lent, &mut [0]).unwrap();
+            }
+            let screw = Screw::new([1.0, 0.5, 0.0], [1.0, 0.1, 0.0], 0.2, 6.0).unwrap();
+            let mut motion = ScrewMotion::new(screw, &starts);
+            let mut memory = EdgeMemory { poses: &mut poses_on_the_way, waiting: &mut waiting };
+            let answer = scene.edge(&query, &moving, &mut motion, 1e-3, &mut memory).unwrap();
+            assert!(answer.pairs > 0, "{isa}");
+        });
+        in_thread(DISTANCE, || {
+            for pose in &poses() {
+                scene.place(moving[1], pose).unwrap();
+                let _ = scene.clearance(&query, 0.0, 1.0).unwrap();
+            }
+        });
+    }
+}
+
 #[test]
 fn queries_need_no_more_stack_than_is_documented() {
     check::<Node16<6>>();
     check::<Node16<18>>();
+    check_scenes::<Node16<18>>();
+    check_scenes::<Node4<18>>();
     check::<Node16<32>>();
     check::<Node4<6>>();
     check::<Node4<32>>();

@@ -27,9 +27,9 @@ fn long_way(a: f64, b: f64) -> f64 {
     if large > 0.0 { 0.5 * small.max(0.1 * large) } else { MAX_COORDINATE }
 }
 
-/// A way that overflows may be no number: then it is longer than all.
+/// A way that overflows may be no number: then it is longer than all. None is negative.
 fn finite_or_infinite(path: f64) -> f64 {
-    if path <= MAX_COORDINATE { path } else { f64::INFINITY }
+    if (0.0..=MAX_COORDINATE).contains(&path) { path } else { f64::INFINITY }
 }
 
 /// A query of an edge.
