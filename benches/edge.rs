@@ -18,7 +18,7 @@ mod short;
 use core::num::NonZeroU32;
 use data::{MeshData, directory};
 use rng::Rng;
-use robots::SETTINGS;
+use robots::{Problem, SETTINGS};
 use short::count;
 use simdop::construct::{Builder, Mesh, OwnedMesh};
 use simdop::hierarchy::Bvh;
@@ -29,6 +29,7 @@ use simdop::pose::Pose;
 use simdop::query::Query;
 use simdop::robot::{DisabledPair, LinkShape, LinkShapes, Robot};
 use simdop::scene::{Body, BodyId, EdgeAnswer, EdgeMemory, EdgePair, EdgeVerdict, Scene};
+use std::path::Path;
 use std::time::Instant;
 
 type Tree = Bvh<Node16<18>>;
@@ -58,100 +59,140 @@ fn median(values: &mut [f64]) -> f64 {
     values.get(values.len() / 2).copied().unwrap_or(f64::NAN)
 }
 
-fn main() {
-    println!("Microseconds an edge of the Panda. {}.\n", Isa::detect());
-    let Some(data) = directory() else { return };
-    let folder = data.join("robots/panda");
-    let text = |name: &str| std::fs::read_to_string(folder.join(name)).unwrap();
-    let robot = Robot::from_urdf(&text("panda.urdf"), LinkShapes::Collision).unwrap();
-    let pairs = robot.pairs(&DisabledPair::from_srdf(&text("panda.srdf")).unwrap());
-    let links: Vec<Tree> = robot
-        .shapes
-        .iter()
-        .map(|shape| {
+/// The Panda, and what its edges are asked with.
+struct Panda {
+    robot: Robot,
+    /// Pairs of bodies that are asked.
+    pairs: Vec<(usize, usize)>,
+    links: Vec<Tree>,
+}
+
+impl Panda {
+    fn read(folder: &Path) -> Self {
+        let text = |name: &str| std::fs::read_to_string(folder.join(name)).unwrap();
+        let robot = Robot::from_urdf(&text("panda.urdf"), LinkShapes::Collision).unwrap();
+        let pairs = robot.pairs(&DisabledPair::from_srdf(&text("panda.srdf")).unwrap());
+        let tree = |shape: &LinkShape| {
             let LinkShape::Mesh { file, .. } = shape else { panic!("a link of the Panda is a mesh") };
             let mesh = MeshData::obj(&folder.join(file));
             Builder::new().build(&Mesh { vertices: &mesh.vertices, triangles: &mesh.triangles }).unwrap()
-        })
-        .collect();
-    let kinematics = robot.kinematics().unwrap();
-    let query = Query::new(Isa::detect());
-    let mut rng = Rng::new(16);
-    let mut rows: Vec<(String, Row)> =
-        ["0.1", "0.3", "1", "start to goal"].map(|name| (name.to_string(), Row::default())).into();
-    let panda = &SETTINGS[0];
-    for problem in panda.problems(&data, &panda.robot(&data), count(7, 70)) {
-        let trees: Vec<Tree> = problem.obstacles.iter().map(|o| obstacle_tree(&o.shape.mesh())).collect();
-        let mut scene: Scene<'_, Node16<18>> = Scene::new();
-        let ids: Vec<BodyId> =
-            links.iter().map(|link| scene.insert(Body::new(link.view()), &Pose::IDENTITY).unwrap()).collect();
+        };
+        let links = robot.shapes.iter().map(tree).collect();
+        Self { robot, pairs, links }
+    }
+
+    /// Among the obstacles of a problem.
+    fn scene<'t>(&'t self, problem: &Problem, trees: &'t [Tree]) -> (Scene<'t, Node16<18>>, Vec<BodyId>) {
+        let mut scene = Scene::new();
+        let insert = |link: &'t Tree| scene.insert(Body::new(link.view()), &Pose::IDENTITY).unwrap();
+        let ids: Vec<BodyId> = self.links.iter().map(insert).collect();
         for i in 0..ids.len() {
             for j in i + 1..ids.len() {
-                scene.set_pair(ids[i], ids[j], pairs.contains(&(i, j))).unwrap();
+                scene.set_pair(ids[i], ids[j], self.pairs.contains(&(i, j))).unwrap();
             }
         }
         for (tree, obstacle) in trees.iter().zip(&problem.obstacles) {
-            let _ =
-                scene.insert(Body::new(tree.view()).fixed(), &Pose::try_from(obstacle.at).unwrap()).unwrap();
+            let at = Pose::try_from(obstacle.at).unwrap();
+            let _ = scene.insert(Body::new(tree.view()).fixed(), &at).unwrap();
         }
-        let ends: Vec<Vec<f64>> = problem
+        (scene, ids)
+    }
+}
+
+/// A scene, and the memory of its edges.
+struct Asked<'p, 't> {
+    panda: &'p Panda,
+    scene: Scene<'t, Node16<18>>,
+    moving: Vec<BodyId>,
+    links: Vec<Link>,
+    values: Vec<f64>,
+    poses: Vec<Pose>,
+    waiting: Vec<EdgePair>,
+}
+
+impl Asked<'_, '_> {
+    /// Times an edge, certified and sampled, and adds it to a row.
+    fn ask(&mut self, row: &mut Row, from: &[f64], to: &[f64]) {
+        let query = Query::new(Isa::detect());
+        let kinematics = self.panda.robot.kinematics().unwrap();
+        let length = from.iter().zip(to).map(|(p, q)| (p - q) * (p - q)).sum::<f64>().sqrt();
+        let parts = NonZeroU32::new((RESOLUTION * length).ceil().max(1.0) as u32).unwrap();
+        let mut best = [f64::INFINITY; 2];
+        let mut answers: [Option<EdgeAnswer>; 2] = [None; 2];
+        for _ in 0..count(5, 1) {
+            for is_sampled in [false, true] {
+                let start = Instant::now();
+                let mut motion =
+                    StraightMotion::new(kinematics, [from, to], &mut self.values, &mut self.links).unwrap();
+                let mut memory = EdgeMemory { poses: &mut self.poses, waiting: &mut self.waiting };
+                let answer = if is_sampled {
+                    self.scene.sampled_edge(&query, &self.moving, &mut motion, parts, &mut memory)
+                } else {
+                    self.scene.edge(&query, &self.moving, &mut motion, 1e-6, &mut memory)
+                };
+                let slot = usize::from(is_sampled);
+                best[slot] = best[slot].min(start.elapsed().as_secs_f64() * 1e6);
+                answers[slot] = Some(answer.unwrap());
+            }
+        }
+        let [certified, sampled] = answers.map(Option::unwrap);
+        row.certified.push(best[0]);
+        row.sampled.push(best[1]);
+        row.times += certified.times;
+        row.samples += sampled.times;
+        let is_sampled_hit = matches!(sampled.verdict, EdgeVerdict::Hit { .. });
+        match certified.verdict {
+            EdgeVerdict::Free => {
+                assert!(!is_sampled_hit, "certified free, and a sample is a hit");
+                row.free += 1;
+            }
+            EdgeVerdict::Hit { .. } => {
+                row.hits += 1;
+                row.missed += usize::from(!is_sampled_hit);
+            }
+            EdgeVerdict::Unresolved { .. } => row.unresolved += 1,
+        }
+    }
+}
+
+fn main() {
+    println!("Microseconds an edge of the Panda. {}.\n", Isa::detect());
+    let Some(data) = directory() else { return };
+    let panda = Panda::read(&data.join("robots/panda"));
+    let mut rng = Rng::new(16);
+    let mut rows = ["0.1", "0.3", "1", "start to goal"].map(|name| (name, Row::default()));
+    let setting = &SETTINGS[0];
+    for problem in setting.problems(&data, &setting.robot(&data), count(7, 70)) {
+        let trees: Vec<Tree> = problem.obstacles.iter().map(|o| obstacle_tree(&o.shape.mesh())).collect();
+        let (scene, moving) = panda.scene(&problem, &trees);
+        let variables = &panda.robot.variables;
+        let ends: [Vec<f64>; 2] = problem
             .ends
-            .iter()
-            .map(|q| robot.variables.iter().map(|name| q.get(name).copied().unwrap_or(0.0)).collect())
-            .collect();
-        let mut links = vec![Link::EMPTY; kinematics.links()];
-        let mut values = vec![0.0; robot.limits.len()];
-        let mut poses = vec![Pose::IDENTITY; 2 * ids.len()];
-        let mut waiting = vec![EdgePair::EMPTY; 8192];
-        let mut ask = |row: &mut Row, from: &[f64], to: &[f64]| {
-            let length = from.iter().zip(to).map(|(p, q)| (p - q) * (p - q)).sum::<f64>().sqrt();
-            let parts = NonZeroU32::new((RESOLUTION * length).ceil().max(1.0) as u32).unwrap();
-            let mut best: [Option<(f64, EdgeAnswer)>; 2] = [None; 2];
-            for _ in 0..count(5, 1) {
-                for (slot, is_sampled) in [false, true].into_iter().enumerate() {
-                    let start = Instant::now();
-                    let mut motion =
-                        StraightMotion::new(kinematics, [from, to], &mut values, &mut links).unwrap();
-                    let mut memory = EdgeMemory { poses: &mut poses, waiting: &mut waiting };
-                    let answer = if is_sampled {
-                        scene.sampled_edge(&query, &ids, &mut motion, parts, &mut memory).unwrap()
-                    } else {
-                        scene.edge(&query, &ids, &mut motion, 1e-6, &mut memory).unwrap()
-                    };
-                    let time = start.elapsed().as_secs_f64() * 1e6;
-                    if best[slot].is_none_or(|(least, _)| time < least) {
-                        best[slot] = Some((time, answer));
-                    }
-                }
-            }
-            let [Some((time, certified)), Some((sampled_time, sampled))] = best else { return };
-            row.certified.push(time);
-            row.sampled.push(sampled_time);
-            row.times += certified.times;
-            row.samples += sampled.times;
-            let is_sampled_hit = matches!(sampled.verdict, EdgeVerdict::Hit { .. });
-            match certified.verdict {
-                EdgeVerdict::Free => {
-                    assert!(!is_sampled_hit, "certified free, and a sample is a hit");
-                    row.free += 1;
-                }
-                EdgeVerdict::Hit { .. } => {
-                    row.hits += 1;
-                    row.missed += usize::from(!is_sampled_hit);
-                }
-                EdgeVerdict::Unresolved { .. } => row.unresolved += 1,
-            }
+            .each_ref()
+            .map(|end| variables.iter().map(|name| end.get(name).copied().unwrap_or(0.0)).collect());
+        let mut asked = Asked {
+            panda: &panda,
+            scene,
+            links: vec![Link::EMPTY; panda.robot.joints.len() + 1],
+            values: vec![0.0; variables.len()],
+            poses: vec![Pose::IDENTITY; 2 * moving.len()],
+            waiting: vec![EdgePair::EMPTY; 8192],
+            moving,
         };
         for end in &ends {
             for (row, length) in rows.iter_mut().zip([0.1, 0.3, 1.0]) {
                 for _ in 0..5 {
-                    let to = towards(&mut rng, &robot.limits, end, length);
-                    ask(&mut row.1, end, &to);
+                    let to = towards(&mut rng, &panda.robot.limits, end, length);
+                    asked.ask(&mut row.1, end, &to);
                 }
             }
         }
-        ask(&mut rows[3].1, &ends[0], &ends[1]);
+        asked.ask(&mut rows[3].1, &ends[0], &ends[1]);
     }
+    print(&mut rows);
+}
+
+fn print(rows: &mut [(&str, Row)]) {
     println!(
         "{:14} {:>6} {:>6} {:>6} {:>7} {:>9} {:>9} {:>9} {:>9} {:>7} {:>8}",
         "length, rad",
@@ -166,19 +207,20 @@ fn main() {
         "times",
         "samples"
     );
-    for (name, row) in &mut rows {
+    for (name, row) in rows {
         let edges = row.certified.len() as f64;
         let mean = |values: &[f64]| values.iter().sum::<f64>() / edges;
+        let means = [mean(&row.certified), mean(&row.sampled)];
         println!(
             "{name:14} {:6} {:6} {:6} {:7} {:9.2} {:9.2} {:9.2} {:9.2} {:7.1} {:8.1}",
             row.free,
             row.hits,
             row.unresolved,
             row.missed,
-            median(&mut row.certified.clone()),
-            median(&mut row.sampled.clone()),
-            mean(&row.certified),
-            mean(&row.sampled),
+            median(&mut row.certified),
+            median(&mut row.sampled),
+            means[0],
+            means[1],
             row.times as f64 / edges,
             row.samples as f64 / edges,
         );

@@ -2,10 +2,10 @@
 //!
 //! **How far a link gets.** Let a ball be carried by link l, at the values of time m, and let t be within the span. The joints
 //! between the base and l are brought from their values at m to those at t one after the other, that nearest to l first. When
-//! joint j is changed, those before it are still as at m, so that its axis is where it is at m; and no point of the ball is
-//! farther from where it is at m than the joints behind j have brought it, D. So it is at most `distance + radius + D` from the
-//! axis, with the distance of the ball's centre at m, and a turn by at most `a` brings it at most the chord of `a` there further
-//! than D; a way along the axis by at most `a` brings it `a` further.
+//! joint j is changed, those before it are still as at m, so that its axis is where it is at m, and the change is a motion R in the
+//! world. A point that is at p at time m, and has been brought to `p + u` by the joints behind, comes to `R (p + u)`, which is
+//! `(R p - p) + R u` from p. So each joint adds at most what it would do to p alone: of a turn by at most a, the chord of a at the
+//! distance of p from the axis, which is at most that of the ball's centre and its radius; of a way along the axis, the way.
 //!
 //! As one link sees another, only the joints between them move: each link from the last that both are on.
 
@@ -56,9 +56,7 @@ impl<'m> StraightMotion<'m> {
             let (from, to) = (self.from[variable], self.to[variable]);
             let change = joint.change_of(span * (to - from));
             path += match joint.kind() {
-                JointKind::Revolute => {
-                    chord(change, (distance_from_axis(&to_origin, &at.axis) + ball.radius) + path)
-                }
+                JointKind::Revolute => chord(change, distance_from_axis(&to_origin, &at.axis) + ball.radius),
                 JointKind::Prismatic => change,
             };
             // Of angles and ways alike.

@@ -92,7 +92,7 @@ impl<'t, N: Lanes> Scene<'t, N> {
 
     /// How many words there have to be, and the bodies that each of those in the scene moves with.
     fn prepare(&mut self, moving: &[BodyId], poses: &[Pose], words: usize) -> Result<usize, SceneError> {
-        if moving.is_empty() || poses.len() % moving.len() != 0 {
+        if moving.is_empty() || !poses.len().is_multiple_of(moving.len()) {
             return Err(SceneError::Motion { bodies: moving.len(), given: moving.len(), poses: poses.len() });
         }
         self.set_carriers(moving)?;

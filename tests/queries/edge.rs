@@ -1,6 +1,7 @@
 //! Edges: what is certified free no sample refutes, a hit is one, and what is unresolved comes as near as the resolution; on
 //! every instruction set the same.
 
+use crate::support::data::suite_step;
 use crate::support::rng::Rng;
 use crate::support::shapes;
 use core::f64::consts::{FRAC_PI_2, PI};
@@ -80,9 +81,9 @@ fn meets(
     !scene.collide(query).unwrap().is_free()
 }
 
-/// How many edges, and samples of each, by SIMDOP_EDGES.
+/// How many edges, and samples of each, by `SIMDOP_EDGES`.
 fn effort() -> (usize, u32) {
-    let edges = std::env::var("SIMDOP_EDGES").ok().map_or(150, |n| n.parse().unwrap());
+    let edges = std::env::var("SIMDOP_EDGES").map_or(160 / suite_step(), |n| n.parse().unwrap());
     (edges, if edges > 10_000 { 10_000 } else { 400 })
 }
 

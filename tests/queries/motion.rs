@@ -172,6 +172,24 @@ fn no_point_gets_farther_than_is_said() {
 }
 
 #[test]
+fn rounding_far_from_the_origin_is_paid_for() {
+    let mut rng = Rng::new(175);
+    for _ in 0..40 {
+        let specs = specs(&mut rng, 5);
+        let joints = joints(&specs);
+        let bodies = [5, 3, 1, 0].map(|link| LinkBody { link, at: pose(affine(&mut rng, 0.3)) });
+        let limits = [[-4.0, 4.0]; 5];
+        let far = affine(&mut rng, 1e7);
+        let robot = Kinematics::new(&joints, &bodies, &limits).unwrap().with_base(pose(far));
+        let ends = [[0.3; 5], [-0.4; 5]];
+        let (mut values, mut links) = ([0.0; 5], [Link::EMPTY; 6]);
+        let mut motion = StraightMotion::new(robot, [&ends[0], &ends[1]], &mut values, &mut links).unwrap();
+        // The way itself is a thousandth of what rounding does.
+        let _ = check_paths(&mut rng, &mut motion, 1e-12);
+    }
+}
+
+#[test]
 fn bodies_on_one_link_do_not_move_as_they_see_each_other() {
     let mut rng = Rng::new(172);
     let specs = specs(&mut rng, 5);
