@@ -5,7 +5,7 @@
 //! ```
 //!
 //! Two trees of configurations grow from the start and from the goal, in turn towards a random configuration, and each then
-//! towards what the other has got, until they meet (Kuffner and LaValle, 2000). Each step is asked as `Scene::edge`: the path is
+//! towards what the other has got, until they meet (the paper on RRT-Connect, ICRA 2000). Each step is asked as `Scene::edge`: the path is
 //! free at all times, not at samples of it. The picture shows the arm along the path, from the side and from above; without
 //! an argument it is written beside the program.
 

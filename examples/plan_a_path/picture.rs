@@ -10,6 +10,20 @@ const SCALE: f64 = 330.0;
 const VIEWS: [(&str, [usize; 2], [f64; 2]); 2] =
     [("from the side", [0, 2], [330.0, 480.0]), ("from above", [0, 1], [970.0, 330.0])];
 
+/// Corners of a box: bit i says on which side along axis i.
+const FACES: [[u8; 4]; 6] =
+    [[0, 1, 3, 2], [4, 5, 7, 6], [0, 1, 5, 4], [2, 3, 7, 6], [0, 2, 6, 4], [1, 3, 7, 5]];
+
+/// A face of a box; all six together are what is seen of it from anywhere.
+fn polygon(face: [u8; 4], sides: &[f64; 3], pose: &Pose, flat: impl Fn([f64; 3]) -> [f64; 2]) -> String {
+    let corner = |bits: u8| {
+        let side = |i: usize| if bits >> i & 1 == 0 { -0.5 } else { 0.5 };
+        let [x, y] = flat(pose.apply(core::array::from_fn(|i| side(i) * sides[i])));
+        format!("{x:.1},{y:.1} ")
+    };
+    format!("<polygon points=\"{}\" stroke=\"none\"/>\n", face.map(corner).concat().trim_end())
+}
+
 /// Of boxes, by sides and middles, and configurations along the path.
 pub(crate) fn draw(
     robot: &Robot,
@@ -38,22 +52,25 @@ pub(crate) fn draw(
                 _ if i + 1 == shown.len() => ("#d62728", 1.0),
                 _ => ("#555555", 0.18),
             };
-            svg += &format!("<g stroke=\"{colour}\" opacity=\"{opacity}\" stroke-linecap=\"round\">\n");
+            svg += &format!(
+                "<g stroke=\"{colour}\" fill=\"{colour}\" opacity=\"{opacity}\" stroke-linecap=\"round\">\n"
+            );
             let (mut links, mut poses) = ([Link::EMPTY; 5], [Pose::IDENTITY; 8]);
             robot.kinematics()?.go_to(values, &mut links, &mut poses)?;
             for (shape, pose) in robot.shapes.iter().zip(&poses) {
-                // A capsule by its axis; a box by the axis of its middle, as wide as it is.
-                let (half, width) = match *shape {
-                    LinkShape::Capsule { radius, height } => (0.5 * height, 2.0 * radius),
-                    LinkShape::Cuboid { sides } => (0.5 * sides[2], sides[0]),
+                svg += &match *shape {
+                    LinkShape::Capsule { radius, height } => {
+                        let [[x, y], [u, v]] = [-0.5, 0.5].map(|z| flat(pose.apply([0.0, 0.0, z * height])));
+                        let width = 2.0 * SCALE * radius;
+                        format!(
+                            "<line x1=\"{x:.1}\" y1=\"{y:.1}\" x2=\"{u:.1}\" y2=\"{v:.1}\" stroke-width=\"{width:.1}\"/>\n"
+                        )
+                    }
+                    LinkShape::Cuboid { sides } => {
+                        FACES.map(|face| polygon(face, &sides, pose, flat)).concat()
+                    }
                     _ => return Err("the arm has capsules and boxes".into()),
                 };
-                let cap = if matches!(shape, LinkShape::Cuboid { .. }) { "butt" } else { "round" };
-                let [[x, y], [u, v]] = [-half, half].map(|z| flat(pose.apply([0.0, 0.0, z])));
-                svg += &format!(
-                    "<line x1=\"{x:.1}\" y1=\"{y:.1}\" x2=\"{u:.1}\" y2=\"{v:.1}\" stroke-width=\"{:.1}\" stroke-linecap=\"{cap}\"/>\n",
-                    SCALE * width
-                );
             }
             svg += "</g>\n";
             hands.push(flat(poses[robot.shapes.len() - 1].apply([0.0, 0.0, 0.07])));

@@ -18,7 +18,7 @@ const BUILT_IN_URDF: &str = include_str!("arm.urdf");
 const BUILT_IN_SRDF: &str = include_str!("arm.srdf");
 
 /// How far from a cylinder the prism around it may be, of its radius: sixteen sides.
-pub(super) const CYLINDER_ERROR: f64 = 0.02;
+const CYLINDER_ERROR: f64 = 0.02;
 
 /// A tree, and a radius about its triangles.
 pub(super) struct Round {
@@ -28,7 +28,7 @@ pub(super) struct Round {
 
 impl Round {
     /// Of a mesh that is a solid if it is closed, and else a surface.
-    pub(super) fn build(mesh: &Mesh<'_>, radius: f64) -> Result<Self, BuildError> {
+    fn build(mesh: &Mesh<'_>, radius: f64) -> Result<Self, BuildError> {
         let surface = || Builder::new().build(mesh);
         // Segments and points are closed, and there is nothing inside of them.
         let tree = if radius > 0.0 {
@@ -40,6 +40,18 @@ impl Round {
             }
         };
         Ok(Self { tree, radius })
+    }
+
+    /// Of a shape that is no mesh file.
+    pub(super) fn of(shape: &LinkShape) -> Result<Self, String> {
+        let error = match shape {
+            LinkShape::Cylinder { radius, .. } => CYLINDER_ERROR * radius,
+            // Only cylinders become something else.
+            _ => 1.0,
+        };
+        let (mesh, radius) =
+            shape.mesh(error).map_err(|error| error.to_string())?.ok_or("a mesh file is no such shape")?;
+        Self::build(&mesh.as_mesh(), radius).map_err(|error| error.to_string())
     }
 
     pub(super) fn body(&self) -> Body<'_, Node16<18>> {
@@ -129,19 +141,7 @@ fn body(urdf: &Path, shape: &LinkShape) -> Result<Round, Error> {
         return Round::build(&mesh, 0.0)
             .map_err(|error| Error::Build { name: path.display().to_string(), error });
     }
-    let error = match shape {
-        LinkShape::Cylinder { radius, .. } => CYLINDER_ERROR * radius,
-        // Only cylinders become something else.
-        _ => 1.0,
-    };
-    let refused = |problem: String| Error::content(urdf, Fault::file(problem));
-    match shape.mesh(error) {
-        Ok(Some((mesh, radius))) => {
-            Round::build(&mesh.as_mesh(), radius).map_err(|error| refused(error.to_string()))
-        }
-        Ok(None) => Err(refused("there is no such shape".into())),
-        Err(error) => Err(refused(error.to_string())),
-    }
+    Round::of(shape).map_err(|problem| Error::content(urdf, Fault::file(problem)))
 }
 
 /// Where a mesh is that a URDF names: beside it, or in a package. That is the first `NAME/FILE` or `FILE` in the URDF's folder and

@@ -1,12 +1,12 @@
 //! Problems of planning, one JSON object a line, as MotionBenchMaker's are written for the data sets.
 
-use super::model::{CYLINDER_ERROR, Model, Round};
+use super::model::{Model, Round};
 use crate::cli::error::{Error, Fault};
 use glam::{DQuat, DVec3};
 use serde::Deserialize;
-use simdop::construct::{OwnedMesh, ShapeError};
 use simdop::motion::MotionError;
 use simdop::pose::Pose;
+use simdop::robot::LinkShape;
 use std::collections::BTreeMap;
 use std::path::Path;
 
@@ -54,15 +54,13 @@ enum Shape {
     Sphere([f64; 1]),
 }
 
-impl Shape {
-    fn mesh(&self) -> Result<(OwnedMesh, f64), ShapeError> {
-        Ok(match *self {
-            Self::Box(sides) => (OwnedMesh::cuboid(sides)?, 0.0),
-            Self::Cylinder([height, radius]) => {
-                (OwnedMesh::cylinder(radius, height, CYLINDER_ERROR * radius)?, 0.0)
-            }
-            Self::Sphere([radius]) => (OwnedMesh::point(), radius),
-        })
+impl From<&Shape> for LinkShape {
+    fn from(shape: &Shape) -> Self {
+        match *shape {
+            Shape::Box(sides) => Self::Cuboid { sides },
+            Shape::Cylinder([height, radius]) => Self::Cylinder { radius, height },
+            Shape::Sphere([radius]) => Self::Sphere { radius },
+        }
     }
 }
 
@@ -92,8 +90,7 @@ fn parse(line: &str, model: &Model) -> Result<Problem, String> {
     })?;
     let obstacle = |placed: Placed| {
         let fault = |problem: String| format!("obstacle {}: {problem}", placed.id);
-        let (mesh, radius) = placed.shape.mesh().map_err(|error| fault(error.to_string()))?;
-        let body = Round::build(&mesh.as_mesh(), radius).map_err(|error| fault(error.to_string()))?;
+        let body = Round::of(&LinkShape::from(&placed.shape)).map_err(fault)?;
         let turn = DQuat::from_array(placed.quat_xyzw).normalize();
         let at = Pose::try_from((turn, DVec3::from_array(placed.pos)));
         let at = at.map_err(|error| fault(error.to_string()))?;
