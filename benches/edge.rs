@@ -23,7 +23,7 @@ use short::count;
 use simdop::construct::{Builder, Mesh, OwnedMesh};
 use simdop::hierarchy::Bvh;
 use simdop::isa::Isa;
-use simdop::motion::{Link, StraightMotion};
+use simdop::motion::{LinkFrame, StraightMotion};
 use simdop::node::Node16;
 use simdop::pose::Pose;
 use simdop::query::Query;
@@ -104,7 +104,7 @@ struct Asked<'p, 't> {
     panda: &'p Panda,
     scene: Scene<'t, Node16<18>>,
     moving: Vec<BodyId>,
-    links: Vec<Link>,
+    links: Vec<LinkFrame>,
     values: Vec<f64>,
     poses: Vec<Pose>,
     waiting: Vec<EdgePair>,
@@ -173,7 +173,7 @@ fn main() {
         let mut asked = Asked {
             panda: &panda,
             scene,
-            links: vec![Link::EMPTY; panda.robot.joints.len() + 1],
+            links: vec![LinkFrame::EMPTY; panda.robot.joints.len() + 1],
             values: vec![0.0; variables.len()],
             poses: vec![Pose::IDENTITY; 2 * moving.len()],
             waiting: vec![EdgePair::EMPTY; 8192],

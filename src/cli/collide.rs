@@ -102,7 +102,7 @@ fn body_report(body: &Body) -> BodyReport {
 
 fn all<'a>(bodies: &'a [Body; 2], query: Query, poses: &'a [Pose], options: &Options) -> Vec<PoseReport<'a>> {
     // Fewer are done at once.
-    let bar = progress::bar(poses.len(), options.json || poses.len() < 1000);
+    let bar = progress::bar(poses.len(), "poses", options.json || poses.len() < 1000);
     let mut reports = Vec::with_capacity(poses.len());
     for pose in poses {
         reports.push(one(bodies, query, pose, options));

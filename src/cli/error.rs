@@ -6,6 +6,8 @@ use simdop::cloud::{CloudError, SearchError};
 use simdop::construct::BuildError;
 use simdop::hierarchy::{BakeError, VerifyError};
 use simdop::packing::PackError;
+use simdop::robot::RobotError;
+use simdop::scene::SceneError;
 use std::path::PathBuf;
 
 /// Where in a file.
@@ -55,6 +57,12 @@ pub(crate) enum Error {
     Cloud { name: String, error: CloudError },
     /// A search in a cloud cannot be answered.
     Search { name: String, error: SearchError },
+    /// A description is no robot.
+    Robot { path: PathBuf, error: RobotError },
+    /// What a link is made of cannot be had.
+    Link { link: String, error: Box<Self> },
+    /// A robot cannot be placed or moved.
+    Scene { name: String, error: SceneError },
     /// An option that cannot be followed.
     Option { option: &'static str, problem: String },
     /// A tree has another node type than the other body, or than the options ask for.
@@ -100,6 +108,9 @@ impl fmt::Display for Error {
             Self::Pack { name, error } => write!(f, "{name}: {error}"),
             Self::Cloud { name, error } => write!(f, "{name}: {error}"),
             Self::Search { name, error } => write!(f, "{name}: {error}"),
+            Self::Robot { path, error } => write!(f, "{}: {error}", path.display()),
+            Self::Link { link, error } => write!(f, "link {link}: {error}"),
+            Self::Scene { name, error } => write!(f, "{name}: {error}"),
             Self::Option { option, problem } => write!(f, "{option}: {problem}"),
             Self::OtherShape { name, has, asked } => write!(
                 f,

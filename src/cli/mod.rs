@@ -14,6 +14,7 @@ mod picture;
 mod poses;
 mod progress;
 mod report;
+mod robot;
 mod scene;
 mod volume;
 
@@ -61,6 +62,12 @@ enum Command {
     /// code is the verdict: 0 free, 1 hit; for several it is 0. It is 2 for errors. Without files: the
     /// neighbours of points that are built in.
     Near(near::Options),
+    /// A robot and its joints: where may it stand among obstacles, which ways are free, which of its links can
+    /// meet?
+    ///
+    /// A free way is free at all times, not at samples of it, and a pair that never meets does so at no values
+    /// of the joints. Meshes are .obj, .off, .ply or .stl. Without files: an arm that is built in, among boxes.
+    Robot(robot::Options),
 }
 
 /// What hierarchy a mesh becomes. A tree is what it is: where there are only trees, these are errors.
@@ -170,6 +177,7 @@ pub(crate) fn run() -> ExitCode {
         Command::Pack(options) => pack::run(&options).map(|()| 0),
         Command::Volume(options) => volume::run(&options).map(|()| 0),
         Command::Near(options) => near::run(&options),
+        Command::Robot(options) => robot::run(&options).map(|()| 0),
     };
     match outcome {
         Ok(code) => ExitCode::from(code),

@@ -63,7 +63,7 @@ pub(super) fn run(options: &Options) -> Result<(), Error> {
     let targets = [("--output", Some(options.output.as_path())), ("--picture", options.picture.as_deref())];
     output::check_targets(options.mesh.as_deref(), targets)?;
     let (name, mesh) = read(options)?;
-    let bar = progress::pack(options.spheres.into(), options.json);
+    let bar = progress::bar(options.spheres as usize, "spheres", options.json);
     let mut observer = |filling: Filling| {
         bar.set_position(filling.placed as u64);
         ControlFlow::Continue(())

@@ -15,10 +15,11 @@ pub(super) fn step(text: String, quiet: bool) -> ProgressBar {
     bar
 }
 
-/// A bar over `count` poses. It is gone when it is dropped.
-pub(super) fn bar(count: usize, quiet: bool) -> ProgressBar {
+/// A bar over `count` poses, or what else the unit says. It is gone when it is dropped.
+pub(super) fn bar(count: usize, unit: &str, quiet: bool) -> ProgressBar {
     let bar = visible(ProgressBar::new(count as u64), quiet);
-    if let Ok(style) = ProgressStyle::with_template("{wide_bar} {pos}/{len} poses, {eta} left") {
+    let template = format!("{{wide_bar}} {{pos}}/{{len}} {unit}, {{eta}} left");
+    if let Ok(style) = ProgressStyle::with_template(&template) {
         bar.set_style(style);
     }
     bar
@@ -37,15 +38,6 @@ pub(super) fn build(name: &str, levels: u64, quiet: bool) -> ProgressBar {
     }
     bar.set_message(name.to_owned());
     bar.enable_steady_tick(Duration::from_millis(100));
-    bar
-}
-
-/// A bar over the spheres of a packing. It is gone when it is dropped.
-pub(super) fn pack(count: u64, quiet: bool) -> ProgressBar {
-    let bar = visible(ProgressBar::new(count), quiet);
-    if let Ok(style) = ProgressStyle::with_template("{wide_bar} {pos}/{len} spheres, {eta} left") {
-        bar.set_style(style);
-    }
     bar
 }
 

@@ -96,7 +96,7 @@ pub struct LinkBody {
 
 /// Where a link stands at some values: memory for [`Kinematics::go_to`].
 #[derive(Copy, Clone, PartialEq, Debug)]
-pub struct Link {
+pub struct LinkFrame {
     /// The link in the world.
     pub(super) frame: Pose,
     /// Its joint's origin in the world.
@@ -105,7 +105,7 @@ pub struct Link {
     pub(super) axis: Point,
 }
 
-impl Link {
+impl LinkFrame {
     /// To be lent.
     pub const EMPTY: Self = Self { frame: Pose::IDENTITY, origin: [0.0; 3], axis: [0.0; 3] };
 }
@@ -124,7 +124,7 @@ impl<'r> Kinematics<'r> {
     /// stands at the origin of the world.
     ///
     /// ```
-    /// use simdop::motion::{Joint, JointKind, Kinematics, Link, LinkBody};
+    /// use simdop::motion::{Joint, JointKind, Kinematics, LinkFrame, LinkBody};
     /// use simdop::{glam::{DQuat, DVec3}, pose::Pose};
     /// let at = |x: f64| Pose::try_from((DQuat::IDENTITY, DVec3::new(x, 0.0, 0.0)));
     /// // Two joints that turn about z, the second a metre from the first, and a body half a metre behind the second.
@@ -133,7 +133,7 @@ impl<'r> Kinematics<'r> {
     /// let bodies = [LinkBody { link: 2, at: at(0.5)? }];
     /// let arm = Kinematics::new(&joints, &bodies, &[[-2.0, 2.0]; 2])?;
     ///
-    /// let (mut links, mut poses) = ([Link::EMPTY; 3], [Pose::IDENTITY]);
+    /// let (mut links, mut poses) = ([LinkFrame::EMPTY; 3], [Pose::IDENTITY]);
     /// arm.go_to(&[0.5 * core::f64::consts::PI, 0.0], &mut links, &mut poses)?;
     /// let [x, y, _] = poses[0].translation();
     /// assert!(x.abs() < 1e-12 && (y - 1.5).abs() < 1e-12);
@@ -219,7 +219,7 @@ impl<'r> Kinematics<'r> {
     pub fn go_to(
         &self,
         variables: &[f64],
-        links: &mut [Link],
+        links: &mut [LinkFrame],
         poses: &mut [Pose],
     ) -> Result<(), MotionError> {
         self.check(variables)?;
@@ -227,7 +227,7 @@ impl<'r> Kinematics<'r> {
         Ok(self.place(variables, links, poses)?)
     }
 
-    pub(super) const fn check_room(&self, links: &[Link], poses: usize) -> Result<(), MotionError> {
+    pub(super) const fn check_room(&self, links: &[LinkFrame], poses: usize) -> Result<(), MotionError> {
         if links.len() < self.links() {
             return Err(MotionError::Length { given: links.len(), needed: self.links() });
         }
@@ -240,10 +240,10 @@ impl<'r> Kinematics<'r> {
     pub(super) fn place(
         &self,
         variables: &[f64],
-        links: &mut [Link],
+        links: &mut [LinkFrame],
         poses: &mut [Pose],
     ) -> Result<(), PoseError> {
-        links[0] = Link { frame: self.base, ..Link::EMPTY };
+        links[0] = LinkFrame { frame: self.base, ..LinkFrame::EMPTY };
         for (i, joint) in self.joints.iter().enumerate() {
             let before = links[joint.parent as usize].frame.after(&joint.origin);
             let (value, axis) = (joint.value(variables), before.rotate(&joint.axis));
@@ -251,7 +251,7 @@ impl<'r> Kinematics<'r> {
                 JointKind::Revolute => before.after(&Pose::turn(&joint.axis, value)),
                 JointKind::Prismatic => before.shifted(&axis.map(|x| value * x)),
             };
-            links[i + 1] = Link { frame, origin: before.translation(), axis };
+            links[i + 1] = LinkFrame { frame, origin: before.translation(), axis };
         }
         for (pose, body) in poses.iter_mut().zip(self.bodies) {
             *pose = links[body.link as usize].frame.compose(&body.at)?;

@@ -10,7 +10,7 @@ mod screw;
 mod straight;
 
 pub use error::MotionError;
-pub use joints::{Joint, JointKind, Kinematics, Link, LinkBody};
+pub use joints::{Joint, JointKind, Kinematics, LinkBody, LinkFrame};
 pub use screw::{Screw, ScrewMotion};
 pub use straight::StraightMotion;
 

@@ -10,7 +10,7 @@
 //! As one link sees another, only the joints between them move: each link from the last that both are on.
 
 use super::{
-    CarriedBall, JointKind, Kinematics, Link, Motion, MotionError, ROUNDING, chord, difference,
+    CarriedBall, JointKind, Kinematics, LinkFrame, Motion, MotionError, ROUNDING, chord, difference,
     distance_from_axis, magnitude,
 };
 use crate::pose::{Pose, PoseError};
@@ -22,7 +22,7 @@ pub struct StraightMotion<'m> {
     from: &'m [f64],
     to: &'m [f64],
     values: &'m mut [f64],
-    links: &'m mut [Link],
+    links: &'m mut [LinkFrame],
 }
 
 impl<'m> StraightMotion<'m> {
@@ -35,7 +35,7 @@ impl<'m> StraightMotion<'m> {
         kinematics: Kinematics<'m>,
         [from, to]: [&'m [f64]; 2],
         values: &'m mut [f64],
-        links: &'m mut [Link],
+        links: &'m mut [LinkFrame],
     ) -> Result<Self, MotionError> {
         kinematics.check(from)?;
         kinematics.check(to)?;

@@ -12,6 +12,7 @@ pub use srdf::DisabledPair;
 
 use crate::construct::{OwnedMesh, ShapeError};
 use crate::motion::{Joint, Kinematics, LinkBody, MotionError};
+use crate::range::MAX_COORDINATE;
 use alloc::string::String;
 use alloc::vec::Vec;
 
@@ -71,10 +72,15 @@ impl LinkShape {
             Self::Mesh { .. } => return Ok(None),
             Self::Cuboid { sides } => (OwnedMesh::cuboid(sides)?, 0.0),
             Self::Cylinder { radius, height } => (OwnedMesh::cylinder(radius, height, error)?, 0.0),
-            Self::Capsule { radius, height } => (OwnedMesh::segment(height)?, radius),
-            Self::Sphere { radius } => (OwnedMesh::point(), radius),
+            Self::Capsule { radius, height } => (OwnedMesh::segment(height)?, positive(radius)?),
+            Self::Sphere { radius } => (OwnedMesh::point(), positive(radius)?),
         }))
     }
+}
+
+fn positive(radius: f64) -> Result<f64, ShapeError> {
+    let is_length = radius > 0.0 && radius <= MAX_COORDINATE;
+    if is_length { Ok(radius) } else { Err(ShapeError::Length { given: radius }) }
 }
 
 /// A robot, as its description has it.

@@ -34,7 +34,9 @@ impl DisabledPair {
         document.descendants().filter(|node| node.has_tag_name("disable_collisions")).map(pair).collect()
     }
 
-    pub(super) fn is_of(&self, a: &str, b: &str) -> bool {
+    /// Whether these are its links, in either order.
+    #[must_use]
+    pub fn is_of(&self, a: &str, b: &str) -> bool {
         let [p, q] = &self.links;
         (p == a && q == b) || (p == b && q == a)
     }

@@ -8,7 +8,7 @@
 use super::ask::AskedPair;
 use super::broad::{NearPair, depth};
 use super::{BodyId, BodyTree, Scene, SceneError};
-use crate::motion::{CarriedBall, Kinematics, Link, Motion, StraightMotion};
+use crate::motion::{CarriedBall, Kinematics, LinkFrame, Motion, StraightMotion};
 use crate::node::Dop;
 use crate::pose::Pose;
 use crate::primitive::triangle::deep::cross_after;
@@ -71,7 +71,7 @@ impl<N: Lanes> Scene<'_, N> {
         let (poses, before) = self.set_out(moving, robot.bodies().len(), &mut poses)?;
         let leaves =
             [i, j].map(|i| self.memory.slots[i].body.map_or_else(Vec::new, |body| leaves(&body.tree)));
-        let links = vec![Link::EMPTY; robot.links()];
+        let links = vec![LinkFrame::EMPTY; robot.links()];
         let search = FateSearch { scene: self, query, moving, robot, pair: [i, j], poses, links, leaves };
         let report = search.run(boxes);
         self.come_back(moving, before)?;
@@ -86,7 +86,7 @@ struct FateSearch<'s, 't, 'm, N> {
     robot: Kinematics<'m>,
     pair: [usize; 2],
     poses: &'m mut [Pose],
-    links: Vec<Link>,
+    links: Vec<LinkFrame>,
     leaves: [Vec<u32>; 2],
 }
 

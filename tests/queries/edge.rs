@@ -11,7 +11,8 @@ use simdop::construct::{Builder, Mesh};
 use simdop::hierarchy::Bvh;
 use simdop::isa::Isa;
 use simdop::motion::{
-    CarriedBall, Joint, JointKind, Kinematics, Link, LinkBody, Motion, Screw, ScrewMotion, StraightMotion,
+    CarriedBall, Joint, JointKind, Kinematics, LinkBody, LinkFrame, Motion, Screw, ScrewMotion,
+    StraightMotion,
 };
 use simdop::node::Node16;
 use simdop::pose::{Pose, PoseError};
@@ -119,7 +120,7 @@ fn no_sample_refutes_what_is_certified() {
         let from = values();
         let (to, share) = (values(), if round % 2 == 0 { 1.0 } else { 0.1 });
         let to: [f64; 4] = core::array::from_fn(|i| from[i] + share * (to[i] - from[i]));
-        let (mut values, mut links) = ([0.0; 4], [Link::EMPTY; 5]);
+        let (mut values, mut links) = ([0.0; 4], [LinkFrame::EMPTY; 5]);
         let mut motion = StraightMotion::new(robot, [&from, &to], &mut values, &mut links).unwrap();
         let answer = edge(&mut scene, &detected, &ids, &mut motion, 4096);
         for isa in Isa::available() {
@@ -166,7 +167,7 @@ fn a_wall_between_two_samples_is_met() {
     let id = scene.insert(Body::new(link.view()), &Pose::IDENTITY).unwrap();
     let turned = Pose::try_from((DQuat::from_rotation_z(0.3), DVec3::ZERO)).unwrap();
     let _ = scene.insert(Body::new(wall.view()).fixed(), &turned).unwrap();
-    let (mut values, mut links) = ([0.0; 1], [Link::EMPTY; 2]);
+    let (mut values, mut links) = ([0.0; 1], [LinkFrame::EMPTY; 2]);
     let mut motion = StraightMotion::new(robot, [&[0.0], &[FRAC_PI_2]], &mut values, &mut links).unwrap();
     let mut memory = Memory::new(64);
     for parts in [1, 2, 3, 4, 8] {
@@ -220,16 +221,16 @@ fn near_misses_are_free_and_touching_is_unresolved_or_a_hit() {
 
 #[test]
 fn short_of_budget_or_room_nothing_is_called_free() {
-    let whole = tangent(1e-4, u64::MAX, 256, 1e-9);
+    let whole = tangent(1e-2, u64::MAX, 256, 1e-9);
     assert_eq!(whole.verdict, EdgeVerdict::Free);
     for budget in 0..whole.counters.visits {
-        let answer = tangent(1e-4, budget, 256, 1e-9);
+        let answer = tangent(1e-2, budget, 256, 1e-9);
         let EdgeVerdict::Unresolved { from, to } = answer.verdict else { panic!("{budget}: {answer:?}") };
         assert!(from < to && answer.counters.visits <= budget);
     }
-    assert_eq!(tangent(1e-4, whole.counters.visits, 256, 1e-9), whole);
+    assert_eq!(tangent(1e-2, whole.counters.visits, 256, 1e-9), whole);
     for waiting in 0..2 {
-        let answer = tangent(1e-4, u64::MAX, waiting, 1e-9);
+        let answer = tangent(1e-2, u64::MAX, waiting, 1e-9);
         assert!(matches!(answer.verdict, EdgeVerdict::Unresolved { .. }), "{waiting}: {answer:?}");
     }
     assert_eq!(tangent(-1e-2, u64::MAX, 0, 1e-9).verdict, EdgeVerdict::Unresolved { from: 0.0, to: 1.0 });

@@ -7,7 +7,7 @@ use glam::{DQuat, DVec3};
 use simdop::construct::{Builder, Mesh, OwnedMesh};
 use simdop::hierarchy::Bvh;
 use simdop::isa::Isa;
-use simdop::motion::{Joint, JointKind, Kinematics, Link, LinkBody};
+use simdop::motion::{Joint, JointKind, Kinematics, LinkBody, LinkFrame};
 use simdop::node::Node16;
 use simdop::pose::Pose;
 use simdop::query::Query;
@@ -67,7 +67,7 @@ fn fate(trees: [(&Tree, f64); 4], limits: &[[f64; 2]], pair: (usize, usize), box
             scene.set_pair(ids[i], ids[j], (i, j) == pair || (j, i) == pair).unwrap();
         }
     }
-    let (mut links, mut poses) = ([Link::EMPTY; 4], [Pose::IDENTITY; 4]);
+    let (mut links, mut poses) = ([LinkFrame::EMPTY; 4], [Pose::IDENTITY; 4]);
     let mut meets = |values: &[f64]| {
         robot.go_to(values, &mut links, &mut poses).unwrap();
         for (id, pose) in ids.iter().zip(&poses) {

@@ -4,7 +4,7 @@ use crate::support::rng::Rng;
 use core::f64::consts::PI;
 use glam::{DAffine3, DQuat, DVec3};
 use simdop::motion::{
-    CarriedBall, Joint, JointKind, Kinematics, Link, LinkBody, Motion, MotionError, Screw, ScrewMotion,
+    CarriedBall, Joint, JointKind, Kinematics, LinkBody, LinkFrame, Motion, MotionError, Screw, ScrewMotion,
     StraightMotion,
 };
 use simdop::pose::Pose;
@@ -86,7 +86,7 @@ fn bodies_stand_where_their_joints_lead() {
         let limits = [[-4.0, 4.0]; 6];
         let robot = Kinematics::new(&joints, &bodies, &limits).unwrap().with_base(pose(base));
         let values: Vec<f64> = (0..6).map(|_| rng.range(-4.0, 4.0)).collect();
-        let (mut links, mut poses) = ([Link::EMPTY; 7], [Pose::IDENTITY; 4]);
+        let (mut links, mut poses) = ([LinkFrame::EMPTY; 7], [Pose::IDENTITY; 4]);
         robot.go_to(&values, &mut links, &mut poses).unwrap();
         let frames = frames(&specs, base, &values);
         for (i, pose) in poses.iter().enumerate() {
@@ -161,7 +161,7 @@ fn no_point_gets_farther_than_is_said() {
             let robot = Kinematics::new(&joints, &bodies, &limits).unwrap();
             let mut values = || -> Vec<f64> { (0..5).map(|_| rng.range(-1.5, 1.5)).collect() };
             let ends = [values(), values()];
-            let (mut values, mut links) = ([0.0; 5], [Link::EMPTY; 6]);
+            let (mut values, mut links) = ([0.0; 5], [LinkFrame::EMPTY; 6]);
             let mut motion =
                 StraightMotion::new(robot, [&ends[0], &ends[1]], &mut values, &mut links).unwrap();
             let (a, b) = check_paths(&mut rng, &mut motion, span);
@@ -182,7 +182,7 @@ fn rounding_far_from_the_origin_is_paid_for() {
         let far = affine(&mut rng, 1e7);
         let robot = Kinematics::new(&joints, &bodies, &limits).unwrap().with_base(pose(far));
         let ends = [[0.3; 5], [-0.4; 5]];
-        let (mut values, mut links) = ([0.0; 5], [Link::EMPTY; 6]);
+        let (mut values, mut links) = ([0.0; 5], [LinkFrame::EMPTY; 6]);
         let mut motion = StraightMotion::new(robot, [&ends[0], &ends[1]], &mut values, &mut links).unwrap();
         // The way itself is a thousandth of what rounding does.
         let _ = check_paths(&mut rng, &mut motion, 1e-12);
@@ -197,7 +197,7 @@ fn bodies_on_one_link_do_not_move_as_they_see_each_other() {
     let bodies = [4, 4].map(|link| LinkBody { link, at: pose(affine(&mut rng, 0.3)) });
     let limits = [[-4.0, 4.0]; 5];
     let robot = Kinematics::new(&joints, &bodies, &limits).unwrap();
-    let (mut values, mut links) = ([0.0; 5], [Link::EMPTY; 6]);
+    let (mut values, mut links) = ([0.0; 5], [LinkFrame::EMPTY; 6]);
     let mut motion = StraightMotion::new(robot, [&[-1.0; 5], &[1.0; 5]], &mut values, &mut links).unwrap();
     let mut poses = [Pose::IDENTITY; 2];
     motion.go_to(0.5, &mut poses).unwrap();
@@ -279,12 +279,12 @@ fn what_is_no_motion_is_refused() {
     let out = robot.check(&[1.5]);
     assert_eq!(out, Err(MotionError::OutOfLimits { variable: 0, given: 1.5 }));
     assert!(matches!(robot.check(&[f64::NAN]), Err(MotionError::OutOfLimits { variable: 0, .. })));
-    let mut one = [Link::EMPTY];
-    let mut two = [Link::EMPTY; 2];
+    let mut one = [LinkFrame::EMPTY];
+    let mut two = [LinkFrame::EMPTY; 2];
     let short = MotionError::Length { given: 1, needed: 2 };
     assert_eq!(robot.go_to(&[0.0], &mut one, &mut [Pose::IDENTITY]), Err(short));
     assert_eq!(robot.go_to(&[0.0], &mut two, &mut []), Err(MotionError::Length { given: 0, needed: 1 }));
-    let refused = |ends, values: &mut [f64], links: &mut [Link]| {
+    let refused = |ends, values: &mut [f64], links: &mut [LinkFrame]| {
         StraightMotion::new(robot, ends, values, links).map(|_| ()).unwrap_err()
     };
     assert_eq!(refused([&[0.0], &[0.5]], &mut [0.0], &mut one), short);

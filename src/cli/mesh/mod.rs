@@ -57,6 +57,7 @@ pub(crate) fn read(path: &Path, bytes: &[u8], empty: Empty) -> Result<MeshData, 
         "off" => |bytes: &[u8]| off::parse(&text(bytes)),
         "ply" => ply::parse,
         "stl" => stl::parse,
+        "dae" => |_: &[u8]| Err(Fault::file("COLLADA is not read: convert it to .obj, .off, .ply or .stl")),
         _ => |_: &[u8]| {
             Err(Fault::file("neither a tree nor a mesh: a mesh's name ends in .obj, .off, .ply or .stl"))
         },

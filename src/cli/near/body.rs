@@ -61,7 +61,7 @@ pub(super) fn run(path: &Path, options: &Options) -> Result<u8, Error> {
     let (cloud, search) = (cloud.view(), RangeSearch::new(options.isa));
 
     // Fewer are done at once.
-    let bar = progress::bar(poses.len(), options.json || poses.len() < 1000);
+    let bar = progress::bar(poses.len(), "poses", options.json || poses.len() < 1000);
     let mut rows = Vec::with_capacity(poses.len());
     for pose in &poses {
         let ask = || {

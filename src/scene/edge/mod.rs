@@ -15,7 +15,7 @@ use crate::motion::Motion;
 use crate::pose::Pose;
 use crate::query::{Counters, Lanes, Query, ToleranceError};
 use core::num::NonZeroU32;
-use queue::Queue;
+use queue::EdgeQueue;
 use search::EdgeSearch;
 
 /// Memory for edges, lent by the caller.
@@ -99,7 +99,7 @@ impl<N: Lanes> Scene<'_, N> {
             return Err(SceneError::Tolerance(ToleranceError { given: resolution }));
         }
         let (poses, before) = self.set_out(moving, motion.bodies(), memory.poses)?;
-        let queue = Queue::new(memory.waiting);
+        let queue = EdgeQueue::new(memory.waiting);
         let answer = EdgeSearch { scene: self, query, moving, motion, poses }.run(resolution, queue);
         self.come_back(moving, before)?;
         answer

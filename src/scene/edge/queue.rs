@@ -31,13 +31,13 @@ impl Interval {
 }
 
 /// Pairs that wait, first in first out.
-pub(super) struct Queue<'m> {
+pub(super) struct EdgeQueue<'m> {
     ring: &'m mut [EdgePair],
     first: usize,
     pub(super) len: usize,
 }
 
-impl<'m> Queue<'m> {
+impl<'m> EdgeQueue<'m> {
     pub(super) const fn new(ring: &'m mut [EdgePair]) -> Self {
         Self { ring, first: 0, len: 0 }
     }

@@ -1,6 +1,6 @@
 //! The descent of an edge's query.
 
-use super::queue::{EdgePair, Interval, Queue, Unresolved};
+use super::queue::{EdgePair, EdgeQueue, Interval, Unresolved};
 use super::{BodyId, EdgeAnswer, EdgeVerdict, Scene, SceneError, SceneHit};
 use crate::motion::Motion;
 use crate::pose::Pose;
@@ -42,7 +42,7 @@ pub(super) struct EdgeSearch<'s, 't, 'm, N, M> {
 }
 
 impl<N: Lanes, M: Motion> EdgeSearch<'_, '_, '_, N, M> {
-    pub(super) fn run(mut self, resolution: f64, mut queue: Queue<'_>) -> Result<EdgeAnswer, SceneError> {
+    pub(super) fn run(mut self, resolution: f64, mut queue: EdgeQueue<'_>) -> Result<EdgeAnswer, SceneError> {
         let mut found = EdgeAnswer::new();
         let mut unresolved = Unresolved(None);
         self.gather(&mut queue, &mut unresolved)?;
@@ -126,7 +126,7 @@ impl<N: Lanes, M: Motion> EdgeSearch<'_, '_, '_, N, M> {
     }
 
     /// The pairs whose bodies' boxes come near each other at any time.
-    fn gather(&mut self, queue: &mut Queue<'_>, unresolved: &mut Unresolved) -> Result<(), SceneError> {
+    fn gather(&mut self, queue: &mut EdgeQueue<'_>, unresolved: &mut Unresolved) -> Result<(), SceneError> {
         let (middle, span) = Interval(1).middle();
         self.go_to(middle)?;
         for i in 0..self.scene.memory.slots.len() {
@@ -169,7 +169,7 @@ impl<N: Lanes, M: Motion> EdgeSearch<'_, '_, '_, N, M> {
     /// The first pair that meets now, of those that wait for an interval.
     fn first_hit(
         &self,
-        queue: &Queue<'_>,
+        queue: &EdgeQueue<'_>,
         interval: u32,
         found: &mut EdgeAnswer,
     ) -> Result<Known, SceneError> {

@@ -1,0 +1,93 @@
+//! The arm along its path, as SVG: every configuration in both views, the first blue and the last red.
+
+use core::error::Error;
+use simdop::motion::LinkFrame;
+use simdop::pose::Pose;
+use simdop::robot::{LinkShape, Robot};
+
+/// Pixels of a metre, and where the middles of the two views are.
+const SCALE: f64 = 330.0;
+const VIEWS: [(&str, [usize; 2], [f64; 2]); 2] =
+    [("from the side", [0, 2], [330.0, 480.0]), ("from above", [0, 1], [970.0, 330.0])];
+
+/// Corners of a box: bit i says on which side along axis i.
+const FACES: [[u8; 4]; 6] =
+    [[0, 1, 3, 2], [4, 5, 7, 6], [0, 1, 5, 4], [2, 3, 7, 6], [0, 2, 6, 4], [1, 3, 7, 5]];
+
+/// A face of a box; all six together are what is seen of it from anywhere.
+fn polygon(face: [u8; 4], sides: &[f64; 3], pose: &Pose, flat: impl Fn([f64; 3]) -> [f64; 2]) -> String {
+    let corner = |bits: u8| {
+        let side = |i: usize| if bits >> i & 1 == 0 { -0.5 } else { 0.5 };
+        let [x, y] = flat(pose.apply(core::array::from_fn(|i| side(i) * sides[i])));
+        format!("{x:.1},{y:.1} ")
+    };
+    format!("<polygon points=\"{}\" stroke=\"none\"/>\n", face.map(corner).concat().trim_end())
+}
+
+/// Of boxes, by sides and middles, and configurations along the path.
+pub(crate) fn draw(
+    robot: &Robot,
+    boxes: &[[[f64; 3]; 2]],
+    shown: &[[f64; 4]],
+) -> Result<String, Box<dyn Error>> {
+    let mut svg = String::from(
+        "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 1300 660\" width=\"1300\" height=\"660\" \
+         font-family=\"sans-serif\" font-size=\"18\">\n<rect width=\"1300\" height=\"660\" fill=\"white\"/>\n",
+    );
+    for (title, axes, middle) in VIEWS {
+        let flat = |p: [f64; 3]| [middle[0] + SCALE * p[axes[0]], middle[1] - SCALE * p[axes[1]]];
+        for [sides, at] in boxes {
+            let [left, top] =
+                flat(core::array::from_fn(|i| at[i] + if i == 0 { -0.5 } else { 0.5 } * sides[i]));
+            let (width, height) = (SCALE * sides[axes[0]], SCALE * sides[axes[1]]);
+            svg += &format!(
+                "<rect x=\"{left:.1}\" y=\"{top:.1}\" width=\"{width:.1}\" height=\"{height:.1}\" \
+                 fill=\"#8a7f70\" fill-opacity=\"0.25\" stroke=\"#8a7f70\"/>\n"
+            );
+        }
+        let mut hands = Vec::new();
+        for (i, values) in shown.iter().enumerate() {
+            let (colour, opacity) = match i {
+                0 => ("#1f77b4", 1.0),
+                _ if i + 1 == shown.len() => ("#d62728", 1.0),
+                _ => ("#555555", 0.18),
+            };
+            svg += &format!(
+                "<g stroke=\"{colour}\" fill=\"{colour}\" opacity=\"{opacity}\" stroke-linecap=\"round\">\n"
+            );
+            let (mut links, mut poses) = ([LinkFrame::EMPTY; 5], [Pose::IDENTITY; 8]);
+            robot.kinematics()?.go_to(values, &mut links, &mut poses)?;
+            for (shape, pose) in robot.shapes.iter().zip(&poses) {
+                svg += &match *shape {
+                    LinkShape::Capsule { radius, height } => {
+                        let [[x, y], [u, v]] = [-0.5, 0.5].map(|z| flat(pose.apply([0.0, 0.0, z * height])));
+                        let width = 2.0 * SCALE * radius;
+                        format!(
+                            "<line x1=\"{x:.1}\" y1=\"{y:.1}\" x2=\"{u:.1}\" y2=\"{v:.1}\" stroke-width=\"{width:.1}\"/>\n"
+                        )
+                    }
+                    LinkShape::Cuboid { sides } => {
+                        FACES.map(|face| polygon(face, &sides, pose, flat)).concat()
+                    }
+                    _ => return Err("the arm has capsules and boxes".into()),
+                };
+            }
+            svg += "</g>\n";
+            hands.push(flat(poses[robot.shapes.len() - 1].apply([0.0, 0.0, 0.07])));
+        }
+        let points: Vec<String> = hands.iter().map(|[x, y]| format!("{x:.1},{y:.1}")).collect();
+        svg += &format!(
+            "<polyline points=\"{}\" fill=\"none\" stroke=\"black\" stroke-width=\"1.5\" stroke-dasharray=\"5 4\"/>\n",
+            points.join(" ")
+        );
+        for ([x, y], text) in [(hands[0], "start"), (hands[hands.len() - 1], "goal")] {
+            svg += &format!(
+                "<circle cx=\"{x:.1}\" cy=\"{y:.1}\" r=\"5\"/>\n<text x=\"{:.1}\" y=\"{:.1}\" stroke=\"white\" stroke-width=\"4\" paint-order=\"stroke\">{text}</text>\n",
+                x + 9.0,
+                y - 9.0
+            );
+        }
+        svg += &format!("<text x=\"{:.1}\" y=\"30\" text-anchor=\"middle\">{title}</text>\n", middle[0]);
+    }
+    Ok(svg + "</svg>\n")
+}

@@ -1,0 +1,72 @@
+//! From a URDF to a checked edge in thirty lines: may the robot move from here to there, without samples between?
+//!
+//! ```sh
+//! cargo run --release --features urdf --example urdf_to_edge
+//! ```
+//!
+//! Here the links are capsules. Of a `<mesh>`, `LinkShape::mesh` gives nothing: read its file and build a tree of that instead.
+
+use simdop::construct::{Builder, OwnedMesh};
+use simdop::glam::{DAffine3, DVec3};
+use simdop::isa::Isa;
+use simdop::motion::{LinkFrame, StraightMotion};
+use simdop::node::Node16;
+use simdop::pose::Pose;
+use simdop::query::Query;
+use simdop::robot::{DisabledPair, LinkShapes, Robot};
+use simdop::scene::{Body, EdgeMemory, EdgePair, EdgeVerdict, Scene};
+
+/// Two capsules in a row, each half a metre long, on joints that turn about z.
+const URDF: &str = r#"<robot name="two_links">
+  <link name="base"/>
+  <link name="upper"><collision><origin xyz="0.25 0 0" rpy="0 1.5708 0"/>
+    <geometry><capsule radius="0.04" length="0.4"/></geometry></collision></link>
+  <link name="lower"><collision><origin xyz="0.25 0 0" rpy="0 1.5708 0"/>
+    <geometry><capsule radius="0.04" length="0.4"/></geometry></collision></link>
+  <joint name="shoulder" type="revolute"><parent link="base"/><child link="upper"/>
+    <axis xyz="0 0 1"/><limit lower="-3" upper="3" effort="1" velocity="1"/></joint>
+  <joint name="elbow" type="revolute"><parent link="upper"/><child link="lower"/><origin xyz="0.5 0 0"/>
+    <axis xyz="0 0 1"/><limit lower="-2" upper="2" effort="1" velocity="1"/></joint>
+</robot>"#;
+const SRDF: &str =
+    r#"<robot name="two_links"><disable_collisions link1="upper" link2="lower" reason="Adjacent"/></robot>"#;
+
+fn main() -> Result<(), Box<dyn core::error::Error>> {
+    let robot = Robot::from_urdf(URDF, LinkShapes::Collision)?;
+    let asked = robot.pairs(&DisabledPair::from_srdf(SRDF)?);
+    let (mut trees, mut ids) = (Vec::new(), Vec::new());
+    for shape in &robot.shapes {
+        let (mesh, radius) = shape.mesh(1e-3)?.ok_or("a mesh file is to be read")?;
+        trees.push((Builder::new().build::<Node16<18>>(&mesh.as_mesh())?, radius));
+    }
+    let pillar =
+        Builder::new().solid().build::<Node16<18>>(&OwnedMesh::cuboid([0.1, 0.1, 1.0])?.as_mesh())?;
+
+    let mut scene = Scene::new();
+    for (i, (tree, radius)) in trees.iter().enumerate() {
+        ids.push(scene.insert(Body::new(tree.view()).with_radius(*radius), &Pose::IDENTITY)?);
+        for j in 0..i {
+            scene.set_pair(ids[j], ids[i], asked.contains(&(j, i)))?;
+        }
+    }
+    let there = DAffine3::from_translation(DVec3::new(0.8, 0.0, 0.0));
+    let _ = scene.insert(Body::new(pillar.view()).fixed(), &Pose::try_from(there)?)?;
+
+    let (kinematics, query) = (robot.kinematics()?, Query::new(Isa::detect()));
+    let (mut links, mut values) = (vec![LinkFrame::EMPTY; kinematics.links()], [0.0; 2]);
+    let (mut poses, mut waiting) = (vec![Pose::IDENTITY; 2 * ids.len()], vec![EdgePair::EMPTY; 256]);
+    for (elbow, is_free) in [(0.0, false), (1.9, true)] {
+        let ends: [&[f64]; 2] = [&[-0.9, elbow], &[0.9, elbow]];
+        let mut way = StraightMotion::new(kinematics, ends, &mut values, &mut links)?;
+        let mut memory = EdgeMemory { poses: &mut poses, waiting: &mut waiting };
+        let answer = scene.edge(&query, &ids, &mut way, 1e-6, &mut memory)?;
+        println!("elbow at {elbow}: {:?}", answer.verdict);
+        assert!(matches!(answer.verdict, EdgeVerdict::Free) == is_free);
+    }
+    Ok(())
+}
+
+#[test]
+fn it_runs() {
+    main().unwrap();
+}

@@ -1,0 +1,253 @@
+//! `simdop robot`.
+
+mod edges;
+mod fates;
+mod model;
+mod problems;
+mod random;
+mod validity;
+mod world;
+
+use super::error::Error;
+use super::{File, isa, progress};
+use clap::{Args, ValueEnum};
+use edges::{EdgeReport, Edges};
+use fates::FatesReport;
+use model::Model;
+use problems::Problem;
+use random::Random;
+use serde::Serialize;
+use simdop::isa::Isa;
+use simdop::query::Query;
+use simdop::robot::LinkShapes;
+use simdop::scene::SceneError;
+use std::io::{BufWriter, Write};
+use std::time::Instant;
+use validity::{Validity, ValidityReport};
+use world::World;
+
+#[derive(Args, Debug)]
+pub(super) struct Options {
+    /// The robot. Without it: an arm that is built in, with problems and pairs.
+    urdf: Option<File>,
+    /// The pairs of links that are not asked against each other. Without it all are that joints move, neighbours
+    /// too.
+    #[arg(long, value_name = "FILE", requires = "urdf")]
+    srdf: Option<File>,
+    /// Which shapes of a link are its bodies. Of a mesh that is closed, they are solids.
+    #[arg(long, value_enum, default_value = "collision")]
+    shapes: ShapesName,
+    /// Problems of planning, one JSON object a line, as MotionBenchMaker's: `start`, `goals` and `obstacles`.
+    /// Are starts, goals and random configurations valid, and edges between them free?
+    #[arg(long, value_name = "FILE", requires = "urdf")]
+    problems: Option<File>,
+    /// Show of each pair of bodies whether it can meet, with at most so many boxes of values of the joints, and
+    /// compare with the SRDF [default for the built-in arm: 20000].
+    #[arg(long, value_name = "BOXES", value_parser = clap::value_parser!(u32).range(1..))]
+    pairs: Option<u32>,
+    /// Random edges of each problem, beside those from its start to its goals [default: 10].
+    #[arg(long, value_name = "COUNT")]
+    edges: Option<u32>,
+    /// Instruction set: auto, scalar, neon, avx2 or avx512.
+    #[arg(long, default_value = "auto", value_parser = isa)]
+    isa: Isa,
+    /// One JSON object instead of a table.
+    #[arg(long)]
+    json: bool,
+}
+
+#[derive(ValueEnum, Copy, Clone, Debug)]
+enum ShapesName {
+    Collision,
+    Visual,
+}
+
+impl From<ShapesName> for LinkShapes {
+    fn from(shapes: ShapesName) -> Self {
+        match shapes {
+            ShapesName::Collision => Self::Collision,
+            ShapesName::Visual => Self::Visual,
+        }
+    }
+}
+
+#[derive(Serialize)]
+struct Report {
+    version: &'static str,
+    isa: &'static str,
+    robot: RobotReport,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    problems: Option<ProblemsReport>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pairs: Option<FatesReport>,
+}
+
+#[derive(Serialize)]
+struct RobotReport {
+    name: String,
+    bodies: Vec<BodyReport>,
+    /// Those that move by themselves.
+    joints: Vec<JointReport>,
+    joints_that_follow: usize,
+    pairs_asked: usize,
+    pairs_ruled_out: usize,
+    /// Of the trees of all bodies.
+    bytes: usize,
+}
+
+#[derive(Serialize)]
+struct BodyReport {
+    name: String,
+    shape: &'static str,
+    triangles: usize,
+    bytes: usize,
+}
+
+#[derive(Serialize)]
+struct JointReport {
+    name: String,
+    limits: [f64; 2],
+}
+
+#[derive(Serialize)]
+struct ProblemsReport {
+    problems: usize,
+    validity: ValidityReport,
+    edges: Vec<EdgeReport>,
+}
+
+/// Boxes for a pair of the built-in arm.
+const BUILT_IN_BOXES: u32 = 20_000;
+
+pub(super) fn run(options: &Options) -> Result<(), Error> {
+    let is_built_in = options.urdf.is_none();
+    let with_problems = is_built_in || options.problems.is_some();
+    if options.edges.is_some() && !with_problems {
+        return Err(Error::Option { option: "--edges", problem: "edges are those of --problems".into() });
+    }
+    let model = Model::read(options)?;
+    let problems =
+        if with_problems { Some(problems::read(options.problems.as_deref(), &model)?) } else { None };
+    let refused = |error| Error::Scene { name: model.robot.name.clone(), error };
+    let query = Query::new(options.isa);
+    let problems =
+        problems.map(|problems| ask(&model, &problems, query, options)).transpose().map_err(refused)?;
+    let pairs = options.pairs.or(is_built_in.then_some(BUILT_IN_BOXES));
+    let pairs = pairs
+        .map(|boxes| fates::ask(&model, &query, boxes as usize, options.json))
+        .transpose()
+        .map_err(refused)?;
+    let report = Report {
+        version: env!("CARGO_PKG_VERSION"),
+        isa: options.isa.name(),
+        robot: RobotReport::of(&model),
+        problems,
+        pairs,
+    };
+    report.print(options.json).map_err(Error::Output)
+}
+
+fn ask(
+    model: &Model,
+    problems: &[Problem],
+    query: Query,
+    options: &Options,
+) -> Result<ProblemsReport, SceneError> {
+    let count = options.edges.unwrap_or(10) as usize;
+    let (mut validity, mut edges, mut random) = (Validity::default(), Edges::default(), Random::new());
+    let bar = progress::bar(problems.len(), "problems", options.json);
+    for problem in problems {
+        let mut world = World::new(model, problem, query)?;
+        validity.ask(model, problem, &mut world, &mut random)?;
+        edges.ask(model, problem, count, &mut world, &mut random)?;
+        bar.inc(1);
+    }
+    Ok(ProblemsReport { problems: problems.len(), validity: validity.report(), edges: edges.report() })
+}
+
+impl RobotReport {
+    fn of(model: &Model) -> Self {
+        let body = |(name, body): (&String, &model::Round)| BodyReport {
+            name: name.clone(),
+            shape: body.shape(),
+            triangles: body.tree.view().len(),
+            bytes: body.tree.as_bytes().len(),
+        };
+        let bodies: Vec<_> = model.names.iter().zip(&model.bodies).map(body).collect();
+        let robot = &model.robot;
+        let joint =
+            |(name, limits): (&String, &[f64; 2])| JointReport { name: name.clone(), limits: *limits };
+        let joints: Vec<_> = robot.variables.iter().zip(&robot.limits).map(joint).collect();
+        Self {
+            name: robot.name.clone(),
+            joints_that_follow: robot.joints.len() - joints.len(),
+            joints,
+            pairs_asked: model.asked.len(),
+            pairs_ruled_out: model.moving_pairs().len() - model.asked.len(),
+            bytes: bodies.iter().map(|body| body.bytes).sum(),
+            bodies,
+        }
+    }
+
+    fn print(&self, out: &mut impl Write) -> std::io::Result<()> {
+        let width =
+            |names: &mut dyn Iterator<Item = &String>| names.map(|name| name.len()).max().unwrap_or(0);
+        let wide = width(&mut self.bodies.iter().map(|body| &body.name)).max(4);
+        writeln!(out, "{}\n\n{:wide$}  shape    triangles     bytes", self.name, "body")?;
+        for BodyReport { name, shape, triangles, bytes } in &self.bodies {
+            writeln!(out, "{name:wide$}  {shape:8} {triangles:9} {bytes:9}")?;
+        }
+        writeln!(out, "{:wide$}                     {:9}", "in all", self.bytes)?;
+        let wide = width(&mut self.joints.iter().map(|joint| &joint.name)).max(5);
+        writeln!(out, "\n{:wide$}        from         to", "joint")?;
+        for JointReport { name, limits: [low, high] } in &self.joints {
+            writeln!(out, "{name:wide$}  {low:10.4} {high:10.4}")?;
+        }
+        if self.joints_that_follow > 0 {
+            writeln!(out, "{} more follow these", self.joints_that_follow)?;
+        }
+        writeln!(out, "\n{} pairs are asked, {} are ruled out", self.pairs_asked, self.pairs_ruled_out)
+    }
+}
+
+impl Report {
+    fn print(&self, json: bool) -> std::io::Result<()> {
+        let mut out = BufWriter::new(std::io::stdout().lock());
+        if json {
+            serde_json::to_writer_pretty(&mut out, self)?;
+            writeln!(out)?;
+            return out.flush();
+        }
+        self.robot.print(&mut out)?;
+        if let Some(ProblemsReport { problems, validity, edges }) = &self.problems {
+            writeln!(out, "\n{problems} problems, {}", self.isa)?;
+            validity.print(&mut out)?;
+            edges::print(edges, &mut out)?;
+        }
+        if let Some(pairs) = &self.pairs {
+            pairs.print(&mut out)?;
+        }
+        out.flush()
+    }
+}
+
+/// An answer, which is the same every time, and the shortest of three times that it took, in microseconds.
+fn timed<R>(mut ask: impl FnMut() -> Result<R, SceneError>) -> Result<(R, f64), SceneError> {
+    let mut once = || {
+        let start = Instant::now();
+        ask().map(|answer| (answer, start.elapsed().as_secs_f64() * 1e6))
+    };
+    let (answer, first) = once()?;
+    Ok((answer, first.min(once()?.1).min(once()?.1)))
+}
+
+/// Zero of nothing.
+fn mean(values: &[f64]) -> f64 {
+    values.iter().sum::<f64>() / values.len().max(1) as f64
+}
+
+/// Zero of nothing.
+fn median(mut values: Vec<f64>) -> f64 {
+    values.sort_by(f64::total_cmp);
+    values.get(values.len() / 2).copied().unwrap_or(0.0)
+}
