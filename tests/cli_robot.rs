@@ -13,7 +13,7 @@ use data::{MeshData, directory, suite_step};
 use folder::Folder;
 use glam::DAffine3;
 use rng::Rng;
-use robots::{Configuration, Problem, Robot, problems};
+use robots::{Configuration, Problem, Robot, SETTINGS};
 use serde_json::{Value, json};
 use simdop::construct::{Builder, Mesh};
 use simdop::hierarchy::Bvh;
@@ -197,7 +197,7 @@ struct Panda {
 
 impl Panda {
     fn new(data: &std::path::Path) -> Self {
-        let robot = Robot::read(&data.join("robots/panda"), "panda", false);
+        let robot = SETTINGS[0].robot(data);
         let tree =
             |mesh: &MeshData| solid_if_closed(&Mesh { vertices: &mesh.vertices, triangles: &mesh.triangles });
         Self {
@@ -216,9 +216,9 @@ impl Panda {
         let at = self.robot.poses(values);
         let links = || self.links.iter().zip(&at);
         let of_itself = |&(i, j): &(usize, usize)| self.meet(&self.links[i], &at[i], &self.links[j], &at[j]);
-        let mut around = obstacles.iter().zip(&problem.obstacles);
+        let mut around = obstacles.iter().zip(problem.obstacles.iter().map(|obstacle| &obstacle.at));
         !self.robot.pairs.iter().any(of_itself)
-            && !around.any(|(tree, (_, place))| links().any(|(link, at)| self.meet(link, at, tree, place)))
+            && !around.any(|(tree, place)| links().any(|(link, at)| self.meet(link, at, tree, place)))
     }
 }
 
@@ -235,17 +235,19 @@ fn validity_is_that_of_all_pairs() {
         (line["start"], line["goals"]) = (random(), json!([random()]));
         line.to_string() + "\n"
     });
-    folder.write("problems.jsonl", lines.collect::<String>());
+    let lines: String = lines.collect();
+    let problem = |line: &str| Problem::new(line, &panda.robot, &mut Rng::new(42));
+    let problems: Vec<Problem> = lines.lines().map(problem).collect();
+    folder.write("problems.jsonl", &lines);
 
     let (mut valid, mut crossing) = ([0, 0], 0);
-    let problems = problems(&folder.0.join("problems.jsonl"), 1);
     for problem in &problems {
         let obstacles: Vec<Tree> =
-            problem.obstacles.iter().map(|(mesh, _)| solid_if_closed(&mesh.as_mesh())).collect();
-        for (valid, values) in valid.iter_mut().zip(&problem.configurations) {
+            problem.obstacles.iter().map(|o| solid_if_closed(&o.shape.mesh().as_mesh())).collect();
+        for (valid, values) in valid.iter_mut().zip(&problem.ends) {
             *valid += usize::from(panda.is_valid(problem, &obstacles, values));
         }
-        let [from, to] = &problem.configurations[..] else { panic!("a start and a goal") };
+        let [from, to] = &problem.ends;
         let at = |i: u32| {
             let between =
                 |(name, x): (&String, &f64)| (name.clone(), x + f64::from(i) / 64.0 * (to[name] - x));

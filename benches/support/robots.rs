@@ -53,7 +53,7 @@ pub(crate) struct Robot {
 
 #[derive(Debug)]
 pub(crate) struct Link {
-    name: String,
+    pub(crate) name: String,
     pub(crate) mesh: MeshData,
     /// Of the mesh in the link's frame.
     origin: DAffine3,
@@ -237,7 +237,7 @@ impl Obstacle {
 }
 
 impl Problem {
-    fn new(line: &str, robot: &Robot, rng: &mut Rng) -> Self {
+    pub(crate) fn new(line: &str, robot: &Robot, rng: &mut Rng) -> Self {
         let line: Value = serde_json::from_str(line).unwrap();
         let given = |value: &Value| -> Configuration {
             value.as_object().unwrap().iter().map(|(name, x)| (name.clone(), x.as_f64().unwrap())).collect()
@@ -254,9 +254,14 @@ impl Problem {
 
 /// Names everything once, so that a bench which needs only some of it compiles without a warning.
 const _: () = {
-    let _ = (Robot::poses, Robot::random, Setting::robot, Setting::problems);
+    let _ = (Robot::poses, Robot::random, Setting::robot, Setting::problems, Problem::new);
     let _ = |robot: &Robot, problem: &Problem| {
-        let _ = (&robot.pairs, robot.links.first().map(|link| &link.mesh), &problem.poses, &problem.ends);
+        let _ = (
+            &robot.pairs,
+            robot.links.first().map(|link| (&link.name, &link.mesh)),
+            &problem.poses,
+            &problem.ends,
+        );
         let _ = &SETTINGS[0].name;
     };
 };
