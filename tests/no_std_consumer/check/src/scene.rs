@@ -3,7 +3,7 @@
 use crate::poses::RING_RADIUS;
 use simdop::glam::{DQuat, DVec3};
 use simdop::hierarchy::BvhRef;
-use simdop::motion::{Joint, JointKind, Kinematics, LinkFrame, LinkBody, MotionError, StraightMotion};
+use simdop::motion::{Joint, JointKind, Kinematics, LinkBody, LinkFrame, MotionError, StraightMotion};
 use simdop::node::Node16;
 use simdop::pose::{Pose, PoseError};
 use simdop::query::{Counters, Query};
@@ -81,7 +81,14 @@ impl<'t> Arm<'t> {
         scene.set_pair(hanging, second, false)?;
         let _ = scene.insert(Body::new(ring).fixed(), &at(0.0, 5.0, 0.5)?)?;
         let _ = scene.insert(Body::new(ring).fixed(), &at(0.0, -7.0, 0.0)?)?;
-        Ok(Self { scene, moving: [first, second], joints, bodies, links: [LinkFrame::EMPTY; 3], values: [0.0; 2] })
+        Ok(Self {
+            scene,
+            moving: [first, second],
+            joints,
+            bodies,
+            links: [LinkFrame::EMPTY; 3],
+            values: [0.0; 2],
+        })
     }
 
     /// Whether the arm may stand there.
