@@ -8,7 +8,7 @@ export CARGO_TARGET_AARCH64_UNKNOWN_LINUX_GNU_LINKER=aarch64-linux-gnu-gcc
 X86_FEATURES=+avx2,+bmi1,+bmi2,+f16c,+lzcnt,+popcnt,+avx512f,+avx512bw,+avx512vl
 
 # The features that benches and tests of wgpu are built with: the same, so that nothing is built twice.
-BENCHED=gpu,rayon
+BENCHED=gpu,rayon,urdf
 
 die() {
   echo "error: $*" >&2
