@@ -221,16 +221,17 @@ fn near_misses_are_free_and_touching_is_unresolved_or_a_hit() {
 
 #[test]
 fn short_of_budget_or_room_nothing_is_called_free() {
-    let whole = tangent(1e-2, u64::MAX, 256, 1e-9);
+    let whole = tangent(1e-4, u64::MAX, 1024, 1e-9);
     assert_eq!(whole.verdict, EdgeVerdict::Free);
-    for budget in 0..whole.counters.visits {
-        let answer = tangent(1e-2, budget, 256, 1e-9);
+    // Some of them end the search for a hit, others the certifying of a pair.
+    for budget in (0..whole.counters.visits).step_by(whole.counters.visits as usize / 60) {
+        let answer = tangent(1e-4, budget, 1024, 1e-9);
         let EdgeVerdict::Unresolved { from, to } = answer.verdict else { panic!("{budget}: {answer:?}") };
         assert!(from < to && answer.counters.visits <= budget);
     }
-    assert_eq!(tangent(1e-2, whole.counters.visits, 256, 1e-9), whole);
+    assert_eq!(tangent(1e-4, whole.counters.visits, 1024, 1e-9), whole);
     for waiting in 0..2 {
-        let answer = tangent(1e-2, u64::MAX, waiting, 1e-9);
+        let answer = tangent(1e-4, u64::MAX, waiting, 1e-9);
         assert!(matches!(answer.verdict, EdgeVerdict::Unresolved { .. }), "{waiting}: {answer:?}");
     }
     assert_eq!(tangent(-1e-2, u64::MAX, 0, 1e-9).verdict, EdgeVerdict::Unresolved { from: 0.0, to: 1.0 });
@@ -286,6 +287,34 @@ fn points_that_may_get_anywhere_are_unresolved() {
         let mut motion = Unbounded(&places[..count]);
         let answer = edge(&mut scene, &Query::new(Isa::detect()), &ids[..count], &mut motion, 512);
         assert!(matches!(answer.verdict, EdgeVerdict::Unresolved { from: 0.0, .. }), "{answer:?}");
+    }
+}
+
+#[test]
+fn a_wall_across_is_met_wherever_it_stands() {
+    let (point, wall) = (simdop::construct::OwnedMesh::point(), solid([-5e-4, -1.0, -1.0], [5e-4, 1.0, 1.0]));
+    let ball: Tree = Builder::new().build(&point.as_mesh()).unwrap();
+    let query = Query::new(Isa::detect());
+    // The ball itself, from -2 to 2 along x; and one that it carries, far beside.
+    for is_carried in [false, true] {
+        let beside = if is_carried { 9.0 } else { 0.0 };
+        for i in -19..=19 {
+            let mut scene = Scene::new();
+            let body = Body::new(ball.view()).with_radius(1e-3);
+            let id = scene.insert(body, &at(-2.0, beside, 0.0)).unwrap();
+            if is_carried {
+                let carried = scene.insert(body, &at(-2.0, 0.0, 0.0)).unwrap();
+                scene.attach(carried, id).unwrap();
+            }
+            let x = 0.1 * f64::from(i) + 0.003;
+            let _ = scene.insert(Body::new(wall.view()).fixed(), &at(x, 0.0, 0.0)).unwrap();
+            let starts = [at(-2.0, beside, 0.0)];
+            let screw = Screw::new([0.0; 3], [1.0, 0.0, 0.0], 0.0, 4.0).unwrap();
+            let mut motion = ScrewMotion::new(screw, &starts);
+            let answer = edge(&mut scene, &query, &[id], &mut motion, 64);
+            let EdgeVerdict::Hit { time, .. } = answer.verdict else { panic!("{x}: {answer:?}") };
+            assert!((4.0 * time - 2.0 - x).abs() < 2e-3, "{x}: {time}");
+        }
     }
 }
 
