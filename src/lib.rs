@@ -188,6 +188,7 @@ pub mod realign;
 #[cfg(feature = "urdf")]
 pub mod robot;
 pub mod scene;
+mod vector;
 // What all tests draw their random numbers from.
 #[cfg(test)]
 #[path = "../tests/support/rng.rs"]

@@ -6,6 +6,7 @@ use crate::node::{Link, Node, ThinSlab};
 use crate::parallel;
 use crate::primitive::{Primitive, Sphere};
 use crate::range::Point;
+use crate::vector::length;
 use alloc::vec::Vec;
 
 /// The thin slab of every lane, `ARITY` a node: along the mean normal of what is below. `normal` gives a
@@ -24,7 +25,7 @@ pub(super) fn thin_slabs<N: Node, P: Primitive<Record: AsRef<[u32]>>>(
         for (index, slab) in (task * NODES_PER_TASK * N::ARITY..).zip(slabs) {
             let (node, lane) = (index / N::ARITY, index % N::ARITY);
             let along = |n| {
-                let length = if P::IS_ROUND { length(n) } else { 0.0 };
+                let length = if P::IS_ROUND { length(&n) } else { 0.0 };
                 let mut along = Stretch { n, length, centre: frame.centre, ends: NONE };
                 match nodes[node].children()[lane].link() {
                     Link::Empty => {}
@@ -73,10 +74,6 @@ fn mean_normals<N: Node, R>(nodes: &[N], records: &[R], mut normal: impl FnMut(&
         }
     }
     normals
-}
-
-fn length(n: Point) -> f64 {
-    libm::sqrt((n[0] * n[0] + n[1] * n[1]) + n[2] * n[2])
 }
 
 /// The least and the greatest support of nothing.

@@ -17,6 +17,7 @@ pub use straight::StraightMotion;
 use crate::exact::power_of_two;
 use crate::pose::{Pose, PoseError};
 use crate::range::Point;
+use crate::vector::{cross, length};
 
 /// A ball in the world, at the time that a motion was asked about, which moves with a body as if it were part of it.
 #[derive(Copy, Clone, PartialEq, Debug)]
@@ -61,16 +62,6 @@ fn chord(angle: f64, distance: f64) -> f64 {
     (if angle < 2.0 { angle } else { 2.0 }) * distance
 }
 
-#[inline(always)]
-fn difference(a: &Point, b: &Point) -> Point {
-    [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
-}
-
-#[inline(always)]
-fn length(a: &Point) -> f64 {
-    libm::sqrt((a[0] * a[0] + a[1] * a[1]) + a[2] * a[2])
-}
-
 /// The sum of the magnitudes: never less than the length.
 #[inline(always)]
 fn magnitude(a: &Point) -> f64 {
@@ -80,8 +71,7 @@ fn magnitude(a: &Point) -> f64 {
 /// How far a point is from an axis through the origin, whose direction is a unit vector.
 #[inline(always)]
 fn distance_from_axis(p: &Point, direction: &Point) -> f64 {
-    let ([x, y, z], [u, v, w]) = (p, direction);
-    length(&[y * w - z * v, z * u - x * w, x * v - y * u])
+    length(&cross(p, direction))
 }
 
 /// A direction made a unit vector; `None` if it is none.

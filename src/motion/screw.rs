@@ -1,11 +1,9 @@
 //! Screws: turns about an axis and ways along it, at constant speed.
 
-use super::{
-    CarriedBall, Motion, MotionError, ROUNDING, chord, difference, distance_from_axis, length, magnitude,
-    unit,
-};
+use super::{CarriedBall, Motion, MotionError, ROUNDING, chord, distance_from_axis, magnitude, unit};
 use crate::pose::{Pose, PoseError};
 use crate::range::Point;
+use crate::vector::{difference, length};
 
 /// A turn about an axis in the world, and a way along it. Every rigid motion leads to where one screw does (Chasles).
 #[derive(Copy, Clone, PartialEq, Debug)]

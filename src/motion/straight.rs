@@ -10,10 +10,11 @@
 //! As one link sees another, only the joints between them move: each link from the last that both are on.
 
 use super::{
-    CarriedBall, JointKind, Kinematics, LinkFrame, Motion, MotionError, ROUNDING, chord, difference,
-    distance_from_axis, magnitude,
+    CarriedBall, JointKind, Kinematics, LinkFrame, Motion, MotionError, ROUNDING, chord, distance_from_axis,
+    magnitude,
 };
 use crate::pose::{Pose, PoseError};
+use crate::vector::difference;
 
 /// A straight way of a robot from some values of its variables to others.
 #[derive(Debug)]

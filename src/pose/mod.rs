@@ -1,6 +1,7 @@
 //! Rigid poses: where body A stands in the frame of body B.
 
 use crate::range::{MAX_COORDINATE, MAX_MOVED, Point, flush};
+use crate::vector::{cross, dot};
 use core::fmt;
 use glam::{DMat3, DVec3};
 
@@ -241,7 +242,7 @@ impl Pose {
     #[inline]
     fn determinant(&self) -> f64 {
         let [p, q, r] = &self.rows;
-        dot(p, &[q[1] * r[2] - q[2] * r[1], q[2] * r[0] - q[0] * r[2], q[0] * r[1] - q[1] * r[0]])
+        dot(p, &cross(q, r))
     }
 }
 
@@ -259,9 +260,4 @@ const _: () = {
 fn is_near(t: &Point) -> bool {
     let near = |x: f64| x.abs() <= MAX_COORDINATE;
     near(t[0]) & near(t[1]) & near(t[2])
-}
-
-#[inline]
-fn dot(a: &[f64; 3], b: &[f64; 3]) -> f64 {
-    (a[0] * b[0] + a[1] * b[1]) + a[2] * b[2]
 }

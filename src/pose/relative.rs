@@ -18,9 +18,10 @@
 //! twice [`MIN_COORDINATE`] away from where it stands. `abs(d)` is at most 1.74 times the largest coordinate of t, and all of it
 //! less than 2^-46 = 128 u times c and that coordinate. What is too small for a normal number is far below `MIN_COORDINATE`.
 
-use super::{Pose, PoseError, dot};
+use super::{Pose, PoseError};
 use crate::exact::power_of_two;
-use crate::range::{MIN_COORDINATE, Point};
+use crate::range::MIN_COORDINATE;
+use crate::vector::{cross, dot};
 
 const ROUNDING: f64 = power_of_two(-46);
 
@@ -177,9 +178,4 @@ fn product(a: &[[f64; 3]; 3], b: &[[f64; 3]; 3]) -> [[f64; 3]; 3] {
     let entry = |i: usize, j: usize| (a[i][0] * b[0][j] + a[i][1] * b[1][j]) + a[i][2] * b[2][j];
     let row = |i: usize| [entry(i, 0), entry(i, 1), entry(i, 2)];
     [row(0), row(1), row(2)]
-}
-
-#[inline]
-fn cross(a: &Point, b: &Point) -> Point {
-    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
 }

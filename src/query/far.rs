@@ -24,6 +24,7 @@ use crate::pose::Pose;
 use crate::primitive::{Primitive, radius_of};
 use crate::range::Point;
 use crate::realign::{F64_SLACK, GAMMA_5, HALF_PLACE, UNDERFLOW, shift, slack_of_shift};
+use crate::vector::{dot, length};
 
 /// Bodies are far apart whose centres are farther apart than this many times the sum of their sizes.
 const FAR: f64 = 16.0;
@@ -71,7 +72,7 @@ impl Axis {
 
     #[inline(never)]
     fn between<N: Lanes>(pose: &Pose, (a, b): (&Extent, &Extent), shift: &Point, exponent: i32) -> Self {
-        let length = libm::sqrt(dot(shift, shift));
+        let length = length(shift);
         let axis = shift.map(|x| x / length * SHORTENED);
         let m = pose.rows();
         let turned = |i: usize| -((m[0][i] * axis[0] + m[1][i] * axis[1]) + m[2][i] * axis[2]);
@@ -188,9 +189,4 @@ fn reaches<const W: usize>(codes: &[[i16; W]; 3], along: &Along, reach: &mut [f3
         let greatest = greater(greater(x[lane], y[lane]), z[lane]);
         reach[lane] = if is_unbounded(greatest) { f32::INFINITY } else { sum + along.pad };
     }
-}
-
-#[inline(always)]
-fn dot(p: &Point, q: &Point) -> f64 {
-    (p[0] * q[0] + p[1] * q[1]) + p[2] * q[2]
 }

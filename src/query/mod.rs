@@ -211,9 +211,9 @@ impl Query {
         self.isa
     }
 
-    /// Visits that it may make.
-    pub(crate) const fn budget(&self) -> u64 {
-        self.budget
+    /// With what is left of its budget after some work.
+    pub(crate) const fn after(&self, work: &Counters) -> Self {
+        self.with_budget(self.budget - work.visits)
     }
 
     /// Tries first what an earlier query of the same bodies found: for coherent motion. See [`Hint`].

@@ -186,9 +186,8 @@ impl<'t, N: Lanes> Scene<'t, N> {
                 return Ok((Completion::Complete, pairs, work));
             }
             for candidate in candidates {
-                let left = query.with_budget(query.budget() - work.visits);
                 pairs += 1;
-                let answer = self.ask_within(&left, candidate, margin)?;
+                let answer = self.ask_within(&query.after(&work), candidate, margin)?;
                 work = work.and(&answer.counters);
                 match answer.verdict {
                     Verdict::Hit(pair) => {
@@ -233,7 +232,7 @@ impl<'t, N: Lanes> Scene<'t, N> {
                 if f64::from(-candidate.depth) > nearest * (1.0 + 1e-6) {
                     continue;
                 }
-                let left = query.with_budget(query.budget() - found.counters.visits);
+                let left = query.after(&found.counters);
                 found.pairs += 1;
                 let (lower, upper, answer) = self.ask_distance(&left, candidate, tolerance, nearest)?;
                 found.counters = found.counters.and(&answer.counters);

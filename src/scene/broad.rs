@@ -215,11 +215,9 @@ impl Batch {
                         }
                         near &= near - 1;
                         let depth = depth(&bounds, &memory.bounds(16 * self.sixteen + lane));
-                        self.add(NearPair {
-                            a: self.row as u32,
-                            b: (16 * self.sixteen + lane) as u32,
-                            depth,
-                        });
+                        let candidate =
+                            NearPair { a: self.row as u32, b: (16 * self.sixteen + lane) as u32, depth };
+                        insert_by_depth(&mut self.candidates, &mut self.len, candidate);
                     }
                 }
                 self.rest = u16::MAX;
@@ -229,16 +227,25 @@ impl Batch {
             self.row += 1;
         }
     }
+}
 
-    #[inline(always)]
-    fn add(&mut self, candidate: NearPair) {
-        let mut place = self.len;
-        while place > 0 && self.candidates[place - 1].depth < candidate.depth {
-            self.candidates[place] = self.candidates[place - 1];
-            place -= 1;
-        }
-        self.candidates[place] = candidate;
-        self.len += 1;
+/// Adds a candidate to `len` others, of which the deepest are first.
+#[inline(always)]
+pub(super) fn insert_by_depth(candidates: &mut [NearPair], len: &mut usize, candidate: NearPair) {
+    let mut place = *len;
+    while place > 0 && candidates[place - 1].depth < candidate.depth {
+        candidates[place] = candidates[place - 1];
+        place -= 1;
+    }
+    candidates[place] = candidate;
+    *len += 1;
+}
+
+impl<N> Scene<'_, N> {
+    /// Two bodies as their boxes are now.
+    pub(super) fn pair_now(&self, a: u32, b: u32) -> NearPair {
+        let [p, q] = [a, b].map(|i| self.memory.bounds(i as usize));
+        NearPair { a, b, depth: depth(&p, &q) }
     }
 }
 

@@ -25,6 +25,13 @@ pub enum SceneError {
         /// Words that are needed: [`rows_for`].
         rows: usize,
     },
+    /// Less was lent than many configurations need.
+    Configurations {
+        /// Boxes that are needed: the scene's room.
+        boxes: usize,
+        /// Words that are needed: one for sixteen configurations.
+        words: usize,
+    },
     /// The body was removed, or is of another scene.
     NoSuchBody {
         /// The id given.
@@ -73,6 +80,9 @@ impl fmt::Display for SceneError {
             Self::Full => f.write_str("the scene's memory has no slot for another body"),
             Self::Memory { bodies, boxes, rows } => {
                 write!(f, "{bodies} slots need {boxes} nodes of boxes and {rows} rows")
+            }
+            Self::Configurations { boxes, words } => {
+                write!(f, "the configurations need {boxes} boxes and {words} words")
             }
             Self::NoSuchBody { id } => {
                 write!(f, "there is no body {} in the scene, or not any more", id.index)

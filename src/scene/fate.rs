@@ -6,15 +6,14 @@
 //! triangles cross deeper meet in all of it. A box of which neither holds is halved, along the joint whose share is greatest.
 
 use super::ask::AskedPair;
-use super::broad::{NearPair, depth};
+use super::edge::path_of_pair;
 use super::{BodyId, BodyTree, Scene, SceneError};
-use crate::motion::{CarriedBall, Kinematics, LinkFrame, Motion, StraightMotion};
+use crate::motion::{Kinematics, LinkFrame, Motion, StraightMotion};
 use crate::node::Dop;
 use crate::pose::Pose;
 use crate::primitive::triangle::deep::cross_after;
 use crate::primitive::{Primitive, Triangles};
 use crate::query::{Lanes, Query, Verdict};
-use crate::range::MAX_COORDINATE;
 use alloc::collections::VecDeque;
 use alloc::vec;
 use alloc::vec::Vec;
@@ -74,7 +73,7 @@ impl<N: Lanes> Scene<'_, N> {
         let links = vec![LinkFrame::EMPTY; robot.links()];
         let search = FateSearch { scene: self, query, moving, robot, pair: [i, j], poses, links, leaves };
         let report = search.run(boxes);
-        self.come_back(moving, before)?;
+        self.place_all(moving, before)?;
         report
     }
 }
@@ -101,7 +100,7 @@ impl<N: Lanes> FateSearch<'_, '_, '_, N> {
                 return Ok(report);
             }
             report.boxes += 1;
-            let path = self.path(&values, 0.0, true)?;
+            self.go_to_middle(&values)?;
             let is_meeting = self.is_within(0.0)?;
             let seen = if is_meeting { &mut report.meeting } else { &mut report.free };
             if seen.is_none() {
@@ -114,7 +113,8 @@ impl<N: Lanes> FateSearch<'_, '_, '_, N> {
             let is_everywhere = if is_meeting {
                 widest.is_none() || self.meets_after(&values)?
             } else {
-                path <= MAX_COORDINATE && !self.is_within(path)?
+                let path = self.path(&values, 0.0)?;
+                path.is_finite() && !self.is_within(path)?
             };
             match widest {
                 _ if is_everywhere => {}
@@ -126,40 +126,35 @@ impl<N: Lanes> FateSearch<'_, '_, '_, N> {
         Ok(PairReport { fate, ..report })
     }
 
+    /// Places the bodies as at the middle of a box.
+    fn go_to_middle(&mut self, values: &Values) -> Result<(), SceneError> {
+        let mut now = vec![0.0; values[0].len()];
+        let ends = [&*values[0], &*values[1]];
+        StraightMotion::new(self.robot, ends, &mut now, &mut self.links)?.go_to(0.5, self.poses)?;
+        self.scene.place_all(self.moving, self.poses)
+    }
+
     /// How much nearer the bodies, and what is at most `beyond` away from the balls around them, can come to each other in a box
-    /// than they are at its middle; to which they are brought, if that is asked.
-    fn path(&mut self, values: &Values, beyond: f64, is_placed: bool) -> Result<f64, SceneError> {
+    /// than they are at its middle, where they stand.
+    fn path(&mut self, values: &Values, beyond: f64) -> Result<f64, SceneError> {
         let mut now = vec![0.0; values[0].len()];
         let ends = [&*values[0], &*values[1]];
         let mut motion = StraightMotion::new(self.robot, ends, &mut now, &mut self.links)?;
         motion.go_to(0.5, self.poses)?;
-        if is_placed {
-            for (&id, pose) in self.moving.iter().zip(&*self.poses) {
-                self.scene.place(id, pose)?;
-            }
-        }
-        let [a, b] = self.pair.map(|i| {
-            let slot = &self.scene.memory.slots[i];
-            let ball = slot.size.ball(&slot.world);
-            (slot.carrier.map(|i| i as usize), CarriedBall { radius: ball.radius + beyond, ..ball })
-        });
-        Ok(match (a, b) {
-            ((None, _), (None, _)) => 0.0,
-            ((Some(i), ball), (None, _)) | ((None, _), (Some(i), ball)) => motion.path(i, &ball, 0.5),
-            ((Some(i), a), (Some(j), b)) => motion.path_between((i, &a), (j, &b), 0.5),
-        })
+        let slots = self.pair.map(|i| &self.scene.memory.slots[i]);
+        Ok(path_of_pair(&motion, slots, beyond, 0.5))
     }
 
     /// The variable that moves the bodies most, as one sees the other. `None` if none does.
     fn widest(&mut self, values: &Values) -> Result<Option<usize>, SceneError> {
         let middle = middle(values);
         let mut line = [middle.clone(), middle.clone()];
-        let (mut most, mut widest) = (self.path(&line, 0.0, false)?, None);
+        let (mut most, mut widest) = (self.path(&line, 0.0)?, None);
         for variable in 0..middle.len() {
             for (end, values) in line.iter_mut().zip(values) {
                 end[variable] = values[variable];
             }
-            let path = self.path(&line, 0.0, false)?;
+            let path = self.path(&line, 0.0)?;
             for end in &mut line {
                 end[variable] = middle[variable];
             }
@@ -174,7 +169,7 @@ impl<N: Lanes> FateSearch<'_, '_, '_, N> {
     fn meets_after(&mut self, values: &Values) -> Result<bool, SceneError> {
         let [a, b] = self.pair.map(|i| &self.scene.memory.slots[i]);
         // Where they meet, a primitive of one may reach beyond the ball of the other.
-        let moved = self.path(values, 2.0 * (a.size.whole_reach() + b.size.whole_reach()), false)?;
+        let moved = self.path(values, 2.0 * (a.size.whole_reach() + b.size.whole_reach()))?;
         let [a, b] = self.pair.map(|i| &self.scene.memory.slots[i]);
         let asked = AskedPair::new([a, b], [&a.world, &b.world]);
         if asked.radii > 0.0 {
@@ -195,10 +190,8 @@ impl<N: Lanes> FateSearch<'_, '_, '_, N> {
     }
 
     fn is_within(&self, margin: f64) -> Result<bool, SceneError> {
-        let [a, b] = self.pair;
-        let depth = depth(&self.scene.memory.bounds(a), &self.scene.memory.bounds(b));
-        let candidate = NearPair { a: a as u32, b: b as u32, depth };
-        let answer = self.scene.ask_within(self.query, &candidate, margin)?;
+        let [a, b] = self.pair.map(|i| i as u32);
+        let answer = self.scene.ask_within(self.query, &self.scene.pair_now(a, b), margin)?;
         Ok(matches!(answer.verdict, Verdict::Hit(_)))
     }
 }

@@ -3,7 +3,7 @@
 //! The boxes of sixteen configurations are compared at a time: a lane for each. What is near is asked about one by one, of all
 //! sixteen the deepest first, and no more of a configuration once two of its bodies meet.
 
-use super::broad::{NearPair, depth};
+use super::broad::{NearPair, depth, insert_by_depth};
 use super::{BodyId, Scene, SceneError};
 use crate::isa::on_isa;
 use crate::kernel::Kernel;
@@ -39,7 +39,7 @@ impl<'t, N: Lanes> Scene<'t, N> {
     ///
     /// # Errors
     /// [`SceneError`]: a body that is not there, or is attached; a number of poses that is none of configurations
-    /// ([`SceneError::Motion`]); too few boxes or words ([`SceneError::Memory`]); a pose that can be none of a scene.
+    /// ([`SceneError::Motion`]); too few boxes or words ([`SceneError::Configurations`]); a pose that can be none of a scene.
     pub fn free_configurations(
         &mut self,
         query: &Query,
@@ -50,7 +50,7 @@ impl<'t, N: Lanes> Scene<'t, N> {
     ) -> Result<ConfigurationsAnswer, SceneError> {
         let words = self.prepare(moving, poses, free.len())?;
         if boxes.len() < self.room() {
-            return Err(SceneError::Memory { bodies: self.room(), boxes: self.room(), rows: words });
+            return Err(SceneError::Configurations { boxes: self.room(), words });
         }
         self.fill(query, moving.len(), poses, boxes, &mut free[..words])
     }
@@ -98,7 +98,7 @@ impl<'t, N: Lanes> Scene<'t, N> {
         self.set_carriers(moving)?;
         let needed = (poses.len() / moving.len()).div_ceil(16);
         if words < needed {
-            return Err(SceneError::Memory { bodies: self.room(), boxes: self.room(), rows: needed });
+            return Err(SceneError::Configurations { boxes: self.room(), words: needed });
         }
         Ok(needed)
     }
@@ -160,18 +160,6 @@ impl NearLanes {
             lanes: u16::MAX,
         }
     }
-
-    #[inline(always)]
-    fn add(&mut self, lane: usize, pair: NearPair) {
-        let waiting = &mut self.pairs[lane];
-        let mut place = self.len[lane];
-        while place > 0 && waiting[place - 1].depth < pair.depth {
-            waiting[place] = waiting[place - 1];
-            place -= 1;
-        }
-        waiting[place] = pair;
-        self.len[lane] += 1;
-    }
 }
 
 impl<N: Lanes> Sixteen<'_, '_, '_, N> {
@@ -191,11 +179,11 @@ impl<N: Lanes> Sixteen<'_, '_, '_, N> {
             }
             for lane in 0..lanes {
                 for pair in &near.pairs[lane][..near.len[lane]] {
-                    let left = query.with_budget(query.budget() - answer.counters.visits);
                     let [mut a, mut b] = [Pose::IDENTITY; 2];
                     let a = self.world(pair.a as usize, lane, &mut a)?;
                     let b = self.world(pair.b as usize, lane, &mut b)?;
-                    let found = self.scene.ask_within_at(&left, pair, [a, b], 0.0)?;
+                    let found =
+                        self.scene.ask_within_at(&query.after(&answer.counters), pair, [a, b], 0.0)?;
                     answer.pairs += 1;
                     answer.counters = answer.counters.and(&found.counters);
                     match found.verdict {
@@ -264,7 +252,8 @@ impl<N: Lanes> Sixteen<'_, '_, '_, N> {
                         }
                         lanes &= lanes - 1;
                         let [p, q] = [a, b].map(|i| self.bounds(i, lane));
-                        near.add(lane, NearPair { a: a as u32, b: b as u32, depth: depth(&p, &q) });
+                        let candidate = NearPair { a: a as u32, b: b as u32, depth: depth(&p, &q) };
+                        insert_by_depth(&mut near.pairs[lane], &mut near.len[lane], candidate);
                     }
                     near.lanes = u16::MAX;
                     asked &= asked - 1;

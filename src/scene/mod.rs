@@ -146,6 +146,15 @@ impl<'t, N> Scene<'t, N> {
         Ok(&self.memory.slots[self.index(id)?].world)
     }
 
+    /// The body that a body hangs on, over however many others; itself, if it is not attached.
+    fn root(&self, i: usize) -> usize {
+        let mut root = i;
+        while let Some(parent) = self.memory.slots[root].parent {
+            root = parent.to as usize;
+        }
+        root
+    }
+
     /// Says of each body which of these it moves with: that itself, or the one that it is attached to.
     fn set_carriers(&mut self, moving: &[BodyId]) -> Result<(), SceneError> {
         for slot in self.memory.slots.iter_mut() {
@@ -160,11 +169,7 @@ impl<'t, N> Scene<'t, N> {
             slot.carrier = Some(i as u32);
         }
         for i in 0..self.memory.slots.len() {
-            let mut above = i;
-            while let Some(parent) = self.memory.slots[above].parent {
-                above = parent.to as usize;
-            }
-            self.memory.slots[i].carrier = self.memory.slots[above].carrier;
+            self.memory.slots[i].carrier = self.memory.slots[self.root(i)].carrier;
         }
         Ok(())
     }
@@ -229,12 +234,16 @@ impl<'t, N: Dop> Scene<'t, N> {
         }
         check(world)?;
         if self.memory.slots[i].attached > 0 {
+            let is_carried = |scene: &Self, j: usize| j != i && scene.root(j) == i;
             // First whether all of them can be, so that a refusal moves none.
             for j in 0..self.memory.slots.len() {
-                self.attached_pose(j, i, world)?;
+                if is_carried(self, j) {
+                    check(&self.carried(j, world)?)?;
+                }
             }
             for j in 0..self.memory.slots.len() {
-                if let Some(moved) = self.attached_pose(j, i, world)? {
+                if is_carried(self, j) {
+                    let moved = self.carried(j, world)?;
                     self.put(j, &moved);
                 }
             }
@@ -253,12 +262,8 @@ impl<'t, N: Dop> Scene<'t, N> {
         if self.memory.slots[i].parent.is_some() {
             return Err(SceneError::IsAttached { id });
         }
-        let mut above = Some(other);
-        while let Some(j) = above {
-            if i == j {
-                return Err(SceneError::Cycle { id });
-            }
-            above = self.memory.slots[j].parent.map(|parent| parent.to as usize);
+        if self.root(other) == i {
+            return Err(SceneError::Cycle { id });
         }
         let slots = &mut self.memory.slots;
         let at = *Pose::relative(&slots[i].world, &slots[other].world)?.pose();
@@ -279,24 +284,7 @@ impl<'t, N: Dop> Scene<'t, N> {
         Ok(())
     }
 
-    /// Where body j stands if body i is at `world`, and j is attached to it, or to one that is, and so on.
-    fn attached_pose(&self, j: usize, i: usize, world: &Pose) -> Result<Option<Pose>, SceneError> {
-        let mut at = Pose::IDENTITY;
-        let mut below = j;
-        // No recursion: from below, a few steps.
-        while let Some(parent) = self.memory.slots[below].parent {
-            at = parent.at.compose(&at)?;
-            below = parent.to as usize;
-            if below == i {
-                let moved = world.compose(&at)?;
-                check(&moved)?;
-                return Ok(Some(moved));
-            }
-        }
-        Ok(None)
-    }
-
-    /// Where body i stands if the body that carries it is at `world`.
+    /// Where body i stands if its [root](Self::root) is at `world`.
     fn carried(&self, i: usize, world: &Pose) -> Result<Pose, SceneError> {
         let Some(Attached { to, at }) = self.memory.slots[i].parent else { return Ok(*world) };
         let (mut at, mut above) = (at, to);
@@ -304,6 +292,11 @@ impl<'t, N: Dop> Scene<'t, N> {
             (at, above) = (parent.at.compose(&at)?, parent.to);
         }
         Ok(world.compose(&at)?)
+    }
+
+    /// Places some bodies, each at its pose.
+    fn place_all(&mut self, ids: &[BodyId], poses: &[Pose]) -> Result<(), SceneError> {
+        ids.iter().zip(poses).try_for_each(|(&id, pose)| self.place(id, pose))
     }
 
     fn put(&mut self, i: usize, world: &Pose) {

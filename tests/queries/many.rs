@@ -164,7 +164,7 @@ fn what_are_no_configurations_is_refused() {
     let motion = |bodies, poses| Err(SceneError::Motion { bodies, given: bodies, poses });
     assert_eq!(ask(&[], &[], room, 1), motion(0, 0));
     assert_eq!(ask(&moving, &poses[..4], room, 1), motion(3, 4));
-    let memory = |rows| Err(SceneError::Memory { bodies: room, boxes: room, rows });
+    let memory = |words| Err(SceneError::Configurations { boxes: room, words });
     assert_eq!(ask(&moving, &poses, room, 1), memory(2));
     assert_eq!(ask(&moving, &poses, room - 1, 2), memory(2));
     assert_eq!(ask(&moving, &poses, room, 2), Ok(()));

@@ -444,6 +444,7 @@ fn what_cannot_be_is_refused() {
         SceneError::IsAttached { id },
         SceneError::NoPair { id },
         SceneError::Memory { bodies: 1, boxes: 1, rows: 1 },
+        SceneError::Configurations { boxes: 1, words: 1 },
         SceneError::Pose(PoseError::TooFar),
         SceneError::Tolerance(ToleranceError { given: -1.0 }),
     ] {

@@ -7,6 +7,7 @@
 
 use super::Triangle;
 use crate::range::Point;
+use crate::vector::{cross, difference, dot, length};
 
 /// More than the roundings of all that is computed here.
 const ROUNDING: f64 = 1e-9;
@@ -21,37 +22,28 @@ pub(crate) fn cross_after(a: &Triangle, b: &Triangle, moved: f64) -> bool {
 fn passes_after(&[p, q]: &[Point; 2], t: &Triangle, moved: f64) -> bool {
     let greatest = t.iter().chain([&p, &q]).flatten().fold(0.0, |m: f64, x| m.max(x.abs()));
     let moved = moved + ROUNDING * greatest;
-    let Some(normal) = unit(&cross(&minus(&t[1], &t[0]), &minus(&t[2], &t[0]))) else { return false };
-    let above = |p: &Point| dot(&normal, &minus(p, &t[0]));
+    let Some(normal) = unit(&cross(&difference(&t[1], &t[0]), &difference(&t[2], &t[0]))) else {
+        return false;
+    };
+    let above = |p: &Point| dot(&normal, &difference(p, &t[0]));
     let (h, g) = (above(&p), -above(&q));
     let (h, g) = if h < 0.0 { (-h, -g) } else { (h, g) };
     if h.min(g).partial_cmp(&moved) != Some(core::cmp::Ordering::Greater) {
         return false;
     }
-    let way = minus(&q, &p);
+    let way = difference(&q, &p);
     let share = h / (h + g);
     let x = [0, 1, 2].map(|i| p[i] + share * way[i]);
-    let shift = moved * (1.0 + libm::sqrt(dot(&way, &way)) / (h + g - 2.0 * moved));
+    let shift = moved * (1.0 + length(&way) / (h + g - 2.0 * moved));
     (0..3).all(|i| {
         let (u, v) = (&t[i], &t[(i + 1) % 3]);
-        unit(&cross(&normal, &minus(v, u))).is_some_and(|inwards| dot(&inwards, &minus(&x, u)) > shift)
+        unit(&cross(&normal, &difference(v, u)))
+            .is_some_and(|inwards| dot(&inwards, &difference(&x, u)) > shift)
     })
 }
 
-fn minus(a: &Point, b: &Point) -> Point {
-    [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
-}
-
-fn dot(a: &Point, b: &Point) -> f64 {
-    (a[0] * b[0] + a[1] * b[1]) + a[2] * b[2]
-}
-
-fn cross(a: &Point, b: &Point) -> Point {
-    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
-}
-
 fn unit(a: &Point) -> Option<Point> {
-    let length = libm::sqrt(dot(a, a));
+    let length = length(a);
     (length > 0.0).then(|| a.map(|x| x / length))
 }
 
@@ -79,7 +71,7 @@ mod tests {
             for _ in 0..20 {
                 let after = a.map(|p| {
                     let way = point(&mut rng, 1.0);
-                    let share = moved / libm::sqrt(dot(&way, &way));
+                    let share = moved / length(&way);
                     [0, 1, 2].map(|i| p[i] + share * way[i])
                 });
                 assert!(overlap(&after, &b, &mut 0), "{a:?} {b:?} {moved}");

@@ -28,12 +28,13 @@
 
 use super::double_double::DoubleDouble;
 use super::features::{
-    Closest, Corners, FacePlane, Real, Vector, closest_on_edges, cross, dot, greatest, least, rejection, sub,
+    Closest, Corners, FacePlane, Real, Vector, closest_on_edges, greatest, least, rejection,
 };
 use super::interval::Wedge;
 use super::{Triangle, in_range, overlap};
 use crate::exact::power_of_two;
 use crate::primitive::Separation;
+use crate::vector::{cross, difference, dot};
 
 /// Bounds this close together, relatively, are as good as equal: 2^-42.
 pub(crate) const TIGHT: f64 = power_of_two(-42);
@@ -211,7 +212,7 @@ impl<R: Real> Local<R> {
         let found = closest_on_edges(&self.a, &self.b, None);
         best = self.bounded(best, &found.closest);
         // Almost parallel edges have no good common normal, and a corner may pass for the inside of an edge.
-        let between = sub(&found.closest.p, &found.closest.q);
+        let between = difference(&found.closest.p, &found.closest.q);
         for axis in [between, rejection(&between, &found.edges[0]), rejection(&between, &found.edges[1])] {
             if best.is_tight(tolerance) {
                 break;
@@ -225,7 +226,7 @@ impl<R: Real> Local<R> {
     #[inline(always)]
     fn bounded(&self, best: Separation, found: &Closest<R>) -> Separation {
         let unscale = 1.0 / self.scale;
-        let length = R::length(&sub(&found.p, &found.q)).to_f64();
+        let length = R::length(&difference(&found.p, &found.q)).to_f64();
         let upper = (length + self.slack()) * (1.0 + 4.0 * f64::EPSILON) * unscale;
         let lower = greatest(best.lower, self.gap_along(&found.axis) * unscale);
         if upper < best.upper {
@@ -294,7 +295,7 @@ impl Local<f64> {
         };
         let (a, b) = (Wedge::new(&self.a, sides(over_b)), Wedge::new(&self.b, sides(over_a)));
         let beyond = |p: &Vector<f64>, q: &Vector<f64>| {
-            let axis = cross(&sub(p, &a.apex), &sub(q, &b.apex));
+            let axis = cross(&difference(p, &a.apex), &difference(q, &b.apex));
             self.beyond(self.gap(&axis), &axis, limit)
         };
         beyond(&a.left, &b.left) || beyond(&a.right, &b.right)

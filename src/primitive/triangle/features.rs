@@ -5,6 +5,7 @@
 //! They are always *on* the triangles, up to rounding, so their distance is an upper bound; the axis that
 //! comes with them makes the lower bound (`super::distance`), and the two tell whether the points were right.
 
+use crate::vector::{cross, difference, dot};
 use core::ops::{Add, Div, Mul, Sub};
 
 /// What the algorithm computes in.
@@ -53,21 +54,6 @@ impl Real for f64 {
 
 pub(super) type Vector<R> = [R; 3];
 pub(super) type Corners<R> = [Vector<R>; 3];
-
-#[inline(always)]
-pub(super) fn dot<R: Real>(u: &Vector<R>, v: &Vector<R>) -> R {
-    (u[0] * v[0] + u[1] * v[1]) + u[2] * v[2]
-}
-
-#[inline(always)]
-pub(super) fn sub<R: Real>(u: &Vector<R>, v: &Vector<R>) -> Vector<R> {
-    [u[0] - v[0], u[1] - v[1], u[2] - v[2]]
-}
-
-#[inline(always)]
-pub(super) fn cross<R: Real>(u: &Vector<R>, v: &Vector<R>) -> Vector<R> {
-    [u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]]
-}
 
 /// `p + s u`.
 #[inline(always)]
@@ -127,9 +113,9 @@ impl<R: Real> FacePlane<R> {
     #[inline(always)]
     pub(super) fn new(face: &Corners<R>, corners: &Corners<R>) -> Self {
         let origin = face[0];
-        let edges = [sub(&face[1], &origin), sub(&face[2], &origin)];
+        let edges = [difference(&face[1], &origin), difference(&face[2], &origin)];
         let normal = cross(&edges[0], &edges[1]);
-        let height = |p: &Vector<R>| dot(&normal, &sub(p, &origin));
+        let height = |p: &Vector<R>| dot(&normal, &difference(p, &origin));
         let heights = [height(&corners[0]), height(&corners[1]), height(&corners[2])];
         Self { origin, edges, normal, heights }
     }
@@ -155,7 +141,7 @@ impl<R: Real> FacePlane<R> {
         let nearest = (0..3).find(|&i| self.heights[i] == gap || R::ZERO - self.heights[i] == gap)?;
         let corner = corners[nearest];
         let square = dot(&self.normal, &self.normal);
-        let w = sub(&corner, &self.origin);
+        let w = difference(&corner, &self.origin);
         let s = dot(&w, &cross(&self.edges[1], &self.normal)) / square;
         let t = dot(&w, &cross(&self.normal, &self.edges[0])) / square;
         let inside = s >= R::ZERO && t >= R::ZERO && s + t <= R::ONE;
@@ -171,8 +157,8 @@ impl<R: Real> FacePlane<R> {
             if (from > R::ZERO && to > R::ZERO) || (from < R::ZERO && to < R::ZERO) {
                 return None;
             }
-            let point = along(p, clamped(from / (from - to)), &sub(&corners[k], p));
-            let w = sub(&point, &self.origin);
+            let point = along(p, clamped(from / (from - to)), &difference(&corners[k], p));
+            let w = difference(&point, &self.origin);
             let s = dot(&w, &cross(&self.edges[1], &self.normal)) / square;
             let t = dot(&w, &cross(&self.normal, &self.edges[0])) / square;
             (s >= R::ZERO && t >= R::ZERO && s + t <= R::ONE).then_some(point)
@@ -189,7 +175,7 @@ pub(super) fn closest_on_edges<R: Real>(
     b: &Corners<R>,
     only: Option<[usize; 2]>,
 ) -> OnEdges<R> {
-    let v = [sub(&b[1], &b[0]), sub(&b[2], &b[1]), sub(&b[0], &b[2])];
+    let v = [difference(&b[1], &b[0]), difference(&b[2], &b[1]), difference(&b[0], &b[2])];
     let vv = [dot(&v[0], &v[0]), dot(&v[1], &v[1]), dot(&v[2], &v[2])];
     let mut least_square = None;
     let mut best = (0, 0, R::ZERO, R::ZERO);
@@ -197,7 +183,7 @@ pub(super) fn closest_on_edges<R: Real>(
         if only.is_some_and(|[first, _]| first != i) {
             continue;
         }
-        let u = sub(&a[(i + 1) % 3], &a[i]);
+        let u = difference(&a[(i + 1) % 3], &a[i]);
         let uu = dot(&u, &u);
         // In rows of three, for the compiler to make vectors of.
         let (mut s, mut t, mut square) = ([R::ZERO; 3], [R::ZERO; 3], [R::ZERO; 3]);
@@ -205,14 +191,14 @@ pub(super) fn closest_on_edges<R: Real>(
             if only.is_some_and(|[_, second]| second != j) {
                 continue;
             }
-            let w = sub(&b[j], &a[i]);
+            let w = difference(&b[j], &a[i]);
             let n = cross(&u, &v[j]);
             let (uv, uw, vw) = (dot(&u, &v[j]), dot(&u, &w), dot(&v[j], &w));
             // Vanishing denominators give NaN or infinity, and so an end of the edge.
             let on_line = clamped(dot(&cross(&w, &v[j]), &n) / dot(&n, &n));
             t[j] = clamped((on_line * uv - vw) / vv[j]);
             s[j] = clamped((uw + t[j] * uv) / uu);
-            let d = sub(&along(&w, t[j], &v[j]), &along(&[R::ZERO; 3], s[j], &u));
+            let d = difference(&along(&w, t[j], &v[j]), &along(&[R::ZERO; 3], s[j], &u));
             square[j] = dot(&d, &d);
         }
         for j in 0..3 {
@@ -225,13 +211,13 @@ pub(super) fn closest_on_edges<R: Real>(
         }
     }
     let (i, j, s, t) = best;
-    let u = sub(&a[(i + 1) % 3], &a[i]);
+    let u = difference(&a[(i + 1) % 3], &a[i]);
     // A corner is taken as it is: the line between two corners has then no error but that of one difference.
     let at =
         |p: &Vector<R>, end: &Vector<R>, s: R, u: &Vector<R>| if s < R::ONE { along(p, s, u) } else { *end };
     let (p, q) = (at(&a[i], &a[(i + 1) % 3], s, &u), at(&b[j], &b[(j + 1) % 3], t, &v[j]));
     let inside = |x: R| x > R::ZERO && x < R::ONE;
-    let between = sub(&p, &q);
+    let between = difference(&p, &q);
     let axis = match (inside(s), inside(t)) {
         (true, true) => cross(&u, &v[j]),
         (true, false) => rejection(&between, &u),

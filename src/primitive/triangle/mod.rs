@@ -37,6 +37,7 @@ mod triangles;
 
 use crate::exact::power_of_two;
 use crate::range::{MAX_MOVED, MIN_COORDINATE, Point};
+use crate::vector::difference;
 use interval::Wedge;
 
 pub use triangles::Triangles;
@@ -216,11 +217,6 @@ impl Sides {
         let ([d, e, f], [p, q, r]) = (self.determinant, self.bound);
         ((d > p) & (e > q) & (f > r)) | ((-d > p) & (-e > q) & (-f > r))
     }
-}
-
-#[inline(always)]
-fn difference(p: &[f64; 3], q: &[f64; 3]) -> [f64; 3] {
-    [p[0] - q[0], p[1] - q[1], p[2] - q[2]]
 }
 
 /// Exact signs: -1, 0 or 1. Remembers whether any of them needed expansions.

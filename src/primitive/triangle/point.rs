@@ -5,10 +5,11 @@
 //! axis a lower one, and only their evaluation costs.
 
 use super::distance::{COMFORTABLE, ROUNDINGS, SHORT, unit_scale};
-use super::features::{Corners, Vector, along, clamped, cross, dot, greatest, least, sub};
+use super::features::{Corners, Vector, along, clamped, greatest, least};
 use super::{Triangle, UNIT_ROUNDOFF};
 use crate::exact::wide::{Wide, unit_of};
 use crate::range::Point;
+use crate::vector::{cross, difference, dot};
 
 /// The point of a triangle that is nearest to some point, and bounds of how far.
 #[derive(Copy, Clone, Debug)]
@@ -26,7 +27,7 @@ impl Foot {
     #[inline(always)]
     pub(crate) fn of(c: &Point, [p, q, r]: &Triangle) -> Self {
         let far = |d: &Point| greatest(greatest(d[0].abs(), d[1].abs()), d[2].abs());
-        let corners = [sub(p, c), sub(q, c), sub(r, c)];
+        let corners = [difference(p, c), difference(q, c), difference(r, c)];
         let size = greatest(greatest(far(&corners[0]), far(&corners[1])), far(&corners[2]));
         let scale = if COMFORTABLE.contains(&size) || size == 0.0 { 1.0 } else { unit_scale(size) };
         let scaled = |[x, y, z]: Point| [x * scale, y * scale, z * scale];
@@ -47,7 +48,7 @@ impl Foot {
 #[inline(always)]
 fn nearest(corners: &Corners<f64>) -> (Vector<f64>, Vector<f64>) {
     let [p, q, r] = corners;
-    let (u, v) = (sub(q, p), sub(r, p));
+    let (u, v) = (difference(q, p), difference(r, p));
     let normal = cross(&u, &v);
     // Of a triangle without area NaN or infinite: not in the face.
     let inverse = -1.0 / dot(&normal, &normal);
@@ -59,7 +60,7 @@ fn nearest(corners: &Corners<f64>) -> (Vector<f64>, Vector<f64>) {
     let (mut best, mut square) = ([0.0; 3], f64::INFINITY);
     for i in 0..3 {
         let (from, to) = (&corners[i], &corners[(i + 1) % 3]);
-        let u = sub(to, from);
+        let u = difference(to, from);
         // Corners that coincide give NaN, and so an end of the edge.
         let s = clamped(-dot(&u, from) / dot(&u, &u));
         let point = if s < 1.0 { along(from, s, &u) } else { *to };

@@ -5,6 +5,7 @@ use super::crossing::crossing;
 use crate::pose::Pose;
 use crate::primitive::{Kind, OWN_DIRECTIONS, Primitive, Sphere, Store};
 use crate::range::Point;
+use crate::vector::cross;
 
 /// Triangles, stored as the indices of their corners.
 #[derive(Copy, Clone, PartialEq, Eq, Debug)]
@@ -84,9 +85,4 @@ impl Primitive for Triangles {
         }
         columns
     }
-}
-
-#[inline(always)]
-fn cross(a: &Point, b: &Point) -> Point {
-    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
 }

@@ -10,10 +10,11 @@ mod search;
 
 pub use queue::EdgePair;
 
-use super::{BodyId, Scene, SceneError, SceneHit};
-use crate::motion::Motion;
+use super::{BodyId, Scene, SceneError, SceneHit, Slot};
+use crate::motion::{CarriedBall, Motion};
 use crate::pose::Pose;
 use crate::query::{Counters, Lanes, Query, ToleranceError};
+use crate::range::MAX_COORDINATE;
 use core::num::NonZeroU32;
 use queue::EdgeQueue;
 use search::EdgeSearch;
@@ -101,7 +102,7 @@ impl<N: Lanes> Scene<'_, N> {
         let (poses, before) = self.set_out(moving, motion.bodies(), memory.poses)?;
         let queue = EdgeQueue::new(memory.waiting);
         let answer = EdgeSearch { scene: self, query, moving, motion, poses }.run(resolution, queue);
-        self.come_back(moving, before)?;
+        self.place_all(moving, before)?;
         answer
     }
 
@@ -121,7 +122,7 @@ impl<N: Lanes> Scene<'_, N> {
     ) -> Result<EdgeAnswer, SceneError> {
         let (poses, before) = self.set_out(moving, motion.bodies(), memory.poses)?;
         let answer = EdgeSearch { scene: self, query, moving, motion, poses }.sample(parts);
-        self.come_back(moving, before)?;
+        self.place_all(moving, before)?;
         answer
     }
 
@@ -142,8 +143,29 @@ impl<N: Lanes> Scene<'_, N> {
         }
         Ok((now, before))
     }
+}
 
-    pub(super) fn come_back(&mut self, moving: &[BodyId], before: &[Pose]) -> Result<(), SceneError> {
-        moving.iter().zip(before).try_for_each(|(&id, pose)| self.place(id, pose))
-    }
+/// How much nearer two bodies, and what is at most `beyond` away from the balls around them, may come to each other within a
+/// span of a motion than they are. Infinite where it overflows.
+pub(super) fn path_of_pair<N>(
+    motion: &impl Motion,
+    [a, b]: [&Slot<'_, N>; 2],
+    beyond: f64,
+    span: f64,
+) -> f64 {
+    let [(carrier_a, ball_a), (carrier_b, ball_b)] = [a, b].map(|slot| {
+        let ball = slot.size.ball(&slot.world);
+        (slot.carrier.map(|i| i as usize), CarriedBall { radius: ball.radius + beyond, ..ball })
+    });
+    finite_or_infinite(match (carrier_a, carrier_b) {
+        (None, None) => 0.0,
+        (Some(i), None) => motion.path(i, &ball_a, span),
+        (None, Some(j)) => motion.path(j, &ball_b, span),
+        (Some(i), Some(j)) => motion.path_between((i, &ball_a), (j, &ball_b), span),
+    })
+}
+
+/// A way that overflows may be no number: then it is longer than all. None is negative.
+fn finite_or_infinite(path: f64) -> f64 {
+    if (0.0..=MAX_COORDINATE).contains(&path) { path } else { f64::INFINITY }
 }

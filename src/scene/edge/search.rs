@@ -1,19 +1,18 @@
 //! The descent of an edge's query.
 
 use super::queue::{EdgePair, EdgeQueue, Interval, Unresolved};
-use super::{BodyId, EdgeAnswer, EdgeVerdict, Scene, SceneError, SceneHit};
+use super::{BodyId, EdgeAnswer, EdgeVerdict, Scene, SceneError, finite_or_infinite, path_of_pair};
 use crate::motion::Motion;
 use crate::pose::Pose;
 use crate::query::{Lanes, Query, Verdict};
 use crate::range::MAX_COORDINATE;
-use crate::scene::Slot;
-use crate::scene::broad::{Batch, NearPair, depth, widened};
+use crate::scene::SceneVerdict;
+use crate::scene::broad::{Batch, NearPair, widened};
 use core::num::NonZeroU32;
 
 /// What is known of a pair in an interval.
 enum Known {
     Free,
-    Hit(SceneHit),
     /// They do not meet at its middle; before or after, they may.
     Near,
     OutOfBudget,
@@ -25,11 +24,6 @@ enum Known {
 fn long_way(a: f64, b: f64) -> f64 {
     let (small, large) = if a < b { (a, b) } else { (b, a) };
     if large > 0.0 { 0.5 * small.max(0.1 * large) } else { MAX_COORDINATE }
-}
-
-/// A way that overflows may be no number: then it is longer than all. None is negative.
-fn finite_or_infinite(path: f64) -> f64 {
-    if (0.0..=MAX_COORDINATE).contains(&path) { path } else { f64::INFINITY }
 }
 
 /// A query of an edge.
@@ -48,17 +42,20 @@ impl<N: Lanes, M: Motion> EdgeSearch<'_, '_, '_, N, M> {
         self.gather(&mut queue, &mut unresolved)?;
         while let Some(EdgePair { interval, .. }) = queue.get(0) {
             let (middle, span) = Interval(interval).middle();
-            self.go_to(middle)?;
+            // They are at the middle of the first already.
+            if interval > 1 {
+                self.go_to(middle)?;
+            }
             found.times += 1;
             let is_last = 2.0 * span <= resolution || interval >= Interval::LAST;
             // Most hits are found soon, and end the query before anything is certified.
             match self.first_hit(&queue, interval, &mut found)? {
-                Known::Hit(hit) => {
+                SceneVerdict::Hit(hit) => {
                     found.verdict = EdgeVerdict::Hit { hit, time: middle };
                     return Ok(found);
                 }
-                Known::OutOfBudget => queue.give_up(&mut unresolved),
-                Known::Free | Known::Near => {}
+                SceneVerdict::Unknown => queue.give_up(&mut unresolved),
+                SceneVerdict::Free => {}
             }
             let mut near = 0;
             while let Some(pair) = queue.pop_of(interval) {
@@ -66,7 +63,7 @@ impl<N: Lanes, M: Motion> EdgeSearch<'_, '_, '_, N, M> {
                     Known::Near if !is_last && queue.push(EdgePair { interval: 2 * interval, ..pair }) => {
                         near += 1;
                     }
-                    Known::Near | Known::Hit(_) => unresolved.add(interval),
+                    Known::Near => unresolved.add(interval),
                     Known::OutOfBudget => {
                         unresolved.add(interval);
                         queue.give_up(&mut unresolved);
@@ -103,8 +100,7 @@ impl<N: Lanes, M: Motion> EdgeSearch<'_, '_, '_, N, M> {
             }
             let time = part as f64 / f64::from(parts);
             self.go_to(time)?;
-            let left = self.query.with_budget(self.query.budget() - found.counters.visits);
-            let answer = self.scene.collide(&left)?;
+            let answer = self.scene.collide(&self.query.after(&found.counters))?;
             found.times += 1;
             found.pairs += answer.pairs;
             found.counters = found.counters.and(&answer.counters);
@@ -119,13 +115,10 @@ impl<N: Lanes, M: Motion> EdgeSearch<'_, '_, '_, N, M> {
 
     fn go_to(&mut self, time: f64) -> Result<(), SceneError> {
         self.motion.go_to(time, self.poses)?;
-        for (&id, pose) in self.moving.iter().zip(&*self.poses) {
-            self.scene.place(id, pose)?;
-        }
-        Ok(())
+        self.scene.place_all(self.moving, self.poses)
     }
 
-    /// The pairs whose bodies' boxes come near each other at any time.
+    /// The pairs whose bodies' boxes come near each other at any time. The bodies are at the middle of all times then.
     fn gather(&mut self, queue: &mut EdgeQueue<'_>, unresolved: &mut Unresolved) -> Result<(), SceneError> {
         let (middle, span) = Interval(1).middle();
         self.go_to(middle)?;
@@ -143,7 +136,7 @@ impl<N: Lanes, M: Motion> EdgeSearch<'_, '_, '_, N, M> {
         loop {
             let candidates = batch.next(self.scene, self.query, 0.0);
             if candidates.is_empty() {
-                return Ok(());
+                break;
             }
             for &NearPair { a, b, .. } in candidates {
                 if !queue.push(EdgePair { a, b, interval: 1 }) {
@@ -151,19 +144,8 @@ impl<N: Lanes, M: Motion> EdgeSearch<'_, '_, '_, N, M> {
                 }
             }
         }
-    }
-
-    /// How much nearer two bodies may come than they are.
-    fn path(&self, [a, b]: [&Slot<'_, N>; 2], span: f64) -> f64 {
-        let [ball_a, ball_b] = [a, b].map(|slot| slot.size.ball(&slot.world));
-        finite_or_infinite(match (a.carrier, b.carrier) {
-            (None, None) => 0.0,
-            (Some(i), None) => self.motion.path(i as usize, &ball_a, span),
-            (None, Some(j)) => self.motion.path(j as usize, &ball_b, span),
-            (Some(i), Some(j)) => {
-                self.motion.path_between((i as usize, &ball_a), (j as usize, &ball_b), span)
-            }
-        })
+        // Their boxes are those of where they are again.
+        self.scene.place_all(self.moving, self.poses)
     }
 
     /// The first pair that meets now, of those that wait for an interval.
@@ -172,27 +154,27 @@ impl<N: Lanes, M: Motion> EdgeSearch<'_, '_, '_, N, M> {
         queue: &EdgeQueue<'_>,
         interval: u32,
         found: &mut EdgeAnswer,
-    ) -> Result<Known, SceneError> {
+    ) -> Result<SceneVerdict, SceneError> {
         let waiting = (0..queue.len).map_while(|i| queue.get(i).filter(|pair| pair.interval == interval));
         for pair in waiting {
-            let candidate = self.candidate(pair);
+            let candidate = self.scene.pair_now(pair.a, pair.b);
             if candidate.depth < 0.0 {
                 continue;
             }
             match self.ask_within(&candidate, 0.0, found)? {
                 Verdict::Free => {}
-                Verdict::Unknown { .. } => return Ok(Known::OutOfBudget),
-                Verdict::Hit(pair) => return Ok(Known::Hit(self.scene.hit(&candidate, pair))),
+                Verdict::Unknown { .. } => return Ok(SceneVerdict::Unknown),
+                Verdict::Hit(pair) => return Ok(SceneVerdict::Hit(self.scene.hit(&candidate, pair))),
             }
         }
-        Ok(Known::Free)
+        Ok(SceneVerdict::Free)
     }
 
     /// Whether a pair that does not meet now is free in a span around.
     fn certify(&self, pair: EdgePair, span: f64, found: &mut EdgeAnswer) -> Result<Known, SceneError> {
         let slots @ [a, b] = [pair.a, pair.b].map(|i| &self.scene.memory.slots[i as usize]);
-        let path = self.path(slots, span);
-        let candidate = self.candidate(pair);
+        let path = path_of_pair(self.motion, slots, 0.0, span);
+        let candidate = self.scene.pair_now(pair.a, pair.b);
         // Less than in f32, as the boxes are.
         if f64::from(-candidate.depth) > path * (1.0 + 1e-6) {
             return Ok(Known::Free);
@@ -207,20 +189,13 @@ impl<N: Lanes, M: Motion> EdgeSearch<'_, '_, '_, N, M> {
         })
     }
 
-    /// Two bodies as their boxes stand now.
-    fn candidate(&self, EdgePair { a, b, .. }: EdgePair) -> NearPair {
-        let [p, q] = [a, b].map(|i| self.scene.memory.bounds(i as usize));
-        NearPair { a, b, depth: depth(&p, &q) }
-    }
-
     fn ask_within(
         &self,
         candidate: &NearPair,
         margin: f64,
         found: &mut EdgeAnswer,
     ) -> Result<Verdict, SceneError> {
-        let left = self.query.with_budget(self.query.budget() - found.counters.visits);
-        let answer = self.scene.ask_within(&left, candidate, margin)?;
+        let answer = self.scene.ask_within(&self.query.after(&found.counters), candidate, margin)?;
         found.pairs += 1;
         found.counters = found.counters.and(&answer.counters);
         Ok(answer.verdict)
