@@ -25,9 +25,9 @@
 //! that places A in the frame of B.
 //!
 //! **Points that move**, such as a lidar's, have trees of their own ([`cloud`]): all neighbours within a radius, the nearest,
-//! and whether a robot is near any.
+//! and whether, or how near, a robot is to any.
 //!
-//! **Many bodies**, as a robot among others, are a [`scene`].
+//! **Many bodies**, as a robot among others and among the points of a scan, are a [`scene`].
 //!
 //! # Advice
 //!

@@ -6,10 +6,10 @@ use crate::exact::power_of_two;
 use crate::hierarchy::{AsBvh, BvhRef, MAX_DEPTH};
 use crate::isa::on_isa;
 use crate::kernel::Kernel;
-use crate::node::{Aabb16, Box3, Bucket, Child, Link};
+use crate::node::{Aabb16, Box3, Bucket, Child, Dop, Link};
 use crate::pose::Pose;
 use crate::primitive::{Primitive, Sphere, Spheres};
-use crate::query::{Lanes, Pairwise};
+use crate::query::{Answer, Counters, Hint, Lanes, Pair, Pairwise, Query, Verdict};
 use crate::range::{MIN_COORDINATE, Point};
 use crate::realign::greatest;
 use core::ops::ControlFlow;
@@ -23,6 +23,45 @@ pub struct Contact {
     pub point: u32,
 }
 
+/// A primitive of a body, as its leaves are numbered, and a point that is near it.
+#[derive(Copy, Clone, Debug)]
+pub(super) struct NearPoint {
+    pub(super) primitive: u32,
+    pub(super) point: u32,
+    pub(super) at: Sphere,
+}
+
+impl NearPoint {
+    /// By their indices in what was built.
+    pub(super) fn pair<N: Dop, P: Primitive>(&self, body: &BvhRef<'_, N, P>) -> Pair {
+        Pair { a: body.source(self.primitive), b: self.point }
+    }
+}
+
+/// Why a search did not look at everything.
+#[derive(Debug)]
+pub(super) enum Ended {
+    Near(NearPoint),
+    OutOfBudget,
+}
+
+/// The work of a search, and how many visits are allowed: of pairs of a bucket and a node of the body.
+pub(super) struct Spending<'c> {
+    pub(super) counters: &'c mut Counters,
+    pub(super) budget: u64,
+}
+
+impl Spending<'_> {
+    #[inline(always)]
+    fn visit(&mut self) -> ControlFlow<Ended> {
+        if self.counters.visits == self.budget {
+            return ControlFlow::Break(Ended::OutOfBudget);
+        }
+        self.counters.visits += 1;
+        ControlFlow::Continue(())
+    }
+}
+
 /// Lanes that wait: of each level all but the one that was entered.
 const STACK: usize = MAX_DEPTH * 15 + 16;
 
@@ -31,7 +70,9 @@ const ROUNDING: f64 = power_of_two(-44);
 
 impl RangeSearch {
     /// Whether a body, placed by `pose` in the frame of the cloud, has a point of the cloud within `margin`, and if so, which:
-    /// the first in the order of the tree's buckets. Touching counts; a sphere is solid, a mesh is a surface.
+    /// the first in the order of the tree's buckets. Touching counts. A sphere is full, a mesh is a surface unless it is
+    /// [solid](crate::construct::Builder::solid): then the points inside of it are near as well, each with one of the
+    /// triangles that a ray from it crosses.
     ///
     /// The verdict is exact for the points as they are and the body's corners, or centres, as [`Pose::apply`] moves them, like
     /// those of [`Query::within`](crate::query::Query::within). Not in `f32`: unlike the other searches, this one does not round
@@ -70,27 +111,121 @@ impl RangeSearch {
         if !(margin >= 0.0 && margin.is_finite()) {
             return Err(SearchError::Radius { query: 0 });
         }
-        let body = body.as_bvh();
-        if body.is_empty() {
-            return Ok(None);
+        let answer = cloud.body_within(&Query::new(self.isa), &body.as_bvh(), pose, margin);
+        Ok(answer.hit().map(|Pair { a, b }| Contact { primitive: a, point: b }))
+    }
+}
+
+impl CloudRef<'_> {
+    /// The same as an answer whose `a` is a primitive of the body and whose `b` is a point, within the budget of a query. Visits
+    /// are of pairs of a node of the body and a bucket, and calls of kernels those with sixteen boxes of either.
+    pub(crate) fn body_within<N: Lanes, P: Pairwise<Spheres>>(
+        &self,
+        query: &Query,
+        body: &BvhRef<'_, N, P>,
+        pose: &Pose,
+        margin: f64,
+    ) -> Answer {
+        let mut counters = Counters::default();
+        let mut ended = self.surface_within(query, body, pose, margin, &mut counters);
+        if ended.is_none() && body.is_solid() {
+            ended = self.first_inside(query, body, pose, &mut counters);
         }
-        let around = Around::new(&body, pose, margin);
-        Ok(on_isa!(self.isa, kernel => kernel.run(
+        let verdict = match ended {
+            None => Verdict::Free,
+            Some(Ended::Near(near)) => Verdict::Hit(near.pair(body)),
+            Some(Ended::OutOfBudget) => Verdict::Unknown { lower: 0.0, upper: f64::INFINITY },
+        };
+        Answer { verdict, counters, hint: Hint::NONE }
+    }
+
+    /// The first point that is within a margin of a body's primitives.
+    pub(super) fn surface_within<N: Lanes, P: Pairwise<Spheres>>(
+        &self,
+        query: &Query,
+        body: &BvhRef<'_, N, P>,
+        pose: &Pose,
+        margin: f64,
+        counters: &mut Counters,
+    ) -> Option<Ended> {
+        if body.is_empty() {
+            return None;
+        }
+        let around = Around::new(body, pose, margin);
+        let mut spending = Spending { counters, budget: query.budget() };
+        on_isa!(query.isa(), kernel => kernel.run(
             #[inline(always)]
             || {
-                let mut descent = RangeDescent { kernel, cloud: *cloud, work: RangeCounters::default() };
-                let mut turned = B::Node::NO_TURNED;
-                let mut contact = None;
-                // What overlaps the box has no gap.
-                let _ = descent.go_down(&around.bounds, 0.0, |this, _: &Aabb16, _, bucket| {
-                    let bucket = &this.cloud.buckets[bucket as usize];
-                    contact = around.bucket(kernel, bucket, &mut turned);
-                    if contact.is_some() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
-                });
-                contact
+                let mut turned = N::NO_TURNED;
+                self.first_of_buckets(kernel, &around.bounds, &mut spending, |bucket, spending| {
+                    around.bucket(kernel, bucket, &mut turned, spending)
+                })
             },
-        )))
+        ))
     }
+
+    /// The first point that is inside of a solid that meets none.
+    pub(super) fn first_inside<N: Lanes, P: Pairwise<Spheres>>(
+        &self,
+        query: &Query,
+        solid: &BvhRef<'_, N, P>,
+        pose: &Pose,
+        counters: &mut Counters,
+    ) -> Option<Ended> {
+        let (around, cloud) = (Around::new(solid, pose, 0.0), self.extent());
+        let mut spending = Spending { counters, budget: query.budget() };
+        on_isa!(query.isa(), kernel => kernel.run(
+            #[inline(always)]
+            || self.first_of_buckets(kernel, &around.bounds, &mut spending, |bucket, spending| {
+                for (index, at) in points_of(bucket) {
+                    let crossed = query.winds_around(solid, pose, &at.centre, &cloud, spending.counters);
+                    match crossed {
+                        Ok(None) => {}
+                        Ok(Some(primitive)) => {
+                            return ControlFlow::Break(Ended::Near(NearPoint { primitive, point: index, at }));
+                        }
+                        Err(_) => return ControlFlow::Break(Ended::OutOfBudget),
+                    }
+                }
+                ControlFlow::Continue(())
+            }),
+        ))
+    }
+
+    /// Looks at all buckets that overlap a box, until one ends it.
+    #[inline(always)]
+    fn first_of_buckets<E: Kernel>(
+        &self,
+        kernel: E,
+        bounds: &Box3,
+        spending: &mut Spending<'_>,
+        mut look: impl FnMut(&Bucket, &mut Spending<'_>) -> ControlFlow<Ended>,
+    ) -> Option<Ended> {
+        let mut descent = RangeDescent { kernel, cloud: *self, work: RangeCounters::default() };
+        let mut ended = None;
+        // What overlaps the box has no gap.
+        let _ = descent.go_down(bounds, 0.0, |this, _: &Aabb16, _, bucket| {
+            match look(&this.cloud.buckets[bucket as usize], spending) {
+                ControlFlow::Continue(()) => ControlFlow::Continue(()),
+                ControlFlow::Break(because) => {
+                    ended = Some(because);
+                    ControlFlow::Break(())
+                }
+            }
+        });
+        spending.counters.kernels += descent.work.boxes;
+        ended
+    }
+}
+
+/// The points of a bucket and their indices.
+#[inline(always)]
+fn points_of(bucket: &Bucket) -> impl Iterator<Item = (u32, Sphere)> + Clone + '_ {
+    let used = bucket.used();
+    (0..16).filter(move |&slot| used >> slot & 1 != 0).map(|slot| {
+        let at = Sphere { centre: bucket.point(slot).map(f64::from), radius: 0.0 };
+        (bucket.indices[slot], at)
+    })
 }
 
 /// A body at a pose, and what is around it.
@@ -129,29 +264,29 @@ impl<'a, N: Lanes, P: Pairwise<Spheres>> Around<'a, N, P> {
 
     /// The first point of a bucket that is within the margin, and what it is near.
     #[inline(always)]
-    fn bucket<E: Kernel>(&self, kernel: E, bucket: &Bucket, turned: &mut N::Turned) -> Option<Contact> {
-        let point = |slot: usize| Sphere { centre: bucket.point(slot).map(f64::from), radius: 0.0 };
-        let used = bucket.used();
-        let slots = (0..16).filter(|&slot| used >> slot & 1 != 0);
-        let far = slots.clone().map(|slot| greatest(&point(slot).centre)).fold(0.0, f64::max);
+    fn bucket<E: Kernel>(
+        &self,
+        kernel: E,
+        bucket: &Bucket,
+        turned: &mut N::Turned,
+        spending: &mut Spending<'_>,
+    ) -> ControlFlow<Ended> {
+        let points = points_of(bucket);
+        let far = points.clone().map(|(_, at)| greatest(&at.centre)).fold(0.0, f64::max);
         let seen_from_body =
-            |slot: usize| Sphere { centre: self.seen_from_body(point(slot).centre), radius: 0.0 };
+            points.clone().map(|(_, at)| Sphere { centre: self.seen_from_body(at.centre), radius: 0.0 });
         let frame = self.body.frame();
-        N::aim::<Spheres>(
-            turned,
-            &frame,
-            slots.clone().map(seen_from_body),
-            self.reach + 4.0 * ROUNDING * far,
-        );
+        N::aim::<Spheres>(turned, &frame, seen_from_body, self.reach + 4.0 * ROUNDING * far);
         let (nodes, mut stack, mut waiting) = (self.body.nodes(), [Child::EMPTY; STACK], 1);
         stack[0] = self.body.header().root;
-        let mut contact = None;
-        while waiting > 0 && contact.is_none() {
+        while waiting > 0 {
             waiting -= 1;
             match stack[waiting].link() {
                 Link::Inner(node) => {
-                    let node = &nodes[node as usize];
-                    let mut left = node.overlap_rows(kernel, turned, 1).0.rows[0];
+                    spending.visit()?;
+                    let (rows, kernels) = nodes[node as usize].overlap_rows(kernel, turned, 1);
+                    spending.counters.kernels += kernels;
+                    let (node, mut left) = (&nodes[node as usize], rows.rows[0]);
                     while left != 0 {
                         stack[waiting] = node.children()[left.trailing_zeros() as usize];
                         waiting += 1;
@@ -159,29 +294,29 @@ impl<'a, N: Lanes, P: Pairwise<Spheres>> Around<'a, N, P> {
                     }
                 }
                 Link::Leaf { first, count } => {
-                    for i in first..first + count {
-                        let moved = P::moved(&self.body.primitive(i), self.pose);
-                        let is_near = |slot: usize| self.is_near(&moved, &point(slot));
-                        if let Some(slot) = slots.clone().find(|slot| is_near(*slot)) {
-                            contact =
-                                Some(Contact { primitive: self.body.source(i), point: bucket.indices[slot] });
-                            break;
+                    for primitive in first..first + count {
+                        let moved = P::moved(&self.body.primitive(primitive), self.pose);
+                        for (point, at) in points.clone() {
+                            if self.is_near(&moved, &at, spending.counters) {
+                                return ControlFlow::Break(Ended::Near(NearPoint { primitive, point, at }));
+                            }
                         }
                     }
                 }
                 Link::Empty => {}
             }
         }
-        contact
+        ControlFlow::Continue(())
     }
 
     #[inline(always)]
-    fn is_near(&self, moved: &P::Item, point: &Sphere) -> bool {
-        let mut exact = 0;
+    fn is_near(&self, moved: &P::Item, point: &Sphere, counters: &mut Counters) -> bool {
+        counters.primitive_pairs += 1;
+        let exact = &mut counters.exact_pairs;
         if self.margin > 0.0 {
-            P::within(moved, point, self.margin, &mut exact)
+            P::within(moved, point, self.margin, exact)
         } else {
-            P::meets(&P::probe(moved, 0.0), point, &mut exact)
+            P::meets(&P::probe(moved, 0.0), point, exact)
         }
     }
 

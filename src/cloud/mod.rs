@@ -40,6 +40,7 @@
 
 mod body;
 mod bytes;
+mod distance;
 mod error;
 #[cfg(feature = "gpu")]
 pub mod gpu;

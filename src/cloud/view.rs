@@ -1,6 +1,9 @@
 //! A cloud that is borrowed.
 
+use crate::exact::power_of_two;
+use crate::frame::{Extent, Frame};
 use crate::node::{Aabb16, Box3, Bucket};
+use crate::vector::length;
 
 /// A cloud to search. Small and `Copy`.
 #[derive(Copy, Clone, Debug)]
@@ -49,6 +52,24 @@ impl<'a> CloudRef<'a> {
     #[must_use]
     pub const fn bucket_size(&self) -> u32 {
         self.bucket_size
+    }
+
+    /// How large it is about the middle of its bounds. Nothing, if there are no points.
+    pub(crate) fn extent(&self) -> Extent {
+        let Box3 { lower, upper } = self.bounds();
+        let ends = [0, 1, 2].map(|i| [f64::from(lower[i]), f64::from(upper[i])]);
+        let centre = ends.map(|[low, high]| 0.5 * low + 0.5 * high);
+        let grown = 1.0 + power_of_two(-20);
+        let half = [0, 1, 2].map(|i| (ends[i][1] - centre[i]).max(centre[i] - ends[i][0]) * grown);
+        // In a frame of half the size, where the widest of clouds has one in `f32`.
+        let half_width = half.map(|x| ((0.5 * x) as f32).next_up());
+        Extent {
+            frame: Frame { centre, exponent: -1 },
+            max_coordinate: ends.iter().flatten().fold(0.0, |most: f64, x| most.max(x.abs())),
+            radius: length(&half) * grown,
+            half_width,
+            max_plane: half_width.iter().fold(0.0, |most: f32, x| most.max(*x)),
+        }
     }
 
     /// Around all points; empty if there are none.

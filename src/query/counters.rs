@@ -1,4 +1,6 @@
-//! What a query counts.
+//! What a query counts, and what it may spend.
+
+use super::Query;
 
 /// The work of a query: the same on every instruction set.
 #[derive(Copy, Clone, PartialEq, Eq, Default, Debug)]
@@ -39,5 +41,17 @@ impl Counters {
             primitive_pairs: self.primitive_pairs + other.primitive_pairs,
             exact_pairs: self.exact_pairs + other.exact_pairs,
         }
+    }
+}
+
+impl Query {
+    /// Visits that it may make.
+    pub(crate) const fn budget(&self) -> u64 {
+        self.budget
+    }
+
+    /// With what is left of its budget after some work.
+    pub(crate) const fn after(&self, work: &Counters) -> Self {
+        self.with_budget(self.budget - work.visits)
     }
 }

@@ -306,6 +306,6 @@ const LARGE: f64 = 1.0;
 /// In between they have so many visits, which decide most pairs, before the search for the nearest primitives begins.
 const FEW: u64 = 2;
 
-fn checked(value: f64) -> Result<f64, ToleranceError> {
+pub(crate) fn checked(value: f64) -> Result<f64, ToleranceError> {
     if value >= 0.0 && value.is_finite() { Ok(value) } else { Err(ToleranceError { given: value }) }
 }

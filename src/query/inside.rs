@@ -12,6 +12,7 @@
 use super::hint::Found;
 use super::traverse::primitives;
 use super::{Counters, Lanes, Query};
+use crate::frame::Extent;
 use crate::hierarchy::{BvhRef, MAX_DEPTH};
 use crate::isa::on_isa;
 use crate::kernel::Kernel;
@@ -101,13 +102,28 @@ impl Query {
         for part in body.parts() {
             let Some(corner) = Q::corners(&body.primitive(part)).next() else { continue };
             let point = pose.map_or(corner, |pose| pose.apply(corner));
-            let beside = solid.pose.map(|pose| (pose, body.header()));
+            let extent = body.extent();
+            let beside = solid.pose.map(|pose| (pose, &extent));
             let Some(ray) = Ray::new(&point, solid.tree.header(), beside) else { continue };
             if let Some(crossed) = self.around(solid, &point, &ray, counters)? {
                 return Ok(Some(Inner { part, crossed, point }));
             }
         }
         Ok(None)
+    }
+
+    /// If a solid, where a pose places it, winds around a point, the crossed primitive with the lowest index in what was built.
+    /// The point is of what is so large. An error if the budget was spent.
+    pub(crate) fn winds_around<N: Lanes, P: Primitive>(
+        &self,
+        solid: &BvhRef<'_, N, P>,
+        pose: &Pose,
+        point: &Point,
+        of: &Extent,
+        counters: &mut Counters,
+    ) -> Result<Option<u32>, f64> {
+        let Some(ray) = Ray::new(point, solid.header(), Some((pose, of))) else { return Ok(None) };
+        self.around(&Solid { tree: solid, pose: Some(pose) }, point, &ray, counters)
     }
 
     /// If the solid winds around the point, the crossed primitive with the lowest index in what was built. An error if the

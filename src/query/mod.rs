@@ -60,6 +60,7 @@ mod waiting;
 
 pub use any::AnyError;
 pub use counters::Counters;
+pub(crate) use distance::checked;
 pub use distance::{Distance, ToleranceError, Witness};
 pub use frontier::DISTANCE_STACK_BYTES;
 pub use hint::Hint;
@@ -209,11 +210,6 @@ impl Query {
 
     pub(crate) const fn isa(&self) -> Isa {
         self.isa
-    }
-
-    /// With what is left of its budget after some work.
-    pub(crate) const fn after(&self, work: &Counters) -> Self {
-        self.with_budget(self.budget - work.visits)
     }
 
     /// Tries first what an earlier query of the same bodies found: for coherent motion. See [`Hint`].

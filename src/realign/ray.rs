@@ -39,7 +39,7 @@
 use super::{F64_SLACK, WayBack, coordinates, greatest, shift};
 use crate::directions::Directions;
 use crate::exact::power_of_two;
-use crate::frame::Frame;
+use crate::frame::{Extent, Frame};
 use crate::hierarchy::Header;
 use crate::key::Key;
 use crate::pose::Pose;
@@ -69,20 +69,20 @@ impl Ray {
     /// point is certainly outside of the solid.
     // Inlined up to where most points are outside.
     #[inline(always)]
-    pub(crate) fn new(origin: &Point, solid: &Header, placed: Option<(&Pose, &Header)>) -> Option<Self> {
+    pub(crate) fn new(origin: &Point, solid: &Header, placed: Option<(&Pose, &Extent)>) -> Option<Self> {
         if is_outside(origin, solid, placed) { None } else { Some(Self::aimed(origin, solid, placed)) }
     }
 
     #[inline(never)]
-    fn aimed(origin: &Point, solid: &Header, placed: Option<(&Pose, &Header)>) -> Self {
+    fn aimed(origin: &Point, solid: &Header, placed: Option<(&Pose, &Extent)>) -> Self {
         let (solid, c) = (solid.extent(), solid.centre);
         let (from, direction, moved) = match placed {
             None => (*origin, [1.0, 0.0, 0.0], 0.0),
             Some((pose, b)) => {
-                let back = WayBack::new(pose, &solid, &b.extent());
+                let back = WayBack::new(pose, &solid, b);
                 let size = (8.0 * greatest(origin) + greatest(&back.pose.translation())) + greatest(&c);
                 let rounding = F64_SLACK * size + MIN_COORDINATE;
-                let moved = back.outwards::<Triangles>(0.0, &b.extent()) + rounding;
+                let moved = back.outwards::<Triangles>(0.0, b) + rounding;
                 (back.pose.apply(*origin), pose.rows()[0], moved)
             }
         };
@@ -113,7 +113,7 @@ impl Ray {
 
 /// Whether a point is certainly beyond the ball about the centre of a solid, or beyond its box.
 #[inline(always)]
-fn is_outside(origin: &Point, solid: &Header, placed: Option<(&Pose, &Header)>) -> bool {
+fn is_outside(origin: &Point, solid: &Header, placed: Option<(&Pose, &Extent)>) -> bool {
     let (extent, c) = (solid.extent(), solid.centre);
     let beyond = |way: &Point, reach: f64| {
         (way[0] * way[0] + way[1] * way[1]) + way[2] * way[2] > (reach * reach) * GROWN
@@ -127,9 +127,9 @@ fn is_outside(origin: &Point, solid: &Header, placed: Option<(&Pose, &Header)>) 
             (way, 0.0)
         }
         Some((pose, b)) => {
-            let (m, s, o) = (pose.rows(), shift(pose, &extent, &b.extent().frame), b.centre);
+            let (m, s, o) = (pose.rows(), shift(pose, &extent, &b.frame), b.frame.centre);
             let d = [(origin[0] - o[0]) - s[0], (origin[1] - o[1]) - s[1], (origin[2] - o[2]) - s[2]];
-            let coordinates = coordinates(pose, &extent, &b.extent().frame) + greatest(origin);
+            let coordinates = coordinates(pose, &extent, &b.frame) + greatest(origin);
             let slack = SKEW * extent.radius + 2.0 * (F64_SLACK * coordinates + MIN_COORDINATE);
             if beyond(&d, extent.radius + slack) {
                 return true;

@@ -4,7 +4,7 @@ use super::broad::{Batch, NearPair, are_turned_boxes_apart};
 use super::{BodyId, BodyTree, Scene, SceneError, Slot};
 use crate::pose::{Pose, Relative};
 use crate::query::{
-    Answer, Completion, Counters, Distance, Hint, Lanes, Pair, Query, ToleranceError, Verdict,
+    Answer, Completion, Counters, Distance, Hint, Lanes, Pair, Query, ToleranceError, Verdict, checked,
 };
 use crate::range::{MAX_COORDINATE, Point};
 use core::ops::ControlFlow;
@@ -90,14 +90,19 @@ pub struct SceneWitness {
     pub b: Point,
 }
 
-/// An expression with the trees of two bodies, whatever their primitives.
+/// An expression with the trees of two bodies, whatever their primitives, and one for a tree and a cloud.
 macro_rules! with_trees {
-    (($a:expr, $b:expr), |$x:ident, $y:ident| $with:expr) => {
+    (($a:expr, $b:expr), |$x:ident, $y:ident| $with:expr, |$tree:ident, $cloud:ident| $among:expr) => {
         match ($a, $b) {
             (BodyTree::Mesh($x), BodyTree::Mesh($y)) => $with,
             (BodyTree::Mesh($x), BodyTree::Spheres($y)) => $with,
             (BodyTree::Spheres($x), BodyTree::Mesh($y)) => $with,
             (BodyTree::Spheres($x), BodyTree::Spheres($y)) => $with,
+            (BodyTree::Mesh($tree), BodyTree::Cloud($cloud)) => $among,
+            (BodyTree::Spheres($tree), BodyTree::Cloud($cloud)) => $among,
+            (BodyTree::Cloud(_), _) => {
+                unreachable!("a cloud is the second of a pair, and not of another cloud")
+            }
         }
     };
 }
@@ -294,7 +299,11 @@ impl<'t, N: Lanes> Scene<'t, N> {
         }
         let asked = AskedPair::new(slots, worlds);
         let (pose, margin) = (asked.relative.pose(), asked.padded(margin + asked.radii));
-        with_trees!((asked.trees.0, asked.trees.1), |a, b| query.within(a, b, pose, margin))
+        with_trees!(
+            (asked.trees.0, asked.trees.1),
+            |a, b| query.within(a, b, pose, margin),
+            |tree, cloud| Ok(cloud.body_within(query, tree, pose, margin))
+        )
     }
 
     /// Bounds of the distance in the world, and the answer in the frame of b.
@@ -308,8 +317,11 @@ impl<'t, N: Lanes> Scene<'t, N> {
         let slots @ [a, b] = self.slots_of(candidate);
         let asked = AskedPair::new(slots, [&a.world, &b.world]);
         let (pose, cutoff) = (asked.relative.pose(), asked.padded(cutoff + asked.radii));
-        let answer = with_trees!((asked.trees.0, asked.trees.1), |a, b| query
-            .distance_up_to(a, b, pose, tolerance, cutoff))?;
+        let answer = with_trees!(
+            (asked.trees.0, asked.trees.1),
+            |a, b| query.distance_up_to(a, b, pose, tolerance, cutoff),
+            |tree, cloud| Ok(cloud.body_distance(query, tree, pose, checked(tolerance)?, cutoff))
+        )?;
         // What a distance in the frame of b may be in the world.
         let off = |x: f64| asked.padded(x) - x;
         let lower = (answer.lower - off(answer.lower) - asked.radii).max(0.0);

@@ -1,5 +1,6 @@
 //! What is put into a scene.
 
+use crate::cloud::CloudRef;
 use crate::frame::Extent;
 use crate::hierarchy::BvhRef;
 use crate::node::Dop;
@@ -35,6 +36,8 @@ pub enum BodyTree<'t, N> {
     Mesh(BvhRef<'t, N, Triangles>),
     /// Of spheres: a packing, or a robot's sphere model.
     Spheres(BvhRef<'t, N, Spheres>),
+    /// Of points: a scan of what is around a robot. No two clouds are asked against each other.
+    Cloud(CloudRef<'t>),
 }
 
 impl<N> Copy for BodyTree<'_, N> {}
@@ -56,11 +59,24 @@ impl<'t, N> From<BvhRef<'t, N, Spheres>> for BodyTree<'t, N> {
     }
 }
 
+impl<'t, N> From<CloudRef<'t>> for BodyTree<'t, N> {
+    fn from(cloud: CloudRef<'t>) -> Self {
+        Self::Cloud(cloud)
+    }
+}
+
+impl<N> BodyTree<'_, N> {
+    pub(super) const fn is_cloud(&self) -> bool {
+        matches!(self, Self::Cloud(_))
+    }
+}
+
 impl<N: Dop> BodyTree<'_, N> {
     pub(super) fn extent(&self) -> Extent {
         match self {
             Self::Mesh(tree) => tree.extent(),
             Self::Spheres(tree) => tree.extent(),
+            Self::Cloud(cloud) => cloud.extent(),
         }
     }
 
@@ -68,6 +84,7 @@ impl<N: Dop> BodyTree<'_, N> {
         match self {
             Self::Mesh(tree) => tree.is_empty(),
             Self::Spheres(tree) => tree.is_empty(),
+            Self::Cloud(cloud) => cloud.is_empty(),
         }
     }
 
@@ -76,6 +93,7 @@ impl<N: Dop> BodyTree<'_, N> {
         let is_round = match self {
             Self::Mesh(_) => Triangles::IS_ROUND,
             Self::Spheres(_) => Spheres::IS_ROUND,
+            Self::Cloud(_) => false,
         };
         if !is_round {
             return 0.0;
@@ -127,7 +145,7 @@ impl Groups {
 }
 
 impl<'t, N> Body<'t, N> {
-    /// A body that moves, of radius 0, asked against all others.
+    /// A body that moves, of radius 0, asked against all others that are not clouds as it is.
     #[must_use]
     pub fn new(tree: impl Into<BodyTree<'t, N>>) -> Self {
         Self { tree: tree.into(), radius: 0.0, is_fixed: false, groups: Groups::ALL }
@@ -156,7 +174,8 @@ impl<'t, N> Body<'t, N> {
         (0.0..=MAX_COORDINATE).contains(&self.radius)
     }
 
-    pub(super) const fn is_asked_against(&self, other: &Self) -> bool {
-        !(self.is_fixed && other.is_fixed) && self.groups.meet(other.groups)
+    pub(super) fn is_asked_against(&self, other: &Self) -> bool {
+        let both = |is: fn(&Self) -> bool| is(self) && is(other);
+        !both(|body| body.is_fixed) && !both(|body| body.tree.is_cloud()) && self.groups.meet(other.groups)
     }
 }

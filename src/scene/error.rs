@@ -32,6 +32,11 @@ pub enum SceneError {
         /// Words that are needed: one for sixteen configurations.
         words: usize,
     },
+    /// Clouds are not asked against each other.
+    TwoClouds {
+        /// One of them.
+        id: BodyId,
+    },
     /// The body was removed, or is of another scene.
     NoSuchBody {
         /// The id given.
@@ -83,6 +88,9 @@ impl fmt::Display for SceneError {
             }
             Self::Configurations { boxes, words } => {
                 write!(f, "the configurations need {boxes} boxes and {words} words")
+            }
+            Self::TwoClouds { id } => {
+                write!(f, "body {} is a cloud, and is not asked against another one", id.index)
             }
             Self::NoSuchBody { id } => {
                 write!(f, "there is no body {} in the scene, or not any more", id.index)

@@ -62,10 +62,7 @@ impl<N: Lanes> Scene<'_, N> {
         (a, b): (BodyId, BodyId),
         boxes: usize,
     ) -> Result<PairReport, SceneError> {
-        let (i, j) = (self.index(a)?, self.index(b)?);
-        if i == j {
-            return Err(SceneError::NoPair { id: a });
-        }
+        let (i, j) = self.place_of_pair(a, b)?;
         let mut poses = vec![Pose::IDENTITY; 2 * robot.bodies().len()];
         let (poses, before) = self.set_out(moving, robot.bodies().len(), &mut poses)?;
         let leaves =

@@ -15,14 +15,17 @@ impl<N> Scene<'_, N> {
     /// Says whether two bodies are asked against each other, whatever their groups.
     ///
     /// # Errors
-    /// [`SceneError::NoSuchBody`], and [`SceneError::NoPair`] of a body and itself.
+    /// [`SceneError::NoSuchBody`], [`SceneError::NoPair`] of a body and itself, and [`SceneError::TwoClouds`].
     pub fn set_pair(&mut self, a: BodyId, b: BodyId, is_asked: bool) -> Result<(), SceneError> {
         let (i, j) = self.place_of_pair(a, b)?;
+        if is_asked && self.is_cloud(i) && self.is_cloud(j) {
+            return Err(SceneError::TwoClouds { id: a });
+        }
         self.memory.set_pair(i, j, is_asked);
         Ok(())
     }
 
-    fn place_of_pair(&self, a: BodyId, b: BodyId) -> Result<(usize, usize), SceneError> {
+    pub(super) fn place_of_pair(&self, a: BodyId, b: BodyId) -> Result<(usize, usize), SceneError> {
         let (i, j) = (self.index(a)?, self.index(b)?);
         if i == j {
             return Err(SceneError::NoPair { id: a });
@@ -30,13 +33,15 @@ impl<N> Scene<'_, N> {
         Ok(self.row_and_bit(i, j))
     }
 
-    /// Where the matrix has the bit of a pair. Rows of bodies that stand still are so without bits, and are not looked at.
+    /// Where the matrix has the bit of a pair. Rows of clouds, which are the second of every pair, are without bits, and those of
+    /// bodies that stand still but for their pairs with clouds.
     pub(super) fn row_and_bit(&self, i: usize, j: usize) -> (usize, usize) {
         let is_fixed = |i: usize| self.memory.slots[i].body.as_ref().is_some_and(|body| body.is_fixed);
-        match (is_fixed(i), is_fixed(j)) {
-            (true, false) => (j, i),
-            (false, true) => (i, j),
-            _ => (i.min(j), i.max(j)),
-        }
+        let [a, b] = [i, j].map(|i| (self.is_cloud(i), is_fixed(i), i));
+        if a < b { (i, j) } else { (j, i) }
+    }
+
+    fn is_cloud(&self, i: usize) -> bool {
+        self.memory.slots[i].body.as_ref().is_some_and(|body| body.tree.is_cloud())
     }
 }

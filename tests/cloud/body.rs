@@ -209,4 +209,137 @@ fn what_cannot_be_asked_is_refused() {
         Builder::new().build_geometry(&ball, &mut |_| ControlFlow::Continue(())).unwrap();
     assert_eq!(search.body_within(&nothing.view(), &ball, &Pose::IDENTITY, 1e30), Ok(None));
     assert!(search.body_within(&cloud.view(), &ball, &Pose::IDENTITY, 1e300).unwrap().is_some());
+    for (tolerance, cutoff) in
+        [(-1.0, 1.0), (f64::INFINITY, 1.0), (f64::NAN, 1.0), (0.0, -1.0), (0.0, f64::NAN)]
+    {
+        let refused = search.body_distance(&cloud.view(), &ball, &Pose::IDENTITY, tolerance, cutoff);
+        assert_eq!(refused, Err(SearchError::Radius { query: 0 }), "{tolerance} {cutoff}");
+    }
+    for (body, cloud) in [
+        (&ball, &nothing),
+        (
+            &Builder::new()
+                .build_geometry(&SphereSet { spheres: &[] }, &mut |_| ControlFlow::Continue(()))
+                .unwrap(),
+            &cloud,
+        ),
+    ] {
+        let far = search.body_distance(&cloud.view(), body, &Pose::IDENTITY, 0.0, 1.0).unwrap();
+        assert!(far.lower == f64::INFINITY && far.witness.is_none());
+    }
+}
+
+/// Of all pairs of a primitive and a point.
+fn least_distance<N: Lanes, P: Pairwise<Spheres>>(body: &Bvh<N, P>, points: &[[f32; 3]], pose: &Pose) -> f64 {
+    let view = body.view();
+    let mut least = f64::INFINITY;
+    for i in 0..view.len() as u32 {
+        let moved = P::moved(&view.primitive(i), pose);
+        for p in points {
+            let at = Sphere { centre: p.map(f64::from), radius: 0.0 };
+            let between = P::nearer(&moved, &at, f64::INFINITY, 0.0_f64.max(1e-12), &mut 0).unwrap();
+            least = least.min(between.upper);
+        }
+    }
+    least
+}
+
+fn check_distances<N: Lanes, P: Pairwise<Spheres>>(body: &Bvh<N, P>, points: &[[f32; 3]], what: &str) {
+    let (cloud, random) = (Cloud::new(points).unwrap(), &mut Random(47));
+    for step in 0..scenes::size(40, 6) {
+        let pose = pose(random, if step % 4 == 0 { 40.0 } else { 2.0 }, 0.0);
+        let want = least_distance(body, points, &pose);
+        for (tolerance, cutoff) in [(0.0, f64::INFINITY), (0.1, f64::INFINITY), (0.0, 0.2), (0.5, 0.0)] {
+            let mut first = None;
+            for isa in Isa::available() {
+                let search = RangeSearch::new(isa);
+                let got = search.body_distance(&cloud.view(), body, &pose, tolerance, cutoff).unwrap();
+                let slack = 1e-9 * (1.0 + want);
+                assert!(got.lower <= want + slack, "{what}, {isa}, {step}: {want} {got:?}");
+                match got.witness {
+                    None => {
+                        assert!(want >= cutoff - slack && got.lower == cutoff && got.upper == f64::INFINITY)
+                    }
+                    Some(witness) => {
+                        assert!(
+                            want <= got.upper + slack && got.upper <= cutoff + slack,
+                            "{what}: {want} {got:?}"
+                        );
+                        assert!(got.upper <= got.lower * (1.0 + tolerance) + slack, "{what}: {got:?}");
+                        let between: f64 = (0..3).map(|i| (witness.a[i] - witness.b[i]).powi(2)).sum();
+                        assert!(got.upper == 0.0 || (between.sqrt() - got.upper).abs() < slack);
+                    }
+                }
+                assert_eq!(*first.get_or_insert(got), got, "{what}, {isa}");
+            }
+        }
+    }
+}
+
+#[test]
+fn distances_are_those_of_a_loop() {
+    let (vertices, triangles) = mesh();
+    let mesh: Bvh<Node16<18>> =
+        Builder::new().build(&Mesh { vertices: &vertices, triangles: &triangles }).unwrap();
+    let balls: Bvh<Node4<18>, Spheres> = Builder::new()
+        .build_geometry(&SphereSet { spheres: &spheres() }, &mut |_| ControlFlow::Continue(()))
+        .unwrap();
+    let random = &mut Random(53);
+    for count in [1, 17, scenes::size(300, 60)] {
+        let points: Vec<_> = (0..count).map(|_| random.point().map(|x| 3.0 * (x - 0.5))).collect();
+        check_distances(&mesh, &points, "triangles");
+        check_distances(&balls, &points, "spheres");
+    }
+}
+
+/// A cube of side 2 with a cavity of side 1 in it, turned: a point is in it where it is between the two, seen from the cube.
+#[test]
+fn points_inside_of_a_solid_are_near() {
+    let corner = |i: u32, half: f64| [0, 1, 2].map(|axis| if i >> axis & 1 == 0 { -half } else { half });
+    let vertices: Vec<[f64; 3]> = (0..16).map(|i| corner(i & 7, if i < 8 { 1.0 } else { 0.5 })).collect();
+    let face = [
+        [0, 2, 1],
+        [1, 2, 3],
+        [4, 5, 6],
+        [5, 7, 6],
+        [0, 1, 4],
+        [1, 5, 4],
+        [2, 6, 3],
+        [3, 6, 7],
+        [0, 4, 2],
+        [2, 4, 6],
+        [1, 3, 5],
+        [3, 7, 5],
+    ];
+    let triangles: Vec<[u32; 3]> =
+        face.into_iter().chain(face.map(|[a, b, c]: [u32; 3]| [a + 8, c + 8, b + 8])).collect();
+    let mesh = Mesh { vertices: &vertices, triangles: &triangles };
+    let solid: Bvh<Node16<18>> = Builder::new().solid().build(&mesh).unwrap();
+    let surface: Bvh<Node16<18>> = Builder::new().build(&mesh).unwrap();
+    let random = &mut Random(59);
+    let mut met = [0; 2];
+    for step in 0..scenes::size(400, 60) {
+        let points: Vec<[f32; 3]> =
+            (0..1 + step % 20).map(|_| random.point().map(|x| 8.0 * (x - 0.5))).collect();
+        let pose = pose(random, 2.0, 0.0);
+        let (m, t) = (pose.rows(), pose.translation());
+        let depth = |p: &[f32; 3]| {
+            let seen = |axis: usize| (0..3).map(|i| m[i][axis] * (f64::from(p[i]) - t[i])).sum::<f64>().abs();
+            let most = seen(0).max(seen(1)).max(seen(2));
+            (1.0 - most).min(most - 0.5)
+        };
+        let is_inside = points.iter().any(|p| depth(p) > 0.0);
+        met[usize::from(is_inside)] += 1;
+        let cloud = Cloud::new(&points).unwrap();
+        for isa in Isa::available() {
+            let search = RangeSearch::new(isa);
+            let near = search.body_within(&cloud.view(), &solid, &pose, 0.0).unwrap();
+            assert_eq!(near.is_some(), is_inside, "{isa}, {step}");
+            assert!(near.is_none_or(|near| depth(&points[near.point as usize]) > 0.0 && near.primitive < 24));
+            assert_eq!(search.body_within(&cloud.view(), &surface, &pose, 0.0), Ok(None), "{isa}, {step}");
+            let distance = search.body_distance(&cloud.view(), &solid, &pose, 0.0, f64::INFINITY).unwrap();
+            assert_eq!(distance.upper == 0.0, is_inside, "{isa}, {step}: {distance:?}");
+        }
+    }
+    assert!(met.iter().all(|count| *count > 10), "{met:?}");
 }

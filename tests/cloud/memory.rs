@@ -52,6 +52,12 @@ fn bodies_among_points_stay_off_the_heap() {
             for margin in [0.0, 0.01] {
                 let found = without_heap("body_within", || search.body_within(&view, &round, pose, margin));
                 let other = without_heap("body_within", || search.body_within(&view, &mesh, pose, margin));
+                for body in [
+                    without_heap("body_distance", || search.body_distance(&view, &round, pose, margin, 9.0)),
+                    without_heap("body_distance", || search.body_distance(&view, &mesh, pose, margin, 9.0)),
+                ] {
+                    assert!(body.unwrap().witness.is_some());
+                }
                 let is_far = pose.translation()[0] > 1.0;
                 assert_eq!((found.unwrap().is_none(), other.unwrap().is_none()), (is_far, is_far), "{isa}");
             }

@@ -8,6 +8,7 @@ use crate::support::shapes;
 use alloc::collections::BTreeSet;
 use core::ops::ControlFlow;
 use glam::{DAffine3, DMat3, DQuat, DVec3};
+use simdop::cloud::Cloud;
 use simdop::construct::{Builder, Mesh, SphereSet};
 use simdop::hierarchy::Bvh;
 use simdop::isa::Isa;
@@ -25,6 +26,7 @@ type Tri = [[f64; 3]; 3];
 enum Tree {
     Mesh(Bvh<Node>),
     Spheres(Bvh<Node, Spheres>),
+    Cloud(Cloud),
 }
 
 /// A body in the test's own words: points and triangles, all with one radius.
@@ -50,10 +52,20 @@ impl Model {
         Self { tree: Tree::Spheres(tree), primitives: centres.iter().map(|&c| [c; 3]).collect(), radius }
     }
 
+    fn cloud(points: &[[f32; 3]]) -> Self {
+        let primitives = points.iter().map(|p| [p.map(f64::from); 3]).collect();
+        Self { tree: Tree::Cloud(Cloud::new(points).unwrap()), primitives, radius: 0.0 }
+    }
+
+    fn is_cloud(&self) -> bool {
+        matches!(self.tree, Tree::Cloud(_))
+    }
+
     fn shape(&self) -> BodyTree<'_, Node> {
         match &self.tree {
             Tree::Mesh(tree) => tree.view().into(),
             Tree::Spheres(tree) => tree.view().into(),
+            Tree::Cloud(cloud) => cloud.view().into(),
         }
     }
 
@@ -65,6 +77,8 @@ impl Model {
 fn models(rng: &mut Rng) -> Vec<Model> {
     let point = |rng: &mut Rng, size: f64| core::array::from_fn(|_| rng.range(-size, size));
     let centres: Vec<[f64; 3]> = (0..6).map(|_| point(rng, 0.6)).collect();
+    // More than one node of boxes.
+    let scan: Vec<[f32; 3]> = (0..300).map(|_| point(rng, 0.8).map(|x| x as f32)).collect();
     vec![
         Model::mesh(&shapes::cuboid([-0.5, -0.2, -0.1], [0.7, 0.4, 0.3], false)),
         Model::mesh(&shapes::torus(8, 6)),
@@ -76,6 +90,9 @@ fn models(rng: &mut Rng) -> Vec<Model> {
             triangles: vec![[0, 1, 1]],
         }),
         Model::mesh(&MeshData { vertices: vec![], triangles: vec![] }),
+        Model::cloud(&scan),
+        Model::cloud(&[[0.1, 0.0, -0.2]]),
+        Model::cloud(&[]),
     ]
 }
 
@@ -221,7 +238,8 @@ fn answers_are_those_of_all_pairs() {
         for i in 0..bodies {
             for j in i + 1..bodies {
                 let meet = groups[i].of & groups[j].against != 0 && groups[j].of & groups[i].against != 0;
-                let is_asked = meet && !(fixed[i] && fixed[j]) && !ruled_out.contains(&(i, j));
+                let are_clouds = placed[i].model.is_cloud() && placed[j].model.is_cloud();
+                let is_asked = meet && !(fixed[i] && fixed[j] || are_clouds) && !ruled_out.contains(&(i, j));
                 if i != gone && j != gone {
                     assert_eq!(scene.is_asked(placed[i].id, placed[j].id), Ok(is_asked));
                     assert_eq!(scene.is_asked(placed[j].id, placed[i].id), Ok(is_asked));
@@ -320,11 +338,11 @@ fn what_is_inside_a_solid_meets_it() {
     let query = Query::new(Isa::detect());
     let MeshData { vertices, triangles } = shapes::cuboid([-2.0; 3], [2.0; 3], false);
     let mesh = Mesh { vertices: &vertices, triangles: &triangles };
-    let (small, sphere) = (cube(), Model::spheres(&[[0.0; 3]], 0.3));
+    let (small, sphere, scan) = (cube(), Model::spheres(&[[0.0; 3]], 0.3), Model::cloud(&[[0.0, 0.1, 0.0]]));
     for is_solid in [false, true] {
         let builder = if is_solid { Builder::new().solid() } else { Builder::new() };
         let large: Bvh<Node> = builder.build(&mesh).unwrap();
-        for inner in [BodyTree::from(small.view()), sphere.shape()] {
+        for inner in [BodyTree::from(small.view()), sphere.shape(), scan.shape()] {
             for (outer_first, x) in [(true, 0.25), (false, 0.25), (true, 9.0), (false, 9.0)] {
                 let mut scene = Scene::new();
                 let mut bodies = [(Body::new(large.view()).fixed(), 0.0), (Body::new(inner), x)];
@@ -395,11 +413,18 @@ fn lent_memory_holds_what_it_has_slots_for() {
 #[test]
 fn a_budget_is_for_all_pairs() {
     let mut rng = Rng::new(161);
-    let model = Model::mesh(&shapes::torus(16, 12));
+    let scan: Vec<[f32; 3]> = (0..200).map(|_| [(); 3].map(|()| rng.range(-1.0, 1.0) as f32)).collect();
+    let models = [Model::mesh(&shapes::torus(16, 12)), Model::cloud(&scan)];
     let mut scene = Scene::new();
-    for _ in 0..30 {
-        scene.insert(Body::new(model.shape()), &random_pose(&mut rng, 3.0)).unwrap();
+    for i in 0..34 {
+        let body = Body::new(models[i / 30].shape()).with_radius(if i < 30 { 0.0 } else { 0.1 });
+        scene.insert(body, &random_pose(&mut rng, 3.0)).unwrap();
     }
+    let last = |back: usize| scene.ids().nth(33 - back).unwrap();
+    assert!(hits(&scene, &Query::new(Isa::detect()), 0.0).iter().any(|(_, b)| *b >= last(3)));
+    let (one, other) = (last(0), last(1));
+    assert_eq!(scene.set_pair(one, other, true), Err(SceneError::TwoClouds { id: one }));
+    assert_eq!(scene.set_pair(one, other, false), Ok(()));
     let query = Query::new(Isa::detect());
     let (_, pairs, all) = scene.for_each_hit(&query, 0.0, |_| ControlFlow::Continue(())).unwrap();
     assert!(pairs > 20 && all.visits > 50);
@@ -445,6 +470,7 @@ fn what_cannot_be_is_refused() {
         SceneError::NoPair { id },
         SceneError::Memory { bodies: 1, boxes: 1, rows: 1 },
         SceneError::Configurations { boxes: 1, words: 1 },
+        SceneError::TwoClouds { id },
         SceneError::Pose(PoseError::TooFar),
         SceneError::Tolerance(ToleranceError { given: -1.0 }),
     ] {

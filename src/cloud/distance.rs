@@ -1,0 +1,126 @@
+//! How near a body comes to the points of a cloud: the search for a near point, with ever smaller margins.
+
+use super::body::Ended;
+use super::{CloudRef, RangeSearch, SearchError};
+use crate::hierarchy::{AsBvh, BvhRef};
+use crate::pose::Pose;
+use crate::primitive::Separation;
+use crate::primitive::Spheres;
+use crate::primitive::triangle::distance::TIGHT;
+use crate::query::{Completion, Counters, Distance, Hint, Lanes, Pairwise, Query, Witness};
+
+/// No two points are farther apart that are of a body and a cloud.
+const FARTHEST: f64 = 1e300;
+
+impl RangeSearch {
+    /// How near a body, placed by `pose` in the frame of the cloud, comes to a point of it: as
+    /// [`Query::distance_up_to`] says it of two bodies, with the point as the second of the witness's pair. A sphere is full, and so
+    /// is a [solid](crate::construct::Builder::solid).
+    ///
+    /// ```
+    /// use simdop::cloud::{Cloud, RangeSearch};
+    /// use simdop::construct::{Builder, SphereSet};
+    /// use simdop::primitive::{Sphere, Spheres};
+    /// use simdop::{hierarchy::Bvh, isa::Isa, node::Node16, pose::Pose};
+    ///
+    /// let ball: Bvh<Node16<18>, Spheres> = Builder::new().build_geometry(
+    ///     &SphereSet { spheres: &[Sphere { centre: [0.0; 3], radius: 0.5 }] },
+    ///     &mut |_| core::ops::ControlFlow::Continue(()),
+    /// )?;
+    /// let scan = Cloud::new(&[[3.0, 0.0, 0.0], [0.0, 2.0, 0.0]])?;
+    /// let search = RangeSearch::new(Isa::detect());
+    /// let near = search.body_distance(&scan.view(), &ball, &Pose::IDENTITY, 0.0, f64::INFINITY)?;
+    /// assert!(near.lower <= 1.5 && 1.5 <= near.upper && near.upper - near.lower < 1e-9);
+    /// assert_eq!(near.witness.map(|witness| witness.pair.b), Some(1));
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    ///
+    /// # Errors
+    /// [`SearchError::Radius`] if the tolerance is negative, NaN or infinite, or the cutoff negative or NaN.
+    pub fn body_distance<B: AsBvh>(
+        &self,
+        cloud: &CloudRef<'_>,
+        body: &B,
+        pose: &Pose,
+        tolerance: f64,
+        cutoff: f64,
+    ) -> Result<Distance, SearchError>
+    where
+        B::Node: Lanes,
+        B::Primitive: Pairwise<Spheres>,
+    {
+        if !(tolerance >= 0.0 && tolerance.is_finite() && cutoff >= 0.0) {
+            return Err(SearchError::Radius { query: 0 });
+        }
+        Ok(cloud.body_distance(&Query::new(self.isa), &body.as_bvh(), pose, tolerance, cutoff))
+    }
+}
+
+impl CloudRef<'_> {
+    /// The same within the budget of a query.
+    pub(crate) fn body_distance<N: Lanes, P: Pairwise<Spheres>>(
+        &self,
+        query: &Query,
+        body: &BvhRef<'_, N, P>,
+        pose: &Pose,
+        tolerance: f64,
+        cutoff: f64,
+    ) -> Distance {
+        let is_empty = body.is_empty() || self.is_empty();
+        let mut found = Distance {
+            lower: if is_empty { f64::INFINITY } else { cutoff },
+            upper: f64::INFINITY,
+            witness: None,
+            completion: Completion::Complete,
+            counters: Counters::default(),
+            hint: Hint::NONE,
+        };
+        if is_empty {
+            return found;
+        }
+        let mut margin = cutoff.min(FARTHEST);
+        loop {
+            let near = match self.surface_within(query, body, pose, margin, &mut found.counters) {
+                None => break,
+                Some(Ended::Near(near)) => near,
+                Some(Ended::OutOfBudget) => return out_of_budget(found),
+            };
+            let moved = P::moved(&body.primitive(near.primitive), pose);
+            let tight = tolerance.max(TIGHT);
+            let exact = &mut found.counters.exact_pairs;
+            // What is within the margin is nearer than any.
+            let Some(Separation { upper, a, b, .. }) =
+                P::nearer(&moved, &near.at, f64::INFINITY, tight, exact)
+            else {
+                break;
+            };
+            let mut next = 0.5 * margin;
+            if upper < found.upper {
+                found.upper = upper;
+                found.witness = Some(Witness { pair: near.pair(body), a, b });
+                next = upper / (1.0 + tight);
+            }
+            if upper == 0.0 {
+                return Distance { lower: 0.0, ..found };
+            }
+            // No points are nearer than this, once the search finds none.
+            found.lower = next;
+            margin = next;
+        }
+        if body.is_solid() {
+            match self.first_inside(query, body, pose, &mut found.counters) {
+                None => {}
+                Some(Ended::Near(near)) => {
+                    let witness = Witness { pair: near.pair(body), a: near.at.centre, b: near.at.centre };
+                    return Distance { lower: 0.0, upper: 0.0, witness: Some(witness), ..found };
+                }
+                Some(Ended::OutOfBudget) => return out_of_budget(found),
+            }
+        }
+        found
+    }
+}
+
+fn out_of_budget(found: Distance) -> Distance {
+    Distance { lower: 0.0, completion: Completion::OutOfBudget, ..found }
+}
