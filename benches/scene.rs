@@ -3,7 +3,8 @@
 //! Robots on every seventh problem of MotionBenchMaker: the start, a goal and ten random configurations. *Scene*: the links
 //! are placed and the scene is asked. *Pairs*: every pair is asked, each at its pose, without boxes, until one hits. Poses are
 //! given: forward kinematics are not in the time. The verdicts of both are compared first. *At once*: 256 random configurations of
-//! each problem, one by one, and all by one call, on one thread and on all.
+//! each problem, one by one, and all by one call, on one thread and on all. *Sphere models*: the same configurations by the spheres that
+//! are published for the robot instead of its meshes, whose verdicts are counted where they are wrong.
 
 #![expect(clippy::unwrap_used, reason = "a benchmark that cannot go on has failed")]
 
@@ -17,18 +18,20 @@ mod robots;
 mod short;
 
 use data::{MeshData, directory};
-use glam::DAffine3;
+use glam::{DAffine3, DVec3};
 use rng::Rng;
-use robots::{Robot, SETTINGS, Setting};
+use robots::{Problem, Robot, SETTINGS, Setting};
 use short::count;
-use simdop::construct::{Builder, Mesh, OwnedMesh};
+use simdop::construct::{Builder, Mesh, OwnedMesh, SphereSet};
 use simdop::hierarchy::Bvh;
 use simdop::isa::Isa;
 use simdop::node::{Aabb16, Node16};
 use simdop::pose::Pose;
+use simdop::primitive::{Sphere, Spheres};
 use simdop::query::Query;
-use simdop::scene::{Body, BodyId, Scene};
+use simdop::scene::{Body, BodyId, BodyTree, Scene};
 use std::hint::black_box;
+use std::ops::ControlFlow;
 use std::path::Path;
 use std::time::Instant;
 
@@ -75,19 +78,9 @@ fn run(data: &Path, setting: &Setting) {
         .collect();
     let mut worlds: Vec<World<'_>> = Vec::new();
     for (problem, trees) in problems.iter().zip(&obstacles) {
-        let mut scene = Scene::new();
-        let ids: Vec<BodyId> =
-            links.iter().map(|link| scene.insert(Body::new(link.view()), &Pose::IDENTITY).unwrap()).collect();
-        for i in 0..ids.len() {
-            for j in i + 1..ids.len() {
-                scene.set_pair(ids[i], ids[j], robot.pairs.contains(&(i, j))).unwrap();
-            }
-        }
-        let mut placed = Vec::new();
-        for (tree, obstacle) in trees.iter().zip(&problem.obstacles) {
-            let _ = scene.insert(Body::new(tree.view()).fixed(), &pose(&obstacle.at)).unwrap();
-            placed.push((tree, obstacle.at));
-        }
+        let (scene, ids) = scene_of(links.iter().map(|link| link.view().into()), &robot, trees, problem);
+        let placed =
+            trees.iter().zip(&problem.obstacles).map(|(tree, obstacle)| (tree, obstacle.at)).collect();
         let poses = problem.poses.iter().map(|at| at.iter().map(pose).collect()).collect();
         worlds.push(World { scene, links: ids, obstacles: placed, configurations: &problem.poses, poses });
     }
@@ -167,6 +160,96 @@ fn run(data: &Path, setting: &Setting) {
     );
     drop(best);
     at_once(&robot, &mut worlds, &query);
+    if !setting.is_drawn {
+        let models = sphere_models(data, setting, &robot);
+        let scenes = problems.iter().zip(&obstacles).map(|(problem, trees)| {
+            scene_of(models.iter().map(|model| model.view().into()), &robot, trees, problem)
+        });
+        by_spheres(&robot, &mut worlds, scenes, &query);
+    }
+}
+
+/// A scene of a robot's links, among the obstacles of a problem.
+fn scene_of<'t>(
+    links: impl Iterator<Item = BodyTree<'t, Node16<18>>>,
+    robot: &Robot,
+    obstacles: &'t [Tree],
+    problem: &Problem,
+) -> (Scene<'t, Node16<18>>, Vec<BodyId>) {
+    let mut scene = Scene::new();
+    let ids: Vec<BodyId> =
+        links.map(|link| scene.insert(Body::new(link), &Pose::IDENTITY).unwrap()).collect();
+    for i in 0..ids.len() {
+        for j in i + 1..ids.len() {
+            scene.set_pair(ids[i], ids[j], robot.pairs.contains(&(i, j))).unwrap();
+        }
+    }
+    for (tree, obstacle) in obstacles.iter().zip(&problem.obstacles) {
+        let _ = scene.insert(Body::new(tree.view()).fixed(), &pose(&obstacle.at)).unwrap();
+    }
+    (scene, ids)
+}
+
+/// The published spheres of each link, in the frame of its mesh. They do not cover it.
+fn sphere_models(data: &Path, setting: &Setting, robot: &Robot) -> Vec<Bvh<Node16<18>, Spheres>> {
+    let text = std::fs::read_to_string(data.join("robots").join(setting.robot).join("spheres.tsv")).unwrap();
+    let models = robot.links.iter().map(|link| {
+        let rows =
+            text.lines().map(|line| line.split('\t').collect::<Vec<_>>()).filter(|row| row[0] == link.name);
+        let spheres: Vec<Sphere> = rows
+            .map(|row| {
+                let [x, y, z, radius] = [1, 2, 3, 4].map(|i| row[i].parse::<f64>().unwrap());
+                let centre = link.origin.inverse().transform_point3(DVec3::new(x, y, z));
+                Sphere { centre: centre.to_array(), radius }
+            })
+            .collect();
+        Builder::new()
+            .build_geometry(&SphereSet { spheres: &spheres }, &mut |_| ControlFlow::Continue(()))
+            .unwrap()
+    });
+    models.collect()
+}
+
+/// What a configuration costs by spheres, and how often they are wrong.
+fn by_spheres<'t>(
+    robot: &Robot,
+    worlds: &mut [World<'_>],
+    scenes: impl Iterator<Item = (Scene<'t, Node16<18>>, Vec<BodyId>)>,
+    query: &Query,
+) {
+    let mut rng = Rng::new(8);
+    let (mut best, mut missed, mut invented, mut hits) = ([0.0; 2], 0, 0, 0);
+    for (world, (mut scene, moving)) in worlds.iter_mut().zip(scenes) {
+        let poses: Vec<Pose> =
+            (0..AT_ONCE).flat_map(|_| robot.poses(&robot.random(&mut rng))).map(|at| pose(&at)).collect();
+        let exact = one_by_one(&mut world.scene, query, &world.links, &poses);
+        let mut boxes = vec![Aabb16::EMPTY; scene.room()];
+        let mut least = [f64::INFINITY; 2];
+        let mut free = [0; AT_ONCE / 16];
+        for _ in 0..count(15, 1) {
+            let start = Instant::now();
+            let one = one_by_one(&mut scene, query, &moving, &poses);
+            least[0] = least[0].min(start.elapsed().as_secs_f64());
+            let start = Instant::now();
+            let _ = scene.free_configurations(query, &moving, &poses, &mut boxes, &mut free).unwrap();
+            least[1] = least[1].min(start.elapsed().as_secs_f64());
+            assert_eq!(one, free, "free at once, and free one by one");
+        }
+        for (sum, least) in best.iter_mut().zip(least) {
+            *sum += least * 1e6 / AT_ONCE as f64;
+        }
+        for (exact, free) in exact.iter().zip(free) {
+            hits += (!exact).count_ones();
+            missed += (!exact & free).count_ones();
+            invented += (exact & !free).count_ones();
+        }
+    }
+    let [one, at_once] = best.map(|sum| sum / worlds.len() as f64);
+    let all = worlds.len() * AT_ONCE;
+    println!(
+        "by sphere models: one by one {one:.2}, at once {at_once:.2}; of {all} configurations {hits} hit, {missed} of these are missed and \
+         {invented} others called hits\n"
+    );
 }
 
 /// Configurations of each problem that are asked about at once.

@@ -14,9 +14,9 @@ use urdf_rs::{Geometry, JointType};
 pub(crate) struct Setting {
     pub(crate) name: &'static str,
     /// Of its folder and files.
-    robot: &'static str,
+    pub(crate) robot: &'static str,
     /// The meshes that are drawn, instead of those of collision.
-    is_drawn: bool,
+    pub(crate) is_drawn: bool,
 }
 
 /// Of the UR5's arm no drawn meshes are there; the meshes of collision are the drawn ones in its gripper.
@@ -56,7 +56,7 @@ pub(crate) struct Link {
     pub(crate) name: String,
     pub(crate) mesh: MeshData,
     /// Of the mesh in the link's frame.
-    origin: DAffine3,
+    pub(crate) origin: DAffine3,
 }
 
 #[derive(Debug)]
