@@ -1,6 +1,7 @@
 //! What every function does where C and Rust meet: pointers are looked at, failures kept, panics caught.
 
 use crate::error::{Failure, simdop_error};
+use std::mem::MaybeUninit;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
 /// Does the work of a function, and returns the code of what came of it.
@@ -11,6 +12,31 @@ pub(crate) fn guarded(work: impl FnOnce() -> Result<(), Failure>) -> simdop_erro
         Ok(Err(failure)) => failure.keep(),
         Err(panic) => Failure::of_panic(panic.as_ref()).keep(),
     }
+}
+
+/// Does the work of a function that leaves an answer.
+pub(crate) fn answered<A>(
+    answer: Option<&mut MaybeUninit<A>>,
+    work: impl FnOnce() -> Result<A, Failure>,
+) -> simdop_error {
+    guarded(|| {
+        let answer = given(answer, "answer")?;
+        answer.write(work()?);
+        Ok(())
+    })
+}
+
+/// Makes what is behind a handle, which is NULL if that fails.
+pub(crate) fn make<T>(
+    handle: Option<&mut MaybeUninit<Option<Box<T>>>>,
+    name: &str,
+    work: impl FnOnce() -> Result<T, Failure>,
+) -> simdop_error {
+    guarded(|| {
+        let handle = given(handle, name)?.write(None);
+        *handle = Some(Box::new(work()?));
+        Ok(())
+    })
 }
 
 /// What a pointer leads to, unless it is NULL.

@@ -1,14 +1,15 @@
 //! Edges: do bodies of a scene meet anywhere on their way?
 
 use super::{simdop_body_id, simdop_scene, simdop_scene_hit};
-use crate::boundary::{given, guarded, items};
+use crate::body::Node;
+use crate::boundary::{answered, given, items};
 use crate::error::{Failure, simdop_error};
 use crate::motion::{Called, simdop_motion};
 use crate::pose::simdop_pose;
 use crate::query::{query, simdop_counters};
 use simdop::motion::{Screw, ScrewMotion};
 use simdop::pose::Pose;
-use simdop::scene::{BodyId, EdgeAnswer, EdgeMemory, EdgePair, EdgeVerdict};
+use simdop::scene::{BodyId, EdgeAnswer, EdgeMemory, EdgePair, EdgeVerdict, Scene};
 use std::mem::MaybeUninit;
 use std::num::NonZeroU32;
 
@@ -77,9 +78,6 @@ impl From<EdgeAnswer> for simdop_edge_answer {
     }
 }
 
-/// Where an answer goes.
-type Place<'a> = Option<&'a mut MaybeUninit<simdop_edge_answer>>;
-
 /// Memory for edges, which stays with the scene.
 #[derive(Default, Debug)]
 pub(super) struct EdgeRoom {
@@ -99,6 +97,35 @@ impl EdgeRoom {
         poses.resize(2 * ids.len(), Pose::IDENTITY);
         waiting.resize(SIMDOP_EDGE_ROOM, EdgePair::EMPTY);
         (ids, written, EdgeMemory { poses, waiting })
+    }
+}
+
+/// What an edge is asked with where functions of the caller's move the bodies.
+struct CalledEdge<'e> {
+    scene: &'e mut Scene<'static, Node>,
+    moving: &'e [BodyId],
+    motion: Called<'e>,
+    memory: EdgeMemory<'e>,
+}
+
+impl<'e> CalledEdge<'e> {
+    /// # Safety
+    /// As of simdop_scene_edge(); as long as this lives, the motion's functions may be called.
+    unsafe fn new(
+        scene: Option<&'e mut simdop_scene>,
+        moving: *const simdop_body_id,
+        count: usize,
+        motion: Option<&simdop_motion>,
+    ) -> Result<Self, Failure> {
+        let simdop_scene { scene, room } = given(scene, "scene")?;
+        // SAFETY: there are so many, by the caller's promise.
+        let moving = unsafe { items(moving, count, "moving") }?;
+        let motion = *given(motion, "motion")?;
+        given(motion.go_to, "motion->go_to")?;
+        let (moving, written, memory) = room.lend(moving);
+        // SAFETY: its functions may be called as long as this lives, by the caller's promise.
+        let motion = unsafe { Called::new(motion, written) };
+        Ok(Self { scene, moving, motion, memory })
     }
 }
 
@@ -122,17 +149,13 @@ pub unsafe extern "C" fn simdop_scene_edge(
     budget: u64,
     answer: Option<&mut MaybeUninit<simdop_edge_answer>>,
 ) -> simdop_error {
-    ask(scene, answer, |simdop_scene { scene, room }| {
-        // SAFETY: there are so many, by the caller's promise.
-        let moving = unsafe { items(moving, count, "moving") }?;
-        let motion = *given(motion, "motion")?;
-        given(motion.go_to, "motion->go_to")?;
-        given(motion.path, "motion->path")?;
-        let (moving, written, mut memory) = room.lend(moving);
-        // SAFETY: its functions may be called during this call, by the caller's promise.
-        let mut motion = unsafe { Called::new(motion, written) };
+    answered(answer, || {
+        given(given(motion, "motion")?.path, "motion->path")?;
+        // SAFETY: the same is promised here, for as long as this call.
+        let edge = unsafe { CalledEdge::new(scene, moving, count, motion) }?;
+        let CalledEdge { scene, moving, mut motion, mut memory } = edge;
         let answer = scene.edge(&query(budget), moving, &mut motion, resolution, &mut memory);
-        motion.conclude(answer)
+        Ok(motion.conclude(answer)?.into())
     })
 }
 
@@ -153,18 +176,14 @@ pub unsafe extern "C" fn simdop_scene_sampled_edge(
     budget: u64,
     answer: Option<&mut MaybeUninit<simdop_edge_answer>>,
 ) -> simdop_error {
-    ask(scene, answer, |simdop_scene { scene, room }| {
-        // SAFETY: there are so many, by the caller's promise.
-        let moving = unsafe { items(moving, count, "moving") }?;
-        let motion = *given(motion, "motion")?;
-        given(motion.go_to, "motion->go_to")?;
+    answered(answer, || {
         let parts = NonZeroU32::new(parts)
             .ok_or_else(|| Failure::new(simdop_error::MotionNoParts, "an edge of 0 parts".into()))?;
-        let (moving, written, mut memory) = room.lend(moving);
-        // SAFETY: its functions may be called during this call, by the caller's promise.
-        let mut motion = unsafe { Called::new(motion, written) };
+        // SAFETY: the same is promised here, for as long as this call.
+        let edge = unsafe { CalledEdge::new(scene, moving, count, motion) }?;
+        let CalledEdge { scene, moving, mut motion, mut memory } = edge;
         let answer = scene.sampled_edge(&query(budget), moving, &mut motion, parts, &mut memory);
-        motion.conclude(answer)
+        Ok(motion.conclude(answer)?.into())
     })
 }
 
@@ -182,24 +201,12 @@ pub extern "C" fn simdop_scene_screw_edge(
     budget: u64,
     answer: Option<&mut MaybeUninit<simdop_edge_answer>>,
 ) -> simdop_error {
-    ask(scene, answer, |simdop_scene { scene, room }| {
+    answered(answer, || {
+        let simdop_scene { scene, room } = given(scene, "scene")?;
         let (from, to) = (given(from, "from")?.checked()?, given(to, "to")?.checked()?);
         let starts = [from];
         let mut motion = ScrewMotion::new(Screw::between(&from, &to)?, &starts);
         let (moving, _, mut memory) = room.lend(&[id]);
-        Ok(scene.edge(&query(budget), moving, &mut motion, resolution, &mut memory)?)
-    })
-}
-
-/// Asks a scene, and writes the answer.
-fn ask(
-    scene: Option<&mut simdop_scene>,
-    answer: Place<'_>,
-    ask: impl FnOnce(&mut simdop_scene) -> Result<EdgeAnswer, Failure>,
-) -> simdop_error {
-    guarded(|| {
-        let (scene, answer) = (given(scene, "scene")?, given(answer, "answer")?);
-        answer.write(ask(scene)?.into());
-        Ok(())
+        Ok(scene.edge(&query(budget), moving, &mut motion, resolution, &mut memory)?.into())
     })
 }

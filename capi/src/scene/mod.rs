@@ -14,7 +14,7 @@ pub use edge::{
 };
 
 use crate::body::{Node, simdop_body};
-use crate::boundary::{given, guarded};
+use crate::boundary::{given, guarded, make};
 use crate::error::{Failure, simdop_error};
 use crate::pose::simdop_pose;
 use edge::EdgeRoom;
@@ -65,7 +65,7 @@ pub extern "C" fn simdop_role_default() -> simdop_role {
 impl simdop_role {
     fn body(&self, body: &'static simdop_body) -> Body<'static, Node> {
         let groups = Groups { of: self.groups, against: self.against };
-        let body = Body::new(body.tree()).with_radius(self.radius).with_groups(groups);
+        let body = Body::new(body.view()).with_radius(self.radius).with_groups(groups);
         if self.is_fixed == 0 { body } else { body.fixed() }
     }
 }
@@ -83,11 +83,7 @@ fn change(
 pub extern "C" fn simdop_scene_create(
     scene: Option<&mut MaybeUninit<Option<Box<simdop_scene>>>>,
 ) -> simdop_error {
-    guarded(|| {
-        given(scene, "scene")?
-            .write(Some(Box::new(simdop_scene { scene: Scene::new(), room: EdgeRoom::default() })));
-        Ok(())
-    })
+    make(scene, "scene", || Ok(simdop_scene { scene: Scene::new(), room: EdgeRoom::default() }))
 }
 
 /// Destroys a scene, and none of its bodies. Of NULL, nothing.
