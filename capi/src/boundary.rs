@@ -49,6 +49,26 @@ pub(crate) fn given<T>(pointer: Option<T>, name: &str) -> Result<T, Failure> {
 /// # Safety
 /// Unless the pointer is NULL or misaligned, there are `count` items, which nobody writes during `'a`.
 pub(crate) unsafe fn items<'a, T>(first: *const T, count: usize, name: &str) -> Result<&'a [T], Failure> {
+    can_be_array(first, count, name)?;
+    // SAFETY: the pointer is not NULL and aligned, the length not too large; the rest is the caller's promise.
+    Ok(unsafe { std::slice::from_raw_parts(first, count) })
+}
+
+/// An array to be written.
+///
+/// # Safety
+/// Unless the pointer is NULL or misaligned, there are `count` places, which nobody else reads or writes during `'a`.
+pub(crate) unsafe fn places<'a, T>(
+    first: *mut T,
+    count: usize,
+    name: &str,
+) -> Result<&'a mut [MaybeUninit<T>], Failure> {
+    can_be_array(first, count, name)?;
+    // SAFETY: as of `items`; what is there need not be a `T` yet.
+    Ok(unsafe { std::slice::from_raw_parts_mut(first.cast(), count) })
+}
+
+fn can_be_array<T>(first: *const T, count: usize, name: &str) -> Result<(), Failure> {
     if first.is_null() {
         return given(None, name);
     }
@@ -60,8 +80,7 @@ pub(crate) unsafe fn items<'a, T>(first: *const T, count: usize, name: &str) -> 
     if count > isize::MAX.unsigned_abs() / size_of::<T>() {
         return Err(Failure::new(simdop_error::TooLarge, format!("{name}: {count} items are too many")));
     }
-    // SAFETY: the pointer is not NULL and aligned, the length not too large; the rest is the caller's promise.
-    Ok(unsafe { std::slice::from_raw_parts(first, count) })
+    Ok(())
 }
 
 #[cfg(test)]

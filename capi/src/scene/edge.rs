@@ -7,7 +7,8 @@ use crate::error::{Failure, simdop_error};
 use crate::motion::{Called, simdop_motion};
 use crate::pose::simdop_pose;
 use crate::query::{query, simdop_counters};
-use simdop::motion::{Screw, ScrewMotion};
+use crate::robot::simdop_robot;
+use simdop::motion::{LinkFrame, Screw, ScrewMotion, StraightMotion};
 use simdop::pose::Pose;
 use simdop::scene::{BodyId, EdgeAnswer, EdgeMemory, EdgePair, EdgeVerdict, Scene};
 use std::mem::MaybeUninit;
@@ -15,7 +16,8 @@ use std::num::NonZeroU32;
 
 /// Pairs of bodies that a query of an edge has room for, each in an interval of time which it has yet to ask about: two for each
 /// pair of bodies that come near each other, and more where these come close. Those there is no room for are unresolved. A scene
-/// allocates this room, 768 KiB, at its first edge, and keeps it; its later edges allocate nothing, unless more bodies move.
+/// allocates this room, 768 KiB, at its first edge, and keeps it; its later edges allocate nothing, unless more bodies move, or a
+/// robot of more joints or variables.
 pub const SIMDOP_EDGE_ROOM: usize = 65536;
 
 /// What became of an edge.
@@ -82,21 +84,30 @@ impl From<EdgeAnswer> for simdop_edge_answer {
 #[derive(Default, Debug)]
 pub(super) struct EdgeRoom {
     moving: Vec<BodyId>,
-    written: Vec<simdop_pose>,
     poses: Vec<Pose>,
     waiting: Vec<EdgePair>,
+    motion: MotionRoom,
+}
+
+/// What motions have memory of their own for, which they make as large as they need it.
+#[derive(Default, Debug)]
+struct MotionRoom {
+    /// What callbacks write: a place for each body.
+    written: Vec<simdop_pose>,
+    /// The values of a robot's variables, and its links.
+    values: Vec<f64>,
+    links: Vec<LinkFrame>,
 }
 
 impl EdgeRoom {
-    /// Makes room for an edge of these bodies: their ids, a place for a pose of each, and memory for the query.
-    fn lend(&mut self, moving: &[simdop_body_id]) -> (&[BodyId], &mut [simdop_pose], EdgeMemory<'_>) {
-        let Self { moving: ids, written, poses, waiting } = self;
+    /// Makes room for an edge of these bodies: their ids, memory for the query, and what there is for the motion.
+    fn lend(&mut self, moving: &[simdop_body_id]) -> (&[BodyId], EdgeMemory<'_>, &mut MotionRoom) {
+        let Self { moving: ids, poses, waiting, motion } = self;
         ids.clear();
         ids.extend(moving.iter().copied().map(BodyId::from_bits));
-        written.resize(ids.len(), simdop_pose::UNWRITTEN);
         poses.resize(2 * ids.len(), Pose::IDENTITY);
         waiting.resize(SIMDOP_EDGE_ROOM, EdgePair::EMPTY);
-        (ids, written, EdgeMemory { poses, waiting })
+        (ids, EdgeMemory { poses, waiting }, motion)
     }
 }
 
@@ -122,7 +133,8 @@ impl<'e> CalledEdge<'e> {
         let moving = unsafe { items(moving, count, "moving") }?;
         let motion = *given(motion, "motion")?;
         given(motion.go_to, "motion->go_to")?;
-        let (moving, written, memory) = room.lend(moving);
+        let (moving, memory, MotionRoom { written, .. }) = room.lend(moving);
+        written.resize(moving.len(), simdop_pose::UNWRITTEN);
         // SAFETY: its functions may be called as long as this lives, by the caller's promise.
         let motion = unsafe { Called::new(motion, written) };
         Ok(Self { scene, moving, motion, memory })
@@ -206,7 +218,47 @@ pub extern "C" fn simdop_scene_screw_edge(
         let (from, to) = (given(from, "from")?.checked()?, given(to, "to")?.checked()?);
         let starts = [from];
         let mut motion = ScrewMotion::new(Screw::between(&from, &to)?, &starts);
-        let (moving, _, mut memory) = room.lend(&[id]);
+        let (moving, mut memory, _) = room.lend(&[id]);
+        Ok(scene.edge(&query(budget), moving, &mut motion, resolution, &mut memory)?.into())
+    })
+}
+
+/// As simdop_scene_edge(), of the bodies of a robot, and of what is attached to these, while each of its variables changes
+/// evenly from one value to another. `from` and `to` have a number for each variable, within its limits. `moving` are the
+/// robot's bodies, in its order: with more or fewer of them this is SIMDOP_ERROR_MOTION_BODIES. Where they stand in the scene
+/// does not matter.
+///
+/// The matrices of the base and of the joints are taken for rotations: by what they are off one, the bounds that the verdict
+/// rests on are too small.
+///
+/// # Safety
+/// There are `count` ids, and a number for each variable in both arrays.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn simdop_scene_straight_edge(
+    scene: Option<&mut simdop_scene>,
+    moving: *const simdop_body_id,
+    count: usize,
+    robot: Option<&simdop_robot>,
+    from: *const f64,
+    to: *const f64,
+    resolution: f64,
+    budget: u64,
+    answer: Option<&mut MaybeUninit<simdop_edge_answer>>,
+) -> simdop_error {
+    answered(answer, || {
+        let simdop_scene { scene, room } = given(scene, "scene")?;
+        let kinematics = given(robot, "robot")?.kinematics()?;
+        let variables = kinematics.limits().len();
+        // SAFETY: there are so many, by the caller's promise.
+        let moving = unsafe { items(moving, count, "moving") }?;
+        // SAFETY: there is one for each variable, by the caller's promise.
+        let from = unsafe { items(from, variables, "from") }?;
+        // SAFETY: the same.
+        let to = unsafe { items(to, variables, "to") }?;
+        let (moving, mut memory, MotionRoom { values, links, .. }) = room.lend(moving);
+        values.resize(variables, 0.0);
+        links.resize(kinematics.links(), LinkFrame::EMPTY);
+        let mut motion = StraightMotion::new(kinematics, [from, to], values, links)?;
         Ok(scene.edge(&query(budget), moving, &mut motion, resolution, &mut memory)?.into())
     })
 }

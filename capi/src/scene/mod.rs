@@ -10,13 +10,14 @@ pub use ask::{
 };
 pub use edge::{
     SIMDOP_EDGE_ROOM, simdop_edge_answer, simdop_edge_verdict, simdop_scene_edge, simdop_scene_sampled_edge,
-    simdop_scene_screw_edge,
+    simdop_scene_screw_edge, simdop_scene_straight_edge,
 };
 
 use crate::body::{Node, simdop_body};
 use crate::boundary::{given, guarded, make};
 use crate::error::{Failure, simdop_error};
 use crate::pose::simdop_pose;
+use crate::robot::simdop_robot;
 use edge::EdgeRoom;
 use simdop::scene::{Body, BodyId, Groups, Scene};
 use std::ffi::c_int;
@@ -37,6 +38,7 @@ const _: () = {
     const fn shared_among_threads<T: Send + Sync>() {}
     shared_among_threads::<simdop_body>();
     shared_among_threads::<simdop_scene>();
+    shared_among_threads::<simdop_robot>();
 };
 
 /// A body in its scene, and in no other one. That of a body which was removed is an error, until its place was taken 2^32 times.
