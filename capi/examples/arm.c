@@ -1,6 +1,6 @@
 /*
- * An arm's link and a tetrahedron in its hand, beside a box: do they meet, and how near do they come? And a link that swings:
- * does it meet a thin wall on its way?
+ * An arm's link and a tetrahedron in its hand, beside a box: do they meet, and how near do they come? A link that swings:
+ * does it meet a thin wall on its way? And an arm of two joints: how does it get past a post?
  *
  * Lengths are in metres. Ends with 0 only if each answer is the one expected; `capi/check` builds and runs it.
  */
@@ -145,6 +145,56 @@ static void swing(simdop_body *link) {
     simdop_body_destroy(wall);
 }
 
+/* An arm in the plane, and a post 0.9 m from its base, half way of a quarter of a turn. */
+static void reach(simdop_body *link) {
+    enum { SHOULDER, ELBOW, JOINTS };
+    static const double limits[JOINTS][2] = {{-2, 2}, {-2.6, 2.6}};
+    const double quarter = 2 * atan(1), start[JOINTS] = {0, 0}, folded[JOINTS] = {0, 2.5},
+                 turned[JOINTS] = {quarter, 2.5}, end[JOINTS] = {quarter, 0}, beyond[JOINTS] = {0, 3};
+    const double *way[] = {start, folded, turned, end};
+    const simdop_pose base = at(0, 0, 0), aside = at(0.9 * sqrt(0.5), 0.9 * sqrt(0.5), 0);
+    simdop_pose poses[JOINTS];
+    simdop_joint joints[JOINTS];
+    simdop_link_body bodies[JOINTS];
+    simdop_body *post = box(0.1, 0.1, 0.4);
+    simdop_role role = simdop_role_default();
+    simdop_scene *scene;
+    simdop_body_id ids[JOINTS], post_id;
+    simdop_robot *robot, *none;
+    simdop_edge_answer edge;
+    must(simdop_scene_create(&scene));
+    for (uint32_t i = 0; i < JOINTS; i++) {
+        /* Each joint turns about z, at the end of the link before; half a link further is the middle of its own. */
+        const simdop_pose origin = at(i == ELBOW ? 0.5 : 0, 0, 0);
+        const simdop_joint joint = {SIMDOP_JOINT_KIND_REVOLUTE, i, i, origin, {0, 0, 1}, 1, 0};
+        const simdop_link_body body = {i + 1, at(0.25, 0, 0)};
+        joints[i] = joint;
+        bodies[i] = body;
+        /* Where it stands in the scene does not matter: an edge says where it moves. */
+        must(simdop_scene_insert(scene, link, &role, &base, &ids[i]));
+    }
+    must(simdop_scene_set_pair(scene, ids[SHOULDER], ids[ELBOW], 0));
+    must(simdop_scene_insert(scene, post, &role, &aside, &post_id));
+    must(simdop_robot_new(&base, joints, JOINTS, bodies, JOINTS, &limits[0][0], JOINTS, &robot));
+
+    must(simdop_robot_poses(robot, end, poses));
+    expect(fabs(poses[ELBOW].rows[1][3] - 0.75) < 1e-12, "stretched along y, its second link is there");
+    must(simdop_scene_straight_edge(scene, ids, JOINTS, robot, start, end, 1e-6, SIMDOP_NO_BUDGET, &edge));
+    expect(edge.verdict == SIMDOP_EDGE_VERDICT_HIT, "stretched, it meets the post on the way");
+    for (int i = 0; i < 3; i++) {
+        must(simdop_scene_straight_edge(scene, ids, JOINTS, robot, way[i], way[i + 1], 1e-6, SIMDOP_NO_BUDGET, &edge));
+        expect(edge.verdict == SIMDOP_EDGE_VERDICT_FREE, "folded, it is free at all times");
+    }
+    must_fail(simdop_robot_poses(robot, beyond, poses), SIMDOP_ERROR_MOTION_OUT_OF_LIMITS);
+    joints[ELBOW].kind = 7;
+    must_fail(simdop_robot_new(&base, joints, JOINTS, bodies, JOINTS, &limits[0][0], JOINTS, &none),
+              SIMDOP_ERROR_MOTION_NO_SUCH_KIND);
+
+    simdop_robot_free(robot);
+    simdop_scene_destroy(scene);
+    simdop_body_destroy(post);
+}
+
 int main(void) {
     static const double corners[4 * 3] = {0, 0, 0, 0.1, 0, 0, 0, 0.1, 0, 0, 0, 0.1};
     static const uint32_t faces[4 * 3] = {0, 2, 1, 0, 1, 3, 1, 2, 3, 2, 0, 3};
@@ -214,6 +264,7 @@ int main(void) {
     must_fail(simdop_scene_remove(scene, tool_id), SIMDOP_ERROR_SCENE_NO_SUCH_BODY);
     simdop_scene_destroy(scene);
     swing(link);
+    reach(link);
     simdop_body_destroy(tool);
     simdop_body_destroy(built);
     simdop_body_destroy(link);

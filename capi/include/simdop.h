@@ -6,9 +6,10 @@
  * has many bodies, at poses in the world.
  *
  * An edge of a planner asks whether moving bodies meet anywhere on their way: at all times from 0 to 1, not at samples of them.
+ * A robot moves bodies by joints.
  *
  * Units. The library knows none: coordinates, translations, radii, margins and distances are all in the same one. They are
- * at most 2^300, and those below 2^-250 count as zero.
+ * at most 2^300, and those below 2^-250 count as zero. Angles are in radians.
  *
  * Errors. A function that can fail returns a simdop_error, which is 0 of success. After a failure nothing is written where an
  * answer goes, and NULL where a handle goes. simdop_error_text() says what a code means, simdop_last_error() has the whole
@@ -55,7 +56,8 @@
 /**
  * Pairs of bodies that a query of an edge has room for, each in an interval of time which it has yet to ask about: two for each
  * pair of bodies that come near each other, and more where these come close. Those there is no room for are unresolved. A scene
- * allocates this room, 768 KiB, at its first edge, and keeps it; its later edges allocate nothing, unless more bodies move.
+ * allocates this room, 768 KiB, at its first edge, and keeps it; its later edges allocate nothing, unless more bodies move, or a
+ * robot of more joints or variables.
  */
 #define SIMDOP_EDGE_ROOM 65536
 
@@ -239,6 +241,10 @@ typedef enum {
    * A value is outside of the limits of its variable.
    */
   SIMDOP_ERROR_MOTION_OUT_OF_LIMITS = 89,
+  /**
+   * A joint's kind is none of simdop_joint_kind.
+   */
+  SIMDOP_ERROR_MOTION_NO_SUCH_KIND = 90,
 } simdop_error;
 
 /**
@@ -296,9 +302,29 @@ typedef enum {
 } simdop_edge_verdict;
 
 /**
+ * What a joint does.
+ */
+typedef enum {
+  /**
+   * Turns about its axis, by its value in radians.
+   */
+  SIMDOP_JOINT_KIND_REVOLUTE = 0,
+  /**
+   * Slides along its axis, by its value in the unit of length.
+   */
+  SIMDOP_JOINT_KIND_PRISMATIC = 1,
+} simdop_joint_kind;
+
+/**
  * A body: a set of primitives, triangles or spheres, and the tree over them. It never changes.
  */
 typedef struct simdop_body simdop_body;
+
+/**
+ * A robot: joints, the limits of the variables that move them, and where bodies are on the links. Which bodies these are it
+ * does not know: those of a scene are named with each question.
+ */
+typedef struct simdop_robot simdop_robot;
 
 /**
  * Bodies, placed in the world.
@@ -421,6 +447,55 @@ typedef struct {
    */
   simdop_counters counters;
 } simdop_distance_answer;
+
+/**
+ * A joint, and the link that it moves: the link behind joint i is link i + 1, and link 0 is the base. A joint that does not
+ * move is none: what is behind it belongs to the link before.
+ */
+typedef struct {
+  /**
+   * What it does: one of simdop_joint_kind.
+   */
+  uint32_t kind;
+  /**
+   * The link that it is on, which comes before its own: at most i for joint i.
+   */
+  uint32_t parent;
+  /**
+   * The index of the variable that moves it. Of a joint that mimics another, the other's.
+   */
+  uint32_t variable;
+  /**
+   * Where it stands in the frame of the link that it is on.
+   */
+  simdop_pose origin;
+  /**
+   * Its axis in its own frame: a direction of any length.
+   */
+  double axis[3];
+  /**
+   * Its value is `multiplier` times its variable, plus `offset`. 1, unless it mimics another.
+   */
+  double multiplier;
+  /**
+   * In radians, or in the unit of length. 0, unless it mimics another.
+   */
+  double offset;
+} simdop_joint;
+
+/**
+ * A body on a link.
+ */
+typedef struct {
+  /**
+   * The link: 0 is the base.
+   */
+  uint32_t link;
+  /**
+   * Where the body stands in the link's frame.
+   */
+  simdop_pose pose;
+} simdop_link_body;
 
 /**
  * What a body is in a scene. Begin with simdop_role_default(): of all zeros it is in no group, and asked against none.
@@ -751,6 +826,39 @@ simdop_error simdop_distance(const simdop_body *a,
                              simdop_distance_answer *answer);
 
 /**
+ * Makes a robot whose base stands at `base` in the world, of `joint_count` joints, each behind those between it and the base,
+ * of `body_count` bodies on its links, and of the limits of `variable_count` variables: that many times the lower and the upper
+ * one, both finite. All of it is copied.
+ *
+ * # Safety
+ * The arrays have so many items.
+ */
+simdop_error simdop_robot_new(const simdop_pose *base,
+                              const simdop_joint *joints,
+                              size_t joint_count,
+                              const simdop_link_body *bodies,
+                              size_t body_count,
+                              const double *limits,
+                              size_t variable_count,
+                              simdop_robot **robot);
+
+/**
+ * Forward kinematics: where the bodies of a robot stand in the world at some values of its variables. `values` has a number
+ * for each variable, within its limits, and `poses` a place for each body. The robot is not const, for its memory is used.
+ *
+ * # Safety
+ * There are so many numbers and places.
+ */
+simdop_error simdop_robot_poses(simdop_robot *robot,
+                                const double *values,
+                                simdop_pose *poses);
+
+/**
+ * Destroys a robot. Of NULL, nothing.
+ */
+void simdop_robot_free(simdop_robot *robot);
+
+/**
  * A body that moves, of radius 0, in all groups and asked against all.
  */
 simdop_role simdop_role_default(void);
@@ -891,6 +999,28 @@ simdop_error simdop_scene_screw_edge(simdop_scene *scene,
                                      double resolution,
                                      uint64_t budget,
                                      simdop_edge_answer *answer);
+
+/**
+ * As simdop_scene_edge(), of the bodies of a robot, and of what is attached to these, while each of its variables changes
+ * evenly from one value to another. `from` and `to` have a number for each variable, within its limits. `moving` are the
+ * robot's bodies, in its order: with more or fewer of them this is SIMDOP_ERROR_MOTION_BODIES. Where they stand in the scene
+ * does not matter.
+ *
+ * The matrices of the base and of the joints are taken for rotations: by what they are off one, the bounds that the verdict
+ * rests on are too small.
+ *
+ * # Safety
+ * There are `count` ids, and a number for each variable in both arrays.
+ */
+simdop_error simdop_scene_straight_edge(simdop_scene *scene,
+                                        const simdop_body_id *moving,
+                                        size_t count,
+                                        const simdop_robot *robot,
+                                        const double *from,
+                                        const double *to,
+                                        double resolution,
+                                        uint64_t budget,
+                                        simdop_edge_answer *answer);
 
 #ifdef __cplusplus
 }  // extern "C"

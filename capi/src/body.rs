@@ -1,11 +1,11 @@
 //! Bodies: opened from bytes, or built.
 
-use crate::boundary::{given, guarded, items};
-use crate::error::{Failure, simdop_error};
+use crate::boundary::{given, guarded, items, make};
+use crate::error::simdop_error;
 use simdop::construct::{Builder, Mesh, SphereSet};
 use simdop::hierarchy::{Bvh, BvhRef, Header};
 use simdop::node::Node16;
-use simdop::primitive::{Kind, Sphere, Spheres};
+use simdop::primitive::{Kind, Sphere, Spheres, Triangles};
 use simdop::scene::BodyTree;
 use std::mem::MaybeUninit;
 use std::ops::ControlFlow;
@@ -22,18 +22,34 @@ enum Tree {
     /// Over bytes of the caller's.
     Lent {
         bytes: &'static [u8],
-        tree: BodyTree<'static, Node>,
+        view: View<'static>,
     },
     Mesh(Bvh<Node>),
     Spheres(Bvh<Node, Spheres>),
 }
 
+/// A tree to ask: of a scene's kinds, those that a body of this interface can be.
+#[derive(Copy, Clone, Debug)]
+pub(crate) enum View<'t> {
+    Mesh(BvhRef<'t, Node, Triangles>),
+    Spheres(BvhRef<'t, Node, Spheres>),
+}
+
+impl<'t> From<View<'t>> for BodyTree<'t, Node> {
+    fn from(view: View<'t>) -> Self {
+        match view {
+            View::Mesh(tree) => tree.into(),
+            View::Spheres(tree) => tree.into(),
+        }
+    }
+}
+
 impl simdop_body {
-    pub(crate) fn tree(&self) -> BodyTree<'_, Node> {
+    pub(crate) fn view(&self) -> View<'_> {
         match &self.0 {
-            Tree::Lent { tree, .. } => *tree,
-            Tree::Mesh(tree) => tree.view().into(),
-            Tree::Spheres(tree) => tree.view().into(),
+            Tree::Lent { view, .. } => *view,
+            Tree::Mesh(tree) => View::Mesh(tree.view()),
+            Tree::Spheres(tree) => View::Spheres(tree.view()),
         }
     }
 
@@ -44,18 +60,6 @@ impl simdop_body {
             Tree::Spheres(tree) => tree.as_bytes(),
         }
     }
-}
-
-/// Where a function leaves a new body.
-type NewBody<'a> = Option<&'a mut MaybeUninit<Option<Box<simdop_body>>>>;
-
-/// Makes a body, and NULL if that fails.
-fn make(body: NewBody<'_>, tree: impl FnOnce() -> Result<Tree, Failure>) -> simdop_error {
-    guarded(|| {
-        let body = given(body, "body")?.write(None);
-        *body = Some(Box::new(simdop_body(tree()?)));
-        Ok(())
-    })
 }
 
 /// Opens a body of triangles or spheres from the bytes of a baked tree, in place, after a check that they are safe to walk,
@@ -69,16 +73,16 @@ pub unsafe extern "C" fn simdop_body_open(
     count: usize,
     body: Option<&mut MaybeUninit<Option<Box<simdop_body>>>>,
 ) -> simdop_error {
-    make(body, || {
+    make(body, "body", || {
         // SAFETY: they are there, and stay as long as the body, by the caller's promise.
         let bytes: &'static [u8] = unsafe { items(bytes, count, "bytes") }?;
         let is_of_spheres = Header::read(bytes)?.kind == Kind::SPHERES.code();
-        let tree = if is_of_spheres {
-            BodyTree::Spheres(BvhRef::from_bytes(bytes)?)
+        let view = if is_of_spheres {
+            View::Spheres(BvhRef::from_bytes(bytes)?)
         } else {
-            BodyTree::Mesh(BvhRef::from_bytes(bytes)?)
+            View::Mesh(BvhRef::from_bytes(bytes)?)
         };
-        Ok(Tree::Lent { bytes, tree })
+        Ok(simdop_body(Tree::Lent { bytes, view }))
     })
 }
 
@@ -96,11 +100,8 @@ pub unsafe extern "C" fn simdop_body_build_surface(
     triangle_count: usize,
     body: Option<&mut MaybeUninit<Option<Box<simdop_body>>>>,
 ) -> simdop_error {
-    make(body, || {
-        // SAFETY: there are so many, by the caller's promise.
-        let mesh = unsafe { mesh(vertices, vertex_count, triangles, triangle_count) }?;
-        Ok(Tree::Mesh(Builder::new().build(&mesh)?))
-    })
+    // SAFETY: the same is promised here.
+    unsafe { build(Builder::new(), vertices, vertex_count, triangles, triangle_count, body) }
 }
 
 /// Builds the solid that closed triangles bound: what is wholly inside of it is a hit, too. Otherwise as
@@ -116,11 +117,8 @@ pub unsafe extern "C" fn simdop_body_build_solid(
     triangle_count: usize,
     body: Option<&mut MaybeUninit<Option<Box<simdop_body>>>>,
 ) -> simdop_error {
-    make(body, || {
-        // SAFETY: there are so many, by the caller's promise.
-        let mesh = unsafe { mesh(vertices, vertex_count, triangles, triangle_count) }?;
-        Ok(Tree::Mesh(Builder::new().solid().build(&mesh)?))
-    })
+    // SAFETY: the same is promised here.
+    unsafe { build(Builder::new().solid(), vertices, vertex_count, triangles, triangle_count, body) }
 }
 
 /// Builds a body of spheres, which are solid: `count` times x, y, z and a radius.
@@ -133,29 +131,37 @@ pub unsafe extern "C" fn simdop_body_build_spheres(
     count: usize,
     body: Option<&mut MaybeUninit<Option<Box<simdop_body>>>>,
 ) -> simdop_error {
-    make(body, || {
+    make(body, "body", || {
         // SAFETY: there are so many, by the caller's promise.
         let spheres: &[[f64; 4]] = unsafe { items(spheres.cast(), count, "spheres") }?;
         let sphere = |&[x, y, z, radius]: &[f64; 4]| Sphere { centre: [x, y, z], radius };
         let spheres: Vec<_> = spheres.iter().map(sphere).collect();
         let set = SphereSet { spheres: &spheres };
-        Ok(Tree::Spheres(Builder::new().build_geometry(&set, &mut |_| ControlFlow::Continue(()))?))
+        let tree = Builder::new().build_geometry(&set, &mut |_| ControlFlow::Continue(()))?;
+        Ok(simdop_body(Tree::Spheres(tree)))
     })
 }
 
+/// Builds a body of triangles.
+///
 /// # Safety
-/// There are so many of each, which nobody writes during `'a`.
-unsafe fn mesh<'a>(
+/// The arrays have so many items.
+unsafe fn build(
+    builder: Builder,
     vertices: *const f64,
     vertex_count: usize,
     triangles: *const u32,
     triangle_count: usize,
-) -> Result<Mesh<'a>, Failure> {
-    Ok(Mesh {
-        // SAFETY: the caller's promise; three numbers in a row are aligned as one.
-        vertices: unsafe { items(vertices.cast(), vertex_count, "vertices") }?,
-        // SAFETY: the same.
-        triangles: unsafe { items(triangles.cast(), triangle_count, "triangles") }?,
+    body: Option<&mut MaybeUninit<Option<Box<simdop_body>>>>,
+) -> simdop_error {
+    make(body, "body", || {
+        let mesh = Mesh {
+            // SAFETY: there are so many, by the caller's promise; three numbers in a row are aligned as one.
+            vertices: unsafe { items(vertices.cast(), vertex_count, "vertices") }?,
+            // SAFETY: the same.
+            triangles: unsafe { items(triangles.cast(), triangle_count, "triangles") }?,
+        };
+        Ok(simdop_body(Tree::Mesh(builder.build(&mesh)?)))
     })
 }
 

@@ -1,6 +1,7 @@
 //! What every function does where C and Rust meet: pointers are looked at, failures kept, panics caught.
 
 use crate::error::{Failure, simdop_error};
+use std::mem::MaybeUninit;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
 /// Does the work of a function, and returns the code of what came of it.
@@ -13,6 +14,31 @@ pub(crate) fn guarded(work: impl FnOnce() -> Result<(), Failure>) -> simdop_erro
     }
 }
 
+/// Does the work of a function that leaves an answer.
+pub(crate) fn answered<A>(
+    answer: Option<&mut MaybeUninit<A>>,
+    work: impl FnOnce() -> Result<A, Failure>,
+) -> simdop_error {
+    guarded(|| {
+        let answer = given(answer, "answer")?;
+        answer.write(work()?);
+        Ok(())
+    })
+}
+
+/// Makes what is behind a handle, which is NULL if that fails.
+pub(crate) fn make<T>(
+    handle: Option<&mut MaybeUninit<Option<Box<T>>>>,
+    name: &str,
+    work: impl FnOnce() -> Result<T, Failure>,
+) -> simdop_error {
+    guarded(|| {
+        let handle = given(handle, name)?.write(None);
+        *handle = Some(Box::new(work()?));
+        Ok(())
+    })
+}
+
 /// What a pointer leads to, unless it is NULL.
 pub(crate) fn given<T>(pointer: Option<T>, name: &str) -> Result<T, Failure> {
     pointer.ok_or_else(|| Failure::new(simdop_error::Null, format!("{name} is NULL")))
@@ -23,6 +49,26 @@ pub(crate) fn given<T>(pointer: Option<T>, name: &str) -> Result<T, Failure> {
 /// # Safety
 /// Unless the pointer is NULL or misaligned, there are `count` items, which nobody writes during `'a`.
 pub(crate) unsafe fn items<'a, T>(first: *const T, count: usize, name: &str) -> Result<&'a [T], Failure> {
+    can_be_array(first, count, name)?;
+    // SAFETY: the pointer is not NULL and aligned, the length not too large; the rest is the caller's promise.
+    Ok(unsafe { std::slice::from_raw_parts(first, count) })
+}
+
+/// An array to be written.
+///
+/// # Safety
+/// Unless the pointer is NULL or misaligned, there are `count` places, which nobody else reads or writes during `'a`.
+pub(crate) unsafe fn places<'a, T>(
+    first: *mut T,
+    count: usize,
+    name: &str,
+) -> Result<&'a mut [MaybeUninit<T>], Failure> {
+    can_be_array(first, count, name)?;
+    // SAFETY: as of `items`; what is there need not be a `T` yet.
+    Ok(unsafe { std::slice::from_raw_parts_mut(first.cast(), count) })
+}
+
+fn can_be_array<T>(first: *const T, count: usize, name: &str) -> Result<(), Failure> {
     if first.is_null() {
         return given(None, name);
     }
@@ -34,8 +80,7 @@ pub(crate) unsafe fn items<'a, T>(first: *const T, count: usize, name: &str) -> 
     if count > isize::MAX.unsigned_abs() / size_of::<T>() {
         return Err(Failure::new(simdop_error::TooLarge, format!("{name}: {count} items are too many")));
     }
-    // SAFETY: the pointer is not NULL and aligned, the length not too large; the rest is the caller's promise.
-    Ok(unsafe { std::slice::from_raw_parts(first, count) })
+    Ok(())
 }
 
 #[cfg(test)]

@@ -13,6 +13,7 @@ mod error;
 mod motion;
 mod pose;
 mod query;
+mod robot;
 mod scene;
 
 pub use body::{
@@ -26,11 +27,16 @@ pub use query::{
     SIMDOP_NO_BUDGET, SIMDOP_NO_PRIMITIVE, simdop_answer, simdop_collide, simdop_completion, simdop_counters,
     simdop_distance, simdop_distance_answer, simdop_pair, simdop_verdict, simdop_within,
 };
+pub use robot::{
+    simdop_joint, simdop_joint_kind, simdop_link_body, simdop_robot, simdop_robot_free, simdop_robot_new,
+    simdop_robot_poses,
+};
 pub use scene::{
     SIMDOP_ALL_GROUPS, SIMDOP_EDGE_ROOM, SIMDOP_NO_BODY, simdop_body_id, simdop_edge_answer,
     simdop_edge_verdict, simdop_on_hit, simdop_role, simdop_role_default, simdop_scene, simdop_scene_answer,
     simdop_scene_attach, simdop_scene_clearance, simdop_scene_clearance_answer, simdop_scene_collide,
     simdop_scene_create, simdop_scene_destroy, simdop_scene_detach, simdop_scene_each_hit, simdop_scene_edge,
     simdop_scene_hit, simdop_scene_hits, simdop_scene_insert, simdop_scene_place, simdop_scene_remove,
-    simdop_scene_sampled_edge, simdop_scene_screw_edge, simdop_scene_set_pair, simdop_scene_within,
+    simdop_scene_sampled_edge, simdop_scene_screw_edge, simdop_scene_set_pair, simdop_scene_straight_edge,
+    simdop_scene_within,
 };

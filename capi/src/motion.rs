@@ -1,6 +1,6 @@
 //! Motions of the caller's: functions that the library calls back.
 
-use crate::error::{Coded, Failure, simdop_error};
+use crate::error::{Failure, simdop_error};
 use crate::pose::simdop_pose;
 use simdop::motion::{CarriedBall, Motion};
 use simdop::pose::{Pose, PoseError};
@@ -116,8 +116,8 @@ impl Motion for Called<'_> {
             *pose = match self.written[i].checked() {
                 Ok(pose) => pose,
                 Err(error) => {
-                    let message = format!("pose {i} of a motion at the time {time}: {error}");
-                    return self.fail(Failure::new(error.code(), message), error);
+                    let name = format!("pose {i} of a motion at the time {time}");
+                    return self.fail(Failure::from(error).of(&name), error);
                 }
             }
         }

@@ -24,6 +24,13 @@ impl simdop_pose {
     }
 }
 
+impl From<&Pose> for simdop_pose {
+    fn from(pose: &Pose) -> Self {
+        let (rows, t) = (pose.rows(), pose.translation());
+        Self { rows: [0, 1, 2].map(|i| [rows[i][0], rows[i][1], rows[i][2], t[i]]) }
+    }
+}
+
 /// The pose of a quaternion (x, y, z, w), whose squared length may differ from 1 by 1e-4, and a translation.
 ///
 /// # Safety
@@ -41,9 +48,7 @@ pub unsafe extern "C" fn simdop_pose_from_quaternion(
         let translation = unsafe { items(translation, 3, "translation") }?;
         let pose = given(pose, "pose")?;
         let checked = Pose::try_from((DQuat::from_slice(xyzw), DVec3::from_slice(translation)))?;
-        let (rows, t) = (checked.rows(), checked.translation());
-        let row = |i: usize| [rows[i][0], rows[i][1], rows[i][2], t[i]];
-        pose.write(simdop_pose { rows: [row(0), row(1), row(2)] });
+        pose.write((&checked).into());
         Ok(())
     })
 }

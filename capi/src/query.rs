@@ -1,13 +1,12 @@
 //! Queries of two bodies.
 
-use crate::body::{Node, simdop_body};
-use crate::boundary::{given, guarded};
+use crate::body::{View, simdop_body};
+use crate::boundary::{answered, given};
 use crate::error::{Failure, simdop_error};
 use crate::pose::simdop_pose;
 use simdop::isa::Isa;
 use simdop::pose::Pose;
 use simdop::query::{Answer, Completion, Counters, Distance, Pair, Query, Verdict};
-use simdop::scene::BodyTree;
 use std::mem::MaybeUninit;
 use std::sync::LazyLock;
 
@@ -183,8 +182,8 @@ pub(crate) fn query(budget: u64) -> Query {
 
 /// What a query is about.
 struct Posed<'a> {
-    a: BodyTree<'a, Node>,
-    b: BodyTree<'a, Node>,
+    a: View<'a>,
+    b: View<'a>,
     pose: Pose,
 }
 
@@ -195,7 +194,7 @@ impl<'a> Posed<'a> {
         a_in_b: Option<&simdop_pose>,
     ) -> Result<Self, Failure> {
         let pose = given(a_in_b, "a_in_b")?.checked()?;
-        Ok(Self { a: given(a, "a")?.tree(), b: given(b, "b")?.tree(), pose })
+        Ok(Self { a: given(a, "a")?.view(), b: given(b, "b")?.view(), pose })
     }
 }
 
@@ -203,10 +202,10 @@ impl<'a> Posed<'a> {
 macro_rules! with_trees {
     ($posed:expr, |$a:ident, $b:ident| $with:expr) => {
         match ($posed.a, $posed.b) {
-            (BodyTree::Mesh($a), BodyTree::Mesh($b)) => $with,
-            (BodyTree::Mesh($a), BodyTree::Spheres($b)) => $with,
-            (BodyTree::Spheres($a), BodyTree::Mesh($b)) => $with,
-            (BodyTree::Spheres($a), BodyTree::Spheres($b)) => $with,
+            (View::Mesh($a), View::Mesh($b)) => $with,
+            (View::Mesh($a), View::Spheres($b)) => $with,
+            (View::Spheres($a), View::Mesh($b)) => $with,
+            (View::Spheres($a), View::Spheres($b)) => $with,
         }
     };
 }
@@ -220,11 +219,9 @@ pub extern "C" fn simdop_collide(
     budget: u64,
     answer: Option<&mut MaybeUninit<simdop_answer>>,
 ) -> simdop_error {
-    guarded(|| {
-        let (posed, query) = (Posed::new(a, b, a_in_b)?, query(budget));
-        let answer = given(answer, "answer")?;
-        answer.write(with_trees!(posed, |a, b| query.collide(&a, &b, &posed.pose)).into());
-        Ok(())
+    answered(answer, || {
+        let posed = Posed::new(a, b, a_in_b)?;
+        Ok(with_trees!(posed, |a, b| query(budget).collide(&a, &b, &posed.pose)).into())
     })
 }
 
@@ -239,11 +236,9 @@ pub extern "C" fn simdop_within(
     budget: u64,
     answer: Option<&mut MaybeUninit<simdop_answer>>,
 ) -> simdop_error {
-    guarded(|| {
-        let (posed, query) = (Posed::new(a, b, a_in_b)?, query(budget));
-        let answer = given(answer, "answer")?;
-        answer.write(with_trees!(posed, |a, b| query.within(&a, &b, &posed.pose, margin))?.into());
-        Ok(())
+    answered(answer, || {
+        let posed = Posed::new(a, b, a_in_b)?;
+        Ok(with_trees!(posed, |a, b| query(budget).within(&a, &b, &posed.pose, margin))?.into())
     })
 }
 
@@ -258,10 +253,8 @@ pub extern "C" fn simdop_distance(
     budget: u64,
     answer: Option<&mut MaybeUninit<simdop_distance_answer>>,
 ) -> simdop_error {
-    guarded(|| {
-        let (posed, query) = (Posed::new(a, b, a_in_b)?, query(budget));
-        let answer = given(answer, "answer")?;
-        answer.write(with_trees!(posed, |a, b| query.distance(&a, &b, &posed.pose, tolerance))?.into());
-        Ok(())
+    answered(answer, || {
+        let posed = Posed::new(a, b, a_in_b)?;
+        Ok(with_trees!(posed, |a, b| query(budget).distance(&a, &b, &posed.pose, tolerance))?.into())
     })
 }

@@ -3,13 +3,14 @@
 mod support;
 
 use simdop::isa::Isa;
-use simdop::motion::{CarriedBall, Motion, Screw, ScrewMotion};
+use simdop::motion::{CarriedBall, LinkFrame, Motion, Screw, ScrewMotion, StraightMotion};
 use simdop::pose::{Pose, PoseError};
 use simdop::query::Query;
 use simdop::scene::{Body, BodyId, EdgeAnswer, EdgeMemory, EdgePair, EdgeVerdict, Scene};
 use simdop_capi::*;
 use std::ffi::{c_int, c_void};
 use std::num::NonZeroU32;
+use support::robot::Parts;
 use support::{Node, Rng, answer, handle, meshes, pose, sphere_sets};
 
 /// Bodies that each move by a screw of their own.
@@ -235,6 +236,42 @@ fn edges_answer_as_the_librarys() {
         let made = made.unwrap();
         assert_same(&made, &expected);
         verdicts[made.verdict as usize] += 1;
+        simdop_scene_destroy(Some(c));
+    }
+    assert!(verdicts.iter().all(|&count| count > 10), "{verdicts:?}");
+}
+
+#[test]
+fn straight_edges_answer_as_the_librarys() {
+    let mut rng = Rng::new(6);
+    let (mut verdicts, mut memory) = ([0; 3], Memory::new());
+    let (mut values, mut links) = ([0.0; 8], [LinkFrame::EMPTY; 8]);
+    for round in 0..120 {
+        let (mut c, mut rust, ids, _) = scene(&mut rng);
+        let c_ids: Vec<_> = ids[..3].iter().map(|id| id.to_bits()).collect();
+        // Robots of more and of fewer joints in one scene.
+        for share in [1.0, 0.02] {
+            let parts = Parts::random(&mut rng);
+            let (from, to) = (parts.values(&mut rng), parts.values(&mut rng));
+            let to: Vec<_> = from.iter().zip(to).map(|(from, to)| from + share * (to - from)).collect();
+            let robot = parts.robot().unwrap();
+            let budget = if round % 4 == 0 { 5 } else { SIMDOP_NO_BUDGET };
+            let query = Query::new(Isa::detect()).with_budget(budget);
+            let expected = parts.with_kinematics(|kinematics| {
+                let ends = [&from[..], &to];
+                let mut motion = StraightMotion::new(kinematics, ends, &mut values, &mut links).unwrap();
+                rust.edge(&query, &ids[..3], &mut motion, 1e-3, &mut memory.lend()).unwrap()
+            });
+            let (c, ids, robot) = (Some(&mut *c), c_ids.as_ptr(), Some(&*robot));
+            // SAFETY: there are three ids, and a value for each variable.
+            let made = answer(|answer| unsafe {
+                let (from, to) = (from.as_ptr(), to.as_ptr());
+                simdop_scene_straight_edge(c, ids, 3, robot, from, to, 1e-3, budget, answer)
+            });
+            let made = made.unwrap();
+            assert_same(&made, &expected);
+            verdicts[made.verdict as usize] += 1;
+        }
         simdop_scene_destroy(Some(c));
     }
     assert!(verdicts.iter().all(|&count| count > 10), "{verdicts:?}");

@@ -2,8 +2,6 @@
 
 mod coded;
 
-pub(crate) use coded::Coded;
-
 use std::any::Any;
 use std::cell::RefCell;
 use std::ffi::{CStr, CString, c_char, c_int};
@@ -107,9 +105,11 @@ pub enum simdop_error {
     MotionLength = 88,
     /// A value is outside of the limits of its variable.
     MotionOutOfLimits = 89,
+    /// A joint's kind is none of simdop_joint_kind.
+    MotionNoSuchKind = 90,
 }
 
-const TEXTS: [(simdop_error, &CStr); 44] = [
+const TEXTS: [(simdop_error, &CStr); 45] = [
     (simdop_error::None, c"no error"),
     (simdop_error::Null, c"a pointer is NULL"),
     (simdop_error::Misaligned, c"a pointer is not aligned: the bytes of a tree to 64, an array to its items"),
@@ -157,6 +157,7 @@ const TEXTS: [(simdop_error, &CStr); 44] = [
     (simdop_error::MotionNotFinite, c"a number of a motion is not finite"),
     (simdop_error::MotionLength, c"there are more or fewer values than variables"),
     (simdop_error::MotionOutOfLimits, c"a value is outside of the limits of its variable"),
+    (simdop_error::MotionNoSuchKind, c"a joint's kind is none that there is"),
 ];
 
 /// What a code means, in a few words: a text that is there for ever. Of a number that is no code, that it is none.
@@ -194,6 +195,11 @@ impl Failure {
         let text = panic.downcast_ref::<&str>().copied();
         let text = text.or_else(|| panic.downcast_ref::<String>().map(String::as_str));
         Self::new(simdop_error::Panic, format!("a defect of the library: {}", text.unwrap_or("no message")))
+    }
+
+    /// With what it is about before the message.
+    pub(crate) fn of(self, name: &str) -> Self {
+        Self { message: format!("{name}: {}", self.message), ..self }
     }
 
     /// Keeps the message for [`simdop_last_error`].

@@ -1,7 +1,7 @@
 //! What is asked of a scene.
 
 use super::{simdop_body_id, simdop_scene};
-use crate::boundary::{given, guarded};
+use crate::boundary::{answered, given, guarded};
 use crate::error::simdop_error;
 use crate::query::{query, simdop_completion, simdop_counters, simdop_pair, simdop_verdict};
 use simdop::scene::{SceneAnswer, SceneDistance, SceneHit, SceneVerdict};
@@ -123,11 +123,7 @@ pub extern "C" fn simdop_scene_collide(
     budget: u64,
     answer: Option<&mut MaybeUninit<simdop_scene_answer>>,
 ) -> simdop_error {
-    guarded(|| {
-        let (scene, answer) = (&given(scene, "scene")?.scene, given(answer, "answer")?);
-        answer.write(scene.collide(&query(budget))?.into());
-        Ok(())
-    })
+    answered(answer, || Ok(given(scene, "scene")?.scene.collide(&query(budget))?.into()))
 }
 
 /// Do any two bodies that are asked against each other come within `margin`, 0 to 2^300, in the world? Otherwise as
@@ -139,11 +135,7 @@ pub extern "C" fn simdop_scene_within(
     budget: u64,
     answer: Option<&mut MaybeUninit<simdop_scene_answer>>,
 ) -> simdop_error {
-    guarded(|| {
-        let (scene, answer) = (&given(scene, "scene")?.scene, given(answer, "answer")?);
-        answer.write(scene.within(&query(budget), margin)?.into());
-        Ok(())
-    })
+    answered(answer, || Ok(given(scene, "scene")?.scene.within(&query(budget), margin)?.into()))
 }
 
 /// How near do two bodies come that are asked against each other, up to `cutoff`, which may be infinite? The bounds are as near
@@ -157,11 +149,7 @@ pub extern "C" fn simdop_scene_clearance(
     budget: u64,
     answer: Option<&mut MaybeUninit<simdop_scene_clearance_answer>>,
 ) -> simdop_error {
-    guarded(|| {
-        let (scene, answer) = (&given(scene, "scene")?.scene, given(answer, "answer")?);
-        answer.write(scene.clearance(&query(budget), tolerance, cutoff)?.into());
-        Ok(())
-    })
+    answered(answer, || Ok(given(scene, "scene")?.scene.clearance(&query(budget), tolerance, cutoff)?.into()))
 }
 
 /// Calls `on_hit` with `user` and every two bodies that are asked against each other and come within `margin`, each two once.

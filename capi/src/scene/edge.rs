@@ -1,20 +1,23 @@
 //! Edges: do bodies of a scene meet anywhere on their way?
 
 use super::{simdop_body_id, simdop_scene, simdop_scene_hit};
-use crate::boundary::{given, guarded, items};
+use crate::body::Node;
+use crate::boundary::{answered, given, items};
 use crate::error::{Failure, simdop_error};
 use crate::motion::{Called, simdop_motion};
 use crate::pose::simdop_pose;
 use crate::query::{query, simdop_counters};
-use simdop::motion::{Screw, ScrewMotion};
+use crate::robot::simdop_robot;
+use simdop::motion::{LinkFrame, Screw, ScrewMotion, StraightMotion};
 use simdop::pose::Pose;
-use simdop::scene::{BodyId, EdgeAnswer, EdgeMemory, EdgePair, EdgeVerdict};
+use simdop::scene::{BodyId, EdgeAnswer, EdgeMemory, EdgePair, EdgeVerdict, Scene};
 use std::mem::MaybeUninit;
 use std::num::NonZeroU32;
 
 /// Pairs of bodies that a query of an edge has room for, each in an interval of time which it has yet to ask about: two for each
 /// pair of bodies that come near each other, and more where these come close. Those there is no room for are unresolved. A scene
-/// allocates this room, 768 KiB, at its first edge, and keeps it; its later edges allocate nothing, unless more bodies move.
+/// allocates this room, 768 KiB, at its first edge, and keeps it; its later edges allocate nothing, unless more bodies move, or a
+/// robot of more joints or variables.
 pub const SIMDOP_EDGE_ROOM: usize = 65536;
 
 /// What became of an edge.
@@ -77,28 +80,64 @@ impl From<EdgeAnswer> for simdop_edge_answer {
     }
 }
 
-/// Where an answer goes.
-type Place<'a> = Option<&'a mut MaybeUninit<simdop_edge_answer>>;
-
 /// Memory for edges, which stays with the scene.
 #[derive(Default, Debug)]
 pub(super) struct EdgeRoom {
     moving: Vec<BodyId>,
-    written: Vec<simdop_pose>,
     poses: Vec<Pose>,
     waiting: Vec<EdgePair>,
+    motion: MotionRoom,
+}
+
+/// What motions have memory of their own for, which they make as large as they need it.
+#[derive(Default, Debug)]
+struct MotionRoom {
+    /// What callbacks write: a place for each body.
+    written: Vec<simdop_pose>,
+    /// The values of a robot's variables, and its links.
+    values: Vec<f64>,
+    links: Vec<LinkFrame>,
 }
 
 impl EdgeRoom {
-    /// Makes room for an edge of these bodies: their ids, a place for a pose of each, and memory for the query.
-    fn lend(&mut self, moving: &[simdop_body_id]) -> (&[BodyId], &mut [simdop_pose], EdgeMemory<'_>) {
-        let Self { moving: ids, written, poses, waiting } = self;
+    /// Makes room for an edge of these bodies: their ids, memory for the query, and what there is for the motion.
+    fn lend(&mut self, moving: &[simdop_body_id]) -> (&[BodyId], EdgeMemory<'_>, &mut MotionRoom) {
+        let Self { moving: ids, poses, waiting, motion } = self;
         ids.clear();
         ids.extend(moving.iter().copied().map(BodyId::from_bits));
-        written.resize(ids.len(), simdop_pose::UNWRITTEN);
         poses.resize(2 * ids.len(), Pose::IDENTITY);
         waiting.resize(SIMDOP_EDGE_ROOM, EdgePair::EMPTY);
-        (ids, written, EdgeMemory { poses, waiting })
+        (ids, EdgeMemory { poses, waiting }, motion)
+    }
+}
+
+/// What an edge is asked with where functions of the caller's move the bodies.
+struct CalledEdge<'e> {
+    scene: &'e mut Scene<'static, Node>,
+    moving: &'e [BodyId],
+    motion: Called<'e>,
+    memory: EdgeMemory<'e>,
+}
+
+impl<'e> CalledEdge<'e> {
+    /// # Safety
+    /// As of simdop_scene_edge(); as long as this lives, the motion's functions may be called.
+    unsafe fn new(
+        scene: Option<&'e mut simdop_scene>,
+        moving: *const simdop_body_id,
+        count: usize,
+        motion: Option<&simdop_motion>,
+    ) -> Result<Self, Failure> {
+        let simdop_scene { scene, room } = given(scene, "scene")?;
+        // SAFETY: there are so many, by the caller's promise.
+        let moving = unsafe { items(moving, count, "moving") }?;
+        let motion = *given(motion, "motion")?;
+        given(motion.go_to, "motion->go_to")?;
+        let (moving, memory, MotionRoom { written, .. }) = room.lend(moving);
+        written.resize(moving.len(), simdop_pose::UNWRITTEN);
+        // SAFETY: its functions may be called as long as this lives, by the caller's promise.
+        let motion = unsafe { Called::new(motion, written) };
+        Ok(Self { scene, moving, motion, memory })
     }
 }
 
@@ -122,17 +161,13 @@ pub unsafe extern "C" fn simdop_scene_edge(
     budget: u64,
     answer: Option<&mut MaybeUninit<simdop_edge_answer>>,
 ) -> simdop_error {
-    ask(scene, answer, |simdop_scene { scene, room }| {
-        // SAFETY: there are so many, by the caller's promise.
-        let moving = unsafe { items(moving, count, "moving") }?;
-        let motion = *given(motion, "motion")?;
-        given(motion.go_to, "motion->go_to")?;
-        given(motion.path, "motion->path")?;
-        let (moving, written, mut memory) = room.lend(moving);
-        // SAFETY: its functions may be called during this call, by the caller's promise.
-        let mut motion = unsafe { Called::new(motion, written) };
+    answered(answer, || {
+        given(given(motion, "motion")?.path, "motion->path")?;
+        // SAFETY: the same is promised here, for as long as this call.
+        let edge = unsafe { CalledEdge::new(scene, moving, count, motion) }?;
+        let CalledEdge { scene, moving, mut motion, mut memory } = edge;
         let answer = scene.edge(&query(budget), moving, &mut motion, resolution, &mut memory);
-        motion.conclude(answer)
+        Ok(motion.conclude(answer)?.into())
     })
 }
 
@@ -153,18 +188,14 @@ pub unsafe extern "C" fn simdop_scene_sampled_edge(
     budget: u64,
     answer: Option<&mut MaybeUninit<simdop_edge_answer>>,
 ) -> simdop_error {
-    ask(scene, answer, |simdop_scene { scene, room }| {
-        // SAFETY: there are so many, by the caller's promise.
-        let moving = unsafe { items(moving, count, "moving") }?;
-        let motion = *given(motion, "motion")?;
-        given(motion.go_to, "motion->go_to")?;
+    answered(answer, || {
         let parts = NonZeroU32::new(parts)
             .ok_or_else(|| Failure::new(simdop_error::MotionNoParts, "an edge of 0 parts".into()))?;
-        let (moving, written, mut memory) = room.lend(moving);
-        // SAFETY: its functions may be called during this call, by the caller's promise.
-        let mut motion = unsafe { Called::new(motion, written) };
+        // SAFETY: the same is promised here, for as long as this call.
+        let edge = unsafe { CalledEdge::new(scene, moving, count, motion) }?;
+        let CalledEdge { scene, moving, mut motion, mut memory } = edge;
         let answer = scene.sampled_edge(&query(budget), moving, &mut motion, parts, &mut memory);
-        motion.conclude(answer)
+        Ok(motion.conclude(answer)?.into())
     })
 }
 
@@ -182,24 +213,52 @@ pub extern "C" fn simdop_scene_screw_edge(
     budget: u64,
     answer: Option<&mut MaybeUninit<simdop_edge_answer>>,
 ) -> simdop_error {
-    ask(scene, answer, |simdop_scene { scene, room }| {
+    answered(answer, || {
+        let simdop_scene { scene, room } = given(scene, "scene")?;
         let (from, to) = (given(from, "from")?.checked()?, given(to, "to")?.checked()?);
         let starts = [from];
         let mut motion = ScrewMotion::new(Screw::between(&from, &to)?, &starts);
-        let (moving, _, mut memory) = room.lend(&[id]);
-        Ok(scene.edge(&query(budget), moving, &mut motion, resolution, &mut memory)?)
+        let (moving, mut memory, _) = room.lend(&[id]);
+        Ok(scene.edge(&query(budget), moving, &mut motion, resolution, &mut memory)?.into())
     })
 }
 
-/// Asks a scene, and writes the answer.
-fn ask(
+/// As simdop_scene_edge(), of the bodies of a robot, and of what is attached to these, while each of its variables changes
+/// evenly from one value to another. `from` and `to` have a number for each variable, within its limits. `moving` are the
+/// robot's bodies, in its order: with more or fewer of them this is SIMDOP_ERROR_MOTION_BODIES. Where they stand in the scene
+/// does not matter.
+///
+/// The matrices of the base and of the joints are taken for rotations: by what they are off one, the bounds that the verdict
+/// rests on are too small.
+///
+/// # Safety
+/// There are `count` ids, and a number for each variable in both arrays.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn simdop_scene_straight_edge(
     scene: Option<&mut simdop_scene>,
-    answer: Place<'_>,
-    ask: impl FnOnce(&mut simdop_scene) -> Result<EdgeAnswer, Failure>,
+    moving: *const simdop_body_id,
+    count: usize,
+    robot: Option<&simdop_robot>,
+    from: *const f64,
+    to: *const f64,
+    resolution: f64,
+    budget: u64,
+    answer: Option<&mut MaybeUninit<simdop_edge_answer>>,
 ) -> simdop_error {
-    guarded(|| {
-        let (scene, answer) = (given(scene, "scene")?, given(answer, "answer")?);
-        answer.write(ask(scene)?.into());
-        Ok(())
+    answered(answer, || {
+        let simdop_scene { scene, room } = given(scene, "scene")?;
+        let kinematics = given(robot, "robot")?.kinematics()?;
+        let variables = kinematics.limits().len();
+        // SAFETY: there are so many, by the caller's promise.
+        let moving = unsafe { items(moving, count, "moving") }?;
+        // SAFETY: there is one for each variable, by the caller's promise.
+        let from = unsafe { items(from, variables, "from") }?;
+        // SAFETY: the same.
+        let to = unsafe { items(to, variables, "to") }?;
+        let (moving, mut memory, MotionRoom { values, links, .. }) = room.lend(moving);
+        values.resize(variables, 0.0);
+        links.resize(kinematics.links(), LinkFrame::EMPTY);
+        let mut motion = StraightMotion::new(kinematics, [from, to], values, links)?;
+        Ok(scene.edge(&query(budget), moving, &mut motion, resolution, &mut memory)?.into())
     })
 }

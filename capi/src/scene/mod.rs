@@ -10,13 +10,14 @@ pub use ask::{
 };
 pub use edge::{
     SIMDOP_EDGE_ROOM, simdop_edge_answer, simdop_edge_verdict, simdop_scene_edge, simdop_scene_sampled_edge,
-    simdop_scene_screw_edge,
+    simdop_scene_screw_edge, simdop_scene_straight_edge,
 };
 
 use crate::body::{Node, simdop_body};
-use crate::boundary::{given, guarded};
+use crate::boundary::{given, guarded, make};
 use crate::error::{Failure, simdop_error};
 use crate::pose::simdop_pose;
+use crate::robot::simdop_robot;
 use edge::EdgeRoom;
 use simdop::scene::{Body, BodyId, Groups, Scene};
 use std::ffi::c_int;
@@ -37,6 +38,7 @@ const _: () = {
     const fn shared_among_threads<T: Send + Sync>() {}
     shared_among_threads::<simdop_body>();
     shared_among_threads::<simdop_scene>();
+    shared_among_threads::<simdop_robot>();
 };
 
 /// A body in its scene, and in no other one. That of a body which was removed is an error, until its place was taken 2^32 times.
@@ -65,7 +67,7 @@ pub extern "C" fn simdop_role_default() -> simdop_role {
 impl simdop_role {
     fn body(&self, body: &'static simdop_body) -> Body<'static, Node> {
         let groups = Groups { of: self.groups, against: self.against };
-        let body = Body::new(body.tree()).with_radius(self.radius).with_groups(groups);
+        let body = Body::new(body.view()).with_radius(self.radius).with_groups(groups);
         if self.is_fixed == 0 { body } else { body.fixed() }
     }
 }
@@ -83,11 +85,7 @@ fn change(
 pub extern "C" fn simdop_scene_create(
     scene: Option<&mut MaybeUninit<Option<Box<simdop_scene>>>>,
 ) -> simdop_error {
-    guarded(|| {
-        given(scene, "scene")?
-            .write(Some(Box::new(simdop_scene { scene: Scene::new(), room: EdgeRoom::default() })));
-        Ok(())
-    })
+    make(scene, "scene", || Ok(simdop_scene { scene: Scene::new(), room: EdgeRoom::default() }))
 }
 
 /// Destroys a scene, and none of its bodies. Of NULL, nothing.

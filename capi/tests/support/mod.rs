@@ -2,6 +2,7 @@
 
 #[path = "../../../tests/support/rng.rs"]
 mod rng;
+pub(crate) mod robot;
 
 pub(crate) use rng::Rng;
 

@@ -1,0 +1,185 @@
+//! Robots: bodies on links that joints move.
+
+use crate::boundary::{given, guarded, items, make, places};
+use crate::error::{Failure, simdop_error};
+use crate::pose::simdop_pose;
+use simdop::motion::{Joint, JointKind, Kinematics, LinkBody, LinkFrame, MotionError};
+use simdop::pose::Pose;
+use std::mem::MaybeUninit;
+
+/// What a joint does.
+#[repr(C)]
+#[derive(Copy, Clone, PartialEq, Eq, Debug)]
+pub enum simdop_joint_kind {
+    /// Turns about its axis, by its value in radians.
+    Revolute = 0,
+    /// Slides along its axis, by its value in the unit of length.
+    Prismatic = 1,
+}
+
+/// A joint, and the link that it moves: the link behind joint i is link i + 1, and link 0 is the base. A joint that does not
+/// move is none: what is behind it belongs to the link before.
+#[repr(C)]
+#[derive(Copy, Clone, PartialEq, Debug)]
+pub struct simdop_joint {
+    /// What it does: one of simdop_joint_kind.
+    pub kind: u32,
+    /// The link that it is on, which comes before its own: at most i for joint i.
+    pub parent: u32,
+    /// The index of the variable that moves it. Of a joint that mimics another, the other's.
+    pub variable: u32,
+    /// Where it stands in the frame of the link that it is on.
+    pub origin: simdop_pose,
+    /// Its axis in its own frame: a direction of any length.
+    pub axis: [f64; 3],
+    /// Its value is `multiplier` times its variable, plus `offset`. 1, unless it mimics another.
+    pub multiplier: f64,
+    /// In radians, or in the unit of length. 0, unless it mimics another.
+    pub offset: f64,
+}
+
+/// A body on a link.
+#[repr(C)]
+#[derive(Copy, Clone, PartialEq, Debug)]
+pub struct simdop_link_body {
+    /// The link: 0 is the base.
+    pub link: u32,
+    /// Where the body stands in the link's frame.
+    pub pose: simdop_pose,
+}
+
+/// A robot: joints, the limits of the variables that move them, and where bodies are on the links. Which bodies these are it
+/// does not know: those of a scene are named with each question.
+#[derive(Debug)]
+pub struct simdop_robot {
+    parts: Parts,
+    /// Memory for forward kinematics: a place for each link and for each body.
+    links: Vec<LinkFrame>,
+    poses: Vec<Pose>,
+}
+
+#[derive(Debug)]
+struct Parts {
+    base: Pose,
+    joints: Vec<Joint>,
+    bodies: Vec<LinkBody>,
+    limits: Vec<[f64; 2]>,
+}
+
+impl Parts {
+    /// Checks all of it each time, which is a comparison or two for each joint, body and variable.
+    fn kinematics(&self) -> Result<Kinematics<'_>, MotionError> {
+        Ok(Kinematics::new(&self.joints, &self.bodies, &self.limits)?.with_base(self.base))
+    }
+}
+
+impl simdop_robot {
+    fn new(parts: Parts) -> Result<Self, MotionError> {
+        let kinematics = parts.kinematics()?;
+        let links = vec![LinkFrame::EMPTY; kinematics.links()];
+        let poses = vec![Pose::IDENTITY; kinematics.bodies().len()];
+        Ok(Self { parts, links, poses })
+    }
+
+    pub(crate) fn kinematics(&self) -> Result<Kinematics<'_>, MotionError> {
+        self.parts.kinematics()
+    }
+}
+
+impl simdop_joint {
+    fn checked(&self) -> Result<Joint, Failure> {
+        // A field of the enumeration's own type could not be checked: any other number in it would be undefined behaviour.
+        let kinds = [
+            (simdop_joint_kind::Revolute, JointKind::Revolute),
+            (simdop_joint_kind::Prismatic, JointKind::Prismatic),
+        ];
+        let Some((_, kind)) = kinds.into_iter().find(|(number, _)| *number as u32 == self.kind) else {
+            let message = format!("{} is no kind of a joint", self.kind);
+            return Err(Failure::new(simdop_error::MotionNoSuchKind, message));
+        };
+        let joint = Joint::new(kind, self.parent, self.origin.checked()?, self.axis, self.variable)?;
+        Ok(joint.following(self.multiplier, self.offset)?)
+    }
+}
+
+impl simdop_link_body {
+    fn checked(&self) -> Result<LinkBody, Failure> {
+        Ok(LinkBody { link: self.link, at: self.pose.checked()? })
+    }
+}
+
+/// All items once they are checked, or what is wrong with the first that is not right.
+fn checked<T, C>(
+    items: &[T],
+    name: &str,
+    check: impl Fn(&T) -> Result<C, Failure>,
+) -> Result<Vec<C>, Failure> {
+    let check = |(i, item)| check(item).map_err(|failure| failure.of(&format!("{name} {i}")));
+    items.iter().enumerate().map(check).collect()
+}
+
+/// Makes a robot whose base stands at `base` in the world, of `joint_count` joints, each behind those between it and the base,
+/// of `body_count` bodies on its links, and of the limits of `variable_count` variables: that many times the lower and the upper
+/// one, both finite. All of it is copied.
+///
+/// # Safety
+/// The arrays have so many items.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn simdop_robot_new(
+    base: Option<&simdop_pose>,
+    joints: *const simdop_joint,
+    joint_count: usize,
+    bodies: *const simdop_link_body,
+    body_count: usize,
+    limits: *const f64,
+    variable_count: usize,
+    robot: Option<&mut MaybeUninit<Option<Box<simdop_robot>>>>,
+) -> simdop_error {
+    make(robot, "robot", || {
+        let base = given(base, "base")?.checked()?;
+        // SAFETY: there are so many, by the caller's promise.
+        let joints = unsafe { items(joints, joint_count, "joints") }?;
+        // SAFETY: the same.
+        let bodies = unsafe { items(bodies, body_count, "bodies") }?;
+        // SAFETY: the same; two numbers in a row are aligned as one.
+        let limits: &[[f64; 2]] = unsafe { items(limits.cast(), variable_count, "limits") }?;
+        Ok(simdop_robot::new(Parts {
+            base,
+            joints: checked(joints, "joint", simdop_joint::checked)?,
+            bodies: checked(bodies, "body", simdop_link_body::checked)?,
+            limits: limits.to_vec(),
+        })?)
+    })
+}
+
+/// Forward kinematics: where the bodies of a robot stand in the world at some values of its variables. `values` has a number
+/// for each variable, within its limits, and `poses` a place for each body. The robot is not const, for its memory is used.
+///
+/// # Safety
+/// There are so many numbers and places.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn simdop_robot_poses(
+    robot: Option<&mut simdop_robot>,
+    values: *const f64,
+    poses: *mut simdop_pose,
+) -> simdop_error {
+    guarded(|| {
+        let simdop_robot { parts, links, poses: placed } = given(robot, "robot")?;
+        let kinematics = parts.kinematics()?;
+        // SAFETY: there is one for each variable, by the caller's promise.
+        let values = unsafe { items(values, parts.limits.len(), "values") }?;
+        // SAFETY: there is a place for each body, by the caller's promise.
+        let poses = unsafe { places(poses, placed.len(), "poses") }?;
+        kinematics.go_to(values, links, placed)?;
+        for (pose, placed) in poses.iter_mut().zip(placed) {
+            pose.write((&*placed).into());
+        }
+        Ok(())
+    })
+}
+
+/// Destroys a robot. Of NULL, nothing.
+#[unsafe(no_mangle)]
+pub extern "C" fn simdop_robot_free(robot: Option<Box<simdop_robot>>) {
+    drop(robot);
+}
