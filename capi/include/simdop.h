@@ -1006,9 +1006,6 @@ simdop_error simdop_scene_screw_edge(simdop_scene *scene,
  * robot's bodies, in its order: with more or fewer of them this is SIMDOP_ERROR_MOTION_BODIES. Where they stand in the scene
  * does not matter.
  *
- * The matrices of the base and of the joints are taken for rotations: by what they are off one, the bounds that the verdict
- * rests on are too small.
- *
  * # Safety
  * There are `count` ids, and a number for each variable in both arrays.
  */

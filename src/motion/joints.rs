@@ -28,7 +28,8 @@ pub struct Joint {
 
 impl Joint {
     /// A joint on link `parent`, which stands at `origin` in its frame, with an axis in the joint's frame, whose value is the
-    /// variable of this index.
+    /// variable of this index. Of a matrix that is not quite a rotation the rotation is taken that is next to it, since a joint
+    /// that stretched what it turns would move it farther than along an arc.
     ///
     /// # Errors
     /// [`MotionError::NoDirection`].
@@ -40,7 +41,7 @@ impl Joint {
         variable: u32,
     ) -> Result<Self, MotionError> {
         let axis = unit(&axis).ok_or(MotionError::NoDirection)?;
-        Ok(Self { parent, origin, kind, axis, variable, multiplier: 1.0, offset: 0.0 })
+        Ok(Self { parent, origin: origin.orthonormal(), kind, axis, variable, multiplier: 1.0, offset: 0.0 })
     }
 
     /// One that follows its variable: its value is `multiplier` times that, and `offset`. A joint that mimics another.
@@ -167,10 +168,10 @@ impl<'r> Kinematics<'r> {
         }
     }
 
-    /// With the base there in the world.
+    /// With the base there in the world: as of a joint's origin, a matrix is made a rotation.
     #[must_use]
-    pub const fn with_base(self, base: Pose) -> Self {
-        Self { base, ..self }
+    pub fn with_base(self, base: Pose) -> Self {
+        Self { base: base.orthonormal(), ..self }
     }
 
     /// The joints.

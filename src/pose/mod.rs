@@ -1,7 +1,7 @@
 //! Rigid poses: where body A stands in the frame of body B.
 
 use crate::range::{MAX_COORDINATE, MAX_MOVED, Point, flush};
-use crate::vector::{cross, dot};
+use crate::vector::{cross, dot, length};
 use core::fmt;
 use glam::{DMat3, DVec3};
 
@@ -176,6 +176,20 @@ impl Pose {
             ],
             translation: [0.0; 3],
         }
+    }
+
+    /// With a rotation, up to a few roundings, in place of a matrix that is accepted as one: the first row is kept but for its
+    /// length, and of the second what is at a right angle to it. No entry changes by more than twice what the matrix is off.
+    #[must_use]
+    pub(crate) fn orthonormal(&self) -> Self {
+        let unit = |a: &Point| {
+            let length = length(a);
+            [a[0] / length, a[1] / length, a[2] / length]
+        };
+        let x = unit(&self.rows[0]);
+        let (q, along) = (&self.rows[1], dot(&x, &self.rows[1]));
+        let y = unit(&[q[0] - along * x[0], q[1] - along * x[1], q[2] - along * x[2]]);
+        Self { rows: [x, y, cross(&x, &y)], translation: self.translation }
     }
 
     /// The pose with a way added to its translation. Not checked.

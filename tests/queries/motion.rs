@@ -33,6 +33,13 @@ fn pose(at: DAffine3) -> Pose {
     Pose::try_from(at).unwrap()
 }
 
+/// One whose matrix is as far off a rotation as numbers of five digits are.
+fn skewed(rng: &mut Rng, at: DAffine3) -> Pose {
+    let mut off = || 1.0 + rng.range(-2e-5, 2e-5);
+    let stretch = DAffine3::from_scale(DVec3::new(off(), off(), off()));
+    pose(DAffine3 { translation: at.translation, ..at * stretch })
+}
+
 /// A tree of joints of both kinds, one of which mimics another.
 fn specs(rng: &mut Rng, joints: u32) -> Vec<Spec> {
     (0..joints)
@@ -168,6 +175,36 @@ fn no_point_gets_farther_than_is_said() {
             (seen, said) = (seen + a, said + b);
         }
         assert!(seen >= least * said, "span {span}: {seen} seen, {said} said");
+    }
+}
+
+/// The first joint's origin, the base and the places of the bodies on their links, none of them a rotation.
+#[test]
+fn no_point_gets_farther_where_matrices_are_not_quite_rotations() {
+    let mut rng = Rng::new(176);
+    for _ in 0..200 {
+        let at = affine(&mut rng, 0.5);
+        let origin = skewed(&mut rng, at);
+        let joints = [
+            Joint::new(JointKind::Revolute, 0, origin, vector(&mut rng, 1.0).to_array(), 0).unwrap(),
+            Joint::new(JointKind::Revolute, 1, Pose::IDENTITY, vector(&mut rng, 1.0).to_array(), 1).unwrap(),
+        ];
+        let bodies = [1, 2].map(|link| LinkBody { link, at: skewed(&mut rng, DAffine3::IDENTITY) });
+        let base = skewed(&mut rng, DAffine3::IDENTITY);
+        let robot = Kinematics::new(&joints, &bodies, &[[-4.0, 4.0]; 2]).unwrap().with_base(base);
+        // One joint, by so little that arc and chord are the same: a point gets as far as is said.
+        let joint = rng.below(2) as usize;
+        let mut ends = [[0.1, 0.3]; 2];
+        ends[1][joint] += 1e-3;
+        let (mut values, mut links) = ([0.0; 2], [LinkFrame::EMPTY; 3]);
+        let mut motion = StraightMotion::new(robot, [&ends[0], &ends[1]], &mut values, &mut links).unwrap();
+        let (mut poses, p) = ([Pose::IDENTITY; 2], vector(&mut rng, 1.0).to_array());
+        motion.go_to(0.5, &mut poses).unwrap();
+        let ball = CarriedBall { centre: poses[1].apply(p), radius: 0.0 };
+        let said = motion.path(1, &ball, 0.5);
+        motion.go_to(1.0, &mut poses).unwrap();
+        let seen = DVec3::from_array(poses[1].apply(p)).distance(DVec3::from_array(ball.centre));
+        assert!(seen <= said + 1e-15 && said <= seen * (1.0 + 1e-6) + 1e-12, "{seen} seen, {said} said");
     }
 }
 
