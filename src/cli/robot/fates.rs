@@ -21,10 +21,16 @@ pub(super) struct FatesReport {
     fates: Vec<FateReport>,
     /// Entries that an SRDF must not have.
     refuted: Vec<Refuted>,
-    /// Pairs that are asked, and cannot meet.
-    never: Vec<[String; 2]>,
-    /// Pairs that are asked, and meet everywhere: the robot may stand nowhere.
-    always: Vec<[String; 2]>,
+    /// Of each pair, asked or ruled out.
+    matrix: Vec<CertifiedPair>,
+}
+
+#[derive(Serialize)]
+struct CertifiedPair {
+    bodies: [String; 2],
+    is_asked: bool,
+    fate: &'static str,
+    boxes: usize,
 }
 
 #[derive(Serialize)]
@@ -65,8 +71,7 @@ pub(super) fn ask(
         seconds: 0.0,
         fates: FATES.map(|(_, fate)| FateReport { fate, asked: 0, ruled_out: 0 }).into(),
         refuted: Vec::new(),
-        never: Vec::new(),
-        always: Vec::new(),
+        matrix: Vec::new(),
     };
     let bar = progress::bar(pairs.len(), "pairs", quiet);
     let start = Instant::now();
@@ -84,17 +89,14 @@ impl FatesReport {
         self.boxes += found.boxes;
         let bodies = || [i, j].map(|body| model.names[body].clone());
         let is_asked = model.asked.contains(&(i, j));
-        for ((fate, _), report) in FATES.iter().zip(&mut self.fates) {
+        for ((fate, name), report) in FATES.iter().zip(&mut self.fates) {
             if *fate == found.fate {
                 *(if is_asked { &mut report.asked } else { &mut report.ruled_out }) += 1;
+                let (bodies, boxes) = (bodies(), found.boxes);
+                self.matrix.push(CertifiedPair { bodies, is_asked, fate: name, boxes });
             }
         }
         if is_asked {
-            match found.fate {
-                PairFate::Never => self.never.push(bodies()),
-                PairFate::Always => self.always.push(bodies()),
-                PairFate::Sometimes | PairFate::Undecided => {}
-            }
             return;
         }
         let links = [i, j].map(|body| model.robot.names[body].as_str());
@@ -121,9 +123,10 @@ impl FatesReport {
             let values: Vec<String> = at.iter().map(|(name, value)| format!("{name} {value:.4}")).collect();
             writeln!(out, "    {}", values.join(", "))?;
         }
-        for (pairs, what) in [(&self.never, "never meet"), (&self.always, "always meet")] {
-            for [a, b] in pairs {
-                writeln!(out, "asked, and they {what}: {a}, {b}")?;
+        for CertifiedPair { bodies: [a, b], is_asked, fate, .. } in &self.matrix {
+            // Where the robot may stand anywhere as far as they go, or nowhere.
+            if *is_asked && ["never", "always"].contains(fate) {
+                writeln!(out, "asked, and they {fate} meet: {a}, {b}")?;
             }
         }
         Ok(())
