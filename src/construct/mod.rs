@@ -12,6 +12,7 @@ mod below;
 mod closed;
 mod clustering;
 mod cost;
+mod cover;
 mod enclosing;
 mod error;
 mod geometry;
@@ -31,6 +32,7 @@ pub use assignment::Assignment;
 pub(crate) use closed::{OpenEdge, Unclosed, check_closed};
 #[doc(hidden)]
 pub use clustering::Clustering;
+pub use cover::CoverError;
 pub use error::BuildError;
 pub use geometry::{Geometry, Mesh, SphereSet};
 pub use progress::Progress;

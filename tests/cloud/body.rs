@@ -341,5 +341,5 @@ fn points_inside_of_a_solid_are_near() {
             assert_eq!(distance.upper == 0.0, is_inside, "{isa}, {step}: {distance:?}");
         }
     }
-    assert!(met.iter().all(|count| *count > 10), "{met:?}");
+    assert!(met.iter().all(|count| *count > scenes::size(10, 1)), "{met:?}");
 }

@@ -1,0 +1,158 @@
+//! Spheres around meshes: what they hold, and how far they reach, by brute force.
+
+#[path = "support/data.rs"]
+mod data;
+#[path = "support/rng.rs"]
+mod rng;
+#[path = "support/shapes.rs"]
+mod shapes;
+
+use data::{MeshData, directory, suite_step};
+use glam::DVec3;
+use rng::Rng;
+use simdop::construct::{BuildError, CoverError, Mesh};
+use simdop::primitive::Sphere;
+
+type Triangle = [DVec3; 3];
+
+fn triangles(mesh: &MeshData) -> Vec<Triangle> {
+    let corner = |vertex: u32| DVec3::from_array(mesh.vertices[vertex as usize]);
+    mesh.triangles.iter().map(|t| t.map(corner)).collect()
+}
+
+fn cover(mesh: &MeshData, error: f64) -> Vec<Sphere> {
+    Mesh { vertices: &mesh.vertices, triangles: &mesh.triangles }.cover(error).unwrap()
+}
+
+/// Whether every point of a triangle is in one of the spheres: one holds all corners, or they hold its four quarters, in the end
+/// the corners each, where spheres meet. No coordinate has so many digits that halving loses one; the squares round by less than what is
+/// asked besides.
+fn is_held(t: &Triangle, spheres: &[Sphere], depth: u32) -> bool {
+    let near: Vec<Sphere> = spheres
+        .iter()
+        .copied()
+        .filter(|sphere| {
+            let (centre, reach) =
+                (DVec3::from_array(sphere.centre), t[0].distance(t[1]).max(t[0].distance(t[2])));
+            t[0].distance(centre) <= sphere.radius + 2.0 * reach
+        })
+        .collect();
+    let is_in = |p: &DVec3, sphere: &Sphere| {
+        p.distance_squared(DVec3::from_array(sphere.centre)) <= sphere.radius * sphere.radius * (1.0 - 1e-15)
+    };
+    if near.iter().any(|sphere| t.iter().all(|p| is_in(p, sphere))) {
+        return true;
+    }
+    if depth == 0 {
+        return t.iter().all(|p| near.iter().any(|sphere| is_in(p, sphere)));
+    }
+    let [p, q, r] = *t;
+    let [a, b, c] = [0.5 * (p + q), 0.5 * (q + r), 0.5 * (r + p)];
+    [[p, a, c], [a, q, b], [c, b, r], [a, b, c]].iter().all(|t| is_held(t, &near, depth - 1))
+}
+
+/// From a point to a triangle.
+fn distance(x: DVec3, [p, q, r]: &Triangle) -> f64 {
+    let of_edge = |p: DVec3, q: DVec3| {
+        let (u, length) = (q - p, (q - p).length_squared());
+        let along = if length > 0.0 { ((x - p).dot(u) / length).clamp(0.0, 1.0) } else { 0.0 };
+        x.distance(p + along * u)
+    };
+    let edges = of_edge(*p, *q).min(of_edge(*q, *r)).min(of_edge(*r, *p));
+    let normal = (*q - *p).cross(*r - *p);
+    let inside = |p: DVec3, q: DVec3| (q - p).cross(x - p).dot(normal) >= 0.0;
+    if normal.length_squared() > 0.0 && inside(*p, *q) && inside(*q, *r) && inside(*r, *p) {
+        return edges.min((x - *p).dot(normal).abs() / normal.length());
+    }
+    edges
+}
+
+fn check(mesh: &MeshData, error: f64, what: &str) -> usize {
+    let (all, spheres) = (triangles(mesh), cover(mesh, error));
+    for (i, t) in all.iter().enumerate() {
+        assert!(is_held(t, &spheres, 5), "{what}: triangle {i} is not held");
+    }
+    let mut rng = Rng::new(211);
+    for sphere in &spheres {
+        let direction = DVec3::from_array(core::array::from_fn(|_| rng.range(-1.0, 1.0))).normalize_or_zero();
+        for reach in [0.0, sphere.radius] {
+            let x = DVec3::from_array(sphere.centre) + reach * direction;
+            let off = all.iter().map(|t| distance(x, t)).fold(f64::INFINITY, f64::min);
+            assert!(off <= error * (1.0 + 1e-12), "{what}: {x} is {off} off");
+        }
+    }
+    spheres.len()
+}
+
+#[test]
+fn spheres_hold_the_mesh_and_stay_near_it() {
+    let mut rng = Rng::new(210);
+    // Coordinates of few digits.
+    let round = |mut mesh: MeshData| {
+        for x in mesh.vertices.iter_mut().flatten() {
+            *x = (*x * 65536.0).round() / 65536.0;
+        }
+        mesh
+    };
+    for (name, mesh) in [
+        ("cuboid", shapes::cuboid([-1.0, -0.5, 0.0], [2.0, 0.5, 0.25], false)),
+        ("torus", shapes::torus(24, 16)),
+        ("soup", shapes::soup(&mut rng, 40, 1.0)),
+        ("a point", MeshData { vertices: vec![[1.0, 2.0, 3.0]], triangles: vec![[0; 3]] }),
+        ("a segment", MeshData { vertices: vec![[1.0; 3], [-1.0; 3]], triangles: vec![[0, 1, 1]] }),
+    ] {
+        let mesh = round(mesh);
+        let counts = [0.5, 0.1, 0.03].map(|error| check(&mesh, error, name));
+        assert!(counts.is_sorted(), "{name}: {counts:?}");
+        assert_eq!(cover(&mesh, 10.0).len(), 1, "{name}: one sphere is enough");
+    }
+    assert!(cover(&MeshData { vertices: vec![], triangles: vec![] }, 1.0).is_empty());
+}
+
+/// In any unit, and far from the origin.
+#[test]
+fn covers_have_no_scale() {
+    let torus = shapes::torus(12, 8);
+    let counted = cover(&torus, 0.25).len();
+    for exponent in [-200, -20, 30, 280] {
+        let scale = 2_f64.powi(exponent);
+        let mut mesh = torus.clone();
+        mesh.vertices.iter_mut().flatten().for_each(|x| *x *= scale);
+        assert_eq!(cover(&mesh, 0.25 * scale).len(), counted, "2^{exponent}");
+    }
+    let mut far = torus;
+    far.vertices.iter_mut().flatten().for_each(|x| *x = ((*x * 1024.0).round() / 1024.0) + 1048576.0);
+    check(&far, 0.25, "far away");
+}
+
+#[test]
+fn scans_are_held() {
+    let Some(data) = directory() else { return };
+    let mesh = MeshData::obj(&data.join("meshes/cow.obj"));
+    let all = triangles(&mesh);
+    let (low, high) = all
+        .iter()
+        .flatten()
+        .fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(low, high), p| (low.min(*p), high.max(*p)));
+    let spheres = cover(&mesh, 0.02 * low.distance(high));
+    assert!(spheres.len() < all.len(), "{} spheres", spheres.len());
+    for t in all.iter().step_by(7 * suite_step()) {
+        assert!(is_held(t, &spheres, 5));
+    }
+}
+
+#[test]
+fn what_cannot_be_covered_is_refused() {
+    let vertices = [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
+    let mesh = Mesh { vertices: &vertices, triangles: &[[0, 1, 2]] };
+    for error in [0.0, -1.0, f64::NAN, f64::INFINITY, 1e-12] {
+        let refused = mesh.cover(error).unwrap_err();
+        assert!(matches!(refused, CoverError::Error { .. }) && refused.to_string().len() > 20, "{refused}");
+    }
+    let open = Mesh { vertices: &vertices, triangles: &[[0, 1, 3]] };
+    assert_eq!(open.cover(0.1), Err(CoverError::Mesh(BuildError::Primitive { index: 0 })));
+    let wrong = Mesh { vertices: &[[f64::NAN; 3]], triangles: &[] };
+    assert_eq!(wrong.cover(0.1), Err(CoverError::Mesh(BuildError::Vertex { index: 0 })));
+    // So small an error takes more spheres than a tree has.
+    assert_eq!(mesh.cover(1e-5), Err(CoverError::TooMany));
+}
