@@ -3,7 +3,7 @@
 use super::body::Shape;
 use core::fmt;
 use simdop::cloud::{CloudError, SearchError};
-use simdop::construct::BuildError;
+use simdop::construct::{BuildError, CoverError};
 use simdop::hierarchy::{BakeError, VerifyError};
 use simdop::packing::PackError;
 use simdop::robot::RobotError;
@@ -51,6 +51,8 @@ pub(crate) enum Error {
     Verify { path: PathBuf, error: VerifyError },
     /// A mesh cannot be built.
     Build { name: String, error: BuildError },
+    /// A mesh cannot be covered with spheres.
+    Cover { name: String, error: CoverError },
     /// A mesh cannot be filled with spheres.
     Pack { name: String, error: PackError },
     /// Points cannot be a cloud.
@@ -105,6 +107,7 @@ impl fmt::Display for Error {
             Self::Tree { path, error } => write!(f, "{}: {error}", path.display()),
             Self::Verify { path, error } => write!(f, "{}: not conservative: {error}", path.display()),
             Self::Build { name, error } => write!(f, "{name}: {error}"),
+            Self::Cover { name, error } => write!(f, "{name}: {error}"),
             Self::Pack { name, error } => write!(f, "{name}: {error}"),
             Self::Cloud { name, error } => write!(f, "{name}: {error}"),
             Self::Search { name, error } => write!(f, "{name}: {error}"),

@@ -3,6 +3,7 @@
 mod body;
 mod build;
 mod collide;
+mod cover;
 mod error;
 mod info;
 mod mesh;
@@ -51,6 +52,11 @@ enum Command {
     ///
     /// The table says what share of the mesh's volume the first spheres cover.
     Pack(pack::Options),
+    /// Covers a mesh with spheres: a smaller body that is free only where the mesh is.
+    ///
+    /// Every point of the mesh is in a sphere, and no point of a sphere is farther from the mesh than the error. Of a closed mesh
+    /// it is the surface that is covered.
+    Cover(cover::Options),
     /// How much of their volume do two packings share, A placed by a pose in B's frame?
     ///
     /// With the direction in which A is pushed, and as many rows as there are poses.
@@ -175,6 +181,7 @@ pub(crate) fn run() -> ExitCode {
         Command::Build(options) => build::run(&options).map(|()| 0),
         Command::Info(options) => info::run(&options).map(|()| 0),
         Command::Pack(options) => pack::run(&options).map(|()| 0),
+        Command::Cover(options) => cover::run(&options).map(|()| 0),
         Command::Volume(options) => volume::run(&options).map(|()| 0),
         Command::Near(options) => near::run(&options),
         Command::Robot(options) => robot::run(&options).map(|()| 0),

@@ -1,0 +1,166 @@
+//! `simdop cover`.
+
+use super::body::{self, Source};
+use super::error::Error;
+use super::mesh::MeshData;
+use super::output;
+use super::{File, TreeOptions, progress, scene};
+use clap::Args;
+use core::ops::ControlFlow;
+use serde::Serialize;
+use simdop::construct::{Builder, Mesh, SphereSet};
+use simdop::hierarchy::Bvh;
+use simdop::node::Node16;
+use simdop::packing::text;
+use simdop::primitive::{Sphere, Spheres};
+use std::io::Write;
+use std::time::Instant;
+
+#[derive(Args, Debug)]
+pub(super) struct Options {
+    /// A mesh, or a tree: then the mesh that it was built from. Without it: a gear that is built in.
+    mesh: Option<File>,
+    #[command(flatten)]
+    limit: Limit,
+    /// What to write: the spheres, a line each (x y z r), if the name ends in .txt; else their tree (k = 18, arity 16), as a part of a
+    /// firmware. A file that is there is replaced at once.
+    #[arg(short, long)]
+    output: File,
+    /// One JSON object instead of a line.
+    #[arg(long)]
+    json: bool,
+}
+
+/// How coarse.
+#[derive(Args, Copy, Clone, Debug)]
+#[group(required = true, multiple = false)]
+struct Limit {
+    /// No point of a sphere is farther than this from the mesh, in its unit.
+    #[arg(long, value_name = "LENGTH")]
+    error: Option<f64>,
+    /// The least error that takes at most so many spheres, up to a tenth.
+    #[arg(long, value_name = "NUMBER", value_parser = clap::value_parser!(u32).range(1..))]
+    spheres: Option<u32>,
+    /// The least error that takes at most so many bytes for the tree, up to a tenth.
+    #[arg(long, value_name = "BYTES")]
+    bytes: Option<u64>,
+}
+
+#[derive(Serialize)]
+struct Report {
+    version: &'static str,
+    mesh: String,
+    triangles: usize,
+    error: f64,
+    spheres: usize,
+    /// Of the tree.
+    bytes: usize,
+    cover_nanoseconds: u128,
+}
+
+/// Spheres that hold a mesh, and their tree.
+struct Covered {
+    error: f64,
+    spheres: Vec<Sphere>,
+    tree: Bvh<Node16<18>, Spheres>,
+}
+
+pub(super) fn run(options: &Options) -> Result<(), Error> {
+    output::check_targets(
+        options.mesh.as_deref(),
+        [("--output", Some(options.output.as_path())), ("", None)],
+    )?;
+    let (name, mesh) = match &options.mesh {
+        None => ("gear ring (built in)".into(), scene::gear()),
+        Some(path) => {
+            let mesh = match body::read(path, &TreeOptions::default(), options.json)? {
+                Source::Mesh(mesh) => mesh,
+                Source::Tree(tree) => body::mesh_of(&tree),
+            };
+            (path.display().to_string(), mesh)
+        }
+    };
+    let spinner = progress::step(format!("covering {name}"), options.json);
+    let start = Instant::now();
+    let covered = within(&name, &mesh, options.limit)?;
+    let cover_nanoseconds = start.elapsed().as_nanos();
+    drop(spinner);
+    let mut lines = String::new();
+    let contents = if options.output.extension().is_some_and(|ending| ending == "txt") {
+        // Writing to a string does not fail.
+        let _ = text::write(&covered.spheres, &mut lines);
+        lines.as_bytes()
+    } else {
+        covered.tree.as_bytes()
+    };
+    output::replace([(options.output.as_path(), contents)])?;
+    let report = Report {
+        version: env!("CARGO_PKG_VERSION"),
+        mesh: name,
+        triangles: mesh.triangles.len(),
+        error: covered.error,
+        spheres: covered.spheres.len(),
+        bytes: covered.tree.as_bytes().len(),
+        cover_nanoseconds,
+    };
+    if output::is_standard_output(&options.output) {
+        // The standard output holds the spheres, and nothing else.
+        let _ = print(&report, options.json, &mut std::io::stderr().lock());
+        return Ok(());
+    }
+    print(&report, options.json, &mut std::io::stdout().lock()).map_err(Error::Output)
+}
+
+fn cover(name: &str, mesh: &MeshData, error: f64) -> Result<Covered, Error> {
+    let mesh = Mesh { vertices: &mesh.vertices, triangles: &mesh.triangles };
+    let spheres = mesh.cover(error).map_err(|error| Error::Cover { name: name.into(), error })?;
+    let tree = Builder::balanced()
+        .without_balls()
+        .build_geometry(&SphereSet { spheres: &spheres }, &mut |_| ControlFlow::Continue(()))
+        .map_err(|error| Error::Build { name: name.into(), error })?;
+    Ok(Covered { error, spheres, tree })
+}
+
+/// A cover within what is asked for.
+fn within(name: &str, mesh: &MeshData, limit: Limit) -> Result<Covered, Error> {
+    if let Some(error) = limit.error {
+        return cover(name, mesh, error);
+    }
+    let fits = |covered: &Covered| {
+        limit.spheres.is_none_or(|most| covered.spheres.len() <= most as usize)
+            && limit.bytes.is_none_or(|most| covered.tree.as_bytes().len() as u64 <= most)
+    };
+    let (low, high) = mesh.vertices.iter().fold(([f64::MAX; 3], [f64::MIN; 3]), |(low, high), p| {
+        ([0, 1, 2].map(|i| low[i].min(p[i])), [0, 1, 2].map(|i| high[i].max(p[i])))
+    });
+    // Of one sphere.
+    let widest = (0..3).map(|i| high[i] - low[i]).sum::<f64>().max(f64::MIN_POSITIVE);
+    let mut best = cover(name, mesh, widest)?;
+    if !fits(&best) {
+        let problem = format!("one sphere takes {} bytes", best.tree.as_bytes().len());
+        return Err(Error::Option { option: "--bytes", problem });
+    }
+    let mut step = 0.5;
+    while step < 0.95 {
+        match cover(name, mesh, best.error * step) {
+            // As coarse as it was: one sphere, or as many points.
+            Ok(finer) if fits(&finer) && finer.error > 1e-6 * widest => best = finer,
+            // What is too fine to be computed does not fit either.
+            Ok(_) | Err(Error::Cover { .. }) => step = step.sqrt(),
+            Err(other) => return Err(other),
+        }
+    }
+    Ok(best)
+}
+
+fn print(report: &Report, json: bool, out: &mut impl Write) -> std::io::Result<()> {
+    if json {
+        return writeln!(out, "{}", serde_json::to_string_pretty(report)?);
+    }
+    let Report { mesh, triangles, error, spheres, bytes, cover_nanoseconds, .. } = report;
+    writeln!(
+        out,
+        "{mesh}: {triangles} triangles within {spheres} spheres, none farther than {error:.6e} from them; {bytes} bytes as a tree, {:.2} s",
+        *cover_nanoseconds as f64 * 1e-9
+    )
+}
