@@ -226,7 +226,7 @@ mod tests {
         let mut deep_hits = 0;
         for line in 0..8 {
             deep_hits += usize::from(!query.collide(&a.tree, &b.tree, &found[0][line]).is_free());
-            for (poses, gap) in found[1..].iter().zip(GAPS) {
+            for (poses, gap) in found[1..].iter().zip([2e-5, 0.01, 0.05]) {
                 let distance =
                     query.distance(&a.tree, &b.tree, &poses[line], 0.0).unwrap().lower / a.diagonal();
                 assert!((gap..1.02 * gap).contains(&distance), "{distance} for {gap}");

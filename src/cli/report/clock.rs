@@ -31,11 +31,11 @@ pub(super) fn in_turns(
         for (turn, first) in (0..poses).step_by(BLOCK).enumerate() {
             for i in 0..entrants {
                 let which = (turn + i) % entrants;
-                for pose in first..poses.min(first + BLOCK) {
+                let block = first..poses.min(first + BLOCK);
+                for (pose, least) in block.clone().zip(&mut least[which][block]) {
                     let start = Instant::now();
                     ask(which, pose);
-                    let time = start.elapsed().saturating_sub(clock);
-                    least[which][pose] = least[which][pose].min(time);
+                    *least = (*least).min(start.elapsed().saturating_sub(clock));
                 }
             }
         }

@@ -126,5 +126,6 @@ mod tests {
         assert_eq!(recommended(&costs, &Budget { flash: Some(59), ..Budget::default() }), Some(2));
         assert_eq!(recommended(&costs, &Budget { flash: Some(9), ..Budget::default() }), None);
         assert_eq!(recommended(&costs, &Budget { error: Some(0.9), ..Budget::default() }), None);
+        assert_eq!(recommended(&costs, &Budget { error: Some(1.0), ..Budget::default() }), Some(3));
     }
 }

@@ -17,6 +17,7 @@ mod peers;
 mod plot;
 mod results;
 mod setting;
+mod tables;
 mod volumes;
 
 use super::body::{self, Body, SAME, Shape, Source};
@@ -33,6 +34,7 @@ use simdop::hierarchy::AnyBvhRef;
 use simdop::isa::Isa;
 use simdop::pose::Pose;
 use simdop::query::Query;
+use std::io::BufWriter;
 use std::path::{Path, PathBuf};
 use volumes::{Overestimate, Volumes, meetings};
 
@@ -124,7 +126,14 @@ pub(super) fn run(options: &Options) -> Result<(), Error> {
     let page = page::html(&results, &digest, &command());
     output::replace([(&*options.output, page.as_bytes()), (&*csv, &results.csv())])?;
     let files = [&*options.output, &*csv];
-    results.print(&digest, files, options.json).map_err(Error::Output)
+    if files.into_iter().any(output::is_standard_output) {
+        // The standard output holds a file, and nothing else.
+        let _ = results.print(&digest, files, options.json, &mut std::io::stderr().lock());
+        return Ok(());
+    }
+    results
+        .print(&digest, files, options.json, &mut BufWriter::new(std::io::stdout().lock()))
+        .map_err(Error::Output)
 }
 
 /// What was asked, for the page: the command alone, and not where it is.
@@ -133,12 +142,19 @@ fn command() -> String {
     core::iter::once("simdop".to_owned()).chain(arguments).collect::<Vec<_>>().join(" ")
 }
 
-/// Where the CSV goes.
+/// Where the CSV goes. What cannot be written is said before the work, not after it.
 fn targets(options: &Options) -> Result<PathBuf, Error> {
+    if options.csv.is_none() && output::is_standard_output(&options.output) {
+        let problem = "needs a name where the page goes to the standard output".into();
+        return Err(Error::Option { option: "--csv", problem });
+    }
     let csv = options.csv.clone().unwrap_or_else(|| options.output.with_extension("csv"));
     let targets = [("--output", Some(&*options.output)), ("--csv", Some(&*csv))];
     for read in [&options.a, &options.b, &options.peers] {
         output::check_targets(read.as_deref(), targets)?;
+    }
+    for file in [&options.output, &csv] {
+        std::fs::metadata(output::folder(file)).map_err(Error::io(file))?;
     }
     Ok(csv)
 }

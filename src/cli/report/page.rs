@@ -2,16 +2,20 @@
 //!
 //! Well-formed XML besides HTML, so that tests can read it.
 
-use super::approach::DISTANCES;
+use super::approach::{DISTANCES, PerDistance};
 use super::clock::ROUNDS;
 use super::front::SAME_TIME;
 use super::packings::Packings;
 use super::plot::{self, COLOURS, Label, Mark, Panel, Rank, Shape};
-use super::results::{Measured, Results, short};
+use super::results::{Measured, Results, Subject, short};
+use super::tables;
 use crate::cli::SplitterName;
 use core::fmt::Write;
 
 const STYLE: &str = include_str!("page.css");
+
+/// The distances, in words.
+pub(super) const TITLES: PerDistance<&str> = ["1 % deep", "0 %: almost touching", "1 % apart", "5 % apart"];
 
 /// What settings are plotted against, as the legend of an axis, and where it differs from one distance to the next.
 type Quantity = (&'static str, &'static str, fn(&Measured, usize) -> f64);
@@ -38,8 +42,9 @@ pub(super) fn html(results: &Results, digest: &str, command: &str) -> String {
         "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\"/>\n\
          <meta name=\"viewport\" content=\"width=device-width\"/>\n<meta name=\"color-scheme\" content=\"light dark\"/>\n\
          <title>{title}</title>\n<style>\n{STYLE}</style>\n</head>\n<body>\n<h1>{title}</h1>\n\
-         <p class=\"recommendation\"><strong>Recommended.</strong> {}</p>\n",
+         <p class=\"recommendation\"><strong>Recommended.</strong> {}{}</p>\n",
         escaped(&results.recommendation()),
+        build_command(results),
         title = escaped(&title),
     );
     facts(&mut page, results, digest, command);
@@ -48,16 +53,24 @@ pub(super) fn html(results: &Results, digest: &str, command: &str) -> String {
         quantity_plots(&mut page, results, quantity);
     }
     packings(&mut page, results);
-    settings_table(&mut page, results);
-    packings_table(&mut page, results);
-    peers_table(&mut page, results);
+    tables::settings(&mut page, results);
+    tables::packings(&mut page, results);
+    tables::peers(&mut page, results);
     definitions(&mut page, results);
     page.push_str("</body>\n</html>\n");
     page
 }
 
+/// How to have what is recommended.
+fn build_command(results: &Results) -> String {
+    let Some(best) = results.recommended.map(|index| &results.settings[index].setting) else {
+        return String::new();
+    };
+    format!("<br/><code>simdop build MESH -o TREE {}</code>", escaped(&best.arguments()))
+}
+
 fn facts(page: &mut String, results: &Results, digest: &str, command: &str) {
-    let body = |subject: &super::results::Subject| {
+    let body = |subject: &Subject| {
         let (name, diagonal) = (escaped(&subject.name), short(subject.diagonal));
         format!("{name}, {} triangles, diagonal {diagonal}", subject.triangles)
     };
@@ -144,7 +157,7 @@ fn quantity_plots(page: &mut String, results: &Results, (title, axis, value): &Q
                 (SplitterName::MeanWidth, _) => Shape::Triangle,
                 _ => Shape::Square,
             },
-            radius: 3 + setting.leaf_size.ilog2(),
+            radius: 4 + setting.leaf_size.ilog2(),
             is_filled: setting.has_thin_slabs,
             rank: match (results.recommended == Some(index), one.is_on_front) {
                 (true, _) => Rank::Recommended,
@@ -163,7 +176,7 @@ fn quantity_plots(page: &mut String, results: &Results, (title, axis, value): &Q
         Some(Label { x: x?, y: peer.median_microseconds[distance]?, text: letter(index) })
     };
     let panel = |distance: usize| Panel {
-        title: DISTANCES[distance].to_owned(),
+        title: TITLES[distance].to_owned(),
         x_axis: (*axis).to_owned(),
         y_axis: "median time, µs".to_owned(),
         marks: (0..results.settings.len()).map(|index| mark(index, distance)).collect(),
@@ -175,7 +188,7 @@ fn quantity_plots(page: &mut String, results: &Results, (title, axis, value): &Q
 }
 
 /// The name of a peer in the plots.
-fn letter(index: usize) -> String {
+pub(super) fn letter(index: usize) -> String {
     char::from(b'a' + (index % 26) as u8).to_string()
 }
 
@@ -187,7 +200,7 @@ fn packings(page: &mut String, results: &Results) {
         }
         Packings::Of(packed) => {
             let panel = |distance: usize| Panel {
-                title: DISTANCES[distance].to_owned(),
+                title: TITLES[distance].to_owned(),
                 x_axis: "volume not covered, %".to_owned(),
                 y_axis: "median time, µs".to_owned(),
                 labels: packed
@@ -212,117 +225,6 @@ fn packings(page: &mut String, results: &Results) {
     }
 }
 
-fn settings_table(page: &mut String, results: &Results) {
-    page.push_str(
-        "<h2>All settings, the fastest first</h2>\n<table>\n<thead>\n<tr><th rowspan=\"2\">front</th>",
-    );
-    for (head, unit) in [
-        ("k", ""),
-        ("arity", ""),
-        ("leaf", "triangles"),
-        ("splitter", ""),
-        ("thin slabs", ""),
-        ("in all", "KiB"),
-        ("a triangle", "bytes"),
-        ("build", "ms"),
-    ] {
-        let _ = write!(page, "<th rowspan=\"2\">{head}<br/><small>{unit}</small></th>");
-    }
-    for (head, columns) in [
-        ("overestimate<br/><small>mesh's unit</small>", 2),
-        ("false positives<br/><small>a pose</small>", 4),
-        ("median time<br/><small>µs</small>", 5),
-    ] {
-        let _ = write!(page, "<th colspan=\"{columns}\">{head}</th>");
-    }
-    page.push_str("</tr>\n<tr><th>mean</th><th>greatest</th>");
-    for distance in DISTANCES.iter().chain(&DISTANCES) {
-        let _ = write!(page, "<th>{distance}</th>");
-    }
-    page.push_str("<th>mean</th></tr>\n</thead>\n<tbody>\n");
-    let mut order: Vec<usize> = (0..results.settings.len()).collect();
-    let time = |index: &usize| results.settings[*index].geometric_mean_microseconds;
-    order.sort_by(|a, b| time(a).total_cmp(&time(b)));
-    for index in order {
-        let one = &results.settings[index];
-        let (class, star) = match (results.recommended == Some(index), one.is_on_front) {
-            (true, _) => (" class=\"best\"", "★"),
-            (false, true) => (" class=\"front\"", "●"),
-            (false, false) => ("", ""),
-        };
-        let setting = &one.setting;
-        let _ = write!(
-            page,
-            "<tr{class}><td>{star}</td><td>{}</td><td>{}</td><td>{}</td><td class=\"word\">{}</td><td>{}</td>",
-            setting.k,
-            setting.arity,
-            setting.leaf_size,
-            setting.splitter_name(),
-            if setting.has_thin_slabs { "yes" } else { "no" }
-        );
-        let kibibytes = one.bytes as f64 / 1024.0;
-        let whole = [kibibytes, one.bytes_per_triangle, one.build_milliseconds];
-        let overestimates = [one.overestimate_mean, one.overestimate_greatest];
-        let false_positives = one.at.map(|at| at.false_positives);
-        let times = one.at.map(|at| at.median_microseconds);
-        let numbers = whole.iter().chain(&overestimates).chain(&false_positives).chain(&times);
-        for number in numbers.chain([&one.geometric_mean_microseconds]) {
-            let _ = write!(page, "<td>{}</td>", short(*number));
-        }
-        page.push_str("</tr>\n");
-    }
-    page.push_str("</tbody>\n</table>\n<p>★ recommended, ● on the Pareto front.</p>\n");
-}
-
-fn packings_table(page: &mut String, results: &Results) {
-    if results.packed().is_empty() {
-        return;
-    }
-    page.push_str("<h2>All packings</h2>\n<table>\n<thead>\n<tr><th>spheres</th><th>not covered<br/><small>% of volume</small></th><th>in all<br/><small>KiB</small></th>");
-    for distance in DISTANCES {
-        let _ = write!(
-            page,
-            "<th>{distance}<br/><small>pairs</small></th><th>{distance}<br/><small>µs</small></th>"
-        );
-    }
-    page.push_str("</tr>\n</thead>\n<tbody>\n");
-    for one in results.packed() {
-        let (error, kibibytes) = (short(100.0 * one.volume_error), short(one.bytes as f64 / 1024.0));
-        let _ = write!(page, "<tr><td>{}</td><td>{error}</td><td>{kibibytes}</td>", one.spheres);
-        for at in &one.at {
-            let _ = write!(page, "<td>{}</td><td>{}</td>", short(at.pairs), short(at.median_microseconds));
-        }
-        page.push_str("</tr>\n");
-    }
-    page.push_str("</tbody>\n</table>\n");
-}
-
-fn peers_table(page: &mut String, results: &Results) {
-    if results.peers.is_empty() {
-        return;
-    }
-    page.push_str("<h2>Other libraries</h2>\n<p>From the file of benches/peers: measured another time, at other poses of the same distances.</p>\n<table>\n<thead>\n<tr><th></th><th>library</th><th>a triangle<br/><small>bytes</small></th><th>build<br/><small>ms</small></th>");
-    for distance in DISTANCES {
-        let _ = write!(page, "<th>{distance}<br/><small>µs</small></th>");
-    }
-    page.push_str("</tr>\n</thead>\n<tbody>\n");
-    let cell = |value: Option<f64>| value.map_or_else(|| "–".to_owned(), short);
-    for (index, peer) in results.peers.iter().enumerate() {
-        let (library, bytes) = (escaped(&peer.library), cell(peer.bytes_per_triangle));
-        let _ = write!(
-            page,
-            "<tr><td>{}</td><td class=\"word\">{library}</td><td>{bytes}</td><td>{}</td>",
-            letter(index),
-            short(peer.build_milliseconds)
-        );
-        for time in peer.median_microseconds {
-            let _ = write!(page, "<td>{}</td>", cell(time));
-        }
-        page.push_str("</tr>\n");
-    }
-    page.push_str("</tbody>\n</table>\n");
-}
-
 fn definitions(page: &mut String, results: &Results) {
     let like = (100.0 * (SAME_TIME - 1.0)).round();
     let unit = if results.subjects.len() == 1 { "the tree" } else { "both trees" };
@@ -334,18 +236,18 @@ fn definitions(page: &mut String, results: &Results) {
          <dt>Time</dt><dd>Of a query for the first pair of triangles that meet, the median over the poses of the least of {ROUNDS} rounds, in \
          which all settings take turns. Verdicts are exact, and the same by every setting.</dd>\n\
          <dt>False positives</dt><dd>Pairs of a leaf of A and a leaf of B whose volumes, k-DOPs, meet although none of their \
-         triangles do: the mean over the poses, of all pairs, not only those before the first hit.</dd>\n\
+         triangles do: the mean over the poses, of all pairs, not only those before the first hit. A leaf of eight triangles counts once.</dd>\n\
          <dt>Overestimate</dt><dd>How far a leaf's volume, turned, sticks out past its triangles in a direction, in the mesh's unit: \
          mean and greatest over all leaves and 96 directions.</dd>\n\
          <dt>Bytes</dt><dd>Of {unit} with vertices and triangles, as they are in flash.</dd>\n\
          <dt>Pareto front</dt><dd>Settings that no other beats in one of time (geometric mean over the distances), greatest overestimate \
          and bytes without being worse in another.</dd>\n\
          <dt>Recommended</dt><dd>Of the settings within the limits that are at most {like} % slower than the fastest of them, the one with \
-         the fewest bytes.</dd>\n\
+         the fewest bytes. The options --error and --flash set the limits.</dd>\n\
          <dt>Left out</dt><dd>Planes as f32 and bodies baked coarser than their mesh, which the library does not build.</dd>\n</dl>\n"
     );
 }
 
-fn escaped(text: &str) -> String {
+pub(super) fn escaped(text: &str) -> String {
     text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
 }

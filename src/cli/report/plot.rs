@@ -72,6 +72,52 @@ pub(super) struct Panel {
     pub(super) has_line: bool,
 }
 
+/// Of text, as shown: plotters takes 1.24 of a font's size for one.
+fn text(pixels: u32) -> (&'static str, f64) {
+    ("sans-serif", 1.24 * f64::from(SCALE * pixels))
+}
+
+/// In pixels of the drawing.
+#[derive(Copy, Clone, PartialEq, Eq, Debug)]
+struct Rectangle {
+    left: i32,
+    top: i32,
+    right: i32,
+    bottom: i32,
+}
+
+impl Rectangle {
+    const fn overlaps(&self, other: &Self) -> bool {
+        self.left < other.right
+            && other.left < self.right
+            && self.top < other.bottom
+            && other.top < self.bottom
+    }
+
+    /// Its upper left one, from that of an area.
+    fn corner(&self, area: &DrawingArea<SVGBackend<'_>, Shift>) -> (i32, i32) {
+        let (left, top) = area.get_base_pixel();
+        (self.left - left, self.top - top)
+    }
+}
+
+/// Of what has a label.
+const DOT: u32 = SCALE * 3;
+
+fn dot((x, y): (i32, i32)) -> Rectangle {
+    let r = DOT as i32;
+    Rectangle { left: x - r, top: y - r, right: x + r, bottom: y + r }
+}
+
+/// Where a text of so many letters may be written about a dot: to its right or left, above or below.
+fn places(x: i32, y: i32, letters: i32) -> [Rectangle; 4] {
+    let (width, height, gap) = (SCALE as i32 * 7 * letters, SCALE as i32 * 12, SCALE as i32 * 4);
+    [(gap, -height), (gap, 0), (-gap - width, -height), (-gap - width, 0)].map(|(right, down)| {
+        let (left, top) = (x + right, y + down);
+        Rectangle { left, top, right: left + width, bottom: top + height }
+    })
+}
+
 type Problem = DrawingAreaErrorKind<std::io::Error>;
 
 /// The panels, side by side.
@@ -94,13 +140,12 @@ fn draw(panel: &Panel, area: &DrawingArea<SVGBackend<'_>, Shift>) -> Result<(), 
         marks.chain(panel.labels.iter().map(|label| (label.x, label.y)))
     };
     let (x_axis, y_axis) = (Axis::of(points().map(|(x, _)| x)), Axis::of(points().map(|(_, y)| y)));
-    let text = |size: u32| ("sans-serif", SCALE * size);
     let mut chart = ChartBuilder::on(area)
         .caption(&panel.title, text(15))
         .margin(SCALE * 6)
         .margin_right(SCALE * 14)
-        .x_label_area_size(SCALE * 42)
-        .y_label_area_size(SCALE * 54)
+        .x_label_area_size(SCALE * 44)
+        .y_label_area_size(SCALE * 58)
         .build_cartesian_2d(
             (x_axis.low..x_axis.high).log_scale().with_key_points(x_axis.ticks.clone()),
             (y_axis.low..y_axis.high).log_scale().with_key_points(y_axis.ticks.clone()),
@@ -130,52 +175,63 @@ fn draw(panel: &Panel, area: &DrawingArea<SVGBackend<'_>, Shift>) -> Result<(), 
             chart.plotting_area().draw(&element(mark, x_axis.shown(mark.x)))?;
         }
     }
+    let plotted = chart.plotting_area();
+    let at = |label: &Label| (x_axis.shown(label.x), label.y);
+    let place = |label: &Label| plotted.map_coordinate(&at(label));
+    let mut taken: Vec<Rectangle> = panel.labels.iter().map(|label| dot(place(label))).collect();
     for label in &panel.labels {
-        let r = (SCALE * 3) as i32;
-        let dot = EmptyElement::at((x_axis.shown(label.x), label.y))
-            + Circle::new((0, 0), r, INK.filled())
-            + Text::new(label.text.clone(), (2 * r, -3 * r), text(11).into_font().color(&INK));
-        chart.plotting_area().draw(&dot)?;
+        plotted.draw(&Circle::new(at(label), DOT, INK.filled()))?;
+        let (x, y) = place(label);
+        let places = places(x, y, label.text.chars().count() as i32);
+        // Where there is no room, the dot alone is seen; the table has its figures.
+        let is_free = |place: &Rectangle| taken.iter().all(|other| !place.overlaps(other));
+        if let Some(place) = places.into_iter().find(is_free) {
+            area.draw(&Text::new(label.text.clone(), place.corner(area), text(11).into_font().color(&INK)))?;
+            taken.push(place);
+        }
     }
     Ok(())
 }
 
 type Point = (f64, f64);
 
+/// A mark as it is drawn: those that are on no front are faint, those on it have a ring, and the recommended one a
+/// second.
 fn element<'s>(mark: &Mark, x: f64) -> DynElement<'s, SVGBackend<'s>, Point> {
-    let colour = COLOURS[mark.colour % COLOURS.len()];
-    let r = (SCALE * mark.radius) as i32;
-    let style = if mark.is_filled { colour.filled() } else { colour.stroke_width(SCALE * 2) };
-    let faint =
-        if mark.is_filled { colour.mix(0.45).filled() } else { colour.mix(0.45).stroke_width(SCALE * 2) };
     let is_front = mark.rank != Rank::Other;
-    let style = if is_front { style } else { faint };
-    let ring = INK.stroke_width(if is_front { SCALE + 1 } else { 0 });
-    let ring = if is_front { ring } else { TRANSPARENT.stroke_width(0) };
+    let colour = COLOURS[mark.colour % COLOURS.len()].mix(if is_front { 1.0 } else { 0.5 });
+    let style = if mark.is_filled { colour.filled() } else { colour.stroke_width(2 * SCALE) };
+    let line =
+        |is_seen: bool| if is_seen { INK.stroke_width(SCALE + 1) } else { TRANSPARENT.stroke_width(0) };
+    let (ring, halo) = (line(is_front), line(mark.rank == Rank::Recommended));
+    // A square is as large as a disc to the eye.
+    let r = (SCALE * mark.radius) as i32 * if mark.shape == Shape::Square { 7 } else { 8 } / 8;
+    // Around what is hollow, so that its colour is seen.
+    let outer = if mark.is_filled { r } else { r + SCALE as i32 + 1 };
     let at = EmptyElement::at((x, mark.y));
-    let corners = |r: i32| match mark.shape {
+    let halo = Circle::new((0, 0), r + (SCALE * 5) as i32, halo);
+    match (mark.shape, mark.is_filled) {
+        (Shape::Disc, _) => {
+            (at + Circle::new((0, 0), r, style) + Circle::new((0, 0), outer, ring) + halo).into_dyn()
+        }
+        (shape, true) => {
+            let corners = corners(shape, r);
+            (at + Polygon::new(corners.clone(), style) + PathElement::new(corners, ring) + halo).into_dyn()
+        }
+        (shape, false) => {
+            let inner = PathElement::new(corners(shape, r), style);
+            (at + inner + PathElement::new(corners(shape, outer), ring) + halo).into_dyn()
+        }
+    }
+}
+
+/// Of a triangle or a square, the first once more at the end.
+fn corners(shape: Shape, r: i32) -> Vec<(i32, i32)> {
+    match shape {
         Shape::Triangle => {
             vec![(0, -r - r / 4), (r + r / 8, r * 3 / 4), (-r - r / 8, r * 3 / 4), (0, -r - r / 4)]
         }
         _ => vec![(-r, -r), (r, -r), (r, r), (-r, r), (-r, -r)],
-    };
-    let r = if mark.shape == Shape::Square { r * 7 / 8 } else { r };
-    let halo = match mark.rank {
-        Rank::Recommended => INK.stroke_width(SCALE),
-        _ => TRANSPARENT.stroke_width(0),
-    };
-    let halo = Circle::new((0, 0), r + (SCALE * 5) as i32, halo);
-    match (mark.shape, mark.is_filled) {
-        (Shape::Disc, _) => {
-            (at + Circle::new((0, 0), r, style) + Circle::new((0, 0), r, ring) + halo).into_dyn()
-        }
-        (_, true) => {
-            (at + Polygon::new(corners(r), style) + PathElement::new(corners(r), ring) + halo).into_dyn()
-        }
-        (_, false) => {
-            (at + PathElement::new(corners(r), style) + PathElement::new(corners(r + 3), ring) + halo)
-                .into_dyn()
-        }
     }
 }
 
@@ -260,6 +316,16 @@ mod tests {
         }
         let axis = Axis::of([0.0, 10.0, 1000.0].into_iter());
         assert_eq!(axis.ticks.iter().map(|t| axis.label(*t)).collect::<Vec<_>>(), ["0", "10", "100", "1000"]);
+    }
+
+    #[test]
+    fn places_about_a_dot_do_not_overlap() {
+        let places = places(100, 50, 3);
+        for (i, place) in places.iter().enumerate() {
+            assert!(!place.overlaps(&dot((100, 50))) && place.overlaps(&dot((place.left, place.top))));
+            assert!(place.left < place.right && place.top < place.bottom && place.overlaps(place));
+            assert!(places[..i].iter().all(|other| !place.overlaps(other)));
+        }
     }
 
     #[test]

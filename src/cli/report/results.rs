@@ -6,7 +6,7 @@ use super::packings::{Packed, Packings};
 use super::peers::Peer;
 use super::setting::Setting;
 use serde::{Serialize, Serializer};
-use std::io::{BufWriter, Write};
+use std::io::Write;
 use std::path::Path;
 
 /// A setting's trees, of one body or of two.
@@ -225,8 +225,13 @@ impl Results {
 
 impl Results {
     /// What was found, for a person or a program. The settings are those on the front; all are in the files.
-    pub(super) fn print(&self, digest: &str, files: [&Path; 2], json: bool) -> std::io::Result<()> {
-        let mut out = BufWriter::new(std::io::stdout().lock());
+    pub(super) fn print(
+        &self,
+        digest: &str,
+        files: [&Path; 2],
+        json: bool,
+        out: &mut impl Write,
+    ) -> std::io::Result<()> {
         if json {
             let report = Report {
                 version: env!("CARGO_PKG_VERSION"),

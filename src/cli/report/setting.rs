@@ -71,6 +71,13 @@ impl Setting {
         }
     }
 
+    /// As `simdop build` takes it.
+    pub(super) fn arguments(&self) -> String {
+        let Self { k, arity, leaf_size, has_thin_slabs, .. } = self;
+        let thin = if *has_thin_slabs { "" } else { " --without-thin-slabs" };
+        format!("-k {k} -a {arity} -l {leaf_size} -s {}{thin}", self.splitter_name())
+    }
+
     /// The splitter as the options have it.
     pub(super) fn splitter_name(&self) -> String {
         self.splitter.to_possible_value().map(|value| value.get_name().to_owned()).unwrap_or_default()

@@ -134,11 +134,12 @@ impl Volumes {
     /// Adds what its leaves overestimate.
     pub(super) fn measure(&self, overestimate: &mut Overestimate) {
         let Frame { centre, exponent } = self.extent.frame;
-        let weights = weights(self.k);
+        let directions = directions();
+        let weights: Vec<_> = directions.iter().map(|direction| weights(self.k, *direction)).collect();
         for lane in 0..self.links.len() {
             let Link::Leaf { .. } = self.links[lane] else { continue };
             let planes = self.planes(lane);
-            for (direction, weights) in &weights {
+            for (direction, weights) in directions.iter().zip(&weights) {
                 let support = |corner: &[f64; 3]| {
                     let [x, y, z]: [f64; 3] =
                         core::array::from_fn(|i| direction[i] * (corner[i] - centre[i]));
@@ -173,19 +174,16 @@ fn directions() -> Vec<[f64; 3]> {
     all
 }
 
-/// Of each of the [`directions`] the planes that bound it, with their weights.
-fn weights(k: usize) -> Vec<([f64; 3], [(usize, f64); 3])> {
-    let weigh = |direction: [f64; 3]| {
-        let found = match k {
-            6 => Directions::<6>::decompose(direction),
-            14 => Directions::<14>::decompose(direction),
-            18 => Directions::<18>::decompose(direction),
-            26 => Directions::<26>::decompose(direction),
-            _ => Directions::<32>::decompose(direction),
-        };
-        (direction, core::array::from_fn(|l| (usize::from(found.directions[l]), found.weights[l])))
+/// The planes that bound a support along a direction, with their weights.
+fn weights(k: usize, direction: [f64; 3]) -> [(usize, f64); 3] {
+    let found = match k {
+        6 => Directions::<6>::decompose(direction),
+        14 => Directions::<14>::decompose(direction),
+        18 => Directions::<18>::decompose(direction),
+        26 => Directions::<26>::decompose(direction),
+        _ => Directions::<32>::decompose(direction),
     };
-    directions().into_iter().map(weigh).collect()
+    core::array::from_fn(|l| (usize::from(found.directions[l]), found.weights[l]))
 }
 
 /// Turns the planes of one volume: to the complement of the opposite plane in the other frame, ready for the
