@@ -68,9 +68,15 @@ pub(super) fn bounds(mesh: &MeshData) -> [[f64; 3]; 2] {
     [f64::min, f64::max].map(|of| core::array::from_fn(|i| bound(i, of)))
 }
 
-/// Of a box.
+/// Of a box of any size, whose squares may be beyond `f64`.
 pub(super) fn diagonal([low, high]: &[[f64; 3]; 2]) -> f64 {
-    (0..3).map(|i| (high[i] - low[i]).powi(2)).sum::<f64>().sqrt()
+    let sides: [f64; 3] = core::array::from_fn(|i| high[i] - low[i]);
+    let longest = sides.into_iter().fold(0.0, f64::max);
+    if longest > 0.0 {
+        longest * sides.map(|side| (side / longest).powi(2)).iter().sum::<f64>().sqrt()
+    } else {
+        0.0
+    }
 }
 
 struct Approaching<'m> {
@@ -249,6 +255,24 @@ mod tests {
             mean = core::array::from_fn(|i| mean[i] + a[i] / 1000.0);
         }
         assert!(mean.iter().all(|x| x.abs() < 0.1), "{mean:?}");
+    }
+
+    #[test]
+    fn a_diagonal_is_one_in_any_unit() {
+        for unit in [1e-200, 1.0, 1e200] {
+            let box_of = [[unit; 3], [3.0 * unit, 4.0 * unit, 7.0 * unit]];
+            assert!((diagonal(&box_of) / unit - 7.0).abs() < 1e-12);
+        }
+    }
+
+    /// Two specks at the ends of a box, far from its centre.
+    #[test]
+    fn bodies_that_always_miss_are_an_error() {
+        let corner = |at: f64| [[at; 3], [at + 1e-9, at, at], [at, at + 1e-9, at]];
+        let mesh =
+            MeshData { vertices: [corner(0.0), corner(1.0)].concat(), triangles: vec![[0, 1, 2], [3, 4, 5]] };
+        let error = poses([("a", &mesh), ("b", &mesh)], 1, 1).unwrap_err();
+        assert!(matches!(error, Error::NoContact { a, b, lines: MOST_LINES } if a == "a" && b == "b"));
     }
 
     #[test]

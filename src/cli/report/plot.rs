@@ -143,7 +143,7 @@ fn draw(panel: &Panel, area: &DrawingArea<SVGBackend<'_>, Shift>) -> Result<(), 
     let mut chart = ChartBuilder::on(area)
         .caption(&panel.title, text(15))
         .margin(SCALE * 6)
-        .margin_right(SCALE * 14)
+        .margin_right(SCALE * 20)
         .x_label_area_size(SCALE * 44)
         .y_label_area_size(SCALE * 58)
         .build_cartesian_2d(
