@@ -2,7 +2,7 @@
 
 use super::body::{self, Body};
 use super::error::Error;
-use super::report::{BodyReport, Pairs, PoseReport, Report, Summary};
+use super::verdicts::{BodyReport, Pairs, PoseReport, Report, Summary};
 use super::{File, TreeOptions, isa, poses, progress, scene};
 use clap::Args;
 use core::time::Duration;

@@ -65,6 +65,10 @@ pub(crate) enum Error {
     Link { link: String, error: Box<Self> },
     /// A robot cannot be placed or moved.
     Scene { name: String, error: SceneError },
+    /// A mesh is one point, so that no distance is a share of its size.
+    NoSize { name: String },
+    /// However one body comes along, it does not meet the other.
+    NoContact { a: String, b: String, lines: usize },
     /// An option that cannot be followed.
     Option { option: &'static str, problem: String },
     /// A tree has another node type than the other body, or than the options ask for.
@@ -114,6 +118,12 @@ impl fmt::Display for Error {
             Self::Robot { path, error } => write!(f, "{}: {error}", path.display()),
             Self::Link { link, error } => write!(f, "link {link}: {error}"),
             Self::Scene { name, error } => write!(f, "{name}: {error}"),
+            Self::NoSize { name } => {
+                write!(f, "{name}: all corners are one point: there is no distance to measure by")
+            }
+            Self::NoContact { a, b, lines } => {
+                write!(f, "{a} does not come to a contact with {b} along any of {lines} lines")
+            }
             Self::Option { option, problem } => write!(f, "{option}: {problem}"),
             Self::OtherShape { name, has, asked } => write!(
                 f,

@@ -93,7 +93,8 @@ pub(super) fn check_targets(
     }
 }
 
-fn folder(target: &Path) -> &Path {
+/// Where a file is, or will be.
+pub(super) fn folder(target: &Path) -> &Path {
     target.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."))
 }
 

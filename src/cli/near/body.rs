@@ -3,7 +3,7 @@
 use super::{Options, Points, cloud, fastest};
 use crate::cli::body::{self, Source};
 use crate::cli::error::Error;
-use crate::cli::report::Summary;
+use crate::cli::verdicts::Summary;
 use crate::cli::{TreeOptions, packing, progress};
 use serde::Serialize;
 use simdop::cloud::{CloudRef, Contact, RangeSearch, SearchError};

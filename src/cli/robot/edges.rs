@@ -2,9 +2,9 @@
 
 use super::model::Model;
 use super::problems::Problem;
-use super::random::{Random, towards};
 use super::timed;
 use super::world::World;
+use crate::cli::random::{Random, towards};
 use serde::Serialize;
 use simdop::scene::{EdgeVerdict, SceneError};
 use std::io::Write;

@@ -4,18 +4,17 @@ mod edges;
 mod fates;
 mod model;
 mod problems;
-mod random;
 mod validity;
 mod world;
 
 use super::error::Error;
+use super::random::Random;
 use super::{File, isa, progress};
 use clap::{Args, ValueEnum};
 use edges::{EdgeReport, Edges};
 use fates::FatesReport;
 use model::Model;
 use problems::Problem;
-use random::Random;
 use serde::Serialize;
 use simdop::isa::Isa;
 use simdop::query::Query;
@@ -154,7 +153,7 @@ fn ask(
     options: &Options,
 ) -> Result<ProblemsReport, SceneError> {
     let count = options.edges.unwrap_or(10) as usize;
-    let (mut validity, mut edges, mut random) = (Validity::default(), Edges::default(), Random::new());
+    let (mut validity, mut edges, mut random) = (Validity::default(), Edges::default(), Random::new(1));
     let bar = progress::bar(problems.len(), "problems", options.json);
     for problem in problems {
         let mut world = World::new(model, problem, query)?;

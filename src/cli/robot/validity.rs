@@ -2,9 +2,9 @@
 
 use super::model::Model;
 use super::problems::Problem;
-use super::random::Random;
 use super::timed;
 use super::world::World;
+use crate::cli::random::Random;
 use serde::Serialize;
 use simdop::scene::SceneError;
 use std::collections::BTreeMap;

@@ -2,7 +2,7 @@
 
 use super::model::Model;
 use super::problems::Problem;
-use super::random::distance;
+use crate::cli::random::distance;
 use core::num::NonZeroU32;
 use simdop::motion::{Kinematics, LinkFrame, StraightMotion};
 use simdop::node::Node16;

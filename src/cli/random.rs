@@ -1,11 +1,11 @@
-//! Random configurations, the same in every run.
+//! Random numbers and configurations, the same in every run.
 
 /// A linear congruential generator of 64 bits (Knuth's MMIX), of whose words the upper bits are taken.
 pub(super) struct Random(u64);
 
 impl Random {
-    pub(super) const fn new() -> Self {
-        Self(1)
+    pub(super) const fn new(seed: u64) -> Self {
+        Self(seed)
     }
 
     /// Uniform within the limits of each variable.
@@ -14,7 +14,7 @@ impl Random {
     }
 
     /// Uniform in 0 to 1.
-    fn unit(&mut self) -> f64 {
+    pub(super) fn unit(&mut self) -> f64 {
         self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
         f64::from((self.0 >> 32) as u32) / f64::from(u32::MAX)
     }
