@@ -1076,6 +1076,40 @@ fn what_cannot_be_packed_is_an_error() {
     assert!(code == 2 && message.starts_with("simdop: absent/a.txt: "), "{message}");
 }
 
+/// By an error, a number of spheres or of bytes; as text, and as a tree.
+#[test]
+fn a_cover_is_within_what_is_asked_for() {
+    let folder = Folder::new("cover");
+    folder.write("a.obj", obj(&strewn(61, 60)));
+    let by_error = folder.json(&["cover", "a.obj", "--error", "0.1", "-o", "a.txt"]);
+    let text = std::fs::read_to_string(folder.0.join("a.txt")).unwrap();
+    let spheres = simdop::packing::text::read(&text).unwrap();
+    assert_eq!((&by_error["spheres"], &by_error["error"]), (&spheres.len().into(), &0.1.into()));
+    for p in strewn(61, 60).vertices {
+        let is_held = |sphere: &simdop::primitive::Sphere| {
+            (0..3).map(|i| (p[i] - sphere.centre[i]).powi(2)).sum::<f64>() <= sphere.radius.powi(2)
+        };
+        assert!(spheres.iter().any(is_held), "{p:?}");
+    }
+    let error = |report: &Value| report["error"].as_f64().unwrap();
+    let few = folder.json(&["cover", "a.obj", "--spheres", "40", "-o", "a.txt"]);
+    assert!((20..=40).contains(&few["spheres"].as_u64().unwrap()) && error(&few) > 0.1, "{few}");
+    let small = folder.json(&["cover", "a.obj", "--bytes", "8000", "-o", "a.tree"]);
+    let bytes = std::fs::read(folder.0.join("a.tree")).unwrap().len() as u64;
+    assert!((4000..=8000).contains(&bytes) && small["bytes"] == bytes, "{small}");
+    // Without a file: a shape that is built in.
+    let line = String::from_utf8(folder.run(&["cover", "--spheres", "9", "-o", "gear.txt"]).stdout).unwrap();
+    assert!(line.starts_with("gear ring (built in): 7680 triangles within "), "{line}");
+
+    let (code, message) = folder.fate(&["cover", "a.obj", "--error", "-1", "-o", "b.txt"]);
+    assert!(code == 2 && message.starts_with("simdop: a.obj: an error of -1: "), "{message}");
+    let (code, message) = folder.fate(&["cover", "a.obj", "--bytes", "10", "-o", "b.txt"]);
+    assert!(code == 2 && message.starts_with("simdop: --bytes: one sphere takes "), "{message}");
+    assert_eq!(folder.fate(&["cover", "a.obj", "-o", "b.txt"]).0, 2, "how coarse?");
+    assert_eq!(folder.fate(&["cover", "a.obj", "--error", "1", "--spheres", "9", "-o", "b.txt"]).0, 2);
+    assert!(!folder.0.join("b.txt").exists());
+}
+
 /// Points as the library has them, some of them twice.
 fn cloud(seed: u64, count: usize) -> Vec<[f32; 3]> {
     let mut rng = Rng::new(seed);

@@ -36,7 +36,7 @@ pub(super) struct Options {
 #[group(required = true, multiple = false)]
 struct Limit {
     /// No point of a sphere is farther than this from the mesh, in its unit.
-    #[arg(long, value_name = "LENGTH")]
+    #[arg(long, value_name = "LENGTH", allow_negative_numbers = true)]
     error: Option<f64>,
     /// The least error that takes at most so many spheres, up to a tenth.
     #[arg(long, value_name = "NUMBER", value_parser = clap::value_parser!(u32).range(1..))]
