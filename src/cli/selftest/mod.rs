@@ -33,7 +33,7 @@ use trees::{BodyTrees, TreeFormat};
 pub(super) struct Options {
     /// Pairs to generate: two bodies at a pose, in one of the formats, or a point of a cloud. Each is asked on every
     /// instruction set that this machine has.
-    #[arg(long, value_name = "COUNT", default_value_t = 400_000, value_parser = clap::value_parser!(u64).range(1..))]
+    #[arg(long, value_name = "COUNT", default_value_t = 250_000, value_parser = clap::value_parser!(u64).range(1..))]
     pairs: u64,
     /// What the pairs are drawn from.
     #[arg(long, default_value_t = 1)]
@@ -125,10 +125,12 @@ fn run_case(case: &HardCase, count: u64, seed: u64, tally: &mut Tally<'_>) -> Re
             Maker::Bodies(make) => {
                 let mut drawn = make(&mut draw);
                 drawn.poses.truncate(left);
-                ask(&drawn, trial, &format, tally).map_err(|problem| {
+                let failed = |problem: String| {
                     let name = format!("{}, seed {seed}, trial {trial}, {format}", case.name);
                     Error::SelfTest { name, problem }
-                })?;
+                };
+                let trees = BodyTrees::build(&drawn, &format).map_err(|error| failed(error.to_string()))?;
+                ask(&trees, &drawn, (trial, &format), tally).map_err(failed)?;
             }
         }
     }
@@ -138,16 +140,21 @@ fn run_case(case: &HardCase, count: u64, seed: u64, tally: &mut Tally<'_>) -> Re
 /// Poses of which one is asked for all of its pairs of triangles, too.
 const POSES_FOR_ALL_PAIRS: usize = 8;
 
-fn ask(drawn: &Trial, trial: u64, format: &TreeFormat, tally: &mut Tally<'_>) -> Result<(), String> {
-    let trees = BodyTrees::build(drawn, format).map_err(|error| error.to_string())?;
+/// Asks the trees what the oracle says of the bodies, which they are.
+fn ask(
+    trees: &BodyTrees,
+    drawn: &Trial,
+    (trial, format): (u64, &TreeFormat),
+    tally: &mut Tally<'_>,
+) -> Result<(), String> {
     let oracle = Oracle::new(&drawn.a, &drawn.b);
     for (place, rows) in drawn.poses.iter().enumerate() {
         let pose = Pose::from_rows(*rows).map_err(|error| error.to_string())?;
         let truth = oracle.truth(rows);
-        let (answers, nanoseconds) = answers(&trees, &pose).map_err(|error| error.to_string())?;
+        let (answers, nanoseconds) = answers(trees, &pose).map_err(|error| error.to_string())?;
         let mut wrong = check::verdicts(truth, &answers, |a, b| oracle.is_witness(rows, a, b));
         if place % POSES_FOR_ALL_PAIRS == 0 && drawn.a.copies == 1 {
-            wrong.extend(all_pairs(&trees, &oracle, rows, &pose).map_err(|error| error.to_string())?);
+            wrong.extend(all_pairs(trees, &oracle, rows, &pose).map_err(|error| error.to_string())?);
         }
         if let Some((_, answer)) = answers.last() {
             tally.add_answer(numbers(answer));
@@ -235,5 +242,38 @@ impl SelfTestReport {
         let verdict = if self.is_right { "every answer is right" } else { "THERE ARE WRONG ANSWERS" };
         writeln!(out, "{verdict}; seed {seed}, digest {digest}, {seconds:.1} s")?;
         out.flush()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use figures::resized;
+    use oracle::Figure;
+
+    /// Trees of bodies that are a tenth smaller or larger than what the oracle is told: a library that misses collisions, and
+    /// one that invents them.
+    #[test]
+    fn wrong_answers_are_noticed() {
+        let format = TreeFormat::of(0);
+        let mut draw = Draw::new(1, "benign", 0, format.is_single);
+        let drawn = cases::benign(&mut draw);
+        let as_large = |by: f64| {
+            let figure =
+                |figure: &Figure| Figure::surface(resized(figure.triangles().copied().collect(), by));
+            let trial = Trial { a: figure(&drawn.a), b: figure(&drawn.b), poses: Vec::new() };
+            let trees = BodyTrees::build(&trial, &format).unwrap();
+            let mut tally = Tally::new(&CASES[0], 1, &|| ());
+            ask(&trees, &drawn, (0, &format), &mut tally).unwrap();
+            tally.finished()
+        };
+        let (right, smaller, larger) = (as_large(1.0), as_large(0.9), as_large(1.1));
+        assert!(right.is_right());
+        assert_eq!(right.sums()[0], 64);
+        assert!(smaller.wrong_answers()[0] > 0 && larger.wrong_answers()[1] > 0);
+        for wrong in [smaller, larger] {
+            assert_eq!(wrong.wrong_answers()[2], 0, "all instruction sets are as wrong");
+            assert!(!wrong.is_right());
+        }
     }
 }

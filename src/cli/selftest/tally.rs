@@ -144,8 +144,13 @@ impl<'t> Tally<'t> {
 }
 
 impl CaseReport {
-    pub(super) const fn is_right(&self) -> bool {
-        self.missed == 0 && self.invented == 0 && self.unequal == 0
+    pub(super) fn is_right(&self) -> bool {
+        self.wrong_answers() == [0; 3]
+    }
+
+    /// Missed, invented, unequal.
+    pub(super) const fn wrong_answers(&self) -> [u64; 3] {
+        [self.missed, self.invented, self.unequal]
     }
 
     /// Puts the time beside that of the benign case, which is among them if it was run.

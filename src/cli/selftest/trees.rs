@@ -27,11 +27,14 @@ pub(super) struct TreeFormat {
 const NODES: [(usize, usize); 10] =
     [(18, 16), (6, 16), (14, 4), (26, 16), (32, 4), (14, 16), (18, 4), (32, 16), (6, 4), (26, 4)];
 const LEAF_SIZES: [u32; 3] = [1, 2, 16];
+/// How many formats there are: of each node two precisions, three leaf sizes, with thin slabs or not, by two splitters.
+const FORMATS: u64 = 10 * 2 * 3 * 2 * 2;
 
 impl TreeFormat {
-    /// One trial after the other has another, until all have been: nodes first, then the precision, and so on.
+    /// One trial after the other has another, until all have been. The factor has no divisor in common with their number: it mixes
+    /// them, so that a few trials have some of everything.
     pub(super) fn of(trial: u64) -> Self {
-        let mut left = trial as usize;
+        let mut left = (trial % FORMATS * 97 % FORMATS) as usize;
         let mut digit = |base: usize| {
             let digit = left % base;
             left /= base;
@@ -128,5 +131,21 @@ impl BodyTrees {
             ControlFlow::Continue(())
         });
         Some(found.map(|(_, counters)| (pairs, counters)))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn all_formats_have_their_turn() {
+        let names = |trials: core::ops::Range<u64>| -> BTreeSet<String> {
+            trials.map(|trial| TreeFormat::of(trial).to_string()).collect()
+        };
+        assert_eq!(names(0..FORMATS).len() as u64, FORMATS);
+        assert_eq!(names(0..FORMATS), names(FORMATS..2 * FORMATS));
+        let nodes: BTreeSet<_> = (0..10).map(|trial| TreeFormat::of(trial)).map(|f| (f.k, f.arity)).collect();
+        assert_eq!(nodes.len(), 10);
     }
 }

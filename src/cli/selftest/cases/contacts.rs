@@ -82,7 +82,8 @@ pub(super) fn coincident(draw: &mut Draw) -> Trial {
     let others = fan(draw, 4, 0.5);
     let (one, b) = (surface(draw, &one), surface(draw, &others));
     let a = Figure { copies: 100_000, ..one };
-    let poses = (0..16).map(|_| {
+    // Few, since they take long: so that there are several formats.
+    let poses = (0..4).map(|_| {
         let turn = any_turn(draw);
         in_contact(draw, [&a, &b], &turn, 1.0)
     });
@@ -98,7 +99,7 @@ pub(super) fn knife_edge(draw: &mut Draw) -> Trial {
         let (turn, axis) = (any_turn(draw), draw.below(3));
         let direction = core::array::from_fn(|i| if i == axis { 1.0 } else { 0.0 });
         let mut apart = touching([&a, &b], &turn, &direction, 0.5);
-        // Anywhere above B, though not always so that they meet on the way.
+        // Anywhere above B, if not so that they pass it.
         for row in &mut apart {
             row[3] += draw.range(-0.3, 0.3);
         }

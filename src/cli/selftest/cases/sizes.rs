@@ -45,7 +45,7 @@ pub(super) fn scale_ratio(draw: &mut Draw) -> Trial {
 /// Bodies of a few units of the least coordinates: of the numbers below the normal ones in single precision, and of those that the
 /// library makes zero in double precision.
 pub(super) fn denormal(draw: &mut Draw) -> Trial {
-    let exponent = if draw.is_single { -146 } else { -249 };
+    let exponent = if draw.is_single { -146 } else { -248 };
     let size = draw.size(exponent, exponent + 6);
     blobs(draw, [size; 2], [[0.0; 3]; 2])
 }
