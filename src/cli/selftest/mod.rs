@@ -257,7 +257,8 @@ mod tests {
     fn wrong_answers_are_noticed() {
         let format = TreeFormat::of(0);
         let mut draw = Draw::new(1, "benign", 0, format.is_single);
-        let drawn = cases::benign(&mut draw);
+        let Maker::Bodies(make) = CASES[0].maker else { panic!("the first case is of bodies") };
+        let drawn = make(&mut draw);
         let as_large = |by: f64| {
             let figure =
                 |figure: &Figure| Figure::surface(resized(figure.triangles().copied().collect(), by));

@@ -145,7 +145,7 @@ mod tests {
         };
         assert_eq!(names(0..FORMATS).len() as u64, FORMATS);
         assert_eq!(names(0..FORMATS), names(FORMATS..2 * FORMATS));
-        let nodes: BTreeSet<_> = (0..10).map(|trial| TreeFormat::of(trial)).map(|f| (f.k, f.arity)).collect();
+        let nodes: BTreeSet<_> = (0..10).map(TreeFormat::of).map(|f| (f.k, f.arity)).collect();
         assert_eq!(nodes.len(), 10);
     }
 }

@@ -1,8 +1,6 @@
 //! The hard cases by name, with what draws bodies and poses for each.
 
 mod contacts;
-#[cfg(test)]
-pub(super) use contacts::benign;
 mod planes;
 mod sizes;
 mod spheres;
