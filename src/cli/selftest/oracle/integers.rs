@@ -58,7 +58,7 @@ mod tests {
         assert_eq!([&q[1], &q[2]], [&IBig::ONE, &-IBig::ONE]);
         assert_eq!(q[0], IBig::ONE << 52);
         assert_eq!(p, [IBig::from(3) << 1072, -(IBig::ONE << 1075), IBig::ZERO]);
-        assert_eq!(integers([[6.0, -12.0, 0.0]]), [[IBig::from(1), IBig::from(-2), IBig::ZERO]]);
+        assert_eq!(integers([[6.0, -12.0, 0.0]]), [[IBig::from(3), IBig::from(-6), IBig::ZERO]]);
         assert_eq!(integers([[0.0; 3]]), [[IBig::ZERO, IBig::ZERO, IBig::ZERO]]);
     }
 }
