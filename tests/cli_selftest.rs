@@ -34,6 +34,11 @@ fn a_small_run_is_right_and_repeats_its_digest() {
     // Not one answer for all, and hard enough.
     assert!(sum("hits") * 5 > sum("pairs") && sum("hits") * 5 < sum("pairs") * 4, "{} hits", sum("hits"));
     assert!(sum("knife_edge") > 300 && sum("exact_pairs") > 300);
+    for case in cases.iter().filter(|case| !case["case"].as_str().unwrap().contains("points")) {
+        // Trees of a trial's 64 poses, or of 4.
+        let poses = if case["case"] == "coincident" { 4 } else { 64 };
+        assert_eq!(count(&case["formats"]), count(&case["pairs"]).div_ceil(poses), "{case}");
+    }
     for case in cases.iter().filter(|case| case["case"] != "coincident") {
         assert!(count(&case["pairs"]) >= 300 && count(&case["hits"]) > 0, "{case}");
         assert!(case["times_benign"].as_f64().unwrap() > 0.0, "{case}");

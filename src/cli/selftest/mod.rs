@@ -129,6 +129,7 @@ fn run_case(case: &HardCase, count: u64, seed: u64, tally: &mut Tally<'_>) -> Re
                     let name = format!("{}, seed {seed}, trial {trial}, {format}", case.name);
                     Error::SelfTest { name, problem }
                 };
+                tally.add_format(&format);
                 let trees = BodyTrees::build(&drawn, &format).map_err(|error| failed(error.to_string()))?;
                 ask(&trees, &drawn, (trial, &format), tally).map_err(failed)?;
             }
@@ -234,9 +235,10 @@ impl SelfTestReport {
             case.print_wrong(out)?;
         }
         let Self { pairs, hits, knife_edge, exact_pairs, seconds, digest, seed, .. } = self;
+        writeln!(out, "\nA format is {}.", TreeFormat::CHOICES)?;
         writeln!(
             out,
-            "\n{pairs} pairs, each on {}: {hits} hits, {knife_edge} on a knife's edge, {exact_pairs} pairs of primitives in exact arithmetic",
+            "{pairs} pairs, each on {}: {hits} hits, {knife_edge} on a knife's edge, {exact_pairs} pairs of primitives in exact arithmetic",
             self.isas.join(", ")
         )?;
         let verdict = if self.is_right { "every answer is right" } else { "THERE ARE WRONG ANSWERS" };

@@ -2,8 +2,10 @@
 
 use super::cases::HardCase;
 use super::check::Wrong;
+use super::trees::TreeFormat;
 use serde::Serialize;
 use simdop::isa::Isa;
+use std::collections::BTreeSet;
 use std::io::Write;
 
 /// Times that a median is taken of, at most.
@@ -15,7 +17,9 @@ const DESCRIBED: usize = 4;
 pub(super) struct CaseReport {
     case: &'static str,
     /// Bodies at a pose, or points, each asked on every instruction set.
-    pub(super) pairs: u64,
+    pairs: u64,
+    /// In which there were trees. Clouds have one format, which is not counted.
+    formats: usize,
     hits: u64,
     /// Of all instruction sets.
     missed: u64,
@@ -66,6 +70,8 @@ pub(super) struct Tally<'t> {
     seed: u64,
     report: CaseReport,
     times: Vec<u64>,
+    /// By their names.
+    formats: BTreeSet<String>,
     digest: u64,
     /// Called for each pair.
     progress: &'t dyn Fn(),
@@ -76,6 +82,7 @@ impl<'t> Tally<'t> {
         let report = CaseReport {
             case: case.name,
             pairs: 0,
+            formats: 0,
             hits: 0,
             missed: 0,
             invented: 0,
@@ -88,12 +95,23 @@ impl<'t> Tally<'t> {
             wrong: Vec::new(),
             benign: case.benign,
         };
-        Self { seed, report, times: Vec::new(), digest: 0xcbf2_9ce4_8422_2325, progress }
+        Self {
+            seed,
+            report,
+            times: Vec::new(),
+            formats: BTreeSet::new(),
+            digest: 0xcbf2_9ce4_8422_2325,
+            progress,
+        }
     }
 
     /// How many there are.
     pub(super) const fn pairs(&self) -> u64 {
         self.report.pairs
+    }
+
+    pub(super) fn add_format(&mut self, format: &TreeFormat) {
+        self.formats.insert(format.to_string());
     }
 
     pub(super) fn add(&mut self, asked: Asked<'_>) {
@@ -137,6 +155,7 @@ impl<'t> Tally<'t> {
         self.times.sort_unstable();
         CaseReport {
             median_nanoseconds: self.times.get(self.times.len() / 2).copied().unwrap_or(0),
+            formats: self.formats.len(),
             digest: format!("{:016x}", self.digest),
             ..self.report
         }
@@ -165,9 +184,10 @@ impl CaseReport {
     pub(super) fn print_head(out: &mut impl Write) -> std::io::Result<()> {
         writeln!(
             out,
-            "{:28} {:>9} {:>9} {:>7} {:>9} {:>8} {:>11} {:>11} {:>9} {:>9}",
+            "{:28} {:>9} {:>8} {:>9} {:>7} {:>9} {:>8} {:>11} {:>11} {:>9} {:>9}",
             "case",
             "pairs",
+            "formats",
             "hits",
             "missed",
             "invented",
@@ -180,9 +200,10 @@ impl CaseReport {
     }
 
     pub(super) fn print(&self, out: &mut impl Write) -> std::io::Result<()> {
-        let Self { case, pairs, hits, missed, invented, unequal, knife_edge, exact_pairs, .. } = self;
+        let Self { case, pairs, formats, hits, missed, invented, unequal, knife_edge, exact_pairs, .. } =
+            self;
         let microseconds = self.median_nanoseconds as f64 / 1e3;
-        write!(out, "{case:28} {pairs:9} {hits:9} {missed:7} {invented:9} {unequal:8} ")?;
+        write!(out, "{case:28} {pairs:9} {formats:8} {hits:9} {missed:7} {invented:9} {unequal:8} ")?;
         write!(out, "{knife_edge:11} {exact_pairs:11} {microseconds:9.2} ")?;
         match self.times_benign {
             Some(times) => writeln!(out, "{times:9.2}"),

@@ -31,6 +31,9 @@ const LEAF_SIZES: [u32; 3] = [1, 2, 16];
 const FORMATS: u64 = 10 * 2 * 3 * 2 * 2;
 
 impl TreeFormat {
+    pub(super) const CHOICES: &str = "a k of 6, 14, 18, 26 or 32, an arity of 4 or 16, vertices in f32 or f64, up to 1, 2 or 16 primitives a \
+        leaf, with thin slabs or without, split by mean width or extended longest axis";
+
     /// One trial after the other has another, until all have been. The factor has no divisor in common with their number: it mixes
     /// them, so that a few trials have some of everything.
     pub(super) fn of(trial: u64) -> Self {
