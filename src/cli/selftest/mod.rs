@@ -154,8 +154,10 @@ fn ask(
         let truth = oracle.truth(rows);
         let (answers, nanoseconds) = answers(trees, &pose).map_err(|error| error.to_string())?;
         let mut wrong = check::verdicts(truth, &answers, |a, b| oracle.is_witness(rows, a, b));
+        let mut wrong_pairs = Vec::new();
         if place % POSES_FOR_ALL_PAIRS == 0 && drawn.a.copies == 1 {
-            wrong.extend(all_pairs(trees, &oracle, rows, &pose).map_err(|error| error.to_string())?);
+            wrong_pairs = all_pairs(trees, &oracle, rows, &pose).map_err(|error| error.to_string())?;
+            wrong.extend(&wrong_pairs);
         }
         if let Some((_, answer)) = answers.last() {
             tally.add_answer(numbers(answer));
@@ -168,7 +170,7 @@ fn ask(
             exact_pairs: answers.last().map_or(0, |(_, answer)| answer.counters.exact_pairs),
             nanoseconds,
             wrong,
-            describe: &|| described(format, rows, truth, &answers),
+            describe: &|| described(format, rows, truth, &answers) + &of_all_pairs(&wrong_pairs),
         });
     }
     Ok(())
@@ -219,6 +221,12 @@ fn described(format: &TreeFormat, rows: &Matrix, truth: Truth, answers: &[(Isa, 
         answers.iter().map(|(isa, answer)| format!("{isa} {:?}", answer.verdict)).collect();
     let truth = if truth.meets { "they meet" } else { "they do not meet" };
     format!("{format}\n  pose {}\n  {truth}; {}", numbers.join(" "), answers.join(", "))
+}
+
+/// What is wrong with the enumeration of all pairs, which may be so where the first hit is right.
+fn of_all_pairs(wrong: &[(Wrong, Isa)]) -> String {
+    let each = wrong.iter().map(|(wrong, isa)| format!("\n  of all pairs of triangles: {wrong:?} by {isa}"));
+    each.collect()
 }
 
 impl SelfTestReport {
