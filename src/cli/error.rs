@@ -73,6 +73,8 @@ pub(crate) enum Error {
     Option { option: &'static str, problem: String },
     /// A tree has another node type than the other body, or than the options ask for.
     OtherShape { name: String, has: Shape, asked: Shape },
+    /// A trial of the self-test cannot be asked at all.
+    SelfTest { name: String, problem: String },
     /// The standard output is gone or full.
     Output(std::io::Error),
 }
@@ -130,6 +132,7 @@ impl fmt::Display for Error {
                 "{name}: the tree has k = {} and arity {}, the query k = {} and arity {}: `simdop build` makes another of it",
                 has.k, has.arity, asked.k, asked.arity
             ),
+            Self::SelfTest { name, problem } => write!(f, "{name}: {problem}"),
             Self::Output(error) => write!(f, "standard output: {error}"),
         }
     }

@@ -18,6 +18,7 @@ mod random;
 mod report;
 mod robot;
 mod scene;
+mod selftest;
 mod verdicts;
 mod volume;
 
@@ -84,6 +85,13 @@ enum Command {
     /// settings are k, arity, leaf size, splitter, and with or without thin slabs; planes are ordered halves, and
     /// bodies are as exact as their meshes. Packings of closed meshes are compared by their number of spheres.
     Report(report::Options),
+    /// Is every answer right on this machine? Generated bodies in hard cases, beside exact arithmetic, on every
+    /// instruction set that there is.
+    ///
+    /// The table has a row for each case: pairs, collisions missed and invented, poses where the exact answer flips
+    /// within one unit in the last place, and the time beside that of a benign case. The exit code is 0 if everything
+    /// is right and 1 if not; then what was wrong is printed, so that it can be repeated. It is 2 for errors.
+    Selftest(selftest::Options),
 }
 
 /// What hierarchy a mesh becomes. A tree is what it is: where there are only trees, these are errors.
@@ -196,6 +204,7 @@ pub(crate) fn run() -> ExitCode {
         Command::Near(options) => near::run(&options),
         Command::Robot(options) => robot::run(&options).map(|()| 0),
         Command::Report(options) => report::run(&options).map(|()| 0),
+        Command::Selftest(options) => selftest::run(&options),
     };
     match outcome {
         Ok(code) => ExitCode::from(code),

@@ -1,0 +1,290 @@
+//! `simdop selftest`: hard cases on the user's machine, each answer beside an oracle that is none of the library's code.
+//!
+//! A *trial* is two bodies, built in one of the formats, and up to 64 poses. Each pose is a *pair*: it is judged by
+//! the [`oracle`] and asked on every instruction set that there is. What is drawn for a trial depends on the seed, the case and the
+//! number of the trial only, so that a run of one case repeats what a run of all of them found.
+
+mod cases;
+mod check;
+mod draw;
+mod figures;
+mod oracle;
+mod points;
+mod tally;
+mod trees;
+
+use super::error::Error;
+use super::progress;
+use cases::{CASES, HardCase, Maker, Trial};
+use check::Wrong;
+use clap::Args;
+use draw::Draw;
+use oracle::{Matrix, Oracle, Truth};
+use serde::Serialize;
+use simdop::isa::Isa;
+use simdop::pose::Pose;
+use simdop::query::{Answer, AnyError, Counters, Verdict};
+use std::io::{BufWriter, Write};
+use std::time::Instant;
+use tally::{Asked, CaseReport, Tally};
+use trees::{BodyTrees, TreeFormat};
+
+#[derive(Args, Debug)]
+pub(super) struct Options {
+    /// Pairs to generate: two bodies at a pose, in one of the formats, or a point of a cloud. Each is asked on every
+    /// instruction set that this machine has.
+    #[arg(long, value_name = "COUNT", default_value_t = 250_000, value_parser = clap::value_parser!(u64).range(1..))]
+    pairs: u64,
+    /// What the pairs are drawn from.
+    #[arg(long, default_value_t = 1)]
+    seed: u64,
+    /// This case alone.
+    #[arg(long, value_name = "NAME", value_parser = hard_case)]
+    case: Option<HardCase>,
+    /// One JSON object instead of a table.
+    #[arg(long)]
+    json: bool,
+}
+
+fn hard_case(text: &str) -> Result<HardCase, String> {
+    CASES.into_iter().find(|case| case.name == text).ok_or_else(|| {
+        let names: Vec<&str> = CASES.iter().map(|case| case.name).collect();
+        format!("must be one of {}", names.join(", "))
+    })
+}
+
+#[derive(Serialize)]
+struct SelfTestReport {
+    version: &'static str,
+    isas: Vec<&'static str>,
+    seed: u64,
+    is_right: bool,
+    pairs: u64,
+    hits: u64,
+    knife_edge: u64,
+    exact_pairs: u64,
+    seconds: f64,
+    /// Of all answers and counters of all cases: the same on every machine.
+    digest: String,
+    cases: Vec<CaseReport>,
+}
+
+pub(super) fn run(options: &Options) -> Result<u8, Error> {
+    let selected: Vec<HardCase> = options.case.map_or_else(|| CASES.into(), |case| vec![case]);
+    let shares: u64 = selected.iter().map(|case| case.share).sum();
+    // At least one of each.
+    let counts = selected.iter().map(|case| (options.pairs * case.share).div_ceil(shares));
+    let counts: Vec<u64> = counts.collect();
+    let bar = progress::bar(counts.iter().sum::<u64>() as usize, "pairs", options.json);
+    let tick = || bar.inc(1);
+    let start = Instant::now();
+    let mut reports = Vec::new();
+    for (case, count) in selected.iter().zip(counts) {
+        let mut tally = Tally::new(case, options.seed, &tick);
+        run_case(case, count, options.seed, &mut tally)?;
+        let mut report = tally.finished();
+        report.compare(&reports);
+        reports.push(report);
+    }
+    drop(bar);
+    let sums = reports.iter().map(CaseReport::sums);
+    let [pairs, hits, knife_edge, exact_pairs] =
+        sums.fold([0; 4], |sums, row| core::array::from_fn(|i| sums[i] + row[i]));
+    let report = SelfTestReport {
+        version: env!("CARGO_PKG_VERSION"),
+        isas: Isa::available().map(Isa::name).collect(),
+        seed: options.seed,
+        is_right: reports.iter().all(CaseReport::is_right),
+        pairs,
+        hits,
+        knife_edge,
+        exact_pairs,
+        seconds: start.elapsed().as_secs_f64(),
+        digest: CaseReport::joint_digest(&reports),
+        cases: reports,
+    };
+    let code = u8::from(!report.is_right);
+    match report.print(options.json, &mut BufWriter::new(std::io::stdout().lock())) {
+        // The reader of our output has seen enough. The verdict is what it is.
+        Err(error) if error.kind() == std::io::ErrorKind::BrokenPipe => Ok(code),
+        printed => printed.map(|()| code).map_err(Error::Output),
+    }
+}
+
+/// Trial after trial, until there are so many pairs.
+fn run_case(case: &HardCase, count: u64, seed: u64, tally: &mut Tally<'_>) -> Result<(), Error> {
+    for trial in 0.. {
+        let left = usize::try_from(count - tally.pairs()).unwrap_or(usize::MAX);
+        if left == 0 {
+            break;
+        }
+        let format = TreeFormat::of(trial);
+        let mut draw = Draw::new(seed, case.name, trial, format.is_single);
+        match case.maker {
+            Maker::Points(make) => make(&mut draw).ask(left, trial, tally)?,
+            Maker::Bodies(make) => {
+                let mut drawn = make(&mut draw);
+                drawn.poses.truncate(left);
+                let failed = |problem: String| {
+                    let name = format!("{}, seed {seed}, trial {trial}, {format}", case.name);
+                    Error::SelfTest { name, problem }
+                };
+                tally.add_format(&format);
+                let trees = BodyTrees::build(&drawn, &format).map_err(|error| failed(error.to_string()))?;
+                ask(&trees, &drawn, (trial, &format), tally).map_err(failed)?;
+            }
+        }
+    }
+    Ok(())
+}
+
+/// Poses of which one is asked for all of its pairs of triangles, too.
+const POSES_FOR_ALL_PAIRS: usize = 8;
+
+/// Asks the trees what the oracle says of the bodies, which they are.
+fn ask(
+    trees: &BodyTrees,
+    drawn: &Trial,
+    (trial, format): (u64, &TreeFormat),
+    tally: &mut Tally<'_>,
+) -> Result<(), String> {
+    let oracle = Oracle::new(&drawn.a, &drawn.b);
+    for (place, rows) in drawn.poses.iter().enumerate() {
+        let pose = Pose::from_rows(*rows).map_err(|error| error.to_string())?;
+        let truth = oracle.truth(rows);
+        let (answers, nanoseconds) = answers(trees, &pose).map_err(|error| error.to_string())?;
+        let mut wrong = check::verdicts(truth, &answers, |a, b| oracle.is_witness(rows, a, b));
+        let mut wrong_pairs = Vec::new();
+        if place % POSES_FOR_ALL_PAIRS == 0 && drawn.a.copies == 1 {
+            wrong_pairs = all_pairs(trees, &oracle, rows, &pose).map_err(|error| error.to_string())?;
+            wrong.extend(&wrong_pairs);
+        }
+        if let Some((_, answer)) = answers.last() {
+            tally.add_answer(numbers(answer));
+        }
+        tally.add(Asked {
+            trial,
+            place,
+            is_hit: truth.meets,
+            is_knife_edge: truth.is_knife_edge,
+            exact_pairs: answers.last().map_or(0, |(_, answer)| answer.counters.exact_pairs),
+            nanoseconds,
+            wrong,
+            describe: &|| described(format, rows, truth, &answers) + &of_all_pairs(&wrong_pairs),
+        });
+    }
+    Ok(())
+}
+
+/// Of all instruction sets, weakest first, and how long the last took: by then all is in the cache.
+fn answers(trees: &BodyTrees, pose: &Pose) -> Result<(Vec<(Isa, Answer)>, u64), AnyError> {
+    let (mut answers, mut nanoseconds) = (Vec::with_capacity(4), 0);
+    for isa in Isa::available() {
+        let start = Instant::now();
+        let answer = trees.collide(isa, pose)?;
+        nanoseconds = u64::try_from(start.elapsed().as_nanos()).unwrap_or(u64::MAX);
+        answers.push((isa, answer));
+    }
+    Ok((answers, nanoseconds))
+}
+
+fn all_pairs(
+    trees: &BodyTrees,
+    oracle: &Oracle<'_>,
+    rows: &Matrix,
+    pose: &Pose,
+) -> Result<Vec<(Wrong, Isa)>, AnyError> {
+    let mut found = Vec::new();
+    for isa in Isa::available() {
+        match trees.pairs(isa, pose) {
+            Some(pairs) => found.push((isa, pairs?)),
+            None => return Ok(Vec::new()),
+        }
+    }
+    Ok(check::all_pairs(&oracle.pairs(rows).into_iter().collect(), &found))
+}
+
+/// What an answer is, as the digest takes it.
+fn numbers(answer: &Answer) -> [u64; 7] {
+    let Counters { visits, kernels, realignments, primitive_pairs, exact_pairs } = answer.counters;
+    let [verdict, pair] = match answer.verdict {
+        Verdict::Free => [0, 0],
+        Verdict::Hit(pair) => [1, u64::from(pair.a) << 32 | u64::from(pair.b)],
+        Verdict::Unknown { .. } => [2, 0],
+    };
+    [verdict, pair, visits, kernels, realignments, primitive_pairs, exact_pairs]
+}
+
+fn described(format: &TreeFormat, rows: &Matrix, truth: Truth, answers: &[(Isa, Answer)]) -> String {
+    let numbers: Vec<String> = rows.iter().flatten().map(|x| format!("{x:?}")).collect();
+    let answers: Vec<String> =
+        answers.iter().map(|(isa, answer)| format!("{isa} {:?}", answer.verdict)).collect();
+    let truth = if truth.meets { "they meet" } else { "they do not meet" };
+    format!("{format}\n  pose {}\n  {truth}; {}", numbers.join(" "), answers.join(", "))
+}
+
+/// What is wrong with the enumeration of all pairs, which may be so where the first hit is right.
+fn of_all_pairs(wrong: &[(Wrong, Isa)]) -> String {
+    let each = wrong.iter().map(|(wrong, isa)| format!("\n  of all pairs of triangles: {wrong:?} by {isa}"));
+    each.collect()
+}
+
+impl SelfTestReport {
+    fn print(&self, json: bool, out: &mut impl Write) -> std::io::Result<()> {
+        if json {
+            writeln!(out, "{}", serde_json::to_string_pretty(self)?)?;
+            return out.flush();
+        }
+        CaseReport::print_head(out)?;
+        for case in &self.cases {
+            case.print(out)?;
+        }
+        for case in &self.cases {
+            case.print_wrong(out)?;
+        }
+        let Self { pairs, hits, knife_edge, exact_pairs, seconds, digest, seed, .. } = self;
+        writeln!(out, "\nA format is {}.", TreeFormat::CHOICES)?;
+        writeln!(
+            out,
+            "{pairs} pairs, each on {}: {hits} hits, {knife_edge} on a knife's edge, {exact_pairs} pairs of primitives in exact arithmetic",
+            self.isas.join(", ")
+        )?;
+        let verdict = if self.is_right { "every answer is right" } else { "THERE ARE WRONG ANSWERS" };
+        writeln!(out, "{verdict}; seed {seed}, digest {digest}, {seconds:.1} s")?;
+        out.flush()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use figures::resized;
+    use oracle::Figure;
+
+    /// Trees of bodies that are a tenth smaller or larger than what the oracle is told: a library that misses collisions, and
+    /// one that invents them.
+    #[test]
+    fn wrong_answers_are_noticed() {
+        let format = TreeFormat::of(0);
+        let mut draw = Draw::new(1, "benign", 0, format.is_single);
+        let Maker::Bodies(make) = CASES[0].maker else { panic!("the first case is of bodies") };
+        let drawn = make(&mut draw);
+        let as_large = |by: f64| {
+            let figure =
+                |figure: &Figure| Figure::surface(resized(figure.triangles().copied().collect(), by));
+            let trial = Trial { a: figure(&drawn.a), b: figure(&drawn.b), poses: Vec::new() };
+            let trees = BodyTrees::build(&trial, &format).unwrap();
+            let mut tally = Tally::new(&CASES[0], 1, &|| ());
+            ask(&trees, &drawn, (0, &format), &mut tally).unwrap();
+            tally.finished()
+        };
+        let (right, smaller, larger) = (as_large(1.0), as_large(0.9), as_large(1.1));
+        assert!(right.is_right());
+        assert_eq!(right.sums()[0], 64);
+        assert!(smaller.wrong_answers()[0] > 0 && larger.wrong_answers()[1] > 0);
+        for wrong in [smaller, larger] {
+            assert_eq!(wrong.wrong_answers()[2], 0, "all instruction sets are as wrong");
+            assert!(!wrong.is_right());
+        }
+    }
+}

@@ -1,0 +1,154 @@
+//! The bodies of a trial as trees of every format, asked on every instruction set.
+
+use super::cases::Trial;
+use super::oracle::{Convex, Figure};
+use core::ops::ControlFlow;
+use simdop::construct::{BuildError, Builder, Geometry, Mesh, SphereSet, Splitter};
+use simdop::hierarchy::AnyBvh;
+use simdop::isa::Isa;
+use simdop::pose::Pose;
+use simdop::primitive::{Sphere, Spheres};
+use simdop::query::{Answer, AnyError, Counters, Query};
+use std::collections::BTreeSet;
+
+/// How trees are built: the formats that a library's user may choose.
+#[derive(Copy, Clone, Debug)]
+pub(super) struct TreeFormat {
+    pub(super) k: usize,
+    pub(super) arity: usize,
+    /// Whether the numbers of vertices are rounded to `f32`, and so kept.
+    pub(super) is_single: bool,
+    leaf_size: u32,
+    has_thin_slabs: bool,
+    splitter: Splitter,
+}
+
+/// Every k, and both arities.
+const NODES: [(usize, usize); 10] =
+    [(18, 16), (6, 16), (14, 4), (26, 16), (32, 4), (14, 16), (18, 4), (32, 16), (6, 4), (26, 4)];
+const LEAF_SIZES: [u32; 3] = [1, 2, 16];
+/// How many formats there are: of each node two precisions, three leaf sizes, with thin slabs or not, by two splitters.
+const FORMATS: u64 = 10 * 2 * 3 * 2 * 2;
+
+impl TreeFormat {
+    pub(super) const CHOICES: &str = "a k of 6, 14, 18, 26 or 32, an arity of 4 or 16, vertices in f32 or f64, up to 1, 2 or 16 primitives a \
+        leaf, with thin slabs or without, split by mean width or extended longest axis";
+
+    /// One trial after the other has another, until all have been. The factor has no divisor in common with their number: it mixes
+    /// them, so that a few trials have some of everything.
+    pub(super) fn of(trial: u64) -> Self {
+        let mut left = (trial % FORMATS * 97 % FORMATS) as usize;
+        let mut digit = |base: usize| {
+            let digit = left % base;
+            left /= base;
+            digit
+        };
+        let (k, arity) = NODES[digit(NODES.len())];
+        Self {
+            k,
+            arity,
+            is_single: digit(2) == 1,
+            leaf_size: LEAF_SIZES[digit(LEAF_SIZES.len())],
+            has_thin_slabs: digit(2) == 0,
+            splitter: [Splitter::MeanWidth, Splitter::ExtendedLongestAxis][digit(2)],
+        }
+    }
+
+    fn build<G: Geometry>(&self, geometry: &G, figure: &Figure) -> Result<AnyBvh<G::Primitive>, BuildError> {
+        let builder = Builder::new().leaf_size(self.leaf_size).splitter(self.splitter);
+        let builder = if self.has_thin_slabs { builder } else { builder.without_thin_slabs() };
+        let builder = if figure.is_solid { builder.solid() } else { builder };
+        builder.build_any(geometry, self.k, self.arity, &mut |_| ControlFlow::Continue(()))
+    }
+
+    fn mesh(&self, figure: &Figure) -> Result<AnyBvh, BuildError> {
+        let one: Vec<[f64; 3]> = figure.triangles().flatten().copied().collect();
+        let corners = one.len() as u32 / 3;
+        let each = (0..corners).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]);
+        // Copies have the corners of the first.
+        let triangles: Vec<[u32; 3]> = (0..figure.copies).flat_map(|_| each.clone()).collect();
+        self.build(&Mesh { vertices: &one, triangles: &triangles }, figure)
+    }
+
+    fn set(&self, figure: &Figure) -> Result<AnyBvh<Spheres>, BuildError> {
+        let spheres: Vec<Sphere> = figure
+            .items
+            .iter()
+            .filter_map(|item| match item {
+                Convex::Ball(ball) => Some(*ball),
+                Convex::Triangle(_) => None,
+            })
+            .collect();
+        self.build(&SphereSet { spheres: &spheres }, figure)
+    }
+}
+
+impl core::fmt::Display for TreeFormat {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        let Self { k, arity, leaf_size, .. } = self;
+        let vertices = if self.is_single { "f32" } else { "f64" };
+        let slabs = if self.has_thin_slabs { "with" } else { "without" };
+        write!(
+            f,
+            "k {k}, arity {arity}, leaf size {leaf_size}, {vertices}, {slabs} thin slabs, {:?}",
+            self.splitter
+        )
+    }
+}
+
+/// Two trees of one node type.
+pub(super) enum BodyTrees {
+    Triangles(AnyBvh, AnyBvh),
+    Spheres(AnyBvh<Spheres>, AnyBvh<Spheres>),
+    SpheresOnTriangles(AnyBvh<Spheres>, AnyBvh),
+}
+
+/// All pairs that meet, and what it took to find them.
+pub(super) type AllPairs = (BTreeSet<(u32, u32)>, Counters);
+
+impl BodyTrees {
+    pub(super) fn build(trial: &Trial, format: &TreeFormat) -> Result<Self, BuildError> {
+        let has_balls = |figure: &Figure| matches!(figure.items.first(), Some(Convex::Ball(_)));
+        Ok(match (has_balls(&trial.a), has_balls(&trial.b)) {
+            (true, true) => Self::Spheres(format.set(&trial.a)?, format.set(&trial.b)?),
+            (true, false) => Self::SpheresOnTriangles(format.set(&trial.a)?, format.mesh(&trial.b)?),
+            (false, _) => Self::Triangles(format.mesh(&trial.a)?, format.mesh(&trial.b)?),
+        })
+    }
+
+    pub(super) fn collide(&self, isa: Isa, pose: &Pose) -> Result<Answer, AnyError> {
+        let query = Query::new(isa);
+        match self {
+            Self::Triangles(a, b) => query.collide_any(&a.view(), &b.view(), pose),
+            Self::Spheres(a, b) => query.collide_any(&a.view(), &b.view(), pose),
+            Self::SpheresOnTriangles(a, b) => query.collide_any(&a.view(), &b.view(), pose),
+        }
+    }
+
+    /// All pairs of triangles, of bodies that are.
+    pub(super) fn pairs(&self, isa: Isa, pose: &Pose) -> Option<Result<AllPairs, AnyError>> {
+        let Self::Triangles(a, b) = self else { return None };
+        let mut pairs = BTreeSet::new();
+        let found = Query::new(isa).for_each_pair_any(&a.view(), &b.view(), pose, |pair| {
+            pairs.insert((pair.a, pair.b));
+            ControlFlow::Continue(())
+        });
+        Some(found.map(|(_, counters)| (pairs, counters)))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn all_formats_have_their_turn() {
+        let names = |trials: core::ops::Range<u64>| -> BTreeSet<String> {
+            trials.map(|trial| TreeFormat::of(trial).to_string()).collect()
+        };
+        assert_eq!(names(0..FORMATS).len() as u64, FORMATS);
+        assert_eq!(names(0..FORMATS), names(FORMATS..2 * FORMATS));
+        let nodes: BTreeSet<_> = (0..10).map(TreeFormat::of).map(|f| (f.k, f.arity)).collect();
+        assert_eq!(nodes.len(), 10);
+    }
+}
