@@ -1097,6 +1097,8 @@ fn a_cover_is_within_what_is_asked_for() {
     let small = folder.json(&["cover", "a.obj", "--bytes", "8000", "-o", "a.tree"]);
     let bytes = std::fs::read(folder.0.join("a.tree")).unwrap().len() as u64;
     assert!((4000..=8000).contains(&bytes) && small["bytes"] == bytes, "{small}");
+    let described = folder.json(&["info", "a.tree", "--verify"]);
+    assert_eq!((&described["spheres"], &described["total_bytes"]), (&small["spheres"], &small["bytes"]));
     // Without a file: a shape that is built in.
     let line = String::from_utf8(folder.run(&["cover", "--spheres", "9", "-o", "gear.txt"]).stdout).unwrap();
     assert!(line.starts_with("gear ring (built in): 7680 triangles within "), "{line}");

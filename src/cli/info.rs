@@ -50,7 +50,7 @@ struct Report {
 }
 
 pub(super) fn run(options: &Options) -> Result<(), Error> {
-    if packing::is_named(&options.tree) {
+    if packing::is_of_spheres(&options.tree) {
         return match options.build.first_given() {
             Some(option) => Err(Error::idle(option, &options.tree.display())),
             None => packing::info(&options.tree, options.verify, options.json),

@@ -1,9 +1,9 @@
-//! Packings: files of spheres, and what `simdop info` says of one.
+//! Files of spheres, as packings and covers are, and what `simdop info` says of one.
 
 use super::body;
 use super::error::{Error, Fault};
 use serde::Serialize;
-use simdop::hierarchy::Bvh;
+use simdop::hierarchy::{Bvh, MAGIC};
 use simdop::node::Node16;
 use simdop::packing::text;
 use simdop::primitive::{Sphere, Spheres};
@@ -11,14 +11,24 @@ use std::io::Write;
 use std::path::Path;
 use std::time::Instant;
 
-/// Whether a file is a packing by its name, where a mesh could be meant too.
-pub(super) fn is_named(path: &Path) -> bool {
+/// Whether a file holds spheres: by its name, or because it is a tree of them.
+pub(super) fn is_of_spheres(path: &Path) -> bool {
+    let is_tree = |bytes: Vec<u8>| bytes.starts_with(&MAGIC) && SphereTree::from_bytes(&bytes).is_ok();
     path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("txt"))
+        || std::fs::read(path).is_ok_and(is_tree)
 }
 
-/// The spheres of a file, and their tree.
-pub(super) fn read(path: &Path) -> Result<(Vec<Sphere>, Bvh<Node16<18>, Spheres>), Error> {
+type SphereTree = Bvh<Node16<18>, Spheres>;
+
+/// The spheres of a file, and their tree: the one that it holds, or one that is built.
+pub(super) fn read(path: &Path) -> Result<(Vec<Sphere>, SphereTree), Error> {
     let bytes = std::fs::read(path).map_err(Error::io(path))?;
+    if bytes.starts_with(&MAGIC) {
+        let tree =
+            SphereTree::from_bytes(&bytes).map_err(|error| Error::Tree { path: path.into(), error })?;
+        let spheres = (0..tree.view().len() as u32).map(|i| tree.view().primitive(i)).collect();
+        return Ok((spheres, tree));
+    }
     let spheres = text::read(&String::from_utf8_lossy(&bytes)).map_err(|error| {
         let advice = "a packing is a sphere a line, x y z r, as `simdop pack` makes it of a mesh";
         Error::content(path, Fault::file(format!("{error}; {advice}")))

@@ -258,7 +258,7 @@ fn check_distances<N: Lanes, P: Pairwise<Spheres>>(body: &Bvh<N, P>, points: &[[
                 assert!(got.lower <= want + slack, "{what}, {isa}, {step}: {want} {got:?}");
                 match got.witness {
                     None => {
-                        assert!(want >= cutoff - slack && got.lower == cutoff && got.upper == f64::INFINITY)
+                        assert!(want >= cutoff - slack && got.lower == cutoff && got.upper == f64::INFINITY);
                     }
                     Some(witness) => {
                         assert!(

@@ -102,7 +102,7 @@ pub(super) fn run(path: &Path, options: &Options) -> Result<u8, Error> {
 
 impl Body {
     fn read(path: &Path, quiet: bool) -> Result<Self, Error> {
-        if packing::is_named(path) {
+        if packing::is_of_spheres(path) {
             return Ok(Self::Spheres(packing::read(path)?.1));
         }
         let options = TreeOptions::default();
