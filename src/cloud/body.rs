@@ -119,6 +119,8 @@ impl RangeSearch {
 impl CloudRef<'_> {
     /// The same as an answer whose `a` is a primitive of the body and whose `b` is a point, within the budget of a query. Visits
     /// are of pairs of a node of the body and a bucket, and calls of kernels those with sixteen boxes of either.
+    // Out of the frames of scenes that ask no cloud.
+    #[inline(never)]
     pub(crate) fn body_within<N: Lanes, P: Pairwise<Spheres>>(
         &self,
         query: &Query,

@@ -58,6 +58,8 @@ impl RangeSearch {
 
 impl CloudRef<'_> {
     /// The same within the budget of a query.
+    // Out of the frames of scenes that ask no cloud.
+    #[inline(never)]
     pub(crate) fn body_distance<N: Lanes, P: Pairwise<Spheres>>(
         &self,
         query: &Query,

@@ -127,7 +127,7 @@ impl Piece {
 }
 
 /// Where a point is among cubes as wide as the error.
-type Cube = [i64; 3];
+type CoverCell = [i64; 3];
 
 struct Cover {
     error: f64,
@@ -135,13 +135,13 @@ struct Cover {
     /// In the order of their cubes.
     pieces: Vec<Piece>,
     /// Of each cube that has pieces, in ascending order, the first.
-    cubes: Vec<(Cube, usize)>,
+    cubes: Vec<(CoverCell, usize)>,
 }
 
 impl Cover {
     fn new(triangles: &[Triangle], error: f64, pad: f64) -> Result<Self, CoverError> {
         let mut waiting = triangles.to_vec();
-        let mut pieces: Vec<(Cube, Piece)> = Vec::new();
+        let mut pieces: Vec<(CoverCell, Piece)> = Vec::new();
         while let Some(t) = waiting.pop() {
             let edge = |i: usize| length(&difference(&t[i], &t[(i + 1) % 3]));
             let i = (0..3).fold(0, |longest, i| if edge(i) > edge(longest) { i } else { longest });
@@ -158,7 +158,7 @@ impl Cover {
             }
         }
         pieces.sort_by_key(|(cube, _)| *cube);
-        let mut cubes: Vec<(Cube, usize)> = Vec::new();
+        let mut cubes: Vec<(CoverCell, usize)> = Vec::new();
         for (i, (cube, _)) in pieces.iter().enumerate() {
             if cubes.last().is_none_or(|(last, _)| last != cube) {
                 cubes.push((*cube, i));
