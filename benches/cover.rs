@@ -51,7 +51,7 @@ fn main() {
         }
     }
     for (name, mesh) in &meshes[..count(meshes.len(), 1)] {
-        for error in ERRORS {
+        for &error in &ERRORS[..count(ERRORS.len(), 1)] {
             row(name, mesh, error);
         }
     }
