@@ -2,7 +2,7 @@
 
 use super::error::Error;
 use super::mesh::{self, Empty, MeshData};
-use super::{TreeOptions, progress};
+use super::{TreeOptions, progress, scene};
 use core::ops::ControlFlow;
 use core::time::Duration;
 use simdop::construct::{Builder, Mesh, Progress, SphereSet};
@@ -73,6 +73,16 @@ pub(super) enum Source {
     Mesh(MeshData),
 }
 
+impl Source {
+    /// The mesh, or that which the tree was built from.
+    pub(super) fn into_mesh(self) -> MeshData {
+        match self {
+            Self::Mesh(mesh) => mesh,
+            Self::Tree(tree) => mesh_of(&tree),
+        }
+    }
+}
+
 /// A tree, its name, and how long it took to read its file and to build it.
 pub(super) struct Body {
     pub(super) name: String,
@@ -99,6 +109,12 @@ pub(super) fn read(path: &Path, options: &TreeOptions, quiet: bool) -> Result<So
         let empty = if options.allow_empty { Empty::Allowed } else { Empty::Refused };
         mesh::read(path, &bytes, empty).map(Source::Mesh)
     }
+}
+
+/// The mesh of a file, or that which its tree was built from, and its name. Without a file: a gear that is built in.
+pub(super) fn mesh_or_gear(path: Option<&Path>, quiet: bool) -> Result<(String, MeshData), Error> {
+    let Some(path) = path else { return Ok(("gear ring (built in)".into(), scene::gear())) };
+    Ok((path.display().to_string(), read(path, &TreeOptions::default(), quiet)?.into_mesh()))
 }
 
 /// Builds the tree of a mesh.

@@ -6,7 +6,6 @@ use super::output;
 use super::picture::{self, Format};
 use super::{File, TreeOptions};
 use clap::Args;
-use std::io::Write;
 
 #[derive(Args, Debug)]
 pub(super) struct Options {
@@ -61,10 +60,5 @@ pub(super) fn run(options: &Options) -> Result<(), Error> {
         stats.nodes,
         stats.total_bytes
     );
-    if options.output.as_deref().is_some_and(output::is_standard_output) {
-        // The standard output holds the tree, and nothing else.
-        let _ = writeln!(std::io::stderr(), "{summary}");
-        return Ok(());
-    }
-    writeln!(std::io::stdout(), "{summary}").map_err(Error::Output)
+    output::say(options.output.as_deref(), |out| writeln!(out, "{summary}"))
 }

@@ -1,10 +1,10 @@
 //! `simdop cover`.
 
-use super::body::{self, Source};
+use super::body;
 use super::error::Error;
 use super::mesh::MeshData;
 use super::output;
-use super::{File, TreeOptions, progress, scene};
+use super::{File, progress};
 use clap::Args;
 use core::ops::ControlFlow;
 use serde::Serialize;
@@ -70,16 +70,7 @@ pub(super) fn run(options: &Options) -> Result<(), Error> {
         options.mesh.as_deref(),
         [("--output", Some(options.output.as_path())), ("", None)],
     )?;
-    let (name, mesh) = match &options.mesh {
-        None => ("gear ring (built in)".into(), scene::gear()),
-        Some(path) => {
-            let mesh = match body::read(path, &TreeOptions::default(), options.json)? {
-                Source::Mesh(mesh) => mesh,
-                Source::Tree(tree) => body::mesh_of(&tree),
-            };
-            (path.display().to_string(), mesh)
-        }
-    };
+    let (name, mesh) = body::mesh_or_gear(options.mesh.as_deref(), options.json)?;
     let spinner = progress::step(format!("covering {name}"), options.json);
     let start = Instant::now();
     let covered = within(&name, &mesh, options.limit)?;
@@ -103,12 +94,7 @@ pub(super) fn run(options: &Options) -> Result<(), Error> {
         bytes: covered.tree.as_bytes().len(),
         cover_nanoseconds,
     };
-    if output::is_standard_output(&options.output) {
-        // The standard output holds the spheres, and nothing else.
-        let _ = print(&report, options.json, &mut std::io::stderr().lock());
-        return Ok(());
-    }
-    print(&report, options.json, &mut std::io::stdout().lock()).map_err(Error::Output)
+    output::say(Some(&options.output), |out| print(&report, options.json, out))
 }
 
 fn cover(name: &str, mesh: &MeshData, error: f64) -> Result<Covered, Error> {
@@ -153,7 +139,7 @@ fn within(name: &str, mesh: &MeshData, limit: Limit) -> Result<Covered, Error> {
     Ok(best)
 }
 
-fn print(report: &Report, json: bool, out: &mut impl Write) -> std::io::Result<()> {
+fn print(report: &Report, json: bool, out: &mut dyn Write) -> std::io::Result<()> {
     if json {
         return writeln!(out, "{}", serde_json::to_string_pretty(report)?);
     }

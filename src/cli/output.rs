@@ -72,6 +72,18 @@ impl Staged<'_> {
     }
 }
 
+/// Prints what is said of a file that was written: to the standard output, unless that holds the file and nothing else.
+pub(super) fn say(
+    file: Option<&Path>,
+    print: impl FnOnce(&mut dyn Write) -> std::io::Result<()>,
+) -> Result<(), Error> {
+    if file.is_some_and(is_standard_output) {
+        let _ = print(&mut std::io::stderr().lock());
+        return Ok(());
+    }
+    print(&mut std::io::stdout().lock()).map_err(Error::Output)
+}
+
 /// Refuses to write one file twice, or over the one that is read. The names are those of the options.
 pub(super) fn check_targets(
     read: Option<&Path>,

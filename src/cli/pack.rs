@@ -1,11 +1,10 @@
 //! `simdop pack`.
 
-use super::body::{self, Source};
+use super::body;
 use super::error::Error;
-use super::mesh::MeshData;
 use super::output;
 use super::picture::{self, Format};
-use super::{File, TreeOptions, progress, scene};
+use super::{File, progress};
 use clap::Args;
 use core::ops::ControlFlow;
 use serde::Serialize;
@@ -62,7 +61,7 @@ pub(super) fn run(options: &Options) -> Result<(), Error> {
     let format = options.picture.as_deref().map(Format::of).transpose()?;
     let targets = [("--output", Some(options.output.as_path())), ("--picture", options.picture.as_deref())];
     output::check_targets(options.mesh.as_deref(), targets)?;
-    let (name, mesh) = read(options)?;
+    let (name, mesh) = body::mesh_or_gear(options.mesh.as_deref(), options.json)?;
     let bar = progress::bar(options.spheres as usize, "spheres", options.json);
     let mut observer = |filling: Filling| {
         bar.set_position(filling.placed as u64);
@@ -91,21 +90,7 @@ pub(super) fn run(options: &Options) -> Result<(), Error> {
         pack_nanoseconds,
         steps: steps(&packing),
     };
-    if output::is_standard_output(&options.output) {
-        // The standard output holds the packing, and nothing else.
-        let _ = print(&report, options.json, &mut std::io::stderr().lock());
-        return Ok(());
-    }
-    print(&report, options.json, &mut std::io::stdout().lock()).map_err(Error::Output)
-}
-
-fn read(options: &Options) -> Result<(String, MeshData), Error> {
-    let Some(path) = &options.mesh else { return Ok(("gear ring (built in)".into(), scene::gear())) };
-    let mesh = match body::read(path, &TreeOptions::default(), options.json)? {
-        Source::Mesh(mesh) => mesh,
-        Source::Tree(tree) => body::mesh_of(&tree),
-    };
-    Ok((path.display().to_string(), mesh))
+    output::say(Some(&options.output), |out| print(&report, options.json, out))
 }
 
 fn paint(name: &str, packing: &Packing, format: Format) -> Result<Vec<u8>, Error> {
@@ -135,7 +120,7 @@ const fn is_step(mut count: usize) -> bool {
     matches!(count, 1 | 2 | 5)
 }
 
-fn print(report: &Report, json: bool, out: &mut impl Write) -> std::io::Result<()> {
+fn print(report: &Report, json: bool, out: &mut dyn Write) -> std::io::Result<()> {
     if json {
         return writeln!(out, "{}", serde_json::to_string_pretty(report)?);
     }

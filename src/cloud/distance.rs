@@ -90,11 +90,9 @@ impl CloudRef<'_> {
             let moved = P::moved(&body.primitive(near.primitive), pose);
             let tight = tolerance.max(TIGHT);
             let exact = &mut found.counters.exact_pairs;
-            // What is within the margin is nearer than any.
-            let Some(Separation { upper, a, b, .. }) =
-                P::nearer(&moved, &near.at, f64::INFINITY, tight, exact)
-            else {
-                break;
+            let nearer = P::nearer(&moved, &near.at, f64::INFINITY, tight, exact);
+            let Some(Separation { upper, a, b, .. }) = nearer else {
+                unreachable!("no distance is above infinity")
             };
             let mut next = 0.5 * margin;
             if upper < found.upper {

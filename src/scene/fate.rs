@@ -53,7 +53,7 @@ impl<N: Lanes> Scene<'_, N> {
     /// where they are. At most `boxes` boxes of values are asked about.
     ///
     /// # Errors
-    /// [`SceneError`]: as [`Scene::edge`], and [`SceneError::NoPair`] of a body and itself.
+    /// [`SceneError`]: as [`Scene::edge`], [`SceneError::NoPair`] of a body and itself, and [`SceneError::TwoClouds`].
     pub fn pair_fate(
         &mut self,
         query: &Query,
@@ -62,7 +62,7 @@ impl<N: Lanes> Scene<'_, N> {
         (a, b): (BodyId, BodyId),
         boxes: usize,
     ) -> Result<PairReport, SceneError> {
-        let (i, j) = self.place_of_pair(a, b)?;
+        let (i, j) = self.place_to_ask(a, b)?;
         let mut poses = vec![Pose::IDENTITY; 2 * robot.bodies().len()];
         let (poses, before) = self.set_out(moving, robot.bodies().len(), &mut poses)?;
         let leaves =

@@ -17,15 +17,21 @@ impl<N> Scene<'_, N> {
     /// # Errors
     /// [`SceneError::NoSuchBody`], [`SceneError::NoPair`] of a body and itself, and [`SceneError::TwoClouds`].
     pub fn set_pair(&mut self, a: BodyId, b: BodyId, is_asked: bool) -> Result<(), SceneError> {
-        let (i, j) = self.place_of_pair(a, b)?;
-        if is_asked && self.is_cloud(i) && self.is_cloud(j) {
-            return Err(SceneError::TwoClouds { id: a });
-        }
+        let (i, j) = if is_asked { self.place_to_ask(a, b)? } else { self.place_of_pair(a, b)? };
         self.memory.set_pair(i, j, is_asked);
         Ok(())
     }
 
-    pub(super) fn place_of_pair(&self, a: BodyId, b: BodyId) -> Result<(usize, usize), SceneError> {
+    /// The same of a pair that can be asked, with a cloud as its second.
+    pub(super) fn place_to_ask(&self, a: BodyId, b: BodyId) -> Result<(usize, usize), SceneError> {
+        let (i, j) = (self.index(a)?, self.index(b)?);
+        if i != j && self.is_cloud(i) && self.is_cloud(j) {
+            return Err(SceneError::TwoClouds { id: a });
+        }
+        self.place_of_pair(a, b)
+    }
+
+    fn place_of_pair(&self, a: BodyId, b: BodyId) -> Result<(usize, usize), SceneError> {
         let (i, j) = (self.index(a)?, self.index(b)?);
         if i == j {
             return Err(SceneError::NoPair { id: a });

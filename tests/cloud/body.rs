@@ -3,7 +3,7 @@
 use crate::scenes::{self, Random};
 use core::ops::ControlFlow;
 use simdop::cloud::{Cloud, Contact, RangeSearch, SearchError};
-use simdop::construct::{Builder, Mesh, SphereSet};
+use simdop::construct::{Builder, Mesh, OwnedMesh, SphereSet};
 use simdop::hierarchy::Bvh;
 use simdop::isa::Isa;
 use simdop::node::{Node4, Node16};
@@ -295,24 +295,13 @@ fn distances_are_those_of_a_loop() {
 /// A cube of side 2 with a cavity of side 1 in it, turned: a point is in it where it is between the two, seen from the cube.
 #[test]
 fn points_inside_of_a_solid_are_near() {
-    let corner = |i: u32, half: f64| [0, 1, 2].map(|axis| if i >> axis & 1 == 0 { -half } else { half });
-    let vertices: Vec<[f64; 3]> = (0..16).map(|i| corner(i & 7, if i < 8 { 1.0 } else { 0.5 })).collect();
-    let face = [
-        [0, 2, 1],
-        [1, 2, 3],
-        [4, 5, 6],
-        [5, 7, 6],
-        [0, 1, 4],
-        [1, 5, 4],
-        [2, 6, 3],
-        [3, 6, 7],
-        [0, 4, 2],
-        [2, 4, 6],
-        [1, 3, 5],
-        [3, 7, 5],
-    ];
-    let triangles: Vec<[u32; 3]> =
-        face.into_iter().chain(face.map(|[a, b, c]: [u32; 3]| [a + 8, c + 8, b + 8])).collect();
+    let [outer, cavity] = [2.0, 1.0].map(|side| OwnedMesh::cuboid([side; 3]).unwrap());
+    let vertices = [outer.vertices, cavity.vertices].concat();
+    let triangles: Vec<[u32; 3]> = outer
+        .triangles
+        .into_iter()
+        .chain(cavity.triangles.iter().map(|[a, b, c]| [a + 8, c + 8, b + 8]))
+        .collect();
     let mesh = Mesh { vertices: &vertices, triangles: &triangles };
     let solid: Bvh<Node16<18>> = Builder::new().solid().build(&mesh).unwrap();
     let surface: Bvh<Node16<18>> = Builder::new().build(&mesh).unwrap();

@@ -4,6 +4,7 @@ use crate::support::rng::Rng;
 use crate::support::shapes;
 use core::f64::consts::PI;
 use glam::{DQuat, DVec3};
+use simdop::cloud::Cloud;
 use simdop::construct::{Builder, Mesh, OwnedMesh};
 use simdop::hierarchy::Bvh;
 use simdop::isa::Isa;
@@ -137,6 +138,7 @@ fn bodies_of_one_link_and_others_that_stand_still() {
     let limits = [[-PI, PI]; 3];
     let robot = Kinematics::new(&arm.joints, &bodies, &limits).unwrap();
     let query = Query::new(Isa::detect());
+    let points = Cloud::new(&[[0.0; 3], [0.1, 0.0, 0.0]]).unwrap();
     let mut scene = Scene::new();
     let ids = [0, 1, 2].map(|_| scene.insert(Body::new(link.view()), &Pose::IDENTITY).unwrap());
     let far = scene.insert(Body::new(link.view()), &at(2.0, 0.0, 0.0)).unwrap();
@@ -148,6 +150,11 @@ fn bodies_of_one_link_and_others_that_stand_still() {
     assert_eq!(fate(far, near), PairFate::Never);
     let refused = scene.pair_fate(&query, &ids, robot, (far, far), 10).unwrap_err();
     assert_eq!(refused, SceneError::NoPair { id: far });
+    // A cloud may be named first; two of them are no pair.
+    let [scan, other] = [9.0, 0.0].map(|x| scene.insert(Body::new(points.view()), &at(x, 0.0, 0.0)).unwrap());
+    let mut fate = |a, b| scene.pair_fate(&query, &ids, robot, (a, b), 10_000).map(|report| report.fate);
+    assert_eq!((fate(scan, ids[2]), fate(ids[2], scan)), (Ok(PairFate::Never), Ok(PairFate::Never)));
+    assert_eq!(fate(scan, other), Err(SceneError::TwoClouds { id: scan }));
     let refused = scene.pair_fate(&query, &ids[..1], robot, (far, near), 10).unwrap_err();
     assert_eq!(refused, SceneError::Motion { bodies: 3, given: 1, poses: 6 });
 }

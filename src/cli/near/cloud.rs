@@ -85,7 +85,7 @@ impl Points {
 }
 
 impl Report {
-    pub(super) fn print(&self, out: &mut impl Write) -> std::io::Result<()> {
+    pub(super) fn print(&self, out: &mut dyn Write) -> std::io::Result<()> {
         write!(out, "{}: {} points", self.name, self.points)?;
         if let Some(nanoseconds) = self.read_nanoseconds {
             write!(out, ", read in {:.1} ms", nanoseconds as f64 / 1e6)?;

@@ -50,7 +50,7 @@ impl Histogram {
         self.total
     }
 
-    pub(super) fn print(&self, out: &mut impl Write) -> std::io::Result<()> {
+    pub(super) fn print(&self, out: &mut dyn Write) -> std::io::Result<()> {
         let Self { least, median, mean, greatest, total, .. } = self;
         writeln!(
             out,

@@ -56,12 +56,7 @@ pub(super) fn run(options: &Options) -> Result<(), Error> {
         boxes: work.boxes,
         buckets: work.buckets,
     };
-    if options.output.as_deref().is_some_and(output::is_standard_output) {
-        // The standard output holds the neighbours, and nothing else.
-        let _ = print(&report, options.json, &mut std::io::stderr().lock());
-        return Ok(());
-    }
-    print(&report, options.json, &mut std::io::stdout().lock()).map_err(Error::Output)
+    output::say(options.output.as_deref(), |out| print(&report, options.json, out))
 }
 
 /// The neighbours of each point on a line of its own.
@@ -87,7 +82,7 @@ fn lists(search: &RangeSearch, cloud: &CloudRef<'_>, radius: f32, total: u64) ->
     Ok(lines)
 }
 
-fn print(report: &Report, json: bool, out: &mut impl Write) -> std::io::Result<()> {
+fn print(report: &Report, json: bool, out: &mut dyn Write) -> std::io::Result<()> {
     if json {
         return writeln!(out, "{}", serde_json::to_string_pretty(report)?);
     }

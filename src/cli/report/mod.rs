@@ -20,7 +20,7 @@ mod setting;
 mod tables;
 mod volumes;
 
-use super::body::{self, Body, SAME, Shape, Source};
+use super::body::{self, Body, SAME, Shape};
 use super::error::Error;
 use super::mesh::MeshData;
 use super::{File, TreeOptions, isa, output, progress, scene};
@@ -162,10 +162,7 @@ fn targets(options: &Options) -> Result<PathBuf, Error> {
 /// One that meets itself, or two, with their names.
 fn meshes(options: &Options) -> Result<Vec<(String, MeshData)>, Error> {
     let read = |path: &PathBuf| {
-        let mesh = match body::read(path, &TreeOptions::default(), options.json)? {
-            Source::Mesh(mesh) => mesh,
-            Source::Tree(tree) => body::mesh_of(&tree),
-        };
+        let mesh = body::read(path, &TreeOptions::default(), options.json)?.into_mesh();
         let name = path.file_name().unwrap_or(path.as_os_str());
         Ok((name.to_string_lossy().into_owned(), mesh))
     };
