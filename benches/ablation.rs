@@ -1,5 +1,5 @@
 //! The SIMDop paper's comparison: binary DOP trees, scalar, vectorised by the compiler and by hand, against
-//! 1vs16 and 4vs4; and an ablation of the library: what SIMD, arity, 16-bit keys and splitter are worth.
+//! 1vs16 and 4vs4; and an ablation of the library: what SIMD, arity, storage and splitter are worth.
 //!
 //! ```sh
 //! cargo bench --bench ablation                     # cow, armadillo, hand, bunny75k and a made-up torus; a minute

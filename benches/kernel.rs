@@ -28,7 +28,7 @@ use std::rc::Rc;
 use std::time::Duration;
 use support::bodies::scenes;
 #[cfg(target_arch = "x86_64")]
-use support::papers::{Papers, Papers4, float_query, halves_4, halves_16};
+use support::papers::{Papers, Papers4, float_query, halves_4, halves_16, mask};
 use support::record::{LEVELS, Level, Recording, record};
 use support::variants::{Ours, Ours4, Variant, Vectorised, check, time};
 
@@ -88,7 +88,7 @@ where
     let mut row =
         Row::new("1v16", K, level_name, &recording.calls.iter().map(|c| c.mask).collect::<Vec<_>>(), 32);
     #[cfg(target_arch = "x86_64")]
-    let papers = Timed::new(recording.map(float_query, halves_16), &windows, level);
+    let papers = Timed::new(recording.map(float_query, halves_16).answered(mask), &windows, level);
     let ours = Timed::new(recording, &windows, level);
     for isa in Isa::available() {
         on_isa!(isa, token => {
@@ -122,7 +122,7 @@ where
     let mut row =
         Row::new("4v4", K, level_name, &recording.calls.iter().map(|c| c.mask).collect::<Vec<_>>(), 8);
     #[cfg(target_arch = "x86_64")]
-    let papers = Timed::new(recording.map(float_query, halves_4), &windows, level);
+    let papers = Timed::new(recording.map(float_query, halves_4).answered(mask), &windows, level);
     let ours = Timed::new(recording, &windows, level);
     for isa in Isa::available() {
         on_isa!(isa, token => row.benches.push(ours.bench(isa.name(), Ours4(token))));

@@ -1,7 +1,7 @@
 //! The frame of a hierarchy: where its planes are written.
 //!
-//! Planes are supports of `(p - centre) * 2^exponent`, so that the half's steps are fine where the body is,
-//! whatever its unit.
+//! Planes are supports of `(p - centre) * 2^exponent`, in steps of 1 ([`crate::key`]): the greatest plane of a body is just
+//! what a key holds, whatever the body's unit.
 
 use crate::directions::{SUPPORTED, table};
 use crate::exact::wide::{Wide, unit_of};
@@ -42,11 +42,9 @@ impl Extent {
     }
 }
 
-/// The border of a body lies between 2^6 and 2^7 of its frame. A half is finite up to 2^16 and has its full
-/// 11 bits down to 2^-14, so a body 2^8 times larger or 2^20 times smaller still turns into this frame
-/// without loss of relative precision.
+/// The greatest plane of a body lies between 2^14 and 2^15 of its frame, which is what a key holds, or just below.
 #[cfg(feature = "alloc")]
-const BORDER_EXPONENT: i32 = 7;
+const PLANE_EXPONENT: i32 = 14;
 
 /// Largest scale exponent in use, either way: keeps `2^exponent` and its products normal.
 pub(crate) const MAX_EXPONENT: i32 = 340;
@@ -79,15 +77,20 @@ const SUPPORT_TERMS: usize = {
 
 impl Frame {
     /// The frame for a body inside the box `min ..= max`, whose coordinates obey
-    /// [`crate::range::MAX_COORDINATE`].
+    /// [`crate::range::MAX_COORDINATE`]: the finest in which [`Key`]s hold its planes in these directions.
     #[cfg(feature = "alloc")]
     #[must_use]
-    pub(crate) fn around(min: Point, max: Point) -> Self {
+    pub(crate) fn around(min: Point, max: Point, directions: &[Point]) -> Self {
         let centre = core::array::from_fn(|i| 0.5 * min[i] + 0.5 * max[i]);
-        let half_width = (0..3).map(|i| (max[i] - centre[i]).max(centre[i] - min[i])).fold(0.0, f64::max);
+        let half_width: Point = core::array::from_fn(|i| (max[i] - centre[i]).max(centre[i] - min[i]));
+        let reach = |n: &Point| (0..3).map(|i| n[i].abs() * half_width[i]).sum::<f64>();
+        // More than its roundings.
+        let most = directions.iter().map(reach).fold(0.0, f64::max) * (1.0 + power_of_two(-40));
         // A body that is one point has no size to scale by.
-        let exponent = if half_width > 0.0 { BORDER_EXPONENT - 1 - binary_exponent(half_width) } else { 0 };
-        Self { centre, exponent: exponent.clamp(-MAX_EXPONENT, MAX_EXPONENT) }
+        let exponent = if most > 0.0 { PLANE_EXPONENT - binary_exponent(most) } else { 0 };
+        let exponent = exponent.clamp(-MAX_EXPONENT, MAX_EXPONENT);
+        let is_above = most * power_of_two(exponent) > Key::GREATEST.to_f64();
+        Self { centre, exponent: if is_above { exponent - 1 } else { exponent } }
     }
 
     /// `2^exponent`.
@@ -143,13 +146,13 @@ impl Frame {
     fn support_exact(&self, direction: &Point, p: Point, radius: f64, near: f64) -> Key {
         let mut key = Key::round_up_or_unbounded(near);
         // `near` is within a fraction of a step, so one step either way is all that can be needed.
-        while let Some(lower) = Key::from_code(if key.code() == 0 { -2 } else { key.code() - 1 })
+        while let Some(lower) = Key::from_code(key.code() - 1)
             && self.is_bounded_around(direction, p, radius, lower)
         {
             key = lower;
         }
         while !self.is_bounded_around(direction, p, radius, key) {
-            key = Key::from_code(if key.code() == -2 { 0 } else { key.code() + 1 }).unwrap_or(Key::INFINITY);
+            key = Key::from_code(key.code() + 1).unwrap_or(Key::INFINITY);
         }
         key
     }
@@ -300,16 +303,21 @@ mod tests {
 
     /// Points on a plane and a few last places off it, with sums that no single `f64` holds.
     fn planes_are_decided_exactly<const K: usize>() {
-        let frame = Frame { centre: [1.0 + f64::EPSILON, -1.0 / 3.0, 1e-9], exponent: -3 };
+        let frame = Frame { centre: [1.0 + f64::EPSILON, -1.0 / 3.0, 0.7], exponent: 20 };
         for j in 0..K {
             let n = &Directions::<K>::VECTORS[j];
             for height in [-1.0, 1.0] {
                 let mut p = frame.centre;
-                assert!(frame.is_bounded(n, p, Key::ZERO), "k {K} direction {j}: on the plane");
-                // Off the plane, along an axis on which the direction is not zero.
+                // Along an axis on which the direction is not zero: half a step, and then off the plane.
                 let axis = (0..3).find(|&i| n[i] != 0.0).unwrap_or(0);
+                if n[axis].abs() == 3.0 {
+                    continue;
+                }
+                p[axis] += power_of_two(-21) / n[axis];
+                let key = Key::from_code(0).unwrap();
+                assert!(frame.is_bounded(n, p, key), "k {K} direction {j}: on the plane");
                 p[axis] += power_of_two(-50) * height * n[axis].signum();
-                assert_eq!(frame.is_bounded(n, p, Key::ZERO), height < 0.0, "k {K} direction {j}");
+                assert_eq!(frame.is_bounded(n, p, key), height < 0.0, "k {K} direction {j}");
             }
         }
     }

@@ -21,15 +21,15 @@
 //! |---|---|---|
 //! | M, and u: four roundings of a sum of magnitudes below `1.0002 abs(n)` | `4.1 e abs(n)` of each component of u | `16 e abs(n) rho sum half_width` for both |
 //! | the weights c: six roundings of at most `max abs(u)`; for k = 32 they are computed in `f64` and then rounded, `sum c <= 1.2 abs(n)`, times the greatest component, 3 | `6.1 e abs(n)` of each component of `sum c n_l` | |
-//! | s to `f32`, and n . s | `4.1 e abs(n) S` | `8 e (sum c max_plane + abs(n) S)` for both |
-//! | products and sums of a plane, and the offset itself | `4.1 e (sum c max_plane)`, `2.1 e abs(n) S` | |
+//! | s to `f32`, and n . s | `4.1 e abs(n) S` | `16 e (sum c max_plane + abs(n) S)` for both |
+//! | products and sums of codes, and the offset, with the half step that each code stands for besides: `max_plane` is at least as much | `12.3 e (sum c max_plane)`, `3.1 e abs(n) S` | |
 //! | s in `f64`; the moved corners that the leaf test decides on | `2^-48 abs(n) (coordinates)` | `2^-46 abs(n) (coordinates)` |
 //! | coordinates of moved corners that [`Pose::apply`] flushes to zero | `2^-250 abs(n)` | the same |
-//! | what is too small for a normal `f32` | `2^-130` | `2^-120` |
+//! | what is too small for a normal `f32`, and all planes of a body 2^100 times smaller ([`crate::query`]) | `2^-84` | `2^-80` |
 //! | sums that could overflow an `f32`, of bodies 2^100 times larger than the other | | the plane is unbounded |
 //!
 //! and the pad is a sum of products of numbers that are not negative, so that its own roundings, each `e` of a partial
-//! result, are paid for by one factor. The turned plane is then rounded up to a half, whose steps are 2^13 e of it.
+//! result, are paid for by one factor: a twentieth of a step for a body like B. The turned plane is then rounded to a key.
 //!
 //! **Radii.** A pose moves the corners of a primitive; everything within its radius of them keeps its shape. Its
 //! planes bound `u . x + |u| r`, which is less than `u . x + |n| r` where M makes vectors shorter, as an accepted
@@ -48,7 +48,7 @@ pub(crate) use ray::Ray;
 use crate::directions::{Directions, greater};
 use crate::exact::{power_of_two, round_up_f32};
 use crate::frame::{Extent, Frame};
-use crate::key::{Key, decode};
+use crate::key::Key;
 use crate::pose::Pose;
 use crate::primitive::{Primitive, radius_of};
 use crate::range::{MIN_COORDINATE, Point};
@@ -83,7 +83,7 @@ const ITS_OWN_ROUNDINGS: f32 = 1.0 + power_of_two(-16) as f32;
 const RESIDUAL: f32 = power_of_two(-20) as f32;
 
 /// Of the sum that a turned plane is, of the magnitudes in it.
-const ROUNDINGS: f32 = power_of_two(-21) as f32;
+const ROUNDINGS: f32 = power_of_two(-20) as f32;
 
 /// A bit more than half of a last place of `f32`.
 pub(crate) const HALF_PLACE: f64 = 1.0625 * power_of_two(-24);
@@ -92,7 +92,7 @@ pub(crate) const HALF_PLACE: f64 = 1.0625 * power_of_two(-24);
 pub(crate) const UNDERFLOW: f64 = power_of_two(-130);
 
 /// The same in a set-up in `f32`, where it is a normal number.
-const UNDERFLOW_OF_SINGLES: f32 = power_of_two(-120) as f32;
+const UNDERFLOW_OF_SINGLES: f32 = power_of_two(-80) as f32;
 
 /// Sums of magnitudes below this cannot overflow an `f32`. Beyond it a product could become -infinity, which
 /// bounds nothing: such a plane is unbounded instead.
@@ -142,6 +142,8 @@ impl<const K: usize> Realignment<K> {
             let pad =
                 ((weight_sum * per_weight + length * per_length) + UNDERFLOW_OF_SINGLES) * ITS_OWN_ROUNDINGS;
             let is_bounded = reach < MAX_REACH;
+            // Codes stand for half a step more.
+            let pad = 0.5 * weight_sum + pad;
             ahead[s] = if is_bounded { tau + pad } else { f32::INFINITY };
             behind[s] = if is_bounded { pad - tau } else { f32::INFINITY };
         }
@@ -172,12 +174,12 @@ impl<const K: usize> Realignment<K> {
         core::array::from_fn(|l| (usize::from(sources[l]) ^ (j & 1), self.weights[l][j / 2]))
     }
 
-    /// Plane `j` turned, from a body's planes, as the sum in `f32` that it is: already a bound.
+    /// Plane `j` turned, from the codes of a body's planes, as the sum in `f32` that it is: already a bound.
     #[inline]
     #[must_use]
-    pub fn sum(&self, j: usize, plane: impl Fn(usize) -> f32) -> f32 {
+    pub fn sum(&self, j: usize, code: impl Fn(usize) -> i16) -> f32 {
         let terms = self.terms(j);
-        let term = |l: usize| terms[l].1 * plane(terms[l].0);
+        let term = |l: usize| terms[l].1 * f32::from(code(terms[l].0));
         ((term(0) + term(1)) + term(2)) + self.offset[j]
     }
 
@@ -187,7 +189,7 @@ impl<const K: usize> Realignment<K> {
     #[inline]
     #[must_use]
     pub fn plane(&self, j: usize, code: impl Fn(usize) -> i16) -> Key {
-        Key::round_up_single(self.sum(j, |source| decode(code(source))))
+        Key::around(self.sum(j, code))
     }
 }
 
@@ -237,13 +239,13 @@ pub(crate) fn planes_of<P: Primitive, const K: usize>(
 ) -> [Key; K] {
     let Supports { least, greatest, size } = Supports::<K>::of::<P>(b, items);
     let scale = b.scale();
-    let mut planes = [Key::ZERO; K];
+    let mut planes = [Key::LOWEST; K];
     for (j, plane) in planes.iter_mut().enumerate() {
         let n = Directions::<K>::VECTORS[j];
         let pad = F64_SLACK * (n[0].abs() + n[1].abs() + n[2].abs()) * size;
         let reach = (1.0 + F64_SLACK) * Directions::<K>::LENGTHS[j] * margin;
         let support = if j % 2 == 0 { greatest[j / 2] } else { -least[j / 2] };
-        *plane = Key::round_up_or_unbounded(((pad + reach) + support) * scale);
+        *plane = Key::above(((pad + reach) + support) * scale);
     }
     planes
 }

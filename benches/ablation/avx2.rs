@@ -8,6 +8,7 @@
 
 #![expect(unsafe_code, reason = "intrinsics that load and store, and calls that the token makes sound")]
 
+use super::plain::for_values;
 use super::traverse::{Rows, System, Work};
 use super::tree::{Dop, K, round_up};
 use core::arch::x86_64::*;
@@ -25,7 +26,7 @@ const LAST: usize = SLABS - 1;
 #[derive(Copy, Clone)]
 pub(crate) struct Floats(pub(crate) Avx2);
 
-/// Binary, in ordered halves.
+/// Binary, in keys.
 #[derive(Copy, Clone)]
 pub(crate) struct Keys(pub(crate) Avx2);
 
@@ -201,9 +202,10 @@ for_avx2! {
         overlap_floats(|r| load_two(a, r), load(&a[LAST]), node)
     }
 
-    /// The halves of eight codes or back: 0x7fff is flipped where negative.
-    fn flip(codes: __m128i) -> __m128i {
-        _mm_xor_si128(codes, _mm_srli_epi16::<1>(_mm_srai_epi16::<15>(codes)))
+    /// The complements of the codes nearest to eight numbers, whose signs are swapped already.
+    fn complements(low: __m128, high: __m128) -> __m128i {
+        let codes = _mm_packs_epi32(_mm_cvtps_epi32(low), _mm_cvtps_epi32(high));
+        _mm_subs_epi16(codes, _mm_set1_epi16(1))
     }
 
     fn load_codes(slabs: &Slabs<i16>, r: usize) -> __m128i {
@@ -227,19 +229,23 @@ for_avx2! {
     fn turn_keys(map: &Turn, node: &KeyPair) -> Slabs<i16> {
         let mut planes = [[0.0; 4]; SLABS];
         for r in 0..WHOLE {
-            store_two(&mut planes, r, _mm256_cvtph_ps(flip(load_codes(&node.slabs, r))));
+            store_two(&mut planes, r, _mm256_cvtepi32_ps(_mm256_cvtepi16_epi32(load_codes(&node.slabs, r))));
         }
-        store(&mut planes[LAST], _mm_cvtph_ps(flip(load_last(&node.slabs[LAST]))));
+        store(&mut planes[LAST], _mm_cvtepi32_ps(_mm_cvtepi16_epi32(load_last(&node.slabs[LAST]))));
         let mut query = [[0; 4]; SLABS];
-        // Rounded down, since signs are swapped. Stored as it will be loaded: two stores could not be forwarded to one load.
-        let codes = |r| flip(_mm256_cvtps_ph::<_MM_FROUND_TO_NEG_INF>(turn_two(map, &planes, r)));
+        // Stored as it will be loaded: two stores could not be forwarded to one load.
+        let codes = |r| {
+            let turned = turn_two(map, &planes, r);
+            complements(_mm256_castps256_ps128(turned), _mm256_extractf128_ps::<1>(turned))
+        };
         for r in 0..WHOLE / 2 {
             let (four, _) = query[4 * r..].as_chunks_mut::<4>();
             let codes = _mm256_set_m128i(codes(2 * r + 1), codes(2 * r));
             // SAFETY: the array has the 32 bytes that are written; the store asks for no alignment.
             unsafe { _mm256_storeu_si256(four[0].as_mut_ptr().cast(), codes) };
         }
-        let codes = flip(_mm_cvtps_ph::<_MM_FROUND_TO_NEG_INF>(turn_last(map, &planes)));
+        let turned = turn_last(map, &planes);
+        let codes = complements(turned, turned);
         // SAFETY: the array has the 8 bytes that are written; the store asks for no alignment.
         unsafe { _mm_storel_epi64(query[LAST].as_mut_ptr().cast(), codes) };
         query
@@ -274,7 +280,7 @@ for_avx2! {
 }
 
 macro_rules! binary_system {
-    ($system:ty, $node:ident, $number:ty, $turn:ident, $rows:ident, $row:ident, $plane:expr, $leaf:expr) => {
+    ($system:ty, $node:ident, $number:ty, $map:expr, $turn:ident, $rows:ident, $row:ident, $plane:expr, $leaf:expr) => {
         impl System<2> for $system {
             type Node = $node;
             type Map = Turn;
@@ -296,7 +302,7 @@ macro_rules! binary_system {
             }
             #[inline(always)]
             fn map(self, turn: &Realignment<K>) -> Turn {
-                Turn::new(turn)
+                Turn::new(&$map(turn))
             }
             #[inline(always)]
             fn turn(self, map: &Turn, node: &$node) -> Slabs<$number> {
@@ -334,9 +340,9 @@ macro_rules! binary_system {
     };
 }
 
-binary_system! { Floats, FloatPair, f32, turn_floats, rows_floats, row_floats, |x| x, |x| -round_up(x) }
+binary_system! { Floats, FloatPair, f32, for_values, turn_floats, rows_floats, row_floats, |x| x, |x| -round_up(x) }
 binary_system! {
-    Keys, KeyPair, i16, turn_keys, rows_keys, row_keys,
+    Keys, KeyPair, i16, |turn: &Realignment<K>| *turn, turn_keys, rows_keys, row_keys,
     |x: f32| Key::round_up_or_unbounded(x.into()).code(),
     |x: f64| !Key::round_up_or_unbounded(x).code()
 }

@@ -44,6 +44,7 @@ pub(crate) struct ByPlanes {
 impl ByPlanes {
     #[inline(always)]
     pub(crate) fn new(turn: &Realignment<K>) -> Self {
+        let turn = for_values(turn);
         let mut map = Self { sources: [[0; 3]; K], weights: [[0.0; 3]; K], offset: turn.offset };
         for s in 0..K / 2 {
             let [p, q, r, _] = turn.sources[s];
@@ -53,6 +54,22 @@ impl ByPlanes {
         }
         map
     }
+}
+
+/// For planes that are numbers: those that the library turns are codes, which stand for half a step more.
+#[inline(always)]
+pub(crate) fn for_values(turn: &Realignment<K>) -> Realignment<K> {
+    let mut turn = *turn;
+    let [u, v, w] = &turn.weights;
+    let mut halves = [0.0; K];
+    for s in 0..K {
+        halves[s] = 0.5 * ((u[s] + v[s]) + w[s]);
+    }
+    for (slab, half) in turn.offset.chunks_exact_mut(2).zip(halves) {
+        slab[0] -= half;
+        slab[1] -= half;
+    }
+    turn
 }
 
 /// What the two systems have in common: all but the tests.

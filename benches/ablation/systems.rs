@@ -76,6 +76,7 @@ fn own_systems(mesh: &MeshData, baked: BvhRef<'_, Node16<K>>, entrants: &mut Vec
             own("binary, by hand, avx2, longest axis", avx2::Floats(isa), mesh, by_axis, baked),
             own("binary, by hand, avx2, keys", avx2::Keys(isa), mesh, shape, baked),
             own("1vs16, avx2, this traversal, keys", wide::Keys(isa), mesh, &wide, baked),
+            own("1vs16, avx2, this traversal, ordered halves", wide::OrderedHalves(isa), mesh, &wide, baked),
             own("1vs16, avx2, this traversal, paper's halves", wide::PapersHalves(isa), mesh, &wide, baked),
             own("1vs16, avx2, this traversal, floats", wide::Floats(isa), mesh, &wide, baked),
         ]);

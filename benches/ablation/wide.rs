@@ -1,14 +1,15 @@
-//! The library's 16-ary tree in three forms of node: its own keys and kernels, floats, and the SIMDop paper's
+//! The library's 16-ary tree in four forms of node: its own keys and kernels, floats, halves in the order of integers, and the SIMDop paper's
 //! halves that are converted to be compared.
 
 #![expect(unsafe_code, reason = "intrinsics that load and store, and calls that the token makes sound")]
 
-use super::plain::ByPlanes;
+use super::plain::{ByPlanes, for_values};
 use super::traverse::{Rows, System, Work};
 use super::tree::{Dop, K, round_up};
 use crate::support::papers::{FloatQuery, Halves, Papers, halves_16};
 use crate::support::variants::Variant;
 use core::arch::x86_64::*;
+use core::mem::MaybeUninit;
 use simdop::isa::Avx2;
 use simdop::kernel::{Kernel, Turned};
 use simdop::key::Key;
@@ -23,6 +24,10 @@ pub(crate) struct Keys(pub(crate) Avx2);
 /// Planes in floats, two registers a plane.
 #[derive(Copy, Clone)]
 pub(crate) struct Floats(pub(crate) Avx2);
+
+/// Planes in halves, as codes in their order: the library's kernels test them, and only re-alignment converts them.
+#[derive(Copy, Clone)]
+pub(crate) struct OrderedHalves(pub(crate) Avx2);
 
 /// Planes in halves, converted at each test, which ends when all lanes are separated: algorithm 2 of the
 /// paper with its section IV-C.
@@ -137,6 +142,44 @@ wide_system! {
     |isa: Avx2, a, node, lane| isa.overlap_16v1(a, node, lane)
 }
 
+/// The least half that is not below, as a code that orders as the halves do, and whose complement is the opposite half.
+#[inline(always)]
+fn half_code(x: f64) -> i16 {
+    /// What a half drops of the fraction.
+    const DROPPED: u32 = 42;
+    let bits = x.to_bits();
+    // Planes are far below the greatest half; what is below the normal ones is rounded up to the first of them, or to zero.
+    if x.abs() < 1.0 / 16_384.0 {
+        return if x > 0.0 { 0x400 } else { 0 };
+    }
+    let sign = (bits as i64 >> 63) as i16;
+    let magnitude = ((bits >> DROPPED & 0x1f_ffff) as i32 - ((1023 - 15) << 10)) as i16;
+    let is_inexact = bits & ((1 << DROPPED) - 1) != 0;
+    (magnitude ^ sign) + (i16::from(is_inexact) & !sign)
+}
+
+wide_system! {
+    OrderedHalves, Node16<K>, Turned<16, K>, [[i16::MAX; 16]; K], Realignment<K>, for_values,
+    |dops: &[Dop; 16], child: &[Child; 16]| {
+        let mut planes = [[i16::MIN; 16]; K];
+        for (lane, dop) in dops.iter().enumerate().filter(|(lane, _)| child[*lane] != Child::EMPTY) {
+            for (plane, x) in planes.iter_mut().zip(dop) {
+                plane[lane] = half_code(f64::from(*x));
+            }
+        }
+        Node16 { planes, child: *child }
+    },
+    |_: Avx2, map, node: &Node16<K>| {
+        let mut query = [[0; 16]; K];
+        // SAFETY: the token proves the features.
+        unsafe { turn_ordered(map, &node.planes, &mut query) };
+        query
+    },
+    |query: &mut Turned<16, K>, j: usize, plane| query[j ^ 1][0] = !half_code(plane),
+    |isa: Avx2, a, lane, node| isa.overlap_1v16(a, lane, node),
+    |isa: Avx2, a, node, lane| isa.overlap_16v1(a, node, lane)
+}
+
 type Floats16 = [[f32; 16]; K];
 
 wide_system! {
@@ -183,6 +226,51 @@ for_avx2! {
         let (halves, _) = lanes.as_chunks_mut::<8>();
         // SAFETY: the array has the 32 bytes that are written; the store asks for no alignment.
         unsafe { _mm256_storeu_ps(halves[h].as_mut_ptr(), x) }
+    }
+
+    fn load_codes(lanes: &[i16; 16]) -> __m256i {
+        // SAFETY: the array has the 32 bytes that are read; the load asks for no alignment.
+        unsafe { _mm256_loadu_si256(lanes.as_ptr().cast()) }
+    }
+
+    fn store_codes(lanes: &mut [i16; 16], codes: __m256i) {
+        // SAFETY: the array has the 32 bytes that are written; the store asks for no alignment.
+        unsafe { _mm256_storeu_si256(lanes.as_mut_ptr().cast(), codes) }
+    }
+
+    /// Codes to halves or back: 0x7fff is flipped where negative.
+    fn flip(codes: __m256i) -> __m256i {
+        _mm256_xor_si256(codes, _mm256_srli_epi16::<1>(_mm256_srai_epi16::<15>(codes)))
+    }
+
+    fn turn_ordered(map: &Realignment<K>, codes: &Turned<16, K>, query: &mut Turned<16, K>) {
+        let mut planes = [const { MaybeUninit::<[__m256; 2]>::uninit() }; K];
+        for (decoded, codes) in planes.iter_mut().zip(codes) {
+            let halves = flip(load_codes(codes));
+            decoded.write([_mm256_castsi256_si128(halves), _mm256_extracti128_si256::<1>(halves)].map(|x| _mm256_cvtph_ps(x)));
+        }
+        for slab in 0..K / 2 {
+            let [p, q, r, _] = map.sources[slab];
+            let weights = [0, 1, 2].map(|l| _mm256_set1_ps(map.weights[l][slab]));
+            for side in 0..2 {
+                // SAFETY: the loop above wrote all of them, and sources are below K.
+                let of = [p, q, r].map(|source| unsafe { planes[usize::from(source) ^ side].assume_init_ref() });
+                let offset = _mm256_set1_ps(map.offset[2 * slab + side]);
+                let turned = |h: usize| {
+                    let two = _mm256_add_ps(_mm256_mul_ps(weights[0], of[0][h]), _mm256_mul_ps(weights[1], of[1][h]));
+                    let sum = _mm256_add_ps(_mm256_add_ps(two, _mm256_mul_ps(weights[2], of[2][h])), offset);
+                    _mm256_cvtps_ph::<_MM_FROUND_TO_POS_INF>(sum)
+                };
+                let codes = flip(_mm256_set_m128i(turned(1), turned(0)));
+                let ones = _mm256_set1_epi16(-1);
+                // The code of the second zero is -1, and must be 0.
+                let codes = _mm256_sub_epi16(codes, _mm256_cmpeq_epi16(codes, ones));
+                store_codes(&mut query[2 * slab + (side ^ 1)], _mm256_xor_si256(codes, ones));
+            }
+        }
+        let unused = _mm256_cmpeq_epi16(load_codes(&codes[0]), _mm256_set1_epi16(i16::MIN));
+        let first = _mm256_blendv_epi8(load_codes(&query[0]), _mm256_set1_epi16(i16::MAX), unused);
+        store_codes(&mut query[0], first);
     }
 
     /// Lanes 8 h to 8 h + 7.

@@ -10,6 +10,7 @@
 
 use super::variants::Variant;
 use core::arch::x86_64::*;
+use half::f16;
 use simdop::isa::{Avx2, Avx512};
 use simdop::kernel::Turned;
 use simdop::key::{Key, decode};
@@ -29,7 +30,7 @@ pub(crate) struct Halves<const W: usize, const K: usize> {
 
 pub(crate) fn float_query<const W: usize, const K: usize>(query: &Turned<W, K>) -> FloatQuery<W, K> {
     // query[2 s] is the key of A's low bound in the direction of plane 2 s, query[2 s + 1] that of its
-    // negated high bound. An unused lane has no half for a bound: low bounds above all others, and high
+    // negated high bound. An unused lane has no bound: low bounds above all others, and high
     // bounds below.
     let value = |code: i16| if code == !Key::EMPTY.code() { f32::INFINITY } else { decode(code) };
     core::array::from_fn(|j| {
@@ -38,9 +39,18 @@ pub(crate) fn float_query<const W: usize, const K: usize>(query: &Turned<W, K>) 
 }
 
 fn halves<const W: usize, const K: usize>(planes: &[[i16; W]; K], child: [Child; W]) -> Halves<W, K> {
-    let bits = |code: i16| if code >= 0 { code as u16 } else { (code ^ 0x7fff) as u16 };
+    // Rounded outwards.
+    let up = |code: i16| {
+        let (x, nearest) = (decode(code), f16::from_f32(decode(code)));
+        let bits = nearest.to_bits();
+        match nearest.to_f32() < x {
+            true if x > 0.0 => bits + 1,
+            true => bits - 1,
+            false => bits,
+        }
+    };
     let plane =
-        |j: usize| planes[j ^ 1].map(|code| if j.is_multiple_of(2) { bits(!code) } else { bits(code) });
+        |j: usize| planes[j ^ 1].map(|code| if j.is_multiple_of(2) { up(code) ^ 0x8000 } else { up(code) });
     let mut halves = Halves { planes: core::array::from_fn(plane), child };
     for lane in (0..W).filter(|&lane| planes[0][lane] == Key::EMPTY.code()) {
         for slab in halves.planes.chunks_exact_mut(2) {
@@ -48,6 +58,22 @@ fn halves<const W: usize, const K: usize>(planes: &[[i16; W]; K], child: [Child;
         }
     }
     halves
+}
+
+/// The children of a node in halves that a body overlaps: bit i, or bits 4 a + b of the four that a query of arity 4 has.
+pub(crate) fn mask<const W: usize, const K: usize>(
+    query: &FloatQuery<W, K>,
+    lane: usize,
+    node: &Halves<W, K>,
+) -> u16 {
+    let bound = |j: usize, child: usize| f16::from_bits(node.planes[j][child]).to_f32();
+    let overlaps = |body: usize, child: usize| {
+        (0..K / 2).all(|s| {
+            query[2 * s][body] <= bound(2 * s + 1, child) && query[2 * s + 1][body] >= bound(2 * s, child)
+        })
+    };
+    let pairs = (0..16).filter(|&i| if W == 4 { overlaps(i / 4, i % 4) } else { overlaps(lane, i) });
+    pairs.fold(0, |mask, i| mask | 1 << i)
 }
 
 pub(crate) fn halves_16<const K: usize>(node: &Node16<K>) -> Halves<16, K> {

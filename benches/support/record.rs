@@ -22,7 +22,7 @@ pub(crate) struct Call {
     pub(crate) node: u32,
     /// Of the query; 4vs4 takes all.
     pub(crate) lane: u16,
-    /// The scalar kernel's answer.
+    /// The scalar kernel's answer, or that of plain code.
     pub(crate) mask: u16,
 }
 
@@ -281,6 +281,15 @@ impl<Q, N: Clone> Recording<Q, N> {
             call.node = place;
         }
         Self { queries: self.queries.clone(), nodes, calls }
+    }
+
+    /// With these answers, of planes that were rounded once more.
+    pub(crate) fn answered(mut self, mask: impl Fn(&Q, usize, &N) -> u16) -> Self {
+        for call in &mut self.calls {
+            let (query, node) = (&self.queries[call.query as usize], &self.nodes[call.node as usize]);
+            call.mask = mask(query, call.lane.into(), node);
+        }
+        self
     }
 
     /// The same calls on other forms of the bodies.

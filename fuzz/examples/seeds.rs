@@ -12,7 +12,7 @@ fn main() -> io::Result<()> {
     let targets = [
         "kernel_1v16",
         "kernel_4v4",
-        "half_keys",
+        "keys",
         "realign",
         "own_slab",
         "balls",

@@ -3,7 +3,7 @@
 
 use crate::Input;
 use crate::planes::code;
-use crate::support::dyadic::half_value;
+use crate::support::dyadic::key_value;
 use core::ops::Range;
 use simdop::hierarchy::{Aligned, BakeError, Bvh, BvhRef, Header, MAGIC, MAX_DEPTH, VERSION};
 use simdop::node::{Ball16, Link};
@@ -207,7 +207,7 @@ fn is_safe_to_walk<N: Lanes, P: Primitive>(view: &BvhRef<'_, N, P>) {
         for (lane, child) in node.children().iter().enumerate() {
             let link = child.link();
             lanes += usize::from(link != Link::Empty);
-            let bounds = |code| code != -1 && half_value(code) > f64::NEG_INFINITY;
+            let bounds = |code| key_value(code).is_finite();
             assert!((0..N::K).all(|j| bounds(node.plane(j, lane)) != (link == Link::Empty)));
             match link {
                 Link::Empty => {}

@@ -82,7 +82,7 @@ enum Command {
     /// Builds the mesh by many settings, asks them all at the same poses, and writes a page of plots that stands
     /// alone, with a recommendation, and a CSV file. A and B are meshes (.obj, .off, .ply, .stl), or trees, for the
     /// meshes that they were built from; one mesh meets itself, and without files it is two generated bodies. The
-    /// settings are k, arity, leaf size, splitter, and with or without thin slabs; planes are ordered halves, and
+    /// settings are k, arity, leaf size, splitter, and with or without thin slabs; planes are 16-bit keys, and
     /// bodies are as exact as their meshes. Packings of closed meshes are compared by their number of spheres.
     Report(report::Options),
     /// Is every answer right on this machine? Generated bodies in hard cases, beside exact arithmetic, on every

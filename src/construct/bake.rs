@@ -32,7 +32,7 @@ pub(super) fn bake<N: Dop, G: Geometry>(
     } else {
         bounding_box(vertices.iter().map(G::Primitive::ball))
     };
-    let frame = Frame::around(low, high);
+    let frame = Frame::around(low, high, N::DIRECTIONS);
     let half_width = half_width::<G::Primitive>(&frame, &vertices);
     let mut nodes = shape.nodes;
     wrap::<N, G::Primitive>(&mut nodes, &frame, &vertices, &records);
@@ -131,16 +131,16 @@ fn radius<P: Primitive>(frame: &Frame, vertices: &[P::Double]) -> f64 {
     vertices.iter().map(P::ball).map(reach).fold(0.0, f64::max)
 }
 
-/// The largest magnitude of a finite plane. Codes order as what they stand for, so the least and the greatest
+/// The largest magnitude of a plane. Codes order as what they stand for, so the least and the greatest
 /// have it.
 fn max_plane<N: Dop>(nodes: &[N]) -> f32 {
     let (mut least, mut greatest) = (0, 0);
     for node in nodes {
         for j in 0..N::K {
             for code in (0..N::ARITY).map(|lane| node.plane(j, lane)) {
-                let finite = code >= Key::LOWEST.code() && code < Key::INFINITY.code();
-                least = if finite { code.min(least) } else { least };
-                greatest = if finite { code.max(greatest) } else { greatest };
+                if code != Key::EMPTY.code() {
+                    (least, greatest) = (code.min(least), code.max(greatest));
+                }
             }
         }
     }

@@ -68,8 +68,8 @@ fn around(spheres: &[Sphere], half_width: [f32; 3]) -> BoundingBall {
         libm::sqrt((x * x + y * y) + z * z) + sphere.radius
     };
     let radius = spheres.iter().map(reach).fold(0.0, f64::max);
-    // Of coordinates below 2^8, a few roundings.
-    let rounding = power_of_two(-40);
+    // Of coordinates below 2^16, a few roundings.
+    let rounding = power_of_two(-32);
     BoundingBall { centre, radius: round_up_f32(radius * (1.0 + rounding) + rounding), volume: 0.0 }
 }
 

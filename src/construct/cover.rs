@@ -187,21 +187,20 @@ impl Cover {
             if self.pieces[seed].is_held {
                 continue;
             }
-            let near: Vec<usize> = self.around(&self.pieces[seed].middle).collect();
             let is_near = |&i: &usize| self.pieces[seed].is_within(reach, &self.pieces[i].middle);
-            let centres: Vec<usize> = near.into_iter().filter(is_near).collect();
+            let centres: Vec<usize> = self.around(&self.pieces[seed].middle).filter(is_near).collect();
+            let tried = TRIED.min(centres.len());
             let (mut best, mut most) = (seed, -1.0);
-            for k in 0..TRIED.min(centres.len()) {
-                let centre = centres[k * centres.len() / TRIED.min(centres.len())];
-                let area = self.new_area(&self.pieces[centre].middle, reach);
+            for k in 0..tried {
+                let centre = centres[k * centres.len() / tried];
+                let new = self.not_held(&self.pieces[centre].middle, reach);
+                let area: f64 = new.map(|i| self.pieces[i].area).sum();
                 if area > most {
                     (best, most) = (centre, area);
                 }
             }
             let centre = self.pieces[best].middle;
-            let held: Vec<usize> =
-                self.around(&centre).filter(|&i| self.pieces[i].is_within(reach, &centre)).collect();
-            let new: Vec<usize> = held.into_iter().filter(|&i| !self.pieces[i].is_held).collect();
+            let new: Vec<usize> = self.not_held(&centre, reach).collect();
             spheres.push(self.sphere(centre, &new));
             for i in new {
                 self.pieces[i].is_held = true;
@@ -210,10 +209,10 @@ impl Cover {
         spheres
     }
 
-    /// The area of the pieces that a sphere would hold and none does yet.
-    fn new_area(&self, centre: &Point, reach: f64) -> f64 {
-        let new = |i: &usize| !self.pieces[*i].is_held && self.pieces[*i].is_within(reach, centre);
-        self.around(centre).filter(new).map(|i| self.pieces[i].area).sum()
+    /// The pieces that a sphere would hold and none does yet.
+    fn not_held<'p>(&'p self, centre: &'p Point, reach: f64) -> impl Iterator<Item = usize> + 'p {
+        let is_new = move |i: &usize| !self.pieces[*i].is_held && self.pieces[*i].is_within(reach, centre);
+        self.around(centre).filter(is_new)
     }
 
     /// Around some pieces that are within reach of a centre: the smallest, if no point of it is too far from the mesh, or one about

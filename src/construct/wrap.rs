@@ -54,7 +54,7 @@ const VERTICES_PER_TASK: usize = 2048;
 
 /// The key of each direction's support of each vertex, `K` a vertex.
 fn supports<N: Dop, P: Primitive>(frame: &Frame, vertices: &[P::Double]) -> Vec<Key> {
-    let mut keys = alloc::vec![Key::ZERO; vertices.len() * N::K];
+    let mut keys = alloc::vec![Key::LOWEST; vertices.len() * N::K];
     parallel::for_each_chunk(&mut keys, VERTICES_PER_TASK * N::K, |task, keys| {
         let vertices = &vertices[task * VERTICES_PER_TASK..];
         for (keys, vertex) in keys.chunks_exact_mut(N::K).zip(vertices) {

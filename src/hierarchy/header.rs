@@ -12,7 +12,7 @@ use core::fmt;
 pub const MAGIC: [u8; 8] = *b"SIMDOP\x1a\n";
 
 /// Version of the layout that this crate reads and writes.
-pub const VERSION: u32 = 4;
+pub const VERSION: u32 = 5;
 
 #[cfg(target_endian = "big")]
 compile_error!("baked trees are little-endian and read in place: big-endian targets are not supported");

@@ -2,7 +2,7 @@
 
 use crate::directions::table;
 use crate::exact::round_up_f32;
-use crate::key::{Key, decode};
+use crate::key::decode;
 use crate::node::{Dop, Link};
 
 /// How many levels of nodes are looked at.
@@ -49,12 +49,10 @@ fn excess<N: Dop>(node: &N, lane: usize) -> f32 {
     let (mut sum, mut slabs, mut least) = (0.0, 0_u32, f32::INFINITY);
     for (s, length) in lengths.iter().step_by(2).enumerate() {
         let (ahead, behind) = (node.plane(2 * s, lane), node.plane(2 * s + 1, lane));
-        if ahead != Key::INFINITY.code() && behind != Key::INFINITY.code() {
-            let width = (decode(ahead) + decode(behind)) / *length as f32;
-            least = if width < least { width } else { least };
-            sum += width;
-            slabs += 1;
-        }
+        let width = (decode(ahead) + decode(behind)) / *length as f32;
+        least = if width < least { width } else { least };
+        sum += width;
+        slabs += 1;
     }
     if slabs > 0 { sum / slabs as f32 - least } else { 0.0 }
 }

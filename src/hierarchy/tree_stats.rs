@@ -1,7 +1,6 @@
 //! What queries of a tree will cost, from its shape alone.
 
 use super::{BvhRef, Lane, MAX_DEPTH};
-use crate::key::decode;
 use crate::node::{Dop, Link};
 use crate::primitive::Primitive;
 
@@ -161,7 +160,8 @@ impl<N: Dop, P: Primitive> BvhRef<'_, N, P> {
     }
 
     fn lane_box(&self, node: u32, lane: usize) -> LaneBox {
-        let plane = |j: usize| f64::from(decode(self.nodes()[node as usize].plane(j, lane)));
+        // Codes, which are half a step less than planes: as much as rounding up adds to them on average.
+        let plane = |j: usize| f64::from(self.nodes()[node as usize].plane(j, lane));
         core::array::from_fn(|axis| [-plane(2 * axis + 1), plane(2 * axis)])
     }
 }

@@ -17,7 +17,7 @@ impl<N: Dop, P: Primitive> BvhRef<'_, N, P> {
     /// * primitives are in the order of the leaves, so the leaves' ranges follow each other likewise;
     /// * the index that each primitive had in what was built is below their number, and what stands for parts are
     ///   primitives, ascending;
-    /// * each plane of a used lane is a half that can bound something, each plane of an unused one is
+    /// * each plane of a used lane is a finite key, each plane of an unused one is
     ///   [`Key::EMPTY`]; balls are finite and lie about the body.
     ///
     /// That the planes really bound the primitives is for [`BvhRef::verify`].
@@ -137,10 +137,8 @@ impl<N: Dop, P: Primitive> BvhRef<'_, N, P> {
                     return Err("an unused lane has a plane");
                 }
             } else if Key::from_code(code).is_none() {
-                return Err(
-                    "a plane is not an ordered half (NaN, -0, -infinity or the code of unused lanes)",
-                );
-            } else if code != Key::INFINITY.code() && decode(code).abs() > self.header.max_plane {
+                return Err("a plane is infinite, or has the code of unused lanes");
+            } else if decode(code).abs() > self.header.max_plane {
                 return Err("a plane is beyond the header's max_plane");
             }
         }

@@ -11,12 +11,12 @@
 //! 3. **An unused lane is separated from every query**, unbounded ones too: its planes are below every
 //!    complement of a key.
 //! 4. **Re-alignment** is [`Realignment::plane`], operation by operation: `f32`, no fused multiply-add, the
-//!    sum from left to right, rounded up to a half, NaN to +infinity. A lane whose plane 0 is [`Key::EMPTY`]
+//!    sum from left to right of codes as numbers, rounded to the nearest, NaN to [`Key::INFINITY`]. A lane whose plane 0 is [`Key::EMPTY`]
 //!    is unused: its `query[0]` comes out above every key, so that it is separated from everything; the rest
 //!    of it is as for any bits.
 //!
 //! 5. **Own slabs** are [`OwnSlab::is_beyond`], likewise: `f32`, no fused multiply-add, the sum from left to
-//!    right, and a comparison that is false of NaN, as in unused lanes and where a plane is unbounded.
+//!    right, and a comparison that is false of NaN.
 //!
 //! 6. **Balls** are compared in `f32`, no fused multiply-add, sums from left to right; comparisons are false of NaN,
 //!    which unused lanes have, and the lesser of two numbers is the second unless the first is less.

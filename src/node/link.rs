@@ -87,15 +87,15 @@ impl Child {
 pub const MAX_LEAF_SIZE: u32 = 16;
 
 /// How wide a volume is: the binary logarithm of the sum of its three axes' slabs, in the frame's unit, in 5
-/// bits. The code is the logarithm, rounded down, plus 22, at least 0 and at most 31: 2^9 holds what a frame
-/// makes of any body, and 2^-22 is a 10^-9th of it.
+/// bits. The code is the logarithm, rounded down, plus 14, at least 0 and at most 31: 2^17 holds what a frame
+/// makes of any body, and 2^-14 is a 10^-9th of it.
 ///
 /// It only says which of two nodes a query opens first: no verdict hangs on it.
 #[derive(Copy, Clone, PartialEq, Eq, PartialOrd, Ord, Debug)]
 pub struct Width(u8);
 
 /// The code of a volume that is as wide as 1 of its frame.
-const CODE_OF_ONE: i32 = 22;
+const CODE_OF_ONE: i32 = 14;
 
 impl Width {
     /// Of a volume whose three axes' slabs sum to this, in the frame's unit. The widest for infinity and NaN.
@@ -133,10 +133,10 @@ mod tests {
     #[test]
     fn widths_are_logarithms_within_their_range() {
         let code = |sum: f32| Width::of(sum).0;
-        assert_eq!([code(1.0), code(1.99), code(2.0), code(0.99)], [22, 22, 23, 21]);
-        assert_eq!([code(0.0), code(1e-30), code(2.0_f32.powi(-22)), code(2.0_f32.powi(-21))], [0, 0, 0, 1]);
+        assert_eq!([code(1.0), code(1.99), code(2.0), code(0.99)], [14, 14, 15, 13]);
+        assert_eq!([code(0.0), code(1e-30), code(2.0_f32.powi(-14)), code(2.0_f32.powi(-13))], [0, 0, 0, 1]);
         assert_eq!(
-            [code(511.0), code(512.0), code(1e30), code(f32::INFINITY), code(f32::NAN)],
+            [code(131_071.0), code(131_072.0), code(1e30), code(f32::INFINITY), code(f32::NAN)],
             [30, 31, 31, 31, 31]
         );
     }

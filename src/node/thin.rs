@@ -5,7 +5,6 @@
 //! two patches apart (DESIGN 6).
 
 use crate::exact::power_of_two;
-use crate::key::Key;
 use crate::range::Point;
 
 /// The slab of a child along a direction of its own, in 64 bits.
@@ -13,8 +12,8 @@ use crate::range::Point;
 /// | bits | meaning |
 /// |---|---|
 /// | 11..0, 23..12 | x and y of the direction n, signed |
-/// | 39..24 | thickness, in sixteens of the frame's unit: the bits of a half that is not negative |
-/// | 63..40 | low end, in 32nds of the frame's unit, signed |
+/// | 39..24 | thickness, in 4096 of the frame's unit: the bits of a half that is not negative |
+/// | 63..40 | low end, in eights of the frame's unit, signed |
 ///
 /// The third coordinate of n is not negative, and `|x| + |y| + z` = 2047: n is a vector of integers, not of
 /// unit length, and exact. All points p of the child obey `low <= n . (p - centre) * 2^exponent <= high`.
@@ -26,9 +25,11 @@ pub struct ThinSlab(u64);
 const NORMAL_SUM: f64 = 2047.0;
 
 /// One step of the low end.
-const LOW_STEP: f64 = 1.0 / 32.0;
+const LOW_STEP: f64 = 8.0;
 /// What a thickness of 1 stands for.
-const THICKNESS_UNIT: f64 = 16.0;
+const THICKNESS_UNIT: f64 = 4096.0;
+/// The bits of the half that is infinite.
+const INFINITE: u64 = 0x7c00;
 /// The reciprocal of the length of a normal must be finite.
 #[cfg(feature = "alloc")]
 const SHORTEST: f64 = power_of_two(-1000);
@@ -38,7 +39,7 @@ const LOW_LIMIT: f64 = ((1 << 23) - 1) as f64;
 
 impl ThinSlab {
     /// Everything is inside: an unbounded thickness. Of an unused lane, too.
-    pub const EVERYWHERE: Self = Self((Key::INFINITY.code() as u64) << 24);
+    pub const EVERYWHERE: Self = Self(INFINITE << 24);
 
     /// The direction n.
     #[inline(always)]
@@ -57,7 +58,7 @@ impl ThinSlab {
         // The half's fields moved into place give its value times 2^-1008.
         let half = (self.0 >> 24) & 0xffff;
         let thickness = f64::from_bits(half << 42) * (THICKNESS_UNIT * power_of_two(1008));
-        if half == Key::INFINITY.code() as u64 {
+        if half == INFINITE {
             return [f64::NEG_INFINITY, f64::INFINITY];
         }
         let low = (self.0 as i64 >> 40) as f64 * LOW_STEP;
@@ -68,8 +69,8 @@ impl ThinSlab {
     #[must_use]
     pub fn is_valid(self) -> bool {
         let [x, y, z] = self.normal();
-        let thickness = (self.0 >> 24) as i16;
-        x.abs() + y.abs() <= NORMAL_SUM && z >= 0.0 && (0..=Key::INFINITY.code()).contains(&thickness)
+        let thickness = (self.0 >> 24) & 0xffff;
+        x.abs() + y.abs() <= NORMAL_SUM && z >= 0.0 && thickness <= INFINITE
     }
 
     /// The slab along about `normal`, of any length and either sign, whose ends `extent` gives for the
@@ -95,16 +96,19 @@ impl ThinSlab {
         }
         let steps = steps as i64 - i64::from(((steps as i64) as f64) > steps);
         let thickness = ((high + Self::EXTENT_ERROR) - steps as f64 * LOW_STEP) * (1.0 / THICKNESS_UNIT);
-        let thickness = Key::round_up_or_unbounded(thickness);
-        if thickness < Key::ZERO {
+        if thickness.is_nan() || thickness < 0.0 {
             return Self::EVERYWHERE;
         }
-        Self(direction.0 | (thickness.code() as u64) << 24 | (steps as u64) << 40)
+        let nearest = half::f16::from_f64(thickness);
+        // The code after the largest finite half is infinity, as it should be.
+        let is_below = nearest.to_f64() < thickness;
+        let thickness = nearest.to_bits() + u16::from(is_below);
+        Self(direction.0 | u64::from(thickness) << 24 | (steps as u64) << 40)
     }
 
     /// By how much the ends that a slab is made of may be wrong: far less than a step.
     #[cfg(feature = "alloc")]
-    pub(crate) const EXTENT_ERROR: f64 = 1.0 / (1_u64 << 30) as f64;
+    pub(crate) const EXTENT_ERROR: f64 = 1.0 / (1_u64 << 22) as f64;
 }
 
 #[cfg(test)]
@@ -124,7 +128,7 @@ mod tests {
             [-3.0, -4.0, 5.0],
         ];
         for normal in normals {
-            for (low, high) in [(0.0, 0.0), (-12.34, 56.78), (2e5, 2.01e5), (-2.5e5, -2.4e5), (-2e5, 2e5)] {
+            for (low, high) in [(0.0, 0.0), (-12.34, 56.78), (2e7, 2.01e7), (-6e7, -5.9e7), (-5e7, 5e7)] {
                 let slab = ThinSlab::new(normal, |_| (low, high));
                 let n = slab.normal();
                 assert_eq!(n.iter().map(|x| x.abs()).sum::<f64>(), NORMAL_SUM);
@@ -149,18 +153,18 @@ mod tests {
         assert_eq!(all.ends(), [f64::NEG_INFINITY, f64::INFINITY]);
         assert_eq!(ThinSlab::new([0.0; 3], |_| (0.0, 1.0)), all);
         assert_eq!(ThinSlab::new([f64::NAN, 1.0, 0.0], |_| (0.0, 1.0)), all);
-        assert_eq!(ThinSlab::new([1.0, 0.0, 0.0], |_| (-1e6, 1e6)), all, "beyond 24 bits");
-        assert_eq!(ThinSlab::new([1.0, 0.0, 0.0], |_| (1.0, 0.0)), all, "upside down");
+        assert_eq!(ThinSlab::new([1.0, 0.0, 0.0], |_| (-1e8, 1e8)), all, "beyond 24 bits");
+        assert_eq!(ThinSlab::new([1.0, 0.0, 0.0], |_| (100.0, 0.0)), all, "upside down");
         assert_eq!(ThinSlab::new([1.0, 0.0, 0.0], |_| (f64::NAN, 0.0)), all);
         assert!(!ThinSlab(u64::MAX).is_valid());
     }
 
     #[test]
     fn ends_hold_extents_that_are_rounded() {
-        // Five roundings of 2^-53 of 2047 * 2^7: what the sums of a construction may be wrong by, and more.
-        let wrong = power_of_two(-32);
+        // Five roundings of 2^-53 of 2047 * 2^15: what the sums of a construction may be wrong by, and more.
+        let wrong = power_of_two(-24);
         for steps in [-8_000_000.0, -1.0, 0.0, 1.0, 12_345.0] {
-            for thickness in [0.0, 0.5, 16.0, 48.0] {
+            for thickness in [0.0, 128.0, 4096.0, 12_288.0] {
                 // Ends that a slab can hold exactly, as they come out of rounded sums.
                 let (low, high) = (steps * LOW_STEP, steps * LOW_STEP + thickness);
                 let ends = ThinSlab::new([1.0, 2.0, 3.0], |_| (low, high)).ends();

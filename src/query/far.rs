@@ -13,13 +13,13 @@
 //! distance.
 //!
 //! Along the line one does not see how far aside volumes are of each other: by w, say, which makes them farther apart
-//! by `w^2 / (2 |s|)`. From [`FAR`] on that is no more than what rounding of planes to halves costs.
+//! by `w^2 / (2 |s|)`. From [`FAR`] on that is little beside their sizes.
 
 use super::Lanes;
-use super::gaps::{GROWN, decode, is_unbounded};
 use crate::directions::Directions;
 use crate::exact::{power_of_two, round_up_f32};
 use crate::frame::{Extent, Frame};
+use crate::key::decode;
 use crate::pose::Pose;
 use crate::primitive::{Primitive, radius_of};
 use crate::range::Point;
@@ -182,11 +182,8 @@ pub(crate) fn bounds<const W: usize, const K: usize>(
 #[inline(always)]
 fn reaches<const W: usize>(codes: &[[i16; W]; 3], along: &Along, reach: &mut [f32; W]) {
     let [x, y, z] = codes;
-    let [u, v, w] = [along.weights[0] * GROWN, along.weights[1] * GROWN, along.weights[2] * GROWN];
-    let greater = |a: i16, b: i16| if a > b { a } else { b };
+    let [u, v, w] = along.weights;
     for lane in 0..W {
-        let sum = (u * decode(x[lane]) + v * decode(y[lane])) + w * decode(z[lane]);
-        let greatest = greater(greater(x[lane], y[lane]), z[lane]);
-        reach[lane] = if is_unbounded(greatest) { f32::INFINITY } else { sum + along.pad };
+        reach[lane] = ((u * decode(x[lane]) + v * decode(y[lane])) + w * decode(z[lane])) + along.pad;
     }
 }

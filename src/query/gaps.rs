@@ -9,8 +9,8 @@
 //!
 //! Where volumes overlap the greatest gap says how deep, so that a search can try the deepest first.
 //!
-//! A's planes are turned into B's frame as `f32`: a half cannot say how far a body is that is much larger than
-//! B. All is in the unit of the larger body's frame, so that no number here is above 2^20 and nothing
+//! A's planes are turned into B's frame as `f32`: a key cannot say how far a body is that is beyond
+//! B. All is in the unit of the larger body's frame, so that no number here is above 2^26 and nothing
 //! overflows, whatever the ratio of their sizes.
 //!
 //! Plain Rust in a fixed order, in a shape that compilers make vectors of: the same bits on every instruction
@@ -19,7 +19,7 @@
 use crate::directions::Directions;
 use crate::exact::{power_of_two, round_up_f32};
 use crate::frame::Frame;
-use crate::key::Key;
+use crate::key::decode;
 use crate::primitive::Primitive;
 use crate::realign::{F64_SLACK, Realignment, Supports};
 
@@ -74,41 +74,13 @@ impl<const K: usize> Slabs<K> {
     }
 }
 
-/// Decoded halves are smaller than the halves by this factor.
-const SHRUNK: f64 = power_of_two(-112);
-
-/// What makes up for it.
-pub(crate) const GROWN: f32 = (1.0 / SHRUNK) as f32;
-
-/// The half with this code as a float, times [`SHRUNK`]: its fields moved into place, and no multiplication.
-/// Infinity comes out as 65536, and its lane is told by [`is_unbounded`].
-#[inline(always)]
-pub(crate) const fn decode(code: i16) -> f32 {
-    let half = code ^ ((code >> 15) & i16::MAX);
-    // The sign is in all the upper bits, and stays in the highest.
-    f32::from_bits(((half as i32) << 13) as u32 & 0x8fff_ffff)
-}
-
-/// The half with this code, infinity as such.
-#[inline(always)]
-pub(crate) fn decode_or_infinite(code: i16) -> f64 {
-    let value = f64::from(decode(code)) * f64::from(GROWN);
-    if code == Key::INFINITY.code() { f64::INFINITY } else { value }
-}
-
-/// Of a lane's greatest code: a plane at infinity leaves the lane without a bound.
-#[inline(always)]
-pub(crate) const fn is_unbounded(greatest: i16) -> bool {
-    greatest >= Key::INFINITY.code()
-}
-
 /// What takes decoded planes of a body in `frame` into a unit of `2^-exponent`, which is not smaller than the
 /// frame's.
 #[inline(always)]
 pub(crate) fn growth(frame: &Frame, exponent: i32) -> f32 {
     // Planes of a body that much smaller are below the pad for underflow, in the other body's planes.
     let smaller = frame.exponent - exponent;
-    if smaller > 200 { 0.0 } else { power_of_two(112 - smaller) as f32 }
+    if smaller > 100 { 0.0 } else { power_of_two(-smaller) as f32 }
 }
 
 /// How wide a child is along the axes, the first three slabs of every set, in all.
@@ -124,8 +96,7 @@ pub(crate) type Planes<const K: usize> = [f32; K];
 /// The turned planes of several bodies: row j is direction j.
 pub(crate) type PlaneRows<const W: usize, const K: usize> = [[f32; W]; K];
 
-/// The turned planes of the bodies with the given ones: [`Realignment::sum`], operation by operation. Infinite in a
-/// lane that is unbounded anywhere.
+/// The turned planes of the bodies with the given ones: [`Realignment::sum`], operation by operation.
 #[inline(always)]
 pub(crate) fn turn<const W: usize, const K: usize>(
     map: &Realignment<K>,
@@ -135,28 +106,16 @@ pub(crate) fn turn<const W: usize, const K: usize>(
     let mut decoded = [[0.0; W]; K];
     // Row by row, LLVM 22.1 makes vectors across rows, and scatters them.
     for (decoded, code) in decoded.as_flattened_mut().iter_mut().zip(codes.as_flattened()) {
-        *decoded = decode(*code);
+        *decoded = f32::from(*code);
     }
     for s in 0..K / 2 {
         let [(p, u), (q, v), (r, w)] = map.terms(2 * s);
-        // Powers of two change no rounding.
-        let (u, v, w) = (u * GROWN, v * GROWN, w * GROWN);
         for side in 0..2 {
             let (x, y, z) = (&decoded[p ^ side], &decoded[q ^ side], &decoded[r ^ side]);
             let offset = map.offset[2 * s + side];
             for lane in 0..W {
                 rows[2 * s + side][lane] = ((u * x[lane] + v * y[lane]) + w * z[lane]) + offset;
             }
-        }
-    }
-    let greatest = greatest(codes);
-    let mut most = i16::MIN;
-    for code in greatest {
-        most = code.max(most);
-    }
-    if is_unbounded(most) {
-        for lane in (0..W).filter(|lane| is_unbounded(greatest[*lane])) {
-            rows.iter_mut().for_each(|row| row[lane] = f32::INFINITY);
         }
     }
 }
@@ -171,7 +130,7 @@ pub(crate) fn column<const W: usize, const K: usize>(rows: &PlaneRows<W, K>, lan
     planes
 }
 
-/// The planes of moved primitives, in frame `b`: tighter than those of nodes, since not rounded to halves. `reach`
+/// The planes of moved primitives, in frame `b`: tighter than those of nodes, since not rounded to keys. `reach`
 /// bounds all coordinates.
 #[inline(always)]
 pub(crate) fn planes_of<P: Primitive, const K: usize>(b: &Frame, items: &[P::Item], reach: f64) -> Planes<K> {
@@ -195,14 +154,9 @@ pub(crate) fn gaps_of_rows<const W: usize, const K: usize>(
     lane: usize,
     growth: f32,
 ) -> [f32; W] {
-    let (mut planes, mut greatest) = ([0.0; K], i16::MIN);
+    let mut planes = [0.0; K];
     for (plane, codes) in planes.iter_mut().zip(codes) {
-        let code = codes[lane % W];
-        *plane = decode(code) * growth;
-        greatest = if code > greatest { code } else { greatest };
-    }
-    if is_unbounded(greatest) {
-        return [f32::MIN; W];
+        *plane = decode(codes[lane % W]) * growth;
     }
     gaps(
         #[inline(always)]
@@ -225,25 +179,13 @@ pub(crate) fn gaps_of_planes<const W: usize, const K: usize>(
     // The body's few planes are shrunk instead of growing those of all children. What gets too small for a normal
     // number is rounded up.
     let shrink = 1.0 / growth;
-    let (mut shrunk, mut least) = ([0.0; K], 0.0);
-    for j in 0..K {
-        shrunk[j] = planes[j] * shrink + f32::from_bits(1);
-        least = lesser(shrunk[j], least);
-    }
-    let mut bounds = gaps(
+    let shrunk = planes.map(|plane| plane * shrink + f32::from_bits(1));
+    gaps(
         #[inline(always)]
         |j, lane| decode(codes[j][lane]),
         &shrunk,
         growth,
-    );
-    // A plane at infinity, which decodes as 65536, makes a gap only to what is beyond that.
-    if least <= decode(Key::LOWEST.code()) {
-        let greatest = greatest(codes);
-        for lane in 0..W {
-            bounds[lane] = if is_unbounded(greatest[lane]) { f32::MIN } else { bounds[lane] };
-        }
-    }
-    bounds
+    )
 }
 
 /// The bounds between one body and 16 or 4 others: along direction j the gap is what is missing to zero of the sum of
@@ -301,18 +243,6 @@ fn lesser(a: f32, b: f32) -> f32 {
     if a < b { a } else { b }
 }
 
-/// The greatest code of each lane.
-#[inline(always)]
-fn greatest<const W: usize, const K: usize>(codes: &[[i16; W]; K]) -> [i16; W] {
-    let mut greatest = [i16::MIN; W];
-    for codes in codes {
-        for lane in 0..W {
-            greatest[lane] = codes[lane].max(greatest[lane]);
-        }
-    }
-    greatest
-}
-
 /// The planes of a whole node: the greatest of its lanes', which are lowest where unused.
 #[inline(always)]
 pub(crate) fn hull<const W: usize, const K: usize>(planes: &[[i16; W]; K]) -> [i16; K] {
@@ -328,53 +258,7 @@ pub(crate) fn hull<const W: usize, const K: usize>(planes: &[[i16; W]; K]) -> [i
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::frame::Extent;
-    use crate::node::Child;
-    use crate::pose::Pose;
-    use crate::query::entries::entries;
     use alloc::vec::Vec;
-
-    #[test]
-    fn every_plane_decodes() {
-        for code in i16::MIN..=i16::MAX {
-            if let Some(key) = Key::from_code(code) {
-                let want = if key == Key::INFINITY { 65536.0 } else { key.to_f64() };
-                assert_eq!(f64::from(decode(code)), want * SHRUNK, "{code}");
-                assert_eq!(f64::from(decode(!code)), -want * SHRUNK, "{code}");
-            }
-        }
-    }
-
-    /// A body whose plane is at infinity is beyond every finite half, and says nothing of how far it is.
-    #[test]
-    fn planes_at_infinity_are_no_gap() {
-        let (mut codes, links) = ([[0; 4]; 6], [Child::ROOT; 4]);
-        codes[3][2] = Key::INFINITY.code();
-        let far = |bounds: [f32; 4]| entries(&bounds, &links).map(|entry| entry.bound() > 1e6);
-        let planes = [-3e5; 6];
-        assert_eq!(far(gaps_of_planes(&planes, &codes, GROWN))[..4], [true, true, false, true]);
-        let rows = [[-3e5; 4]; 6];
-        for lane in 0..4 {
-            assert_eq!(far(gaps_of_rows(&rows, &codes, lane, GROWN))[..4], [lane != 2; 4], "{lane}");
-        }
-        let extent = Extent {
-            frame: Frame { centre: [0.0; 3], exponent: 0 },
-            max_coordinate: 1.0,
-            radius: 2.0,
-            half_width: [1.0; 3],
-            max_plane: 1.0,
-        };
-        let pose = [[1.0, 0.0, 0.0, 3e5], [0.0, 1.0, 0.0, 3e5], [0.0, 0.0, 1.0, 3e5]];
-        let map = Realignment::new(&Pose::from_rows(pose).unwrap(), &extent, &extent.frame);
-        let mut turned = rows;
-        turn(&map, &codes, &mut turned);
-        let plain = [[0; 4]; 6];
-        for lane in 0..4 {
-            assert_eq!(far(gaps_of_rows(&turned, &plain, lane, GROWN))[..4], [true, true, false, true]);
-            let bounds = gaps_of_planes(&column(&turned, lane), &plain, GROWN);
-            assert_eq!(far(bounds)[..4], [lane != 2; 4], "{lane}");
-        }
-    }
 
     #[test]
     fn reciprocals_are_low_by_less_than_a_millionth() {

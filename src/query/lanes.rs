@@ -8,7 +8,7 @@ use super::thin::AT_ONCE;
 use crate::directions::Directions;
 use crate::frame::{Extent, Frame};
 use crate::kernel::{Kernel, SEPARATED, Turned};
-use crate::key::Key;
+use crate::key::{Key, decode};
 use crate::node::{Child, Dop, Link, Node, Node4, Node16};
 use crate::pose::Pose;
 use crate::primitive::Primitive;
@@ -218,7 +218,7 @@ macro_rules! impl_lanes {
                 let mut supports = [[0.0; AT_ONCE]; 2];
                 for side in 0..2 {
                     for j in 0..AT_ONCE {
-                        let plane = |l: usize| gaps::decode_or_infinite(codes[side][l][j]);
+                        let plane = |l: usize| f64::from(decode(codes[side][l][j]));
                         supports[side][j] = (w[0][j] * plane(0) + w[1][j] * plane(1)) + w[2][j] * plane(2);
                     }
                 }

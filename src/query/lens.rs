@@ -10,7 +10,7 @@ use crate::primitive::sphere::volume;
 use crate::range::Point;
 use core::f64::consts::PI;
 
-/// Sums over pairs of spheres, relative to the centre of the smaller body and in the unit of its frame: all that the two
+/// Sums over pairs of spheres, relative to the centre of the smaller body and in [`STEPS`] of its frame: all that the two
 /// have in common is in it, and at most 2^8 away from there.
 pub(super) struct LensSums {
     origin: Point,
@@ -20,6 +20,9 @@ pub(super) struct LensSums {
     point: [Sum; 3],
     pairs: u64,
 }
+
+/// The unit of lengths, of which a body's frame has at most 2^7 either way, as the sums have room for.
+const STEPS: f64 = 256.0;
 
 /// What is known of a volume when the budget is spent, in the bodies' unit.
 #[derive(Copy, Clone, Debug)]
@@ -32,7 +35,7 @@ impl LensSums {
     pub(super) fn new(a: &Frame, b: &Frame, pose: &Pose) -> Self {
         let is_a = a.scale() > b.scale();
         let origin = if is_a { pose.apply(a.centre) } else { b.centre };
-        let scale = if is_a { a.scale() } else { b.scale() };
+        let scale = (if is_a { a.scale() } else { b.scale() }) / STEPS;
         let (volume, direction, point) = (Sum::ZERO, [Sum::ZERO; 3], [Sum::ZERO; 3]);
         Self { origin, scale, volume, direction, point, pairs: 0 }
     }

@@ -19,7 +19,7 @@
 //! | the arithmetic that computed u and c, in `f64` | `2^-45 abs(n) sum half_width` |
 //! | the interval, the frame's centre where the pose moves it, moved corners, in `f64` | `2^-46 abs(n) (coordinates)` |
 //! | coordinates of moved corners that [`Pose::apply`] flushes to zero | `2^-250 abs(n)` |
-//! | products and sums of planes, in `f32` | `gamma_5 sum c max_plane`, plus 2^-130 for underflow |
+//! | products and sums of codes, in `f32` | `gamma_5 sum c (max_plane + 1/2)`, plus 2^-130 for underflow |
 //!
 //! The direction itself needs no pad: any vector will do, since both bodies are measured along the same one.
 
@@ -27,7 +27,6 @@ use super::{F64_SLACK, GAMMA_5, HALF_PLACE, ITS_OWN_ROUNDING, UNDERFLOW, greates
 use crate::directions::Directions;
 use crate::exact::{power_of_two, round_up_f32};
 use crate::frame::Extent;
-use crate::key::decode;
 use crate::pose::Pose;
 use crate::primitive::{OWN_DIRECTIONS, Primitive, radius_of};
 use crate::range::MIN_COORDINATE;
@@ -55,7 +54,7 @@ impl OwnSlab {
     #[must_use]
     pub fn is_beyond(&self, code: impl Fn(usize) -> i16) -> bool {
         let sum = |side: usize| {
-            let term = |l: usize| self.weights[l] * decode(code(usize::from(self.sources[l]) ^ side));
+            let term = |l: usize| self.weights[l] * f32::from(code(usize::from(self.sources[l]) ^ side));
             (term(0) + term(1)) + term(2)
         };
         sum(0) < self.limits[0] || sum(1) < self.limits[1]
@@ -114,8 +113,8 @@ pub fn own_slabs<P: Primitive, const K: usize>(
     }
     let scale = body.frame.scale();
     let width_sum = body.width_sum();
-    let per_weight =
-        HALF_PLACE * (Directions::<K>::MAX_COMPONENT * width_sum) + GAMMA_5 * f64::from(body.max_plane);
+    let per_weight = HALF_PLACE * (Directions::<K>::MAX_COMPONENT * width_sum)
+        + GAMMA_5 * (f64::from(body.max_plane) + 0.5);
     // The sum of magnitudes is at least the length, by which the margin counts.
     let per_length =
         2.0 * F64_SLACK * width_sum + ((F64_SLACK * coordinates + MIN_COORDINATE) + margin) * scale;
@@ -129,6 +128,8 @@ pub fn own_slabs<P: Primitive, const K: usize>(
         let pad = ((weight_sum * per_weight + length * per_length) + UNDERFLOW) * ITS_OWN_ROUNDING;
         // A vector of zeros, or of what is not finite, is no direction; weights of one that is far from length 1
         // could overflow an `f32`.
+        // Codes stand for half a step more.
+        let pad = pad + 0.5 * weight_sum;
         let pad = if length > SHORTEST && length < LONGEST { pad } else { f64::INFINITY };
         (weights[0][s], weights[1][s], weights[2][s]) = (w[0], w[1], w[2]);
         (limits[0][s], limits[1][s]) =

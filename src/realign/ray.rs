@@ -34,7 +34,7 @@
 //! | `w = p - c` for B, once; `n . w` and its sums | `2^-50 abs(n) abs(w)` | `2^-46 abs(n) abs(w)` |
 //! | `n . u` and its product with L, sums | `2^-50 abs(n) L` | `2^-46 abs(n) L` |
 //!
-//! The whole is then rounded up to a half.
+//! The whole is then rounded up to a key.
 
 use super::{F64_SLACK, WayBack, coordinates, greatest, shift};
 use crate::directions::Directions;
@@ -98,14 +98,14 @@ impl Ray {
     #[inline(always)]
     pub(crate) fn planes<const K: usize>(&self, frame: &Frame) -> [Key; K] {
         let (w, u, scale) = (&self.way, &self.direction, frame.scale());
-        let mut planes = [Key::ZERO; K];
+        let mut planes = [Key::LOWEST; K];
         for (j, plane) in planes.iter_mut().enumerate() {
             let n = &Directions::<K>::VECTORS[j];
             let along = (n[0] * u[0] + n[1] * u[1]) + n[2] * u[2];
             let ahead = if along > 0.0 { along * self.length } else { 0.0 };
             let start = (n[0] * w[0] + n[1] * w[1]) + n[2] * w[2];
             let pad = ((n[0].abs() + n[1].abs()) + n[2].abs()) * self.pad;
-            *plane = Key::round_up_or_unbounded(((start + ahead) + pad) * scale);
+            *plane = Key::above(((start + ahead) + pad) * scale);
         }
         planes
     }

@@ -6,7 +6,7 @@ mod heap;
 
 use crate::each_pair;
 use crate::support::data::MeshData;
-use crate::support::dyadic::half_value;
+use crate::support::dyadic::key_value;
 use crate::support::shapes;
 use core::ops::ControlFlow;
 use heap::without_heap;
@@ -102,10 +102,10 @@ const TILTED: [[f64; 3]; 3] = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.5], [0.0, 1.0, 0.25
 
 /// What a link to a node says of the width of a volume with these planes.
 fn width_bits(planes: &[i16; 6]) -> u32 {
-    let sum = planes.iter().map(|&code| half_value(code)).sum::<f64>();
+    let sum = planes.iter().map(|&code| key_value(code)).sum::<f64>();
     // The binary logarithm, rounded down.
     let log = (sum.to_bits() >> 52) as i32 - 1023;
-    ((log + 22).clamp(0, 31) as u32) << 26
+    ((log + 14).clamp(0, 31) as u32) << 26
 }
 
 /// The bytes of a tree like a comb: below each node a leaf and the next node, below the last only a leaf. Each

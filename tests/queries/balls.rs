@@ -79,7 +79,7 @@ fn check(spheres: &[Sphere], builder: Builder) {
             assert!(said >= volume * (1.0 - 1e-12) && said <= volume * 1.000_001 + 1e-38, "{said} {volume}");
             if let [sphere] = below[..] {
                 // Itself, but for the rounding of its centre.
-                assert!(f64::from(ball.radius) <= sphere.radius * scale * 1.000_001 + 2e-5);
+                assert!(f64::from(ball.radius) <= sphere.radius * scale * 1.000_001 + 5e-3);
             }
         }
     }
@@ -166,7 +166,7 @@ fn what_is_wrong_with_balls_is_said() {
             refused(&|balls| balls.centre[0][lane] = f32::NAN);
             refused(&|balls| balls.radius[lane] = -f32::MIN_POSITIVE);
             refused(&|balls| balls.radius[lane] = f32::NAN);
-            refused(&|balls| balls.radius[lane] = 1e4);
+            refused(&|balls| balls.radius[lane] = 1e6);
             refused(&|balls| balls.volume[lane] = f32::INFINITY);
             refused(&|balls| balls.volume[lane] = -1.0);
             // What is below touches the ball, up to rounding.

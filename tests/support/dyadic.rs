@@ -1,5 +1,5 @@
-//! Exact arithmetic on what floating point stores: integers times powers of two. And the halves, by their
-//! definition in IEEE 754.
+//! Exact arithmetic on what floating point stores: integers times powers of two. And keys, by their
+//! definition.
 
 use core::cmp::Ordering;
 use core::ops::{Add, Mul, Sub};
@@ -170,32 +170,25 @@ pub(crate) fn apart_along(n: &[f64; 3], one: &[[f64; 3]], other: &[[f64; 3]], ma
     gap > Dyadic::zero() && gap.clone() * gap > square
 }
 
-/// The value of a key: the half with these bits, or with `code ^ 0x7fff` for a negative code. Infinities and
-/// NaN as themselves.
-pub(crate) fn half_value(code: i16) -> f64 {
-    let bits = if code >= 0 { code } else { code ^ 0x7fff } as u16;
-    let sign = if bits & 0x8000 == 0 { 1.0 } else { -1.0 };
-    let power = |e: i32| f64::from_bits(((e + 1023) as u64) << 52);
-    let fraction = f64::from(bits & 0x3ff);
-    match i32::from(bits >> 10 & 0x1f) {
-        31 if fraction == 0.0 => sign * f64::INFINITY,
-        31 => f64::NAN,
-        0 => sign * fraction * power(-24),
-        e => sign * (1024.0 + fraction) * power(e - 25),
+/// What a code stands for, written apart from the library: half a step more than the code. NaN for those that are no bounds.
+pub(crate) fn key_value(code: i16) -> f64 {
+    match code {
+        -32_766..=32_765 => 0.5 + f64::from(code),
+        32_766 => f64::INFINITY,
+        _ => f64::NAN,
     }
 }
 
-/// Whether `code` is `x` rounded up to a half: not below `x`, and the next half below (there is no -0) is.
+/// Whether `code` is `x` rounded up to a key: not below `x`, and the next key below is.
 pub(crate) fn is_rounded_up(code: i16, x: &Dyadic) -> bool {
-    let below = if code == 0 { -2 } else { code - 1 };
-    let value = half_value(code);
-    let bounds = value == f64::INFINITY || Dyadic::from(value) >= *x;
-    code != -1 && bounds && Dyadic::from(half_value(below)) < *x
+    let value = Dyadic::from(key_value(code));
+    value >= *x && value - Dyadic::from(1.0) < *x
 }
 
 /// Names every helper once, so that a test which needs only some of them compiles without a warning.
 const _: () = {
     let _ = (
+        is_rounded_up,
         Dyadic::integers::<1>,
         Dyadic::power_of_two,
         Dyadic::abs,
@@ -203,6 +196,5 @@ const _: () = {
         dot_rounded,
         sign_of_determinant,
         apart_along,
-        is_rounded_up,
     );
 };

@@ -1,6 +1,6 @@
 //! A body that is one point, whose planes are tight.
 
-use crate::support::dyadic::half_value;
+use crate::support::dyadic::key_value;
 use crate::support::rng::Rng;
 use crate::support::turns::random_point;
 use simdop::directions;
@@ -17,7 +17,8 @@ pub(crate) const NO_EXTENT: Extent = Extent {
     max_plane: 0.0,
 };
 
-/// A body that is one point, with planes that are halves exactly: nothing is lost before it is turned.
+/// A body that is one point. Its planes are keys exactly, so that nothing is lost before they are turned, where the directions have an
+/// odd number of odd components, all of k = 6 and 14; the others are half a step off.
 pub(crate) struct OnePoint<const K: usize> {
     pub(crate) extent: Extent,
     pub(crate) point: Point,
@@ -26,8 +27,8 @@ pub(crate) struct OnePoint<const K: usize> {
 
 impl<const K: usize> OnePoint<K> {
     pub(crate) fn new(rng: &mut Rng) -> Self {
-        let largest = *rng.pick(&[3, 20, 120]);
-        let y = [(); 3].map(|()| rng.int(-largest, largest) as f64);
+        let largest = *rng.pick(&[3, 100, 5000]);
+        let y = [(); 3].map(|()| rng.int(-largest, largest) as f64 + 0.5);
         let support = |n: &[i8; 3]| n.iter().zip(y).map(|(&n, y)| f64::from(n) * y).sum::<f64>();
         let supports: [f64; K] = core::array::from_fn(|j| support(&directions::table(K).vectors[j]));
         let mut extent = NO_EXTENT;
@@ -37,12 +38,13 @@ impl<const K: usize> OnePoint<K> {
         let scale = f64::from_bits(((1023 - extent.frame.exponent) as u64) << 52);
         let point: Point = core::array::from_fn(|i| extent.frame.centre[i] + y[i] * scale);
         extent.max_coordinate = point.iter().chain(&extent.frame.centre).fold(0.0, |m, x| x.abs().max(m));
-        extent.radius = 2.0 * largest as f64 * scale;
+        extent.radius = 2.0 * (largest as f64 + 0.5) * scale;
         extent.half_width = y.map(|x| x.abs() as f32);
-        extent.max_plane = supports.iter().fold(0.0, |m, x| x.abs().max(m)) as f32;
+        extent.max_plane = supports.iter().fold(0.0, |m, x| x.abs().max(m)) as f32 + 0.5;
         let planes = supports.map(|x| {
             let key = Key::round_up_f64(x).unwrap();
-            assert_eq!(half_value(key.code()), x, "{x} is a half");
+            let is_tight = x.fract().abs() == 0.5;
+            assert_eq!(key_value(key.code()), if is_tight { x } else { x + 0.5 });
             key.code()
         });
         Self { extent, point, planes }

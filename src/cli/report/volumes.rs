@@ -9,7 +9,7 @@
 //! **Overestimate**, of a leaf in a unit direction u, a length: what re-alignment takes for the leaf's support
 //! along u, the sum of weights times three of its planes, less the support of its triangles. So far does the
 //! volume stick out when it is turned until u is a direction of the other body. Mean and greatest are over all
-//! leaves and [`directions`] that prefer no k. It is never negative, and holds what storing planes as halves adds.
+//! leaves and [`directions`] that prefer no k. It is never negative, and holds what storing planes in 16 bits adds.
 
 use simdop::directions::Directions;
 use simdop::frame::{Extent, Frame};

@@ -24,10 +24,9 @@
 //!
 //! # Re-alignment
 //!
-//! Codes become halves (two shifts and an xor, sixteen at once), then floats (`vcvtph2ps`), once per plane of
-//! the node; each turned plane is three multiplications and three additions on 2 x 8 lanes, the two of a slab
-//! with the same weights; `vcvtps2ph` rounds up, and what turns halves into codes is done for sixteen at
-//! once.
+//! Codes become integers of 32 bits, then floats, once per plane of the node; each turned plane is three multiplications and three
+//! additions on 2 x 8 lanes, the two of a slab with the same weights; `vcvtps2dq` rounds to the nearest code, and `vpackssdw` puts
+//! sixteen together, in the order in which `vpunpcklwd` and `vpunpckhwd` took them apart.
 
 use super::super::{SEPARATED, Turned};
 use crate::isa::compiled_for_avx2;
@@ -142,67 +141,37 @@ compiled_for_avx2! {
 }
 
 compiled_for_avx2! {
-    /// The halves of eight codes, as floats.
+    /// Four codes, as floats in all quarters: only the lowest quarter is looked at.
     #[inline]
-    fn decode(codes: __m128i) -> __m256 {
-        _mm256_cvtph_ps(_mm_xor_si128(codes, magnitude_if_negative(codes)))
+    fn decode_4(codes: __m128i) -> __m256 {
+        _mm256_cvtepi32_ps(_mm256_cvtepi16_epi32(codes))
     }
 }
 
 compiled_for_avx2! {
-    /// 0x7fff where negative: what turns a code into its half and back.
+    /// Sixteen codes, as floats: lanes 0 to 3 and 8 to 11, and the others, as [`encode_query`] puts them together again.
     #[inline]
-    fn magnitude_if_negative(x: __m128i) -> __m128i {
-        _mm_srli_epi16::<1>(_mm_srai_epi16::<15>(x))
+    fn decode(codes: __m256i) -> [__m256; 2] {
+        let signs = _mm256_srai_epi16::<15>(codes);
+        [
+            _mm256_cvtepi32_ps(_mm256_unpacklo_epi16(codes, signs)),
+            _mm256_cvtepi32_ps(_mm256_unpackhi_epi16(codes, signs)),
+        ]
     }
 }
 
 compiled_for_avx2! {
-    /// [`magnitude_if_negative`] of sixteen.
+    /// The complements of the keys of sixteen values, [`Key::around`] them.
     #[inline]
-    fn magnitudes_if_negative(x: __m256i) -> __m256i {
-        _mm256_srli_epi16::<1>(_mm256_srai_epi16::<15>(x))
-    }
-}
-
-compiled_for_avx2! {
-    /// The halves that are not below eight numbers.
-    #[cfg(not(miri))]
-    #[inline]
-    fn halves_up(x: __m256) -> __m128i {
-        _mm256_cvtps_ph::<_MM_FROUND_TO_POS_INF>(x)
-    }
-}
-
-#[cfg(miri)] // Miri has no `vcvtps2ph`: this lets it run the rest.
-compiled_for_avx2! {
-    fn halves_up(x: __m256) -> __m128i {
-        let mut floats = [0.0; 8];
-        // SAFETY: the array has the 32 bytes that are written.
-        unsafe { _mm256_storeu_ps(floats.as_mut_ptr(), x) };
-        let halves = floats.map(|x| {
-            let code = Key::round_up_or_unbounded(f64::from(x)).code();
-            if code < 0 { code ^ 0x7fff } else { code }
-        });
-        // SAFETY: the array has the 16 bytes that are read.
-        unsafe { _mm_loadu_si128(halves.as_ptr().cast()) }
-    }
-}
-
-compiled_for_avx2! {
-    /// The complements of the keys of two times eight values, rounded up.
-    #[inline]
-    fn encode_query([low, high]: [__m256; 2]) -> __m256i {
+    fn encode_query(values: [__m256; 2]) -> __m256i {
         // NaN is an unbounded plane: with it as the first operand, `vminps` gives the second.
-        let numbers = |x| _mm256_min_ps(x, _mm256_set1_ps(f32::INFINITY));
-        let bits = _mm256_set_m128i(halves_up(numbers(high)), halves_up(numbers(low)));
-        let code = _mm256_xor_si256(bits, magnitudes_if_negative(bits));
-        // All that is below -65504 but -infinity was rounded up to it.
-        let code = _mm256_max_epi16(code, _mm256_set1_epi16(Key::LOWEST.code()));
-        let all_ones = _mm256_set1_epi16(-1);
-        // The code of -0 is -1, and must be 0: subtracting the compare's -1 does that.
-        let code = _mm256_sub_epi16(code, _mm256_cmpeq_epi16(code, all_ones));
-        _mm256_xor_si256(code, all_ones)
+        let integers = values.map(|x| {
+            _mm256_cvtps_epi32(_mm256_min_ps(x, _mm256_set1_ps(f32::from(Key::INFINITY.code()))))
+        });
+        let codes = _mm256_packs_epi32(integers[0], integers[1]);
+        // Below an `i32` is the least one.
+        let codes = _mm256_max_epi16(codes, _mm256_set1_epi16(Key::LOWEST.code()));
+        _mm256_xor_si256(codes, _mm256_set1_epi16(-1))
     }
 }
 
@@ -219,10 +188,7 @@ compiled_for_avx2! {
         // Not zeroed: a kilobyte of stores.
         let mut planes = [const { MaybeUninit::<[__m256; 2]>::uninit() }; K];
         for (decoded, codes) in planes.iter_mut().zip(&node.planes) {
-            let codes = load(codes);
-            let bits = _mm256_xor_si256(codes, magnitudes_if_negative(codes));
-            let halves = [_mm256_castsi256_si128(bits), _mm256_extracti128_si256::<1>(bits)];
-            decoded.write(halves.map(|eight| _mm256_cvtph_ps(eight)));
+            decoded.write(decode(load(codes)));
         }
         for slab in 0..K / 2 {
             let [p, q, r, _] = map.sources[slab];
@@ -249,7 +215,7 @@ compiled_for_avx2! {
     pub(super) fn realign_4<const K: usize>(map: &Realignment<K>, node: &Node4<K>, query: &mut Turned<4, K>) {
         let mut planes = [_mm256_setzero_ps(); K];
         for (decoded, codes) in planes.iter_mut().zip(&node.planes) {
-            *decoded = decode(load_4(codes));
+            *decoded = decode_4(load_4(codes));
         }
         for j in 0..K {
             let terms = map.terms(j);
@@ -280,18 +246,16 @@ compiled_for_avx2! {
         let weights = slab.weights.map(|weight| _mm256_set1_ps(weight));
         let mut beyond = 0;
         for (side, limit) in slab.limits.into_iter().enumerate() {
-            let planes = slab.sources.map(|source| {
-                let codes = load(&node.planes[usize::from(source) ^ side]);
-                let bits = _mm256_xor_si256(codes, magnitudes_if_negative(codes));
-                [_mm256_cvtph_ps(_mm256_castsi256_si128(bits)), _mm256_cvtph_ps(_mm256_extracti128_si256::<1>(bits))]
-            });
+            let planes = slab.sources.map(|source| decode(load(&node.planes[usize::from(source) ^ side])));
             let below = |half: usize| {
                 let sum = weighted_sum(weights, planes.map(|plane| plane[half]));
-                _mm256_movemask_ps(_mm256_cmp_ps::<_CMP_LT_OQ>(sum, _mm256_set1_ps(limit)))
+                _mm256_cmp_ps::<_CMP_LT_OQ>(sum, _mm256_set1_ps(limit))
             };
-            beyond |= below(0) | below(1) << 8;
+            // In the order of the lanes again.
+            let (low, high) = (_mm256_castps_si256(below(0)), _mm256_castps_si256(below(1)));
+            beyond |= !zero_lanes(_mm256_packs_epi32(low, high));
         }
-        beyond as u16
+        beyond
     }
 }
 
@@ -301,7 +265,7 @@ compiled_for_avx2! {
         let weights = slab.weights.map(|weight| _mm256_set1_ps(weight));
         let mut beyond = 0;
         for (side, limit) in slab.limits.into_iter().enumerate() {
-            let planes = slab.sources.map(|source| decode(load_4(&node.planes[usize::from(source) ^ side])));
+            let planes = slab.sources.map(|source| decode_4(load_4(&node.planes[usize::from(source) ^ side])));
             let sum = weighted_sum(weights, planes);
             beyond |= _mm256_movemask_ps(_mm256_cmp_ps::<_CMP_LT_OQ>(sum, _mm256_set1_ps(limit)));
         }

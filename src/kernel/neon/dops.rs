@@ -137,38 +137,25 @@ compiled_for_neon! {
 }
 
 compiled_for_neon! {
-    /// 0x7fff where negative: what turns a code into its half and back.
-    #[inline]
-    fn magnitude_if_negative(x: int16x4_t) -> int16x4_t {
-        vreinterpret_s16_u16(vshr_n_u16::<1>(vreinterpret_u16_s16(vshr_n_s16::<15>(x))))
-    }
-}
-
-compiled_for_neon! {
-    /// The halves of four codes, as floats.
+    /// Four codes, as floats.
     #[inline]
     fn decode(codes: int16x4_t) -> float32x4_t {
-        vcvt_f32_f16(vreinterpret_f16_s16(veor_s16(codes, magnitude_if_negative(codes))))
+        vcvtq_f32_s32(vmovl_s16(codes))
     }
 }
 
 compiled_for_neon! {
-    /// The complements of four values' keys, rounded up.
+    /// The complements of the keys of four values, [`Key::around`] them, operation by operation.
     #[inline]
     fn encode_query(x: float32x4_t) -> int16x4_t {
         // Selections, not FMINNM and FMAX: Miri runs these. NaN is an unbounded plane.
-        let number = vbslq_f32(vceqq_f32(x, x), x, vdupq_n_f32(f32::INFINITY));
-        let lowest = vdupq_n_f32(-65504.0);
-        let bounded = vbslq_f32(vcltq_f32(number, lowest), lowest, number);
-        let nearest = vcvt_f16_f32(bounded);
-        let bits = vreinterpret_s16_f16(nearest);
-        let code = veor_s16(bits, magnitude_if_negative(bits));
-        // Where the nearest half is below, the compare is -1, and subtracting it gives the next code.
-        let short = vmovn_u32(vcltq_f32(vcvt_f32_f16(nearest), bounded));
-        let code = vsub_s16(code, vreinterpret_s16_u16(short));
-        // The code of -0 is -1, and must be 0.
-        let negative_zero = vceq_s16(code, vdup_n_s16(-1));
-        vmvn_s16(vsub_s16(code, vreinterpret_s16_u16(negative_zero)))
+        let most = vdupq_n_f32(f32::from(Key::INFINITY.code()));
+        let x = vbslq_f32(vcltq_f32(x, most), x, most);
+        let least = vdupq_n_f32(f32::from(Key::LOWEST.code()));
+        let x = vbslq_f32(vcgtq_f32(x, least), x, least);
+        // The last place of 1.5 * 2^23 is 1.
+        let rounded = vreinterpretq_s32_f32(vaddq_f32(x, vdupq_n_f32(12_582_912.0)));
+        vmvn_s16(vmovn_s32(rounded))
     }
 }
 

@@ -1,7 +1,7 @@
 //! Children against children, and re-alignment.
 
 use super::super::{SEPARATED, Turned};
-use crate::key::{Key, decode};
+use crate::key::Key;
 use crate::realign::{OwnSlab, Realignment};
 
 /// Whether some plane separates body `a` of the query from child `b`.
@@ -69,7 +69,7 @@ pub(super) fn realign_over_hull<const K: usize>(
 fn decoded<const W: usize, const K: usize>(planes: &[[i16; W]; K]) -> [[f32; W]; K] {
     let mut decoded = [[0.0; W]; K];
     for (decoded, codes) in decoded.as_flattened_mut().iter_mut().zip(planes.as_flattened()) {
-        *decoded = decode(*codes);
+        *decoded = f32::from(*codes);
     }
     decoded
 }
@@ -84,7 +84,7 @@ fn turn<const W: usize, const K: usize>(
     let [(x, u), (y, v), (z, w)] = map.terms(j).map(|(source, weight)| (&decoded[source], weight));
     for lane in 0..W {
         let sum = ((u * x[lane] + v * y[lane]) + w * z[lane]) + map.offset[j];
-        turned[lane] = !Key::round_up_single(sum).code();
+        turned[lane] = !Key::around(sum).code();
     }
 }
 

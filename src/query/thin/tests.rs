@@ -170,7 +170,7 @@ fn thinnest(slab: ThinSlab, frame: &Frame, corners: &[Point]) -> ThinSlab {
     }
     let low = bits as i64 >> 40;
     let low = if sides(with(low + 1, 0), 0).all(|side| side >= 0) { low + 1 } else { low };
-    let (mut short, mut enough) = (-1, i64::from(Key::INFINITY.code()));
+    let (mut short, mut enough) = (-1, 0x7c00);
     while enough - short > 1 {
         let middle = (short + enough) / 2;
         let holds = sides(with(low, middle as u64), 1).all(|side| side <= 0);
@@ -464,7 +464,7 @@ fn unbounded_is_never_apart<N: Lanes>() {
         for volume in of_a.iter_mut().chain(&mut of_b) {
             for j in 0..N::K {
                 if random.u64().is_multiple_of(4) || round == 0 {
-                    volume.node.raise_plane(j, volume.lane, Key::INFINITY);
+                    volume.node.raise_plane(j, volume.lane, Key::GREATEST);
                 }
             }
         }

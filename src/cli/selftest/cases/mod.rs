@@ -61,7 +61,7 @@ pub(super) const CASES: [HardCase; 20] = [
     case("turns", TRIANGLES, planes::turns),
     case("knife-edge", TRIANGLES, contacts::knife_edge),
     case("denormal", TRIANGLES, sizes::denormal),
-    case("half-overflow", TRIANGLES, sizes::half_overflow),
+    case("key-overflow", TRIANGLES, sizes::key_overflow),
     case(SPHERES, SPHERES, spheres::benign),
     case("tangent-spheres", SPHERES, spheres::tangent),
     case("nested-spheres", SPHERES, spheres::nested),

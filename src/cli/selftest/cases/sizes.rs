@@ -50,9 +50,9 @@ pub(super) fn denormal(draw: &mut Draw) -> Trial {
     blobs(draw, [size; 2], [[0.0; 3]; 2])
 }
 
-/// Bodies of which one is some 2^9 times as large as the other: in the frame of that, its planes are about the greatest that a half
-/// can hold.
-pub(super) fn half_overflow(draw: &mut Draw) -> Trial {
+/// Bodies of which one is some 2^9 times as large as the other: in the frame of that, its planes are far beyond the greatest that a key
+/// holds.
+pub(super) fn key_overflow(draw: &mut Draw) -> Trial {
     let ratio = draw.size(7, 10);
     let unit = power_of_two(draw.int(-8, 8));
     let sizes = draw.pick(&[[ratio * unit, unit], [unit, ratio * unit]]);

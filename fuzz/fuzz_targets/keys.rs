@@ -1,5 +1,5 @@
-//! Rounding up to an ordered half, against the definition of IEEE 754: in the library's scalar code, and in
-//! the re-alignment of every instruction set, whose planes are the offsets when all weights are zero.
+//! Rounding up to a key, against its definition: in the library's scalar code, and in the re-alignment of every instruction set, whose
+//! planes are the offsets when all weights are zero, rounded to the nearest code.
 #![no_main]
 
 #[path = "../../tests/support/mod.rs"]
@@ -11,7 +11,7 @@ use simdop::node::Node16;
 use simdop::realign::Realignment;
 use simdop_fuzz::planes::{code, turned_16, wide};
 use simdop_fuzz::{Input, Mode, on_every_isa};
-use support::dyadic::half_value;
+use support::dyadic::key_value;
 
 fuzz_target!(|data: &[u8]| {
     let mut input = Input::new(data);
@@ -29,7 +29,7 @@ fuzz_target!(|data: &[u8]| {
     every_isa_rounds_up(&offsets);
 });
 
-/// A number of any size, or one near a half or near the middle of two.
+/// A number of any size, or one near a bound or near the middle of two.
 fn number(input: &mut Input, mode: Mode) -> f64 {
     match mode {
         Mode::Grid => f64::from(input.int(-128, 127)) / 16.0,
@@ -37,19 +37,19 @@ fn number(input: &mut Input, mode: Mode) -> f64 {
         Mode::AnyBits => f32::from_bits(input.u32()).into(),
         Mode::Real => {
             let code = code(input);
-            let (half, next) = (half_value(code), half_value(code.saturating_add(1)));
-            let base = if input.one_in(2) { half } else { 0.5 * half + 0.5 * next };
+            let bound = key_value(code);
+            let base = if input.one_in(2) { bound } else { bound + 0.5 };
             let step = base.abs() * f64::EPSILON * if input.one_in(2) { 1.0 } else { 536_870_912.0 };
             base + step * f64::from(input.int(-2, 2))
         }
     }
 }
 
-/// The code that a number must have: the lowest of a half not below it. -0 and -infinity are no planes.
+/// The code that a number must have: the lowest that is not below it.
 fn is_rounded_up(code: i16, x: f64) -> bool {
-    let below = if code == 0 { -2 } else { code - 1 };
-    let lowest = code == Key::LOWEST.code() && x <= -65504.0;
-    code != -1 && half_value(code) >= x && (lowest || half_value(below) < x)
+    let lowest = code == Key::LOWEST.code() && x <= key_value(code);
+    let least_infinite = code == Key::INFINITY.code() && x > key_value(Key::GREATEST.code());
+    lowest || least_infinite || key_value(code) >= x && key_value(code - 1) < x
 }
 
 fn rounds_up(x: f64) {
@@ -67,13 +67,11 @@ fn rounds_up(x: f64) {
 }
 
 fn any_code(code: i16) {
-    let (value, got) = (half_value(code), f64::from(decode(code)));
-    assert!(value.to_bits() == got.to_bits() || value.is_nan() && got.is_nan(), "{code:x}: {got:e}");
-    let plane = value > f64::NEG_INFINITY && code != -1;
-    assert_eq!(Key::from_code(code).is_some(), plane, "{code:x}");
+    let value = key_value(code);
+    assert_eq!(Key::from_code(code).is_some(), value.is_finite(), "{code}");
     if let Some(key) = Key::from_code(code) {
+        assert!(f64::from(decode(code)) == value && f64::from(decode(!code)) == -value, "{code}");
         assert_eq!(Key::round_up_f64(value), Ok(key));
-        assert!(value == 0.0 || f64::from(decode(!code)) == -value, "the complement of {code:x}");
     }
 }
 
@@ -84,7 +82,10 @@ fn every_isa_rounds_up(offsets: &[f32; 6]) {
         let query = turned_16(kernel, &map, &node);
         for (j, x) in offsets.iter().enumerate() {
             let code = !query[j ^ 1][3];
-            let right = if x.is_nan() { code == Key::INFINITY.code() } else { is_rounded_up(code, (*x).into()) };
+            // A step above where it is a bound itself, and the code of the bound below is odd.
+            let x64 = f64::from(*x);
+            let is_even_above = code % 2 == 0 && key_value(code - 1) == x64;
+            let right = if x.is_nan() { code == Key::INFINITY.code() } else { is_even_above || is_rounded_up(code, x64) };
             assert!(right, "{kernel:?} {x:e}: {code:x}");
         }
     });
