@@ -180,7 +180,7 @@ fn check_vectors(k: usize, vectors: &[Vector]) {
         assert_eq!(vectors[j ^ 1], n.map(|x| -x), "direction {j} of k = {k} has no antipode");
         assert!(
             n.iter().all(|x| x.abs() <= 4),
-            "components stay small, so that planes keep the halves' precision"
+            "components stay small, so that a body fills most of the range of keys"
         );
         let parallel = |m: &Vector| cross(n.map(f64::from), m.map(f64::from)) == [0.0; 3];
         assert_eq!(

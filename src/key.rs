@@ -80,7 +80,8 @@ impl Key {
     }
 
     /// The key whose code is the nearest, of two the even one: a bound that is not below `x`, and at most a step above. As
-    /// [`Key::round_up_or_unbounded`] at the ends and of NaN, as arithmetic gives it. What a kernel does to turned planes, which it has instructions for.
+    /// [`Key::round_up_or_unbounded`] at the ends, and of the NaN that arithmetic gives. Kernels have instructions for it, and round
+    /// turned planes so.
     #[inline(always)]
     #[must_use]
     pub(crate) const fn around(x: f32) -> Self {

@@ -46,13 +46,12 @@ pub(crate) fn looseness<N: Dop>(nodes: &[N]) -> f32 {
 /// The mean width of a child's slabs less the least.
 fn excess<N: Dop>(node: &N, lane: usize) -> f32 {
     let lengths = table(N::K).lengths;
-    let (mut sum, mut slabs, mut least) = (0.0, 0_u32, f32::INFINITY);
+    let (mut sum, mut least) = (0.0, f32::INFINITY);
     for (s, length) in lengths.iter().step_by(2).enumerate() {
         let (ahead, behind) = (node.plane(2 * s, lane), node.plane(2 * s + 1, lane));
         let width = (decode(ahead) + decode(behind)) / *length as f32;
         least = if width < least { width } else { least };
         sum += width;
-        slabs += 1;
     }
-    if slabs > 0 { sum / slabs as f32 - least } else { 0.0 }
+    sum / (N::K / 2) as f32 - least
 }

@@ -6,8 +6,6 @@ use crate::primitive::Primitive;
 
 /// How good a tree is, by the boxes of its lanes (the first three slabs, which every k has). All are ratios:
 /// no unit.
-///
-/// Not finite if a plane is unbounded, which no builder makes.
 #[derive(Copy, Clone, PartialEq, Debug)]
 pub struct TreeStats {
     /// Visits expected of a query against a copy of itself that finds no hit, at a uniformly random motion

@@ -3,7 +3,7 @@
 //! All of packing computes in a unit of length in which no coordinate is above 2, a power of two times the
 //! mesh's: what is exact in one is exact in the other, and nothing over- or underflows.
 //!
-//! The tree is the library's own, over boxes. Its planes are halves; to ask thousands of points a millisecond
+//! The tree is the library's own, over boxes. Its planes are keys; to ask thousands of points a millisecond
 //! they are decoded once, into `f32`.
 
 use crate::construct::{Builder, Mesh};

@@ -189,8 +189,8 @@ fn distances_and_margins_equal_brute_force_at_details_of_large_bodies() {
     assert!(apart * 3 * suite_step() > 200, "{apart} are apart");
 }
 
-/// Points whose planes are halves exactly, and that are one behind the other on the line through the bodies'
-/// centres or along a direction of the planes: then bounds have no room but their pads, and a margin that is the
+/// Points, whose planes are half a step off at most, that are one behind the other on the line through the bodies'
+/// centres or along a direction of the planes: then bounds have little room but their pads, and a margin that is the
 /// distance, rounded up, may not be missed.
 fn points_have_no_room<const K: usize>()
 where

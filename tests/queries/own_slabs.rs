@@ -357,7 +357,7 @@ fn check_mesh<const K: usize>(
     }
 }
 
-/// `n` triangles that are points: of small integers, which halves hold, or anywhere.
+/// `n` triangles that are points: of small integers, or anywhere.
 fn points(rng: &mut Rng, n: usize) -> MeshData {
     let integers = rng.below(2) == 0;
     shapes::separate((0..n).map(|_| {
@@ -427,7 +427,7 @@ fn lanes_at_the_ends_of_the_range() {
     for_each_k!(the_ends_of_the_range);
 }
 
-/// Points of a tree, whose planes are rounded to halves, a share of the body's size beyond a triangle.
+/// Points of a tree, whose planes are rounded to keys, a share of the body's size beyond a triangle.
 fn points_of_trees<const K: usize>()
 where
     Node16<K>: Lanes,

@@ -1,4 +1,4 @@
-//! Children against children, and re-alignment, in AVX2 and F16C.
+//! Children against children, and re-alignment, in AVX2.
 //!
 //! # 1vs16
 //!

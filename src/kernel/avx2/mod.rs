@@ -1,4 +1,4 @@
-//! AVX2 and F16C.
+//! AVX2.
 
 #![expect(unsafe_code, reason = "intrinsics that load, and calls that the token makes sound")]
 

@@ -4,8 +4,7 @@
 //! one `vpcmpgtw` gives 32 bits, `korord` collects them. The low 16 bits are planes 2s, the high 16 planes
 //! 2s + 1.
 //!
-//! Re-alignment, the hull of a root and triangles are the AVX2 code under this token: Miri runs `vcvtph2ps
-//! ymm` but not its zmm form, and what no machine at hand has run is not worth a kernel.
+//! Re-alignment, the hull of a root and triangles are the AVX2 code under this token.
 
 use super::super::Turned;
 use crate::isa::compiled_for_avx512;
