@@ -126,10 +126,10 @@ pub fn own_slabs<P: Primitive, const K: usize>(
         let w = [found.weights[0][s] as f32, found.weights[1][s] as f32, found.weights[2][s] as f32];
         let weight_sum = (f64::from(w[0]) + f64::from(w[1])) + f64::from(w[2]);
         let pad = ((weight_sum * per_weight + length * per_length) + UNDERFLOW) * ITS_OWN_ROUNDING;
-        // A vector of zeros, or of what is not finite, is no direction; weights of one that is far from length 1
-        // could overflow an `f32`.
         // Codes stand for half a step more.
         let pad = pad + 0.5 * weight_sum;
+        // A vector of zeros, or of what is not finite, is no direction; weights of one that is far from length 1
+        // could overflow an `f32`.
         let pad = if length > SHORTEST && length < LONGEST { pad } else { f64::INFINITY };
         (weights[0][s], weights[1][s], weights[2][s]) = (w[0], w[1], w[2]);
         (limits[0][s], limits[1][s]) =

@@ -6,7 +6,7 @@ use crate::construct::{Builder, Mesh};
 use crate::directions::Directions;
 use crate::frame::Frame;
 use crate::hierarchy::{Bvh, BvhRef};
-use crate::key::Key;
+use crate::key::{Key, decode};
 use crate::node::{Link, Node4, Node16};
 use crate::primitive::triangle::distance::within;
 use crate::primitive::triangle::overlap;
@@ -329,16 +329,22 @@ fn corners_that_become_zero_are_met() {
     for_each_node!(flushed_corners_meet);
 }
 
-/// B is one point, which is a corner of A where the pose puts it; all planes and slabs pass through it without
-/// rounding, so that every rounding of the test itself shows.
+/// B is one point, which is a corner of A where the pose puts it; the planes of A and all slabs pass through it without
+/// rounding, so that every rounding of the test itself shows. Keys are in the middle between two steps, and so are the corners:
+/// along axes, but not along directions of which the components sum to an even number.
 fn exact_corners_meet<N: Lanes>() {
+    // With a step of 1: twice as much is above the greatest key.
+    let w = 16_383.5;
+    let corner = |x: f64, y: f64| [x * w, y * w, 0.0];
+    let soup: Soup = alloc::vec![
+        [corner(-1.0, -1.0), corner(1.0, -1.0), corner(1.0, 1.0)],
+        [corner(-1.0, -1.0), corner(1.0, 1.0), corner(-1.0, 1.0)],
+    ];
     let mut random = Random(4);
     let mut poses = 0;
     while poses < 40 {
         // The pad for a skew would pay for all else.
         let rotation = random.turn_without_skew();
-        // Quarters, so that all the frame's supports are integers.
-        let soup = map(&sheet(1), |p| p.map(|x| 4.0 * x));
         let (i, c) = (random.u64() as usize % soup.len(), random.u64() as usize % 3);
         let image = pose_of(rotation, Deviation::None, [0.0; 3]).apply(soup[i][c]);
         let target: Point = [(); 3].map(|()| libm::rint(8.0 * random.signed()));
@@ -350,6 +356,13 @@ fn exact_corners_meet<N: Lanes>() {
         let (a, b) = (tree_of::<N>(&soup), tree_of::<N>(&alloc::vec![[target; 3]]));
         let (a, b) = (a.view(), b.view());
         let of_a = thinnest_volumes(&a);
+        let plane = |j: usize| of_a[0].node.plane(j, of_a[0].lane);
+        assert_eq!(
+            [0, 1, 2, 3].map(|j| f64::from(decode(plane(j)))),
+            [w; 4],
+            "planes pass through the corners"
+        );
+        assert_eq!(of_a[0].slab.ends(), [0.0; 2]);
         let meet = |t: usize, _| soup[t].contains(&soup[i][c]);
         for _ in 0..10 {
             let normal = [(); 3].map(|()| random.signed());
@@ -368,7 +381,7 @@ fn exact_corners_meet<N: Lanes>() {
 
 #[test]
 fn what_the_test_rounds_is_paid_for() {
-    for_each_node!(exact_corners_meet);
+    for_each_node!(exact_corners_meet; Node16<6>, Node4<6>);
 }
 
 /// Bodies of any shape at poses at which some of their triangles meet and most do not.
