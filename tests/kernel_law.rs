@@ -886,6 +886,9 @@ fn unused_lanes_are_separated_from_unbounded_bodies() {
             let turned = turned_16(kernel, &map, &wide(planes));
             assert_eq!(kernel.overlap_1v16(&turned, 7, &wide(unbounded)), 0, "{isa}");
             assert_eq!(kernel.overlap_1v16(&turned, 6, &wide(unbounded)), u16::MAX, "{isa}");
+            let mut turned = [[0; 16]; 18];
+            let (a, b) = (wide(planes), wide(unbounded));
+            assert_eq!(kernel.realign_16_over_hull(&map, &a, &mut turned, &b), !(1 << 7), "{isa}");
         });
     }
 }

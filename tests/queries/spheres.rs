@@ -425,11 +425,12 @@ fn spheres_of_unlike_sizes_far_from_the_origin() {
 fn spheres_keep_their_size_at_poses_that_shrink() {
     for share in [1.0 - 4.9e-5, 1.0 + 4.9e-5] {
         let pose = pose(&STRAIGHT.map(|row| row.map(|x| x * share)), [0.0; 3]);
-        let a = [0.0, 4.0].map(|y| Sphere { centre: [0.0, y, 0.0], radius: 2.0 });
+        // In steps of 2^-12: where a key is, so that the planes bound the spheres without room.
+        let a = [0.0, 4.0].map(|y| Sphere { centre: [0.0, y, 0.0], radius: 2.0 + 0.5_f64.powi(13) });
         for nearest in 0..2 {
             let beside = |i: usize| {
                 let [x, y, z] = pose.apply(a[i].centre);
-                let gap = if i == nearest { 3.0 } else { 3.00005 };
+                let gap = if i == nearest { 3.0 } else { 3.00003 };
                 Sphere { centre: [x + gap, y, z], radius: 0.0 }
             };
             let b = [beside(0), beside(1)];
@@ -500,7 +501,7 @@ fn planes_are_rounded_up_by_squares() {
                 let reach = square(&exact(n)) * Dyadic::from(radius) * Dyadic::from(radius);
                 let holds = |room: Dyadic| room >= Dyadic::zero() && room.clone() * room >= reach;
                 assert!(holds(room(code)), "k {K}, plane {j} of {lane}: too low");
-                let below = if code == 0 { -2 } else { code - 1 };
+                let below = code - 1;
                 assert!(!holds(room(below)), "k {K}, plane {j} of {lane}: too high");
                 let mut bytes = tree.as_bytes().to_vec();
                 let at = 128 + 32 * j + 2 * lane;
@@ -511,16 +512,20 @@ fn planes_are_rounded_up_by_squares() {
             }
         }
     }
-    // Halves exactly, along axes; numbers that have no pattern; tiny beside the body.
-    one::<6>(0.25, &[1.0, 2.0, 0.5]);
+    // Keys exactly, along axes: half a step of 2^-13 beside one. Numbers that have no pattern; tiny beside the body.
+    let half = 0.5_f64.powi(14);
+    one::<6>(0.25, &[1.0 + half, 2.0 + half, 0.5 + half]);
     one::<18>(0.25, &[1.0, 2.0, 0.5, 1.0 / 3.0, 1e-9]);
     one::<32>(0.25, &[0.0, 1e-12, 0.7, 0.1]);
-    // Times the length of a direction, which is a root, a half but for a rounding, above it or below.
-    let roots = [2.0_f64, 3.0, 6.0, 14.0].map(|square| 0.5 / square.sqrt());
-    let near: Vec<f64> = roots.iter().flat_map(|x| [x.next_down(), *x, x.next_up()]).chain([1.0]).collect();
-    one::<18>(0.0, &near);
-    one::<26>(0.0, &near);
-    one::<32>(0.0, &near);
+    // Times the length of a direction, which is a root, a key but for a rounding, above it or below. The step is 2^-13 or 2^-12.
+    for half in [half, 2.0 * half] {
+        let roots = [2.0_f64, 3.0, 6.0, 14.0].map(|square| (0.5 + half) / square.sqrt());
+        let near: Vec<f64> =
+            roots.iter().flat_map(|x| [x.next_down(), *x, x.next_up()]).chain([1.0]).collect();
+        one::<18>(0.0, &near);
+        one::<26>(0.0, &near);
+        one::<32>(0.0, &near);
+    }
     assert!(is_rounded_up(0, &Dyadic::zero()));
 }
 
