@@ -12,8 +12,8 @@ use crate::range::Point;
 /// | bits | meaning |
 /// |---|---|
 /// | 11..0, 23..12 | x and y of the direction n, signed |
-/// | 39..24 | thickness, in 4096 of the frame's unit: the bits of a half that is not negative |
-/// | 63..40 | low end, in eights of the frame's unit, signed |
+/// | 39..24 | thickness, in lengths of 4096 units of the frame: the bits of a half that is not negative |
+/// | 63..40 | low end, in lengths of 8 units of the frame, signed |
 ///
 /// The third coordinate of n is not negative, and `|x| + |y| + z` = 2047: n is a vector of integers, not of
 /// unit length, and exact. All points p of the child obey `low <= n . (p - centre) * 2^exponent <= high`.

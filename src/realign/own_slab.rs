@@ -49,7 +49,7 @@ impl OwnSlab {
     pub const EVERYWHERE: Self = Self { sources: [0; 3], weights: [0.0; 3], limits: [f32::NEG_INFINITY; 2] };
 
     /// Whether a child with these codes lies beyond the slab, on either side: the specification that the
-    /// kernels follow, operation by operation. False where a plane is unbounded.
+    /// kernels follow, operation by operation. Of an unused lane it may say either.
     #[inline]
     #[must_use]
     pub fn is_beyond(&self, code: impl Fn(usize) -> i16) -> bool {

@@ -22,13 +22,13 @@ impl<N> Scene<'_, N> {
         Ok(())
     }
 
-    /// The same of a pair that can be asked, with a cloud as its second.
+    /// [`Scene::place_of_pair`] of two bodies that can be asked. If one is a cloud, it is the second.
     pub(super) fn place_to_ask(&self, a: BodyId, b: BodyId) -> Result<(usize, usize), SceneError> {
-        let (i, j) = (self.index(a)?, self.index(b)?);
-        if i != j && self.is_cloud(i) && self.is_cloud(j) {
+        let (i, j) = self.place_of_pair(a, b)?;
+        if self.is_cloud(i) && self.is_cloud(j) {
             return Err(SceneError::TwoClouds { id: a });
         }
-        self.place_of_pair(a, b)
+        Ok((i, j))
     }
 
     fn place_of_pair(&self, a: BodyId, b: BodyId) -> Result<(usize, usize), SceneError> {
