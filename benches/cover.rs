@@ -8,6 +8,8 @@
 
 #[path = "../tests/support/data.rs"]
 mod data;
+#[path = "support/meshes.rs"]
+mod meshes;
 #[path = "../tests/support/rng.rs"]
 mod rng;
 #[path = "../tests/support/shapes.rs"]
@@ -18,6 +20,7 @@ mod short;
 mod suites;
 
 use data::{MeshData, directory};
+use meshes::SCENES;
 use short::count;
 use simdop::construct::{Builder, Mesh, SphereSet};
 use simdop::hierarchy::Bvh;
@@ -46,8 +49,10 @@ fn main() {
     println!("|---|--:|--:|--:|--:|--:|--:|--:|--:|");
     let mut meshes = vec![("torus".to_owned(), shapes::wavy_torus(count(20_000, 1000) as u32))];
     if let Some(data) = directory() {
-        for name in ["armadillo.obj", "cow.obj"] {
-            meshes.push((name.to_owned(), MeshData::obj(&data.join("meshes").join(name))));
+        for scene in &SCENES {
+            if let [mesh] = &scene.meshes(&data)[..] {
+                meshes.push((scene.name.to_owned(), mesh.clone()));
+            }
         }
     }
     for (name, mesh) in &meshes[..count(meshes.len(), 1)] {

@@ -4,7 +4,8 @@
 //! are placed and the scene is asked. *Pairs*: every pair is asked, each at its pose, without boxes, until one hits. Poses are
 //! given: forward kinematics are not in the time. The verdicts of both are compared first. *At once*: 256 random configurations of
 //! each problem, one by one, and all by one call, on one thread and on all. *Sphere models*: the same configurations by the spheres that
-//! are published for the robot instead of its meshes, whose verdicts are counted where they are wrong.
+//! are published for the robot instead of its meshes, whose verdicts are counted where they are wrong. *Covers*: spheres that hold the
+//! links are asked first, and the meshes where these hit: the same verdicts, also at margins.
 
 #![expect(clippy::unwrap_used, reason = "a benchmark that cannot go on has failed")]
 
@@ -159,6 +160,18 @@ fn run(data: &Path, setting: &Setting) {
         "scene {scene:.2} (of which placing {placing:.2}), pairs {pairs:.2}; margins of 5, 20, 50 mm {five:.2} {twenty:.2} {fifty:.2}"
     );
     drop(best);
+    for error in ERRORS {
+        let covers: Vec<_> = robot.links.iter().map(|link| cover(&link.mesh, error)).collect();
+        let scenes = problems.iter().zip(&obstacles).map(|(problem, trees)| {
+            scene_of(covers.iter().map(|cover| cover.view().into()), &robot, trees, problem)
+        });
+        let spheres: usize = covers.iter().map(|cover| cover.view().len()).sum();
+        println!(
+            "covers of {} mm, {spheres} spheres: {}",
+            1e3 * error,
+            covers_first(&mut worlds, scenes, &query)
+        );
+    }
     at_once(&robot, &mut worlds, &query);
     if !setting.is_drawn {
         let models = sphere_models(data, setting, &robot);
@@ -250,6 +263,62 @@ fn by_spheres<'t>(
         "by sphere models: one by one {one:.2}, at once {at_once:.2}; of {all} configurations {hits} hit, {missed} of these are missed and \
          {invented} others called hits\n"
     );
+}
+
+/// Of the links' covers, metres.
+const ERRORS: [f64; 3] = [0.01, 0.02, 0.05];
+
+fn cover(mesh: &MeshData, error: f64) -> Bvh<Node16<18>, Spheres> {
+    let spheres = Mesh { vertices: &mesh.vertices, triangles: &mesh.triangles }.cover(error).unwrap();
+    Builder::balanced()
+        .without_balls()
+        .build_geometry(&SphereSet { spheres: &spheres }, &mut |_| ControlFlow::Continue(()))
+        .unwrap()
+}
+
+/// Margins of 0, 5, 20 and 50 mm: what a configuration costs by the meshes alone, and by covers first, the meshes being asked
+/// where these hit.
+fn covers_first<'t>(
+    worlds: &mut [World<'_>],
+    scenes: impl Iterator<Item = (Scene<'t, Node16<18>>, Vec<BodyId>)>,
+    query: &Query,
+) -> String {
+    let mut scenes: Vec<_> = scenes.collect();
+    let asked: usize = worlds.iter().map(|world| world.configurations.len()).sum();
+    let mut cells = Vec::new();
+    for margin in [0.0, 0.005, 0.02, 0.05] {
+        let mut best = vec![[f64::INFINITY; 2]; asked];
+        for _ in 0..count(15, 1) {
+            let mut best = best.iter_mut();
+            for (world, (covers, links)) in worlds.iter_mut().zip(&mut scenes) {
+                for (i, best) in (0..world.configurations.len()).zip(&mut best) {
+                    let mut time = |slot: usize, f: &mut dyn FnMut() -> bool| {
+                        let start = Instant::now();
+                        let is_free = black_box(f());
+                        best[slot] = best[slot].min(start.elapsed().as_secs_f64() * 1e6);
+                        is_free
+                    };
+                    let exact = time(0, &mut || {
+                        place(world, i);
+                        world.scene.within(query, margin).unwrap().is_free()
+                    });
+                    let covered = time(1, &mut || {
+                        for (&id, pose) in links.iter().zip(&world.poses[i]) {
+                            covers.place(id, pose).unwrap();
+                        }
+                        covers.within(query, margin).unwrap().is_free() || {
+                            place(world, i);
+                            world.scene.within(query, margin).unwrap().is_free()
+                        }
+                    });
+                    assert_eq!(covered, exact, "the verdict by covers first");
+                }
+            }
+        }
+        let mean = |slot: usize| best.iter().map(|times| times[slot]).sum::<f64>() / asked as f64;
+        cells.push(format!("{:.2} / {:.2}", mean(0), mean(1)));
+    }
+    cells.join(", ")
 }
 
 /// Configurations of each problem that are asked about at once.

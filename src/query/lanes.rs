@@ -173,12 +173,10 @@ macro_rules! impl_lanes {
 
             #[inline(always)]
             fn enclose(turned: &Self::Turned, out: &mut Self::Turned) {
-                // An unused lane holds no body, and only its first row says so.
-                let unused = turned[0].map(|code| if code == SEPARATED { SEPARATED } else { i16::MIN });
+                // Unused lanes are within: their planes are below all others, and so are sums of these by the same weights.
                 for (planes, out) in turned.iter().zip(out) {
                     let mut least = SEPARATED;
-                    for lane in 0..$arity {
-                        let code = if planes[lane] > unused[lane] { planes[lane] } else { unused[lane] };
+                    for &code in planes {
                         least = if code < least { code } else { least };
                     }
                     out[0] = least;

@@ -23,6 +23,7 @@ mod entrants;
 mod exact;
 mod fineness;
 mod measure;
+#[path = "../../support/meshes.rs"]
 mod meshes;
 mod plot;
 mod points;

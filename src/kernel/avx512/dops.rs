@@ -4,12 +4,17 @@
 //! one `vpcmpgtw` gives 32 bits, `korord` collects them. The low 16 bits are planes 2s, the high 16 planes
 //! 2s + 1.
 //!
-//! Re-alignment, the hull of a root and triangles are the AVX2 code under this token.
+//! Re-alignment has a turned plane of sixteen children in one zmm, and the two of a slab are made codes and stored together. Own slabs
+//! are compared sixteen children at a time. The hull of a root, re-alignment of four children and triangles are the AVX2 code under
+//! this token.
 
-use super::super::Turned;
+use super::super::{SEPARATED, Turned};
 use crate::isa::compiled_for_avx512;
+use crate::key::Key;
 use crate::node::{Node4, Node16};
+use crate::realign::{OwnSlab, Realignment};
 use core::arch::x86_64::*;
+use core::mem::MaybeUninit;
 
 /// Lanes of the upper half of a zmm: planes 2s + 1.
 const UPPER: __mmask32 = 0xffff_0000;
@@ -106,6 +111,92 @@ compiled_for_avx512! {
             separated |= _mm512_cmpgt_epi16_mask(a, b);
         }
         overlapping(separated)
+    }
+}
+
+compiled_for_avx512! {
+    /// Sixteen codes, as floats.
+    #[inline]
+    fn decode(planes: &[i16; 16]) -> __m512 {
+        // SAFETY: the array has the 32 bytes that are read; the load asks for no alignment.
+        let codes = unsafe { _mm256_loadu_si256(planes.as_ptr().cast()) };
+        _mm512_cvtepi32_ps(_mm512_cvtepi16_epi32(codes))
+    }
+}
+
+compiled_for_avx512! {
+    /// Weighted planes of sixteen children, added from left to right.
+    #[inline]
+    fn weighted_sum([u, v, w]: [__m512; 3], [x, y, z]: [__m512; 3]) -> __m512 {
+        _mm512_add_ps(_mm512_add_ps(_mm512_mul_ps(u, x), _mm512_mul_ps(v, y)), _mm512_mul_ps(w, z))
+    }
+}
+
+compiled_for_avx512! {
+    /// The nearest integers, of what is not above [`Key::INFINITY`]; below an `i32` the least one.
+    #[cfg(not(miri))]
+    #[inline]
+    fn nearest(values: __m512) -> __m512i {
+        // NaN is an unbounded plane: with it as the first operand, `vminps` gives the second.
+        let bounded = _mm512_min_ps(values, _mm512_set1_ps(f32::from(Key::INFINITY.code())));
+        _mm512_cvtps_epi32(bounded)
+    }
+}
+
+#[cfg(miri)] // Miri has neither instruction of this width: this lets it run the rest.
+compiled_for_avx512! {
+    fn nearest(values: __m512) -> __m512i {
+        let mut numbers = [0.0_f32; 16];
+        // SAFETY: the array has the 64 bytes that are written.
+        unsafe { _mm512_storeu_ps(numbers.as_mut_ptr(), values) };
+        let most = f32::from(Key::INFINITY.code());
+        let nearest = numbers.map(|x| if x < most { x.round_ties_even() as i32 } else { most as i32 });
+        // SAFETY: the array has the 64 bytes that are read.
+        unsafe { _mm512_loadu_si512(nearest.as_ptr().cast()) }
+    }
+}
+
+compiled_for_avx512! {
+    #[inline]
+    pub(super) fn realign_16<const K: usize>(map: &Realignment<K>, node: &Node16<K>, query: &mut Turned<16, K>) {
+        // Not zeroed: a kilobyte of stores.
+        let mut planes = [const { MaybeUninit::<__m512>::uninit() }; K];
+        for (decoded, codes) in planes.iter_mut().zip(&node.planes) {
+            decoded.write(decode(codes));
+        }
+        // `vpackssdw` takes four of either plane in turns.
+        let in_order = _mm512_setr_epi64(0, 2, 4, 6, 1, 3, 5, 7);
+        for slab in 0..K / 2 {
+            let [p, q, r, _] = map.sources[slab];
+            let weights = [0, 1, 2].map(|l| _mm512_set1_ps(map.weights[l][slab]));
+            let turned = |side: usize| {
+                // SAFETY: the loop above wrote all of them.
+                let sources = [p, q, r].map(|source| unsafe { planes[usize::from(source) ^ side].assume_init() });
+                let offset = _mm512_set1_ps(map.offset[2 * slab + side]);
+                nearest(_mm512_add_ps(weighted_sum(weights, sources), offset))
+            };
+            let codes = _mm512_max_epi16(_mm512_packs_epi32(turned(1), turned(0)), _mm512_set1_epi16(Key::LOWEST.code()));
+            let complements = _mm512_xor_si512(codes, _mm512_set1_epi16(-1));
+            let (slabs, _) = query.as_chunks_mut::<2>();
+            // SAFETY: the two arrays have the 64 bytes that are written; the store asks for no alignment.
+            unsafe { _mm512_storeu_si512(slabs[slab].as_mut_ptr().cast(), _mm512_permutexvar_epi64(in_order, complements)) };
+        }
+        for (turned, code) in query[0].iter_mut().zip(&node.planes[0]) {
+            *turned = if *code == Key::EMPTY.code() { SEPARATED } else { *turned };
+        }
+    }
+}
+
+compiled_for_avx512! {
+    #[inline]
+    pub(super) fn beyond_16<const K: usize>(slab: &OwnSlab, node: &Node16<K>) -> u16 {
+        let weights = slab.weights.map(|weight| _mm512_set1_ps(weight));
+        let mut beyond = 0;
+        for (side, limit) in slab.limits.into_iter().enumerate() {
+            let planes = slab.sources.map(|source| decode(&node.planes[usize::from(source) ^ side]));
+            beyond |= _mm512_cmp_ps_mask::<_CMP_LT_OQ>(weighted_sum(weights, planes), _mm512_set1_ps(limit));
+        }
+        beyond
     }
 }
 

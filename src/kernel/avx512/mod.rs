@@ -47,7 +47,8 @@ impl Kernel for Avx512 {
 
     #[inline(always)]
     fn beyond_16<const K: usize>(self, slab: &OwnSlab, node: &Node16<K>) -> u16 {
-        self.as_avx2().beyond_16(slab, node)
+        // SAFETY: the token proves the features that the function is compiled for.
+        unsafe { dops::beyond_16(slab, node) }
     }
 
     #[inline(always)]
@@ -57,7 +58,8 @@ impl Kernel for Avx512 {
 
     #[inline(always)]
     fn realign_16<const K: usize>(self, map: &Realignment<K>, node: &Node16<K>, query: &mut Turned<16, K>) {
-        self.as_avx2().realign_16(map, node, query);
+        // SAFETY: the token proves the features that the function is compiled for.
+        unsafe { dops::realign_16(map, node, query) }
     }
 
     #[inline(always)]

@@ -1,4 +1,4 @@
-//! The pairs of meshes.
+//! The pairs of meshes that simdop is compared on.
 
 use crate::data::MeshData;
 use ply_rs_bw::parser::Parser;

@@ -1,0 +1,147 @@
+//! Whole queries on each instruction set of this machine: `cargo bench --bench isas` prints a table. A minute.
+//!
+//! The pairs are those of `benches/peers`, the poses found in the same way; without its files, a torus. Each query is asked on every instruction set in turns, [`PASSES`] times; the
+//! least time of each counts. Verdicts and counters are compared first.
+
+#![expect(clippy::unwrap_used, reason = "a benchmark that cannot go on has failed")]
+
+#[path = "../tests/support/data.rs"]
+mod data;
+#[path = "support/meshes.rs"]
+mod meshes;
+#[path = "../tests/support/rng.rs"]
+mod rng;
+#[path = "../tests/support/shapes.rs"]
+mod shapes;
+#[path = "support/short.rs"]
+mod short;
+#[path = "support/suites.rs"]
+mod suites;
+
+use data::{MeshData, directory};
+use meshes::SCENES;
+use short::count;
+use simdop::construct::{Builder, Mesh};
+use simdop::isa::Isa;
+use simdop::node::{Dop, Node16};
+use simdop::pose::Pose;
+use simdop::query::{Lanes, Query};
+use std::hint::black_box;
+use std::time::Instant;
+use suites::{Approaching, DISTANCES, Method};
+
+const LINES: usize = 200;
+const PASSES: usize = 9;
+
+fn main() {
+    let isas: Vec<Isa> = Isa::available().collect();
+    let columns: Vec<&str> = isas.iter().map(|isa| isa.name()).collect();
+    let ratios: Vec<String> = isas.windows(2).map(|two| format!("{} / {}", two[1], two[0])).collect();
+    println!("Microseconds a query, median / mean / p99; ratios of medians and means. {}.\n", cpu());
+    println!("| A, B | k | distance | {} | {} |", columns.join(" | "), ratios.join(" | "));
+    println!("|---|--:|---|{}", "--:|".repeat(columns.len() + ratios.len()));
+    let torus = shapes::wavy_torus(count(20_000, 1000) as u32);
+    let mut pairs = vec![("torus", torus.clone(), torus)];
+    if let Some(data) = directory() {
+        pairs = SCENES
+            .iter()
+            .map(|scene| {
+                let mut meshes = scene.meshes(&data);
+                let b = meshes.pop().unwrap();
+                (scene.name, meshes.pop().unwrap_or_else(|| b.clone()), b)
+            })
+            .collect();
+    }
+    let mut all = Vec::new();
+    for (name, a, b) in &pairs[..count(pairs.len(), 1)] {
+        all.extend(rows::<Node16<18>>(&isas, name, a, b));
+        if std::env::args().any(|arg| arg == "--all") {
+            all.extend(rows::<Node16<26>>(&isas, name, a, b));
+            all.extend(rows::<Node16<32>>(&isas, name, a, b));
+        }
+    }
+    for (i, ratio) in ratios.iter().enumerate() {
+        for (j, what) in ["medians", "means", "p99"].into_iter().enumerate() {
+            let mut found: Vec<f64> = all.iter().map(|row| row[i + 1][j] / row[i][j]).collect();
+            let mean = (found.iter().map(|x| x.ln()).sum::<f64>() / found.len() as f64).exp();
+            found.sort_by(f64::total_cmp);
+            println!(
+                "{ratio}, {what}: {:.3} to {:.3}, in the middle {:.3}, geometric mean {mean:.3}",
+                found[0],
+                found[found.len() - 1],
+                found[found.len() / 2]
+            );
+        }
+    }
+}
+
+fn cpu() -> String {
+    let info = std::fs::read_to_string("/proc/cpuinfo").unwrap_or_default();
+    let of = |key: &str| {
+        let line = info.lines().find(|line| line.starts_with(key));
+        line.and_then(|line| line.split(": ").nth(1)).unwrap_or("unknown").to_owned()
+    };
+    format!("{}, family {} model {}", of("model name"), of("cpu family"), of("model\t"))
+}
+
+/// Median, mean and 99th percentile of each instruction set, by distance.
+fn rows<N: Dop + Lanes>(isas: &[Isa], name: &str, a: &MeshData, b: &MeshData) -> Vec<Vec<[f64; 3]>> {
+    let mesh = |parts: &MeshData| {
+        let mesh = Mesh { vertices: &parts.vertices, triangles: &parts.triangles };
+        (Builder::new().build::<N>(&mesh).unwrap(), Builder::new().build::<Node16<32>>(&mesh).unwrap())
+    };
+    let ((tree_a, rough_a), (tree_b, rough_b)) = (mesh(a), mesh(b));
+    let pair = Approaching { a, b, tree_a: rough_a.view(), tree_b: rough_b.view() };
+    let lines: Vec<_> = Method::ALL
+        .into_iter()
+        .flat_map(|method| pair.poses(&DISTANCES, method, count(LINES, 8) / 2, 1))
+        .collect();
+    let queries: Vec<Query> = isas.iter().map(|&isa| Query::new(isa)).collect();
+    let mut found = Vec::new();
+    for (i, (distance, _)) in DISTANCES.iter().enumerate() {
+        let poses: Vec<Pose> = lines.iter().map(|line| Pose::from_rows(line[i]).unwrap()).collect();
+        let ask = |query: &Query, pose: &Pose| query.collide(&tree_a, &tree_b, pose);
+        for pose in &poses {
+            let answers: Vec<_> = queries.iter().map(|query| ask(query, pose)).collect();
+            assert!(answers.windows(2).all(|two| two[0] == two[1]), "answers of instruction sets differ");
+        }
+        let mut times = vec![vec![f64::INFINITY; poses.len()]; isas.len()];
+        for _ in 0..count(PASSES, 1) {
+            for (i, pose) in poses.iter().enumerate() {
+                for (query, times) in queries.iter().zip(&mut times) {
+                    times[i] = times[i].min(timed(|| ask(query, black_box(pose)).is_free()));
+                }
+            }
+        }
+        let figures: Vec<[f64; 3]> = times
+            .iter_mut()
+            .map(|times| {
+                times.sort_by(f64::total_cmp);
+                let mean = times.iter().sum::<f64>() / times.len() as f64;
+                [times[times.len() / 2], mean, times[times.len() * 99 / 100]]
+            })
+            .collect();
+        let cells: Vec<String> =
+            figures.iter().map(|[median, mean, p99]| format!("{median:.3} / {mean:.3} / {p99:.2}")).collect();
+        let ratios: Vec<String> = figures
+            .windows(2)
+            .map(|two| format!("{:.2}, {:.2}", two[1][0] / two[0][0], two[1][1] / two[0][1]))
+            .collect();
+        println!("| {name} | {} | {distance} | {} | {} |", N::K, cells.join(" | "), ratios.join(" | "));
+        found.push(figures);
+    }
+    found
+}
+
+/// Microseconds of one call, of as many as take some.
+fn timed(ask: impl Fn() -> bool) -> f64 {
+    let once = |calls: u32| {
+        let start = Instant::now();
+        for _ in 0..calls {
+            black_box(ask());
+        }
+        start.elapsed().as_secs_f64() * 1e6 / f64::from(calls)
+    };
+    let first = once(1);
+    once(((8.0 / first) as u32).clamp(1, 200))
+}
