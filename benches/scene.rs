@@ -160,18 +160,7 @@ fn run(data: &Path, setting: &Setting) {
         "scene {scene:.2} (of which placing {placing:.2}), pairs {pairs:.2}; margins of 5, 20, 50 mm {five:.2} {twenty:.2} {fifty:.2}"
     );
     drop(best);
-    for error in ERRORS {
-        let covers: Vec<_> = robot.links.iter().map(|link| cover(&link.mesh, error)).collect();
-        let scenes = problems.iter().zip(&obstacles).map(|(problem, trees)| {
-            scene_of(covers.iter().map(|cover| cover.view().into()), &robot, trees, problem)
-        });
-        let spheres: usize = covers.iter().map(|cover| cover.view().len()).sum();
-        println!(
-            "covers of {} mm, {spheres} spheres: {}",
-            1e3 * error,
-            covers_first(&mut worlds, scenes, &query)
-        );
-    }
+    covers_of_all_errors(&robot, &mut worlds, &problems, &obstacles, &query);
     at_once(&robot, &mut worlds, &query);
     if !setting.is_drawn {
         let models = sphere_models(data, setting, &robot);
@@ -274,6 +263,24 @@ fn cover(mesh: &MeshData, error: f64) -> Bvh<Node16<18>, Spheres> {
         .without_balls()
         .build_geometry(&SphereSet { spheres: &spheres }, &mut |_| ControlFlow::Continue(()))
         .unwrap()
+}
+
+/// One line for each error that covers of the links may have.
+fn covers_of_all_errors(
+    robot: &Robot,
+    worlds: &mut [World<'_>],
+    problems: &[Problem],
+    obstacles: &[Vec<Tree>],
+    query: &Query,
+) {
+    for error in ERRORS {
+        let covers: Vec<_> = robot.links.iter().map(|link| cover(&link.mesh, error)).collect();
+        let scenes = problems.iter().zip(obstacles).map(|(problem, trees)| {
+            scene_of(covers.iter().map(|cover| cover.view().into()), robot, trees, problem)
+        });
+        let spheres: usize = covers.iter().map(|cover| cover.view().len()).sum();
+        println!("covers of {} mm, {spheres} spheres: {}", 1e3 * error, covers_first(worlds, scenes, query));
+    }
 }
 
 /// Margins of 0, 5, 20 and 50 mm: what a configuration costs by the meshes alone, and by covers first, the meshes being asked

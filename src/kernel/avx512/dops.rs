@@ -177,9 +177,11 @@ compiled_for_avx512! {
             };
             let codes = _mm512_max_epi16(_mm512_packs_epi32(turned(1), turned(0)), _mm512_set1_epi16(Key::LOWEST.code()));
             let complements = _mm512_xor_si512(codes, _mm512_set1_epi16(-1));
+            let codes = _mm512_permutexvar_epi64(in_order, complements);
             let (slabs, _) = query.as_chunks_mut::<2>();
+            let slab = slabs[slab].as_mut_ptr();
             // SAFETY: the two arrays have the 64 bytes that are written; the store asks for no alignment.
-            unsafe { _mm512_storeu_si512(slabs[slab].as_mut_ptr().cast(), _mm512_permutexvar_epi64(in_order, complements)) };
+            unsafe { _mm512_storeu_si512(slab.cast(), codes) };
         }
         for (turned, code) in query[0].iter_mut().zip(&node.planes[0]) {
             *turned = if *code == Key::EMPTY.code() { SEPARATED } else { *turned };
