@@ -146,13 +146,27 @@ compiled_for_avx512! {
 #[cfg(miri)] // Miri has neither instruction of this width: this lets it run the rest.
 compiled_for_avx512! {
     fn nearest(values: __m512) -> __m512i {
-        let mut numbers = [0.0_f32; 16];
-        // SAFETY: the array has the 64 bytes that are written.
-        unsafe { _mm512_storeu_ps(numbers.as_mut_ptr(), values) };
         let most = f32::from(Key::INFINITY.code());
-        let nearest = numbers.map(|x| if x < most { x.round_ties_even() as i32 } else { most as i32 });
-        // SAFETY: the array has the 64 bytes that are read.
-        unsafe { _mm512_loadu_si512(nearest.as_ptr().cast()) }
+        let nearest = |x: f32| if x < most { x.round_ties_even() as i32 } else { most as i32 };
+        let integers = super::points::numbers(values).map(nearest);
+        // SAFETY: the array has the 64 bytes that are read; the load asks for no alignment.
+        unsafe { _mm512_loadu_si512(integers.as_ptr().cast()) }
+    }
+}
+
+compiled_for_avx512! {
+    #[cfg(not(miri))]
+    #[inline]
+    fn below(sums: __m512, limit: f32) -> u16 {
+        _mm512_cmp_ps_mask::<_CMP_LT_OQ>(sums, _mm512_set1_ps(limit))
+    }
+}
+
+#[cfg(miri)] // Nor `vcmpps` of this width.
+compiled_for_avx512! {
+    fn below(sums: __m512, limit: f32) -> u16 {
+        let sums = super::points::numbers(sums);
+        (0..16).fold(0, |mask, lane| mask | u16::from(sums[lane] < limit) << lane)
     }
 }
 
@@ -196,7 +210,7 @@ compiled_for_avx512! {
         let mut beyond = 0;
         for (side, limit) in slab.limits.into_iter().enumerate() {
             let planes = slab.sources.map(|source| decode(&node.planes[usize::from(source) ^ side]));
-            beyond |= _mm512_cmp_ps_mask::<_CMP_LT_OQ>(weighted_sum(weights, planes), _mm512_set1_ps(limit));
+            beyond |= below(weighted_sum(weights, planes), limit);
         }
         beyond
     }

@@ -52,7 +52,7 @@ compiled_for_avx512! {
 
 #[cfg(miri)]
 compiled_for_avx512! {
-    fn numbers(sixteen: __m512) -> [f32; 16] {
+    pub(super) fn numbers(sixteen: __m512) -> [f32; 16] {
         let mut numbers = [0.0; 16];
         store(&mut numbers, sixteen);
         numbers
