@@ -17,6 +17,7 @@ fn main() -> io::Result<()> {
         "own_slab",
         "balls",
         "traverse",
+        "distance",
         "from_bytes",
         "sphere_bytes",
         "points",
@@ -49,7 +50,9 @@ fn main() -> io::Result<()> {
         let mut seed = vec![2, k % 5, k, 0];
         seed.extend([a, b].concat());
         seed.extend((0..48).map(|_| input.u8()));
-        write("traverse", &format!("sizes{k}"), &seed)?;
+        for target in ["traverse", "distance"] {
+            write(target, &format!("sizes{k}"), &seed)?;
+        }
     }
     write("from_bytes", "torus", tree::<Node16<18>>(0))?;
     write("from_bytes", "doubles", tree::<Node4<14>>(2))?;

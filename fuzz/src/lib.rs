@@ -19,6 +19,7 @@
 //! | `points` | which points and boxes are near, and how far they are | the scalar kernel |
 //! | `cloud_bytes` | as `from_bytes`, of clouds; clouds that change, and all searches of them | a second reader; a loop over the points |
 //! | `traverse` | verdicts, pairs, budgets and distances, of sizes to 1e12 : 1 and as far as 1e9 diagonals from the origin; counters of every instruction set | brute force; the scalar kernel |
+//! | `distance` | distances, margins and cutoffs, their bounds within a budget, the pairs that are named | exact distances of all pairs; the scalar kernel |
 //!
 //! The first byte chooses the [`Mode`], the second k, the rest is values. `from_bytes`,
 //! `sphere_bytes` and `cloud_bytes` take what was baked as it is, too.
