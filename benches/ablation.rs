@@ -1,5 +1,6 @@
 //! The SIMDop paper's comparison: binary DOP trees, scalar, vectorised by the compiler and by hand, against
-//! 1vs16 and 4vs4; and an ablation of the library: what SIMD, arity, storage and splitter are worth.
+//! 1vs16 and 4vs4; and an ablation of the library: what SIMD, arity, storage and splitter are worth, beside what
+//! the paper says of each.
 //!
 //! ```sh
 //! cargo bench --bench ablation                     # cow, armadillo, hand, bunny75k and a made-up torus; a minute
@@ -77,19 +78,119 @@ fn main() {
     summary(&all);
 }
 
-/// Prints times as multiples of the first system's: geometric means over the meshes.
+/// What an idea buys: the systems without and with it, and what the paper says of it. A name ends where `best` stands for the best
+/// instruction set of the machine.
+struct Idea {
+    what: &'static str,
+    without: &'static str,
+    with: &'static str,
+    paper: &'static str,
+}
+
+const IDEAS: [Idea; 12] = [
+    Idea {
+        what: "all ideas together, over a binary tree in scalar code",
+        without: "binary, scalar, early exit",
+        with: "1vs16, best",
+        paper: "8 to 13, growing with the mesh (V, figure 9)",
+    },
+    Idea {
+        what: "a binary tree in SIMD by hand, over the compiler's",
+        without: "binary, compiler for avx2",
+        with: "binary, by hand, avx2",
+        paper: "very similar times (V, figure 9)",
+    },
+    Idea {
+        what: "SIMD in 1vs16, over its scalar code",
+        without: "1vs16, scalar",
+        with: "1vs16, best",
+        paper: "about 2 (V, figure 11)",
+    },
+    Idea {
+        what: "SIMD in 4vs4, over its scalar code",
+        without: "4vs4, scalar",
+        with: "4vs4, best",
+        paper: "about 2 (V, figure 11)",
+    },
+    Idea {
+        what: "AVX-512 over AVX2, 1vs16",
+        without: "1vs16, avx2",
+        with: "1vs16, avx512",
+        paper: "2 (V, figure 10)",
+    },
+    Idea {
+        what: "4vs4 instead of 1vs16",
+        without: "1vs16, best",
+        with: "4vs4, best",
+        paper: "4vs4 performs best (V, figure 9)",
+    },
+    Idea {
+        what: "arity 16, over a binary tree by hand in AVX2 with the same keys",
+        without: "binary, by hand, avx2, keys",
+        with: "1vs16, avx2, this traversal, keys",
+        paper: "9.6 at most, by instructions of a compare (IV-C)",
+    },
+    Idea {
+        what: "planes in 16-bit keys, over halves that each test converts",
+        without: "1vs16, avx2, this traversal, paper's halves",
+        with: "1vs16, avx2, this traversal, keys",
+        paper: "halves: half the memory, converted without overhead (IV-C)",
+    },
+    Idea {
+        what: "planes in 16-bit keys, over floats",
+        without: "1vs16, avx2, this traversal, floats",
+        with: "1vs16, avx2, this traversal, keys",
+        paper: "none",
+    },
+    Idea {
+        what: "Batch Neural Gas, over the longest axis",
+        without: "1vs16, best, longest axis",
+        with: "1vs16, best, neural gas",
+        paper: "outperforms it significantly, more so with more branches (V, figure 6)",
+    },
+    Idea {
+        what: "Batch Neural Gas, over the extended longest axis",
+        without: "1vs16, best, extended longest axis",
+        with: "1vs16, best, neural gas",
+        paper: "outperforms it significantly (V, figure 6)",
+    },
+    Idea {
+        what: "mean width, over Batch Neural Gas",
+        without: "1vs16, best, neural gas",
+        with: "1vs16, best",
+        paper: "none",
+    },
+];
+
+/// Prints times as multiples of the first system's, and what each idea buys: geometric means over the meshes.
 fn summary(meshes: &[Vec<Timed>]) {
     let Some(first) = meshes.first() else { return };
-    println!("## Times as multiples of the first system's, geometric means of {} meshes\n", meshes.len());
-    println!("| system | {} |", DISTANCES.map(|(name, _)| name).join(" | "));
-    println!("|---|{}", "---|".repeat(DISTANCES.len()));
-    for (i, Timed { name, .. }) in first.iter().enumerate() {
+    let row = |first: &str, [over, under]: [usize; 2]| {
         let mean = |distance: usize| {
-            let ratio = |mesh: &Vec<Timed>| mesh[i].medians[distance] / mesh[0].medians[distance];
+            let ratio = |mesh: &Vec<Timed>| mesh[over].medians[distance] / mesh[under].medians[distance];
             (meshes.iter().map(|mesh| ratio(mesh).ln()).sum::<f64>() / meshes.len() as f64).exp()
         };
         let columns: PerDistance<String> = core::array::from_fn(|distance| format!("{:.2}", mean(distance)));
-        println!("| {name} | {} |", columns.join(" | "));
+        format!("| {first} | {} |", columns.join(" | "))
+    };
+    let distances = DISTANCES.map(|(name, _)| name).join(" | ");
+    let rules = "---|".repeat(DISTANCES.len());
+    println!("## Times as multiples of the first system's, geometric means of {} meshes\n", meshes.len());
+    println!("| system | {distances} |\n|---|{rules}");
+    for (i, Timed { name, .. }) in first.iter().enumerate() {
+        println!("{}", row(name, [i, 0]));
+    }
+    println!("\n## What each idea buys: time without it / with it, beside what the SIMDop paper says\n");
+    println!("| idea | {distances} | the paper |\n|---|{rules}---|");
+    for Idea { what, without, with, paper } in IDEAS {
+        let place = |name: &str| {
+            let name = name.replace("best", Isa::detect().name());
+            first.iter().position(|timed| timed.name == name)
+        };
+        match (place(without), place(with)) {
+            (Some(over), Some(under)) => println!("{} {paper} |", row(what, [over, under])),
+            _ => println!("| {what} | {}{paper} |", "not on this machine | ".repeat(DISTANCES.len())),
+        }
     }
 }
 

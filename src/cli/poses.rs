@@ -2,7 +2,7 @@
 
 use super::File;
 use super::error::{Error, Fault};
-use super::mesh::{lines, quote};
+use super::mesh::{check_last_line, lines, quote};
 use clap::Args;
 use simdop::pose::Pose;
 use std::path::Path;
@@ -44,7 +44,7 @@ fn single(option: &'static str, rows: Result<[[f64; 4]; 3], String>) -> Result<P
     Pose::from_rows(rows).map_err(|error| Error::Option { option, problem: error.to_string() })
 }
 
-/// One pose a line. Blank lines, and what follows a `#`, are passed over.
+/// One pose a line, each of which ends. Blank lines, and what follows a `#`, are passed over.
 fn read(path: &Path) -> Result<Vec<Pose>, Error> {
     let bytes = std::fs::read(path).map_err(Error::io(path))?;
     parse(&String::from_utf8_lossy(&bytes)).map_err(|fault| Error::content(path, fault))
@@ -59,6 +59,8 @@ fn parse(text: &str) -> Result<Vec<Pose>, Fault> {
             poses.push(Pose::from_rows(rows).map_err(|error| Fault::line(number, error.to_string()))?);
         }
     }
+    // A number that was cut is a number too.
+    check_last_line(text, 1)?;
     if poses.is_empty() { Err(Fault::file("there is no pose in the file")) } else { Ok(poses) }
 }
 
@@ -106,6 +108,8 @@ mod tests {
         assert_eq!(fault("1 2 3"), Fault::line(2, "3 numbers, 12 are needed: the rows of [R|t]"));
         assert_eq!(fault(&good.replacen('0', "nan", 1)).problem, "the pose has an entry that is not finite");
         assert!(fault(&good.replacen('1', "2", 1)).problem.starts_with("the pose is not rigid"));
+        let cut = "the last line does not end: if the file was not cut there, end it with a line break";
+        assert_eq!(parse(&format!("{good}\n{good}")), Err(Fault::line(2, cut)));
         assert_eq!(parse("# none\n"), Err(Fault::file("there is no pose in the file")));
     }
 

@@ -116,7 +116,7 @@ pub(crate) fn lines(text: &str) -> impl Iterator<Item = (usize, &str)> {
 }
 
 /// Refuses a text whose last line has no end, counted from a first line.
-fn check_last_line(text: &str, first_line: usize) -> Result<(), Fault> {
+pub(crate) fn check_last_line(text: &str, first_line: usize) -> Result<(), Fault> {
     if text.is_empty() || text.ends_with(['\n', '\r']) {
         return Ok(());
     }
