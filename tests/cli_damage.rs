@@ -81,6 +81,8 @@ fn kinds(folder: &Folder) -> Vec<Kind> {
         let arguments = ["build", "t.obj", "-o", to, "-k", "6", "-a", arity];
         assert_eq!(folder.fate(&arguments), (0, String::new()));
     }
+    let arguments = ["cover", "t.obj", "--error", "0.4", "-o", "cover"];
+    assert_eq!(folder.fate(&arguments), (0, String::new()));
     let tree = |name: &str| std::fs::read(folder.0.join(name)).unwrap();
     let mut kinds = Vec::new();
     let mut add = |name: &'static str, content: &[u8], arguments: &[&'static str], ends| {
@@ -98,6 +100,7 @@ fn kinds(folder: &Folder) -> Vec<Kind> {
     add("binary.stl", &stl_binary(), &["info", "binary.stl"], Ends::Last(0));
     add("cut16", &tree("t16"), &["collide", "cut16", "t.obj"], Ends::Last(0));
     add("cut4", &tree("t4"), &["collide", "t.obj", "cut4"], Ends::Last(0));
+    add("spheres", &tree("cover"), &["info", "spheres"], Ends::Last(0));
     add("cut.obj", obj.as_bytes(), &["info", "cut.obj"], Ends::Lines);
     add("cut.txt", spheres.as_bytes(), &["info", "cut.txt"], Ends::Lines);
     add("cut.xyz", b"0 0 0\n1 2 3\n0 4 -1\n", &["near", "cut.xyz", "-r", "1"], Ends::Lines);

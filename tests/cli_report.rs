@@ -146,6 +146,23 @@ fn the_csv_holds_every_setting_at_every_distance() {
         assert_eq!(*is_on_front, !costs.iter().any(|(other, _)| beats(other, cost)), "{cost:?}");
     }
     assert!((2..55).contains(&costs.iter().filter(|(_, is_on_front)| *is_on_front).count()));
+    let covers: Vec<&Record> = records.iter().filter(|record| record["kind"] == "cover").collect();
+    assert_eq!(covers.len(), 3 * DISTANCES.len());
+    for of_cover in covers.chunks_exact(DISTANCES.len()) {
+        let error = &of_cover[0]["cover_error"];
+        let made = folder.json(&["cover", "egg.obj", "--error", error, "-o", "egg.cover"]);
+        for (record, distance) in of_cover.iter().zip(DISTANCES) {
+            assert_eq!(record["distance"], distance);
+            for column in ["spheres", "bytes"] {
+                assert_eq!(number(record, column), made[column].as_f64().unwrap(), "{record:?}");
+            }
+            let exact = of_same(&trees, distance, "hits");
+            assert!((exact..=6.0).contains(&number(record, "hits")), "no hit is missed: {record:?}");
+        }
+        assert_eq!(number(of_cover[1], "hits"), 6.0, "what nearly touches is nearer than the error");
+    }
+    assert_eq!(number(covers[3], "hits"), 6.0, "5 % apart, within two errors of 5 %");
+    assert_eq!(number(covers[11], "hits"), 0.0, "5 % apart, beyond two errors of 1 %");
     let packings: Vec<&Record> = records.iter().filter(|record| record["kind"] == "packing").collect();
     assert_eq!(packings.len(), 2 * DISTANCES.len(), "of 10 and 20 spheres");
     let [ten, twenty] = [packings[0], packings[4]].map(|record| number(record, "volume_error"));
@@ -244,7 +261,7 @@ m,129,128,0 %,Another,1,70,5
             })
             .count()
     };
-    assert_eq!(tables.iter().map(rows).collect::<Vec<_>>(), [55, 2, 1]);
+    assert_eq!(tables.iter().map(rows).collect::<Vec<_>>(), [55, 3, 2, 1]);
     let plots: Vec<String> = elements()
         .filter(|element| element.attribute("width") == Some("2400"))
         .map(|plot| plot.descendants().filter_map(|node| node.text()).collect())

@@ -59,10 +59,10 @@ struct Report {
 }
 
 /// Spheres that hold a mesh, and their tree.
-struct Covered {
+pub(super) struct Covered {
     error: f64,
-    spheres: Vec<Sphere>,
-    tree: Bvh<Node16<18>, Spheres>,
+    pub(super) spheres: Vec<Sphere>,
+    pub(super) tree: Bvh<Node16<18>, Spheres>,
 }
 
 pub(super) fn run(options: &Options) -> Result<(), Error> {
@@ -97,7 +97,8 @@ pub(super) fn run(options: &Options) -> Result<(), Error> {
     output::say(Some(&options.output), |out| print(&report, options.json, out))
 }
 
-fn cover(name: &str, mesh: &MeshData, error: f64) -> Result<Covered, Error> {
+/// The cover of a mesh within an error, in its unit.
+pub(super) fn cover(name: &str, mesh: &MeshData, error: f64) -> Result<Covered, Error> {
     let mesh = Mesh { vertices: &mesh.vertices, triangles: &mesh.triangles };
     let spheres = mesh.cover(error).map_err(|error| Error::Cover { name: name.into(), error })?;
     let tree = Builder::balanced()

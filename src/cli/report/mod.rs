@@ -2,7 +2,7 @@
 //!
 //! * `setting`: which settings are compared; `approach`: at which poses.
 //! * `volumes`: **false positives** and **overestimates**, with their definitions; `clock`: times, in turns;
-//!   `packings`: the same of packings; `peers`: other libraries, from a file.
+//!   `packings`: the same of packings; `covers`: of spheres that cover the meshes; `peers`: other libraries, from a file.
 //! * `front`: the Pareto front and the recommendation; `results`: CSV, JSON and a digest of what repeats; `page`,
 //!   `tables` and `plot`: the page.
 //!
@@ -10,6 +10,7 @@
 
 mod approach;
 mod clock;
+mod covers;
 mod front;
 mod packings;
 mod page;
@@ -99,6 +100,7 @@ pub(super) fn run(options: &Options) -> Result<(), Error> {
     let built = build(&sweep.settings(), &named, options.json)?;
     let mut settings = measure(&built, &poses, options);
     drop(built);
+    let covers = covers::measure(&named, &poses, options.isa, options.json)?;
     let packings = packings::measure(&named, options.spheres as usize, &poses, options.isa, options.json)?;
 
     let cost = |one: &Measured| Cost {
@@ -119,6 +121,7 @@ pub(super) fn run(options: &Options) -> Result<(), Error> {
         budget,
         recommended: front::recommended(&costs, &budget),
         settings,
+        covers,
         packings,
         peers,
     };

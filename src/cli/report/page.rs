@@ -54,6 +54,7 @@ pub(super) fn html(results: &Results, digest: &str, command: &str) -> String {
     }
     packings(&mut page, results);
     tables::settings(&mut page, results);
+    tables::covers(&mut page, results);
     tables::packings(&mut page, results);
     tables::peers(&mut page, results);
     definitions(&mut page, results);
@@ -244,7 +245,7 @@ fn definitions(page: &mut String, results: &Results) {
          and bytes without being worse in another.</dd>\n\
          <dt>Recommended</dt><dd>Of the settings within the limits that are at most {like} % slower than the fastest of them, the one with \
          the fewest bytes. The options --error and --flash set the limits.</dd>\n\
-         <dt>Left out</dt><dd>Planes as f32 and bodies baked coarser than their mesh, which the library does not build.</dd>\n</dl>\n"
+         <dt>Left out</dt><dd>Planes as f32, which the library does not build.</dd>\n</dl>\n"
     );
 }
 

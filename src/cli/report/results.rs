@@ -1,6 +1,7 @@
 //! What was found out, as CSV, JSON and a digest of what repeats.
 
 use super::approach::{DISTANCES, PerDistance};
+use super::covers::CoveredBodies;
 use super::front::Budget;
 use super::packings::{Packed, Packings};
 use super::peers::Peer;
@@ -65,11 +66,12 @@ pub(super) struct Results {
     pub(super) settings: Vec<Measured>,
     /// Which of them.
     pub(super) recommended: Option<usize>,
+    pub(super) covers: Vec<CoveredBodies>,
     pub(super) packings: Packings,
     pub(super) peers: Vec<Peer>,
 }
 
-/// A line of the CSV file: a setting, a packing or a peer at a distance. What does not apply is empty.
+/// A line of the CSV file: a setting, a cover, a packing or a peer at a distance. What does not apply is empty.
 #[derive(Serialize, Default)]
 struct Line<'r> {
     kind: &'static str,
@@ -86,6 +88,7 @@ struct Line<'r> {
     bytes_per_triangle: Option<f64>,
     overestimate_mean: Option<f64>,
     overestimate_greatest: Option<f64>,
+    cover_error: Option<f64>,
     volume_error: Option<f64>,
     false_positives: Option<f64>,
     leaf_pairs: Option<f64>,
@@ -123,6 +126,23 @@ impl<'r> Line<'r> {
             median_us: Some(at.median_microseconds),
             p99_us: Some(at.p99_microseconds),
             is_on_front: Some(measured.is_on_front),
+            ..Self::default()
+        }
+    }
+
+    fn of_cover(covered: &CoveredBodies, distance: usize) -> Self {
+        let at = &covered.at[distance];
+        Self {
+            kind: "cover",
+            spheres: Some(covered.spheres),
+            distance: DISTANCES[distance],
+            hits: Some(at.hits),
+            bytes: Some(covered.bytes),
+            cover_error: Some(covered.error),
+            visits: Some(at.visits),
+            build_ms: Some(covered.build_milliseconds),
+            median_us: Some(at.median_microseconds),
+            p99_us: Some(at.p99_microseconds),
             ..Self::default()
         }
     }
@@ -170,9 +190,10 @@ impl Results {
         let distances = || 0..DISTANCES.len();
         let settings =
             self.settings.iter().flat_map(move |one| distances().map(|i| Line::of_setting(one, i)));
+        let covers = self.covers.iter().flat_map(move |one| distances().map(|i| Line::of_cover(one, i)));
         let packed = self.packed().iter().flat_map(move |one| distances().map(|i| Line::of_packing(one, i)));
         let peers = self.peers.iter().flat_map(move |one| distances().map(|i| Line::of_peer(one, i)));
-        settings.chain(packed).chain(peers)
+        settings.chain(covers).chain(packed).chain(peers)
     }
 
     pub(super) fn csv(&self) -> Vec<u8> {
@@ -243,6 +264,7 @@ impl Results {
                 recommendation: self.recommendation(),
                 recommended: self.recommended,
                 settings: &self.settings,
+                covers: &self.covers,
                 packings: self.packed(),
                 peers: &self.peers,
             };
@@ -272,6 +294,17 @@ impl Results {
                 one.setting
             )?;
         }
+        writeln!(
+            out,
+            "\n     us  bytes        cover within  1 % deep, 0 %, 1 %, 5 %: hits of {}",
+            self.poses
+        )?;
+        for cover in &self.covers {
+            let times = cover.at.iter().map(|at| at.median_microseconds.ln()).sum::<f64>();
+            let hits = cover.at.each_ref().map(|at| at.hits.to_string()).join(", ");
+            let (time, error) = (short((times / DISTANCES.len() as f64).exp()), short(cover.error));
+            writeln!(out, "{time:>7}  {:<11}  {error:<12}  {hits}", cover.bytes)?;
+        }
         writeln!(out, "\n{}", self.recommendation())?;
         writeln!(out, "digest {digest}")?;
         writeln!(out, "{}, {}", files[0].display(), files[1].display())?;
@@ -291,6 +324,7 @@ struct Report<'r> {
     /// Index of a setting.
     recommended: Option<usize>,
     settings: &'r [Measured],
+    covers: &'r [CoveredBodies],
     packings: &'r [Packed],
     peers: &'r [Peer],
 }

@@ -68,6 +68,32 @@ pub(super) fn settings(page: &mut String, results: &Results) {
     page.push_str("</tbody>\n</table>\n<p>★ recommended, ● on the Pareto front.</p>\n");
 }
 
+/// Each error a line.
+pub(super) fn covers(page: &mut String, results: &Results) {
+    page.push_str("<h2>Covers: bodies as coarse as a scene needs</h2>\n<p>Spheres that hold the mesh, none of whose points is farther from it than the error. \
+         That they are free says so of the mesh; that they meet says that the meshes are nearer than the errors of the two. \
+         <code>simdop cover MESH --error LENGTH -o TREE</code>.</p>\n\
+         <table>\n<thead>\n<tr><th>error<br/><small>mesh's unit</small></th><th>spheres</th><th>in all<br/><small>KiB</small></th><th>build<br/><small>ms</small></th>");
+    for distance in DISTANCES {
+        let _ = write!(
+            page,
+            "<th>{distance}<br/><small>hits</small></th><th>{distance}<br/><small>µs</small></th>"
+        );
+    }
+    page.push_str("</tr>\n</thead>\n<tbody>\n");
+    for one in &results.covers {
+        let [error, kibibytes, build] =
+            [one.error, one.bytes as f64 / 1024.0, one.build_milliseconds].map(short);
+        let _ =
+            write!(page, "<tr><td>{error}</td><td>{}</td><td>{kibibytes}</td><td>{build}</td>", one.spheres);
+        for at in &one.at {
+            let _ = write!(page, "<td>{}</td><td>{}</td>", at.hits, short(at.median_microseconds));
+        }
+        page.push_str("</tr>\n");
+    }
+    page.push_str("</tbody>\n</table>\n");
+}
+
 /// Each number of spheres a line.
 pub(super) fn packings(page: &mut String, results: &Results) {
     if results.packed().is_empty() {
