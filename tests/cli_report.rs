@@ -215,6 +215,17 @@ fn what_is_recommended_keeps_to_the_limits() {
     let (tight, sentence) = ask(&["--error", &error.to_string()]);
     assert!(tight.unwrap()["overestimate_greatest"].as_f64().unwrap() <= error);
     assert!(sentence.contains(&format!("stick out by at most {error}")), "{sentence}");
+    let cover = &report["covers"][1];
+    let (bytes, within) = (cover["bytes"].to_string(), cover["error"].to_string());
+    let spheres = format!(" take {bytes} bytes and ");
+    let (_, sentence) = ask(&["--error", &within]);
+    assert!(
+        sentence.contains("Spheres that cover the mesh within ") && sentence.contains(&spheres),
+        "{sentence}"
+    );
+    let (_, sentence) =
+        ask(&["--error", &within, "--flash", &(cover["bytes"].as_u64().unwrap() - 1).to_string()]);
+    assert!(!sentence.contains("Spheres"), "{sentence}");
     let (none, sentence) = ask(&["--flash", "100", "--error", "0.5"]);
     assert_eq!(none, None);
     let smallest = format!("there is no setting: the smallest takes {} bytes", least("bytes"));

@@ -39,6 +39,14 @@ pub(super) struct CoveredAt {
     pub(super) p99_microseconds: f64,
 }
 
+impl CoveredBodies {
+    /// Of the medians at the distances, in microseconds.
+    pub(super) fn geometric_mean_microseconds(&self) -> f64 {
+        let logarithms = self.at.iter().map(|at| at.median_microseconds.ln()).sum::<f64>();
+        (logarithms / DISTANCES.len() as f64).exp()
+    }
+}
+
 /// Of all [`ERRORS`], the coarsest first, at these poses.
 pub(super) fn measure(
     meshes: &[(&str, &MeshData)],

@@ -213,8 +213,26 @@ impl Results {
         format!("{:016x}", bytes.iter().fold(0xcbf2_9ce4_8422_2325, step))
     }
 
-    /// One sentence.
+    /// A sentence, and one more of covers where there is a limit on error that one keeps to.
     pub(super) fn recommendation(&self) -> String {
+        let exact = self.recommended_setting();
+        let Some(most) = self.budget.error else { return exact };
+        let fits = |cover: &&CoveredBodies| {
+            cover.error <= most && self.budget.flash.is_none_or(|flash| cover.bytes as u64 <= flash)
+        };
+        let Some(cover) = self.covers.iter().filter(fits).min_by_key(|cover| cover.bytes) else {
+            return exact;
+        };
+        format!(
+            "{exact} Spheres that cover the mesh within {} take {} bytes and {} µs: they are free only where it is, and what they hit is nearer than {}.",
+            short(cover.error),
+            cover.bytes,
+            short(cover.geometric_mean_microseconds()),
+            short(2.0 * cover.error),
+        )
+    }
+
+    fn recommended_setting(&self) -> String {
         let budget = match (self.budget.error, self.budget.flash) {
             (None, None) => "Without a limit on error or flash".to_owned(),
             (Some(error), None) => format!("For volumes that stick out by at most {error}"),
@@ -300,9 +318,8 @@ impl Results {
             self.poses
         )?;
         for cover in &self.covers {
-            let times = cover.at.iter().map(|at| at.median_microseconds.ln()).sum::<f64>();
             let hits = cover.at.each_ref().map(|at| at.hits.to_string()).join(", ");
-            let (time, error) = (short((times / DISTANCES.len() as f64).exp()), short(cover.error));
+            let (time, error) = (short(cover.geometric_mean_microseconds()), short(cover.error));
             writeln!(out, "{time:>7}  {:<11}  {error:<12}  {hits}", cover.bytes)?;
         }
         writeln!(out, "\n{}", self.recommendation())?;
