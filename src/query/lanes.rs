@@ -27,6 +27,9 @@ pub trait Lanes: Dop {
     type PlaneRows: Copy + core::fmt::Debug;
     #[doc(hidden)]
     const NO_TURNED: Self::Turned;
+    /// To be overwritten: zeros, which take no copy.
+    #[doc(hidden)]
+    const UNTURNED: Self::Turned;
     #[doc(hidden)]
     const NO_PLANES: Self::Planes;
     #[doc(hidden)]
@@ -134,6 +137,7 @@ macro_rules! impl_lanes {
             const NO_PLANES: Self::Planes = [0.0; K];
             const NO_PLANE_ROWS: Self::PlaneRows = [[0.0; $arity]; K];
             const NO_TURNED: Self::Turned = [[SEPARATED; $arity]; K];
+            const UNTURNED: Self::Turned = [[0; $arity]; K];
 
             #[inline(always)]
             fn map(pose: &Pose, a: &Extent, b: &Frame) -> Self::Map {

@@ -101,7 +101,6 @@ where
         counters: &'t mut Counters,
         visit: Visitor<'t>,
     ) -> Self {
-        let none = (Child::EMPTY, N::NO_TURNED);
         Self {
             kernel,
             a,
@@ -112,7 +111,7 @@ where
             margin,
             counters,
             visit,
-            turned: none,
+            turned: (Child::EMPTY, N::UNTURNED),
             aimed: None,
             cutter: None,
             thin: Thin::default(),
