@@ -91,12 +91,12 @@ where
         if self.cutter.is_none_or(|(last, _)| last != cutter) {
             let slabs = match cutter {
                 Cutter::A(index) => self.slabs::<P, Q>(
-                    self.placing.item_a(&self.a, index),
+                    self.placing.item_a(self.a, index),
                     self.placing.turned == Side::A,
                     &self.b.extent(),
                 ),
                 Cutter::B(index) => self.slabs::<Q, P>(
-                    self.placing.item_b(&self.b, index),
+                    self.placing.item_b(self.b, index),
                     self.placing.turned == Side::B,
                     &self.a.extent(),
                 ),

@@ -60,7 +60,7 @@ where
     #[inline(always)]
     fn decide_a(&mut self, one: Child, leaves: &Leaves) -> Flow {
         let (kernel, margin, a, b, placing) =
-            (self.kernel, self.margin.value(), &self.a, &self.b, self.placing);
+            (self.kernel, self.margin.value(), self.a, self.b, self.placing);
         for i in primitives(one.link()) {
             let item = placing.item_a(a, i);
             // Closures that are not said to be inlined were calls, out of the gate.
@@ -83,7 +83,7 @@ where
     #[inline(always)]
     fn decide_b(&mut self, one: Child, leaves: &Leaves) -> Flow {
         let (kernel, margin, a, b, placing) =
-            (self.kernel, self.margin.value(), &self.a, &self.b, self.placing);
+            (self.kernel, self.margin.value(), self.a, self.b, self.placing);
         for j in primitives(one.link()) {
             let item = placing.item_b(b, j);
             decide_one::<Q, P, E>(

@@ -281,6 +281,8 @@ impl Query {
 
     /// The first pair of primitives at most `margin` apart: that of the hint, or the first that the traversal
     /// finds.
+    // Counters are counted where they are answered: as a copy they would have to wait for their stores.
+    #[inline(always)]
     fn first_pair<N: Lanes, P: Pairwise<Q>, Q: Pairwise<P>>(
         &self,
         a: &BvhRef<'_, N, P>,
@@ -288,10 +290,11 @@ impl Query {
         pose: &Pose,
         margin: impl Margin,
     ) -> Answer {
-        let mut work = Counters::default();
+        let mut answer = Answer { verdict: Verdict::Free, counters: Counters::default(), hint: self.hint };
         if are_apart(pose, &a.extent(), &b.extent(), margin.value()) {
-            return Answer { verdict: Verdict::Free, counters: work, hint: self.hint };
+            return answer;
         }
+        let work = &mut answer.counters;
         let mut hit = self.hint.pair(a.len(), b.len()).filter(|&Found { a: i, b: j }| {
             work.primitive_pairs += 1;
             let moved = P::moved(&a.primitive(i), pose);
@@ -304,17 +307,18 @@ impl Query {
         });
         let mut stop = None;
         if hit.is_none() {
-            stop = self.run((a, b), pose, margin, &mut work, &mut |found| {
+            stop = self.run((a, b), pose, margin, &mut answer.counters, &mut |found| {
                 hit = Some(found);
                 ControlFlow::Break(())
             });
         }
-        let verdict = match (hit, stop) {
-            (Some(found), _) => Verdict::Hit(found.pair(a, b)),
-            (None, Some(Stop::Budget { upper })) => Verdict::Unknown { lower: 0.0, upper },
-            (None, _) => Verdict::Free,
-        };
-        Answer { verdict, counters: work, hint: hit.map_or(self.hint, Hint::new) }
+        if let Some(found) = hit {
+            answer.verdict = Verdict::Hit(found.pair(a, b));
+            answer.hint = Hint::new(found);
+        } else if let Some(Stop::Budget { upper }) = stop {
+            answer.verdict = Verdict::Unknown { lower: 0.0, upper };
+        }
+        answer
     }
 
     /// Calls `visit` with every pair of primitives that meet, each once, until it breaks. A hint is not heeded. Of bodies

@@ -59,8 +59,8 @@ pub(super) struct Limits<M> {
 /// One query under way.
 pub(crate) struct Traversal<'t, N: Lanes, P: Primitive, Q: Primitive, E, M> {
     pub(super) kernel: E,
-    pub(super) a: BvhRef<'t, N, P>,
-    pub(super) b: BvhRef<'t, N, Q>,
+    pub(super) a: &'t BvhRef<'t, N, P>,
+    pub(super) b: &'t BvhRef<'t, N, Q>,
     pub(super) placing: &'t Placing<'t>,
     map: &'t N::Map,
     budget: u64,
@@ -94,7 +94,7 @@ where
     #[inline(always)]
     pub(super) fn new(
         kernel: E,
-        (a, b): (BvhRef<'t, N, P>, BvhRef<'t, N, Q>),
+        (a, b): (&'t BvhRef<'t, N, P>, &'t BvhRef<'t, N, Q>),
         placing: &'t Placing<'t>,
         map: &'t N::Map,
         Limits { budget, margin }: Limits<M>,
@@ -283,7 +283,7 @@ where
     fn aim(&mut self, a: Child) {
         let (body, aimed) = self.aimed.get_or_insert((Child::EMPTY, N::NO_TURNED));
         if *body != a {
-            let (tree, pose) = (&self.a, self.placing.to_b);
+            let (tree, pose) = (self.a, self.placing.to_b);
             let items = primitives(a.link()).map(|index| P::moved(&tree.primitive(index), pose));
             N::aim::<P>(aimed, &self.b.frame(), items, self.placing.outwards);
             *body = a;
@@ -303,8 +303,8 @@ where
     /// The distance of some corner below `a` from some corner below `b`, rounded up.
     #[cold]
     fn corner_distance(&self, a: Child, b: Child) -> f64 {
-        let p = self.placing.item_a(&self.a, first_primitive(&self.a, a.link()));
-        let q = self.placing.item_b(&self.b, first_primitive(&self.b, b.link()));
+        let p = self.placing.item_a(self.a, first_primitive(self.a, a.link()));
+        let q = self.placing.item_b(self.b, first_primitive(self.b, b.link()));
         let corner = |p: Option<Point>| p.map_or(glam::DVec3::ZERO, glam::DVec3::from_array);
         let d = corner(P::corners(&p).next()).distance(corner(Q::corners(&q).next()));
         d * (1.0 + 8.0 * f64::EPSILON)

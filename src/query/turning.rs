@@ -69,7 +69,7 @@ impl Query {
                     N::widen(&mut map, &b.frame(), outwards);
                 }
                 let limits = Limits { budget: self.budget, margin };
-                Traversal::new(kernel, (*a, *b), placing, &map, limits, counters, visit).run().break_value()
+                Traversal::new(kernel, (a, b), placing, &map, limits, counters, visit).run().break_value()
             },
         )
     }
