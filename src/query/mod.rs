@@ -290,10 +290,10 @@ impl Query {
         pose: &Pose,
         margin: impl Margin,
     ) -> Answer {
-        let mut answer = Answer { verdict: Verdict::Free, counters: Counters::default(), hint: self.hint };
         if are_apart(pose, &a.extent(), &b.extent(), margin.value()) {
-            return answer;
+            return Answer { verdict: Verdict::Free, counters: Counters::default(), hint: self.hint };
         }
+        let mut answer = Answer { verdict: Verdict::Free, counters: Counters::default(), hint: self.hint };
         let work = &mut answer.counters;
         let mut hit = self.hint.pair(a.len(), b.len()).filter(|&Found { a: i, b: j }| {
             work.primitive_pairs += 1;
