@@ -78,7 +78,7 @@ fn main() {
     summary(&all);
 }
 
-/// What an idea buys: the systems without and with it, and what the paper says of it. A name ends where `best` stands for the best
+/// What an idea buys: the systems without and with it, and what the paper says of it. In their names `best` stands for the best
 /// instruction set of the machine.
 struct Idea {
     what: &'static str,

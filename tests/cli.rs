@@ -2,10 +2,13 @@
 //! meshes.
 
 #![cfg(feature = "cli")]
+#[path = "support/files.rs"]
+mod files;
 #[path = "support/folder.rs"]
 mod folder;
 mod support;
 
+use files::{lines, obj, off, ply_ascii, ply_binary, stl_ascii, stl_binary, tetrahedron};
 use folder::Folder;
 use serde_json::Value;
 use std::path::PathBuf;
@@ -13,14 +16,6 @@ use std::process::{Command, Output, Stdio};
 use support::data::{MeshData, directory, suite_step};
 use support::exact::meeting_pairs;
 use support::rng::Rng;
-
-/// A tetrahedron: the origin and the unit vectors.
-fn tetrahedron() -> MeshData {
-    MeshData {
-        vertices: vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
-        triangles: vec![[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]],
-    }
-}
 
 /// Triangles strewn over a cube of side 2, far from empty and far from a solid.
 fn strewn(seed: u64, count: u32) -> MeshData {
@@ -34,70 +29,6 @@ fn strewn(seed: u64, count: u32) -> MeshData {
         mesh.triangles.push([3 * i, 3 * i + 1, 3 * i + 2]);
     }
     mesh
-}
-
-fn lines<T>(items: &[T], line: impl Fn(&T) -> String) -> String {
-    items.iter().map(|item| line(item) + "\n").collect()
-}
-
-fn xyz(p: &[f64; 3]) -> String {
-    format!("{:?} {:?} {:?}", p[0], p[1], p[2])
-}
-
-fn obj(mesh: &MeshData) -> String {
-    lines(&mesh.vertices, |p| format!("v {}", xyz(p)))
-        + &lines(&mesh.triangles, |t| format!("f {}/7 {}//2 {}", t[0] + 1, t[1] + 1, t[2] + 1))
-}
-
-fn off(mesh: &MeshData) -> String {
-    format!("OFF\n{} {} 0\n", mesh.vertices.len(), mesh.triangles.len())
-        + &lines(&mesh.vertices, xyz)
-        + &lines(&mesh.triangles, |t| format!("3 {} {} {}", t[0], t[1], t[2]))
-}
-
-fn ply_head(mesh: &MeshData, format: &str) -> String {
-    let (vertices, faces) = (mesh.vertices.len(), mesh.triangles.len());
-    format!(
-        "ply\nformat {format} 1.0\nelement vertex {vertices}\nproperty double x\nproperty double y\nproperty double z\nelement face {faces}\nproperty list uchar int vertex_indices\nend_header\n"
-    )
-}
-
-fn ply_ascii(mesh: &MeshData) -> String {
-    ply_head(mesh, "ascii")
-        + &lines(&mesh.vertices, xyz)
-        + &lines(&mesh.triangles, |t| format!("3 {} {} {}", t[0], t[1], t[2]))
-}
-
-fn ply_binary(mesh: &MeshData, big: bool) -> Vec<u8> {
-    let format = if big { "binary_big_endian" } else { "binary_little_endian" };
-    let mut bytes = ply_head(mesh, format).into_bytes();
-    let coordinates = mesh.vertices.iter().flatten();
-    bytes.extend(coordinates.flat_map(|x| if big { x.to_be_bytes() } else { x.to_le_bytes() }));
-    for triangle in &mesh.triangles {
-        bytes.push(3);
-        bytes.extend(triangle.iter().flat_map(|i| if big { i.to_be_bytes() } else { i.to_le_bytes() }));
-    }
-    bytes
-}
-
-fn stl_ascii(mesh: &MeshData) -> String {
-    let facet = |t: &[[f64; 3]; 3]| {
-        let corners = lines(t, |p| format!("vertex {}", xyz(p)));
-        format!("facet normal 0 0 0\nouter loop\n{corners}endloop\nendfacet")
-    };
-    format!("solid strewn\n{}endsolid strewn\n", lines(&mesh.corners(), facet))
-}
-
-/// Coordinates are rounded to `f32`.
-fn stl_binary(mesh: &MeshData) -> Vec<u8> {
-    let mut bytes = vec![b' '; 80];
-    bytes.extend((mesh.triangles.len() as u32).to_le_bytes());
-    for triangle in mesh.corners() {
-        bytes.extend([0; 12]);
-        bytes.extend(triangle.iter().flatten().flat_map(|x| (*x as f32).to_le_bytes()));
-        bytes.extend([0; 2]);
-    }
-    bytes
 }
 
 const IDENTITY: [[f64; 4]; 3] = [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0]];

@@ -2,10 +2,13 @@
 //! file says, everything else is an error that names the file, and what was there before stays.
 
 #![cfg(feature = "cli")]
+#[path = "support/files.rs"]
+mod files;
 #[path = "support/folder.rs"]
 mod folder;
 mod support;
 
+use files::{obj, off, ply_ascii, ply_binary, stl_ascii, stl_binary, tetrahedron};
 use folder::Folder;
 use std::collections::BTreeMap;
 use std::process::Output;
@@ -30,52 +33,11 @@ struct Kind {
     ends: Ends,
 }
 
-const CORNERS: [[u8; 3]; 4] = [[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]];
-const FACES: [[u8; 3]; 4] = [[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]];
-
-fn text(rows: &[[u8; 3]], first: &str) -> String {
-    rows.iter().map(|[x, y, z]| format!("{first}{x} {y} {z}\n")).collect()
-}
-
-fn ply(format: &str) -> String {
-    format!(
-        "ply\nformat {format} 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\nelement face 4\nproperty list uchar int vertex_indices\nend_header\n"
-    )
-}
-
-fn floats(rows: &[[u8; 3]], big: bool) -> Vec<u8> {
-    let bytes = |x: f32| if big { x.to_be_bytes() } else { x.to_le_bytes() };
-    rows.iter().flatten().flat_map(|x| bytes(f32::from(*x))).collect()
-}
-
-fn ply_binary(format: &str, big: bool) -> Vec<u8> {
-    let index = |i: u8| if big { i32::from(i).to_be_bytes() } else { i32::from(i).to_le_bytes() };
-    let faces =
-        FACES.iter().flat_map(|face| [vec![3], face.iter().flat_map(|i| index(*i)).collect()].concat());
-    [ply(format).into_bytes(), floats(&CORNERS, big), faces.collect()].concat()
-}
-
-fn corners() -> impl Iterator<Item = [[u8; 3]; 3]> {
-    FACES.iter().map(|face| face.map(|i| CORNERS[usize::from(i)]))
-}
-
-fn stl_binary() -> Vec<u8> {
-    let facet = |t: [[u8; 3]; 3]| [vec![0; 12], floats(&t, false), vec![0; 2]].concat();
-    [vec![b' '; 80], vec![4, 0, 0, 0], corners().flat_map(facet).collect()].concat()
-}
-
-fn stl_ascii() -> String {
-    let facet = |t: [[u8; 3]; 3]| {
-        format!("facet normal 0 0 0\nouter loop\n{}endloop\nendfacet\n", text(&t, "vertex "))
-    };
-    format!("solid t\n{}endsolid t\n", corners().map(facet).collect::<String>())
-}
-
 /// All kinds of files that the command reads, in a folder that has what they need besides.
 fn kinds(folder: &Folder) -> Vec<Kind> {
-    let obj = text(&CORNERS, "v ") + "f 1 3 2\nf 1 2 4\nf 2 3 4\nf 3 1 4\n";
+    let mesh = tetrahedron();
     let spheres = "0 0 0 1\n4 0 0 0.5\n0 4.5 0 1.25\n";
-    folder.write("t.obj", &obj);
+    folder.write("t.obj", obj(&mesh));
     folder.write("arm.urdf", include_str!("../src/cli/robot/arm.urdf"));
     for (to, arity) in [("t16", "16"), ("t4", "4")] {
         let arguments = ["build", "t.obj", "-o", to, "-k", "6", "-a", arity];
@@ -88,25 +50,21 @@ fn kinds(folder: &Folder) -> Vec<Kind> {
     let mut add = |name: &'static str, content: &[u8], arguments: &[&'static str], ends| {
         kinds.push(Kind { name, content: content.to_vec(), arguments: arguments.to_vec(), ends });
     };
-    let indices = text(&FACES, "3 ");
-    let off = format!("OFF\n4 4 0\n{}{indices}", text(&CORNERS, ""));
-    let ply_ascii = format!("{}{}{indices}", ply("ascii"), text(&CORNERS, ""));
     // The last line of text may lack its end only where the file says how many lines there are.
-    add("cut.off", off.as_bytes(), &["info", "cut.off"], Ends::Last(0));
-    add("cut.ply", ply_ascii.as_bytes(), &["info", "cut.ply"], Ends::Last(0));
-    add("little.ply", &ply_binary("binary_little_endian", false), &["info", "little.ply"], Ends::Last(0));
-    add("big.ply", &ply_binary("binary_big_endian", true), &["info", "big.ply"], Ends::Last(0));
-    add("cut.stl", stl_ascii().as_bytes(), &["info", "cut.stl"], Ends::Last(3));
-    add("binary.stl", &stl_binary(), &["info", "binary.stl"], Ends::Last(0));
+    add("cut.off", off(&mesh).as_bytes(), &["info", "cut.off"], Ends::Last(0));
+    add("cut.ply", ply_ascii(&mesh).as_bytes(), &["info", "cut.ply"], Ends::Last(0));
+    add("little.ply", &ply_binary(&mesh, false), &["info", "little.ply"], Ends::Last(0));
+    add("big.ply", &ply_binary(&mesh, true), &["info", "big.ply"], Ends::Last(0));
+    // What follows `endsolid` is a name.
+    add("cut.stl", stl_ascii(&mesh).as_bytes(), &["info", "cut.stl"], Ends::Last(" strewn\n".len()));
+    add("binary.stl", &stl_binary(&mesh), &["info", "binary.stl"], Ends::Last(0));
     add("cut16", &tree("t16"), &["collide", "cut16", "t.obj"], Ends::Last(0));
     add("cut4", &tree("t4"), &["collide", "t.obj", "cut4"], Ends::Last(0));
     add("spheres", &tree("cover"), &["info", "spheres"], Ends::Last(0));
-    add("cut.obj", obj.as_bytes(), &["info", "cut.obj"], Ends::Lines);
+    add("cut.obj", obj(&mesh).as_bytes(), &["info", "cut.obj"], Ends::Lines);
     add("cut.txt", spheres.as_bytes(), &["info", "cut.txt"], Ends::Lines);
     add("cut.xyz", b"0 0 0\n1 2 3\n0 4 -1\n", &["near", "cut.xyz", "-r", "1"], Ends::Lines);
-    let cloud = ply_ascii
-        .replace("element face 4\nproperty list uchar int vertex_indices\n", "")
-        .replace(&indices, "");
+    let cloud = "ply\nformat ascii 1.0\nelement vertex 2\nproperty float x\nproperty float y\nproperty float z\nend_header\n0 0 0\n1 2 3\n";
     add("cloud.ply", cloud.as_bytes(), &["near", "cloud.ply", "-r", "1"], Ends::Last(0));
     let poses = "1 0 0 0.5  0 1 0 0  0 0 1 0\n0 -1 0 2 1 0 0 0 0 0 1 0.25\n";
     add("poses", poses.as_bytes(), &["collide", "t.obj", "t.obj", "--poses", "poses"], Ends::Lines);

@@ -9,7 +9,7 @@ use libfuzzer_sys::fuzz_target;
 use simdop::isa::Isa;
 use simdop::pose::Pose;
 use simdop::query::{Answer, Completion, Distance, Lanes, Query, Verdict};
-use simdop_fuzz::bodies::{Body, bodies, corner_pose, pose, small_body, unlike_body};
+use simdop_fuzz::bodies::{Body, with_pair};
 use simdop_fuzz::{Input, Mode, for_node};
 use support::exact_distance::{exact_distance, mesh_distance};
 
@@ -20,18 +20,7 @@ fuzz_target!(|data: &[u8]| {
 });
 
 fn check<N: Lanes>(input: &mut Input, mode: Mode) {
-    if mode == Mode::Real && input.one_in(2) {
-        let (a, b) = (unlike_body::<N>(input), unlike_body::<N>(input));
-        return compare(a, b, &corner_pose(input, a, b), input);
-    }
-    if mode == Mode::Real {
-        let bodies = &bodies::<N>().0;
-        return compare(input.pick(bodies), input.pick(bodies), &pose(input, mode), input);
-    }
-    let (a, b) = (small_body::<N>(input, mode), small_body::<N>(input, mode));
-    if let (Some(a), Some(b)) = (a, b) {
-        compare(&a, &b, &pose(input, mode), input);
-    }
+    with_pair::<N>(input, mode, compare);
 }
 
 /// What the oracle and the library's own sums of squares round, relatively.

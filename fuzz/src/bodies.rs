@@ -27,6 +27,27 @@ impl<N: Dop> Body<N> {
     }
 }
 
+/// Hands over two bodies and a pose: of [`Mode::Real`] every second time bodies of unlike size; of the others small ones, unless one
+/// is refused.
+pub fn with_pair<N: Dop>(
+    input: &mut Input,
+    mode: Mode,
+    compare: impl FnOnce(&Body<N>, &Body<N>, &Pose, &mut Input),
+) {
+    if mode == Mode::Real && input.one_in(2) {
+        let (a, b) = (unlike_body::<N>(input), unlike_body::<N>(input));
+        return compare(a, b, &corner_pose(input, a, b), input);
+    }
+    if mode == Mode::Real {
+        let bodies = &bodies::<N>().0;
+        return compare(input.pick(bodies), input.pick(bodies), &pose(input, mode), input);
+    }
+    let (a, b) = (small_body::<N>(input, mode), small_body::<N>(input, mode));
+    if let (Some(a), Some(b)) = (a, b) {
+        compare(&a, &b, &pose(input, mode), input);
+    }
+}
+
 /// How large bodies of unlike size are, and how many of their diagonals from the origin.
 const FACTORS: [f64; 7] = [1.0, 1e-2, 1e-4, 1e-6, 1e-8, 1e-10, 1e-12];
 const OFFSETS: [f64; 4] = [0.0, 1e3, 1e6, 1e9];

@@ -1,5 +1,6 @@
 //! Times of several entrants at the same poses, in one run.
 
+use super::approach::PerDistance;
 use indicatif::ProgressBar;
 use std::time::{Duration, Instant};
 
@@ -18,6 +19,11 @@ const LEAST: Duration = Duration::from_nanos(10);
 pub(super) struct Times {
     pub(super) median: f64,
     pub(super) p99: f64,
+}
+
+/// Of the medians at the distances.
+pub(super) fn geometric_mean(medians: PerDistance<f64>) -> f64 {
+    (medians.iter().map(|median| median.ln()).sum::<f64>() / medians.len() as f64).exp()
 }
 
 /// Times `ask(entrant, pose)`. The bar has [`ROUNDS`] steps.

@@ -42,8 +42,7 @@ pub(super) struct CoveredAt {
 impl CoveredBodies {
     /// Of the medians at the distances, in microseconds.
     pub(super) fn geometric_mean_microseconds(&self) -> f64 {
-        let logarithms = self.at.iter().map(|at| at.median_microseconds.ln()).sum::<f64>();
-        (logarithms / DISTANCES.len() as f64).exp()
+        clock::geometric_mean(self.at.map(|at| at.median_microseconds))
     }
 }
 

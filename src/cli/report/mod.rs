@@ -261,8 +261,7 @@ fn measure(built: &[Built], poses: &PerDistance<Vec<Pose>>, options: &Options) -
         }
     }
     for one in &mut settings {
-        let logarithms = one.at.iter().map(|at| at.median_microseconds.ln()).sum::<f64>();
-        one.geometric_mean_microseconds = (logarithms / DISTANCES.len() as f64).exp();
+        one.geometric_mean_microseconds = clock::geometric_mean(one.at.map(|at| at.median_microseconds));
     }
     settings
 }
