@@ -72,10 +72,15 @@ impl Layout {
         if !Store::<P>::takes_vertices_of(vertex_size) {
             return Err(BakeError::Header { field: "vertex_size" });
         }
+        // Here, since balls that other nodes cannot have need not be aligned.
+        let has_balls = u16_at(bytes, offset_of!(Header, has_balls));
+        if has_balls > 1 || has_balls == 1 && !(P::HAS_BALLS && N::ARITY == 16) {
+            return Err(BakeError::Header { field: "has_balls" });
+        }
         let layout = attempt!(Self::of_counts::<N, P>(
             u32_at(bytes, offset_of!(Header, node_count)),
             u16_at(bytes, offset_of!(Header, has_thin_slabs)),
-            u16_at(bytes, offset_of!(Header, has_balls)),
+            has_balls,
             u32_at(bytes, offset_of!(Header, vertex_count)),
             vertex_size,
             u32_at(bytes, offset_of!(Header, primitive_count)),

@@ -66,7 +66,6 @@ impl<N: Dop, P: Primitive> BvhRef<'_, N, P> {
             ("looseness", h.looseness >= 0.0 && h.looseness.is_finite()),
             ("root", h.root == Header::root_of(h.half_width)),
             ("has_thin_slabs", h.has_thin_slabs <= 1),
-            ("has_balls", h.has_balls == 0 || h.has_balls == 1 && P::HAS_BALLS && N::ARITY == 16),
             ("is_solid", h.is_solid == 0 || h.is_solid == 1 && P::BOUNDS_SOLIDS),
             (
                 "part_count",

@@ -5,6 +5,7 @@ use crate::aligned;
 use crate::lens::lens;
 use crate::support::dyadic::{Dyadic, dot};
 use crate::support::rng::Rng;
+use crate::support::shapes;
 use core::mem::offset_of;
 use core::ops::ControlFlow;
 use simdop::construct::{Builder, Magnification, SphereSet, Splitter};
@@ -12,7 +13,7 @@ use simdop::hierarchy::{BakeError, Bvh, BvhRef, Header};
 use simdop::isa::Scalar;
 use simdop::kernel::Kernel;
 use simdop::node::{Ball16, BoundingBall, Child, Link, Node4, Node16};
-use simdop::primitive::{Sphere, Spheres};
+use simdop::primitive::{Primitive, Sphere, Spheres};
 use simdop::query::Lanes;
 use std::f64::consts::PI;
 
@@ -182,6 +183,23 @@ fn what_is_wrong_with_balls_is_said() {
     assert_eq!(refused, Some(BakeError::Header { field: "has_balls" }));
     let (refused, _) = changed(&tree, |bytes| bytes[flag] = 0);
     assert!(matches!(refused, Some(BakeError::TooLong { .. })));
+}
+
+/// The flag is refused before anything is looked for behind it: balls of other nodes would not be aligned.
+#[test]
+fn trees_that_have_no_balls_cannot_say_so() {
+    fn flagged<N: Lanes, P: Primitive>(tree: &Bvh<N, P>) -> Option<BakeError> {
+        let mut lines = aligned(tree.as_bytes());
+        let bytes: &mut [u8] = bytemuck::cast_slice_mut(&mut lines);
+        bytes[offset_of!(Header, has_balls)] = 1;
+        BvhRef::<N, P>::from_bytes(&bytes[..tree.as_bytes().len()]).err()
+    }
+    let want = Some(BakeError::Header { field: "has_balls" });
+    let spheres = spheres(&mut Rng::new(4), 100, 1.0, 0.0);
+    assert_eq!(flagged(&build::<Node4<6>>(&spheres, Builder::new())), want);
+    let mesh = shapes::torus(5, 3);
+    assert_eq!(flagged(&crate::build::<Node4<18>>(&mesh)), want);
+    assert_eq!(flagged(&crate::build::<Node16<18>>(&mesh)), want);
 }
 
 /// Balls of any sizes, and of sizes a thousand times apart where the smaller one just leaves the larger: there the lens
