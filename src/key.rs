@@ -117,6 +117,13 @@ impl Key {
         if code >= Self::LOWEST.0 && code <= Self::GREATEST.0 { Some(Self(code)) } else { None }
     }
 
+    /// The key with this code: that of a plane of a body, or of [`Key::INFINITY`].
+    #[inline(always)]
+    #[must_use]
+    pub(crate) const fn bounded(code: i16) -> Self {
+        Self(code)
+    }
+
     /// The stored 16 bits.
     #[inline]
     #[must_use]

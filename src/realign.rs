@@ -37,11 +37,13 @@
 
 mod back;
 mod ball;
+mod on_lattice;
 mod own_slab;
 mod ray;
 
 pub use back::WayBack;
 pub(crate) use ball::BallMap;
+pub(crate) use on_lattice::planes_on_lattice;
 pub use own_slab::{OwnSlab, OwnSlabs, own_slabs};
 pub(crate) use ray::Ray;
 

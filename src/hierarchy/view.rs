@@ -165,6 +165,12 @@ impl<'a, N: Node, P: Primitive> BvhRef<'a, N, P> {
         P::item(&self.store, index)
     }
 
+    /// What the primitives are read from.
+    #[inline(always)]
+    pub(crate) const fn store(&self) -> &Store<'a, P> {
+        &self.store
+    }
+
     /// The index that the primitive at `index` in leaf order had in what was built.
     ///
     /// # Panics

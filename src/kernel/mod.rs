@@ -126,24 +126,33 @@ pub trait Kernel: Copy + core::fmt::Debug + sealed::Sealed {
     /// If a source of the map is not below `K`, which those of [`Realignment::new`] are.
     fn realign_16<const K: usize>(self, map: &Realignment<K>, node: &Node16<K>, query: &mut Turned<16, K>);
 
-    /// Whether [`Kernel::realign_16_over_hull`] is worth its code: it ends early.
+    /// Whether the machine may have no `f64`, so that triangles are first tested on a lattice of integers.
+    const ON_LATTICE: bool = false;
+
+    /// Whether [`Kernel::realign_16_over`] is worth its code: it turns no more than it has to.
     const TURNS_BY_PLANES: bool = false;
 
-    /// [`Kernel::realign_16`] of `a`, and [`Kernel::overlap_16v_hull`] of `b` with its result. Where no body overlaps the
-    /// hull, `query` may hold anything.
+    /// [`Kernel::realign_16`] of `a`, and [`Kernel::overlap_16v1`] of its result and child `lane` of `b`, or without a lane
+    /// [`Kernel::overlap_16v_hull`]. Of the bodies in `whole`, `query` has the planes already. Those that overlap are added to
+    /// them; of the others it may hold anything.
     ///
     /// # Panics
     /// As [`Kernel::realign_16`].
     #[must_use]
-    fn realign_16_over_hull<const K: usize>(
+    fn realign_16_over<const K: usize>(
         self,
         map: &Realignment<K>,
         a: &Node16<K>,
         query: &mut Turned<16, K>,
+        whole: &mut u16,
         b: &Node16<K>,
+        lane: Option<usize>,
     ) -> u16 {
-        self.realign_16(map, a, query);
-        self.overlap_16v_hull(query, b)
+        if *whole != u16::MAX {
+            self.realign_16(map, a, query);
+            *whole = u16::MAX;
+        }
+        lane.map_or_else(|| self.overlap_16v_hull(query, b), |lane| self.overlap_16v1(query, b, lane))
     }
 
     /// [`Kernel::realign_16`] for four children.

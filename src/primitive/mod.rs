@@ -5,10 +5,12 @@
 //! read, how a pose moves them, and whether a plane bounds them. The tests of one primitive against another
 //! are a trait of their own, [`crate::query::Pairwise`].
 
+pub(crate) mod lattice;
 pub mod sphere;
 mod store;
 pub mod triangle;
 
+pub use lattice::{Corners, Lattice};
 pub use sphere::{Sphere, Spheres};
 pub(crate) use store::Fault;
 pub use store::Store;
@@ -75,6 +77,10 @@ pub trait Primitive: Copy + fmt::Debug + Send + Sync + 'static {
     /// of three corners.
     const BOUNDS_SOLIDS: bool = false;
 
+    /// Whether [`Primitive::on_lattice`] is worth being asked.
+    #[doc(hidden)]
+    const IS_ON_LATTICE: bool = false;
+
     /// A vertex in single precision, as stored where that loses nothing.
     type Single: bytemuck::Pod + fmt::Debug + Send + Sync;
     /// A vertex in double precision. Of another size than the other, and a multiple of 8 bytes.
@@ -119,6 +125,22 @@ pub trait Primitive: Copy + fmt::Debug + Send + Sync + 'static {
     /// The primitive where the pose places it: each corner by [`Pose::apply`]. The radius stays as it is.
     #[must_use]
     fn moved(item: &Self::Item, pose: &Pose) -> Self::Item;
+
+    /// The corners of primitive `index` on a lattice, moved or not: of triangles only.
+    ///
+    /// # Panics
+    /// If there is no such primitive.
+    #[doc(hidden)]
+    #[inline(always)]
+    #[must_use]
+    fn on_lattice(
+        _store: &Store<'_, Self>,
+        _index: u32,
+        _lattice: &Lattice,
+        _is_moved: bool,
+    ) -> Option<Corners> {
+        None
+    }
 
     /// Directions along which the primitive is thin, the thinnest first: the normals of its plane and of its
     /// edges. Their coordinates, by column, with a greatest component of about 1; zeros where there is none.

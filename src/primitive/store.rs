@@ -80,6 +80,20 @@ impl<'a, P: Primitive> Store<'a, P> {
         &self.records[index as usize]
     }
 
+    /// What the vertex at `index` is by one function or the other, as it is stored.
+    #[inline(always)]
+    pub(crate) fn vertex_by<R>(
+        &self,
+        index: u32,
+        single: impl Fn(&P::Single) -> R,
+        double: impl Fn(&P::Double) -> R,
+    ) -> R {
+        match self.vertices {
+            Vertices::Single(all) => single(&all[index as usize]),
+            Vertices::Double(all) => double(&all[index as usize]),
+        }
+    }
+
     /// The vertex at `index`.
     ///
     /// # Panics

@@ -11,9 +11,9 @@ use crate::kernel::{Kernel, SEPARATED, Turned};
 use crate::key::{Key, decode};
 use crate::node::{Child, Dop, Link, Node, Node4, Node16};
 use crate::pose::Pose;
-use crate::primitive::Primitive;
+use crate::primitive::{Corners, Primitive};
 use crate::range::Point;
-use crate::realign::{OwnSlab, OwnSlabs, Ray, Realignment, own_slabs, planes_of};
+use crate::realign::{OwnSlab, OwnSlabs, Ray, Realignment, own_slabs, planes_of, planes_on_lattice};
 
 /// A node type that can be queried. Implemented by [`Node16`] and [`Node4`] only.
 pub trait Lanes: Dop {
@@ -51,6 +51,16 @@ pub trait Lanes: Dop {
         items: impl Iterator<Item = P::Item>,
         margin: f64,
     );
+    /// [`Lanes::aim`] of triangles by their corners on a lattice of `2^exponent` steps to the unit. False if it is not certain what
+    /// the planes are: then they stay as they were.
+    #[doc(hidden)]
+    fn aim_on_lattice(
+        turned: &mut Self::Turned,
+        b: &Frame,
+        triangles: impl Iterator<Item = Option<Corners>>,
+        exponent: i32,
+        margin: f64,
+    ) -> bool;
     /// Puts the planes of a ray into lane 0 of `turned`.
     #[doc(hidden)]
     fn aim_ray(turned: &mut Self::Turned, frame: &Frame, ray: &Ray);
@@ -109,15 +119,16 @@ pub trait Lanes: Dop {
     /// Which bodies of `turned` child `lane` of `self` overlaps.
     #[doc(hidden)]
     fn overlap_column<E: Kernel>(&self, kernel: E, turned: &Self::Turned, lane: usize) -> u16;
-    /// [`Lanes::realign`], and [`Lanes::overlap_hull`] of `b` with its result; where nothing overlaps, `turned` may hold
-    /// anything.
+    /// [`Lanes::realign`], and [`Lanes::overlap_column`] of a lane of `b` with its result, or without a lane
+    /// [`Lanes::overlap_hull`]. Of the bodies in `whole`, `turned` has the planes already; those that overlap are added to them.
     #[doc(hidden)]
-    fn realign_over_hull<E: Kernel>(
+    fn realign_over<E: Kernel>(
         &self,
         kernel: E,
         map: &Self::Map,
-        turned: &mut Self::Turned,
+        turned: (&mut Self::Turned, &mut u16),
         b: &Self,
+        lane: Option<usize>,
     ) -> (u16, u64);
     /// Which bodies of `turned` all of `self` overlaps, and the number of kernel calls.
     #[doc(hidden)]
@@ -165,6 +176,23 @@ macro_rules! impl_lanes {
                 for (j, plane) in planes.into_iter().enumerate() {
                     turned[j ^ 1][0] = !plane.code();
                 }
+            }
+
+            #[inline(always)]
+            fn aim_on_lattice(
+                turned: &mut Self::Turned,
+                b: &Frame,
+                triangles: impl Iterator<Item = Option<Corners>>,
+                exponent: i32,
+                margin: f64,
+            ) -> bool {
+                let Some(planes) = planes_on_lattice::<K>(b, triangles, exponent, margin) else {
+                    return false;
+                };
+                for (j, plane) in planes.into_iter().enumerate() {
+                    turned[j ^ 1][0] = !plane.code();
+                }
+                true
             }
 
             #[inline(always)]
@@ -295,14 +323,15 @@ macro_rules! impl_lanes {
             }
 
             #[inline(always)]
-            fn realign_over_hull<E: Kernel>(
+            fn realign_over<E: Kernel>(
                 &self,
                 kernel: E,
                 map: &Self::Map,
-                turned: &mut Self::Turned,
+                turned: (&mut Self::Turned, &mut u16),
                 b: &Self,
+                lane: Option<usize>,
             ) -> (u16, u64) {
-                $node::turned_over_hull(self, kernel, map, turned, b)
+                $node::turned_over(self, kernel, map, turned, b, lane)
             }
 
             #[inline(always)]

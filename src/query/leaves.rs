@@ -2,6 +2,7 @@
 
 use super::frontier::Side;
 use super::hint::Found;
+use super::on_lattice::{decide_on_lattice, lattice_of, placed};
 use super::placing::Margin;
 use super::stack::{Descent, Rows};
 use super::traverse::{Flow, Stop, Traversal, bits_of, primitives};
@@ -11,9 +12,9 @@ use crate::node::{Child, Link};
 use core::ops::ControlFlow;
 
 /// Up to sixteen leaves.
-struct Leaves {
-    children: [Child; 16],
-    len: usize,
+pub(super) struct Leaves {
+    pub(super) children: [Child; 16],
+    pub(super) len: usize,
 }
 
 impl<N, P, Q, E, M> Traversal<'_, N, P, Q, E, M>
@@ -56,11 +57,27 @@ where
         Flow::Continue(())
     }
 
+    /// Whether pairs are first looked at on a lattice.
+    #[inline(always)]
+    fn is_on_lattice(margin: f64) -> bool {
+        // A margin is a constant where bodies have to touch.
+        E::ON_LATTICE && P::IS_ON_LATTICE && Q::IS_ON_LATTICE && margin == 0.0
+    }
+
     /// Every primitive of a leaf of A against every primitive of some leaves of B.
     #[inline(always)]
     fn decide_a(&mut self, one: Child, leaves: &Leaves) -> Flow {
         let (kernel, margin, a, b, placing) =
             (self.kernel, self.margin.value(), self.a, self.b, self.placing);
+        if Self::is_on_lattice(margin) {
+            let lattice = lattice_of(&mut self.lattice, (a, b), placing);
+            let (of_a, of_b) = placed((a, b), placing);
+            for i in primitives(one.link()) {
+                let mut visit = |j| (self.visit)(Found { a: i, b: j });
+                decide_on_lattice(lattice, (&of_a, i), &of_b, leaves, self.counters, &mut visit)?;
+            }
+            return Flow::Continue(());
+        }
         for i in primitives(one.link()) {
             let item = placing.item_a(a, i);
             // Closures that are not said to be inlined were calls, out of the gate.
@@ -84,6 +101,15 @@ where
     fn decide_b(&mut self, one: Child, leaves: &Leaves) -> Flow {
         let (kernel, margin, a, b, placing) =
             (self.kernel, self.margin.value(), self.a, self.b, self.placing);
+        if Self::is_on_lattice(margin) {
+            let lattice = lattice_of(&mut self.lattice, (a, b), placing);
+            let (of_a, of_b) = placed((a, b), placing);
+            for j in primitives(one.link()) {
+                let mut visit = |i| (self.visit)(Found { a: i, b: j });
+                decide_on_lattice(lattice, (&of_b, j), &of_a, leaves, self.counters, &mut visit)?;
+            }
+            return Flow::Continue(());
+        }
         for j in primitives(one.link()) {
             let item = placing.item_b(b, j);
             decide_one::<Q, P, E>(

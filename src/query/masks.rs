@@ -32,14 +32,15 @@ impl<const K: usize> Node16<K> {
     }
 
     #[inline(always)]
-    pub(super) fn turned_over_hull<E: Kernel>(
+    pub(super) fn turned_over<E: Kernel>(
         &self,
         kernel: E,
         map: &Realignment<K>,
-        turned: &mut Turned<16, K>,
+        (turned, whole): (&mut Turned<16, K>, &mut u16),
         b: &Self,
+        lane: Option<usize>,
     ) -> (u16, u64) {
-        (kernel.realign_16_over_hull(map, self, turned, b), 1)
+        (kernel.realign_16_over(map, self, turned, whole, b, lane), 1)
     }
 }
 
@@ -64,15 +65,22 @@ impl<const K: usize> Node4<K> {
     }
 
     #[inline(always)]
-    pub(super) fn turned_over_hull<E: Kernel>(
+    pub(super) fn turned_over<E: Kernel>(
         &self,
         kernel: E,
         map: &Realignment<K>,
-        turned: &mut Turned<4, K>,
+        (turned, whole): (&mut Turned<4, K>, &mut u16),
         b: &Self,
+        lane: Option<usize>,
     ) -> (u16, u64) {
-        kernel.realign_4(map, self, turned);
-        b.against_hull(kernel, turned)
+        if *whole != u16::MAX {
+            kernel.realign_4(map, self, turned);
+            *whole = u16::MAX;
+        }
+        match lane {
+            Some(lane) => (b.column(kernel, turned, lane), 1),
+            None => b.against_hull(kernel, turned),
+        }
     }
 
     #[inline(always)]

@@ -48,6 +48,7 @@ mod lens;
 mod long;
 mod masks;
 mod nearest;
+mod on_lattice;
 mod pairwise;
 mod penetration;
 mod placing;
@@ -55,6 +56,7 @@ mod reject;
 mod stack;
 mod thin;
 mod traverse;
+mod turned;
 mod turning;
 mod waiting;
 
@@ -70,8 +72,6 @@ pub use penetration::Penetration;
 pub use stack::STACK_BYTES;
 pub use waiting::PENETRATION_QUEUE_BYTES;
 
-#[cfg(doc)]
-use crate::hierarchy::Header;
 use crate::hierarchy::{AsBvh, BvhRef};
 use crate::isa::Isa;
 use crate::pose::Pose;
@@ -241,7 +241,7 @@ impl Query {
     /// The verdict is exact for the corners of `a` moved by [`Pose::apply`]. First hit ends it.
     ///
     /// The order of the bodies hardly matters to speed: whichever of them gets less loose by it is turned into the frame
-    /// of the other ([`Header::looseness`]).
+    /// of the other ([`looseness`](crate::hierarchy::Header::looseness)).
     pub fn collide<A: AsBvh, B: AsBvh<Node = A::Node>>(&self, a: &A, b: &B, pose: &Pose) -> Answer
     where
         A::Node: Lanes,

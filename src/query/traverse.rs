@@ -27,7 +27,7 @@ use crate::kernel::Kernel;
 #[cfg(doc)]
 use crate::node::Width;
 use crate::node::{Child, Link};
-use crate::primitive::Primitive;
+use crate::primitive::{Lattice, Primitive};
 use crate::range::Point;
 use crate::realign::OwnSlabs;
 #[cfg(doc)]
@@ -62,19 +62,23 @@ pub(crate) struct Traversal<'t, N: Lanes, P: Primitive, Q: Primitive, E, M> {
     pub(super) a: &'t BvhRef<'t, N, P>,
     pub(super) b: &'t BvhRef<'t, N, Q>,
     pub(super) placing: &'t Placing<'t>,
-    map: &'t N::Map,
+    pub(super) map: &'t N::Map,
     budget: u64,
     pub(super) margin: M,
     pub(super) counters: &'t mut Counters,
     pub(super) visit: Visitor<'t>,
     /// The node of A that was turned last, and its children's planes. Siblings in B follow each other, so it
     /// is often the next one too.
-    turned: (Child, N::Turned),
+    pub(super) turned: (Child, N::Turned),
+    /// Which of them, where they are turned one by one.
+    pub(super) whole: u16,
     /// The leaf or node of A whose volume is descending B's tree, if one did, and its planes in lane 0.
-    aimed: Option<(Child, N::Turned)>,
+    pub(super) aimed: Option<(Child, N::Turned)>,
     /// The leaf that was cutting the other tree's nodes last, and the slabs of its primitive.
     pub(super) cutter: Option<(Cutter, OwnSlabs)>,
     pub(super) thin: Thin,
+    /// What triangles are tested on, if the kernel says so: none if there is none, once it was asked for.
+    pub(super) lattice: Option<Option<Lattice>>,
     /// How many powers of two the unit of A's frame is larger than that of B's.
     units: i32,
 }
@@ -112,9 +116,11 @@ where
             counters,
             visit,
             turned: (Child::EMPTY, N::UNTURNED),
+            whole: 0,
             aimed: None,
             cutter: None,
             thin: Thin::default(),
+            lattice: None,
             units: b.frame().exponent - a.frame().exponent,
         }
     }
@@ -196,7 +202,7 @@ where
         self.counters.visits += 1;
         let is_b_root = holder_b == ABOVE_ROOT;
         match a.link() {
-            Link::Inner(_) if E::TURNS_BY_PLANES && is_b_root => {}
+            Link::Inner(_) if E::TURNS_BY_PLANES => {}
             Link::Inner(node) => self.turn(a, node),
             _ => self.aim(a),
         }
@@ -205,8 +211,8 @@ where
         // The children of A that overlap b: only their rows can have a bit.
         if let Link::Inner(node) = a.link() {
             let kernels;
-            (wanted, kernels) = if E::TURNS_BY_PLANES && is_b_root {
-                self.turn_over_root(a, node)
+            (wanted, kernels) = if E::TURNS_BY_PLANES {
+                self.turn_over(a, node, (!is_b_root).then_some((holder_b, lane_b)))
             } else if is_b_root {
                 self.b.nodes()[0].overlap_hull(self.kernel, &self.turned.1)
             } else {
@@ -225,8 +231,8 @@ where
                 let (turned, wanted) = if opened == Descent::Both {
                     (&self.turned.1, wanted)
                 } else {
-                    if let Link::Inner(_) = a.link() {
-                        self.enclose(a);
+                    if let Link::Inner(node) = a.link() {
+                        self.enclose(a, node);
                     }
                     let Some((_, aimed)) = &self.aimed else { return Flow::Continue(()) };
                     (aimed, 1)
@@ -254,50 +260,6 @@ where
             }
         }
         Flow::Continue(())
-    }
-
-    /// Turns the children of node `a`, which is at `node`, into B's frame.
-    #[inline(always)]
-    fn turn(&mut self, a: Child, node: u32) {
-        if self.turned.0 != a {
-            self.counters.realignments += 1;
-            self.turned.0 = a;
-            self.a.nodes()[node as usize].realign(self.kernel, self.map, &mut self.turned.1);
-        }
-    }
-
-    /// [`Self::turn`], and which of the children overlap all of B.
-    #[inline(always)]
-    fn turn_over_root(&mut self, a: Child, node: u32) -> (u16, u64) {
-        self.counters.realignments += u64::from(self.turned.0 != a);
-        let root = &self.b.nodes()[0];
-        let found =
-            self.a.nodes()[node as usize].realign_over_hull(self.kernel, self.map, &mut self.turned.1, root);
-        // Not all of them are turned where none overlaps.
-        self.turned.0 = if found.0 == 0 { Child::EMPTY } else { a };
-        found
-    }
-
-    /// Computes the planes of leaf `a` from its moved corners.
-    #[inline(always)]
-    fn aim(&mut self, a: Child) {
-        let (body, aimed) = self.aimed.get_or_insert((Child::EMPTY, N::NO_TURNED));
-        if *body != a {
-            let (tree, pose) = (self.a, self.placing.to_b);
-            let items = primitives(a.link()).map(|index| P::moved(&tree.primitive(index), pose));
-            N::aim::<P>(aimed, &self.b.frame(), items, self.placing.outwards);
-            *body = a;
-        }
-    }
-
-    /// Computes planes that hold all of node `a` from those of its children, which are turned.
-    #[cold]
-    fn enclose(&mut self, a: Child) {
-        let (body, aimed) = self.aimed.get_or_insert((Child::EMPTY, N::NO_TURNED));
-        if *body != a {
-            N::enclose(&self.turned.1, aimed);
-            *body = a;
-        }
     }
 
     /// The distance of some corner below `a` from some corner below `b`, rounded up.

@@ -16,13 +16,10 @@ pub(super) fn separated<const W: usize, const K: usize>(
 
 /// Bit i: no plane separates body i of the query from the hull of all children.
 pub(super) fn overlap_hull<const K: usize>(query: &Turned<16, K>, planes: &[[i16; 16]; K]) -> u16 {
-    query.iter().zip(planes).fold(u16::MAX, |mask, (bodies, planes)| mask & below(bodies, planes))
-}
-
-/// Bit i: one plane of body i does not separate it from the hull of all children.
-fn below(bodies: &[i16; 16], planes: &[i16; 16]) -> u16 {
-    let greatest = planes.iter().copied().fold(i16::MIN, i16::max);
-    (0..16).filter(|&i| bodies[i] <= greatest).fold(0, |mask, i| mask | 1 << i)
+    query.iter().zip(planes).fold(u16::MAX, |mask, (bodies, planes)| {
+        let greatest = planes.iter().copied().fold(i16::MIN, i16::max);
+        mask & (0..16).filter(|&i| bodies[i] <= greatest).fold(0, |mask, i| mask | 1 << i)
+    })
 }
 
 /// Bit i: child i lies beyond the slab.
@@ -42,26 +39,45 @@ pub(super) fn realign<const W: usize, const K: usize>(
     separate_unused(planes, query);
 }
 
-/// [`realign`], and [`overlap_hull`] of `b` with its result. Plane by plane, and no further than until all bodies are
-/// separated: often after a few planes.
-pub(super) fn realign_over_hull<const K: usize>(
+/// [`crate::kernel::Kernel::realign_16_over`]. Plane by plane, each of those children only that no plane before it has
+/// separated: most are after two.
+pub(super) fn realign_over<const K: usize>(
     map: &Realignment<K>,
     a: &[[i16; 16]; K],
     query: &mut Turned<16, K>,
+    whole: &mut u16,
     b: &[[i16; 16]; K],
+    lane: Option<usize>,
 ) -> u16 {
-    let decoded = decoded(a);
     let mut mask = u16::MAX;
     for j in 0..K {
-        turn(map, &decoded, j, &mut query[j ^ 1]);
-        if j == 1 {
-            separate_unused(a, query);
+        let (turned, limits) = (&mut query[j ^ 1], &b[j ^ 1]);
+        let limit = match lane {
+            Some(lane) => limits[lane & 15],
+            None => limits.iter().copied().fold(i16::MIN, i16::max),
+        };
+        let [(x, u), (y, v), (z, w)] = map.terms(j).map(|(source, weight)| (&a[source], weight));
+        let (offset, known) = (map.offset[j], *whole);
+        let mut left: u16 = mask;
+        while left != 0 {
+            let i = left.trailing_zeros() as usize & 15;
+            left &= left - 1;
+            if known >> i & 1 == 0 {
+                let code = |codes: &[i16; 16]| f32::from(codes[i]);
+                turned[i] = !Key::around(((u * code(x) + v * code(y)) + w * code(z)) + offset).code();
+                if j == 1 && a[0][i] == Key::EMPTY.code() {
+                    turned[i] = SEPARATED;
+                }
+            }
+            if turned[i] > limit {
+                mask &= !(1 << i);
+            }
         }
-        mask &= below(&query[j ^ 1], &b[j ^ 1]);
         if mask == 0 {
             return 0;
         }
     }
+    *whole |= mask;
     mask
 }
 

@@ -13,6 +13,7 @@ use crate::realign::{OwnSlab, Realignment};
 
 impl Kernel for Scalar {
     const TURNS_BY_PLANES: bool = true;
+    const ON_LATTICE: bool = true;
 
     #[inline(always)]
     fn run<R>(self, f: impl FnOnce() -> R) -> R {
@@ -54,14 +55,16 @@ impl Kernel for Scalar {
         dops::realign(map, &node.planes, query);
     }
 
-    fn realign_16_over_hull<const K: usize>(
+    fn realign_16_over<const K: usize>(
         self,
         map: &Realignment<K>,
         a: &Node16<K>,
         query: &mut Turned<16, K>,
+        whole: &mut u16,
         b: &Node16<K>,
+        lane: Option<usize>,
     ) -> u16 {
-        dops::realign_over_hull(map, &a.planes, query, &b.planes)
+        dops::realign_over(map, &a.planes, query, whole, &b.planes, lane)
     }
 
     fn realign_4<const K: usize>(self, map: &Realignment<K>, node: &Node4<K>, query: &mut Turned<4, K>) {

@@ -1,24 +1,24 @@
 //! The intervals that two triangles cut out of the line common to their planes.
 
-use super::{Signs, Triangle};
+use super::Signs;
 
 /// A triangle that another plane cuts or touches, seen with its own normal towards the eye and the other
 /// plane's normal upwards.
 ///
 /// The line common to both planes is then horizontal, and the triangle cuts an interval out of it. The edges
 /// from the apex to `left` and to `right` meet the line in just one point each: the ends of the interval.
-pub(super) struct Wedge {
+pub(super) struct Wedge<C> {
     /// The vertex that is alone on its side of the line.
-    pub(super) apex: [f64; 3],
-    pub(super) left: [f64; 3],
-    pub(super) right: [f64; 3],
+    pub(super) apex: [C; 3],
+    pub(super) left: [C; 3],
+    pub(super) right: [C; 3],
     /// 1 if the apex is on or above the line and the others on or below it; -1 the other way round.
-    up: i8,
+    pub(super) up: i8,
 }
 
-impl Wedge {
+impl<C: Copy> Wedge<C> {
     /// `sides` are those of the vertices of `t`: neither all zero nor all on one strict side.
-    pub(super) fn new(t: &Triangle, sides: [i8; 3]) -> Self {
+    pub(super) fn new(t: &[[C; 3]; 3], sides: [i8; 3]) -> Self {
         let [p, q, r] = sides.map(|side| (side + 1) as usize);
         let (apex, left, right, up) = APEX[(9 * p + 3 * q + r) % 27];
         Self { apex: t[apex as usize % 3], left: t[left as usize % 3], right: t[right as usize % 3], up }
@@ -54,7 +54,7 @@ const APEX: [(u8, u8, u8, i8); 27] = {
 /// For an edge `pq` of one triangle and `rs` of the other, the side of `s` of the plane `pqr` tells which of
 /// the two edges meets the line further to the right; `up` corrects for edges that run upwards. The two
 /// wedges see the line from opposite ends: the left end of one is a right end to the other.
-pub(super) fn meet(a: &Wedge, b: &Wedge, signs: &mut Signs) -> bool {
+pub(super) fn meet(a: &Wedge<f64>, b: &Wedge<f64>, signs: &mut Signs) -> bool {
     let up = a.up * b.up;
     up * signs.side(&[a.apex, a.left, b.apex], &b.left) <= 0
         && up * signs.side(&[a.apex, a.right, b.apex], &b.right) >= 0

@@ -30,6 +30,7 @@ mod double_double;
 mod features;
 mod flat;
 mod interval;
+mod on_lattice;
 pub(crate) mod point;
 #[cfg(test)]
 mod tests;
@@ -40,6 +41,7 @@ use crate::range::{MAX_MOVED, MIN_COORDINATE, Point};
 use crate::vector::difference;
 use interval::Wedge;
 
+pub(crate) use on_lattice::LatticeProbe;
 pub use triangles::Triangles;
 
 /// Three vertices, in any unit of length; the order carries no meaning. Vertices may coincide or be

@@ -3,7 +3,7 @@
 use super::Triangle;
 use super::crossing::crossing;
 use crate::pose::Pose;
-use crate::primitive::{Kind, OWN_DIRECTIONS, Primitive, Sphere, Store};
+use crate::primitive::{Corners, Kind, Lattice, OWN_DIRECTIONS, Primitive, Sphere, Store};
 use crate::range::Point;
 use crate::vector::cross;
 
@@ -14,6 +14,7 @@ pub struct Triangles;
 impl Primitive for Triangles {
     const KIND: Kind = Kind::TRIANGLES;
     const BOUNDS_SOLIDS: bool = true;
+    const IS_ON_LATTICE: bool = true;
 
     type Single = [f32; 3];
     type Double = Point;
@@ -58,6 +59,16 @@ impl Primitive for Triangles {
     #[inline(always)]
     fn moved([p, q, r]: &Triangle, pose: &Pose) -> Triangle {
         [pose.apply(*p), pose.apply(*q), pose.apply(*r)]
+    }
+
+    #[inline(always)]
+    fn on_lattice(store: &Store<'_, Self>, index: u32, lattice: &Lattice, is_moved: bool) -> Option<Corners> {
+        let corner = |vertex: u32| {
+            let p = store.vertex_by(vertex, |p| lattice.single(p), |p| lattice.double(p));
+            if is_moved { lattice.moved(p) } else { p }
+        };
+        let [p, q, r] = *store.record(index);
+        Some([corner(p), corner(q), corner(r)])
     }
 
     fn crossing(item: &Triangle, origin: &Point, exact: &mut u64) -> i8 {

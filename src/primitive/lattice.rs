@@ -1,0 +1,164 @@
+//! Points in integers of 32 bits: for cores that have no `f64`, and multiply integers in one cycle.
+//!
+//! The steps of a lattice are 2^-25 of the bodies' largest coordinate, or a little more: a hundred times as fine as `f32`, and
+//! the difference of two points is exact. What is found there is certain only with a pad for where the points really are: those
+//! of a body as [`Pose::apply`] moves them in `f64`. A coordinate is off by less than so many steps, on each axis:
+//!
+//! | source | of a point that a pose moves | of another |
+//! |---|---|---|
+//! | coordinates, cut off; a row's sum of magnitudes is at most the root of 3 (1 + 1e-4) | 1.733 | 1 |
+//! | entries of the matrix, cut off at 2^-30, times three coordinates below 2^25 steps | 0.094 | |
+//! | the products' sum, cut off | 1 | |
+//! | the translation, cut off | 1 | |
+//! | the moved point's own roundings, at most 2^-48 of 2^28 steps; flushed coordinates, 2^-250 of at most 2^126 steps | 2^-19 | |
+//! | in all, below | [`OFF_MOVED`] | [`OFF_STILL`] |
+
+use crate::pose::Pose;
+use crate::range::Point;
+
+/// Three corners, in steps.
+pub type Corners = [[i32; 3]; 3];
+
+/// How many steps a coordinate of a moved point is off, at most.
+pub(crate) const OFF_MOVED: i32 = 4;
+/// The same of a point that is not moved.
+pub(crate) const OFF_STILL: i32 = 1;
+
+/// A lattice for two bodies at a pose, in the coordinates of the body that stays.
+#[derive(Copy, Clone, Debug)]
+pub struct Lattice {
+    /// There are `2^exponent` steps to the bodies' unit.
+    pub(crate) exponent: i32,
+    /// That, for coordinates in `f32`.
+    scale: f32,
+    /// The matrix of the pose, times 2^30.
+    rows: [[i32; 3]; 3],
+    translation: [i32; 3],
+}
+
+/// The binary logarithm of more than any coordinate, in steps, before a pose moves it.
+const BITS: i32 = 26;
+
+impl Lattice {
+    /// For a body that `pose` moves and one that stays, and their greatest coordinates. `None` where the scale is not one of
+    /// `f32`.
+    #[inline(never)]
+    pub(crate) fn new(pose: &Pose, moved: f64, still: f64) -> Option<Self> {
+        let translation = pose.translation();
+        // Twice the coordinates that are moved.
+        let mut top = (logarithm(moved) + 1).max(logarithm(still));
+        for x in translation {
+            top = top.max(logarithm(x));
+        }
+        let exponent = BITS - top;
+        if !(-126..=126).contains(&exponent) {
+            return None;
+        }
+        let rows = pose.rows();
+        let mut lattice = Self {
+            exponent,
+            scale: f32::from_bits(((exponent + 127) as u32) << 23),
+            rows: [[0; 3]; 3],
+            translation: [0; 3],
+        };
+        for i in 0..3 {
+            let [x, y, z] = rows[i];
+            lattice.rows[i] = [steps(x, 30), steps(y, 30), steps(z, 30)];
+            lattice.translation[i] = steps(translation[i], exponent);
+        }
+        Some(lattice)
+    }
+
+    /// A point whose coordinates were stored in single precision.
+    #[inline(always)]
+    pub(crate) fn single(&self, p: &[f32; 3]) -> [i32; 3] {
+        // Scaled by a power of two, so exact unless it is less than a step.
+        [(p[0] * self.scale) as i32, (p[1] * self.scale) as i32, (p[2] * self.scale) as i32]
+    }
+
+    #[inline(always)]
+    pub(crate) fn double(&self, p: &Point) -> [i32; 3] {
+        [steps(p[0], self.exponent), steps(p[1], self.exponent), steps(p[2], self.exponent)]
+    }
+
+    /// Where the pose puts a point. Below 2^28 steps: the root of 3 times what is below 2^25, and 2^26.
+    #[inline(always)]
+    pub(crate) fn moved(&self, p: [i32; 3]) -> [i32; 3] {
+        let along = |i: usize| {
+            let product = |j: usize| i64::from(self.rows[i][j]) * i64::from(p[j]);
+            // Below 2^63 whatever p is.
+            let sum = product(0) + product(1) + product(2);
+            ((sum >> 30) as i32).wrapping_add(self.translation[i])
+        };
+        [along(0), along(1), along(2)]
+    }
+}
+
+/// The least e for which 2^e is above the magnitude.
+pub(crate) fn logarithm(x: f64) -> i32 {
+    (x.to_bits() >> 52 & 0x7ff) as i32 - 1022
+}
+
+/// `x 2^exponent`, below 2^31, cut off towards zero.
+fn steps(x: f64, exponent: i32) -> i32 {
+    let bits = x.to_bits();
+    // The first 32 digits: those after them are cut off in any case.
+    let digits = 1 << 31 | (bits >> 21) as u32;
+    let right = 1054 - (bits >> 52 & 0x7ff) as i32 - exponent;
+    let magnitude = digits.checked_shr(right as u32).unwrap_or(0) as i32;
+    if bits >> 63 == 0 { magnitude } else { magnitude.wrapping_neg() }
+}
+
+/// The point in steps of a lattice for which there are `2^exponent` to the unit: of a frame's centre, which is not moved.
+pub(crate) fn still(p: &Point, exponent: i32) -> [i32; 3] {
+    [steps(p[0], exponent), steps(p[1], exponent), steps(p[2], exponent)]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::rng::Rng;
+
+    #[test]
+    fn points_are_off_by_no_more_than_they_say() {
+        let mut rng = Rng::new(1733);
+        for round in 0..20_000 {
+            let (size, away) = (rng.range(0.5, 2.0), rng.range(0.0, 40.0));
+            let unit = [1.0, 1e-9, 1e9, 1e30][round % 4];
+            let axis = [rng.range(-1.0, 1.0), rng.range(-1.0, 1.0), rng.range(-1.0, 1.0)];
+            let length = crate::vector::length(&axis);
+            let turn = Pose::turn(&axis.map(|x| x / length), rng.range(-3.2, 3.2));
+            let pose = turn.shifted(&[0, 1, 2].map(|_| rng.range(-away, away) * unit));
+            let most = size * unit;
+            let p: Point = [0, 1, 2].map(|_| f64::from((rng.range(-size, size) * unit) as f32));
+            let lattice = Lattice::new(&pose, most, most).unwrap();
+            let single = lattice.single(&p.map(|x| x as f32));
+            assert_eq!(single, lattice.double(&p));
+            let unit = crate::exact::power_of_two(lattice.exponent);
+            let off = |x: f64, steps: i32| (x * unit - f64::from(steps)).abs();
+            let (image, moved) = (pose.apply(p), lattice.moved(single));
+            for i in 0..3 {
+                assert!(off(p[i], single[i]) < f64::from(OFF_STILL));
+                assert!(off(image[i], moved[i]) < f64::from(OFF_MOVED));
+                assert!(moved[i].unsigned_abs() < 1 << 28);
+            }
+        }
+    }
+
+    #[test]
+    fn steps_are_cut_off() {
+        for (x, exponent, expected) in [
+            (1.0, 0, 1),
+            (-1.5, 1, -3),
+            (-1.99, 0, -1),
+            (0.0, 126, 0),
+            (-0.0, 0, 0),
+            (1e-300, 126, 0),
+            (1.5, 30, 3 << 29),
+            (2_147_483_647.5, 0, i32::MAX),
+            (f64::MAX, -1000, 16_777_215),
+        ] {
+            assert_eq!(steps(x, exponent), expected, "{x:e} {exponent}");
+        }
+    }
+}

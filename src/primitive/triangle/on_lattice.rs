@@ -1,0 +1,229 @@
+//! Whether two triangles meet, from their corners on a lattice: in integers and `f32`, for cores that have no `f64`. Decides
+//! nearly all pairs.
+//!
+//! As the test that decides exactly ([`super`]) it looks at sides of planes and then at intervals, and at each with a bound on
+//! the error. A difference of two corners is off by less than [`OFF`] steps: both by [`OFF_MOVED`], or the one and the other by
+//! less. It becomes an `f32` with u = 2^-24 of itself. With the triangle's edges x and y and the way z to a point, as they are
+//! here, and S(x) the sum of the magnitudes of x and of [`OFF`] thrice, the determinant is off by at most
+//!
+//! | source | at most |
+//! |---|---|
+//! | where the corners really are | `OFF (S(x) S(y) + S(x) S(z) + S(y) S(z))` |
+//! | three factors to `f32`, and five roundings of each of the six products of three | `8.1 u S(x) S(y) S(z)` |
+//!
+//! of which the first is what a product of three grows by, of sums that each grow by less than [`OFF`] on each axis: with `s`
+//! the sums of magnitudes alone, `OFF (s s + s s + s s) + 2 OFF^2 (s + s + s) + 6 OFF^3`. The bound takes 9 steps instead of 8
+//! and 12 u instead of 8.1 u, for its own dozen roundings, and for this:
+//!
+//! **What is certain here, the filter in `f64` decides too, and alike.** A determinant beyond the bound is truly beyond u of
+//! the product of sums, which is at least its permanent; `f64` needs 2^-49 of that. So no counter tells which of the two
+//! decided. Nor does it where the verdict comes from several signs: the exact test would not ask for expansions of any
+//! sign that is asked here, and asks no others, or ends earlier by boxes, which are apart only of triangles that are.
+
+use super::interval::Wedge;
+use super::separated;
+use crate::primitive::lattice::{Corners, OFF_MOVED};
+
+/// How many steps a difference of two coordinates is off, at most, with a ninth for roundings.
+const OFF: f32 = (2 * OFF_MOVED + 1) as f32;
+
+/// Of the product of three sums of magnitudes.
+const ROUNDINGS: f32 = 12.0 / (1 << 24) as f32;
+
+/// A triangle on a lattice, that is to be tested against others.
+#[derive(Debug)]
+pub(crate) struct LatticeProbe<'t> {
+    corners: &'t Corners,
+    normal: [f32; 3],
+    /// A determinant is off by `constant`, and by this times the sum of magnitudes of the way to the point.
+    per_length: f32,
+    constant: f32,
+}
+
+impl<'t> LatticeProbe<'t> {
+    #[inline(always)]
+    pub(crate) fn new(corners: &'t Corners) -> Self {
+        let [x, y] = [way(&corners[0], &corners[1]), way(&corners[0], &corners[2])];
+        let (sum_x, sum_y) = (sum(&x) + 3.0 * OFF, sum(&y) + 3.0 * OFF);
+        let product = sum_x * sum_y;
+        let per_length = ROUNDINGS * product + OFF * (sum_x + sum_y);
+        Self {
+            corners,
+            normal: [x[1] * y[2] - x[2] * y[1], x[2] * y[0] - x[0] * y[2], x[0] * y[1] - x[1] * y[0]],
+            per_length,
+            constant: OFF * product + per_length * (3.0 * OFF),
+        }
+    }
+
+    /// 1 or -1 if the point is certainly on that side of the plane, else 0.
+    #[inline(always)]
+    fn side(&self, p: &[i32; 3]) -> i8 {
+        let (z, n) = (way(&self.corners[0], p), &self.normal);
+        let determinant = (n[0] * z[0] + n[1] * z[1]) + n[2] * z[2];
+        let bound = self.constant + self.per_length * sum(&z);
+        i8::from(determinant > bound) - i8::from(determinant < -bound)
+    }
+
+    #[inline(never)]
+    fn sides(&self, of: &Corners) -> [i8; 3] {
+        [self.side(&of[0]), self.side(&of[1]), self.side(&of[2])]
+    }
+
+    /// Whether the triangles meet, if it is certain.
+    #[inline(never)]
+    pub(crate) fn meets(&self, other: &Corners) -> Option<bool> {
+        let of_other = self.sides(other);
+        if separated(of_other) {
+            return Some(false);
+        }
+        let of_self = LatticeProbe::new(other).sides(self.corners);
+        if separated(of_self) {
+            return Some(false);
+        }
+        if of_other.contains(&0) || of_self.contains(&0) {
+            return None;
+        }
+        let (a, b) = (Wedge::new(self.corners, of_self), Wedge::new(other, of_other));
+        let side = |left: &[i32; 3], right: &[i32; 3]| {
+            a.up * b.up * LatticeProbe::new(&[a.apex, *left, b.apex]).side(right)
+        };
+        match side(&a.left, &b.left) {
+            0 => None,
+            1 => Some(false),
+            _ => match side(&a.right, &b.right) {
+                0 => None,
+                side => Some(side > 0),
+            },
+        }
+    }
+}
+
+#[inline(always)]
+fn way(from: &[i32; 3], to: &[i32; 3]) -> [f32; 3] {
+    let along = |i: usize| to[i].wrapping_sub(from[i]) as f32;
+    [along(0), along(1), along(2)]
+}
+
+#[inline(always)]
+fn sum(x: &[f32; 3]) -> f32 {
+    (x[0].abs() + x[1].abs()) + x[2].abs()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::pose::Pose;
+    use crate::primitive::lattice::Lattice;
+    use crate::primitive::triangle::{Probe, Signs, Triangle};
+    use crate::range::Point;
+    use crate::rng::Rng;
+
+    /// A triangle as stored, where the pose puts it, and where it is on the lattice.
+    fn moved(t: &Triangle, pose: &Pose, lattice: &Lattice) -> (Triangle, Corners) {
+        (t.map(|p| pose.apply(p)), t.map(|p| lattice.moved(lattice.double(&p))))
+    }
+
+    fn turn(rng: &mut Rng) -> Pose {
+        let axis = [0, 1, 2].map(|_| rng.range(-1.0, 1.0));
+        let length = crate::vector::length(&axis);
+        Pose::turn(&axis.map(|x| x / length), rng.range(-3.2, 3.2))
+            .shifted(&[0, 1, 2].map(|_| rng.range(-1.0, 1.0)))
+    }
+
+    fn triangle(rng: &mut Rng, at: &Point, size: f64) -> Triangle {
+        [0, 1, 2].map(|_| at.map(|x| x + rng.range(-size, size)))
+    }
+
+    // Points a few steps from the plane of a triangle, which is from a few steps wide to as large as the body: of some the lattice
+    // alone would say the wrong side.
+    #[test]
+    fn sides_are_those_of_moved_corners() {
+        let mut rng = Rng::new(4711);
+        let (mut certain, mut wrong) = (0, 0);
+        for round in 0..200_000 {
+            let pose = turn(&mut rng);
+            let lattice = Lattice::new(&pose, 1.0, 3.0).unwrap();
+            let step = crate::exact::power_of_two(-lattice.exponent);
+            let size = step * crate::exact::power_of_two([4, 8, 16, 22][round % 4]);
+            let at = [0, 1, 2].map(|_| rng.range(-0.5, 0.5));
+            let (t, corners) = moved(&triangle(&mut rng, &at, size), &pose, &lattice);
+            let (v, w) = (rng.range(-2.0, 2.0), rng.range(-2.0, 2.0));
+            let near = step * rng.range(0.0, 100.0);
+            let p: Point = [0, 1, 2].map(|i| {
+                let inside = t[0][i] + v * (t[1][i] - t[0][i]) + w * (t[2][i] - t[0][i]);
+                inside + rng.range(-near, near)
+            });
+            let on_lattice = lattice.double(&p);
+            let mut signs = Signs { exact: false };
+            let (side, truth) = (LatticeProbe::new(&corners).side(&on_lattice), signs.side(&t, &p));
+            if side != 0 {
+                assert_eq!(side, truth, "{t:?} {p:?}");
+                assert!(!signs.exact, "the filter in f64 decides it: {t:?} {p:?}");
+                certain += 1;
+            }
+            wrong += i32::from(i32::from(truth) * sign_of(&corners, &on_lattice) < 0);
+        }
+        assert!(certain > 2000 && wrong > 1000, "{certain} {wrong}");
+    }
+
+    /// The side of corners and a point on the lattice: exactly, if they were there.
+    fn sign_of(corners: &Corners, p: &[i32; 3]) -> i32 {
+        let [x, y, z] = [&corners[1], &corners[2], p]
+            .map(|p| [0, 1, 2].map(|i| i128::from(p[i]) - i128::from(corners[0][i])));
+        let minor = |i: usize, j: usize| x[i] * y[j] - x[j] * y[i];
+        (minor(1, 2) * z[0] + minor(2, 0) * z[1] + minor(0, 1) * z[2]).signum() as i32
+    }
+
+    // Corners as far apart as there can be, where `f32` is off by more steps than corners are.
+    #[test]
+    fn sides_are_right_in_spite_of_roundings() {
+        let mut rng = Rng::new(99);
+        let (mut certain, mut wrong) = (0, 0);
+        for _ in 0..200_000 {
+            let most = f64::from(1 << 27);
+            let t: Triangle = [0, 1, 2].map(|_| [0, 1, 2].map(|_| rng.range(-most, most)));
+            let corners: Corners = t.map(|p| p.map(|x| x as i32));
+            let (v, w) = (rng.range(-0.5, 1.0), rng.range(-0.5, 1.0));
+            let p = [0, 1, 2].map(|i| {
+                let inside = t[0][i] + v * (t[1][i] - t[0][i]) + w * (t[2][i] - t[0][i]);
+                (inside + rng.range(-400.0, 400.0)) as i32
+            });
+            let probe = LatticeProbe::new(&corners);
+            let (side, truth) = (i32::from(probe.side(&p)), sign_of(&corners, &p));
+            assert!(side == 0 || side == truth, "{corners:?} {p:?}");
+            certain += side.abs();
+            let unpadded = LatticeProbe { per_length: 0.0, constant: 0.0, ..probe };
+            wrong += i32::from(i32::from(unpadded.side(&p)) * truth < 0);
+        }
+        assert!(certain > 5000 && wrong > 300, "{certain} {wrong}");
+    }
+
+    #[test]
+    fn verdicts_are_exact_and_most_are_certain() {
+        let mut rng = Rng::new(815);
+        let (mut free, mut hits, mut unknown) = (0, 0, 0);
+        for round in 0..200_000 {
+            let pose = turn(&mut rng);
+            let lattice = Lattice::new(&pose, 1.0, 3.0).unwrap();
+            let size = [0.3, 1e-3, 1e-5, 2e-7][round % 4];
+            let at = [0, 1, 2].map(|_| rng.range(-0.5, 0.5));
+            let (a, on_a) = moved(&triangle(&mut rng, &at, size), &pose, &lattice);
+            let b = triangle(&mut rng, &a[0], size);
+            let on_b = b.map(|p| lattice.double(&p));
+            let mut exact = 0;
+            let truth = Probe::new(&a).overlaps(&b, &mut exact);
+            let verdicts = [LatticeProbe::new(&on_a).meets(&on_b), LatticeProbe::new(&on_b).meets(&on_a)];
+            for verdict in verdicts {
+                match verdict {
+                    None => unknown += usize::from(round % 4 < 2),
+                    Some(verdict) => {
+                        assert_eq!(verdict, truth, "{a:?} {b:?}");
+                        assert_eq!(exact, 0, "{a:?} {b:?}");
+                        *if truth { &mut hits } else { &mut free } += 1;
+                    }
+                }
+            }
+        }
+        assert!(free > 100_000 && hits > 20_000 && unknown < 5000, "{free} {hits} {unknown}");
+    }
+}

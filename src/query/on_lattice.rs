@@ -1,0 +1,117 @@
+//! Leaves on cores that have no `f64`: by corners on a lattice of integers where these are certain, else as everywhere. Which
+//! of the two decides changes no verdict, no plane and no counter ([`LatticeProbe`]).
+
+use super::frontier::Side;
+use super::leaves::Leaves;
+use super::placing::Placing;
+use super::traverse::{Flow, Stop, primitives};
+use super::{Counters, Lanes, Pairwise};
+use crate::hierarchy::BvhRef;
+use crate::node::Link;
+use crate::pose::Pose;
+use crate::primitive::triangle::LatticeProbe;
+use crate::primitive::{Corners, Lattice, Primitive};
+use core::ops::ControlFlow;
+
+/// One body of a traversal.
+pub(super) struct Placed<'t, N: Lanes, P: Primitive> {
+    pub(super) tree: &'t BvhRef<'t, N, P>,
+    /// Moves its primitives, if it is the query's A.
+    pub(super) pose: Option<&'t Pose>,
+}
+
+impl<N: Lanes, P: Primitive> Placed<'_, N, P> {
+    #[inline(always)]
+    fn corners(&self, index: u32, lattice: &Lattice) -> Option<Corners> {
+        P::on_lattice(self.tree.store(), index, lattice, self.pose.is_some())
+    }
+
+    fn item(&self, index: u32) -> P::Item {
+        let item = self.tree.primitive(index);
+        self.pose.map_or(item, |pose| P::moved(&item, pose))
+    }
+}
+
+/// Both bodies of a traversal.
+pub(super) fn placed<'t, N: Lanes, P: Primitive, Q: Primitive>(
+    (a, b): (&'t BvhRef<'t, N, P>, &'t BvhRef<'t, N, Q>),
+    placing: &'t Placing<'_>,
+) -> (Placed<'t, N, P>, Placed<'t, N, Q>) {
+    let pose = |side: Side| (placing.turned == side).then_some(placing.pose);
+    (Placed { tree: a, pose: pose(Side::A) }, Placed { tree: b, pose: pose(Side::B) })
+}
+
+/// The lattice of tests, made when it is first needed.
+pub(super) fn lattice_of<'l, N: Lanes, P: Primitive, Q: Primitive>(
+    made: &'l mut Option<Option<Lattice>>,
+    (a, b): (&BvhRef<'_, N, P>, &BvhRef<'_, N, Q>),
+    placing: &Placing<'_>,
+) -> Option<&'l Lattice> {
+    made.get_or_insert_with(|| {
+        let (a, b) = (a.extent().max_coordinate, b.extent().max_coordinate);
+        let (moved, still) = if placing.turned == Side::A { (a, b) } else { (b, a) };
+        Lattice::new(placing.pose, moved, still)
+    })
+    .as_ref()
+}
+
+/// One primitive against those of some leaves.
+#[inline(never)]
+pub(super) fn decide_on_lattice<N: Lanes, One: Pairwise<Other>, Other: Pairwise<One>>(
+    lattice: Option<&Lattice>,
+    (one, index): (&Placed<'_, N, One>, u32),
+    other: &Placed<'_, N, Other>,
+    leaves: &Leaves,
+    counters: &mut Counters,
+    visit: &mut dyn FnMut(u32) -> ControlFlow<()>,
+) -> Flow {
+    let corners = lattice.and_then(|lattice| one.corners(index, lattice));
+    let probe = corners.as_ref().map(LatticeProbe::new);
+    for leaf in &leaves.children[..leaves.len & 31] {
+        for j in primitives(leaf.link()) {
+            counters.primitive_pairs += 1;
+            let certain = match (&probe, lattice) {
+                (Some(probe), Some(lattice)) => {
+                    other.corners(j, lattice).and_then(|corners| probe.meets(&corners))
+                }
+                _ => None,
+            };
+            let meets = match certain {
+                Some(meets) => meets,
+                None => meet((one, index), (other, j), &mut counters.exact_pairs),
+            };
+            if meets && visit(j).is_break() {
+                return Flow::Break(Stop::Visitor);
+            }
+        }
+    }
+    Flow::Continue(())
+}
+
+#[cold]
+#[inline(never)]
+fn meet<N: Lanes, One: Pairwise<Other>, Other: Pairwise<One>>(
+    (one, i): (&Placed<'_, N, One>, u32),
+    (other, j): (&Placed<'_, N, Other>, u32),
+    exact: &mut u64,
+) -> bool {
+    One::meets(&One::probe(&one.item(i), 0.0), &other.item(j), exact)
+}
+
+/// The planes of leaf `a`, which `placing` places in B's frame, if they are certain.
+#[inline(never)]
+pub(super) fn aim_on_lattice<N: Lanes, P: Primitive, Q: Primitive>(
+    made: &mut Option<Option<Lattice>>,
+    (a, b): (&BvhRef<'_, N, P>, &BvhRef<'_, N, Q>),
+    leaf: Link,
+    placing: &Placing<'_>,
+    aimed: &mut N::Turned,
+) -> bool {
+    // The way back has a lattice of its own.
+    let mut another = None;
+    let made = if placing.turned == Side::A { made } else { &mut another };
+    let to_b = Placing { pose: placing.to_b, turned: Side::A, ..*placing };
+    let Some(lattice) = lattice_of(made, (a, b), &to_b) else { return false };
+    let corners = primitives(leaf).map(|index| P::on_lattice(a.store(), index, lattice, true));
+    N::aim_on_lattice(aimed, &b.frame(), corners, lattice.exponent, placing.outwards)
+}

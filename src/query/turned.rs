@@ -1,0 +1,73 @@
+//! The planes of body a of a traversal in the frame of b: of the children of its nodes, and of its leaves.
+
+use super::on_lattice::aim_on_lattice;
+use super::placing::Margin;
+use super::traverse::{Traversal, primitives};
+use super::{Lanes, Pairwise};
+use crate::kernel::Kernel;
+use crate::node::Child;
+
+impl<N, P, Q, E, M> Traversal<'_, N, P, Q, E, M>
+where
+    N: Lanes,
+    P: Pairwise<Q>,
+    Q: Pairwise<P>,
+    E: Kernel,
+    M: Margin,
+{
+    /// Turns the children of node `a`, which is at `node`, into B's frame.
+    #[inline(always)]
+    pub(super) fn turn(&mut self, a: Child, node: u32) {
+        if self.turned.0 != a {
+            self.counters.realignments += 1;
+            self.turned.0 = a;
+            self.a.nodes()[node as usize].realign(self.kernel, self.map, &mut self.turned.1);
+        }
+    }
+
+    /// [`Self::turn`], as far as it is needed, and which of the children overlap the child of B that a node holds in a
+    /// lane, or all of B.
+    #[inline(always)]
+    pub(super) fn turn_over(&mut self, a: Child, node: u32, child_b: Option<(u32, u8)>) -> (u16, u64) {
+        if self.turned.0 != a {
+            self.counters.realignments += 1;
+            (self.turned.0, self.whole) = (a, 0);
+        }
+        let holder = &self.b.nodes()[child_b.map_or(0, |(node, _)| node as usize)];
+        let turned = (&mut self.turned.1, &mut self.whole);
+        let lane = child_b.map(|(_, lane)| lane.into());
+        self.a.nodes()[node as usize].realign_over(self.kernel, self.map, turned, holder, lane)
+    }
+
+    /// Computes the planes of leaf `a` from its moved corners.
+    #[inline(always)]
+    pub(super) fn aim(&mut self, a: Child) {
+        let (body, aimed) = self.aimed.get_or_insert((Child::EMPTY, N::NO_TURNED));
+        if *body != a {
+            *body = a;
+            let (trees, placing) = ((self.a, self.b), self.placing);
+            if E::ON_LATTICE
+                && P::IS_ON_LATTICE
+                && aim_on_lattice(&mut self.lattice, trees, a.link(), placing, aimed)
+            {
+                return;
+            }
+            let items = primitives(a.link()).map(|index| P::moved(&trees.0.primitive(index), placing.to_b));
+            N::aim::<P>(aimed, &self.b.frame(), items, placing.outwards);
+        }
+    }
+
+    /// Computes planes that hold all of node `a` from those of its children, which are turned.
+    #[cold]
+    pub(super) fn enclose(&mut self, a: Child, node: u32) {
+        if E::TURNS_BY_PLANES && self.whole != u16::MAX {
+            self.a.nodes()[node as usize].realign(self.kernel, self.map, &mut self.turned.1);
+            self.whole = u16::MAX;
+        }
+        let (body, aimed) = self.aimed.get_or_insert((Child::EMPTY, N::NO_TURNED));
+        if *body != a {
+            N::enclose(&self.turned.1, aimed);
+            *body = a;
+        }
+    }
+}

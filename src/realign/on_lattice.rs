@@ -1,0 +1,140 @@
+//! The planes of moved triangles from their corners on a lattice, in integers: the same keys as in `f64`, where it is certain
+//! which they are.
+//!
+//! A plane in `f64` is ([`super::planes_of`], [`Key::above`]) the number x, in planes' steps, of the greatest support of the
+//! corners about the frame's centre and of what pads it; x and 2^-23 of it, as an `f32`, rounded to the nearest code. In the
+//! lattice's steps, x is the support of the corners there, off by less than
+//!
+//! | source | downwards | upwards |
+//! |---|---|---|
+//! | corners and centre, by the sum of the direction's magnitudes | [`OFF`] | [`OFF`] |
+//! | the margin, which has to be below an eighth of a step; the pad and all roundings in `f64`, below 2^-12 | 2^-12 | 1 + 2^-12 |
+//! | 2^-23 of x, rounded to `f32` | 0 | 1.51 2^-23 of it |
+//!
+//! If all of these numbers are nearest to one code, that is the plane. Of most triangles it is so of every plane; of the others
+//! all are made in `f64`.
+
+use crate::directions::{Directions, SUPPORTED, table};
+use crate::frame::Frame;
+use crate::key::Key;
+use crate::primitive::lattice::{self, Corners, OFF_MOVED, OFF_STILL};
+
+/// A coordinate about the frame's centre, in steps.
+const OFF: i32 = OFF_MOVED + OFF_STILL;
+
+/// Steps of the lattice to one of the planes, as a power of two: where fewer, hardly a plane would be certain; more there are
+/// not, of bodies that have a size.
+const STEPS: core::ops::RangeInclusive<i32> = 5..=20;
+
+// Coordinates about a centre are below 2.87 2^26 steps.
+const _: () = {
+    let mut set = 0;
+    while set < SUPPORTED.len() {
+        let vectors = table(SUPPORTED[set]).vectors;
+        let mut j = 0;
+        while j < vectors.len() {
+            let [x, y, z] = vectors[j];
+            assert!(x.unsigned_abs() + y.unsigned_abs() + z.unsigned_abs() <= 7, "supports are below 2^31");
+            j += 1;
+        }
+        set += 1;
+    }
+};
+
+/// [`super::planes_of`], if it is certain, of corners that a pose moved to a lattice of `2^exponent` steps to the unit.
+pub(crate) fn planes_on_lattice<const K: usize>(
+    b: &Frame,
+    triangles: impl Iterator<Item = Option<Corners>>,
+    exponent: i32,
+    margin: f64,
+) -> Option<[Key; K]> {
+    let steps = exponent - b.exponent;
+    if !STEPS.contains(&steps) || lattice::logarithm(margin) + exponent > -3 {
+        return None;
+    }
+    let centre = lattice::still(&b.centre, exponent);
+    let mut greatest = [i32::MIN; K];
+    for corners in triangles {
+        for p in corners? {
+            let [x, y, z] = [0, 1, 2].map(|i| p[i].wrapping_sub(centre[i]));
+            for (s, greatest) in greatest.as_chunks_mut::<2>().0.iter_mut().enumerate() {
+                let n = Directions::<K>::TABLE.vectors[2 * s].map(i32::from);
+                let support = n[0]
+                    .wrapping_mul(x)
+                    .wrapping_add(n[1].wrapping_mul(y))
+                    .wrapping_add(n[2].wrapping_mul(z));
+                greatest[0] = greatest[0].max(support);
+                greatest[1] = greatest[1].max(support.wrapping_neg());
+            }
+        }
+    }
+    let half = 1 << (steps - 1);
+    let code = |x: i32| {
+        (x.wrapping_add(half) >> steps).clamp(Key::LOWEST.code().into(), Key::INFINITY.code().into())
+    };
+    let mut planes = [Key::LOWEST; K];
+    for (j, plane) in planes.iter_mut().enumerate() {
+        let [x, y, z] = Directions::<K>::TABLE.vectors[j];
+        let off = OFF * i32::from(x.unsigned_abs() + y.unsigned_abs() + z.unsigned_abs()) + 1;
+        let more = off + 2 + (greatest[j].wrapping_abs() >> 22);
+        let (low, high) = (code(greatest[j].wrapping_sub(off)), code(greatest[j].wrapping_add(more)));
+        if low != high {
+            return None;
+        }
+        *plane = Key::bounded(low as i16);
+    }
+    Some(planes)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::pose::Pose;
+    use crate::primitive::{Lattice, Triangles};
+    use crate::realign::planes_of;
+    use crate::rng::Rng;
+
+    fn same_as_in_doubles<const K: usize>() {
+        let mut rng = Rng::new(K as u64);
+        let (mut certain, rounds) = (0, 100_000);
+        for _ in 0..rounds {
+            let axis = [0, 1, 2].map(|_| rng.range(-1.0, 1.0));
+            let length = crate::vector::length(&axis);
+            let pose = Pose::turn(&axis.map(|x| x / length), rng.range(-3.2, 3.2))
+                .shifted(&[0, 1, 2].map(|_| rng.range(-1.0, 1.0)));
+            let lattice = Lattice::new(&pose, 1.0, 2.0).unwrap();
+            let b = Frame { centre: [0, 1, 2].map(|_| rng.range(-1.0, 1.0)), exponent: 12 };
+            let size = rng.range(0.0, 0.5);
+            let triangle = [0, 1, 2].map(|_| [0, 1, 2].map(|_| rng.range(-size, size)));
+            let corners = triangle.map(|p| lattice.moved(lattice.double(&p)));
+            // As small as the way back makes it.
+            let margin = if rng.range(0.0, 1.0) < 0.5 { 0.0 } else { 1e-13 };
+            let moved = triangle.map(|p| pose.apply(p));
+            let truth = planes_of::<Triangles, K>(&b, [moved].into_iter(), margin);
+            let found = planes_on_lattice::<K>(&b, [Some(corners)].into_iter(), lattice.exponent, margin);
+            if let Some(planes) = found {
+                assert_eq!(planes, truth, "{triangle:?} {pose:?} {b:?}");
+                certain += 1;
+            }
+        }
+        assert!(certain * 10 > rounds * 6, "k {K}: {certain}");
+    }
+
+    #[test]
+    fn planes_are_the_same_as_in_doubles() {
+        same_as_in_doubles::<6>();
+        same_as_in_doubles::<18>();
+        same_as_in_doubles::<32>();
+    }
+
+    #[test]
+    fn other_scales_and_margins_are_left_to_doubles() {
+        let corners = [[1 << 20; 3]; 3];
+        let planes = |exponent, margin| {
+            let b = Frame { centre: [0.0; 3], exponent: 12 };
+            planes_on_lattice::<18>(&b, [Some(corners)].into_iter(), exponent, margin)
+        };
+        assert!(planes(24, 0.0).is_some() && planes(24, 0.0) == planes(24, 1e-9));
+        assert!(planes(24, 1e-6).is_none() && planes(14, 0.0).is_none() && planes(40, 0.0).is_none());
+    }
+}
