@@ -153,9 +153,18 @@ fn check_solid(mesh: &MeshData, error: f64, points: usize, what: &str) -> usize 
     let high = corners().fold(DVec3::NEG_INFINITY, |high, p| high.max(*p));
     let mut rng = Rng::new(212);
     let mut inside = 0;
-    for _ in 0..points {
-        let share = DVec3::from_array(core::array::from_fn(|_| rng.range(0.0, 1.0)));
-        let x = low + share * (high - low);
+    for i in 0..points {
+        let mut share = || rng.range(0.0, 1.0);
+        let x = if i % 2 == 0 {
+            low + DVec3::new(share(), share(), share()) * (high - low)
+        } else {
+            // Just below the surface, where the spheres that hold it part.
+            let [p, q, r] = all[i / 2 % all.len()];
+            let (u, v) = (share(), share());
+            let (u, v) = if u + v > 1.0 { (1.0 - u, 1.0 - v) } else { (u, v) };
+            let normal = (q - p).cross(r - p).normalize();
+            p + u * (q - p) + v * (r - p) + error * (0.2 * share() - 0.1) * normal
+        };
         if is_inside(x) {
             inside += 1;
             let holds = |s: &Sphere| x.distance(DVec3::from_array(s.centre)) <= s.radius;
@@ -183,7 +192,7 @@ fn spheres_hold_the_solid_and_stay_near_it() {
         mesh
     };
     let cube = |half: f64| cuboid([-half; 3], [half; 3]);
-    let points = 6000 / suite_step();
+    let points = 12_000 / suite_step();
     for (name, mesh) in [
         ("cuboid", cuboid([-1.0, -0.5, 0.0], [2.0, 0.5, 0.25])),
         ("cube", cube(1.0)),

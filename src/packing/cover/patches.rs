@@ -17,7 +17,7 @@ pub(super) struct Patch {
 
 /// What no sphere holds yet: its area, and its number where that is nothing.
 #[derive(Copy, Clone, PartialEq, PartialOrd, Default)]
-pub(super) struct Rest {
+pub(super) struct Unheld {
     area: f64,
     count: usize,
 }
@@ -26,7 +26,7 @@ pub(super) struct Rest {
 struct PatchBox {
     low: DVec3,
     high: DVec3,
-    rest: Rest,
+    rest: Unheld,
     start: usize,
     end: usize,
     /// The second half, behind all of the first, which comes next; none of a leaf.
@@ -41,7 +41,7 @@ pub(super) struct Patches {
 /// Patches of a leaf, at most.
 const LEAF: usize = 8;
 
-impl Rest {
+impl Unheld {
     fn and(self, other: Self) -> Self {
         Self { area: self.area + other.area, count: self.count + other.count }
     }
@@ -59,8 +59,8 @@ impl Patch {
         self.corners.iter().all(|p| p.distance(centre) <= reach)
     }
 
-    fn rest(&self) -> Rest {
-        if self.is_held { Rest::default() } else { Rest { area: self.area.length(), count: 1 } }
+    fn rest(&self) -> Unheld {
+        if self.is_held { Unheld::default() } else { Unheld { area: self.area.length(), count: 1 } }
     }
 }
 
@@ -95,7 +95,7 @@ impl Patches {
         let corners = || order.iter().flat_map(|&i| self.all[i].corners);
         let low = corners().fold(DVec3::INFINITY, DVec3::min);
         let high = corners().fold(DVec3::NEG_INFINITY, DVec3::max);
-        let rest = order.iter().fold(Rest::default(), |sum, &i| sum.and(self.all[i].rest()));
+        let rest = order.iter().fold(Unheld::default(), |sum, &i| sum.and(self.all[i].rest()));
         let this = self.boxes.len();
         self.boxes.push(PatchBox { low, high, rest, start, end: start + order.len(), second: None });
         if order.len() <= LEAF {
@@ -145,24 +145,24 @@ impl Patches {
     }
 
     /// What a sphere would hold that none does yet.
-    pub(super) fn gain(&self, reach: f64, centre: DVec3) -> Rest {
+    pub(super) fn gain(&self, reach: f64, centre: DVec3) -> Unheld {
         self.gain_below(0, reach, centre)
     }
 
-    fn gain_below(&self, index: usize, reach: f64, centre: DVec3) -> Rest {
+    fn gain_below(&self, index: usize, reach: f64, centre: DVec3) -> Unheld {
         let Some(this) = self.boxes.get(index).filter(|this| this.rest.count > 0) else {
-            return Rest::default();
+            return Unheld::default();
         };
         match (this.is_within(reach, centre), this.second) {
             (Some(true), _) => this.rest,
-            (Some(false), _) => Rest::default(),
+            (Some(false), _) => Unheld::default(),
             (None, Some(second)) => {
                 self.gain_below(index + 1, reach, centre).and(self.gain_below(second, reach, centre))
             }
             (None, None) => {
                 let within =
                     self.all[this.start..this.end].iter().filter(|patch| patch.is_within(reach, centre));
-                within.fold(Rest::default(), |sum, patch| sum.and(patch.rest()))
+                within.fold(Unheld::default(), |sum, patch| sum.and(patch.rest()))
             }
         }
     }
@@ -187,7 +187,7 @@ impl Patches {
             for patch in &mut self.all[range.clone()] {
                 patch.is_held |= patch.is_within(reach, centre);
             }
-            self.all[range].iter().fold(Rest::default(), |sum, patch| sum.and(patch.rest()))
+            self.all[range].iter().fold(Unheld::default(), |sum, patch| sum.and(patch.rest()))
         };
     }
 }
