@@ -1007,6 +1007,28 @@ fn what_cannot_be_packed_is_an_error() {
     assert!(code == 2 && message.starts_with("simdop: absent/a.txt: "), "{message}");
 }
 
+/// Of solids the inside, too, if asked for or if a tree is of one; of clouds the points.
+#[test]
+fn a_cover_is_of_the_surface_the_solid_or_the_points() {
+    let folder = Folder::new("cover-parts");
+    let cube = support::shapes::cuboid([-1.0; 3], [1.0; 3], false);
+    folder.write("cube.obj", obj(&cube));
+    folder.run(&["build", "cube.obj", "--solid", "-o", "solid.tree"]);
+    let holds_middle = |arguments: &[&str], part: &str| {
+        let cover = [&["cover"], arguments, &["--error", "0.25", "-o", "a.txt"]].concat();
+        assert_eq!(folder.json(&cover)["part"], part, "{arguments:?}");
+        let text = std::fs::read_to_string(folder.0.join("a.txt")).unwrap();
+        let spheres = simdop::packing::text::read(&text).unwrap();
+        spheres.iter().any(|s| s.centre.iter().map(|x| x * x).sum::<f64>() <= s.radius * s.radius)
+    };
+    assert!(!holds_middle(&["cube.obj"], "surface"));
+    assert!(holds_middle(&["cube.obj", "--solid"], "solid"));
+    assert!(holds_middle(&["solid.tree"], "solid"));
+    folder.write("cloud.xyz", "0 0 0\n1 0 0\n");
+    assert!(holds_middle(&["cloud.xyz", "--points"], "points"));
+    assert_eq!(folder.json(&["cover", "cloud.xyz", "--points", "--error", "2", "-o", "a.txt"])["spheres"], 1);
+}
+
 /// By an error, a number of spheres or of bytes; as text, and as a tree.
 #[test]
 fn a_cover_is_within_what_is_asked_for() {
@@ -1039,6 +1061,8 @@ fn a_cover_is_within_what_is_asked_for() {
     let (code, message) = folder.fate(&["cover", "a.obj", "--bytes", "10", "-o", "b.txt"]);
     assert!(code == 2 && message.starts_with("simdop: --bytes: one sphere takes "), "{message}");
     assert_eq!(folder.fate(&["cover", "a.obj", "-o", "b.txt"]).0, 2, "how coarse?");
+    let (code, message) = folder.fate(&["cover", "a.obj", "--error", "1", "--solid", "-o", "b.txt"]);
+    assert!(code == 2 && message.contains("the mesh is open"), "{message}");
     assert_eq!(folder.fate(&["cover", "a.obj", "--error", "1", "--spheres", "9", "-o", "b.txt"]).0, 2);
     assert!(!folder.0.join("b.txt").exists());
 }

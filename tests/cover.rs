@@ -126,6 +126,128 @@ fn covers_have_no_scale() {
     check(&far, 0.25, "far away");
 }
 
+/// How often a surface winds around a point that is not on it: by the solid angles of its triangles.
+fn winding(all: &[Triangle], x: DVec3) -> f64 {
+    let angle = |t: &Triangle| {
+        let [p, q, r] = t.map(|corner| corner - x);
+        let (a, b, c) = (p.length(), q.length(), r.length());
+        p.dot(q.cross(r)).atan2(a * b * c + p.dot(q) * c + q.dot(r) * a + r.dot(p) * b)
+    };
+    all.iter().map(angle).sum::<f64>() / core::f64::consts::TAU
+}
+
+fn cover_solid(mesh: &MeshData, error: f64) -> Vec<Sphere> {
+    Mesh { vertices: &mesh.vertices, triangles: &mesh.triangles }.cover_solid(error).unwrap()
+}
+
+/// That the surface is held, and points inside, and that no sphere reaches too far: about its centre and on it.
+fn check_solid(mesh: &MeshData, error: f64, points: usize, what: &str) -> usize {
+    let (all, spheres) = (triangles(mesh), cover_solid(mesh, error));
+    for (i, t) in all.iter().enumerate() {
+        assert!(is_held(t, &spheres, 5), "{what}: triangle {i} is not held");
+    }
+    let away = |x: DVec3| all.iter().map(|t| distance(x, t)).fold(f64::INFINITY, f64::min);
+    let is_inside = |x: DVec3| winding(&all, x).abs() > 0.5;
+    let corners = || all.iter().flatten();
+    let low = corners().fold(DVec3::INFINITY, |low, p| low.min(*p));
+    let high = corners().fold(DVec3::NEG_INFINITY, |high, p| high.max(*p));
+    let mut rng = Rng::new(212);
+    let mut inside = 0;
+    for i in 0..points {
+        let mut share = || rng.range(0.0, 1.0);
+        let x = if i % 2 == 0 {
+            low + DVec3::new(share(), share(), share()) * (high - low)
+        } else {
+            // Just below the surface, where the spheres that hold it part.
+            let [p, q, r] = all[i / 2 % all.len()];
+            let (u, v) = (share(), share());
+            let (u, v) = if u + v > 1.0 { (1.0 - u, 1.0 - v) } else { (u, v) };
+            let normal = (q - p).cross(r - p).normalize();
+            p + u * (q - p) + v * (r - p) + error * (0.2 * share() - 0.1) * normal
+        };
+        if is_inside(x) {
+            inside += 1;
+            let holds = |s: &Sphere| x.distance(DVec3::from_array(s.centre)) <= s.radius;
+            assert!(spheres.iter().any(holds), "{what}: {x} is inside and not held");
+        }
+    }
+    assert!(20 * inside > points, "{what}: {inside} of {points} points are inside");
+    for sphere in &spheres {
+        for _ in 0..4 {
+            let direction =
+                DVec3::from_array(core::array::from_fn(|_| rng.range(-1.0, 1.0))).normalize_or_zero();
+            let x = DVec3::from_array(sphere.centre) + sphere.radius * direction;
+            assert!(is_inside(x) || away(x) <= error * (1.0 + 1e-12), "{what}: {x} is {} off", away(x));
+        }
+    }
+    spheres.len()
+}
+
+/// With cavities, parts that overlap, inside out, and so thin that no sphere is deep.
+#[test]
+fn spheres_hold_the_solid_and_stay_near_it() {
+    let cuboid = |low, high| shapes::cuboid(low, high, false);
+    let together = |mut mesh: MeshData, other: &MeshData| {
+        shapes::append(&mut mesh, other);
+        mesh
+    };
+    let cube = |half: f64| cuboid([-half; 3], [half; 3]);
+    let points = 12_000 / suite_step();
+    for (name, mesh) in [
+        ("cuboid", cuboid([-1.0, -0.5, 0.0], [2.0, 0.5, 0.25])),
+        ("cube", cube(1.0)),
+        ("torus", shapes::torus(24, 16)),
+        ("inside out", shapes::cuboid([0.0; 3], [1.0; 3], true)),
+        ("cavity", together(cube(1.0), &shapes::cuboid([-0.5; 3], [0.5; 3], true))),
+        ("winds twice", together(cube(1.0), &cube(0.5))),
+        ("overlap", together(cuboid([0.0; 3], [1.0; 3]), &cuboid([0.5; 3], [1.5; 3]))),
+        ("plate", cuboid([-1.0, -1.0, 0.0], [1.0, 1.0, 0.015625])),
+    ] {
+        let counts = [0.5, 0.25, 0.0625].map(|error| check_solid(&mesh, error, points, name));
+        assert!(counts.is_sorted(), "{name}: {counts:?}");
+        assert_eq!(cover_solid(&mesh, 10.0).len(), 1, "{name}: one sphere is enough");
+    }
+    assert!(cover_solid(&MeshData { vertices: vec![], triangles: vec![] }, 1.0).is_empty());
+}
+
+/// In any unit.
+#[test]
+fn covers_of_solids_have_no_scale() {
+    let torus = shapes::torus(12, 8);
+    let counted = cover_solid(&torus, 0.25).len();
+    for exponent in [-200, -20, 30, 280] {
+        let scale = 2_f64.powi(exponent);
+        let mut mesh = torus.clone();
+        mesh.vertices.iter_mut().flatten().for_each(|x| *x *= scale);
+        assert_eq!(cover_solid(&mesh, 0.25 * scale).len(), counted, "2^{exponent}");
+    }
+}
+
+#[test]
+fn open_meshes_have_no_solid_to_cover() {
+    let mut mesh = shapes::torus(12, 8);
+    mesh.triangles.pop();
+    let open = Mesh { vertices: &mesh.vertices, triangles: &mesh.triangles };
+    assert!(matches!(open.cover_solid(0.1), Err(CoverError::Mesh(BuildError::Open { .. }))));
+    let cube = shapes::cuboid([0.0; 3], [1.0; 3], false);
+    let cube = Mesh { vertices: &cube.vertices, triangles: &cube.triangles };
+    for error in [0.0, -1.0, f64::NAN, f64::INFINITY, 1e-12] {
+        assert!(matches!(cube.cover_solid(error), Err(CoverError::Error { .. })));
+    }
+    assert_eq!(cube.cover_solid(1e-5), Err(CoverError::TooMany));
+}
+
+/// Points are triangles whose corners are one.
+#[test]
+fn points_are_covered_by_few_spheres() {
+    let mut rng = Rng::new(213);
+    let vertices: Vec<[f64; 3]> = (0..2000).map(|_| core::array::from_fn(|_| rng.range(-1.0, 1.0))).collect();
+    let triangles = (0..2000).map(|i| [i; 3]).collect();
+    let cloud = MeshData { vertices, triangles };
+    let count = check(&cloud, 0.5, "cloud");
+    assert!(count < 150, "{count} spheres");
+}
+
 #[test]
 fn scans_are_held() {
     let Some(data) = directory() else { return };

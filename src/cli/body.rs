@@ -81,6 +81,11 @@ impl Source {
             Self::Tree(tree) => mesh_of(&tree),
         }
     }
+
+    /// Whether it is a tree of a solid.
+    pub(super) fn is_solid(&self) -> bool {
+        matches!(self, Self::Tree(tree) if tree.view().header().is_solid != 0)
+    }
 }
 
 /// A tree, its name, and how long it took to read its file and to build it.

@@ -2,9 +2,8 @@
 
 use super::body;
 use super::error::Error;
-use super::mesh::MeshData;
-use super::output;
-use super::{File, progress};
+use super::mesh::{self, MeshData};
+use super::{File, TreeOptions, output, progress};
 use clap::Args;
 use core::ops::ControlFlow;
 use serde::Serialize;
@@ -22,6 +21,12 @@ pub(super) struct Options {
     mesh: Option<File>,
     #[command(flatten)]
     limit: Limit,
+    /// Cover what is inside of a closed mesh, too: what is wholly inside is a hit. A tree of a solid stays one without this.
+    #[arg(long, conflicts_with = "points")]
+    solid: bool,
+    /// Cover the points of a cloud (.ply, .xyz), whatever faces there are.
+    #[arg(long, requires = "mesh")]
+    points: bool,
     /// What to write: the spheres, a line each (x y z r), if the name ends in .txt; else their tree (k = 18, arity 16), as a part of a
     /// firmware. A file that is there is replaced at once.
     #[arg(short, long)]
@@ -46,11 +51,29 @@ struct Limit {
     bytes: Option<u64>,
 }
 
+/// What of a mesh spheres hold.
+#[derive(Copy, Clone, PartialEq, Eq, Debug, Serialize)]
+#[serde(rename_all = "lowercase")]
+pub(super) enum CoveredPart {
+    Surface,
+    Solid,
+    Points,
+}
+
+/// What is to be covered.
+pub(super) struct ToCover<'m> {
+    pub(super) name: &'m str,
+    pub(super) mesh: &'m MeshData,
+    pub(super) part: CoveredPart,
+}
+
 #[derive(Serialize)]
 struct Report {
     version: &'static str,
     mesh: String,
+    /// Or points.
     triangles: usize,
+    part: CoveredPart,
     error: f64,
     spheres: usize,
     /// Of the tree.
@@ -70,10 +93,10 @@ pub(super) fn run(options: &Options) -> Result<(), Error> {
         options.mesh.as_deref(),
         [("--output", Some(options.output.as_path())), ("", None)],
     )?;
-    let (name, mesh) = body::mesh_or_gear(options.mesh.as_deref(), options.json)?;
+    let (name, mesh, part) = read(options)?;
     let spinner = progress::step(format!("covering {name}"), options.json);
     let start = Instant::now();
-    let covered = within(&name, &mesh, options.limit)?;
+    let covered = within(&ToCover { name: &name, mesh: &mesh, part }, options.limit)?;
     let cover_nanoseconds = start.elapsed().as_nanos();
     drop(spinner);
     let mut lines = String::new();
@@ -89,6 +112,7 @@ pub(super) fn run(options: &Options) -> Result<(), Error> {
         version: env!("CARGO_PKG_VERSION"),
         mesh: name,
         triangles: mesh.triangles.len(),
+        part,
         error: covered.error,
         spheres: covered.spheres.len(),
         bytes: covered.tree.as_bytes().len(),
@@ -97,39 +121,62 @@ pub(super) fn run(options: &Options) -> Result<(), Error> {
     output::say(Some(&options.output), |out| print(&report, options.json, out))
 }
 
-/// The cover of a mesh within an error, in its unit.
-pub(super) fn cover(name: &str, mesh: &MeshData, error: f64) -> Result<Covered, Error> {
-    let mesh = Mesh { vertices: &mesh.vertices, triangles: &mesh.triangles };
-    let spheres = mesh.cover(error).map_err(|error| Error::Cover { name: name.into(), error })?;
+/// The mesh, and what of it is to be covered.
+fn read(options: &Options) -> Result<(String, MeshData, CoveredPart), Error> {
+    let given = if options.solid { CoveredPart::Solid } else { CoveredPart::Surface };
+    let Some(path) = options.mesh.as_deref() else {
+        let (name, mesh) = body::mesh_or_gear(None, options.json)?;
+        return Ok((name, mesh, given));
+    };
+    let name = path.display().to_string();
+    if options.points {
+        let bytes = std::fs::read(path).map_err(Error::io(path))?;
+        let vertices = mesh::points(path, &bytes)?;
+        // Triangles whose corners are one.
+        let triangles = (0..vertices.len() as u32).map(|i| [i; 3]).collect();
+        return Ok((name, MeshData { vertices, triangles }, CoveredPart::Points));
+    }
+    let source = body::read(path, &TreeOptions::default(), options.json)?;
+    // A solid stays one.
+    let part = if source.is_solid() { CoveredPart::Solid } else { given };
+    Ok((name, source.into_mesh(), part))
+}
+
+/// The cover within an error, in the mesh's unit.
+pub(super) fn cover(subject: &ToCover<'_>, error: f64) -> Result<Covered, Error> {
+    let ToCover { name, mesh: MeshData { vertices, triangles }, part } = subject;
+    let mesh = Mesh { vertices, triangles };
+    let spheres = if *part == CoveredPart::Solid { mesh.cover_solid(error) } else { mesh.cover(error) };
+    let spheres = spheres.map_err(|error| Error::Cover { name: (*name).into(), error })?;
     let tree = Builder::balanced()
         .without_balls()
         .build_geometry(&SphereSet { spheres: &spheres }, &mut |_| ControlFlow::Continue(()))
-        .map_err(|error| Error::Build { name: name.into(), error })?;
+        .map_err(|error| Error::Build { name: (*name).into(), error })?;
     Ok(Covered { error, spheres, tree })
 }
 
 /// A cover within what is asked for.
-fn within(name: &str, mesh: &MeshData, limit: Limit) -> Result<Covered, Error> {
+fn within(subject: &ToCover<'_>, limit: Limit) -> Result<Covered, Error> {
     if let Some(error) = limit.error {
-        return cover(name, mesh, error);
+        return cover(subject, error);
     }
     let fits = |covered: &Covered| {
         limit.spheres.is_none_or(|most| covered.spheres.len() <= most as usize)
             && limit.bytes.is_none_or(|most| covered.tree.as_bytes().len() as u64 <= most)
     };
-    let (low, high) = mesh.vertices.iter().fold(([f64::MAX; 3], [f64::MIN; 3]), |(low, high), p| {
+    let (low, high) = subject.mesh.vertices.iter().fold(([f64::MAX; 3], [f64::MIN; 3]), |(low, high), p| {
         ([0, 1, 2].map(|i| low[i].min(p[i])), [0, 1, 2].map(|i| high[i].max(p[i])))
     });
     // Of one sphere.
     let widest = (0..3).map(|i| high[i] - low[i]).sum::<f64>().max(f64::MIN_POSITIVE);
-    let mut best = cover(name, mesh, widest)?;
+    let mut best = cover(subject, widest)?;
     if !fits(&best) {
         let problem = format!("one sphere takes {} bytes", best.tree.as_bytes().len());
         return Err(Error::Option { option: "--bytes", problem });
     }
     let mut step = 0.5;
     while step < 0.95 {
-        match cover(name, mesh, best.error * step) {
+        match cover(subject, best.error * step) {
             // As coarse as it was: one sphere, or as many points.
             Ok(finer) if fits(&finer) && finer.error > 1e-6 * widest => best = finer,
             // What is too fine to be computed does not fit either.
@@ -144,10 +191,15 @@ fn print(report: &Report, json: bool, out: &mut dyn Write) -> std::io::Result<()
     if json {
         return writeln!(out, "{}", serde_json::to_string_pretty(report)?);
     }
-    let Report { mesh, triangles, error, spheres, bytes, cover_nanoseconds, .. } = report;
+    let Report { mesh, triangles, part, error, spheres, bytes, cover_nanoseconds, .. } = report;
+    let (what, from) = match part {
+        CoveredPart::Surface => ("triangles", "them"),
+        CoveredPart::Solid => ("triangles and what is inside", "the solid"),
+        CoveredPart::Points => ("points", "them"),
+    };
     writeln!(
         out,
-        "{mesh}: {triangles} triangles within {spheres} spheres, none farther than {error:.6e} from them; {bytes} bytes as a tree, {:.2} s",
+        "{mesh}: {triangles} {what} within {spheres} spheres, none farther than {error:.6e} from {from}; {bytes} bytes as a tree, {:.2} s",
         *cover_nanoseconds as f64 * 1e-9
     )
 }

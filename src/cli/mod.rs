@@ -48,6 +48,8 @@ enum Command {
     /// known.
     Collide(collide::Options),
     /// Builds the hierarchy of a mesh and writes it as a tree.
+    ///
+    /// The body is as exact as the mesh. A smaller one, within an error, or of so many bytes or spheres, is made by `simdop cover`.
     Build(build::Options),
     /// Describes a tree, or the tree that a mesh or a packing (.txt) becomes.
     Info(info::Options),
@@ -57,8 +59,9 @@ enum Command {
     Pack(pack::Options),
     /// Covers a mesh with spheres: a smaller body that is free only where the mesh is.
     ///
-    /// Every point of the mesh is in a sphere, and no point of a sphere is farther from the mesh than the error. Of a closed mesh
-    /// it is the surface that is covered.
+    /// Every point of the mesh is in a sphere, and no point of a sphere is farther from the mesh than the error: "free" is certain, and
+    /// "hit" means within the error. It is the surface that is covered, so that what is inside of it may be free; with --solid, and of
+    /// trees of solids, the inside is covered, too. With --points it is a cloud of points.
     Cover(cover::Options),
     /// How much of their volume do two packings share, A placed by a pose in B's frame?
     ///

@@ -20,7 +20,7 @@ use alloc::vec::Vec;
 use core::fmt;
 
 /// Of the largest coordinate, for the roundings of corners.
-const ROUNDING: f64 = power_of_two(-44);
+pub(crate) const ROUNDING: f64 = power_of_two(-44);
 /// No smaller error, of the largest coordinate, so that roundings are little of it.
 const LEAST_ERROR: f64 = power_of_two(-36);
 
@@ -60,7 +60,8 @@ impl core::error::Error for CoverError {}
 impl Mesh<'_> {
     /// Spheres that hold every point of the mesh, and no point that is farther than `error` from it, in its unit. So a body of
     /// these spheres that is free of others says for certain that the mesh is; a hit means that the others come within `error` of
-    /// the mesh. Of the surface: what is wholly inside of a closed mesh may be free of the spheres.
+    /// the mesh. Of the surface: what is wholly inside of a closed mesh may be free of the spheres;
+    /// [`Mesh::cover_solid`] holds the inside, too. Points are covered as triangles whose three corners are one.
     ///
     /// The same spheres on every machine. An empty mesh has none.
     ///
@@ -83,12 +84,15 @@ impl Mesh<'_> {
         let triangles: Vec<Triangle> =
             self.triangles.iter().map(|t| t.map(|vertex| self.vertices[vertex as usize])).collect();
         let largest = triangles.iter().flatten().flatten().fold(0.0, |most: f64, x| most.max(x.abs()));
-        let least = LEAST_ERROR * largest;
-        if !(error > least && error.is_finite()) {
-            return Err(CoverError::Error { given: error, least });
-        }
+        check_error(error, largest)?;
         Ok(Cover::new(&triangles, error, ROUNDING * largest)?.spheres())
     }
+}
+
+/// Whether roundings are little of an error, where no coordinate is larger.
+pub(crate) fn check_error(given: f64, largest: f64) -> Result<(), CoverError> {
+    let least = LEAST_ERROR * largest;
+    if given > least && given.is_finite() { Ok(()) } else { Err(CoverError::Error { given, least }) }
 }
 
 /// No edge of a piece is longer, of the error.
@@ -126,6 +130,26 @@ impl Piece {
     }
 }
 
+/// Halves triangles along their longest edges until none is longer than that.
+pub(crate) fn cut(triangles: &[Triangle], longest: f64) -> Result<Vec<Triangle>, CoverError> {
+    let (mut waiting, mut pieces) = (triangles.to_vec(), Vec::new());
+    while let Some(t) = waiting.pop() {
+        let edge = |i: usize| length(&difference(&t[i], &t[(i + 1) % 3]));
+        let i = (0..3).fold(0, |most, i| if edge(i) > edge(most) { i } else { most });
+        if edge(i) <= longest {
+            pieces.push(t);
+        } else {
+            let (p, q, r) = (t[i], t[(i + 1) % 3], t[(i + 2) % 3]);
+            let m = [0, 1, 2].map(|axis| 0.5 * p[axis] + 0.5 * q[axis]);
+            waiting.extend([[m, q, r], [p, m, r]]);
+        }
+        if pieces.len() + waiting.len() > MOST_PIECES {
+            return Err(CoverError::TooMany);
+        }
+    }
+    Ok(pieces)
+}
+
 /// Where a point is among cubes as wide as the error.
 type CoverCell = [i64; 3];
 
@@ -140,23 +164,12 @@ struct Cover {
 
 impl Cover {
     fn new(triangles: &[Triangle], error: f64, pad: f64) -> Result<Self, CoverError> {
-        let mut waiting = triangles.to_vec();
-        let mut pieces: Vec<(CoverCell, Piece)> = Vec::new();
-        while let Some(t) = waiting.pop() {
-            let edge = |i: usize| length(&difference(&t[i], &t[(i + 1) % 3]));
-            let i = (0..3).fold(0, |longest, i| if edge(i) > edge(longest) { i } else { longest });
-            if edge(i) <= LONGEST * error {
-                let piece = Piece::new(t, error);
-                pieces.push((piece.middle.map(|x| libm::floor(x / error) as i64), piece));
-            } else {
-                let (p, q, r) = (t[i], t[(i + 1) % 3], t[(i + 2) % 3]);
-                let m = [0, 1, 2].map(|axis| 0.5 * p[axis] + 0.5 * q[axis]);
-                waiting.extend([[m, q, r], [p, m, r]]);
-            }
-            if pieces.len() + waiting.len() > MOST_PIECES {
-                return Err(CoverError::TooMany);
-            }
-        }
+        let placed = |t: Triangle| {
+            let piece = Piece::new(t, error);
+            (piece.middle.map(|x| libm::floor(x / error) as i64), piece)
+        };
+        let mut pieces: Vec<(CoverCell, Piece)> =
+            cut(triangles, LONGEST * error)?.into_iter().map(placed).collect();
         pieces.sort_by_key(|(cube, _)| *cube);
         let mut cubes: Vec<(CoverCell, usize)> = Vec::new();
         for (i, (cube, _)) in pieces.iter().enumerate() {
@@ -190,13 +203,14 @@ impl Cover {
             let is_near = |&i: &usize| self.pieces[seed].is_within(reach, &self.pieces[i].middle);
             let centres: Vec<usize> = self.around(&self.pieces[seed].middle).filter(is_near).collect();
             let tried = TRIED.min(centres.len());
-            let (mut best, mut most) = (seed, -1.0);
+            // By area, and by number where there is none: points have no area.
+            let (mut best, mut most) = (seed, (-1.0, 0));
             for k in 0..tried {
                 let centre = centres[k * centres.len() / tried];
                 let new = self.not_held(&self.pieces[centre].middle, reach);
-                let area: f64 = new.map(|i| self.pieces[i].area).sum();
-                if area > most {
-                    (best, most) = (centre, area);
+                let gain = new.fold((0.0, 0), |(area, count), i| (area + self.pieces[i].area, count + 1));
+                if gain > most {
+                    (best, most) = (centre, gain);
                 }
             }
             let centre = self.pieces[best].middle;

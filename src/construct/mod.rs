@@ -33,6 +33,7 @@ pub(crate) use closed::{OpenEdge, Unclosed, check_closed};
 #[doc(hidden)]
 pub use clustering::Clustering;
 pub use cover::CoverError;
+pub(crate) use cover::{ROUNDING as COVER_ROUNDING, check_error as check_cover_error, cut};
 pub use error::BuildError;
 pub use geometry::{Geometry, Mesh, SphereSet};
 pub use progress::Progress;

@@ -44,6 +44,7 @@
 
 mod ascent;
 mod closed;
+mod cover;
 mod cube;
 mod error;
 mod grid;

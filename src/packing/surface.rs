@@ -102,19 +102,28 @@ impl Surface {
     /// The ray runs along the first axis, from a point that is moved off all edges by less than any number
     /// (`covers`).
     pub(super) fn is_inside(&self, p: DVec3) -> bool {
+        self.crossings(p).is_some_and(|(number, _)| number % 2 == 1)
+    }
+
+    /// Whether the surface winds around `p`, as often as it may: decided exactly, by the same ray. Not if `p` is on the surface.
+    pub(super) fn winds_around(&self, p: DVec3) -> bool {
+        self.crossings(p).is_some_and(|(_, winding)| winding != 0)
+    }
+
+    /// How often a ray from `p` crosses the surface, and how often more from one side than from the other; `None` if `p` is on it.
+    fn crossings(&self, p: DVec3) -> Option<(u32, i64)> {
         let at = self.in_frame(p);
         let mut stack = [Child::ROOT; STACK];
-        let (mut len, mut is_inside) = (1, false);
+        let (mut len, mut number, mut winding) = (1, 0, 0);
         while len > 0 {
             len -= 1;
             match stack[len].link() {
                 Link::Empty => {}
                 Link::Leaf { first, count } => {
                     for index in first..first + count {
-                        match crosses(&self.triangles[index as usize], p) {
-                            Some(crosses) => is_inside ^= crosses,
-                            None => return false,
-                        }
+                        let crossing = crosses(&self.triangles[index as usize], p)?;
+                        number += crossing.unsigned_abs();
+                        winding += i64::from(crossing);
                     }
                 }
                 Link::Inner(index) => {
@@ -128,7 +137,7 @@ impl Surface {
                 }
             }
         }
-        is_inside
+        Some((number, winding))
     }
 
     /// Shows `visit` every triangle that may be at most `limit` from `p`, those in nearer boxes first. It may
@@ -218,10 +227,10 @@ impl LaneBoxes {
     }
 }
 
-/// Whether the ray from `p` along the first axis crosses a triangle; `None` if `p` is in it. Exact.
-fn crosses(t: &[DVec3; 3], p: DVec3) -> Option<bool> {
+/// Whether the ray from `p` along the first axis crosses a triangle, 1 or -1 by its side; `None` if `p` is in it. Exact.
+fn crosses(t: &[DVec3; 3], p: DVec3) -> Option<i32> {
     if !covers(t, p) {
-        return Some(false);
+        return Some(0);
     }
     let flat = |p: DVec3| Coord { x: p.y, y: p.z };
     let solid = |p: DVec3| Coord3D { x: p.x, y: p.y, z: p.z };
@@ -230,7 +239,8 @@ fn crosses(t: &[DVec3; 3], p: DVec3) -> Option<bool> {
     // the plane that `p` is on: below is positive.
     let facing = orient2d(flat(a), flat(b), flat(c));
     let below = orient3d(solid(a), solid(b), solid(c), solid(p));
-    (below != 0.0).then_some((below > 0.0) == (facing > 0.0))
+    let side = if facing > 0.0 { 1 } else { -1 };
+    (below != 0.0).then_some(if (below > 0.0) == (facing > 0.0) { side } else { 0 })
 }
 
 /// Whether a triangle, seen along the first axis, covers `p`, moved by less than any number along the second

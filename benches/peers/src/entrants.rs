@@ -42,9 +42,10 @@ pub(crate) const FCL_NATIVE: &str = "FCL native";
 pub(crate) const OPCODE: &str = "OPCODE";
 
 /// A peer in C++, and its driver.
-const DRIVERS: [(&str, &str); 8] = [
+const DRIVERS: [(&str, &str); 9] = [
     (OPCODE, "opcode"),
     ("ODE", "ode"),
+    ("PhysX", "physx"),
     ("FCL OBB", "fcl-OBB"),
     (FCL_NATIVE, "fcl-native"),
     ("FCL OBBRSS", "fcl-OBBRSS"),

@@ -19,6 +19,7 @@ fn style(library: &str) -> ShapeStyle {
         "simdop k 14" => (RGBColor(120, 120, 120), 3),
         "OPCODE" => (RGBColor(213, 94, 0), 2),
         "ODE" => (RGBColor(240, 170, 110), 2),
+        "PhysX" => (RGBColor(150, 150, 0), 2),
         "FCL OBB" => (RGBColor(0, 90, 170), 2),
         "FCL native" => (RGBColor(60, 60, 220), 2),
         "FCL OBBRSS" => (RGBColor(110, 180, 235), 2),

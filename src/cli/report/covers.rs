@@ -3,7 +3,7 @@
 
 use super::approach::{self, DISTANCES, PerDistance};
 use super::clock::{self, Times};
-use crate::cli::cover::{self, Covered};
+use crate::cli::cover::{self, Covered, CoveredPart, ToCover};
 use crate::cli::mesh::MeshData;
 use crate::cli::{error::Error, progress};
 use serde::Serialize;
@@ -59,7 +59,8 @@ pub(super) fn measure(
     let mut entrants: Vec<(CoveredBodies, Vec<Covered>)> = Vec::new();
     for error in ERRORS.map(|share| share * diagonal) {
         let start = Instant::now();
-        let covers = meshes.iter().map(|(name, mesh)| cover::cover(name, mesh, error));
+        let subjects = meshes.iter().map(|&(name, mesh)| ToCover { name, mesh, part: CoveredPart::Surface });
+        let covers = subjects.map(|subject| cover::cover(&subject, error));
         let covers = covers.collect::<Result<Vec<Covered>, Error>>()?;
         let build_milliseconds = 1e3 * start.elapsed().as_secs_f64();
         let spheres = covers.iter().map(|cover| cover.spheres.len()).sum();

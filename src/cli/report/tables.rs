@@ -72,7 +72,8 @@ pub(super) fn settings(page: &mut String, results: &Results) {
 pub(super) fn covers(page: &mut String, results: &Results) {
     page.push_str("<h2>Covers: bodies as coarse as a scene needs</h2>\n<p>Spheres that hold the mesh, none of whose points is farther from it than the error. \
          That they are free says so of the mesh; that they meet says that the meshes are nearer than the errors of the two. \
-         <code>simdop cover MESH --error LENGTH -o TREE</code>.</p>\n\
+         <code>simdop cover MESH --error LENGTH -o TREE</code>. Of closed meshes as solids, <code>--solid</code> makes covers of fewer spheres, \
+         which hold the inside, too.</p>\n\
          <table>\n<thead>\n<tr><th>error<br/><small>mesh's unit</small></th><th>spheres</th><th>in all<br/><small>KiB</small></th><th>build<br/><small>ms</small></th>");
     for distance in DISTANCES {
         let _ = write!(

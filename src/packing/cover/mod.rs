@@ -1,0 +1,250 @@
+//! Spheres around a solid: what bounds it, and all that is inside.
+//!
+//! A sphere about a point that is `d` deep inside may have the radius `d + error`: none of its points is farther than the error from
+//! the solid. So it holds far more of the surface than one about a point of the surface, and few spheres are enough.
+//!
+//! First the surface: pieces of its triangles, each with all that is within a *margin* of it, are held by a sphere each. Of the
+//! spheres that hold the first piece that is left, about points below the surface nearby, the one is taken that holds most of what is left.
+//!
+//! Then what is left inside, in cubes that are cut into eighths. One that meets the surface, and is no wider than the margin, is held
+//! by the sphere that holds a piece that it meets. One that meets no surface is outside as a whole, or inside; then a sphere holds it,
+//! or there will be one about its centre.
+
+mod patches;
+
+use super::surface::Surface;
+use crate::construct::{
+    BuildError, COVER_ROUNDING, CoverError, Mesh, OpenEdge, Unclosed, check_closed, check_cover_error, cut,
+};
+use crate::exact::power_of_two;
+use crate::frame::scale_to_one;
+use crate::primitive::Sphere;
+use crate::primitive::triangle::Triangle;
+use crate::range::{Point, flush};
+use alloc::vec::Vec;
+use glam::DVec3;
+use patches::{Patch, Patches};
+
+impl Mesh<'_> {
+    /// Spheres that hold every point of the solid that the mesh bounds, and no point that is farther than `error` from it, in its unit. So
+    /// a body of these spheres that is free of others says for certain that the solid is; a hit means that the others come within
+    /// `error` of the solid. Solid and inside are what [`Builder::solid`](crate::construct::Builder::solid) says.
+    ///
+    /// They are far fewer than those of [`Mesh::cover`] where the solid is thick, since most of each is inside. The same spheres on every machine. An
+    /// empty mesh has none.
+    ///
+    /// ```
+    /// use simdop::construct::OwnedMesh;
+    /// let cube = OwnedMesh::cuboid([1.0; 3])?;
+    /// let (solid, surface) = (cube.as_mesh().cover_solid(0.1)?, cube.as_mesh().cover(0.1)?);
+    /// let is_held = |spheres: &[simdop::primitive::Sphere]| {
+    ///     spheres.iter().any(|sphere| sphere.centre.iter().map(|x| x * x).sum::<f64>() <= sphere.radius * sphere.radius)
+    /// };
+    /// assert!(is_held(&solid) && !is_held(&surface)); // the middle of the cube
+    /// assert!(solid.len() < surface.len());
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    ///
+    /// # Errors
+    /// [`CoverError`]: of a mesh that is not closed [`BuildError::Open`].
+    pub fn cover_solid(&self, error: f64) -> Result<Vec<Sphere>, CoverError> {
+        check_closed(self).map_err(|unclosed| {
+            CoverError::Mesh(match unclosed {
+                Unclosed::Mesh(error) => error,
+                Unclosed::Open(OpenEdge { edge, corners, forward, backward }) => {
+                    BuildError::Open { edge, corners, forward, backward }
+                }
+            })
+        })?;
+        let corners = || self.triangles.iter().flatten().map(|&vertex| self.vertices[vertex as usize]);
+        let largest = corners().flatten().fold(0.0, |most: f64, x| most.max(x.abs()));
+        check_cover_error(error, largest)?;
+        if self.triangles.is_empty() {
+            return Ok(Vec::new());
+        }
+        // By a power of two: without rounding.
+        let scale = scale_to_one(largest);
+        let vertices: Vec<Point> = self.vertices.iter().map(|p| p.map(|x| flush(x) * scale)).collect();
+        let scaled = Mesh { vertices: &vertices, triangles: self.triangles };
+        let surface = Surface::new(&scaled).map_err(CoverError::Mesh)?;
+        let mut cover = SolidCover::new(&surface, error * scale, COVER_ROUNDING * (largest * scale));
+        cover.hold_surface(&scaled)?;
+        cover.hold_inside(&scaled);
+        let unscale = 1.0 / scale;
+        let sphere = |sphere: &Sphere| Sphere {
+            centre: sphere.centre.map(|x| x * unscale),
+            radius: sphere.radius * unscale,
+        };
+        Ok(cover.spheres.iter().map(sphere).collect())
+    }
+}
+
+/// No edge of a patch is longer, of the error.
+const LONGEST: f64 = 0.25;
+/// What a sphere holds beside a patch, of the error: less takes more cubes, more takes more spheres.
+const MARGIN: f64 = 0.125;
+/// Patches below which centres are looked for, for a sphere.
+const TRIED: usize = 24;
+/// Halvings between the deepest centre that will do and one that will not.
+const HALVINGS: usize = 3;
+/// Beyond all distances where no coordinate is above 2.
+const WIDEST: f64 = 8.0;
+/// What distances and sums of this module round, at most, of themselves.
+const NARROW: f64 = 1.0 - power_of_two(-40);
+
+struct SolidCover<'s> {
+    surface: &'s Surface,
+    error: f64,
+    /// For the roundings of patches and cubes.
+    pad: f64,
+    spheres: Vec<Sphere>,
+}
+
+/// What is looked at for points that are not held.
+#[derive(Copy, Clone)]
+struct Cell {
+    centre: DVec3,
+    half: f64,
+    /// Known to be inside of the solid with all of it.
+    is_inside: bool,
+}
+
+impl Cell {
+    /// Of a ball around it, wherever its centre is rounded to.
+    fn reach(&self, pad: f64) -> f64 {
+        // Above the root of 3.
+        1.7321 * self.half + pad
+    }
+
+    fn eighth(&self, number: usize) -> Self {
+        let half = 0.5 * self.half;
+        let side = |axis: usize| if number >> axis & 1 == 1 { half } else { -half };
+        Self { centre: self.centre + DVec3::new(side(0), side(1), side(2)), half, ..*self }
+    }
+}
+
+impl<'s> SolidCover<'s> {
+    const fn new(surface: &'s Surface, error: f64, pad: f64) -> Self {
+        Self { surface, error, pad, spheres: Vec::new() }
+    }
+
+    /// The radius of a sphere about a point inside, no deeper than a limit.
+    fn radius_inside(&self, centre: DVec3, limit: f64) -> f64 {
+        let depth = self.surface.certain_clearance(centre.to_array(), limit);
+        (depth + self.error - 4.0 * self.pad) * NARROW
+    }
+
+    /// How far from its centre a sphere holds patches with their margins.
+    fn reach(&self, radius: f64) -> f64 {
+        radius * NARROW - MARGIN * self.error - 2.0 * self.pad
+    }
+
+    fn hold_surface(&mut self, mesh: &Mesh<'_>) -> Result<(), CoverError> {
+        let corner = |vertex: u32| mesh.vertices[vertex as usize];
+        let triangles: Vec<Triangle> = mesh.triangles.iter().map(|t| t.map(corner)).collect();
+        let mut patches = Patches::new(&cut(&triangles, LONGEST * self.error)?);
+        let mut from = 0;
+        while let Some(seed) = patches.next(from) {
+            from = seed;
+            let sphere = self.best_sphere(&patches, patches.get(seed));
+            patches.hold(self.reach(sphere.radius), DVec3::from_array(sphere.centre));
+            self.spheres.push(sphere);
+        }
+        Ok(())
+    }
+
+    /// Of some spheres that hold a patch the one that holds most of what is not held.
+    fn best_sphere(&self, patches: &Patches, seed: &Patch) -> Sphere {
+        // On the surface, up to roundings of the patch.
+        let radius = (self.error - 4.0 * self.pad) * NARROW;
+        let mut best = Sphere { centre: seed.middle.to_array(), radius };
+        let mut most = patches.gain(self.reach(radius), seed.middle);
+        let near = patches.near(self.reach(radius), seed.middle);
+        let tried = TRIED.min(near.len());
+        for k in 0..tried {
+            let base = patches.get(near[k * near.len() / tried]);
+            for normal in [base.area, -base.area] {
+                let Some(normal) = normal.try_normalize() else { continue };
+                self.below(base.middle, normal, seed, &mut |sphere| {
+                    let gain = patches.gain(self.reach(sphere.radius), DVec3::from_array(sphere.centre));
+                    if gain > most {
+                        (best, most) = (sphere, gain);
+                    }
+                });
+            }
+        }
+        best
+    }
+
+    /// Shows spheres about points inside on a line from the surface that hold a patch: ever deeper ones, as long as there are some.
+    fn below(&self, from: DVec3, normal: DVec3, seed: &Patch, show: &mut dyn FnMut(Sphere)) {
+        let mut at = |depth: f64| {
+            let centre = from + depth * normal;
+            if !self.surface.winds_around(centre) {
+                return false;
+            }
+            let radius = self.radius_inside(centre, depth);
+            let does_hold = seed.is_within(self.reach(radius), centre);
+            if does_hold {
+                show(Sphere { centre: centre.to_array(), radius });
+            }
+            does_hold
+        };
+        let mut depth = 0.5 * self.error;
+        while at(depth) {
+            depth *= 2.0;
+        }
+        let (mut shallow, mut deep) = (0.5 * depth, depth);
+        for _ in 0..HALVINGS {
+            let middle = 0.5 * (shallow + deep);
+            *(if at(middle) { &mut shallow } else { &mut deep }) = middle;
+        }
+    }
+
+    fn hold_inside(&mut self, mesh: &Mesh<'_>) {
+        let corners =
+            || mesh.triangles.iter().flatten().map(|&v| DVec3::from_array(mesh.vertices[v as usize]));
+        let low = corners().fold(DVec3::INFINITY, DVec3::min);
+        let high = corners().fold(DVec3::NEG_INFINITY, DVec3::max);
+        let half = 0.5 * (high - low).max_element() + self.pad;
+        let cube = Cell { centre: 0.5 * low + 0.5 * high, half, is_inside: false };
+        self.hold_cube(cube, &[], 0);
+    }
+
+    /// Sees to it that spheres hold what is inside of the solid in a cube. `around` are those of the first `known` that reach into it.
+    fn hold_cube(&mut self, mut cube: Cell, around: &[usize], known: usize) {
+        let reach = cube.reach(self.pad);
+        let away = |sphere: &Sphere| DVec3::from_array(sphere.centre).distance(cube.centre);
+        let mut near = Vec::new();
+        for i in around.iter().copied().chain(known..self.spheres.len()) {
+            let (away, radius) = (away(&self.spheres[i]), self.spheres[i].radius);
+            if away + reach <= radius * NARROW {
+                return;
+            }
+            if away <= radius + reach {
+                near.push(i);
+            }
+        }
+        if !cube.is_inside {
+            let is_at_surface = self.surface.certain_clearance(cube.centre.to_array(), reach) < reach;
+            if is_at_surface && 2.01 * reach <= MARGIN * self.error
+                || !is_at_surface && !self.surface.winds_around(cube.centre)
+            {
+                return;
+            }
+            cube.is_inside = !is_at_surface;
+        }
+        if cube.is_inside {
+            let radius = self.radius_inside(cube.centre, WIDEST);
+            // Not smaller than half as deep as it is: a sphere would hold the cubes beside it, too.
+            if 2.0 * reach <= radius {
+                self.spheres.push(Sphere { centre: cube.centre.to_array(), radius });
+                return;
+            }
+        }
+        let known = self.spheres.len();
+        for number in 0..8 {
+            self.hold_cube(cube.eighth(number), &near, known);
+        }
+    }
+}
