@@ -17,7 +17,7 @@ use crate::pose::Pose;
 use crate::range::Point;
 
 /// Three corners, in steps.
-pub type Corners = [[i32; 3]; 3];
+pub type LatticeCorners = [[i32; 3]; 3];
 
 /// How many steps a coordinate of a moved point is off, at most.
 pub(crate) const OFF_MOVED: i32 = 4;

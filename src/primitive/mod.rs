@@ -10,7 +10,7 @@ pub mod sphere;
 mod store;
 pub mod triangle;
 
-pub use lattice::{Corners, Lattice};
+pub use lattice::{Lattice, LatticeCorners};
 pub use sphere::{Sphere, Spheres};
 pub(crate) use store::Fault;
 pub use store::Store;
@@ -138,7 +138,7 @@ pub trait Primitive: Copy + fmt::Debug + Send + Sync + 'static {
         _index: u32,
         _lattice: &Lattice,
         _is_moved: bool,
-    ) -> Option<Corners> {
+    ) -> Option<LatticeCorners> {
         None
     }
 

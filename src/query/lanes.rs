@@ -11,7 +11,7 @@ use crate::kernel::{Kernel, SEPARATED, Turned};
 use crate::key::{Key, decode};
 use crate::node::{Child, Dop, Link, Node, Node4, Node16};
 use crate::pose::Pose;
-use crate::primitive::{Corners, Primitive};
+use crate::primitive::{LatticeCorners, Primitive};
 use crate::range::Point;
 use crate::realign::{OwnSlab, OwnSlabs, Ray, Realignment, own_slabs, planes_of, planes_on_lattice};
 
@@ -57,7 +57,7 @@ pub trait Lanes: Dop {
     fn aim_on_lattice(
         turned: &mut Self::Turned,
         b: &Frame,
-        triangles: impl Iterator<Item = Option<Corners>>,
+        triangles: impl Iterator<Item = Option<LatticeCorners>>,
         exponent: i32,
         margin: f64,
     ) -> bool;
@@ -182,7 +182,7 @@ macro_rules! impl_lanes {
             fn aim_on_lattice(
                 turned: &mut Self::Turned,
                 b: &Frame,
-                triangles: impl Iterator<Item = Option<Corners>>,
+                triangles: impl Iterator<Item = Option<LatticeCorners>>,
                 exponent: i32,
                 margin: f64,
             ) -> bool {

@@ -10,19 +10,19 @@ use crate::hierarchy::BvhRef;
 use crate::node::Link;
 use crate::pose::Pose;
 use crate::primitive::triangle::LatticeProbe;
-use crate::primitive::{Corners, Lattice, Primitive};
+use crate::primitive::{Lattice, LatticeCorners, Primitive};
 use core::ops::ControlFlow;
 
 /// One body of a traversal.
-pub(super) struct Placed<'t, N: Lanes, P: Primitive> {
+pub(super) struct PlacedTree<'t, N: Lanes, P: Primitive> {
     pub(super) tree: &'t BvhRef<'t, N, P>,
     /// Moves its primitives, if it is the query's A.
     pub(super) pose: Option<&'t Pose>,
 }
 
-impl<N: Lanes, P: Primitive> Placed<'_, N, P> {
+impl<N: Lanes, P: Primitive> PlacedTree<'_, N, P> {
     #[inline(always)]
-    fn corners(&self, index: u32, lattice: &Lattice) -> Option<Corners> {
+    fn corners(&self, index: u32, lattice: &Lattice) -> Option<LatticeCorners> {
         P::on_lattice(self.tree.store(), index, lattice, self.pose.is_some())
     }
 
@@ -36,9 +36,9 @@ impl<N: Lanes, P: Primitive> Placed<'_, N, P> {
 pub(super) fn placed<'t, N: Lanes, P: Primitive, Q: Primitive>(
     (a, b): (&'t BvhRef<'t, N, P>, &'t BvhRef<'t, N, Q>),
     placing: &'t Placing<'_>,
-) -> (Placed<'t, N, P>, Placed<'t, N, Q>) {
+) -> (PlacedTree<'t, N, P>, PlacedTree<'t, N, Q>) {
     let pose = |side: Side| (placing.turned == side).then_some(placing.pose);
-    (Placed { tree: a, pose: pose(Side::A) }, Placed { tree: b, pose: pose(Side::B) })
+    (PlacedTree { tree: a, pose: pose(Side::A) }, PlacedTree { tree: b, pose: pose(Side::B) })
 }
 
 /// The lattice of tests, made when it is first needed.
@@ -59,8 +59,8 @@ pub(super) fn lattice_of<'l, N: Lanes, P: Primitive, Q: Primitive>(
 #[inline(never)]
 pub(super) fn decide_on_lattice<N: Lanes, One: Pairwise<Other>, Other: Pairwise<One>>(
     lattice: Option<&Lattice>,
-    (one, index): (&Placed<'_, N, One>, u32),
-    other: &Placed<'_, N, Other>,
+    (one, index): (&PlacedTree<'_, N, One>, u32),
+    other: &PlacedTree<'_, N, Other>,
     leaves: &Leaves,
     counters: &mut Counters,
     visit: &mut dyn FnMut(u32) -> ControlFlow<()>,
@@ -91,8 +91,8 @@ pub(super) fn decide_on_lattice<N: Lanes, One: Pairwise<Other>, Other: Pairwise<
 #[cold]
 #[inline(never)]
 fn meet<N: Lanes, One: Pairwise<Other>, Other: Pairwise<One>>(
-    (one, i): (&Placed<'_, N, One>, u32),
-    (other, j): (&Placed<'_, N, Other>, u32),
+    (one, i): (&PlacedTree<'_, N, One>, u32),
+    (other, j): (&PlacedTree<'_, N, Other>, u32),
     exact: &mut u64,
 ) -> bool {
     One::meets(&One::probe(&one.item(i), 0.0), &other.item(j), exact)

@@ -17,7 +17,7 @@
 use crate::directions::{Directions, SUPPORTED, table};
 use crate::frame::Frame;
 use crate::key::Key;
-use crate::primitive::lattice::{self, Corners, OFF_MOVED, OFF_STILL};
+use crate::primitive::lattice::{self, LatticeCorners, OFF_MOVED, OFF_STILL};
 
 /// A coordinate about the frame's centre, in steps.
 const OFF: i32 = OFF_MOVED + OFF_STILL;
@@ -44,7 +44,7 @@ const _: () = {
 /// [`super::planes_of`], if it is certain, of corners that a pose moved to a lattice of `2^exponent` steps to the unit.
 pub(crate) fn planes_on_lattice<const K: usize>(
     b: &Frame,
-    triangles: impl Iterator<Item = Option<Corners>>,
+    triangles: impl Iterator<Item = Option<LatticeCorners>>,
     exponent: i32,
     margin: f64,
 ) -> Option<[Key; K]> {

@@ -13,7 +13,8 @@ use crate::realign::{OwnSlab, Realignment};
 
 impl Kernel for Scalar {
     const TURNS_BY_PLANES: bool = true;
-    const ON_LATTICE: bool = true;
+    // Every 64-bit Arm core has `f64`, and NEON: there it would be code that is never run.
+    const ON_LATTICE: bool = !cfg!(simdop_neon);
 
     #[inline(always)]
     fn run<R>(self, f: impl FnOnce() -> R) -> R {

@@ -22,7 +22,7 @@
 
 use super::interval::Wedge;
 use super::separated;
-use crate::primitive::lattice::{Corners, OFF_MOVED};
+use crate::primitive::lattice::{LatticeCorners, OFF_MOVED};
 
 /// How many steps a difference of two coordinates is off, at most, with a ninth for roundings.
 const OFF: f32 = (2 * OFF_MOVED + 1) as f32;
@@ -33,7 +33,7 @@ const ROUNDINGS: f32 = 12.0 / (1 << 24) as f32;
 /// A triangle on a lattice, that is to be tested against others.
 #[derive(Debug)]
 pub(crate) struct LatticeProbe<'t> {
-    corners: &'t Corners,
+    corners: &'t LatticeCorners,
     normal: [f32; 3],
     /// A determinant is off by `constant`, and by this times the sum of magnitudes of the way to the point.
     per_length: f32,
@@ -42,7 +42,7 @@ pub(crate) struct LatticeProbe<'t> {
 
 impl<'t> LatticeProbe<'t> {
     #[inline(always)]
-    pub(crate) fn new(corners: &'t Corners) -> Self {
+    pub(crate) fn new(corners: &'t LatticeCorners) -> Self {
         let [x, y] = [way(&corners[0], &corners[1]), way(&corners[0], &corners[2])];
         let (sum_x, sum_y) = (sum(&x) + 3.0 * OFF, sum(&y) + 3.0 * OFF);
         let product = sum_x * sum_y;
@@ -65,13 +65,13 @@ impl<'t> LatticeProbe<'t> {
     }
 
     #[inline(never)]
-    fn sides(&self, of: &Corners) -> [i8; 3] {
+    fn sides(&self, of: &LatticeCorners) -> [i8; 3] {
         [self.side(&of[0]), self.side(&of[1]), self.side(&of[2])]
     }
 
     /// Whether the triangles meet, if it is certain.
     #[inline(never)]
-    pub(crate) fn meets(&self, other: &Corners) -> Option<bool> {
+    pub(crate) fn meets(&self, other: &LatticeCorners) -> Option<bool> {
         let of_other = self.sides(other);
         if separated(of_other) {
             return Some(false);
@@ -119,7 +119,7 @@ mod tests {
     use crate::rng::Rng;
 
     /// A triangle as stored, where the pose puts it, and where it is on the lattice.
-    fn moved(t: &Triangle, pose: &Pose, lattice: &Lattice) -> (Triangle, Corners) {
+    fn moved(t: &Triangle, pose: &Pose, lattice: &Lattice) -> (Triangle, LatticeCorners) {
         (t.map(|p| pose.apply(p)), t.map(|p| lattice.moved(lattice.double(&p))))
     }
 
@@ -167,7 +167,7 @@ mod tests {
     }
 
     /// The side of corners and a point on the lattice: exactly, if they were there.
-    fn sign_of(corners: &Corners, p: &[i32; 3]) -> i32 {
+    fn sign_of(corners: &LatticeCorners, p: &[i32; 3]) -> i32 {
         let [x, y, z] = [&corners[1], &corners[2], p]
             .map(|p| [0, 1, 2].map(|i| i128::from(p[i]) - i128::from(corners[0][i])));
         let minor = |i: usize, j: usize| x[i] * y[j] - x[j] * y[i];
@@ -182,7 +182,7 @@ mod tests {
         for _ in 0..200_000 {
             let most = f64::from(1 << 27);
             let t: Triangle = [0, 1, 2].map(|_| [0, 1, 2].map(|_| rng.range(-most, most)));
-            let corners: Corners = t.map(|p| p.map(|x| x as i32));
+            let corners: LatticeCorners = t.map(|p| p.map(|x| x as i32));
             let (v, w) = (rng.range(-0.5, 1.0), rng.range(-0.5, 1.0));
             let p = [0, 1, 2].map(|i| {
                 let inside = t[0][i] + v * (t[1][i] - t[0][i]) + w * (t[2][i] - t[0][i]);

@@ -3,7 +3,7 @@
 use super::Triangle;
 use super::crossing::crossing;
 use crate::pose::Pose;
-use crate::primitive::{Corners, Kind, Lattice, OWN_DIRECTIONS, Primitive, Sphere, Store};
+use crate::primitive::{Kind, Lattice, LatticeCorners, OWN_DIRECTIONS, Primitive, Sphere, Store};
 use crate::range::Point;
 use crate::vector::cross;
 
@@ -62,7 +62,12 @@ impl Primitive for Triangles {
     }
 
     #[inline(always)]
-    fn on_lattice(store: &Store<'_, Self>, index: u32, lattice: &Lattice, is_moved: bool) -> Option<Corners> {
+    fn on_lattice(
+        store: &Store<'_, Self>,
+        index: u32,
+        lattice: &Lattice,
+        is_moved: bool,
+    ) -> Option<LatticeCorners> {
         let corner = |vertex: u32| {
             let p = store.vertex_by(vertex, |p| lattice.single(p), |p| lattice.double(p));
             if is_moved { lattice.moved(p) } else { p }
