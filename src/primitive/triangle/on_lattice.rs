@@ -192,6 +192,12 @@ mod tests {
             let (side, truth) = (i32::from(probe.side(&p)), sign_of(&corners, &p));
             assert!(side == 0 || side == truth, "{corners:?} {p:?}");
             certain += side.abs();
+            // The corners are just there: what pays for the roundings is all that is needed.
+            let [x, y] = [way(&corners[0], &corners[1]), way(&corners[0], &corners[2])];
+            let rounded =
+                LatticeProbe { per_length: ROUNDINGS * (sum(&x) * sum(&y)), constant: 0.0, ..probe };
+            let side = i32::from(rounded.side(&p));
+            assert!(side == 0 || side == truth, "without a pad for where corners are: {corners:?} {p:?}");
             let unpadded = LatticeProbe { per_length: 0.0, constant: 0.0, ..probe };
             wrong += i32::from(i32::from(unpadded.side(&p)) * truth < 0);
         }
