@@ -104,7 +104,7 @@
 //! |---|---|---|---|
 //! | x86-64, AVX2 or scalar: collide, within, pairs / distance | 13 / 26 | 15 / 30 | 16 / 35 |
 //!
-//! (Rust 1.95, release, arity 16; arity 4 takes up to 7 KiB less.) On a Cortex-M4F a collision takes 9 KiB without
+//! (Rust 1.95, release, arity 16; arity 4 takes up to 7 KiB less.) On a Cortex-M4F a collision takes 8 KiB without
 //! exact arithmetic, on an A53 12. `from_bytes` and `verify` take 1.5 KiB. A thread with 32 KiB for collisions and 64 KiB for distances is enough, which
 //! `tests/queries/stack.rs` checks. Exact arithmetic takes 6 KiB of this, the pairs that wait [`query::STACK_BYTES`]
 //! or [`query::DISTANCE_STACK_BYTES`], and most of the rest is turned planes and triangles. Penetration volumes take less
