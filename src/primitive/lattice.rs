@@ -78,7 +78,7 @@ impl Lattice {
 
     #[inline(always)]
     pub(crate) fn double(&self, p: &Point) -> [i32; 3] {
-        [steps(p[0], self.exponent), steps(p[1], self.exponent), steps(p[2], self.exponent)]
+        still(p, self.exponent)
     }
 
     /// Where the pose puts a point. Below 2^28 steps: the root of 3 times what is below 2^25, and 2^26.
