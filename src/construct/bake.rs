@@ -1,6 +1,7 @@
 //! The baked tree of a shape: header, nodes, primitives in one run of bytes. The only code that makes nodes.
 
 use super::balls::balls;
+use super::details::Details;
 use super::geometry::{Checked, Record, bounding_box, corners_of};
 use super::parts::parts;
 use super::shape::{InOrder, Shape};
@@ -51,6 +52,13 @@ pub(super) fn bake<N: Dop, G: Geometry>(
     if G::Primitive::IS_ROUND && thin_slabs.iter().all(|slab| *slab == ThinSlab::EVERYWHERE) {
         thin_slabs = Vec::new();
     }
+    // All that reads nodes from here on reads the body's own.
+    let with_thin_slabs = has_thin_slabs && thin_slabs.len() == nodes.len() * N::ARITY;
+    let details = if G::Primitive::HAS_BALLS {
+        Details::NONE
+    } else {
+        Details::of::<G>(&nodes, &frame, &vertices, &records, with_thin_slabs)
+    };
     let balls = if has_balls && G::Primitive::HAS_BALLS && N::ARITY == 16 {
         balls::<N, G::Primitive>(&nodes, &frame, half_width, &vertices, &records)
     } else {
@@ -94,11 +102,12 @@ pub(super) fn bake<N: Dop, G: Geometry>(
             Some(_) => size_of::<<G::Primitive as Primitive>::Single>() as u16,
             None => size_of::<<G::Primitive as Primitive>::Double>() as u16,
         },
-        has_thin_slabs: (has_thin_slabs && (thin_slabs.len() == nodes.len() * N::ARITY)).into(),
+        has_thin_slabs: with_thin_slabs.into(),
         has_balls: (!balls.is_empty()).into(),
         is_solid: (is_solid && G::Primitive::BOUNDS_SOLIDS).into(),
         part_count: parts.len() as u32,
-        reserved: [0; 4],
+        detail_count: details.details.len() as u32,
+        detail_node_count: details.nodes.len() as u32,
     };
     let vertex_bytes: &[u8] = match &single {
         Some(single) => bytemuck::cast_slice(single),
@@ -108,8 +117,11 @@ pub(super) fn bake<N: Dop, G: Geometry>(
     Ok(Bvh::assemble(&[
         (64, bytemuck::bytes_of(&header)),
         (64, bytemuck::cast_slice(&nodes)),
+        (1, bytemuck::cast_slice(&details.nodes)),
         (1, bytemuck::cast_slice(&balls)),
         (8, bytemuck::cast_slice(&thin_slabs)),
+        (1, bytemuck::cast_slice(&details.thin_slabs)),
+        (8, bytemuck::cast_slice(&details.details)),
         (8, vertex_bytes),
         (4, bytemuck::cast_slice(&records)),
         (4, bytemuck::cast_slice(&shape.sources)),
@@ -117,7 +129,7 @@ pub(super) fn bake<N: Dop, G: Geometry>(
     ]))
 }
 
-fn half_width<P: Primitive>(frame: &Frame, vertices: &[P::Double]) -> [f32; 3] {
+pub(super) fn half_width<P: Primitive>(frame: &Frame, vertices: &[P::Double]) -> [f32; 3] {
     core::array::from_fn(|i| {
         let width = |Sphere { centre, radius }: Sphere| {
             ((centre[i] - frame.centre[i]) * frame.scale()).abs() + radius * frame.scale()
@@ -133,7 +145,7 @@ fn radius<P: Primitive>(frame: &Frame, vertices: &[P::Double]) -> f64 {
 
 /// The largest magnitude of a plane. Codes order as what they stand for, so the least and the greatest
 /// have it.
-fn max_plane<N: Dop>(nodes: &[N]) -> f32 {
+pub(super) fn max_plane<N: Dop>(nodes: &[N]) -> f32 {
     let (mut least, mut greatest) = (0, 0);
     for node in nodes {
         for j in 0..N::K {

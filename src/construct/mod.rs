@@ -13,6 +13,7 @@ mod closed;
 mod clustering;
 mod cost;
 mod cover;
+mod details;
 mod enclosing;
 mod error;
 mod geometry;

@@ -12,7 +12,7 @@ use core::fmt;
 pub const MAGIC: [u8; 8] = *b"SIMDOP\x1a\n";
 
 /// Version of the layout that this crate reads and writes.
-pub const VERSION: u32 = 5;
+pub const VERSION: u32 = 6;
 
 #[cfg(target_endian = "big")]
 compile_error!("baked trees are little-endian and read in place: big-endian targets are not supported");
@@ -35,7 +35,7 @@ pub struct Header {
     pub leaf_size: u16,
     /// Levels of nodes.
     pub depth: u32,
-    /// Number of nodes.
+    /// Number of nodes, but for those of details.
     pub node_count: u32,
     /// Number of primitives.
     pub primitive_count: u32,
@@ -72,7 +72,10 @@ pub struct Header {
     /// Number of parts of which a primitive each is named at the end of the bytes: parts do not hang together. 0 of a body
     /// that is one part, which primitive 0 stands for, and of spheres, each of which is a part.
     pub part_count: u32,
-    pub(crate) reserved: [u16; 4],
+    /// Number of [`Detail`](super::Detail)s.
+    pub detail_count: u32,
+    /// Number of nodes of all of them, which come after the body's own.
+    pub detail_node_count: u32,
 }
 
 const _: () = assert!(size_of::<Header>() == 128 && align_of::<Header>() == 8, "the header has 128 bytes");
@@ -145,6 +148,14 @@ pub enum BakeError {
         /// Index of the primitive in leaf order.
         index: u32,
     },
+    /// A detail stands for no node, or for none in order, or its nodes are not of the shape that they stand for, or larger
+    /// than it says.
+    Detail {
+        /// Index of the detail.
+        index: u32,
+        /// What is wrong.
+        problem: &'static str,
+    },
     /// What stands for a part is no primitive, or does not come after what stands for the part before.
     Part {
         /// Index of the part.
@@ -169,6 +180,7 @@ impl fmt::Display for BakeError {
             Self::Source { index } => {
                 write!(f, "primitive {index} had an index that is not below the number of primitives")
             }
+            Self::Detail { index, problem } => write!(f, "detail {index}: {problem}"),
             Self::Part { index } => {
                 write!(f, "what stands for part {index} is no primitive, or out of order")
             }

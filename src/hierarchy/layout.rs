@@ -1,6 +1,6 @@
 //! Where the parts of a baked tree lie.
 
-use super::{BakeError, Header, MAGIC, VERSION};
+use super::{BakeError, Detail, Header, MAGIC, VERSION};
 use crate::node::{Ball16, Node, ThinSlab};
 use crate::primitive::{Primitive, Store};
 use core::mem::offset_of;
@@ -21,6 +21,7 @@ pub(super) struct Layout {
     pub(super) nodes: Part,
     pub(super) balls: Part,
     pub(super) thin_slabs: Part,
+    pub(super) details: Part,
     pub(super) vertices: Part,
     pub(super) records: Part,
     /// What primitives were in what was built, then what stands for the parts.
@@ -79,6 +80,10 @@ impl Layout {
         }
         let layout = attempt!(Self::of_counts::<N, P>(
             u32_at(bytes, offset_of!(Header, node_count)),
+            [
+                u32_at(bytes, offset_of!(Header, detail_count)),
+                u32_at(bytes, offset_of!(Header, detail_node_count)),
+            ],
             u16_at(bytes, offset_of!(Header, has_thin_slabs)),
             has_balls,
             u32_at(bytes, offset_of!(Header, vertex_count)),
@@ -96,9 +101,10 @@ impl Layout {
         Ok(layout)
     }
 
-    /// Of a tree with so many nodes, thin slabs or not, balls or not, vertices of some size, primitives and parts.
+    /// Of a tree with so many nodes, details and nodes of these, thin slabs or not, balls or not, vertices of some size, primitives and parts.
     pub(super) const fn of_counts<N: Node, P: Primitive>(
         nodes: u32,
+        [details, detail_nodes]: [u32; 2],
         has_thin_slabs: u16,
         has_balls: u16,
         vertices: u32,
@@ -107,20 +113,24 @@ impl Layout {
         parts: u32,
     ) -> Result<Self, BakeError> {
         let header = Part { start: 0, len: size_of::<Header>() };
+        let Some(nodes) = nodes.checked_add(detail_nodes) else {
+            return Err(BakeError::Header { field: "detail_node_count" });
+        };
         let with_slabs = if has_thin_slabs != 0 { nodes } else { 0 };
         let with_balls = if has_balls != 0 { nodes } else { 0 };
         let nodes = attempt!(header.then(nodes, size_of::<N>(), 64));
         // Where nodes have sixteen lanes, they end at a multiple of 64.
         let balls = attempt!(nodes.then(with_balls, size_of::<Ball16>(), 1));
         let thin_slabs = attempt!(balls.then(with_slabs, N::ARITY * size_of::<ThinSlab>(), 8));
-        let vertices = attempt!(thin_slabs.then(vertices, vertex_size as usize, 8));
+        let details = attempt!(thin_slabs.then(details, size_of::<Detail>(), 8));
+        let vertices = attempt!(details.then(vertices, vertex_size as usize, 8));
         let records = attempt!(vertices.then(primitives, size_of::<P::Record>(), 4));
         let mut indices = attempt!(records.then(primitives, 4, 4));
         // No gap between the two.
         let parts = attempt!(indices.then(parts, 4, 4));
         indices.len += parts.len;
         let end = attempt!(indices.then(0, 0, 64)).start;
-        Ok(Self { nodes, thin_slabs, balls, vertices, records, indices, vertex_size, end })
+        Ok(Self { nodes, thin_slabs, balls, details, vertices, records, indices, vertex_size, end })
     }
 }
 

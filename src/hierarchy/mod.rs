@@ -16,6 +16,7 @@
 
 mod any;
 mod baked;
+mod detail;
 mod header;
 mod layout;
 #[cfg(feature = "alloc")]
@@ -25,6 +26,7 @@ mod owned;
 mod stats;
 mod tree_stats;
 mod validate;
+mod validate_details;
 mod verify;
 mod view;
 mod walk;
@@ -34,6 +36,7 @@ pub use any::AnyBvh;
 pub use any::AnyBvhRef;
 pub(crate) use any::for_node_types;
 pub use baked::{Aligned, Baked};
+pub use detail::Detail;
 pub use header::{BakeError, Header, MAGIC, VERSION};
 #[cfg(feature = "alloc")]
 pub(crate) use looseness::looseness;

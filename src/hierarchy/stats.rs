@@ -12,8 +12,10 @@ pub struct Stats {
     pub primitives: usize,
     /// Number of parts: primitives of different parts do not hang together. Each sphere is one.
     pub parts: usize,
-    /// Number of nodes.
+    /// Number of nodes, those of details too.
     pub nodes: usize,
+    /// Number of parts that are in the tree once more, in frames of their own.
+    pub details: usize,
     /// Levels of nodes.
     pub depth: usize,
     /// Lanes in use, of `nodes * arity`.
@@ -36,6 +38,7 @@ impl<N: Node, P: Primitive> BvhRef<'_, N, P> {
         let h = self.header;
         let layout = Layout::of_counts::<N, P>(
             h.node_count,
+            [h.detail_count, h.detail_node_count],
             h.has_thin_slabs,
             h.has_balls,
             h.vertex_count,
@@ -47,6 +50,7 @@ impl<N: Node, P: Primitive> BvhRef<'_, N, P> {
             primitives: self.len(),
             parts: self.parts().len(),
             nodes: self.nodes.len(),
+            details: self.details.len(),
             depth: self.header.depth as usize,
             lanes_used: self.nodes.iter().map(used).sum(),
             node_bytes: size_of_val(self.nodes),

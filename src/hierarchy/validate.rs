@@ -4,7 +4,7 @@ use super::{BakeError, BvhRef, Header, MAX_DEPTH};
 use crate::exact::power_of_two;
 use crate::frame::{Extent, MAX_EXPONENT};
 use crate::key::{Key, decode};
-use crate::node::{BoundingBall, Child, Dop, Link, MAX_LEAF_SIZE, Width};
+use crate::node::{BoundingBall, Child, Dop, INDEX, Link, MAX_LEAF_SIZE, Width};
 use crate::primitive::{Fault, Primitive, Sphere};
 use crate::range::{MAX_COORDINATE, MAX_MOVED, flush};
 
@@ -17,6 +17,8 @@ impl<N: Dop, P: Primitive> BvhRef<'_, N, P> {
     /// * primitives are in the order of the leaves, so the leaves' ranges follow each other likewise;
     /// * the index that each primitive had in what was built is below their number, and what stands for parts are
     ///   primitives, ascending;
+    /// * the nodes of each detail are in such an order too, and of the shape of those that they stand for, down to the same
+    ///   leaves; details stand for ascending nodes, each of the body's or of an earlier detail;
     /// * each plane of a used lane is a finite key, each plane of an unused one is
     ///   [`Key::EMPTY`]; balls are finite and lie about the body.
     ///
@@ -28,6 +30,7 @@ impl<N: Dop, P: Primitive> BvhRef<'_, N, P> {
         self.validate_header()?;
         self.validate_nodes()?;
         self.validate_store()?;
+        self.validate_details()?;
         let (sources, parts) = self.indices.split_at(self.len());
         if let Some(index) = sources.iter().position(|&source| source >= self.header.primitive_count) {
             return Err(BakeError::Source { index: index as u32 });
@@ -71,7 +74,13 @@ impl<N: Dop, P: Primitive> BvhRef<'_, N, P> {
                 "part_count",
                 h.part_count == 0 || !P::HAS_BALLS && (2..=h.primitive_count).contains(&h.part_count),
             ),
-            ("reserved", h.reserved == [0; 4]),
+            (
+                "detail_node_count",
+                (h.detail_count == 0) == (h.detail_node_count == 0)
+                    && (h.detail_count == 0 || !P::HAS_BALLS)
+                    && h.node_count <= INDEX
+                    && h.detail_node_count <= INDEX - h.node_count,
+            ),
         ];
         match checks.iter().find(|(_, ok)| !ok) {
             Some((field, _)) => Err(BakeError::Header { field }),
@@ -82,7 +91,8 @@ impl<N: Dop, P: Primitive> BvhRef<'_, N, P> {
     fn validate_nodes(&self) -> Result<(), BakeError> {
         let (mut next_node, mut next_primitive) = (1, 0);
         let (mut levels, mut level_end) = (0, 0);
-        for (index, node) in (0_u32..).zip(self.nodes) {
+        let body = self.nodes.get(..self.header.node_count as usize).unwrap_or_default();
+        for (index, node) in (0_u32..).zip(body) {
             let error = |lane: usize, problem| BakeError::Node { node: index, lane: lane as u32, problem };
             if index == level_end {
                 levels += 1;
@@ -92,7 +102,7 @@ impl<N: Dop, P: Primitive> BvhRef<'_, N, P> {
                 return Err(error(0, "no link leads to this node"));
             }
             for (lane, child) in node.children().iter().enumerate() {
-                self.validate_planes(node, lane).map_err(|problem| error(lane, problem))?;
+                self.validate_planes(node, lane, self.header.max_plane).map_err(|problem| error(lane, problem))?;
                 if self.thin_slab(index, lane).is_some_and(|slab| !slab.is_valid()) {
                     return Err(error(lane, "a thin slab has no direction, or no thickness"));
                 }
@@ -127,7 +137,7 @@ impl<N: Dop, P: Primitive> BvhRef<'_, N, P> {
         if levels == self.header.depth { Ok(()) } else { Err(BakeError::Header { field: "depth" }) }
     }
 
-    fn validate_planes(&self, node: &N, lane: usize) -> Result<(), &'static str> {
+    pub(super) fn validate_planes(&self, node: &N, lane: usize, max_plane: f32) -> Result<(), &'static str> {
         let empty = node.children()[lane] == Child::EMPTY;
         for j in 0..N::K {
             let code = node.plane(j, lane);
@@ -137,8 +147,8 @@ impl<N: Dop, P: Primitive> BvhRef<'_, N, P> {
                 }
             } else if Key::from_code(code).is_none() {
                 return Err("a plane is infinite, or has the code of unused lanes");
-            } else if decode(code).abs() > self.header.max_plane {
-                return Err("a plane is beyond the header's max_plane");
+            } else if decode(code).abs() > max_plane {
+                return Err("a plane is beyond max_plane");
             }
         }
         Ok(())

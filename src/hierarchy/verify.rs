@@ -1,6 +1,6 @@
 //! Does every plane bound what is below it? Proved again, in exact arithmetic.
 
-use super::{BvhRef, Lane};
+use super::{BvhRef, Lane, Walk};
 use crate::frame::Frame;
 use crate::key::Key;
 use crate::node::{BoundingBall, Dop, Link};
@@ -44,23 +44,30 @@ impl<N: Dop, P: Primitive> BvhRef<'_, N, P> {
     /// # Errors
     /// [`VerifyError`] names the first plane that is too low.
     pub fn verify(&self) -> Result<(), VerifyError> {
-        let frame = self.frame();
-        let mut walk = self.walk();
+        self.verify_below(&self.frame(), self.walk())?;
+        for detail in self.details {
+            self.verify_below(&detail.frame(), Walk::below(self.nodes, Some(detail.first)))?;
+        }
+        self.verify_volumes()
+    }
+
+    /// Of the nodes that a walk meets, whose planes are written in a frame.
+    fn verify_below(&self, frame: &Frame, mut walk: Walk<'_, N>) -> Result<(), VerifyError> {
         while let Some(Lane { child, .. }) = walk.next() {
             let Link::Leaf { first, count } = child.link() else { continue };
             for index in first..first + count {
                 let item = self.primitive(index);
                 for (node, lane) in walk.path() {
-                    let wrong = self.too_low(&frame, node, lane, &item);
-                    let wrong = wrong.or_else(|| self.too_thin(&frame, node, lane, &item));
-                    if let Some(plane) = wrong.or_else(|| self.too_round(&frame, node, lane, &item)) {
+                    let wrong = self.too_low(frame, node, lane, &item);
+                    let wrong = wrong.or_else(|| self.too_thin(frame, node, lane, &item));
+                    if let Some(plane) = wrong.or_else(|| self.too_round(frame, node, lane, &item)) {
                         let lane = lane as u32;
                         return Err(VerifyError { node, lane, plane, primitive: self.source(index) });
                     }
                 }
             }
         }
-        self.verify_volumes()
+        Ok(())
     }
 
     /// Whether the volume that each ball says is that of the spheres below its lane, at least.

@@ -1,7 +1,7 @@
 //! A hierarchy over borrowed bytes.
 
 use super::layout::Layout;
-use super::{BakeError, Header, Walk};
+use super::{BakeError, Detail, Header, Walk};
 use crate::frame::{Extent, Frame};
 use crate::node::{Ball16, Dop, Node, ThinSlab};
 use crate::primitive::{Primitive, Store, Triangles};
@@ -14,6 +14,7 @@ pub struct BvhRef<'a, N, P: Primitive = Triangles> {
     pub(super) nodes: &'a [N],
     pub(super) thin_slabs: &'a [ThinSlab],
     pub(super) balls: &'a [Ball16],
+    pub(super) details: &'a [Detail],
     pub(super) store: Store<'a, P>,
     /// The index that each primitive had in what was built; then, if the body has several parts, of a primitive in each.
     pub(super) indices: &'a [u32],
@@ -57,6 +58,7 @@ impl<'a, N: Node, P: Primitive> BvhRef<'a, N, P> {
             nodes: bytemuck::try_cast_slice(layout.nodes.of(bytes)?).ok()?,
             thin_slabs: bytemuck::try_cast_slice(layout.thin_slabs.of(bytes)?).ok()?,
             balls,
+            details: bytemuck::try_cast_slice(layout.details.of(bytes)?).ok()?,
             store: Store::read(layout.vertex_size, vertices, records)?,
             indices: bytemuck::try_cast_slice(layout.indices.of(bytes)?).ok()?,
         })
@@ -65,7 +67,7 @@ impl<'a, N: Node, P: Primitive> BvhRef<'a, N, P> {
     /// Every lane in use, depth first.
     #[must_use]
     pub fn walk(&self) -> Walk<'a, N> {
-        Walk::new(self.nodes)
+        Walk::below(self.nodes, if self.is_empty() { None } else { Some(0) })
     }
 
     /// The tree's description.
@@ -75,11 +77,31 @@ impl<'a, N: Node, P: Primitive> BvhRef<'a, N, P> {
         self.header
     }
 
-    /// All nodes, breadth-first: the root, if there is one, is the first.
+    /// All nodes, breadth-first: the root, if there is one, is the first. After the
+    /// [`node_count`](Header::node_count) nodes in the body's frame follow those of [details](Self::details), in theirs.
     #[inline]
     #[must_use]
     pub const fn nodes(&self) -> &'a [N] {
         self.nodes
+    }
+
+    /// The parts of the body that are in the tree once more, in frames of their own; most bodies have none.
+    #[inline(always)]
+    #[must_use]
+    pub const fn details(&self) -> &'a [Detail] {
+        self.details
+    }
+
+    /// The detail that stands for a node, if there is one.
+    pub(crate) fn detail_at(&self, node: u32) -> Option<&'a Detail> {
+        let index = self.details.binary_search_by_key(&node, |detail| detail.node).ok()?;
+        self.details.get(index)
+    }
+
+    /// The detail whose own a node is; `None` of the body's.
+    pub(crate) fn detail_of(&self, node: u32) -> Option<&'a Detail> {
+        let index = self.details.partition_point(|detail| detail.first <= node).checked_sub(1)?;
+        self.details.get(index)
     }
 
     /// The thin slabs of all lanes, `ARITY` a node; none if the tree was built without.

@@ -29,8 +29,8 @@ pub struct Walk<'a, N> {
 }
 
 impl<'a, N: Node> Walk<'a, N> {
-    pub(super) fn new(nodes: &'a [N]) -> Self {
-        let below = if nodes.is_empty() { None } else { Some(0) };
+    /// Of what is below a node.
+    pub(super) fn below(nodes: &'a [N], below: Option<u32>) -> Self {
         Self { nodes, path: [(0, 0); MAX_DEPTH], level: 0, below }
     }
 

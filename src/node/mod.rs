@@ -15,8 +15,9 @@ pub use aabb::{Aabb16, Box3, Bucket};
 pub use ball::{Ball16, BoundingBall};
 pub use dop::{Node4, Node16};
 pub use link::{Child, Link, MAX_LEAF_SIZE, Width};
+pub(crate) use link::INDEX;
 #[cfg(feature = "gpu")]
-pub(crate) use link::{FIRST, INDEX, LEAF_BIT};
+pub(crate) use link::{FIRST, LEAF_BIT};
 pub use thin::ThinSlab;
 
 use crate::key::Key;

@@ -93,12 +93,12 @@ where
                 Cutter::A(index) => self.slabs::<P, Q>(
                     self.placing.item_a(self.a, index),
                     self.placing.turned == Side::A,
-                    &self.b.extent(),
+                    &self.extent_b(),
                 ),
                 Cutter::B(index) => self.slabs::<Q, P>(
                     self.placing.item_b(self.b, index),
                     self.placing.turned == Side::B,
-                    &self.a.extent(),
+                    &self.extent_a(),
                 ),
             };
             self.cutter = Some((cutter, slabs));

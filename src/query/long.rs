@@ -14,7 +14,7 @@ use crate::realign::shrinkage;
 /// What thin slabs are tested with, and how that went.
 #[derive(Default, Debug)]
 pub(super) struct Thin {
-    test: Option<ThinTest>,
+    pub(super) test: Option<ThinTest>,
     asked: u32,
     apart: u32,
 }
@@ -63,12 +63,17 @@ where
         if self.thin.asked >= TRIAL && self.thin.apart * SHARE < self.thin.asked {
             return;
         }
+        // Not in the frames that the traversal is in: changing them takes longer.
+        if !self.is_in_frames_of(node_a, node_b) {
+            return;
+        }
+        let (extent_a, extent_b) = (self.extent_a(), self.extent_b());
         let test = self.thin.test.get_or_insert_with(|| {
             // Of the query's A and B.
             let (of_a, of_b, shrinkage) = if is_a_turned {
-                (a.extent(), b.extent(), shrinkage::<P>(pose, &a.extent()))
+                (extent_a, extent_b, shrinkage::<P>(pose, &extent_a))
             } else {
-                (b.extent(), a.extent(), shrinkage::<Q>(pose, &b.extent()))
+                (extent_b, extent_a, shrinkage::<Q>(pose, &extent_b))
             };
             ThinTest::new(pose, &of_a, &of_b, margin + shrinkage)
         });

@@ -37,6 +37,7 @@ mod cut;
 mod distance;
 mod entries;
 mod far;
+mod frames;
 mod frontier;
 mod gaps;
 mod hint;

@@ -6,6 +6,7 @@ use super::leaves::Leaves;
 use super::placing::Placing;
 use super::traverse::{Flow, Stop, primitives};
 use super::{Counters, Lanes, Pairwise};
+use crate::frame::Frame;
 use crate::hierarchy::BvhRef;
 use crate::node::Link;
 use crate::pose::Pose;
@@ -98,13 +99,14 @@ fn meet<N: Lanes, One: Pairwise<Other>, Other: Pairwise<One>>(
     One::meets(&One::probe(&one.item(i), 0.0), &other.item(j), exact)
 }
 
-/// The planes of leaf `a`, which `placing` places in B's frame, if they are certain.
+/// The planes of leaf `a`, which `placing` places in body b, in a frame of b, if they are certain.
 #[inline(never)]
 pub(super) fn aim_on_lattice<N: Lanes, P: Primitive, Q: Primitive>(
     made: &mut Option<Option<Lattice>>,
     (a, b): (&BvhRef<'_, N, P>, &BvhRef<'_, N, Q>),
     leaf: Link,
     placing: &Placing<'_>,
+    frame_b: &Frame,
     aimed: &mut N::Turned,
 ) -> bool {
     // The way back has a lattice of its own.
@@ -113,5 +115,5 @@ pub(super) fn aim_on_lattice<N: Lanes, P: Primitive, Q: Primitive>(
     let to_b = Placing { pose: placing.to_b, turned: Side::A, ..*placing };
     let Some(lattice) = lattice_of(made, (a, b), &to_b) else { return false };
     let corners = primitives(leaf).map(|index| P::on_lattice(a.store(), index, lattice, true));
-    N::aim_on_lattice(aimed, &b.frame(), corners, lattice.exponent, placing.outwards)
+    N::aim_on_lattice(aimed, frame_b, corners, lattice.exponent, placing.outwards)
 }

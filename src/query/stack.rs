@@ -38,7 +38,8 @@ pub(super) enum Descent {
 pub(super) struct Volumes {
     pub(super) a: Child,
     pub(super) b: Child,
-    /// The node that holds the planes of `b`, in lane `lane_b`; [`ABOVE_ROOT`] if that is the root.
+    /// The node that holds the planes of `b`, in lane `lane_b`; [`ABOVE_ROOT`] if that is the root, of the body or of a
+    /// detail.
     pub(super) holder_b: u32,
     pub(super) lane_b: u8,
 }

@@ -20,7 +20,7 @@ use super::long::{LONG, Thin};
 use super::placing::{Margin, Placing};
 use super::stack::{ABOVE_ROOT, Descent, Next, Rows, Stack, Volumes};
 use super::{Counters, Lanes, Pairwise};
-use crate::hierarchy::BvhRef;
+use crate::hierarchy::{BvhRef, Detail};
 #[cfg(doc)]
 use crate::hierarchy::Header;
 use crate::kernel::Kernel;
@@ -62,7 +62,12 @@ pub(crate) struct Traversal<'t, N: Lanes, P: Primitive, Q: Primitive, E, M> {
     pub(super) a: &'t BvhRef<'t, N, P>,
     pub(super) b: &'t BvhRef<'t, N, Q>,
     pub(super) placing: &'t Placing<'t>,
-    pub(super) map: &'t N::Map,
+    /// Of the frames that the traversal is in.
+    pub(super) map: &'t mut N::Map,
+    /// Whether one of the bodies has details.
+    has_details: bool,
+    /// The details of a and of b whose frames these are; the bodies' own if there are none.
+    pub(super) details: [Option<&'t Detail>; 2],
     budget: u64,
     pub(super) margin: M,
     pub(super) counters: &'t mut Counters,
@@ -80,7 +85,7 @@ pub(crate) struct Traversal<'t, N: Lanes, P: Primitive, Q: Primitive, E, M> {
     /// What triangles are tested on, if the kernel says so: none if there is none, once it was asked for.
     pub(super) lattice: Option<Option<Lattice>>,
     /// How many powers of two the unit of A's frame is larger than that of B's.
-    units: i32,
+    pub(super) units: i32,
 }
 
 /// A node is opened alone if it is wider than the other by this many powers of two, that is by a factor of 4
@@ -100,7 +105,7 @@ where
         kernel: E,
         (a, b): (&'t BvhRef<'t, N, P>, &'t BvhRef<'t, N, Q>),
         placing: &'t Placing<'t>,
-        map: &'t N::Map,
+        map: &'t mut N::Map,
         Limits { budget, margin }: Limits<M>,
         counters: &'t mut Counters,
         visit: Visitor<'t>,
@@ -111,6 +116,8 @@ where
             b,
             placing,
             map,
+            has_details: !(a.details().is_empty() && b.details().is_empty()),
+            details: [None; 2],
             budget,
             margin,
             counters,
@@ -144,6 +151,9 @@ where
             }
             let Some(next) = stack.next() else { return Flow::Continue(()) };
             volumes = self.descend(next);
+            if self.has_details {
+                self.change_frames(&mut volumes);
+            }
         }
     }
 
@@ -211,10 +221,11 @@ where
         // The children of A that overlap b: only their rows can have a bit.
         if let Link::Inner(node) = a.link() {
             let kernels;
+            let root_b = if let Link::Inner(node) = b.link() { node } else { 0 };
             (wanted, kernels) = if E::TURNS_BY_PLANES {
-                self.turn_over(a, node, (!is_b_root).then_some((holder_b, lane_b)))
+                self.turn_over(a, node, if is_b_root { (root_b, None) } else { (holder_b, Some(lane_b)) })
             } else if is_b_root {
-                self.b.nodes()[0].overlap_hull(self.kernel, &self.turned.1)
+                self.b.nodes()[root_b as usize].overlap_hull(self.kernel, &self.turned.1)
             } else {
                 let holder = &self.b.nodes()[holder_b as usize];
                 (holder.overlap_column(self.kernel, &self.turned.1, lane_b.into()), 1)

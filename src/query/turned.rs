@@ -1,5 +1,6 @@
 //! The planes of body a of a traversal in the frame of b: of the children of its nodes, and of its leaves.
 
+use super::frames::frame_of;
 use super::on_lattice::aim_on_lattice;
 use super::placing::Margin;
 use super::traverse::{Traversal, primitives};
@@ -25,17 +26,17 @@ where
         }
     }
 
-    /// [`Self::turn`], as far as it is needed, and which of the children overlap the child of B that a node holds in a
-    /// lane, or all of B.
+    /// [`Self::turn`], as far as it is needed, and which of the children overlap a node of B: all of it, or what it holds
+    /// in a lane.
     #[inline(always)]
-    pub(super) fn turn_over(&mut self, a: Child, node: u32, child_b: Option<(u32, u8)>) -> (u16, u64) {
+    pub(super) fn turn_over(&mut self, a: Child, node: u32, (holder, lane): (u32, Option<u8>)) -> (u16, u64) {
         if self.turned.0 != a {
             self.counters.realignments += 1;
             (self.turned.0, self.whole) = (a, 0);
         }
-        let holder = &self.b.nodes()[child_b.map_or(0, |(node, _)| node as usize)];
+        let holder = &self.b.nodes()[holder as usize];
         let turned = (&mut self.turned.1, &mut self.whole);
-        let lane = child_b.map(|(_, lane)| lane.into());
+        let lane = lane.map(usize::from);
         self.a.nodes()[node as usize].realign_over(self.kernel, self.map, turned, holder, lane)
     }
 
@@ -46,14 +47,15 @@ where
         if *body != a {
             *body = a;
             let (trees, placing) = ((self.a, self.b), self.placing);
+            let frame = frame_of(trees.1, self.details[1]);
             if E::ON_LATTICE
                 && P::IS_ON_LATTICE
-                && aim_on_lattice(&mut self.lattice, trees, a.link(), placing, aimed)
+                && aim_on_lattice(&mut self.lattice, trees, a.link(), placing, &frame, aimed)
             {
                 return;
             }
             let items = primitives(a.link()).map(|index| P::moved(&trees.0.primitive(index), placing.to_b));
-            N::aim::<P>(aimed, &self.b.frame(), items, placing.outwards);
+            N::aim::<P>(aimed, &frame, items, placing.outwards);
         }
     }
 

@@ -6,10 +6,12 @@ use super::placing::{Margin, Placing};
 use super::traverse::{Limits, Stop, Traversal, Visitor};
 use super::{Counters, Lanes, Pairwise, Query};
 use crate::exact::power_of_two;
+use crate::frame::{Extent, Frame};
 use crate::hierarchy::{BvhRef, Header};
 use crate::isa::on_isa;
 use crate::kernel::Kernel;
 use crate::pose::Pose;
+use crate::primitive::Primitive;
 use crate::realign::{WayBack, shrinkage};
 
 impl Query {
@@ -63,16 +65,23 @@ impl Query {
         kernel.run(
             #[inline(always)]
             || {
-                let mut map = N::map(placing.to_b, &a.extent(), &b.frame());
-                let outwards = placing.outwards + shrinkage::<P>(placing.to_b, &a.extent());
-                if outwards > 0.0 {
-                    N::widen(&mut map, &b.frame(), outwards);
-                }
+                let mut map = set_up::<N, P>(placing, &a.extent(), &b.frame());
                 let limits = Limits { budget: self.budget, margin };
-                Traversal::new(kernel, (a, b), placing, &map, limits, counters, visit).run().break_value()
+                Traversal::new(kernel, (a, b), placing, &mut map, limits, counters, visit).run().break_value()
             },
         )
     }
+}
+
+/// How volumes of body a in one frame turn into another.
+#[inline(always)]
+pub(super) fn set_up<N: Lanes, P: Primitive>(placing: &Placing<'_>, a: &Extent, b: &Frame) -> N::Map {
+    let mut map = N::map(placing.to_b, a, b);
+    let outwards = placing.outwards + shrinkage::<P>(placing.to_b, a);
+    if outwards > 0.0 {
+        N::widen(&mut map, b, outwards);
+    }
+    map
 }
 
 /// Whether of bodies A and B it is B that gets less loose by being turned, and by enough to pay for the way back.

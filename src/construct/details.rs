@@ -1,0 +1,194 @@
+//! Parts of a tree that are too fine for its frame, once more in frames of their own ([`Detail`]).
+
+use super::bake::{half_width, max_plane};
+use super::geometry::{Record, bounding_box, corners_of};
+use super::thin::thin_slabs;
+use super::wrap::wrap;
+use super::Geometry;
+use crate::frame::Frame;
+use crate::hierarchy::Detail;
+use crate::node::{Child, Dop, Link, INDEX, ThinSlab};
+use crate::primitive::Primitive;
+use alloc::collections::VecDeque;
+use alloc::vec::Vec;
+
+/// A part is a detail if primitives spread evenly over a square as wide as it would be narrower than this, in steps of the
+/// frame: then the half step that a plane is rounded up by on average is a sixteenth of a primitive's width, on either side.
+const STEPS: u64 = 8;
+/// Fewer primitives than this are soon tested, and every change of frames takes time.
+const LEAST_PRIMITIVES: u32 = 64;
+/// How many powers of two finer the frame of a detail is, at least.
+const GAIN: i32 = 3;
+
+/// Details and what they add to a tree.
+pub(super) struct Details<N> {
+    pub(super) details: Vec<Detail>,
+    pub(super) nodes: Vec<N>,
+    pub(super) thin_slabs: Vec<ThinSlab>,
+}
+
+impl<N: Dop> Details<N> {
+    pub(super) const NONE: Self = Self { details: Vec::new(), nodes: Vec::new(), thin_slabs: Vec::new() };
+
+    /// Of a tree with planes, in a frame.
+    pub(super) fn of<G: Geometry>(
+        body: &[N],
+        frame: &Frame,
+        vertices: &[<G::Primitive as Primitive>::Double],
+        records: &[Record<G>],
+        has_thin_slabs: bool,
+    ) -> Self {
+        let mut all = Self::NONE;
+        // Nodes that details stand for, and the scale of the frame that they are in.
+        let mut waiting: VecDeque<_> = fine_nodes(body).map(|node| (node, frame.exponent)).collect();
+        while let Some((node, exponent)) = waiting.pop_front() {
+            let first = body.len() + all.nodes.len();
+            let Some(subtree) = Subtree::<N, G>::of(body, &all.nodes, node, vertices, records) else { continue };
+            let is_finer = subtree.frame.exponent >= exponent.saturating_add(GAIN);
+            if !is_finer || first + subtree.nodes.len() > INDEX as usize {
+                continue;
+            }
+            let finer = fine_nodes(&subtree.nodes).map(|node| (first as u32 + node, subtree.frame.exponent));
+            waiting.extend(finer);
+            all.details.push(subtree.detail(node, first as u32));
+            if has_thin_slabs {
+                all.thin_slabs.extend(subtree.thin_slabs());
+            }
+            all.nodes.extend(subtree.linked(body, &all.nodes, first as u32));
+        }
+        all
+    }
+}
+
+/// The uppermost nodes of a tree whose primitives are too fine for its frame, ascending; never the root.
+fn fine_nodes<N: Dop>(nodes: &[N]) -> impl Iterator<Item = u32> + use<N> {
+    let mut counts = alloc::vec![0_u32; nodes.len()];
+    // Children come after their parents.
+    for node in (0..nodes.len()).rev() {
+        let below = |child: &Child| match child.link() {
+            Link::Empty => 0,
+            Link::Inner(below) => counts[below as usize],
+            Link::Leaf { count, .. } => count,
+        };
+        counts[node] = nodes[node].children().iter().map(below).sum();
+    }
+    let mut found = Vec::new();
+    let mut open: Vec<u32> = if nodes.is_empty() { Vec::new() } else { alloc::vec![0] };
+    while let Some(node) = open.pop() {
+        let node = &nodes[node as usize];
+        for (lane, child) in node.children().iter().enumerate() {
+            let Link::Inner(below) = child.link() else { continue };
+            let side = |s: usize| i64::from(node.plane(2 * s, lane)) + i64::from(node.plane(2 * s + 1, lane));
+            let side = side(0).max(side(1)).max(side(2)).max(0) as u64;
+            let count = counts[below as usize];
+            let is_fine = count >= LEAST_PRIMITIVES && side * side < STEPS * STEPS * u64::from(count);
+            if is_fine { found.push(below) } else { open.push(below) }
+        }
+    }
+    found.sort_unstable();
+    found.into_iter()
+}
+
+/// What is below a node, as a tree of its own.
+struct Subtree<N, G: Geometry> {
+    /// What each of the nodes is a copy of.
+    originals: Vec<u32>,
+    nodes: Vec<N>,
+    frame: Frame,
+    max_coordinate: f64,
+    vertices: Vec<<G::Primitive as Primitive>::Double>,
+    records: Vec<Record<G>>,
+}
+
+impl<N: Dop, G: Geometry> Subtree<N, G> {
+    /// Of a node of the body, or of the details so far. `None` if it is a point, which no frame makes wider.
+    fn of(
+        body: &[N],
+        details: &[N],
+        node: u32,
+        vertices: &[<G::Primitive as Primitive>::Double],
+        records: &[Record<G>],
+    ) -> Option<Self> {
+        let mut originals = alloc::vec![node];
+        let (mut nodes, mut copied) = (Vec::new(), Vec::new());
+        while let Some(&original) = originals.get(nodes.len()) {
+            let mut copy = N::EMPTY;
+            for (lane, child) in original_node(body, details, original).children().iter().enumerate() {
+                match child.link() {
+                    Link::Empty => {}
+                    Link::Inner(below) => {
+                        copy.set_child(lane, Child::inner(originals.len() as u32, child.width()));
+                        originals.push(below);
+                    }
+                    Link::Leaf { first, count } => {
+                        copy.set_child(lane, Child::leaf(copied.len() as u32, count));
+                        copied.extend_from_slice(&records[first as usize..][..count as usize]);
+                    }
+                }
+            }
+            nodes.push(copy);
+        }
+        // Its own vertices only.
+        let mut used: Vec<u32> = copied.iter().flat_map(|record| record.as_ref()).copied().collect();
+        used.sort_unstable();
+        used.dedup();
+        for vertex in copied.iter_mut().flat_map(|record| record.as_mut()) {
+            *vertex = used.partition_point(|other| other < vertex) as u32;
+        }
+        let vertices: Vec<_> = used.iter().map(|&vertex| vertices[vertex as usize]).collect();
+        let (low, high) = bounding_box(vertices.iter().map(G::Primitive::ball));
+        if low == high {
+            return None;
+        }
+        let frame = Frame::around(low, high, N::DIRECTIONS);
+        wrap::<N, G::Primitive>(&mut nodes, &frame, &vertices, &copied);
+        let coordinate = |i: usize| low[i].abs().max(high[i].abs()).max(frame.centre[i].abs());
+        let max_coordinate = coordinate(0).max(coordinate(1)).max(coordinate(2));
+        Some(Self { originals, nodes, frame, max_coordinate, vertices, records: copied })
+    }
+
+    fn detail(&self, node: u32, first: u32) -> Detail {
+        Detail {
+            centre: self.frame.centre,
+            max_coordinate: self.max_coordinate,
+            exponent: self.frame.exponent,
+            half_width: half_width::<G::Primitive>(&self.frame, &self.vertices),
+            max_plane: max_plane(&self.nodes),
+            node,
+            first,
+            reserved: 0,
+        }
+    }
+
+    fn thin_slabs(&self) -> Vec<ThinSlab> {
+        let mut corners = Vec::new();
+        let normal = |record: &Record<G>| {
+            corners_of::<G::Primitive>(&self.vertices, record, &mut corners);
+            G::normal(&corners)
+        };
+        thin_slabs::<N, G::Primitive>(&self.nodes, &self.frame, &self.vertices, &self.records, normal)
+    }
+
+    /// The nodes, with links to what comes from `first` on, and to the leaves of the originals.
+    fn linked(&self, body: &[N], details: &[N], first: u32) -> Vec<N> {
+        let mut linked = self.nodes.clone();
+        for (node, &original) in linked.iter_mut().zip(&self.originals) {
+            let original = original_node(body, details, original);
+            for (lane, leaf) in original.children().iter().enumerate() {
+                let child = node.children()[lane];
+                let child = match child.link() {
+                    Link::Inner(below) => Child::inner(first + below, child.width()),
+                    _ => *leaf,
+                };
+                node.set_child(lane, child);
+            }
+        }
+        linked
+    }
+}
+
+/// A node of the body, or of the details after it.
+fn original_node<'n, N>(body: &'n [N], details: &'n [N], node: u32) -> &'n N {
+    let node = node as usize;
+    body.get(node).unwrap_or_else(|| &details[node - body.len()])
+}

@@ -1,0 +1,90 @@
+//! The frames that a traversal is in: those of the bodies, or of details of theirs ([`Detail`]).
+//!
+//! The planes of a detail are written in a frame of its own, so that the map between the frames is made anew where a
+//! traversal gets to a detail, or back to what waits outside of it. It goes down depth first, so it seldom does. Nothing but
+//! volumes is in these frames: primitives are tested in the bodies' coordinates.
+
+use super::placing::Margin;
+use super::stack::{ABOVE_ROOT, Volumes};
+use super::traverse::Traversal;
+use super::turning::set_up;
+use super::{Lanes, Pairwise};
+use crate::frame::{Extent, Frame};
+use crate::hierarchy::{BvhRef, Detail};
+use crate::kernel::Kernel;
+use crate::node::{Child, Link};
+use crate::primitive::Primitive;
+
+impl<N, P, Q, E, M> Traversal<'_, N, P, Q, E, M>
+where
+    N: Lanes,
+    P: Pairwise<Q>,
+    Q: Pairwise<P>,
+    E: Kernel,
+    M: Margin,
+{
+    pub(super) fn extent_a(&self) -> Extent {
+        self.details[0].map_or_else(|| self.a.extent(), Detail::extent)
+    }
+
+    pub(super) fn extent_b(&self) -> Extent {
+        self.details[1].map_or_else(|| self.b.extent(), Detail::extent)
+    }
+
+    /// Whether the frames that the traversal is in are those of two nodes.
+    pub(super) fn is_in_frames_of(&self, node_a: u32, node_b: u32) -> bool {
+        is_same(self.details[0], self.a.detail_of(node_a)) && is_same(self.details[1], self.b.detail_of(node_b))
+    }
+
+    /// Takes details instead of the nodes that they stand for, and gets into the frames of two volumes.
+    // Not a part of the loop: most bodies have no details.
+    #[cold]
+    #[inline(never)]
+    pub(super) fn change_frames(&mut self, volumes: &mut Volumes) {
+        // The planes of a leaf of a are made in the frame of b.
+        let mut detail_a = self.details[0];
+        if let Link::Inner(_) = volumes.a.link() {
+            (volumes.a, detail_a) = enter(self.a, volumes.a);
+        }
+        let detail_b = if let Link::Inner(_) = volumes.b.link() {
+            let (child, detail) = enter(self.b, volumes.b);
+            if child != volumes.b {
+                (volumes.b, volumes.holder_b) = (child, ABOVE_ROOT);
+            }
+            detail
+        } else {
+            self.b.detail_of(volumes.holder_b)
+        };
+        if is_same(detail_a, self.details[0]) && is_same(detail_b, self.details[1]) {
+            return;
+        }
+        self.details = [detail_a, detail_b];
+        let (extent, frame, placing) = (self.extent_a(), frame_of(self.b, detail_b), self.placing);
+        self.units = frame.exponent - extent.frame.exponent;
+        *self.map = self.kernel.run(
+            #[inline(always)]
+            || set_up::<N, P>(placing, &extent, &frame),
+        );
+        (self.turned.0, self.whole) = (Child::EMPTY, 0);
+        (self.aimed, self.cutter, self.thin.test) = (None, None, None);
+    }
+}
+
+/// The detail that stands for a node, if there is one, and the detail in whose frame that is.
+fn enter<'t, N: Lanes, P: Primitive>(tree: &BvhRef<'t, N, P>, child: Child) -> (Child, Option<&'t Detail>) {
+    let Link::Inner(node) = child.link() else { return (child, None) };
+    match tree.detail_at(node) {
+        Some(detail) => (detail.root(), Some(detail)),
+        None => (child, tree.detail_of(node)),
+    }
+}
+
+/// The frame of a detail, or else that of the tree.
+#[inline(always)]
+pub(super) fn frame_of<N: Lanes, P: Primitive>(tree: &BvhRef<'_, N, P>, detail: Option<&Detail>) -> Frame {
+    detail.map_or_else(|| tree.frame(), Detail::frame)
+}
+
+fn is_same(one: Option<&Detail>, other: Option<&Detail>) -> bool {
+    one.map(|detail| detail.first) == other.map(|detail| detail.first)
+}
