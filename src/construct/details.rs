@@ -1,25 +1,23 @@
 //! Parts of a tree that are too fine for its frame, once more in frames of their own ([`Detail`]).
 
+use super::Geometry;
 use super::bake::{half_width, max_plane};
 use super::geometry::{Record, bounding_box, corners_of};
 use super::thin::thin_slabs;
 use super::wrap::wrap;
-use super::Geometry;
 use crate::frame::Frame;
 use crate::hierarchy::Detail;
-use crate::node::{Child, Dop, Link, INDEX, ThinSlab};
+use crate::node::{Child, Dop, INDEX, Link, ThinSlab};
 use crate::primitive::Primitive;
 use alloc::collections::VecDeque;
 use alloc::vec::Vec;
+use bytemuck::Zeroable;
 
 /// A part is a detail if primitives spread evenly over a square as wide as it would be narrower than this, in steps of the
-/// frame: then the half step that a plane is rounded up by on average is a sixteenth of a primitive's width, on either side.
-const STEPS: u64 = 8;
-/// Fewer primitives than this are soon tested, and every change of frames takes time.
-const LEAST_PRIMITIVES: u32 = 64;
+/// frame: then the half step that a plane is rounded up by on average is an eighth of a primitive's width, on either side.
+pub(super) const STEPS: i64 = 4;
 /// How many powers of two finer the frame of a detail is, at least.
 const GAIN: i32 = 3;
-
 /// Details and what they add to a tree.
 pub(super) struct Details<N> {
     pub(super) details: Vec<Detail>,
@@ -39,29 +37,37 @@ impl<N: Dop> Details<N> {
         has_thin_slabs: bool,
     ) -> Self {
         let mut all = Self::NONE;
-        // Nodes that details stand for, and the scale of the frame that they are in.
-        let mut waiting: VecDeque<_> = fine_nodes(body).map(|node| (node, frame.exponent)).collect();
-        while let Some((node, exponent)) = waiting.pop_front() {
-            let first = body.len() + all.nodes.len();
-            let Some(subtree) = Subtree::<N, G>::of(body, &all.nodes, node, vertices, records) else { continue };
-            let is_finer = subtree.frame.exponent >= exponent.saturating_add(GAIN);
-            if !is_finer || first + subtree.nodes.len() > INDEX as usize {
-                continue;
+        // Trees that may have details: the body's, then those of details. With where their first node is, and the scale of
+        // their frame.
+        let mut waiting = VecDeque::from([(0, body.to_vec(), frame.exponent)]);
+        while let Some((base, nodes, exponent)) = waiting.pop_front() {
+            for node in fine_nodes(&nodes) {
+                let first = body.len() + all.nodes.len();
+                let node = base + node;
+                let mut subtree = Subtree::<N, G>::of(body, &all.nodes, node, vertices, records);
+                if first + subtree.nodes.len() > INDEX as usize {
+                    continue;
+                }
+                let detail = Detail { node, first: first as u32, ..subtree.wrap() };
+                // No frame makes a point wider.
+                let is_point = detail.half_width == [0.0; 3];
+                if is_point || detail.exponent < exponent.saturating_add(GAIN) {
+                    continue;
+                }
+                all.details.push(detail);
+                if has_thin_slabs {
+                    all.thin_slabs.extend(subtree.thin_slabs(&detail.frame()));
+                }
+                all.nodes.extend(subtree.linked(body, &all.nodes, detail.first));
+                waiting.push_back((detail.first, subtree.nodes, detail.exponent));
             }
-            let finer = fine_nodes(&subtree.nodes).map(|node| (first as u32 + node, subtree.frame.exponent));
-            waiting.extend(finer);
-            all.details.push(subtree.detail(node, first as u32));
-            if has_thin_slabs {
-                all.thin_slabs.extend(subtree.thin_slabs());
-            }
-            all.nodes.extend(subtree.linked(body, &all.nodes, first as u32));
         }
         all
     }
 }
 
 /// The uppermost nodes of a tree whose primitives are too fine for its frame, ascending; never the root.
-fn fine_nodes<N: Dop>(nodes: &[N]) -> impl Iterator<Item = u32> + use<N> {
+fn fine_nodes<N: Dop>(nodes: &[N]) -> Vec<u32> {
     let mut counts = alloc::vec![0_u32; nodes.len()];
     // Children come after their parents.
     for node in (0..nodes.len()).rev() {
@@ -79,14 +85,13 @@ fn fine_nodes<N: Dop>(nodes: &[N]) -> impl Iterator<Item = u32> + use<N> {
         for (lane, child) in node.children().iter().enumerate() {
             let Link::Inner(below) = child.link() else { continue };
             let side = |s: usize| i64::from(node.plane(2 * s, lane)) + i64::from(node.plane(2 * s + 1, lane));
-            let side = side(0).max(side(1)).max(side(2)).max(0) as u64;
-            let count = counts[below as usize];
-            let is_fine = count >= LEAST_PRIMITIVES && side * side < STEPS * STEPS * u64::from(count);
+            let side = side(0).max(side(1)).max(side(2)).max(0);
+            let is_fine = side * side < STEPS * STEPS * i64::from(counts[below as usize]);
             if is_fine { found.push(below) } else { open.push(below) }
         }
     }
     found.sort_unstable();
-    found.into_iter()
+    found
 }
 
 /// What is below a node, as a tree of its own.
@@ -94,21 +99,19 @@ struct Subtree<N, G: Geometry> {
     /// What each of the nodes is a copy of.
     originals: Vec<u32>,
     nodes: Vec<N>,
-    frame: Frame,
-    max_coordinate: f64,
     vertices: Vec<<G::Primitive as Primitive>::Double>,
     records: Vec<Record<G>>,
 }
 
 impl<N: Dop, G: Geometry> Subtree<N, G> {
-    /// Of a node of the body, or of the details so far. `None` if it is a point, which no frame makes wider.
+    /// Of a node of the body, or of the details so far; its planes are still to be made.
     fn of(
         body: &[N],
         details: &[N],
         node: u32,
         vertices: &[<G::Primitive as Primitive>::Double],
         records: &[Record<G>],
-    ) -> Option<Self> {
+    ) -> Self {
         let mut originals = alloc::vec![node];
         let (mut nodes, mut copied) = (Vec::new(), Vec::new());
         while let Some(&original) = originals.get(nodes.len()) {
@@ -135,38 +138,33 @@ impl<N: Dop, G: Geometry> Subtree<N, G> {
         for vertex in copied.iter_mut().flat_map(|record| record.as_mut()) {
             *vertex = used.partition_point(|other| other < vertex) as u32;
         }
-        let vertices: Vec<_> = used.iter().map(|&vertex| vertices[vertex as usize]).collect();
-        let (low, high) = bounding_box(vertices.iter().map(G::Primitive::ball));
-        if low == high {
-            return None;
-        }
+        let vertices = used.iter().map(|&vertex| vertices[vertex as usize]).collect();
+        Self { originals, nodes, vertices, records: copied }
+    }
+
+    /// Makes its planes, and says how large the detail is.
+    fn wrap(&mut self) -> Detail {
+        let (low, high) = bounding_box(self.vertices.iter().map(G::Primitive::ball));
         let frame = Frame::around(low, high, N::DIRECTIONS);
-        wrap::<N, G::Primitive>(&mut nodes, &frame, &vertices, &copied);
+        wrap::<N, G::Primitive>(&mut self.nodes, &frame, &self.vertices, &self.records);
         let coordinate = |i: usize| low[i].abs().max(high[i].abs()).max(frame.centre[i].abs());
-        let max_coordinate = coordinate(0).max(coordinate(1)).max(coordinate(2));
-        Some(Self { originals, nodes, frame, max_coordinate, vertices, records: copied })
-    }
-
-    fn detail(&self, node: u32, first: u32) -> Detail {
         Detail {
-            centre: self.frame.centre,
-            max_coordinate: self.max_coordinate,
-            exponent: self.frame.exponent,
-            half_width: half_width::<G::Primitive>(&self.frame, &self.vertices),
+            centre: frame.centre,
+            max_coordinate: coordinate(0).max(coordinate(1)).max(coordinate(2)),
+            exponent: frame.exponent,
+            half_width: half_width::<G::Primitive>(&frame, &self.vertices),
             max_plane: max_plane(&self.nodes),
-            node,
-            first,
-            reserved: 0,
+            ..Detail::zeroed()
         }
     }
 
-    fn thin_slabs(&self) -> Vec<ThinSlab> {
+    fn thin_slabs(&self, frame: &Frame) -> Vec<ThinSlab> {
         let mut corners = Vec::new();
         let normal = |record: &Record<G>| {
             corners_of::<G::Primitive>(&self.vertices, record, &mut corners);
             G::normal(&corners)
         };
-        thin_slabs::<N, G::Primitive>(&self.nodes, &self.frame, &self.vertices, &self.records, normal)
+        thin_slabs::<N, G::Primitive>(&self.nodes, frame, &self.vertices, &self.records, normal)
     }
 
     /// The nodes, with links to what comes from `first` on, and to the leaves of the originals.

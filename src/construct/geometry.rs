@@ -161,11 +161,6 @@ impl<'a, P: Primitive<Record: AsRef<[u32]>>> Checked<'a, P> {
         self.primitives.iter().map(|record| bounding_box(balls::<P>(&self.vertices, record)))
     }
 
-    /// The centre of each primitive's box.
-    pub(super) fn centroids(&self) -> Vec<Point> {
-        self.boxes().map(|(low, high)| core::array::from_fn(|i| 0.5 * (low[i] + high[i]))).collect()
-    }
-
     /// What each primitive weighs.
     pub(super) fn weights<G: Geometry<Primitive = P>>(&self) -> Vec<f64> {
         let all = self.primitives.iter().flat_map(|record| balls::<P>(&self.vertices, record));

@@ -19,6 +19,7 @@ mod error;
 mod geometry;
 #[cfg(feature = "gpu")]
 pub mod gpu;
+mod graft;
 mod levels;
 mod longest_axis;
 mod neural_gas;
@@ -49,6 +50,7 @@ use core::borrow::Borrow;
 use core::ops::ControlFlow;
 use cost::Aabb;
 use geometry::{Checked, check_vertices};
+use graft::Items;
 use progress::Observer;
 
 /// How primitives are assigned to the lanes of a node (SIMDop paper, section IV-A).
@@ -264,12 +266,38 @@ impl Builder {
         arity: usize,
         observer: &mut Observer<'_>,
     ) -> Result<Assignment, BuildError> {
-        let centroids = table.centroids();
+        let items = self.items::<G>(table);
+        graft::assign(&items, arity, self.has_details::<G>(), observer, &mut |items, observer| {
+            self.split(items, arity, observer)
+        })
+    }
+
+    /// Whether details get subtrees: leaves of several primitives may hold some of a detail and others.
+    const fn has_details<G: Geometry>(&self) -> bool {
+        self.leaf_size == 1 && !G::Primitive::HAS_BALLS
+    }
+
+    /// What is split.
+    fn items<G: Geometry>(&self, table: &Checked<'_, G::Primitive>) -> Items {
+        let weights = match self.splitter {
+            Splitter::BatchNeuralGas { magnification, .. } => magnification.weights::<G>(table),
+            _ => None,
+        };
+        Items { boxes: table.boxes().map(Aabb::of).collect(), weights }
+    }
+
+    /// The shape of a tree of items.
+    fn split(
+        &self,
+        items: &Items,
+        arity: usize,
+        observer: &mut Observer<'_>,
+    ) -> Result<Assignment, BuildError> {
+        let centroids = items.centroids();
         let leaf_size = self.leaf_size as usize;
         let halving = |extended| Halving { arity, leaf_size, extended };
         let by_cost = |measure, passes, observer: &mut Observer<'_>| {
-            let boxes: Vec<_> = table.boxes().map(Aabb::of).collect();
-            let primitives = cost::Primitives { boxes: &boxes, centroids: &centroids };
+            let primitives = cost::Primitives { boxes: &items.boxes, centroids: &centroids };
             cost::assign(primitives, cost::Plan { arity, leaf_size, measure, passes }, observer)
         };
         match self.splitter {
@@ -277,9 +305,8 @@ impl Builder {
             Splitter::ExtendedLongestAxis => longest_axis::assign(&centroids, &halving(true), observer),
             Splitter::SurfaceArea => by_cost(cost::Measure::Area, 0, observer),
             Splitter::MeanWidth => by_cost(cost::Measure::MeanWidth, 3, observer),
-            Splitter::BatchNeuralGas { magnification, seed } => {
-                let weights = magnification.weights::<G>(table);
-                let samples = neural_gas::Samples::new(&centroids, weights.as_deref());
+            Splitter::BatchNeuralGas { seed, .. } => {
+                let samples = neural_gas::Samples::new(&centroids, items.weights.as_deref());
                 neural_gas::assign(&samples, &halving(true), seed, observer)
             }
         }

@@ -102,7 +102,8 @@ impl<N: Dop, P: Primitive> BvhRef<'_, N, P> {
                 return Err(error(0, "no link leads to this node"));
             }
             for (lane, child) in node.children().iter().enumerate() {
-                self.validate_planes(node, lane, self.header.max_plane).map_err(|problem| error(lane, problem))?;
+                self.validate_planes(node, lane, self.header.max_plane)
+                    .map_err(|problem| error(lane, problem))?;
                 if self.thin_slab(index, lane).is_some_and(|slab| !slab.is_valid()) {
                     return Err(error(lane, "a thin slab has no direction, or no thickness"));
                 }

@@ -41,7 +41,8 @@ impl<N: Dop, P: Primitive> BvhRef<'_, N, P> {
                 return Err((index, 0, "no link leads to this node"));
             }
             for (lane, child) in node.children().iter().enumerate() {
-                self.validate_planes(node, lane, detail.max_plane).map_err(|problem| (index, lane, problem))?;
+                self.validate_planes(node, lane, detail.max_plane)
+                    .map_err(|problem| (index, lane, problem))?;
                 if self.thin_slab(index, lane).is_some_and(|slab| !slab.is_valid()) {
                     return Err((index, lane, "a thin slab has no direction, or no thickness"));
                 }

@@ -14,8 +14,8 @@ mod thin;
 pub use aabb::{Aabb16, Box3, Bucket};
 pub use ball::{Ball16, BoundingBall};
 pub use dop::{Node4, Node16};
-pub use link::{Child, Link, MAX_LEAF_SIZE, Width};
 pub(crate) use link::INDEX;
+pub use link::{Child, Link, MAX_LEAF_SIZE, Width};
 #[cfg(feature = "gpu")]
 pub(crate) use link::{FIRST, LEAF_BIT};
 pub use thin::ThinSlab;

@@ -33,7 +33,8 @@ where
 
     /// Whether the frames that the traversal is in are those of two nodes.
     pub(super) fn is_in_frames_of(&self, node_a: u32, node_b: u32) -> bool {
-        is_same(self.details[0], self.a.detail_of(node_a)) && is_same(self.details[1], self.b.detail_of(node_b))
+        is_same(self.details[0], self.a.detail_of(node_a))
+            && is_same(self.details[1], self.b.detail_of(node_b))
     }
 
     /// Takes details instead of the nodes that they stand for, and gets into the frames of two volumes.

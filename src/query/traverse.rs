@@ -20,9 +20,9 @@ use super::long::{LONG, Thin};
 use super::placing::{Margin, Placing};
 use super::stack::{ABOVE_ROOT, Descent, Next, Rows, Stack, Volumes};
 use super::{Counters, Lanes, Pairwise};
-use crate::hierarchy::{BvhRef, Detail};
 #[cfg(doc)]
 use crate::hierarchy::Header;
+use crate::hierarchy::{BvhRef, Detail};
 use crate::kernel::Kernel;
 #[cfg(doc)]
 use crate::node::Width;

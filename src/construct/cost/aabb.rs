@@ -11,7 +11,8 @@ pub(in crate::construct) struct Aabb {
 
 impl Aabb {
     /// The box of nothing: joins as the neutral element, has no measure.
-    pub(super) const EMPTY: Self = Self { low: [f64::INFINITY; 3], high: [f64::NEG_INFINITY; 3] };
+    pub(in crate::construct) const EMPTY: Self =
+        Self { low: [f64::INFINITY; 3], high: [f64::NEG_INFINITY; 3] };
 
     /// The box between two corners.
     pub(in crate::construct) const fn of((low, high): (Point, Point)) -> Self {
@@ -20,7 +21,7 @@ impl Aabb {
 
     /// The box of both. Minima and maxima do not depend on the order in which boxes are joined: no coordinate
     /// is NaN or -0. Comparisons are one instruction where [`f64::min`], which looks for NaN, is four.
-    pub(super) fn join(&self, other: &Self) -> Self {
+    pub(in crate::construct) fn join(&self, other: &Self) -> Self {
         Self {
             low: core::array::from_fn(
                 |i| if other.low[i] < self.low[i] { other.low[i] } else { self.low[i] },
@@ -31,12 +32,27 @@ impl Aabb {
         }
     }
 
-    pub(super) fn centre(&self) -> Point {
+    pub(in crate::construct) fn centre(&self) -> Point {
         core::array::from_fn(|i| 0.5 * (self.low[i] + self.high[i]))
     }
 
     pub(super) fn touches(&self, other: &Self) -> bool {
         (0..3).all(|i| self.low[i] <= other.high[i] && other.low[i] <= self.high[i])
+    }
+
+    /// Whether all of another is inside.
+    pub(in crate::construct) fn holds(&self, other: &Self) -> bool {
+        (0..3).all(|i| self.low[i] <= other.low[i] && other.high[i] <= self.high[i])
+    }
+
+    /// The corner with the least coordinates.
+    pub(in crate::construct) const fn low(&self) -> Point {
+        self.low
+    }
+
+    /// The longest.
+    pub(in crate::construct) fn side(&self) -> f64 {
+        self.widths().into_iter().fold(0.0, f64::max)
     }
 
     fn widths(&self) -> Point {

@@ -54,7 +54,7 @@ pub use assign::Spent;
 pub use error::GpuError;
 
 use super::neural_gas::Samples;
-use super::{Builder, Geometry, Mesh, Progress, Splitter};
+use super::{Builder, Geometry, Mesh, Progress, Splitter, graft};
 use crate::device::Gpu;
 use crate::halving::Halving;
 use crate::hierarchy::Bvh;
@@ -100,14 +100,17 @@ impl Builder {
         geometry: &G,
         observer: &mut dyn FnMut(Progress) -> ControlFlow<()>,
     ) -> Result<Bvh<N, G::Primitive>, GpuError> {
-        let Splitter::BatchNeuralGas { magnification, seed } = self.splitter else {
+        let Splitter::BatchNeuralGas { seed, .. } = self.splitter else {
             return Err(GpuError::Splitter);
         };
         let on_device = self.build_by(geometry, |table| {
-            let (centroids, weights) = (table.centroids(), magnification.weights::<G>(table));
-            let samples = Samples::new(&centroids, weights.as_deref());
             let halving = Halving { arity: N::ARITY, leaf_size: self.leaf_size as usize, extended: true };
-            assign(gpu, &samples, &halving, seed, observer).map(|(assignment, _)| assignment)
+            let items = self.items::<G>(table);
+            graft::assign(&items, N::ARITY, self.has_details::<G>(), observer, &mut |items, observer| {
+                let centroids = items.centroids();
+                let samples = Samples::new(&centroids, items.weights.as_deref());
+                assign(gpu, &samples, &halving, seed, observer).map(|(assignment, _)| assignment)
+            })
         });
         match on_device {
             Ok(tree) => Ok(tree),
