@@ -106,7 +106,7 @@ fn graft<E: From<BuildError>>(
 }
 
 /// A node that is to come: of which tree, where the order of that begins, where the node's own range does in it, its level.
-struct Next {
+struct Upcoming {
     tree: usize,
     base: u32,
     node: usize,
@@ -132,8 +132,8 @@ fn joined(top: &Assignment, rest: &[u32], parts: &[Assignment], arity: usize) ->
     let trees = core::iter::once(top).chain(parts);
     let trees: Vec<_> = trees.map(|shape| (shape, first_children(shape, arity))).collect();
     let mut ends = Vec::new();
-    let mut waiting = VecDeque::from([Next { tree: 0, base: 0, node: 0, start: 0, level: 1 }]);
-    while let Some(Next { tree, base, node, mut start, level }) = waiting.pop_front() {
+    let mut waiting = VecDeque::from([Upcoming { tree: 0, base: 0, node: 0, start: 0, level: 1 }]);
+    while let Some(Upcoming { tree, base, node, mut start, level }) = waiting.pop_front() {
         if level > MAX_DEPTH {
             return None;
         }
@@ -141,13 +141,13 @@ fn joined(top: &Assignment, rest: &[u32], parts: &[Assignment], arity: usize) ->
         let (mut next, level) = (first_children[node], level + 1);
         for &end in &shape.ends[node * arity..][..arity] {
             if end - start > 1 {
-                waiting.push_back(Next { tree, base, node: next, start, level });
+                waiting.push_back(Upcoming { tree, base, node: next, start, level });
                 next += 1;
             } else if tree == 0
                 && end > start
                 && let Some(part) = part_of(top.order[start as usize])
             {
-                waiting.push_back(Next {
+                waiting.push_back(Upcoming {
                     tree: part,
                     base: starts[start as usize],
                     node: 0,
@@ -209,12 +209,17 @@ fn details_of(boxes: &[Aabb]) -> Vec<Vec<u32>> {
         (*aabb, *count) = (aabb.join(&boxes[index as usize]), *count + 1);
         cluster_of[index as usize] = Some(cluster);
     }
-    let is_detail =
-        |&cluster: &usize| around[cluster].1 >= LEAST && NARROWER * around[cluster].0.side() <= side;
+    let is_detail = |&cluster: &usize| {
+        let (around, count) = around[cluster];
+        let steps = around.side() / step;
+        let is_fine = steps * steps < (STEPS * STEPS) as f64 * count as f64;
+        is_fine && count >= LEAST && NARROWER * around.side() <= side
+    };
     let mut items_of = alloc::vec![Vec::new(); cells.len()];
     for ((index, item), cluster) in (0_u32..).zip(boxes).zip(&cluster_of) {
-        // What is larger belongs to the cluster that it is inside of.
-        let holder = || cluster_at(&place(item)).filter(|&cluster| around[cluster].0.holds(item));
+        // What is a bit larger belongs to the cluster that it is beside, what is larger still to that which it is inside of.
+        let belongs = |&cluster: &usize| item.side() < CELL * step || around[cluster].0.holds(item);
+        let holder = || cluster_at(&place(item)).filter(belongs);
         if let Some(cluster) = cluster.or_else(holder).filter(is_detail) {
             items_of[cluster].push(index);
         }

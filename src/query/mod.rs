@@ -2,9 +2,9 @@
 //!
 //! [`Query`] holds what the caller chooses, the instruction set above all; its methods are the entries.
 //!
-//! Queries share nothing that could be set up once for several poses or pairs, and allocate nothing: a loop
-//! is as fast as any batch. A [`Query`], a [`BvhRef`] and a [`Pose`] are `Copy`, `Send` and `Sync`, so that
-//! threads (`std::thread::scope`, rayon) can divide the poses, and each answer is what one thread gives:
+//! Queries share nothing that could be set up once for several poses or pairs, and allocate nothing: a loop is as fast as
+//! any batch. A [`Query`], a [`BvhRef`] and a [`Pose`] are `Copy`, `Send` and `Sync`, so that threads
+//! (`std::thread::scope`, rayon) can divide the poses, and each answer is what one thread gives:
 //!
 //! ```
 //! # use simdop::{construct::{Builder, Mesh}, isa::Isa, node::Node16, pose::Pose, query::Query};
@@ -266,10 +266,8 @@ impl Query {
         b: &BvhRef<'_, N, Q>,
         pose: &Pose,
     ) {
-        if !(a.is_solid() || b.is_solid()) {
-            return;
-        }
         match &mut answer.verdict {
+            _ if !(a.is_solid() || b.is_solid()) => {}
             Verdict::Hit(_) => {}
             Verdict::Unknown { lower, .. } => *lower = 0.0,
             verdict @ Verdict::Free => match self.place(a, b, pose, &mut answer.counters) {
@@ -291,10 +289,10 @@ impl Query {
         pose: &Pose,
         margin: impl Margin,
     ) -> Answer {
-        if are_apart(pose, &a.extent(), &b.extent(), margin.value()) {
-            return Answer { verdict: Verdict::Free, counters: Counters::default(), hint: self.hint };
-        }
         let mut answer = Answer { verdict: Verdict::Free, counters: Counters::default(), hint: self.hint };
+        if are_apart(pose, &a.extent(), &b.extent(), margin.value()) {
+            return answer;
+        }
         let work = &mut answer.counters;
         let mut hit = self.hint.pair(a.len(), b.len()).filter(|&Found { a: i, b: j }| {
             work.primitive_pairs += 1;

@@ -26,6 +26,7 @@ mod allocations;
 mod assignments;
 mod balls;
 mod counters;
+mod details;
 mod digests;
 mod distance;
 mod edge;

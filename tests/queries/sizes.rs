@@ -32,7 +32,7 @@ fn build<N: Lanes>(mesh: &MeshData) -> Result<Bvh<N>, BuildError> {
 }
 
 /// Two bodies, and what is true of them at some poses.
-struct Scene {
+pub(crate) struct Scene {
     name: String,
     a: MeshData,
     b: MeshData,
@@ -46,7 +46,7 @@ struct Judged {
 }
 
 impl Scene {
-    fn new(name: String, a: &MeshData, b: &MeshData, poses: Vec<Rows>) -> Self {
+    pub(crate) fn new(name: String, a: &MeshData, b: &MeshData, poses: Vec<Rows>) -> Self {
         let still = flushed(b.corners());
         let judge = |rows: Rows| {
             let pairs = meeting_pairs(&moved(a, &rows), &still);
@@ -57,7 +57,7 @@ impl Scene {
     }
 
     /// The small body near corners of the large one, in both orders, at `poses` poses each.
-    fn both_ways(
+    pub(crate) fn both_ways(
         name: &str,
         small: &MeshData,
         large: &MeshData,
@@ -153,7 +153,7 @@ fn moved(mesh: &MeshData, rows: &Rows) -> Vec<Tri> {
     flushed(built.placed(rows))
 }
 
-fn check_all(scenes: impl IntoIterator<Item = Scene>) {
+pub(crate) fn check_all(scenes: impl IntoIterator<Item = Scene>) {
     let (mut hits, mut poses) = (0, 0);
     for scene in scenes {
         scene.check();
@@ -328,7 +328,7 @@ fn margins_are_kept_at_every_ratio_of_sizes() {
     }
 }
 
-fn check_margins<N: Lanes>(scene: &Scene) {
+pub(crate) fn check_margins<N: Lanes>(scene: &Scene) {
     let (a, b) = (build::<N>(&scene.a).unwrap(), build::<N>(&scene.b).unwrap());
     let still = scene.b.corners();
     for Judged { rows, pairs } in scene.judged.iter().filter(|judged| judged.pairs.is_empty()) {

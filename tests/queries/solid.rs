@@ -637,7 +637,10 @@ fn solids_from_outside_are_safe() {
     };
     assert_eq!(with(&|_| ()), None);
     assert_eq!(with(&|b| b[114] = 2), Some(BakeError::Header { field: "is_solid" }));
-    assert_eq!(with(&|b| b[120] = 1), Some(BakeError::Header { field: "reserved" }));
+    assert_eq!(
+        with(&|b| b[120] = 1),
+        Some(BakeError::Truncated { have: bytes.len(), need: bytes.len() + 64 })
+    );
     assert_eq!(with(&|b| b[section] = b[section + 4]), Some(BakeError::Part { index: 1 }));
     assert_eq!(with(&|b| b[section + 16] = 60), Some(BakeError::Part { index: 4 }));
     assert_eq!(with(&|b| b[116] = 1), Some(BakeError::Header { field: "part_count" }));
