@@ -47,10 +47,14 @@ impl<'a, N: Node, P: Primitive> BvhRef<'a, N, P> {
     /// The parts of the bytes, their contents unchecked. `None` if they are misaligned.
     #[inline(always)]
     pub(super) fn of_layout(bytes: &'a [u8], layout: &Layout) -> Option<Self> {
-        // No balls lie where nodes end, aligned or not.
+        // No balls lie where nodes end, aligned or not; most trees have no details.
         let balls = match layout.balls.of(bytes)? {
             [] => &[],
             balls => bytemuck::try_cast_slice(balls).ok()?,
+        };
+        let details = match layout.details.of(bytes)? {
+            [] => &[],
+            details => bytemuck::try_cast_slice(details).ok()?,
         };
         let (vertices, records) = (layout.vertices.of(bytes)?, layout.records.of(bytes)?);
         Some(Self {
@@ -58,7 +62,7 @@ impl<'a, N: Node, P: Primitive> BvhRef<'a, N, P> {
             nodes: bytemuck::try_cast_slice(layout.nodes.of(bytes)?).ok()?,
             thin_slabs: bytemuck::try_cast_slice(layout.thin_slabs.of(bytes)?).ok()?,
             balls,
-            details: bytemuck::try_cast_slice(layout.details.of(bytes)?).ok()?,
+            details,
             store: Store::read(layout.vertex_size, vertices, records)?,
             indices: bytemuck::try_cast_slice(layout.indices.of(bytes)?).ok()?,
         })

@@ -38,10 +38,11 @@ where
     }
 
     /// Takes details instead of the nodes that they stand for, and gets into the frames of two volumes.
-    // Not a part of the loop: most bodies have no details.
+    // Not a part of the loop, since most bodies have no details. Volumes by value: as a reference they would have to be in memory,
+    // which every visit would wait for.
     #[cold]
     #[inline(never)]
-    pub(super) fn change_frames(&mut self, volumes: &mut Volumes) {
+    pub(super) fn change_frames(&mut self, mut volumes: Volumes) -> Volumes {
         // The planes of a leaf of a are made in the frame of b.
         let mut detail_a = self.details[0];
         if let Link::Inner(_) = volumes.a.link() {
@@ -57,7 +58,7 @@ where
             self.b.detail_of(volumes.holder_b)
         };
         if is_same(detail_a, self.details[0]) && is_same(detail_b, self.details[1]) {
-            return;
+            return volumes;
         }
         self.details = [detail_a, detail_b];
         let (extent, frame, placing) = (self.extent_a(), frame_of(self.b, detail_b), self.placing);
@@ -68,6 +69,7 @@ where
         );
         (self.turned.0, self.whole) = (Child::EMPTY, 0);
         (self.aimed, self.cutter, self.thin.test) = (None, None, None);
+        volumes
     }
 }
 

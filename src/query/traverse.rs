@@ -152,7 +152,7 @@ where
             let Some(next) = stack.next() else { return Flow::Continue(()) };
             volumes = self.descend(next);
             if self.has_details {
-                self.change_frames(&mut volumes);
+                volumes = self.change_frames(volumes);
             }
         }
     }
@@ -221,11 +221,10 @@ where
         // The children of A that overlap b: only their rows can have a bit.
         if let Link::Inner(node) = a.link() {
             let kernels;
-            let root_b = if let Link::Inner(node) = b.link() { node } else { 0 };
             (wanted, kernels) = if E::TURNS_BY_PLANES {
-                self.turn_over(a, node, if is_b_root { (root_b, None) } else { (holder_b, Some(lane_b)) })
+                self.turn_over(a, node, if is_b_root { (root(b), None) } else { (holder_b, Some(lane_b)) })
             } else if is_b_root {
-                self.b.nodes()[root_b as usize].overlap_hull(self.kernel, &self.turned.1)
+                self.b.nodes()[root(b) as usize].overlap_hull(self.kernel, &self.turned.1)
             } else {
                 let holder = &self.b.nodes()[holder_b as usize];
                 (holder.overlap_column(self.kernel, &self.turned.1, lane_b.into()), 1)
@@ -282,6 +281,12 @@ where
         let d = corner(P::corners(&p).next()).distance(corner(Q::corners(&q).next()));
         d * (1.0 + 8.0 * f64::EPSILON)
     }
+}
+
+/// The node that a link to a root leads to.
+#[inline(always)]
+fn root(link: Child) -> u32 {
+    if let Link::Inner(node) = link.link() { node } else { 0 }
 }
 
 /// The primitives of a leaf.
