@@ -22,7 +22,7 @@ struct Face {
 
 fn main() {
     println!("cargo::rerun-if-changed=build.rs");
-    vector_kernels();
+    conditions();
     let mut source = format!("pub(super) const GRID_SIDE: usize = {GRID_SIDE};\n");
     for k in [6, 14, 18, 26, 32] {
         let vectors = directions(k);
@@ -39,15 +39,20 @@ fn main() {
 }
 
 /// Sets `simdop_x86` or `simdop_neon`: the target can pass and keep vector registers, so that there are
-/// kernels and tokens for them. Not so where the ABI is soft-float, as on `x86_64-unknown-none`.
-fn vector_kernels() {
+/// kernels and tokens for them. Not so where the ABI is soft-float, as on `x86_64-unknown-none`. Or `simdop_small`: there is
+/// little room for code, above all where `f64` is emulated, so that what is inlined elsewhere is called, if no inner loop
+/// waits for it.
+fn conditions() {
     let condition = |name: &str| std::env::var(name).unwrap_or_default();
     let (arch, features) = (condition("CARGO_CFG_TARGET_ARCH"), condition("CARGO_CFG_TARGET_FEATURE"));
-    println!("cargo::rustc-check-cfg=cfg(simdop_x86, simdop_neon)");
+    println!("cargo::rustc-check-cfg=cfg(simdop_x86, simdop_neon, simdop_small)");
     for (name, its_arch, feature) in [("simdop_x86", "x86_64", "sse2"), ("simdop_neon", "aarch64", "neon")] {
         if arch == its_arch && features.split(',').any(|f| f == feature) {
             println!("cargo::rustc-cfg={name}");
         }
+    }
+    if arch == "arm" {
+        println!("cargo::rustc-cfg=simdop_small");
     }
 }
 

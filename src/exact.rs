@@ -1,5 +1,7 @@
-//! Sums of `f64` without error, and integers of many words: what the packer rounds up and the verifier decides by.
+//! Sums of `f64` without error, and integers of many words: what the packer rounds up, and what the verifier and the exact tests
+//! decide by.
 
+pub(crate) mod determinant;
 pub(crate) mod wide;
 
 /// `a + b` as a rounded sum and its error, exactly (Knuth's `TwoSum`).

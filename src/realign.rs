@@ -54,6 +54,7 @@ use crate::key::Key;
 use crate::pose::Pose;
 use crate::primitive::{Primitive, radius_of};
 use crate::range::{MIN_COORDINATE, Point};
+use crate::vector::difference;
 
 /// How the planes of every node of one body turn into another body's frame, at one pose.
 #[derive(Copy, Clone, PartialEq, Debug)]
@@ -198,9 +199,7 @@ impl<const K: usize> Realignment<K> {
 /// Where the pose puts the centre of A's frame, from the centre of B's, up to rounding in `f64`.
 #[inline(always)]
 pub(crate) fn shift(pose: &Pose, a: &Extent, b: &Frame) -> Point {
-    let (m, t, c) = (pose.rows(), pose.translation(), a.frame.centre);
-    let along = |i: usize| (((m[i][0] * c[0] + m[i][1] * c[1]) + m[i][2] * c[2]) + t[i]) - b.centre[i];
-    [along(0), along(1), along(2)]
+    difference(&pose.unflushed_called(&a.frame.centre), &b.centre)
 }
 
 /// What the roundings of moved corners and centres are relative to.

@@ -83,7 +83,7 @@ fn check_cell((shape, treatment): (Shape, Treatment), seed: u64, pairs: u64) -> 
     tally
 }
 
-/// Both argument orders; whether the first needed expansions.
+/// Both argument orders; whether the first needed integers.
 fn check_orders(pair @ [a, b]: &Pair, expected: bool) -> bool {
     let (mut forward, mut backward) = (7, 7);
     assert_eq!(overlap(a, b, &mut forward), expected, "first with second:\n{}", Bits(pair));
@@ -445,9 +445,9 @@ fn nudge_in_range(x: f64, rng: &mut Rng) -> f64 {
     }
 }
 
-/// Pairs at random must not need expansions: they are for contacts.
+/// Pairs at random must not need integers: they are for contacts.
 #[test]
-fn random_pairs_do_not_need_expansions() {
+fn random_pairs_do_not_need_integers() {
     let mut rng = Rng::new(3);
     let mut exact_calls = 0;
     let mut hits = 0;

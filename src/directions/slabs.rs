@@ -75,7 +75,8 @@ impl<const K: usize> Directions<K> {
         clippy::needless_range_loop,
         reason = "several columns share the index, not all of which is used"
     )]
-    #[inline(always)]
+    #[cfg_attr(simdop_small, inline(never))]
+    #[cfg_attr(not(simdop_small), inline(always))]
     pub(crate) fn decompose_columns<T: Float, const W: usize>(
         u: &[[T; W]; 3],
         columns: usize,

@@ -135,7 +135,8 @@ impl Pose {
     /// bits everywhere, within 2^-50 (|R||p| + |t|) of the exact image. Coordinates below
     /// [`crate::range::MIN_COORDINATE`] become zero; of a point within [`MAX_COORDINATE`] none is beyond
     /// [`MAX_MOVED`].
-    #[inline(always)]
+    #[cfg_attr(simdop_small, inline(never))]
+    #[cfg_attr(not(simdop_small), inline(always))]
     #[must_use]
     pub fn apply(&self, p: Point) -> Point {
         let [x, y, z] = self.unflushed(&p);
@@ -145,7 +146,7 @@ impl Pose {
     /// The way back, for bodies about c: it takes the image of c to c, and ways from there to the ways from c by R
     /// transposed. Not checked: it may lead farther than a pose.
     pub(crate) fn back_to(&self, c: &Point) -> Self {
-        let (r, q) = (&self.rows, self.unflushed(c));
+        let (r, q) = (&self.rows, self.unflushed_called(c));
         let along = |j: usize| c[j] - ((r[0][j] * q[0] + r[1][j] * q[1]) + r[2][j] * q[2]);
         Self {
             rows: [[r[0][0], r[1][0], r[2][0]], [r[0][1], r[1][1], r[2][1]], [r[0][2], r[1][2], r[2][2]]],
@@ -159,6 +160,13 @@ impl Pose {
         let coordinate = |i: usize| dot(&self.rows[i], p) + self.translation[i];
         // Not `array::from_fn`: it is not always inlined, and this is on the path of every pair of triangles.
         [coordinate(0), coordinate(1), coordinate(2)]
+    }
+
+    /// [`Pose::unflushed`] where a call is of no account.
+    #[cfg_attr(simdop_small, inline(never))]
+    #[cfg_attr(not(simdop_small), inline(always))]
+    pub(crate) fn unflushed_called(&self, p: &Point) -> Point {
+        self.unflushed(p)
     }
 
     /// A turn about an axis through the origin, by an angle in radians. The axis is a unit vector up to rounding, and so the

@@ -2,7 +2,7 @@
 //! ([`crate::realign::own_slabs`]): each in the frame of its own tree, where its planes are tight.
 
 use super::frontier::Side;
-use super::placing::Margin;
+use super::placing::{Margin, placed};
 use super::traverse::{Traversal, bits_of};
 use super::{Lanes, Pairwise};
 use crate::frame::Extent;
@@ -89,17 +89,14 @@ where
             _ => return bits,
         };
         if self.cutter.is_none_or(|(last, _)| last != cutter) {
+            let (of_a, of_b) = placed((self.a, self.b), self.placing);
             let slabs = match cutter {
-                Cutter::A(index) => self.slabs::<P, Q>(
-                    self.placing.item_a(self.a, index),
-                    self.placing.turned == Side::A,
-                    &self.extent_b(),
-                ),
-                Cutter::B(index) => self.slabs::<Q, P>(
-                    self.placing.item_b(self.b, index),
-                    self.placing.turned == Side::B,
-                    &self.extent_a(),
-                ),
+                Cutter::A(index) => {
+                    self.slabs::<P, Q>(of_a.item(index), self.placing.turned == Side::A, &self.extent_b())
+                }
+                Cutter::B(index) => {
+                    self.slabs::<Q, P>(of_b.item(index), self.placing.turned == Side::B, &self.extent_a())
+                }
             };
             self.cutter = Some((cutter, slabs));
         }

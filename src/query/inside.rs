@@ -10,6 +10,7 @@
 //! a traversal: a call that is made only if a body is solid and nothing else was found.
 
 use super::hint::Found;
+use super::placing::PlacedTree;
 use super::traverse::primitives;
 use super::{Counters, Lanes, Query};
 use crate::frame::Extent;
@@ -32,12 +33,6 @@ pub(super) enum Containment {
     Inside { found: Found, point: Point },
     /// The budget was spent before it was known. The bodies are no farther apart than this.
     OutOfBudget { upper: f64 },
-}
-
-/// A solid, and how it stands in the query's frame: as it is, or as a pose places it.
-struct Solid<'t, N: Lanes, P: Primitive> {
-    tree: &'t BvhRef<'t, N, P>,
-    pose: Option<&'t Pose>,
 }
 
 /// A part that is inside of a solid: the primitive that stands for it, the one of the solid that is named with it, and a
@@ -71,13 +66,13 @@ impl Query {
         let mut find = || {
             if b.is_solid()
                 && let Some(Inner { part, crossed, point }) =
-                    self.first_inner(a, Some(pose), &Solid { tree: b, pose: None }, counters)?
+                    self.first_inner(a, Some(pose), &PlacedTree { tree: b, pose: None }, counters)?
             {
                 return Ok(Some((Found { a: part, b: crossed }, point)));
             }
             if a.is_solid()
                 && let Some(Inner { part, crossed, point }) =
-                    self.first_inner(b, None, &Solid { tree: a, pose: Some(pose) }, counters)?
+                    self.first_inner(b, None, &PlacedTree { tree: a, pose: Some(pose) }, counters)?
             {
                 return Ok(Some((Found { a: crossed, b: part }, point)));
             }
@@ -96,7 +91,7 @@ impl Query {
         &self,
         body: &BvhRef<'_, N, Q>,
         pose: Option<&Pose>,
-        solid: &Solid<'_, N, P>,
+        solid: &PlacedTree<'_, N, P>,
         counters: &mut Counters,
     ) -> Result<Option<Inner>, f64> {
         for part in body.parts() {
@@ -123,14 +118,14 @@ impl Query {
         counters: &mut Counters,
     ) -> Result<Option<u32>, f64> {
         let Some(ray) = Ray::new(point, solid.header(), Some((pose, of))) else { return Ok(None) };
-        self.around(&Solid { tree: solid, pose: Some(pose) }, point, &ray, counters)
+        self.around(&PlacedTree { tree: solid, pose: Some(pose) }, point, &ray, counters)
     }
 
     /// If the solid winds around the point, the crossed primitive with the lowest index in what was built. An error if the
     /// budget was spent: no less than the distance of the point from the solid.
     fn around<N: Lanes, P: Primitive>(
         &self,
-        solid: &Solid<'_, N, P>,
+        solid: &PlacedTree<'_, N, P>,
         point: &Point,
         ray: &Ray,
         counters: &mut Counters,
@@ -143,7 +138,7 @@ impl Query {
 #[inline(never)]
 fn around_on<N: Lanes, P: Primitive, E: Kernel>(
     kernel: E,
-    solid: &Solid<'_, N, P>,
+    solid: &PlacedTree<'_, N, P>,
     point: &Point,
     ray: &Ray,
     budget: u64,
@@ -163,7 +158,7 @@ fn around_on<N: Lanes, P: Primitive, E: Kernel>(
                 // One loop with one call of the kernel, so that it is inlined.
                 if let Some(node) = next.take() {
                     if counters.visits == budget {
-                        return Err(solid.distance_bound(point));
+                        return Err(distance_bound(solid, point));
                     }
                     counters.visits += 1;
                     let (rows, kernels) = solid.tree.nodes()[node as usize].overlap_rows(kernel, &turned, 1);
@@ -198,21 +193,9 @@ fn around_on<N: Lanes, P: Primitive, E: Kernel>(
     )
 }
 
-impl<N: Lanes, P: Primitive> Solid<'_, N, P> {
-    /// A primitive where it stands.
-    #[inline(always)]
-    fn item(&self, index: u32) -> P::Item {
-        let item = self.tree.primitive(index);
-        match self.pose {
-            Some(pose) => P::moved(&item, pose),
-            None => item,
-        }
-    }
-
-    /// The distance of a point from some corner, rounded up.
-    #[cold]
-    fn distance_bound(&self, point: &Point) -> f64 {
-        let corner = P::corners(&self.item(0)).next().map_or(glam::DVec3::ZERO, glam::DVec3::from_array);
-        glam::DVec3::from_array(*point).distance(corner) * (1.0 + 8.0 * f64::EPSILON)
-    }
+/// The distance of a point from some corner of a body, rounded up.
+#[cold]
+fn distance_bound<N: Lanes, P: Primitive>(body: &PlacedTree<'_, N, P>, point: &Point) -> f64 {
+    let corner = P::corners(&body.item(0)).next().map_or(glam::DVec3::ZERO, glam::DVec3::from_array);
+    glam::DVec3::from_array(*point).distance(corner) * (1.0 + 8.0 * f64::EPSILON)
 }

@@ -2,8 +2,8 @@
 
 use super::frontier::Side;
 use super::hint::Found;
-use super::on_lattice::{decide_on_lattice, lattice_of, placed};
-use super::placing::Margin;
+use super::on_lattice::{decide_on_lattice, lattice_of};
+use super::placing::{Margin, placed};
 use super::stack::{Descent, Rows};
 use super::traverse::{Flow, Stop, Traversal, bits_of, primitives};
 use super::{Counters, Lanes, Pairwise};

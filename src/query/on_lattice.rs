@@ -3,43 +3,21 @@
 
 use super::frontier::Side;
 use super::leaves::Leaves;
-use super::placing::Placing;
+use super::placing::{PlacedTree, Placing};
 use super::traverse::{Flow, Stop, primitives};
 use super::{Counters, Lanes, Pairwise};
 use crate::frame::Frame;
 use crate::hierarchy::BvhRef;
 use crate::node::Link;
-use crate::pose::Pose;
 use crate::primitive::triangle::LatticeProbe;
 use crate::primitive::{Lattice, LatticeCorners, Primitive};
 use core::ops::ControlFlow;
-
-/// One body of a traversal.
-pub(super) struct PlacedTree<'t, N: Lanes, P: Primitive> {
-    pub(super) tree: &'t BvhRef<'t, N, P>,
-    /// Moves its primitives, if it is the query's A.
-    pub(super) pose: Option<&'t Pose>,
-}
 
 impl<N: Lanes, P: Primitive> PlacedTree<'_, N, P> {
     #[inline(always)]
     fn corners(&self, index: u32, lattice: &Lattice) -> Option<LatticeCorners> {
         P::on_lattice(self.tree.store(), index, lattice, self.pose.is_some())
     }
-
-    fn item(&self, index: u32) -> P::Item {
-        let item = self.tree.primitive(index);
-        self.pose.map_or(item, |pose| P::moved(&item, pose))
-    }
-}
-
-/// Both bodies of a traversal.
-pub(super) fn placed<'t, N: Lanes, P: Primitive, Q: Primitive>(
-    (a, b): (&'t BvhRef<'t, N, P>, &'t BvhRef<'t, N, Q>),
-    placing: &'t Placing<'_>,
-) -> (PlacedTree<'t, N, P>, PlacedTree<'t, N, Q>) {
-    let pose = |side: Side| (placing.turned == side).then_some(placing.pose);
-    (PlacedTree { tree: a, pose: pose(Side::A) }, PlacedTree { tree: b, pose: pose(Side::B) })
 }
 
 /// The lattice of tests, made when it is first needed.

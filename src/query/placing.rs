@@ -67,3 +67,32 @@ impl Placing<'_> {
         if self.turned == of { P::moved(&item, self.pose) } else { item }
     }
 }
+
+/// One body of a query.
+pub(super) struct PlacedTree<'t, N: Lanes, P: Primitive> {
+    pub(super) tree: &'t BvhRef<'t, N, P>,
+    /// Moves its primitives, if it is the query's A.
+    pub(super) pose: Option<&'t Pose>,
+}
+
+impl<N: Lanes, P: Primitive> PlacedTree<'_, N, P> {
+    /// A primitive where it stands, for where no inner loop waits for it.
+    #[cfg_attr(simdop_small, inline(never))]
+    #[cfg_attr(not(simdop_small), inline(always))]
+    pub(super) fn item(&self, index: u32) -> P::Item {
+        let item = self.tree.primitive(index);
+        match self.pose {
+            Some(pose) => P::moved(&item, pose),
+            None => item,
+        }
+    }
+}
+
+/// Both bodies of a traversal.
+pub(super) fn placed<'t, N: Lanes, P: Primitive, Q: Primitive>(
+    (a, b): (&'t BvhRef<'t, N, P>, &'t BvhRef<'t, N, Q>),
+    placing: &'t Placing<'_>,
+) -> (PlacedTree<'t, N, P>, PlacedTree<'t, N, Q>) {
+    let pose = |side: Side| (placing.turned == side).then_some(placing.pose);
+    (PlacedTree { tree: a, pose: pose(Side::A) }, PlacedTree { tree: b, pose: pose(Side::B) })
+}

@@ -23,7 +23,7 @@
 use crate::exact::power_of_two;
 use crate::frame::Extent;
 use crate::pose::Pose;
-use crate::realign::shift;
+use crate::vector::difference;
 
 const GROWN: f32 = 1.0 + power_of_two(-18) as f32;
 /// Of what is lost by rounding, relative to the coordinates.
@@ -35,7 +35,7 @@ const LEAST_SQUARE: f32 = power_of_two(-120) as f32;
 /// Whether the bodies, of which `pose` places A in the frame of B, are certainly more than `margin` apart.
 #[inline(always)]
 pub(super) fn are_apart(pose: &Pose, a: &Extent, b: &Extent, margin: f64) -> bool {
-    let [x, y, z] = shift(pose, a, &b.frame);
+    let [x, y, z] = difference(&pose.unflushed(&a.frame.centre), &b.frame.centre);
     let [x, y, z] = [x as f32, y as f32, z as f32];
     let sizes = (a.radius as f32 + b.radius as f32) + margin as f32;
     let coordinates = a.max_coordinate as f32 + b.max_coordinate as f32;

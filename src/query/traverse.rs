@@ -17,7 +17,7 @@
 use super::cut::Cutter;
 use super::hint::Found;
 use super::long::{LONG, Thin};
-use super::placing::{Margin, Placing};
+use super::placing::{Margin, Placing, placed};
 use super::stack::{ABOVE_ROOT, Descent, Next, Rows, Stack, Volumes};
 use super::{Counters, Lanes, Pairwise};
 #[cfg(doc)]
@@ -275,8 +275,9 @@ where
     /// The distance of some corner below `a` from some corner below `b`, rounded up.
     #[cold]
     fn corner_distance(&self, a: Child, b: Child) -> f64 {
-        let p = self.placing.item_a(self.a, first_primitive(self.a, a.link()));
-        let q = self.placing.item_b(self.b, first_primitive(self.b, b.link()));
+        let (of_a, of_b) = placed((self.a, self.b), self.placing);
+        let p = of_a.item(first_primitive(self.a, a.link()));
+        let q = of_b.item(first_primitive(self.b, b.link()));
         let corner = |p: Option<Point>| p.map_or(glam::DVec3::ZERO, glam::DVec3::from_array);
         let d = corner(P::corners(&p).next()).distance(corner(Q::corners(&q).next()));
         d * (1.0 + 8.0 * f64::EPSILON)

@@ -74,7 +74,9 @@ impl Query {
 }
 
 /// How volumes of body a in one frame turn into another.
-#[inline(always)]
+// Inlined, so that it is compiled for the query's instruction set, but on small machines, where it is called from two places.
+#[cfg_attr(simdop_small, inline(never))]
+#[cfg_attr(not(simdop_small), inline(always))]
 pub(super) fn set_up<N: Lanes, P: Primitive>(placing: &Placing<'_>, a: &Extent, b: &Frame) -> N::Map {
     let mut map = N::map(placing.to_b, a, b);
     let outwards = placing.outwards + shrinkage::<P>(placing.to_b, a);

@@ -92,7 +92,7 @@ pub fn own_slabs<P: Primitive, const K: usize>(
     let (mut u, mut origin, mut coordinates) = (n, c, size + greatest(&c));
     if let Some(pose) = pose {
         let (m, t) = (pose.rows(), pose.translation());
-        origin = core::array::from_fn(|i| ((m[i][0] * c[0] + m[i][1] * c[1]) + m[i][2] * c[2]) + t[i]);
+        origin = pose.unflushed_called(&c);
         // 4 >= sum of a row's magnitudes, for the image; once more for the centre.
         coordinates = (8.0 * body.max_coordinate + greatest(&t)) + size;
         for i in 0..3 {

@@ -49,6 +49,8 @@ pub(super) fn realign_over<const K: usize>(
     b: &[[i16; 16]; K],
     lane: Option<usize>,
 ) -> u16 {
+    // Those of lanes that are unused come out above every key.
+    let unused = (0..16).filter(|&i| a[0][i] == Key::EMPTY.code()).fold(0_u16, |mask, i| mask | 1 << i);
     let mut mask = u16::MAX;
     for j in 0..K {
         let (turned, limits) = (&mut query[j ^ 1], &b[j ^ 1]);
@@ -65,13 +67,13 @@ pub(super) fn realign_over<const K: usize>(
             if known >> i & 1 == 0 {
                 let code = |codes: &[i16; 16]| f32::from(codes[i]);
                 turned[i] = !Key::around(((u * code(x) + v * code(y)) + w * code(z)) + offset).code();
-                if j == 1 && a[0][i] == Key::EMPTY.code() {
-                    turned[i] = SEPARATED;
-                }
             }
             if turned[i] > limit {
                 mask &= !(1 << i);
             }
+        }
+        if j == 1 && mask & unused & !known != 0 {
+            mask = separate(unused & !known, turned, limit, mask);
         }
         if mask == 0 {
             return 0;
@@ -79,6 +81,15 @@ pub(super) fn realign_over<const K: usize>(
     }
     *whole |= mask;
     mask
+}
+
+/// Marks unused lanes, and clears their bits unless a plane is above every key.
+#[cold]
+fn separate(unused: u16, turned: &mut [i16; 16], limit: i16, mask: u16) -> u16 {
+    for i in (0..16).filter(|i| unused >> i & 1 != 0) {
+        turned[i] = SEPARATED;
+    }
+    if SEPARATED > limit { mask & !unused } else { mask }
 }
 
 /// Each plane is a term of several sums.

@@ -19,7 +19,7 @@ use crate::range::Point;
 const ACROSS: (usize, usize) = (1, 2);
 
 /// 1 if the triangle is crossed along its normal, seen counterclockwise, -1 if against it, 0 if not. Adds 1 to
-/// `exact_calls` if expansions took part.
+/// `exact_calls` if integers took part.
 pub(super) fn crossing(t: &Triangle, p: &Point, exact_calls: &mut u64) -> i8 {
     let [a, b, c] = t;
     let is_any_beyond = |axis: usize| (a[axis] > p[axis]) | (b[axis] > p[axis]) | (c[axis] > p[axis]);

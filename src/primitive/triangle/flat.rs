@@ -4,6 +4,7 @@
 //! its edges, which therefore stand for it everywhere.
 
 use super::{Signs, Triangle, UNIT_ROUNDOFF, sign};
+use crate::exact::determinant;
 use crate::range::Point;
 
 /// Relative error bound of a 2 by 2 determinant of differences: `ccwerrboundA` of the same paper.
@@ -151,7 +152,6 @@ impl Signs {
             return 0;
         }
         self.exact = true;
-        let point = |p: &Point| robust::Coord { x: p[x], y: p[y] };
-        sign(robust::orient2d(point(p), point(q), point(r)))
+        determinant::area([p, q, r].map(|p| [p[x], p[y]]))
     }
 }

@@ -2,8 +2,7 @@
 //!
 //! The answer depends on nothing but the signs of determinants of the coordinates as given. Each sign is
 //! first computed in plain `f64` together with a bound on its rounding error; only when the bound does not
-//! decide is the determinant evaluated with Shewchuk's expansions. So the verdict is the true one for the
-//! given coordinates.
+//! decide is the determinant evaluated in integers. So the verdict is the true one for the given coordinates.
 //!
 //! 1. *Plane sides.* If the three vertices of one triangle lie strictly on one side of the other's plane, the
 //!    triangles are disjoint. Nearly every pair ends here.
@@ -18,9 +17,8 @@
 //! what a body's own may have, since poses move them, which flush smaller ones to zero. Then nothing under-
 //! or overflows, and the error analysis (which knows neither) holds: each coordinate is a multiple of 2^-302,
 //! the last place of [`MIN_COORDINATE`]; so is each difference of two and its rounding error; so a product of
-//! three of them, and every part an expansion splits it into, is a multiple of 2^-906 and not subnormal. A
-//! difference is at most 2^303, so a sum of six products of three is below 2^912, and Dekker's splitting
-//! multiplies a factor of at most 2^607 by 2^27 + 1: all finite.
+//! three of them is a multiple of 2^-906 and not subnormal. A difference is at most 2^303, so a sum of six
+//! products of three is below 2^912. The integers that decide what this cannot have room for all of it.
 
 mod crossing;
 #[cfg(feature = "alloc")]
@@ -36,7 +34,7 @@ pub(crate) mod point;
 mod tests;
 mod triangles;
 
-use crate::exact::power_of_two;
+use crate::exact::{determinant, power_of_two};
 use crate::range::{MAX_MOVED, MIN_COORDINATE, Point};
 use crate::vector::difference;
 use interval::Wedge;
@@ -68,7 +66,7 @@ pub(crate) const UNIT_ROUNDOFF: f64 = f64::EPSILON * 0.5;
 /// Exact for the coordinates as given, whatever the shape: coplanar pairs, needles, points, shared vertices.
 /// The answer does not depend on the order of the triangles or of their vertices.
 ///
-/// Adds 1 to `exact_calls` if floating point could not decide some sign, so that expansions had to.
+/// Adds 1 to `exact_calls` if floating point could not decide some sign, so that integers had to.
 ///
 /// The coordinates must keep to the [range](self#range). Outside it, and for NaN, the answer may be wrong.
 ///
@@ -221,7 +219,7 @@ impl Sides {
     }
 }
 
-/// Exact signs: -1, 0 or 1. Remembers whether any of them needed expansions.
+/// Exact signs: -1, 0 or 1. Remembers whether any of them needed integers.
 struct Signs {
     exact: bool,
 }
@@ -254,11 +252,9 @@ impl Signs {
     }
 
     #[cold]
-    fn exact_side(&mut self, [a, b, c]: &Triangle, p: &[f64; 3]) -> i8 {
+    fn exact_side(&mut self, t: &Triangle, p: &[f64; 3]) -> i8 {
         self.exact = true;
-        let point = |&[x, y, z]: &[f64; 3]| robust::Coord3D { x, y, z };
-        // Shewchuk's determinant is positive below the plane.
-        sign(-robust::orient3d(point(a), point(b), point(c), point(p)))
+        determinant::side(t, p)
     }
 }
 
@@ -287,7 +283,7 @@ fn crossing(a: &Triangle, b: &Triangle, a_sides: &Sides, b_sides: &Sides, signs:
     interval::meet(&Wedge::new(a, a_signs), &Wedge::new(b, b_signs), signs)
 }
 
-/// Comparisons only, so exact; it spares neighbours in one plane the expansions.
+/// Comparisons only, so exact; it spares neighbours in one plane the integers.
 fn boxes_apart(a: &Triangle, b: &Triangle) -> bool {
     let least = |x: f64, y: f64| if x < y { x } else { y };
     let greatest = |x: f64, y: f64| if x > y { x } else { y };

@@ -17,7 +17,7 @@
 //!
 //! **What is certain here, the filter in `f64` decides too, and alike.** A determinant beyond the bound is truly beyond u of
 //! the product of sums, which is at least its permanent; `f64` needs 2^-49 of that. So no counter tells which of the two
-//! decided. Nor does it where the verdict comes from several signs: the exact test would not ask for expansions of any
+//! decided. Nor does it where the verdict comes from several signs: the exact test would not ask for integers of any
 //! sign that is asked here, and asks no others, or ends earlier by boxes, which are apart only of triangles that are.
 
 use super::interval::Wedge;

@@ -133,7 +133,7 @@ fn degenerate_triangles() {
 }
 
 #[test]
-fn expansions_are_counted_once_for_a_pair() {
+fn integers_are_counted_once_for_a_pair() {
     let count = |a: Triangle, b: Triangle| {
         let mut exact_calls = 10;
         let _ = overlap(&a, &b, &mut exact_calls);
@@ -146,9 +146,9 @@ fn expansions_are_counted_once_for_a_pair() {
     assert_eq!(count(wall, wall.map(|p| core::array::from_fn(|k| (p[k] + wall[0][k]) / 2.0))), 1);
 }
 
-/// The sides' sign, against the opposite convention of the expansions: both branches must agree.
+/// The sides' sign: both branches must agree.
 #[test]
-fn filter_and_expansions_have_one_sign() {
+fn filter_and_integers_have_one_sign() {
     let mut signs = Signs { exact: false };
     for z in [-1.0, 0.0, 1.0] {
         let p = [1.0, 1.0, z];
