@@ -22,7 +22,7 @@ pub struct Assignment {
 
 impl Assignment {
     /// What is wrong with it, if anything, as the shape of a tree over so many primitives.
-    fn check(&self, primitives: usize, arity: usize, leaf_size: usize) -> Result<(), BuildError> {
+    pub(super) fn check(&self, primitives: usize, arity: usize, leaf_size: usize) -> Result<(), BuildError> {
         let wrong = |problem| Err(BuildError::Assignment { problem });
         let mut is_placed = alloc::vec![false; primitives];
         for &index in &self.order {

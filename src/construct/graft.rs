@@ -59,9 +59,15 @@ pub(super) fn assign<E: From<BuildError>>(
     split: &mut dyn FnMut(&Items, &mut Observer<'_>) -> Result<Assignment, E>,
 ) -> Result<Assignment, E> {
     let nested = if has_details { NESTED } else { 0 };
-    match graft(items, arity, nested, observer, split)? {
+    // A tree that turns out too deep is begun anew.
+    let mut most = 0;
+    let mut observer = |progress: Progress| {
+        most = most.max(progress.placed);
+        observer(Progress { placed: most, ..progress })
+    };
+    match graft(items, arity, nested, &mut observer, split)? {
         Some(grafted) => Ok(grafted),
-        None => split(items, observer),
+        None => split(items, &mut observer),
     }
 }
 
@@ -252,3 +258,6 @@ fn clusters(cells: &[[u32; 3]]) -> Vec<u32> {
     }
     (0..cells.len() as u32).map(|cell| root(&mut parents, cell)).collect()
 }
+
+#[cfg(test)]
+mod tests;

@@ -207,6 +207,10 @@ impl Builder {
     /// Coordinates are kept as they are (stored as `f32` where that loses nothing), except that those below
     /// [`crate::range::MIN_COORDINATE`] become zero. Degenerate triangles are kept and counted.
     ///
+    /// Parts of a mesh that are too fine for 16 bits across all of it, such as screws in a hall, get subtrees and frames of
+    /// their own ([`Detail`](crate::hierarchy::Detail)): near them [`collide`](crate::query::Query::collide) costs what it
+    /// costs near a body of their size. Their nodes are in the tree twice.
+    ///
     /// The same bytes on every machine and, with the feature `rayon`, from any number of threads: those of
     /// the current pool. A build needs some 100 bytes a triangle besides the mesh and the tree (k = 18,
     /// arity 16, half as many vertices as triangles), whatever the splitter.

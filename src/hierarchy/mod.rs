@@ -1,7 +1,7 @@
 //! Bounding volume hierarchies: one run of bytes, read in place.
 //!
 //! A baked tree is a [`Header`], the nodes in breadth-first order, the balls or the thin slabs of their lanes if it
-//! has them, the vertices, the primitives in the order of the leaves (of a triangle the indices of its corners), and
+//! has them, its [`Detail`]s, the vertices, the primitives in the order of the leaves (of a triangle the indices of its corners), and
 //! for each primitive its index in what was built; of a body of several parts also a primitive in each. All little-endian, each part aligned for its type, the whole to 64
 //! bytes.
 //!

@@ -52,13 +52,14 @@ impl<'a, N: Node, P: Primitive> BvhRef<'a, N, P> {
             [] => &[],
             balls => bytemuck::try_cast_slice(balls).ok()?,
         };
-        let details = match layout.details.of(bytes)? {
-            [] => &[],
-            details => bytemuck::try_cast_slice(details).ok()?,
+        let header: &Header = bytemuck::try_from_bytes(bytes.get(..size_of::<Header>())?).ok()?;
+        let details = match header.detail_count {
+            0 => &[],
+            _ => bytemuck::try_cast_slice(layout.details.of(bytes)?).ok()?,
         };
         let (vertices, records) = (layout.vertices.of(bytes)?, layout.records.of(bytes)?);
         Some(Self {
-            header: bytemuck::try_from_bytes(bytes.get(..size_of::<Header>())?).ok()?,
+            header,
             nodes: bytemuck::try_cast_slice(layout.nodes.of(bytes)?).ok()?,
             thin_slabs: bytemuck::try_cast_slice(layout.thin_slabs.of(bytes)?).ok()?,
             balls,

@@ -249,10 +249,11 @@ impl Query {
         A::Primitive: Pairwise<B::Primitive>,
         B::Primitive: Pairwise<A::Primitive>,
     {
-        let mut answer = self.first_pair(&a.as_bvh(), &b.as_bvh(), pose, Touching);
+        let (a, b) = (&a.as_bvh(), &b.as_bvh());
+        let mut answer = self.first_pair(a, b, pose, Touching);
         // Far pairs were told apart without a visit.
         if answer.counters.visits > 0 {
-            self.add_inside(&mut answer, &a.as_bvh(), &b.as_bvh(), pose);
+            self.add_inside(&mut answer, a, b, pose);
         }
         answer
     }

@@ -67,10 +67,26 @@ impl Query {
             || {
                 let mut map = set_up::<N, P>(placing, &a.extent(), &b.frame());
                 let limits = Limits { budget: self.budget, margin };
-                Traversal::new(kernel, (a, b), placing, &mut map, limits, counters, visit).run().break_value()
+                descend(kernel, (a, b), placing, &mut map, limits, counters, visit)
             },
         )
     }
+}
+
+/// A traversal with the map of the bodies' frames.
+// A part of the gate, but on small machines, where the stack of the set-up would else lie below that of the traversal.
+#[cfg_attr(simdop_small, inline(never))]
+#[cfg_attr(not(simdop_small), inline(always))]
+fn descend<N: Lanes, P: Pairwise<Q>, Q: Pairwise<P>, E: Kernel, M: Margin>(
+    kernel: E,
+    trees: (&BvhRef<'_, N, P>, &BvhRef<'_, N, Q>),
+    placing: &Placing<'_>,
+    map: &mut N::Map,
+    limits: Limits<M>,
+    counters: &mut Counters,
+    visit: Visitor<'_>,
+) -> Option<Stop> {
+    Traversal::new(kernel, trees, placing, map, limits, counters, visit).run().break_value()
 }
 
 /// How volumes of body a in one frame turn into another.

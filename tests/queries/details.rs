@@ -1,7 +1,7 @@
 //! Details: parts of a body that are too fine for its frame. That queries among them are exact, cost what they cost among
 //! bodies of their size, and that their bytes are proved and checked as those of the body are.
 
-use crate::sizes::{Scene, check_all, check_margins};
+use crate::judged::{Scene, check_all, check_margins};
 use crate::support::corners::near_corners;
 use crate::support::data::{MeshData, suite_step};
 use crate::support::rng::Rng;
@@ -133,6 +133,10 @@ fn every_splitter_has_details() {
         let tree = builder.build::<Node16<18>>(&mesh_of(&scene)).unwrap();
         tree.view().verify().unwrap();
         tree.view().validate().unwrap();
+        let mut sources: Vec<u32> =
+            (0..tree.view().len() as u32).map(|index| tree.view().source(index)).collect();
+        sources.sort_unstable();
+        assert!(sources.iter().copied().eq(0..scene.triangles.len() as u32), "{splitter:?}: each once");
         assert_eq!(tree.view().details().len(), 40, "{splitter:?}: one for each");
         let thick = builder.without_thin_slabs().build::<Node4<14>>(&mesh_of(&scene)).unwrap();
         thick.view().verify().unwrap();

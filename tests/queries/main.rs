@@ -6,6 +6,8 @@ extern crate alloc;
 
 #[path = "../support/columns.rs"]
 mod columns;
+#[path = "../support/judged.rs"]
+mod judged;
 #[path = "../support/lens.rs"]
 mod lens;
 #[path = "../support/one_point.rs"]

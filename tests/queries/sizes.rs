@@ -4,163 +4,22 @@
 //! A small body is brought to random corners of a large one, once as A and once as B, at ratios of sizes from 1
 //! to 10^12. `SIMDOP_SUITE=small`, for emulators, takes smaller bodies and fewer poses.
 
+use crate::judged::{Answers, Scene, build, check_all, check_margins, flushed};
 use crate::support::corners::{inverse, near_corners};
 use crate::support::data::{MeshData, directory, suite_step};
-use crate::support::exact::{Tri, meeting_pairs};
-use crate::support::exact_distance::mesh_distance;
 use crate::support::rng::Rng;
 use crate::support::shapes::{append, room, scaled, separate, wavy_torus};
-use crate::{Pairs, pairs_that_meet};
-use simdop::construct::{BuildError, Builder, Mesh};
-use simdop::hierarchy::Bvh;
+use simdop::construct::BuildError;
 use simdop::isa::Isa;
 use simdop::node::{Node4, Node16};
 use simdop::pose::Pose;
-use simdop::query::{Answer, Counters, Lanes, Query};
-use simdop::range::{MAX_COORDINATE, MIN_COORDINATE};
+use simdop::query::Query;
+use simdop::range::MAX_COORDINATE;
 use std::collections::BTreeSet;
-
-type Rows = [[f64; 4]; 3];
 
 /// `full`, or `small` for emulators.
 fn size(full: u32, small: u32) -> u32 {
     if suite_step() == 1 { full } else { small }
-}
-
-fn build<N: Lanes>(mesh: &MeshData) -> Result<Bvh<N>, BuildError> {
-    Builder::new().build(&Mesh { vertices: &mesh.vertices, triangles: &mesh.triangles })
-}
-
-/// Two bodies, and what is true of them at some poses.
-pub(crate) struct Scene {
-    name: String,
-    a: MeshData,
-    b: MeshData,
-    judged: Vec<Judged>,
-}
-
-struct Judged {
-    rows: Rows,
-    /// In ascending order.
-    pairs: Pairs,
-}
-
-impl Scene {
-    pub(crate) fn new(name: String, a: &MeshData, b: &MeshData, poses: Vec<Rows>) -> Self {
-        let still = flushed(b.corners());
-        let judge = |rows: Rows| {
-            let pairs = meeting_pairs(&moved(a, &rows), &still);
-            let pairs = pairs.into_iter().map(|(i, j)| (i as u32, j as u32)).collect();
-            Judged { rows, pairs }
-        };
-        Self { name, a: a.clone(), b: b.clone(), judged: poses.into_iter().map(judge).collect() }
-    }
-
-    /// The small body near corners of the large one, in both orders, at `poses` poses each.
-    pub(crate) fn both_ways(
-        name: &str,
-        small: &MeshData,
-        large: &MeshData,
-        corners: &MeshData,
-        poses: u32,
-    ) -> [Self; 2] {
-        let rng = &mut Rng::new(small.diagonal().to_bits());
-        let count = poses as usize;
-        let mut poses = near_corners(small, corners, 0.5, count - count / 4, rng);
-        // Corner on corner, up to rounding.
-        poses.extend(near_corners(small, corners, 0.0, count / 4, rng));
-        let back = poses.iter().map(inverse).collect();
-        [
-            Self::new(format!("{name}, small as A"), small, large, poses),
-            Self::new(format!("{name}, small as B"), large, small, back),
-        ]
-    }
-
-    /// The body with a copy of itself at a thousandth of its size beside one of its corners, and another such
-    /// copy near corners of that.
-    fn both_ways_at_a_detail(name: &str, body: &MeshData, poses: u32) -> [Self; 2] {
-        let small = scaled(body, 1e-3, [0.0; 3]);
-        let corner = body.vertices[body.triangles[body.triangles.len() / 2][0] as usize];
-        let detail = scaled(body, 1e-3, corner);
-        let mut scene = body.clone();
-        append(&mut scene, &detail);
-        Self::both_ways(&format!("{name} with a detail"), &small, &scene, &detail, poses)
-    }
-
-    fn hits(&self) -> usize {
-        self.judged.iter().filter(|judged| !judged.pairs.is_empty()).count()
-    }
-
-    /// Every query with three node types.
-    fn check(&self) {
-        self.check_nodes::<Node16<18>>();
-        self.check_nodes::<Node4<14>>();
-        self.check_nodes::<Node16<32>>();
-    }
-
-    fn check_nodes<N: Lanes>(&self) {
-        let (a, b) = (build::<N>(&self.a).unwrap(), build::<N>(&self.b).unwrap());
-        for Judged { rows, pairs } in &self.judged {
-            let pose = Pose::from_rows(*rows).unwrap();
-            let what = format!("{}, k {} arity {}, {rows:?}", self.name, N::K, N::ARITY);
-            let mut first = None;
-            for isa in Isa::available() {
-                let got = Answers::of(isa, &a, &b, &pose);
-                if first.is_none() {
-                    assert_eq!(got.collide.is_free(), pairs.is_empty(), "{what}");
-                    assert!(got.collide.hit().is_none_or(|pair| pairs.contains(&(pair.a, pair.b))), "{what}");
-                    assert!(got.pairs == *pairs, "{what}: {} pairs, not {}", got.pairs.len(), pairs.len());
-                }
-                let want = first.get_or_insert_with(|| got.clone());
-                assert!(got == *want, "{isa}, {what}: {:?} {:?}", got.collide, got.counters);
-            }
-        }
-    }
-}
-
-/// What a pair of bodies is asked at a pose.
-#[derive(Clone, PartialEq)]
-struct Answers {
-    collide: Answer,
-    /// In ascending order.
-    pairs: Pairs,
-    /// Of the enumeration.
-    counters: Counters,
-}
-
-impl Answers {
-    fn of<N: Lanes>(isa: Isa, a: &Bvh<N>, b: &Bvh<N>, pose: &Pose) -> Self {
-        let query = Query::new(isa);
-        let (pairs, counters) = pairs_that_meet(query, a, b, pose);
-        Self { collide: query.collide(&a.view(), &b.view(), pose), pairs, counters }
-    }
-}
-
-/// As the library documents it of coordinates that are given or moved: those below [`MIN_COORDINATE`] are zero.
-fn flushed(mut triangles: Vec<Tri>) -> Vec<Tri> {
-    for x in triangles.as_flattened_mut().as_flattened_mut() {
-        if x.abs() < MIN_COORDINATE {
-            *x = 0.0;
-        }
-    }
-    triangles
-}
-
-/// The corners of a body that was built, where the pose places them.
-fn moved(mesh: &MeshData, rows: &Rows) -> Vec<Tri> {
-    let corners = flushed(mesh.corners());
-    let built = separate(corners);
-    flushed(built.placed(rows))
-}
-
-pub(crate) fn check_all(scenes: impl IntoIterator<Item = Scene>) {
-    let (mut hits, mut poses) = (0, 0);
-    for scene in scenes {
-        scene.check();
-        println!("{}: {} hits in {} poses", scene.name, scene.hits(), scene.judged.len());
-        (hits, poses) = (hits + scene.hits(), poses + scene.judged.len());
-    }
-    assert!(hits * 20 > poses && hits * 20 < poses * 19, "both answers are frequent: {hits} hits of {poses}");
 }
 
 /// How much larger the large body is, as the sizes of the two.
@@ -325,32 +184,6 @@ fn margins_are_kept_at_every_ratio_of_sizes() {
             }
         }
         assert!(apart > SIZES.len(), "{apart} poses apart are few");
-    }
-}
-
-pub(crate) fn check_margins<N: Lanes>(scene: &Scene) {
-    let (a, b) = (build::<N>(&scene.a).unwrap(), build::<N>(&scene.b).unwrap());
-    let still = scene.b.corners();
-    for Judged { rows, pairs } in scene.judged.iter().filter(|judged| judged.pairs.is_empty()) {
-        let pose = Pose::from_rows(*rows).unwrap();
-        let what = format!("{}, k {} arity {}, {rows:?}", scene.name, N::K, N::ARITY);
-        let found = Query::new(Isa::detect()).distance(&a, &b, &pose, 0.0).unwrap();
-        // A distance that is too great is found by a nearer pair, one that is too small by there being none.
-        let want = mesh_distance(&moved(&scene.a, rows), &still, found.upper * (1.0 + 1e-9));
-        assert!(want > 0.0 && pairs.is_empty(), "{what}");
-        assert!((found.upper - want).abs() <= 1e-9 * want, "{want:e} {found:?} {what}");
-        assert!(found.lower <= want * (1.0 + 1e-15), "{want:e} {found:?} {what}");
-        for (share, within) in
-            [(1e-6, false), (0.5, false), (1.0 - 1e-9, false), (1.0 + 1e-9, true), (3.0, true)]
-        {
-            let mut first = None;
-            for isa in Isa::available() {
-                let answer = Query::new(isa).within(&a, &b, &pose, share * want).unwrap();
-                assert_eq!(answer.hit().is_some(), within, "{share} of {want:e}, {isa}, {what}");
-                assert_eq!(answer.is_free(), !within, "{share} of {want:e}, {isa}, {what}");
-                assert_eq!(answer, *first.get_or_insert(answer), "{share} of {want:e}, {isa}, {what}");
-            }
-        }
     }
 }
 
