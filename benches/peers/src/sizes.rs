@@ -48,8 +48,8 @@ pub(crate) fn run(options: &Options) -> Result<(), String> {
     let about = format!(
         "{}. {}, one thread, {} run(s), the libraries in turns as in RESULTS.md, whose versions they are.\n\n\
         A body against itself at a scale (\"1e-3, small as A\" is the body at a thousandth of its size, placed in the frame of the whole one), {} poses a row: turned at\n\
-        random, a random corner of the small one at a random corner of the large one, shifted by up to half the small one's diagonal along each axis. \"In a detail\": the large\n\
-        body has a copy of itself at a thousandth of its size at one of its corners, and the small one, another such copy, is near corners of that. The room has\n\
+        random, a random corner of the small one at a random corner of the large one, shifted by up to half the small one's diagonal along each axis. \"1e-3 in a detail\":\n\
+        the large body has a copy of itself at a thousandth of its size at one of its corners, and the small one, another such copy, is near corners of that. The room has\n\
         {TRIANGLES} triangles (`tests/support/shapes.rs`), the hall is unc_env, the hand is the Panda's. The exchanged poses are the inverse ones, rounded.",
         options.stamp,
         table::cpu(),
@@ -85,10 +85,12 @@ fn against_itself(name: &str, body: &MeshData, options: &Options) -> Vec<Scene> 
         let what = if factor < 0.01 { format!("{factor:e}") } else { factor.to_string() };
         scenes.extend(both_ways(name, &what, &small, body, body, options));
     }
-    let [small, detail] = [[0.0; 3], body.vertices[0]].map(|shift| scaled(body, 1e-3, shift));
-    let mut large = body.clone();
-    append(&mut large, &detail);
-    scenes.extend(both_ways(name, "in a detail", &small, &large, &detail, options));
+    for factor in [1e-3, 1e-4] {
+        let [small, detail] = [[0.0; 3], body.vertices[0]].map(|shift| scaled(body, factor, shift));
+        let mut large = body.clone();
+        append(&mut large, &detail);
+        scenes.extend(both_ways(name, &format!("{factor:e} in a detail"), &small, &large, &detail, options));
+    }
     scenes
 }
 
