@@ -79,11 +79,12 @@ impl<'t, N: Lanes> Bounds<'t, N> {
             return Self::Far(line);
         }
         let frame = Frame { exponent, ..b.frame };
-        let mut map = N::map(pose, a, &frame);
-        if shrinkage > 0.0 {
-            N::widen(&mut map, &frame, shrinkage);
-        }
+        let map = map::<N, P>(pose, a, &frame);
         Self::Near(Near { map, frame, growth: growth(&b.frame, exponent), turned })
+    }
+
+    pub(super) const fn are_near(&self) -> bool {
+        matches!(self, Self::Near(_))
     }
 
     /// The least bound that there is.
@@ -116,7 +117,33 @@ impl<'t, N: Lanes> Bounds<'t, N> {
     }
 }
 
+/// What turns planes of A in one frame into another.
+#[inline(always)]
+fn map<N: Lanes, P: Primitive>(pose: &Pose, a: &Extent, frame: &Frame) -> N::Map {
+    let (mut map, shrinkage) = (N::map(pose, a, frame), shrinkage::<P>(pose, a));
+    if shrinkage > 0.0 {
+        N::widen(&mut map, frame, shrinkage);
+    }
+    map
+}
+
 impl<N: Lanes> Near<'_, N> {
+    /// From here on planes of A are those of a part of it that is so large, and planes of B in this frame. The unit stays, so
+    /// that bounds can be compared.
+    pub(super) fn change_frames<P: Primitive>(&mut self, pose: &Pose, a: &Extent, b: &Frame) {
+        self.frame.centre = b.centre;
+        self.map = map::<N, P>(pose, a, &self.frame);
+        self.growth = growth(b, self.frame.exponent);
+        for (kept, _) in self.turned.iter_mut() {
+            *kept = Child::EMPTY;
+        }
+    }
+
+    /// What takes planes in a frame into the unit.
+    pub(super) fn growth_in(&self, frame: &Frame) -> f32 {
+        growth(frame, self.frame.exponent)
+    }
+
     /// The planes of the children of node `a`.
     #[inline(always)]
     pub(super) fn turn<P: Primitive>(

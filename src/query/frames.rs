@@ -1,9 +1,13 @@
-//! The frames that a traversal is in: those of the bodies, or of details of theirs ([`Detail`]).
+//! The frames that a traversal, or a search for the nearest, is in: those of the bodies, or of details of theirs
+//! ([`Detail`]).
 //!
-//! The planes of a detail are written in a frame of its own, so that the map between the frames is made anew where a
-//! traversal gets to a detail, or back to what waits outside of it. It goes down depth first, so it seldom does. Nothing but
-//! volumes is in these frames: primitives are tested in the bodies' coordinates.
+//! The planes of a detail are written in a frame of its own, so that the map between the frames is made anew where one gets
+//! to a detail, or back to what waits outside of it. Both go down depth first, so they seldom do. Nothing but volumes is in
+//! these frames: primitives are tested in the bodies' coordinates.
 
+use super::bounds::Bounds;
+use super::frontier::{Side, VolumeA, VolumeB};
+use super::nearest::Search;
 use super::placing::Margin;
 use super::stack::{ABOVE_ROOT, Volumes};
 use super::traverse::Traversal;
@@ -70,6 +74,63 @@ where
         (self.turned.0, self.whole) = (Child::EMPTY, 0);
         (self.aimed, self.cutter, self.thin.test) = (None, None, None);
         volumes
+    }
+}
+
+impl<'t, N: Lanes, P: Primitive, Q: Primitive> Search<'t, N, P, Q> {
+    /// Before volume `a` or `b` is opened: takes the detail instead of a node that it stands for, and gets into the frames of
+    /// what is compared, which are the children of that node, and the other volume as a lane of the node that holds it.
+    #[cold]
+    #[inline(never)]
+    pub(super) fn change_frames(
+        &mut self,
+        mut a: VolumeA,
+        mut b: VolumeB,
+        opened: Side,
+    ) -> (VolumeA, VolumeB) {
+        let [detail_before, other_before] = self.details.unwrap_or_default();
+        let (mut detail_a, detail_b);
+        if opened == Side::A {
+            (a.child, detail_a) = enter(&self.a, a.child);
+            detail_b = if b.parent == ABOVE_ROOT { None } else { self.b.detail_of(b.parent) };
+        } else {
+            (b.child, detail_b) = enter(&self.b, b.child);
+            detail_a = detail_before;
+            // The planes of a leaf of A are made in the frame of B.
+            if let (Link::Inner(_), Link::Inner(parent)) = (a.child.link(), a.parent.link()) {
+                detail_a = self.a.detail_of(parent);
+            }
+        }
+        if !(is_same(detail_a, detail_before) && is_same(detail_b, other_before)) {
+            self.details = Some([detail_a, detail_b]);
+            self.leaf.forget_planes();
+            let extent = detail_a.map_or_else(|| self.a.extent(), Detail::extent);
+            let frame = frame_of(&self.b, detail_b);
+            if let Bounds::Near(near) = &mut self.bounds {
+                near.change_frames::<P>(self.pose, &extent, &frame);
+            }
+        }
+        (a, b)
+    }
+
+    /// What takes widths of children of a node of A or of B into one unit.
+    #[inline(always)]
+    pub(super) fn growth(&self, body: Side, node: u32) -> f32 {
+        if self.details.is_some() {
+            self.growth_among_details(body, node)
+        } else {
+            self.growths[body as usize]
+        }
+    }
+
+    #[cold]
+    #[inline(never)]
+    fn growth_among_details(&self, body: Side, node: u32) -> f32 {
+        let frame = match body {
+            Side::A => frame_of(&self.a, self.a.detail_of(node)),
+            Side::B => frame_of(&self.b, self.b.detail_of(node)),
+        };
+        if let Bounds::Near(near) = &self.bounds { near.growth_in(&frame) } else { 0.0 }
     }
 }
 

@@ -13,7 +13,7 @@ use super::leaf::{Ahead, LeafA};
 use super::stack::ABOVE_ROOT;
 use super::traverse::first_primitive;
 use super::{Completion, Counters, Lanes, Pairwise, Query};
-use crate::hierarchy::BvhRef;
+use crate::hierarchy::{BvhRef, Detail};
 use crate::kernel::Kernel;
 use crate::node::{Child, Link};
 use crate::pose::Pose;
@@ -61,11 +61,11 @@ struct Threshold {
 }
 
 #[derive(Debug)]
-struct Search<'t, N: Lanes, P: Primitive, Q: Primitive> {
-    a: BvhRef<'t, N, P>,
-    b: BvhRef<'t, N, Q>,
-    pose: &'t Pose,
-    bounds: Bounds<'t, N>,
+pub(super) struct Search<'t, N: Lanes, P: Primitive, Q: Primitive> {
+    pub(super) a: BvhRef<'t, N, P>,
+    pub(super) b: BvhRef<'t, N, Q>,
+    pub(super) pose: &'t Pose,
+    pub(super) bounds: Bounds<'t, N>,
     budget: u64,
     goal: Goal,
     /// Bounds all coordinates.
@@ -74,11 +74,13 @@ struct Search<'t, N: Lanes, P: Primitive, Q: Primitive> {
     best: Best,
     hit: Option<Found>,
     threshold: Threshold,
-    leaf: LeafA<N, P>,
+    pub(super) leaf: LeafA<N, P>,
     /// Lane 0: all of B.
     whole_b: N,
     /// What takes widths of A and of B into one unit.
-    growths: [f32; 2],
+    pub(super) growths: [f32; 2],
+    /// If the bodies have details: those of A and of B in whose frames planes are, or none where these are the bodies' own.
+    pub(super) details: Option<[Option<&'t Detail>; 2]>,
 }
 
 /// Searches bodies that are not empty.
@@ -117,6 +119,7 @@ impl<'t, N: Lanes, P: Pairwise<Q>, Q: Primitive> Search<'t, N, P, Q> {
         let bounds = Bounds::new::<P>(pose, &a.extent(), &b.extent(), kept);
         let (Goal::Distance { cutoff: distance, .. } | Goal::Within { margin: distance }) = goal;
         let bound = bounds.of_distance(distance);
+        let has_details = bounds.are_near() && !(a.details().is_empty() && b.details().is_empty());
         Self {
             a,
             b,
@@ -138,6 +141,7 @@ impl<'t, N: Lanes, P: Pairwise<Q>, Q: Primitive> Search<'t, N, P, Q> {
             leaf: LeafA::none(),
             whole_b: b.nodes()[0].hull(),
             growths: growths(&a.extent(), &b.extent()),
+            details: has_details.then_some([None; 2]),
         }
     }
 
@@ -224,6 +228,7 @@ impl<'t, N: Lanes, P: Pairwise<Q>, Q: Primitive> Search<'t, N, P, Q> {
                 self.counters.visits += 1;
                 let body =
                     if is_leaf(b.child) || (!is_leaf(a.child) && a.is_next(&b)) { Side::A } else { Side::B };
+                let (a, b) = if self.details.is_some() { self.change_frames(a, b, body) } else { (a, b) };
                 let entries = if body == Side::A { self.open_a(&a, &b) } else { self.open_b(&a, &b) };
                 stack.push(Opened { entries, a, b, body });
             }
@@ -265,14 +270,15 @@ impl<'t, N: Lanes, P: Pairwise<Q>, Q: Primitive> Search<'t, N, P, Q> {
     fn child(&self, step: &Opened, lane: usize, bound: f32) -> (VolumeA, VolumeB, f32) {
         let (a, b) = (step.a, step.b);
         match (step.body, a.child.link(), b.child.link()) {
-            (Side::A, Link::Inner(node), _) => {
-                let node = &self.a.nodes()[node as usize];
-                let (child, width) = (node.children()[lane], node.width(lane, self.growths[0]));
+            (Side::A, Link::Inner(at), _) => {
+                let node = &self.a.nodes()[at as usize];
+                let (child, width) = (node.children()[lane], node.width(lane, self.growth(Side::A, at)));
                 (VolumeA { child, parent: a.child, lane: lane as u8, level: a.level + 1, width }, b, bound)
             }
             (Side::B, _, Link::Inner(node)) => {
                 let holder = &self.b.nodes()[node as usize];
-                let (child, width) = (holder.children()[lane], holder.width(lane, self.growths[1]));
+                let (child, width) =
+                    (holder.children()[lane], holder.width(lane, self.growth(Side::B, node)));
                 (a, VolumeB { child, parent: node, lane: lane as u8, level: b.level + 1, width }, bound)
             }
             _ => (a, b, bound),
