@@ -139,7 +139,7 @@ fn faults_of_files_name_file_place_and_problem() {
         (
             "tree2",
             &[&b"SIMDOP\x1a\n"[..], &[9; 500]].concat(),
-            "layout version 151587081, this library reads 5",
+            "layout version 151587081, this library reads 6",
         ),
         (
             "mesh.step",

@@ -70,6 +70,7 @@ pub fn u32_at(bytes: &[u8], at: usize) -> u32 {
 pub struct Parts {
     pub balls: usize,
     pub slabs: usize,
+    pub details: usize,
     pub vertices: usize,
     pub records: usize,
     pub sources: usize,
@@ -79,16 +80,19 @@ pub struct Parts {
 
 impl Parts {
     pub fn of<N: Lanes, P: Primitive>(header: &Header) -> Self {
-        let [nodes, vertices, primitives] =
-            [header.node_count, header.vertex_count, header.primitive_count].map(|count| count as usize);
+        let counts =
+            [header.node_count, header.detail_node_count, header.vertex_count, header.primitive_count];
+        let [own, of_details, vertices, primitives] = counts.map(|count| count as usize);
+        let nodes = own + of_details;
         let balls = 128 + nodes * size_of::<N>();
         let slabs = balls + if header.has_balls == 1 { nodes * size_of::<Ball16>() } else { 0 };
-        let start = slabs + if header.has_thin_slabs == 1 { nodes * N::ARITY * 8 } else { 0 };
+        let details = slabs + if header.has_thin_slabs == 1 { nodes * N::ARITY * 8 } else { 0 };
+        let start = details + 64 * header.detail_count as usize;
         let records = start + vertices * usize::from(header.vertex_size);
         let sources = records + primitives * size_of::<P::Record>();
         let parts = sources + primitives * 4;
         let end = (parts + header.part_count as usize * 4).next_multiple_of(64);
-        Self { balls, slabs, vertices: start, records, sources, parts, end }
+        Self { balls, slabs, details, vertices: start, records, sources, parts, end }
     }
 }
 
@@ -105,7 +109,13 @@ fn is_true<N: Lanes, P: Primitive>(error: BakeError, bytes: &[u8]) -> bool {
         BakeError::OtherPrimitive { kind } => u32::from(kind) == field(16) & 0xffff && kind != P::KIND.code(),
         BakeError::Truncated { have, need } => have == bytes.len() && have < need,
         BakeError::TooLong { have, need } => have == bytes.len() && have > need,
-        BakeError::Node { node, lane, .. } => node < field(24) && (lane as usize) < N::ARITY,
+        BakeError::Node { node, lane, .. } => {
+            let header: &Header = Header::read(bytes).unwrap();
+            node < header.node_count + header.detail_node_count && (lane as usize) < N::ARITY
+        }
+        BakeError::Detail { index, problem } => {
+            index < Header::read(bytes).unwrap().detail_count && !problem.is_empty()
+        }
         BakeError::Vertex { index } => index < field(32),
         BakeError::Primitive { index } => {
             let header: &Header = Header::read(bytes).unwrap();
@@ -171,7 +181,8 @@ fn is_what_the_bytes_say<N: Lanes, P: Primitive>(view: &BvhRef<'_, N, P>, bytes:
     assert_eq!(bytemuck::bytes_of(header), &bytes[..128]);
     assert_eq!(bytemuck::cast_slice::<N, u8>(view.nodes()), &bytes[128..parts.balls]);
     assert_eq!(bytemuck::cast_slice::<_, u8>(view.balls()), &bytes[parts.balls..parts.slabs]);
-    assert_eq!(bytemuck::cast_slice::<_, u8>(view.thin_slabs()), &bytes[parts.slabs..parts.vertices]);
+    assert_eq!(bytemuck::cast_slice::<_, u8>(view.thin_slabs()), &bytes[parts.slabs..parts.details]);
+    assert_eq!(bytemuck::cast_slice::<_, u8>(view.details()), &bytes[parts.details..parts.vertices]);
     assert_eq!(view.len(), header.primitive_count as usize);
     for i in 0..view.len() {
         assert_eq!(view.source(i as u32), u32_at(bytes, parts.sources + 4 * i));
@@ -197,9 +208,24 @@ pub fn number_at<N: Lanes, P: Primitive>(header: &Header, bytes: &[u8], vertex: 
 /// Every node and every primitive is reached once, no deeper than the header says, by planes that bound
 /// something.
 fn is_safe_to_walk<N: Lanes, P: Primitive>(view: &BvhRef<'_, N, P>) {
-    let (mut nodes, mut seen) = (0, vec![false; view.len()]);
-    let mut lanes = 0;
-    let mut pending = if view.nodes().is_empty() { vec![] } else { vec![(0, 1)] };
+    let whole = if view.nodes().is_empty() { None } else { Some(0) };
+    let (nodes, lanes, seen) = walked(view, whole);
+    assert!(nodes == view.header().node_count as usize && seen.iter().all(|seen| *seen));
+    let (mut all_nodes, mut all_lanes) = (nodes, lanes);
+    for detail in view.details() {
+        let (nodes, lanes, seen) = walked(view, Some(detail.first));
+        assert!(seen == walked(view, Some(detail.node)).2, "what is below the node that it stands for");
+        (all_nodes, all_lanes) = (all_nodes + nodes, all_lanes + lanes);
+    }
+    let stats = view.stats();
+    assert_eq!((stats.nodes, stats.primitives, stats.lanes_used), (all_nodes, view.len(), all_lanes));
+    assert_eq!((stats.nodes, stats.details), (view.nodes().len(), view.details().len()));
+}
+
+/// The nodes and lanes below a root, and which primitives are: each once.
+fn walked<N: Lanes, P: Primitive>(view: &BvhRef<'_, N, P>, root: Option<u32>) -> (usize, usize, Vec<bool>) {
+    let (mut nodes, mut lanes, mut seen) = (0, 0, vec![false; view.len()]);
+    let mut pending: Vec<_> = root.into_iter().map(|root| (root, 1)).collect();
     while let Some((index, level)) = pending.pop() {
         let node: &N = &view.nodes()[index as usize];
         nodes += 1;
@@ -220,9 +246,7 @@ fn is_safe_to_walk<N: Lanes, P: Primitive>(view: &BvhRef<'_, N, P>) {
             }
         }
     }
-    assert!(nodes == view.nodes().len() && seen.iter().all(|seen| *seen));
-    let stats = view.stats();
-    assert_eq!((stats.nodes, stats.primitives, stats.lanes_used), (nodes, seen.len(), lanes));
+    (nodes, lanes, seen)
 }
 
 /// Puts a number that is not what was there, but often near it, at a multiple of its size: of 4 or 8 bytes.

@@ -100,6 +100,16 @@ pub fn corner_pose<N>(input: &mut Input, a: &Body<N>, b: &Body<N>) -> Pose {
 /// The bodies of real trees: of size about 1 about the origin, so that most poses let them meet, and small.
 pub struct Bodies<N>(pub Vec<Body<N>>);
 
+/// Two triangles, and a ring that is a ten-thousandth of their size at a corner of one of them.
+fn with_a_detail() -> MeshData {
+    let mut mesh = shapes::separate([
+        [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]],
+        [[0.0, 0.0, -0.5], [-1.0, 0.2, 0.3], [0.4, 0.5, 1.0]],
+    ]);
+    shapes::append(&mut mesh, &shapes::scaled(&shapes::torus(8, 5), 1e-4, [1.0, 0.0, 0.0]));
+    mesh
+}
+
 /// The real bodies of a node type.
 pub fn bodies<N: Dop>() -> &'static Bodies<N> {
     cached(|| {
@@ -115,6 +125,7 @@ pub fn bodies<N: Dop>() -> &'static Bodies<N> {
             Body::new(&shapes::coincident(5), 16),
             Body::new(&shapes::huge_among_tiny(&mut rng, 12), 1),
             Body::new(&shapes::without_area(&torus, &mut rng, 6), 2),
+            Body::new(&with_a_detail(), 1),
             Body::new(&shapes::soup(&mut rng, 1, 1.0), 1),
             Body::new(&MeshData { vertices: Vec::new(), triangles: Vec::new() }, 1),
         ])
