@@ -79,8 +79,8 @@ impl Layout {
             return Err(BakeError::Header { field: "has_balls" });
         }
         let layout = attempt!(Self::of_counts::<N, P>(
-            u32_at(bytes, offset_of!(Header, node_count)),
             [
+                u32_at(bytes, offset_of!(Header, node_count)),
                 u32_at(bytes, offset_of!(Header, detail_count)),
                 u32_at(bytes, offset_of!(Header, detail_node_count)),
             ],
@@ -103,8 +103,7 @@ impl Layout {
 
     /// Of a tree with so many nodes, details and nodes of these, thin slabs or not, balls or not, vertices of some size, primitives and parts.
     pub(super) const fn of_counts<N: Node, P: Primitive>(
-        nodes: u32,
-        [details, detail_nodes]: [u32; 2],
+        [nodes, details, detail_nodes]: [u32; 3],
         has_thin_slabs: u16,
         has_balls: u16,
         vertices: u32,

@@ -37,8 +37,7 @@ impl<N: Node, P: Primitive> BvhRef<'_, N, P> {
         let used = |node: &N| node.children().iter().filter(|c| **c != Child::EMPTY).count();
         let h = self.header;
         let layout = Layout::of_counts::<N, P>(
-            h.node_count,
-            [h.detail_count, h.detail_node_count],
+            [h.node_count, h.detail_count, h.detail_node_count],
             h.has_thin_slabs,
             h.has_balls,
             h.vertex_count,

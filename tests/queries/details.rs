@@ -336,7 +336,7 @@ fn damaged_details_do_no_harm() {
     for _ in 0..size(400, 60) {
         let mut lines = aligned(bytes);
         let changed: &mut [u8] = bytemuck::cast_slice_mut(&mut lines);
-        let place = if rng.u64() % 2 == 0 {
+        let place = if rng.u64().is_multiple_of(2) {
             table + (rng.u64() % (64 * view.details().len() as u64)) as usize
         } else {
             first + (rng.u64() % (128 + size_of_val(view.nodes()) - first) as u64) as usize

@@ -6,7 +6,8 @@ use core::ops::ControlFlow;
 /// Items cut at equal parts, in the order in which they come.
 fn in_order(items: &Items, arity: usize) -> Assignment {
     let mut shape = Assignment { order: (0..items.boxes.len() as u32).collect(), ends: Vec::new() };
-    let mut waiting = VecDeque::from([0..items.boxes.len()]);
+    let mut waiting = VecDeque::new();
+    waiting.push_back(0..items.boxes.len());
     while let Some(range) = waiting.pop_front() {
         let mut start = range.start;
         for lane in 1..=arity {
