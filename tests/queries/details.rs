@@ -2,7 +2,7 @@
 //! bodies of their size, and that their bytes are proved and checked as those of the body are.
 
 use crate::judged::{Scene, check_all, check_margins};
-use crate::support::corners::near_corners;
+use crate::support::corners::{inverse, near_corners};
 use crate::support::data::{MeshData, suite_step};
 use crate::support::rng::Rng;
 use crate::support::shapes::{append, cuboid, room, scaled, soup, torus, wavy_torus};
@@ -108,6 +108,16 @@ fn margins_and_distances_are_exact_in_details() {
         check_margins::<Node16<18>>(&scene);
         check_margins::<Node4<14>>(&scene);
     }
+    // Large triangles of A, each of which waits while a detail of B, and what is around it, is descended.
+    let rng = &mut Rng::new(4);
+    let (large, mut scene) = (soup(rng, 40, 0.05), soup(rng, 60, 0.03));
+    let detail = scaled(&torus(10, 8), 1e-4, [0.7, 0.3, 0.4]);
+    append(&mut scene, &detail);
+    let poses = near_corners(&detail, &large, 2.0, size(24, 12) as usize, rng).iter().map(inverse).collect();
+    let scene = Scene::new("large triangles".into(), &large, &scene, poses);
+    assert!(scene.hits() < scene.judged.len() / 2);
+    check_margins::<Node16<18>>(&scene);
+    check_margins::<Node4<14>>(&scene);
 }
 
 /// Trees of every splitter, with leaves of several primitives, and of many details in one another's way.
