@@ -9,6 +9,7 @@ use crate::frame::Frame;
 use crate::hierarchy::Detail;
 use crate::node::{Child, Dop, INDEX, Link, ThinSlab};
 use crate::primitive::Primitive;
+use alloc::borrow::Cow;
 use alloc::collections::VecDeque;
 use alloc::vec::Vec;
 use bytemuck::Zeroable;
@@ -39,7 +40,7 @@ impl<N: Dop> Details<N> {
         let mut all = Self::NONE;
         // Trees that may have details: the body's, then those of details. With where their first node is, and the scale of
         // their frame.
-        let mut waiting = VecDeque::from([(0, body.to_vec(), frame.exponent)]);
+        let mut waiting = VecDeque::from([(0, Cow::Borrowed(body), frame.exponent)]);
         while let Some((base, nodes, exponent)) = waiting.pop_front() {
             for node in fine_nodes(&nodes) {
                 let first = body.len() + all.nodes.len();
@@ -59,7 +60,7 @@ impl<N: Dop> Details<N> {
                     all.thin_slabs.extend(subtree.thin_slabs(&detail.frame()));
                 }
                 all.nodes.extend(subtree.linked(body, &all.nodes, detail.first));
-                waiting.push_back((detail.first, subtree.nodes, detail.exponent));
+                waiting.push_back((detail.first, Cow::Owned(subtree.nodes), detail.exponent));
             }
         }
         all
