@@ -67,10 +67,14 @@ fn what_is_beyond_is_apart<const K: usize>(
         touch(&mut triangle, moved(view.primitive(u32::from(input.u8()) % view.len() as u32)[0]));
     }
     let margin = [0.0, 0.0, 1e-3, 0.5][input.below(4)];
-    let node = input.pick(view.nodes());
+    let index = input.below(view.nodes().len());
+    let node = &view.nodes()[index];
+    // Of the body, or of the detail whose node it is.
+    let detail = view.details().iter().rfind(|detail| detail.first as usize <= index);
+    let extent = detail.map_or_else(|| view.extent(), |detail| detail.extent());
     let four = narrow(node.planes.map(|p| [p[0], p[1], p[2], p[3]]));
     let directions = Triangles::own_directions(&triangle);
-    for (s, slab) in own_slabs::<Triangles, K>(&triangle, margin, &view.extent(), placed).iter().enumerate() {
+    for (s, slab) in own_slabs::<Triangles, K>(&triangle, margin, &extent, placed).iter().enumerate() {
         kernels_agree(slab, node, &four);
         let beyond = Scalar::new().beyond_16(slab, node);
         for (lane, child) in node.child.iter().enumerate().filter(|(lane, _)| beyond >> lane & 1 != 0) {
