@@ -12,8 +12,9 @@ use crate::exact::round_up_f32;
 use crate::frame::Frame;
 use crate::hierarchy::{Bvh, Header, MAGIC, MAX_DEPTH, VERSION, looseness};
 use crate::key::{Key, decode};
-use crate::node::{Dop, ThinSlab};
+use crate::node::{Child, Dop, ThinSlab};
 use crate::primitive::{Primitive, Sphere};
+use crate::range::Point;
 use alloc::vec::Vec;
 
 /// Bakes the tree of a checked geometry.
@@ -38,16 +39,8 @@ pub(super) fn bake<N: Dop, G: Geometry>(
     let mut nodes = shape.nodes;
     wrap::<N, G::Primitive>(&mut nodes, &frame, &vertices, &records);
 
-    let mut thin_slabs = if has_thin_slabs {
-        let mut corners = Vec::new();
-        let normal = |record: &Record<G>| {
-            corners_of::<G::Primitive>(&vertices, record, &mut corners);
-            G::normal(&corners)
-        };
-        thin_slabs::<N, G::Primitive>(&nodes, &frame, &vertices, &records, normal)
-    } else {
-        Vec::new()
-    };
+    let mut thin_slabs =
+        if has_thin_slabs { thin_slabs::<N, G>(&nodes, &frame, &vertices, &records) } else { Vec::new() };
     // Spheres have no normals: nothing is thin.
     if G::Primitive::IS_ROUND && thin_slabs.iter().all(|slab| *slab == ThinSlab::EVERYWHERE) {
         thin_slabs = Vec::new();
@@ -76,7 +69,6 @@ pub(super) fn bake<N: Dop, G: Geometry>(
         G::is_degenerate(&corners, radius)
     };
     let degenerate_count = records.iter().filter(&mut is_degenerate).count() as u32;
-    let coordinate = |i: usize| low[i].abs().max(high[i].abs()).max(frame.centre[i].abs());
     let single: Option<Vec<_>> = vertices.iter().map(G::Primitive::narrow).collect();
     let header = Header {
         magic: MAGIC,
@@ -91,13 +83,13 @@ pub(super) fn bake<N: Dop, G: Geometry>(
         vertex_count: vertices.len() as u32,
         degenerate_count,
         centre: frame.centre,
-        max_coordinate: coordinate(0).max(coordinate(1)).max(coordinate(2)),
+        max_coordinate: max_coordinate(low, high, &frame),
         radius: radius::<G::Primitive>(&frame, &vertices),
         exponent: frame.exponent,
         half_width,
         max_plane: max_plane(&nodes),
         looseness: looseness(&nodes),
-        root: Header::root_of(half_width),
+        root: Child::root(0, half_width),
         vertex_size: match single {
             Some(_) => size_of::<<G::Primitive as Primitive>::Single>() as u16,
             None => size_of::<<G::Primitive as Primitive>::Double>() as u16,
@@ -127,6 +119,11 @@ pub(super) fn bake<N: Dop, G: Geometry>(
         (4, bytemuck::cast_slice(&shape.sources)),
         (4, bytemuck::cast_slice(&parts)),
     ]))
+}
+
+/// The largest magnitude of a coordinate in a box, or of the centre of the frame around it.
+pub(super) fn max_coordinate(low: Point, high: Point, frame: &Frame) -> f64 {
+    low.into_iter().chain(high).chain(frame.centre).map(f64::abs).fold(0.0, f64::max)
 }
 
 pub(super) fn half_width<P: Primitive>(frame: &Frame, vertices: &[P::Double]) -> [f32; 3] {

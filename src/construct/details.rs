@@ -1,8 +1,8 @@
 //! Parts of a tree that are too fine for its frame, once more in frames of their own ([`Detail`]).
 
 use super::Geometry;
-use super::bake::{half_width, max_plane};
-use super::geometry::{Record, bounding_box, corners_of};
+use super::bake::{half_width, max_coordinate, max_plane};
+use super::geometry::{Record, bounding_box};
 use super::thin::thin_slabs;
 use super::wrap::wrap;
 use crate::frame::Frame;
@@ -57,7 +57,8 @@ impl<N: Dop> Details<N> {
                 }
                 all.details.push(detail);
                 if has_thin_slabs {
-                    all.thin_slabs.extend(subtree.thin_slabs(&detail.frame()));
+                    let Subtree { nodes, vertices, records, .. } = &subtree;
+                    all.thin_slabs.extend(thin_slabs::<N, G>(nodes, &detail.frame(), vertices, records));
                 }
                 all.nodes.extend(subtree.linked(body, &all.nodes, detail.first));
                 waiting.push_back((detail.first, Cow::Owned(subtree.nodes), detail.exponent));
@@ -148,24 +149,14 @@ impl<N: Dop, G: Geometry> Subtree<N, G> {
         let (low, high) = bounding_box(self.vertices.iter().map(G::Primitive::ball));
         let frame = Frame::around(low, high, N::DIRECTIONS);
         wrap::<N, G::Primitive>(&mut self.nodes, &frame, &self.vertices, &self.records);
-        let coordinate = |i: usize| low[i].abs().max(high[i].abs()).max(frame.centre[i].abs());
         Detail {
             centre: frame.centre,
-            max_coordinate: coordinate(0).max(coordinate(1)).max(coordinate(2)),
+            max_coordinate: max_coordinate(low, high, &frame),
             exponent: frame.exponent,
             half_width: half_width::<G::Primitive>(&frame, &self.vertices),
             max_plane: max_plane(&self.nodes),
             ..Detail::zeroed()
         }
-    }
-
-    fn thin_slabs(&self, frame: &Frame) -> Vec<ThinSlab> {
-        let mut corners = Vec::new();
-        let normal = |record: &Record<G>| {
-            corners_of::<G::Primitive>(&self.vertices, record, &mut corners);
-            G::normal(&corners)
-        };
-        thin_slabs::<N, G::Primitive>(&self.nodes, frame, &self.vertices, &self.records, normal)
     }
 
     /// The nodes, with links to what comes from `first` on, and to the leaves of the originals.

@@ -1,6 +1,8 @@
 //! The thin slabs of a tree whose planes are known.
 
+use super::Geometry;
 use super::below::CornersBelow;
+use super::geometry::{Record, corners_of};
 use crate::frame::Frame;
 use crate::node::{Link, Node, ThinSlab};
 use crate::parallel;
@@ -9,31 +11,33 @@ use crate::range::Point;
 use crate::vector::length;
 use alloc::vec::Vec;
 
-/// The thin slab of every lane, `ARITY` a node: along the mean normal of what is below. `normal` gives a
-/// primitive's, as long as it weighs.
-pub(super) fn thin_slabs<N: Node, P: Primitive<Record: AsRef<[u32]>>>(
+/// The thin slab of every lane, `ARITY` a node: along the mean normal of what is below.
+pub(super) fn thin_slabs<N: Node, G: Geometry>(
     nodes: &[N],
     frame: &Frame,
-    vertices: &[P::Double],
-    records: &[P::Record],
-    normal: impl FnMut(&P::Record) -> Point,
+    vertices: &[<G::Primitive as Primitive>::Double],
+    records: &[Record<G>],
 ) -> Vec<ThinSlab> {
-    let normals = mean_normals(nodes, records, normal);
-    let corners = CornersBelow::<P>::new(nodes, vertices, records);
+    let mut corners = Vec::new();
+    let normals = mean_normals(nodes, records, |record| {
+        corners_of::<G::Primitive>(vertices, record, &mut corners);
+        G::normal(&corners)
+    });
+    let corners = CornersBelow::<G::Primitive>::new(nodes, vertices, records);
     let mut slabs = alloc::vec![ThinSlab::EVERYWHERE; nodes.len() * N::ARITY];
     parallel::for_each_chunk(&mut slabs, NODES_PER_TASK * N::ARITY, |task, slabs| {
         for (index, slab) in (task * NODES_PER_TASK * N::ARITY..).zip(slabs) {
             let (node, lane) = (index / N::ARITY, index % N::ARITY);
             let along = |n| {
-                let length = if P::IS_ROUND { length(&n) } else { 0.0 };
+                let length = if G::Primitive::IS_ROUND { length(&n) } else { 0.0 };
                 let mut along = Stretch { n, length, centre: frame.centre, ends: NONE };
                 match nodes[node].children()[lane].link() {
                     Link::Empty => {}
-                    Link::Inner(below) => along.extend::<P>(corners.below(below)),
+                    Link::Inner(below) => along.extend::<G::Primitive>(corners.below(below)),
                     Link::Leaf { first, count } => {
                         for record in &records[first as usize..][..count as usize] {
                             for &vertex in record.as_ref() {
-                                along.add::<P>(&vertices[vertex as usize]);
+                                along.add::<G::Primitive>(&vertices[vertex as usize]);
                             }
                         }
                     }

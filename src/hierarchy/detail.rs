@@ -3,10 +3,10 @@
 //! A step of the body's frame is the body's width over some 2^16. Where a part of it is so fine that its primitives are but
 //! a few steps wide, or less than one, the planes of its nodes tell nothing apart, and every query that comes near it has to
 //! test all of its primitives. So the nodes of such a part are in the tree twice: as part of the whole, for everything that
-//! needs one frame for all; and once more in a frame of their own, where queries for collisions go on.
+//! needs one frame for all; and once more in a frame of their own, where queries for collisions and distances go on.
 
 use crate::frame::{Extent, Frame};
-use crate::node::{Child, Width};
+use crate::node::Child;
 use crate::range::Point;
 
 /// A part of a body whose nodes are there once more, in a frame of their own.
@@ -61,7 +61,6 @@ impl Detail {
     /// The link to the first of its own nodes.
     #[inline]
     pub(crate) const fn root(&self) -> Child {
-        let [x, y, z] = self.half_width;
-        Child::inner(self.first, Width::of(2.0 * ((x + y) + z)))
+        Child::root(self.first, self.half_width)
     }
 }

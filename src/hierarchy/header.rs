@@ -2,7 +2,9 @@
 
 use super::layout::node_type;
 use crate::frame::{Extent, Frame};
-use crate::node::{Child, Width};
+use crate::node::Child;
+#[cfg(doc)]
+use crate::node::Width;
 #[cfg(doc)]
 use crate::primitive::Kind;
 use crate::range::Point;
@@ -201,11 +203,6 @@ impl Header {
             return Err(BakeError::Misaligned);
         }
         bytemuck::try_from_bytes(&bytes[..size_of::<Self>()]).map_err(|_| BakeError::Misaligned)
-    }
-
-    /// What [`Header::root`] must be.
-    pub(crate) const fn root_of([x, y, z]: [f32; 3]) -> Child {
-        Child::inner(0, Width::of(2.0 * ((x + y) + z)))
     }
 
     /// How large the body is.

@@ -1,12 +1,13 @@
 //! Is it safe to walk these bytes? Baked trees are untrusted input.
 
-use super::{BakeError, BvhRef, Header, MAX_DEPTH};
+use super::{BakeError, BvhRef, MAX_DEPTH};
 use crate::exact::power_of_two;
 use crate::frame::{Extent, MAX_EXPONENT};
 use crate::key::{Key, decode};
 use crate::node::{BoundingBall, Child, Dop, INDEX, Link, MAX_LEAF_SIZE, Width};
 use crate::primitive::{Fault, Primitive, Sphere};
 use crate::range::{MAX_COORDINATE, MAX_MOVED, flush};
+use core::ops::Range;
 
 impl<N: Dop, P: Primitive> BvhRef<'_, N, P> {
     /// Proves that no query can read out of range, loop, or overflow its stack, and that the header's bounds
@@ -67,7 +68,7 @@ impl<N: Dop, P: Primitive> BvhRef<'_, N, P> {
             ("max_plane", h.max_plane >= 0.0 && h.max_plane.is_finite()),
             // Any number is safe: it decides what is faster.
             ("looseness", h.looseness >= 0.0 && h.looseness.is_finite()),
-            ("root", h.root == Header::root_of(h.half_width)),
+            ("root", h.root == Child::root(0, h.half_width)),
             ("has_thin_slabs", h.has_thin_slabs <= 1),
             ("is_solid", h.is_solid == 0 || h.is_solid == 1 && P::BOUNDS_SOLIDS),
             (
@@ -102,23 +103,17 @@ impl<N: Dop, P: Primitive> BvhRef<'_, N, P> {
                 return Err(error(0, "no link leads to this node"));
             }
             for (lane, child) in node.children().iter().enumerate() {
-                self.validate_planes(node, lane, self.header.max_plane)
+                self.validate_volume(index, lane, self.header.max_plane)
                     .map_err(|problem| error(lane, problem))?;
-                if self.thin_slab(index, lane).is_some_and(|slab| !slab.is_valid()) {
-                    return Err(error(lane, "a thin slab has no direction, or no thickness"));
-                }
                 if !self.is_ball_valid(index, lane, *child) {
                     return Err(error(lane, "a ball is not finite, or larger than the body"));
                 }
                 match child.link() {
                     Link::Empty => {}
                     Link::Inner(target) => {
-                        if target != next_node || target >= self.header.node_count {
-                            return Err(error(lane, "the link to a node is out of breadth-first order"));
-                        }
-                        if child.width() != Width::of_lane(node, lane) {
-                            return Err(error(lane, "the width in a link is not that of its planes"));
-                        }
+                        let unlinked = next_node..self.header.node_count;
+                        validate_target(node, lane, target, unlinked)
+                            .map_err(|problem| error(lane, problem))?;
                         next_node += 1;
                     }
                     Link::Leaf { first, count } => {
@@ -138,7 +133,14 @@ impl<N: Dop, P: Primitive> BvhRef<'_, N, P> {
         if levels == self.header.depth { Ok(()) } else { Err(BakeError::Header { field: "depth" }) }
     }
 
-    pub(super) fn validate_planes(&self, node: &N, lane: usize, max_plane: f32) -> Result<(), &'static str> {
+    /// The planes of a lane, and its thin slab.
+    pub(super) fn validate_volume(
+        &self,
+        index: u32,
+        lane: usize,
+        max_plane: f32,
+    ) -> Result<(), &'static str> {
+        let node = &self.nodes[index as usize];
         let empty = node.children()[lane] == Child::EMPTY;
         for j in 0..N::K {
             let code = node.plane(j, lane);
@@ -151,6 +153,9 @@ impl<N: Dop, P: Primitive> BvhRef<'_, N, P> {
             } else if decode(code).abs() > max_plane {
                 return Err("a plane is beyond max_plane");
             }
+        }
+        if self.thin_slab(index, lane).is_some_and(|slab| !slab.is_valid()) {
+            return Err("a thin slab has no direction, or no thickness");
         }
         Ok(())
     }
@@ -188,4 +193,21 @@ impl<N: Dop, P: Primitive> BvhRef<'_, N, P> {
             Fault::Primitive { index } => BakeError::Primitive { index },
         })
     }
+}
+
+/// That a lane leads to the first node that no link has led to yet, of those that there are, and says how wide it is.
+pub(super) fn validate_target<N: Dop>(
+    node: &N,
+    lane: usize,
+    target: u32,
+    unlinked: Range<u32>,
+) -> Result<(), &'static str> {
+    if target != unlinked.start || target >= unlinked.end {
+        return Err("the link to a node is out of breadth-first order");
+    }
+    let child = node.children()[lane];
+    if child.width() != Width::of_lane(node, lane) {
+        return Err("the width in a link is not that of its planes");
+    }
+    Ok(())
 }

@@ -1,8 +1,9 @@
 //! Are the details of these bytes safe to walk?
 
+use super::validate::validate_target;
 use super::{BakeError, BvhRef, Detail, Walk};
 use crate::frame::MAX_EXPONENT;
-use crate::node::{Child, Dop, Link, Width};
+use crate::node::{Child, Dop, Link};
 use crate::primitive::{Primitive, radius_of};
 use crate::range::MAX_COORDINATE;
 
@@ -41,18 +42,10 @@ impl<N: Dop, P: Primitive> BvhRef<'_, N, P> {
                 return Err((index, 0, "no link leads to this node"));
             }
             for (lane, child) in node.children().iter().enumerate() {
-                self.validate_planes(node, lane, detail.max_plane)
-                    .map_err(|problem| (index, lane, problem))?;
-                if self.thin_slab(index, lane).is_some_and(|slab| !slab.is_valid()) {
-                    return Err((index, lane, "a thin slab has no direction, or no thickness"));
-                }
+                let error = |problem| (index, lane, problem);
+                self.validate_volume(index, lane, detail.max_plane).map_err(error)?;
                 let Link::Inner(target) = child.link() else { continue };
-                if target != next_node || target >= end {
-                    return Err((index, lane, "the link to a node is out of breadth-first order"));
-                }
-                if child.width() != Width::of_lane(node, lane) {
-                    return Err((index, lane, "the width in a link is not that of its planes"));
-                }
+                validate_target(node, lane, target, next_node..end).map_err(error)?;
                 next_node += 1;
             }
         }

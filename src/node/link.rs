@@ -52,6 +52,11 @@ impl Child {
         Self((width.0 as u32) << WIDTH_SHIFT | index)
     }
 
+    /// Link to the first node of a tree whose points are within these of its frame's centre along the axes.
+    pub(crate) const fn root(index: u32, [x, y, z]: [f32; 3]) -> Self {
+        Self::inner(index, Width::of(2.0 * ((x + y) + z)))
+    }
+
     /// How wide the volume of the node is that the link leads to. Of no meaning in other links.
     #[inline]
     #[must_use]

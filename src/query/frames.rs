@@ -28,11 +28,11 @@ where
     M: Margin,
 {
     pub(super) fn extent_a(&self) -> Extent {
-        self.details[0].map_or_else(|| self.a.extent(), Detail::extent)
+        extent_of(self.a, self.details[0])
     }
 
     pub(super) fn extent_b(&self) -> Extent {
-        self.details[1].map_or_else(|| self.b.extent(), Detail::extent)
+        extent_of(self.b, self.details[1])
     }
 
     /// Whether the frames that the traversal is in are those of two nodes.
@@ -104,7 +104,7 @@ impl<'t, N: Lanes, P: Primitive, Q: Primitive> Search<'t, N, P, Q> {
         if !(is_same(detail_a, detail_before) && is_same(detail_b, other_before)) {
             self.details = Some([detail_a, detail_b]);
             self.leaf.forget_planes();
-            let extent = detail_a.map_or_else(|| self.a.extent(), Detail::extent);
+            let extent = extent_of(&self.a, detail_a);
             let frame = frame_of(&self.b, detail_b);
             if let Bounds::Near(near) = &mut self.bounds {
                 near.change_frames::<P>(self.pose, &extent, &frame);
@@ -141,6 +141,11 @@ fn enter<'t, N: Lanes, P: Primitive>(tree: &BvhRef<'t, N, P>, child: Child) -> (
         Some(detail) => (detail.root(), Some(detail)),
         None => (child, tree.detail_of(node)),
     }
+}
+
+/// How large a detail is, or else the tree.
+fn extent_of<N: Lanes, P: Primitive>(tree: &BvhRef<'_, N, P>, detail: Option<&Detail>) -> Extent {
+    detail.map_or_else(|| tree.extent(), Detail::extent)
 }
 
 /// The frame of a detail, or else that of the tree.

@@ -6,8 +6,8 @@ use crate::support::corners::{inverse, near_corners};
 use crate::support::data::{MeshData, suite_step};
 use crate::support::rng::Rng;
 use crate::support::shapes::{append, cuboid, room, scaled, soup, torus, wavy_torus};
-use crate::{aligned, build, build_with_leaves, mesh_of};
-use simdop::construct::{Builder, Magnification, Splitter};
+use crate::{aligned, build, build_with_leaves, mesh_of, splitters};
+use simdop::construct::Builder;
 use simdop::hierarchy::{BakeError, Bvh, BvhRef, Detail, Header};
 use simdop::isa::Isa;
 use simdop::node::{Link, Node4, Node16};
@@ -130,15 +130,7 @@ fn every_splitter_has_details() {
         let at = [rng.range(-4.0, 4.0), rng.range(-4.0, 4.0), rng.range(0.1, 2.9)];
         append(&mut scene, &scaled(&fine, [3e-4, 1e-4][i % 2], at));
     }
-    let gas = |magnification| Splitter::BatchNeuralGas { magnification, seed: 1 };
-    for splitter in [
-        Splitter::LongestAxis,
-        Splitter::ExtendedLongestAxis,
-        Splitter::SurfaceArea,
-        Splitter::MeanWidth,
-        gas(Magnification::None),
-        gas(Magnification::Area),
-    ] {
+    for splitter in splitters(1) {
         let builder = Builder::new().splitter(splitter);
         let tree = builder.build::<Node16<18>>(&mesh_of(&scene)).unwrap();
         tree.view().verify().unwrap();

@@ -57,7 +57,7 @@ mod world;
 
 use alloc::collections::BTreeSet;
 use core::ops::ControlFlow;
-use simdop::construct::{Builder, Mesh};
+use simdop::construct::{Builder, Magnification, Mesh, Splitter};
 use simdop::hierarchy::{AsBvh, Bvh, BvhRef};
 use simdop::pose::Pose;
 use simdop::query::{Completion, Counters, Lanes, Pair, Pairwise, Query};
@@ -73,6 +73,19 @@ fn build<N: Lanes>(mesh: &MeshData) -> Bvh<N> {
 
 fn build_with_leaves<N: Lanes>(mesh: &MeshData, leaf_size: u32) -> Bvh<N> {
     Builder::new().leaf_size(leaf_size).build(&mesh_of(mesh)).unwrap()
+}
+
+/// Every splitter, those that draw lots with this seed.
+fn splitters(seed: u32) -> [Splitter; 6] {
+    let gas = |magnification| Splitter::BatchNeuralGas { magnification, seed };
+    [
+        Splitter::LongestAxis,
+        Splitter::ExtendedLongestAxis,
+        Splitter::SurfaceArea,
+        Splitter::MeanWidth,
+        gas(Magnification::None),
+        gas(Magnification::Area),
+    ]
 }
 
 /// Sixty-four bytes on a cache line.

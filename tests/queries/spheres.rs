@@ -5,9 +5,9 @@ use crate::support::data::suite_step;
 use crate::support::dyadic::{Dyadic, dot, is_rounded_up};
 use crate::support::rng::Rng;
 use crate::support::turns::pose;
-use crate::{Pairs, pairs_that_meet};
+use crate::{Pairs, pairs_that_meet, splitters};
 use core::ops::ControlFlow;
-use simdop::construct::{BuildError, Builder, Magnification, Mesh, SphereSet, Splitter};
+use simdop::construct::{BuildError, Builder, Mesh, SphereSet};
 use simdop::hierarchy::{AnyBvh, BakeError, Bvh, BvhRef};
 use simdop::isa::Isa;
 use simdop::node::{Node4, Node16};
@@ -534,15 +534,7 @@ fn all_splitters_and_leaf_sizes() {
     let mut rng = Rng::new(25);
     let (a, b) = (unlike(&mut rng, 200, 0.0), lattice(&mut rng, 120, 0.1, -0.8));
     let tree_b = build::<Node16<18>>(&b);
-    let gas = |magnification| Splitter::BatchNeuralGas { magnification, seed: 5 };
-    let all = [
-        Splitter::LongestAxis,
-        Splitter::ExtendedLongestAxis,
-        Splitter::SurfaceArea,
-        Splitter::MeanWidth,
-        gas(Magnification::None),
-        gas(Magnification::Area),
-    ];
+    let all @ [.., even, by_volume] = splitters(5);
     let want = brute(&a, &b, &Pose::IDENTITY, 0.0).0;
     for (i, splitter) in all.into_iter().enumerate() {
         for leaf_size in [1, 3, 16] {
@@ -562,11 +554,8 @@ fn all_splitters_and_leaf_sizes() {
             );
         }
     }
-    let heavy = build_with::<Node16<18>>(&a, Builder::new().splitter(gas(Magnification::Area)));
-    assert_ne!(
-        heavy.as_bytes(),
-        build_with::<Node16<18>>(&a, Builder::new().splitter(gas(Magnification::None))).as_bytes()
-    );
+    let heavy = build_with::<Node16<18>>(&a, Builder::new().splitter(by_volume));
+    assert_ne!(heavy.as_bytes(), build_with::<Node16<18>>(&a, Builder::new().splitter(even)).as_bytes());
 }
 
 #[test]
