@@ -1,6 +1,6 @@
 //! What waits in a distance query: bounds of volumes, with the lanes they are for.
 
-use crate::node::Child;
+use crate::node::{Child, Link};
 
 /// A bound and the lane it is for in one number: numbers order as the bounds do, equal bounds by lane.
 #[derive(Copy, Clone, PartialEq, Eq, PartialOrd, Ord, Debug)]
@@ -48,6 +48,29 @@ pub(crate) fn entries<const W: usize>(bounds: &[f32; W], links: &[Child; W]) -> 
     entries
 }
 
+/// Raises entries to bounds of the same lanes that are above zero.
+#[inline(always)]
+pub(crate) fn raise<const W: usize>(entries: &mut Entries, bounds: &[f32; W]) {
+    for (lane, (entry, bound)) in entries.iter_mut().zip(bounds).enumerate() {
+        let raised = Entry::new(*bound, lane);
+        *entry = if *bound > 0.0 && *entry < raised { raised } else { *entry };
+    }
+}
+
+/// A child that is a node counts as so many leaves.
+const WEIGHT_OF_INNER: usize = 8;
+
+/// What the children of a node weigh whose bounds are at most `bound`: a leaf 1.
+#[inline(always)]
+pub(crate) fn weight(entries: &Entries, bound: f32, children: &[Child]) -> usize {
+    let mut weight = 0;
+    for (entry, child) in entries.iter().zip(children) {
+        let of_child = if let Link::Leaf { .. } = child.link() { 1 } else { WEIGHT_OF_INNER };
+        weight += if *entry != Entry::NONE && entry.bound() <= bound { of_child } else { 0 };
+    }
+    weight
+}
+
 /// The least entry.
 #[inline(always)]
 pub(crate) fn least(entries: &Entries) -> Entry {
@@ -61,6 +84,18 @@ pub(crate) fn least(entries: &Entries) -> Entry {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn only_bounds_above_zero_raise_entries() {
+        let links = [Child::ROOT, Child::ROOT, Child::ROOT, Child::EMPTY];
+        let before = entries(&[-4.0, 1.0, 2.0, 0.0], &links);
+        let mut raised = before;
+        raise(&mut raised, &[0.0, 3.0, 1.0, 9.0]);
+        assert_eq!(raised[0], before[0], "how deep volumes overlap says which is tried first");
+        assert_eq!((raised[1].bound(), raised[1].lane()), (3.0, 1));
+        assert_eq!(raised[2..], before[2..]);
+        assert_eq!(weight(&raised, 2.0, &links), 2 * WEIGHT_OF_INNER);
+    }
 
     #[test]
     fn entries_order_and_round_down() {

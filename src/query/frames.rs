@@ -104,6 +104,7 @@ impl<'t, N: Lanes, P: Primitive, Q: Primitive> Search<'t, N, P, Q> {
         if !(is_same(detail_a, detail_before) && is_same(detail_b, other_before)) {
             self.details = Some([detail_a, detail_b]);
             self.leaf.forget_planes();
+            self.own_gaps = None;
             let extent = extent_of(&self.a, detail_a);
             let frame = frame_of(&self.b, detail_b);
             if let Bounds::Near(near) = &mut self.bounds {
@@ -144,7 +145,7 @@ fn enter<'t, N: Lanes, P: Primitive>(tree: &BvhRef<'t, N, P>, child: Child) -> (
 }
 
 /// How large a detail is, or else the tree.
-fn extent_of<N: Lanes, P: Primitive>(tree: &BvhRef<'_, N, P>, detail: Option<&Detail>) -> Extent {
+pub(super) fn extent_of<N: Lanes, P: Primitive>(tree: &BvhRef<'_, N, P>, detail: Option<&Detail>) -> Extent {
     detail.map_or_else(|| tree.extent(), Detail::extent)
 }
 

@@ -1,15 +1,16 @@
 //! What the traversal asks of a node type: the same questions for 1vs16 and 4vs4.
 
-use super::entries::{Entries, entries};
+use super::entries::{Entries, entries, raise};
 use super::far::{self, Along};
 use super::gaps;
+use super::own_gaps::OwnGaps;
 use super::stack::Rows;
 use super::thin::AT_ONCE;
 use crate::directions::Directions;
 use crate::frame::{Extent, Frame};
 use crate::kernel::{Kernel, SEPARATED, Turned};
 use crate::key::{Key, decode};
-use crate::node::{Child, Dop, Link, Node, Node4, Node16};
+use crate::node::{Child, Dop, Node, Node4, Node16};
 use crate::pose::Pose;
 use crate::primitive::{LatticeCorners, Primitive};
 use crate::range::Point;
@@ -98,18 +99,19 @@ pub trait Lanes: Dop {
     /// How far the body with these turned planes is from each child of `self`.
     #[doc(hidden)]
     fn gaps_of_planes(&self, planes: &Self::Planes, growth: f32) -> Entries;
+    /// Raises bounds to what a primitive's own slabs say.
+    #[doc(hidden)]
+    fn raise(&self, entries: &mut Entries, gaps: &OwnGaps);
     /// How volumes of a body reach along an axis of its frame, in a unit of `2^-exponent`.
     #[doc(hidden)]
     fn along(axis: Point, body: &Extent, exponent: i32) -> Along;
     /// How far child `lane` reaches.
     #[doc(hidden)]
     fn reach_along(&self, along: &Along, lane: usize) -> f32;
-    /// How far each child of `self` is from a volume of the other body that reaches `other` towards them, relative
-    /// to the bodies' centres.
+    /// How far each child of `self` is from a volume that reaches `other` towards them, relative to the bodies' centres.
     #[doc(hidden)]
     fn gaps_along(&self, along: &Along, other: f32) -> Entries;
-    /// How wide child `lane` is along the axes, in all, if it is a node; `growth` takes it into the unit. Zero of
-    /// others, and if `growth` is.
+    /// How wide child `lane` is along the axes, in all; `growth` takes it into the unit. Zero if `growth` is.
     #[doc(hidden)]
     fn width(&self, lane: usize, growth: f32) -> f32;
     /// A node whose lane 0 is all of `self`, which is a root.
@@ -286,6 +288,11 @@ macro_rules! impl_lanes {
                 entries(&gaps::gaps_of_planes(planes, &self.planes, growth), &self.child)
             }
 
+            #[inline(always)]
+            fn raise(&self, entries: &mut Entries, gaps: &OwnGaps) {
+                raise(entries, &gaps.bounds(&self.planes));
+            }
+
             fn along(axis: Point, body: &Extent, exponent: i32) -> Along {
                 Along::new::<K>(axis, body, exponent)
             }
@@ -302,10 +309,7 @@ macro_rules! impl_lanes {
 
             #[inline(always)]
             fn width(&self, lane: usize, growth: f32) -> f32 {
-                match self.child[lane % $arity].link() {
-                    Link::Inner(_) if growth > 0.0 => gaps::width(&self.planes, lane) * growth,
-                    _ => 0.0,
-                }
+                if growth > 0.0 { gaps::width(&self.planes, lane) * growth } else { 0.0 }
             }
 
             fn hull(&self) -> Self {

@@ -89,6 +89,16 @@ impl<N: Lanes, P: Primitive> LeafA<N, P> {
     }
 }
 
+/// No pair farther apart than this matters.
+#[derive(Copy, Clone, Debug)]
+pub(super) struct Threshold {
+    /// In the bodies' unit.
+    pub(super) distance: f64,
+    /// As the bounds of volumes are, rounded up.
+    pub(super) bound: f32,
+    pub(super) ahead: Ahead,
+}
+
 /// Tells most pairs of primitives that are too far apart to matter by one axis: that of the best pair so far.
 #[derive(Copy, Clone, Debug)]
 pub(super) struct Ahead {

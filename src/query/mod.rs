@@ -2,9 +2,9 @@
 //!
 //! [`Query`] holds what the caller chooses, the instruction set above all; its methods are the entries.
 //!
-//! Queries share nothing that could be set up once for several poses or pairs, and allocate nothing: a loop is as fast as
-//! any batch. A [`Query`], a [`BvhRef`] and a [`Pose`] are `Copy`, `Send` and `Sync`, so that threads
-//! (`std::thread::scope`, rayon) can divide the poses, and each answer is what one thread gives:
+//! Queries share nothing that could be set up once for several poses or pairs, and allocate nothing: a loop is as fast as any
+//! batch. A [`Query`], a [`BvhRef`] and a [`Pose`] are `Copy`, `Send` and `Sync`: threads (`std::thread::scope`, rayon) can
+//! divide the poses, and each answer is what one thread gives:
 //!
 //! ```
 //! # use simdop::{construct::{Builder, Mesh}, isa::Isa, node::Node16, pose::Pose, query::Query};
@@ -50,6 +50,7 @@ mod long;
 mod masks;
 mod nearest;
 mod on_lattice;
+mod own_gaps;
 mod pairwise;
 mod penetration;
 mod placing;
@@ -109,8 +110,7 @@ pub enum Verdict {
     /// which is [solid](crate::construct::Builder::solid): here are a primitive of that part and one of the solid's, of
     /// those that a ray from a corner of the former crosses the one with the lowest index.
     Hit(Pair),
-    /// No primitive of A meets one of B, or comes within the margin of one, and neither body has a part inside of the
-    /// other that is solid.
+    /// No primitive of A meets one of B, or comes within the margin of one, and neither has a part inside of a solid.
     Free,
     /// The budget was spent before the answer was known. The distance of the bodies, 0 if they meet, lies in
     /// `lower ..= upper`.
@@ -123,8 +123,8 @@ pub enum Verdict {
 }
 
 impl Verdict {
-    /// Whether the bodies are certainly free: apart, or farther apart than the margin that was asked for.
-    /// What a motion must ask before it goes on: with a budget, no hit does not mean free.
+    /// Are the bodies certainly free: apart, or farther apart than the margin? What a motion must ask before it goes on: with
+    /// a budget, no hit does not mean free.
     #[must_use]
     pub const fn is_free(&self) -> bool {
         matches!(self, Self::Free)

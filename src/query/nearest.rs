@@ -6,10 +6,12 @@
 //! threshold that allows for the tolerance, or than a margin.
 
 use super::bounds::{Bounds, Kept, growths, no_turned};
+use super::cut::Cutter;
 use super::entries::{Entries, Entry, least};
 use super::frontier::{Frontier, Opened, Side, VolumeA, VolumeB};
 use super::hint::Found;
-use super::leaf::{Ahead, LeafA};
+use super::leaf::{Ahead, LeafA, Threshold};
+use super::own_gaps::OwnGaps;
 use super::stack::ABOVE_ROOT;
 use super::traverse::first_primitive;
 use super::{Completion, Counters, Lanes, Pairwise, Query};
@@ -50,16 +52,6 @@ pub(super) struct Outcome {
     pub(super) counters: Counters,
 }
 
-/// No pair farther apart than this matters.
-#[derive(Copy, Clone, Debug)]
-struct Threshold {
-    /// In the bodies' unit.
-    distance: f64,
-    /// As the bounds of volumes are, rounded up.
-    bound: f32,
-    ahead: Ahead,
-}
-
 #[derive(Debug)]
 pub(super) struct Search<'t, N: Lanes, P: Primitive, Q: Primitive> {
     pub(super) a: BvhRef<'t, N, P>,
@@ -67,13 +59,15 @@ pub(super) struct Search<'t, N: Lanes, P: Primitive, Q: Primitive> {
     pub(super) pose: &'t Pose,
     pub(super) bounds: Bounds<'t, N>,
     budget: u64,
-    goal: Goal,
+    pub(super) goal: Goal,
     /// Bounds all coordinates.
     reach: f64,
-    counters: Counters,
+    pub(super) counters: Counters,
     best: Best,
     hit: Option<Found>,
-    threshold: Threshold,
+    pub(super) threshold: Threshold,
+    /// Those of the leaf that waited last for a node of the other tree.
+    pub(super) own_gaps: Option<(Cutter, OwnGaps)>,
     pub(super) leaf: LeafA<N, P>,
     /// Lane 0: all of B.
     whole_b: N,
@@ -138,6 +132,7 @@ impl<'t, N: Lanes, P: Pairwise<Q>, Q: Primitive> Search<'t, N, P, Q> {
             },
             hit: None,
             threshold: Threshold { distance, bound, ahead: Ahead::NOTHING },
+            own_gaps: None,
             leaf: LeafA::none(),
             whole_b: b.nodes()[0].hull(),
             growths: growths(&a.extent(), &b.extent()),
@@ -231,6 +226,11 @@ impl<'t, N: Lanes, P: Pairwise<Q>, Q: Primitive> Search<'t, N, P, Q> {
                 let (a, b) = if self.details.is_some() { self.change_frames(a, b, body) } else { (a, b) };
                 let entries = if body == Side::A { self.open_a(&a, &b) } else { self.open_b(&a, &b) };
                 stack.push(Opened { entries, a, b, body });
+                if self.growths[0] > 0.0
+                    && let Some(step) = stack.top()
+                {
+                    self.raise(step);
+                }
             }
             next = loop {
                 let Some(step) = stack.top() else { break None };

@@ -108,16 +108,20 @@ fn margins_and_distances_are_exact_in_details() {
         check_margins::<Node16<18>>(&scene);
         check_margins::<Node4<14>>(&scene);
     }
-    // Large triangles of A, each of which waits while a detail of B, and what is around it, is descended.
+    // Large triangles of A, each of which waits while a detail of B, and what is around it, is descended: of bodies of like
+    // size, and of a body that is much larger.
     let rng = &mut Rng::new(4);
     let (large, mut scene) = (soup(rng, 40, 0.05), soup(rng, 60, 0.03));
     let detail = scaled(&torus(10, 8), 1e-4, [0.7, 0.3, 0.4]);
     append(&mut scene, &detail);
-    let poses = near_corners(&detail, &large, 2.0, size(24, 12) as usize, rng).iter().map(inverse).collect();
-    let scene = Scene::new("large triangles".into(), &large, &scene, poses);
-    assert!(scene.hits() < scene.judged.len() / 2);
-    check_margins::<Node16<18>>(&scene);
-    check_margins::<Node4<14>>(&scene);
+    for large in [scaled(&large, 30.0, [0.0; 3]), large] {
+        let count = size(24, 12) as usize;
+        let poses = near_corners(&detail, &large, 2.0, count, rng).iter().map(inverse).collect();
+        let scene = Scene::new("large triangles".into(), &large, &scene, poses);
+        assert!(scene.hits() < scene.judged.len() / 2);
+        check_margins::<Node16<18>>(&scene);
+        check_margins::<Node4<14>>(&scene);
+    }
 }
 
 /// Trees of every splitter, with leaves of several primitives, and of many details in one another's way.

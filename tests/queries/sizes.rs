@@ -4,11 +4,12 @@
 //! A small body is brought to random corners of a large one, once as A and once as B, at ratios of sizes from 1
 //! to 10^12. `SIMDOP_SUITE=small`, for emulators, takes smaller bodies and fewer poses.
 
-use crate::judged::{Answers, Scene, build, check_all, check_margins, flushed};
+use crate::judged::{Answers, Scene, build, check_all, check_margins, flushed, moved};
 use crate::support::corners::{inverse, near_corners};
 use crate::support::data::{MeshData, directory, suite_step};
+use crate::support::exact_distance::mesh_distance;
 use crate::support::rng::Rng;
-use crate::support::shapes::{append, room, scaled, separate, wavy_torus};
+use crate::support::shapes::{append, cuboid, room, scaled, separate, wavy_torus};
 use simdop::construct::BuildError;
 use simdop::isa::Isa;
 use simdop::node::{Node4, Node16};
@@ -184,6 +185,49 @@ fn margins_are_kept_at_every_ratio_of_sizes() {
             }
         }
         assert!(apart > SIZES.len(), "{apart} poses apart are few");
+    }
+}
+
+/// Distances and margins beside large triangles: the k-DOPs of these hold all of the small body, of whose triangles nearly
+/// none may be tested all the same.
+#[test]
+fn distances_beside_large_triangles_take_little_work() {
+    let (cube, torus) = (cuboid([-0.5; 3], [0.5; 3], false), wavy_torus(size(20_000, 5000)));
+    for scale in [0.05, 1e-3, 1e-5] {
+        let small = scaled(&torus, scale, [0.0; 3]);
+        let (mut rng, apart) = (Rng::new(3), 0.5 + 1.5 * small.diagonal());
+        // Above a side of the cube, and beyond its edges and corners.
+        let mut pose = |i: u32| {
+            let mut along = |beyond: bool| if beyond { apart } else { rng.range(-0.4, 0.4) };
+            let place = [along(i % 2 == 1), along(i % 4 > 1), apart];
+            let turn = rng.rotation();
+            core::array::from_fn(|j| [turn[j][0], turn[j][1], turn[j][2], place[j]])
+        };
+        let poses: Vec<_> = (0..size(24, 8)).map(&mut pose).collect();
+        let back: Vec<_> = poses.iter().map(inverse).collect();
+        for (a, b, poses) in [(&small, &cube, poses), (&cube, &small, back)] {
+            let (a_tree, b_tree) = (build::<Node16<18>>(a).unwrap(), build::<Node16<18>>(b).unwrap());
+            let still = b.corners();
+            for rows in poses {
+                let pose = Pose::from_rows(rows).unwrap();
+                let mut first = None;
+                for isa in Isa::available() {
+                    let found = Query::new(isa).distance(&a_tree, &b_tree, &pose, 0.01).unwrap();
+                    let margin = 0.9 * found.lower;
+                    let within = Query::new(isa).within(&a_tree, &b_tree, &pose, margin).unwrap();
+                    assert_eq!((found, within), *first.get_or_insert((found, within)), "{isa} {rows:?}");
+                }
+                let (found, within) = first.unwrap();
+                let want = mesh_distance(&moved(a, &rows), &still, found.upper * (1.0 + 1e-9));
+                assert!(found.lower <= want && want <= found.upper * (1.0 + 1e-12), "{want} {found:?}");
+                assert!(
+                    found.upper <= 1.01 * found.lower * (1.0 + 1e-9) && within.is_free(),
+                    "{found:?} {within:?}"
+                );
+                assert!(found.counters.primitive_pairs <= 300, "{scale:e} {:?}", found.counters);
+                assert!(within.counters.primitive_pairs <= 300, "{scale:e} {:?}", within.counters);
+            }
+        }
     }
 }
 

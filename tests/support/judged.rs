@@ -138,7 +138,7 @@ pub(crate) fn flushed(mut triangles: Vec<Tri>) -> Vec<Tri> {
 }
 
 /// The corners of a body that was built, where the pose places them.
-fn moved(mesh: &MeshData, rows: &Rows) -> Vec<Tri> {
+pub(crate) fn moved(mesh: &MeshData, rows: &Rows) -> Vec<Tri> {
     let corners = flushed(mesh.corners());
     let built = separate(corners);
     flushed(built.placed(rows))

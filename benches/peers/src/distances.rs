@@ -1,6 +1,7 @@
 //! Distances instead of collisions, at the same poses: ours at tolerance 0, and of the peers that measure
 //! them.
 
+use crate::data::MeshData;
 use crate::entrants::{Entrant, OURS, measuring};
 use crate::measure::{BLOCK, ENOUGH, PASSES, quantile};
 use crate::meshes::Scene;
@@ -35,31 +36,57 @@ struct Cell {
 pub(crate) fn run(options: &Options, scenes: &[&Scene]) -> Result<(), String> {
     let directory = options.out.join("poses");
     std::fs::create_dir_all(&directory).map_err(|e| format!("{}: {e}", directory.display()))?;
-    let mut page = format!(
-        "# Distances\n\n{}. {}, one thread. {} run(s), {} poses a mesh and distance, as in RESULTS.md. simdop: k 18, tolerance 0, with both points;\n\
-        FCL and Coal: OBBRSS, no tolerance, FCL with the nearest points. \"FCL native\" is compiled here (RESULTS.md); the ratio is to the faster FCL. Where the bodies meet, each\n\
-        ends as it does.\n\n\
-        Median / 99th percentile, µs. Where there are several runs, a figure is their median. Wrong: differs from ours by more than {AGREE:e}, relatively, or\n\
-        says that bodies meet which do not, or the reverse.\n\n",
-        options.stamp,
-        crate::table::cpu(),
-        options.runs,
-        options.poses()
-    );
-    for (i, scene) in scenes.iter().enumerate() {
+    let mut page = Page::new(options, "Distances", "mesh and distance, as in RESULTS.md");
+    for scene in scenes {
         let meshes = scene.meshes(&options.data);
         let suites = poses::suites(scene.name, &directory, &meshes, options.poses(), options.seed)?;
-        let entrants = measuring(&meshes, &options.drivers);
-        if i == 0 {
-            head(&mut page, &entrants);
+        page.add(options, scene.name, &meshes, &suites);
+    }
+    save(&options.out.join("DISTANCES.md"), &page.text)
+}
+
+/// What was measured, a row a suite.
+pub(crate) struct Page {
+    pub(crate) text: String,
+    has_head: bool,
+}
+
+impl Page {
+    /// With so many poses for what.
+    pub(crate) fn new(options: &Options, title: &str, what: &str) -> Self {
+        let text = format!(
+            "# {title}\n\n{}. {}, one thread. {} run(s), {} poses a {what}. simdop: k 18, tolerance 0, with both points;\n\
+            FCL and Coal: OBBRSS, no tolerance, FCL with the nearest points. \"FCL native\" is compiled here (RESULTS.md); the ratio is to the faster FCL. Where the bodies meet, each\n\
+            ends as it does.\n\n\
+            Median / 99th percentile, µs. Where there are several runs, a figure is their median. Wrong: differs from ours by more than {AGREE:e}, relatively, or\n\
+            says that bodies meet which do not, or the reverse.\n\n",
+            options.stamp,
+            crate::table::cpu(),
+            options.runs,
+            options.poses()
+        );
+        Self { text, has_head: false }
+    }
+
+    /// Measures two meshes, or one against itself, at each suite's poses.
+    pub(crate) fn add(
+        &mut self,
+        options: &Options,
+        mesh: &str,
+        meshes: &[MeshData],
+        suites: &[(String, Vec<Judged>)],
+    ) {
+        let entrants = measuring(meshes, &options.drivers);
+        if !self.has_head {
+            self.has_head = true;
+            head(&mut self.text, &entrants);
         }
-        for (distance, suite) in &suites {
-            eprintln!("{}, {distance}", scene.name);
+        for (distance, suite) in suites {
+            eprintln!("{mesh}, {distance}");
             let runs: Vec<_> = (0..options.runs).map(|_| in_turns(&entrants, suite)).collect();
-            row(&mut page, scene.name, distance, &cells(&runs, suite));
+            row(&mut self.text, mesh, distance, &cells(&runs, suite));
         }
     }
-    save(&options.out.join("DISTANCES.md"), &page)
 }
 
 fn in_turns(entrants: &[Entrant], suite: &[Judged]) -> Vec<Results> {

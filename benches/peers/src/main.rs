@@ -79,8 +79,8 @@ struct Options {
     /// Keep what an interrupted run measured
     #[arg(long)]
     resume: bool,
-    /// Measure distances instead of collisions, by the libraries that can
-    #[arg(long, group = "instead")]
+    /// Measure distances instead of collisions, by the libraries that can; also of --sizes
+    #[arg(long, conflicts_with_all = ["builds", "fineness", "points", "scenes"])]
     distance: bool,
     /// Collide small bodies with large ones, near corners of these
     #[arg(long, group = "instead")]

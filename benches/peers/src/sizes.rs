@@ -2,6 +2,7 @@
 
 use crate::corners::{inverse, near_corners};
 use crate::data::MeshData;
+use crate::distances::Page;
 use crate::entrants::entrants;
 use crate::measure::{Occasion, measure};
 use crate::poses::judge;
@@ -18,6 +19,9 @@ const FACTORS: [f64; 7] = [1.0, 0.1, 0.01, 1e-3, 1e-4, 1e-5, 1e-6];
 /// Of the room.
 const TRIANGLES: u32 = 100_000;
 
+const POSES_OF_DISTANCES: &str =
+    "row, as in SIZES.md, but shifted by up to two of the small one's diagonals along each axis";
+
 const BODIES: [&str; 4] = ["cow", "armadillo", "room", "hand"];
 
 /// Two bodies at poses where they are near each other.
@@ -30,6 +34,17 @@ struct Scene {
 
 pub(crate) fn run(options: &Options) -> Result<(), String> {
     let bodies = if options.meshes.is_empty() { &BODIES.map(str::to_owned)[..] } else { &options.meshes };
+    std::fs::create_dir_all(&options.out).map_err(|e| format!("{}: {e}", options.out.display()))?;
+    if options.distance {
+        let mut page = Page::new(options, "Distances of bodies of unlike size", POSES_OF_DISTANCES);
+        for body in bodies {
+            for Scene { mesh, what, meshes, poses } in scenes(body, options)? {
+                let judge = judge(&meshes[0], &meshes[1]);
+                page.add(options, &mesh, &meshes, &[(what, poses.into_iter().map(judge).collect())]);
+            }
+        }
+        return save(&options.out.join("SIZES_DISTANCES.md"), &page.text);
+    }
     let mut rows: Vec<Row> = Vec::new();
     for body in bodies {
         for scene in scenes(body, options)? {
@@ -43,7 +58,6 @@ pub(crate) fn run(options: &Options) -> Result<(), String> {
             }
         }
     }
-    std::fs::create_dir_all(&options.out).map_err(|e| format!("{}: {e}", options.out.display()))?;
     record::write(&options.out.join("sizes.csv"), &rows)?;
     let about = format!(
         "{}. {}, one thread, {} run(s), the libraries in turns as in RESULTS.md, whose versions they are.\n\n\
@@ -103,7 +117,8 @@ fn both_ways(
     corners: &MeshData,
     options: &Options,
 ) -> [Scene; 2] {
-    let poses = near_corners(small, corners, 0.5, options.poses(), &mut Rng::new(options.seed));
+    let reach = if options.distance { 2.0 } else { 0.5 };
+    let poses = near_corners(small, corners, reach, options.poses(), &mut Rng::new(options.seed));
     let back = poses.iter().map(inverse).collect();
     let scene = |which: &str, [a, b]: [&MeshData; 2], poses| Scene {
         mesh: mesh.to_owned(),
