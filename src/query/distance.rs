@@ -304,7 +304,7 @@ const SMALL: f64 = 0.1;
 /// Above this share of it they hardly tell anything apart.
 const LARGE: f64 = 1.0;
 /// In between they have so many visits, which decide most pairs, before the search for the nearest primitives begins.
-const FEW: u64 = 2;
+const FEW: u64 = 1;
 
 pub(crate) fn checked(value: f64) -> Result<f64, ToleranceError> {
     if value >= 0.0 && value.is_finite() { Ok(value) } else { Err(ToleranceError { given: value }) }

@@ -99,7 +99,17 @@ pub(super) struct Threshold {
     pub(super) ahead: Ahead,
 }
 
-/// Tells most pairs of primitives that are too far apart to matter by one axis: that of the best pair so far.
+impl Threshold {
+    /// Tells pairs apart along the axis from one point to another: the closest ones of two primitives, where others are most
+    /// often apart too.
+    #[inline(always)]
+    pub(super) fn look_along(&mut self, [p, q]: [Point; 2], reach: f64) {
+        self.ahead = Ahead::new([p[0] - q[0], p[1] - q[1], p[2] - q[2]], self.distance, reach);
+    }
+}
+
+/// Tells most pairs of primitives that are too far apart to matter by one axis: that of the best pair so far, or, in a search
+/// for one within a margin, of the pair that was compared last.
 #[derive(Copy, Clone, Debug)]
 pub(super) struct Ahead {
     /// From B to A, not normalised.

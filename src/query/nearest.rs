@@ -178,6 +178,8 @@ impl<'t, N: Lanes, P: Pairwise<Q>, Q: Primitive> Search<'t, N, P, Q> {
             Goal::Within { margin } => {
                 if P::within(moved, &still, margin, exact) {
                     self.hit = Some(found);
+                } else if let Some(pair) = P::nearer(moved, &still, f64::INFINITY, 1.0, exact) {
+                    self.threshold.look_along([pair.a, pair.b], self.reach);
                 }
             }
         }
@@ -188,13 +190,8 @@ impl<'t, N: Lanes, P: Pairwise<Q>, Q: Primitive> Search<'t, N, P, Q> {
         if pair.upper < self.best.upper {
             self.best = Best { lower, upper: pair.upper, found, points: [pair.a, pair.b] };
             let distance = (pair.upper / (1.0 + tolerance)).min(cutoff);
-            let [p, q] = self.best.points;
-            let axis = [p[0] - q[0], p[1] - q[1], p[2] - q[2]];
-            self.threshold = Threshold {
-                distance,
-                bound: self.bounds.of_distance(distance),
-                ahead: Ahead::new(axis, distance, self.reach),
-            };
+            (self.threshold.distance, self.threshold.bound) = (distance, self.bounds.of_distance(distance));
+            self.threshold.look_along(self.best.points, self.reach);
         } else {
             self.best.lower = lower;
         }
