@@ -3,11 +3,12 @@
 
 use super::frontier::Side;
 use super::placing::{Margin, placed};
+use super::stack::Volumes;
 use super::traverse::{Traversal, bits_of};
 use super::{Lanes, Pairwise};
 use crate::frame::Extent;
 use crate::kernel::Kernel;
-use crate::node::{Child, Link};
+use crate::node::{Child, Link, Width};
 use crate::pose::Pose;
 use crate::primitive::Primitive;
 use crate::realign::{OwnSlabs, shrinkage};
@@ -38,6 +39,19 @@ fn own_slabs<N: Lanes, P: Primitive, E: Kernel>(
 const WORTH_CUTTING: usize = 16;
 const WEIGHT_OF_INNER: usize = 8;
 
+/// A leaf of b cuts nodes of a alone if it is wider than they are by this many powers of two.
+const WIDER: i32 = 1;
+
+/// Which lanes of a node lead somewhere.
+#[inline(always)]
+pub(super) fn used_lanes(children: &[Child]) -> u16 {
+    let mut used = 0;
+    for (lane, child) in children.iter().enumerate() {
+        used |= u16::from(*child != Child::EMPTY) << lane;
+    }
+    used
+}
+
 impl<N, P, Q, E, M> Traversal<'_, N, P, Q, E, M>
 where
     N: Lanes,
@@ -57,6 +71,23 @@ where
         let weight =
             |lane: usize| if let Link::Leaf { .. } = children[lane].link() { 1 } else { WEIGHT_OF_INNER };
         bits_of(bits).map(weight).sum::<usize>() >= WORTH_CUTTING
+    }
+
+    /// Whether the leaf b, which has cut a node above `a` already, cuts the children of `a` without these being turned into its
+    /// frame and compared with its k-DOP: the slabs say nearly as much of a large triangle, and are in a's frame.
+    #[inline(always)]
+    pub(super) fn cuts_alone(&self, volumes: &Volumes) -> bool {
+        let (Link::Inner(_), Link::Leaf { first, .. }) = (volumes.a.link(), volumes.b.link()) else {
+            return false;
+        };
+        match self.cutter {
+            Some((Cutter::B(last), _)) if last == first && self.turned.0 != volumes.a => {
+                let Some(holder) = self.b.nodes().get(volumes.holder_b as usize) else { return false };
+                let leaf = Width::of_lane(holder, volumes.lane_b.into());
+                volumes.a.width().excess(leaf, -self.units) <= -WIDER
+            }
+            _ => false,
+        }
     }
 
     /// The slabs of a primitive, for nodes of the other body, of primitives `Others`. Of the query's bodies it is B's

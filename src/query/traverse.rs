@@ -14,7 +14,7 @@
 //! the pose, or by the way back ([`WayBack`]). Only primitives are not alike, since the query is about those of A as the
 //! pose moves them: [`Placing`] says which body has to be moved.
 
-use super::cut::Cutter;
+use super::cut::{Cutter, used_lanes};
 use super::hint::Found;
 use super::long::{LONG, Thin};
 use super::placing::{Margin, Placing, placed};
@@ -211,8 +211,9 @@ where
         }
         self.counters.visits += 1;
         let is_b_root = holder_b == ABOVE_ROOT;
+        let cuts_alone = self.cuts_alone(volumes);
         match a.link() {
-            Link::Inner(_) if E::TURNS_BY_PLANES => {}
+            Link::Inner(_) if E::TURNS_BY_PLANES || cuts_alone => {}
             Link::Inner(node) => self.turn(a, node),
             _ => self.aim(a),
         }
@@ -221,7 +222,9 @@ where
         // The children of A that overlap b: only their rows can have a bit.
         if let Link::Inner(node) = a.link() {
             let kernels;
-            (wanted, kernels) = if E::TURNS_BY_PLANES {
+            (wanted, kernels) = if cuts_alone {
+                (used_lanes(self.a.nodes()[node as usize].children()), 0)
+            } else if E::TURNS_BY_PLANES {
                 self.turn_over(a, node, if is_b_root { (root(b), None) } else { (holder_b, Some(lane_b)) })
             } else if is_b_root {
                 self.b.nodes()[root(b) as usize].overlap_hull(self.kernel, &self.turned.1)
@@ -256,7 +259,7 @@ where
                 rows.pending = 1;
             }
         }
-        if opened != Descent::Both && self.is_worth_cutting(a, b, rows.rows[0]) {
+        if cuts_alone || opened != Descent::Both && self.is_worth_cutting(a, b, rows.rows[0]) {
             let left = self.cut(a, b, rows.rows[0]);
             rows.set(0, left);
         }
