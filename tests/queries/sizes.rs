@@ -231,6 +231,28 @@ fn distances_beside_large_triangles_take_little_work() {
     }
 }
 
+/// A large triangle that waits goes on to cut a small body's nodes without these being turned into the triangle's frame.
+#[test]
+fn nodes_are_not_turned_for_large_triangles_that_cut_them() {
+    let (cube, torus) = (cuboid([-0.5; 3], [0.5; 3], false), wavy_torus(size(20_000, 5000)));
+    for scale in [1e-2, 1e-4] {
+        let small = scaled(&torus, scale, [0.0; 3]);
+        let poses = near_corners(&small, &cube, 0.3, 40, &mut Rng::new(5));
+        let back = poses.iter().map(inverse).collect();
+        for (a, b, poses) in [(&small, &cube, poses), (&cube, &small, back)] {
+            let (a, b) = (build::<Node16<18>>(a).unwrap(), build::<Node16<18>>(b).unwrap());
+            let (mut visits, mut realignments) = (0, 0);
+            for rows in poses {
+                let answer = Query::new(Isa::SCALAR).collide(&a, &b, &Pose::from_rows(rows).unwrap());
+                visits += answer.counters.visits;
+                realignments += answer.counters.realignments;
+            }
+            // The root, and seldom a node below.
+            assert!(visits > 100 && realignments <= 60, "{scale:e}: {realignments} of {visits}");
+        }
+    }
+}
+
 #[test]
 fn answers_are_exact_at_details_of_scenes() {
     for (name, mesh) in torus_and_room() {
