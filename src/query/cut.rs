@@ -39,6 +39,12 @@ fn own_slabs<N: Lanes, P: Primitive, E: Kernel>(
 const WORTH_CUTTING: usize = 16;
 const WEIGHT_OF_INNER: usize = 8;
 
+/// What a child weighs in that.
+#[inline(always)]
+pub(super) const fn weight_of(child: Child) -> usize {
+    if let Link::Leaf { .. } = child.link() { 1 } else { WEIGHT_OF_INNER }
+}
+
 /// A leaf of b cuts nodes of a alone if it is wider than they are by this many powers of two.
 const WIDER: i32 = 1;
 
@@ -68,12 +74,10 @@ where
             (Link::Inner(node), Link::Leaf { .. }) => self.a.nodes()[node as usize].children(),
             _ => return false,
         };
-        let weight =
-            |lane: usize| if let Link::Leaf { .. } = children[lane].link() { 1 } else { WEIGHT_OF_INNER };
-        bits_of(bits).map(weight).sum::<usize>() >= WORTH_CUTTING
+        bits_of(bits).map(|lane| weight_of(children[lane])).sum::<usize>() >= WORTH_CUTTING
     }
 
-    /// Whether the leaf b, which has cut a node above `a` already, cuts the children of `a` without these being turned into its
+    /// Whether the leaf b, which was the last to cut nodes of the other tree, cuts the children of `a` without these being turned into its
     /// frame and compared with its k-DOP: the slabs say nearly as much of a large triangle, and are in a's frame.
     #[inline(always)]
     pub(super) fn cuts_alone(&self, volumes: &Volumes) -> bool {

@@ -1,6 +1,7 @@
 //! What waits in a distance query: bounds of volumes, with the lanes they are for.
 
-use crate::node::{Child, Link};
+use super::cut::weight_of;
+use crate::node::Child;
 
 /// A bound and the lane it is for in one number: numbers order as the bounds do, equal bounds by lane.
 #[derive(Copy, Clone, PartialEq, Eq, PartialOrd, Ord, Debug)]
@@ -57,16 +58,12 @@ pub(crate) fn raise<const W: usize>(entries: &mut Entries, bounds: &[f32; W]) {
     }
 }
 
-/// A child that is a node counts as so many leaves.
-const WEIGHT_OF_INNER: usize = 8;
-
-/// What the children of a node weigh whose bounds are at most `bound`: a leaf 1.
+/// What the children of a node weigh whose bounds are at most `bound` ([`weight_of`]).
 #[inline(always)]
 pub(crate) fn weight(entries: &Entries, bound: f32, children: &[Child]) -> usize {
     let mut weight = 0;
     for (entry, child) in entries.iter().zip(children) {
-        let of_child = if let Link::Leaf { .. } = child.link() { 1 } else { WEIGHT_OF_INNER };
-        weight += if *entry != Entry::NONE && entry.bound() <= bound { of_child } else { 0 };
+        weight += if *entry != Entry::NONE && entry.bound() <= bound { weight_of(*child) } else { 0 };
     }
     weight
 }
@@ -94,7 +91,7 @@ mod tests {
         assert_eq!(raised[0], before[0], "how deep volumes overlap says which is tried first");
         assert_eq!((raised[1].bound(), raised[1].lane()), (3.0, 1));
         assert_eq!(raised[2..], before[2..]);
-        assert_eq!(weight(&raised, 2.0, &links), 2 * WEIGHT_OF_INNER);
+        assert_eq!(weight(&raised, 2.0, &links), 2 * weight_of(Child::ROOT));
     }
 
     #[test]
