@@ -102,11 +102,23 @@ const UNDERFLOW_OF_SINGLES: f32 = power_of_two(-80) as f32;
 const MAX_REACH: f32 = power_of_two(126) as f32;
 
 impl<const K: usize> Realignment<K> {
+    /// To be overwritten.
+    pub(crate) const UNSET: Self = Self { sources: [[0; 4]; K], weights: [[0.0; K]; 3], offset: [0.0; K] };
+
     /// The map for a body of extent `a`, posed in the frame `b`.
-    // Part of the query that it begins, so that it is compiled for the query's instruction set.
     #[inline(always)]
     #[must_use]
     pub fn new(pose: &Pose, a: &Extent, b: &Frame) -> Self {
+        let mut map = Self::UNSET;
+        map.set(pose, a, b);
+        map
+    }
+
+    /// [`Self::new`] in place: as a result it was copied, and took as much stack once more.
+    // Part of the query that it begins, so that it is compiled for the query's instruction set.
+    #[inline(always)]
+    #[expect(clippy::needless_range_loop, reason = "several columns share the index")]
+    pub(crate) fn set(&mut self, pose: &Pose, a: &Extent, b: &Frame) {
         let rows = pose.rows();
         // Loops, not `map`, which is not always inlined.
         let mut m = [[0.0_f32; 3]; 3];
@@ -127,17 +139,16 @@ impl<const K: usize> Realignment<K> {
 
         let [nx, ny, nz] = &Directions::<K>::SINGLE_SLAB_COLUMNS;
         let (slabs, columns) = (Directions::<K>::SLABS, Directions::<K>::SINGLE_COLUMNS);
-        let mut u = [[0.0_f32; K]; 3];
         for i in 0..3 {
             for s in 0..columns {
-                u[i][s] = (m[0][i] * nx[s] + m[1][i] * ny[s]) + m[2][i] * nz[s];
+                self.weights[i][s] = (m[0][i] * nx[s] + m[1][i] * ny[s]) + m[2][i] * nz[s];
             }
         }
-        let mut found = Directions::<K>::decompose_columns(&u, columns, slabs);
+        self.sources = Directions::<K>::decompose_columns(&mut self.weights, columns, slabs);
         let (mut ahead, mut behind) = ([0.0_f32; K], [0.0_f32; K]);
         for s in 0..columns {
             let length = nx[s].abs() + ny[s].abs() + nz[s].abs();
-            let [c0, c1, c2] = &mut found.weights;
+            let [c0, c1, c2] = &mut self.weights;
             (c0[s], c1[s], c2[s]) = (ratio * c0[s], ratio * c1[s], ratio * c2[s]);
             let weight_sum = (c0[s] + c1[s]) + c2[s];
             let tau = (nx[s] * shift[0] + ny[s] * shift[1]) + nz[s] * shift[2];
@@ -150,11 +161,9 @@ impl<const K: usize> Realignment<K> {
             ahead[s] = if is_bounded { tau + pad } else { f32::INFINITY };
             behind[s] = if is_bounded { pad - tau } else { f32::INFINITY };
         }
-        let mut offset = [0.0; K];
         for s in 0..slabs {
-            (offset[2 * s], offset[2 * s + 1]) = (ahead[s], behind[s]);
+            (self.offset[2 * s], self.offset[2 * s + 1]) = (ahead[s], behind[s]);
         }
-        Self { sources: found.directions, weights: found.weights, offset }
     }
 
     /// Moves every plane out by `margin`, in units of the frame: turned planes then hold everything within it

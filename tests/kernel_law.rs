@@ -711,7 +711,7 @@ fn any_one_plane_separates<const K: usize>(kernel: impl Kernel, name: &str) {
 fn any_one_lane_overlaps<const K: usize>(kernel: impl Kernel, name: &str) {
     for last in (0..K).step_by(if cfg!(miri) { 7 } else { 1 }) {
         for hit in (0..16).step_by(if cfg!(miri) { 7 } else { 1 }) {
-            let (query, mut node) = (touching(), wide::<K>(touching()));
+            let (query, mut node) = (touching::<16, K>(), wide::<K>(touching()));
             for lane in (0..16).filter(|&lane| lane != hit) {
                 node.planes[(last + lane) % K][lane] = 4;
             }
@@ -730,7 +730,8 @@ fn any_one_lane_overlaps<const K: usize>(kernel: impl Kernel, name: &str) {
 }
 
 /// Overlap is symmetric: with the roles swapped, A's planes in the node and B's in the query, rows are
-/// columns. And a reflection of space, which swaps the two planes of each slab, changes nothing.
+/// columns. And a reflection of space, which swaps the two planes of each slab, changes nothing. Nor does how many bodies'
+/// turned planes lie side by side.
 fn roles_swapped_and_bodies_mirrored<const K: usize>(kernel: impl Kernel, name: &str) {
     let mut rng = Rng::new(200 + K as u64);
     let swapped = |planes: &Planes<16, K>| -> Planes<16, K> {
@@ -745,6 +746,12 @@ fn roles_swapped_and_bodies_mirrored<const K: usize>(kernel: impl Kernel, name: 
         let mirrored = (mirrored(&query), wide(mirrored(&planes)));
         let swapped = (swapped(&planes), wide(swapped(&query)));
         for (lane, row) in rows.iter().enumerate().step_by(if cfg!(miri) { 5 } else { 1 }) {
+            // Turned planes of this lane alone, and of four.
+            let one: Turned<1, K> = query.map(|plane| [plane[lane]]);
+            assert_eq!(kernel.overlap_1v16(&one, 0, &node), *row, "{name} k {K}");
+            let four: Turned<4, K> = query.map(|plane| core::array::from_fn(|i| plane[(lane + i) % 16]));
+            assert_eq!(kernel.overlap_1v16(&four, 0, &node), *row, "{name} k {K}");
+            assert_eq!(kernel.overlap_1v16(&four, 3, &node), rows[(lane + 3) % 16], "{name} k {K}");
             assert_eq!(kernel.overlap_1v16(&mirrored.0, lane, &mirrored.1), *row, "{name} k {K}");
             assert_eq!(kernel.overlap_1v16(&swapped.0, lane, &swapped.1), column(lane), "{name} k {K}");
             assert_eq!(kernel.overlap_16v1(&query, &node, lane), column(lane), "{name} k {K}");

@@ -101,7 +101,9 @@ impl<Q: Copy, N: Lanes> Recorded<Q, N> {
             bodies::<N>().0.iter().map(|body| body.tree.view()).filter(|tree| !tree.is_empty()).collect();
         let queries = (0..512).map(|_| {
             let (a, b) = (input.pick(&trees), input.pick(&trees).frame());
-            turn(&N::map(&pose(&mut input, Mode::Real), &a.extent(), &b), input.pick(a.nodes()))
+            let mut map = N::UNMAPPED;
+            N::map(&mut map, &pose(&mut input, Mode::Real), &a.extent(), &b);
+            turn(&map, input.pick(a.nodes()))
         });
         Self {
             queries: queries.collect(),

@@ -158,9 +158,9 @@ impl CloudRef<'_> {
         on_isa!(query.isa(), kernel => kernel.run(
             #[inline(always)]
             || {
-                let mut turned = N::NO_TURNED;
+                let mut aimed = N::NO_AIMED;
                 self.first_of_buckets(kernel, &around.bounds, &mut spending, |bucket, spending| {
-                    around.bucket(kernel, bucket, &mut turned, spending)
+                    around.bucket(kernel, bucket, &mut aimed, spending)
                 })
             },
         ))
@@ -270,7 +270,7 @@ impl<'a, N: Lanes, P: Pairwise<Spheres>> Around<'a, N, P> {
         &self,
         kernel: E,
         bucket: &Bucket,
-        turned: &mut N::Turned,
+        aimed: &mut N::Aimed,
         spending: &mut Spending<'_>,
     ) -> ControlFlow<Ended> {
         let points = points_of(bucket);
@@ -278,7 +278,7 @@ impl<'a, N: Lanes, P: Pairwise<Spheres>> Around<'a, N, P> {
         let seen_from_body =
             points.clone().map(|(_, at)| Sphere { centre: self.seen_from_body(at.centre), radius: 0.0 });
         let frame = self.body.frame();
-        N::aim::<Spheres>(turned, &frame, seen_from_body, self.reach + 4.0 * ROUNDING * far);
+        N::aim::<Spheres>(aimed, &frame, seen_from_body, self.reach + 4.0 * ROUNDING * far);
         let (nodes, mut stack, mut waiting) = (self.body.nodes(), [Child::EMPTY; STACK], 1);
         stack[0] = self.body.header().root;
         while waiting > 0 {
@@ -286,9 +286,9 @@ impl<'a, N: Lanes, P: Pairwise<Spheres>> Around<'a, N, P> {
             match stack[waiting].link() {
                 Link::Inner(node) => {
                     spending.visit()?;
-                    let (rows, kernels) = nodes[node as usize].overlap_rows(kernel, turned, 1);
-                    spending.counters.kernels += kernels;
-                    let (node, mut left) = (&nodes[node as usize], rows.rows[0]);
+                    let node = &nodes[node as usize];
+                    let mut left = node.overlap_aimed(kernel, aimed);
+                    spending.counters.kernels += 1;
                     while left != 0 {
                         stack[waiting] = node.children()[left.trailing_zeros() as usize];
                         waiting += 1;

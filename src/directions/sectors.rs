@@ -86,7 +86,6 @@ const fn index_of(k: usize, v: [i8; 3]) -> u8 {
 pub(crate) trait Float: Copy + PartialOrd {
     /// As wide, so that numbers and sectors share vector instructions.
     type Sector: Copy;
-    const ZERO: Self;
     const NO_SECTOR: Self::Sector;
 
     fn from_f64(x: f64) -> Self;
@@ -100,7 +99,6 @@ macro_rules! impl_float {
     ($float:ident, $bits:ident) => {
         impl Float for $float {
             type Sector = $bits;
-            const ZERO: Self = 0.0;
             const NO_SECTOR: $bits = 0;
 
             #[inline(always)]

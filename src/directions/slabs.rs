@@ -3,14 +3,6 @@
 use super::sectors::Float;
 use super::{Directions, sectors};
 
-/// The [`super::Weights`] of several vectors, by column.
-#[derive(Copy, Clone, Debug)]
-pub(crate) struct Decomposition<T, const W: usize> {
-    /// Three each.
-    pub(crate) directions: [[u8; 4]; W],
-    pub(crate) weights: [[T; W]; 3],
-}
-
 impl<const K: usize> Directions<K> {
     /// [`Directions::SLABS`], filled up to whole vectors of four `f64`: a remainder would be computed one by
     /// one. What is beyond the slabs is zero.
@@ -69,8 +61,9 @@ impl<const K: usize> Directions<K> {
         columns
     };
 
-    /// [`Directions::decompose`] of the first `count` columns; `columns` is as many, filled up to whole
-    /// vectors.
+    /// [`Directions::decompose`] of the first `count` columns of `u`, which become their weights; `columns` is as many, filled up
+    /// to whole vectors. Returns the directions, three each.
+    // In place: the set-up is what takes the most stack of many queries.
     #[expect(
         clippy::needless_range_loop,
         reason = "several columns share the index, not all of which is used"
@@ -78,11 +71,11 @@ impl<const K: usize> Directions<K> {
     #[cfg_attr(simdop_small, inline(never))]
     #[cfg_attr(not(simdop_small), inline(always))]
     pub(crate) fn decompose_columns<T: Float, const W: usize>(
-        u: &[[T; W]; 3],
+        u: &mut [[T; W]; 3],
         columns: usize,
         count: usize,
-    ) -> Decomposition<T, W> {
-        let mut found = Decomposition { directions: [[0; 4]; W], weights: [[T::ZERO; W]; 3] };
+    ) -> [[u8; 4]; W] {
+        let mut directions = [[0; 4]; W];
         if sectors::applies(K) {
             // Two loops: the first is compiled to vector instructions, looking up tables is not.
             let mut sectors = [T::NO_SECTOR; W];
@@ -90,22 +83,22 @@ impl<const K: usize> Directions<K> {
                 let weights;
                 (weights, sectors[s]) = T::split::<K>([u[0][s], u[1][s], u[2][s]]);
                 for l in 0..3 {
-                    found.weights[l][s] = weights[l];
+                    u[l][s] = weights[l];
                 }
             }
             for s in 0..count {
-                found.directions[s] = Self::SECTORS[T::index(sectors[s])];
+                directions[s] = Self::SECTORS[T::index(sectors[s])];
             }
-            return found;
+            return directions;
         }
         for s in 0..count {
             let one = Self::search([u[0][s].to_f64(), u[1][s].to_f64(), u[2][s].to_f64()]);
             let [a, b, c] = one.directions;
-            found.directions[s] = [a, b, c, 0];
+            directions[s] = [a, b, c, 0];
             for l in 0..3 {
-                found.weights[l][s] = T::from_f64(one.weights[l]);
+                u[l][s] = T::from_f64(one.weights[l]);
             }
         }
-        found
+        directions
     }
 }

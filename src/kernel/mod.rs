@@ -81,9 +81,14 @@ pub trait Kernel: Copy + core::fmt::Debug + sealed::Sealed {
     /// once.
     fn run<R>(self, f: impl FnOnce() -> R) -> R;
 
-    /// Which children of `node` the body in lane `lane` (below 16) of `query` overlaps.
+    /// Which children of `node` the body in lane `lane` (below `W`) of `query` overlaps.
     #[must_use]
-    fn overlap_1v16<const K: usize>(self, query: &Turned<16, K>, lane: usize, node: &Node16<K>) -> u16;
+    fn overlap_1v16<const W: usize, const K: usize>(
+        self,
+        query: &Turned<W, K>,
+        lane: usize,
+        node: &Node16<K>,
+    ) -> u16;
 
     /// Which of the 16 bodies of `query` child `lane` (below 16) of `node` overlaps: a column of what
     /// [`Kernel::overlap_1v16`] gives the rows of.

@@ -120,7 +120,8 @@ impl<'t, N: Lanes> Bounds<'t, N> {
 /// What turns planes of A in one frame into another.
 #[inline(always)]
 fn map<N: Lanes, P: Primitive>(pose: &Pose, a: &Extent, frame: &Frame) -> N::Map {
-    let (mut map, shrinkage) = (N::map(pose, a, frame), shrinkage::<P>(pose, a));
+    let (mut map, shrinkage) = (N::UNMAPPED, shrinkage::<P>(pose, a));
+    N::map(&mut map, pose, a, frame);
     if shrinkage > 0.0 {
         N::widen(&mut map, frame, shrinkage);
     }

@@ -67,9 +67,9 @@ where
         self.details = [detail_a, detail_b];
         let (extent, frame, placing) = (self.extent_a(), frame_of(self.b, detail_b), self.placing);
         self.units = frame.exponent - extent.frame.exponent;
-        *self.map = self.kernel.run(
+        self.kernel.run(
             #[inline(always)]
-            || set_up::<N, P>(placing, &extent, &frame),
+            || set_up::<N, P>(self.map, placing, &extent, &frame),
         );
         (self.turned.0, self.whole) = (Child::EMPTY, 0);
         (self.aimed, self.cutter, self.thin.test) = (None, None, None);

@@ -1,8 +1,10 @@
 //! What a caller carries from one query to the next.
 
-use super::Pair;
+use super::placing::Margin;
+use super::{Counters, Lanes, Pair, Pairwise};
 use crate::hierarchy::BvhRef;
 use crate::node::Node;
+use crate::pose::Pose;
 use crate::primitive::Primitive;
 
 /// The primitives that a query found, for the next query of the same bodies at a pose nearby to try first:
@@ -30,6 +32,26 @@ impl Found {
         b: &BvhRef<'_, N, Q>,
     ) -> Pair {
         Pair { a: a.source(self.a), b: b.source(self.b) }
+    }
+
+    /// Whether the two meet.
+    // Not a part of a query, of whose traversal it would take stack.
+    #[inline(never)]
+    pub(super) fn meets<N: Lanes, P: Pairwise<Q>, Q: Pairwise<P>>(
+        self,
+        (a, b): (&BvhRef<'_, N, P>, &BvhRef<'_, N, Q>),
+        pose: &Pose,
+        margin: impl Margin,
+        counters: &mut Counters,
+    ) -> bool {
+        counters.primitive_pairs += 1;
+        let moved = P::moved(&a.primitive(self.a), pose);
+        let (still, exact) = (b.primitive(self.b), &mut counters.exact_pairs);
+        if margin.value() > 0.0 {
+            P::within(&moved, &still, margin.value(), exact)
+        } else {
+            P::meets(&P::probe(&moved, 0.0), &still, exact)
+        }
     }
 }
 

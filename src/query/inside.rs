@@ -147,8 +147,8 @@ fn around_on<N: Lanes, P: Primitive, E: Kernel>(
     kernel.run(
         #[inline(always)]
         || {
-            let mut turned = N::NO_TURNED;
-            N::aim_ray(&mut turned, &solid.tree.frame(), ray);
+            let mut aimed = N::NO_AIMED;
+            N::aim_ray(&mut aimed, &solid.tree.frame(), ray);
             let mut winding = 0_i64;
             let mut lowest: Option<u32> = None;
             let mut path = [Descended { node: 0, lanes: 0 }; MAX_DEPTH];
@@ -161,9 +161,9 @@ fn around_on<N: Lanes, P: Primitive, E: Kernel>(
                         return Err(distance_bound(solid, point));
                     }
                     counters.visits += 1;
-                    let (rows, kernels) = solid.tree.nodes()[node as usize].overlap_rows(kernel, &turned, 1);
-                    counters.kernels += kernels;
-                    path[level] = Descended { node, lanes: rows.rows[0] };
+                    let lanes = solid.tree.nodes()[node as usize].overlap_aimed(kernel, &aimed);
+                    counters.kernels += 1;
+                    path[level] = Descended { node, lanes };
                     level += 1;
                 }
                 let Some(above) = level.checked_sub(1) else { break };

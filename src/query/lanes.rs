@@ -3,13 +3,13 @@
 use super::entries::{Entries, entries, raise};
 use super::far::{self, Along};
 use super::gaps;
+use super::masks::aim_at;
 use super::own_gaps::OwnGaps;
 use super::stack::Rows;
-use super::thin::AT_ONCE;
-use crate::directions::Directions;
+use super::thin::{AT_ONCE, supports};
 use crate::frame::{Extent, Frame};
 use crate::kernel::{Kernel, SEPARATED, Turned};
-use crate::key::{Key, decode};
+use crate::key::Key;
 use crate::node::{Child, Dop, Node, Node4, Node16};
 use crate::pose::Pose;
 use crate::primitive::{LatticeCorners, Primitive};
@@ -22,32 +22,40 @@ pub trait Lanes: Dop {
     type Map: Copy + core::fmt::Debug;
     /// Turned planes of as many bodies as there are lanes.
     type Turned: Copy + core::fmt::Debug;
+    /// Those of one body, in lane 0.
+    type Aimed: Copy + core::fmt::Debug;
     /// Turned planes of one body, in `f32`.
     type Planes: Copy + core::fmt::Debug;
     /// Those of as many bodies as there are lanes.
     type PlaneRows: Copy + core::fmt::Debug;
     #[doc(hidden)]
-    const NO_TURNED: Self::Turned;
+    const NO_AIMED: Self::Aimed;
     /// To be overwritten: zeros, which take no copy.
     #[doc(hidden)]
     const UNTURNED: Self::Turned;
+    /// Likewise.
+    #[doc(hidden)]
+    const UNMAPPED: Self::Map;
     #[doc(hidden)]
     const NO_PLANES: Self::Planes;
     #[doc(hidden)]
     const NO_PLANE_ROWS: Self::PlaneRows;
 
     #[doc(hidden)]
-    fn map(pose: &Pose, a: &Extent, b: &Frame) -> Self::Map;
+    fn map(map: &mut Self::Map, pose: &Pose, a: &Extent, b: &Frame);
     #[doc(hidden)]
     fn realign<E: Kernel>(&self, kernel: E, map: &Self::Map, turned: &mut Self::Turned);
     /// The bodies in the `wanted` lanes of `turned` against all lanes of `self`; other rows are zero. Returns
     /// the number of kernel calls too.
     #[doc(hidden)]
     fn overlap_rows<E: Kernel>(&self, kernel: E, turned: &Self::Turned, wanted: u16) -> (Rows, u64);
-    /// Puts the planes of everything within `margin` of moved primitives into lane 0 of `turned`.
+    /// Which lanes of `self` the body in `aimed` overlaps.
+    #[doc(hidden)]
+    fn overlap_aimed<E: Kernel>(&self, kernel: E, aimed: &Self::Aimed) -> u16;
+    /// Puts the planes of everything within `margin` of moved primitives into `aimed`.
     #[doc(hidden)]
     fn aim<P: Primitive>(
-        turned: &mut Self::Turned,
+        aimed: &mut Self::Aimed,
         b: &Frame,
         items: impl Iterator<Item = P::Item>,
         margin: f64,
@@ -56,18 +64,18 @@ pub trait Lanes: Dop {
     /// the planes are: then they stay as they were.
     #[doc(hidden)]
     fn aim_on_lattice(
-        turned: &mut Self::Turned,
+        aimed: &mut Self::Aimed,
         b: &Frame,
         triangles: impl Iterator<Item = Option<LatticeCorners>>,
         exponent: i32,
         margin: f64,
     ) -> bool;
-    /// Puts the planes of a ray into lane 0 of `turned`.
+    /// Puts the planes of a ray into `aimed`.
     #[doc(hidden)]
-    fn aim_ray(turned: &mut Self::Turned, frame: &Frame, ray: &Ray);
-    /// Puts planes that hold all used lanes of `turned` into lane 0 of `out`.
+    fn aim_ray(aimed: &mut Self::Aimed, frame: &Frame, ray: &Ray);
+    /// Puts planes that hold all used lanes of `turned` into `aimed`.
     #[doc(hidden)]
-    fn enclose(turned: &Self::Turned, out: &mut Self::Turned);
+    fn enclose(turned: &Self::Turned, aimed: &mut Self::Aimed);
     /// [`own_slabs`].
     #[doc(hidden)]
     fn own_slabs<P: Primitive>(item: &P::Item, margin: f64, body: &Extent, pose: Option<&Pose>) -> OwnSlabs;
@@ -138,23 +146,25 @@ pub trait Lanes: Dop {
 }
 
 macro_rules! impl_lanes {
-    ($node:ident, $arity:literal, $realign:ident, $beyond:ident) => {
+    ($node:ident, $arity:literal, $aimed:literal, $beyond:ident, $realign:ident) => {
         impl<const K: usize> Lanes for $node<K>
         where
             Self: bytemuck::Pod,
         {
             type Map = Realignment<K>;
             type Turned = Turned<$arity, K>;
+            type Aimed = Turned<$aimed, K>;
             type Planes = gaps::Planes<K>;
             type PlaneRows = gaps::PlaneRows<$arity, K>;
             const NO_PLANES: Self::Planes = [0.0; K];
             const NO_PLANE_ROWS: Self::PlaneRows = [[0.0; $arity]; K];
-            const NO_TURNED: Self::Turned = [[SEPARATED; $arity]; K];
+            const NO_AIMED: Self::Aimed = [[SEPARATED; $aimed]; K];
             const UNTURNED: Self::Turned = [[0; $arity]; K];
+            const UNMAPPED: Self::Map = Realignment::UNSET;
 
             #[inline(always)]
-            fn map(pose: &Pose, a: &Extent, b: &Frame) -> Self::Map {
-                Realignment::new(pose, a, b)
+            fn map(map: &mut Self::Map, pose: &Pose, a: &Extent, b: &Frame) {
+                map.set(pose, a, b);
             }
 
             #[inline(always)]
@@ -168,21 +178,24 @@ macro_rules! impl_lanes {
             }
 
             #[inline(always)]
+            fn overlap_aimed<E: Kernel>(&self, kernel: E, aimed: &Self::Aimed) -> u16 {
+                $node::row(self, kernel, aimed)
+            }
+
+            #[inline(always)]
             fn aim<P: Primitive>(
-                turned: &mut Self::Turned,
+                aimed: &mut Self::Aimed,
                 b: &Frame,
                 items: impl Iterator<Item = P::Item>,
                 margin: f64,
             ) {
                 let planes: [Key; K] = planes_of::<P, K>(b, items, margin);
-                for (j, plane) in planes.into_iter().enumerate() {
-                    turned[j ^ 1][0] = !plane.code();
-                }
+                aim_at(&planes, aimed);
             }
 
             #[inline(always)]
             fn aim_on_lattice(
-                turned: &mut Self::Turned,
+                aimed: &mut Self::Aimed,
                 b: &Frame,
                 triangles: impl Iterator<Item = Option<LatticeCorners>>,
                 exponent: i32,
@@ -191,29 +204,25 @@ macro_rules! impl_lanes {
                 let Some(planes) = planes_on_lattice::<K>(b, triangles, exponent, margin) else {
                     return false;
                 };
-                for (j, plane) in planes.into_iter().enumerate() {
-                    turned[j ^ 1][0] = !plane.code();
-                }
+                aim_at(&planes, aimed);
                 true
             }
 
             #[inline(always)]
-            fn aim_ray(turned: &mut Self::Turned, frame: &Frame, ray: &Ray) {
+            fn aim_ray(aimed: &mut Self::Aimed, frame: &Frame, ray: &Ray) {
                 let planes: [Key; K] = ray.planes(frame);
-                for (j, plane) in planes.into_iter().enumerate() {
-                    turned[j ^ 1][0] = !plane.code();
-                }
+                aim_at(&planes, aimed);
             }
 
             #[inline(always)]
-            fn enclose(turned: &Self::Turned, out: &mut Self::Turned) {
+            fn enclose(turned: &Self::Turned, aimed: &mut Self::Aimed) {
                 // Unused lanes are within: their planes are below all others, and so are sums of these by the same weights.
-                for (planes, out) in turned.iter().zip(out) {
+                for (planes, aimed) in turned.iter().zip(aimed) {
                     let mut least = SEPARATED;
                     for &code in planes {
                         least = if code < least { code } else { least };
                     }
-                    out[0] = least;
+                    aimed[0] = least;
                 }
             }
 
@@ -237,25 +246,7 @@ macro_rules! impl_lanes {
                 children: [(&Self, usize); AT_ONCE],
                 directions: &[[f64; AT_ONCE]; 3],
             ) -> [[f64; AT_ONCE]; 2] {
-                let found = Directions::<K>::decompose_columns(directions, AT_ONCE, AT_ONCE);
-                let mut codes = [[[0_i16; AT_ONCE]; 3]; 2];
-                for (j, (node, lane)) in children.into_iter().enumerate() {
-                    for (l, &source) in found.directions[j][..3].iter().enumerate() {
-                        for side in 0..2 {
-                            codes[side][l][j] = node.planes[usize::from(source) ^ side][lane % $arity];
-                        }
-                    }
-                }
-                let w = &found.weights;
-                let mut supports = [[0.0; AT_ONCE]; 2];
-                for side in 0..2 {
-                    for j in 0..AT_ONCE {
-                        let plane = |l: usize| f64::from(decode(codes[side][l][j]));
-                        supports[side][j] = (w[0][j] * plane(0) + w[1][j] * plane(1)) + w[2][j] * plane(2);
-                    }
-                }
-                let [greatest, opposite] = supports;
-                [opposite.map(|x| -x), greatest]
+                supports(children.map(|(node, lane)| (&node.planes, lane)), directions)
             }
 
             #[inline(always)]
@@ -346,5 +337,5 @@ macro_rules! impl_lanes {
     };
 }
 
-impl_lanes!(Node16, 16, realign_16, beyond_16);
-impl_lanes!(Node4, 4, realign_4, beyond_4);
+impl_lanes!(Node16, 16, 1, beyond_16, realign_16);
+impl_lanes!(Node4, 4, 4, beyond_4, realign_4);

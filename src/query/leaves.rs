@@ -11,10 +11,34 @@ use crate::kernel::Kernel;
 use crate::node::{Child, Link};
 use core::ops::ControlFlow;
 
-/// Up to sixteen leaves.
-pub(super) struct Leaves {
-    pub(super) children: [Child; 16],
-    pub(super) len: usize,
+/// Children of a node that are leaves.
+#[derive(Copy, Clone)]
+pub(super) struct Leaves<'t> {
+    children: &'t [Child],
+    lanes: u16,
+}
+
+impl<'t> Leaves<'t> {
+    /// Of the children that the bits name.
+    #[inline(always)]
+    fn among(children: &'t [Child], bits: u16) -> Self {
+        let mut lanes = 0;
+        for lane in bits_of(bits) {
+            lanes |= u16::from(matches!(children[lane].link(), Link::Leaf { .. })) << lane;
+        }
+        Self { children, lanes }
+    }
+}
+
+impl Iterator for Leaves<'_> {
+    type Item = Child;
+
+    #[inline(always)]
+    fn next(&mut self) -> Option<Child> {
+        let leaf = self.children.get(self.lanes.trailing_zeros() as usize)?;
+        self.lanes &= self.lanes.wrapping_sub(1);
+        Some(*leaf)
+    }
 }
 
 impl<N, P, Q, E, M> Traversal<'_, N, P, Q, E, M>
@@ -36,19 +60,19 @@ where
                         _ => a,
                     };
                     if let Link::Leaf { .. } = child.link() {
-                        let (leaves, inner) =
-                            leaves_among(self.b.nodes()[node_b as usize].children(), rows.rows[row]);
-                        self.decide_a(child, &leaves)?;
-                        rows.set(row, inner);
+                        let bits = rows.rows[row];
+                        let leaves = Leaves::among(self.b.nodes()[node_b as usize].children(), bits);
+                        self.decide_a(child, leaves)?;
+                        rows.set(row, bits & !leaves.lanes);
                     }
                 }
             }
             (_, Link::Leaf { .. }) => {
                 if let Link::Inner(node_a) = a.link() {
-                    let (leaves, inner) =
-                        leaves_among(self.a.nodes()[node_a as usize].children(), rows.rows[0]);
-                    self.decide_b(b, &leaves)?;
-                    rows.set(0, inner);
+                    let bits = rows.rows[0];
+                    let leaves = Leaves::among(self.a.nodes()[node_a as usize].children(), bits);
+                    self.decide_b(b, leaves)?;
+                    rows.set(0, bits & !leaves.lanes);
                 }
             }
             // A node of A that was opened alone: no child of B to decide its leaves against.
@@ -66,7 +90,7 @@ where
 
     /// Every primitive of a leaf of A against every primitive of some leaves of B.
     #[inline(always)]
-    fn decide_a(&mut self, one: Child, leaves: &Leaves) -> Flow {
+    fn decide_a(&mut self, one: Child, leaves: Leaves<'_>) -> Flow {
         let (kernel, margin, a, b, placing) =
             (self.kernel, self.margin.value(), self.a, self.b, self.placing);
         if Self::is_on_lattice(margin) {
@@ -98,7 +122,7 @@ where
 
     /// Every primitive of a leaf of B against every primitive of some leaves of A.
     #[inline(always)]
-    fn decide_b(&mut self, one: Child, leaves: &Leaves) -> Flow {
+    fn decide_b(&mut self, one: Child, leaves: Leaves<'_>) -> Flow {
         let (kernel, margin, a, b, placing) =
             (self.kernel, self.margin.value(), self.a, self.b, self.placing);
         if Self::is_on_lattice(margin) {
@@ -135,13 +159,12 @@ fn decide_one<One: Pairwise<Other>, Other: Pairwise<One>, E: Kernel>(
     margin: f64,
     counters: &mut Counters,
     (item, is_of_a): (&One::Item, bool),
-    leaves: &Leaves,
+    mut leaves: Leaves<'_>,
     other_at: impl Fn(u32) -> Other::Item,
     mut visit: impl FnMut(u32) -> ControlFlow<()>,
 ) -> Flow {
     let probe = One::probe(item, margin);
     let (mut indices, mut others) = ([0; 4], [Other::Item::default(); 4]);
-    let mut rest = leaves.children[..leaves.len].iter();
     let mut range = 0..0;
     loop {
         let mut len = 0;
@@ -150,7 +173,7 @@ fn decide_one<One: Pairwise<Other>, Other: Pairwise<One>, E: Kernel>(
                 indices[len & 3] = index;
                 others[len & 3] = other_at(index);
                 len += 1;
-            } else if let Some(leaf) = rest.next() {
+            } else if let Some(leaf) = leaves.next() {
                 range = primitives(leaf.link());
             } else {
                 break;
@@ -175,20 +198,4 @@ fn decide_one<One: Pairwise<Other>, Other: Pairwise<One>, E: Kernel>(
             return Flow::Continue(());
         }
     }
-}
-
-/// The leaves among the children that the bits name, and the bits of the others.
-#[inline(always)]
-fn leaves_among(children: &[Child], bits: u16) -> (Leaves, u16) {
-    let mut leaves = Leaves { children: [Child::EMPTY; 16], len: 0 };
-    let mut inner = bits;
-    for lane in bits_of(bits) {
-        let child = children[lane];
-        if let Link::Leaf { .. } = child.link() {
-            inner &= !(1 << lane);
-            leaves.children[leaves.len & 15] = child;
-            leaves.len += 1;
-        }
-    }
-    (leaves, inner)
 }

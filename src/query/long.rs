@@ -37,7 +37,7 @@ where
     /// Clears the bits of the last entry of the stack whose children are apart by their thin slabs. Each entry
     /// is looked at once, when it is its turn: of a hit most never are.
     #[inline(never)]
-    pub(super) fn look_again(&mut self, stack: &mut Stack) {
+    pub(super) fn look_again(&mut self, stack: &mut Stack<'_>) {
         while let Some(top) = stack.top() {
             if top.opened != Descent::Both || top.looked_at {
                 return;

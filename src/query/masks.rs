@@ -3,8 +3,17 @@
 
 use super::stack::Rows;
 use crate::kernel::{Kernel, Turned};
+use crate::key::Key;
 use crate::node::{Node4, Node16};
 use crate::realign::Realignment;
+
+/// Makes lane 0 ready for the compare with planes of the other body.
+#[inline(always)]
+pub(super) fn aim_at<const W: usize, const K: usize>(planes: &[Key; K], aimed: &mut Turned<W, K>) {
+    for (j, plane) in planes.iter().enumerate() {
+        aimed[j ^ 1][0] = !plane.code();
+    }
+}
 
 impl<const K: usize> Node16<K> {
     #[inline(always)]
@@ -19,6 +28,11 @@ impl<const K: usize> Node16<K> {
             found.pending |= u32::from(row != 0) << lane;
         }
         (found, wanted.count_ones().into())
+    }
+
+    #[inline(always)]
+    pub(super) fn row<E: Kernel>(&self, kernel: E, aimed: &Turned<1, K>) -> u16 {
+        kernel.overlap_1v16(aimed, 0, self)
     }
 
     #[inline(always)]
@@ -56,6 +70,11 @@ impl<const K: usize> Node4<K> {
             }
         }
         (found, 1)
+    }
+
+    #[inline(always)]
+    pub(super) fn row<E: Kernel>(&self, kernel: E, aimed: &Turned<4, K>) -> u16 {
+        kernel.overlap_4v4(aimed, self) & 0xf
     }
 
     #[inline(always)]

@@ -79,7 +79,6 @@ use crate::isa::Isa;
 use crate::pose::Pose;
 use crate::primitive::Primitive;
 use core::ops::ControlFlow;
-use hint::Found;
 use inside::Containment;
 use placing::{Margin, Touching};
 use reject::are_apart;
@@ -295,16 +294,7 @@ impl Query {
             return answer;
         }
         let work = &mut answer.counters;
-        let mut hit = self.hint.pair(a.len(), b.len()).filter(|&Found { a: i, b: j }| {
-            work.primitive_pairs += 1;
-            let moved = P::moved(&a.primitive(i), pose);
-            let (still, exact) = (b.primitive(j), &mut work.exact_pairs);
-            if margin.value() > 0.0 {
-                P::within(&moved, &still, margin.value(), exact)
-            } else {
-                P::meets(&P::probe(&moved, 0.0), &still, exact)
-            }
-        });
+        let mut hit = self.hint.pair(a.len(), b.len()).filter(|hint| hint.meets((a, b), pose, margin, work));
         let mut stop = None;
         if hit.is_none() {
             stop = self.run((a, b), pose, margin, &mut answer.counters, &mut |found| {

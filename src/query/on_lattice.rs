@@ -40,13 +40,13 @@ pub(super) fn decide_on_lattice<N: Lanes, One: Pairwise<Other>, Other: Pairwise<
     lattice: Option<&Lattice>,
     (one, index): (&PlacedTree<'_, N, One>, u32),
     other: &PlacedTree<'_, N, Other>,
-    leaves: &Leaves,
+    leaves: Leaves<'_>,
     counters: &mut Counters,
     visit: &mut dyn FnMut(u32) -> ControlFlow<()>,
 ) -> Flow {
     let corners = lattice.and_then(|lattice| one.corners(index, lattice));
     let probe = corners.as_ref().map(LatticeProbe::new);
-    for leaf in &leaves.children[..leaves.len & 31] {
+    for leaf in leaves {
         for j in primitives(leaf.link()) {
             counters.primitive_pairs += 1;
             let certain = match (&probe, lattice) {
@@ -85,7 +85,7 @@ pub(super) fn aim_on_lattice<N: Lanes, P: Primitive, Q: Primitive>(
     leaf: Link,
     placing: &Placing<'_>,
     frame_b: &Frame,
-    aimed: &mut N::Turned,
+    aimed: &mut N::Aimed,
 ) -> bool {
     // The way back has a lattice of its own.
     let mut another = None;

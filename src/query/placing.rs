@@ -3,8 +3,10 @@
 use super::Lanes;
 use super::frontier::Side;
 use crate::hierarchy::BvhRef;
+use crate::node::{Child, Link};
 use crate::pose::Pose;
 use crate::primitive::Primitive;
+use crate::range::Point;
 
 /// How far apart primitives may be that count as meeting. A type, so that a program which asks only whether bodies
 /// touch holds none of the code of distances: three quarters of the whole on a microcontroller.
@@ -95,4 +97,36 @@ pub(super) fn placed<'t, N: Lanes, P: Primitive, Q: Primitive>(
 ) -> (PlacedTree<'t, N, P>, PlacedTree<'t, N, Q>) {
     let pose = |side: Side| (placing.turned == side).then_some(placing.pose);
     (PlacedTree { tree: a, pose: pose(Side::A) }, PlacedTree { tree: b, pose: pose(Side::B) })
+}
+
+/// The distance of some corner below volume a from some corner below b, rounded up.
+#[cold]
+#[inline(never)]
+pub(super) fn corner_distance<N: Lanes, P: Primitive, Q: Primitive>(
+    trees: (&BvhRef<'_, N, P>, &BvhRef<'_, N, Q>),
+    placing: &Placing<'_>,
+    (a, b): (Child, Child),
+) -> f64 {
+    let (of_a, of_b) = placed(trees, placing);
+    let p = of_a.item(first_primitive(trees.0, a.link()));
+    let q = of_b.item(first_primitive(trees.1, b.link()));
+    let corner = |p: Option<Point>| p.map_or(glam::DVec3::ZERO, glam::DVec3::from_array);
+    let d = corner(P::corners(&p).next()).distance(corner(Q::corners(&q).next()));
+    d * (1.0 + 8.0 * f64::EPSILON)
+}
+
+/// Some primitive below a link.
+pub(super) fn first_primitive<N: Lanes, P: Primitive>(tree: &BvhRef<'_, N, P>, mut link: Link) -> u32 {
+    loop {
+        match link {
+            Link::Leaf { first, .. } => return first,
+            // Links lead to later nodes, so this ends; a node without a used lane does not bound anything:
+            // any primitive will do.
+            Link::Inner(node) => {
+                let children = tree.nodes()[node as usize].children();
+                link = children.iter().map(|c| c.link()).find(|l| *l != Link::Empty).unwrap_or(Link::Empty);
+            }
+            Link::Empty => return 0,
+        }
+    }
 }

@@ -57,28 +57,29 @@ pub(super) struct Visited {
     pub(super) looked_at: bool,
 }
 
-/// Each entry is a level deeper in one tree or in both, so there are no more entries than both trees have
-/// levels. Most queries need few: the others are not touched before they are needed.
-#[derive(Debug)]
-pub(crate) struct Stack {
-    visited: [Visited; FIRST],
-    more: Option<[Visited; 2 * MAX_DEPTH - FIRST]>,
+/// The volumes that wait, in memory of a caller's. Each entry is a level deeper in one tree or in both, so there are no more
+/// than both trees have levels.
+pub(super) struct Stack<'s> {
+    visited: &'s mut [Visited],
     len: usize,
 }
 
-/// Levels of 16^8 primitives.
-const FIRST: usize = 8;
+/// What most queries need that are not decided at the roots: levels of 16^8 primitives.
+pub(super) const FEW: usize = 8;
+/// What is needed below the last of these.
+pub(super) const MANY: usize = 2 * MAX_DEPTH - FEW + 1;
 
-const NONE: Visited = Visited {
-    volumes: Volumes { a: Child::EMPTY, b: Child::EMPTY, holder_b: ABOVE_ROOT, lane_b: 0 },
+/// To be overwritten: zeros, which take no copy.
+pub(super) const NOT_VISITED: Visited = Visited {
+    volumes: Volumes { a: Child::ROOT, b: Child::ROOT, holder_b: 0, lane_b: 0 },
     opened: Descent::Both,
     looked_at: false,
     rows: Rows { rows: [0; 16], pending: 0 },
 };
 
-/// Bytes of the stack of a query, whatever the trees: below 3 KB. (The traversal holds the planes of two
-/// bodies, turned, besides: 2 x 576 bytes at arity 16 and k = 18.)
-pub const STACK_BYTES: usize = size_of::<Stack>();
+/// Bytes of the pairs that wait in a query, whatever the trees: below 3 KB, of which one that is not eight levels below the roots
+/// takes a fifth. (A traversal holds the planes of a node's children, turned, besides: 576 bytes at arity 16 and k = 18.)
+pub const STACK_BYTES: usize = (FEW + MANY) * size_of::<Visited>();
 const _: () = assert!(STACK_BYTES <= 3072, "the stack of a query fits in 3 KB");
 
 /// A pair that was visited, a row and a bit of it.
@@ -90,43 +91,29 @@ pub(super) struct Next {
     pub(super) bit: usize,
 }
 
-impl Stack {
-    /// The stack of a query that had none.
-    #[cold]
-    #[inline(never)]
-    pub(super) fn begin(stack: &mut Option<Self>) {
-        *stack = Some(Self { visited: [NONE; FIRST], more: None, len: 0 });
+impl<'s> Stack<'s> {
+    /// With the first of the entries in the memory.
+    #[inline(always)]
+    pub(super) const fn new(memory: &'s mut [Visited], len: usize) -> Self {
+        Self { visited: memory, len }
     }
 
-    /// For rows with a bit.
+    /// For rows with a bit. True if that was the last entry that there is room for: to go on, it has to be visited elsewhere, and
+    /// popped.
     ///
     /// # Panics
-    /// If full, which trees that were validated cannot bring about.
+    /// If the last one was pushed before.
     #[inline(always)]
-    pub(super) fn push(&mut self, volumes: Volumes, opened: Descent, rows: &Rows) {
-        let entry = Visited { volumes, opened, rows: *rows, looked_at: false };
-        match self.len.checked_sub(FIRST) {
-            None => self.visited[self.len] = entry,
-            Some(beyond) => self.more()[beyond] = entry,
-        }
+    pub(super) fn push(&mut self, entry: Visited) -> bool {
+        self.visited[self.len] = entry;
         self.len += 1;
-    }
-
-    // Not inlined, as is `begin`: what is made here was made once more in the frame of the traversal.
-    #[cold]
-    #[inline(never)]
-    fn more(&mut self) -> &mut [Visited; 2 * MAX_DEPTH - FIRST] {
-        self.more.get_or_insert([NONE; 2 * MAX_DEPTH - FIRST])
+        self.len == self.visited.len()
     }
 
     /// The entry that was pushed last.
     #[inline(always)]
     pub(super) fn top(&mut self) -> Option<&mut Visited> {
-        let last = self.len.checked_sub(1)?;
-        match last.checked_sub(FIRST) {
-            None => self.visited.get_mut(last),
-            Some(beyond) => self.more.as_mut()?.get_mut(beyond),
-        }
+        self.visited.get_mut(self.len.checked_sub(1)?)
     }
 
     /// Takes the next bit of the entry that was pushed last: lower rows first, lower bits first.

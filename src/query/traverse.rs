@@ -17,8 +17,8 @@
 use super::cut::{Cutter, used_lanes};
 use super::hint::Found;
 use super::long::{LONG, Thin};
-use super::placing::{Margin, Placing, placed};
-use super::stack::{ABOVE_ROOT, Descent, Next, Rows, Stack, Volumes};
+use super::placing::{Margin, Placing, corner_distance};
+use super::stack::{ABOVE_ROOT, Descent, FEW, MANY, NOT_VISITED, Next, Rows, Stack, Visited, Volumes};
 use super::{Counters, Lanes, Pairwise};
 #[cfg(doc)]
 use crate::hierarchy::Header;
@@ -28,7 +28,6 @@ use crate::kernel::Kernel;
 use crate::node::Width;
 use crate::node::{Child, Link};
 use crate::primitive::{Lattice, Primitive};
-use crate::range::Point;
 use crate::realign::OwnSlabs;
 #[cfg(doc)]
 use crate::realign::WayBack;
@@ -77,8 +76,8 @@ pub(crate) struct Traversal<'t, N: Lanes, P: Primitive, Q: Primitive, E, M> {
     pub(super) turned: (Child, N::Turned),
     /// Which of them, where they are turned one by one.
     pub(super) whole: u16,
-    /// The leaf or node of A whose volume is descending B's tree, if one did, and its planes in lane 0.
-    pub(super) aimed: Option<(Child, N::Turned)>,
+    /// The leaf or node of A whose volume is descending B's tree, if one did, and its planes.
+    pub(super) aimed: Option<(Child, N::Aimed)>,
     /// The leaf that was cutting the other tree's nodes last, and the slabs of its primitive.
     pub(super) cutter: Option<(Cutter, OwnSlabs)>,
     pub(super) thin: Thin,
@@ -133,33 +132,79 @@ where
     }
 
     /// Visits every pair of primitives that meet.
-    // One loop with one call of each kernel, so that each is inlined.
+    // Memory for what waits is got where it is needed: many queries end at the roots, and few get far down.
     #[inline(always)]
-    pub(crate) fn run(&mut self) -> Flow {
+    pub(super) fn run(&mut self) -> Flow {
         if self.a.is_empty() || self.b.is_empty() {
             return Flow::Continue(());
         }
-        // Many queries end at the roots, and need no stack.
-        let mut stack = None;
         let (a, b) = (self.a.header().root, self.b.header().root);
-        let mut volumes = Volumes { a, b, holder_b: ABOVE_ROOT, lane_b: 0 };
-        loop {
-            self.step(&mut stack, &volumes)?;
-            let Some(stack) = &mut stack else { return Flow::Continue(()) };
-            if self.counters.visits >= LONG {
-                self.look_again(stack);
-            }
-            let Some(next) = stack.next() else { return Flow::Continue(()) };
-            volumes = self.descend(next);
-            if self.has_details {
-                volumes = self.change_frames(volumes);
-            }
+        let roots = Volumes { a, b, holder_b: ABOVE_ROOT, lane_b: 0 };
+        let mut memory = [NOT_VISITED];
+        if self.descend(Some(roots), &mut Stack::new(&mut memory, 0))? {
+            self.go_on(&memory[0])
+        } else {
+            Flow::Continue(())
         }
+    }
+
+    /// Visits what is below an entry.
+    #[inline(never)]
+    fn go_on(&mut self, entry: &Visited) -> Flow {
+        let mut memory = [NOT_VISITED; FEW];
+        memory[0] = *entry;
+        let mut len = 1;
+        while self.descend(None, &mut Stack::new(&mut memory, len))? {
+            self.go_deep(&memory[FEW - 1])?;
+            len = FEW - 1;
+        }
+        Flow::Continue(())
+    }
+
+    /// [`Self::go_on`], with as much memory as trees that were validated can take.
+    #[cold]
+    #[inline(never)]
+    fn go_deep(&mut self, entry: &Visited) -> Flow {
+        let mut memory = [NOT_VISITED; MANY];
+        memory[0] = *entry;
+        let is_full = self.descend(None, &mut Stack::new(&mut memory, 1))?;
+        assert!(!is_full, "the trees are deeper than they may be");
+        Flow::Continue(())
+    }
+
+    /// Visits two volumes, if any, and what waits in the stack, until there is nothing left, or the stack is full: then this is true.
+    // One function, whatever the memory, and the gate. One loop with one call of each kernel, so that each is inlined.
+    #[inline(never)]
+    fn descend(&mut self, volumes: Option<Volumes>, stack: &mut Stack<'_>) -> ControlFlow<Stop, bool> {
+        let kernel = self.kernel;
+        kernel.run(
+            #[inline(always)]
+            || {
+                let mut next = volumes;
+                loop {
+                    if let Some(volumes) = next
+                        && let Some(entry) = self.step(&volumes)?
+                        && stack.push(entry)
+                    {
+                        return ControlFlow::Continue(true);
+                    }
+                    if self.counters.visits >= LONG {
+                        self.look_again(stack);
+                    }
+                    let Some(bit) = stack.next() else { return ControlFlow::Continue(false) };
+                    let mut volumes = self.below(bit);
+                    if self.has_details {
+                        volumes = self.change_frames(volumes);
+                    }
+                    next = Some(volumes);
+                }
+            },
+        )
     }
 
     /// The children that a bit on the stack stands for.
     #[inline(always)]
-    fn descend(&self, Next { volumes, opened, row, bit }: Next) -> Volumes {
+    fn below(&self, Next { volumes, opened, row, bit }: Next) -> Volumes {
         let mut below = volumes;
         if opened != Descent::B
             && let Link::Inner(node) = volumes.a.link()
@@ -202,12 +247,14 @@ where
         self.b.nodes()[node as usize].children()[lane]
     }
 
-    /// Visits a pair of which at least one is a node.
+    /// Visits a pair of which at least one is a node, and says what is still to be visited below.
     #[inline(always)]
-    fn step(&mut self, stack: &mut Option<Stack>, volumes: &Volumes) -> Flow {
+    fn step(&mut self, volumes: &Volumes) -> ControlFlow<Stop, Option<Visited>> {
         let Volumes { a, b, holder_b, lane_b } = *volumes;
         if self.counters.visits == self.budget {
-            return Flow::Break(Stop::Budget { upper: self.corner_distance(a, b) });
+            return ControlFlow::Break(Stop::Budget {
+                upper: corner_distance((self.a, self.b), self.placing, (a, b)),
+            });
         }
         self.counters.visits += 1;
         let is_b_root = holder_b == ABOVE_ROOT;
@@ -235,24 +282,25 @@ where
             self.counters.kernels += kernels;
             // Half of the visits end here.
             if wanted == 0 {
-                return Flow::Continue(());
+                return ControlFlow::Continue(None);
             }
         }
         let opened = self.opened(a, b);
         match (opened, b.link()) {
-            (Descent::Both | Descent::B, Link::Inner(node)) => {
-                let (turned, wanted) = if opened == Descent::Both {
-                    (&self.turned.1, wanted)
-                } else {
-                    if let Link::Inner(node) = a.link() {
-                        self.enclose(a, node);
-                    }
-                    let Some((_, aimed)) = &self.aimed else { return Flow::Continue(()) };
-                    (aimed, 1)
-                };
+            (Descent::Both, Link::Inner(node)) => {
                 let kernels;
-                (rows, kernels) = self.b.nodes()[node as usize].overlap_rows(self.kernel, turned, wanted);
+                (rows, kernels) =
+                    self.b.nodes()[node as usize].overlap_rows(self.kernel, &self.turned.1, wanted);
                 self.counters.kernels += kernels;
+            }
+            (Descent::B, Link::Inner(node)) => {
+                if let Link::Inner(node) = a.link() {
+                    self.enclose(a, node);
+                }
+                let Some((_, aimed)) = &self.aimed else { return ControlFlow::Continue(None) };
+                rows.rows[0] = self.b.nodes()[node as usize].overlap_aimed(self.kernel, aimed);
+                rows.pending = u32::from(rows.rows[0] != 0);
+                self.counters.kernels += 1;
             }
             _ => {
                 rows.rows[0] = wanted;
@@ -264,26 +312,8 @@ where
             rows.set(0, left);
         }
         self.decide_leaves(a, b, opened, &mut rows)?;
-        if rows.pending != 0 {
-            if stack.is_none() {
-                Stack::begin(stack);
-            }
-            if let Some(stack) = stack {
-                stack.push(*volumes, opened, &rows);
-            }
-        }
-        Flow::Continue(())
-    }
-
-    /// The distance of some corner below `a` from some corner below `b`, rounded up.
-    #[cold]
-    fn corner_distance(&self, a: Child, b: Child) -> f64 {
-        let (of_a, of_b) = placed((self.a, self.b), self.placing);
-        let p = of_a.item(first_primitive(self.a, a.link()));
-        let q = of_b.item(first_primitive(self.b, b.link()));
-        let corner = |p: Option<Point>| p.map_or(glam::DVec3::ZERO, glam::DVec3::from_array);
-        let d = corner(P::corners(&p).next()).distance(corner(Q::corners(&q).next()));
-        d * (1.0 + 8.0 * f64::EPSILON)
+        let entry = Visited { volumes: *volumes, opened, rows, looked_at: false };
+        ControlFlow::Continue((rows.pending != 0).then_some(entry))
     }
 }
 
@@ -310,20 +340,4 @@ pub(super) fn bits_of(mut bits: u16) -> impl Iterator<Item = usize> {
         bits &= bits.wrapping_sub(1);
         bit
     })
-}
-
-/// Some primitive below a link.
-pub(super) fn first_primitive<N: Lanes, P: Primitive>(tree: &BvhRef<'_, N, P>, mut link: Link) -> u32 {
-    loop {
-        match link {
-            Link::Leaf { first, .. } => return first,
-            // Links lead to later nodes, so this ends; a node without a used lane does not bound anything:
-            // any primitive will do.
-            Link::Inner(node) => {
-                let children = tree.nodes()[node as usize].children();
-                link = children.iter().map(|c| c.link()).find(|l| *l != Link::Empty).unwrap_or(Link::Empty);
-            }
-            Link::Empty => return 0,
-        }
-    }
 }

@@ -2,11 +2,14 @@
 
 use super::frames::frame_of;
 use super::on_lattice::aim_on_lattice;
-use super::placing::Margin;
+use super::placing::{Margin, Placing};
 use super::traverse::{Traversal, primitives};
 use super::{Lanes, Pairwise};
+use crate::frame::Frame;
+use crate::hierarchy::BvhRef;
 use crate::kernel::Kernel;
 use crate::node::Child;
+use crate::primitive::Primitive;
 
 impl<N, P, Q, E, M> Traversal<'_, N, P, Q, E, M>
 where
@@ -43,7 +46,7 @@ where
     /// Computes the planes of leaf `a` from its moved corners.
     #[inline(always)]
     pub(super) fn aim(&mut self, a: Child) {
-        let (body, aimed) = self.aimed.get_or_insert((Child::EMPTY, N::NO_TURNED));
+        let (body, aimed) = self.aimed.get_or_insert((Child::EMPTY, N::NO_AIMED));
         if *body != a {
             *body = a;
             let (trees, placing) = ((self.a, self.b), self.placing);
@@ -54,8 +57,7 @@ where
             {
                 return;
             }
-            let items = primitives(a.link()).map(|index| P::moved(&trees.0.primitive(index), placing.to_b));
-            N::aim::<P>(aimed, &frame, items, placing.outwards);
+            aim::<N, P>(aimed, &frame, (trees.0, a), placing);
         }
     }
 
@@ -66,10 +68,24 @@ where
             self.a.nodes()[node as usize].realign(self.kernel, self.map, &mut self.turned.1);
             self.whole = u16::MAX;
         }
-        let (body, aimed) = self.aimed.get_or_insert((Child::EMPTY, N::NO_TURNED));
+        let (body, aimed) = self.aimed.get_or_insert((Child::EMPTY, N::NO_AIMED));
         if *body != a {
             N::enclose(&self.turned.1, aimed);
             *body = a;
         }
     }
+}
+
+/// The planes of leaf `a`, which `placing` places in body b, in a frame of b.
+// A part of the gate, but on small machines, where it is seldom needed and would take stack of every visit.
+#[cfg_attr(simdop_small, inline(never))]
+#[cfg_attr(not(simdop_small), inline(always))]
+fn aim<N: Lanes, P: Primitive>(
+    aimed: &mut N::Aimed,
+    frame_b: &Frame,
+    (tree, leaf): (&BvhRef<'_, N, P>, Child),
+    placing: &Placing<'_>,
+) {
+    let items = primitives(leaf.link()).map(|index| P::moved(&tree.primitive(index), placing.to_b));
+    N::aim::<P>(aimed, frame_b, items, placing.outwards);
 }

@@ -24,10 +24,24 @@ impl Query {
         counters: &mut Counters,
         visit: Visitor<'_>,
     ) -> Option<Stop> {
-        if !is_b_turned(a.header(), b.header()) {
-            let placing = Placing { pose, turned: Side::A, to_b: pose, outwards: margin.value() };
-            return self.traverse((a, b), &placing, margin, counters, visit);
+        if is_b_turned(a.header(), b.header()) {
+            return self.run_back((a, b), pose, margin, counters, visit);
         }
+        let placing = Placing { pose, turned: Side::A, to_b: pose, outwards: margin.value() };
+        self.traverse((a, b), &placing, margin, counters, visit)
+    }
+
+    /// [`Self::run`], where B is turned.
+    // Not a part of it, so that the way back takes no stack of other queries.
+    #[inline(never)]
+    fn run_back<N: Lanes, P: Pairwise<Q>, Q: Pairwise<P>>(
+        &self,
+        (a, b): (&BvhRef<'_, N, P>, &BvhRef<'_, N, Q>),
+        pose: &Pose,
+        margin: impl Margin,
+        counters: &mut Counters,
+        visit: Visitor<'_>,
+    ) -> Option<Stop> {
         let back = WayBack::new(pose, &a.extent(), &b.extent());
         let outwards = back.outwards::<Q>(margin.value(), &b.extent());
         let placing = Placing { pose, turned: Side::B, to_b: &back.pose, outwards };
@@ -65,41 +79,25 @@ impl Query {
         kernel.run(
             #[inline(always)]
             || {
-                let mut map = set_up::<N, P>(placing, &a.extent(), &b.frame());
+                let mut map = N::UNMAPPED;
+                set_up::<N, P>(&mut map, placing, &a.extent(), &b.frame());
                 let limits = Limits { budget: self.budget, margin };
-                descend(kernel, (a, b), placing, &mut map, limits, counters, visit)
+                Traversal::new(kernel, (a, b), placing, &mut map, limits, counters, visit).run().break_value()
             },
         )
     }
-}
-
-/// A traversal with the map of the bodies' frames.
-// A part of the gate, but on small machines, where the stack of the set-up would else lie below that of the traversal.
-#[cfg_attr(simdop_small, inline(never))]
-#[cfg_attr(not(simdop_small), inline(always))]
-fn descend<N: Lanes, P: Pairwise<Q>, Q: Pairwise<P>, E: Kernel, M: Margin>(
-    kernel: E,
-    trees: (&BvhRef<'_, N, P>, &BvhRef<'_, N, Q>),
-    placing: &Placing<'_>,
-    map: &mut N::Map,
-    limits: Limits<M>,
-    counters: &mut Counters,
-    visit: Visitor<'_>,
-) -> Option<Stop> {
-    Traversal::new(kernel, trees, placing, map, limits, counters, visit).run().break_value()
 }
 
 /// How volumes of body a in one frame turn into another.
 // Inlined, so that it is compiled for the query's instruction set, but on small machines, where it is called from two places.
 #[cfg_attr(simdop_small, inline(never))]
 #[cfg_attr(not(simdop_small), inline(always))]
-pub(super) fn set_up<N: Lanes, P: Primitive>(placing: &Placing<'_>, a: &Extent, b: &Frame) -> N::Map {
-    let mut map = N::map(placing.to_b, a, b);
+pub(super) fn set_up<N: Lanes, P: Primitive>(map: &mut N::Map, placing: &Placing<'_>, a: &Extent, b: &Frame) {
+    N::map(map, placing.to_b, a, b);
     let outwards = placing.outwards + shrinkage::<P>(placing.to_b, a);
     if outwards > 0.0 {
-        N::widen(&mut map, b, outwards);
+        N::widen(map, b, outwards);
     }
-    map
 }
 
 /// Whether of bodies A and B it is B that gets less loose by being turned, and by enough to pay for the way back.

@@ -101,7 +101,7 @@ pub fn own_slabs<P: Primitive, const K: usize>(
             }
         }
     }
-    let found = Directions::<K>::decompose_columns(&u, OWN_DIRECTIONS, OWN_DIRECTIONS);
+    let sources = Directions::<K>::decompose_columns(&mut u, OWN_DIRECTIONS, OWN_DIRECTIONS);
     let (mut low, mut high) = ([f64::INFINITY; OWN_DIRECTIONS], [f64::NEG_INFINITY; OWN_DIRECTIONS]);
     for p in P::corners(item) {
         let d = [p[0] - origin[0], p[1] - origin[1], p[2] - origin[2]];
@@ -123,7 +123,7 @@ pub fn own_slabs<P: Primitive, const K: usize>(
     let mut limits = [[0.0_f32; OWN_DIRECTIONS]; 2];
     for s in 0..OWN_DIRECTIONS {
         let length = (n[0][s].abs() + n[1][s].abs()) + n[2][s].abs();
-        let w = [found.weights[0][s] as f32, found.weights[1][s] as f32, found.weights[2][s] as f32];
+        let w = [u[0][s] as f32, u[1][s] as f32, u[2][s] as f32];
         let weight_sum = (f64::from(w[0]) + f64::from(w[1])) + f64::from(w[2]);
         let pad = ((weight_sum * per_weight + length * per_length) + UNDERFLOW) * ITS_OWN_ROUNDING;
         // Codes stand for half a step more.
@@ -136,7 +136,7 @@ pub fn own_slabs<P: Primitive, const K: usize>(
             (-round_up_f32(pad - low[s] * scale), -round_up_f32(pad + high[s] * scale));
     }
     for (s, slab) in slabs.iter_mut().enumerate() {
-        let [p, q, r, _] = found.directions[s];
+        let [p, q, r, _] = sources[s];
         *slab = OwnSlab {
             sources: [p, q, r],
             weights: [weights[0][s], weights[1][s], weights[2][s]],

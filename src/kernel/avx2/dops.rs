@@ -76,8 +76,12 @@ compiled_for_avx2! {
 
 compiled_for_avx2! {
     #[inline]
-    pub(super) fn overlap_1v16<const K: usize>(query: &Turned<16, K>, lane: usize, node: &Node16<K>) -> u16 {
-        let lane = lane & 15;
+    pub(super) fn overlap_1v16<const W: usize, const K: usize>(
+        query: &Turned<W, K>,
+        lane: usize,
+        node: &Node16<K>,
+    ) -> u16 {
+        let lane = lane % W;
         let mut separated = _mm256_setzero_si256();
         for slab in 0..K / 2 {
             let beyond = |j: usize| {

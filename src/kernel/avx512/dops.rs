@@ -65,8 +65,12 @@ const TILE: [u8; 64] = bytes_of_bodies(false);
 
 compiled_for_avx512! {
     #[inline]
-    pub(super) fn overlap_1v16<const K: usize>(query: &Turned<16, K>, lane: usize, node: &Node16<K>) -> u16 {
-        let lane = lane & 15;
+    pub(super) fn overlap_1v16<const W: usize, const K: usize>(
+        query: &Turned<W, K>,
+        lane: usize,
+        node: &Node16<K>,
+    ) -> u16 {
+        let lane = lane % W;
         let mut separated: __mmask32 = 0;
         for slab in 0..K / 2 {
             let low = _mm512_set1_epi16(query[2 * slab][lane]);

@@ -18,7 +18,12 @@ impl Kernel for Avx512 {
     }
 
     #[inline(always)]
-    fn overlap_1v16<const K: usize>(self, query: &Turned<16, K>, lane: usize, node: &Node16<K>) -> u16 {
+    fn overlap_1v16<const W: usize, const K: usize>(
+        self,
+        query: &Turned<W, K>,
+        lane: usize,
+        node: &Node16<K>,
+    ) -> u16 {
         // SAFETY: the token proves the features that the function is compiled for.
         unsafe { dops::overlap_1v16(query, lane, node) }
     }

@@ -65,8 +65,12 @@ compiled_for_neon! {
 
 compiled_for_neon! {
     #[inline]
-    pub(super) fn overlap_1v16<const K: usize>(query: &Turned<16, K>, lane: usize, node: &Node16<K>) -> u16 {
-        let lane = lane & 15;
+    pub(super) fn overlap_1v16<const W: usize, const K: usize>(
+        query: &Turned<W, K>,
+        lane: usize,
+        node: &Node16<K>,
+    ) -> u16 {
+        let lane = lane % W;
         let mut separated = [vdupq_n_u16(0); 2];
         for slab in 0..K / 2 {
             for j in [2 * slab, 2 * slab + 1] {

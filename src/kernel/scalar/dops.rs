@@ -5,10 +5,10 @@ use crate::key::Key;
 use crate::realign::{OwnSlab, Realignment};
 
 /// Whether some plane separates body `a` of the query from child `b`.
-pub(super) fn separated<const W: usize, const K: usize>(
+pub(super) fn separated<const W: usize, const V: usize, const K: usize>(
     query: &Turned<W, K>,
     a: usize,
-    planes: &[[i16; W]; K],
+    planes: &[[i16; V]; K],
     b: usize,
 ) -> bool {
     query.iter().zip(planes).any(|(q, p)| q[a] > p[b])

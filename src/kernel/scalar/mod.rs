@@ -21,7 +21,12 @@ impl Kernel for Scalar {
         f()
     }
 
-    fn overlap_1v16<const K: usize>(self, query: &Turned<16, K>, lane: usize, node: &Node16<K>) -> u16 {
+    fn overlap_1v16<const W: usize, const K: usize>(
+        self,
+        query: &Turned<W, K>,
+        lane: usize,
+        node: &Node16<K>,
+    ) -> u16 {
         (0..16).filter(|&i| !dops::separated(query, lane, &node.planes, i)).fold(0, |mask, i| mask | 1 << i)
     }
 
