@@ -110,11 +110,12 @@ fn kernels_leave_no_function_of_their_own() {
     let gates = functions.iter().filter(|name| name.contains("12compiled_for")).count();
     let traversals = functions.iter().filter(|name| name.contains("7descend17h")).count();
     println!("{} functions, {gates} gates, {traversals} traversals", functions.len());
-    if cfg!(target_arch = "x86_64") {
-        assert!(gates >= 2 * (node_types + searches), "a gate for each traversal");
+    let (found, at_least) = if cfg!(target_arch = "x86_64") {
+        (gates, 2 * (node_types + searches))
     } else {
-        assert!(searches > 0 && traversals >= node_types, "a traversal for each node type");
-    }
+        (traversals, node_types)
+    };
+    assert!(found >= at_least, "{found} of {at_least}: a gate, or a traversal, for each node type");
     let apart: Vec<_> = functions.iter().filter(|name| is_kernel(name) && !may_be_apart(name)).collect();
     assert!(apart.is_empty(), "not inlined: {apart:#?}");
 }

@@ -77,8 +77,8 @@ mod sealed {
 /// The operations of the hot loop, for one instruction set. The implementor is the token that proves it is
 /// there. See the [law](self).
 pub trait Kernel: Copy + core::fmt::Debug + sealed::Sealed {
-    /// Runs `f` compiled for the instruction set, as far as `f` is inlined: the gate that a traversal enters
-    /// once.
+    /// Runs `f` compiled for the instruction set, as far as `f` is inlined: a gate, which queries enter
+    /// a few times each.
     fn run<R>(self, f: impl FnOnce() -> R) -> R;
 
     /// Which children of `node` the body in lane `lane` (below `W`) of `query` overlaps.

@@ -1,4 +1,4 @@
-//! From a query to a traversal: which body is turned, and the one gate.
+//! From a query to a traversal: which body is turned, and the gate of the set-up.
 
 use super::frontier::Side;
 use super::hint::Found;
@@ -75,7 +75,7 @@ impl Query {
         counters: &mut Counters,
         visit: Visitor<'_>,
     ) -> Option<Stop> {
-        // Inlined in the gate whatever its size: outside of it, no kernel could be inlined.
+        // Inlined in the gate whatever its size, so that the set-up is compiled for the instruction set. The descent has one of its own.
         kernel.run(
             #[inline(always)]
             || {
