@@ -144,7 +144,7 @@ fn around_on<N: Lanes, P: Primitive, E: Kernel>(
     budget: u64,
     counters: &mut Counters,
 ) -> Result<Option<u32>, f64> {
-    kernel.run(
+    kernel.run_narrow(
         #[inline(always)]
         || {
             let mut aimed = N::NO_AIMED;

@@ -177,7 +177,7 @@ where
     #[inline(never)]
     fn descend(&mut self, volumes: Option<Volumes>, stack: &mut Stack<'_>) -> ControlFlow<Stop, bool> {
         let kernel = self.kernel;
-        kernel.run(
+        kernel.run_narrow(
             #[inline(always)]
             || {
                 let mut next = volumes;

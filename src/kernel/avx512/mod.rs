@@ -18,20 +18,23 @@ impl Kernel for Avx512 {
     }
 
     #[inline(always)]
+    fn run_narrow<R>(self, f: impl FnOnce() -> R) -> R {
+        self.as_avx2().run(f)
+    }
+
+    #[inline(always)]
     fn overlap_1v16<const W: usize, const K: usize>(
         self,
         query: &Turned<W, K>,
         lane: usize,
         node: &Node16<K>,
     ) -> u16 {
-        // SAFETY: the token proves the features that the function is compiled for.
-        unsafe { dops::overlap_1v16(query, lane, node) }
+        self.as_avx2().overlap_1v16(query, lane, node)
     }
 
     #[inline(always)]
     fn overlap_16v1<const K: usize>(self, query: &Turned<16, K>, node: &Node16<K>, lane: usize) -> u16 {
-        // SAFETY: the token proves the features that the function is compiled for.
-        unsafe { dops::overlap_16v1(query, node, lane) }
+        self.as_avx2().overlap_16v1(query, node, lane)
     }
 
     #[inline(always)]
@@ -41,8 +44,7 @@ impl Kernel for Avx512 {
 
     #[inline(always)]
     fn overlap_4v4<const K: usize>(self, query: &Turned<4, K>, node: &Node4<K>) -> u16 {
-        // SAFETY: the token proves the features that the function is compiled for.
-        unsafe { dops::overlap_4v4(query, node) }
+        self.as_avx2().overlap_4v4(query, node)
     }
 
     #[inline(always)]
@@ -52,8 +54,7 @@ impl Kernel for Avx512 {
 
     #[inline(always)]
     fn beyond_16<const K: usize>(self, slab: &OwnSlab, node: &Node16<K>) -> u16 {
-        // SAFETY: the token proves the features that the function is compiled for.
-        unsafe { dops::beyond_16(slab, node) }
+        self.as_avx2().beyond_16(slab, node)
     }
 
     #[inline(always)]
