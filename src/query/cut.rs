@@ -85,7 +85,7 @@ where
             return false;
         };
         match self.cutter {
-            Some((Cutter::B(last), _)) if last == first && self.turned.0 != volumes.a => {
+            Some((Cutter::B(last), _)) if last == first && self.turned.node != volumes.a => {
                 let Some(holder) = self.b.nodes().get(volumes.holder_b as usize) else { return false };
                 let leaf = Width::of_lane(holder, volumes.lane_b.into());
                 volumes.a.width().excess(leaf, -self.units) <= -WIDER

@@ -71,7 +71,7 @@ where
             #[inline(always)]
             || set_up::<N, P>(self.map, placing, &extent, &frame),
         );
-        (self.turned.0, self.whole) = (Child::EMPTY, 0);
+        (self.turned.node, self.turned.whole) = (Child::EMPTY, 0);
         (self.aimed, self.cutter, self.thin.test) = (None, None, None);
         volumes
     }

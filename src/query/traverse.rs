@@ -19,6 +19,7 @@ use super::hint::Found;
 use super::long::{LONG, Thin};
 use super::placing::{Margin, Placing, corner_distance};
 use super::stack::{ABOVE_ROOT, Descent, FEW, MANY, NOT_VISITED, Next, Rows, Stack, Visited, Volumes};
+use super::turned::TurnedChildren;
 use super::{Counters, Lanes, Pairwise};
 #[cfg(doc)]
 use crate::hierarchy::Header;
@@ -71,11 +72,8 @@ pub(crate) struct Traversal<'t, N: Lanes, P: Primitive, Q: Primitive, E, M> {
     pub(super) margin: M,
     pub(super) counters: &'t mut Counters,
     pub(super) visit: Visitor<'t>,
-    /// The node of A that was turned last, and its children's planes. Siblings in B follow each other, so it
-    /// is often the next one too.
-    pub(super) turned: (Child, N::Turned),
-    /// Which of them, where they are turned one by one.
-    pub(super) whole: u16,
+    /// Of the node of A that was turned last. Siblings in B follow each other, so it is often the next one too.
+    pub(super) turned: TurnedChildren<N::Turned>,
     /// The leaf or node of A whose volume is descending B's tree, if one did, and its planes.
     pub(super) aimed: Option<(Child, N::Aimed)>,
     /// The leaf that was cutting the other tree's nodes last, and the slabs of its primitive.
@@ -121,8 +119,7 @@ where
             margin,
             counters,
             visit,
-            turned: (Child::EMPTY, N::UNTURNED),
-            whole: 0,
+            turned: TurnedChildren { planes: N::UNTURNED, node: Child::EMPTY, whole: 0 },
             aimed: None,
             cutter: None,
             thin: Thin::default(),
@@ -274,10 +271,10 @@ where
             } else if E::TURNS_BY_PLANES {
                 self.turn_over(a, node, if is_b_root { (root(b), None) } else { (holder_b, Some(lane_b)) })
             } else if is_b_root {
-                self.b.nodes()[root(b) as usize].overlap_hull(self.kernel, &self.turned.1)
+                self.b.nodes()[root(b) as usize].overlap_hull(self.kernel, &self.turned.planes)
             } else {
                 let holder = &self.b.nodes()[holder_b as usize];
-                (holder.overlap_column(self.kernel, &self.turned.1, lane_b.into()), 1)
+                (holder.overlap_column(self.kernel, &self.turned.planes, lane_b.into()), 1)
             };
             self.counters.kernels += kernels;
             // Half of the visits end here.
@@ -290,7 +287,7 @@ where
             (Descent::Both, Link::Inner(node)) => {
                 let kernels;
                 (rows, kernels) =
-                    self.b.nodes()[node as usize].overlap_rows(self.kernel, &self.turned.1, wanted);
+                    self.b.nodes()[node as usize].overlap_rows(self.kernel, &self.turned.planes, wanted);
                 self.counters.kernels += kernels;
             }
             (Descent::B, Link::Inner(node)) => {

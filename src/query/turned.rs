@@ -11,6 +11,17 @@ use crate::kernel::Kernel;
 use crate::node::Child;
 use crate::primitive::Primitive;
 
+/// The planes of a node's children.
+#[derive(Debug)]
+// At the start of a line of the cache: vectors of 32 or 64 bytes elsewhere lie in two of them, each second or each.
+#[cfg_attr(simdop_x86, repr(C, align(64)))]
+pub(super) struct TurnedChildren<T> {
+    pub(super) planes: T,
+    pub(super) node: Child,
+    /// Which of the children, where they are turned one by one.
+    pub(super) whole: u16,
+}
+
 impl<N, P, Q, E, M> Traversal<'_, N, P, Q, E, M>
 where
     N: Lanes,
@@ -22,10 +33,10 @@ where
     /// Turns the children of node `a`, which is at `node`, into B's frame.
     #[inline(always)]
     pub(super) fn turn(&mut self, a: Child, node: u32) {
-        if self.turned.0 != a {
+        if self.turned.node != a {
             self.counters.realignments += 1;
-            self.turned.0 = a;
-            self.a.nodes()[node as usize].realign(self.kernel, self.map, &mut self.turned.1);
+            self.turned.node = a;
+            self.a.nodes()[node as usize].realign(self.kernel, self.map, &mut self.turned.planes);
         }
     }
 
@@ -33,12 +44,12 @@ where
     /// in a lane.
     #[inline(always)]
     pub(super) fn turn_over(&mut self, a: Child, node: u32, (holder, lane): (u32, Option<u8>)) -> (u16, u64) {
-        if self.turned.0 != a {
+        if self.turned.node != a {
             self.counters.realignments += 1;
-            (self.turned.0, self.whole) = (a, 0);
+            (self.turned.node, self.turned.whole) = (a, 0);
         }
         let holder = &self.b.nodes()[holder as usize];
-        let turned = (&mut self.turned.1, &mut self.whole);
+        let turned = (&mut self.turned.planes, &mut self.turned.whole);
         let lane = lane.map(usize::from);
         self.a.nodes()[node as usize].realign_over(self.kernel, self.map, turned, holder, lane)
     }
@@ -64,13 +75,13 @@ where
     /// Computes planes that hold all of node `a` from those of its children, which are turned.
     #[cold]
     pub(super) fn enclose(&mut self, a: Child, node: u32) {
-        if E::TURNS_BY_PLANES && self.whole != u16::MAX {
-            self.a.nodes()[node as usize].realign(self.kernel, self.map, &mut self.turned.1);
-            self.whole = u16::MAX;
+        if E::TURNS_BY_PLANES && self.turned.whole != u16::MAX {
+            self.a.nodes()[node as usize].realign(self.kernel, self.map, &mut self.turned.planes);
+            self.turned.whole = u16::MAX;
         }
         let (body, aimed) = self.aimed.get_or_insert((Child::EMPTY, N::NO_AIMED));
         if *body != a {
-            N::enclose(&self.turned.1, aimed);
+            N::enclose(&self.turned.planes, aimed);
             *body = a;
         }
     }
