@@ -97,14 +97,14 @@
 //! stake, which is true of proven freedom only. It comes with bounds of
 //! the distance; their lower one is 0, because volumes were still waiting that overlap.
 //!
-//! **Stack.** No query recurses, and what one takes is bounded for all trees: 2 KiB more for a collision that gets more than eight
+//! **Stack.** No query recurses, and what one takes is bounded for all trees: 2.3 KiB more for a collision that gets more than six
 //! levels below the roots. Measured, in KiB in all, with everything that a query calls, exact arithmetic included:
 //!
 //! | on | k = 6 | k = 18 | k = 32 |
 //! |---|---|---|---|
 //! | x86-64: collide / within, pairs / distance | 6 / 9 / 22 | 6.5 / 10 / 26 | 8.5 / 12 / 31 |
 //!
-//! (Rust 1.95, release, arity 16; arity 4 takes up to 7 KiB less.) On a Cortex-M4F a collision takes 3.4 KiB without
+//! (Rust 1.95, release, arity 16; arity 4 takes up to 7 KiB less.) On a Cortex-M4F a collision takes 3 KiB without
 //! exact arithmetic, on an A53 9. `from_bytes` and `verify` take 1.5 KiB. A thread with 32 KiB for collisions and 64 KiB for distances is enough, which
 //! `tests/queries/stack.rs` checks. Exact arithmetic takes a KiB of this, the pairs that wait [`query::STACK_BYTES`]
 //! or [`query::DISTANCE_STACK_BYTES`], and most of the rest is turned planes and triangles. Penetration volumes take less

@@ -125,7 +125,7 @@ impl Query {
             return self.first_pair(a, b, pose, Within(margin));
         }
         if margin > LARGE * smaller {
-            if are_apart(pose, &a.extent(), &b.extent(), margin) {
+            if are_apart((a, b), pose, margin) {
                 let counters = Counters::default();
                 return Answer { verdict: Verdict::Free, counters, hint: self.hint };
             }
@@ -220,7 +220,7 @@ impl Query {
         // Above zero, so that bodies that touch are nearer.
         let cutoff = if cutoff == f64::INFINITY { cutoff } else { checked(cutoff)?.max(f64::MIN_POSITIVE) };
         let is_empty = a.is_empty() || b.is_empty();
-        if is_empty || are_apart(pose, &a.extent(), &b.extent(), cutoff) {
+        if is_empty || are_apart((&a, &b), pose, cutoff) {
             return Ok(Distance {
                 lower: if is_empty { f64::INFINITY } else { cutoff },
                 upper: f64::INFINITY,

@@ -3,7 +3,7 @@
 use super::entries::{Entries, entries, raise};
 use super::far::{self, Along};
 use super::gaps;
-use super::masks::aim_at;
+use super::masks::{aim_along, aim_at};
 use super::own_gaps::OwnGaps;
 use super::stack::Rows;
 use super::thin::{AT_ONCE, supports};
@@ -61,7 +61,7 @@ pub trait Lanes: Dop {
         margin: f64,
     );
     /// [`Lanes::aim`] of triangles by their corners on a lattice of `2^exponent` steps to the unit. False if it is not certain what
-    /// the planes are: then they stay as they were.
+    /// the planes are: then `aimed` may hold anything.
     #[doc(hidden)]
     fn aim_on_lattice(
         aimed: &mut Self::Aimed,
@@ -201,11 +201,7 @@ macro_rules! impl_lanes {
                 exponent: i32,
                 margin: f64,
             ) -> bool {
-                let Some(planes) = planes_on_lattice::<K>(b, triangles, exponent, margin) else {
-                    return false;
-                };
-                aim_at(&planes, aimed);
-                true
+                planes_on_lattice::<K>(b, triangles, exponent, margin, |j, plane| aim_along(j, plane, aimed))
             }
 
             #[inline(always)]

@@ -13,8 +13,8 @@ use crate::realign::shrinkage;
 
 /// What thin slabs are tested with, and how that went.
 #[derive(Default, Debug)]
-pub(super) struct Thin {
-    pub(super) test: Option<ThinTest>,
+pub(super) struct Thin<'t> {
+    pub(super) test: Option<ThinTest<'t>>,
     asked: u32,
     apart: u32,
 }

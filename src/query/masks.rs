@@ -11,8 +11,14 @@ use crate::realign::Realignment;
 #[inline(always)]
 pub(super) fn aim_at<const W: usize, const K: usize>(planes: &[Key; K], aimed: &mut Turned<W, K>) {
     for (j, plane) in planes.iter().enumerate() {
-        aimed[j ^ 1][0] = !plane.code();
+        aim_along(j, *plane, aimed);
     }
+}
+
+/// The same of plane `j`.
+#[inline(always)]
+pub(super) fn aim_along<const W: usize, const K: usize>(j: usize, plane: Key, aimed: &mut Turned<W, K>) {
+    aimed[j ^ 1][0] = !plane.code();
 }
 
 impl<const K: usize> Node16<K> {

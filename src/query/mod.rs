@@ -290,7 +290,7 @@ impl Query {
         margin: impl Margin,
     ) -> Answer {
         let mut answer = Answer { verdict: Verdict::Free, counters: Counters::default(), hint: self.hint };
-        if are_apart(pose, &a.extent(), &b.extent(), margin.value()) {
+        if are_apart((a, b), pose, margin.value()) {
             return answer;
         }
         let work = &mut answer.counters;
@@ -326,7 +326,7 @@ impl Query {
         B::Primitive: Pairwise<A::Primitive>,
     {
         let (a, b, mut counters) = (&a.as_bvh(), &b.as_bvh(), Counters::default());
-        if are_apart(pose, &a.extent(), &b.extent(), 0.0) {
+        if are_apart((a, b), pose, 0.0) {
             return (Completion::Complete, counters);
         }
         let stop = self.run((a, b), pose, Touching, &mut counters, &mut |found| visit(found.pair(a, b)));

@@ -78,20 +78,47 @@ fn meet<N: Lanes, One: Pairwise<Other>, Other: Pairwise<One>>(
 }
 
 /// The planes of leaf `a`, which `placing` places in body b, in a frame of b, if they are certain.
-#[inline(never)]
+#[inline(always)]
 pub(super) fn aim_on_lattice<N: Lanes, P: Primitive, Q: Primitive>(
     made: &mut Option<Option<Lattice>>,
-    (a, b): (&BvhRef<'_, N, P>, &BvhRef<'_, N, Q>),
+    trees: (&BvhRef<'_, N, P>, &BvhRef<'_, N, Q>),
     leaf: Link,
     placing: &Placing<'_>,
     frame_b: &Frame,
     aimed: &mut N::Aimed,
 ) -> bool {
-    // The way back has a lattice of its own.
-    let mut another = None;
-    let made = if placing.turned == Side::A { made } else { &mut another };
+    if placing.turned == Side::A {
+        aim_by::<N, P>(lattice_of(made, trees, placing), (trees.0, leaf), placing.outwards, frame_b, aimed)
+    } else {
+        aim_back(trees, leaf, placing, frame_b, aimed)
+    }
+}
+
+/// The way back has a lattice of its own.
+// Not a part of its caller, of whose stack it would take more.
+#[cold]
+#[inline(never)]
+fn aim_back<N: Lanes, P: Primitive, Q: Primitive>(
+    trees: (&BvhRef<'_, N, P>, &BvhRef<'_, N, Q>),
+    leaf: Link,
+    placing: &Placing<'_>,
+    frame_b: &Frame,
+    aimed: &mut N::Aimed,
+) -> bool {
+    let mut made = None;
     let to_b = Placing { pose: placing.to_b, turned: Side::A, ..*placing };
-    let Some(lattice) = lattice_of(made, (a, b), &to_b) else { return false };
+    aim_by::<N, P>(lattice_of(&mut made, trees, &to_b), (trees.0, leaf), placing.outwards, frame_b, aimed)
+}
+
+#[inline(never)]
+fn aim_by<N: Lanes, P: Primitive>(
+    lattice: Option<&Lattice>,
+    (a, leaf): (&BvhRef<'_, N, P>, Link),
+    outwards: f64,
+    frame_b: &Frame,
+    aimed: &mut N::Aimed,
+) -> bool {
+    let Some(lattice) = lattice else { return false };
     let corners = primitives(leaf).map(|index| P::on_lattice(a.store(), index, lattice, true));
-    N::aim_on_lattice(aimed, frame_b, corners, lattice.exponent, placing.outwards)
+    N::aim_on_lattice(aimed, frame_b, corners, lattice.exponent, outwards)
 }

@@ -94,7 +94,7 @@ impl Query {
         let (a, b) = (a.as_bvh(), b.as_bvh());
         let mut sums = LensSums::new(&a.frame(), &b.frame(), pose);
         let mut counters = Counters::default();
-        if are_apart(pose, &a.extent(), &b.extent(), 0.0) {
+        if are_apart((&a, &b), pose, 0.0) {
             return sums.finish(None, counters);
         }
         if !a.balls().is_empty() && !b.balls().is_empty() {

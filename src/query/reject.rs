@@ -21,8 +21,10 @@
 //! Numbers beyond `f32` become infinite, or NaN, of which every comparison is false: such bodies are left to the query.
 
 use crate::exact::power_of_two;
-use crate::frame::Extent;
+use crate::hierarchy::BvhRef;
+use crate::node::Node;
 use crate::pose::Pose;
+use crate::primitive::Primitive;
 use crate::vector::difference;
 
 const GROWN: f32 = 1.0 + power_of_two(-18) as f32;
@@ -33,8 +35,15 @@ const LEAST: f32 = power_of_two(-100) as f32;
 const LEAST_SQUARE: f32 = power_of_two(-120) as f32;
 
 /// Whether the bodies, of which `pose` places A in the frame of B, are certainly more than `margin` apart.
-#[inline(always)]
-pub(super) fn are_apart(pose: &Pose, a: &Extent, b: &Extent, margin: f64) -> bool {
+// On small machines what it computes shall take no stack of the query that follows.
+#[cfg_attr(simdop_small, inline(never))]
+#[cfg_attr(not(simdop_small), inline(always))]
+pub(super) fn are_apart<N: Node, P: Primitive, Q: Primitive>(
+    (a, b): (&BvhRef<'_, N, P>, &BvhRef<'_, N, Q>),
+    pose: &Pose,
+    margin: f64,
+) -> bool {
+    let (a, b) = (a.extent(), b.extent());
     let [x, y, z] = difference(&pose.unflushed(&a.frame.centre), &b.frame.centre);
     let [x, y, z] = [x as f32, y as f32, z as f32];
     let sizes = (a.radius as f32 + b.radius as f32) + margin as f32;

@@ -64,8 +64,8 @@ pub(super) struct Stack<'s> {
     len: usize,
 }
 
-/// What most queries need that are not decided at the roots: levels of 16^8 primitives.
-pub(super) const FEW: usize = 8;
+/// What most queries need that are not decided at the roots: levels of 16^6 primitives.
+pub(super) const FEW: usize = 6;
 /// What is needed below the last of these.
 pub(super) const MANY: usize = 2 * MAX_DEPTH - FEW + 1;
 
@@ -77,8 +77,8 @@ pub(super) const NOT_VISITED: Visited = Visited {
     rows: Rows { rows: [0; 16], pending: 0 },
 };
 
-/// Bytes of the pairs that wait in a query, whatever the trees: below 3 KB, of which one that is not eight levels below the roots
-/// takes a fifth. (A traversal holds the planes of a node's children, turned, besides: 576 bytes at arity 16 and k = 18.)
+/// Bytes of the pairs that wait in a query, whatever the trees: below 3 KB, of which one that is not six levels below the roots
+/// takes a seventh. (A traversal holds the planes of a node's children, turned, besides: 576 bytes at arity 16 and k = 18.)
 pub const STACK_BYTES: usize = (FEW + MANY) * size_of::<Visited>();
 const _: () = assert!(STACK_BYTES <= 3072, "the stack of a query fits in 3 KB");
 

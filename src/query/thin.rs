@@ -35,8 +35,8 @@ use crate::realign::{F64_SLACK, coordinates, shift};
 
 /// What of a pose and two bodies is the same for all pairs.
 #[derive(Copy, Clone, Debug)]
-pub(super) struct ThinTest {
-    m: [Point; 3],
+pub(super) struct ThinTest<'t> {
+    pose: &'t Pose,
     /// Where the centre of A's frame is, in B's frame.
     shift: Point,
     /// Units of B's frame in one of A's.
@@ -58,9 +58,9 @@ pub(super) const AT_ONCE: usize = 4;
 /// Bounds the sum of magnitudes of a direction, and of a direction that a pose turned.
 const SUM: f64 = 4096.0;
 
-impl ThinTest {
+impl<'t> ThinTest<'t> {
     #[inline(always)]
-    pub(super) fn new(pose: &Pose, a: &Extent, b: &Extent, margin: f64) -> Self {
+    pub(super) fn new(pose: &'t Pose, a: &Extent, b: &Extent, margin: f64) -> Self {
         let (m, scale) = (pose.rows(), b.frame.scale());
         let ratio = power_of_two(b.frame.exponent - a.frame.exponent);
         let shift = shift(pose, a, &b.frame).map(|x| x * scale);
@@ -77,7 +77,7 @@ impl ThinTest {
         let pad = SUM
             * ((4.0 * F64_SLACK * inexact + (skew + F64_SLACK) * (ratio * a.width_sum()))
                 + ((F64_SLACK * coordinates + MIN_COORDINATE) + margin) * scale);
-        Self { m: *m, shift, ratio, pad }
+        Self { pose, shift, ratio, pad }
     }
 
     /// Bit i: children a and b of pair i certainly do not meet, nor come within the margin.
@@ -87,7 +87,7 @@ impl ThinTest {
         a: &[ThinChild<'_, N>; AT_ONCE],
         b: &[ThinChild<'_, N>; AT_ONCE],
     ) -> u16 {
-        let (m, shift) = (&self.m, &self.shift);
+        let (m, shift) = (self.pose.rows(), &self.shift);
         // By columns, a pair a lane.
         let ([mut low_a, mut high_a], mut n_a) = ([[0.0; AT_ONCE]; 2], [[0.0; AT_ONCE]; 3]);
         let ([mut low_b, mut high_b], mut n_b) = ([[0.0; AT_ONCE]; 2], [[0.0; AT_ONCE]; 3]);

@@ -78,7 +78,7 @@ pub(crate) struct Traversal<'t, N: Lanes, P: Primitive, Q: Primitive, E, M> {
     pub(super) aimed: Option<(Child, N::Aimed)>,
     /// The leaf that was cutting the other tree's nodes last, and the slabs of its primitive.
     pub(super) cutter: Option<(Cutter, OwnSlabs)>,
-    pub(super) thin: Thin,
+    pub(super) thin: Thin<'t>,
     /// What triangles are tested on, if the kernel says so: none if there is none, once it was asked for.
     pub(super) lattice: Option<Option<Lattice>>,
     /// How many powers of two the unit of A's frame is larger than that of B's.

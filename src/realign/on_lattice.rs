@@ -41,21 +41,26 @@ const _: () = {
     }
 };
 
-/// [`super::planes_of`], if it is certain, of corners that a pose moved to a lattice of `2^exponent` steps to the unit.
+/// Puts [`super::planes_of`] of corners that a pose moved to a lattice of `2^exponent` steps to the unit, if it is certain: false if
+/// it is not, and then some of them may have been put.
+// Not as a result, which took as much stack once more.
+#[inline(always)]
 pub(crate) fn planes_on_lattice<const K: usize>(
     b: &Frame,
     triangles: impl Iterator<Item = Option<LatticeCorners>>,
     exponent: i32,
     margin: f64,
-) -> Option<[Key; K]> {
+    mut put: impl FnMut(usize, Key),
+) -> bool {
     let steps = exponent - b.exponent;
     if !STEPS.contains(&steps) || lattice::logarithm(margin) + exponent > -3 {
-        return None;
+        return false;
     }
     let centre = lattice::still(&b.centre, exponent);
     let mut greatest = [i32::MIN; K];
     for corners in triangles {
-        for p in corners? {
+        let Some(corners) = corners else { return false };
+        for p in corners {
             let [x, y, z] = [0, 1, 2].map(|i| p[i].wrapping_sub(centre[i]));
             for (s, greatest) in greatest.as_chunks_mut::<2>().0.iter_mut().enumerate() {
                 let n = Directions::<K>::TABLE.vectors[2 * s].map(i32::from);
@@ -72,18 +77,17 @@ pub(crate) fn planes_on_lattice<const K: usize>(
     let code = |x: i32| {
         (x.wrapping_add(half) >> steps).clamp(Key::LOWEST.code().into(), Key::INFINITY.code().into())
     };
-    let mut planes = [Key::LOWEST; K];
-    for (j, plane) in planes.iter_mut().enumerate() {
+    for (j, greatest) in greatest.into_iter().enumerate() {
         let [x, y, z] = Directions::<K>::TABLE.vectors[j];
         let off = OFF * i32::from(x.unsigned_abs() + y.unsigned_abs() + z.unsigned_abs()) + 1;
-        let more = off + 2 + (greatest[j].wrapping_abs() >> 22);
-        let (low, high) = (code(greatest[j].wrapping_sub(off)), code(greatest[j].wrapping_add(more)));
+        let more = off + 2 + (greatest.wrapping_abs() >> 22);
+        let (low, high) = (code(greatest.wrapping_sub(off)), code(greatest.wrapping_add(more)));
         if low != high {
-            return None;
+            return false;
         }
-        *plane = Key::bounded(low as i16);
+        put(j, Key::bounded(low as i16));
     }
-    Some(planes)
+    true
 }
 
 #[cfg(test)]
@@ -93,6 +97,17 @@ mod tests {
     use crate::primitive::{Lattice, Triangles};
     use crate::realign::planes_of;
     use crate::rng::Rng;
+
+    fn planes<const K: usize>(
+        b: &Frame,
+        corners: LatticeCorners,
+        exponent: i32,
+        margin: f64,
+    ) -> Option<[Key; K]> {
+        let mut planes = [Key::LOWEST; K];
+        let triangles = [Some(corners)].into_iter();
+        planes_on_lattice::<K>(b, triangles, exponent, margin, |j, plane| planes[j] = plane).then_some(planes)
+    }
 
     /// Whether planes are those of `f64`, of a body that is within 1 of its origin, moved by `away` along each axis or a bit more, about a
     /// frame that is within 1 of `centre` along each; and how many in ten are certain, at least.
@@ -113,7 +128,7 @@ mod tests {
             let margin = if rng.range(0.0, 1.0) < 0.5 { 0.0 } else { 1e-13 };
             let moved = triangle.map(|p| pose.apply(p));
             let truth = planes_of::<Triangles, K>(&b, [moved].into_iter(), margin);
-            let found = planes_on_lattice::<K>(&b, [Some(corners)].into_iter(), lattice.exponent, margin);
+            let found = planes::<K>(&b, corners, lattice.exponent, margin);
             if let Some(planes) = found {
                 assert_eq!(planes, truth, "{triangle:?} {pose:?} {b:?}");
                 certain += 1;
@@ -135,11 +150,11 @@ mod tests {
     #[test]
     fn other_scales_and_margins_are_left_to_doubles() {
         let corners = [[1 << 20; 3]; 3];
-        let planes = |exponent, margin| {
+        let at = |exponent, margin| {
             let b = Frame { centre: [0.0; 3], exponent: 12 };
-            planes_on_lattice::<18>(&b, [Some(corners)].into_iter(), exponent, margin)
+            planes::<18>(&b, corners, exponent, margin)
         };
-        assert!(planes(24, 0.0).is_some() && planes(24, 0.0) == planes(24, 1e-9));
-        assert!(planes(24, 1e-6).is_none() && planes(14, 0.0).is_none() && planes(40, 0.0).is_none());
+        assert!(at(24, 0.0).is_some() && at(24, 0.0) == at(24, 1e-9));
+        assert!(at(24, 1e-6).is_none() && at(14, 0.0).is_none() && at(40, 0.0).is_none());
     }
 }

@@ -190,7 +190,7 @@ fn thinnest_volumes<N: Lanes>(tree: &BvhRef<'_, N>) -> Vec<Volume<N>> {
 }
 
 /// The pairs that are apart.
-fn apart<N: Lanes>(test: &ThinTest, a: &[Volume<N>], b: &[Volume<N>]) -> Vec<(usize, usize)> {
+fn apart<N: Lanes>(test: &ThinTest<'_>, a: &[Volume<N>], b: &[Volume<N>]) -> Vec<(usize, usize)> {
     let mut found = Vec::new();
     for (i, x) in a.iter().enumerate() {
         for (first, four) in b.chunks(AT_ONCE).enumerate() {
