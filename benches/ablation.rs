@@ -18,6 +18,8 @@
 
 #![expect(clippy::unwrap_used, reason = "a benchmark that cannot go on has failed")]
 
+#[path = "support/cpu.rs"]
+mod cpu;
 #[path = "../tests/support/data.rs"]
 mod data;
 #[path = "support/distances.rs"]
@@ -68,7 +70,7 @@ const TOUCHING: usize = 1;
 fn main() {
     let asked: Vec<String> = std::env::args().skip(1).filter(|arg| !arg.starts_with("--")).collect();
     let isas: Vec<&str> = Isa::available().map(Isa::name).collect();
-    println!("{}; instruction sets: {}\n", cpu(), isas.join(", "));
+    println!("{}; instruction sets: {}\n", cpu::cpu(), isas.join(", "));
     let mut all = Vec::new();
     for (name, mesh) in meshes() {
         if asked.is_empty() || asked.iter().any(|asked| asked == name) {
@@ -207,13 +209,6 @@ fn meshes() -> impl Iterator<Item = (&'static str, MeshData)> {
     };
     let data = if is_short() { None } else { directory() };
     data.map(read).into_iter().flatten().chain([(TORUS, wavy_torus(count(20_000, 1152) as u32))])
-}
-
-fn cpu() -> String {
-    let info = std::fs::read_to_string("/proc/cpuinfo").unwrap_or_default();
-    let name =
-        info.lines().find(|line| line.starts_with("model name")).and_then(|line| line.split(": ").nth(1));
-    name.unwrap_or("an unknown CPU").to_owned()
 }
 
 fn report(name: &str, mesh: &MeshData) -> Vec<Timed> {

@@ -5,6 +5,8 @@
 
 #![expect(clippy::unwrap_used, reason = "a benchmark that cannot go on has failed")]
 
+#[path = "support/cpu.rs"]
+mod cpu;
 #[path = "../tests/support/data.rs"]
 mod data;
 #[path = "support/meshes.rs"]
@@ -37,7 +39,7 @@ fn main() {
     let isas: Vec<Isa> = Isa::available().collect();
     let columns: Vec<&str> = isas.iter().map(|isa| isa.name()).collect();
     let ratios: Vec<String> = isas.windows(2).map(|two| format!("{} / {}", two[1], two[0])).collect();
-    println!("Microseconds a query, median / mean / p99; ratios of medians and means. {}.\n", cpu());
+    println!("Microseconds a query, median / mean / p99; ratios of medians and means. {}.\n", cpu::cpu());
     println!("| A, B | k | distance | {} | {} |", columns.join(" | "), ratios.join(" | "));
     println!("|---|--:|---|{}", "--:|".repeat(columns.len() + ratios.len()));
     let torus = shapes::wavy_torus(count(20_000, 1000) as u32);
@@ -73,15 +75,6 @@ fn main() {
             );
         }
     }
-}
-
-fn cpu() -> String {
-    let info = std::fs::read_to_string("/proc/cpuinfo").unwrap_or_default();
-    let of = |key: &str| {
-        let line = info.lines().find(|line| line.starts_with(key));
-        line.and_then(|line| line.split(": ").nth(1)).unwrap_or("unknown").to_owned()
-    };
-    format!("{}, family {} model {}", of("model name"), of("cpu family"), of("model\t"))
 }
 
 /// Median, mean and 99th percentile of each instruction set, by distance.

@@ -61,7 +61,7 @@ impl Page {
             Median / 99th percentile, µs. Where there are several runs, a figure is their median. Wrong: differs from ours by more than {AGREE:e}, relatively, or\n\
             says that bodies meet which do not, or the reverse.\n\n",
             options.stamp,
-            crate::table::cpu(),
+            crate::cpu::cpu(),
             options.runs,
             options.poses()
         );

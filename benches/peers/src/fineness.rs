@@ -44,7 +44,7 @@ pub(crate) fn run(options: &Options) -> Result<(), String> {
         A torus with waves (`tests/support/shapes.rs`) against itself, {} poses a row: turned at random, it comes from a random direction until the gap is this share of its\n\
         diagonal. Above {JUDGED} triangles the truth is that there is a gap, which simdop's margin query found; up to there it is brute force in exact arithmetic.",
         options.stamp,
-        table::cpu(),
+        crate::cpu::cpu(),
         options.runs,
         options.poses()
     );

@@ -6,6 +6,8 @@
 mod builds;
 #[path = "../../../tests/support/corners.rs"]
 mod corners;
+#[path = "../../support/cpu.rs"]
+mod cpu;
 #[path = "../../figures/plot.rs"]
 mod curves;
 #[path = "../../../tests/support/data.rs"]

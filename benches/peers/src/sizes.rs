@@ -66,7 +66,7 @@ pub(crate) fn run(options: &Options) -> Result<(), String> {
         the large body has a copy of itself at a thousandth of its size at one of its corners, and the small one, another such copy, is near corners of that. The room has\n\
         {TRIANGLES} triangles (`tests/support/shapes.rs`), the hall is unc_env, the hand is the Panda's. The exchanged poses are the inverse ones, rounded.",
         options.stamp,
-        table::cpu(),
+        crate::cpu::cpu(),
         options.runs,
         options.poses()
     );

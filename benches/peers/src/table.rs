@@ -35,7 +35,7 @@ fn head(page: &mut String, rows: &[Row], all: &Summary<'_>, stamp: &str) {
         median.\n\n\
         ![Median time against distance](results.svg)\n\n\
         Versions: ",
-        cpu(),
+        crate::cpu::cpu(),
         all.runs.len(),
         rows.first().map_or(0, |row| row.poses),
     );
@@ -57,12 +57,6 @@ fn head(page: &mut String, rows: &[Row], all: &Summary<'_>, stamp: &str) {
         PhysX has tolerances in its unit, and gets bodies scaled by a power of two to edges of about 1: in the units of the data it invents hits near contact.\n\
         Embree finds pairs of boxes, simdop's exact test decides them, and its time holds the refit of A's tree, since its trees have no pose.\n\n",
     );
-}
-
-pub(crate) fn cpu() -> String {
-    let info = std::fs::read_to_string("/proc/cpuinfo").unwrap_or_default();
-    let name = info.lines().find_map(|line| line.strip_prefix("model name")?.split_once(": "));
-    name.map_or_else(|| "unknown CPU".to_owned(), |(_, name)| name.to_owned())
 }
 
 /// What a page of [`near_contact`] is about, and what its rows are of.

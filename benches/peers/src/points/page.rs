@@ -3,7 +3,7 @@
 use super::batches::Row;
 use super::single;
 use super::{Options, entrants};
-use crate::table::cpu;
+use crate::cpu::cpu;
 use std::fmt::Write;
 
 /// Tables, and what is said about each.

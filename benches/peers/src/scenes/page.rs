@@ -1,7 +1,8 @@
 //! The results as a page of Markdown, and what it is made of.
 
 use super::entrants::OURS;
-use crate::table::{cpu, short};
+use crate::cpu::cpu;
+use crate::table::short;
 use core::fmt::Write as _;
 use serde::Serialize;
 
