@@ -49,9 +49,10 @@ pub(super) fn realign_over<const K: usize>(
     b: &[[i16; 16]; K],
     lane: Option<usize>,
 ) -> u16 {
-    // Those of lanes that are unused come out above every key.
-    let unused = (0..16).filter(|&i| a[0][i] == Key::EMPTY.code()).fold(0_u16, |mask, i| mask | 1 << i);
-    let mut mask = u16::MAX;
+    // Masks are in 32 bits, which a core for which this is worth its code computes in. Unused lanes come out above every key.
+    let unused = (0..16).filter(|&i| a[0][i] == Key::EMPTY.code()).fold(0_u32, |mask, i| mask | 1 << i);
+    let known = u32::from(*whole);
+    let mut mask = u32::from(u16::MAX);
     for j in 0..K {
         let (turned, limits) = (&mut query[j ^ 1], &b[j ^ 1]);
         let limit = match lane {
@@ -59,17 +60,18 @@ pub(super) fn realign_over<const K: usize>(
             None => limits.iter().copied().fold(i16::MIN, i16::max),
         };
         let [(x, u), (y, v), (z, w)] = map.terms(j).map(|(source, weight)| (&a[source], weight));
-        let (offset, known) = (map.offset[j], *whole);
-        let mut left: u16 = mask;
+        let offset = map.offset[j];
+        let mut left = mask;
         while left != 0 {
             let i = left.trailing_zeros() as usize & 15;
-            left &= left - 1;
-            if known >> i & 1 == 0 {
+            let bit = 1 << i;
+            left ^= bit;
+            if known & bit == 0 {
                 let code = |codes: &[i16; 16]| f32::from(codes[i]);
                 turned[i] = !Key::around(((u * code(x) + v * code(y)) + w * code(z)) + offset).code();
             }
             if turned[i] > limit {
-                mask &= !(1 << i);
+                mask ^= bit;
             }
         }
         if j == 1 && mask & unused & !known != 0 {
@@ -79,13 +81,13 @@ pub(super) fn realign_over<const K: usize>(
             return 0;
         }
     }
-    *whole |= mask;
-    mask
+    *whole |= mask as u16;
+    mask as u16
 }
 
 /// Marks unused lanes, and clears their bits unless a plane is above every key.
 #[cold]
-fn separate(unused: u16, turned: &mut [i16; 16], limit: i16, mask: u16) -> u16 {
+fn separate(unused: u32, turned: &mut [i16; 16], limit: i16, mask: u32) -> u32 {
     for i in (0..16).filter(|i| unused >> i & 1 != 0) {
         turned[i] = SEPARATED;
     }
