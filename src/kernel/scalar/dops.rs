@@ -49,7 +49,7 @@ pub(super) fn realign_over<const K: usize>(
     b: &[[i16; 16]; K],
     lane: Option<usize>,
 ) -> u16 {
-    // Masks are in 32 bits, which a core for which this is worth its code computes in. Unused lanes come out above every key.
+    // Masks have 32 bits, as the registers of the small cores that this is for. Unused lanes come out above every key.
     let unused = (0..16).filter(|&i| a[0][i] == Key::EMPTY.code()).fold(0_u32, |mask, i| mask | 1 << i);
     let known = u32::from(*whole);
     let mut mask = u32::from(u16::MAX);
