@@ -1,7 +1,7 @@
 //! A hierarchy that owns its bytes.
 
 use super::layout::Layout;
-use super::{AsBvh, BakeError, BvhRef};
+use super::{AsBvh, BakeError, BvhRef, Header};
 use crate::node::{Dop, Node};
 use crate::primitive::{Primitive, Triangles};
 use alloc::vec::Vec;
@@ -88,5 +88,10 @@ impl<N: Node, P: Primitive> AsBvh for Bvh<N, P> {
     #[inline(always)]
     fn as_bvh(&self) -> BvhRef<'_, N, P> {
         self.view()
+    }
+
+    #[inline(always)]
+    fn header(&self) -> &Header {
+        bytemuck::from_bytes(&self.as_bytes()[..size_of::<Header>()])
     }
 }

@@ -219,6 +219,18 @@ pub trait AsBvh {
 
     /// The tree, borrowed. Constant time: nothing is checked again.
     fn as_bvh(&self) -> BvhRef<'_, Self::Node, Self::Primitive>;
+
+    /// Calls `f` with the tree, where it is: a borrowed one is not copied.
+    #[inline(always)]
+    fn with_bvh<R>(&self, f: impl FnOnce(&BvhRef<'_, Self::Node, Self::Primitive>) -> R) -> R {
+        f(&self.as_bvh())
+    }
+
+    /// Its description: all that is looked at of a tree that is far from the other.
+    #[inline(always)]
+    fn header(&self) -> &Header {
+        self.as_bvh().header()
+    }
 }
 
 impl<N: Node, P: Primitive> AsBvh for BvhRef<'_, N, P> {
@@ -228,5 +240,15 @@ impl<N: Node, P: Primitive> AsBvh for BvhRef<'_, N, P> {
     #[inline(always)]
     fn as_bvh(&self) -> BvhRef<'_, N, P> {
         *self
+    }
+
+    #[inline(always)]
+    fn with_bvh<R>(&self, f: impl FnOnce(&Self) -> R) -> R {
+        f(self)
+    }
+
+    #[inline(always)]
+    fn header(&self) -> &Header {
+        self.header
     }
 }

@@ -104,7 +104,11 @@ impl Query {
         A::Primitive: Pairwise<B::Primitive>,
         B::Primitive: Pairwise<A::Primitive>,
     {
-        let (a, b, margin) = (a.as_bvh(), b.as_bvh(), checked(margin)?);
+        let margin = checked(margin)?;
+        if are_apart(a.header(), b.header(), pose, margin) {
+            return Ok(self.far());
+        }
+        let (a, b) = (a.as_bvh(), b.as_bvh());
         let mut answer = self.near_surfaces(&a, &b, pose, margin);
         if answer.counters.visits > 0 {
             self.add_inside(&mut answer, &a, &b, pose);
@@ -125,10 +129,6 @@ impl Query {
             return self.first_pair(a, b, pose, Within(margin));
         }
         if margin > LARGE * smaller {
-            if are_apart((a, b), pose, margin) {
-                let counters = Counters::default();
-                return Answer { verdict: Verdict::Free, counters, hint: self.hint };
-            }
             return self.first_near(*a, *b, pose, margin);
         }
         let few = self.budget.min(FEW);
@@ -215,12 +215,11 @@ impl Query {
         A::Node: Lanes,
         A::Primitive: Pairwise<B::Primitive>,
     {
-        let (a, b) = (a.as_bvh(), b.as_bvh());
         let tolerance = checked(tolerance)?.max(TIGHT);
         // Above zero, so that bodies that touch are nearer.
         let cutoff = if cutoff == f64::INFINITY { cutoff } else { checked(cutoff)?.max(f64::MIN_POSITIVE) };
-        let is_empty = a.is_empty() || b.is_empty();
-        if is_empty || are_apart((&a, &b), pose, cutoff) {
+        let is_empty = a.header().primitive_count == 0 || b.header().primitive_count == 0;
+        if is_empty || are_apart(a.header(), b.header(), pose, cutoff) {
             return Ok(Distance {
                 lower: if is_empty { f64::INFINITY } else { cutoff },
                 upper: f64::INFINITY,
@@ -230,6 +229,7 @@ impl Query {
                 hint: self.hint,
             });
         }
+        let (a, b) = (a.as_bvh(), b.as_bvh());
         let Outcome { completion, best, counters, .. } =
             self.search(a, b, pose, Goal::Distance { tolerance, cutoff });
         let [p, q] = best.points;

@@ -248,13 +248,25 @@ impl Query {
         A::Primitive: Pairwise<B::Primitive>,
         B::Primitive: Pairwise<A::Primitive>,
     {
-        let (a, b) = (&a.as_bvh(), &b.as_bvh());
-        let mut answer = self.first_pair(a, b, pose, Touching);
-        // Far pairs were told apart without a visit.
-        if answer.counters.visits > 0 {
-            self.add_inside(&mut answer, a, b, pose);
+        if are_apart(a.header(), b.header(), pose, 0.0) {
+            return self.far();
         }
-        answer
+        a.with_bvh(
+            #[inline(always)]
+            |a| {
+                b.with_bvh(
+                    #[inline(always)]
+                    |b| {
+                        let mut answer = self.first_pair(a, b, pose, Touching);
+                        // Nothing is inside of what was empty, or met by the hint.
+                        if answer.counters.visits > 0 {
+                            self.add_inside(&mut answer, a, b, pose);
+                        }
+                        answer
+                    },
+                )
+            },
+        )
     }
 
     /// Makes the answer of two surfaces that of bodies which may be solid.
@@ -278,6 +290,12 @@ impl Query {
         }
     }
 
+    /// The answer of bodies that are far apart.
+    #[inline(always)]
+    fn far(&self) -> Answer {
+        Answer { verdict: Verdict::Free, counters: Counters::default(), hint: self.hint }
+    }
+
     /// The first pair of primitives at most `margin` apart: that of the hint, or the first that the traversal
     /// finds.
     // Counters are counted where they are answered: as a copy they would have to wait for their stores.
@@ -289,10 +307,7 @@ impl Query {
         pose: &Pose,
         margin: impl Margin,
     ) -> Answer {
-        let mut answer = Answer { verdict: Verdict::Free, counters: Counters::default(), hint: self.hint };
-        if are_apart((a, b), pose, margin.value()) {
-            return answer;
-        }
+        let mut answer = self.far();
         let work = &mut answer.counters;
         let mut hit = self.hint.pair(a.len(), b.len()).filter(|hint| hint.meets((a, b), pose, margin, work));
         let mut stop = None;
@@ -325,10 +340,11 @@ impl Query {
         A::Primitive: Pairwise<B::Primitive>,
         B::Primitive: Pairwise<A::Primitive>,
     {
-        let (a, b, mut counters) = (&a.as_bvh(), &b.as_bvh(), Counters::default());
-        if are_apart((a, b), pose, 0.0) {
+        let mut counters = Counters::default();
+        if are_apart(a.header(), b.header(), pose, 0.0) {
             return (Completion::Complete, counters);
         }
+        let (a, b) = (&a.as_bvh(), &b.as_bvh());
         let stop = self.run((a, b), pose, Touching, &mut counters, &mut |found| visit(found.pair(a, b)));
         let completion = match stop {
             None => Completion::Complete,

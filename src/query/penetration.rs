@@ -91,10 +91,11 @@ impl Query {
         A: AsBvh<Primitive = Spheres, Node: Lanes>,
         B: AsBvh<Primitive = Spheres, Node = A::Node>,
     {
+        let is_far = are_apart(a.header(), b.header(), pose, 0.0);
         let (a, b) = (a.as_bvh(), b.as_bvh());
         let mut sums = LensSums::new(&a.frame(), &b.frame(), pose);
         let mut counters = Counters::default();
-        if are_apart((&a, &b), pose, 0.0) {
+        if is_far {
             return sums.finish(None, counters);
         }
         if !a.balls().is_empty() && !b.balls().is_empty() {

@@ -21,10 +21,8 @@
 //! Numbers beyond `f32` become infinite, or NaN, of which every comparison is false: such bodies are left to the query.
 
 use crate::exact::power_of_two;
-use crate::hierarchy::BvhRef;
-use crate::node::Node;
+use crate::hierarchy::Header;
 use crate::pose::Pose;
-use crate::primitive::Primitive;
 use crate::vector::difference;
 
 const GROWN: f32 = 1.0 + power_of_two(-18) as f32;
@@ -38,11 +36,7 @@ const LEAST_SQUARE: f32 = power_of_two(-120) as f32;
 // On small machines what it computes shall take no stack of the query that follows.
 #[cfg_attr(simdop_small, inline(never))]
 #[cfg_attr(not(simdop_small), inline(always))]
-pub(super) fn are_apart<N: Node, P: Primitive, Q: Primitive>(
-    (a, b): (&BvhRef<'_, N, P>, &BvhRef<'_, N, Q>),
-    pose: &Pose,
-    margin: f64,
-) -> bool {
+pub(super) fn are_apart(a: &Header, b: &Header, pose: &Pose, margin: f64) -> bool {
     let (a, b) = (a.extent(), b.extent());
     let [x, y, z] = difference(&pose.unflushed(&a.frame.centre), &b.frame.centre);
     let [x, y, z] = [x as f32, y as f32, z as f32];
