@@ -145,7 +145,7 @@ impl<const K: usize> Realignment<K> {
             }
         }
         self.sources = Directions::<K>::decompose_columns(&mut self.weights, columns, slabs);
-        let (mut ahead, mut behind) = ([0.0_f32; K], [0.0_f32; K]);
+        let mut offsets = [[0.0_f32; 2]; K];
         for s in 0..columns {
             let length = nx[s].abs() + ny[s].abs() + nz[s].abs();
             let [c0, c1, c2] = &mut self.weights;
@@ -158,12 +158,10 @@ impl<const K: usize> Realignment<K> {
             let is_bounded = reach < MAX_REACH;
             // Codes stand for half a step more.
             let pad = 0.5 * weight_sum + pad;
-            ahead[s] = if is_bounded { tau + pad } else { f32::INFINITY };
-            behind[s] = if is_bounded { pad - tau } else { f32::INFINITY };
+            offsets[s] = if is_bounded { [tau + pad, pad - tau] } else { [f32::INFINITY; 2] };
         }
-        for s in 0..slabs {
-            (self.offset[2 * s], self.offset[2 * s + 1]) = (ahead[s], behind[s]);
-        }
+        // Not one by one: of nine, the compiler stored and loaded some as vectors that had to wait for each other.
+        self.offset.copy_from_slice(&offsets.as_flattened()[..K]);
     }
 
     /// Moves every plane out by `margin`, in units of the frame: turned planes then hold everything within it
