@@ -252,3 +252,13 @@ impl<N: Node, P: Primitive> AsBvh for BvhRef<'_, N, P> {
         self.header
     }
 }
+
+/// Calls `ask` with both trees, where they are.
+#[inline(always)]
+pub(crate) fn with_both<A: AsBvh, B: AsBvh, R>(
+    a: &A,
+    b: &B,
+    ask: impl FnOnce(&BvhRef<'_, A::Node, A::Primitive>, &BvhRef<'_, B::Node, B::Primitive>) -> R,
+) -> R {
+    a.with_bvh(|a| b.with_bvh(|b| ask(a, b)))
+}

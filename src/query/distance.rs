@@ -5,7 +5,7 @@ use super::nearest::{Goal, Outcome, search};
 use super::placing::Within;
 use super::reject::are_apart;
 use super::{Answer, Completion, Counters, Hint, Lanes, Pair, Pairwise, Query, Verdict};
-use crate::hierarchy::{AsBvh, BvhRef};
+use crate::hierarchy::{AsBvh, BvhRef, with_both};
 use crate::isa::on_isa;
 use crate::pose::Pose;
 use crate::primitive::Primitive;
@@ -108,12 +108,13 @@ impl Query {
         if are_apart(a.header(), b.header(), pose, margin) {
             return Ok(self.far());
         }
-        let (a, b) = (a.as_bvh(), b.as_bvh());
-        let mut answer = self.near_surfaces(&a, &b, pose, margin);
-        if answer.counters.visits > 0 {
-            self.add_inside(&mut answer, &a, &b, pose);
-        }
-        Ok(answer)
+        Ok(with_both(a, b, |a, b| {
+            let mut answer = self.near_surfaces(a, b, pose, margin);
+            if answer.counters.visits > 0 {
+                self.add_inside(&mut answer, a, b, pose);
+            }
+            answer
+        }))
     }
 
     /// [`Query::within`] of the primitives alone.

@@ -74,7 +74,7 @@ pub use penetration::Penetration;
 pub use stack::STACK_BYTES;
 pub use waiting::PENETRATION_QUEUE_BYTES;
 
-use crate::hierarchy::{AsBvh, BvhRef};
+use crate::hierarchy::{AsBvh, BvhRef, with_both};
 use crate::isa::Isa;
 use crate::pose::Pose;
 use crate::primitive::Primitive;
@@ -251,22 +251,14 @@ impl Query {
         if are_apart(a.header(), b.header(), pose, 0.0) {
             return self.far();
         }
-        a.with_bvh(
-            #[inline(always)]
-            |a| {
-                b.with_bvh(
-                    #[inline(always)]
-                    |b| {
-                        let mut answer = self.first_pair(a, b, pose, Touching);
-                        // Nothing is inside of what was empty, or met by the hint.
-                        if answer.counters.visits > 0 {
-                            self.add_inside(&mut answer, a, b, pose);
-                        }
-                        answer
-                    },
-                )
-            },
-        )
+        with_both(a, b, |a, b| {
+            let mut answer = self.first_pair(a, b, pose, Touching);
+            // Nothing is inside of what was empty, or met by the hint.
+            if answer.counters.visits > 0 {
+                self.add_inside(&mut answer, a, b, pose);
+            }
+            answer
+        })
     }
 
     /// Makes the answer of two surfaces that of bodies which may be solid.
@@ -344,8 +336,9 @@ impl Query {
         if are_apart(a.header(), b.header(), pose, 0.0) {
             return (Completion::Complete, counters);
         }
-        let (a, b) = (&a.as_bvh(), &b.as_bvh());
-        let stop = self.run((a, b), pose, Touching, &mut counters, &mut |found| visit(found.pair(a, b)));
+        let stop = with_both(a, b, |a, b| {
+            self.run((a, b), pose, Touching, &mut counters, &mut |found| visit(found.pair(a, b)))
+        });
         let completion = match stop {
             None => Completion::Complete,
             Some(Stop::Visitor) => Completion::Stopped,
