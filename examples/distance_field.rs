@@ -114,3 +114,8 @@ fn the_field_is_that_of_the_torus() {
     }
     assert!(known > 20_000, "{known}");
 }
+
+#[test]
+fn it_runs() {
+    main().unwrap();
+}

@@ -172,3 +172,8 @@ fn contacts_are_those_of_a_loop() {
     assert!(checked > 5_000, "{checked} contacts");
     assert!(0 < rebuilds && rebuilds < FRAMES / 4, "{rebuilds} rebuilds");
 }
+
+#[test]
+fn it_runs() {
+    main().unwrap();
+}

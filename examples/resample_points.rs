@@ -160,3 +160,8 @@ fn samples_spread_over_the_surface() {
     let mean = off.iter().sum::<f32>() / off.len() as f32;
     assert!(mean < 0.5 * NOISE, "{mean}");
 }
+
+#[test]
+fn it_runs() {
+    main().unwrap();
+}

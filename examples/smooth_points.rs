@@ -126,3 +126,8 @@ fn a_plane_stays() {
     let moved = project(plane[10], plane.iter().copied());
     assert!((moved - plane[10]).length() < 1e-6, "{moved}");
 }
+
+#[test]
+fn it_runs() {
+    main().unwrap();
+}
