@@ -17,6 +17,9 @@ impl Entry {
     /// No lane, or one that is done with.
     pub(crate) const NONE: Self = Self(u32::MAX);
 
+    /// To be overwritten.
+    pub(super) const ZEROS: Self = Self(0);
+
     /// Rounds the bound down, to 20 bits.
     #[inline(always)]
     fn new(bound: f32, lane: usize) -> Self {

@@ -1,7 +1,6 @@
 //! The stack of a distance query: volumes that wait, with their bounds.
 
 use super::entries::{Entries, Entry, least};
-use super::stack::ABOVE_ROOT;
 use crate::hierarchy::MAX_DEPTH;
 use crate::node::Child;
 
@@ -62,10 +61,11 @@ pub const DISTANCE_STACK_BYTES: usize = size_of::<Frontier>();
 const _: () = assert!(DISTANCE_STACK_BYTES <= 5120, "the stack of a distance query fits in 5 KB");
 
 impl Opened {
+    /// To be overwritten: zeros, which are written faster than four kilobytes are copied.
     const BLANK: Self = Self {
-        entries: [Entry::NONE; 16],
-        a: VolumeA { child: Child::EMPTY, parent: Child::EMPTY, lane: 0, level: 0, width: 0.0 },
-        b: VolumeB { child: Child::EMPTY, parent: ABOVE_ROOT, lane: 0, level: 0, width: 0.0 },
+        entries: [Entry::ZEROS; 16],
+        a: VolumeA { child: Child::ROOT, parent: Child::ROOT, lane: 0, level: 0, width: 0.0 },
+        b: VolumeB { child: Child::ROOT, parent: 0, lane: 0, level: 0, width: 0.0 },
         body: Side::A,
     };
 }
