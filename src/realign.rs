@@ -247,14 +247,18 @@ pub(crate) fn planes_of<P: Primitive, const K: usize>(
 ) -> [Key; K] {
     let Supports { least, greatest, size } = Supports::<K>::of::<P>(b, items);
     let scale = b.scale();
-    let mut planes = [Key::LOWEST; K];
-    for (j, plane) in planes.iter_mut().enumerate() {
-        let n = Directions::<K>::VECTORS[j];
-        let pad = F64_SLACK * (n[0].abs() + n[1].abs() + n[2].abs()) * size;
-        let reach = (1.0 + F64_SLACK) * Directions::<K>::LENGTHS[j] * margin;
-        let support = if j % 2 == 0 { greatest[j / 2] } else { -least[j / 2] };
-        *plane = Key::above(((pad + reach) + support) * scale);
+    // By columns of slabs, which are compiled to vector instructions.
+    let mut slabs = [[Key::LOWEST; 2]; K];
+    // Kept where it is: what the margin alone decides was computed, and stored, at the beginning of each query.
+    let margin = core::hint::black_box(margin);
+    for s in 0..Directions::<K>::COLUMNS {
+        let pad = F64_SLACK * Directions::<K>::SLAB_SUMS[s] * size;
+        let reach = (1.0 + F64_SLACK) * Directions::<K>::SLAB_LENGTHS[s] * margin;
+        let pads = pad + reach;
+        slabs[s] = [Key::above((pads + greatest[s]) * scale), Key::above((pads - least[s]) * scale)];
     }
+    let mut planes = [Key::LOWEST; K];
+    planes.copy_from_slice(&slabs.as_flattened()[..K]);
     planes
 }
 

@@ -43,6 +43,18 @@ impl<const K: usize> Directions<K> {
         lengths
     };
 
+    /// The sum of the magnitudes of each slab's direction.
+    pub(crate) const SLAB_SUMS: [f64; K] = {
+        let mut sums = [0.0; K];
+        let mut s = 0;
+        while s < Self::SLABS {
+            let n = Self::VECTORS[2 * s];
+            sums[s] = n[0].abs() + n[1].abs() + n[2].abs();
+            s += 1;
+        }
+        sums
+    };
+
     /// [`Directions::SLABS`], filled up to whole vectors of eight `f32`, or of four where there is no room for more.
     pub(crate) const SINGLE_COLUMNS: usize = {
         let columns = Self::SLABS.next_multiple_of(8);
