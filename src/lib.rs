@@ -105,7 +105,7 @@
 //! | x86-64: collide / within, pairs / distance | 6 / 9 / 22 | 6.5 / 10 / 26 | 8.5 / 12 / 31 |
 //!
 //! (Rust 1.95, release, arity 16; arity 4 takes up to 7 KiB less.) On a Cortex-M4F a collision takes 3 KiB without
-//! exact arithmetic, on an A53 9. `from_bytes` and `verify` take 1.5 KiB. A thread with 32 KiB for collisions and 64 KiB for distances is enough, which
+//! exact arithmetic, on an A53 8.2. `from_bytes` and `verify` take 1.5 KiB. A thread with 32 KiB for collisions and 64 KiB for distances is enough, which
 //! `tests/queries/stack.rs` checks. Exact arithmetic takes a KiB of this, the pairs that wait [`query::STACK_BYTES`]
 //! or [`query::DISTANCE_STACK_BYTES`], and most of the rest is turned planes and triangles. Penetration volumes take less
 //! than collisions, and [`query::PENETRATION_QUEUE_BYTES`] more where there is a budget.

@@ -45,7 +45,7 @@ pub use owned::Bvh;
 pub use stats::Stats;
 pub use tree_stats::TreeStats;
 pub use verify::VerifyError;
-pub(crate) use view::with_both;
+pub(crate) use view::with_bvhs;
 pub use view::{AsBvh, BvhRef};
 pub use walk::{Lane, Walk};
 

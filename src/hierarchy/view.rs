@@ -255,7 +255,7 @@ impl<N: Node, P: Primitive> AsBvh for BvhRef<'_, N, P> {
 
 /// Calls `ask` with both trees, where they are.
 #[inline(always)]
-pub(crate) fn with_both<A: AsBvh, B: AsBvh, R>(
+pub(crate) fn with_bvhs<A: AsBvh, B: AsBvh, R>(
     a: &A,
     b: &B,
     ask: impl FnOnce(&BvhRef<'_, A::Node, A::Primitive>, &BvhRef<'_, B::Node, B::Primitive>) -> R,

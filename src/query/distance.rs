@@ -5,7 +5,7 @@ use super::nearest::{Goal, Outcome, search};
 use super::placing::Within;
 use super::reject::are_apart;
 use super::{Answer, Completion, Counters, Hint, Lanes, Pair, Pairwise, Query, Verdict};
-use crate::hierarchy::{AsBvh, BvhRef, with_both};
+use crate::hierarchy::{AsBvh, BvhRef, with_bvhs};
 use crate::isa::on_isa;
 use crate::pose::Pose;
 use crate::primitive::Primitive;
@@ -106,13 +106,11 @@ impl Query {
     {
         let margin = checked(margin)?;
         if are_apart(a.header(), b.header(), pose, margin) {
-            return Ok(self.far());
+            return Ok(self.free());
         }
-        Ok(with_both(a, b, |a, b| {
+        Ok(with_bvhs(a, b, |a, b| {
             let mut answer = self.near_surfaces(a, b, pose, margin);
-            if answer.counters.visits > 0 {
-                self.add_inside(&mut answer, a, b, pose);
-            }
+            self.add_inside(&mut answer, a, b, pose);
             answer
         }))
     }

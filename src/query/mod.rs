@@ -74,7 +74,7 @@ pub use penetration::Penetration;
 pub use stack::STACK_BYTES;
 pub use waiting::PENETRATION_QUEUE_BYTES;
 
-use crate::hierarchy::{AsBvh, BvhRef, with_both};
+use crate::hierarchy::{AsBvh, BvhRef, with_bvhs};
 use crate::isa::Isa;
 use crate::pose::Pose;
 use crate::primitive::Primitive;
@@ -249,14 +249,11 @@ impl Query {
         B::Primitive: Pairwise<A::Primitive>,
     {
         if are_apart(a.header(), b.header(), pose, 0.0) {
-            return self.far();
+            return self.free();
         }
-        with_both(a, b, |a, b| {
+        with_bvhs(a, b, |a, b| {
             let mut answer = self.first_pair(a, b, pose, Touching);
-            // Nothing is inside of what was empty, or met by the hint.
-            if answer.counters.visits > 0 {
-                self.add_inside(&mut answer, a, b, pose);
-            }
+            self.add_inside(&mut answer, a, b, pose);
             answer
         })
     }
@@ -272,6 +269,8 @@ impl Query {
     ) {
         match &mut answer.verdict {
             _ if !(a.is_solid() || b.is_solid()) => {}
+            // Nothing is inside of what was empty, or met by the hint.
+            _ if answer.counters.visits == 0 => {}
             Verdict::Hit(_) => {}
             Verdict::Unknown { lower, .. } => *lower = 0.0,
             verdict @ Verdict::Free => match self.place(a, b, pose, &mut answer.counters) {
@@ -282,9 +281,9 @@ impl Query {
         }
     }
 
-    /// The answer of bodies that are far apart.
+    /// That no primitives meet, found out without any work.
     #[inline(always)]
-    fn far(&self) -> Answer {
+    fn free(&self) -> Answer {
         Answer { verdict: Verdict::Free, counters: Counters::default(), hint: self.hint }
     }
 
@@ -299,7 +298,7 @@ impl Query {
         pose: &Pose,
         margin: impl Margin,
     ) -> Answer {
-        let mut answer = self.far();
+        let mut answer = self.free();
         let work = &mut answer.counters;
         let mut hit = self.hint.pair(a.len(), b.len()).filter(|hint| hint.meets((a, b), pose, margin, work));
         let mut stop = None;
@@ -336,7 +335,7 @@ impl Query {
         if are_apart(a.header(), b.header(), pose, 0.0) {
             return (Completion::Complete, counters);
         }
-        let stop = with_both(a, b, |a, b| {
+        let stop = with_bvhs(a, b, |a, b| {
             self.run((a, b), pose, Touching, &mut counters, &mut |found| visit(found.pair(a, b)))
         });
         let completion = match stop {
