@@ -36,6 +36,8 @@ mod avx512;
 #[cfg(simdop_neon)]
 mod neon;
 pub mod scalar;
+#[cfg(simdop_x86)]
+mod x86;
 
 #[cfg(doc)]
 use crate::key::Key;
@@ -70,24 +72,26 @@ mod sealed {
     impl Sealed for crate::isa::Avx2 {}
     #[cfg(simdop_x86)]
     impl Sealed for crate::isa::Avx512 {}
+    #[cfg(simdop_x86)]
+    impl Sealed for super::x86::X86 {}
     #[cfg(simdop_neon)]
     impl Sealed for crate::isa::Neon {}
 }
 
 /// The operations of the hot loop, for one instruction set. The implementor is the token that proves it is
-/// there. See the [law](self).
+/// there, or holds it. See the [law](self).
 pub trait Kernel: Copy + core::fmt::Debug + sealed::Sealed {
     /// Runs `f` compiled for the instruction set, as far as `f` is inlined: a gate, which queries enter
     /// a few times each.
     fn run<R>(self, f: impl FnOnce() -> R) -> R;
 
-    /// [`Kernel::run`] for code that is more than loops over columns: with AVX-512 it is compiled for AVX2, and kernels of
-    /// AVX-512 are calls. Where 512 bits are at hand, the compiler loads the numbers of a pose by gathers, which are slower than
-    /// what they replace: queries took 1.08 of the time.
-    #[inline(always)]
-    fn run_narrow<R>(self, f: impl FnOnce() -> R) -> R {
-        self.run(f)
-    }
+    /// What traversals descend by, for code that is more than loops over columns. On x86-64 it is compiled for AVX2, once for
+    /// both instruction sets, and what AVX-512 does better is a call. Where 512 bits are at hand, the compiler loads the numbers
+    /// of a pose by gathers, which are slower than what they replace: queries took 1.08 of the time.
+    type Narrow: Kernel;
+
+    /// See [`Kernel::Narrow`].
+    fn narrow(self) -> Self::Narrow;
 
     /// Which children of `node` the body in lane `lane` (below `W`) of `query` overlaps.
     #[must_use]

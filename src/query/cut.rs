@@ -28,7 +28,7 @@ fn own_slabs<N: Lanes, P: Primitive, E: Kernel>(
     body: &Extent,
     pose: Option<&Pose>,
 ) -> OwnSlabs {
-    kernel.run_narrow(
+    kernel.run(
         #[inline(always)]
         || N::own_slabs::<P>(item, margin, body, pose),
     )
@@ -137,7 +137,7 @@ where
         }
         let Some((_, slabs)) = &self.cutter else { return bits };
         let kernel = self.kernel;
-        kernel.run_narrow(
+        kernel.run(
             #[inline(always)]
             || {
                 let mut left = bits;

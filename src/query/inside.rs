@@ -130,7 +130,7 @@ impl Query {
         ray: &Ray,
         counters: &mut Counters,
     ) -> Result<Option<u32>, f64> {
-        on_isa!(self.isa, token => around_on(token, solid, point, ray, self.budget, counters))
+        on_isa!(self.isa, token => around_on(token.narrow(), solid, point, ray, self.budget, counters))
     }
 }
 
@@ -144,7 +144,7 @@ fn around_on<N: Lanes, P: Primitive, E: Kernel>(
     budget: u64,
     counters: &mut Counters,
 ) -> Result<Option<u32>, f64> {
-    kernel.run_narrow(
+    kernel.run(
         #[inline(always)]
         || {
             let mut aimed = N::NO_AIMED;

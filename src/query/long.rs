@@ -79,7 +79,7 @@ where
         });
         let (node_a, node_b) = (&a.nodes()[node_a as usize], &b.nodes()[node_b as usize]);
         let (mut asked, mut found) = (0, 0);
-        self.kernel.run_narrow(
+        self.kernel.run(
             #[inline(always)]
             || {
                 let mut pairs = bits_of(rows.pending as u16)

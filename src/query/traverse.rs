@@ -174,7 +174,7 @@ where
     #[inline(never)]
     fn descend(&mut self, volumes: Option<Volumes>, stack: &mut Stack<'_>) -> ControlFlow<Stop, bool> {
         let kernel = self.kernel;
-        kernel.run_narrow(
+        kernel.run(
             #[inline(always)]
             || {
                 let mut next = volumes;

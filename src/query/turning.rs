@@ -82,7 +82,9 @@ impl Query {
                 let mut map = N::UNMAPPED;
                 set_up::<N, P>(&mut map, placing, &a.extent(), &b.frame());
                 let limits = Limits { budget: self.budget, margin };
-                Traversal::new(kernel, (a, b), placing, &mut map, limits, counters, visit).run().break_value()
+                Traversal::new(kernel.narrow(), (a, b), placing, &mut map, limits, counters, visit)
+                    .run()
+                    .break_value()
             },
         )
     }

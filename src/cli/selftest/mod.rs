@@ -27,7 +27,7 @@ use simdop::query::{Answer, AnyError, Counters, Verdict};
 use std::io::{BufWriter, Write};
 use std::time::Instant;
 use tally::{Asked, CaseReport, Tally};
-use trees::{BodyTrees, TreeFormat};
+use trees::{Bodies, BodyTrees, TreeFormat};
 
 #[derive(Args, Debug)]
 pub(super) struct Options {
@@ -141,9 +141,9 @@ fn run_case(case: &HardCase, count: u64, seed: u64, tally: &mut Tally<'_>) -> Re
 /// Poses of which one is asked for all of its pairs of triangles, too.
 const POSES_FOR_ALL_PAIRS: usize = 8;
 
-/// Asks the trees what the oracle says of the bodies, which they are.
+/// Asks the bodies what the oracle says of them.
 fn ask(
-    trees: &BodyTrees,
+    bodies: &dyn Bodies,
     drawn: &Trial,
     (trial, format): (u64, &TreeFormat),
     tally: &mut Tally<'_>,
@@ -152,11 +152,11 @@ fn ask(
     for (place, rows) in drawn.poses.iter().enumerate() {
         let pose = Pose::from_rows(*rows).map_err(|error| error.to_string())?;
         let truth = oracle.truth(rows);
-        let (answers, nanoseconds) = answers(trees, &pose).map_err(|error| error.to_string())?;
+        let (answers, nanoseconds) = answers(bodies, &pose).map_err(|error| error.to_string())?;
         let mut wrong = check::verdicts(truth, &answers, |a, b| oracle.is_witness(rows, a, b));
         let mut wrong_pairs = Vec::new();
         if place % POSES_FOR_ALL_PAIRS == 0 && drawn.a.copies == 1 {
-            wrong_pairs = all_pairs(trees, &oracle, rows, &pose).map_err(|error| error.to_string())?;
+            wrong_pairs = all_pairs(bodies, &oracle, rows, &pose).map_err(|error| error.to_string())?;
             wrong.extend(&wrong_pairs);
         }
         if let Some((_, answer)) = answers.last() {
@@ -177,11 +177,11 @@ fn ask(
 }
 
 /// Of all instruction sets, weakest first, and how long the last took: by then all is in the cache.
-fn answers(trees: &BodyTrees, pose: &Pose) -> Result<(Vec<(Isa, Answer)>, u64), AnyError> {
+fn answers(bodies: &dyn Bodies, pose: &Pose) -> Result<(Vec<(Isa, Answer)>, u64), AnyError> {
     let (mut answers, mut nanoseconds) = (Vec::with_capacity(4), 0);
     for isa in Isa::available() {
         let start = Instant::now();
-        let answer = trees.collide(isa, pose)?;
+        let answer = bodies.collide(isa, pose)?;
         nanoseconds = u64::try_from(start.elapsed().as_nanos()).unwrap_or(u64::MAX);
         answers.push((isa, answer));
     }
@@ -189,14 +189,14 @@ fn answers(trees: &BodyTrees, pose: &Pose) -> Result<(Vec<(Isa, Answer)>, u64), 
 }
 
 fn all_pairs(
-    trees: &BodyTrees,
+    bodies: &dyn Bodies,
     oracle: &Oracle<'_>,
     rows: &Matrix,
     pose: &Pose,
 ) -> Result<Vec<(Wrong, Isa)>, AnyError> {
     let mut found = Vec::new();
     for isa in Isa::available() {
-        match trees.pairs(isa, pose) {
+        match bodies.pairs(isa, pose) {
             Some(pairs) => found.push((isa, pairs?)),
             None => return Ok(Vec::new()),
         }
@@ -260,31 +260,60 @@ mod tests {
     use super::*;
     use figures::resized;
     use oracle::Figure;
+    use simdop::query::{Hint, Pair};
+    use trees::AllPairs;
 
-    /// Trees of bodies that are a tenth smaller or larger than what the oracle is told: a library that misses collisions, and
-    /// one that invents them.
+    /// Bodies that answer right, but of other sizes than they are said to have: a library that misses collisions, and one that
+    /// invents them.
+    struct Resized {
+        a: Figure,
+        b: Figure,
+        /// Whether scalar code counts otherwise.
+        is_unequal: bool,
+    }
+
+    impl Bodies for Resized {
+        fn collide(&self, isa: Isa, pose: &Pose) -> Result<Answer, AnyError> {
+            let (pairs, mut counters) = self.pairs(isa, pose).unwrap()?;
+            let verdict = pairs.first().map_or(Verdict::Free, |&(a, b)| Verdict::Hit(Pair { a, b }));
+            counters.visits = u64::from(self.is_unequal && isa == Isa::SCALAR);
+            Ok(Answer { verdict, counters, hint: Hint::NONE })
+        }
+
+        fn pairs(&self, _: Isa, pose: &Pose) -> Option<Result<AllPairs, AnyError>> {
+            let (rows, t) = (pose.rows(), pose.translation());
+            let rows: Matrix =
+                core::array::from_fn(|i| core::array::from_fn(|j| if j < 3 { rows[i][j] } else { t[i] }));
+            let pairs = Oracle::new(&self.a, &self.b).pairs(&rows);
+            Some(Ok((pairs.into_iter().collect(), Counters::default())))
+        }
+    }
+
     #[test]
     fn wrong_answers_are_noticed() {
         let format = TreeFormat::of(0);
         let mut draw = Draw::new(1, "benign", 0, format.is_single);
         let Maker::Bodies(make) = CASES[0].maker else { panic!("the first case is of bodies") };
         let drawn = make(&mut draw);
-        let as_large = |by: f64| {
+        let judged = |by: f64, is_unequal: bool| {
             let figure =
                 |figure: &Figure| Figure::surface(resized(figure.triangles().copied().collect(), by));
-            let trial = Trial { a: figure(&drawn.a), b: figure(&drawn.b), poses: Vec::new() };
-            let trees = BodyTrees::build(&trial, &format).unwrap();
+            let bodies = Resized { a: figure(&drawn.a), b: figure(&drawn.b), is_unequal };
             let mut tally = Tally::new(&CASES[0], 1, &|| ());
-            ask(&trees, &drawn, (0, &format), &mut tally).unwrap();
+            ask(&bodies, &drawn, (0, &format), &mut tally).unwrap();
             tally.finished()
         };
-        let (right, smaller, larger) = (as_large(1.0), as_large(0.9), as_large(1.1));
+        let right = judged(1.0, false);
         assert!(right.is_right());
         assert_eq!(right.sums()[0], 64);
+        let (smaller, larger, unequal) = (judged(0.9, false), judged(1.1, false), judged(1.0, true));
         assert!(smaller.wrong_answers()[0] > 0 && larger.wrong_answers()[1] > 0);
-        for wrong in [smaller, larger] {
+        for wrong in [&smaller, &larger] {
             assert_eq!(wrong.wrong_answers()[2], 0, "all instruction sets are as wrong");
-            assert!(!wrong.is_right());
         }
+        // With scalar code alone there is nothing to differ from.
+        let differ = Isa::available().count() > 1;
+        assert_eq!(unequal.wrong_answers(), [0, 0, if differ { 64 } else { 0 }]);
+        assert!(!smaller.is_right() && !larger.is_right());
     }
 }

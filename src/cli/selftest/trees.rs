@@ -96,6 +96,14 @@ impl core::fmt::Display for TreeFormat {
     }
 }
 
+/// Two bodies, as the self-test asks them.
+pub(super) trait Bodies {
+    fn collide(&self, isa: Isa, pose: &Pose) -> Result<Answer, AnyError>;
+
+    /// All pairs of triangles, of bodies that are.
+    fn pairs(&self, isa: Isa, pose: &Pose) -> Option<Result<AllPairs, AnyError>>;
+}
+
 /// Two trees of one node type.
 pub(super) enum BodyTrees {
     Triangles(AnyBvh, AnyBvh),
@@ -115,8 +123,10 @@ impl BodyTrees {
             (false, _) => Self::Triangles(format.mesh(&trial.a)?, format.mesh(&trial.b)?),
         })
     }
+}
 
-    pub(super) fn collide(&self, isa: Isa, pose: &Pose) -> Result<Answer, AnyError> {
+impl Bodies for BodyTrees {
+    fn collide(&self, isa: Isa, pose: &Pose) -> Result<Answer, AnyError> {
         let query = Query::new(isa);
         match self {
             Self::Triangles(a, b) => query.collide_any(&a.view(), &b.view(), pose),
@@ -125,8 +135,7 @@ impl BodyTrees {
         }
     }
 
-    /// All pairs of triangles, of bodies that are.
-    pub(super) fn pairs(&self, isa: Isa, pose: &Pose) -> Option<Result<AllPairs, AnyError>> {
+    fn pairs(&self, isa: Isa, pose: &Pose) -> Option<Result<AllPairs, AnyError>> {
         let Self::Triangles(a, b) = self else { return None };
         let mut pairs = BTreeSet::new();
         let found = Query::new(isa).for_each_pair_any(&a.view(), &b.view(), pose, |pair| {

@@ -7,6 +7,7 @@ mod dops;
 mod points;
 mod triangles;
 
+use super::x86::X86;
 use super::{Kernel, Turned};
 use crate::isa::Avx2;
 use crate::node::{Aabb16, Ball16, BoundingBall, Box3, Bucket, Node4, Node16};
@@ -14,6 +15,13 @@ use crate::primitive::triangle::{Probe, Triangle};
 use crate::realign::{OwnSlab, Realignment};
 
 impl Kernel for Avx2 {
+    type Narrow = X86;
+
+    #[inline(always)]
+    fn narrow(self) -> X86 {
+        X86::avx2(self)
+    }
+
     #[inline(always)]
     fn run<R>(self, f: impl FnOnce() -> R) -> R {
         Self::run(self, f)

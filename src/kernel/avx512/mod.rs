@@ -5,6 +5,7 @@
 mod dops;
 mod points;
 
+use super::x86::{X86, as_avx2};
 use super::{Kernel, Turned};
 use crate::isa::Avx512;
 use crate::node::{Aabb16, Ball16, BoundingBall, Box3, Bucket, Node4, Node16};
@@ -12,75 +13,24 @@ use crate::primitive::triangle::{Probe, Triangle};
 use crate::realign::{OwnSlab, Realignment};
 
 impl Kernel for Avx512 {
+    type Narrow = X86;
+
+    #[inline(always)]
+    fn narrow(self) -> X86 {
+        X86::avx512(self)
+    }
+
     #[inline(always)]
     fn run<R>(self, f: impl FnOnce() -> R) -> R {
         Self::run(self, f)
     }
 
-    #[inline(always)]
-    fn run_narrow<R>(self, f: impl FnOnce() -> R) -> R {
-        self.as_avx2().run(f)
-    }
-
-    #[inline(always)]
-    fn overlap_1v16<const W: usize, const K: usize>(
-        self,
-        query: &Turned<W, K>,
-        lane: usize,
-        node: &Node16<K>,
-    ) -> u16 {
-        self.as_avx2().overlap_1v16(query, lane, node)
-    }
-
-    #[inline(always)]
-    fn overlap_16v1<const K: usize>(self, query: &Turned<16, K>, node: &Node16<K>, lane: usize) -> u16 {
-        self.as_avx2().overlap_16v1(query, node, lane)
-    }
-
-    #[inline(always)]
-    fn overlap_16v_hull<const K: usize>(self, query: &Turned<16, K>, node: &Node16<K>) -> u16 {
-        self.as_avx2().overlap_16v_hull(query, node)
-    }
-
-    #[inline(always)]
-    fn overlap_4v4<const K: usize>(self, query: &Turned<4, K>, node: &Node4<K>) -> u16 {
-        self.as_avx2().overlap_4v4(query, node)
-    }
-
-    #[inline(always)]
-    fn apart_4(self, probe: &Probe<'_>, triangles: &[Triangle; 4]) -> u16 {
-        self.as_avx2().apart_4(probe, triangles)
-    }
-
-    #[inline(always)]
-    fn beyond_16<const K: usize>(self, slab: &OwnSlab, node: &Node16<K>) -> u16 {
-        self.as_avx2().beyond_16(slab, node)
-    }
-
-    #[inline(always)]
-    fn beyond_4<const K: usize>(self, slab: &OwnSlab, node: &Node4<K>) -> u16 {
-        self.as_avx2().beyond_4(slab, node)
-    }
+    as_avx2!();
 
     #[inline(always)]
     fn realign_16<const K: usize>(self, map: &Realignment<K>, node: &Node16<K>, query: &mut Turned<16, K>) {
         // SAFETY: the token proves the features that the function is compiled for.
         unsafe { dops::realign_16(map, node, query) }
-    }
-
-    #[inline(always)]
-    fn realign_4<const K: usize>(self, map: &Realignment<K>, node: &Node4<K>, query: &mut Turned<4, K>) {
-        self.as_avx2().realign_4(map, node, query);
-    }
-
-    #[inline(always)]
-    fn balls_meet(self, a: &Ball16, wanted: u16, b: &Ball16, rows: &mut [u16; 16]) {
-        self.as_avx2().balls_meet(a, wanted, b, rows);
-    }
-
-    #[inline(always)]
-    fn balls_share(self, a: &BoundingBall, b: &Ball16, shared: &mut [f32; 16]) {
-        self.as_avx2().balls_share(a, b, shared);
     }
 
     #[inline(always)]

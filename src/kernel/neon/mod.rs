@@ -13,6 +13,13 @@ use crate::primitive::triangle::{Probe, Triangle};
 use crate::realign::{OwnSlab, Realignment};
 
 impl Kernel for Neon {
+    type Narrow = Self;
+
+    #[inline(always)]
+    fn narrow(self) -> Self {
+        self
+    }
+
     #[inline(always)]
     fn run<R>(self, f: impl FnOnce() -> R) -> R {
         Self::run(self, f)

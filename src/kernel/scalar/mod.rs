@@ -16,6 +16,13 @@ impl Kernel for Scalar {
     // Every 64-bit Arm core has `f64`, and NEON: there it would be code that is never run.
     const ON_LATTICE: bool = !cfg!(simdop_neon);
 
+    type Narrow = Self;
+
+    #[inline(always)]
+    fn narrow(self) -> Self {
+        self
+    }
+
     #[inline(always)]
     fn run<R>(self, f: impl FnOnce() -> R) -> R {
         f()
