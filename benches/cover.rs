@@ -81,7 +81,7 @@ fn row(name: &str, data: &MeshData, share: f64, is_solid: bool) {
         .without_balls()
         .build_geometry(&SphereSet { spheres: &spheres }, &mut |_| ControlFlow::Continue(()))
         .unwrap();
-    let rough = Builder::new().build::<Node16<32>>(&mesh).unwrap();
+    let rough = Builder::new().build::<Node>(&mesh).unwrap();
     let pair = Approaching { a: data, b: data, tree_a: rough.view(), tree_b: rough.view() };
     let lines: Vec<_> = Method::ALL
         .into_iter()
