@@ -39,7 +39,7 @@ fn distance(mesh: &MeshData, rows: &Rows) -> f64 {
 #[test]
 fn bodies_are_as_far_apart_as_said() {
     let mesh = body();
-    let tree: Bvh<Node16<32>> =
+    let tree: Bvh<Node16<18>> =
         Builder::new().build(&Mesh { vertices: &mesh.vertices, triangles: &mesh.triangles }).unwrap();
     let pair = Approaching { a: &mesh, b: &mesh, tree_a: tree.view(), tree_b: tree.view() };
     for method in Method::ALL {

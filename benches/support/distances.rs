@@ -13,7 +13,7 @@ pub(crate) type PerDistance<T> = [T; DISTANCES.len()];
 /// `count` poses at each distance, half of them by each method. Found by the trees of one splitter, so that a
 /// change of another is judged at the same poses.
 pub(crate) fn poses(mesh: &MeshData, count: usize) -> PerDistance<Vec<Pose>> {
-    let tree: Bvh<Node16<32>> = Builder::new()
+    let tree: Bvh<Node16<18>> = Builder::new()
         .splitter(Splitter::ExtendedLongestAxis)
         .build(&Mesh { vertices: &mesh.vertices, triangles: &mesh.triangles })
         .unwrap();

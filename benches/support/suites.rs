@@ -58,8 +58,8 @@ const STEP: f64 = 1.0 / (1 << 24) as f64;
 pub(crate) struct Approaching<'t> {
     pub(crate) a: &'t MeshData,
     pub(crate) b: &'t MeshData,
-    pub(crate) tree_a: BvhRef<'t, Node16<32>>,
-    pub(crate) tree_b: BvhRef<'t, Node16<32>>,
+    pub(crate) tree_a: BvhRef<'t, Node16<18>>,
+    pub(crate) tree_b: BvhRef<'t, Node16<18>>,
 }
 
 impl Approaching<'_> {

@@ -93,7 +93,7 @@ pub(crate) fn approaching<const N: usize>(
     seed: u64,
 ) -> [Vec<(Rows, Method)>; N] {
     let (a, b) = (&meshes[0], &meshes[meshes.len() - 1]);
-    let tree = |mesh: &MeshData| -> Bvh<Node16<32>> {
+    let tree = |mesh: &MeshData| -> Bvh<Node16<18>> {
         let mesh = Mesh { vertices: &mesh.vertices, triangles: &mesh.triangles };
         Builder::new().build(&mesh).expect("the data sets can be built")
     };
