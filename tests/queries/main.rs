@@ -36,6 +36,7 @@ mod far;
 mod fate;
 mod hierarchy;
 mod hints;
+mod inlining;
 mod many;
 mod mesh_poses;
 mod motion;
