@@ -203,7 +203,8 @@ fn spheres_hold_the_solid_and_stay_near_it() {
         ("overlap", together(cuboid([0.0; 3], [1.0; 3]), &cuboid([0.5; 3], [1.5; 3]))),
         ("plate", cuboid([-1.0, -1.0, 0.0], [1.0, 1.0, 0.015625])),
     ] {
-        let counts = [0.5, 0.25, 0.0625].map(|error| check_solid(&mesh, error, points, name));
+        let errors = if suite_step() > 1 { [0.5, 0.25, 0.125] } else { [0.5, 0.25, 0.0625] };
+        let counts = errors.map(|error| check_solid(&mesh, error, points, name));
         assert!(counts.is_sorted(), "{name}: {counts:?}");
         assert_eq!(cover_solid(&mesh, 10.0).len(), 1, "{name}: one sphere is enough");
     }
@@ -234,7 +235,9 @@ fn open_meshes_have_no_solid_to_cover() {
     for error in [0.0, -1.0, f64::NAN, f64::INFINITY, 1e-12] {
         assert!(matches!(cube.cover_solid(error), Err(CoverError::Error { .. })));
     }
-    assert_eq!(cube.cover_solid(1e-5), Err(CoverError::TooMany));
+    if suite_step() == 1 {
+        assert_eq!(cube.cover_solid(1e-5), Err(CoverError::TooMany));
+    }
 }
 
 /// Points are triangles whose corners are one.
@@ -276,6 +279,8 @@ fn what_cannot_be_covered_is_refused() {
     assert_eq!(open.cover(0.1), Err(CoverError::Mesh(BuildError::Primitive { index: 0 })));
     let wrong = Mesh { vertices: &[[f64::NAN; 3]], triangles: &[] };
     assert_eq!(wrong.cover(0.1), Err(CoverError::Mesh(BuildError::Vertex { index: 0 })));
-    // So small an error takes more spheres than a tree has.
-    assert_eq!(mesh.cover(1e-5), Err(CoverError::TooMany));
+    // So small an error takes more spheres than a tree has. They take seconds, and minutes in an emulator.
+    if suite_step() == 1 {
+        assert_eq!(mesh.cover(1e-5), Err(CoverError::TooMany));
+    }
 }

@@ -275,7 +275,7 @@ mod tests {
     #[test]
     fn balls_are_the_smallest() {
         let rng = &mut Rng::new(1);
-        for _ in 0..400 {
+        for _ in 0..100 {
             let balls = hard_set(rng);
             let (got, want) = (reach(&balls, smallest_enclosing(&balls)), least_reach(&balls));
             assert!(got <= want * 1.0001, "{got} is not {want}: {balls:?}");
