@@ -36,7 +36,6 @@ mod far;
 mod fate;
 mod hierarchy;
 mod hints;
-mod inlining;
 mod many;
 mod mesh_poses;
 mod motion;

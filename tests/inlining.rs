@@ -1,14 +1,15 @@
 //! The kernels are inlined in the traversal: a call for each row would cost as much as the row.
 //!
 //! What is asserted, on this binary's own table of symbols: of the modules `simdop::kernel::{avx2, avx512,
-//! neon}` no function is left but the re-alignment and the filter of four triangles. This program queries with every node type, and
-//! searches a cloud of points in every way, on every instruction set; so `overlap_1v16`, `overlap_16v1`,
+//! neon}` no function is left but the re-alignment. This program queries with every node type, and searches a cloud of points
+//! in every way, on every instruction set, and uses the kernels in no other way; so `overlap_1v16`, `overlap_16v1`,
 //! `overlap_4v4`, `boxes_near`, `points_near`, `pick` and what they are made of (loads, masks) are inlined in each of those
 //! traversals, and nothing calls them: a function that is called has a symbol. `#[inline(never)]` on any of them fails the test. Needs an
 //! optimised ELF binary.
 #![cfg(target_os = "linux")]
 
-use crate::support::data::notice;
+mod support;
+
 use core::ops::ControlFlow;
 use simdop::cloud::{Cloud, List, Neighbour, Queries, Radii, RangeSearch, Seat};
 use simdop::construct::{Builder, Mesh};
@@ -18,6 +19,7 @@ use simdop::node::{Node4, Node16};
 use simdop::pose::Pose;
 use simdop::query::{Lanes, Query};
 use std::hint::black_box;
+use support::data::notice;
 
 /// One query on every instruction set, so that each traversal is compiled.
 fn query<N: Lanes>() {
