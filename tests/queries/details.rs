@@ -128,11 +128,11 @@ fn margins_and_distances_are_exact_in_details() {
 #[test]
 fn every_splitter_has_details() {
     let mut scene = room(300);
-    let (fine, count) = (torus(12, 10), size(40, 10));
+    let (fine, count) = (torus(12, 10), size(40, 10) as usize);
     let rng = &mut Rng::new(3);
     for i in 0..count {
         let at = [rng.range(-4.0, 4.0), rng.range(-4.0, 4.0), rng.range(0.1, 2.9)];
-        append(&mut scene, &scaled(&fine, [3e-4, 1e-4][i as usize % 2], at));
+        append(&mut scene, &scaled(&fine, [3e-4, 1e-4][i % 2], at));
     }
     for splitter in splitters(1) {
         let builder = Builder::new().splitter(splitter);
@@ -143,14 +143,14 @@ fn every_splitter_has_details() {
             (0..tree.view().len() as u32).map(|index| tree.view().source(index)).collect();
         sources.sort_unstable();
         assert!(sources.iter().copied().eq(0..scene.triangles.len() as u32), "{splitter:?}: each once");
-        assert_eq!(tree.view().details().len(), count as usize, "{splitter:?}: one for each");
+        assert_eq!(tree.view().details().len(), count, "{splitter:?}: one for each");
         let thick = builder.without_thin_slabs().build::<Node4<14>>(&mesh_of(&scene)).unwrap();
         thick.view().verify().unwrap();
-        assert_eq!(thick.view().details().len(), count as usize, "{splitter:?}: one for each");
+        assert_eq!(thick.view().details().len(), count, "{splitter:?}: one for each");
     }
     let tree = build_with_leaves::<Node16<18>>(&scene, 3);
     tree.view().verify().unwrap();
-    assert!(tree.view().details().len() >= count as usize, "{}", tree.view().details().len());
+    assert!(tree.view().details().len() >= count, "{}", tree.view().details().len());
 }
 
 /// As many primitives as one likes in one place, and bodies that are points, are no details.
