@@ -7,7 +7,10 @@
 //! ```
 //!
 //! Prints a table: medians, milliseconds. The first build of all compiles the kernels and is not counted.
-//! Every tree is compared with the scalar builder's.
+//! Every tree is compared with the scalar builder's; above a million primitives one thread is not asked.
+//!
+//! A device without work slows its clock down. "After a pause" is the device's first tree after the scalar builder's work; the other
+//! times are those of trees that it builds one after the other, after some that are not counted.
 
 #![expect(clippy::unwrap_used, reason = "a bench that cannot go on has failed")]
 
@@ -15,16 +18,19 @@
 mod rng;
 #[path = "support/short.rs"]
 mod short;
+#[path = "support/warm.rs"]
+mod warm;
 
 use core::ops::ControlFlow;
 use rng::Rng;
-use short::count;
 use simdop::construct::gpu::Spent;
 use simdop::construct::{Assignment, Clustering};
 use simdop::device::Gpu;
 use std::time::{Duration, Instant};
+use warm::warm_up;
 
 const COUNTS: [usize; 5] = [2_000, 10_000, 100_000, 1_000_000, 10_000_000];
+const MOST_ON_ONE_THREAD: usize = 1_000_000;
 
 /// Points with weights.
 struct Cloud {
@@ -78,36 +84,49 @@ impl Bench {
                 .assign(&cloud.points, Some(&cloud.weights), &mut |_| ControlFlow::Continue(()))
                 .unwrap()
         };
-        let repeats = if cloud.points.len() > 100_000 { 1 } else { count(5, 1) };
-        let (mut one, mut all, mut whole, mut parts) = (vec![], vec![], vec![], vec![]);
-        for _ in 0..repeats {
-            let (want, time) = self.one.install(|| timed(scalar));
-            one.push(time);
-            all.push(self.all.install(|| timed(scalar)).1);
+        let count = cloud.points.len();
+        let repeats = if count > 100_000 { 1 } else { short::count(5, 1) };
+        let (want, _) = self.all.install(|| timed(scalar));
+        let on_threads = |pool: &rayon::ThreadPool| {
+            let times = (0..repeats).map(|_| {
+                let (tree, time) = pool.install(|| timed(scalar));
+                assert!(tree == want, "the number of threads makes another tree");
+                time
+            });
+            median(times.collect())
+        };
+        let all = on_threads(&self.all);
+        let one = (count <= MOST_ON_ONE_THREAD).then(|| on_threads(&self.one));
+        let on_device = || {
             let ((got, spent), time) = timed(|| self.on_device(cloud, clustering));
             assert!(got == want, "the device's tree is another one");
-            whole.push(time);
-            parts.push(spent);
-        }
+            (time, spent)
+        };
+        let after_pause = median(vec![on_device().0]);
+        warm_up(on_device);
+        let (whole, parts): (Vec<_>, Vec<_>) =
+            (0..repeats.max(short::count(3, 1))).map(|_| on_device()).unzip();
+        let whole = median(whole);
         let part = |of: fn(&Spent) -> Duration| median(parts.iter().map(of).collect());
-        let (one, all, whole) = (median(one), median(all), median(whole));
-        let count = cloud.points.len();
+        let text = |value: Option<f64>| value.map_or(String::new(), |value| format!("{value:.1}"));
         println!(
-            "| {kind} | {arity} | {count} | {one:.1} | {all:.1} | {whole:.1} | {:.1} | {:.1} | {:.1} | {:.2} | {:.2} | {:.0} | {:.3} |",
+            "| {kind} | {arity} | {count} | {} | {all:.1} | {after_pause:.1} | {whole:.1} | {:.1} | {:.1} | {:.1} | {} | {:.1} | {:.0} |",
+            text(one),
             part(|s| s.upload),
             part(|s| s.device),
             part(|s| s.download),
-            one / whole,
+            text(one.map(|one| one / whole)),
             all / whole,
             parts[0].memory as f64 / count as f64,
-            part(|s| s.device) / (count as f64).log2().powi(2),
         );
     }
 }
 
 fn main() {
-    let most =
-        std::env::args().skip(1).find_map(|word| word.parse().ok()).unwrap_or(count(100_000, COUNTS[0]));
+    let most = std::env::args()
+        .skip(1)
+        .find_map(|word| word.parse().ok())
+        .unwrap_or(short::count(100_000, COUNTS[0]));
     let pool = |threads| rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
     let bench = Bench { gpu: Gpu::new().unwrap(), one: pool(1), all: pool(0) };
     let info = bench.gpu.info();
@@ -121,7 +140,7 @@ fn main() {
         bench.all.current_num_threads()
     );
     println!(
-        "\n| | lanes | primitives | 1 thread | all threads | device, all | upload | device | download | 1 thread / device | all threads / device | bytes a primitive | device / log2^2 n |"
+        "\n| | lanes | primitives | 1 thread | all threads | device, after a pause | device | of it upload | kernels | download | 1 thread / device | all threads / device | bytes a primitive |"
     );
     println!("|---|---|---|---|---|---|---|---|---|---|---|---|---|");
     let mut rng = Rng::new(1);

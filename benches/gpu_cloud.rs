@@ -8,7 +8,8 @@
 //! Prints a table: medians, milliseconds. Uniform points, each of them a query, or as many others; radii that find some 30
 //! neighbours. "CPU" is one core on the widest instruction set, "device" its kernels alone, "in and out" what goes to the device and
 //! comes back beside: positions, queries, lists and neighbours. The first search compiles the kernels and is not counted. All
-//! lists and neighbours are compared with the CPU's.
+//! lists and neighbours are compared with the CPU's. A device without work slows its clock down: what it does is timed one call after the
+//! other, after some that are not counted.
 
 #![expect(clippy::unwrap_used, reason = "a bench that cannot go on has failed")]
 
@@ -16,6 +17,8 @@
 mod rng;
 #[path = "support/short.rs"]
 mod short;
+#[path = "support/warm.rs"]
+mod warm;
 
 use rng::Rng;
 use short::count;
@@ -24,6 +27,7 @@ use simdop::cloud::{Cloud, List, Queries, Radii, RangeSearch, SearchError, Seat}
 use simdop::device::Gpu;
 use simdop::isa::Isa;
 use std::time::{Duration, Instant};
+use warm::warm_up;
 
 const COUNTS: [usize; 5] = [2_000, 10_000, 131_072, 1_000_000, 4_000_000];
 
@@ -63,6 +67,9 @@ fn search(
     let (mut times, mut device) = (vec![], vec![]);
     for _ in 0..repeats {
         times.push(timed(|| cpu.count(&view, queries, radii, &mut counts).unwrap()).1);
+    }
+    warm_up(|| on_device.count(queries, radii, &mut got_counts).unwrap());
+    for _ in 0..repeats {
         device.push(on_device.count(queries, radii, &mut got_counts).unwrap());
         assert!(counts == got_counts, "other counts");
     }
@@ -77,6 +84,9 @@ fn search(
     let (mut times, mut device) = (vec![], vec![]);
     for _ in 0..repeats {
         times.push(timed(|| cpu.fill(&view, queries, radii, &mut lists, &mut indices).unwrap()).1);
+    }
+    warm_up(|| on_device.fill(queries, radii, &mut got_lists, &mut got).unwrap());
+    for _ in 0..repeats {
         device.push(on_device.fill(queries, radii, &mut got_lists, &mut got).unwrap());
         assert!(lists == got_lists && indices == got, "other lists or neighbours");
     }
@@ -92,12 +102,17 @@ fn row(gpu: &Gpu, points: usize, repeats: usize) {
     let radius = (30.0 / points as f64 * 3.0 / (4.0 * core::f64::consts::PI)).cbrt() as f32;
     let (mut cloud, build) = timed(|| Cloud::new(&positions).unwrap());
     let (mut on_device, copy) = timed(|| DeviceCloud::new(gpu, &cloud.view()).unwrap());
+    let mut jitter = |positions: &mut Vec<[f32; 3]>| {
+        positions.iter_mut().flatten().for_each(|x| *x += 0.1 * radius * (rng.unit() as f32 - 0.5));
+    };
     let (mut times, mut device) = (vec![], vec![]);
     for _ in 0..repeats {
-        for p in &mut positions {
-            *p = p.map(|x| x + 0.1 * radius * (rng.unit() as f32 - 0.5));
-        }
+        jitter(&mut positions);
         times.push(timed(|| cloud.refit(&positions).unwrap()).1);
+    }
+    warm_up(|| on_device.refit(&positions).unwrap());
+    for _ in 0..repeats {
+        jitter(&mut positions);
         device.push(on_device.refit(&positions).unwrap());
     }
     assert_eq!(
@@ -114,6 +129,9 @@ fn row(gpu: &Gpu, points: usize, repeats: usize) {
     let (mut times, mut device) = (vec![], vec![]);
     for _ in 0..repeats {
         times.push(timed(|| cpu.seat(&cloud.view(), &others, &mut want).unwrap()).1);
+    }
+    warm_up(|| on_device.seat(&others, &mut seats).unwrap().1);
+    for _ in 0..repeats {
         device.push(on_device.seat(&others, &mut seats).unwrap().1);
     }
     assert!(seats == want, "other seats");

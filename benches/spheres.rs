@@ -30,6 +30,8 @@ mod lens;
 mod rng;
 #[path = "support/short.rs"]
 mod short;
+#[path = "support/warm.rs"]
+mod warm;
 mod spheres {
     pub(crate) mod all_pairs;
     pub(crate) mod bounds;

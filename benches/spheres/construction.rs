@@ -3,6 +3,7 @@
 use super::makers::{Made, Makers};
 use super::models::Model;
 use crate::short::count;
+use crate::warm::warm_up;
 use simdop::construct::{Builder, Magnification, Splitter};
 use simdop::node::{Dop, Node4, Node16};
 use std::fmt::Write;
@@ -52,9 +53,12 @@ fn row<N: Dop>(model: &Model, size: usize, makers: &Makers) -> Row {
     for _ in 0..repeats {
         times[0].push(check(makers.on_one_thread(&builder, spheres)));
         times[1].extend(makers.on_all_threads(&builder, spheres).map(check));
-        times[2].extend(makers.on_device(&builder, spheres).map(check));
         times[3].push(makers.on_one_thread::<N>(&Builder::new(), spheres).1);
     }
+    if makers.on_device::<N>(&builder, spheres).is_some() {
+        warm_up(|| makers.on_device::<N>(&builder, spheres));
+    }
+    times[2].extend((0..repeats).filter_map(|_| makers.on_device(&builder, spheres)).map(check));
     let [one_thread, all_threads, device, mean_width] = times.map(median);
     Row {
         model: model.name,

