@@ -160,6 +160,7 @@ fn run(data: &Path, setting: &Setting) {
         "scene {scene:.2} (of which placing {placing:.2}), pairs {pairs:.2}; margins of 5, 20, 50 mm {five:.2} {twenty:.2} {fifty:.2}"
     );
     drop(best);
+    println!("{}", same_pairs(&robot, &links, &worlds, &query));
     covers_of_all_errors(&robot, &mut worlds, &problems, &obstacles, &query);
     at_once(&robot, &mut worlds, &query);
     if !setting.is_drawn {
@@ -169,6 +170,49 @@ fn run(data: &Path, setting: &Setting) {
         });
         by_spheres(&robot, &mut worlds, scenes, &query);
     }
+}
+
+/// What all pairs of a configuration cost, each of them asked alone and to the end, for contact and for margins.
+fn same_pairs(robot: &Robot, links: &[Tree], worlds: &[World<'_>], query: &Query) -> String {
+    const MARGINS: [f64; 3] = [0.005, 0.02, 0.05];
+    let (mut sums, mut asked, mut pairs) = ([0.0; 4], 0, 0);
+    for world in worlds {
+        for at in world.configurations {
+            let mut posed: Vec<(&Tree, &Tree, Pose)> = Vec::new();
+            for &(i, j) in &robot.pairs {
+                posed.push((&links[i], &links[j], pose(&(at[j].inverse() * at[i]))));
+            }
+            for (tree, place) in &world.obstacles {
+                let back = place.inverse();
+                posed.extend(links.iter().zip(at).map(|(link, at)| (link, *tree, pose(&(back * *at)))));
+            }
+            let mut best = [f64::INFINITY; 4];
+            for _ in 0..count(15, 1) {
+                for (slot, best) in best.iter_mut().enumerate() {
+                    let start = Instant::now();
+                    for (a, b, pose) in &posed {
+                        let answer = match slot {
+                            0 => query.collide(*a, *b, pose),
+                            _ => query.within(*a, *b, pose, MARGINS[slot - 1]).unwrap(),
+                        };
+                        let _ = black_box(answer);
+                    }
+                    *best = best.min(start.elapsed().as_secs_f64() * 1e6);
+                }
+            }
+            sums.iter_mut().zip(best).for_each(|(sum, best)| *sum += best);
+            asked += 1;
+            pairs += posed.len();
+        }
+    }
+    let [touching, five, twenty, fifty] = sums.map(|sum| sum / f64::from(asked));
+    format!(
+        "all pairs alone, {:.1} a configuration: {touching:.2}; margins of 5, 20, 50 mm {five:.2} {twenty:.2} {fifty:.2}, {:.2} {:.2} {:.2} times that",
+        pairs as f64 / f64::from(asked),
+        five / touching,
+        twenty / touching,
+        fifty / touching
+    )
 }
 
 /// A scene of a robot's links, among the obstacles of a problem.

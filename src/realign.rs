@@ -43,7 +43,7 @@ mod ray;
 
 pub use back::WayBack;
 pub(crate) use ball::BallMap;
-pub(crate) use on_lattice::planes_on_lattice;
+pub(crate) use on_lattice::{ALL, planes_on_lattice, some_planes_of};
 pub use own_slab::{OwnSlab, OwnSlabs, own_slabs};
 pub(crate) use ray::Ray;
 

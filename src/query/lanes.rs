@@ -14,7 +14,9 @@ use crate::node::{Child, Dop, Node, Node4, Node16};
 use crate::pose::Pose;
 use crate::primitive::{LatticeCorners, Primitive};
 use crate::range::Point;
-use crate::realign::{OwnSlab, OwnSlabs, Ray, Realignment, own_slabs, planes_of, planes_on_lattice};
+use crate::realign::{
+    OwnSlab, OwnSlabs, Ray, Realignment, own_slabs, planes_of, planes_on_lattice, some_planes_of,
+};
 
 /// A node type that can be queried. Implemented by [`Node16`] and [`Node4`] only.
 pub trait Lanes: Dop {
@@ -60,8 +62,8 @@ pub trait Lanes: Dop {
         items: impl Iterator<Item = P::Item>,
         margin: f64,
     );
-    /// [`Lanes::aim`] of triangles by their corners on a lattice of `2^exponent` steps to the unit. False if it is not certain what
-    /// the planes are: then `aimed` may hold anything.
+    /// [`Lanes::aim`] of triangles by their corners on a lattice of `2^exponent` steps to the unit. Which planes are not certain, a bit
+    /// each: these may be anything.
     #[doc(hidden)]
     fn aim_on_lattice(
         aimed: &mut Self::Aimed,
@@ -69,7 +71,16 @@ pub trait Lanes: Dop {
         triangles: impl Iterator<Item = Option<LatticeCorners>>,
         exponent: i32,
         margin: f64,
-    ) -> bool;
+    ) -> u32;
+    /// [`Lanes::aim`] of the `wanted` planes of triangles, a bit each.
+    #[doc(hidden)]
+    fn aim_some<P: Primitive>(
+        aimed: &mut Self::Aimed,
+        b: &Frame,
+        items: impl Iterator<Item = P::Item>,
+        margin: f64,
+        wanted: u32,
+    );
     /// Puts the planes of a ray into `aimed`.
     #[doc(hidden)]
     fn aim_ray(aimed: &mut Self::Aimed, frame: &Frame, ray: &Ray);
@@ -200,8 +211,20 @@ macro_rules! impl_lanes {
                 triangles: impl Iterator<Item = Option<LatticeCorners>>,
                 exponent: i32,
                 margin: f64,
-            ) -> bool {
+            ) -> u32 {
                 planes_on_lattice::<K>(b, triangles, exponent, margin, |j, plane| aim_along(j, plane, aimed))
+            }
+
+            #[inline(always)]
+            fn aim_some<P: Primitive>(
+                aimed: &mut Self::Aimed,
+                b: &Frame,
+                items: impl Iterator<Item = P::Item>,
+                margin: f64,
+                wanted: u32,
+            ) {
+                let put = |j, plane| aim_along(j, plane, aimed);
+                some_planes_of::<P, K>(b, items, margin, wanted, put);
             }
 
             #[inline(always)]

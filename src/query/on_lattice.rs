@@ -11,6 +11,7 @@ use crate::hierarchy::BvhRef;
 use crate::node::Link;
 use crate::primitive::triangle::LatticeProbe;
 use crate::primitive::{Lattice, LatticeCorners, Primitive};
+use crate::realign::ALL;
 use core::ops::ControlFlow;
 
 impl<N: Lanes, P: Primitive> PlacedTree<'_, N, P> {
@@ -77,7 +78,7 @@ fn meet<N: Lanes, One: Pairwise<Other>, Other: Pairwise<One>>(
     One::meets(&One::probe(&one.item(i), 0.0), &other.item(j), exact)
 }
 
-/// The planes of leaf `a`, which `placing` places in body b, in a frame of b, if they are certain.
+/// The planes of leaf `a`, which `placing` places in body b, in a frame of b, as far as they are certain: of the others a bit each.
 #[inline(always)]
 pub(super) fn aim_on_lattice<N: Lanes, P: Primitive, Q: Primitive>(
     made: &mut Option<Option<Lattice>>,
@@ -86,7 +87,7 @@ pub(super) fn aim_on_lattice<N: Lanes, P: Primitive, Q: Primitive>(
     placing: &Placing<'_>,
     frame_b: &Frame,
     aimed: &mut N::Aimed,
-) -> bool {
+) -> u32 {
     if placing.turned == Side::A {
         aim_by::<N, P>(lattice_of(made, trees, placing), (trees.0, leaf), placing.outwards, frame_b, aimed)
     } else {
@@ -104,7 +105,7 @@ fn aim_back<N: Lanes, P: Primitive, Q: Primitive>(
     placing: &Placing<'_>,
     frame_b: &Frame,
     aimed: &mut N::Aimed,
-) -> bool {
+) -> u32 {
     let mut made = None;
     let to_b = Placing { pose: placing.to_b, turned: Side::A, ..*placing };
     aim_by::<N, P>(lattice_of(&mut made, trees, &to_b), (trees.0, leaf), placing.outwards, frame_b, aimed)
@@ -117,8 +118,8 @@ fn aim_by<N: Lanes, P: Primitive>(
     outwards: f64,
     frame_b: &Frame,
     aimed: &mut N::Aimed,
-) -> bool {
-    let Some(lattice) = lattice else { return false };
+) -> u32 {
+    let Some(lattice) = lattice else { return ALL };
     let corners = primitives(leaf).map(|index| P::on_lattice(a.store(), index, lattice, true));
     N::aim_on_lattice(aimed, frame_b, corners, lattice.exponent, outwards)
 }

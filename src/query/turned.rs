@@ -62,13 +62,14 @@ where
             *body = a;
             let (trees, placing) = ((self.a, self.b), self.placing);
             let frame = frame_of(trees.1, self.details[1]);
-            if E::ON_LATTICE
-                && P::IS_ON_LATTICE
-                && aim_on_lattice(&mut self.lattice, trees, a.link(), placing, &frame, aimed)
-            {
-                return;
+            if E::ON_LATTICE && P::IS_ON_LATTICE {
+                let left = aim_on_lattice(&mut self.lattice, trees, a.link(), placing, &frame, aimed);
+                if left != 0 {
+                    aim_some::<N, P>(aimed, &frame, (trees.0, a), placing, left);
+                }
+            } else {
+                aim::<N, P>(aimed, &frame, (trees.0, a), placing);
             }
-            aim::<N, P>(aimed, &frame, (trees.0, a), placing);
         }
     }
 
@@ -99,4 +100,17 @@ fn aim<N: Lanes, P: Primitive>(
 ) {
     let items = primitives(leaf.link()).map(|index| P::moved(&tree.primitive(index), placing.to_b));
     N::aim::<P>(aimed, frame_b, items, placing.outwards);
+}
+
+/// The same of those planes alone that `wanted` has bits for.
+#[inline(never)]
+fn aim_some<N: Lanes, P: Primitive>(
+    aimed: &mut N::Aimed,
+    frame_b: &Frame,
+    (tree, leaf): (&BvhRef<'_, N, P>, Child),
+    placing: &Placing<'_>,
+    wanted: u32,
+) {
+    let items = primitives(leaf.link()).map(|index| P::moved(&tree.primitive(index), placing.to_b));
+    N::aim_some::<P>(aimed, frame_b, items, placing.outwards, wanted);
 }

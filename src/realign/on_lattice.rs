@@ -11,13 +11,15 @@
 //! | the margin, which has to be below an eighth of a step; the pad and all roundings in `f64`, below 2^-12 | 2^-12 | 1 + 2^-12 |
 //! | 2^-23 of x, rounded to `f32` | 0 | 1.51 2^-23 of it |
 //!
-//! If all of these numbers are nearest to one code, that is the plane. Of most triangles it is so of every plane; of the others
-//! all are made in `f64`.
+//! If all of these numbers are nearest to one code, that is the plane. Of most triangles it is so of every plane; what is left of the others
+//! is made in `f64`.
 
 use crate::directions::{Directions, SUPPORTED, table};
 use crate::frame::Frame;
 use crate::key::Key;
+use crate::primitive::Primitive;
 use crate::primitive::lattice::{self, LatticeCorners, OFF_MOVED, OFF_STILL};
+use crate::realign::F64_SLACK;
 
 /// A coordinate about the frame's centre, in steps.
 const OFF: i32 = OFF_MOVED + OFF_STILL;
@@ -41,9 +43,9 @@ const _: () = {
     }
 };
 
-/// Puts [`super::planes_of`] of corners that a pose moved to a lattice of `2^exponent` steps to the unit, if it is certain: false if
-/// it is not, and then some of them may have been put.
-// Not as a result, which took as much stack once more.
+/// Puts those of [`super::planes_of`] of corners that a pose moved to a lattice of `2^exponent` steps to the unit which are certain.
+/// The others, a bit each; [`ALL`] where none are known.
+// Not as a result, which took as much stack once more. Where it is not certain, something is put as well.
 #[inline(always)]
 pub(crate) fn planes_on_lattice<const K: usize>(
     b: &Frame,
@@ -51,15 +53,15 @@ pub(crate) fn planes_on_lattice<const K: usize>(
     exponent: i32,
     margin: f64,
     mut put: impl FnMut(usize, Key),
-) -> bool {
+) -> u32 {
     let steps = exponent - b.exponent;
     if !STEPS.contains(&steps) || lattice::logarithm(margin) + exponent > -3 {
-        return false;
+        return ALL;
     }
     let centre = lattice::still(&b.centre, exponent);
     let mut greatest = [i32::MIN; K];
     for corners in triangles {
-        let Some(corners) = corners else { return false };
+        let Some(corners) = corners else { return ALL };
         for p in corners {
             let [x, y, z] = [0, 1, 2].map(|i| p[i].wrapping_sub(centre[i]));
             for (s, greatest) in greatest.as_chunks_mut::<2>().0.iter_mut().enumerate() {
@@ -77,17 +79,52 @@ pub(crate) fn planes_on_lattice<const K: usize>(
     let code = |x: i32| {
         (x.wrapping_add(half) >> steps).clamp(Key::LOWEST.code().into(), Key::INFINITY.code().into())
     };
+    let mut left = 0;
     for (j, greatest) in greatest.into_iter().enumerate() {
         let [x, y, z] = Directions::<K>::TABLE.vectors[j];
         let off = OFF * i32::from(x.unsigned_abs() + y.unsigned_abs() + z.unsigned_abs()) + 1;
         let more = off + 2 + (greatest.wrapping_abs() >> 22);
         let (low, high) = (code(greatest.wrapping_sub(off)), code(greatest.wrapping_add(more)));
-        if low != high {
-            return false;
-        }
         put(j, Key::bounded(low as i16));
+        left |= u32::from(low != high) << j;
     }
-    true
+    left
+}
+
+/// All planes of a set of directions.
+pub(crate) const ALL: u32 = u32::MAX;
+
+/// Puts [`super::planes_of`] as far as they are `wanted`, a bit each: the same operations, one slab after the other.
+#[inline(always)]
+pub(crate) fn some_planes_of<P: Primitive, const K: usize>(
+    b: &Frame,
+    items: impl Iterator<Item = P::Item>,
+    margin: f64,
+    wanted: u32,
+    mut put: impl FnMut(usize, Key),
+) {
+    let is_wanted = |s: usize| wanted >> (2 * s) & 3 != 0;
+    let [nx, ny, nz] = &Directions::<K>::SLAB_COLUMNS;
+    let (mut least, mut greatest) = ([f64::INFINITY; K], [f64::NEG_INFINITY; K]);
+    let mut size = super::greatest(&b.centre);
+    for item in items {
+        for p in P::corners(&item) {
+            let d = [p[0] - b.centre[0], p[1] - b.centre[1], p[2] - b.centre[2]];
+            size = size.max(super::greatest(&p));
+            for s in (0..K / 2).filter(|&s| is_wanted(s)) {
+                let support = (nx[s] * d[0] + ny[s] * d[1]) + nz[s] * d[2];
+                least[s] = if support < least[s] { support } else { least[s] };
+                greatest[s] = if support > greatest[s] { support } else { greatest[s] };
+            }
+        }
+    }
+    let scale = b.scale();
+    for s in (0..K / 2).filter(|&s| is_wanted(s)) {
+        let pad = F64_SLACK * Directions::<K>::SLAB_SUMS[s] * size;
+        let pads = pad + (1.0 + F64_SLACK) * Directions::<K>::SLAB_LENGTHS[s] * margin;
+        put(2 * s, Key::above((pads + greatest[s]) * scale));
+        put(2 * s + 1, Key::above((pads - least[s]) * scale));
+    }
 }
 
 #[cfg(test)]
@@ -103,10 +140,11 @@ mod tests {
         corners: LatticeCorners,
         exponent: i32,
         margin: f64,
-    ) -> Option<[Key; K]> {
+    ) -> ([Key; K], u32) {
         let mut planes = [Key::LOWEST; K];
         let triangles = [Some(corners)].into_iter();
-        planes_on_lattice::<K>(b, triangles, exponent, margin, |j, plane| planes[j] = plane).then_some(planes)
+        let left = planes_on_lattice::<K>(b, triangles, exponent, margin, |j, plane| planes[j] = plane);
+        (planes, left)
     }
 
     /// Whether planes are those of `f64`, of a body that is within 1 of its origin, moved by `away` along each axis or a bit more, about a
@@ -128,10 +166,23 @@ mod tests {
             let margin = if rng.range(0.0, 1.0) < 0.5 { 0.0 } else { 1e-13 };
             let moved = triangle.map(|p| pose.apply(p));
             let truth = planes_of::<Triangles, K>(&b, [moved].into_iter(), margin);
-            let found = planes::<K>(&b, corners, lattice.exponent, margin);
-            if let Some(planes) = found {
-                assert_eq!(planes, truth, "{triangle:?} {pose:?} {b:?}");
-                certain += 1;
+            let (mut found, left) = planes::<K>(&b, corners, lattice.exponent, margin);
+            for (j, plane) in found.iter_mut().enumerate().filter(|(j, _)| left >> j & 1 != 0) {
+                *plane = truth[j];
+            }
+            assert_eq!(found, truth, "{triangle:?} {pose:?} {b:?}");
+            certain += usize::from(left == 0);
+            // What is left, and only that, or a whole slab.
+            let mut rest = [None; K];
+            let items = [moved].into_iter();
+            some_planes_of::<Triangles, K>(&b, items, margin, left, |j, plane| rest[j] = Some(plane));
+            for (j, plane) in rest.into_iter().enumerate() {
+                let is_wanted = left >> (j & !1) & 3 != 0;
+                assert_eq!(
+                    plane,
+                    is_wanted.then_some(truth[j]),
+                    "{j} of {left:b}: {triangle:?} {pose:?} {b:?}"
+                );
             }
         }
         assert!(certain * 10 > rounds * least, "k {K}: {certain}");
@@ -154,7 +205,7 @@ mod tests {
             let b = Frame { centre: [0.0; 3], exponent: 12 };
             planes::<18>(&b, corners, exponent, margin)
         };
-        assert!(at(24, 0.0).is_some() && at(24, 0.0) == at(24, 1e-9));
-        assert!(at(24, 1e-6).is_none() && at(14, 0.0).is_none() && at(40, 0.0).is_none());
+        assert!(at(24, 0.0).1 == 0 && at(24, 0.0) == at(24, 1e-9));
+        assert!(at(24, 1e-6).1 == ALL && at(14, 0.0).1 == ALL && at(40, 0.0).1 == ALL);
     }
 }

@@ -44,6 +44,12 @@ fn main() {
         writeln!(source, "    {:?},", (answer.verdict, answer.counters)).expect("a String takes everything");
     }
     source.push_str("];\n");
+    let mut sums = [0; 6];
+    for number in 0..poses::RANDOM {
+        let pose = Pose::from_rows(poses::random(number)).expect("the poses are rigid");
+        poses::tally(&mut sums, &Query::new(Isa::detect()).collide(&tree.view(), &tree.view(), &pose));
+    }
+    writeln!(source, "const EXPECTED_RANDOM: [u64; 6] = {sums:?};").expect("a String takes everything");
     let mut arm = scene::Arm::new(Scene::new(), tree.view()).expect("the scene is one");
     let mut waiting = [EdgePair::EMPTY; scene::WAITING];
     assert_eq!(arm.scene.ids().count(), scene::BODIES, "there is a slot for each");

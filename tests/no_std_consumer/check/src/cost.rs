@@ -5,8 +5,9 @@
 //! `qemu -icount shift=0` gives each instruction a nanosecond of the machine's own time, which its timers count. A count
 //! that is not within [`WITHIN`] of the one that a program expects is a failure: write the new one down if it is meant.
 
+use crate::poses::{self, POSES};
 use crate::scene::{BEYOND, FREE, HIT};
-use crate::{RING, memory, poses::POSES};
+use crate::{RING, memory};
 use core::fmt::Write;
 use core::hint::black_box;
 use core::ptr::{read_volatile, write_volatile};
@@ -27,9 +28,9 @@ pub trait Timer {
 /// Instructions, and bytes of stack below the caller's frame.
 pub type Cost = (u32, u32);
 
-/// The queries at all poses, checking a pose, and a scene: whether an arm may stand there, its forward kinematics included, and
-/// whether it may go there.
-pub const COUNTED: usize = POSES.len() + 3;
+/// The queries at all poses; of those at random ones the hits' mean and greatest cost, and the free ones'; checking a pose, and a scene:
+/// whether an arm may stand there, its forward kinematics included, and whether it may go there.
+pub const COUNTED: usize = POSES.len() + 7;
 
 /// How far a count may be from what is expected: one part in so many.
 const WITHIN: u32 = 25;
@@ -43,8 +44,10 @@ pub fn run(out: &mut impl Write, timer: &mut impl Timer, machine: &str, expected
     let _ = writeln!(out, "{machine}: a tree of {} bytes", RING.as_bytes().len());
     let query = Query::new(isa);
     let mut good = true;
-    let mut row = |name: &str, (want, want_stack): Cost, f: &mut dyn FnMut()| {
-        let (count, bytes) = (instructions(timer, f), stack(f));
+    let mut number = 0;
+    let mut row = |name: &str, (count, bytes): Cost| {
+        let (want, want_stack) = expected[number];
+        number += 1;
         let is_near = |x: u32, want: u32| x.abs_diff(want) <= want / WITHIN;
         let is_expected = is_near(count, want) && is_near(bytes, want_stack);
         let verdict = if is_expected { "as expected" } else { "NOT AS EXPECTED" };
@@ -55,33 +58,60 @@ pub fn run(out: &mut impl Write, timer: &mut impl Timer, machine: &str, expected
         );
         good &= is_expected;
     };
-    for ((name, rows, _), expected) in POSES.iter().zip(expected) {
-        let Ok(pose) = Pose::from_rows(*rows) else { return false };
-        row(name, expected, &mut || {
-            let _ = black_box(query.collide(&ring, &ring, black_box(&pose)));
+    // The only call of `collide`: for a second one the compiler would inline less, and the counts would be others.
+    let mut is_free = false;
+    let mut collide = |pose: &Pose, repeats: u32| {
+        let cost = cost(timer, repeats, &mut || {
+            is_free = black_box(query.collide(&ring, &ring, black_box(pose))).is_free();
         });
+        (cost, is_free)
+    };
+    for (name, rows, _) in &POSES {
+        let Ok(pose) = Pose::from_rows(*rows) else { return false };
+        row(name, collide(&pose, REPEATS).0);
+    }
+    // Hits and others: how many, their instructions in all and the most of one, and the most stack.
+    let mut kinds = [(0, 0, 0, 0); 2];
+    for number in 0..poses::RANDOM {
+        let Ok(pose) = Pose::from_rows(poses::random(number)) else { return false };
+        let ((count, bytes), is_free) = collide(&pose, 4);
+        let (of, sum, most, deepest) = &mut kinds[usize::from(is_free)];
+        (*of, *sum, *most, *deepest) = (*of + 1, *sum + count, count.max(*most), bytes.max(*deepest));
+    }
+    for ((mean, most), (of, sum, greatest, deepest)) in
+        [("random hits, mean", "random hits, most"), ("random free, mean", "random free, most")]
+            .iter()
+            .zip(kinds)
+    {
+        row(mean, (sum / of.max(1), deepest));
+        row(most, (greatest, deepest));
     }
     let rows = POSES[0].1;
-    row("a pose checked", expected[POSES.len()], &mut || {
+    let checked = cost(timer, REPEATS, &mut || {
         let _ = black_box(Pose::from_rows(black_box(rows)));
     });
+    row("a pose checked", checked);
     let Ok(Some((mut arm, waiting))) = memory::arm() else { return false };
-    row("a hit in a scene", expected[POSES.len() + 1], &mut || {
+    let standing = cost(timer, REPEATS, &mut || {
         let _ = black_box(arm.collide(&query, black_box(HIT)));
     });
-    row("an edge to a hit", expected[POSES.len() + 2], &mut || {
+    row("a hit in a scene", standing);
+    let going = cost(timer, REPEATS, &mut || {
         let _ = black_box(arm.edge(&query, black_box([&FREE, &BEYOND]), waiting));
     });
+    row("an edge to a hit", going);
     good
 }
 
-/// Of one call, on average.
-fn instructions<T: Timer>(timer: &mut T, f: &mut dyn FnMut()) -> u32 {
+/// Of one call: instructions on average, and stack.
+#[inline(never)]
+fn cost<T: Timer>(timer: &mut T, repeats: u32, f: &mut dyn FnMut()) -> Cost {
     let start = timer.now();
-    for _ in 0..REPEATS {
+    for _ in 0..repeats {
         f();
     }
-    (timer.now().wrapping_sub(start) & T::MASK) * T::IN_A_TICK / REPEATS
+    let count = (timer.now().wrapping_sub(start) & T::MASK) * T::IN_A_TICK / repeats;
+    (count, stack(f))
 }
 
 const PAINT: u32 = 0x5a5a_a5a5;

@@ -50,6 +50,15 @@ fn try_run(out: &mut impl Write) -> Result<bool, &'static str> {
     let ring = RING.view().map_err(|_| "the tree is not one")?;
     let again = RING.view().map_err(|_| "the tree is one no longer")?;
     let mut good = true;
+    let mut sums = [0; 6];
+    for number in 0..poses::RANDOM {
+        let pose = Pose::from_rows(poses::random(number)).map_err(|_| "the pose is not rigid")?;
+        poses::tally(&mut sums, &Query::new(isa).collide(&ring, &again, &pose));
+    }
+    let agrees = sums == EXPECTED_RANDOM;
+    let verdict = if agrees { "as expected" } else { "WRONG" };
+    writeln!(out, "{} random poses: {sums:?}: {verdict}", isa.name()).map_err(|_| "no output")?;
+    good &= agrees;
     for ((name, rows, meets), expected) in poses::POSES.iter().zip(EXPECTED) {
         let pose = Pose::from_rows(*rows).map_err(|_| "the pose is not rigid")?;
         let answer = Query::new(isa).collide(&ring, &again, &pose);

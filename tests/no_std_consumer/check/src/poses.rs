@@ -1,5 +1,7 @@
 //! The poses, and the verdicts that geometry gives: two equal rings, one of them moved.
 
+use simdop::query::Answer;
+
 /// From the ring's centre to the middle of its tube.
 pub const RING_RADIUS: f64 = 1.0;
 /// Radius of the tube.
@@ -22,3 +24,45 @@ pub const POSES: [(&str, [[f64; 4]; 3], bool); 5] = [
     // Farther apart than both are wide.
     ("far", [[0.6, -0.8, 0.0, 2.5], [0.8, 0.6, 0.0, 1.5], [0.0, 0.0, 1.0, 0.5]], false),
 ];
+
+/// Further poses of the same two rings, more and less deep in each other: the pose of a number.
+///
+/// A rotation by a random quaternion, and a way of a random direction, at most 2.4 long. Rings whose middles are farther apart than 2.5
+/// cannot meet.
+pub const RANDOM: u32 = 120;
+
+pub fn random(number: u32) -> [[f64; 4]; 3] {
+    let mut state = number;
+    let mut unit = || {
+        state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+        // From -1 to 1: the lowest bits of such numbers are not random.
+        f64::from(state >> 8) / f64::from(1_u32 << 23) - 1.0
+    };
+    // Neighbours' first numbers are alike.
+    let _ = (unit(), unit(), unit());
+    let [w, x, y, z] = [unit(), unit(), unit(), unit()];
+    let twice = 2.0 / (w * w + x * x + y * y + z * z);
+    // Of a point of the plane, its image on the sphere.
+    let (u, v) = (unit(), unit());
+    let length = 1.2 * (1.0 + unit()) / (1.0 + u * u + v * v);
+    let way = [2.0 * u * length, 2.0 * v * length, (1.0 - u * u - v * v) * length];
+    [
+        [1.0 - twice * (y * y + z * z), twice * (x * y - w * z), twice * (x * z + w * y), way[0]],
+        [twice * (x * y + w * z), 1.0 - twice * (x * x + z * z), twice * (y * z - w * x), way[1]],
+        [twice * (x * z - w * y), twice * (y * z + w * x), 1.0 - twice * (x * x + y * y), way[2]],
+    ]
+}
+
+/// Counts an answer: hits, and each of the counters.
+pub fn tally(sums: &mut [u64; 6], answer: &Answer) {
+    let c = &answer.counters;
+    let one = [
+        u64::from(answer.hit().is_some()),
+        c.visits,
+        c.kernels,
+        c.realignments,
+        c.primitive_pairs,
+        c.exact_pairs,
+    ];
+    sums.iter_mut().zip(one).for_each(|(sum, one)| *sum += one);
+}
