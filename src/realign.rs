@@ -252,14 +252,26 @@ pub(crate) fn planes_of<P: Primitive, const K: usize>(
     // Kept where it is: what the margin alone decides was computed, and stored, at the beginning of each query.
     let margin = core::hint::black_box(margin);
     for s in 0..Directions::<K>::COLUMNS {
-        let pad = F64_SLACK * Directions::<K>::SLAB_SUMS[s] * size;
-        let reach = (1.0 + F64_SLACK) * Directions::<K>::SLAB_LENGTHS[s] * margin;
-        let pads = pad + reach;
-        slabs[s] = [Key::above((pads + greatest[s]) * scale), Key::above((pads - least[s]) * scale)];
+        slabs[s] = planes_of_slab::<K>(s, [least[s], greatest[s]], size, margin, scale);
     }
     let mut planes = [Key::LOWEST; K];
     planes.copy_from_slice(&slabs.as_flattened()[..K]);
     planes
+}
+
+/// The two planes of a slab from the least and the greatest support, by the largest magnitude of a coordinate.
+#[inline(always)]
+fn planes_of_slab<const K: usize>(
+    s: usize,
+    [least, greatest]: [f64; 2],
+    size: f64,
+    margin: f64,
+    scale: f64,
+) -> [Key; 2] {
+    let pad = F64_SLACK * Directions::<K>::SLAB_SUMS[s] * size;
+    let reach = (1.0 + F64_SLACK) * Directions::<K>::SLAB_LENGTHS[s] * margin;
+    let pads = pad + reach;
+    [Key::above((pads + greatest) * scale), Key::above((pads - least) * scale)]
 }
 
 /// Supports of some primitives, relative to the centre of a frame, up to rounding in `f64`.

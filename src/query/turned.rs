@@ -98,8 +98,7 @@ fn aim<N: Lanes, P: Primitive>(
     (tree, leaf): (&BvhRef<'_, N, P>, Child),
     placing: &Placing<'_>,
 ) {
-    let items = primitives(leaf.link()).map(|index| P::moved(&tree.primitive(index), placing.to_b));
-    N::aim::<P>(aimed, frame_b, items, placing.outwards);
+    N::aim::<P>(aimed, frame_b, moved::<N, P>(tree, leaf, placing), placing.outwards);
 }
 
 /// The same of those planes alone that `wanted` has bits for.
@@ -111,6 +110,15 @@ fn aim_some<N: Lanes, P: Primitive>(
     placing: &Placing<'_>,
     wanted: u32,
 ) {
-    let items = primitives(leaf.link()).map(|index| P::moved(&tree.primitive(index), placing.to_b));
-    N::aim_some::<P>(aimed, frame_b, items, placing.outwards, wanted);
+    N::aim_some::<P>(aimed, frame_b, moved::<N, P>(tree, leaf, placing), placing.outwards, wanted);
+}
+
+/// The primitives of leaf `a` where `placing` places them in body b.
+#[inline(always)]
+fn moved<'t, N: Lanes, P: Primitive>(
+    tree: &'t BvhRef<'_, N, P>,
+    leaf: Child,
+    placing: &'t Placing<'_>,
+) -> impl Iterator<Item = P::Item> + 't {
+    primitives(leaf.link()).map(|index| P::moved(&tree.primitive(index), placing.to_b))
 }

@@ -19,7 +19,7 @@ use crate::frame::Frame;
 use crate::key::Key;
 use crate::primitive::Primitive;
 use crate::primitive::lattice::{self, LatticeCorners, OFF_MOVED, OFF_STILL};
-use crate::realign::F64_SLACK;
+use crate::realign::planes_of_slab;
 
 /// A coordinate about the frame's centre, in steps.
 const OFF: i32 = OFF_MOVED + OFF_STILL;
@@ -120,10 +120,9 @@ pub(crate) fn some_planes_of<P: Primitive, const K: usize>(
     }
     let scale = b.scale();
     for s in (0..K / 2).filter(|&s| is_wanted(s)) {
-        let pad = F64_SLACK * Directions::<K>::SLAB_SUMS[s] * size;
-        let pads = pad + (1.0 + F64_SLACK) * Directions::<K>::SLAB_LENGTHS[s] * margin;
-        put(2 * s, Key::above((pads + greatest[s]) * scale));
-        put(2 * s + 1, Key::above((pads - least[s]) * scale));
+        let [ahead, behind] = planes_of_slab::<K>(s, [least[s], greatest[s]], size, margin, scale);
+        put(2 * s, ahead);
+        put(2 * s + 1, behind);
     }
 }
 
