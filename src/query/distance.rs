@@ -87,7 +87,7 @@ impl Query {
     /// greater, is not certainly above the margin. Needles that almost touch are known less well: see
     /// [`crate::primitive::triangle::distance`].
     ///
-    /// A margin may be of any size: where it is above a tenth of the smaller body, what two visits do not decide is decided
+    /// A margin may be of any size: where it is above three tenths of the smaller body's radius, what four visits do not decide is decided
     /// as distances are, by the search for the nearest primitives.
     ///
     /// # Errors
@@ -299,11 +299,11 @@ impl Query {
 
 /// Volumes that are widened by a margin overlap far more often than they are within it: the wider, the more. Up to this
 /// share of the smaller body's radius they are descended by all the same.
-const SMALL: f64 = 0.1;
+const SMALL: f64 = 0.3;
 /// Above this share of it they hardly tell anything apart.
 const LARGE: f64 = 1.0;
 /// In between they have so many visits, which decide most pairs, before the search for the nearest primitives begins.
-const FEW: u64 = 1;
+const FEW: u64 = 4;
 
 pub(crate) fn checked(value: f64) -> Result<f64, ToleranceError> {
     if value >= 0.0 && value.is_finite() { Ok(value) } else { Err(ToleranceError { given: value }) }

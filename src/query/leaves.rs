@@ -1,5 +1,6 @@
 //! Pairs of leaves: decided when their bits appear.
 
+use super::ahead::LookAhead;
 use super::frontier::Side;
 use super::hint::Found;
 use super::on_lattice::{decide_on_lattice, lattice_of};
@@ -9,6 +10,7 @@ use super::traverse::{Flow, Stop, Traversal, bits_of, primitives};
 use super::{Counters, Lanes, Pairwise};
 use crate::kernel::Kernel;
 use crate::node::{Child, Link};
+use crate::realign::greatest;
 use core::ops::ControlFlow;
 
 /// Children of a node that are leaves.
@@ -88,6 +90,13 @@ where
         E::ON_LATTICE && P::IS_ON_LATTICE && Q::IS_ON_LATTICE && margin == 0.0
     }
 
+    /// Bounds all coordinates.
+    #[inline(always)]
+    fn reach(&self) -> f64 {
+        let (a, b) = (self.a.extent().max_coordinate, self.b.extent().max_coordinate);
+        (4.0 * (a + b)) + greatest(&self.placing.pose.translation())
+    }
+
     /// Every primitive of a leaf of A against every primitive of some leaves of B.
     #[inline(always)]
     fn decide_a(&mut self, one: Child, leaves: Leaves<'_>) -> Flow {
@@ -102,12 +111,13 @@ where
             }
             return Flow::Continue(());
         }
+        let reach = self.reach();
         for i in primitives(one.link()) {
             let item = placing.item_a(a, i);
             // Closures that are not said to be inlined were calls, out of the gate.
-            decide_one::<P, Q, E>(
+            decide_one::<P, Q, E, M>(
                 kernel,
-                margin,
+                (margin, &mut self.ahead, reach),
                 self.counters,
                 (&item, placing.turned == Side::A),
                 leaves,
@@ -134,11 +144,12 @@ where
             }
             return Flow::Continue(());
         }
+        let reach = self.reach();
         for j in primitives(one.link()) {
             let item = placing.item_b(b, j);
-            decide_one::<Q, P, E>(
+            decide_one::<Q, P, E, M>(
                 kernel,
-                margin,
+                (margin, &mut self.ahead, reach),
                 self.counters,
                 (&item, placing.turned == Side::B),
                 leaves,
@@ -152,11 +163,12 @@ where
     }
 }
 
-/// One primitive, which is of the query's A or not, against those of some leaves, four at a time through the filter.
+/// One primitive, which is of the query's A or not, against those of some leaves, four at a time through the filter. With a margin those
+/// that are farther apart along an axis are left out first.
 #[inline(always)]
-fn decide_one<One: Pairwise<Other>, Other: Pairwise<One>, E: Kernel>(
+fn decide_one<One: Pairwise<Other>, Other: Pairwise<One>, E: Kernel, M: Margin>(
     kernel: E,
-    margin: f64,
+    (margin, ahead, reach): (f64, &mut M::Ahead, f64),
     counters: &mut Counters,
     (item, is_of_a): (&One::Item, bool),
     mut leaves: Leaves<'_>,
@@ -164,14 +176,23 @@ fn decide_one<One: Pairwise<Other>, Other: Pairwise<One>, E: Kernel>(
     mut visit: impl FnMut(u32) -> ControlFlow<()>,
 ) -> Flow {
     let probe = One::probe(item, margin);
+    let is_far = |ahead: &M::Ahead, other: &Other::Item| match is_of_a {
+        true => ahead.is_far::<One, Other>(item, other),
+        false => ahead.is_far::<Other, One>(other, item),
+    };
     let (mut indices, mut others) = ([0; 4], [Other::Item::default(); 4]);
     let mut range = 0..0;
     loop {
         let mut len = 0;
         while len < 4 {
             if let Some(index) = range.next() {
+                let other = other_at(index);
+                if is_far(ahead, &other) {
+                    counters.primitive_pairs += 1;
+                    continue;
+                }
                 indices[len & 3] = index;
-                others[len & 3] = other_at(index);
+                others[len & 3] = other;
                 len += 1;
             } else if let Some(leaf) = leaves.next() {
                 range = primitives(leaf.link());
@@ -185,8 +206,10 @@ fn decide_one<One: Pairwise<Other>, Other: Pairwise<One>, E: Kernel>(
             let (other, exact) = (&others[k & 3], &mut counters.exact_pairs);
             let meets = match (margin > 0.0, is_of_a) {
                 (false, _) => One::meets(&probe, other, exact),
-                (true, true) => One::within(item, other, margin, exact),
-                (true, false) => Other::within(other, item, margin, exact),
+                // By an axis that was found since.
+                (true, _) if is_far(ahead, other) => false,
+                (true, true) => is_near::<One, Other, M>(item, other, (margin, ahead, reach), exact),
+                (true, false) => is_near::<Other, One, M>(other, item, (margin, ahead, reach), exact),
             };
             if meets && visit(indices[k & 3]).is_break() {
                 counters.primitive_pairs += k as u64 + 1;
@@ -198,4 +221,22 @@ fn decide_one<One: Pairwise<Other>, Other: Pairwise<One>, E: Kernel>(
             return Flow::Continue(());
         }
     }
+}
+
+/// Whether a primitive of the query's A and one of its B are at most the margin apart; if not, the others are looked at along the axis of
+/// the closest points of these.
+#[inline(never)]
+fn is_near<P: Pairwise<Q>, Q: Pairwise<P>, M: Margin>(
+    a: &P::Item,
+    b: &Q::Item,
+    (margin, ahead, reach): (f64, &mut M::Ahead, f64),
+    exact: &mut u64,
+) -> bool {
+    if P::within(a, b, margin, exact) {
+        return true;
+    }
+    if let Some(pair) = P::nearer(a, b, f64::INFINITY, 1.0, exact) {
+        ahead.look_along([pair.a, pair.b], margin, reach);
+    }
+    false
 }

@@ -5,12 +5,13 @@
 //! nearest first; whatever is farther than matters is dropped: than the best pair of primitives so far, by a
 //! threshold that allows for the tolerance, or than a margin.
 
+use super::ahead::{Ahead, LookAhead};
 use super::bounds::{Bounds, Kept, growths, no_turned};
 use super::cut::Cutter;
 use super::entries::{Entries, Entry, least};
 use super::frontier::{Frontier, Opened, Side, VolumeA, VolumeB};
 use super::hint::Found;
-use super::leaf::{Ahead, LeafA, Threshold};
+use super::leaf::{LeafA, Threshold};
 use super::own_gaps::OwnGaps;
 use super::placing::first_primitive;
 use super::stack::ABOVE_ROOT;

@@ -1,6 +1,7 @@
 //! How the bodies of a traversal stand to each other: which of them is turned, and how far apart counts as meeting.
 
 use super::Lanes;
+use super::ahead::{Ahead, LookAhead};
 use super::frontier::Side;
 use crate::hierarchy::BvhRef;
 use crate::node::{Child, Link};
@@ -11,6 +12,8 @@ use crate::range::Point;
 /// How far apart primitives may be that count as meeting. A type, so that a program which asks only whether bodies
 /// touch holds none of the code of distances: three quarters of the whole on a microcontroller.
 pub(super) trait Margin: Copy {
+    /// What tells most primitives apart: nothing where they have to touch, which is decided as fast.
+    type Ahead: LookAhead;
     /// In the bodies' unit, not negative.
     fn value(self) -> f64;
 }
@@ -20,6 +23,8 @@ pub(super) trait Margin: Copy {
 pub(super) struct Touching;
 
 impl Margin for Touching {
+    type Ahead = ();
+
     #[inline(always)]
     fn value(self) -> f64 {
         0.0
@@ -31,6 +36,8 @@ impl Margin for Touching {
 pub(super) struct Within(pub(super) f64);
 
 impl Margin for Within {
+    type Ahead = Ahead;
+
     #[inline(always)]
     fn value(self) -> f64 {
         self.0

@@ -14,6 +14,7 @@
 //! the pose, or by the way back ([`WayBack`]). Only primitives are not alike, since the query is about those of A as the
 //! pose moves them: [`Placing`] says which body has to be moved.
 
+use super::ahead::LookAhead;
 use super::cut::{Cutter, used_lanes};
 use super::hint::Found;
 use super::long::{LONG, Thin};
@@ -57,7 +58,7 @@ pub(super) struct Limits<M> {
 }
 
 /// One query under way.
-pub(crate) struct Traversal<'t, N: Lanes, P: Primitive, Q: Primitive, E, M> {
+pub(crate) struct Traversal<'t, N: Lanes, P: Primitive, Q: Primitive, E, M: Margin> {
     pub(super) kernel: E,
     pub(super) a: &'t BvhRef<'t, N, P>,
     pub(super) b: &'t BvhRef<'t, N, Q>,
@@ -79,6 +80,8 @@ pub(crate) struct Traversal<'t, N: Lanes, P: Primitive, Q: Primitive, E, M> {
     /// The leaf that was cutting the other tree's nodes last, and the slabs of its primitive.
     pub(super) cutter: Option<(Cutter, OwnSlabs)>,
     pub(super) thin: Thin<'t>,
+    /// What tells primitives apart that are farther from each other than the margin.
+    pub(super) ahead: M::Ahead,
     /// What triangles are tested on, if the kernel says so: none if there is none, once it was asked for.
     pub(super) lattice: Option<Option<Lattice>>,
     /// How many powers of two the unit of A's frame is larger than that of B's.
@@ -123,6 +126,7 @@ where
             aimed: None,
             cutter: None,
             thin: Thin::default(),
+            ahead: M::Ahead::NOTHING,
             lattice: None,
             units: b.frame().exponent - a.frame().exponent,
         }
