@@ -87,7 +87,7 @@ impl Query {
     /// greater, is not certainly above the margin. Needles that almost touch are known less well: see
     /// [`crate::primitive::triangle::distance`].
     ///
-    /// A margin may be of any size: where it is above three tenths of the smaller body's radius, what four visits do not decide is decided
+    /// A margin may be of any size: where it is above three tenths of the smaller body's radius, what 24 visits do not decide is decided
     /// as distances are, by the search for the nearest primitives.
     ///
     /// # Errors
@@ -125,13 +125,13 @@ impl Query {
     ) -> Answer {
         let smaller = a.header().radius.min(b.header().radius);
         if margin <= SMALL * smaller || a.is_empty() || b.is_empty() {
-            return self.first_pair(a, b, pose, Within(margin));
+            return self.first_pair(a, b, pose, Within::new(margin, (a, b), pose));
         }
         if margin > LARGE * smaller {
             return self.first_near(*a, *b, pose, margin);
         }
         let few = self.budget.min(FEW);
-        let answer = self.with_budget(few).first_pair(a, b, pose, Within(margin));
+        let answer = self.with_budget(few).first_pair(a, b, pose, Within::new(margin, (a, b), pose));
         if !matches!(answer.verdict, Verdict::Unknown { .. }) || few == self.budget {
             return answer;
         }
@@ -303,7 +303,7 @@ const SMALL: f64 = 0.3;
 /// Above this share of it they hardly tell anything apart.
 const LARGE: f64 = 1.0;
 /// In between they have so many visits, which decide most pairs, before the search for the nearest primitives begins.
-const FEW: u64 = 4;
+const FEW: u64 = 24;
 
 pub(crate) fn checked(value: f64) -> Result<f64, ToleranceError> {
     if value >= 0.0 && value.is_finite() { Ok(value) } else { Err(ToleranceError { given: value }) }

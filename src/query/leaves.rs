@@ -10,7 +10,6 @@ use super::traverse::{Flow, Stop, Traversal, bits_of, primitives};
 use super::{Counters, Lanes, Pairwise};
 use crate::kernel::Kernel;
 use crate::node::{Child, Link};
-use crate::realign::greatest;
 use core::ops::ControlFlow;
 
 /// Children of a node that are leaves.
@@ -90,13 +89,6 @@ where
         E::ON_LATTICE && P::IS_ON_LATTICE && Q::IS_ON_LATTICE && margin == 0.0
     }
 
-    /// Bounds all coordinates.
-    #[inline(always)]
-    fn reach(&self) -> f64 {
-        let (a, b) = (self.a.extent().max_coordinate, self.b.extent().max_coordinate);
-        (4.0 * (a + b)) + greatest(&self.placing.pose.translation())
-    }
-
     /// Every primitive of a leaf of A against every primitive of some leaves of B.
     #[inline(always)]
     fn decide_a(&mut self, one: Child, leaves: Leaves<'_>) -> Flow {
@@ -111,13 +103,12 @@ where
             }
             return Flow::Continue(());
         }
-        let reach = self.reach();
         for i in primitives(one.link()) {
             let item = placing.item_a(a, i);
             // Closures that are not said to be inlined were calls, out of the gate.
             decide_one::<P, Q, E, M>(
                 kernel,
-                (margin, &mut self.ahead, reach),
+                (self.margin, &mut self.ahead),
                 self.counters,
                 (&item, placing.turned == Side::A),
                 leaves,
@@ -144,12 +135,11 @@ where
             }
             return Flow::Continue(());
         }
-        let reach = self.reach();
         for j in primitives(one.link()) {
             let item = placing.item_b(b, j);
             decide_one::<Q, P, E, M>(
                 kernel,
-                (margin, &mut self.ahead, reach),
+                (self.margin, &mut self.ahead),
                 self.counters,
                 (&item, placing.turned == Side::B),
                 leaves,
@@ -168,17 +158,20 @@ where
 #[inline(always)]
 fn decide_one<One: Pairwise<Other>, Other: Pairwise<One>, E: Kernel, M: Margin>(
     kernel: E,
-    (margin, ahead, reach): (f64, &mut M::Ahead, f64),
+    (margin, ahead): (M, &mut M::Ahead),
     counters: &mut Counters,
     (item, is_of_a): (&One::Item, bool),
     mut leaves: Leaves<'_>,
     other_at: impl Fn(u32) -> Other::Item,
     mut visit: impl FnMut(u32) -> ControlFlow<()>,
 ) -> Flow {
+    let (margin, reach) = (margin.value(), margin.reach());
+    let looks = reach > 0.0;
     let probe = One::probe(item, margin);
-    let is_far = |ahead: &M::Ahead, other: &Other::Item| match is_of_a {
-        true => ahead.is_far::<One, Other>(item, other),
-        false => ahead.is_far::<Other, One>(other, item),
+    let is_far = |ahead: &M::Ahead, other: &Other::Item| match (looks, is_of_a) {
+        (false, _) => false,
+        (true, true) => ahead.is_far::<One, Other>(item, other),
+        (true, false) => ahead.is_far::<Other, One>(other, item),
     };
     let (mut indices, mut others) = ([0; 4], [Other::Item::default(); 4]);
     let mut range = 0..0;
@@ -208,8 +201,8 @@ fn decide_one<One: Pairwise<Other>, Other: Pairwise<One>, E: Kernel, M: Margin>(
                 (false, _) => One::meets(&probe, other, exact),
                 // By an axis that was found since.
                 (true, _) if is_far(ahead, other) => false,
-                (true, true) => is_near::<One, Other, M>(item, other, (margin, ahead, reach), exact),
-                (true, false) => is_near::<Other, One, M>(other, item, (margin, ahead, reach), exact),
+                (true, true) => is_near::<One, Other, M>(item, other, (margin, reach, ahead), exact),
+                (true, false) => is_near::<Other, One, M>(other, item, (margin, reach, ahead), exact),
             };
             if meets && visit(indices[k & 3]).is_break() {
                 counters.primitive_pairs += k as u64 + 1;
@@ -223,20 +216,30 @@ fn decide_one<One: Pairwise<Other>, Other: Pairwise<One>, E: Kernel, M: Margin>(
     }
 }
 
-/// Whether a primitive of the query's A and one of its B are at most the margin apart; if not, the others are looked at along the axis of
-/// the closest points of these.
-#[inline(never)]
+/// Whether a primitive of the query's A and one of its B are at most the margin apart. If not, others are from now on told apart along
+/// the axis of their closest points, if the margin is for that.
+#[inline(always)]
 fn is_near<P: Pairwise<Q>, Q: Pairwise<P>, M: Margin>(
     a: &P::Item,
     b: &Q::Item,
-    (margin, ahead, reach): (f64, &mut M::Ahead, f64),
+    (margin, reach, ahead): (f64, f64, &mut M::Ahead),
     exact: &mut u64,
 ) -> bool {
-    if P::within(a, b, margin, exact) {
-        return true;
+    let is_near = P::within(a, b, margin, exact);
+    if !is_near && reach > 0.0 {
+        look_along::<P, Q, M>(a, b, (margin, reach, ahead), exact);
     }
+    is_near
+}
+
+#[inline(never)]
+fn look_along<P: Pairwise<Q>, Q: Pairwise<P>, M: Margin>(
+    a: &P::Item,
+    b: &Q::Item,
+    (margin, reach, ahead): (f64, f64, &mut M::Ahead),
+    exact: &mut u64,
+) {
     if let Some(pair) = P::nearer(a, b, f64::INFINITY, 1.0, exact) {
         ahead.look_along([pair.a, pair.b], margin, reach);
     }
-    false
 }

@@ -3,11 +3,13 @@
 use super::Lanes;
 use super::ahead::{Ahead, LookAhead};
 use super::frontier::Side;
+use crate::exact::power_of_two;
 use crate::hierarchy::BvhRef;
 use crate::node::{Child, Link};
 use crate::pose::Pose;
 use crate::primitive::Primitive;
 use crate::range::Point;
+use crate::realign::greatest;
 
 /// How far apart primitives may be that count as meeting. A type, so that a program which asks only whether bodies
 /// touch holds none of the code of distances: three quarters of the whole on a microcontroller.
@@ -16,6 +18,8 @@ pub(super) trait Margin: Copy {
     type Ahead: LookAhead;
     /// In the bodies' unit, not negative.
     fn value(self) -> f64;
+    /// Bounds all coordinates where primitives are told apart so; else 0.
+    fn reach(self) -> f64;
 }
 
 /// Primitives have to touch.
@@ -29,18 +33,46 @@ impl Margin for Touching {
     fn value(self) -> f64 {
         0.0
     }
+
+    #[inline(always)]
+    fn reach(self) -> f64 {
+        0.0
+    }
 }
 
 /// They may be this far apart.
 #[derive(Copy, Clone, Debug)]
-pub(super) struct Within(pub(super) f64);
+pub(super) struct Within {
+    margin: f64,
+    reach: f64,
+}
+
+/// Margins below this share of the coordinates pay for roundings: the planes tell nearly all primitives apart that are not so near.
+const ROUNDINGS: f64 = power_of_two(-30);
+
+impl Within {
+    pub(super) fn new<N: Lanes, P: Primitive, Q: Primitive>(
+        margin: f64,
+        (a, b): (&BvhRef<'_, N, P>, &BvhRef<'_, N, Q>),
+        pose: &Pose,
+    ) -> Self {
+        let (a, b) = (a.extent().max_coordinate, b.extent().max_coordinate);
+        let reach = (4.0 * a + b) + greatest(&pose.translation());
+        Self { margin, reach: if margin > ROUNDINGS * reach { reach } else { 0.0 } }
+    }
+}
 
 impl Margin for Within {
     type Ahead = Ahead;
 
     #[inline(always)]
     fn value(self) -> f64 {
-        self.0
+        self.margin
+    }
+
+    #[inline(always)]
+    fn reach(self) -> f64 {
+        self.reach
     }
 }
 
