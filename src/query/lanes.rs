@@ -3,7 +3,7 @@
 use super::entries::{Entries, entries, raise};
 use super::far::{self, Along};
 use super::gaps;
-use super::masks::{aim_along, aim_at};
+use super::masks::{aim_along, aim_at, enclose};
 use super::own_gaps::OwnGaps;
 use super::stack::Rows;
 use super::thin::{AT_ONCE, supports};
@@ -62,8 +62,7 @@ pub trait Lanes: Dop {
         items: impl Iterator<Item = P::Item>,
         margin: f64,
     );
-    /// [`Lanes::aim`] of triangles by their corners on a lattice of `2^exponent` steps to the unit. Which planes are not certain, a bit
-    /// each: these may be anything.
+    /// [`Lanes::aim`] of triangles on a lattice of `2^exponent` steps to the unit. Planes that are not certain, a bit each.
     #[doc(hidden)]
     fn aim_on_lattice(
         aimed: &mut Self::Aimed,
@@ -223,8 +222,7 @@ macro_rules! impl_lanes {
                 margin: f64,
                 wanted: u32,
             ) {
-                let put = |j, plane| aim_along(j, plane, aimed);
-                some_planes_of::<P, K>(b, items, margin, wanted, put);
+                some_planes_of::<P, K>(b, items, margin, wanted, |j, plane| aim_along(j, plane, aimed));
             }
 
             #[inline(always)]
@@ -235,14 +233,7 @@ macro_rules! impl_lanes {
 
             #[inline(always)]
             fn enclose(turned: &Self::Turned, aimed: &mut Self::Aimed) {
-                // Unused lanes are within: their planes are below all others, and so are sums of these by the same weights.
-                for (planes, aimed) in turned.iter().zip(aimed) {
-                    let mut least = SEPARATED;
-                    for &code in planes {
-                        least = if code < least { code } else { least };
-                    }
-                    aimed[0] = least;
-                }
+                enclose(turned, aimed);
             }
 
             #[inline(always)]
@@ -323,10 +314,8 @@ macro_rules! impl_lanes {
             }
 
             fn hull(&self) -> Self {
-                let mut whole = Self::EMPTY;
-                for (j, plane) in gaps::hull(&self.planes).into_iter().enumerate() {
-                    whole.planes[j][0] = plane;
-                }
+                let (mut whole, hull) = (Self::EMPTY, gaps::hull(&self.planes));
+                (0..K).for_each(|j| whole.planes[j][0] = hull[j]);
                 whole.child[0] = Child::ROOT;
                 whole
             }

@@ -2,7 +2,7 @@
 //! besides, they are those of the kernel calls.
 
 use super::stack::Rows;
-use crate::kernel::{Kernel, Turned};
+use crate::kernel::{Kernel, SEPARATED, Turned};
 use crate::key::Key;
 use crate::node::{Node4, Node16};
 use crate::realign::Realignment;
@@ -19,6 +19,22 @@ pub(super) fn aim_at<const W: usize, const K: usize>(planes: &[Key; K], aimed: &
 #[inline(always)]
 pub(super) fn aim_along<const W: usize, const K: usize>(j: usize, plane: Key, aimed: &mut Turned<W, K>) {
     aimed[j ^ 1][0] = !plane.code();
+}
+
+/// [`Lanes::enclose`](super::Lanes::enclose).
+#[inline(always)]
+pub(super) fn enclose<const V: usize, const W: usize, const K: usize>(
+    turned: &Turned<V, K>,
+    aimed: &mut Turned<W, K>,
+) {
+    // Unused lanes are within: their planes are below all others, and so are sums of these by the same weights.
+    for (planes, aimed) in turned.iter().zip(aimed) {
+        let mut least = SEPARATED;
+        for &code in planes {
+            least = if code < least { code } else { least };
+        }
+        aimed[0] = least;
+    }
 }
 
 impl<const K: usize> Node16<K> {
