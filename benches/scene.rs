@@ -87,21 +87,7 @@ fn run(data: &Path, setting: &Setting) {
     }
     let query = Query::new(Isa::detect());
     let by_pairs = |world: &World<'_>, at: &[DAffine3]| {
-        for &(i, j) in &robot.pairs {
-            let relative = pose(&(at[j].inverse() * at[i]));
-            if !query.collide(&links[i], &links[j], &relative).is_free() {
-                return false;
-            }
-        }
-        for (tree, place) in &world.obstacles {
-            let back = place.inverse();
-            for (link, at) in links.iter().zip(at) {
-                if !query.collide(link, *tree, &pose(&(back * *at))).is_free() {
-                    return false;
-                }
-            }
-        }
-        true
+        pairs_of(&robot, &links, world, at).all(|(a, b, pose)| query.collide(a, b, &pose).is_free())
     };
     let (mut asked, mut free, mut pairs, mut visits, mut differ) = (0_u64, 0, 0, 0, 0);
     let mut tests = 0;
@@ -172,20 +158,29 @@ fn run(data: &Path, setting: &Setting) {
     }
 }
 
+/// The pairs of a configuration: of links that may meet, and of each link with each obstacle, where the first of a pair stands beside
+/// the other.
+fn pairs_of<'w>(
+    robot: &'w Robot,
+    links: &'w [Tree],
+    world: &'w World<'_>,
+    at: &'w [DAffine3],
+) -> impl Iterator<Item = (&'w Tree, &'w Tree, Pose)> {
+    let of_links = robot.pairs.iter().map(|&(i, j)| (&links[i], &links[j], pose(&(at[j].inverse() * at[i]))));
+    let with_obstacles = world.obstacles.iter().flat_map(move |(tree, place)| {
+        let back = place.inverse();
+        links.iter().zip(at).map(move |(link, at)| (link, *tree, pose(&(back * *at))))
+    });
+    of_links.chain(with_obstacles)
+}
+
 /// What all pairs of a configuration cost, each of them asked alone and to the end, for contact and for margins.
 fn same_pairs(robot: &Robot, links: &[Tree], worlds: &[World<'_>], query: &Query) -> String {
     const MARGINS: [f64; 3] = [0.005, 0.02, 0.05];
     let (mut sums, mut asked, mut pairs) = ([0.0; 4], 0, 0);
     for world in worlds {
         for at in world.configurations {
-            let mut posed: Vec<(&Tree, &Tree, Pose)> = Vec::new();
-            for &(i, j) in &robot.pairs {
-                posed.push((&links[i], &links[j], pose(&(at[j].inverse() * at[i]))));
-            }
-            for (tree, place) in &world.obstacles {
-                let back = place.inverse();
-                posed.extend(links.iter().zip(at).map(|(link, at)| (link, *tree, pose(&(back * *at)))));
-            }
+            let posed: Vec<_> = pairs_of(robot, links, world, at).collect();
             let mut best = [f64::INFINITY; 4];
             for _ in 0..count(15, 1) {
                 for (slot, best) in best.iter_mut().enumerate() {

@@ -290,6 +290,21 @@ impl<const K: usize> Supports<K> {
     // code for AVX-512 that lost supports.
     #[inline(always)]
     pub(crate) fn of<P: Primitive>(b: &Frame, items: impl Iterator<Item = P::Item>) -> Self {
+        Self::of_slabs::<P>(
+            b,
+            items,
+            #[inline(always)]
+            |_| true,
+        )
+    }
+
+    /// Of those slabs that are wanted.
+    #[inline(always)]
+    fn of_slabs<P: Primitive>(
+        b: &Frame,
+        items: impl Iterator<Item = P::Item>,
+        is_wanted: impl Fn(usize) -> bool,
+    ) -> Self {
         let [nx, ny, nz] = &Directions::<K>::SLAB_COLUMNS;
         let mut found =
             Self { least: [f64::INFINITY; K], greatest: [f64::NEG_INFINITY; K], size: greatest(&b.centre) };
@@ -302,6 +317,9 @@ impl<const K: usize> Supports<K> {
                     found.size = found.size.max(greatest(&p) + radius);
                 }
                 for s in 0..Directions::<K>::COLUMNS {
+                    if !is_wanted(s) {
+                        continue;
+                    }
                     let support = (nx[s] * d[0] + ny[s] * d[1]) + nz[s] * d[2];
                     let (mut low, mut high) = (support, support);
                     if P::IS_ROUND {

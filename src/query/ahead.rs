@@ -1,5 +1,6 @@
 //! An axis along which primitives are told apart that are farther from each other than matters.
 
+use super::Pairwise;
 use crate::exact::power_of_two;
 use crate::primitive::{Primitive, radius_of};
 use crate::range::Point;
@@ -77,5 +78,34 @@ impl LookAhead for Ahead {
         } else {
             Self::NOTHING
         };
+    }
+}
+
+/// Whether a primitive of the query's A and one of its B are at most the margin apart. If not, others are from now on told apart along
+/// the axis of their closest points, unless `reach` is 0.
+#[inline(always)]
+pub(super) fn is_near<P: Pairwise<Q>, Q: Primitive, L: LookAhead>(
+    a: &P::Item,
+    b: &Q::Item,
+    (margin, reach, ahead): (f64, f64, &mut L),
+    exact: &mut u64,
+) -> bool {
+    let is_near = P::within(a, b, margin, exact);
+    if !is_near && reach > 0.0 {
+        look_between::<P, Q, L>(a, b, (margin, reach, ahead), exact);
+    }
+    is_near
+}
+
+// Not a part of its caller, of whose stack it would take more.
+#[inline(never)]
+fn look_between<P: Pairwise<Q>, Q: Primitive, L: LookAhead>(
+    a: &P::Item,
+    b: &Q::Item,
+    (margin, reach, ahead): (f64, f64, &mut L),
+    exact: &mut u64,
+) {
+    if let Some(pair) = P::nearer(a, b, f64::INFINITY, 1.0, exact) {
+        ahead.look_along([pair.a, pair.b], margin, reach);
     }
 }

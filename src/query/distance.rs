@@ -124,15 +124,13 @@ impl Query {
         margin: f64,
     ) -> Answer {
         let smaller = a.header().radius.min(b.header().radius);
-        if margin <= SMALL * smaller || a.is_empty() || b.is_empty() {
-            return self.first_pair(a, b, pose, Within::new(margin, (a, b), pose));
-        }
-        if margin > LARGE * smaller {
+        let is_small = margin <= SMALL * smaller || a.is_empty() || b.is_empty();
+        if margin > LARGE * smaller && !is_small {
             return self.first_near(*a, *b, pose, margin);
         }
-        let few = self.budget.min(FEW);
-        let answer = self.with_budget(few).first_pair(a, b, pose, Within::new(margin, (a, b), pose));
-        if !matches!(answer.verdict, Verdict::Unknown { .. }) || few == self.budget {
+        let few = if is_small { self.budget } else { self.budget.min(FEW) };
+        let answer = self.with_budget(few).first_pair(a, b, pose, Within::new(margin, a, b, pose));
+        if few == self.budget || !matches!(answer.verdict, Verdict::Unknown { .. }) {
             return answer;
         }
         let rest = self.with_budget(self.budget - few).first_near(*a, *b, pose, margin);

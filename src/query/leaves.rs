@@ -1,6 +1,6 @@
 //! Pairs of leaves: decided when their bits appear.
 
-use super::ahead::LookAhead;
+use super::ahead::{LookAhead, is_near};
 use super::frontier::Side;
 use super::hint::Found;
 use super::on_lattice::{decide_on_lattice, lattice_of};
@@ -201,8 +201,8 @@ fn decide_one<One: Pairwise<Other>, Other: Pairwise<One>, E: Kernel, M: Margin>(
                 (false, _) => One::meets(&probe, other, exact),
                 // By an axis that was found since.
                 (true, _) if is_far(ahead, other) => false,
-                (true, true) => is_near::<One, Other, M>(item, other, (margin, reach, ahead), exact),
-                (true, false) => is_near::<Other, One, M>(other, item, (margin, reach, ahead), exact),
+                (true, true) => is_near::<One, Other, _>(item, other, (margin, reach, ahead), exact),
+                (true, false) => is_near::<Other, One, _>(other, item, (margin, reach, ahead), exact),
             };
             if meets && visit(indices[k & 3]).is_break() {
                 counters.primitive_pairs += k as u64 + 1;
@@ -213,33 +213,5 @@ fn decide_one<One: Pairwise<Other>, Other: Pairwise<One>, E: Kernel, M: Margin>(
         if len < 4 {
             return Flow::Continue(());
         }
-    }
-}
-
-/// Whether a primitive of the query's A and one of its B are at most the margin apart. If not, others are from now on told apart along
-/// the axis of their closest points, if the margin is for that.
-#[inline(always)]
-fn is_near<P: Pairwise<Q>, Q: Pairwise<P>, M: Margin>(
-    a: &P::Item,
-    b: &Q::Item,
-    (margin, reach, ahead): (f64, f64, &mut M::Ahead),
-    exact: &mut u64,
-) -> bool {
-    let is_near = P::within(a, b, margin, exact);
-    if !is_near && reach > 0.0 {
-        look_along::<P, Q, M>(a, b, (margin, reach, ahead), exact);
-    }
-    is_near
-}
-
-#[inline(never)]
-fn look_along<P: Pairwise<Q>, Q: Pairwise<P>, M: Margin>(
-    a: &P::Item,
-    b: &Q::Item,
-    (margin, reach, ahead): (f64, f64, &mut M::Ahead),
-    exact: &mut u64,
-) {
-    if let Some(pair) = P::nearer(a, b, f64::INFINITY, 1.0, exact) {
-        ahead.look_along([pair.a, pair.b], margin, reach);
     }
 }

@@ -5,7 +5,7 @@
 //! nearest first; whatever is farther than matters is dropped: than the best pair of primitives so far, by a
 //! threshold that allows for the tolerance, or than a margin.
 
-use super::ahead::{Ahead, LookAhead};
+use super::ahead::{Ahead, LookAhead, is_near};
 use super::bounds::{Bounds, Kept, growths, no_turned};
 use super::cut::Cutter;
 use super::entries::{Entries, Entry, least};
@@ -13,7 +13,7 @@ use super::frontier::{Frontier, Opened, Side, VolumeA, VolumeB};
 use super::hint::Found;
 use super::leaf::{LeafA, Threshold};
 use super::own_gaps::OwnGaps;
-use super::placing::first_primitive;
+use super::placing::{first_primitive, reach};
 use super::stack::ABOVE_ROOT;
 use super::{Completion, Counters, Lanes, Pairwise, Query};
 use crate::hierarchy::{BvhRef, Detail};
@@ -22,7 +22,6 @@ use crate::node::{Child, Link};
 use crate::pose::Pose;
 use crate::primitive::{Primitive, Separation};
 use crate::range::Point;
-use crate::realign::greatest;
 
 /// What a search is for.
 #[derive(Copy, Clone, Debug)]
@@ -122,8 +121,7 @@ impl<'t, N: Lanes, P: Pairwise<Q>, Q: Primitive> Search<'t, N, P, Q> {
             bounds,
             budget: query.budget,
             goal,
-            reach: (4.0 * a.extent().max_coordinate + greatest(&pose.translation()))
-                + b.extent().max_coordinate,
+            reach: reach(&a, &b, pose),
             counters: Counters::default(),
             best: Best {
                 lower: f64::INFINITY,
@@ -177,10 +175,9 @@ impl<'t, N: Lanes, P: Pairwise<Q>, Q: Primitive> Search<'t, N, P, Q> {
                 }
             }
             Goal::Within { margin } => {
-                if P::within(moved, &still, margin, exact) {
+                let ahead = &mut self.threshold.ahead;
+                if is_near::<P, Q, _>(moved, &still, (margin, self.reach, ahead), exact) {
                     self.hit = Some(found);
-                } else if let Some(pair) = P::nearer(moved, &still, f64::INFINITY, 1.0, exact) {
-                    self.threshold.look_along([pair.a, pair.b], self.reach);
                 }
             }
         }

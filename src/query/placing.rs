@@ -40,6 +40,16 @@ impl Margin for Touching {
     }
 }
 
+/// Bounds all coordinates of A where the pose places it, and of B.
+#[inline(always)]
+pub(super) fn reach<N: Lanes, P: Primitive, Q: Primitive>(
+    a: &BvhRef<'_, N, P>,
+    b: &BvhRef<'_, N, Q>,
+    pose: &Pose,
+) -> f64 {
+    (4.0 * a.extent().max_coordinate + greatest(&pose.translation())) + b.extent().max_coordinate
+}
+
 /// They may be this far apart.
 #[derive(Copy, Clone, Debug)]
 pub(super) struct Within {
@@ -53,11 +63,11 @@ const ROUNDINGS: f64 = power_of_two(-30);
 impl Within {
     pub(super) fn new<N: Lanes, P: Primitive, Q: Primitive>(
         margin: f64,
-        (a, b): (&BvhRef<'_, N, P>, &BvhRef<'_, N, Q>),
+        a: &BvhRef<'_, N, P>,
+        b: &BvhRef<'_, N, Q>,
         pose: &Pose,
     ) -> Self {
-        let (a, b) = (a.extent().max_coordinate, b.extent().max_coordinate);
-        let reach = (4.0 * a + b) + greatest(&pose.translation());
+        let reach = reach(a, b, pose);
         Self { margin, reach: if margin > ROUNDINGS * reach { reach } else { 0.0 } }
     }
 }

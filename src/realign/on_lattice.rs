@@ -19,7 +19,7 @@ use crate::frame::Frame;
 use crate::key::Key;
 use crate::primitive::Primitive;
 use crate::primitive::lattice::{self, LatticeCorners, OFF_MOVED, OFF_STILL};
-use crate::realign::planes_of_slab;
+use crate::realign::{Supports, planes_of_slab};
 
 /// A coordinate about the frame's centre, in steps.
 const OFF: i32 = OFF_MOVED + OFF_STILL;
@@ -43,9 +43,9 @@ const _: () = {
     }
 };
 
-/// Puts those of [`super::planes_of`] of corners that a pose moved to a lattice of `2^exponent` steps to the unit which are certain.
-/// The others, a bit each; [`ALL`] where none are known.
-// Not as a result, which took as much stack once more. Where it is not certain, something is put as well.
+/// Puts [`super::planes_of`] of corners that a pose moved to a lattice of `2^exponent` steps to the unit. Those that are not certain, a bit
+/// each: what was put for them may be anything, and where that is [`ALL`], nothing was.
+// Not as a result, which took as much stack once more.
 #[inline(always)]
 pub(crate) fn planes_on_lattice<const K: usize>(
     b: &Frame,
@@ -104,23 +104,12 @@ pub(crate) fn some_planes_of<P: Primitive, const K: usize>(
     mut put: impl FnMut(usize, Key),
 ) {
     let is_wanted = |s: usize| wanted >> (2 * s) & 3 != 0;
-    let [nx, ny, nz] = &Directions::<K>::SLAB_COLUMNS;
-    let (mut least, mut greatest) = ([f64::INFINITY; K], [f64::NEG_INFINITY; K]);
-    let mut size = super::greatest(&b.centre);
-    for item in items {
-        for p in P::corners(&item) {
-            let d = [p[0] - b.centre[0], p[1] - b.centre[1], p[2] - b.centre[2]];
-            size = size.max(super::greatest(&p));
-            for s in (0..K / 2).filter(|&s| is_wanted(s)) {
-                let support = (nx[s] * d[0] + ny[s] * d[1]) + nz[s] * d[2];
-                least[s] = if support < least[s] { support } else { least[s] };
-                greatest[s] = if support > greatest[s] { support } else { greatest[s] };
-            }
-        }
-    }
+    // Not taken apart, which copied it.
+    let supports = Supports::<K>::of_slabs::<P>(b, items, is_wanted);
     let scale = b.scale();
     for s in (0..K / 2).filter(|&s| is_wanted(s)) {
-        let [ahead, behind] = planes_of_slab::<K>(s, [least[s], greatest[s]], size, margin, scale);
+        let [ahead, behind] =
+            planes_of_slab::<K>(s, [supports.least[s], supports.greatest[s]], supports.size, margin, scale);
         put(2 * s, ahead);
         put(2 * s + 1, behind);
     }
