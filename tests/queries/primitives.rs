@@ -194,22 +194,28 @@ fn check<N: Lanes>() {
     // Quarter turns and whole steps keep to the lattice.
     let turned =
         Pose::from_rows([[0.0, -1.0, 0.0, 24.0], [1.0, 0.0, 0.0, 1.0], [0.0, 0.0, 1.0, -2.0]]).unwrap();
+    let wanted = [Pose::IDENTITY, turned].map(|pose| {
+        let (flat_a, flat_b) = (flat_of(&a), flat_of(&b));
+        let pairs = [
+            all_pairs(&flat_a, &flat_b, &pose),
+            all_pairs(&flat_a, &patches, &pose),
+            all_pairs(&patches, &flat_a, &pose),
+        ];
+        assert!(pairs.iter().all(|pairs| pairs.len() > 20), "the test would say little");
+        (pose, pairs)
+    });
     for (splitter, leaf_size) in [(Splitter::MeanWidth, 1), (Splitter::ExtendedLongestAxis, 3)] {
         let (tree_a, tree_b) = (build::<N>(&a, splitter, leaf_size), build::<N>(&b, splitter, leaf_size));
         tree_a.view().verify().unwrap();
         let copied = Bvh::<N, Segments>::from_bytes(tree_a.as_bytes()).unwrap();
         assert_eq!(copied.as_bytes(), tree_a.as_bytes());
-        for pose in [Pose::IDENTITY, turned] {
-            let want = all_pairs(&flat_of(&a), &flat_of(&b), &pose);
-            let [onto, under] =
-                [all_pairs(&flat_of(&a), &patches, &pose), all_pairs(&patches, &flat_of(&a), &pose)];
-            assert!(want.len() > 20 && onto.len() > 20 && under.len() > 20, "the test would say little");
+        for (pose, [want, onto, under]) in &wanted {
             for isa in Isa::available() {
                 let query = Query::new(isa);
-                assert_eq!(pairs_of(query, &tree_a, &tree_b, &pose), want, "segments and segments, {isa}");
-                assert_eq!(pairs_of(query, &tree_a, &mesh, &pose), onto, "segments and triangles, {isa}");
-                assert_eq!(pairs_of(query, &mesh, &tree_a, &pose), under, "triangles and segments, {isa}");
-                assert!(query.collide(&tree_a, &tree_b, &pose).hit().is_some());
+                assert_eq!(&pairs_of(query, &tree_a, &tree_b, pose), want, "segments and segments, {isa}");
+                assert_eq!(&pairs_of(query, &tree_a, &mesh, pose), onto, "segments and triangles, {isa}");
+                assert_eq!(&pairs_of(query, &mesh, &tree_a, pose), under, "triangles and segments, {isa}");
+                assert!(query.collide(&tree_a, &tree_b, pose).hit().is_some());
             }
         }
         let far =
