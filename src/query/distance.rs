@@ -87,8 +87,8 @@ impl Query {
     /// greater, is not certainly above the margin. Needles that almost touch are known less well: see
     /// [`crate::primitive::triangle::distance`].
     ///
-    /// A margin may be of any size: where it is above three tenths of the smaller body's radius, what 24 visits do not decide is decided
-    /// as distances are, by the search for the nearest primitives.
+    /// A margin may be of any size: where it is above three tenths of the smaller body's radius, what 4 visits do not decide, or 24 of
+    /// bodies of at most 1,024 primitives, is decided as distances are, by the search for the nearest primitives.
     ///
     /// # Errors
     /// [`ToleranceError`] if `margin` is negative, infinite or NaN.
@@ -128,7 +128,12 @@ impl Query {
         if margin > LARGE * smaller && !is_small {
             return self.first_near(*a, *b, pose, margin);
         }
-        let few = if is_small { self.budget } else { self.budget.min(FEW) };
+        let most = match a.len().max(b.len()) {
+            _ if is_small => self.budget,
+            ..=COARSE => FEW_OF_COARSE,
+            _ => FEW,
+        };
+        let few = self.budget.min(most);
         let answer = self.with_budget(few).first_pair(a, b, pose, Within::new(margin, a, b, pose));
         if few == self.budget || !matches!(answer.verdict, Verdict::Unknown { .. }) {
             return answer;
@@ -298,10 +303,14 @@ impl Query {
 /// Volumes that are widened by a margin overlap far more often than they are within it: the wider, the more. Up to this
 /// share of the smaller body's radius they are descended by all the same.
 const SMALL: f64 = 0.3;
-/// Above this share of it they hardly tell anything apart.
-const LARGE: f64 = 1.0;
-/// In between they have so many visits, which decide most pairs, before the search for the nearest primitives begins.
-const FEW: u64 = 24;
+/// Above this multiple of it they hardly tell anything apart.
+const LARGE: f64 = 3.0;
+/// In between they have so many visits before the search for the nearest primitives begins: pairs that these do not decide would take far
+/// more.
+const FEW: u64 = 4;
+/// Bodies of at most [`COARSE`] primitives have so many, which decide most pairs.
+const FEW_OF_COARSE: u64 = 24;
+const COARSE: usize = 1024;
 
 pub(crate) fn checked(value: f64) -> Result<f64, ToleranceError> {
     if value >= 0.0 && value.is_finite() { Ok(value) } else { Err(ToleranceError { given: value }) }
