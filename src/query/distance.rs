@@ -128,12 +128,13 @@ impl Query {
         if margin > LARGE * smaller && !is_small {
             return self.first_near(*a, *b, pose, margin);
         }
-        let most = match a.len().max(b.len()) {
-            _ if is_small => self.budget,
-            ..=COARSE => FEW_OF_COARSE,
-            _ => FEW,
+        let few = if is_small {
+            self.budget
+        } else if a.len().max(b.len()) <= COARSE {
+            self.budget.min(FEW_OF_COARSE)
+        } else {
+            self.budget.min(FEW)
         };
-        let few = self.budget.min(most);
         let answer = self.with_budget(few).first_pair(a, b, pose, Within::new(margin, a, b, pose));
         if few == self.budget || !matches!(answer.verdict, Verdict::Unknown { .. }) {
             return answer;
