@@ -26,8 +26,8 @@ use simdop::scene::{Body, BodyId, EdgeMemory, EdgePair, Scene};
 use std::path::Path;
 use std::time::{Duration, Instant};
 
-const URDF: &str = include_str!("../src/cli/robot/arm.urdf");
-const SRDF: &str = include_str!("../src/cli/robot/arm.srdf");
+const URDF: &str = include_str!("arm/arm.urdf");
+const SRDF: &str = include_str!("arm/arm.srdf");
 
 /// Sides and middles: a floor, a rack of two boards with a back, and a post before it.
 const BOXES: [[[f64; 3]; 2]; 5] = [

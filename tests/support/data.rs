@@ -33,8 +33,10 @@ pub(crate) fn notice(what: &str) {
 /// # Panics
 /// If they are absent and `SIMDOP_REQUIRE_DATA` is set, as CI does.
 pub(crate) fn directory() -> Option<PathBuf> {
-    let beside = concat!(env!("CARGO_MANIFEST_DIR"), "/../shared/data");
-    let path = PathBuf::from(std::env::var_os("SIMDOP_DATA").unwrap_or_else(|| beside.into()));
+    // Beside the project, whose root is this package or the folder that holds it.
+    let package = std::path::Path::new(env!("CARGO_MANIFEST_DIR"));
+    let root = if package.join("Cargo.lock").exists() { package.to_owned() } else { package.join("..") };
+    let path = std::env::var_os("SIMDOP_DATA").map_or_else(|| root.join("../shared/data"), PathBuf::from);
     if path.join("meshes").is_dir() {
         return Some(path);
     }

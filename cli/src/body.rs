@@ -1,0 +1,202 @@
+//! Bodies: a mesh or a tree from a file, of any node type.
+
+use super::error::Error;
+use super::mesh::{self, Empty, MeshData};
+use super::{TreeOptions, demo, progress};
+use core::ops::ControlFlow;
+use core::time::Duration;
+use simdop::construct::{Builder, Mesh, Progress, SphereSet};
+use simdop::hierarchy::{AnyBvh, Bvh, BvhRef, Header, Lane, MAGIC};
+use simdop::isa::Isa;
+use simdop::node::{Dop, Link, Node16};
+use simdop::primitive::{Primitive, Sphere, Spheres};
+use simdop::query::Query;
+use simdop::with_bvh;
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+/// k and arity of a tree.
+#[derive(Copy, Clone, PartialEq, Eq, Debug)]
+pub(super) struct Shape {
+    pub(super) k: usize,
+    pub(super) arity: usize,
+}
+
+impl Shape {
+    pub(super) fn of(tree: &AnyBvh) -> Self {
+        let header = *tree.view().header();
+        Self { k: header.k.into(), arity: header.arity.into() }
+    }
+}
+
+/// Every triangle, with the lane of the root that it is below.
+pub(super) fn clusters(tree: &AnyBvh) -> Vec<(usize, [[f64; 3]; 3])> {
+    with_bvh!(tree.view(), tree => primitives_by_root_lane(&tree))
+}
+
+/// Every primitive, with the lane of the root that it is below.
+pub(super) fn primitives_by_root_lane<N: Dop, P: Primitive>(
+    tree: &BvhRef<'_, N, P>,
+) -> Vec<(usize, P::Item)> {
+    let mut found = Vec::with_capacity(tree.len());
+    let mut walk = tree.walk();
+    while let Some(Lane { child, .. }) = walk.next() {
+        let Link::Leaf { first, count } = child.link() else { continue };
+        let root_lane = walk.path().next().map_or(0, |(_, lane)| lane);
+        found.extend((first..first + count).map(|index| (root_lane, tree.primitive(index))));
+    }
+    found
+}
+
+/// The mesh that was built: its triangles in their order, its vertices as far as triangles use them.
+pub(super) fn mesh_of(tree: &AnyBvh) -> MeshData {
+    with_bvh!(tree.view(), tree => {
+        let mut soup = vec![[[0.0; 3]; 3]; tree.len()];
+        for index in 0..tree.len() as u32 {
+            // No more than a hint in an unverified tree: the library proves ranges, not that sources are a permutation.
+            if let Some(triangle) = soup.get_mut(tree.source(index) as usize) {
+                *triangle = tree.primitive(index);
+            }
+        }
+        MeshData::of(&soup)
+    })
+}
+
+/// How a tree holds its vertices.
+pub(super) fn vertex_format(header: &Header) -> &'static str {
+    if header.vertex_size == 12 { "f32" } else { "f64" }
+}
+
+/// What a file holds.
+pub(super) enum Source {
+    Tree(Box<AnyBvh>),
+    Mesh(MeshData),
+}
+
+impl Source {
+    /// The mesh, or that which the tree was built from.
+    pub(super) fn into_mesh(self) -> MeshData {
+        match self {
+            Self::Mesh(mesh) => mesh,
+            Self::Tree(tree) => mesh_of(&tree),
+        }
+    }
+
+    /// Whether it is a tree of a solid.
+    pub(super) fn is_solid(&self) -> bool {
+        matches!(self, Self::Tree(tree) if tree.view().header().is_solid != 0)
+    }
+}
+
+/// A tree, its name, and how long it took to read its file and to build it.
+pub(super) struct Body {
+    pub(super) name: String,
+    pub(super) tree: AnyBvh,
+    /// `None`: generated.
+    pub(super) read: Option<Duration>,
+    /// `None`: the file held the tree.
+    pub(super) build: Option<Duration>,
+}
+
+/// Files of fewer bytes are read at once, as far as a person can tell.
+const LONG_READ: usize = 4 << 20;
+/// Meshes of fewer triangles are built at once.
+const LONG_BUILD: usize = 100_000;
+
+/// Reads a file: a tree if it begins as one, whatever its name; else a mesh.
+pub(super) fn read(path: &Path, options: &TreeOptions, quiet: bool) -> Result<Source, Error> {
+    let bytes = std::fs::read(path).map_err(Error::io(path))?;
+    let _spinner = progress::step(format!("reading {}", path.display()), quiet || bytes.len() < LONG_READ);
+    if bytes.starts_with(&MAGIC) {
+        let tree = AnyBvh::from_bytes(&bytes).map_err(|error| Error::Tree { path: path.into(), error })?;
+        Ok(Source::Tree(Box::new(tree)))
+    } else {
+        let empty = if options.allow_empty { Empty::Allowed } else { Empty::Refused };
+        mesh::read(path, &bytes, empty).map(Source::Mesh)
+    }
+}
+
+/// The mesh of a file, or that which its tree was built from, and its name. Without a file: a gear that is built in.
+pub(super) fn mesh_or_gear(path: Option<&Path>, quiet: bool) -> Result<(String, MeshData), Error> {
+    let Some(path) = path else { return Ok(("gear ring (built in)".into(), demo::gear())) };
+    Ok((path.display().to_string(), read(path, &TreeOptions::default(), quiet)?.into_mesh()))
+}
+
+/// Builds the tree of a mesh.
+pub(super) fn build(
+    name: String,
+    mesh: &MeshData,
+    options: &TreeOptions,
+    shape: Shape,
+    quiet: bool,
+) -> Result<Body, Error> {
+    let levels = progress::levels(mesh.triangles.len(), options.leaf_size() as usize, shape.arity);
+    let bar = progress::build(&name, levels, quiet || mesh.triangles.len() < LONG_BUILD);
+    let mut observer = |_: Progress| {
+        // A tree may be deeper than a full one.
+        bar.set_position((bar.position() + 1).min(levels));
+        ControlFlow::Continue(())
+    };
+    let mesh = Mesh { vertices: &mesh.vertices, triangles: &mesh.triangles };
+    let builder = Builder::new().leaf_size(options.leaf_size()).splitter(options.splitter().into());
+    let builder = if options.without_thin_slabs { builder.without_thin_slabs() } else { builder };
+    let builder = if options.solid { builder.solid() } else { builder };
+    let start = Instant::now();
+    let tree = builder
+        .build_any(&mesh, shape.k, shape.arity, &mut observer)
+        .map_err(|error| Error::Build { name: name.clone(), error })?;
+    Ok(Body { name, tree, read: None, build: Some(start.elapsed()) })
+}
+
+/// Builds the tree of spheres.
+pub(super) fn of_spheres(name: &str, spheres: &[Sphere]) -> Result<Bvh<Node16<18>, Spheres>, Error> {
+    Builder::new()
+        .build_geometry(&SphereSet { spheres }, &mut |_| ControlFlow::Continue(()))
+        .map_err(|error| Error::Build { name: name.into(), error })
+}
+
+/// The shape that the options ask for, where they do, and else the one of a given tree, or the default.
+pub(super) fn shape(options: &TreeOptions, given: Option<Shape>) -> Shape {
+    let default = given.unwrap_or(Shape { k: 18, arity: 16 });
+    Shape { k: options.k.unwrap_or(default.k), arity: options.arity.unwrap_or(default.arity) }
+}
+
+/// What two bodies are: [`pair`] and the built-in scene see to that.
+pub(super) const SAME: &str = "bodies of one node type";
+
+/// Two bodies of one node type, from files that may be trees.
+pub(super) fn pair(paths: [&PathBuf; 2], options: &TreeOptions, quiet: bool) -> Result<[Body; 2], Error> {
+    let timed = |path: &PathBuf| -> Result<(Source, Duration), Error> {
+        let start = Instant::now();
+        Ok((read(path, options, quiet)?, start.elapsed()))
+    };
+    let [a, b] = [timed(paths[0])?, timed(paths[1])?];
+    if let (Source::Tree(_), Source::Tree(_), Some(option)) = (&a.0, &b.0, options.first_given()) {
+        return Err(Error::idle(option, &paths[0].display()));
+    }
+    let given = [&a.0, &b.0].into_iter().find_map(|source| match source {
+        Source::Tree(tree) => Some(Shape::of(tree)),
+        Source::Mesh(_) => None,
+    });
+    let shape = shape(options, given);
+    let body = |(source, time): (Source, Duration), path: &PathBuf| -> Result<Body, Error> {
+        let name = path.display().to_string();
+        let body = match source {
+            Source::Mesh(mesh) => build(name, &mesh, options, shape, quiet)?,
+            Source::Tree(tree) if Shape::of(&tree) == shape => {
+                Body { name, tree: *tree, read: None, build: None }
+            }
+            Source::Tree(tree) => {
+                return Err(Error::OtherShape { name, has: Shape::of(&tree), asked: shape });
+            }
+        };
+        Ok(Body { read: Some(time), ..body })
+    };
+    Ok([body(a, paths[0])?, body(b, paths[1])?])
+}
+
+/// The query that the options ask for.
+pub(super) fn query(isa: Isa, budget: Option<u64>) -> Query {
+    let query = Query::new(isa);
+    budget.map_or(query, |visits| query.with_budget(visits))
+}

@@ -1,0 +1,150 @@
+//! `simdop collide`.
+
+use super::body::{self, Body};
+use super::error::Error;
+use super::verdicts::{BodyReport, Pairs, PoseReport, Report, Summary};
+use super::{File, TreeOptions, demo, isa, poses, progress};
+use clap::Args;
+use core::time::Duration;
+use simdop::isa::Isa;
+use simdop::pose::Pose;
+use simdop::query::{Answer, Counters, Query, Verdict};
+use std::time::Instant;
+
+#[derive(Args, Debug)]
+pub(super) struct Options {
+    /// The body that the poses move. Without it: the built-in scene.
+    #[arg(requires = "b")]
+    a: Option<File>,
+    /// The body that stands still.
+    b: Option<File>,
+    #[command(flatten)]
+    poses: poses::Options,
+    /// Time each query this often and report the fastest.
+    #[arg(long, value_name = "TIMES", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..))]
+    repeat: u32,
+    /// Give up after this many visits of node pairs.
+    #[arg(long, value_name = "VISITS")]
+    budget: Option<u64>,
+    /// List every pair of triangles that meet, by their indices from 0, in the order in which they are
+    /// found.
+    #[arg(long)]
+    all_pairs: bool,
+    /// Instruction set: auto, scalar, neon, avx2 or avx512.
+    #[arg(long, default_value = "auto", value_parser = isa)]
+    isa: Isa,
+    /// Rows of the table, at most.
+    #[arg(long, default_value_t = 64)]
+    rows: usize,
+    /// One JSON object instead of a table.
+    #[arg(long)]
+    json: bool,
+    #[command(flatten)]
+    tree: TreeOptions,
+}
+
+pub(super) fn run(options: &Options) -> Result<u8, Error> {
+    let (bodies, poses) = scene_of(options)?;
+    let query = body::query(options.isa, options.budget);
+    let reports = all(&bodies, query, &poses, options);
+    let shape = body::Shape::of(&bodies[0].tree);
+    let [a, b] = bodies.each_ref().map(body_report);
+    let report = Report {
+        version: env!("CARGO_PKG_VERSION"),
+        a,
+        b,
+        k: shape.k,
+        arity: shape.arity,
+        isa: options.isa.name(),
+        budget: options.budget,
+        repeat: options.repeat,
+        summary: Summary::of(reports.iter().map(|pose| (pose.verdict, pose.nanoseconds))),
+        poses: reports,
+    };
+    let printed = if options.json { report.print_json() } else { report.print_table(options.rows) };
+    let code = match report.poses.as_slice() {
+        [only] if only.verdict == "hit" => 1,
+        [only] if only.verdict == "unknown" => 3,
+        _ => 0,
+    };
+    match printed {
+        // The reader of our output has seen enough. The verdict is what it is.
+        Err(error) if error.kind() == std::io::ErrorKind::BrokenPipe => Ok(code),
+        printed => printed.map(|()| code).map_err(Error::Output),
+    }
+}
+
+fn scene_of(options: &Options) -> Result<([Body; 2], Vec<Pose>), Error> {
+    let (Some(a), Some(b)) = (&options.a, &options.b) else {
+        let shape = body::shape(&options.tree, None);
+        let build = |name: &str, mesh| body::build(name.into(), &mesh, &options.tree, shape, options.json);
+        let bodies =
+            [build("torus knot (built in)", demo::knot())?, build("gear ring (built in)", demo::gear())?];
+        return Ok((bodies, demo::sweep()));
+    };
+    // Poses first: a slip in them shows before the work of building.
+    let poses = options.poses.read()?;
+    Ok((body::pair([a, b], &options.tree, options.json)?, poses))
+}
+
+fn body_report(body: &Body) -> BodyReport {
+    let header = body.tree.view().header();
+    let nanoseconds = |time: Option<Duration>| time.map(|t| t.as_nanos());
+    BodyReport {
+        name: body.name.clone(),
+        triangles: header.primitive_count,
+        degenerate_triangles: header.degenerate_count,
+        leaf_size: header.leaf_size,
+        read_nanoseconds: nanoseconds(body.read),
+        build_nanoseconds: nanoseconds(body.build),
+    }
+}
+
+fn all<'a>(bodies: &'a [Body; 2], query: Query, poses: &'a [Pose], options: &Options) -> Vec<PoseReport<'a>> {
+    // Fewer are done at once.
+    let bar = progress::bar(poses.len(), "poses", options.json || poses.len() < 1000);
+    let mut reports = Vec::with_capacity(poses.len());
+    for pose in poses {
+        reports.push(one(bodies, query, pose, options));
+        bar.inc(1);
+    }
+    reports
+}
+
+fn one<'a>(bodies: &'a [Body; 2], query: Query, pose: &'a Pose, options: &Options) -> PoseReport<'a> {
+    let (answer, nanoseconds) = fastest(bodies, query, pose, options.repeat);
+    // A query without visits is the set-up alone.
+    let (_, set_up_nanoseconds) = fastest(bodies, query.with_budget(0), pose, options.repeat);
+    let (verdict, pair, distance_bounds) = match answer.verdict {
+        Verdict::Hit(pair) => ("hit", Some([pair.a, pair.b]), None),
+        Verdict::Free => ("free", None, None),
+        Verdict::Unknown { lower, upper } => ("unknown", None, Some([lower, upper])),
+    };
+    let (pairs, pairs_complete) = options.all_pairs.then(|| Pairs::new(bodies, query, pose)).unzip();
+    let Counters { visits, kernels, realignments, primitive_pairs, exact_pairs } = answer.counters;
+    PoseReport {
+        verdict,
+        pair,
+        pairs,
+        pairs_complete,
+        distance_bounds,
+        nanoseconds,
+        set_up_nanoseconds,
+        visits,
+        kernels,
+        realignments,
+        primitive_pairs,
+        exact_pairs,
+    }
+}
+
+/// The answer, which is the same every time, and the shortest time it took.
+fn fastest([a, b]: &[Body; 2], query: Query, pose: &Pose, repeat: u32) -> (Answer, u64) {
+    let timed = || {
+        let start = Instant::now();
+        let answer = query.collide_any(&a.tree.view(), &b.tree.view(), pose).expect(body::SAME);
+        (answer, u64::try_from(start.elapsed().as_nanos()).unwrap_or(u64::MAX))
+    };
+    let (answer, first) = timed();
+    (answer, (1..repeat).map(|_| timed().1).fold(first, u64::min))
+}

@@ -1,0 +1,149 @@
+//! What can go wrong, with the file and the place in it.
+
+use super::body::Shape;
+use core::fmt;
+use simdop::cloud::{CloudError, SearchError};
+use simdop::construct::{BuildError, CoverError};
+use simdop::hierarchy::{BakeError, VerifyError};
+use simdop::packing::PackError;
+use simdop::robot::RobotError;
+use simdop::scene::SceneError;
+use std::path::PathBuf;
+
+/// Where in a file.
+#[derive(Copy, Clone, PartialEq, Eq, Debug)]
+pub(crate) enum Place {
+    Line(usize),
+    Byte(usize),
+    Nowhere,
+}
+
+/// What is wrong with the contents of a file, found before its name is known.
+#[derive(Clone, PartialEq, Eq, Debug)]
+pub(crate) struct Fault {
+    pub(crate) place: Place,
+    pub(crate) problem: String,
+}
+
+impl Fault {
+    pub(crate) fn line(number: usize, problem: impl Into<String>) -> Self {
+        Self { place: Place::Line(number), problem: problem.into() }
+    }
+
+    pub(crate) fn byte(offset: usize, problem: impl Into<String>) -> Self {
+        Self { place: Place::Byte(offset), problem: problem.into() }
+    }
+
+    pub(crate) fn file(problem: impl Into<String>) -> Self {
+        Self { place: Place::Nowhere, problem: problem.into() }
+    }
+}
+
+#[derive(Debug)]
+pub(crate) enum Error {
+    /// Reading or writing failed.
+    Io { path: PathBuf, error: std::io::Error },
+    /// A file's contents are wrong.
+    Content { path: PathBuf, fault: Fault },
+    /// Bytes that should be a tree are none.
+    Tree { path: PathBuf, error: BakeError },
+    /// A plane of a tree is too low.
+    Verify { path: PathBuf, error: VerifyError },
+    /// A mesh cannot be built.
+    Build { name: String, error: BuildError },
+    /// A mesh cannot be covered with spheres.
+    Cover { name: String, error: CoverError },
+    /// A mesh cannot be filled with spheres.
+    Pack { name: String, error: PackError },
+    /// Points cannot be a cloud.
+    Cloud { name: String, error: CloudError },
+    /// A search in a cloud cannot be answered.
+    Search { name: String, error: SearchError },
+    /// A description is no robot.
+    Robot { path: PathBuf, error: RobotError },
+    /// What a link is made of cannot be had.
+    Link { link: String, error: Box<Self> },
+    /// A robot cannot be placed or moved.
+    Scene { name: String, error: SceneError },
+    /// A mesh is one point, so that no distance is a share of its size.
+    NoSize { name: String },
+    /// However one body comes along, it does not meet the other.
+    NoContact { a: String, b: String, lines: usize },
+    /// An option that cannot be followed.
+    Option { option: &'static str, problem: String },
+    /// A tree has another node type than the other body, or than the options ask for.
+    OtherShape { name: String, has: Shape, asked: Shape },
+    /// A command that this program was built without.
+    #[cfg(not(all(feature = "report", feature = "selftest")))]
+    Feature(&'static str),
+    /// A trial of the self-test cannot be asked at all.
+    #[cfg(feature = "selftest")]
+    SelfTest { name: String, problem: String },
+    /// The standard output is gone or full.
+    Output(std::io::Error),
+}
+
+impl Error {
+    pub(crate) fn content(path: impl Into<PathBuf>, fault: Fault) -> Self {
+        Self::Content { path: path.into(), fault }
+    }
+
+    /// An option about building, where there is nothing to build.
+    pub(crate) fn idle(option: &'static str, name: &impl fmt::Display) -> Self {
+        Self::Option {
+            option,
+            problem: format!("{name} is a tree and stays as it is: `simdop build` makes another of it"),
+        }
+    }
+
+    pub(crate) fn io(path: impl Into<PathBuf>) -> impl FnOnce(std::io::Error) -> Self {
+        let path = path.into();
+        |error| Self::Io { path, error }
+    }
+}
+
+impl fmt::Display for Error {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Io { path, error } => write!(f, "{}: {error}", path.display()),
+            Self::Content { path, fault } => {
+                let (path, problem) = (path.display(), &fault.problem);
+                match fault.place {
+                    Place::Line(number) => write!(f, "{path}, line {number}: {problem}"),
+                    Place::Byte(offset) => write!(f, "{path}, byte {offset}: {problem}"),
+                    Place::Nowhere => write!(f, "{path}: {problem}"),
+                }
+            }
+            Self::Tree { path, error } => write!(f, "{}: {error}", path.display()),
+            Self::Verify { path, error } => write!(f, "{}: not conservative: {error}", path.display()),
+            Self::Build { name, error } => write!(f, "{name}: {error}"),
+            Self::Cover { name, error } => write!(f, "{name}: {error}"),
+            Self::Pack { name, error } => write!(f, "{name}: {error}"),
+            Self::Cloud { name, error } => write!(f, "{name}: {error}"),
+            Self::Search { name, error } => write!(f, "{name}: {error}"),
+            Self::Robot { path, error } => write!(f, "{}: {error}", path.display()),
+            Self::Link { link, error } => write!(f, "link {link}: {error}"),
+            Self::Scene { name, error } => write!(f, "{name}: {error}"),
+            Self::NoSize { name } => {
+                write!(f, "{name}: all corners are one point: there is no distance to measure by")
+            }
+            Self::NoContact { a, b, lines } => {
+                write!(f, "{a} does not come to a contact with {b} along any of {lines} lines")
+            }
+            Self::Option { option, problem } => write!(f, "{option}: {problem}"),
+            Self::OtherShape { name, has, asked } => write!(
+                f,
+                "{name}: the tree has k = {} and arity {}, the query k = {} and arity {}: `simdop build` makes another of it",
+                has.k, has.arity, asked.k, asked.arity
+            ),
+            #[cfg(not(all(feature = "report", feature = "selftest")))]
+            Self::Feature(name) => write!(
+                f,
+                "`simdop {name}` needs the feature `{name}`: `cargo install --path cli --features {name}`"
+            ),
+            #[cfg(feature = "selftest")]
+            Self::SelfTest { name, problem } => write!(f, "{name}: {problem}"),
+            Self::Output(error) => write!(f, "standard output: {error}"),
+        }
+    }
+}

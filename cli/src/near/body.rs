@@ -1,0 +1,167 @@
+//! A body at poses, and whether points are near it.
+
+use super::{Options, Points, cloud, fastest};
+use crate::body::{self, Source};
+use crate::error::Error;
+use crate::verdicts::Summary;
+use crate::{TreeOptions, progress, sphere_file};
+use serde::Serialize;
+use simdop::cloud::{CloudRef, Contact, RangeSearch, SearchError};
+use simdop::hierarchy::{AnyBvh, Bvh};
+use simdop::node::Node16;
+use simdop::pose::Pose;
+use simdop::primitive::Spheres;
+use simdop::with_bvh;
+use std::io::{BufWriter, Write};
+use std::path::Path;
+
+#[derive(Serialize)]
+struct Report {
+    version: &'static str,
+    body: BodyReport,
+    cloud: cloud::Report,
+    isa: &'static str,
+    margin: f64,
+    repeat: u32,
+    summary: Summary,
+    /// In the order of the file.
+    poses: Vec<Row>,
+}
+
+#[derive(Serialize)]
+struct BodyReport {
+    name: String,
+    /// What it is made of: spheres or triangles.
+    kind: &'static str,
+    primitives: usize,
+}
+
+#[derive(Serialize)]
+struct Row {
+    verdict: &'static str,
+    /// The sphere or triangle that was found to be near a point, by its index from 0.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    primitive: Option<u32>,
+    /// And that point, by its index from 0.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    point: Option<u32>,
+    nanoseconds: u64,
+}
+
+enum Body {
+    Spheres(Bvh<Node16<18>, Spheres>),
+    Mesh(Box<AnyBvh>),
+}
+
+pub(super) fn run(path: &Path, options: &Options) -> Result<u8, Error> {
+    // Poses first: a slip in them shows before the work of building.
+    let poses = options.poses.read()?;
+    let body = Body::read(path, options.json)?;
+    let (cloud, about) = Points::read(options)?.build(options.repeat)?;
+    let (cloud, search) = (cloud.view(), RangeSearch::new(options.isa));
+
+    // Fewer are done at once.
+    let bar = progress::bar(poses.len(), "poses", options.json || poses.len() < 1000);
+    let mut rows = Vec::with_capacity(poses.len());
+    for pose in &poses {
+        let ask = || {
+            body.near(&search, &cloud, pose, options.margin)
+                .map_err(|error| Error::Search { name: about.name.clone(), error })
+        };
+        let (contact, time) = fastest(options.repeat, ask)?;
+        let (primitive, point) = contact.map(|Contact { primitive, point }| (primitive, point)).unzip();
+        rows.push(Row {
+            verdict: if contact.is_some() { "hit" } else { "free" },
+            primitive,
+            point,
+            nanoseconds: u64::try_from(time.as_nanos()).unwrap_or(u64::MAX),
+        });
+        bar.inc(1);
+    }
+    drop(bar);
+    let report = Report {
+        version: env!("CARGO_PKG_VERSION"),
+        body: body.report(path),
+        cloud: about,
+        isa: options.isa.name(),
+        margin: options.margin,
+        repeat: options.repeat,
+        summary: Summary::of(rows.iter().map(|row| (row.verdict, row.nanoseconds))),
+        poses: rows,
+    };
+    let code = match report.poses.as_slice() {
+        [only] if only.verdict == "hit" => 1,
+        _ => 0,
+    };
+    match print(&report, options, &mut BufWriter::new(std::io::stdout().lock())) {
+        // The reader of our output has seen enough. The verdict is what it is.
+        Err(error) if error.kind() == std::io::ErrorKind::BrokenPipe => Ok(code),
+        printed => printed.map(|()| code).map_err(Error::Output),
+    }
+}
+
+impl Body {
+    fn read(path: &Path, quiet: bool) -> Result<Self, Error> {
+        if sphere_file::is_of_spheres(path) {
+            return Ok(Self::Spheres(sphere_file::read(path)?.1));
+        }
+        let options = TreeOptions::default();
+        Ok(Self::Mesh(match body::read(path, &options, quiet)? {
+            Source::Tree(tree) => tree,
+            Source::Mesh(mesh) => {
+                let (name, shape) = (path.display().to_string(), body::shape(&options, None));
+                Box::new(body::build(name, &mesh, &options, shape, quiet)?.tree)
+            }
+        }))
+    }
+
+    fn near(
+        &self,
+        search: &RangeSearch,
+        cloud: &CloudRef<'_>,
+        pose: &Pose,
+        margin: f64,
+    ) -> Result<Option<Contact>, SearchError> {
+        match self {
+            Self::Spheres(tree) => search.body_within(cloud, tree, pose, margin),
+            Self::Mesh(tree) => {
+                with_bvh!(tree.view(), tree => search.body_within(cloud, &tree, pose, margin))
+            }
+        }
+    }
+
+    fn report(&self, path: &Path) -> BodyReport {
+        let (kind, primitives) = match self {
+            Self::Spheres(tree) => ("sphere", tree.view().len()),
+            Self::Mesh(tree) => ("triangle", tree.view().stats().primitives),
+        };
+        BodyReport { name: path.display().to_string(), kind, primitives }
+    }
+}
+
+fn print(report: &Report, options: &Options, out: &mut impl Write) -> std::io::Result<()> {
+    if options.json {
+        writeln!(out, "{}", serde_json::to_string_pretty(report)?)?;
+        return out.flush();
+    }
+    let BodyReport { name, kind, primitives } = &report.body;
+    writeln!(out, "A  {name}: {primitives} {kind}s")?;
+    write!(out, "B  ")?;
+    report.cloud.print(out)?;
+    writeln!(out, "\n  pose  verdict          us")?;
+    for (index, row) in report.poses.iter().enumerate().take(options.rows) {
+        write!(out, "{index:6}  {:<7}  {:10.2}", row.verdict, row.nanoseconds as f64 / 1e3)?;
+        if let (Some(primitive), Some(point)) = (row.primitive, row.point) {
+            write!(out, "  point {point} is near {kind} {primitive} of A")?;
+        }
+        writeln!(out)?;
+    }
+    if report.poses.len() > options.rows {
+        writeln!(out, "   ... and {} more: --rows or --json shows them", report.poses.len() - options.rows)?;
+    }
+    if report.poses.len() > 1 {
+        writeln!(out)?;
+        report.summary.print(out)?;
+    }
+    out.flush()
+}

@@ -1,0 +1,297 @@
+//! `simdop report`: time against error, bytes and time to build, of many settings on one mesh or two.
+//!
+//! * `setting`: which settings are compared; `approach`: at which poses.
+//! * `volumes`: **false positives** and **overestimates**, with their definitions; `clock`: times, in turns;
+//!   `packings`: the same of packings; `covers`: of spheres that cover the meshes; `peers`: other libraries, from a file.
+//! * `front`: the Pareto front and the recommendation; `results`: CSV, JSON and a digest of what repeats; `page`,
+//!   `tables` and `plot`: the page.
+//!
+//! All trees are kept until all are asked, in turns: of 100,000 triangles the usual settings take some 400 MB.
+
+mod approach;
+mod clock;
+mod covers;
+mod front;
+mod packings;
+mod page;
+mod peers;
+mod plot;
+mod results;
+mod setting;
+mod tables;
+mod volumes;
+
+use super::body::{self, Body, SAME, Shape};
+use super::error::Error;
+use super::mesh::MeshData;
+use super::{File, TreeOptions, demo, isa, output, progress};
+use approach::{DISTANCES, PerDistance};
+use clap::Args;
+use clock::{ROUNDS, Times};
+use front::{Budget, Cost};
+use results::{Measured, MeasuredAt, Results, Subject};
+use setting::{Setting, Sweep};
+use simdop::hierarchy::AnyBvhRef;
+use simdop::isa::Isa;
+use simdop::pose::Pose;
+use simdop::query::Query;
+use std::io::BufWriter;
+use std::path::{Path, PathBuf};
+use volumes::{Overestimate, Volumes, meetings};
+
+#[derive(Args, Debug)]
+pub(super) struct Options {
+    /// The mesh that comes along, or a tree: then the mesh that it was built from. Without it: the built-in scene.
+    a: Option<File>,
+    /// The mesh that stands still. Without it: the same.
+    b: Option<File>,
+    /// The page to write. Files that are there are replaced at once, when all is done.
+    #[arg(short, long, value_name = "FILE", default_value = "report.html")]
+    output: File,
+    /// The CSV file to write [default: beside the page, with its name and .csv].
+    #[arg(long, value_name = "FILE")]
+    csv: Option<File>,
+    /// Poses at each of the four distances.
+    #[arg(long, value_name = "NUMBER", default_value_t = 40, value_parser = clap::value_parser!(u32).range(1..=100_000))]
+    poses: u32,
+    /// Of the poses.
+    #[arg(long, default_value_t = 1)]
+    seed: u64,
+    /// Recommend a setting whose volumes stick out by at most this, in the mesh's unit.
+    #[arg(long, value_name = "LENGTH", value_parser = length)]
+    error: Option<f64>,
+    /// Recommend a setting whose trees take at most so much flash.
+    #[arg(long, value_name = "BYTES")]
+    flash: Option<u64>,
+    /// Every k, arity, leaf size and splitter with every other, with and without thin slabs: 480 settings instead
+    /// of 55.
+    #[arg(long)]
+    full: bool,
+    /// Spheres of a packing, at most; 0 for no packings.
+    #[arg(long, value_name = "NUMBER", default_value_t = 1000)]
+    spheres: u32,
+    /// Show other libraries beside: the results.csv of `benches/peers/run`.
+    #[arg(long, value_name = "FILE")]
+    peers: Option<File>,
+    /// Instruction set: auto, scalar, neon, avx2 or avx512.
+    #[arg(long, default_value = "auto", value_parser = isa)]
+    isa: Isa,
+    /// One JSON object instead of a table.
+    #[arg(long)]
+    json: bool,
+}
+
+fn length(text: &str) -> Result<f64, String> {
+    let length = text.parse().ok().filter(|length: &f64| *length >= 0.0 && length.is_finite());
+    length.ok_or_else(|| "must be a length: a number, not negative".to_owned())
+}
+
+pub(super) fn run(options: &Options) -> Result<(), Error> {
+    let csv = targets(options)?;
+    let meshes = meshes(options)?;
+    let peers = peers_of(options, &meshes)?;
+    let named: Vec<(&str, &MeshData)> = meshes.iter().map(|(name, mesh)| (name.as_str(), mesh)).collect();
+    let pair = [named[0], named[named.len() - 1]];
+    let poses = {
+        let _spinner = progress::step("looking for poses".into(), options.json);
+        approach::poses(pair, options.poses as usize, options.seed)?
+    };
+    let sweep = if options.full { Sweep::Full } else { Sweep::Cross };
+    let built = build(&sweep.settings(), &named, options.json)?;
+    let mut settings = measure(&built, &poses, options);
+    drop(built);
+    let covers = covers::measure(&named, &poses, options.isa, options.json)?;
+    let packings = packings::measure(&named, options.spheres as usize, &poses, options.isa, options.json)?;
+
+    let cost = |one: &Measured| Cost {
+        time: one.geometric_mean_microseconds,
+        overestimate: one.overestimate_greatest,
+        bytes: one.bytes,
+    };
+    let costs: Vec<Cost> = settings.iter().map(cost).collect();
+    for (one, is_on_front) in settings.iter_mut().zip(front::front(&costs)) {
+        one.is_on_front = is_on_front;
+    }
+    let budget = Budget { error: options.error, flash: options.flash };
+    let results = Results {
+        subjects: named.iter().map(|(name, mesh)| subject(name, mesh)).collect(),
+        isa: options.isa.name(),
+        poses: options.poses as usize,
+        seed: options.seed,
+        budget,
+        recommended: front::recommended(&costs, &budget),
+        settings,
+        covers,
+        packings,
+        peers,
+    };
+    let digest = results.digest();
+    let page = page::html(&results, &digest, &command());
+    output::replace([(&*options.output, page.as_bytes()), (&*csv, &results.csv())])?;
+    let files = [&*options.output, &*csv];
+    if files.into_iter().any(output::is_standard_output) {
+        // The standard output holds a file, and nothing else.
+        let _ = results.print(&digest, files, options.json, &mut std::io::stderr().lock());
+        return Ok(());
+    }
+    results
+        .print(&digest, files, options.json, &mut BufWriter::new(std::io::stdout().lock()))
+        .map_err(Error::Output)
+}
+
+/// What was asked, for the page: the command alone, and not where it is.
+fn command() -> String {
+    let arguments = std::env::args_os().skip(1).map(|argument| argument.to_string_lossy().into_owned());
+    core::iter::once("simdop".to_owned()).chain(arguments).collect::<Vec<_>>().join(" ")
+}
+
+/// Where the CSV goes. What cannot be written is said before the work, not after it.
+fn targets(options: &Options) -> Result<PathBuf, Error> {
+    if options.csv.is_none() && output::is_standard_output(&options.output) {
+        let problem = "needs a name where the page goes to the standard output".into();
+        return Err(Error::Option { option: "--csv", problem });
+    }
+    let csv = options.csv.clone().unwrap_or_else(|| options.output.with_extension("csv"));
+    let targets = [("--output", Some(&*options.output)), ("--csv", Some(&*csv))];
+    for read in [&options.a, &options.b, &options.peers] {
+        output::check_targets(read.as_deref(), targets)?;
+    }
+    for file in [&options.output, &csv] {
+        std::fs::metadata(output::folder(file)).map_err(Error::io(file))?;
+    }
+    Ok(csv)
+}
+
+/// One that meets itself, or two, with their names.
+fn meshes(options: &Options) -> Result<Vec<(String, MeshData)>, Error> {
+    let read = |path: &PathBuf| {
+        let mesh = body::read(path, &TreeOptions::default(), options.json)?.into_mesh();
+        let name = path.file_name().unwrap_or(path.as_os_str());
+        Ok((name.to_string_lossy().into_owned(), mesh))
+    };
+    if options.a.is_none() {
+        let built_in = [("torus knot (built in)", demo::knot()), ("gear ring (built in)", demo::gear())];
+        return Ok(built_in.map(|(name, mesh)| (name.to_owned(), mesh)).into());
+    }
+    options.a.iter().chain(&options.b).map(read).collect()
+}
+
+fn peers_of(options: &Options, meshes: &[(String, MeshData)]) -> Result<Vec<peers::Peer>, Error> {
+    let Some(path) = &options.peers else { return Ok(Vec::new()) };
+    let [a, b] = [&meshes[0], &meshes[meshes.len() - 1]];
+    let name = Path::new(&a.0).file_stem().unwrap_or_default().to_string_lossy();
+    peers::read(path, &name, [a, b].map(|(_, mesh)| mesh.triangles.len()))
+}
+
+fn subject(name: &str, mesh: &MeshData) -> Subject {
+    let diagonal = approach::diagonal(&approach::bounds(mesh));
+    Subject { name: name.to_owned(), triangles: mesh.triangles.len(), diagonal }
+}
+
+/// A setting's trees, of each mesh one.
+struct Built {
+    setting: Setting,
+    trees: Vec<Body>,
+    milliseconds: f64,
+}
+
+/// Builds that take less, in milliseconds, are made three times, in turns, and their median counts.
+const LONG_BUILD: f64 = 100.0;
+
+fn build(settings: &[Setting], meshes: &[(&str, &MeshData)], quiet: bool) -> Result<Vec<Built>, Error> {
+    let bar = progress::bar(settings.len(), "settings built", quiet);
+    let once = |setting: &Setting| -> Result<Built, Error> {
+        let shape = Shape { k: setting.k, arity: setting.arity };
+        let tree = |(name, mesh): &(&str, &MeshData)| {
+            body::build((*name).to_owned(), mesh, &setting.options(), shape, true)
+        };
+        let trees = meshes.iter().map(tree).collect::<Result<Vec<Body>, Error>>()?;
+        let time = trees.iter().filter_map(|body| body.build).map(|time| time.as_secs_f64()).sum::<f64>();
+        Ok(Built { setting: *setting, trees, milliseconds: 1e3 * time })
+    };
+    let mut all = Vec::with_capacity(settings.len());
+    for setting in settings {
+        all.push(once(setting)?);
+        bar.inc(1);
+    }
+    let short: Vec<usize> = (0..all.len()).filter(|&i| all[i].milliseconds < LONG_BUILD).collect();
+    let mut times: Vec<Vec<f64>> = all.iter().map(|built| vec![built.milliseconds]).collect();
+    for _ in 0..2 {
+        for &i in &short {
+            times[i].push(once(&all[i].setting)?.milliseconds);
+        }
+    }
+    for (built, mut times) in all.iter_mut().zip(times) {
+        times.sort_by(f64::total_cmp);
+        built.milliseconds = times[times.len() / 2];
+    }
+    Ok(all)
+}
+
+fn measure(built: &[Built], poses: &PerDistance<Vec<Pose>>, options: &Options) -> Vec<Measured> {
+    let bar = progress::bar(built.len(), "settings measured", options.json);
+    let of_volumes = |built: &Built| {
+        let one = of_volumes(built, poses);
+        bar.inc(1);
+        one
+    };
+    let mut settings: Vec<Measured> = built.iter().map(of_volumes).collect();
+    let views: Vec<[AnyBvhRef<'_>; 2]> = built
+        .iter()
+        .map(|built| [&built.trees[0], &built.trees[built.trees.len() - 1]].map(|body| body.tree.view()))
+        .collect();
+    let query = Query::new(options.isa);
+    let ask = |which: usize, pose: &Pose| {
+        let [a, b] = &views[which];
+        query.collide_any(a, b, pose).expect(SAME)
+    };
+    let bar = progress::bar(DISTANCES.len() * ROUNDS, "rounds of queries", options.json);
+    for (distance, poses) in poses.iter().enumerate() {
+        let times = clock::in_turns(built.len(), poses.len(), &bar, |which, pose| {
+            let _ = core::hint::black_box(ask(which, &poses[pose]));
+        });
+        for (which, (one, Times { median, p99 })) in settings.iter_mut().zip(times).enumerate() {
+            let answers: Vec<_> = poses.iter().map(|pose| ask(which, pose)).collect();
+            let mean = |sum: u64| sum as f64 / poses.len() as f64;
+            let at = &mut one.at[distance];
+            at.hits = answers.iter().filter(|answer| !answer.is_free()).count();
+            at.visits = mean(answers.iter().map(|answer| answer.counters.visits).sum());
+            at.triangle_pairs = mean(answers.iter().map(|answer| answer.counters.primitive_pairs).sum());
+            (at.median_microseconds, at.p99_microseconds) = (median, p99);
+        }
+    }
+    for one in &mut settings {
+        one.geometric_mean_microseconds = clock::geometric_mean(one.at.map(|at| at.median_microseconds));
+    }
+    settings
+}
+
+/// What is counted and measured without a clock.
+fn of_volumes(built: &Built, poses: &PerDistance<Vec<Pose>>) -> Measured {
+    let volumes: Vec<Volumes> = built.trees.iter().map(|body| Volumes::of(&body.tree)).collect();
+    let (a, b) = (&volumes[0], &volumes[volumes.len() - 1]);
+    let mut overestimate = Overestimate::default();
+    volumes.iter().for_each(|volumes| volumes.measure(&mut overestimate));
+    let at = poses.each_ref().map(|poses| {
+        let found: Vec<_> = poses.iter().map(|pose| meetings(a, b, pose)).collect();
+        let mean = |sum: u64| sum as f64 / poses.len() as f64;
+        MeasuredAt {
+            false_positives: mean(found.iter().map(|one| one.false_positives()).sum()),
+            leaf_pairs: mean(found.iter().map(|one| one.volumes).sum()),
+            ..MeasuredAt::default()
+        }
+    });
+    let bytes = built.trees.iter().map(|body| body.tree.as_bytes().len()).sum();
+    let triangles: u32 = built.trees.iter().map(|body| body.tree.view().header().primitive_count).sum();
+    Measured {
+        setting: built.setting,
+        bytes,
+        bytes_per_triangle: bytes as f64 / f64::from(triangles),
+        build_milliseconds: built.milliseconds,
+        overestimate_mean: overestimate.mean(),
+        overestimate_greatest: overestimate.greatest,
+        at,
+        geometric_mean_microseconds: 0.0,
+        is_on_front: false,
+    }
+}

@@ -1,0 +1,119 @@
+//! The settings of a tree that are compared.
+
+use crate::{SplitterName, TreeOptions};
+use clap::ValueEnum;
+use core::fmt;
+
+/// What a mesh is built by.
+#[derive(Copy, Clone, PartialEq, Eq, Debug)]
+pub(super) struct Setting {
+    pub(super) k: usize,
+    pub(super) arity: usize,
+    pub(super) leaf_size: u32,
+    pub(super) splitter: SplitterName,
+    pub(super) has_thin_slabs: bool,
+}
+
+/// Which settings are compared.
+#[derive(Copy, Clone, PartialEq, Eq, Debug)]
+pub(super) enum Sweep {
+    /// k, arity and leaf size with each other, and the rest one at a time.
+    Cross,
+    /// All with each other.
+    Full,
+}
+
+const KS: [usize; 5] = [6, 14, 18, 26, 32];
+const ARITIES: [usize; 2] = [16, 4];
+const LEAF_SIZES: [u32; 4] = [1, 2, 4, 8];
+
+/// What the library builds unless told otherwise.
+const DEFAULT: Setting =
+    Setting { k: 18, arity: 16, leaf_size: 1, splitter: SplitterName::MeanWidth, has_thin_slabs: true };
+
+impl Sweep {
+    /// Its settings, each once.
+    pub(super) fn settings(self) -> Vec<Setting> {
+        let mut all = Vec::new();
+        for &splitter in SplitterName::value_variants() {
+            for (has_thin_slabs, arity) in
+                [true, false].into_iter().flat_map(|thin| ARITIES.map(|arity| (thin, arity)))
+            {
+                for (k, leaf_size) in KS.into_iter().flat_map(|k| LEAF_SIZES.map(|size| (k, size))) {
+                    all.push(Setting { k, arity, leaf_size, splitter, has_thin_slabs });
+                }
+            }
+        }
+        if self == Self::Cross {
+            all.retain(Setting::is_in_cross);
+        }
+        all
+    }
+}
+
+impl Setting {
+    fn is_in_cross(&self) -> bool {
+        let Self { arity, leaf_size, splitter, has_thin_slabs, .. } = *self;
+        let is_usual = (splitter, has_thin_slabs) == (DEFAULT.splitter, DEFAULT.has_thin_slabs);
+        let is_thick = splitter == DEFAULT.splitter && arity == DEFAULT.arity && matches!(leaf_size, 1 | 4);
+        let is_split_otherwise = Self { splitter: DEFAULT.splitter, ..*self } == DEFAULT;
+        is_usual || is_thick || is_split_otherwise
+    }
+
+    pub(super) fn options(&self) -> TreeOptions {
+        TreeOptions {
+            k: Some(self.k),
+            arity: Some(self.arity),
+            leaf_size: Some(self.leaf_size),
+            splitter: Some(self.splitter),
+            without_thin_slabs: !self.has_thin_slabs,
+            ..TreeOptions::default()
+        }
+    }
+
+    /// As `simdop build` takes it.
+    pub(super) fn arguments(&self) -> String {
+        let Self { k, arity, leaf_size, has_thin_slabs, .. } = self;
+        let thin = if *has_thin_slabs { "" } else { " --without-thin-slabs" };
+        format!("-k {k} -a {arity} -l {leaf_size} -s {}{thin}", self.splitter_name())
+    }
+
+    /// The splitter as the options have it.
+    pub(super) fn splitter_name(&self) -> String {
+        self.splitter.to_possible_value().map(|value| value.get_name().to_owned()).unwrap_or_default()
+    }
+}
+
+impl fmt::Display for Setting {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { k, arity, leaf_size, has_thin_slabs, .. } = self;
+        let thin = if *has_thin_slabs { "with" } else { "without" };
+        let s = if *leaf_size == 1 { "" } else { "s" };
+        write!(
+            f,
+            "k {k}, arity {arity}, {leaf_size} triangle{s} a leaf, splitter {}, {thin} thin slabs",
+            self.splitter_name()
+        )
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_sweep_has_the_default_and_nothing_twice() {
+        for (sweep, count) in [(Sweep::Cross, 55), (Sweep::Full, 480)] {
+            let settings = sweep.settings();
+            assert_eq!(settings.len(), count);
+            assert!(settings.contains(&DEFAULT));
+            for (i, setting) in settings.iter().enumerate() {
+                assert!(!settings[..i].contains(setting), "{setting}");
+            }
+        }
+        assert_eq!(
+            DEFAULT.to_string(),
+            "k 18, arity 16, 1 triangle a leaf, splitter mean-width, with thin slabs"
+        );
+    }
+}

@@ -1,0 +1,123 @@
+//! Does the robot meet anything on its way? Straight edges of problems, certified and sampled.
+
+use super::model::Model;
+use super::problems::Problem;
+use super::timed;
+use super::world::World;
+use crate::random::{Random, towards};
+use serde::Serialize;
+use simdop::scene::{EdgeVerdict, SceneError};
+use std::io::Write;
+
+/// How long random edges are at most, in the joints: what a tree of a planner grows by.
+const LONGEST: f64 = 1.0;
+
+#[derive(Default)]
+pub(super) struct Edges {
+    /// Of edges from the start to each goal, and of random ones.
+    kinds: [Outcomes; 2],
+}
+
+#[derive(Default)]
+struct Outcomes {
+    free: usize,
+    hits: usize,
+    unresolved: usize,
+    missed: usize,
+    times: u64,
+    samples: u64,
+    certified: Vec<f64>,
+    sampled: Vec<f64>,
+}
+
+#[derive(Serialize)]
+pub(super) struct EdgeReport {
+    edges: &'static str,
+    asked: usize,
+    free: usize,
+    hits: usize,
+    unresolved: usize,
+    /// Hits of which the samples found none.
+    missed_by_samples: usize,
+    /// At how many times the bodies were placed, in the mean.
+    mean_times: f64,
+    mean_samples: f64,
+    median_microseconds: f64,
+    sampled_median_microseconds: f64,
+}
+
+impl Edges {
+    /// From the start to the goals, and as many random ones as asked for: from the start and the goals in turn.
+    pub(super) fn ask(
+        &mut self,
+        model: &Model,
+        problem: &Problem,
+        count: usize,
+        world: &mut World<'_>,
+        random: &mut Random,
+    ) -> Result<(), SceneError> {
+        for goal in &problem.goals {
+            self.kinds[0].ask([&problem.start, goal], world)?;
+        }
+        let ends: Vec<_> = core::iter::once(&problem.start).chain(&problem.goals).collect();
+        for from in ends.iter().cycle().take(count) {
+            let to = towards(from, &random.configuration(&model.robot.limits), LONGEST);
+            self.kinds[1].ask([from, &to], world)?;
+        }
+        Ok(())
+    }
+
+    pub(super) fn report(self) -> Vec<EdgeReport> {
+        let report = |(edges, kind): (&'static str, Outcomes)| {
+            let asked = kind.certified.len();
+            let mean = |sum: u64| sum as f64 / asked.max(1) as f64;
+            EdgeReport {
+                edges,
+                asked,
+                free: kind.free,
+                hits: kind.hits,
+                unresolved: kind.unresolved,
+                missed_by_samples: kind.missed,
+                mean_times: mean(kind.times),
+                mean_samples: mean(kind.samples),
+                median_microseconds: super::median(kind.certified),
+                sampled_median_microseconds: super::median(kind.sampled),
+            }
+        };
+        ["start to goal", "random"].into_iter().zip(self.kinds).map(report).collect()
+    }
+}
+
+impl Outcomes {
+    fn ask(&mut self, ends: [&[f64]; 2], world: &mut World<'_>) -> Result<(), SceneError> {
+        let (certified, microseconds) = timed(|| world.edge(ends))?;
+        self.certified.push(microseconds);
+        let (sampled, microseconds) = timed(|| world.sampled_edge(ends))?;
+        self.sampled.push(microseconds);
+        self.times += certified.times;
+        self.samples += sampled.times;
+        match certified.verdict {
+            EdgeVerdict::Free => self.free += 1,
+            EdgeVerdict::Hit { .. } => {
+                self.hits += 1;
+                self.missed += usize::from(!matches!(sampled.verdict, EdgeVerdict::Hit { .. }));
+            }
+            EdgeVerdict::Unresolved { .. } => self.unresolved += 1,
+        }
+        Ok(())
+    }
+}
+
+pub(super) fn print(reports: &[EdgeReport], out: &mut impl Write) -> std::io::Result<()> {
+    writeln!(
+        out,
+        "\nedges            asked    free    hits  unresolved  missed by samples   times  samples   median us  sampled"
+    )?;
+    for report in reports {
+        let EdgeReport { edges, asked, free, hits, unresolved, missed_by_samples, .. } = report;
+        write!(out, "{edges:15} {asked:6} {free:7} {hits:7} {unresolved:11} {missed_by_samples:18} ")?;
+        write!(out, "{:7.1} {:8.1} ", report.mean_times, report.mean_samples)?;
+        writeln!(out, "{:11.2} {:8.2}", report.median_microseconds, report.sampled_median_microseconds)?;
+    }
+    Ok(())
+}

@@ -1,0 +1,202 @@
+//! A robot with the trees of its bodies: its description, and the mesh files that this names.
+
+use super::Options;
+use crate::error::{Error, Fault};
+use crate::mesh::{self, Empty};
+use crate::progress;
+use simdop::construct::{BuildError, Builder, Mesh};
+use simdop::hierarchy::Bvh;
+use simdop::node::Node16;
+use simdop::pose::Pose;
+use simdop::robot::{DisabledPair, LinkShape, Robot};
+use simdop::scene::{Body, BodyId, Scene, SceneError};
+use std::path::{Path, PathBuf};
+
+pub(super) type Tree = Bvh<Node16<18>>;
+
+const BUILT_IN_URDF: &str = include_str!("../../../examples/arm/arm.urdf");
+const BUILT_IN_SRDF: &str = include_str!("../../../examples/arm/arm.srdf");
+
+/// How far from a cylinder the prism around it may be, of its radius: sixteen sides.
+const CYLINDER_ERROR: f64 = 0.02;
+
+/// A tree, and a radius about its triangles.
+pub(super) struct Round {
+    pub(super) tree: Tree,
+    pub(super) radius: f64,
+}
+
+impl Round {
+    /// Of a mesh that is a solid if it is closed, and else a surface.
+    fn build(mesh: &Mesh<'_>, radius: f64) -> Result<Self, BuildError> {
+        let surface = || Builder::new().build(mesh);
+        // Segments and points are closed, and there is nothing inside of them.
+        let tree = if radius > 0.0 {
+            surface()?
+        } else {
+            match Builder::new().solid().build(mesh) {
+                Err(BuildError::Open { .. }) => surface()?,
+                built => built?,
+            }
+        };
+        Ok(Self { tree, radius })
+    }
+
+    /// Of a shape that is no mesh file.
+    pub(super) fn of(shape: &LinkShape) -> Result<Self, String> {
+        let error = match shape {
+            LinkShape::Cylinder { radius, .. } => CYLINDER_ERROR * radius,
+            // Only cylinders become something else.
+            _ => 1.0,
+        };
+        let (mesh, radius) =
+            shape.mesh(error).map_err(|error| error.to_string())?.ok_or("a mesh file is no such shape")?;
+        Self::build(&mesh.as_mesh(), radius).map_err(|error| error.to_string())
+    }
+
+    pub(super) fn body(&self) -> Body<'_, Node16<18>> {
+        Body::new(self.tree.view()).with_radius(self.radius)
+    }
+
+    pub(super) fn shape(&self) -> &'static str {
+        match (self.radius > 0.0, self.tree.view().header().is_solid != 0) {
+            (true, _) => "round",
+            (false, true) => "solid",
+            (false, false) => "surface",
+        }
+    }
+}
+
+/// A robot, what its bodies are, and which of them are asked against each other.
+pub(super) struct Model {
+    pub(super) robot: Robot,
+    pub(super) bodies: Vec<Round>,
+    /// The bodies' names: of their links, with a number behind all but the first of a link.
+    pub(super) names: Vec<String>,
+    /// Names of all joints, those that do not move by themselves among them.
+    pub(super) joints: Vec<String>,
+    pub(super) disabled: Vec<DisabledPair>,
+    /// Pairs of bodies, by their indices.
+    pub(super) asked: Vec<(usize, usize)>,
+}
+
+impl Model {
+    pub(super) fn read(options: &Options) -> Result<Self, Error> {
+        let text = |path: &Path| std::fs::read_to_string(path).map_err(Error::io(path));
+        let (path, urdf) = match &options.urdf {
+            Some(path) => (path.as_path(), text(path)?),
+            None => (Path::new("arm (built in)"), BUILT_IN_URDF.into()),
+        };
+        let described = |error| Error::Robot { path: path.into(), error };
+        let robot = Robot::from_urdf(&urdf, options.shapes.into()).map_err(described)?;
+        let disabled = match (&options.srdf, &options.urdf) {
+            (Some(path), _) => DisabledPair::from_srdf(&text(path)?)
+                .map_err(|error| Error::Robot { path: path.clone(), error })?,
+            (None, Some(_)) => Vec::new(),
+            (None, None) => DisabledPair::from_srdf(BUILT_IN_SRDF).map_err(described)?,
+        };
+        let _spinner = progress::step(format!("reading the meshes of {}", robot.name), options.json);
+        let bodies = robot.shapes.iter().zip(&robot.names).map(|(shape, link)| {
+            body(path, shape).map_err(|error| Error::Link { link: link.clone(), error: Box::new(error) })
+        });
+        let bodies = bodies.collect::<Result<_, _>>()?;
+        let (names, joints) = (numbered(&robot.names), joint_names(&urdf));
+        Ok(Self { bodies, names, joints, asked: robot.pairs(&disabled), disabled, robot })
+    }
+
+    /// A scene of the robot alone, all of it at the origin.
+    pub(super) fn scene(&self) -> Result<(Scene<'_, Node16<18>>, Vec<BodyId>), SceneError> {
+        let mut scene = Scene::new();
+        let mut ids = Vec::with_capacity(self.bodies.len());
+        for body in &self.bodies {
+            ids.push(scene.insert(body.body(), &Pose::IDENTITY)?);
+        }
+        for i in 0..ids.len() {
+            for j in i + 1..ids.len() {
+                scene.set_pair(ids[i], ids[j], self.asked.contains(&(i, j)))?;
+            }
+        }
+        Ok((scene, ids))
+    }
+
+    /// Pairs of bodies that joints move as one sees the other.
+    pub(super) fn moving_pairs(&self) -> Vec<(usize, usize)> {
+        self.robot.pairs(&[])
+    }
+}
+
+fn body(urdf: &Path, shape: &LinkShape) -> Result<Round, Error> {
+    if let LinkShape::Mesh { file, scale } = shape {
+        let path = located(urdf, file);
+        let bytes = std::fs::read(&path).map_err(Error::io(&path))?;
+        let mut mesh = mesh::read(&path, &bytes, Empty::Refused)?;
+        for vertex in &mut mesh.vertices {
+            *vertex = core::array::from_fn(|i| scale[i] * vertex[i]);
+        }
+        // A mirror image is inside out.
+        if scale.iter().product::<f64>() < 0.0 {
+            mesh.triangles.iter_mut().for_each(|[_, b, c]| core::mem::swap(b, c));
+        }
+        let mesh = Mesh { vertices: &mesh.vertices, triangles: &mesh.triangles };
+        return Round::build(&mesh, 0.0)
+            .map_err(|error| Error::Build { name: path.display().to_string(), error });
+    }
+    Round::of(shape).map_err(|problem| Error::content(urdf, Fault::file(problem)))
+}
+
+/// Where a mesh is that a URDF names: beside it, or in a package. That is the first `NAME/FILE` or `FILE` in the URDF's folder and
+/// in those above it: the folder of a package need not have its name.
+fn located(urdf: &Path, name: &str) -> PathBuf {
+    let absolute = std::path::absolute(urdf).unwrap_or_else(|_| urdf.into());
+    let folder = absolute.parent().unwrap_or(Path::new("/"));
+    let Some(inside) = name.strip_prefix("package://") else {
+        return folder.join(name.strip_prefix("file://").unwrap_or(name));
+    };
+    let file = inside.split_once('/').map_or(inside, |(_, file)| file);
+    let mut places = folder.ancestors().flat_map(|above| [above.join(inside), above.join(file)]);
+    places.find(|place| place.is_file()).unwrap_or_else(|| folder.join(inside))
+}
+
+fn numbered(links: &[String]) -> Vec<String> {
+    let name = |(i, link): (usize, &String)| match links[..i].iter().filter(|before| *before == link).count()
+    {
+        0 => link.clone(),
+        before => format!("{link} ({})", before + 1),
+    };
+    links.iter().enumerate().map(name).collect()
+}
+
+fn joint_names(urdf: &str) -> Vec<String> {
+    // It was read before.
+    let joints = urdf_rs::read_from_string(urdf).map(|robot| robot.joints).unwrap_or_default();
+    joints.into_iter().map(|joint| joint.name).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn packages_are_sought_upwards() {
+        let root = tempfile::tempdir().unwrap();
+        let make = |path: &str| {
+            let path = root.path().join(path);
+            std::fs::create_dir_all(path.parent().unwrap()).unwrap();
+            std::fs::write(&path, "").unwrap();
+            path
+        };
+        let urdf = make("clone/urdf/arm.urdf");
+        let (beside, inside, other) =
+            (make("clone/urdf/a.stl"), make("clone/meshes/b.stl"), make("hand/meshes/c.stl"));
+        assert_eq!(located(&urdf, "a.stl"), beside);
+        assert_eq!(located(&urdf, &format!("file://{}", inside.display())), inside);
+        assert_eq!(located(&urdf, "package://arm/meshes/b.stl"), inside);
+        assert_eq!(located(&urdf, "package://hand/meshes/c.stl"), other);
+        assert_eq!(located(&urdf, "package://arm/d.stl"), urdf.with_file_name("arm").join("d.stl"));
+    }
+
+    #[test]
+    fn bodies_of_one_link_are_numbered() {
+        assert_eq!(numbered(&["a", "b", "a"].map(Into::into)), ["a", "b", "a (2)"]);
+    }
+}

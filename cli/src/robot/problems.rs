@@ -1,0 +1,130 @@
+//! Problems of planning, one JSON object a line, as MotionBenchMaker's are written for the data sets.
+
+use super::model::{Model, Round};
+use crate::error::{Error, Fault};
+use serde::Deserialize;
+use simdop::glam::{DQuat, DVec3};
+use simdop::motion::MotionError;
+use simdop::pose::Pose;
+use simdop::robot::LinkShape;
+use std::collections::BTreeMap;
+use std::path::Path;
+
+const BUILT_IN: &str = include_str!("../../../examples/arm/arm.jsonl");
+
+/// What stands around the robot, and from where to where it shall go.
+pub(super) struct Problem {
+    pub(super) obstacles: Vec<Obstacle>,
+    /// A value for each variable of the robot.
+    pub(super) start: Vec<f64>,
+    pub(super) goals: Vec<Vec<f64>>,
+}
+
+pub(super) struct Obstacle {
+    pub(super) name: String,
+    pub(super) body: Round,
+    pub(super) at: Pose,
+}
+
+/// Values of joints, by name.
+type Values = BTreeMap<String, f64>;
+
+#[derive(Deserialize)]
+struct Line {
+    start: Values,
+    goals: Vec<Values>,
+    obstacles: Vec<Placed>,
+}
+
+#[derive(Deserialize)]
+struct Placed {
+    id: String,
+    #[serde(flatten)]
+    shape: Shape,
+    pos: [f64; 3],
+    quat_xyzw: [f64; 4],
+}
+
+#[derive(Deserialize)]
+#[serde(tag = "type", content = "dims", rename_all = "lowercase")]
+enum Shape {
+    Box([f64; 3]),
+    /// Height and radius.
+    Cylinder([f64; 2]),
+    Sphere([f64; 1]),
+}
+
+impl From<&Shape> for LinkShape {
+    fn from(shape: &Shape) -> Self {
+        match *shape {
+            Shape::Box(sides) => Self::Cuboid { sides },
+            Shape::Cylinder([height, radius]) => Self::Cylinder { radius, height },
+            Shape::Sphere([radius]) => Self::Sphere { radius },
+        }
+    }
+}
+
+/// The problems of a file; without one, those that are built in.
+pub(super) fn read(file: Option<&Path>, model: &Model) -> Result<Vec<Problem>, Error> {
+    let (path, text) = match file {
+        Some(path) => (path, std::fs::read_to_string(path).map_err(Error::io(path))?),
+        None => (Path::new("problems (built in)"), BUILT_IN.into()),
+    };
+    let lines = text.lines().enumerate().filter(|(_, line)| !line.trim().is_empty());
+    let problem = |(i, line): (usize, &str)| {
+        parse(line, model).map_err(|problem| Error::content(path, Fault::line(i + 1, problem)))
+    };
+    let problems: Vec<_> = lines.map(problem).collect::<Result<_, _>>()?;
+    if problems.is_empty() {
+        return Err(Error::content(path, Fault::file("there is no problem in the file")));
+    }
+    Ok(problems)
+}
+
+fn parse(line: &str, model: &Model) -> Result<Problem, String> {
+    let line: Line = serde_json::from_str(line).map_err(|error| {
+        // The line of the file is told apart: each is an object by itself.
+        let text = error.to_string();
+        let what = text.split(" at line ").next().unwrap_or_default();
+        format!("column {}: {what}", error.column())
+    })?;
+    let obstacle = |placed: Placed| {
+        let fault = |problem: String| format!("obstacle {}: {problem}", placed.id);
+        let body = Round::of(&LinkShape::from(&placed.shape)).map_err(fault)?;
+        let turn = DQuat::from_array(placed.quat_xyzw).normalize();
+        let at = Pose::try_from((turn, DVec3::from_array(placed.pos)));
+        let at = at.map_err(|error| fault(error.to_string()))?;
+        Ok(Obstacle { name: placed.id, body, at })
+    };
+    // Of what the start does not name, zero, or what is nearest to it; of what a goal does not name, the start's.
+    let rest: Vec<f64> = model.robot.limits.iter().map(|[low, high]| 0.0_f64.max(*low).min(*high)).collect();
+    let start = values(&line.start, &rest, model).map_err(|problem| format!("the start: {problem}"))?;
+    let goal = |(i, goal)| {
+        values(goal, &start, model).map_err(|problem| format!("goal {i}, counted from 0: {problem}"))
+    };
+    Ok(Problem {
+        goals: line.goals.iter().enumerate().map(goal).collect::<Result<_, _>>()?,
+        obstacles: line.obstacles.into_iter().map(obstacle).collect::<Result<_, String>>()?,
+        start,
+    })
+}
+
+/// A value for each variable, where it is named, and else that of `rest`. Joints that do not move by themselves may be named.
+fn values(named: &Values, rest: &[f64], model: &Model) -> Result<Vec<f64>, String> {
+    let mut values = rest.to_vec();
+    for (name, value) in named {
+        if let Some(variable) = model.robot.variables.iter().position(|variable| variable == name) {
+            values[variable] = *value;
+        } else if !model.joints.contains(name) {
+            return Err(format!("the robot has no joint {name}"));
+        }
+    }
+    let check = model.robot.kinematics().and_then(|robot| robot.check(&values));
+    check.map(|()| values).map_err(|error| match error {
+        MotionError::OutOfLimits { variable, given } => {
+            let ([low, high], name) = (model.robot.limits[variable], &model.robot.variables[variable]);
+            format!("{name} is {given}, and its limits are {low} and {high}")
+        }
+        other => other.to_string(),
+    })
+}
