@@ -65,8 +65,10 @@ pub(crate) enum Error {
     Link { link: String, error: Box<Self> },
     /// A robot cannot be placed or moved.
     Scene { name: String, error: SceneError },
+    #[cfg(feature = "report")]
     /// A mesh is one point, so that no distance is a share of its size.
     NoSize { name: String },
+    #[cfg(feature = "report")]
     /// However one body comes along, it does not meet the other.
     NoContact { a: String, b: String, lines: usize },
     /// An option that cannot be followed.
@@ -124,9 +126,11 @@ impl fmt::Display for Error {
             Self::Robot { path, error } => write!(f, "{}: {error}", path.display()),
             Self::Link { link, error } => write!(f, "link {link}: {error}"),
             Self::Scene { name, error } => write!(f, "{name}: {error}"),
+            #[cfg(feature = "report")]
             Self::NoSize { name } => {
                 write!(f, "{name}: all corners are one point: there is no distance to measure by")
             }
+            #[cfg(feature = "report")]
             Self::NoContact { a, b, lines } => {
                 write!(f, "{a} does not come to a contact with {b} along any of {lines} lines")
             }
