@@ -31,7 +31,7 @@ mod short;
 use rng::Rng;
 use short::{count, is_short};
 use simdop::cloud::{
-    Cloud, List, Policy, Queries, Radii, RangeCounters, RangeSearch, SearchError, Seat, Upkeep,
+    List, PointCloud, Policy, Queries, Radii, RangeSearch, RangeStats, SearchError, Seat, Upkeep,
 };
 use simdop::isa::Isa;
 use std::fmt::Write;
@@ -107,7 +107,7 @@ fn check(points: &Points, queries: &Points, radius: f32, counts: &[u32]) {
 
 /// A cloud whose points move, and what it took.
 struct Moving {
-    cloud: Cloud,
+    cloud: PointCloud,
     upkeep: Upkeep,
     by_ratio: bool,
     counts: Vec<u32>,
@@ -115,20 +115,20 @@ struct Moving {
     refits: Vec<f64>,
     searches: Vec<f64>,
     rebuilds: Vec<f64>,
-    work: RangeCounters,
+    work: RangeStats,
 }
 
 impl Moving {
     fn new(points: &Points, policy: Policy) -> Self {
         Self {
-            cloud: Cloud::new(points).unwrap(),
+            cloud: PointCloud::new(points).unwrap(),
             upkeep: Upkeep::new(policy),
             by_ratio: matches!(policy, Policy::Ratio(_)),
             counts: vec![0; points.len()],
             refits: Vec::new(),
             searches: Vec::new(),
             rebuilds: Vec::new(),
-            work: RangeCounters::default(),
+            work: RangeStats::default(),
         }
     }
 
@@ -139,7 +139,7 @@ impl Moving {
         let ratio = self.cloud.refit(points).unwrap();
         let refit = milliseconds(start);
         // The ratio is known before the search, as in the paper; the work is not.
-        let mut rebuild = if self.by_ratio { self.rebuild(ratio, &RangeCounters::default()) } else { 0.0 };
+        let mut rebuild = if self.by_ratio { self.rebuild(ratio, &RangeStats::default()) } else { 0.0 };
         let start = Instant::now();
         let own = Queries::own();
         let work = search.count(&self.cloud.view(), &own, Radii::Same(radius), &mut self.counts).unwrap();
@@ -156,7 +156,7 @@ impl Moving {
     }
 
     /// If it is due.
-    fn rebuild(&mut self, ratio: f64, work: &RangeCounters) -> f64 {
+    fn rebuild(&mut self, ratio: f64, work: &RangeStats) -> f64 {
         if !self.upkeep.is_due(&self.cloud.view(), ratio, work) {
             return 0.0;
         }
@@ -252,7 +252,7 @@ fn table_1(size: usize) -> String {
         .to_owned();
     let mut rng = Rng::new(2);
     let (points, queries) = (anywhere(size, &mut rng), anywhere(size, &mut rng));
-    let cloud = Cloud::new(&points).unwrap();
+    let cloud = PointCloud::new(&points).unwrap();
     let (view, search) = (cloud.view(), RangeSearch::new(Isa::detect()));
     let (mut seats, mut counts) = (vec![Seat::default(); size], vec![0; size]);
     let mut lists = vec![List::default(); size];
@@ -310,7 +310,7 @@ fn table_2(sizes: &[usize]) -> String {
         let (mut refit, mut build) = (f64::INFINITY, f64::INFINITY);
         for _ in 0..count(7, 2) {
             let start = Instant::now();
-            let mut cloud = black_box(Cloud::new(&points)).unwrap();
+            let mut cloud = black_box(PointCloud::new(&points)).unwrap();
             build = build.min(milliseconds(start));
             wander(&mut points, 1e-3 * DIAGONAL, &mut rng);
             let start = Instant::now();
@@ -350,7 +350,7 @@ impl Splash {
     }
 
     /// Half a radius in a step, at most: neighbours push each other apart, walls throw back.
-    fn step(&mut self, cloud: &Cloud) -> Result<(), SearchError> {
+    fn step(&mut self, cloud: &PointCloud) -> Result<(), SearchError> {
         let Self { at, speed, radius } = self;
         let search = RangeSearch::new(Isa::detect());
         let push = |query: u32, other: u32| {

@@ -69,7 +69,7 @@ fn main() {
 fn row(name: &str, data: &MeshData, share: f64, is_solid: bool) {
     let mesh = Mesh { vertices: &data.vertices, triangles: &data.triangles };
     let builder = if is_solid { Builder::new().solid() } else { Builder::new() };
-    let exact: Bvh<Node> = match builder.build(&mesh) {
+    let exact: Bvh<Node> = match builder.build_as(&mesh) {
         Err(BuildError::Open { .. }) => return,
         built => built.unwrap(),
     };
@@ -81,7 +81,7 @@ fn row(name: &str, data: &MeshData, share: f64, is_solid: bool) {
         .without_balls()
         .build_geometry(&SphereSet { spheres: &spheres }, &mut |_| ControlFlow::Continue(()))
         .unwrap();
-    let rough = Builder::new().build::<Node>(&mesh).unwrap();
+    let rough = Builder::new().build_as::<Node>(&mesh).unwrap();
     let pair = Approaching { a: data, b: data, tree_a: rough.view(), tree_b: rough.view() };
     let lines: Vec<_> = Method::ALL
         .into_iter()

@@ -2,7 +2,7 @@
 //!
 //! The Panda on every seventh problem of MotionBenchMaker: straight ways in the joints from the start and the goal towards random
 //! configurations, of several lengths, as a tree of a planner grows, and from the start to the goal. *Certified*:
-//! `Scene::edge`. *Sampled*: the scene at as many times as VAMP takes, 32 for a unit of length in the joints.
+//! `Scene::check_motion`. *Sampled*: the scene at as many times as VAMP takes, 32 for a unit of length in the joints.
 
 #![expect(clippy::unwrap_used, reason = "a benchmark that cannot go on has failed")]
 
@@ -23,12 +23,12 @@ use short::count;
 use simdop::construct::{Builder, Mesh, OwnedMesh};
 use simdop::hierarchy::Bvh;
 use simdop::isa::Isa;
-use simdop::motion::{LinkFrame, StraightMotion};
+use simdop::motion::{JointMotion, LinkFrame};
 use simdop::node::Node16;
 use simdop::pose::Pose;
 use simdop::query::Query;
 use simdop::robot::{DisabledPair, LinkShape, LinkShapes, Robot};
-use simdop::scene::{Body, BodyId, EdgeAnswer, EdgeMemory, EdgePair, EdgeVerdict, Scene};
+use simdop::scene::{Body, BodyId, MotionAnswer, MotionHit, MotionMemory, MotionVerdict, Scene};
 use std::path::Path;
 use std::time::Instant;
 
@@ -38,7 +38,7 @@ type Tree = Bvh<Node16<18>>;
 const RESOLUTION: f64 = 32.0;
 
 fn obstacle_tree(mesh: &OwnedMesh) -> Tree {
-    Builder::new().solid().build(&mesh.as_mesh()).unwrap()
+    Builder::new().solid().build_as(&mesh.as_mesh()).unwrap()
 }
 
 /// What edges of one length came to.
@@ -75,7 +75,7 @@ impl Panda {
         let tree = |shape: &LinkShape| {
             let LinkShape::Mesh { file, .. } = shape else { panic!("a link of the Panda is a mesh") };
             let mesh = MeshData::obj(&folder.join(file));
-            Builder::new().build(&Mesh { vertices: &mesh.vertices, triangles: &mesh.triangles }).unwrap()
+            Builder::new().build_as(&Mesh { vertices: &mesh.vertices, triangles: &mesh.triangles }).unwrap()
         };
         let links = robot.shapes.iter().map(tree).collect();
         Self { robot, pairs, links }
@@ -88,7 +88,11 @@ impl Panda {
         let ids: Vec<BodyId> = self.links.iter().map(insert).collect();
         for i in 0..ids.len() {
             for j in i + 1..ids.len() {
-                scene.set_pair(ids[i], ids[j], self.pairs.contains(&(i, j))).unwrap();
+                if self.pairs.contains(&(i, j)) {
+                    scene.forbid_collision(ids[i], ids[j]).unwrap()
+                } else {
+                    scene.allow_collision(ids[i], ids[j]).unwrap()
+                };
             }
         }
         for (tree, obstacle) in trees.iter().zip(&problem.obstacles) {
@@ -107,7 +111,7 @@ struct Asked<'p, 't> {
     links: Vec<LinkFrame>,
     values: Vec<f64>,
     poses: Vec<Pose>,
-    waiting: Vec<EdgePair>,
+    waiting: Vec<MotionHit>,
 }
 
 impl Asked<'_, '_> {
@@ -118,17 +122,17 @@ impl Asked<'_, '_> {
         let length = from.iter().zip(to).map(|(p, q)| (p - q) * (p - q)).sum::<f64>().sqrt();
         let parts = NonZeroU32::new((RESOLUTION * length).ceil().max(1.0) as u32).unwrap();
         let mut best = [f64::INFINITY; 2];
-        let mut answers: [Option<EdgeAnswer>; 2] = [None; 2];
+        let mut answers: [Option<MotionAnswer>; 2] = [None; 2];
         for _ in 0..count(5, 1) {
             for is_sampled in [false, true] {
                 let start = Instant::now();
                 let mut motion =
-                    StraightMotion::new(kinematics, [from, to], &mut self.values, &mut self.links).unwrap();
-                let mut memory = EdgeMemory { poses: &mut self.poses, waiting: &mut self.waiting };
+                    JointMotion::new(kinematics, [from, to], &mut self.values, &mut self.links).unwrap();
+                let mut memory = MotionMemory { poses: &mut self.poses, waiting: &mut self.waiting };
                 let answer = if is_sampled {
-                    self.scene.sampled_edge(&query, &self.moving, &mut motion, parts, &mut memory)
+                    self.scene.check_motion_discrete(&query, &self.moving, &mut motion, parts, &mut memory)
                 } else {
-                    self.scene.edge(&query, &self.moving, &mut motion, 1e-6, &mut memory)
+                    self.scene.check_motion(&query, &self.moving, &mut motion, 1e-6, &mut memory)
                 };
                 let slot = usize::from(is_sampled);
                 best[slot] = best[slot].min(start.elapsed().as_secs_f64() * 1e6);
@@ -140,17 +144,17 @@ impl Asked<'_, '_> {
         row.sampled.push(best[1]);
         row.times += certified.times;
         row.samples += sampled.times;
-        let is_sampled_hit = matches!(sampled.verdict, EdgeVerdict::Hit { .. });
+        let is_sampled_hit = matches!(sampled.verdict, MotionVerdict::Hit { .. });
         match certified.verdict {
-            EdgeVerdict::Free => {
+            MotionVerdict::Free => {
                 assert!(!is_sampled_hit, "certified free, and a sample is a hit");
                 row.free += 1;
             }
-            EdgeVerdict::Hit { .. } => {
+            MotionVerdict::Hit { .. } => {
                 row.hits += 1;
                 row.missed += usize::from(!is_sampled_hit);
             }
-            EdgeVerdict::Unresolved { .. } => row.unresolved += 1,
+            MotionVerdict::Unresolved { .. } => row.unresolved += 1,
         }
     }
 }
@@ -176,7 +180,7 @@ fn main() {
             links: vec![LinkFrame::EMPTY; panda.robot.joints.len() + 1],
             values: vec![0.0; variables.len()],
             poses: vec![Pose::IDENTITY; 2 * moving.len()],
-            waiting: vec![EdgePair::EMPTY; 8192],
+            waiting: vec![MotionHit::EMPTY; 8192],
             moving,
         };
         for end in &ends {

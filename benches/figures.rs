@@ -32,7 +32,7 @@ use simdop::hierarchy::Bvh;
 use simdop::isa::Isa;
 use simdop::node::{Node4, Node16};
 use simdop::pose::Pose;
-use simdop::query::{Counters, Lanes, Query};
+use simdop::query::{Lanes, Query, QueryStats};
 use std::fmt::Write;
 use std::hint::black_box;
 use std::path::Path;
@@ -105,7 +105,7 @@ fn main() {
 
 fn build<N: Lanes>(mesh: &MeshData, splitter: Splitter) -> Bvh<N> {
     let mesh = Mesh { vertices: &mesh.vertices, triangles: &mesh.triangles };
-    Builder::new().splitter(splitter).build(&mesh).unwrap()
+    Builder::new().splitter(splitter).build_as(&mesh).unwrap()
 }
 
 fn poses(mesh: &MeshData, gap: usize) -> Vec<Pose> {
@@ -134,8 +134,8 @@ fn measure<N: Lanes>(model: &'static str, mesh: &MeshData, poses: &[Vec<Pose>; 2
         let answers: Vec<_> =
             poses[0].iter().map(|pose| query.collide(&tree.view(), &tree.view(), pose)).collect();
         assert!(answers.iter().all(|answer| answer.is_free()), "poses are free");
-        let mean = |of: fn(&Counters) -> u64| {
-            answers.iter().map(|a| of(&a.counters)).sum::<u64>() as f64 / answers.len() as f64
+        let mean = |of: fn(&QueryStats) -> u64| {
+            answers.iter().map(|a| of(&a.stats)).sum::<u64>() as f64 / answers.len() as f64
         };
         rows.push(Row {
             model,

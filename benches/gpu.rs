@@ -33,26 +33,26 @@ const COUNTS: [usize; 5] = [2_000, 10_000, 100_000, 1_000_000, 10_000_000];
 const MOST_ON_ONE_THREAD: usize = 1_000_000;
 
 /// Points with weights.
-struct Cloud {
+struct PointCloud {
     points: Vec<[f64; 3]>,
     weights: Vec<f64>,
 }
 
 /// In a cube, with radii as a packing has them; weighted by volume.
-fn spheres(rng: &mut Rng, count: usize) -> Cloud {
+fn spheres(rng: &mut Rng, count: usize) -> PointCloud {
     let points = (0..count).map(|_| [(); 3].map(|()| rng.range(-1.0, 1.0))).collect();
-    Cloud { points, weights: (0..count).map(|i| (1.0 + i as f64).powf(-1.5)).collect() }
+    PointCloud { points, weights: (0..count).map(|i| (1.0 + i as f64).powf(-1.5)).collect() }
 }
 
 /// Centres of triangles of a bumpy sphere; weighted by area.
-fn triangles(rng: &mut Rng, count: usize) -> Cloud {
+fn triangles(rng: &mut Rng, count: usize) -> PointCloud {
     let point = |rng: &mut Rng| {
         let [x, y, z] = rng.rotation()[0];
         let radius = 1.0 + 0.2 * (5.0 * x).sin() * (7.0 * y).cos();
         [x * radius, y * radius, z * radius]
     };
     let points = (0..count).map(|_| point(rng)).collect();
-    Cloud { points, weights: (0..count).map(|_| rng.range(0.5, 1.5)).collect() }
+    PointCloud { points, weights: (0..count).map(|_| rng.range(0.5, 1.5)).collect() }
 }
 
 fn median(mut times: Vec<Duration>) -> f64 {
@@ -72,12 +72,12 @@ struct Bench {
 }
 
 impl Bench {
-    fn on_device(&self, cloud: &Cloud, clustering: Clustering) -> (Assignment, Spent) {
+    fn on_device(&self, cloud: &PointCloud, clustering: Clustering) -> (Assignment, Spent) {
         let mut go_on = |_| ControlFlow::Continue(());
         clustering.assign_on(&self.gpu, &cloud.points, Some(&cloud.weights), &mut go_on).unwrap()
     }
 
-    fn row(&self, kind: &str, cloud: &Cloud, arity: usize) {
+    fn row(&self, kind: &str, cloud: &PointCloud, arity: usize) {
         let clustering = Clustering { arity, leaf_size: 1, seed: 0 };
         let scalar = || {
             clustering

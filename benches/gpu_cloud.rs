@@ -23,7 +23,7 @@ mod warm;
 use rng::Rng;
 use short::count;
 use simdop::cloud::gpu::{DeviceCloud, DeviceTimes};
-use simdop::cloud::{Cloud, List, Queries, Radii, RangeSearch, SearchError, Seat};
+use simdop::cloud::{List, PointCloud, Queries, Radii, RangeSearch, SearchError, Seat};
 use simdop::device::Gpu;
 use simdop::isa::Isa;
 use std::time::{Duration, Instant};
@@ -56,7 +56,7 @@ fn print(what: &str, points: usize, cpu: Vec<Duration>, device: &[DeviceTimes], 
 fn search(
     what: &str,
     on_device: &mut DeviceCloud<'_>,
-    cloud: &Cloud,
+    cloud: &PointCloud,
     queries: &Queries<'_>,
     radius: f32,
     repeats: usize,
@@ -100,7 +100,7 @@ fn row(gpu: &Gpu, points: usize, repeats: usize) {
     let others: Vec<[f32; 3]> = (0..points).map(|_| point()).collect();
     // A ball of 30 points' share of the cube.
     let radius = (30.0 / points as f64 * 3.0 / (4.0 * core::f64::consts::PI)).cbrt() as f32;
-    let (mut cloud, build) = timed(|| Cloud::new(&positions).unwrap());
+    let (mut cloud, build) = timed(|| PointCloud::new(&positions).unwrap());
     let (mut on_device, copy) = timed(|| DeviceCloud::new(gpu, &cloud.view()).unwrap());
     let mut jitter = |positions: &mut Vec<[f32; 3]>| {
         positions.iter_mut().flatten().for_each(|x| *x += 0.1 * radius * (rng.unit() as f32 - 0.5));
@@ -156,7 +156,7 @@ fn main() {
     println!(
         "\n| points | | CPU, one core | device | in and out | CPU / device | CPU / all of it | |\n|---|---|---|---|---|---|---|---|"
     );
-    let warm = Cloud::new(&[[0.0; 3]; 100]).unwrap();
+    let warm = PointCloud::new(&[[0.0; 3]; 100]).unwrap();
     let mut on_device = DeviceCloud::new(&gpu, &warm.view()).unwrap();
     on_device.count(&Queries::own(), Radii::Same(1.0), &mut [0; 100]).unwrap();
     for points in COUNTS.into_iter().filter(|points| *points <= most) {

@@ -61,7 +61,7 @@ fn main() {
         let mesh = MeshData::obj(&data.join("meshes").join(model).with_extension("obj"));
         let baked = Mesh { vertices: &mesh.vertices, triangles: &mesh.triangles };
         let (tree, rough) =
-            (Builder::best().build::<Node16<18>>(&baked).unwrap(), Builder::new().build(&baked).unwrap());
+            (Builder::best().build(&baked).unwrap(), Builder::new().build_as(&baked).unwrap());
         let pair = Approaching { a: &mesh, b: &mesh, tree_a: rough.view(), tree_b: rough.view() };
         let places: Vec<_> = Method::ALL
             .into_iter()

@@ -81,7 +81,7 @@ fn main() {
 fn rows<N: Dop + Lanes>(isas: &[Isa], name: &str, a: &MeshData, b: &MeshData) -> Vec<Vec<[f64; 3]>> {
     let mesh = |parts: &MeshData| {
         let mesh = Mesh { vertices: &parts.vertices, triangles: &parts.triangles };
-        (Builder::new().build::<N>(&mesh).unwrap(), Builder::new().build(&mesh).unwrap())
+        (Builder::new().build_as::<N>(&mesh).unwrap(), Builder::new().build_as(&mesh).unwrap())
     };
     let ((tree_a, rough_a), (tree_b, rough_b)) = (mesh(a), mesh(b));
     let pair = Approaching { a, b, tree_a: rough_a.view(), tree_b: rough_b.view() };

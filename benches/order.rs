@@ -60,7 +60,7 @@ fn main() {
         ]);
     }
     for (name_a, name_b, a, b) in &pairs[..count(pairs.len(), 2)] {
-        let [tree_a, tree_b] = [a, b].map(|body| Builder::new().build::<Node16<18>>(&mesh(body)).unwrap());
+        let [tree_a, tree_b] = [a, b].map(|body| Builder::new().build(&mesh(body)).unwrap());
         let pair = Approaching { a, b, tree_a: tree_a.view(), tree_b: tree_b.view() };
         let lines: Vec<[Rows; 4]> = Method::ALL
             .into_iter()

@@ -39,12 +39,12 @@ use std::time::Instant;
 type Tree = Bvh<Node16<18>>;
 
 fn link_tree(mesh: &MeshData) -> Tree {
-    Builder::new().build(&Mesh { vertices: &mesh.vertices, triangles: &mesh.triangles }).unwrap()
+    Builder::new().build_as(&Mesh { vertices: &mesh.vertices, triangles: &mesh.triangles }).unwrap()
 }
 
 /// A solid.
 fn obstacle_tree(mesh: &OwnedMesh) -> Tree {
-    Builder::new().solid().build(&mesh.as_mesh()).unwrap()
+    Builder::new().solid().build_as(&mesh.as_mesh()).unwrap()
 }
 
 fn pose(at: &DAffine3) -> Pose {
@@ -98,8 +98,8 @@ fn run(data: &Path, setting: &Setting) {
             asked += 1;
             free += u64::from(answer.is_free());
             pairs += answer.pairs;
-            visits += answer.counters.visits;
-            tests += answer.counters.primitive_pairs;
+            visits += answer.stats.visits;
+            tests += answer.stats.primitive_pairs;
             differ += u64::from(answer.is_free() != by_pairs(world, &world.configurations[i]));
         }
     }
@@ -222,7 +222,11 @@ fn scene_of<'t>(
         links.map(|link| scene.insert(Body::new(link), &Pose::IDENTITY).unwrap()).collect();
     for i in 0..ids.len() {
         for j in i + 1..ids.len() {
-            scene.set_pair(ids[i], ids[j], robot.pairs.contains(&(i, j))).unwrap();
+            if robot.pairs.contains(&(i, j)) {
+                scene.forbid_collision(ids[i], ids[j]).unwrap()
+            } else {
+                scene.allow_collision(ids[i], ids[j]).unwrap()
+            };
         }
     }
     for (tree, obstacle) in obstacles.iter().zip(&problem.obstacles) {
@@ -272,7 +276,7 @@ fn by_spheres<'t>(
             let one = one_by_one(&mut scene, query, &moving, &poses);
             least[0] = least[0].min(start.elapsed().as_secs_f64());
             let start = Instant::now();
-            let _ = scene.free_configurations(query, &moving, &poses, &mut boxes, &mut free).unwrap();
+            let _ = scene.check_states(query, &moving, &poses, &mut boxes, &mut free).unwrap();
             least[1] = least[1].min(start.elapsed().as_secs_f64());
             assert_eq!(one, free, "free at once, and free one by one");
         }
@@ -407,7 +411,7 @@ fn at_once(robot: &Robot, worlds: &mut [World<'_>], query: &Query) {
             time(0, &mut || one_by_one(scene, query, moving, &poses));
             time(1, &mut || {
                 let mut free = [0; AT_ONCE / 16];
-                let _ = scene.free_configurations(query, moving, &poses, &mut boxes, &mut free).unwrap();
+                let _ = scene.check_states(query, moving, &poses, &mut boxes, &mut free).unwrap();
                 free
             });
             time(2, &mut || {

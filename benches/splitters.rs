@@ -64,11 +64,11 @@ fn main() {
 
 fn build<N: Lanes>(mesh: &MeshData, splitter: Splitter) -> Bvh<N> {
     let mesh = Mesh { vertices: &mesh.vertices, triangles: &mesh.triangles };
-    Builder::new().splitter(splitter).build(&mesh).unwrap()
+    Builder::new().splitter(splitter).build_as(&mesh).unwrap()
 }
 
 fn visits(tree: &Bvh<Node16<18>>, poses: &PerDistance<Vec<Pose>>) -> PerDistance<f64> {
     let query = Query::new(Isa::detect());
-    let visits = |pose| query.collide(&tree.view(), &tree.view(), pose).counters.visits;
+    let visits = |pose| query.collide(&tree.view(), &tree.view(), pose).stats.visits;
     poses.each_ref().map(|poses| poses.iter().map(visits).sum::<u64>() as f64 / poses.len() as f64)
 }

@@ -97,7 +97,7 @@ fn poses() -> Vec<Pose> {
 fn rows<N: Lanes>() {
     let (bodies, poses) = ([torus(24, 16), cube()], poses());
     let build = |(vertices, triangles): &(Vec<_>, Vec<_>)| {
-        Builder::new().build::<N>(&Mesh { vertices, triangles }).unwrap()
+        Builder::new().build_as::<N>(&Mesh { vertices, triangles }).unwrap()
     };
     let trees = bodies.each_ref().map(build);
     for isa in Isa::available() {
@@ -108,7 +108,7 @@ fn rows<N: Lanes>() {
         for tree in &trees {
             let body = &tree.view();
             for pose in &poses {
-                take(0, &mut || exact += black_box(query.collide(body, body, pose)).counters.exact_pairs);
+                take(0, &mut || exact += black_box(query.collide(body, body, pose)).stats.exact_pairs);
                 take(1, &mut || _ = black_box(query.within(body, body, pose, 0.01)));
                 take(1, &mut || {
                     _ = black_box(query.for_each_pair(body, body, pose, |_| ControlFlow::Continue(())));

@@ -33,9 +33,9 @@ fn arm(shoulder: f64, elbow: f64) -> [DAffine3; 2] {
 }
 
 fn main() -> Result<(), Box<dyn core::error::Error>> {
-    let solid = |mesh: OwnedMesh| Builder::new().solid().build::<Node16<18>>(&mesh.as_mesh());
+    let solid = |mesh: OwnedMesh| Builder::new().solid().build(&mesh.as_mesh());
     let segment = |long: f64| -> Result<Bvh<Node16<18>>, Box<dyn core::error::Error>> {
-        Ok(Builder::new().build(&OwnedMesh::segment(long)?.as_mesh())?)
+        Ok(Builder::new().build_as(&OwnedMesh::segment(long)?.as_mesh())?)
     };
     let (upper, fore) = (segment(UPPER_ARM)?, segment(FOREARM)?);
     let (table, shelf) =
@@ -52,8 +52,8 @@ fn main() -> Result<(), Box<dyn core::error::Error>> {
     scene.insert(Body::new(table.view()).fixed(), &at(0.0, -0.05)?)?;
     let shelf = scene.insert(Body::new(shelf.view()).fixed(), &at(0.75, 0.25)?)?;
     // Neighbours always touch, and the hand holds the can.
-    scene.set_pair(upper, fore, false)?;
-    scene.set_pair(fore, can, false)?;
+    scene.allow_collision(upper, fore)?;
+    scene.allow_collision(fore, can)?;
     scene.attach(can, fore)?;
 
     let query = Query::new(Isa::detect());

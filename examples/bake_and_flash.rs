@@ -8,7 +8,7 @@
 mod shapes;
 
 use simdop::construct::{Builder, Mesh};
-use simdop::hierarchy::{Aligned, BakeError, BvhRef};
+use simdop::hierarchy::{Aligned, BvhRef, FormatError};
 use simdop::isa::Isa;
 use simdop::node::Node16;
 use simdop::pose::Pose;
@@ -30,7 +30,7 @@ fn main() -> Result<(), Box<dyn core::error::Error>> {
     // On the workstation: build, and write the bytes to a file. `simdop build gripper.obj -k 14 -o
     // gripper.simdop` does the same.
     let (vertices, triangles) = shapes::cuboid([-0.04, -0.1, -0.02], [0.04, 0.1, 0.02]);
-    let built = Builder::new().build::<Node>(&Mesh { vertices: &vertices, triangles: &triangles })?;
+    let built = Builder::new().build_as::<Node>(&Mesh { vertices: &vertices, triangles: &triangles })?;
     let file: Vec<u8> = built.as_bytes().to_vec();
 
     let mut flash: Flash = Aligned([0xff; 4096]);
@@ -53,11 +53,11 @@ fn main() -> Result<(), Box<dyn core::error::Error>> {
 
     // What is wrong with bytes has a name.
     let other_k = BvhRef::<Node16<18>>::from_bytes(&flash.0[..file.len()]);
-    assert!(matches!(other_k, Err(BakeError::OtherNode { k: 14, arity: 16 })));
+    assert!(matches!(other_k, Err(FormatError::OtherNode { k: 14, arity: 16 })));
     let cut_short = BvhRef::<Node>::from_bytes(&flash.0[..256]);
-    assert!(matches!(cut_short, Err(BakeError::Truncated { have: 256, .. })));
+    assert!(matches!(cut_short, Err(FormatError::Truncated { have: 256, .. })));
     flash.0[0] ^= 1;
-    assert!(matches!(BvhRef::<Node>::from_bytes(&flash.0[..file.len()]), Err(BakeError::NotATree)));
+    assert!(matches!(BvhRef::<Node>::from_bytes(&flash.0[..file.len()]), Err(FormatError::NotATree)));
     Ok(())
 }
 

@@ -14,7 +14,7 @@ mod points;
 use core::ops::ControlFlow;
 use glam::Vec3;
 use points::{Random, torus};
-use simdop::cloud::{Cloud, Radii, RangeSearch, Seat};
+use simdop::cloud::{PointCloud, Radii, RangeSearch, Seat};
 use simdop::isa::Isa;
 
 /// Nodes along each side of the grid.
@@ -47,7 +47,7 @@ fn signed(node: [f32; 3], nearest: usize, (points, normals): &Surface) -> f32 {
 
 fn field(surface: &Surface, nodes: &[[f32; 3]]) -> Result<Vec<Option<f32>>, Box<dyn core::error::Error>> {
     let points = &surface.0;
-    let (cloud, search) = (Cloud::new(points)?, RangeSearch::new(Isa::detect()));
+    let (cloud, search) = (PointCloud::new(points)?, RangeSearch::new(Isa::detect()));
     let mut seats = vec![Seat::default(); nodes.len()];
     let queries = search.seat(&cloud.view(), nodes, &mut seats)?;
 

@@ -19,7 +19,7 @@ fn main() -> Result<(), Box<dyn core::error::Error>> {
 
     // A body is the tree over a mesh, built once. The node type says how many planes bound each volume (k =
     // 18) and how many children a node has (16). Both bodies of a query have the same node type.
-    let body = Builder::new().build::<Node16<18>>(&mesh)?;
+    let body = Builder::new().build(&mesh)?;
     let (a, b) = (body.view(), body.view());
 
     // The best instruction set of this machine. It does not change an answer, only how soon it is there.

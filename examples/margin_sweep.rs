@@ -21,7 +21,7 @@ const MARGINS: [f64; 4] = [0.0, 0.01, 0.05, 0.2];
 
 fn main() -> Result<(), Box<dyn core::error::Error>> {
     let build = |(vertices, triangles): (Vec<_>, Vec<_>)| {
-        Builder::new().build::<Node16<18>>(&Mesh { vertices: &vertices, triangles: &triangles })
+        Builder::new().build(&Mesh { vertices: &vertices, triangles: &triangles })
     };
     let tool = build(shapes::cuboid([-0.05, -0.05, -0.05], [0.05, 0.05, 0.05]))?;
     let post = build(shapes::cuboid([-0.02, -0.02, -1.0], [0.02, 0.02, 1.0]))?;

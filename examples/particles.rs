@@ -14,7 +14,7 @@ use core::ops::ControlFlow;
 use glam::Vec3;
 use points::Random;
 use simdop::cloud::{
-    Cloud, CloudRef, Policy, Queries, Radii, RangeCounters, RangeSearch, SearchError, Upkeep,
+    CloudRef, PointCloud, Policy, Queries, Radii, RangeSearch, RangeStats, SearchError, Upkeep,
 };
 use simdop::isa::Isa;
 
@@ -73,7 +73,7 @@ impl Particles {
         search: &RangeSearch,
         cloud: &CloudRef<'_>,
         pairs: &mut Vec<[u32; 2]>,
-    ) -> Result<RangeCounters, SearchError> {
+    ) -> Result<RangeStats, SearchError> {
         pairs.clear();
         search.visit(cloud, &Queries::own(), Radii::Each(&self.reaches), |i, j| {
             if self.finds(i, j) && self.touch(i, j) {
@@ -119,7 +119,7 @@ impl Particles {
         mut show: impl FnMut(usize, &Self, &[[u32; 2]]),
     ) -> Result<usize, Box<dyn core::error::Error>> {
         let search = RangeSearch::new(Isa::detect());
-        let mut cloud = Cloud::new(&self.positions)?;
+        let mut cloud = PointCloud::new(&self.positions)?;
         let mut upkeep = Upkeep::new(Policy::Work);
         let (mut pairs, mut rebuilds) = (Vec::new(), 0);
         for frame in 0..frames {

@@ -5,7 +5,7 @@
 //! ```
 //!
 //! Two trees of configurations grow from the start and from the goal, in turn towards a random configuration, and each then
-//! towards what the other has got, until they meet (the paper on RRT-Connect, ICRA 2000). Each step is asked as `Scene::edge`: the path is
+//! towards what the other has got, until they meet (the paper on RRT-Connect, ICRA 2000). Each step is asked as `Scene::check_motion`: the path is
 //! free at all times, not at samples of it. The picture shows the arm along the path, from the side and from above; without
 //! an argument it is written beside the program.
 
@@ -17,12 +17,12 @@ use simdop::construct::{Builder, OwnedMesh};
 use simdop::glam::{DAffine3, DVec3};
 use simdop::hierarchy::Bvh;
 use simdop::isa::Isa;
-use simdop::motion::{Kinematics, LinkFrame, StraightMotion};
+use simdop::motion::{JointMotion, Kinematics, LinkFrame};
 use simdop::node::Node16;
 use simdop::pose::Pose;
 use simdop::query::Query;
 use simdop::robot::{DisabledPair, LinkShapes, Robot};
-use simdop::scene::{Body, BodyId, EdgeMemory, EdgePair, Scene};
+use simdop::scene::{Body, BodyId, MotionHit, MotionMemory, Scene};
 use std::path::Path;
 use std::time::{Duration, Instant};
 
@@ -88,10 +88,10 @@ impl Planner<'_> {
     fn is_free(&mut self, from: &Configuration, to: &Configuration) -> Result<bool, Box<dyn Error>> {
         let start = Instant::now();
         let (mut values, mut links) = ([0.0; 4], [LinkFrame::EMPTY; 5]);
-        let (mut poses, mut waiting) = ([Pose::IDENTITY; 16], [EdgePair::EMPTY; 1024]);
-        let mut way = StraightMotion::new(self.robot, [from, to], &mut values, &mut links)?;
-        let mut memory = EdgeMemory { poses: &mut poses, waiting: &mut waiting };
-        let answer = self.scene.edge(&self.query, &self.arm, &mut way, 1e-4, &mut memory)?;
+        let (mut poses, mut waiting) = ([Pose::IDENTITY; 16], [MotionHit::EMPTY; 1024]);
+        let mut way = JointMotion::new(self.robot, [from, to], &mut values, &mut links)?;
+        let mut memory = MotionMemory { poses: &mut poses, waiting: &mut waiting };
+        let answer = self.scene.check_motion(&self.query, &self.arm, &mut way, 1e-4, &mut memory)?;
         self.edges += 1;
         self.asking += start.elapsed();
         Ok(answer.is_free())
@@ -179,11 +179,11 @@ fn run(file: &Path) -> Result<(), Box<dyn Error>> {
     let mut bodies: Vec<(Tree, f64)> = Vec::new();
     for shape in &robot.shapes {
         let (mesh, radius) = shape.mesh(1e-3)?.ok_or("the arm has no mesh files")?;
-        bodies.push((Builder::new().build(&mesh.as_mesh())?, radius));
+        bodies.push((Builder::new().build_as(&mesh.as_mesh())?, radius));
     }
     let mut boxes: Vec<(Tree, Pose)> = Vec::new();
     for [sides, middle] in BOXES {
-        let tree = Builder::new().solid().build(&OwnedMesh::cuboid(sides)?.as_mesh())?;
+        let tree = Builder::new().solid().build_as(&OwnedMesh::cuboid(sides)?.as_mesh())?;
         boxes.push((tree, Pose::try_from(DAffine3::from_translation(DVec3::from_array(middle)))?));
     }
     let mut scene = Scene::new();
@@ -191,7 +191,11 @@ fn run(file: &Path) -> Result<(), Box<dyn Error>> {
     for (i, (tree, radius)) in bodies.iter().enumerate() {
         arm.push(scene.insert(Body::new(tree.view()).with_radius(*radius), &Pose::IDENTITY)?);
         for j in 0..i {
-            scene.set_pair(arm[j], arm[i], asked.contains(&(j, i)))?;
+            if asked.contains(&(j, i)) {
+                scene.forbid_collision(arm[j], arm[i])?
+            } else {
+                scene.allow_collision(arm[j], arm[i])?
+            };
         }
     }
     for (tree, at) in &boxes {

@@ -46,7 +46,7 @@ fn verdicts(link: &View<'_>, obstacle: &View<'_>, poses: &[Pose], threads: usize
 fn main() -> Result<(), Box<dyn core::error::Error>> {
     // A link 0.6 m long turns about the z axis of the world; a table stands beside it.
     let build = |(vertices, triangles): (Vec<_>, Vec<_>)| {
-        Builder::new().build::<Node16<18>>(&Mesh { vertices: &vertices, triangles: &triangles })
+        Builder::new().build(&Mesh { vertices: &vertices, triangles: &triangles })
     };
     let link = build(shapes::cuboid([0.0, -0.05, -0.05], [0.6, 0.05, 0.05]))?;
     let table = build(shapes::cuboid([-0.2, -0.2, 0.0], [0.2, 0.2, 0.4]))?;

@@ -14,7 +14,7 @@ mod points;
 
 use glam::Vec3;
 use points::{Neighbours, Random, torus};
-use simdop::cloud::{Cloud, Queries, RangeSearch, Seat};
+use simdop::cloud::{PointCloud, Queries, RangeSearch, Seat};
 use simdop::isa::Isa;
 
 const POINTS: usize = 20_000;
@@ -50,7 +50,7 @@ fn vectors(points: &[[f32; 3]]) -> Vec<Vec3> {
 /// Moves the samples.
 fn resample(points: &[[f32; 3]], samples: &mut [[f32; 3]]) -> Result<(), Box<dyn core::error::Error>> {
     let search = RangeSearch::new(Isa::detect());
-    let (still, mut moving) = (Cloud::new(points)?, Cloud::new(samples)?);
+    let (still, mut moving) = (PointCloud::new(points)?, PointCloud::new(samples)?);
     let (mut near_points, mut near_samples) = (Neighbours::default(), Neighbours::default());
     let mut seats = vec![Seat::default(); samples.len()];
     let p = vectors(points);

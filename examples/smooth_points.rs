@@ -13,7 +13,7 @@ mod points;
 
 use glam::{Mat3, Vec3};
 use points::{Neighbours, Random, torus};
-use simdop::cloud::{Cloud, Queries, RangeSearch};
+use simdop::cloud::{PointCloud, Queries, RangeSearch};
 use simdop::isa::Isa;
 
 /// How far a point looks, in the unit of the points.
@@ -61,7 +61,7 @@ fn project(q: Vec3, neighbours: impl Iterator<Item = Vec3> + Clone) -> Vec3 {
 /// Smooths the points where they are.
 fn smooth(points: &mut [[f32; 3]]) -> Result<(), Box<dyn core::error::Error>> {
     let search = RangeSearch::new(Isa::detect());
-    let mut cloud = Cloud::new(points)?;
+    let mut cloud = PointCloud::new(points)?;
     let mut found = Neighbours::default();
     for _ in 0..ROUNDS {
         found.find(&search, &cloud.view(), &Queries::own(), points.len(), H)?;

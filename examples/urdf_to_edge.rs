@@ -9,12 +9,12 @@
 use simdop::construct::{Builder, OwnedMesh};
 use simdop::glam::{DAffine3, DVec3};
 use simdop::isa::Isa;
-use simdop::motion::{LinkFrame, StraightMotion};
+use simdop::motion::{JointMotion, LinkFrame};
 use simdop::node::Node16;
 use simdop::pose::Pose;
 use simdop::query::Query;
 use simdop::robot::{DisabledPair, LinkShapes, Robot};
-use simdop::scene::{Body, EdgeMemory, EdgePair, EdgeVerdict, Scene};
+use simdop::scene::{Body, MotionHit, MotionMemory, MotionVerdict, Scene};
 
 /// Two capsules in a row, each half a metre long, on joints that turn about z.
 const URDF: &str = r#"<robot name="two_links">
@@ -37,16 +37,19 @@ fn main() -> Result<(), Box<dyn core::error::Error>> {
     let (mut trees, mut ids) = (Vec::new(), Vec::new());
     for shape in &robot.shapes {
         let (mesh, radius) = shape.mesh(1e-3)?.ok_or("a mesh file is to be read")?;
-        trees.push((Builder::new().build::<Node16<18>>(&mesh.as_mesh())?, radius));
+        trees.push((Builder::new().build(&mesh.as_mesh())?, radius));
     }
-    let pillar =
-        Builder::new().solid().build::<Node16<18>>(&OwnedMesh::cuboid([0.1, 0.1, 1.0])?.as_mesh())?;
+    let pillar = Builder::new().solid().build(&OwnedMesh::cuboid([0.1, 0.1, 1.0])?.as_mesh())?;
 
     let mut scene = Scene::new();
     for (i, (tree, radius)) in trees.iter().enumerate() {
         ids.push(scene.insert(Body::new(tree.view()).with_radius(*radius), &Pose::IDENTITY)?);
         for j in 0..i {
-            scene.set_pair(ids[j], ids[i], asked.contains(&(j, i)))?;
+            if asked.contains(&(j, i)) {
+                scene.forbid_collision(ids[j], ids[i])?
+            } else {
+                scene.allow_collision(ids[j], ids[i])?
+            };
         }
     }
     let there = DAffine3::from_translation(DVec3::new(0.8, 0.0, 0.0));
@@ -54,14 +57,14 @@ fn main() -> Result<(), Box<dyn core::error::Error>> {
 
     let (kinematics, query) = (robot.kinematics()?, Query::new(Isa::detect()));
     let (mut links, mut values) = (vec![LinkFrame::EMPTY; kinematics.links()], [0.0; 2]);
-    let (mut poses, mut waiting) = (vec![Pose::IDENTITY; 2 * ids.len()], vec![EdgePair::EMPTY; 256]);
+    let (mut poses, mut waiting) = (vec![Pose::IDENTITY; 2 * ids.len()], vec![MotionHit::EMPTY; 256]);
     for (elbow, is_free) in [(0.0, false), (1.9, true)] {
         let ends: [&[f64]; 2] = [&[-0.9, elbow], &[0.9, elbow]];
-        let mut way = StraightMotion::new(kinematics, ends, &mut values, &mut links)?;
-        let mut memory = EdgeMemory { poses: &mut poses, waiting: &mut waiting };
-        let answer = scene.edge(&query, &ids, &mut way, 1e-6, &mut memory)?;
+        let mut way = JointMotion::new(kinematics, ends, &mut values, &mut links)?;
+        let mut memory = MotionMemory { poses: &mut poses, waiting: &mut waiting };
+        let answer = scene.check_motion(&query, &ids, &mut way, 1e-6, &mut memory)?;
         println!("elbow at {elbow}: {:?}", answer.verdict);
-        assert!(matches!(answer.verdict, EdgeVerdict::Free) == is_free);
+        assert!(matches!(answer.verdict, MotionVerdict::Free) == is_free);
     }
     Ok(())
 }

@@ -20,7 +20,7 @@ pub struct Frame {
 
 /// How large a body and its planes are, in and out of its frame: what re-alignment pads by.
 #[derive(Copy, Clone, PartialEq, Debug)]
-pub struct Extent {
+pub struct BodyBounds {
     /// Where the planes are written.
     pub frame: Frame,
     /// Largest absolute coordinate of a point of the body or of the frame's centre, in the body's unit. At least.
@@ -33,7 +33,7 @@ pub struct Extent {
     pub max_plane: f32,
 }
 
-impl Extent {
+impl BodyBounds {
     /// The sum of the half widths, in the frame.
     #[inline(always)]
     pub(crate) fn width_sum(&self) -> f64 {

@@ -3,13 +3,13 @@
 //! bytes that are read in place, from flash if need be.
 //!
 //! ```
-//! use simdop::{construct::{Builder, Mesh}, isa::Isa, node::Node16, pose::Pose, query::Query};
+//! use simdop::{Builder, Isa, Mesh, Pose, Query};
 //!
 //! // A tetrahedron, against a copy of itself.
 //! let vertices = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
 //! let triangles = [[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]];
 //! let mesh = Mesh { vertices: &vertices, triangles: &triangles };
-//! let body = Builder::new().build::<Node16<18>>(&mesh)?; // k = 18, arity 16
+//! let body = Builder::new().build(&mesh)?; // k = 18, arity 16
 //!
 //! let query = Query::new(Isa::detect()); // once
 //! let apart = Pose::from_rows([[1.0, 0.0, 0.0, 1.0], [0.0, 1.0, 0.0, 1e-9], [0.0, 0.0, 1.0, 0.0]])?;
@@ -44,9 +44,9 @@
 //! | `Node4<K>` | 53 / 86 for k = 18 | hardly ever: 1.1 to 1.9 times the time and a quarter more bytes of nodes; a query needs some KiB less stack |
 //!
 //! The bytes are those of a mesh of 52,000 triangles whose coordinates `f32` holds exactly; others take 6
-//! more a triangle. [`construct::Builder::without_thin_slabs`] saves 9 of them (11 at arity 4), and
+//! more a triangle. [`construct::Builder::without_normal_slabs`] saves 9 of them (11 at arity 4), and
 //! [`construct::Builder::balanced`], two triangles a leaf, halves the bytes of nodes. Trees of spheres have the enclosing
-//! balls of their lanes instead of thin slabs, 20 bytes a lane, which [`construct::Builder::without_balls`] leaves out.
+//! balls of their lanes instead of normal slabs, 20 bytes a lane, which [`construct::Builder::without_balls`] leaves out.
 //!
 //! **Units.** The library knows no unit. Both meshes, the translations of poses, margins and distances use
 //! the same one; meters and millimeters work alike, because each tree has a scale of its own. STL files are
@@ -77,7 +77,7 @@
 //! **Which body is A** is for the caller to choose: verdicts hold for A's corners as the pose moves them. One body's
 //! volumes are turned into the other's frame and widen by it, those of flat walls along its own axes the most.
 //! `collide`, `within` and `for_each_pair` turn the body that loses less, as its tree says
-//! ([`hierarchy::Header::looseness`]). Distances turn A: there a room or a table is best given as B.
+//! ([`hierarchy::Header::rotation_growth`]). Distances turn A: there a room or a table is best given as B.
 //!
 //! **Many pairs, most of them far apart.** A pair whose balls about the centres of the frames are apart, by more than the
 //! margin if there is one, costs some fifteen nanoseconds and no visit. For the nearest of many bodies there is
@@ -111,7 +111,7 @@
 //! than collisions, and [`query::PENETRATION_QUEUE_BYTES`] more where there is a budget.
 //!
 //! **The instruction set** is a value, [`isa::Isa`]: detected once, capped at will, held by the caller. All
-//! of them give the same verdicts and the same [counters](query::Counters).
+//! of them give the same verdicts and the same [counters](query::QueryStats).
 //!
 //! # Guarantees
 //!
@@ -167,14 +167,15 @@ pub mod cloud;
 pub mod construct;
 #[cfg(feature = "gpu")]
 pub mod device;
-pub mod directions;
+mod directions;
 mod exact;
-pub mod frame;
+mod frame;
 mod halving;
 pub mod hierarchy;
 pub mod isa;
-pub mod kernel;
-pub mod key;
+mod kernel;
+mod key;
+pub mod low_level;
 pub mod motion;
 pub mod node;
 #[cfg(feature = "alloc")]
@@ -184,11 +185,23 @@ pub mod pose;
 pub mod primitive;
 pub mod query;
 pub mod range;
-pub mod realign;
+mod realign;
 #[cfg(feature = "urdf")]
 pub mod robot;
 pub mod scene;
 mod vector;
+
+#[cfg(feature = "alloc")]
+pub use construct::{Builder, Mesh};
+#[cfg(feature = "alloc")]
+pub use hierarchy::Bvh;
+pub use hierarchy::{BvhRef, StaticBvh};
+pub use isa::Isa;
+pub use node::{Node4, Node16};
+pub use pose::Pose;
+pub use query::{Answer, Query, Verdict};
+pub use scene::Scene;
+
 // What all tests draw their random numbers from.
 #[cfg(test)]
 #[path = "../tests/support/rng.rs"]

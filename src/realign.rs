@@ -35,21 +35,21 @@
 //! planes bound `u . x + |u| r`, which is less than `u . x + |n| r` where M makes vectors shorter, as an accepted
 //! matrix may by 1e-4. So the planes of bodies with radii are moved out by `shrinkage` besides.
 
-mod back;
 mod ball;
+mod inverse;
 mod on_lattice;
-mod own_slab;
+mod primitive_slab;
 mod ray;
 
-pub use back::WayBack;
 pub(crate) use ball::BallMap;
+pub use inverse::InversePose;
 pub(crate) use on_lattice::{ALL, planes_on_lattice, some_planes_of};
-pub use own_slab::{OwnSlab, OwnSlabs, own_slabs};
+pub use primitive_slab::{PrimitiveSlab, PrimitiveSlabs, primitive_slabs};
 pub(crate) use ray::Ray;
 
 use crate::directions::{Directions, greater};
 use crate::exact::{power_of_two, round_up_f32};
-use crate::frame::{Extent, Frame};
+use crate::frame::{BodyBounds, Frame};
 use crate::key::Key;
 use crate::pose::Pose;
 use crate::primitive::{Primitive, radius_of};
@@ -108,7 +108,7 @@ impl<const K: usize> Realignment<K> {
     /// The map for a body of extent `a`, posed in the frame `b`.
     #[inline(always)]
     #[must_use]
-    pub fn new(pose: &Pose, a: &Extent, b: &Frame) -> Self {
+    pub fn new(pose: &Pose, a: &BodyBounds, b: &Frame) -> Self {
         let mut map = Self::UNSET;
         map.set(pose, a, b);
         map
@@ -118,7 +118,7 @@ impl<const K: usize> Realignment<K> {
     // Part of the query that it begins, so that it is compiled for the query's instruction set.
     #[inline(always)]
     #[expect(clippy::needless_range_loop, reason = "several columns share the index")]
-    pub(crate) fn set(&mut self, pose: &Pose, a: &Extent, b: &Frame) {
+    pub(crate) fn set(&mut self, pose: &Pose, a: &BodyBounds, b: &Frame) {
         let rows = pose.rows();
         // Loops, not `map`, which is not always inlined.
         let mut m = [[0.0_f32; 3]; 3];
@@ -205,13 +205,13 @@ impl<const K: usize> Realignment<K> {
 
 /// Where the pose puts the centre of A's frame, from the centre of B's, up to rounding in `f64`.
 #[inline(always)]
-pub(crate) fn shift(pose: &Pose, a: &Extent, b: &Frame) -> Point {
+pub(crate) fn shift(pose: &Pose, a: &BodyBounds, b: &Frame) -> Point {
     difference(&pose.unflushed_called(&a.frame.centre), &b.centre)
 }
 
 /// What the roundings of moved corners and centres are relative to.
 #[inline(always)]
-pub(crate) fn coordinates(pose: &Pose, a: &Extent, b: &Frame) -> f64 {
+pub(crate) fn coordinates(pose: &Pose, a: &BodyBounds, b: &Frame) -> f64 {
     // 4 >= sum of a row's magnitudes, for the image; once more for the centre.
     (8.0 * a.max_coordinate + greatest(&pose.translation())) + greatest(&b.centre)
 }
@@ -219,7 +219,7 @@ pub(crate) fn coordinates(pose: &Pose, a: &Extent, b: &Frame) -> f64 {
 /// What is lost along an axis of length 1 by rounding in `f64`, in the bodies' unit: of a moved corner's way from
 /// the centre of its own body, when the way between the centres is [`shift`].
 #[inline(always)]
-pub(crate) fn slack_of_shift(pose: &Pose, a: &Extent, b: &Frame) -> f64 {
+pub(crate) fn slack_of_shift(pose: &Pose, a: &BodyBounds, b: &Frame) -> f64 {
     // The sum of the axis's magnitudes is at most the root of 3.
     2.0 * (F64_SLACK * coordinates(pose, a, b) + MIN_COORDINATE)
 }
@@ -227,7 +227,7 @@ pub(crate) fn slack_of_shift(pose: &Pose, a: &Extent, b: &Frame) -> f64 {
 /// What a margin has to grow by where volumes of A are compared as M turns them, if A's primitives have radii: by at
 /// least as much as M makes any of these radii shorter or longer. No radius is above half of the body's width.
 #[inline(always)]
-pub(crate) fn shrinkage<P: Primitive>(pose: &Pose, a: &Extent) -> f64 {
+pub(crate) fn shrinkage<P: Primitive>(pose: &Pose, a: &BodyBounds) -> f64 {
     if !P::IS_ROUND {
         return 0.0;
     }

@@ -5,7 +5,7 @@
 mod rng;
 
 use rng::Rng;
-use simdop::directions::{Directions, SUPPORTED, table};
+use simdop::low_level::directions::{Directions, SUPPORTED, table};
 
 type Vector = [f64; 3];
 

@@ -126,18 +126,18 @@ fn on<N: Dop>(gpu: &Gpu, builder: &Builder, mesh: &MeshData) -> Result<Bvh<N>, G
 
 fn compare<N: Dop>(gpu: &Gpu, name: &str, builder: &Builder, mesh: &MeshData) {
     let got: Bvh<N> = quietly(|| on(gpu, builder, mesh)).unwrap();
-    let want: Bvh<N> = builder.build(&mesh_of(mesh)).unwrap();
+    let want: Bvh<N> = builder.build_as(&mesh_of(mesh)).unwrap();
     assert!(got.as_bytes() == want.as_bytes(), "{name}, {builder:?}, 64 bits: {}", gpu.has_int64());
 }
 
 /// Points with weights.
 #[derive(Clone, Debug)]
-struct Cloud {
+struct PointCloud {
     points: Vec<[f64; 3]>,
     weights: Vec<f64>,
 }
 
-impl Cloud {
+impl PointCloud {
     fn compare(&self, gpu: &Gpu, weighted: bool, clustering: Clustering) {
         let weights = weighted.then_some(&*self.weights);
         let mut go_on = |_| ControlFlow::Continue(());
@@ -232,10 +232,10 @@ fn generated_meshes_have_the_scalar_builders_bytes() {
 }
 
 /// Spheres as a packing has them: few large, many small, weighted by their volumes.
-fn spheres(rng: &mut Rng, count: usize) -> Cloud {
+fn spheres(rng: &mut Rng, count: usize) -> PointCloud {
     let points = (0..count).map(|_| [(); 3].map(|()| rng.range(-1.0, 1.0))).collect();
     let radius = |i: usize| 0.2 / (1.0 + i as f64).sqrt();
-    Cloud { points, weights: (0..count).map(|i| radius(i).powi(3)).collect() }
+    PointCloud { points, weights: (0..count).map(|i| radius(i).powi(3)).collect() }
 }
 
 #[test]
@@ -294,7 +294,7 @@ fn packings_have_the_scalar_builders_bytes() {
 }
 
 /// Points of one kind: spread, in clusters, in a plane, in few places, or over a huge range.
-fn any_cloud() -> impl Strategy<Value = Cloud> {
+fn any_cloud() -> impl Strategy<Value = PointCloud> {
     (0..5_u32, 1..600_usize, any::<u64>()).prop_map(|(kind, count, seed)| {
         let mut rng = Rng::new(seed);
         let centres: Vec<[f64; 3]> = (0..5).map(|_| [(); 3].map(|()| rng.range(-9.0, 9.0))).collect();
@@ -318,7 +318,7 @@ fn any_cloud() -> impl Strategy<Value = Cloud> {
             2 => rng.unit(),
             _ => 2_f64.powi(-(rng.below(40) as i32)),
         };
-        Cloud { points, weights: (0..count).map(|_| weight(&mut rng)).collect() }
+        PointCloud { points, weights: (0..count).map(|_| weight(&mut rng)).collect() }
     })
 }
 
@@ -379,7 +379,7 @@ const LOST: GpuError = GpuError::Device(DeviceError::Lost);
 fn a_device_destroyed_in_between_is_an_error_and_no_more() {
     let mesh = shapes::torus(30, 20);
     let builder = builder(Magnification::Area, 1);
-    let want: Bvh<Node4<14>> = builder.build(&mesh_of(&mesh)).unwrap();
+    let want: Bvh<Node4<14>> = builder.build_as(&mesh_of(&mesh)).unwrap();
     for after in 0..4 {
         for otherwise in [Otherwise::Fail, Otherwise::Scalar] {
             let limits = wgpu::Limits::default();
@@ -427,7 +427,7 @@ fn too_large_an_input_is_refused_with_its_size() {
     let tree: Bvh<Node16<6>> = builder
         .build_on(&gpu, Otherwise::Scalar, &mesh_of(&mesh), &mut |_| ControlFlow::Continue(()))
         .unwrap();
-    assert!(tree.as_bytes() == builder.build::<Node16<6>>(&mesh_of(&mesh)).unwrap().as_bytes());
+    assert!(tree.as_bytes() == builder.build_as::<Node16<6>>(&mesh_of(&mesh)).unwrap().as_bytes());
 }
 
 #[test]

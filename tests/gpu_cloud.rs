@@ -10,7 +10,7 @@ mod scenes;
 
 use scenes::{Random, brute};
 use simdop::cloud::gpu::{DeviceCloud, DeviceCloudError, FARTHEST, LEAST_SQUARE};
-use simdop::cloud::{Cloud, CloudError, CloudRef, List, Queries, Radii, RangeSearch, SearchError, Seat};
+use simdop::cloud::{CloudError, CloudRef, List, PointCloud, Queries, Radii, RangeSearch, SearchError, Seat};
 use simdop::device::{DeviceError, Gpu, wgpu};
 use simdop::isa::Isa;
 use std::sync::OnceLock;
@@ -91,7 +91,7 @@ fn lowest_radius(radii: &[f32]) -> Option<usize> {
 }
 
 /// Bits, since those of what is unused are NaN.
-fn assert_same_nodes(on_device: &mut DeviceCloud<'_>, cloud: &Cloud, what: &str) {
+fn assert_same_nodes(on_device: &mut DeviceCloud<'_>, cloud: &PointCloud, what: &str) {
     let nodes = on_device.nodes().unwrap();
     let (got, want): (&[u32], &[u32]) =
         (bytemuck::cast_slice(&nodes), bytemuck::cast_slice(cloud.view().nodes()));
@@ -99,7 +99,7 @@ fn assert_same_nodes(on_device: &mut DeviceCloud<'_>, cloud: &Cloud, what: &str)
 }
 
 /// Points of another set, some far outside, some of the cloud.
-fn others(points: &[[f32; 3]], cloud: &Cloud, count: usize) -> Vec<[f32; 3]> {
+fn others(points: &[[f32; 3]], cloud: &PointCloud, count: usize) -> Vec<[f32; 3]> {
     let (bounds, random) = (cloud.view().bounds(), &mut Random(3));
     let other = |i: usize| -> [f32; 3] {
         let share = if i.is_multiple_of(4) { 3.0 } else { 1.0 };
@@ -114,7 +114,7 @@ fn others(points: &[[f32; 3]], cloud: &Cloud, count: usize) -> Vec<[f32; 3]> {
 fn own_neighbours_are_the_cpus() {
     let Some(gpu) = device() else { return };
     for (name, points, radii) in scenes::all(scenes::size(700, 150)) {
-        let cloud = Cloud::new(&points).unwrap();
+        let cloud = PointCloud::new(&points).unwrap();
         let made = DeviceCloud::new(gpu, &cloud.view());
         if name == "near the greatest numbers" {
             assert!(matches!(made, Err(DeviceCloudError::Range { what: "point", .. })), "{name}");
@@ -169,7 +169,7 @@ fn neighbours_of_other_points_are_the_cpus() {
     for (name, points, radii) in
         scenes::all(scenes::size(600, 150)).into_iter().filter(|(name, ..)| !name.contains("greatest"))
     {
-        let cloud = Cloud::new(&points).unwrap();
+        let cloud = PointCloud::new(&points).unwrap();
         let mut on_device = DeviceCloud::new(gpu, &cloud.view()).unwrap();
         let queries = others(&points, &cloud, 700);
         let mut want = vec![Seat::default(); queries.len()];
@@ -192,7 +192,7 @@ fn any_number_of_points_is_searched() {
     for n in [0, 1, 2, 15, 16, 17, 31, 33, 255, 256, 257, 271, 272, 273, 1023, 1025, 4095, 4097, 5000] {
         let points: Vec<_> = (0..n).map(|_| random.point()).collect();
         for bucket_size in [16, 5] {
-            let cloud = Cloud::with_room(&points, bucket_size, n).unwrap();
+            let cloud = PointCloud::with_room(&points, bucket_size, n).unwrap();
             let mut on_device = DeviceCloud::new(gpu, &cloud.view()).unwrap();
             assert_same_nodes(&mut on_device, &cloud, "copied");
             // Few neighbours, and nearly all.
@@ -214,7 +214,7 @@ fn any_number_of_points_is_searched() {
 fn some_buckets_ask() {
     let Some(gpu) = device() else { return };
     let (_, points, _) = scenes::all(1000).swap_remove(0);
-    let cloud = Cloud::new(&points).unwrap();
+    let cloud = PointCloud::new(&points).unwrap();
     let mut on_device = DeviceCloud::new(gpu, &cloud.view()).unwrap();
     let each: Vec<f32> = (0..points.len()).map(|i| 0.01 + 0.1 * (i % 7) as f32).collect();
     for range in [0..1, 3..17, 40..1000, 62..63, 63..64, 100..2000] {
@@ -234,7 +234,7 @@ fn refits_have_the_cpus_boxes_and_neighbours() {
         }
         let radius = radii.iter().copied().fold(4e-12, f32::max).min(0.2);
         for holes in [false, true] {
-            let mut cloud = Cloud::with_room(&points, 12, points.len() + 5).unwrap();
+            let mut cloud = PointCloud::with_room(&points, 12, points.len() + 5).unwrap();
             if holes {
                 // Some buckets lose all, and a node of 16 children as well.
                 for bucket in cloud.view().buckets().to_vec().iter().take(20) {
@@ -295,7 +295,7 @@ fn numbers_that_a_device_may_take_for_zero_decide_nothing() {
         size * factor
     };
     let points: Vec<[f32; 3]> = (0..600).map(|_| [(); 3].map(|()| coordinate(random))).collect();
-    let cloud = Cloud::new(&points).unwrap();
+    let cloud = PointCloud::new(&points).unwrap();
     let mut on_device = DeviceCloud::new(gpu, &cloud.view()).unwrap();
     let least = LEAST_SQUARE.sqrt();
     for factor in [1.0, 1.0 + f32::EPSILON, 1.25, 1.5, 4.0, 1e6] {
@@ -317,7 +317,7 @@ fn a_buffer_that_holds_few_neighbours_is_enough() {
     // 96 KiB: 24,576 neighbours, and 384 buckets.
     let Some(gpu) = device_that_binds(96 << 10) else { return };
     let (_, points, _) = scenes::all(1500).swap_remove(0);
-    let cloud = Cloud::new(&points).unwrap();
+    let cloud = PointCloud::new(&points).unwrap();
     let mut on_device = DeviceCloud::new(&gpu, &cloud.view()).unwrap();
     for radius in [0.1, 0.3, 2.0] {
         let what = format!("radius {radius}");
@@ -327,7 +327,7 @@ fn a_buffer_that_holds_few_neighbours_is_enough() {
     }
     // One packet alone finds 16 times all points.
     let points: Vec<_> = (0..3000).map(|i| [i as f32, 0.0, 0.0]).collect();
-    let cloud = Cloud::new(&points).unwrap();
+    let cloud = PointCloud::new(&points).unwrap();
     let mut on_device = DeviceCloud::new(&gpu, &cloud.view()).unwrap();
     let (mut lists, mut indices) = (vec![List::default(); 3000], vec![0; 9_000_000]);
     let error = on_device.fill(&Queries::own(), Radii::Same(1e4), &mut lists, &mut indices).unwrap_err();
@@ -336,7 +336,7 @@ fn a_buffer_that_holds_few_neighbours_is_enough() {
     assert_eq!(error, DeviceCloudError::Device(too_large));
     // And more points than it has buckets for.
     let points: Vec<_> = (0..8000).map(|i| [i as f32, 0.0, 0.0]).collect();
-    let error = DeviceCloud::new(&gpu, &Cloud::new(&points).unwrap().view()).unwrap_err();
+    let error = DeviceCloud::new(&gpu, &PointCloud::new(&points).unwrap().view()).unwrap_err();
     let too_large = DeviceError::TooLarge { what: "buckets", count: 500, bytes: 128_000, limit: 98_304 };
     assert_eq!(error, DeviceCloudError::Device(too_large));
 }
@@ -347,7 +347,7 @@ fn a_search_that_a_device_may_not_end_is_refused() {
     let Some(gpu) = device() else { return };
     // A point a bucket: many steps for few neighbours.
     let points: Vec<_> = (0..30_000).map(|i| [i as f32, 0.0, 0.0]).collect();
-    let cloud = Cloud::with_room(&points, 1, points.len()).unwrap();
+    let cloud = PointCloud::with_room(&points, 1, points.len()).unwrap();
     let mut on_device = DeviceCloud::new(gpu, &cloud.view()).unwrap();
     let (queries, mut seats) = ([[0.5; 3], [29_000.0, 1.0, 1.0]], [Seat::default(); 2]);
     let (packed, _) = on_device.seat(&queries, &mut seats).unwrap();
@@ -363,7 +363,7 @@ fn a_search_that_a_device_may_not_end_is_refused() {
 fn what_is_wrong_is_said() {
     let Some(gpu) = device() else { return };
     let points: Vec<_> = (0..40).map(|i| [i as f32, 0.0, 0.0]).collect();
-    let cloud = Cloud::new(&points).unwrap();
+    let cloud = PointCloud::new(&points).unwrap();
     let mut on_device = DeviceCloud::new(gpu, &cloud.view()).unwrap();
     let (own, same) = (Queries::own(), Radii::Same(1.0));
     let search = |error| Err(DeviceCloudError::Search(error));
@@ -391,10 +391,10 @@ fn what_is_wrong_is_said() {
 
     let mut moved = points.clone();
     let short = CloudError::Positions { have: 39, need: 40 };
-    assert_eq!(on_device.refit(&moved[1..]).unwrap_err(), DeviceCloudError::Cloud(short));
+    assert_eq!(on_device.refit(&moved[1..]).unwrap_err(), DeviceCloudError::PointCloud(short));
     moved[7][2] = f32::INFINITY;
     let wrong = CloudError::Point { index: 7 };
-    assert_eq!(on_device.refit(&moved).unwrap_err(), DeviceCloudError::Cloud(wrong));
+    assert_eq!(on_device.refit(&moved).unwrap_err(), DeviceCloudError::PointCloud(wrong));
     moved[7][2] = -FARTHEST.next_up();
     let wrong = DeviceCloudError::Range { what: "point", index: 7 };
     assert_eq!(on_device.refit(&moved).unwrap_err(), wrong);
@@ -402,7 +402,7 @@ fn what_is_wrong_is_said() {
     // As far as may be.
     let ends: Vec<_> =
         (0..100).map(|i| [FARTHEST, -FARTHEST, 0.0].map(|x| if i % 2 == 0 { x } else { -x })).collect();
-    let cloud = Cloud::new(&ends).unwrap();
+    let cloud = PointCloud::new(&ends).unwrap();
     let mut on_device = DeviceCloud::new(gpu, &cloud.view()).unwrap();
     for radius in [1.0, 1e18, 3.3e18, 1e19, 1e38] {
         compare("far", &mut on_device, &cloud.view(), &own, Radii::Same(radius), 100);
@@ -416,7 +416,7 @@ fn a_lost_device_is_an_error_and_no_more() {
     let (device, queue) = pollster::block_on(adapter.request_device(&descriptor)).unwrap();
     let gpu = Gpu::with_device(device.clone(), queue).unwrap();
     let points: Vec<_> = (0..500).map(|i| [i as f32, 0.0, 0.0]).collect();
-    let cloud = Cloud::new(&points).unwrap();
+    let cloud = PointCloud::new(&points).unwrap();
     let mut on_device = DeviceCloud::new(&gpu, &cloud.view()).unwrap();
     compare("before", &mut on_device, &cloud.view(), &Queries::own(), Radii::Same(2.0), points.len());
     device.destroy();

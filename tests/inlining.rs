@@ -1,6 +1,6 @@
 //! The kernels are inlined in the traversal: a call for each row would cost as much as the row.
 //!
-//! What is asserted, on this binary's own table of symbols: of the modules `simdop::kernel::{avx2, avx512,
+//! What is asserted, on this binary's own table of symbols: of the modules `simdop::low_level::kernel::{avx2, avx512,
 //! neon}` no function is left but the re-alignment. This program queries with every node type, and searches a cloud of points
 //! in every way, on every instruction set, and uses the kernels in no other way; so `overlap_1v16`, `overlap_16v1`,
 //! `overlap_4v4`, `boxes_near`, `points_near`, `pick` and what they are made of (loads, masks) are inlined in each of those
@@ -11,7 +11,7 @@
 mod support;
 
 use core::ops::ControlFlow;
-use simdop::cloud::{Cloud, List, Neighbour, Queries, Radii, RangeSearch, Seat};
+use simdop::cloud::{List, Neighbour, PointCloud, Queries, Radii, RangeSearch, Seat};
 use simdop::construct::{Builder, Mesh};
 use simdop::hierarchy::Bvh;
 use simdop::isa::Isa;
@@ -24,7 +24,7 @@ use support::data::notice;
 /// One query on every instruction set, so that each traversal is compiled.
 fn query<N: Lanes>() {
     let triangle = Mesh { vertices: &[[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]], triangles: &[[0, 1, 2]] };
-    let tree: Bvh<N> = Builder::new().build(&triangle).unwrap();
+    let tree: Bvh<N> = Builder::new().build_as(&triangle).unwrap();
     for isa in Isa::available() {
         let answer = Query::new(isa).collide(&tree.view(), &tree.view(), black_box(&Pose::IDENTITY));
         assert!(answer.hit().is_some(), "{isa}");
@@ -34,7 +34,7 @@ fn query<N: Lanes>() {
 /// Every search of a cloud, on every instruction set; returns how many there are.
 fn search() -> usize {
     let points: Vec<_> = (0..500).map(|i| [i % 10, i / 10 % 10, i / 100].map(|x| x as f32)).collect();
-    let cloud = black_box(Cloud::new(&points).unwrap());
+    let cloud = black_box(PointCloud::new(&points).unwrap());
     let (view, own, radii) = (cloud.view(), Queries::own(), Radii::Same(black_box(1.0)));
     let (mut counts, mut lists, mut indices) = ([0; 500], [List::default(); 500], [0; 4000]);
     let (mut seats, mut found) = ([Seat::default(); 500], [Neighbour::NONE; 7]);

@@ -16,14 +16,14 @@ mod turned;
 use simdop::construct::{Builder, Mesh};
 use simdop::hierarchy::Bvh;
 use simdop::isa::{Isa, IsaError, Scalar, on_isa};
-use simdop::kernel::{Kernel, Turned};
-use simdop::key::{Key, decode};
+use simdop::low_level::kernel::{Kernel, Turned};
+use simdop::low_level::key::{Key, decode};
+use simdop::low_level::realign::{PrimitiveSlab, Realignment, primitive_slabs};
 use simdop::node::{Ball16, Child, Node4, Node16};
 use simdop::pose::Pose;
 use simdop::primitive::Triangles;
 use simdop::primitive::triangle::Probe;
 use simdop::query::Lanes;
-use simdop::realign::{OwnSlab, Realignment, own_slabs};
 use std::cell::LazyCell;
 use support::codes::SPECIAL;
 use support::data::notice;
@@ -126,10 +126,10 @@ fn pairs() -> u64 {
 }
 
 /// Pairs of nodes per k at which digests are compared with [`RECORDED`] ones, and an eighth as many
-/// re-alignments and own slabs.
+/// re-alignments and primitive slabs.
 const RECORDED_PAIRS: u64 = 10_000_000;
 
-/// For each k, the scalar kernel's digests of overlaps, re-alignments and own slabs. The tests of `scalar`
+/// For each k, the scalar kernel's digests of overlaps, re-alignments and primitive slabs. The tests of `scalar`
 /// check them:
 /// `SIMDOP_PAIRS=10000000 cargo test --release --test kernel_law scalar`.
 #[rustfmt::skip]
@@ -273,7 +273,7 @@ struct Trees<const K: usize> {
     wide: Bvh<Node16<K>>,
     narrow: Bvh<Node4<K>>,
     maps: Vec<Realignment<K>>,
-    slabs: Vec<OwnSlab>,
+    slabs: Vec<PrimitiveSlab>,
 }
 
 /// A torus with a wave: curved both ways, and not symmetric.
@@ -305,7 +305,8 @@ where
     fn new(rng: &mut Rng) -> Self {
         let (vertices, triangles) = shape(24);
         let mesh = Mesh { vertices: &vertices, triangles: &triangles };
-        let (wide, narrow) = (Builder::new().build(&mesh).unwrap(), Builder::new().build(&mesh).unwrap());
+        let (wide, narrow) =
+            (Builder::new().build_as(&mesh).unwrap(), Builder::new().build_as(&mesh).unwrap());
         let extent = Bvh::<Node16<K>>::view(&wide).extent();
         let mut pose = || {
             let rotation = rng.rotation();
@@ -318,8 +319,8 @@ where
         let mut corner = || [(); 3].map(|()| rng.range(-2.0, 2.0));
         let mut triangle = || [corner(), corner(), corner()];
         let slabs = poses.iter().flat_map(|pose| {
-            let posed = own_slabs::<Triangles, K>(&triangle(), 0.0, &extent, Some(pose));
-            let still = own_slabs::<Triangles, K>(&triangle(), 0.01, &extent, None);
+            let posed = primitive_slabs::<Triangles, K>(&triangle(), 0.0, &extent, Some(pose));
+            let still = primitive_slabs::<Triangles, K>(&triangle(), 0.01, &extent, None);
             posed.into_iter().chain(still)
         });
         let slabs = slabs.collect();
@@ -611,7 +612,11 @@ where
 
 /// A slab with anything in it. As often as not a limit is the sum that some child has, so that the compare
 /// of equal numbers and the last place of the sum count.
-fn any_slab<const W: usize, const K: usize>(rng: &mut Rng, mode: Mode, nodes: &[Planes<W, K>]) -> OwnSlab {
+fn any_slab<const W: usize, const K: usize>(
+    rng: &mut Rng,
+    mode: Mode,
+    nodes: &[Planes<W, K>],
+) -> PrimitiveSlab {
     let number = |rng: &mut Rng| match mode {
         Mode::Grid => rng.int(-1, 3) as f32,
         _ => float(rng),
@@ -626,13 +631,13 @@ fn any_slab<const W: usize, const K: usize>(rng: &mut Rng, mode: Mode, nodes: &[
         let term = |l: usize| weights[l] * f32::from(planes[usize::from(sources[l]) ^ side][lane]);
         (term(0) + term(1)) + term(2)
     });
-    OwnSlab { sources, weights, limits }
+    PrimitiveSlab { sources, weights, limits }
 }
 
 /// Children beyond a slab, of sixteen and of four.
 fn beyond<const K: usize>(
     kernel: impl Kernel,
-    (slab, slab_4): &(OwnSlab, OwnSlab),
+    (slab, slab_4): &(PrimitiveSlab, PrimitiveSlab),
     (node, node_4): &(Node16<K>, Node4<K>),
 ) -> [u16; 2] {
     [kernel.beyond_16(slab, node), kernel.beyond_4(slab_4, node_4)]
@@ -673,7 +678,7 @@ where
         assert!(cfg!(miri) || (0.05..0.95).contains(&share), "{mode:?} k {K}: {share} of the bits are 1");
     }
     let all = count * MODES.len() as u64;
-    conclude(&format!("{name} k {K}: {all} own slabs against 16 and against 4"), &digest, recorded);
+    conclude(&format!("{name} k {K}: {all} primitive slabs against 16 and against 4"), &digest, recorded);
 }
 
 /// Planes that overlap in every lane, by touching.

@@ -30,8 +30,9 @@ fn mesh_of(mesh: &MeshData) -> Mesh<'_> {
 
 /// Of 16 lanes without magnification control, and of 4 lanes with it and 3 triangles a leaf.
 fn digests(mesh: &MeshData) -> [u64; 2] {
-    let wide: Bvh<Node16<18>> = builder(Magnification::None, 0).build(&mesh_of(mesh)).unwrap();
-    let narrow: Bvh<Node4<14>> = builder(Magnification::Area, 7).leaf_size(3).build(&mesh_of(mesh)).unwrap();
+    let wide: Bvh<Node16<18>> = builder(Magnification::None, 0).build_as(&mesh_of(mesh)).unwrap();
+    let narrow: Bvh<Node4<14>> =
+        builder(Magnification::Area, 7).leaf_size(3).build_as(&mesh_of(mesh)).unwrap();
     [digest_of_tree(wide.as_bytes()), digest_of_tree(narrow.as_bytes())]
 }
 
@@ -120,7 +121,7 @@ fn any_number_of_threads_builds_the_same_bytes() {
         let build = |threads: usize| {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
             let builder = Builder::new().splitter(splitter);
-            let tree: Bvh<Node16<14>> = pool.install(|| builder.build(&mesh_of(&mesh)).unwrap());
+            let tree: Bvh<Node16<14>> = pool.install(|| builder.build_as(&mesh_of(&mesh)).unwrap());
             tree.as_bytes().to_vec()
         };
         let want = build(1);
@@ -133,8 +134,9 @@ fn any_number_of_threads_builds_the_same_bytes() {
 #[test]
 fn the_seed_is_all_there_is_of_chance() {
     let mesh = shapes::torus(30, 20);
-    let tree =
-        |seed: u32| -> Bvh<Node16<18>> { builder(Magnification::None, seed).build(&mesh_of(&mesh)).unwrap() };
+    let tree = |seed: u32| -> Bvh<Node16<18>> {
+        builder(Magnification::None, seed).build_as(&mesh_of(&mesh)).unwrap()
+    };
     assert_eq!(tree(1).as_bytes(), tree(1).as_bytes());
     assert_ne!(tree(1).as_bytes(), tree(2).as_bytes());
 }
@@ -152,7 +154,7 @@ fn ever_smaller(n: u32) -> MeshData {
 
 /// Every triangle is in one leaf, of a tree that bounds it.
 fn check<N: Lanes>(name: &str, mesh: &MeshData, magnification: Magnification, leaf_size: u32) {
-    let tree: Bvh<N> = builder(magnification, 5).leaf_size(leaf_size).build(&mesh_of(mesh)).unwrap();
+    let tree: Bvh<N> = builder(magnification, 5).leaf_size(leaf_size).build_as(&mesh_of(mesh)).unwrap();
     let view: BvhRef<'_, N> = tree.view();
     view.validate().unwrap();
     view.verify().unwrap();
@@ -203,7 +205,7 @@ fn largest_and_smallest_coordinates_are_clustered() {
         let mut mesh = unit.clone();
         mesh.vertices.iter_mut().flatten().for_each(|x| *x *= scale);
         for magnification in MAGNIFICATIONS {
-            let tree: Bvh<Node16<18>> = builder(magnification, 0).build(&mesh_of(&mesh)).unwrap();
+            let tree: Bvh<Node16<18>> = builder(magnification, 0).build_as(&mesh_of(&mesh)).unwrap();
             tree.view().verify().unwrap();
             let sources: Vec<u32> = (0..tree.view().len() as u32).map(|i| tree.view().source(i)).collect();
             roots.push((magnification, sources));
@@ -251,7 +253,7 @@ fn sixteen_million() {
     let mesh = MeshData { vertices, triangles: (0..COUNT).map(|i| [i, i + 1, i + 2]).collect() };
     let start = Instant::now();
     // With weights: the sums are as large as they get.
-    let tree: Bvh<Node16<6>> = builder(Magnification::Area, 0).build(&mesh_of(&mesh)).unwrap();
+    let tree: Bvh<Node16<6>> = builder(Magnification::Area, 0).build_as(&mesh_of(&mesh)).unwrap();
     println!("{:.1?}, {:?}", start.elapsed(), tree.view().stats());
     tree.view().validate().unwrap();
 }
@@ -376,7 +378,7 @@ fn compare_with_oracle<N: Lanes>(name: &str, mesh: &MeshData, magnification: Mag
     let seeds = 20_u32.div_ceil(suite_step() as u32);
     let errors: Vec<f64> = (0..seeds)
         .map(|seed| {
-            let tree: Bvh<N> = builder(magnification, seed).build(&mesh_of(mesh)).unwrap();
+            let tree: Bvh<N> = builder(magnification, seed).build_as(&mesh_of(mesh)).unwrap();
             oracle.error(&root_lanes(tree.view()))
         })
         .collect();

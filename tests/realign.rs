@@ -7,17 +7,17 @@ mod support;
 
 use one_point::{NO_EXTENT, OnePoint, for_each_k};
 use simdop::construct::{Builder, Mesh};
-use simdop::directions::{self, Directions};
-use simdop::frame::{Extent, Frame};
 use simdop::hierarchy::BvhRef;
-use simdop::key::Key;
+use simdop::low_level::directions::{self, Directions};
+use simdop::low_level::frame::{BodyBounds, Frame};
+use simdop::low_level::key::Key;
+use simdop::low_level::realign::{InversePose, Realignment};
 use simdop::node::Node16;
 use simdop::pose::Pose;
 use simdop::primitive::Triangles;
 use simdop::query::Lanes;
 use simdop::range::MIN_COORDINATE;
 use simdop::range::Point;
-use simdop::realign::{Realignment, WayBack};
 use support::data::suite_step;
 use support::dyadic::{Dyadic, dot, key_value};
 use support::rng::Rng;
@@ -123,7 +123,7 @@ fn check_mesh<const K: usize>(
 ) where
     Node16<K>: Lanes,
 {
-    let tree = Builder::new().build::<Node16<K>>(&Mesh { vertices, triangles }).unwrap();
+    let tree = Builder::new().build_as::<Node16<K>>(&Mesh { vertices, triangles }).unwrap();
     let view: BvhRef<'_, Node16<K>> = tree.view();
     let map = Realignment::<K>::new(pose, &view.extent(), frame);
     for j in 0..K {
@@ -287,7 +287,7 @@ fn the_way_back_of_one_point<const K: usize>() {
         a.radius = way.iter().map(|x| x * x).sum::<f64>().sqrt() * (1.0 + 1e-15);
         a.max_coordinate = p.iter().chain(&a.frame.centre).fold(0.0, |m, x| x.abs().max(m));
 
-        let back = WayBack::new(&pose, &a, &b.extent);
+        let back = InversePose::new(&pose, &a, &b.extent);
         let mut map = Realignment::<K>::new(&back.pose, &b.extent, &a.frame);
         let scale = f64::from_bits(((1023 + a.frame.exponent) as u64) << 52);
         map.widen(back.outwards::<Triangles>(0.0, &b.extent) * scale);
@@ -322,7 +322,7 @@ fn required_offset<const K: usize>(
     map: &Realignment<K>,
     j: usize,
     pose: &Pose,
-    a: &Extent,
+    a: &BodyBounds,
     b: &Frame,
 ) -> Dyadic {
     let exact = |x: f64| Dyadic::from(x);
@@ -491,7 +491,8 @@ where
     for _ in 0..400 {
         let mesh = shapes::soup(&mut rng, 16, 1.0);
         let builder = Builder::new().leaf_size(16);
-        let tree = builder.build::<Node16<K>>(&Mesh { vertices: &mesh.vertices, triangles: &mesh.triangles });
+        let tree =
+            builder.build_as::<Node16<K>>(&Mesh { vertices: &mesh.vertices, triangles: &mesh.triangles });
         let tree = tree.unwrap();
         let view: BvhRef<'_, Node16<K>> = tree.view();
         let pose = pose(&rng.rotation(), [0.0; 3]);

@@ -40,7 +40,7 @@ fn distance(mesh: &MeshData, rows: &Rows) -> f64 {
 fn bodies_are_as_far_apart_as_said() {
     let mesh = body();
     let tree: Bvh<Node16<18>> =
-        Builder::new().build(&Mesh { vertices: &mesh.vertices, triangles: &mesh.triangles }).unwrap();
+        Builder::new().build_as(&Mesh { vertices: &mesh.vertices, triangles: &mesh.triangles }).unwrap();
     let pair = Approaching { a: &mesh, b: &mesh, tree_a: tree.view(), tree_b: tree.view() };
     for method in Method::ALL {
         let lines = pair.poses(&DISTANCES, method, 20, 1);

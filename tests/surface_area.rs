@@ -11,7 +11,7 @@ use simdop::hierarchy::{Bvh, MAX_DEPTH};
 use simdop::isa::Isa;
 use simdop::node::{Node4, Node16};
 use simdop::pose::Pose;
-use simdop::query::{Counters, Lanes, Query};
+use simdop::query::{Lanes, Query, QueryStats};
 use support::data::{MeshData, Suite, directory, suite_step, suites};
 use support::digest::digest_of_tree;
 use support::rng::Rng;
@@ -21,7 +21,7 @@ const SPLITTERS: [Splitter; 2] = [Splitter::SurfaceArea, Splitter::MeanWidth];
 
 fn build<N: Lanes>(mesh: &MeshData, leaf_size: u32, splitter: Splitter) -> Bvh<N> {
     let mesh = Mesh { vertices: &mesh.vertices, triangles: &mesh.triangles };
-    Builder::new().leaf_size(leaf_size).splitter(splitter).build(&mesh).unwrap()
+    Builder::new().leaf_size(leaf_size).splitter(splitter).build_as(&mesh).unwrap()
 }
 
 // ---- Every mesh -------------------------------------------------------------------------------------------
@@ -117,15 +117,15 @@ const GOLDEN: [[u64; 2]; 2] =
 // ---- Queries ----------------------------------------------------------------------------------------------
 
 /// Sums over the poses of a suite, by verdict: free, hit.
-fn counters<N: Lanes>(suite: &Suite, poses: &[Pose], splitter: Splitter) -> (Vec<bool>, [Counters; 2]) {
+fn stats<N: Lanes>(suite: &Suite, poses: &[Pose], splitter: Splitter) -> (Vec<bool>, [QueryStats; 2]) {
     let (a, b) = (build::<N>(&suite.a, 1, splitter), build::<N>(&suite.b, 1, splitter));
-    let mut sums = [Counters::default(); 2];
+    let mut sums = [QueryStats::default(); 2];
     let verdict = |pose| {
         let answer = Query::new(Isa::detect()).collide(&a.view(), &b.view(), pose);
         let sum = &mut sums[usize::from(answer.hit().is_some())];
-        sum.visits += answer.counters.visits;
-        sum.kernels += answer.counters.kernels;
-        sum.primitive_pairs += answer.counters.primitive_pairs;
+        sum.visits += answer.stats.visits;
+        sum.kernels += answer.stats.kernels;
+        sum.primitive_pairs += answer.stats.primitive_pairs;
         answer.hit().is_some()
     };
     (poses.iter().map(verdict).collect(), sums)

@@ -12,7 +12,7 @@ use support::shapes;
 
 fn stats_by<N: Dop>(mesh: &MeshData, splitter: Splitter) -> TreeStats {
     let mesh = Mesh { vertices: &mesh.vertices, triangles: &mesh.triangles };
-    Builder::new().splitter(splitter).build::<N>(&mesh).unwrap().view().tree_stats()
+    Builder::new().splitter(splitter).build_as::<N>(&mesh).unwrap().view().tree_stats()
 }
 
 fn stats<N: Dop>(mesh: &MeshData) -> TreeStats {

@@ -13,9 +13,9 @@ use super::traverse::{Rows, System, Work};
 use super::tree::{Dop, K, round_up};
 use core::arch::x86_64::*;
 use simdop::isa::Avx2;
-use simdop::key::Key;
+use simdop::low_level::key::Key;
+use simdop::low_level::realign::Realignment;
 use simdop::node::Child;
-use simdop::realign::Realignment;
 
 const SLABS: usize = K / 2;
 /// Registers of two slabs each; the ninth slab is left over.

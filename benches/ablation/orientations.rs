@@ -45,7 +45,8 @@ fn row<N: Arity>(
     poses: &[Pose],
     slabs: impl Fn(&N::Bodies, usize, &N) -> [usize; 2],
 ) {
-    let tree = Builder::new().build(&Mesh { vertices: &mesh.vertices, triangles: &mesh.triangles }).unwrap();
+    let tree =
+        Builder::new().build_as(&Mesh { vertices: &mesh.vertices, triangles: &mesh.triangles }).unwrap();
     let recording = record(&[Scene { tree, poses: poses.to_vec() }]);
     let pairs = 16.0 * recording.calls.len() as f64;
     let mut sums = [0; 2];

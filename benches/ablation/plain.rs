@@ -3,9 +3,9 @@
 use super::traverse::{Rows, System, Work};
 use super::tree::{Dop, K, round_up};
 use core::array::from_fn;
-use simdop::kernel::Kernel;
+use simdop::low_level::kernel::Kernel;
+use simdop::low_level::realign::Realignment;
 use simdop::node::Child;
-use simdop::realign::Realignment;
 
 /// Two children.
 #[derive(Copy, Clone)]

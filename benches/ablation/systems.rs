@@ -86,7 +86,8 @@ fn own_systems(mesh: &MeshData, baked: BvhRef<'_, Node16<K>>, entrants: &mut Vec
 /// A view for as long as the benchmark runs, as a caller has one: nothing is to be looked up at a query.
 fn build<N: Lanes>(mesh: &MeshData, splitter: Splitter) -> BvhRef<'static, N> {
     let mesh = Mesh { vertices: &mesh.vertices, triangles: &mesh.triangles };
-    let tree: &'static Bvh<N> = Box::leak(Box::new(Builder::new().splitter(splitter).build(&mesh).unwrap()));
+    let tree: &'static Bvh<N> =
+        Box::leak(Box::new(Builder::new().splitter(splitter).build_as(&mesh).unwrap()));
     tree.view()
 }
 
@@ -94,11 +95,11 @@ fn library<N: Lanes>(name: String, tree: BvhRef<'static, N>, isa: Isa) -> Entran
     let query = Query::new(isa);
     let collide = move |pose: &Pose| {
         let answer = query.collide(&tree, &tree, pose);
-        let counters = answer.counters;
+        let stats = answer.stats;
         // Each call of a kernel tests 16 pairs: 1vs16, 16vs1 or 4vs4.
         let mut work =
-            Work { visits: counters.visits, primitive_pairs: counters.primitive_pairs, ..Work::default() };
-        work.in_all_slabs(16 * counters.kernels);
+            Work { visits: stats.visits, primitive_pairs: stats.primitive_pairs, ..Work::default() };
+        work.in_all_slabs(16 * stats.kernels);
         (answer.hit().is_some(), work)
     };
     Entrant { name, bytes: size_of_val(tree.nodes()), collide: Box::new(collide) }

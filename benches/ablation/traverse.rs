@@ -9,11 +9,11 @@
 
 use super::tree::{Dop, K, Tree};
 use core::ops::ControlFlow;
-use simdop::kernel::Kernel;
+use simdop::low_level::kernel::Kernel;
+use simdop::low_level::realign::Realignment;
 use simdop::node::{Child, Link};
 use simdop::pose::Pose;
 use simdop::primitive::triangle::{Probe, Triangle};
-use simdop::realign::Realignment;
 
 /// What a query did.
 #[derive(Copy, Clone, Default, Debug)]

@@ -4,9 +4,9 @@
 use super::traverse::System;
 use crate::data::MeshData;
 use core::array::from_fn;
-use simdop::directions::Directions;
-use simdop::frame::Frame;
 use simdop::hierarchy::{BvhRef, Header};
+use simdop::low_level::directions::Directions;
+use simdop::low_level::frame::Frame;
 use simdop::node::{Child, Link, Node16};
 use simdop::primitive::triangle::Triangle;
 use simdop::range::Point;

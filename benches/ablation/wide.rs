@@ -11,10 +11,10 @@ use crate::support::variants::Variant;
 use core::arch::x86_64::*;
 use core::mem::MaybeUninit;
 use simdop::isa::Avx2;
-use simdop::kernel::{Kernel, Turned};
-use simdop::key::Key;
+use simdop::low_level::kernel::{Kernel, Turned};
+use simdop::low_level::key::Key;
+use simdop::low_level::realign::Realignment;
 use simdop::node::{Child, Node16};
-use simdop::realign::Realignment;
 
 /// The library's nodes and kernels: this against the library's own query shows what the benchmark's traversal
 /// costs.

@@ -26,9 +26,9 @@ pub(crate) fn measure(scene: &Scene<'_>) -> Row {
     for pose in scene.poses() {
         let whole = query.with_budget(u64::MAX - 1).penetration(&a, &b, pose);
         if whole.volume > 0.0 {
-            visits.push(whole.counters.visits);
+            visits.push(whole.stats.visits);
             for (share, [lower, upper, estimate, error]) in SHARES.iter().zip(&mut found) {
-                let budget = (whole.counters.visits as f64 * share) as u64;
+                let budget = (whole.stats.visits as f64 * share) as u64;
                 let part = query.with_budget(budget).penetration(&a, &b, pose);
                 assert!(part.volume <= whole.volume && whole.volume <= part.upper, "{part:?} {whole:?}");
                 lower.push(part.volume / whole.volume);

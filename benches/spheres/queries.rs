@@ -12,7 +12,7 @@ use simdop::isa::Isa;
 use simdop::node::{Node4, Node16};
 use simdop::pose::Pose;
 use simdop::primitive::{Sphere, Spheres};
-use simdop::query::{Completion, Counters, Lanes, Query};
+use simdop::query::{Completion, Lanes, Query, QueryStats};
 use std::hint::black_box;
 use std::time::Instant;
 
@@ -175,7 +175,7 @@ impl<'m> Scene<'m> {
     }
 
     fn trees<N: Lanes>(&self, division: Division) -> ([Bvh<N, Spheres>; 2], usize) {
-        let [(a, of_a), (b, of_b)] = self.spheres().map(|spheres| division.build(spheres));
+        let [(a, of_a), (b, of_b)] = self.spheres().map(|spheres| division.build_as(spheres));
         ([a, b], of_a + of_b)
     }
 
@@ -263,19 +263,19 @@ impl<'m> Scene<'m> {
     /// # Panics
     /// If an answer is not, bit for bit, what it is of all other trees.
     fn work<N: Lanes>(&self, trees: &[Bvh<N, Spheres>; 2]) -> [Work; 2] {
-        let mut counters = [Vec::new(), Vec::new()];
+        let mut stats = [Vec::new(), Vec::new()];
         for (pose, want) in self.poses.iter().zip(&self.shared) {
             let (got, work) = shared(trees, pose);
             assert!(
                 got.volume.to_bits() == want.volume.to_bits() && got.pairs == want.pairs,
                 "{got:?} {want:?}"
             );
-            counters[0].push(work);
+            stats[0].push(work);
             let verdict = Query::new(Isa::detect()).collide(&trees[0], &trees[1], pose);
             assert_eq!(verdict.is_free(), want.pairs == 0, "{}", self.name());
-            counters[1].push(verdict.counters);
+            stats[1].push(verdict.stats);
         }
-        counters.map(|counters| Work::of(&counters))
+        stats.map(|stats| Work::of(&stats))
     }
 
     pub(crate) fn weights(&self, rows: &mut Vec<Weights>) {
@@ -307,10 +307,10 @@ impl<'m> Scene<'m> {
     }
 }
 
-fn shared<N: Lanes>([a, b]: &[Bvh<N, Spheres>; 2], pose: &Pose) -> (Shared, Counters) {
+fn shared<N: Lanes>([a, b]: &[Bvh<N, Spheres>; 2], pose: &Pose) -> (Shared, QueryStats) {
     let found = Query::new(Isa::detect()).penetration(a, b, pose);
     assert_eq!(found.completion, Completion::Complete);
-    (Shared { volume: found.volume, pairs: found.pairs }, found.counters)
+    (Shared { volume: found.volume, pairs: found.pairs }, found.stats)
 }
 
 /// One after the other along the path; of each pose the least.
@@ -332,9 +332,8 @@ impl Cost {
 }
 
 impl Work {
-    fn of(counters: &[Counters]) -> Self {
-        let mean =
-            |of: fn(&Counters) -> u64| counters.iter().map(of).sum::<u64>() as f64 / counters.len() as f64;
+    fn of(stats: &[QueryStats]) -> Self {
+        let mean = |of: fn(&QueryStats) -> u64| stats.iter().map(of).sum::<u64>() as f64 / stats.len() as f64;
         Self { visits: mean(|c| c.visits), kernels: mean(|c| c.kernels), pairs: mean(|c| c.primitive_pairs) }
     }
 }

@@ -34,7 +34,7 @@ pub(crate) fn scenes<N: Lanes>() -> Vec<Scene<N>> {
 
 fn scene<N: Lanes>(mesh: MeshData) -> Scene<N> {
     let tree: Bvh<N> =
-        Builder::new().build(&Mesh { vertices: &mesh.vertices, triangles: &mesh.triangles }).unwrap();
+        Builder::new().build_as(&Mesh { vertices: &mesh.vertices, triangles: &mesh.triangles }).unwrap();
     let meets = |rows: &[[f64; 4]; 3]| {
         let pose = Pose::from_rows(*rows).unwrap();
         Query::new(Isa::detect()).collide(&tree.view(), &tree.view(), &pose).hit().is_some()

@@ -15,7 +15,7 @@ pub(crate) type PerDistance<T> = [T; DISTANCES.len()];
 pub(crate) fn poses(mesh: &MeshData, count: usize) -> PerDistance<Vec<Pose>> {
     let tree: Bvh<Node16<18>> = Builder::new()
         .splitter(Splitter::ExtendedLongestAxis)
-        .build(&Mesh { vertices: &mesh.vertices, triangles: &mesh.triangles })
+        .build_as(&Mesh { vertices: &mesh.vertices, triangles: &mesh.triangles })
         .unwrap();
     let pair = Approaching { a: mesh, b: mesh, tree_a: tree.view(), tree_b: tree.view() };
     let mut poses: PerDistance<Vec<Pose>> = Default::default();

@@ -12,8 +12,8 @@ use super::variants::Variant;
 use core::arch::x86_64::*;
 use half::f16;
 use simdop::isa::{Avx2, Avx512};
-use simdop::kernel::Turned;
-use simdop::key::{Key, decode};
+use simdop::low_level::kernel::Turned;
+use simdop::low_level::key::{Key, decode};
 use simdop::node::{Child, Node4, Node16};
 
 /// A query in floats, by slab: low bounds in `[2 s]`, high bounds in `[2 s + 1]`.

@@ -5,10 +5,10 @@ use crate::rng::Rng;
 use core::ops::Range;
 use simdop::hierarchy::BvhRef;
 use simdop::isa::Scalar;
-use simdop::kernel::{Kernel, Turned};
+use simdop::low_level::kernel::{Kernel, Turned};
+use simdop::low_level::realign::Realignment;
 use simdop::node::{Child, Link, Node4, Node16};
 use simdop::query::Lanes;
-use simdop::realign::Realignment;
 use turned::{turned_4, turned_16};
 
 #[path = "../../tests/support/turned.rs"]

@@ -3,7 +3,7 @@
 use super::record::{Call, Recording};
 use core::hint::black_box;
 use core::ops::Range;
-use simdop::kernel::{Kernel, Turned};
+use simdop::low_level::kernel::{Kernel, Turned};
 use simdop::node::{Node4, Node16};
 use std::time::{Duration, Instant};
 

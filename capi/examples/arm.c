@@ -98,7 +98,7 @@ static void swing(simdop_body *link) {
     simdop_role role = simdop_role_default(), fixed = simdop_role_default();
     simdop_scene *scene;
     simdop_body_id link_id, wall_id;
-    simdop_edge_answer edge;
+    simdop_motion_answer edge;
     const double none[4] = {0, 0, 0, 1}, eighth[4] = {0, 0, sin(atan(1) / 2), cos(atan(1) / 2)},
                  quarter[4] = {0, 0, sqrt(0.5), sqrt(0.5)}, back[4] = {0, 0, -sqrt(0.5), sqrt(0.5)};
     const double at_0[3] = {0.3, 0, 0}, at_45[3] = {0.25, 0.25, 0}, at_90[3] = {0, 0.3, 0},
@@ -119,27 +119,27 @@ static void swing(simdop_body *link) {
     must(simdop_scene_place(scene, link_id, &end));
     must(simdop_scene_collide(scene, SIMDOP_NO_BUDGET, &seen));
     expect(seen.verdict == SIMDOP_VERDICT_FREE, "and where it ends");
-    must(simdop_scene_screw_edge(scene, link_id, &start, &end, 1e-6, SIMDOP_NO_BUDGET, &edge));
+    must(simdop_scene_check_screw(scene, link_id, &start, &end, 1e-6, SIMDOP_NO_BUDGET, &edge));
     expect(edge.verdict == SIMDOP_EDGE_VERDICT_HIT, "between the two it meets the wall");
     expect((edge.hit.a == wall_id || edge.hit.b == wall_id) && fabs(edge.time - 0.5) < 0.1, "half way");
-    must(simdop_scene_screw_edge(scene, link_id, &start, &other_end, 1e-6, SIMDOP_NO_BUDGET, &edge));
+    must(simdop_scene_check_screw(scene, link_id, &start, &other_end, 1e-6, SIMDOP_NO_BUDGET, &edge));
     expect(edge.verdict == SIMDOP_EDGE_VERDICT_FREE, "the other way round it is free, at all times");
 
     /* The same questions about a motion of one's own: it slides past the wall, and through it. */
     struct slide slide = {{-1, 0.6, 0}, {1, 0.6, 0}, 1000};
     simdop_motion motion = {&slide, slide_go_to, slide_path, NULL};
-    must(simdop_scene_edge(scene, &link_id, 1, &motion, 1e-6, SIMDOP_NO_BUDGET, &edge));
+    must(simdop_scene_check_motion(scene, &link_id, 1, &motion, 1e-6, SIMDOP_NO_BUDGET, &edge));
     expect(edge.verdict == SIMDOP_EDGE_VERDICT_FREE, "it slides past the wall");
     slide.from[1] = slide.to[1] = 0.2;
-    must(simdop_scene_sampled_edge(scene, &link_id, 1, &motion, 1, SIMDOP_NO_BUDGET, &edge));
+    must(simdop_scene_check_motion_discrete(scene, &link_id, 1, &motion, 1, SIMDOP_NO_BUDGET, &edge));
     expect(edge.verdict == SIMDOP_EDGE_VERDICT_UNRESOLVED && edge.times == 2, "its two ends alone say nothing");
-    must(simdop_scene_edge(scene, &link_id, 1, &motion, 1e-6, SIMDOP_NO_BUDGET, &edge));
+    must(simdop_scene_check_motion(scene, &link_id, 1, &motion, 1e-6, SIMDOP_NO_BUDGET, &edge));
     expect(edge.verdict == SIMDOP_EDGE_VERDICT_HIT, "it slides through it");
     slide.left = 0;
-    must_fail(simdop_scene_edge(scene, &link_id, 1, &motion, 1e-6, SIMDOP_NO_BUDGET, &edge),
+    must_fail(simdop_scene_check_motion(scene, &link_id, 1, &motion, 1e-6, SIMDOP_NO_BUDGET, &edge),
               SIMDOP_ERROR_MOTION_STOPPED);
     motion.path = NULL;
-    must_fail(simdop_scene_edge(scene, &link_id, 1, &motion, 1e-6, SIMDOP_NO_BUDGET, &edge), SIMDOP_ERROR_NULL);
+    must_fail(simdop_scene_check_motion(scene, &link_id, 1, &motion, 1e-6, SIMDOP_NO_BUDGET, &edge), SIMDOP_ERROR_NULL);
 
     simdop_scene_destroy(scene);
     simdop_body_destroy(wall);
@@ -161,7 +161,7 @@ static void reach(simdop_body *link) {
     simdop_scene *scene;
     simdop_body_id ids[JOINTS], post_id;
     simdop_robot *robot, *none;
-    simdop_edge_answer edge;
+    simdop_motion_answer edge;
     must(simdop_scene_create(&scene));
     for (uint32_t i = 0; i < JOINTS; i++) {
         /* Each joint turns about z, at the end of the link before; half a link further is the middle of its own. */
@@ -173,16 +173,16 @@ static void reach(simdop_body *link) {
         /* Where it stands in the scene does not matter: an edge says where it moves. */
         must(simdop_scene_insert(scene, link, &role, &base, &ids[i]));
     }
-    must(simdop_scene_set_pair(scene, ids[SHOULDER], ids[ELBOW], 0));
+    must(simdop_scene_allow_collision(scene, ids[SHOULDER], ids[ELBOW]));
     must(simdop_scene_insert(scene, post, &role, &aside, &post_id));
     must(simdop_robot_new(&base, joints, JOINTS, bodies, JOINTS, &limits[0][0], JOINTS, &robot));
 
     must(simdop_robot_poses(robot, end, poses));
     expect(fabs(poses[ELBOW].rows[1][3] - 0.75) < 1e-12, "stretched along y, its second link is there");
-    must(simdop_scene_straight_edge(scene, ids, JOINTS, robot, start, end, 1e-6, SIMDOP_NO_BUDGET, &edge));
+    must(simdop_scene_check_joint_motion(scene, ids, JOINTS, robot, start, end, 1e-6, SIMDOP_NO_BUDGET, &edge));
     expect(edge.verdict == SIMDOP_EDGE_VERDICT_HIT, "stretched, it meets the post on the way");
     for (int i = 0; i < 3; i++) {
-        must(simdop_scene_straight_edge(scene, ids, JOINTS, robot, way[i], way[i + 1], 1e-6, SIMDOP_NO_BUDGET, &edge));
+        must(simdop_scene_check_joint_motion(scene, ids, JOINTS, robot, way[i], way[i + 1], 1e-6, SIMDOP_NO_BUDGET, &edge));
         expect(edge.verdict == SIMDOP_EDGE_VERDICT_FREE, "folded, it is free at all times");
     }
     must_fail(simdop_robot_poses(robot, beyond, poses), SIMDOP_ERROR_MOTION_OUT_OF_LIMITS);
@@ -234,7 +234,7 @@ int main(void) {
     must(simdop_scene_insert(scene, link, &padded, &pose, &link_id));
     pose = at(0.25, 0, 0);
     must(simdop_scene_insert(scene, tool, &padded, &pose, &tool_id));
-    must(simdop_scene_set_pair(scene, link_id, tool_id, 0));
+    must(simdop_scene_allow_collision(scene, link_id, tool_id));
     must(simdop_scene_attach(scene, tool_id, link_id));
 
     simdop_scene_answer seen;

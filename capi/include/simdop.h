@@ -303,7 +303,7 @@ typedef enum {
    * No hit was found, but within an interval of time something may meet.
    */
   SIMDOP_EDGE_VERDICT_UNRESOLVED = 2,
-} simdop_edge_verdict;
+} simdop_motion_verdict;
 
 /**
  * What a joint does.
@@ -384,7 +384,7 @@ typedef struct {
    * Of these, the ones that needed exact arithmetic.
    */
   uint64_t exact_pairs;
-} simdop_counters;
+} simdop_query_stats;
 
 /**
  * The answer of simdop_collide() and simdop_within().
@@ -410,7 +410,7 @@ typedef struct {
   /**
    * The work.
    */
-  simdop_counters counters;
+  simdop_query_stats counters;
 } simdop_answer;
 
 /**
@@ -449,7 +449,7 @@ typedef struct {
   /**
    * The work.
    */
-  simdop_counters counters;
+  simdop_query_stats counters;
 } simdop_distance_answer;
 
 /**
@@ -565,7 +565,7 @@ typedef struct {
   /**
    * The work for these pairs.
    */
-  simdop_counters counters;
+  simdop_query_stats counters;
 } simdop_scene_answer;
 
 /**
@@ -604,7 +604,7 @@ typedef struct {
   /**
    * The work for these pairs.
    */
-  simdop_counters counters;
+  simdop_query_stats counters;
 } simdop_scene_clearance_answer;
 
 /**
@@ -628,7 +628,7 @@ typedef struct {
   /**
    * The work for these pairs.
    */
-  simdop_counters counters;
+  simdop_query_stats counters;
 } simdop_scene_hits;
 
 /**
@@ -662,7 +662,7 @@ typedef struct {
    * other than they are at the time last gone to by more than this. May be NULL: then it is the sum of both paths. More
    * than that it need never be, and less it is where both bodies are moved by the same, as the links of an arm are.
    */
-  double (*path_between)(void *user,
+  double (*motion_bound_between)(void *user,
                          size_t body_a,
                          const double *centre_a,
                          double radius_a,
@@ -673,13 +673,13 @@ typedef struct {
 } simdop_motion;
 
 /**
- * The answer of simdop_scene_edge() and its like.
+ * The answer of simdop_scene_check_motion() and its like.
  */
 typedef struct {
   /**
    * The verdict.
    */
-  simdop_edge_verdict verdict;
+  simdop_motion_verdict verdict;
   /**
    * Of a hit: the bodies, and primitives of theirs that meet.
    */
@@ -708,8 +708,8 @@ typedef struct {
   /**
    * The work for these pairs.
    */
-  simdop_counters counters;
-} simdop_edge_answer;
+  simdop_query_stats counters;
+} simdop_motion_answer;
 
 /**
  * The id of a body where there is none.
@@ -965,47 +965,47 @@ simdop_error simdop_scene_each_hit(const simdop_scene *scene,
  * # Safety
  * There are `count` ids. `motion->user` is what the motion's functions take it for, and these do what is said of them.
  */
-simdop_error simdop_scene_edge(simdop_scene *scene,
+simdop_error simdop_scene_check_motion(simdop_scene *scene,
                                const simdop_body_id *moving,
                                size_t count,
                                const simdop_motion *motion,
                                double resolution,
                                uint64_t budget,
-                               simdop_edge_answer *answer);
+                               simdop_motion_answer *answer);
 
 /**
  * The same question at some times only: at those that divide 0 to 1 into `parts` evenly, at least 1, both ends among them, in
  * an order that halves the longest gaps first, until one is a hit. The verdict is never SIMDOP_EDGE_VERDICT_FREE, but
  * unresolved from 0 to 1: between the times, nothing is known. The motion's `path` is not called, and may be NULL. Otherwise as
- * simdop_scene_edge().
+ * simdop_scene_check_motion().
  *
  * # Safety
- * As of simdop_scene_edge().
+ * As of simdop_scene_check_motion().
  */
-simdop_error simdop_scene_sampled_edge(simdop_scene *scene,
+simdop_error simdop_scene_check_motion_discrete(simdop_scene *scene,
                                        const simdop_body_id *moving,
                                        size_t count,
                                        const simdop_motion *motion,
                                        uint32_t parts,
                                        uint64_t budget,
-                                       simdop_edge_answer *answer);
+                                       simdop_motion_answer *answer);
 
 /**
- * As simdop_scene_edge(), of one body, and of what is attached to it, on its way from one pose in the world to another: it turns
+ * As simdop_scene_check_motion(), of one body, and of what is attached to it, on its way from one pose in the world to another: it turns
  * evenly about an axis, by at most half a turn, and moves evenly along the axis. This screw is the one that leads there, and of
  * poses which differ in no turn is a straight line. It ends at `to` up to 1e-7 of the coordinates, and up to what the matrices
  * are off a rotation. Where the body stands in the scene does not matter.
  */
-simdop_error simdop_scene_screw_edge(simdop_scene *scene,
+simdop_error simdop_scene_check_screw(simdop_scene *scene,
                                      simdop_body_id id,
                                      const simdop_pose *from,
                                      const simdop_pose *to,
                                      double resolution,
                                      uint64_t budget,
-                                     simdop_edge_answer *answer);
+                                     simdop_motion_answer *answer);
 
 /**
- * As simdop_scene_edge(), of the bodies of a robot, and of what is attached to these, while each of its variables changes
+ * As simdop_scene_check_motion(), of the bodies of a robot, and of what is attached to these, while each of its variables changes
  * evenly from one value to another. `from` and `to` have a number for each variable, within its limits. `moving` are the
  * robot's bodies, in its order: with more or fewer of them this is SIMDOP_ERROR_MOTION_BODIES. Where they stand in the scene
  * does not matter.
@@ -1013,7 +1013,7 @@ simdop_error simdop_scene_screw_edge(simdop_scene *scene,
  * # Safety
  * There are `count` ids, and a number for each variable in both arrays.
  */
-simdop_error simdop_scene_straight_edge(simdop_scene *scene,
+simdop_error simdop_scene_check_joint_motion(simdop_scene *scene,
                                         const simdop_body_id *moving,
                                         size_t count,
                                         const simdop_robot *robot,
@@ -1021,7 +1021,7 @@ simdop_error simdop_scene_straight_edge(simdop_scene *scene,
                                         const double *to,
                                         double resolution,
                                         uint64_t budget,
-                                        simdop_edge_answer *answer);
+                                        simdop_motion_answer *answer);
 
 #ifdef __cplusplus
 }  // extern "C"

@@ -161,7 +161,7 @@ unsafe fn build(
             // SAFETY: the same.
             triangles: unsafe { items(triangles.cast(), triangle_count, "triangles") }?,
         };
-        Ok(simdop_body(Tree::Mesh(builder.build(&mesh)?)))
+        Ok(simdop_body(Tree::Mesh(builder.build_as(&mesh)?)))
     })
 }
 

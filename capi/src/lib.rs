@@ -24,19 +24,20 @@ pub use error::{simdop_error, simdop_error_text, simdop_last_error};
 pub use motion::simdop_motion;
 pub use pose::{simdop_pose, simdop_pose_from_quaternion};
 pub use query::{
-    SIMDOP_NO_BUDGET, SIMDOP_NO_PRIMITIVE, simdop_answer, simdop_collide, simdop_completion, simdop_counters,
-    simdop_distance, simdop_distance_answer, simdop_pair, simdop_verdict, simdop_within,
+    SIMDOP_NO_BUDGET, SIMDOP_NO_PRIMITIVE, simdop_answer, simdop_collide, simdop_completion, simdop_distance,
+    simdop_distance_answer, simdop_pair, simdop_query_stats, simdop_verdict, simdop_within,
 };
 pub use robot::{
     simdop_joint, simdop_joint_kind, simdop_link_body, simdop_robot, simdop_robot_free, simdop_robot_new,
     simdop_robot_poses,
 };
 pub use scene::{
-    SIMDOP_ALL_GROUPS, SIMDOP_EDGE_ROOM, SIMDOP_NO_BODY, simdop_body_id, simdop_edge_answer,
-    simdop_edge_verdict, simdop_on_hit, simdop_role, simdop_role_default, simdop_scene, simdop_scene_answer,
-    simdop_scene_attach, simdop_scene_clearance, simdop_scene_clearance_answer, simdop_scene_collide,
-    simdop_scene_create, simdop_scene_destroy, simdop_scene_detach, simdop_scene_each_hit, simdop_scene_edge,
+    SIMDOP_ALL_GROUPS, SIMDOP_EDGE_ROOM, SIMDOP_NO_BODY, simdop_body_id, simdop_motion_answer,
+    simdop_motion_verdict, simdop_on_hit, simdop_role, simdop_role_default, simdop_scene,
+    simdop_scene_allow_collision, simdop_scene_answer, simdop_scene_attach, simdop_scene_check_joint_motion,
+    simdop_scene_check_motion, simdop_scene_check_motion_discrete, simdop_scene_check_screw,
+    simdop_scene_clearance, simdop_scene_clearance_answer, simdop_scene_collide, simdop_scene_create,
+    simdop_scene_destroy, simdop_scene_detach, simdop_scene_each_hit, simdop_scene_forbid_collision,
     simdop_scene_hit, simdop_scene_hits, simdop_scene_insert, simdop_scene_place, simdop_scene_remove,
-    simdop_scene_sampled_edge, simdop_scene_screw_edge, simdop_scene_set_pair, simdop_scene_straight_edge,
     simdop_scene_within,
 };

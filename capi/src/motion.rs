@@ -38,7 +38,7 @@ pub struct simdop_motion {
     /// The same of two balls that two moving bodies carry, as one sees the other: no two points of theirs come nearer to each
     /// other than they are at the time last gone to by more than this. May be NULL: then it is the sum of both paths. More
     /// than that it need never be, and less it is where both bodies are moved by the same, as the links of an arm are.
-    pub path_between: Option<
+    pub motion_bound_between: Option<
         unsafe extern "C" fn(
             user: *mut c_void,
             body_a: usize,
@@ -124,15 +124,20 @@ impl Motion for Called<'_> {
         Ok(())
     }
 
-    fn path(&self, i: usize, ball: &CarriedBall, span: f64) -> f64 {
+    fn motion_bound(&self, i: usize, ball: &CarriedBall, span: f64) -> f64 {
         let Some(path) = self.motion.path else { return f64::INFINITY };
         // SAFETY: it may be called, by the promise of `new`; the centre has three numbers, which are there during the call.
         bound(unsafe { path(self.motion.user, i, ball.centre.as_ptr(), ball.radius, span) })
     }
 
-    fn path_between(&self, (i, a): (usize, &CarriedBall), (j, b): (usize, &CarriedBall), span: f64) -> f64 {
-        let Some(path) = self.motion.path_between else {
-            return self.path(i, a, span) + self.path(j, b, span);
+    fn motion_bound_between(
+        &self,
+        (i, a): (usize, &CarriedBall),
+        (j, b): (usize, &CarriedBall),
+        span: f64,
+    ) -> f64 {
+        let Some(path) = self.motion.motion_bound_between else {
+            return self.motion_bound(i, a, span) + self.motion_bound(j, b, span);
         };
         let (p, q) = (a.centre.as_ptr(), b.centre.as_ptr());
         // SAFETY: as of `path`, for two.

@@ -6,7 +6,7 @@ use crate::error::{Failure, simdop_error};
 use crate::pose::simdop_pose;
 use simdop::isa::Isa;
 use simdop::pose::Pose;
-use simdop::query::{Answer, Completion, Counters, Distance, Pair, Query, Verdict};
+use simdop::query::{Answer, Completion, Distance, Pair, Query, QueryStats, Verdict};
 use std::mem::MaybeUninit;
 use std::sync::LazyLock;
 
@@ -53,7 +53,7 @@ pub struct simdop_pair {
 /// The work of a query: the same on every machine.
 #[repr(C)]
 #[derive(Copy, Clone, PartialEq, Eq, Debug)]
-pub struct simdop_counters {
+pub struct simdop_query_stats {
     /// Pairs of nodes, or of a node and a leaf: the unit of the budget.
     pub visits: u64,
     /// Overlap kernels called.
@@ -80,7 +80,7 @@ pub struct simdop_answer {
     /// Of an unknown verdict: the distance of the bodies is at most this. Otherwise infinite.
     pub upper: f64,
     /// The work.
-    pub counters: simdop_counters,
+    pub stats: simdop_query_stats,
 }
 
 /// The answer of simdop_distance(): the distance lies in lower ..= upper.
@@ -103,7 +103,7 @@ pub struct simdop_distance_answer {
     /// The point of B, in B's frame.
     pub point_b: [f64; 3],
     /// The work.
-    pub counters: simdop_counters,
+    pub stats: simdop_query_stats,
 }
 
 impl simdop_pair {
@@ -116,8 +116,8 @@ impl From<Pair> for simdop_pair {
     }
 }
 
-impl From<Counters> for simdop_counters {
-    fn from(Counters { visits, kernels, realignments, primitive_pairs, exact_pairs }: Counters) -> Self {
+impl From<QueryStats> for simdop_query_stats {
+    fn from(QueryStats { visits, kernels, realignments, primitive_pairs, exact_pairs }: QueryStats) -> Self {
         Self { visits, kernels, realignments, primitive_pairs, exact_pairs }
     }
 }
@@ -153,7 +153,7 @@ impl From<Answer> for simdop_answer {
             pair: answer.hit().map_or(simdop_pair::NONE, simdop_pair::from),
             lower,
             upper,
-            counters: answer.counters.into(),
+            stats: answer.stats.into(),
         }
     }
 }
@@ -169,7 +169,7 @@ impl From<Distance> for simdop_distance_answer {
             pair: witness.map_or(simdop_pair::NONE, |witness| witness.pair.into()),
             point_a: witness.map_or([f64::NAN; 3], |witness| witness.a),
             point_b: witness.map_or([f64::NAN; 3], |witness| witness.b),
-            counters: answer.counters.into(),
+            stats: answer.stats.into(),
         }
     }
 }

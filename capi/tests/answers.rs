@@ -6,16 +6,13 @@ use simdop::glam::{DQuat, DVec3};
 use simdop::hierarchy::AsBvh;
 use simdop::isa::Isa;
 use simdop::pose::Pose;
-use simdop::query::{Answer, Completion, Counters, Distance, Pairwise, Query, Verdict};
+use simdop::query::{Answer, Completion, Distance, PrimitivePair, Query, QueryStats, Verdict};
 use simdop_capi::*;
 use support::{Node, Rng, Twice, answer, bytes, meshes, open, pose, sphere_sets};
 
-fn assert_counters(c: &simdop_counters, rust: &Counters) {
-    let counters = [c.visits, c.kernels, c.realignments, c.primitive_pairs, c.exact_pairs];
-    assert_eq!(
-        counters,
-        [rust.visits, rust.kernels, rust.realignments, rust.primitive_pairs, rust.exact_pairs]
-    );
+fn assert_counters(c: &simdop_query_stats, rust: &QueryStats) {
+    let stats = [c.visits, c.kernels, c.realignments, c.primitive_pairs, c.exact_pairs];
+    assert_eq!(stats, [rust.visits, rust.kernels, rust.realignments, rust.primitive_pairs, rust.exact_pairs]);
 }
 
 fn assert_answers(c: &simdop_answer, rust: &Answer) {
@@ -26,7 +23,7 @@ fn assert_answers(c: &simdop_answer, rust: &Answer) {
         Verdict::Unknown { lower, upper } => (simdop_verdict::Unknown, [none; 2], [lower, upper]),
     };
     assert_eq!((c.verdict, [c.pair.a, c.pair.b], [c.lower, c.upper]), (verdict, pair, bounds));
-    assert_counters(&c.counters, &rust.counters);
+    assert_counters(&c.stats, &rust.stats);
 }
 
 fn assert_distances(c: &simdop_distance_answer, rust: &Distance) {
@@ -52,7 +49,7 @@ fn assert_distances(c: &simdop_distance_answer, rust: &Distance) {
             assert!(c.point_a.iter().chain(&c.point_b).all(|x| x.is_nan()));
         }
     }
-    assert_counters(&c.counters, &rust.counters);
+    assert_counters(&c.stats, &rust.stats);
 }
 
 /// Asks both about each of `a` with each of `b`, and counts the verdicts.
@@ -62,8 +59,8 @@ fn compare<A: AsBvh<Node = Node>, B: AsBvh<Node = Node>>(
     rng: &mut Rng,
     verdicts: &mut [u32; 3],
 ) where
-    A::Primitive: Pairwise<B::Primitive>,
-    B::Primitive: Pairwise<A::Primitive>,
+    A::Primitive: PrimitivePair<B::Primitive>,
+    B::Primitive: PrimitivePair<A::Primitive>,
 {
     for (a, b) in a.iter().flat_map(|a| b.iter().map(move |b| (a, b))) {
         for budget in [SIMDOP_NO_BUDGET, SIMDOP_NO_BUDGET, 1] {

@@ -3,10 +3,10 @@
 mod support;
 
 use simdop::isa::Isa;
-use simdop::motion::{CarriedBall, LinkFrame, Motion, Screw, ScrewMotion, StraightMotion};
+use simdop::motion::{CarriedBall, JointMotion, LinkFrame, Motion, Screw, ScrewMotion};
 use simdop::pose::{Pose, PoseError};
 use simdop::query::Query;
-use simdop::scene::{Body, BodyId, EdgeAnswer, EdgeMemory, EdgePair, EdgeVerdict, Scene};
+use simdop::scene::{Body, BodyId, MotionAnswer, MotionHit, MotionMemory, MotionVerdict, Scene};
 use simdop_capi::*;
 use std::ffi::{c_int, c_void};
 use std::num::NonZeroU32;
@@ -28,9 +28,9 @@ impl Motion for Screws {
         Ok(())
     }
 
-    fn path(&self, i: usize, ball: &CarriedBall, span: f64) -> f64 {
+    fn motion_bound(&self, i: usize, ball: &CarriedBall, span: f64) -> f64 {
         let (screw, start) = self.0[i];
-        ScrewMotion::new(screw, &[start]).path(0, ball, span)
+        ScrewMotion::new(screw, &[start]).motion_bound(0, ball, span)
     }
 }
 
@@ -70,10 +70,10 @@ fn ball(centre: *const f64, radius: f64) -> CarriedBall {
 unsafe extern "C" fn path(user: *mut c_void, body: usize, centre: *const f64, radius: f64, span: f64) -> f64 {
     // SAFETY: the tests hand over such a motion.
     let user = unsafe { &*user.cast::<User<'_>>() };
-    user.motion.path(body, &ball(centre, radius), span)
+    user.motion.motion_bound(body, &ball(centre, radius), span)
 }
 
-unsafe extern "C" fn path_between(
+unsafe extern "C" fn motion_bound_between(
     user: *mut c_void,
     a: usize,
     centre_a: *const f64,
@@ -85,12 +85,17 @@ unsafe extern "C" fn path_between(
 ) -> f64 {
     // SAFETY: the tests hand over such a motion.
     let user = unsafe { &*user.cast::<User<'_>>() };
-    user.motion.path_between((a, &ball(centre_a, radius_a)), (b, &ball(centre_b, radius_b)), span)
+    user.motion.motion_bound_between((a, &ball(centre_a, radius_a)), (b, &ball(centre_b, radius_b)), span)
 }
 
 fn motion(user: &mut User<'_>) -> simdop_motion {
     let user = (&raw mut *user).cast();
-    simdop_motion { user, go_to: Some(go_to), path: Some(path), path_between: Some(path_between) }
+    simdop_motion {
+        user,
+        go_to: Some(go_to),
+        path: Some(path),
+        motion_bound_between: Some(motion_bound_between),
+    }
 }
 
 fn edge(
@@ -99,10 +104,18 @@ fn edge(
     motion: &simdop_motion,
     resolution: f64,
     budget: u64,
-) -> Result<simdop_edge_answer, simdop_error> {
+) -> Result<simdop_motion_answer, simdop_error> {
     // SAFETY: the ids are those of the slice; the motion is that of `motion`, or asks nothing of its user.
     answer(|answer| unsafe {
-        simdop_scene_edge(Some(scene), ids.as_ptr(), ids.len(), Some(motion), resolution, budget, answer)
+        simdop_scene_check_motion(
+            Some(scene),
+            ids.as_ptr(),
+            ids.len(),
+            Some(motion),
+            resolution,
+            budget,
+            answer,
+        )
     })
 }
 
@@ -111,44 +124,52 @@ fn sampled(
     ids: &[u64],
     motion: &simdop_motion,
     parts: u32,
-) -> Result<simdop_edge_answer, simdop_error> {
+) -> Result<simdop_motion_answer, simdop_error> {
     let budget = SIMDOP_NO_BUDGET;
     // SAFETY: as of `edge`.
     answer(|answer| unsafe {
-        simdop_scene_sampled_edge(Some(scene), ids.as_ptr(), ids.len(), Some(motion), parts, budget, answer)
+        simdop_scene_check_motion_discrete(
+            Some(scene),
+            ids.as_ptr(),
+            ids.len(),
+            Some(motion),
+            parts,
+            budget,
+            answer,
+        )
     })
 }
 
-fn assert_same(c: &simdop_edge_answer, rust: &EdgeAnswer) {
+fn assert_same(c: &simdop_motion_answer, rust: &MotionAnswer) {
     let no_hit = (SIMDOP_NO_BODY, SIMDOP_NO_BODY, SIMDOP_NO_PRIMITIVE, SIMDOP_NO_PRIMITIVE);
     let bits = |numbers: [f64; 3]| numbers.map(f64::to_bits);
     let (verdict, hit, times) = match rust.verdict {
-        EdgeVerdict::Free => (simdop_edge_verdict::Free, no_hit, [f64::NAN; 3]),
-        EdgeVerdict::Hit { hit, time } => {
+        MotionVerdict::Free => (simdop_motion_verdict::Free, no_hit, [f64::NAN; 3]),
+        MotionVerdict::Hit { hit, time } => {
             let hit = (hit.a.to_bits(), hit.b.to_bits(), hit.pair.a, hit.pair.b);
-            (simdop_edge_verdict::Hit, hit, [time, f64::NAN, f64::NAN])
+            (simdop_motion_verdict::Hit, hit, [time, f64::NAN, f64::NAN])
         }
-        EdgeVerdict::Unresolved { from, to } => {
-            (simdop_edge_verdict::Unresolved, no_hit, [f64::NAN, from, to])
+        MotionVerdict::Unresolved { from, to } => {
+            (simdop_motion_verdict::Unresolved, no_hit, [f64::NAN, from, to])
         }
     };
     assert_eq!((c.verdict, (c.hit.a, c.hit.b, c.hit.pair.a, c.hit.pair.b)), (verdict, hit));
     assert_eq!(bits([c.time, c.from, c.to]), bits(times));
-    assert_eq!((c.times, c.pairs, c.counters.visits), (rust.times, rust.pairs, rust.counters.visits));
+    assert_eq!((c.times, c.pairs, c.stats.visits), (rust.times, rust.pairs, rust.stats.visits));
 }
 
 struct Memory {
     poses: Vec<Pose>,
-    waiting: Vec<EdgePair>,
+    waiting: Vec<MotionHit>,
 }
 
 impl Memory {
     fn new() -> Self {
-        Self { poses: vec![Pose::IDENTITY; 8], waiting: vec![EdgePair::EMPTY; SIMDOP_EDGE_ROOM] }
+        Self { poses: vec![Pose::IDENTITY; 8], waiting: vec![MotionHit::EMPTY; SIMDOP_EDGE_ROOM] }
     }
 
-    fn lend(&mut self) -> EdgeMemory<'_> {
-        EdgeMemory { poses: &mut self.poses, waiting: &mut self.waiting }
+    fn lend(&mut self) -> MotionMemory<'_> {
+        MotionMemory { poses: &mut self.poses, waiting: &mut self.waiting }
     }
 }
 
@@ -176,10 +197,10 @@ fn scene(rng: &mut Rng) -> (Box<simdop_scene>, Scene<'static, Node>, Vec<BodyId>
     }
     for i in [3, 4] {
         rust.attach(ids[i], ids[2]).unwrap();
-        rust.set_pair(ids[i], ids[2], false).unwrap();
+        rust.allow_collision(ids[i], ids[2]).unwrap();
         let [held, hand] = [i, 2].map(|i| ids[i].to_bits());
         assert_eq!(simdop_scene_attach(Some(&mut c), held, hand), simdop_error::None);
-        assert_eq!(simdop_scene_set_pair(Some(&mut c), held, hand, 0), simdop_error::None);
+        assert_eq!(simdop_scene_allow_collision(Some(&mut c), held, hand), simdop_error::None);
     }
     (c, rust, ids, places)
 }
@@ -203,35 +224,36 @@ fn edges_answer_as_the_librarys() {
         let c_ids: Vec<_> = moving.iter().map(|id| id.to_bits()).collect();
         for budget in [SIMDOP_NO_BUDGET, 5] {
             let query = Query::new(Isa::detect()).with_budget(budget);
-            let expected = rust.edge(&query, moving, &mut own, 1e-3, &mut memory.lend()).unwrap();
+            let expected = rust.check_motion(&query, moving, &mut own, 1e-3, &mut memory.lend()).unwrap();
             let mut user = User { motion: &mut own, left: u32::MAX };
             let between = motion(&mut user);
-            let sum = simdop_motion { path_between: None, ..between };
+            let sum = simdop_motion { motion_bound_between: None, ..between };
             for motion in [between, sum] {
                 assert_same(&edge(&mut c, &c_ids, &motion, 1e-3, budget).unwrap(), &expected);
             }
             verdicts[edge(&mut c, &c_ids, &sum, 1e-3, budget).unwrap().verdict as usize] += 1;
 
-            // Bodies that move as one do not meet each other, which only `path_between` tells.
-            let expected = rust.edge(&query, moving, &mut shared, 1e-3, &mut memory.lend()).unwrap();
+            // Bodies that move as one do not meet each other, which only `motion_bound_between` tells.
+            let expected = rust.check_motion(&query, moving, &mut shared, 1e-3, &mut memory.lend()).unwrap();
             let mut user = User { motion: &mut shared, left: u32::MAX };
             assert_same(&edge(&mut c, &c_ids, &motion(&mut user), 1e-3, budget).unwrap(), &expected);
         }
 
         let parts = NonZeroU32::new(rng.int(1, 20) as u32).unwrap();
         let query = Query::new(Isa::detect());
-        let expected = rust.sampled_edge(&query, moving, &mut own, parts, &mut memory.lend()).unwrap();
+        let expected =
+            rust.check_motion_discrete(&query, moving, &mut own, parts, &mut memory.lend()).unwrap();
         let mut user = User { motion: &mut own, left: u32::MAX };
         let by_poses = simdop_motion { path: None, ..motion(&mut user) };
         assert_same(&sampled(&mut c, &c_ids, &by_poses, parts.get()).unwrap(), &expected);
 
         let (to, from) = (pose(&mut rng), [places[2]]);
         let mut screw = ScrewMotion::new(Screw::between(&from[0], &to.1).unwrap(), &from);
-        let expected = rust.edge(&query, &ids[2..3], &mut screw, 1e-3, &mut memory.lend()).unwrap();
+        let expected = rust.check_motion(&query, &ids[2..3], &mut screw, 1e-3, &mut memory.lend()).unwrap();
         let (from, id) = (rows(&from[0]), ids[2].to_bits());
         let made = answer(|answer| {
             let (from, to) = (Some(&from), Some(&to.0));
-            simdop_scene_screw_edge(Some(&mut c), id, from, to, 1e-3, SIMDOP_NO_BUDGET, answer)
+            simdop_scene_check_screw(Some(&mut c), id, from, to, 1e-3, SIMDOP_NO_BUDGET, answer)
         });
         let made = made.unwrap();
         assert_same(&made, &expected);
@@ -259,14 +281,14 @@ fn straight_edges_answer_as_the_librarys() {
             let query = Query::new(Isa::detect()).with_budget(budget);
             let expected = parts.with_kinematics(|kinematics| {
                 let ends = [&from[..], &to];
-                let mut motion = StraightMotion::new(kinematics, ends, &mut values, &mut links).unwrap();
-                rust.edge(&query, &ids[..3], &mut motion, 1e-3, &mut memory.lend()).unwrap()
+                let mut motion = JointMotion::new(kinematics, ends, &mut values, &mut links).unwrap();
+                rust.check_motion(&query, &ids[..3], &mut motion, 1e-3, &mut memory.lend()).unwrap()
             });
             let (c, ids, robot) = (Some(&mut *c), c_ids.as_ptr(), Some(&*robot));
             // SAFETY: there are three ids, and a value for each variable.
             let made = answer(|answer| unsafe {
                 let (from, to) = (from.as_ptr(), to.as_ptr());
-                simdop_scene_straight_edge(c, ids, 3, robot, from, to, 1e-3, budget, answer)
+                simdop_scene_check_joint_motion(c, ids, 3, robot, from, to, 1e-3, budget, answer)
             });
             let made = made.unwrap();
             assert_same(&made, &expected);

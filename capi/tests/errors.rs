@@ -68,12 +68,12 @@ fn of_a_detail() -> simdop_error {
 
 /// All errors of opening bytes.
 fn of_bytes() -> Vec<simdop_error> {
-    // Where what is in that tree: the header's fields, and after the node with its thin slabs the rest.
+    // Where what is in that tree: the header's fields, and after the node with its normal slabs the rest.
     let [version, k, kind, leaf_size, node] = [8, 12, 16, 18, 128];
     let vertices = node + size_of::<Node16<18>>() + 16 * 8;
     let [records, sources, parts] = [96, 96 + 96, 96 + 96 + 32].map(|offset| vertices + offset);
     let (copy, count) = two_parts();
-    let arity_4: Bvh<Node4<18>> = Builder::new().build(&TETRAHEDRON).unwrap();
+    let arity_4: Bvh<Node4<18>> = Builder::new().build_as(&TETRAHEDRON).unwrap();
 
     assert!(open(&copy.0[..count]).is_ok());
     let other_node = open(arity_4.as_bytes()).unwrap_err();
@@ -171,7 +171,7 @@ fn of_scenes() -> Vec<simdop_error> {
         radius,
         simdop_scene_place(Some(&mut scene), a, Some(&IDENTITY)),
         simdop_scene_attach(Some(&mut scene), b, a),
-        simdop_scene_set_pair(Some(&mut scene), a, a, 0),
+        simdop_scene_allow_collision(Some(&mut scene), a, a),
         simdop_scene_detach(Some(&mut scene), SIMDOP_NO_BODY),
     ]);
     assert_eq!(simdop_scene_remove(Some(&mut scene), b), simdop_error::None);
@@ -190,7 +190,7 @@ fn motion() -> simdop_motion {
         f64::NAN
     }
     let user = std::ptr::null_mut();
-    simdop_motion { user, go_to: Some(go_to), path: Some(path), path_between: None }
+    simdop_motion { user, go_to: Some(go_to), path: Some(path), motion_bound_between: None }
 }
 
 /// All errors of edges of a body that is in the scene.
@@ -199,7 +199,15 @@ fn of_edges(scene: &mut simdop_scene, id: simdop_body_id) -> Vec<simdop_error> {
     for resolution in [1e-3, 0.0, -1.0, f64::NAN] {
         // SAFETY: there is one id; the motion asks nothing of its user.
         let edge = answer(|answer| unsafe {
-            simdop_scene_edge(Some(scene), &raw const id, 1, Some(&motion()), resolution, budget, answer)
+            simdop_scene_check_motion(
+                Some(scene),
+                &raw const id,
+                1,
+                Some(&motion()),
+                resolution,
+                budget,
+                answer,
+            )
         });
         let stopped = last_error().contains("returned 1 at the time 0.5");
         assert_eq!(stopped, edge == Err(simdop_error::MotionStopped), "{}", last_error());
@@ -208,7 +216,15 @@ fn of_edges(scene: &mut simdop_scene, id: simdop_body_id) -> Vec<simdop_error> {
     for parts in [0, 1] {
         // SAFETY: as above.
         let edge = answer(|answer| unsafe {
-            simdop_scene_sampled_edge(Some(scene), &raw const id, 1, Some(&motion()), parts, budget, answer)
+            simdop_scene_check_motion_discrete(
+                Some(scene),
+                &raw const id,
+                1,
+                Some(&motion()),
+                parts,
+                budget,
+                answer,
+            )
         });
         errors.push(edge.unwrap_err());
     }
@@ -216,12 +232,12 @@ fn of_edges(scene: &mut simdop_scene, id: simdop_body_id) -> Vec<simdop_error> {
     mirrored.rows[0][0] = -1.0;
     for (from, to) in [(&mirrored, &IDENTITY), (&IDENTITY, &mirrored)] {
         let edge = answer(|answer| {
-            simdop_scene_screw_edge(Some(scene), id, Some(from), Some(to), 0.1, budget, answer)
+            simdop_scene_check_screw(Some(scene), id, Some(from), Some(to), 0.1, budget, answer)
         });
         assert_eq!(edge, Err(simdop_error::PoseMirrored));
     }
     let no_way = answer(|answer| {
-        simdop_scene_screw_edge(Some(scene), id, Some(&IDENTITY), Some(&IDENTITY), 0.0, budget, answer)
+        simdop_scene_check_screw(Some(scene), id, Some(&IDENTITY), Some(&IDENTITY), 0.0, budget, answer)
     });
     assert_eq!(no_way, Err(simdop_error::Tolerance));
     errors
@@ -235,7 +251,7 @@ fn of_robots(scene: &mut simdop_scene, id: simdop_body_id) -> Vec<simdop_error> 
         let (scene, robot, (from, to)) = (Some(&mut *scene), Some(&*robot), (&raw const end, &raw const end));
         // SAFETY: there is one id, and of one variable a value.
         let edge = answer(|answer| unsafe {
-            simdop_scene_straight_edge(
+            simdop_scene_check_joint_motion(
                 scene,
                 &raw const id,
                 count,
@@ -317,7 +333,7 @@ fn of_null() -> Vec<simdop_error> {
     errors.push(simdop_scene_place(Some(&mut scene), 0, None));
     errors.push(simdop_scene_attach(None, 0, 0));
     errors.push(simdop_scene_detach(None, 0));
-    errors.push(simdop_scene_set_pair(None, 0, 0, 0));
+    errors.push(simdop_scene_allow_collision(None, 0, 0));
     errors.push(answer(|answer| simdop_scene_collide(None, no_budget, answer)).unwrap_err());
     errors.push(simdop_scene_collide(Some(&scene), no_budget, None));
     errors.push(answer(|answer| simdop_scene_within(None, 0.0, no_budget, answer)).unwrap_err());

@@ -49,7 +49,7 @@ unsafe extern "C" fn path(user: *mut c_void, _: usize, _: *const f64, _: f64, sp
     if slide.path == 0.0 { 4.0 * span + 1e-12 } else { slide.path }
 }
 
-unsafe extern "C" fn path_between(
+unsafe extern "C" fn motion_bound_between(
     user: *mut c_void,
     _: usize,
     _: *const f64,
@@ -65,7 +65,7 @@ unsafe extern "C" fn path_between(
 
 fn motion(slide: &Slide) -> simdop_motion {
     let user = (&raw const *slide).cast_mut().cast();
-    simdop_motion { user, go_to: Some(go_to), path: Some(path), path_between: None }
+    simdop_motion { user, go_to: Some(go_to), path: Some(path), motion_bound_between: None }
 }
 
 /// A scene with a body three times: two that move, and one that stands at the middle of their way, `above` it.
@@ -88,23 +88,25 @@ impl Hall {
         Self { scene, moving, still }
     }
 
-    fn edge(&mut self, slide: &Slide, motion: &simdop_motion) -> Result<simdop_edge_answer, simdop_error> {
+    fn edge(&mut self, slide: &Slide, motion: &simdop_motion) -> Result<simdop_motion_answer, simdop_error> {
         let (ids, count, budget) = (self.moving.as_ptr(), slide.bodies, SIMDOP_NO_BUDGET);
         let scene = Some(&mut *self.scene);
         // SAFETY: at most so many ids; the motion is that of a slide, which is there during the call.
-        answer(|answer| unsafe { simdop_scene_edge(scene, ids, count, Some(motion), 0.05, budget, answer) })
+        answer(|answer| unsafe {
+            simdop_scene_check_motion(scene, ids, count, Some(motion), 0.05, budget, answer)
+        })
     }
 
-    fn verdict(&mut self, slide: &Slide) -> simdop_edge_verdict {
+    fn verdict(&mut self, slide: &Slide) -> simdop_motion_verdict {
         self.edge(slide, &motion(slide)).unwrap().verdict
     }
 
-    fn sampled(&mut self, slide: &Slide, parts: u32) -> Result<simdop_edge_answer, simdop_error> {
+    fn sampled(&mut self, slide: &Slide, parts: u32) -> Result<simdop_motion_answer, simdop_error> {
         let (ids, count, budget) = (self.moving.as_ptr(), slide.bodies, SIMDOP_NO_BUDGET);
         let (scene, motion) = (Some(&mut *self.scene), motion(slide));
         // SAFETY: as of `edge`.
         answer(|answer| unsafe {
-            simdop_scene_sampled_edge(scene, ids, count, Some(&motion), parts, budget, answer)
+            simdop_scene_check_motion_discrete(scene, ids, count, Some(&motion), parts, budget, answer)
         })
     }
 
@@ -133,22 +135,23 @@ fn what_is_no_bound_is_never_free() {
     let right = Slide { path: 0.0, ..SLIDE };
     for body in [cube(), point] {
         let (mut apart, mut meeting) = (Hall::new(body, 2.0), Hall::new(body, 0.0));
-        assert_eq!(apart.verdict(&right), simdop_edge_verdict::Free);
-        assert_eq!(meeting.verdict(&right), simdop_edge_verdict::Hit);
+        assert_eq!(apart.verdict(&right), simdop_motion_verdict::Free);
+        assert_eq!(meeting.verdict(&right), simdop_motion_verdict::Hit);
         for path in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY, -1.0, -5e-324, 1e300] {
             for bodies in [1, 2] {
                 let slide = Slide { path, bodies, ..SLIDE };
-                assert_eq!(apart.verdict(&slide), simdop_edge_verdict::Unresolved, "{path}");
-                assert_ne!(meeting.verdict(&slide), simdop_edge_verdict::Free, "{path}");
-                let between = simdop_motion { path_between: Some(path_between), ..motion(&slide) };
-                let verdict = apart.edge(&slide, &between).unwrap().verdict;
-                assert_eq!(verdict, simdop_edge_verdict::Unresolved, "{path}");
+                assert_eq!(apart.verdict(&slide), simdop_motion_verdict::Unresolved, "{path}");
+                assert_ne!(meeting.verdict(&slide), simdop_motion_verdict::Free, "{path}");
+                let between =
+                    simdop_motion { motion_bound_between: Some(motion_bound_between), ..motion(&slide) };
+                let verdict = apart.check_motion(&slide, &between).unwrap().verdict;
+                assert_eq!(verdict, simdop_motion_verdict::Unresolved, "{path}");
             }
         }
-        // What moves as one is certified by `path_between` alone: -0 is a bound, too.
+        // What moves as one is certified by `motion_bound_between` alone: -0 is a bound, too.
         let two = Slide { path: -0.0, bodies: 2, ..SLIDE };
-        let between = simdop_motion { path_between: Some(path_between), ..motion(&two) };
-        assert_eq!(apart.edge(&two, &between).unwrap().verdict, simdop_edge_verdict::Free);
+        let between = simdop_motion { motion_bound_between: Some(motion_bound_between), ..motion(&two) };
+        assert_eq!(apart.check_motion(&two, &between).unwrap().verdict, simdop_motion_verdict::Free);
         assert!(apart.is_as_before() && meeting.is_as_before());
     }
 }
@@ -158,13 +161,13 @@ fn a_motion_can_stop_a_query() {
     let mut hall = Hall::new(cube(), 1.2);
     for stop in [0.0, 0.4, 0.9] {
         let slide = Slide { stop, ..SLIDE };
-        assert_eq!(hall.edge(&slide, &motion(&slide)), Err(simdop_error::MotionStopped));
+        assert_eq!(hall.check_motion(&slide, &motion(&slide)), Err(simdop_error::MotionStopped));
         assert!(message().starts_with("go_to returned 7 at the time "), "{}", message());
         assert_eq!(hall.sampled(&slide, 8), Err(simdop_error::MotionStopped));
         assert!(hall.is_as_before());
     }
     let slide = Slide { path: 0.0, ..SLIDE };
-    assert_eq!(hall.verdict(&slide), simdop_edge_verdict::Free, "the scene is as good as before");
+    assert_eq!(hall.verdict(&slide), simdop_motion_verdict::Free, "the scene is as good as before");
 }
 
 #[test]
@@ -187,14 +190,14 @@ fn poses_of_a_motion_are_checked() {
         ] {
             for from in [0.0, 0.3, 0.9] {
                 let slide = Slide { bodies, fault: (from, fault), ..SLIDE };
-                assert_eq!(hall.edge(&slide, &motion(&slide)), Err(expected));
+                assert_eq!(hall.check_motion(&slide, &motion(&slide)), Err(expected));
                 assert_eq!(hall.sampled(&slide, 8), Err(expected));
                 assert!(hall.is_as_before());
             }
         }
     }
     let slide = Slide { bodies: 2, fault: (0.0, None), ..SLIDE };
-    let _ = hall.edge(&slide, &motion(&slide)).unwrap_err();
+    let _ = hall.check_motion(&slide, &motion(&slide)).unwrap_err();
     assert!(message().starts_with("pose 1 of a motion at the time 0.5: "), "{}", message());
 }
 
@@ -203,17 +206,17 @@ fn bodies_that_cannot_move_are_refused() {
     let mut hall = Hall::new(cube(), 1.2);
     let slide = Slide { path: 0.0, ..SLIDE };
     assert_eq!(simdop_scene_attach(Some(&mut hall.scene), hall.moving[0], hall.still), simdop_error::None);
-    assert_eq!(hall.edge(&slide, &motion(&slide)), Err(simdop_error::SceneIsAttached));
+    assert_eq!(hall.check_motion(&slide, &motion(&slide)), Err(simdop_error::SceneIsAttached));
     assert_eq!(simdop_scene_remove(Some(&mut hall.scene), hall.moving[0]), simdop_error::None);
-    assert_eq!(hall.edge(&slide, &motion(&slide)), Err(simdop_error::SceneNoSuchBody));
+    assert_eq!(hall.check_motion(&slide, &motion(&slide)), Err(simdop_error::SceneNoSuchBody));
     let to = at(1.0, 0.0);
     let screw = answer(|answer| {
         let (scene, id) = (Some(&mut *hall.scene), hall.moving[0]);
-        simdop_scene_screw_edge(scene, id, Some(&IDENTITY), Some(&to), 0.1, SIMDOP_NO_BUDGET, answer)
+        simdop_scene_check_screw(scene, id, Some(&IDENTITY), Some(&to), 0.1, SIMDOP_NO_BUDGET, answer)
     });
     assert_eq!(screw, Err(simdop_error::SceneNoSuchBody));
     let none = Slide { bodies: 0, ..slide };
-    assert_eq!(hall.verdict(&none), simdop_edge_verdict::Free, "nothing moves, and nothing meets");
+    assert_eq!(hall.verdict(&none), simdop_motion_verdict::Free, "nothing moves, and nothing meets");
 }
 
 #[test]
@@ -228,26 +231,29 @@ fn null_is_an_error_wherever_it_is_given() {
     let mut errors = Vec::new();
     // SAFETY: there is one id, unless they are NULL; the motion is that of a slide.
     unsafe {
-        errors.push(answer(|to| simdop_scene_edge(None, ids, 1, some, 0.1, budget, to)).unwrap_err());
-        errors.push(answer(|to| simdop_scene_sampled_edge(None, ids, 1, some, 1, budget, to)).unwrap_err());
-        errors.push(simdop_scene_edge(Some(scene), ids, 1, some, 0.1, budget, None));
-        errors.push(simdop_scene_sampled_edge(Some(scene), ids, 1, some, 1, budget, None));
+        errors.push(answer(|to| simdop_scene_check_motion(None, ids, 1, some, 0.1, budget, to)).unwrap_err());
+        errors.push(
+            answer(|to| simdop_scene_check_motion_discrete(None, ids, 1, some, 1, budget, to)).unwrap_err(),
+        );
+        errors.push(simdop_scene_check_motion(Some(scene), ids, 1, some, 0.1, budget, None));
+        errors.push(simdop_scene_check_motion_discrete(Some(scene), ids, 1, some, 1, budget, None));
         let mut edge = |ids, motion| {
-            answer(|to| simdop_scene_edge(Some(scene), ids, 1, motion, 0.1, budget, to)).unwrap_err()
+            answer(|to| simdop_scene_check_motion(Some(scene), ids, 1, motion, 0.1, budget, to)).unwrap_err()
         };
         errors.extend([edge(null(), some), edge(ids, None), edge(ids, Some(&without_path))]);
         errors.push(edge(ids, Some(&without_go_to)));
         let mut sampled = |ids, motion| {
-            answer(|to| simdop_scene_sampled_edge(Some(scene), ids, 1, motion, 1, budget, to)).unwrap_err()
+            answer(|to| simdop_scene_check_motion_discrete(Some(scene), ids, 1, motion, 1, budget, to))
+                .unwrap_err()
         };
         errors.extend([sampled(null(), some), sampled(ids, None), sampled(ids, Some(&without_go_to))]);
     }
-    errors.push(answer(|to| simdop_scene_screw_edge(None, id, pose, pose, 0.1, budget, to)).unwrap_err());
+    errors.push(answer(|to| simdop_scene_check_screw(None, id, pose, pose, 0.1, budget, to)).unwrap_err());
     for (a, b) in [(None, pose), (pose, None)] {
-        let edge = answer(|to| simdop_scene_screw_edge(Some(scene), id, a, b, 0.1, budget, to));
+        let edge = answer(|to| simdop_scene_check_screw(Some(scene), id, a, b, 0.1, budget, to));
         errors.push(edge.unwrap_err());
     }
-    errors.push(simdop_scene_screw_edge(Some(scene), id, pose, pose, 0.1, budget, None));
+    errors.push(simdop_scene_check_screw(Some(scene), id, pose, pose, 0.1, budget, None));
     for (place, error) in errors.into_iter().enumerate() {
         assert_eq!(error, simdop_error::Null, "{place}");
     }

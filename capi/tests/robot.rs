@@ -76,12 +76,12 @@ impl Hall {
         Self { scene, ids, robot: hinge().robot().unwrap() }
     }
 
-    fn edge(&mut self, count: usize, from: f64, to: f64) -> Result<simdop_edge_verdict, simdop_error> {
+    fn edge(&mut self, count: usize, from: f64, to: f64) -> Result<simdop_motion_verdict, simdop_error> {
         let (scene, ids, robot) = (Some(&mut *self.scene), self.ids.as_ptr(), Some(&*self.robot));
         let (from, to, budget) = (&raw const from, &raw const to, SIMDOP_NO_BUDGET);
         // SAFETY: at most as many ids as there are; the robot has one variable.
         let edge = answer(|answer| unsafe {
-            simdop_scene_straight_edge(scene, ids, count, robot, from, to, 1e-4, budget, answer)
+            simdop_scene_check_joint_motion(scene, ids, count, robot, from, to, 1e-4, budget, answer)
         });
         edge.map(|edge| edge.verdict)
     }
@@ -90,10 +90,10 @@ impl Hall {
 #[test]
 fn after_its_first_edge_nothing_is_allocated() {
     let mut hall = Hall::new();
-    assert_eq!(hall.edge(1, 0.0, 1.0), Ok(simdop_edge_verdict::Free));
+    assert_eq!(hall.edge(1, 0.0, 1.0), Ok(simdop_motion_verdict::Free));
     heap::without_heap("an edge", || {
-        assert_eq!(hall.edge(1, 0.0, 2.0), Ok(simdop_edge_verdict::Hit));
-        assert_eq!(hall.edge(1, 1.0, -1.0), Ok(simdop_edge_verdict::Free));
+        assert_eq!(hall.edge(1, 0.0, 2.0), Ok(simdop_motion_verdict::Hit));
+        assert_eq!(hall.edge(1, 1.0, -1.0), Ok(simdop_motion_verdict::Free));
     });
     heap::without_heap("forward kinematics", || {
         assert_eq!(poses(&mut hall.robot, &[1.0]).0, simdop_error::None);
@@ -115,7 +115,7 @@ fn what_is_wrong_is_refused() {
         assert_eq!(hall.edge(1, 0.0, value), Err(out));
     }
     assert_eq!(hall.edge(0, 0.0, 1.0), Err(simdop_error::MotionBodies));
-    assert_eq!(hall.edge(1, 0.0, 1.0), Ok(simdop_edge_verdict::Free), "the scene is as good as before");
+    assert_eq!(hall.edge(1, 0.0, 1.0), Ok(simdop_motion_verdict::Free), "the scene is as good as before");
 
     // Poses each, but not where they lead to.
     let (mut far, mut parts) = (IDENTITY, hinge());
@@ -169,19 +169,20 @@ fn null_is_an_error_wherever_it_is_given() {
 
         let robot = Some(&*robot);
         errors.push(
-            answer(|to| simdop_scene_straight_edge(None, ids, 1, robot, value, value, 0.1, budget, to))
+            answer(|to| simdop_scene_check_joint_motion(None, ids, 1, robot, value, value, 0.1, budget, to))
                 .unwrap_err(),
         );
         let mut edge = |ids, robot, a, b| {
             let scene = Some(&mut *scene);
-            answer(|to| simdop_scene_straight_edge(scene, ids, 1, robot, a, b, 0.1, budget, to)).unwrap_err()
+            answer(|to| simdop_scene_check_joint_motion(scene, ids, 1, robot, a, b, 0.1, budget, to))
+                .unwrap_err()
         };
         errors.push(edge(null(), robot, value, value));
         errors.push(edge(ids, None, value, value));
         errors.push(edge(ids, robot, null(), value));
         errors.push(edge(ids, robot, value, null()));
         let scene = Some(&mut *scene);
-        errors.push(simdop_scene_straight_edge(scene, ids, 1, robot, value, value, 0.1, budget, None));
+        errors.push(simdop_scene_check_joint_motion(scene, ids, 1, robot, value, value, 0.1, budget, None));
     }
     simdop_robot_free(None);
     for (place, error) in errors.into_iter().enumerate() {

@@ -58,7 +58,7 @@ fn compare(c: &simdop_scene, rust: &Scene<'_, Node>, rng: &mut Rng, verdicts: &m
             };
             assert_eq!(answer.verdict, verdict);
             assert_hits(&answer.hit, expected.hit());
-            assert_eq!((answer.pairs, answer.counters.visits), (expected.pairs, expected.counters.visits));
+            assert_eq!((answer.pairs, answer.stats.visits), (expected.pairs, expected.stats.visits));
             verdicts[verdict as usize] += 1;
         }
         let (tolerance, cutoff) = (*rng.pick(&[0.0, 0.1]), *rng.pick(&[0.5, f64::INFINITY]));
@@ -70,7 +70,7 @@ fn compare(c: &simdop_scene, rust: &Scene<'_, Node>, rng: &mut Rng, verdicts: &m
         assert_hits(&near.hit, expected.witness.map(|witness| witness.hit));
         let points = expected.witness.map(|witness| [witness.a, witness.b]);
         assert!(points.is_none_or(|points| points == [near.point_a, near.point_b]));
-        assert_eq!((near.pairs, near.counters.visits), (expected.pairs, expected.counters.visits));
+        assert_eq!((near.pairs, near.stats.visits), (expected.pairs, expected.stats.visits));
     }
 
     let mut expected = Vec::new();
@@ -134,8 +134,17 @@ fn scenes_answer_as_the_librarys() {
                 7 => (simdop_scene_detach(scene, c_id), rust.detach(id).is_ok()),
                 8 => {
                     let is_asked = rng.below(2) == 0;
-                    let error = simdop_scene_set_pair(scene, c_id, c_other, c_int::from(is_asked));
-                    (error, rust.set_pair(id, other, is_asked).is_ok())
+                    if is_asked {
+                        (
+                            simdop_scene_forbid_collision(scene, c_id, c_other),
+                            rust.forbid_collision(id, other).is_ok(),
+                        )
+                    } else {
+                        (
+                            simdop_scene_allow_collision(scene, c_id, c_other),
+                            rust.allow_collision(id, other).is_ok(),
+                        )
+                    }
                 }
                 _ => (simdop_scene_remove(scene, c_id), rust.remove(id).is_ok()),
             };

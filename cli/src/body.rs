@@ -139,7 +139,7 @@ pub(super) fn build(
     };
     let mesh = Mesh { vertices: &mesh.vertices, triangles: &mesh.triangles };
     let builder = Builder::new().leaf_size(options.leaf_size()).splitter(options.splitter().into());
-    let builder = if options.without_thin_slabs { builder.without_thin_slabs() } else { builder };
+    let builder = if options.without_normal_slabs { builder.without_normal_slabs() } else { builder };
     let builder = if options.solid { builder.solid() } else { builder };
     let start = Instant::now();
     let tree = builder

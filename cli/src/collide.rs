@@ -8,7 +8,7 @@ use clap::Args;
 use core::time::Duration;
 use simdop::isa::Isa;
 use simdop::pose::Pose;
-use simdop::query::{Answer, Counters, Query, Verdict};
+use simdop::query::{Answer, Query, QueryStats, Verdict};
 use std::time::Instant;
 
 #[derive(Args, Debug)]
@@ -121,7 +121,7 @@ fn one<'a>(bodies: &'a [Body; 2], query: Query, pose: &'a Pose, options: &Option
         Verdict::Unknown { lower, upper } => ("unknown", None, Some([lower, upper])),
     };
     let (pairs, pairs_complete) = options.all_pairs.then(|| Pairs::new(bodies, query, pose)).unzip();
-    let Counters { visits, kernels, realignments, primitive_pairs, exact_pairs } = answer.counters;
+    let QueryStats { visits, kernels, realignments, primitive_pairs, exact_pairs } = answer.stats;
     PoseReport {
         verdict,
         pair,

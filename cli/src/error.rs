@@ -4,7 +4,7 @@ use super::body::Shape;
 use core::fmt;
 use simdop::cloud::{CloudError, SearchError};
 use simdop::construct::{BuildError, CoverError};
-use simdop::hierarchy::{BakeError, VerifyError};
+use simdop::hierarchy::{FormatError, VerifyError};
 use simdop::packing::PackError;
 use simdop::robot::RobotError;
 use simdop::scene::SceneError;
@@ -46,7 +46,7 @@ pub(crate) enum Error {
     /// A file's contents are wrong.
     Content { path: PathBuf, fault: Fault },
     /// Bytes that should be a tree are none.
-    Tree { path: PathBuf, error: BakeError },
+    Tree { path: PathBuf, error: FormatError },
     /// A plane of a tree is too low.
     Verify { path: PathBuf, error: VerifyError },
     /// A mesh cannot be built.
@@ -56,7 +56,7 @@ pub(crate) enum Error {
     /// A mesh cannot be filled with spheres.
     Pack { name: String, error: PackError },
     /// Points cannot be a cloud.
-    Cloud { name: String, error: CloudError },
+    PointCloud { name: String, error: CloudError },
     /// A search in a cloud cannot be answered.
     Search { name: String, error: SearchError },
     /// A description is no robot.
@@ -121,7 +121,7 @@ impl fmt::Display for Error {
             Self::Build { name, error } => write!(f, "{name}: {error}"),
             Self::Cover { name, error } => write!(f, "{name}: {error}"),
             Self::Pack { name, error } => write!(f, "{name}: {error}"),
-            Self::Cloud { name, error } => write!(f, "{name}: {error}"),
+            Self::PointCloud { name, error } => write!(f, "{name}: {error}"),
             Self::Search { name, error } => write!(f, "{name}: {error}"),
             Self::Robot { path, error } => write!(f, "{}: {error}", path.display()),
             Self::Link { link, error } => write!(f, "link {link}: {error}"),

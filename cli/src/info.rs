@@ -94,7 +94,7 @@ pub(super) fn run(options: &Options) -> Result<(), Error> {
         overlap: quality.overlap,
         mean_depth: quality.mean_depth,
         bytes_per_triangle_planes_and_links: share(stats.node_bytes),
-        bytes_per_triangle_thin_slabs: share(stats.thin_slab_bytes),
+        bytes_per_triangle_thin_slabs: share(stats.normal_slab_bytes),
         bytes_per_triangle_total: share(stats.total_bytes),
         total_bytes: stats.total_bytes,
         centre: header.centre,
@@ -135,7 +135,7 @@ fn print(report: &Report, json: bool) -> std::io::Result<()> {
     writeln!(out, "overlap             {:>12.3}   of the lanes' volume", report.overlap)?;
     let per_triangle = report.bytes_per_triangle_planes_and_links;
     writeln!(out, "bytes per triangle  {per_triangle:>12.1}   planes and links")?;
-    writeln!(out, "                    {:>12.1}   thin slabs", report.bytes_per_triangle_thin_slabs)?;
+    writeln!(out, "                    {:>12.1}   normal slabs", report.bytes_per_triangle_thin_slabs)?;
     writeln!(out, "                    {:>12.1}   in all", report.bytes_per_triangle_total)?;
     writeln!(out, "bytes               {:>12}", report.total_bytes)?;
     if let Some(milliseconds) = report.build_milliseconds {

@@ -92,7 +92,7 @@ enum Command {
     /// Builds the mesh by many settings, asks them all at the same poses, and writes a page of plots that stands
     /// alone, with a recommendation, and a CSV file. A and B are meshes (.obj, .off, .ply, .stl), or trees, for the
     /// meshes that they were built from; one mesh meets itself, and without files it is two generated bodies. The
-    /// settings are k, arity, leaf size, splitter, and with or without thin slabs; planes are 16-bit keys, and
+    /// settings are k, arity, leaf size, splitter, and with or without normal slabs; planes are 16-bit keys, and
     /// bodies are as exact as their meshes. Packings of closed meshes are compared by their number of spheres.
     #[cfg(feature = "report")]
     Report(report::Options),
@@ -137,9 +137,9 @@ struct TreeOptions {
     /// How triangles are assigned to the children of a node [default: mean-width].
     #[arg(short, long, value_enum)]
     splitter: Option<SplitterName>,
-    /// Leave out the thin slabs: 8 bytes a child fewer, and more visits of smooth meshes that nearly touch.
+    /// Leave out the normal slabs: 8 bytes a child fewer, and more visits of smooth meshes that nearly touch.
     #[arg(long)]
-    without_thin_slabs: bool,
+    without_normal_slabs: bool,
     /// The mesh bounds a solid: what is wholly inside of it is a hit. It must be closed.
     #[arg(long)]
     solid: bool,
@@ -165,7 +165,7 @@ impl TreeOptions {
             ("--arity", self.arity.is_some()),
             ("--leaf-size", self.leaf_size.is_some()),
             ("--splitter", self.splitter.is_some()),
-            ("--without-thin-slabs", self.without_thin_slabs),
+            ("--without-normal-slabs", self.without_normal_slabs),
             ("--solid", self.solid),
             ("--allow-empty", self.allow_empty),
         ];

@@ -80,7 +80,7 @@ pub(super) fn run(options: &Options) -> Result<(), Error> {
         let start = Instant::now();
         let found = query.penetration(&tree_a, &tree_b, pose);
         let nanoseconds = start.elapsed().as_nanos();
-        let visits = found.counters.visits;
+        let visits = found.stats.visits;
         let Penetration { volume, estimate, upper, direction, point, pairs, .. } = found;
         Row { volume, estimate, upper, direction, point, pairs, visits, nanoseconds }
     };

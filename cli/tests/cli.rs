@@ -619,7 +619,7 @@ fn thin_slabs_may_be_left_out() {
     let folder = Folder::new("slabs");
     folder.write("a.obj", obj(&strewn(13, 50)));
     assert_eq!(folder.fate(&["build", "a.obj", "-o", "with.tree"]), (0, String::new()));
-    let without = ["build", "a.obj", "-o", "without.tree", "--without-thin-slabs"];
+    let without = ["build", "a.obj", "-o", "without.tree", "--without-normal-slabs"];
     assert_eq!(folder.fate(&without), (0, String::new()));
     let [with, without] = ["with.tree", "without.tree"].map(|name| folder.json(&["info", name, "--verify"]));
     let slabs = |report: &Value| report["bytes_per_triangle_thin_slabs"].as_f64().unwrap();
@@ -630,7 +630,7 @@ fn thin_slabs_may_be_left_out() {
     assert_eq!(total(&with), total(&without) + nodes * 16 * 8);
     assert_eq!(folder.fate(&["collide", "with.tree", "without.tree"]), (1, String::new()));
     let table = String::from_utf8(folder.run(&["info", "without.tree"]).stdout).unwrap();
-    assert!(table.contains("0.0   thin slabs"), "{table}");
+    assert!(table.contains("0.0   normal slabs"), "{table}");
 }
 
 #[test]
@@ -643,7 +643,7 @@ fn options_that_do_nothing_on_a_tree_are_errors() {
         "--arity=16",
         "--leaf-size=1",
         "--splitter=mean-width",
-        "--without-thin-slabs",
+        "--without-normal-slabs",
         "--allow-empty",
     ] {
         let name = option.split('=').next().unwrap();

@@ -187,7 +187,7 @@ fn faults_name_the_link_the_file_and_the_place() {
 }
 
 fn solid_if_closed(mesh: &Mesh<'_>) -> Tree {
-    Builder::new().solid().build(mesh).unwrap_or_else(|_| Builder::new().build(mesh).unwrap())
+    Builder::new().solid().build_as(mesh).unwrap_or_else(|_| Builder::new().build_as(mesh).unwrap())
 }
 
 /// The Panda, as the benches place it, and trees of its links: every pair is asked at the pose of one in the frame of the other.

@@ -14,7 +14,7 @@ fn main() -> io::Result<()> {
         "kernel_4v4",
         "keys",
         "realign",
-        "own_slab",
+        "primitive_slab",
         "balls",
         "traverse",
         "distance",

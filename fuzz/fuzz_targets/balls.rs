@@ -4,7 +4,7 @@
 
 use libfuzzer_sys::fuzz_target;
 use simdop::isa::Scalar;
-use simdop::kernel::Kernel;
+use simdop::low_level::kernel::Kernel;
 use simdop::node::{Ball16, BoundingBall};
 use simdop_fuzz::planes::float;
 use simdop_fuzz::spheres::{distance, lens};

@@ -7,9 +7,9 @@
 #![no_main]
 
 use libfuzzer_sys::fuzz_target;
-use simdop::cloud::{CLOUD_MAGIC, Cloud, CloudError, CloudRef, buckets_for, nodes_for};
+use simdop::cloud::{CLOUD_MAGIC, CloudError, CloudRef, PointCloud, buckets_for, nodes_for};
 use simdop::construct::{Magnification, Splitter};
-use simdop::hierarchy::{Aligned, BakeError};
+use simdop::hierarchy::{Aligned, FormatError};
 use simdop_fuzz::baked::{Buffer, change, copied, cut};
 use simdop_fuzz::clouds::{
     clouds, held, is_safe_to_search, is_true, is_what_the_bytes_say, nodes_end, point, put, searches_agree,
@@ -59,7 +59,7 @@ fn examine(bytes: &[u8], input: &mut Input) {
         Err(error) => {
             assert!(is_true(error, bytes), "{error:?}");
             assert!(!error.to_string().is_empty());
-            assert_eq!(Cloud::from_bytes(bytes).err(), Some(error));
+            assert_eq!(PointCloud::from_bytes(bytes).err(), Some(error));
         }
     }
 }
@@ -70,9 +70,9 @@ fn may_be_owned(view: &CloudRef<'_>, bytes: &[u8]) {
     let mut indices: Vec<_> = all.iter().map(|(index, _)| *index).collect();
     indices.sort_unstable();
     let twice = indices.windows(2).any(|pair| pair[0] == pair[1]);
-    let mut cloud = match Cloud::from_bytes(bytes) {
+    let mut cloud = match PointCloud::from_bytes(bytes) {
         Ok(cloud) => cloud,
-        Err(error) => return assert!(twice && matches!(error, BakeError::Source { .. }), "{error:?}"),
+        Err(error) => return assert!(twice && matches!(error, FormatError::Source { .. }), "{error:?}"),
     };
     assert!(!twice && cloud.view().to_bytes() == bytes);
     let mut model = vec![None; view.capacity()];
@@ -85,7 +85,7 @@ fn may_be_owned(view: &CloudRef<'_>, bytes: &[u8]) {
 }
 
 /// The points that the cloud holds are those of the model, which has one place for each index.
-fn is_the_model(cloud: &Cloud, model: &[Option<[f32; 3]>], tight: bool) {
+fn is_the_model(cloud: &PointCloud, model: &[Option<[f32; 3]>], tight: bool) {
     let view = cloud.view();
     view.validate().unwrap();
     is_safe_to_search(&view, tight);
@@ -113,8 +113,8 @@ fn moved(input: &mut Input) {
         _ => None,
     };
     let made = match splitter {
-        Some(splitter) => Cloud::split_by(&points, splitter, bucket_size),
-        None => Cloud::with_room(&points, bucket_size, n + room),
+        Some(splitter) => PointCloud::split_by(&points, splitter, bucket_size),
+        None => PointCloud::with_room(&points, bucket_size, n + room),
     };
     // Points that coincide and numbers of unlike size are split by halves: no set of so few is too deep.
     let mut cloud = made.unwrap();
@@ -130,11 +130,11 @@ fn moved(input: &mut Input) {
     }
     searches_agree(&cloud.view(), input, mode);
     let bytes = cloud.view().to_bytes();
-    assert!(Cloud::from_bytes(&bytes).unwrap().view().to_bytes() == bytes);
+    assert!(PointCloud::from_bytes(&bytes).unwrap().view().to_bytes() == bytes);
 }
 
 /// One thing. Whether all boxes are tight afterwards.
-fn happen(cloud: &mut Cloud, model: &mut [Option<[f32; 3]>], input: &mut Input, mode: Mode) -> bool {
+fn happen(cloud: &mut PointCloud, model: &mut [Option<[f32; 3]>], input: &mut Input, mode: Mode) -> bool {
     let positions =
         |model: &[Option<[f32; 3]>]| -> Vec<_> { model.iter().map(|p| p.unwrap_or([f32::NAN; 3])).collect() };
     match input.below(8) {
@@ -190,7 +190,7 @@ fn happen(cloud: &mut Cloud, model: &mut [Option<[f32; 3]>], input: &mut Input, 
 }
 
 /// All buckets but the last are as full as was asked for, and all nodes but one use all lanes.
-fn is_full(cloud: &Cloud) {
+fn is_full(cloud: &PointCloud) {
     let view = cloud.view();
     // One to insert into, where there is room for points and none is there.
     let wanted = buckets_for(view.len().max(usize::from(view.capacity() > 0)), view.bucket_size());

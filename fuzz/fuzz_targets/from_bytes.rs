@@ -87,7 +87,7 @@ fn queries_agree<N: Lanes>(view: &BvhRef<'_, N>, input: &mut Input) {
         Verdict::Free => {
             assert!(!proven || !meshes_meet(&moved, &still), "a miss in a proven tree: {pose:?}")
         }
-        Verdict::Unknown { .. } => assert_eq!(answer.counters.visits, 300),
+        Verdict::Unknown { .. } => assert_eq!(answer.stats.visits, 300),
     }
     for isa in Isa::available().filter(|isa| *isa != Isa::SCALAR) {
         assert_eq!(query(isa).collide(a, b, &pose), answer, "{isa}");

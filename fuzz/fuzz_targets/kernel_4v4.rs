@@ -3,10 +3,10 @@
 
 use libfuzzer_sys::fuzz_target;
 use simdop::isa::Scalar;
-use simdop::kernel::Kernel;
+use simdop::low_level::kernel::Kernel;
+use simdop::low_level::realign::Realignment;
 use simdop::node::Node4;
 use simdop::query::Lanes;
-use simdop::realign::Realignment;
 use simdop_fuzz::planes::{narrow, pair, real_4};
 use simdop_fuzz::{Input, Mode, for_k, on_every_isa};
 

@@ -6,9 +6,9 @@
 mod support;
 
 use libfuzzer_sys::fuzz_target;
-use simdop::key::{Key, NotANumber, decode};
+use simdop::low_level::key::{Key, NotANumber, decode};
+use simdop::low_level::realign::Realignment;
 use simdop::node::Node16;
-use simdop::realign::Realignment;
 use simdop_fuzz::planes::{code, turned_16, wide};
 use simdop_fuzz::{Input, Mode, on_every_isa};
 use support::dyadic::key_value;

@@ -4,7 +4,7 @@
 
 use libfuzzer_sys::fuzz_target;
 use simdop::isa::Scalar;
-use simdop::kernel::Kernel;
+use simdop::low_level::kernel::Kernel;
 use simdop::node::{Aabb16, Box3, Bucket};
 use simdop_fuzz::planes::float;
 use simdop_fuzz::{Input, Mode, on_every_isa};

@@ -6,14 +6,14 @@
 mod support;
 
 use libfuzzer_sys::fuzz_target;
-use simdop::directions;
-use simdop::frame::Frame;
 use simdop::isa::Scalar;
+use simdop::low_level::directions;
+use simdop::low_level::frame::Frame;
+use simdop::low_level::realign::Realignment;
 use simdop::node::{Link, Node4, Node16};
 use simdop::pose::Pose;
 use simdop::query::Lanes;
 use simdop::range::Point;
-use simdop::realign::Realignment;
 use simdop_fuzz::bodies::{Body, bodies, pose, small_body};
 use simdop_fuzz::planes::{float, narrow, pair, turned_4, turned_16, wide};
 use simdop_fuzz::{Input, Mode, for_k, on_every_isa};

@@ -138,12 +138,12 @@ fn queries_agree<N: Lanes>(view: &View<'_, N>, input: &mut Input) {
     let Answers { collided, within, whole, part } = &answers;
     for answer in [collided, within] {
         let is_unknown = matches!(answer.verdict, Verdict::Unknown { .. });
-        assert!(!is_unknown || answer.counters.visits == visits, "{answer:?}");
+        assert!(!is_unknown || answer.stats.visits == visits, "{answer:?}");
     }
     assert!(whole.completion == Completion::Complete && part.pairs <= whole.pairs, "{part:?} {whole:?}");
     match part.completion {
         Completion::Complete => assert_eq!(part.pairs, whole.pairs),
-        _ => assert_eq!(part.counters.visits, budget),
+        _ => assert_eq!(part.stats.visits, budget),
     }
     let proven = input.one_in(4) && view.verify().is_ok();
     let placed = Placed { pose: &pose, a, b, moved: spheres(a, |p| pose.apply(p)), still: spheres(b, |p| p) };

@@ -39,7 +39,7 @@ fn compare<N: Lanes>(a: &Body<N>, b: &Body<N>, pose: &Pose, input: &mut Input) {
             Verdict::Hit(pair) => assert!(want.contains(&pair), "a false hit: {pair:?} {pose:?}"),
             Verdict::Free => assert!(want.is_empty(), "a miss: {want:?} {pose:?}"),
             Verdict::Unknown { lower, upper } => {
-                assert!(answer.counters.visits == budget && lower == 0.0 && upper >= 0.0, "{answer:?}");
+                assert!(answer.stats.visits == budget && lower == 0.0 && upper >= 0.0, "{answer:?}");
             }
         }
     }

@@ -1,11 +1,11 @@
-//! Baked trees as bytes: changes to them, a second reader of where their parts are, a walk that trusts none of them, and what
+//! StaticBvh trees as bytes: changes to them, a second reader of where their parts are, a walk that trusts none of them, and what
 //! holds of all bytes whatever the primitives.
 
 use crate::Input;
 use crate::planes::code;
 use crate::support::dyadic::key_value;
 use core::ops::Range;
-use simdop::hierarchy::{Aligned, BakeError, Bvh, BvhRef, Header, MAGIC, MAX_DEPTH, VERSION};
+use simdop::hierarchy::{Aligned, Bvh, BvhRef, FormatError, Header, MAGIC, MAX_DEPTH, VERSION};
 use simdop::node::{Ball16, Link};
 use simdop::primitive::Primitive;
 use simdop::query::Lanes;
@@ -86,7 +86,7 @@ impl Parts {
         let nodes = own + of_details;
         let balls = 128 + nodes * size_of::<N>();
         let slabs = balls + if header.has_balls == 1 { nodes * size_of::<Ball16>() } else { 0 };
-        let details = slabs + if header.has_thin_slabs == 1 { nodes * N::ARITY * 8 } else { 0 };
+        let details = slabs + if header.has_normal_slabs == 1 { nodes * N::ARITY * 8 } else { 0 };
         let start = details + 64 * header.detail_count as usize;
         let records = start + vertices * usize::from(header.vertex_size);
         let sources = records + primitives * size_of::<P::Record>();
@@ -97,42 +97,44 @@ impl Parts {
 }
 
 /// Whether what is said to be wrong with the bytes is.
-fn is_true<N: Lanes, P: Primitive>(error: BakeError, bytes: &[u8]) -> bool {
+fn is_true<N: Lanes, P: Primitive>(error: FormatError, bytes: &[u8]) -> bool {
     let field = |at: usize| u32_at(bytes, at);
     match error {
-        BakeError::NotATree => !bytes.starts_with(&MAGIC),
-        BakeError::Version { found } => found == field(8) && found != VERSION,
-        BakeError::OtherNode { k, arity } => {
+        FormatError::NotATree => !bytes.starts_with(&MAGIC),
+        FormatError::Version { found } => found == field(8) && found != VERSION,
+        FormatError::OtherNode { k, arity } => {
             u32::from(k) | u32::from(arity) << 16 == field(12)
                 && (usize::from(k), usize::from(arity)) != (N::K, N::ARITY)
         }
-        BakeError::OtherPrimitive { kind } => u32::from(kind) == field(16) & 0xffff && kind != P::KIND.code(),
-        BakeError::Truncated { have, need } => have == bytes.len() && have < need,
-        BakeError::TooLong { have, need } => have == bytes.len() && have > need,
-        BakeError::Node { node, lane, .. } => {
+        FormatError::OtherPrimitive { kind } => {
+            u32::from(kind) == field(16) & 0xffff && kind != P::KIND.code()
+        }
+        FormatError::Truncated { have, need } => have == bytes.len() && have < need,
+        FormatError::TooLong { have, need } => have == bytes.len() && have > need,
+        FormatError::Node { node, lane, .. } => {
             let header: &Header = Header::read(bytes).unwrap();
             node < header.node_count + header.detail_node_count && (lane as usize) < N::ARITY
         }
-        BakeError::Detail { index, problem } => {
+        FormatError::Detail { index, problem } => {
             index < Header::read(bytes).unwrap().detail_count && !problem.is_empty()
         }
-        BakeError::Vertex { index } => index < field(32),
-        BakeError::Primitive { index } => {
+        FormatError::Vertex { index } => index < field(32),
+        FormatError::Primitive { index } => {
             let header: &Header = Header::read(bytes).unwrap();
             let size = size_of::<P::Record>();
             let at = Parts::of::<N, P>(header).records + size * index as usize;
             (0..size).step_by(4).any(|corner| field(at + corner) >= header.vertex_count)
         }
-        BakeError::Source { index } => {
+        FormatError::Source { index } => {
             let header: &Header = Header::read(bytes).unwrap();
             field(Parts::of::<N, P>(header).sources + 4 * index as usize) >= header.primitive_count
         }
-        BakeError::Part { index } => {
+        FormatError::Part { index } => {
             let header: &Header = Header::read(bytes).unwrap();
             let part = |index: u32| field(Parts::of::<N, P>(header).parts + 4 * index as usize);
             part(index) >= header.primitive_count || index > 0 && part(index) <= part(index - 1)
         }
-        BakeError::Header { field } => !field.is_empty(),
+        FormatError::Header { field } => !field.is_empty(),
         _ => false,
     }
 }
@@ -181,7 +183,7 @@ fn is_what_the_bytes_say<N: Lanes, P: Primitive>(view: &BvhRef<'_, N, P>, bytes:
     assert_eq!(bytemuck::bytes_of(header), &bytes[..128]);
     assert_eq!(bytemuck::cast_slice::<N, u8>(view.nodes()), &bytes[128..parts.balls]);
     assert_eq!(bytemuck::cast_slice::<_, u8>(view.balls()), &bytes[parts.balls..parts.slabs]);
-    assert_eq!(bytemuck::cast_slice::<_, u8>(view.thin_slabs()), &bytes[parts.slabs..parts.details]);
+    assert_eq!(bytemuck::cast_slice::<_, u8>(view.normal_slabs()), &bytes[parts.slabs..parts.details]);
     assert_eq!(bytemuck::cast_slice::<_, u8>(view.details()), &bytes[parts.details..parts.vertices]);
     assert_eq!(view.len(), header.primitive_count as usize);
     for i in 0..view.len() {

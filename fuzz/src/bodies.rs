@@ -22,7 +22,7 @@ pub struct Body<N> {
 impl<N: Dop> Body<N> {
     fn new(mesh: &MeshData, leaf_size: u32) -> Self {
         let builder = Builder::new().leaf_size(leaf_size).splitter(Splitter::ExtendedLongestAxis);
-        let tree = builder.build(&Mesh { vertices: &mesh.vertices, triangles: &mesh.triangles }).unwrap();
+        let tree = builder.build_as(&Mesh { vertices: &mesh.vertices, triangles: &mesh.triangles }).unwrap();
         Self { triangles: mesh.corners(), tree, size: mesh.diagonal() }
     }
 }
@@ -179,7 +179,7 @@ fn make_body<N: Dop>(input: &mut Input, mode: Mode) -> Option<Body<N>> {
     let greatest = vertices.as_flattened().iter().fold(0.0, |m: f64, x| m.max(x.abs()));
     let legal = in_range && (greatest == 0.0 || greatest >= simdop::range::MIN_COORDINATE);
     let mesh = Mesh { vertices: &vertices, triangles: &triangles };
-    let tree = Builder::new().leaf_size(leaf_size).build(&mesh);
+    let tree = Builder::new().leaf_size(leaf_size).build_as(&mesh);
     assert_eq!(tree.is_ok(), legal, "{vertices:?}: {:?}", tree.err());
     let flush = |x: f64| if x.abs() < simdop::range::MIN_COORDINATE { 0.0 } else { x };
     let tree = tree.ok()?;

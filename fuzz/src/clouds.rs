@@ -5,10 +5,10 @@ use crate::planes::float;
 use crate::{Input, Mode, cached};
 use core::ops::ControlFlow;
 use simdop::cloud::{
-    CLOUD_MAGIC, CLOUD_VERSION, Cloud, CloudRef, List, Neighbour, Queries, Radii, RangeCounters, RangeSearch,
-    SearchError, Seat,
+    CLOUD_MAGIC, CLOUD_VERSION, CloudRef, List, Neighbour, PointCloud, Queries, Radii, RangeSearch,
+    RangeStats, SearchError, Seat,
 };
-use simdop::hierarchy::{BakeError, MAX_DEPTH};
+use simdop::hierarchy::{FormatError, MAX_DEPTH};
 use simdop::isa::Isa;
 use simdop::node::{Aabb16, Bucket, Link};
 
@@ -48,13 +48,13 @@ fn square(p: Point, q: Point) -> f32 {
 }
 
 /// Sound clouds of many kinds.
-pub fn clouds() -> &'static Vec<Cloud> {
+pub fn clouds() -> &'static Vec<PointCloud> {
     cached(|| {
         let bytes: Vec<u8> = (0..100).collect();
         let mut input = Input::new(&bytes);
         let mut real = |n: usize| (0..n).map(|_| point(&mut input, Mode::Real)).collect::<Vec<_>>();
         let lattice: Vec<_> = (0..64).map(|i| [i % 4, i / 4 % 4, i / 16].map(|x| x as f32)).collect();
-        let of = |points: &[Point], size, room| Cloud::with_room(points, size, room).unwrap();
+        let of = |points: &[Point], size, room| PointCloud::with_room(points, size, room).unwrap();
         let mut holed = of(&real(60), 5, 70);
         (10..30).for_each(|index| holed.remove(index).unwrap());
         let mut emptied = of(&lattice[..6], 2, 9);
@@ -99,19 +99,19 @@ pub fn nodes_end(bytes: &[u8]) -> usize {
 }
 
 /// Whether what is said to be wrong with the bytes is.
-pub fn is_true(error: BakeError, bytes: &[u8]) -> bool {
+pub fn is_true(error: FormatError, bytes: &[u8]) -> bool {
     let field = |at: usize| u32_at(bytes, at);
     let place = |index: u32| {
         let at = nodes_end(bytes) + 256 * (index / 16) as usize + 4 * (index % 16) as usize;
         (index / 16 < field(28)).then(|| [0, 64, 128, 192].map(|part| field(at + part)))
     };
     match error {
-        BakeError::Truncated { have, need } => have == bytes.len() && have < need,
-        BakeError::TooLong { have, need } => have == bytes.len() && have > need,
-        BakeError::NotATree => !bytes.starts_with(&CLOUD_MAGIC),
-        BakeError::Version { found } => found == field(8) && found != CLOUD_VERSION,
-        BakeError::Node { node, lane, .. } => node < field(24) && lane < 16,
-        BakeError::Vertex { index } => place(index).is_some_and(|[x, y, z, index]| {
+        FormatError::Truncated { have, need } => have == bytes.len() && have < need,
+        FormatError::TooLong { have, need } => have == bytes.len() && have > need,
+        FormatError::NotATree => !bytes.starts_with(&CLOUD_MAGIC),
+        FormatError::Version { found } => found == field(8) && found != CLOUD_VERSION,
+        FormatError::Node { node, lane, .. } => node < field(24) && lane < 16,
+        FormatError::Vertex { index } => place(index).is_some_and(|[x, y, z, index]| {
             let numbers = [x, y, z].map(f32::from_bits);
             if index == u32::MAX {
                 numbers.iter().any(|x| !x.is_nan())
@@ -119,8 +119,8 @@ pub fn is_true(error: BakeError, bytes: &[u8]) -> bool {
                 numbers.iter().any(|x| !x.is_finite())
             }
         }),
-        BakeError::Source { index } => place(index).is_some_and(|[.., index]| index >= field(20)),
-        BakeError::Header { field } => !field.is_empty(),
+        FormatError::Source { index } => place(index).is_some_and(|[.., index]| index >= field(20)),
+        FormatError::Header { field } => !field.is_empty(),
         _ => false,
     }
 }
@@ -258,7 +258,7 @@ fn own_agree(
     lists: &[(u32, Vec<u32>)],
     radius: f32,
     limit: usize,
-) -> [RangeCounters; 3] {
+) -> [RangeStats; 3] {
     let (own, radii, room) = (Queries::own(), Radii::Same(radius), view.capacity());
     let mut want = vec![u32::MAX; room];
     // Damaged clouds may use an index twice: the last one stays.
@@ -308,7 +308,7 @@ fn others_agree(
     want: &[Vec<u32>],
     asked: &[Point],
     each: &[f32],
-) -> [RangeCounters; 2] {
+) -> [RangeStats; 2] {
     let mut seats = vec![Seat::default(); asked.len()];
     let packed = search.seat(view, asked, &mut seats).unwrap();
     let (mut counts, mut seen) = (vec![u32::MAX; asked.len()], vec![Vec::new(); asked.len()]);

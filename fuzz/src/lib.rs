@@ -11,7 +11,7 @@
 //! |---|---|---|
 //! | `kernel_1v16`, `kernel_4v4` | masks of every instruction set | the scalar kernel |
 //! | `realign` | the same for turned planes; turned planes bound the moved triangles | the scalar kernel; exact arithmetic |
-//! | `own_slab` | the same for children beyond a slab; children beyond a triangle's slab are apart from it | the scalar kernel; exact arithmetic |
+//! | `primitive_slab` | the same for children beyond a slab; children beyond a triangle's slab are apart from it | the scalar kernel; exact arithmetic |
 //! | `keys` | rounding up, by the keys and by every instruction set; codes and values | the definition of a key |
 //! | `from_bytes` | bytes refused for a true reason, or safe to walk and to query | a second reader; brute force |
 //! | `balls` | which balls meet, and bounds of what they share | the scalar kernel; lenses in `f64` |

@@ -4,11 +4,11 @@
 use crate::bodies::{bodies, pose};
 use crate::{Input, Mode, cached};
 use simdop::isa::Scalar;
-use simdop::kernel::Turned;
-use simdop::key::Key;
+use simdop::low_level::kernel::Turned;
+use simdop::low_level::key::Key;
+use simdop::low_level::realign::Realignment;
 use simdop::node::{Child, Node4, Node16};
 use simdop::query::Lanes;
-use simdop::realign::Realignment;
 
 pub use crate::turned::{turned_4, turned_16};
 

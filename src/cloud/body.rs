@@ -1,7 +1,7 @@
 //! A body among points: a robot's spheres or its meshes, in a scan of what is around it.
 
 use super::search::RangeDescent;
-use super::{CloudRef, RangeCounters, RangeSearch, SearchError};
+use super::{CloudRef, RangeSearch, RangeStats, SearchError};
 use crate::exact::power_of_two;
 use crate::hierarchy::{AsBvh, BvhRef, MAX_DEPTH};
 use crate::isa::on_isa;
@@ -9,7 +9,7 @@ use crate::kernel::Kernel;
 use crate::node::{Aabb16, Box3, Bucket, Child, Dop, Link};
 use crate::pose::Pose;
 use crate::primitive::{Primitive, Sphere, Spheres};
-use crate::query::{Answer, Counters, Hint, Lanes, Pair, Pairwise, Query, Verdict};
+use crate::query::{Answer, Hint, Lanes, Pair, PrimitivePair, Query, QueryStats, Verdict};
 use crate::range::{MIN_COORDINATE, Point};
 use crate::realign::greatest;
 use core::ops::ControlFlow;
@@ -47,17 +47,17 @@ pub(super) enum Ended {
 
 /// The work of a search, and how many visits are allowed: of pairs of a bucket and a node of the body.
 pub(super) struct Spending<'c> {
-    pub(super) counters: &'c mut Counters,
+    pub(super) stats: &'c mut QueryStats,
     pub(super) budget: u64,
 }
 
 impl Spending<'_> {
     #[inline(always)]
     fn visit(&mut self) -> ControlFlow<Ended> {
-        if self.counters.visits == self.budget {
+        if self.stats.visits == self.budget {
             return ControlFlow::Break(Ended::OutOfBudget);
         }
-        self.counters.visits += 1;
+        self.stats.visits += 1;
         ControlFlow::Continue(())
     }
 }
@@ -79,7 +79,7 @@ impl RangeSearch {
     /// distances.
     ///
     /// ```
-    /// use simdop::cloud::{Cloud, Contact, RangeSearch};
+    /// use simdop::cloud::{PointCloud, Contact, RangeSearch};
     /// use simdop::construct::{Builder, SphereSet};
     /// use simdop::primitive::{Sphere, Spheres};
     /// use simdop::{hierarchy::Bvh, isa::Isa, node::Node16, pose::Pose};
@@ -87,7 +87,7 @@ impl RangeSearch {
     /// let arm = [0.0, 0.3, 0.6].map(|x| Sphere { centre: [x, 0.0, 0.0], radius: 0.1 });
     /// let arm: Bvh<Node16<18>, Spheres> = Builder::new()
     ///     .build_geometry(&SphereSet { spheres: &arm }, &mut |_| core::ops::ControlFlow::Continue(()))?;
-    /// let scan = Cloud::new(&[[1.0, 0.0, 0.5], [0.6, 0.25, 0.0]])?;
+    /// let scan = PointCloud::new(&[[1.0, 0.0, 0.5], [0.6, 0.25, 0.0]])?;
     /// let search = RangeSearch::new(Isa::detect());
     /// assert_eq!(search.body_within(&scan.view(), &arm, &Pose::IDENTITY, 0.125)?, None);
     /// let near = search.body_within(&scan.view(), &arm, &Pose::IDENTITY, 0.1875)?;
@@ -106,7 +106,7 @@ impl RangeSearch {
     ) -> Result<Option<Contact>, SearchError>
     where
         B::Node: Lanes,
-        B::Primitive: Pairwise<Spheres>,
+        B::Primitive: PrimitivePair<Spheres>,
     {
         if !(margin >= 0.0 && margin.is_finite()) {
             return Err(SearchError::Radius { query: 0 });
@@ -121,40 +121,40 @@ impl CloudRef<'_> {
     /// are of pairs of a node of the body and a bucket, and calls of kernels those with sixteen boxes of either.
     // Out of the frames of scenes that ask no cloud.
     #[inline(never)]
-    pub(crate) fn body_within<N: Lanes, P: Pairwise<Spheres>>(
+    pub(crate) fn body_within<N: Lanes, P: PrimitivePair<Spheres>>(
         &self,
         query: &Query,
         body: &BvhRef<'_, N, P>,
         pose: &Pose,
         margin: f64,
     ) -> Answer {
-        let mut counters = Counters::default();
-        let mut ended = self.surface_within(query, body, pose, margin, &mut counters);
+        let mut stats = QueryStats::default();
+        let mut ended = self.surface_within(query, body, pose, margin, &mut stats);
         if ended.is_none() && body.is_solid() {
-            ended = self.first_inside(query, body, pose, &mut counters);
+            ended = self.first_inside(query, body, pose, &mut stats);
         }
         let verdict = match ended {
             None => Verdict::Free,
             Some(Ended::Near(near)) => Verdict::Hit(near.pair(body)),
             Some(Ended::OutOfBudget) => Verdict::Unknown { lower: 0.0, upper: f64::INFINITY },
         };
-        Answer { verdict, counters, hint: Hint::NONE }
+        Answer { verdict, stats, hint: Hint::NONE }
     }
 
     /// The first point that is within a margin of a body's primitives.
-    pub(super) fn surface_within<N: Lanes, P: Pairwise<Spheres>>(
+    pub(super) fn surface_within<N: Lanes, P: PrimitivePair<Spheres>>(
         &self,
         query: &Query,
         body: &BvhRef<'_, N, P>,
         pose: &Pose,
         margin: f64,
-        counters: &mut Counters,
+        stats: &mut QueryStats,
     ) -> Option<Ended> {
         if body.is_empty() {
             return None;
         }
         let around = Around::new(body, pose, margin);
-        let mut spending = Spending { counters, budget: query.budget() };
+        let mut spending = Spending { stats, budget: query.budget() };
         on_isa!(query.isa(), kernel => kernel.run(
             #[inline(always)]
             || {
@@ -167,20 +167,20 @@ impl CloudRef<'_> {
     }
 
     /// The first point that is inside of a solid that meets none.
-    pub(super) fn first_inside<N: Lanes, P: Pairwise<Spheres>>(
+    pub(super) fn first_inside<N: Lanes, P: PrimitivePair<Spheres>>(
         &self,
         query: &Query,
         solid: &BvhRef<'_, N, P>,
         pose: &Pose,
-        counters: &mut Counters,
+        stats: &mut QueryStats,
     ) -> Option<Ended> {
         let (around, cloud) = (Around::new(solid, pose, 0.0), self.extent());
-        let mut spending = Spending { counters, budget: query.budget() };
+        let mut spending = Spending { stats, budget: query.budget() };
         on_isa!(query.isa(), kernel => kernel.run(
             #[inline(always)]
             || self.first_of_buckets(kernel, &around.bounds, &mut spending, |bucket, spending| {
                 for (index, at) in points_of(bucket) {
-                    let crossed = query.winds_around(solid, pose, &at.centre, &cloud, spending.counters);
+                    let crossed = query.winds_around(solid, pose, &at.centre, &cloud, spending.stats);
                     match crossed {
                         Ok(None) => {}
                         Ok(Some(primitive)) => {
@@ -203,7 +203,7 @@ impl CloudRef<'_> {
         spending: &mut Spending<'_>,
         mut look: impl FnMut(&Bucket, &mut Spending<'_>) -> ControlFlow<Ended>,
     ) -> Option<Ended> {
-        let mut descent = RangeDescent { kernel, cloud: *self, work: RangeCounters::default() };
+        let mut descent = RangeDescent { kernel, cloud: *self, work: RangeStats::default() };
         let mut ended = None;
         // What overlaps the box has no gap.
         let _ = descent.go_down(bounds, 0.0, |this, _: &Aabb16, _, bucket| {
@@ -215,7 +215,7 @@ impl CloudRef<'_> {
                 }
             }
         });
-        spending.counters.kernels += descent.work.boxes;
+        spending.stats.kernels += descent.work.boxes;
         ended
     }
 }
@@ -242,7 +242,7 @@ struct Around<'a, N, P: Primitive> {
     reach: f64,
 }
 
-impl<'a, N: Lanes, P: Pairwise<Spheres>> Around<'a, N, P> {
+impl<'a, N: Lanes, P: PrimitivePair<Spheres>> Around<'a, N, P> {
     fn new(body: &'a BvhRef<'a, N, P>, pose: &'a Pose, margin: f64) -> Self {
         let (extent, m, t) = (body.extent(), pose.rows(), pose.translation());
         let (skew, most) = (pose.skew(), extent.max_coordinate);
@@ -288,7 +288,7 @@ impl<'a, N: Lanes, P: Pairwise<Spheres>> Around<'a, N, P> {
                     spending.visit()?;
                     let node = &nodes[node as usize];
                     let mut left = node.overlap_aimed(kernel, aimed);
-                    spending.counters.kernels += 1;
+                    spending.stats.kernels += 1;
                     while left != 0 {
                         stack[waiting] = node.children()[left.trailing_zeros() as usize];
                         waiting += 1;
@@ -299,7 +299,7 @@ impl<'a, N: Lanes, P: Pairwise<Spheres>> Around<'a, N, P> {
                     for primitive in first..first + count {
                         let moved = P::moved(&self.body.primitive(primitive), self.pose);
                         for (point, at) in points.clone() {
-                            if self.is_near(&moved, &at, spending.counters) {
+                            if self.is_near(&moved, &at, spending.stats) {
                                 return ControlFlow::Break(Ended::Near(NearPoint { primitive, point, at }));
                             }
                         }
@@ -312,9 +312,9 @@ impl<'a, N: Lanes, P: Pairwise<Spheres>> Around<'a, N, P> {
     }
 
     #[inline(always)]
-    fn is_near(&self, moved: &P::Item, point: &Sphere, counters: &mut Counters) -> bool {
-        counters.primitive_pairs += 1;
-        let exact = &mut counters.exact_pairs;
+    fn is_near(&self, moved: &P::Item, point: &Sphere, stats: &mut QueryStats) -> bool {
+        stats.primitive_pairs += 1;
+        let exact = &mut stats.exact_pairs;
         if self.margin > 0.0 {
             P::within(moved, point, self.margin, exact)
         } else {

@@ -7,7 +7,7 @@
 //! | .. end | [`Bucket`]s, 256 bytes each, in the order of the lanes |
 
 use super::{BUCKET_SIZE, CloudRef, MAX_POINTS};
-use crate::hierarchy::{BakeError, MAX_DEPTH};
+use crate::hierarchy::{FormatError, MAX_DEPTH};
 use crate::node::{Aabb16, Box3, Bucket, Link};
 
 /// First bytes of every cloud.
@@ -31,20 +31,20 @@ struct Head {
 
 const _: () = assert!(size_of::<Head>() == 64, "the head of a cloud is a cache line");
 
-const fn node_error(node: usize, lane: usize, problem: &'static str) -> BakeError {
-    BakeError::Node { node: node as u32, lane: lane as u32, problem }
+const fn node_error(node: usize, lane: usize, problem: &'static str) -> FormatError {
+    FormatError::Node { node: node as u32, lane: lane as u32, problem }
 }
 
 impl Head {
-    fn read(bytes: &[u8]) -> Result<Self, BakeError> {
-        let truncated = BakeError::Truncated { have: bytes.len(), need: size_of::<Self>() };
+    fn read(bytes: &[u8]) -> Result<Self, FormatError> {
+        let truncated = FormatError::Truncated { have: bytes.len(), need: size_of::<Self>() };
         let first = bytes.get(..size_of::<Self>()).ok_or(truncated)?;
         let head: Self = bytemuck::pod_read_unaligned(first);
         if head.magic != CLOUD_MAGIC {
-            return Err(BakeError::NotATree);
+            return Err(FormatError::NotATree);
         }
         if head.version != CLOUD_VERSION {
-            return Err(BakeError::Version { found: head.version });
+            return Err(FormatError::Version { found: head.version });
         }
         let fields = [
             ("bucket_size", (1..=BUCKET_SIZE).contains(&head.bucket_size)),
@@ -54,7 +54,7 @@ impl Head {
             ("reserved", head.reserved == [0; 8]),
         ];
         match fields.into_iter().find(|(_, is_right)| !is_right) {
-            Some((field, _)) => Err(BakeError::Header { field }),
+            Some((field, _)) => Err(FormatError::Header { field }),
             None => Ok(head),
         }
     }
@@ -71,24 +71,24 @@ impl<'a> CloudRef<'a> {
     /// Borrows a cloud in place, without a copy, after [`CloudRef::validate`]: linear in its size.
     ///
     /// # Errors
-    /// [`BakeError`] if the bytes are not a cloud, all of it and nothing else, or do not start at a multiple of 64 (see
+    /// [`FormatError`] if the bytes are not a cloud, all of it and nothing else, or do not start at a multiple of 64 (see
     /// [`Aligned`](crate::hierarchy::Aligned)).
-    pub fn from_bytes(bytes: &'a [u8]) -> Result<Self, BakeError> {
+    pub fn from_bytes(bytes: &'a [u8]) -> Result<Self, FormatError> {
         let head = Head::read(bytes)?;
         let have = bytes.len();
         let Some((nodes_end, end)) = head.ends() else {
-            return Err(BakeError::Truncated { have, need: usize::MAX });
+            return Err(FormatError::Truncated { have, need: usize::MAX });
         };
         if have < end {
-            return Err(BakeError::Truncated { have, need: end });
+            return Err(FormatError::Truncated { have, need: end });
         }
         if have > end {
-            return Err(BakeError::TooLong { have, need: end });
+            return Err(FormatError::TooLong { have, need: end });
         }
         let view = Self {
             nodes: bytemuck::try_cast_slice(&bytes[size_of::<Head>()..nodes_end])
-                .map_err(|_| BakeError::Misaligned)?,
-            buckets: bytemuck::try_cast_slice(&bytes[nodes_end..]).map_err(|_| BakeError::Misaligned)?,
+                .map_err(|_| FormatError::Misaligned)?,
+            buckets: bytemuck::try_cast_slice(&bytes[nodes_end..]).map_err(|_| FormatError::Misaligned)?,
             points: head.points,
             capacity: head.capacity,
             bucket_size: head.bucket_size,
@@ -102,13 +102,13 @@ impl<'a> CloudRef<'a> {
     /// points have the same index is not looked at.
     ///
     /// # Errors
-    /// [`BakeError`].
-    pub fn validate(&self) -> Result<(), BakeError> {
+    /// [`FormatError`].
+    pub fn validate(&self) -> Result<(), FormatError> {
         let mut next = 1;
         for (n, node) in self.nodes.iter().enumerate() {
             // Nothing above leads to it: not even to itself may it lead.
             if n >= next {
-                return Err(BakeError::Header { field: "nodes" });
+                return Err(FormatError::Header { field: "nodes" });
             }
             for (lane, child) in node.child.iter().enumerate() {
                 let (held, bounds) = (
@@ -139,14 +139,14 @@ impl<'a> CloudRef<'a> {
             }
         }
         if next != self.nodes.len() {
-            return Err(BakeError::Header { field: "nodes" });
+            return Err(FormatError::Header { field: "nodes" });
         }
         self.check_order()?;
         self.check_points()
     }
 
     /// Whether the lanes, depth first, lead to the buckets in their order.
-    fn check_order(&self) -> Result<(), BakeError> {
+    fn check_order(&self) -> Result<(), FormatError> {
         let (mut path, mut level, mut next) = ([(0, 0); MAX_DEPTH], 0, 0);
         loop {
             let (node, lane) = path[level];
@@ -161,7 +161,7 @@ impl<'a> CloudRef<'a> {
             match self.nodes[node].child[lane].link() {
                 Link::Inner(below) => {
                     level += 1;
-                    *path.get_mut(level).ok_or(BakeError::Header { field: "nodes" })? = (below as usize, 0);
+                    *path.get_mut(level).ok_or(FormatError::Header { field: "nodes" })? = (below as usize, 0);
                 }
                 Link::Leaf { first, .. } if first as usize == next => next += 1,
                 Link::Leaf { .. } => {
@@ -170,10 +170,10 @@ impl<'a> CloudRef<'a> {
                 Link::Empty => {}
             }
         }
-        if next == self.buckets.len() { Ok(()) } else { Err(BakeError::Header { field: "buckets" }) }
+        if next == self.buckets.len() { Ok(()) } else { Err(FormatError::Header { field: "buckets" }) }
     }
 
-    fn check_points(&self) -> Result<(), BakeError> {
+    fn check_points(&self) -> Result<(), FormatError> {
         let mut points = 0;
         for (bucket, b) in self.buckets.iter().zip(0..) {
             for slot in 0..16 {
@@ -181,20 +181,20 @@ impl<'a> CloudRef<'a> {
                 let place = b * BUCKET_SIZE + slot as u32;
                 if index == Bucket::UNUSED {
                     if point.iter().any(|x| !x.is_nan()) {
-                        return Err(BakeError::Vertex { index: place });
+                        return Err(FormatError::Vertex { index: place });
                     }
                     continue;
                 }
                 if !super::store::is_finite(point) {
-                    return Err(BakeError::Vertex { index: place });
+                    return Err(FormatError::Vertex { index: place });
                 }
                 if index >= self.capacity {
-                    return Err(BakeError::Source { index: place });
+                    return Err(FormatError::Source { index: place });
                 }
                 points += 1;
             }
         }
-        if points == self.points { Ok(()) } else { Err(BakeError::Header { field: "points" }) }
+        if points == self.points { Ok(()) } else { Err(FormatError::Header { field: "points" }) }
     }
 
     /// The cloud as bytes, to write to a file or to flash.

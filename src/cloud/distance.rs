@@ -7,7 +7,7 @@ use crate::pose::Pose;
 use crate::primitive::Separation;
 use crate::primitive::Spheres;
 use crate::primitive::triangle::distance::TIGHT;
-use crate::query::{Completion, Counters, Distance, Hint, Lanes, Pairwise, Query, Witness};
+use crate::query::{Completion, Distance, Hint, Lanes, PrimitivePair, Query, QueryStats, Witness};
 
 /// No two points are farther apart that are of a body and a cloud.
 const FARTHEST: f64 = 1e300;
@@ -18,7 +18,7 @@ impl RangeSearch {
     /// is a [solid](crate::construct::Builder::solid).
     ///
     /// ```
-    /// use simdop::cloud::{Cloud, RangeSearch};
+    /// use simdop::cloud::{PointCloud, RangeSearch};
     /// use simdop::construct::{Builder, SphereSet};
     /// use simdop::primitive::{Sphere, Spheres};
     /// use simdop::{hierarchy::Bvh, isa::Isa, node::Node16, pose::Pose};
@@ -27,7 +27,7 @@ impl RangeSearch {
     ///     &SphereSet { spheres: &[Sphere { centre: [0.0; 3], radius: 0.5 }] },
     ///     &mut |_| core::ops::ControlFlow::Continue(()),
     /// )?;
-    /// let scan = Cloud::new(&[[3.0, 0.0, 0.0], [0.0, 2.0, 0.0]])?;
+    /// let scan = PointCloud::new(&[[3.0, 0.0, 0.0], [0.0, 2.0, 0.0]])?;
     /// let search = RangeSearch::new(Isa::detect());
     /// let near = search.body_distance(&scan.view(), &ball, &Pose::IDENTITY, 0.0, f64::INFINITY)?;
     /// assert!(near.lower <= 1.5 && 1.5 <= near.upper && near.upper - near.lower < 1e-9);
@@ -47,7 +47,7 @@ impl RangeSearch {
     ) -> Result<Distance, SearchError>
     where
         B::Node: Lanes,
-        B::Primitive: Pairwise<Spheres>,
+        B::Primitive: PrimitivePair<Spheres>,
     {
         if !(tolerance >= 0.0 && tolerance.is_finite() && cutoff >= 0.0) {
             return Err(SearchError::Radius { query: 0 });
@@ -60,7 +60,7 @@ impl CloudRef<'_> {
     /// The same within the budget of a query.
     // Out of the frames of scenes that ask no cloud.
     #[inline(never)]
-    pub(crate) fn body_distance<N: Lanes, P: Pairwise<Spheres>>(
+    pub(crate) fn body_distance<N: Lanes, P: PrimitivePair<Spheres>>(
         &self,
         query: &Query,
         body: &BvhRef<'_, N, P>,
@@ -74,7 +74,7 @@ impl CloudRef<'_> {
             upper: f64::INFINITY,
             witness: None,
             completion: Completion::Complete,
-            counters: Counters::default(),
+            stats: QueryStats::default(),
             hint: Hint::NONE,
         };
         if is_empty {
@@ -82,14 +82,14 @@ impl CloudRef<'_> {
         }
         let mut margin = cutoff.min(FARTHEST);
         loop {
-            let near = match self.surface_within(query, body, pose, margin, &mut found.counters) {
+            let near = match self.surface_within(query, body, pose, margin, &mut found.stats) {
                 None => break,
                 Some(Ended::Near(near)) => near,
                 Some(Ended::OutOfBudget) => return out_of_budget(found),
             };
             let moved = P::moved(&body.primitive(near.primitive), pose);
             let tight = tolerance.max(TIGHT);
-            let exact = &mut found.counters.exact_pairs;
+            let exact = &mut found.stats.exact_pairs;
             let nearer = P::nearer(&moved, &near.at, f64::INFINITY, tight, exact);
             let Some(Separation { upper, a, b, .. }) = nearer else {
                 unreachable!("no distance is above infinity")
@@ -108,7 +108,7 @@ impl CloudRef<'_> {
             margin = next;
         }
         if body.is_solid() {
-            match self.first_inside(query, body, pose, &mut found.counters) {
+            match self.first_inside(query, body, pose, &mut found.stats) {
                 None => {}
                 Some(Ended::Near(near)) => {
                     let witness = Witness { pair: near.pair(body), a: near.at.centre, b: near.at.centre };

@@ -7,11 +7,11 @@
 //! With the feature `gpu`, `gpu::DeviceCloud` answers them on a device, in the same order.
 //!
 //! ```
-//! use simdop::cloud::{Cloud, Queries, Radii, RangeSearch};
+//! use simdop::cloud::{PointCloud, Queries, Radii, RangeSearch};
 //! use simdop::isa::Isa;
 //!
 //! let mut points = vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [9.0, 9.0, 9.0]];
-//! let mut cloud = Cloud::new(&points)?;
+//! let mut cloud = PointCloud::new(&points)?;
 //! let search = RangeSearch::new(Isa::detect());
 //! let mut counts = [0; 4];
 //! search.count(&cloud.view(), &Queries::own(), Radii::Same(1.0), &mut counts)?;
@@ -63,9 +63,9 @@ pub use body::Contact;
 pub use bytes::{CLOUD_MAGIC, CLOUD_VERSION};
 pub use error::{CloudError, SearchError};
 #[cfg(feature = "alloc")]
-pub use owned::Cloud;
+pub use owned::PointCloud;
 pub use packet::{Queries, Radii, Seat};
-pub use search::{List, RangeCounters, RangeSearch};
+pub use search::{List, RangeSearch, RangeStats};
 pub use single::Neighbour;
 pub use store::{CloudMut, Memory, buckets_for, nodes_for};
 

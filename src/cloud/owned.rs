@@ -2,20 +2,20 @@
 
 use super::store::{NOWHERE, Used};
 use super::{BUCKET_SIZE, CloudError, CloudMut, CloudRef, MAX_POINTS, Memory, buckets_for, nodes_for};
-use crate::hierarchy::BakeError;
+use crate::hierarchy::FormatError;
 use crate::node::{Aabb16, Bucket};
 use alloc::vec::Vec;
 
 /// A cloud that owns its memory.
 #[derive(Clone, Debug)]
-pub struct Cloud {
+pub struct PointCloud {
     pub(super) nodes: Vec<Aabb16>,
     pub(super) buckets: Vec<Bucket>,
     pub(super) places: Vec<u32>,
     pub(super) used: Used,
 }
 
-impl Cloud {
+impl PointCloud {
     /// Builds a cloud of points, sixteen a bucket: [`CloudMut::build`].
     ///
     /// # Errors
@@ -46,8 +46,8 @@ impl Cloud {
     /// indices it had room for.
     ///
     /// # Errors
-    /// [`BakeError`]; besides those of [`CloudRef::from_bytes`], if two points have the same index.
-    pub fn from_bytes(bytes: &[u8]) -> Result<Self, BakeError> {
+    /// [`FormatError`]; besides those of [`CloudRef::from_bytes`], if two points have the same index.
+    pub fn from_bytes(bytes: &[u8]) -> Result<Self, FormatError> {
         // Memory that is aligned.
         let mut lines = alloc::vec![Bucket::EMPTY; bytes.len().div_ceil(size_of::<Bucket>())];
         let aligned: &mut [u8] = bytemuck::cast_slice_mut(&mut lines);
@@ -60,7 +60,7 @@ impl Cloud {
                 // There is a place for each index that is used.
                 let Some(free) = places.get_mut(index as usize) else { continue };
                 if core::mem::replace(free, place) != NOWHERE {
-                    return Err(BakeError::Source { index: place });
+                    return Err(FormatError::Source { index: place });
                 }
             }
         }

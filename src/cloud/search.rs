@@ -31,7 +31,7 @@ pub struct List {
 
 /// The work of a search: the same on every instruction set.
 #[derive(Copy, Clone, PartialEq, Eq, Default, Debug)]
-pub struct RangeCounters {
+pub struct RangeStats {
     /// Calls of the kernel that tests sixteen boxes, those that packets have found among them.
     pub boxes: u64,
     /// Calls of the kernel that tests the points of a bucket.
@@ -76,7 +76,7 @@ impl Candidates {
 pub(super) struct RangeDescent<'a, E> {
     pub(super) kernel: E,
     pub(super) cloud: CloudRef<'a>,
-    pub(super) work: RangeCounters,
+    pub(super) work: RangeStats,
 }
 
 impl<E: Kernel> RangeDescent<'_, E> {
@@ -214,7 +214,7 @@ impl RangeSearch {
         queries: &Queries<'_>,
         radii: Radii<'_>,
         counts: &mut [u32],
-    ) -> Result<RangeCounters, SearchError> {
+    ) -> Result<RangeStats, SearchError> {
         let (have, need) = (counts.len(), queries.room(cloud));
         if have < need {
             return Err(SearchError::Length { what: "counts", have, need });
@@ -238,7 +238,7 @@ impl RangeSearch {
         radii: Radii<'_>,
         lists: &mut [List],
         indices: &mut [u32],
-    ) -> Result<RangeCounters, SearchError> {
+    ) -> Result<RangeStats, SearchError> {
         let (have, need) = (lists.len(), queries.room(cloud));
         if have < need {
             return Err(SearchError::Length { what: "lists", have, need });
@@ -262,7 +262,7 @@ impl RangeSearch {
         queries: &Queries<'_>,
         radii: Radii<'_>,
         visit: impl FnMut(u32, u32) -> ControlFlow<()>,
-    ) -> Result<RangeCounters, SearchError> {
+    ) -> Result<RangeStats, SearchError> {
         self.run(cloud, queries, radii, &mut Visit::new(visit))
     }
 
@@ -272,12 +272,12 @@ impl RangeSearch {
         queries: &Queries<'_>,
         radii: Radii<'_>,
         sink: &mut S,
-    ) -> Result<RangeCounters, SearchError> {
+    ) -> Result<RangeStats, SearchError> {
         radii.check(queries.room(cloud))?;
         Ok(on_isa!(self.isa, kernel => kernel.run(
             #[inline(always)]
             || {
-                let mut descent = RangeDescent { kernel, cloud: *cloud, work: RangeCounters::default() };
+                let mut descent = RangeDescent { kernel, cloud: *cloud, work: RangeStats::default() };
                 // A visitor that breaks wants no more.
                 let _ = descent.all(queries, &radii, sink);
                 descent.work

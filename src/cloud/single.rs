@@ -2,7 +2,7 @@
 
 use super::search::RangeDescent;
 use super::store::is_finite;
-use super::{CloudRef, RangeCounters, RangeSearch, SearchError};
+use super::{CloudRef, RangeSearch, RangeStats, SearchError};
 use crate::hierarchy::MAX_DEPTH;
 use crate::isa::on_isa;
 use crate::kernel::Kernel;
@@ -46,7 +46,7 @@ impl RangeSearch {
             #[inline(always)]
             || {
                 let square = radius * radius;
-                let mut descent = RangeDescent { kernel, cloud: *cloud, work: RangeCounters::default() };
+                let mut descent = RangeDescent { kernel, cloud: *cloud, work: RangeStats::default() };
                 let found = descent.go_down(&Box3::of_point(centre), square, |this, _, _, bucket| {
                     match kernel.points_near(centre, square, &this.cloud.buckets[bucket as usize]) {
                         0 => ControlFlow::Continue(()),
@@ -69,13 +69,13 @@ impl RangeSearch {
         centre: [f32; 3],
         radius: f32,
         mut visit: impl FnMut(u32) -> ControlFlow<()>,
-    ) -> Result<RangeCounters, SearchError> {
+    ) -> Result<RangeStats, SearchError> {
         check(centre, radius)?;
         Ok(on_isa!(self.isa, kernel => kernel.run(
             #[inline(always)]
             || {
                 let square = radius * radius;
-                let mut descent = RangeDescent { kernel, cloud: *cloud, work: RangeCounters::default() };
+                let mut descent = RangeDescent { kernel, cloud: *cloud, work: RangeStats::default() };
                 // A visitor that breaks wants no more.
                 let _ = descent.go_down(&Box3::of_point(centre), square, |this, _, _, bucket| {
                     let bucket = &this.cloud.buckets[bucket as usize];

@@ -1,15 +1,15 @@
 //! Clouds by the splitters of the other trees.
 
 use super::store::{CloudMut, Used, check_points};
-use super::{Cloud, CloudError, Memory};
+use super::{CloudError, Memory, PointCloud};
 use crate::construct::{Assignment, BuildError, Splitter, assign_points};
 use crate::hierarchy::MAX_DEPTH;
 use crate::node::{Aabb16, Bucket, Child, Width};
 use alloc::vec::Vec;
 
-impl Cloud {
+impl PointCloud {
     /// Builds a cloud by one of the splitters of [`Builder`](crate::construct::Builder), with up to `bucket_size` (1 ..= 16)
-    /// points a bucket. They take longer than the median split of [`Cloud::new`], which [`Cloud::rebuild`] goes back to.
+    /// points a bucket. They take longer than the median split of [`PointCloud::new`], which [`PointCloud::rebuild`] goes back to.
     ///
     /// # Errors
     /// [`CloudError::Point`], [`CloudError::TooMany`], [`CloudError::BucketSize`], [`CloudError::TooDeep`].

@@ -1,6 +1,6 @@
 //! When another tree pays (section 4.4 of the paper).
 
-use super::{CloudRef, RangeCounters};
+use super::{CloudRef, RangeStats};
 
 /// When a cloud whose points move is built anew.
 #[derive(Copy, Clone, PartialEq, Debug)]
@@ -21,11 +21,11 @@ pub enum Policy {
 /// Says when to rebuild, by what refits and searches report.
 ///
 /// ```
-/// use simdop::cloud::{Cloud, Policy, Queries, Radii, RangeSearch, Upkeep};
+/// use simdop::cloud::{PointCloud, Policy, Queries, Radii, RangeSearch, Upkeep};
 /// use simdop::isa::Isa;
 ///
 /// let mut points: Vec<[f32; 3]> = (0..500).map(|i| [i as f32, 0.0, 0.0]).collect();
-/// let mut cloud = Cloud::new(&points)?;
+/// let mut cloud = PointCloud::new(&points)?;
 /// let (search, mut upkeep) = (RangeSearch::new(Isa::detect()), Upkeep::new(Policy::Work));
 /// let mut counts = [0; 500];
 /// for frame in 0..100 {
@@ -60,7 +60,7 @@ impl Upkeep {
 
     /// Whether to rebuild now, after a frame's refit, which found `ratio`, and its searches, whose work is added up in `work`. If so, a
     /// new tree is taken for granted in the next frame.
-    pub fn is_due(&mut self, cloud: &CloudRef<'_>, ratio: f64, work: &RangeCounters) -> bool {
+    pub fn is_due(&mut self, cloud: &CloudRef<'_>, ratio: f64, work: &RangeStats) -> bool {
         let is_due = match self.policy {
             Policy::Never => false,
             Policy::Ratio(most) => ratio > most,
@@ -96,8 +96,7 @@ mod tests {
             CloudRef { nodes: &nodes, buckets: &buckets, points: 1600, capacity: 1600, bucket_size: 16 };
         let due = |policy, ratio: f64, growth: u64| {
             let mut upkeep = Upkeep::new(policy);
-            let work =
-                |frame: u64| RangeCounters { boxes: 10_000 + growth * frame, buckets: 5, neighbours: 0 };
+            let work = |frame: u64| RangeStats { boxes: 10_000 + growth * frame, buckets: 5, neighbours: 0 };
             (0..10_000).find(|&frame| upkeep.is_due(&cloud, ratio, &work(frame)))
         };
         assert_eq!(due(Policy::Never, 1e9, 1000), None);

@@ -1,7 +1,7 @@
 //! A cloud that is borrowed.
 
 use crate::exact::power_of_two;
-use crate::frame::{Extent, Frame};
+use crate::frame::{BodyBounds, Frame};
 use crate::node::{Aabb16, Box3, Bucket};
 use crate::vector::length;
 
@@ -55,7 +55,7 @@ impl<'a> CloudRef<'a> {
     }
 
     /// How large it is about the middle of its bounds. Nothing, if there are no points.
-    pub(crate) fn extent(&self) -> Extent {
+    pub(crate) fn extent(&self) -> BodyBounds {
         let Box3 { lower, upper } = self.bounds();
         let ends = [0, 1, 2].map(|i| [f64::from(lower[i]), f64::from(upper[i])]);
         let centre = ends.map(|[low, high]| 0.5 * low + 0.5 * high);
@@ -63,7 +63,7 @@ impl<'a> CloudRef<'a> {
         let half = [0, 1, 2].map(|i| (ends[i][1] - centre[i]).max(centre[i] - ends[i][0]) * grown);
         // In a frame of half the size, where the widest of clouds has one in `f32`.
         let half_width = half.map(|x| ((0.5 * x) as f32).next_up());
-        Extent {
+        BodyBounds {
             frame: Frame { centre, exponent: -1 },
             max_coordinate: ends.iter().flatten().fold(0.0, |most: f64, x| most.max(x.abs())),
             radius: length(&half) * grown,

@@ -3,16 +3,16 @@
 use super::balls::balls;
 use super::details::Details;
 use super::geometry::{Checked, Record, bounding_box, corners_of};
+use super::normal_slabs::normal_slabs;
 use super::parts::parts;
 use super::shape::{InOrder, Shape};
-use super::thin::thin_slabs;
 use super::wrap::wrap;
 use super::{Assignment, BuildError, Builder, Geometry};
 use crate::exact::round_up_f32;
 use crate::frame::Frame;
-use crate::hierarchy::{Bvh, Header, MAGIC, MAX_DEPTH, VERSION, looseness};
+use crate::hierarchy::{Bvh, Header, MAGIC, MAX_DEPTH, VERSION, rotation_growth};
 use crate::key::{Key, decode};
-use crate::node::{Child, Dop, ThinSlab};
+use crate::node::{Child, Dop, NormalSlab};
 use crate::primitive::{Primitive, Sphere};
 use crate::range::Point;
 use alloc::vec::Vec;
@@ -21,7 +21,7 @@ use alloc::vec::Vec;
 pub(super) fn bake<N: Dop, G: Geometry>(
     table: &Checked<'_, G::Primitive>,
     assignment: &Assignment,
-    Builder { leaf_size, has_thin_slabs, has_balls, is_solid, .. }: Builder,
+    Builder { leaf_size, has_normal_slabs, has_balls, is_solid, .. }: Builder,
 ) -> Result<Bvh<N, G::Primitive>, BuildError> {
     let shape: Shape<N> = Shape::new(assignment, leaf_size);
     if shape.depth > MAX_DEPTH {
@@ -39,18 +39,18 @@ pub(super) fn bake<N: Dop, G: Geometry>(
     let mut nodes = shape.nodes;
     wrap::<N, G::Primitive>(&mut nodes, &frame, &vertices, &records);
 
-    let mut thin_slabs =
-        if has_thin_slabs { thin_slabs::<N, G>(&nodes, &frame, &vertices, &records) } else { Vec::new() };
+    let mut normal_slabs =
+        if has_normal_slabs { normal_slabs::<N, G>(&nodes, &frame, &vertices, &records) } else { Vec::new() };
     // Spheres have no normals: nothing is thin.
-    if G::Primitive::IS_ROUND && thin_slabs.iter().all(|slab| *slab == ThinSlab::EVERYWHERE) {
-        thin_slabs = Vec::new();
+    if G::Primitive::IS_ROUND && normal_slabs.iter().all(|slab| *slab == NormalSlab::EVERYWHERE) {
+        normal_slabs = Vec::new();
     }
     // All that reads nodes from here on reads the body's own.
-    let with_thin_slabs = has_thin_slabs && thin_slabs.len() == nodes.len() * N::ARITY;
+    let with_normal_slabs = has_normal_slabs && normal_slabs.len() == nodes.len() * N::ARITY;
     let details = if G::Primitive::HAS_BALLS {
         Details::NONE
     } else {
-        Details::of::<G>(&nodes, &frame, &vertices, &records, with_thin_slabs)
+        Details::of::<G>(&nodes, &frame, &vertices, &records, with_normal_slabs)
     };
     let balls = if has_balls && G::Primitive::HAS_BALLS && N::ARITY == 16 {
         balls::<N, G::Primitive>(&nodes, &frame, half_width, &vertices, &records)
@@ -88,13 +88,13 @@ pub(super) fn bake<N: Dop, G: Geometry>(
         exponent: frame.exponent,
         half_width,
         max_plane: max_plane(&nodes),
-        looseness: looseness(&nodes),
+        rotation_growth: rotation_growth(&nodes),
         root: Child::root(0, half_width),
         vertex_size: match single {
             Some(_) => size_of::<<G::Primitive as Primitive>::Single>() as u16,
             None => size_of::<<G::Primitive as Primitive>::Double>() as u16,
         },
-        has_thin_slabs: with_thin_slabs.into(),
+        has_normal_slabs: with_normal_slabs.into(),
         has_balls: (!balls.is_empty()).into(),
         is_solid: (is_solid && G::Primitive::BOUNDS_SOLIDS).into(),
         part_count: parts.len() as u32,
@@ -111,8 +111,8 @@ pub(super) fn bake<N: Dop, G: Geometry>(
         (64, bytemuck::cast_slice(&nodes)),
         (1, bytemuck::cast_slice(&details.nodes)),
         (1, bytemuck::cast_slice(&balls)),
-        (8, bytemuck::cast_slice(&thin_slabs)),
-        (1, bytemuck::cast_slice(&details.thin_slabs)),
+        (8, bytemuck::cast_slice(&normal_slabs)),
+        (1, bytemuck::cast_slice(&details.normal_slabs)),
         (8, bytemuck::cast_slice(&details.details)),
         (8, vertex_bytes),
         (4, bytemuck::cast_slice(&records)),

@@ -3,11 +3,11 @@
 use super::Geometry;
 use super::bake::{half_width, max_coordinate, max_plane};
 use super::geometry::{Record, bounding_box};
-use super::thin::thin_slabs;
+use super::normal_slabs::normal_slabs;
 use super::wrap::wrap;
 use crate::frame::Frame;
 use crate::hierarchy::Detail;
-use crate::node::{Child, Dop, INDEX, Link, ThinSlab};
+use crate::node::{Child, Dop, INDEX, Link, NormalSlab};
 use crate::primitive::Primitive;
 use alloc::borrow::Cow;
 use alloc::collections::VecDeque;
@@ -23,11 +23,11 @@ const GAIN: i32 = 3;
 pub(super) struct Details<N> {
     pub(super) details: Vec<Detail>,
     pub(super) nodes: Vec<N>,
-    pub(super) thin_slabs: Vec<ThinSlab>,
+    pub(super) normal_slabs: Vec<NormalSlab>,
 }
 
 impl<N: Dop> Details<N> {
-    pub(super) const NONE: Self = Self { details: Vec::new(), nodes: Vec::new(), thin_slabs: Vec::new() };
+    pub(super) const NONE: Self = Self { details: Vec::new(), nodes: Vec::new(), normal_slabs: Vec::new() };
 
     /// Of a tree with planes, in a frame.
     pub(super) fn of<G: Geometry>(
@@ -35,7 +35,7 @@ impl<N: Dop> Details<N> {
         frame: &Frame,
         vertices: &[<G::Primitive as Primitive>::Double],
         records: &[Record<G>],
-        has_thin_slabs: bool,
+        has_normal_slabs: bool,
     ) -> Self {
         let mut all = Self::NONE;
         // Trees that may have details: the body's, then those of details. With where their first node is, and the scale of
@@ -56,9 +56,9 @@ impl<N: Dop> Details<N> {
                     continue;
                 }
                 all.details.push(detail);
-                if has_thin_slabs {
+                if has_normal_slabs {
                     let Subtree { nodes, vertices, records, .. } = &subtree;
-                    all.thin_slabs.extend(thin_slabs::<N, G>(nodes, &detail.frame(), vertices, records));
+                    all.normal_slabs.extend(normal_slabs::<N, G>(nodes, &detail.frame(), vertices, records));
                 }
                 all.nodes.extend(subtree.linked(body, &all.nodes, detail.first));
                 waiting.push_back((detail.first, Cow::Owned(subtree.nodes), detail.exponent));

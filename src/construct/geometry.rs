@@ -5,7 +5,7 @@ use super::closed::{OpenEdge, check_edges};
 use crate::frame::scale_to_one;
 use crate::node::Child;
 #[cfg(doc)]
-use crate::node::ThinSlab;
+use crate::node::NormalSlab;
 use crate::primitive::{Primitive, Sphere, Spheres, Triangles, triangle};
 use crate::range::{MAX_COORDINATE, Point, flush};
 use alloc::borrow::Cow;
@@ -24,7 +24,7 @@ pub trait Geometry {
     /// radius are in a unit of length in which none of these numbers is above 2.
     fn weight(corners: &[Point], radius: f64) -> f64;
     /// A primitive's normal, of either sign, as long as it weighs; zero if it has none. Children get a
-    /// [`ThinSlab`] along their primitives' mean normal.
+    /// [`NormalSlab`] along their primitives' mean normal.
     #[must_use]
     fn normal(_corners: &[Point]) -> Point {
         [0.0; 3]

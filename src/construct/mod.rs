@@ -23,11 +23,11 @@ mod graft;
 mod levels;
 mod longest_axis;
 mod neural_gas;
+mod normal_slabs;
 mod parts;
 mod progress;
 mod shape;
 mod shapes;
-mod thin;
 mod wrap;
 
 pub use assignment::Assignment;
@@ -43,7 +43,7 @@ pub use shapes::{OwnedMesh, ShapeError};
 
 use crate::halving::Halving;
 use crate::hierarchy::Bvh;
-use crate::node::{Dop, MAX_LEAF_SIZE};
+use crate::node::{Dop, MAX_LEAF_SIZE, Node16};
 use crate::primitive::{Primitive, Sphere};
 use alloc::vec::Vec;
 use core::borrow::Borrow;
@@ -96,7 +96,7 @@ pub enum Magnification {
 pub struct Builder {
     splitter: Splitter,
     leaf_size: u32,
-    has_thin_slabs: bool,
+    has_normal_slabs: bool,
     has_balls: bool,
     is_solid: bool,
 }
@@ -134,7 +134,7 @@ impl Builder {
         Self {
             splitter: Splitter::MeanWidth,
             leaf_size: 1,
-            has_thin_slabs: true,
+            has_normal_slabs: true,
             has_balls: true,
             is_solid: false,
         }
@@ -152,11 +152,11 @@ impl Builder {
         Self { leaf_size: triangles, ..self }
     }
 
-    /// Leaves out the [`ThinSlab`](crate::node::ThinSlab)s: a fifth fewer bytes of nodes, and more visits of
+    /// Leaves out the [`NormalSlab`](crate::node::NormalSlab)s: a fifth fewer bytes of nodes, and more visits of
     /// smooth meshes that nearly touch. Trees of spheres never have them.
     #[must_use]
-    pub const fn without_thin_slabs(self) -> Self {
-        Self { has_thin_slabs: false, ..self }
+    pub const fn without_normal_slabs(self) -> Self {
+        Self { has_normal_slabs: false, ..self }
     }
 
     /// Leaves out the [`Ball16`](crate::node::Ball16)s, which trees of spheres have where nodes have sixteen lanes: a
@@ -179,21 +179,21 @@ impl Builder {
     /// Sets of spheres are solid anyway: of them this changes nothing.
     ///
     /// ```
-    /// # use simdop::{construct::{Builder, Mesh}, isa::Isa, node::Node16, pose::Pose, query::Query};
+    /// # use simdop::{Builder, Isa, Mesh, Pose, Query};
     /// # let vertices = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
     /// # let triangles = [[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]];
     /// let mesh = Mesh { vertices: &vertices, triangles: &triangles };
-    /// let surface = Builder::new().build::<Node16<18>>(&mesh)?;
-    /// let solid = Builder::new().solid().build::<Node16<18>>(&mesh)?;
+    /// let surface = Builder::new().build(&mesh)?;
+    /// let solid = Builder::new().solid().build(&mesh)?;
     ///
     /// let small = vertices.map(|p| p.map(|x| 0.1 * x + 0.1)); // inside
-    /// let small = Builder::new().build::<Node16<18>>(&Mesh { vertices: &small, triangles: &triangles })?;
+    /// let small = Builder::new().build(&Mesh { vertices: &small, triangles: &triangles })?;
     /// let query = Query::new(Isa::detect());
     /// assert!(query.collide(&small, &surface, &Pose::IDENTITY).is_free());
     /// assert!(query.collide(&small, &solid, &Pose::IDENTITY).hit().is_some());
     ///
     /// let open = Mesh { vertices: &vertices, triangles: &triangles[1..] };
-    /// let error = Builder::new().solid().build::<Node16<18>>(&open).unwrap_err();
+    /// let error = Builder::new().solid().build(&open).unwrap_err();
     /// assert!(error.to_string().contains("open"));
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
@@ -217,7 +217,15 @@ impl Builder {
     ///
     /// # Errors
     /// [`BuildError`]: nothing is dropped or repaired in silence.
-    pub fn build<N: Dop>(&self, mesh: &Mesh<'_>) -> Result<Bvh<N>, BuildError> {
+    pub fn build(&self, mesh: &Mesh<'_>) -> Result<Bvh<Node16<18>>, BuildError> {
+        self.build_as(mesh)
+    }
+
+    /// [`Builder::build`] with another type of node than the default.
+    ///
+    /// # Errors
+    /// As [`Builder::build`].
+    pub fn build_as<N: Dop>(&self, mesh: &Mesh<'_>) -> Result<Bvh<N>, BuildError> {
         self.build_with(mesh, &mut |_| ControlFlow::Continue(()))
     }
 

@@ -17,9 +17,9 @@ use core::fmt;
 /// use simdop::{construct::{Builder, OwnedMesh}, hierarchy::Bvh, isa::Isa, node::Node16, pose::Pose, query::Query};
 /// use simdop::scene::{Body, Scene};
 ///
-/// let table: Bvh<Node16<18>> = Builder::new().solid().build(&OwnedMesh::cuboid([1.2, 0.8, 0.04])?.as_mesh())?;
-/// let can: Bvh<Node16<18>> = Builder::new().solid().build(&OwnedMesh::cylinder(0.03, 0.14, 1e-4)?.as_mesh())?;
-/// let forearm: Bvh<Node16<18>> = Builder::new().build(&OwnedMesh::segment(0.3)?.as_mesh())?;
+/// let table: Bvh<Node16<18>> = Builder::new().solid().build_as(&OwnedMesh::cuboid([1.2, 0.8, 0.04])?.as_mesh())?;
+/// let can: Bvh<Node16<18>> = Builder::new().solid().build_as(&OwnedMesh::cylinder(0.03, 0.14, 1e-4)?.as_mesh())?;
+/// let forearm: Bvh<Node16<18>> = Builder::new().build_as(&OwnedMesh::segment(0.3)?.as_mesh())?;
 ///
 /// let at = |z: f64| Pose::from_rows([[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, z]]);
 /// let mut scene = Scene::new();

@@ -3,7 +3,7 @@
 #[cfg(feature = "alloc")]
 use super::Bvh;
 use super::layout::node_type;
-use super::{BakeError, BvhRef, Header, Stats, TreeStats, VerifyError};
+use super::{BvhRef, FormatError, Header, Stats, TreeStats, VerifyError};
 use crate::node::{Node4, Node16};
 use crate::primitive::{Primitive, Triangles};
 
@@ -66,10 +66,10 @@ macro_rules! any_bvh {
             /// # Errors
             /// As [`BvhRef::from_bytes`].
             #[inline]
-            pub fn from_bytes(bytes: &'a [u8]) -> Result<Self, BakeError> {
+            pub fn from_bytes(bytes: &'a [u8]) -> Result<Self, FormatError> {
                 match node_type(bytes)? {
                     $(($k, $arity, _) => BvhRef::from_bytes(bytes).map(Self::$variant),)*
-                    (k, arity, _) => Err(BakeError::OtherNode { k, arity }),
+                    (k, arity, _) => Err(FormatError::OtherNode { k, arity }),
                 }
             }
         }
@@ -81,10 +81,10 @@ macro_rules! any_bvh {
             /// # Errors
             /// As [`Bvh::from_bytes`].
             #[inline]
-            pub fn from_bytes(bytes: &[u8]) -> Result<Self, BakeError> {
+            pub fn from_bytes(bytes: &[u8]) -> Result<Self, FormatError> {
                 match node_type(bytes)? {
                     $(($k, $arity, _) => Bvh::from_bytes(bytes).map(Self::$variant),)*
-                    (k, arity, _) => Err(BakeError::OtherNode { k, arity }),
+                    (k, arity, _) => Err(FormatError::OtherNode { k, arity }),
                 }
             }
 

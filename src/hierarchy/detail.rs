@@ -5,7 +5,7 @@
 //! test all of its primitives. So the nodes of such a part are in the tree twice: as part of the whole, for everything that
 //! needs one frame for all; and once more in a frame of their own, where queries for collisions and distances go on.
 
-use crate::frame::{Extent, Frame};
+use crate::frame::{BodyBounds, Frame};
 use crate::node::Child;
 use crate::range::Point;
 
@@ -45,8 +45,8 @@ impl Detail {
 
     /// How large the detail is.
     #[must_use]
-    pub fn extent(&self) -> Extent {
-        let mut extent = Extent {
+    pub fn extent(&self) -> BodyBounds {
+        let mut extent = BodyBounds {
             frame: self.frame(),
             max_coordinate: self.max_coordinate,
             radius: 0.0,

@@ -1,7 +1,7 @@
 //! The head of a baked tree.
 
 use super::layout::node_type;
-use crate::frame::{Extent, Frame};
+use crate::frame::{BodyBounds, Frame};
 use crate::node::Child;
 #[cfg(doc)]
 use crate::node::Width;
@@ -60,13 +60,13 @@ pub struct Header {
     pub max_plane: f32,
     /// How loose the planes get when they are turned, in the unit of the frame: of two bodies a query turns the one that
     /// loses less.
-    pub looseness: f32,
+    pub rotation_growth: f32,
     /// The link to the root, with the [`Width`] of a box of twice [`Header::half_width`].
     pub root: Child,
     /// Bytes of a vertex. Of triangles: 12 (three `f32`) or 24 (three `f64`); of spheres 16 or 32.
     pub vertex_size: u16,
-    /// 1 if the tree has thin slabs, else 0.
-    pub has_thin_slabs: u16,
+    /// 1 if the tree has normal slabs, else 0.
+    pub has_normal_slabs: u16,
     /// 1 if the tree has the balls of its lanes, else 0.
     pub has_balls: u16,
     /// 1 if the triangles bound a solid, 0 if they are a surface; 0 of spheres, each of which is solid.
@@ -85,7 +85,7 @@ const _: () = assert!(size_of::<Header>() == 128 && align_of::<Header>() == 8, "
 /// Why bytes are not a tree.
 #[derive(Copy, Clone, PartialEq, Eq, Debug)]
 #[non_exhaustive]
-pub enum BakeError {
+pub enum FormatError {
     /// The bytes do not start at a multiple of 64: see [`crate::hierarchy::Aligned`].
     Misaligned,
     /// The bytes do not start with [`MAGIC`].
@@ -165,7 +165,7 @@ pub enum BakeError {
     },
 }
 
-impl fmt::Display for BakeError {
+impl fmt::Display for FormatError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Misaligned => f.write_str("the tree's bytes do not start at a multiple of 64"),
@@ -190,26 +190,26 @@ impl fmt::Display for BakeError {
     }
 }
 
-impl core::error::Error for BakeError {}
+impl core::error::Error for FormatError {}
 
 impl Header {
     /// The header of some bytes, whatever the node type: to find out which.
     ///
     /// # Errors
-    /// [`BakeError`] if the bytes are misaligned, too short, no tree or of another version.
-    pub fn read(bytes: &[u8]) -> Result<&Self, BakeError> {
+    /// [`FormatError`] if the bytes are misaligned, too short, no tree or of another version.
+    pub fn read(bytes: &[u8]) -> Result<&Self, FormatError> {
         node_type(bytes)?;
         if bytes.as_ptr().align_offset(64) != 0 {
-            return Err(BakeError::Misaligned);
+            return Err(FormatError::Misaligned);
         }
-        bytemuck::try_from_bytes(&bytes[..size_of::<Self>()]).map_err(|_| BakeError::Misaligned)
+        bytemuck::try_from_bytes(&bytes[..size_of::<Self>()]).map_err(|_| FormatError::Misaligned)
     }
 
     /// How large the body is.
     #[inline(always)]
     #[must_use]
-    pub const fn extent(&self) -> Extent {
-        Extent {
+    pub const fn extent(&self) -> BodyBounds {
+        BodyBounds {
             frame: Frame { centre: self.centre, exponent: self.exponent },
             max_coordinate: self.max_coordinate,
             radius: self.radius,

@@ -1,7 +1,7 @@
 //! Where the parts of a baked tree lie.
 
-use super::{BakeError, Detail, Header, MAGIC, VERSION};
-use crate::node::{Ball16, Node, ThinSlab};
+use super::{Detail, FormatError, Header, MAGIC, VERSION};
+use crate::node::{Ball16, Node, NormalSlab};
 use crate::primitive::{Primitive, Store};
 use core::mem::offset_of;
 
@@ -20,7 +20,7 @@ macro_rules! attempt {
 pub(super) struct Layout {
     pub(super) nodes: Part,
     pub(super) balls: Part,
-    pub(super) thin_slabs: Part,
+    pub(super) normal_slabs: Part,
     pub(super) details: Part,
     pub(super) vertices: Part,
     pub(super) records: Part,
@@ -47,8 +47,8 @@ impl Part {
 
     /// The next part, of `count` items: after this one, at a multiple of `align`. On a 32-bit machine a tree
     /// may be too large to address.
-    const fn then(self, count: u32, size: usize, align: usize) -> Result<Self, BakeError> {
-        const TOO_LARGE: BakeError = BakeError::Header { field: "counts overflow the address space" };
+    const fn then(self, count: u32, size: usize, align: usize) -> Result<Self, FormatError> {
+        const TOO_LARGE: FormatError = FormatError::Header { field: "counts overflow the address space" };
         let Some(end) = self.start.checked_add(self.len) else { return Err(TOO_LARGE) };
         let Some(start) = end.checked_next_multiple_of(align) else { return Err(TOO_LARGE) };
         let Some(len) = (count as usize).checked_mul(size) else { return Err(TOO_LARGE) };
@@ -59,24 +59,24 @@ impl Part {
 impl Layout {
     /// Of bytes that shall be a tree of these nodes and primitives, all of it and nothing else. For constants
     /// too, so it reads the header byte by byte.
-    pub(super) const fn of<N: Node, P: Primitive>(bytes: &[u8]) -> Result<Self, BakeError> {
+    pub(super) const fn of<N: Node, P: Primitive>(bytes: &[u8]) -> Result<Self, FormatError> {
         attempt!(begins_as_a_tree(bytes));
         let kind = u16_at(bytes, offset_of!(Header, kind));
         if kind != P::KIND.code() {
-            return Err(BakeError::OtherPrimitive { kind });
+            return Err(FormatError::OtherPrimitive { kind });
         }
         let (k, arity) = (u16_at(bytes, offset_of!(Header, k)), u16_at(bytes, offset_of!(Header, arity)));
         if k as usize != N::K || arity as usize != N::ARITY {
-            return Err(BakeError::OtherNode { k, arity });
+            return Err(FormatError::OtherNode { k, arity });
         }
         let vertex_size = u16_at(bytes, offset_of!(Header, vertex_size));
         if !Store::<P>::takes_vertices_of(vertex_size) {
-            return Err(BakeError::Header { field: "vertex_size" });
+            return Err(FormatError::Header { field: "vertex_size" });
         }
         // Here, since balls that other nodes cannot have need not be aligned.
         let has_balls = u16_at(bytes, offset_of!(Header, has_balls));
         if has_balls > 1 || has_balls == 1 && !(P::HAS_BALLS && N::ARITY == 16) {
-            return Err(BakeError::Header { field: "has_balls" });
+            return Err(FormatError::Header { field: "has_balls" });
         }
         let layout = attempt!(Self::of_counts::<N, P>(
             [
@@ -84,7 +84,7 @@ impl Layout {
                 u32_at(bytes, offset_of!(Header, detail_count)),
                 u32_at(bytes, offset_of!(Header, detail_node_count)),
             ],
-            u16_at(bytes, offset_of!(Header, has_thin_slabs)),
+            u16_at(bytes, offset_of!(Header, has_normal_slabs)),
             has_balls,
             u32_at(bytes, offset_of!(Header, vertex_count)),
             vertex_size,
@@ -93,35 +93,35 @@ impl Layout {
         ));
         let end = layout.end;
         if bytes.len() < end {
-            return Err(BakeError::Truncated { have: bytes.len(), need: end });
+            return Err(FormatError::Truncated { have: bytes.len(), need: end });
         }
         if bytes.len() > end {
-            return Err(BakeError::TooLong { have: bytes.len(), need: end });
+            return Err(FormatError::TooLong { have: bytes.len(), need: end });
         }
         Ok(layout)
     }
 
-    /// Of a tree with so many nodes, details and nodes of these, thin slabs or not, balls or not, vertices of some size, primitives and parts.
+    /// Of a tree with so many nodes, details and nodes of these, normal slabs or not, balls or not, vertices of some size, primitives and parts.
     pub(super) const fn of_counts<N: Node, P: Primitive>(
         [nodes, details, detail_nodes]: [u32; 3],
-        has_thin_slabs: u16,
+        has_normal_slabs: u16,
         has_balls: u16,
         vertices: u32,
         vertex_size: u16,
         primitives: u32,
         parts: u32,
-    ) -> Result<Self, BakeError> {
+    ) -> Result<Self, FormatError> {
         let header = Part { start: 0, len: size_of::<Header>() };
         let Some(nodes) = nodes.checked_add(detail_nodes) else {
-            return Err(BakeError::Header { field: "detail_node_count" });
+            return Err(FormatError::Header { field: "detail_node_count" });
         };
-        let with_slabs = if has_thin_slabs != 0 { nodes } else { 0 };
+        let with_slabs = if has_normal_slabs != 0 { nodes } else { 0 };
         let with_balls = if has_balls != 0 { nodes } else { 0 };
         let nodes = attempt!(header.then(nodes, size_of::<N>(), 64));
         // Where nodes have sixteen lanes, they end at a multiple of 64.
         let balls = attempt!(nodes.then(with_balls, size_of::<Ball16>(), 1));
-        let thin_slabs = attempt!(balls.then(with_slabs, N::ARITY * size_of::<ThinSlab>(), 8));
-        let details = attempt!(thin_slabs.then(details, size_of::<Detail>(), 8));
+        let normal_slabs = attempt!(balls.then(with_slabs, N::ARITY * size_of::<NormalSlab>(), 8));
+        let details = attempt!(normal_slabs.then(details, size_of::<Detail>(), 8));
         let vertices = attempt!(details.then(vertices, vertex_size as usize, 8));
         let records = attempt!(vertices.then(primitives, size_of::<P::Record>(), 4));
         let mut indices = attempt!(records.then(primitives, 4, 4));
@@ -129,7 +129,7 @@ impl Layout {
         let parts = attempt!(indices.then(parts, 4, 4));
         indices.len += parts.len;
         let end = attempt!(indices.then(0, 0, 64)).start;
-        Ok(Self { nodes, thin_slabs, balls, details, vertices, records, indices, vertex_size, end })
+        Ok(Self { nodes, normal_slabs, balls, details, vertices, records, indices, vertex_size, end })
     }
 }
 
@@ -137,23 +137,23 @@ impl Layout {
 ///
 /// # Errors
 /// As [`Header::read`].
-pub(super) fn node_type(bytes: &[u8]) -> Result<(u16, u16, u16), BakeError> {
+pub(super) fn node_type(bytes: &[u8]) -> Result<(u16, u16, u16), FormatError> {
     attempt!(begins_as_a_tree(bytes));
     let field = |at| u16_at(bytes, at);
     Ok((field(offset_of!(Header, k)), field(offset_of!(Header, arity)), field(offset_of!(Header, kind))))
 }
 
 /// Magic number, length and version.
-const fn begins_as_a_tree(bytes: &[u8]) -> Result<(), BakeError> {
+const fn begins_as_a_tree(bytes: &[u8]) -> Result<(), FormatError> {
     let need = size_of::<Header>();
     if !begins_with_magic(bytes) {
-        return Err(BakeError::NotATree);
+        return Err(FormatError::NotATree);
     }
     if bytes.len() < need {
-        return Err(BakeError::Truncated { have: bytes.len(), need });
+        return Err(FormatError::Truncated { have: bytes.len(), need });
     }
     let version = u32_at(bytes, offset_of!(Header, version));
-    if version != VERSION { Err(BakeError::Version { found: version }) } else { Ok(()) }
+    if version != VERSION { Err(FormatError::Version { found: version }) } else { Ok(()) }
 }
 
 const fn begins_with_magic(bytes: &[u8]) -> bool {

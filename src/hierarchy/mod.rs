@@ -1,6 +1,6 @@
 //! Bounding volume hierarchies: one run of bytes, read in place.
 //!
-//! A baked tree is a [`Header`], the nodes in breadth-first order, the balls or the thin slabs of their lanes if it
+//! A baked tree is a [`Header`], the nodes in breadth-first order, the balls or the normal slabs of their lanes if it
 //! has them, its [`Detail`]s, the vertices, the primitives in the order of the leaves (of a triangle the indices of its corners), and
 //! for each primitive its index in what was built; of a body of several parts also a primitive in each. All little-endian, each part aligned for its type, the whole to 64
 //! bytes.
@@ -9,20 +9,20 @@
 //! |---|---|---|
 //! | [`Bvh`] | owned | what a builder returns, files |
 //! | [`BvhRef`] | borrowed, and [checked](BvhRef::validate) | flash and memory maps, queries |
-//! | [`Baked`] | in the program, by [`include_tree!`](crate::include_tree) | flash: validated once, then borrowed in a few instructions |
+//! | [`StaticBvh`] | in the program, by [`include_tree!`](crate::include_tree) | flash: validated once, then borrowed in a few instructions |
 //! | [`AnyBvh`], [`AnyBvhRef`] | either, with k and arity known at run time only | files of any tree |
 //!
 //! Queries take all but the last two through [`AsBvh`].
 
 mod any;
-mod baked;
 mod detail;
 mod header;
 mod layout;
 #[cfg(feature = "alloc")]
-mod looseness;
-#[cfg(feature = "alloc")]
 mod owned;
+#[cfg(feature = "alloc")]
+mod rotation_growth;
+mod static_bvh;
 mod stats;
 mod tree_stats;
 mod validate;
@@ -35,13 +35,13 @@ mod walk;
 pub use any::AnyBvh;
 pub use any::AnyBvhRef;
 pub(crate) use any::for_node_types;
-pub use baked::{Aligned, Baked};
 pub use detail::Detail;
-pub use header::{BakeError, Header, MAGIC, VERSION};
-#[cfg(feature = "alloc")]
-pub(crate) use looseness::looseness;
+pub use header::{FormatError, Header, MAGIC, VERSION};
 #[cfg(feature = "alloc")]
 pub use owned::Bvh;
+#[cfg(feature = "alloc")]
+pub(crate) use rotation_growth::rotation_growth;
+pub use static_bvh::{Aligned, StaticBvh};
 pub use stats::Stats;
 pub use tree_stats::TreeStats;
 pub use verify::VerifyError;

@@ -1,7 +1,7 @@
 //! A hierarchy that owns its bytes.
 
 use super::layout::Layout;
-use super::{AsBvh, BakeError, BvhRef, Header};
+use super::{AsBvh, BvhRef, FormatError, Header};
 use crate::node::{Dop, Node};
 use crate::primitive::{Primitive, Triangles};
 use alloc::vec::Vec;
@@ -38,9 +38,9 @@ impl<N: Dop, P: Primitive> Bvh<N, P> {
     /// Copies a baked tree, of any alignment, and validates it.
     ///
     /// # Errors
-    /// [`BakeError`] if the bytes are not a tree of this node type and these primitives, all of it and
+    /// [`FormatError`] if the bytes are not a tree of this node type and these primitives, all of it and
     /// nothing else, or are not safe to walk.
-    pub fn from_bytes(bytes: &[u8]) -> Result<Self, BakeError> {
+    pub fn from_bytes(bytes: &[u8]) -> Result<Self, FormatError> {
         // Of the bytes given: their copy is filled up to whole lines.
         let layout = Layout::of::<N, P>(bytes)?;
         let tree = Self { lines: in_lines(&[(64, bytes)]), layout, kind: PhantomData };

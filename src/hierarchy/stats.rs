@@ -22,8 +22,8 @@ pub struct Stats {
     pub lanes_used: usize,
     /// Bytes of planes and links.
     pub node_bytes: usize,
-    /// Bytes of thin slabs.
-    pub thin_slab_bytes: usize,
+    /// Bytes of normal slabs.
+    pub normal_slab_bytes: usize,
     /// Bytes of balls.
     pub ball_bytes: usize,
     /// Bytes of the whole baked tree, with vertices, primitives and their indices in what was built.
@@ -38,7 +38,7 @@ impl<N: Node, P: Primitive> BvhRef<'_, N, P> {
         let h = self.header;
         let layout = Layout::of_counts::<N, P>(
             [h.node_count, h.detail_count, h.detail_node_count],
-            h.has_thin_slabs,
+            h.has_normal_slabs,
             h.has_balls,
             h.vertex_count,
             h.vertex_size,
@@ -53,7 +53,7 @@ impl<N: Node, P: Primitive> BvhRef<'_, N, P> {
             depth: self.header.depth as usize,
             lanes_used: self.nodes.iter().map(used).sum(),
             node_bytes: size_of_val(self.nodes),
-            thin_slab_bytes: size_of_val(self.thin_slabs),
+            normal_slab_bytes: size_of_val(self.normal_slabs),
             ball_bytes: size_of_val(self.balls),
             total_bytes: layout.map_or(0, |layout| layout.end),
         }

@@ -1,8 +1,8 @@
-//! Is it safe to walk these bytes? Baked trees are untrusted input.
+//! Is it safe to walk these bytes? StaticBvh trees are untrusted input.
 
-use super::{BakeError, BvhRef, MAX_DEPTH};
+use super::{BvhRef, FormatError, MAX_DEPTH};
 use crate::exact::power_of_two;
-use crate::frame::{Extent, MAX_EXPONENT};
+use crate::frame::{BodyBounds, MAX_EXPONENT};
 use crate::key::{Key, decode};
 use crate::node::{BoundingBall, Child, Dop, INDEX, Link, MAX_LEAF_SIZE, Width};
 use crate::primitive::{Fault, Primitive, Sphere};
@@ -26,27 +26,27 @@ impl<N: Dop, P: Primitive> BvhRef<'_, N, P> {
     /// That the planes really bound the primitives is for [`BvhRef::verify`].
     ///
     /// # Errors
-    /// [`BakeError`] names the first thing that is wrong.
-    pub fn validate(&self) -> Result<(), BakeError> {
+    /// [`FormatError`] names the first thing that is wrong.
+    pub fn validate(&self) -> Result<(), FormatError> {
         self.validate_header()?;
         self.validate_nodes()?;
         self.validate_store()?;
         self.validate_details()?;
         let (sources, parts) = self.indices.split_at(self.len());
         if let Some(index) = sources.iter().position(|&source| source >= self.header.primitive_count) {
-            return Err(BakeError::Source { index: index as u32 });
+            return Err(FormatError::Source { index: index as u32 });
         }
         let mut next = 0;
         for (index, &part) in (0..).zip(parts) {
             if part < next || part >= self.header.primitive_count {
-                return Err(BakeError::Part { index });
+                return Err(FormatError::Part { index });
             }
             next = part + 1;
         }
         Ok(())
     }
 
-    fn validate_header(&self) -> Result<(), BakeError> {
+    fn validate_header(&self) -> Result<(), FormatError> {
         let h = self.header;
         let checks = [
             ("leaf_size", (1..=MAX_LEAF_SIZE).contains(&h.leaf_size.into())),
@@ -67,9 +67,9 @@ impl<N: Dop, P: Primitive> BvhRef<'_, N, P> {
             ("half_width", h.half_width.iter().all(|w| *w >= 0.0 && w.is_finite())),
             ("max_plane", h.max_plane >= 0.0 && h.max_plane.is_finite()),
             // Any number is safe: it decides what is faster.
-            ("looseness", h.looseness >= 0.0 && h.looseness.is_finite()),
+            ("rotation_growth", h.rotation_growth >= 0.0 && h.rotation_growth.is_finite()),
             ("root", h.root == Child::root(0, h.half_width)),
-            ("has_thin_slabs", h.has_thin_slabs <= 1),
+            ("has_normal_slabs", h.has_normal_slabs <= 1),
             ("is_solid", h.is_solid == 0 || h.is_solid == 1 && P::BOUNDS_SOLIDS),
             (
                 "part_count",
@@ -84,17 +84,17 @@ impl<N: Dop, P: Primitive> BvhRef<'_, N, P> {
             ),
         ];
         match checks.iter().find(|(_, ok)| !ok) {
-            Some((field, _)) => Err(BakeError::Header { field }),
+            Some((field, _)) => Err(FormatError::Header { field }),
             None => Ok(()),
         }
     }
 
-    fn validate_nodes(&self) -> Result<(), BakeError> {
+    fn validate_nodes(&self) -> Result<(), FormatError> {
         let (mut next_node, mut next_primitive) = (1, 0);
         let (mut levels, mut level_end) = (0, 0);
         let body = self.nodes.get(..self.header.node_count as usize).unwrap_or_default();
         for (index, node) in (0_u32..).zip(body) {
-            let error = |lane: usize, problem| BakeError::Node { node: index, lane: lane as u32, problem };
+            let error = |lane: usize, problem| FormatError::Node { node: index, lane: lane as u32, problem };
             if index == level_end {
                 levels += 1;
                 level_end = next_node;
@@ -128,12 +128,12 @@ impl<N: Dop, P: Primitive> BvhRef<'_, N, P> {
         }
         let all_nodes = self.nodes.is_empty() || next_node == self.header.node_count;
         if !all_nodes || next_primitive != self.header.primitive_count {
-            return Err(BakeError::Header { field: "node_count or primitive_count: not all are linked" });
+            return Err(FormatError::Header { field: "node_count or primitive_count: not all are linked" });
         }
-        if levels == self.header.depth { Ok(()) } else { Err(BakeError::Header { field: "depth" }) }
+        if levels == self.header.depth { Ok(()) } else { Err(FormatError::Header { field: "depth" }) }
     }
 
-    /// The planes of a lane, and its thin slab.
+    /// The planes of a lane, and its normal slab.
     pub(super) fn validate_volume(
         &self,
         index: u32,
@@ -154,8 +154,8 @@ impl<N: Dop, P: Primitive> BvhRef<'_, N, P> {
                 return Err("a plane is beyond max_plane");
             }
         }
-        if self.thin_slab(index, lane).is_some_and(|slab| !slab.is_valid()) {
-            return Err("a thin slab has no direction, or no thickness");
+        if self.normal_slab(index, lane).is_some_and(|slab| !slab.is_valid()) {
+            return Err("a normal slab has no direction, or no thickness");
         }
         Ok(())
     }
@@ -175,8 +175,8 @@ impl<N: Dop, P: Primitive> BvhRef<'_, N, P> {
             && (volume >= 0.0 && volume.is_finite())
     }
 
-    fn validate_store(&self) -> Result<(), BakeError> {
-        let Extent { frame, max_coordinate, half_width, .. } = self.extent();
+    fn validate_store(&self) -> Result<(), FormatError> {
+        let BodyBounds { frame, max_coordinate, half_width, .. } = self.extent();
         let scale = frame.scale();
         let is_inside = |vertex: &P::Double| {
             let Sphere { centre: p, radius } = P::ball(vertex);
@@ -189,8 +189,8 @@ impl<N: Dop, P: Primitive> BvhRef<'_, N, P> {
                 && frame.is_in_reach(p, radius, self.header.radius)
         };
         self.store.check(is_inside).map_err(|fault| match fault {
-            Fault::Vertex { index } => BakeError::Vertex { index },
-            Fault::Primitive { index } => BakeError::Primitive { index },
+            Fault::Vertex { index } => FormatError::Vertex { index },
+            Fault::Primitive { index } => FormatError::Primitive { index },
         })
     }
 }

@@ -1,7 +1,7 @@
 //! Are the details of these bytes safe to walk?
 
 use super::validate::validate_target;
-use super::{BakeError, BvhRef, Detail, Walk};
+use super::{BvhRef, Detail, FormatError, Walk};
 use crate::frame::MAX_EXPONENT;
 use crate::node::{Child, Dop, Link};
 use crate::primitive::{Primitive, radius_of};
@@ -9,11 +9,11 @@ use crate::range::MAX_COORDINATE;
 
 impl<N: Dop, P: Primitive> BvhRef<'_, N, P> {
     /// After the body's own nodes, and the primitives, have been found right.
-    pub(super) fn validate_details(&self) -> Result<(), BakeError> {
+    pub(super) fn validate_details(&self) -> Result<(), FormatError> {
         // Details have no gaps between their nodes, and stand for ascending nodes.
         let (mut first, mut after) = (self.header.node_count, 1);
         for (index, detail) in (0_u32..).zip(self.details) {
-            let error = |problem| BakeError::Detail { index, problem };
+            let error = |problem| FormatError::Detail { index, problem };
             let end = self.details.get(index as usize + 1).map_or(self.nodes.len() as u32, |next| next.first);
             if detail.first != first || end <= first || end as usize > self.nodes.len() {
                 return Err(error("its nodes do not come after those of the detail before"));
@@ -22,7 +22,7 @@ impl<N: Dop, P: Primitive> BvhRef<'_, N, P> {
                 return Err(error("it stands for no node, or for one before that of the detail before"));
             }
             detail.validate().map_err(error)?;
-            self.validate_detail_nodes(detail, end).map_err(|(node, lane, problem)| BakeError::Node {
+            self.validate_detail_nodes(detail, end).map_err(|(node, lane, problem)| FormatError::Node {
                 node,
                 lane: lane as u32,
                 problem,

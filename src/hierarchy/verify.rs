@@ -15,7 +15,7 @@ pub struct VerifyError {
     pub node: u32,
     /// Lane in the node.
     pub lane: u32,
-    /// Index of the direction; k and k + 1 for the low and the high end of the thin slab; k + 2 for the ball, and k + 3
+    /// Index of the direction; k and k + 1 for the low and the high end of the normal slab; k + 2 for the ball, and k + 3
     /// for the sum of volumes that it says, of which the first primitive below the lane is named.
     pub plane: u32,
     /// Index of the primitive in what was built.
@@ -33,7 +33,7 @@ impl core::error::Error for VerifyError {}
 
 impl<N: Dop, P: Primitive> BvhRef<'_, N, P> {
     /// Decides, for every primitive and every lane on the path to it, whether each plane is an upper bound of
-    /// the exact support of the primitive, and whether it lies within the lane's thin slab, or its ball. No
+    /// the exact support of the primitive, and whether it lies within the lane's normal slab, or its ball. No
     /// rounding takes part: planes, corners, centre and direction are dyadic numbers, summed as expansions; of
     /// primitives with a radius, squares are compared in integers. (Volumes below a lane are added up in `f64`, in the
     /// order in which the packer does.) Cost: primitives x depth x k.
@@ -128,9 +128,9 @@ impl<N: Dop, P: Primitive> BvhRef<'_, N, P> {
         (0..).zip(N::DIRECTIONS).find(is_too_low).map(|(j, _)| j)
     }
 
-    /// The end of a lane's thin slab that a primitive is beyond, if the tree has such slabs.
+    /// The end of a lane's normal slab that a primitive is beyond, if the tree has such slabs.
     fn too_thin(&self, frame: &Frame, node: u32, lane: usize, item: &P::Item) -> Option<u32> {
-        let slab = self.thin_slab(node, lane)?;
+        let slab = self.normal_slab(node, lane)?;
         let (n, ends) = (slab.normal(), slab.ends());
         let radius = radius_of::<P>(item);
         // By less than what the packer leaves, too much.

@@ -1,9 +1,9 @@
 //! A hierarchy over borrowed bytes.
 
 use super::layout::Layout;
-use super::{BakeError, Detail, Header, Walk};
-use crate::frame::{Extent, Frame};
-use crate::node::{Ball16, Dop, Node, ThinSlab};
+use super::{Detail, FormatError, Header, Walk};
+use crate::frame::{BodyBounds, Frame};
+use crate::node::{Ball16, Dop, Node, NormalSlab};
 use crate::primitive::{Primitive, Store, Triangles};
 
 /// A hierarchy over borrowed bytes, safe to walk. Small and `Copy`: pass it by value or reference as you
@@ -12,7 +12,7 @@ use crate::primitive::{Primitive, Store, Triangles};
 pub struct BvhRef<'a, N, P: Primitive = Triangles> {
     pub(super) header: &'a Header,
     pub(super) nodes: &'a [N],
-    pub(super) thin_slabs: &'a [ThinSlab],
+    pub(super) normal_slabs: &'a [NormalSlab],
     pub(super) balls: &'a [Ball16],
     pub(super) details: &'a [Detail],
     pub(super) store: Store<'a, P>,
@@ -31,13 +31,13 @@ impl<'a, N: Dop, P: Primitive> BvhRef<'a, N, P> {
     /// Borrows a baked tree in place, without a copy, after [`BvhRef::validate`]: linear in its size.
     ///
     /// # Errors
-    /// [`BakeError`] if the bytes are not a tree of this node type and these primitives, all of it and
+    /// [`FormatError`] if the bytes are not a tree of this node type and these primitives, all of it and
     /// nothing else, are not aligned to 64, or are not safe to walk.
-    pub fn from_bytes(bytes: &'a [u8]) -> Result<Self, BakeError> {
+    pub fn from_bytes(bytes: &'a [u8]) -> Result<Self, FormatError> {
         // First, so that the error of bytes that are too short for a header says so.
         Header::read(bytes)?;
         let layout = Layout::of::<N, P>(bytes)?;
-        let view = Self::of_layout(bytes, &layout).ok_or(BakeError::Misaligned)?;
+        let view = Self::of_layout(bytes, &layout).ok_or(FormatError::Misaligned)?;
         view.validate()?;
         Ok(view)
     }
@@ -61,7 +61,7 @@ impl<'a, N: Node, P: Primitive> BvhRef<'a, N, P> {
         Some(Self {
             header,
             nodes: bytemuck::try_cast_slice(layout.nodes.of(bytes)?).ok()?,
-            thin_slabs: bytemuck::try_cast_slice(layout.thin_slabs.of(bytes)?).ok()?,
+            normal_slabs: bytemuck::try_cast_slice(layout.normal_slabs.of(bytes)?).ok()?,
             balls,
             details,
             store: Store::read(layout.vertex_size, vertices, records)?,
@@ -109,11 +109,11 @@ impl<'a, N: Node, P: Primitive> BvhRef<'a, N, P> {
         self.details.get(index)
     }
 
-    /// The thin slabs of all lanes, `ARITY` a node; none if the tree was built without.
+    /// The normal slabs of all lanes, `ARITY` a node; none if the tree was built without.
     #[inline(always)]
     #[must_use]
-    pub const fn thin_slabs(&self) -> &'a [ThinSlab] {
-        self.thin_slabs
+    pub const fn normal_slabs(&self) -> &'a [NormalSlab] {
+        self.normal_slabs
     }
 
     /// The enclosing balls of all lanes, one item a node; none but of spheres at arity 16, and none of a tree that was
@@ -124,16 +124,16 @@ impl<'a, N: Node, P: Primitive> BvhRef<'a, N, P> {
         self.balls
     }
 
-    /// The thin slab of a lane, if the tree has them.
+    /// The normal slab of a lane, if the tree has them.
     #[inline(always)]
-    pub(crate) fn thin_slab(&self, node: u32, lane: usize) -> Option<ThinSlab> {
-        self.thin_slabs.get(node as usize * N::ARITY + lane).copied()
+    pub(crate) fn normal_slab(&self, node: u32, lane: usize) -> Option<NormalSlab> {
+        self.normal_slabs.get(node as usize * N::ARITY + lane).copied()
     }
 
     /// Those of a node.
     #[inline(always)]
-    pub(crate) fn thin_slabs_of(&self, node: u32) -> Option<&'a [ThinSlab]> {
-        self.thin_slabs.get(node as usize * N::ARITY..)?.get(..N::ARITY)
+    pub(crate) fn normal_slabs_of(&self, node: u32) -> Option<&'a [NormalSlab]> {
+        self.normal_slabs.get(node as usize * N::ARITY..)?.get(..N::ARITY)
     }
 
     /// The frame that the planes are written in.
@@ -146,7 +146,7 @@ impl<'a, N: Node, P: Primitive> BvhRef<'a, N, P> {
     /// How large the body is.
     #[inline(always)]
     #[must_use]
-    pub const fn extent(&self) -> Extent {
+    pub const fn extent(&self) -> BodyBounds {
         self.header.extent()
     }
 

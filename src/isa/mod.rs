@@ -107,7 +107,7 @@ macro_rules! __on_isa {
 ///
 /// ```
 /// use simdop::isa::{Isa, on_isa};
-/// use simdop::{kernel::Kernel, node::{Node, Node16}};
+/// use simdop::{low_level::kernel::Kernel, node::{Node, Node16}};
 /// let empty = Node16::<18>::EMPTY;
 /// for isa in Isa::available() {
 ///     let rows = on_isa!(isa, token => token.overlap_16v_hull(&[[0; 16]; 18], &empty));

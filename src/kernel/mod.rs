@@ -15,7 +15,7 @@
 //!    is unused: its `query[0]` comes out above every key, so that it is separated from everything; the rest
 //!    of it is as for any bits.
 //!
-//! 5. **Own slabs** are [`OwnSlab::is_beyond`], likewise: `f32`, no fused multiply-add, the sum from left to
+//! 5. **Primitive slabs** are [`PrimitiveSlab::is_beyond`], likewise: `f32`, no fused multiply-add, the sum from left to
 //!    right, and a comparison that is false of NaN.
 //!
 //! 6. **Balls** are compared in `f32`, no fused multiply-add, sums from left to right; comparisons are false of NaN,
@@ -43,7 +43,7 @@ mod x86;
 use crate::key::Key;
 use crate::node::{Aabb16, Ball16, BoundingBall, Box3, Bucket, Node4, Node16};
 use crate::primitive::triangle::{Probe, Triangle};
-use crate::realign::{OwnSlab, Realignment};
+use crate::realign::{PrimitiveSlab, Realignment};
 
 /// Planes of `W` bodies that were turned into another body's frame, ready to be compared with that body's
 /// planes: `turned[j][i]` is the complement of the key of plane `j ^ 1` of body i.
@@ -121,20 +121,20 @@ pub trait Kernel: Copy + core::fmt::Debug + sealed::Sealed {
     #[must_use]
     fn apart_4(self, probe: &Probe<'_>, triangles: &[Triangle; 4]) -> u16;
 
-    /// Which children of `node` lie beyond a slab of a primitive's own, as [`OwnSlab::is_beyond`] says, which
+    /// Which children of `node` lie beyond a slab of a primitive's own, as [`PrimitiveSlab::is_beyond`] says, which
     /// is the specification. Unused lanes never do.
     ///
     /// # Panics
-    /// If a source of the slab is not below `K`, which those of [`crate::realign::own_slabs`] are.
+    /// If a source of the slab is not below `K`, which those of [`crate::realign::primitive_slabs`] are.
     #[must_use]
-    fn beyond_16<const K: usize>(self, slab: &OwnSlab, node: &Node16<K>) -> u16;
+    fn beyond_16<const K: usize>(self, slab: &PrimitiveSlab, node: &Node16<K>) -> u16;
 
     /// [`Kernel::beyond_16`] for four children.
     ///
     /// # Panics
     /// As [`Kernel::beyond_16`].
     #[must_use]
-    fn beyond_4<const K: usize>(self, slab: &OwnSlab, node: &Node4<K>) -> u16;
+    fn beyond_4<const K: usize>(self, slab: &PrimitiveSlab, node: &Node4<K>) -> u16;
 
     /// Turns the planes of all children of a node into another body's frame. In place: a
     /// result of half a kilobyte would be copied.

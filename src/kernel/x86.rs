@@ -4,7 +4,7 @@ use super::{Kernel, Turned};
 use crate::isa::{Avx2, Avx512};
 use crate::node::{Aabb16, Ball16, BoundingBall, Box3, Bucket, Node4, Node16};
 use crate::primitive::triangle::{Probe, Triangle};
-use crate::realign::{OwnSlab, Realignment};
+use crate::realign::{PrimitiveSlab, Realignment};
 
 /// The kernels of volumes and triangles that AVX-512 has none of its own for.
 macro_rules! as_avx2 {
@@ -40,12 +40,12 @@ macro_rules! as_avx2 {
         }
 
         #[inline(always)]
-        fn beyond_16<const K: usize>(self, slab: &OwnSlab, node: &Node16<K>) -> u16 {
+        fn beyond_16<const K: usize>(self, slab: &PrimitiveSlab, node: &Node16<K>) -> u16 {
             self.as_avx2().beyond_16(slab, node)
         }
 
         #[inline(always)]
-        fn beyond_4<const K: usize>(self, slab: &OwnSlab, node: &Node4<K>) -> u16 {
+        fn beyond_4<const K: usize>(self, slab: &PrimitiveSlab, node: &Node4<K>) -> u16 {
             self.as_avx2().beyond_4(slab, node)
         }
 

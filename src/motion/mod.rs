@@ -1,18 +1,18 @@
 //! Motions: where bodies are at any time from 0 to 1, and how far they can get within a span of it.
 //!
-//! A bound of the way is what makes an edge of a planner certain ([`crate::scene::Scene::edge`]): two bodies that are farther
+//! A bound of the way is what makes an edge of a planner certain ([`crate::scene::Scene::check_motion`]): two bodies that are farther
 //! apart at one time than they can come closer within a span of it do not meet in all of the span. Sampled times prove nothing
 //! about the times between them.
 
 mod error;
+mod joint_motion;
 mod joints;
 mod screw;
-mod straight;
 
 pub use error::MotionError;
+pub use joint_motion::JointMotion;
 pub use joints::{Joint, JointKind, Kinematics, LinkBody, LinkFrame};
 pub use screw::{Screw, ScrewMotion};
-pub use straight::StraightMotion;
 
 use crate::exact::power_of_two;
 use crate::pose::{Pose, PoseError};
@@ -42,12 +42,12 @@ pub trait Motion {
     /// No point of the ball, which body i carries, is farther from where it is at the time gone to than this, at any time that
     /// is at most `span` before or after, within 0 to 1. In the bodies' unit. The rounding of the pose that was written is
     /// heeded: the point is where that pose puts it.
-    fn path(&self, i: usize, ball: &CarriedBall, span: f64) -> f64;
+    fn motion_bound(&self, i: usize, ball: &CarriedBall, span: f64) -> f64;
 
     /// The same of what two bodies carry, as one sees the other: no two points come nearer to each other than they are at the
     /// time gone to by more than this. Never more than the sum of both paths; less where both are moved by the same.
-    fn path_between(&self, a: (usize, &CarriedBall), b: (usize, &CarriedBall), span: f64) -> f64 {
-        self.path(a.0, a.1, span) + self.path(b.0, b.1, span)
+    fn motion_bound_between(&self, a: (usize, &CarriedBall), b: (usize, &CarriedBall), span: f64) -> f64 {
+        self.motion_bound(a.0, a.1, span) + self.motion_bound(b.0, b.1, span)
     }
 }
 

@@ -116,7 +116,7 @@ impl Motion for ScrewMotion<'_> {
         Ok(())
     }
 
-    fn path(&self, i: usize, ball: &CarriedBall, span: f64) -> f64 {
+    fn motion_bound(&self, i: usize, ball: &CarriedBall, span: f64) -> f64 {
         let Screw { point, direction, angle, advance } = &self.screw;
         let far = distance_from_axis(&difference(&ball.centre, point), direction) + ball.radius;
         let (turned, along) = (chord(span * angle.abs(), far), span * advance);
@@ -124,7 +124,12 @@ impl Motion for ScrewMotion<'_> {
     }
 
     /// They do not move as one sees the other.
-    fn path_between(&self, (i, a): (usize, &CarriedBall), (j, b): (usize, &CarriedBall), _: f64) -> f64 {
+    fn motion_bound_between(
+        &self,
+        (i, a): (usize, &CarriedBall),
+        (j, b): (usize, &CarriedBall),
+        _: f64,
+    ) -> f64 {
         self.rounding(i, a) + self.rounding(j, b)
     }
 }

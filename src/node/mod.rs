@@ -1,7 +1,7 @@
 //! Nodes: links to what is below, and volumes that bound it.
 //!
 //! [`Node`] is what every kind of node has: a fixed number of lanes, each with a link. [`Dop`] adds the
-//! planes of k-DOPs, which [`Node16`] and [`Node4`] hold. A tree may have the [`ThinSlab`]s of its lanes
+//! planes of k-DOPs, which [`Node16`] and [`Node4`] hold. A tree may have the [`NormalSlab`]s of its lanes
 //! beside its nodes, or, of spheres, their enclosing balls ([`Ball16`]). Trees over moving points
 //! have nodes of boxes, [`Aabb16`], and [`Bucket`]s.
 
@@ -9,7 +9,7 @@ mod aabb;
 mod ball;
 mod dop;
 mod link;
-mod thin;
+mod normal_slab;
 
 pub use aabb::{Aabb16, Box3, Bucket};
 pub use ball::{Ball16, BoundingBall};
@@ -18,7 +18,7 @@ pub(crate) use link::INDEX;
 pub use link::{Child, Link, MAX_LEAF_SIZE, Width};
 #[cfg(feature = "gpu")]
 pub(crate) use link::{FIRST, LEAF_BIT};
-pub use thin::ThinSlab;
+pub use normal_slab::NormalSlab;
 
 use crate::key::Key;
 use crate::range::Point;

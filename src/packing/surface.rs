@@ -43,7 +43,7 @@ const SLACK: f32 = 1.0 / 4096.0;
 impl Surface {
     /// The surface of a checked mesh whose coordinates are at most 2.
     pub(super) fn new(mesh: &Mesh<'_>) -> Result<Self, crate::construct::BuildError> {
-        let tree: Bvh<Node16<6>> = Builder::fast().without_thin_slabs().build(mesh)?;
+        let tree: Bvh<Node16<6>> = Builder::fast().without_normal_slabs().build_as(mesh)?;
         let view = tree.view();
         let nodes = view.nodes().iter().map(LaneBoxes::of).collect();
         let triangles = (0..view.len() as u32).map(|i| view.primitive(i).map(DVec3::from_array)).collect();

@@ -60,10 +60,10 @@ impl Relative {
     /// makes lengths differ.
     ///
     /// ```
-    /// # use simdop::{construct::{Builder, Mesh}, isa::Isa, node::Node16, pose::Pose, query::Query};
+    /// # use simdop::{Builder, Isa, Mesh, Pose, Query};
     /// # let vertices = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
     /// # let triangles = [[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]];
-    /// # let body = Builder::new().build::<Node16<18>>(&Mesh { vertices: &vertices, triangles: &triangles })?;
+    /// # let body = Builder::new().build(&Mesh { vertices: &vertices, triangles: &triangles })?;
     /// use glam::{DQuat, DVec3};
     /// let world_a = Pose::try_from((DQuat::from_rotation_z(0.3), DVec3::new(1.0, 2.0, 0.5)))?;
     /// // A corner of each is at one place.

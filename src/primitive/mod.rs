@@ -3,7 +3,7 @@
 //! A [`Primitive`] is a kind of body part: triangles and spheres today. Hierarchies, their header, the packer and the
 //! traversal are the same for all kinds; what differs is here: how primitives are stored, what they are once
 //! read, how a pose moves them, and whether a plane bounds them. The tests of one primitive against another
-//! are a trait of their own, [`crate::query::Pairwise`].
+//! are a trait of their own, [`crate::query::PrimitivePair`].
 
 pub(crate) mod lattice;
 pub mod sphere;

@@ -1,6 +1,6 @@
 //! An axis along which primitives are told apart that are farther from each other than matters.
 
-use super::Pairwise;
+use super::PrimitivePair;
 use crate::exact::power_of_two;
 use crate::primitive::{Primitive, radius_of};
 use crate::range::Point;
@@ -84,7 +84,7 @@ impl LookAhead for Ahead {
 /// Whether a primitive of the query's A and one of its B are at most the margin apart. If not, others are from now on told apart along
 /// the axis of their closest points, unless `reach` is 0.
 #[inline(always)]
-pub(super) fn is_near<P: Pairwise<Q>, Q: Primitive, L: LookAhead>(
+pub(super) fn is_near<P: PrimitivePair<Q>, Q: Primitive, L: LookAhead>(
     a: &P::Item,
     b: &Q::Item,
     (margin, reach, ahead): (f64, f64, &mut L),
@@ -99,7 +99,7 @@ pub(super) fn is_near<P: Pairwise<Q>, Q: Primitive, L: LookAhead>(
 
 // Not a part of its caller, of whose stack it would take more.
 #[inline(never)]
-fn look_between<P: Pairwise<Q>, Q: Primitive, L: LookAhead>(
+fn look_between<P: PrimitivePair<Q>, Q: Primitive, L: LookAhead>(
     a: &P::Item,
     b: &Q::Item,
     (margin, reach, ahead): (f64, f64, &mut L),

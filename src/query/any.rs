@@ -1,6 +1,6 @@
 //! Queries between trees whose node type is known at run time only.
 
-use super::{Answer, Completion, Counters, Distance, Pair, Pairwise, Query, ToleranceError};
+use super::{Answer, Completion, Distance, Pair, PrimitivePair, Query, QueryStats, ToleranceError};
 use crate::hierarchy::{AnyBvhRef, Header, for_node_types};
 use crate::pose::Pose;
 use crate::primitive::Primitive;
@@ -70,7 +70,7 @@ impl Query {
     /// # Errors
     /// [`AnyError`] if the two have nodes of different types.
     #[inline]
-    pub fn collide_any<P: Pairwise<Q>, Q: Pairwise<P>>(
+    pub fn collide_any<P: PrimitivePair<Q>, Q: PrimitivePair<P>>(
         &self,
         a: &AnyBvhRef<'_, P>,
         b: &AnyBvhRef<'_, Q>,
@@ -83,13 +83,13 @@ impl Query {
     ///
     /// # Errors
     /// [`AnyError`] if the two have nodes of different types.
-    pub fn for_each_pair_any<P: Pairwise<Q>, Q: Pairwise<P>>(
+    pub fn for_each_pair_any<P: PrimitivePair<Q>, Q: PrimitivePair<P>>(
         &self,
         a: &AnyBvhRef<'_, P>,
         b: &AnyBvhRef<'_, Q>,
         pose: &Pose,
         visit: impl FnMut(Pair) -> ControlFlow<()>,
-    ) -> Result<(Completion, Counters), AnyError> {
+    ) -> Result<(Completion, QueryStats), AnyError> {
         with_both!(a, b => self.for_each_pair(a, b, pose, visit))
     }
 
@@ -98,7 +98,7 @@ impl Query {
     /// # Errors
     /// [`AnyError`] if the two have nodes of different types, or the margin cannot be.
     #[inline]
-    pub fn within_any<P: Pairwise<Q>, Q: Pairwise<P>>(
+    pub fn within_any<P: PrimitivePair<Q>, Q: PrimitivePair<P>>(
         &self,
         a: &AnyBvhRef<'_, P>,
         b: &AnyBvhRef<'_, Q>,
@@ -113,7 +113,7 @@ impl Query {
     /// # Errors
     /// [`AnyError`] if the two have nodes of different types, or the tolerance cannot be.
     #[inline]
-    pub fn distance_any<P: Pairwise<Q>, Q: Pairwise<P>>(
+    pub fn distance_any<P: PrimitivePair<Q>, Q: PrimitivePair<P>>(
         &self,
         a: &AnyBvhRef<'_, P>,
         b: &AnyBvhRef<'_, Q>,

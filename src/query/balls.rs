@@ -1,7 +1,7 @@
 //! The descent of two trees of spheres by the balls of their lanes, for all pairs of spheres that meet: depth first, or
 //! what may share the most volume first.
 
-use super::Counters;
+use super::QueryStats;
 use super::lens::{LensSums, expected};
 use super::stack::{Descent, Rows};
 use super::traverse::{bits_of, primitives};
@@ -66,7 +66,7 @@ pub(super) struct BallSearch<'t, N, E> {
     pose: &'t Pose,
     map: &'t BallMap,
     budget: u64,
-    counters: &'t mut Counters,
+    stats: &'t mut QueryStats,
     sums: &'t mut LensSums,
     /// The node of A that was turned last.
     turned: (u32, Ball16),
@@ -89,11 +89,11 @@ impl<'t, N: Node, E: Kernel> BallSearch<'t, N, E> {
         pose: &'t Pose,
         map: &'t BallMap,
         budget: u64,
-        (counters, sums): (&'t mut Counters, &'t mut LensSums),
+        (stats, sums): (&'t mut QueryStats, &'t mut LensSums),
     ) -> Self {
         let ratio = crate::exact::power_of_two((b.frame().exponent - a.frame().exponent).clamp(-100, 100));
         let (turned, aimed) = ((NO_NODE, Ball16::EMPTY), (LaneAt::ROOT, Ball16::EMPTY));
-        Self { kernel, a, b, pose, map, budget, counters, sums, turned, aimed, ratio: ratio as f32 }
+        Self { kernel, a, b, pose, map, budget, stats, sums, turned, aimed, ratio: ratio as f32 }
     }
 
     /// Finds all pairs, depth first: breaks off where the budget is spent.
@@ -184,10 +184,10 @@ impl<'t, N: Node, E: Kernel> BallSearch<'t, N, E> {
     /// Opens one of two volumes or both, and decides the pairs of leaves among their children.
     #[inline(always)]
     fn visit(&mut self, volumes: BallPair) -> ControlFlow<(), OpenedBalls> {
-        if self.counters.visits == self.budget {
+        if self.stats.visits == self.budget {
             return ControlFlow::Break(());
         }
-        self.counters.visits += 1;
+        self.stats.visits += 1;
         let (a, b) = (Self::link_at(&self.a, volumes.a), Self::link_at(&self.b, volumes.b));
         let by = match (a, b) {
             (Link::Inner(_), Link::Inner(_)) => self.opened(volumes),
@@ -201,7 +201,7 @@ impl<'t, N: Node, E: Kernel> BallSearch<'t, N, E> {
             self.aim(volumes.a);
             let balls = &self.b.balls()[opened.nodes.1 as usize];
             self.kernel.balls_meet(&self.aimed.1, 1, balls, &mut rows.rows);
-            self.counters.kernels += 1;
+            self.stats.kernels += 1;
             rows.pending = u32::from(rows.rows[0] != 0);
         } else {
             self.turn(opened.nodes.0);
@@ -212,7 +212,7 @@ impl<'t, N: Node, E: Kernel> BallSearch<'t, N, E> {
             } else {
                 let balls = &self.b.balls()[opened.nodes.1 as usize];
                 self.kernel.balls_meet(&self.turned.1, wanted, balls, &mut rows.rows);
-                self.counters.kernels += u64::from(wanted.count_ones());
+                self.stats.kernels += u64::from(wanted.count_ones());
                 for (row, bits) in rows.rows.iter().enumerate() {
                     rows.pending |= u32::from(*bits != 0) << row;
                 }
@@ -232,7 +232,7 @@ impl<'t, N: Node, E: Kernel> BallSearch<'t, N, E> {
         let (node, lane) = b.node_and_lane();
         let mut rows = [0; 16];
         self.kernel.balls_meet(&self.b.balls()[node as usize], 1 << lane, &self.turned.1, &mut rows);
-        self.counters.kernels += 1;
+        self.stats.kernels += 1;
         rows[lane]
     }
 
@@ -286,7 +286,7 @@ impl<'t, N: Node, E: Kernel> BallSearch<'t, N, E> {
     #[inline(always)]
     fn turn(&mut self, a: u32) {
         if self.turned.0 != a {
-            self.counters.realignments += 1;
+            self.stats.realignments += 1;
             self.turned.0 = a;
             self.map.turn(&self.a.balls()[a as usize], &mut self.turned.1);
         }
@@ -320,13 +320,8 @@ impl<'t, N: Node, E: Kernel> BallSearch<'t, N, E> {
                         }
                         for j in primitives(b) {
                             let still = self.b.primitive(j);
-                            self.counters.primitive_pairs += 1;
-                            if against_sphere::is_within(
-                                &moved.1,
-                                &still,
-                                0.0,
-                                &mut self.counters.exact_pairs,
-                            ) {
+                            self.stats.primitive_pairs += 1;
+                            if against_sphere::is_within(&moved.1, &still, 0.0, &mut self.stats.exact_pairs) {
                                 self.sums.add(&moved.1, &still);
                             }
                         }

@@ -6,9 +6,9 @@
 
 use super::far::Axis;
 use super::gaps::growth;
-use super::{Counters, Lanes};
+use super::{Lanes, QueryStats};
 use crate::exact::{power_of_two, round_up_f32};
-use crate::frame::{Extent, Frame};
+use crate::frame::{BodyBounds, Frame};
 use crate::hierarchy::BvhRef;
 use crate::node::{Child, Link};
 use crate::pose::Pose;
@@ -48,7 +48,7 @@ const UNLIKE: f64 = 4.0;
 /// What takes widths of volumes of A and of B into one unit; zero for bodies of like size, whose volumes need not be
 /// compared.
 #[inline(always)]
-pub(super) fn growths(a: &Extent, b: &Extent) -> [f32; 2] {
+pub(super) fn growths(a: &BodyBounds, b: &BodyBounds) -> [f32; 2] {
     if a.radius > UNLIKE * b.radius || b.radius > UNLIKE * a.radius {
         let exponent = unit(a, b);
         [growth(&a.frame, exponent), growth(&b.frame, exponent)]
@@ -59,7 +59,7 @@ pub(super) fn growths(a: &Extent, b: &Extent) -> [f32; 2] {
 
 /// The unit is `2^-exponent`, that of the larger body's frame.
 #[inline(always)]
-fn unit(a: &Extent, b: &Extent) -> i32 {
+fn unit(a: &BodyBounds, b: &BodyBounds) -> i32 {
     if a.frame.exponent < b.frame.exponent { a.frame.exponent } else { b.frame.exponent }
 }
 
@@ -72,7 +72,12 @@ pub(super) const fn no_turned<N: Lanes>() -> Kept<N> {
 impl<'t, N: Lanes> Bounds<'t, N> {
     /// Where A is made of `P`.
     #[inline(always)]
-    pub(super) fn new<P: Primitive>(pose: &Pose, a: &Extent, b: &Extent, turned: &'t mut Kept<N>) -> Self {
+    pub(super) fn new<P: Primitive>(
+        pose: &Pose,
+        a: &BodyBounds,
+        b: &BodyBounds,
+        turned: &'t mut Kept<N>,
+    ) -> Self {
         let exponent = unit(a, b);
         let shrinkage = shrinkage::<P>(pose, a);
         if let Some(line) = Axis::new::<N>(pose, a, b, shrinkage, exponent) {
@@ -119,7 +124,7 @@ impl<'t, N: Lanes> Bounds<'t, N> {
 
 /// What turns planes of A in one frame into another.
 #[inline(always)]
-fn map<N: Lanes, P: Primitive>(pose: &Pose, a: &Extent, frame: &Frame) -> N::Map {
+fn map<N: Lanes, P: Primitive>(pose: &Pose, a: &BodyBounds, frame: &Frame) -> N::Map {
     let (mut map, shrinkage) = (N::UNMAPPED, shrinkage::<P>(pose, a));
     N::map(&mut map, pose, a, frame);
     if shrinkage > 0.0 {
@@ -131,7 +136,7 @@ fn map<N: Lanes, P: Primitive>(pose: &Pose, a: &Extent, frame: &Frame) -> N::Map
 impl<N: Lanes> Near<'_, N> {
     /// From here on planes of A are those of a part of it that is so large, and planes of B in this frame. The unit stays, so
     /// that bounds can be compared.
-    pub(super) fn change_frames<P: Primitive>(&mut self, pose: &Pose, a: &Extent, b: &Frame) {
+    pub(super) fn change_frames<P: Primitive>(&mut self, pose: &Pose, a: &BodyBounds, b: &Frame) {
         self.frame.centre = b.centre;
         self.map = map::<N, P>(pose, a, &self.frame);
         self.growth = growth(b, self.frame.exponent);
@@ -152,13 +157,13 @@ impl<N: Lanes> Near<'_, N> {
         tree: &BvhRef<'_, N, P>,
         a: Child,
         level: u8,
-        counters: &mut Counters,
+        stats: &mut QueryStats,
     ) -> &N::PlaneRows {
         let (kept, rows) = &mut self.turned[usize::from(level) % KEPT];
         if *kept != a
             && let Link::Inner(node) = a.link()
         {
-            counters.realignments += 1;
+            stats.realignments += 1;
             *kept = a;
             tree.nodes()[node as usize].turn(&self.map, rows);
         }
@@ -175,7 +180,7 @@ mod tests {
     /// Two balls of radius 100 in their frames, centres `far` units of A's frame apart; B's unit is 2^20 times smaller.
     fn bounds(far: f64, kept: &mut Kept<Node16<18>>) -> Bounds<'_, Node16<18>> {
         let frame = |exponent| Frame { centre: [0.0; 3], exponent };
-        let body = |exponent: i32| Extent {
+        let body = |exponent: i32| BodyBounds {
             frame: frame(exponent),
             max_coordinate: 100.0 * power_of_two(-exponent),
             radius: 100.0 * power_of_two(-exponent),

@@ -1,17 +1,17 @@
 //! A leaf that waits for the other tree cuts its nodes, by slabs of its primitive's own
-//! ([`crate::realign::own_slabs`]): each in the frame of its own tree, where its planes are tight.
+//! ([`crate::realign::primitive_slabs`]): each in the frame of its own tree, where its planes are tight.
 
 use super::frontier::Side;
 use super::placing::{Margin, placed};
 use super::stack::Volumes;
 use super::traverse::{Traversal, bits_of};
-use super::{Lanes, Pairwise};
-use crate::frame::Extent;
+use super::{Lanes, PrimitivePair};
+use crate::frame::BodyBounds;
 use crate::kernel::Kernel;
 use crate::node::{Child, Link, Width};
 use crate::pose::Pose;
 use crate::primitive::Primitive;
-use crate::realign::{OwnSlabs, shrinkage};
+use crate::realign::{PrimitiveSlabs, shrinkage};
 
 /// A leaf of one primitive that waits for the other tree, by the index of the primitive.
 #[derive(Copy, Clone, PartialEq, Eq, Debug)]
@@ -21,16 +21,16 @@ pub(super) enum Cutter {
 }
 
 #[inline(never)]
-fn own_slabs<N: Lanes, P: Primitive, E: Kernel>(
+fn primitive_slabs<N: Lanes, P: Primitive, E: Kernel>(
     kernel: E,
     item: &P::Item,
     margin: f64,
-    body: &Extent,
+    body: &BodyBounds,
     pose: Option<&Pose>,
-) -> OwnSlabs {
+) -> PrimitiveSlabs {
     kernel.run(
         #[inline(always)]
-        || N::own_slabs::<P>(item, margin, body, pose),
+        || N::primitive_slabs::<P>(item, margin, body, pose),
     )
 }
 
@@ -61,8 +61,8 @@ pub(super) fn used_lanes(children: &[Child]) -> u16 {
 impl<N, P, Q, E, M> Traversal<'_, N, P, Q, E, M>
 where
     N: Lanes,
-    P: Pairwise<Q>,
-    Q: Pairwise<P>,
+    P: PrimitivePair<Q>,
+    Q: PrimitivePair<P>,
     E: Kernel,
     M: Margin,
 {
@@ -101,16 +101,16 @@ where
         &self,
         item: One::Item,
         is_of_a: bool,
-        others: &Extent,
-    ) -> OwnSlabs {
+        others: &BodyBounds,
+    ) -> PrimitiveSlabs {
         let (pose, margin) = (self.placing.pose, self.margin.value());
         let (margin, pose) =
             if is_of_a { (margin, None) } else { (margin + shrinkage::<Others>(pose, others), Some(pose)) };
-        own_slabs::<N, One, E>(self.kernel, &item, margin, others, pose)
+        primitive_slabs::<N, One, E>(self.kernel, &item, margin, others, pose)
     }
 
     /// Where a leaf waits for a node: which of the children that the bits name do not lie beyond its
-    /// primitive's own slabs.
+    /// primitive's primitive slabs.
     // Not a part of the loop, which is faster without it, but behind a gate of its own.
     #[inline(never)]
     pub(super) fn cut(&mut self, a: Child, b: Child, bits: u16) -> u16 {

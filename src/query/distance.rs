@@ -4,7 +4,7 @@ use super::inside::Containment;
 use super::nearest::{Goal, Outcome, search};
 use super::placing::Within;
 use super::reject::are_apart;
-use super::{Answer, Completion, Counters, Hint, Lanes, Pair, Pairwise, Query, Verdict};
+use super::{Answer, Completion, Hint, Lanes, Pair, PrimitivePair, Query, QueryStats, Verdict};
 use crate::hierarchy::{AsBvh, BvhRef, with_bvhs};
 use crate::isa::on_isa;
 use crate::pose::Pose;
@@ -58,7 +58,7 @@ pub struct Distance {
     /// [`Completion::Complete`], or [`Completion::OutOfBudget`]: then the bounds are valid, and as far apart as they are.
     pub completion: Completion,
     /// The work.
-    pub counters: Counters,
+    pub stats: QueryStats,
     /// The witness, or of a body inside of a solid the primitives of the two surfaces that are closest, for the next
     /// query to [try first](Query::with_hint).
     pub hint: Hint,
@@ -101,8 +101,8 @@ impl Query {
     ) -> Result<Answer, ToleranceError>
     where
         A::Node: Lanes,
-        A::Primitive: Pairwise<B::Primitive>,
-        B::Primitive: Pairwise<A::Primitive>,
+        A::Primitive: PrimitivePair<B::Primitive>,
+        B::Primitive: PrimitivePair<A::Primitive>,
     {
         let margin = checked(margin)?;
         if are_apart(a.header(), b.header(), pose, margin) {
@@ -116,7 +116,7 @@ impl Query {
     }
 
     /// [`Query::within`] of the primitives alone.
-    fn near_surfaces<N: Lanes, P: Pairwise<Q>, Q: Pairwise<P>>(
+    fn near_surfaces<N: Lanes, P: PrimitivePair<Q>, Q: PrimitivePair<P>>(
         &self,
         a: &BvhRef<'_, N, P>,
         b: &BvhRef<'_, N, Q>,
@@ -140,7 +140,7 @@ impl Query {
             return answer;
         }
         let rest = self.with_budget(self.budget - few).first_near(*a, *b, pose, margin);
-        Answer { counters: answer.counters.and(&rest.counters), ..rest }
+        Answer { stats: answer.stats.and(&rest.stats), ..rest }
     }
 
     /// The distance of body `a`, placed by `pose` in the frame of body `b`, from `b`, and where they are
@@ -152,10 +152,10 @@ impl Query {
     /// the bounds it then has. Bodies may be as far apart and as unlike in size as they like.
     ///
     /// ```
-    /// # use simdop::{construct::{Builder, Mesh}, isa::Isa, node::Node16, pose::Pose, query::Query};
+    /// # use simdop::{Builder, Isa, Mesh, Pose, Query};
     /// # let vertices = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
     /// # let triangles = [[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]];
-    /// # let body = Builder::new().build::<Node16<18>>(&Mesh { vertices: &vertices, triangles: &triangles })?;
+    /// # let body = Builder::new().build(&Mesh { vertices: &vertices, triangles: &triangles })?;
     /// let three_to_the_right = Pose::from_rows([[1.0, 0.0, 0.0, 3.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0]])?;
     /// let distance = Query::new(Isa::detect()).distance(&body.view(), &body.view(), &three_to_the_right, 0.0)?;
     /// assert!((distance.upper - 2.0).abs() < 1e-12 && distance.lower <= distance.upper);
@@ -175,7 +175,7 @@ impl Query {
     ) -> Result<Distance, ToleranceError>
     where
         A::Node: Lanes,
-        A::Primitive: Pairwise<B::Primitive>,
+        A::Primitive: PrimitivePair<B::Primitive>,
     {
         self.distance_up_to(a, b, pose, tolerance, f64::INFINITY)
     }
@@ -188,10 +188,10 @@ impl Query {
     /// few visits, most of them before the first.
     ///
     /// ```
-    /// # use simdop::{construct::{Builder, Mesh}, isa::Isa, node::Node16, pose::Pose, query::Query};
+    /// # use simdop::{Builder, Isa, Mesh, Pose, Query};
     /// # let vertices = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
     /// # let triangles = [[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]];
-    /// # let body = Builder::new().build::<Node16<18>>(&Mesh { vertices: &vertices, triangles: &triangles })?;
+    /// # let body = Builder::new().build(&Mesh { vertices: &vertices, triangles: &triangles })?;
     /// let (query, mut nearest) = (Query::new(Isa::detect()), (f64::INFINITY, None));
     /// for x in [7.0, 3.0, 5.0] {
     ///     let pose = Pose::from_rows([[1.0, 0.0, 0.0, x], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0]])?;
@@ -216,7 +216,7 @@ impl Query {
     ) -> Result<Distance, ToleranceError>
     where
         A::Node: Lanes,
-        A::Primitive: Pairwise<B::Primitive>,
+        A::Primitive: PrimitivePair<B::Primitive>,
     {
         let tolerance = checked(tolerance)?.max(TIGHT);
         // Above zero, so that bodies that touch are nearer.
@@ -228,18 +228,18 @@ impl Query {
                 upper: f64::INFINITY,
                 witness: None,
                 completion: Completion::Complete,
-                counters: Counters::default(),
+                stats: QueryStats::default(),
                 hint: self.hint,
             });
         }
         let (a, b) = (a.as_bvh(), b.as_bvh());
-        let Outcome { completion, best, counters, .. } =
+        let Outcome { completion, best, stats, .. } =
             self.search(a, b, pose, Goal::Distance { tolerance, cutoff });
         let [p, q] = best.points;
         let found = best.upper.is_finite().then_some(best.found);
         let witness = found.map(|found| Witness { pair: found.pair(&a, &b), a: p, b: q });
         let hint = found.map_or(self.hint, Hint::new);
-        let found = Distance { lower: best.lower, upper: best.upper, witness, completion, counters, hint };
+        let found = Distance { lower: best.lower, upper: best.upper, witness, completion, stats, hint };
         Ok(self.or_none(found, &a, &b, pose))
     }
 
@@ -255,42 +255,42 @@ impl Query {
         if !(a.is_solid() || b.is_solid()) || surfaces.upper == 0.0 {
             return surfaces;
         }
-        let mut counters = surfaces.counters;
-        match self.place(a, b, pose, &mut counters) {
-            Containment::Outside => Distance { counters, ..surfaces },
+        let mut stats = surfaces.stats;
+        match self.place(a, b, pose, &mut stats) {
+            Containment::Outside => Distance { stats, ..surfaces },
             Containment::Inside { found, point } => Distance {
                 lower: 0.0,
                 upper: 0.0,
                 witness: Some(Witness { pair: found.pair(a, b), a: point, b: point }),
                 completion: Completion::Complete,
-                counters,
+                stats,
                 hint: surfaces.hint,
             },
             Containment::OutOfBudget { .. } => {
-                Distance { lower: 0.0, completion: Completion::OutOfBudget, counters, ..surfaces }
+                Distance { lower: 0.0, completion: Completion::OutOfBudget, stats, ..surfaces }
             }
         }
     }
 
     /// [`Query::within`] of bodies that are not empty and small compared with the margin: k-DOPs that are widened by
     /// it overlap nearly all.
-    fn first_near<N: Lanes, P: Pairwise<Q>, Q: Primitive>(
+    fn first_near<N: Lanes, P: PrimitivePair<Q>, Q: Primitive>(
         &self,
         a: BvhRef<'_, N, P>,
         b: BvhRef<'_, N, Q>,
         pose: &Pose,
         margin: f64,
     ) -> Answer {
-        let Outcome { completion, best, hit, counters } = self.search(a, b, pose, Goal::Within { margin });
+        let Outcome { completion, best, hit, stats } = self.search(a, b, pose, Goal::Within { margin });
         let verdict = match (hit, completion) {
             (Some(found), _) => Verdict::Hit(found.pair(&a, &b)),
             (None, Completion::Complete) => Verdict::Free,
             (None, _) => Verdict::Unknown { lower: best.lower, upper: best.upper },
         };
-        Answer { verdict, counters, hint: hit.map_or(self.hint, Hint::new) }
+        Answer { verdict, stats, hint: hit.map_or(self.hint, Hint::new) }
     }
 
-    fn search<N: Lanes, P: Pairwise<Q>, Q: Primitive>(
+    fn search<N: Lanes, P: PrimitivePair<Q>, Q: Primitive>(
         &self,
         a: BvhRef<'_, N, P>,
         b: BvhRef<'_, N, Q>,

@@ -18,7 +18,7 @@
 use super::Lanes;
 use crate::directions::Directions;
 use crate::exact::{power_of_two, round_up_f32};
-use crate::frame::{Extent, Frame};
+use crate::frame::{BodyBounds, Frame};
 use crate::key::decode;
 use crate::pose::Pose;
 use crate::primitive::{Primitive, radius_of};
@@ -55,8 +55,8 @@ impl Axis {
     #[inline(always)]
     pub(super) fn new<N: Lanes>(
         pose: &Pose,
-        a: &Extent,
-        b: &Extent,
+        a: &BodyBounds,
+        b: &BodyBounds,
         shrinkage: f64,
         exponent: i32,
     ) -> Option<Self> {
@@ -71,7 +71,12 @@ impl Axis {
     }
 
     #[inline(never)]
-    fn between<N: Lanes>(pose: &Pose, (a, b): (&Extent, &Extent), shift: &Point, exponent: i32) -> Self {
+    fn between<N: Lanes>(
+        pose: &Pose,
+        (a, b): (&BodyBounds, &BodyBounds),
+        shift: &Point,
+        exponent: i32,
+    ) -> Self {
         let length = length(shift);
         let axis = shift.map(|x| x / length * SHORTENED);
         let m = pose.rows();
@@ -134,7 +139,7 @@ pub struct Along {
 impl Along {
     /// For an axis in the body's own frame, at most a little longer than 1, in a unit of `2^-exponent`, which is not
     /// smaller than that of the body's frame.
-    pub(crate) fn new<const K: usize>(axis: Point, body: &Extent, exponent: i32) -> Self {
+    pub(crate) fn new<const K: usize>(axis: Point, body: &BodyBounds, exponent: i32) -> Self {
         let found = Directions::<K>::decompose(axis);
         let ratio = power_of_two(exponent - body.frame.exponent);
         let weights = found.weights.map(|c| (ratio * c) as f32);

@@ -12,8 +12,8 @@ use super::placing::Margin;
 use super::stack::{ABOVE_ROOT, Volumes};
 use super::traverse::Traversal;
 use super::turning::set_up;
-use super::{Lanes, Pairwise};
-use crate::frame::{Extent, Frame};
+use super::{Lanes, PrimitivePair};
+use crate::frame::{BodyBounds, Frame};
 use crate::hierarchy::{BvhRef, Detail};
 use crate::kernel::Kernel;
 use crate::node::{Child, Link};
@@ -22,16 +22,16 @@ use crate::primitive::Primitive;
 impl<N, P, Q, E, M> Traversal<'_, N, P, Q, E, M>
 where
     N: Lanes,
-    P: Pairwise<Q>,
-    Q: Pairwise<P>,
+    P: PrimitivePair<Q>,
+    Q: PrimitivePair<P>,
     E: Kernel,
     M: Margin,
 {
-    pub(super) fn extent_a(&self) -> Extent {
+    pub(super) fn extent_a(&self) -> BodyBounds {
         extent_of(self.a, self.details[0])
     }
 
-    pub(super) fn extent_b(&self) -> Extent {
+    pub(super) fn extent_b(&self) -> BodyBounds {
         extent_of(self.b, self.details[1])
     }
 
@@ -104,7 +104,7 @@ impl<'t, N: Lanes, P: Primitive, Q: Primitive> Search<'t, N, P, Q> {
         if !(is_same(detail_a, detail_before) && is_same(detail_b, other_before)) {
             self.details = Some([detail_a, detail_b]);
             self.leaf.forget_planes();
-            self.own_gaps = None;
+            self.primitive_gaps = None;
             let extent = extent_of(&self.a, detail_a);
             let frame = frame_of(&self.b, detail_b);
             if let Bounds::Near(near) = &mut self.bounds {
@@ -145,7 +145,10 @@ fn enter<'t, N: Lanes, P: Primitive>(tree: &BvhRef<'t, N, P>, child: Child) -> (
 }
 
 /// How large a detail is, or else the tree.
-pub(super) fn extent_of<N: Lanes, P: Primitive>(tree: &BvhRef<'_, N, P>, detail: Option<&Detail>) -> Extent {
+pub(super) fn extent_of<N: Lanes, P: Primitive>(
+    tree: &BvhRef<'_, N, P>,
+    detail: Option<&Detail>,
+) -> BodyBounds {
     detail.map_or_else(|| tree.extent(), Detail::extent)
 }
 

@@ -1,7 +1,7 @@
 //! What a caller carries from one query to the next.
 
 use super::placing::Margin;
-use super::{Counters, Lanes, Pair, Pairwise};
+use super::{Lanes, Pair, PrimitivePair, QueryStats};
 use crate::hierarchy::BvhRef;
 use crate::node::Node;
 use crate::pose::Pose;
@@ -37,16 +37,16 @@ impl Found {
     /// Whether the two meet.
     // Not a part of a query, of whose traversal it would take stack.
     #[inline(never)]
-    pub(super) fn meets<N: Lanes, P: Pairwise<Q>, Q: Pairwise<P>>(
+    pub(super) fn meets<N: Lanes, P: PrimitivePair<Q>, Q: PrimitivePair<P>>(
         self,
         (a, b): (&BvhRef<'_, N, P>, &BvhRef<'_, N, Q>),
         pose: &Pose,
         margin: impl Margin,
-        counters: &mut Counters,
+        stats: &mut QueryStats,
     ) -> bool {
-        counters.primitive_pairs += 1;
+        stats.primitive_pairs += 1;
         let moved = P::moved(&a.primitive(self.a), pose);
-        let (still, exact) = (b.primitive(self.b), &mut counters.exact_pairs);
+        let (still, exact) = (b.primitive(self.b), &mut stats.exact_pairs);
         if margin.value() > 0.0 {
             P::within(&moved, &still, margin.value(), exact)
         } else {

@@ -12,8 +12,8 @@
 use super::hint::Found;
 use super::placing::PlacedTree;
 use super::traverse::primitives;
-use super::{Counters, Lanes, Query};
-use crate::frame::Extent;
+use super::{Lanes, Query, QueryStats};
+use crate::frame::BodyBounds;
 use crate::hierarchy::{BvhRef, MAX_DEPTH};
 use crate::isa::on_isa;
 use crate::kernel::Kernel;
@@ -61,18 +61,18 @@ impl Query {
         a: &BvhRef<'_, N, P>,
         b: &BvhRef<'_, N, Q>,
         pose: &Pose,
-        counters: &mut Counters,
+        stats: &mut QueryStats,
     ) -> Containment {
         let mut find = || {
             if b.is_solid()
                 && let Some(Inner { part, crossed, point }) =
-                    self.first_inner(a, Some(pose), &PlacedTree { tree: b, pose: None }, counters)?
+                    self.first_inner(a, Some(pose), &PlacedTree { tree: b, pose: None }, stats)?
             {
                 return Ok(Some((Found { a: part, b: crossed }, point)));
             }
             if a.is_solid()
                 && let Some(Inner { part, crossed, point }) =
-                    self.first_inner(b, None, &PlacedTree { tree: a, pose: Some(pose) }, counters)?
+                    self.first_inner(b, None, &PlacedTree { tree: a, pose: Some(pose) }, stats)?
             {
                 return Ok(Some((Found { a: crossed, b: part }, point)));
             }
@@ -92,7 +92,7 @@ impl Query {
         body: &BvhRef<'_, N, Q>,
         pose: Option<&Pose>,
         solid: &PlacedTree<'_, N, P>,
-        counters: &mut Counters,
+        stats: &mut QueryStats,
     ) -> Result<Option<Inner>, f64> {
         for part in body.parts() {
             let Some(corner) = Q::corners(&body.primitive(part)).next() else { continue };
@@ -100,7 +100,7 @@ impl Query {
             let extent = body.extent();
             let beside = solid.pose.map(|pose| (pose, &extent));
             let Some(ray) = Ray::new(&point, solid.tree.header(), beside) else { continue };
-            if let Some(crossed) = self.around(solid, &point, &ray, counters)? {
+            if let Some(crossed) = self.around(solid, &point, &ray, stats)? {
                 return Ok(Some(Inner { part, crossed, point }));
             }
         }
@@ -114,11 +114,11 @@ impl Query {
         solid: &BvhRef<'_, N, P>,
         pose: &Pose,
         point: &Point,
-        of: &Extent,
-        counters: &mut Counters,
+        of: &BodyBounds,
+        stats: &mut QueryStats,
     ) -> Result<Option<u32>, f64> {
         let Some(ray) = Ray::new(point, solid.header(), Some((pose, of))) else { return Ok(None) };
-        self.around(&PlacedTree { tree: solid, pose: Some(pose) }, point, &ray, counters)
+        self.around(&PlacedTree { tree: solid, pose: Some(pose) }, point, &ray, stats)
     }
 
     /// If the solid winds around the point, the crossed primitive with the lowest index in what was built. An error if the
@@ -128,9 +128,9 @@ impl Query {
         solid: &PlacedTree<'_, N, P>,
         point: &Point,
         ray: &Ray,
-        counters: &mut Counters,
+        stats: &mut QueryStats,
     ) -> Result<Option<u32>, f64> {
-        on_isa!(self.isa, token => around_on(token.narrow(), solid, point, ray, self.budget, counters))
+        on_isa!(self.isa, token => around_on(token.narrow(), solid, point, ray, self.budget, stats))
     }
 }
 
@@ -142,7 +142,7 @@ fn around_on<N: Lanes, P: Primitive, E: Kernel>(
     point: &Point,
     ray: &Ray,
     budget: u64,
-    counters: &mut Counters,
+    stats: &mut QueryStats,
 ) -> Result<Option<u32>, f64> {
     kernel.run(
         #[inline(always)]
@@ -157,12 +157,12 @@ fn around_on<N: Lanes, P: Primitive, E: Kernel>(
             loop {
                 // One loop with one call of the kernel, so that it is inlined.
                 if let Some(node) = next.take() {
-                    if counters.visits == budget {
+                    if stats.visits == budget {
                         return Err(distance_bound(solid, point));
                     }
-                    counters.visits += 1;
+                    stats.visits += 1;
                     let lanes = solid.tree.nodes()[node as usize].overlap_aimed(kernel, &aimed);
-                    counters.kernels += 1;
+                    stats.kernels += 1;
                     path[level] = Descended { node, lanes };
                     level += 1;
                 }
@@ -179,8 +179,8 @@ fn around_on<N: Lanes, P: Primitive, E: Kernel>(
                     next = Some(below);
                 }
                 for index in primitives(link) {
-                    counters.primitive_pairs += 1;
-                    let crossed = P::crossing(&solid.item(index), point, &mut counters.exact_pairs);
+                    stats.primitive_pairs += 1;
+                    let crossed = P::crossing(&solid.item(index), point, &mut stats.exact_pairs);
                     let is_lower = |lowest| solid.tree.source(index) < solid.tree.source(lowest);
                     if crossed != 0 && lowest.is_none_or(is_lower) {
                         lowest = Some(index);

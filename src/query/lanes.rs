@@ -4,10 +4,10 @@ use super::entries::{Entries, entries, raise};
 use super::far::{self, Along};
 use super::gaps;
 use super::masks::{aim_along, aim_at, enclose};
-use super::own_gaps::OwnGaps;
+use super::normal_gap::{AT_ONCE, supports};
+use super::primitive_gaps::PrimitiveGaps;
 use super::stack::Rows;
-use super::thin::{AT_ONCE, supports};
-use crate::frame::{Extent, Frame};
+use crate::frame::{BodyBounds, Frame};
 use crate::kernel::{Kernel, SEPARATED, Turned};
 use crate::key::Key;
 use crate::node::{Child, Dop, Node, Node4, Node16};
@@ -15,7 +15,8 @@ use crate::pose::Pose;
 use crate::primitive::{LatticeCorners, Primitive};
 use crate::range::Point;
 use crate::realign::{
-    OwnSlab, OwnSlabs, Ray, Realignment, own_slabs, planes_of, planes_on_lattice, some_planes_of,
+    PrimitiveSlab, PrimitiveSlabs, Ray, Realignment, planes_of, planes_on_lattice, primitive_slabs,
+    some_planes_of,
 };
 
 /// A node type that can be queried. Implemented by [`Node16`] and [`Node4`] only.
@@ -44,7 +45,7 @@ pub trait Lanes: Dop {
     const NO_PLANE_ROWS: Self::PlaneRows;
 
     #[doc(hidden)]
-    fn map(map: &mut Self::Map, pose: &Pose, a: &Extent, b: &Frame);
+    fn map(map: &mut Self::Map, pose: &Pose, a: &BodyBounds, b: &Frame);
     #[doc(hidden)]
     fn realign<E: Kernel>(&self, kernel: E, map: &Self::Map, turned: &mut Self::Turned);
     /// The bodies in the `wanted` lanes of `turned` against all lanes of `self`; other rows are zero. Returns
@@ -86,12 +87,17 @@ pub trait Lanes: Dop {
     /// Puts planes that hold all used lanes of `turned` into `aimed`.
     #[doc(hidden)]
     fn enclose(turned: &Self::Turned, aimed: &mut Self::Aimed);
-    /// [`own_slabs`].
+    /// [`primitive_slabs`].
     #[doc(hidden)]
-    fn own_slabs<P: Primitive>(item: &P::Item, margin: f64, body: &Extent, pose: Option<&Pose>) -> OwnSlabs;
+    fn primitive_slabs<P: Primitive>(
+        item: &P::Item,
+        margin: f64,
+        body: &BodyBounds,
+        pose: Option<&Pose>,
+    ) -> PrimitiveSlabs;
     /// Which children of `self` lie beyond a slab of a primitive's own.
     #[doc(hidden)]
-    fn beyond<E: Kernel>(&self, kernel: E, slab: &OwnSlab) -> u16;
+    fn beyond<E: Kernel>(&self, kernel: E, slab: &PrimitiveSlab) -> u16;
     /// The least and the greatest support of some children along a direction each, by column.
     #[doc(hidden)]
     fn supports_of_children(
@@ -117,12 +123,12 @@ pub trait Lanes: Dop {
     /// How far the body with these turned planes is from each child of `self`.
     #[doc(hidden)]
     fn gaps_of_planes(&self, planes: &Self::Planes, growth: f32) -> Entries;
-    /// Raises bounds to what a primitive's own slabs say.
+    /// Raises bounds to what a primitive's primitive slabs say.
     #[doc(hidden)]
-    fn raise(&self, entries: &mut Entries, gaps: &OwnGaps);
+    fn raise(&self, entries: &mut Entries, gaps: &PrimitiveGaps);
     /// How volumes of a body reach along an axis of its frame, in a unit of `2^-exponent`.
     #[doc(hidden)]
-    fn along(axis: Point, body: &Extent, exponent: i32) -> Along;
+    fn along(axis: Point, body: &BodyBounds, exponent: i32) -> Along;
     /// How far child `lane` reaches.
     #[doc(hidden)]
     fn reach_along(&self, along: &Along, lane: usize) -> f32;
@@ -173,7 +179,7 @@ macro_rules! impl_lanes {
             const UNMAPPED: Self::Map = Realignment::UNSET;
 
             #[inline(always)]
-            fn map(map: &mut Self::Map, pose: &Pose, a: &Extent, b: &Frame) {
+            fn map(map: &mut Self::Map, pose: &Pose, a: &BodyBounds, b: &Frame) {
                 map.set(pose, a, b);
             }
 
@@ -237,17 +243,17 @@ macro_rules! impl_lanes {
             }
 
             #[inline(always)]
-            fn own_slabs<P: Primitive>(
+            fn primitive_slabs<P: Primitive>(
                 item: &P::Item,
                 margin: f64,
-                body: &Extent,
+                body: &BodyBounds,
                 pose: Option<&Pose>,
-            ) -> OwnSlabs {
-                own_slabs::<P, K>(item, margin, body, pose)
+            ) -> PrimitiveSlabs {
+                primitive_slabs::<P, K>(item, margin, body, pose)
             }
 
             #[inline(always)]
-            fn beyond<E: Kernel>(&self, kernel: E, slab: &OwnSlab) -> u16 {
+            fn beyond<E: Kernel>(&self, kernel: E, slab: &PrimitiveSlab) -> u16 {
                 kernel.$beyond(slab, self)
             }
 
@@ -290,11 +296,11 @@ macro_rules! impl_lanes {
             }
 
             #[inline(always)]
-            fn raise(&self, entries: &mut Entries, gaps: &OwnGaps) {
+            fn raise(&self, entries: &mut Entries, gaps: &PrimitiveGaps) {
                 raise(entries, &gaps.bounds(&self.planes));
             }
 
-            fn along(axis: Point, body: &Extent, exponent: i32) -> Along {
+            fn along(axis: Point, body: &BodyBounds, exponent: i32) -> Along {
                 Along::new::<K>(axis, body, exponent)
             }
 

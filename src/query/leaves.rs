@@ -7,7 +7,7 @@ use super::on_lattice::{decide_on_lattice, lattice_of};
 use super::placing::{Margin, placed};
 use super::stack::{Descent, Rows};
 use super::traverse::{Flow, Stop, Traversal, bits_of, primitives};
-use super::{Counters, Lanes, Pairwise};
+use super::{Lanes, PrimitivePair, QueryStats};
 use crate::kernel::Kernel;
 use crate::node::{Child, Link};
 use core::ops::ControlFlow;
@@ -45,8 +45,8 @@ impl Iterator for Leaves<'_> {
 impl<N, P, Q, E, M> Traversal<'_, N, P, Q, E, M>
 where
     N: Lanes,
-    P: Pairwise<Q>,
-    Q: Pairwise<P>,
+    P: PrimitivePair<Q>,
+    Q: PrimitivePair<P>,
     E: Kernel,
     M: Margin,
 {
@@ -99,7 +99,7 @@ where
             let (of_a, of_b) = placed((a, b), placing);
             for i in primitives(one.link()) {
                 let mut visit = |j| (self.visit)(Found { a: i, b: j });
-                decide_on_lattice(lattice, (&of_a, i), &of_b, leaves, self.counters, &mut visit)?;
+                decide_on_lattice(lattice, (&of_a, i), &of_b, leaves, self.stats, &mut visit)?;
             }
             return Flow::Continue(());
         }
@@ -109,7 +109,7 @@ where
             decide_one::<P, Q, E, M>(
                 kernel,
                 (self.margin, &mut self.ahead),
-                self.counters,
+                self.stats,
                 (&item, placing.turned == Side::A),
                 leaves,
                 #[inline(always)]
@@ -131,7 +131,7 @@ where
             let (of_a, of_b) = placed((a, b), placing);
             for j in primitives(one.link()) {
                 let mut visit = |i| (self.visit)(Found { a: i, b: j });
-                decide_on_lattice(lattice, (&of_b, j), &of_a, leaves, self.counters, &mut visit)?;
+                decide_on_lattice(lattice, (&of_b, j), &of_a, leaves, self.stats, &mut visit)?;
             }
             return Flow::Continue(());
         }
@@ -140,7 +140,7 @@ where
             decide_one::<Q, P, E, M>(
                 kernel,
                 (self.margin, &mut self.ahead),
-                self.counters,
+                self.stats,
                 (&item, placing.turned == Side::B),
                 leaves,
                 #[inline(always)]
@@ -156,10 +156,10 @@ where
 /// One primitive, which is of the query's A or not, against those of some leaves, four at a time through the filter. With a margin those
 /// that are farther apart along an axis are left out first.
 #[inline(always)]
-fn decide_one<One: Pairwise<Other>, Other: Pairwise<One>, E: Kernel, M: Margin>(
+fn decide_one<One: PrimitivePair<Other>, Other: PrimitivePair<One>, E: Kernel, M: Margin>(
     kernel: E,
     (margin, ahead): (M, &mut M::Ahead),
-    counters: &mut Counters,
+    stats: &mut QueryStats,
     (item, is_of_a): (&One::Item, bool),
     mut leaves: Leaves<'_>,
     other_at: impl Fn(u32) -> Other::Item,
@@ -181,7 +181,7 @@ fn decide_one<One: Pairwise<Other>, Other: Pairwise<One>, E: Kernel, M: Margin>(
             if let Some(index) = range.next() {
                 let other = other_at(index);
                 if is_far(ahead, &other) {
-                    counters.primitive_pairs += 1;
+                    stats.primitive_pairs += 1;
                     continue;
                 }
                 indices[len & 3] = index;
@@ -196,7 +196,7 @@ fn decide_one<One: Pairwise<Other>, Other: Pairwise<One>, E: Kernel, M: Margin>(
         // A single pair is decided as fast by the test itself.
         let apart = if len > 1 { One::apart_4(kernel, &probe, &others) } else { 0 };
         for k in bits_of(!apart & ((1 << len) - 1)) {
-            let (other, exact) = (&others[k & 3], &mut counters.exact_pairs);
+            let (other, exact) = (&others[k & 3], &mut stats.exact_pairs);
             let meets = match (margin > 0.0, is_of_a) {
                 (false, _) => One::meets(&probe, other, exact),
                 // By an axis that was found since.
@@ -205,11 +205,11 @@ fn decide_one<One: Pairwise<Other>, Other: Pairwise<One>, E: Kernel, M: Margin>(
                 (true, false) => is_near::<Other, One, _>(other, item, (margin, reach, ahead), exact),
             };
             if meets && visit(indices[k & 3]).is_break() {
-                counters.primitive_pairs += k as u64 + 1;
+                stats.primitive_pairs += k as u64 + 1;
                 return Flow::Break(Stop::Visitor);
             }
         }
-        counters.primitive_pairs += len as u64;
+        stats.primitive_pairs += len as u64;
         if len < 4 {
             return Flow::Continue(());
         }

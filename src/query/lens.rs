@@ -1,6 +1,6 @@
 //! What pairs of spheres share: lenses, and sums over them that do not depend on their order.
 
-use super::{Completion, Counters, Penetration};
+use super::{Completion, Penetration, QueryStats};
 use crate::exact::power_of_two;
 use crate::frame::Frame;
 use crate::node::BoundingBall;
@@ -40,7 +40,7 @@ impl LensSums {
         Self { origin, scale, volume, direction, point, pairs: 0 }
     }
 
-    pub(super) fn finish(&self, rest: Option<Outlook>, counters: Counters) -> Penetration {
+    pub(super) fn finish(&self, rest: Option<Outlook>, stats: QueryStats) -> Penetration {
         let volume = self.volume.value();
         let unscale = 1.0 / self.scale;
         let mean = |sums: &[Sum; 3]| sums.each_ref().map(|sum| sum.value() / volume);
@@ -59,7 +59,7 @@ impl LensSums {
             point: is_deep.then(point),
             pairs: self.pairs,
             completion: if rest.is_none() { Completion::Complete } else { Completion::OutOfBudget },
-            counters,
+            stats,
         }
     }
 

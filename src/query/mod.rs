@@ -7,10 +7,10 @@
 //! divide the poses, and each answer is what one thread gives:
 //!
 //! ```
-//! # use simdop::{construct::{Builder, Mesh}, isa::Isa, node::Node16, pose::Pose, query::Query};
+//! # use simdop::{Builder, Isa, Mesh, Pose, Query};
 //! # let vertices = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
 //! # let triangles = [[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]];
-//! # let body = Builder::new().build::<Node16<18>>(&Mesh { vertices: &vertices, triangles: &triangles })?;
+//! # let body = Builder::new().build(&Mesh { vertices: &vertices, triangles: &triangles })?;
 //! # let poses: Vec<Pose> = [0.1, 0.7, 1.5, 9.0].into_iter()
 //! #     .map(|x| Pose::from_rows([[1.0, 0.0, 0.0, x], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0]]).unwrap()).collect();
 //! let (view, query) = (body.view(), Query::new(Isa::detect()));
@@ -33,7 +33,6 @@ mod ahead;
 mod any;
 mod balls;
 mod bounds;
-mod counters;
 mod cut;
 mod distance;
 mod entries;
@@ -47,31 +46,32 @@ mod lanes;
 mod leaf;
 mod leaves;
 mod lens;
-mod long;
 mod masks;
 mod nearest;
+mod normal_gap;
+mod normal_slabs;
 mod on_lattice;
-mod own_gaps;
-mod pairwise;
 mod penetration;
 mod placing;
+mod primitive_gaps;
+mod primitive_pair;
+mod query_stats;
 mod reject;
 mod stack;
-mod thin;
 mod traverse;
 mod turned;
 mod turning;
 mod waiting;
 
 pub use any::AnyError;
-pub use counters::Counters;
 pub(crate) use distance::checked;
 pub use distance::{Distance, ToleranceError, Witness};
 pub use frontier::DISTANCE_STACK_BYTES;
 pub use hint::Hint;
 pub use lanes::Lanes;
-pub use pairwise::Pairwise;
 pub use penetration::Penetration;
+pub use primitive_pair::PrimitivePair;
+pub use query_stats::QueryStats;
 pub use stack::STACK_BYTES;
 pub use waiting::PENETRATION_QUEUE_BYTES;
 
@@ -147,10 +147,10 @@ impl Verdict {
 /// [`Answer::is_free`], or match the verdict.
 ///
 /// ```
-/// # use simdop::{construct::{Builder, Mesh}, isa::Isa, node::Node16, pose::Pose, query::Query};
+/// # use simdop::{Builder, Isa, Mesh, Pose, Query};
 /// # let vertices = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
 /// # let triangles = [[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]];
-/// # let body = Builder::new().build::<Node16<18>>(&Mesh { vertices: &vertices, triangles: &triangles })?;
+/// # let body = Builder::new().build(&Mesh { vertices: &vertices, triangles: &triangles })?;
 /// let query = Query::new(Isa::detect());
 /// let in_contact = query.collide(&body.view(), &body.view(), &Pose::IDENTITY);
 /// assert!(!in_contact.is_free() && in_contact.hit().is_some());
@@ -164,7 +164,7 @@ pub struct Answer {
     /// The verdict.
     pub verdict: Verdict,
     /// The work.
-    pub counters: Counters,
+    pub stats: QueryStats,
     /// The primitives that met, or else the hint that was given, as where a body is inside of a solid: for the next query
     /// to [try first](Query::with_hint).
     pub hint: Hint,
@@ -203,7 +203,7 @@ impl Query {
         Self { isa, budget: u64::MAX, hint: Hint::NONE }
     }
 
-    /// Gives up after `visits` visits (see [`Counters::visits`]).
+    /// Gives up after `visits` visits (see [`QueryStats::visits`]).
     #[must_use]
     pub const fn with_budget(self, visits: u64) -> Self {
         Self { budget: visits, ..self }
@@ -216,10 +216,10 @@ impl Query {
     /// Tries first what an earlier query of the same bodies found: for coherent motion. See [`Hint`].
     ///
     /// ```
-    /// # use simdop::{construct::{Builder, Mesh}, isa::Isa, node::Node16, pose::Pose, query::{Hint, Query}};
+    /// # use simdop::{Builder, Isa, Mesh, Pose, Query, query::Hint};
     /// # let vertices = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
     /// # let triangles = [[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]];
-    /// # let body = Builder::new().build::<Node16<18>>(&Mesh { vertices: &vertices, triangles: &triangles })?;
+    /// # let body = Builder::new().build(&Mesh { vertices: &vertices, triangles: &triangles })?;
     /// let query = Query::new(Isa::detect());
     /// let mut hint = Hint::NONE;
     /// for x in [0.5, 0.51, 0.52] {
@@ -242,12 +242,12 @@ impl Query {
     /// The verdict is exact for the corners of `a` moved by [`Pose::apply`]. First hit ends it.
     ///
     /// The order of the bodies hardly matters to speed: whichever of them gets less loose by it is turned into the frame
-    /// of the other ([`looseness`](crate::hierarchy::Header::looseness)).
+    /// of the other ([`rotation_growth`](crate::hierarchy::Header::rotation_growth)).
     pub fn collide<A: AsBvh, B: AsBvh<Node = A::Node>>(&self, a: &A, b: &B, pose: &Pose) -> Answer
     where
         A::Node: Lanes,
-        A::Primitive: Pairwise<B::Primitive>,
-        B::Primitive: Pairwise<A::Primitive>,
+        A::Primitive: PrimitivePair<B::Primitive>,
+        B::Primitive: PrimitivePair<A::Primitive>,
     {
         if are_apart(a.header(), b.header(), pose, 0.0) {
             return self.free();
@@ -271,10 +271,10 @@ impl Query {
         match &mut answer.verdict {
             _ if !(a.is_solid() || b.is_solid()) => {}
             // Nothing is inside of what was empty, or met by the hint.
-            _ if answer.counters.visits == 0 => {}
+            _ if answer.stats.visits == 0 => {}
             Verdict::Hit(_) => {}
             Verdict::Unknown { lower, .. } => *lower = 0.0,
-            verdict @ Verdict::Free => match self.place(a, b, pose, &mut answer.counters) {
+            verdict @ Verdict::Free => match self.place(a, b, pose, &mut answer.stats) {
                 Containment::Outside => {}
                 Containment::Inside { found, .. } => *verdict = Verdict::Hit(found.pair(a, b)),
                 Containment::OutOfBudget { upper } => *verdict = Verdict::Unknown { lower: 0.0, upper },
@@ -285,14 +285,14 @@ impl Query {
     /// That no primitives meet, found out without any work.
     #[inline(always)]
     fn free(&self) -> Answer {
-        Answer { verdict: Verdict::Free, counters: Counters::default(), hint: self.hint }
+        Answer { verdict: Verdict::Free, stats: QueryStats::default(), hint: self.hint }
     }
 
     /// The first pair of primitives at most `margin` apart: that of the hint, or the first that the traversal
     /// finds.
-    // Counters are counted where they are answered: as a copy they would have to wait for their stores.
+    // QueryStats are counted where they are answered: as a copy they would have to wait for their stores.
     #[inline(always)]
-    fn first_pair<N: Lanes, P: Pairwise<Q>, Q: Pairwise<P>>(
+    fn first_pair<N: Lanes, P: PrimitivePair<Q>, Q: PrimitivePair<P>>(
         &self,
         a: &BvhRef<'_, N, P>,
         b: &BvhRef<'_, N, Q>,
@@ -300,11 +300,11 @@ impl Query {
         margin: impl Margin,
     ) -> Answer {
         let mut answer = self.free();
-        let work = &mut answer.counters;
+        let work = &mut answer.stats;
         let mut hit = self.hint.pair(a.len(), b.len()).filter(|hint| hint.meets((a, b), pose, margin, work));
         let mut stop = None;
         if hit.is_none() {
-            stop = self.run((a, b), pose, margin, &mut answer.counters, &mut |found| {
+            stop = self.run((a, b), pose, margin, &mut answer.stats, &mut |found| {
                 hit = Some(found);
                 ControlFlow::Break(())
             });
@@ -326,24 +326,24 @@ impl Query {
         b: &B,
         pose: &Pose,
         mut visit: impl FnMut(Pair) -> ControlFlow<()>,
-    ) -> (Completion, Counters)
+    ) -> (Completion, QueryStats)
     where
         A::Node: Lanes,
-        A::Primitive: Pairwise<B::Primitive>,
-        B::Primitive: Pairwise<A::Primitive>,
+        A::Primitive: PrimitivePair<B::Primitive>,
+        B::Primitive: PrimitivePair<A::Primitive>,
     {
-        let mut counters = Counters::default();
+        let mut stats = QueryStats::default();
         if are_apart(a.header(), b.header(), pose, 0.0) {
-            return (Completion::Complete, counters);
+            return (Completion::Complete, stats);
         }
         let stop = with_bvhs(a, b, |a, b| {
-            self.run((a, b), pose, Touching, &mut counters, &mut |found| visit(found.pair(a, b)))
+            self.run((a, b), pose, Touching, &mut stats, &mut |found| visit(found.pair(a, b)))
         });
         let completion = match stop {
             None => Completion::Complete,
             Some(Stop::Visitor) => Completion::Stopped,
             Some(Stop::Budget { .. }) => Completion::OutOfBudget,
         };
-        (completion, counters)
+        (completion, stats)
     }
 }

@@ -12,10 +12,10 @@ use super::entries::{Entries, Entry, least};
 use super::frontier::{Frontier, Opened, Side, VolumeA, VolumeB};
 use super::hint::Found;
 use super::leaf::{LeafA, Threshold};
-use super::own_gaps::OwnGaps;
 use super::placing::{first_primitive, reach};
+use super::primitive_gaps::PrimitiveGaps;
 use super::stack::ABOVE_ROOT;
-use super::{Completion, Counters, Lanes, Pairwise, Query};
+use super::{Completion, Lanes, PrimitivePair, Query, QueryStats};
 use crate::hierarchy::{BvhRef, Detail};
 use crate::kernel::Kernel;
 use crate::node::{Child, Link};
@@ -49,7 +49,7 @@ pub(super) struct Outcome {
     pub(super) best: Best,
     /// Two primitives within the margin.
     pub(super) hit: Option<Found>,
-    pub(super) counters: Counters,
+    pub(super) stats: QueryStats,
 }
 
 #[derive(Debug)]
@@ -62,12 +62,12 @@ pub(super) struct Search<'t, N: Lanes, P: Primitive, Q: Primitive> {
     pub(super) goal: Goal,
     /// Bounds all coordinates.
     reach: f64,
-    pub(super) counters: Counters,
+    pub(super) stats: QueryStats,
     best: Best,
     hit: Option<Found>,
     pub(super) threshold: Threshold,
     /// Those of the leaf that waited last for a node of the other tree.
-    pub(super) own_gaps: Option<(Cutter, OwnGaps)>,
+    pub(super) primitive_gaps: Option<(Cutter, PrimitiveGaps)>,
     pub(super) leaf: LeafA<N, P>,
     /// Lane 0: all of B.
     whole_b: N,
@@ -79,7 +79,7 @@ pub(super) struct Search<'t, N: Lanes, P: Primitive, Q: Primitive> {
 
 /// Searches bodies that are not empty.
 #[inline(never)]
-pub(super) fn search<N: Lanes, P: Pairwise<Q>, Q: Primitive, E: Kernel>(
+pub(super) fn search<N: Lanes, P: PrimitivePair<Q>, Q: Primitive, E: Kernel>(
     kernel: E,
     a: BvhRef<'_, N, P>,
     b: BvhRef<'_, N, Q>,
@@ -94,13 +94,13 @@ pub(super) fn search<N: Lanes, P: Pairwise<Q>, Q: Primitive, E: Kernel>(
             let mut search = Search::new(a, b, pose, query, goal, &mut kept);
             search.try_first(query.hint.pair(a.len(), b.len()));
             let completion = search.run();
-            let Search { best, hit, counters, .. } = search;
-            Outcome { completion, best, hit, counters }
+            let Search { best, hit, stats, .. } = search;
+            Outcome { completion, best, hit, stats }
         },
     )
 }
 
-impl<'t, N: Lanes, P: Pairwise<Q>, Q: Primitive> Search<'t, N, P, Q> {
+impl<'t, N: Lanes, P: PrimitivePair<Q>, Q: Primitive> Search<'t, N, P, Q> {
     #[inline(always)]
     fn new(
         a: BvhRef<'t, N, P>,
@@ -122,7 +122,7 @@ impl<'t, N: Lanes, P: Pairwise<Q>, Q: Primitive> Search<'t, N, P, Q> {
             budget: query.budget,
             goal,
             reach: reach(&a, &b, pose),
-            counters: Counters::default(),
+            stats: QueryStats::default(),
             best: Best {
                 lower: f64::INFINITY,
                 upper: f64::INFINITY,
@@ -131,7 +131,7 @@ impl<'t, N: Lanes, P: Pairwise<Q>, Q: Primitive> Search<'t, N, P, Q> {
             },
             hit: None,
             threshold: Threshold { distance, bound, ahead: Ahead::NOTHING },
-            own_gaps: None,
+            primitive_gaps: None,
             leaf: LeafA::none(),
             whole_b: b.nodes()[0].hull(),
             growths: growths(&a.extent(), &b.extent()),
@@ -159,12 +159,12 @@ impl<'t, N: Lanes, P: Pairwise<Q>, Q: Primitive> Search<'t, N, P, Q> {
     /// A pair of primitives.
     #[inline(always)]
     fn test(&mut self, found: Found, moved: &P::Item) {
-        self.counters.primitive_pairs += 1;
+        self.stats.primitive_pairs += 1;
         let still = self.b.primitive(found.b);
         if self.threshold.ahead.is_far::<P, Q>(moved, &still) {
             return;
         }
-        let exact = &mut self.counters.exact_pairs;
+        let exact = &mut self.stats.exact_pairs;
         match self.goal {
             Goal::Distance { tolerance, cutoff } => {
                 // That may be a pair beyond the threshold. One beyond the cutoff is no better than those that were
@@ -211,11 +211,11 @@ impl<'t, N: Lanes, P: Pairwise<Q>, Q: Primitive> Search<'t, N, P, Q> {
             if is_leaf(a.child) && is_leaf(b.child) {
                 self.decide(a.child, b.child);
             } else {
-                if self.counters.visits == self.budget {
+                if self.stats.visits == self.budget {
                     self.give_up(stack.least().map_or(bound, |least| least.min(bound)), a.child, b.child);
                     return Completion::OutOfBudget;
                 }
-                self.counters.visits += 1;
+                self.stats.visits += 1;
                 let body =
                     if is_leaf(b.child) || (!is_leaf(a.child) && a.is_next(&b)) { Side::A } else { Side::B };
                 let (a, b) = if self.details.is_some() { self.change_frames(a, b, body) } else { (a, b) };
@@ -284,13 +284,13 @@ impl<'t, N: Lanes, P: Pairwise<Q>, Q: Primitive> Search<'t, N, P, Q> {
     #[inline(always)]
     fn open_a(&mut self, a: &VolumeA, b: &VolumeB) -> Entries {
         let Link::Inner(node) = a.child.link() else { return [Entry::NONE; 16] };
-        self.counters.kernels += 1;
+        self.stats.kernels += 1;
         let (node, lane) = (&self.a.nodes()[node as usize], usize::from(b.lane));
         let holder = if b.parent == ABOVE_ROOT { &self.whole_b } else { &self.b.nodes()[b.parent as usize] };
         match &mut self.bounds {
             Bounds::Near(near) => {
                 let growth = near.growth;
-                let rows = near.turn(&self.a, a.child, a.level, &mut self.counters);
+                let rows = near.turn(&self.a, a.child, a.level, &mut self.stats);
                 node.gaps_of_rows(rows, holder, lane, growth)
             }
             Bounds::Far(line) => node.gaps_along(&line.a, holder.reach_along(&line.b, lane)),
@@ -301,7 +301,7 @@ impl<'t, N: Lanes, P: Pairwise<Q>, Q: Primitive> Search<'t, N, P, Q> {
     #[inline(always)]
     fn open_b(&mut self, a: &VolumeA, b: &VolumeB) -> Entries {
         let Link::Inner(node) = b.child.link() else { return [Entry::NONE; 16] };
-        self.counters.kernels += 1;
+        self.stats.kernels += 1;
         let (node, lane) = (&self.b.nodes()[node as usize], usize::from(a.lane));
         // A volume that is no leaf has a parent: the root of A is opened before anything of B.
         match (&mut self.bounds, a.child.link(), a.parent.link()) {
@@ -311,7 +311,7 @@ impl<'t, N: Lanes, P: Pairwise<Q>, Q: Primitive> Search<'t, N, P, Q> {
             }
             (Bounds::Near(near), ..) => {
                 let growth = near.growth;
-                let rows = near.turn(&self.a, a.parent, a.level - 1, &mut self.counters);
+                let rows = near.turn(&self.a, a.parent, a.level - 1, &mut self.stats);
                 node.gaps_of_planes(&N::column(rows, lane), growth)
             }
             (Bounds::Far(line), Link::Inner(_), Link::Inner(parent)) => {

@@ -5,7 +5,7 @@ use super::frontier::Side;
 use super::leaves::Leaves;
 use super::placing::{PlacedTree, Placing};
 use super::traverse::{Flow, Stop, primitives};
-use super::{Counters, Lanes, Pairwise};
+use super::{Lanes, PrimitivePair, QueryStats};
 use crate::frame::Frame;
 use crate::hierarchy::BvhRef;
 use crate::node::Link;
@@ -37,19 +37,19 @@ pub(super) fn lattice_of<'l, N: Lanes, P: Primitive, Q: Primitive>(
 
 /// One primitive against those of some leaves.
 #[inline(never)]
-pub(super) fn decide_on_lattice<N: Lanes, One: Pairwise<Other>, Other: Pairwise<One>>(
+pub(super) fn decide_on_lattice<N: Lanes, One: PrimitivePair<Other>, Other: PrimitivePair<One>>(
     lattice: Option<&Lattice>,
     (one, index): (&PlacedTree<'_, N, One>, u32),
     other: &PlacedTree<'_, N, Other>,
     leaves: Leaves<'_>,
-    counters: &mut Counters,
+    stats: &mut QueryStats,
     visit: &mut dyn FnMut(u32) -> ControlFlow<()>,
 ) -> Flow {
     let corners = lattice.and_then(|lattice| one.corners(index, lattice));
     let probe = corners.as_ref().map(LatticeProbe::new);
     for leaf in leaves {
         for j in primitives(leaf.link()) {
-            counters.primitive_pairs += 1;
+            stats.primitive_pairs += 1;
             let certain = match (&probe, lattice) {
                 (Some(probe), Some(lattice)) => {
                     other.corners(j, lattice).and_then(|corners| probe.meets(&corners))
@@ -58,7 +58,7 @@ pub(super) fn decide_on_lattice<N: Lanes, One: Pairwise<Other>, Other: Pairwise<
             };
             let meets = match certain {
                 Some(meets) => meets,
-                None => meet((one, index), (other, j), &mut counters.exact_pairs),
+                None => meet((one, index), (other, j), &mut stats.exact_pairs),
             };
             if meets && visit(j).is_break() {
                 return Flow::Break(Stop::Visitor);
@@ -70,7 +70,7 @@ pub(super) fn decide_on_lattice<N: Lanes, One: Pairwise<Other>, Other: Pairwise<
 
 #[cold]
 #[inline(never)]
-fn meet<N: Lanes, One: Pairwise<Other>, Other: Pairwise<One>>(
+fn meet<N: Lanes, One: PrimitivePair<Other>, Other: PrimitivePair<One>>(
     (one, i): (&PlacedTree<'_, N, One>, u32),
     (other, j): (&PlacedTree<'_, N, Other>, u32),
     exact: &mut u64,

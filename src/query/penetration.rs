@@ -8,7 +8,7 @@ use super::balls::{BallSearch, Rest};
 use super::lens::{LensSums, Outlook};
 use super::placing::Touching;
 use super::reject::are_apart;
-use super::{Completion, Counters, Lanes, Query};
+use super::{Completion, Lanes, Query, QueryStats};
 use crate::exact::power_of_two;
 use crate::hierarchy::{AsBvh, BvhRef};
 use crate::isa::on_isa;
@@ -58,7 +58,7 @@ pub struct Penetration {
     /// the pairs that were found.
     pub completion: Completion,
     /// The work.
-    pub counters: Counters,
+    pub stats: QueryStats,
 }
 
 impl Query {
@@ -94,19 +94,19 @@ impl Query {
         let is_far = are_apart(a.header(), b.header(), pose, 0.0);
         let (a, b) = (a.as_bvh(), b.as_bvh());
         let mut sums = LensSums::new(&a.frame(), &b.frame(), pose);
-        let mut counters = Counters::default();
+        let mut stats = QueryStats::default();
         if is_far {
-            return sums.finish(None, counters);
+            return sums.finish(None, stats);
         }
         if !a.balls().is_empty() && !b.balls().is_empty() {
-            let rest = self.by_balls(&a, &b, pose, &mut sums, &mut counters);
-            return sums.finish(rest, counters);
+            let rest = self.by_balls(&a, &b, pose, &mut sums, &mut stats);
+            return sums.finish(rest, stats);
         }
-        let stop = self.run((&a, &b), pose, Touching, &mut counters, &mut |found| {
+        let stop = self.run((&a, &b), pose, Touching, &mut stats, &mut |found| {
             sums.add(&Spheres::moved(&a.primitive(found.a), pose), &b.primitive(found.b));
             ControlFlow::Continue(())
         });
-        sums.finish(stop.map(|_| Outlook { estimate: 0.0, upper: f64::INFINITY }), counters)
+        sums.finish(stop.map(|_| Outlook { estimate: 0.0, upper: f64::INFINITY }), stats)
     }
 
     /// Depth first, or what may share the most first. Two functions, of which only the second has room for what waits on
@@ -117,13 +117,13 @@ impl Query {
         trees: (&BvhRef<'_, N, Spheres>, &BvhRef<'_, N, Spheres>),
         (pose, map): (&Pose, &BallMap),
         sums: &mut LensSums,
-        counters: &mut Counters,
+        stats: &mut QueryStats,
     ) -> Option<Rest> {
         on_isa!(self.isa, token => token.run(
             #[inline(always)]
             || {
                 let (a, b) = trees;
-                let mut search = BallSearch::new(token, (*a, *b), pose, map, self.budget, (counters, sums));
+                let mut search = BallSearch::new(token, (*a, *b), pose, map, self.budget, (stats, sums));
                 if BEST_FIRST {
                     search.best_first().break_value()
                 } else {
@@ -142,13 +142,13 @@ impl Query {
         b: &BvhRef<'_, N, Spheres>,
         pose: &Pose,
         sums: &mut LensSums,
-        counters: &mut Counters,
+        stats: &mut QueryStats,
     ) -> Option<Outlook> {
         let map = BallMap::new(pose, &a.extent(), &b.extent())?;
         let rest = if self.budget == u64::MAX {
-            self.search_balls::<N, false>((a, b), (pose, &map), sums, counters)
+            self.search_balls::<N, false>((a, b), (pose, &map), sums, stats)
         } else {
-            self.search_balls::<N, true>((a, b), (pose, &map), sums, counters)
+            self.search_balls::<N, true>((a, b), (pose, &map), sums, stats)
         };
         let Rest { known, bound, expected } = rest?;
         // A pose may bring A's spheres nearer to each other, as much as its matrix is no rotation: of what so overlaps, each

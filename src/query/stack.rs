@@ -53,7 +53,7 @@ pub(super) struct Visited {
     pub(super) rows: Rows,
     pub(super) volumes: Volumes,
     pub(super) opened: Descent,
-    /// Whether the pairs were looked at once more, by thin slabs.
+    /// Whether the pairs were looked at once more, by normal slabs.
     pub(super) looked_at: bool,
 }
 

@@ -9,19 +9,19 @@
 //! every pair of such leaves and nodes overlaps. So the wider node is opened alone, its children against the
 //! narrower volume as a whole, until the two are alike. The widths are in the links ([`Width`]).
 //!
-//! **Which body is turned.** The one whose planes get less loose by it ([`Header::looseness`]). In a traversal `a` is
+//! **Which body is turned.** The one whose planes get less loose by it ([`Header::rotation_growth`]). In a traversal `a` is
 //! that body and `b` the one that keeps its frame, whichever of the query's A and B they are: volumes of a are turned by
-//! the pose, or by the way back ([`WayBack`]). Only primitives are not alike, since the query is about those of A as the
+//! the pose, or by the way back ([`InversePose`]). Only primitives are not alike, since the query is about those of A as the
 //! pose moves them: [`Placing`] says which body has to be moved.
 
 use super::ahead::LookAhead;
 use super::cut::{Cutter, used_lanes};
 use super::hint::Found;
-use super::long::{LONG, Thin};
+use super::normal_slabs::{LONG, NormalSlabs};
 use super::placing::{Margin, Placing, corner_distance};
 use super::stack::{ABOVE_ROOT, Descent, FEW, MANY, NOT_VISITED, Next, Rows, Stack, Visited, Volumes};
 use super::turned::TurnedChildren;
-use super::{Counters, Lanes, Pairwise};
+use super::{Lanes, PrimitivePair, QueryStats};
 #[cfg(doc)]
 use crate::hierarchy::Header;
 use crate::hierarchy::{BvhRef, Detail};
@@ -30,9 +30,9 @@ use crate::kernel::Kernel;
 use crate::node::Width;
 use crate::node::{Child, Link};
 use crate::primitive::{Lattice, Primitive};
-use crate::realign::OwnSlabs;
 #[cfg(doc)]
-use crate::realign::WayBack;
+use crate::realign::InversePose;
+use crate::realign::PrimitiveSlabs;
 use core::ops::{ControlFlow, Range};
 
 /// Why a traversal ended early.
@@ -71,15 +71,15 @@ pub(crate) struct Traversal<'t, N: Lanes, P: Primitive, Q: Primitive, E, M: Marg
     pub(super) details: [Option<&'t Detail>; 2],
     budget: u64,
     pub(super) margin: M,
-    pub(super) counters: &'t mut Counters,
+    pub(super) stats: &'t mut QueryStats,
     pub(super) visit: Visitor<'t>,
     /// Of the node of A that was turned last. Siblings in B follow each other, so it is often the next one too.
     pub(super) turned: TurnedChildren<N::Turned>,
     /// The leaf or node of A whose volume is descending B's tree, if one did, and its planes.
     pub(super) aimed: Option<(Child, N::Aimed)>,
     /// The leaf that was cutting the other tree's nodes last, and the slabs of its primitive.
-    pub(super) cutter: Option<(Cutter, OwnSlabs)>,
-    pub(super) thin: Thin<'t>,
+    pub(super) cutter: Option<(Cutter, PrimitiveSlabs)>,
+    pub(super) thin: NormalSlabs<'t>,
     /// What tells primitives apart that are farther from each other than the margin.
     pub(super) ahead: M::Ahead,
     /// What triangles are tested on, if the kernel says so: none if there is none, once it was asked for.
@@ -95,8 +95,8 @@ const MUCH_WIDER: i32 = 3;
 impl<'t, N, P, Q, E, M> Traversal<'t, N, P, Q, E, M>
 where
     N: Lanes,
-    P: Pairwise<Q>,
-    Q: Pairwise<P>,
+    P: PrimitivePair<Q>,
+    Q: PrimitivePair<P>,
     E: Kernel,
     M: Margin,
 {
@@ -107,7 +107,7 @@ where
         placing: &'t Placing<'t>,
         map: &'t mut N::Map,
         Limits { budget, margin }: Limits<M>,
-        counters: &'t mut Counters,
+        stats: &'t mut QueryStats,
         visit: Visitor<'t>,
     ) -> Self {
         Self {
@@ -120,12 +120,12 @@ where
             details: [None; 2],
             budget,
             margin,
-            counters,
+            stats,
             visit,
             turned: TurnedChildren { planes: N::UNTURNED, node: Child::EMPTY, whole: 0 },
             aimed: None,
             cutter: None,
-            thin: Thin::default(),
+            thin: NormalSlabs::default(),
             ahead: M::Ahead::NOTHING,
             lattice: None,
             units: b.frame().exponent - a.frame().exponent,
@@ -189,7 +189,7 @@ where
                     {
                         return ControlFlow::Continue(true);
                     }
-                    if self.counters.visits >= LONG {
+                    if self.stats.visits >= LONG {
                         self.look_again(stack);
                     }
                     let Some(bit) = stack.next() else { return ControlFlow::Continue(false) };
@@ -252,12 +252,12 @@ where
     #[inline(always)]
     fn step(&mut self, volumes: &Volumes) -> ControlFlow<Stop, Option<Visited>> {
         let Volumes { a, b, holder_b, lane_b } = *volumes;
-        if self.counters.visits == self.budget {
+        if self.stats.visits == self.budget {
             return ControlFlow::Break(Stop::Budget {
                 upper: corner_distance((self.a, self.b), self.placing, (a, b)),
             });
         }
-        self.counters.visits += 1;
+        self.stats.visits += 1;
         let is_b_root = holder_b == ABOVE_ROOT;
         let cuts_alone = self.cuts_alone(volumes);
         match a.link() {
@@ -280,7 +280,7 @@ where
                 let holder = &self.b.nodes()[holder_b as usize];
                 (holder.overlap_column(self.kernel, &self.turned.planes, lane_b.into()), 1)
             };
-            self.counters.kernels += kernels;
+            self.stats.kernels += kernels;
             // Half of the visits end here.
             if wanted == 0 {
                 return ControlFlow::Continue(None);
@@ -292,7 +292,7 @@ where
                 let kernels;
                 (rows, kernels) =
                     self.b.nodes()[node as usize].overlap_rows(self.kernel, &self.turned.planes, wanted);
-                self.counters.kernels += kernels;
+                self.stats.kernels += kernels;
             }
             (Descent::B, Link::Inner(node)) => {
                 if let Link::Inner(node) = a.link() {
@@ -301,7 +301,7 @@ where
                 let Some((_, aimed)) = &self.aimed else { return ControlFlow::Continue(None) };
                 rows.rows[0] = self.b.nodes()[node as usize].overlap_aimed(self.kernel, aimed);
                 rows.pending = u32::from(rows.rows[0] != 0);
-                self.counters.kernels += 1;
+                self.stats.kernels += 1;
             }
             _ => {
                 rows.rows[0] = wanted;

@@ -4,7 +4,7 @@ use super::frames::frame_of;
 use super::on_lattice::aim_on_lattice;
 use super::placing::{Margin, Placing};
 use super::traverse::{Traversal, primitives};
-use super::{Lanes, Pairwise};
+use super::{Lanes, PrimitivePair};
 use crate::frame::Frame;
 use crate::hierarchy::BvhRef;
 use crate::kernel::Kernel;
@@ -25,8 +25,8 @@ pub(super) struct TurnedChildren<T> {
 impl<N, P, Q, E, M> Traversal<'_, N, P, Q, E, M>
 where
     N: Lanes,
-    P: Pairwise<Q>,
-    Q: Pairwise<P>,
+    P: PrimitivePair<Q>,
+    Q: PrimitivePair<P>,
     E: Kernel,
     M: Margin,
 {
@@ -34,7 +34,7 @@ where
     #[inline(always)]
     pub(super) fn turn(&mut self, a: Child, node: u32) {
         if self.turned.node != a {
-            self.counters.realignments += 1;
+            self.stats.realignments += 1;
             self.turned.node = a;
             self.a.nodes()[node as usize].realign(self.kernel, self.map, &mut self.turned.planes);
         }
@@ -45,7 +45,7 @@ where
     #[inline(always)]
     pub(super) fn turn_over(&mut self, a: Child, node: u32, (holder, lane): (u32, Option<u8>)) -> (u16, u64) {
         if self.turned.node != a {
-            self.counters.realignments += 1;
+            self.stats.realignments += 1;
             (self.turned.node, self.turned.whole) = (a, 0);
         }
         let holder = &self.b.nodes()[holder as usize];

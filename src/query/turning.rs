@@ -4,75 +4,75 @@ use super::frontier::Side;
 use super::hint::Found;
 use super::placing::{Margin, Placing};
 use super::traverse::{Limits, Stop, Traversal, Visitor};
-use super::{Counters, Lanes, Pairwise, Query};
+use super::{Lanes, PrimitivePair, Query, QueryStats};
 use crate::exact::power_of_two;
-use crate::frame::{Extent, Frame};
+use crate::frame::{BodyBounds, Frame};
 use crate::hierarchy::{BvhRef, Header};
 use crate::isa::on_isa;
 use crate::kernel::Kernel;
 use crate::pose::Pose;
 use crate::primitive::Primitive;
-use crate::realign::{WayBack, shrinkage};
+use crate::realign::{InversePose, shrinkage};
 
 impl Query {
     /// Visits pairs of primitives at most `margin` apart, by their indices in leaf order.
-    pub(super) fn run<N: Lanes, P: Pairwise<Q>, Q: Pairwise<P>>(
+    pub(super) fn run<N: Lanes, P: PrimitivePair<Q>, Q: PrimitivePair<P>>(
         &self,
         (a, b): (&BvhRef<'_, N, P>, &BvhRef<'_, N, Q>),
         pose: &Pose,
         margin: impl Margin,
-        counters: &mut Counters,
+        stats: &mut QueryStats,
         visit: Visitor<'_>,
     ) -> Option<Stop> {
         if is_b_turned(a.header(), b.header()) {
-            return self.run_back((a, b), pose, margin, counters, visit);
+            return self.run_back((a, b), pose, margin, stats, visit);
         }
         let placing = Placing { pose, turned: Side::A, to_b: pose, outwards: margin.value() };
-        self.traverse((a, b), &placing, margin, counters, visit)
+        self.traverse((a, b), &placing, margin, stats, visit)
     }
 
     /// [`Self::run`], where B is turned.
     // Not a part of it, so that the way back takes no stack of other queries.
     #[inline(never)]
-    fn run_back<N: Lanes, P: Pairwise<Q>, Q: Pairwise<P>>(
+    fn run_back<N: Lanes, P: PrimitivePair<Q>, Q: PrimitivePair<P>>(
         &self,
         (a, b): (&BvhRef<'_, N, P>, &BvhRef<'_, N, Q>),
         pose: &Pose,
         margin: impl Margin,
-        counters: &mut Counters,
+        stats: &mut QueryStats,
         visit: Visitor<'_>,
     ) -> Option<Stop> {
-        let back = WayBack::new(pose, &a.extent(), &b.extent());
+        let back = InversePose::new(pose, &a.extent(), &b.extent());
         let outwards = back.outwards::<Q>(margin.value(), &b.extent());
         let placing = Placing { pose, turned: Side::B, to_b: &back.pose, outwards };
-        self.traverse((b, a), &placing, margin, counters, &mut |found: Found| {
+        self.traverse((b, a), &placing, margin, stats, &mut |found: Found| {
             visit(Found { a: found.b, b: found.a })
         })
     }
 
     /// Body a is turned.
     #[inline(always)]
-    fn traverse<N: Lanes, P: Pairwise<Q>, Q: Pairwise<P>>(
+    fn traverse<N: Lanes, P: PrimitivePair<Q>, Q: PrimitivePair<P>>(
         &self,
         trees: (&BvhRef<'_, N, P>, &BvhRef<'_, N, Q>),
         placing: &Placing<'_>,
         margin: impl Margin,
-        counters: &mut Counters,
+        stats: &mut QueryStats,
         visit: Visitor<'_>,
     ) -> Option<Stop> {
-        on_isa!(self.isa, token => self.traverse_on(token, trees, placing, margin, counters, visit))
+        on_isa!(self.isa, token => self.traverse_on(token, trees, placing, margin, stats, visit))
     }
 
     /// One function for both orders, which are of one type where both bodies have the same primitives. Not part of its
     /// caller, where the frame of the scalar code would lie below that of the instruction set that is used.
     #[inline(never)]
-    fn traverse_on<N: Lanes, P: Pairwise<Q>, Q: Pairwise<P>, E: Kernel>(
+    fn traverse_on<N: Lanes, P: PrimitivePair<Q>, Q: PrimitivePair<P>, E: Kernel>(
         &self,
         kernel: E,
         (a, b): (&BvhRef<'_, N, P>, &BvhRef<'_, N, Q>),
         placing: &Placing<'_>,
         margin: impl Margin,
-        counters: &mut Counters,
+        stats: &mut QueryStats,
         visit: Visitor<'_>,
     ) -> Option<Stop> {
         // Inlined in the gate whatever its size, so that the set-up is compiled for the instruction set. The descent has one of its own.
@@ -82,7 +82,7 @@ impl Query {
                 let mut map = N::UNMAPPED;
                 set_up::<N, P>(&mut map, placing, &a.extent(), &b.frame());
                 let limits = Limits { budget: self.budget, margin };
-                Traversal::new(kernel.narrow(), (a, b), placing, &mut map, limits, counters, visit)
+                Traversal::new(kernel.narrow(), (a, b), placing, &mut map, limits, stats, visit)
                     .run()
                     .break_value()
             },
@@ -94,7 +94,12 @@ impl Query {
 // Inlined, so that it is compiled for the query's instruction set, but on small machines, where it is called from two places.
 #[cfg_attr(simdop_small, inline(never))]
 #[cfg_attr(not(simdop_small), inline(always))]
-pub(super) fn set_up<N: Lanes, P: Primitive>(map: &mut N::Map, placing: &Placing<'_>, a: &Extent, b: &Frame) {
+pub(super) fn set_up<N: Lanes, P: Primitive>(
+    map: &mut N::Map,
+    placing: &Placing<'_>,
+    a: &BodyBounds,
+    b: &Frame,
+) {
     N::map(map, placing.to_b, a, b);
     let outwards = placing.outwards + shrinkage::<P>(placing.to_b, a);
     if outwards > 0.0 {
@@ -104,7 +109,7 @@ pub(super) fn set_up<N: Lanes, P: Primitive>(map: &mut N::Map, placing: &Placing
 
 /// Whether of bodies A and B it is B that gets less loose by being turned, and by enough to pay for the way back.
 fn is_b_turned(a: &Header, b: &Header) -> bool {
-    let loose = |h: &Header| f64::from(h.looseness) * power_of_two(-h.exponent);
+    let loose = |h: &Header| f64::from(h.rotation_growth) * power_of_two(-h.exponent);
     WAY_BACK * loose(b) < loose(a)
 }
 

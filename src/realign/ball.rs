@@ -2,7 +2,7 @@
 
 use super::{ITS_OWN_ROUNDING, shift, slack_of_shift};
 use crate::exact::{power_of_two, round_up_f32};
-use crate::frame::Extent;
+use crate::frame::BodyBounds;
 use crate::node::{Ball16, BoundingBall};
 use crate::pose::Pose;
 
@@ -39,7 +39,7 @@ const MAX_REACH: f64 = power_of_two(60);
 
 impl BallMap {
     /// The map of body A's balls into B's frame; `None` if the bodies are certainly apart.
-    pub(crate) fn new(pose: &Pose, a: &Extent, b: &Extent) -> Option<Self> {
+    pub(crate) fn new(pose: &Pose, a: &BodyBounds, b: &BodyBounds) -> Option<Self> {
         let scale = b.frame.scale();
         let ratio = power_of_two(b.frame.exponent - a.frame.exponent);
         let skew = pose.skew();
@@ -110,11 +110,11 @@ mod tests {
         DVec3::from_array([(); 3].map(|()| rng.range(-1.0, 1.0)))
     }
 
-    fn extent(exponent: i32, centre: DVec3) -> Extent {
+    fn extent(exponent: i32, centre: DVec3) -> BodyBounds {
         let max_coordinate = centre.abs().max_element() + 100.0 * power_of_two(-exponent);
         let frame = Frame { centre: centre.to_array(), exponent };
         let radius = 200.0 * power_of_two(-exponent);
-        Extent { frame, max_coordinate, radius, half_width: [100.0; 3], max_plane: 200.0 }
+        BodyBounds { frame, max_coordinate, radius, half_width: [100.0; 3], max_plane: 200.0 }
     }
 
     /// A ball in single precision around a sphere in a frame, as tight as can be.

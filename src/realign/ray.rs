@@ -11,7 +11,7 @@
 //! so that for the kernels it is a body like any other. If the solid is B, then `w = p - c` and `u = (1, 0, 0)`. If it is A,
 //! w is where the [way back](super::back) takes p to, and u, the first row of M, is where it takes the ray: exactly, since M
 //! transposed turns the first axis into that row. A point `y = p + s u` of a triangle of A as moved is then within
-//! [`WayBack::outwards`] of a point of A: the table there holds for the points between moved corners as well, as these are
+//! [`InversePose::outwards`] of a point of A: the table there holds for the points between moved corners as well, as these are
 //! between the corners that were moved, and rounded.
 //!
 //! **Outside.** Most points are beyond the ball of radius R about the centre, or the box of half widths h, which is told before
@@ -36,10 +36,10 @@
 //!
 //! The whole is then rounded up to a key.
 
-use super::{F64_SLACK, WayBack, coordinates, greatest, shift};
+use super::{F64_SLACK, InversePose, coordinates, greatest, shift};
 use crate::directions::Directions;
 use crate::exact::power_of_two;
-use crate::frame::{Extent, Frame};
+use crate::frame::{BodyBounds, Frame};
 use crate::hierarchy::Header;
 use crate::key::Key;
 use crate::pose::Pose;
@@ -69,17 +69,17 @@ impl Ray {
     /// point is certainly outside of the solid.
     // Inlined up to where most points are outside.
     #[inline(always)]
-    pub(crate) fn new(origin: &Point, solid: &Header, placed: Option<(&Pose, &Extent)>) -> Option<Self> {
+    pub(crate) fn new(origin: &Point, solid: &Header, placed: Option<(&Pose, &BodyBounds)>) -> Option<Self> {
         if is_outside(origin, solid, placed) { None } else { Some(Self::aimed(origin, solid, placed)) }
     }
 
     #[inline(never)]
-    fn aimed(origin: &Point, solid: &Header, placed: Option<(&Pose, &Extent)>) -> Self {
+    fn aimed(origin: &Point, solid: &Header, placed: Option<(&Pose, &BodyBounds)>) -> Self {
         let (solid, c) = (solid.extent(), solid.centre);
         let (from, direction, moved) = match placed {
             None => (*origin, [1.0, 0.0, 0.0], 0.0),
             Some((pose, b)) => {
-                let back = WayBack::new(pose, &solid, b);
+                let back = InversePose::new(pose, &solid, b);
                 let size = (8.0 * greatest(origin) + greatest(&back.pose.translation())) + greatest(&c);
                 let rounding = F64_SLACK * size + MIN_COORDINATE;
                 let moved = back.outwards::<Triangles>(0.0, b) + rounding;
@@ -113,7 +113,7 @@ impl Ray {
 
 /// Whether a point is certainly beyond the ball about the centre of a solid, or beyond its box.
 #[inline(always)]
-fn is_outside(origin: &Point, solid: &Header, placed: Option<(&Pose, &Extent)>) -> bool {
+fn is_outside(origin: &Point, solid: &Header, placed: Option<(&Pose, &BodyBounds)>) -> bool {
     let (extent, c) = (solid.extent(), solid.centre);
     let beyond = |way: &Point, reach: f64| {
         (way[0] * way[0] + way[1] * way[1]) + way[2] * way[2] > (reach * reach) * GROWN

@@ -4,7 +4,7 @@ use super::broad::{Batch, NearPair, are_turned_boxes_apart};
 use super::{BodyId, BodyTree, Scene, SceneError, Slot};
 use crate::pose::{Pose, Relative};
 use crate::query::{
-    Answer, Completion, Counters, Distance, Hint, Lanes, Pair, Query, ToleranceError, Verdict, checked,
+    Answer, Completion, Distance, Hint, Lanes, Pair, Query, QueryStats, ToleranceError, Verdict, checked,
 };
 use crate::range::{MAX_COORDINATE, Point};
 use core::ops::ControlFlow;
@@ -41,7 +41,7 @@ pub struct SceneAnswer {
     /// Pairs of bodies whose boxes were near each other, and which were asked about.
     pub pairs: u64,
     /// The work for these pairs.
-    pub counters: Counters,
+    pub stats: QueryStats,
 }
 
 impl SceneAnswer {
@@ -76,7 +76,7 @@ pub struct SceneDistance {
     /// Pairs of bodies that were asked about.
     pub pairs: u64,
     /// The work for these pairs.
-    pub counters: Counters,
+    pub stats: QueryStats,
 }
 
 /// Two bodies and their closest points.
@@ -98,9 +98,9 @@ macro_rules! with_trees {
             (BodyTree::Mesh($x), BodyTree::Spheres($y)) => $with,
             (BodyTree::Spheres($x), BodyTree::Mesh($y)) => $with,
             (BodyTree::Spheres($x), BodyTree::Spheres($y)) => $with,
-            (BodyTree::Mesh($tree), BodyTree::Cloud($cloud)) => $among,
-            (BodyTree::Spheres($tree), BodyTree::Cloud($cloud)) => $among,
-            (BodyTree::Cloud(_), _) => {
+            (BodyTree::Mesh($tree), BodyTree::PointCloud($cloud)) => $among,
+            (BodyTree::Spheres($tree), BodyTree::PointCloud($cloud)) => $among,
+            (BodyTree::PointCloud(_), _) => {
                 unreachable!("a cloud is the second of a pair, and not of another cloud")
             }
         }
@@ -157,7 +157,7 @@ impl<'t, N: Lanes> Scene<'t, N> {
     /// [`SceneError::Tolerance`] if the margin is negative, NaN or beyond [`MAX_COORDINATE`].
     pub fn within(&self, query: &Query, margin: f64) -> Result<SceneAnswer, SceneError> {
         let mut found = None;
-        let (completion, pairs, counters) = self.for_each_hit(query, margin, |hit| {
+        let (completion, pairs, stats) = self.for_each_hit(query, margin, |hit| {
             found = Some(hit);
             ControlFlow::Break(())
         })?;
@@ -166,7 +166,7 @@ impl<'t, N: Lanes> Scene<'t, N> {
             None if completion == Completion::OutOfBudget => SceneVerdict::Unknown,
             None => SceneVerdict::Free,
         };
-        Ok(SceneAnswer { verdict, pairs, counters })
+        Ok(SceneAnswer { verdict, pairs, stats })
     }
 
     /// Calls `visit` with every two bodies that are asked against each other and come within `margin`, each two once, until
@@ -179,11 +179,11 @@ impl<'t, N: Lanes> Scene<'t, N> {
         query: &Query,
         margin: f64,
         mut visit: impl FnMut(SceneHit) -> ControlFlow<()>,
-    ) -> Result<(Completion, u64, Counters), SceneError> {
+    ) -> Result<(Completion, u64, QueryStats), SceneError> {
         if !(0.0..=MAX_COORDINATE).contains(&margin) {
             return Err(SceneError::Tolerance(ToleranceError { given: margin }));
         }
-        let (mut pairs, mut work) = (0, Counters::default());
+        let (mut pairs, mut work) = (0, QueryStats::default());
         let mut batch = Batch::new();
         loop {
             let candidates = batch.next(self, query, margin);
@@ -193,7 +193,7 @@ impl<'t, N: Lanes> Scene<'t, N> {
             for candidate in candidates {
                 pairs += 1;
                 let answer = self.ask_within(&query.after(&work), candidate, margin)?;
-                work = work.and(&answer.counters);
+                work = work.and(&answer.stats);
                 match answer.verdict {
                     Verdict::Hit(pair) => {
                         if visit(self.hit(candidate, pair)).is_break() {
@@ -224,7 +224,7 @@ impl<'t, N: Lanes> Scene<'t, N> {
             witness: None,
             completion: Completion::Complete,
             pairs: 0,
-            counters: Counters::default(),
+            stats: QueryStats::default(),
         };
         let (mut batch, mut nearest) = (Batch::new(), cutoff);
         loop {
@@ -237,10 +237,10 @@ impl<'t, N: Lanes> Scene<'t, N> {
                 if f64::from(-candidate.depth) > nearest * (1.0 + 1e-6) {
                     continue;
                 }
-                let left = query.after(&found.counters);
+                let left = query.after(&found.stats);
                 found.pairs += 1;
                 let (lower, upper, answer) = self.ask_distance(&left, candidate, tolerance, nearest)?;
-                found.counters = found.counters.and(&answer.counters);
+                found.stats = found.stats.and(&answer.stats);
                 found.lower = found.lower.min(lower);
                 if upper < found.upper
                     && let Some(witness) = answer.witness
@@ -295,7 +295,7 @@ impl<'t, N: Lanes> Scene<'t, N> {
     ) -> Result<Answer, ToleranceError> {
         let slots @ [a, b] = self.slots_of(candidate);
         if are_turned_boxes_apart((&a.size, worlds[0]), (&b.size, worlds[1]), margin) {
-            return Ok(Answer { verdict: Verdict::Free, counters: Counters::default(), hint: Hint::NONE });
+            return Ok(Answer { verdict: Verdict::Free, stats: QueryStats::default(), hint: Hint::NONE });
         }
         let asked = AskedPair::new(slots, worlds);
         let (pose, margin) = (asked.relative.pose(), asked.padded(margin + asked.radii));

@@ -1,7 +1,7 @@
 //! What is put into a scene.
 
 use crate::cloud::CloudRef;
-use crate::frame::Extent;
+use crate::frame::BodyBounds;
 use crate::hierarchy::BvhRef;
 use crate::node::Dop;
 use crate::primitive::{Primitive, Spheres, Triangles};
@@ -37,7 +37,7 @@ pub enum BodyTree<'t, N> {
     /// Of spheres: a packing, or a robot's sphere model.
     Spheres(BvhRef<'t, N, Spheres>),
     /// Of points: a scan of what is around a robot. No two clouds are asked against each other.
-    Cloud(CloudRef<'t>),
+    PointCloud(CloudRef<'t>),
 }
 
 impl<N> Copy for BodyTree<'_, N> {}
@@ -61,22 +61,22 @@ impl<'t, N> From<BvhRef<'t, N, Spheres>> for BodyTree<'t, N> {
 
 impl<'t, N> From<CloudRef<'t>> for BodyTree<'t, N> {
     fn from(cloud: CloudRef<'t>) -> Self {
-        Self::Cloud(cloud)
+        Self::PointCloud(cloud)
     }
 }
 
 impl<N> BodyTree<'_, N> {
     pub(super) const fn is_cloud(&self) -> bool {
-        matches!(self, Self::Cloud(_))
+        matches!(self, Self::PointCloud(_))
     }
 }
 
 impl<N: Dop> BodyTree<'_, N> {
-    pub(super) fn extent(&self) -> Extent {
+    pub(super) fn extent(&self) -> BodyBounds {
         match self {
             Self::Mesh(tree) => tree.extent(),
             Self::Spheres(tree) => tree.extent(),
-            Self::Cloud(cloud) => cloud.extent(),
+            Self::PointCloud(cloud) => cloud.extent(),
         }
     }
 
@@ -84,7 +84,7 @@ impl<N: Dop> BodyTree<'_, N> {
         match self {
             Self::Mesh(tree) => tree.is_empty(),
             Self::Spheres(tree) => tree.is_empty(),
-            Self::Cloud(cloud) => cloud.is_empty(),
+            Self::PointCloud(cloud) => cloud.is_empty(),
         }
     }
 
@@ -93,7 +93,7 @@ impl<N: Dop> BodyTree<'_, N> {
         let is_round = match self {
             Self::Mesh(_) => Triangles::IS_ROUND,
             Self::Spheres(_) => Spheres::IS_ROUND,
-            Self::Cloud(_) => false,
+            Self::PointCloud(_) => false,
         };
         if !is_round {
             return 0.0;

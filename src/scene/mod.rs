@@ -2,19 +2,19 @@
 //!
 //! ```
 //! use glam::{DQuat, DVec3};
-//! use simdop::{construct::{Builder, Mesh}, isa::Isa, node::Node16, pose::Pose, query::Query};
+//! use simdop::{Builder, Isa, Mesh, Pose, Query};
 //! use simdop::scene::{Body, Scene};
 //!
 //! let vertices = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
 //! let triangles = [[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]];
-//! let tree = Builder::new().build::<Node16<18>>(&Mesh { vertices: &vertices, triangles: &triangles })?;
+//! let tree = Builder::new().build(&Mesh { vertices: &vertices, triangles: &triangles })?;
 //! let at = |x: f64| Pose::try_from((DQuat::IDENTITY, DVec3::new(x, 0.0, 0.0)));
 //!
 //! let mut scene = Scene::new();
 //! let table = scene.insert(Body::new(tree.view()).fixed(), &at(0.0)?)?;
 //! let hand = scene.insert(Body::new(tree.view()), &at(3.0)?)?;
 //! let cup = scene.insert(Body::new(tree.view()).with_radius(0.01), &at(4.5)?)?;
-//! scene.set_pair(hand, cup, false)?; // the hand holds the cup
+//! scene.allow_collision(hand, cup)?; // the hand holds the cup
 //! scene.attach(cup, hand)?;          // which moves with it
 //!
 //! let query = Query::new(Isa::detect());
@@ -39,21 +39,21 @@
 mod ask;
 mod body;
 mod broad;
-mod edge;
-mod error;
+mod check_motion;
+mod check_states;
 #[cfg(feature = "alloc")]
-mod fate;
-mod many;
+mod classify_pair;
+mod error;
 mod memory;
 mod pairs;
 
 pub use ask::{SceneAnswer, SceneDistance, SceneHit, SceneVerdict};
 pub use body::{Body, BodyId, BodyTree, Groups};
-pub use edge::{EdgeAnswer, EdgeMemory, EdgePair, EdgeVerdict};
-pub use error::SceneError;
+pub use check_motion::{MotionAnswer, MotionHit, MotionMemory, MotionVerdict};
+pub use check_states::ConfigurationsAnswer;
 #[cfg(feature = "alloc")]
-pub use fate::{PairFate, PairReport};
-pub use many::ConfigurationsAnswer;
+pub use classify_pair::{PairClass, PairReport};
+pub use error::SceneError;
 pub use memory::{SceneMemory, Slot, boxes_for, rows_for};
 
 use crate::node::{Box3, Dop};

@@ -12,13 +12,23 @@ impl<N> Scene<'_, N> {
         Ok(self.memory.row(i, j / 16) >> (j % 16) & 1 != 0)
     }
 
-    /// Says whether two bodies are asked against each other, whatever their groups.
+    /// Allows two bodies to meet, whatever their groups: no query of the scene asks the pair.
+    ///
+    /// # Errors
+    /// [`SceneError::NoSuchBody`], and [`SceneError::NoPair`] of a body and itself.
+    pub fn allow_collision(&mut self, a: BodyId, b: BodyId) -> Result<(), SceneError> {
+        let (i, j) = self.place_of_pair(a, b)?;
+        self.memory.set_pair(i, j, false);
+        Ok(())
+    }
+
+    /// Forbids two bodies to meet, whatever their groups: all queries of the scene ask the pair.
     ///
     /// # Errors
     /// [`SceneError::NoSuchBody`], [`SceneError::NoPair`] of a body and itself, and [`SceneError::TwoClouds`].
-    pub fn set_pair(&mut self, a: BodyId, b: BodyId, is_asked: bool) -> Result<(), SceneError> {
-        let (i, j) = if is_asked { self.place_to_ask(a, b)? } else { self.place_of_pair(a, b)? };
-        self.memory.set_pair(i, j, is_asked);
+    pub fn forbid_collision(&mut self, a: BodyId, b: BodyId) -> Result<(), SceneError> {
+        let (i, j) = self.place_to_ask(a, b)?;
+        self.memory.set_pair(i, j, true);
         Ok(())
     }
 

@@ -2,14 +2,14 @@
 
 use crate::scenes::{self, Random};
 use core::ops::ControlFlow;
-use simdop::cloud::{Cloud, Contact, RangeSearch, SearchError};
+use simdop::cloud::{Contact, PointCloud, RangeSearch, SearchError};
 use simdop::construct::{Builder, Mesh, OwnedMesh, SphereSet};
 use simdop::hierarchy::Bvh;
 use simdop::isa::Isa;
 use simdop::node::{Node4, Node16};
 use simdop::pose::Pose;
 use simdop::primitive::{Sphere, Spheres, Triangles};
-use simdop::query::{Lanes, Pairwise};
+use simdop::query::{Lanes, PrimitivePair};
 
 /// Turned about an axis between all three, with a matrix that is no rotation by up to `skew`.
 fn pose(random: &mut Random, reach: f64, skew: f64) -> Pose {
@@ -28,7 +28,7 @@ fn pose(random: &mut Random, reach: f64, skew: f64) -> Pose {
     Pose::from_rows([row(0, random), row(1, random), row(2, random)]).unwrap()
 }
 
-fn pairs_within<N: Lanes, P: Pairwise<Spheres>>(
+fn pairs_within<N: Lanes, P: PrimitivePair<Spheres>>(
     body: &Bvh<N, P>,
     points: &[[f32; 3]],
     pose: &Pose,
@@ -52,14 +52,14 @@ fn pairs_within<N: Lanes, P: Pairwise<Spheres>>(
     found
 }
 
-fn check<N: Lanes, P: Pairwise<Spheres>>(
+fn check<N: Lanes, P: PrimitivePair<Spheres>>(
     body: &Bvh<N, P>,
     points: &[[f32; 3]],
     margins: &[f64],
     reach: f64,
     what: &str,
 ) {
-    let (cloud, random) = (Cloud::new(points).unwrap(), &mut Random(31));
+    let (cloud, random) = (PointCloud::new(points).unwrap(), &mut Random(31));
     let (mut hits, mut free) = (0, 0);
     for step in 0..scenes::size(60, 8) {
         let pose = pose(random, reach, if step % 3 == 0 { 1e-9 } else { 0.0 });
@@ -110,22 +110,16 @@ fn a_mesh_has_points_within_its_margin_where_a_loop_finds_them() {
     let points: Vec<_> =
         (0..scenes::size(400, 80)).map(|_| random.point().map(|x| 3.0 * (x - 0.5))).collect();
     let margins = [0.0, 1e-6, 0.01, 0.1];
+    check::<_, Triangles>(&Builder::new().build(&mesh).unwrap(), &points, &margins, 1.5, "k = 18");
     check::<_, Triangles>(
-        &Builder::new().build::<Node16<18>>(&mesh).unwrap(),
-        &points,
-        &margins,
-        1.5,
-        "k = 18",
-    );
-    check::<_, Triangles>(
-        &Builder::balanced().build::<Node16<6>>(&mesh).unwrap(),
+        &Builder::balanced().build_as::<Node16<6>>(&mesh).unwrap(),
         &points,
         &margins,
         1.5,
         "k = 6",
     );
     check::<_, Triangles>(
-        &Builder::new().build::<Node4<32>>(&mesh).unwrap(),
+        &Builder::new().build_as::<Node4<32>>(&mesh).unwrap(),
         &points,
         &margins,
         1.5,
@@ -166,7 +160,7 @@ fn spheres_have_points_within_their_margin_where_a_loop_finds_them() {
 #[test]
 fn what_touches_is_near() {
     let triangle = Mesh { vertices: &[[0.0; 3], [4.0, 0.0, 0.0], [0.0, 4.0, 0.0]], triangles: &[[0, 1, 2]] };
-    let triangle: Bvh<Node16<18>> = Builder::new().build(&triangle).unwrap();
+    let triangle: Bvh<Node16<18>> = Builder::new().build_as(&triangle).unwrap();
     let ball = SphereSet { spheres: &[Sphere { centre: [0.0; 3], radius: 0.75 }] };
     let ball: Bvh<Node16<18>, Spheres> =
         Builder::new().build_geometry(&ball, &mut |_| ControlFlow::Continue(())).unwrap();
@@ -174,7 +168,7 @@ fn what_touches_is_near() {
     for isa in Isa::available() {
         let search = RangeSearch::new(isa);
         let near = |point: [f32; 3]| {
-            let cloud = Cloud::new(&[point]).unwrap();
+            let cloud = PointCloud::new(&[point]).unwrap();
             let mesh = search.body_within(&cloud.view(), &triangle, &Pose::IDENTITY, 0.25).unwrap();
             mesh.is_some()
         };
@@ -182,7 +176,7 @@ fn what_touches_is_near() {
         assert!(near([1.0, -0.25, 0.0]) && !near([1.0, -beyond, 0.0]), "{isa}: an edge");
         assert!(near([4.25, 0.0, 0.0]) && !near([4.25_f32.next_up(), 0.0, 0.0]), "{isa}: a corner");
         let near = |point: [f32; 3], margin: f64| {
-            let cloud = Cloud::new(&[point]).unwrap();
+            let cloud = PointCloud::new(&[point]).unwrap();
             search.body_within(&cloud.view(), &ball, &Pose::IDENTITY, margin).unwrap().is_some()
         };
         assert!(
@@ -195,15 +189,15 @@ fn what_touches_is_near() {
 
 #[test]
 fn what_cannot_be_asked_is_refused() {
-    let cloud = Cloud::new(&[[0.0; 3]]).unwrap();
-    let empty: Bvh<Node16<18>> = Builder::new().build(&Mesh { vertices: &[], triangles: &[] }).unwrap();
+    let cloud = PointCloud::new(&[[0.0; 3]]).unwrap();
+    let empty: Bvh<Node16<18>> = Builder::new().build_as(&Mesh { vertices: &[], triangles: &[] }).unwrap();
     let search = RangeSearch::new(Isa::SCALAR);
     for margin in [-1.0, f64::NAN, f64::INFINITY] {
         let refused = search.body_within(&cloud.view(), &empty, &Pose::IDENTITY, margin);
         assert_eq!(refused, Err(SearchError::Radius { query: 0 }));
     }
     assert_eq!(search.body_within(&cloud.view(), &empty, &Pose::IDENTITY, 1e300), Ok(None));
-    let nothing = Cloud::new(&[]).unwrap();
+    let nothing = PointCloud::new(&[]).unwrap();
     let ball = SphereSet { spheres: &[Sphere { centre: [0.0; 3], radius: 1.0 }] };
     let ball: Bvh<Node16<18>, Spheres> =
         Builder::new().build_geometry(&ball, &mut |_| ControlFlow::Continue(())).unwrap();
@@ -230,7 +224,11 @@ fn what_cannot_be_asked_is_refused() {
 }
 
 /// Of all pairs of a primitive and a point.
-fn least_distance<N: Lanes, P: Pairwise<Spheres>>(body: &Bvh<N, P>, points: &[[f32; 3]], pose: &Pose) -> f64 {
+fn least_distance<N: Lanes, P: PrimitivePair<Spheres>>(
+    body: &Bvh<N, P>,
+    points: &[[f32; 3]],
+    pose: &Pose,
+) -> f64 {
     let view = body.view();
     let mut least = f64::INFINITY;
     for i in 0..view.len() as u32 {
@@ -244,8 +242,8 @@ fn least_distance<N: Lanes, P: Pairwise<Spheres>>(body: &Bvh<N, P>, points: &[[f
     least
 }
 
-fn check_distances<N: Lanes, P: Pairwise<Spheres>>(body: &Bvh<N, P>, points: &[[f32; 3]], what: &str) {
-    let (cloud, random) = (Cloud::new(points).unwrap(), &mut Random(47));
+fn check_distances<N: Lanes, P: PrimitivePair<Spheres>>(body: &Bvh<N, P>, points: &[[f32; 3]], what: &str) {
+    let (cloud, random) = (PointCloud::new(points).unwrap(), &mut Random(47));
     for step in 0..scenes::size(40, 6) {
         let pose = pose(random, if step % 4 == 0 { 40.0 } else { 2.0 }, 0.0);
         let want = least_distance(body, points, &pose);
@@ -280,7 +278,7 @@ fn check_distances<N: Lanes, P: Pairwise<Spheres>>(body: &Bvh<N, P>, points: &[[
 fn distances_are_those_of_a_loop() {
     let (vertices, triangles) = mesh();
     let mesh: Bvh<Node16<18>> =
-        Builder::new().build(&Mesh { vertices: &vertices, triangles: &triangles }).unwrap();
+        Builder::new().build_as(&Mesh { vertices: &vertices, triangles: &triangles }).unwrap();
     let balls: Bvh<Node4<18>, Spheres> = Builder::new()
         .build_geometry(&SphereSet { spheres: &spheres() }, &mut |_| ControlFlow::Continue(()))
         .unwrap();
@@ -303,8 +301,8 @@ fn points_inside_of_a_solid_are_near() {
         .chain(cavity.triangles.iter().map(|[a, b, c]| [a + 8, c + 8, b + 8]))
         .collect();
     let mesh = Mesh { vertices: &vertices, triangles: &triangles };
-    let solid: Bvh<Node16<18>> = Builder::new().solid().build(&mesh).unwrap();
-    let surface: Bvh<Node16<18>> = Builder::new().build(&mesh).unwrap();
+    let solid: Bvh<Node16<18>> = Builder::new().solid().build_as(&mesh).unwrap();
+    let surface: Bvh<Node16<18>> = Builder::new().build_as(&mesh).unwrap();
     let random = &mut Random(59);
     let mut met = [0; 2];
     for step in 0..scenes::size(400, 60) {
@@ -319,7 +317,7 @@ fn points_inside_of_a_solid_are_near() {
         };
         let is_inside = points.iter().any(|p| depth(p) > 0.0);
         met[usize::from(is_inside)] += 1;
-        let cloud = Cloud::new(&points).unwrap();
+        let cloud = PointCloud::new(&points).unwrap();
         for isa in Isa::available() {
             let search = RangeSearch::new(isa);
             let near = search.body_within(&cloud.view(), &solid, &pose, 0.0).unwrap();

@@ -1,9 +1,9 @@
 //! Clouds as bytes: the same cloud again, or an error.
 
 use crate::scenes::{self, Random};
-use simdop::cloud::{CLOUD_MAGIC, Cloud, CloudError, CloudRef, Neighbour, Queries, Radii, RangeSearch};
+use simdop::cloud::{CLOUD_MAGIC, CloudError, CloudRef, Neighbour, PointCloud, Queries, Radii, RangeSearch};
 use simdop::construct::Splitter;
-use simdop::hierarchy::{Aligned, BakeError};
+use simdop::hierarchy::{Aligned, FormatError};
 use simdop::isa::Isa;
 use simdop::node::{Aabb16, Bucket};
 
@@ -14,7 +14,7 @@ fn aligned(bytes: &[u8]) -> Vec<Bucket> {
     lines
 }
 
-fn read(bytes: &[u8]) -> Result<usize, BakeError> {
+fn read(bytes: &[u8]) -> Result<usize, FormatError> {
     let lines = aligned(bytes);
     CloudRef::from_bytes(&bytemuck::cast_slice(&lines)[..bytes.len()]).map(|view| view.len())
 }
@@ -22,11 +22,11 @@ fn read(bytes: &[u8]) -> Result<usize, BakeError> {
 #[test]
 fn a_cloud_comes_back_from_its_bytes() {
     for (name, points, radii) in scenes::all(scenes::size(700, 120)) {
-        let mut cloud = Cloud::with_room(&points, 11, points.len() + 5).unwrap();
+        let mut cloud = PointCloud::with_room(&points, 11, points.len() + 5).unwrap();
         cloud.remove(3).unwrap();
         cloud.insert(points.len() as u32 + 2, points[3]).unwrap();
         let bytes = cloud.view().to_bytes();
-        let mut again = Cloud::from_bytes(&bytes).unwrap();
+        let mut again = PointCloud::from_bytes(&bytes).unwrap();
         assert!(again.view().to_bytes() == bytes, "{name}");
         let lines = aligned(&bytes);
         let view = CloudRef::from_bytes(&bytemuck::cast_slice(&lines)[..bytes.len()]).unwrap();
@@ -50,16 +50,16 @@ fn a_cloud_comes_back_from_its_bytes() {
 fn bytes_that_are_no_cloud_are_refused() {
     let random = &mut Random(17);
     let points: Vec<_> = (0..400).map(|_| random.point()).collect();
-    let bytes = Cloud::new(&points).unwrap().view().to_bytes();
+    let bytes = PointCloud::new(&points).unwrap().view().to_bytes();
     assert_eq!(read(&bytes), Ok(400));
-    assert_eq!(read(&bytes[..63]), Err(BakeError::Truncated { have: 63, need: 64 }));
+    assert_eq!(read(&bytes[..63]), Err(FormatError::Truncated { have: 63, need: 64 }));
     let (have, need) = (bytes.len() - 1, bytes.len());
-    assert_eq!(read(&bytes[..have]), Err(BakeError::Truncated { have, need }));
+    assert_eq!(read(&bytes[..have]), Err(FormatError::Truncated { have, need }));
     let longer = [&bytes[..], &[0]].concat();
-    assert_eq!(read(&longer), Err(BakeError::TooLong { have: need + 1, need }));
+    assert_eq!(read(&longer), Err(FormatError::TooLong { have: need + 1, need }));
     let mut shifted = Aligned([0; 65]);
     shifted.0[1..9].copy_from_slice(&CLOUD_MAGIC);
-    assert_eq!(CloudRef::from_bytes(&shifted.0[1..]).unwrap_err(), BakeError::Version { found: 0 });
+    assert_eq!(CloudRef::from_bytes(&shifted.0[1..]).unwrap_err(), FormatError::Version { found: 0 });
 
     let node = |lane: usize| 64 + 448 + 4 * lane;
     let with = |at: usize, word: u32| {
@@ -68,42 +68,42 @@ fn bytes_that_are_no_cloud_are_refused() {
         read(&wrong).unwrap_err()
     };
     let word = |at: usize| u32::from_le_bytes(bytes[at..at + 4].try_into().unwrap());
-    assert_eq!(with(0, 0), BakeError::NotATree);
-    assert_eq!(with(8, 2), BakeError::Version { found: 2 });
-    assert_eq!(with(12, 17), BakeError::Header { field: "bucket_size" });
-    assert_eq!(with(12, 0), BakeError::Header { field: "bucket_size" });
-    assert_eq!(with(16, 401), BakeError::Header { field: "capacity" });
-    assert_eq!(with(16, 399), BakeError::Header { field: "points" });
-    assert_eq!(with(20, u32::MAX), BakeError::Header { field: "capacity" });
-    assert_eq!(with(24, 0), BakeError::Header { field: "nodes" });
-    assert_eq!(with(60, 1), BakeError::Header { field: "reserved" });
+    assert_eq!(with(0, 0), FormatError::NotATree);
+    assert_eq!(with(8, 2), FormatError::Version { found: 2 });
+    assert_eq!(with(12, 17), FormatError::Header { field: "bucket_size" });
+    assert_eq!(with(12, 0), FormatError::Header { field: "bucket_size" });
+    assert_eq!(with(16, 401), FormatError::Header { field: "capacity" });
+    assert_eq!(with(16, 399), FormatError::Header { field: "points" });
+    assert_eq!(with(20, u32::MAX), FormatError::Header { field: "capacity" });
+    assert_eq!(with(24, 0), FormatError::Header { field: "nodes" });
+    assert_eq!(with(60, 1), FormatError::Header { field: "reserved" });
     // The first coordinate of the first box is no longer below the points.
     let inside = (f32::from_bits(word(64)) + 0.001).to_bits();
-    assert!(matches!(with(64, inside), BakeError::Node { node: 0, lane: 0, .. }));
-    assert!(matches!(with(64, f32::NAN.to_bits()), BakeError::Node { node: 0, lane: 0, .. }));
+    assert!(matches!(with(64, inside), FormatError::Node { node: 0, lane: 0, .. }));
+    assert!(matches!(with(64, f32::NAN.to_bits()), FormatError::Node { node: 0, lane: 0, .. }));
     // Two lanes lead to one bucket; a node leads to itself; there is no such bucket.
-    assert!(matches!(with(node(1), word(node(0))), BakeError::Node { node: 0, lane: 1, .. }));
-    assert!(matches!(with(node(15), 0), BakeError::Node { node: 0, lane: 15, .. }));
-    assert!(matches!(with(node(0), 1 << 31 | 25), BakeError::Node { node: 0, lane: 0, .. }));
-    assert!(matches!(with(node(0), word(node(0)) | 1 << 27), BakeError::Node { node: 0, lane: 0, .. }));
+    assert!(matches!(with(node(1), word(node(0))), FormatError::Node { node: 0, lane: 1, .. }));
+    assert!(matches!(with(node(15), 0), FormatError::Node { node: 0, lane: 15, .. }));
+    assert!(matches!(with(node(0), 1 << 31 | 25), FormatError::Node { node: 0, lane: 0, .. }));
+    assert!(matches!(with(node(0), word(node(0)) | 1 << 27), FormatError::Node { node: 0, lane: 0, .. }));
     // Points.
     let bucket = bytes.len() - 25 * 256;
-    assert_eq!(with(bucket + 192, 400), BakeError::Source { index: 0 });
-    assert!(matches!(with(bucket + 192, u32::MAX), BakeError::Vertex { index: 0 }));
+    assert_eq!(with(bucket + 192, 400), FormatError::Source { index: 0 });
+    assert!(matches!(with(bucket + 192, u32::MAX), FormatError::Vertex { index: 0 }));
     // A point too far for its box.
-    assert!(matches!(with(bucket, 9.0_f32.to_bits()), BakeError::Node { .. }));
+    assert!(matches!(with(bucket, 9.0_f32.to_bits()), FormatError::Node { .. }));
     // The same index twice: only who changes a cloud has to know.
     let mut twice = bytes.clone();
     twice[bucket + 192..bucket + 196].copy_from_slice(&word(bucket + 196).to_le_bytes());
     assert_eq!(read(&twice), Ok(400));
-    assert_eq!(Cloud::from_bytes(&twice).unwrap_err(), BakeError::Source { index: 1 });
+    assert_eq!(PointCloud::from_bytes(&twice).unwrap_err(), FormatError::Source { index: 1 });
 }
 
 /// A node that nothing but itself leads to: it is the next one that any lane leads to.
 #[test]
 fn nodes_that_nothing_leads_to_are_refused() {
     let points: Vec<_> = (0..10).map(|i| [i as f32, 0.0, 0.0]).collect();
-    let mut bytes = Cloud::new(&points).unwrap().view().to_bytes();
+    let mut bytes = PointCloud::new(&points).unwrap().view().to_bytes();
     let mut node = Aabb16::EMPTY;
     node.child[0] = bytemuck::cast(1_u32);
     for i in 0..3 {
@@ -111,7 +111,7 @@ fn nodes_that_nothing_leads_to_are_refused() {
     }
     bytes.splice(64 + 512..64 + 512, bytemuck::bytes_of(&node).iter().copied());
     bytes[24..28].copy_from_slice(&2_u32.to_le_bytes());
-    assert_eq!(read(&bytes), Err(BakeError::Header { field: "nodes" }));
+    assert_eq!(read(&bytes), Err(FormatError::Header { field: "nodes" }));
     bytes[24..28].copy_from_slice(&1_u32.to_le_bytes());
     bytes.drain(64 + 512..64 + 1024);
     assert_eq!(read(&bytes), Ok(10));
@@ -122,9 +122,9 @@ fn nodes_that_nothing_leads_to_are_refused() {
 fn a_cloud_from_bytes_has_the_room_that_it_says() {
     let random = &mut Random(47);
     let mut points: Vec<_> = (0..40).map(|_| random.point()).collect();
-    let mut bytes = Cloud::with_room(&points, 11, points.len()).unwrap().view().to_bytes();
+    let mut bytes = PointCloud::with_room(&points, 11, points.len()).unwrap().view().to_bytes();
     bytes[20..24].copy_from_slice(&2000_u32.to_le_bytes());
-    let mut cloud = Cloud::from_bytes(&bytes).unwrap();
+    let mut cloud = PointCloud::from_bytes(&bytes).unwrap();
     assert_eq!(cloud.view().buckets().len(), 4);
     for index in 40..scenes::size(2000, 200) as u32 {
         let point = random.point();
@@ -149,7 +149,7 @@ fn a_cloud_from_bytes_has_the_room_that_it_says() {
 fn bytes_that_are_accepted_are_safe() {
     let random = &mut Random(19);
     let points: Vec<_> = (0..300).map(|_| random.point()).collect();
-    let bytes = Cloud::with_room(&points, 9, 310).unwrap().view().to_bytes();
+    let bytes = PointCloud::with_room(&points, 9, 310).unwrap().view().to_bytes();
     let mut accepted = 0;
     for _ in 0..scenes::size(20_000, 300) {
         let mut wrong = bytes.clone();
@@ -177,16 +177,16 @@ fn every_splitter_makes_a_cloud() {
         Splitter::BatchNeuralGas { magnification: simdop::construct::Magnification::None, seed: 1 },
     ];
     for (name, points, radii) in scenes::all(scenes::size(900, 100)) {
-        let count = |cloud: &Cloud| {
+        let count = |cloud: &PointCloud| {
             let mut counts = vec![0; points.len()];
             let search = RangeSearch::new(Isa::detect());
             search.count(&cloud.view(), &Queries::own(), Radii::Same(radii[1]), &mut counts).unwrap();
             counts
         };
-        let want = count(&Cloud::new(&points).unwrap());
+        let want = count(&PointCloud::new(&points).unwrap());
         for splitter in splitters {
             for bucket_size in [3, 16] {
-                let mut cloud = Cloud::split_by(&points, splitter, bucket_size).unwrap();
+                let mut cloud = PointCloud::split_by(&points, splitter, bucket_size).unwrap();
                 cloud.view().validate().unwrap();
                 assert_eq!(count(&cloud), want, "{name}, {splitter:?}");
                 assert_eq!(cloud.refit(&points), Ok(1.0));
@@ -197,6 +197,6 @@ fn every_splitter_makes_a_cloud() {
     }
     for n in [0, 1, 16, 17] {
         let points = vec![[1.0, 2.0, 3.0]; n];
-        assert_eq!(Cloud::split_by(&points, Splitter::MeanWidth, 16).unwrap().view().len(), n);
+        assert_eq!(PointCloud::split_by(&points, Splitter::MeanWidth, 16).unwrap().view().len(), n);
     }
 }

@@ -1,12 +1,12 @@
 //! Points that move, come and go: the tree stays right.
 
 use crate::scenes::{self, Random, brute, is_near};
-use simdop::cloud::{Cloud, CloudError, CloudMut, Memory, Queries, Radii, RangeSearch};
+use simdop::cloud::{CloudError, CloudMut, Memory, PointCloud, Queries, Radii, RangeSearch};
 use simdop::isa::Isa;
 use simdop::node::{Aabb16, Bucket};
 
 /// The counts of all points, against a loop over those that are there.
-fn assert_right(cloud: &Cloud, points: &[Option<[f32; 3]>], radius: f32, what: &str) {
+fn assert_right(cloud: &PointCloud, points: &[Option<[f32; 3]>], radius: f32, what: &str) {
     let mut counts = vec![u32::MAX; points.len()];
     let search = RangeSearch::new(Isa::detect());
     search.count(&cloud.view(), &Queries::own(), Radii::Same(radius), &mut counts).unwrap();
@@ -24,7 +24,7 @@ fn particles_stay_exact_through_refits_and_rebuilds() {
     let random = &mut Random(5);
     let mut points: Vec<_> = (0..n).map(|_| random.point()).collect();
     let velocities: Vec<_> = (0..n).map(|_| random.point().map(|x| (x - 0.5) * 0.02)).collect();
-    let mut cloud = Cloud::new(&points).unwrap();
+    let mut cloud = PointCloud::new(&points).unwrap();
     let (search, mut rebuilds, mut counts) = (RangeSearch::new(Isa::detect()), 0, vec![0; n]);
     for frame in 0..frames {
         for (point, velocity) in points.iter_mut().zip(&velocities) {
@@ -55,12 +55,12 @@ fn a_tree_that_was_rebuilt_is_the_tree_that_is_built() {
     let random = &mut Random(9);
     let mut points: Vec<_> = (0..1000).map(|_| random.point()).collect();
     for bucket_size in [1, 7, 16] {
-        let mut cloud = Cloud::with_room(&points, bucket_size, points.len()).unwrap();
+        let mut cloud = PointCloud::with_room(&points, bucket_size, points.len()).unwrap();
         points.iter_mut().for_each(|point| *point = random.point());
         cloud.refit(&points).unwrap();
         cloud.rebuild().unwrap();
-        let anew = Cloud::with_room(&points, bucket_size, points.len()).unwrap();
-        let bits = |cloud: &Cloud| {
+        let anew = PointCloud::with_room(&points, bucket_size, points.len()).unwrap();
+        let bits = |cloud: &PointCloud| {
             let view = cloud.view();
             let (nodes, buckets): (&[u8], &[u8]) =
                 (bytemuck::cast_slice(view.nodes()), bytemuck::cast_slice(view.buckets()));
@@ -76,7 +76,7 @@ fn points_come_and_go() {
     let random = &mut Random(13);
     for bucket_size in [1, 8, 13] {
         let points: Vec<_> = (0..n).map(|_| random.point()).collect();
-        let mut cloud = Cloud::with_room(&points, bucket_size, room).unwrap();
+        let mut cloud = PointCloud::with_room(&points, bucket_size, room).unwrap();
         let mut there: Vec<_> = points.into_iter().map(Some).collect();
         there.resize(room, None);
         let (mut inserted, mut removed) = (0, 0);
@@ -131,13 +131,13 @@ fn points_come_and_go() {
 fn an_empty_cloud_takes_points() {
     let random = &mut Random(41);
     let points: Vec<_> = (0..100).map(|_| random.point()).collect();
-    let mut emptied = Cloud::with_room(&points[..50], 8, 100).unwrap();
+    let mut emptied = PointCloud::with_room(&points[..50], 8, 100).unwrap();
     (0..50).for_each(|index| emptied.remove(index).unwrap());
     emptied.rebuild().unwrap();
-    for mut cloud in [Cloud::with_room(&[], 8, 100).unwrap(), emptied] {
+    for mut cloud in [PointCloud::with_room(&[], 8, 100).unwrap(), emptied] {
         cloud.view().validate().unwrap();
         assert!(cloud.view().bounds().is_empty() && cloud.view().is_empty());
-        assert_eq!(Cloud::from_bytes(&cloud.view().to_bytes()).unwrap().view().len(), 0);
+        assert_eq!(PointCloud::from_bytes(&cloud.view().to_bytes()).unwrap().view().len(), 0);
         let mut there = vec![None; 100];
         assert_right(&cloud, &there, 0.3, "empty");
         assert_eq!(cloud.refit(&[[f32::NAN; 3]; 100]), Ok(1.0));
@@ -151,18 +151,18 @@ fn an_empty_cloud_takes_points() {
         assert_right(&cloud, &there, 0.3, "filled");
     }
     // There is no index that a point could have.
-    let nothing = Cloud::new(&[]).unwrap();
+    let nothing = PointCloud::new(&[]).unwrap();
     assert_eq!((nothing.view().buckets().len(), nothing.view().nodes().len()), (0, 1));
 }
 
 #[test]
 fn what_is_wrong_changes_nothing() {
     let points: Vec<_> = (0..40).map(|i| [i as f32, 0.0, 1.0]).collect();
-    let mut cloud = Cloud::new(&points).unwrap();
+    let mut cloud = PointCloud::new(&points).unwrap();
     let mut wrong = points.clone();
     for bad in [f32::NAN, f32::INFINITY, f32::NEG_INFINITY] {
         wrong[17] = [0.0, bad, 0.0];
-        assert_eq!(Cloud::new(&wrong).unwrap_err(), CloudError::Point { index: 17 });
+        assert_eq!(PointCloud::new(&wrong).unwrap_err(), CloudError::Point { index: 17 });
         assert_eq!(cloud.refit(&wrong), Err(CloudError::Point { index: 17 }));
         assert_eq!(cloud.insert(3, [bad; 3]), Err(CloudError::Point { index: 3 }));
     }
@@ -170,7 +170,7 @@ fn what_is_wrong_changes_nothing() {
     assert_eq!(cloud.insert(40, [0.0; 3]), Err(CloudError::Index { index: 40 }));
     assert_eq!(cloud.remove(40), Err(CloudError::Index { index: 40 }));
     for asked in [0, 17] {
-        assert_eq!(Cloud::with_room(&points, asked, 40).unwrap_err(), CloudError::BucketSize { asked });
+        assert_eq!(PointCloud::with_room(&points, asked, 40).unwrap_err(), CloudError::BucketSize { asked });
     }
     let there: Vec<_> = points.iter().copied().map(Some).collect();
     assert_right(&cloud, &there, 2.0, "after errors");
@@ -207,7 +207,7 @@ fn memory_may_be_the_callers() {
 fn the_ratio_is_that_of_the_box_that_grew_most() {
     let mut points: Vec<_> =
         (0..4096).map(|i| [(i % 16) as f32, (i / 16 % 16) as f32, (i / 256) as f32]).collect();
-    let mut cloud = Cloud::new(&points).unwrap();
+    let mut cloud = PointCloud::new(&points).unwrap();
     assert_eq!(cloud.refit(&points), Ok(1.0));
     // All boxes twice as large along one axis.
     for point in &mut points {
@@ -217,7 +217,7 @@ fn the_ratio_is_that_of_the_box_that_grew_most() {
     assert!((ratio - 2.0).abs() < 1e-5, "{ratio}");
     cloud.rebuild().unwrap();
     assert_eq!(cloud.refit(&points), Ok(1.0));
-    let mut coincident = Cloud::new(&[[1.0; 3]; 5]).unwrap();
+    let mut coincident = PointCloud::new(&[[1.0; 3]; 5]).unwrap();
     assert_eq!(coincident.refit(&[[2.0; 3]; 5]), Ok(1.0));
     assert_eq!(coincident.refit(&[[2.0; 3], [2.0; 3], [2.0; 3], [2.0; 3], [2.5; 3]]), Ok(f64::INFINITY));
 }

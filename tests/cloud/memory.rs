@@ -8,11 +8,11 @@ use crate::scenes::{self, Random};
 use core::ops::ControlFlow;
 use heap::without_heap;
 use simdop::cloud::{
-    Cloud, CloudMut, CloudRef, List, Memory, Neighbour, Policy, Queries, Radii, RangeSearch, Seat, Upkeep,
-    buckets_for, nodes_for,
+    CloudMut, CloudRef, List, Memory, Neighbour, PointCloud, Policy, Queries, Radii, RangeSearch, Seat,
+    Upkeep, buckets_for, nodes_for,
 };
 use simdop::construct::{Builder, Mesh, SphereSet};
-use simdop::hierarchy::{BakeError, Bvh};
+use simdop::hierarchy::{Bvh, FormatError};
 use simdop::isa::Isa;
 use simdop::node::{Aabb16, Bucket, Node16};
 use simdop::pose::Pose;
@@ -29,7 +29,7 @@ fn bodies() -> (Bvh<Node16<32>, Spheres>, Bvh<Node16<32>>) {
     let quads = (0..20).filter(|i| i % 5 < 4).flat_map(|i| [[i, i + 1, i + 6], [i, i + 6, i + 5]]);
     let triangles: Vec<_> = quads.collect();
     let mesh = Mesh { vertices: &vertices, triangles: &triangles };
-    (round, Builder::new().build(&mesh).unwrap())
+    (round, Builder::new().build_as(&mesh).unwrap())
 }
 
 /// The points that the bodies' corners and centres may touch.
@@ -45,7 +45,7 @@ fn poses() -> [Pose; 4] {
 
 #[test]
 fn bodies_among_points_stay_off_the_heap() {
-    let ((round, mesh), cloud) = (bodies(), Cloud::new(&lattice()).unwrap());
+    let ((round, mesh), cloud) = (bodies(), PointCloud::new(&lattice()).unwrap());
     for isa in Isa::available() {
         let (search, view) = (RangeSearch::new(isa), cloud.view());
         for pose in &poses() {
@@ -129,7 +129,7 @@ fn nothing_allocates_in_borrowed_memory() {
 fn an_owned_cloud_keeps_its_memory() {
     let random = &mut Random(33);
     let points: Vec<_> = (0..300).map(|_| random.point()).collect();
-    let mut cloud = Cloud::with_room(&points, 9, 320).unwrap();
+    let mut cloud = PointCloud::with_room(&points, 9, 320).unwrap();
     let moved: Vec<_> = (0..320).map(|_| random.point()).collect();
     without_heap("refit", || cloud.refit(&moved)).unwrap();
     without_heap("insert", || cloud.insert(310, [0.5; 3])).unwrap();
@@ -146,7 +146,8 @@ fn an_owned_cloud_keeps_its_memory() {
 /// points are near the origin.
 fn comb(depth: usize) -> Vec<Bucket> {
     let points: Vec<_> = (0..=depth).map(|i| [i as f32 / 128.0, 0.0, 0.0]).collect();
-    let mut bytes = Cloud::with_room(&points[..1], 1, depth + 1).unwrap().view().to_bytes()[..64].to_vec();
+    let mut bytes =
+        PointCloud::with_room(&points[..1], 1, depth + 1).unwrap().view().to_bytes()[..64].to_vec();
     let mut put = |at: usize, value: usize| {
         bytes[at..at + 4].copy_from_slice(&(value as u32).to_le_bytes());
     };
@@ -179,7 +180,7 @@ fn comb(depth: usize) -> Vec<Bucket> {
     lines
 }
 
-fn read(lines: &[Bucket]) -> Result<CloudRef<'_>, BakeError> {
+fn read(lines: &[Bucket]) -> Result<CloudRef<'_>, FormatError> {
     let bytes: &[u8] = bytemuck::cast_slice(lines);
     CloudRef::from_bytes(&bytes[..bytes.len() - 192])
 }
@@ -204,7 +205,7 @@ fn clouds_too_deep_for_the_stack_are_refused() {
         }
     }
     for depth in [MAX_DEPTH + 1, 100] {
-        assert_eq!(read(&comb(depth)).err(), Some(BakeError::Header { field: "nodes" }), "depth {depth}");
+        assert_eq!(read(&comb(depth)).err(), Some(FormatError::Header { field: "nodes" }), "depth {depth}");
     }
 }
 
@@ -227,9 +228,9 @@ fn searches_need_no_more_stack_than_is_documented() {
     let mut indices = vec![0; 200 * points.len()];
     let mut seats = vec![Seat::default(); points.len()];
     let mut found = vec![Neighbour::NONE; 100];
-    let mut cloud = Cloud::with_room(&points, 10, points.len()).unwrap();
+    let mut cloud = PointCloud::with_room(&points, 10, points.len()).unwrap();
     let deepest = comb(simdop::hierarchy::MAX_DEPTH);
-    let ((round, mesh), poses, grid) = (bodies(), poses(), Cloud::new(&lattice()).unwrap());
+    let ((round, mesh), poses, grid) = (bodies(), poses(), PointCloud::new(&lattice()).unwrap());
     for isa in Isa::available() {
         in_thread(|| {
             let (view, search) = (cloud.view(), RangeSearch::new(isa));

@@ -2,7 +2,7 @@
 
 use crate::scenes::{self, Random, brute};
 use core::ops::ControlFlow;
-use simdop::cloud::{Cloud, CloudRef, List, Queries, Radii, RangeSearch, SearchError, Seat};
+use simdop::cloud::{CloudRef, List, PointCloud, Queries, Radii, RangeSearch, SearchError, Seat};
 use simdop::isa::Isa;
 
 /// Counts, fills and visits on every instruction set, compares all with each other, and returns the lists of the queries.
@@ -47,7 +47,7 @@ fn sorted(mut list: Vec<u32>) -> Vec<u32> {
 #[test]
 fn own_neighbours_are_those_of_a_loop() {
     for (name, points, radii) in scenes::all(scenes::size(1500, 200)) {
-        let cloud = Cloud::new(&points).unwrap();
+        let cloud = PointCloud::new(&points).unwrap();
         for &radius in &radii {
             let found = ask(&cloud.view(), &Queries::own(), Radii::Same(radius), points.len());
             for (i, list) in found.into_iter().enumerate() {
@@ -64,7 +64,7 @@ fn own_neighbours_are_those_of_a_loop() {
 #[test]
 fn neighbours_come_in_the_order_of_buckets_and_slots() {
     let (_, points, _) = scenes::all(2000).swap_remove(0);
-    let cloud = Cloud::with_room(&points, 12, points.len()).unwrap();
+    let cloud = PointCloud::with_room(&points, 12, points.len()).unwrap();
     assert!(cloud.view().buckets().len() > 128, "more than eight sixteens");
     let order: Vec<u32> = cloud.view().buckets().iter().flat_map(|bucket| bucket.indices).collect();
     let mut places = vec![0; points.len()];
@@ -85,7 +85,7 @@ fn queries_go_down_alone_where_packets_find_too_much() {
     let random = &mut Random(23);
     let n = scenes::size(2000, 500);
     let points: Vec<_> = (0..n).map(|_| random.point()).collect();
-    let cloud = Cloud::with_room(&points, 3, n).unwrap();
+    let cloud = PointCloud::with_room(&points, 3, n).unwrap();
     assert!(cloud.view().buckets().len() > 128, "more than eight sixteens");
     for radius in [0.2, 0.4, 0.6, 2.0] {
         let found = ask(&cloud.view(), &Queries::own(), Radii::Same(radius), n);
@@ -99,7 +99,7 @@ fn queries_go_down_alone_where_packets_find_too_much() {
 #[test]
 fn neighbours_of_other_points_are_those_of_a_loop() {
     for (name, points, radii) in scenes::all(scenes::size(1000, 150)) {
-        let cloud = Cloud::new(&points).unwrap();
+        let cloud = PointCloud::new(&points).unwrap();
         let random = &mut Random(3);
         let bounds = cloud.view().bounds();
         let other = |i: usize| -> [f32; 3] {
@@ -128,7 +128,7 @@ fn neighbours_of_other_points_are_those_of_a_loop() {
 #[test]
 fn every_instruction_set_seats_alike() {
     let (_, points, _) = scenes::all(800).swap_remove(9);
-    let cloud = Cloud::new(&points).unwrap();
+    let cloud = PointCloud::new(&points).unwrap();
     let queries: Vec<_> = points.iter().map(|p| [p[1], p[2], p[0]]).collect();
     let seated = Isa::available().map(|isa| {
         let mut seats = vec![Seat::default(); queries.len()];
@@ -146,7 +146,7 @@ fn any_number_of_points_makes_a_cloud() {
     for n in (0..70).chain([255, 256, 257, 271, 272, 273, 4095, 4096, 4097]).filter(|&n| n < most) {
         let points: Vec<_> = (0..n).map(|_| random.point()).collect();
         for bucket_size in [1, 2, 5, 15, 16] {
-            let cloud = Cloud::with_room(&points, bucket_size, n).unwrap();
+            let cloud = PointCloud::with_room(&points, bucket_size, n).unwrap();
             let view = cloud.view();
             assert_eq!(view.len(), n);
             assert_eq!(view.buckets().len(), n.div_ceil(bucket_size as usize));
@@ -163,7 +163,7 @@ fn any_number_of_points_makes_a_cloud() {
 #[test]
 fn shares_of_the_buckets_make_the_whole() {
     let (_, points, _) = scenes::all(1000).swap_remove(0);
-    let cloud = Cloud::new(&points).unwrap();
+    let cloud = PointCloud::new(&points).unwrap();
     let (view, search) = (cloud.view(), RangeSearch::new(Isa::detect()));
     let (mut whole, mut shares) = (vec![0; 1000], vec![u32::MAX; 1000]);
     search.count(&view, &Queries::own(), Radii::Same(0.1), &mut whole).unwrap();
@@ -176,7 +176,7 @@ fn shares_of_the_buckets_make_the_whole() {
 #[test]
 fn what_cannot_be_asked_is_refused() {
     let points = [[0.0; 3], [1.0; 3]];
-    let cloud = Cloud::new(&points).unwrap();
+    let cloud = PointCloud::new(&points).unwrap();
     let (view, search) = (cloud.view(), RangeSearch::new(Isa::SCALAR));
     let mut counts = [0; 2];
     for radius in [-1.0, f32::NAN, f32::INFINITY] {
@@ -203,7 +203,7 @@ fn what_cannot_be_asked_is_refused() {
 #[test]
 fn a_visitor_that_breaks_is_not_called_again() {
     let (_, points, _) = scenes::all(500).swap_remove(0);
-    let cloud = Cloud::new(&points).unwrap();
+    let cloud = PointCloud::new(&points).unwrap();
     for isa in Isa::available() {
         for limit in [1, 63, 64, 65, 1000] {
             let mut calls = 0;

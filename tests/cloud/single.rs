@@ -2,7 +2,7 @@
 
 use crate::scenes::{self, Random, brute, square};
 use core::ops::ControlFlow;
-use simdop::cloud::{Cloud, Neighbour, RangeSearch, SearchError};
+use simdop::cloud::{Neighbour, PointCloud, RangeSearch, SearchError};
 use simdop::isa::Isa;
 
 /// Points of the cloud, between them and far outside.
@@ -25,7 +25,7 @@ fn queries(points: &[[f32; 3]], count: usize) -> Vec<[f32; 3]> {
 #[test]
 fn what_is_within_is_what_a_loop_finds() {
     for (name, points, radii) in scenes::all(scenes::size(1200, 150)) {
-        let cloud = Cloud::new(&points).unwrap();
+        let cloud = PointCloud::new(&points).unwrap();
         for (i, &query) in queries(&points, scenes::size(300, 40)).iter().enumerate() {
             let radius = radii[i % radii.len()];
             let want = brute(&points, query, radius);
@@ -50,7 +50,7 @@ fn what_is_within_is_what_a_loop_finds() {
 #[test]
 fn the_nearest_are_the_first_of_all_in_order() {
     for (name, points, _) in scenes::all(scenes::size(900, 120)) {
-        let cloud = Cloud::new(&points).unwrap();
+        let cloud = PointCloud::new(&points).unwrap();
         for (i, &query) in queries(&points, scenes::size(150, 30)).iter().enumerate() {
             let mut all: Vec<_> = (0..).zip(&points).map(|(index, p)| (square(query, *p), index)).collect();
             all.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
@@ -72,7 +72,7 @@ fn the_nearest_are_the_first_of_all_in_order() {
 
 #[test]
 fn an_empty_cloud_has_nothing_near() {
-    let cloud = Cloud::new(&[]).unwrap();
+    let cloud = PointCloud::new(&[]).unwrap();
     for isa in Isa::available() {
         let search = RangeSearch::new(isa);
         assert_eq!(search.nearest(&cloud.view(), [0.0; 3]), Ok(None));
@@ -82,7 +82,7 @@ fn an_empty_cloud_has_nothing_near() {
 
 #[test]
 fn what_cannot_be_asked_is_refused() {
-    let cloud = Cloud::new(&[[0.0; 3]]).unwrap();
+    let cloud = PointCloud::new(&[[0.0; 3]]).unwrap();
     let (view, search) = (cloud.view(), RangeSearch::new(Isa::SCALAR));
     for bad in [f32::NAN, f32::INFINITY, f32::NEG_INFINITY] {
         let query = [0.0, 0.0, bad];

@@ -3,7 +3,7 @@
 use crate::support::rng::Rng;
 use crate::{Digest, pairs, words};
 use simdop::isa::Scalar;
-use simdop::kernel::Kernel;
+use simdop::low_level::kernel::Kernel;
 use simdop::node::{Aabb16, Box3, Bucket};
 
 /// How numbers are drawn.

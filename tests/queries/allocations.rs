@@ -11,17 +11,20 @@ use crate::support::shapes;
 use core::ops::ControlFlow;
 use heap::without_heap;
 use simdop::construct::{Builder, Mesh};
-use simdop::hierarchy::{BakeError, Bvh, BvhRef, Header, MAX_DEPTH};
+use simdop::hierarchy::{Bvh, BvhRef, FormatError, Header, MAX_DEPTH};
 use simdop::isa::Isa;
 use simdop::motion::{Screw, ScrewMotion};
 use simdop::node::{Child, Node4, Node16};
 use simdop::pose::Pose;
 use simdop::query::{Completion, Lanes, Query, STACK_BYTES, Verdict};
-use simdop::scene::{Body, EdgeMemory, EdgePair, Scene};
+use simdop::scene::{Body, MotionHit, MotionMemory, Scene};
 
 fn tree<N: Lanes>() -> Bvh<N> {
     let mesh = shapes::torus(32, 20);
-    Builder::new().leaf_size(3).build(&Mesh { vertices: &mesh.vertices, triangles: &mesh.triangles }).unwrap()
+    Builder::new()
+        .leaf_size(3)
+        .build_as(&Mesh { vertices: &mesh.vertices, triangles: &mesh.triangles })
+        .unwrap()
 }
 
 fn pose(x: f64) -> Pose {
@@ -79,7 +82,10 @@ fn a_query_never_allocates() {
 fn nor_does_one_of_solids() {
     let cube = shapes::cuboid([-1.0; 3], [1.0; 3], false);
     let build = |mesh: &MeshData| -> Bvh<Node16<18>> {
-        Builder::new().solid().build(&Mesh { vertices: &mesh.vertices, triangles: &mesh.triangles }).unwrap()
+        Builder::new()
+            .solid()
+            .build_as(&Mesh { vertices: &mesh.vertices, triangles: &mesh.triangles })
+            .unwrap()
     };
     let (large, small) = (build(&shapes::scaled(&cube, 9.0, [0.0; 3])), build(&cube));
     for query in Isa::available().map(Query::new) {
@@ -114,7 +120,7 @@ fn comb(depth: usize, size: f64) -> Vec<u8> {
     let builder = Builder::new();
     let triangle = TILTED.map(|p| p.map(|x| x * size));
     let mesh = shapes::separate([triangle]);
-    let tree = builder.build(&Mesh { vertices: &mesh.vertices, triangles: &mesh.triangles }).unwrap();
+    let tree = builder.build_as(&Mesh { vertices: &mesh.vertices, triangles: &mesh.triangles }).unwrap();
     let view: BvhRef<'_, Node4<6>> = Bvh::view(&tree);
     let planes = view.nodes()[0].planes;
     let width = width_bits(&planes.map(|plane| plane[0]));
@@ -133,7 +139,7 @@ fn comb(depth: usize, size: f64) -> Vec<u8> {
     };
     let nodes: Vec<_> = (1..=depth).map(|level| node(link(level))).collect();
     let mut header = *view.header();
-    (header.depth, header.node_count, header.has_thin_slabs) = (depth as u32, nodes.len() as u32, 0);
+    (header.depth, header.node_count, header.has_normal_slabs) = (depth as u32, nodes.len() as u32, 0);
     header.primitive_count = depth as u32;
     let mut bytes = bytemuck::bytes_of(&header).to_vec();
     bytes.extend(nodes.iter().flat_map(bytemuck::bytes_of));
@@ -159,11 +165,11 @@ fn trees_too_deep_for_the_stack_are_refused() {
                 let answer = collide(&apart);
                 assert_eq!(answer.verdict, Verdict::Free, "depth {depth}");
                 let pairs = (a.view().len() * b.view().len()) as u64;
-                assert_eq!(answer.counters.primitive_pairs, pairs, "all volumes overlap: depth {depth}");
+                assert_eq!(answer.stats.primitive_pairs, pairs, "all volumes overlap: depth {depth}");
             }
         }
     }
-    let too_deep = Some(BakeError::Header { field: "depth" });
+    let too_deep = Some(FormatError::Header { field: "depth" });
     for depth in [MAX_DEPTH + 1, 100] {
         assert_eq!(read(depth).err(), too_deep, "depth {depth}");
     }
@@ -197,9 +203,9 @@ fn the_stack_holds_the_levels_of_both_trees() {
                 let answer = collide(1e-3);
                 assert_eq!(answer.verdict, Verdict::Free, "{isa} {small}");
                 let pairs = (MAX_DEPTH * MAX_DEPTH) as u64;
-                assert_eq!(answer.counters.primitive_pairs, pairs, "{isa} {small}: all volumes overlap");
+                assert_eq!(answer.stats.primitive_pairs, pairs, "{isa} {small}: all volumes overlap");
                 // One visit for each pair of a node and of a leaf's parent, and more on the way.
-                assert!(answer.counters.visits >= pairs, "{isa} {small}: {:?}", answer.counters);
+                assert!(answer.stats.visits >= pairs, "{isa} {small}: {:?}", answer.stats);
             }
         }
     }
@@ -223,12 +229,12 @@ fn queries_of_scenes_stay_off_the_heap() {
                 let _ = scene.for_each_hit(&query, 0.0, |_| ControlFlow::Continue(())).unwrap();
             });
             let (starts, mut poses) = ([pose(x)], [Pose::IDENTITY; 2]);
-            let mut waiting = [EdgePair::EMPTY; 64];
+            let mut waiting = [MotionHit::EMPTY; 64];
             let screw = Screw::new([0.0; 3], [0.0, 0.0, 1.0], 0.5, 0.1).unwrap();
             let mut motion = ScrewMotion::new(screw, &starts);
-            let mut memory = EdgeMemory { poses: &mut poses, waiting: &mut waiting };
+            let mut memory = MotionMemory { poses: &mut poses, waiting: &mut waiting };
             without_heap("edge", || {
-                let answer = scene.edge(&query, &ids[..1], &mut motion, 1e-3, &mut memory).unwrap();
+                let answer = scene.check_motion(&query, &ids[..1], &mut motion, 1e-3, &mut memory).unwrap();
                 assert!(answer.pairs > 0);
             });
         }

@@ -9,9 +9,9 @@ use crate::support::shapes;
 use core::mem::offset_of;
 use core::ops::ControlFlow;
 use simdop::construct::{Builder, Magnification, SphereSet, Splitter};
-use simdop::hierarchy::{BakeError, Bvh, BvhRef, Header};
+use simdop::hierarchy::{Bvh, BvhRef, FormatError, Header};
 use simdop::isa::Scalar;
-use simdop::kernel::Kernel;
+use simdop::low_level::kernel::Kernel;
 use simdop::node::{Ball16, BoundingBall, Child, Link, Node4, Node16};
 use simdop::primitive::{Primitive, Sphere, Spheres};
 use simdop::query::Lanes;
@@ -122,7 +122,7 @@ fn trees_may_do_without() {
 }
 
 /// A tree with some of its bytes changed: the error of reading it, or of its proof.
-fn changed(tree: &Tree, change: impl FnOnce(&mut [u8])) -> (Option<BakeError>, Option<u32>) {
+fn changed(tree: &Tree, change: impl FnOnce(&mut [u8])) -> (Option<FormatError>, Option<u32>) {
     let mut lines = aligned(tree.as_bytes());
     let bytes: &mut [u8] = bytemuck::cast_slice_mut(&mut lines);
     change(bytes);
@@ -152,7 +152,7 @@ fn what_is_wrong_with_balls_is_said() {
             let refused = |change: &dyn Fn(&mut Ball16)| {
                 let (node, lane) = (index as u32, lane as u32);
                 let problem = "a ball is not finite, or larger than the body";
-                assert_eq!(with(index, change), (Some(BakeError::Node { node, lane, problem }), None));
+                assert_eq!(with(index, change), (Some(FormatError::Node { node, lane, problem }), None));
             };
             if *child == Child::EMPTY {
                 unused += 1;
@@ -180,21 +180,21 @@ fn what_is_wrong_with_balls_is_said() {
     assert!(unused > 0);
     let flag = offset_of!(Header, has_balls);
     let (refused, _) = changed(&tree, |bytes| bytes[flag] = 2);
-    assert_eq!(refused, Some(BakeError::Header { field: "has_balls" }));
+    assert_eq!(refused, Some(FormatError::Header { field: "has_balls" }));
     let (refused, _) = changed(&tree, |bytes| bytes[flag] = 0);
-    assert!(matches!(refused, Some(BakeError::TooLong { .. })));
+    assert!(matches!(refused, Some(FormatError::TooLong { .. })));
 }
 
 /// The flag is refused before anything is looked for behind it: balls of other nodes would not be aligned.
 #[test]
 fn trees_that_have_no_balls_cannot_say_so() {
-    fn flagged<N: Lanes, P: Primitive>(tree: &Bvh<N, P>) -> Option<BakeError> {
+    fn flagged<N: Lanes, P: Primitive>(tree: &Bvh<N, P>) -> Option<FormatError> {
         let mut lines = aligned(tree.as_bytes());
         let bytes: &mut [u8] = bytemuck::cast_slice_mut(&mut lines);
         bytes[offset_of!(Header, has_balls)] = 1;
         BvhRef::<N, P>::from_bytes(&bytes[..tree.as_bytes().len()]).err()
     }
-    let want = Some(BakeError::Header { field: "has_balls" });
+    let want = Some(FormatError::Header { field: "has_balls" });
     let spheres = spheres(&mut Rng::new(4), 100, 1.0, 0.0);
     assert_eq!(flagged(&build::<Node4<6>>(&spheres, Builder::new())), want);
     let mesh = shapes::torus(5, 3);

@@ -7,7 +7,7 @@ use simdop::hierarchy::Bvh;
 use simdop::isa::Isa;
 use simdop::node::{Node4, Node16};
 use simdop::pose::Pose;
-use simdop::query::{Counters, Lanes, Query};
+use simdop::query::{Lanes, Query, QueryStats};
 
 /// Small triangles, each with a corner at one of the places.
 fn at(places: &[[f64; 2]]) -> MeshData {
@@ -15,9 +15,9 @@ fn at(places: &[[f64; 2]]) -> MeshData {
 }
 
 /// The work of a query at the identity, the same on every instruction set.
-fn work<N: Lanes>(a: &[[f64; 2]], b: &[[f64; 2]]) -> Counters {
+fn work<N: Lanes>(a: &[[f64; 2]], b: &[[f64; 2]]) -> QueryStats {
     let (a, b) = (build::<N>(&at(a)), build::<N>(&at(b)));
-    let on = |isa| Query::new(isa).collide(&a.view(), &b.view(), &Pose::IDENTITY).counters;
+    let on = |isa| Query::new(isa).collide(&a.view(), &b.view(), &Pose::IDENTITY).stats;
     assert!(Isa::available().all(|isa| on(isa) == on(Isa::SCALAR)));
     on(Isa::SCALAR)
 }
@@ -33,7 +33,7 @@ const BESIDE: [[f64; 2]; 2] = [[12.0, 0.0], [52.0, 40.0]];
 
 #[test]
 fn a_visit_of_two_nodes_of_arity_16() {
-    let counters = |visits, kernels, realignments, primitive_pairs| Counters {
+    let stats = |visits, kernels, realignments, primitive_pairs| QueryStats {
         visits,
         kernels,
         realignments,
@@ -41,9 +41,9 @@ fn a_visit_of_two_nodes_of_arity_16() {
         exact_pairs: 0,
     };
     // The hull, and a row for each of the three.
-    assert_eq!(work::<Node16<6>>(&ROW, &AROUND_THREE), counters(1, 1 + 3, 1, 0));
-    assert_eq!(work::<Node16<18>>(&DIAGONAL, &BESIDE), counters(1, 1, 1, 0), "none is in the hull");
-    assert_eq!(work::<Node16<18>>(&ROW, &[[0.0, 50.0], [40.0, 50.0]]), Counters::default(), "far apart");
+    assert_eq!(work::<Node16<6>>(&ROW, &AROUND_THREE), stats(1, 1 + 3, 1, 0));
+    assert_eq!(work::<Node16<18>>(&DIAGONAL, &BESIDE), stats(1, 1, 1, 0), "none is in the hull");
+    assert_eq!(work::<Node16<18>>(&ROW, &[[0.0, 50.0], [40.0, 50.0]]), QueryStats::default(), "far apart");
     // Every triangle of the row is in the hull, and first of all the first meets itself.
     let touching = work::<Node16<6>>(&ROW, &ROW);
     assert_eq!((touching.visits, touching.kernels, touching.primitive_pairs), (1, 1 + 5, 1));
@@ -83,9 +83,9 @@ fn a_visit_of_a_node_and_a_leaf() {
         ])
         .unwrap();
         for isa in Isa::available() {
-            let found = Query::new(isa).collide(&long.view(), &short.view(), &back).counters;
+            let found = Query::new(isa).collide(&long.view(), &short.view(), &back).stats;
             // The row is turned whichever is given first: its planes get less loose by it.
-            let exchanged = Query::new(isa).collide(&short.view(), &long.view(), &pose).counters;
+            let exchanged = Query::new(isa).collide(&short.view(), &long.view(), &pose).stats;
             assert_eq!(found, exchanged, "{isa} {gap}");
             if found.visits == 1 {
                 assert_eq!(found.kernels, 1, "{isa} {gap}: none of the many is in the hull of the one");
@@ -134,7 +134,7 @@ fn a_visit_of_a_node_that_is_much_wider() {
                 let wide_b = Query::new(isa).collide(&speck.view(), &large.view(), &pose(x));
                 let wide_a = Query::new(isa).collide(&large.view(), &speck.view(), &back(x));
                 assert!(wide_b.is_free() && wide_a.is_free());
-                let (wide_b, wide_a) = (wide_b.counters, wide_a.counters);
+                let (wide_b, wide_a) = (wide_b.stats, wide_a.stats);
                 // In the lower node's volume, or in none: the roots, then the lower node.
                 deep += u64::from(wide_a.visits == 2);
                 let visits = wide_a.visits;
@@ -156,7 +156,7 @@ fn a_visit_of_a_distance_query() {
     let apart = Pose::from_rows([[1.0, 0.0, 0.0, 0.1], [0.0, 0.8, -0.6, 0.3], [0.0, 0.6, 0.8, 3.0]]).unwrap();
     fn check<N: Lanes>(a: &MeshData, b: &MeshData, pose: &Pose) {
         let (a, b) = (build::<N>(a), build::<N>(b));
-        let found = Query::new(Isa::detect()).distance(&a.view(), &b.view(), pose, 0.0).unwrap().counters;
+        let found = Query::new(Isa::detect()).distance(&a.view(), &b.view(), pose, 0.0).unwrap().stats;
         assert!(found.visits > 10, "{found:?}");
         assert_eq!(found.kernels, found.visits, "{found:?}");
     }

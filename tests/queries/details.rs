@@ -8,7 +8,7 @@ use crate::support::rng::Rng;
 use crate::support::shapes::{append, cuboid, room, scaled, soup, torus, wavy_torus};
 use crate::{aligned, build, build_with_leaves, mesh_of, splitters};
 use simdop::construct::Builder;
-use simdop::hierarchy::{BakeError, Bvh, BvhRef, Detail, Header};
+use simdop::hierarchy::{Bvh, BvhRef, Detail, FormatError, Header};
 use simdop::isa::Isa;
 use simdop::node::{Link, Node4, Node16};
 use simdop::pose::Pose;
@@ -136,7 +136,7 @@ fn every_splitter_has_details() {
     }
     for splitter in splitters(1) {
         let builder = Builder::new().splitter(splitter);
-        let tree = builder.build::<Node16<18>>(&mesh_of(&scene)).unwrap();
+        let tree = builder.build(&mesh_of(&scene)).unwrap();
         tree.view().verify().unwrap();
         tree.view().validate().unwrap();
         let mut sources: Vec<u32> =
@@ -144,7 +144,7 @@ fn every_splitter_has_details() {
         sources.sort_unstable();
         assert!(sources.iter().copied().eq(0..scene.triangles.len() as u32), "{splitter:?}: each once");
         assert_eq!(tree.view().details().len(), count, "{splitter:?}: one for each");
-        let thick = builder.without_thin_slabs().build::<Node4<14>>(&mesh_of(&scene)).unwrap();
+        let thick = builder.without_normal_slabs().build_as::<Node4<14>>(&mesh_of(&scene)).unwrap();
         thick.view().verify().unwrap();
         assert_eq!(thick.view().details().len(), count, "{splitter:?}: one for each");
     }
@@ -175,8 +175,8 @@ fn a_detail_costs_what_a_body_costs() {
     let query = Query::new(Isa::detect());
     let visits = |tree: &Bvh<Node16<18>>, small: &Bvh<Node16<18>>, poses: &[[[f64; 4]; 3]]| {
         let visits = |rows: &[[f64; 4]; 3]| {
-            let counters = query.collide(small, tree, &Pose::from_rows(*rows).unwrap()).counters;
-            counters.visits + counters.primitive_pairs
+            let stats = query.collide(small, tree, &Pose::from_rows(*rows).unwrap()).stats;
+            stats.visits + stats.primitive_pairs
         };
         poses.iter().map(visits).sum::<u64>()
     };
@@ -196,7 +196,7 @@ fn solids_have_details() {
     let (fine, scale) = (torus(12, 10), 1e-4);
     let mut scene = outer;
     append(&mut scene, &scaled(&fine, scale, [5.0, 0.0, 0.0]));
-    let solid = Builder::new().solid().build::<Node16<18>>(&mesh_of(&scene)).unwrap();
+    let solid = Builder::new().solid().build(&mesh_of(&scene)).unwrap();
     assert!(!solid.view().details().is_empty());
     let surface = build::<Node16<18>>(&scene);
     let small = build::<Node16<18>>(&scaled(&torus(6, 5), 1e-7, [0.0; 3]));
@@ -277,7 +277,7 @@ fn damaged_details_are_refused() {
     let (bytes, view) = (tree.as_bytes(), tree.view());
     let count = view.details().len();
     assert!(count >= 4);
-    let table = 128 + size_of_val(view.nodes()) + size_of_val(view.thin_slabs());
+    let table = 128 + size_of_val(view.nodes()) + size_of_val(view.normal_slabs());
     let with = |change: &dyn Fn(&mut [Detail])| {
         let mut lines = aligned(bytes);
         let changed: &mut [u8] = bytemuck::cast_slice_mut(&mut lines);
@@ -285,19 +285,19 @@ fn damaged_details_are_refused() {
         BvhRef::<Node16<18>>::from_bytes(&changed[..bytes.len()]).err()
     };
     assert_eq!(with(&|_| ()), None);
-    let index_of = |error: Option<BakeError>| match error {
-        Some(BakeError::Detail { index, .. }) => index,
+    let index_of = |error: Option<FormatError>| match error {
+        Some(FormatError::Detail { index, .. }) => index,
         other => panic!("{other:?}"),
     };
     let moved = with(&|d| d[1].first += 1);
     assert!(
-        matches!(moved, Some(BakeError::Node { problem: "no link leads to this node", .. })),
+        matches!(moved, Some(FormatError::Node { problem: "no link leads to this node", .. })),
         "{moved:?}"
     );
     assert_eq!(index_of(with(&|d| d[0].first -= 1)), 0);
     for (error, at) in [(with(&|d| d[1].node = d[0].node), 1), (with(&|d| d[0].node = 0), 0)] {
         let problem = "it stands for no node, or for one before that of the detail before";
-        assert_eq!(error, Some(BakeError::Detail { index: at, problem }));
+        assert_eq!(error, Some(FormatError::Detail { index: at, problem }));
     }
     assert_eq!(index_of(with(&|d| d[3].node = d[3].first)), 3);
     assert_eq!(index_of(with(&|d| d[1].node += 1)), 1);
@@ -311,7 +311,7 @@ fn damaged_details_are_refused() {
     assert_eq!(index_of(with(&|d| d[2].max_plane = f32::NAN)), 2);
     let plane = with(&|d| d[2].max_plane = d[2].max_plane.next_down());
     assert!(
-        matches!(plane, Some(BakeError::Node { problem: "a plane is beyond max_plane", .. })),
+        matches!(plane, Some(FormatError::Node { problem: "a plane is beyond max_plane", .. })),
         "{plane:?}"
     );
 
@@ -335,7 +335,7 @@ fn damaged_details_do_no_harm() {
     let bytes = tree.as_bytes();
     let view = tree.view();
     let first = 128 + view.details()[0].first as usize * 640;
-    let table = 128 + size_of_val(view.nodes()) + size_of_val(view.thin_slabs());
+    let table = 128 + size_of_val(view.nodes()) + size_of_val(view.normal_slabs());
     let small = build::<Node16<18>>(&scaled(&torus(6, 5), 1e-3, [0.0; 3]));
     let rng = &mut Rng::new(11);
     let (mut taken, mut refused) = (0, 0);

@@ -27,7 +27,7 @@ fn digests(answers: &[Answer]) -> Digests {
             Verdict::Free => add(&mut all, &[0]),
             Verdict::Unknown { .. } => panic!("a query without a budget knows its answer"),
         }
-        let c = answer.counters;
+        let c = answer.stats;
         add(&mut all, &[c.visits, c.kernels, c.realignments, c.primitive_pairs, c.exact_pairs]);
     }
     [verdicts.0, all.0]

@@ -11,19 +11,18 @@ use simdop::construct::{Builder, Mesh};
 use simdop::hierarchy::Bvh;
 use simdop::isa::Isa;
 use simdop::motion::{
-    CarriedBall, Joint, JointKind, Kinematics, LinkBody, LinkFrame, Motion, Screw, ScrewMotion,
-    StraightMotion,
+    CarriedBall, Joint, JointKind, JointMotion, Kinematics, LinkBody, LinkFrame, Motion, Screw, ScrewMotion,
 };
 use simdop::node::Node16;
 use simdop::pose::{Pose, PoseError};
 use simdop::query::{Query, ToleranceError};
-use simdop::scene::{Body, BodyId, EdgeAnswer, EdgeMemory, EdgePair, EdgeVerdict, Scene, SceneError};
+use simdop::scene::{Body, BodyId, MotionAnswer, MotionHit, MotionMemory, MotionVerdict, Scene, SceneError};
 
 type Tree = Bvh<Node16<18>>;
 
 fn solid(low: [f64; 3], high: [f64; 3]) -> Tree {
     let mesh = shapes::cuboid(low, high, true);
-    Builder::new().solid().build(&Mesh { vertices: &mesh.vertices, triangles: &mesh.triangles }).unwrap()
+    Builder::new().solid().build_as(&Mesh { vertices: &mesh.vertices, triangles: &mesh.triangles }).unwrap()
 }
 
 fn at(x: f64, y: f64, z: f64) -> Pose {
@@ -43,16 +42,16 @@ fn arm() -> ([Joint; 4], [LinkBody; 4], [[f64; 2]; 4]) {
 
 struct Memory {
     poses: Vec<Pose>,
-    waiting: Vec<EdgePair>,
+    waiting: Vec<MotionHit>,
 }
 
 impl Memory {
     fn new(waiting: usize) -> Self {
-        Self { poses: vec![Pose::IDENTITY; 8], waiting: vec![EdgePair::EMPTY; waiting] }
+        Self { poses: vec![Pose::IDENTITY; 8], waiting: vec![MotionHit::EMPTY; waiting] }
     }
 
-    fn lend(&mut self) -> EdgeMemory<'_> {
-        EdgeMemory { poses: &mut self.poses, waiting: &mut self.waiting }
+    fn lend(&mut self) -> MotionMemory<'_> {
+        MotionMemory { poses: &mut self.poses, waiting: &mut self.waiting }
     }
 }
 
@@ -62,7 +61,7 @@ fn edge(
     moving: &[BodyId],
     motion: &mut impl Motion,
     waiting: usize,
-) -> EdgeAnswer {
+) -> MotionAnswer {
     scene.edge(query, moving, motion, 1e-5, &mut Memory::new(waiting).lend()).unwrap()
 }
 
@@ -103,11 +102,11 @@ fn no_sample_refutes_what_is_certified() {
         let mut scene = Scene::new();
         let ids = [0, 1, 2, 3].map(|_| scene.insert(Body::new(link.view()), &Pose::IDENTITY).unwrap());
         for i in 1..4 {
-            scene.set_pair(ids[i - 1], ids[i], false).unwrap();
+            scene.allow_collision(ids[i - 1], ids[i]).unwrap();
         }
         let held = scene.insert(Body::new(can.view()).with_radius(0.01), &at(0.55, 0.0, 0.0)).unwrap();
         scene.attach(held, ids[3]).unwrap();
-        scene.set_pair(held, ids[3], false).unwrap();
+        scene.allow_collision(held, ids[3]).unwrap();
         for tree in &blocks {
             let [p, q, r] = rng.rotation();
             let mut far = || if rng.below(2) == 0 { rng.range(0.4, 2.2) } else { rng.range(-2.2, -0.4) };
@@ -121,7 +120,7 @@ fn no_sample_refutes_what_is_certified() {
         let (to, share) = (values(), if round % 2 == 0 { 1.0 } else { 0.1 });
         let to: [f64; 4] = core::array::from_fn(|i| from[i] + share * (to[i] - from[i]));
         let (mut values, mut links) = ([0.0; 4], [LinkFrame::EMPTY; 5]);
-        let mut motion = StraightMotion::new(robot, [&from, &to], &mut values, &mut links).unwrap();
+        let mut motion = JointMotion::new(robot, [&from, &to], &mut values, &mut links).unwrap();
         let answer = edge(&mut scene, &detected, &ids, &mut motion, 4096);
         for isa in Isa::available() {
             assert_eq!(answer, edge(&mut scene, &Query::new(isa), &ids, &mut motion, 4096), "{isa}");
@@ -133,17 +132,17 @@ fn no_sample_refutes_what_is_certified() {
                 .find(|&time| meets(&mut scene, &detected, &ids, &mut motion, time))
         };
         match answer.verdict {
-            EdgeVerdict::Free => {
+            MotionVerdict::Free => {
                 assert_eq!(sampled(2.0), None, "edge {round} is certified free");
                 free += 1;
             }
-            EdgeVerdict::Hit { hit, time } => {
+            MotionVerdict::Hit { hit, time } => {
                 assert!(meets(&mut scene, &detected, &ids, &mut motion, time));
                 let both = [hit.a, hit.b].map(|id| scene.world_pose(id).is_ok());
                 assert_eq!(both, [true; 2]);
                 hits += 1;
             }
-            EdgeVerdict::Unresolved { from, to } => {
+            MotionVerdict::Unresolved { from, to } => {
                 assert!(to - from <= 1e-5, "room and budget were not short");
                 assert_eq!(sampled(from), None, "before edge {round} is unresolved it is free");
                 unresolved += 1;
@@ -168,25 +167,26 @@ fn a_wall_between_two_samples_is_met() {
     let turned = Pose::try_from((DQuat::from_rotation_z(0.3), DVec3::ZERO)).unwrap();
     let _ = scene.insert(Body::new(wall.view()).fixed(), &turned).unwrap();
     let (mut values, mut links) = ([0.0; 1], [LinkFrame::EMPTY; 2]);
-    let mut motion = StraightMotion::new(robot, [&[0.0], &[FRAC_PI_2]], &mut values, &mut links).unwrap();
+    let mut motion = JointMotion::new(robot, [&[0.0], &[FRAC_PI_2]], &mut values, &mut links).unwrap();
     let mut memory = Memory::new(64);
     for parts in [1, 2, 3, 4, 8] {
         let parts = NonZeroU32::new(parts).unwrap();
-        let sampled = scene.sampled_edge(&query, &[id], &mut motion, parts, &mut memory.lend()).unwrap();
-        assert_eq!(sampled.verdict, EdgeVerdict::Unresolved { from: 0.0, to: 1.0 });
+        let sampled =
+            scene.check_motion_discrete(&query, &[id], &mut motion, parts, &mut memory.lend()).unwrap();
+        assert_eq!(sampled.verdict, MotionVerdict::Unresolved { from: 0.0, to: 1.0 });
         assert_eq!(sampled.times, u64::from(parts.get()) + 1);
     }
-    let answer = scene.edge(&query, &[id], &mut motion, 1e-6, &mut memory.lend()).unwrap();
-    let EdgeVerdict::Hit { time, .. } = answer.verdict else { panic!("{answer:?}") };
+    let answer = scene.check_motion(&query, &[id], &mut motion, 1e-6, &mut memory.lend()).unwrap();
+    let MotionVerdict::Hit { time, .. } = answer.verdict else { panic!("{answer:?}") };
     assert!((time * FRAC_PI_2 - 0.3).abs() < 0.02, "{time}");
     let parts = NonZeroU32::new(1000).unwrap();
-    let sampled = scene.sampled_edge(&query, &[id], &mut motion, parts, &mut memory.lend()).unwrap();
-    assert!(matches!(sampled.verdict, EdgeVerdict::Hit { .. }), "a thousand samples find the wall");
+    let sampled = scene.check_motion_discrete(&query, &[id], &mut motion, parts, &mut memory.lend()).unwrap();
+    assert!(matches!(sampled.verdict, MotionVerdict::Hit { .. }), "a thousand samples find the wall");
     assert_eq!(scene.world_pose(id), Ok(&Pose::IDENTITY), "bodies stand where they stood");
 }
 
 /// A cube whose corner comes to within `gap` of a plane, at a time of a third, and goes away again.
-fn tangent(gap: f64, budget: u64, waiting: usize, resolution: f64) -> EdgeAnswer {
+fn tangent(gap: f64, budget: u64, waiting: usize, resolution: f64) -> MotionAnswer {
     let (cube, table) = (solid([0.0; 3], [1.0; 3]), solid([-5.0, -5.0, -1.0], [5.0, 5.0, 0.0]));
     let query = Query::new(Isa::detect()).with_budget(budget);
     let mut scene = Scene::new();
@@ -201,47 +201,47 @@ fn tangent(gap: f64, budget: u64, waiting: usize, resolution: f64) -> EdgeAnswer
     let back = Screw::new([0.0, 0.0, 2.0], [0.0, 1.0, 0.0], -0.5, 0.0).unwrap();
     let starts = [back.at(1.0, &low.unwrap()).unwrap()];
     let mut motion = ScrewMotion::new(screw, &starts);
-    scene.edge(&query, &[id], &mut motion, resolution, &mut Memory::new(waiting).lend()).unwrap()
+    scene.check_motion(&query, &[id], &mut motion, resolution, &mut Memory::new(waiting).lend()).unwrap()
 }
 
 #[test]
 fn near_misses_are_free_and_touching_is_unresolved_or_a_hit() {
     for gap in [1e-2, 1e-4, 1e-6] {
-        assert_eq!(tangent(gap, u64::MAX, 4096, 1e-9).verdict, EdgeVerdict::Free, "{gap}");
+        assert_eq!(tangent(gap, u64::MAX, 4096, 1e-9).verdict, MotionVerdict::Free, "{gap}");
     }
     for gap in [-1e-2, -1e-4] {
         let answer = tangent(gap, u64::MAX, 256, 1e-9);
-        assert!(matches!(answer.verdict, EdgeVerdict::Hit { .. }), "{gap}: {answer:?}");
+        assert!(matches!(answer.verdict, MotionVerdict::Hit { .. }), "{gap}: {answer:?}");
     }
     // It touches at a third, which is no binary fraction; before, it is too near for the resolution.
     let answer = tangent(0.0, u64::MAX, 256, 1e-4);
-    let EdgeVerdict::Unresolved { from, to } = answer.verdict else { panic!("{answer:?}") };
+    let MotionVerdict::Unresolved { from, to } = answer.verdict else { panic!("{answer:?}") };
     assert!(to - from <= 1e-4 && (from - 1.0 / 3.0).abs() < 0.01, "{from} {to}");
 }
 
 #[test]
 fn short_of_budget_or_room_nothing_is_called_free() {
     let whole = tangent(1e-4, u64::MAX, 1024, 1e-9);
-    assert_eq!(whole.verdict, EdgeVerdict::Free);
+    assert_eq!(whole.verdict, MotionVerdict::Free);
     // Some of them end the search for a hit, others the certifying of a pair.
-    for budget in (0..whole.counters.visits).step_by(whole.counters.visits as usize / 60) {
+    for budget in (0..whole.stats.visits).step_by(whole.stats.visits as usize / 60) {
         let answer = tangent(1e-4, budget, 1024, 1e-9);
-        let EdgeVerdict::Unresolved { from, to } = answer.verdict else { panic!("{budget}: {answer:?}") };
-        assert!(from < to && answer.counters.visits <= budget);
+        let MotionVerdict::Unresolved { from, to } = answer.verdict else { panic!("{budget}: {answer:?}") };
+        assert!(from < to && answer.stats.visits <= budget);
     }
-    assert_eq!(tangent(1e-4, whole.counters.visits, 1024, 1e-9), whole);
+    assert_eq!(tangent(1e-4, whole.stats.visits, 1024, 1e-9), whole);
     for waiting in 0..2 {
         let answer = tangent(1e-4, u64::MAX, waiting, 1e-9);
-        assert!(matches!(answer.verdict, EdgeVerdict::Unresolved { .. }), "{waiting}: {answer:?}");
+        assert!(matches!(answer.verdict, MotionVerdict::Unresolved { .. }), "{waiting}: {answer:?}");
     }
-    assert_eq!(tangent(-1e-2, u64::MAX, 0, 1e-9).verdict, EdgeVerdict::Unresolved { from: 0.0, to: 1.0 });
+    assert_eq!(tangent(-1e-2, u64::MAX, 0, 1e-9).verdict, MotionVerdict::Unresolved { from: 0.0, to: 1.0 });
 }
 
 #[test]
 fn spheres_and_points_have_edges() {
     // A point of radius 0.1 passes a wall on its way along x.
     let (point, wall) = (simdop::construct::OwnedMesh::point(), solid([-3.0, -1.0, -1.0], [3.0, 0.0, 1.0]));
-    let ball: Tree = Builder::new().build(&point.as_mesh()).unwrap();
+    let ball: Tree = Builder::new().build_as(&point.as_mesh()).unwrap();
     let query = Query::new(Isa::detect());
     for (y, is_free) in [(0.11, true), (0.0999, false)] {
         let mut scene = Scene::new();
@@ -271,7 +271,7 @@ impl Motion for Unbounded<'_> {
         Ok(())
     }
 
-    fn path(&self, _: usize, _: &CarriedBall, _: f64) -> f64 {
+    fn motion_bound(&self, _: usize, _: &CarriedBall, _: f64) -> f64 {
         f64::NAN
     }
 }
@@ -279,21 +279,21 @@ impl Motion for Unbounded<'_> {
 #[test]
 fn points_that_may_get_anywhere_are_unresolved() {
     let point = simdop::construct::OwnedMesh::point();
-    let point: Tree = Builder::new().build(&point.as_mesh()).unwrap();
+    let point: Tree = Builder::new().build_as(&point.as_mesh()).unwrap();
     let mut scene = Scene::new();
     let places = [at(0.0, 0.0, 0.0), at(1.0, 0.0, 0.0)];
     let ids = places.map(|place| scene.insert(Body::new(point.view()), &place).unwrap());
     for count in [1, 2] {
         let mut motion = Unbounded(&places[..count]);
         let answer = edge(&mut scene, &Query::new(Isa::detect()), &ids[..count], &mut motion, 512);
-        assert!(matches!(answer.verdict, EdgeVerdict::Unresolved { from: 0.0, .. }), "{answer:?}");
+        assert!(matches!(answer.verdict, MotionVerdict::Unresolved { from: 0.0, .. }), "{answer:?}");
     }
 }
 
 #[test]
 fn a_wall_across_is_met_wherever_it_stands() {
     let (point, wall) = (simdop::construct::OwnedMesh::point(), solid([-5e-4, -1.0, -1.0], [5e-4, 1.0, 1.0]));
-    let ball: Tree = Builder::new().build(&point.as_mesh()).unwrap();
+    let ball: Tree = Builder::new().build_as(&point.as_mesh()).unwrap();
     let query = Query::new(Isa::detect());
     // The ball itself, from -2 to 2 along x; and one that it carries, far beside.
     for is_carried in [false, true] {
@@ -312,7 +312,7 @@ fn a_wall_across_is_met_wherever_it_stands() {
             let screw = Screw::new([0.0; 3], [1.0, 0.0, 0.0], 0.0, 4.0).unwrap();
             let mut motion = ScrewMotion::new(screw, &starts);
             let answer = edge(&mut scene, &query, &[id], &mut motion, 64);
-            let EdgeVerdict::Hit { time, .. } = answer.verdict else { panic!("{x}: {answer:?}") };
+            let MotionVerdict::Hit { time, .. } = answer.verdict else { panic!("{x}: {answer:?}") };
             assert!((4.0 * time - 2.0 - x).abs() < 2e-3, "{x}: {time}");
         }
     }
@@ -330,24 +330,25 @@ fn what_is_no_edge_is_refused() {
     let mut motion = ScrewMotion::new(screw, &starts);
     let mut memory = Memory::new(8);
     for resolution in [0.0, -1.0, f64::NAN] {
-        let refused = scene.edge(&query, &[a], &mut motion, resolution, &mut memory.lend()).unwrap_err();
+        let refused =
+            scene.check_motion(&query, &[a], &mut motion, resolution, &mut memory.lend()).unwrap_err();
         assert!(matches!(refused, SceneError::Tolerance(ToleranceError { .. })), "{refused}");
     }
     for moving in [&[] as &[BodyId], &[a, b]] {
-        let refused = scene.edge(&query, moving, &mut motion, 1e-3, &mut memory.lend()).unwrap_err();
+        let refused = scene.check_motion(&query, moving, &mut motion, 1e-3, &mut memory.lend()).unwrap_err();
         assert_eq!(refused, SceneError::Motion { bodies: 1, given: moving.len(), poses: 8 });
     }
-    let mut little = EdgeMemory { poses: &mut [Pose::IDENTITY], waiting: &mut [] };
-    let refused = scene.edge(&query, &[a], &mut motion, 1e-3, &mut little).unwrap_err();
+    let mut little = MotionMemory { poses: &mut [Pose::IDENTITY], waiting: &mut [] };
+    let refused = scene.check_motion(&query, &[a], &mut motion, 1e-3, &mut little).unwrap_err();
     assert_eq!(refused, SceneError::Motion { bodies: 1, given: 1, poses: 1 });
     scene.attach(a, b).unwrap();
-    let refused = scene.edge(&query, &[a], &mut motion, 1e-3, &mut memory.lend()).unwrap_err();
+    let refused = scene.check_motion(&query, &[a], &mut motion, 1e-3, &mut memory.lend()).unwrap_err();
     assert_eq!(refused, SceneError::IsAttached { id: a });
     scene.detach(a).unwrap();
     // So far away that no pose of a scene is.
     let far = Screw::new([0.0; 3], [1.0, 0.0, 0.0], 0.0, 1e91).unwrap();
     let mut motion = ScrewMotion::new(far, &starts);
-    let refused = scene.edge(&query, &[a], &mut motion, 1e-3, &mut memory.lend()).unwrap_err();
+    let refused = scene.check_motion(&query, &[a], &mut motion, 1e-3, &mut memory.lend()).unwrap_err();
     assert!(matches!(refused, SceneError::Pose(_)), "{refused}");
     assert_eq!(scene.world_pose(a), Ok(&at(0.0, 0.0, 0.0)), "and it stands where it stood");
 }

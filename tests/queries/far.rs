@@ -70,10 +70,10 @@ fn check<N: Lanes>(scene: &Scene<'_>, a: &Bvh<N>, b: &Bvh<N>) {
         let witnessed = exact_distance(&scene.a[pair.a as usize], &scene.b[pair.b as usize]);
         let allowed = tolerance.max(1e-12) * witnessed;
         assert!((witnessed - got.upper).abs() <= allowed, "{witnessed:e} {got:?} {what}");
-        for budget in [0, 1, 2, 3, 5, 8, got.counters.visits] {
+        for budget in [0, 1, 2, 3, 5, 8, got.stats.visits] {
             let partial = scalar.with_budget(budget).distance(&a, &b, pose, tolerance).unwrap();
             assert!(partial.lower <= at_most && at_least <= partial.upper, "{partial:?} {what}");
-            assert_eq!(partial.completion == Completion::Complete, got.counters.visits <= budget, "{what}");
+            assert_eq!(partial.completion == Completion::Complete, got.stats.visits <= budget, "{what}");
         }
         for isa in Isa::available() {
             assert_eq!(Query::new(isa).distance(&a, &b, pose, tolerance).unwrap(), got, "{isa} {what}");
@@ -195,7 +195,7 @@ fn tight_point<const K: usize>(rng: &mut Rng) -> [f64; 3] {
     loop {
         let y: [f64; 3] = core::array::from_fn(|_| rng.int(-32_765, 32_764) as f64 + 0.5);
         let support = |n: &[i8; 3]| (0..3).map(|i| f64::from(n[i]) * y[i]).sum::<f64>();
-        let most = simdop::directions::table(K).vectors.iter().map(support).fold(0.0, f64::max);
+        let most = simdop::low_level::directions::table(K).vectors.iter().map(support).fold(0.0, f64::max);
         if (16_384.0..=32_765.5).contains(&most) {
             return y;
         }
@@ -235,7 +235,8 @@ where
         // Near: from just touching on. The centres and the two points are on one line.
         let far = *rng.pick(&[1.0, 1.5, 10.0, 600.0, 2e3, 1e5, 1e7]) * (1.0 + rng.unit());
         let along: [f64; 3] = if rng.below(3) == 0 && K != 6 {
-            let n = simdop::directions::table(K).vectors[rng.below(K as u64) as usize].map(f64::from);
+            let n =
+                simdop::low_level::directions::table(K).vectors[rng.below(K as u64) as usize].map(f64::from);
             let size = 30_000.0 * unit.max(1.0) * far;
             core::array::from_fn(|i| between[i] + size * n[i])
         } else {
@@ -297,7 +298,7 @@ fn far_distances_cost_no_more_than_near_ones() {
             let work = |offset: f64| {
                 work(offset * larger, size, |query, a, b, pose, _| {
                     let got = query.distance(&a.view(), &b.view(), pose, tolerance).unwrap();
-                    got.counters.visits + got.counters.primitive_pairs
+                    got.stats.visits + got.stats.primitive_pairs
                 })
             };
             let near = work(1.0);
@@ -322,12 +323,12 @@ fn large_margins_cost_no_more_than_distances() {
                 let distance = query.distance(&a.view(), &b.view(), pose, 0.0).unwrap();
                 let got = query.within(&a.view(), &b.view(), pose, share * distance.upper).unwrap();
                 assert_eq!(got.is_free(), share < 1.0);
-                got.counters.visits + got.counters.primitive_pairs
+                got.stats.visits + got.stats.primitive_pairs
             })
         };
         let distance = work(offset, 1.0, |query, a, b, pose, _| {
             let got = query.distance(&a.view(), &b.view(), pose, 0.0).unwrap();
-            got.counters.visits + got.counters.primitive_pairs
+            got.stats.visits + got.stats.primitive_pairs
         });
         let (below, above) = (margin(1.0 - 1e-9), margin(1.0 + 1e-9));
         println!("offset {offset:e}: {below} below, {above} above, {distance} for the distance");

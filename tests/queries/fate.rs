@@ -4,7 +4,7 @@ use crate::support::rng::Rng;
 use crate::support::shapes;
 use core::f64::consts::PI;
 use glam::{DQuat, DVec3};
-use simdop::cloud::Cloud;
+use simdop::cloud::PointCloud;
 use simdop::construct::{Builder, Mesh, OwnedMesh};
 use simdop::hierarchy::Bvh;
 use simdop::isa::Isa;
@@ -12,13 +12,13 @@ use simdop::motion::{Joint, JointKind, Kinematics, LinkBody, LinkFrame};
 use simdop::node::Node16;
 use simdop::pose::Pose;
 use simdop::query::Query;
-use simdop::scene::{Body, BodyId, PairFate, PairReport, Scene, SceneError};
+use simdop::scene::{Body, BodyId, PairClass, PairReport, Scene, SceneError};
 
 type Tree = Bvh<Node16<18>>;
 
 fn cuboid(low: [f64; 3], high: [f64; 3]) -> Tree {
     let mesh = shapes::cuboid(low, high, true);
-    Builder::new().build(&Mesh { vertices: &mesh.vertices, triangles: &mesh.triangles }).unwrap()
+    Builder::new().build_as(&Mesh { vertices: &mesh.vertices, triangles: &mesh.triangles }).unwrap()
 }
 
 fn at(x: f64, y: f64, z: f64) -> Pose {
@@ -59,13 +59,17 @@ fn fate(trees: [(&Tree, f64); 4], limits: &[[f64; 2]], pair: (usize, usize), box
     let ids: [BodyId; 4] = trees.map(|(tree, radius)| {
         scene.insert(Body::new(tree.view()).with_radius(radius), &Pose::IDENTITY).unwrap()
     });
-    let report = scene.pair_fate(&query, &ids, robot, (ids[pair.0], ids[pair.1]), boxes).unwrap();
+    let report = scene.classify_pair(&query, &ids, robot, (ids[pair.0], ids[pair.1]), boxes).unwrap();
     for id in ids {
         assert_eq!(scene.world_pose(id), Ok(&Pose::IDENTITY), "bodies stand where they stood");
     }
     for i in 0..4 {
         for j in i + 1..4 {
-            scene.set_pair(ids[i], ids[j], (i, j) == pair || (j, i) == pair).unwrap();
+            if (i, j) == pair || (j, i) == pair {
+                scene.forbid_collision(ids[i], ids[j]).unwrap()
+            } else {
+                scene.allow_collision(ids[i], ids[j]).unwrap()
+            };
         }
     }
     let (mut links, mut poses) = ([LinkFrame::EMPTY; 4], [Pose::IDENTITY; 4]);
@@ -82,8 +86,8 @@ fn fate(trees: [(&Tree, f64); 4], limits: &[[f64; 2]], pair: (usize, usize), box
     for _ in 0..2000 {
         let values: Vec<f64> = limits.iter().map(|&[from, to]| rng.range(from, to)).collect();
         let is_meeting = meets(&values);
-        assert!(report.fate != PairFate::Never || !is_meeting, "{values:?}");
-        assert!(report.fate != PairFate::Always || is_meeting, "{values:?}");
+        assert!(report.fate != PairClass::Never || !is_meeting, "{values:?}");
+        assert!(report.fate != PairClass::Always || is_meeting, "{values:?}");
     }
     report
 }
@@ -99,21 +103,21 @@ fn fates_hold_at_random_values() {
     let narrow = [[-0.3, 0.3]; 3];
     // Above each other, whatever the joints do.
     let report = fate([(&high, 0.0), (&link, 0.0), (&link, 0.0), (&link, 0.0)], &wide, (0, 2), 100_000);
-    assert_eq!((report.fate, report.meeting), (PairFate::Never, None));
+    assert_eq!((report.fate, report.meeting), (PairClass::Never, None));
     // Not folded so far.
-    assert_eq!(fate(links, &narrow, (1, 3), 100_000).fate, PairFate::Never);
-    assert_eq!(fate(links, &wide, (1, 3), 100_000).fate, PairFate::Sometimes);
+    assert_eq!(fate(links, &narrow, (1, 3), 100_000).fate, PairClass::Never);
+    assert_eq!(fate(links, &wide, (1, 3), 100_000).fate, PairClass::Sometimes);
     // One sticks in the other, about the joint between them.
     let report = fate([(&link, 0.0), (&long, 0.0), (&tall, 0.0), (&link, 0.0)], &wide, (1, 2), 100_000);
-    assert_eq!((report.fate, report.free), (PairFate::Always, None));
+    assert_eq!((report.fate, report.free), (PairClass::Always, None));
     // Of one height, they touch along lines only.
-    assert_eq!(fate([(&long, 0.0); 4], &wide, (2, 1), 1000).fate, PairFate::Undecided);
+    assert_eq!(fate([(&long, 0.0); 4], &wide, (2, 1), 1000).fate, PairClass::Undecided);
     // With radii.
-    let point: Tree = Builder::new().build(&OwnedMesh::point().as_mesh()).unwrap();
+    let point: Tree = Builder::new().build_as(&OwnedMesh::point().as_mesh()).unwrap();
     let points = |r: f64| [(&point, r), (&point, r), (&point, r), (&point, r)];
-    assert_eq!(fate(points(0.26), &wide, (1, 2), 1000).fate, PairFate::Always);
-    assert_eq!(fate(points(0.24), &wide, (1, 2), 1000).fate, PairFate::Never);
-    assert_eq!(fate(points(0.24), &wide, (1, 3), 1000).fate, PairFate::Sometimes);
+    assert_eq!(fate(points(0.26), &wide, (1, 2), 1000).fate, PairClass::Always);
+    assert_eq!(fate(points(0.24), &wide, (1, 2), 1000).fate, PairClass::Never);
+    assert_eq!(fate(points(0.24), &wide, (1, 3), 1000).fate, PairClass::Sometimes);
 }
 
 #[test]
@@ -125,9 +129,9 @@ fn what_boxes_do_not_show_is_undecided() {
     assert!(whole > 2);
     for boxes in [0, 1, whole - 1] {
         let report = fate(links, &narrow, (1, 3), boxes);
-        assert_eq!((report.fate, report.boxes), (PairFate::Undecided, boxes));
+        assert_eq!((report.fate, report.boxes), (PairClass::Undecided, boxes));
     }
-    assert_eq!(fate(links, &narrow, (1, 3), whole).fate, PairFate::Never);
+    assert_eq!(fate(links, &narrow, (1, 3), whole).fate, PairClass::Never);
 }
 
 #[test]
@@ -138,23 +142,23 @@ fn bodies_of_one_link_and_others_that_stand_still() {
     let limits = [[-PI, PI]; 3];
     let robot = Kinematics::new(&arm.joints, &bodies, &limits).unwrap();
     let query = Query::new(Isa::detect());
-    let points = Cloud::new(&[[0.0; 3], [0.1, 0.0, 0.0]]).unwrap();
+    let points = PointCloud::new(&[[0.0; 3], [0.1, 0.0, 0.0]]).unwrap();
     let mut scene = Scene::new();
     let ids = [0, 1, 2].map(|_| scene.insert(Body::new(link.view()), &Pose::IDENTITY).unwrap());
     let far = scene.insert(Body::new(link.view()), &at(2.0, 0.0, 0.0)).unwrap();
     let near = scene.insert(Body::new(link.view()), &at(0.4, 0.0, 0.0)).unwrap();
-    let mut fate = |a, b| scene.pair_fate(&query, &ids, robot, (a, b), 10_000).unwrap().fate;
-    assert_eq!(fate(ids[0], ids[1]), PairFate::Always);
-    assert_eq!(fate(ids[2], far), PairFate::Never);
-    assert_eq!(fate(ids[2], near), PairFate::Sometimes);
-    assert_eq!(fate(far, near), PairFate::Never);
-    let refused = scene.pair_fate(&query, &ids, robot, (far, far), 10).unwrap_err();
+    let mut fate = |a, b| scene.classify_pair(&query, &ids, robot, (a, b), 10_000).unwrap().fate;
+    assert_eq!(fate(ids[0], ids[1]), PairClass::Always);
+    assert_eq!(fate(ids[2], far), PairClass::Never);
+    assert_eq!(fate(ids[2], near), PairClass::Sometimes);
+    assert_eq!(fate(far, near), PairClass::Never);
+    let refused = scene.classify_pair(&query, &ids, robot, (far, far), 10).unwrap_err();
     assert_eq!(refused, SceneError::NoPair { id: far });
     // A cloud may be named first; two of them are no pair.
     let [scan, other] = [9.0, 0.0].map(|x| scene.insert(Body::new(points.view()), &at(x, 0.0, 0.0)).unwrap());
-    let mut fate = |a, b| scene.pair_fate(&query, &ids, robot, (a, b), 10_000).map(|report| report.fate);
-    assert_eq!((fate(scan, ids[2]), fate(ids[2], scan)), (Ok(PairFate::Never), Ok(PairFate::Never)));
+    let mut fate = |a, b| scene.classify_pair(&query, &ids, robot, (a, b), 10_000).map(|report| report.fate);
+    assert_eq!((fate(scan, ids[2]), fate(ids[2], scan)), (Ok(PairClass::Never), Ok(PairClass::Never)));
     assert_eq!(fate(scan, other), Err(SceneError::TwoClouds { id: scan }));
-    let refused = scene.pair_fate(&query, &ids[..1], robot, (far, near), 10).unwrap_err();
+    let refused = scene.classify_pair(&query, &ids[..1], robot, (far, near), 10).unwrap_err();
     assert_eq!(refused, SceneError::Motion { bodies: 3, given: 1, poses: 6 });
 }

@@ -10,10 +10,10 @@ use crate::support::shapes;
 use crate::{Line, aligned, mesh_of, pairs_that_meet};
 use alloc::collections::BTreeSet;
 use simdop::construct::{BuildError, Builder, Magnification, Mesh, Splitter};
-use simdop::directions;
-use simdop::hierarchy::{BakeError, Bvh, BvhRef, Header};
+use simdop::hierarchy::{Bvh, BvhRef, FormatError, Header};
 use simdop::isa::Isa;
-use simdop::key::Key;
+use simdop::low_level::directions;
+use simdop::low_level::key::Key;
 use simdop::node::{Child, Link, Node4, Node16};
 use simdop::pose::Pose;
 use simdop::query::{Lanes, Query, Verdict};
@@ -30,7 +30,7 @@ const SPLITTERS: [Splitter; 5] = [
 const LEAF_SIZES: [u32; 4] = [1, 2, 5, 16];
 
 fn build<N: Lanes>(mesh: &MeshData, leaf_size: u32, splitter: Splitter) -> Bvh<N> {
-    Builder::new().leaf_size(leaf_size).splitter(splitter).build(&mesh_of(mesh)).unwrap()
+    Builder::new().leaf_size(leaf_size).splitter(splitter).build_as(&mesh_of(mesh)).unwrap()
 }
 
 fn default_build<N: Lanes>(mesh: &MeshData) -> Bvh<N> {
@@ -297,7 +297,7 @@ fn bad_meshes_are_refused_by_name() {
     let vertices = [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
     let triangles = [[0, 1, 2]];
     let good = Mesh { vertices: &vertices, triangles: &triangles };
-    let build = |builder: Builder, mesh: Mesh<'_>| builder.build::<Node16<18>>(&mesh).map(|_| ());
+    let build = |builder: Builder, mesh: Mesh<'_>| builder.build(&mesh).map(|_| ());
     assert_eq!(build(Builder::new(), good), Ok(()));
     for asked in [0, 17, u32::MAX] {
         assert_eq!(build(Builder::new().leaf_size(asked), good), Err(BuildError::LeafSize { asked }));
@@ -434,7 +434,7 @@ fn bytes_are_refused_by_name() {
     for offset in 1..64 {
         buffer[offset..offset + size].copy_from_slice(bytes);
         let moved = &buffer[offset..offset + size];
-        assert_eq!(BvhRef::<Node16<18>>::from_bytes(moved).err(), Some(BakeError::Misaligned));
+        assert_eq!(BvhRef::<Node16<18>>::from_bytes(moved).err(), Some(FormatError::Misaligned));
         assert_eq!(
             Bvh::<Node16<18>>::from_bytes(moved).unwrap().as_bytes(),
             bytes,
@@ -446,25 +446,25 @@ fn bytes_are_refused_by_name() {
     assert_eq!(read(&buffer[..size]), None);
     for have in 0..size {
         let want = match have {
-            0..8 => BakeError::NotATree,
-            8..128 => BakeError::Truncated { have, need: 128 },
-            _ => BakeError::Truncated { have, need: size },
+            0..8 => FormatError::NotATree,
+            8..128 => FormatError::Truncated { have, need: 128 },
+            _ => FormatError::Truncated { have, need: size },
         };
         assert_eq!(read(&buffer[..have]), Some(want));
         assert_eq!(Bvh::<Node16<18>>::from_bytes(&buffer[..have]).err(), Some(want), "copied");
     }
     for have in size + 1..size + 64 {
-        let want = Some(BakeError::TooLong { have, need: size });
+        let want = Some(FormatError::TooLong { have, need: size });
         assert_eq!(read(&buffer[..have]), want);
         assert_eq!(Bvh::<Node16<18>>::from_bytes(&buffer[..have]).err(), want, "copied");
     }
-    let other = BakeError::OtherNode { k: 18, arity: 16 };
+    let other = FormatError::OtherNode { k: 18, arity: 16 };
     assert_eq!(BvhRef::<Node16<14>>::from_bytes(&buffer[..size]).err(), Some(other));
     assert_eq!(BvhRef::<Node4<18>>::from_bytes(&buffer[..size]).err(), Some(other));
     buffer[8] = 9;
-    assert_eq!(read(&buffer[..size]), Some(BakeError::Version { found: 9 }));
+    assert_eq!(read(&buffer[..size]), Some(FormatError::Version { found: 9 }));
     buffer[0] = b's';
-    assert_eq!(read(&buffer[..size]), Some(BakeError::NotATree));
+    assert_eq!(read(&buffer[..size]), Some(FormatError::NotATree));
 }
 
 /// A caller looks its own triangles up by them.
@@ -482,7 +482,7 @@ fn an_index_that_the_mesh_has_not_is_refused() {
         let at = end - 4 * (count - index);
         let before = *bytes[at..].first_chunk::<4>().unwrap();
         bytes[at..at + 4].copy_from_slice(&source.to_le_bytes());
-        let want = Some(BakeError::Source { index: index as u32 });
+        let want = Some(FormatError::Source { index: index as u32 });
         assert_eq!(BvhRef::<Node16<18>>::from_bytes(&bytes[..size]).err(), want);
         bytes[at..at + 4].copy_from_slice(&before);
     }
@@ -517,7 +517,7 @@ fn widths_are_checked<N: Lanes>() {
                 let at = 128 + (index + 1) * size_of::<N>() - 4 * (N::ARITY - lane);
                 for flip in 1..32 {
                     match refusal(at, flip) {
-                        Some(BakeError::Node { node, lane: at, problem }) => {
+                        Some(FormatError::Node { node, lane: at, problem }) => {
                             assert_eq!((node as usize, at as usize), (index, lane));
                             assert!(problem.contains("width"), "{problem}");
                         }
@@ -530,7 +530,7 @@ fn widths_are_checked<N: Lanes>() {
     assert_eq!(links + 1, tree.view().nodes().len(), "each node but the root");
     let root = core::mem::offset_of!(Header, root);
     for flip in 1..32 {
-        assert_eq!(refusal(root, flip), Some(BakeError::Header { field: "root" }));
+        assert_eq!(refusal(root, flip), Some(FormatError::Header { field: "root" }));
     }
     assert_eq!(refusal(root, 0), None, "unchanged");
 }
@@ -682,7 +682,7 @@ fn every_plane_that_is_a_step_too_low_is_found() {
                         lowered += 1;
                     }
                     // The lowest plane of all, lowered, has a larger magnitude than the header says.
-                    Err(e) => assert!(matches!(e, BakeError::Node { .. }), "{e}"),
+                    Err(e) => assert!(matches!(e, FormatError::Node { .. }), "{e}"),
                 }
                 bytes[at..at + 2].copy_from_slice(&code.to_le_bytes());
             }

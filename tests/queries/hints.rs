@@ -58,15 +58,15 @@ fn check_pose<N: Lanes>(suite: &Suite, (a, b): (&Bvh<N>, &Bvh<N>), rows: &Rows, 
             check_hit(&answer, margin, &moved, &still, &what);
             if answer.is_free() {
                 assert_eq!(answer.hint, *hint, "{what}: a free query passes its hint on");
-                assert_eq!(answer.counters.visits, plain.counters.visits, "{what}");
-            } else if answer.counters.visits == 0 {
-                assert_eq!((answer.counters.primitive_pairs, answer.hint), (1, *hint), "{what}");
+                assert_eq!(answer.stats.visits, plain.stats.visits, "{what}");
+            } else if answer.stats.visits == 0 {
+                assert_eq!((answer.stats.primitive_pairs, answer.hint), (1, *hint), "{what}");
                 free_of_charge += 1;
             }
             // What it found, it finds again at once.
             if answer.hit().is_some() {
                 let again = query.with_hint(answer.hint).within(&a, &b, &pose, margin).unwrap();
-                assert_eq!((again.verdict, again.counters.visits), (answer.verdict, 0), "{what}");
+                assert_eq!((again.verdict, again.stats.visits), (answer.verdict, 0), "{what}");
             }
         }
         assert_eq!(hinted.collide(&a, &b, &pose), hinted.within(&a, &b, &pose, 0.0).unwrap(), "{what}");
@@ -74,7 +74,7 @@ fn check_pose<N: Lanes>(suite: &Suite, (a, b): (&Bvh<N>, &Bvh<N>), rows: &Rows, 
         check_distance(&far, &apart, &what);
         let best = query.with_hint(apart.hint).distance(&a, &b, &pose, 0.0).unwrap();
         check_distance(&best, &apart, &what);
-        assert!(best.counters.visits <= apart.counters.visits, "{what}: the answer is a good start");
+        assert!(best.stats.visits <= apart.stats.visits, "{what}: the answer is a good start");
     }
     free_of_charge
 }

@@ -39,10 +39,11 @@ mod hints;
 mod many;
 mod mesh_poses;
 mod motion;
+mod normal_slabs;
 mod order;
-mod own_slabs;
 mod owned_and_any;
 mod penetration;
+mod primitive_slabs;
 mod primitives;
 mod reject;
 mod scene;
@@ -51,7 +52,6 @@ mod solid;
 mod solids;
 mod spheres;
 mod stack;
-mod thin_slabs;
 mod threads;
 mod world;
 
@@ -60,7 +60,7 @@ use core::ops::ControlFlow;
 use simdop::construct::{Builder, Magnification, Mesh, Splitter};
 use simdop::hierarchy::{AsBvh, Bvh, BvhRef};
 use simdop::pose::Pose;
-use simdop::query::{Completion, Counters, Lanes, Pair, Pairwise, Query};
+use simdop::query::{Completion, Lanes, Pair, PrimitivePair, Query, QueryStats};
 use support::data::MeshData;
 
 fn mesh_of(mesh: &MeshData) -> Mesh<'_> {
@@ -72,7 +72,7 @@ fn build<N: Lanes>(mesh: &MeshData) -> Bvh<N> {
 }
 
 fn build_with_leaves<N: Lanes>(mesh: &MeshData, leaf_size: u32) -> Bvh<N> {
-    Builder::new().leaf_size(leaf_size).build(&mesh_of(mesh)).unwrap()
+    Builder::new().leaf_size(leaf_size).build_as(&mesh_of(mesh)).unwrap()
 }
 
 /// Every splitter, those that draw lots with this seed.
@@ -104,13 +104,13 @@ fn aligned(bytes: &[u8]) -> Vec<Line> {
 type Pairs = BTreeSet<(u32, u32)>;
 
 /// [`Query::for_each_pair`], which is compiled again for each type of closure: here there is but one.
-fn each_pair<N: Lanes, P: Pairwise<Q>, Q: Pairwise<P>>(
+fn each_pair<N: Lanes, P: PrimitivePair<Q>, Q: PrimitivePair<P>>(
     query: Query,
     a: &BvhRef<'_, N, P>,
     b: &BvhRef<'_, N, Q>,
     pose: &Pose,
     visit: &mut dyn FnMut(Pair) -> ControlFlow<()>,
-) -> (Completion, Counters) {
+) -> (Completion, QueryStats) {
     query.for_each_pair(a, b, pose, visit)
 }
 
@@ -120,17 +120,17 @@ fn pairs_that_meet<A: AsBvh, B: AsBvh<Node = A::Node>>(
     a: &A,
     b: &B,
     pose: &Pose,
-) -> (Pairs, Counters)
+) -> (Pairs, QueryStats)
 where
     A::Node: Lanes,
-    A::Primitive: Pairwise<B::Primitive>,
-    B::Primitive: Pairwise<A::Primitive>,
+    A::Primitive: PrimitivePair<B::Primitive>,
+    B::Primitive: PrimitivePair<A::Primitive>,
 {
     let mut pairs = Pairs::new();
-    let (completion, counters) = each_pair(query, &a.as_bvh(), &b.as_bvh(), pose, &mut |pair| {
+    let (completion, stats) = each_pair(query, &a.as_bvh(), &b.as_bvh(), pose, &mut |pair| {
         assert!(pairs.insert((pair.a, pair.b)), "each pair once");
         ControlFlow::Continue(())
     });
     assert_eq!(completion, Completion::Complete);
-    (pairs, counters)
+    (pairs, stats)
 }

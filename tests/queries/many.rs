@@ -16,7 +16,7 @@ type Node = Node16<18>;
 
 fn cuboid(size: f64) -> Bvh<Node> {
     let mesh = shapes::cuboid([-size; 3], [size, 0.5 * size, size], true);
-    Builder::new().solid().build(&Mesh { vertices: &mesh.vertices, triangles: &mesh.triangles }).unwrap()
+    Builder::new().solid().build_as(&Mesh { vertices: &mesh.vertices, triangles: &mesh.triangles }).unwrap()
 }
 
 fn random_pose(rng: &mut Rng, size: f64) -> Pose {
@@ -48,7 +48,7 @@ fn scene<'t>(rng: &mut Rng, trees: &'t [Bvh<Node>; 3]) -> (Scene<'t, Node>, [Bod
     let beside = Pose::try_from((DQuat::from_rotation_x(0.4), DVec3::new(0.7, 0.2, 0.0))).unwrap();
     scene.place(held, &beside).unwrap();
     scene.attach(held, first).unwrap();
-    scene.set_pair(held, first, false).unwrap();
+    scene.allow_collision(held, first).unwrap();
     // Where it meets nothing that stands still.
     let far = Pose::try_from((DQuat::IDENTITY, DVec3::new(0.0, 0.0, 9.0))).unwrap();
     scene.place(still, &far).unwrap();
@@ -87,7 +87,7 @@ fn configurations_are_free_as_one_by_one() {
         let mut first = None;
         for isa in Isa::available() {
             let query = Query::new(isa);
-            let answer = scene.free_configurations(&query, &moving, &poses, &mut boxes, &mut words).unwrap();
+            let answer = scene.check_states(&query, &moving, &poses, &mut boxes, &mut words).unwrap();
             assert_eq!(answer.completion, Completion::Complete);
             assert_eq!(*first.get_or_insert((answer, words.clone())), (answer, words.clone()), "{isa}");
             for (i, &expected) in expected.iter().enumerate() {
@@ -118,10 +118,10 @@ fn what_stands_still_and_meets_makes_all_of_them_hits() {
     let poses = [apart(1.0), apart(2.0), apart(3.0)];
     let query = Query::new(Isa::detect());
     let (mut boxes, mut words) = (vec![Aabb16::EMPTY; scene.room()], [0]);
-    let _ = scene.free_configurations(&query, &moving, &poses, &mut boxes, &mut words).unwrap();
+    let _ = scene.check_states(&query, &moving, &poses, &mut boxes, &mut words).unwrap();
     assert_eq!(words, [0]);
     scene.place(standing, &far).unwrap();
-    let _ = scene.free_configurations(&query, &moving, &poses, &mut boxes, &mut words).unwrap();
+    let _ = scene.check_states(&query, &moving, &poses, &mut boxes, &mut words).unwrap();
     assert_eq!(words, [1]);
 }
 
@@ -135,12 +135,12 @@ fn short_of_budget_none_is_called_free_that_is_not() {
     let expected = one_by_one(&mut scene, &query, &moving, &poses);
     let mut boxes = vec![Aabb16::EMPTY; scene.room()];
     let (mut words, mut before) = ([0; 4], 0);
-    let whole = scene.free_configurations(&query, &moving, &poses, &mut boxes, &mut words).unwrap();
-    for budget in 0..=whole.counters.visits {
+    let whole = scene.check_states(&query, &moving, &poses, &mut boxes, &mut words).unwrap();
+    for budget in 0..=whole.stats.visits {
         let query = query.with_budget(budget);
-        let answer = scene.free_configurations(&query, &moving, &poses, &mut boxes, &mut words).unwrap();
-        assert!(answer.counters.visits <= budget);
-        assert_eq!(answer.completion == Completion::Complete, budget == whole.counters.visits);
+        let answer = scene.check_states(&query, &moving, &poses, &mut boxes, &mut words).unwrap();
+        assert!(answer.stats.visits <= budget);
+        assert_eq!(answer.completion == Completion::Complete, budget == whole.stats.visits);
         let marked = (0..64).filter(|&i| is_free(&words, i)).count();
         assert!((0..64).all(|i| expected[i] || !is_free(&words, i)) && marked >= before);
         before = marked;
@@ -156,9 +156,7 @@ fn what_are_no_configurations_is_refused() {
     let mut boxes = vec![Aabb16::EMPTY; room];
     let mut ask = |moving: &[BodyId], poses: &[Pose], boxes: usize, words: usize| {
         let mut free = vec![0; words];
-        scene
-            .free_configurations(&query, moving, poses, &mut vec![Aabb16::EMPTY; boxes], &mut free)
-            .map(|_| ())
+        scene.check_states(&query, moving, poses, &mut vec![Aabb16::EMPTY; boxes], &mut free).map(|_| ())
     };
     let poses = [Pose::IDENTITY; 51];
     let motion = |bodies, poses| Err(SceneError::Motion { bodies, given: bodies, poses });
@@ -173,6 +171,6 @@ fn what_are_no_configurations_is_refused() {
     let (a, b) = (moving[0], moving[1]);
     scene.attach(a, b).unwrap();
     let mut free = [0];
-    let refused = scene.free_configurations(&query, &moving, &poses[..3], &mut boxes, &mut free);
+    let refused = scene.check_states(&query, &moving, &poses[..3], &mut boxes, &mut free);
     assert_eq!(refused, Err(SceneError::IsAttached { id: a }));
 }

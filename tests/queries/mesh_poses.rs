@@ -27,7 +27,7 @@ use std::collections::BTreeSet;
 
 fn build<N: Lanes>(mesh: &MeshData, leaf_size: u32, splitter: Splitter) -> Bvh<N> {
     let mesh = Mesh { vertices: &mesh.vertices, triangles: &mesh.triangles };
-    let tree = Builder::new().leaf_size(leaf_size).splitter(splitter).build(&mesh).unwrap();
+    let tree = Builder::new().leaf_size(leaf_size).splitter(splitter).build_as(&mesh).unwrap();
     let view: simdop::hierarchy::BvhRef<'_, N> = tree.view();
     view.validate().unwrap();
     if suite_step() == 1 {
@@ -65,9 +65,9 @@ fn check<N: Lanes>(suite: &Suite, judged: &[Judged], leaf_size: u32, splitter: S
             assert_eq!(found, (!*meets, *meets), "{trees} {isa} pose {i} {rows:?}");
             assert_eq!(answer, *first.get_or_insert(answer), "{trees} {isa} pose {i} {rows:?}");
         }
-        let counters = first.expect("scalar, if nothing else").counters;
-        pairs += counters.primitive_pairs;
-        exact += counters.exact_pairs;
+        let stats = first.expect("scalar, if nothing else").stats;
+        pairs += stats.primitive_pairs;
+        exact += stats.exact_pairs;
     }
     println!("{trees}: {} poses, {pairs} triangle pairs, {exact} of them exact", judged.len());
     assert!(exact * 1000 <= pairs, "{trees}: {exact} exact fallbacks in {pairs} pairs are more than 0.1 %");

@@ -4,8 +4,8 @@ use crate::support::rng::Rng;
 use core::f64::consts::PI;
 use glam::{DAffine3, DQuat, DVec3};
 use simdop::motion::{
-    CarriedBall, Joint, JointKind, Kinematics, LinkBody, LinkFrame, Motion, MotionError, Screw, ScrewMotion,
-    StraightMotion,
+    CarriedBall, Joint, JointKind, JointMotion, Kinematics, LinkBody, LinkFrame, Motion, MotionError, Screw,
+    ScrewMotion,
 };
 use simdop::pose::Pose;
 
@@ -124,9 +124,9 @@ fn check_paths(rng: &mut Rng, motion: &mut impl Motion, span: f64) -> (f64, f64)
     let carried: Vec<CarriedBall> = (0..n)
         .map(|i| CarriedBall { centre: at(&before, i, balls[i].0).to_array(), radius: balls[i].1 })
         .collect();
-    let said: Vec<f64> = (0..n).map(|i| motion.path(i, &carried[i], span)).collect();
+    let said: Vec<f64> = (0..n).map(|i| motion.motion_bound(i, &carried[i], span)).collect();
     let between: Vec<f64> =
-        (1..n).map(|i| motion.path_between((0, &carried[0]), (i, &carried[i]), span)).collect();
+        (1..n).map(|i| motion.motion_bound_between((0, &carried[0]), (i, &carried[i]), span)).collect();
     let mut seen = vec![0.0_f64; 2 * n - 1];
     for k in 0..40 {
         motion.go_to(time + span * (f64::from(k) / 19.5 - 1.0), &mut poses).unwrap();
@@ -169,8 +169,7 @@ fn no_point_gets_farther_than_is_said() {
             let mut values = || -> Vec<f64> { (0..5).map(|_| rng.range(-1.5, 1.5)).collect() };
             let ends = [values(), values()];
             let (mut values, mut links) = ([0.0; 5], [LinkFrame::EMPTY; 6]);
-            let mut motion =
-                StraightMotion::new(robot, [&ends[0], &ends[1]], &mut values, &mut links).unwrap();
+            let mut motion = JointMotion::new(robot, [&ends[0], &ends[1]], &mut values, &mut links).unwrap();
             let (a, b) = check_paths(&mut rng, &mut motion, span);
             (seen, said) = (seen + a, said + b);
         }
@@ -197,11 +196,11 @@ fn no_point_gets_farther_where_matrices_are_not_quite_rotations() {
         let mut ends = [[0.1, 0.3]; 2];
         ends[1][joint] += 1e-3;
         let (mut values, mut links) = ([0.0; 2], [LinkFrame::EMPTY; 3]);
-        let mut motion = StraightMotion::new(robot, [&ends[0], &ends[1]], &mut values, &mut links).unwrap();
+        let mut motion = JointMotion::new(robot, [&ends[0], &ends[1]], &mut values, &mut links).unwrap();
         let (mut poses, p) = ([Pose::IDENTITY; 2], vector(&mut rng, 1.0).to_array());
         motion.go_to(0.5, &mut poses).unwrap();
         let ball = CarriedBall { centre: poses[1].apply(p), radius: 0.0 };
-        let said = motion.path(1, &ball, 0.5);
+        let said = motion.motion_bound(1, &ball, 0.5);
         motion.go_to(1.0, &mut poses).unwrap();
         let seen = DVec3::from_array(poses[1].apply(p)).distance(DVec3::from_array(ball.centre));
         assert!(seen <= said + 1e-15 && said <= seen * (1.0 + 1e-6) + 1e-12, "{seen} seen, {said} said");
@@ -220,7 +219,7 @@ fn rounding_far_from_the_origin_is_paid_for() {
         let robot = Kinematics::new(&joints, &bodies, &limits).unwrap().with_base(pose(far));
         let ends = [[0.3; 5], [-0.4; 5]];
         let (mut values, mut links) = ([0.0; 5], [LinkFrame::EMPTY; 6]);
-        let mut motion = StraightMotion::new(robot, [&ends[0], &ends[1]], &mut values, &mut links).unwrap();
+        let mut motion = JointMotion::new(robot, [&ends[0], &ends[1]], &mut values, &mut links).unwrap();
         // The way itself is a thousandth of what rounding does.
         let _ = check_paths(&mut rng, &mut motion, 1e-12);
     }
@@ -235,11 +234,11 @@ fn bodies_on_one_link_do_not_move_as_they_see_each_other() {
     let limits = [[-4.0, 4.0]; 5];
     let robot = Kinematics::new(&joints, &bodies, &limits).unwrap();
     let (mut values, mut links) = ([0.0; 5], [LinkFrame::EMPTY; 6]);
-    let mut motion = StraightMotion::new(robot, [&[-1.0; 5], &[1.0; 5]], &mut values, &mut links).unwrap();
+    let mut motion = JointMotion::new(robot, [&[-1.0; 5], &[1.0; 5]], &mut values, &mut links).unwrap();
     let mut poses = [Pose::IDENTITY; 2];
     motion.go_to(0.5, &mut poses).unwrap();
     let ball = CarriedBall { centre: poses[0].translation(), radius: 1.0 };
-    let path = motion.path_between((0, &ball), (1, &ball), 0.5);
+    let path = motion.motion_bound_between((0, &ball), (1, &ball), 0.5);
     assert!(path > 0.0 && path < 1e-11, "{path}");
 }
 
@@ -322,7 +321,7 @@ fn what_is_no_motion_is_refused() {
     assert_eq!(robot.go_to(&[0.0], &mut one, &mut [Pose::IDENTITY]), Err(short));
     assert_eq!(robot.go_to(&[0.0], &mut two, &mut []), Err(MotionError::Length { given: 0, needed: 1 }));
     let refused = |ends, values: &mut [f64], links: &mut [LinkFrame]| {
-        StraightMotion::new(robot, ends, values, links).map(|_| ()).unwrap_err()
+        JointMotion::new(robot, ends, values, links).map(|_| ()).unwrap_err()
     };
     assert_eq!(refused([&[0.0], &[0.5]], &mut [0.0], &mut one), short);
     assert_eq!(refused([&[0.0], &[0.5]], &mut [], &mut two), MotionError::Length { given: 0, needed: 1 });

@@ -21,7 +21,7 @@ fn room_and_torus() -> [MeshData; 2] {
 /// Is the room as A turned at all? Its header and that of the other say so.
 fn gets_looser<N: Lanes>(a: &Bvh<N>, b: &Bvh<N>) -> bool {
     let loose = |tree: &Bvh<N>| {
-        f64::from(tree.view().header().looseness) / f64::from(tree.view().header().exponent).exp2()
+        f64::from(tree.view().header().rotation_growth) / f64::from(tree.view().header().exponent).exp2()
     };
     loose(a) > 1.1 * loose(b)
 }
@@ -53,9 +53,9 @@ fn the_way_back_loses_no_pair<N: Lanes>(poses: usize) {
         let want = want.into_iter().map(|(i, j)| (i as u32, j as u32)).collect();
         let mut first = None;
         for isa in Isa::available() {
-            let (found, counters) = pairs_that_meet(Query::new(isa), &a, &b, &pose);
+            let (found, stats) = pairs_that_meet(Query::new(isa), &a, &b, &pose);
             assert_eq!(found, want, "{isa} {pose:?}");
-            assert_eq!(counters, *first.get_or_insert(counters), "{isa} {pose:?}");
+            assert_eq!(stats, *first.get_or_insert(stats), "{isa} {pose:?}");
             let answer = Query::new(isa).collide(&a, &b, &pose);
             assert_eq!(answer.is_free(), want.is_empty(), "{isa} {pose:?}");
         }
@@ -88,7 +88,7 @@ fn either_order_costs_the_same() {
         let back = turns::pose(&back, back.map(|row| -(0..3).map(|j| row[j] * t[j]).sum::<f64>()));
         let [one, other] = [query.collide(&b, &a, &pose), query.collide(&a, &b, &back)];
         assert_eq!(one.is_free(), other.is_free(), "{pose:?}");
-        visits = [visits[0] + one.counters.visits, visits[1] + other.counters.visits];
+        visits = [visits[0] + one.stats.visits, visits[1] + other.stats.visits];
     }
     let [one, other] = visits.map(|x| x as f64);
     assert!(one > 800.0 && (0.95..1.05).contains(&(one / other)), "{visits:?}");

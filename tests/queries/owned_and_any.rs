@@ -6,7 +6,7 @@ use crate::support::data::MeshData;
 use crate::support::shapes;
 use core::ops::ControlFlow;
 use simdop::construct::{BuildError, Builder};
-use simdop::hierarchy::{AnyBvh, AnyBvhRef, AsBvh, BakeError, Baked, Bvh, BvhRef};
+use simdop::hierarchy::{AnyBvh, AnyBvhRef, AsBvh, Bvh, BvhRef, FormatError, StaticBvh};
 use simdop::isa::Isa;
 use simdop::node::{Node4, Node16};
 use simdop::pose::Pose;
@@ -37,7 +37,7 @@ impl Link {
 
 #[test]
 fn queries_take_owned_and_borrowed_trees_alike() {
-    let tree = Builder::new().build::<Node16<18>>(&mesh_of(&shapes::torus(16, 12))).unwrap();
+    let tree = Builder::new().build(&mesh_of(&shapes::torus(16, 12))).unwrap();
     let link = Link { tree: tree.clone(), query: Query::new(Isa::detect()) };
     let mut verdicts = Vec::new();
     for pose in &poses() {
@@ -57,7 +57,7 @@ where
     AnyBvh: From<Bvh<N>>,
 {
     let query = Query::new(Isa::detect());
-    let tree = Builder::new().build::<N>(&mesh_of(mesh)).unwrap();
+    let tree = Builder::new().build_as::<N>(&mesh_of(mesh)).unwrap();
     let built =
         Builder::new().build_any(&mesh_of(mesh), N::K, N::ARITY, &mut |_| ControlFlow::Continue(())).unwrap();
     assert_eq!(built.as_bytes(), tree.as_bytes());
@@ -131,14 +131,14 @@ fn what_cannot_be_asked_of_any_trees_has_a_name() {
     bytes[12] = 17;
     assert_eq!(
         AnyBvh::<Triangles>::from_bytes(&bytes).err(),
-        Some(BakeError::OtherNode { k: 17, arity: 16 })
+        Some(FormatError::OtherNode { k: 17, arity: 16 })
     );
     bytes[12] = 14;
     assert!(AnyBvh::<Triangles>::from_bytes(&bytes).is_err(), "nodes of another size");
-    assert_eq!(AnyBvh::<Triangles>::from_bytes(&bytes[..7]).err(), Some(BakeError::NotATree));
+    assert_eq!(AnyBvh::<Triangles>::from_bytes(&bytes[..7]).err(), Some(FormatError::NotATree));
     assert_eq!(
         AnyBvh::<Triangles>::from_bytes(&bytes[..100]).err(),
-        Some(BakeError::Truncated { have: 100, need: 128 })
+        Some(FormatError::Truncated { have: 100, need: 128 })
     );
 }
 
@@ -152,8 +152,8 @@ fn leaked(bytes: &[u8]) -> &'static [u8] {
 
 #[test]
 fn a_tree_in_flash_is_validated_by_its_first_view_and_every_failing_one() {
-    let tree = Builder::new().build::<Node16<18>>(&mesh_of(&shapes::torus(12, 8))).unwrap();
-    let baked = Baked::<Node16<18>>::new(leaked(tree.as_bytes()));
+    let tree = Builder::new().build(&mesh_of(&shapes::torus(12, 8))).unwrap();
+    let baked = StaticBvh::<Node16<18>>::new(leaked(tree.as_bytes()));
     let first = baked.view().unwrap();
     let again = baked.view().unwrap();
     assert_eq!(first.nodes().as_ptr(), again.nodes().as_ptr(), "in place");
@@ -163,19 +163,19 @@ fn a_tree_in_flash_is_validated_by_its_first_view_and_every_failing_one() {
     let mut bytes = tree.as_bytes().to_vec();
     let link = 128 + 32 * 18;
     bytes[link..link + 4].copy_from_slice(&0x7fff_ffff_u32.to_le_bytes());
-    let damaged = Baked::<Node16<18>>::new(leaked(&bytes));
+    let damaged = StaticBvh::<Node16<18>>::new(leaked(&bytes));
     let error = damaged.view().err();
     assert!(error.is_some(), "a link out of range was not seen");
     assert_eq!(damaged.view().err(), error, "and is not remembered as sound");
     let off = leaked(&[&[0_u8; 8][..], tree.as_bytes()].concat());
-    assert_eq!(Baked::<Node16<18>>::new(&off[8..]).view().err(), Some(BakeError::Misaligned));
+    assert_eq!(StaticBvh::<Node16<18>>::new(&off[8..]).view().err(), Some(FormatError::Misaligned));
 }
 
 #[test]
 #[should_panic(expected = "another k or arity")]
 fn a_tree_in_flash_of_another_node_type_does_not_compile_in_a_constant() {
-    let tree = Builder::new().build::<Node16<18>>(&mesh_of(&shapes::torus(6, 4))).unwrap();
-    let _ = Baked::<Node16<14>>::new(leaked(tree.as_bytes()));
+    let tree = Builder::new().build(&mesh_of(&shapes::torus(6, 4))).unwrap();
+    let _ = StaticBvh::<Node16<14>>::new(leaked(tree.as_bytes()));
 }
 
 /// A vertex that no triangle uses, a million body sizes away, took the frame's precision from all planes:
@@ -183,7 +183,7 @@ fn a_tree_in_flash_of_another_node_type_does_not_compile_in_a_constant() {
 #[test]
 fn stray_vertices_change_nothing() {
     let mesh = shapes::torus(24, 16);
-    let clean = Builder::new().build::<Node16<18>>(&mesh_of(&mesh)).unwrap();
+    let clean = Builder::new().build(&mesh_of(&mesh)).unwrap();
     for stray in [[1e6, 0.0, 0.0], [-1e6, 1e6, 1e6], [1e80, 0.0, -1e80]] {
         for at_front in [false, true] {
             let mut strayed = mesh.clone();
@@ -193,7 +193,7 @@ fn stray_vertices_change_nothing() {
             } else {
                 strayed.vertices.push(stray);
             }
-            let tree = Builder::new().build::<Node16<18>>(&mesh_of(&strayed)).unwrap();
+            let tree = Builder::new().build(&mesh_of(&strayed)).unwrap();
             assert!(tree.as_bytes() == clean.as_bytes(), "{stray:?}");
         }
     }
@@ -202,6 +202,6 @@ fn stray_vertices_change_nothing() {
     let mut broken = mesh;
     broken.vertices.push([f64::NAN, 0.0, 0.0]);
     let index = broken.vertices.len() - 1;
-    let error = Builder::new().build::<Node16<18>>(&mesh_of(&broken)).err();
+    let error = Builder::new().build(&mesh_of(&broken)).err();
     assert_eq!(error, Some(BuildError::Vertex { index }));
 }

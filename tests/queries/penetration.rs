@@ -230,12 +230,12 @@ fn bounds_hold_whatever_the_budget() {
     for [a, b] in &trees {
         for pose in &poses {
             let whole = ask(a, b, pose);
-            let visits = query.with_budget(u64::MAX - 1).penetration(a, b, pose).counters.visits;
+            let visits = query.with_budget(u64::MAX - 1).penetration(a, b, pose).stats.visits;
             for _ in 0..500 / suite_step() {
                 let budget = rng.below(visits + 2);
                 let part = query.with_budget(budget).penetration(a, b, pose);
                 assert_eq!(part.completion == Completion::Complete, budget >= visits);
-                assert_eq!(part.counters.visits, budget.min(visits));
+                assert_eq!(part.stats.visits, budget.min(visits));
                 assert!(
                     part.volume <= whole.volume && whole.volume <= part.upper,
                     "{budget}: {part:?} {whole:?}"
@@ -281,9 +281,9 @@ fn a_budget_leaves_a_lower_bound() {
     let plain = build_by::<Node16<18>>(Builder::new().without_balls(), &spheres);
     let whole = ask(&plain, &plain, &Pose::IDENTITY);
     let mut last = 0.0;
-    for visits in 0..whole.counters.visits {
+    for visits in 0..whole.stats.visits {
         let part = Query::new(Isa::detect()).with_budget(visits).penetration(&plain, &plain, &Pose::IDENTITY);
-        assert_eq!((part.completion, part.counters.visits), (Completion::OutOfBudget, visits));
+        assert_eq!((part.completion, part.stats.visits), (Completion::OutOfBudget, visits));
         assert!(part.volume >= last && part.volume <= whole.volume && part.upper == f64::INFINITY);
         assert_eq!(part.estimate, part.volume);
         last = part.volume;
@@ -305,7 +305,7 @@ fn bounds_hold_where_much_waits() {
     let query = Query::new(Isa::detect());
     let turned = pose(&rng.rotation(), [0.1, 0.2, 0.3]);
     let whole = ask(&tree, &tree, &turned);
-    let visits = query.with_budget(u64::MAX - 1).penetration(&tree, &tree, &turned).counters.visits;
+    let visits = query.with_budget(u64::MAX - 1).penetration(&tree, &tree, &turned).stats.visits;
     for budget in (0..visits).step_by(1 + visits as usize / 200) {
         let part = query.with_budget(budget).penetration(&tree, &tree, &turned);
         assert!(part.volume <= whole.volume && whole.volume <= part.upper, "{budget}: {part:?} {whole:?}");
@@ -324,7 +324,7 @@ fn bounds_hold_at_poses_that_shrink() {
         }))
         .unwrap();
         let complete = ask(&tree, &tree, &pose);
-        for budget in 0..complete.counters.visits {
+        for budget in 0..complete.stats.visits {
             let part = Query::new(Isa::detect()).with_budget(budget).penetration(&tree, &tree, &pose);
             assert!(part.upper >= complete.volume && part.upper <= whole * 1.001, "{part:?} {complete:?}");
         }

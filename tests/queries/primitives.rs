@@ -9,14 +9,14 @@ use crate::support::shapes::wavy_torus;
 use crate::support::turns::pose;
 use core::ops::ControlFlow;
 use simdop::construct::{Builder, Geometry, Mesh, Splitter};
-use simdop::hierarchy::{BakeError, Bvh, BvhRef};
+use simdop::hierarchy::{Bvh, BvhRef, FormatError};
 use simdop::isa::Isa;
 use simdop::node::{Node4, Node16};
 use simdop::pose::Pose;
 use simdop::primitive::triangle::distance::{nearer, within};
 use simdop::primitive::triangle::{Triangle, Triangles, overlap};
 use simdop::primitive::{Kind, OWN_DIRECTIONS, Primitive, Separation, Sphere, Spheres, Store};
-use simdop::query::{Lanes, Pairwise, Query};
+use simdop::query::{Lanes, PrimitivePair, Query};
 use simdop::range::Point;
 use std::borrow::Cow;
 use std::collections::BTreeSet;
@@ -74,7 +74,7 @@ const fn flat([p, q]: &Segment) -> Triangle {
 
 macro_rules! as_triangles {
     ($one:ty, $other:ty, $flat_one:expr, $flat_other:expr) => {
-        impl Pairwise<$other> for $one {
+        impl PrimitivePair<$other> for $one {
             type Probe<'t> = Triangle;
 
             fn probe(item: &Self::Item, _margin: f64) -> Triangle {
@@ -157,14 +157,14 @@ fn build<N: Lanes>(line: &Polyline, splitter: Splitter, leaf_size: u32) -> Bvh<N
     builder.build_geometry(line, &mut |_| ControlFlow::Continue(())).unwrap()
 }
 
-fn pairs_of<N: Lanes, P: Pairwise<Q>, Q: Pairwise<P>>(
+fn pairs_of<N: Lanes, P: PrimitivePair<Q>, Q: PrimitivePair<P>>(
     query: Query,
     a: &Bvh<N, P>,
     b: &Bvh<N, Q>,
     pose: &Pose,
 ) -> BTreeSet<(u32, u32)> {
-    let (found, counters) = pairs_that_meet(query, a, b, pose);
-    assert!(counters.primitive_pairs < (a.view().len() * b.view().len() / 4) as u64, "{counters:?}");
+    let (found, stats) = pairs_that_meet(query, a, b, pose);
+    assert!(stats.primitive_pairs < (a.view().len() * b.view().len() / 4) as u64, "{counters:?}");
     found
 }
 
@@ -190,7 +190,7 @@ fn check<N: Lanes>() {
         .collect();
     let vertices: Vec<Point> = patches.iter().flatten().copied().collect();
     let triangles: Vec<[u32; 3]> = (0..patches.len() as u32).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect();
-    let mesh = Builder::new().build::<N>(&Mesh { vertices: &vertices, triangles: &triangles }).unwrap();
+    let mesh = Builder::new().build_as::<N>(&Mesh { vertices: &vertices, triangles: &triangles }).unwrap();
     // Quarter turns and whole steps keep to the lattice.
     let turned =
         Pose::from_rows([[0.0, -1.0, 0.0, 24.0], [1.0, 0.0, 0.0, 1.0], [0.0, 0.0, 1.0, -2.0]]).unwrap();
@@ -248,7 +248,7 @@ fn segments_are_decided_as_brute_force_decides_them() {
 fn a_tree_of_other_primitives_is_refused() {
     let tree = build::<Node16<18>>(&lattice(&mut Rng::new(12), 40), Splitter::MeanWidth, 1);
     let error = BvhRef::<Node16<18>>::from_bytes(tree.as_bytes()).unwrap_err();
-    assert_eq!(error, BakeError::OtherPrimitive { kind: Kind::of_user(7).code() });
+    assert_eq!(error, FormatError::OtherPrimitive { kind: Kind::of_user(7).code() });
     assert!(BvhRef::<Node16<18>, Segments>::from_bytes(tree.as_bytes()).is_ok());
 }
 
@@ -320,7 +320,7 @@ impl Primitive for Padded {
     }
 }
 
-impl Pairwise<Self> for Padded {
+impl PrimitivePair<Self> for Padded {
     type Probe<'t> = (Triangle, f64);
 
     fn probe(item: &(Triangle, f64), _margin: f64) -> (Triangle, f64) {
@@ -395,7 +395,7 @@ impl Geometry for PaddedMesh {
     }
 }
 
-/// All that volumes pay for radii by, thin slabs and slabs of a primitive's own among it: smooth surfaces close to each
+/// All that volumes pay for radii by, normal slabs and slabs of a primitive's own among it: smooth surfaces close to each
 /// other, and one large triangle close to a small body.
 #[test]
 fn padded_triangles_are_decided_as_brute_force_decides_them() {
@@ -410,7 +410,7 @@ fn padded_triangles_are_decided_as_brute_force_decides_them() {
     });
     for tree in &trees {
         tree.view().verify().unwrap();
-        assert_eq!(tree.view().header().has_thin_slabs, 1);
+        assert_eq!(tree.view().header().has_normal_slabs, 1);
         assert_eq!(
             Bvh::<Node16<18>, Padded>::from_bytes(tree.as_bytes()).unwrap().as_bytes(),
             tree.as_bytes()

@@ -10,7 +10,7 @@ use simdop::hierarchy::Bvh;
 use simdop::isa::Isa;
 use simdop::node::Node16;
 use simdop::pose::Pose;
-use simdop::query::{Counters, Query};
+use simdop::query::{Query, QueryStats};
 
 type Vector = [f64; 3];
 
@@ -99,7 +99,7 @@ fn what_touches_or_is_within_the_margin_is_never_told_apart() {
 fn what_is_a_little_farther_apart_costs_nothing() {
     let mut rng = Rng::new(2);
     let query = Query::new(Isa::SCALAR);
-    let nothing = Counters::default();
+    let nothing = QueryStats::default();
     let mut told = 0;
     for _ in 0..2000 {
         let Scene { a, b, pose, gap, what } = scene(&mut rng, 0.01);
@@ -109,14 +109,14 @@ fn what_is_a_little_farther_apart_costs_nothing() {
             continue;
         }
         told += 1;
-        assert!(answer.is_free() && answer.counters == nothing, "{what}");
+        assert!(answer.is_free() && answer.stats == nothing, "{what}");
         let answer = query.with_budget(0).collide(&a, &b, &pose);
         assert!(answer.is_free(), "no budget is needed: {what}");
         let answer = query.within(&a, &b, &pose, 0.5 * gap).unwrap();
-        assert!(answer.is_free() && answer.counters == nothing, "{what}");
+        assert!(answer.is_free() && answer.stats == nothing, "{what}");
         let distance = query.distance_up_to(&a, &b, &pose, 0.0, 0.5 * gap).unwrap();
         assert_eq!((distance.lower, distance.upper), (0.5 * gap, f64::INFINITY), "{what}");
-        assert!(distance.witness.is_none() && distance.counters == nothing, "{what}");
+        assert!(distance.witness.is_none() && distance.stats == nothing, "{what}");
         let mut found = 0;
         let (_, work) = query.for_each_pair(&a, &b, &pose, |_| {
             found += 1;

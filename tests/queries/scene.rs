@@ -8,7 +8,7 @@ use crate::support::shapes;
 use alloc::collections::BTreeSet;
 use core::ops::ControlFlow;
 use glam::{DAffine3, DMat3, DQuat, DVec3};
-use simdop::cloud::Cloud;
+use simdop::cloud::PointCloud;
 use simdop::construct::{Builder, Mesh, SphereSet};
 use simdop::hierarchy::Bvh;
 use simdop::isa::Isa;
@@ -26,7 +26,7 @@ type Tri = [[f64; 3]; 3];
 enum Tree {
     Mesh(Bvh<Node>),
     Spheres(Bvh<Node, Spheres>),
-    Cloud(Cloud),
+    PointCloud(PointCloud),
 }
 
 /// A body in the test's own words: points and triangles, all with one radius.
@@ -39,7 +39,7 @@ struct Model {
 impl Model {
     fn mesh(mesh: &MeshData) -> Self {
         let tree =
-            Builder::new().build(&Mesh { vertices: &mesh.vertices, triangles: &mesh.triangles }).unwrap();
+            Builder::new().build_as(&Mesh { vertices: &mesh.vertices, triangles: &mesh.triangles }).unwrap();
         let primitives = mesh.triangles.iter().map(|t| t.map(|v| mesh.vertices[v as usize])).collect();
         Self { tree: Tree::Mesh(tree), primitives, radius: 0.0 }
     }
@@ -54,18 +54,18 @@ impl Model {
 
     fn cloud(points: &[[f32; 3]]) -> Self {
         let primitives = points.iter().map(|p| [p.map(f64::from); 3]).collect();
-        Self { tree: Tree::Cloud(Cloud::new(points).unwrap()), primitives, radius: 0.0 }
+        Self { tree: Tree::PointCloud(PointCloud::new(points).unwrap()), primitives, radius: 0.0 }
     }
 
     fn is_cloud(&self) -> bool {
-        matches!(self.tree, Tree::Cloud(_))
+        matches!(self.tree, Tree::PointCloud(_))
     }
 
     fn shape(&self) -> BodyTree<'_, Node> {
         match &self.tree {
             Tree::Mesh(tree) => tree.view().into(),
             Tree::Spheres(tree) => tree.view().into(),
-            Tree::Cloud(cloud) => cloud.view().into(),
+            Tree::PointCloud(cloud) => cloud.view().into(),
         }
     }
 
@@ -220,7 +220,7 @@ fn answers_are_those_of_all_pairs() {
         for _ in 0..bodies / 2 {
             let (i, j) = (rng.below(bodies as u64) as usize, rng.below(bodies as u64) as usize);
             if i != j {
-                scene.set_pair(placed[i].id, placed[j].id, false).unwrap();
+                scene.allow_collision(placed[i].id, placed[j].id).unwrap();
                 ruled_out.insert((i.min(j), i.max(j)));
             }
         }
@@ -262,7 +262,7 @@ fn at(x: f64, y: f64) -> Pose {
 
 fn cube() -> Bvh<Node> {
     let MeshData { vertices, triangles } = shapes::cuboid([-0.5; 3], [0.5; 3], false);
-    Builder::new().build(&Mesh { vertices: &vertices, triangles: &triangles }).unwrap()
+    Builder::new().build_as(&Mesh { vertices: &vertices, triangles: &triangles }).unwrap()
 }
 
 fn put<'t>(scene: &mut Scene<'t, Node>, tree: &'t Bvh<Node>, x: f64) -> BodyId {
@@ -341,7 +341,7 @@ fn what_is_inside_a_solid_meets_it() {
     let (small, sphere, scan) = (cube(), Model::spheres(&[[0.0; 3]], 0.3), Model::cloud(&[[0.0, 0.1, 0.0]]));
     for is_solid in [false, true] {
         let builder = if is_solid { Builder::new().solid() } else { Builder::new() };
-        let large: Bvh<Node> = builder.build(&mesh).unwrap();
+        let large: Bvh<Node> = builder.build_as(&mesh).unwrap();
         for inner in [BodyTree::from(small.view()), sphere.shape(), scan.shape()] {
             for (outer_first, x) in [(true, 0.25), (false, 0.25), (true, 9.0), (false, 9.0)] {
                 let mut scene = Scene::new();
@@ -423,8 +423,8 @@ fn a_budget_is_for_all_pairs() {
     let last = |back: usize| scene.ids().nth(33 - back).unwrap();
     assert!(hits(&scene, &Query::new(Isa::detect()), 0.0).iter().any(|(_, b)| *b >= last(3)));
     let (one, other) = (last(0), last(1));
-    assert_eq!(scene.set_pair(one, other, true), Err(SceneError::TwoClouds { id: one }));
-    assert_eq!(scene.set_pair(one, other, false), Ok(()));
+    assert_eq!(scene.forbid_collision(one, other), Err(SceneError::TwoClouds { id: one }));
+    assert_eq!(scene.allow_collision(one, other), Ok(()));
     let query = Query::new(Isa::detect());
     let (_, pairs, all) = scene.for_each_hit(&query, 0.0, |_| ControlFlow::Continue(())).unwrap();
     assert!(pairs > 20 && all.visits > 50);
@@ -434,7 +434,7 @@ fn a_budget_is_for_all_pairs() {
         assert!(work.visits <= budget);
         assert_eq!(completion == Completion::Complete, budget >= all.visits, "{budget} of {}", all.visits);
         let near = scene.clearance(&few, 0.0, f64::INFINITY).unwrap();
-        assert!(near.counters.visits <= budget && near.lower == 0.0);
+        assert!(near.stats.visits <= budget && near.lower == 0.0);
     }
     let none = scene.collide(&query.with_budget(0)).unwrap();
     assert!(!none.is_free() && none.hit().is_none() && none.verdict == SceneVerdict::Unknown);
@@ -454,7 +454,7 @@ fn what_cannot_be_is_refused() {
     assert_eq!(refused, Err(SceneError::Pose(PoseError::NotOrthonormal { deviation: 2e-5 })));
     assert_eq!(scene.ids().count(), 0);
     let id = scene.insert(Body::new(tree.view()), &at(0.0, 0.0)).unwrap();
-    assert_eq!(scene.set_pair(id, id, true), Err(SceneError::NoPair { id }));
+    assert_eq!(scene.forbid_collision(id, id), Err(SceneError::NoPair { id }));
     let query = Query::new(Isa::detect());
     for margin in [-1.0, f64::NAN, f64::INFINITY] {
         let is_named = |error: Option<SceneError>| matches!(error, Some(SceneError::Tolerance(ToleranceError { given })) if given.to_bits() == margin.to_bits());

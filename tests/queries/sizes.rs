@@ -128,8 +128,8 @@ fn bodies_that_are_far_apart_are_free_at_once() {
                 scene.check();
                 let [a, b] = [a, b].map(|mesh| build::<Node16<18>>(mesh).unwrap());
                 let pose = Pose::from_rows(rows).unwrap();
-                let counters = Query::new(Isa::detect()).collide(&a, &b, &pose).counters;
-                assert!(counters.visits <= 2 && counters.primitive_pairs == 0, "{counters:?} {rows:?}");
+                let stats = Query::new(Isa::detect()).collide(&a, &b, &pose).stats;
+                assert!(stats.visits <= 2 && stats.primitive_pairs == 0, "{counters:?} {rows:?}");
             }
         }
     }
@@ -224,8 +224,8 @@ fn distances_beside_large_triangles_take_little_work() {
                     found.upper <= 1.01 * found.lower * (1.0 + 1e-9) && within.is_free(),
                     "{found:?} {within:?}"
                 );
-                assert!(found.counters.primitive_pairs <= 300, "{scale:e} {:?}", found.counters);
-                assert!(within.counters.primitive_pairs <= 300, "{scale:e} {:?}", within.counters);
+                assert!(found.stats.primitive_pairs <= 300, "{scale:e} {:?}", found.stats);
+                assert!(within.stats.primitive_pairs <= 300, "{scale:e} {:?}", within.stats);
             }
         }
     }
@@ -244,8 +244,8 @@ fn nodes_are_not_turned_for_large_triangles_that_cut_them() {
             let (mut visits, mut realignments) = (0, 0);
             for rows in poses {
                 let answer = Query::new(Isa::SCALAR).collide(&a, &b, &Pose::from_rows(rows).unwrap());
-                visits += answer.counters.visits;
-                realignments += answer.counters.realignments;
+                visits += answer.stats.visits;
+                realignments += answer.stats.realignments;
             }
             // The root, and seldom a node below.
             assert!(visits > 100 && realignments * 2 < visits, "{scale:e}: {realignments} of {visits}");

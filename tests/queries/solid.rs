@@ -10,7 +10,7 @@ use crate::{aligned, mesh_of};
 use core::mem::offset_of;
 use core::ops::ControlFlow;
 use simdop::construct::{BuildError, Builder, Mesh, SphereSet};
-use simdop::hierarchy::{BakeError, Bvh, BvhRef, Header};
+use simdop::hierarchy::{Bvh, BvhRef, FormatError, Header};
 use simdop::isa::Isa;
 use simdop::node::{Node4, Node16};
 use simdop::pose::Pose;
@@ -112,7 +112,7 @@ impl Body {
     }
 
     fn build<N: Lanes>(&self, builder: Builder) -> Bvh<N> {
-        let tree = builder.build::<N>(&mesh_of(&self.mesh)).unwrap();
+        let tree = builder.build_as::<N>(&mesh_of(&self.mesh)).unwrap();
         tree.view().verify().unwrap();
         tree
     }
@@ -207,22 +207,22 @@ fn small_ones() -> Vec<Body> {
 }
 
 fn is_closed(body: &Body) -> bool {
-    Builder::fast().solid().build::<Node16<6>>(&mesh_of(&body.mesh)).is_ok()
+    Builder::fast().solid().build_as::<Node16<6>>(&mesh_of(&body.mesh)).is_ok()
 }
 
 // ---- Placements -------------------------------------------------------------------------------------------
 
 /// One body, baked as a surface and, if it can be, as a solid.
-struct Baked<N> {
+struct StaticBvh<N> {
     body: Body,
     surface: Bvh<N>,
     solid: Option<Bvh<N>>,
 }
 
-impl<N: Lanes> Baked<N> {
+impl<N: Lanes> StaticBvh<N> {
     fn new(body: &Body, builder: Builder) -> Self {
-        let solid = is_closed(body).then(|| body.build::<N>(builder.solid()));
-        Self { body: body.clone(), surface: body.build::<N>(builder), solid }
+        let solid = is_closed(body).then(|| body.build_as::<N>(builder.solid()));
+        Self { body: body.clone(), surface: body.build_as::<N>(builder), solid }
     }
 }
 
@@ -249,7 +249,7 @@ fn parts_inside(corners: &[Point], solid: &[Triangle], rng: &mut Rng, seen: &mut
 }
 
 /// Asks about one placement of A in the frame of B, and checks every answer.
-fn check<N: Lanes>(a: &Baked<N>, b: &Baked<N>, pose: &Pose, rng: &mut Rng, seen: &mut Seen) {
+fn check<N: Lanes>(a: &StaticBvh<N>, b: &StaticBvh<N>, pose: &Pose, rng: &mut Rng, seen: &mut Seen) {
     let scalar = Query::new(Isa::SCALAR);
     let surfaces = scalar.collide(&a.surface, &b.surface, pose);
     let (tree_a, tree_b) = (a.solid.as_ref().unwrap_or(&a.surface), b.solid.as_ref().unwrap_or(&b.surface));
@@ -290,7 +290,7 @@ fn check<N: Lanes>(a: &Baked<N>, b: &Baked<N>, pose: &Pose, rng: &mut Rng, seen:
         verdict => assert!(!is_inside && verdict == Verdict::Free, "{verdict:?} {pose:?}"),
     }
     assert_eq!(answer.hint, surfaces.hint);
-    let (more, less) = (answer.counters, surfaces.counters);
+    let (more, less) = (answer.stats, surfaces.stats);
     assert!(more.visits >= less.visits && more.primitive_pairs >= less.primitive_pairs);
     if rng.below(8) == 0 {
         check_distances(a, b, (tree_a, tree_b), pose, (&answer, rng));
@@ -298,8 +298,8 @@ fn check<N: Lanes>(a: &Baked<N>, b: &Baked<N>, pose: &Pose, rng: &mut Rng, seen:
 }
 
 fn check_distances<N: Lanes>(
-    a: &Baked<N>,
-    b: &Baked<N>,
+    a: &StaticBvh<N>,
+    b: &StaticBvh<N>,
     (tree_a, tree_b): (&Bvh<N>, &Bvh<N>),
     pose: &Pose,
     (answer, rng): (&Answer, &mut Rng),
@@ -325,10 +325,10 @@ fn check_distances<N: Lanes>(
         assert_eq!(within.is_free(), within.hit().is_none());
     }
     // With a budget: never falsely free, and bounds that hold.
-    let budget = rng.below(answer.counters.visits + 1);
+    let budget = rng.below(answer.stats.visits + 1);
     let asked = query.with_budget(budget);
     let part = asked.collide(tree_a, tree_b, pose);
-    assert!(part.counters.visits <= budget);
+    assert!(part.stats.visits <= budget);
     match part.verdict {
         Verdict::Unknown { lower, upper } => {
             assert_eq!(lower, 0.0);
@@ -337,7 +337,7 @@ fn check_distances<N: Lanes>(
         verdict => assert_eq!(verdict, answer.verdict),
     }
     let part = asked.distance(tree_a, tree_b, pose, 0.0).unwrap();
-    assert!(part.counters.visits <= budget);
+    assert!(part.stats.visits <= budget);
     assert!(part.lower == 0.0 || !is_hit && part.lower <= surfaces.upper, "{part:?}");
     assert!(!is_hit || !part.verdict().is_free());
     let part = asked.within(tree_a, tree_b, pose, 0.5 * surfaces.lower).unwrap();
@@ -383,7 +383,7 @@ fn random_placements<N: Lanes>(seed: u64, count: usize) {
         let one = rng.pick(&solids).scaled(scale, shift);
         let other = if rng.below(4) == 0 { rng.pick(&solids) } else { rng.pick(&small) };
         let other = other.scaled(scale * [1.0, 0.5, 1.0 / 3.0][rng.below(3) as usize], shift);
-        let (one, other) = (Baked::<N>::new(&one, builder), Baked::<N>::new(&other, builder));
+        let (one, other) = (StaticBvh::<N>::new(&one, builder), StaticBvh::<N>::new(&other, builder));
         for _ in 0..100.min(count) {
             let pose = placement(&mut rng, 9.0, scale, shift);
             if rng.below(2) == 0 {
@@ -420,7 +420,8 @@ fn so_it_is_for_other_node_types() {
 #[test]
 fn spheres_in_a_solid_are_hits() {
     let (mut rng, mut seen) = (Rng::new(6), Seen::default());
-    let solids: Vec<_> = solids().iter().map(|body| Baked::<Node16<18>>::new(body, Builder::new())).collect();
+    let solids: Vec<_> =
+        solids().iter().map(|body| StaticBvh::<Node16<18>>::new(body, Builder::new())).collect();
     let queries: Vec<_> = Isa::available().map(Query::new).collect();
     let rounds = if cfg!(miri) { 3 } else { 4000 / suite_step() };
     for _ in 0..rounds {
@@ -484,13 +485,13 @@ fn the_crossed_triangle_of_the_lowest_index_is_named() {
     let mut solid = squares([-8.0; 3], 4, false);
     append(&mut solid, &squares([-4.0; 3], 2, false));
     let dot = separate([[[0.5, 1.0, 2.0]; 3]]);
-    let dot = Builder::new().build::<Node16<18>>(&mesh_of(&dot)).unwrap();
+    let dot = Builder::new().build(&mesh_of(&dot)).unwrap();
     for leaf_size in [1, 4] {
         for shift in 0..5 {
             let mut mesh = solid.clone();
             mesh.triangles.rotate_left(shift * 37);
             let tree: Bvh<Node16<18>> =
-                Builder::new().leaf_size(leaf_size).solid().build(&mesh_of(&mesh)).unwrap();
+                Builder::new().leaf_size(leaf_size).solid().build_as(&mesh_of(&mesh)).unwrap();
             // At x = 4 and at x = 8.
             let is_crossed = |t: &[u32; 3]| {
                 let [a, b, c] = t.map(|v| mesh.vertices[v as usize]);
@@ -518,7 +519,7 @@ fn the_crossed_triangle_of_the_lowest_index_is_named() {
 #[test]
 fn open_meshes_are_refused_where_they_are_open() {
     let closed = cuboid([0.0; 3], [1.0; 3], false);
-    let build = |mesh: &MeshData| Builder::new().solid().build::<Node16<18>>(&mesh_of(mesh)).map(|_| ());
+    let build = |mesh: &MeshData| Builder::new().solid().build(&mesh_of(mesh)).map(|_| ());
     let edges = |t: [u32; 3]| [[t[0], t[1]], [t[1], t[2]], [t[2], t[0]]];
     for index in 0..12 {
         let gone = closed.triangles[index];
@@ -540,12 +541,12 @@ fn open_meshes_are_refused_where_they_are_open() {
                     text.contains("open") && text.contains(&format!("vertices {} and {}", edge[0], edge[1]))
                 );
             }
-            assert!(Builder::new().build::<Node16<18>>(&mesh_of(mesh)).is_ok(), "surfaces may be open");
+            assert!(Builder::new().build(&mesh_of(mesh)).is_ok(), "surfaces may be open");
         }
         assert_eq!(build(&torn(&closed)), Ok(()));
     }
-    let empty = Builder::new().solid().build::<Node16<18>>(&Mesh { vertices: &[], triangles: &[] }).unwrap();
-    let cube: Bvh<Node16<18>> = Builder::new().solid().build(&mesh_of(&closed)).unwrap();
+    let empty = Builder::new().solid().build(&Mesh { vertices: &[], triangles: &[] }).unwrap();
+    let cube: Bvh<Node16<18>> = Builder::new().solid().build_as(&mesh_of(&closed)).unwrap();
     assert_eq!(empty.view().parts().len(), 0);
     assert!(Query::new(Isa::detect()).collide(&empty, &cube, &Pose::IDENTITY).is_free());
     assert!(Query::new(Isa::detect()).collide(&cube, &empty, &Pose::IDENTITY).is_free());
@@ -555,7 +556,7 @@ fn open_meshes_are_refused_where_they_are_open() {
 fn every_tree_knows_its_parts() {
     for body in solids().iter().chain(&small_ones()) {
         for builder in [Builder::new(), Builder::new().leaf_size(5), Builder::fast()] {
-            let tree: Bvh<Node16<18>> = body.build(builder);
+            let tree: Bvh<Node16<18>> = body.build_as(builder);
             let view = tree.view();
             let parts: Vec<u32> = view.parts().collect();
             assert!(parts.is_sorted() && parts.len() == body.parts());
@@ -569,8 +570,7 @@ fn every_tree_knows_its_parts() {
             assert!(again.view().parts().eq(parts) && again.as_bytes() == tree.as_bytes());
         }
         if is_closed(body) {
-            let [solid, surface] =
-                [Builder::new().solid(), Builder::new()].map(|b| body.build::<Node16<18>>(b));
+            let [solid, surface] = [Builder::new().solid(), Builder::new()].map(|b| body.build(b));
             assert!(solid.view().is_solid() && solid.view().header().is_solid == 1);
             let at = offset_of!(Header, is_solid);
             let mut bytes = solid.as_bytes().to_vec();
@@ -586,10 +586,10 @@ fn solids_from_outside_are_safe() {
     let mut rng = Rng::new(7);
     let cube = cuboid([-1.0; 3], [1.0; 3], false);
     let parts: Vec<MeshData> = (0..5).map(|i| scaled(&cube, 1.0, [4.0 * f64::from(i), 0.0, 0.0])).collect();
-    let tree: Bvh<Node16<18>> = Body::new(&parts).build(Builder::new().solid());
+    let tree: Bvh<Node16<18>> = Body::new(&parts).build_as(Builder::new().solid());
     let other: Bvh<Node16<18>> =
         Body::new(&[octahedron(0.25, [0.25; 3]), octahedron(0.25, [4.25, 0.0, 0.0])])
-            .build(Builder::new().solid());
+            .build_as(Builder::new().solid());
     let header = *tree.view().header();
     let bytes = tree.as_bytes();
     let section = (bytes.len() - 64..bytes.len()).rev().find(|&i| bytes[i] != 0).unwrap() / 4 * 4 - 16;
@@ -636,12 +636,12 @@ fn solids_from_outside_are_safe() {
         Bvh::<Node16<18>>::from_bytes(&bytes).err()
     };
     assert_eq!(with(&|_| ()), None);
-    assert_eq!(with(&|b| b[114] = 2), Some(BakeError::Header { field: "is_solid" }));
+    assert_eq!(with(&|b| b[114] = 2), Some(FormatError::Header { field: "is_solid" }));
     assert_eq!(
         with(&|b| b[120] = 1),
-        Some(BakeError::Truncated { have: bytes.len(), need: bytes.len() + 64 })
+        Some(FormatError::Truncated { have: bytes.len(), need: bytes.len() + 64 })
     );
-    assert_eq!(with(&|b| b[section] = b[section + 4]), Some(BakeError::Part { index: 1 }));
-    assert_eq!(with(&|b| b[section + 16] = 60), Some(BakeError::Part { index: 4 }));
-    assert_eq!(with(&|b| b[116] = 1), Some(BakeError::Header { field: "part_count" }));
+    assert_eq!(with(&|b| b[section] = b[section + 4]), Some(FormatError::Part { index: 1 }));
+    assert_eq!(with(&|b| b[section + 16] = 60), Some(FormatError::Part { index: 4 }));
+    assert_eq!(with(&|b| b[116] = 1), Some(FormatError::Header { field: "part_count" }));
 }

@@ -149,7 +149,7 @@ fn check(a: &Filled, b: &Filled, seed: u64, count: usize) -> f64 {
         let of_spheres = columns.common(&columns.of_spheres(&spheres), &columns.of_spheres(&b.spheres));
         assert!((of_spheres - whole.volume).abs() <= slack, "{of_spheres} {what}");
         // A part of the search bounds the same.
-        let visits = whole.counters.visits;
+        let visits = whole.stats.visits;
         for budget in [0, visits / 10, visits / 2] {
             let part = query.with_budget(budget).penetration(&a.tree, &b.tree, &pose);
             assert!(part.volume <= truth + slack && truth <= part.upper + deficit + slack, "{part:?} {what}");

@@ -8,13 +8,13 @@ use crate::support::turns::pose;
 use crate::{Pairs, pairs_that_meet, splitters};
 use core::ops::ControlFlow;
 use simdop::construct::{BuildError, Builder, Mesh, SphereSet};
-use simdop::hierarchy::{AnyBvh, BakeError, Bvh, BvhRef};
+use simdop::hierarchy::{AnyBvh, Bvh, BvhRef, FormatError};
 use simdop::isa::Isa;
 use simdop::node::{Node4, Node16};
 use simdop::pose::Pose;
 use simdop::primitive::triangle::Triangle;
 use simdop::primitive::{Kind, Sphere, Spheres, Triangles};
-use simdop::query::{Counters, Hint, Lanes, Pairwise, Query};
+use simdop::query::{Hint, Lanes, PrimitivePair, Query, QueryStats};
 use simdop::range::{MAX_COORDINATE, MIN_COORDINATE, Point};
 
 type Exact = [Dyadic; 3];
@@ -152,7 +152,7 @@ fn mesh<N: Lanes>(triangles: &[Triangle]) -> Bvh<N> {
     let vertices: Vec<Point> = triangles.as_flattened().to_vec();
     let triangles: Vec<[u32; 3]> =
         (0..triangles.len() as u32).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect();
-    Builder::new().build(&Mesh { vertices: &vertices, triangles: &triangles }).unwrap()
+    Builder::new().build_as(&Mesh { vertices: &vertices, triangles: &triangles }).unwrap()
 }
 
 const STRAIGHT: [[f64; 3]; 3] = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
@@ -210,13 +210,13 @@ fn check<N, P, Q, A, B>(
 ) -> (usize, usize)
 where
     N: Lanes,
-    P: Pairwise<Q>,
-    Q: Pairwise<P>,
+    P: PrimitivePair<Q>,
+    Q: PrimitivePair<P>,
     A: Shape,
     B: Shape,
 {
     let (want, ties) = brute(a, b, pose, 0.0);
-    let mut counters = None;
+    let mut stats = None;
     for isa in Isa::available() {
         let query = Query::new(isa);
         assert_eq!(pairs_that_meet(query, tree_a, tree_b, pose).0, want, "{what}, {isa}");
@@ -224,8 +224,8 @@ where
         assert_eq!(answer.is_free(), want.is_empty(), "{what}, {isa}");
         assert!(answer.hit().is_none_or(|pair| want.contains(&(pair.a, pair.b))), "{what}, {isa}");
         let found = query.distance(tree_a, tree_b, pose, 0.0).unwrap();
-        let work = (answer.counters, found.counters);
-        assert_eq!(*counters.get_or_insert(work), work, "{what}, {isa}");
+        let work = (answer.stats, found.stats);
+        assert_eq!(*stats.get_or_insert(work), work, "{what}, {isa}");
     }
     let query = Query::new(Isa::detect());
     check_distance(query, (tree_a, a), (tree_b, b), pose, !want.is_empty(), what);
@@ -242,8 +242,8 @@ fn check_distance<N, P, Q, A, B>(
     what: &str,
 ) where
     N: Lanes,
-    P: Pairwise<Q>,
-    Q: Pairwise<P>,
+    P: PrimitivePair<Q>,
+    Q: PrimitivePair<P>,
     A: Shape,
     B: Shape,
 {
@@ -287,8 +287,8 @@ fn check_motion<N, P, Q, A, B>(
 ) -> [usize; 2]
 where
     N: Lanes,
-    P: Pairwise<Q>,
-    Q: Pairwise<P>,
+    P: PrimitivePair<Q>,
+    Q: PrimitivePair<P>,
     A: Shape,
     B: Shape,
 {
@@ -303,15 +303,15 @@ where
         assert_eq!(answer.is_free(), want.is_empty(), "{what}");
         let found = answer.hit().map(|pair| (pair.a, pair.b));
         assert!(found.is_none_or(|pair| want.contains(&pair)), "{what}");
-        let work = (answer.counters.visits, answer.counters.primitive_pairs);
+        let work = (answer.stats.visits, answer.stats.primitive_pairs);
         if last.is_some_and(|pair| want.contains(&pair)) {
             assert_eq!((found, work), (last, (0, 1)), "{what}");
             free_of_charge += 1;
         } else {
             // Far pairs are told before anything is tried.
-            let is_told = plain.counters == Counters::default();
+            let is_told = plain.stats == QueryStats::default();
             let in_vain = u64::from(last.is_some() && !is_told);
-            let plain = (plain.counters.visits, plain.counters.primitive_pairs + in_vain);
+            let plain = (plain.stats.visits, plain.stats.primitive_pairs + in_vain);
             assert_eq!(work, plain, "{what}");
         }
         let hinted = Query::new(Isa::detect()).with_hint(hint);
@@ -481,7 +481,7 @@ fn planes_are_rounded_up_by_squares() {
     where
         Node16<K>: Lanes,
     {
-        use simdop::directions::Directions;
+        use simdop::low_level::directions::Directions;
         let spheres: Vec<Sphere> = (0..radii.len())
             .map(|i| Sphere { centre: [(); 3].map(|()| 1.0 + step * i as f64), radius: radii[i] })
             .collect();
@@ -495,7 +495,8 @@ fn planes_are_rounded_up_by_squares() {
                 // What is left for the length of n times the radius, in the body's unit, of this plane and the next.
                 let room = |code: i16| {
                     let height = dot(exact(n), minus(&exact(&centre), &exact(&frame.centre)));
-                    Dyadic::from(f64::from(simdop::key::decode(code))) * Dyadic::power_of_two(-frame.exponent)
+                    Dyadic::from(f64::from(simdop::low_level::key::decode(code)))
+                        * Dyadic::power_of_two(-frame.exponent)
                         - height
                 };
                 let reach = square(&exact(n)) * Dyadic::from(radius) * Dyadic::from(radius);
@@ -539,8 +540,10 @@ fn all_splitters_and_leaf_sizes() {
     for (i, splitter) in all.into_iter().enumerate() {
         for leaf_size in [1, 3, 16] {
             let builder = Builder::new().splitter(splitter).leaf_size(leaf_size);
-            let tree =
-                build_with::<Node16<18>>(&a, if i % 2 == 0 { builder } else { builder.without_thin_slabs() });
+            let tree = build_with::<Node16<18>>(
+                &a,
+                if i % 2 == 0 { builder } else { builder.without_normal_slabs() },
+            );
             let query = Query::new(Isa::detect());
             assert_eq!(
                 pairs_that_meet(query, &tree, &tree_b, &Pose::IDENTITY).0,
@@ -588,16 +591,16 @@ fn bytes_are_read_back_whatever_their_node_type() {
     assert_eq!(again(17, 16).unwrap_err(), BuildError::NodeType { k: 17, arity: 16 });
 
     let error = BvhRef::<Node16<18>, Triangles>::from_bytes(tree.as_bytes()).unwrap_err();
-    assert_eq!(error, BakeError::OtherPrimitive { kind: 2 });
+    assert_eq!(error, FormatError::OtherPrimitive { kind: 2 });
     // A radius that is negative, not a number, or takes the sphere out of the header's box.
-    // After the header, the nodes and the balls: there are no thin slabs.
-    assert_eq!(tree.view().header().has_thin_slabs, 0);
+    // After the header, the nodes and the balls: there are no normal slabs.
+    assert_eq!(tree.view().header().has_normal_slabs, 0);
     let at = 128 + tree.view().nodes().len() * (640 + 320) + 12;
     for radius in [-1.0_f32, f32::NAN, f32::INFINITY, 20.0, -f32::MIN_POSITIVE] {
         let mut bytes = tree.as_bytes().to_vec();
         bytes[at..at + 4].copy_from_slice(&radius.to_le_bytes());
         let error = Bvh::<Node16<18>, Spheres>::from_bytes(&bytes).unwrap_err();
-        assert_eq!(error, BakeError::Vertex { index: 0 }, "{radius}");
+        assert_eq!(error, FormatError::Vertex { index: 0 }, "{radius}");
     }
 }
 

@@ -13,8 +13,8 @@ use simdop::motion::{Screw, ScrewMotion};
 use simdop::node::{Aabb16, Node4, Node16};
 use simdop::pose::Pose;
 use simdop::primitive::{Sphere, Spheres};
-use simdop::query::{Lanes, Pairwise, Query};
-use simdop::scene::{Body, EdgeMemory, EdgePair, Scene, SceneMemory, Slot, boxes_for, rows_for};
+use simdop::query::{Lanes, PrimitivePair, Query};
+use simdop::scene::{Body, MotionHit, MotionMemory, Scene, SceneMemory, Slot, boxes_for, rows_for};
 
 /// Bytes that the crate documentation says are enough for the entries that decide, and for distances. Threads
 /// have little less: 25 KiB on Linux.
@@ -55,7 +55,7 @@ fn spheres() -> Vec<Sphere> {
 
 fn cubes<N: Lanes>() -> Bvh<N> {
     let (vertices, triangles) = cube();
-    Builder::new().build::<N>(&Mesh { vertices: &vertices, triangles: &triangles }).unwrap()
+    Builder::new().build_as::<N>(&Mesh { vertices: &vertices, triangles: &triangles }).unwrap()
 }
 
 fn check<N: Lanes>() {
@@ -70,7 +70,7 @@ fn check_spheres<N: Lanes>() {
     check_trees(&tree, &cubes::<N>());
 }
 
-fn check_trees<N: Lanes, P: Pairwise<Q>, Q: Pairwise<P>>(a: &Bvh<N, P>, b: &Bvh<N, Q>) {
+fn check_trees<N: Lanes, P: PrimitivePair<Q>, Q: PrimitivePair<P>>(a: &Bvh<N, P>, b: &Bvh<N, Q>) {
     let poses = poses();
     for isa in Isa::available() {
         let query = Query::new(isa);
@@ -79,15 +79,15 @@ fn check_trees<N: Lanes, P: Pairwise<Q>, Q: Pairwise<P>>(a: &Bvh<N, P>, b: &Bvh<
             a.verify().unwrap();
             let mut exact = 0;
             for pose in &poses {
-                exact += query.collide(&a, &b, pose).counters.exact_pairs;
-                exact += query.within(&a, &b, pose, 0.01).unwrap().counters.exact_pairs;
+                exact += query.collide(&a, &b, pose).stats.exact_pairs;
+                exact += query.within(&a, &b, pose, 0.01).unwrap().stats.exact_pairs;
                 exact += each_pair(query, &a, &b, pose, &mut |_| ControlFlow::Continue(())).1.exact_pairs;
             }
             exact
         });
         assert!(exact > 0, "exact arithmetic takes part");
         let exact = in_thread(DISTANCE, || {
-            let exact = |pose: &Pose| query.distance(a, b, pose, 0.0).unwrap().counters.exact_pairs;
+            let exact = |pose: &Pose| query.distance(a, b, pose, 0.0).unwrap().stats.exact_pairs;
             poses.iter().map(exact).sum::<u64>()
         });
         assert!(exact > 0, "exact arithmetic takes part");
@@ -98,7 +98,7 @@ fn check_trees<N: Lanes, P: Pairwise<Q>, Q: Pairwise<P>>(a: &Bvh<N, P>, b: &Bvh<
 fn check_solids<N: Lanes>() {
     let (mut vertices, triangles) = cube();
     let build = |vertices: &[[f64; 3]]| -> Bvh<N> {
-        Builder::new().solid().build(&Mesh { vertices, triangles: &triangles }).unwrap()
+        Builder::new().solid().build_as(&Mesh { vertices, triangles: &triangles }).unwrap()
     };
     let outer = build(&vertices);
     vertices.iter_mut().flatten().for_each(|x| *x = 0.3 + 0.4 * *x);
@@ -109,7 +109,7 @@ fn check_solids<N: Lanes>() {
             [(&inner, &outer), (&outer, &inner)].map(|(a, b)| {
                 let answer = query.collide(a, b, &Pose::IDENTITY);
                 assert!(answer.hit().is_some(), "{isa}");
-                answer.counters.exact_pairs
+                answer.stats.exact_pairs
             })
         });
         assert!(exact.iter().all(|&exact| exact > 0), "exact arithmetic takes part");
@@ -149,7 +149,7 @@ fn check_scenes<N: Lanes>() {
     let moving = [0.0, 3.0].map(|x| scene.insert(Body::new(cube.view()), &at(x)).unwrap());
     let _ = scene.insert(Body::new(cube.view()).fixed(), &at(9.0)).unwrap();
     let starts = [at(0.0), at(3.0)];
-    let mut waiting = [EdgePair::EMPTY; 64];
+    let mut waiting = [MotionHit::EMPTY; 64];
     let mut poses_on_the_way = [Pose::IDENTITY; 4];
     let lent = &mut [Aabb16::EMPTY; 4];
     for isa in Isa::available() {
@@ -160,12 +160,12 @@ fn check_scenes<N: Lanes>() {
                 let _ = scene.collide(&query).unwrap();
                 let _ = scene.within(&query, 0.01).unwrap();
                 let both = [at(0.0), *pose];
-                let _ = scene.free_configurations(&query, &moving, &both, lent, &mut [0]).unwrap();
+                let _ = scene.check_states(&query, &moving, &both, lent, &mut [0]).unwrap();
             }
             let screw = Screw::new([1.0, 0.5, 0.0], [1.0, 0.1, 0.0], 0.2, 6.0).unwrap();
             let mut motion = ScrewMotion::new(screw, &starts);
-            let mut memory = EdgeMemory { poses: &mut poses_on_the_way, waiting: &mut waiting };
-            let answer = scene.edge(&query, &moving, &mut motion, 1e-3, &mut memory).unwrap();
+            let mut memory = MotionMemory { poses: &mut poses_on_the_way, waiting: &mut waiting };
+            let answer = scene.check_motion(&query, &moving, &mut motion, 1e-3, &mut memory).unwrap();
             assert!(answer.pairs > 0, "{isa}");
         });
         in_thread(DISTANCE, || {

@@ -36,7 +36,7 @@ fn with_threads(view: &View<'_>, poses: &[Pose], threads: usize) -> Vec<Option<(
 fn answers_do_not_depend_on_the_number_of_threads() {
     let mesh = shapes::torus(40, 20);
     let tree: Bvh<Node16<18>> =
-        Builder::new().build(&Mesh { vertices: &mesh.vertices, triangles: &mesh.triangles }).unwrap();
+        Builder::new().build_as(&Mesh { vertices: &mesh.vertices, triangles: &mesh.triangles }).unwrap();
     let mut rng = Rng::new(11);
     let poses: Vec<Pose> = (0..200)
         .map(|_| {

@@ -13,13 +13,13 @@ use simdop::hierarchy::Bvh;
 use simdop::isa::Isa;
 use simdop::node::{Node4, Node16};
 use simdop::pose::Pose;
-use simdop::query::{Answer, Counters, Lanes, Query};
+use simdop::query::{Answer, Lanes, Query, QueryStats};
 use simdop::range::MIN_COORDINATE;
 
 type Rows = [[f64; 4]; 3];
 
 pub(crate) fn build<N: Lanes>(mesh: &MeshData) -> Result<Bvh<N>, BuildError> {
-    Builder::new().build(&Mesh { vertices: &mesh.vertices, triangles: &mesh.triangles })
+    Builder::new().build_as(&Mesh { vertices: &mesh.vertices, triangles: &mesh.triangles })
 }
 
 /// Two bodies, and what is true of them at some poses.
@@ -103,7 +103,7 @@ impl Scene {
                     assert!(got.pairs == *pairs, "{what}: {} pairs, not {}", got.pairs.len(), pairs.len());
                 }
                 let want = first.get_or_insert_with(|| got.clone());
-                assert!(got == *want, "{isa}, {what}: {:?} {:?}", got.collide, got.counters);
+                assert!(got == *want, "{isa}, {what}: {:?} {:?}", got.collide, got.stats);
             }
         }
     }
@@ -116,14 +116,14 @@ pub(crate) struct Answers {
     /// In ascending order.
     pairs: Pairs,
     /// Of the enumeration.
-    counters: Counters,
+    stats: QueryStats,
 }
 
 impl Answers {
     pub(crate) fn of<N: Lanes>(isa: Isa, a: &Bvh<N>, b: &Bvh<N>, pose: &Pose) -> Self {
         let query = Query::new(isa);
-        let (pairs, counters) = pairs_that_meet(query, a, b, pose);
-        Self { collide: query.collide(&a.view(), &b.view(), pose), pairs, counters }
+        let (pairs, stats) = pairs_that_meet(query, a, b, pose);
+        Self { collide: query.collide(&a.view(), &b.view(), pose), pairs, stats }
     }
 }
 

@@ -3,13 +3,13 @@
 use crate::support::dyadic::key_value;
 use crate::support::rng::Rng;
 use crate::support::turns::random_point;
-use simdop::directions;
-use simdop::frame::{Extent, Frame};
-use simdop::key::Key;
+use simdop::low_level::directions;
+use simdop::low_level::frame::{BodyBounds, Frame};
+use simdop::low_level::key::Key;
 use simdop::range::Point;
 
 /// Of a body that is the origin.
-pub(crate) const NO_EXTENT: Extent = Extent {
+pub(crate) const NO_EXTENT: BodyBounds = BodyBounds {
     frame: Frame { centre: [0.0; 3], exponent: 0 },
     max_coordinate: 0.0,
     radius: 0.0,
@@ -20,7 +20,7 @@ pub(crate) const NO_EXTENT: Extent = Extent {
 /// A body that is one point. Its planes are keys exactly, so that nothing is lost before they are turned, where the directions have an
 /// odd number of odd components, all of k = 6 and 14; the others are half a step off.
 pub(crate) struct OnePoint<const K: usize> {
-    pub(crate) extent: Extent,
+    pub(crate) extent: BodyBounds,
     pub(crate) point: Point,
     pub(crate) planes: [i16; K],
 }

@@ -1,8 +1,8 @@
 //! [`Kernel::realign_16`] and [`Kernel::realign_4`] by value.
 
-use simdop::kernel::{Kernel, Turned};
+use simdop::low_level::kernel::{Kernel, Turned};
+use simdop::low_level::realign::Realignment;
 use simdop::node::{Node4, Node16};
-use simdop::realign::Realignment;
 
 pub fn turned_16<const K: usize>(
     kernel: impl Kernel,

@@ -8,12 +8,12 @@ use simdop::hierarchy::Bvh;
 use simdop::isa::Isa;
 use simdop::node::Node16;
 use simdop::pose::Pose;
-use simdop::query::{Counters, Lanes, Query};
+use simdop::query::{Lanes, Query, QueryStats};
 use std::path::Path;
 use std::rc::Rc;
 use std::time::Instant;
 
-type Count = Box<dyn Fn(&Rows) -> Counters>;
+type Count = Box<dyn Fn(&Rows) -> QueryStats>;
 type Measure = Box<dyn Fn(&Rows) -> f64>;
 
 /// A library that holds the bodies of a scene.
@@ -119,7 +119,7 @@ pub(crate) fn loaded(wanted: &[(&'static str, &str)], drivers: &Path) -> Vec<(&'
 
 pub(crate) fn tree<N: Lanes>(builder: Builder, mesh: &MeshData) -> Bvh<N> {
     let mesh = Mesh { vertices: &mesh.vertices, triangles: &mesh.triangles };
-    builder.build(&mesh).expect("the data sets can be built")
+    builder.build_as(&mesh).expect("the data sets can be built")
 }
 
 fn timed<T>(build: impl FnOnce() -> T) -> (T, f64) {

@@ -95,7 +95,7 @@ fn row(
     };
     let counters =
         entrant.count.as_ref().map(|count| suite.iter().map(|pose| count(&pose.rows)).collect::<Vec<_>>());
-    let mean = |of: fn(&simdop::query::Counters) -> u64| {
+    let mean = |of: fn(&simdop::query::QueryStats) -> u64| {
         counters.as_ref().map(|all| all.iter().map(of).sum::<u64>() as f64 / all.len() as f64)
     };
     let triangles: usize = meshes.iter().map(|mesh| mesh.triangles.len()).sum();

@@ -95,7 +95,7 @@ pub(crate) fn approaching<const N: usize>(
     let (a, b) = (&meshes[0], &meshes[meshes.len() - 1]);
     let tree = |mesh: &MeshData| -> Bvh<Node16<18>> {
         let mesh = Mesh { vertices: &mesh.vertices, triangles: &mesh.triangles };
-        Builder::new().build(&mesh).expect("the data sets can be built")
+        Builder::new().build_as(&mesh).expect("the data sets can be built")
     };
     let tree_a = tree(a);
     let tree_b = (meshes.len() > 1).then(|| tree(b));

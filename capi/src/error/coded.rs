@@ -2,7 +2,7 @@
 
 use super::{Failure, simdop_error};
 use simdop::construct::BuildError;
-use simdop::hierarchy::BakeError;
+use simdop::hierarchy::FormatError;
 use simdop::motion::MotionError;
 use simdop::pose::PoseError;
 use simdop::query::ToleranceError;
@@ -35,7 +35,7 @@ impl Coded for PoseError {
     }
 }
 
-impl Coded for BakeError {
+impl Coded for FormatError {
     fn code(&self) -> simdop_error {
         match self {
             Self::Misaligned => simdop_error::Misaligned,

@@ -3,7 +3,7 @@
 use super::{simdop_body_id, simdop_scene};
 use crate::boundary::{answered, given, guarded};
 use crate::error::simdop_error;
-use crate::query::{query, simdop_completion, simdop_counters, simdop_pair, simdop_verdict};
+use crate::query::{query, simdop_completion, simdop_pair, simdop_query_stats, simdop_verdict};
 use simdop::scene::{SceneAnswer, SceneDistance, SceneHit, SceneVerdict};
 use std::ffi::{c_int, c_void};
 use std::mem::MaybeUninit;
@@ -35,7 +35,7 @@ pub struct simdop_scene_answer {
     /// Pairs of bodies whose boxes were near each other, and which were asked about.
     pub pairs: u64,
     /// The work for these pairs.
-    pub counters: simdop_counters,
+    pub stats: simdop_query_stats,
 }
 
 /// The answer of simdop_scene_clearance(): the least distance of any two bodies lies in lower ..= upper.
@@ -58,7 +58,7 @@ pub struct simdop_scene_clearance_answer {
     /// Pairs of bodies that were asked about.
     pub pairs: u64,
     /// The work for these pairs.
-    pub counters: simdop_counters,
+    pub stats: simdop_query_stats,
 }
 
 /// What simdop_scene_each_hit() came to.
@@ -70,7 +70,7 @@ pub struct simdop_scene_hits {
     /// Pairs of bodies that were asked about.
     pub pairs: u64,
     /// The work for these pairs.
-    pub counters: simdop_counters,
+    pub stats: simdop_query_stats,
 }
 
 /// Is called with each hit: 0 goes on, anything else stops. It must return, without an exception or a longjmp(), and must not
@@ -96,7 +96,7 @@ impl From<SceneAnswer> for simdop_scene_answer {
             SceneVerdict::Unknown => simdop_verdict::Unknown,
         };
         let hit = answer.hit().map_or(simdop_scene_hit::NONE, simdop_scene_hit::from);
-        Self { verdict, hit, pairs: answer.pairs, counters: answer.counters.into() }
+        Self { verdict, hit, pairs: answer.pairs, stats: answer.stats.into() }
     }
 }
 
@@ -111,7 +111,7 @@ impl From<SceneDistance> for simdop_scene_clearance_answer {
             point_a: witness.map_or([f64::NAN; 3], |witness| witness.a),
             point_b: witness.map_or([f64::NAN; 3], |witness| witness.b),
             pairs: answer.pairs,
-            counters: answer.counters.into(),
+            stats: answer.stats.into(),
         }
     }
 }
@@ -169,14 +169,14 @@ pub unsafe extern "C" fn simdop_scene_each_hit(
     guarded(|| {
         let (scene, hits) = (&given(scene, "scene")?.scene, given(hits, "hits")?);
         let on_hit = given(on_hit, "on_hit")?;
-        let (completion, pairs, counters) = scene.for_each_hit(&query(budget), margin, |hit| {
+        let (completion, pairs, stats) = scene.for_each_hit(&query(budget), margin, |hit| {
             // SAFETY: `user` is what the function takes it for, by the caller's promise; the hit is there during the call.
             match unsafe { on_hit(user, &hit.into()) } {
                 0 => ControlFlow::Continue(()),
                 _ => ControlFlow::Break(()),
             }
         })?;
-        hits.write(simdop_scene_hits { completion: completion.into(), pairs, counters: counters.into() });
+        hits.write(simdop_scene_hits { completion: completion.into(), pairs, stats: stats.into() });
         Ok(())
     })
 }

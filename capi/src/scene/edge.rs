@@ -6,11 +6,11 @@ use crate::boundary::{answered, given, items};
 use crate::error::{Failure, simdop_error};
 use crate::motion::{Called, simdop_motion};
 use crate::pose::simdop_pose;
-use crate::query::{query, simdop_counters};
+use crate::query::{query, simdop_query_stats};
 use crate::robot::simdop_robot;
-use simdop::motion::{LinkFrame, Screw, ScrewMotion, StraightMotion};
+use simdop::motion::{JointMotion, LinkFrame, Screw, ScrewMotion};
 use simdop::pose::Pose;
-use simdop::scene::{BodyId, EdgeAnswer, EdgeMemory, EdgePair, EdgeVerdict, Scene};
+use simdop::scene::{BodyId, MotionAnswer, MotionHit, MotionMemory, MotionVerdict, Scene};
 use std::mem::MaybeUninit;
 use std::num::NonZeroU32;
 
@@ -23,7 +23,7 @@ pub const SIMDOP_EDGE_ROOM: usize = 65536;
 /// What became of an edge.
 #[repr(C)]
 #[derive(Copy, Clone, PartialEq, Eq, Debug)]
-pub enum simdop_edge_verdict {
+pub enum simdop_motion_verdict {
     /// No two bodies that are asked against each other meet at any time from 0 to 1: certain.
     Free = 0,
     /// Two bodies meet at a time. It need not be the first.
@@ -32,12 +32,12 @@ pub enum simdop_edge_verdict {
     Unresolved = 2,
 }
 
-/// The answer of simdop_scene_edge() and its like.
+/// The answer of simdop_scene_check_motion() and its like.
 #[repr(C)]
 #[derive(Copy, Clone, PartialEq, Debug)]
-pub struct simdop_edge_answer {
+pub struct simdop_motion_answer {
     /// The verdict.
-    pub verdict: simdop_edge_verdict,
+    pub verdict: simdop_motion_verdict,
     /// Of a hit: the bodies, and primitives of theirs that meet.
     pub hit: simdop_scene_hit,
     /// Of a hit: when. Otherwise NaN.
@@ -52,28 +52,28 @@ pub struct simdop_edge_answer {
     /// Pairs of bodies that were asked about, once for each time.
     pub pairs: u64,
     /// The work for these pairs.
-    pub counters: simdop_counters,
+    pub stats: simdop_query_stats,
 }
 
-impl From<EdgeAnswer> for simdop_edge_answer {
-    fn from(answer: EdgeAnswer) -> Self {
+impl From<MotionAnswer> for simdop_motion_answer {
+    fn from(answer: MotionAnswer) -> Self {
         let mut made = Self {
-            verdict: simdop_edge_verdict::Free,
+            verdict: simdop_motion_verdict::Free,
             hit: simdop_scene_hit::NONE,
             time: f64::NAN,
             from: f64::NAN,
             to: f64::NAN,
             times: answer.times,
             pairs: answer.pairs,
-            counters: answer.counters.into(),
+            stats: answer.stats.into(),
         };
         match answer.verdict {
-            EdgeVerdict::Free => {}
-            EdgeVerdict::Hit { hit, time } => {
-                (made.verdict, made.hit, made.time) = (simdop_edge_verdict::Hit, hit.into(), time);
+            MotionVerdict::Free => {}
+            MotionVerdict::Hit { hit, time } => {
+                (made.verdict, made.hit, made.time) = (simdop_motion_verdict::Hit, hit.into(), time);
             }
-            EdgeVerdict::Unresolved { from, to } => {
-                (made.verdict, made.from, made.to) = (simdop_edge_verdict::Unresolved, from, to);
+            MotionVerdict::Unresolved { from, to } => {
+                (made.verdict, made.from, made.to) = (simdop_motion_verdict::Unresolved, from, to);
             }
         }
         made
@@ -85,7 +85,7 @@ impl From<EdgeAnswer> for simdop_edge_answer {
 pub(super) struct EdgeRoom {
     moving: Vec<BodyId>,
     poses: Vec<Pose>,
-    waiting: Vec<EdgePair>,
+    waiting: Vec<MotionHit>,
     motion: MotionRoom,
 }
 
@@ -101,13 +101,13 @@ struct MotionRoom {
 
 impl EdgeRoom {
     /// Makes room for an edge of these bodies: their ids, memory for the query, and what there is for the motion.
-    fn lend(&mut self, moving: &[simdop_body_id]) -> (&[BodyId], EdgeMemory<'_>, &mut MotionRoom) {
+    fn lend(&mut self, moving: &[simdop_body_id]) -> (&[BodyId], MotionMemory<'_>, &mut MotionRoom) {
         let Self { moving: ids, poses, waiting, motion } = self;
         ids.clear();
         ids.extend(moving.iter().copied().map(BodyId::from_bits));
         poses.resize(2 * ids.len(), Pose::IDENTITY);
-        waiting.resize(SIMDOP_EDGE_ROOM, EdgePair::EMPTY);
-        (ids, EdgeMemory { poses, waiting }, motion)
+        waiting.resize(SIMDOP_EDGE_ROOM, MotionHit::EMPTY);
+        (ids, MotionMemory { poses, waiting }, motion)
     }
 }
 
@@ -116,12 +116,12 @@ struct CalledEdge<'e> {
     scene: &'e mut Scene<'static, Node>,
     moving: &'e [BodyId],
     motion: Called<'e>,
-    memory: EdgeMemory<'e>,
+    memory: MotionMemory<'e>,
 }
 
 impl<'e> CalledEdge<'e> {
     /// # Safety
-    /// As of simdop_scene_edge(); as long as this lives, the motion's functions may be called.
+    /// As of simdop_scene_check_motion(); as long as this lives, the motion's functions may be called.
     unsafe fn new(
         scene: Option<&'e mut simdop_scene>,
         moving: *const simdop_body_id,
@@ -152,21 +152,21 @@ impl<'e> CalledEdge<'e> {
 /// # Safety
 /// There are `count` ids. `motion->user` is what the motion's functions take it for, and these do what is said of them.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn simdop_scene_edge(
+pub unsafe extern "C" fn simdop_scene_check_motion(
     scene: Option<&mut simdop_scene>,
     moving: *const simdop_body_id,
     count: usize,
     motion: Option<&simdop_motion>,
     resolution: f64,
     budget: u64,
-    answer: Option<&mut MaybeUninit<simdop_edge_answer>>,
+    answer: Option<&mut MaybeUninit<simdop_motion_answer>>,
 ) -> simdop_error {
     answered(answer, || {
         given(given(motion, "motion")?.path, "motion->path")?;
         // SAFETY: the same is promised here, for as long as this call.
         let edge = unsafe { CalledEdge::new(scene, moving, count, motion) }?;
         let CalledEdge { scene, moving, mut motion, mut memory } = edge;
-        let answer = scene.edge(&query(budget), moving, &mut motion, resolution, &mut memory);
+        let answer = scene.check_motion(&query(budget), moving, &mut motion, resolution, &mut memory);
         Ok(motion.conclude(answer)?.into())
     })
 }
@@ -174,19 +174,19 @@ pub unsafe extern "C" fn simdop_scene_edge(
 /// The same question at some times only: at those that divide 0 to 1 into `parts` evenly, at least 1, both ends among them, in
 /// an order that halves the longest gaps first, until one is a hit. The verdict is never SIMDOP_EDGE_VERDICT_FREE, but
 /// unresolved from 0 to 1: between the times, nothing is known. The motion's `path` is not called, and may be NULL. Otherwise as
-/// simdop_scene_edge().
+/// simdop_scene_check_motion().
 ///
 /// # Safety
-/// As of simdop_scene_edge().
+/// As of simdop_scene_check_motion().
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn simdop_scene_sampled_edge(
+pub unsafe extern "C" fn simdop_scene_check_motion_discrete(
     scene: Option<&mut simdop_scene>,
     moving: *const simdop_body_id,
     count: usize,
     motion: Option<&simdop_motion>,
     parts: u32,
     budget: u64,
-    answer: Option<&mut MaybeUninit<simdop_edge_answer>>,
+    answer: Option<&mut MaybeUninit<simdop_motion_answer>>,
 ) -> simdop_error {
     answered(answer, || {
         let parts = NonZeroU32::new(parts)
@@ -194,24 +194,24 @@ pub unsafe extern "C" fn simdop_scene_sampled_edge(
         // SAFETY: the same is promised here, for as long as this call.
         let edge = unsafe { CalledEdge::new(scene, moving, count, motion) }?;
         let CalledEdge { scene, moving, mut motion, mut memory } = edge;
-        let answer = scene.sampled_edge(&query(budget), moving, &mut motion, parts, &mut memory);
+        let answer = scene.check_motion_discrete(&query(budget), moving, &mut motion, parts, &mut memory);
         Ok(motion.conclude(answer)?.into())
     })
 }
 
-/// As simdop_scene_edge(), of one body, and of what is attached to it, on its way from one pose in the world to another: it turns
+/// As simdop_scene_check_motion(), of one body, and of what is attached to it, on its way from one pose in the world to another: it turns
 /// evenly about an axis, by at most half a turn, and moves evenly along the axis. This screw is the one that leads there, and of
 /// poses which differ in no turn is a straight line. It ends at `to` up to 1e-7 of the coordinates, and up to what the matrices
 /// are off a rotation. Where the body stands in the scene does not matter.
 #[unsafe(no_mangle)]
-pub extern "C" fn simdop_scene_screw_edge(
+pub extern "C" fn simdop_scene_check_screw(
     scene: Option<&mut simdop_scene>,
     id: simdop_body_id,
     from: Option<&simdop_pose>,
     to: Option<&simdop_pose>,
     resolution: f64,
     budget: u64,
-    answer: Option<&mut MaybeUninit<simdop_edge_answer>>,
+    answer: Option<&mut MaybeUninit<simdop_motion_answer>>,
 ) -> simdop_error {
     answered(answer, || {
         let simdop_scene { scene, room } = given(scene, "scene")?;
@@ -219,11 +219,11 @@ pub extern "C" fn simdop_scene_screw_edge(
         let starts = [from];
         let mut motion = ScrewMotion::new(Screw::between(&from, &to)?, &starts);
         let (moving, mut memory, _) = room.lend(&[id]);
-        Ok(scene.edge(&query(budget), moving, &mut motion, resolution, &mut memory)?.into())
+        Ok(scene.check_motion(&query(budget), moving, &mut motion, resolution, &mut memory)?.into())
     })
 }
 
-/// As simdop_scene_edge(), of the bodies of a robot, and of what is attached to these, while each of its variables changes
+/// As simdop_scene_check_motion(), of the bodies of a robot, and of what is attached to these, while each of its variables changes
 /// evenly from one value to another. `from` and `to` have a number for each variable, within its limits. `moving` are the
 /// robot's bodies, in its order: with more or fewer of them this is SIMDOP_ERROR_MOTION_BODIES. Where they stand in the scene
 /// does not matter.
@@ -231,7 +231,7 @@ pub extern "C" fn simdop_scene_screw_edge(
 /// # Safety
 /// There are `count` ids, and a number for each variable in both arrays.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn simdop_scene_straight_edge(
+pub unsafe extern "C" fn simdop_scene_check_joint_motion(
     scene: Option<&mut simdop_scene>,
     moving: *const simdop_body_id,
     count: usize,
@@ -240,7 +240,7 @@ pub unsafe extern "C" fn simdop_scene_straight_edge(
     to: *const f64,
     resolution: f64,
     budget: u64,
-    answer: Option<&mut MaybeUninit<simdop_edge_answer>>,
+    answer: Option<&mut MaybeUninit<simdop_motion_answer>>,
 ) -> simdop_error {
     answered(answer, || {
         let simdop_scene { scene, room } = given(scene, "scene")?;
@@ -255,7 +255,7 @@ pub unsafe extern "C" fn simdop_scene_straight_edge(
         let (moving, mut memory, MotionRoom { values, links, .. }) = room.lend(moving);
         values.resize(variables, 0.0);
         links.resize(kinematics.links(), LinkFrame::EMPTY);
-        let mut motion = StraightMotion::new(kinematics, [from, to], values, links)?;
-        Ok(scene.edge(&query(budget), moving, &mut motion, resolution, &mut memory)?.into())
+        let mut motion = JointMotion::new(kinematics, [from, to], values, links)?;
+        Ok(scene.check_motion(&query(budget), moving, &mut motion, resolution, &mut memory)?.into())
     })
 }

@@ -9,8 +9,8 @@ pub use ask::{
     simdop_scene_hits, simdop_scene_within,
 };
 pub use edge::{
-    SIMDOP_EDGE_ROOM, simdop_edge_answer, simdop_edge_verdict, simdop_scene_edge, simdop_scene_sampled_edge,
-    simdop_scene_screw_edge, simdop_scene_straight_edge,
+    SIMDOP_EDGE_ROOM, simdop_motion_answer, simdop_motion_verdict, simdop_scene_check_joint_motion,
+    simdop_scene_check_motion, simdop_scene_check_motion_discrete, simdop_scene_check_screw,
 };
 
 use crate::body::{Node, simdop_body};
@@ -147,13 +147,22 @@ pub extern "C" fn simdop_scene_detach(scene: Option<&mut simdop_scene>, id: simd
     change(scene, |scene| Ok(scene.detach(BodyId::from_bits(id))?))
 }
 
-/// Says whether two bodies are asked against each other, whatever their groups: 0 they are not, else they are.
+/// Allows two bodies to meet, whatever their groups: no question of the scene asks the pair.
 #[unsafe(no_mangle)]
-pub extern "C" fn simdop_scene_set_pair(
+pub extern "C" fn simdop_scene_allow_collision(
     scene: Option<&mut simdop_scene>,
     a: simdop_body_id,
     b: simdop_body_id,
-    is_asked: c_int,
 ) -> simdop_error {
-    change(scene, |scene| Ok(scene.set_pair(BodyId::from_bits(a), BodyId::from_bits(b), is_asked != 0)?))
+    change(scene, |scene| Ok(scene.allow_collision(BodyId::from_bits(a), BodyId::from_bits(b))?))
+}
+
+/// Forbids two bodies to meet, whatever their groups: all questions of the scene ask the pair.
+#[unsafe(no_mangle)]
+pub extern "C" fn simdop_scene_forbid_collision(
+    scene: Option<&mut simdop_scene>,
+    a: simdop_body_id,
+    b: simdop_body_id,
+) -> simdop_error {
+    change(scene, |scene| Ok(scene.forbid_collision(BodyId::from_bits(a), BodyId::from_bits(b))?))
 }

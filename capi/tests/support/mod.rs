@@ -105,12 +105,12 @@ pub(crate) fn meshes(rng: &mut Rng) -> Vec<Twice<Bvh<Node>>> {
         let vertices: Vec<_> = (0..3 * count).map(|_| [0; 3].map(|_| rng.range(-1.0, 1.0))).collect();
         let triangles: Vec<_> = (0..count as u32).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect();
         let mesh = Mesh { vertices: &vertices, triangles: &triangles };
-        let rust = Builder::new().build(&mesh).unwrap();
+        let rust = Builder::new().build_as(&mesh).unwrap();
         all.push(Twice { c: Box::leak(surface(&mesh).unwrap()), rust });
     }
     for sides in [[2.0, 2.0, 2.0], [0.1, 0.2, 0.3]] {
         let mesh = OwnedMesh::cuboid(sides).unwrap();
-        let rust = Builder::new().solid().build(&mesh.as_mesh()).unwrap();
+        let rust = Builder::new().solid().build_as(&mesh.as_mesh()).unwrap();
         all.push(Twice { c: Box::leak(solid(&mesh.as_mesh()).unwrap()), rust });
     }
     all

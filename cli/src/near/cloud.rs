@@ -5,7 +5,7 @@ use crate::error::Error;
 use crate::{demo, mesh, progress};
 use core::mem::size_of_val;
 use serde::Serialize;
-use simdop::cloud::Cloud;
+use simdop::cloud::PointCloud;
 use std::io::Write;
 use std::path::Path;
 use std::time::Instant;
@@ -63,9 +63,11 @@ impl Points {
     }
 
     /// The tree, the fastest of `repeat` builds.
-    pub(super) fn build(&self, repeat: u32) -> Result<(Cloud, Report), Error> {
-        let build =
-            || Cloud::new(&self.points).map_err(|error| Error::Cloud { name: self.name.clone(), error });
+    pub(super) fn build(&self, repeat: u32) -> Result<(PointCloud, Report), Error> {
+        let build = || {
+            PointCloud::new(&self.points)
+                .map_err(|error| Error::PointCloud { name: self.name.clone(), error })
+        };
         let (cloud, time) = super::fastest(repeat, build)?;
         let view = cloud.view();
         // The places, a number for each index, are the owner's.

@@ -90,8 +90,9 @@ impl<'m> Approaching<'m> {
     fn new((name, mesh): (&'m str, &MeshData)) -> Result<Self, Error> {
         let [low, high] = bounds(mesh);
         let triangles = Mesh { vertices: &mesh.vertices, triangles: &mesh.triangles };
-        let tree =
-            Builder::fast().build(&triangles).map_err(|error| Error::Build { name: name.into(), error })?;
+        let tree = Builder::fast()
+            .build_as(&triangles)
+            .map_err(|error| Error::Build { name: name.into(), error })?;
         let found = Self { name, tree, low, high };
         if found.diagonal() > 0.0 { Ok(found) } else { Err(Error::NoSize { name: name.into() }) }
     }

@@ -82,7 +82,7 @@ pub(super) fn measure(
         let at: Vec<CoveredAt> = (times.iter().enumerate())
             .map(|(which, Times { median, p99 })| {
                 let answers: Vec<_> = poses.iter().map(|pose| ask(which, pose)).collect();
-                let visits: u64 = answers.iter().map(|answer| answer.counters.visits).sum();
+                let visits: u64 = answers.iter().map(|answer| answer.stats.visits).sum();
                 CoveredAt {
                     hits: answers.iter().filter(|answer| !answer.is_free()).count(),
                     visits: visits as f64 / poses.len() as f64,

@@ -63,7 +63,7 @@ pub(super) struct Options {
     /// Recommend a setting whose trees take at most so much flash.
     #[arg(long, value_name = "BYTES")]
     flash: Option<u64>,
-    /// Every k, arity, leaf size and splitter with every other, with and without thin slabs: 480 settings instead
+    /// Every k, arity, leaf size and splitter with every other, with and without normal slabs: 480 settings instead
     /// of 55.
     #[arg(long)]
     full: bool,
@@ -255,8 +255,8 @@ fn measure(built: &[Built], poses: &PerDistance<Vec<Pose>>, options: &Options) -
             let mean = |sum: u64| sum as f64 / poses.len() as f64;
             let at = &mut one.at[distance];
             at.hits = answers.iter().filter(|answer| !answer.is_free()).count();
-            at.visits = mean(answers.iter().map(|answer| answer.counters.visits).sum());
-            at.triangle_pairs = mean(answers.iter().map(|answer| answer.counters.primitive_pairs).sum());
+            at.visits = mean(answers.iter().map(|answer| answer.stats.visits).sum());
+            at.triangle_pairs = mean(answers.iter().map(|answer| answer.stats.primitive_pairs).sum());
             (at.median_microseconds, at.p99_microseconds) = (median, p99);
         }
     }

@@ -100,7 +100,7 @@ pub(super) fn measure(
             let mean = |sum: u64| sum as f64 / poses.len() as f64;
             packed.at[distance] = PackedAt {
                 pairs: mean(found.iter().map(|one| one.pairs).sum()),
-                visits: mean(found.iter().map(|one| one.counters.visits).sum()),
+                visits: mean(found.iter().map(|one| one.stats.visits).sum()),
                 median_microseconds: median,
                 p99_microseconds: p99,
             };

@@ -114,7 +114,7 @@ fn legend(page: &mut String, results: &Results) {
     );
     let halo = format!("{ring}<circle cx=\"9\" cy=\"9\" r=\"8\" fill=\"none\" stroke=\"currentColor\"/>");
     for (shape, text) in
-        [(hollow, "without thin slabs"), (&ring, "on the Pareto front"), (&halo, "recommended")]
+        [(hollow, "without normal slabs"), (&ring, "on the Pareto front"), (&halo, "recommended")]
     {
         let _ = write!(page, "<span>{}{text}</span>", swatch(shape));
     }
@@ -159,7 +159,7 @@ fn quantity_plots(page: &mut String, results: &Results, (title, axis, value): &Q
                 _ => Shape::Square,
             },
             radius: 4 + setting.leaf_size.ilog2(),
-            is_filled: setting.has_thin_slabs,
+            is_filled: setting.has_normal_slabs,
             rank: match (results.recommended == Some(index), one.is_on_front) {
                 (true, _) => Rank::Recommended,
                 (false, true) => Rank::Front,

@@ -11,7 +11,7 @@ pub(super) struct Setting {
     pub(super) arity: usize,
     pub(super) leaf_size: u32,
     pub(super) splitter: SplitterName,
-    pub(super) has_thin_slabs: bool,
+    pub(super) has_normal_slabs: bool,
 }
 
 /// Which settings are compared.
@@ -29,18 +29,18 @@ const LEAF_SIZES: [u32; 4] = [1, 2, 4, 8];
 
 /// What the library builds unless told otherwise.
 const DEFAULT: Setting =
-    Setting { k: 18, arity: 16, leaf_size: 1, splitter: SplitterName::MeanWidth, has_thin_slabs: true };
+    Setting { k: 18, arity: 16, leaf_size: 1, splitter: SplitterName::MeanWidth, has_normal_slabs: true };
 
 impl Sweep {
     /// Its settings, each once.
     pub(super) fn settings(self) -> Vec<Setting> {
         let mut all = Vec::new();
         for &splitter in SplitterName::value_variants() {
-            for (has_thin_slabs, arity) in
+            for (has_normal_slabs, arity) in
                 [true, false].into_iter().flat_map(|thin| ARITIES.map(|arity| (thin, arity)))
             {
                 for (k, leaf_size) in KS.into_iter().flat_map(|k| LEAF_SIZES.map(|size| (k, size))) {
-                    all.push(Setting { k, arity, leaf_size, splitter, has_thin_slabs });
+                    all.push(Setting { k, arity, leaf_size, splitter, has_normal_slabs });
                 }
             }
         }
@@ -53,8 +53,8 @@ impl Sweep {
 
 impl Setting {
     fn is_in_cross(&self) -> bool {
-        let Self { arity, leaf_size, splitter, has_thin_slabs, .. } = *self;
-        let is_usual = (splitter, has_thin_slabs) == (DEFAULT.splitter, DEFAULT.has_thin_slabs);
+        let Self { arity, leaf_size, splitter, has_normal_slabs, .. } = *self;
+        let is_usual = (splitter, has_normal_slabs) == (DEFAULT.splitter, DEFAULT.has_normal_slabs);
         let is_thick = splitter == DEFAULT.splitter && arity == DEFAULT.arity && matches!(leaf_size, 1 | 4);
         let is_split_otherwise = Self { splitter: DEFAULT.splitter, ..*self } == DEFAULT;
         is_usual || is_thick || is_split_otherwise
@@ -66,15 +66,15 @@ impl Setting {
             arity: Some(self.arity),
             leaf_size: Some(self.leaf_size),
             splitter: Some(self.splitter),
-            without_thin_slabs: !self.has_thin_slabs,
+            without_normal_slabs: !self.has_normal_slabs,
             ..TreeOptions::default()
         }
     }
 
     /// As `simdop build` takes it.
     pub(super) fn arguments(&self) -> String {
-        let Self { k, arity, leaf_size, has_thin_slabs, .. } = self;
-        let thin = if *has_thin_slabs { "" } else { " --without-thin-slabs" };
+        let Self { k, arity, leaf_size, has_normal_slabs, .. } = self;
+        let thin = if *has_normal_slabs { "" } else { " --without-normal-slabs" };
         format!("-k {k} -a {arity} -l {leaf_size} -s {}{thin}", self.splitter_name())
     }
 
@@ -86,12 +86,12 @@ impl Setting {
 
 impl fmt::Display for Setting {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Self { k, arity, leaf_size, has_thin_slabs, .. } = self;
-        let thin = if *has_thin_slabs { "with" } else { "without" };
+        let Self { k, arity, leaf_size, has_normal_slabs, .. } = self;
+        let thin = if *has_normal_slabs { "with" } else { "without" };
         let s = if *leaf_size == 1 { "" } else { "s" };
         write!(
             f,
-            "k {k}, arity {arity}, {leaf_size} triangle{s} a leaf, splitter {}, {thin} thin slabs",
+            "k {k}, arity {arity}, {leaf_size} triangle{s} a leaf, splitter {}, {thin} normal slabs",
             self.splitter_name()
         )
     }
@@ -113,7 +113,7 @@ mod tests {
         }
         assert_eq!(
             DEFAULT.to_string(),
-            "k 18, arity 16, 1 triangle a leaf, splitter mean-width, with thin slabs"
+            "k 18, arity 16, 1 triangle a leaf, splitter mean-width, with normal slabs"
         );
     }
 }

@@ -15,7 +15,7 @@ pub(super) fn settings(page: &mut String, results: &Results) {
         ("arity", ""),
         ("leaf", "triangles"),
         ("splitter", ""),
-        ("thin slabs", ""),
+        ("normal slabs", ""),
         ("in all", "KiB"),
         ("a triangle", "bytes"),
         ("build", "ms"),
@@ -52,7 +52,7 @@ pub(super) fn settings(page: &mut String, results: &Results) {
             setting.arity,
             setting.leaf_size,
             setting.splitter_name(),
-            if setting.has_thin_slabs { "yes" } else { "no" }
+            if setting.has_normal_slabs { "yes" } else { "no" }
         );
         let kibibytes = one.bytes as f64 / 1024.0;
         let whole = [kibibytes, one.bytes_per_triangle, one.build_milliseconds];

@@ -4,27 +4,27 @@
 //! of the one meets one of the other. A's k-DOPs are turned into B's frame as a query turns them
 //! ([`simdop::realign`]), so that both are k-DOPs of the same directions; triangles are decided exactly. All pairs
 //! of leaves are meant, not those alone that a query comes to before its first hit. What else a query tells pairs
-//! apart by, such as thin slabs, is not asked: that shows in its counters.
+//! apart by, such as normal slabs, is not asked: that shows in its counters.
 //!
 //! **Overestimate**, of a leaf in a unit direction u, a length: what re-alignment takes for the leaf's support
 //! along u, the sum of weights times three of its planes, less the support of its triangles. So far does the
 //! volume stick out when it is turned until u is a direction of the other body. Mean and greatest are over all
 //! leaves and [`directions`] that prefer no k. It is never negative, and holds what storing planes in 16 bits adds.
 
-use simdop::directions::Directions;
-use simdop::frame::{Extent, Frame};
 use simdop::hierarchy::{AnyBvh, BvhRef, Lane};
-use simdop::key::decode;
+use simdop::low_level::directions::Directions;
+use simdop::low_level::frame::{BodyBounds, Frame};
+use simdop::low_level::key::decode;
+use simdop::low_level::realign::Realignment;
 use simdop::node::{Dop, Link};
 use simdop::pose::Pose;
 use simdop::primitive::triangle::{Triangle, overlap};
-use simdop::realign::Realignment;
 use simdop::with_bvh;
 
 /// The k-DOPs of a tree, its lanes in use, out of their nodes.
 pub(super) struct Volumes {
     k: usize,
-    extent: Extent,
+    extent: BodyBounds,
     /// Of each node the first of its lanes, and at the end their number.
     starts: Vec<usize>,
     links: Vec<Link>,
@@ -190,7 +190,7 @@ fn weights(k: usize, direction: [f64; 3]) -> [(usize, f64); 3] {
 /// compare.
 type Turn = Box<dyn Fn(&[i16], &mut [i16])>;
 
-fn turn<const K: usize>(pose: &Pose, a: &Extent, b: &Frame) -> Turn {
+fn turn<const K: usize>(pose: &Pose, a: &BodyBounds, b: &Frame) -> Turn {
     let map = Realignment::<K>::new(pose, a, b);
     Box::new(move |planes, turned| {
         for (j, turned) in turned.iter_mut().enumerate() {
@@ -199,7 +199,7 @@ fn turn<const K: usize>(pose: &Pose, a: &Extent, b: &Frame) -> Turn {
     })
 }
 
-fn turn_of(k: usize, pose: &Pose, a: &Extent, b: &Frame) -> Turn {
+fn turn_of(k: usize, pose: &Pose, a: &BodyBounds, b: &Frame) -> Turn {
     match k {
         6 => turn::<6>(pose, a, b),
         14 => turn::<14>(pose, a, b),

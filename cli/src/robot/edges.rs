@@ -6,7 +6,7 @@ use super::timed;
 use super::world::World;
 use crate::random::{Random, towards};
 use serde::Serialize;
-use simdop::scene::{EdgeVerdict, SceneError};
+use simdop::scene::{MotionVerdict, SceneError};
 use std::io::Write;
 
 /// How long random edges are at most, in the joints: what a tree of a planner grows by.
@@ -92,17 +92,17 @@ impl Outcomes {
     fn ask(&mut self, ends: [&[f64]; 2], world: &mut World<'_>) -> Result<(), SceneError> {
         let (certified, microseconds) = timed(|| world.edge(ends))?;
         self.certified.push(microseconds);
-        let (sampled, microseconds) = timed(|| world.sampled_edge(ends))?;
+        let (sampled, microseconds) = timed(|| world.check_motion_discrete(ends))?;
         self.sampled.push(microseconds);
         self.times += certified.times;
         self.samples += sampled.times;
         match certified.verdict {
-            EdgeVerdict::Free => self.free += 1,
-            EdgeVerdict::Hit { .. } => {
+            MotionVerdict::Free => self.free += 1,
+            MotionVerdict::Hit { .. } => {
                 self.hits += 1;
-                self.missed += usize::from(!matches!(sampled.verdict, EdgeVerdict::Hit { .. }));
+                self.missed += usize::from(!matches!(sampled.verdict, MotionVerdict::Hit { .. }));
             }
-            EdgeVerdict::Unresolved { .. } => self.unresolved += 1,
+            MotionVerdict::Unresolved { .. } => self.unresolved += 1,
         }
         Ok(())
     }

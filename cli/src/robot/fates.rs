@@ -4,7 +4,7 @@ use super::model::Model;
 use crate::progress;
 use serde::Serialize;
 use simdop::query::Query;
-use simdop::scene::{PairFate, PairReport, SceneError};
+use simdop::scene::{PairClass, PairReport, SceneError};
 use std::collections::BTreeMap;
 use std::io::Write;
 use std::time::Instant;
@@ -49,11 +49,11 @@ struct Refuted {
     at: Configuration,
 }
 
-const FATES: [(PairFate, &str); 4] = [
-    (PairFate::Never, "never"),
-    (PairFate::Always, "always"),
-    (PairFate::Sometimes, "sometimes"),
-    (PairFate::Undecided, "undecided"),
+const FATES: [(PairClass, &str); 4] = [
+    (PairClass::Never, "never"),
+    (PairClass::Always, "always"),
+    (PairClass::Sometimes, "sometimes"),
+    (PairClass::Undecided, "undecided"),
 ];
 
 pub(super) fn ask(
@@ -76,7 +76,7 @@ pub(super) fn ask(
     let bar = progress::bar(pairs.len(), "pairs", quiet);
     let start = Instant::now();
     for (i, j) in pairs {
-        let found = scene.pair_fate(query, &ids, robot, (ids[i], ids[j]), boxes)?;
+        let found = scene.classify_pair(query, &ids, robot, (ids[i], ids[j]), boxes)?;
         report.add(model, (i, j), &found);
         bar.inc(1);
     }
@@ -141,7 +141,7 @@ fn counterexample<'a>(reason: &str, found: &'a PairReport) -> Option<(bool, &'a 
         "Adjacent" => None,
         "Never" => meeting,
         "Always" => found.free.as_deref().map(|values| (false, values)),
-        _ => meeting.filter(|_| found.fate == PairFate::Sometimes),
+        _ => meeting.filter(|_| found.fate == PairClass::Sometimes),
     }
 }
 
@@ -157,10 +157,10 @@ mod tests {
             free: free.map(|x| vec![x]),
             boxes: 1,
         };
-        let sometimes = report(PairFate::Sometimes, Some(1.0), Some(2.0));
-        let always = report(PairFate::Always, Some(1.0), None);
-        let never = report(PairFate::Never, None, Some(2.0));
-        let undecided = report(PairFate::Undecided, Some(1.0), None);
+        let sometimes = report(PairClass::Sometimes, Some(1.0), Some(2.0));
+        let always = report(PairClass::Always, Some(1.0), None);
+        let never = report(PairClass::Never, None, Some(2.0));
+        let undecided = report(PairClass::Undecided, Some(1.0), None);
         let (meets, free) = (Some((true, 1.0)), Some((false, 2.0)));
         for (reason, want) in [
             ("Adjacent", [None; 4]),

@@ -29,12 +29,12 @@ pub(super) struct Round {
 impl Round {
     /// Of a mesh that is a solid if it is closed, and else a surface.
     fn build(mesh: &Mesh<'_>, radius: f64) -> Result<Self, BuildError> {
-        let surface = || Builder::new().build(mesh);
+        let surface = || Builder::new().build_as(mesh);
         // Segments and points are closed, and there is nothing inside of them.
         let tree = if radius > 0.0 {
             surface()?
         } else {
-            match Builder::new().solid().build(mesh) {
+            match Builder::new().solid().build_as(mesh) {
                 Err(BuildError::Open { .. }) => surface()?,
                 built => built?,
             }
@@ -113,7 +113,11 @@ impl Model {
         }
         for i in 0..ids.len() {
             for j in i + 1..ids.len() {
-                scene.set_pair(ids[i], ids[j], self.asked.contains(&(i, j)))?;
+                if self.asked.contains(&(i, j)) {
+                    scene.forbid_collision(ids[i], ids[j])?
+                } else {
+                    scene.allow_collision(ids[i], ids[j])?
+                };
             }
         }
         Ok((scene, ids))

@@ -4,11 +4,11 @@ use super::model::Model;
 use super::problems::Problem;
 use crate::random::distance;
 use core::num::NonZeroU32;
-use simdop::motion::{Kinematics, LinkFrame, StraightMotion};
+use simdop::motion::{JointMotion, Kinematics, LinkFrame};
 use simdop::node::Node16;
 use simdop::pose::Pose;
 use simdop::query::Query;
-use simdop::scene::{BodyId, EdgeAnswer, EdgeMemory, EdgePair, Scene, SceneError, SceneHit};
+use simdop::scene::{BodyId, MotionAnswer, MotionHit, MotionMemory, Scene, SceneError, SceneHit};
 
 /// Samples for a unit of length in the joints: as many as the planner VAMP takes.
 const SAMPLES: f64 = 32.0;
@@ -27,7 +27,7 @@ pub(super) struct World<'t> {
     values: Vec<f64>,
     links: Vec<LinkFrame>,
     poses: Vec<Pose>,
-    waiting: Vec<EdgePair>,
+    waiting: Vec<MotionHit>,
 }
 
 impl<'t> World<'t> {
@@ -48,7 +48,7 @@ impl<'t> World<'t> {
             values: vec![0.0; robot.limits().len()],
             links: vec![LinkFrame::EMPTY; robot.links()],
             poses: vec![Pose::IDENTITY; 2 * ids.len()],
-            waiting: vec![EdgePair::EMPTY; WAITING],
+            waiting: vec![MotionHit::EMPTY; WAITING],
             ids,
         })
     }
@@ -63,19 +63,19 @@ impl<'t> World<'t> {
     }
 
     /// A straight edge in the joints, certified.
-    pub(super) fn edge(&mut self, ends: [&[f64]; 2]) -> Result<EdgeAnswer, SceneError> {
-        let mut motion = StraightMotion::new(self.robot, ends, &mut self.values, &mut self.links)?;
-        let mut memory = EdgeMemory { poses: &mut self.poses, waiting: &mut self.waiting };
-        self.scene.edge(&self.query, &self.ids, &mut motion, SHORTEST, &mut memory)
+    pub(super) fn edge(&mut self, ends: [&[f64]; 2]) -> Result<MotionAnswer, SceneError> {
+        let mut motion = JointMotion::new(self.robot, ends, &mut self.values, &mut self.links)?;
+        let mut memory = MotionMemory { poses: &mut self.poses, waiting: &mut self.waiting };
+        self.scene.check_motion(&self.query, &self.ids, &mut motion, SHORTEST, &mut memory)
     }
 
     /// The same edge at samples.
-    pub(super) fn sampled_edge(&mut self, ends: [&[f64]; 2]) -> Result<EdgeAnswer, SceneError> {
+    pub(super) fn check_motion_discrete(&mut self, ends: [&[f64]; 2]) -> Result<MotionAnswer, SceneError> {
         let parts = (SAMPLES * distance(ends[0], ends[1])).ceil() as u32;
         let parts = NonZeroU32::new(parts).unwrap_or(NonZeroU32::MIN);
-        let mut motion = StraightMotion::new(self.robot, ends, &mut self.values, &mut self.links)?;
-        let mut memory = EdgeMemory { poses: &mut self.poses, waiting: &mut self.waiting };
-        self.scene.sampled_edge(&self.query, &self.ids, &mut motion, parts, &mut memory)
+        let mut motion = JointMotion::new(self.robot, ends, &mut self.values, &mut self.links)?;
+        let mut memory = MotionMemory { poses: &mut self.poses, waiting: &mut self.waiting };
+        self.scene.check_motion_discrete(&self.query, &self.ids, &mut motion, parts, &mut memory)
     }
 
     pub(super) fn names(&self, hit: &SceneHit) -> [&str; 2] {

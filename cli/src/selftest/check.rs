@@ -68,10 +68,10 @@ pub(super) fn first_of_each(wrong: impl Iterator<Item = (Wrong, Isa)>) -> Vec<(W
 #[cfg(test)]
 mod tests {
     use super::*;
-    use simdop::query::{Counters, Hint, Pair};
+    use simdop::query::{Hint, Pair, QueryStats};
 
     fn answer(verdict: Verdict) -> Answer {
-        Answer { verdict, counters: Counters::default(), hint: Hint::NONE }
+        Answer { verdict, stats: QueryStats::default(), hint: Hint::NONE }
     }
 
     fn truth(meets: bool) -> Truth {
@@ -100,7 +100,7 @@ mod tests {
 
     #[test]
     fn instruction_sets_that_differ_are_reported() {
-        let slow = Answer { counters: Counters { visits: 1, ..Counters::default() }, ..answer(HIT) };
+        let slow = Answer { stats: QueryStats { visits: 1, ..QueryStats::default() }, ..answer(HIT) };
         let isa = Isa::detect();
         let of =
             |second: Answer| verdicts(truth(true), &[(Isa::SCALAR, answer(HIT)), (isa, second)], |_, _| true);
@@ -113,7 +113,7 @@ mod tests {
     fn pairs_too_few_and_too_many_are_reported() {
         let want: BTreeSet<_> = [(0, 1), (2, 3)].into();
         let of = |pairs: &[(u32, u32)]| {
-            let found = (pairs.iter().copied().collect(), Counters::default());
+            let found = (pairs.iter().copied().collect(), QueryStats::default());
             let wrong = all_pairs(&want, &[(Isa::SCALAR, found)]);
             wrong.into_iter().map(|(wrong, _)| wrong).collect::<Vec<_>>()
         };

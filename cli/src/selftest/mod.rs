@@ -23,7 +23,7 @@ use oracle::{Matrix, Oracle, Truth};
 use serde::Serialize;
 use simdop::isa::Isa;
 use simdop::pose::Pose;
-use simdop::query::{Answer, AnyError, Counters, Verdict};
+use simdop::query::{Answer, AnyError, QueryStats, Verdict};
 use std::io::{BufWriter, Write};
 use std::time::Instant;
 use tally::{Asked, CaseReport, Tally};
@@ -167,7 +167,7 @@ fn ask(
             place,
             is_hit: truth.meets,
             is_knife_edge: truth.is_knife_edge,
-            exact_pairs: answers.last().map_or(0, |(_, answer)| answer.counters.exact_pairs),
+            exact_pairs: answers.last().map_or(0, |(_, answer)| answer.stats.exact_pairs),
             nanoseconds,
             wrong,
             describe: &|| described(format, rows, truth, &answers) + &of_all_pairs(&wrong_pairs),
@@ -206,7 +206,7 @@ fn all_pairs(
 
 /// What an answer is, as the digest takes it.
 fn numbers(answer: &Answer) -> [u64; 7] {
-    let Counters { visits, kernels, realignments, primitive_pairs, exact_pairs } = answer.counters;
+    let QueryStats { visits, kernels, realignments, primitive_pairs, exact_pairs } = answer.stats;
     let [verdict, pair] = match answer.verdict {
         Verdict::Free => [0, 0],
         Verdict::Hit(pair) => [1, u64::from(pair.a) << 32 | u64::from(pair.b)],
@@ -274,10 +274,10 @@ mod tests {
 
     impl Bodies for Resized {
         fn collide(&self, isa: Isa, pose: &Pose) -> Result<Answer, AnyError> {
-            let (pairs, mut counters) = self.pairs(isa, pose).unwrap()?;
+            let (pairs, mut stats) = self.pairs(isa, pose).unwrap()?;
             let verdict = pairs.first().map_or(Verdict::Free, |&(a, b)| Verdict::Hit(Pair { a, b }));
-            counters.visits = u64::from(self.is_unequal && isa == Isa::SCALAR);
-            Ok(Answer { verdict, counters, hint: Hint::NONE })
+            stats.visits = u64::from(self.is_unequal && isa == Isa::SCALAR);
+            Ok(Answer { verdict, stats, hint: Hint::NONE })
         }
 
         fn pairs(&self, _: Isa, pose: &Pose) -> Option<Result<AllPairs, AnyError>> {
@@ -285,7 +285,7 @@ mod tests {
             let rows: Matrix =
                 core::array::from_fn(|i| core::array::from_fn(|j| if j < 3 { rows[i][j] } else { t[i] }));
             let pairs = Oracle::new(&self.a, &self.b).pairs(&rows);
-            Some(Ok((pairs.into_iter().collect(), Counters::default())))
+            Some(Ok((pairs.into_iter().collect(), QueryStats::default())))
         }
     }
 

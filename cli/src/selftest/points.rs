@@ -5,7 +5,7 @@ use super::draw::Draw;
 use super::tally::{Asked, Tally};
 use crate::error::Error;
 use core::time::Duration;
-use simdop::cloud::{Cloud, List, Queries, Radii, RangeCounters, RangeSearch, SearchError};
+use simdop::cloud::{List, PointCloud, Queries, Radii, RangeSearch, RangeStats, SearchError};
 use simdop::isa::Isa;
 use std::time::Instant;
 
@@ -68,14 +68,15 @@ impl Neighbourhood {
     /// Asks the first of the points, so many.
     pub(super) fn ask(&self, count: usize, trial: u64, tally: &mut Tally<'_>) -> Result<(), Error> {
         let name = || "the cloud of a trial".to_owned();
-        let cloud = Cloud::new(&self.points).map_err(|error| Error::Cloud { name: name(), error })?;
+        let cloud =
+            PointCloud::new(&self.points).map_err(|error| Error::PointCloud { name: name(), error })?;
         let failed = |error| Error::Search { name: name(), error };
-        let (mut answers, mut counters, mut nanoseconds) = (Vec::new(), Vec::new(), 0);
+        let (mut answers, mut stats, mut nanoseconds) = (Vec::new(), Vec::new(), 0);
         for isa in Isa::available() {
             let (lists, work, time) = self.lists(isa, &cloud).map_err(failed)?;
             nanoseconds = time.as_nanos() as u64 / self.points.len() as u64;
             answers.push((isa, lists));
-            counters.push((isa, work));
+            stats.push((isa, work));
         }
         for query in 0..count.min(self.points.len()) {
             let near = self.near(query, self.radius);
@@ -84,7 +85,7 @@ impl Neighbourhood {
             let mut wrong = differences(&near, &each);
             if query == 0 {
                 // They are those of all points.
-                wrong.extend(unequal(&counters));
+                wrong.extend(unequal(&stats));
             }
             let first = each.first().map_or(&[][..], |(_, found)| found);
             tally.add_answer(first.iter().copied().map(u64::from));
@@ -106,8 +107,8 @@ impl Neighbourhood {
     fn lists(
         &self,
         isa: Isa,
-        cloud: &Cloud,
-    ) -> Result<(Vec<Vec<u32>>, RangeCounters, Duration), SearchError> {
+        cloud: &PointCloud,
+    ) -> Result<(Vec<Vec<u32>>, RangeStats, Duration), SearchError> {
         let search = RangeSearch::new(isa);
         let mut lists = vec![List::default(); self.points.len()];
         let mut indices = vec![0; self.points.len() * self.points.len()];

@@ -8,7 +8,7 @@ use simdop::hierarchy::AnyBvh;
 use simdop::isa::Isa;
 use simdop::pose::Pose;
 use simdop::primitive::{Sphere, Spheres};
-use simdop::query::{Answer, AnyError, Counters, Query};
+use simdop::query::{Answer, AnyError, Query, QueryStats};
 use std::collections::BTreeSet;
 
 /// How trees are built: the formats that a library's user may choose.
@@ -19,7 +19,7 @@ pub(super) struct TreeFormat {
     /// Whether the numbers of vertices are rounded to `f32`, and so kept.
     pub(super) is_single: bool,
     leaf_size: u32,
-    has_thin_slabs: bool,
+    has_normal_slabs: bool,
     splitter: Splitter,
 }
 
@@ -27,12 +27,12 @@ pub(super) struct TreeFormat {
 const NODES: [(usize, usize); 10] =
     [(18, 16), (6, 16), (14, 4), (26, 16), (32, 4), (14, 16), (18, 4), (32, 16), (6, 4), (26, 4)];
 const LEAF_SIZES: [u32; 3] = [1, 2, 16];
-/// How many formats there are: of each node two precisions, three leaf sizes, with thin slabs or not, by two splitters.
+/// How many formats there are: of each node two precisions, three leaf sizes, with normal slabs or not, by two splitters.
 const FORMATS: u64 = 10 * 2 * 3 * 2 * 2;
 
 impl TreeFormat {
     pub(super) const CHOICES: &str = "a k of 6, 14, 18, 26 or 32, an arity of 4 or 16, vertices in f32 or f64, up to 1, 2 or 16 primitives a \
-        leaf, with thin slabs or without, split by mean width or extended longest axis";
+        leaf, with normal slabs or without, split by mean width or extended longest axis";
 
     /// One trial after the other has another, until all have been. The factor has no divisor in common with their number: it mixes
     /// them, so that a few trials have some of everything.
@@ -49,14 +49,14 @@ impl TreeFormat {
             arity,
             is_single: digit(2) == 1,
             leaf_size: LEAF_SIZES[digit(LEAF_SIZES.len())],
-            has_thin_slabs: digit(2) == 0,
+            has_normal_slabs: digit(2) == 0,
             splitter: [Splitter::MeanWidth, Splitter::ExtendedLongestAxis][digit(2)],
         }
     }
 
     fn build<G: Geometry>(&self, geometry: &G, figure: &Figure) -> Result<AnyBvh<G::Primitive>, BuildError> {
         let builder = Builder::new().leaf_size(self.leaf_size).splitter(self.splitter);
-        let builder = if self.has_thin_slabs { builder } else { builder.without_thin_slabs() };
+        let builder = if self.has_normal_slabs { builder } else { builder.without_normal_slabs() };
         let builder = if figure.is_solid { builder.solid() } else { builder };
         builder.build_any(geometry, self.k, self.arity, &mut |_| ControlFlow::Continue(()))
     }
@@ -67,7 +67,7 @@ impl TreeFormat {
         let each = (0..corners).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]);
         // Copies have the corners of the first.
         let triangles: Vec<[u32; 3]> = (0..figure.copies).flat_map(|_| each.clone()).collect();
-        self.build(&Mesh { vertices: &one, triangles: &triangles }, figure)
+        self.build_as(&Mesh { vertices: &one, triangles: &triangles }, figure)
     }
 
     fn set(&self, figure: &Figure) -> Result<AnyBvh<Spheres>, BuildError> {
@@ -79,7 +79,7 @@ impl TreeFormat {
                 Convex::Triangle(_) => None,
             })
             .collect();
-        self.build(&SphereSet { spheres: &spheres }, figure)
+        self.build_as(&SphereSet { spheres: &spheres }, figure)
     }
 }
 
@@ -87,10 +87,10 @@ impl core::fmt::Display for TreeFormat {
     fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
         let Self { k, arity, leaf_size, .. } = self;
         let vertices = if self.is_single { "f32" } else { "f64" };
-        let slabs = if self.has_thin_slabs { "with" } else { "without" };
+        let slabs = if self.has_normal_slabs { "with" } else { "without" };
         write!(
             f,
-            "k {k}, arity {arity}, leaf size {leaf_size}, {vertices}, {slabs} thin slabs, {:?}",
+            "k {k}, arity {arity}, leaf size {leaf_size}, {vertices}, {slabs} normal slabs, {:?}",
             self.splitter
         )
     }
@@ -112,7 +112,7 @@ pub(super) enum BodyTrees {
 }
 
 /// All pairs that meet, and what it took to find them.
-pub(super) type AllPairs = (BTreeSet<(u32, u32)>, Counters);
+pub(super) type AllPairs = (BTreeSet<(u32, u32)>, QueryStats);
 
 impl BodyTrees {
     pub(super) fn build(trial: &Trial, format: &TreeFormat) -> Result<Self, BuildError> {
@@ -142,7 +142,7 @@ impl Bodies for BodyTrees {
             pairs.insert((pair.a, pair.b));
             ControlFlow::Continue(())
         });
-        Some(found.map(|(_, counters)| (pairs, counters)))
+        Some(found.map(|(_, stats)| (pairs, stats)))
     }
 }
 

@@ -11,7 +11,7 @@ pub enum DeviceCloudError {
     /// The device has failed, or has too little memory.
     Device(DeviceError),
     /// Wrong on the CPU too.
-    Cloud(CloudError),
+    PointCloud(CloudError),
     /// Wrong on the CPU too.
     Search(SearchError),
     /// The radius of a query is so small that its square is below 2^-76, where a device may take for zero what is not. The CPU
@@ -41,7 +41,7 @@ impl fmt::Display for DeviceCloudError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Device(error) => error.fmt(f),
-            Self::Cloud(error) => error.fmt(f),
+            Self::PointCloud(error) => error.fmt(f),
             Self::Search(error) => error.fmt(f),
             Self::Radius { query } => write!(f, "the radius of query {query} is too small for a device"),
             Self::Range { what, index } => write!(f, "{what} {index} is too far away for a device"),
@@ -63,7 +63,7 @@ impl From<DeviceError> for DeviceCloudError {
 
 impl From<CloudError> for DeviceCloudError {
     fn from(error: CloudError) -> Self {
-        Self::Cloud(error)
+        Self::PointCloud(error)
     }
 }
 

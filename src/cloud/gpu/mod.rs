@@ -1,12 +1,12 @@
 //! Coherent search on a device, through wgpu: the CPU's neighbours in the CPU's order, byte for byte.
 //!
 //! ```no_run
-//! use simdop::cloud::{Cloud, List, Queries, Radii, gpu::DeviceCloud};
+//! use simdop::cloud::{PointCloud, List, Queries, Radii, gpu::DeviceCloud};
 //! use simdop::device::Gpu;
 //!
 //! let gpu = Gpu::new()?; // once
 //! # let (points, moved) = (vec![[0.0; 3]; 100], vec![[1.0; 3]; 100]);
-//! let cloud = Cloud::new(&points)?;
+//! let cloud = PointCloud::new(&points)?;
 //! let mut on_device = DeviceCloud::new(&gpu, &cloud.view())?;
 //! on_device.refit(&moved)?;
 //! let (mut lists, mut indices) = (vec![List::default(); 100], vec![0; 10_000]);
@@ -174,11 +174,11 @@ impl<'g> DeviceCloud<'g> {
         self.capacity
     }
 
-    /// Moves every point, and makes the boxes anew: [`Cloud::refit`](super::Cloud::refit) on the device, with the same boxes.
+    /// Moves every point, and makes the boxes anew: [`PointCloud::refit`](super::PointCloud::refit) on the device, with the same boxes.
     /// The cloud in the host's memory stays as it is.
     ///
     /// # Errors
-    /// [`DeviceCloudError::Cloud`] as there, [`DeviceCloudError::Range`], [`DeviceCloudError::Device`]. Unless it is the device that
+    /// [`DeviceCloudError::PointCloud`] as there, [`DeviceCloudError::Range`], [`DeviceCloudError::Device`]. Unless it is the device that
     /// fails, nothing has moved.
     pub fn refit(&mut self, positions: &[[f32; 3]]) -> Result<DeviceTimes, DeviceCloudError> {
         let Some(positions) = positions.get(..self.capacity) else {
@@ -218,7 +218,7 @@ impl<'g> DeviceCloud<'g> {
     }
 
     /// The largest volume of a box, as a multiple of what it had when the tree was built: what
-    /// [`Cloud::refit`](super::Cloud::refit) returns. Reads the nodes back.
+    /// [`PointCloud::refit`](super::PointCloud::refit) returns. Reads the nodes back.
     ///
     /// # Errors
     /// [`DeviceCloudError::Device`].

@@ -32,7 +32,7 @@ use super::super::{SEPARATED, Turned};
 use crate::isa::compiled_for_avx2;
 use crate::key::Key;
 use crate::node::{Node4, Node16};
-use crate::realign::{OwnSlab, Realignment};
+use crate::realign::{PrimitiveSlab, Realignment};
 use core::arch::x86_64::*;
 use core::mem::MaybeUninit;
 
@@ -246,7 +246,7 @@ compiled_for_avx2! {
 
 compiled_for_avx2! {
     #[inline]
-    pub(super) fn beyond_16<const K: usize>(slab: &OwnSlab, node: &Node16<K>) -> u16 {
+    pub(super) fn beyond_16<const K: usize>(slab: &PrimitiveSlab, node: &Node16<K>) -> u16 {
         let weights = slab.weights.map(|weight| _mm256_set1_ps(weight));
         let mut beyond = 0;
         for (side, limit) in slab.limits.into_iter().enumerate() {
@@ -265,7 +265,7 @@ compiled_for_avx2! {
 
 compiled_for_avx2! {
     #[inline]
-    pub(super) fn beyond_4<const K: usize>(slab: &OwnSlab, node: &Node4<K>) -> u16 {
+    pub(super) fn beyond_4<const K: usize>(slab: &PrimitiveSlab, node: &Node4<K>) -> u16 {
         let weights = slab.weights.map(|weight| _mm256_set1_ps(weight));
         let mut beyond = 0;
         for (side, limit) in slab.limits.into_iter().enumerate() {

@@ -12,7 +12,7 @@ use super::{Kernel, Turned};
 use crate::isa::Avx2;
 use crate::node::{Aabb16, Ball16, BoundingBall, Box3, Bucket, Node4, Node16};
 use crate::primitive::triangle::{Probe, Triangle};
-use crate::realign::{OwnSlab, Realignment};
+use crate::realign::{PrimitiveSlab, Realignment};
 
 impl Kernel for Avx2 {
     type Narrow = X86;
@@ -63,13 +63,13 @@ impl Kernel for Avx2 {
     }
 
     #[inline(always)]
-    fn beyond_16<const K: usize>(self, slab: &OwnSlab, node: &Node16<K>) -> u16 {
+    fn beyond_16<const K: usize>(self, slab: &PrimitiveSlab, node: &Node16<K>) -> u16 {
         // SAFETY: the token proves the features that the function is compiled for.
         unsafe { dops::beyond_16(slab, node) }
     }
 
     #[inline(always)]
-    fn beyond_4<const K: usize>(self, slab: &OwnSlab, node: &Node4<K>) -> u16 {
+    fn beyond_4<const K: usize>(self, slab: &PrimitiveSlab, node: &Node4<K>) -> u16 {
         // SAFETY: the token proves the features that the function is compiled for.
         unsafe { dops::beyond_4(slab, node) }
     }

@@ -1,7 +1,7 @@
 //! Re-alignment in AVX-512: a turned plane of sixteen children is one zmm, and the two of a slab are made codes and stored together.
 //!
 //! It is long enough to be called from code that is compiled for AVX2 ([`super::super::Kernel::Narrow`]). Compares of children
-//! are not, and those of own slabs gain nothing: they are AVX2's, which are inlined there.
+//! are not, and those of primitive slabs gain nothing: they are AVX2's, which are inlined there.
 
 use super::super::{SEPARATED, Turned};
 use crate::isa::compiled_for_avx512;

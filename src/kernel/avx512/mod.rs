@@ -10,7 +10,7 @@ use super::{Kernel, Turned};
 use crate::isa::Avx512;
 use crate::node::{Aabb16, Ball16, BoundingBall, Box3, Bucket, Node4, Node16};
 use crate::primitive::triangle::{Probe, Triangle};
-use crate::realign::{OwnSlab, Realignment};
+use crate::realign::{PrimitiveSlab, Realignment};
 
 impl Kernel for Avx512 {
     type Narrow = X86;

@@ -8,7 +8,7 @@ use super::super::{SEPARATED, Turned};
 use crate::isa::compiled_for_neon;
 use crate::key::Key;
 use crate::node::{Node4, Node16};
-use crate::realign::{OwnSlab, Realignment};
+use crate::realign::{PrimitiveSlab, Realignment};
 use core::arch::aarch64::*;
 
 /// Whether to ask, after this slab, if every lane is separated already. Once: asking costs a reduction and,
@@ -201,7 +201,7 @@ compiled_for_neon! {
     /// `Q` quarters of four children make the `W` lanes.
     #[inline]
     pub(super) fn beyond<const W: usize, const Q: usize, const K: usize>(
-        slab: &OwnSlab,
+        slab: &PrimitiveSlab,
         planes: &[[i16; W]; K],
     ) -> u16 {
         let [u, v, w] = slab.weights;

@@ -10,7 +10,7 @@ use super::{Kernel, Turned, scalar};
 use crate::isa::Neon;
 use crate::node::{Aabb16, Ball16, BoundingBall, Box3, Bucket, Node4, Node16};
 use crate::primitive::triangle::{Probe, Triangle};
-use crate::realign::{OwnSlab, Realignment};
+use crate::realign::{PrimitiveSlab, Realignment};
 
 impl Kernel for Neon {
     type Narrow = Self;
@@ -60,13 +60,13 @@ impl Kernel for Neon {
     }
 
     #[inline(always)]
-    fn beyond_16<const K: usize>(self, slab: &OwnSlab, node: &Node16<K>) -> u16 {
+    fn beyond_16<const K: usize>(self, slab: &PrimitiveSlab, node: &Node16<K>) -> u16 {
         // SAFETY: the token proves the features that the function is compiled for.
         unsafe { dops::beyond::<16, 4, K>(slab, &node.planes) }
     }
 
     #[inline(always)]
-    fn beyond_4<const K: usize>(self, slab: &OwnSlab, node: &Node4<K>) -> u16 {
+    fn beyond_4<const K: usize>(self, slab: &PrimitiveSlab, node: &Node4<K>) -> u16 {
         // SAFETY: the token proves the features that the function is compiled for.
         unsafe { dops::beyond::<4, 1, K>(slab, &node.planes) }
     }

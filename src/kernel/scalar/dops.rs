@@ -2,7 +2,7 @@
 
 use super::super::{SEPARATED, Turned};
 use crate::key::Key;
-use crate::realign::{OwnSlab, Realignment};
+use crate::realign::{PrimitiveSlab, Realignment};
 
 /// Whether some plane separates body `a` of the query from child `b`.
 pub(super) fn separated<const W: usize, const V: usize, const K: usize>(
@@ -23,7 +23,7 @@ pub(super) fn overlap_hull<const K: usize>(query: &Turned<16, K>, planes: &[[i16
 }
 
 /// Bit i: child i lies beyond the slab.
-pub(super) fn beyond<const W: usize, const K: usize>(slab: &OwnSlab, planes: &[[i16; W]; K]) -> u16 {
+pub(super) fn beyond<const W: usize, const K: usize>(slab: &PrimitiveSlab, planes: &[[i16; W]; K]) -> u16 {
     (0..W).filter(|&i| slab.is_beyond(|source| planes[source][i])).fold(0, |mask, i| mask | 1 << i)
 }
 

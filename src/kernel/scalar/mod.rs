@@ -9,7 +9,7 @@ use super::{Kernel, Turned};
 use crate::isa::Scalar;
 use crate::node::{Aabb16, Ball16, BoundingBall, Box3, Bucket, Node4, Node16};
 use crate::primitive::triangle::{Probe, Triangle};
-use crate::realign::{OwnSlab, Realignment};
+use crate::realign::{PrimitiveSlab, Realignment};
 
 impl Kernel for Scalar {
     const TURNS_BY_PLANES: bool = true;
@@ -56,11 +56,11 @@ impl Kernel for Scalar {
         triangles::apart_4(probe, triangles)
     }
 
-    fn beyond_16<const K: usize>(self, slab: &OwnSlab, node: &Node16<K>) -> u16 {
+    fn beyond_16<const K: usize>(self, slab: &PrimitiveSlab, node: &Node16<K>) -> u16 {
         dops::beyond(slab, &node.planes)
     }
 
-    fn beyond_4<const K: usize>(self, slab: &OwnSlab, node: &Node4<K>) -> u16 {
+    fn beyond_4<const K: usize>(self, slab: &PrimitiveSlab, node: &Node4<K>) -> u16 {
         dops::beyond(slab, &node.planes)
     }
 

@@ -8,13 +8,13 @@ mod poses;
 #[path = "src/scene.rs"]
 mod scene;
 
-use simdop::cloud::{Cloud, Queries, Radii, RangeSearch};
+use simdop::cloud::{PointCloud, Queries, Radii, RangeSearch};
 use simdop::construct::{Builder, Mesh};
 use simdop::isa::Isa;
 use simdop::node::Node16;
 use simdop::pose::Pose;
 use simdop::query::Query;
-use simdop::scene::{EdgePair, Scene};
+use simdop::scene::{MotionHit, Scene};
 use std::f64::consts::TAU;
 use std::fmt::Write as _;
 use std::path::Path;
@@ -30,18 +30,18 @@ fn main() {
     bake_points(&folder);
     let (vertices, triangles) = ring();
     let mesh = Mesh { vertices: &vertices, triangles: &triangles };
-    let tree = Builder::new().build::<Node16<18>>(&mesh).expect("a ring is a mesh");
+    let tree = Builder::new().build(&mesh).expect("a ring is a mesh");
     std::fs::write(folder.join("ring.simdop"), tree.as_bytes()).expect("OUT_DIR is writable");
 
     let mut source = format!(
-        "/// What the host answered.\nconst EXPECTED: [(Verdict, Counters); {}] = [\n",
+        "/// What the host answered.\nconst EXPECTED: [(Verdict, QueryStats); {}] = [\n",
         poses::POSES.len()
     );
     for (_, rows, _) in poses::POSES {
         let pose = Pose::from_rows(rows).expect("the poses are rigid");
         let answer = Query::new(Isa::detect()).collide(&tree.view(), &tree.view(), &pose);
         // The Debug form of these is the expression that makes them.
-        writeln!(source, "    {:?},", (answer.verdict, answer.counters)).expect("a String takes everything");
+        writeln!(source, "    {:?},", (answer.verdict, answer.stats)).expect("a String takes everything");
     }
     source.push_str("];\n");
     let mut sums = [0; 6];
@@ -51,7 +51,7 @@ fn main() {
     }
     writeln!(source, "const EXPECTED_RANDOM: [u64; 6] = {sums:?};").expect("a String takes everything");
     let mut arm = scene::Arm::new(Scene::new(), tree.view()).expect("the scene is one");
-    let mut waiting = [EdgePair::EMPTY; scene::WAITING];
+    let mut waiting = [MotionHit::EMPTY; scene::WAITING];
     assert_eq!(arm.scene.ids().count(), scene::BODIES, "there is a slot for each");
     let answers = arm.answers(&Query::new(Isa::detect()), &mut waiting).expect("the host answers");
     assert_eq!(answers.map(|(is_free, ..)| is_free), scene::IS_FREE, "geometry gives these");
@@ -63,7 +63,7 @@ fn main() {
 /// The cloud, and the work of its searches: a constant of the consumer.
 fn bake_points(folder: &Path) {
     let all: Vec<_> = (0..points::COUNT).map(|i| points::point(i, 0)).collect();
-    let cloud = Cloud::new(&all).expect("the points are finite");
+    let cloud = PointCloud::new(&all).expect("the points are finite");
     std::fs::write(folder.join("points.simdop"), cloud.view().to_bytes()).expect("OUT_DIR is writable");
     let works = points::RADII.map(|radius| {
         let mut counts = [0; points::COUNT];
@@ -72,7 +72,7 @@ fn bake_points(folder: &Path) {
     });
     // The Debug form is the expression that makes it.
     let source = format!(
-        "/// What the host's searches cost.\nconst EXPECTED_WORK: [RangeCounters; {}] = {works:?};\n",
+        "/// What the host's searches cost.\nconst EXPECTED_WORK: [RangeStats; {}] = {works:?};\n",
         works.len()
     );
     std::fs::write(folder.join("expected_work.rs"), source).expect("OUT_DIR is writable");

@@ -10,7 +10,7 @@ use super::{lent, median, milliseconds, square};
 use crate::Options;
 use crate::rng::Rng;
 use capt::Capt;
-use simdop::cloud::{Cloud, RangeSearch};
+use simdop::cloud::{PointCloud, RangeSearch};
 use simdop::isa::Isa;
 use std::collections::BTreeSet;
 
@@ -76,7 +76,7 @@ fn measure_sweep(name: &str, sweep: &Points, options: &Options, rows: &mut Vec<R
     for _ in 0..5 {
         (cloud, tree) = (None, None);
         let before = lent();
-        times[0].push(milliseconds(|| cloud = Cloud::new(sweep).ok()));
+        times[0].push(milliseconds(|| cloud = PointCloud::new(sweep).ok()));
         let between = lent();
         times[1].push(milliseconds(|| tree = Some(Capt::<3, f32, u32>::new(sweep, RANGE, LINK))));
         bytes = [between - before, lent() - between];

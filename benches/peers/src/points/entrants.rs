@@ -3,7 +3,7 @@
 use super::grid::{Grid, Kind, best_side};
 use super::nanoflann::{self, Nanoflann};
 use kiddo::{ImmutableKdTree, MutableKdTree, PairQueryResult, SquaredEuclidean};
-use simdop::cloud::{self, Cloud, RangeSearch};
+use simdop::cloud::{self, PointCloud, RangeSearch};
 use simdop::isa::Isa;
 use std::path::Path;
 use std::rc::Rc;
@@ -133,7 +133,7 @@ pub(crate) trait Built {
 }
 
 struct Ours {
-    cloud: Cloud,
+    cloud: PointCloud,
     search: RangeSearch,
 }
 
@@ -244,7 +244,7 @@ impl Built for KiddoJoin {
 }
 
 struct Flann {
-    cloud: nanoflann::Cloud,
+    cloud: nanoflann::PointCloud,
     order: Vec<u32>,
 }
 
@@ -320,7 +320,7 @@ pub(crate) fn entrants(drivers: &Path) -> Vec<Entrant> {
         prepare: nothing(),
     };
     let ours = move |points: &[[f32; 3]], _: &Radii| -> Option<Box<dyn Built>> {
-        Some(Box::new(Ours { cloud: Cloud::new(points).expect("the points are finite"), search }))
+        Some(Box::new(Ours { cloud: PointCloud::new(points).expect("the points are finite"), search }))
     };
     let join = |points: &[[f32; 3]], radii: &Radii| -> Option<Box<dyn Built>> {
         let Radii::Same(_) = radii else { return None };

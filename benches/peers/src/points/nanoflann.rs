@@ -31,7 +31,7 @@ pub(crate) struct Nanoflann {
 }
 
 /// Points in nanoflann's hands.
-pub(crate) struct Cloud {
+pub(crate) struct PointCloud {
     driver: Rc<Nanoflann>,
     handle: Handle,
     points: usize,
@@ -76,14 +76,14 @@ impl Nanoflann {
     }
 
     /// With so many points a leaf.
-    pub(crate) fn build(this: &Rc<Self>, points: &[[f32; 3]], leaf: usize) -> Cloud {
+    pub(crate) fn build(this: &Rc<Self>, points: &[[f32; 3]], leaf: usize) -> PointCloud {
         // SAFETY: the pointer and the count are those of the array, which the driver copies.
         let handle = unsafe { (this.cloud)(points.as_ptr(), points.len(), leaf) };
-        Cloud { driver: Rc::clone(this), handle, points: points.len() }
+        PointCloud { driver: Rc::clone(this), handle, points: points.len() }
     }
 }
 
-impl Cloud {
+impl PointCloud {
     /// The points in the order of the tree's leaves.
     pub(crate) fn order(&self) -> Vec<u32> {
         let mut order = vec![0; self.points];
@@ -153,7 +153,7 @@ impl Cloud {
     }
 }
 
-impl Drop for Cloud {
+impl Drop for PointCloud {
     fn drop(&mut self) {
         // SAFETY: the handle is this driver's and is not used again.
         unsafe { (self.driver.free)(self.handle) }

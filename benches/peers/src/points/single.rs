@@ -11,7 +11,7 @@ use core::num::NonZeroUsize;
 use core::ops::ControlFlow;
 use kiddo::{ImmutableKdTree, SquaredEuclidean};
 use serde::{Deserialize, Serialize};
-use simdop::cloud::{self, Cloud, Neighbour, RangeSearch, Seat};
+use simdop::cloud::{self, Neighbour, PointCloud, RangeSearch, Seat};
 use simdop::isa::Isa;
 
 /// A library and a kind of query.
@@ -148,7 +148,7 @@ fn scenes(options: &Options) -> Result<Vec<Scene>, String> {
 fn measure_scene(scene: &Scene, options: &Options, rows: &mut Vec<Row>) {
     let Scene { name, points, queries, radius, ks } = scene;
     let radius = *radius;
-    let cloud = Cloud::new(points).expect("the points are finite");
+    let cloud = PointCloud::new(points).expect("the points are finite");
     let (view, search) = (cloud.view(), RangeSearch::new(Isa::detect()));
     let tree = ImmutableKdTree::new_from_slice(points).expect("kiddo builds it");
     let flann = nanoflann(&options.drivers).map(|driver| Nanoflann::build(&driver, points, LEAF));

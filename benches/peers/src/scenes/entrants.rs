@@ -116,7 +116,11 @@ fn ours<'t>(task: &Task, trees: &'t Trees, obstacles: Obstacles) -> Entrant<'t> 
         for i in 0..links.len() {
             for j in i + 1..links.len() {
                 let is_asked = task.robot.pairs.contains(&(i, j));
-                scene.set_pair(links[i], links[j], is_asked).expect("both are there");
+                if is_asked {
+                    scene.forbid_collision(links[i], links[j]).expect("both are there")
+                } else {
+                    scene.allow_collision(links[i], links[j]).expect("both are there")
+                };
             }
         }
         (scene, links)

@@ -20,7 +20,7 @@ fn strewn(random: &mut Random, count: u32) -> MeshData {
 
 fn build<N: Dop>(mesh: &MeshData, leaf_size: u32) -> Bvh<N> {
     let builder = Builder::new().splitter(Splitter::ExtendedLongestAxis).leaf_size(leaf_size);
-    builder.build(&Mesh { vertices: &mesh.vertices, triangles: &mesh.triangles }).unwrap()
+    builder.build_as(&Mesh { vertices: &mesh.vertices, triangles: &mesh.triangles }).unwrap()
 }
 
 /// Codes of the planes of each leaf, and its triangles.

@@ -33,7 +33,7 @@ fn the_probes_tell_fused_and_reordered_operations() {
 #[test]
 fn arithmetic_is_rounded_step_by_step() {
     let Some(gpu) = device() else { return };
-    let mut on_device = DeviceCloud::new(gpu, &Cloud::new(&[]).unwrap().view()).unwrap();
+    let mut on_device = DeviceCloud::new(gpu, &PointCloud::new(&[]).unwrap().view()).unwrap();
     let rng = &mut Rng::new(2);
     let coordinate = |rng: &mut Rng| {
         let exponent = 127 - 18 + (rng.u64() as u32) % 36;
@@ -54,7 +54,7 @@ fn points_move_and_boxes_follow() {
     let Some(gpu) = device() else { return };
     let rng = &mut Rng::new(3);
     let before = points(rng, 900);
-    let mut cloud = Cloud::with_room(&before, 3, 903).unwrap();
+    let mut cloud = PointCloud::with_room(&before, 3, 903).unwrap();
     for index in 40..100 {
         cloud.remove(index).unwrap();
     }
@@ -94,7 +94,7 @@ fn points_move_and_boxes_follow() {
 fn seats_are_where_the_scalar_descent_ends() {
     let Some(gpu) = device() else { return };
     let rng = &mut Rng::new(4);
-    let cloud = Cloud::with_room(&points(rng, 1000), 7, 1000).unwrap();
+    let cloud = PointCloud::with_room(&points(rng, 1000), 7, 1000).unwrap();
     let mut on_device = DeviceCloud::new(gpu, &cloud.view()).unwrap();
     // Inside, outside, and points of the cloud.
     let mut asked: Vec<[f32; 3]> = (0..500).map(|_| any_point(rng).map(|x| 3.0 * x - 1.0)).collect();
@@ -123,7 +123,7 @@ fn a_device_says_where_it_is_not_sure() {
     let Some(gpu) = device() else { return };
     let tiny = |i: usize| (i as f32 - 20.0) * 1e-15;
     let near: Vec<[f32; 3]> = (0..40).map(|i| [tiny(i), 0.0, 0.0]).collect();
-    let cloud = Cloud::with_room(&near, 1, 40).unwrap();
+    let cloud = PointCloud::with_room(&near, 1, 40).unwrap();
     let mut on_device = DeviceCloud::new(gpu, &cloud.view()).unwrap();
     let asked: Vec<[f32; 3]> = (0..40).map(|i| [tiny(i) + 4e-16, 1e-16, 0.0]).collect();
     let (mut seats, mut want) = (vec![Seat::default(); 40], vec![Seat::default(); 40]);
@@ -144,7 +144,7 @@ fn scans_add_up_all_before() {
     for (packets, shift) in
         [(1_usize, 20), (2, 20), (63, 20), (64, 20), (65, 20), (4097, 24), (5000, 20), (300, 4)]
     {
-        let mut on_device = DeviceCloud::new(gpu, &Cloud::new(&[]).unwrap().view()).unwrap();
+        let mut on_device = DeviceCloud::new(gpu, &PointCloud::new(&[]).unwrap().view()).unwrap();
         let counts: Vec<u32> = (0..16 * packets).map(|_| (rng.u64() as u32) >> shift).collect();
         let own: Vec<[u32; 4]> = (0..16 * packets as u32).map(|i| [0, 0, 0, i ^ 1]).collect();
         let ranges: Vec<[u32; 2]> = (0..packets as u32).map(|packet| [16 * packet, 16]).collect();
@@ -201,7 +201,7 @@ fn scans_add_up_all_before() {
 fn packets_count_and_fill_as_the_scalar_search() {
     let Some(gpu) = device() else { return };
     let rng = &mut Rng::new(7);
-    let cloud = Cloud::with_room(&points(rng, 3000), 11, 3000).unwrap();
+    let cloud = PointCloud::with_room(&points(rng, 3000), 11, 3000).unwrap();
     let view = cloud.view();
     let others = points(rng, 300);
     let mut seats = vec![Seat::default(); others.len()];

@@ -1,6 +1,6 @@
 //! Each kernel alone against its scalar twin; the text of the kernels against the types here.
 //!
-//! Twins: of `arithmetic` the predicate as it is written; of `move_points` and `refit` [`Cloud::refit`]; of `seat`
+//! Twins: of `arithmetic` the predicate as it is written; of `move_points` and `refit` [`PointCloud::refit`]; of `seat`
 //! [`RangeSearch::seat`]'s descent; of `count` and `fill` [`RangeSearch::count`] and [`RangeSearch::fill`]; of the scans a
 //! loop that adds up.
 
@@ -9,7 +9,7 @@ mod mutants;
 mod text;
 
 use super::super::packet::Asking;
-use super::super::{Cloud, List, Queries, Radii, RangeSearch, Seat};
+use super::super::{List, PointCloud, Queries, Radii, RangeSearch, Seat};
 use super::memory::{CloudBinding, SearchData, TreeLevel};
 use super::shader::{self, CloudShader, NO_BUCKET, WORKGROUP};
 use super::*;

@@ -42,7 +42,7 @@ fn differs(gpu: &Gpu, number: usize) -> bool {
         [i % 16, i / 16 % 16, i / 256].map(|c| if c == 0 && i.is_multiple_of(2) { -0.0 } else { c as f32 })
     };
     let mut points: Vec<[f32; 3]> = (0..4096).map(side).collect();
-    let mut cloud = Cloud::with_room(&points, 13, points.len()).unwrap();
+    let mut cloud = PointCloud::with_room(&points, 13, points.len()).unwrap();
     for index in (0..points.len() as u32).step_by(7) {
         cloud.remove(index).unwrap();
     }

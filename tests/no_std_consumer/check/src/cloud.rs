@@ -5,7 +5,7 @@ use core::cell::UnsafeCell;
 use core::fmt::Write;
 use core::sync::atomic::{AtomicBool, Ordering};
 use simdop::cloud::{
-    CloudMut, CloudRef, Memory, Neighbour, Queries, Radii, RangeCounters, RangeSearch, buckets_for, nodes_for,
+    CloudMut, CloudRef, Memory, Neighbour, Queries, Radii, RangeSearch, RangeStats, buckets_for, nodes_for,
 };
 use simdop::hierarchy::Aligned;
 use simdop::isa::Isa;
@@ -65,12 +65,7 @@ fn square(p: [f32; 3], q: [f32; 3]) -> f32 {
 }
 
 /// Whether searches find what a loop over all points does. `None` if the library refuses one.
-fn agrees(
-    search: RangeSearch,
-    view: &CloudRef<'_>,
-    steps: usize,
-    radius: f32,
-) -> Option<(RangeCounters, bool)> {
+fn agrees(search: RangeSearch, view: &CloudRef<'_>, steps: usize, radius: f32) -> Option<(RangeStats, bool)> {
     let mut counts = [u32::MAX; COUNT];
     let work = search.count(view, &Queries::own(), Radii::Same(radius), &mut counts).ok()?;
     let mut agrees = true;
@@ -95,7 +90,7 @@ fn agrees(
 pub fn run(out: &mut impl Write, isa: Isa) -> Result<bool, &'static str> {
     let search = RangeSearch::new(isa);
     let mut good = true;
-    let mut say = |what: &str, radius: f32, (work, agrees): (RangeCounters, bool)| {
+    let mut say = |what: &str, radius: f32, (work, agrees): (RangeStats, bool)| {
         let verdict = if agrees { "as expected" } else { "WRONG" };
         good &= agrees;
         writeln!(out, "{} {what}, radius {radius}: {work:?}: {verdict}", isa.name()).map_err(|_| "no output")

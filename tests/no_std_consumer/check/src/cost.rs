@@ -97,7 +97,7 @@ pub fn run(out: &mut impl Write, timer: &mut impl Timer, machine: &str, expected
     });
     row("a hit in a scene", standing);
     let going = cost(timer, REPEATS, &mut || {
-        let _ = black_box(arm.edge(&query, black_box([&FREE, &BEYOND]), waiting));
+        let _ = black_box(arm.check_motion(&query, black_box([&FREE, &BEYOND]), waiting));
     });
     row("an edge to a hit", going);
     good

@@ -10,15 +10,15 @@ pub mod scene;
 
 use core::fmt::Write;
 use core::hint::black_box;
-use simdop::hierarchy::Baked;
+use simdop::hierarchy::StaticBvh;
 use simdop::include_tree;
 use simdop::isa::Isa;
 use simdop::node::Node16;
 use simdop::pose::Pose;
-use simdop::query::{Counters, Pair, Query, Verdict, Verdict::*};
+use simdop::query::{Pair, Query, QueryStats, Verdict, Verdict::*};
 
 /// The baked tree, read in place. The compiler has checked its header.
-pub static RING: Baked<Node16<18>> = include_tree!(concat!(env!("OUT_DIR"), "/ring.simdop"));
+pub static RING: StaticBvh<Node16<18>> = include_tree!(concat!(env!("OUT_DIR"), "/ring.simdop"));
 
 include!(concat!(env!("OUT_DIR"), "/expected.rs"));
 
@@ -62,7 +62,7 @@ fn try_run(out: &mut impl Write) -> Result<bool, &'static str> {
     for ((name, rows, meets), expected) in poses::POSES.iter().zip(EXPECTED) {
         let pose = Pose::from_rows(*rows).map_err(|_| "the pose is not rigid")?;
         let answer = Query::new(isa).collide(&ring, &again, &pose);
-        let found = (answer.verdict, answer.counters);
+        let found = (answer.verdict, answer.stats);
         let agrees = found == expected && answer.hit().is_some() == *meets;
         let verdict = if agrees { "as expected" } else { "WRONG" };
         writeln!(out, "{} {name}: {found:?}: {verdict}", isa.name()).map_err(|_| "no output")?;

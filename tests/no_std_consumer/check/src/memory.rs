@@ -3,7 +3,7 @@
 use crate::RING;
 use crate::scene::{Arm, BODIES, Failed, WAITING};
 use simdop::node::{Aabb16, Node16};
-use simdop::scene::{EdgePair, Scene, SceneMemory, Slot, boxes_for, rows_for};
+use simdop::scene::{MotionHit, Scene, SceneMemory, Slot, boxes_for, rows_for};
 use static_cell::ConstStaticCell;
 
 static SLOTS: ConstStaticCell<[Slot<'static, Node16<18>>; BODIES]> =
@@ -11,7 +11,7 @@ static SLOTS: ConstStaticCell<[Slot<'static, Node16<18>>; BODIES]> =
 static BOXES: ConstStaticCell<[Aabb16; boxes_for(BODIES)]> =
     ConstStaticCell::new([Aabb16::EMPTY; boxes_for(BODIES)]);
 static ROWS: ConstStaticCell<[u16; rows_for(BODIES)]> = ConstStaticCell::new([0; rows_for(BODIES)]);
-static PAIRS: ConstStaticCell<[EdgePair; WAITING]> = ConstStaticCell::new([EdgePair::EMPTY; WAITING]);
+static PAIRS: ConstStaticCell<[MotionHit; WAITING]> = ConstStaticCell::new([MotionHit::EMPTY; WAITING]);
 
 /// The arm in its scene, and room for its edges; `None` the second time.
 ///
@@ -19,7 +19,7 @@ static PAIRS: ConstStaticCell<[EdgePair; WAITING]> = ConstStaticCell::new([EdgeP
 /// If the scene does not take its bodies.
 // Inlined for the same reason as [`crate::crosses`].
 #[inline]
-pub fn arm() -> Result<Option<(Arm<'static>, &'static mut [EdgePair])>, Failed> {
+pub fn arm() -> Result<Option<(Arm<'static>, &'static mut [MotionHit])>, Failed> {
     let (Some(slots), Some(boxes), Some(rows), Some(waiting)) =
         (SLOTS.try_take(), BOXES.try_take(), ROWS.try_take(), PAIRS.try_take())
     else {

@@ -55,7 +55,7 @@ pub fn random(number: u32) -> [[f64; 4]; 3] {
 
 /// Counts an answer: hits, and each of the counters.
 pub fn tally(sums: &mut [u64; 6], answer: &Answer) {
-    let c = &answer.counters;
+    let c = &answer.stats;
     let one = [
         u64::from(answer.hit().is_some()),
         c.visits,

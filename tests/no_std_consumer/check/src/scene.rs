@@ -3,11 +3,11 @@
 use crate::poses::RING_RADIUS;
 use simdop::glam::{DQuat, DVec3};
 use simdop::hierarchy::BvhRef;
-use simdop::motion::{Joint, JointKind, Kinematics, LinkBody, LinkFrame, MotionError, StraightMotion};
+use simdop::motion::{Joint, JointKind, JointMotion, Kinematics, LinkBody, LinkFrame, MotionError};
 use simdop::node::Node16;
 use simdop::pose::{Pose, PoseError};
-use simdop::query::{Counters, Query};
-use simdop::scene::{Body, BodyId, EdgeMemory, EdgePair, EdgeVerdict, Scene, SceneError};
+use simdop::query::{Query, QueryStats};
+use simdop::scene::{Body, BodyId, MotionHit, MotionMemory, MotionVerdict, Scene, SceneError};
 
 /// Bodies of the scene.
 pub const BODIES: usize = 5;
@@ -15,7 +15,7 @@ pub const BODIES: usize = 5;
 pub const WAITING: usize = 256;
 
 /// What was asked, whether it is free, and what it cost.
-pub type Found = (bool, u64, Counters);
+pub type Found = (bool, u64, QueryStats);
 
 /// How many answers there are.
 pub const ANSWERS: usize = 4;
@@ -78,7 +78,7 @@ impl<'t> Arm<'t> {
         ))?;
         let hanging = scene.insert(Body::new(ring).with_radius(0.01), &upright)?;
         scene.attach(hanging, second)?;
-        scene.set_pair(hanging, second, false)?;
+        scene.allow_collision(hanging, second)?;
         let _ = scene.insert(Body::new(ring).fixed(), &at(0.0, 5.0, 0.5)?)?;
         let _ = scene.insert(Body::new(ring).fixed(), &at(0.0, -7.0, 0.0)?)?;
         Ok(Self {
@@ -100,30 +100,30 @@ impl<'t> Arm<'t> {
             self.scene.place(id, pose)?;
         }
         let answer = self.scene.collide(query)?;
-        Ok((answer.is_free(), answer.pairs, answer.counters))
+        Ok((answer.is_free(), answer.pairs, answer.stats))
     }
 
     /// Whether it may go there.
-    pub fn edge(
+    pub fn check_motion(
         &mut self,
         query: &Query,
         ends: [&[f64; 2]; 2],
-        waiting: &mut [EdgePair],
+        waiting: &mut [MotionHit],
     ) -> Result<Found, Failed> {
         let robot = Kinematics::new(&self.joints, &self.bodies, &LIMITS)?;
         let [from, to] = ends;
-        let mut motion = StraightMotion::new(robot, [from, to], &mut self.values, &mut self.links)?;
-        let mut memory = EdgeMemory { poses: &mut [Pose::IDENTITY; 4], waiting };
+        let mut motion = JointMotion::new(robot, [from, to], &mut self.values, &mut self.links)?;
+        let mut memory = MotionMemory { poses: &mut [Pose::IDENTITY; 4], waiting };
         let answer = self.scene.edge(query, &self.moving, &mut motion, 1e-4, &mut memory)?;
         match answer.verdict {
-            EdgeVerdict::Free => Ok((true, answer.pairs, answer.counters)),
-            EdgeVerdict::Hit { .. } => Ok((false, answer.pairs, answer.counters)),
-            EdgeVerdict::Unresolved { .. } => Err(Failed),
+            MotionVerdict::Free => Ok((true, answer.pairs, answer.stats)),
+            MotionVerdict::Hit { .. } => Ok((false, answer.pairs, answer.stats)),
+            MotionVerdict::Unresolved { .. } => Err(Failed),
         }
     }
 
     /// A place that is free, one that is not, a way that is free, and one that leads through the ring that stands.
-    pub fn answers(&mut self, query: &Query, waiting: &mut [EdgePair]) -> Result<[Found; ANSWERS], Failed> {
+    pub fn answers(&mut self, query: &Query, waiting: &mut [MotionHit]) -> Result<[Found; ANSWERS], Failed> {
         Ok([
             self.collide(query, FREE)?,
             self.collide(query, HIT)?,

@@ -1,4 +1,4 @@
-//! A primitive's own slabs lose no collision: what they say lies beyond a triangle is beyond it along the
+//! A primitive's primitive slabs lose no collision: what they say lies beyond a triangle is beyond it along the
 //! slab's direction, by more than the margin, in exact arithmetic; and what clearly lies beyond is found.
 //!
 //! The directions are the ones that the triangle gives. That they are no true normals does not matter: if all
@@ -14,16 +14,16 @@ use crate::support::rng::Rng;
 use crate::support::shapes;
 use crate::support::turns::{add, pose, random_point, rotation};
 use simdop::construct::{Builder, Mesh};
-use simdop::directions;
-use simdop::frame::Extent;
 use simdop::hierarchy::BvhRef;
 use simdop::isa::Isa;
+use simdop::low_level::directions;
+use simdop::low_level::frame::BodyBounds;
+use simdop::low_level::realign::{PrimitiveSlab, primitive_slabs};
 use simdop::node::{Child, Dop, Link, Node, Node4, Node16};
 use simdop::pose::Pose;
 use simdop::primitive::{OWN_DIRECTIONS, Primitive, Triangles};
 use simdop::query::{Lanes, Query};
 use simdop::range::{MAX_COORDINATE, MIN_COORDINATE, Point};
-use simdop::realign::{OwnSlab, own_slabs};
 use std::collections::BTreeSet;
 
 // ---- The question, decided exactly ------------------------------------------------------------------------
@@ -47,7 +47,7 @@ struct Tally {
 /// A body as a triangle waits for it: its extent, and where it stands.
 #[derive(Copy, Clone, Debug)]
 struct Placed<'t> {
-    extent: &'t Extent,
+    extent: &'t BodyBounds,
     pose: Option<&'t Pose>,
 }
 
@@ -57,8 +57,8 @@ impl Placed<'_> {
         self.pose.map_or(p, |pose| pose.apply(p))
     }
 
-    fn slabs<const K: usize>(&self, triangle: &Tri, margin: f64) -> [OwnSlab; OWN_DIRECTIONS] {
-        own_slabs::<Triangles, K>(triangle, margin, self.extent, self.pose)
+    fn slabs<const K: usize>(&self, triangle: &Tri, margin: f64) -> [PrimitiveSlab; OWN_DIRECTIONS] {
+        primitive_slabs::<Triangles, K>(triangle, margin, self.extent, self.pose)
     }
 
     /// Which slabs a lane with these vertices, moved, lies beyond; and that it really does.
@@ -199,7 +199,7 @@ fn a_point_off_the_triangle_is_found() {
 /// The bound that the module's text proves, in exact arithmetic: along direction `s` the plane sums of a lane
 /// within the extent are no lower than the limits if it reaches the triangle's margin.
 fn limits_are_proven<const K: usize>(
-    slab: &OwnSlab,
+    slab: &PrimitiveSlab,
     n: Point,
     triangle: &Tri,
     margin: f64,
@@ -326,7 +326,7 @@ fn check_mesh<const K: usize>(
     Node16<K>: Lanes,
 {
     let builder = Builder::new().leaf_size(1 + rng.below(3) as u32);
-    let tree = builder.build::<Node16<K>>(&Mesh { vertices: &mesh.vertices, triangles: &mesh.triangles });
+    let tree = builder.build_as::<Node16<K>>(&Mesh { vertices: &mesh.vertices, triangles: &mesh.triangles });
     let tree = tree.unwrap();
     let view = tree.view();
     let extent = view.extent();
@@ -440,8 +440,8 @@ where
     let (mut found, mut of) = (0_u64, 0_u64);
     for _ in 0..400 / suite_step() {
         let mesh = shapes::soup(&mut rng, 16, 0.0);
-        let tree =
-            Builder::new().build::<Node16<K>>(&Mesh { vertices: &mesh.vertices, triangles: &mesh.triangles });
+        let tree = Builder::new()
+            .build_as::<Node16<K>>(&Mesh { vertices: &mesh.vertices, triangles: &mesh.triangles });
         let tree = tree.unwrap();
         let view = tree.view();
         let turn = rng.rotation();
@@ -459,7 +459,7 @@ where
             };
             let triangle = [below(1.0, 0.0), below(-1.0, 1.0), below(-1.0, -1.0)];
             let extent = view.extent();
-            let slab = &own_slabs::<Triangles, K>(&triangle, 0.0, &extent, Some(&pose))[0];
+            let slab = &primitive_slabs::<Triangles, K>(&triangle, 0.0, &extent, Some(&pose))[0];
             of += 1;
             found += u64::from(slab.is_beyond(|j| view.nodes()[0].plane(j, lane)));
         }
@@ -504,7 +504,9 @@ fn unlike_bodies<N: Lanes>() {
         let turned = pose(&turn, [0.0; 3]).apply(corner_a);
         let pose = pose(&turn, core::array::from_fn(|i| corner_b[i] - turned[i] + off[i]));
         let [tree_a, tree_b] = [a, b].map(|mesh| {
-            Builder::new().build::<N>(&Mesh { vertices: &mesh.vertices, triangles: &mesh.triangles }).unwrap()
+            Builder::new()
+                .build_as::<N>(&Mesh { vertices: &mesh.vertices, triangles: &mesh.triangles })
+                .unwrap()
         });
         let moved: Vec<Tri> = a.corners().iter().map(|t| t.map(|p| pose.apply(p))).collect();
         let want: BTreeSet<_> =
@@ -513,14 +515,14 @@ fn unlike_bodies<N: Lanes>() {
         let margin = scale * 0.1;
         for isa in Isa::available() {
             let query = Query::new(isa);
-            let (found, counters) = pairs_that_meet(query, &a, &b, &pose);
+            let (found, stats) = pairs_that_meet(query, &a, &b, &pose);
             assert_eq!(found, want, "{isa} k {} arity {} pose {i}", N::K, N::ARITY);
             let distance = query.distance(&a, &b, &pose, 0.01 * scale).unwrap();
             let within = query.within(&a, &b, &pose, margin).unwrap().is_free();
             assert!(!within || distance.upper > margin, "{isa} pose {i}: {distance:?} and margin {margin:e}");
             assert!(within || distance.lower <= margin, "{isa} pose {i}: {distance:?} and margin {margin:e}");
             apart.queries += u64::from(want.is_empty());
-            apart.without_pairs += u64::from(want.is_empty() && counters.primitive_pairs == 0);
+            apart.without_pairs += u64::from(want.is_empty() && stats.primitive_pairs == 0);
             met += u64::from(!want.is_empty());
         }
     }
@@ -549,7 +551,7 @@ fn nothing_is_beyond<const K: usize>() {
         // Segments and points have no direction.
         for triangle in [[p, p, p], [p, q, q], [q, p, q], [p, p, q]] {
             for slab in placed.slabs::<K>(&triangle, 0.0) {
-                assert_eq!(slab.limits, OwnSlab::EVERYWHERE.limits, "{triangle:?}");
+                assert_eq!(slab.limits, PrimitiveSlab::EVERYWHERE.limits, "{triangle:?}");
                 let codes: [i16; K] = core::array::from_fn(|_| *rng.pick(&SPECIAL));
                 assert!(!slab.is_beyond(|source| codes[source]), "{codes:?}");
             }

@@ -1,4 +1,4 @@
-//! The thin slab of a volume: a direction of its own, along which it is thinner than any of its planes.
+//! The normal slab of a volume: a direction of its own, along which it is thinner than any of its planes.
 //!
 //! A k-DOP of a smooth patch is as thick as the patch is wide times its tilt against the nearest direction;
 //! the slab along the patch's mean normal is as thick as the patch is curved. Near contact that is what tells
@@ -19,7 +19,7 @@ use crate::range::Point;
 /// unit length, and exact. All points p of the child obey `low <= n . (p - centre) * 2^exponent <= high`.
 #[derive(Copy, Clone, PartialEq, Eq, Debug, bytemuck::Pod, bytemuck::Zeroable)]
 #[repr(transparent)]
-pub struct ThinSlab(u64);
+pub struct NormalSlab(u64);
 
 /// The sum of the magnitudes of a direction's coordinates.
 const NORMAL_SUM: f64 = 2047.0;
@@ -37,7 +37,7 @@ const SHORTEST: f64 = power_of_two(-1000);
 #[cfg(feature = "alloc")]
 const LOW_LIMIT: f64 = ((1 << 23) - 1) as f64;
 
-impl ThinSlab {
+impl NormalSlab {
     /// Everything is inside: an unbounded thickness. Of an unused lane, too.
     pub const EVERYWHERE: Self = Self(INFINITE << 24);
 
@@ -74,7 +74,7 @@ impl ThinSlab {
     }
 
     /// The slab along about `normal`, of any length and either sign, whose ends `extent` gives for the
-    /// direction that was chosen, rounded by less than [`ThinSlab::EXTENT_ERROR`].
+    /// direction that was chosen, rounded by less than [`NormalSlab::EXTENT_ERROR`].
     #[cfg(feature = "alloc")]
     pub(crate) fn new(normal: Point, extent: impl FnOnce(Point) -> (f64, f64)) -> Self {
         let [x, y, z] = normal;
@@ -129,7 +129,7 @@ mod tests {
         ];
         for normal in normals {
             for (low, high) in [(0.0, 0.0), (-12.34, 56.78), (2e7, 2.01e7), (-6e7, -5.9e7), (-5e7, 5e7)] {
-                let slab = ThinSlab::new(normal, |_| (low, high));
+                let slab = NormalSlab::new(normal, |_| (low, high));
                 let n = slab.normal();
                 assert_eq!(n.iter().map(|x| x.abs()).sum::<f64>(), NORMAL_SUM);
                 let ends = slab.ends();
@@ -148,15 +148,15 @@ mod tests {
 
     #[test]
     fn what_cannot_be_held_is_everywhere() {
-        let all = ThinSlab::EVERYWHERE;
+        let all = NormalSlab::EVERYWHERE;
         assert!(all.is_valid());
         assert_eq!(all.ends(), [f64::NEG_INFINITY, f64::INFINITY]);
-        assert_eq!(ThinSlab::new([0.0; 3], |_| (0.0, 1.0)), all);
-        assert_eq!(ThinSlab::new([f64::NAN, 1.0, 0.0], |_| (0.0, 1.0)), all);
-        assert_eq!(ThinSlab::new([1.0, 0.0, 0.0], |_| (-1e8, 1e8)), all, "beyond 24 bits");
-        assert_eq!(ThinSlab::new([1.0, 0.0, 0.0], |_| (100.0, 0.0)), all, "upside down");
-        assert_eq!(ThinSlab::new([1.0, 0.0, 0.0], |_| (f64::NAN, 0.0)), all);
-        assert!(!ThinSlab(u64::MAX).is_valid());
+        assert_eq!(NormalSlab::new([0.0; 3], |_| (0.0, 1.0)), all);
+        assert_eq!(NormalSlab::new([f64::NAN, 1.0, 0.0], |_| (0.0, 1.0)), all);
+        assert_eq!(NormalSlab::new([1.0, 0.0, 0.0], |_| (-1e8, 1e8)), all, "beyond 24 bits");
+        assert_eq!(NormalSlab::new([1.0, 0.0, 0.0], |_| (100.0, 0.0)), all, "upside down");
+        assert_eq!(NormalSlab::new([1.0, 0.0, 0.0], |_| (f64::NAN, 0.0)), all);
+        assert!(!NormalSlab(u64::MAX).is_valid());
     }
 
     #[test]
@@ -167,7 +167,7 @@ mod tests {
             for thickness in [0.0, 128.0, 4096.0, 12_288.0] {
                 // Ends that a slab can hold exactly, as they come out of rounded sums.
                 let (low, high) = (steps * LOW_STEP, steps * LOW_STEP + thickness);
-                let ends = ThinSlab::new([1.0, 2.0, 3.0], |_| (low, high)).ends();
+                let ends = NormalSlab::new([1.0, 2.0, 3.0], |_| (low, high)).ends();
                 assert!(ends[0] <= low - wrong && ends[1] >= high + wrong, "{low} {high}: {ends:?}");
             }
         }

@@ -1,7 +1,7 @@
 //! Trees that are part of the program.
 
 use super::layout::Layout;
-use super::{BakeError, BvhRef};
+use super::{BvhRef, FormatError};
 use crate::node::Dop;
 use crate::primitive::{Primitive, Triangles};
 use core::marker::PhantomData;
@@ -22,16 +22,16 @@ pub struct Aligned<T: ?Sized>(pub T);
 /// [`include_tree!`](crate::include_tree) makes one.
 ///
 /// Its header was checked when the program was compiled. Its contents are validated by the first call of
-/// [`Baked::view`], which is remembered: later calls take a few instructions.
+/// [`StaticBvh::view`], which is remembered: later calls take a few instructions.
 #[derive(Debug)]
-pub struct Baked<N, P = Triangles> {
+pub struct StaticBvh<N, P = Triangles> {
     bytes: &'static [u8],
     layout: Layout,
     is_valid: AtomicBool,
     kind: PhantomData<(N, P)>,
 }
 
-impl<N: Dop, P: Primitive> Baked<N, P> {
+impl<N: Dop, P: Primitive> StaticBvh<N, P> {
     /// Of bytes that are aligned to 64. In a constant, whatever is wrong with the header is an error of
     /// compilation.
     ///
@@ -41,14 +41,16 @@ impl<N: Dop, P: Primitive> Baked<N, P> {
     pub const fn new(bytes: &'static [u8]) -> Self {
         let layout = match Layout::of::<N, P>(bytes) {
             Ok(layout) => layout,
-            Err(BakeError::NotATree) => panic!("the file is not a baked tree"),
-            Err(BakeError::Version { .. }) => {
+            Err(FormatError::NotATree) => panic!("the file is not a baked tree"),
+            Err(FormatError::Version { .. }) => {
                 panic!("the tree has a layout of another version: bake it anew")
             }
-            Err(BakeError::OtherNode { .. }) => panic!("the tree has another k or arity than the node type"),
-            Err(BakeError::OtherPrimitive { .. }) => panic!("the tree has other primitives"),
-            Err(BakeError::Truncated { .. }) => panic!("the tree's file ends early"),
-            Err(BakeError::TooLong { .. }) => panic!("bytes follow after the end of the tree"),
+            Err(FormatError::OtherNode { .. }) => {
+                panic!("the tree has another k or arity than the node type")
+            }
+            Err(FormatError::OtherPrimitive { .. }) => panic!("the tree has other primitives"),
+            Err(FormatError::Truncated { .. }) => panic!("the tree's file ends early"),
+            Err(FormatError::TooLong { .. }) => panic!("bytes follow after the end of the tree"),
             Err(_) => panic!("the tree has a bad header"),
         };
         Self { bytes, layout, is_valid: AtomicBool::new(false), kind: PhantomData }
@@ -57,12 +59,12 @@ impl<N: Dop, P: Primitive> Baked<N, P> {
     /// The tree, borrowed. The first call [validates](BvhRef::validate) it, in time linear in its size.
     ///
     /// # Errors
-    /// [`BakeError`] if the contents are not safe to walk, or the bytes are not aligned.
-    pub fn view(&self) -> Result<BvhRef<'static, N, P>, BakeError> {
+    /// [`FormatError`] if the contents are not safe to walk, or the bytes are not aligned.
+    pub fn view(&self) -> Result<BvhRef<'static, N, P>, FormatError> {
         // What is remembered says something of constant bytes only, so that no other memory has to be in step
         // with it.
         if self.is_valid.load(Ordering::Relaxed) {
-            return BvhRef::of_layout(self.bytes, &self.layout).ok_or(BakeError::Misaligned);
+            return BvhRef::of_layout(self.bytes, &self.layout).ok_or(FormatError::Misaligned);
         }
         let view = BvhRef::from_bytes(self.bytes)?;
         self.is_valid.store(true, Ordering::Relaxed);
@@ -76,11 +78,11 @@ impl<N: Dop, P: Primitive> Baked<N, P> {
     }
 }
 
-/// A [`Baked`] tree from a file, aligned, its header checked by the compiler. The path is relative to the
+/// A [`StaticBvh`] tree from a file, aligned, its header checked by the compiler. The path is relative to the
 /// source file, as for [`include_bytes!`]; an absolute one may be made with `concat!` and `env!`.
 ///
 /// ```ignore
-/// static HAND: Baked<Node16<18>> = include_tree!("hand.simdop");
+/// static HAND: StaticBvh<Node16<18>> = include_tree!("hand.simdop");
 /// let hand = HAND.view()?; // validated once
 /// ```
 #[macro_export]
@@ -89,6 +91,6 @@ macro_rules! include_tree {
         const SIZE: usize = include_bytes!($path).len();
         static BYTES: $crate::hierarchy::Aligned<[u8; SIZE]> =
             $crate::hierarchy::Aligned(*include_bytes!($path));
-        $crate::hierarchy::Baked::new(&BYTES.0)
+        $crate::hierarchy::StaticBvh::new(&BYTES.0)
     }};
 }

@@ -1,4 +1,4 @@
-//! Thin slabs: that they bound what is below them, and no more than that; that damaged ones are refused; that
+//! NormalSlabs slabs: that they bound what is below them, and no more than that; that damaged ones are refused; that
 //! they change no verdict; and what they spare.
 
 use crate::support::data::{Approach, MeshData, notice, suite_step};
@@ -8,21 +8,21 @@ use crate::support::shapes;
 use crate::{Line, aligned, pairs_that_meet};
 use alloc::collections::BTreeSet;
 use simdop::construct::{Builder, Mesh, Splitter};
-use simdop::hierarchy::{BakeError, Bvh, BvhRef, Header, Lane};
+use simdop::hierarchy::{Bvh, BvhRef, FormatError, Header, Lane};
 use simdop::isa::Isa;
-use simdop::node::{Link, Node4, Node16, ThinSlab};
+use simdop::node::{Link, Node4, Node16, NormalSlab};
 use simdop::pose::Pose;
 use simdop::query::{Lanes, Query};
 
 fn build<N: Lanes>(builder: Builder, mesh: &MeshData) -> Bvh<N> {
-    builder.build(&Mesh { vertices: &mesh.vertices, triangles: &mesh.triangles }).unwrap()
+    builder.build_as(&Mesh { vertices: &mesh.vertices, triangles: &mesh.triangles }).unwrap()
 }
 
 /// A lane in use, its slab, and the primitives below it by their indices in leaf order.
 struct Volume {
     node: u32,
     lane: usize,
-    slab: ThinSlab,
+    slab: NormalSlab,
     below: Vec<u32>,
 }
 
@@ -36,11 +36,11 @@ fn volumes<N: Lanes>(tree: &BvhRef<'_, N>) -> Vec<Volume> {
             below[node as usize * N::ARITY + lane].extend(first..first + count);
         }
     }
-    assert_eq!(tree.thin_slabs().len(), places);
+    assert_eq!(tree.normal_slabs().len(), places);
     let volume = |(place, below): (usize, Vec<u32>)| Volume {
         node: (place / N::ARITY) as u32,
         lane: place % N::ARITY,
-        slab: tree.thin_slabs()[place],
+        slab: tree.normal_slabs()[place],
         below,
     };
     below.into_iter().enumerate().map(volume).filter(|v| !v.below.is_empty()).collect()
@@ -138,7 +138,7 @@ fn edited<N: Lanes>(tree: &Bvh<N>, at: usize, edit: impl FnOnce(u64) -> u64) -> 
     lines
 }
 
-fn tree_in<N: Lanes>(lines: &[Line]) -> Result<BvhRef<'_, N>, BakeError> {
+fn tree_in<N: Lanes>(lines: &[Line]) -> Result<BvhRef<'_, N>, FormatError> {
     // Less the spare line.
     BvhRef::from_bytes(bytemuck::cast_slice(&lines[..lines.len() - 1]))
 }
@@ -162,7 +162,7 @@ fn thinner_is_refused<N: Lanes>(meshes: &[MeshData]) {
             for (end, edit) in edits.into_iter().enumerate() {
                 let lines = edited(&owned, place(&tree, node, lane), edit);
                 let thin = tree_in::<N>(&lines).unwrap();
-                let ends = thin.thin_slabs()[node as usize * N::ARITY + lane].ends();
+                let ends = thin.normal_slabs()[node as usize * N::ARITY + lane].ends();
                 assert!(if end == 0 { ends[0] > slab.ends()[0] } else { ends[1] < slab.ends()[1] });
                 let beyond = |p: u32| {
                     let [low, high] = supports(&thin, slab.normal(), p);
@@ -222,8 +222,8 @@ fn bad_bits_are_refused<N: Lanes>(mesh: &MeshData) {
         let at = place(&tree, node, lane);
         for (mask, bits) in bad {
             let lines = edited(&owned, at, |was| was & !mask | bits);
-            let problem = "a thin slab has no direction, or no thickness";
-            let want = BakeError::Node { node, lane: lane as u32, problem };
+            let problem = "a normal slab has no direction, or no thickness";
+            let want = FormatError::Node { node, lane: lane as u32, problem };
             assert_eq!(tree_in::<N>(&lines).err(), Some(want), "{bits:x}");
         }
         for (mask, bits) in good {
@@ -239,14 +239,14 @@ fn bits_that_are_no_slab_are_refused() {
     for_each_node!(bad_bits_are_refused(&mesh));
 }
 
-/// Where the flag of thin slabs is in the header.
-const FLAG: usize = core::mem::offset_of!(Header, has_thin_slabs);
+/// Where the flag of normal slabs is in the header.
+const FLAG: usize = core::mem::offset_of!(Header, has_normal_slabs);
 
 #[test]
 fn the_flag_must_be_true() {
     let mesh = shapes::torus(8, 6);
     let with = build::<Node16<18>>(Builder::new(), &mesh);
-    let without = build::<Node16<18>>(Builder::new().without_thin_slabs(), &mesh);
+    let without = build::<Node16<18>>(Builder::new().without_normal_slabs(), &mesh);
     let need = |tree: &Bvh<Node16<18>>| tree.as_bytes().len();
     assert!(need(&without) < need(&with));
     let flagged = |tree: &Bvh<Node16<18>>, was: u8, flag: u8| {
@@ -257,15 +257,15 @@ fn the_flag_must_be_true() {
         tree_in::<Node16<18>>(&lines).err()
     };
     let (have, shorter) = (need(&with), need(&without));
-    assert_eq!(flagged(&with, 1, 0), Some(BakeError::TooLong { have, need: shorter }));
-    assert_eq!(flagged(&without, 0, 1), Some(BakeError::Truncated { have: shorter, need: have }));
-    assert_eq!(flagged(&with, 1, 2), Some(BakeError::Header { field: "has_thin_slabs" }));
-    let slabs = size_of_val(with.view().thin_slabs());
+    assert_eq!(flagged(&with, 1, 0), Some(FormatError::TooLong { have, need: shorter }));
+    assert_eq!(flagged(&without, 0, 1), Some(FormatError::Truncated { have: shorter, need: have }));
+    assert_eq!(flagged(&with, 1, 2), Some(FormatError::Header { field: "has_normal_slabs" }));
+    let slabs = size_of_val(with.view().normal_slabs());
     let lines = aligned(with.as_bytes());
     for end in [0, 8, slabs - 8, slabs] {
         let cut = 128 + size_of_val(with.view().nodes()) + end;
         let error = BvhRef::<Node16<18>>::from_bytes(&bytemuck::cast_slice(&lines)[..cut]).err();
-        assert_eq!(error, Some(BakeError::Truncated { have: cut, need: have }));
+        assert_eq!(error, Some(FormatError::Truncated { have: cut, need: have }));
     }
 }
 
@@ -273,13 +273,13 @@ fn the_flag_must_be_true() {
 fn less_the_slabs<N: Lanes>(meshes: &[MeshData]) {
     for mesh in meshes {
         let with = build::<N>(Builder::new(), mesh);
-        let without = build::<N>(Builder::new().without_thin_slabs(), mesh);
+        let without = build::<N>(Builder::new().without_normal_slabs(), mesh);
         without.view().verify().unwrap();
-        assert_eq!(without.view().thin_slabs(), []);
+        assert_eq!(without.view().normal_slabs(), []);
         let (stats, other) = (with.view().stats(), without.view().stats());
-        assert_eq!(stats.thin_slab_bytes, 8 * N::ARITY * stats.nodes);
-        assert_eq!((other.thin_slab_bytes, other.node_bytes), (0, stats.node_bytes));
-        let slabs = 128 + stats.node_bytes..128 + stats.node_bytes + stats.thin_slab_bytes;
+        assert_eq!(stats.normal_slab_bytes, 8 * N::ARITY * stats.nodes);
+        assert_eq!((other.normal_slab_bytes, other.node_bytes), (0, stats.node_bytes));
+        let slabs = 128 + stats.node_bytes..128 + stats.node_bytes + stats.normal_slab_bytes;
         let mut expected = with.as_bytes().to_vec();
         expected.drain(slabs);
         expected[FLAG] = 0;
@@ -352,7 +352,7 @@ fn visits<N: Lanes>(tree: &Bvh<N>, poses: &[Pose]) -> u64 {
     let visits = |pose: &Pose| {
         let answer = query.collide(tree, tree, pose);
         assert!(answer.is_free());
-        answer.counters.visits
+        answer.stats.visits
     };
     poses.iter().map(visits).sum()
 }
@@ -362,7 +362,7 @@ fn near_tori(n: u32) -> [u64; 2] {
     let mesh = wavy_torus(n);
     let builder = Builder::fast();
     let with = build::<Node16<18>>(builder, &mesh);
-    let without = build::<Node16<18>>(builder.without_thin_slabs(), &mesh);
+    let without = build::<Node16<18>>(builder.without_normal_slabs(), &mesh);
     let poses = poses(&mesh, &with, 1e-3, 40);
     let found = [visits(&with, &poses), visits(&without, &poses)];
     println!(
@@ -392,21 +392,21 @@ fn near_smooth_bodies_take_half_the_visits() {
 fn answers_agree<N: Lanes>(mesh: &MeshData) {
     let builder = Builder::new().splitter(Splitter::ExtendedLongestAxis);
     let with = build::<N>(builder, mesh);
-    let without = build::<N>(builder.without_thin_slabs(), mesh);
+    let without = build::<N>(builder.without_normal_slabs(), mesh);
     let (mut long, mut spared) = (0, 0);
     for (gap, margin) in [(1e-3, 0.0), (1e-3, 2e-3), (-1e-3, 1e-4), (-2e-2, 1e-4)] {
         for pose in poses(mesh, &with, gap, 8 / suite_step()) {
             let (want, without_slabs) = pairs_that_meet(Query::new(Isa::SCALAR), &without, &without, &pose);
             assert_eq!(want.is_empty(), gap > 0.0);
             for (a, b) in [(&with, &with), (&with, &without), (&without, &with)] {
-                let (found, counters) = pairs_that_meet(Query::new(Isa::SCALAR), a, b, &pose);
+                let (found, stats) = pairs_that_meet(Query::new(Isa::SCALAR), a, b, &pose);
                 assert_eq!(found, want, "k {} arity {}: {pose:?}", N::K, N::ARITY);
                 let both = core::ptr::eq(a, b);
                 if !both {
-                    assert_eq!(counters, without_slabs, "slabs are asked where both trees have them");
+                    assert_eq!(stats, without_slabs, "slabs are asked where both trees have them");
                 }
-                long += usize::from(both && counters.visits > 100);
-                spared += usize::from(counters.visits < without_slabs.visits);
+                long += usize::from(both && stats.visits > 100);
+                spared += usize::from(stats.visits < without_slabs.visits);
                 let margin = margin * mesh.diagonal();
                 let near = Query::new(Isa::SCALAR).within(a, b, &pose, margin).unwrap();
                 let expected = Query::new(Isa::SCALAR).within(&without, &without, &pose, margin).unwrap();
@@ -414,11 +414,11 @@ fn answers_agree<N: Lanes>(mesh: &MeshData) {
                 for isa in Isa::available() {
                     assert_eq!(
                         pairs_that_meet(Query::new(isa), a, b, &pose),
-                        (found.clone(), counters),
+                        (found.clone(), stats),
                         "{isa:?}"
                     );
                     let on = Query::new(isa).within(a, b, &pose, margin).unwrap();
-                    assert_eq!((on.verdict, on.counters), (near.verdict, near.counters), "{isa:?}");
+                    assert_eq!((on.verdict, on.stats), (near.verdict, near.stats), "{isa:?}");
                 }
             }
         }

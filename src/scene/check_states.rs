@@ -9,7 +9,7 @@ use crate::isa::on_isa;
 use crate::kernel::Kernel;
 use crate::node::{Aabb16, Box3};
 use crate::pose::Pose;
-use crate::query::{Completion, Counters, Lanes, Query, Verdict};
+use crate::query::{Completion, Lanes, Query, QueryStats, Verdict};
 
 /// What it cost to ask about many configurations.
 #[must_use = "a query has no other effect than its answer"]
@@ -20,12 +20,12 @@ pub struct ConfigurationsAnswer {
     /// Pairs of bodies that were asked about, once for each configuration.
     pub pairs: u64,
     /// The work for these pairs.
-    pub counters: Counters,
+    pub stats: QueryStats,
 }
 
 impl ConfigurationsAnswer {
     fn new() -> Self {
-        Self { completion: Completion::Complete, pairs: 0, counters: Counters::default() }
+        Self { completion: Completion::Complete, pairs: 0, stats: QueryStats::default() }
     }
 }
 
@@ -40,7 +40,7 @@ impl<'t, N: Lanes> Scene<'t, N> {
     /// # Errors
     /// [`SceneError`]: a body that is not there, or is attached; a number of poses that is none of configurations
     /// ([`SceneError::Motion`]); too few boxes or words ([`SceneError::Configurations`]); a pose that can be none of a scene.
-    pub fn free_configurations(
+    pub fn check_states(
         &mut self,
         query: &Query,
         moving: &[BodyId],
@@ -59,7 +59,7 @@ impl<'t, N: Lanes> Scene<'t, N> {
     /// configurations.
     ///
     /// # Errors
-    /// As [`Scene::free_configurations`].
+    /// As [`Scene::check_states`].
     #[cfg(feature = "alloc")]
     pub fn free_configurations_on_threads(
         &mut self,
@@ -85,7 +85,7 @@ impl<'t, N: Lanes> Scene<'t, N> {
             Ok(ConfigurationsAnswer {
                 completion: if is_complete { all.completion } else { answer.completion },
                 pairs: all.pairs + answer.pairs,
-                counters: all.counters.and(&answer.counters),
+                stats: all.stats.and(&answer.stats),
             })
         })
     }
@@ -182,10 +182,9 @@ impl<N: Lanes> Sixteen<'_, '_, '_, N> {
                     let [mut a, mut b] = [Pose::IDENTITY; 2];
                     let a = self.world(pair.a as usize, lane, &mut a)?;
                     let b = self.world(pair.b as usize, lane, &mut b)?;
-                    let found =
-                        self.scene.ask_within_at(&query.after(&answer.counters), pair, [a, b], 0.0)?;
+                    let found = self.scene.ask_within_at(&query.after(&answer.stats), pair, [a, b], 0.0)?;
                     answer.pairs += 1;
-                    answer.counters = answer.counters.and(&found.counters);
+                    answer.stats = answer.stats.and(&found.stats);
                     match found.verdict {
                         Verdict::Free => {}
                         Verdict::Hit(_) => {

@@ -1,4 +1,4 @@
-//! Which children lie beyond a primitive's own slab is the same on every instruction set; and of a real tree
+//! Which children lie beyond a primitive's primitive slab is the same on every instruction set; and of a real tree
 //! those that do are beyond the triangle along the slab's direction, decided exactly.
 #![no_main]
 
@@ -8,13 +8,13 @@ mod support;
 use libfuzzer_sys::fuzz_target;
 use simdop::hierarchy::BvhRef;
 use simdop::isa::Scalar;
-use simdop::kernel::Kernel;
+use simdop::low_level::kernel::Kernel;
+use simdop::low_level::realign::{PrimitiveSlab, primitive_slabs};
 use simdop::node::{Child, Link, Node4, Node16};
 use simdop::pose::Pose;
 use simdop::primitive::{Primitive, Triangles};
 use simdop::query::Lanes;
 use simdop::range::{MIN_COORDINATE, Point};
-use simdop::realign::{OwnSlab, own_slabs};
 use simdop_fuzz::bodies::{Body, bodies, pose, small_body};
 use simdop_fuzz::planes::{float, narrow, pair, wide};
 use simdop_fuzz::{Input, Mode, for_k, on_every_isa};
@@ -74,7 +74,7 @@ fn what_is_beyond_is_apart<const K: usize>(
     let extent = detail.map_or_else(|| view.extent(), |detail| detail.extent());
     let four = narrow(node.planes.map(|p| [p[0], p[1], p[2], p[3]]));
     let directions = Triangles::own_directions(&triangle);
-    for (s, slab) in own_slabs::<Triangles, K>(&triangle, margin, &extent, placed).iter().enumerate() {
+    for (s, slab) in primitive_slabs::<Triangles, K>(&triangle, margin, &extent, placed).iter().enumerate() {
         kernels_agree(slab, node, &four);
         let beyond = Scalar::new().beyond_16(slab, node);
         for (lane, child) in node.child.iter().enumerate().filter(|(lane, _)| beyond >> lane & 1 != 0) {
@@ -117,7 +117,7 @@ where
     }
 }
 
-fn kernels_agree<const K: usize>(slab: &OwnSlab, wide: &Node16<K>, narrow: &Node4<K>) {
+fn kernels_agree<const K: usize>(slab: &PrimitiveSlab, wide: &Node16<K>, narrow: &Node4<K>) {
     let want = (Scalar::new().beyond_16(slab, wide), Scalar::new().beyond_4(slab, narrow));
     on_every_isa!(kernel => {
         let got = (kernel.beyond_16(slab, wide), kernel.beyond_4(slab, narrow));
@@ -126,8 +126,8 @@ fn kernels_agree<const K: usize>(slab: &OwnSlab, wide: &Node16<K>, narrow: &Node
 }
 
 /// A slab with anything in it.
-fn any_slab(input: &mut Input, mode: Mode, k: u8) -> OwnSlab {
-    OwnSlab {
+fn any_slab(input: &mut Input, mode: Mode, k: u8) -> PrimitiveSlab {
+    PrimitiveSlab {
         sources: [(); 3].map(|()| input.u8() % k),
         weights: [(); 3].map(|()| float(input, mode)),
         limits: [(); 2].map(|()| float(input, mode)),

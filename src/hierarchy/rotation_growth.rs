@@ -14,7 +14,7 @@ const LEVELS: usize = 3;
 /// geometric mean. Unbounded planes are not counted.
 ///
 /// In `f32` and in one order, so that it is the same number on every machine.
-pub(crate) fn looseness<N: Dop>(nodes: &[N]) -> f32 {
+pub(crate) fn rotation_growth<N: Dop>(nodes: &[N]) -> f32 {
     let (mut product, mut levels) = (1.0, 0);
     let (mut begin, mut end) = (0, 1);
     while levels < LEVELS && begin < end {

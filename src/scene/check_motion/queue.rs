@@ -1,15 +1,15 @@
 //! Pairs of bodies that wait, each for an interval of time.
 
-/// Two bodies that are asked about in an interval of time. To be lent: [`EdgePair::EMPTY`].
+/// Two bodies that are asked about in an interval of time. To be lent: [`MotionHit::EMPTY`].
 #[derive(Copy, Clone, Debug)]
-pub struct EdgePair {
+pub struct MotionHit {
     pub(super) a: u32,
     pub(super) b: u32,
     /// The root of a binary tree of intervals is 1, and the halves of i are 2 i and 2 i + 1.
     pub(super) interval: u32,
 }
 
-impl EdgePair {
+impl MotionHit {
     /// No pair.
     pub const EMPTY: Self = Self { a: 0, b: 0, interval: 0 };
 }
@@ -31,14 +31,14 @@ impl Interval {
 }
 
 /// Pairs that wait, first in first out.
-pub(super) struct EdgeQueue<'m> {
-    ring: &'m mut [EdgePair],
+pub(super) struct MotionQueue<'m> {
+    ring: &'m mut [MotionHit],
     first: usize,
     pub(super) len: usize,
 }
 
-impl<'m> EdgeQueue<'m> {
-    pub(super) const fn new(ring: &'m mut [EdgePair]) -> Self {
+impl<'m> MotionQueue<'m> {
+    pub(super) const fn new(ring: &'m mut [MotionHit]) -> Self {
         Self { ring, first: 0, len: 0 }
     }
 
@@ -47,7 +47,7 @@ impl<'m> EdgeQueue<'m> {
         if at < self.ring.len() { at } else { at - self.ring.len() }
     }
 
-    pub(super) fn push(&mut self, pair: EdgePair) -> bool {
+    pub(super) fn push(&mut self, pair: MotionHit) -> bool {
         if self.len == self.ring.len() {
             return false;
         }
@@ -58,7 +58,7 @@ impl<'m> EdgeQueue<'m> {
     }
 
     /// The first, if it is about this interval.
-    pub(super) fn pop_of(&mut self, interval: u32) -> Option<EdgePair> {
+    pub(super) fn pop_of(&mut self, interval: u32) -> Option<MotionHit> {
         let first = self.get(0).filter(|pair| pair.interval == interval)?;
         self.first = self.at(1);
         self.len -= 1;
@@ -73,7 +73,7 @@ impl<'m> EdgeQueue<'m> {
         self.len = 0;
     }
 
-    pub(super) fn get(&self, i: usize) -> Option<EdgePair> {
+    pub(super) fn get(&self, i: usize) -> Option<MotionHit> {
         (i < self.len).then(|| self.ring[self.at(i)])
     }
 }

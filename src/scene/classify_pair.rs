@@ -1,14 +1,14 @@
 //! Pairs of bodies over all that a robot can do: those that never meet, and those that always do.
 //!
 //! A box of values of the joints is asked about at its middle. No point of one body gets nearer to one of the other, anywhere in
-//! the box, than it is there by more than [`Motion::path_between`] says of the way along the box's diagonal, which heeds each
+//! the box, than it is there by more than [`Motion::motion_bound_between`] says of the way along the box's diagonal, which heeds each
 //! joint's share by itself. So two bodies that are farther apart at the middle are free in all of the box, and two whose
 //! triangles cross deeper meet in all of it. A box of which neither holds is halved, along the joint whose share is greatest.
 
 use super::ask::AskedPair;
-use super::edge::path_of_pair;
+use super::check_motion::motion_bound_of_pair;
 use super::{BodyId, BodyTree, Scene, SceneError};
-use crate::motion::{Kinematics, LinkFrame, Motion, StraightMotion};
+use crate::motion::{JointMotion, Kinematics, LinkFrame, Motion};
 use crate::node::Dop;
 use crate::pose::Pose;
 use crate::primitive::triangle::deep::cross_after;
@@ -21,7 +21,7 @@ use core::ops::ControlFlow;
 
 /// Whether two bodies meet, over all values of the joints within their limits.
 #[derive(Copy, Clone, PartialEq, Eq, Hash, Debug)]
-pub enum PairFate {
+pub enum PairClass {
     /// At no values: the pair need not be asked.
     Never,
     /// At all values.
@@ -36,7 +36,7 @@ pub enum PairFate {
 #[derive(Clone, PartialEq, Debug)]
 pub struct PairReport {
     /// The verdict.
-    pub fate: PairFate,
+    pub fate: PairClass,
     /// Values at which the two meet, if any were seen.
     pub meeting: Option<Vec<f64>>,
     /// Values at which they do not.
@@ -53,8 +53,8 @@ impl<N: Lanes> Scene<'_, N> {
     /// where they are. At most `boxes` boxes of values are asked about.
     ///
     /// # Errors
-    /// [`SceneError`]: as [`Scene::edge`], [`SceneError::NoPair`] of a body and itself, and [`SceneError::TwoClouds`].
-    pub fn pair_fate(
+    /// [`SceneError`]: as [`Scene::check_motion`], [`SceneError::NoPair`] of a body and itself, and [`SceneError::TwoClouds`].
+    pub fn classify_pair(
         &mut self,
         query: &Query,
         moving: &[BodyId],
@@ -68,14 +68,14 @@ impl<N: Lanes> Scene<'_, N> {
         let leaves =
             [i, j].map(|i| self.memory.slots[i].body.map_or_else(Vec::new, |body| leaves(&body.tree)));
         let links = vec![LinkFrame::EMPTY; robot.links()];
-        let search = FateSearch { scene: self, query, moving, robot, pair: [i, j], poses, links, leaves };
+        let search = ClassSearch { scene: self, query, moving, robot, pair: [i, j], poses, links, leaves };
         let report = search.run(boxes);
         self.place_all(moving, before)?;
         report
     }
 }
 
-struct FateSearch<'s, 't, 'm, N> {
+struct ClassSearch<'s, 't, 'm, N> {
     scene: &'s mut Scene<'t, N>,
     query: &'m Query,
     moving: &'m [BodyId],
@@ -86,12 +86,12 @@ struct FateSearch<'s, 't, 'm, N> {
     leaves: [Vec<u32>; 2],
 }
 
-impl<N: Lanes> FateSearch<'_, '_, '_, N> {
+impl<N: Lanes> ClassSearch<'_, '_, '_, N> {
     fn run(mut self, most: usize) -> Result<PairReport, SceneError> {
         let limits = self.robot.limits();
         let whole = [0, 1].map(|end| limits.iter().map(|limits| limits[end]).collect::<Vec<f64>>());
         let mut waiting = VecDeque::from([whole]);
-        let mut report = PairReport { fate: PairFate::Undecided, meeting: None, free: None, boxes: 0 };
+        let mut report = PairReport { fate: PairClass::Undecided, meeting: None, free: None, boxes: 0 };
         while let Some(values) = waiting.pop_front() {
             if report.boxes == most {
                 return Ok(report);
@@ -104,13 +104,13 @@ impl<N: Lanes> FateSearch<'_, '_, '_, N> {
                 *seen = Some(middle(&values));
             }
             if report.meeting.is_some() && report.free.is_some() {
-                return Ok(PairReport { fate: PairFate::Sometimes, ..report });
+                return Ok(PairReport { fate: PairClass::Sometimes, ..report });
             }
             let widest = self.widest(&values)?;
             let is_everywhere = if is_meeting {
                 widest.is_none() || self.meets_after(&values)?
             } else {
-                let path = self.path(&values, 0.0)?;
+                let path = self.motion_bound(&values, 0.0)?;
                 path.is_finite() && !self.is_within(path)?
             };
             match widest {
@@ -119,7 +119,7 @@ impl<N: Lanes> FateSearch<'_, '_, '_, N> {
                 None => return Ok(report),
             }
         }
-        let fate = if report.meeting.is_some() { PairFate::Always } else { PairFate::Never };
+        let fate = if report.meeting.is_some() { PairClass::Always } else { PairClass::Never };
         Ok(PairReport { fate, ..report })
     }
 
@@ -127,31 +127,31 @@ impl<N: Lanes> FateSearch<'_, '_, '_, N> {
     fn go_to_middle(&mut self, values: &Values) -> Result<(), SceneError> {
         let mut now = vec![0.0; values[0].len()];
         let ends = [&*values[0], &*values[1]];
-        StraightMotion::new(self.robot, ends, &mut now, &mut self.links)?.go_to(0.5, self.poses)?;
+        JointMotion::new(self.robot, ends, &mut now, &mut self.links)?.go_to(0.5, self.poses)?;
         self.scene.place_all(self.moving, self.poses)
     }
 
     /// How much nearer the bodies, and what is at most `beyond` away from the balls around them, can come to each other in a box
     /// than they are at its middle, where they stand.
-    fn path(&mut self, values: &Values, beyond: f64) -> Result<f64, SceneError> {
+    fn motion_bound(&mut self, values: &Values, beyond: f64) -> Result<f64, SceneError> {
         let mut now = vec![0.0; values[0].len()];
         let ends = [&*values[0], &*values[1]];
-        let mut motion = StraightMotion::new(self.robot, ends, &mut now, &mut self.links)?;
+        let mut motion = JointMotion::new(self.robot, ends, &mut now, &mut self.links)?;
         motion.go_to(0.5, self.poses)?;
         let slots = self.pair.map(|i| &self.scene.memory.slots[i]);
-        Ok(path_of_pair(&motion, slots, beyond, 0.5))
+        Ok(motion_bound_of_pair(&motion, slots, beyond, 0.5))
     }
 
     /// The variable that moves the bodies most, as one sees the other. `None` if none does.
     fn widest(&mut self, values: &Values) -> Result<Option<usize>, SceneError> {
         let middle = middle(values);
         let mut line = [middle.clone(), middle.clone()];
-        let (mut most, mut widest) = (self.path(&line, 0.0)?, None);
+        let (mut most, mut widest) = (self.motion_bound(&line, 0.0)?, None);
         for variable in 0..middle.len() {
             for (end, values) in line.iter_mut().zip(values) {
                 end[variable] = values[variable];
             }
-            let path = self.path(&line, 0.0)?;
+            let path = self.motion_bound(&line, 0.0)?;
             for end in &mut line {
                 end[variable] = middle[variable];
             }
@@ -166,7 +166,7 @@ impl<N: Lanes> FateSearch<'_, '_, '_, N> {
     fn meets_after(&mut self, values: &Values) -> Result<bool, SceneError> {
         let [a, b] = self.pair.map(|i| &self.scene.memory.slots[i]);
         // Where they meet, a primitive of one may reach beyond the ball of the other.
-        let moved = self.path(values, 2.0 * (a.size.whole_reach() + b.size.whole_reach()))?;
+        let moved = self.motion_bound(values, 2.0 * (a.size.whole_reach() + b.size.whole_reach()))?;
         let [a, b] = self.pair.map(|i| &self.scene.memory.slots[i]);
         let asked = AskedPair::new([a, b], [&a.world, &b.world]);
         if asked.radii > 0.0 {

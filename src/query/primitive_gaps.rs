@@ -1,5 +1,5 @@
 //! A leaf that waits for the other tree, in a search for the nearest: how far that tree's nodes lie beyond slabs of its
-//! primitive's own ([`crate::realign::own_slabs`]).
+//! primitive's own ([`crate::realign::primitive_slabs`]).
 //!
 //! The k-DOP of a large triangle holds all of a small body beside it, whose volumes are then at no distance from it. Along
 //! the triangle's own directions n they are, by the limit of the slab less the child's weighted sum, in steps of the child's
@@ -12,20 +12,20 @@ use super::entries::weight;
 use super::frames::extent_of;
 use super::frontier::Opened;
 use super::nearest::{Goal, Search};
-use super::{Lanes, Pairwise};
+use super::{Lanes, PrimitivePair};
 use crate::exact::power_of_two;
-use crate::frame::Extent;
+use crate::frame::BodyBounds;
 use crate::node::Link;
 use crate::pose::Pose;
 use crate::primitive::{OWN_DIRECTIONS, Primitive};
 use crate::range::Point;
-use crate::realign::{OwnSlab, OwnSlabs, shrinkage};
+use crate::realign::{PrimitiveSlab, PrimitiveSlabs, shrinkage};
 use crate::vector::dot;
 
 /// What bounds how far children of the other tree's nodes are from a primitive.
 #[derive(Copy, Clone, Debug)]
-pub struct OwnGaps {
-    slabs: OwnSlabs,
+pub struct PrimitiveGaps {
+    slabs: PrimitiveSlabs,
     /// What takes gaps along the slabs into distances in the unit of the bounds: 0 for a slab that is not used.
     factors: [f32; OWN_DIRECTIONS],
     /// Whether a slab is at a right angle to the first.
@@ -40,14 +40,14 @@ const RIGHT_ANGLE: f64 = power_of_two(-44);
 /// twice this.
 const SLACK: f64 = 1.0 - power_of_two(-20);
 
-impl OwnGaps {
+impl PrimitiveGaps {
     /// Of a primitive and nodes of a body of extent `others`, whose steps `growth` takes into the unit of the bounds. The
-    /// rest is as for [`crate::realign::own_slabs`].
+    /// rest is as for [`crate::realign::primitive_slabs`].
     #[inline(always)]
     fn new<N: Lanes, P: Primitive>(
         item: &P::Item,
         margin: f64,
-        others: &Extent,
+        others: &BodyBounds,
         pose: Option<&Pose>,
         growth: f32,
     ) -> Self {
@@ -64,7 +64,7 @@ impl OwnGaps {
             #[inline(always)]
             |other| are_at_right_angles(&n[0], &other),
         );
-        Self { slabs: N::own_slabs::<P>(item, margin, others, pose), factors, is_upright }
+        Self { slabs: N::primitive_slabs::<P>(item, margin, others, pose), factors, is_upright }
     }
 
     /// Squares of distances from the primitive that each child of a node with these codes has at least.
@@ -90,9 +90,13 @@ fn are_at_right_angles(n: &Point, m: &Point) -> bool {
     product * product <= RIGHT_ANGLE * (dot(n, n) * dot(m, m))
 }
 
-/// Squares of how far the children lie beyond a slab, on either side: [`OwnSlab::is_beyond`], operation by operation.
+/// Squares of how far the children lie beyond a slab, on either side: [`PrimitiveSlab::is_beyond`], operation by operation.
 #[inline(always)]
-fn gaps_of<const W: usize, const K: usize>(slab: &OwnSlab, factor: f32, codes: &[[i16; W]; K]) -> [f32; W] {
+fn gaps_of<const W: usize, const K: usize>(
+    slab: &PrimitiveSlab,
+    factor: f32,
+    codes: &[[i16; W]; K],
+) -> [f32; W] {
     let [p, q, r] = slab.sources.map(usize::from);
     let [u, v, w] = slab.weights;
     let mut squares = [0.0; W];
@@ -114,13 +118,13 @@ const WORTH_RAISING: usize = 16;
 /// A margin is most often decided by the first pair of primitives, after fewer visits than this.
 const FIRST_VISITS: u64 = 12;
 
-impl<N: Lanes, P: Pairwise<Q>, Q: Primitive> Search<'_, N, P, Q> {
+impl<N: Lanes, P: PrimitivePair<Q>, Q: Primitive> Search<'_, N, P, Q> {
     /// Raises the bounds of a step where a leaf waits that is wider than the node which was opened. Of bodies of like size,
     /// that is without widths, these are too few to pay for being looked for.
     #[inline(always)]
     pub(super) fn raise(&mut self, step: &mut Opened) {
         let first_visits = if let Goal::Within { .. } = self.goal { FIRST_VISITS } else { 0 };
-        if self.counters.visits < first_visits {
+        if self.stats.visits < first_visits {
             return;
         }
         let (leaf, node, widths) = match (step.a.child.link(), step.b.child.link()) {
@@ -136,7 +140,7 @@ impl<N: Lanes, P: Pairwise<Q>, Q: Primitive> Search<'_, N, P, Q> {
         {
             return;
         }
-        let gaps = match self.own_gaps {
+        let gaps = match self.primitive_gaps {
             Some((last, gaps)) if last == leaf => gaps,
             _ => {
                 let Bounds::Near(near) = &self.bounds else { return };
@@ -145,16 +149,16 @@ impl<N: Lanes, P: Pairwise<Q>, Q: Primitive> Search<'_, N, P, Q> {
                     Cutter::A(_) => {
                         let others = extent_of(&self.b, detail_b);
                         let item = &self.leaf.items(&self.a, self.pose, step.a.child)[0];
-                        OwnGaps::new::<N, P>(item, 0.0, &others, None, near.growth_in(&others.frame))
+                        PrimitiveGaps::new::<N, P>(item, 0.0, &others, None, near.growth_in(&others.frame))
                     }
                     Cutter::B(index) => {
                         let others = extent_of(&self.a, detail_a);
                         let (item, margin) = (&self.b.primitive(index), shrinkage::<P>(self.pose, &others));
                         let growth = near.growth_in(&others.frame);
-                        OwnGaps::new::<N, Q>(item, margin, &others, Some(self.pose), growth)
+                        PrimitiveGaps::new::<N, Q>(item, margin, &others, Some(self.pose), growth)
                     }
                 };
-                self.own_gaps = Some((leaf, gaps));
+                self.primitive_gaps = Some((leaf, gaps));
                 gaps
             }
         };
@@ -177,7 +181,7 @@ mod tests {
     const W: usize = 16;
 
     /// Sixteen small triangles about a place: the extent of a body of them, and their planes.
-    fn small_body(centre: Point, size: f64, rng: &mut Rng) -> ([Triangle; W], Extent, [[i16; W]; K]) {
+    fn small_body(centre: Point, size: f64, rng: &mut Rng) -> ([Triangle; W], BodyBounds, [[i16; W]; K]) {
         let corner = |rng: &mut Rng| centre.map(|c| c + size * rng.range(-1.0, 1.0));
         let items = [(); W].map(|()| [corner(rng), corner(rng), corner(rng)]);
         let corners = items.as_flattened();
@@ -196,8 +200,13 @@ mod tests {
         let coordinates = corners.iter().flatten().chain(&frame.centre).fold(0.0, |m: f64, x| m.max(x.abs()));
         let half_width =
             [0, 1, 2].map(|i| ((max[i] - min[i]) * 0.5 * frame.scale() * (1.0 + 1e-6)) as f32 + 1e-3);
-        let extent =
-            Extent { frame, max_coordinate: coordinates, radius: 2.0 * size, half_width, max_plane: 32768.0 };
+        let extent = BodyBounds {
+            frame,
+            max_coordinate: coordinates,
+            radius: 2.0 * size,
+            half_width,
+            max_plane: 32768.0,
+        };
         (items, extent, codes)
     }
 
@@ -244,13 +253,17 @@ mod tests {
             let (large, pose) =
                 if i % 2 == 0 { (large, None) } else { (large.map(|p| pose.apply(p)), Some(&pose)) };
             let growth = 0.25_f32;
-            let gaps = OwnGaps::new::<Node16<K>, Triangles>(&large, 0.0, &extent, pose, growth);
+            let gaps = PrimitiveGaps::new::<Node16<K>, Triangles>(&large, 0.0, &extent, pose, growth);
             let unit = f64::from(growth) * extent.frame.scale();
             for (item, bound) in items.iter().zip(gaps.bounds(&codes)) {
                 let placed = pose.map_or(*item, |pose| Triangles::moved(item, pose));
-                let Some(pair) =
-                    <Triangles as Pairwise<Triangles>>::nearer(&placed, &large, f64::INFINITY, 0.0, &mut 0)
-                else {
+                let Some(pair) = <Triangles as PrimitivePair<Triangles>>::nearer(
+                    &placed,
+                    &large,
+                    f64::INFINITY,
+                    0.0,
+                    &mut 0,
+                ) else {
                     unreachable!("no limit, no pair")
                 };
                 let distance = pair.upper * unit;

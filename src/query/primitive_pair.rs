@@ -11,7 +11,7 @@ use crate::primitive::{Primitive, Separation, Sphere, Spheres};
 ///
 /// Verdicts are exact for the primitives as given; `exact` is increased by 1 where a test needed more than
 /// `f64`.
-pub trait Pairwise<Other: Primitive>: Primitive {
+pub trait PrimitivePair<Other: Primitive>: Primitive {
     /// One primitive that is to be tested against many: what is computed of it once.
     type Probe<'t>;
 
@@ -43,7 +43,7 @@ pub trait Pairwise<Other: Primitive>: Primitive {
     ) -> Option<Separation>;
 }
 
-impl Pairwise<Self> for Triangles {
+impl PrimitivePair<Self> for Triangles {
     type Probe<'t> = Probe<'t>;
 
     #[inline(always)]
@@ -78,7 +78,7 @@ impl Pairwise<Self> for Triangles {
     }
 }
 
-impl Pairwise<Self> for Spheres {
+impl PrimitivePair<Self> for Spheres {
     type Probe<'t> = &'t Sphere;
 
     #[inline(always)]
@@ -108,7 +108,7 @@ impl Pairwise<Self> for Spheres {
     }
 }
 
-impl Pairwise<Triangles> for Spheres {
+impl PrimitivePair<Triangles> for Spheres {
     type Probe<'t> = &'t Sphere;
 
     #[inline(always)]
@@ -138,7 +138,7 @@ impl Pairwise<Triangles> for Spheres {
     }
 }
 
-impl Pairwise<Spheres> for Triangles {
+impl PrimitivePair<Spheres> for Triangles {
     type Probe<'t> = &'t Triangle;
 
     #[inline(always)]

@@ -4,7 +4,7 @@ use super::Query;
 
 /// The work of a query: the same on every instruction set.
 #[derive(Copy, Clone, PartialEq, Eq, Default, Debug)]
-pub struct Counters {
+pub struct QueryStats {
     /// Visits: pairs of nodes, or of a node and a leaf. The unit of the budget.
     pub visits: u64,
     /// Calls of overlap kernels, which test up to sixteen pairs of volumes each. A visit makes, at arity 16,
@@ -31,7 +31,7 @@ pub struct Counters {
     pub exact_pairs: u64,
 }
 
-impl Counters {
+impl QueryStats {
     /// The work of both.
     pub(crate) const fn and(&self, other: &Self) -> Self {
         Self {
@@ -51,7 +51,7 @@ impl Query {
     }
 
     /// With what is left of its budget after some work.
-    pub(crate) const fn after(&self, work: &Counters) -> Self {
+    pub(crate) const fn after(&self, work: &QueryStats) -> Self {
         self.with_budget(self.budget - work.visits)
     }
 }

@@ -2,39 +2,39 @@
 //! slabs ([`super::thin`]).
 
 use super::frontier::Side;
+use super::normal_gap::{AT_ONCE, NormalChild, NormalTest};
 use super::placing::Margin;
 use super::stack::{Descent, Stack, Visited};
-use super::thin::{AT_ONCE, ThinChild, ThinTest};
 use super::traverse::{Traversal, bits_of};
-use super::{Lanes, Pairwise};
+use super::{Lanes, PrimitivePair};
 use crate::kernel::Kernel;
-use crate::node::{Link, ThinSlab};
+use crate::node::{Link, NormalSlab};
 use crate::realign::shrinkage;
 
-/// What thin slabs are tested with, and how that went.
+/// What normal slabs are tested with, and how that went.
 #[derive(Default, Debug)]
-pub(super) struct Thin<'t> {
-    pub(super) test: Option<ThinTest<'t>>,
+pub(super) struct NormalSlabs<'t> {
+    pub(super) test: Option<NormalTest<'t>>,
     asked: u32,
     apart: u32,
 }
 
-/// Thin slabs are asked from this visit on: most queries are shorter, and of hits most pairs that wait are
+/// NormalSlabs slabs are asked from this visit on: most queries are shorter, and of hits most pairs that wait are
 /// never visited.
 pub(super) const LONG: u64 = 32;
-/// Thin slabs are given up when, after so many pairs, fewer than one in [`SHARE`] was apart.
+/// NormalSlabs slabs are given up when, after so many pairs, fewer than one in [`SHARE`] was apart.
 const TRIAL: u32 = 32;
 const SHARE: u32 = 4;
 
 impl<N, P, Q, E, M> Traversal<'_, N, P, Q, E, M>
 where
     N: Lanes,
-    P: Pairwise<Q>,
-    Q: Pairwise<P>,
+    P: PrimitivePair<Q>,
+    Q: PrimitivePair<P>,
     E: Kernel,
     M: Margin,
 {
-    /// Clears the bits of the last entry of the stack whose children are apart by their thin slabs. Each entry
+    /// Clears the bits of the last entry of the stack whose children are apart by their normal slabs. Each entry
     /// is looked at once, when it is its turn: of a hit most never are.
     #[inline(never)]
     pub(super) fn look_again(&mut self, stack: &mut Stack<'_>) {
@@ -56,7 +56,7 @@ where
         let (Link::Inner(node_a), Link::Inner(node_b)) = (volumes.a.link(), volumes.b.link()) else { return };
         let (a, b, pose, margin) = (self.a, self.b, self.placing.pose, self.margin.value());
         let is_a_turned = self.placing.turned == Side::A;
-        let (Some(slabs_a), Some(slabs_b)) = (a.thin_slabs_of(node_a), b.thin_slabs_of(node_b)) else {
+        let (Some(slabs_a), Some(slabs_b)) = (a.normal_slabs_of(node_a), b.normal_slabs_of(node_b)) else {
             return;
         };
         // Where it hardly ever separates, it is not asked any more.
@@ -75,7 +75,7 @@ where
             } else {
                 (extent_b, extent_a, shrinkage::<Q>(pose, &extent_b))
             };
-            ThinTest::new(pose, &of_a, &of_b, margin + shrinkage)
+            NormalTest::new(pose, &of_a, &of_b, margin + shrinkage)
         });
         let (node_a, node_b) = (&a.nodes()[node_a as usize], &b.nodes()[node_b as usize]);
         let (mut asked, mut found) = (0, 0);
@@ -86,9 +86,9 @@ where
                     .flat_map(|row| bits_of(rows.rows[row]).map(move |bit| (row, bit)));
                 let mut left = *rows;
                 loop {
-                    let none = ThinSlab::EVERYWHERE;
-                    let mut of_a = [ThinChild { node: node_a, lane: 0, slab: none }; AT_ONCE];
-                    let mut of_b = [ThinChild { node: node_b, lane: 0, slab: none }; AT_ONCE];
+                    let none = NormalSlab::EVERYWHERE;
+                    let mut of_a = [NormalChild { node: node_a, lane: 0, slab: none }; AT_ONCE];
+                    let mut of_b = [NormalChild { node: node_b, lane: 0, slab: none }; AT_ONCE];
                     let mut count = 0;
                     while count < AT_ONCE {
                         let Some((row, bit)) = pairs.next() else { break };

@@ -1,30 +1,30 @@
-//! The thin slabs of a tree whose planes are known.
+//! The normal slabs of a tree whose planes are known.
 
 use super::Geometry;
 use super::below::CornersBelow;
 use super::geometry::{Record, corners_of};
 use crate::frame::Frame;
-use crate::node::{Link, Node, ThinSlab};
+use crate::node::{Link, Node, NormalSlab};
 use crate::parallel;
 use crate::primitive::{Primitive, Sphere};
 use crate::range::Point;
 use crate::vector::length;
 use alloc::vec::Vec;
 
-/// The thin slab of every lane, `ARITY` a node: along the mean normal of what is below.
-pub(super) fn thin_slabs<N: Node, G: Geometry>(
+/// The normal slab of every lane, `ARITY` a node: along the mean normal of what is below.
+pub(super) fn normal_slabs<N: Node, G: Geometry>(
     nodes: &[N],
     frame: &Frame,
     vertices: &[<G::Primitive as Primitive>::Double],
     records: &[Record<G>],
-) -> Vec<ThinSlab> {
+) -> Vec<NormalSlab> {
     let mut corners = Vec::new();
     let normals = mean_normals(nodes, records, |record| {
         corners_of::<G::Primitive>(vertices, record, &mut corners);
         G::normal(&corners)
     });
     let corners = CornersBelow::<G::Primitive>::new(nodes, vertices, records);
-    let mut slabs = alloc::vec![ThinSlab::EVERYWHERE; nodes.len() * N::ARITY];
+    let mut slabs = alloc::vec![NormalSlab::EVERYWHERE; nodes.len() * N::ARITY];
     parallel::for_each_chunk(&mut slabs, NODES_PER_TASK * N::ARITY, |task, slabs| {
         for (index, slab) in (task * NODES_PER_TASK * N::ARITY..).zip(slabs) {
             let (node, lane) = (index / N::ARITY, index % N::ARITY);
@@ -45,7 +45,7 @@ pub(super) fn thin_slabs<N: Node, G: Geometry>(
                 let (low, high) = along.ends;
                 (low * frame.scale(), high * frame.scale())
             };
-            *slab = ThinSlab::new(normals[index], along);
+            *slab = NormalSlab::new(normals[index], along);
         }
     });
     slabs

@@ -24,25 +24,25 @@
 //! turned, is padded as on the way there.
 
 use super::{F64_SLACK, coordinates, shrinkage};
-use crate::frame::Extent;
+use crate::frame::BodyBounds;
 use crate::pose::Pose;
 use crate::primitive::Primitive;
 use crate::range::MIN_COORDINATE;
 
 /// Places body B in the frame of A.
 #[derive(Copy, Clone, PartialEq, Debug)]
-pub struct WayBack {
-    /// Takes a point of B to the frame of A, up to what [`WayBack::outwards`] pays for.
+pub struct InversePose {
+    /// Takes a point of B to the frame of A, up to what [`InversePose::outwards`] pays for.
     pub pose: Pose,
     /// By how much of itself the pose may make a vector longer.
     skew: f64,
     pad: f64,
 }
 
-impl WayBack {
+impl InversePose {
     /// The way back of `pose`, which places body `a` in the frame of `b`.
     #[must_use]
-    pub fn new(pose: &Pose, a: &Extent, b: &Extent) -> Self {
+    pub fn new(pose: &Pose, a: &BodyBounds, b: &BodyBounds) -> Self {
         let skew = pose.skew();
         let rounding = F64_SLACK * coordinates(pose, a, &b.frame) + 4.0 * MIN_COORDINATE;
         Self { pose: pose.back_to(&a.frame.centre), skew, pad: 2.0 * skew * a.radius + rounding }
@@ -51,7 +51,7 @@ impl WayBack {
     /// How far volumes of B, of primitives `Q`, have to be moved out, in the bodies' unit, so that they meet all of A that
     /// is within `margin` of B.
     #[must_use]
-    pub fn outwards<Q: Primitive>(&self, margin: f64, b: &Extent) -> f64 {
+    pub fn outwards<Q: Primitive>(&self, margin: f64, b: &BodyBounds) -> f64 {
         (margin + self.skew * margin) + (self.pad + shrinkage::<Q>(&self.pose, b))
     }
 }

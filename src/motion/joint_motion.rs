@@ -18,7 +18,7 @@ use crate::vector::difference;
 
 /// A straight way of a robot from some values of its variables to others.
 #[derive(Debug)]
-pub struct StraightMotion<'m> {
+pub struct JointMotion<'m> {
     kinematics: Kinematics<'m>,
     from: &'m [f64],
     to: &'m [f64],
@@ -26,7 +26,7 @@ pub struct StraightMotion<'m> {
     links: &'m mut [LinkFrame],
 }
 
-impl<'m> StraightMotion<'m> {
+impl<'m> JointMotion<'m> {
     /// From some values to others, within the limits. Lent are a place for each variable and for each link
     /// ([`Kinematics::links`]).
     ///
@@ -48,7 +48,7 @@ impl<'m> StraightMotion<'m> {
     }
 
     /// How far from where it is now a ball of a link may get, as one sees it who stands on another link that it hangs on.
-    fn path_from(&self, mut link: usize, base: usize, ball: &CarriedBall, span: f64) -> f64 {
+    fn motion_bound_from(&self, mut link: usize, base: usize, ball: &CarriedBall, span: f64) -> f64 {
         let mut path = 0.0;
         while link != base {
             let (joint, at) = (&self.kinematics.joints()[link - 1], &self.links[link]);
@@ -79,7 +79,7 @@ impl<'m> StraightMotion<'m> {
     }
 }
 
-impl Motion for StraightMotion<'_> {
+impl Motion for JointMotion<'_> {
     fn bodies(&self) -> usize {
         self.kinematics.bodies().len()
     }
@@ -91,12 +91,17 @@ impl Motion for StraightMotion<'_> {
         self.kinematics.place(self.values, self.links, poses)
     }
 
-    fn path(&self, i: usize, ball: &CarriedBall, span: f64) -> f64 {
+    fn motion_bound(&self, i: usize, ball: &CarriedBall, span: f64) -> f64 {
         let link = self.kinematics.bodies()[i].link as usize;
-        self.path_from(link, 0, ball, span) + self.rounding(i, ball)
+        self.motion_bound_from(link, 0, ball, span) + self.rounding(i, ball)
     }
 
-    fn path_between(&self, (i, a): (usize, &CarriedBall), (j, b): (usize, &CarriedBall), span: f64) -> f64 {
+    fn motion_bound_between(
+        &self,
+        (i, a): (usize, &CarriedBall),
+        (j, b): (usize, &CarriedBall),
+        span: f64,
+    ) -> f64 {
         let links = [i, j].map(|body| self.kinematics.bodies()[body].link as usize);
         let [mut p, mut q] = links;
         // Links come behind those that they hang on.
@@ -107,7 +112,7 @@ impl Motion for StraightMotion<'_> {
                 q = self.kinematics.parent_of(q);
             }
         }
-        (self.path_from(links[0], p, a, span) + self.path_from(links[1], p, b, span))
+        (self.motion_bound_from(links[0], p, a, span) + self.motion_bound_from(links[1], p, b, span))
             + (self.rounding(i, a) + self.rounding(j, b))
     }
 }

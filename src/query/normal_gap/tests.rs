@@ -120,20 +120,20 @@ fn map(soup: &Soup, f: impl Fn(Point) -> Point) -> Soup {
 fn tree_of<N: Lanes>(soup: &Soup) -> Bvh<N> {
     let vertices: Vec<Point> = soup.iter().flatten().copied().collect();
     let triangles: Vec<[u32; 3]> = (0..soup.len() as u32).map(|t| [3 * t, 3 * t + 1, 3 * t + 2]).collect();
-    Builder::fast().build(&Mesh { vertices: &vertices, triangles: &triangles }).unwrap()
+    Builder::fast().build_as(&Mesh { vertices: &vertices, triangles: &triangles }).unwrap()
 }
 
 /// A lane, its slab, and the primitives below it, by their indices in leaf order.
 struct Volume<N> {
     node: N,
     lane: usize,
-    slab: ThinSlab,
+    slab: NormalSlab,
     below: Vec<u32>,
 }
 
 impl<N> Volume<N> {
-    const fn child(&self) -> ThinChild<'_, N> {
-        ThinChild { node: &self.node, lane: self.lane, slab: self.slab }
+    const fn child(&self) -> NormalChild<'_, N> {
+        NormalChild { node: &self.node, lane: self.lane, slab: self.slab }
     }
 }
 
@@ -150,22 +150,22 @@ fn volumes<N: Lanes>(tree: &BvhRef<'_, N>) -> Vec<Volume<N>> {
     let volume = |((node, lane), below): ((u32, usize), Vec<u32>)| Volume {
         node: tree.nodes()[node as usize],
         lane,
-        slab: tree.thin_slab(node, lane).unwrap(),
+        slab: tree.normal_slab(node, lane).unwrap(),
         below,
     };
     below.into_iter().map(volume).collect()
 }
 
 /// The thinnest slab of a direction and low end, or the one a step higher, that `verify` accepts.
-fn thinnest(slab: ThinSlab, frame: &Frame, corners: &[Point]) -> ThinSlab {
+fn thinnest(slab: NormalSlab, frame: &Frame, corners: &[Point]) -> NormalSlab {
     let bits: u64 = bytemuck::cast(slab);
-    let with = |low: i64, code: u64| -> ThinSlab {
+    let with = |low: i64, code: u64| -> NormalSlab {
         bytemuck::cast(bits & 0xff_ffff | code << 24 | (low as u64) << 40)
     };
-    let sides = |slab: ThinSlab, end: usize| {
+    let sides = |slab: NormalSlab, end: usize| {
         corners.iter().map(move |p| frame.side(&slab.normal(), *p, slab.ends()[end]))
     };
-    if slab == ThinSlab::EVERYWHERE {
+    if slab == NormalSlab::EVERYWHERE {
         return slab;
     }
     let low = bits as i64 >> 40;
@@ -190,7 +190,7 @@ fn thinnest_volumes<N: Lanes>(tree: &BvhRef<'_, N>) -> Vec<Volume<N>> {
 }
 
 /// The pairs that are apart.
-fn apart<N: Lanes>(test: &ThinTest<'_>, a: &[Volume<N>], b: &[Volume<N>]) -> Vec<(usize, usize)> {
+fn apart<N: Lanes>(test: &NormalTest<'_>, a: &[Volume<N>], b: &[Volume<N>]) -> Vec<(usize, usize)> {
     let mut found = Vec::new();
     for (i, x) in a.iter().enumerate() {
         for (first, four) in b.chunks(AT_ONCE).enumerate() {
@@ -212,7 +212,7 @@ fn never_apart<N: Lanes>(
     (pose, margin): (&Pose, f64),
     meet: &dyn Fn(usize, usize) -> bool,
 ) -> usize {
-    let test = ThinTest::new(pose, &a.extent(), &b.extent(), margin);
+    let test = NormalTest::new(pose, &a.extent(), &b.extent(), margin);
     let found = apart(&test, volumes_a, volumes_b);
     for &(i, j) in &found {
         for &p in &volumes_a[i].below {
@@ -369,7 +369,7 @@ fn exact_corners_meet<N: Lanes>() {
             let of_b: Vec<Volume<N>> = volumes(&b)
                 .into_iter()
                 .map(|v| Volume {
-                    slab: thinnest(ThinSlab::new(normal, |_| (0.0, 0.0)), &b.frame(), &[target]),
+                    slab: thinnest(NormalSlab::new(normal, |_| (0.0, 0.0)), &b.frame(), &[target]),
                     ..v
                 })
                 .collect();
@@ -416,7 +416,7 @@ fn what_meets_is_never_apart() {
 }
 
 /// Each of the four ways to be apart: a sheet, and a ball of triangles just above or just below the middle of
-/// it, that neither k-DOPs nor the ball's own slab tell apart.
+/// it, that neither k-DOPs nor the ball's primitive slab tell apart.
 fn each_side_separates<N: Lanes>() {
     let mut random = Random(6);
     let (flat, normal) = (map(&sheet(1), |p| p.map(|x| 8.0 * x)), glam::dvec3(-0.25, 0.375, 1.0).normalize());
@@ -454,7 +454,7 @@ fn each_side_separates<N: Lanes>() {
 /// Whether all pairs of lanes of two roots are apart.
 fn roots_apart<N: Lanes>(a: &BvhRef<'_, N>, b: &BvhRef<'_, N>, pose: &Pose) -> bool {
     let (of_a, of_b) = (volumes(a), volumes(b));
-    let test = ThinTest::new(pose, &a.extent(), &b.extent(), 0.0);
+    let test = NormalTest::new(pose, &a.extent(), &b.extent(), 0.0);
     apart(&test, &of_a, &of_b).len() == of_a.len() * of_b.len()
 }
 
@@ -483,9 +483,9 @@ fn unbounded_is_never_apart<N: Lanes>() {
         }
         never_apart("planes", (&a, &of_a), (&b, &of_b), (&pose, 0.0), &|i, j| i == j);
         let far = pose_of(*pose.rows(), Deviation::None, [1e6; 3]);
-        let test = ThinTest::new(&far, &a.extent(), &b.extent(), 0.0);
+        let test = NormalTest::new(&far, &a.extent(), &b.extent(), 0.0);
         for volume in if round % 2 == 0 { &mut of_a } else { &mut of_b } {
-            volume.slab = ThinSlab::EVERYWHERE;
+            volume.slab = NormalSlab::EVERYWHERE;
         }
         assert_eq!(apart(&test, &of_a, &of_b), [], "slabs");
         assert_eq!(apart(&test, &volumes(&a), &volumes(&b)).len(), of_a.len() * of_b.len(), "they are far");

@@ -1,7 +1,9 @@
 //! The descent of an edge's query.
 
-use super::queue::{EdgePair, EdgeQueue, Interval, Unresolved};
-use super::{BodyId, EdgeAnswer, EdgeVerdict, Scene, SceneError, finite_or_infinite, path_of_pair};
+use super::queue::{Interval, MotionHit, MotionQueue, Unresolved};
+use super::{
+    BodyId, MotionAnswer, MotionVerdict, Scene, SceneError, finite_or_infinite, motion_bound_of_pair,
+};
 use crate::motion::Motion;
 use crate::pose::Pose;
 use crate::query::{Lanes, Query, Verdict};
@@ -27,7 +29,7 @@ fn long_way(a: f64, b: f64) -> f64 {
 }
 
 /// A query of an edge.
-pub(super) struct EdgeSearch<'s, 't, 'm, N, M> {
+pub(super) struct MotionSearch<'s, 't, 'm, N, M> {
     pub(super) scene: &'s mut Scene<'t, N>,
     pub(super) query: &'m Query,
     pub(super) moving: &'m [BodyId],
@@ -35,12 +37,16 @@ pub(super) struct EdgeSearch<'s, 't, 'm, N, M> {
     pub(super) poses: &'m mut [Pose],
 }
 
-impl<N: Lanes, M: Motion> EdgeSearch<'_, '_, '_, N, M> {
-    pub(super) fn run(mut self, resolution: f64, mut queue: EdgeQueue<'_>) -> Result<EdgeAnswer, SceneError> {
-        let mut found = EdgeAnswer::new();
+impl<N: Lanes, M: Motion> MotionSearch<'_, '_, '_, N, M> {
+    pub(super) fn run(
+        mut self,
+        resolution: f64,
+        mut queue: MotionQueue<'_>,
+    ) -> Result<MotionAnswer, SceneError> {
+        let mut found = MotionAnswer::new();
         let mut unresolved = Unresolved(None);
         self.gather(&mut queue, &mut unresolved)?;
-        while let Some(EdgePair { interval, .. }) = queue.get(0) {
+        while let Some(MotionHit { interval, .. }) = queue.get(0) {
             let (middle, span) = Interval(interval).middle();
             // They are at the middle of the first already.
             if interval > 1 {
@@ -51,7 +57,7 @@ impl<N: Lanes, M: Motion> EdgeSearch<'_, '_, '_, N, M> {
             // Most hits are found soon, and end the query before anything is certified.
             match self.first_hit(&queue, interval, &mut found)? {
                 SceneVerdict::Hit(hit) => {
-                    found.verdict = EdgeVerdict::Hit { hit, time: middle };
+                    found.verdict = MotionVerdict::Hit { hit, time: middle };
                     return Ok(found);
                 }
                 SceneVerdict::Unknown => queue.give_up(&mut unresolved),
@@ -60,7 +66,7 @@ impl<N: Lanes, M: Motion> EdgeSearch<'_, '_, '_, N, M> {
             let mut near = 0;
             while let Some(pair) = queue.pop_of(interval) {
                 match self.certify(pair, span, &mut found)? {
-                    Known::Near if !is_last && queue.push(EdgePair { interval: 2 * interval, ..pair }) => {
+                    Known::Near if !is_last && queue.push(MotionHit { interval: 2 * interval, ..pair }) => {
                         near += 1;
                     }
                     Known::Near => unresolved.add(interval),
@@ -76,20 +82,20 @@ impl<N: Lanes, M: Motion> EdgeSearch<'_, '_, '_, N, M> {
             for i in queue.len - near..queue.len {
                 let later = 2 * interval + 1;
                 if let Some(pair) = queue.get(i)
-                    && !queue.push(EdgePair { interval: later, ..pair })
+                    && !queue.push(MotionHit { interval: later, ..pair })
                 {
                     unresolved.add(later);
                 }
             }
         }
         if let Some((from, to)) = unresolved.0 {
-            found.verdict = EdgeVerdict::Unresolved { from, to };
+            found.verdict = MotionVerdict::Unresolved { from, to };
         }
         Ok(found)
     }
 
-    pub(super) fn sample(mut self, parts: NonZeroU32) -> Result<EdgeAnswer, SceneError> {
-        let mut found = EdgeAnswer::new();
+    pub(super) fn sample(mut self, parts: NonZeroU32) -> Result<MotionAnswer, SceneError> {
+        let mut found = MotionAnswer::new();
         let parts = parts.get();
         let bits = parts.ilog2() + 1;
         // Numbers whose bits are counted backwards: 0, a half, a quarter, three quarters.
@@ -100,16 +106,16 @@ impl<N: Lanes, M: Motion> EdgeSearch<'_, '_, '_, N, M> {
             }
             let time = part as f64 / f64::from(parts);
             self.go_to(time)?;
-            let answer = self.scene.collide(&self.query.after(&found.counters))?;
+            let answer = self.scene.collide(&self.query.after(&found.stats))?;
             found.times += 1;
             found.pairs += answer.pairs;
-            found.counters = found.counters.and(&answer.counters);
+            found.stats = found.stats.and(&answer.stats);
             if let Some(hit) = answer.hit() {
-                found.verdict = EdgeVerdict::Hit { hit, time };
+                found.verdict = MotionVerdict::Hit { hit, time };
                 return Ok(found);
             }
         }
-        found.verdict = EdgeVerdict::Unresolved { from: 0.0, to: 1.0 };
+        found.verdict = MotionVerdict::Unresolved { from: 0.0, to: 1.0 };
         Ok(found)
     }
 
@@ -119,7 +125,7 @@ impl<N: Lanes, M: Motion> EdgeSearch<'_, '_, '_, N, M> {
     }
 
     /// The pairs whose bodies' boxes come near each other at any time. The bodies are at the middle of all times then.
-    fn gather(&mut self, queue: &mut EdgeQueue<'_>, unresolved: &mut Unresolved) -> Result<(), SceneError> {
+    fn gather(&mut self, queue: &mut MotionQueue<'_>, unresolved: &mut Unresolved) -> Result<(), SceneError> {
         let (middle, span) = Interval(1).middle();
         self.go_to(middle)?;
         for i in 0..self.scene.memory.slots.len() {
@@ -127,7 +133,7 @@ impl<N: Lanes, M: Motion> EdgeSearch<'_, '_, '_, N, M> {
             if let Some(carrier) = slot.carrier
                 && slot.body.is_some()
             {
-                let path = self.motion.path(carrier as usize, &slot.size.ball(&slot.world), span);
+                let path = self.motion.motion_bound(carrier as usize, &slot.size.ball(&slot.world), span);
                 let bounds = widened(&self.scene.memory.bounds(i), finite_or_infinite(path));
                 self.scene.memory.set_bounds(i, bounds);
             }
@@ -139,7 +145,7 @@ impl<N: Lanes, M: Motion> EdgeSearch<'_, '_, '_, N, M> {
                 break;
             }
             for &NearPair { a, b, .. } in candidates {
-                if !queue.push(EdgePair { a, b, interval: 1 }) {
+                if !queue.push(MotionHit { a, b, interval: 1 }) {
                     unresolved.add(1);
                 }
             }
@@ -151,9 +157,9 @@ impl<N: Lanes, M: Motion> EdgeSearch<'_, '_, '_, N, M> {
     /// The first pair that meets now, of those that wait for an interval.
     fn first_hit(
         &self,
-        queue: &EdgeQueue<'_>,
+        queue: &MotionQueue<'_>,
         interval: u32,
-        found: &mut EdgeAnswer,
+        found: &mut MotionAnswer,
     ) -> Result<SceneVerdict, SceneError> {
         let waiting = (0..queue.len).map_while(|i| queue.get(i).filter(|pair| pair.interval == interval));
         for pair in waiting {
@@ -171,9 +177,9 @@ impl<N: Lanes, M: Motion> EdgeSearch<'_, '_, '_, N, M> {
     }
 
     /// Whether a pair that does not meet now is free in a span around.
-    fn certify(&self, pair: EdgePair, span: f64, found: &mut EdgeAnswer) -> Result<Known, SceneError> {
+    fn certify(&self, pair: MotionHit, span: f64, found: &mut MotionAnswer) -> Result<Known, SceneError> {
         let slots @ [a, b] = [pair.a, pair.b].map(|i| &self.scene.memory.slots[i as usize]);
-        let path = path_of_pair(self.motion, slots, 0.0, span);
+        let path = motion_bound_of_pair(self.motion, slots, 0.0, span);
         let candidate = self.scene.pair_now(pair.a, pair.b);
         // Less than in f32, as the boxes are.
         if f64::from(-candidate.depth) > path * (1.0 + 1e-6) {
@@ -193,11 +199,11 @@ impl<N: Lanes, M: Motion> EdgeSearch<'_, '_, '_, N, M> {
         &self,
         candidate: &NearPair,
         margin: f64,
-        found: &mut EdgeAnswer,
+        found: &mut MotionAnswer,
     ) -> Result<Verdict, SceneError> {
-        let answer = self.scene.ask_within(&self.query.after(&found.counters), candidate, margin)?;
+        let answer = self.scene.ask_within(&self.query.after(&found.stats), candidate, margin)?;
         found.pairs += 1;
-        found.counters = found.counters.and(&answer.counters);
+        found.stats = found.stats.and(&answer.stats);
         Ok(answer.verdict)
     }
 }

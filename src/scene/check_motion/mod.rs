@@ -1,38 +1,38 @@
 //! Edges: do bodies meet anywhere on their way?
 //!
 //! An interval of time is asked about at its middle. A pair of bodies that are farther apart there than they can come nearer
-//! within half of the interval ([`Motion::path_between`]) is free in all of it; two that meet there are a hit; of all others,
+//! within half of the interval ([`Motion::motion_bound_between`]) is free in all of it; two that meet there are a hit; of all others,
 //! both halves are asked about. Long intervals come first, and in each the pairs that are deepest, so that most hits are found
 //! soon.
 
 mod queue;
 mod search;
 
-pub use queue::EdgePair;
+pub use queue::MotionHit;
 
 use super::{BodyId, Scene, SceneError, SceneHit, Slot};
 use crate::motion::{CarriedBall, Motion};
 use crate::pose::Pose;
-use crate::query::{Counters, Lanes, Query, ToleranceError};
+use crate::query::{Lanes, Query, QueryStats, ToleranceError};
 use crate::range::MAX_COORDINATE;
 use core::num::NonZeroU32;
-use queue::EdgeQueue;
-use search::EdgeSearch;
+use queue::MotionQueue;
+use search::MotionSearch;
 
 /// Memory for edges, lent by the caller.
 #[derive(Debug)]
-pub struct EdgeMemory<'m> {
+pub struct MotionMemory<'m> {
     /// Twice as many as bodies move.
     pub poses: &'m mut [Pose],
     /// For pairs in intervals that wait: as many as there are pairs of bodies near each other, twice, and more where these come
     /// close. What there is no room for stays unresolved.
-    pub waiting: &'m mut [EdgePair],
+    pub waiting: &'m mut [MotionHit],
 }
 
 /// What became of an edge.
 #[must_use = "a query has no other effect than its verdict"]
 #[derive(Copy, Clone, PartialEq, Debug)]
-pub enum EdgeVerdict {
+pub enum MotionVerdict {
     /// No two bodies that are asked meet at any time from 0 to 1.
     Free,
     /// Two bodies meet at this time. It need not be the first.
@@ -54,26 +54,26 @@ pub enum EdgeVerdict {
 /// A verdict on an edge, and what it cost.
 #[must_use = "a query has no other effect than its answer"]
 #[derive(Copy, Clone, PartialEq, Debug)]
-pub struct EdgeAnswer {
+pub struct MotionAnswer {
     /// The verdict.
-    pub verdict: EdgeVerdict,
+    pub verdict: MotionVerdict,
     /// At how many times the bodies were placed.
     pub times: u64,
     /// Pairs of bodies that were asked about, once for each time.
     pub pairs: u64,
     /// The work for these pairs.
-    pub counters: Counters,
+    pub stats: QueryStats,
 }
 
-impl EdgeAnswer {
+impl MotionAnswer {
     fn new() -> Self {
-        Self { verdict: EdgeVerdict::Free, times: 0, pairs: 0, counters: Counters::default() }
+        Self { verdict: MotionVerdict::Free, times: 0, pairs: 0, stats: QueryStats::default() }
     }
 
     /// Whether all bodies are certainly free of those that they are asked against, all the way.
     #[must_use]
     pub const fn is_free(&self) -> bool {
-        matches!(self.verdict, EdgeVerdict::Free)
+        matches!(self.verdict, MotionVerdict::Free)
     }
 }
 
@@ -88,40 +88,40 @@ impl<N: Lanes> Scene<'_, N> {
     /// # Errors
     /// [`SceneError`]: a body that is not there, or is attached; not as many bodies or poses as the motion needs
     /// ([`SceneError::Motion`]); a pose on the way; a resolution that is not above 0 ([`SceneError::Tolerance`]).
-    pub fn edge(
+    pub fn check_motion(
         &mut self,
         query: &Query,
         moving: &[BodyId],
         motion: &mut impl Motion,
         resolution: f64,
-        memory: &mut EdgeMemory<'_>,
-    ) -> Result<EdgeAnswer, SceneError> {
+        memory: &mut MotionMemory<'_>,
+    ) -> Result<MotionAnswer, SceneError> {
         if resolution.is_nan() || resolution <= 0.0 {
             return Err(SceneError::Tolerance(ToleranceError { given: resolution }));
         }
         let (poses, before) = self.set_out(moving, motion.bodies(), memory.poses)?;
-        let queue = EdgeQueue::new(memory.waiting);
-        let answer = EdgeSearch { scene: self, query, moving, motion, poses }.run(resolution, queue);
+        let queue = MotionQueue::new(memory.waiting);
+        let answer = MotionSearch { scene: self, query, moving, motion, poses }.run(resolution, queue);
         self.place_all(moving, before)?;
         answer
     }
 
     /// The same question at some times only: at those that divide 0 to 1 into `parts` evenly, both ends among them, in an order
-    /// that halves the longest gaps first, until one is a hit. The verdict is never [`EdgeVerdict::Free`]: between the times,
+    /// that halves the longest gaps first, until one is a hit. The verdict is never [`MotionVerdict::Free`]: between the times,
     /// nothing is known.
     ///
     /// # Errors
-    /// As [`Scene::edge`].
-    pub fn sampled_edge(
+    /// As [`Scene::check_motion`].
+    pub fn check_motion_discrete(
         &mut self,
         query: &Query,
         moving: &[BodyId],
         motion: &mut impl Motion,
         parts: NonZeroU32,
-        memory: &mut EdgeMemory<'_>,
-    ) -> Result<EdgeAnswer, SceneError> {
+        memory: &mut MotionMemory<'_>,
+    ) -> Result<MotionAnswer, SceneError> {
         let (poses, before) = self.set_out(moving, motion.bodies(), memory.poses)?;
-        let answer = EdgeSearch { scene: self, query, moving, motion, poses }.sample(parts);
+        let answer = MotionSearch { scene: self, query, moving, motion, poses }.sample(parts);
         self.place_all(moving, before)?;
         answer
     }
@@ -147,7 +147,7 @@ impl<N: Lanes> Scene<'_, N> {
 
 /// How much nearer two bodies, and what is at most `beyond` away from the balls around them, may come to each other within a
 /// span of a motion than they are. Infinite where it overflows.
-pub(super) fn path_of_pair<N>(
+pub(super) fn motion_bound_of_pair<N>(
     motion: &impl Motion,
     [a, b]: [&Slot<'_, N>; 2],
     beyond: f64,
@@ -159,9 +159,9 @@ pub(super) fn path_of_pair<N>(
     });
     finite_or_infinite(match (carrier_a, carrier_b) {
         (None, None) => 0.0,
-        (Some(i), None) => motion.path(i, &ball_a, span),
-        (None, Some(j)) => motion.path(j, &ball_b, span),
-        (Some(i), Some(j)) => motion.path_between((i, &ball_a), (j, &ball_b), span),
+        (Some(i), None) => motion.motion_bound(i, &ball_a, span),
+        (None, Some(j)) => motion.motion_bound(j, &ball_b, span),
+        (Some(i), Some(j)) => motion.motion_bound_between((i, &ball_a), (j, &ball_b), span),
     })
 }
 

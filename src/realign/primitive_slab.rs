@@ -26,7 +26,7 @@
 use super::{F64_SLACK, GAMMA_5, HALF_PLACE, ITS_OWN_ROUNDING, UNDERFLOW, greatest};
 use crate::directions::Directions;
 use crate::exact::{power_of_two, round_up_f32};
-use crate::frame::Extent;
+use crate::frame::BodyBounds;
 use crate::pose::Pose;
 use crate::primitive::{OWN_DIRECTIONS, Primitive, radius_of};
 use crate::range::MIN_COORDINATE;
@@ -34,7 +34,7 @@ use crate::range::MIN_COORDINATE;
 /// A direction and the interval that a primitive covers along it, for comparison with the planes of another
 /// tree.
 #[derive(Copy, Clone, PartialEq, Debug)]
-pub struct OwnSlab {
+pub struct PrimitiveSlab {
     /// The three planes whose weighted sum bounds a child along the direction. Their opposites, `p ^ 1`, at
     /// the same weights bound it the other way.
     pub sources: [u8; 3],
@@ -44,7 +44,7 @@ pub struct OwnSlab {
     pub limits: [f32; 2],
 }
 
-impl OwnSlab {
+impl PrimitiveSlab {
     /// No child is beyond it.
     pub const EVERYWHERE: Self = Self { sources: [0; 3], weights: [0.0; 3], limits: [f32::NEG_INFINITY; 2] };
 
@@ -66,7 +66,7 @@ const SHORTEST: f64 = power_of_two(-10);
 const LONGEST: f64 = power_of_two(10);
 
 /// The slabs of a primitive's own, in the order in which they are worth trying.
-pub type OwnSlabs = [OwnSlab; OWN_DIRECTIONS];
+pub type PrimitiveSlabs = [PrimitiveSlab; OWN_DIRECTIONS];
 
 /// The slabs of everything within `margin` of a primitive, for the nodes of a body of extent `body`.
 ///
@@ -75,12 +75,12 @@ pub type OwnSlabs = [OwnSlab; OWN_DIRECTIONS];
 // Part of the query, so that it is compiled for the query's instruction set.
 #[inline(always)]
 #[must_use]
-pub fn own_slabs<P: Primitive, const K: usize>(
+pub fn primitive_slabs<P: Primitive, const K: usize>(
     item: &P::Item,
     margin: f64,
-    body: &Extent,
+    body: &BodyBounds,
     pose: Option<&Pose>,
-) -> OwnSlabs {
+) -> PrimitiveSlabs {
     let c = body.frame.centre;
     let margin = margin + radius_of::<P>(item);
     let mut size = 0.0_f64;
@@ -118,7 +118,7 @@ pub fn own_slabs<P: Primitive, const K: usize>(
     // The sum of magnitudes is at least the length, by which the margin counts.
     let per_length =
         2.0 * F64_SLACK * width_sum + ((F64_SLACK * coordinates + MIN_COORDINATE) + margin) * scale;
-    let mut slabs = [OwnSlab::EVERYWHERE; OWN_DIRECTIONS];
+    let mut slabs = [PrimitiveSlab::EVERYWHERE; OWN_DIRECTIONS];
     let mut weights = [[0.0_f32; OWN_DIRECTIONS]; 3];
     let mut limits = [[0.0_f32; OWN_DIRECTIONS]; 2];
     for s in 0..OWN_DIRECTIONS {
@@ -137,7 +137,7 @@ pub fn own_slabs<P: Primitive, const K: usize>(
     }
     for (s, slab) in slabs.iter_mut().enumerate() {
         let [p, q, r, _] = sources[s];
-        *slab = OwnSlab {
+        *slab = PrimitiveSlab {
             sources: [p, q, r],
             weights: [weights[0][s], weights[1][s], weights[2][s]],
             limits: [limits[0][s], limits[1][s]],

@@ -1,4 +1,4 @@
-//! Pairs of children and their thin slabs: what a query that has become long asks before each visit.
+//! Pairs of children and their normal slabs: what a query that has become long asks before each visit.
 //!
 //! Child a of A has `low_a <= n_a . x <= high_a`, child b of B likewise with `n_b` and y; x and y are points in
 //! the frames of the two trees. A point of A stands at `y = rho M x + s` in B's frame, with the ratio rho of
@@ -26,16 +26,16 @@
 use super::Lanes;
 use crate::directions::Directions;
 use crate::exact::power_of_two;
-use crate::frame::Extent;
+use crate::frame::BodyBounds;
 use crate::key::decode;
-use crate::node::ThinSlab;
+use crate::node::NormalSlab;
 use crate::pose::Pose;
 use crate::range::{MIN_COORDINATE, Point};
 use crate::realign::{F64_SLACK, coordinates, shift};
 
 /// What of a pose and two bodies is the same for all pairs.
 #[derive(Copy, Clone, Debug)]
-pub(super) struct ThinTest<'t> {
+pub(super) struct NormalTest<'t> {
     pose: &'t Pose,
     /// Where the centre of A's frame is, in B's frame.
     shift: Point,
@@ -44,12 +44,12 @@ pub(super) struct ThinTest<'t> {
     pad: f64,
 }
 
-/// A child of a node and its thin slab.
+/// A child of a node and its normal slab.
 #[derive(Copy, Clone, Debug)]
-pub(super) struct ThinChild<'t, N> {
+pub(super) struct NormalChild<'t, N> {
     pub(super) node: &'t N,
     pub(super) lane: usize,
-    pub(super) slab: ThinSlab,
+    pub(super) slab: NormalSlab,
 }
 
 /// How many pairs are tested at once.
@@ -58,9 +58,9 @@ pub(super) const AT_ONCE: usize = 4;
 /// Bounds the sum of magnitudes of a direction, and of a direction that a pose turned.
 const SUM: f64 = 4096.0;
 
-impl<'t> ThinTest<'t> {
+impl<'t> NormalTest<'t> {
     #[inline(always)]
-    pub(super) fn new(pose: &'t Pose, a: &Extent, b: &Extent, margin: f64) -> Self {
+    pub(super) fn new(pose: &'t Pose, a: &BodyBounds, b: &BodyBounds, margin: f64) -> Self {
         let (m, scale) = (pose.rows(), b.frame.scale());
         let ratio = power_of_two(b.frame.exponent - a.frame.exponent);
         let shift = shift(pose, a, &b.frame).map(|x| x * scale);
@@ -84,8 +84,8 @@ impl<'t> ThinTest<'t> {
     #[inline(always)]
     pub(super) fn apart<N: Lanes>(
         &self,
-        a: &[ThinChild<'_, N>; AT_ONCE],
-        b: &[ThinChild<'_, N>; AT_ONCE],
+        a: &[NormalChild<'_, N>; AT_ONCE],
+        b: &[NormalChild<'_, N>; AT_ONCE],
     ) -> u16 {
         let (m, shift) = (self.pose.rows(), &self.shift);
         // By columns, a pair a lane.
