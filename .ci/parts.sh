@@ -10,6 +10,10 @@ X86_FEATURES=+avx2,+bmi1,+bmi2,+f16c,+lzcnt,+popcnt,+avx512f,+avx512bw,+avx512vl
 # The features that benches and tests of wgpu are built with: the same, so that nothing is built twice.
 BENCHED=gpu,rayon,urdf
 
+# The features of the README's command.
+# shellcheck disable=SC2034 # used by who sources this
+TESTED=simdop/rayon,simdop/mint,simdop/nalgebra,simdop-cli/report,simdop-cli/selftest
+
 die() {
   echo "error: $*" >&2
   exit 1

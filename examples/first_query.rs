@@ -6,7 +6,6 @@
 
 use simdop::construct::{Builder, Mesh};
 use simdop::isa::Isa;
-use simdop::node::Node16;
 use simdop::pose::Pose;
 use simdop::query::{Query, Verdict};
 

@@ -12,7 +12,6 @@ mod shapes;
 
 use simdop::construct::{Builder, Mesh};
 use simdop::isa::Isa;
-use simdop::node::Node16;
 use simdop::pose::Pose;
 use simdop::query::{Hint, Query};
 

@@ -10,7 +10,6 @@ use simdop::construct::{Builder, OwnedMesh};
 use simdop::glam::{DAffine3, DVec3};
 use simdop::isa::Isa;
 use simdop::motion::{JointMotion, LinkFrame};
-use simdop::node::Node16;
 use simdop::pose::Pose;
 use simdop::query::Query;
 use simdop::robot::{DisabledPair, LinkShapes, Robot};

@@ -115,7 +115,7 @@
 //!
 //! # Guarantees
 //!
-//! * **No missed hit and no invented one.** Volumes are rounded outwards ([`key`], [`realign`]), and triangles
+//! * **No missed hit and no invented one.** Volumes are rounded outwards ([`low_level::key`], [`low_level::realign`]), and triangles
 //!   and [spheres](primitive::sphere) are decided [exactly](primitive::triangle), for corners and centres as [`pose::Pose::apply`] moves them: within
 //!   2^-50, relatively, of where the pose puts them.
 //! * **No allocation in a query.**
@@ -133,7 +133,6 @@
 //! | `gpu` | no | construction (`construct::gpu`) and search of moving points (`cloud::gpu`) on a device, through wgpu, with the same bytes; implies `std` |
 //! | `mint`, `nalgebra` | no | poses from the types of these crates |
 //! | `urdf` | no | robots from URDF and SRDF files; implies `std` |
-//! | `cli` | no | the command `simdop`; implies `urdf` |
 //!
 //! Without `std`, x86-64 is asked by CPUID and XCR0, aarch64 takes what the crate is compiled for.
 //!

@@ -25,7 +25,7 @@ const LAYERS: [&[&str]; 13] = [
     &["cloud", "packing", "robot"],
     &["scene"],
     // The command: a crate of its own, which sees of the library what every user does.
-    &["cli"],
+    &["low_level"],
 ];
 
 /// Lower layers that a module must do without all the same.

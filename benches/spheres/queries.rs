@@ -175,7 +175,7 @@ impl<'m> Scene<'m> {
     }
 
     fn trees<N: Lanes>(&self, division: Division) -> ([Bvh<N, Spheres>; 2], usize) {
-        let [(a, of_a), (b, of_b)] = self.spheres().map(|spheres| division.build_as(spheres));
+        let [(a, of_a), (b, of_b)] = self.spheres().map(|spheres| division.build(spheres));
         ([a, b], of_a + of_b)
     }
 

@@ -144,14 +144,14 @@ fn what_is_no_bound_is_never_free() {
                 assert_ne!(meeting.verdict(&slide), simdop_motion_verdict::Free, "{path}");
                 let between =
                     simdop_motion { motion_bound_between: Some(motion_bound_between), ..motion(&slide) };
-                let verdict = apart.check_motion(&slide, &between).unwrap().verdict;
+                let verdict = apart.edge(&slide, &between).unwrap().verdict;
                 assert_eq!(verdict, simdop_motion_verdict::Unresolved, "{path}");
             }
         }
         // What moves as one is certified by `motion_bound_between` alone: -0 is a bound, too.
         let two = Slide { path: -0.0, bodies: 2, ..SLIDE };
         let between = simdop_motion { motion_bound_between: Some(motion_bound_between), ..motion(&two) };
-        assert_eq!(apart.check_motion(&two, &between).unwrap().verdict, simdop_motion_verdict::Free);
+        assert_eq!(apart.edge(&two, &between).unwrap().verdict, simdop_motion_verdict::Free);
         assert!(apart.is_as_before() && meeting.is_as_before());
     }
 }
@@ -161,7 +161,7 @@ fn a_motion_can_stop_a_query() {
     let mut hall = Hall::new(cube(), 1.2);
     for stop in [0.0, 0.4, 0.9] {
         let slide = Slide { stop, ..SLIDE };
-        assert_eq!(hall.check_motion(&slide, &motion(&slide)), Err(simdop_error::MotionStopped));
+        assert_eq!(hall.edge(&slide, &motion(&slide)), Err(simdop_error::MotionStopped));
         assert!(message().starts_with("go_to returned 7 at the time "), "{}", message());
         assert_eq!(hall.sampled(&slide, 8), Err(simdop_error::MotionStopped));
         assert!(hall.is_as_before());
@@ -190,14 +190,14 @@ fn poses_of_a_motion_are_checked() {
         ] {
             for from in [0.0, 0.3, 0.9] {
                 let slide = Slide { bodies, fault: (from, fault), ..SLIDE };
-                assert_eq!(hall.check_motion(&slide, &motion(&slide)), Err(expected));
+                assert_eq!(hall.edge(&slide, &motion(&slide)), Err(expected));
                 assert_eq!(hall.sampled(&slide, 8), Err(expected));
                 assert!(hall.is_as_before());
             }
         }
     }
     let slide = Slide { bodies: 2, fault: (0.0, None), ..SLIDE };
-    let _ = hall.check_motion(&slide, &motion(&slide)).unwrap_err();
+    let _ = hall.edge(&slide, &motion(&slide)).unwrap_err();
     assert!(message().starts_with("pose 1 of a motion at the time 0.5: "), "{}", message());
 }
 
@@ -206,9 +206,9 @@ fn bodies_that_cannot_move_are_refused() {
     let mut hall = Hall::new(cube(), 1.2);
     let slide = Slide { path: 0.0, ..SLIDE };
     assert_eq!(simdop_scene_attach(Some(&mut hall.scene), hall.moving[0], hall.still), simdop_error::None);
-    assert_eq!(hall.check_motion(&slide, &motion(&slide)), Err(simdop_error::SceneIsAttached));
+    assert_eq!(hall.edge(&slide, &motion(&slide)), Err(simdop_error::SceneIsAttached));
     assert_eq!(simdop_scene_remove(Some(&mut hall.scene), hall.moving[0]), simdop_error::None);
-    assert_eq!(hall.check_motion(&slide, &motion(&slide)), Err(simdop_error::SceneNoSuchBody));
+    assert_eq!(hall.edge(&slide, &motion(&slide)), Err(simdop_error::SceneNoSuchBody));
     let to = at(1.0, 0.0);
     let screw = answer(|answer| {
         let (scene, id) = (Some(&mut *hall.scene), hall.moving[0]);

@@ -164,7 +164,7 @@ fn pairs_of<N: Lanes, P: PrimitivePair<Q>, Q: PrimitivePair<P>>(
     pose: &Pose,
 ) -> BTreeSet<(u32, u32)> {
     let (found, stats) = pairs_that_meet(query, a, b, pose);
-    assert!(stats.primitive_pairs < (a.view().len() * b.view().len() / 4) as u64, "{counters:?}");
+    assert!(stats.primitive_pairs < (a.view().len() * b.view().len() / 4) as u64, "{stats:?}");
     found
 }
 

@@ -129,7 +129,7 @@ fn bodies_that_are_far_apart_are_free_at_once() {
                 let [a, b] = [a, b].map(|mesh| build::<Node16<18>>(mesh).unwrap());
                 let pose = Pose::from_rows(rows).unwrap();
                 let stats = Query::new(Isa::detect()).collide(&a, &b, &pose).stats;
-                assert!(stats.visits <= 2 && stats.primitive_pairs == 0, "{counters:?} {rows:?}");
+                assert!(stats.visits <= 2 && stats.primitive_pairs == 0, "{stats:?} {rows:?}");
             }
         }
     }

@@ -150,7 +150,7 @@ fn ours<N: Lanes + 'static>(name: &str, meshes: &[MeshData]) -> Entrant {
             let (a, b) = (measured[0].view(), measured[measured.len() - 1].view());
             query.distance(&a, &b, &pose(rows), 0.0).expect("zero is a tolerance").upper
         })),
-        count: Some(Box::new(move |rows| again(rows).counters)),
+        count: Some(Box::new(move |rows| again(rows).stats)),
     }
 }
 

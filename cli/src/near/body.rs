@@ -57,7 +57,7 @@ pub(super) fn run(path: &Path, options: &Options) -> Result<u8, Error> {
     // Poses first: a slip in them shows before the work of building.
     let poses = options.poses.read()?;
     let body = Body::read(path, options.json)?;
-    let (cloud, about) = Points::read(options)?.build_as(options.repeat)?;
+    let (cloud, about) = Points::read(options)?.build(options.repeat)?;
     let (cloud, search) = (cloud.view(), RangeSearch::new(options.isa));
 
     // Fewer are done at once.

@@ -32,7 +32,7 @@ struct Report {
 pub(super) fn run(options: &Options) -> Result<(), Error> {
     let radius = options.radius.unwrap_or(BUILT_IN_RADIUS);
     let points = Points::read(options)?;
-    let (cloud, about) = points.build_as(options.repeat)?;
+    let (cloud, about) = points.build(options.repeat)?;
     let (cloud, search) = (cloud.view(), RangeSearch::new(options.isa));
     let failed = |error| Error::Search { name: about.name.clone(), error };
 

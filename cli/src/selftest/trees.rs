@@ -67,7 +67,7 @@ impl TreeFormat {
         let each = (0..corners).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]);
         // Copies have the corners of the first.
         let triangles: Vec<[u32; 3]> = (0..figure.copies).flat_map(|_| each.clone()).collect();
-        self.build_as(&Mesh { vertices: &one, triangles: &triangles }, figure)
+        self.build(&Mesh { vertices: &one, triangles: &triangles }, figure)
     }
 
     fn set(&self, figure: &Figure) -> Result<AnyBvh<Spheres>, BuildError> {
@@ -79,7 +79,7 @@ impl TreeFormat {
                 Convex::Triangle(_) => None,
             })
             .collect();
-        self.build_as(&SphereSet { spheres: &spheres }, figure)
+        self.build(&SphereSet { spheres: &spheres }, figure)
     }
 }
 
