@@ -89,9 +89,9 @@ impl Panda {
         for i in 0..ids.len() {
             for j in i + 1..ids.len() {
                 if self.pairs.contains(&(i, j)) {
-                    scene.forbid_collision(ids[i], ids[j]).unwrap()
+                    scene.forbid_collision(ids[i], ids[j]).unwrap();
                 } else {
-                    scene.allow_collision(ids[i], ids[j]).unwrap()
+                    scene.allow_collision(ids[i], ids[j]).unwrap();
                 };
             }
         }

@@ -223,9 +223,9 @@ fn scene_of<'t>(
     for i in 0..ids.len() {
         for j in i + 1..ids.len() {
             if robot.pairs.contains(&(i, j)) {
-                scene.forbid_collision(ids[i], ids[j]).unwrap()
+                scene.forbid_collision(ids[i], ids[j]).unwrap();
             } else {
-                scene.allow_collision(ids[i], ids[j]).unwrap()
+                scene.allow_collision(ids[i], ids[j]).unwrap();
             };
         }
     }

@@ -192,9 +192,9 @@ fn run(file: &Path) -> Result<(), Box<dyn Error>> {
         arm.push(scene.insert(Body::new(tree.view()).with_radius(*radius), &Pose::IDENTITY)?);
         for j in 0..i {
             if asked.contains(&(j, i)) {
-                scene.forbid_collision(arm[j], arm[i])?
+                scene.forbid_collision(arm[j], arm[i])?;
             } else {
-                scene.allow_collision(arm[j], arm[i])?
+                scene.allow_collision(arm[j], arm[i])?;
             };
         }
     }

@@ -45,9 +45,9 @@ fn main() -> Result<(), Box<dyn core::error::Error>> {
         ids.push(scene.insert(Body::new(tree.view()).with_radius(*radius), &Pose::IDENTITY)?);
         for j in 0..i {
             if asked.contains(&(j, i)) {
-                scene.forbid_collision(ids[j], ids[i])?
+                scene.forbid_collision(ids[j], ids[i])?;
             } else {
-                scene.allow_collision(ids[j], ids[i])?
+                scene.allow_collision(ids[j], ids[i])?;
             };
         }
     }

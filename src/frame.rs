@@ -158,7 +158,7 @@ impl Frame {
     }
 
     /// Whether plane `key` really is an upper bound of the support of `p` in `direction`, one of
-    /// [`crate::directions`]: decided in exact arithmetic.
+    /// [`low_level::directions`](crate::low_level::directions): decided in exact arithmetic.
     ///
     /// # Panics
     /// If `direction` has components larger than those: the exact sum has room for no more terms.

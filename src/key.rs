@@ -18,7 +18,7 @@
 
 use core::fmt;
 
-/// The upper bound of a slab in fixed point. See the [module](self) for the code.
+/// The upper bound of a slab in fixed point. See the [module](crate::low_level::key) for the code.
 #[derive(Copy, Clone, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
 pub struct Key(i16);
 

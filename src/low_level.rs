@@ -11,17 +11,18 @@ pub mod frame {
     pub use crate::frame::*;
 }
 
-/// The kernels of each instruction set.
+/// The kernels of each instruction set. All of them obey one law, which the head of `src/kernel/mod.rs` states: the scalar
+/// kernels are the specification, and all others give the same bits.
 pub mod kernel {
     pub use crate::kernel::*;
 }
 
-/// Planes as 16-bit codes.
+/// Planes as 16-bit codes in fixed point, rounded up. Code c stands for c + 1/2 steps of the tree's frame.
 pub mod key {
     pub use crate::key::*;
 }
 
-/// The planes of a posed body in another frame.
+/// The planes of a posed body in another frame, rounded up. The head of `src/realign.rs` has the proof of their pad.
 pub mod realign {
     pub use crate::realign::*;
 }

@@ -1,4 +1,4 @@
-//! StaticBvh trees as bytes: changes to them, a second reader of where their parts are, a walk that trusts none of them, and what
+//! Baked trees as bytes: changes to them, a second reader of where their parts are, a walk that trusts none of them, and what
 //! holds of all bytes whatever the primitives.
 
 use crate::Input;

@@ -28,7 +28,7 @@
 //!
 //! Point p is a neighbour of query q with radius r where `(x * x + y * y) + z * z <= r * r`, with x, y, z the differences
 //! of their coordinates, every operation rounded to `f32` and none of them fused: what a loop over all points would
-//! compute. The tree finds neither more nor less, on every machine (the [law](crate::kernel), 7).
+//! compute. The tree finds neither more nor less, on every machine (the [law](crate::low_level::kernel), 7).
 //!
 //! Coordinates are any finite `f32`, in any unit. Squares of differences below 1e-23 are nothing in `f32`, so points that
 //! near to each other count as one; and those above 1.8e19 are infinite, which is no neighbour unless `r * r` is infinite as well.

@@ -1,4 +1,4 @@
-//! Is it safe to walk these bytes? StaticBvh trees are untrusted input.
+//! Is it safe to walk these bytes? Baked trees are untrusted input.
 
 use super::{BvhRef, FormatError, MAX_DEPTH};
 use crate::exact::power_of_two;

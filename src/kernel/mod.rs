@@ -79,7 +79,7 @@ mod sealed {
 }
 
 /// The operations of the hot loop, for one instruction set. The implementor is the token that proves it is
-/// there, or holds it. See the [law](self).
+/// there, or holds it. See the [law](crate::low_level::kernel).
 pub trait Kernel: Copy + core::fmt::Debug + sealed::Sealed {
     /// Runs `f` compiled for the instruction set, as far as `f` is inlined: a gate, which queries enter
     /// a few times each.
@@ -188,7 +188,7 @@ pub trait Kernel: Copy + core::fmt::Debug + sealed::Sealed {
     fn balls_share(self, a: &BoundingBall, b: &Ball16, shared: &mut [f32; 16]);
 
     /// Which boxes of `node` are at most the root of `square` from the query: the distance's square, as the
-    /// [law](self) rounds it, is at most `square`. Lanes that are NaN never are.
+    /// [law](crate::low_level::kernel) rounds it, is at most `square`. Lanes that are NaN never are.
     #[must_use]
     fn boxes_near(self, query: &Box3, square: f32, node: &Aabb16) -> u16;
 

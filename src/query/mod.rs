@@ -290,7 +290,7 @@ impl Query {
 
     /// The first pair of primitives at most `margin` apart: that of the hint, or the first that the traversal
     /// finds.
-    // QueryStats are counted where they are answered: as a copy they would have to wait for their stores.
+    // Work is counted where they are answered: as a copy they would have to wait for their stores.
     #[inline(always)]
     fn first_pair<N: Lanes, P: PrimitivePair<Q>, Q: PrimitivePair<P>>(
         &self,

@@ -19,10 +19,10 @@ pub(super) struct NormalSlabs<'t> {
     apart: u32,
 }
 
-/// NormalSlabs slabs are asked from this visit on: most queries are shorter, and of hits most pairs that wait are
+/// Normal slabs are asked from this visit on: most queries are shorter, and of hits most pairs that wait are
 /// never visited.
 pub(super) const LONG: u64 = 32;
-/// NormalSlabs slabs are given up when, after so many pairs, fewer than one in [`SHARE`] was apart.
+/// Normal slabs are given up when, after so many pairs, fewer than one in [`SHARE`] was apart.
 const TRIAL: u32 = 32;
 const SHARE: u32 = 4;
 

@@ -62,7 +62,7 @@ fn edge(
     motion: &mut impl Motion,
     waiting: usize,
 ) -> MotionAnswer {
-    scene.edge(query, moving, motion, 1e-5, &mut Memory::new(waiting).lend()).unwrap()
+    scene.check_motion(query, moving, motion, 1e-5, &mut Memory::new(waiting).lend()).unwrap()
 }
 
 /// Whether any two bodies that are asked meet at a time.

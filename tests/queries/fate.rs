@@ -66,9 +66,9 @@ fn fate(trees: [(&Tree, f64); 4], limits: &[[f64; 2]], pair: (usize, usize), box
     for i in 0..4 {
         for j in i + 1..4 {
             if (i, j) == pair || (j, i) == pair {
-                scene.forbid_collision(ids[i], ids[j]).unwrap()
+                scene.forbid_collision(ids[i], ids[j]).unwrap();
             } else {
-                scene.allow_collision(ids[i], ids[j]).unwrap()
+                scene.allow_collision(ids[i], ids[j]).unwrap();
             };
         }
     }

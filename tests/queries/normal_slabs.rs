@@ -1,4 +1,4 @@
-//! NormalSlabs slabs: that they bound what is below them, and no more than that; that damaged ones are refused; that
+//! Normal slabs: that they bound what is below them, and no more than that; that damaged ones are refused; that
 //! they change no verdict; and what they spare.
 
 use crate::support::data::{Approach, MeshData, notice, suite_step};

@@ -221,8 +221,8 @@ struct StaticBvh<N> {
 
 impl<N: Lanes> StaticBvh<N> {
     fn new(body: &Body, builder: Builder) -> Self {
-        let solid = is_closed(body).then(|| body.build_as::<N>(builder.solid()));
-        Self { body: body.clone(), surface: body.build_as::<N>(builder), solid }
+        let solid = is_closed(body).then(|| body.build::<N>(builder.solid()));
+        Self { body: body.clone(), surface: body.build::<N>(builder), solid }
     }
 }
 
@@ -556,7 +556,7 @@ fn open_meshes_are_refused_where_they_are_open() {
 fn every_tree_knows_its_parts() {
     for body in solids().iter().chain(&small_ones()) {
         for builder in [Builder::new(), Builder::new().leaf_size(5), Builder::fast()] {
-            let tree: Bvh<Node16<18>> = body.build_as(builder);
+            let tree: Bvh<Node16<18>> = body.build(builder);
             let view = tree.view();
             let parts: Vec<u32> = view.parts().collect();
             assert!(parts.is_sorted() && parts.len() == body.parts());
@@ -586,10 +586,10 @@ fn solids_from_outside_are_safe() {
     let mut rng = Rng::new(7);
     let cube = cuboid([-1.0; 3], [1.0; 3], false);
     let parts: Vec<MeshData> = (0..5).map(|i| scaled(&cube, 1.0, [4.0 * f64::from(i), 0.0, 0.0])).collect();
-    let tree: Bvh<Node16<18>> = Body::new(&parts).build_as(Builder::new().solid());
+    let tree: Bvh<Node16<18>> = Body::new(&parts).build(Builder::new().solid());
     let other: Bvh<Node16<18>> =
         Body::new(&[octahedron(0.25, [0.25; 3]), octahedron(0.25, [4.25, 0.0, 0.0])])
-            .build_as(Builder::new().solid());
+            .build(Builder::new().solid());
     let header = *tree.view().header();
     let bytes = tree.as_bytes();
     let section = (bytes.len() - 64..bytes.len()).rev().find(|&i| bytes[i] != 0).unwrap() / 4 * 4 - 16;

@@ -114,9 +114,9 @@ impl Model {
         for i in 0..ids.len() {
             for j in i + 1..ids.len() {
                 if self.asked.contains(&(i, j)) {
-                    scene.forbid_collision(ids[i], ids[j])?
+                    scene.forbid_collision(ids[i], ids[j])?;
                 } else {
-                    scene.allow_collision(ids[i], ids[j])?
+                    scene.allow_collision(ids[i], ids[j])?;
                 };
             }
         }
