@@ -144,10 +144,10 @@ fn answers_are_those_of_other_splitters() {
     let Some(suites) = suites() else { return };
     for suite in &suites {
         let poses = poses(suite);
-        let (want, _) = counters::<Node16<18>>(suite, &poses, Splitter::ExtendedLongestAxis);
+        let (want, _) = stats::<Node16<18>>(suite, &poses, Splitter::ExtendedLongestAxis);
         for splitter in SPLITTERS {
-            assert!(want == counters::<Node16<18>>(suite, &poses, splitter).0, "{}", suite.name);
-            assert!(want == counters::<Node4<26>>(suite, &poses, splitter).0, "{}", suite.name);
+            assert!(want == stats::<Node16<18>>(suite, &poses, splitter).0, "{}", suite.name);
+            assert!(want == stats::<Node4<26>>(suite, &poses, splitter).0, "{}", suite.name);
         }
     }
 }
@@ -160,7 +160,7 @@ fn mean_width_needs_fewer_visits() {
         let mesh = MeshData::obj(&data.join("meshes").join(name).with_extension("obj"));
         let suite = Suite { name, a: mesh.clone(), b: mesh };
         let poses = poses(&suite);
-        let sums = |splitter| counters::<Node16<18>>(&suite, &poses, splitter).1;
+        let sums = |splitter| stats::<Node16<18>>(&suite, &poses, splitter).1;
         let (halved, by_cost) = (sums(Splitter::ExtendedLongestAxis), sums(Splitter::MeanWidth));
         for (verdict, halved, by_cost) in [("free", halved[0], by_cost[0]), ("hit", halved[1], by_cost[1])] {
             println!("{name}, {verdict}: {halved:?} by halving, {by_cost:?} by mean width");

@@ -570,7 +570,8 @@ fn every_tree_knows_its_parts() {
             assert!(again.view().parts().eq(parts) && again.as_bytes() == tree.as_bytes());
         }
         if is_closed(body) {
-            let [solid, surface] = [Builder::new().solid(), Builder::new()].map(|b| body.build(b));
+            let [solid, surface] =
+                [Builder::new().solid(), Builder::new()].map(|b| body.build::<Node16<18>>(b));
             assert!(solid.view().is_solid() && solid.view().header().is_solid == 1);
             let at = offset_of!(Header, is_solid);
             let mut bytes = solid.as_bytes().to_vec();

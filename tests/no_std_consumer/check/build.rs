@@ -11,7 +11,6 @@ mod scene;
 use simdop::cloud::{PointCloud, Queries, Radii, RangeSearch};
 use simdop::construct::{Builder, Mesh};
 use simdop::isa::Isa;
-use simdop::node::Node16;
 use simdop::pose::Pose;
 use simdop::query::Query;
 use simdop::scene::{MotionHit, Scene};

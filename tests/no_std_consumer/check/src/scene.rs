@@ -114,7 +114,7 @@ impl<'t> Arm<'t> {
         let [from, to] = ends;
         let mut motion = JointMotion::new(robot, [from, to], &mut self.values, &mut self.links)?;
         let mut memory = MotionMemory { poses: &mut [Pose::IDENTITY; 4], waiting };
-        let answer = self.scene.edge(query, &self.moving, &mut motion, 1e-4, &mut memory)?;
+        let answer = self.scene.check_motion(query, &self.moving, &mut motion, 1e-4, &mut memory)?;
         match answer.verdict {
             MotionVerdict::Free => Ok((true, answer.pairs, answer.stats)),
             MotionVerdict::Hit { .. } => Ok((false, answer.pairs, answer.stats)),
@@ -127,8 +127,8 @@ impl<'t> Arm<'t> {
         Ok([
             self.collide(query, FREE)?,
             self.collide(query, HIT)?,
-            self.edge(query, [&FREE, &NEAR], waiting)?,
-            self.edge(query, [&FREE, &BEYOND], waiting)?,
+            self.check_motion(query, [&FREE, &NEAR], waiting)?,
+            self.check_motion(query, [&FREE, &BEYOND], waiting)?,
         ])
     }
 }
