@@ -12,7 +12,7 @@ BENCHED=gpu,rayon,urdf
 
 # The features of the README's command.
 # shellcheck disable=SC2034 # used by who sources this
-TESTED=simdop/rayon,simdop/mint,simdop/nalgebra,simdop-cli/report,simdop-cli/selftest
+TESTED=simdop/rayon,simdop/mint,simdop/nalgebra,simdop/urdf,simdop-cli/report,simdop-cli/selftest
 
 die() {
   echo "error: $*" >&2
