@@ -221,8 +221,25 @@ fn isa(text: &str) -> Result<Isa, String> {
 /// A file that exists is not required here: the reader names what is wrong.
 type File = PathBuf;
 
+/// Prints what clap has to say: help, the version, or what is wrong with the arguments. Help that cannot be written is an error, as
+/// all output is.
+fn answered(answer: &clap::Error) -> ExitCode {
+    match answer.print().and_then(|()| std::io::stdout().flush()) {
+        Ok(()) => ExitCode::from(u8::from(answer.use_stderr()) * 2),
+        Err(error) if error.kind() == std::io::ErrorKind::BrokenPipe => ExitCode::SUCCESS,
+        Err(error) => {
+            let _ = writeln!(std::io::stderr(), "simdop: {}", Error::Output(error));
+            ExitCode::from(2)
+        }
+    }
+}
+
 fn main() -> ExitCode {
-    let outcome = match Cli::parse().command {
+    let cli = match Cli::try_parse() {
+        Ok(cli) => cli,
+        Err(answer) => return answered(&answer),
+    };
+    let outcome = match cli.command {
         Command::Collide(options) => collide::run(&options),
         Command::Build(options) => build::run(&options).map(|()| 0),
         Command::Info(options) => info::run(&options).map(|()| 0),

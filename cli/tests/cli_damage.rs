@@ -208,3 +208,16 @@ fn without_room_the_old_file_stays() {
         }
     }
 }
+
+#[test]
+fn help_that_cannot_be_written_is_an_error() {
+    for arguments in [&["report", "--help"][..], &["--help"], &["--version"]] {
+        let mut shell = std::process::Command::new("sh");
+        shell.args(["-c", "exec \"$@\" > /dev/full", "sh", env!("CARGO_BIN_EXE_simdop")]).args(arguments);
+        let output = shell.output().unwrap();
+        let message = String::from_utf8(output.stderr).unwrap();
+        assert_eq!(output.status.code(), Some(2), "{arguments:?}: {message}");
+        // Where the report is not built in, there is no help of it.
+        assert!(message.contains("No space left") || message.contains("feature"), "{arguments:?}: {message}");
+    }
+}

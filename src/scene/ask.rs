@@ -218,6 +218,8 @@ impl<'t, N: Lanes> Scene<'t, N> {
         if cutoff.is_nan() || cutoff < 0.0 {
             return Err(SceneError::Tolerance(ToleranceError { given: cutoff }));
         }
+        // Also where no pair is near enough to be asked.
+        let tolerance = checked(tolerance).map_err(SceneError::Tolerance)?;
         let mut found = SceneDistance {
             lower: cutoff,
             upper: f64::INFINITY,

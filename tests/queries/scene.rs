@@ -460,6 +460,8 @@ fn what_cannot_be_is_refused() {
         let is_named = |error: Option<SceneError>| matches!(error, Some(SceneError::Tolerance(ToleranceError { given })) if given.to_bits() == margin.to_bits());
         assert!(is_named(scene.within(&query, margin).err()));
         assert_eq!(is_named(scene.clearance(&query, 0.0, margin).err()), margin != f64::INFINITY);
+        // There is no pair to be asked, and the tolerance is refused all the same.
+        assert!(is_named(scene.clearance(&query, margin, 1.0).err()));
     }
     for error in [
         SceneError::Full,

@@ -7,7 +7,7 @@ use super::{
 use crate::error::{Fault, Place};
 use ply_rs_bw::parser::{ParseError, Parser, Reader};
 use ply_rs_bw::ply::{
-    ElementDef, Encoding, Header, Property, PropertyAccess, PropertyAccessResult, PropertyType,
+    ElementDef, Encoding, Header, Property, PropertyAccess, PropertyAccessResult, PropertyType, Version,
 };
 
 /// An element of either kind: a vertex has a position, a face has corners.
@@ -117,6 +117,12 @@ fn check_header(header: &Header, wanted: Wanted) -> Result<usize, Fault> {
         let missing = || Fault::file(format!("not a {what}: there is no element '{name}'"));
         header.elements.get(name).ok_or_else(missing)
     };
+    let Version { major, minor } = header.version;
+    if (major, minor) != (1, 0) {
+        return Err(Fault::file(format!(
+            "the format's version is {major}.{minor}, and the only one known is 1.0"
+        )));
+    }
     let vertex = element("vertex")?;
     for axis in ["x", "y", "z"] {
         if !matches!(vertex.properties.get(axis).map(|p| &p.data_type), Some(PropertyType::Scalar(_))) {
@@ -385,6 +391,8 @@ mod tests {
             let (bytes, size) = binary_file(big, 1e39, [0, 1, 2]);
             assert_eq!(points(&bytes), Err(Fault::byte(size, "the coordinate 1e39 is beyond f32")));
         }
+        let later = "ply\nformat ascii 2.0\nelement vertex 0\nend_header\n";
+        assert_eq!(fault(later), Fault::file("the format's version is 2.0, and the only one known is 1.0"));
         let cloud = "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\n";
         let with_z = format!("{cloud}property float z\nend_header\n");
         let fault = |text: &str| points(text.as_bytes()).unwrap_err();
