@@ -294,15 +294,15 @@ typedef enum {
   /**
    * No two bodies that are asked against each other meet at any time from 0 to 1: certain.
    */
-  SIMDOP_EDGE_VERDICT_FREE = 0,
+  SIMDOP_MOTION_VERDICT_FREE = 0,
   /**
    * Two bodies meet at a time. It need not be the first.
    */
-  SIMDOP_EDGE_VERDICT_HIT = 1,
+  SIMDOP_MOTION_VERDICT_HIT = 1,
   /**
    * No hit was found, but within an interval of time something may meet.
    */
-  SIMDOP_EDGE_VERDICT_UNRESOLVED = 2,
+  SIMDOP_MOTION_VERDICT_UNRESOLVED = 2,
 } simdop_motion_verdict;
 
 /**
@@ -410,7 +410,7 @@ typedef struct {
   /**
    * The work.
    */
-  simdop_query_stats counters;
+  simdop_query_stats stats;
 } simdop_answer;
 
 /**
@@ -449,7 +449,7 @@ typedef struct {
   /**
    * The work.
    */
-  simdop_query_stats counters;
+  simdop_query_stats stats;
 } simdop_distance_answer;
 
 /**
@@ -565,7 +565,7 @@ typedef struct {
   /**
    * The work for these pairs.
    */
-  simdop_query_stats counters;
+  simdop_query_stats stats;
 } simdop_scene_answer;
 
 /**
@@ -604,7 +604,7 @@ typedef struct {
   /**
    * The work for these pairs.
    */
-  simdop_query_stats counters;
+  simdop_query_stats stats;
 } simdop_scene_clearance_answer;
 
 /**
@@ -628,7 +628,7 @@ typedef struct {
   /**
    * The work for these pairs.
    */
-  simdop_query_stats counters;
+  simdop_query_stats stats;
 } simdop_scene_hits;
 
 /**
@@ -663,13 +663,13 @@ typedef struct {
    * than that it need never be, and less it is where both bodies are moved by the same, as the links of an arm are.
    */
   double (*motion_bound_between)(void *user,
-                         size_t body_a,
-                         const double *centre_a,
-                         double radius_a,
-                         size_t body_b,
-                         const double *centre_b,
-                         double radius_b,
-                         double span);
+                                 size_t body_a,
+                                 const double *centre_a,
+                                 double radius_a,
+                                 size_t body_b,
+                                 const double *centre_b,
+                                 double radius_b,
+                                 double span);
 } simdop_motion;
 
 /**
@@ -708,7 +708,7 @@ typedef struct {
   /**
    * The work for these pairs.
    */
-  simdop_query_stats counters;
+  simdop_query_stats stats;
 } simdop_motion_answer;
 
 /**
@@ -908,9 +908,14 @@ simdop_error simdop_scene_attach(simdop_scene *scene, simdop_body_id id, simdop_
 simdop_error simdop_scene_detach(simdop_scene *scene, simdop_body_id id);
 
 /**
- * Says whether two bodies are asked against each other, whatever their groups: 0 they are not, else they are.
+ * Allows two bodies to meet, whatever their groups: no question of the scene asks the pair.
  */
-simdop_error simdop_scene_set_pair(simdop_scene *scene, simdop_body_id a, simdop_body_id b, int is_asked);
+simdop_error simdop_scene_allow_collision(simdop_scene *scene, simdop_body_id a, simdop_body_id b);
+
+/**
+ * Forbids two bodies to meet, whatever their groups: all questions of the scene ask the pair.
+ */
+simdop_error simdop_scene_forbid_collision(simdop_scene *scene, simdop_body_id a, simdop_body_id b);
 
 /**
  * Do any two bodies meet that are asked against each other? Gives up after `budget` visits for all pairs together.
@@ -966,12 +971,12 @@ simdop_error simdop_scene_each_hit(const simdop_scene *scene,
  * There are `count` ids. `motion->user` is what the motion's functions take it for, and these do what is said of them.
  */
 simdop_error simdop_scene_check_motion(simdop_scene *scene,
-                               const simdop_body_id *moving,
-                               size_t count,
-                               const simdop_motion *motion,
-                               double resolution,
-                               uint64_t budget,
-                               simdop_motion_answer *answer);
+                                       const simdop_body_id *moving,
+                                       size_t count,
+                                       const simdop_motion *motion,
+                                       double resolution,
+                                       uint64_t budget,
+                                       simdop_motion_answer *answer);
 
 /**
  * The same question at some times only: at those that divide 0 to 1 into `parts` evenly, at least 1, both ends among them, in
@@ -983,12 +988,12 @@ simdop_error simdop_scene_check_motion(simdop_scene *scene,
  * As of simdop_scene_check_motion().
  */
 simdop_error simdop_scene_check_motion_discrete(simdop_scene *scene,
-                                       const simdop_body_id *moving,
-                                       size_t count,
-                                       const simdop_motion *motion,
-                                       uint32_t parts,
-                                       uint64_t budget,
-                                       simdop_motion_answer *answer);
+                                                const simdop_body_id *moving,
+                                                size_t count,
+                                                const simdop_motion *motion,
+                                                uint32_t parts,
+                                                uint64_t budget,
+                                                simdop_motion_answer *answer);
 
 /**
  * As simdop_scene_check_motion(), of one body, and of what is attached to it, on its way from one pose in the world to another: it turns
@@ -997,12 +1002,12 @@ simdop_error simdop_scene_check_motion_discrete(simdop_scene *scene,
  * are off a rotation. Where the body stands in the scene does not matter.
  */
 simdop_error simdop_scene_check_screw(simdop_scene *scene,
-                                     simdop_body_id id,
-                                     const simdop_pose *from,
-                                     const simdop_pose *to,
-                                     double resolution,
-                                     uint64_t budget,
-                                     simdop_motion_answer *answer);
+                                      simdop_body_id id,
+                                      const simdop_pose *from,
+                                      const simdop_pose *to,
+                                      double resolution,
+                                      uint64_t budget,
+                                      simdop_motion_answer *answer);
 
 /**
  * As simdop_scene_check_motion(), of the bodies of a robot, and of what is attached to these, while each of its variables changes
@@ -1014,14 +1019,14 @@ simdop_error simdop_scene_check_screw(simdop_scene *scene,
  * There are `count` ids, and a number for each variable in both arrays.
  */
 simdop_error simdop_scene_check_joint_motion(simdop_scene *scene,
-                                        const simdop_body_id *moving,
-                                        size_t count,
-                                        const simdop_robot *robot,
-                                        const double *from,
-                                        const double *to,
-                                        double resolution,
-                                        uint64_t budget,
-                                        simdop_motion_answer *answer);
+                                             const simdop_body_id *moving,
+                                             size_t count,
+                                             const simdop_robot *robot,
+                                             const double *from,
+                                             const double *to,
+                                             double resolution,
+                                             uint64_t budget,
+                                             simdop_motion_answer *answer);
 
 #ifdef __cplusplus
 }  // extern "C"
