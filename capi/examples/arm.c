@@ -120,21 +120,21 @@ static void swing(simdop_body *link) {
     must(simdop_scene_collide(scene, SIMDOP_NO_BUDGET, &seen));
     expect(seen.verdict == SIMDOP_VERDICT_FREE, "and where it ends");
     must(simdop_scene_check_screw(scene, link_id, &start, &end, 1e-6, SIMDOP_NO_BUDGET, &edge));
-    expect(edge.verdict == SIMDOP_EDGE_VERDICT_HIT, "between the two it meets the wall");
+    expect(edge.verdict == SIMDOP_MOTION_VERDICT_HIT, "between the two it meets the wall");
     expect((edge.hit.a == wall_id || edge.hit.b == wall_id) && fabs(edge.time - 0.5) < 0.1, "half way");
     must(simdop_scene_check_screw(scene, link_id, &start, &other_end, 1e-6, SIMDOP_NO_BUDGET, &edge));
-    expect(edge.verdict == SIMDOP_EDGE_VERDICT_FREE, "the other way round it is free, at all times");
+    expect(edge.verdict == SIMDOP_MOTION_VERDICT_FREE, "the other way round it is free, at all times");
 
     /* The same questions about a motion of one's own: it slides past the wall, and through it. */
     struct slide slide = {{-1, 0.6, 0}, {1, 0.6, 0}, 1000};
     simdop_motion motion = {&slide, slide_go_to, slide_path, NULL};
     must(simdop_scene_check_motion(scene, &link_id, 1, &motion, 1e-6, SIMDOP_NO_BUDGET, &edge));
-    expect(edge.verdict == SIMDOP_EDGE_VERDICT_FREE, "it slides past the wall");
+    expect(edge.verdict == SIMDOP_MOTION_VERDICT_FREE, "it slides past the wall");
     slide.from[1] = slide.to[1] = 0.2;
     must(simdop_scene_check_motion_discrete(scene, &link_id, 1, &motion, 1, SIMDOP_NO_BUDGET, &edge));
-    expect(edge.verdict == SIMDOP_EDGE_VERDICT_UNRESOLVED && edge.times == 2, "its two ends alone say nothing");
+    expect(edge.verdict == SIMDOP_MOTION_VERDICT_UNRESOLVED && edge.times == 2, "its two ends alone say nothing");
     must(simdop_scene_check_motion(scene, &link_id, 1, &motion, 1e-6, SIMDOP_NO_BUDGET, &edge));
-    expect(edge.verdict == SIMDOP_EDGE_VERDICT_HIT, "it slides through it");
+    expect(edge.verdict == SIMDOP_MOTION_VERDICT_HIT, "it slides through it");
     slide.left = 0;
     must_fail(simdop_scene_check_motion(scene, &link_id, 1, &motion, 1e-6, SIMDOP_NO_BUDGET, &edge),
               SIMDOP_ERROR_MOTION_STOPPED);
@@ -180,10 +180,10 @@ static void reach(simdop_body *link) {
     must(simdop_robot_poses(robot, end, poses));
     expect(fabs(poses[ELBOW].rows[1][3] - 0.75) < 1e-12, "stretched along y, its second link is there");
     must(simdop_scene_check_joint_motion(scene, ids, JOINTS, robot, start, end, 1e-6, SIMDOP_NO_BUDGET, &edge));
-    expect(edge.verdict == SIMDOP_EDGE_VERDICT_HIT, "stretched, it meets the post on the way");
+    expect(edge.verdict == SIMDOP_MOTION_VERDICT_HIT, "stretched, it meets the post on the way");
     for (int i = 0; i < 3; i++) {
         must(simdop_scene_check_joint_motion(scene, ids, JOINTS, robot, way[i], way[i + 1], 1e-6, SIMDOP_NO_BUDGET, &edge));
-        expect(edge.verdict == SIMDOP_EDGE_VERDICT_FREE, "folded, it is free at all times");
+        expect(edge.verdict == SIMDOP_MOTION_VERDICT_FREE, "folded, it is free at all times");
     }
     must_fail(simdop_robot_poses(robot, beyond, poses), SIMDOP_ERROR_MOTION_OUT_OF_LIMITS);
     joints[ELBOW].kind = 7;
