@@ -960,7 +960,7 @@ simdop_error simdop_scene_each_hit(const simdop_scene *scene,
 
 /**
  * Do any two bodies that are asked against each other meet at any time of a motion of some of them, and of what is attached to
- * these? All others stand still. SIMDOP_EDGE_VERDICT_FREE is certain for all times from 0 to 1, not for samples of them, if the
+ * these? All others stand still. SIMDOP_MOTION_VERDICT_FREE is certain for all times from 0 to 1, not for samples of them, if the
  * motion's `path` is the bound that it should be.
  *
  * `moving` are the `count` bodies that move, in the motion's order; none of them is attached. No interval of time that is not
@@ -980,7 +980,7 @@ simdop_error simdop_scene_check_motion(simdop_scene *scene,
 
 /**
  * The same question at some times only: at those that divide 0 to 1 into `parts` evenly, at least 1, both ends among them, in
- * an order that halves the longest gaps first, until one is a hit. The verdict is never SIMDOP_EDGE_VERDICT_FREE, but
+ * an order that halves the longest gaps first, until one is a hit. The verdict is never SIMDOP_MOTION_VERDICT_FREE, but
  * unresolved from 0 to 1: between the times, nothing is known. The motion's `path` is not called, and may be NULL. Otherwise as
  * simdop_scene_check_motion().
  *

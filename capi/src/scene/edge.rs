@@ -142,7 +142,7 @@ impl<'e> CalledEdge<'e> {
 }
 
 /// Do any two bodies that are asked against each other meet at any time of a motion of some of them, and of what is attached to
-/// these? All others stand still. SIMDOP_EDGE_VERDICT_FREE is certain for all times from 0 to 1, not for samples of them, if the
+/// these? All others stand still. SIMDOP_MOTION_VERDICT_FREE is certain for all times from 0 to 1, not for samples of them, if the
 /// motion's `path` is the bound that it should be.
 ///
 /// `moving` are the `count` bodies that move, in the motion's order; none of them is attached. No interval of time that is not
@@ -172,7 +172,7 @@ pub unsafe extern "C" fn simdop_scene_check_motion(
 }
 
 /// The same question at some times only: at those that divide 0 to 1 into `parts` evenly, at least 1, both ends among them, in
-/// an order that halves the longest gaps first, until one is a hit. The verdict is never SIMDOP_EDGE_VERDICT_FREE, but
+/// an order that halves the longest gaps first, until one is a hit. The verdict is never SIMDOP_MOTION_VERDICT_FREE, but
 /// unresolved from 0 to 1: between the times, nothing is known. The motion's `path` is not called, and may be NULL. Otherwise as
 /// simdop_scene_check_motion().
 ///

@@ -391,8 +391,6 @@ mod tests {
             let (bytes, size) = binary_file(big, 1e39, [0, 1, 2]);
             assert_eq!(points(&bytes), Err(Fault::byte(size, "the coordinate 1e39 is beyond f32")));
         }
-        let later = "ply\nformat ascii 2.0\nelement vertex 0\nend_header\n";
-        assert_eq!(fault(later), Fault::file("the format's version is 2.0, and the only one known is 1.0"));
         let cloud = "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\n";
         let with_z = format!("{cloud}property float z\nend_header\n");
         let fault = |text: &str| points(text.as_bytes()).unwrap_err();
@@ -419,6 +417,8 @@ mod tests {
         let fault = |text: &str| parse(text.as_bytes()).unwrap_err();
         assert_eq!(fault("solid\n").place, Place::Line(1));
         assert_eq!(fault("ply\nformat ascii 2\n").place, Place::Line(2));
+        let later = "ply\nformat ascii 2.0\nelement vertex 0\nend_header\n";
+        assert_eq!(fault(later), Fault::file("the format's version is 2.0, and the only one known is 1.0"));
         let cloud = "ply\nformat ascii 1.0\nelement vertex 0\nproperty float x\nproperty float y\n";
         assert_eq!(
             fault(&format!("{cloud}property float z\nend_header\n")),
