@@ -167,7 +167,7 @@ fn check<N: Lanes>(name: &str, mesh: &MeshData, magnification: Magnification, le
     let full = stats.primitives.div_ceil(leaf_size as usize).div_ceil(N::ARITY - 1).max(1);
     let most = if leaf_size == 1 { full + full / 8 } else { 2 * full } + 2;
     let nodes = view.header().node_count as usize;
-    assert!(nodes <= most + 2 * stats.details, "{name}: {stats:?}, {full} full nodes would do");
+    assert!(nodes <= most, "{name}: {stats:?}, {full} full nodes would do");
 }
 
 #[test]

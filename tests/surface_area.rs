@@ -40,9 +40,8 @@ fn check_tree<N: Lanes>(what: &str, mesh: &MeshData, leaf_size: u32, splitter: S
     let stats = view.stats();
     let leaves = mesh.triangles.len().div_ceil(leaf_size as usize);
     let full = leaves.saturating_sub(1).div_ceil(N::ARITY - 1).max(leaves.min(1));
-    // Details have trees of their own, of which one node each may not be full.
     let nodes = view.header().node_count as usize;
-    assert!((full..=full + stats.details).contains(&nodes), "{what}: {nodes} nodes, {full} needed");
+    assert_eq!(nodes, full, "{what}: {nodes} nodes, {full} needed");
     assert!(stats.depth <= MAX_DEPTH, "{what}: {} levels", stats.depth);
 }
 

@@ -158,10 +158,6 @@ typedef enum {
    */
   SIMDOP_ERROR_BYTES_PART = 31,
   /**
-   * A detail in the bytes cannot be, or is not of the shape of what it stands for.
-   */
-  SIMDOP_ERROR_BYTES_DETAIL = 32,
-  /**
    * A vertex is NaN, infinite, or beyond 2^300.
    */
   SIMDOP_ERROR_BUILD_VERTEX = 40,

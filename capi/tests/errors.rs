@@ -4,13 +4,13 @@
 mod support;
 
 use simdop::construct::{Builder, Mesh, OwnedMesh};
-use simdop::hierarchy::{Aligned, Bvh, BvhRef, Detail};
+use simdop::hierarchy::{Aligned, Bvh};
 use simdop::node::{Node4, Node16};
 use simdop_capi::*;
 use std::collections::BTreeSet;
 use std::ffi::{CStr, c_char, c_int, c_void};
 use std::fs;
-use std::mem::{MaybeUninit, offset_of};
+use std::mem::MaybeUninit;
 use std::ptr::null;
 use support::robot::{faults, hinge};
 use support::{IDENTITY, answer, bytes, handle, open, solid, spheres, surface};
@@ -46,26 +46,6 @@ fn opened_with(at: usize, bytes: &[u8]) -> simdop_error {
     open(&copy.0[..count]).unwrap_err()
 }
 
-/// What opening a body comes to whose detail has a byte that it has no use for.
-fn of_a_detail() -> simdop_error {
-    let mut mesh = OwnedMesh::cuboid([1.0; 3]).unwrap();
-    let fine = OwnedMesh::cylinder(1e-6, 1e-6, 1e-9).unwrap();
-    let start = mesh.vertices.len() as u32;
-    mesh.vertices.extend(fine.vertices);
-    mesh.triangles.extend(fine.triangles.iter().map(|t| t.map(|i| i + start)));
-    let body = surface(&mesh.as_mesh()).unwrap();
-    let mut copy = Box::new(Aligned([0; 1 << 16]));
-    let count = bytes(&body).len();
-    copy.0[..count].copy_from_slice(bytes(&body));
-    let view = BvhRef::<Node16<18>>::from_bytes(&copy.0[..count]).unwrap();
-    let at = view.details().as_ptr().addr() - copy.0.as_ptr().addr() + offset_of!(Detail, first) + 4;
-    assert!(open(&copy.0[..count]).is_ok());
-    copy.0[at] = 1;
-    let error = open(&copy.0[..count]).unwrap_err();
-    assert!(last_error().contains("detail"), "{}", last_error());
-    error
-}
-
 /// All errors of opening bytes.
 fn of_bytes() -> Vec<simdop_error> {
     // Where what is in that tree: the header's fields, and after the node with its normal slabs the rest.
@@ -98,7 +78,6 @@ fn of_bytes() -> Vec<simdop_error> {
         opened_with(records, &[8, 0, 0, 0]),
         opened_with(sources, &[8, 0, 0, 0]),
         opened_with(parts, &[8, 0, 0, 0]),
-        of_a_detail(),
     ]
 }
 

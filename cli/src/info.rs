@@ -34,7 +34,6 @@ struct Report {
     vertices: u32,
     vertex_format: &'static str,
     nodes: usize,
-    details: usize,
     lanes_used_per_node: f64,
     expected_visits: f64,
     area_ratio: f64,
@@ -87,7 +86,6 @@ pub(super) fn run(options: &Options) -> Result<(), Error> {
         vertices: header.vertex_count,
         vertex_format: body::vertex_format(header),
         nodes: stats.nodes,
-        details: stats.details,
         lanes_used_per_node: stats.lanes_used as f64 / stats.nodes.max(1) as f64,
         expected_visits: quality.expected_visits,
         area_ratio: quality.area_ratio,
@@ -117,9 +115,6 @@ fn print(report: &Report, json: bool) -> std::io::Result<()> {
     writeln!(out, "parts               {:>12}   {is}", report.parts)?;
     writeln!(out, "vertices            {vertices:>12}   stored as {}", report.vertex_format)?;
     writeln!(out, "nodes               {nodes:>12}")?;
-    if report.details > 0 {
-        writeln!(out, "details             {:>12}   parts in frames of their own", report.details)?;
-    }
     writeln!(out, "lanes used per node {:>12.2}   of {arity}", report.lanes_used_per_node)?;
     writeln!(out, "mean depth          {:>12.2}", report.mean_depth)?;
     writeln!(

@@ -69,9 +69,7 @@ fn what_is_beyond_is_apart<const K: usize>(
     let margin = [0.0, 0.0, 1e-3, 0.5][input.below(4)];
     let index = input.below(view.nodes().len());
     let node = &view.nodes()[index];
-    // Of the body, or of the detail whose node it is.
-    let detail = view.details().iter().rfind(|detail| detail.first as usize <= index);
-    let extent = detail.map_or_else(|| view.extent(), |detail| detail.extent());
+    let extent = view.extent();
     let four = narrow(node.planes.map(|p| [p[0], p[1], p[2], p[3]]));
     let directions = Triangles::own_directions(&triangle);
     for (s, slab) in primitive_slabs::<Triangles, K>(&triangle, margin, &extent, placed).iter().enumerate() {

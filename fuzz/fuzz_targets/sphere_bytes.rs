@@ -44,7 +44,7 @@ fn changed<N: Lanes>(buffer: &mut Buffer, input: &mut Input) {
             0..32 => (0..128, 4),
             32..80 => (128..parts.balls, 2),
             80..160 => (parts.balls..parts.slabs, 4),
-            160..176 => (parts.slabs..parts.details, 4),
+            160..176 => (parts.slabs..parts.vertices, 4),
             176..224 => (parts.vertices..parts.records, number),
             224..240 => (parts.records..parts.sources, 4),
             _ => (parts.sources..parts.end, 4),

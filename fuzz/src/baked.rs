@@ -70,7 +70,6 @@ pub fn u32_at(bytes: &[u8], at: usize) -> u32 {
 pub struct Parts {
     pub balls: usize,
     pub slabs: usize,
-    pub details: usize,
     pub vertices: usize,
     pub records: usize,
     pub sources: usize,
@@ -80,19 +79,16 @@ pub struct Parts {
 
 impl Parts {
     pub fn of<N: Lanes, P: Primitive>(header: &Header) -> Self {
-        let counts =
-            [header.node_count, header.detail_node_count, header.vertex_count, header.primitive_count];
-        let [own, of_details, vertices, primitives] = counts.map(|count| count as usize);
-        let nodes = own + of_details;
+        let counts = [header.node_count, header.vertex_count, header.primitive_count];
+        let [nodes, vertices, primitives] = counts.map(|count| count as usize);
         let balls = 128 + nodes * size_of::<N>();
         let slabs = balls + if header.has_balls == 1 { nodes * size_of::<Ball16>() } else { 0 };
-        let details = slabs + if header.has_normal_slabs == 1 { nodes * N::ARITY * 8 } else { 0 };
-        let start = details + 64 * header.detail_count as usize;
+        let start = slabs + if header.has_normal_slabs == 1 { nodes * N::ARITY * 8 } else { 0 };
         let records = start + vertices * usize::from(header.vertex_size);
         let sources = records + primitives * size_of::<P::Record>();
         let parts = sources + primitives * 4;
         let end = (parts + header.part_count as usize * 4).next_multiple_of(64);
-        Self { balls, slabs, details, vertices: start, records, sources, parts, end }
+        Self { balls, slabs, vertices: start, records, sources, parts, end }
     }
 }
 
@@ -113,10 +109,7 @@ fn is_true<N: Lanes, P: Primitive>(error: FormatError, bytes: &[u8]) -> bool {
         FormatError::TooLong { have, need } => have == bytes.len() && have > need,
         FormatError::Node { node, lane, .. } => {
             let header: &Header = Header::read(bytes).unwrap();
-            node < header.node_count + header.detail_node_count && (lane as usize) < N::ARITY
-        }
-        FormatError::Detail { index, problem } => {
-            index < Header::read(bytes).unwrap().detail_count && !problem.is_empty()
+            node < header.node_count && (lane as usize) < N::ARITY
         }
         FormatError::Vertex { index } => index < field(32),
         FormatError::Primitive { index } => {
@@ -183,8 +176,7 @@ fn is_what_the_bytes_say<N: Lanes, P: Primitive>(view: &BvhRef<'_, N, P>, bytes:
     assert_eq!(bytemuck::bytes_of(header), &bytes[..128]);
     assert_eq!(bytemuck::cast_slice::<N, u8>(view.nodes()), &bytes[128..parts.balls]);
     assert_eq!(bytemuck::cast_slice::<_, u8>(view.balls()), &bytes[parts.balls..parts.slabs]);
-    assert_eq!(bytemuck::cast_slice::<_, u8>(view.normal_slabs()), &bytes[parts.slabs..parts.details]);
-    assert_eq!(bytemuck::cast_slice::<_, u8>(view.details()), &bytes[parts.details..parts.vertices]);
+    assert_eq!(bytemuck::cast_slice::<_, u8>(view.normal_slabs()), &bytes[parts.slabs..parts.vertices]);
     assert_eq!(view.len(), header.primitive_count as usize);
     for i in 0..view.len() {
         assert_eq!(view.source(i as u32), u32_at(bytes, parts.sources + 4 * i));
@@ -213,15 +205,9 @@ fn is_safe_to_walk<N: Lanes, P: Primitive>(view: &BvhRef<'_, N, P>) {
     let whole = if view.nodes().is_empty() { None } else { Some(0) };
     let (nodes, lanes, seen) = walked(view, whole);
     assert!(nodes == view.header().node_count as usize && seen.iter().all(|seen| *seen));
-    let (mut all_nodes, mut all_lanes) = (nodes, lanes);
-    for detail in view.details() {
-        let (nodes, lanes, seen) = walked(view, Some(detail.first));
-        assert!(seen == walked(view, Some(detail.node)).2, "what is below the node that it stands for");
-        (all_nodes, all_lanes) = (all_nodes + nodes, all_lanes + lanes);
-    }
     let stats = view.stats();
-    assert_eq!((stats.nodes, stats.primitives, stats.lanes_used), (all_nodes, view.len(), all_lanes));
-    assert_eq!((stats.nodes, stats.details), (view.nodes().len(), view.details().len()));
+    assert_eq!((stats.nodes, stats.primitives, stats.lanes_used), (nodes, view.len(), lanes));
+    assert_eq!(stats.nodes, view.nodes().len());
 }
 
 /// The nodes and lanes below a root, and which primitives are: each once.

@@ -1,7 +1,6 @@
 //! The baked tree of a shape: header, nodes, primitives in one run of bytes. The only code that makes nodes.
 
 use super::balls::balls;
-use super::details::Details;
 use super::geometry::{Checked, Record, bounding_box, corners_of};
 use super::normal_slabs::normal_slabs;
 use super::parts::parts;
@@ -45,13 +44,7 @@ pub(super) fn bake<N: Dop, G: Geometry>(
     if G::Primitive::IS_ROUND && normal_slabs.iter().all(|slab| *slab == NormalSlab::EVERYWHERE) {
         normal_slabs = Vec::new();
     }
-    // All that reads nodes from here on reads the body's own.
     let with_normal_slabs = has_normal_slabs && normal_slabs.len() == nodes.len() * N::ARITY;
-    let details = if G::Primitive::HAS_BALLS {
-        Details::NONE
-    } else {
-        Details::of::<G>(&nodes, &frame, &vertices, &records, with_normal_slabs)
-    };
     let balls = if has_balls && G::Primitive::HAS_BALLS && N::ARITY == 16 {
         balls::<N, G::Primitive>(&nodes, &frame, half_width, &vertices, &records)
     } else {
@@ -98,8 +91,7 @@ pub(super) fn bake<N: Dop, G: Geometry>(
         has_balls: (!balls.is_empty()).into(),
         is_solid: (is_solid && G::Primitive::BOUNDS_SOLIDS).into(),
         part_count: parts.len() as u32,
-        detail_count: details.details.len() as u32,
-        detail_node_count: details.nodes.len() as u32,
+        reserved: [0; 2],
     };
     let vertex_bytes: &[u8] = match &single {
         Some(single) => bytemuck::cast_slice(single),
@@ -109,11 +101,8 @@ pub(super) fn bake<N: Dop, G: Geometry>(
     Ok(Bvh::assemble(&[
         (64, bytemuck::bytes_of(&header)),
         (64, bytemuck::cast_slice(&nodes)),
-        (1, bytemuck::cast_slice(&details.nodes)),
         (1, bytemuck::cast_slice(&balls)),
         (8, bytemuck::cast_slice(&normal_slabs)),
-        (1, bytemuck::cast_slice(&details.normal_slabs)),
-        (8, bytemuck::cast_slice(&details.details)),
         (8, vertex_bytes),
         (4, bytemuck::cast_slice(&records)),
         (4, bytemuck::cast_slice(&shape.sources)),
@@ -122,11 +111,11 @@ pub(super) fn bake<N: Dop, G: Geometry>(
 }
 
 /// The largest magnitude of a coordinate in a box, or of the centre of the frame around it.
-pub(super) fn max_coordinate(low: Point, high: Point, frame: &Frame) -> f64 {
+fn max_coordinate(low: Point, high: Point, frame: &Frame) -> f64 {
     low.into_iter().chain(high).chain(frame.centre).map(f64::abs).fold(0.0, f64::max)
 }
 
-pub(super) fn half_width<P: Primitive>(frame: &Frame, vertices: &[P::Double]) -> [f32; 3] {
+fn half_width<P: Primitive>(frame: &Frame, vertices: &[P::Double]) -> [f32; 3] {
     core::array::from_fn(|i| {
         let width = |Sphere { centre, radius }: Sphere| {
             ((centre[i] - frame.centre[i]) * frame.scale()).abs() + radius * frame.scale()
@@ -142,7 +131,7 @@ fn radius<P: Primitive>(frame: &Frame, vertices: &[P::Double]) -> f64 {
 
 /// The largest magnitude of a plane. Codes order as what they stand for, so the least and the greatest
 /// have it.
-pub(super) fn max_plane<N: Dop>(nodes: &[N]) -> f32 {
+fn max_plane<N: Dop>(nodes: &[N]) -> f32 {
     let (mut least, mut greatest) = (0, 0);
     for node in nodes {
         for j in 0..N::K {

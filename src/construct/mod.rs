@@ -13,13 +13,11 @@ mod closed;
 mod clustering;
 mod cost;
 mod cover;
-mod details;
 mod enclosing;
 mod error;
 mod geometry;
 #[cfg(feature = "gpu")]
 pub mod gpu;
-mod graft;
 mod levels;
 mod longest_axis;
 mod neural_gas;
@@ -45,12 +43,12 @@ use crate::halving::Halving;
 use crate::hierarchy::Bvh;
 use crate::node::{Dop, MAX_LEAF_SIZE, Node16};
 use crate::primitive::{Primitive, Sphere};
+use crate::range::Point;
 use alloc::vec::Vec;
 use core::borrow::Borrow;
 use core::ops::ControlFlow;
 use cost::Aabb;
 use geometry::{Checked, check_vertices};
-use graft::Items;
 use progress::Observer;
 
 /// How primitives are assigned to the lanes of a node (SIMDop paper, section IV-A).
@@ -207,9 +205,8 @@ impl Builder {
     /// Coordinates are kept as they are (stored as `f32` where that loses nothing), except that those below
     /// [`crate::range::MIN_COORDINATE`] become zero. Degenerate triangles are kept and counted.
     ///
-    /// Parts of a mesh that are too fine for 16 bits across all of it, such as screws in a hall, get subtrees and frames of
-    /// their own ([`Detail`](crate::hierarchy::Detail)): near them [`collide`](crate::query::Query::collide) costs what it
-    /// costs near a body of their size. Their nodes are in the tree twice.
+    /// Planes are 16 bits wide across the whole mesh. Near a part whose triangles are smaller than one 65,536th of the
+    /// mesh's width, such as a screw in a hall, a query tests most triangles of that part: build it as a body of its own.
     ///
     /// The same bytes on every machine and, with the feature `rayon`, from any number of threads: those of
     /// the current pool. A build needs some 100 bytes a triangle besides the mesh and the tree (k = 18,
@@ -278,15 +275,7 @@ impl Builder {
         arity: usize,
         observer: &mut Observer<'_>,
     ) -> Result<Assignment, BuildError> {
-        let items = self.items::<G>(table);
-        graft::assign(&items, arity, self.has_details::<G>(), observer, &mut |items, observer| {
-            self.split(items, arity, observer)
-        })
-    }
-
-    /// Whether details get subtrees: leaves of several primitives may hold some of a detail and others.
-    const fn has_details<G: Geometry>(&self) -> bool {
-        self.leaf_size == 1 && !G::Primitive::HAS_BALLS
+        self.split(&self.items::<G>(table), arity, observer)
     }
 
     /// What is split.
@@ -322,6 +311,19 @@ impl Builder {
                 neural_gas::assign(&samples, &halving(true), seed, observer)
             }
         }
+    }
+}
+
+/// What a splitter splits.
+struct Items {
+    boxes: Vec<Aabb>,
+    /// None if all weigh the same.
+    weights: Option<Vec<f64>>,
+}
+
+impl Items {
+    fn centroids(&self) -> Vec<Point> {
+        self.boxes.iter().map(Aabb::centre).collect()
     }
 }
 

@@ -37,7 +37,7 @@ pub struct Header {
     pub leaf_size: u16,
     /// Levels of nodes.
     pub depth: u32,
-    /// Number of nodes, but for those of details.
+    /// Number of nodes.
     pub node_count: u32,
     /// Number of primitives.
     pub primitive_count: u32,
@@ -74,10 +74,8 @@ pub struct Header {
     /// Number of parts of which a primitive each is named at the end of the bytes: parts do not hang together. 0 of a body
     /// that is one part, which primitive 0 stands for, and of spheres, each of which is a part.
     pub part_count: u32,
-    /// Number of [`Detail`](super::Detail)s.
-    pub detail_count: u32,
-    /// Number of nodes of all of them, which come after the body's own.
-    pub detail_node_count: u32,
+    /// Zeros.
+    pub(crate) reserved: [u32; 2],
 }
 
 const _: () = assert!(size_of::<Header>() == 128 && align_of::<Header>() == 8, "the header has 128 bytes");
@@ -150,14 +148,6 @@ pub enum FormatError {
         /// Index of the primitive in leaf order.
         index: u32,
     },
-    /// A detail stands for no node, or for none in order, or its nodes are not of the shape that they stand for, or larger
-    /// than it says.
-    Detail {
-        /// Index of the detail.
-        index: u32,
-        /// What is wrong.
-        problem: &'static str,
-    },
     /// What stands for a part is no primitive, or does not come after what stands for the part before.
     Part {
         /// Index of the part.
@@ -182,7 +172,6 @@ impl fmt::Display for FormatError {
             Self::Source { index } => {
                 write!(f, "primitive {index} had an index that is not below the number of primitives")
             }
-            Self::Detail { index, problem } => write!(f, "detail {index}: {problem}"),
             Self::Part { index } => {
                 write!(f, "what stands for part {index} is no primitive, or out of order")
             }

@@ -1,6 +1,6 @@
 //! Where the parts of a baked tree lie.
 
-use super::{Detail, FormatError, Header, MAGIC, VERSION};
+use super::{FormatError, Header, MAGIC, VERSION};
 use crate::node::{Ball16, Node, NormalSlab};
 use crate::primitive::{Primitive, Store};
 use core::mem::offset_of;
@@ -21,7 +21,6 @@ pub(super) struct Layout {
     pub(super) nodes: Part,
     pub(super) balls: Part,
     pub(super) normal_slabs: Part,
-    pub(super) details: Part,
     pub(super) vertices: Part,
     pub(super) records: Part,
     /// What primitives were in what was built, then what stands for the parts.
@@ -79,11 +78,7 @@ impl Layout {
             return Err(FormatError::Header { field: "has_balls" });
         }
         let layout = attempt!(Self::of_counts::<N, P>(
-            [
-                u32_at(bytes, offset_of!(Header, node_count)),
-                u32_at(bytes, offset_of!(Header, detail_count)),
-                u32_at(bytes, offset_of!(Header, detail_node_count)),
-            ],
+            u32_at(bytes, offset_of!(Header, node_count)),
             u16_at(bytes, offset_of!(Header, has_normal_slabs)),
             has_balls,
             u32_at(bytes, offset_of!(Header, vertex_count)),
@@ -101,9 +96,9 @@ impl Layout {
         Ok(layout)
     }
 
-    /// Of a tree with so many nodes, details and nodes of these, normal slabs or not, balls or not, vertices of some size, primitives and parts.
+    /// Of a tree with these counts, and normal slabs and balls or not.
     pub(super) const fn of_counts<N: Node, P: Primitive>(
-        [nodes, details, detail_nodes]: [u32; 3],
+        nodes: u32,
         has_normal_slabs: u16,
         has_balls: u16,
         vertices: u32,
@@ -112,24 +107,20 @@ impl Layout {
         parts: u32,
     ) -> Result<Self, FormatError> {
         let header = Part { start: 0, len: size_of::<Header>() };
-        let Some(nodes) = nodes.checked_add(detail_nodes) else {
-            return Err(FormatError::Header { field: "detail_node_count" });
-        };
         let with_slabs = if has_normal_slabs != 0 { nodes } else { 0 };
         let with_balls = if has_balls != 0 { nodes } else { 0 };
         let nodes = attempt!(header.then(nodes, size_of::<N>(), 64));
         // Where nodes have sixteen lanes, they end at a multiple of 64.
         let balls = attempt!(nodes.then(with_balls, size_of::<Ball16>(), 1));
         let normal_slabs = attempt!(balls.then(with_slabs, N::ARITY * size_of::<NormalSlab>(), 8));
-        let details = attempt!(normal_slabs.then(details, size_of::<Detail>(), 8));
-        let vertices = attempt!(details.then(vertices, vertex_size as usize, 8));
+        let vertices = attempt!(normal_slabs.then(vertices, vertex_size as usize, 8));
         let records = attempt!(vertices.then(primitives, size_of::<P::Record>(), 4));
         let mut indices = attempt!(records.then(primitives, 4, 4));
         // No gap between the two.
         let parts = attempt!(indices.then(parts, 4, 4));
         indices.len += parts.len;
         let end = attempt!(indices.then(0, 0, 64)).start;
-        Ok(Self { nodes, normal_slabs, balls, details, vertices, records, indices, vertex_size, end })
+        Ok(Self { nodes, normal_slabs, balls, vertices, records, indices, vertex_size, end })
     }
 }
 

@@ -1,7 +1,7 @@
 //! Bounding volume hierarchies: one run of bytes, read in place.
 //!
 //! A baked tree is a [`Header`], the nodes in breadth-first order, the balls or the normal slabs of their lanes if it
-//! has them, its [`Detail`]s, the vertices, the primitives in the order of the leaves (of a triangle the indices of its corners), and
+//! has them, the vertices, the primitives in the order of the leaves (of a triangle the indices of its corners), and
 //! for each primitive its index in what was built; of a body of several parts also a primitive in each. All little-endian, each part aligned for its type, the whole to 64
 //! bytes.
 //!
@@ -15,7 +15,6 @@
 //! Queries take all but the last two through [`AsBvh`].
 
 mod any;
-mod detail;
 mod header;
 mod layout;
 #[cfg(feature = "alloc")]
@@ -26,7 +25,6 @@ mod static_bvh;
 mod stats;
 mod tree_stats;
 mod validate;
-mod validate_details;
 mod verify;
 mod view;
 mod walk;
@@ -35,7 +33,6 @@ mod walk;
 pub use any::AnyBvh;
 pub use any::AnyBvhRef;
 pub(crate) use any::for_node_types;
-pub use detail::Detail;
 pub use header::{FormatError, Header, MAGIC, VERSION};
 #[cfg(feature = "alloc")]
 pub use owned::Bvh;

@@ -12,10 +12,8 @@ pub struct Stats {
     pub primitives: usize,
     /// Number of parts: primitives of different parts do not hang together. Each sphere is one.
     pub parts: usize,
-    /// Number of nodes, those of details too.
+    /// Number of nodes.
     pub nodes: usize,
-    /// Number of parts that are in the tree once more, in frames of their own.
-    pub details: usize,
     /// Levels of nodes.
     pub depth: usize,
     /// Lanes in use, of `nodes * arity`.
@@ -37,7 +35,7 @@ impl<N: Node, P: Primitive> BvhRef<'_, N, P> {
         let used = |node: &N| node.children().iter().filter(|c| **c != Child::EMPTY).count();
         let h = self.header;
         let layout = Layout::of_counts::<N, P>(
-            [h.node_count, h.detail_count, h.detail_node_count],
+            h.node_count,
             h.has_normal_slabs,
             h.has_balls,
             h.vertex_count,
@@ -49,7 +47,6 @@ impl<N: Node, P: Primitive> BvhRef<'_, N, P> {
             primitives: self.len(),
             parts: self.parts().len(),
             nodes: self.nodes.len(),
-            details: self.details.len(),
             depth: self.header.depth as usize,
             lanes_used: self.nodes.iter().map(used).sum(),
             node_bytes: size_of_val(self.nodes),

@@ -4,7 +4,7 @@ use super::{BvhRef, FormatError, MAX_DEPTH};
 use crate::exact::power_of_two;
 use crate::frame::{BodyBounds, MAX_EXPONENT};
 use crate::key::{Key, decode};
-use crate::node::{BoundingBall, Child, Dop, INDEX, Link, MAX_LEAF_SIZE, Width};
+use crate::node::{BoundingBall, Child, Dop, Link, MAX_LEAF_SIZE, Width};
 use crate::primitive::{Fault, Primitive, Sphere};
 use crate::range::{MAX_COORDINATE, MAX_MOVED, flush};
 use core::ops::Range;
@@ -18,8 +18,6 @@ impl<N: Dop, P: Primitive> BvhRef<'_, N, P> {
     /// * primitives are in the order of the leaves, so the leaves' ranges follow each other likewise;
     /// * the index that each primitive had in what was built is below their number, and what stands for parts are
     ///   primitives, ascending;
-    /// * the nodes of each detail are in such an order too, and of the shape of those that they stand for, down to the same
-    ///   leaves; details stand for ascending nodes, each of the body's or of an earlier detail;
     /// * each plane of a used lane is a finite key, each plane of an unused one is
     ///   [`Key::EMPTY`]; balls are finite and lie about the body.
     ///
@@ -31,7 +29,6 @@ impl<N: Dop, P: Primitive> BvhRef<'_, N, P> {
         self.validate_header()?;
         self.validate_nodes()?;
         self.validate_store()?;
-        self.validate_details()?;
         let (sources, parts) = self.indices.split_at(self.len());
         if let Some(index) = sources.iter().position(|&source| source >= self.header.primitive_count) {
             return Err(FormatError::Source { index: index as u32 });
@@ -75,13 +72,7 @@ impl<N: Dop, P: Primitive> BvhRef<'_, N, P> {
                 "part_count",
                 h.part_count == 0 || !P::HAS_BALLS && (2..=h.primitive_count).contains(&h.part_count),
             ),
-            (
-                "detail_node_count",
-                (h.detail_count == 0) == (h.detail_node_count == 0)
-                    && (h.detail_count == 0 || !P::HAS_BALLS)
-                    && h.node_count <= INDEX
-                    && h.detail_node_count <= INDEX - h.node_count,
-            ),
+            ("reserved", h.reserved == [0; 2]),
         ];
         match checks.iter().find(|(_, ok)| !ok) {
             Some((field, _)) => Err(FormatError::Header { field }),
@@ -92,8 +83,7 @@ impl<N: Dop, P: Primitive> BvhRef<'_, N, P> {
     fn validate_nodes(&self) -> Result<(), FormatError> {
         let (mut next_node, mut next_primitive) = (1, 0);
         let (mut levels, mut level_end) = (0, 0);
-        let body = self.nodes.get(..self.header.node_count as usize).unwrap_or_default();
-        for (index, node) in (0_u32..).zip(body) {
+        for (index, node) in (0_u32..).zip(self.nodes) {
             let error = |lane: usize, problem| FormatError::Node { node: index, lane: lane as u32, problem };
             if index == level_end {
                 levels += 1;

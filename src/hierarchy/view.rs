@@ -1,7 +1,7 @@
 //! A hierarchy over borrowed bytes.
 
 use super::layout::Layout;
-use super::{Detail, FormatError, Header, Walk};
+use super::{FormatError, Header, Walk};
 use crate::frame::{BodyBounds, Frame};
 use crate::node::{Ball16, Dop, Node, NormalSlab};
 use crate::primitive::{Primitive, Store, Triangles};
@@ -14,7 +14,6 @@ pub struct BvhRef<'a, N, P: Primitive = Triangles> {
     pub(super) nodes: &'a [N],
     pub(super) normal_slabs: &'a [NormalSlab],
     pub(super) balls: &'a [Ball16],
-    pub(super) details: &'a [Detail],
     pub(super) store: Store<'a, P>,
     /// The index that each primitive had in what was built; then, if the body has several parts, of a primitive in each.
     pub(super) indices: &'a [u32],
@@ -47,23 +46,18 @@ impl<'a, N: Node, P: Primitive> BvhRef<'a, N, P> {
     /// The parts of the bytes, their contents unchecked. `None` if they are misaligned.
     #[inline(always)]
     pub(super) fn of_layout(bytes: &'a [u8], layout: &Layout) -> Option<Self> {
-        // No balls lie where nodes end, aligned or not; most trees have no details.
+        // No balls lie where nodes end, aligned or not.
         let balls = match layout.balls.of(bytes)? {
             [] => &[],
             balls => bytemuck::try_cast_slice(balls).ok()?,
         };
         let header: &Header = bytemuck::try_from_bytes(bytes.get(..size_of::<Header>())?).ok()?;
-        let details = match header.detail_count {
-            0 => &[],
-            _ => bytemuck::try_cast_slice(layout.details.of(bytes)?).ok()?,
-        };
         let (vertices, records) = (layout.vertices.of(bytes)?, layout.records.of(bytes)?);
         Some(Self {
             header,
             nodes: bytemuck::try_cast_slice(layout.nodes.of(bytes)?).ok()?,
             normal_slabs: bytemuck::try_cast_slice(layout.normal_slabs.of(bytes)?).ok()?,
             balls,
-            details,
             store: Store::read(layout.vertex_size, vertices, records)?,
             indices: bytemuck::try_cast_slice(layout.indices.of(bytes)?).ok()?,
         })
@@ -82,31 +76,11 @@ impl<'a, N: Node, P: Primitive> BvhRef<'a, N, P> {
         self.header
     }
 
-    /// All nodes, breadth-first: the root, if there is one, is the first. After the
-    /// [`node_count`](Header::node_count) nodes in the body's frame follow those of [details](Self::details), in theirs.
+    /// All nodes, breadth-first: the root, if there is one, is the first.
     #[inline]
     #[must_use]
     pub const fn nodes(&self) -> &'a [N] {
         self.nodes
-    }
-
-    /// The parts of the body that are in the tree once more, in frames of their own; most bodies have none.
-    #[inline(always)]
-    #[must_use]
-    pub const fn details(&self) -> &'a [Detail] {
-        self.details
-    }
-
-    /// The detail that stands for a node, if there is one.
-    pub(crate) fn detail_at(&self, node: u32) -> Option<&'a Detail> {
-        let index = self.details.binary_search_by_key(&node, |detail| detail.node).ok()?;
-        self.details.get(index)
-    }
-
-    /// The detail whose own a node is; `None` of the body's.
-    pub(crate) fn detail_of(&self, node: u32) -> Option<&'a Detail> {
-        let index = self.details.partition_point(|detail| detail.first <= node).checked_sub(1)?;
-        self.details.get(index)
     }
 
     /// The normal slabs of all lanes, `ARITY` a node; none if the tree was built without.

@@ -88,10 +88,6 @@ impl<'t, N: Lanes> Bounds<'t, N> {
         Self::Near(Near { map, frame, growth: growth(&b.frame, exponent), turned })
     }
 
-    pub(super) const fn are_near(&self) -> bool {
-        matches!(self, Self::Near(_))
-    }
-
     /// The least bound that there is.
     pub(super) const fn least(&self) -> f32 {
         match self {
@@ -134,17 +130,6 @@ fn map<N: Lanes, P: Primitive>(pose: &Pose, a: &BodyBounds, frame: &Frame) -> N:
 }
 
 impl<N: Lanes> Near<'_, N> {
-    /// From here on planes of A are those of a part of it that is so large, and planes of B in this frame. The unit stays, so
-    /// that bounds can be compared.
-    pub(super) fn change_frames<P: Primitive>(&mut self, pose: &Pose, a: &BodyBounds, b: &Frame) {
-        self.frame.centre = b.centre;
-        self.map = map::<N, P>(pose, a, &self.frame);
-        self.growth = growth(b, self.frame.exponent);
-        for (kept, _) in self.turned.iter_mut() {
-            *kept = Child::EMPTY;
-        }
-    }
-
     /// What takes planes in a frame into the unit.
     pub(super) fn growth_in(&self, frame: &Frame) -> f32 {
         growth(frame, self.frame.exponent)

@@ -127,10 +127,10 @@ where
             let (of_a, of_b) = placed((self.a, self.b), self.placing);
             let slabs = match cutter {
                 Cutter::A(index) => {
-                    self.slabs::<P, Q>(of_a.item(index), self.placing.turned == Side::A, &self.extent_b())
+                    self.slabs::<P, Q>(of_a.item(index), self.placing.turned == Side::A, &self.b.extent())
                 }
                 Cutter::B(index) => {
-                    self.slabs::<Q, P>(of_b.item(index), self.placing.turned == Side::B, &self.extent_a())
+                    self.slabs::<Q, P>(of_b.item(index), self.placing.turned == Side::B, &self.a.extent())
                 }
             };
             self.cutter = Some((cutter, slabs));

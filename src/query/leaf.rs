@@ -43,11 +43,6 @@ impl<N: Lanes, P: Primitive> LeafA<N, P> {
         &self.moved[..count as usize]
     }
 
-    /// B's planes are in another frame from here on.
-    pub(super) const fn forget_planes(&mut self) {
-        self.is_bounded = false;
-    }
-
     /// Its planes in B's frame. `reach` bounds all coordinates.
     #[inline(always)]
     pub(super) fn planes(

@@ -37,7 +37,6 @@ mod cut;
 mod distance;
 mod entries;
 mod far;
-mod frames;
 mod frontier;
 mod gaps;
 mod hint;

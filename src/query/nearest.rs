@@ -16,7 +16,7 @@ use super::placing::{first_primitive, reach};
 use super::primitive_gaps::PrimitiveGaps;
 use super::stack::ABOVE_ROOT;
 use super::{Completion, Lanes, PrimitivePair, Query, QueryStats};
-use crate::hierarchy::{BvhRef, Detail};
+use crate::hierarchy::BvhRef;
 use crate::kernel::Kernel;
 use crate::node::{Child, Link};
 use crate::pose::Pose;
@@ -73,8 +73,6 @@ pub(super) struct Search<'t, N: Lanes, P: Primitive, Q: Primitive> {
     whole_b: N,
     /// What takes widths of A and of B into one unit.
     pub(super) growths: [f32; 2],
-    /// If the bodies have details: those of A and of B in whose frames planes are, or none where these are the bodies' own.
-    pub(super) details: Option<[Option<&'t Detail>; 2]>,
 }
 
 /// Searches bodies that are not empty.
@@ -113,7 +111,6 @@ impl<'t, N: Lanes, P: PrimitivePair<Q>, Q: Primitive> Search<'t, N, P, Q> {
         let bounds = Bounds::new::<P>(pose, &a.extent(), &b.extent(), kept);
         let (Goal::Distance { cutoff: distance, .. } | Goal::Within { margin: distance }) = goal;
         let bound = bounds.of_distance(distance);
-        let has_details = bounds.are_near() && !(a.details().is_empty() && b.details().is_empty());
         Self {
             a,
             b,
@@ -135,7 +132,6 @@ impl<'t, N: Lanes, P: PrimitivePair<Q>, Q: Primitive> Search<'t, N, P, Q> {
             leaf: LeafA::none(),
             whole_b: b.nodes()[0].hull(),
             growths: growths(&a.extent(), &b.extent()),
-            details: has_details.then_some([None; 2]),
         }
     }
 
@@ -218,7 +214,6 @@ impl<'t, N: Lanes, P: PrimitivePair<Q>, Q: Primitive> Search<'t, N, P, Q> {
                 self.stats.visits += 1;
                 let body =
                     if is_leaf(b.child) || (!is_leaf(a.child) && a.is_next(&b)) { Side::A } else { Side::B };
-                let (a, b) = if self.details.is_some() { self.change_frames(a, b, body) } else { (a, b) };
                 let entries = if body == Side::A { self.open_a(&a, &b) } else { self.open_b(&a, &b) };
                 stack.push(Opened { entries, a, b, body });
                 if self.growths[0] > 0.0
@@ -267,13 +262,12 @@ impl<'t, N: Lanes, P: PrimitivePair<Q>, Q: Primitive> Search<'t, N, P, Q> {
         match (step.body, a.child.link(), b.child.link()) {
             (Side::A, Link::Inner(at), _) => {
                 let node = &self.a.nodes()[at as usize];
-                let (child, width) = (node.children()[lane], node.width(lane, self.growth(Side::A, at)));
+                let (child, width) = (node.children()[lane], node.width(lane, self.growths[0]));
                 (VolumeA { child, parent: a.child, lane: lane as u8, level: a.level + 1, width }, b, bound)
             }
             (Side::B, _, Link::Inner(node)) => {
                 let holder = &self.b.nodes()[node as usize];
-                let (child, width) =
-                    (holder.children()[lane], holder.width(lane, self.growth(Side::B, node)));
+                let (child, width) = (holder.children()[lane], holder.width(lane, self.growths[1]));
                 (a, VolumeB { child, parent: node, lane: lane as u8, level: b.level + 1, width }, bound)
             }
             _ => (a, b, bound),

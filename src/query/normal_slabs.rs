@@ -63,11 +63,7 @@ where
         if self.thin.asked >= TRIAL && self.thin.apart * SHARE < self.thin.asked {
             return;
         }
-        // Not in the frames that the traversal is in: changing them takes longer.
-        if !self.is_in_frames_of(node_a, node_b) {
-            return;
-        }
-        let (extent_a, extent_b) = (self.extent_a(), self.extent_b());
+        let (extent_a, extent_b) = (a.extent(), b.extent());
         let test = self.thin.test.get_or_insert_with(|| {
             // Of the query's A and B.
             let (of_a, of_b, shrinkage) = if is_a_turned {

@@ -9,7 +9,6 @@
 use super::bounds::Bounds;
 use super::cut::Cutter;
 use super::entries::weight;
-use super::frames::extent_of;
 use super::frontier::Opened;
 use super::nearest::{Goal, Search};
 use super::{Lanes, PrimitivePair};
@@ -144,15 +143,14 @@ impl<N: Lanes, P: PrimitivePair<Q>, Q: Primitive> Search<'_, N, P, Q> {
             Some((last, gaps)) if last == leaf => gaps,
             _ => {
                 let Bounds::Near(near) = &self.bounds else { return };
-                let [detail_a, detail_b] = self.details.unwrap_or_default();
                 let gaps = match leaf {
                     Cutter::A(_) => {
-                        let others = extent_of(&self.b, detail_b);
+                        let others = self.b.extent();
                         let item = &self.leaf.items(&self.a, self.pose, step.a.child)[0];
                         PrimitiveGaps::new::<N, P>(item, 0.0, &others, None, near.growth_in(&others.frame))
                     }
                     Cutter::B(index) => {
-                        let others = extent_of(&self.a, detail_a);
+                        let others = self.a.extent();
                         let (item, margin) = (&self.b.primitive(index), shrinkage::<P>(self.pose, &others));
                         let growth = near.growth_in(&others.frame);
                         PrimitiveGaps::new::<N, Q>(item, margin, &others, Some(self.pose), growth)

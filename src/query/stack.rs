@@ -38,8 +38,7 @@ pub(super) enum Descent {
 pub(super) struct Volumes {
     pub(super) a: Child,
     pub(super) b: Child,
-    /// The node that holds the planes of `b`, in lane `lane_b`; [`ABOVE_ROOT`] if that is the root, of the body or of a
-    /// detail.
+    /// The node that holds the planes of `b`, in lane `lane_b`; [`ABOVE_ROOT`] if that is the root.
     pub(super) holder_b: u32,
     pub(super) lane_b: u8,
 }

@@ -22,9 +22,9 @@ use super::placing::{Margin, Placing, corner_distance};
 use super::stack::{ABOVE_ROOT, Descent, FEW, MANY, NOT_VISITED, Next, Rows, Stack, Visited, Volumes};
 use super::turned::TurnedChildren;
 use super::{Lanes, PrimitivePair, QueryStats};
+use crate::hierarchy::BvhRef;
 #[cfg(doc)]
 use crate::hierarchy::Header;
-use crate::hierarchy::{BvhRef, Detail};
 use crate::kernel::Kernel;
 #[cfg(doc)]
 use crate::node::Width;
@@ -65,10 +65,6 @@ pub(crate) struct Traversal<'t, N: Lanes, P: Primitive, Q: Primitive, E, M: Marg
     pub(super) placing: &'t Placing<'t>,
     /// Of the frames that the traversal is in.
     pub(super) map: &'t mut N::Map,
-    /// Whether one of the bodies has details.
-    has_details: bool,
-    /// The details of a and of b whose frames these are; the bodies' own if there are none.
-    pub(super) details: [Option<&'t Detail>; 2],
     budget: u64,
     pub(super) margin: M,
     pub(super) stats: &'t mut QueryStats,
@@ -116,8 +112,6 @@ where
             b,
             placing,
             map,
-            has_details: !(a.details().is_empty() && b.details().is_empty()),
-            details: [None; 2],
             budget,
             margin,
             stats,
@@ -193,11 +187,7 @@ where
                         self.look_again(stack);
                     }
                     let Some(bit) = stack.next() else { return ControlFlow::Continue(false) };
-                    let mut volumes = self.below(bit);
-                    if self.has_details {
-                        volumes = self.change_frames(volumes);
-                    }
-                    next = Some(volumes);
+                    next = Some(self.below(bit));
                 }
             },
         )

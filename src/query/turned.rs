@@ -1,6 +1,5 @@
 //! The planes of body a of a traversal in the frame of b: of the children of its nodes, and of its leaves.
 
-use super::frames::frame_of;
 use super::on_lattice::aim_on_lattice;
 use super::placing::{Margin, Placing};
 use super::traverse::{Traversal, primitives};
@@ -61,7 +60,7 @@ where
         if *body != a {
             *body = a;
             let (trees, placing) = ((self.a, self.b), self.placing);
-            let frame = frame_of(trees.1, self.details[1]);
+            let frame = self.b.frame();
             if E::ON_LATTICE && P::IS_ON_LATTICE {
                 let left = aim_on_lattice(&mut self.lattice, trees, a.link(), placing, &frame, aimed);
                 if left != 0 {

@@ -144,8 +144,7 @@ fn check_tree<N: Lanes>(mesh: &MeshData, supports: &Supports, leaf_size: u32, sp
     let walk = Walk::new(view, supports);
     assert!(walk.found.iter().all(|&times| times == 1), "{what}: each triangle in one leaf");
     assert_eq!([walk.nodes, walk.depth], [header.node_count, header.depth], "{what}: nodes, levels");
-    // Details have trees of their own, of which one node each may not be full.
-    if leaf_size == 1 && view.details().is_empty() {
+    if leaf_size == 1 {
         let full = walk.leaves.saturating_sub(1).div_ceil(N::ARITY as u32 - 1);
         assert_eq!(walk.nodes, full.max(walk.leaves.min(1)), "{what}: all nodes but one are full");
     }

@@ -28,7 +28,6 @@ mod allocations;
 mod assignments;
 mod balls;
 mod counters;
-mod details;
 mod digests;
 mod distance;
 mod edge;

@@ -50,7 +50,6 @@ impl Coded for FormatError {
             Self::Vertex { .. } => simdop_error::BytesVertex,
             Self::Primitive { .. } => simdop_error::BytesPrimitive,
             Self::Source { .. } => simdop_error::BytesSource,
-            Self::Detail { .. } => simdop_error::BytesDetail,
             Self::Part { .. } => simdop_error::BytesPart,
             _ => simdop_error::Other,
         }

@@ -59,8 +59,6 @@ pub enum simdop_error {
     BytesSource = 30,
     /// What stands for a part in the bytes cannot.
     BytesPart = 31,
-    /// A detail in the bytes cannot be, or is not of the shape of what it stands for.
-    BytesDetail = 32,
 
     /// A vertex is NaN, infinite, or beyond 2^300.
     BuildVertex = 40,
@@ -111,7 +109,7 @@ pub enum simdop_error {
     MotionNoSuchKind = 90,
 }
 
-const TEXTS: [(simdop_error, &CStr); 46] = [
+const TEXTS: [(simdop_error, &CStr); 45] = [
     (simdop_error::None, c"no error"),
     (simdop_error::Null, c"a pointer is NULL"),
     (simdop_error::Misaligned, c"a pointer is not aligned: the bytes of a tree to 64, an array to its items"),
@@ -134,10 +132,6 @@ const TEXTS: [(simdop_error, &CStr); 46] = [
     (simdop_error::BytesVertex, c"a vertex of the tree is not finite or out of range"),
     (simdop_error::BytesPrimitive, c"a primitive of the tree names a vertex that there is not"),
     (simdop_error::BytesSource, c"a primitive of the tree had an index that cannot be"),
-    (
-        simdop_error::BytesDetail,
-        c"a detail of the tree cannot be, or is not of the shape of what it stands for",
-    ),
     (simdop_error::BytesPart, c"what stands for a part of the tree's body cannot"),
     (simdop_error::BuildVertex, c"a vertex is not finite, or beyond 2^300"),
     (simdop_error::BuildRadius, c"a sphere's radius is negative or not finite, or takes it beyond 2^300"),

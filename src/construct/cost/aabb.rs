@@ -40,21 +40,6 @@ impl Aabb {
         (0..3).all(|i| self.low[i] <= other.high[i] && other.low[i] <= self.high[i])
     }
 
-    /// Whether all of another is inside.
-    pub(in crate::construct) fn holds(&self, other: &Self) -> bool {
-        (0..3).all(|i| self.low[i] <= other.low[i] && other.high[i] <= self.high[i])
-    }
-
-    /// The corner with the least coordinates.
-    pub(in crate::construct) const fn low(&self) -> Point {
-        self.low
-    }
-
-    /// The longest.
-    pub(in crate::construct) fn side(&self) -> f64 {
-        self.widths().into_iter().fold(0.0, f64::max)
-    }
-
     fn widths(&self) -> Point {
         core::array::from_fn(|i| self.high[i] - self.low[i])
     }

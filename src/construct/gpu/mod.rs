@@ -54,7 +54,7 @@ pub use assign::Spent;
 pub use error::GpuError;
 
 use super::neural_gas::Samples;
-use super::{Builder, Geometry, Mesh, Progress, Splitter, graft};
+use super::{Builder, Geometry, Mesh, Progress, Splitter};
 use crate::device::Gpu;
 use crate::halving::Halving;
 use crate::hierarchy::Bvh;
@@ -106,11 +106,9 @@ impl Builder {
         let on_device = self.build_by(geometry, |table| {
             let halving = Halving { arity: N::ARITY, leaf_size: self.leaf_size as usize, extended: true };
             let items = self.items::<G>(table);
-            graft::assign(&items, N::ARITY, self.has_details::<G>(), observer, &mut |items, observer| {
-                let centroids = items.centroids();
-                let samples = Samples::new(&centroids, items.weights.as_deref());
-                assign(gpu, &samples, &halving, seed, observer).map(|(assignment, _)| assignment)
-            })
+            let centroids = items.centroids();
+            let samples = Samples::new(&centroids, items.weights.as_deref());
+            assign(gpu, &samples, &halving, seed, observer).map(|(assignment, _)| assignment)
         });
         match on_device {
             Ok(tree) => Ok(tree),
