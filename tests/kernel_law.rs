@@ -352,11 +352,11 @@ fn upper<'a, N>(rng: &mut Rng, nodes: &'a [N]) -> &'a N {
 }
 
 const fn wide<const K: usize>(planes: Planes<16, K>) -> Node16<K> {
-    Node16 { planes, child: [Child::EMPTY; 16] }
+    Node16::new(planes, [Child::EMPTY; 16])
 }
 
 const fn narrow<const K: usize>(planes: Planes<4, K>) -> Node4<K> {
-    Node4 { planes, child: [Child::EMPTY; 4] }
+    Node4::new(planes, [Child::EMPTY; 4])
 }
 
 /// A digest of words. Each step is a bijection of the state and of the word, so that one word that differs

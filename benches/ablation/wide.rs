@@ -50,7 +50,7 @@ fn keys(dops: &[Dop; 16], child: &[Child; 16]) -> Node16<K> {
             plane[lane] = Key::round_up_or_unbounded(f64::from(*x)).code();
         }
     }
-    Node16 { planes, child: *child }
+    Node16::new(planes, *child)
 }
 
 /// Calls `row` for each of the `wanted` lanes.
@@ -167,7 +167,7 @@ wide_system! {
                 plane[lane] = half_code(f64::from(*x));
             }
         }
-        Node16 { planes, child: *child }
+        Node16::new(planes, *child)
     },
     |_: Avx2, map, node: &Node16<K>| {
         let mut query = [[0; 16]; K];

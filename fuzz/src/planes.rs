@@ -81,11 +81,11 @@ pub fn with_unused_lanes<const W: usize, const K: usize>(
 }
 
 pub const fn wide<const K: usize>(planes: Planes<16, K>) -> Node16<K> {
-    Node16 { planes, child: [Child::EMPTY; 16] }
+    Node16::new(planes, [Child::EMPTY; 16])
 }
 
 pub const fn narrow<const K: usize>(planes: Planes<4, K>) -> Node4<K> {
-    Node4 { planes, child: [Child::EMPTY; 4] }
+    Node4::new(planes, [Child::EMPTY; 4])
 }
 
 /// Nodes of real trees, and some of them turned by the scalar kernel at poses where the trees meet.

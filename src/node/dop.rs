@@ -1,9 +1,9 @@
-//! Nodes of k-DOPs: the planes and links of 16 or 4 children, in the byte order that the kernels load.
+//! Nodes of k-DOPs, planes by column: sixteen children for 1vs16, four for 4vs4.
 //!
-//! | | `Node16<K>` | `Node4<K>` |
+//! | | [`Node16`] | [`Node4`] |
 //! |---|---|---|
-//! | plane `j` of child `i` | bytes `32 j + 2 i` | bytes `8 j + 2 i` |
-//! | link of child `i` | bytes `32 K + 4 i` | bytes `8 K + 4 i` |
+//! | plane `j` of child `i` at byte | `32 j + 2 i` | `8 j + 2 i` |
+//! | link of child `i` at byte | `32 K + 4 i` | `8 K + 4 i` |
 //! | size, k = 6 / 14 / 18 / 26 / 32 | 256 / 512 / 640 / 896 / 1088 | 64 / 128 / 160 / 224 / 272 |
 //!
 //! Planes `2 s` and `2 s + 1` are slab `s`. In a `Node16` they share one 64-byte line: one zmm, two ymm or
@@ -14,68 +14,107 @@ use crate::directions::Directions;
 use crate::key::Key;
 use crate::range::Point;
 
-/// Sixteen children. Its slabs start on cache lines.
+/// `W` children with `K` planes each.
 #[derive(Copy, Clone, PartialEq, Debug)]
-#[repr(C, align(64))]
-pub struct Node16<const K: usize> {
+#[repr(C)]
+pub struct DopNode<const W: usize, const K: usize>
+where
+    Arity<W>: Alignment,
+{
     /// `planes[j][i]`: key of plane `j` of child `i`, [`Key::EMPTY`] in unused lanes.
-    pub planes: [[i16; 16]; K],
+    pub planes: [[i16; W]; K],
     /// Where the lanes lead.
-    pub child: [Child; 16],
+    pub child: [Child; W],
+    alignment: [<Arity<W> as Alignment>::Unit; 0],
 }
+
+/// Sixteen children. Its slabs start on cache lines.
+pub type Node16<const K: usize> = DopNode<16, K>;
 
 /// Four children.
+pub type Node4<const K: usize> = DopNode<4, K>;
+
+/// The widths that nodes may have, 4 and 16, as types.
 #[derive(Copy, Clone, PartialEq, Debug)]
-#[repr(C, align(16))]
-pub struct Node4<const K: usize> {
-    /// `planes[j][i]`: key of plane `j` of child `i`, [`Key::EMPTY`] in unused lanes.
-    pub planes: [[i16; 4]; K],
-    /// Where the lanes lead.
-    pub child: [Child; 4],
+pub struct Arity<const W: usize>;
+
+/// How nodes of a width are aligned. Implemented by `Arity<16>` and `Arity<4>` only.
+pub trait Alignment: sealed::Sealed {
+    #[doc(hidden)]
+    type Unit: Copy + PartialEq + Send + Sync + core::fmt::Debug + 'static;
 }
 
-macro_rules! impl_node {
-    ($node:ident, $arity:literal) => {
-        impl<const K: usize> sealed::Sealed for $node<K> {}
+/// A cache line.
+#[doc(hidden)]
+#[derive(Copy, Clone, PartialEq, Debug)]
+#[repr(align(64))]
+pub struct Line;
 
-        impl<const K: usize> Node for $node<K>
-        where
-            Self: bytemuck::Pod,
-        {
-            const K: usize = K;
-            const ARITY: usize = $arity;
-            const EMPTY: Self =
-                Self { planes: [[Key::EMPTY.code(); $arity]; K], child: [Child::EMPTY; $arity] };
+/// A register of the narrowest instruction set.
+#[doc(hidden)]
+#[derive(Copy, Clone, PartialEq, Debug)]
+#[repr(align(16))]
+pub struct Register;
 
-            #[inline]
-            fn children(&self) -> &[Child] {
-                &self.child
-            }
+impl sealed::Sealed for Arity<16> {}
+impl sealed::Sealed for Arity<4> {}
 
-            fn set_child(&mut self, lane: usize, child: Child) {
-                self.child[lane] = child;
-            }
-        }
-
-        impl<const K: usize> Dop for $node<K>
-        where
-            Self: bytemuck::Pod,
-        {
-            const DIRECTIONS: &'static [Point] = &Directions::<K>::VECTORS;
-
-            #[inline]
-            fn plane(&self, j: usize, lane: usize) -> i16 {
-                self.planes[j][lane]
-            }
-
-            #[inline]
-            fn raise_plane(&mut self, j: usize, lane: usize, key: Key) {
-                let plane = &mut self.planes[j][lane];
-                *plane = (*plane).max(key.code());
-            }
-        }
-    };
+impl Alignment for Arity<16> {
+    type Unit = Line;
 }
 
-impl_node!(Node16, 16);
-impl_node!(Node4, 4);
+impl Alignment for Arity<4> {
+    type Unit = Register;
+}
+
+impl<const W: usize, const K: usize> DopNode<W, K>
+where
+    Arity<W>: Alignment,
+{
+    /// A node with these planes and links.
+    #[inline(always)]
+    #[must_use]
+    pub const fn new(planes: [[i16; W]; K], child: [Child; W]) -> Self {
+        Self { planes, child, alignment: [] }
+    }
+}
+
+impl<const W: usize, const K: usize> sealed::Sealed for DopNode<W, K> where Arity<W>: Alignment {}
+
+impl<const W: usize, const K: usize> Node for DopNode<W, K>
+where
+    Arity<W>: Alignment,
+    Self: bytemuck::Pod,
+{
+    const K: usize = K;
+    const ARITY: usize = W;
+    const EMPTY: Self = Self::new([[Key::EMPTY.code(); W]; K], [Child::EMPTY; W]);
+
+    #[inline]
+    fn children(&self) -> &[Child] {
+        &self.child
+    }
+
+    fn set_child(&mut self, lane: usize, child: Child) {
+        self.child[lane] = child;
+    }
+}
+
+impl<const W: usize, const K: usize> Dop for DopNode<W, K>
+where
+    Arity<W>: Alignment,
+    Self: bytemuck::Pod,
+{
+    const DIRECTIONS: &'static [Point] = &Directions::<K>::VECTORS;
+
+    #[inline]
+    fn plane(&self, j: usize, lane: usize) -> i16 {
+        self.planes[j][lane]
+    }
+
+    #[inline]
+    fn raise_plane(&mut self, j: usize, lane: usize, key: Key) {
+        let plane = &mut self.planes[j][lane];
+        *plane = (*plane).max(key.code());
+    }
+}

@@ -88,6 +88,17 @@ impl Child {
     }
 }
 
+impl Link {
+    /// The primitives of a leaf.
+    #[inline(always)]
+    pub(crate) const fn primitives(self) -> core::ops::Range<u32> {
+        match self {
+            Self::Leaf { first, count } => first..first + count,
+            _ => 0..0,
+        }
+    }
+}
+
 /// Largest number of primitives in a leaf.
 pub const MAX_LEAF_SIZE: u32 = 16;
 

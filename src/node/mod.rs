@@ -1,7 +1,7 @@
 //! Nodes: links to what is below, and volumes that bound it.
 //!
 //! [`Node`] is what every kind of node has: a fixed number of lanes, each with a link. [`Dop`] adds the
-//! planes of k-DOPs, which [`Node16`] and [`Node4`] hold. A tree may have the [`NormalSlab`]s of its lanes
+//! planes of k-DOPs, which [`DopNode`] holds for [`Node16`] and [`Node4`]. A tree may have the [`NormalSlab`]s of its lanes
 //! beside its nodes, or, of spheres, their enclosing balls ([`Ball16`]). Trees over moving points
 //! have nodes of boxes, [`Aabb16`], and [`Bucket`]s.
 
@@ -13,7 +13,7 @@ mod normal_slab;
 
 pub use aabb::{Aabb16, Box3, Bucket};
 pub use ball::{Ball16, BoundingBall};
-pub use dop::{Node4, Node16};
+pub use dop::{Alignment, Arity, DopNode, Node4, Node16};
 pub(crate) use link::INDEX;
 pub use link::{Child, Link, MAX_LEAF_SIZE, Width};
 #[cfg(feature = "gpu")]

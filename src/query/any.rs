@@ -1,6 +1,7 @@
 //! Queries between trees whose node type is known at run time only.
 
-use super::{Answer, Completion, Distance, Pair, PrimitivePair, Query, QueryStats, ToleranceError};
+use super::distance::Distance;
+use super::entry::{Answer, Completion, Pair, PrimitivePair, Query, QueryStats, ToleranceError};
 use crate::hierarchy::{AnyBvhRef, Header, for_node_types};
 use crate::pose::Pose;
 use crate::primitive::Primitive;

@@ -127,10 +127,7 @@ fn comb(depth: usize, size: f64) -> Vec<u8> {
     let node = |child: [u32; 2]| {
         let used = |lane: usize, j: usize| if child[lane] == u32::MAX { i16::MIN } else { planes[j][0] };
         let planes = core::array::from_fn(|j| [used(0, j), used(1, j), i16::MIN, i16::MIN]);
-        Node4::<6> {
-            planes,
-            child: [child[0], child[1], u32::MAX, u32::MAX].map(bytemuck::cast::<u32, Child>),
-        }
+        Node4::<6>::new(planes, [child[0], child[1], u32::MAX, u32::MAX].map(bytemuck::cast::<u32, Child>))
     };
     // Lower lanes are visited first: the leaves wait until all levels below have been.
     let leaf = |first: usize| 1 << 31 | first as u32;

@@ -1,0 +1,107 @@
+//! The two bodies of a traversal.
+//!
+//! **Which body is rotated.** The one whose k-DOPs grow less ([`Header::rotation_growth`]). In a traversal `a` is that body
+//! and `b` the one that keeps its frame, whichever of the query's A and B they are: volumes of a are rotated by the pose, or
+//! by its inverse ([`InversePose`]). Primitives are tested where the pose moves those of the query's A: [`Placing`] says
+//! which body that is.
+//!
+//! **Unlike sizes.** Two nodes are opened both at once only if their volumes are of like width. Else a small body would be
+//! descended to its leaves while the other is still at nodes that are larger than all of it, and every pair of such a leaf
+//! and such a node overlaps. So the wider node is opened alone, its children against the narrower volume as a whole, until
+//! the two are alike. The widths are in the links ([`Width`]).
+
+use super::stack::{Next, Volumes};
+use crate::hierarchy::BvhRef;
+#[cfg(doc)]
+use crate::hierarchy::Header;
+use crate::node::{Child, Link, Width};
+use crate::primitive::Primitive;
+use crate::query::lanes::{Descent, Lanes};
+use crate::query::setup::{PlacedTree, Placing, placed};
+#[cfg(doc)]
+use crate::realign::InversePose;
+
+/// Body a, which is rotated, body b, which keeps its frame, and how.
+pub(super) struct Bodies<'t, N: Lanes, P: Primitive, Q: Primitive> {
+    pub(super) a: &'t BvhRef<'t, N, P>,
+    pub(super) b: &'t BvhRef<'t, N, Q>,
+    pub(super) placing: &'t Placing<'t>,
+    /// Rotates volumes of a into the frame of b.
+    pub(super) map: &'t N::Map,
+    /// How many powers of two the unit of a's frame is larger than that of b's.
+    units: i32,
+}
+
+/// A node is opened alone if it is wider than the other by this many powers of two, that is by a factor of 4
+/// to 16: below, bodies of like size would be opened in turns, which costs them more visits.
+const MUCH_WIDER: i32 = 3;
+
+impl<'t, N: Lanes, P: Primitive, Q: Primitive> Bodies<'t, N, P, Q> {
+    #[inline(always)]
+    pub(super) fn new(
+        (a, b): (&'t BvhRef<'t, N, P>, &'t BvhRef<'t, N, Q>),
+        placing: &'t Placing<'t>,
+        map: &'t N::Map,
+    ) -> Self {
+        Self { a, b, placing, map, units: b.frame().exponent - a.frame().exponent }
+    }
+
+    /// By how many powers of two volume `a` is wider than volume `b`.
+    #[inline(always)]
+    pub(super) const fn excess(&self, a: Width, b: Width) -> i32 {
+        a.excess(b, -self.units)
+    }
+
+    /// Whose children are next.
+    #[inline(always)]
+    pub(super) fn opened(&self, a: Child, b: Child) -> Descent {
+        match (a.link(), b.link()) {
+            (Link::Inner(_), Link::Inner(_)) => {
+                let excess = self.excess(a.width(), b.width());
+                if excess >= MUCH_WIDER {
+                    Descent::A
+                } else if excess <= -MUCH_WIDER {
+                    Descent::B
+                } else {
+                    Descent::Both
+                }
+            }
+            (Link::Inner(_), _) => Descent::A,
+            _ => Descent::B,
+        }
+    }
+
+    #[inline(always)]
+    pub(super) fn child_a(&self, node: u32, lane: usize) -> Child {
+        self.a.nodes()[node as usize].children()[lane]
+    }
+
+    #[inline(always)]
+    pub(super) fn child_b(&self, node: u32, lane: usize) -> Child {
+        self.b.nodes()[node as usize].children()[lane]
+    }
+
+    /// The children that a bit on the stack stands for.
+    #[inline(always)]
+    pub(super) fn below(&self, Next { volumes, opened, row, bit }: Next) -> Volumes {
+        let mut below = volumes;
+        if opened != Descent::B
+            && let Link::Inner(node) = volumes.a.link()
+        {
+            below.a = self.child_a(node, if opened == Descent::Both { row } else { bit });
+        }
+        if opened != Descent::A
+            && let Link::Inner(node) = volumes.b.link()
+        {
+            below.b = self.child_b(node, bit);
+            (below.holder_b, below.lane_b) = (node, bit as u8);
+        }
+        below
+    }
+
+    /// Both bodies, with the pose at the query's A.
+    #[inline(always)]
+    pub(super) fn placed(&self) -> (PlacedTree<'t, N, P>, PlacedTree<'t, N, Q>) {
+        placed((self.a, self.b), self.placing)
+    }
+}

@@ -1,0 +1,153 @@
+//! Do two bodies meet, and which of their primitives do: both trees are descended at once.
+
+mod bodies;
+mod flow;
+mod lattice;
+mod leaves;
+mod normal_gap;
+mod normal_slabs;
+mod primitive_slabs;
+mod rotated;
+mod run;
+mod stack;
+mod traverse;
+
+pub use stack::STACK_BYTES;
+
+use super::containment::Containment;
+use super::entry::{Answer, Completion, Found, Hint, Pair, PrimitivePair, Query, QueryStats, Verdict};
+use super::lanes::Lanes;
+use super::setup::{Margin, Touching, are_apart};
+use crate::hierarchy::{AsBvh, BvhRef, with_bvhs};
+use crate::pose::Pose;
+use crate::primitive::Primitive;
+use core::ops::ControlFlow;
+use flow::Stop;
+
+impl Query {
+    /// Does body `a`, placed by `pose` in the frame of body `b`, meet `b`? Touching counts, and so does being inside of a
+    /// [solid](crate::construct::Builder::solid) body: then the primitives of the hit are any one of the part that is
+    /// inside, and one of the solid's.
+    ///
+    /// The verdict is exact for the corners of `a` moved by [`Pose::apply`]. First hit ends it.
+    ///
+    /// The order of the bodies hardly matters to speed: whichever of them gets less loose by it is turned into the frame
+    /// of the other ([`rotation_growth`](crate::hierarchy::Header::rotation_growth)).
+    pub fn collide<A: AsBvh, B: AsBvh<Node = A::Node>>(&self, a: &A, b: &B, pose: &Pose) -> Answer
+    where
+        A::Node: Lanes,
+        A::Primitive: PrimitivePair<B::Primitive>,
+        B::Primitive: PrimitivePair<A::Primitive>,
+    {
+        if are_apart(a.header(), b.header(), pose, 0.0) {
+            return self.free();
+        }
+        with_bvhs(a, b, |a, b| {
+            let mut answer = self.first_pair(a, b, pose, Touching);
+            self.add_inside(&mut answer, a, b, pose);
+            answer
+        })
+    }
+
+    /// Makes the answer of two surfaces that of bodies which may be solid.
+    #[inline]
+    pub(in crate::query) fn add_inside<N: Lanes, P: Primitive, Q: Primitive>(
+        &self,
+        answer: &mut Answer,
+        a: &BvhRef<'_, N, P>,
+        b: &BvhRef<'_, N, Q>,
+        pose: &Pose,
+    ) {
+        match &mut answer.verdict {
+            _ if !(a.is_solid() || b.is_solid()) => {}
+            // Nothing is inside of what was empty, or met by the hint.
+            _ if answer.stats.visits == 0 => {}
+            Verdict::Hit(_) => {}
+            Verdict::Unknown { lower, .. } => *lower = 0.0,
+            verdict @ Verdict::Free => match self.place(a, b, pose, &mut answer.stats) {
+                Containment::Outside => {}
+                Containment::Inside { found, .. } => *verdict = Verdict::Hit(found.pair(a, b)),
+                Containment::OutOfBudget { upper } => *verdict = Verdict::Unknown { lower: 0.0, upper },
+            },
+        }
+    }
+
+    /// The first pair of primitives at most `margin` apart: that of the hint, or the first that the traversal
+    /// finds.
+    // Work is counted where they are answered: as a copy they would have to wait for their stores.
+    #[inline(always)]
+    pub(in crate::query) fn first_pair<N: Lanes, P: PrimitivePair<Q>, Q: PrimitivePair<P>>(
+        &self,
+        a: &BvhRef<'_, N, P>,
+        b: &BvhRef<'_, N, Q>,
+        pose: &Pose,
+        margin: impl Margin,
+    ) -> Answer {
+        let mut answer = self.free();
+        let work = &mut answer.stats;
+        let mut hit = self.hint.pair(a.len(), b.len()).filter(|hint| meet(*hint, (a, b), pose, margin, work));
+        let mut stop = None;
+        if hit.is_none() {
+            stop = self.run((a, b), pose, margin, &mut answer.stats, &mut |found| {
+                hit = Some(found);
+                ControlFlow::Break(())
+            });
+        }
+        if let Some(found) = hit {
+            answer.verdict = Verdict::Hit(found.pair(a, b));
+            answer.hint = Hint::new(found);
+        } else if let Some(Stop::Budget { upper }) = stop {
+            answer.verdict = Verdict::Unknown { lower: 0.0, upper };
+        }
+        answer
+    }
+
+    /// Calls `visit` with every pair of primitives that meet, each once, until it breaks. A hint is not heeded. Of bodies
+    /// that are inside of a solid, and meet none of its triangles, there is no pair.
+    pub fn for_each_pair<A: AsBvh, B: AsBvh<Node = A::Node>>(
+        &self,
+        a: &A,
+        b: &B,
+        pose: &Pose,
+        mut visit: impl FnMut(Pair) -> ControlFlow<()>,
+    ) -> (Completion, QueryStats)
+    where
+        A::Node: Lanes,
+        A::Primitive: PrimitivePair<B::Primitive>,
+        B::Primitive: PrimitivePair<A::Primitive>,
+    {
+        let mut stats = QueryStats::default();
+        if are_apart(a.header(), b.header(), pose, 0.0) {
+            return (Completion::Complete, stats);
+        }
+        let stop = with_bvhs(a, b, |a, b| {
+            self.run((a, b), pose, Touching, &mut stats, &mut |found| visit(found.pair(a, b)))
+        });
+        let completion = match stop {
+            None => Completion::Complete,
+            Some(Stop::Visitor) => Completion::Stopped,
+            Some(Stop::Budget { .. }) => Completion::OutOfBudget,
+        };
+        (completion, stats)
+    }
+}
+
+/// Whether the primitives of a hint meet.
+// Not a part of a query, of whose traversal it would take stack.
+#[inline(never)]
+fn meet<N: Lanes, P: PrimitivePair<Q>, Q: PrimitivePair<P>>(
+    found: Found,
+    (a, b): (&BvhRef<'_, N, P>, &BvhRef<'_, N, Q>),
+    pose: &Pose,
+    margin: impl Margin,
+    stats: &mut QueryStats,
+) -> bool {
+    stats.primitive_pairs += 1;
+    let moved = P::moved(&a.primitive(found.a), pose);
+    let (still, exact) = (b.primitive(found.b), &mut stats.exact_pairs);
+    if margin.value() > 0.0 {
+        P::within(&moved, &still, margin.value(), exact)
+    } else {
+        P::meets(&P::probe(&moved, 0.0), &still, exact)
+    }
+}

@@ -1,0 +1,154 @@
+//! A pending leaf culls nodes of the other tree by the slabs of its primitive's own directions
+//! ([`crate::realign::primitive_slabs`]): in the frame of that tree, where the planes are tight.
+
+use super::bodies::Bodies;
+use super::stack::Volumes;
+use crate::frame::BodyBounds;
+use crate::kernel::Kernel;
+use crate::node::{Child, Link, Width};
+use crate::pose::Pose;
+use crate::primitive::Primitive;
+use crate::query::lanes::{Lanes, bits_of, weight_of};
+use crate::query::setup::{Cutter, Margin, Placing, Side};
+use crate::realign::{PrimitiveSlabs, shrinkage};
+
+/// The leaf that culled the other tree's nodes last, and the slabs of its primitive.
+#[derive(Default, Debug)]
+pub(super) struct PrimitiveCut {
+    last: Option<(Cutter, PrimitiveSlabs)>,
+}
+
+/// A leaf's primitive culls where it can clear as many leaves as this ([`weight_of`]).
+const WORTH_CUTTING: usize = 16;
+
+/// A leaf of b culls nodes of a alone if it is wider than they are by this many powers of two.
+const WIDER: i32 = 1;
+
+/// Whether the children of one node that the bits name are worth being culled by the leaf that is pending against them.
+#[inline(always)]
+pub(super) fn is_worth_cutting<N: Lanes, P: Primitive, Q: Primitive>(
+    bodies: &Bodies<'_, N, P, Q>,
+    a: Child,
+    b: Child,
+    bits: u16,
+) -> bool {
+    let children = match (a.link(), b.link()) {
+        (Link::Leaf { .. }, Link::Inner(node)) => bodies.b.nodes()[node as usize].children(),
+        (Link::Inner(node), Link::Leaf { .. }) => bodies.a.nodes()[node as usize].children(),
+        _ => return false,
+    };
+    bits_of(bits).map(|lane| weight_of(children[lane])).sum::<usize>() >= WORTH_CUTTING
+}
+
+impl PrimitiveCut {
+    /// Whether the leaf b, which was the last to cull nodes of the other tree, culls the children of `a` without these being
+    /// rotated into its frame and compared with its k-DOP: of a large triangle the slabs cull nearly as much, and are in a's
+    /// frame.
+    #[inline(always)]
+    pub(super) fn cuts_alone<N: Lanes, P: Primitive, Q: Primitive>(
+        &self,
+        bodies: &Bodies<'_, N, P, Q>,
+        rotated: Child,
+        volumes: &Volumes,
+    ) -> bool {
+        let (Link::Inner(_), Link::Leaf { first, .. }) = (volumes.a.link(), volumes.b.link()) else {
+            return false;
+        };
+        match self.last {
+            Some((Cutter::B(last), _)) if last == first && rotated != volumes.a => {
+                let Some(holder) = bodies.b.nodes().get(volumes.holder_b as usize) else { return false };
+                let leaf = Width::of_lane(holder, volumes.lane_b.into());
+                bodies.excess(volumes.a.width(), leaf) <= -WIDER
+            }
+            _ => false,
+        }
+    }
+
+    /// Where a leaf is pending against a node: which of the children that the bits name do not lie beyond its
+    /// primitive's slabs.
+    // Not a part of the loop, which is faster without it, but behind a gate of its own.
+    #[inline(never)]
+    pub(super) fn cut<N: Lanes, P: Primitive, Q: Primitive, E: Kernel>(
+        &mut self,
+        kernel: E,
+        bodies: &Bodies<'_, N, P, Q>,
+        margin: impl Margin,
+        (a, b): (Child, Child),
+        bits: u16,
+    ) -> u16 {
+        let (cutter, node) = match (a.link(), b.link()) {
+            (Link::Leaf { first, count: 1 }, Link::Inner(node)) => {
+                (Cutter::A(first), &bodies.b.nodes()[node as usize])
+            }
+            (Link::Inner(node), Link::Leaf { first, count: 1 }) => {
+                (Cutter::B(first), &bodies.a.nodes()[node as usize])
+            }
+            _ => return bits,
+        };
+        if self.last.is_none_or(|(last, _)| last != cutter) {
+            let ((of_a, of_b), placing) = (bodies.placed(), bodies.placing);
+            let turned = placing.turned;
+            let slabs = match cutter {
+                Cutter::A(index) => slabs::<N, P, Q, E>(
+                    kernel,
+                    placing,
+                    margin.value(),
+                    (of_a.item(index), turned == Side::A),
+                    &bodies.b.extent(),
+                ),
+                Cutter::B(index) => slabs::<N, Q, P, E>(
+                    kernel,
+                    placing,
+                    margin.value(),
+                    (of_b.item(index), turned == Side::B),
+                    &bodies.a.extent(),
+                ),
+            };
+            self.last = Some((cutter, slabs));
+        }
+        let Some((_, slabs)) = &self.last else { return bits };
+        kernel.run(
+            #[inline(always)]
+            || {
+                let mut left = bits;
+                for slab in slabs {
+                    left &= !node.beyond(kernel, slab);
+                    if left == 0 {
+                        break;
+                    }
+                }
+                left
+            },
+        )
+    }
+}
+
+/// The slabs of a primitive, for nodes of the other body, of primitives `Others`. Of the query's bodies it is B's
+/// nodes that keep their frame: those of A are rotated by the pose.
+#[inline(always)]
+fn slabs<N: Lanes, One: Primitive, Others: Primitive, E: Kernel>(
+    kernel: E,
+    placing: &Placing<'_>,
+    margin: f64,
+    (item, is_of_a): (One::Item, bool),
+    others: &BodyBounds,
+) -> PrimitiveSlabs {
+    let pose = placing.pose;
+    let (margin, pose) =
+        if is_of_a { (margin, None) } else { (margin + shrinkage::<Others>(pose, others), Some(pose)) };
+    primitive_slabs::<N, One, E>(kernel, &item, margin, others, pose)
+}
+
+#[inline(never)]
+fn primitive_slabs<N: Lanes, P: Primitive, E: Kernel>(
+    kernel: E,
+    item: &P::Item,
+    margin: f64,
+    body: &BodyBounds,
+    pose: Option<&Pose>,
+) -> PrimitiveSlabs {
+    kernel.run(
+        #[inline(always)]
+        || N::primitive_slabs::<P>(item, margin, body, pose),
+    )
+}

@@ -1,0 +1,103 @@
+//! From a query to a traversal: which body is rotated, and the gate of the set-up.
+
+use super::bodies::Bodies;
+use super::flow::{Stop, Visitor};
+use super::traverse::{Limits, Traversal};
+use crate::exact::power_of_two;
+use crate::hierarchy::{BvhRef, Header};
+use crate::isa::on_isa;
+use crate::kernel::Kernel;
+use crate::pose::Pose;
+use crate::query::entry::{Found, PrimitivePair, Query, QueryStats};
+use crate::query::lanes::Lanes;
+use crate::query::setup::{Margin, Placing, Side};
+use crate::realign::{InversePose, shrinkage};
+
+impl Query {
+    /// Visits pairs of primitives at most `margin` apart, by their indices in leaf order.
+    pub(in crate::query) fn run<N: Lanes, P: PrimitivePair<Q>, Q: PrimitivePair<P>>(
+        &self,
+        (a, b): (&BvhRef<'_, N, P>, &BvhRef<'_, N, Q>),
+        pose: &Pose,
+        margin: impl Margin,
+        stats: &mut QueryStats,
+        visit: Visitor<'_>,
+    ) -> Option<Stop> {
+        if is_b_turned(a.header(), b.header()) {
+            return self.run_back((a, b), pose, margin, stats, visit);
+        }
+        let placing = Placing { pose, turned: Side::A, to_b: pose, outwards: margin.value() };
+        self.traverse((a, b), &placing, margin, stats, visit)
+    }
+
+    /// [`Self::run`], where B is turned.
+    // Not a part of it, so that the way back takes no stack of other queries.
+    #[inline(never)]
+    fn run_back<N: Lanes, P: PrimitivePair<Q>, Q: PrimitivePair<P>>(
+        &self,
+        (a, b): (&BvhRef<'_, N, P>, &BvhRef<'_, N, Q>),
+        pose: &Pose,
+        margin: impl Margin,
+        stats: &mut QueryStats,
+        visit: Visitor<'_>,
+    ) -> Option<Stop> {
+        let back = InversePose::new(pose, &a.extent(), &b.extent());
+        let outwards = back.outwards::<Q>(margin.value(), &b.extent());
+        let placing = Placing { pose, turned: Side::B, to_b: &back.pose, outwards };
+        self.traverse((b, a), &placing, margin, stats, &mut |found: Found| {
+            visit(Found { a: found.b, b: found.a })
+        })
+    }
+
+    /// Body a is turned.
+    #[inline(always)]
+    fn traverse<N: Lanes, P: PrimitivePair<Q>, Q: PrimitivePair<P>>(
+        &self,
+        trees: (&BvhRef<'_, N, P>, &BvhRef<'_, N, Q>),
+        placing: &Placing<'_>,
+        margin: impl Margin,
+        stats: &mut QueryStats,
+        visit: Visitor<'_>,
+    ) -> Option<Stop> {
+        on_isa!(self.isa(), token => self.traverse_on(token, trees, placing, margin, stats, visit))
+    }
+
+    /// One function for both orders, which are of one type where both bodies have the same primitives. Not part of its
+    /// caller, where the frame of the scalar code would lie below that of the instruction set that is used.
+    #[inline(never)]
+    fn traverse_on<N: Lanes, P: PrimitivePair<Q>, Q: PrimitivePair<P>, E: Kernel>(
+        &self,
+        kernel: E,
+        (a, b): (&BvhRef<'_, N, P>, &BvhRef<'_, N, Q>),
+        placing: &Placing<'_>,
+        margin: impl Margin,
+        stats: &mut QueryStats,
+        visit: Visitor<'_>,
+    ) -> Option<Stop> {
+        // Inlined in the gate whatever its size, so that the set-up is compiled for the instruction set. The descent has one of its own.
+        kernel.run(
+            #[inline(always)]
+            || {
+                let mut map = N::UNMAPPED;
+                let (extent, frame) = (a.extent(), b.frame());
+                N::map(&mut map, placing.to_b, &extent, &frame);
+                let outwards = placing.outwards + shrinkage::<P>(placing.to_b, &extent);
+                if outwards > 0.0 {
+                    N::widen(&mut map, &frame, outwards);
+                }
+                let bodies = Bodies::new((a, b), placing, &map);
+                let limits = Limits { budget: self.budget(), margin };
+                Traversal::new(kernel.narrow(), bodies, limits, stats, visit).run().break_value()
+            },
+        )
+    }
+}
+
+/// Whether of bodies A and B it is B that gets less loose by being turned, and by enough to pay for the way back.
+fn is_b_turned(a: &Header, b: &Header) -> bool {
+    let loose = |h: &Header| f64::from(h.rotation_growth) * power_of_two(-h.exponent);
+    WAY_BACK * loose(b) < loose(a)
+}
+
+/// What turning B costs besides: bodies that are alike are not exchanged.
+const WAY_BACK: f64 = 1.02;

@@ -1,0 +1,200 @@
+//! Solids: whether a body that meets no primitive of another is inside of it.
+//!
+//! Each part of a body hangs together, so if it meets no triangle of a solid it is inside with all of its points, or
+//! outside with all of them: one corner decides, as the pose moves it. It is inside if the surface winds around it, which is
+//! the sum of the triangles that a ray from it crosses, each 1 where the ray leaves and -1 where it enters
+//! ([`Primitive::crossing`]). The ray goes along the first axis of B's frame, whichever body is the solid, so that the
+//! verdict is for the same numbers as all others are: corners of A as [`Pose::apply`] moves them.
+//!
+//! For volumes the ray is a k-DOP ([`Ray`]), which the kernels take down the tree of the solid. This is all out of the way of
+//! a traversal: a call that is made only if a body is solid and nothing else was found.
+
+use super::entry::{Found, Query, QueryStats};
+use super::lanes::Lanes;
+use super::setup::PlacedTree;
+use crate::frame::BodyBounds;
+use crate::hierarchy::{BvhRef, MAX_DEPTH};
+use crate::isa::on_isa;
+use crate::kernel::Kernel;
+use crate::node::Link;
+use crate::pose::Pose;
+use crate::primitive::Primitive;
+use crate::range::Point;
+use crate::realign::Ray;
+
+/// Where bodies are whose primitives do not meet.
+#[derive(Copy, Clone, Debug)]
+pub(in crate::query) enum Containment {
+    /// Each is outside of the other.
+    Outside,
+    /// A part of one is inside of the other, which is solid: the primitives are one of the part, and the one with the
+    /// lowest index in what was built of those that the ray crosses. The point is in both bodies.
+    Inside { found: Found, point: Point },
+    /// The budget was spent before it was known. The bodies are no farther apart than this.
+    OutOfBudget { upper: f64 },
+}
+
+/// A part that is inside of a solid: the primitive that stands for it, the one of the solid that is named with it, and a
+/// point of it.
+struct Inner {
+    part: u32,
+    crossed: u32,
+    point: Point,
+}
+
+/// A node on the way down, and its children that are still to be looked at.
+#[derive(Copy, Clone)]
+struct Descended {
+    node: u32,
+    lanes: u16,
+}
+
+impl Query {
+    /// Whether a part of either body, none of whose primitives meet, is inside of the other. The work is added to the
+    /// counters, whose visits the budget bounds.
+    // Out of the way of programs whose bodies are surfaces.
+    #[cold]
+    #[inline(never)]
+    pub(in crate::query) fn place<N: Lanes, P: Primitive, Q: Primitive>(
+        &self,
+        a: &BvhRef<'_, N, P>,
+        b: &BvhRef<'_, N, Q>,
+        pose: &Pose,
+        stats: &mut QueryStats,
+    ) -> Containment {
+        let mut find = || {
+            if b.is_solid()
+                && let Some(Inner { part, crossed, point }) =
+                    self.first_inner(a, Some(pose), &PlacedTree { tree: b, pose: None }, stats)?
+            {
+                return Ok(Some((Found { a: part, b: crossed }, point)));
+            }
+            if a.is_solid()
+                && let Some(Inner { part, crossed, point }) =
+                    self.first_inner(b, None, &PlacedTree { tree: a, pose: Some(pose) }, stats)?
+            {
+                return Ok(Some((Found { a: crossed, b: part }, point)));
+            }
+            Ok(None)
+        };
+        match find() {
+            Ok(None) => Containment::Outside,
+            Ok(Some((found, point))) => Containment::Inside { found, point },
+            Err(upper) => Containment::OutOfBudget { upper },
+        }
+    }
+
+    /// The first part of a body, where the pose places it if there is one, that is inside of a solid. An error if the budget
+    /// was spent: no less than the distance of the bodies.
+    fn first_inner<N: Lanes, P: Primitive, Q: Primitive>(
+        &self,
+        body: &BvhRef<'_, N, Q>,
+        pose: Option<&Pose>,
+        solid: &PlacedTree<'_, N, P>,
+        stats: &mut QueryStats,
+    ) -> Result<Option<Inner>, f64> {
+        for part in body.parts() {
+            let Some(corner) = Q::corners(&body.primitive(part)).next() else { continue };
+            let point = pose.map_or(corner, |pose| pose.apply(corner));
+            let extent = body.extent();
+            let beside = solid.pose.map(|pose| (pose, &extent));
+            let Some(ray) = Ray::new(&point, solid.tree.header(), beside) else { continue };
+            if let Some(crossed) = self.around(solid, &point, &ray, stats)? {
+                return Ok(Some(Inner { part, crossed, point }));
+            }
+        }
+        Ok(None)
+    }
+
+    /// If a solid, where a pose places it, winds around a point, the crossed primitive with the lowest index in what was built.
+    /// The point is of what is so large. An error if the budget was spent.
+    pub(crate) fn winds_around<N: Lanes, P: Primitive>(
+        &self,
+        solid: &BvhRef<'_, N, P>,
+        pose: &Pose,
+        point: &Point,
+        of: &BodyBounds,
+        stats: &mut QueryStats,
+    ) -> Result<Option<u32>, f64> {
+        let Some(ray) = Ray::new(point, solid.header(), Some((pose, of))) else { return Ok(None) };
+        self.around(&PlacedTree { tree: solid, pose: Some(pose) }, point, &ray, stats)
+    }
+
+    /// If the solid winds around the point, the crossed primitive with the lowest index in what was built. An error if the
+    /// budget was spent: no less than the distance of the point from the solid.
+    fn around<N: Lanes, P: Primitive>(
+        &self,
+        solid: &PlacedTree<'_, N, P>,
+        point: &Point,
+        ray: &Ray,
+        stats: &mut QueryStats,
+    ) -> Result<Option<u32>, f64> {
+        on_isa!(self.isa(), token => around_on(token.narrow(), solid, point, ray, self.budget(), stats))
+    }
+}
+
+/// Not part of its caller, where the frame of the scalar code would lie below that of the instruction set that is used.
+#[inline(never)]
+fn around_on<N: Lanes, P: Primitive, E: Kernel>(
+    kernel: E,
+    solid: &PlacedTree<'_, N, P>,
+    point: &Point,
+    ray: &Ray,
+    budget: u64,
+    stats: &mut QueryStats,
+) -> Result<Option<u32>, f64> {
+    kernel.run(
+        #[inline(always)]
+        || {
+            let mut aimed = N::NO_AIMED;
+            N::aim_ray(&mut aimed, &solid.tree.frame(), ray);
+            let mut winding = 0_i64;
+            let mut lowest: Option<u32> = None;
+            let mut path = [Descended { node: 0, lanes: 0 }; MAX_DEPTH];
+            let mut level = 0;
+            let mut next = (!solid.tree.is_empty()).then_some(0);
+            loop {
+                // One loop with one call of the kernel, so that it is inlined.
+                if let Some(node) = next.take() {
+                    if stats.visits == budget {
+                        return Err(distance_bound(solid, point));
+                    }
+                    stats.visits += 1;
+                    let lanes = solid.tree.nodes()[node as usize].overlap_aimed(kernel, &aimed);
+                    stats.kernels += 1;
+                    path[level] = Descended { node, lanes };
+                    level += 1;
+                }
+                let Some(above) = level.checked_sub(1) else { break };
+                let Descended { node, lanes } = &mut path[above];
+                if *lanes == 0 {
+                    level = above;
+                    continue;
+                }
+                let lane = lanes.trailing_zeros() as usize;
+                *lanes &= lanes.wrapping_sub(1);
+                let link = solid.tree.nodes()[*node as usize].children()[lane].link();
+                if let Link::Inner(below) = link {
+                    next = Some(below);
+                }
+                for index in link.primitives() {
+                    stats.primitive_pairs += 1;
+                    let crossed = P::crossing(&solid.item(index), point, &mut stats.exact_pairs);
+                    let is_lower = |lowest| solid.tree.source(index) < solid.tree.source(lowest);
+                    if crossed != 0 && lowest.is_none_or(is_lower) {
+                        lowest = Some(index);
+                    }
+                    winding += i64::from(crossed);
+                }
+            }
+            Ok(lowest.filter(|_| winding != 0))
+        },
+    )
+}
+
+/// The distance of a point from some corner of a body, rounded up.
+#[cold]
+fn distance_bound<N: Lanes, P: Primitive>(body: &PlacedTree<'_, N, P>, point: &Point) -> f64 {
+    let corner = P::corners(&body.item(0)).next().map_or(glam::DVec3::ZERO, glam::DVec3::from_array);
+    glam::DVec3::from_array(*point).distance(corner) * (1.0 + 8.0 * f64::EPSILON)
+}

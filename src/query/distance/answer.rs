@@ -1,0 +1,55 @@
+//! What a distance query returns.
+
+#[cfg(doc)]
+use crate::query::Query;
+use crate::query::entry::{Completion, Hint, Pair, QueryStats, Verdict};
+use crate::range::Point;
+
+/// The closest primitives of two bodies, and their closest points. Of a body inside of a solid one primitive of the part that
+/// is inside and one of the solid's, and twice a corner of the former, which is a point of both bodies.
+#[derive(Copy, Clone, PartialEq, Debug)]
+pub struct Witness {
+    /// The primitives.
+    pub pair: Pair,
+    /// The point of A, in B's frame, up to rounding of its coordinates.
+    pub a: Point,
+    /// The point of B, in B's frame.
+    pub b: Point,
+}
+
+/// What a distance query found out: the distance of the bodies lies in `lower ..= upper`.
+///
+/// The bodies are free if `lower` is above 0, which `upper` says nothing of while the search is not complete:
+/// [`Distance::verdict`] tells.
+#[must_use = "a query has no other effect than its answer"]
+#[derive(Copy, Clone, PartialEq, Debug)]
+pub struct Distance {
+    /// Lower bound, in the bodies' unit.
+    pub lower: f64,
+    /// Upper bound, in the bodies' unit: that of the witness. Zero if and only if the witness's primitives
+    /// meet, or one body is inside of the other, which is [solid](crate::construct::Builder::solid).
+    pub upper: f64,
+    /// Two primitives and points that are `upper` apart. `None`, with an infinite `upper`, if a body is empty or no two
+    /// were found that are nearer than the cutoff.
+    pub witness: Option<Witness>,
+    /// [`Completion::Complete`], or [`Completion::OutOfBudget`]: then the bounds are valid, and as far apart as they are.
+    pub completion: Completion,
+    /// The work.
+    pub stats: QueryStats,
+    /// The witness, or of a body inside of a solid the primitives of the two surfaces that are closest, for the next
+    /// query to [try first](Query::with_hint).
+    pub hint: Hint,
+}
+
+impl Distance {
+    /// Do the bodies meet? Unknown only if the budget was spent before either bound could tell.
+    pub fn verdict(&self) -> Verdict {
+        match self.witness {
+            Some(witness) if self.upper == 0.0 => Verdict::Hit(witness.pair),
+            _ if self.completion != Completion::Complete && self.lower == 0.0 => {
+                Verdict::Unknown { lower: 0.0, upper: self.upper }
+            }
+            _ => Verdict::Free,
+        }
+    }
+}

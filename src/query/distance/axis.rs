@@ -1,0 +1,123 @@
+//! Bodies far apart: lower bounds of distances along the line through their centres.
+//!
+//! Let s be the way from the centre of B to that of A, and e a vector along s, at most of length 1. Points x of A and
+//! y of B, each seen from the centre of its own body, are at least
+//!
+//! ```text
+//! |s + x - y| >= e . s - (-e . x) - (e . y)
+//! ```
+//!
+//! apart, and how far a volume reaches along e or -e follows from three of its planes, as in re-alignment. The
+//! first term is the same for all volumes, so that only the others are compared: they are as large as the bodies,
+//! and are rounded relative to that, whatever the distance. Squares of gaps are rounded relative to the
+//! distance.
+//!
+//! Along the line one does not see how far aside volumes are of each other: by w, say, which makes them farther apart
+//! by `w^2 / (2 |s|)`. From [`FAR`] on that is little beside their sizes.
+
+use crate::exact::{power_of_two, round_up_f32};
+use crate::frame::{BodyBounds, Frame};
+use crate::pose::Pose;
+use crate::primitive::{Primitive, radius_of};
+use crate::query::lanes::{Along, Lanes};
+use crate::range::Point;
+use crate::realign::{shift, slack_of_shift};
+use crate::vector::{dot, length};
+
+/// Bodies are far apart whose centres are farther apart than this many times the sum of their sizes.
+const FAR: f64 = 16.0;
+
+/// Shortens vectors that were brought to length 1, and products of two, by more than their roundings.
+const SHORTENED: f64 = 1.0 - power_of_two(-49);
+
+/// The line through the centres of two bodies.
+#[derive(Copy, Clone, Debug)]
+pub(super) struct Axis {
+    /// From B to A, at most of length 1.
+    axis: Point,
+    /// From the centre of B to that of A.
+    shift: Point,
+    /// How far the centres are apart along the axis, less all that is lost in `f64`. At least.
+    between: f64,
+    /// Of the unit of volumes.
+    scale: f64,
+    /// How far volumes of A reach towards B.
+    pub(super) a: Along,
+    /// How far volumes of B reach towards A.
+    pub(super) b: Along,
+}
+
+impl Axis {
+    /// Of bodies that are far apart, with volumes in a unit of `2^-exponent`, of which A's fall short by
+    /// `shrinkage` once turned.
+    #[inline(always)]
+    pub(super) fn new<N: Lanes>(
+        pose: &Pose,
+        a: &BodyBounds,
+        b: &BodyBounds,
+        shrinkage: f64,
+        exponent: i32,
+    ) -> Option<Self> {
+        let shift = shift(pose, a, &b.frame);
+        let far = FAR * (a.radius + b.radius);
+        if dot(&shift, &shift) > far * far {
+            let line = Self::between::<N>(pose, (a, b), &shift, exponent);
+            Some(Self { between: line.between - shrinkage, ..line })
+        } else {
+            None
+        }
+    }
+
+    #[inline(never)]
+    fn between<N: Lanes>(
+        pose: &Pose,
+        (a, b): (&BodyBounds, &BodyBounds),
+        shift: &Point,
+        exponent: i32,
+    ) -> Self {
+        let length = length(shift);
+        let axis = shift.map(|x| x / length * SHORTENED);
+        let m = pose.rows();
+        let turned = |i: usize| -((m[0][i] * axis[0] + m[1][i] * axis[1]) + m[2][i] * axis[2]);
+        let slack = slack_of_shift(pose, a, &b.frame);
+        Self {
+            axis,
+            shift: *shift,
+            between: dot(&axis, shift) * SHORTENED - slack,
+            scale: power_of_two(exponent),
+            a: N::along([turned(0), turned(1), turned(2)], a, exponent),
+            b: N::along(axis, b, exponent),
+        }
+    }
+
+    /// A distance as bounds are: relative, rounded up.
+    pub(super) fn relative(&self, distance: f64) -> f32 {
+        round_up_f32((distance - self.between) * self.scale)
+    }
+
+    /// A bound as a distance, in the bodies' unit.
+    pub(super) fn distance(&self, bound: f32) -> f64 {
+        (self.between + f64::from(bound) / self.scale) * SHORTENED
+    }
+
+    /// How far moved primitives of A reach towards B.
+    #[inline(always)]
+    pub(super) fn reach<P: Primitive>(&self, b: &Frame, items: &[P::Item]) -> f32 {
+        let mut greatest = f64::NEG_INFINITY;
+        for item in items {
+            let radius = radius_of::<P>(item);
+            for p in P::corners(item) {
+                // Its own roundings are within the slack of `between`.
+                let x = [0, 1, 2].map(|i| (p[i] - b.centre[i]) - self.shift[i]);
+                let mut reach = -dot(&self.axis, &x);
+                if P::IS_ROUND {
+                    reach += radius;
+                }
+                greatest = if reach > greatest { reach } else { greatest };
+            }
+        }
+        // The sum that it goes into is rounded once.
+        let reach = greatest * self.scale;
+        round_up_f32(reach + power_of_two(-22) * reach.abs())
+    }
+}

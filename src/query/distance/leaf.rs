@@ -1,0 +1,103 @@
+//! The leaf of A that waits while B is descended: its primitives where the pose places them, and what is
+//! computed from them once.
+
+use super::axis::Axis;
+use crate::frame::Frame;
+use crate::hierarchy::BvhRef;
+use crate::node::{Child, Link, MAX_LEAF_SIZE};
+use crate::pose::Pose;
+use crate::primitive::Primitive;
+use crate::query::lanes::Lanes;
+use crate::query::setup::{Ahead, LookAhead};
+use crate::range::Point;
+
+const MANY: usize = MAX_LEAF_SIZE as usize;
+
+/// A leaf of A at the pose.
+#[derive(Debug)]
+pub(super) struct LeafA<N: Lanes, P: Primitive> {
+    leaf: Child,
+    moved: [P::Item; MANY],
+    /// Of [`LeafA::leaf`] if `is_bounded`; or `reach` is.
+    planes: N::Planes,
+    reach: f32,
+    is_bounded: bool,
+}
+
+impl<N: Lanes, P: Primitive> LeafA<N, P> {
+    pub(super) fn none() -> Self {
+        let moved = [P::Item::default(); MANY];
+        Self { leaf: Child::EMPTY, moved, planes: N::NO_PLANES, reach: 0.0, is_bounded: false }
+    }
+
+    /// Its primitives; none if `leaf` is not a leaf.
+    #[inline(always)]
+    pub(super) fn items(&mut self, a: &BvhRef<'_, N, P>, pose: &Pose, leaf: Child) -> &[P::Item] {
+        let Link::Leaf { first, count } = leaf.link() else { return &[] };
+        if self.leaf != leaf {
+            for (item, index) in self.moved.iter_mut().zip(first..first + count) {
+                *item = P::moved(&a.primitive(index), pose);
+            }
+            (self.leaf, self.is_bounded) = (leaf, false);
+        }
+        &self.moved[..count as usize]
+    }
+
+    /// Its planes in B's frame. `reach` bounds all coordinates.
+    #[inline(always)]
+    pub(super) fn planes(
+        &mut self,
+        a: &BvhRef<'_, N, P>,
+        b: &Frame,
+        pose: &Pose,
+        leaf: Child,
+        reach: f64,
+    ) -> &N::Planes {
+        let _ = self.items(a, pose, leaf);
+        if !self.is_bounded
+            && let Link::Leaf { count, .. } = leaf.link()
+        {
+            self.planes = N::planes_of::<P>(b, &self.moved[..count as usize], reach);
+            self.is_bounded = true;
+        }
+        &self.planes
+    }
+
+    /// How far it reaches towards B, of bodies far apart.
+    #[inline(always)]
+    pub(super) fn reach(
+        &mut self,
+        a: &BvhRef<'_, N, P>,
+        b: &Frame,
+        pose: &Pose,
+        leaf: Child,
+        line: &Axis,
+    ) -> f32 {
+        let _ = self.items(a, pose, leaf);
+        if !self.is_bounded
+            && let Link::Leaf { count, .. } = leaf.link()
+        {
+            self.reach = line.reach::<P>(b, &self.moved[..count as usize]);
+            self.is_bounded = true;
+        }
+        self.reach
+    }
+}
+
+/// No pair farther apart than this matters.
+#[derive(Copy, Clone, Debug)]
+pub(super) struct Threshold {
+    /// In the bodies' unit.
+    pub(super) distance: f64,
+    /// As the bounds of volumes are, rounded up.
+    pub(super) bound: f32,
+    pub(super) ahead: Ahead,
+}
+
+impl Threshold {
+    /// [`LookAhead::look_along`], for what is farther apart than matters.
+    #[inline(always)]
+    pub(super) fn look_along(&mut self, closest: [Point; 2], reach: f64) {
+        self.ahead.look_along(closest, self.distance, reach);
+    }
+}

@@ -1,0 +1,387 @@
+//! The distance of two bodies: branch and bound over the same nodes.
+//!
+//! A **step** takes one volume of one body and a node of the other: the lower bounds of all its children at
+//! once ([`super::bounds`]): of the wider volume's node. Children are followed
+//! nearest first; whatever is farther than matters is dropped: than the best pair of primitives so far, by a
+//! threshold that allows for the tolerance, or than a margin.
+
+use super::bounds::{Bounds, Kept, growths, no_turned};
+use super::frontier::{Frontier, Opened, VolumeA, VolumeB};
+use super::leaf::{LeafA, Threshold};
+use crate::hierarchy::BvhRef;
+use crate::kernel::Kernel;
+use crate::node::{Child, Link};
+use crate::pose::Pose;
+use crate::primitive::{Primitive, Separation};
+use crate::query::entry::{Completion, Found, PrimitivePair, Query, QueryStats};
+use crate::query::lanes::{Entries, Entry, Lanes, PrimitiveGaps, least, weight};
+use crate::query::setup::{ABOVE_ROOT, Ahead, Cutter, LookAhead, Side, first_primitive, is_near, reach};
+use crate::range::Point;
+use crate::realign::shrinkage;
+
+/// What a search is for.
+#[derive(Copy, Clone, Debug)]
+pub(super) enum Goal {
+    /// The distance, known when its bounds differ by `tolerance` relatively, or it is no less than the cutoff.
+    Distance { tolerance: f64, cutoff: f64 },
+    /// Two primitives that are at most this far apart.
+    Within { margin: f64 },
+}
+
+/// The best pair so far.
+#[derive(Copy, Clone, Debug)]
+pub(super) struct Best {
+    pub(super) lower: f64,
+    pub(super) upper: f64,
+    pub(super) found: Found,
+    pub(super) points: [Point; 2],
+}
+
+/// What a search came to.
+#[derive(Debug)]
+pub(super) struct Outcome {
+    pub(super) completion: Completion,
+    /// Its `lower` bounds the bodies' distance.
+    pub(super) best: Best,
+    /// Two primitives within the margin.
+    pub(super) hit: Option<Found>,
+    pub(super) stats: QueryStats,
+}
+
+#[derive(Debug)]
+pub(super) struct Search<'t, N: Lanes, P: Primitive, Q: Primitive> {
+    pub(super) a: BvhRef<'t, N, P>,
+    pub(super) b: BvhRef<'t, N, Q>,
+    pub(super) pose: &'t Pose,
+    pub(super) bounds: Bounds<'t, N>,
+    budget: u64,
+    pub(super) goal: Goal,
+    /// Bounds all coordinates.
+    reach: f64,
+    pub(super) stats: QueryStats,
+    best: Best,
+    hit: Option<Found>,
+    pub(super) threshold: Threshold,
+    /// Those of the leaf that waited last for a node of the other tree.
+    pub(super) primitive_gaps: Option<(Cutter, PrimitiveGaps)>,
+    pub(super) leaf: LeafA<N, P>,
+    /// Lane 0: all of B.
+    whole_b: N,
+    /// What takes widths of A and of B into one unit.
+    pub(super) growths: [f32; 2],
+}
+
+/// Searches bodies that are not empty.
+#[inline(never)]
+pub(super) fn search<N: Lanes, P: PrimitivePair<Q>, Q: Primitive, E: Kernel>(
+    kernel: E,
+    a: BvhRef<'_, N, P>,
+    b: BvhRef<'_, N, Q>,
+    pose: &Pose,
+    query: &Query,
+    goal: Goal,
+) -> Outcome {
+    kernel.run(
+        #[inline(always)]
+        || {
+            let mut kept = no_turned::<N>();
+            let mut search = Search::new(a, b, pose, query, goal, &mut kept);
+            search.try_first(query.hint.pair(a.len(), b.len()));
+            let completion = search.run();
+            let Search { best, hit, stats, .. } = search;
+            Outcome { completion, best, hit, stats }
+        },
+    )
+}
+
+/// It is worth it where this weight of children may be near enough to matter ([`weight`]).
+const WORTH_RAISING: usize = 16;
+/// A margin is most often decided by the first pair of primitives, after fewer visits than this.
+const FIRST_VISITS: u64 = 12;
+
+impl<'t, N: Lanes, P: PrimitivePair<Q>, Q: Primitive> Search<'t, N, P, Q> {
+    #[inline(always)]
+    fn new(
+        a: BvhRef<'t, N, P>,
+        b: BvhRef<'t, N, Q>,
+        pose: &'t Pose,
+        query: &Query,
+        goal: Goal,
+        kept: &'t mut Kept<N>,
+    ) -> Self {
+        let bounds = Bounds::new::<P>(pose, &a.extent(), &b.extent(), kept);
+        let (Goal::Distance { cutoff: distance, .. } | Goal::Within { margin: distance }) = goal;
+        let bound = bounds.of_distance(distance);
+        Self {
+            a,
+            b,
+            pose,
+            bounds,
+            budget: query.budget(),
+            goal,
+            reach: reach(&a, &b, pose),
+            stats: QueryStats::default(),
+            best: Best {
+                lower: f64::INFINITY,
+                upper: f64::INFINITY,
+                found: Found { a: 0, b: 0 },
+                points: [[0.0; 3]; 2],
+            },
+            hit: None,
+            threshold: Threshold { distance, bound, ahead: Ahead::NOTHING },
+            primitive_gaps: None,
+            leaf: LeafA::none(),
+            whole_b: b.nodes()[0].hull(),
+            growths: growths(&a.extent(), &b.extent()),
+        }
+    }
+
+    /// Tests the pair of the hint. A distance that has no cutoff has to begin with some pair.
+    #[inline(always)]
+    fn try_first(&mut self, hint: Option<Found>) {
+        let first = match self.goal {
+            Goal::Distance { cutoff: f64::INFINITY, .. } => Some(Found { a: 0, b: 0 }),
+            _ => None,
+        };
+        let Some(found) = hint.or(first) else { return };
+        let moved = P::moved(&self.a.primitive(found.a), self.pose);
+        self.test(found, &moved);
+    }
+
+    /// Whether nothing is left to be found.
+    const fn is_over(&self) -> bool {
+        self.best.upper == 0.0 || self.hit.is_some()
+    }
+
+    /// A pair of primitives.
+    #[inline(always)]
+    fn test(&mut self, found: Found, moved: &P::Item) {
+        self.stats.primitive_pairs += 1;
+        let still = self.b.primitive(found.b);
+        if self.threshold.ahead.is_far::<P, Q>(moved, &still) {
+            return;
+        }
+        let exact = &mut self.stats.exact_pairs;
+        match self.goal {
+            Goal::Distance { tolerance, cutoff } => {
+                // That may be a pair beyond the threshold. One beyond the cutoff is no better than those that were
+                // dropped for being so far: it must not raise the threshold.
+                let pair = P::nearer(moved, &still, self.threshold.distance, tolerance, exact);
+                if let Some(pair) = pair.filter(|pair| pair.lower < cutoff) {
+                    self.note(found, &pair, tolerance, cutoff);
+                }
+            }
+            Goal::Within { margin } => {
+                let ahead = &mut self.threshold.ahead;
+                if is_near::<P, Q, _>(moved, &still, (margin, self.reach, ahead), exact) {
+                    self.hit = Some(found);
+                }
+            }
+        }
+    }
+
+    fn note(&mut self, found: Found, pair: &Separation, tolerance: f64, cutoff: f64) {
+        let lower = self.best.lower.min(pair.lower);
+        if pair.upper < self.best.upper {
+            self.best = Best { lower, upper: pair.upper, found, points: [pair.a, pair.b] };
+            let distance = (pair.upper / (1.0 + tolerance)).min(cutoff);
+            (self.threshold.distance, self.threshold.bound) = (distance, self.bounds.of_distance(distance));
+            self.threshold.look_along(self.best.points, self.reach);
+        } else {
+            self.best.lower = lower;
+        }
+    }
+
+    /// Searches until nothing is left that could be nearer, or the budget is spent. Then [`Best::lower`]
+    /// bounds the bodies' distance.
+    #[inline(always)]
+    fn run(&mut self) -> Completion {
+        let mut stack = Frontier::new();
+        // The root of A is opened first: no node holds its planes.
+        let root_a =
+            VolumeA { child: Child::ROOT, parent: Child::EMPTY, lane: 0, level: 0, width: f32::INFINITY };
+        let width = self.whole_b.width(0, self.growths[1]);
+        let root_b = VolumeB { child: Child::ROOT, parent: ABOVE_ROOT, lane: 0, level: 0, width };
+        let mut next = (!self.is_over()).then_some((root_a, root_b, self.bounds.least()));
+        while let Some((a, b, bound)) = next {
+            let is_leaf = |child: Child| matches!(child.link(), Link::Leaf { .. });
+            if is_leaf(a.child) && is_leaf(b.child) {
+                self.decide(a.child, b.child);
+            } else {
+                if self.stats.visits == self.budget {
+                    self.give_up(stack.least().map_or(bound, |least| least.min(bound)), a.child, b.child);
+                    return Completion::OutOfBudget;
+                }
+                self.stats.visits += 1;
+                let body =
+                    if is_leaf(b.child) || (!is_leaf(a.child) && a.is_next(&b)) { Side::A } else { Side::B };
+                let entries = if body == Side::A { self.open_a(&a, &b) } else { self.open_b(&a, &b) };
+                stack.push(Opened { entries, a, b, body });
+                if self.growths[0] > 0.0
+                    && let Some(step) = stack.top()
+                {
+                    self.raise(step);
+                }
+            }
+            next = loop {
+                let Some(step) = stack.top() else { break None };
+                let entry = least(&step.entries);
+                if entry == Entry::NONE || entry.bound() > self.threshold.bound || self.is_over() {
+                    stack.pop();
+                    continue;
+                }
+                let lane = entry.lane();
+                step.entries[lane] = Entry::NONE;
+                break Some(self.child(step, lane, entry.bound()));
+            };
+        }
+        self.best.lower = self.certain();
+        Completion::Complete
+    }
+
+    /// Every pair of primitives that was dropped or seen is at least this far apart.
+    fn certain(&self) -> f64 {
+        self.best.lower.min(self.threshold.distance)
+    }
+
+    /// Leaves volumes that wait, with the least of their bounds, among them `a` and `b`.
+    #[cold]
+    fn give_up(&mut self, pending: f32, a: Child, b: Child) {
+        self.best.lower = self.bounds.distance(pending).min(self.certain());
+        if let Goal::Within { .. } = self.goal {
+            let moved = P::moved(&self.a.primitive(first_primitive(&self.a, a.link())), self.pose);
+            let still = self.b.primitive(first_primitive(&self.b, b.link()));
+            let pair = P::nearer(&moved, &still, f64::INFINITY, 1.0, &mut 0);
+            self.best.upper = pair.map_or(f64::INFINITY, |pair| pair.upper);
+        }
+    }
+
+    /// The volumes that a lane of a step stands for.
+    #[inline(always)]
+    fn child(&self, step: &Opened, lane: usize, bound: f32) -> (VolumeA, VolumeB, f32) {
+        let (a, b) = (step.a, step.b);
+        match (step.body, a.child.link(), b.child.link()) {
+            (Side::A, Link::Inner(at), _) => {
+                let node = &self.a.nodes()[at as usize];
+                let (child, width) = (node.children()[lane], node.width(lane, self.growths[0]));
+                (VolumeA { child, parent: a.child, lane: lane as u8, level: a.level + 1, width }, b, bound)
+            }
+            (Side::B, _, Link::Inner(node)) => {
+                let holder = &self.b.nodes()[node as usize];
+                let (child, width) = (holder.children()[lane], holder.width(lane, self.growths[1]));
+                (a, VolumeB { child, parent: node, lane: lane as u8, level: b.level + 1, width }, bound)
+            }
+            _ => (a, b, bound),
+        }
+    }
+
+    /// The children of node `a` against volume `b`.
+    #[inline(always)]
+    fn open_a(&mut self, a: &VolumeA, b: &VolumeB) -> Entries {
+        let Link::Inner(node) = a.child.link() else { return [Entry::NONE; 16] };
+        self.stats.kernels += 1;
+        let (node, lane) = (&self.a.nodes()[node as usize], usize::from(b.lane));
+        let holder = if b.parent == ABOVE_ROOT { &self.whole_b } else { &self.b.nodes()[b.parent as usize] };
+        match &mut self.bounds {
+            Bounds::Near(near) => {
+                let growth = near.growth;
+                let rows = near.turn(&self.a, a.child, a.level, &mut self.stats);
+                node.gaps_of_rows(rows, holder, lane, growth)
+            }
+            Bounds::Far(line) => node.gaps_along(&line.a, holder.reach_along(&line.b, lane)),
+        }
+    }
+
+    /// Volume `a` against the children of node `b`.
+    #[inline(always)]
+    fn open_b(&mut self, a: &VolumeA, b: &VolumeB) -> Entries {
+        let Link::Inner(node) = b.child.link() else { return [Entry::NONE; 16] };
+        self.stats.kernels += 1;
+        let (node, lane) = (&self.b.nodes()[node as usize], usize::from(a.lane));
+        // A volume that is no leaf has a parent: the root of A is opened before anything of B.
+        match (&mut self.bounds, a.child.link(), a.parent.link()) {
+            (Bounds::Near(near), Link::Leaf { .. }, _) => {
+                let planes = self.leaf.planes(&self.a, &near.frame, self.pose, a.child, self.reach);
+                node.gaps_of_planes(planes, near.growth)
+            }
+            (Bounds::Near(near), ..) => {
+                let growth = near.growth;
+                let rows = near.turn(&self.a, a.parent, a.level - 1, &mut self.stats);
+                node.gaps_of_planes(&N::planes_in(rows, lane), growth)
+            }
+            (Bounds::Far(line), Link::Inner(_), Link::Inner(parent)) => {
+                let reach = self.a.nodes()[parent as usize].reach_along(&line.a, lane);
+                node.gaps_along(&line.b, reach)
+            }
+            (Bounds::Far(line), ..) => {
+                let reach = self.leaf.reach(&self.a, &self.b.frame(), self.pose, a.child, line);
+                node.gaps_along(&line.b, reach)
+            }
+        }
+    }
+
+    /// Every primitive of one leaf against every primitive of the other.
+    #[inline(always)]
+    fn decide(&mut self, a: Child, b: Child) {
+        let (Link::Leaf { first: i, count: m }, Link::Leaf { first: j, count: n }) = (a.link(), b.link())
+        else {
+            return;
+        };
+        for k in 0..m {
+            let moved = self.leaf.items(&self.a, self.pose, a)[k as usize];
+            for j in j..j + n {
+                self.test(Found { a: i + k, b: j }, &moved);
+                if self.hit.is_some() {
+                    return;
+                }
+            }
+        }
+    }
+
+    /// Raises the bounds of a step where a leaf waits that is wider than the node which was opened. Of bodies of like size,
+    /// that is without widths, these are too few to pay for being looked for.
+    #[inline(always)]
+    pub(super) fn raise(&mut self, step: &mut Opened) {
+        let first_visits = if let Goal::Within { .. } = self.goal { FIRST_VISITS } else { 0 };
+        if self.stats.visits < first_visits {
+            return;
+        }
+        let (leaf, node, widths) = match (step.a.child.link(), step.b.child.link()) {
+            (Link::Leaf { first, count: 1 }, Link::Inner(node)) => {
+                (Cutter::A(first), &self.b.nodes()[node as usize], (step.a.width, step.b.width))
+            }
+            (Link::Inner(node), Link::Leaf { first, count: 1 }) => {
+                (Cutter::B(first), &self.a.nodes()[node as usize], (step.b.width, step.a.width))
+            }
+            _ => return,
+        };
+        if widths.0 < widths.1 || weight(&step.entries, self.threshold.bound, node.children()) < WORTH_RAISING
+        {
+            return;
+        }
+        let gaps = match self.primitive_gaps {
+            Some((last, gaps)) if last == leaf => gaps,
+            _ => {
+                let Bounds::Near(near) = &self.bounds else { return };
+                let gaps = match leaf {
+                    Cutter::A(_) => {
+                        let others = self.b.extent();
+                        let item = &self.leaf.items(&self.a, self.pose, step.a.child)[0];
+                        let slabs = N::primitive_slabs::<P>(item, 0.0, &others, None);
+                        PrimitiveGaps::new::<P>(item, slabs, near.growth_in(&others.frame))
+                    }
+                    Cutter::B(index) => {
+                        let others = self.a.extent();
+                        let (item, margin) = (&self.b.primitive(index), shrinkage::<P>(self.pose, &others));
+                        let growth = near.growth_in(&others.frame);
+                        let slabs = N::primitive_slabs::<Q>(item, margin, &others, Some(self.pose));
+                        PrimitiveGaps::new::<Q>(item, slabs, growth)
+                    }
+                };
+                self.primitive_gaps = Some((leaf, gaps));
+                gaps
+            }
+        };
+        node.raise(&mut step.entries, &gaps);
+    }
+}

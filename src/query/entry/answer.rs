@@ -1,0 +1,108 @@
+//! What a query returns.
+
+#[cfg(doc)]
+use super::Query;
+use super::{Hint, QueryStats};
+
+/// Two primitives that meet, by their indices in what was built.
+#[derive(Copy, Clone, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
+pub struct Pair {
+    /// Primitive of body A.
+    pub a: u32,
+    /// Primitive of body B.
+    pub b: u32,
+}
+
+/// What a query found out.
+#[must_use = "a query has no other effect than its verdict"]
+#[derive(Copy, Clone, PartialEq, Debug)]
+pub enum Verdict {
+    /// The bodies meet, or come within the margin of each other, and here is where. Or a part of one is inside of the other,
+    /// which is [solid](crate::construct::Builder::solid): here are a primitive of that part and one of the solid's, of
+    /// those that a ray from a corner of the former crosses the one with the lowest index.
+    Hit(Pair),
+    /// No primitive of A meets one of B, or comes within the margin of one, and neither has a part inside of a solid.
+    Free,
+    /// The budget was spent before the answer was known. The distance of the bodies, 0 if they meet, lies in
+    /// `lower ..= upper`.
+    Unknown {
+        /// Lower bound of the distance, in the bodies' unit. Zero: pending volumes overlap.
+        lower: f64,
+        /// Upper bound of the distance, in the bodies' unit: that of two points in pending volumes.
+        upper: f64,
+    },
+}
+
+impl Verdict {
+    /// Are the bodies certainly free: apart, or farther apart than the margin? What a motion must ask before it goes on: with
+    /// a budget, no hit does not mean free.
+    #[must_use]
+    pub const fn is_free(&self) -> bool {
+        matches!(self, Self::Free)
+    }
+
+    /// The triangles of a hit. `None` is not "free": the budget may have been spent before one was found. For
+    /// that there is [`Verdict::is_free`].
+    #[must_use]
+    pub const fn hit(&self) -> Option<Pair> {
+        match self {
+            Self::Hit(pair) => Some(*pair),
+            _ => None,
+        }
+    }
+}
+
+/// A verdict and what it cost.
+///
+/// There is no `is_hit`, whose negation would read as "free" where the verdict is [`Verdict::Unknown`]: ask
+/// [`Answer::is_free`], or match the verdict.
+///
+/// ```
+/// # use simdop::{Builder, Isa, Mesh, Pose, Query};
+/// # let vertices = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+/// # let triangles = [[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]];
+/// # let body = Builder::new().build(&Mesh { vertices: &vertices, triangles: &triangles })?;
+/// let query = Query::new(Isa::detect());
+/// let in_contact = query.collide(&body.view(), &body.view(), &Pose::IDENTITY);
+/// assert!(!in_contact.is_free() && in_contact.hit().is_some());
+/// let unknown = query.with_budget(0).collide(&body.view(), &body.view(), &Pose::IDENTITY);
+/// assert!(!unknown.is_free() && unknown.hit().is_none());
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[must_use = "a query has no other effect than its answer"]
+#[derive(Copy, Clone, PartialEq, Debug)]
+pub struct Answer {
+    /// The verdict.
+    pub verdict: Verdict,
+    /// The work.
+    pub stats: QueryStats,
+    /// The primitives that met, or else the hint that was given, as where a body is inside of a solid: for the next query
+    /// to [try first](Query::with_hint).
+    pub hint: Hint,
+}
+
+impl Answer {
+    /// [`Verdict::is_free`] of the verdict.
+    #[must_use]
+    pub const fn is_free(&self) -> bool {
+        self.verdict.is_free()
+    }
+
+    /// [`Verdict::hit`] of the verdict.
+    #[must_use]
+    pub const fn hit(&self) -> Option<Pair> {
+        self.verdict.hit()
+    }
+}
+
+/// What an enumeration came to.
+#[must_use = "pairs are missing unless the enumeration is complete"]
+#[derive(Copy, Clone, PartialEq, Eq, Debug)]
+pub enum Completion {
+    /// Every pair was visited.
+    Complete,
+    /// The visitor broke off.
+    Stopped,
+    /// The budget was spent.
+    OutOfBudget,
+}

@@ -1,0 +1,17 @@
+//! What all queries share: settings, answers, and the tests of one primitive against another.
+
+mod answer;
+mod hint;
+mod primitive_pair;
+mod query_stats;
+mod settings;
+mod tolerance;
+
+pub use answer::{Answer, Completion, Pair, Verdict};
+pub(super) use hint::Found;
+pub use hint::Hint;
+pub use primitive_pair::PrimitivePair;
+pub use query_stats::QueryStats;
+pub use settings::Query;
+pub use tolerance::ToleranceError;
+pub(crate) use tolerance::checked;

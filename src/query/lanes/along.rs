@@ -1,0 +1,77 @@
+//! How far volumes reach along an axis.
+
+use crate::directions::Directions;
+use crate::exact::{power_of_two, round_up_f32};
+use crate::frame::BodyBounds;
+use crate::key::decode;
+use crate::range::Point;
+use crate::realign::{F64_SLACK, GAMMA_5, HALF_PLACE, UNDERFLOW};
+
+/// How far volumes of one body reach along an axis: as far as three of their planes allow, by weights. Re-alignment
+/// into one direction, relative to the centre of the body's own frame.
+#[derive(Copy, Clone, Debug)]
+pub struct Along {
+    /// The planes.
+    sources: [u8; 3],
+    /// Not negative. They take planes to the wanted unit.
+    weights: [f32; 3],
+    /// Pays for every rounding on the way, the one of the sum that the result goes into too.
+    pad: f32,
+}
+
+impl Along {
+    /// For an axis in the body's own frame, at most a little longer than 1, in a unit of `2^-exponent`, which is not
+    /// smaller than that of the body's frame.
+    pub(crate) fn new<const K: usize>(axis: Point, body: &BodyBounds, exponent: i32) -> Self {
+        let found = Directions::<K>::decompose(axis);
+        let ratio = power_of_two(exponent - body.frame.exponent);
+        let weights = found.weights.map(|c| (ratio * c) as f32);
+        let weight_sum = (f64::from(weights[0]) + f64::from(weights[1])) + f64::from(weights[2]);
+        let width_sum = body.width_sum();
+        let residual = weight_sum * (HALF_PLACE * (Directions::<K>::MAX_COMPONENT * width_sum));
+        let in_f64 = F64_SLACK * (4.0 * ratio * width_sum);
+        let rounding = GAMMA_5 * (weight_sum * f64::from(body.max_plane));
+        let pad = round_up_f32((((residual + in_f64) + rounding) + UNDERFLOW) * (1.0 + GAMMA_5));
+        Self { sources: found.directions, weights, pad }
+    }
+}
+
+/// How far the child in `lane` of a node with these codes reaches.
+#[inline(always)]
+pub(crate) fn reach_of<const W: usize, const K: usize>(
+    codes: &[[i16; W]; K],
+    along: &Along,
+    lane: usize,
+) -> f32 {
+    let lane = lane % W;
+    let mut reach = [0.0; 1];
+    reaches(&along.sources.map(|source| [codes[usize::from(source)][lane]]), along, &mut reach);
+    reach[0]
+}
+
+/// The bounds between the children of a node with these codes and a volume of the other body that reaches `other`
+/// towards them.
+#[inline(always)]
+pub(crate) fn bounds<const W: usize, const K: usize>(
+    codes: &[[i16; W]; K],
+    along: &Along,
+    other: f32,
+) -> [f32; W] {
+    let mut bounds = [0.0; W];
+    reaches(&along.sources.map(|source| codes[usize::from(source)]), along, &mut bounds);
+    for bound in &mut bounds {
+        let apart = -(*bound + other);
+        *bound = if apart > f32::MIN { apart } else { f32::MIN };
+    }
+    bounds
+}
+
+/// How far volumes reach of which `codes` are the planes that count.
+#[inline(always)]
+fn reaches<const W: usize>(codes: &[[i16; W]; 3], along: &Along, reach: &mut [f32; W]) {
+    let [x, y, z] = codes;
+    let [u, v, w] = along.weights;
+    for lane in 0..W {
+        reach[lane] = ((u * decode(x[lane]) + v * decode(y[lane])) + w * decode(z[lane])) + along.pad;
+    }
+}

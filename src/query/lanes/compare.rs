@@ -1,0 +1,217 @@
+//! Which children overlap: where 1vs16 and 4vs4 differ. Where numbers are returned besides, they are those of the kernel
+//! calls.
+
+use super::rows::Rows;
+use crate::kernel::{Kernel, SEPARATED, Turned};
+use crate::key::Key;
+use crate::node::{Dop, Node4, Node16};
+use crate::realign::{PrimitiveSlab, Realignment};
+
+/// What [`Node16`] and [`Node4`] call different kernels for.
+pub trait Compare: Dop {
+    /// Re-alignment into the other body's frame.
+    type Map: Copy + core::fmt::Debug;
+    /// Rotated planes of as many bodies as there are lanes.
+    type Turned: Copy + core::fmt::Debug;
+    /// Those of one body, in lane 0.
+    type Aimed: Copy + core::fmt::Debug;
+    #[doc(hidden)]
+    const NO_AIMED: Self::Aimed;
+
+    /// Puts plane `j` of the one body into `aimed`, ready for the compare with planes of the other body.
+    #[doc(hidden)]
+    fn aim_along(aimed: &mut Self::Aimed, j: usize, plane: Key);
+    /// Puts planes that enclose all used lanes of `turned` into `aimed`.
+    #[doc(hidden)]
+    fn enclose(turned: &Self::Turned, aimed: &mut Self::Aimed);
+    /// Which children of `self` lie beyond a primitive slab.
+    #[doc(hidden)]
+    fn beyond<E: Kernel>(&self, kernel: E, slab: &PrimitiveSlab) -> u16;
+    #[doc(hidden)]
+    fn realign<E: Kernel>(&self, kernel: E, map: &Self::Map, turned: &mut Self::Turned);
+    /// [`Compare::realign`], and [`Compare::overlap_column`] of a lane of `b` with its result, or without a lane
+    /// [`Compare::overlap_hull`]. Of the bodies in `whole`, `turned` has the planes already; those that overlap are added to them.
+    #[doc(hidden)]
+    fn realign_over<E: Kernel>(
+        &self,
+        kernel: E,
+        map: &Self::Map,
+        turned: (&mut Self::Turned, &mut u16),
+        b: &Self,
+        lane: Option<usize>,
+    ) -> (u16, u64);
+    /// The bodies in the `wanted` lanes of `turned` against all lanes of `self`; other rows are zero.
+    #[doc(hidden)]
+    fn overlap_rows<E: Kernel>(&self, kernel: E, turned: &Self::Turned, wanted: u16) -> (Rows, u64);
+    /// Which lanes of `self` the body in `aimed` overlaps.
+    #[doc(hidden)]
+    fn overlap_aimed<E: Kernel>(&self, kernel: E, aimed: &Self::Aimed) -> u16;
+    /// Which bodies of `turned` child `lane` of `self` overlaps.
+    #[doc(hidden)]
+    fn overlap_column<E: Kernel>(&self, kernel: E, turned: &Self::Turned, lane: usize) -> u16;
+    /// Which bodies of `turned` all of `self` overlaps.
+    #[doc(hidden)]
+    fn overlap_hull<E: Kernel>(&self, kernel: E, turned: &Self::Turned) -> (u16, u64);
+}
+
+#[inline(always)]
+fn enclose<const V: usize, const W: usize, const K: usize>(turned: &Turned<V, K>, aimed: &mut Turned<W, K>) {
+    // Unused lanes are within: their planes are below all others, and so are sums of these by the same weights.
+    for (planes, aimed) in turned.iter().zip(aimed) {
+        let mut least = SEPARATED;
+        for &code in planes {
+            least = if code < least { code } else { least };
+        }
+        aimed[0] = least;
+    }
+}
+
+impl<const K: usize> Compare for Node16<K>
+where
+    Self: bytemuck::Pod,
+{
+    type Map = Realignment<K>;
+    type Turned = Turned<16, K>;
+    type Aimed = Turned<1, K>;
+    const NO_AIMED: Self::Aimed = [[SEPARATED; 1]; K];
+
+    #[inline(always)]
+    fn aim_along(aimed: &mut Self::Aimed, j: usize, plane: Key) {
+        aimed[j ^ 1][0] = !plane.code();
+    }
+
+    #[inline(always)]
+    fn enclose(turned: &Self::Turned, aimed: &mut Self::Aimed) {
+        enclose(turned, aimed);
+    }
+
+    #[inline(always)]
+    fn beyond<E: Kernel>(&self, kernel: E, slab: &PrimitiveSlab) -> u16 {
+        kernel.beyond_16(slab, self)
+    }
+
+    #[inline(always)]
+    fn realign<E: Kernel>(&self, kernel: E, map: &Self::Map, turned: &mut Self::Turned) {
+        kernel.realign_16(map, self, turned);
+    }
+
+    #[inline(always)]
+    fn realign_over<E: Kernel>(
+        &self,
+        kernel: E,
+        map: &Self::Map,
+        (turned, whole): (&mut Self::Turned, &mut u16),
+        b: &Self,
+        lane: Option<usize>,
+    ) -> (u16, u64) {
+        (kernel.realign_16_over(map, self, turned, whole, b, lane), 1)
+    }
+
+    #[inline(always)]
+    fn overlap_rows<E: Kernel>(&self, kernel: E, turned: &Self::Turned, wanted: u16) -> (Rows, u64) {
+        let mut found = Rows::default();
+        let mut left = wanted;
+        while left != 0 {
+            let lane = (left.trailing_zeros() & 15) as usize;
+            left &= left - 1;
+            let row = kernel.overlap_1v16(turned, lane, self);
+            found.rows[lane] = row;
+            found.pending |= u32::from(row != 0) << lane;
+        }
+        (found, wanted.count_ones().into())
+    }
+
+    #[inline(always)]
+    fn overlap_aimed<E: Kernel>(&self, kernel: E, aimed: &Self::Aimed) -> u16 {
+        kernel.overlap_1v16(aimed, 0, self)
+    }
+
+    #[inline(always)]
+    fn overlap_column<E: Kernel>(&self, kernel: E, turned: &Self::Turned, lane: usize) -> u16 {
+        kernel.overlap_16v1(turned, self, lane)
+    }
+
+    #[inline(always)]
+    fn overlap_hull<E: Kernel>(&self, kernel: E, turned: &Self::Turned) -> (u16, u64) {
+        (kernel.overlap_16v_hull(turned, self), 1)
+    }
+}
+
+impl<const K: usize> Compare for Node4<K>
+where
+    Self: bytemuck::Pod,
+{
+    type Map = Realignment<K>;
+    type Turned = Turned<4, K>;
+    type Aimed = Turned<4, K>;
+    const NO_AIMED: Self::Aimed = [[SEPARATED; 4]; K];
+
+    #[inline(always)]
+    fn aim_along(aimed: &mut Self::Aimed, j: usize, plane: Key) {
+        aimed[j ^ 1][0] = !plane.code();
+    }
+
+    #[inline(always)]
+    fn enclose(turned: &Self::Turned, aimed: &mut Self::Aimed) {
+        enclose(turned, aimed);
+    }
+
+    #[inline(always)]
+    fn beyond<E: Kernel>(&self, kernel: E, slab: &PrimitiveSlab) -> u16 {
+        kernel.beyond_4(slab, self)
+    }
+
+    #[inline(always)]
+    fn realign<E: Kernel>(&self, kernel: E, map: &Self::Map, turned: &mut Self::Turned) {
+        kernel.realign_4(map, self, turned);
+    }
+
+    #[inline(always)]
+    fn realign_over<E: Kernel>(
+        &self,
+        kernel: E,
+        map: &Self::Map,
+        (turned, whole): (&mut Self::Turned, &mut u16),
+        b: &Self,
+        lane: Option<usize>,
+    ) -> (u16, u64) {
+        if *whole != u16::MAX {
+            kernel.realign_4(map, self, turned);
+            *whole = u16::MAX;
+        }
+        match lane {
+            Some(lane) => (b.overlap_column(kernel, turned, lane), 1),
+            None => b.overlap_hull(kernel, turned),
+        }
+    }
+
+    #[inline(always)]
+    fn overlap_rows<E: Kernel>(&self, kernel: E, turned: &Self::Turned, wanted: u16) -> (Rows, u64) {
+        let pairs = kernel.overlap_4v4(turned, self);
+        let mut found = Rows::default();
+        for (lane, row) in found.rows.iter_mut().take(4).enumerate() {
+            if wanted >> lane & 1 != 0 {
+                *row = pairs >> (4 * lane) & 0xf;
+                found.pending |= u32::from(*row != 0) << lane;
+            }
+        }
+        (found, 1)
+    }
+
+    #[inline(always)]
+    fn overlap_aimed<E: Kernel>(&self, kernel: E, aimed: &Self::Aimed) -> u16 {
+        kernel.overlap_4v4(aimed, self) & 0xf
+    }
+
+    #[inline(always)]
+    fn overlap_column<E: Kernel>(&self, kernel: E, turned: &Self::Turned, lane: usize) -> u16 {
+        let pairs = kernel.overlap_4v4(turned, self) >> lane;
+        (0..4).fold(0, |mask, i| mask | (pairs >> (4 * i) & 1) << i)
+    }
+
+    #[inline(always)]
+    fn overlap_hull<E: Kernel>(&self, kernel: E, turned: &Self::Turned) -> (u16, u64) {
+        let pairs = kernel.overlap_4v4(turned, self);
+        ((0..4).fold(0, |mask, i| mask | u16::from(pairs >> (4 * i) & 0xf != 0) << i), 1)
+    }
+}

@@ -1,0 +1,13 @@
+//! What a query sets up before it descends: far pairs, which body is rotated, and how far apart counts as meeting.
+
+mod ahead;
+mod far_pairs;
+mod margin;
+mod placing;
+
+pub(super) use ahead::{Ahead, LookAhead, is_near};
+pub(super) use far_pairs::are_apart;
+pub(super) use margin::{Margin, Touching, Within, reach};
+pub(super) use placing::{
+    ABOVE_ROOT, Cutter, PlacedTree, Placing, Side, corner_distance, first_primitive, placed,
+};
