@@ -42,7 +42,9 @@ impl Mesh<'_> {
     /// let cube = OwnedMesh::cuboid([1.0; 3])?;
     /// let (solid, surface) = (cube.as_mesh().cover_solid(0.1)?, cube.as_mesh().cover(0.1)?);
     /// let is_held = |spheres: &[simdop::primitive::Sphere]| {
-    ///     spheres.iter().any(|sphere| sphere.centre.iter().map(|x| x * x).sum::<f64>() <= sphere.radius * sphere.radius)
+    ///     spheres
+    ///         .iter()
+    ///         .any(|sphere| sphere.centre.iter().map(|x| x * x).sum::<f64>() <= sphere.radius * sphere.radius)
     /// };
     /// assert!(is_held(&solid) && !is_held(&surface)); // the middle of the cube
     /// assert!(solid.len() < surface.len());
