@@ -26,7 +26,7 @@
 //! Width of a body in direction n after re-alignment relative to its true width, averaged over uniform rotations of
 //! body and pose and over the slabs (ball: 20 000 rays; others: 300 bodies, 4 poses each):
 //!
-//! | k | ball | cube | box 1 : 0.5 : 0.1 | triangle with normally distributed corners |
+//! | k | ball | cube | box 1 : 0.5 : 0.1 | triangle with normally distributed vertices |
 //! |---|---|---|---|---|
 //! | 6 | 1.499 | 1.504 | 1.691 | 1.980 |
 //! | 14 | 1.167 | 1.177 | 1.251 | 1.406 |
