@@ -29,7 +29,8 @@
 //!
 //! Point p is a neighbour of query q with radius r if `(x * x + y * y) + z * z <= r * r`, where x, y, z are the
 //! differences of their coordinates. Every operation is rounded to `f32` and none is fused, as in a plain loop over
-//! all points. The search returns exactly these points, on every machine (the [law](crate::low_level::kernel), 7).
+//! all points. The search returns exactly these points, on every machine (rule 7 of the [kernel
+//! law](crate::low_level::kernel)).
 //!
 //! Coordinates may be any finite `f32`, in any unit. The square of a difference below 1e-23 is 0 in
 //! `f32`, so points that close count as coincident. The square of a difference above 1.8e19 is infinite: such points
