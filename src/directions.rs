@@ -1,9 +1,8 @@
-//! The direction sets of the k-DOPs, and how any vector is written in them.
+//! The direction sets of the k-DOPs, and the decomposition of any vector into their directions.
 //!
-//! A set is k directions with `n[2 i + 1] = -n[2 i]`: k / 2 slabs. Components are small integers and the
-//! directions are not normalised, so that `n . p` is exact in `f64` for `f32` coordinates of one magnitude.
-//! Slabs are in the order in which a test should try them: of the pairs that any slab separates, most fall to
-//! an axis.
+//! A set has k directions with `n[2 i + 1] = -n[2 i]`: k / 2 slabs. Components are small integers and directions are
+//! not normalised, so that `n . p` is exact in `f64` for `f32` coordinates of similar magnitude. Slabs are in the
+//! order in which to test them: most of the pairs that any slab separates are separated by an axis.
 //!
 //! | k | directions, each with its antipode | faces |
 //! |---|---|---|
@@ -15,19 +14,19 @@
 //!
 //! # Re-alignment
 //!
-//! The plane of a turned body in direction n is at most `sum c[l] d[l]` where `u = transpose(M) n = sum c[l]
-//! n[l]` and no c is negative ([`Directions::decompose`]). Any three directions around u will do. Over all
-//! orientations of a body its mean plane is proportional to the direction's length, so the best three on
-//! average minimise `sum c[l] |n[l]|`, and those are the corners of the face that u pierces in the convex
-//! hull of the *normalised* directions. For each of the five sets this hull has triangles only, so there is
-//! nothing to choose. `build.rs` makes it, and proves it a centrally symmetric triangulation of the sphere;
-//! it also makes the grid from which the face is found in 1.20 trials on average at k = 32. The other sets
-//! have the symmetry of the cube, and need no search (`sectors`). Data for one k: 1 KB to 5.4 KB.
+//! The plane of a rotated body in direction n is at most `sum c[l] d[l]` where `u = transpose(M) n = sum c[l] n[l]`
+//! and no c is negative ([`Directions::decompose`]). Any three directions around u are valid. Over all orientations
+//! of a body its mean plane is proportional to the direction's length. So the best three on average minimise
+//! `sum c[l] |n[l]|`, and those are the vertices of the face that u intersects in the convex hull of the *normalised*
+//! directions. For all five sets this hull has only triangles, so the face is unique. `build.rs` computes it, and
+//! proves that it is a centrally symmetric triangulation of the sphere. It also computes the grid from which the face
+//! is found in 1.20 trials on average at k = 32. The other sets have the symmetry of the cube, and need no search
+//! (`sectors`). Data for one k: 1 KB to 5.4 KB.
 //!
-//! Width of a body in direction n after re-alignment over its true width there, mean over uniform rotations
-//! of body and pose and over the slabs (ball: 20 000 rays; others: 300 bodies, 4 poses each):
+//! Width of a body in direction n after re-alignment relative to its true width, averaged over uniform rotations of
+//! body and pose and over the slabs (ball: 20 000 rays; others: 300 bodies, 4 poses each):
 //!
-//! | k | ball | cube | box 1 : 0.5 : 0.1 | triangle with normally distributed corners |
+//! | k | ball | cube | box 1 : 0.5 : 0.1 | triangle with normally distributed vertices |
 //! |---|---|---|---|---|
 //! | 6 | 1.499 | 1.504 | 1.691 | 1.980 |
 //! | 14 | 1.167 | 1.177 | 1.251 | 1.406 |
@@ -37,10 +36,10 @@
 //!
 //! # The choice for k = 32
 //!
-//! Width for a ball; 1vs16 tests per query, geometric mean over 12 scenes of scanned meshes in random frames
-//! and over 16 of machined parts and robot links in their own frames, 50 random poses a scene at a gap of
-//! 0.001 or 0.01 of the diagonal (median-split trees of arity 16, one triangle a leaf); slabs tried until one
-//! separates, over all separated pairs:
+//! Width for a ball; 1vs16 tests per query, geometric mean over 12 scenes of scanned meshes in random frames and over
+//! 16 of machined parts and robot links in their own frames, 50 random poses per scene at a gap of 0.001 or 0.01 of
+//! the diagonal (median-split trees of arity 16, one triangle per leaf); slabs tested until one separates, over all
+//! separated pairs:
 //!
 //! | slabs | ball | scans | parts | slabs until separated: scans, parts |
 //! |---|---|---|---|---|
@@ -50,28 +49,26 @@
 //! | 16 found by annealing, axes fixed, components up to 4 | 1.069 | 424 | 361 | 1.97, 1.83 |
 //! | chosen: the best 3-fold symmetric set with axes and components up to 3 | 1.068 | 415 | 364 | 1.98, 1.80 |
 //!
-//! The pentakis dodecahedron turns best but lacks the axes, which parts with axis-parallel faces need, and so
-//! separates late; three slabs more than 26 leave the widest gaps of 26 open. The chosen set is within 5 % of
-//! the best on both.
+//! The pentakis dodecahedron re-aligns best but lacks the axes, which parts with axis-parallel faces need, so it
+//! separates late. Adding three slabs to k = 26 leaves its widest gaps open. The chosen set is within 5 % of the best
+//! on both.
 
 mod sectors;
 mod slabs;
 
 use sectors::Float;
 
-/// Direction sets exist for these k.
+/// The values of k that have direction sets.
 pub const SUPPORTED: [usize; 5] = [6, 14, 18, 26, 32];
 
 /// A triangle of the hull of the directions.
 #[derive(Copy, Clone, PartialEq, Debug)]
 pub struct Face {
-    /// Its corners, as indices into [`Table::vectors`].
+    /// Its vertices, as indices into [`Table::vectors`].
     pub directions: [u8; 3],
-    /// The inverse of the matrix whose columns are the corners: row `l` times u is the weight of
-    /// `directions[l]`.
+    /// The inverse of the matrix whose columns are the vertices: row `l` times u is the weight of `directions[l]`.
     pub inverse: [[f64; 3]; 3],
-    /// `neighbours[l]` is the face across the edge opposite `directions[l]`: where that corner's weight is
-    /// negative.
+    /// `neighbours[l]` is the face across the edge opposite `directions[l]`, where that vertex's weight is negative.
     pub neighbours: [u8; 3],
 }
 
@@ -91,14 +88,14 @@ pub struct Table {
     pub vectors: &'static [[i8; 3]],
     /// The Euclidean length of each direction, rounded up.
     pub lengths: &'static [f64],
-    /// Face `f ^ 1` is the antipode of face `f`: the same corners, each `^ 1`, in the same order.
+    /// Face `f ^ 1` is the antipode of face `f`: the same vertices, each `^ 1`, in the same order.
     pub faces: &'static [Face],
-    /// A face in or near each cell of the upper half sphere, under the octahedral map (see
+    /// For each cell of the upper half sphere under the octahedral map, a face in or near it (see
     /// [`Directions::decompose`]).
     pub grid: &'static [u8; GRID_CELLS],
 }
 
-/// The table for k directions; in a `const` an unsupported k fails to compile.
+/// The table for k directions. In a `const`, an unsupported k fails to compile.
 ///
 /// # Panics
 /// If `k` is not in [`SUPPORTED`].
@@ -114,11 +111,10 @@ pub const fn table(k: usize) -> &'static Table {
     }
 }
 
-/// A vector as a sum of at most three directions, none of them backwards: `u = sum weights[l]
-/// n[directions[l]]`.
+/// A vector as a nonnegative combination of three directions: `u = sum weights[l] n[directions[l]]`.
 #[derive(Copy, Clone, PartialEq, Debug)]
 pub struct Weights {
-    /// Three directions that are the corners of one hull face.
+    /// The vertices of one hull face.
     pub directions: [u8; 3],
     /// Never negative.
     pub weights: [f64; 3],
@@ -128,18 +124,19 @@ pub struct Weights {
 #[derive(Copy, Clone, PartialEq, Eq, Debug)]
 pub struct Directions<const K: usize>;
 
-/// Cells along one side of the grid, as `f64` arithmetic sees them: indices are 0 to `2 * HALF_SIDE`.
+/// Half the side of the grid, for `f64` arithmetic: cell indices are 0 to `2 * HALF_SIDE`.
 const HALF_SIDE: f64 = (GRID_SIDE - 1) as f64 / 2.0;
 const GRID_CELLS: usize = GRID_SIDE * GRID_SIDE;
 const _: () = assert!(GRID_SIDE.is_power_of_two(), "indices are masked");
 
-/// Added to a number in 0..2^51, leaves it rounded to an integer in the low bits.
+/// Adding this to a number in 0..2^51 leaves it rounded to an integer in the low bits.
 const INTEGER_BITS: f64 = (1_u64 << 52) as f64;
 
 /// A weight this much below 0, relative to u, is rounding: u lies on the face's border.
 const BORDER: f64 = 1.0 / (1_u64 << 50) as f64;
 
-/// The build script proves that the grid starts at most 3 steps away; rounding near borders may add some.
+/// The build script proves that the walk from the grid's face takes at most 3 steps; rounding near borders may add
+/// some.
 const MAX_STEPS: usize = 8;
 
 impl<const K: usize> Directions<K> {
@@ -162,7 +159,7 @@ impl<const K: usize> Directions<K> {
         vectors
     };
 
-    /// The greatest magnitude of a component of a direction.
+    /// The largest magnitude of a component of a direction.
     pub const MAX_COMPONENT: f64 = {
         let mut greatest = 0.0;
         let mut j = 0;
@@ -186,15 +183,15 @@ impl<const K: usize> Directions<K> {
         lengths
     };
 
-    /// Slabs, pairs of opposite directions.
+    /// Number of slabs, pairs of opposite directions.
     pub const SLABS: usize = K / 2;
 
-    /// Writes `u` as a sum of the three corners of the hull face that the ray along `u` pierces.
+    /// Writes `u` as a nonnegative combination of the three vertices of the hull face that the ray along `u`
+    /// intersects.
     ///
-    /// The weights are never negative, so a caller may bound `u . x` by them for whatever it gets; what they
-    /// miss, `u - sum c n`, is below `2^-46 |u|` for a finite `u` whose components neither overflow when
-    /// added nor are subnormal. For any other `u`, zero and NaN included, the answer is a valid face with
-    /// some weights.
+    /// The weights are never negative, so they can bound `u . x` for any input. The residual `u - sum c n` is
+    /// below `2^-46 |u|` for a finite `u` whose components are not subnormal and whose sum does not overflow. For any
+    /// other `u`, including zero and NaN, the result is a valid face with some weights.
     #[inline(always)]
     #[must_use]
     pub fn decompose(u: [f64; 3]) -> Weights {
@@ -206,7 +203,7 @@ impl<const K: usize> Directions<K> {
         Self::search(u)
     }
 
-    /// The face of any u, by walking from where the grid says.
+    /// The face of any u, by a walk from the face in the grid.
     #[inline(always)]
     fn search(u: [f64; 3]) -> Weights {
         let size = (u[0].abs() + u[1].abs()) + u[2].abs();
@@ -220,10 +217,10 @@ impl<const K: usize> Directions<K> {
     }
 }
 
-/// From a face near `u`, across the edge that `u` is furthest behind, until none is behind.
+/// Walks from a face near `u` across the edge with the most negative weight, until no weight is negative.
 ///
-/// Out of line, or the compiler unrolls it into every caller; in scalars, or `u` must lie in memory in every
-/// caller, which costs more than the walk.
+/// Not inlined, or the compiler unrolls it into every caller. Takes scalars, or every caller must store `u` in
+/// memory, which costs more than the walk.
 #[inline(never)]
 fn walk(table: &'static Table, near: &'static Face, x: f64, y: f64, z: f64) -> &'static Face {
     let u = [x, y, z];
@@ -239,7 +236,7 @@ fn walk(table: &'static Table, near: &'static Face, x: f64, y: f64, z: f64) -> &
     nearest_face(table, near, u)
 }
 
-/// The face whose least weight is greatest: the one that holds `u`, found without walking.
+/// The face whose least weight is greatest, which contains `u`, by exhaustive search.
 #[cold]
 fn nearest_face(table: &'static Table, any: &'static Face, u: [f64; 3]) -> &'static Face {
     let mut best = any;
@@ -251,13 +248,13 @@ fn nearest_face(table: &'static Table, any: &'static Face, u: [f64; 3]) -> &'sta
     best
 }
 
-/// The build script proves that every index in a table is that of a face, so `other` is never taken.
+/// The build script proves that all indices in a table are valid, so `other` is never used.
 #[inline]
 fn face_or(table: &'static Table, index: u8, other: &'static Face) -> &'static Face {
     table.faces.get(usize::from(index)).unwrap_or(other)
 }
 
-/// Whether the weights of a vector of this size are those of a face that holds it.
+/// Whether the weights of a vector of this size show that the face contains it.
 #[inline]
 fn is_inside(c: [f64; 3], size: f64) -> bool {
     least(c) >= -BORDER * size
@@ -265,7 +262,7 @@ fn is_inside(c: [f64; 3], size: f64) -> bool {
 
 #[inline]
 fn least(c: [f64; 3]) -> f64 {
-    // Like f64::min, in one instruction on x86: NaN is the walk's business.
+    // Like `f64::min`, but one instruction on x86. `walk` handles NaN.
     let lesser = |a: f64, b: f64| if a < b { a } else { b };
     lesser(lesser(c[0], c[1]), c[2])
 }
@@ -276,14 +273,14 @@ fn least_corner(c: [f64; 3]) -> usize {
     if c[2] < c[l] { 2 } else { l }
 }
 
-/// Like [`f64::max`], in one instruction on x86: a NaN `a` gives `b`, a NaN `b` gives `b`.
+/// Like [`f64::max`], but one instruction on x86. If either is NaN, the result is `b`.
 #[inline]
 pub(crate) fn greater<T: PartialOrd>(a: T, b: T) -> T {
     if a > b { a } else { b }
 }
 
-/// Where the walk to the face of `u` begins. The octahedral map flattens the upper half sphere to a square:
-/// `(x + y, x - y) / (|x| + |y| + |z|)`; the lower half is looked up at -u. One division, no branch.
+/// The face where the walk for `u` starts. The octahedral map flattens the upper half sphere to a square:
+/// `(x + y, x - y) / (|x| + |y| + |z|)`; for the lower half, -u is looked up. One division, no branch.
 #[inline]
 fn start(table: &Table, u: [f64; 3], size: f64) -> u8 {
     let scale = HALF_SIDE.copysign(u[2]) / size;
@@ -303,8 +300,7 @@ mod generated {
 mod tests {
     use super::*;
 
-    /// The map in `start` is written a second time, inverted, in the build script: a disagreement would cost
-    /// only time.
+    /// The build script has the inverse of the map in `start`; a mismatch would only cost time.
     fn few_steps<const K: usize>() {
         let table = Directions::<K>::TABLE;
         let range = || (-9..=9_i32).map(|x| f64::from(x) / 9.0 + 0.01);

@@ -1,10 +1,10 @@
-//! Sums of `f64` without error, and integers of many words: what the packer rounds up, and what the verifier and the exact tests
-//! decide by.
+//! Exact sums of `f64`, and multi-word integers. The packer rounds up with them; the verifier and the exact tests
+//! decide with them.
 
 pub(crate) mod determinant;
 pub(crate) mod wide;
 
-/// `a + b` as a rounded sum and its error, exactly (Knuth's `TwoSum`).
+/// `a + b` as its rounded sum and the exact error (Knuth's `TwoSum`).
 #[inline]
 pub(crate) const fn two_sum(a: f64, b: f64) -> (f64, f64) {
     let sum = a + b;
@@ -13,7 +13,7 @@ pub(crate) const fn two_sum(a: f64, b: f64) -> (f64, f64) {
 }
 
 /// A sum of up to `N` numbers as non-overlapping components of increasing magnitude (Shewchuk 1997, "Adaptive
-/// precision floating-point arithmetic", `Grow-Expansion`). Exact as long as nothing overflows.
+/// precision floating-point arithmetic", `Grow-Expansion`). Exact if nothing overflows.
 #[derive(Copy, Clone, Debug)]
 pub(crate) struct Expansion<const N: usize> {
     components: [f64; N],
@@ -23,7 +23,7 @@ pub(crate) struct Expansion<const N: usize> {
 impl<const N: usize> Expansion<N> {
     pub(crate) const ZERO: Self = Self { components: [0.0; N], len: 0 };
 
-    /// Adds one number. At most `N` times in the life of the sum.
+    /// Adds one number. May be called at most `N` times in total.
     pub(crate) fn add(&mut self, term: f64) {
         let mut carry = term;
         for component in &mut self.components[..self.len] {
@@ -33,7 +33,7 @@ impl<const N: usize> Expansion<N> {
         self.len += 1;
     }
 
-    /// Adds `n * x` exactly, as the powers of two in `n`: as many numbers as [`terms_of_multiple`] says.
+    /// Adds `n * x` exactly, by the powers of two in `n`: as many numbers as [`terms_of_multiple`] returns.
     pub(crate) fn add_multiple(&mut self, n: i16, x: f64) {
         let signed = if n < 0 { -x } else { x };
         let magnitude = n.unsigned_abs();
@@ -44,15 +44,14 @@ impl<const N: usize> Expansion<N> {
         }
     }
 
-    /// -1, 0 or 1: the sign of the exact sum. The last component that is not zero decides, the others being
-    /// smaller.
+    /// -1, 0 or 1: the sign of the exact sum. The last nonzero component decides, since the others are smaller.
     pub(crate) fn sign(&self) -> i32 {
         let top = self.components[..self.len].iter().rev().find(|c| **c != 0.0);
         top.map_or(0, |c| if *c > 0.0 { 1 } else { -1 })
     }
 }
 
-/// How many numbers [`Expansion::add_multiple`] adds for `n`: one for each of its bits.
+/// How many numbers [`Expansion::add_multiple`] adds for `n`: one for each bit that is set.
 pub(crate) const fn terms_of_multiple(n: i16) -> usize {
     n.unsigned_abs().count_ones() as usize
 }
@@ -66,8 +65,8 @@ pub(crate) const fn power_of_two(exponent: i32) -> f64 {
 /// The smallest `f32` that is not below `x`; +infinity for NaN.
 #[inline]
 pub(crate) fn round_up_f32(x: f64) -> f32 {
-    // Without a branch, which would be taken half of the time: the next code up is one more if positive, one
-    // less if negative. Zero is only below a positive x, so -0 has no next.
+    // Branch-free, since the branch would be taken half of the time. The bits of the next number up are one more for
+    // a positive number, one less for a negative one. Zero is only below a positive x, so -0 needs no successor.
     let nearest = x as f32;
     let bits = nearest.to_bits();
     let next = bits.wrapping_add(1_u32.wrapping_sub(2 * (bits >> 31)));
@@ -99,7 +98,7 @@ mod tests {
             assert_eq!(sum.len, terms_of_multiple(n), "{n}");
             assert_eq!(sum.sign(), i32::from(n.signum()));
             if n.unsigned_abs() > 130 {
-                // The product as two numbers that are exact: x is one and the last place of one.
+                // The product as two exact numbers: x is one plus one ulp.
                 sum.add(-f64::from(n));
                 sum.add(-f64::from(n) * f64::EPSILON);
             }

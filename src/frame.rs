@@ -1,7 +1,7 @@
-//! The frame of a hierarchy: where its planes are written.
+//! The frame of a hierarchy, in which its planes are stored.
 //!
-//! Planes are supports of `(p - centre) * 2^exponent`, in steps of 1 ([`crate::key`]): the greatest plane of a body is just
-//! what a key holds, whatever the body's unit.
+//! Planes are supports of `(p - centre) * 2^exponent`, in steps of 1 ([`crate::key`]). The exponent is chosen so that
+//! the greatest plane of a body just fits a key, in any unit.
 
 use crate::directions::{SUPPORTED, table};
 use crate::exact::wide::{Wide, unit_of};
@@ -9,7 +9,7 @@ use crate::exact::{Expansion, power_of_two, terms_of_multiple};
 use crate::key::Key;
 use crate::range::Point;
 
-/// Maps a body's coordinates to its hierarchy's: translate, then scale by a power of two.
+/// Maps a body's coordinates to its hierarchy's: translates, then scales by a power of two.
 #[derive(Copy, Clone, PartialEq, Debug)]
 pub struct Frame {
     /// Centre of the body's bounding box.
@@ -18,16 +18,16 @@ pub struct Frame {
     pub exponent: i32,
 }
 
-/// How large a body and its planes are, in and out of its frame: what re-alignment pads by.
+/// Bounds of a body and its planes, in and out of its frame, for the padding of re-alignment.
 #[derive(Copy, Clone, PartialEq, Debug)]
 pub struct BodyBounds {
-    /// Where the planes are written.
+    /// The frame of the planes.
     pub frame: Frame,
-    /// Largest absolute coordinate of a point of the body or of the frame's centre, in the body's unit. At least.
+    /// Upper bound of the absolute coordinates of the body and of the frame's centre, in the body's unit.
     pub max_coordinate: f64,
-    /// Largest distance of a point of the body from the frame's centre, in the body's unit. At least.
+    /// Upper bound of the distance of the body's points from the frame's centre, in the body's unit.
     pub radius: f64,
-    /// Largest `|x|`, `|y|`, `|z|` of a point of the body in the frame. At least.
+    /// Upper bounds of `|x|`, `|y|`, `|z|` of the body's points in the frame.
     pub half_width: [f32; 3],
     /// Largest absolute finite plane.
     pub max_plane: f32,
@@ -42,21 +42,21 @@ impl BodyBounds {
     }
 }
 
-/// The greatest plane of a body lies between 2^14 and 2^15 of its frame, which is what a key holds, or just below.
+/// The greatest plane of a body is scaled to between 2^14 and 2^15, the range of a key, or just below.
 #[cfg(feature = "alloc")]
 const PLANE_EXPONENT: i32 = 14;
 
-/// Largest scale exponent in use, either way: keeps `2^exponent` and its products normal.
+/// Largest absolute scale exponent: keeps `2^exponent` and its products normal.
 pub(crate) const MAX_EXPONENT: i32 = 340;
 
-/// The square of a slack: of a multiple of the least number that there is, 2^-1074, below 2^360, whatever bytes hold.
+/// Holds the square of a slack, which is a multiple of 2^-1074 (the least positive number) below 2^360, for any bytes.
 type Room = Wide<46>;
 
 /// The slack of a plane in exact arithmetic.
 type SupportSum = Expansion<SUPPORT_TERMS>;
 
-/// The most numbers that one slack is the sum of: the plane, and on each axis coordinate and centre as often
-/// as the direction's component takes.
+/// The maximum number of terms of a slack: the plane, and for each axis the coordinate and the centre, each once per
+/// bit of the direction's component.
 const SUPPORT_TERMS: usize = {
     let mut most = 0;
     let mut set = 0;
@@ -76,17 +76,17 @@ const SUPPORT_TERMS: usize = {
 };
 
 impl Frame {
-    /// The frame for a body inside the box `min ..= max`, whose coordinates obey
-    /// [`crate::range::MAX_COORDINATE`]: the finest in which [`Key`]s hold its planes in these directions.
+    /// The frame for a body in the box `min ..= max`, whose coordinates are within [`crate::range::MAX_COORDINATE`]:
+    /// the finest in which [`Key`]s can hold its planes in these directions.
     #[cfg(feature = "alloc")]
     #[must_use]
     pub(crate) fn around(min: Point, max: Point, directions: &[Point]) -> Self {
         let centre = core::array::from_fn(|i| 0.5 * min[i] + 0.5 * max[i]);
         let half_width: Point = core::array::from_fn(|i| (max[i] - centre[i]).max(centre[i] - min[i]));
         let reach = |n: &Point| (0..3).map(|i| n[i].abs() * half_width[i]).sum::<f64>();
-        // More than its roundings.
+        // Exceeds the rounding error.
         let most = directions.iter().map(reach).fold(0.0, f64::max) * (1.0 + power_of_two(-40));
-        // A body that is one point has no size to scale by.
+        // A body of a single point has no size to scale by.
         let exponent = if most > 0.0 { PLANE_EXPONENT - binary_exponent(most) } else { 0 };
         let exponent = exponent.clamp(-MAX_EXPONENT, MAX_EXPONENT);
         let is_above = most * power_of_two(exponent) > Key::GREATEST.to_f64();
@@ -100,15 +100,15 @@ impl Frame {
         power_of_two(self.exponent)
     }
 
-    /// How far from the centre all that is within `radius` of p reaches, at most.
+    /// Upper bound of the distance from the centre to any point within `radius` of p.
     #[cfg(feature = "alloc")]
     pub(crate) fn reach(&self, p: Point, radius: f64) -> f64 {
         (libm::sqrt(self.square_of_way(p)) + radius) * (1.0 + power_of_two(-46))
     }
 
-    /// Whether all that is within `radius` of p is certainly within `reach` of the centre, as it is within
-    /// [`Frame::reach`].
-    // Without a root, which some machines take in software.
+    /// Whether all points within `radius` of p are certainly within `reach` of the centre. True if `reach` is at
+    /// least [`Frame::reach`].
+    // Without a square root, which some machines compute in software.
     pub(crate) fn is_in_reach(&self, p: Point, radius: f64, reach: f64) -> bool {
         let room = reach - radius;
         room >= 0.0 && self.square_of_way(p) * (1.0 + power_of_two(-48)) <= room * room
@@ -119,8 +119,8 @@ impl Frame {
         (x * x + y * y) + z * z
     }
 
-    /// The key of each direction's support of what is within `radius` of point `p`: the exact value of `(n . (p -
-    /// centre) + |n| radius) * 2^exponent`, rounded up.
+    /// The key of each direction's support of the ball of `radius` about `p`: the exact value of
+    /// `(n . (p - centre) + |n| radius) * 2^exponent`, rounded up.
     #[cfg(feature = "alloc")]
     #[inline(always)]
     pub(crate) fn supports(&self, directions: &[Point], p: Point, radius: f64, keys: &mut [Key]) {
@@ -134,7 +134,7 @@ impl Frame {
                 (sum, size) = (sum + reach, size + reach);
             }
             let value = sum * scale;
-            // Five roundings, each below 2^-53 of a partial result.
+            // Five roundings, each with an error below 2^-53 of a partial result.
             let error = size * scale * power_of_two(-50);
             let rounded = Key::round_up_alike(value - error, value + error);
             *key = rounded.unwrap_or_else(|| self.support_exact(n, p, radius, value));
@@ -145,7 +145,7 @@ impl Frame {
     #[cold]
     fn support_exact(&self, direction: &Point, p: Point, radius: f64, near: f64) -> Key {
         let mut key = Key::round_up_or_unbounded(near);
-        // `near` is within a fraction of a step, so one step either way is all that can be needed.
+        // `near` is within a fraction of a step, so at most one step either way is needed.
         while let Some(lower) = Key::from_code(key.code() - 1)
             && self.is_bounded_around(direction, p, radius, lower)
         {
@@ -157,11 +157,11 @@ impl Frame {
         key
     }
 
-    /// Whether plane `key` really is an upper bound of the support of `p` in `direction`, one of
-    /// [`low_level::directions`](crate::low_level::directions): decided in exact arithmetic.
+    /// Whether plane `key` bounds the support of `p` in `direction`, one of
+    /// [`low_level::directions`](crate::low_level::directions). Decided in exact arithmetic.
     ///
     /// # Panics
-    /// If `direction` has components larger than those: the exact sum has room for no more terms.
+    /// If `direction` has larger components: the exact sum has no room for more terms.
     #[must_use]
     pub fn is_bounded(&self, direction: &Point, p: Point, key: Key) -> bool {
         if key == Key::INFINITY {
@@ -178,9 +178,9 @@ impl Frame {
         slack.sign() >= 0
     }
 
-    /// Whether plane `key` really bounds all that is within `radius` of `p` in `direction`: [`Frame::is_bounded`]
-    /// for radius 0, and as exact for any other. The length of n is a root, so squares are compared: the slack
-    /// that the plane leaves to `p`, and `|n| radius`.
+    /// Whether plane `key` bounds the ball of `radius` about `p` in `direction`: [`Frame::is_bounded`] for radius 0,
+    /// and as exact for any other. The length of n is a square root, so squares are compared: of the slack between
+    /// the plane and `p`, and of `|n| radius`.
     #[must_use]
     pub fn is_bounded_around(&self, direction: &Point, p: Point, radius: f64, key: Key) -> bool {
         if radius > 0.0 && key != Key::INFINITY {
@@ -199,7 +199,7 @@ impl Frame {
         }
         let square = (n[0] * n[0] + n[1] * n[1]) + n[2] * n[2];
         let reach = libm::sqrt(square) * radius;
-        // A dozen roundings, each 2^-53 of a partial sum.
+        // A dozen roundings, each with an error of at most 2^-53 of a partial sum.
         if (slack - reach).abs() > power_of_two(-48) * (size + reach) {
             return slack > reach;
         }
@@ -223,7 +223,7 @@ impl Frame {
         slack.sign() >= 0 && room.minus(&square.times(&reach)).sign() >= 0
     }
 
-    /// Whether all that is within `reach` of p is in a ball of this frame: decided in exact arithmetic.
+    /// Whether the ball of radius `reach` about p is inside a ball of this frame. Decided in exact arithmetic.
     #[must_use]
     pub(crate) fn is_in_ball(&self, centre: &Point, radius: f64, p: Point, reach: f64) -> bool {
         let scale = self.scale();
@@ -234,7 +234,7 @@ impl Frame {
             size += (p[i].abs() + self.centre[i].abs()) * scale + centre[i].abs();
         }
         let (distance, room) = (libm::sqrt(square), radius - reach * scale);
-        // A dozen roundings, each 2^-53 of a partial sum.
+        // A dozen roundings, each with an error of at most 2^-53 of a partial sum.
         if (room - distance).abs() > power_of_two(-48) * size {
             return room > distance;
         }
@@ -268,7 +268,7 @@ impl Frame {
             value += n[i] * (p[i] - self.centre[i]);
             size += n[i].abs() * (p[i].abs() + self.centre[i].abs());
         }
-        // A dozen roundings, each 2^-53 of a partial sum.
+        // A dozen roundings, each with an error of at most 2^-53 of a partial sum.
         if value.abs() > power_of_two(-48) * size {
             return if value > 0.0 { 1 } else { -1 };
         }
@@ -281,10 +281,10 @@ impl Frame {
     }
 }
 
-/// The bound, and on each axis coordinate and centre, eleven powers of two each.
+/// The bound, and for each axis the coordinate and the centre, with eleven powers of two each.
 const SIDE_TERMS: usize = 1 + 3 * 2 * 11;
 
-/// A power of two that takes `x`, zero or in the range of coordinates, below 2.
+/// A power of two that scales `x`, zero or in the range of coordinates, to below 2.
 #[cfg(feature = "alloc")]
 pub(crate) fn scale_to_one(x: f64) -> f64 {
     power_of_two(-binary_exponent(x).clamp(-MAX_EXPONENT, MAX_EXPONENT))
@@ -301,14 +301,14 @@ mod tests {
     use super::*;
     use crate::directions::Directions;
 
-    /// Points on a plane and a few last places off it, with sums that no single `f64` holds.
+    /// Points on a plane and a few ulps off it, with sums that no single `f64` represents.
     fn planes_are_decided_exactly<const K: usize>() {
         let frame = Frame { centre: [1.0 + f64::EPSILON, -1.0 / 3.0, 0.7], exponent: 20 };
         for j in 0..K {
             let n = &Directions::<K>::VECTORS[j];
             for height in [-1.0, 1.0] {
                 let mut p = frame.centre;
-                // Along an axis on which the direction is not zero: half a step, and then off the plane.
+                // Along an axis where the direction is not zero: half a step, and then off the plane.
                 let axis = (0..3).find(|&i| n[i] != 0.0).unwrap_or(0);
                 if n[axis].abs() == 3.0 {
                     continue;
@@ -322,8 +322,7 @@ mod tests {
         }
     }
 
-    /// Sides of planes whose directions take all the terms that there is room for, of points on them and a last
-    /// place off.
+    /// Sides of planes whose directions use all available terms, for points on them and one ulp off.
     #[test]
     fn sides_of_any_plane_are_decided_exactly() {
         let frame = Frame { centre: [1.0 + f64::EPSILON, -1.0 / 3.0, 1e-9], exponent: -3 };
@@ -343,21 +342,22 @@ mod tests {
         let p = [2.0 * frame.centre[0], 0.0, 0.0];
         assert_eq!(frame.side(&normals[2], p, upper), -1);
         assert_eq!(frame.side(&normals[2], p, upper.next_down()), 1);
-        // 1 + 2^-53 + 2^-80 rounds to 1 + 2^-52; less 2^-53 + 2^-79 it is below 1, and rounded above.
+        // 1 + 2^-53 + 2^-80 rounds to 1 + 2^-52. Minus 2^-53 + 2^-79, the exact value is below 1, and the rounded one
+        // above.
         let [half, x, y] = [-53, -80, -79].map(power_of_two);
         let frame = Frame { centre: [-half - x, half + y, 0.0], exponent: 0 };
         assert_eq!(frame.side(&[1.0, 1.0, 2045.0], [1.0, 0.0, 0.0], 1.0), -1);
     }
 
-    /// Balls that spheres touch from within, and miss by a last place.
+    /// Balls that spheres touch from inside, or miss by one ulp.
     #[test]
     fn is_in_ball_is_decided_exactly() {
         let frame = Frame { centre: [1.0, -2.0, 3.0], exponent: -1 };
-        // Half of it is (1, 2, 2), three units from the ball's centre at the origin.
+        // In the frame's unit, p is at (1, 2, 2), three units from the ball's centre at the origin.
         let p = [3.0, 2.0, 7.0];
         let is_in = |radius: f64, reach: f64| frame.is_in_ball(&[0.0; 3], radius, p, reach);
         for reach in [0.0, 1.0, 0.1 + 0.2, 2.0_f64.powi(-40)] {
-            // Sums that are rounded up and down.
+            // Sums that round up and down.
             let radius = 3.0 + 0.5 * reach;
             let exact = (radius - 3.0) - 0.5 * reach;
             assert_eq!(is_in(radius, reach), exact >= 0.0, "{reach}");
@@ -366,7 +366,7 @@ mod tests {
         let far = power_of_two(-60);
         assert!(frame.is_in_ball(&[0.0, 0.0, far], 3.0, p, 0.0), "a little nearer");
         assert!(!frame.is_in_ball(&[0.0, 0.0, -far], 3.0, p, 0.0), "a little farther");
-        // A sphere larger than the ball, about its centre: the square alone would let it in.
+        // A sphere larger than the ball, with the same centre: comparing squares alone would accept it.
         assert!(!frame.is_in_ball(&[0.0; 3], 1.0, frame.centre, 2.0_f64.next_up()));
         assert!(frame.is_in_ball(&[0.0; 3], 1.0, frame.centre, 2.0));
         let lowest = f64::from_bits(1);

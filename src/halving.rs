@@ -1,23 +1,23 @@
-//! Cutting a set at medians along its longest axis, again and again, until there is a part for each lane of a node.
+//! Splitting a set at medians along its longest axis, recursively, until there is a part for each lane of a node.
 //!
-//! Cuts are at positions that leave **full nodes**. A full tree of arity w with m nodes has 1 + (w - 1) m
-//! leaves; so each lane gets a number of leaves of this form, as near to an equal share as that allows, and
-//! at most one node of the tree has unused lanes. Cutting into equal shares instead leaves most nodes of the
-//! last level with two lanes in use: about four times the bytes.
+//! Splits leave **full nodes**. A full tree of arity w with m nodes has 1 + (w - 1) m leaves. So each lane gets a
+//! number of leaves of this form, as near to an equal share as possible, and at most one node of the tree has unused
+//! lanes. Equal shares instead would leave most nodes of the last level with two used lanes: about four times the
+//! bytes.
 
 use crate::parallel;
 use core::cmp::Ordering;
 
-/// What can be cut: something at a place, with an index that nothing else has.
+/// An item to split: a position and a unique index.
 pub(crate) trait Located: Copy + Send {
-    /// What a coordinate is: that of points in `f32` is compared as it is, which is half as long again in `f64`.
+    /// The type of coordinates. Points in `f32` are compared in `f32`, since `f64` takes half as long again.
     type Number: Coordinate;
 
     fn place(&self) -> [Self::Number; 3];
     fn index(&self) -> u32;
 }
 
-/// A finite number.
+/// A coordinate, which must be finite.
 pub(crate) trait Coordinate: Copy + PartialOrd + core::ops::Sub<Output = Self> {
     /// As `f64::total_cmp`.
     fn order(&self, other: &Self) -> Ordering;
@@ -37,32 +37,32 @@ impl Coordinate for f64 {
     }
 }
 
-/// A node of fewer primitives is cut by one thread: a join costs about a microsecond.
+/// Nodes with fewer primitives are split on one thread: a join costs about a microsecond.
 const JOIN_SIZE: usize = 4096;
 
-/// Cuts nodes.
+/// Splits nodes.
 #[derive(Copy, Clone, Debug)]
 pub(crate) struct Halving {
     pub(crate) arity: usize,
     pub(crate) leaf_size: usize,
-    /// Whether each half takes its own longest axis.
+    /// Whether each half is split along its own longest axis.
     pub(crate) extended: bool,
 }
 
 impl Halving {
-    /// Moves the items of a node to its lanes. Ends count from its first item.
+    /// Reorders the items of a node by lane. `ends` are relative to its first item.
     pub(crate) fn cut_node<T: Located>(&self, items: &mut [T], ends: &mut [u32]) {
         self.cut(items, 0, None, ends);
     }
 
-    /// Cuts `items`, which begin at `start`, into a part for each of `ends`, along `axis` or the longest.
+    /// Splits `items`, which begin at `start`, into a part for each of `ends`, along `axis` or the longest one.
     fn cut<T: Located>(&self, items: &mut [T], start: usize, axis: Option<usize>, ends: &mut [u32]) {
         let (count, lanes) = (items.len(), ends.len());
         if lanes == 1 || count <= self.leaf_size {
-            // What fits in a leaf stays one: the other lanes are unused.
+            // A set that fits a leaf stays whole: the other lanes are unused.
             ends.fill((start + count) as u32);
             if count <= self.leaf_size {
-                // A leaf is a set: its order must not depend on how a selection algorithm moves things.
+                // Sort, so that the order does not depend on the selection algorithm.
                 items.sort_unstable_by_key(T::index);
             }
             return;
@@ -89,7 +89,7 @@ impl Halving {
     fn left_size(&self, count: usize, lanes: usize) -> usize {
         let leaves = count.div_ceil(self.leaf_size);
         let left_lanes = lanes / 2;
-        // A leaf in each lane, and the rest in whole nodes, each of which turns one leaf into `arity`.
+        // One leaf in each lane, and the rest in whole nodes, each of which replaces one leaf by `arity`.
         let nodes = leaves.saturating_sub(lanes).div_ceil(self.arity - 1);
         let left =
             if nodes == 0 { leaves * left_lanes / lanes } else { left_lanes + nodes / 2 * (self.arity - 1) };
@@ -108,12 +108,12 @@ fn longest_axis<T: Located>(part: &[T]) -> usize {
         }
     }
     let extent = |i: usize| high[i] - low[i];
-    // The first of the longest, for the same answer everywhere.
+    // The first of equals, for the same result on every machine.
     let best = if extent(1) > extent(0) { 1 } else { 0 };
     if extent(2) > extent(best) { 2 } else { best }
 }
 
-/// A total order: what has the same place goes by its index.
+/// A total order: equal positions are ordered by index.
 #[inline(always)]
 fn compare<T: Located>(a: &T, b: &T, axis: usize) -> Ordering {
     a.place()[axis].order(&b.place()[axis]).then(a.index().cmp(&b.index()))

@@ -1,28 +1,28 @@
 //! Keys: bounds in 16-bit fixed point, which compare as integers.
 //!
-//! The unit of a tree's frame is one step of its planes, so that sixteen bits hold all of a body ([`crate::frame`]). A plane is
-//! rounded **up** to a code c, which stands for
+//! The unit of a tree's frame is one step of its planes, chosen so that 16 bits cover the whole body
+//! ([`crate::frame`]). A plane is rounded **up** to a code c, with the value
 //!
 //! ```text
 //! value(c) = c + 1/2
 //! ```
 //!
-//! Keys order as their values do, and `value(!c) = -value(c)`: the hot loop compares a plane with the opposite plane of the
-//! other body by one 16-bit integer compare, and needs no conversion. What re-alignment turns is rounded to the nearest code, which
-//! is never below: value(c) is half a step above c.
+//! Keys order as their values do, and `value(!c) = -value(c)`. So the hot loop compares a plane with the opposite
+//! plane of the other body by one 16-bit integer compare, without conversion. Re-aligned planes are rounded to the
+//! nearest code, which is never below them: value(c) is half a step above c.
 //!
-//! Three codes are no planes of a body. [`Key::INFINITY`], in queries only, says that a turned body is not bounded in that
-//! direction, or farther out than any plane. **[`Key::EMPTY`]** (`i16::MIN`) marks an unused lane: it is below the complement of
-//! infinity, so that even a query that is unbounded in every direction is separated from it. 32767, its complement, is in the
-//! queries of unused lanes, and separated from everything.
+//! Three codes are not planes of a body. [`Key::INFINITY`], in queries only, means that a rotated body is unbounded
+//! in that direction, or extends farther than any plane. **[`Key::EMPTY`]** (`i16::MIN`) marks an unused lane: it is
+//! below the complement of infinity, so that even a query that is unbounded in every direction is separated from it.
+//! Its complement 32767 is in the queries of unused lanes, and is separated from everything.
 
 use core::fmt;
 
-/// The upper bound of a slab in fixed point. See the [module](crate::low_level::key) for the code.
+/// The upper bound of a slab in fixed point. See the [module](crate::low_level::key) for the encoding.
 #[derive(Copy, Clone, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
 pub struct Key(i16);
 
-/// The number to round was NaN, which bounds nothing.
+/// The number to round was NaN, which is not a bound.
 #[derive(Copy, Clone, PartialEq, Eq, Debug)]
 pub struct NotANumber;
 
@@ -37,15 +37,15 @@ impl core::error::Error for NotANumber {}
 impl Key {
     /// The greatest plane of a body, 32765.5 steps.
     pub const GREATEST: Self = Self(i16::MAX - 2);
-    /// Its opposite, the lowest bound that a body can have.
+    /// Its negation, the lowest bound of a body.
     pub const LOWEST: Self = Self(!Self::GREATEST.0);
-    /// Not bounded in this direction. In no node.
+    /// Unbounded in this direction. Never in a node.
     pub const INFINITY: Self = Self(i16::MAX - 1);
     /// The plane of an unused lane, separated from every query.
     pub const EMPTY: Self = Self(i16::MIN);
 
-    /// The lowest bound that is not below `x`, in steps: [`Key::INFINITY`] above [`Key::GREATEST`], and [`Key::LOWEST`] below
-    /// that.
+    /// The lowest bound not below `x`, in steps: [`Key::INFINITY`] if `x` is above [`Key::GREATEST`], and
+    /// [`Key::LOWEST`] if it is below that.
     ///
     /// # Errors
     /// [`NotANumber`] if `x` is NaN.
@@ -63,7 +63,7 @@ impl Key {
         Self::round_up_f64(x as f64)
     }
 
-    /// [`Key::round_up_f64`], with infinity for NaN: the rule of re-alignment, where `0 * infinity` stands for "unbounded".
+    /// [`Key::round_up_f64`], with infinity for NaN: in re-alignment `0 * infinity` means "unbounded".
     #[inline]
     #[must_use]
     pub const fn round_up_or_unbounded(x: f64) -> Self {
@@ -73,36 +73,36 @@ impl Key {
         if x < -MOST {
             return Self::LOWEST;
         }
-        // A cast cuts off, towards zero. Each number here is exact.
+        // A cast truncates towards zero. All numbers here are exact.
         let cut = x as i32;
         let below = cut - (cut as f64 > x) as i32;
         Self((below + (x > below as f64 + 0.5) as i32) as i16)
     }
 
-    /// The key whose code is the nearest, of two the even one: a bound that is not below `x`, and at most a step above. As
-    /// [`Key::round_up_or_unbounded`] at the ends, and of the NaN that arithmetic gives. Kernels have instructions for it, and round
-    /// turned planes so.
+    /// The key with the nearest code, ties to even: a bound not below `x`, and at most one step above. As
+    /// [`Key::round_up_or_unbounded`] at the ends, and for quiet NaN. Kernels round re-aligned planes like this,
+    /// since there are instructions for it.
     #[inline(always)]
     #[must_use]
     pub(crate) const fn around(x: f32) -> Self {
-        // 1.5 * 2^23: its last place is 1, so that the sum is rounded to an integer, whose low bits are the code.
+        // 1.5 * 2^23: its ulp is 1, so the sum is rounded to an integer, with the code in its low bits.
         const ROUNDING: f32 = 12_582_912.0;
         let x = if x < Self::INFINITY.0 as f32 { x } else { Self::INFINITY.0 as f32 };
         let x = if x > Self::LOWEST.0 as f32 { x } else { Self::LOWEST.0 as f32 };
         Self((x + ROUNDING).to_bits() as i16)
     }
 
-    /// [`Key::around`] a number that is not below, in few operations: at most a step and a 2^-8th above `x`. For planes that are
-    /// made in a query.
+    /// A fast bound not below `x`, by [`Key::around`]: at most 1 + 2^-8 steps above `x`. For planes that are computed
+    /// in a query.
     #[inline(always)]
     #[must_use]
     pub(crate) const fn above(x: f64) -> Self {
-        // Twice the rounding to `f32`.
+        // Twice the error of rounding to `f32`.
         const MORE: f64 = 1.0 / (1 << 23) as f64;
         Self::around((x + x.abs() * MORE) as f32)
     }
 
-    /// What both numbers round up to, if it is the same.
+    /// The key that both numbers round up to, if it is the same.
     #[cfg(any(test, feature = "alloc"))]
     #[inline]
     pub(crate) fn round_up_alike(low: f64, high: f64) -> Option<Self> {
@@ -110,14 +110,14 @@ impl Key {
         if low == high { Some(low) } else { None }
     }
 
-    /// The key with this code, if it can be the plane of a body: from [`Key::LOWEST`] to [`Key::GREATEST`].
+    /// The key with this code, if it can be a plane of a body: from [`Key::LOWEST`] to [`Key::GREATEST`].
     #[inline]
     #[must_use]
     pub const fn from_code(code: i16) -> Option<Self> {
         if code >= Self::LOWEST.0 && code <= Self::GREATEST.0 { Some(Self(code)) } else { None }
     }
 
-    /// The key with this code: that of a plane of a body, or of [`Key::INFINITY`].
+    /// The key with this code, which must be a plane of a body or [`Key::INFINITY`].
     #[inline(always)]
     #[must_use]
     pub(crate) const fn bounded(code: i16) -> Self {
@@ -146,14 +146,14 @@ impl Key {
     }
 }
 
-/// What a code stands for, in steps. Exact.
+/// The value of a code, in steps. Exact.
 #[inline(always)]
 #[must_use]
 pub const fn decode(code: i16) -> f32 {
     code as f32 + 0.5
 }
 
-/// What [`Key::GREATEST`] stands for.
+/// The value of [`Key::GREATEST`].
 const MOST: f64 = Key::GREATEST.0 as f64 + 0.5;
 
 #[cfg(test)]
@@ -211,7 +211,7 @@ mod tests {
                 key.code() == least.code() + 1 && key.code() % 2 == 0 && decode(least.code()) == x;
             assert!(key == least || is_even_one_above, "{x:e}: {key:?}, the least is {least:?}");
         };
-        // No arithmetic gives a NaN that signals, which minima of AArch64 treat otherwise.
+        // Arithmetic never gives a signalling NaN, which AArch64's minimum instructions treat differently.
         let signals = |x: &f32| x.is_nan() && x.to_bits() & 1 << 22 == 0;
         (0..=u32::MAX).step_by(997).map(f32::from_bits).filter(|x| !signals(x)).for_each(check);
         for code in i16::MIN..=i16::MAX {

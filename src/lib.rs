@@ -1,6 +1,6 @@
-//! Exact collision and distance queries between triangle meshes, on hierarchies of k-DOPs that SIMD kernels
-//! test sixteen volumes at a time. The library is `no_std`, a query allocates nothing, and trees are runs of
-//! bytes that are read in place, from flash if need be.
+//! Exact collision and distance queries between triangle meshes, on hierarchies of k-DOPs that SIMD kernels test
+//! sixteen at a time. The library is `no_std`, queries do not allocate, and trees are byte blocks that are used in
+//! place, even from flash.
 //!
 //! ```
 //! use simdop::{Builder, Isa, Mesh, Pose, Query};
@@ -19,45 +19,47 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! A **body** is a mesh and the tree over its triangles, or a set of spheres and theirs
-//! ([`construct::SphereSet`]): built with a [`construct::Builder`], or read from
-//! bytes with [`hierarchy::BvhRef::from_bytes`]. A query asks about two bodies, A and B, and a [`pose::Pose`]
-//! that places A in the frame of B.
+//! A **body** is a mesh with the tree over its triangles, or a set of spheres with theirs ([`construct::SphereSet`]).
+//! It is built with a [`construct::Builder`], or read from bytes with [`hierarchy::BvhRef::from_bytes`]. A query
+//! takes two bodies, A and B, and a [`pose::Pose`] that places A in the frame of B.
 //!
-//! **Points that move**, such as a lidar's, have trees of their own ([`cloud`]): all neighbours within a radius, the nearest,
-//! and whether, or how near, a robot is to any.
+//! **Moving points**, such as those of a lidar, have trees of their own ([`cloud`]). They answer range and
+//! nearest-neighbour queries, and collision and distance queries between a robot and the points.
 //!
-//! **Many bodies**, as a robot among others and among the points of a scan, are a [`scene`].
+//! **Many bodies**, such as a robot among obstacles and scanned points, form a [`scene`].
 //!
 //! # Advice
 //!
-//! **k and arity** are the node type. [`node::Node16<18>`](node::Node16), k = 18 and arity 16, is the fastest
-//! choice in almost all measurements and the one to begin with. Both bodies of a query have the same node
-//! type, which the type system checks.
+//! **k and arity** are set by the node type. [`node::Node16<18>`](node::Node16), with k = 18 and arity 16, is the
+//! fastest in almost all measurements, and a good default. Both bodies of a query must have the same node type, which
+//! the type system checks.
 //!
-//! | node type | bytes a triangle, nodes / in all | when |
+//! | node type | bytes per triangle, nodes / total | use it if |
 //! |---|---|---|
-//! | `Node16<18>` | 43 / 73 | unless something below applies |
-//! | `Node16<14>` | 34 / 65 | flash is scarce: a fifth less of nodes for about a quarter more time in the mean; robots in rooms with flat walls lose more |
-//! | `Node16<6>` | 17 / 48 | flash is all that counts: volumes are boxes, which turn badly |
-//! | `Node16<26>`, `Node16<32>` | 60 / 90, 73 / 103 | k = 26 for machined parts and short tails: 7 % faster in contact, the slowest queries a quarter, 5 % slower 5 % apart |
-//! | `Node4<K>` | 53 / 86 for k = 18 | hardly ever: 1.1 to 1.9 times the time and a quarter more bytes of nodes; a query needs some KiB less stack |
+//! | `Node16<18>` | 43 / 73 | nothing below applies |
+//! | `Node16<14>` | 34 / 65 | flash is scarce: nodes a fifth smaller, about a quarter slower, more with flat walls |
+//! | `Node16<6>` | 17 / 48 | only flash matters: volumes are boxes, which rotate badly |
+//! | `Node16<26>`, `Node16<32>` | 60 / 90, 73 / 103 | k = 26 for machined parts and short tail latencies |
+//! | `Node4<K>` | 53 / 86 for k = 18 | rarely: some KiB less stack, 1.1 to 1.9 times the time, nodes a quarter larger |
 //!
-//! The bytes are those of a mesh of 52,000 triangles whose coordinates `f32` holds exactly; others take 6
-//! more a triangle. [`construct::Builder::without_normal_slabs`] saves 9 of them (11 at arity 4), and
-//! [`construct::Builder::balanced`], two triangles a leaf, halves the bytes of nodes. Trees of spheres have the enclosing
-//! balls of their lanes instead of normal slabs, 20 bytes a lane, which [`construct::Builder::without_balls`] leaves out.
+//! With k = 26, queries in contact are 7 % faster, the slowest queries a quarter faster, and queries 5 % apart 5 %
+//! slower. The sizes are for a mesh of 52,000 triangles whose coordinates are exact in `f32`; other coordinates take
+//! 6 bytes more per triangle. [`construct::Builder::without_normal_slabs`] saves 9 bytes per triangle (11 at arity
+//! 4), and [`construct::Builder::balanced`], with two triangles per leaf, halves the size of the nodes. Trees of
+//! spheres store the enclosing balls of their lanes instead of normal slabs, 20 bytes per lane, which
+//! [`construct::Builder::without_balls`] omits.
 //!
-//! **Units.** The library knows no unit. Both meshes, the translations of poses, margins and distances use
-//! the same one; meters and millimeters work alike, because each tree has a scale of its own. STL files are
-//! often in millimeters: a robot in meters beside one is a mistake that no check can find. Coordinates reach
-//! from 2^-250 to 2^300 ([`range`]).
+//! **Units.** The library has no unit. Both meshes, the translations of poses, margins and distances use the same
+//! one. Meters and millimeters work equally well, because each tree has its own scale. STL files are often in
+//! millimeters: combining one with a robot in meters is a mistake that no check can find. Coordinates range from
+//! 2^-250 to 2^300 ([`range`]).
 //!
-//! **A in B from two poses in the world.** A planner knows where A and B stand in the world; a query asks
-//! where A stands, seen from B. A [`scene::Scene`] takes poses in the world, for two bodies or hundreds. Or
-//! [`pose::Pose::relative`], which says what it rounds, some 1e-14 of the coordinates: [`query::Query::within`] with a margin of
-//! as much is never falsely free for the poses given ([`pose::Relative::margin`]). Poses are made from the types of
-//! [`glam`], which is re-exported, with features from those of mint and nalgebra, else by [`pose::Pose::from_rows`].
+//! **A in B from two world poses.** A planner has the world poses of A and B; a query takes the pose of A in the
+//! frame of B. A [`scene::Scene`] takes world poses, for two bodies or hundreds. Alternatively,
+//! [`pose::Pose::relative`] converts them and bounds its rounding error, about 1e-14 of the coordinates.
+//! [`query::Query::within`] with at least that margin is never falsely free for the given poses
+//! ([`pose::Relative::margin`]). Poses can be made from types of [`glam`], which is re-exported, from those of mint
+//! and nalgebra with features, or by [`pose::Pose::from_rows`].
 //!
 //! ```
 //! use simdop::glam::{DQuat, DVec3};
@@ -74,78 +76,78 @@
 //! # Ok::<(), simdop::pose::PoseError>(())
 //! ```
 //!
-//! **Which body is A** is for the caller to choose: verdicts hold for A's corners as the pose moves them. One body's
-//! volumes are turned into the other's frame and widen by it, those of flat walls along its own axes the most.
-//! `collide`, `within` and `for_each_pair` turn the body that loses less, as its tree says
-//! ([`hierarchy::Header::rotation_growth`]). Distances turn A: there a room or a table is best given as B.
+//! **The order of A and B** is the caller's choice: verdicts are exact for A's vertices as moved by the pose. One
+//! body's volumes are rotated into the other's frame, which enlarges them, most of all those of flat walls along the
+//! body's own axes. `collide`, `within` and `for_each_pair` rotate the body whose volumes grow less according to its
+//! tree ([`hierarchy::Header::rotation_growth`]). Distance queries rotate A, so a room or a table should be B.
 //!
-//! **Many pairs, most of them far apart.** A pair whose balls about the centres of the frames are apart, by more than the
-//! margin if there is one, costs some fifteen nanoseconds and no visit. For the nearest of many bodies there is
+//! **Distant pairs.** Bounding balls about the centres of the frames cull a pair that is farther apart than the
+//! margin, if any. That takes about fifteen nanoseconds and no visit. For the nearest of many bodies, use
 //! [`query::Query::distance_up_to`].
 //!
-//! **Surface or solid** is said when a body is built. A surface is its triangles, whether or not they close: a body that is
-//! wholly inside of it without touching it is `Free`. A mesh that closes may be [solid](construct::Builder::solid): then that
-//! body is a hit, its distance is 0, and so it is for each part of a body of several, parts being what does not hang together
-//! at vertices. Where something could get inside without having been seen to touch, as between two samples of a motion, bodies
-//! should be solid. Inside is where the surface winds around a point, so that parts that overlap are one solid, and a
-//! shell of the other orientation is a cavity. It is asked only where no triangles meet, and by exact signs as all else is.
-//! Spheres are solid.
+//! **Surface or solid** is chosen when a body is built. A surface consists of its triangles, closed or not: a body
+//! entirely inside it that does not touch it is `Free`. A closed mesh can be [solid](construct::Builder::solid): then
+//! a body inside it is a hit at distance 0. It is enough that one part of the body is inside; parts share no vertices.
+//! Use solids where a body could get inside without a detected contact, as between two samples of a motion. A point
+//! is inside if the winding number of the surface is not zero there, so overlapping parts form one solid, and a shell
+//! of opposite orientation is a cavity. The inside test runs only if no triangles meet, and is exact like everything
+//! else. Spheres are solid.
 //!
-//! **What `Unknown` means.** A query without a budget always ends with `Hit` or `Free`. One with a budget
-//! ([`query::Query::with_budget`]) may end with [`query::Verdict::Unknown`]: it stopped before it knew, and
-//! the bodies may meet. It is neither a hit nor free: ask [`query::Answer::is_free`] where safety is at
-//! stake, which is true of proven freedom only. It comes with bounds of
-//! the distance; their lower one is 0, because volumes were still waiting that overlap.
+//! **`Unknown`.** A query without a budget always ends with `Hit` or `Free`. One with a budget
+//! ([`query::Query::with_budget`]) may run out of it and return [`query::Verdict::Unknown`]: the bodies may meet. If
+//! safety is at stake, test [`query::Answer::is_free`], which is true only if freedom is proven. `Unknown` has bounds
+//! of the distance; the lower one is 0, because overlapping volumes were still pending.
 //!
-//! **Stack.** No query recurses, and what one takes is bounded for all trees: 2.3 KiB more for a collision that gets more than six
-//! levels below the roots. Measured, in KiB in all, with everything that a query calls, exact arithmetic included:
+//! **Stack.** No query recurses, and its stack use is bounded for all trees. A collision that gets more than six
+//! levels below the roots takes 2.3 KiB more. Measured totals in KiB, including all callees and exact arithmetic:
 //!
 //! | on | k = 6 | k = 18 | k = 32 |
 //! |---|---|---|---|
 //! | x86-64: collide / within, pairs / distance | 6 / 9 / 22 | 6.5 / 10 / 26 | 8.5 / 12 / 31 |
 //!
 //! (Rust 1.95, release, arity 16; arity 4 takes up to 7 KiB less.) On a Cortex-M4F a collision takes 3 KiB without
-//! exact arithmetic, on an A53 8.2. `from_bytes` and `verify` take 1.5 KiB. A thread with 32 KiB for collisions and 64 KiB for distances is enough, which
-//! `tests/queries/stack.rs` checks. Exact arithmetic takes a KiB of this, the pairs that wait [`query::STACK_BYTES`]
-//! or [`query::DISTANCE_STACK_BYTES`], and most of the rest is turned planes and triangles. Penetration volumes take less
-//! than collisions, and [`query::PENETRATION_QUEUE_BYTES`] more where there is a budget.
+//! exact arithmetic, and on an A53 8.2. `from_bytes` and `verify` take 1.5 KiB. A thread with 32 KiB for collisions
+//! and 64 KiB for distances is enough; `tests/queries/stack.rs` checks it. Of this, exact arithmetic takes 1 KiB,
+//! pending pairs take [`query::STACK_BYTES`] or [`query::DISTANCE_STACK_BYTES`], and most of the rest is rotated
+//! planes and triangles. Penetration volumes take less than collisions, plus [`query::PENETRATION_QUEUE_BYTES`] if
+//! there is a budget.
 //!
-//! **The instruction set** is a value, [`isa::Isa`]: detected once, capped at will, held by the caller. All
-//! of them give the same verdicts and the same [counters](query::QueryStats).
+//! **The instruction set** is a value, [`isa::Isa`], which the caller detects once, stores, and may cap. All
+//! instruction sets give the same verdicts and the same [query statistics](query::QueryStats).
 //!
 //! # Guarantees
 //!
-//! * **No missed hit and no invented one.** Volumes are rounded outwards ([`low_level::key`], [`low_level::realign`]), and triangles
-//!   and [spheres](primitive::sphere) are decided [exactly](primitive::triangle), for corners and centres as [`pose::Pose::apply`] moves them: within
-//!   2^-50, relatively, of where the pose puts them.
+//! * **No missed hits and no false ones.** Volumes are rounded outwards ([`low_level::key`], [`low_level::realign`]).
+//!   Triangles and [spheres](primitive::sphere) are decided [exactly](primitive::triangle), for vertices and centres
+//!   as moved by [`pose::Pose::apply`], which are within a relative 2^-50 of their exact positions.
 //! * **No allocation in a query.**
-//! * **Trees from outside are safe.** [`hierarchy::BvhRef::from_bytes`] proves that bytes are safe to walk;
-//!   [`hierarchy::BvhRef::verify`] proves, in exact arithmetic, that the volumes hold their triangles.
+//! * **Untrusted trees are safe.** [`hierarchy::BvhRef::from_bytes`] proves that bytes are safe to traverse;
+//!   [`hierarchy::BvhRef::verify`] proves, in exact arithmetic, that the volumes contain their triangles.
 //! * **Determinism.** No fused multiply-add and no reordering: the same bits on every machine.
 //!
 //! # Features
 //!
-//! | feature | default | what |
+//! | feature | default | contents |
 //! |---|---|---|
 //! | `std` | yes | run-time detection of instruction sets by the standard library; implies `alloc` |
-//! | `alloc` | yes | owned trees, the builders and sphere packings; without it: borrowed trees, clouds in lent memory and every query |
+//! | `alloc` | yes | owned trees, builders, sphere packings. Without it: borrowed trees and clouds, and every query |
 //! | `rayon` | no | construction and packing on several threads, with the same bytes; implies `std` |
-//! | `gpu` | no | construction (`construct::gpu`) and search of moving points (`cloud::gpu`) on a device, through wgpu, with the same bytes; implies `std` |
+//! | `gpu` | no | construction (`construct::gpu`) and point search (`cloud::gpu`) by wgpu, same bytes; implies `std` |
 //! | `mint`, `nalgebra` | no | poses from the types of these crates |
 //! | `urdf` | no | robots from URDF and SRDF files; implies `std` |
 //!
-//! Without `std`, x86-64 is asked by CPUID and XCR0, aarch64 takes what the crate is compiled for.
+//! Without `std`, instruction sets are detected by CPUID and XCR0 on x86-64, and by the compilation target on
+//! aarch64.
 //!
 //! # Sources
 //!
-//! Tan, Weller, Zachmann, *SIMDop: SIMD Optimized Bounding Volume Hierarchies for Collision Detection*, IROS
-//! 2019. Weller, Mainzer, Srinivas, Teschner, Zachmann, *Massively Parallel Batch Neural Gas for Bounding
-//! Volume Hierarchy Construction*, VRIPHYS 2014. Weller, Zachmann, *Inner Sphere Trees for Proximity and
-//! Penetration Queries*, RSS 2009. Xing, Wang, Hui, *Coherent Spherical
-//! Range-Search for Dynamic Points on GPUs*, CAD 2017. Klosowski, Held, Mitchell, Sowizral, Zikan, *Efficient
-//! Collision Detection Using Bounding Volume Hierarchies of k-DOPs*, TVCG 1998.
+//! Tan, Weller, Zachmann, *SIMDop: SIMD Optimized Bounding Volume Hierarchies for Collision Detection*, IROS 2019.
+//! Weller, Mainzer, Srinivas, Teschner, Zachmann, *Massively Parallel Batch Neural Gas for Bounding Volume Hierarchy
+//! Construction*, VRIPHYS 2014. Weller, Zachmann, *Inner Sphere Trees for Proximity and Penetration Queries*, RSS
+//! 2009. Xing, Wang, Hui, *Coherent Spherical Range-Search for Dynamic Points on GPUs*, CAD 2017. Klosowski, Held,
+//! Mitchell, Sowizral, Zikan, *Efficient Collision Detection Using Bounding Volume Hierarchies of k-DOPs*, TVCG 1998.
 #![no_std]
-// Of the library alone: a test may unwrap, and has std.
+// For the library only: tests may unwrap, and have std.
 #![deny(
     clippy::unwrap_used,
     clippy::std_instead_of_core,
@@ -201,7 +203,7 @@ pub use pose::Pose;
 pub use query::{Answer, Query, Verdict};
 pub use scene::Scene;
 
-// What all tests draw their random numbers from.
+// The random numbers of all tests.
 #[cfg(test)]
 #[path = "../tests/support/rng.rs"]
 mod rng;

@@ -1,5 +1,5 @@
-//! The parts below the queries, for those who fuzz the kernels against the scalar code, measure instruction sets or check a
-//! bound. Nothing here is needed to ask a query, and all of it may change with the layout of the nodes.
+//! The layers below the queries, for fuzzing the kernels against the scalar code, comparing instruction sets, and
+//! checking bounds. No query needs this module, and all of it may change with the layout of the nodes.
 
 /// The direction sets and the triangles of their hulls.
 pub mod directions {
@@ -11,18 +11,18 @@ pub mod frame {
     pub use crate::frame::*;
 }
 
-/// The kernels of each instruction set. All of them obey one law, which the head of `src/kernel/mod.rs` states: the scalar
+/// The kernels of each instruction set. All obey one law, stated at the top of `src/kernel/mod.rs`: the scalar
 /// kernels are the specification, and all others give the same bits.
 pub mod kernel {
     pub use crate::kernel::*;
 }
 
-/// Planes as 16-bit codes in fixed point, rounded up. Code c stands for c + 1/2 steps of the tree's frame.
+/// Planes as 16-bit fixed-point codes, rounded up. Code c has the value c + 1/2 steps of the tree's frame.
 pub mod key {
     pub use crate::key::*;
 }
 
-/// The planes of a posed body in another frame, rounded up. The head of `src/realign.rs` has the proof of their pad.
+/// The planes of a posed body in another frame, rounded up. The top of `src/realign.rs` proves their padding.
 pub mod realign {
     pub use crate::realign::*;
 }

@@ -1,4 +1,5 @@
-//! Vectors of three numbers, where the order of the operations is part of what is promised: in `f64` every machine rounds alike.
+//! Vectors of three numbers. The order of operations is part of the specification: in `f64` every machine gives the
+//! same bits.
 
 use core::ops::{Add, Mul, Sub};
 
@@ -14,13 +15,13 @@ pub(crate) fn difference<T: Copy + Sub<Output = T>>(a: &[T; 3], b: &[T; 3]) -> [
     [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
 }
 
-/// Two products and their difference along each axis.
+/// The cross product: per axis, two products and their difference.
 #[inline(always)]
 pub(crate) fn cross<T: Copy + Sub<Output = T> + Mul<Output = T>>(a: &[T; 3], b: &[T; 3]) -> [T; 3] {
     [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
 }
 
-/// The root of [`dot`] of a vector and itself.
+/// The square root of [`dot`] of a vector with itself.
 #[inline(always)]
 pub(crate) fn length(a: &[f64; 3]) -> f64 {
     libm::sqrt(dot(a, a))

@@ -1,4 +1,4 @@
-//! A body among points: a robot's spheres or its meshes, in a scan of what is around it.
+//! Collision and proximity of a body (spheres or a mesh) with the points of a cloud, such as a scan.
 
 use super::search::RangeDescent;
 use super::{CloudRef, RangeSearch, RangeStats, SearchError};
@@ -14,16 +14,16 @@ use crate::range::{MIN_COORDINATE, Point};
 use crate::realign::greatest;
 use core::ops::ControlFlow;
 
-/// A primitive of a body and a point of a cloud that are near each other.
+/// A primitive of a body and a nearby point of a cloud.
 #[derive(Copy, Clone, PartialEq, Eq, Hash, Debug)]
 pub struct Contact {
-    /// The primitive, by its index in what the body was built of.
+    /// Index of the primitive in the input that the body was built from.
     pub primitive: u32,
-    /// The point, by its index.
+    /// Index of the point.
     pub point: u32,
 }
 
-/// A primitive of a body, as its leaves are numbered, and a point that is near it.
+/// A primitive of a body, by its index in leaf order, and a nearby point.
 #[derive(Copy, Clone, Debug)]
 pub(super) struct NearPoint {
     pub(super) primitive: u32,
@@ -32,20 +32,20 @@ pub(super) struct NearPoint {
 }
 
 impl NearPoint {
-    /// By their indices in what was built.
+    /// The pair, by the indices in the input.
     pub(super) fn pair<N: Dop, P: Primitive>(&self, body: &BvhRef<'_, N, P>) -> Pair {
         Pair { a: body.source(self.primitive), b: self.point }
     }
 }
 
-/// Why a search did not look at everything.
+/// Why a search ended early.
 #[derive(Debug)]
 pub(super) enum Ended {
     Near(NearPoint),
     OutOfBudget,
 }
 
-/// The work of a search, and how many visits are allowed: of pairs of a bucket and a node of the body.
+/// The work of a search and its budget in visits. A visit is a pair of a bucket and a node of the body.
 pub(super) struct Spending<'c> {
     pub(super) stats: &'c mut QueryStats,
     pub(super) budget: u64,
@@ -62,21 +62,21 @@ impl Spending<'_> {
     }
 }
 
-/// Lanes that wait: of each level all but the one that was entered.
+/// Capacity of the stack: per level, every lane but the one that is entered.
 const STACK: usize = MAX_DEPTH * 15 + 16;
 
-/// More than what a dozen roundings in `f64` do to a number, relatively.
+/// A relative error larger than that of a dozen `f64` roundings.
 const ROUNDING: f64 = power_of_two(-44);
 
 impl RangeSearch {
-    /// Whether a body, placed by `pose` in the frame of the cloud, has a point of the cloud within `margin`, and if so, which:
-    /// the first in the order of the tree's buckets. Touching counts. A sphere is full, a mesh is a surface unless it is
-    /// [solid](crate::construct::Builder::solid): then the points inside of it are near as well, each with one of the
-    /// triangles that a ray from it crosses.
+    /// The first point of the cloud, in the order of the buckets, that is within `margin` of a body placed by `pose`
+    /// in the cloud's frame, with a primitive that it is near; `None` if there is none. Touching counts. Spheres are
+    /// solid balls. A mesh is a surface unless it is [solid](crate::construct::Builder::solid); points inside a solid
+    /// count as near, each reported with one of the triangles that a ray from the point crosses.
     ///
-    /// The verdict is exact for the points as they are and the body's corners, or centres, as [`Pose::apply`] moves them, like
-    /// those of [`Query::within`](crate::query::Query::within). Not in `f32`: unlike the other searches, this one does not round
-    /// distances.
+    /// The verdict is exact for the stored points and for the body's vertices or centres as moved by [`Pose::apply`],
+    /// as in [`Query::within`](crate::query::Query::within). Unlike the other searches, this one does not round
+    /// distances to `f32`.
     ///
     /// ```
     /// use simdop::cloud::{PointCloud, Contact, RangeSearch};
@@ -117,9 +117,10 @@ impl RangeSearch {
 }
 
 impl CloudRef<'_> {
-    /// The same as an answer whose `a` is a primitive of the body and whose `b` is a point, within the budget of a query. Visits
-    /// are of pairs of a node of the body and a bucket, and calls of kernels those with sixteen boxes of either.
-    // Out of the frames of scenes that ask no cloud.
+    /// As [`RangeSearch::body_within`], within the budget of a query. In the answer, `a` is a primitive of the body
+    /// and `b` a point. Visits count pairs of a node of the body and a bucket; kernel calls count tests against
+    /// sixteen boxes of either tree.
+    // Not inlined: scenes without clouds should not pay for its stack frame.
     #[inline(never)]
     pub(crate) fn body_within<N: Lanes, P: PrimitivePair<Spheres>>(
         &self,
@@ -141,7 +142,7 @@ impl CloudRef<'_> {
         Answer { verdict, stats, hint: Hint::NONE }
     }
 
-    /// The first point that is within a margin of a body's primitives.
+    /// The first point within a margin of the body's primitives.
     pub(super) fn surface_within<N: Lanes, P: PrimitivePair<Spheres>>(
         &self,
         query: &Query,
@@ -166,7 +167,7 @@ impl CloudRef<'_> {
         ))
     }
 
-    /// The first point that is inside of a solid that meets none.
+    /// The first point inside a solid whose surface touches no point.
     pub(super) fn first_inside<N: Lanes, P: PrimitivePair<Spheres>>(
         &self,
         query: &Query,
@@ -194,7 +195,7 @@ impl CloudRef<'_> {
         ))
     }
 
-    /// Looks at all buckets that overlap a box, until one ends it.
+    /// Visits the buckets that overlap a box, in order, until `look` breaks.
     #[inline(always)]
     fn first_of_buckets<E: Kernel>(
         &self,
@@ -205,7 +206,7 @@ impl CloudRef<'_> {
     ) -> Option<Ended> {
         let mut descent = RangeDescent { kernel, cloud: *self, work: RangeStats::default() };
         let mut ended = None;
-        // What overlaps the box has no gap.
+        // The squared gap to an overlapping box is 0.
         let _ = descent.go_down(bounds, 0.0, |this, _: &Aabb16, _, bucket| {
             match look(&this.cloud.buckets[bucket as usize], spending) {
                 ControlFlow::Continue(()) => ControlFlow::Continue(()),
@@ -230,15 +231,15 @@ fn points_of(bucket: &Bucket) -> impl Iterator<Item = (u32, Sphere)> + Clone + '
     })
 }
 
-/// A body at a pose, and what is around it.
+/// A body at a pose, and bounds of its neighbourhood.
 struct Around<'a, N, P: Primitive> {
     body: &'a BvhRef<'a, N, P>,
     pose: &'a Pose,
     margin: f64,
-    /// Holds all points within the margin.
+    /// Contains all points within the margin.
     bounds: Box3,
-    /// How far a point may be from a volume of the body's tree, in its frame and unit, if it is within the margin of what the
-    /// volume holds; but for what is relative to the point's own coordinates.
+    /// Maximum distance, in the frame and unit of the body's tree, between a point and a volume of the tree that
+    /// contains something within the margin of the point. Excludes the error relative to the point's own coordinates.
     reach: f64,
 }
 
@@ -247,8 +248,8 @@ impl<'a, N: Lanes, P: PrimitivePair<Spheres>> Around<'a, N, P> {
         let (extent, m, t) = (body.extent(), pose.rows(), pose.translation());
         let (skew, most) = (pose.skew(), extent.max_coordinate);
         let unscale = 1.0 / extent.frame.scale();
-        // Where p of the body is moved to M p + t, and q is within r of that, transpose(M) (q - t) is within (1 + skew) r
-        // + skew |p| of p. A radius is no longer than the largest coordinate, nor |p| than twice that.
+        // The pose maps p of the body to M p + t. If q is within r of that, transpose(M) (q - t) is within (1 + skew)
+        // r + skew |p| of p. A radius is at most the largest coordinate, and |p| at most twice that.
         let reach =
             margin * (1.0 + skew) + 3.0 * skew * most + ROUNDING * (most + greatest(&t)) + MIN_COORDINATE;
         let middle = pose.apply(extent.frame.centre);
@@ -264,7 +265,7 @@ impl<'a, N: Lanes, P: PrimitivePair<Spheres>> Around<'a, N, P> {
         Self { body, pose, margin, bounds, reach }
     }
 
-    /// The first point of a bucket that is within the margin, and what it is near.
+    /// The first point of a bucket within the margin, and the primitive that it is near.
     #[inline(always)]
     fn bucket<E: Kernel>(
         &self,
@@ -322,7 +323,7 @@ impl<'a, N: Lanes, P: PrimitivePair<Spheres>> Around<'a, N, P> {
         }
     }
 
-    /// Where a point is, seen from the body.
+    /// A point, in the body's frame.
     #[inline(always)]
     fn seen_from_body(&self, q: Point) -> Point {
         let (m, t) = (self.pose.rows(), self.pose.translation());

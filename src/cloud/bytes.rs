@@ -1,19 +1,19 @@
-//! Clouds as bytes: for files, and for flash, where they are searched in place.
+//! Clouds as bytes, for files and flash. They can be searched in place.
 //!
-//! | bytes | what |
+//! | bytes | contents |
 //! |---|---|
-//! | 0 .. 64 | the head: magic number, version, and how much there is of everything, in `u32` |
-//! | 64 .. | [`Aabb16`]s, 512 bytes each, breadth first |
+//! | 0 .. 64 | header: magic number, version, and the counts as `u32` |
+//! | 64 .. | [`Aabb16`] nodes, 512 bytes each, breadth first |
 //! | .. end | [`Bucket`]s, 256 bytes each, in the order of the lanes |
 
 use super::{BUCKET_SIZE, CloudRef, MAX_POINTS};
 use crate::hierarchy::{FormatError, MAX_DEPTH};
 use crate::node::{Aabb16, Box3, Bucket, Link};
 
-/// First bytes of every cloud.
+/// The first bytes of every cloud.
 pub const CLOUD_MAGIC: [u8; 8] = *b"SIMPTS\x1a\n";
 
-/// Version of the layout that this crate reads and writes.
+/// The format version that this crate reads and writes.
 pub const CLOUD_VERSION: u32 = 1;
 
 #[derive(Copy, Clone, Debug, bytemuck::Pod, bytemuck::Zeroable)]
@@ -59,7 +59,7 @@ impl Head {
         }
     }
 
-    /// Where the nodes end, and the buckets.
+    /// Offsets of the ends of the nodes and of the buckets.
     fn ends(&self) -> Option<(usize, usize)> {
         let nodes = (self.nodes as usize).checked_mul(size_of::<Aabb16>())?.checked_add(size_of::<Self>())?;
         let buckets = (self.buckets as usize).checked_mul(size_of::<Bucket>())?.checked_add(nodes)?;
@@ -68,10 +68,10 @@ impl Head {
 }
 
 impl<'a> CloudRef<'a> {
-    /// Borrows a cloud in place, without a copy, after [`CloudRef::validate`]: linear in its size.
+    /// Borrows a cloud in place, without copying, after [`CloudRef::validate`]. Linear in its size.
     ///
     /// # Errors
-    /// [`FormatError`] if the bytes are not a cloud, all of it and nothing else, or do not start at a multiple of 64 (see
+    /// [`FormatError`] if the bytes are not exactly one cloud, or do not start at a multiple of 64 (see
     /// [`Aligned`](crate::hierarchy::Aligned)).
     pub fn from_bytes(bytes: &'a [u8]) -> Result<Self, FormatError> {
         let head = Head::read(bytes)?;
@@ -97,16 +97,16 @@ impl<'a> CloudRef<'a> {
         Ok(view)
     }
 
-    /// Proves the cloud safe to search, and its searches right: nodes are breadth first and buckets in the order of the lanes,
-    /// each of them once; every box holds what is below it; points are finite, and their indices below the capacity. That no two
-    /// points have the same index is not looked at.
+    /// Checks that the cloud is safe to search and gives correct results: nodes are breadth first and buckets in the
+    /// order of the lanes, each referenced once; every box contains what is below it; points are finite and their
+    /// indices below the capacity. Does not check that indices are unique.
     ///
     /// # Errors
     /// [`FormatError`].
     pub fn validate(&self) -> Result<(), FormatError> {
         let mut next = 1;
         for (n, node) in self.nodes.iter().enumerate() {
-            // Nothing above leads to it: not even to itself may it lead.
+            // No earlier node links to this one. This also rejects a node that links to itself.
             if n >= next {
                 return Err(FormatError::Header { field: "nodes" });
             }
@@ -145,7 +145,7 @@ impl<'a> CloudRef<'a> {
         self.check_points()
     }
 
-    /// Whether the lanes, depth first, lead to the buckets in their order.
+    /// Checks that a depth-first walk over the lanes meets the buckets in order.
     fn check_order(&self) -> Result<(), FormatError> {
         let (mut path, mut level, mut next) = ([(0, 0); MAX_DEPTH], 0, 0);
         loop {
@@ -197,7 +197,7 @@ impl<'a> CloudRef<'a> {
         if points == self.points { Ok(()) } else { Err(FormatError::Header { field: "points" }) }
     }
 
-    /// The cloud as bytes, to write to a file or to flash.
+    /// The cloud as bytes, for a file or flash.
     #[cfg(feature = "alloc")]
     #[must_use]
     pub fn to_bytes(&self) -> alloc::vec::Vec<u8> {
@@ -217,7 +217,7 @@ impl<'a> CloudRef<'a> {
     }
 }
 
-/// Whether one box holds another, which may hold nothing.
+/// Whether `outer` contains `inner`, which may be empty.
 fn holds(outer: &Box3, inner: &Box3) -> bool {
     inner.is_empty() || (0..3).all(|i| outer.lower[i] <= inner.lower[i] && inner.upper[i] <= outer.upper[i])
 }

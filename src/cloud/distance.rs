@@ -1,4 +1,4 @@
-//! How near a body comes to the points of a cloud: the search for a near point, with ever smaller margins.
+//! Distance between a body and a cloud: repeated searches for a near point with shrinking margins.
 
 use super::body::Ended;
 use super::{CloudRef, RangeSearch, SearchError};
@@ -9,13 +9,13 @@ use crate::primitive::Spheres;
 use crate::primitive::triangle::distance::TIGHT;
 use crate::query::{Completion, Distance, Hint, Lanes, PrimitivePair, Query, QueryStats, Witness};
 
-/// No two points are farther apart that are of a body and a cloud.
+/// An upper bound of the distance between any body and any cloud.
 const FARTHEST: f64 = 1e300;
 
 impl RangeSearch {
-    /// How near a body, placed by `pose` in the frame of the cloud, comes to a point of it: as
-    /// [`Query::distance_up_to`] says it of two bodies, with the point as the second of the witness's pair. A sphere is full, and so
-    /// is a [solid](crate::construct::Builder::solid).
+    /// The distance between a body, placed by `pose` in the cloud's frame, and the nearest point of the cloud, as in
+    /// [`Query::distance_up_to`]. The point is the second of the witness's pair. Spheres are solid balls, and points
+    /// inside a [solid](crate::construct::Builder::solid) are at distance 0.
     ///
     /// ```
     /// use simdop::cloud::{PointCloud, RangeSearch};
@@ -36,7 +36,7 @@ impl RangeSearch {
     /// ```
     ///
     /// # Errors
-    /// [`SearchError::Radius`] if the tolerance is negative, NaN or infinite, or the cutoff negative or NaN.
+    /// [`SearchError::Radius`] if the tolerance is negative, NaN or infinite, or if the cutoff is negative or NaN.
     pub fn body_distance<B: AsBvh>(
         &self,
         cloud: &CloudRef<'_>,
@@ -57,8 +57,8 @@ impl RangeSearch {
 }
 
 impl CloudRef<'_> {
-    /// The same within the budget of a query.
-    // Out of the frames of scenes that ask no cloud.
+    /// As [`RangeSearch::body_distance`], within the budget of a query.
+    // Not inlined: scenes without clouds should not pay for its stack frame.
     #[inline(never)]
     pub(crate) fn body_distance<N: Lanes, P: PrimitivePair<Spheres>>(
         &self,
@@ -103,7 +103,7 @@ impl CloudRef<'_> {
             if upper == 0.0 {
                 return Distance { lower: 0.0, ..found };
             }
-            // No points are nearer than this, once the search finds none.
+            // Holds once the next search finds no point within this margin.
             found.lower = next;
             margin = next;
         }

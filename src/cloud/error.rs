@@ -1,20 +1,20 @@
-//! What may be wrong with points, memory and searches.
+//! Errors of building, changing and searching clouds.
 
 use super::MAX_POINTS;
 use core::fmt;
 
-/// Why a cloud cannot be built or changed. It is as it was before.
+/// Why a cloud cannot be built or changed. On an error the cloud is unchanged.
 #[derive(Copy, Clone, PartialEq, Eq, Debug)]
 #[non_exhaustive]
 pub enum CloudError {
-    /// A bucket holds 1 to 16 points.
+    /// The bucket size is not in 1 to 16.
     BucketSize {
-        /// The size asked for.
+        /// The requested size.
         asked: u32,
     },
     /// More points than [`MAX_POINTS`].
     TooMany {
-        /// The number given.
+        /// The number of points given.
         count: usize,
     },
     /// A coordinate is NaN or infinite.
@@ -22,7 +22,7 @@ pub enum CloudError {
         /// Index of the point.
         index: u32,
     },
-    /// A slice that was lent to the cloud is too short.
+    /// A slice of the caller's memory is too short.
     Memory {
         /// Its name: a field of [`Memory`](super::Memory).
         what: &'static str,
@@ -31,22 +31,21 @@ pub enum CloudError {
         /// Elements needed.
         need: usize,
     },
-    /// There are fewer positions than the cloud has room for.
+    /// There are fewer positions than the cloud's capacity.
     Positions {
         /// Positions given.
         have: usize,
-        /// One for each index: [`CloudRef::capacity`](super::CloudRef::capacity).
+        /// Positions needed, one for each index: [`CloudRef::capacity`](super::CloudRef::capacity).
         need: usize,
     },
-    /// The index is not below the capacity; or it is of a point that is there, of one to be inserted; or of none, of one
-    /// to be removed.
+    /// The index is not below the capacity, is already taken (when inserting), or has no point (when removing).
     Index {
         /// The index.
         index: u32,
     },
-    /// No bucket near the point has room: rebuild, with smaller buckets or more memory.
+    /// No bucket near the point has a free slot. Rebuild with smaller buckets or more memory.
     Full,
-    /// The splitter made a tree of more than [`MAX_DEPTH`](crate::hierarchy::MAX_DEPTH) levels.
+    /// The splitter made a tree deeper than [`MAX_DEPTH`](crate::hierarchy::MAX_DEPTH) levels.
     TooDeep,
 }
 
@@ -67,7 +66,7 @@ impl fmt::Display for CloudError {
 
 impl core::error::Error for CloudError {}
 
-/// Why a search cannot be answered.
+/// Why a search fails.
 #[derive(Copy, Clone, PartialEq, Eq, Debug)]
 #[non_exhaustive]
 pub enum SearchError {
@@ -83,16 +82,17 @@ pub enum SearchError {
     },
     /// A slice has fewer elements than there are queries.
     Length {
-        /// What it holds.
+        /// Which slice.
         what: &'static str,
         /// Elements given.
         have: usize,
         /// Elements needed.
         need: usize,
     },
-    /// The neighbours do not fit into the buffer. All lists have their lengths; which neighbours they hold is not said.
+    /// The neighbours do not fit into the buffer. The lengths of all lists are correct; the contents of the buffer
+    /// are unspecified.
     Buffer {
-        /// Indices given room for.
+        /// Length of the buffer.
         have: usize,
         /// Neighbours found.
         need: u64,

@@ -1,4 +1,4 @@
-//! Where a point goes that comes later.
+//! Inserting a point into an existing tree.
 
 use super::{BUCKET_SIZE, CloudError, CloudMut};
 use crate::hierarchy::MAX_DEPTH;
@@ -6,11 +6,11 @@ use crate::isa::Scalar;
 use crate::kernel::Kernel;
 use crate::node::{Box3, Link};
 
-/// One step down: a node, and the lane taken.
+/// A node on the path, and the lane taken.
 type Step = (u32, usize);
 
 impl CloudMut<'_> {
-    /// Goes down where the point is nearest to, past buckets that are full, and puts it there.
+    /// Descends to the nearest lane with room at each level, and stores the point in the bucket found.
     pub(super) fn find_room(&mut self, index: u32, point: [f32; 3]) -> Result<(), CloudError> {
         let mut path: [Step; MAX_DEPTH] = [(0, 0); MAX_DEPTH];
         let (mut depth, mut node) = (0, 0);
@@ -38,8 +38,8 @@ impl CloudMut<'_> {
         Ok(())
     }
 
-    /// The lane of a node whose box is nearest to the point, the first of them, and what it leads to: a node, or a bucket
-    /// that is not full.
+    /// The lane of a node whose box is nearest to the point (the first of equals) and its link, to a node or to a
+    /// bucket that is not full.
     fn lane_with_room(&self, node: u32, point: [f32; 3]) -> Option<(usize, Link)> {
         let node = &self.memory.nodes[node as usize];
         let mut squares = [0.0; 16];
@@ -51,7 +51,7 @@ impl CloudMut<'_> {
         };
         let lanes =
             node.child.iter().map(|child| child.link()).enumerate().filter(|(_, link)| has_room(link));
-        // What is empty is NaN, and taken last.
+        // An empty box gives NaN, which is ordered last.
         let order = |lane: usize| if squares[lane].is_nan() { f32::INFINITY } else { squares[lane] };
         lanes.min_by(|(a, _), (b, _)| order(*a).total_cmp(&order(*b)))
     }

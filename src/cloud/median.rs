@@ -1,9 +1,9 @@
-//! Points on their way to their buckets: the balanced split of the paper (section 3.1), at the median along the longest axis,
-//! is [`Halving`](crate::halving::Halving) with sixteen parts a node.
+//! Items of the build: the balanced split of the paper (section 3.1), at the median along the longest axis, is
+//! [`Halving`](crate::halving::Halving) with sixteen parts per node.
 
 use crate::halving::Located;
 
-/// A point on its way to its bucket.
+/// A point that is not yet in a bucket.
 #[derive(Copy, Clone, Debug, bytemuck::Pod, bytemuck::Zeroable)]
 #[repr(C)]
 pub(super) struct LoosePoint {

@@ -1,10 +1,11 @@
-//! Points that move: trees of boxes over them, and all neighbours within a radius, exactly.
+//! Bounding box hierarchies over moving points, with exact neighbour queries within a radius.
 //!
-//! Xing, Wang, Hui, *Coherent Spherical Range-Search for Dynamic Points on GPUs*, CAD 2017. Points lie in [buckets](crate::node::Bucket) of
-//! up to sixteen, under [nodes](crate::node::Aabb16) of sixteen boxes each. Points that move keep their buckets: [`CloudMut::refit`] makes the
-//! boxes anew, in one pass from below, until the boxes have grown so much that another tree pays ([`Upkeep`]).
-//! [`RangeSearch`] answers queries; those of one bucket go down the tree together (coherent search).
-//! With the feature `gpu`, `gpu::DeviceCloud` answers them on a device, in the same order.
+//! After Xing, Wang, Hui, *Coherent Spherical Range-Search for Dynamic Points on GPUs*, CAD 2017. Points are stored
+//! in [buckets](crate::node::Bucket) of up to sixteen, below [nodes](crate::node::Aabb16) of sixteen boxes each.
+//! Points stay in their buckets when they move: [`CloudMut::refit`] recomputes the boxes in one bottom-up pass, and
+//! [`Upkeep`] decides when the boxes have grown so much that a rebuild pays. [`RangeSearch`] answers queries; the
+//! queries of one bucket traverse the tree together (coherent search). With the feature `gpu`, `gpu::DeviceCloud`
+//! answers them on a GPU, in the same order.
 //!
 //! ```
 //! use simdop::cloud::{PointCloud, Queries, Radii, RangeSearch};
@@ -24,19 +25,21 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! # What near means
+//! # Definition of a neighbour
 //!
-//! Point p is a neighbour of query q with radius r where `(x * x + y * y) + z * z <= r * r`, with x, y, z the differences
-//! of their coordinates, every operation rounded to `f32` and none of them fused: what a loop over all points would
-//! compute. The tree finds neither more nor less, on every machine (the [law](crate::low_level::kernel), 7).
+//! Point p is a neighbour of query q with radius r if `(x * x + y * y) + z * z <= r * r`, where x, y, z are the
+//! differences of their coordinates. Every operation is rounded to `f32` and none is fused, as in a plain loop over
+//! all points. The search returns exactly these points, on every machine (rule 7 of the [kernel
+//! law](crate::low_level::kernel)).
 //!
-//! Coordinates are any finite `f32`, in any unit. Squares of differences below 1e-23 are nothing in `f32`, so points that
-//! near to each other count as one; and those above 1.8e19 are infinite, which is no neighbour unless `r * r` is infinite as well.
+//! Coordinates may be any finite `f32`, in any unit. The square of a difference below 1e-23 is 0 in
+//! `f32`, so points that close count as coincident. The square of a difference above 1.8e19 is infinite: such points
+//! are neighbours only if `r * r` is infinite too.
 //!
 //! # Memory
 //!
-//! Searches, refits, insertions and removals never allocate, and nothing here recurses but the build, whose depth is that of the
-//! tree's halvings: a thread with 32 KiB of stack is enough for all of it, whatever the cloud, as `tests/cloud/memory.rs` checks.
+//! Searches, refits, insertions and removals never allocate. Only the build recurses, as deep as its halvings. 32 KiB
+//! of stack is enough for all operations on any cloud; `tests/cloud/memory.rs` checks it.
 
 mod body;
 mod bytes;
@@ -56,7 +59,6 @@ mod sink;
 mod split;
 mod store;
 mod upkeep;
-
 mod view;
 
 pub use body::Contact;
@@ -68,12 +70,11 @@ pub use packet::{Queries, Radii, Seat};
 pub use search::{List, RangeSearch, RangeStats};
 pub use single::Neighbour;
 pub use store::{CloudMut, Memory, buckets_for, nodes_for};
-
 pub use upkeep::{Policy, Upkeep};
 pub use view::CloudRef;
 
-/// A cloud has at most this many points, since a link counts as many buckets.
+/// The maximum number of points in a cloud. A link can address as many buckets.
 pub const MAX_POINTS: usize = crate::node::Child::MAX_PRIMITIVES as usize;
 
-/// Points in a bucket, at most.
+/// The maximum number of points in a bucket.
 pub const BUCKET_SIZE: u32 = 16;

@@ -16,7 +16,7 @@ pub struct PointCloud {
 }
 
 impl PointCloud {
-    /// Builds a cloud of points, sixteen a bucket: [`CloudMut::build`].
+    /// Builds a cloud with sixteen points per bucket: [`CloudMut::build`].
     ///
     /// # Errors
     /// [`CloudError::Point`], [`CloudError::TooMany`].
@@ -24,7 +24,8 @@ impl PointCloud {
         Self::with_room(points, BUCKET_SIZE, points.len())
     }
 
-    /// Builds a cloud with so many points a bucket, and room for so many indices: for points that come and go.
+    /// Builds a cloud with `bucket_size` points per bucket and room for `capacity` indices, for points that are
+    /// inserted and removed.
     ///
     /// # Errors
     /// [`CloudError::Point`], [`CloudError::TooMany`], [`CloudError::BucketSize`].
@@ -42,13 +43,13 @@ impl PointCloud {
         Ok(Self { nodes, buckets, places, used })
     }
 
-    /// Copies a cloud that was [written as bytes](CloudRef::to_bytes), of any alignment, and validates it. It has room for the
-    /// indices it had room for.
+    /// Copies and validates a cloud [written as bytes](CloudRef::to_bytes), of any alignment. Keeps the capacity that
+    /// it was written with.
     ///
     /// # Errors
-    /// [`FormatError`]; besides those of [`CloudRef::from_bytes`], if two points have the same index.
+    /// [`FormatError`]: as [`CloudRef::from_bytes`], and if two points have the same index.
     pub fn from_bytes(bytes: &[u8]) -> Result<Self, FormatError> {
-        // Memory that is aligned.
+        // Copy to aligned memory.
         let mut lines = alloc::vec![Bucket::EMPTY; bytes.len().div_ceil(size_of::<Bucket>())];
         let aligned: &mut [u8] = bytemuck::cast_slice_mut(&mut lines);
         aligned[..bytes.len()].copy_from_slice(bytes);
@@ -57,14 +58,14 @@ impl PointCloud {
         for (bucket, b) in view.buckets().iter().zip(0..) {
             for (&index, slot) in bucket.indices.iter().zip(0..) {
                 let place = b * BUCKET_SIZE + slot;
-                // There is a place for each index that is used.
+                // Only unused slots have an index beyond the capacity.
                 let Some(free) = places.get_mut(index as usize) else { continue };
                 if core::mem::replace(free, place) != NOWHERE {
                     return Err(FormatError::Source { index: place });
                 }
             }
         }
-        // No more than is there: whoever wrote the bytes says for how many points there shall be room.
+        // No spare nodes or buckets: their number would follow from a capacity that the bytes may overstate.
         let (nodes, buckets) = (view.nodes().to_vec(), view.buckets().to_vec());
         let used = Used {
             nodes: view.nodes().len() as u32,
@@ -75,7 +76,7 @@ impl PointCloud {
         Ok(Self { nodes, buckets, places, used })
     }
 
-    /// The cloud to search.
+    /// A view to search.
     #[must_use]
     pub fn view(&self) -> CloudRef<'_> {
         CloudRef {
@@ -90,16 +91,16 @@ impl PointCloud {
     /// [`CloudMut::refit`].
     ///
     /// # Errors
-    /// As there.
+    /// As [`CloudMut::refit`].
     pub fn refit(&mut self, positions: &[[f32; 3]]) -> Result<f64, CloudError> {
         self.change(|cloud| cloud.refit(positions))
     }
 
-    /// [`CloudMut::rebuild`]. It takes memory if the cloud was read from bytes and has got more points since; one that was built has
-    /// memory for all indices.
+    /// [`CloudMut::rebuild`]. Allocates only if the cloud was read from bytes and has since grown; a cloud that was
+    /// built has memory for its capacity.
     ///
     /// # Errors
-    /// As there: never, since memory is taken where it lacks.
+    /// Never fails: missing memory is allocated.
     pub fn rebuild(&mut self) -> Result<(), CloudError> {
         let count = buckets_for(self.used.points as usize, self.used.bucket_size).max(1);
         self.buckets.resize(self.buckets.len().max(count), Bucket::EMPTY);
@@ -110,7 +111,7 @@ impl PointCloud {
     /// [`CloudMut::insert`].
     ///
     /// # Errors
-    /// As there.
+    /// As [`CloudMut::insert`].
     pub fn insert(&mut self, index: u32, point: [f32; 3]) -> Result<(), CloudError> {
         self.change(|cloud| cloud.insert(index, point))
     }
@@ -118,7 +119,7 @@ impl PointCloud {
     /// [`CloudMut::remove`].
     ///
     /// # Errors
-    /// As there.
+    /// As [`CloudMut::remove`].
     pub fn remove(&mut self, index: u32) -> Result<(), CloudError> {
         self.change(|cloud| cloud.remove(index))
     }

@@ -1,36 +1,36 @@
-//! Who asks: queries in packets, which go down the tree together.
+//! Queries, grouped into packets that traverse the tree together.
 
 use super::{CloudRef, RangeSearch, SearchError};
 use crate::node::{Box3, Bucket};
 use core::ops::Range;
 
-/// The points that ask.
+/// The query points.
 #[derive(Clone, Debug)]
 pub struct Queries<'a>(pub(super) Asking<'a>);
 
 #[derive(Clone, Debug)]
 pub(super) enum Asking<'a> {
-    /// The cloud's own points, those of these buckets. They are packed as they lie.
+    /// The cloud's own points in these buckets. Each bucket is a packet.
     Own(Range<usize>),
-    /// Other points, and where in the tree they are.
+    /// Other points, and their seats in the tree.
     Others { points: &'a [[f32; 3]], seats: &'a [Seat] },
 }
 
-/// Where a query that is no point of the cloud goes down with others: beside the points of a bucket. Memory for
-/// [`RangeSearch::seat`].
+/// Assigns a query that is not a point of the cloud to a bucket, with whose other queries it traverses the tree.
+/// Memory for [`RangeSearch::seat`].
 #[derive(Copy, Clone, PartialEq, Eq, PartialOrd, Ord, Default, Debug)]
 pub struct Seat {
     pub(super) bucket: u32,
     pub(super) query: u32,
 }
 
-/// How far each query looks.
+/// The radii of the queries.
 #[derive(Copy, Clone, Debug)]
 pub enum Radii<'a> {
-    /// All as far as this.
+    /// One radius for all queries.
     Same(f32),
-    /// Query i as far as number i. Of the cloud's own points, by their indices; those of indices without a point are not
-    /// looked at.
+    /// Element i is the radius of query i; for the cloud's own points, i is the point's index. Elements of indices
+    /// without a point must be valid, but are not used.
     Each(&'a [f32]),
 }
 
@@ -38,7 +38,7 @@ pub enum Radii<'a> {
 #[derive(Copy, Clone, Debug)]
 pub(super) struct Ask {
     pub(super) point: [f32; 3],
-    /// The radius's square.
+    /// The squared radius.
     pub(super) square: f32,
     pub(super) query: u32,
 }
@@ -48,26 +48,27 @@ pub(super) struct Ask {
 pub(super) struct Packet {
     asks: [Ask; 16],
     count: usize,
-    /// Around their points.
+    /// Bounding box of the points.
     pub(super) bounds: Box3,
-    /// The largest of their squares.
+    /// The largest squared radius.
     pub(super) square: f32,
 }
 
 impl<'a> Queries<'a> {
-    /// All points of the cloud, with their own indices. Each finds itself too.
+    /// All points of the cloud, with their own indices. Each point is its own neighbour.
     #[must_use]
     pub const fn own() -> Queries<'static> {
         Queries(Asking::Own(0..usize::MAX))
     }
 
-    /// The points of some [buckets](CloudRef::buckets): a share of them, for a thread. Buckets beyond the last are none.
+    /// The points of a range of [buckets](CloudRef::buckets), such as one thread's share. The range is clipped to the
+    /// buckets there are.
     #[must_use]
     pub const fn own_of(buckets: Range<usize>) -> Queries<'static> {
         Queries(Asking::Own(buckets))
     }
 
-    /// How many results there are room for to be: the cloud's capacity, or the number of points that ask.
+    /// The required length of the results: the cloud's capacity, or the number of query points.
     pub(super) fn room(&self, cloud: &CloudRef<'_>) -> usize {
         match &self.0 {
             Asking::Own(_) => cloud.capacity(),
@@ -77,7 +78,7 @@ impl<'a> Queries<'a> {
 }
 
 impl Radii<'_> {
-    /// Whether all are radii, one for each query.
+    /// Checks that there is a valid radius for each query.
     pub(super) fn check(&self, queries: usize) -> Result<(), SearchError> {
         let is_radius = |r: f32| r >= 0.0 && r.is_finite();
         match *self {
@@ -95,7 +96,7 @@ impl Radii<'_> {
         }
     }
 
-    /// The square of a query's, as the comparison takes it.
+    /// The squared radius of a query, rounded as in the comparison.
     #[inline(always)]
     pub(super) fn square(&self, query: u32) -> f32 {
         let r = match *self {
@@ -119,7 +120,7 @@ impl Packet {
         &self.asks[..self.count & 31]
     }
 
-    /// The points of a bucket.
+    /// Replaces the queries by the points of a bucket.
     #[inline(always)]
     pub(super) fn take_bucket(&mut self, bucket: &Bucket, radii: &Radii<'_>) {
         (self.count, self.square) = (0, 0.0);
@@ -132,7 +133,7 @@ impl Packet {
         self.bounds = bucket.bounds();
     }
 
-    /// The first of the queries that share a seat, up to sixteen. Returns the others.
+    /// Replaces the queries by the first up to sixteen that share a seat. Returns the remaining seats.
     #[inline(always)]
     pub(super) fn take_seats<'s>(
         &mut self,
@@ -158,12 +159,13 @@ impl Packet {
 }
 
 impl RangeSearch {
-    /// Packs queries that are no points of the cloud (section 4.2.1 of the paper): finds a bucket beside each, and sorts
-    /// them by it. `seats` is memory for it, one for each point; it may be kept as long as the points move little, since only
-    /// speed depends on it.
+    /// Packs queries that are not points of the cloud (section 4.2.1 of the paper): finds a nearby bucket for each,
+    /// and sorts them by bucket. `seats` must hold one element for each point. The result may be reused while the
+    /// points move little; it only affects speed.
     ///
     /// # Errors
-    /// [`SearchError::Query`] if a coordinate is not finite, [`SearchError::Length`] if there are fewer seats than points.
+    /// [`SearchError::Query`] if a coordinate is not finite, [`SearchError::Length`] if there are fewer seats than
+    /// points.
     pub fn seat<'a>(
         &self,
         cloud: &CloudRef<'_>,

@@ -1,9 +1,8 @@
-//! Coherent search (section 4.2 of the paper): packets of queries go down the tree together, and each query picks its
-//! neighbours out of the buckets that were found for all.
+//! Coherent search (section 4.2 of the paper): the queries of a packet traverse the tree together, and each selects
+//! its neighbours from the buckets found.
 //!
-//! The paper goes up from the packet's bucket and looks into the other branches on the way. Since it goes up to the root in
-//! any case, the nodes that are visited are those of a search from the root, which needs no links upwards and finds
-//! buckets in their order.
+//! The paper walks up from the packet's bucket and visits the other branches on the way. It always reaches the root,
+//! so it visits the same nodes as a search from the root, which needs no parent links and finds the buckets in order.
 
 use super::packet::{Ask, Asking, Packet};
 use super::sink::{Count, Fill, Sink, Visit};
@@ -14,25 +13,25 @@ use crate::kernel::Kernel;
 use crate::node::{Aabb16, Box3, Link};
 use core::ops::ControlFlow;
 
-/// How searches run: on which instruction set. All of them give the same neighbours in the same order.
+/// Range search on one instruction set. All instruction sets find the same neighbours in the same order.
 #[derive(Copy, Clone, PartialEq, Eq, Debug)]
 pub struct RangeSearch {
     pub(super) isa: Isa,
 }
 
-/// Where the neighbours of a query lie in the buffer that they were put into.
+/// The range of a query's neighbours in the output buffer.
 #[derive(Copy, Clone, PartialEq, Eq, Default, Debug)]
 pub struct List {
-    /// Of the first.
+    /// Index of the first neighbour.
     pub start: u32,
-    /// How many.
+    /// Number of neighbours.
     pub count: u32,
 }
 
-/// The work of a search: the same on every instruction set.
+/// The work of a search. The same on every instruction set.
 #[derive(Copy, Clone, PartialEq, Eq, Default, Debug)]
 pub struct RangeStats {
-    /// Calls of the kernel that tests sixteen boxes, those that packets have found among them.
+    /// Calls of the kernel that tests sixteen boxes, including those that test a packet's candidates for each query.
     pub boxes: u64,
     /// Calls of the kernel that tests the points of a bucket.
     pub buckets: u64,
@@ -41,17 +40,18 @@ pub struct RangeStats {
 }
 
 impl List {
-    /// The places in the buffer.
+    /// The range of indices in the buffer.
     #[must_use]
     pub const fn range(&self) -> core::ops::Range<usize> {
         self.start as usize..self.start as usize + self.count as usize
     }
 }
 
-/// Buckets that a packet finds, up to so many sixteens: else each of its queries goes down alone.
+/// Capacity for a packet's candidate buckets, in groups of sixteen. If it is exceeded, each query of the packet
+/// traverses the tree alone.
 const SIXTEENS: usize = 8;
 
-/// The buckets that may hold neighbours of a packet, with their boxes, as if they were lanes of nodes.
+/// The buckets that may hold neighbours of a packet, with their boxes, stored like lanes of nodes.
 struct Candidates {
     sixteens: [Aabb16; SIXTEENS],
     count: usize,
@@ -72,7 +72,7 @@ impl Candidates {
     }
 }
 
-/// A search under way.
+/// The state of a search.
 pub(super) struct RangeDescent<'a, E> {
     pub(super) kernel: E,
     pub(super) cloud: CloudRef<'a>,
@@ -80,7 +80,8 @@ pub(super) struct RangeDescent<'a, E> {
 }
 
 impl<E: Kernel> RangeDescent<'_, E> {
-    /// Calls `leaf` with every lane that leads to a bucket near the query, in the order of the buckets, until it breaks.
+    /// Calls `leaf` for every lane that links to a bucket near the query, in the order of the buckets, until it
+    /// breaks.
     #[inline(always)]
     pub(super) fn go_down(
         &mut self,
@@ -136,7 +137,7 @@ impl<E: Kernel> RangeDescent<'_, E> {
         ControlFlow::Continue(())
     }
 
-    /// The neighbours of one query among what its packet found.
+    /// Selects the neighbours of one query from its packet's candidates.
     #[inline(always)]
     fn pick<S: Sink>(&mut self, ask: &Ask, found: &Candidates, sink: &mut S) -> ControlFlow<()> {
         let query = Box3::of_point(ask.point);
@@ -197,14 +198,14 @@ impl<E: Kernel> RangeDescent<'_, E> {
 }
 
 impl RangeSearch {
-    /// Searches on an instruction set.
+    /// A search on an instruction set.
     #[must_use]
     pub const fn new(isa: Isa) -> Self {
         Self { isa }
     }
 
-    /// How many neighbours each query has: `counts[i]` of query i. Of indices of the cloud without a point, the count is
-    /// left as it was.
+    /// Counts the neighbours of each query: `counts[i]` of query i. Counts of indices without a point are left
+    /// unchanged.
     ///
     /// # Errors
     /// [`SearchError::Radius`], [`SearchError::Length`].
@@ -222,12 +223,12 @@ impl RangeSearch {
         self.run(cloud, queries, radii, &mut Count { counts, count: 0 })
     }
 
-    /// The neighbours of each query: those of query i are `indices[lists[i].range()]`, in the order of the tree's buckets and
-    /// their slots, which is the same on every machine. Lists lie one after another in the order in which packets are
-    /// searched. Lists of indices of the cloud without a point are left as they were.
+    /// Writes the neighbours of each query: those of query i are `indices[lists[i].range()]`, in the order of the
+    /// tree's buckets and slots, which is the same on every machine. Lists are stored in the order in which packets
+    /// are searched. Lists of indices without a point are left unchanged.
     ///
-    /// Asked with an empty buffer, the error says how large one must be. What lies in the buffer behind the last list is
-    /// anything.
+    /// If the buffer is too small, the error gives the required size. The contents of the buffer behind the last list
+    /// are unspecified.
     ///
     /// # Errors
     /// [`SearchError::Radius`], [`SearchError::Length`], [`SearchError::Buffer`].
@@ -252,7 +253,8 @@ impl RangeSearch {
         Ok(work)
     }
 
-    /// Calls `visit` with each query and each of its neighbours, in the order of [`RangeSearch::fill`], until it breaks.
+    /// Calls `visit` with each query and each of its neighbours, in the order of [`RangeSearch::fill`], until it
+    /// breaks.
     ///
     /// # Errors
     /// [`SearchError::Radius`], [`SearchError::Length`].
@@ -278,14 +280,14 @@ impl RangeSearch {
             #[inline(always)]
             || {
                 let mut descent = RangeDescent { kernel, cloud: *cloud, work: RangeStats::default() };
-                // A visitor that breaks wants no more.
+                // A break of the visitor ends the search.
                 let _ = descent.all(queries, &radii, sink);
                 descent.work
             },
         )))
     }
 
-    /// The bucket beside each point: down to the lane whose box is nearest, the first of them.
+    /// Finds a nearby bucket for each point: descends to the lane with the nearest box, the first of equals.
     pub(super) fn find_buckets(&self, cloud: &CloudRef<'_>, points: &[[f32; 3]], seats: &mut [Seat]) {
         on_isa!(self.isa, kernel => kernel.run(
             #[inline(always)]
@@ -307,8 +309,8 @@ fn nearest_bucket<E: Kernel>(kernel: E, cloud: &CloudRef<'_>, point: [f32; 3]) -
     };
     loop {
         kernel.box_squares(&query, node, &mut squares);
-        // Squares are ordered as their bits are, and NaN of what is empty lies above them all. The lowest four bits make room
-        // for the lane: as near as the rest of them tell is near enough for a seat.
+        // Non-negative floats are ordered as their bits are, and NaN (empty lanes) above all. The low four bits are
+        // replaced by the lane; the precision that remains is enough for a seat.
         let keys: [u32; 16] = core::array::from_fn(|lane| squares[lane].to_bits() & !15 | lane as u32);
         let lane = (keys.into_iter().fold(u32::MAX, u32::min) & 15) as usize;
         match node.child[lane].link() {

@@ -1,4 +1,4 @@
-//! One query at a time: is anything near, and what is nearest?
+//! Single queries: whether any point is near, and which points are nearest.
 
 use super::search::RangeDescent;
 use super::store::is_finite;
@@ -9,20 +9,20 @@ use crate::kernel::Kernel;
 use crate::node::{Aabb16, Box3, Bucket, Link};
 use core::ops::ControlFlow;
 
-/// A point of a cloud, and how far it is from what was asked about.
+/// A point of a cloud, and its distance from the query.
 #[derive(Copy, Clone, PartialEq, Debug)]
 pub struct Neighbour {
-    /// Its index.
+    /// Index of the point.
     pub index: u32,
-    /// The square of its distance, as the comparison with a radius has it.
+    /// The squared distance, rounded as in the comparison with a radius.
     pub square: f32,
 }
 
 impl Neighbour {
-    /// What stands in a buffer before anything is found.
+    /// Fills the output before anything is found.
     pub const NONE: Self = Self { index: Bucket::UNUSED, square: f32::INFINITY };
 
-    /// Nearer, or as near and of a lower index.
+    /// Orders by distance, then by index.
     #[inline(always)]
     fn is_before(&self, other: &Self) -> bool {
         self.square < other.square || self.square == other.square && self.index < other.index
@@ -58,8 +58,8 @@ impl RangeSearch {
         )))
     }
 
-    /// Calls `visit` with the index of each point within `radius` of `centre`, in the order of [`RangeSearch::fill`], until it
-    /// breaks. Many queries are faster together.
+    /// Calls `visit` with the index of each point within `radius` of `centre`, in the order of [`RangeSearch::fill`],
+    /// until it breaks. Many queries are faster in packets.
     ///
     /// # Errors
     /// [`SearchError::Radius`], [`SearchError::Query`], of query 0.
@@ -76,7 +76,7 @@ impl RangeSearch {
             || {
                 let square = radius * radius;
                 let mut descent = RangeDescent { kernel, cloud: *cloud, work: RangeStats::default() };
-                // A visitor that breaks wants no more.
+                // A break of the visitor ends the search.
                 let _ = descent.go_down(&Box3::of_point(centre), square, |this, _, _, bucket| {
                     let bucket = &this.cloud.buckets[bucket as usize];
                     this.work.buckets += 1;
@@ -93,7 +93,8 @@ impl RangeSearch {
         )))
     }
 
-    /// The point nearest to `point`; of those equally near, the one of the lowest index. `None` if there is none.
+    /// The point nearest to `point`; of equally near ones, the one with the lowest index. `None` if the cloud is
+    /// empty.
     ///
     /// # Errors
     /// [`SearchError::Query`], of query 0.
@@ -102,8 +103,8 @@ impl RangeSearch {
         Ok(if self.k_nearest(cloud, point, &mut found)? == 1 { Some(found[0]) } else { None })
     }
 
-    /// As many of the points nearest to `point` as `found` has room for, nearest first; of those equally near, the lowest
-    /// indices. How many there are: fewer only if the cloud has fewer.
+    /// Finds the `found.len()` points nearest to `point`, nearest first; of equally near ones, those with the lowest
+    /// indices. Returns their number, which is less than `found.len()` only if the cloud has fewer points.
     ///
     /// # Errors
     /// [`SearchError::Query`], of query 0.
@@ -132,7 +133,7 @@ fn check(point: [f32; 3], radius: f32) -> Result<(), SearchError> {
     if radius >= 0.0 && radius.is_finite() { Ok(()) } else { Err(SearchError::Radius { query: 0 }) }
 }
 
-/// A node under way: its lanes' squares, and which lanes are left.
+/// A node of the path: the squared distances of its lanes, and the lanes left to visit.
 #[derive(Copy, Clone)]
 struct Open<'a> {
     node: &'a Aabb16,
@@ -148,11 +149,10 @@ impl<'a> Open<'a> {
         Self { node, left: near(&squares, farthest), squares }
     }
 
-    /// The nearest lane that is left, but for the lowest bits of its square: the first to look into, on which nothing else
-    /// depends.
+    /// The nearest lane left, up to the low bits of its squared distance. This only decides the order of the visits.
     #[inline(always)]
     fn nearest(&self) -> usize {
-        // Squares are ordered as their bits are. The lowest four make room for the lane.
+        // Non-negative floats are ordered as their bits are. The low four bits are replaced by the lane.
         let key = |lane: usize| {
             let key = self.squares[lane].to_bits() & !15 | lane as u32;
             if self.left >> lane & 1 != 0 { key } else { u32::MAX }
@@ -162,13 +162,13 @@ impl<'a> Open<'a> {
     }
 }
 
-/// Which squares are at most this; never those of what is empty, which are NaN.
+/// The mask of squares that are at most `farthest`. Empty lanes and slots are NaN, and never set.
 #[inline(always)]
 fn near(squares: &[f32; 16], farthest: f32) -> u16 {
     (0..16).fold(0, |mask, i| mask | u16::from(squares[i] <= farthest) << i)
 }
 
-/// Nearest lanes first, and only those that are not farther than the farthest of what was found.
+/// Visits the nearest lanes first, and only those not farther than the last neighbour found.
 #[inline(always)]
 fn descend<E: Kernel>(kernel: E, cloud: &CloudRef<'_>, point: [f32; 3], found: &mut [Neighbour]) {
     let Some(root) = cloud.nodes.first() else { return };
@@ -178,7 +178,7 @@ fn descend<E: Kernel>(kernel: E, cloud: &CloudRef<'_>, point: [f32; 3], found: &
     let mut level = 0;
     loop {
         let open = &mut path[level];
-        // As far as the last one, an index may be lower.
+        // Lanes at the same distance as the last neighbour stay: they may hold a lower index.
         open.left &= near(&open.squares, found[last].square);
         if open.left == 0 {
             if level == 0 {
@@ -210,7 +210,7 @@ fn descend<E: Kernel>(kernel: E, cloud: &CloudRef<'_>, point: [f32; 3], found: &
     }
 }
 
-/// Puts a neighbour in its place, and drops the last.
+/// Inserts a neighbour in order, and drops the last one.
 #[inline(always)]
 fn insert(found: &mut [Neighbour], new: Neighbour) {
     let mut place = found.len();

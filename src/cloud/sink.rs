@@ -1,17 +1,17 @@
-//! What a search does with the neighbours it finds.
+//! Outputs of a search.
 
 use super::List;
 use crate::kernel::Kernel;
 use crate::node::Bucket;
 use core::ops::ControlFlow;
 
-/// What is done with neighbours.
+/// Receives the neighbours of each query.
 pub(super) trait Sink {
-    /// A query's neighbours follow.
+    /// Starts a query.
     fn begin(&mut self, query: u32);
-    /// Some of them: slots of a bucket.
+    /// Reports neighbours: the slots of a bucket that are set in `mask`.
     fn found<E: Kernel>(&mut self, kernel: E, mask: u16, bucket: &Bucket) -> ControlFlow<()>;
-    /// These were all.
+    /// Ends the query.
     fn end(&mut self, query: u32) -> ControlFlow<()>;
 }
 
@@ -42,9 +42,9 @@ impl Sink for Count<'_> {
 pub(super) struct Fill<'a> {
     pub(super) lists: &'a mut [List],
     pub(super) indices: &'a mut [u32],
-    /// Of the list under way.
+    /// Start of the current list.
     pub(super) start: u64,
-    /// Neighbours so far, those without room among them.
+    /// Neighbours so far, including those that do not fit.
     pub(super) end: u64,
 }
 
@@ -56,7 +56,7 @@ impl Sink for Fill<'_> {
 
     #[inline(always)]
     fn found<E: Kernel>(&mut self, kernel: E, mask: u16, bucket: &Bucket) -> ControlFlow<()> {
-        // What lies behind the neighbours is overwritten by the next ones.
+        // `pick` writes up to sixteen elements; the next neighbours overwrite the excess.
         let (from, count) = (self.end as usize, mask.count_ones() as usize);
         self.end += count as u64;
         let room = self.indices.get_mut(from..).unwrap_or(&mut []);
@@ -77,8 +77,8 @@ impl Sink for Fill<'_> {
     }
 }
 
-/// Neighbours that wait to be visited, so that the visitor is called in a loop over many: a loop over those of one bucket
-/// ends where no branch predictor expects it.
+/// Buffers neighbours, so that the visitor is called in a loop over many: the end of a loop over those of one bucket
+/// is hard to predict for a branch predictor.
 pub(super) struct Visit<F> {
     query: u32,
     waiting: [u32; 64],
@@ -108,7 +108,7 @@ impl<F: FnMut(u32, u32) -> ControlFlow<()>> Sink for Visit<F> {
 
     #[inline(always)]
     fn found<E: Kernel>(&mut self, kernel: E, mask: u16, bucket: &Bucket) -> ControlFlow<()> {
-        // Sixteen more have room: more than 47 do not wait.
+        // There is room for sixteen more: the buffer is flushed above 47.
         if let Some(places) = self.waiting[self.count & 63..].first_chunk_mut::<16>() {
             kernel.pick(mask, &bucket.indices, places);
         }

@@ -1,4 +1,4 @@
-//! Clouds by the splitters of the other trees.
+//! Clouds built by the splitters of mesh hierarchies.
 
 use super::store::{CloudMut, Used, check_points};
 use super::{CloudError, Memory, PointCloud};
@@ -8,8 +8,9 @@ use crate::node::{Aabb16, Bucket, Child, Width};
 use alloc::vec::Vec;
 
 impl PointCloud {
-    /// Builds a cloud by one of the splitters of [`Builder`](crate::construct::Builder), with up to `bucket_size` (1 ..= 16)
-    /// points a bucket. They take longer than the median split of [`PointCloud::new`], which [`PointCloud::rebuild`] goes back to.
+    /// Builds a cloud by one of the splitters of [`Builder`](crate::construct::Builder), with up to `bucket_size` (1
+    /// to 16) points per bucket. They take longer than the median split of [`PointCloud::new`];
+    /// [`PointCloud::rebuild`] uses the median split.
     ///
     /// # Errors
     /// [`CloudError::Point`], [`CloudError::TooMany`], [`CloudError::BucketSize`], [`CloudError::TooDeep`].
@@ -17,7 +18,7 @@ impl PointCloud {
         check_points(points, bucket_size)?;
         let assignment = assign_points(points, splitter, bucket_size).map_err(|error| match error {
             BuildError::TooDeep => CloudError::TooDeep,
-            // Points and bucket size were checked.
+            // Points and bucket size are valid.
             _ => CloudError::TooMany { count: points.len() },
         })?;
         Self::of_assignment(points, &assignment, bucket_size)
@@ -29,7 +30,7 @@ impl PointCloud {
         bucket_size: u32,
     ) -> Result<Self, CloudError> {
         let (mut nodes, mut leaves) = (Vec::new(), Vec::new());
-        // Where the range of each node begins, and its level.
+        // The start of each node's range, and its level.
         let mut starts = alloc::vec![(0, 1)];
         for (n, ends) in assignment.ends.chunks_exact(16).enumerate() {
             let (mut node, mut lane) = (Aabb16::EMPTY, 0);
@@ -49,7 +50,7 @@ impl PointCloud {
             }
             nodes.push(node);
         }
-        // Buckets are in the order of the lanes, depth first: that of their ranges.
+        // Buckets are in the depth-first order of the lanes, which is the order of their ranges.
         leaves.sort_unstable();
         let mut buckets = Vec::with_capacity(leaves.len());
         for (&(start, end, node, lane), b) in leaves.iter().zip(0..) {

@@ -1,34 +1,35 @@
-//! A cloud in memory that can be changed: the caller's, or its own.
+//! A mutable cloud, in borrowed memory.
 
 use super::median::LoosePoint;
 use super::{BUCKET_SIZE, CloudError, CloudRef, MAX_POINTS};
 use crate::halving::Halving;
 use crate::node::{Aabb16, Bucket, Child, Link, Width};
 
-/// Buckets for so many points at so many a bucket.
+/// The number of buckets for `points` points with `bucket_size` in each.
 #[must_use]
 pub const fn buckets_for(points: usize, bucket_size: u32) -> usize {
     points.div_ceil(if bucket_size == 0 { 1 } else { bucket_size as usize })
 }
 
-/// Nodes for so many buckets: one for every fifteen, since each turns a bucket into sixteen; and a root in any case.
+/// The number of nodes for `buckets` buckets: each node replaces one bucket by sixteen, so there is one for every
+/// fifteen, and at least the root.
 #[must_use]
 pub const fn nodes_for(buckets: usize) -> usize {
     if buckets <= 16 { 1 } else { (buckets - 1).div_ceil(15) }
 }
 
-/// Memory for a cloud, lent by the caller: longer slices than are needed are room to grow.
+/// Memory for a cloud, provided by the caller. Slices longer than needed leave room to grow.
 #[derive(Debug)]
 pub struct Memory<'a> {
-    /// At least [`nodes_for`] the buckets that are needed.
+    /// At least [`nodes_for`] the number of buckets needed.
     pub nodes: &'a mut [Aabb16],
-    /// At least [`buckets_for`] the points.
+    /// At least [`buckets_for`] the number of points.
     pub buckets: &'a mut [Bucket],
-    /// Where each point is; as many as the indices that points may ever have: the cloud's capacity.
+    /// The position of each point. Its length is the cloud's capacity: the number of possible indices.
     pub places: &'a mut [u32],
 }
 
-/// A cloud that can be changed, in borrowed memory. Nothing here allocates; only `rayon` may, in builds of thousands of points.
+/// A mutable cloud in borrowed memory. Never allocates, except through `rayon` in builds of thousands of points.
 #[derive(Debug)]
 pub struct CloudMut<'a> {
     pub(super) memory: Memory<'a>,
@@ -44,10 +45,10 @@ pub(super) struct Used {
     pub(super) bucket_size: u32,
 }
 
-/// No place: there is no point of this index.
+/// The place of an index without a point.
 pub(super) const NOWHERE: u32 = u32::MAX;
 
-/// Where the items of a node that waits begin and end.
+/// The range of items of a pending node.
 fn waiting(places: &[u32], node: usize) -> (usize, usize) {
     (places[2 * node - 2] as usize, places[2 * node - 1] as usize)
 }
@@ -69,9 +70,9 @@ pub(super) fn check_points(points: &[[f32; 3]], bucket_size: u32) -> Result<(), 
     }
 }
 
-/// Moves the items, which lie one after another, to their buckets, `size` to each.
+/// Moves the items from contiguous storage to their buckets, `size` to each.
 fn spread(buckets: &mut [Bucket], points: usize, size: usize) {
-    // From the last: a bucket lies where only items of its own and of later ones are.
+    // Backwards: a bucket overlaps only items of its own and of later buckets.
     for b in (0..points.div_ceil(size)).rev() {
         let items: &[LoosePoint] = bytemuck::cast_slice(buckets);
         let mut made = Bucket::EMPTY;
@@ -83,10 +84,10 @@ fn spread(buckets: &mut [Bucket], points: usize, size: usize) {
 }
 
 impl<'a> CloudMut<'a> {
-    /// Builds a cloud of `points` by the balanced median split (section 3.1 of the paper), with up to `bucket_size` (1 ..= 16)
-    /// points a bucket: 16 is fastest; fewer leave room for [`CloudMut::insert`]. Point i gets the index i.
+    /// Builds a cloud of `points` by the balanced median split (section 3.1 of the paper), with up to `bucket_size`
+    /// (1 to 16) points per bucket. 16 is fastest; fewer leave room for [`CloudMut::insert`]. Point i gets index i.
     ///
-    /// The same tree on every machine.
+    /// Builds the same tree on every machine.
     ///
     /// # Errors
     /// [`CloudError`]: points, bucket size or memory.
@@ -103,7 +104,7 @@ impl<'a> CloudMut<'a> {
         Ok(cloud)
     }
 
-    /// The cloud to search.
+    /// A view to search.
     #[must_use]
     pub fn view(&self) -> CloudRef<'_> {
         CloudRef {
@@ -115,8 +116,8 @@ impl<'a> CloudMut<'a> {
         }
     }
 
-    /// Puts a point into the cloud where there is room: into the bucket that its box grows least for, of those whose node the
-    /// point is nearest to. Boxes are right at once; they get no tighter before the next refit.
+    /// Inserts a point: descends to the nearest box below which there may be room, and stores it in a bucket with a
+    /// free slot. Boxes are enlarged at once; the next refit tightens them.
     ///
     /// # Errors
     /// [`CloudError::Index`] if there is a point of this index, or it is not below the capacity; [`CloudError::Point`];
@@ -131,7 +132,7 @@ impl<'a> CloudMut<'a> {
         self.find_room(index, point)
     }
 
-    /// Takes a point out. Boxes stay as they are until the next refit.
+    /// Removes a point. The boxes stay unchanged until the next refit.
     ///
     /// # Errors
     /// [`CloudError::Index`] if there is no such point.
@@ -146,10 +147,10 @@ impl<'a> CloudMut<'a> {
         Ok(())
     }
 
-    /// Moves every point, `positions[i]` being where point i is now, and makes the boxes anew from below, in one pass
-    /// (section 4.3). Positions of indices without a point are not looked at. Returns the largest
-    /// volume of a box, as a multiple of what it had when the tree was built: the paper's largest volume variation
-    /// ratio, at least 1. Infinite where points that coincided no longer do.
+    /// Moves every point i to `positions[i]` and recomputes the boxes in one bottom-up pass (section 4.3 of the
+    /// paper). Positions of indices without a point are ignored. Returns the largest ratio of a box's volume to its
+    /// volume when the tree was built: the paper's largest volume variation ratio, at least 1. It is infinite if the
+    /// points of a box coincided and no longer do.
     ///
     /// # Errors
     /// [`CloudError::Positions`], [`CloudError::Point`].
@@ -158,7 +159,7 @@ impl<'a> CloudMut<'a> {
         let Some(positions) = positions.get(..places.len()) else {
             return Err(CloudError::Positions { have: positions.len(), need: places.len() });
         };
-        // Before anything moves.
+        // Check first: on an error the cloud is unchanged.
         let wrong = |(place, point): (&u32, &[f32; 3])| *place != NOWHERE && !is_finite(*point);
         if let Some(index) = places.iter().zip(positions).position(wrong) {
             return Err(CloudError::Point { index: index as u32 });
@@ -175,7 +176,7 @@ impl<'a> CloudMut<'a> {
         Ok(self.refit_boxes())
     }
 
-    /// The boxes of all lanes from what is below them, and the largest ratio of volumes.
+    /// Recomputes the boxes of all lanes bottom-up. Returns the largest ratio of volumes.
     fn refit_boxes(&mut self) -> f64 {
         let mut largest = 1.0;
         for index in (0..self.used.nodes as usize).rev() {
@@ -189,7 +190,7 @@ impl<'a> CloudMut<'a> {
                 node.set_lane(lane, &bounds);
                 let built = f64::from(node.built[lane]);
                 let (volume, before) = (bounds.volume(), (built * built) * (built * built));
-                // What was a point and is one still has not grown.
+                // Multiplied, not divided: a box whose volume was and is 0 has not grown.
                 if volume > before * largest {
                     largest = volume / before;
                 }
@@ -198,11 +199,11 @@ impl<'a> CloudMut<'a> {
         largest
     }
 
-    /// Builds the tree anew, of the points where they are.
+    /// Rebuilds the tree at the current positions.
     ///
     /// # Errors
-    /// [`CloudError::Memory`], if there are too few nodes or buckets for buckets of the size that the cloud was built with: not
-    /// unless points were inserted.
+    /// [`CloudError::Memory`], if there are too few nodes or buckets for the bucket size that the cloud was built
+    /// with. This happens only if points were inserted.
     pub fn rebuild(&mut self) -> Result<(), CloudError> {
         self.check_memory(self.used.points as usize)?;
         let mut count = 0;
@@ -210,7 +211,7 @@ impl<'a> CloudMut<'a> {
             let bucket = self.memory.buckets[b];
             let items: &mut [LoosePoint] = bytemuck::cast_slice_mut(self.memory.buckets);
             for slot in (0..16).filter(|&slot| bucket.indices[slot] != Bucket::UNUSED) {
-                // Not beyond bucket b, which was copied: as many places as slots.
+                // Overwrites at most bucket b, which was copied: an item is as large as a slot.
                 items[count] = LoosePoint { point: bucket.point(slot), index: bucket.indices[slot] };
                 count += 1;
             }
@@ -219,7 +220,7 @@ impl<'a> CloudMut<'a> {
         Ok(())
     }
 
-    /// Whether the memory is enough for so many points.
+    /// Checks that the memory is enough for `points` points.
     fn check_memory(&self, points: usize) -> Result<(), CloudError> {
         let Memory { nodes, buckets, places } = &self.memory;
         let wanted = buckets_for(points, self.used.bucket_size);
@@ -235,13 +236,13 @@ impl<'a> CloudMut<'a> {
         }
     }
 
-    /// Makes the tree of the items that lie in the memory of the buckets.
+    /// Builds the tree of the items stored in the memory of the buckets.
     fn shape(&mut self) {
         let (points, size) = (self.used.points as usize, self.used.bucket_size as usize);
         let Memory { nodes, buckets, places } = &mut self.memory;
         let items: &mut [LoosePoint] = bytemuck::cast_slice_mut(buckets);
-        // Nodes that wait: where their items begin and end, two numbers each, but for the root. In the memory of the places,
-        // of which there is one for each point: a node that waits has more than one bucket of them.
+        // The ranges of pending nodes other than the root, two numbers each, are stored in the memory of the places.
+        // There is one place for each point, and a pending node has more than one bucket of points.
         let halving = Halving { arity: 16, leaf_size: size, extended: true };
         let (mut node, mut count) = (0, 1);
         while node < count {
@@ -269,7 +270,7 @@ impl<'a> CloudMut<'a> {
         self.used.buckets = points.div_ceil(size) as u32;
         spread(buckets, points, size);
         if let ([first, ..], [_, ..], 0) = (&mut **buckets, &**places, points) {
-            // A bucket for a first point: where no lane leads anywhere, none could ever be inserted.
+            // Provide a bucket for the first point: `insert` follows links and never makes a bucket.
             *first = Bucket::EMPTY;
             nodes[0].child[0] = Child::leaf(0, 1);
             self.used.buckets = 1;
@@ -277,7 +278,7 @@ impl<'a> CloudMut<'a> {
         self.settle();
     }
 
-    /// What follows from the links and the points in the buckets: places, boxes, and how large they are.
+    /// Computes what follows from the links and the points in the buckets: places, boxes, and volumes.
     pub(super) fn settle(&mut self) {
         self.find_places();
         let _ = self.refit_boxes();
@@ -286,7 +287,7 @@ impl<'a> CloudMut<'a> {
         }
     }
 
-    /// Where each point is.
+    /// Records the place of each point.
     pub(super) fn find_places(&mut self) {
         let Memory { buckets, places, .. } = &mut self.memory;
         places.fill(NOWHERE);

@@ -1,24 +1,24 @@
-//! When another tree pays (section 4.4 of the paper).
+//! When to rebuild the tree (section 4.4 of the paper).
 
 use super::{CloudRef, RangeStats};
 
-/// When a cloud whose points move is built anew.
+/// When to rebuild a cloud whose points move.
 #[derive(Copy, Clone, PartialEq, Debug)]
 #[non_exhaustive]
 pub enum Policy {
     /// Never: for points that stay near each other.
     Never,
-    /// When a box has grown to so many times its volume: the paper's rule, with 10. What one point that flies off can
-    /// set off.
+    /// When the volume of a box has grown by this factor. The paper uses 10. A single outlying point can trigger it.
     Ratio(f64),
-    /// When searches have grown by more work than a new tree saves. If a search takes `d` more work with every frame, and a
-    /// build takes `b` more than a refit, then the least work a frame is spent by building anew after `-1 + sqrt(1 + 2 b / d)`
-    /// frames: all of it is counted, so every machine decides alike. It knows after a search only: where points may jump by a tenth of
-    /// the scene from one frame to the next, searches in between take tens of times as long, and the ratio says so before them.
+    /// When the searches have cost more extra work than a new tree saves. If a search takes `d` more work with every
+    /// frame, and a build takes `b` more than a refit, rebuilding after `-1 + sqrt(1 + 2 b / d)` frames minimizes the
+    /// work per frame. All work is counted, not timed, so every machine decides alike. This policy reacts only after
+    /// a search: if points jump by a tenth of the scene between two frames, one search may take tens of times as
+    /// long. The ratio detects that before the search.
     Work,
 }
 
-/// Says when to rebuild, by what refits and searches report.
+/// Decides when to rebuild, from the results of refits and searches.
 ///
 /// ```
 /// use simdop::cloud::{PointCloud, Policy, Queries, Radii, RangeSearch, Upkeep};
@@ -41,25 +41,26 @@ pub enum Policy {
 #[derive(Copy, Clone, PartialEq, Debug)]
 pub struct Upkeep {
     policy: Policy,
-    /// Since the tree was built.
+    /// Frames since the tree was built.
     frames: u32,
-    /// The work of the first search on it.
+    /// The work of the first search since then.
     first: u64,
 }
 
-/// What a build costs, in calls of kernels a point and level of halving; and a refit, a point. Measured on AVX2 (`benches/MEASURED.md`).
+/// Cost of a build, in kernel calls per point and level of halving, and of a refit, per point. Measured on AVX2
+/// (`benches/MEASURED.md`).
 const BUILD: f64 = 0.8;
 const REFIT: f64 = 1.4;
 
 impl Upkeep {
-    /// Of a cloud that was just built.
+    /// For a cloud that was just built.
     #[must_use]
     pub const fn new(policy: Policy) -> Self {
         Self { policy, frames: 0, first: 0 }
     }
 
-    /// Whether to rebuild now, after a frame's refit, which found `ratio`, and its searches, whose work is added up in `work`. If so, a
-    /// new tree is taken for granted in the next frame.
+    /// Whether to rebuild now, after a frame's refit, which returned `ratio`, and its searches, whose total work is
+    /// `work`. If it returns true, the next frame is assumed to have a new tree.
     pub fn is_due(&mut self, cloud: &CloudRef<'_>, ratio: f64, work: &RangeStats) -> bool {
         let is_due = match self.policy {
             Policy::Never => false,
@@ -76,7 +77,7 @@ impl Upkeep {
             return false;
         }
         let (frames, points) = (f64::from(self.frames), cloud.len() as f64);
-        // Halvings from all points to a bucket, rounded up.
+        // Levels of halving from all points to a bucket, rounded up.
         let levels = f64::from(usize::BITS - cloud.buckets().len().leading_zeros());
         let saved = (BUILD * levels - REFIT) * points;
         let growth = work.saturating_sub(self.first) as f64 / frames;

@@ -1,4 +1,4 @@
-//! A cloud that is borrowed.
+//! A borrowed cloud.
 
 use crate::exact::power_of_two;
 use crate::frame::{BodyBounds, Frame};
@@ -30,13 +30,14 @@ impl<'a> CloudRef<'a> {
         self.points == 0
     }
 
-    /// Indices of points are below this. The number of points that it was built of, if none were inserted or removed.
+    /// Indices of points are below this. Equals the number of points that the cloud was built from, unless room was
+    /// added.
     #[must_use]
     pub const fn capacity(&self) -> usize {
         self.capacity as usize
     }
 
-    /// The nodes, breadth first: the children of a node come after it, and levels are contiguous.
+    /// The nodes, breadth first: children come after their parent, and levels are contiguous.
     #[must_use]
     pub const fn nodes(&self) -> &'a [Aabb16] {
         self.nodes
@@ -48,20 +49,20 @@ impl<'a> CloudRef<'a> {
         self.buckets
     }
 
-    /// Points in a bucket, at most, when the tree was built.
+    /// The maximum number of points per bucket when the tree was built.
     #[must_use]
     pub const fn bucket_size(&self) -> u32 {
         self.bucket_size
     }
 
-    /// How large it is about the middle of its bounds. Nothing, if there are no points.
+    /// Bounds about the centre of the bounding box. Zero if there are no points.
     pub(crate) fn extent(&self) -> BodyBounds {
         let Box3 { lower, upper } = self.bounds();
         let ends = [0, 1, 2].map(|i| [f64::from(lower[i]), f64::from(upper[i])]);
         let centre = ends.map(|[low, high]| 0.5 * low + 0.5 * high);
         let grown = 1.0 + power_of_two(-20);
         let half = [0, 1, 2].map(|i| (ends[i][1] - centre[i]).max(centre[i] - ends[i][0]) * grown);
-        // In a frame of half the size, where the widest of clouds has one in `f32`.
+        // At scale 1/2, the half width of any cloud is a finite `f32`.
         let half_width = half.map(|x| ((0.5 * x) as f32).next_up());
         BodyBounds {
             frame: Frame { centre, exponent: -1 },
@@ -72,7 +73,7 @@ impl<'a> CloudRef<'a> {
         }
     }
 
-    /// Around all points; empty if there are none.
+    /// The bounding box of all points; empty if there are none.
     #[must_use]
     pub fn bounds(&self) -> Box3 {
         self.nodes.first().map_or(Box3::EMPTY, Aabb16::bounds)

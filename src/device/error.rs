@@ -1,52 +1,52 @@
-//! What can go wrong on a device.
+//! Errors of devices.
 
 use alloc::string::String;
 use core::fmt;
 
-/// Why a device did not do what it was to. The library, and other devices, can be used as before.
+/// Why a device operation failed. The library and other devices remain usable.
 #[derive(Clone, PartialEq, Eq, Debug)]
 #[non_exhaustive]
 pub enum DeviceError {
-    /// There is no adapter, or none that may be used.
+    /// There is no usable adapter.
     NoAdapter {
-        /// What the system said.
+        /// The system's message.
         reason: String,
     },
     /// The adapter's limits are too small for the kernels.
     Limit {
         /// The limit's name in WebGPU.
         name: &'static str,
-        /// What the kernels need.
+        /// The value that the kernels need.
         needed: u64,
-        /// What the adapter has.
+        /// The value that the adapter has.
         available: u64,
     },
-    /// The adapter gave no device.
+    /// The adapter did not provide a device.
     NoDevice {
-        /// What it said.
+        /// The adapter's message.
         reason: String,
     },
-    /// More than one buffer of this device can hold.
+    /// The data exceeds the largest buffer of the device.
     TooLarge {
-        /// What there is too much of.
+        /// The name of the elements.
         what: &'static str,
-        /// How many of them.
+        /// The number of elements.
         count: usize,
-        /// Bytes of the largest buffer that they need.
+        /// Size of the required buffer in bytes.
         bytes: u64,
-        /// Bytes of the largest buffer that the device binds.
+        /// Size of the largest buffer that the device binds, in bytes.
         limit: u64,
     },
-    /// The device's memory does not suffice.
+    /// The device is out of memory.
     OutOfMemory {
-        /// Bytes that were to be allocated.
+        /// Bytes requested.
         bytes: u64,
     },
     /// The device was lost: unplugged, reset, destroyed, or stopped by the system's watchdog.
     Lost,
-    /// The device objects to what it was told to do: a defect of this library or of the driver.
+    /// The device reported an error: a defect of this library or of the driver.
     Device {
-        /// What it said.
+        /// The device's message.
         reason: String,
     },
 }

@@ -7,7 +7,7 @@ use alloc::vec::Vec;
 use core::time::Duration;
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
-/// A device, with the kernels that it has compiled so far.
+/// A device, with the kernels compiled so far.
 #[derive(Debug)]
 pub struct Gpu {
     pub(crate) device: wgpu::Device,
@@ -16,7 +16,7 @@ pub struct Gpu {
 }
 
 impl Gpu {
-    /// The most powerful adapter there is: a GPU before a CPU. `WGPU_BACKEND` in the environment restricts
+    /// Opens the most powerful adapter, preferring a GPU to a CPU. The environment variable `WGPU_BACKEND` restricts
     /// the backends.
     ///
     /// # Errors
@@ -32,7 +32,7 @@ impl Gpu {
         Self::with_adapter(&adapter)
     }
 
-    /// A device of an adapter that the caller chose, with as large buffers as it has.
+    /// Opens a device of the given adapter, with the largest buffers that it supports.
     ///
     /// # Errors
     /// [`DeviceError::Limit`], [`DeviceError::NoDevice`].
@@ -54,8 +54,8 @@ impl Gpu {
         Self::with_device(device, queue)
     }
 
-    /// A device that the caller has, which may have other work too. 64-bit sums are native if its features
-    /// have `SHADER_INT64`; its limits must be WebGPU's defaults for compute shaders at least.
+    /// Uses an existing device, which may have other work too. 64-bit sums are native if its features include
+    /// `SHADER_INT64`. Its limits must be at least WebGPU's defaults for compute shaders.
     ///
     /// # Errors
     /// [`DeviceError::Limit`].
@@ -70,20 +70,20 @@ impl Gpu {
         self.device.adapter_info()
     }
 
-    /// Whether sums of 64 bits are native, not two words with a carry. Results are the same.
+    /// Whether 64-bit sums are native, instead of two words with a carry. Results are the same.
     #[must_use]
     pub fn has_int64(&self) -> bool {
         self.device.features().contains(wgpu::Features::SHADER_INT64)
     }
 
-    /// What was compiled so far.
+    /// The programs compiled so far.
     pub(super) fn programs(&self) -> MutexGuard<'_, Vec<Arc<Compiled>>> {
-        // A thread that panicked has pushed, or it has not.
+        // Safe after a panic: a push has either happened or not.
         self.programs.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Runs `work`, and returns what the device has to object rather than to leave it to the device's
-    /// handler, which panics. `bytes` are allocated by it.
+    /// Runs `work` and returns the device's errors as values; otherwise the device's default handler would panic.
+    /// `bytes` is the size that `work` allocates, for the error message.
     pub(crate) fn guarded<T, E: From<DeviceError>>(
         &self,
         bytes: u64,
@@ -92,19 +92,19 @@ impl Gpu {
         use wgpu::ErrorFilter::{Internal, OutOfMemory, Validation};
         let scopes = [Internal, Validation, OutOfMemory].map(|filter| self.device.push_error_scope(filter));
         let result = work();
-        // The last is the innermost. What follows from a lack of memory is no news.
+        // The last scope is the innermost. A lack of memory comes first, since other errors follow from it.
         let errors: Vec<wgpu::Error> =
             scopes.into_iter().rev().filter_map(|scope| pollster::block_on(scope.pop())).collect();
         match errors.first() {
             None => result,
             Some(wgpu::Error::OutOfMemory { .. }) => Err(DeviceError::OutOfMemory { bytes }.into()),
-            // A lost device says nothing itself; what is made on it is invalid.
+            // A lost device does not report it directly, but everything created on it is invalid.
             Some(_) if self.is_lost() => Err(DeviceError::Lost.into()),
             Some(error) => Err(DeviceError::Device { reason: error.to_string() }.into()),
         }
     }
 
-    /// Whether the device cannot even map four bytes.
+    /// Whether the device fails to map even four bytes.
     fn is_lost(&self) -> bool {
         let scope = self.device.push_error_scope(wgpu::ErrorFilter::Validation);
         let probe = self.device.create_buffer(&wgpu::BufferDescriptor {
@@ -118,7 +118,7 @@ impl Gpu {
         lost
     }
 
-    /// The bytes of `buffer`, which is mapped for that, as soon as all that was submitted is done.
+    /// Waits for all submitted work, maps `buffer`, and calls `use_bytes` with its bytes.
     pub(crate) fn read<T>(
         &self,
         buffer: &wgpu::Buffer,
@@ -128,12 +128,12 @@ impl Gpu {
         let (sender, receiver) = std::sync::mpsc::channel();
         let slice = buffer.slice(..bytes);
         slice.map_async(wgpu::MapMode::Read, move |result| {
-            // Nobody listens any more if the device was lost in between.
+            // The receiver is gone if the device was lost in between.
             let _ = sender.send(result);
         });
         self.wait()?;
-        // The callback runs in whichever thread polls the device: maybe in another one that has not come to
-        // it yet.
+        // The callback runs in the thread that polls the device, which may be another one that has not reached it
+        // yet.
         match receiver.recv_timeout(Duration::from_secs(10)) {
             Ok(Ok(())) => {}
             _ => return Err(DeviceError::Lost),
@@ -145,14 +145,13 @@ impl Gpu {
         Ok(result)
     }
 
-    /// Until all that was submitted is done.
+    /// Waits for all submitted work.
     pub(crate) fn wait(&self) -> Result<(), DeviceError> {
         self.device.poll(wgpu::PollType::wait_indefinitely()).map(|_| ()).map_err(|_| DeviceError::Lost)
     }
 }
 
-/// What the kernels need, by the limits' names: within the defaults of WebGPU, which every adapter has but
-/// the oldest.
+/// The limits that the kernels need. They are within WebGPU's defaults, which all but the oldest adapters support.
 fn needed_limits() -> wgpu::Limits {
     wgpu::Limits {
         max_storage_buffers_per_shader_stage: 8,
@@ -167,7 +166,7 @@ fn needed_limits() -> wgpu::Limits {
 }
 
 fn check_limits(available: &wgpu::Limits) -> Result<(), DeviceError> {
-    // Only these: a device may be made for compute shaders alone. Buffers are checked when they are made.
+    // Check only these: a device may be for compute shaders only. Buffer sizes are checked on creation.
     let needed = needed_limits();
     let check = |name, of: fn(&wgpu::Limits) -> u32| {
         let (needed, available) = (of(&needed).into(), of(available).into());

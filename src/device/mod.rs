@@ -1,5 +1,4 @@
-//! Devices, through wgpu: what all that runs on them shares. Adapters, buffers that are read back, kernels that are
-//! compiled once, and errors as values.
+//! GPU devices, through wgpu: adapters, readback of buffers, kernels that are compiled once, and errors as values.
 //!
 //! ```no_run
 //! let gpu = simdop::device::Gpu::new()?; // or Gpu::with_adapter, Gpu::with_device; once

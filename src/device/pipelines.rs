@@ -1,15 +1,15 @@
-//! Kernels: their text, and the pipelines made of it.
+//! Compute shaders: source and pipelines.
 
 use super::{DeviceError, Gpu};
 use alloc::string::String;
 use alloc::sync::Arc;
 use alloc::vec::Vec;
 
-/// The text of some kernels that are compiled together.
+/// The source of kernels that are compiled together.
 pub(crate) struct Program {
-    /// For those who look at a device's log.
+    /// Shown in a device's log.
     pub(crate) label: &'static str,
-    /// Which of the texts of this label.
+    /// The variant of the source.
     pub(crate) variant: usize,
     pub(crate) source: fn(usize, &Gpu) -> String,
     /// The entry points.
@@ -48,12 +48,12 @@ impl Compiled {
         Self { label: program.label, variant: program.variant, pipelines }
     }
 
-    /// Kernel `number` of the program's.
+    /// The pipeline of kernel `number` of the program.
     pub(crate) fn pipeline(&self, number: usize) -> &wgpu::ComputePipeline {
         &self.pipelines[number]
     }
 
-    /// A kernel's view of buffers, each with its number in the text.
+    /// Binds buffers to a kernel, each by its binding number.
     pub(crate) fn bind<'b>(
         &self,
         gpu: &Gpu,
@@ -70,14 +70,14 @@ impl Compiled {
 }
 
 impl Gpu {
-    /// Compiled when first needed: some tenths of a second.
+    /// The program, compiled on first use, which takes some tenths of a second.
     pub(crate) fn compiled(&self, program: &Program) -> Result<Arc<Compiled>, DeviceError> {
         let is_it = |made: &&Arc<Compiled>| (made.label, made.variant) == (program.label, program.variant);
         if let Some(made) = self.programs().iter().find(is_it) {
             return Ok(made.clone());
         }
         let made = Arc::new(self.guarded(0, || Ok::<_, DeviceError>(Compiled::new(self, program)))?);
-        // Should another thread have been faster, either will do.
+        // If another thread compiled it meanwhile, either result will do.
         self.programs().push(made.clone());
         Ok(made)
     }

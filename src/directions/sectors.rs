@@ -1,10 +1,9 @@
-//! Faces and weights without a search, for the four sets that have the symmetry of the cube (k = 6, 14, 18,
-//! 26).
+//! Faces and weights without a search, for the four sets with the symmetry of the cube (k = 6, 14, 18, 26).
 //!
-//! The cube has 48 symmetries: permutations of the axes, and signs. Some symmetry brings any u to
-//! `hi >= mid >= lo >= 0`, and there the hull has one face, or two:
+//! The cube has 48 symmetries: permutations of the axes, and signs. One of them maps any u to `hi >= mid >= lo >= 0`,
+//! where the hull has one face, or two:
 //!
-//! | k | corners of the face there | weights |
+//! | k | vertices of the face | weights |
 //! |---|---|---|
 //! | 6 | (1,0,0) (0,1,0) (0,0,1) | hi, mid, lo |
 //! | 14 | (1,0,0) (1,1,1) (1,1,-1) | hi - mid, (mid + lo) / 2, (mid - lo) / 2 |
@@ -12,13 +11,13 @@
 //! | 18, a < 0 | (0,1,1) (1,1,0) (1,0,1) | -a / 2, mid + a / 2, lo + a / 2 |
 //! | 26 | (1,0,0) (1,1,0) (1,1,1) | hi - mid, mid - lo, lo |
 //!
-//! The tests compare with the cheapest of all triples. No branch depends on u: a search through the grid of
-//! the general way took 13 ns a direction, 116 of the 380 ns of a set-up at k = 18.
+//! The tests compare with the cheapest of all triples. No branch depends on u: searching the grid took 13 ns per
+//! direction, 116 of the 380 ns of a set-up at k = 18.
 
 use super::{greater, table};
 
-/// For each order and signs of the coordinates, and each of two faces: its corners, and a byte that makes four, which are
-/// moved at once.
+/// For each order and sign combination of the coordinates, and each of two faces: its vertices, padded to four bytes,
+/// which are moved at once.
 pub(super) type Sectors = [[u8; 4]; 128];
 
 /// Whether the directions have the symmetry of the cube.
@@ -26,7 +25,7 @@ pub(super) const fn applies(k: usize) -> bool {
     k != 32
 }
 
-/// The corners of the face in the sector, as (hi, mid, lo) coordinates.
+/// The vertices of the face in the sector, in (hi, mid, lo) coordinates.
 const fn corners(k: usize, second: bool) -> [[i8; 3]; 3] {
     match k {
         14 => [[1, 0, 0], [1, 1, 1], [1, 1, -1]],
@@ -37,7 +36,8 @@ const fn corners(k: usize, second: bool) -> [[i8; 3]; 3] {
     }
 }
 
-/// Which axis is hi, mid and lo, from bits 0, 1, 2: x >= y, y >= z, x >= z. Two of the eight do not occur.
+/// Which axes are hi, mid and lo, indexed by bits 0, 1, 2: x >= y, y >= z, x >= z. Two of the eight cases do not
+/// occur.
 const ORDER: [[usize; 3]; 8] =
     [[2, 1, 0], [2, 0, 1], [1, 2, 0], [0, 1, 2], [0, 1, 2], [0, 2, 1], [1, 0, 2], [0, 1, 2]];
 
@@ -68,7 +68,7 @@ pub(super) const fn sectors(k: usize) -> Sectors {
 }
 
 /// # Panics
-/// If no direction is `v`: then this file does not fit the directions, and does not compile.
+/// If no direction is `v`. This file then contradicts the directions, and does not compile.
 const fn index_of(k: usize, v: [i8; 3]) -> u8 {
     let vectors = table(k).vectors;
     let mut j = 0;
@@ -82,16 +82,16 @@ const fn index_of(k: usize, v: [i8; 3]) -> u8 {
     panic!("not one of the directions")
 }
 
-/// What a vector is split in: set-ups in `f32`, bounds of distances in `f64`.
+/// The precision of a decomposition: `f32` in set-ups, `f64` for bounds of distances.
 pub(crate) trait Float: Copy + PartialOrd {
-    /// As wide, so that numbers and sectors share vector instructions.
+    /// An integer of the same width, so that numbers and sectors share vector instructions.
     type Sector: Copy;
     const NO_SECTOR: Self::Sector;
 
     fn from_f64(x: f64) -> Self;
     fn to_f64(self) -> f64;
     fn index(sector: Self::Sector) -> usize;
-    /// The weights of u, and the sector that names their directions.
+    /// The weights of u, and the sector that determines their directions.
     fn split<const K: usize>(u: [Self; 3]) -> ([Self; 3], Self::Sector);
 }
 
@@ -137,7 +137,7 @@ macro_rules! impl_float {
                 };
                 let order = bit(x >= y) | bit(y >= z) << 1 | bit(x >= z) << 2;
                 let signs = negative(u[0]) | negative(u[1]) << 1 | negative(u[2]) << 2;
-                // No weight of a finite u is negative; this is for the others.
+                // The weights of a finite u are not negative; this is for other u.
                 let weights = [greater(weights[0], 0.0), greater(weights[1], 0.0), greater(weights[2], 0.0)];
                 (weights, order | signs << 3 | bit(a < 0.0) << 6)
             }

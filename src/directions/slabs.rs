@@ -1,14 +1,14 @@
-//! All slabs at once, by columns: what the set-up of a query computes in vector instructions.
+//! All slabs at once, in columns: the vectorised set-up of a query.
 
 use super::sectors::Float;
 use super::{Directions, sectors};
 
 impl<const K: usize> Directions<K> {
-    /// [`Directions::SLABS`], filled up to whole vectors of four `f64`: a remainder would be computed one by
-    /// one. What is beyond the slabs is zero.
+    /// [`Directions::SLABS`], padded to whole vectors of four `f64`, since a remainder would be computed one by one.
+    /// The padding is zero.
     pub(crate) const COLUMNS: usize = Self::SLABS.next_multiple_of(4);
 
-    /// The coordinates of each slab's direction, by column.
+    /// The coordinates of each slab's direction, by axis.
     pub(crate) const SLAB_COLUMNS: [[f64; K]; 3] = {
         let mut columns = [[0.0; K]; 3];
         let mut s = 0;
@@ -32,7 +32,7 @@ impl<const K: usize> Directions<K> {
         lengths
     };
 
-    /// [`Directions::LENGTHS`] of each slab's direction.
+    /// The [`Directions::LENGTHS`] of each slab's direction.
     pub(crate) const SLAB_LENGTHS: [f64; K] = {
         let mut lengths = [0.0; K];
         let mut s = 0;
@@ -43,7 +43,7 @@ impl<const K: usize> Directions<K> {
         lengths
     };
 
-    /// The sum of the magnitudes of each slab's direction.
+    /// The sum of the absolute components of each slab's direction.
     pub(crate) const SLAB_SUMS: [f64; K] = {
         let mut sums = [0.0; K];
         let mut s = 0;
@@ -55,13 +55,13 @@ impl<const K: usize> Directions<K> {
         sums
     };
 
-    /// [`Directions::SLABS`], filled up to whole vectors of eight `f32`, or of four where there is no room for more.
+    /// [`Directions::SLABS`], padded to whole vectors of eight `f32`, or of four if eight do not fit.
     pub(crate) const SINGLE_COLUMNS: usize = {
         let columns = Self::SLABS.next_multiple_of(8);
         if columns <= K { columns } else { Self::COLUMNS }
     };
 
-    /// [`Directions::SLAB_COLUMNS`] in `f32`, which has these integers exactly.
+    /// [`Directions::SLAB_COLUMNS`] in `f32`, which represents these integers exactly.
     pub(crate) const SINGLE_SLAB_COLUMNS: [[f32; K]; 3] = {
         let mut columns = [[0.0; K]; 3];
         let mut s = 0;
@@ -73,9 +73,9 @@ impl<const K: usize> Directions<K> {
         columns
     };
 
-    /// [`Directions::decompose`] of the first `count` columns of `u`, which become their weights; `columns` is as many, filled up
-    /// to whole vectors. Returns the directions, three each.
-    // In place: the set-up is what takes the most stack of many queries.
+    /// [`Directions::decompose`] of the first `count` columns of `u`, which are replaced by their weights. `columns`
+    /// is `count` padded to whole vectors. Returns three directions for each.
+    // In place, since the set-up takes the most stack of many queries.
     #[expect(
         clippy::needless_range_loop,
         reason = "several columns share the index, not all of which is used"
@@ -89,7 +89,7 @@ impl<const K: usize> Directions<K> {
     ) -> [[u8; 4]; W] {
         let mut directions = [[0; 4]; W];
         if sectors::applies(K) {
-            // Two loops: the first is compiled to vector instructions, looking up tables is not.
+            // Two loops: the first is vectorised, the table look-ups cannot be.
             let mut sectors = [T::NO_SECTOR; W];
             for s in 0..columns {
                 let weights;

@@ -1,28 +1,29 @@
-//! Signs of determinants of coordinates, without rounding: what decides where the filters of predicates do not.
+//! Exact signs of determinants of coordinates, for predicates whose filters cannot decide.
 //!
-//! A determinant is a sum of products of three coordinates. Those of one sign are added up in one integer and those of the other in
-//! a second one: which is the greater is the sign.
+//! A determinant is a sum of products of three coordinates. The positive products are added up in one integer and the
+//! negative ones in another; comparing the two gives the sign.
 //!
-//! Coordinates keep to the [range](crate::range): zero or from 2^-250 to 2^302. Then a coordinate, or a difference of two that
-//! `f64` holds, is zero or from 2^-302 to 2^303, that is `m 2^e` for an integer m below 2^53 and an exponent e from -354 to 251.
-//! So each product is an integer below 2^159, times a power of two from 2^-1062 to 2^753.
+//! Coordinates are in [range](crate::range): zero or from 2^-250 to 2^302. Then a coordinate, or a difference of two
+//! that is exact in `f64`, is zero or from 2^-302 to 2^303, that is `m 2^e` for an integer m below 2^53 and an
+//! exponent e from -354 to 251. So each product is an integer below 2^159, times a power of two from 2^-1062 to
+//! 2^753.
 
 use super::two_sum;
 use crate::range::Point;
 
-/// The exponent of the unit of the sums, which is that of the least product.
+/// The exponent of the unit of the sums: that of the least product.
 const UNIT: i32 = 3 * -354;
 
-/// The exponent of the greatest product, in that unit.
+/// The exponent of the greatest product, relative to the unit.
 const GREATEST: i32 = 3 * 251 - UNIT;
 
-/// Room for 24 of the greatest products.
+/// Words for a sum of 24 of the greatest products.
 const WORDS: usize = (GREATEST as usize + 159 + 5).div_ceil(64);
 
-/// The sums of the positive and of the negative products, the least word first.
+/// The sums of the positive and of the negative products, least significant word first.
 struct Products([[u64; WORDS]; 2]);
 
-/// The columns from which a product of the determinant takes the coordinates of three rows, and whether it is subtracted.
+/// For each product of a determinant, the column for each of the three rows, and whether it is subtracted.
 const TERMS: [([usize; 3], bool); 6] = [
     ([0, 1, 2], false),
     ([1, 2, 0], false),
@@ -32,7 +33,8 @@ const TERMS: [([usize; 3], bool); 6] = [
     ([2, 1, 0], true),
 ];
 
-/// The side of `p` of the plane through three points, positive where they are seen counterclockwise: -1, 0 or 1.
+/// The side of the plane through three points that `p` is on: -1, 0 or 1, positive where the three are
+/// counterclockwise.
 #[cold]
 #[inline(never)]
 pub(crate) fn side([a, b, c]: &[Point; 3], p: &Point) -> i8 {
@@ -42,7 +44,7 @@ pub(crate) fn side([a, b, c]: &[Point; 3], p: &Point) -> i8 {
     }
     let [a, b, c, p] = &points;
     let mut products = Products::NONE;
-    // Along the column of ones that the four points have beside their coordinates.
+    // Expand along the column of ones of the 4x4 determinant.
     for (rows, is_subtracted) in
         [([b, c, p], false), ([a, c, p], true), ([a, b, p], false), ([a, b, c], true)]
     {
@@ -51,8 +53,8 @@ pub(crate) fn side([a, b, c]: &[Point; 3], p: &Point) -> i8 {
     products.sign()
 }
 
-/// Takes the first point to zero along an axis, and the others with it, if `f64` holds all of the ways: most often, for points
-/// that are near each other or on a grid, and then there are fewer products that are not zero.
+/// Translates the points along an axis so that the first is at zero, if all differences are exact in `f64`. They
+/// usually are for points that are near each other or on a grid. Fewer products are nonzero then.
 fn move_to_first(points: &mut [Point; 4], axis: usize) {
     let first = points[0][axis];
     let mut moved = [0.0; 4];
@@ -68,7 +70,7 @@ fn move_to_first(points: &mut [Point; 4], axis: usize) {
     }
 }
 
-/// The sign of the area of a triangle in a plane, positive when counterclockwise: -1, 0 or 1.
+/// The sign of the area of a triangle in the plane, positive when counterclockwise: -1, 0 or 1.
 pub(crate) fn area(corners: [[f64; 2]; 3]) -> i8 {
     let corners = corners.map(|[x, y]| [x, y, 0.0]);
     let [x, y, _] = corners[0];
@@ -96,7 +98,7 @@ impl Products {
         let [(x, e), (y, f), (z, g)] = factors.map(parts);
         let is_negative =
             factors.iter().fold(is_subtracted, |sign, factor| sign != factor.is_sign_negative());
-        // Clamped for numbers that are out of range, with which the sign may be any.
+        // Clamped for numbers out of range, for which any sign will do.
         let shift = (e + f + g - UNIT).clamp(0, GREATEST) as usize;
         let (first, bits) = (shift / 64, shift % 64);
         let pair = u128::from(x) * u128::from(y);
@@ -130,7 +132,7 @@ fn is_zero(x: f64) -> bool {
     x.to_bits() << 1 == 0
 }
 
-/// The integer m below 2^53 and the exponent e for which a number that is normal has the magnitude m 2^e.
+/// The integer m below 2^53 and the exponent e such that a normal number has the magnitude m 2^e.
 fn parts(x: f64) -> (u64, i32) {
     let bits = x.to_bits();
     (bits & ((1 << 52) - 1) | 1 << 52, (bits >> 52 & 0x7ff) as i32 - 1075)
@@ -144,7 +146,7 @@ mod tests {
     use crate::rng::Rng;
     use dashu_int::IBig;
 
-    /// A coordinate in units of 2^-302.
+    /// A coordinate as a multiple of 2^-302.
     fn integer(x: f64) -> IBig {
         if x == 0.0 {
             return IBig::ZERO;
@@ -162,7 +164,8 @@ mod tests {
         i8::from(sum > IBig::ZERO) - i8::from(sum < IBig::ZERO)
     }
 
-    /// Points of a plane of small integers, each axis scaled by a power of two, which keeps them in a plane.
+    /// Points with small integer coordinates in a common plane. Each axis is scaled by a power of two, which keeps
+    /// them coplanar.
     fn in_a_plane(rng: &mut Rng) -> [Point; 4] {
         let mut small = |reach: i64| [0; 3].map(|_| rng.int(-reach, reach) as f64);
         let (origin, u, v) = (small(1000), small(1000), small(1000));
@@ -178,14 +181,14 @@ mod tests {
         })
     }
 
-    /// The next coordinate in the range: beside zero, one as small as any.
+    /// The next coordinate in range; for zero, the smallest.
     fn beside(x: f64) -> f64 {
         let next = x.next_up();
         if next.abs() < MIN_COORDINATE { if x < 0.0 { 0.0 } else { MIN_COORDINATE } } else { next }
     }
 
-    /// Coordinates over the whole range, of points in a plane and a last place off it, with ways that `f64` holds and that it
-    /// does not.
+    /// Coordinates over the whole range, of points in a plane and one ulp off it, with and without exact differences
+    /// in `f64`.
     #[test]
     fn sides_are_those_of_integers() {
         let mut rng = Rng::new(302);
@@ -200,15 +203,15 @@ mod tests {
                     let x = &mut points[rng.below(4) as usize][rng.below(3) as usize];
                     *x = beside(*x);
                 }
-                // Rounded: an odd multiple of each coordinate takes all of the bits.
+                // Rounded: an odd factor makes each coordinate use all bits.
                 2 => points = points.map(|point| point.map(|x| x * (1.0 + 123.0 * f64::EPSILON))),
-                // As small as differences get, and of several sizes.
+                // Differences as small as possible, of several sizes.
                 3 => {
                     points = points.map(|point| {
                         point.map(|_| MIN_COORDINATE * (1.0 + rng.below(9) as f64 * f64::EPSILON))
                     });
                 }
-                // Any numbers.
+                // Arbitrary numbers.
                 _ => {
                     points = points.map(|point| {
                         point.map(|_| whole(&mut rng) * power_of_two(rng.int(-250, 248) as i32))
@@ -231,7 +234,7 @@ mod tests {
         assert!(any[0] > 1000 && any[2] > 1000, "{any:?}");
     }
 
-    /// Sums whose words are often all ones, so that carries go far.
+    /// Sums whose words are often all ones, so that carries propagate far.
     #[test]
     fn sums_are_those_of_integers() {
         let mut rng = Rng::new(304);
@@ -243,7 +246,7 @@ mod tests {
             for word in products.0.as_flattened_mut() {
                 *word = *rng.pick(&[0, u64::MAX, u64::MAX - 1, 1 << 63]);
             }
-            // Room for another.
+            // Leave room for another product.
             products.0.iter_mut().for_each(|words| words[WORDS - 1] = 0);
             let before = products.0.each_ref().map(value);
             let factors = [0; 3].map(|_| {
@@ -265,7 +268,7 @@ mod tests {
         }
     }
 
-    /// Numbers that are out of range have some side.
+    /// Numbers out of range must not panic.
     #[test]
     fn numbers_out_of_range_are_no_panic() {
         let numbers = [0.0, 5e-324, 1e-300, 1.0, -1e300, f64::MAX, f64::NEG_INFINITY, f64::NAN];

@@ -1,22 +1,22 @@
-//! Integers of many words: for signs of so high a degree that expansions would have thousands of components.
+//! Multi-word integers, for signs of so high a degree that expansions would have thousands of components.
 
 use super::power_of_two;
 
-/// An integer of at most `64 L` bits, and its sign.
+/// A signed integer of at most `64 L` bits.
 #[derive(Copy, Clone, Debug)]
 pub(crate) struct Wide<const L: usize> {
     is_negative: bool,
-    /// Words in use, the least first: the last of them is not zero, those above are.
+    /// Number of words in use, least significant first. The last of them is nonzero; the words above are zero.
     len: usize,
     words: [u64; L],
 }
 
-/// The greatest `e` for which all numbers are multiples of 2^e; 0 if all are zero.
+/// The greatest `e` such that all numbers are multiples of 2^e; 0 if all are zero.
 pub(crate) fn unit_of(numbers: impl IntoIterator<Item = f64>) -> i32 {
     numbers.into_iter().filter(|x| *x != 0.0).map(|x| parts(x).1).min().unwrap_or(0)
 }
 
-/// The odd m, or zero, and the e for which a finite number has the magnitude m 2^e.
+/// The odd m, or zero, and the e such that a finite number has the magnitude m 2^e.
 fn parts(x: f64) -> (u64, i32) {
     let bits = x.to_bits();
     let (field, fraction) = ((bits >> 52 & 0x7ff) as i32, bits & ((1 << 52) - 1));
@@ -27,10 +27,10 @@ fn parts(x: f64) -> (u64, i32) {
 impl<const L: usize> Wide<L> {
     pub(crate) const ZERO: Self = Self { is_negative: false, len: 0, words: [0; L] };
 
-    /// `x`, a multiple of `2^unit`, in this unit.
+    /// `x`, a multiple of `2^unit`, in units of `2^unit`.
     ///
     /// # Panics
-    /// If it has more bits than there is room for, as sums and products do.
+    /// If it does not fit. Sums and products panic likewise.
     pub(crate) fn new(x: f64, unit: i32) -> Self {
         let (m, e) = parts(x);
         let mut wide = Self::ZERO;
@@ -48,7 +48,7 @@ impl<const L: usize> Wide<L> {
         wide
     }
 
-    /// Counts the words in use, which are not more than `most`.
+    /// Sets the number of words in use, which is at most `most`.
     fn trim(&mut self, most: usize) {
         let words = &self.words[..if most < L { most } else { L }];
         self.len = words.iter().rposition(|word| *word != 0).map_or(0, |last| last + 1);
@@ -73,7 +73,7 @@ impl<const L: usize> Wide<L> {
         self.combined(other, !other.is_negative)
     }
 
-    /// The sum with a number of the magnitude of `other` and this sign.
+    /// The sum of `self` and a number with the magnitude of `other` and the sign `is_negative`.
     fn combined(&self, other: &Self, is_negative: bool) -> Self {
         let order = |x: &Self, y: &Self| {
             let (p, q) = (x.words[..x.len].iter().rev(), y.words[..y.len].iter().rev());
@@ -99,7 +99,7 @@ impl<const L: usize> Wide<L> {
         result
     }
 
-    /// The product, of a width that has room for it.
+    /// The product, in a width that must have room for it.
     pub(crate) fn times<const M: usize, const R: usize>(&self, other: &Wide<M>) -> Wide<R> {
         let mut result = Wide::<R>::ZERO;
         for (i, x) in self.words[..self.len].iter().enumerate() {
@@ -119,8 +119,8 @@ impl<const L: usize> Wide<L> {
         result
     }
 
-    /// `self / other * 2^exponent`, to 2^-50 relatively; what `f64` is too small for is the least normal number of
-    /// its sign, never zero. `other` is not zero.
+    /// `self / other * 2^exponent`, with a relative error of at most 2^-50. Nonzero results below the least normal
+    /// `f64` become that number with their sign, never zero. `other` must not be zero.
     pub(crate) fn over<const M: usize>(&self, other: &Wide<M>, exponent: i32) -> f64 {
         let ((x, e), (y, f)) = (self.leading(), other.leading());
         let exponent = (exponent + e - f).clamp(-2000, 2000);
@@ -131,7 +131,7 @@ impl<const L: usize> Wide<L> {
         ratio
     }
 
-    /// The leading words as a number below 2^128, and the exponent of what it is to be multiplied by.
+    /// The two leading words as a number below 2^128, and the exponent of its unit.
     fn leading(&self) -> (f64, i32) {
         let first = self.len.saturating_sub(2);
         let high =
@@ -154,7 +154,7 @@ mod tests {
         if x.is_negative { -magnitude } else { magnitude }
     }
 
-    /// Sums, differences, products and quotients, of numbers whose words are often all zeros or all ones.
+    /// Sums, differences, products and quotients of numbers whose words are often all zeros or all ones.
     #[test]
     fn arithmetic_is_that_of_integers() {
         let mut rng = Rng::new(3);
@@ -178,7 +178,7 @@ mod tests {
             assert_eq!(x.sign(), if a == IBig::ZERO { 0 } else { i32::from(a > IBig::ZERO) * 2 - 1 });
             assert_eq!(x.minus(&x).sign(), 0);
             if y.len > 0 {
-                // Both to at most 2^-50, as 2^60 of the quotient says.
+                // Compare in units of 2^-500, to 2^-50 relatively.
                 let (ratio, scaled) = (x.over(&y, 0), (&a << 500) / &b);
                 let (m, e) = parts(ratio);
                 let got = IBig::from(m) << (500 + e) as usize;

@@ -2,13 +2,13 @@
 
 use core::arch::x86_64::{__cpuid, __cpuid_count, __get_cpuid_max, _xgetbv};
 
-/// Where CPUID reports a feature, and which registers the operating system must save for it to be of use.
+/// Where CPUID reports a feature, and which registers the operating system must save for it.
 #[derive(Copy, Clone, Debug)]
 pub(super) struct Feature {
     leaf: u32,
     register: Register,
     bit: u32,
-    /// Bits of XCR0.
+    /// Required bits of XCR0.
     state: u64,
 }
 
@@ -18,15 +18,15 @@ enum Register {
     Ecx,
 }
 
-/// No registers beyond the ones every x86-64 system saves.
+/// No registers beyond those that every x86-64 system saves.
 const NONE: u64 = 0;
 /// SSE and AVX state.
 const YMM: u64 = 0b110;
-/// That, and mask registers, upper halves of the lower zmm registers, upper zmm registers.
+/// YMM, and mask registers, upper halves of the lower zmm registers, upper zmm registers.
 const ZMM: u64 = 0b1110_0110;
 
 impl Feature {
-    /// The row of a feature, from Intel's Software Developer's Manual, volume 2A, CPUID, and AMD's volume 3,
+    /// The entry of a feature, from Intel's Software Developer's Manual, volume 2A, CPUID, and AMD's volume 3,
     /// appendix E.
     pub(super) const fn named(name: &str) -> Self {
         let (leaf, register, bit, state) = match name.as_bytes() {
@@ -73,7 +73,7 @@ fn saved_state() -> u64 {
 mod tests {
     use super::Feature;
 
-    /// The standard library's detection is the oracle for ours.
+    /// The standard library's detection is the reference.
     #[test]
     fn cpuid_agrees_with_std() {
         macro_rules! check {

@@ -1,20 +1,20 @@
 //! Instruction sets as values.
 //!
-//! A *token* ([`Scalar`], `Avx2`, `Avx512`, `Neon`) is a zero-sized proof that this machine has an
-//! instruction set. Safe code gets one only by detection, or inside a function that is itself compiled for
-//! those features, so a kernel that takes a token needs no check of its own. [`Isa`] is one of the tokens,
-//! chosen at run time: a plain value that the caller holds and hands to queries.
+//! A *token* ([`Scalar`], `Avx2`, `Avx512`, `Neon`) is a zero-sized proof that this machine supports an instruction
+//! set. Safe code gets one only by detection, or inside a function that is itself compiled for those features, so a
+//! kernel that takes a token needs no check of its own. [`Isa`] is one of the tokens, chosen at run time: a plain
+//! value that the caller stores and passes to queries.
 //!
-//! Each list of features is written once, in the rows of `token.rs`. A row makes the token, its detection,
-//! its gate (`run`), and the attribute macro that the token's kernels are compiled with.
+//! Each list of features is written once, as a row in `token.rs`. A row generates the token, its detection, its gate
+//! (`run`), and the attribute macro that compiles the token's kernels.
 //!
-//! Which instruction sets there are kernels for is decided once, by the target, in `build.rs`: the conditions
-//! `simdop_x86` and `simdop_neon`.
+//! `build.rs` decides from the target which instruction sets have kernels, and sets the conditions `simdop_x86` and
+//! `simdop_neon`.
 //!
-//! Without `std`: x86-64 asks CPUID and XCR0; aarch64 believes what the crate was compiled for, which on
-//! every aarch64 target but a few includes NEON; targets with a soft-float ABI (`x86_64-unknown-none`) have
-//! no vector registers to pass, and so [`Scalar`] only. On bare metal that knows more, `unsafe {
-//! Avx2::assume_supported() }` makes a token.
+//! Without `std`, x86-64 is detected by CPUID and XCR0. On aarch64 the crate's target features decide, which include
+//! NEON on nearly every aarch64 target. Targets with a soft-float ABI (`x86_64-unknown-none`) cannot pass vector
+//! registers, so they have [`Scalar`] only. Bare-metal code that has its own knowledge makes a token with
+//! `unsafe { Avx2::assume_supported() }`.
 
 #![cfg_attr(
     any(simdop_x86, simdop_neon),
@@ -65,7 +65,7 @@ pub enum Isa {
     Avx512(Avx512),
 }
 
-// Once for each kind of target: a condition on an arm would be that of the crate that uses the macro.
+// One macro per kind of target: a `cfg` on an arm would be evaluated in the crate that uses the macro.
 #[cfg(simdop_x86)]
 #[doc(hidden)]
 #[macro_export]
@@ -102,8 +102,7 @@ macro_rules! __on_isa {
     };
 }
 
-/// Evaluates an expression with the token of an [`Isa`] whichever it is: where a value becomes a type.
-/// The one place that has to know all of them.
+/// Evaluates an expression with the token of an [`Isa`]: dispatches from the run-time value to a type.
 ///
 /// ```
 /// use simdop::isa::{Isa, on_isa};
@@ -117,12 +116,12 @@ macro_rules! __on_isa {
 #[doc(inline)]
 pub use __on_isa as on_isa;
 
-/// A name that is no [`Isa`] here.
+/// A name that is not an [`Isa`] of this machine.
 #[derive(Copy, Clone, PartialEq, Eq, Debug)]
 pub enum IsaError {
     /// No instruction set has this name.
     Unknown,
-    /// The library has kernels for it, but this machine has not got it.
+    /// The library has kernels for it, but this machine does not support it.
     NotAvailable,
 }
 
@@ -140,16 +139,16 @@ impl core::error::Error for IsaError {}
 impl Isa {
     /// Plain Rust.
     pub const SCALAR: Self = Self::Scalar(Scalar::new());
-    /// The names of all instruction sets with kernels, on any machine, weakest first.
+    /// The names of all instruction sets with kernels, on any target, weakest first.
     pub const NAMES: [&'static str; 4] = ["scalar", "neon", "avx2", "avx512"];
 
-    /// The best instruction set of this machine. Ask once and keep the answer.
+    /// The best instruction set of this machine. Detect once and keep the result.
     #[must_use]
     pub fn detect() -> Self {
         Self::available().last().unwrap_or(Self::SCALAR)
     }
 
-    /// The best instruction set among those that the crate is compiled for.
+    /// The best instruction set that is enabled at compile time.
     #[must_use]
     pub const fn baseline() -> Self {
         #[cfg(simdop_x86)]
@@ -189,13 +188,13 @@ impl Isa {
         if self.rank() > cap.rank() { cap } else { self }
     }
 
-    /// Its name, as [`FromStr`] reads it.
+    /// Its name, as parsed by [`FromStr`].
     #[must_use]
     pub const fn name(self) -> &'static str {
         Self::NAMES[self.rank()]
     }
 
-    /// Place in [`Isa::NAMES`].
+    /// Index in [`Isa::NAMES`].
     const fn rank(self) -> usize {
         match self {
             Self::Scalar(_) => 0,

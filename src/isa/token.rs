@@ -1,9 +1,9 @@
-//! The tokens: each list of features is written once, in a row.
+//! The tokens, one row for each instruction set.
 
 #[cfg(all(simdop_x86, not(feature = "std")))]
 use super::cpuid;
 
-/// Plain Rust, on every machine: the specification.
+/// Plain Rust, on every machine. The reference implementation.
 #[derive(Copy, Clone, PartialEq, Eq, Debug, Default)]
 pub struct Scalar(());
 
@@ -15,7 +15,7 @@ impl Scalar {
     }
 }
 
-/// Whether this machine has a feature, by its name in `target_feature`.
+/// Whether this machine supports a feature, by its name in `target_feature`.
 #[cfg(all(simdop_x86, feature = "std"))]
 macro_rules! detected {
     ($feature:tt) => {
@@ -37,7 +37,7 @@ macro_rules! detected {
     };
 }
 
-/// One instruction set: token, detection, gate, and `$attribute!`, which compiles an item for it. `$d` is a
+/// Defines an instruction set: token, detection, gate, and `$attribute!`, which compiles an item for it. `$d` is a
 /// dollar sign.
 #[cfg(any(simdop_x86, simdop_neon))]
 macro_rules! instruction_set {
@@ -47,7 +47,7 @@ macro_rules! instruction_set {
         pub struct $token(());
 
         impl $token {
-            /// The token, if this machine has the instruction set.
+            /// The token, if this machine supports the instruction set.
             #[must_use]
             pub fn detect() -> Option<Self> {
                 if !($(detected!($feature))&&+) {
@@ -57,7 +57,7 @@ macro_rules! instruction_set {
                 Some(unsafe { Self::assume_supported() })
             }
 
-            /// The token, if the crate is compiled for it anyway.
+            /// The token, if the crate is compiled for the instruction set.
             #[must_use]
             pub const fn baseline() -> Option<Self> {
                 if !($(cfg!(target_feature = $feature))&&+) {
@@ -67,11 +67,11 @@ macro_rules! instruction_set {
                 Some(unsafe { Self::assume_supported() })
             }
 
-            /// The token, without a question. Safe to call from a function compiled for the same features.
+            /// The token, without a check. Safe to call from a function compiled for the same features.
             ///
             /// # Safety
-            /// Elsewhere: the machine must have every feature this function is compiled for, and the operating system must save
-            /// their registers.
+            /// In other functions: the machine must have every feature that this function is compiled for, and the
+            /// operating system must save their registers.
             #[inline]
             #[must_use]
             $(#[target_feature(enable = $feature)])+
@@ -79,7 +79,7 @@ macro_rules! instruction_set {
                 Self(())
             }
 
-            /// Runs `f` compiled for the instruction set, as far as `f` is inlined.
+            /// Runs `f`, compiled for the instruction set as far as it is inlined.
             #[inline(always)]
             pub fn run<R>(self, f: impl FnOnce() -> R) -> R {
                 #[inline]

@@ -1,24 +1,24 @@
-//! From a free place to the nearest one where a sphere is largest.
+//! From a free point to a nearby local maximum of the clearance.
 //!
-//! The clearance of a point is the least of its distances from triangles and of its gaps to spheres. Each of
-//! these is a convex function, which lies above its tangent: for the few that matter at a point the best step
-//! is that of a quadratic program, the largest tangent plane less the square of the step over twice a reach (a
-//! proximal bundle method: Kiwiel, *Methods of Descent for Nondifferentiable Optimization*, 1985). Where the
-//! clearance after the step is less than foretold, something came near that was not known, and is known then.
+//! The clearance of a point is the minimum of its distances to triangles and its gaps to spheres. Each of these is a
+//! convex function, and so lies above its tangent plane. For the few obstacles that matter at a point, a quadratic
+//! program gives the best step: it maximizes the minimum of the tangent planes minus the squared step over twice a
+//! reach (a proximal bundle method: Kiwiel, *Methods of Descent for Nondifferentiable Optimization*, 1985). If the
+//! clearance after the step is less than predicted, another obstacle came near, and is added.
 
 use super::grid::Placed;
 use super::surface::Surface;
 use alloc::vec::Vec;
 use glam::DVec3;
 
-/// What keeps a sphere from growing.
+/// What limits a sphere.
 #[derive(Copy, Clone, PartialEq, Eq, Debug)]
 enum Obstacle {
     Triangle(u32),
     Ball(u32),
 }
 
-/// An obstacle's distance and the direction away from it, and its share in what holds the sphere.
+/// An obstacle's distance, the direction away from it, and its weight in the quadratic program.
 #[derive(Copy, Clone, Debug)]
 struct Tangent {
     obstacle: Obstacle,
@@ -27,43 +27,43 @@ struct Tangent {
     weight: f64,
 }
 
-/// Everything that spheres must keep clear of.
+/// All obstacles for spheres.
 #[derive(Copy, Clone, Debug)]
 pub(super) struct Clearance<'a> {
     pub(super) surface: &'a Surface,
     pub(super) placed: &'a Placed,
 }
 
-/// A place inside and what is nearest to it.
+/// A point inside, and its nearest obstacles.
 #[derive(Copy, Clone, Debug)]
 pub(super) struct Spot {
     pub(super) at: DVec3,
-    /// The least of the two distances.
+    /// The lesser of the distances to the surface and to the placed balls.
     pub(super) clearance: f64,
-    /// From the surface.
+    /// The distance to the surface.
     pub(super) depth: f64,
     /// The nearest triangle.
     pub(super) triangle: u32,
-    /// The nearest ball, if that is nearer than the surface.
+    /// The nearest ball, if it is nearer than the surface.
     ball: Option<u32>,
 }
 
-/// Obstacles that are known at once, at most.
+/// Maximum number of obstacles considered at a time.
 const KNOWN: usize = 12;
-/// Steps, at most.
+/// Maximum number of steps.
 const STEPS: usize = 32;
-/// A step that gains less than this share of the clearance is the last.
+/// A relative gain below this ends the ascent.
 const GAIN: f64 = 1.0 / 8192.0;
 
 impl Clearance<'_> {
-    /// What is near a point that is inside. `likely` is a triangle.
+    /// The nearest obstacles of a point inside. `likely` is the triangle to try first.
     pub(super) fn spot(&self, at: DVec3, likely: u32) -> Spot {
         let (depth, triangle) = self.surface.nearest(at, likely);
         let ball = self.placed.nearest(at, depth);
         Spot { at, clearance: ball.map_or(depth, |b| b.0), depth, triangle, ball: ball.map(|b| b.1) }
     }
 
-    /// Climbs from a spot to a local maximum of the clearance, in steps of about `reach` at first.
+    /// Ascends from a spot to a local maximum of the clearance. `reach` is the initial step size.
     pub(super) fn climb(&self, start: Spot, mut reach: f64) -> Spot {
         let mut best = start;
         let mut known: Vec<Tangent> = Vec::with_capacity(KNOWN + 2);
@@ -75,7 +75,7 @@ impl Clearance<'_> {
                 break;
             }
             let next = self.spot(best.at + step, best.triangle);
-            // What is farther from the surface than from where it came is on the same side of it.
+            // A step shorter than one of the two distances to the surface cannot cross it.
             let length = step.length();
             let is_inside = length < best.depth.max(next.depth) || self.surface.is_inside(next.at);
             let gain = next.clearance - best.clearance;
@@ -92,8 +92,7 @@ impl Clearance<'_> {
         best
     }
 
-    /// Makes the obstacles near a spot known, and all that are known up to date, seen from `at`. Whether one
-    /// was new.
+    /// Adds the obstacles of a spot, and evaluates all known ones at `at`. Returns whether one was new.
     fn learn(&self, known: &mut Vec<Tangent>, near: &Spot, at: DVec3) -> bool {
         let count = known.len();
         let found = [Some(Obstacle::Triangle(near.triangle)), near.ball.map(Obstacle::Ball)];
@@ -116,7 +115,7 @@ impl Clearance<'_> {
             tangent.away = if length > 0.0 { (at - from) / length } else { DVec3::ZERO };
         }
         while known.len() > KNOWN {
-            // The farthest; the last that came cannot be told from it where they are alike.
+            // Drop the farthest; the first of equals, so that a new obstacle stays.
             let farthest = (0..known.len())
                 .fold(0, |far, i| if known[i].distance > known[far].distance { i } else { far });
             known.remove(farthest);
@@ -125,10 +124,10 @@ impl Clearance<'_> {
     }
 }
 
-/// The step d with the greatest `min(distance + away . d) - d^2 / (2 reach)`, up to a few per cent: by its
-/// dual, a point of the simplex that pairs of weights are moved on.
+/// The step d that maximizes `min(distance + away . d) - d^2 / (2 reach)`, up to a few per cent. Solves the dual:
+/// weights on a simplex, improved pairwise.
 fn best_step(known: &mut [Tangent], reach: f64) -> DVec3 {
-    // From the last weights, as far as they are of what is still known.
+    // Start from the last weights, unless most belonged to obstacles since dropped.
     let sum: f64 = known.iter().map(|t| t.weight).sum();
     if sum > 0.5 {
         known.iter_mut().for_each(|t| t.weight /= sum);
@@ -138,7 +137,7 @@ fn best_step(known: &mut [Tangent], reach: f64) -> DVec3 {
     }
     let mut pull = known.iter().fold(DVec3::ZERO, |pull, t| pull + t.away * t.weight);
     for _ in 0..8 * KNOWN {
-        // The distance of each after the step: what is nearest should weigh more, what is far less.
+        // Shift weight from the farthest obstacle after the step to the nearest.
         let (mut near, mut far) = ((0, f64::INFINITY), (0, f64::NEG_INFINITY));
         for (i, t) in known.iter().enumerate() {
             let after = t.distance + reach * t.away.dot(pull);

@@ -1,10 +1,10 @@
-//! Whether a mesh can be filled, and what it encloses.
+//! Checks of meshes, and the volume that they enclose.
 
 use super::PackError;
 use crate::construct::{Mesh, OpenEdge, Unclosed, check_closed};
 use glam::DVec3;
 
-/// Proves that a mesh is one that can be filled, but for its volume.
+/// Checks that a mesh can be filled, except for its volume.
 pub(super) fn check(mesh: &Mesh<'_>) -> Result<(), PackError> {
     if mesh.triangles.is_empty() {
         return Err(PackError::Empty);
@@ -17,11 +17,11 @@ pub(super) fn check(mesh: &Mesh<'_>) -> Result<(), PackError> {
     })
 }
 
-/// A volume below this share of the sum of the tetrahedra's is rounding: 2^-40.
+/// A volume below this fraction of the tetrahedra's total volume is rounding: 2^-40.
 const ROUNDING: f64 = f64::EPSILON * 4096.0;
 
-/// The volume that closed triangles enclose, whatever their orientation: the sum of signed tetrahedra over a
-/// point among them.
+/// The volume that closed triangles enclose, for either orientation: the sum of the signed tetrahedra with apex
+/// `middle`.
 pub(super) fn volume(triangles: &[[DVec3; 3]], middle: DVec3) -> Option<f64> {
     let (mut sum, mut magnitude) = (0.0_f64, 0.0);
     for t in triangles {

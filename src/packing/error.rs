@@ -4,19 +4,19 @@ use crate::construct::{BuildError, OpenEdge};
 use crate::range::Point;
 use core::fmt;
 
-/// Why a mesh cannot be filled with spheres.
+/// Why a mesh cannot be packed with spheres.
 #[derive(Copy, Clone, PartialEq, Debug)]
 #[non_exhaustive]
 pub enum PackError {
     /// The mesh has no triangle.
     Empty,
-    /// Vertices, triangles or their numbers are not what a tree can be built of: a coordinate that is not
-    /// finite or out of [range](crate::range), an index of a vertex that there is not.
+    /// The mesh is malformed: a coordinate is not finite or out of [range](crate::range), a vertex index is out of
+    /// bounds, or there are too many elements.
     Mesh(BuildError),
-    /// Not as many triangles run along an edge in one direction as in the other: the mesh has a border
-    /// there, or its triangles are not oriented alike.
+    /// The numbers of triangles that run along an edge in the two directions differ: the mesh has a border there, or
+    /// its triangles are not oriented consistently.
     Open {
-        /// The edge's two vertices: of several with the same coordinates the first.
+        /// The edge's two vertices; of several with the same coordinates the first.
         edge: [u32; 2],
         /// Their coordinates.
         corners: [Point; 2],
@@ -27,7 +27,7 @@ pub enum PackError {
     },
     /// The mesh encloses no volume, up to rounding.
     Flat,
-    /// The caller of [`super::Packer::pack_with`] wished to stop.
+    /// The observer of [`super::Packer::pack_with`] cancelled.
     Cancelled,
 }
 

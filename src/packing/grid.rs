@@ -1,4 +1,4 @@
-//! The spheres that were placed, by size and place: which of them are near a point.
+//! The placed spheres in a spatial hash, by size and position.
 
 use alloc::vec::Vec;
 use glam::{DVec3, I64Vec3};
@@ -11,47 +11,47 @@ pub(super) struct Ball {
 }
 
 impl Ball {
-    /// How far `p` is outside, up to rounding; negative inside.
+    /// The distance of `p` from the ball, up to rounding; negative inside.
     pub(super) fn gap(&self, p: DVec3) -> f64 {
         self.centre.distance(p) - self.radius
     }
 }
 
-/// Balls of one size: radii `2^exponent` to twice that.
+/// Balls of similar size: radii from `2^exponent` to twice that.
 #[derive(Copy, Clone, Debug)]
 struct SizeClass {
     exponent: i32,
-    /// One over the width of a cell, which is twice the greatest radius.
+    /// One over the width of a cell, which is twice the upper bound of the radii.
     per_cell: f64,
     greatest: f64,
 }
 
-/// Placed balls, hashed by the cells of a grid for each size. Cells that share a bucket cost time, and nothing
-/// else: who asks looks at more balls than there are near.
+/// Placed balls, hashed by the cells of one grid per size class. Collisions of cells only cost time: a query visits
+/// more balls than are near.
 #[derive(Clone, Debug)]
 pub(super) struct Placed {
     balls: Vec<Ball>,
-    /// The next ball in the same bucket, one more than its index.
+    /// The next ball in the same bucket, as index + 1; 0 for none.
     next: Vec<u32>,
-    /// The first ball of each bucket, one more than its index; 0 for none. A power of two.
+    /// The first ball of each bucket, as index + 1; 0 for none. The length is a power of two.
     buckets: Vec<u32>,
-    /// Greatest first.
+    /// Largest first.
     classes: Vec<SizeClass>,
 }
 
 impl Placed {
-    /// None yet, with room for so many.
+    /// Empty, sized for `count` balls.
     pub(super) fn new(count: usize) -> Self {
         let buckets = (4 * count.min(1 << 20)).next_power_of_two();
         Self { balls: Vec::new(), next: Vec::new(), buckets: alloc::vec![0; buckets], classes: Vec::new() }
     }
 
-    /// In the order in which they were placed.
+    /// The balls in order of placement.
     pub(super) fn balls(&self) -> &[Ball] {
         &self.balls
     }
 
-    /// Places one more.
+    /// Adds a ball.
     pub(super) fn add(&mut self, ball: Ball) {
         let exponent = (ball.radius.to_bits() >> 52) as i32 - 1023;
         let class = match self.classes.iter().position(|class| class.exponent <= exponent) {
@@ -72,14 +72,14 @@ impl Placed {
         self.balls.push(ball);
     }
 
-    /// Shows `visit` every ball whose gap to `p` may be at most `limit`, which it may lower.
+    /// Calls `visit` with every ball whose gap to `p` may be at most `limit`. `visit` may lower the limit.
     pub(super) fn near(&self, p: DVec3, mut limit: f64, mut visit: impl FnMut(u32, &Ball, &mut f64)) {
         for class in &self.classes {
             let reach = limit + class.greatest;
             let (low, high) = (cell_of(p - reach, class.per_cell), cell_of(p + reach, class.per_cell));
             let cells = (high - low + 1).as_dvec3().element_product();
             if cells > self.balls.len() as f64 {
-                // Small balls, and much room around the point.
+                // More cells than balls: small balls, and much free space around the point.
                 (0..).zip(&self.balls).for_each(|(index, ball)| visit(index, ball, &mut limit));
                 return;
             }
@@ -98,12 +98,12 @@ impl Placed {
         }
     }
 
-    /// The radius of a ball that is certainly disjoint from all others: at most its own.
+    /// The radius at which a ball is certainly disjoint from all others; at most its own.
     pub(super) fn certain_clearance(&self, ball: &Ball) -> f64 {
         /// Three differences, their squares, two sums and a root; the difference of two radii.
         const ROUNDINGS: f64 = 1.0 - 8.0 * f64::EPSILON;
         let mut free = ball.radius;
-        // A little farther, since gaps are rounded.
+        // Search slightly farther, since gaps are rounded.
         self.near(ball.centre, 1.0001 * ball.radius, |_, other, _| {
             let apart = other.centre.distance(ball.centre) * ROUNDINGS;
             free = free.min((apart - other.radius) * ROUNDINGS);
@@ -111,7 +111,7 @@ impl Placed {
         free
     }
 
-    /// All of them.
+    /// All balls, in order of placement.
     pub(super) fn into_balls(self) -> Vec<Ball> {
         self.balls
     }
@@ -121,7 +121,7 @@ impl Placed {
         let mut best: Option<(f64, u32)> = None;
         self.near(p, limit, |index, ball, limit| {
             let reach = *limit + ball.radius;
-            // No root for the most.
+            // Most balls are rejected without a square root.
             if reach > 0.0 && ball.centre.distance_squared(p) < reach * reach {
                 let gap = ball.gap(p);
                 if gap < *limit {
@@ -133,7 +133,7 @@ impl Placed {
         best
     }
 
-    /// Cells that are hashed alike only cost time.
+    /// The hash bucket of a cell.
     fn bucket(&self, exponent: i32, cell: [i64; 3]) -> usize {
         const FACTORS: [u64; 3] = [0x9e37_79b9_7f4a_7c15, 0xc2b2_ae3d_27d4_eb4f, 0x1656_67b1_9e37_79f9];
         let mut hash = exponent as u64;
@@ -145,7 +145,7 @@ impl Placed {
     }
 }
 
-/// The cell of a point. No coordinate is near -16, and so what is cut off is what a floor cuts off.
+/// The cell of a point. Coordinates are far above -16, so truncation rounds down.
 fn cell_of(p: DVec3, per_cell: f64) -> I64Vec3 {
     ((p + 16.0) * per_cell).as_i64vec3()
 }

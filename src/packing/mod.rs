@@ -1,4 +1,4 @@
-//! Sphere packings: a closed mesh, filled with disjoint spheres, the largest that fits first.
+//! Sphere packings: fill a closed mesh with disjoint spheres, greedily, the largest that fits first.
 //!
 //! ```
 //! use simdop::{construct::Mesh, packing::Packer};
@@ -18,29 +18,28 @@
 //! # Ok::<(), simdop::packing::PackError>(())
 //! ```
 //!
-//! Packings stand for volumes: how deep two bodies are in each other is what their spheres have in common
-//! (Weller and Zachmann, *Inner Sphere Trees for Proximity and Penetration Queries*, RSS 2009; Weller, Mainzer,
-//! Srinivas, Teschner, Zachmann, *Massively Parallel Batch Neural Gas for Bounding Volume Hierarchy
-//! Construction*, VRIPHYS 2014, section 3). [`text`] reads and writes them.
+//! Packings represent volumes: the penetration volume of two bodies is the overlap of their spheres (Weller and
+//! Zachmann, *Inner Sphere Trees for Proximity and Penetration Queries*, RSS 2009; Weller, Mainzer, Srinivas,
+//! Teschner, Zachmann, *Massively Parallel Batch Neural Gas for Bounding Volume Hierarchy Construction*, VRIPHYS
+//! 2014, section 3). [`text`] reads and writes them.
 //!
 //! # Guarantees
 //!
-//! * **Inside.** Each sphere lies inside the mesh: no triangle has a point nearer to its centre than its
-//!   radius, and a ray from its centre crosses the mesh an odd number of times. Both hold in exact arithmetic,
-//!   for the coordinates as given (those below [`MIN_COORDINATE`](crate::range::MIN_COORDINATE) are zero).
-//! * **Disjoint.** Two centres are at least as far apart as the sum of the radii, in exact arithmetic: spheres
-//!   touch at most.
-//! * **Determinism.** The same spheres on every machine and, with the feature `rayon`, from any number of
-//!   threads: those of the current pool.
+//! * **Inside.** Each sphere lies inside the mesh: no point of a triangle is nearer to its centre than its radius,
+//!   and a ray from its centre crosses the mesh an odd number of times. Both hold in exact arithmetic for the given
+//!   coordinates, with those below [`MIN_COORDINATE`](crate::range::MIN_COORDINATE) set to 0.
+//! * **Disjoint.** The distance between two centres is at least the sum of the radii, in exact arithmetic: spheres at
+//!   most touch.
+//! * **Determinism.** The same spheres on every machine and, with the feature `rayon`, for any number of threads in
+//!   the current pool.
 //!
-//! How large a sphere is, and that it is the largest, is not exact. It is at a place where the clearance is a
-//! local maximum, to about a 1000th, and no smaller than two thirds of the largest that would have fit there
-//! and then. (Where proving that would take too long, as in curved shells a thousand times as wide as they are
-//! thick, it is two thirds of the largest that a few hundred trials found.)
+//! The size of a sphere is approximate. Its centre is a local maximum of the clearance, to about 1/1000, and its
+//! radius is at least two thirds of the largest that would have fit at that time. (Where proving that would take too
+//! long, as in curved shells a thousand times as wide as they are thick, it is at least two thirds of the largest
+//! that a few hundred trials found.)
 //!
-//! Radii are numbers in single precision, and so are centres where that costs less than a 1000th of the
-//! radius: in all but meshes that are far from their origin. Trees of such spheres are stored in single
-//! precision.
+//! Radii are single-precision numbers, and so are centres where rounding costs less than 1/1000 of the radius, that
+//! is, in all meshes but those far from their origin. Trees of such spheres are stored in single precision.
 
 mod ascent;
 mod closed;
@@ -62,7 +61,7 @@ use alloc::vec::Vec;
 use core::ops::ControlFlow;
 use surface::Surface;
 
-/// How to fill a mesh.
+/// Fills meshes with spheres.
 #[derive(Copy, Clone, PartialEq, Eq, Debug)]
 pub struct Packer {
     spheres: usize,
@@ -71,22 +70,22 @@ pub struct Packer {
 /// Disjoint spheres inside a mesh.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Packing {
-    /// The spheres, in the mesh's unit, in the order in which they were placed: the greatest first, roughly. None
-    /// is more than some half larger than one before it.
+    /// The spheres, in the mesh's unit, in the order of placement: roughly the largest first. None is more than about
+    /// 1.5 times as large as one before it.
     pub spheres: Vec<Sphere>,
-    /// The volume that the mesh encloses, in its unit to the third: the sum of signed tetrahedra, so that
-    /// what is enclosed twice counts twice.
+    /// The volume that the mesh encloses, in its unit cubed: the sum of signed tetrahedra, so that a region enclosed
+    /// twice counts twice.
     pub volume: f64,
 }
 
-/// How far a packing is.
+/// Progress of a packing.
 #[derive(Copy, Clone, PartialEq, Debug)]
 pub struct Filling {
-    /// Spheres that were placed.
+    /// Number of spheres placed.
     pub placed: usize,
-    /// Spheres that were asked for.
+    /// Number of spheres requested.
     pub asked: usize,
-    /// The share of the volume that they cover.
+    /// The fraction of the volume that they cover.
     pub share: f64,
 }
 
@@ -97,26 +96,26 @@ impl Default for Packer {
 }
 
 impl Packer {
-    /// For 1000 spheres.
+    /// Requests 1000 spheres.
     #[must_use]
     pub const fn new() -> Self {
         Self { spheres: 1000 }
     }
 
-    /// For so many spheres.
+    /// Sets the number of spheres.
     #[must_use]
     pub const fn spheres(self, spheres: usize) -> Self {
         Self { spheres }
     }
 
-    /// Fills a mesh. There are fewer spheres than asked for if no other fits whose radius is above a 2^-21st
+    /// Fills a mesh. The result has fewer spheres than requested if no other sphere fits whose radius is above 2^-21
     /// of the mesh's width.
     ///
-    /// The mesh must be closed: with corners of the same coordinates joined, as many of its triangles run along
-    /// each edge in one direction as in the other. Two is usual; four, where parts touch along an edge, are
-    /// welcome, and so are triangles without area. It may have several parts and hollows, and be turned inside
-    /// out. Inside is where a ray crosses it an odd number of times: of parts that overlap each other, what they
-    /// have in common is not.
+    /// The mesh must be closed: with vertices of equal coordinates merged, as many of its triangles run along each
+    /// edge in one direction as in the other. Usually that is one in each direction; two in each, where parts touch
+    /// along an edge, and degenerate triangles are accepted too. The mesh may have several parts and cavities, and
+    /// either orientation. A point is inside if a ray from it crosses the mesh an odd number of times: the
+    /// intersection of two overlapping parts is outside.
     ///
     /// # Errors
     /// [`PackError`].
@@ -124,18 +123,18 @@ impl Packer {
         self.pack_with(mesh, &mut |_| ControlFlow::Continue(()))
     }
 
-    /// [`Packer::pack`], telling `observer` every few hundred spheres, or more often, how far it is, and stopping
-    /// when told to.
+    /// As [`Packer::pack`], reporting progress to `observer` at least every few hundred spheres. Stops if `observer`
+    /// returns `Break`.
     ///
     /// # Errors
-    /// [`PackError`]: of the mesh, or [`PackError::Cancelled`] if `observer` returned `Break`.
+    /// [`PackError`], of the mesh, or [`PackError::Cancelled`] if `observer` returned `Break`.
     pub fn pack_with(
         &self,
         mesh: &Mesh<'_>,
         observer: &mut dyn FnMut(Filling) -> ControlFlow<()>,
     ) -> Result<Packing, PackError> {
         closed::check(mesh)?;
-        // By a power of two: without rounding.
+        // Scale by a power of two: exact.
         let corners = mesh.triangles.iter().flatten().flat_map(|&v| mesh.vertices[v as usize]);
         let scale = scale_to_one(corners.fold(0.0, |greatest: f64, x| greatest.max(x.abs())));
         let vertices: Vec<Point> = mesh.vertices.iter().map(|p| p.map(|x| flush(x) * scale)).collect();
@@ -161,10 +160,9 @@ impl Packer {
 }
 
 impl Packing {
-    /// The share of the mesh's volume that the first spheres cover: one after the first, another after the
-    /// second, and so on.
+    /// The cumulative fraction of the mesh's volume that the spheres cover: the first, the first two, and so on.
     pub fn shares(&self) -> impl Iterator<Item = f64> {
-        // In shares of the volume from the start: the cube of a radius may be too small a number.
+        // Relative to the volume from the start: the cube of a radius may underflow.
         let unit = libm::cbrt(self.volume);
         self.spheres.iter().scan(0.0, move |covered, sphere| {
             *covered += sphere::volume(sphere.radius / unit);

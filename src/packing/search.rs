@@ -1,14 +1,13 @@
 //! The search for the largest sphere that fits.
 //!
-//! Cubes that fill the mesh wait in a queue, those first in which the largest sphere may have its centre. The
-//! clearance changes by no more than one moves, so that of any point of a cube is at most that of its centre
-//! and half of the cube's diagonal. Spheres only ever take room away: a bound that is out of date is one still,
-//! and is brought up to date when the cube's turn comes.
+//! Cubes that fill the mesh are queued by an upper bound of the radius of a sphere centred in them. The clearance is
+//! 1-Lipschitz, so in a cube it is at most that of its centre plus half the cube's diagonal. Placing spheres only
+//! reduces the clearance: an outdated bound remains valid, and is updated when its cube is removed from the queue.
 //!
-//! A round takes cubes from the head of the queue whose bound is close to the greatest. Where the centre's
-//! clearance is close to it as well, a sphere climbs from there to where it is largest; other cubes are cut
-//! into eight. The number of cubes does not depend on the number of threads, and what is found is put in its
-//! place in one order, so that the packing does not depend on it either.
+//! A round takes the cubes from the queue whose bound is close to the greatest. If the clearance of a cube's centre
+//! is close to that as well, an ascent from there finds the local maximum; otherwise the cube is split into eight.
+//! The number of cubes per round does not depend on the number of threads, and results are placed in a fixed order,
+//! so the packing does not depend on the number of threads either.
 
 use super::ascent::Clearance;
 use super::cube::{Cube, PROVEN, Queue};
@@ -18,47 +17,47 @@ use crate::parallel;
 use alloc::vec::Vec;
 use core::ops::ControlFlow;
 
-/// What becomes of a cube in a round.
+/// What a round does with a cube.
 #[derive(Copy, Clone, PartialEq, Eq, Debug)]
 enum Fate {
-    /// It waits for another round.
+    /// Returns to the queue.
     Waits,
-    /// A sphere climbs from its centre.
+    /// An ascent starts from its centre.
     Climbs,
-    /// It is cut into eight.
+    /// Is split into eight.
     Cut,
-    /// It is cut again and again, where there is most room, until a sphere can climb.
+    /// Is split repeatedly, following the largest clearance, until an ascent can start.
     Dives,
-    /// It is cut up, or of no use.
+    /// Has been split, or is of no use.
     Gone,
 }
 
-/// A cube in its round.
+/// A cube and its result in a round.
 #[derive(Clone, Debug)]
 struct Task {
     cube: Cube,
     fate: Fate,
-    /// What it was cut into.
+    /// Cubes to queue.
     parts: Vec<Cube>,
-    /// What it led to.
+    /// The sphere found.
     found: Option<Ball>,
 }
 
-/// Cubes of a round, at most.
+/// Maximum number of cubes per round.
 const ROUND: usize = 256;
-/// Cubes that a thread takes at once.
+/// Cubes per task of a thread.
 const CHUNK: usize = 4;
-/// What a bound must be of the greatest to be looked at in the same round, and a clearance to be climbed from.
+/// The least ratio of a bound, to be processed, or of a clearance, to start an ascent, to the greatest bound.
 const CLOSE: f64 = 0.7;
-/// Cuts of a dive, at most, times 8: more lead into a corner.
+/// Maximum number of cubes that a dive makes, eight per split. Longer dives lead into a corner.
 const DIVE: usize = 24 * 8;
-/// Cubes that may be cut, in all and for each sphere placed. Beyond that, spheres are placed that are the
-/// largest of those that a round finds: in a plate that is not along the axes, proving that no sphere is larger
-/// takes as many cubes as cover it. Most meshes need 20 to 40 for each sphere.
+/// Number of splits allowed: a constant, and per sphere placed. Beyond that, the largest spheres that a round finds
+/// are placed without proof: in a plate that is not along the axes, proving that no sphere is larger takes as many
+/// cubes as cover the plate. Most meshes need 20 to 40 splits per sphere.
 const PATIENCE: (usize, usize) = (1 << 14, 128);
 
-/// Spheres in the order in which they were placed: `count` of them, or as many as there is room for. `None` if
-/// the observer, who is shown them all after every round that placed some, said so.
+/// Spheres in order of placement: `count`, or as many as fit. The observer gets all of them after every round that
+/// placed some. `None` if it breaks.
 pub(super) fn fill(
     surface: &Surface,
     count: usize,
@@ -101,11 +100,11 @@ pub(super) fn fill(
     Some(placed.into_balls())
 }
 
-/// Says which cubes wait, which are cut, and from which a sphere climbs, where `rest` is a bound of all others.
+/// Decides the fate of each cube. `rest` bounds all cubes that are still queued.
 fn decide(tasks: &mut [Task], rest: f64, is_overdue: bool) {
     let greatest = tasks.iter().map(|task| task.cube.bound).fold(rest, f64::max);
     let close = CLOSE * greatest;
-    // The largest spheres first; of those that climb, none inside of another: both would end at one place.
+    // Largest clearance first. An ascent does not start inside the sphere of another: both would end at one place.
     tasks.sort_by(|a, b| b.cube.clearance.total_cmp(&a.cube.clearance));
     for index in 0..tasks.len() {
         let cube = tasks[index].cube;
@@ -125,7 +124,8 @@ fn decide(tasks: &mut [Task], rest: f64, is_overdue: bool) {
     }
 }
 
-/// Places what was found, the largest first, as far as it fits beside what came before and is not much smaller.
+/// Places the spheres found, largest first, except those that overlap earlier ones or are much smaller than the
+/// largest.
 fn place(tasks: &[Task], placed: &mut Placed, count: usize) {
     let mut found: Vec<Ball> = tasks.iter().filter_map(|task| task.found).collect();
     found.sort_by(|a, b| b.radius.total_cmp(&a.radius));
@@ -171,8 +171,7 @@ impl Task {
         }
     }
 
-    /// Finds a sphere. Where nothing can be proved of it, parts of the cube may lead to another, but not for
-    /// ever.
+    /// Ascends to a sphere. If it cannot be proven, parts of the cube are queued, down to a minimum size.
     fn climb(&mut self, room: &Clearance<'_>) {
         self.found = self.cube.climbed(room);
         self.fate = if self.found.is_some() { Fate::Climbs } else { Fate::Gone };
@@ -182,7 +181,7 @@ impl Task {
     }
 }
 
-/// The largest number in single precision that is not above a radius.
+/// The largest single-precision number not above a radius.
 fn round_down(radius: f64) -> f64 {
     let nearest = radius as f32;
     f64::from(if f64::from(nearest) > radius { nearest.next_down() } else { nearest })

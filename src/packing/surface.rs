@@ -1,10 +1,10 @@
-//! Points against the surface: how far away it is, whether it is around them.
+//! Distances from the surface, and inside tests.
 //!
-//! All of packing computes in a unit of length in which no coordinate is above 2, a power of two times the
-//! mesh's: what is exact in one is exact in the other, and nothing over- or underflows.
+//! All of packing computes in a unit of length in which no coordinate is above 2: a power of two times the mesh's
+//! unit. So scaling is exact, and nothing overflows or underflows.
 //!
-//! The tree is the library's own, over boxes. Its planes are keys; to ask thousands of points a millisecond
-//! they are decoded once, into `f32`.
+//! The tree is the library's own, over boxes. Its keys are decoded to `f32` once, since thousands of points per
+//! millisecond are tested.
 
 use crate::construct::{Builder, Mesh};
 use crate::frame::Frame;
@@ -17,7 +17,7 @@ use alloc::vec::Vec;
 use glam::DVec3;
 use robust::{Coord, Coord3D, orient2d, orient3d};
 
-/// The boxes of a node's lanes, in the tree's frame. Those of unused lanes are empty.
+/// The boxes of a node's lanes, in the tree's frame. Unused lanes are empty boxes.
 #[derive(Clone, Debug)]
 struct LaneBoxes {
     low: [[f32; 16]; 3],
@@ -30,14 +30,14 @@ struct LaneBoxes {
 pub(super) struct Surface {
     frame: Frame,
     nodes: Vec<LaneBoxes>,
-    /// In the order of the leaves.
+    /// In leaf order.
     triangles: Vec<[DVec3; 3]>,
 }
 
-/// Pending lanes: of each level all but the one that was entered.
+/// Stack size: on each level, all lanes but the one that is entered.
 const STACK: usize = MAX_DEPTH * 15 + 16;
 
-/// What rounding a point and a gap to `f32` may cost, in the frame, where coordinates are below 2^9.
+/// Bounds the error of rounding a point and a gap to `f32`, in the frame, where coordinates are below 2^9.
 const SLACK: f32 = 1.0 / 4096.0;
 
 impl Surface {
@@ -50,7 +50,7 @@ impl Surface {
         Ok(Self { frame: view.frame(), nodes, triangles })
     }
 
-    /// In the order of the leaves.
+    /// The triangles, in leaf order.
     pub(super) fn triangles(&self) -> &[[DVec3; 3]] {
         &self.triangles
     }
@@ -60,13 +60,13 @@ impl Surface {
         DVec3::from_array(self.frame.centre)
     }
 
-    /// The triangle that is nearest to `p`, and its distance. `likely` is tried first.
+    /// The triangle nearest to `p`, and its distance. `likely` is tried first.
     pub(super) fn nearest(&self, p: DVec3, likely: u32) -> (f64, u32) {
         let mut best = (self.closest(likely, p).distance_squared(p), likely);
         let mut distance = libm::sqrt(best.0);
         self.near(p, distance, |index, limit| {
             let square = self.closest(index, p).distance_squared(p);
-            // The lower index of two that are equally far: whichever of them was likely.
+            // The lower index of two at equal distance, whichever was tried first.
             if (square, index) < best {
                 best = (square, index);
                 distance = libm::sqrt(square);
@@ -76,14 +76,14 @@ impl Surface {
         (distance, best.1)
     }
 
-    /// The point of a triangle that is closest to `p`, up to rounding.
+    /// The point of a triangle closest to `p`, up to rounding.
     pub(super) fn closest(&self, index: u32, p: DVec3) -> DVec3 {
         closest(p, &self.triangles[index as usize])
     }
 
-    /// A radius that is certainly free: at most `limit`, and at most the distance of `p` from any triangle.
+    /// A radius that is certainly free: at most `limit`, and at most the distance from `p` to any triangle.
     pub(super) fn certain_clearance(&self, p: Point, limit: f64) -> f64 {
-        /// Bounds of a distance need not be closer than that: 2^-30.
+        /// Required relative accuracy of distance bounds: 2^-30.
         const TOLERANCE: f64 = f64::EPSILON * (1 << 22) as f64;
         let mut free = limit;
         self.near(DVec3::from_array(p), limit, |index, limit| {
@@ -96,21 +96,21 @@ impl Surface {
         free
     }
 
-    /// Whether a ray from `p` crosses the surface an odd number of times: decided exactly. Not if `p` is on
-    /// the surface.
+    /// Whether a ray from `p` crosses the surface an odd number of times. Exact. False if `p` is on the surface.
     ///
-    /// The ray runs along the first axis, from a point that is moved off all edges by less than any number
-    /// (`covers`).
+    /// The ray runs along the first axis. Its origin is symbolically perturbed off all edges (see `covers`).
     pub(super) fn is_inside(&self, p: DVec3) -> bool {
         self.crossings(p).is_some_and(|(number, _)| number % 2 == 1)
     }
 
-    /// Whether the surface winds around `p`, as often as it may: decided exactly, by the same ray. Not if `p` is on the surface.
+    /// Whether the surface has a nonzero winding number around `p`. Exact, by the same ray. False if `p` is on the
+    /// surface.
     pub(super) fn winds_around(&self, p: DVec3) -> bool {
         self.crossings(p).is_some_and(|(_, winding)| winding != 0)
     }
 
-    /// How often a ray from `p` crosses the surface, and how often more from one side than from the other; `None` if `p` is on it.
+    /// The number of crossings of a ray from `p` with the surface, and their signed sum; `None` if `p` is on the
+    /// surface.
     fn crossings(&self, p: DVec3) -> Option<(u32, i64)> {
         let at = self.in_frame(p);
         let mut stack = [Child::ROOT; STACK];
@@ -140,11 +140,11 @@ impl Surface {
         Some((number, winding))
     }
 
-    /// Shows `visit` every triangle that may be at most `limit` from `p`, those in nearer boxes first. It may
+    /// Calls `visit` with every triangle that may be within `limit` of `p`, those in nearer boxes first. `visit` may
     /// lower the limit.
     fn near(&self, p: DVec3, mut limit: f64, mut visit: impl FnMut(u32, &mut f64)) {
         let (at, scale) = (self.in_frame(p), self.frame.scale());
-        // Far more than the rounding of a few operations in `f32`.
+        // The factor covers the rounding of a few `f32` operations.
         let square = |limit: f64| (limit * limit * (scale * scale) * 1.0001) as f32;
         let mut stack = [(Child::ROOT, 0.0_f32); STACK];
         let mut len = 1;
@@ -162,7 +162,7 @@ impl Surface {
                     let (bound, start) = (square(limit), len);
                     for (child, gap) in node.child.iter().zip(node.gaps(at)) {
                         if gap <= bound {
-                            // The nearest comes to lie on top.
+                            // Keep the nearest on top of the stack.
                             let mut place = len;
                             while place > start && stack[place - 1].1 < gap {
                                 stack[place] = stack[place - 1];
@@ -197,7 +197,7 @@ impl LaneBoxes {
         boxes
     }
 
-    /// Squares of lower bounds of each lane's distance from a point, in the frame.
+    /// Squares of lower bounds of the distances between a point and each lane's box, in the frame.
     #[inline]
     fn gaps(&self, p: [f32; 3]) -> [f32; 16] {
         let mut sums = [0.0; 16];
@@ -212,7 +212,7 @@ impl LaneBoxes {
         sums
     }
 
-    /// Whether each lane may be met by the ray from a point along the first axis.
+    /// Whether the ray from a point along the first axis may hit each lane.
     #[inline]
     fn on_ray(&self, [x, y, z]: [f32; 3]) -> [bool; 16] {
         let mut met = [false; 16];
@@ -227,7 +227,8 @@ impl LaneBoxes {
     }
 }
 
-/// Whether the ray from `p` along the first axis crosses a triangle, 1 or -1 by its side; `None` if `p` is in it. Exact.
+/// Whether the ray from `p` along the first axis crosses a triangle: 0, or 1 or -1 by direction; `None` if `p` is in
+/// the triangle. Exact.
 fn crosses(t: &[DVec3; 3], p: DVec3) -> Option<i32> {
     if !covers(t, p) {
         return Some(0);
@@ -235,17 +236,17 @@ fn crosses(t: &[DVec3; 3], p: DVec3) -> Option<i32> {
     let flat = |p: DVec3| Coord { x: p.y, y: p.z };
     let solid = |p: DVec3| Coord3D { x: p.x, y: p.y, z: p.z };
     let [a, b, c] = *t;
-    // The first component of the normal, which is not zero where the triangle covers anything, and the side of
-    // the plane that `p` is on: below is positive.
+    // The first component of the normal, which is not zero if the triangle covers anything, and the side of the plane
+    // that `p` is on, positive below.
     let facing = orient2d(flat(a), flat(b), flat(c));
     let below = orient3d(solid(a), solid(b), solid(c), solid(p));
     let side = if facing > 0.0 { 1 } else { -1 };
     (below != 0.0).then_some(if (below > 0.0) == (facing > 0.0) { side } else { 0 })
 }
 
-/// Whether a triangle, seen along the first axis, covers `p`, moved by less than any number along the second
-/// axis, then along the third by less still. Each edge is looked at in the same way from both of its
-/// triangles, so that `p` crosses over from one to the other.
+/// Whether a triangle, projected along the first axis, covers `p`, which is symbolically perturbed along the second
+/// axis, and by infinitely less along the third. Both triangles at an edge evaluate it identically, so `p` is on
+/// exactly one side.
 fn covers(t: &[DVec3; 3], p: DVec3) -> bool {
     let flat = |p: DVec3| Coord { x: p.y, y: p.z };
     let mut is_covered = false;
@@ -258,8 +259,8 @@ fn covers(t: &[DVec3; 3], p: DVec3) -> bool {
     is_covered
 }
 
-/// The point of a triangle that is closest to `p`, up to rounding (Ericson, *Real-Time Collision Detection*,
-/// section 5.1.5). Edges without length are left to the others.
+/// The point of a triangle closest to `p`, up to rounding (Ericson, *Real-Time Collision Detection*, section 5.1.5).
+/// Edges of length 0 are skipped; the other edges cover them.
 fn closest(p: DVec3, &[a, b, c]: &[DVec3; 3]) -> DVec3 {
     let (ab, ac, ap) = (b - a, c - a, p - a);
     let (d1, d2) = (ab.dot(ap), ac.dot(ap));

@@ -1,39 +1,39 @@
-//! Packings as text, as they are published: a sphere a line, `x y z r`.
+//! Packings as text, in the common format: one sphere per line, `x y z r`.
 //!
-//! Numbers are decimals with white space between them. `#` begins a comment, to the end of the line; lines
-//! without a sphere are passed over. Lines end in LF, CR LF or CR, also the last one: the last number of a text
-//! that was cut would otherwise pass for a shorter one.
+//! Numbers are decimals separated by white space. `#` starts a comment that extends to the end of the line; lines
+//! without a sphere are skipped. Lines end in LF, CR LF or CR. The last line must end too: otherwise a truncated
+//! number could be read as a shorter one.
 
 use crate::primitive::Sphere;
 use crate::range::MAX_COORDINATE;
 use alloc::vec::Vec;
 use core::fmt;
 
-/// What is wrong with a text, and on which of its lines, counted from 1.
+/// An error in a text, with its line, counted from 1.
 #[derive(Copy, Clone, PartialEq, Eq, Debug)]
 #[non_exhaustive]
 pub enum TextError {
-    /// There is no sphere in it.
+    /// The text has no sphere.
     Empty,
-    /// A word is no number.
+    /// A word is not a number.
     Word {
         /// The line.
         line: usize,
-        /// Which word of the line, from 0.
+        /// Index of the word in the line, from 0.
         word: usize,
     },
-    /// There are fewer than four numbers on a line, or more.
+    /// A line does not have exactly four numbers.
     Count {
         /// The line.
         line: usize,
-        /// How many words there are.
+        /// The number of words.
         count: usize,
     },
     /// A coordinate or a radius is NaN, infinite, or beyond [`MAX_COORDINATE`].
     Range {
         /// The line.
         line: usize,
-        /// Which number of the line, from 0: x, y, z, r.
+        /// Index of the number in the line, from 0: x, y, z, r.
         word: usize,
     },
     /// A radius is negative.
@@ -41,7 +41,7 @@ pub enum TextError {
         /// The line.
         line: usize,
     },
-    /// The last line does not end: the text may have been cut there.
+    /// The last line has no line ending: the text may have been truncated.
     Cut {
         /// The line.
         line: usize,
@@ -49,7 +49,7 @@ pub enum TextError {
 }
 
 impl TextError {
-    /// The line that is wrong, from 1, if it is one.
+    /// The line of the error, from 1, if there is one.
     #[must_use]
     pub const fn line(&self) -> Option<usize> {
         match *self {
@@ -83,10 +83,10 @@ impl core::error::Error for TextError {}
 
 const NAMES: [&str; 4] = ["x", "y", "z", "the radius"];
 
-/// The spheres of a text, in their order. They may overlap: only their numbers are checked.
+/// Reads the spheres of a text, in order. They may overlap: only the numbers are checked.
 ///
 /// # Errors
-/// [`TextError`]: nothing is dropped or repaired in silence.
+/// [`TextError`]. Nothing is silently dropped or repaired.
 pub fn read(text: &str) -> Result<Vec<Sphere>, TextError> {
     let mut spheres = Vec::new();
     let mut rest = text;
@@ -102,7 +102,7 @@ pub fn read(text: &str) -> Result<Vec<Sphere>, TextError> {
     if spheres.is_empty() { Err(TextError::Empty) } else { Ok(spheres) }
 }
 
-/// The sphere of a line, if it is not blank.
+/// The sphere of a line, unless it is blank.
 fn sphere(content: &str, line: usize) -> Result<Option<Sphere>, TextError> {
     let count = content.split_whitespace().count();
     if count == 0 {
@@ -128,11 +128,10 @@ fn sphere(content: &str, line: usize) -> Result<Option<Sphere>, TextError> {
     }
 }
 
-/// Writes spheres, in their order: each number as the shortest decimal that [`read`] reads back with the same
-/// bits.
+/// Writes spheres in order, each number as the shortest decimal that [`read`] parses to the same bits.
 ///
 /// # Errors
-/// Those of `out`.
+/// The errors of `out`.
 pub fn write(spheres: &[Sphere], out: &mut impl fmt::Write) -> fmt::Result {
     spheres
         .iter()

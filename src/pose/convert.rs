@@ -1,4 +1,4 @@
-//! Poses from the types of other crates.
+//! Poses from types of other crates.
 
 use super::{Pose, PoseError, is_near};
 use glam::{Affine3, Affine3A, DAffine3, DMat3, DQuat, DVec3, Mat3, Quat, Vec3};
@@ -30,7 +30,7 @@ impl TryFrom<(DQuat, DVec3)> for Pose {
         if !(rotation.is_finite() && translation.is_finite()) {
             return Err(PoseError::NotFinite);
         }
-        // The matrix would not show it: that of (0, 0, 0, w) is the identity for every w.
+        // Check the quaternion: the matrix of (0, 0, 0, w) is the identity for every w.
         let deviation = (rotation.length_squared() - 1.0).abs();
         if deviation > Self::TOLERANCE {
             return Err(PoseError::NotUnit { deviation });
@@ -57,7 +57,7 @@ mod of_mint {
     use super::{DQuat, DVec3, Pose, PoseError};
     use mint::{ColumnMatrix3x4, Quaternion, RowMatrix3x4, Vector3};
 
-    /// The number types that mint's are made of.
+    /// The scalar types of mint's poses.
     macro_rules! poses_of {
         ($($float:ty)*) => { $(
             impl TryFrom<RowMatrix3x4<$float>> for Pose {

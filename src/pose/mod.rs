@@ -1,4 +1,4 @@
-//! Rigid poses: where body A stands in the frame of body B.
+//! Rigid poses: the placement of body A in the frame of body B.
 
 use crate::range::{MAX_COORDINATE, MAX_MOVED, Point, flush};
 use crate::vector::{cross, dot, length};
@@ -15,34 +15,33 @@ pub use relative::Relative;
 
 /// A rigid motion `x -> R x + t`, in `f64`, in the unit of the bodies.
 ///
-/// The rows of R are the ones given, not re-orthogonalised: verdicts are exact for just this matrix.
+/// R is stored as given, without re-orthogonalisation: verdicts are exact for this matrix.
 #[derive(Copy, Clone, PartialEq, Debug)]
 pub struct Pose {
-    /// R by rows.
+    /// The rows of R.
     rows: [[f64; 3]; 3],
     translation: Point,
 }
 
-/// Why a matrix and a vector are not a pose.
+/// Why a matrix and a vector do not form a pose.
 #[derive(Copy, Clone, PartialEq, Debug)]
 #[non_exhaustive]
 pub enum PoseError {
     /// An entry is NaN or infinite.
     NotFinite,
-    /// The translation is longer than [`MAX_COORDINATE`].
+    /// A component of the translation is beyond [`MAX_COORDINATE`].
     TooFar,
-    /// The rows are not unit vectors at right angles within [`Pose::TOLERANCE`]: the largest deviation of `R
-    /// R^T` from 1.
+    /// The rows are not orthonormal within [`Pose::TOLERANCE`].
     NotOrthonormal {
         /// Largest absolute entry of `R R^T - 1`.
         deviation: f64,
     },
-    /// The matrix mirrors: its determinant is -1.
+    /// The matrix is a reflection: its determinant is -1.
     Mirrored,
-    /// The quaternion is not a unit one within [`Pose::TOLERANCE`]. A deviation of 1 is that of (0, 0, 0, 0),
-    /// which a message holds that nobody has filled in.
+    /// The quaternion does not have unit length within [`Pose::TOLERANCE`]. A deviation of 1 is that of (0, 0, 0, 0),
+    /// the value in an uninitialised message.
     NotUnit {
-        /// How far the sum of the squares of its components is from 1.
+        /// The absolute difference of the squared length from 1.
         deviation: f64,
     },
 }
@@ -71,20 +70,19 @@ impl fmt::Display for PoseError {
 impl core::error::Error for PoseError {}
 
 impl Pose {
-    /// Largest accepted absolute entry of `R R^T - 1`, and largest accepted `abs(q . q - 1)` of a quaternion
-    /// q: room for numbers written with five digits (which are 2e-5 off in a quaternion) or in `f32` (3e-7),
-    /// none for scaled ones.
+    /// Largest accepted absolute entry of `R R^T - 1`, and largest accepted `abs(q . q - 1)` of a quaternion q.
+    /// Accepts numbers written with five digits (which are 2e-5 off in a quaternion) or in `f32` (3e-7), and rejects
+    /// scaled rotations.
     pub const TOLERANCE: f64 = 1e-4;
 
     /// The identity.
     pub const IDENTITY: Self =
         Self { rows: [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]], translation: [0.0; 3] };
 
-    /// The pose `[R|t]` from three rows of four numbers.
+    /// The pose `[R|t]` from its three rows.
     ///
     /// # Errors
-    /// [`PoseError`] if a number is not finite, R is not a rotation within [`Pose::TOLERANCE`], or t is too
-    /// long.
+    /// [`PoseError`] if a number is not finite, R is not a rotation within [`Pose::TOLERANCE`], or t is too large.
     #[inline]
     pub fn from_rows(rows: [[f64; 4]; 3]) -> Result<Self, PoseError> {
         let [p, q, r] = rows;
@@ -95,11 +93,11 @@ impl Pose {
         pose.checked()
     }
 
-    /// A rotation and a translation. Quaternions and single-precision types, and those of mint and nalgebra with the features
-    /// of these names: through [`TryFrom`], which converts to `f64` first.
+    /// The pose of a rotation and a translation. [`TryFrom`] accepts quaternions and single-precision types, and
+    /// those of mint and nalgebra with the features of these names. It converts to `f64` first.
     ///
-    /// A quaternion must be a unit one within [`Pose::TOLERANCE`], and is then divided by its length: the
-    /// matrix is a rotation to within the rounding of `f64`, however few digits the quaternion came with.
+    /// A quaternion must have unit length within [`Pose::TOLERANCE`], and is then normalised. So the matrix is a
+    /// rotation to within `f64` rounding, even if the quaternion had few digits.
     ///
     /// ```
     /// use glam::{DQuat, DVec3};
@@ -117,23 +115,23 @@ impl Pose {
         Self { rows: [x, y, z], translation: translation.to_array() }.checked()
     }
 
-    /// R by rows.
+    /// The rows of R.
     #[inline]
     #[must_use]
     pub const fn rows(&self) -> &[[f64; 3]; 3] {
         &self.rows
     }
 
-    /// t.
+    /// The translation t.
     #[inline]
     #[must_use]
     pub const fn translation(&self) -> Point {
         self.translation
     }
 
-    /// `R p + t` in `f64`, each coordinate as `((r0 x + r1 y) + r2 z) + t` without fused operations: the same
-    /// bits everywhere, within 2^-50 (|R||p| + |t|) of the exact image. Coordinates below
-    /// [`crate::range::MIN_COORDINATE`] become zero; of a point within [`MAX_COORDINATE`] none is beyond
+    /// `R p + t` in `f64`, each coordinate as `((r0 x + r1 y) + r2 z) + t` without fused operations: the same bits on
+    /// every machine, within 2^-50 (|R||p| + |t|) of the exact image. Coordinates below
+    /// [`crate::range::MIN_COORDINATE`] become zero. The image of a point within [`MAX_COORDINATE`] is within
     /// [`MAX_MOVED`].
     #[cfg_attr(simdop_small, inline(never))]
     #[cfg_attr(not(simdop_small), inline(always))]
@@ -143,8 +141,8 @@ impl Pose {
         [flush(x), flush(y), flush(z)]
     }
 
-    /// The way back, for bodies about c: it takes the image of c to c, and ways from there to the ways from c by R
-    /// transposed. Not checked: it may lead farther than a pose.
+    /// The inverse motion about the image of c: maps the image of c to c, and offsets from it by the transpose of R.
+    /// Not checked: its translation may be larger than a pose's.
     pub(crate) fn back_to(&self, c: &Point) -> Self {
         let (r, q) = (&self.rows, self.unflushed_called(c));
         let along = |j: usize| c[j] - ((r[0][j] * q[0] + r[1][j] * q[1]) + r[2][j] * q[2]);
@@ -154,7 +152,7 @@ impl Pose {
         }
     }
 
-    /// Where the pose puts a point that need not be one of a body.
+    /// The image of any point, not necessarily of a body, without flushing small coordinates.
     #[inline(always)]
     pub(crate) fn unflushed(&self, p: &Point) -> Point {
         let coordinate = |i: usize| dot(&self.rows[i], p) + self.translation[i];
@@ -162,15 +160,15 @@ impl Pose {
         [coordinate(0), coordinate(1), coordinate(2)]
     }
 
-    /// [`Pose::unflushed`] where a call is of no account.
+    /// [`Pose::unflushed`], where the cost of a call does not matter.
     #[cfg_attr(simdop_small, inline(never))]
     #[cfg_attr(not(simdop_small), inline(always))]
     pub(crate) fn unflushed_called(&self, p: &Point) -> Point {
         self.unflushed(p)
     }
 
-    /// A turn about an axis through the origin, by an angle in radians. The axis is a unit vector up to rounding, and so the
-    /// matrix is a rotation.
+    /// A rotation about an axis through the origin, by an angle in radians. The axis is a unit vector up to rounding,
+    /// so the matrix is a rotation up to rounding.
     #[inline]
     pub(crate) fn turn(axis: &Point, angle: f64) -> Self {
         let (sine, cosine) = libm::sincos(angle);
@@ -186,8 +184,8 @@ impl Pose {
         }
     }
 
-    /// With a rotation, up to a few roundings, in place of a matrix that is accepted as one: the first row is kept but for its
-    /// length, and of the second what is at a right angle to it. No entry changes by more than twice what the matrix is off.
+    /// The pose with its matrix replaced by a rotation, up to a few roundings (Gram-Schmidt on the rows). No entry
+    /// changes by more than twice the matrix's deviation.
     #[must_use]
     pub(crate) fn orthonormal(&self) -> Self {
         let unit = |a: &Point| {
@@ -200,14 +198,14 @@ impl Pose {
         Self { rows: [x, y, cross(&x, &y)], translation: self.translation }
     }
 
-    /// The pose with a way added to its translation. Not checked.
+    /// The pose with an offset added to its translation. Not checked.
     #[inline]
     pub(crate) fn shifted(&self, by: &Point) -> Self {
         let t = &self.translation;
         Self { rows: self.rows, translation: [t[0] + by[0], t[1] + by[1], t[2] + by[2]] }
     }
 
-    /// Where the pose's rotation takes a direction.
+    /// Rotates a direction.
     #[inline]
     pub(crate) fn rotate(&self, direction: &Point) -> Point {
         let r = &self.rows;
@@ -219,14 +217,13 @@ impl Pose {
         if self.is_rigid() { Ok(self) } else { Err(self.fault()) }
     }
 
-    // Without a branch: a tenth of a query between bodies 5 % apart is spent here. Not NaN, by how each is
-    // compared.
+    // Without branches: this takes a tenth of a query between bodies 5 % apart. All comparisons are false for NaN.
     #[inline]
     fn is_rigid(&self) -> bool {
         is_near(&self.translation) & self.is_rotation(Self::TOLERANCE) & (self.determinant() >= 0.0)
     }
 
-    /// Whether no entry of `R R^T - 1` is greater.
+    /// Whether no entry of `R R^T - 1` exceeds `tolerance`.
     #[inline(always)]
     pub(crate) fn is_rotation(&self, tolerance: f64) -> bool {
         let r = &self.rows;
@@ -235,7 +232,7 @@ impl Pose {
             & (off(dot(&r[0], &r[1])) & off(dot(&r[0], &r[2])) & off(dot(&r[1], &r[2])))
     }
 
-    /// What is wrong with a pose that is not rigid.
+    /// The error of a matrix that failed [`Pose::is_rigid`].
     #[cold]
     fn fault(&self) -> PoseError {
         let (r, t) = (&self.rows, &self.translation);
@@ -255,7 +252,7 @@ impl Pose {
     /// The largest absolute entry of `R R^T - 1`.
     pub(crate) fn deviation(&self) -> f64 {
         let r = &self.rows;
-        // A product that overflows makes that of its row with itself infinite. max() drops a NaN beside it.
+        // An overflowing product makes that of its row with itself infinite. `max` ignores a NaN.
         let off = |i: usize, j: usize| (dot(&r[i], &r[j]) - if i == j { 1.0 } else { 0.0 }).abs();
         let pairs = [(0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2)];
         pairs.iter().fold(0.0, |m: f64, &(i, j)| m.max(off(i, j)))
@@ -268,8 +265,8 @@ impl Pose {
     }
 }
 
-// A row of R is at most sqrt(1 + TOLERANCE) long and a point sqrt(3) MAX_COORDINATE, so their product is at
-// most that times this; the translation adds at most MAX_COORDINATE. There is plenty left for rounding.
+// A row of R is at most sqrt(1 + TOLERANCE) long and a point at most sqrt(3) MAX_COORDINATE, which bounds their
+// product; the translation adds at most MAX_COORDINATE. The factor 2 leaves room for rounding.
 const _: () = {
     let by_rotation = MAX_MOVED / MAX_COORDINATE - 1.0;
     assert!(

@@ -1,22 +1,23 @@
-//! From two poses in the world to one body's in the frame of the other, with a bound of what is lost on the way.
+//! The pose of one body in the frame of another, from their world poses, with a bound of the rounding error.
 //!
-//! A planner knows where A and B stand in the world, `x -> R_A x + t_A` and `x -> R_B x + t_B`. Seen from B, a point p of A
-//! stands at `N (R_A p + d)` with N the inverse of `R_B` and `d = t_A - t_B`. N is not the transpose: the matrices of poses
-//! are accepted with up to 1e-4 off. All of it is in `f64`. With `u = 2^-53` and the norms of `R_A`, `R_B` and N at most
-//! 1.0002, each computed value is off by at most
+//! The world poses of A and B are `x -> R_A x + t_A` and `x -> R_B x + t_B`. In the frame of B, a point p of A is at
+//! `N (R_A p + d)`, where N is the inverse of `R_B` and `d = t_A - t_B`. N is not the transpose: the matrices of
+//! poses may deviate from rotations by 1e-4. All computations are in `f64`. With `u = 2^-53` and the norms of `R_A`,
+//! `R_B` and N at most 1.0002, the error of each computed value is at most
 //!
-//! | what | of entries, rows or vectors | how |
+//! | value | error | reason |
 //! |---|---|---|
-//! | cofactors of `R_B` | 2.1 u an entry | two products whose magnitudes sum up to at most 1.0001, and their difference |
+//! | cofactors of `R_B` | 2.1 u per entry | two products whose magnitudes sum to at most 1.0001, and their difference |
 //! | its determinant, within 5e-4 of 1 | 6.7 u | a sum of three products of a row and cofactors |
-//! | N, a quotient of these | 9.9 u an entry, 30 u in all | |
-//! | `M = N R_A` | 40 u in all | 30 u of N, and 3.1 u an entry for the sums |
-//! | `t = N d` | `37 u abs(d)` | 30 u of N, 1.1 u of d, 5.3 u for the sums |
-//! | [`Pose::apply`] | `8 u (abs(M) abs(p) + abs(t))`, and less than [`MIN_COORDINATE`] an axis | its documentation |
+//! | N, a quotient of these | 9.9 u per entry, 30 u in norm | |
+//! | `M = N R_A` | 40 u in norm | 30 u from N, and 3.1 u per entry from the sums |
+//! | `t = N d` | `37 u abs(d)` | 30 u from N, 1.1 u from d, 5.3 u from the sums |
+//! | [`Pose::apply`] | `8 u (abs(M) abs(p) + abs(t))`, plus [`MIN_COORDINATE`] per axis | see there |
 //!
-//! so that a corner whose coordinates are at most c in magnitude, as `apply` moves it, is less than `84 u c + 46 u abs(d)` and
-//! twice [`MIN_COORDINATE`] away from where it stands. `abs(d)` is at most 1.74 times the largest coordinate of t, and all of it
-//! less than 2^-46 = 128 u times c and that coordinate. What is too small for a normal number is far below `MIN_COORDINATE`.
+//! Hence a vertex with coordinates of at most c, as moved by `apply`, is off by less than `84 u c + 46 u abs(d)` plus
+//! twice [`MIN_COORDINATE`]. Since `abs(d)` is at most 1.74 times the largest coordinate of t, the first two terms
+//! together are less than 2^-46 = 128 u times the sum of c and that coordinate. Underflow is far below
+//! `MIN_COORDINATE`.
 
 use super::{Pose, PoseError};
 use crate::exact::power_of_two;
@@ -25,39 +26,39 @@ use crate::vector::{cross, dot};
 
 const ROUNDING: f64 = power_of_two(-46);
 
-/// Where body A stands in the frame of body B, from where both stand in the world: [`Pose::relative`].
+/// The pose of body A in the frame of body B, computed from their world poses by [`Pose::relative`].
 #[derive(Copy, Clone, PartialEq, Debug)]
 pub struct Relative {
     pose: Pose,
-    /// The translation's share of the error, in the bodies' unit.
+    /// The part of the error that is due to the translation, in the bodies' unit.
     error: f64,
-    /// By how much of itself the frame of B makes a vector longer or shorter, at most.
+    /// Bound of the relative change of lengths by the matrix of B.
     skew: f64,
 }
 
 impl Relative {
-    /// A in the frame of B, rounded.
+    /// The rounded pose of A in the frame of B.
     #[inline]
     #[must_use]
     pub const fn pose(&self) -> &Pose {
         &self.pose
     }
 
-    /// How far, at most, a point of A is from where it stands in the frame of B when [`Pose::apply`] moves it by
-    /// [`Relative::pose`]. No coordinate of the point, in the frame of A, is greater than `max_coordinate`
-    /// ([`crate::hierarchy::Header::max_coordinate`]). In the bodies' unit: some 1e-14 of the coordinates.
+    /// Bound of the distance between a point of A as moved by [`Pose::apply`] with [`Relative::pose`] and its exact
+    /// position in the frame of B. No coordinate of the point, in the frame of A, may exceed `max_coordinate`
+    /// ([`crate::hierarchy::Header::max_coordinate`]). In the bodies' unit: about 1e-14 of the coordinates.
     #[inline]
     #[must_use]
     pub fn error(&self, max_coordinate: f64) -> f64 {
         ROUNDING * max_coordinate + self.error
     }
 
-    /// The margin that a query by [`Relative::pose`] has to be asked with, so that bodies which it tells free are farther
-    /// apart than `margin` in the world. No coordinate of A is greater than `max_coordinate`, and no two radii of A's and B's
-    /// primitives sum up to more than `radii`, which is 0 for triangles.
+    /// The margin to use in a query with [`Relative::pose`], so that bodies reported free are more than `margin`
+    /// apart in the world. `max_coordinate` bounds the coordinates of A, and `radii` the sum of any two radii of A's
+    /// and B's primitives; it is 0 for triangles.
     ///
-    /// It is greater by the [error](Relative::error), and by what the pose of B, which is accepted if it is nearly a rotation,
-    /// makes lengths differ.
+    /// The result adds the [error](Relative::error), and the change of lengths by the pose of B, which is only nearly
+    /// a rotation.
     ///
     /// ```
     /// # use simdop::{Builder, Isa, Mesh, Pose, Query};
@@ -82,22 +83,22 @@ impl Relative {
 }
 
 impl Pose {
-    /// The way back: takes `R x + t` to x, up to rounding. Of the matrix, not its transpose, which differs where the rows are
-    /// not quite orthonormal. [`Pose::relative`] says how far off it is.
+    /// The inverse: maps `R x + t` to x, up to rounding (see [`Relative::error`]). Inverts the matrix instead of
+    /// transposing it, since its rows may not be quite orthonormal.
     ///
     /// # Errors
-    /// [`PoseError`] if the translation is too long, or if the inverse is farther from a rotation than [`Pose::TOLERANCE`],
-    /// as that of a matrix may be which itself is at the limit.
+    /// [`PoseError`] if the translation is too large, or if the inverse deviates from a rotation by more than
+    /// [`Pose::TOLERANCE`], which is possible if the matrix itself is near the limit.
     pub fn inverse(&self) -> Result<Self, PoseError> {
         Ok(Self::relative(&Self::IDENTITY, self)?.pose)
     }
 
-    /// First `inner`, then `self`: x goes to `self(inner(x))`, up to rounding, some 1e-15 of the coordinates. With A in the
-    /// frame of B and B in the world, A in the world.
+    /// The composition: maps x to `self(inner(x))`, up to rounding of about 1e-15 of the coordinates. Given A in the
+    /// frame of B as `inner`, and B in the world as `self`, it is A in the world.
     ///
     /// # Errors
-    /// [`PoseError`] if the translation is too long, or if the product is farther from a rotation than [`Pose::TOLERANCE`],
-    /// as that of two matrices may be which are by half as much.
+    /// [`PoseError`] if the translation is too large, or if the product deviates from a rotation by more than
+    /// [`Pose::TOLERANCE`], which is possible if both matrices deviate by half as much.
     pub fn compose(&self, inner: &Self) -> Result<Self, PoseError> {
         self.after(inner).checked()
     }
@@ -108,12 +109,11 @@ impl Pose {
         Self { rows: product(&self.rows, &inner.rows), translation: self.unflushed(&inner.translation) }
     }
 
-    /// Where A stands in the frame of B, when both poses place their bodies in the world: the inverse of `world_b` after
-    /// `world_a`.
+    /// The pose of A in the frame of B, from their world poses: the inverse of `world_b`, composed with `world_a`.
     ///
     /// # Errors
-    /// [`PoseError`] if the translation is too long, or if the product is farther from a rotation than [`Pose::TOLERANCE`],
-    /// as that of two matrices may be which are by half as much.
+    /// [`PoseError`] if the translation is too large, or if the product deviates from a rotation by more than
+    /// [`Pose::TOLERANCE`], which is possible if both matrices deviate by half as much.
     #[inline]
     pub fn relative(world_a: &Self, world_b: &Self) -> Result<Relative, PoseError> {
         let relative = world_b.inverted().relative(world_a, world_b);
@@ -129,8 +129,9 @@ impl Pose {
         Inverted { rows: [along(0), along(1), along(2)], skew: self.skew() }
     }
 
-    /// By how much of itself the matrix makes a vector longer or shorter, at most. No singular value is farther from 1 than its
-    /// square, and that is an eigenvalue of `R transpose(R)`, so three times the greatest entry of `R transpose(R) - 1` away.
+    /// Bound of the relative change of lengths by the matrix. A singular value is no farther from 1 than its square,
+    /// an eigenvalue of `R transpose(R)`, which is within three times the greatest entry of `R transpose(R) - 1` of
+    /// 1.
     #[inline(always)]
     pub(crate) fn skew(&self) -> f64 {
         let m = &self.rows;
@@ -145,7 +146,7 @@ impl Pose {
     }
 }
 
-/// Bounds the roundings of a sum of three products of a matrix whose rows are unit vectors.
+/// Bounds the rounding error of a sum of three products of rows that are unit vectors.
 const SKEW_ROUNDING: f64 = power_of_two(-46);
 
 /// The inverse of a pose's matrix, for many bodies in one frame.
@@ -156,10 +157,11 @@ pub(crate) struct Inverted {
 }
 
 impl Inverted {
-    /// Of the identity.
+    /// The inverse of the identity.
     pub(crate) const IDENTITY: Self = Self { rows: Pose::IDENTITY.rows, skew: 3.0 * SKEW_ROUNDING };
 
-    /// Where A stands in the frame of B, of whose matrix `self` is the inverse. Not checked: the product may be no pose.
+    /// The pose of A in the frame of B, where `self` is the inverse of B's matrix. Not checked: the product may not
+    /// be a valid pose.
     #[inline]
     pub(crate) fn relative(&self, world_a: &Pose, world_b: &Pose) -> Relative {
         let n = &self.rows;

@@ -19,7 +19,7 @@ fn glam_types_give_the_matrix_that_glam_applies() {
     }
 }
 
-/// Turns about many axes, in no order.
+/// Rotations about many axes.
 fn turns() -> impl Iterator<Item = DQuat> {
     (0..2000).map(|i| {
         let [x, y, z] = [0.7, 1.3, 2.9].map(|step| f64::from(i) * step);
@@ -67,8 +67,8 @@ fn a_quaternion_that_is_not_finite_is_refused_as_such() {
     assert_eq!(Pose::try_from((DQuat::IDENTITY, DVec3::new(0.0, 0.0, 1e300))), Err(PoseError::TooFar));
 }
 
-/// Rounded to `f32`, printed with five digits, or a bit off by whatever else: the pose is a rotation to
-/// within `f64` all the same, and not farther from the one that was meant than the quaternion is.
+/// Quaternions rounded to `f32`, printed with five digits, or slightly off for another reason: the pose must be a
+/// rotation to within `f64` rounding, and no farther from the intended one than the quaternion.
 #[test]
 fn a_quaternion_that_is_nearly_a_unit_one_gives_a_rotation() {
     let five_digits = |x: f64| (x * 1e5).round() / 1e5;
@@ -100,15 +100,14 @@ fn a_quaternion_that_is_nearly_a_unit_one_gives_a_rotation() {
     assert_eq!(of([0.0, 0.0, 0.0, 1.0]).unwrap().rows(), Pose::IDENTITY.rows());
 }
 
-/// Corners of the cube of all points, turned onto an axis and moved away: nothing that is accepted goes
-/// farther.
+/// Vertices of the cube of all points, rotated onto an axis and translated: no accepted pose moves them farther.
 #[test]
 fn moved_points_are_in_the_range_of_moved_points() {
     let mut farthest = 0.0;
     let third = f64::sqrt(1.0 / 3.0);
     let diagonal = DQuat::from_rotation_arc(DVec3::splat(third), DVec3::X);
     for turn in turns().chain([diagonal]) {
-        // As long as rows may be.
+        // The longest rows that are accepted.
         let rotation = DMat3::from_quat(turn) * (1.0 + 0.499 * Pose::TOLERANCE);
         for corner in 0..8 {
             let signs: Point = core::array::from_fn(|i| if corner >> i & 1 == 0 { 1.0 } else { -1.0 });

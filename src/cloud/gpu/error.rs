@@ -1,39 +1,40 @@
-//! What can go wrong with a cloud on a device.
+//! Errors of clouds on a GPU.
 
 use super::super::{CloudError, SearchError};
 use crate::device::DeviceError;
 use core::fmt;
 
-/// Why a device does not search, or a cloud on it is not changed.
+/// Why a search or a refit on a device fails.
 #[derive(Clone, PartialEq, Eq, Debug)]
 #[non_exhaustive]
 pub enum DeviceCloudError {
-    /// The device has failed, or has too little memory.
+    /// The device failed or has too little memory.
     Device(DeviceError),
-    /// Wrong on the CPU too.
+    /// The same error as on the CPU.
     PointCloud(CloudError),
-    /// Wrong on the CPU too.
+    /// The same error as on the CPU.
     Search(SearchError),
-    /// The radius of a query is so small that its square is below 2^-76, where a device may take for zero what is not. The CPU
-    /// searches there.
+    /// The squared radius of a query is below 2^-76, where a device may flush relevant numbers to 0. Search on the
+    /// CPU instead.
     Radius {
         /// Index of the query.
         query: u32,
     },
-    /// A coordinate is beyond 2^60, so that squares of differences may be infinite, which a device need not know. The CPU searches there.
+    /// A coordinate is beyond 2^60, so squares of differences may be infinite, which a device need not support.
+    /// Search on the CPU instead.
     Range {
         /// "point" or "query".
         what: &'static str,
         /// Its index.
         index: u32,
     },
-    /// A query and those beside it have so many buckets within their reach that a device might be stopped on the way. The
-    /// CPU searches there.
+    /// A query and the others of its packet have so many buckets in range that the system might stop the device.
+    /// Search on the CPU instead.
     Endless {
-        /// Index of a query.
+        /// Index of a query of the packet.
         query: u32,
     },
-    /// The device computes other distances than the CPU: it fuses operations, or rounds them otherwise.
+    /// The device computes other distances than the CPU, because it fuses operations or rounds differently.
     Arithmetic,
 }
 

@@ -1,4 +1,4 @@
-//! What lies in the device's memory.
+//! The buffers of a cloud on a device.
 
 use super::super::Seat;
 use crate::device::{DeviceError, Gpu};
@@ -6,7 +6,7 @@ use crate::node::{Aabb16, Bucket};
 use alloc::vec::Vec;
 use bytemuck::{Pod, Zeroable};
 
-/// Of all dispatches of a search.
+/// Parameters of the dispatches of a search.
 #[repr(C)]
 #[derive(Copy, Clone, Pod, Zeroable, PartialEq, Eq, Default, Debug)]
 pub(super) struct SearchData {
@@ -19,17 +19,17 @@ pub(super) struct SearchData {
     pub(super) start: u32,
 }
 
-/// Nodes of a level of the tree.
+/// The nodes of a level of the tree.
 #[repr(C)]
 #[derive(Copy, Clone, Pod, Zeroable, PartialEq, Eq, Debug)]
 pub(super) struct TreeLevel {
     pub(super) first: u32,
     pub(super) count: u32,
-    /// From one level to the next there are as many bytes as an offset must be a multiple of.
+    /// Padding to the required alignment of an offset.
     pub(super) unused: [u32; 62],
 }
 
-/// The buffers, by their numbers in `bindings.wgsl`.
+/// The buffers, by their binding numbers in `bindings.wgsl`.
 #[derive(Copy, Clone, PartialEq, Eq, Debug)]
 pub(super) enum CloudBinding {
     Search,
@@ -72,7 +72,7 @@ impl CloudBinding {
         Self::Results,
     ];
 
-    /// Where it lies: what changes is what is searched.
+    /// Index of its buffer. The mutable bindings share the buffers of the searched ones.
     const fn place(self) -> usize {
         match self {
             Self::Refitted => Self::Nodes as usize,
@@ -81,7 +81,7 @@ impl CloudBinding {
         }
     }
 
-    /// What its elements are, and how many bytes each has.
+    /// A name for its elements, and their size in bytes.
     const fn element(self) -> (&'static str, usize) {
         match self {
             Self::Search => ("searches", size_of::<SearchData>()),
@@ -106,10 +106,10 @@ impl CloudBinding {
     }
 }
 
-/// Bytes that are moved to the host at a time, at most.
+/// Maximum number of bytes per transfer to the host.
 const STAGING: u64 = 64 << 20;
 
-/// A cloud's buffers. They grow, and are kept from one search to the next.
+/// A cloud's buffers. They grow as needed and are reused by later searches.
 #[derive(Debug)]
 pub(super) struct DeviceMemory {
     buffers: Vec<wgpu::Buffer>,
@@ -135,7 +135,7 @@ fn create_staging(gpu: &Gpu, bytes: u64) -> wgpu::Buffer {
 }
 
 impl DeviceMemory {
-    /// Room for one element each, which is what kernels must be given at least.
+    /// Allocates one element each, the minimum that can be bound.
     pub(super) fn new(gpu: &Gpu) -> Result<Self, DeviceError> {
         let one = |binding: &CloudBinding| create_for(gpu, *binding, binding.element().1 as u64);
         gpu.guarded(0, || {
@@ -146,14 +146,14 @@ impl DeviceMemory {
         })
     }
 
-    /// Elements of a buffer that the device can bind.
+    /// The number of elements that the device can bind.
     pub(super) fn most(gpu: &Gpu, binding: CloudBinding) -> usize {
         let limits = gpu.device.limits();
         let bytes = limits.max_storage_buffer_binding_size.min(limits.max_buffer_size);
         (bytes / binding.element().1 as u64) as usize
     }
 
-    /// Makes room for so many elements. What was there is lost if there was less.
+    /// Grows a buffer to hold `count` elements. Growing loses its contents.
     pub(super) fn make_room(
         &mut self,
         gpu: &Gpu,
@@ -174,7 +174,7 @@ impl DeviceMemory {
         Ok(())
     }
 
-    /// Makes room, and moves the elements to the device.
+    /// Grows a buffer as needed, and writes the elements to the device.
     pub(super) fn write<T: bytemuck::NoUninit>(
         &mut self,
         gpu: &Gpu,
@@ -189,7 +189,7 @@ impl DeviceMemory {
         })
     }
 
-    /// Fills `out` with what lies in a buffer, from so many of `out`'s elements on.
+    /// Fills `out` from a buffer, starting at element `first` of type `T`.
     pub(super) fn read<T: Pod>(
         &mut self,
         gpu: &Gpu,
@@ -218,7 +218,7 @@ impl DeviceMemory {
         Ok(())
     }
 
-    /// What a kernel sees of a buffer; `level` chooses the element that is a level.
+    /// The binding resource of a buffer; `level` selects the element of [`CloudBinding::Level`].
     pub(super) fn resource(&self, binding: CloudBinding, level: usize) -> wgpu::BindingResource<'_> {
         let buffer = &self.buffers[binding.place()];
         if binding == CloudBinding::Level {

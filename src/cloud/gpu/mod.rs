@@ -1,4 +1,4 @@
-//! Coherent search on a device, through wgpu: the CPU's neighbours in the CPU's order, byte for byte.
+//! Coherent search on a GPU, through wgpu. Neighbours and their order equal the CPU's exactly.
 //!
 //! ```no_run
 //! use simdop::cloud::{PointCloud, List, Queries, Radii, gpu::DeviceCloud};
@@ -14,46 +14,55 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! # What runs where
+//! # Division of work
 //!
-//! The tree is built on the CPU, as in the paper. On the device run the refit, level by level from below (section 4.3 of the paper);
-//! the descent of queries that are no points of the cloud to the bucket beside each (4.2.1); the common descent of each packet
-//! (4.2.2), a workgroup for a packet; and the extraction (4.2.3): neighbours are counted, the counts summed up in the order of the
-//! packets, and the neighbours put where they belong. The descent is made twice, which takes less memory than the paper's list of
-//! candidates and needs no sort at the end. The host sorts queries by their buckets.
+//! The tree is built on the CPU, as in the paper. On the device run:
 //!
-//! # The same bits
+//! * the refit, level by level from the leaves (section 4.3 of the paper);
+//! * the descent of queries that are not points of the cloud to a nearby bucket (4.2.1);
+//! * the descent of each packet (4.2.2), one workgroup per packet;
+//! * the extraction (4.2.3): count the neighbours, sum the counts in the order of the packets, and write the
+//!   neighbours.
 //!
-//! The predicate is that of [`super`]: `(x * x + y * y) + z * z <= r * r` in `f32`, every operation rounded, none fused. WGSL lets an
-//! implementation fuse operations, put them into another order, take numbers below F = 2^-126 (subnormal ones) for 0, and assume
-//! that nothing is NaN or infinite. So:
+//! Each packet descends twice. That takes less memory than the paper's list of candidates, and needs no final sort.
+//! The host sorts queries by their buckets.
 //!
-//! * **Fusion and order.** The bits of each result go through an operation with a number that the compiler does not know; and squares are
-//!   compared as the integers that their bits are. [`DeviceCloud::new`] asks the device for the squares of some distances that come
-//!   out otherwise if anything is fused or rounded otherwise, and refuses to search on a device that fails ([`DeviceCloudError::Arithmetic`]).
-//! * **NaN** stands in unused lanes and slots. They are told by their links and indices, and their coordinates are not computed
-//!   with. Boxes are folded as integers too, so a refit gives the bits of the CPU's, with the sign of zeros.
-//! * **Infinity.** No coordinate is beyond 2^60 ([`DeviceCloudError::Range`]), so no square is above 2^124. That of a radius, which the host
-//!   computes, may be infinite: it is only compared.
-//! * **Numbers below F.** Whether parts are taken for 0 decides nothing if S = `r * r` is 2^-76 or more, so smaller ones are refused
-//!   ([`DeviceCloudError::Radius`]). The proof, with the same operations in both and T and T' the sums without and with such zeros:
-//!   * A coordinate below F matters to a difference only if the other one is below 2^-101, since half of the last place of
-//!     larger ones is F or more. Then the difference is below 2^-100, and its square is 0 in both. A difference below F has the square 0
-//!     too. So squares are the same, or below F in one and 0 in the other.
-//!   * If the greater of `x * x` and `y * y` is 2^-102 or more, half of its last place is F or more, and their sum A does not depend on the
-//!     other one where that is below F; A is at least 2^-102, and T does not depend on `z * z` where that is below F. So T = T'.
-//!   * Else A is at most 2^-101 in both. If `z * z` is 2^-76 or more, half of its last place is 2^-100 or more, and T = T' = `z * z`. Else T and
-//!     T' are at most 2^-76: both comparisons with S hold.
+//! # Bit-identical results
 //!
-//!   A bound of 2^-100, for which the last place of S is above F, would not do: with `z * z` = S = 2^-90, `y * y` = 2^-114 and `x * x` = 2^-128, T is above
-//!   S and T' is not, since `x * x` decides how a half of S's last place is rounded.
+//! The predicate is that of [`super`]: `(x * x + y * y) + z * z <= r * r` in `f32`, every operation rounded, none
+//! fused. WGSL allows an implementation to fuse and reorder operations, to flush subnormal numbers (below F = 2^-126)
+//! to 0, and to assume that nothing is NaN or infinite. So:
 //!
-//! The same holds of boxes, and of the bucket beside a query: where squares below 2^-75 compete, the host decides.
+//! * **Fusion and order.** The bits of each result are combined with a number unknown to the compiler, and squares
+//!   are compared as integers. [`DeviceCloud::new`] lets the device compute squares of distances that differ under
+//!   any fusion or other rounding, and rejects a device that fails ([`DeviceCloudError::Arithmetic`]).
+//! * **NaN** marks unused lanes and slots. The kernels detect these by their links and indices, and never compute
+//!   with their coordinates. Boxes are merged as integers too, so a refit gives the same bits as on the CPU,
+//!   including the sign of zeros.
+//! * **Infinity.** No coordinate is beyond 2^60 ([`DeviceCloudError::Range`]), so no square of a distance is above
+//!   2^124. The square of a radius, which the host computes, may be infinite: it is only compared.
+//! * **Numbers below F.** Flushing to 0 changes no decision if S = `r * r` is at least 2^-76, so smaller S are
+//!   rejected ([`DeviceCloudError::Radius`]). Proof, with T and T' the sums by the same operations without and with
+//!   flushing:
+//!   * A coordinate below F changes a difference only if the other one is below 2^-101, since half an ulp of larger
+//!     ones is at least F. Then the difference is below 2^-100, and its square is 0 with and without flushing. The
+//!     square of a difference below F is 0 too. So squares are equal, or below F without flushing and 0 with it.
+//!   * If the greater of `x * x` and `y * y` is at least 2^-102, half its ulp is at least F, so their sum A does not
+//!     depend on the other one if that is below F. A is at least 2^-102, so T does not depend on `z * z` if that is
+//!     below F. Hence T = T'.
+//!   * Otherwise A is at most 2^-101 in both. If `z * z` is at least 2^-76, half its ulp is at least 2^-100, and T =
+//!     T' = `z * z`. Otherwise T and T' are at most 2^-76: both comparisons with S hold.
+//!
+//!   A bound of 2^-100, at which the ulp of S is above F, would not be enough: with `z * z` = S = 2^-90, `y * y` =
+//!   2^-114 and `x * x` = 2^-128, T is above S and T' is not, since `x * x` decides the rounding of half an ulp of S.
+//!
+//! The same holds for boxes, and for the nearest bucket of a query: the host decides between squares below 2^-75.
 //!
 //! # Memory
 //!
-//! On the device some 18 bytes a point for the tree, 12 for refits, 8 for counts of the cloud's own points, 8 for lists; and 4 a neighbour, as
-//! much as one buffer may hold: what is more comes in several goes. The buffers are kept from one search to the next.
+//! The device stores about 18 bytes per point for the tree, 12 for refits, 8 for counts of the cloud's own points,
+//! and 8 for lists. Neighbours take 4 bytes each, up to the size of one buffer; larger results are transferred in
+//! several batches. The buffers are reused by later searches.
 
 mod error;
 mod memory;
@@ -76,24 +85,24 @@ use memory::{CloudBinding, DeviceMemory, SearchData, TreeLevel};
 use shader::{CloudShader, WORKGROUP};
 use std::time::Instant;
 
-/// Coordinates on a device are at most this large: 2^60.
+/// The largest absolute value of a coordinate on a device: 2^60.
 pub const FARTHEST: f32 = crate::exact::power_of_two(60) as f32;
 
-/// The square of a radius on a device is at least this large: 2^-76.
+/// The least square of a radius on a device: 2^-76.
 pub const LEAST_SQUARE: f32 = crate::exact::power_of_two(-76) as f32;
 
-/// A square that is this or more is known on the device; and if it is less, the true one is less too.
+/// The device's squares are exact if they are at least this. If one is less, the exact square is less too.
 const SURE_SQUARE: f32 = 2.0 * LEAST_SQUARE;
 
 /// Where the time of a call went.
 #[derive(Copy, Clone, PartialEq, Eq, Default, Debug)]
 #[non_exhaustive]
 pub struct DeviceTimes {
-    /// Memory made, and data moved to the device.
+    /// Allocation, and transfer to the device.
     pub upload: Duration,
-    /// Waited for the kernels.
+    /// Waiting for the kernels.
     pub device: Duration,
-    /// Data moved back.
+    /// Transfer from the device.
     pub download: Duration,
 }
 
@@ -103,13 +112,13 @@ pub struct DeviceCloud<'g> {
     gpu: &'g Gpu,
     compiled: Arc<Compiled>,
     memory: DeviceMemory,
-    /// The points of each bucket.
+    /// Indices of the points of each bucket.
     members: Vec<[u32; 16]>,
     capacity: usize,
     levels: Vec<Range<usize>>,
 }
 
-/// Starts a clock, and stops it for one phase after the other.
+/// A stopwatch for successive phases.
 struct Clock(Instant);
 
 impl Clock {
@@ -123,7 +132,7 @@ fn is_in_range(point: [f32; 3]) -> bool {
     point.iter().all(|x| x.abs() <= FARTHEST)
 }
 
-/// The levels of a tree, whose nodes are contiguous.
+/// The levels of a tree, each a contiguous range of nodes.
 fn levels(nodes: &[Aabb16]) -> Vec<Range<usize>> {
     let mut levels = Vec::new();
     let mut level = 0..nodes.len().min(1);
@@ -138,7 +147,7 @@ fn levels(nodes: &[Aabb16]) -> Vec<Range<usize>> {
 }
 
 impl<'g> DeviceCloud<'g> {
-    /// Copies a cloud to the device. Where points are inserted or removed, or the tree is built anew, it is to be copied again.
+    /// Copies a cloud to the device. Copy it again after inserting or removing points, or rebuilding.
     ///
     /// # Errors
     /// [`DeviceCloudError::Range`], [`DeviceCloudError::Arithmetic`], [`DeviceCloudError::Device`].
@@ -174,12 +183,12 @@ impl<'g> DeviceCloud<'g> {
         self.capacity
     }
 
-    /// Moves every point, and makes the boxes anew: [`PointCloud::refit`](super::PointCloud::refit) on the device, with the same boxes.
-    /// The cloud in the host's memory stays as it is.
+    /// Moves every point and recomputes the boxes on the device, with the same result as
+    /// [`PointCloud::refit`](super::PointCloud::refit). The cloud in the host's memory is unchanged.
     ///
     /// # Errors
-    /// [`DeviceCloudError::PointCloud`] as there, [`DeviceCloudError::Range`], [`DeviceCloudError::Device`]. Unless it is the device that
-    /// fails, nothing has moved.
+    /// [`DeviceCloudError::PointCloud`] as there, [`DeviceCloudError::Range`], [`DeviceCloudError::Device`]. Unless
+    /// the device fails, an error leaves the points where they are.
     pub fn refit(&mut self, positions: &[[f32; 3]]) -> Result<DeviceTimes, DeviceCloudError> {
         let Some(positions) = positions.get(..self.capacity) else {
             return Err(CloudError::Positions { have: positions.len(), need: self.capacity }.into());
@@ -206,7 +215,7 @@ impl<'g> DeviceCloud<'g> {
         Ok(DeviceTimes { upload, device: clock.lap(), ..DeviceTimes::default() })
     }
 
-    /// The nodes as they are on the device.
+    /// Reads the nodes back from the device.
     ///
     /// # Errors
     /// [`DeviceCloudError::Device`].
@@ -217,8 +226,8 @@ impl<'g> DeviceCloud<'g> {
         Ok(nodes)
     }
 
-    /// The largest volume of a box, as a multiple of what it had when the tree was built: what
-    /// [`PointCloud::refit`](super::PointCloud::refit) returns. Reads the nodes back.
+    /// The largest ratio of a box's volume to its volume when the tree was built, as returned by
+    /// [`PointCloud::refit`](super::PointCloud::refit). Reads the nodes back.
     ///
     /// # Errors
     /// [`DeviceCloudError::Device`].
@@ -236,7 +245,7 @@ impl<'g> DeviceCloud<'g> {
         Ok(largest)
     }
 
-    /// Whether the device computes the squares of distances as the CPU does.
+    /// Checks that the device computes squares of distances as the CPU does.
     fn check_arithmetic(&mut self) -> Result<(), DeviceCloudError> {
         let pairs = probes();
         let squares = self.squares(&pairs)?;
@@ -247,7 +256,7 @@ impl<'g> DeviceCloud<'g> {
         if want.eq(squares) { Ok(()) } else { Err(DeviceCloudError::Arithmetic) }
     }
 
-    /// The bits of the squares of the distances between some pairs of points.
+    /// The bits of the squared distances of pairs of points.
     fn squares(&mut self, pairs: &[[[f32; 3]; 2]]) -> Result<Vec<u32>, DeviceCloudError> {
         let ask = |point: &[f32; 3]| [point[0].to_bits(), point[1].to_bits(), point[2].to_bits(), 0];
         let asks: Vec<[u32; 4]> = pairs.as_flattened().iter().map(ask).collect();
@@ -261,7 +270,7 @@ impl<'g> DeviceCloud<'g> {
         Ok(squares)
     }
 
-    /// Waits until what was written is on the device.
+    /// Waits for pending writes to the device.
     fn arrive(&self) -> Result<(), DeviceError> {
         self.gpu.guarded(0, || {
             self.gpu.queue.submit([]);
@@ -269,7 +278,7 @@ impl<'g> DeviceCloud<'g> {
         })
     }
 
-    /// Runs kernels one after the other, each with a level and a number of workgroups, and waits for them.
+    /// Runs kernels in order, each with a level and a number of workgroups, and waits for them.
     fn submit(&self, work: &[(CloudShader, usize, usize)]) -> Result<(), DeviceError> {
         let gpu = self.gpu;
         let most = gpu.device.limits().max_compute_workgroups_per_dimension as usize;
@@ -291,12 +300,12 @@ impl<'g> DeviceCloud<'g> {
     }
 }
 
-/// Pairs of points whose squares tell whether anything is fused, put into another order, or rounded otherwise than to the nearest.
+/// Pairs of points whose squared distances reveal fusion, reordering, or rounding other than to nearest.
 fn probes() -> Vec<[[f32; 3]; 2]> {
     let mut state = 1_u32;
     let mut coordinate = || {
         state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
-        // All bits of the fraction; of 1 to 2, or 2^-3 of that.
+        // Any fraction; exponent 0 to -3.
         f32::from_bits(0x3f80_0000 - (state >> 30) * 0x0080_0000 + (state >> 8 & 0x7f_ffff))
     };
     (0..256).map(|_| [(); 2].map(|()| [(); 3].map(|()| coordinate()))).collect()

@@ -1,4 +1,4 @@
-//! Searches: what is asked, and what is read back.
+//! Searches on a device.
 
 use super::super::packet::Asking;
 use super::super::store::is_finite;
@@ -13,18 +13,18 @@ use alloc::vec;
 use alloc::vec::Vec;
 use std::time::Instant;
 
-/// Packets of a submission: a system may stop a device that works too long on one.
+/// Maximum number of packets per submission: the system may stop a device that works too long on one.
 const PACKETS_AT_ONCE: usize = 1 << 16;
 
-/// What is asked, in the device's memory.
+/// The queries of a search, in the device's memory.
 pub(super) struct Asked {
     data: SearchData,
     pub(super) packets: usize,
-    /// The queries of each packet, sixteen each; [`Bucket::UNUSED`] where there is none.
+    /// Indices of the sixteen queries of each packet; [`Bucket::UNUSED`] for none.
     pub(super) queries: Vec<[u32; 16]>,
 }
 
-/// Queries that share a seat, up to sixteen: the first of them, and how many.
+/// Splits seats into packets of up to sixteen queries that share a bucket: first seat and count.
 fn packets_of(seats: &[Seat]) -> Vec<[u32; 2]> {
     let mut packets = Vec::new();
     for (first, shared) in runs(seats) {
@@ -35,7 +35,7 @@ fn packets_of(seats: &[Seat]) -> Vec<[u32; 2]> {
     packets
 }
 
-/// Where each run of seats with the same bucket begins, and how long it is.
+/// The start and length of each run of seats with the same bucket.
 fn runs(seats: &[Seat]) -> impl Iterator<Item = (usize, usize)> + '_ {
     let mut first = 0;
     seats.chunk_by(|a, b| a.bucket == b.bucket).map(move |run| {
@@ -50,8 +50,8 @@ fn ask_of(point: [f32; 3], query: u32) -> [u32; 4] {
 }
 
 impl DeviceCloud<'_> {
-    /// Packs queries that are no points of the cloud: [`RangeSearch::seat`], with the buckets found on the device. The seats are the
-    /// same, so what it returns can be asked on the CPU too.
+    /// Packs queries that are not points of the cloud, as [`RangeSearch::seat`], finding the buckets on the device.
+    /// The seats are the same, so the result can also be searched on the CPU.
     ///
     /// # Errors
     /// [`DeviceCloudError::Search`] as there, [`DeviceCloudError::Range`], [`DeviceCloudError::Device`].
@@ -90,7 +90,7 @@ impl DeviceCloud<'_> {
         Ok((Queries(Asking::Others { points, seats }), times))
     }
 
-    /// Finds seats where the device is not sure.
+    /// Finds the seats that the device left [`UNSURE`].
     fn find_unsure(&mut self, points: &[[f32; 3]], seats: &mut [Seat]) -> Result<(), DeviceCloudError> {
         if seats.iter().all(|seat| seat.bucket != UNSURE) {
             return Ok(());
@@ -106,7 +106,7 @@ impl DeviceCloud<'_> {
         Ok(())
     }
 
-    /// How many neighbours each query has: [`RangeSearch::count`].
+    /// Counts the neighbours of each query: [`RangeSearch::count`].
     ///
     /// # Errors
     /// [`DeviceCloudError`].
@@ -138,7 +138,8 @@ impl DeviceCloud<'_> {
     /// The neighbours of each query: [`RangeSearch::fill`], with the same lists and indices.
     ///
     /// # Errors
-    /// [`DeviceCloudError`]. As there, [`SearchError::Buffer`] says how large the buffer must be, and all lists have their lengths.
+    /// [`DeviceCloudError`]. As there, [`SearchError::Buffer`] gives the required size, and all lists have their
+    /// lengths.
     pub fn fill(
         &mut self,
         queries: &Queries<'_>,
@@ -190,7 +191,7 @@ impl DeviceCloud<'_> {
         Ok(())
     }
 
-    /// How many results there are room for to be.
+    /// The required length of the results.
     fn room(&self, queries: &Queries<'_>) -> usize {
         match &queries.0 {
             Asking::Own(_) => self.capacity,
@@ -198,7 +199,7 @@ impl DeviceCloud<'_> {
         }
     }
 
-    /// Moves what is asked to the device, and makes room for counts.
+    /// Writes the queries to the device, and allocates the counts.
     pub(super) fn ask(
         &mut self,
         queries: &Queries<'_>,
@@ -247,7 +248,7 @@ impl DeviceCloud<'_> {
         Ok(Asked { data, packets: members.len(), queries: members })
     }
 
-    /// Runs a kernel over some packets, some at a time. `start` is where the lists of the first begin.
+    /// Runs a kernel over some packets, in several submissions. `start` is where the lists of the first packet begin.
     pub(super) fn run_packets(
         &mut self,
         kernel: CloudShader,
@@ -269,7 +270,7 @@ impl DeviceCloud<'_> {
         Ok(())
     }
 
-    /// The lists of all that asked, and the number of all neighbours.
+    /// Reads the lists of all queries. Returns the total number of neighbours.
     fn read_lists(&mut self, asked: &Asked, lists: &mut [List]) -> Result<u64, DeviceCloudError> {
         let queries = asked.queries.as_flattened();
         let room = queries.iter().filter(|query| **query != Bucket::UNUSED).max();
@@ -287,7 +288,8 @@ impl DeviceCloud<'_> {
         Ok(total)
     }
 
-    /// Packets whose neighbours fit into one buffer: these, where the first one's lists begin, and how many neighbours they have.
+    /// Splits the packets into batches whose neighbours fit into one buffer: packets, start of the lists of the
+    /// first, and number of neighbours.
     fn batches(
         &mut self,
         asked: &Asked,
@@ -309,7 +311,7 @@ impl DeviceCloud<'_> {
             while end < asked.packets && start(end + 1) - start(first) <= most {
                 end += 1;
             }
-            // One packet may have more alone: then there is no room for it, and that is the error.
+            // If one packet alone exceeds the buffer, its allocation fails with the right error.
             batches.push((first..end, start(first), start(end) - start(first)));
             first = end;
         }

@@ -1,4 +1,4 @@
-//! The kernels: their text, and what they work on.
+//! The compute shaders: their source and interfaces.
 
 use super::memory::CloudBinding;
 use crate::device::{Gpu, Program};
@@ -7,25 +7,25 @@ use crate::node::{Bucket, FIRST, INDEX, LEAF_BIT};
 use alloc::format;
 use alloc::string::String;
 
-/// Threads of a workgroup: four for each query of a packet. On an H200 32 to 256 take the same time.
+/// Threads per workgroup: four for each query of a packet. On an H200, 32 to 256 are equally fast.
 pub(super) const WORKGROUP: u32 = 64;
 
-/// Buckets that a packet finds before its queries look at them. With the masks of their points they fit into the memory that
-/// the workgroups of every device have.
+/// Buckets that a packet collects before its queries test them. With the masks of their points they fit into the
+/// workgroup memory that every device has.
 const FOUND: u32 = 128;
 
-/// Steps from lane to lane that a packet makes, at most. An invocation must not make more than 65,535 turns of loops: llvmpipe (Mesa 22.3) leaves
-/// its loops then without a word, and systems stop a dispatch that takes seconds. A step is a turn or two, and what it finds half a
-/// turn for each thread.
+/// Maximum number of steps from lane to lane that a packet makes. An invocation must not exceed 65,535 loop
+/// iterations: beyond that, llvmpipe (Mesa 22.3) silently exits loops, and systems stop a dispatch that takes
+/// seconds. A step is one or two iterations, and what it finds takes half an iteration of each thread.
 pub(super) const MOST_STEPS: u32 = 24 << 10;
 
-/// Of a query's counts: its packet made too many steps.
+/// Marks the counts of a query whose packet made too many steps.
 pub(super) const ENDLESS: u32 = u32::MAX - 2;
 
-/// Of a seat: the device does not know which bucket is nearest.
+/// Marks a seat whose nearest bucket the device cannot determine.
 pub(super) const UNSURE: u32 = u32::MAX;
 
-/// Of a search: it is not the cloud's own points that ask.
+/// Marks a search whose queries are not the cloud's own points.
 pub(super) const NO_BUCKET: u32 = u32::MAX;
 
 /// The kernels.
@@ -90,7 +90,7 @@ impl CloudShader {
     }
 }
 
-/// The text of all kernels.
+/// The WGSL source of all kernels.
 pub(super) fn source() -> String {
     let sure = super::SURE_SQUARE.to_bits();
     let constants = format!(

@@ -1,14 +1,17 @@
-//! Spheres around a solid: what bounds it, and all that is inside.
+//! Covering a solid with spheres: its surface and its interior.
 //!
-//! A sphere about a point that is `d` deep inside may have the radius `d + error`: none of its points is farther than the error from
-//! the solid. So it holds far more of the surface than one about a point of the surface, and few spheres are enough.
+//! A sphere whose centre is at depth `d` inside may have the radius `d + error`: none of its points is farther than
+//! the error from the solid. It covers far more of the surface than a sphere centred on the surface, so few spheres
+//! are enough.
 //!
-//! First the surface: pieces of its triangles, each with all that is within a *margin* of it, are held by a sphere each. Of the
-//! spheres that hold the first piece that is left, about points below the surface nearby, the one is taken that holds most of what is left.
+//! The surface is covered first. It is cut into patches, and a sphere must cover each patch with everything within a
+//! *margin* of it. For the first uncovered patch, candidates are spheres that cover it, centred below nearby points
+//! of the surface. The candidate that covers most of the uncovered area is added.
 //!
-//! Then what is left inside, in cubes that are cut into eighths. One that meets the surface, and is no wider than the margin, is held
-//! by the sphere that holds a piece that it meets. One that meets no surface is outside as a whole, or inside; then a sphere holds it,
-//! or there will be one about its centre.
+//! The rest of the interior is covered by an octree of cubes. A cube that meets the surface and is no wider than the
+//! margin is covered by the sphere of a patch that it meets. A cube that does not meet the surface is entirely
+//! outside or inside. In the latter case an existing sphere covers it, or one about its centre is added, or it is
+//! subdivided.
 
 mod patches;
 
@@ -26,19 +29,22 @@ use glam::DVec3;
 use patches::{Patch, Patches};
 
 impl Mesh<'_> {
-    /// Spheres that hold every point of the solid that the mesh bounds, and no point that is farther than `error` from it, in its unit. So
-    /// a body of these spheres that is free of others says for certain that the solid is; a hit means that the others come within
-    /// `error` of the solid. Solid and inside are what [`Builder::solid`](crate::construct::Builder::solid) says.
+    /// Spheres that cover every point of the solid bounded by the mesh, and no point farther than `error` from it, in
+    /// the mesh's unit. So if a body of these spheres is free, the solid is certainly free; a hit means that the
+    /// other body comes within `error` of the solid. The interior is defined as in
+    /// [`Builder::solid`](crate::construct::Builder::solid).
     ///
-    /// They are far fewer than those of [`Mesh::cover`] where the solid is thick, since most of each is inside. The same spheres on every machine. An
-    /// empty mesh has none.
+    /// There are far fewer spheres than from [`Mesh::cover`] if the solid is thick, since most of each sphere is
+    /// inside. The same spheres on every machine. An empty mesh gives none.
     ///
     /// ```
     /// use simdop::construct::OwnedMesh;
     /// let cube = OwnedMesh::cuboid([1.0; 3])?;
     /// let (solid, surface) = (cube.as_mesh().cover_solid(0.1)?, cube.as_mesh().cover(0.1)?);
     /// let is_held = |spheres: &[simdop::primitive::Sphere]| {
-    ///     spheres.iter().any(|sphere| sphere.centre.iter().map(|x| x * x).sum::<f64>() <= sphere.radius * sphere.radius)
+    ///     spheres
+    ///         .iter()
+    ///         .any(|sphere| sphere.centre.iter().map(|x| x * x).sum::<f64>() <= sphere.radius * sphere.radius)
     /// };
     /// assert!(is_held(&solid) && !is_held(&surface)); // the middle of the cube
     /// assert!(solid.len() < surface.len());
@@ -46,7 +52,7 @@ impl Mesh<'_> {
     /// ```
     ///
     /// # Errors
-    /// [`CoverError`]: of a mesh that is not closed [`BuildError::Open`].
+    /// [`CoverError`]; [`BuildError::Open`] in it if the mesh is not closed.
     pub fn cover_solid(&self, error: f64) -> Result<Vec<Sphere>, CoverError> {
         check_closed(self).map_err(|unclosed| {
             CoverError::Mesh(match unclosed {
@@ -62,7 +68,7 @@ impl Mesh<'_> {
         if self.triangles.is_empty() {
             return Ok(Vec::new());
         }
-        // By a power of two: without rounding.
+        // Scale by a power of two: exact.
         let scale = scale_to_one(largest);
         let vertices: Vec<Point> = self.vertices.iter().map(|p| p.map(|x| flush(x) * scale)).collect();
         let scaled = Mesh { vertices: &vertices, triangles: self.triangles };
@@ -79,40 +85,40 @@ impl Mesh<'_> {
     }
 }
 
-/// No edge of a patch is longer, of the error.
+/// Maximum edge length of a patch, relative to the error.
 const LONGEST: f64 = 0.25;
-/// What a sphere holds beside a patch, of the error: less takes more cubes, more takes more spheres.
+/// Margin around a patch, relative to the error. A smaller one takes more cubes, a larger one more spheres.
 const MARGIN: f64 = 0.125;
-/// Patches below which centres are looked for, for a sphere.
+/// Maximum number of patches per sphere below which centres are tried.
 const TRIED: usize = 24;
-/// Halvings between the deepest centre that will do and one that will not.
+/// Bisection steps between the deepest valid centre and an invalid one.
 const HALVINGS: usize = 3;
-/// Beyond all distances where no coordinate is above 2.
+/// Larger than any distance between coordinates of at most 2.
 const WIDEST: f64 = 8.0;
-/// What distances and sums of this module round, at most, of themselves.
+/// Bounds the relative rounding error of distances and sums in this module.
 const NARROW: f64 = 1.0 - power_of_two(-40);
 
 struct SolidCover<'s> {
     surface: &'s Surface,
     error: f64,
-    /// For the roundings of patches and cubes.
+    /// Bounds the rounding errors of patches and cubes.
     pad: f64,
     spheres: Vec<Sphere>,
 }
 
-/// What is looked at for points that are not held.
+/// A cube that may contain uncovered points.
 #[derive(Copy, Clone)]
 struct Cell {
     centre: DVec3,
     half: f64,
-    /// Known to be inside of the solid with all of it.
+    /// Known to lie entirely inside the solid.
     is_inside: bool,
 }
 
 impl Cell {
-    /// Of a ball around it, wherever its centre is rounded to.
+    /// Radius of a ball around it, for any rounding of its centre.
     fn reach(&self, pad: f64) -> f64 {
-        // Above the root of 3.
+        // Above the square root of 3.
         1.7321 * self.half + pad
     }
 
@@ -128,13 +134,13 @@ impl<'s> SolidCover<'s> {
         Self { surface, error, pad, spheres: Vec::new() }
     }
 
-    /// The radius of a sphere about a point inside, no deeper than a limit.
+    /// The radius of a sphere about a point inside, whose depth is taken to be at most `limit`.
     fn radius_inside(&self, centre: DVec3, limit: f64) -> f64 {
         let depth = self.surface.certain_clearance(centre.to_array(), limit);
         (depth + self.error - 4.0 * self.pad) * NARROW
     }
 
-    /// How far from its centre a sphere holds patches with their margins.
+    /// The distance from the centre within which a sphere covers patches with their margins.
     fn reach(&self, radius: f64) -> f64 {
         radius * NARROW - MARGIN * self.error - 2.0 * self.pad
     }
@@ -153,9 +159,9 @@ impl<'s> SolidCover<'s> {
         Ok(())
     }
 
-    /// Of some spheres that hold a patch the one that holds most of what is not held.
+    /// Of some spheres that cover a patch, the one that covers most of the uncovered area.
     fn best_sphere(&self, patches: &Patches, seed: &Patch) -> Sphere {
-        // On the surface, up to roundings of the patch.
+        // The centre is on the surface, up to roundings of the patch.
         let radius = (self.error - 4.0 * self.pad) * NARROW;
         let mut best = Sphere { centre: seed.middle.to_array(), radius };
         let mut most = patches.gain(self.reach(radius), seed.middle);
@@ -176,7 +182,8 @@ impl<'s> SolidCover<'s> {
         best
     }
 
-    /// Shows spheres about points inside on a line from the surface that hold a patch: ever deeper ones, as long as there are some.
+    /// Calls `show` with spheres that cover a patch, centred inside on a line from the surface. Depths are doubled
+    /// until a sphere fails, then bisected.
     fn below(&self, from: DVec3, normal: DVec3, seed: &Patch, show: &mut dyn FnMut(Sphere)) {
         let mut at = |depth: f64| {
             let centre = from + depth * normal;
@@ -211,7 +218,8 @@ impl<'s> SolidCover<'s> {
         self.hold_cube(cube, &[], 0);
     }
 
-    /// Sees to it that spheres hold what is inside of the solid in a cube. `around` are those of the first `known` that reach into it.
+    /// Covers the part of a cube that is inside the solid. `around` are the spheres among the first `known` that
+    /// reach into the cube.
     fn hold_cube(&mut self, mut cube: Cell, around: &[usize], known: usize) {
         let reach = cube.reach(self.pad);
         let away = |sphere: &Sphere| DVec3::from_array(sphere.centre).distance(cube.centre);
@@ -236,7 +244,7 @@ impl<'s> SolidCover<'s> {
         }
         if cube.is_inside {
             let radius = self.radius_inside(cube.centre, WIDEST);
-            // Not smaller than half as deep as it is: a sphere would hold the cubes beside it, too.
+            // A larger radius than needed, so that the sphere covers neighbouring cubes too.
             if 2.0 * reach <= radius {
                 self.spheres.push(Sphere { centre: cube.centre.to_array(), radius });
                 return;

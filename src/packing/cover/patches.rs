@@ -1,6 +1,6 @@
-//! Pieces of a surface, and which of them no sphere holds yet.
+//! Patches of a surface, and which of them are covered by spheres.
 //!
-//! They lie in a binary tree of boxes, so that what a large sphere would hold is a sum over few of them.
+//! A binary tree of boxes sums the area that a large sphere would cover from few entries.
 
 use crate::primitive::triangle::Triangle;
 use alloc::vec::Vec;
@@ -10,26 +10,26 @@ use glam::DVec3;
 pub(super) struct Patch {
     pub(super) corners: [DVec3; 3],
     pub(super) middle: DVec3,
-    /// Twice, along the normal.
+    /// Twice the area, along the normal.
     pub(super) area: DVec3,
     is_held: bool,
 }
 
-/// What no sphere holds yet: its area, and its number where that is nothing.
+/// What is uncovered: its area, and its number of patches for comparing zero areas.
 #[derive(Copy, Clone, PartialEq, PartialOrd, Default)]
 pub(super) struct Unheld {
     area: f64,
     count: usize,
 }
 
-/// A range of the patches.
+/// A node of the tree: a range of the patches.
 struct PatchBox {
     low: DVec3,
     high: DVec3,
     rest: Unheld,
     start: usize,
     end: usize,
-    /// The second half, behind all of the first, which comes next; none of a leaf.
+    /// The second child, stored after all of the first; `None` for a leaf. The first child is stored next.
     second: Option<usize>,
 }
 
@@ -38,7 +38,7 @@ pub(super) struct Patches {
     boxes: Vec<PatchBox>,
 }
 
-/// Patches of a leaf, at most.
+/// Maximum number of patches in a leaf.
 const LEAF: usize = 8;
 
 impl Unheld {
@@ -54,7 +54,7 @@ impl Patch {
         Self { corners, middle: (p + q + r) / 3.0, area: (q - p).cross(r - p), is_held: false }
     }
 
-    /// Whether it is within reach of a point with all of it.
+    /// Whether all of it is within reach of a point.
     pub(super) fn is_within(&self, reach: f64, centre: DVec3) -> bool {
         self.corners.iter().all(|p| p.distance(centre) <= reach)
     }
@@ -65,7 +65,7 @@ impl Patch {
 }
 
 impl PatchBox {
-    /// Whether all of it is within reach of a point; `None` if some of it may be.
+    /// Whether all (`Some(true)`) or nothing (`Some(false)`) of it is within reach of a point; `None` if undecided.
     fn is_within(&self, reach: f64, centre: DVec3) -> Option<bool> {
         let farthest = (centre - self.low).abs().max((centre - self.high).abs());
         if farthest.length() <= reach {
@@ -84,13 +84,13 @@ impl Patches {
         if !order.is_empty() {
             patches.add(&mut order, 0);
         }
-        // Each patch where the boxes say.
+        // Reorder the patches to match the tree.
         let mut unordered: Vec<Option<Patch>> = patches.all.into_iter().map(Some).collect();
         patches.all = order.iter().filter_map(|&i| unordered[i].take()).collect();
         patches
     }
 
-    /// Adds the boxes of some patches, which are brought into their order and begin at a place.
+    /// Adds the subtree of some patches, whose range begins at `start`, and reorders them.
     fn add(&mut self, order: &mut [usize], start: usize) {
         let corners = || order.iter().flat_map(|&i| self.all[i].corners);
         let low = corners().fold(DVec3::INFINITY, DVec3::min);
@@ -99,7 +99,7 @@ impl Patches {
         let this = self.boxes.len();
         self.boxes.push(PatchBox { low, high, rest, start, end: start + order.len(), second: None });
         if order.len() <= LEAF {
-            // A set: its order must not depend on how a selection algorithm moves things.
+            // Sort, so that the order does not depend on the selection algorithm.
             order.sort_unstable();
             return;
         }
@@ -113,7 +113,7 @@ impl Patches {
         self.add(second, start + half);
     }
 
-    /// The first patch from a place on that no sphere holds.
+    /// The first uncovered patch at or after `from`.
     pub(super) fn next(&self, from: usize) -> Option<usize> {
         (from..self.all.len()).find(|&i| !self.all[i].is_held)
     }
@@ -122,7 +122,7 @@ impl Patches {
         &self.all[index]
     }
 
-    /// Those that no sphere holds and that are within reach of a point.
+    /// The uncovered patches within reach of a point.
     pub(super) fn near(&self, reach: f64, centre: DVec3) -> Vec<usize> {
         let mut found = Vec::new();
         self.near_below(0, reach, centre, &mut found);
@@ -144,7 +144,7 @@ impl Patches {
         }
     }
 
-    /// What a sphere would hold that none does yet.
+    /// The uncovered patches that a sphere would cover.
     pub(super) fn gain(&self, reach: f64, centre: DVec3) -> Unheld {
         self.gain_below(0, reach, centre)
     }
@@ -167,7 +167,7 @@ impl Patches {
         }
     }
 
-    /// A sphere holds what is within reach of its centre.
+    /// Marks the patches within reach of a sphere's centre as covered.
     pub(super) fn hold(&mut self, reach: f64, centre: DVec3) {
         self.hold_below(0, reach, centre);
     }

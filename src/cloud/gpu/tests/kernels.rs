@@ -1,8 +1,8 @@
-//! Each kernel alone.
+//! Tests of each kernel alone.
 
 use super::*;
 
-/// The square of the distance if products were fused with sums.
+/// The squared distance with products fused into sums.
 fn fused([a, b]: &[[f32; 3]; 2]) -> u32 {
     let [x, y, z]: [f32; 3] = core::array::from_fn(|i| a[i] - b[i]);
     libm::fmaf(z, z, libm::fmaf(y, y, x * x)).to_bits()
@@ -18,7 +18,7 @@ fn reordered([a, b]: &[[f32; 3]; 2]) -> u32 {
     (x * x + (y * y + z * z)).to_bits()
 }
 
-/// The pairs that a device is asked for before it may search.
+/// The pairs that a device must compute correctly before it may search.
 #[test]
 fn the_probes_tell_fused_and_reordered_operations() {
     let pairs = probes();
@@ -26,7 +26,7 @@ fn the_probes_tell_fused_and_reordered_operations() {
         let tell = pairs.iter().filter(|pair| wrong(pair) != rounded(pair)).count();
         assert!(tell > pairs.len() / 10, "{tell} of {}", pairs.len());
     }
-    // What is below the least normal number is not asked for.
+    // Subnormal squares are not part of the probes.
     assert!(pairs.iter().all(|pair| f32::from_bits(rounded(pair)) > 1e-20));
 }
 
@@ -48,7 +48,7 @@ fn arithmetic_is_rounded_step_by_step() {
     assert!(pairs.iter().filter(|pair| fused(pair) != rounded(pair)).count() > 1000);
 }
 
-/// Buckets as the CPU's refit leaves them, and then the nodes, level by level, each from what is right below.
+/// Buckets must be as the CPU's refit leaves them, and so must each level of nodes, given correct levels below.
 #[test]
 fn points_move_and_boxes_follow() {
     let Some(gpu) = device() else { return };
@@ -73,7 +73,7 @@ fn points_move_and_boxes_follow() {
 
     assert!(on_device.levels.len() > 2, "{:?}", on_device.levels);
     for number in 0..on_device.levels.len() {
-        // Right below, and wrong in this level.
+        // The levels below are correct, and this one is outdated.
         let mut nodes = cloud.view().nodes().to_vec();
         let level = on_device.levels[number].clone();
         nodes[level.clone()].copy_from_slice(&old[level.clone()]);
@@ -117,7 +117,7 @@ fn seats_are_where_the_scalar_descent_ends() {
     }
 }
 
-/// Two boxes so near to a query that a device cannot tell which is nearer.
+/// Two boxes so near to a query that a device cannot decide which is nearer.
 #[test]
 fn a_device_says_where_it_is_not_sure() {
     let Some(gpu) = device() else { return };
@@ -136,7 +136,7 @@ fn a_device_says_where_it_is_not_sure() {
     assert!(got.contains(&shader::UNSURE));
 }
 
-/// Sums that stay at the largest number once they are there.
+/// Sums saturate at the largest number.
 #[test]
 fn scans_add_up_all_before() {
     let Some(gpu) = device() else { return };
@@ -160,7 +160,7 @@ fn scans_add_up_all_before() {
         memory.write(gpu, CloudBinding::Search, &[data]).unwrap();
         let what = format!("{packets} packets");
 
-        // Within as many packets as a workgroup has threads.
+        // Sums within groups of as many packets as a workgroup has threads.
         on_device.submit(&[(CloudShader::Scan, 0, groups)]).unwrap();
         let before = |counts: &[u32]| -> Vec<u32> {
             let mut sum = 0_u32;
@@ -196,7 +196,7 @@ fn scans_add_up_all_before() {
     }
 }
 
-/// `count` alone, and `fill` alone into places that the CPU says.
+/// Runs `count` alone, and `fill` alone with starts computed on the CPU.
 #[test]
 fn packets_count_and_fill_as_the_scalar_search() {
     let Some(gpu) = device() else { return };
@@ -209,7 +209,7 @@ fn packets_count_and_fill_as_the_scalar_search() {
     let each: Vec<f32> = (0..3000).map(|i| 0.02 + (i % 5) as f32 * 0.05).collect();
     let mut on_device = DeviceCloud::new(gpu, &view).unwrap();
     for (queries, room) in [(&Queries::own(), 3000), (&packed, others.len())] {
-        // The largest radius makes packets look at what they found in several goes.
+        // The largest radius makes packets process their candidates in several rounds.
         for radii in [Radii::Same(0.05), Radii::Each(&each), Radii::Same(0.6)] {
             let what =
                 format!("{radii:?}, {room} queries").chars().take(60).collect::<alloc::string::String>();
@@ -226,7 +226,7 @@ fn packets_count_and_fill_as_the_scalar_search() {
                 assert_eq!(counts[i], list.count, "{what}: query {query}");
                 starts[i] = list.start;
             }
-            // Not from the first packet on.
+            // Start after the first packet.
             let first = asked.packets / 3;
             let start = starts[16 * first..].iter().copied().find(|start| *start > 0).unwrap() as usize;
             let total = work.neighbours as usize;

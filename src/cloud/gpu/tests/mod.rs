@@ -1,8 +1,8 @@
-//! Each kernel alone against its scalar twin; the text of the kernels against the types here.
+//! Each kernel against its scalar reference, and the shader source against the types here.
 //!
-//! Twins: of `arithmetic` the predicate as it is written; of `move_points` and `refit` [`PointCloud::refit`]; of `seat`
-//! [`RangeSearch::seat`]'s descent; of `count` and `fill` [`RangeSearch::count`] and [`RangeSearch::fill`]; of the scans a
-//! loop that adds up.
+//! References: for `arithmetic` the predicate itself; for `move_points` and `refit` [`PointCloud::refit`]; for `seat`
+//! [`RangeSearch::seat`]; for `count` and `fill` [`RangeSearch::count`] and [`RangeSearch::fill`]; for the scans a
+//! loop of additions.
 
 mod kernels;
 mod mutants;
@@ -17,7 +17,7 @@ use crate::isa::{Isa, Scalar};
 use crate::rng::Rng;
 use std::{eprintln, format, println};
 
-/// The device that all tests share, where there is an adapter.
+/// The device shared by all tests, if there is an adapter.
 fn device() -> Option<&'static Gpu> {
     static DEVICE: std::sync::OnceLock<Option<Gpu>> = std::sync::OnceLock::new();
     let make = || {
@@ -40,12 +40,12 @@ fn scalar() -> RangeSearch {
     RangeSearch::new(Isa::Scalar(Scalar::new()))
 }
 
-/// In the unit cube.
+/// A point in the unit cube.
 fn any_point(rng: &mut Rng) -> [f32; 3] {
     [(); 3].map(|()| rng.unit() as f32)
 }
 
-/// Points in a cube, some in a plane, and some more than once.
+/// Points in a cube, some in a plane, and some duplicates.
 fn points(rng: &mut Rng, count: usize) -> Vec<[f32; 3]> {
     let mut points: Vec<[f32; 3]> = Vec::new();
     for i in 0..count {

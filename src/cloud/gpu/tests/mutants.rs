@@ -1,10 +1,10 @@
-//! Whether the comparisons notice: kernels that are wrong on purpose, one place at a time.
+//! Mutation test: kernels with one deliberate error each must fail the comparisons.
 
 use super::*;
 use crate::device::Program;
 use alloc::string::String;
 
-/// What stands in the text once, and what is put in its place.
+/// A string that occurs once in the source, and its replacement.
 const MUTANTS: [[&str; 2]; 14] = [
     ["let two = lesser(four, four.zwxy);", "let two = four;"],
     ["vec4(0x80000000u), bits == vec4(0x80000000u)", "vec4(0x80000000u), bits == vec4(0x80000001u)"],
@@ -35,9 +35,9 @@ fn mutated(number: usize) -> String {
     source.replace(before, after)
 }
 
-/// Whether refit, seats, lists or neighbours are others than the CPU's.
+/// Whether refit, seats, lists or neighbours differ from the CPU's.
 fn differs(gpu: &Gpu, number: usize) -> bool {
-    // A grid, for ties; zeros of both signs, and some points that are no more.
+    // A grid, for ties; zeros of both signs, and removed points.
     let side = |i: usize| {
         [i % 16, i / 16 % 16, i / 256].map(|c| if c == 0 && i.is_multiple_of(2) { -0.0 } else { c as f32 })
     };

@@ -1,9 +1,9 @@
-//! What the text of the shaders says, beside what the host takes for granted.
+//! The shader source against the assumptions of the host.
 
 use super::*;
 use wgpu::naga;
 
-/// Parsed and validated, without an adapter.
+/// Parses and validates the source; needs no adapter.
 fn module() -> naga::Module {
     use naga::valid::{Capabilities, ValidationFlags, Validator};
     let source = shader::source();
@@ -22,7 +22,7 @@ fn the_kernels_are_valid_and_named_as_here() {
     for kernel in CloudShader::ALL {
         let (name, bindings) = kernel.interface();
         assert!(names.contains(&name), "{kernel:?}");
-        // As many as every device binds.
+        // No more than every device can bind.
         let storage =
             |binding: &&CloudBinding| !matches!(binding, CloudBinding::Search | CloudBinding::Level);
         assert!(bindings.iter().filter(storage).count() <= 8, "{kernel:?}");
@@ -64,8 +64,8 @@ fn structures_are_laid_out_as_in_the_kernels() {
     assert_eq!(size_of::<TreeLevel>(), 256);
 }
 
-/// How many sums and differences of floats there are, and operands of them that are results of floats as they are: neither from bits, nor
-/// from the function that hides them from the compiler.
+/// The number of sums and differences of floats, and the number of their operands that are exposed float results:
+/// neither converted from bits nor hidden from the compiler by `rounded`.
 fn sums_and_exposed(source: &str) -> (usize, usize) {
     use naga::{BinaryOperator as Op, Expression as E};
     let module = naga::front::wgsl::parse_str(source).unwrap();
@@ -85,7 +85,7 @@ fn sums_and_exposed(source: &str) -> (usize, usize) {
     (sums, exposed)
 }
 
-/// All floats that are computed are in two functions.
+/// All float arithmetic is in two functions.
 #[test]
 fn no_operation_can_be_fused_with_another() {
     let source = shader::source();

@@ -1,6 +1,7 @@
-// Points that move, and their boxes.
+// Moving points, and refitting boxes.
 
-/// The lesser of each; the first where the second is NaN; the second of two that are equal. As the scalar code folds boxes.
+/// The lesser of each pair: the first if the second is NaN, and the second if both are equal. As the scalar code
+/// merges boxes.
 fn lesser(a: vec4<u32>, b: vec4<u32>) -> vec4<u32> {
     return select(b, a, (order(a) < order(b) & !is_nan(a)) | is_nan(b));
 }
@@ -21,7 +22,7 @@ fn greatest(x: array<vec4<u32>, 4>) -> u32 {
     return greater(two, two.yxwz).x;
 }
 
-/// Four at a time.
+/// Sixteen elements in groups of four.
 fn by_fours(x: array<u32, 16>) -> array<vec4<u32>, 4> {
     return array(
         vec4(x[0], x[1], x[2], x[3]),
@@ -31,7 +32,7 @@ fn by_fours(x: array<u32, 16>) -> array<vec4<u32>, 4> {
     );
 }
 
-/// Each point to where it is now. A thread for four slots of a bucket.
+/// Moves each point. One thread for four slots of a bucket.
 @compute @workgroup_size(WORKGROUP)
 fn move_points(
     @builtin(workgroup_id) group: vec3<u32>,
@@ -59,7 +60,7 @@ fn move_points(
     }
 }
 
-/// The boxes of a level from what is below. A thread for a lane.
+/// Refits the boxes of a level. One thread per lane.
 @compute @workgroup_size(WORKGROUP)
 fn refit(
     @builtin(workgroup_id) group: vec3<u32>,

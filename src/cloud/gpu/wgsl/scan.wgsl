@@ -1,7 +1,7 @@
-// Where the lists begin: sums of all counts before, packet by packet. Sums that are too large stay at the largest number: the host
-// sees from the counts how large they are.
+// Starts of the lists: prefix sums of the counts, packet by packet. Sums saturate at the largest number; the host
+// computes the total from the counts.
 
-/// Sums of this thread's packets and of those before.
+/// Inclusive prefix sums over the threads.
 var<workgroup> scanned: array<u32, WORKGROUP>;
 
 fn plus(a: u32, b: u32) -> u32 {
@@ -9,7 +9,7 @@ fn plus(a: u32, b: u32) -> u32 {
     return select(sum, 0xffffffffu, sum < a);
 }
 
-/// The sum of all threads before this one. `scanned` of the last thread has all.
+/// The sum of `own` over all threads before this one. `scanned` of the last thread is the total.
 fn sum_before(own: u32, thread: u32) -> u32 {
     scanned[thread] = own;
     workgroupBarrier();
@@ -22,7 +22,7 @@ fn sum_before(own: u32, thread: u32) -> u32 {
     return select(0u, scanned[max(thread, 1u) - 1u], thread > 0u);
 }
 
-/// Within as many packets as there are threads.
+/// Prefix sums within groups of WORKGROUP packets.
 @compute @workgroup_size(WORKGROUP)
 fn scan(
     @builtin(workgroup_id) group: vec3<u32>,
@@ -49,7 +49,7 @@ fn scan(
     }
 }
 
-/// Over all of those, in one workgroup.
+/// Prefix sums over the groups, in one workgroup.
 @compute @workgroup_size(WORKGROUP)
 fn scan_totals(
     @builtin(workgroup_id) group: vec3<u32>,
@@ -73,7 +73,7 @@ fn scan_totals(
     }
 }
 
-/// The list of each query. A thread for a slot of a packet.
+/// The list of each query. One thread per slot of a packet.
 @compute @workgroup_size(WORKGROUP)
 fn write_lists(
     @builtin(workgroup_id) group: vec3<u32>,

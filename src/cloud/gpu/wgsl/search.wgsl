@@ -1,43 +1,43 @@
-// Packets of queries go down the tree together, and each query picks its neighbours out of the buckets that were found for all. A
-// workgroup for a packet: four threads for each of its sixteen queries.
+// The queries of a packet traverse the tree together, and each selects its neighbours from the buckets found. One
+// workgroup per packet: four threads for each of its sixteen queries.
 
 /// A query.
 struct Ask {
     point: vec3<u32>,
-    /// Of its radius.
+    /// The squared radius.
     square: u32,
-    /// UNUSED if there is none.
+    /// Index of the query; UNUSED for none.
     query: u32,
 }
 
-/// The box around the packet's points, in the order of integers.
+/// The bounding box of the packet's points, as integers from `order`.
 var<workgroup> lowest: array<atomic<u32>, 3>;
 var<workgroup> highest: array<atomic<u32>, 3>;
-/// The largest of the squares.
+/// The largest squared radius.
 var<workgroup> widest: atomic<u32>;
 
-/// The lanes of the node that was opened last which are near.
+/// Mask of the near lanes of the node opened last.
 var<workgroup> near: atomic<u32>;
-/// The nodes above it: their links, and which lanes are still to be looked at.
+/// The stack: the links of each open node, and the mask of lanes left.
 var<workgroup> links: array<u32, MAX_DEPTH * 16>;
 var<workgroup> left: array<u32, MAX_DEPTH>;
 var<workgroup> depth: u32;
-/// The node to open, or one of the words below.
+/// The node to open, or one of the codes below.
 var<workgroup> next: u32;
 var<workgroup> steps: u32;
 
-/// Buckets near the packet, which wait to be looked at.
+/// Pending buckets near the packet.
 var<workgroup> found: array<u32, FOUND>;
 var<workgroup> found_count: u32;
-/// Of each of them the points that are near to each query.
+/// For each of them, the mask of points near each query.
 var<workgroup> hits: array<u32, FOUND * 16>;
-/// Of each thread.
+/// Counts of each thread.
 var<workgroup> sums: array<u32, WORKGROUP>;
 
-/// All is done.
+/// The traversal is complete.
 const DONE = 0xffffffffu;
-// And ENDLESS: more steps than a device may make at a time.
-/// There is no room for another bucket.
+// ENDLESS is a third code: the packet exceeded MOST_STEPS.
+/// `found` is full.
 const FULL = 0xfffffffeu;
 
 fn ask_of(packet: u32, slot: u32) -> Ask {
@@ -59,7 +59,7 @@ fn ask_of(packet: u32, slot: u32) -> Ask {
     return ask;
 }
 
-/// The packet's box and square, and the root as the first node to open.
+/// Computes the packet's box and square, and sets the root as the first node to open.
 fn begin(ask: Ask, thread: u32) {
     if thread < 3u {
         atomicStore(&lowest[thread], UNUSED);
@@ -83,7 +83,7 @@ fn begin(ask: Ask, thread: u32) {
         atomicMax(&widest, ask.square);
     }
     workgroupBarrier();
-    // No number of a point comes last.
+    // No finite coordinate maps to UNUSED.
     if thread == 0u && atomicLoad(&lowest[0]) != UNUSED {
         next = 0u;
     }
@@ -105,7 +105,7 @@ fn upper_corner() -> vec3<u32> {
     );
 }
 
-/// Looks at a lane of a node, a thread for each.
+/// Tests the lanes of a node, one thread each.
 fn open(node: u32, lane: u32) {
     let child = nodes[node].child[lane];
     let lower = lower_of(node, lane);
@@ -118,7 +118,7 @@ fn open(node: u32, lane: u32) {
     }
 }
 
-/// From lane to lane, in their order, until there is a node to open, or something else to do. For one thread.
+/// Steps from lane to lane, in order, until there is a node to open or another code in `next`. For one thread.
 fn advance() {
     loop {
         steps++;
@@ -152,7 +152,7 @@ fn advance() {
     }
 }
 
-/// Which of four points are near a query.
+/// Mask of the points, of four, that are near a query.
 fn near_four(bucket: u32, quarter: u32, ask: Ask) -> u32 {
     let used = buckets[bucket].indices[quarter] != vec4(UNUSED);
     let x = difference(select(vec4(0u), buckets[bucket].coordinates[0][quarter], used), vec4(ask.point.x));
@@ -163,7 +163,7 @@ fn near_four(bucket: u32, quarter: u32, ask: Ask) -> u32 {
     return (bits.x | bits.y) | (bits.z | bits.w);
 }
 
-/// Which points of a bucket are near a query.
+/// Mask of the points of a bucket that are near a query.
 fn near_points(bucket: u32, ask: Ask) -> u32 {
     if ask.query == UNUSED {
         return 0u;
@@ -172,7 +172,7 @@ fn near_points(bucket: u32, ask: Ask) -> u32 {
         | (near_four(bucket, 2u, ask) << 8u | near_four(bucket, 3u, ask) << 12u);
 }
 
-/// How many neighbours a query has in this thread's part of what was found.
+/// Number of neighbours of a query in this thread's part of `found`.
 fn count_found(ask: Ask, part: u32) -> u32 {
     var count = 0u;
     for (var i = part; i < found_count; i += PARTS) {
@@ -181,7 +181,7 @@ fn count_found(ask: Ask, part: u32) -> u32 {
     return count;
 }
 
-/// Puts those of four indices that the mask has into the buffer. Where the next one goes.
+/// Writes the indices in the mask, of four, to the buffer. Returns the next position.
 fn put_four(place: u32, four: vec4<u32>, mask: u32) -> u32 {
     var to = place;
     if (mask & 1u) != 0u {
@@ -209,8 +209,8 @@ fn put(place: u32, index: u32) {
     }
 }
 
-/// Puts the neighbours of a query, in the order of what was found. Each thread does a part, which begins where those before it end.
-/// How many there were.
+/// Writes the neighbours of a query, in the order of `found`. Each thread writes a part, after those of the parts
+/// before. Returns the number of neighbours.
 fn fill_found(ask: Ask, place: u32, thread: u32) -> u32 {
     let slot = thread % 16u;
     let part = thread / 16u;
@@ -245,7 +245,7 @@ fn fill_found(ask: Ask, place: u32, thread: u32) -> u32 {
     return all;
 }
 
-/// How many neighbours each query of a packet has.
+/// Counts the neighbours of each query of a packet.
 @compute @workgroup_size(WORKGROUP)
 fn count(
     @builtin(workgroup_id) group: vec3<u32>,
@@ -294,7 +294,7 @@ fn count(
     }
 }
 
-/// The neighbours of each query of a packet.
+/// Writes the neighbours of each query of a packet.
 @compute @workgroup_size(WORKGROUP)
 fn fill(
     @builtin(workgroup_id) group: vec3<u32>,

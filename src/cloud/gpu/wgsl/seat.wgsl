@@ -1,4 +1,4 @@
-// The bucket beside a query that is no point of the cloud.
+// Seats: the nearest bucket of a query that is not a point of the cloud.
 
 fn lower_of(node: u32, lane: u32) -> vec3<u32> {
     return vec3(nodes[node].lower[0][lane], nodes[node].lower[1][lane], nodes[node].lower[2][lane]);
@@ -8,13 +8,13 @@ fn upper_of(node: u32, lane: u32) -> vec3<u32> {
     return vec3(nodes[node].upper[0][lane], nodes[node].upper[1][lane], nodes[node].upper[2][lane]);
 }
 
-/// Whether there is something in a lane: a link, to points of which not all were removed.
+/// Whether a lane has a link, to points of which not all were removed.
 fn holds(child: u32, lower: vec3<u32>) -> bool {
     return child != UNUSED && !is_nan(vec4(lower, 0u)).x;
 }
 
-/// Down to the lane whose box is nearest, the first of them. Squares so small that the device may have taken parts of them for zero are
-/// not told apart here: where that matters, the seat is UNSURE, and the host finds it.
+/// Descends to the lane whose box is nearest, the first of equals. Squares so small that the device may have flushed
+/// parts of them to 0 cannot be compared here: if they matter, the seat is UNSURE, and the host finds it.
 @compute @workgroup_size(WORKGROUP)
 fn seat(
     @builtin(workgroup_id) group: vec3<u32>,
@@ -30,10 +30,11 @@ fn seat(
     var node = 0u;
     // No tree is deeper.
     for (var depth = 0u; depth < MAX_DEPTH; depth++) {
-        // Squares without their lowest bits, in which there is the lane.
+        // The least square, with the lane in its low bits.
         var nearest = UNUSED;
         var is_inside = false;
-        // Lanes that are so near that it is not known how near, before the first that holds the point: those behind are no nearer.
+        // Number of lanes with uncertain squares before the first lane that contains the point. Later lanes are no
+        // nearer.
         var unsure = 0u;
         for (var lane = 0u; lane < 16u; lane++) {
             let child = nodes[node].child[lane];
@@ -42,7 +43,7 @@ fn seat(
             if is_inside || !holds(child, lower) {
                 continue;
             }
-            // Not by the square, which may be 0 for points outside.
+            // Do not test the square: it may be 0 for points outside.
             if all(order(vec4(lower, 0u)).xyz <= place) && all(order(vec4(upper, 0u)).xyz >= place) {
                 is_inside = true;
                 nearest = lane;
@@ -52,7 +53,7 @@ fn seat(
             unsure += select(0u, 1u, distance < SURE_SQUARE);
             nearest = min(nearest, (distance & ~15u) | lane);
         }
-        // One alone is nearer than all whose squares are known.
+        // A single uncertain lane is nearer than all with certain squares.
         if unsure > select(1u, 0u, is_inside) {
             seats[number] = UNSURE;
             return;
