@@ -5,8 +5,8 @@
 //! Every implementation of [`Kernel`] gives the same bits as [`scalar`], for every input, with no tolerance:
 //!
 //! 1. **Closed sets.** Bodies that touch overlap. Slab by slab, body A is separated from child i of B if and only if
-//!    `-d_opposite(j)(A) > d_j(B)` for some plane j; on keys, `query[j] > planes[j]` with `query[j] =
-//!    !key(d_opposite(j)(A))`.
+//!    `-d_opposite(j)(A) > d_j(B)` for some plane j; on keys, `query[j] > planes[j]` with
+//!    `query[j] = !key(d_opposite(j)(A))`.
 //! 2. **Lane i is bit i.** In 4vs4, bit `4 a + b` is the pair of child a of A and child b of B.
 //! 3. **An unused lane is separated from every query**, even from unbounded ones: its planes are below the complement
 //!    of every key.
@@ -19,10 +19,10 @@
 //! 6. **Balls** are compared in `f32`, with no fused multiply-add and sums from left to right. Comparisons are false
 //!    for NaN, which unused lanes contain. The lesser of two numbers is the second unless the first is less.
 //! 7. **Points and boxes:** the squared distance of a point is `(x * x + y * y) + z * z` for the differences of its
-//!    coordinates. That of a box is the same for the gaps along the axes, where a gap is the greatest of 0, `box.lower
-//!    - query.upper` and `query.lower - box.upper`. The greater of two numbers is the second unless the first is
-//!    greater. Rounding is monotone and symmetric about 0, so the **rounded** squared distance of a box is at most that
-//!    of any point in it: a box that is too far contains no near point, without a pad.
+//!    coordinates. That of a box is the same for the gaps along the axes, where a gap is the greatest of 0,
+//!    `box.lower - query.upper` and `query.lower - box.upper`. The greater of two numbers is the second unless the
+//!    first is greater. Rounding is monotone and symmetric about 0, so the **rounded** squared distance of a box is at
+//!    most that of any point in it: a box that is too far contains no near point, without a pad.
 //!
 //! All operations accept any bits. Codes that are not planes compare as integers, like all others.
 
