@@ -1,39 +1,46 @@
-//! Re-alignment: the planes of a turned body, without touching its vertices (DESIGN 5).
+//! Re-alignment: bounds the planes of a rotated body from its planes alone, without its vertices.
 //!
-//! Body A stands at pose (M, t) in the frame of body B, so its planes must be turned before they can be
-//! compared with B's. For a direction n of B and a point x of A
+//! Body A stands at pose (M, t) in the frame of body B, so its planes must be rotated before they can be compared with
+//! B's. For a direction n of B and a point x of A
 //!
 //! ```text
 //! n . (M x + t) = u . x + n . t,     u = transpose(M) n = sum of three c_l n_l,  c_l >= 0
 //!              <= sum c_l d_l(A) + n . t                                          (weak duality of linear programming)
 //! ```
 //!
-//! The three directions are the corners of the face that the ray u pierces in the hull of the directions.
-//! They depend on the rotation alone: they are found once a query, and then cost three multiplications and
-//! three additions a plane, for 16 children at once.
+//! The three directions are the corners of the face that the ray u pierces in the hull of the directions. They depend
+//! on the rotation alone. A query computes them once; then a plane costs three multiplications and three additions, for
+//! 16 children at once.
 //!
-//! **Why no rounding can lose a collision.** All of it is in `f32`, but for the way s between the centres of the
-//! frames, so that a core without `f64` does not emulate it for every plane. Every quantity that was rounded is paid
-//! for in `offset`, once, for all nodes. With `e = 2^-24`, `|n|` the sum of magnitudes of a direction's components,
+//! **Why rounding cannot lose a collision.** All of it is in `f32`, except for the vector s between the centres of the
+//! frames, so that a core without `f64` need not emulate it for every plane. `offset` has a pad for each rounded
+//! quantity, once for all nodes. With `e = 2^-24`, `|n|` the sum of magnitudes of a direction's components,
 //! `S = max |s|` in the frame, and `rho` the ratio of the units:
 //!
-//! | what was rounded | at most | the pad |
+//! | rounded | error, at most | pad |
 //! |---|---|---|
-//! | M, and u: four roundings of a sum of magnitudes below `1.0002 abs(n)` | `4.1 e abs(n)` of each component of u | `16 e abs(n) rho sum half_width` for both |
-//! | the weights c: six roundings of at most `max abs(u)`; for k = 32 they are computed in `f64` and then rounded, `sum c <= 1.2 abs(n)`, times the greatest component, 3 | `6.1 e abs(n)` of each component of `sum c n_l` | |
-//! | s to `f32`, and n . s | `4.1 e abs(n) S` | `16 e (sum c max_plane + abs(n) S)` for both |
-//! | products and sums of codes, and the offset, with the half step that each code stands for besides: `max_plane` is at least as much | `12.3 e (sum c max_plane)`, `3.1 e abs(n) S` | |
-//! | s in `f64`; the moved corners that the leaf test decides on | `2^-48 abs(n) (coordinates)` | `2^-46 abs(n) (coordinates)` |
-//! | coordinates of moved corners that [`Pose::apply`] flushes to zero | `2^-250 abs(n)` | the same |
-//! | what is too small for a normal `f32`, and all planes of a body 2^100 times smaller ([`crate::query`]) | `2^-84` | `2^-80` |
-//! | sums that could overflow an `f32`, of bodies 2^100 times larger than the other | | the plane is unbounded |
+//! | M, and u (1) | `4.1 e abs(n)` in each component of u | `16 e abs(n) rho sum half_width`, also for (2) |
+//! | the weights c (2) | `6.1 e abs(n)` in each component of `sum c n_l` | |
+//! | s to `f32`, and n . s | `4.1 e abs(n) S` | `16 e (sum c max_plane + abs(n) S)`, also for (3) |
+//! | products and sums of codes, and the offset (3) | `12.3 e (sum c max_plane)`, `3.1 e abs(n) S` | |
+//! | s in `f64`; the moved corners in the leaf test | `2^-48 abs(n) (coordinates)` | `2^-46 abs(n) (coordinates)` |
+//! | moved coordinates that [`Pose::apply`] flushes to zero | `2^-250 abs(n)` | the same |
+//! | numbers below the normal range of `f32` (4) | `2^-84` | `2^-80` |
+//! | sums that could overflow an `f32` (5) | | the plane is unbounded |
 //!
-//! and the pad is a sum of products of numbers that are not negative, so that its own roundings, each `e` of a partial
-//! result, are paid for by one factor: a twentieth of a step for a body like B. The turned plane is then rounded to a key.
+//! 1. Four roundings of a sum of magnitudes below `1.0002 abs(n)`.
+//! 2. Six roundings of at most `max abs(u)`. For k = 32 the weights are computed in `f64` and then rounded:
+//!    `sum c <= 1.2 abs(n)`, times the greatest component, 3.
+//! 3. Including the half step that is added to each code: it is at most `max_plane`.
+//! 4. And all planes of a body 2^100 times smaller than the other ([`crate::query`]).
+//! 5. Of bodies 2^100 times larger than the other.
 //!
-//! **Radii.** A pose moves the corners of a primitive; everything within its radius of them keeps its shape. Its
+//! The pad is a sum of products of numbers that are not negative. So one factor covers its own roundings, each `e` of a
+//! partial result. For a body like B, the pad is a twentieth of a step. The rotated plane is then rounded to a key.
+//!
+//! **Radii.** A pose moves the corners of a primitive, but everything within its radius of them keeps its shape. The
 //! planes bound `u . x + |u| r`, which is less than `u . x + |n| r` where M makes vectors shorter, as an accepted
-//! matrix may by 1e-4. So the planes of bodies with radii are moved out by `shrinkage` besides.
+//! matrix may by 1e-4. So `shrinkage` moves the planes of bodies with radii further out.
 
 mod ball;
 mod inverse;
@@ -56,56 +63,56 @@ use crate::primitive::{Primitive, radius_of};
 use crate::range::{MIN_COORDINATE, Point};
 use crate::vector::difference;
 
-/// How the planes of every node of one body turn into another body's frame, at one pose.
+/// Maps the planes of every node of one body into another body's frame, at one pose.
 #[derive(Copy, Clone, PartialEq, Debug)]
 pub struct Realignment<const K: usize> {
-    /// Three planes for each slab: plane `2s` turned is `(w[0] d[p[0]] + w[1] d[p[1]]) + w[2] d[p[2]] +
-    /// offset[2s]` with `p = sources[s]`, `w[l] = weights[l][s]`. Plane `2s + 1` takes their opposites, `p ^
-    /// 1`, at the same weights. The first half of the array is used, and of each entry three: four bytes are moved at
-    /// once.
+    /// Three planes for each slab: plane `2s`, rotated, is `(w[0] d[p[0]] + w[1] d[p[1]]) + w[2] d[p[2]] + offset[2s]`
+    /// with `p = sources[s]` and `w[l] = weights[l][s]`. Plane `2s + 1` takes the opposite planes, `p ^ 1`, with the
+    /// same weights. Only the first half of the array is used, and three bytes of each entry; the fourth makes an entry
+    /// one 32-bit load.
     pub sources: [[u8; 4]; K],
-    /// The weights of each slab, not negative. The first half of each array is used.
+    /// The weights of each slab, not negative. Only the first half of each array is used.
     pub weights: [[f32; K]; 3],
-    /// Translation and pad of each plane.
+    /// Translation plus pad of each plane.
     pub offset: [f32; K],
 }
 
 /// Bounds five roundings of `f32`, with room for the rounding of the pad itself.
 pub(crate) const GAMMA_5: f64 = 5.25 * power_of_two(-24);
 
-/// Bounds the few dozen roundings of `f64` in a sum of magnitudes: each is 2^-53 of a partial sum.
+/// Bounds a few dozen roundings of `f64` in a sum of magnitudes: each is 2^-53 of a partial sum.
 pub(crate) const F64_SLACK: f64 = power_of_two(-46);
 
-/// Pays for the pad's own rounding to `f32`: it can be far greater than what it pads.
+/// Covers the rounding of the pad to `f32`, which can be far greater than the error it pads.
 const ITS_OWN_ROUNDING: f64 = 1.0 + power_of_two(-23);
 
-/// Those of a pad that is computed in `f32`.
+/// Covers the roundings of a pad that is computed in `f32`.
 const ITS_OWN_ROUNDINGS: f32 = 1.0 + power_of_two(-16) as f32;
 
-/// Of the weights of a direction, in components of that direction.
+/// Residual of a direction's weights, relative to the components of the direction.
 const RESIDUAL: f32 = power_of_two(-20) as f32;
 
-/// Of the sum that a turned plane is, of the magnitudes in it.
+/// Rounding of the sum that gives a rotated plane, relative to the magnitudes in it.
 const ROUNDINGS: f32 = power_of_two(-20) as f32;
 
-/// A bit more than half of a last place of `f32`.
+/// Slightly more than half of a last place of `f32`.
 pub(crate) const HALF_PLACE: f64 = 1.0625 * power_of_two(-24);
 
-/// More than what weights and products lose that are too small for a normal `f32`.
+/// Exceeds the loss of weights and products below the normal range of `f32`.
 pub(crate) const UNDERFLOW: f64 = power_of_two(-130);
 
-/// The same in a set-up in `f32`, where it is a normal number.
+/// The same for a set-up in `f32`, where it must be a normal number.
 const UNDERFLOW_OF_SINGLES: f32 = power_of_two(-80) as f32;
 
-/// Sums of magnitudes below this cannot overflow an `f32`. Beyond it a product could become -infinity, which
-/// bounds nothing: such a plane is unbounded instead.
+/// Sums of magnitudes below this cannot overflow an `f32`. Beyond it a product could become -infinity, which is not a
+/// bound, so such a plane is unbounded instead.
 const MAX_REACH: f32 = power_of_two(126) as f32;
 
 impl<const K: usize> Realignment<K> {
     /// To be overwritten.
     pub(crate) const UNSET: Self = Self { sources: [[0; 4]; K], weights: [[0.0; K]; 3], offset: [0.0; K] };
 
-    /// The map for a body of extent `a`, posed in the frame `b`.
+    /// The map for a body with bounds `a`, posed in the frame `b`.
     #[inline(always)]
     #[must_use]
     pub fn new(pose: &Pose, a: &BodyBounds, b: &Frame) -> Self {
@@ -114,13 +121,13 @@ impl<const K: usize> Realignment<K> {
         map
     }
 
-    /// [`Self::new`] in place: as a result it was copied, and took as much stack once more.
-    // Part of the query that it begins, so that it is compiled for the query's instruction set.
+    /// [`Self::new`] in place: a returned value was copied, and took as much stack again.
+    // Inlined into the query, so that it is compiled for the query's instruction set.
     #[inline(always)]
     #[expect(clippy::needless_range_loop, reason = "several columns share the index")]
     pub(crate) fn set(&mut self, pose: &Pose, a: &BodyBounds, b: &Frame) {
         let rows = pose.rows();
-        // Loops, not `map`, which is not always inlined.
+        // Loops instead of `map`, which is not always inlined.
         let mut m = [[0.0_f32; 3]; 3];
         for i in 0..3 {
             for j in 0..3 {
@@ -156,17 +163,18 @@ impl<const K: usize> Realignment<K> {
             let pad =
                 ((weight_sum * per_weight + length * per_length) + UNDERFLOW_OF_SINGLES) * ITS_OWN_ROUNDINGS;
             let is_bounded = reach < MAX_REACH;
-            // Codes stand for half a step more.
+            // A code c stands for c + 1/2.
             let pad = 0.5 * weight_sum + pad;
             offsets[s] = if is_bounded { [tau + pad, pad - tau] } else { [f32::INFINITY; 2] };
         }
-        // Not one by one: of nine, the compiler stored and loaded some as vectors that had to wait for each other.
+        // Not element by element: for nine of them, the compiler emitted vector stores and loads that stalled on each
+        // other.
         self.offset.copy_from_slice(&offsets.as_flattened()[..K]);
     }
 
-    /// Moves every plane out by `margin`, in units of the frame: turned planes then hold everything within it
-    /// of the body. The roundings of the longer offset, and of the sums it is in, are paid for by a few more of the last
-    /// places of both terms.
+    /// Moves every plane out by `margin`, in units of the frame: the rotated planes then contain everything within
+    /// `margin` of the body. A few more of the last places of both terms cover the rounding of the larger offset and of
+    /// the sums that contain it.
     #[inline(always)]
     pub fn widen(&mut self, margin: f64) {
         let margin = round_up_f32(margin);
@@ -176,7 +184,7 @@ impl<const K: usize> Realignment<K> {
         }
     }
 
-    /// What plane `j` turned is the sum of, but for the offset: planes and their weights.
+    /// The planes and weights whose weighted sum, plus the offset, is the rotated plane `j`.
     #[inline]
     #[must_use]
     pub fn terms(&self, j: usize) -> [(usize, f32); 3] {
@@ -184,7 +192,7 @@ impl<const K: usize> Realignment<K> {
         core::array::from_fn(|l| (usize::from(sources[l]) ^ (j & 1), self.weights[l][j / 2]))
     }
 
-    /// Plane `j` turned, from the codes of a body's planes, as the sum in `f32` that it is: already a bound.
+    /// The rotated plane `j`, from the codes of a body's planes, as an `f32` sum. It is already a bound.
     #[inline]
     #[must_use]
     pub fn sum(&self, j: usize, code: impl Fn(usize) -> i16) -> f32 {
@@ -193,9 +201,8 @@ impl<const K: usize> Realignment<K> {
         ((term(0) + term(1)) + term(2)) + self.offset[j]
     }
 
-    /// Plane `j` turned, from the codes of a body's planes: the specification that the kernels follow,
-    /// operation by operation. An unbounded plane, and a weight or offset beyond `f32`, give
-    /// [`Key::INFINITY`].
+    /// The rotated plane `j`, from the codes of a body's planes: the specification of the kernels, operation by
+    /// operation. An unbounded plane, and a weight or offset beyond `f32`, give [`Key::INFINITY`].
     #[inline]
     #[must_use]
     pub fn plane(&self, j: usize, code: impl Fn(usize) -> i16) -> Key {
@@ -203,29 +210,29 @@ impl<const K: usize> Realignment<K> {
     }
 }
 
-/// Where the pose puts the centre of A's frame, from the centre of B's, up to rounding in `f64`.
+/// The centre of A's frame at the pose, relative to the centre of B's, up to rounding in `f64`.
 #[inline(always)]
 pub(crate) fn shift(pose: &Pose, a: &BodyBounds, b: &Frame) -> Point {
     difference(&pose.unflushed_called(&a.frame.centre), &b.centre)
 }
 
-/// What the roundings of moved corners and centres are relative to.
+/// The magnitude to which the roundings of moved corners and centres are relative.
 #[inline(always)]
 pub(crate) fn coordinates(pose: &Pose, a: &BodyBounds, b: &Frame) -> f64 {
-    // 4 >= sum of a row's magnitudes, for the image; once more for the centre.
+    // A row's magnitudes sum to at most 4, for the image; once more for the centre.
     (8.0 * a.max_coordinate + greatest(&pose.translation())) + greatest(&b.centre)
 }
 
-/// What is lost along an axis of length 1 by rounding in `f64`, in the bodies' unit: of a moved corner's way from
-/// the centre of its own body, when the way between the centres is [`shift`].
+/// The rounding error in `f64` of the vector of a moved corner from the centre of its own body, along an axis of length
+/// 1, if [`shift`] is the vector between the centres. In the bodies' unit.
 #[inline(always)]
 pub(crate) fn slack_of_shift(pose: &Pose, a: &BodyBounds, b: &Frame) -> f64 {
-    // The sum of the axis's magnitudes is at most the root of 3.
+    // The magnitudes of a unit axis sum to at most sqrt(3).
     2.0 * (F64_SLACK * coordinates(pose, a, b) + MIN_COORDINATE)
 }
 
-/// What a margin has to grow by where volumes of A are compared as M turns them, if A's primitives have radii: by at
-/// least as much as M makes any of these radii shorter or longer. No radius is above half of the body's width.
+/// What a margin must grow by if A's primitives have radii, and volumes of A are compared after rotation by M: at least
+/// as much as M makes any of the radii shorter or longer. No radius exceeds half of the body's width.
 #[inline(always)]
 pub(crate) fn shrinkage<P: Primitive>(pose: &Pose, a: &BodyBounds) -> f64 {
     if !P::IS_ROUND {
@@ -235,9 +242,9 @@ pub(crate) fn shrinkage<P: Primitive>(pose: &Pose, a: &BodyBounds) -> f64 {
     pose.skew() * (f64::from(x.min(y).min(z)) / a.frame.scale())
 }
 
-/// The planes of everything within `margin` of moved primitives in frame `b`, each an upper bound of the
-/// exact support, rounded up: tighter than the re-aligned planes of the leaf that holds them.
-// Loops, not `array::from_fn`, which is not always inlined.
+/// The planes, in frame `b`, of everything within `margin` of moved primitives. Each is an upper bound of the exact
+/// support, rounded up: tighter than the re-aligned planes of the leaf that contains them.
+// Loops instead of `array::from_fn`, which is not always inlined.
 #[inline(always)]
 #[must_use]
 pub(crate) fn planes_of<P: Primitive, const K: usize>(
@@ -247,9 +254,9 @@ pub(crate) fn planes_of<P: Primitive, const K: usize>(
 ) -> [Key; K] {
     let Supports { least, greatest, size } = Supports::<K>::of::<P>(b, items);
     let scale = b.scale();
-    // By columns of slabs, which are compiled to vector instructions.
+    // By columns of slabs, which compile to vector instructions.
     let mut slabs = [[Key::LOWEST; 2]; K];
-    // Kept where it is: what the margin alone decides was computed, and stored, at the beginning of each query.
+    // Not hoisted: otherwise terms that depend on the margin alone were computed and stored at the start of each query.
     let margin = core::hint::black_box(margin);
     for s in 0..Directions::<K>::COLUMNS {
         slabs[s] = planes_of_slab::<K>(s, [least[s], greatest[s]], size, margin, scale);
@@ -259,7 +266,7 @@ pub(crate) fn planes_of<P: Primitive, const K: usize>(
     planes
 }
 
-/// The two planes of a slab from the least and the greatest support, by the largest magnitude of a coordinate.
+/// The two planes of a slab from the least and the greatest support; `size` is the largest magnitude of a coordinate.
 #[inline(always)]
 fn planes_of_slab<const K: usize>(
     s: usize,
@@ -274,20 +281,20 @@ fn planes_of_slab<const K: usize>(
     [Key::above((pads + greatest) * scale), Key::above((pads - least) * scale)]
 }
 
-/// Supports of some primitives, relative to the centre of a frame, up to rounding in `f64`.
+/// Supports of primitives, relative to the centre of a frame, up to rounding in `f64`.
 #[derive(Copy, Clone, Debug)]
 pub(crate) struct Supports<const K: usize> {
-    /// The least for each slab. The first half of the array is used.
+    /// The least for each slab. Only the first half of the array is used.
     pub(crate) least: [f64; K],
     /// The greatest.
     pub(crate) greatest: [f64; K],
-    /// The largest magnitude of a coordinate, the frame's centre included.
+    /// The largest magnitude of a coordinate, including the frame's centre.
     pub(crate) size: f64,
 }
 
 impl<const K: usize> Supports<K> {
-    // By columns of slabs. With the two planes of a slab side by side, a loop in steps of two, LLVM 22.1 gave
-    // code for AVX-512 that lost supports.
+    // By columns of slabs. With the two planes of a slab side by side, in a loop in steps of two, LLVM 22.1 emitted
+    // AVX-512 code that lost supports.
     #[inline(always)]
     pub(crate) fn of<P: Primitive>(b: &Frame, items: impl Iterator<Item = P::Item>) -> Self {
         Self::of_slabs::<P>(
@@ -298,7 +305,7 @@ impl<const K: usize> Supports<K> {
         )
     }
 
-    /// Of those slabs that are wanted.
+    /// Computes only the wanted slabs.
     #[inline(always)]
     fn of_slabs<P: Primitive>(
         b: &Frame,

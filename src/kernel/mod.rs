@@ -1,33 +1,30 @@
-//! The kernels: one body, or four, against the children of a node.
+//! The SIMD kernels: one body, or four, against the children of a node.
 //!
 //! # The law
 //!
 //! Every implementation of [`Kernel`] gives the same bits as [`scalar`], for every input, with no tolerance:
 //!
-//! 1. **Closed sets.** Bodies that touch overlap. Slab by slab, body A is separated from child i of B if and
-//!    only if `-d_opposite(j)(A) > d_j(B)` for some plane j; on keys, `query[j] > planes[j]` with `query[j] =
-//!    !key(d_opposite(j)(A))`.
+//! 1. **Closed sets.** Bodies that touch overlap. Slab by slab, body A is separated from child i of B if and only if
+//!    `-d_opposite(j)(A) > d_j(B)` for some plane j; on keys, `query[j] > planes[j]` with
+//!    `query[j] = !key(d_opposite(j)(A))`.
 //! 2. **Lane i is bit i.** In 4vs4, bit `4 a + b` is the pair of child a of A and child b of B.
-//! 3. **An unused lane is separated from every query**, unbounded ones too: its planes are below every
-//!    complement of a key.
-//! 4. **Re-alignment** is [`Realignment::plane`], operation by operation: `f32`, no fused multiply-add, the
-//!    sum from left to right of codes as numbers, rounded to the nearest, NaN to [`Key::INFINITY`]. A lane whose plane 0 is [`Key::EMPTY`]
-//!    is unused: its `query[0]` comes out above every key, so that it is separated from everything; the rest
-//!    of it is as for any bits.
+//! 3. **An unused lane is separated from every query**, even from unbounded ones: its planes are below the complement
+//!    of every key.
+//! 4. **Re-alignment** is [`Realignment::plane`], operation by operation: `f32`, no fused multiply-add, and the sum
+//!    from left to right of codes as numbers, rounded to the nearest; NaN becomes [`Key::INFINITY`]. A lane whose plane
+//!    0 is [`Key::EMPTY`] is unused: its `query[0]` becomes a value above every key, so that it is separated from
+//!    everything. Its other planes are computed like those of any lane.
+//! 5. **Primitive slabs** are [`PrimitiveSlab::is_beyond`], operation by operation: `f32`, no fused multiply-add, the
+//!    sum from left to right, and a comparison that is false for NaN.
+//! 6. **Balls** are compared in `f32`, with no fused multiply-add and sums from left to right. Comparisons are false
+//!    for NaN, which unused lanes contain. The lesser of two numbers is the second unless the first is less.
+//! 7. **Points and boxes:** the squared distance of a point is `(x * x + y * y) + z * z` for the differences of its
+//!    coordinates. That of a box is the same for the gaps along the axes, where a gap is the greatest of 0,
+//!    `box.lower - query.upper` and `query.lower - box.upper`. The greater of two numbers is the second unless the
+//!    first is greater. Rounding is monotone and symmetric about 0, so the **rounded** squared distance of a box is at
+//!    most that of any point in it: a box that is too far contains no near point, without a pad.
 //!
-//! 5. **Primitive slabs** are [`PrimitiveSlab::is_beyond`], likewise: `f32`, no fused multiply-add, the sum from left to
-//!    right, and a comparison that is false of NaN.
-//!
-//! 6. **Balls** are compared in `f32`, no fused multiply-add, sums from left to right; comparisons are false of NaN,
-//!    which unused lanes have, and the lesser of two numbers is the second unless the first is less.
-//!
-//! 7. **Points and boxes** likewise: the distance of a point is `(x * x + y * y) + z * z` of the differences of its
-//!    coordinates, that of a box the same of the gaps along the axes, each the greatest of 0, `box.lower - query.upper` and
-//!    `query.lower - box.upper`, and the greater of two numbers is the second unless the first is greater. Since every
-//!    operation rounds upwards and downwards alike, a box's is not above that of any point in it **as it is rounded**: a
-//!    box that is too far has no point that is near, without a pad.
-//!
-//! All operations take any bits. Codes that are not planes (NaN, -0) compare as the integers they are.
+//! All operations accept any bits. Codes that are not planes compare as integers, like all others.
 
 #[cfg(simdop_x86)]
 mod avx2;
@@ -45,20 +42,20 @@ use crate::node::{Aabb16, Ball16, BoundingBall, Box3, Bucket, Node4, Node16};
 use crate::primitive::triangle::{Probe, Triangle};
 use crate::realign::{PrimitiveSlab, Realignment};
 
-/// Planes of `W` bodies that were turned into another body's frame, ready to be compared with that body's
-/// planes: `turned[j][i]` is the complement of the key of plane `j ^ 1` of body i.
+/// Planes of `W` bodies, rotated into another body's frame and ready for comparison with that body's planes:
+/// `turned[j][i]` is the complement of the key of plane `j ^ 1` of body i.
 pub type Turned<const W: usize, const K: usize> = [[i16; W]; K];
 
-/// Makes the volume of a lens from its other factors; and that of a ball from the cube of its radius. By some 2^-18
-/// too large: more than the dozen roundings beside them make too small.
+/// Factor of a lens's volume, and below, of a ball's volume from the cube of its radius. Both are too large by about
+/// 2^-18, which covers the roundings of about a dozen operations.
 pub(crate) const LENS: f32 = (core::f64::consts::PI / 12.0 * ENLARGED) as f32;
 pub(crate) const WHOLE: f32 = (core::f64::consts::PI * 4.0 / 3.0 * ENLARGED) as f32;
-/// What a lens loses by the rounding of the distance, of the sums and of the difference of the radii, over the sum of the
-/// radii and the square of the smaller one. A lens grows with either radius by the area of a disc, which is at most that
-/// of the smaller ball's: with the distance right to 3.5 u and the others to u, that is 14 u; and `rest` loses 19 u of
-/// the smaller ball at most, u being 2^-24.
+/// Bound of the error in a lens's volume from the rounding of the distance, of the sums, and of the difference of the
+/// radii, divided by the sum of the radii and the square of the smaller one. The volume of a lens grows with either
+/// radius by the area of a disc, which is at most that of the smaller ball's. With u = 2^-24, the distance accurate to
+/// 3.5 u and the others to u, this is 14 u. `rest` loses at most 19 u of the smaller ball.
 pub(crate) const LENS_SLACK: f32 = crate::exact::power_of_two(-18) as f32;
-/// The least bound of a volume that is not nothing: more than what factors lose that are too small for a normal `f32`.
+/// The least nonzero bound of a volume: exceeds the loss of factors below the normal range of `f32`.
 pub(crate) const LEAST_VOLUME: f32 = crate::exact::power_of_two(-100) as f32;
 const ENLARGED: f64 = 1.0 + crate::exact::power_of_two(-18);
 
@@ -78,22 +75,22 @@ mod sealed {
     impl Sealed for crate::isa::Neon {}
 }
 
-/// The operations of the hot loop, for one instruction set. The implementor is the token that proves it is
-/// there, or holds it. See the [law](crate::low_level::kernel).
+/// The operations of the hot loop for one instruction set. The implementing type is, or contains, the token that proves
+/// the instruction set available. See the [law](crate::low_level::kernel).
 pub trait Kernel: Copy + core::fmt::Debug + sealed::Sealed {
-    /// Runs `f` compiled for the instruction set, as far as `f` is inlined: a gate, which queries enter
-    /// a few times each.
+    /// Runs `f` compiled for the instruction set, as far as `f` is inlined. A query enters it a few times.
     fn run<R>(self, f: impl FnOnce() -> R) -> R;
 
-    /// What traversals descend by, for code that is more than loops over columns. On x86-64 it is compiled for AVX2, once for
-    /// both instruction sets, and what AVX-512 does better is a call. Where 512 bits are at hand, the compiler loads the numbers
-    /// of a pose by gathers, which are slower than what they replace: queries took 1.08 of the time.
+    /// The kernel of the traversal, for code beyond loops over columns. On x86-64 it is compiled for AVX2, once for
+    /// both instruction sets, and calls the operations that are faster in AVX-512. With 512-bit registers, compilers
+    /// load the numbers of a pose by gathers, which are slower than the loads they replace: queries took 1.08 times as
+    /// long.
     type Narrow: Kernel;
 
     /// See [`Kernel::Narrow`].
     fn narrow(self) -> Self::Narrow;
 
-    /// Which children of `node` the body in lane `lane` (below `W`) of `query` overlaps.
+    /// The children of `node` that the body in lane `lane` (below `W`) of `query` overlaps.
     #[must_use]
     fn overlap_1v16<const W: usize, const K: usize>(
         self,
@@ -102,30 +99,28 @@ pub trait Kernel: Copy + core::fmt::Debug + sealed::Sealed {
         node: &Node16<K>,
     ) -> u16;
 
-    /// Which of the 16 bodies of `query` child `lane` (below 16) of `node` overlaps: a column of what
-    /// [`Kernel::overlap_1v16`] gives the rows of.
+    /// The bodies, of the 16 in `query`, that child `lane` (below 16) of `node` overlaps: a column of the matrix whose
+    /// rows [`Kernel::overlap_1v16`] gives.
     #[must_use]
     fn overlap_16v1<const K: usize>(self, query: &Turned<16, K>, node: &Node16<K>, lane: usize) -> u16;
 
-    /// Which of the 16 bodies of `query` the hull of all children of `node` overlaps: the body whose planes
-    /// are the greatest of theirs. For a root, which is no child of a node that could be asked.
+    /// The bodies, of the 16 in `query`, that overlap the hull of all children of `node`: the k-DOP with the greatest
+    /// of their planes. For a root, which is not a child of any node.
     #[must_use]
     fn overlap_16v_hull<const K: usize>(self, query: &Turned<16, K>, node: &Node16<K>) -> u16;
 
-    /// Which children of `node` each of the four bodies of `query` overlaps.
+    /// The children of `node` that each of the four bodies of `query` overlaps.
     #[must_use]
     fn overlap_4v4<const K: usize>(self, query: &Turned<4, K>, node: &Node4<K>) -> u16;
 
-    /// Bit i: the plane of the probe or of triangle i certainly separates the two, as [`Probe::is_apart`]
-    /// says, which is the specification.
+    /// Bit i: the plane of the probe or of triangle i certainly separates the two. Specified by [`Probe::is_apart`].
     #[must_use]
     fn apart_4(self, probe: &Probe<'_>, triangles: &[Triangle; 4]) -> u16;
 
-    /// Which children of `node` lie beyond a slab of a primitive's own, as [`PrimitiveSlab::is_beyond`] says, which
-    /// is the specification. Unused lanes never do.
+    /// The children of `node` beyond a primitive slab. Specified by [`PrimitiveSlab::is_beyond`]. Never an unused lane.
     ///
     /// # Panics
-    /// If a source of the slab is not below `K`, which those of [`crate::realign::primitive_slabs`] are.
+    /// If a source of the slab is not below `K`; [`crate::realign::primitive_slabs`] gives valid sources.
     #[must_use]
     fn beyond_16<const K: usize>(self, slab: &PrimitiveSlab, node: &Node16<K>) -> u16;
 
@@ -136,22 +131,22 @@ pub trait Kernel: Copy + core::fmt::Debug + sealed::Sealed {
     #[must_use]
     fn beyond_4<const K: usize>(self, slab: &PrimitiveSlab, node: &Node4<K>) -> u16;
 
-    /// Turns the planes of all children of a node into another body's frame. In place: a
-    /// result of half a kilobyte would be copied.
+    /// Rotates the planes of all children of a node into another body's frame. Writes in place, since a returned value
+    /// of half a kilobyte would be copied.
     ///
     /// # Panics
-    /// If a source of the map is not below `K`, which those of [`Realignment::new`] are.
+    /// If a source of the map is not below `K`; [`Realignment::new`] gives valid sources.
     fn realign_16<const K: usize>(self, map: &Realignment<K>, node: &Node16<K>, query: &mut Turned<16, K>);
 
-    /// Whether the machine may have no `f64`, so that triangles are first tested on a lattice of integers.
+    /// Whether the machine may lack `f64`, so that triangles are first tested on an integer lattice.
     const ON_LATTICE: bool = false;
 
-    /// Whether [`Kernel::realign_16_over`] is worth its code: it turns no more than it has to.
+    /// Whether to use [`Kernel::realign_16_over`], which rotates only as many planes as it needs.
     const TURNS_BY_PLANES: bool = false;
 
-    /// [`Kernel::realign_16`] of `a`, and [`Kernel::overlap_16v1`] of its result and child `lane` of `b`, or without a lane
-    /// [`Kernel::overlap_16v_hull`]. Of the bodies in `whole`, `query` has the planes already. Those that overlap are added to
-    /// them; of the others it may hold anything.
+    /// [`Kernel::realign_16`] of `a`, followed by [`Kernel::overlap_16v1`] of its result with child `lane` of `b`, or
+    /// without a lane by [`Kernel::overlap_16v_hull`]. On entry, `query` has all planes of the bodies in `whole`. The
+    /// bodies that overlap are added to `whole`; the planes of all others are unspecified.
     ///
     /// # Panics
     /// As [`Kernel::realign_16`].
@@ -178,30 +173,31 @@ pub trait Kernel: Copy + core::fmt::Debug + sealed::Sealed {
     /// As [`Kernel::realign_16`].
     fn realign_4<const K: usize>(self, map: &Realignment<K>, node: &Node4<K>, query: &mut Turned<4, K>);
 
-    /// For each ball of `a` in a lane of `wanted`: which balls of `b` it meets, in the row of its lane. The other rows
-    /// stay as they are.
+    /// For each ball of `a` in a lane of `wanted`, writes to the row of that lane which balls of `b` it meets. The
+    /// other rows are unchanged.
     fn balls_meet(self, a: &Ball16, wanted: u16, b: &Ball16, rows: &mut [u16; 16]);
 
-    /// For each lane of `b` an upper bound of the volume that its spheres share with those in `a`, where neither
-    /// body's spheres overlap each other: the least of both volumes and of the balls' lens, and that of a lens whatever
-    /// the sizes of the two. 0 if and only if the balls do not meet.
+    /// For each lane of `b`, an upper bound of the volume that its spheres share with those in `a`, if neither body's
+    /// spheres overlap each other. It is the least of both volumes and of the volume of the balls' lens, or of the
+    /// whole smaller ball if one contains the other. 0 if and only if the balls do not meet.
     fn balls_share(self, a: &BoundingBall, b: &Ball16, shared: &mut [f32; 16]);
 
-    /// Which boxes of `node` are at most the root of `square` from the query: the distance's square, as the
-    /// [law](crate::low_level::kernel) rounds it, is at most `square`. Lanes that are NaN never are.
+    /// The boxes of `node` whose squared distance from the query, rounded as in the [law](crate::low_level::kernel), is
+    /// at most `square`. Never a lane that is NaN.
     #[must_use]
     fn boxes_near(self, query: &Box3, square: f32, node: &Aabb16) -> u16;
 
-    /// Which points of `bucket` are at most the root of `square` from `point`, likewise.
+    /// The points of `bucket` whose squared distance from `point`, rounded likewise, is at most `square`.
     #[must_use]
     fn points_near(self, point: [f32; 3], square: f32, bucket: &Bucket) -> u16;
 
-    /// The squares that [`Kernel::boxes_near`] compares; NaN of lanes that are.
+    /// The squared distances that [`Kernel::boxes_near`] compares; NaN for lanes that are NaN.
     fn box_squares(self, query: &Box3, node: &Aabb16, squares: &mut [f32; 16]);
 
-    /// The squares that [`Kernel::points_near`] compares; NaN of slots that are.
+    /// The squared distances that [`Kernel::points_near`] compares; NaN for slots that are NaN.
     fn point_squares(self, point: [f32; 3], bucket: &Bucket, squares: &mut [f32; 16]);
 
-    /// Puts the indices of the slots in `mask` at the front of `found`, in their order. What follows them is anything.
+    /// Moves the indices of the slots in `mask` to the front of `found`, in order. The entries after them are
+    /// unspecified.
     fn pick(self, mask: u16, indices: &[u32; 16], found: &mut [u32; 16]);
 }

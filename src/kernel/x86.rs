@@ -1,4 +1,4 @@
-//! What traversals descend by on x86-64, compiled once for AVX2 and AVX-512.
+//! The kernel of the traversal on x86-64, compiled once for AVX2 and AVX-512.
 
 use super::{Kernel, Turned};
 use crate::isa::{Avx2, Avx512};
@@ -6,7 +6,7 @@ use crate::node::{Aabb16, Ball16, BoundingBall, Box3, Bucket, Node4, Node16};
 use crate::primitive::triangle::{Probe, Triangle};
 use crate::realign::{PrimitiveSlab, Realignment};
 
-/// The kernels of volumes and triangles that AVX-512 has none of its own for.
+/// Operations that AVX-512 takes from AVX2.
 macro_rules! as_avx2 {
     () => {
         #[inline(always)]
@@ -67,7 +67,7 @@ macro_rules! as_avx2 {
 }
 pub(super) use as_avx2;
 
-/// The kernels of AVX2, and the re-alignment of AVX-512 where the machine has it.
+/// The AVX2 kernels, with the re-alignment of AVX-512 where available.
 #[derive(Copy, Clone, Debug)]
 pub struct X86 {
     avx2: Avx2,
@@ -106,7 +106,7 @@ impl Kernel for X86 {
 
     as_avx2!();
 
-    // The same in each query: the branch costs nothing beside what it chooses.
+    // Always the same within a query: the branch is negligible.
     #[inline(always)]
     fn realign_16<const K: usize>(self, map: &Realignment<K>, node: &Node16<K>, query: &mut Turned<16, K>) {
         match self.avx512 {

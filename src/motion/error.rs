@@ -1,50 +1,50 @@
-//! What motions refuse.
+//! Errors of motions.
 
 use crate::pose::PoseError;
 use core::fmt;
 
-/// Why there is no such motion.
+/// Why a motion or its robot is invalid.
 #[derive(Copy, Clone, PartialEq, Debug)]
 #[non_exhaustive]
 pub enum MotionError {
-    /// A joint is on a link that does not come before it, or a body on a link that is none.
+    /// A joint is on a link that does not come before it, or a body is on a link that does not exist.
     NoSuchLink {
-        /// Index of the joint, or of the body behind all joints.
+        /// Index of the joint; bodies are counted after all joints.
         index: usize,
-        /// The link that it names.
+        /// The link given.
         link: u32,
     },
-    /// A joint is moved by a variable that has no limits.
+    /// A joint follows a variable that has no limits.
     NoSuchVariable {
         /// Index of the joint.
         joint: usize,
-        /// The variable that it names.
+        /// The variable given.
         variable: u32,
     },
-    /// The limits of a variable are not numbers, or the lower is above the upper.
+    /// The limits of a variable are not finite, or the lower exceeds the upper.
     Limits {
         /// The variable.
         variable: usize,
     },
-    /// An axis is no direction: zero, or not finite.
+    /// An axis is zero or not finite.
     NoDirection,
     /// A number is not finite.
     NotFinite,
-    /// There are more or fewer values than variables, or less room than is needed.
+    /// The number of values differs from the number of variables, or a slice is too short.
     Length {
-        /// How many were given.
+        /// Number given.
         given: usize,
-        /// How many there have to be, at least if it is room.
+        /// Number needed; for the length of a slice, the least.
         needed: usize,
     },
-    /// A value is outside of the limits of its variable.
+    /// A value is outside the limits of its variable.
     OutOfLimits {
         /// The variable.
         variable: usize,
         /// Its value.
         given: f64,
     },
-    /// A pose on the way is none.
+    /// A pose of the motion is invalid.
     Pose(PoseError),
 }
 

@@ -1,13 +1,15 @@
 //! Straight edges: all variables of a robot change at constant speed.
 //!
-//! **How far a link gets.** Let a ball be carried by link l, at the values of time m, and let t be within the span. The joints
-//! between the base and l are brought from their values at m to those at t one after the other, that nearest to l first. When
-//! joint j is changed, those before it are still as at m, so that its axis is where it is at m, and the change is a motion R in the
-//! world. A point that is at p at time m, and has been brought to `p + u` by the joints behind, comes to `R (p + u)`, which is
-//! `(R p - p) + R u` from p. So each joint adds at most what it would do to p alone: of a turn by at most a, the chord of a at the
-//! distance of p from the axis, which is at most that of the ball's centre and its radius; of a way along the axis, the way.
+//! **Motion bound of a link.** Let link l carry a ball, let m be the current time, and let t be within the span. Bring
+//! the joints between the base and l from their values at m to those at t one after the other, the joint nearest to l
+//! first. When joint j changes, the joints before it still have their values at m. So its axis is where it is at m, and
+//! its change is a rigid motion R in the world. A point that is at p at time m, and that the joints behind j have
+//! brought to `p + u`, comes to `R (p + u)`, which is `(R p - p) + R u` from p. So each joint adds at most what it
+//! would do to p alone. A rotation by at most a adds the chord of a at the distance of p from the axis, which is at
+//! most that of the ball's centre plus its radius. A translation along the axis adds its length.
 //!
-//! As one link sees another, only the joints between them move: each link from the last that both are on.
+//! The motion of one link relative to another depends only on the joints between them: for each of the two links, the
+//! joints up to their last common ancestor.
 
 use super::{
     CarriedBall, JointKind, Kinematics, LinkFrame, Motion, MotionError, ROUNDING, chord, distance_from_axis,
@@ -16,7 +18,7 @@ use super::{
 use crate::pose::{Pose, PoseError};
 use crate::vector::difference;
 
-/// A straight way of a robot from some values of its variables to others.
+/// A straight edge in the space of a robot's variables.
 #[derive(Debug)]
 pub struct JointMotion<'m> {
     kinematics: Kinematics<'m>,
@@ -27,11 +29,11 @@ pub struct JointMotion<'m> {
 }
 
 impl<'m> JointMotion<'m> {
-    /// From some values to others, within the limits. Lent are a place for each variable and for each link
-    /// ([`Kinematics::links`]).
+    /// From the values `from` to the values `to`, both within the limits. `values` must hold an entry for each
+    /// variable, and `links` one for each link ([`Kinematics::links`]).
     ///
     /// # Errors
-    /// Those of [`Kinematics::check`] for either values; [`MotionError::Length`] of what is lent.
+    /// Those of [`Kinematics::check`] for either end; [`MotionError::Length`] if `values` or `links` is too short.
     pub fn new(
         kinematics: Kinematics<'m>,
         [from, to]: [&'m [f64]; 2],
@@ -47,7 +49,7 @@ impl<'m> JointMotion<'m> {
         Ok(Self { kinematics, from, to, values, links })
     }
 
-    /// How far from where it is now a ball of a link may get, as one sees it who stands on another link that it hangs on.
+    /// Upper bound of how far a ball carried by `link` moves relative to `base`, an ancestor of `link`, within `span`.
     fn motion_bound_from(&self, mut link: usize, base: usize, ball: &CarriedBall, span: f64) -> f64 {
         let mut path = 0.0;
         while link != base {
@@ -60,7 +62,7 @@ impl<'m> JointMotion<'m> {
                 JointKind::Revolute => chord(change, distance_from_axis(&to_origin, &at.axis) + ball.radius),
                 JointKind::Prismatic => change,
             };
-            // Of angles and ways alike.
+            // Holds for angles and lengths alike.
             let value = 1.0 + joint.magnitude_of(from.abs().max(to.abs()));
             let coordinates = magnitude(&to_origin) + magnitude(&at.origin) + (ball.radius + path);
             path += ROUNDING * (value * coordinates);
@@ -69,7 +71,7 @@ impl<'m> JointMotion<'m> {
         path
     }
 
-    /// What rounding does to the pose of a body on its link, and to a point of it.
+    /// Rounding of the pose of a body on its link, and of a point of the body.
     fn rounding(&self, i: usize, ball: &CarriedBall) -> f64 {
         let body = &self.kinematics.bodies()[i];
         let origin = self.links[body.link as usize].frame.translation();
@@ -104,7 +106,7 @@ impl Motion for JointMotion<'_> {
     ) -> f64 {
         let links = [i, j].map(|body| self.kinematics.bodies()[body].link as usize);
         let [mut p, mut q] = links;
-        // Links come behind those that they hang on.
+        // Links come after their ancestors.
         while p != q {
             if p > q {
                 p = self.kinematics.parent_of(p);

@@ -1,20 +1,20 @@
-//! Links that joints hold together: a chain, or a tree of them.
+//! Kinematic chains and trees: links connected by joints.
 
 use super::{MotionError, unit};
 use crate::pose::{Pose, PoseError};
 use crate::range::Point;
 
-/// What a joint does.
+/// The kind of a joint.
 #[derive(Copy, Clone, PartialEq, Eq, Hash, Debug)]
 pub enum JointKind {
-    /// Turns about its axis, by its value in radians.
+    /// Rotates about its axis, by its value in radians.
     Revolute,
-    /// Slides along its axis, by its value in the unit of length.
+    /// Translates along its axis, by its value in the unit of length.
     Prismatic,
 }
 
-/// A joint, and the link that it moves: the link behind joint i is link i + 1, and link 0 is the base. A joint that does not
-/// move is none: what is behind it belongs to the link before.
+/// A joint and the link that it moves: joint i moves link i + 1, and link 0 is the base. There are no fixed joints:
+/// what is behind one belongs to the link before it.
 #[derive(Copy, Clone, PartialEq, Debug)]
 pub struct Joint {
     parent: u32,
@@ -27,9 +27,10 @@ pub struct Joint {
 }
 
 impl Joint {
-    /// A joint on link `parent`, which stands at `origin` in its frame, with an axis in the joint's frame, whose value is the
-    /// variable of this index. Of a matrix that is not quite a rotation the rotation is taken that is next to it, since a joint
-    /// that stretched what it turns would move it farther than along an arc.
+    /// A joint on link `parent`, at `origin` in the frame of that link. The axis is in the joint's frame, and
+    /// `variable` is the index of the variable that moves the joint. If the matrix of `origin` is not quite a rotation,
+    /// the nearest rotation replaces it: a joint that stretched the bodies it rotates would move them farther than
+    /// along an arc.
     ///
     /// # Errors
     /// [`MotionError::NoDirection`].
@@ -44,7 +45,7 @@ impl Joint {
         Ok(Self { parent, origin: origin.orthonormal(), kind, axis, variable, multiplier: 1.0, offset: 0.0 })
     }
 
-    /// One that follows its variable: its value is `multiplier` times that, and `offset`. A joint that mimics another.
+    /// The same joint with the value `multiplier * variable + offset`, such as one that mimics another.
     ///
     /// # Errors
     /// [`MotionError::NotFinite`].
@@ -55,13 +56,13 @@ impl Joint {
         Err(MotionError::NotFinite)
     }
 
-    /// The link that it is on.
+    /// The link that the joint is on.
     #[must_use]
     pub const fn parent(&self) -> u32 {
         self.parent
     }
 
-    /// The variable that moves it.
+    /// The variable that moves the joint.
     #[must_use]
     pub const fn variable(&self) -> u32 {
         self.variable
@@ -75,12 +76,12 @@ impl Joint {
         self.multiplier * variables[self.variable as usize] + self.offset
     }
 
-    /// By how much the value changes where the variable changes by this.
+    /// Magnitude of the change in the value when the variable changes by `change`.
     pub(super) const fn change_of(&self, change: f64) -> f64 {
         (self.multiplier * change).abs()
     }
 
-    /// No value has a greater magnitude where the variable has none greater than this.
+    /// Upper bound of the value's magnitude, where that of the variable is at most `variable`.
     pub(super) const fn magnitude_of(&self, variable: f64) -> f64 {
         self.change_of(variable) + self.offset.abs()
     }
@@ -91,14 +92,14 @@ impl Joint {
 pub struct LinkBody {
     /// The link: 0 is the base.
     pub link: u32,
-    /// Where the body stands in the link's frame.
+    /// The pose of the body in the link's frame.
     pub at: Pose,
 }
 
-/// Where a link stands at some values: memory for [`Kinematics::go_to`].
+/// The state of a link at some values: memory for [`Kinematics::go_to`].
 #[derive(Copy, Clone, PartialEq, Debug)]
 pub struct LinkFrame {
-    /// The link in the world.
+    /// The link's pose in the world.
     pub(super) frame: Pose,
     /// Its joint's origin in the world.
     pub(super) origin: Point,
@@ -107,11 +108,11 @@ pub struct LinkFrame {
 }
 
 impl LinkFrame {
-    /// To be lent.
+    /// Initializes the caller's memory.
     pub const EMPTY: Self = Self { frame: Pose::IDENTITY, origin: [0.0; 3], axis: [0.0; 3] };
 }
 
-/// A robot: joints with limits, and bodies on its links. All of it is borrowed, from flash if need be.
+/// A robot: joints with limits, and bodies on its links. It borrows all of its data, which may be in flash.
 #[derive(Copy, Clone, Debug)]
 pub struct Kinematics<'r> {
     base: Pose,
@@ -121,14 +122,14 @@ pub struct Kinematics<'r> {
 }
 
 impl<'r> Kinematics<'r> {
-    /// Of joints, each behind the one that it is on, of bodies, and of the lower and upper limit of each variable. The base
-    /// stands at the origin of the world.
+    /// From joints, each after its parent; bodies; and the lower and upper limit of each variable. The base stands at
+    /// the origin of the world.
     ///
     /// ```
     /// use simdop::motion::{Joint, JointKind, Kinematics, LinkFrame, LinkBody};
     /// use simdop::{glam::{DQuat, DVec3}, pose::Pose};
     /// let at = |x: f64| Pose::try_from((DQuat::IDENTITY, DVec3::new(x, 0.0, 0.0)));
-    /// // Two joints that turn about z, the second a metre from the first, and a body half a metre behind the second.
+    /// // Two joints that rotate about z, the second a metre from the first, and a body half a metre behind the second.
     /// let joint = |parent, x| Joint::new(JointKind::Revolute, parent, at(x)?, [0.0, 0.0, 1.0], parent);
     /// let joints = [joint(0, 0.0)?, joint(1, 1.0)?];
     /// let bodies = [LinkBody { link: 2, at: at(0.5)? }];
@@ -168,7 +169,7 @@ impl<'r> Kinematics<'r> {
         }
     }
 
-    /// With the base there in the world: as of a joint's origin, a matrix is made a rotation.
+    /// Places the base in the world. As for a joint's origin, the nearest rotation replaces its matrix.
     #[must_use]
     pub fn with_base(self, base: Pose) -> Self {
         Self { base: base.orthonormal(), ..self }
@@ -192,13 +193,13 @@ impl<'r> Kinematics<'r> {
         self.limits
     }
 
-    /// How many links there are, the base among them: as many places must be lent.
+    /// Number of links, the base included: [`Kinematics::go_to`] needs as many [`LinkFrame`]s.
     #[must_use]
     pub const fn links(&self) -> usize {
         self.joints.len() + 1
     }
 
-    /// Whether there is a value for each variable, and within its limits.
+    /// Checks that there is a value for each variable, within its limits.
     ///
     /// # Errors
     /// [`MotionError::Length`], [`MotionError::OutOfLimits`].
@@ -213,10 +214,10 @@ impl<'r> Kinematics<'r> {
         }
     }
 
-    /// Where the links and the bodies stand at these values: forward kinematics.
+    /// Forward kinematics: the links and the bodies' world poses at these values of the variables.
     ///
     /// # Errors
-    /// Those of [`Kinematics::check`]; [`MotionError::Length`] of what is lent; [`MotionError::Pose`].
+    /// Those of [`Kinematics::check`]; [`MotionError::Length`] if a slice is too short; [`MotionError::Pose`].
     pub fn go_to(
         &self,
         variables: &[f64],
@@ -260,7 +261,6 @@ impl<'r> Kinematics<'r> {
         Ok(())
     }
 
-    /// The link before.
     pub(super) fn parent_of(&self, link: usize) -> usize {
         self.joints[link - 1].parent as usize
     }

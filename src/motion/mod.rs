@@ -1,8 +1,8 @@
-//! Motions: where bodies are at any time from 0 to 1, and how far they can get within a span of it.
+//! Motions: where bodies are at any time from 0 to 1, and how far they move within a span of time.
 //!
-//! A bound of the way is what makes an edge of a planner certain ([`crate::scene::Scene::check_motion`]): two bodies that are farther
-//! apart at one time than they can come closer within a span of it do not meet in all of the span. Sampled times prove nothing
-//! about the times between them.
+//! Motion bounds are what certifies an edge of a planner ([`crate::scene::Scene::check_motion`]): two bodies that are
+//! farther apart at one time than they can approach each other within a span do not meet in that span. Samples prove
+//! nothing about the times between them.
 
 mod error;
 mod joint_motion;
@@ -19,7 +19,7 @@ use crate::pose::{Pose, PoseError};
 use crate::range::Point;
 use crate::vector::{cross, length};
 
-/// A ball in the world, at the time that a motion was asked about, which moves with a body as if it were part of it.
+/// A ball in the world at a motion's current time, rigidly attached to a body.
 #[derive(Copy, Clone, PartialEq, Debug)]
 pub struct CarriedBall {
     /// Its centre in the world.
@@ -28,53 +28,55 @@ pub struct CarriedBall {
     pub radius: f64,
 }
 
-/// A motion of some bodies, numbered from 0, over the times from 0 to 1.
+/// A motion of bodies, numbered from 0, over the times from 0 to 1.
 pub trait Motion {
-    /// How many bodies it moves.
+    /// Number of bodies that it moves.
     fn bodies(&self) -> usize;
 
-    /// Goes to a time, and writes where the bodies are then in the world.
+    /// Makes `time` the current time, and writes the world poses of the bodies at that time.
     ///
     /// # Errors
-    /// [`PoseError`] if one is where no pose can be.
+    /// [`PoseError`] if a pose is out of range.
     fn go_to(&mut self, time: f64, poses: &mut [Pose]) -> Result<(), PoseError>;
 
-    /// No point of the ball, which body i carries, is farther from where it is at the time gone to than this, at any time that
-    /// is at most `span` before or after, within 0 to 1. In the bodies' unit. The rounding of the pose that was written is
-    /// heeded: the point is where that pose puts it.
+    /// Upper bound, in the bodies' unit, of the distance of any point of the ball, carried by body i, from its current
+    /// position, at any time that is at most `span` before or after the current time and within 0 to 1. The bound
+    /// covers the rounding of the pose that [`Motion::go_to`] wrote: the current position is where that pose puts the
+    /// point.
     fn motion_bound(&self, i: usize, ball: &CarriedBall, span: f64) -> f64;
 
-    /// The same of what two bodies carry, as one sees the other: no two points come nearer to each other than they are at the
-    /// time gone to by more than this. Never more than the sum of both paths; less where both are moved by the same.
+    /// Upper bound of how much any two points of two carried balls approach each other within `span`, compared with the
+    /// current time. At most the sum of both motion bounds; less where the same joints move both bodies.
     fn motion_bound_between(&self, a: (usize, &CarriedBall), b: (usize, &CarriedBall), span: f64) -> f64 {
         self.motion_bound(a.0, a.1, span) + self.motion_bound(b.0, b.1, span)
     }
 }
 
-/// Bounds what rounding does to a place that some turns about axes lead to, of the coordinates on the way and a turn: each of
-/// them costs two products of poses, the sine and cosine of an angle which itself is rounded, and a sum, less than 2^-46 of them.
+/// Rounding allowance for a position reached by rotations about axes, relative to the coordinates on the way, for each
+/// rotation. A rotation costs two products of poses, the sine and cosine of an angle that itself is rounded, and a sum:
+/// less than 2^-46 of the coordinates.
 const ROUNDING: f64 = power_of_two(-44);
 
-/// How far a point gets at most that is `distance` from an axis and turns about it by at most `angle`: the chord is not longer
-/// than the arc, nor than twice the distance.
+/// Upper bound of how far a point moves that is `distance` from an axis and rotates about it by at most `angle`. The
+/// chord is at most the arc, and at most twice the distance.
 #[inline(always)]
 fn chord(angle: f64, distance: f64) -> f64 {
     (if angle < 2.0 { angle } else { 2.0 }) * distance
 }
 
-/// The sum of the magnitudes: never less than the length.
+/// The sum of the magnitudes: an upper bound of the length.
 #[inline(always)]
 fn magnitude(a: &Point) -> f64 {
     (a[0].abs() + a[1].abs()) + a[2].abs()
 }
 
-/// How far a point is from an axis through the origin, whose direction is a unit vector.
+/// Distance of a point from an axis through the origin whose direction is a unit vector.
 #[inline(always)]
 fn distance_from_axis(p: &Point, direction: &Point) -> f64 {
     length(&cross(p, direction))
 }
 
-/// A direction made a unit vector; `None` if it is none.
+/// The unit vector along a direction; `None` if the direction is zero or not finite.
 fn unit(direction: &Point) -> Option<Point> {
     let greatest = direction.iter().fold(0.0, |m: f64, x| m.max(x.abs()));
     if !(greatest > 0.0 && greatest.is_finite()) || direction.iter().any(|x| x.is_nan()) {

@@ -1,11 +1,12 @@
-//! Screws: turns about an axis and ways along it, at constant speed.
+//! Screw motions: rotation about an axis and translation along it, at constant speed.
 
 use super::{CarriedBall, Motion, MotionError, ROUNDING, chord, distance_from_axis, magnitude, unit};
 use crate::pose::{Pose, PoseError};
 use crate::range::Point;
 use crate::vector::{difference, length};
 
-/// A turn about an axis in the world, and a way along it. Every rigid motion leads to where one screw does (Chasles).
+/// A rotation about an axis in the world, and a translation along it. Every rigid displacement is that of one screw
+/// (Chasles).
 #[derive(Copy, Clone, PartialEq, Debug)]
 pub struct Screw {
     point: Point,
@@ -15,7 +16,8 @@ pub struct Screw {
 }
 
 impl Screw {
-    /// By `angle`, in radians, about the axis through `point` along `direction`, and by `advance` along it.
+    /// A rotation by `angle`, in radians, about the axis through `point` along `direction`, and a translation by
+    /// `advance` along that axis.
     ///
     /// # Errors
     /// [`MotionError::NoDirection`], [`MotionError::NotFinite`].
@@ -27,20 +29,20 @@ impl Screw {
         Ok(Self { point, direction, angle, advance })
     }
 
-    /// That which takes a body from one pose to another by at most half a turn. It ends there up to 1e-7 of the coordinates: a
-    /// turn by less than 1e-8 is left out, since its axis would be too far away.
+    /// The screw that takes a body from one pose to another by at most half a turn. It reaches the end pose up to 1e-7
+    /// of the coordinates: rotations by less than 1e-8 are dropped, since their axis would be too far away.
     ///
     /// # Errors
     /// [`MotionError::Pose`] if there is no pose between them.
     pub fn between(from: &Pose, to: &Pose) -> Result<Self, MotionError> {
         let way = to.compose(&from.inverse()?)?;
         let ([p, q, r], t) = (*way.rows(), way.translation());
-        // Of the antisymmetric part, the axis times twice the sine.
+        // The antisymmetric part: the axis times twice the sine.
         let twice = [r[1] - q[2], p[2] - r[0], q[0] - p[1]];
         let (sine, cosine) = (length(&twice), (p[0] + q[1] + r[2]) - 1.0);
         let angle = libm::atan2(sine, cosine);
-        // Near a half turn the sine has few digits of the axis left. The symmetric part less the cosine has all: w transpose(w),
-        // times what is then at least 1.
+        // Near a half turn the sine keeps few digits of the axis. The symmetric part minus the cosine keeps all: it is
+        // w transpose(w), times a factor that is then at least 1.
         let half = 0.5 * cosine;
         let [xy, xz, yz] = [0.5 * (p[1] + q[0]), 0.5 * (p[2] + r[0]), 0.5 * (q[2] + r[1])];
         let rows = [[p[0] - half, xy, xz], [xy, q[1] - half, yz], [xz, yz, r[2] - half]];
@@ -53,7 +55,7 @@ impl Screw {
             unit(&twice)
         };
         let Some([x, y, z]) = direction.filter(|_| angle > 1e-8) else {
-            // No turn: along the way, or nowhere.
+            // No rotation: a pure translation, or none.
             let along = unit(&t).unwrap_or([1.0, 0.0, 0.0]);
             return Self::new([0.0; 3], along, 0.0, length(&t));
         };
@@ -66,10 +68,10 @@ impl Screw {
         Self::new([point(0), point(1), point(2)], [x, y, z], angle, advance)
     }
 
-    /// Where the screw has taken what was at `start`, at a time from 0 to 1.
+    /// The pose at `time`, from 0 to 1, of a body that was at `start` at time 0.
     ///
     /// # Errors
-    /// [`PoseError`] if it is too far away.
+    /// [`PoseError`] if the pose is out of range.
     pub fn at(&self, time: f64, start: &Pose) -> Result<Pose, PoseError> {
         let (c, w) = (&self.point, &self.direction);
         let turn = Pose::turn(w, time * self.angle);
@@ -80,7 +82,7 @@ impl Screw {
     }
 }
 
-/// Bodies that all move by one screw: a free body, or several as one.
+/// Bodies that all move by one screw, such as a free body, or several attached to each other.
 #[derive(Debug)]
 pub struct ScrewMotion<'m> {
     screw: Screw,
@@ -88,13 +90,13 @@ pub struct ScrewMotion<'m> {
 }
 
 impl<'m> ScrewMotion<'m> {
-    /// Of bodies which are at these poses in the world at time 0.
+    /// For bodies with these world poses at time 0.
     #[must_use]
     pub const fn new(screw: Screw, starts: &'m [Pose]) -> Self {
         Self { screw, starts }
     }
 
-    /// What rounding does to a point of a ball that a body carries.
+    /// Rounding of a point of a ball that body i carries.
     fn rounding(&self, i: usize, ball: &CarriedBall) -> f64 {
         let Screw { point, angle, advance, .. } = &self.screw;
         let start = self.starts.get(i).map_or(0.0, |start| magnitude(&start.translation()));
@@ -123,7 +125,7 @@ impl Motion for ScrewMotion<'_> {
         libm::sqrt(turned * turned + along * along) + self.rounding(i, ball)
     }
 
-    /// They do not move as one sees the other.
+    /// The bodies do not move relative to each other.
     fn motion_bound_between(
         &self,
         (i, a): (usize, &CarriedBall),

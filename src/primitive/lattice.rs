@@ -1,17 +1,18 @@
-//! Points in integers of 32 bits: for cores that have no `f64`, and multiply integers in one cycle.
+//! Points as 32-bit integers: for cores without `f64`, which multiply integers in one cycle.
 //!
-//! The steps of a lattice are 2^-25 of the bodies' largest coordinate, or a little more: a hundred times as fine as `f32`, and
-//! the difference of two points is exact. What is found there is certain only with a pad for where the points really are: those
-//! of a body as [`Pose::apply`] moves them in `f64`. A coordinate is off by less than so many steps, on each axis:
+//! A step of the lattice is 2^-25 of the bodies' largest coordinate, or a little more. This is a hundred times as fine
+//! as `f32`, and the difference of two points is exact. A result on the lattice is certain only with a pad for where
+//! the points really are: those of a body as [`Pose::apply`] moves them in `f64`. On each axis, a coordinate is off by
+//! less than this many steps:
 //!
-//! | source | of a point that a pose moves | of another |
+//! | source | a point that a pose moves | another point |
 //! |---|---|---|
-//! | coordinates, cut off; a row's sum of magnitudes is at most the root of 3 (1 + 1e-4) | 1.733 | 1 |
-//! | entries of the matrix, cut off at 2^-30, times three coordinates below 2^25 steps | 0.094 | |
-//! | the products' sum, cut off | 1 | |
-//! | the translation, cut off | 1 | |
-//! | the moved point's own roundings, at most 2^-48 of 2^28 steps; flushed coordinates, 2^-250 of at most 2^126 steps | 2^-19 | |
-//! | in all, below | [`OFF_MOVED`] | [`OFF_STILL`] |
+//! | coordinates, truncated; a row's sum of magnitudes is at most sqrt(3) (1 + 1e-4) | 1.733 | 1 |
+//! | entries of the matrix, truncated at 2^-30, times three coordinates below 2^25 steps | 0.094 | |
+//! | the sum of the products, truncated | 1 | |
+//! | the translation, truncated | 1 | |
+//! | roundings of the moved point, 2^-48 of 2^28 steps; flushed coordinates, 2^-250 of 2^126 steps, at most | 2^-19 | |
+//! | total, below | [`OFF_MOVED`] | [`OFF_STILL`] |
 
 use crate::pose::Pose;
 use crate::range::Point;
@@ -19,33 +20,33 @@ use crate::range::Point;
 /// Three corners, in steps.
 pub type LatticeCorners = [[i32; 3]; 3];
 
-/// How many steps a coordinate of a moved point is off, at most.
+/// Upper bound, in steps, of the error of a moved point's coordinate.
 pub(crate) const OFF_MOVED: i32 = 4;
-/// The same of a point that is not moved.
+/// The same for a point that is not moved.
 pub(crate) const OFF_STILL: i32 = 1;
 
-/// A lattice for two bodies at a pose, in the coordinates of the body that stays.
+/// A lattice for two bodies at a relative pose, in the coordinates of the body that stays.
 #[derive(Copy, Clone, Debug)]
 pub struct Lattice {
-    /// There are `2^exponent` steps to the bodies' unit.
+    /// There are `2^exponent` steps in the bodies' unit.
     pub(crate) exponent: i32,
-    /// That, for coordinates in `f32`.
+    /// `2^exponent`, for coordinates in `f32`.
     scale: f32,
     /// The matrix of the pose, times 2^30.
     rows: [[i32; 3]; 3],
     translation: [i32; 3],
 }
 
-/// The binary logarithm of more than any coordinate, in steps, before a pose moves it.
+/// Binary logarithm of an upper bound of the coordinates before a pose moves them, in steps.
 const BITS: i32 = 26;
 
 impl Lattice {
-    /// For a body that `pose` moves and one that stays, and their greatest coordinates. `None` where the scale is not one of
-    /// `f32`.
+    /// For a body that `pose` moves and one that stays, from their largest coordinates. `None` if the scale is out of
+    /// the range of `f32`.
     #[inline(never)]
     pub(crate) fn new(pose: &Pose, moved: f64, still: f64) -> Option<Self> {
         let translation = pose.translation();
-        // Twice the coordinates that are moved.
+        // The moved coordinates count twice.
         let mut top = (logarithm(moved) + 1).max(logarithm(still));
         for x in translation {
             top = top.max(logarithm(x));
@@ -69,10 +70,10 @@ impl Lattice {
         Some(lattice)
     }
 
-    /// A point whose coordinates were stored in single precision.
+    /// A point whose coordinates are stored in single precision.
     #[inline(always)]
     pub(crate) fn single(&self, p: &[f32; 3]) -> [i32; 3] {
-        // Scaled by a power of two, so exact unless it is less than a step.
+        // Scaled by a power of two, so exact but for the truncation to whole steps.
         [(p[0] * self.scale) as i32, (p[1] * self.scale) as i32, (p[2] * self.scale) as i32]
     }
 
@@ -81,12 +82,12 @@ impl Lattice {
         still(p, self.exponent)
     }
 
-    /// Where the pose puts a point. Below 2^28 steps: the root of 3 times what is below 2^25, and 2^26.
+    /// Applies the pose. The result is below 2^28 steps: sqrt(3) times less than 2^25 each, plus 2^26.
     #[inline(always)]
     pub(crate) fn moved(&self, p: [i32; 3]) -> [i32; 3] {
         let along = |i: usize| {
             let product = |j: usize| i64::from(self.rows[i][j]) * i64::from(p[j]);
-            // Below 2^63 whatever p is.
+            // Below 2^63 for every p.
             let sum = product(0) + product(1) + product(2);
             ((sum >> 30) as i32).wrapping_add(self.translation[i])
         };
@@ -94,22 +95,22 @@ impl Lattice {
     }
 }
 
-/// The least e for which 2^e is above the magnitude.
+/// The least e such that 2^e exceeds the magnitude.
 pub(crate) fn logarithm(x: f64) -> i32 {
     (x.to_bits() >> 52 & 0x7ff) as i32 - 1022
 }
 
-/// `x 2^exponent`, below 2^31, cut off towards zero.
+/// `x 2^exponent`, below 2^31, truncated towards zero.
 fn steps(x: f64, exponent: i32) -> i32 {
     let bits = x.to_bits();
-    // The first 32 digits: those after them are cut off in any case.
+    // The first 32 digits: truncation drops those after them in any case.
     let digits = 1 << 31 | (bits >> 21) as u32;
     let right = 1054 - (bits >> 52 & 0x7ff) as i32 - exponent;
     let magnitude = digits.checked_shr(right as u32).unwrap_or(0) as i32;
     if bits >> 63 == 0 { magnitude } else { magnitude.wrapping_neg() }
 }
 
-/// The point in steps of a lattice for which there are `2^exponent` to the unit: of a frame's centre, which is not moved.
+/// A point that is not moved, such as a frame's centre, in steps of a lattice with `2^exponent` steps to the unit.
 pub(crate) fn still(p: &Point, exponent: i32) -> [i32; 3] {
     [steps(p[0], exponent), steps(p[1], exponent), steps(p[2], exponent)]
 }

@@ -1,9 +1,9 @@
-//! What stands below the leaves of a hierarchy.
+//! Primitives: what the leaves of a hierarchy contain.
 //!
-//! A [`Primitive`] is a kind of body part: triangles and spheres today. Hierarchies, their header, the packer and the
-//! traversal are the same for all kinds; what differs is here: how primitives are stored, what they are once
-//! read, how a pose moves them, and whether a plane bounds them. The tests of one primitive against another
-//! are a trait of their own, [`crate::query::PrimitivePair`].
+//! A [`Primitive`] is a type of geometry: triangles and spheres today. Hierarchies, their header, the packer and the
+//! traversal are the same for all types. This module has what differs: how primitives are stored and read, how a pose
+//! moves them, and whether a plane bounds them. The tests of one primitive against another have a trait of their own,
+//! [`crate::query::PrimitivePair`].
 
 pub(crate) mod lattice;
 pub mod sphere;
@@ -22,7 +22,7 @@ use crate::pose::Pose;
 use crate::range::Point;
 use core::fmt;
 
-/// What the primitives of a tree are, as its header says.
+/// The type of a tree's primitives, as stored in its header.
 #[derive(Copy, Clone, PartialEq, Eq, Hash, Debug)]
 pub struct Kind(u16);
 
@@ -32,17 +32,17 @@ impl Kind {
     /// [`Spheres`].
     pub const SPHERES: Self = Self(2);
 
-    /// A kind that this crate does not know, defined by a user of it: `number` is below 2^15.
+    /// A kind that a user of this crate defines: `number` is below 2^15.
     ///
     /// # Panics
-    /// If it is not.
+    /// If `number` is not below 2^15.
     #[must_use]
     pub const fn of_user(number: u16) -> Self {
         assert!(number < 1 << 15, "the number of a user's kind is below 2^15");
         Self(1 << 15 | number)
     }
 
-    /// As the header of a tree holds it.
+    /// The code in the header of a tree.
     #[must_use]
     pub const fn code(self) -> u16 {
         self.0
@@ -59,51 +59,51 @@ impl fmt::Display for Kind {
     }
 }
 
-/// A kind of primitive: the convex hull of a few corners, and everything within a radius of it. A triangle has
-/// three corners and no radius, a sphere one corner and a radius.
+/// A type of primitive: the convex hull of a few corners, widened by a radius. A triangle has three corners and no
+/// radius, a sphere one corner and a radius.
 ///
-/// A tree keeps its primitives in a [`Store`]: a table of vertices, and for each primitive a record, such as
-/// the indices of its corners.
+/// A tree keeps its primitives in a [`Store`]: a table of vertices, and a record for each primitive, such as the
+/// indices of its corners.
 pub trait Primitive: Copy + fmt::Debug + Send + Sync + 'static {
-    /// What the header of a tree of them says.
+    /// The kind in the header of trees of these primitives.
     const KIND: Kind;
-    /// Whether there are primitives of this kind that have a radius. If not, [`Primitive::radius`] is not asked,
-    /// and what would pay for one costs nothing.
+    /// Whether primitives of this type may have a radius. If not, [`Primitive::radius`] is never called, and support
+    /// for radii costs nothing.
     const IS_ROUND: bool = false;
-    /// Whether every primitive is a ball, so that trees have the balls of their lanes: only [`Spheres`].
+    /// Whether every primitive is a ball, so that trees store a ball for each lane: only [`Spheres`].
     const HAS_BALLS: bool = false;
 
-    /// Whether closed sets of these primitives bound solids: only [`Triangles`]. The records of such ones are the indices
-    /// of three corners.
+    /// Whether closed sets of these primitives bound solids: only [`Triangles`]. Their records are the indices of three
+    /// corners.
     const BOUNDS_SOLIDS: bool = false;
 
-    /// Whether [`Primitive::on_lattice`] is worth being asked.
+    /// Whether [`Primitive::on_lattice`] is implemented.
     #[doc(hidden)]
     const IS_ON_LATTICE: bool = false;
 
-    /// A vertex in single precision, as stored where that loses nothing.
+    /// A vertex in single precision, stored where narrowing is exact.
     type Single: bytemuck::Pod + fmt::Debug + Send + Sync;
-    /// A vertex in double precision. Of another size than the other, and a multiple of 8 bytes.
+    /// A vertex in double precision. Its size differs from that of [`Primitive::Single`], and is a multiple of 8 bytes.
     type Double: bytemuck::Pod + fmt::Debug + Send + Sync;
-    /// What a primitive is made of: numbers of 4 bytes.
+    /// The stored record of a primitive: numbers of 4 bytes.
     type Record: bytemuck::Pod + fmt::Debug + Send + Sync;
     /// One primitive, in its body's coordinates and unit.
     type Item: Copy + PartialEq + Default + fmt::Debug + Send + Sync;
 
-    /// A vertex that was stored in single precision.
+    /// Converts a vertex from single precision.
     fn widen(vertex: Self::Single) -> Self::Double;
 
-    /// A vertex in single precision, if that loses nothing.
+    /// A vertex in single precision, if narrowing is exact.
     fn narrow(vertex: &Self::Double) -> Option<Self::Single>;
 
-    /// The point that a vertex is, and about it the radius of the primitives that it is a corner of.
+    /// The vertex as a ball: its point, and the radius of the primitives of which it is a corner.
     fn ball(vertex: &Self::Double) -> Sphere;
 
-    /// A vertex with `number` of each of its coordinates, and of its radius if it has one.
+    /// Applies `number` to each coordinate of a vertex, and to its radius if it has one.
     #[must_use]
     fn map(vertex: &Self::Double, number: impl Fn(f64) -> f64) -> Self::Double;
 
-    /// Whether a record names no vertex but the first `vertices`.
+    /// Whether all vertices of a record are among the first `vertices`.
     fn is_among(record: &Self::Record, vertices: u32) -> bool;
 
     /// Primitive `index`.
@@ -115,18 +115,18 @@ pub trait Primitive: Copy + fmt::Debug + Send + Sync + 'static {
     /// The corners, at least one.
     fn corners(item: &Self::Item) -> impl Iterator<Item = Point>;
 
-    /// How far the primitive reaches beyond the hull of its corners, in every direction. Not negative.
+    /// The radius around the hull of the corners. Not negative.
     #[inline(always)]
     #[must_use]
     fn radius(_item: &Self::Item) -> f64 {
         0.0
     }
 
-    /// The primitive where the pose places it: each corner by [`Pose::apply`]. The radius stays as it is.
+    /// The primitive at a pose: moves each corner by [`Pose::apply`]. The radius stays as it is.
     #[must_use]
     fn moved(item: &Self::Item, pose: &Pose) -> Self::Item;
 
-    /// The corners of primitive `index` on a lattice, moved or not: of triangles only.
+    /// The corners of primitive `index` on a lattice, moved or not. Only triangles implement it.
     ///
     /// # Panics
     /// If there is no such primitive.
@@ -142,27 +142,25 @@ pub trait Primitive: Copy + fmt::Debug + Send + Sync + 'static {
         None
     }
 
-    /// Directions along which the primitive is thin, the thinnest first: the normals of its plane and of its
-    /// edges. Their coordinates, by column, with a greatest component of about 1; zeros where there is none.
-    /// They need not be exact.
+    /// Directions along which the primitive is thin, the thinnest first: the normals of its plane and of its edges. One
+    /// direction per column, with a largest component of about 1; zeros in unused columns. They need not be exact.
     #[inline(always)]
     #[must_use]
     fn own_directions(_item: &Self::Item) -> [[f64; OWN_DIRECTIONS]; 3] {
         [[0.0; OWN_DIRECTIONS]; 3]
     }
 
-    /// How the ray from `origin` along the first axis crosses the primitive: 1 where it leaves what primitives like this
-    /// bound, -1 where it enters, and 0 if it does not cross. Of a primitive that [bounds solids](Self::BOUNDS_SOLIDS), and
-    /// then exact, for primitives that share corners as well: of closed ones the sum is how often they wind around the
-    /// origin. `exact` is increased by 1 where more than `f64` was needed.
+    /// How the ray from `origin` along the first axis crosses the primitive: 1 where the ray leaves the solid, -1 where
+    /// it enters, and 0 if it does not cross. Only for primitives that [bound solids](Self::BOUNDS_SOLIDS). The result
+    /// is exact, and consistent for primitives that share corners: over a closed set, the sum is its winding number
+    /// around the origin. Adds 1 to `exact` if `f64` did not suffice.
     #[inline(always)]
     #[must_use]
     fn crossing(_item: &Self::Item, _origin: &Point, _exact: &mut u64) -> i8 {
         0
     }
 
-    /// Whether plane `key` of a tree in `frame` bounds the primitive in `direction`: decided in exact
-    /// arithmetic.
+    /// Whether plane `key` of a tree in `frame` bounds the primitive in `direction`. Exact.
     #[must_use]
     fn is_bounded(item: &Self::Item, frame: &Frame, direction: &Point, key: Key) -> bool {
         let radius = radius_of::<Self>(item);
@@ -170,24 +168,24 @@ pub trait Primitive: Copy + fmt::Debug + Send + Sync + 'static {
     }
 }
 
-/// The radius of a primitive: a constant, of a kind that has none.
+/// The radius of a primitive; constant 0 for types without one.
 #[inline(always)]
 pub(crate) fn radius_of<P: Primitive>(item: &P::Item) -> f64 {
     if P::IS_ROUND { P::radius(item) } else { 0.0 }
 }
 
-/// How many directions of its own a primitive has at most: a triangle's plane and its three edges.
+/// Largest number of a primitive's own directions: a triangle's plane and its three edges.
 pub const OWN_DIRECTIONS: usize = 4;
 
-/// How far apart two primitives are, and where.
+/// The distance of two primitives, and their closest points.
 #[derive(Copy, Clone, PartialEq, Debug)]
 pub struct Separation {
-    /// The distance is at least this.
+    /// Lower bound of the distance.
     pub lower: f64,
-    /// The distance is at most this: 0 if and only if the two meet.
+    /// Upper bound of the distance: 0 if and only if the two meet.
     pub upper: f64,
     /// The point of the first that is closest to the second, up to rounding of its coordinates.
     pub a: Point,
-    /// The point of the second.
+    /// The closest point of the second.
     pub b: Point,
 }

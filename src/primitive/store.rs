@@ -2,14 +2,14 @@
 
 use super::Primitive;
 
-/// A table: in single precision where that loses nothing, else in double.
+/// A table of vertices: in single precision where that is exact, else in double.
 #[derive(Debug)]
 enum Vertices<'a, P: Primitive> {
     Single(&'a [P::Single]),
     Double(&'a [P::Double]),
 }
 
-/// The vertices of a tree and, for each of its primitives, a record that says which of them it is made of.
+/// The vertices of a tree, and a record for each primitive that lists its vertices.
 #[derive(Debug)]
 pub struct Store<'a, P: Primitive> {
     vertices: Vertices<'a, P>,
@@ -29,22 +29,22 @@ impl<P: Primitive> Clone for Store<'_, P> {
     }
 }
 
-/// What is wrong with a store.
+/// Why a store is invalid.
 #[derive(Copy, Clone, PartialEq, Eq, Debug)]
 pub(crate) enum Fault {
     /// A vertex is not accepted.
     Vertex { index: u32 },
-    /// A primitive names a vertex that there is not.
+    /// A primitive refers to a vertex that does not exist.
     Primitive { index: u32 },
 }
 
 impl<'a, P: Primitive> Store<'a, P> {
-    /// Whether a vertex may have so many bytes.
+    /// Whether `size` is a valid size of a vertex in bytes.
     pub(crate) const fn takes_vertices_of(size: u16) -> bool {
         size as usize == size_of::<P::Single>() || size as usize == size_of::<P::Double>()
     }
 
-    /// Reads it in place. `None` if the bytes are not aligned, or do not divide into vertices and records.
+    /// Reads a store in place. `None` if the bytes are misaligned or not a whole number of vertices and records.
     #[inline(always)]
     pub(crate) fn read(vertex_size: u16, vertices: &'a [u8], records: &'a [u8]) -> Option<Self> {
         let vertices = if usize::from(vertex_size) == size_of::<P::Single>() {
@@ -55,7 +55,7 @@ impl<'a, P: Primitive> Store<'a, P> {
         Some(Self { vertices, records: bytemuck::try_cast_slice(records).ok()? })
     }
 
-    /// Proves that every primitive is made of vertices that there are, and that `accepts` holds for them all.
+    /// Checks that every primitive's vertices exist, and that `accepts` holds for all vertices.
     pub(crate) fn check(&self, accepts: impl Fn(&P::Double) -> bool) -> Result<(), Fault> {
         let count = match self.vertices {
             Vertices::Single(all) => all.len(),
@@ -80,7 +80,7 @@ impl<'a, P: Primitive> Store<'a, P> {
         &self.records[index as usize]
     }
 
-    /// What the vertex at `index` is by one function or the other, as it is stored.
+    /// Applies one function or the other to the vertex at `index`, depending on its stored precision.
     #[inline(always)]
     pub(crate) fn vertex_by<R>(
         &self,

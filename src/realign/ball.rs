@@ -1,4 +1,4 @@
-//! Balls of a posed body in another body's frame: centres are turned, radii grow by what rounding may have lost.
+//! Balls of a posed body in another body's frame: centres are rotated, and radii grow by the possible rounding error.
 
 use super::{ITS_OWN_ROUNDING, shift, slack_of_shift};
 use crate::exact::{power_of_two, round_up_f32};
@@ -6,20 +6,20 @@ use crate::frame::BodyBounds;
 use crate::node::{Ball16, BoundingBall};
 use crate::pose::Pose;
 
-/// Where the balls of body A lie in B's frame.
+/// Maps the balls of body A into B's frame.
 ///
-/// A turned ball holds the turned spheres of its lane, and by how much it is larger than it need be pays for all that is
-/// computed with it in `f32`, u = 2^-24 being half of a last place:
+/// A rotated ball contains the rotated spheres of its lane. Its radius has a pad that covers all `f32` computations
+/// with the ball, with u = 2^-24, half of a last place:
 ///
-/// | what was rounded | the pad |
+/// | rounded | pad |
 /// |---|---|
-/// | the matrix, products and sums of a centre: 6 u of its coordinates and the translation, on three axes | `12 u` of these |
-/// | the distance of two centres, the sum of two radii and their comparison: 8 u | `16 u` of both bodies' widths |
-/// | the way between the centres of the frames, in `f64`; the centres that [`Pose::apply`] moves spheres to | twice [`slack_of_shift`] |
-/// | squares too small for a normal `f32`; radii that rounding made larger than the widths | 2^-48 |
+/// | matrix, products and sums of a centre: 6 u of coordinates and translation, on three axes | `12 u` of these |
+/// | distance of two centres, sum of two radii, their comparison: 8 u | `16 u` of both bodies' widths |
+/// | the vector between the frames' centres, in `f64`; centres moved by [`Pose::apply`] | twice [`slack_of_shift`] |
+/// | squares below the normal range of `f32`; radii rounded to more than the widths | 2^-48 |
 /// | radii of bodies 2^50 times larger than the other | everything meets |
 ///
-/// A matrix that makes vectors longer makes radii grow as much ([`skew`]).
+/// A matrix that makes vectors longer makes the radii grow by the same factor ([`Pose::skew`]).
 #[derive(Copy, Clone, PartialEq, Debug)]
 pub(crate) struct BallMap {
     rows: [[f32; 3]; 3],
@@ -34,7 +34,7 @@ pub(crate) struct BallMap {
 /// Half of a last place of `f32`.
 const U: f64 = power_of_two(-24);
 
-/// Balls with coordinates below this have squares that an `f32` holds.
+/// Balls with coordinates below this have squares in the range of `f32`.
 const MAX_REACH: f64 = power_of_two(60);
 
 impl BallMap {
@@ -44,7 +44,7 @@ impl BallMap {
         let ratio = power_of_two(b.frame.exponent - a.frame.exponent);
         let skew = pose.skew();
         let way = shift(pose, a, &b.frame).map(|x| x * scale);
-        // Radii, and coordinates, of balls: none is above the sum of the half widths.
+        // Upper bound of radii and coordinates of balls: the sum of the half widths.
         let widths = ratio * a.width_sum() * (1.0 + skew) + b.width_sum();
         let way_length = (way[0].abs() + way[1].abs()) + way[2].abs();
         let reach = widths + way_length;
@@ -67,7 +67,7 @@ impl BallMap {
         })
     }
 
-    /// What volumes grow by.
+    /// The factor from volumes of A to volumes in B's unit.
     pub(crate) const fn volume_growth(&self) -> f32 {
         self.volume_growth + self.volume_pad
     }
@@ -88,7 +88,7 @@ impl BallMap {
         }
     }
 
-    /// One of them.
+    /// As [`BallMap::turn`], for one ball.
     #[inline(always)]
     pub(crate) fn turned(&self, ball: &BoundingBall) -> BoundingBall {
         let (mut all, mut turned) = (Ball16::EMPTY, Ball16::EMPTY);
@@ -117,7 +117,7 @@ mod tests {
         BodyBounds { frame, max_coordinate, radius, half_width: [100.0; 3], max_plane: 200.0 }
     }
 
-    /// A ball in single precision around a sphere in a frame, as tight as can be.
+    /// The tightest ball in single precision around a sphere in a frame, with its centre displaced by `out`.
     fn around(frame: &Frame, centre: Point, radius: f64, out: DVec3) -> BoundingBall {
         let middle = DVec3::from_array(centre) - DVec3::from_array(frame.centre);
         // Off the sphere's centre, so that the sphere touches the ball from within.
@@ -126,8 +126,8 @@ mod tests {
         BoundingBall { centre: single, radius: round_up_f32(apart + radius * frame.scale()), volume: 1.0 }
     }
 
-    /// Spheres that touch have balls that meet: as large as each other or not, far from the origin, and at matrices that
-    /// are no rotations.
+    /// Balls of spheres that touch each other meet: for equal and different sizes, far from the origin, and with
+    /// matrices that are not rotations.
     #[test]
     fn balls_of_spheres_that_touch_meet() {
         let rng = &mut Rng::new(1);
@@ -138,7 +138,7 @@ mod tests {
             let (a, b) = (extent(up, far * vector(rng)), extent(0, far * vector(rng)));
             let turn = DQuat::from_array([(); 4].map(|()| rng.range(-1.0, 1.0)));
             let matrix = DMat3::from_quat(turn.normalize()) * (1.0 + skew);
-            // A sphere of B, and one of A that touches it where the pose puts it.
+            // A sphere of B, and one of A that touches it after the pose.
             let half = |scale: f64| 50.0 / scale;
             let centre_b = DVec3::from_array(b.frame.centre) + half(b.frame.scale()) * vector(rng);
             let centre_a = DVec3::from_array(a.frame.centre) + half(a.frame.scale()) * vector(rng);
@@ -148,14 +148,14 @@ mod tests {
             let way = vector(rng).normalize() * (radius_a + radius_b);
             let Ok(pose) = Pose::new(matrix, centre_b + way - matrix * centre_a) else { continue };
             let moved = DVec3::from_array(pose.apply(centre_a.to_array()));
-            // Rounding may part them: they are as large as they have to be to touch.
+            // Rounding may separate them, so the radius is set to what they need to touch.
             let radius_b = moved.distance(centre_b) - radius_a + 1e-14 * (moved.length() + centre_b.length());
-            // Where it touches the other, the sphere is at the rim of its ball.
+            // Where it touches the other sphere, it touches its own ball from within.
             let outside = matrix.transpose() * way.normalize() * [0.0, 10.0, 90.0][round % 7 % 3];
             let ball_a = around(&a.frame, centre_a.to_array(), radius_a, outside);
             let ball_b = around(&b.frame, centre_b.to_array(), radius_b, DVec3::ZERO);
             let map = BallMap::new(&pose, &a, &b).expect("they touch");
-            // As kernels decide.
+            // The same comparison as in the kernels.
             let meets = |a: &BoundingBall| {
                 let [x, y, z]: [f32; 3] = core::array::from_fn(|i| a.centre[i] - ball_b.centre[i]);
                 let sum = a.radius + ball_b.radius;
@@ -163,18 +163,18 @@ mod tests {
             };
             let turned = map.turned(&ball_a);
             assert!(meets(&turned), "{round}: {turned:?} {ball_b:?}");
-            // Without what pays for rounding, many would be missed.
+            // Without the pad, many hits would be lost.
             let tight = BoundingBall { radius: ball_a.radius * power_of_two(-up) as f32, ..turned };
             bare += u32::from(!meets(&tight));
         }
         assert!(bare > 1000, "{bare}");
     }
 
-    /// Bodies are told apart only if no sphere of one can reach the other.
+    /// Bodies are reported apart only if no sphere of one can reach the other.
     #[test]
     fn far_bodies_are_apart() {
         let (a, b) = (extent(0, DVec3::ZERO), extent(5, DVec3::ZERO));
-        // 300 units of each body: at most.
+        // At most 300 units of each body.
         let reach = 300.0 + 300.0 / 32.0;
         for (x, is_far) in [(0.0, false), (reach, false), (reach * 1.000_1, true), (1e80, true)] {
             let pose = Pose::new(DMat3::IDENTITY, DVec3::new(0.0, -x, 0.0)).expect("a pose");

@@ -1,18 +1,19 @@
-//! The planes of moved triangles from their corners on a lattice, in integers: the same keys as in `f64`, where it is certain
-//! which they are.
+//! Planes of moved triangles from their corners on a lattice, in integers: the same keys as in `f64`, where these are
+//! certain.
 //!
-//! A plane in `f64` is ([`super::planes_of`], [`Key::above`]) the number x, in planes' steps, of the greatest support of the
-//! corners about the frame's centre and of what pads it; x and 2^-23 of it, as an `f32`, rounded to the nearest code. In the
-//! lattice's steps, x is the support of the corners there, off by less than
+//! In `f64` ([`super::planes_of`], [`Key::above`]) a plane is computed as follows. x is the greatest support of the
+//! corners about the frame's centre plus its pad, in steps of the planes. Then x plus 2^-23 of x, as an `f32`, is
+//! rounded to the nearest code. In steps of the lattice, x differs from the support of the lattice's corners by less
+//! than
 //!
 //! | source | downwards | upwards |
 //! |---|---|---|
-//! | corners and centre, by the sum of the direction's magnitudes | [`OFF`] | [`OFF`] |
-//! | the margin, which has to be below an eighth of a step; the pad and all roundings in `f64`, below 2^-12 | 2^-12 | 1 + 2^-12 |
+//! | corners and centre, times the sum of the direction's magnitudes | [`OFF`] | [`OFF`] |
+//! | the margin, below an eighth of a step; pad and roundings in `f64`, below 2^-12 | 2^-12 | 1 + 2^-12 |
 //! | 2^-23 of x, rounded to `f32` | 0 | 1.51 2^-23 of it |
 //!
-//! If all of these numbers are nearest to one code, that is the plane. Of most triangles it is so of every plane; what is left of the others
-//! is made in `f64`.
+//! If one code is nearest to all of these numbers, it is the plane. For most triangles this holds for every plane; the
+//! remaining planes of the others are computed in `f64`.
 
 use crate::directions::{Directions, SUPPORTED, table};
 use crate::frame::Frame;
@@ -21,11 +22,11 @@ use crate::primitive::Primitive;
 use crate::primitive::lattice::{self, LatticeCorners, OFF_MOVED, OFF_STILL};
 use crate::realign::{Supports, planes_of_slab};
 
-/// A coordinate about the frame's centre, in steps.
+/// Error of a coordinate about the frame's centre, in steps.
 const OFF: i32 = OFF_MOVED + OFF_STILL;
 
-/// Steps of the lattice to one of the planes, as a power of two: where fewer, hardly a plane would be certain; more there are
-/// not, of bodies that have a size.
+/// Binary logarithm of the number of lattice steps per plane step. With fewer, hardly any plane would be certain; more
+/// do not occur for bodies of nonzero size.
 const STEPS: core::ops::RangeInclusive<i32> = 5..=20;
 
 // Coordinates about a centre are below 2.87 2^26 steps.
@@ -43,9 +44,10 @@ const _: () = {
     }
 };
 
-/// Puts [`super::planes_of`] of corners that a pose moved to a lattice of `2^exponent` steps to the unit. Those that are not certain, a bit
-/// each: what was put for them may be anything, and where that is [`ALL`], nothing was.
-// Not as a result, which took as much stack once more.
+/// Calls `put` with [`super::planes_of`] of corners on a lattice of `2^exponent` steps to the unit, moved by a pose.
+/// Returns a bit for each plane that is not certain: `put` then got an unspecified value, or for [`ALL`] was not
+/// called.
+// Does not return the planes, which took as much stack again.
 #[inline(always)]
 pub(crate) fn planes_on_lattice<const K: usize>(
     b: &Frame,
@@ -94,7 +96,8 @@ pub(crate) fn planes_on_lattice<const K: usize>(
 /// All planes of a set of directions.
 pub(crate) const ALL: u32 = u32::MAX;
 
-/// Puts [`super::planes_of`] as far as they are `wanted`, a bit each: the same operations, one slab after the other.
+/// Calls `put` with [`super::planes_of`] for the slabs of the `wanted` planes, one bit each: the same operations, slab
+/// by slab.
 #[inline(always)]
 pub(crate) fn some_planes_of<P: Primitive, const K: usize>(
     b: &Frame,
@@ -104,7 +107,7 @@ pub(crate) fn some_planes_of<P: Primitive, const K: usize>(
     mut put: impl FnMut(usize, Key),
 ) {
     let is_wanted = |s: usize| wanted >> (2 * s) & 3 != 0;
-    // Not taken apart, which copied it.
+    // Not destructured, which copied it.
     let supports = Supports::<K>::of_slabs::<P>(b, items, is_wanted);
     let scale = b.scale();
     for s in (0..K / 2).filter(|&s| is_wanted(s)) {
@@ -135,8 +138,9 @@ mod tests {
         (planes, left)
     }
 
-    /// Whether planes are those of `f64`, of a body that is within 1 of its origin, moved by `away` along each axis or a bit more, about a
-    /// frame that is within 1 of `centre` along each; and how many in ten are certain, at least.
+    /// Checks that planes equal those of `f64`, and that at least `least` tenths of the triangles have only certain
+    /// planes. The body is within 1 of its origin, and moved by `away`, up to 1 more or less, along each axis. The
+    /// frame is within 1 of `centre` along each axis.
     fn same_as_in_doubles<const K: usize>(away: f64, centre: f64, exponent: i32, least: usize) {
         let mut rng = Rng::new(K as u64);
         let (mut certain, rounds) = (0, 100_000);
@@ -150,7 +154,7 @@ mod tests {
             let size = rng.range(0.0, 0.5);
             let triangle = [0, 1, 2].map(|_| [0, 1, 2].map(|_| rng.range(-size, size)));
             let corners = triangle.map(|p| lattice.moved(lattice.double(&p)));
-            // As small as the way back makes it.
+            // As small as the inverse pose makes it.
             let margin = if rng.range(0.0, 1.0) < 0.5 { 0.0 } else { 1e-13 };
             let moved = triangle.map(|p| pose.apply(p));
             let truth = planes_of::<Triangles, K>(&b, [moved].into_iter(), margin);
@@ -160,7 +164,7 @@ mod tests {
             }
             assert_eq!(found, truth, "{triangle:?} {pose:?} {b:?}");
             certain += usize::from(left == 0);
-            // What is left, and only that, or a whole slab.
+            // The planes left, and only those, by whole slabs.
             let mut rest = [None; K];
             let items = [moved].into_iter();
             some_planes_of::<Triangles, K>(&b, items, margin, left, |j, plane| rest[j] = Some(plane));
@@ -181,7 +185,7 @@ mod tests {
         same_as_in_doubles::<6>(0.0, 0.0, 12, 6);
         same_as_in_doubles::<18>(0.0, 0.0, 12, 6);
         same_as_in_doubles::<32>(0.0, 0.0, 12, 6);
-        // As far from the frame as the lattice reaches, where what `f64` rounds to `f32` is tens of steps.
+        // As far from the frame as the lattice reaches, where the rounding from `f64` to `f32` is tens of steps.
         same_as_in_doubles::<6>(-2.9, 2.9, 11, 6);
         same_as_in_doubles::<18>(-2.9, 2.9, 10, 6);
     }

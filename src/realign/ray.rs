@@ -1,40 +1,41 @@
-//! Rays as k-DOPs: what of a solid a ray may cross.
+//! Rays as k-DOPs: which parts of a solid may a ray cross?
 //!
-//! Whether a point p is inside of a solid is asked by a ray from it along the first axis of the frame that a query is in,
-//! B's. Of the ray only the part of length L matters that can reach the solid. With w the way of p from the centre of the
-//! frame in which the solid's tree is, and u the ray's direction there, plane j of that part is
+//! To test whether a point p is inside a solid, a query casts a ray from p along the first axis of its own frame, that
+//! of B. Only the first part of the ray, of length L, can reach the solid. Let w be the vector to p from the centre of
+//! the frame of the solid's tree, and u the ray's direction in that frame. Then plane j of that part of the ray is
 //!
 //! ```text
 //! max over 0 <= s <= L of n . (w + s u) = n . w + max(0, n . u) L
 //! ```
 //!
-//! so that for the kernels it is a body like any other. If the solid is B, then `w = p - c` and `u = (1, 0, 0)`. If it is A,
-//! w is where the [way back](super::back) takes p to, and u, the first row of M, is where it takes the ray: exactly, since M
-//! transposed turns the first axis into that row. A point `y = p + s u` of a triangle of A as moved is then within
-//! [`InversePose::outwards`] of a point of A: the table there holds for the points between moved corners as well, as these are
-//! between the corners that were moved, and rounded.
+//! so the kernels treat the ray like any other body. If the solid is B, then `w = p - c` and `u = (1, 0, 0)`. If it is
+//! A, w is the image of p under the [inverse pose](InversePose), and u, the first row of M, is that of the ray's
+//! direction: exactly, since M transposed maps the first axis to that row. A point `y = p + s u` of a moved triangle of
+//! A is then within [`InversePose::outwards`] of a point of A. The table there also holds for points between moved
+//! corners, as these lie between the corners that were moved and rounded.
 //!
-//! **Outside.** Most points are beyond the ball of radius R about the centre, or the box of half widths h, which is told before
-//! anything else is computed. For B by `p - c`. For A by `p - q` and `M^T (p - q)`, with q where the pose puts the centre
-//! c: a point of A as moved is at most `skew R` and the roundings of the table farther from the centre than the point of A that
-//! it comes from, and no accepted matrix has a skew above 3.01e-4, so ball and box are widened by `2^-11 R` and
-//! twice `2^-46 X`.
+//! **Outside.** Most points are outside the ball of radius R around the centre, or outside the box of half widths h.
+//! This is tested first: for B on `p - c`, and for A on `p - q` and `M^T (p - q)`, where q is the image of the centre c
+//! under the pose. A moved point of A is farther from the centre than the point of A that it comes from by at most
+//! `skew R` and the roundings in the table. No accepted matrix has a skew above 3.01e-4, so the ball and the box are
+//! widened by `2^-11 R` and twice `2^-46 X`.
 //!
-//! **The length.** |u| is at least 1 - 1e-4. Where p is not outside, both ends of the way from w to a point of the solid are in
-//! its box, padded by o and by `2^-11 R`, so the sum of the way's magnitudes is below `2.01 (sum h + 2^-9 R + 3 o)`, and
-//! `L = 4 (sum h + 2^-8 R + 3 o)`.
+//! **The length.** |u| is at least 1 - 1e-4. If p is not outside, then w and every point of the solid are in the
+//! solid's box, widened by o and by `2^-11 R`. So the magnitudes of the vector between them sum to less than
+//! `2.01 (sum h + 2^-9 R + 3 o)`, and `L = 4 (sum h + 2^-8 R + 3 o)`.
 //!
-//! **The pads**, in the bodies' unit, along a direction n of which |n| is the sum of magnitudes; X bounds the magnitudes of p,
-//! of the solid's centre and of the way back's translation, eight times that of p:
+//! **The pads**, in the bodies' unit, along a direction n, whose magnitudes sum to |n|. o is the result of `outwards`.
+//! X is eight times the greatest magnitude of p, plus those of the solid's centre and of the inverse pose's
+//! translation; m is [`MIN_COORDINATE`]:
 //!
-//! | what was rounded | at most | the pad |
+//! | rounded | error, at most | pad |
 //! |---|---|---|
-//! | the way back, as `outwards` o says | o | `abs(n) o` |
-//! | p as it is moved back and flushed to zero, and its way from the centre | `2^-49 X` and [`MIN_COORDINATE`] | `2^-46 abs(n) X` and [`MIN_COORDINATE`] for A, which B has no need of |
+//! | the inverse pose | o | `abs(n) o` |
+//! | p, moved and flushed to zero; its vector from the centre | `2^-49 X` and m | for A: `2^-46 abs(n) X` and m |
 //! | `w = p - c` for B, once; `n . w` and its sums | `2^-50 abs(n) abs(w)` | `2^-46 abs(n) abs(w)` |
 //! | `n . u` and its product with L, sums | `2^-50 abs(n) L` | `2^-46 abs(n) L` |
 //!
-//! The whole is then rounded up to a key.
+//! The sum is then rounded up to a key.
 
 use super::{F64_SLACK, InversePose, coordinates, greatest, shift};
 use crate::directions::Directions;
@@ -49,25 +50,25 @@ use crate::range::{MIN_COORDINATE, Point};
 /// A ray from a point along the first axis of the query's frame, in the frame of a solid's tree.
 #[derive(Copy, Clone, Debug)]
 pub struct Ray {
-    /// Of the origin, from the centre of the frame.
+    /// The origin, relative to the centre of the frame.
     way: Point,
     direction: Point,
-    /// What of it is looked at.
+    /// Length of the part that can reach the solid.
     length: f64,
-    /// Along a direction whose magnitudes sum up to 1.
+    /// The pad along a direction whose magnitudes sum to 1.
     pad: f64,
 }
 
-/// Of a radius: more than what an accepted matrix moves a point by, away from the centre.
+/// Relative to a radius: bounds how far an accepted matrix moves a point away from the centre.
 const SKEW: f64 = power_of_two(-11);
 
-/// Of the widths of a box, for a few roundings.
+/// Factor on the widths of a box that covers a few roundings.
 const GROWN: f64 = 1.0 + power_of_two(-40);
 
 impl Ray {
-    /// From a point that is given in the query's frame. The solid is B, or A where a pose places it beside B. `None` if the
-    /// point is certainly outside of the solid.
-    // Inlined up to where most points are outside.
+    /// From a point in the query's frame. The solid is B, or A if a pose places it relative to B. `None` if the point
+    /// is certainly outside the solid.
+    // Inlined up to the test that rejects most points.
     #[inline(always)]
     pub(crate) fn new(origin: &Point, solid: &Header, placed: Option<(&Pose, &BodyBounds)>) -> Option<Self> {
         if is_outside(origin, solid, placed) { None } else { Some(Self::aimed(origin, solid, placed)) }
@@ -94,7 +95,7 @@ impl Ray {
         Self { way, direction, length, pad }
     }
 
-    /// Its planes in the frame of the solid's tree, rounded up.
+    /// The ray's planes in the frame of the solid's tree, rounded up.
     #[inline(always)]
     pub(crate) fn planes<const K: usize>(&self, frame: &Frame) -> [Key; K] {
         let (w, u, scale) = (&self.way, &self.direction, frame.scale());
@@ -111,7 +112,7 @@ impl Ray {
     }
 }
 
-/// Whether a point is certainly beyond the ball about the centre of a solid, or beyond its box.
+/// Whether a point is certainly outside the ball around the centre of a solid, or outside its box.
 #[inline(always)]
 fn is_outside(origin: &Point, solid: &Header, placed: Option<(&Pose, &BodyBounds)>) -> bool {
     let (extent, c) = (solid.extent(), solid.centre);

@@ -1,52 +1,53 @@
-//! What is wrong with the description of a robot.
+//! Errors in the description of a robot.
 
 use crate::motion::MotionError;
 use crate::pose::PoseError;
 use alloc::string::String;
 use core::fmt;
 
-/// Why a description is no robot.
+/// Why a description is not a valid robot.
 #[derive(Clone, PartialEq, Debug)]
 #[non_exhaustive]
 pub enum RobotError {
     /// The text is not a URDF or SRDF file.
     Format {
-        /// What its reader says.
+        /// The parser's message.
         problem: String,
     },
-    /// A joint names a link that there is not.
+    /// A joint names a link that does not exist.
     NoSuchLink {
         /// The joint.
         joint: String,
         /// The link.
         link: String,
     },
-    /// There is not one link that all others hang on: joints form a cycle, or two lead to one link, or to none.
+    /// The links are not a tree with one root: joints form a cycle, two joints lead to one link, or a link is not
+    /// connected.
     NoTree {
         /// A link at fault.
         link: String,
     },
-    /// A joint can move in more than one way: floating, planar or spherical. Such a robot stands in the world by the pose of
-    /// its base.
+    /// A joint has more than one degree of freedom: it is floating, planar or spherical. Instead of such a joint at the
+    /// root, set the pose of the base ([`Kinematics::with_base`](crate::motion::Kinematics::with_base)).
     Kind {
         /// The joint.
         joint: String,
     },
-    /// A joint mimics one that there is not, or that does not move, or that itself mimics one.
+    /// A joint mimics one that does not exist, does not move, or itself mimics another.
     Mimic {
         /// The joint.
         joint: String,
     },
-    /// A joint that moves has an axis or limits that are none.
+    /// A joint that moves has an invalid axis or limits.
     Joint {
         /// The joint.
         joint: String,
         /// What is wrong with it.
         error: MotionError,
     },
-    /// An origin is no pose.
+    /// An origin is not a valid pose.
     Pose {
-        /// The joint or link that it is of.
+        /// The joint or link with this origin.
         of: String,
         /// What is wrong with it.
         error: PoseError,

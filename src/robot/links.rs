@@ -1,4 +1,4 @@
-//! From the links and joints of a URDF file to the joints that move.
+//! Converts the links and joints of a URDF file to moving joints.
 
 use super::{LinkShape, LinkShapes, Robot, RobotError};
 use crate::motion::{Joint, JointKind, LinkBody, MotionError};
@@ -30,7 +30,7 @@ pub(super) fn read(text: &str, shapes: LinkShapes) -> Result<Robot, RobotError> 
         }
     }
     let root = root(&urdf)?;
-    // Links that are placed, and their moving links with their places on these.
+    // Links placed so far, each with the moving link that it belongs to and its pose on that link.
     let mut placed = vec![(root, 0, Pose::IDENTITY)];
     let mut next = 0;
     while let Some(&(link, moving, at)) = placed.get(next) {
@@ -63,7 +63,7 @@ pub(super) fn read(text: &str, shapes: LinkShapes) -> Result<Robot, RobotError> 
 }
 
 impl Robot {
-    /// `None` if it mimics none.
+    /// `None` if it mimics a joint that is not a variable.
     fn moving_joint(
         &self,
         joint: &urdf_rs::Joint,
@@ -120,7 +120,7 @@ fn shape(geometry: &Geometry) -> LinkShape {
     }
 }
 
-/// How a joint moves. `None`: not at all.
+/// The kind of a joint; `None` if it is fixed.
 fn moves(joint: &urdf_rs::Joint) -> Result<Option<JointKind>, RobotError> {
     match joint.joint_type {
         JointType::Fixed => Ok(None),
@@ -139,7 +139,7 @@ fn limits(joint: &urdf_rs::Joint) -> [f64; 2] {
     }
 }
 
-/// The link that no joint leads to.
+/// The one link that is not the child of any joint.
 fn root(urdf: &urdf_rs::Robot) -> Result<usize, RobotError> {
     let is_root = |link: &urdf_rs::Link| urdf.joints.iter().all(|joint| joint.child.link != link.name);
     let mut roots = (0..urdf.links.len()).filter(|&i| is_root(&urdf.links[i]));
@@ -167,7 +167,7 @@ fn of<T>(name: &str, pose: Result<T, PoseError>) -> Result<T, RobotError> {
     pose.map_err(|error| RobotError::Pose { of: name.to_string(), error })
 }
 
-/// Fixed axes: a turn about x, then y, then z.
+/// Rotations about fixed axes: x, then y, then z.
 fn pose(origin: &urdf_rs::Pose) -> Result<Pose, PoseError> {
     let [roll, pitch, yaw] = *origin.rpy;
     let turn = DQuat::from_euler(EulerRot::ZYX, yaw, pitch, roll);

@@ -1,7 +1,7 @@
-//! Robots from their descriptions: the joints and bodies of a URDF file, and the pairs that an SRDF file rules out.
+//! Robots from their descriptions: the joints and bodies of a URDF file, and the pairs that an SRDF file disables.
 //!
-//! A link that hangs on a fixed joint belongs to the moving link before it: what is left are the joints that move, as
-//! [`crate::motion::Kinematics`] has them. Mesh files are named and not read.
+//! Links on fixed joints are merged into the moving link before them, so only moving joints remain, as
+//! [`crate::motion::Kinematics`] needs them. Mesh files are named but not read.
 
 mod error;
 mod links;
@@ -16,45 +16,45 @@ use crate::range::MAX_COORDINATE;
 use alloc::string::String;
 use alloc::vec::Vec;
 
-/// Which of a link's shapes are its bodies.
+/// Which of a link's shapes become its bodies.
 #[derive(Copy, Clone, PartialEq, Eq, Hash, Debug)]
 pub enum LinkShapes {
-    /// Those for collisions.
+    /// The collision shapes.
     Collision,
-    /// Those that are drawn.
+    /// The visual shapes.
     Visual,
 }
 
-/// A shape of a link, in a frame of its own ([`LinkBody::at`]).
+/// A shape of a link, in its own frame ([`LinkBody::at`]).
 #[derive(Clone, PartialEq, Debug)]
 pub enum LinkShape {
-    /// A mesh file, and a factor for each coordinate.
+    /// A mesh file, scaled along each axis.
     Mesh {
-        /// As the description names it.
+        /// File name, as in the description.
         file: String,
-        /// For x, y and z.
+        /// Scale factors along x, y and z.
         scale: [f64; 3],
     },
-    /// A cuboid about the origin, with these sides.
+    /// A cuboid centred at the origin.
     Cuboid {
-        /// Along x, y and z.
+        /// Side lengths along x, y and z.
         sides: [f64; 3],
     },
-    /// A cylinder about the origin, along z.
+    /// A cylinder centred at the origin, along z.
     Cylinder {
         /// Its radius.
         radius: f64,
         /// Its height.
         height: f64,
     },
-    /// A cylinder about the origin, along z, with a half ball at each end.
+    /// A capsule centred at the origin, along z.
     Capsule {
         /// Its radius.
         radius: f64,
-        /// Between the centres of the half balls.
+        /// Distance of the centres of its two hemispheres.
         height: f64,
     },
-    /// A ball about the origin.
+    /// A ball centred at the origin.
     Sphere {
         /// Its radius.
         radius: f64,
@@ -62,11 +62,11 @@ pub enum LinkShape {
 }
 
 impl LinkShape {
-    /// The closed mesh of a shape, and a radius about it ([`crate::scene::Body::with_radius`]). `None` of a mesh file. A
-    /// cylinder becomes a prism around it, nowhere farther from it than `error`.
+    /// A closed mesh, and a radius around it ([`crate::scene::Body::with_radius`]). `None` for a mesh file. A cylinder
+    /// becomes a prism that contains it, at most `error` from it everywhere.
     ///
     /// # Errors
-    /// [`ShapeError`] if a length is not above 0, or the error not either.
+    /// [`ShapeError`] if a length or the error is not above 0.
     pub fn mesh(&self, error: f64) -> Result<Option<(OwnedMesh, f64)>, ShapeError> {
         Ok(Some(match *self {
             Self::Mesh { .. } => return Ok(None),
@@ -83,22 +83,22 @@ fn positive(radius: f64) -> Result<f64, ShapeError> {
     if is_length { Ok(radius) } else { Err(ShapeError::Length { given: radius }) }
 }
 
-/// A robot, as its description has it.
+/// A robot from its description.
 #[derive(Clone, Debug)]
 pub struct Robot {
     /// Its name.
     pub name: String,
-    /// The joints that move, each behind those that it hangs on.
+    /// The moving joints, each after its ancestors.
     pub joints: Vec<Joint>,
-    /// Names of the variables: of all joints that move and mimic no other.
+    /// Names of the variables: of all moving joints that mimic no other.
     pub variables: Vec<String>,
-    /// The variables' lower and upper limits. Of a continuous joint, a whole turn either way.
+    /// Lower and upper limits of the variables. For a continuous joint, one full turn either way.
     pub limits: Vec<[f64; 2]>,
-    /// Where the bodies stand on the links.
+    /// The bodies' poses on the links.
     pub bodies: Vec<LinkBody>,
-    /// What they are.
+    /// The bodies' shapes.
     pub shapes: Vec<LinkShape>,
-    /// For each body, the name of the link that it is of: one that may hang on a fixed joint.
+    /// For each body, the name of its link in the description, which may be on a fixed joint.
     pub names: Vec<String>,
 }
 
@@ -106,22 +106,23 @@ impl Robot {
     /// The robot of a URDF file.
     ///
     /// # Errors
-    /// [`RobotError`]: what is not a URDF, joints that are no tree or of a kind that moves in more than one way, limits that
-    /// are none, a joint that mimics none, numbers that are no pose.
+    /// [`RobotError`]: the text is not a URDF file, the joints are not a tree, a joint has more than one degree of
+    /// freedom, invalid limits, an invalid mimic joint, or an invalid pose.
     pub fn from_urdf(text: &str, shapes: LinkShapes) -> Result<Self, RobotError> {
         links::read(text, shapes)
     }
 
-    /// The joints and bodies as motions take them.
+    /// The joints and bodies in the form that motions take.
     ///
     /// # Errors
-    /// [`MotionError`] if they were changed to what is none.
+    /// [`MotionError`] if the fields were changed to invalid values.
     pub fn kinematics(&self) -> Result<Kinematics<'_>, MotionError> {
         Kinematics::new(&self.joints, &self.bodies, &self.limits)
     }
 
-    /// Pairs of bodies that joints move as one sees the other and that the description does not rule out, by their indices: a
-    /// scene is told of these, and of no others.
+    /// Pairs of bodies to test, by index: those whose relative pose depends on a joint and that `disabled` does not
+    /// contain. In a scene, forbid these pairs to collide, and allow all others
+    /// ([`Scene::forbid_collision`](crate::scene::Scene::forbid_collision)).
     #[must_use]
     pub fn pairs(&self, disabled: &[DisabledPair]) -> Vec<(usize, usize)> {
         let is_asked = |&(i, j): &(usize, usize)| {

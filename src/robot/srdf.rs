@@ -1,23 +1,23 @@
-//! Pairs of links that an SRDF file rules out.
+//! Pairs of links that an SRDF file disables.
 
 use super::RobotError;
 use alloc::string::{String, ToString};
 use alloc::vec::Vec;
 
-/// Two links that are not asked against each other.
+/// Two links that are not tested against each other.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct DisabledPair {
     /// The links' names.
     pub links: [String; 2],
-    /// Why, as the file has it: "Adjacent", "Never", "Default" and others. Most were sampled.
+    /// The reason in the file: "Adjacent", "Never", "Default" and others. Most come from sampling.
     pub reason: String,
 }
 
 impl DisabledPair {
-    /// All that an SRDF file names.
+    /// All disabled pairs of an SRDF file.
     ///
     /// # Errors
-    /// [`RobotError::Format`] if it is no XML, or a pair has no names.
+    /// [`RobotError::Format`] if the text is not XML, or a pair lacks a name.
     pub fn from_srdf(text: &str) -> Result<Vec<Self>, RobotError> {
         let format = |problem: String| RobotError::Format { problem };
         let document = roxmltree::Document::parse(text).map_err(|error| format(error.to_string()))?;

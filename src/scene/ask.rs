@@ -1,4 +1,4 @@
-//! What is asked of a scene.
+//! Queries of a scene at its current poses.
 
 use super::broad::{Batch, NearPair, are_turned_boxes_apart};
 use super::{BodyId, BodyTree, Scene, SceneError, Slot};
@@ -9,49 +9,49 @@ use crate::query::{
 use crate::range::{MAX_COORDINATE, Point};
 use core::ops::ControlFlow;
 
-/// Two bodies that meet, and where.
+/// Two bodies that meet, and the primitives that do.
 #[derive(Copy, Clone, PartialEq, Eq, Hash, Debug)]
 pub struct SceneHit {
     /// One of the bodies.
     pub a: BodyId,
     /// The other.
     pub b: BodyId,
-    /// Primitives of theirs, by their indices in what was built.
+    /// Their primitives, by index in the builder's input.
     pub pair: Pair,
 }
 
-/// What a query of a scene found out.
+/// The verdict of a scene query.
 #[must_use = "a query has no other effect than its verdict"]
 #[derive(Copy, Clone, PartialEq, Eq, Debug)]
 pub enum SceneVerdict {
     /// Two bodies meet, or come within the margin of each other.
     Hit(SceneHit),
-    /// No two bodies that are asked do.
+    /// No two tested bodies do.
     Free,
-    /// The budget was spent before the answer was known.
+    /// The budget ran out before the verdict was certain.
     Unknown,
 }
 
-/// A verdict and what it cost.
+/// A verdict and its cost.
 #[must_use = "a query has no other effect than its answer"]
 #[derive(Copy, Clone, PartialEq, Eq, Debug)]
 pub struct SceneAnswer {
     /// The verdict.
     pub verdict: SceneVerdict,
-    /// Pairs of bodies whose boxes were near each other, and which were asked about.
+    /// Number of pairs of bodies tested: those whose boxes were near each other.
     pub pairs: u64,
-    /// The work for these pairs.
+    /// Query statistics, summed over these pairs.
     pub stats: QueryStats,
 }
 
 impl SceneAnswer {
-    /// Whether all bodies are certainly free of those that they are asked against. With a budget, no hit does not mean free.
+    /// Whether all tested pairs are certainly free. If the budget ran out, the absence of a hit does not mean free.
     #[must_use]
     pub const fn is_free(&self) -> bool {
         matches!(self.verdict, SceneVerdict::Free)
     }
 
-    /// The bodies of a hit. `None` is not "free": the budget may have been spent before one was found.
+    /// The bodies of a hit. `None` does not mean free: the budget may have run out before a hit was found.
     #[must_use]
     pub const fn hit(&self) -> Option<SceneHit> {
         match self.verdict {
@@ -61,21 +61,21 @@ impl SceneAnswer {
     }
 }
 
-/// How near bodies come to each other: the least distance of any two that are asked lies in `lower ..= upper`.
+/// Bounds of the least distance between any two tested bodies: it lies in `lower ..= upper`.
 #[must_use = "a query has no other effect than its answer"]
 #[derive(Copy, Clone, PartialEq, Debug)]
 pub struct SceneDistance {
-    /// Lower bound, in the bodies' unit: the cutoff, if no two are nearer.
+    /// Lower bound, in the bodies' unit; the cutoff if no two are nearer.
     pub lower: f64,
     /// Upper bound. Infinite without a witness.
     pub upper: f64,
-    /// Bodies that are `upper` apart.
+    /// Two bodies at distance `upper`.
     pub witness: Option<SceneWitness>,
-    /// [`Completion::Complete`], or [`Completion::OutOfBudget`]: then the bounds are valid, and as far apart as they are.
+    /// [`Completion::Complete`], or [`Completion::OutOfBudget`], where the bounds are valid but may be loose.
     pub completion: Completion,
-    /// Pairs of bodies that were asked about.
+    /// Number of pairs of bodies tested.
     pub pairs: u64,
-    /// The work for these pairs.
+    /// Query statistics, summed over these pairs.
     pub stats: QueryStats,
 }
 
@@ -84,13 +84,13 @@ pub struct SceneDistance {
 pub struct SceneWitness {
     /// The bodies and their primitives.
     pub hit: SceneHit,
-    /// The point of `a`'s primitive in the world, up to rounding. A body's radius is not heeded.
+    /// The point of `a`'s primitive in the world, up to rounding. Ignores the body's radius.
     pub a: Point,
     /// The point of `b`'s primitive.
     pub b: Point,
 }
 
-/// An expression with the trees of two bodies, whatever their primitives, and one for a tree and a cloud.
+/// Evaluates one expression for two trees, of any primitives, and the other for a tree and a cloud.
 macro_rules! with_trees {
     (($a:expr, $b:expr), |$x:ident, $y:ident| $with:expr, |$tree:ident, $cloud:ident| $among:expr) => {
         match ($a, $b) {
@@ -107,20 +107,21 @@ macro_rules! with_trees {
     };
 }
 
-/// Two bodies that are asked about, and how they stand to each other.
+/// Two bodies to test, and their relative pose.
 pub(super) struct AskedPair<'s, 't, N> {
     pub(super) trees: (&'s BodyTree<'t, N>, &'s BodyTree<'t, N>),
-    /// The first in the frame of the second.
+    /// The pose of the first in the frame of the second.
     pub(super) relative: Relative,
-    /// The sum of the bodies' radii, and that of their primitives' greatest ones.
+    /// The sum of the bodies' radii.
     pub(super) radii: f64,
+    /// The sum of the greatest radii of their primitives.
     round: f64,
-    /// Largest coordinate of the first.
+    /// Largest absolute coordinate of the first.
     max_coordinate: f64,
 }
 
 impl<'s, 't, N> AskedPair<'s, 't, N> {
-    /// Of two bodies that stand there in the world.
+    /// At the given world poses.
     pub(super) fn new([a, b]: [&'s Slot<'t, N>; 2], [world_a, world_b]: [&Pose; 2]) -> Self {
         let (Some(body_a), Some(body_b)) = (&a.body, &b.body) else {
             unreachable!("there is no box where there is no body")
@@ -134,24 +135,24 @@ impl<'s, 't, N> AskedPair<'s, 't, N> {
         }
     }
 
-    /// What a distance of primitives in the world may be in the frame of the second, at most.
+    /// Upper bound, in the frame of the second, of a distance between primitives in the world.
     fn padded(&self, distance: f64) -> f64 {
         self.relative.margin(distance, self.max_coordinate, self.round)
     }
 }
 
 impl<'t, N: Lanes> Scene<'t, N> {
-    /// Do any two bodies meet that are asked against each other? Touching counts. The first pair found ends it.
+    /// Do any two tested bodies meet? Touching counts. Stops at the first pair found.
     ///
-    /// The query's hint is not heeded; its budget is for all pairs together.
+    /// Ignores the query's hint; its budget covers all pairs together.
     ///
     /// # Errors
-    /// None but those of [`Scene::within`], which a margin of 0 has not.
+    /// Those of [`Scene::within`], which do not occur at a margin of 0.
     pub fn collide(&self, query: &Query) -> Result<SceneAnswer, SceneError> {
         self.within(query, 0.0)
     }
 
-    /// Do any two bodies that are asked against each other come within `margin`, in their unit, in the world?
+    /// Do any two tested bodies come within `margin` of each other? `margin` is in the bodies' unit.
     ///
     /// # Errors
     /// [`SceneError::Tolerance`] if the margin is negative, NaN or beyond [`MAX_COORDINATE`].
@@ -169,8 +170,8 @@ impl<'t, N: Lanes> Scene<'t, N> {
         Ok(SceneAnswer { verdict, pairs, stats })
     }
 
-    /// Calls `visit` with every two bodies that are asked against each other and come within `margin`, each two once, until
-    /// it breaks. How it ended, the number of pairs that were asked about, and the work for them.
+    /// Calls `visit` once for each tested pair of bodies that come within `margin` of each other, until it breaks.
+    /// Returns how the search ended, the number of pairs tested, and their query statistics.
     ///
     /// # Errors
     /// As [`Scene::within`].
@@ -207,10 +208,10 @@ impl<'t, N: Lanes> Scene<'t, N> {
         }
     }
 
-    /// How near do two bodies come that are asked against each other, up to `cutoff`? Zero if and only if two meet.
+    /// The least distance between two tested bodies, up to `cutoff`. Zero if and only if two meet.
     ///
-    /// `tolerance` and `cutoff` are those of [`Query::distance_up_to`]; the tolerance is relative to the distance between
-    /// primitives, before the bodies' radii are taken off.
+    /// `tolerance` and `cutoff` are those of [`Query::distance_up_to`]. The tolerance is relative to the distance
+    /// between primitives, before the bodies' radii are subtracted.
     ///
     /// # Errors
     /// [`SceneError::Tolerance`] if the tolerance is negative, NaN or infinite, or the cutoff negative or NaN.
@@ -218,7 +219,7 @@ impl<'t, N: Lanes> Scene<'t, N> {
         if cutoff.is_nan() || cutoff < 0.0 {
             return Err(SceneError::Tolerance(ToleranceError { given: cutoff }));
         }
-        // Also where no pair is near enough to be asked.
+        // Checked here too, since no pair may be near enough to reach the query.
         let tolerance = checked(tolerance).map_err(SceneError::Tolerance)?;
         let mut found = SceneDistance {
             lower: cutoff,
@@ -235,7 +236,7 @@ impl<'t, N: Lanes> Scene<'t, N> {
                 return Ok(found);
             }
             for candidate in candidates {
-                // In f32, as the boxes are.
+                // 1e-6 covers the rounding of the `f32` depth.
                 if f64::from(-candidate.depth) > nearest * (1.0 + 1e-6) {
                     continue;
                 }
@@ -257,7 +258,7 @@ impl<'t, N: Lanes> Scene<'t, N> {
                     nearest = nearest.min(upper);
                 }
                 if answer.completion != Completion::Complete {
-                    // Of the pairs that were not asked, nothing is known.
+                    // The untested pairs have no lower bound.
                     (found.lower, found.completion) = (0.0, answer.completion);
                     return Ok(found);
                 }
@@ -287,7 +288,7 @@ impl<'t, N: Lanes> Scene<'t, N> {
         self.ask_within_at(query, candidate, [&a.world, &b.world], margin)
     }
 
-    /// The same where the bodies stand elsewhere.
+    /// As `ask_within`, at other world poses.
     pub(super) fn ask_within_at(
         &self,
         query: &Query,
@@ -324,7 +325,7 @@ impl<'t, N: Lanes> Scene<'t, N> {
             |a, b| query.distance_up_to(a, b, pose, tolerance, cutoff),
             |tree, cloud| Ok(cloud.body_distance(query, tree, pose, checked(tolerance)?, cutoff))
         )?;
-        // What a distance in the frame of b may be in the world.
+        // Largest difference between a distance in the frame of b and the same distance in the world.
         let off = |x: f64| asked.padded(x) - x;
         let lower = (answer.lower - off(answer.lower) - asked.radii).max(0.0);
         let upper =

@@ -1,4 +1,4 @@
-//! What is put into a scene.
+//! Bodies: what a scene contains.
 
 use crate::cloud::CloudRef;
 use crate::frame::BodyBounds;
@@ -7,22 +7,22 @@ use crate::node::Dop;
 use crate::primitive::{Primitive, Spheres, Triangles};
 use crate::range::MAX_COORDINATE;
 
-/// Where a body is in its scene: valid until the body is removed, and of this scene only.
+/// Identifies a body of one scene. Valid until the body is removed.
 #[derive(Copy, Clone, PartialEq, Eq, Hash, PartialOrd, Ord, Debug)]
 pub struct BodyId {
     pub(super) index: u32,
-    /// How many bodies were in this place before.
+    /// How many bodies used this index before.
     pub(super) generation: u32,
 }
 
 impl BodyId {
-    /// As a number, for interfaces that know no such type.
+    /// As an integer, for foreign interfaces.
     #[must_use]
     pub const fn to_bits(self) -> u64 {
         (self.generation as u64) << 32 | self.index as u64
     }
 
-    /// Of a number from [`BodyId::to_bits`]. Any other is that of no body, or of one that it happens to name.
+    /// From the result of [`BodyId::to_bits`]. Any other number names no body, or whichever body has that number.
     #[must_use]
     pub const fn from_bits(bits: u64) -> Self {
         Self { index: bits as u32, generation: (bits >> 32) as u32 }
@@ -32,11 +32,11 @@ impl BodyId {
 /// The tree of a body.
 #[derive(Debug)]
 pub enum BodyTree<'t, N> {
-    /// Of triangles.
+    /// Triangles.
     Mesh(BvhRef<'t, N, Triangles>),
-    /// Of spheres: a packing, or a robot's sphere model.
+    /// Spheres: a packing, or a robot's sphere model.
     Spheres(BvhRef<'t, N, Spheres>),
-    /// Of points: a scan of what is around a robot. No two clouds are asked against each other.
+    /// Points, such as a scan of a robot's surroundings. Two clouds are never tested against each other.
     PointCloud(CloudRef<'t>),
 }
 
@@ -88,7 +88,7 @@ impl<N: Dop> BodyTree<'_, N> {
         }
     }
 
-    /// No primitive has a greater radius, in the body's unit.
+    /// Upper bound of the primitives' radii, in the body's unit.
     pub(super) fn greatest_radius(&self) -> f64 {
         let is_round = match self {
             Self::Mesh(_) => Triangles::IS_ROUND,
@@ -104,10 +104,10 @@ impl<N: Dop> BodyTree<'_, N> {
     }
 }
 
-/// A body of a scene: a tree, everything within a radius of its primitives, and whom it is asked against.
+/// A body of a scene: a tree, a radius around its primitives, and the groups that select its pairs.
 ///
-/// A triangle without area is a segment or a point, so that a capsule is one such triangle with a radius, and a padded link
-/// the link with one.
+/// A triangle without area is a segment or a point. So a capsule is one such triangle with a radius, and a padded link
+/// is the link's mesh with a radius.
 #[derive(Debug)]
 pub struct Body<'t, N> {
     pub(super) tree: BodyTree<'t, N>,
@@ -123,21 +123,21 @@ impl<N> Clone for Body<'_, N> {
     }
 }
 
-/// Which pairs are asked, by the groups that their bodies are in: those whose members each name one of the other's groups.
-/// Bit i is group i.
+/// Selects pairs to test: two bodies are tested if each is in a group that the other is tested against. Bit i is group
+/// i.
 #[derive(Copy, Clone, PartialEq, Eq, Hash, Debug)]
 pub struct Groups {
-    /// The groups of the body.
+    /// The groups that the body is in.
     pub of: u32,
-    /// The groups that it is asked against.
+    /// The groups that the body is tested against.
     pub against: u32,
 }
 
 impl Groups {
-    /// In every group and against every group.
+    /// In every group, and tested against every group.
     pub const ALL: Self = Self { of: u32::MAX, against: u32::MAX };
 
-    /// Whether two bodies of such groups are asked against each other.
+    /// Whether two bodies with these groups are tested against each other.
     #[must_use]
     pub const fn meet(self, other: Self) -> bool {
         self.of & other.against != 0 && other.of & self.against != 0
@@ -145,26 +145,27 @@ impl Groups {
 }
 
 impl<'t, N> Body<'t, N> {
-    /// A body that moves, of radius 0, asked against all others that are not clouds as it is.
+    /// A moving body of radius 0 in all groups. It is tested against all others, unless both are clouds.
     #[must_use]
     pub fn new(tree: impl Into<BodyTree<'t, N>>) -> Self {
         Self { tree: tree.into(), radius: 0.0, is_fixed: false, groups: Groups::ALL }
     }
 
-    /// With everything within `radius`, in the body's unit, of its primitives. In the world: two bodies meet when they are
-    /// at most the sum of their radii apart.
+    /// With a radius, in the body's unit. Two bodies meet when the distance of their primitives is at most the sum of
+    /// their radii.
     #[must_use]
     pub const fn with_radius(self, radius: f64) -> Self {
         Self { radius, ..self }
     }
 
-    /// One that stands still: no two of these are asked against each other. It may be placed anew all the same.
+    /// A fixed body. Two fixed bodies are not tested against each other. [`Scene::place`](super::Scene::place) may
+    /// still move it.
     #[must_use]
     pub const fn fixed(self) -> Self {
         Self { is_fixed: true, ..self }
     }
 
-    /// Asked against some bodies only.
+    /// With groups that restrict which bodies it is tested against.
     #[must_use]
     pub const fn with_groups(self, groups: Groups) -> Self {
         Self { groups, ..self }

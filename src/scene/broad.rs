@@ -1,9 +1,9 @@
-//! Which pairs of bodies are near each other, by boxes around them in the world.
+//! Broad phase: which pairs of bodies have bounding boxes near each other in the world?
 //!
-//! A point p of a body, at most h from the centre c of its frame along each axis, stands at `R c + t + R (p - c)`, which along
-//! axis i is at most `sum abs(R_ij) h_j` from where c stands. A sphere keeps its radius where R makes vectors shorter, by at
-//! most 1.5e-4 of them. The sums are in `f64`, with a dozen roundings of 2^-53 of the coordinates, paid for by 2^-40 of
-//! them; the boxes are `f32`, rounded outwards.
+//! A point p of a body, at most h from the centre c of its frame along each axis, stands at `R c + t + R (p - c)`.
+//! Along axis i this is at most `sum abs(R_ij) h_j` from where c stands. Spheres keep their radius, though R may
+//! shorten vectors by up to 1.5e-4 of their length. The sums are in `f64`, with a dozen roundings of 2^-53 of the
+//! coordinates, which 2^-40 of the coordinates covers. The boxes are `f32`, rounded outwards.
 
 use super::Scene;
 use super::body::Body;
@@ -16,30 +16,30 @@ use crate::pose::Pose;
 use crate::query::Query;
 use crate::range::Point;
 
-/// Of coordinates, for roundings.
+/// Rounding allowance, relative to the coordinates.
 const ROUNDING: f64 = power_of_two(-40);
-/// Of a body's size, for what an accepted matrix makes shorter.
+/// Allowance for how much an accepted matrix may shorten vectors, relative to a body's size.
 const SKEW: f64 = power_of_two(-12);
 
-/// How large a body is, in its own frame: what its box in the world is made of.
+/// A body's size in its own frame, from which its box in the world follows.
 #[derive(Copy, Clone, Debug)]
 pub(super) struct BodySize {
     /// Of the tree's frame.
     centre: Point,
-    /// Half of the widths about it; negative of a body without primitives.
+    /// Half widths about the centre; negative for a body without primitives.
     half: Point,
-    /// No point is farther from it.
+    /// Upper bound of the distance of any point from the centre.
     radius: f64,
-    /// What the box grows by: the body's radius, and what rounding may do where the body stands at the origin.
+    /// What the box is widened by: the body's radius, and the rounding of a body at the origin.
     reach: f64,
     /// Largest absolute coordinate.
     pub(super) max_coordinate: f64,
-    /// No primitive of the tree has a greater radius.
+    /// Upper bound of the radii of the tree's primitives.
     pub(super) greatest_radius: f64,
 }
 
 impl BodySize {
-    /// Of no body.
+    /// For an empty slot.
     pub(super) const NOTHING: Self = Self {
         centre: [0.0; 3],
         half: [-1.0; 3],
@@ -72,12 +72,12 @@ impl BodySize {
         CarriedBall { centre: world.unflushed(&self.centre), radius: self.radius }
     }
 
-    /// How far the body reaches from the centre of its frame, with its radius.
+    /// Upper bound of the distance of any point of the body from the centre, its radius included.
     pub(super) fn whole_reach(&self) -> f64 {
         self.radius + self.reach
     }
 
-    /// The box around the body in the world. Nothing, if it has no primitive.
+    /// The box around the body in the world. Empty if the body has no primitives.
     #[inline]
     pub(super) fn bounds(&self, world: &Pose) -> Box3 {
         if self.half[0] < 0.0 {
@@ -95,9 +95,9 @@ impl BodySize {
     }
 }
 
-/// Whether the boxes of two bodies, turned with them, are certainly more than `margin` apart: along one of the axes of either.
-/// A direction of length at most 1.0001 parts them if the ways of all their points along it do. The axes of a body are at right
-/// angles up to the tolerance of a scene's poses; what they are not is paid for by 2^-14 of the widths.
+/// Whether the oriented boxes of two bodies are certainly more than `margin` apart along one of the axes of either. A
+/// direction of length at most 1.0001 separates the bodies if their projections onto it are disjoint by enough. The
+/// axes of a body are perpendicular up to the tolerance of a scene's poses; 2^-14 of the widths covers the rest.
 #[inline]
 pub(super) fn are_turned_boxes_apart(
     (a, world_a): (&BodySize, &Pose),
@@ -133,7 +133,7 @@ pub(super) fn are_turned_boxes_apart(
     apart
 }
 
-/// A number that is less, or -infinity, in `f32`.
+/// A smaller number in `f32`, or -infinity.
 #[inline(always)]
 fn below(x: f64) -> f32 {
     const MOST: f64 = 0.5 * f32::MAX as f64;
@@ -141,7 +141,7 @@ fn below(x: f64) -> f32 {
     (x - (x.abs() * power_of_two(-23) + power_of_two(-140))) as f32
 }
 
-/// Everything within `margin` of a box.
+/// A box around all points within `margin` of `of`.
 #[inline(always)]
 pub(super) fn widened(of: &Box3, margin: f64) -> Box3 {
     let ([x, y, z], [p, q, r]) = (of.lower, of.upper);
@@ -153,22 +153,22 @@ pub(super) fn widened(of: &Box3, margin: f64) -> Box3 {
 /// Two bodies whose boxes are near each other.
 #[derive(Copy, Clone, Debug)]
 pub(super) struct NearPair {
-    /// The body whose row it is.
+    /// The body in whose row of the matrix the pair is.
     pub(super) a: u32,
     pub(super) b: u32,
-    /// How far the boxes overlap; the gap between them, if it is negative.
+    /// Depth of the boxes' overlap; minus the gap between them if they are disjoint.
     pub(super) depth: f32,
 }
 
-/// How many wait at once.
+/// Capacity of a batch.
 const BATCH: usize = 32;
 
-/// Candidates, the deepest first.
+/// Candidate pairs, the deepest first.
 #[derive(Debug)]
 pub(super) struct Batch {
     candidates: [NearPair; BATCH],
     len: usize,
-    /// Where the search goes on: row, sixteen bodies, and which of them are left.
+    /// Where the search continues: the row, the group of sixteen bodies, and the bits of those left in it.
     row: usize,
     sixteen: usize,
     rest: u16,
@@ -180,7 +180,7 @@ impl Batch {
         Self { candidates: [NONE; BATCH], len: 0, row: 0, sixteen: 0, rest: u16::MAX }
     }
 
-    /// The next candidates of a scene whose boxes are at most `margin` apart. None: that was all.
+    /// The next candidates whose boxes are at most `margin` apart. Empty at the end.
     pub(super) fn next<N>(&mut self, scene: &Scene<'_, N>, query: &Query, margin: f64) -> &[NearPair] {
         self.len = 0;
         on_isa!(query.isa(), kernel => kernel.run(
@@ -229,7 +229,7 @@ impl Batch {
     }
 }
 
-/// Adds a candidate to `len` others, of which the deepest are first.
+/// Inserts a candidate into `len` others, which are sorted by descending depth.
 #[inline(always)]
 pub(super) fn insert_by_depth(candidates: &mut [NearPair], len: &mut usize, candidate: NearPair) {
     let mut place = *len;
@@ -242,14 +242,14 @@ pub(super) fn insert_by_depth(candidates: &mut [NearPair], len: &mut usize, cand
 }
 
 impl<N> Scene<'_, N> {
-    /// Two bodies as their boxes are now.
+    /// Two bodies with the depth of their current boxes.
     pub(super) fn pair_now(&self, a: u32, b: u32) -> NearPair {
         let [p, q] = [a, b].map(|i| self.memory.bounds(i as usize));
         NearPair { a, b, depth: depth(&p, &q) }
     }
 }
 
-/// How far two boxes overlap along the axis where they do least.
+/// Depth of the overlap of two boxes: the least over the three axes. Negative for a gap.
 #[inline(always)]
 pub(super) fn depth(a: &Box3, b: &Box3) -> f32 {
     let mut depth = f32::INFINITY;

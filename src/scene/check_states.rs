@@ -1,7 +1,7 @@
 //! Many configurations at once: which of them are free?
 //!
-//! The boxes of sixteen configurations are compared at a time: a lane for each. What is near is asked about one by one, of all
-//! sixteen the deepest first, and no more of a configuration once two of its bodies meet.
+//! The boxes of sixteen configurations are compared at a time, one in each lane. Near pairs are then tested one by one,
+//! the deepest of each configuration first, until two bodies of the configuration meet.
 
 use super::broad::{NearPair, depth, insert_by_depth};
 use super::{BodyId, Scene, SceneError};
@@ -11,15 +11,15 @@ use crate::node::{Aabb16, Box3};
 use crate::pose::Pose;
 use crate::query::{Completion, Lanes, Query, QueryStats, Verdict};
 
-/// What it cost to ask about many configurations.
+/// How a check of many configurations ended, and its cost.
 #[must_use = "a query has no other effect than its answer"]
 #[derive(Copy, Clone, PartialEq, Eq, Debug)]
 pub struct ConfigurationsAnswer {
-    /// [`Completion::Complete`], or [`Completion::OutOfBudget`]: then some that are free may not be marked.
+    /// [`Completion::Complete`], or [`Completion::OutOfBudget`], where free configurations may be left unmarked.
     pub completion: Completion,
-    /// Pairs of bodies that were asked about, once for each configuration.
+    /// Number of pairs of bodies tested, counted once for each configuration.
     pub pairs: u64,
-    /// The work for these pairs.
+    /// Query statistics, summed over these pairs.
     pub stats: QueryStats,
 }
 
@@ -30,16 +30,17 @@ impl ConfigurationsAnswer {
 }
 
 impl<'t, N: Lanes> Scene<'t, N> {
-    /// Which configurations of some bodies are free of all that these are asked against? `poses` holds a pose of each of the
-    /// `moving` bodies for the first configuration, then for the second, and so on. Bit i % 16 of word i / 16 of `free` is set
-    /// if configuration i is certainly free. All other bodies stand where they are, and what is attached to a moving body moves
-    /// along; where those stand that move does not matter. Lent are as many boxes as [`Scene::room`].
+    /// Which configurations of the `moving` bodies are free? `poses` holds one pose of each moving body for the first
+    /// configuration, then for the second, and so on. Bit i % 16 of `free[i / 16]` is set if configuration i is
+    /// certainly free. Attached bodies move along with the moving ones; all others stay where they are. The current
+    /// poses of the moving bodies do not matter. `boxes` must hold [`Scene::room`] entries.
     ///
-    /// The budget is for all configurations together.
+    /// The budget covers all configurations together.
     ///
     /// # Errors
-    /// [`SceneError`]: a body that is not there, or is attached; a number of poses that is none of configurations
-    /// ([`SceneError::Motion`]); too few boxes or words ([`SceneError::Configurations`]); a pose that can be none of a scene.
+    /// [`SceneError`]: a body is missing or attached to another; the number of poses is not a multiple of the number of
+    /// moving bodies ([`SceneError::Motion`]); there are too few boxes or words ([`SceneError::Configurations`]); a
+    /// pose is invalid in a scene.
     pub fn check_states(
         &mut self,
         query: &Query,
@@ -55,8 +56,8 @@ impl<'t, N: Lanes> Scene<'t, N> {
         self.fill(query, moving.len(), poses, boxes, &mut free[..words])
     }
 
-    /// The same on several threads, with the feature `rayon`, and in memory of its own. The budget is for each run of 64
-    /// configurations.
+    /// As [`Scene::check_states`], but allocates its memory, and runs on several threads with the feature `rayon`. The
+    /// budget applies to each run of 64 configurations.
     ///
     /// # Errors
     /// As [`Scene::check_states`].
@@ -68,7 +69,7 @@ impl<'t, N: Lanes> Scene<'t, N> {
         poses: &[Pose],
         free: &mut [u16],
     ) -> Result<ConfigurationsAnswer, SceneError> {
-        /// Words of a job.
+        /// Words per job.
         const RUN: usize = 4;
         let words = self.prepare(moving, poses, free.len())?;
         let scene = &*self;
@@ -90,7 +91,7 @@ impl<'t, N: Lanes> Scene<'t, N> {
         })
     }
 
-    /// How many words there have to be, and the bodies that each of those in the scene moves with.
+    /// Sets the carriers of all bodies, and returns the number of words needed.
     fn prepare(&mut self, moving: &[BodyId], poses: &[Pose], words: usize) -> Result<usize, SceneError> {
         if moving.is_empty() || !poses.len().is_multiple_of(moving.len()) {
             return Err(SceneError::Motion { bodies: moving.len(), given: moving.len(), poses: poses.len() });
@@ -124,27 +125,27 @@ impl<'t, N: Lanes> Scene<'t, N> {
     }
 }
 
-/// Up to sixteen configurations.
+/// Up to sixteen configurations, one for each lane.
 struct Sixteen<'s, 't, 'c, N> {
     scene: &'s Scene<'t, N>,
     poses: &'c [Pose],
     moving: usize,
-    /// Of each slot whose body moves, the boxes around it, a lane for each configuration.
+    /// For each slot with a moving body, its boxes, one lane for each configuration.
     boxes: &'c mut [Aabb16],
 }
 
-/// How many pairs wait at once in a configuration.
+/// Capacity of each configuration's list of pairs.
 const WAITING: usize = 16;
 
-/// Pairs whose boxes are near each other, of each configuration the deepest first, and where the search goes on.
+/// Near pairs, the deepest of each configuration first, and where the search continues.
 struct NearLanes {
     pairs: [[NearPair; WAITING]; 16],
     len: [usize; 16],
     row: usize,
-    /// Sixteen bodies of the row, and which of them are left.
+    /// The group of sixteen bodies in the row, and the bits of those left in it.
     sixteen: usize,
     rest: u16,
-    /// Lanes of the first of them that are left.
+    /// Lanes left of the first of these bodies.
     lanes: u16,
 }
 
@@ -201,7 +202,7 @@ impl<N: Lanes> Sixteen<'_, '_, '_, N> {
         }
     }
 
-    /// Where the body of a slot stands in a configuration: there already, or in `composed` if it is attached to another.
+    /// The world pose of a slot's body in a configuration. That of an attached body is written to `composed`.
     #[inline]
     fn world<'p>(&'p self, i: usize, lane: usize, composed: &'p mut Pose) -> Result<&'p Pose, SceneError> {
         let slot = &self.scene.memory.slots[i];
@@ -214,7 +215,7 @@ impl<N: Lanes> Sixteen<'_, '_, '_, N> {
         Ok(composed)
     }
 
-    /// Puts boxes around all that moves.
+    /// Computes the boxes of all moving bodies.
     fn place(&mut self) -> Result<(), SceneError> {
         for i in 0..self.scene.room() {
             let slot = &self.scene.memory.slots[i];
@@ -233,7 +234,7 @@ impl<N: Lanes> Sixteen<'_, '_, '_, N> {
         Ok(())
     }
 
-    /// Notes pairs whose boxes are near each other, in the lanes that are free so far, until a lane has no room for more.
+    /// Collects near pairs in the lanes that are free so far, until the list of a lane is full.
     #[inline(always)]
     fn gather(&self, kernel: impl Kernel, near: &mut NearLanes, free: u16) {
         let memory = &self.scene.memory;
@@ -265,7 +266,6 @@ impl<N: Lanes> Sixteen<'_, '_, '_, N> {
         }
     }
 
-    /// The lanes in which the boxes of two bodies overlap.
     #[inline(always)]
     fn overlapping(&self, kernel: impl Kernel, a: usize, b: usize) -> u16 {
         let memory = &self.scene.memory;
@@ -292,7 +292,7 @@ impl<N: Lanes> Sixteen<'_, '_, '_, N> {
     }
 }
 
-/// Lanes in which two boxes overlap. None of an empty one, which is NaN. Written so that compilers make vectors of it.
+/// Lanes in which two boxes overlap. An empty box is NaN and overlaps none. Written for autovectorization.
 #[inline(always)]
 fn lanes_overlapping(a: &Aabb16, b: &Aabb16) -> u16 {
     let mut near: [u32; 16] = core::array::from_fn(|lane| 1 << lane);

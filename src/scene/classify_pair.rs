@@ -1,9 +1,10 @@
-//! Pairs of bodies over all that a robot can do: those that never meet, and those that always do.
+//! Classifies a pair of bodies over all values of a robot's joints: does it meet never, always, or sometimes?
 //!
-//! A box of values of the joints is asked about at its middle. No point of one body gets nearer to one of the other, anywhere in
-//! the box, than it is there by more than [`Motion::motion_bound_between`] says of the way along the box's diagonal, which heeds each
-//! joint's share by itself. So two bodies that are farther apart at the middle are free in all of the box, and two whose
-//! triangles cross deeper meet in all of it. A box of which neither holds is halved, along the joint whose share is greatest.
+//! The search tests a box of joint values at its middle. Anywhere in the box, no point of one body is nearer to a point
+//! of the other than at the middle by more than the motion bound along the box's diagonal
+//! ([`Motion::motion_bound_between`]), which sums each joint's share. So two bodies that are farther apart than this at
+//! the middle are free in the whole box, and two whose triangles cross more deeply meet in the whole box. Any other box
+//! is halved, along the joint whose share is greatest.
 
 use super::ask::AskedPair;
 use super::check_motion::motion_bound_of_pair;
@@ -22,26 +23,26 @@ use core::ops::ControlFlow;
 /// Whether two bodies meet, over all values of the joints within their limits.
 #[derive(Copy, Clone, PartialEq, Eq, Hash, Debug)]
 pub enum PairClass {
-    /// At no values: the pair need not be asked.
+    /// At no values: the pair need not be tested.
     Never,
     /// At all values.
     Always,
     /// At some values, and not at others.
     Sometimes,
-    /// As many boxes were asked about as was allowed, and neither was shown.
+    /// The limit on the number of boxes was reached before the class was certain.
     Undecided,
 }
 
-/// What is known of a pair.
+/// The class of a pair, and the configurations that were found.
 #[derive(Clone, PartialEq, Debug)]
 pub struct PairReport {
-    /// The verdict.
+    /// The class.
     pub fate: PairClass,
-    /// Values at which the two meet, if any were seen.
+    /// Values at which the two meet, if any were found.
     pub meeting: Option<Vec<f64>>,
-    /// Values at which they do not.
+    /// Values at which they do not meet, if any were found.
     pub free: Option<Vec<f64>>,
-    /// Boxes that were asked about.
+    /// Number of boxes tested.
     pub boxes: usize,
 }
 
@@ -49,11 +50,12 @@ pub struct PairReport {
 type Values = [Vec<f64>; 2];
 
 impl<N: Lanes> Scene<'_, N> {
-    /// Whether two bodies meet within the limits of a robot's joints: `moving` names its bodies in the scene. All others stand
-    /// where they are. At most `boxes` boxes of values are asked about.
+    /// Whether two bodies meet within the limits of a robot's joints. `moving` lists the scene's bodies in the order of
+    /// the robot's bodies. All others stand still. Tests at most `boxes` boxes of values.
     ///
     /// # Errors
-    /// [`SceneError`]: as [`Scene::check_motion`], [`SceneError::NoPair`] of a body and itself, and [`SceneError::TwoClouds`].
+    /// [`SceneError`]: as [`Scene::check_motion`], [`SceneError::NoPair`] of a body and itself, and
+    /// [`SceneError::TwoClouds`].
     pub fn classify_pair(
         &mut self,
         query: &Query,
@@ -123,7 +125,7 @@ impl<N: Lanes> ClassSearch<'_, '_, '_, N> {
         Ok(PairReport { fate, ..report })
     }
 
-    /// Places the bodies as at the middle of a box.
+    /// Places the bodies at the middle of a box of values.
     fn go_to_middle(&mut self, values: &Values) -> Result<(), SceneError> {
         let mut now = vec![0.0; values[0].len()];
         let ends = [&*values[0], &*values[1]];
@@ -131,8 +133,8 @@ impl<N: Lanes> ClassSearch<'_, '_, '_, N> {
         self.scene.place_all(self.moving, self.poses)
     }
 
-    /// How much nearer the bodies, and what is at most `beyond` away from the balls around them, can come to each other in a box
-    /// than they are at its middle, where they stand.
+    /// Upper bound of how much the bodies, and all points at most `beyond` away from the balls around them, approach
+    /// each other anywhere in a box, compared with its middle, where they stand.
     fn motion_bound(&mut self, values: &Values, beyond: f64) -> Result<f64, SceneError> {
         let mut now = vec![0.0; values[0].len()];
         let ends = [&*values[0], &*values[1]];
@@ -142,7 +144,7 @@ impl<N: Lanes> ClassSearch<'_, '_, '_, N> {
         Ok(motion_bound_of_pair(&motion, slots, beyond, 0.5))
     }
 
-    /// The variable that moves the bodies most, as one sees the other. `None` if none does.
+    /// The variable with the greatest relative motion of the two bodies. `None` if none moves them.
     fn widest(&mut self, values: &Values) -> Result<Option<usize>, SceneError> {
         let middle = middle(values);
         let mut line = [middle.clone(), middle.clone()];
@@ -162,7 +164,7 @@ impl<N: Lanes> ClassSearch<'_, '_, '_, N> {
         Ok(widest)
     }
 
-    /// Whether the two certainly meet in all of a box, as they do at its middle.
+    /// Whether two bodies that meet at the middle of a box certainly meet in all of it.
     fn meets_after(&mut self, values: &Values) -> Result<bool, SceneError> {
         let [a, b] = self.pair.map(|i| &self.scene.memory.slots[i]);
         // Where they meet, a primitive of one may reach beyond the ball of the other.
@@ -170,7 +172,7 @@ impl<N: Lanes> ClassSearch<'_, '_, '_, N> {
         let [a, b] = self.pair.map(|i| &self.scene.memory.slots[i]);
         let asked = AskedPair::new([a, b], [&a.world, &b.world]);
         if asked.radii > 0.0 {
-            // What a pose that is not quite a rotation makes of them is less.
+            // 1e-3 of the radii covers the effect of a matrix that is not quite a rotation.
             let deep = -(moved + 1e-3 * asked.radii);
             return Ok(deep + asked.radii > 0.0 && self.is_within(deep)?);
         }
@@ -193,7 +195,7 @@ impl<N: Lanes> ClassSearch<'_, '_, '_, N> {
     }
 }
 
-/// Where the primitives are in leaf order, by their indices in what was built.
+/// Maps the index of a primitive in the builder's input to its position in leaf order.
 fn leaves<N: Dop>(tree: &BodyTree<'_, N>) -> Vec<u32> {
     let BodyTree::Mesh(tree) = tree else { return Vec::new() };
     let mut leaves = vec![0; tree.len()];

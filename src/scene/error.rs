@@ -1,4 +1,4 @@
-//! What a scene refuses.
+//! Errors of scenes.
 
 use super::BodyId;
 #[cfg(doc)]
@@ -10,34 +10,34 @@ use crate::query::ToleranceError;
 use crate::range::MAX_COORDINATE;
 use core::fmt;
 
-/// Why a scene does not take what it is given.
+/// Why a scene rejects its input.
 #[derive(Copy, Clone, PartialEq, Debug)]
 #[non_exhaustive]
 pub enum SceneError {
-    /// There is no room for another body in the memory that was lent.
+    /// The caller's memory has no room for another body.
     Full,
-    /// The memory that was lent is too small for as many bodies as it has slots for.
+    /// The caller's memory is too small for the number of its slots.
     Memory {
-        /// Slots.
+        /// Number of slots.
         bodies: usize,
-        /// Nodes of boxes that are needed: [`boxes_for`].
+        /// Number of boxes needed: [`boxes_for`].
         boxes: usize,
-        /// Words that are needed: [`rows_for`].
+        /// Number of words needed: [`rows_for`].
         rows: usize,
     },
-    /// Less was lent than many configurations need.
+    /// There are too few boxes or words for the configurations.
     Configurations {
-        /// Boxes that are needed: the scene's room.
+        /// Number of boxes needed: the scene's room.
         boxes: usize,
-        /// Words that are needed: one for sixteen configurations.
+        /// Number of words needed: one for each sixteen configurations.
         words: usize,
     },
-    /// Clouds are not asked against each other.
+    /// Two clouds cannot be tested against each other.
     TwoClouds {
         /// One of them.
         id: BodyId,
     },
-    /// The body was removed, or is of another scene.
+    /// The body was removed, or belongs to another scene.
     NoSuchBody {
         /// The id given.
         id: BodyId,
@@ -47,35 +47,36 @@ pub enum SceneError {
         /// The value given.
         given: f64,
     },
-    /// The pose is farther from a rotation than [`Scene::TOLERANCE`], or farther away than [`Scene::MAX_TRANSLATION`].
+    /// The pose is farther from a rotation than [`Scene::TOLERANCE`], or its position exceeds
+    /// [`Scene::MAX_TRANSLATION`].
     Pose(PoseError),
-    /// A body that is attached is placed with what it is attached to.
+    /// The body is attached to another, and is placed with it.
     IsAttached {
         /// The body.
         id: BodyId,
     },
-    /// A body would be attached to itself.
+    /// The body would be attached to itself, directly or not.
     Cycle {
         /// The body.
         id: BodyId,
     },
-    /// A pair of one body.
+    /// Both bodies of the pair are the same.
     NoPair {
         /// The body.
         id: BodyId,
     },
-    /// As many bodies as a motion moves have to be named, and twice as many poses lent.
+    /// The number of bodies given differs from the motion's, or there are fewer than twice as many poses.
     Motion {
-        /// How many bodies the motion moves.
+        /// Number of bodies that the motion moves.
         bodies: usize,
-        /// How many were named.
+        /// Number of bodies given.
         given: usize,
-        /// How many poses were lent.
+        /// Number of poses given.
         poses: usize,
     },
-    /// A motion or its robot is none: values and limits, or a pose on the way.
+    /// A motion or its robot is invalid: its values, its limits, or one of its poses.
     Path(MotionError),
-    /// A margin, cutoff or tolerance is negative, NaN or too great.
+    /// A margin, cutoff, tolerance or resolution is out of range.
     Tolerance(ToleranceError),
 }
 

@@ -1,4 +1,4 @@
-//! Where a scene keeps what it knows of its bodies: in memory lent by the caller, or in its own.
+//! Memory of a scene: borrowed from the caller, or owned.
 
 use super::broad::BodySize;
 use super::{Body, SceneError};
@@ -8,27 +8,27 @@ use crate::pose::{Inverted, Pose, Relative};
 use alloc::vec::Vec;
 use core::ops::{Deref, DerefMut};
 
-/// What a scene knows of one body. To be lent: [`Slot::EMPTY`].
+/// The state of one body. [`Slot::EMPTY`] initializes the caller's memory.
 #[derive(Clone, Debug)]
 pub struct Slot<'t, N> {
     pub(super) body: Option<Body<'t, N>>,
     pub(super) generation: u32,
-    /// How many bodies are attached to it.
+    /// Number of bodies attached to this one.
     pub(super) attached: u32,
     pub(super) parent: Option<Attached>,
-    /// Which of the bodies it moves with that an edge, or many configurations, are asked about.
+    /// Which of the moving bodies of a motion, or of a batch of configurations, this one moves with, by index.
     pub(super) carrier: Option<u32>,
     pub(super) world: Pose,
-    /// Of the pose in the world, if the body stands still: it is asked about more often than placed.
+    /// Inverse of the world pose, stored for fixed bodies: they are tested more often than placed.
     pub(super) inverted: Inverted,
     pub(super) size: BodySize,
 }
 
-/// Where an attached body is.
+/// The attachment of a body.
 #[derive(Copy, Clone, Debug)]
 pub(super) struct Attached {
     pub(super) to: u32,
-    /// In the frame of the other.
+    /// The pose in the frame of the other.
     pub(super) at: Pose,
 }
 
@@ -45,7 +45,7 @@ impl<N> Slot<'_, N> {
         size: BodySize::NOTHING,
     };
 
-    /// Where a body stands in the frame of this one, which itself stands at `world`.
+    /// The pose, relative to this body at `world`, of another at `world_a`.
     #[inline]
     pub(super) fn relative(&self, world_a: &Pose, world: &Pose) -> Relative {
         if self.body.as_ref().is_some_and(|body| body.is_fixed) && self.carrier.is_none() {
@@ -55,30 +55,30 @@ impl<N> Slot<'_, N> {
     }
 }
 
-/// Nodes of boxes for so many bodies.
+/// Number of boxes needed for this many bodies: one [`Aabb16`] for each sixteen.
 #[must_use]
 pub const fn boxes_for(bodies: usize) -> usize {
     bodies.div_ceil(16)
 }
 
-/// Rows of pairs for so many bodies.
+/// Number of words needed in the pair matrix for this many bodies.
 #[must_use]
 pub const fn rows_for(bodies: usize) -> usize {
     bodies * boxes_for(bodies)
 }
 
-/// Memory for a scene, lent by the caller. The slots say for how many bodies there is room.
+/// Memory for a scene, borrowed from the caller. The number of slots limits the number of bodies.
 #[derive(Debug)]
 pub struct SceneMemory<'t, N> {
     /// One for each body.
     pub slots: &'t mut [Slot<'t, N>],
-    /// At least [`boxes_for`] the slots.
+    /// At least [`boxes_for`] the number of slots.
     pub boxes: &'t mut [Aabb16],
-    /// At least [`rows_for`] the slots.
+    /// At least [`rows_for`] the number of slots.
     pub rows: &'t mut [u16],
 }
 
-/// A slice of the caller's, or one that grows.
+/// A borrowed slice, or a vector that grows.
 #[derive(Debug)]
 pub(super) enum LentOrOwned<'m, T> {
     Lent(&'m mut [T]),
@@ -110,14 +110,13 @@ impl<T> DerefMut for LentOrOwned<'_, T> {
     }
 }
 
-/// The memory of a scene.
 #[derive(Debug)]
 pub(super) struct Memories<'t, N> {
     pub(super) slots: LentOrOwned<'t, Slot<'t, N>>,
-    /// Around the bodies in the world, their radii included, sixteen at a time; NaN where there is none.
+    /// Boxes around the bodies in the world, radii included, sixteen at a time; NaN for an empty slot.
     pub(super) boxes: LentOrOwned<'t, Aabb16>,
-    /// Which pairs are asked: bit j of row i is set in one of two symmetric places, that of the body which moves, or else of
-    /// the lower index. [`Memories::stride`] numbers a row.
+    /// The pairs to test: bit j of row i. Each pair has its bit in one of its two symmetric places: the row of the
+    /// moving body, or else of the lower index. A row has [`Memories::stride`] words.
     rows: LentOrOwned<'t, u16>,
 }
 
@@ -149,13 +148,13 @@ impl<'t, N> Memories<'t, N> {
         }
     }
 
-    /// Words of a row.
+    /// Words per row.
     #[inline(always)]
     pub(super) fn stride(&self) -> usize {
         boxes_for(self.slots.len())
     }
 
-    /// The pairs of body i with sixteen others.
+    /// The pairs of body i with one group of sixteen others.
     #[inline(always)]
     pub(super) fn row(&self, i: usize, sixteen: usize) -> u16 {
         self.rows[i * self.stride() + sixteen]
@@ -167,7 +166,6 @@ impl<'t, N> Memories<'t, N> {
         *word = *word & !(1 << (j % 16)) | u16::from(is_asked) << (j % 16);
     }
 
-    /// The box around body i.
     pub(super) fn bounds(&self, i: usize) -> Box3 {
         self.boxes[i / 16].lane(i % 16)
     }
@@ -176,7 +174,7 @@ impl<'t, N> Memories<'t, N> {
         self.boxes[i / 16].set_lane(i % 16, &bounds);
     }
 
-    /// A slot without a body: the first there is, or a new one.
+    /// The first empty slot, or a new one.
     pub(super) fn vacant(&mut self) -> Option<usize> {
         let vacant = self.slots.iter().position(|slot| slot.body.is_none());
         if vacant.is_some() {

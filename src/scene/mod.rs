@@ -1,4 +1,4 @@
-//! Many bodies, placed in the world: does any meet another, which do, and how near do they come?
+//! Collision, range and distance queries over many bodies placed in the world.
 //!
 //! ```
 //! use glam::{DQuat, DVec3};
@@ -25,16 +25,16 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! **Verdicts are for the poses in the world as they are given.** Free is certain: no two bodies that are asked meet, in exact
-//! arithmetic on the coordinates of both and both poses. A hit is exact up to the rounding of where one body stands in the
-//! frame of the other, some 1e-14 of the coordinates ([`crate::pose::Relative`]): bodies that are less than this apart count as
-//! meeting. A composed pose, as of an attached body, is rounded and then taken as it is.
+//! **Verdicts hold for the given world poses.** Free is certain: no two tested bodies meet, in exact arithmetic on the
+//! coordinates and poses of both. A hit is exact up to the rounding of the relative pose, about 1e-14 of the
+//! coordinates ([`crate::pose::Relative`]): bodies closer than this count as meeting. A composed pose, such as that of
+//! an attached body, is rounded first, and the verdict holds for the rounded pose.
 //!
-//! **How.** Boxes around the bodies in the world are compared, sixteen at a time by the kernels that search points; of those
-//! that overlap and are asked about, the deepest first are put to [`crate::query`]. What a body is asked against says a
-//! matrix of bits.
+//! **Method.** The SIMD kernels of the point search compare the bodies' bounding boxes in the world, sixteen at a time.
+//! A bit matrix selects the pairs to test. Overlapping pairs go to [`crate::query`], the deepest first.
 //!
-//! **Stack.** No more than queries take ([`crate::query`]): on a Cortex-M4F a scene takes 10 KB in all, and an edge 11 KB.
+//! **Stack.** As much as the queries need ([`crate::query`]): on a Cortex-M4F, 10 KB in all for a scene and 11 KB for
+//! an edge.
 
 mod ask;
 mod body;
@@ -76,15 +76,15 @@ impl<N> Default for Scene<'_, N> {
 }
 
 impl<N> Scene<'_, N> {
-    /// How far the matrix of a pose in the world may be from a rotation: the largest entry of `R R^T - 1`. Less than
-    /// [`Pose::TOLERANCE`], so that every two bodies have a pose relative to each other. Matrices of six digits or in `f32`
-    /// are near enough, and every quaternion that gives a pose.
+    /// Largest accepted deviation of a world pose's matrix from a rotation: the largest entry of `R R^T - 1`. Less than
+    /// [`Pose::TOLERANCE`], so that every two bodies have a relative pose. Matrices of six digits or in `f32` pass, and
+    /// so does every quaternion that gives a pose.
     pub const TOLERANCE: f64 = 1.5e-5;
 
-    /// How far away a body may be in the world, along an axis: 2^298.
+    /// Largest coordinate of a body's position in the world: 2^298.
     pub const MAX_TRANSLATION: f64 = MAX_COORDINATE / 4.0;
 
-    /// A scene without bodies, which grows as they come.
+    /// An empty scene, which allocates as bodies are inserted.
     #[cfg(feature = "alloc")]
     #[must_use]
     pub const fn new() -> Self {
@@ -93,7 +93,7 @@ impl<N> Scene<'_, N> {
 }
 
 impl<'t, N> Scene<'t, N> {
-    /// A scene without bodies in the caller's memory, which does not allocate.
+    /// An empty scene in the caller's memory, which does not allocate.
     ///
     /// ```
     /// use simdop::node::{Aabb16, Node16};
@@ -108,18 +108,18 @@ impl<'t, N> Scene<'t, N> {
     /// ```
     ///
     /// # Errors
-    /// [`SceneError::Memory`] if there are fewer boxes or rows than the slots need.
+    /// [`SceneError::Memory`] if there are too few boxes or rows for the slots.
     pub fn in_memory(memory: SceneMemory<'t, N>) -> Result<Self, SceneError> {
         Ok(Self { memory: Memories::lent(memory)? })
     }
 
-    /// For how many bodies there is room, as it is.
+    /// The number of bodies that fit without growing.
     #[must_use]
     pub fn room(&self) -> usize {
         self.memory.slots.len()
     }
 
-    /// The bodies in the scene, by ascending place.
+    /// The bodies in the scene, by ascending index.
     pub fn ids(&self) -> impl Iterator<Item = BodyId> + '_ {
         (0..self.memory.slots.len())
             .filter(|&index| self.memory.slots[index].body.is_some())
@@ -146,7 +146,7 @@ impl<'t, N> Scene<'t, N> {
         Ok(&self.memory.slots[self.index(id)?].world)
     }
 
-    /// The body that a body hangs on, over however many others; itself, if it is not attached.
+    /// The body at the end of the chain of attachments; the body itself if it is not attached.
     fn root(&self, i: usize) -> usize {
         let mut root = i;
         while let Some(parent) = self.memory.slots[root].parent {
@@ -155,7 +155,7 @@ impl<'t, N> Scene<'t, N> {
         root
     }
 
-    /// Says of each body which of these it moves with: that itself, or the one that it is attached to.
+    /// Stores in each slot which of the `moving` bodies its body moves with: itself, or the one that it is attached to.
     fn set_carriers(&mut self, moving: &[BodyId]) -> Result<(), SceneError> {
         for slot in self.memory.slots.iter_mut() {
             slot.carrier = None;
@@ -176,10 +176,10 @@ impl<'t, N> Scene<'t, N> {
 }
 
 impl<'t, N: Dop> Scene<'t, N> {
-    /// Puts a body into the scene.
+    /// Inserts a body.
     ///
     /// # Errors
-    /// [`SceneError`]: the radius, the pose, or no room.
+    /// [`SceneError`]: an invalid radius or pose, or no room.
     pub fn insert(&mut self, body: Body<'t, N>, world: &Pose) -> Result<BodyId, SceneError> {
         if !body.has_valid_radius() {
             return Err(SceneError::Radius { given: body.radius });
@@ -201,7 +201,7 @@ impl<'t, N: Dop> Scene<'t, N> {
         Ok(self.id(i))
     }
 
-    /// Takes a body out of the scene. Those that are attached to it stay where they are, and are attached no more.
+    /// Removes a body. Bodies attached to it are detached and stay where they are.
     ///
     /// # Errors
     /// [`SceneError::NoSuchBody`].
@@ -222,11 +222,11 @@ impl<'t, N: Dop> Scene<'t, N> {
         slot.body.take().ok_or(SceneError::NoSuchBody { id })
     }
 
-    /// Places a body, and those that are attached to it.
+    /// Places a body, and moves the bodies attached to it along.
     ///
     /// # Errors
-    /// [`SceneError`]: the pose, or that of what is attached, which leaves all of them where they were; or the body is itself
-    /// attached to another.
+    /// [`SceneError`]: the pose, or that of an attached body, is invalid, in which case no body moves; or the body is
+    /// itself attached to another.
     pub fn place(&mut self, id: BodyId, world: &Pose) -> Result<(), SceneError> {
         let i = self.index(id)?;
         if self.memory.slots[i].parent.is_some() {
@@ -235,7 +235,7 @@ impl<'t, N: Dop> Scene<'t, N> {
         check(world)?;
         if self.memory.slots[i].attached > 0 {
             let is_carried = |scene: &Self, j: usize| j != i && scene.root(j) == i;
-            // First whether all of them can be, so that a refusal moves none.
+            // Check all poses first, so that an error moves no body.
             for j in 0..self.memory.slots.len() {
                 if is_carried(self, j) {
                     check(&self.carried(j, world)?)?;
@@ -252,7 +252,7 @@ impl<'t, N: Dop> Scene<'t, N> {
         Ok(())
     }
 
-    /// Attaches a body to another, which it is then placed with: it stays where it is as seen from there.
+    /// Attaches a body to another. It keeps its current pose relative to that body, and [`Scene::place`] moves both.
     ///
     /// # Errors
     /// [`SceneError::NoSuchBody`]; [`SceneError::IsAttached`] if the body is attached already;
@@ -272,7 +272,7 @@ impl<'t, N: Dop> Scene<'t, N> {
         Ok(())
     }
 
-    /// Attaches a body no more. It stays where it is. Of a body that is not attached, nothing.
+    /// Detaches a body. It stays where it is. Does nothing if the body is not attached.
     ///
     /// # Errors
     /// [`SceneError::NoSuchBody`].
@@ -284,7 +284,7 @@ impl<'t, N: Dop> Scene<'t, N> {
         Ok(())
     }
 
-    /// Where body i stands if its [root](Self::root) is at `world`.
+    /// The world pose of body i if its [root](Self::root) is at `world`.
     fn carried(&self, i: usize, world: &Pose) -> Result<Pose, SceneError> {
         let Some(Attached { to, at }) = self.memory.slots[i].parent else { return Ok(*world) };
         let (mut at, mut above) = (at, to);
@@ -294,7 +294,6 @@ impl<'t, N: Dop> Scene<'t, N> {
         Ok(world.compose(&at)?)
     }
 
-    /// Places some bodies, each at its pose.
     fn place_all(&mut self, ids: &[BodyId], poses: &[Pose]) -> Result<(), SceneError> {
         ids.iter().zip(poses).try_for_each(|(&id, pose)| self.place(id, pose))
     }
@@ -310,7 +309,7 @@ impl<'t, N: Dop> Scene<'t, N> {
     }
 }
 
-/// Whether a pose may be one of a scene.
+/// Whether a scene accepts a world pose.
 fn check(world: &Pose) -> Result<(), SceneError> {
     let near = |x: f64| x.abs() <= Scene::<()>::MAX_TRANSLATION;
     let [x, y, z] = world.translation();

@@ -1,9 +1,9 @@
-//! Which pairs of bodies are asked.
+//! Which pairs of bodies are tested.
 
 use super::{BodyId, Scene, SceneError};
 
 impl<N> Scene<'_, N> {
-    /// Whether the bodies are asked against each other.
+    /// Whether two bodies are tested against each other.
     ///
     /// # Errors
     /// [`SceneError::NoSuchBody`], and [`SceneError::NoPair`] of a body and itself.
@@ -12,7 +12,7 @@ impl<N> Scene<'_, N> {
         Ok(self.memory.row(i, j / 16) >> (j % 16) & 1 != 0)
     }
 
-    /// Allows two bodies to meet, whatever their groups: no query of the scene asks the pair.
+    /// Allows two bodies to meet, whatever their groups: no query of the scene tests the pair.
     ///
     /// # Errors
     /// [`SceneError::NoSuchBody`], and [`SceneError::NoPair`] of a body and itself.
@@ -22,7 +22,7 @@ impl<N> Scene<'_, N> {
         Ok(())
     }
 
-    /// Forbids two bodies to meet, whatever their groups: all queries of the scene ask the pair.
+    /// Forbids two bodies to meet, whatever their groups: all queries of the scene test the pair.
     ///
     /// # Errors
     /// [`SceneError::NoSuchBody`], [`SceneError::NoPair`] of a body and itself, and [`SceneError::TwoClouds`].
@@ -32,7 +32,7 @@ impl<N> Scene<'_, N> {
         Ok(())
     }
 
-    /// [`Scene::place_of_pair`] of two bodies that can be asked. If one is a cloud, it is the second.
+    /// [`Scene::place_of_pair`] of two bodies that are not both clouds. A cloud is the second of the pair.
     pub(super) fn place_to_ask(&self, a: BodyId, b: BodyId) -> Result<(usize, usize), SceneError> {
         let (i, j) = self.place_of_pair(a, b)?;
         if self.is_cloud(i) && self.is_cloud(j) {
@@ -49,8 +49,8 @@ impl<N> Scene<'_, N> {
         Ok(self.row_and_bit(i, j))
     }
 
-    /// Where the matrix has the bit of a pair. Rows of clouds, which are the second of every pair, are without bits, and those of
-    /// bodies that stand still but for their pairs with clouds.
+    /// Row and column of a pair's bit in the matrix. A cloud is the second of each of its pairs, so its row is empty.
+    /// By default, the row of a fixed body contains only its pairs with clouds.
     pub(super) fn row_and_bit(&self, i: usize, j: usize) -> (usize, usize) {
         let is_fixed = |i: usize| self.memory.slots[i].body.as_ref().is_some_and(|body| body.is_fixed);
         let [a, b] = [i, j].map(|i| (self.is_cloud(i), is_fixed(i), i));

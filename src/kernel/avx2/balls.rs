@@ -1,4 +1,4 @@
-//! Balls against balls, eight lanes a register. Operation by operation as in [`super::super::scalar`].
+//! Balls against balls, eight lanes per register. The same operations as in [`super::super::scalar`].
 
 use super::super::{LEAST_VOLUME, LENS, LENS_SLACK, WHOLE};
 use crate::isa::compiled_for_avx2;
@@ -16,7 +16,7 @@ compiled_for_avx2! {
     #[inline]
     fn load(numbers: &[f32; 16], half: usize) -> __m256 {
         let eight = &numbers.as_chunks::<8>().0[half];
-        // SAFETY: the array has the 32 bytes that are read; the load asks for no alignment.
+        // SAFETY: the array has the 32 bytes read; the load needs no alignment.
         unsafe { _mm256_loadu_ps(eight.as_ptr()) }
     }
 }
@@ -46,7 +46,7 @@ compiled_for_avx2! {
     fn distances(a: &Eight, b: &Eight) -> (__m256, __m256) {
         let ([p, q, r], [u, v, w]) = (a.centre, b.centre);
         let (x, y, z) = (_mm256_sub_ps(p, u), _mm256_sub_ps(q, v), _mm256_sub_ps(r, w));
-        // Separate multiplications and additions: fused ones would round otherwise than the specification.
+        // No fused multiply-add: it would round differently from the specification.
         let two = _mm256_add_ps(_mm256_mul_ps(x, x), _mm256_mul_ps(y, y));
         (_mm256_add_ps(two, _mm256_mul_ps(z, z)), _mm256_add_ps(a.radius, b.radius))
     }
@@ -85,7 +85,7 @@ compiled_for_avx2! {
             let distance = _mm256_sqrt_ps(square);
             let signed = _mm256_sub_ps(one.radius, other.radius);
             let difference = _mm256_andnot_ps(_mm256_set1_ps(-0.0), signed);
-            // `vminps` is its second operand unless the first is less, as the specification has it; `vmaxps` likewise.
+            // `vminps` returns its second operand unless the first is less, as specified; `vmaxps` likewise.
             let smaller = _mm256_min_ps(one.radius, other.radius);
             let depth = _mm256_sub_ps(sum, distance);
             let wide = _mm256_add_ps(distance, _mm256_mul_ps(_mm256_set1_ps(3.0), difference));
@@ -104,7 +104,7 @@ compiled_for_avx2! {
             let bound = _mm256_min_ps(lens, _mm256_min_ps(volume, load(&b.volume, half)));
             let bound = _mm256_max_ps(bound, _mm256_set1_ps(LEAST_VOLUME));
             let bound = _mm256_and_ps(bound, is_met((square, sum)));
-            // SAFETY: the array has the 32 bytes that are written; the store asks for no alignment.
+            // SAFETY: the array has the 32 bytes written; the store needs no alignment.
             unsafe { _mm256_storeu_ps(out.as_mut_ptr(), bound) };
         }
     }

@@ -9,24 +9,24 @@
 //! mask = !vpmovmskb(vpacksswb(separated))
 //! ```
 //!
-//! Two 256-bit loads a plane, of which Zen 3 does two a cycle, bound it from below at k cycles. **Tried, and
-//! slower** (`benches/kernel.rs`, calls of real queries, L1, ns a node for k = 14 / 18 / 32, Zen 3; chosen:
-//! 5.6 / 7.0 / 12.2): leaving after every second slab 9.2 / 11.7 / 17.7, every slab 11.4 / 15.2 / 16.1, after
-//! the second only 7.1 / 8.2 / 13.4, never at k = 32 12.7. Half of the masks are empty and nothing
-//! foretells which, so each exit is a mispredicted branch as often as it saves slabs. 4vs4 likewise: 6.7 /
-//! 8.2 / 14.2 without an exit, 9.1 / 10.1 / 16.5 with one; loading both planes of four children at once, 7.9
-//! / 9.7 / 13.2.
+//! Two 256-bit loads per plane, of which Zen 3 does two per cycle, give a lower bound of k cycles. **Tried, and
+//! slower** (`benches/kernel.rs`, calls of real queries, L1, ns per node for k = 14 / 18 / 32, Zen 3; chosen: 5.6 / 7.0
+//! / 12.2): an exit after every second slab 9.2 / 11.7 / 17.7, after every slab 11.4 / 15.2 / 16.1, after the second
+//! only 7.1 / 8.2 / 13.4, none at k = 32 12.7. Half of the masks are empty, unpredictably, so an exit mispredicts as
+//! often as it saves slabs. The same for 4vs4: 6.7 / 8.2 / 14.2 without an exit, 9.1 / 10.1 / 16.5 with one; loading
+//! both planes of four children at once, 7.9 / 9.7 / 13.2.
 //!
 //! # 4vs4
 //!
-//! The four planes of A's children are broadcast and spread by one `vpshufb` to four lanes each, those of B's
-//! are broadcast as they are.
+//! The four planes of A's children are broadcast, and one `vpshufb` spreads each to four lanes. Those of B's are
+//! broadcast unchanged.
 //!
 //! # Re-alignment
 //!
-//! Codes become integers of 32 bits, then floats, once per plane of the node; each turned plane is three multiplications and three
-//! additions on 2 x 8 lanes, the two of a slab with the same weights; `vcvtps2dq` rounds to the nearest code, and `vpackssdw` puts
-//! sixteen together, in the order in which `vpunpcklwd` and `vpunpckhwd` took them apart.
+//! Codes are converted to 32-bit integers and then to floats, once per plane of the node. Each rotated plane takes
+//! three multiplications and three additions on 2 x 8 lanes; the two planes of a slab share their weights. `vcvtps2dq`
+//! rounds to the nearest code, and `vpackssdw` joins sixteen of them in the order in which `vpunpcklwd` and
+//! `vpunpckhwd` split them.
 
 use super::super::{SEPARATED, Turned};
 use crate::isa::compiled_for_avx2;
@@ -36,8 +36,7 @@ use crate::realign::{PrimitiveSlab, Realignment};
 use core::arch::x86_64::*;
 use core::mem::MaybeUninit;
 
-/// Whether 1vs16 asks, after this slab, if every lane is separated already. Measured: see the head of this
-/// file.
+/// Whether 1vs16 tests after this slab if all lanes are already separated. Measured: see the top of this file.
 const fn may_exit<const K: usize>(slab: usize) -> bool {
     K > 26 && slab == 3
 }
@@ -45,7 +44,7 @@ const fn may_exit<const K: usize>(slab: usize) -> bool {
 compiled_for_avx2! {
     #[inline]
     fn load(planes: &[i16; 16]) -> __m256i {
-        // SAFETY: the array has the 32 bytes that are read; the load asks for no alignment.
+        // SAFETY: the array has the 32 bytes read; the load needs no alignment.
         unsafe { _mm256_loadu_si256(planes.as_ptr().cast()) }
     }
 }
@@ -53,7 +52,7 @@ compiled_for_avx2! {
 compiled_for_avx2! {
     #[inline]
     fn load_4(planes: &[i16; 4]) -> __m128i {
-        // SAFETY: the array has the 8 bytes that are read; the load asks for no alignment.
+        // SAFETY: the array has the 8 bytes read; the load needs no alignment.
         unsafe { _mm_loadl_epi64(planes.as_ptr().cast()) }
     }
 }
@@ -112,7 +111,8 @@ compiled_for_avx2! {
 compiled_for_avx2! {
     #[inline]
     pub(super) fn overlap_16v_hull<const K: usize>(query: &Turned<16, K>, node: &Node16<K>) -> u16 {
-        // `vphminposuw` finds the least of eight unsigned words; the exclusive or turns greatest signed to least unsigned and back.
+        // `vphminposuw` finds the least of eight unsigned words. The exclusive or maps the greatest signed word to the
+        // least unsigned one, and back.
         let flip = _mm_set1_epi16(0x7fff);
         let mut separated = _mm256_setzero_si256();
         for (bodies, planes) in query.iter().zip(&node.planes) {
@@ -129,7 +129,8 @@ compiled_for_avx2! {
 compiled_for_avx2! {
     #[inline]
     pub(super) fn overlap_4v4<const K: usize>(query: &Turned<4, K>, node: &Node4<K>) -> u16 {
-        // Each half of the register holds all four planes; the lower spreads the first two, the upper the last two.
+        // Each half of the register holds all four planes. The lower half spreads the first two, the upper half the
+        // last two.
         let spread = _mm256_setr_epi8(
             0, 1, 0, 1, 0, 1, 0, 1, 2, 3, 2, 3, 2, 3, 2, 3, //
             4, 5, 4, 5, 4, 5, 4, 5, 6, 7, 6, 7, 6, 7, 6, 7,
@@ -145,7 +146,7 @@ compiled_for_avx2! {
 }
 
 compiled_for_avx2! {
-    /// Four codes, as floats in all quarters: only the lowest quarter is looked at.
+    /// Four codes, as floats; only the lowest quarter of the result is used.
     #[inline]
     fn decode_4(codes: __m128i) -> __m256 {
         _mm256_cvtepi32_ps(_mm256_cvtepi16_epi32(codes))
@@ -153,7 +154,7 @@ compiled_for_avx2! {
 }
 
 compiled_for_avx2! {
-    /// Sixteen codes, as floats: lanes 0 to 3 and 8 to 11, and the others, as [`encode_query`] puts them together again.
+    /// Sixteen codes, as floats: lanes 0 to 3 and 8 to 11, then the others. [`encode_query`] restores the order.
     #[inline]
     fn decode(codes: __m256i) -> [__m256; 2] {
         let signs = _mm256_srai_epi16::<15>(codes);
@@ -165,15 +166,15 @@ compiled_for_avx2! {
 }
 
 compiled_for_avx2! {
-    /// The complements of the keys of sixteen values, [`Key::around`] them.
+    /// Rounds sixteen values to keys ([`Key::around`]), and returns their complements.
     #[inline]
     fn encode_query(values: [__m256; 2]) -> __m256i {
-        // NaN is an unbounded plane: with it as the first operand, `vminps` gives the second.
+        // NaN is an unbounded plane: if the first operand is NaN, `vminps` returns the second.
         let integers = values.map(|x| {
             _mm256_cvtps_epi32(_mm256_min_ps(x, _mm256_set1_ps(f32::from(Key::INFINITY.code()))))
         });
         let codes = _mm256_packs_epi32(integers[0], integers[1]);
-        // Below an `i32` is the least one.
+        // Values below the range of `i32` become the least one.
         let codes = _mm256_max_epi16(codes, _mm256_set1_epi16(Key::LOWEST.code()));
         _mm256_xor_si256(codes, _mm256_set1_epi16(-1))
     }
@@ -189,7 +190,7 @@ compiled_for_avx2! {
 compiled_for_avx2! {
     #[inline]
     pub(super) fn realign_16<const K: usize>(map: &Realignment<K>, node: &Node16<K>, query: &mut Turned<16, K>) {
-        // Not zeroed: a kilobyte of stores.
+        // Not zeroed: that would be a kilobyte of stores.
         let mut planes = [const { MaybeUninit::<[__m256; 2]>::uninit() }; K];
         for (decoded, codes) in planes.iter_mut().zip(&node.planes) {
             decoded.write(decode(load(codes)));
@@ -198,18 +199,18 @@ compiled_for_avx2! {
             let [p, q, r, _] = map.sources[slab];
             let weights = [0, 1, 2].map(|l| _mm256_set1_ps(map.weights[l][slab]));
             for side in 0..2 {
-                // SAFETY: the loop above wrote all of them.
+                // SAFETY: the loop above initialized all planes.
                 let [a, b, c] = [p, q, r].map(|source| unsafe { planes[usize::from(source) ^ side].assume_init_ref() });
                 let offset = _mm256_set1_ps(map.offset[2 * slab + side]);
                 let turned = |half: usize| turn(weights, offset, [a[half], b[half], c[half]]);
                 let codes = encode_query([turned(0), turned(1)]);
-                // SAFETY: the array has the 32 bytes that are written; the store asks for no alignment.
+                // SAFETY: the array has the 32 bytes written; the store needs no alignment.
                 unsafe { _mm256_storeu_si256(query[2 * slab + (side ^ 1)].as_mut_ptr().cast(), codes) };
             }
         }
         let unused = _mm256_cmpeq_epi16(load(&node.planes[0]), _mm256_set1_epi16(Key::EMPTY.code()));
         let codes = _mm256_blendv_epi8(load(&query[0]), _mm256_set1_epi16(SEPARATED), unused);
-        // SAFETY: the array has the 32 bytes that are written; the store asks for no alignment.
+        // SAFETY: the array has the 32 bytes written; the store needs no alignment.
         unsafe { _mm256_storeu_si256(query[0].as_mut_ptr().cast(), codes) };
     }
 }
@@ -226,12 +227,12 @@ compiled_for_avx2! {
             let weights = terms.map(|(_, weight)| _mm256_set1_ps(weight));
             let turned = turn(weights, _mm256_set1_ps(map.offset[j]), terms.map(|(source, _)| planes[source]));
             let codes = _mm256_castsi256_si128(encode_query([turned, turned]));
-            // SAFETY: the array has the 8 bytes that are written; the store asks for no alignment.
+            // SAFETY: the array has the 8 bytes written; the store needs no alignment.
             unsafe { _mm_storel_epi64(query[j ^ 1].as_mut_ptr().cast(), codes) };
         }
         let unused = _mm_cmpeq_epi16(load_4(&node.planes[0]), _mm_set1_epi16(Key::EMPTY.code()));
         let codes = _mm_blendv_epi8(load_4(&query[0]), _mm_set1_epi16(SEPARATED), unused);
-        // SAFETY: the array has the 8 bytes that are written; the store asks for no alignment.
+        // SAFETY: the array has the 8 bytes written; the store needs no alignment.
         unsafe { _mm_storel_epi64(query[0].as_mut_ptr().cast(), codes) };
     }
 }
@@ -255,7 +256,7 @@ compiled_for_avx2! {
                 let sum = weighted_sum(weights, planes.map(|plane| plane[half]));
                 _mm256_cmp_ps::<_CMP_LT_OQ>(sum, _mm256_set1_ps(limit))
             };
-            // In the order of the lanes again.
+            // Restores the order of the lanes.
             let (low, high) = (_mm256_castps_si256(below(0)), _mm256_castps_si256(below(1)));
             beyond |= !zero_lanes(_mm256_packs_epi32(low, high));
         }

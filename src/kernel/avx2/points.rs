@@ -1,10 +1,10 @@
-//! Points and boxes of points, eight lanes a register. Operation by operation as in [`super::super::scalar`].
+//! Points and boxes of points, eight lanes per register. The same operations as in [`super::super::scalar`].
 
 use crate::isa::compiled_for_avx2;
 use crate::node::{Aabb16, Box3, Bucket};
 use core::arch::x86_64::*;
 
-/// A coordinate of a query, or a side of its box, in all lanes.
+/// A coordinate of a query, or a corner of its box, in all lanes.
 type Splat = [__m256; 3];
 
 compiled_for_avx2! {
@@ -12,7 +12,7 @@ compiled_for_avx2! {
     #[inline]
     fn load(numbers: &[f32; 16], half: usize) -> __m256 {
         let eight = &numbers.as_chunks::<8>().0[half];
-        // SAFETY: the array has the 32 bytes that are read; the load asks for no alignment.
+        // SAFETY: the array has the 32 bytes read; the load needs no alignment.
         unsafe { _mm256_loadu_ps(eight.as_ptr()) }
     }
 }
@@ -21,7 +21,7 @@ compiled_for_avx2! {
     #[inline]
     fn store(numbers: &mut [f32; 16], half: usize, eight: __m256) {
         let place = &mut numbers.as_chunks_mut::<8>().0[half];
-        // SAFETY: the array has the 32 bytes that are written; the store asks for no alignment.
+        // SAFETY: the array has the 32 bytes written; the store needs no alignment.
         unsafe { _mm256_storeu_ps(place.as_mut_ptr(), eight) };
     }
 }
@@ -36,7 +36,7 @@ compiled_for_avx2! {
 compiled_for_avx2! {
     #[inline]
     fn square_of([x, y, z]: Splat) -> __m256 {
-        // Separate multiplications and additions: fused ones would round otherwise than the specification.
+        // No fused multiply-add: it would round differently from the specification.
         let two = _mm256_add_ps(_mm256_mul_ps(x, x), _mm256_mul_ps(y, y));
         _mm256_add_ps(two, _mm256_mul_ps(z, z))
     }
@@ -55,7 +55,7 @@ compiled_for_avx2! {
 }
 
 compiled_for_avx2! {
-    /// `vmaxps` is its second operand unless the first is greater, as the specification has it.
+    /// `vmaxps` returns its second operand unless the first is greater, as specified.
     #[inline]
     fn gap(query: (__m256, __m256), lower: __m256, upper: __m256) -> __m256 {
         let (below, above) = (_mm256_sub_ps(lower, query.1), _mm256_sub_ps(query.0, upper));
@@ -117,7 +117,7 @@ compiled_for_avx2! {
     }
 }
 
-/// `PLACES[mask]`: the set bits of the mask, a byte each, first of all.
+/// `PLACES[mask]`: the indices of the set bits of the mask, one byte each, from the front.
 static PLACES: [[u8; 8]; 256] = places();
 
 const fn places() -> [[u8; 8]; 256] {
@@ -138,10 +138,10 @@ const fn places() -> [[u8; 8]; 256] {
 }
 
 compiled_for_avx2! {
-    /// Eight indices, those of the mask first.
+    /// Eight indices, with those in the mask at the front.
     #[inline]
     fn packed(mask: u8, indices: &[u32; 8]) -> __m256i {
-        // SAFETY: the array has the 32 bytes that are read; the load asks for no alignment.
+        // SAFETY: the array has the 32 bytes read; the load needs no alignment.
         let eight = unsafe { _mm256_loadu_si256(indices.as_ptr().cast()) };
         let places = _mm_cvtsi64_si128(i64::from_le_bytes(PLACES[mask as usize]));
         _mm256_permutevar8x32_epi32(eight, _mm256_cvtepu8_epi32(places))
@@ -151,7 +151,7 @@ compiled_for_avx2! {
 compiled_for_avx2! {
     #[inline]
     fn put(eight: __m256i, place: &mut [u32; 8]) {
-        // SAFETY: the array has the 32 bytes that are written; the store asks for no alignment.
+        // SAFETY: the array has the 32 bytes written; the store needs no alignment.
         unsafe { _mm256_storeu_si256(place.as_mut_ptr().cast(), eight) };
     }
 }
@@ -162,7 +162,7 @@ compiled_for_avx2! {
         let (low, high) = (mask as u8, (mask >> 8) as u8);
         let halves = indices.as_chunks::<8>().0;
         put(packed(low, &halves[0]), &mut found.as_chunks_mut::<8>().0[0]);
-        // At most 8, so that eight more places follow.
+        // At most 8, so at least eight entries follow.
         let after = &mut found[low.count_ones() as usize..];
         if let Some(place) = after.first_chunk_mut::<8>() {
             put(packed(high, &halves[1]), place);

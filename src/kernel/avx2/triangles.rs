@@ -1,5 +1,5 @@
-//! One triangle against four: the planes' filter of the leaf test, a triangle a lane. Operation by operation
-//! that of [`Probe::is_apart`].
+//! One triangle against four: the plane filter of the leaf test, one triangle per lane. The same operations as in
+//! [`Probe::is_apart`].
 
 use crate::isa::compiled_for_avx2;
 use crate::primitive::triangle::{DETERMINANT_ERROR, Probe, Triangle};
@@ -8,7 +8,7 @@ use core::arch::x86_64::*;
 /// Three coordinates of four points.
 type Points = [__m256d; 3];
 
-/// Planes of four triangles, or one four times, as in [`crate::primitive::triangle::Plane`].
+/// Planes of four triangles, or one plane in all lanes, as in [`crate::primitive::triangle::Plane`].
 struct FourPlanes {
     origin: Points,
     normal: Points,
@@ -21,7 +21,11 @@ compiled_for_avx2! {
         let corners = [corners(triangles, 0), corners(triangles, 1), corners(triangles, 2)];
         let plane = &probe.plane;
         let plane =
-            FourPlanes { origin: splat(&plane.origin), normal: splat(&plane.normal), magnitude: splat(&plane.magnitude) };
+            FourPlanes {
+                origin: splat(&plane.origin),
+                normal: splat(&plane.normal),
+                magnitude: splat(&plane.magnitude),
+            };
         let away = _mm256_set1_pd(probe.away);
         let mut apart = strictly_one_side(&plane, &corners, away);
         if _mm256_movemask_pd(apart) != 0b1111 {
@@ -67,7 +71,7 @@ compiled_for_avx2! {
 }
 
 compiled_for_avx2! {
-    /// A minor, and its bound.
+    /// A minor, and the same with absolute values.
     #[inline]
     fn minor(u: &Points, v: &Points, i: usize, j: usize) -> (__m256d, __m256d) {
         let (plus, minus) = (_mm256_mul_pd(u[i], v[j]), _mm256_mul_pd(u[j], v[i]));

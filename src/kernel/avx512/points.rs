@@ -1,4 +1,4 @@
-//! Points and boxes of points, sixteen lanes a register. Operation by operation as in [`super::super::scalar`].
+//! Points and boxes of points, sixteen lanes per register. The same operations as in [`super::super::scalar`].
 
 use crate::isa::compiled_for_avx512;
 use crate::node::{Aabb16, Box3, Bucket};
@@ -7,7 +7,7 @@ use core::arch::x86_64::*;
 compiled_for_avx512! {
     #[inline]
     fn load(numbers: &[f32; 16]) -> __m512 {
-        // SAFETY: the array has the 64 bytes that are read; the load asks for no alignment.
+        // SAFETY: the array has the 64 bytes read; the load needs no alignment.
         unsafe { _mm512_loadu_ps(numbers.as_ptr()) }
     }
 }
@@ -15,7 +15,7 @@ compiled_for_avx512! {
 compiled_for_avx512! {
     #[inline]
     fn square_of([x, y, z]: [__m512; 3]) -> __m512 {
-        // Separate multiplications and additions: fused ones would round otherwise than the specification.
+        // No fused multiply-add: it would round differently from the specification.
         let two = _mm512_add_ps(_mm512_mul_ps(x, x), _mm512_mul_ps(y, y));
         _mm512_add_ps(two, _mm512_mul_ps(z, z))
     }
@@ -34,7 +34,7 @@ compiled_for_avx512! {
 }
 
 compiled_for_avx512! {
-    /// `vmaxps` is its second operand unless the first is greater, as the specification has it.
+    /// `vmaxps` returns its second operand unless the first is greater, as specified.
     #[cfg(not(miri))]
     #[inline]
     fn greater(x: __m512, y: __m512) -> __m512 {
@@ -99,7 +99,7 @@ compiled_for_avx512! {
 compiled_for_avx512! {
     #[inline]
     fn store(numbers: &mut [f32; 16], sixteen: __m512) {
-        // SAFETY: the array has the 64 bytes that are written; the store asks for no alignment.
+        // SAFETY: the array has the 64 bytes written; the store needs no alignment.
         unsafe { _mm512_storeu_ps(numbers.as_mut_ptr(), sixteen) };
     }
 }
@@ -144,22 +144,22 @@ compiled_for_avx512! {
 compiled_for_avx512! {
     fn packed(mask: u16, all: __m512i) -> __m512i {
         let (mut indices, mut first) = ([0; 16], [0; 16]);
-        // SAFETY: the array has the 64 bytes that are written; the store asks for no alignment.
+        // SAFETY: the array has the 64 bytes written; the store needs no alignment.
         unsafe { _mm512_storeu_si512(indices.as_mut_ptr().cast(), all) };
         crate::kernel::scalar::points::pick(mask, &indices, &mut first);
-        // SAFETY: the array has the 64 bytes that are read; the load asks for no alignment.
+        // SAFETY: the array has the 64 bytes read; the load needs no alignment.
         unsafe { _mm512_loadu_si512(first.as_ptr().cast()) }
     }
 }
 
 compiled_for_avx512! {
-    /// Packed in a register: `vpcompressd` to memory is microcode on Zen 4.
+    /// Packs in a register: `vpcompressd` to memory is microcoded on Zen 4.
     #[inline]
     pub(super) fn pick(mask: u16, indices: &[u32; 16], found: &mut [u32; 16]) {
-        // SAFETY: the array has the 64 bytes that are read; the load asks for no alignment.
+        // SAFETY: the array has the 64 bytes read; the load needs no alignment.
         let all = unsafe { _mm512_loadu_si512(indices.as_ptr().cast()) };
         let packed = packed(mask, all);
-        // SAFETY: the array has the 64 bytes that are written; the store asks for no alignment.
+        // SAFETY: the array has the 64 bytes written; the store needs no alignment.
         unsafe { _mm512_storeu_si512(found.as_mut_ptr().cast(), packed) };
     }
 }

@@ -1,4 +1,4 @@
-//! Balls against balls, four lanes a register. Operation by operation as in [`super::super::scalar`].
+//! Balls against balls, four lanes per register. The same operations as in [`super::super::scalar`].
 
 use super::super::{LEAST_VOLUME, LENS, LENS_SLACK, WHOLE};
 use crate::isa::compiled_for_neon;
@@ -16,7 +16,7 @@ compiled_for_neon! {
     #[inline]
     fn load(numbers: &[f32; 16], quarter: usize) -> float32x4_t {
         let four = &numbers.as_chunks::<4>().0[quarter];
-        // SAFETY: the array has the 16 bytes that are read.
+        // SAFETY: the array has the 16 bytes read.
         unsafe { vld1q_f32(four.as_ptr()) }
     }
 }
@@ -43,7 +43,7 @@ compiled_for_neon! {
     fn distances(a: &Four, b: &Four) -> (float32x4_t, float32x4_t) {
         let ([p, q, r], [u, v, w]) = (a.centre, b.centre);
         let (x, y, z) = (vsubq_f32(p, u), vsubq_f32(q, v), vsubq_f32(r, w));
-        // Separate multiplications and additions: fused ones would round otherwise than the specification.
+        // No fused multiply-add: it would round differently from the specification.
         let two = vaddq_f32(vmulq_f32(x, x), vmulq_f32(y, y));
         (vaddq_f32(two, vmulq_f32(z, z)), vaddq_f32(a.radius, b.radius))
     }
@@ -69,7 +69,7 @@ compiled_for_neon! {
     #[inline]
     pub(super) fn balls_meet(a: &Ball16, wanted: u16, b: &Ball16, rows: &mut [u16; 16]) {
         let quarters = [four(b, 0), four(b, 1), four(b, 2), four(b, 3)];
-        // SAFETY: the array has the 16 bytes that are read.
+        // SAFETY: the array has the 16 bytes read.
         let bits = unsafe { vld1q_u32([1, 2, 4, 8].as_ptr()) };
         let mut left = wanted;
         while left != 0 {
@@ -113,7 +113,7 @@ compiled_for_neon! {
             let floor = vdupq_n_f32(LEAST_VOLUME);
             let bound = vbslq_f32(vcgtq_f32(bound, floor), bound, floor);
             let bound = vbslq_f32(is_met((square, sum)), bound, vdupq_n_f32(0.0));
-            // SAFETY: the array has the 16 bytes that are written.
+            // SAFETY: the array has the 16 bytes written.
             unsafe { vst1q_f32(out.as_mut_ptr(), bound) };
         }
     }

@@ -1,8 +1,7 @@
 //! Children against children, and re-alignment, in NEON.
 //!
-//! A plane of sixteen children is two q registers: 4 x `cmgt` a slab against a duplicated query plane. There
-//! is no move-mask: lanes are anded with their bit and added across. F16 conversion rounds to nearest only,
-//! so re-alignment converts there and back and steps up by one code where the result fell short.
+//! A plane of sixteen children is two q registers, so a slab takes four `cmgt` against duplicated query planes. NEON
+//! has no move-mask instruction: lanes are masked with one bit each and summed across the register.
 
 use super::super::{SEPARATED, Turned};
 use crate::isa::compiled_for_neon;
@@ -11,9 +10,9 @@ use crate::node::{Node4, Node16};
 use crate::realign::{PrimitiveSlab, Realignment};
 use core::arch::aarch64::*;
 
-/// Whether to ask, after this slab, if every lane is separated already. Once: asking costs a reduction and,
-/// half of the time, a mispredicted branch (measured for AVX2). A slab is twice as many instructions here, so
-/// it pays from a smaller k.
+/// Whether to test after this slab if all lanes are already separated. Once only: the test costs a reduction and, half
+/// of the time, a mispredicted branch (measured for AVX2). A slab takes twice as many instructions here as in AVX2, so
+/// the exit pays from a smaller k.
 const fn may_exit<const K: usize>(slab: usize) -> bool {
     K > 14 && slab == 3
 }
@@ -21,7 +20,7 @@ const fn may_exit<const K: usize>(slab: usize) -> bool {
 compiled_for_neon! {
     #[inline]
     fn load_8(planes: &[i16; 8]) -> int16x8_t {
-        // SAFETY: the array has the 16 bytes that are read; the load asks for no alignment.
+        // SAFETY: the array has the 16 bytes read; the load needs no alignment.
         unsafe { vld1q_s16(planes.as_ptr()) }
     }
 }
@@ -29,7 +28,7 @@ compiled_for_neon! {
 compiled_for_neon! {
     #[inline]
     fn load_4(planes: &[i16; 4]) -> int16x4_t {
-        // SAFETY: the array has the 8 bytes that are read; the load asks for no alignment.
+        // SAFETY: the array has the 8 bytes read; the load needs no alignment.
         unsafe { vld1_s16(planes.as_ptr()) }
     }
 }
@@ -48,7 +47,7 @@ compiled_for_neon! {
     #[inline]
     fn zero_lanes(separated: [uint16x8_t; 2]) -> u16 {
         let bits = [1_u16, 2, 4, 8, 16, 32, 64, 128];
-        // SAFETY: the array has the 16 bytes that are read.
+        // SAFETY: the array has the 16 bytes read.
         let bits = unsafe { vld1q_u16(bits.as_ptr()) };
         let low = vaddvq_u16(vbicq_u16(bits, separated[0]));
         let high = vaddvq_u16(vbicq_u16(bits, separated[1]));
@@ -149,10 +148,10 @@ compiled_for_neon! {
 }
 
 compiled_for_neon! {
-    /// The complements of the keys of four values, [`Key::around`] them, operation by operation.
+    /// Rounds four values to keys, by the operations of [`Key::around`], and returns their complements.
     #[inline]
     fn encode_query(x: float32x4_t) -> int16x4_t {
-        // Selections, not FMINNM and FMAX: Miri runs these. NaN is an unbounded plane.
+        // Selections instead of FMINNM and FMAX, so that Miri can run them. NaN is an unbounded plane.
         let most = vdupq_n_f32(f32::from(Key::INFINITY.code()));
         let x = vbslq_f32(vcltq_f32(x, most), x, most);
         let least = vdupq_n_f32(f32::from(Key::LOWEST.code()));
@@ -164,7 +163,7 @@ compiled_for_neon! {
 }
 
 compiled_for_neon! {
-    /// `Q` quarters of four children make the `W` lanes.
+    /// `W` lanes in `Q` quarters of four children.
     #[inline]
     pub(super) fn realign<const W: usize, const Q: usize, const K: usize>(
         map: &Realignment<K>,
@@ -180,39 +179,39 @@ compiled_for_neon! {
         for j in 0..K {
             let [(a, u), (b, v), (c, w)] = map.terms(j).map(|(source, weight)| (&decoded[source], weight));
             for (i, codes) in query[j ^ 1].as_chunks_mut::<4>().0.iter_mut().enumerate() {
-                // Separate multiplications and additions: fused ones would round otherwise than the specification.
+                // No fused multiply-add: it would round differently from the specification.
                 let two = vaddq_f32(vmulq_n_f32(a[i], u), vmulq_n_f32(b[i], v));
                 let sum = vaddq_f32(vaddq_f32(two, vmulq_n_f32(c[i], w)), vdupq_n_f32(map.offset[j]));
                 let turned = encode_query(sum);
-                // SAFETY: the array has the 8 bytes that are written.
+                // SAFETY: the array has the 8 bytes written.
                 unsafe { vst1_s16(codes.as_mut_ptr(), turned) };
             }
         }
         for (codes, first) in query[0].as_chunks_mut::<4>().0.iter_mut().zip(planes[0].as_chunks::<4>().0) {
             let unused = vceq_s16(load_4(first), vdup_n_s16(Key::EMPTY.code()));
             let marked = vbsl_s16(unused, vdup_n_s16(SEPARATED), load_4(codes));
-            // SAFETY: the array has the 8 bytes that are written.
+            // SAFETY: the array has the 8 bytes written.
             unsafe { vst1_s16(codes.as_mut_ptr(), marked) };
         }
     }
 }
 
 compiled_for_neon! {
-    /// `Q` quarters of four children make the `W` lanes.
+    /// `W` lanes in `Q` quarters of four children.
     #[inline]
     pub(super) fn beyond<const W: usize, const Q: usize, const K: usize>(
         slab: &PrimitiveSlab,
         planes: &[[i16; W]; K],
     ) -> u16 {
         let [u, v, w] = slab.weights;
-        // SAFETY: the array has the 16 bytes that are read.
+        // SAFETY: the array has the 16 bytes read.
         let bits = unsafe { vld1q_u32([1, 2, 4, 8].as_ptr()) };
         let mut beyond = 0;
         for (side, limit) in slab.limits.into_iter().enumerate() {
             let sources = slab.sources.map(|source| planes[usize::from(source) ^ side].as_chunks::<4>().0);
             for quarter in 0..Q {
                 let [a, b, c] = sources.map(|plane| decode(load_4(&plane[quarter])));
-                // Separate multiplications and additions, as the specification has them.
+                // No fused multiply-add, as specified.
                 let two = vaddq_f32(vmulq_n_f32(a, u), vmulq_n_f32(b, v));
                 let below = vcltq_f32(vaddq_f32(two, vmulq_n_f32(c, w)), vdupq_n_f32(limit));
                 beyond |= (vaddvq_u32(vandq_u32(below, bits)) as u16) << (4 * quarter);

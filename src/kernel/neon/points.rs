@@ -1,4 +1,4 @@
-//! Points and boxes of points, four lanes a register. Operation by operation as in [`super::super::scalar`].
+//! Points and boxes of points, four lanes per register. The same operations as in [`super::super::scalar`].
 
 use crate::isa::compiled_for_neon;
 use crate::node::{Aabb16, Box3, Bucket};
@@ -9,7 +9,7 @@ compiled_for_neon! {
     #[inline]
     fn load(numbers: &[f32; 16], quarter: usize) -> float32x4_t {
         let four = &numbers.as_chunks::<4>().0[quarter];
-        // SAFETY: the array has the 16 bytes that are read.
+        // SAFETY: the array has the 16 bytes read.
         unsafe { vld1q_f32(four.as_ptr()) }
     }
 }
@@ -17,7 +17,7 @@ compiled_for_neon! {
 compiled_for_neon! {
     #[inline]
     fn square_of([x, y, z]: [float32x4_t; 3]) -> float32x4_t {
-        // Separate multiplications and additions: fused ones would round otherwise than the specification.
+        // No fused multiply-add: it would round differently from the specification.
         let two = vaddq_f32(vmulq_f32(x, x), vmulq_f32(y, y));
         vaddq_f32(two, vmulq_f32(z, z))
     }
@@ -66,7 +66,7 @@ compiled_for_neon! {
 compiled_for_neon! {
     #[inline]
     fn at_most(squares: [float32x4_t; 4], square: f32) -> u16 {
-        // SAFETY: the array has the 16 bytes that are read.
+        // SAFETY: the array has the 16 bytes read.
         let bits = unsafe { vld1q_u32([1, 2, 4, 8].as_ptr()) };
         let bound = vdupq_n_f32(square);
         let mut mask = 0;
@@ -81,7 +81,7 @@ compiled_for_neon! {
     #[inline]
     fn store(numbers: &mut [f32; 16], squares: [float32x4_t; 4]) {
         for (place, squares) in numbers.as_chunks_mut::<4>().0.iter_mut().zip(squares) {
-            // SAFETY: the array has the 16 bytes that are written.
+            // SAFETY: the array has the 16 bytes written.
             unsafe { vst1q_f32(place.as_mut_ptr(), squares) };
         }
     }

@@ -3,7 +3,7 @@
 use super::super::{LEAST_VOLUME, LENS, LENS_SLACK, WHOLE};
 use crate::node::{Ball16, BoundingBall};
 
-/// Which lanes of `b` a ball meets: `|c_a - c_b|^2 <= (r_a + r_b)^2`, which is false of NaN.
+/// Lanes of `b` that a ball meets: `|c_a - c_b|^2 <= (r_a + r_b)^2`, which is false for NaN.
 pub(super) fn meet(a: &BoundingBall, b: &Ball16) -> u16 {
     (0..16).filter(|&i| is_met(&distances(a, &b.lane(i)))).fold(0, |mask, i| mask | 1 << i)
 }
@@ -18,9 +18,8 @@ fn is_met(&(square, sum): &(f32, f32)) -> bool {
     square <= sum * sum
 }
 
-/// For each lane of `b` an upper bound of the volume that its spheres share with those in `a`: 0 where the balls do
-/// not meet, else the least of both volumes and of the balls' lens, enlarged by more than
-/// rounding made it too small.
+/// For each lane of `b`, an upper bound of the volume that its spheres share with those in `a`: 0 if the balls do not
+/// meet, else the least of both volumes and of the balls' lens, enlarged by more than its rounding error.
 pub(super) fn shared(a: &BoundingBall, b: &Ball16) -> [f32; 16] {
     core::array::from_fn(|i| {
         let b = b.lane(i);
@@ -34,8 +33,8 @@ pub(super) fn shared(a: &BoundingBall, b: &Ball16) -> [f32; 16] {
         let lens = (((depth * depth) * rest) / distance) * LENS + slack;
         let whole = ((smaller * smaller) * smaller) * WHOLE;
         let lens = if distance > difference { lens } else { whole };
-        // A signalling NaN becomes a quiet one by the addition: LLVM takes the comparison below for a maximum, and aarch64's is
-        // NaN of a signalling one.
+        // The addition quiets a signalling NaN: LLVM compiles the comparison below to a maximum, and that of aarch64
+        // returns NaN for a signalling one.
         let bound = least(lens, least(a.volume, b.volume)) + 0.0;
         let bound = if bound > LEAST_VOLUME { bound } else { LEAST_VOLUME };
         if is_met(&(square, sum)) { bound } else { 0.0 }

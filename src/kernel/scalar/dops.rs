@@ -39,8 +39,8 @@ pub(super) fn realign<const W: usize, const K: usize>(
     separate_unused(planes, query);
 }
 
-/// [`crate::kernel::Kernel::realign_16_over`]. Plane by plane, each of those children only that no plane before it has
-/// separated: most are after two.
+/// [`crate::kernel::Kernel::realign_16_over`]. Rotates plane by plane, and only for children that no earlier plane has
+/// separated: two planes separate most.
 pub(super) fn realign_over<const K: usize>(
     map: &Realignment<K>,
     a: &[[i16; 16]; K],
@@ -49,7 +49,8 @@ pub(super) fn realign_over<const K: usize>(
     b: &[[i16; 16]; K],
     lane: Option<usize>,
 ) -> u16 {
-    // Masks have 32 bits, as the registers of the small cores that this is for. Unused lanes come out above every key.
+    // 32-bit masks, to match the registers of the small cores that this is for. Planes of unused lanes are set above
+    // every key below.
     let unused = (0..16).filter(|&i| a[0][i] == Key::EMPTY.code()).fold(0_u32, |mask, i| mask | 1 << i);
     let known = u32::from(*whole);
     let mut mask = u32::from(u16::MAX);
@@ -85,7 +86,7 @@ pub(super) fn realign_over<const K: usize>(
     mask as u16
 }
 
-/// Marks unused lanes, and clears their bits unless a plane is above every key.
+/// Marks unused lanes, and clears their bits unless the plane they are compared with is above every key.
 #[cold]
 fn separate(unused: u32, turned: &mut [i16; 16], limit: i16, mask: u32) -> u32 {
     for i in (0..16).filter(|i| unused >> i & 1 != 0) {
@@ -94,7 +95,7 @@ fn separate(unused: u32, turned: &mut [i16; 16], limit: i16, mask: u32) -> u32 {
     if SEPARATED > limit { mask & !unused } else { mask }
 }
 
-/// Each plane is a term of several sums.
+/// Each plane is a term of several sums, so it is decoded once.
 fn decoded<const W: usize, const K: usize>(planes: &[[i16; W]; K]) -> [[f32; W]; K] {
     let mut decoded = [[0.0; W]; K];
     for (decoded, codes) in decoded.as_flattened_mut().iter_mut().zip(planes.as_flattened()) {
@@ -103,7 +104,7 @@ fn decoded<const W: usize, const K: usize>(planes: &[[i16; W]; K]) -> [[f32; W];
     decoded
 }
 
-/// Plane j of all children, turned.
+/// Rotates plane j of all children.
 fn turn<const W: usize, const K: usize>(
     map: &Realignment<K>,
     decoded: &[[f32; W]; K],

@@ -1,4 +1,4 @@
-//! The specification. Every other kernel is tested against these few lines.
+//! The specification: every other kernel is tested against this one.
 
 mod balls;
 mod dops;
@@ -13,7 +13,7 @@ use crate::realign::{PrimitiveSlab, Realignment};
 
 impl Kernel for Scalar {
     const TURNS_BY_PLANES: bool = true;
-    // Every 64-bit Arm core has `f64`, and NEON: there it would be code that is never run.
+    // Every 64-bit Arm core has `f64` and NEON, so the code would never run there.
     const ON_LATTICE: bool = !cfg!(simdop_neon);
 
     type Narrow = Self;

@@ -1,4 +1,4 @@
-//! Two spheres: whether they meet, come within a margin of each other, and how far apart they are.
+//! Two spheres: do they meet or come within a margin, and what is their distance?
 
 use super::Sphere;
 use crate::exact::power_of_two;
@@ -6,21 +6,21 @@ use crate::exact::wide::{Wide, unit_of};
 use crate::primitive::Separation;
 use crate::range::{MIN_COORDINATE, Point};
 
-/// More than what a dozen roundings do to a number, relatively.
+/// Relative allowance for a dozen roundings.
 pub(super) const ROUNDING: f64 = power_of_two(-48);
 
 /// Differences of coordinates, and sums of radii: multiples of 2^-302 below 2^305. Their squares have 1218 bits.
 type OfDegreeOne = Wide<10>;
 type Square = Wide<20>;
 
-/// Whether the two are at most `margin` apart. Exact; a margin that is above 0 and below [`MIN_COORDINATE`] counts as
-/// that.
+/// Whether the two are at most `margin` apart. Exact; a margin above 0 and below [`MIN_COORDINATE`] counts as
+/// [`MIN_COORDINATE`].
 #[inline(always)]
 pub(crate) fn is_within(a: &Sphere, b: &Sphere, margin: f64, exact: &mut u64) -> bool {
     let square = square_between(&a.centre, &b.centre);
     let reach = (a.radius + b.radius) + margin;
     let limit = reach * reach;
-    // Five roundings of each. Nothing that could be equal under- or overflows.
+    // Five roundings in each. Neither side under- or overflows where they could be equal.
     if square < limit * (1.0 - ROUNDING) {
         return true;
     }
@@ -31,8 +31,8 @@ pub(crate) fn is_within(a: &Sphere, b: &Sphere, margin: f64, exact: &mut u64) ->
     excess(a, b, margin) <= 0.0
 }
 
-/// The distance of the two, or `None` if it is certainly greater than `limit`. The bounds differ by at most
-/// `tolerance` relatively, which is at least 2^-42.
+/// The distance of the two, or `None` if it is certainly greater than `limit`. The relative difference of the bounds is
+/// at most `tolerance`, which is at least 2^-42.
 #[inline(always)]
 pub(crate) fn nearer(
     a: &Sphere,
@@ -59,21 +59,21 @@ pub(crate) fn nearer(
     Some(Separation { lower, upper, a: p, b: q })
 }
 
-/// Bounds of `(x^2 - y^2) / (x + y)`, which is x - y without cancellation: zeros if that is not positive.
+/// Bounds of `(x^2 - y^2) / (x + y)`, which is x - y without cancellation; zeros if it is not positive.
 pub(super) fn bounds_of_gap(difference_of_squares: f64, sum: f64) -> (f64, f64) {
     if difference_of_squares <= 0.0 {
         return (0.0, 0.0);
     }
     let gap = difference_of_squares / sum;
     let upper = gap * (1.0 + ROUNDING);
-    // What is too small for a normal number has no relative precision.
+    // Subnormal results have no relative precision.
     let is_normal = gap >= f64::MIN_POSITIVE && difference_of_squares > f64::MIN_POSITIVE;
     let lower = if is_normal { gap * (1.0 - ROUNDING) } else { 0.0 };
     (lower, if upper > f64::MIN_POSITIVE { upper } else { f64::MIN_POSITIVE })
 }
 
-/// The square of the distance of the centres, less that of the radii and the margin: its sign is right, and its value
-/// to 2^-50.
+/// The squared distance of the centres minus the square of the radii plus the margin. Its sign is exact, and its value
+/// is accurate to 2^-50.
 #[cold]
 #[inline(never)]
 fn excess(a: &Sphere, b: &Sphere, margin: f64) -> f64 {
@@ -89,7 +89,7 @@ fn excess(a: &Sphere, b: &Sphere, margin: f64) -> f64 {
     excess.minus(&reach.times(&reach)).over(&OfDegreeOne::new(1.0, 0), 2 * unit)
 }
 
-/// The point of each that is nearest to the other, for centres that are `between` apart.
+/// The point of each that is nearest to the other. `between` is the distance of the centres.
 #[inline(always)]
 fn nearest_points(a: &Sphere, b: &Sphere, between: f64) -> [Point; 2] {
     let (p, q) = (&a.centre, &b.centre);
@@ -99,8 +99,8 @@ fn nearest_points(a: &Sphere, b: &Sphere, between: f64) -> [Point; 2] {
     [[x, y, z], [u, v, w]]
 }
 
-/// A point of both, which meet: on the line of the centres, where its distances from the surfaces are alike in power,
-/// but not beyond a centre.
+/// A common point of two spheres that meet: on the segment between the centres, where its powers with respect to the
+/// two are equal, or at the end of the segment nearest to there.
 fn common_point(a: &Sphere, b: &Sphere) -> Point {
     let square = square_between(&a.centre, &b.centre);
     let share = 0.5 + 0.5 * ((a.radius - b.radius) * (a.radius + b.radius)) / square;

@@ -1,4 +1,4 @@
-//! A sphere and a triangle: how far the centre is from the triangle, against the radius.
+//! A sphere and a triangle: compares the distance of the centre from the triangle with the radius.
 
 use super::Sphere;
 use super::against_sphere::{ROUNDING, bounds_of_gap};
@@ -7,8 +7,8 @@ use crate::primitive::triangle::Triangle;
 use crate::primitive::triangle::point::{Foot, excess};
 use crate::range::{MIN_COORDINATE, Point};
 
-/// Whether the two are at most `margin` apart. Exact; a margin that is above 0 and below [`MIN_COORDINATE`] counts as
-/// that.
+/// Whether the two are at most `margin` apart. Exact; a margin above 0 and below [`MIN_COORDINATE`] counts as
+/// [`MIN_COORDINATE`].
 #[inline(always)]
 pub(crate) fn is_within(a: &Sphere, b: &Triangle, margin: f64, exact: &mut u64) -> bool {
     let foot = Foot::of(&a.centre, b);
@@ -24,8 +24,8 @@ pub(crate) fn is_within(a: &Sphere, b: &Triangle, margin: f64, exact: &mut u64) 
     excess(&a.centre, b, [a.radius, margin]) <= 0.0
 }
 
-/// The distance of the two, or `None` if it is certainly greater than `limit`; first the sphere's nearest point. The
-/// bounds differ by at most `tolerance` relatively, which is at least 2^-42.
+/// The distance of the two, or `None` if it is certainly greater than `limit`. The sphere's closest point comes first.
+/// The relative difference of the bounds is at most `tolerance`, which is at least 2^-42.
 #[inline(always)]
 pub(crate) fn nearer(
     a: &Sphere,
@@ -47,7 +47,8 @@ pub(crate) fn nearer(
     } else {
         *exact += 1;
         let excess = excess(&a.centre, b, [radius, 0.0]);
-        // Of a positive excess. The root is the distance of the centre, known better than the foot's.
+        // Used for a positive excess only. The root is the distance of the centre, more accurate than the foot's
+        // bounds.
         bounds_of_gap(excess, libm::sqrt(excess.abs() + radius * radius) + radius)
     };
     let [x, y, z] = foot.way;

@@ -1,12 +1,12 @@
 //! Spheres.
 //!
-//! A sphere is a closed ball. Whether two of them meet, or one and a triangle, is decided exactly for their numbers as
-//! given: centres where the pose puts them, by [`Pose::apply`], and radii as they are. In plain `f64` with a bound
-//! on the error, and where that does not decide, in integers: what has to be compared are squares, of degree
-//! two between spheres and of degree six against the face of a triangle.
+//! A sphere is a closed ball. Whether two of them meet, or one and a triangle, is decided exactly for the given
+//! numbers: centres where [`Pose::apply`] puts them, and radii as stored. The tests run in plain `f64` with an error
+//! bound, and fall back on integers where that does not decide. They compare squares, of degree two between spheres and
+//! of degree six against the face of a triangle.
 //!
-//! A centre keeps to the range of coordinates, and so does all of the sphere: its radius is zero or at least
-//! [`MIN_COORDINATE`](crate::range::MIN_COORDINATE), and none of its points has a coordinate beyond
+//! The range of coordinates applies to the centre and to all points of the sphere: the radius is zero or at least
+//! [`MIN_COORDINATE`](crate::range::MIN_COORDINATE), and no point has a coordinate beyond
 //! [`MAX_COORDINATE`](crate::range::MAX_COORDINATE).
 
 pub(crate) mod against_sphere;
@@ -23,7 +23,7 @@ use core::f64::consts::PI;
 pub struct Sphere {
     /// Its centre.
     pub centre: Point,
-    /// Its radius, not negative. One of radius 0 is a point.
+    /// Its radius, not negative. A sphere of radius 0 is a point.
     pub radius: f64,
 }
 
@@ -40,7 +40,7 @@ pub(crate) const fn volume(radius: f64) -> f64 {
     4.0 / 3.0 * PI * (radius * radius * radius)
 }
 
-/// Spheres, stored as centre and radius: 16 bytes where `f32` holds the four numbers, else 32, and 4 for the
+/// Spheres, stored as centre and radius: 16 bytes where `f32` holds the four numbers exactly, else 32, plus 4 for the
 /// index. They may overlap.
 #[derive(Copy, Clone, PartialEq, Eq, Debug)]
 pub struct Spheres;

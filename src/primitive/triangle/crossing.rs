@@ -1,31 +1,32 @@
-//! How a ray along the first axis crosses a triangle: exactly, and so that triangles which share edges and corners agree.
+//! How a ray along the first axis crosses a triangle. Exact, and consistent for triangles that share edges and corners.
 //!
-//! Seen along the ray, the triangle is one of the y-z plane and the ray is a point p in it. Whether p is in the triangle is
-//! a sum over the edges: those that pass p on its right, of greater y, count 1 upwards and -1 downwards. The sum is 1 if the
-//! triangle runs around p counterclockwise, that is if its normal points along the ray, -1 if it runs clockwise, else 0.
+//! Project along the ray: the triangle becomes one in the y-z plane, and the ray becomes a point p. Whether p is in the
+//! triangle is a sum over the edges: an edge that passes p on its right, at greater y, counts 1 if it goes up and -1 if
+//! it goes down. The sum is 1 if the triangle runs around p counterclockwise, that is, if its normal points along the
+//! ray; -1 if clockwise; else 0.
 //!
-//! **Ties.** A corner that is level with p counts as below it, and an edge that p lies on does not pass on its right. That is
-//! what comes out for the point `(y + d, z + e)` in place of p, for all d > 0 that are small enough, and all e > 0 that are
-//! small enough compared with d: a point on no edge of any triangle. So the ray crosses, of all triangles that meet in
-//! an edge or a corner, just those that this neighbour of it does.
+//! **Ties.** A corner level with p counts as below it, and an edge through p does not pass on its right. This is the
+//! result for the point `(y + d, z + e)` instead of p, for all sufficiently small d > 0, and all e > 0 sufficiently
+//! small compared with d: a point on no edge of any triangle. So, of all triangles that meet in an edge or a corner,
+//! the ray crosses exactly those that this perturbed ray crosses.
 //!
-//! Whether the triangle is crossed ahead of the origin, or behind it, is its side of the triangle's plane. An origin in the
-//! triangle is crossed.
+//! The side of the triangle's plane on which the origin lies decides whether the crossing is ahead of the origin or
+//! behind it. An origin in the triangle counts as a crossing.
 
 use super::{Signs, Triangle};
 use crate::range::Point;
 
-/// The two coordinates that stay when space is seen along the first axis.
+/// The two coordinates that a projection along the first axis keeps.
 const ACROSS: (usize, usize) = (1, 2);
 
-/// 1 if the triangle is crossed along its normal, seen counterclockwise, -1 if against it, 0 if not. Adds 1 to
-/// `exact_calls` if integers took part.
+/// 1 if the ray crosses the triangle along its normal (it appears counterclockwise), -1 if against it, 0 if not. Adds 1
+/// to `exact_calls` if integers were needed.
 pub(super) fn crossing(t: &Triangle, p: &Point, exact_calls: &mut u64) -> i8 {
     let [a, b, c] = t;
     let is_any_beyond = |axis: usize| (a[axis] > p[axis]) | (b[axis] > p[axis]) | (c[axis] > p[axis]);
     let are_all_beyond = |axis: usize| (a[axis] > p[axis]) & (b[axis] > p[axis]) & (c[axis] > p[axis]);
     let is_behind = (a[0] < p[0]) & (b[0] < p[0]) & (c[0] < p[0]);
-    // Comparisons only: of the leaves that the ray comes near, most end here.
+    // Comparisons only: most triangles in the leaves near the ray end here.
     if is_behind | !is_any_beyond(1) | !is_any_beyond(2) | are_all_beyond(1) | are_all_beyond(2) {
         return 0;
     }

@@ -1,18 +1,19 @@
-//! How deep two triangles cross: whether they still do when one has moved a little.
+//! How deeply two triangles cross: do they still cross after one has moved a little?
 //!
-//! An edge pq passes through a triangle at x, p at a distance h above its plane and q at a distance g below, and x is m inside of
-//! its edges. If every point of the edge moves by at most d, and d is less than h and g, then p and q are still above and below;
-//! and the place `h / (h + g)` along the edge where it passes changes by at most `d / (h + g - 2 d)`, so that x moves by at most d
-//! and this much of the edge's length. If that is less than m, the edge still passes through the triangle.
+//! Let an edge pq pass through a triangle at x, with p at height h above its plane, q at depth g below it, and x at
+//! least m inside the triangle's edges. Let every point of the edge move by at most d, less than h and g. Then p and q
+//! stay above and below. The fraction `h / (h + g)` of the edge at which it passes through the plane changes by at most
+//! `d / (h + g - 2 d)`. So x moves by at most d plus this fraction of the edge's length. If that is less than m, the
+//! edge still passes through the triangle.
 
 use super::Triangle;
 use crate::range::Point;
 use crate::vector::{cross, difference, dot, length};
 
-/// More than the roundings of all that is computed here.
+/// Covers all roundings in this file, relative to the coordinates.
 const ROUNDING: f64 = 1e-9;
 
-/// Whether two triangles that cross certainly do so after every point of one of them has moved by at most `moved`.
+/// Whether two triangles certainly cross, and still do after every point of one of them has moved by at most `moved`.
 pub(crate) fn cross_after(a: &Triangle, b: &Triangle, moved: f64) -> bool {
     let edges = |t: &Triangle| [[t[0], t[1]], [t[1], t[2]], [t[2], t[0]]];
     edges(a).iter().any(|edge| passes_after(edge, b, moved))

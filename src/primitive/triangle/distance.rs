@@ -1,10 +1,10 @@
-//! The distance of two closed triangles, between bounds that are certain, with the points that are closest.
+//! The distance of two closed triangles, as certain bounds, and the closest points.
 //!
 //! # Why the bounds hold
 //!
-//! *Upper bound:* the distance of two points on the triangles. Any two will do, so no rounding in finding
-//! them can make the bound wrong; only the evaluation of the points and of their distance can, which costs
-//! `32 u size`.
+//! *Upper bound:* the distance of two points on the triangles. Any two points give a valid bound, so rounding in the
+//! search for them cannot invalidate it. Only the evaluation of the points and of their distance has an error, which is
+//! at most `32 u size`.
 //!
 //! *Lower bound:* triangles A and B are at least as far apart as their projections on any axis n,
 //!
@@ -12,19 +12,18 @@
 //! distance >= (min n . A - max n . B) / |n|
 //! ```
 //!
-//! Again any axis will do, and only the evaluation of six dot products costs: another `32 u size`. Here
-//! `size` is the largest coordinate of any corner relative to the first corner of A, and u bounds the
-//! relative error of an operation. A dot product of local coordinates is off by at most `(3 + 1) u sqrt(3)
-//! |n| size` (three products and two sums; the coordinates themselves), a difference of two of them by twice
-//! that and one rounding more, the length of n by `3 u`: below `24 u size` in all.
+//! Any axis gives a valid bound. Only the evaluation of six dot products has an error: again at most `32 u size`. Here
+//! `size` is the largest coordinate of any corner relative to the first corner of A, and u bounds the relative error of
+//! an operation. A dot product of local coordinates is off by at most `(3 + 1) u sqrt(3) |n| size` (three products and
+//! two sums; the coordinates themselves). A difference of two of them is off by twice that and one more rounding, and
+//! the length of n by `3 u`: below `24 u size` in all.
 //!
-//! The best axis is known with the closest points: the normal of the face, the common normal of the edges, or
-//! the line between the points. So the bounds usually meet to within rounding. Where they do not, because the
-//! triangles are almost in touch or the pair is ill-conditioned, [`overlap`] decides whether the distance is
-//! 0, and if not all is done again in double-double (u = 2^-98 instead of 2^-53). What comes out has `upper
-//! <= (1 + 2^-42) lower`, unless the triangles are needles that almost touch: the direction of a normal is
-//! known to `u size / altitude` only, so the bounds are certain to meet only while `distance * altitude` is
-//! above 2^-56 `size^2`.
+//! The best axis follows from the closest points: the normal of the face, the common normal of the edges, or the line
+//! between the points. So the bounds usually meet to within rounding. If they do not, because the triangles almost
+//! touch or the pair is ill-conditioned, [`overlap`] decides whether the distance is 0. If it is not, the computation
+//! is repeated in double-double (u = 2^-98 instead of 2^-53). The result has `upper <= (1 + 2^-42) lower`, unless the
+//! triangles are needles that almost touch: the direction of a normal is accurate to `u size / altitude` only, so the
+//! bounds are certain to meet only while `distance * altitude` is above 2^-56 `size^2`.
 
 use super::double_double::DoubleDouble;
 use super::features::{
@@ -36,16 +35,15 @@ use crate::exact::power_of_two;
 use crate::primitive::Separation;
 use crate::vector::{cross, difference, dot};
 
-/// Bounds this close together, relatively, are as good as equal: 2^-42.
+/// Bounds whose relative difference is at most this count as equal: 2^-42.
 pub(crate) const TIGHT: f64 = power_of_two(-42);
 
-/// Roundings in each of the two bounds, in units of `u size`.
+/// Allowance for rounding in each of the two bounds, in units of `u size`.
 pub(super) const ROUNDINGS: f64 = 32.0;
 
-/// The distance of two closed triangles, to twelve digits, and the closest points. Zero if and only if they
-/// meet.
+/// The distance of two closed triangles, to twelve digits, and their closest points. Zero if and only if they meet.
 ///
-/// The coordinates must keep to the [range](super#range); corners may coincide or be collinear.
+/// The coordinates must be within the [range](super#range); corners may coincide or be collinear.
 ///
 /// # Panics
 /// With debug assertions only: if a coordinate is out of range.
@@ -66,8 +64,8 @@ pub fn separation(a: &Triangle, b: &Triangle) -> Separation {
         .unwrap_or_else(|| unreachable!("no distance is above infinity"))
 }
 
-/// The [`separation`], or `None` if it is certainly greater than `limit`. Its bounds differ by at most
-/// `tolerance` relatively, if that is at least 2^-42. Adds 1 to `exact` if more than `f64` was needed.
+/// The [`separation`], or `None` if it is certainly greater than `limit`. The relative difference of the bounds is at
+/// most `tolerance`, if that is at least 2^-42. Adds 1 to `exact` if `f64` did not suffice.
 #[inline(always)]
 pub fn nearer(a: &Triangle, b: &Triangle, limit: f64, tolerance: f64, exact: &mut u64) -> Option<Separation> {
     debug_assert!(in_range(a) && in_range(b), "coordinate out of range");
@@ -85,8 +83,8 @@ pub fn nearer(a: &Triangle, b: &Triangle, limit: f64, tolerance: f64, exact: &mu
     }
 }
 
-/// Whether two triangles are at most `margin` apart. Certain where the distance differs from the margin by
-/// more than 2^-90 of the triangles' extent; within that, true.
+/// Whether two triangles are at most `margin` apart. Certain if the distance differs from the margin by more than 2^-90
+/// of the triangles' extent; otherwise true.
 #[inline(never)]
 pub fn within(a: &Triangle, b: &Triangle, margin: f64, exact: &mut u64) -> bool {
     let local = Local::<f64>::new(a, b);
@@ -118,7 +116,7 @@ fn refined(a: &Triangle, b: &Triangle, rough: &Separation, tolerance: f64) -> Se
         };
         return Separation { lower: 0.0, upper: 0.0, a: p, b: q };
     }
-    // What f64 holds for the closest edges most likely is.
+    // The closest edges in `f64` are most likely the closest.
     let rough_local = Local::<f64>::new(a, b);
     let likely = closest_on_edges(&rough_local.a, &rough_local.b, None).pair;
     let fine = local.separation(&faces, Some(likely), tolerance);
@@ -131,8 +129,7 @@ impl Separation {
     }
 }
 
-/// Two triangles relative to the first corner of the first, and scaled where squares of squares would over-
-/// or underflow.
+/// Two triangles relative to the first corner of the first, scaled where fourth powers would over- or underflow.
 struct Local<R> {
     a: Corners<R>,
     b: Corners<R>,
@@ -145,7 +142,7 @@ struct Local<R> {
 /// Sizes whose fourth powers are normal, with all their error terms.
 pub(super) const COMFORTABLE: core::ops::Range<f64> = power_of_two(-100)..power_of_two(100);
 
-/// The square of a longer axis is normal, with all its error terms.
+/// If an axis is longer than this, its square is normal, with all its error terms.
 pub(super) const SHORT: f64 = power_of_two(-400);
 
 impl<R: Real> Local<R> {
@@ -180,13 +177,13 @@ impl<R: Real> Local<R> {
         [FacePlane::new(&self.a, &self.b), FacePlane::new(&self.b, &self.a)]
     }
 
-    /// What rounding may have done to a bound.
+    /// Rounding allowance of a bound.
     #[inline(always)]
     fn slack(&self) -> f64 {
         ROUNDINGS * R::ROUNDOFF * self.size
     }
 
-    /// Tries the features in turn until the bounds meet. `likely`: edges to try before all others.
+    /// Tries the features in turn until the bounds meet. Tries the edges `likely` before all others.
     #[inline(always)]
     fn separation(
         &self,
@@ -211,7 +208,8 @@ impl<R: Real> Local<R> {
         }
         let found = closest_on_edges(&self.a, &self.b, None);
         best = self.bounded(best, &found.closest);
-        // Almost parallel edges have no good common normal, and a corner may pass for the inside of an edge.
+        // Almost parallel edges have no accurate common normal, and a corner may be classified as the inside of an
+        // edge.
         let between = difference(&found.closest.p, &found.closest.q);
         for axis in [between, rejection(&between, &found.edges[0]), rejection(&between, &found.edges[1])] {
             if best.is_tight(tolerance) {
@@ -222,7 +220,7 @@ impl<R: Real> Local<R> {
         best
     }
 
-    /// `best`, improved by what two points and an axis prove.
+    /// `best`, improved by the bounds from two points and an axis.
     #[inline(always)]
     fn bounded(&self, best: Separation, found: &Closest<R>) -> Separation {
         let unscale = 1.0 / self.scale;
@@ -236,7 +234,7 @@ impl<R: Real> Local<R> {
         }
     }
 
-    /// A lower bound of the distance of the projections on an axis, not below 0.
+    /// Lower bound of the distance of the projections on an axis; at least 0.
     #[inline(always)]
     fn gap_along(&self, axis: &Vector<R>) -> f64 {
         let length = R::length(axis);
@@ -248,7 +246,7 @@ impl<R: Real> Local<R> {
         }
     }
 
-    /// The distance of the projections on an axis, times its length; negative if they overlap.
+    /// The distance of the projections on an axis, times the axis's length; negative if they overlap.
     #[inline(always)]
     fn gap(&self, axis: &Vector<R>) -> R {
         let range = |t: &Corners<R>| {
@@ -259,7 +257,7 @@ impl<R: Real> Local<R> {
         greatest(a_low - b_high, b_low - a_high)
     }
 
-    /// In the triangles' own coordinates.
+    /// Converts to the triangles' own coordinates.
     #[inline(always)]
     fn placed(&self, p: &Vector<R>) -> [f64; 3] {
         let (origin, unscale) = (self.origin, 1.0 / self.scale);
@@ -270,9 +268,9 @@ impl<R: Real> Local<R> {
 impl Local<f64> {
     /// Whether the plane of a face proves that the distance is above `limit`.
     ///
-    /// Heights over a face count its own corners as in the plane. They are off it by what rounding did to the
-    /// normal: at most `32 u size^2` a component, so `192 u size^3` for an edge. Of a needle's normal
-    /// that can be all there is.
+    /// The heights over a face take its own corners to be in its plane. Rounding of the normal puts them off it: by at
+    /// most `32 u size^2` in each component, so `192 u size^3` for an edge. For a needle, the normal may be nothing but
+    /// this error.
     #[inline(always)]
     fn beyond_faces(&self, [over_a, over_b]: &[FacePlane<f64>; 2], limit: f64) -> bool {
         let off_plane = 256.0 * f64::ROUNDOFF * (self.size * self.size * self.size);
@@ -280,14 +278,15 @@ impl Local<f64> {
             || self.beyond(over_b.gap() - off_plane, &over_b.normal, limit)
     }
 
-    /// Whether the common normal of two edges proves it, of triangles that cross each other's planes: of those edges that
-    /// end the intervals which the triangles cut out of the planes' common line, where these do not meet.
+    /// Whether the common normal of two edges proves that the distance is above `limit`, for triangles that cross each
+    /// other's planes. Where the intervals that the triangles cut out of the planes' common line are disjoint, these
+    /// are the edges that bound them.
     #[inline(always)]
     fn beyond_edges(&self, [over_a, over_b]: &[FacePlane<f64>; 2], limit: f64) -> bool {
         if over_a.gap() > 0.0 || over_b.gap() > 0.0 {
             return false;
         }
-        // As f64 has them: a wrong side makes the axes no better than others.
+        // Signs in `f64` only: a wrong side gives a less useful axis, but the bound stays valid.
         let side = |height: f64| i8::from(height > 0.0) - i8::from(height < 0.0);
         let sides = |face: &FacePlane<f64>| {
             let [x, y, z] = face.heights;
@@ -301,8 +300,8 @@ impl Local<f64> {
         beyond(&a.left, &b.left) || beyond(&a.right, &b.right)
     }
 
-    /// Whether the gap along an axis proves that the distance is above `limit`. Cheaper than
-    /// [`Local::gap_along`]: no root, no division.
+    /// Whether the gap along an axis proves that the distance is above `limit`. Cheaper than [`Local::gap_along`]: no
+    /// root, no division.
     #[inline(always)]
     fn beyond(&self, gap: f64, axis: &Vector<f64>, limit: f64) -> bool {
         let [x, y, z] = axis;
@@ -313,7 +312,7 @@ impl Local<f64> {
     }
 }
 
-/// The power of two that brings `size` to 1 .. 2.
+/// The power of two that scales `size` to 1 .. 2.
 #[cold]
 pub(super) fn unit_scale(size: f64) -> f64 {
     let exponent = (size.to_bits() >> 52) as i32 - 1023;

@@ -1,15 +1,15 @@
-//! Numbers of 106 bits: an unevaluated sum of two `f64` (Dekker 1971; Joldes, Muller & Popescu, *Tight and
-//! rigorous error bounds for basic building blocks of double-word arithmetic*, ACM TOMS 2017).
+//! Numbers of 106 bits: an unevaluated sum of two `f64` (Dekker 1971; Joldes, Muller & Popescu, *Tight and rigorous
+//! error bounds for basic building blocks of double-word arithmetic*, ACM TOMS 2017).
 //!
-//! What the distance of two triangles falls back on where 53 bits are too few. No fused multiply-add:
-//! products are split by Veltkamp's method, so the bits are the same everywhere.
+//! The distance of two triangles uses them where 53 bits do not suffice. No fused multiply-add: Veltkamp's method
+//! splits the factors of a product, so the bits are the same on every platform.
 
 use super::features::Real;
 use crate::exact::two_sum;
 use core::ops::{Add, Div, Mul, Sub};
 use glam::DVec3;
 
-/// `high + low`, not evaluated; `high` is the nearest `f64` to the sum.
+/// The sum `high + low`, not evaluated; `high` is the nearest `f64` to it.
 #[derive(Copy, Clone, PartialEq, PartialOrd, Debug)]
 pub(super) struct DoubleDouble {
     high: f64,
@@ -32,7 +32,7 @@ fn split(x: f64) -> (f64, f64) {
     (high, x - high)
 }
 
-/// `a * b` as a rounded product and its error, exactly, unless the error underflows.
+/// `a * b` as a rounded product and its error; exact unless the error underflows.
 #[inline]
 fn two_product(a: f64, b: f64) -> (f64, f64) {
     let product = a * b;
@@ -98,7 +98,7 @@ impl Real for DoubleDouble {
         Self { high: high * scale, low: low * scale }
     }
 
-    /// One Newton step from the root in `f64`: the error is squared.
+    /// One Newton step from the root in `f64`, which squares the error.
     #[inline]
     fn length(v: &[Self; 3]) -> Self {
         let near = DVec3::new(v[0].high, v[1].high, v[2].high).length();
@@ -127,7 +127,7 @@ mod tests {
     use crate::rng::Rng;
     use dashu_int::IBig;
 
-    /// A double-double of integers, exactly.
+    /// The exact value of a double-double of integers.
     fn value(x: DoubleDouble) -> IBig {
         IBig::from(x.high as i128) + IBig::from(x.low as i128)
     }

@@ -1,14 +1,14 @@
-//! The closest points of two disjoint triangles: between a corner and a face, or between two edges. One
-//! algorithm, for any numbers.
+//! The closest points of two disjoint triangles: between a corner and a face, or between two edges. Generic over the
+//! number type.
 //!
-//! Nothing here is trusted to be right: an ill-conditioned pair may give points that are not the closest.
-//! They are always *on* the triangles, up to rounding, so their distance is an upper bound; the axis that
-//! comes with them makes the lower bound (`super::distance`), and the two tell whether the points were right.
+//! No result here needs to be right: for an ill-conditioned pair the points may not be the closest. But they are always
+//! *on* the triangles, up to rounding, so their distance is an upper bound. The axis returned with them gives the lower
+//! bound (`super::distance`), and comparing the two shows whether the points were right.
 
 use crate::vector::{cross, difference, dot};
 use core::ops::{Add, Div, Mul, Sub};
 
-/// What the algorithm computes in.
+/// The number type of the algorithm.
 pub(super) trait Real:
     Copy + PartialOrd + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> + Div<Output = Self>
 {
@@ -71,26 +71,26 @@ pub(super) fn greatest<R: Real>(x: R, y: R) -> R {
     if y > x { y } else { x }
 }
 
-/// To 0 ..= 1; NaN to 0.
+/// Clamps to 0 ..= 1; NaN becomes 0.
 #[inline(always)]
 pub(super) fn clamped<R: Real>(x: R) -> R {
     let x = if x > R::ZERO { x } else { R::ZERO };
     if x < R::ONE { x } else { R::ONE }
 }
 
-/// Two points, and a direction along which the triangles are as far apart as they are, if the points are the
-/// closest.
+/// Two points and a direction. If the points are the closest, the projections of the triangles on this direction are as
+/// far apart as the triangles.
 #[derive(Copy, Clone, Debug)]
 pub(super) struct Closest<R> {
     /// On the first triangle.
     pub(super) p: Vector<R>,
     /// On the second.
     pub(super) q: Vector<R>,
-    /// Not normalised, of either sense.
+    /// Not normalized, of either sign.
     pub(super) axis: Vector<R>,
 }
 
-/// The closest points of the triangles' outlines.
+/// The closest points of the edges of two triangles.
 #[derive(Copy, Clone, Debug)]
 pub(super) struct OnEdges<R> {
     pub(super) closest: Closest<R>,
@@ -99,13 +99,13 @@ pub(super) struct OnEdges<R> {
     pub(super) edges: [Vector<R>; 2],
 }
 
-/// A triangle's plane and the three corners of the other triangle over it.
+/// A triangle's plane, and the heights of the other triangle's corners over it.
 #[derive(Debug)]
 pub(super) struct FacePlane<R> {
     origin: Vector<R>,
     edges: [Vector<R>; 2],
     pub(super) normal: Vector<R>,
-    /// Height over the plane times the length of the normal.
+    /// Heights over the plane, times the length of the normal.
     pub(super) heights: [R; 3],
 }
 
@@ -120,18 +120,18 @@ impl<R: Real> FacePlane<R> {
         Self { origin, edges, normal, heights }
     }
 
-    /// How far all corners are from the plane, on one side of it, times the length of the normal; not
-    /// positive if they are not.
+    /// Least distance of the corners from the plane if all are on one side, times the length of the normal; else not
+    /// positive.
     #[inline(always)]
     pub(super) fn gap(&self) -> R {
         let [x, y, z] = self.heights;
         greatest(least(least(x, y), z), R::ZERO - greatest(greatest(x, y), z))
     }
 
-    /// The nearest corner, if it is over the face itself, and the point below it.
+    /// The nearest corner, if it is over the face itself, and its foot point in the face.
     ///
-    /// Where a corner and the inside of a face are closest, the face's plane separates the triangles and no
-    /// other corner is nearer to it: this corner is the only one to try.
+    /// If a corner and the inside of a face are closest, the face's plane separates the triangles and no other corner
+    /// is nearer to it. So only this corner needs a test.
     #[inline(always)]
     pub(super) fn foot(&self, corners: &Corners<R>) -> Option<(Vector<R>, Vector<R>)> {
         let gap = self.gap();
@@ -166,9 +166,9 @@ impl<R: Real> FacePlane<R> {
     }
 }
 
-/// Nine pairs of edges: the parameters by Cramer's rule in the form that divides by the square of the cross
-/// product, which keeps twice the digits of the usual difference of squares where edges are almost parallel;
-/// then one step of alternating projections. `only` restricts it to one pair of edges.
+/// Nine pairs of edges. Cramer's rule gives the parameters, in the form that divides by the square of the cross
+/// product: it keeps twice as many digits as the usual difference of squares where edges are almost parallel. One step
+/// of alternating projections follows. `only` restricts the search to one pair of edges.
 #[inline(always)]
 pub(super) fn closest_on_edges<R: Real>(
     a: &Corners<R>,
@@ -185,7 +185,7 @@ pub(super) fn closest_on_edges<R: Real>(
         }
         let u = difference(&a[(i + 1) % 3], &a[i]);
         let uu = dot(&u, &u);
-        // In rows of three, for the compiler to make vectors of.
+        // In arrays of three, for autovectorization.
         let (mut s, mut t, mut square) = ([R::ZERO; 3], [R::ZERO; 3], [R::ZERO; 3]);
         for j in 0..3 {
             if only.is_some_and(|[_, second]| second != j) {
@@ -194,7 +194,7 @@ pub(super) fn closest_on_edges<R: Real>(
             let w = difference(&b[j], &a[i]);
             let n = cross(&u, &v[j]);
             let (uv, uw, vw) = (dot(&u, &v[j]), dot(&u, &w), dot(&v[j], &w));
-            // Vanishing denominators give NaN or infinity, and so an end of the edge.
+            // Zero denominators give NaN or infinity, and so an end of the edge.
             let on_line = clamped(dot(&cross(&w, &v[j]), &n) / dot(&n, &n));
             t[j] = clamped((on_line * uv - vw) / vv[j]);
             s[j] = clamped((uw + t[j] * uv) / uu);
@@ -212,7 +212,7 @@ pub(super) fn closest_on_edges<R: Real>(
     }
     let (i, j, s, t) = best;
     let u = difference(&a[(i + 1) % 3], &a[i]);
-    // A corner is taken as it is: the line between two corners has then no error but that of one difference.
+    // Corners are returned unchanged: the line between two corners then has the error of one difference only.
     let at =
         |p: &Vector<R>, end: &Vector<R>, s: R, u: &Vector<R>| if s < R::ONE { along(p, s, u) } else { *end };
     let (p, q) = (at(&a[i], &a[(i + 1) % 3], s, &u), at(&b[j], &b[(j + 1) % 3], t, &v[j]));
@@ -227,9 +227,9 @@ pub(super) fn closest_on_edges<R: Real>(
     OnEdges { closest: Closest { p, q, axis }, pair: [i, j], edges: [u, v[j]] }
 }
 
-/// The part of `d`, almost orthogonal to `u`, that is orthogonal to it. The point on the edge is off by a
-/// rounding of the edge, which may be much in comparison with `d`, and an axis that is oblique by it would
-/// see the edge as long as that.
+/// The part of `d` orthogonal to `u`, for a `d` almost orthogonal to it. The point on the edge is off by a rounding
+/// error relative to the edge, which may be large compared with `d`. On an axis that is oblique by this much, the edge
+/// would have a projection of that length.
 #[inline(always)]
 pub(super) fn rejection<R: Real>(d: &Vector<R>, u: &Vector<R>) -> Vector<R> {
     along(d, R::ZERO - dot(d, u) / dot(u, u), u)

@@ -1,24 +1,23 @@
-//! Pairs that lie in one plane, and triangles that are only a segment or a point.
+//! Coplanar pairs, and triangles that are only a segment or a point.
 //!
-//! Rare and never on the fast path, so written for the fewest cases: a triangle without area is the union of
-//! its edges, which therefore stand for it everywhere.
+//! Rare and never on the fast path, so written with as few cases as possible. A triangle without area is the union of
+//! its edges, so its edges represent it everywhere.
 
 use super::{Signs, Triangle, UNIT_ROUNDOFF, sign};
 use crate::exact::determinant;
 use crate::range::Point;
 
-/// Relative error bound of a 2 by 2 determinant of differences: `ccwerrboundA` of the same paper.
+/// Relative error bound of a 2 by 2 determinant of differences: `ccwerrboundA` of the paper cited in [`super`].
 const AREA_ERROR: f64 = (3.0 + 16.0 * UNIT_ROUNDOFF) * UNIT_ROUNDOFF;
 
 const EDGES: [(usize, usize); 3] = [(0, 1), (1, 2), (2, 0)];
 
-/// The two coordinates that stay when space is projected along an axis.
+/// The two coordinates that each projection along an axis keeps.
 const PROJECTIONS: [(usize, usize); 3] = [(0, 1), (1, 2), (2, 0)];
 
-/// The test for a pair in which one triangle's vertices are all on the other's plane, or the other has no
-/// plane.
+/// The test for a pair in which all vertices of one triangle are on the other's plane, or the other has no plane.
 ///
-/// `a_sides` are the sides of `a`'s vertices of `b`'s plane, `b_sides` the reverse; neither separates the
+/// `a_sides` are the sides of `b`'s plane on which `a`'s vertices lie, and `b_sides` the reverse; neither separates the
 /// pair.
 #[cold]
 pub(super) fn overlap(
@@ -34,18 +33,18 @@ pub(super) fn overlap(
     if a_sides != [0; 3] {
         return some_edge_pierces(a, a_sides, b, signs);
     }
-    // Both have an area and one plane, or one has none and lies in the other's plane, or neither has any.
+    // Both have an area and share a plane; or one has no area and lies in the other's plane; or neither has an area.
     if has_no_area(a, signs) && has_no_area(b, signs) && skew(a, b, signs) {
         return false;
     }
     overlap_in_plane(a, b, signs)
 }
 
-/// Whether `thin`, which has no area, meets `t`, given the `sides` of its vertices of `t`'s plane, not all
-/// zero.
+/// Whether `thin`, which has no area, meets `t`. `sides` are the sides of `t`'s plane on which its vertices lie, not
+/// all zero.
 ///
-/// An edge of `thin` with both ends in that plane is only a point, for its line leaves the plane. A
-/// neighbouring edge has the same point as an end, so edges that meet the plane in just one point are enough.
+/// An edge of `thin` with both ends in the plane is a single point, since the line through `thin` leaves the plane. A
+/// neighbouring edge has this point as an end, so edges that meet the plane in just one point suffice.
 fn some_edge_pierces(thin: &Triangle, sides: [i8; 3], t: &Triangle, signs: &mut Signs) -> bool {
     EDGES.iter().any(|&(i, j)| {
         let (s, r) = (sides[i], sides[j]);
@@ -53,26 +52,26 @@ fn some_edge_pierces(thin: &Triangle, sides: [i8; 3], t: &Triangle, signs: &mut 
     })
 }
 
-/// Whether the line through `p` and `q`, which crosses the plane of `t`, meets `t`: it passes all edges on
-/// one side.
+/// Whether the line through `p` and `q`, which crosses the plane of `t`, meets `t`: it passes all edges on the same
+/// side.
 fn line_meets(p: &Point, q: &Point, t: &Triangle, signs: &mut Signs) -> bool {
     let around = EDGES.map(|(i, j)| signs.side(&[*p, *q, t[i]], &t[j]));
     around.iter().all(|s| *s >= 0) || around.iter().all(|s| *s <= 0)
 }
 
-/// Whether a triangle has no area: all its projections have none.
+/// Whether a triangle has no area: none of its projections has any.
 pub(super) fn has_no_area([p, q, r]: &Triangle, signs: &mut Signs) -> bool {
     PROJECTIONS.iter().all(|&plane| signs.area(plane, p, q, r) == 0)
 }
 
-/// Whether two triangles without area lie in no common plane.
+/// Whether two triangles without area are not coplanar.
 fn skew(a: &Triangle, b: &Triangle, signs: &mut Signs) -> bool {
     let ([p, q], [r, s]) = (extremes(a), extremes(b));
     signs.side(&[*p, *q, *r], s) != 0
 }
 
-/// The least and the greatest point in lexicographic order. On a line they are its extreme points, because
-/// the order is monotone along it.
+/// The least and the greatest point in lexicographic order. Of collinear points these are the extreme ones, because the
+/// order is monotone along a line.
 fn extremes([p, q, r]: &Triangle) -> [&Point; 2] {
     [least(least(p, q), r), greatest(greatest(p, q), r)]
 }
@@ -89,7 +88,7 @@ fn greatest<'a>(p: &'a Point, q: &'a Point) -> &'a Point {
 fn overlap_in_plane(a: &Triangle, b: &Triangle, signs: &mut Signs) -> bool {
     let ([a_low, a_high], [b_low, b_high]) = (extremes(a), extremes(b));
     let (low, high) = (least(a_low, b_low), greatest(a_high, b_high));
-    // Projecting a plane is one to one if it keeps three of its points apart from one line.
+    // A projection of a plane is injective if three of its points do not become collinear.
     let upright = PROJECTIONS
         .into_iter()
         .find(|&plane| a.iter().chain(b).any(|p| signs.area(plane, low, high, p) != 0));
@@ -100,7 +99,7 @@ fn overlap_in_plane(a: &Triangle, b: &Triangle, signs: &mut Signs) -> bool {
     }
 }
 
-/// Predicates within a plane, projected one to one.
+/// Predicates within a plane, under an injective projection.
 struct Flat<'a> {
     plane: (usize, usize),
     signs: &'a mut Signs,
@@ -111,14 +110,14 @@ impl Flat<'_> {
         self.signs.area(self.plane, p, q, r)
     }
 
-    /// Two boundaries meet, or one triangle is inside the other.
+    /// Whether the boundaries meet or one triangle is inside the other.
     fn polygons_meet(&mut self, a: &Triangle, b: &Triangle) -> bool {
         EDGES.iter().any(|&(i, j)| EDGES.iter().any(|&(k, l)| self.segments_meet(&a[i], &a[j], &b[k], &b[l])))
             || self.inside(&a[0], b)
             || self.inside(&b[0], a)
     }
 
-    /// Whether `p` is in the interior of `t`. Never so for a `t` without area.
+    /// Whether `p` is in the interior of `t`. Always false for a `t` without area.
     fn inside(&mut self, p: &Point, t: &Triangle) -> bool {
         let around = EDGES.map(|(i, j)| self.area(&t[i], &t[j], p));
         around == [1; 3] || around == [-1; 3]
@@ -132,7 +131,7 @@ impl Flat<'_> {
         }
         let (of_p, of_q) = (self.area(r, s, p), self.area(r, s, q));
         if [of_r, of_s, of_p, of_q] == [0; 4] {
-            // On one line, or two points.
+            // All on one line, or two points.
             return greatest(p, q) >= least(r, s) && greatest(r, s) >= least(p, q);
         }
         of_p * of_q <= 0
@@ -140,7 +139,7 @@ impl Flat<'_> {
 }
 
 impl Signs {
-    /// The sign of the area of a projected triangle, positive when counterclockwise.
+    /// The sign of the area of a projected triangle, positive if counterclockwise.
     pub(super) fn area(&mut self, (x, y): (usize, usize), p: &Point, q: &Point, r: &Point) -> i8 {
         let (plus, minus) = ((p[x] - r[x]) * (q[y] - r[y]), (p[y] - r[y]) * (q[x] - r[x]));
         let (determinant, permanent) = (plus - minus, plus.abs() + minus.abs());

@@ -2,11 +2,11 @@
 
 use super::Signs;
 
-/// A triangle that another plane cuts or touches, seen with its own normal towards the eye and the other
-/// plane's normal upwards.
+/// A triangle that another plane cuts or touches, viewed with its own normal towards the viewer and the other plane's
+/// normal upwards.
 ///
-/// The line common to both planes is then horizontal, and the triangle cuts an interval out of it. The edges
-/// from the apex to `left` and to `right` meet the line in just one point each: the ends of the interval.
+/// The line common to both planes is then horizontal, and the triangle cuts an interval out of it. The edges from the
+/// apex to `left` and to `right` meet the line in one point each: the ends of the interval.
 pub(super) struct Wedge<C> {
     /// The vertex that is alone on its side of the line.
     pub(super) apex: [C; 3],
@@ -17,7 +17,7 @@ pub(super) struct Wedge<C> {
 }
 
 impl<C: Copy> Wedge<C> {
-    /// `sides` are those of the vertices of `t`: neither all zero nor all on one strict side.
+    /// `sides` are those of the vertices of `t`: neither all zero nor all strictly on one side.
     pub(super) fn new(t: &[[C; 3]; 3], sides: [i8; 3]) -> Self {
         let [p, q, r] = sides.map(|side| (side + 1) as usize);
         let (apex, left, right, up) = APEX[(9 * p + 3 * q + r) % 27];
@@ -25,9 +25,8 @@ impl<C: Copy> Wedge<C> {
     }
 }
 
-/// For the sides of three vertices, as digits of base 3, each one more: which is the apex, which are left and
-/// right, and whether it is up. A table, since no branch would be foreseen. Sides without an apex do not
-/// occur; they have some other vertex.
+/// Apex, left and right vertex, and `up`. The index has the three vertices' sides, each plus 1, as digits of base 3. A
+/// table, since the branches would be unpredictable. Sides without an apex do not occur; their entries are arbitrary.
 const APEX: [(u8, u8, u8, i8); 27] = {
     let mut table = [(0, 1, 2, 1); 27];
     let mut code = 0;
@@ -51,9 +50,9 @@ const APEX: [(u8, u8, u8, i8); 27] = {
 
 /// Whether the intervals that two triangles cut out of their planes' common line meet.
 ///
-/// For an edge `pq` of one triangle and `rs` of the other, the side of `s` of the plane `pqr` tells which of
-/// the two edges meets the line further to the right; `up` corrects for edges that run upwards. The two
-/// wedges see the line from opposite ends: the left end of one is a right end to the other.
+/// For an edge `pq` of one triangle and `rs` of the other, the side of the plane `pqr` on which `s` lies says which of
+/// the two edges meets the line further to the right. `up` corrects for edges that go upwards. The two wedges have
+/// opposite views of the line: the left end of one is a right end for the other.
 pub(super) fn meet(a: &Wedge<f64>, b: &Wedge<f64>, signs: &mut Signs) -> bool {
     let up = a.up * b.up;
     up * signs.side(&[a.apex, a.left, b.apex], &b.left) <= 0

@@ -1,24 +1,24 @@
-//! Whether two closed triangles meet: the exact leaf test.
+//! Exact test of whether two closed triangles meet.
 //!
-//! The answer depends on nothing but the signs of determinants of the coordinates as given. Each sign is
-//! first computed in plain `f64` together with a bound on its rounding error; only when the bound does not
-//! decide is the determinant evaluated in integers. So the verdict is the true one for the given coordinates.
+//! The result depends only on the signs of determinants of the given coordinates. Each sign is first computed in plain
+//! `f64` with a bound on its rounding error. Only if the bound does not decide is the determinant evaluated in
+//! integers. So the verdict is correct for the given coordinates.
 //!
-//! 1. *Plane sides.* If the three vertices of one triangle lie strictly on one side of the other's plane, the
-//!    triangles are disjoint. Nearly every pair ends here.
-//! 2. *Intervals.* Otherwise each triangle cuts the line shared by the two planes in an interval, and two
-//!    more determinants compare the interval ends without constructing them (Devillers & Guigue, *Faster
-//!    triangle-triangle intersection tests*, INRIA RR-4488, 2002).
-//! 3. *Flat cases.* Coplanar pairs and triangles that are a segment or a point go to a module of their own.
+//! 1. *Plane sides.* If the three vertices of one triangle lie strictly on one side of the other's plane, the triangles
+//!    are disjoint. Nearly every pair ends here.
+//! 2. *Intervals.* Otherwise each triangle cuts an interval out of the line shared by the two planes, and two more
+//!    determinants compare the interval ends without constructing them (Devillers & Guigue, *Faster triangle-triangle
+//!    intersection tests*, INRIA RR-4488, 2002).
+//! 3. *Flat cases.* A separate module tests coplanar pairs, and triangles that are a segment or a point.
 //!
 //! # Range
 //!
-//! Every coordinate must be zero or have a magnitude in [`MIN_COORDINATE`] `..=` [`MAX_MOVED`]: four times
-//! what a body's own may have, since poses move them, which flush smaller ones to zero. Then nothing under-
-//! or overflows, and the error analysis (which knows neither) holds: each coordinate is a multiple of 2^-302,
-//! the last place of [`MIN_COORDINATE`]; so is each difference of two and its rounding error; so a product of
-//! three of them is a multiple of 2^-906 and not subnormal. A difference is at most 2^303, so a sum of six
-//! products of three is below 2^912. The integers that decide what this cannot have room for all of it.
+//! Every coordinate must be zero or have a magnitude in [`MIN_COORDINATE`] `..=` [`MAX_MOVED`]. The upper limit is four
+//! times that of a body's own coordinates, since poses move them; poses flush smaller coordinates to zero. Then nothing
+//! under- or overflows, as the error analysis assumes. Each coordinate is a multiple of 2^-302, the last place of
+//! [`MIN_COORDINATE`]; so is each difference of two and its rounding error; so a product of three of them is a multiple
+//! of 2^-906 and not subnormal. A difference is at most 2^303, so a sum of six products of three is below 2^912. The
+//! exact integers have room for all of this.
 
 mod crossing;
 #[cfg(feature = "alloc")]
@@ -42,33 +42,32 @@ use interval::Wedge;
 pub(crate) use on_lattice::LatticeProbe;
 pub use triangles::Triangles;
 
-/// Three vertices, in any unit of length; the order carries no meaning. Vertices may coincide or be
-/// collinear.
+/// Three vertices, in any unit of length, in any order. Vertices may coincide or be collinear.
 pub type Triangle = [Point; 3];
 
-/// Relative error bound of a 3 by 3 determinant of coordinate differences, in units of its permanent
-/// (the same sum with absolute values, itself rounded).
+/// Relative error bound of a 3 by 3 determinant of coordinate differences, in units of its permanent (the same sum with
+/// absolute values, itself rounded).
 ///
-/// This is `o3derrboundA` of Shewchuk, *Adaptive Precision Floating-Point Arithmetic and Fast Robust
-/// Geometric Predicates*, 1997, section 4.3. His proof fits because the expression has the same shape: nine
-/// rounded differences, three 2 by 2 minors, each multiplied by a difference, summed from left to right. That
-/// the cofactors are taken along the tested point's row and not along a column only renames the entries.
+/// This is `o3derrboundA` of Shewchuk, *Adaptive Precision Floating-Point Arithmetic and Fast Robust Geometric
+/// Predicates*, 1997, section 4.3. His proof applies because the expression has the same shape: nine rounded
+/// differences, three 2 by 2 minors, each multiplied by a difference, summed from left to right. Here the cofactors are
+/// taken along the tested point's row instead of a column, which only renames the entries.
 pub(crate) const DETERMINANT_ERROR: f64 = (7.0 + 56.0 * UNIT_ROUNDOFF) * UNIT_ROUNDOFF;
 
-/// [`Probe::away`] of a margin of 1, with more than the roundings of the permanent and of the normal in it.
+/// [`Probe::away`] for a margin of 1, with an allowance that exceeds the roundings of the permanent and of the normal.
 const AWAY: f64 = (1.0 + power_of_two(-40)) / DETERMINANT_ERROR;
 
 /// Half a unit in the last place of 1: 2^-53.
 pub(crate) const UNIT_ROUNDOFF: f64 = f64::EPSILON * 0.5;
 
-/// Whether two closed triangles have a point in common. Touching is overlapping.
+/// Whether two closed triangles have a point in common. Touching triangles meet.
 ///
-/// Exact for the coordinates as given, whatever the shape: coplanar pairs, needles, points, shared vertices.
-/// The answer does not depend on the order of the triangles or of their vertices.
+/// Exact for the given coordinates, whatever the shape: coplanar pairs, needles, points, shared vertices. The result
+/// does not depend on the order of the triangles or of their vertices.
 ///
-/// Adds 1 to `exact_calls` if floating point could not decide some sign, so that integers had to.
+/// Adds 1 to `exact_calls` if floating point could not decide some sign, so that integers were needed.
 ///
-/// The coordinates must keep to the [range](self#range). Outside it, and for NaN, the answer may be wrong.
+/// The coordinates must be within the [range](self#range). Outside it, and for NaN, the result may be wrong.
 ///
 /// # Panics
 ///
@@ -92,14 +91,14 @@ pub fn overlap(a: &Triangle, b: &Triangle, exact_calls: &mut u64) -> bool {
     Probe::new(a).overlaps(b, exact_calls)
 }
 
-/// One triangle that is to be tested against many: its plane is computed once.
+/// A triangle to test against many others, with its plane computed once.
 #[derive(Debug)]
 pub struct Probe<'t> {
     pub(crate) triangle: &'t Triangle,
     pub(crate) plane: Plane,
-    /// What [`Probe::is_apart`] adds to each of a point's coordinates, relative to a plane, where it bounds the error of a
-    /// determinant: the bound grows by the margin times the sum of the normal's magnitudes, and so by more than the
-    /// determinant of a point which is as far as the margin from the plane.
+    /// [`Probe::is_apart`] adds this to the magnitude of each coordinate of a point, relative to a plane, in the error
+    /// bound of a determinant. The bound so grows by the margin times the sum of the normal's magnitudes, and hence by
+    /// more than the determinant of a point at the distance `margin` from the plane.
     pub(crate) away: f64,
 }
 
@@ -111,7 +110,7 @@ impl<'t> Probe<'t> {
         Self::with_margin(triangle, 0.0)
     }
 
-    /// For a triangle within the [range](self#range), which others come near to that are at most `margin` away.
+    /// For a triangle within the [range](self#range), and others that count as near within `margin`.
     #[inline(always)]
     #[must_use]
     pub fn with_margin(triangle: &'t Triangle, margin: f64) -> Self {
@@ -119,8 +118,8 @@ impl<'t> Probe<'t> {
         Self { triangle, plane: Plane::of(triangle), away: margin * AWAY }
     }
 
-    /// Whether the plane of one of the triangles certainly separates them, by more than the margin. What
-    /// [`Probe::overlaps`] asks first, without a margin; nearly every pair ends here.
+    /// Whether the plane of one of the triangles certainly separates them by more than the margin. [`Probe::overlaps`]
+    /// starts with this test, without a margin; nearly every pair ends here.
     #[inline]
     #[must_use]
     pub fn is_apart(&self, b: &Triangle) -> bool {
@@ -148,8 +147,8 @@ impl<'t> Probe<'t> {
     }
 }
 
-/// Whether a triangle has no area: its vertices lie on one line, or coincide. Exact, for coordinates within
-/// the [range](self#range).
+/// Whether a triangle has no area: its vertices are collinear or coincide. Exact, for coordinates within the
+/// [range](self#range).
 #[must_use]
 pub fn is_degenerate(t: &Triangle) -> bool {
     flat::has_no_area(t, &mut Signs { exact: false })
@@ -160,7 +159,7 @@ fn in_range(t: &Triangle) -> bool {
     t.as_flattened().iter().all(|x| *x == 0.0 || (MIN_COORDINATE..=MAX_MOVED).contains(&x.abs()))
 }
 
-/// A triangle's plane: what the determinants of all points against it have in common.
+/// A triangle's plane: the part of the determinants that all points have in common.
 #[derive(Debug)]
 pub(crate) struct Plane {
     pub(crate) origin: [f64; 3],
@@ -183,7 +182,7 @@ impl Plane {
         Self { origin: *origin, normal, magnitude }
     }
 
-    /// `normal . (p - origin)`, positive above the plane, and a bound on its error, for points `away` farther.
+    /// `normal . (p - origin)`, positive above the plane, and a bound on its error, widened by `away`.
     #[inline(always)]
     fn side(&self, p: &[f64; 3], away: f64) -> (f64, f64) {
         let w = difference(p, &self.origin);
@@ -204,7 +203,7 @@ impl Plane {
     }
 }
 
-/// The determinants of three points against one plane, and how far off each may be.
+/// The determinants of three points against one plane, with their error bounds.
 struct Sides {
     determinant: [f64; 3],
     bound: [f64; 3],
@@ -219,13 +218,13 @@ impl Sides {
     }
 }
 
-/// Exact signs: -1, 0 or 1. Remembers whether any of them needed integers.
+/// Computes exact signs: -1, 0 or 1. Records whether any of them needed integers.
 struct Signs {
     exact: bool,
 }
 
 impl Signs {
-    /// The side of `p` of the plane of `t`, positive where `t` is seen counterclockwise.
+    /// The side of the plane of `t` on which `p` lies: positive where `t` appears counterclockwise.
     #[inline]
     fn side(&mut self, t: &Triangle, p: &[f64; 3]) -> i8 {
         let (determinant, bound) = Plane::of(t).side(p, 0.0);
@@ -243,8 +242,7 @@ impl Signs {
         if determinant.abs() > bound {
             return if determinant > 0.0 { 1 } else { -1 };
         }
-        // Nothing underflows, so a vanishing permanent means that each product has a factor that is exactly
-        // zero.
+        // Nothing underflows, so if the permanent vanishes, each product has a factor that is exactly zero.
         if bound == 0.0 || t.contains(p) {
             return 0;
         }
@@ -276,19 +274,19 @@ fn crossing(a: &Triangle, b: &Triangle, a_sides: &Sides, b_sides: &Sides, signs:
     if separated(a_signs) {
         return false;
     }
-    // A sign off zero proves that the plane it belongs to is one. Both planes then cross in a line.
+    // A nonzero sign proves that the plane it refers to is well-defined. Two such planes cross in a line.
     if a_signs == [0; 3] || b_signs == [0; 3] {
         return flat::overlap(a, b, a_signs, b_signs, signs);
     }
     interval::meet(&Wedge::new(a, a_signs), &Wedge::new(b, b_signs), signs)
 }
 
-/// Comparisons only, so exact; it spares neighbours in one plane the integers.
+/// Comparisons only, so exact. Saves the integer arithmetic for coplanar neighbours.
 fn boxes_apart(a: &Triangle, b: &Triangle) -> bool {
     let least = |x: f64, y: f64| if x < y { x } else { y };
     let greatest = |x: f64, y: f64| if x > y { x } else { y };
     let mut apart = false;
-    // No branch on an axis: none of them is foreseen.
+    // No branch per axis: it would be unpredictable.
     for axis in 0..3 {
         let low = |t: &Triangle| least(least(t[0][axis], t[1][axis]), t[2][axis]);
         let high = |t: &Triangle| greatest(greatest(t[0][axis], t[1][axis]), t[2][axis]);

@@ -1,41 +1,43 @@
-//! Whether two triangles meet, from their corners on a lattice: in integers and `f32`, for cores that have no `f64`. Decides
+//! Whether two triangles meet, from their corners on a lattice: in integers and `f32`, for cores without `f64`. Decides
 //! nearly all pairs.
 //!
-//! As the test that decides exactly ([`super`]) it looks at sides of planes and then at intervals, and at each with a bound on
-//! the error. A difference of two corners is off by less than [`OFF`] steps: both by [`OFF_MOVED`], or the one and the other by
-//! less. It becomes an `f32` with u = 2^-24 of itself. With the triangle's edges x and y and the way z to a point, as they are
-//! here, and S(x) the sum of the magnitudes of x and of [`OFF`] thrice, the determinant is off by at most
+//! Like the exact test ([`super`]), it compares sides of planes and then intervals, each with an error bound. A
+//! difference of two corners is off by less than [`OFF`] steps: at most [`OFF_MOVED`] for each of the two. Its
+//! conversion to `f32` adds a relative error of u = 2^-24. Let x and y be the triangle's edges and z the vector to a
+//! point, as on the lattice. Let S(x) be the sum of the magnitudes of x, plus three times [`OFF`]. Then the determinant
+//! is off by at most
 //!
 //! | source | at most |
 //! |---|---|
 //! | where the corners really are | `OFF (S(x) S(y) + S(x) S(z) + S(y) S(z))` |
-//! | three factors to `f32`, and five roundings of each of the six products of three | `8.1 u S(x) S(y) S(z)` |
+//! | three conversions to `f32`, and five roundings of each of six products of three | `8.1 u S(x) S(y) S(z)` |
 //!
-//! of which the first is what a product of three grows by, of sums that each grow by less than [`OFF`] on each axis: with `s`
-//! the sums of magnitudes alone, `OFF (s s + s s + s s) + 2 OFF^2 (s + s + s) + 6 OFF^3`. The bound takes 9 steps instead of 8
-//! and 12 u instead of 8.1 u, for its own dozen roundings, and for this:
+//! The first row is the growth of a product of three sums that each grow by less than [`OFF`] on each axis: with `s`
+//! the sums of magnitudes alone, `OFF (s s + s s + s s) + 2 OFF^2 (s + s + s) + 6 OFF^3`. The bound takes 9 steps
+//! instead of 8 and 12 u instead of 8.1 u, for its own dozen roundings, and for the following.
 //!
-//! **What is certain here, the filter in `f64` decides too, and alike.** A determinant beyond the bound is truly beyond u of
-//! the product of sums, which is at least its permanent; `f64` needs 2^-49 of that. So no counter tells which of the two
-//! decided. Nor does it where the verdict comes from several signs: the exact test would not ask for integers of any
-//! sign that is asked here, and asks no others, or ends earlier by boxes, which are apart only of triangles that are.
+//! **What is certain here, the `f64` filter decides too, with the same result.** A determinant beyond the bound truly
+//! exceeds u times the product of the sums, which is at least its permanent; the `f64` filter needs 2^-49 of that. So
+//! the query statistics do not depend on which of the two decided. This also holds where the verdict takes several
+//! signs: the exact test needs no integers for any sign computed here. It computes no other signs, or ends earlier
+//! because the bounding boxes are disjoint, and then the triangles are too.
 
 use super::interval::Wedge;
 use super::separated;
 use crate::primitive::lattice::{LatticeCorners, OFF_MOVED};
 
-/// How many steps a difference of two coordinates is off, at most, with a ninth for roundings.
+/// Upper bound, in steps, of the error of a difference of two coordinates, plus one step for roundings.
 const OFF: f32 = (2 * OFF_MOVED + 1) as f32;
 
-/// Of the product of three sums of magnitudes.
+/// Relative to the product of three sums of magnitudes.
 const ROUNDINGS: f32 = 12.0 / (1 << 24) as f32;
 
-/// A triangle on a lattice, that is to be tested against others.
+/// A triangle on a lattice, to test against others.
 #[derive(Debug)]
 pub(crate) struct LatticeProbe<'t> {
     corners: &'t LatticeCorners,
     normal: [f32; 3],
-    /// A determinant is off by `constant`, and by this times the sum of magnitudes of the way to the point.
+    /// A determinant is off by at most `constant`, plus this times the sum of magnitudes of the vector to the point.
     per_length: f32,
     constant: f32,
 }
@@ -69,7 +71,7 @@ impl<'t> LatticeProbe<'t> {
         [self.side(&of[0]), self.side(&of[1]), self.side(&of[2])]
     }
 
-    /// Whether the triangles meet, if it is certain.
+    /// Whether the triangles meet; `None` if not certain.
     #[inline(never)]
     pub(crate) fn meets(&self, other: &LatticeCorners) -> Option<bool> {
         let of_other = self.sides(other);
@@ -118,7 +120,7 @@ mod tests {
     use crate::range::Point;
     use crate::rng::Rng;
 
-    /// A triangle as stored, where the pose puts it, and where it is on the lattice.
+    /// A triangle at a pose, and its corners on the lattice.
     fn moved(t: &Triangle, pose: &Pose, lattice: &Lattice) -> (Triangle, LatticeCorners) {
         (t.map(|p| pose.apply(p)), t.map(|p| lattice.moved(lattice.double(&p))))
     }
@@ -134,8 +136,8 @@ mod tests {
         [0, 1, 2].map(|_| at.map(|x| x + rng.range(-size, size)))
     }
 
-    // Points a few steps from the plane of a triangle, which is from a few steps wide to as large as the body: of some the lattice
-    // alone would say the wrong side.
+    // Points a few steps from the plane of a triangle, whose size ranges from a few steps to that of the body. For some
+    // of them the lattice alone would give the wrong side.
     #[test]
     fn sides_are_those_of_moved_corners() {
         let mut rng = Rng::new(4711);
@@ -166,7 +168,7 @@ mod tests {
         assert!(certain > 2000 && wrong > 1000, "{certain} {wrong}");
     }
 
-    /// The side of corners and a point on the lattice: exactly, if they were there.
+    /// The exact side of a point, for corners and a point exactly on the lattice.
     fn sign_of(corners: &LatticeCorners, p: &[i32; 3]) -> i32 {
         let [x, y, z] = [&corners[1], &corners[2], p]
             .map(|p| [0, 1, 2].map(|i| i128::from(p[i]) - i128::from(corners[0][i])));
@@ -174,7 +176,7 @@ mod tests {
         (minor(1, 2) * z[0] + minor(2, 0) * z[1] + minor(0, 1) * z[2]).signum() as i32
     }
 
-    // Corners as far apart as there can be, where `f32` is off by more steps than corners are.
+    // Corners as far apart as possible, where the rounding of `f32` exceeds the error of the corners.
     #[test]
     fn sides_are_right_in_spite_of_roundings() {
         let mut rng = Rng::new(99);
@@ -192,7 +194,7 @@ mod tests {
             let (side, truth) = (i32::from(probe.side(&p)), sign_of(&corners, &p));
             assert!(side == 0 || side == truth, "{corners:?} {p:?}");
             certain += side.abs();
-            // The corners are just there: what pays for the roundings is all that is needed.
+            // The corners are exactly on the lattice, so the allowance for rounding suffices.
             let [x, y] = [way(&corners[0], &corners[1]), way(&corners[0], &corners[2])];
             let rounded =
                 LatticeProbe { per_length: ROUNDINGS * (sum(&x) * sum(&y)), constant: 0.0, ..probe };

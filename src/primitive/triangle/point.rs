@@ -1,8 +1,7 @@
-//! The distance of a point from a triangle: between certain bounds in `f64`, and its square against another
-//! without error.
+//! The distance of a point from a triangle: certain bounds in `f64`, and an exact comparison of its square.
 //!
 //! The bounds hold for the reasons given in [`super::distance`]: any point of the triangle gives an upper bound, any
-//! axis a lower one, and only their evaluation costs.
+//! axis a lower one, and only their evaluation has an error.
 
 use super::distance::{COMFORTABLE, ROUNDINGS, SHORT, unit_scale};
 use super::features::{Corners, Vector, along, clamped, greatest, least};
@@ -11,12 +10,12 @@ use crate::exact::wide::{Wide, unit_of};
 use crate::range::Point;
 use crate::vector::{cross, difference, dot};
 
-/// The point of a triangle that is nearest to some point, and bounds of how far.
+/// The point of a triangle nearest to a given point, and bounds of the distance.
 #[derive(Copy, Clone, Debug)]
 pub(crate) struct Foot {
     pub(crate) lower: f64,
     pub(crate) upper: f64,
-    /// The way there, times `scale`.
+    /// The vector from the given point to it, times `scale`.
     pub(crate) way: Point,
     /// A power of two.
     pub(crate) scale: f64,
@@ -44,13 +43,14 @@ impl Foot {
     }
 }
 
-/// The point of a triangle nearest to the origin, and an axis along which it is as far, if the point is the nearest.
+/// The point of a triangle nearest to the origin, and an axis. If the point is the nearest, the triangle's projection
+/// on the axis is as far from the origin as the triangle.
 #[inline(always)]
 fn nearest(corners: &Corners<f64>) -> (Vector<f64>, Vector<f64>) {
     let [p, q, r] = corners;
     let (u, v) = (difference(q, p), difference(r, p));
     let normal = cross(&u, &v);
-    // Of a triangle without area NaN or infinite: not in the face.
+    // For a triangle without area NaN or infinite, so not in the face.
     let inverse = -1.0 / dot(&normal, &normal);
     let s = dot(p, &cross(&v, &normal)) * inverse;
     let t = dot(p, &cross(&normal, &u)) * inverse;
@@ -61,7 +61,7 @@ fn nearest(corners: &Corners<f64>) -> (Vector<f64>, Vector<f64>) {
     for i in 0..3 {
         let (from, to) = (&corners[i], &corners[(i + 1) % 3]);
         let u = difference(to, from);
-        // Corners that coincide give NaN, and so an end of the edge.
+        // Coincident corners give NaN, and so an end of the edge.
         let s = clamped(-dot(&u, from) / dot(&u, &u));
         let point = if s < 1.0 { along(from, s, &u) } else { *to };
         let of_point = dot(&point, &point);
@@ -72,27 +72,27 @@ fn nearest(corners: &Corners<f64>) -> (Vector<f64>, Vector<f64>) {
     (best, best)
 }
 
-/// Differences of coordinates are multiples of 2^-302 below 2^303, and sums of radii below 2^305: they have 607 bits. The
-/// comparison of a height with a radius is of the sixth degree, and has 3644.
+/// Differences of coordinates are multiples of 2^-302 below 2^303, and sums of radii are below 2^305: they have 607
+/// bits. The comparison of a height with a radius is of degree six, and has 3644.
 type Length = Wide<10>;
 type Second = Wide<20>;
 type Third = Wide<30>;
 type Fourth = Wide<40>;
 type Sixth = Wide<60>;
 
-/// The square of the distance of a point from a triangle, less that of the sum of two numbers: its sign is right, and
-/// its value to 2^-50. The numbers are not negative, zero or in the range of coordinates.
+/// The squared distance of a point from a triangle minus the square of the sum of two numbers. Its sign is exact, and
+/// its value is accurate to 2^-50. Both numbers must be zero or positive numbers in the range of coordinates.
 #[cold]
 #[inline(never)]
 pub(crate) fn excess(c: &Point, t: &Triangle, reach: [f64; 2]) -> f64 {
     let unit = unit_of(t.as_flattened().iter().chain(c).chain(&reach).copied());
     let number = |x: f64| Length::new(x, unit);
-    // Made again wherever they are needed: few of them are on the stack at once.
+    // Recomputed at each use, so that few of them are on the stack at once.
     let corner = |i: usize| move |k: usize| number(t[i % 3][k]).minus(&number(c[k]));
     let edge = |i: usize| move |k: usize| number(t[(i + 1) % 3][k]).minus(&number(t[i][k]));
     let sum = number(reach[0]).plus(&number(reach[1]));
     let square: Second = sum.times(&sum);
-    // Each of these is the distance from some point of the triangle, and one of them is from the nearest.
+    // Each candidate is the squared distance of some point of the triangle, and one of them that of the nearest.
     let mut least = f64::INFINITY;
     for i in 0..3 {
         let over = product::<10, 10, 20>(corner(i), corner(i)).minus(&square);

@@ -1,15 +1,14 @@
-//! Pairs with obvious answers, one for each way through the test. `tests/triangle_pairs.rs` has the million
-//! others.
+//! Pairs with obvious results, one for each path through the test. `tests/triangle_pairs.rs` tests a million others.
 
 use super::*;
 
 /// A right triangle in the plane z = 0.
 const T: Triangle = [[0.0, 0.0, 0.0], [4.0, 0.0, 0.0], [0.0, 4.0, 0.0]];
 
-/// The least `f64` above 0 that a coordinate may have.
+/// The least positive coordinate allowed.
 const TINY: f64 = MIN_COORDINATE;
 
-/// The verdict, which must not depend on any order nor on which axes are which.
+/// The verdict, which must not depend on the order of vertices or triangles, nor on a permutation of the axes.
 fn meet(a: Triangle, b: Triangle) -> bool {
     const ORDERS: [[usize; 3]; 6] = [[0, 1, 2], [1, 2, 0], [2, 0, 1], [0, 2, 1], [2, 1, 0], [1, 0, 2]];
     let verdict = overlap(&a, &b, &mut 0);
@@ -36,7 +35,7 @@ fn lifted(t: Triangle, height: f64) -> Triangle {
 fn crossing_and_apart() {
     assert!(meet(T, [[1.0, 1.0, -1.0], [1.0, 1.0, 1.0], [9.0, 9.0, 1.0]]));
     assert!(!meet(T, [[1.0, 1.0, 1.0], [1.0, 1.0, 2.0], [9.0, 9.0, 1.0]]));
-    // Both cross the common line, next to each other.
+    // Both cross the common line, side by side.
     assert!(!meet(T, [[5.0, 1.0, -1.0], [5.0, 1.0, 1.0], [9.0, 1.0, 1.0]]));
     assert!(!meet(T, [[2.5, 2.5, -1.0], [2.5, 2.5, 1.0], [3.5, 2.5, 1.0]]));
 }
@@ -110,7 +109,7 @@ fn segments_and_points() {
     assert!(!meet([[0.1; 3]; 3], [[0.1, 0.1, 0.2]; 3]), "two points");
 }
 
-/// The filter's cross product of these edges rounds to zero, though the triangle has an area.
+/// The filter's cross product of these edges rounds to zero, although the triangle has an area.
 #[test]
 fn a_normal_that_rounds_to_zero() {
     let e = f64::EPSILON;
@@ -146,7 +145,7 @@ fn integers_are_counted_once_for_a_pair() {
     assert_eq!(count(wall, wall.map(|p| core::array::from_fn(|k| (p[k] + wall[0][k]) / 2.0))), 1);
 }
 
-/// The sides' sign: both branches must agree.
+/// The signs from the filter and from the integers must agree.
 #[test]
 fn filter_and_integers_have_one_sign() {
     let mut signs = Signs { exact: false };

@@ -1,9 +1,9 @@
-//! Edges: do bodies meet anywhere on their way?
+//! Edges: do bodies meet anywhere along a motion?
 //!
-//! An interval of time is asked about at its middle. A pair of bodies that are farther apart there than they can come nearer
-//! within half of the interval ([`Motion::motion_bound_between`]) is free in all of it; two that meet there are a hit; of all others,
-//! both halves are asked about. Long intervals come first, and in each the pairs that are deepest, so that most hits are found
-//! soon.
+//! The search tests each interval of time at its middle. If a pair is farther apart there than the motion bound over
+//! half of the interval ([`Motion::motion_bound_between`]), it is free in the whole interval. If it meets there, that
+//! is a hit. Otherwise the search tests both halves. Long intervals come first, and within each the deepest pairs, so
+//! that most hits are found early.
 
 mod queue;
 mod search;
@@ -19,49 +19,49 @@ use core::num::NonZeroU32;
 use queue::MotionQueue;
 use search::MotionSearch;
 
-/// Memory for edges, lent by the caller.
+/// Memory for edges, borrowed from the caller.
 #[derive(Debug)]
 pub struct MotionMemory<'m> {
-    /// Twice as many as bodies move.
+    /// Two poses for each moving body.
     pub poses: &'m mut [Pose],
-    /// For pairs in intervals that wait: as many as there are pairs of bodies near each other, twice, and more where these come
-    /// close. What there is no room for stays unresolved.
+    /// Pending pairs, each with an interval of time: twice as many as there are pairs of nearby bodies, and more where
+    /// these come close. Pairs that do not fit stay unresolved.
     pub waiting: &'m mut [MotionHit],
 }
 
-/// What became of an edge.
+/// The verdict on an edge.
 #[must_use = "a query has no other effect than its verdict"]
 #[derive(Copy, Clone, PartialEq, Debug)]
 pub enum MotionVerdict {
-    /// No two bodies that are asked meet at any time from 0 to 1.
+    /// No two tested bodies meet at any time from 0 to 1.
     Free,
-    /// Two bodies meet at this time. It need not be the first.
+    /// Two bodies meet at this time, which need not be the first.
     Hit {
         /// The bodies.
         hit: SceneHit,
-        /// When.
+        /// The time of the hit.
         time: f64,
     },
-    /// No hit was found; but before this interval of time nothing meets, and within it something may.
+    /// No hit was found. Nothing meets before this interval of time, but within it bodies may meet.
     Unresolved {
-        /// When it begins.
+        /// Start of the interval.
         from: f64,
-        /// When it ends: not more than the resolution later, if neither budget nor room ended the query.
+        /// End of the interval: at most the resolution later, unless the budget or the memory ran out.
         to: f64,
     },
 }
 
-/// A verdict on an edge, and what it cost.
+/// A verdict on an edge, and its cost.
 #[must_use = "a query has no other effect than its answer"]
 #[derive(Copy, Clone, PartialEq, Debug)]
 pub struct MotionAnswer {
     /// The verdict.
     pub verdict: MotionVerdict,
-    /// At how many times the bodies were placed.
+    /// Number of times at which the bodies were placed.
     pub times: u64,
-    /// Pairs of bodies that were asked about, once for each time.
+    /// Number of pairs of bodies tested, counted once for each time.
     pub pairs: u64,
-    /// The work for these pairs.
+    /// Query statistics, summed over these pairs.
     pub stats: QueryStats,
 }
 
@@ -70,7 +70,7 @@ impl MotionAnswer {
         Self { verdict: MotionVerdict::Free, times: 0, pairs: 0, stats: QueryStats::default() }
     }
 
-    /// Whether all bodies are certainly free of those that they are asked against, all the way.
+    /// Whether all tested pairs are certainly free along the whole motion.
     #[must_use]
     pub const fn is_free(&self) -> bool {
         matches!(self.verdict, MotionVerdict::Free)
@@ -78,16 +78,17 @@ impl MotionAnswer {
 }
 
 impl<N: Lanes> Scene<'_, N> {
-    /// Do any two bodies that are asked against each other meet at any time of a motion of some of them, and of what is
-    /// attached to these? All others stand still. **Free is certain for all times**, not for samples of them.
+    /// Do any two tested bodies meet at any time of a motion? The motion moves the `moving` bodies and all bodies
+    /// attached to them; all others stand still. **Free is certain for all times**, not for samples of them.
     ///
-    /// `moving` names the bodies that the motion numbers from 0. No interval of time shorter than `resolution` is halved: what
-    /// comes so near that this would be needed is unresolved. The query's hint is not heeded; its budget is for all pairs and
-    /// times together. Afterwards the bodies stand where they stood.
+    /// `moving` lists the bodies in the order in which the motion numbers them. No interval of time shorter than
+    /// `resolution` is halved: pairs that come too near to certify at this resolution are unresolved. Ignores the
+    /// query's hint; its budget covers all pairs and times together. Afterwards the bodies are where they were.
     ///
     /// # Errors
-    /// [`SceneError`]: a body that is not there, or is attached; not as many bodies or poses as the motion needs
-    /// ([`SceneError::Motion`]); a pose on the way; a resolution that is not above 0 ([`SceneError::Tolerance`]).
+    /// [`SceneError`]: a body is missing or attached to another; the numbers of bodies or poses do not match the motion
+    /// ([`SceneError::Motion`]); a pose of the motion is invalid; the resolution is not above 0
+    /// ([`SceneError::Tolerance`]).
     pub fn check_motion(
         &mut self,
         query: &Query,
@@ -106,9 +107,9 @@ impl<N: Lanes> Scene<'_, N> {
         answer
     }
 
-    /// The same question at some times only: at those that divide 0 to 1 into `parts` evenly, both ends among them, in an order
-    /// that halves the longest gaps first, until one is a hit. The verdict is never [`MotionVerdict::Free`]: between the times,
-    /// nothing is known.
+    /// Tests a motion at discrete times only: those that divide 0 to 1 into `parts` equal parts, both ends included.
+    /// The order halves the longest gaps first, and the first hit ends the search. The verdict is never
+    /// [`MotionVerdict::Free`]: nothing is certain between the samples.
     ///
     /// # Errors
     /// As [`Scene::check_motion`].
@@ -126,7 +127,8 @@ impl<N: Lanes> Scene<'_, N> {
         answer
     }
 
-    /// Notes where the moving bodies stand, and what moves with them. The poses on the way, and those.
+    /// Sets the carriers of all bodies, and saves the poses of the moving ones. Returns room for the poses of the
+    /// motion, and the saved poses.
     pub(super) fn set_out<'m>(
         &mut self,
         moving: &[BodyId],
@@ -145,8 +147,8 @@ impl<N: Lanes> Scene<'_, N> {
     }
 }
 
-/// How much nearer two bodies, and what is at most `beyond` away from the balls around them, may come to each other within a
-/// span of a motion than they are. Infinite where it overflows.
+/// Upper bound of how much two bodies, and all points at most `beyond` away from the balls around them, approach each
+/// other within a span of a motion. Infinite on overflow.
 pub(super) fn motion_bound_of_pair<N>(
     motion: &impl Motion,
     [a, b]: [&Slot<'_, N>; 2],
@@ -165,7 +167,7 @@ pub(super) fn motion_bound_of_pair<N>(
     })
 }
 
-/// A way that overflows may be no number: then it is longer than all. None is negative.
+/// Maps a bound that overflows, to infinity or NaN, to infinity. A negative bound is invalid, and becomes infinite too.
 fn finite_or_infinite(path: f64) -> f64 {
     if (0.0..=MAX_COORDINATE).contains(&path) { path } else { f64::INFINITY }
 }

@@ -1,11 +1,11 @@
-//! Pairs of bodies that wait, each for an interval of time.
+//! Queue of pending pairs of bodies, each with an interval of time.
 
-/// Two bodies that are asked about in an interval of time. To be lent: [`MotionHit::EMPTY`].
+/// A pending pair of bodies, with the interval of time to test. [`MotionHit::EMPTY`] initializes the caller's memory.
 #[derive(Copy, Clone, Debug)]
 pub struct MotionHit {
     pub(super) a: u32,
     pub(super) b: u32,
-    /// The root of a binary tree of intervals is 1, and the halves of i are 2 i and 2 i + 1.
+    /// The intervals form a binary tree: the root is 1, and the halves of i are 2 i and 2 i + 1.
     pub(super) interval: u32,
 }
 
@@ -19,10 +19,10 @@ impl MotionHit {
 pub(super) struct Interval(pub(super) u32);
 
 impl Interval {
-    /// No halves have numbers beyond.
+    /// Intervals from this number on are not halved.
     pub(super) const LAST: u32 = 1 << 30;
 
-    /// Its middle, and half of its length: binary fractions, without rounding.
+    /// The middle, and half of the length. Both are binary fractions without rounding.
     pub(super) fn middle(self) -> (f64, f64) {
         let level = self.0.ilog2();
         let span = 1.0 / f64::from(2_u32 << level);
@@ -30,7 +30,7 @@ impl Interval {
     }
 }
 
-/// Pairs that wait, first in first out.
+/// First in, first out.
 pub(super) struct MotionQueue<'m> {
     ring: &'m mut [MotionHit],
     first: usize,
@@ -57,7 +57,7 @@ impl<'m> MotionQueue<'m> {
         true
     }
 
-    /// The first, if it is about this interval.
+    /// Pops the first pair, if it is pending for this interval.
     pub(super) fn pop_of(&mut self, interval: u32) -> Option<MotionHit> {
         let first = self.get(0).filter(|pair| pair.interval == interval)?;
         self.first = self.at(1);
@@ -65,7 +65,7 @@ impl<'m> MotionQueue<'m> {
         Some(first)
     }
 
-    /// Nothing is known of what waits, and nothing waits any more.
+    /// Clears the queue, and marks the intervals of its pairs as unresolved.
     pub(super) fn give_up(&mut self, unresolved: &mut Unresolved) {
         for i in 0..self.len {
             unresolved.add(self.ring[self.at(i)].interval);
@@ -78,7 +78,7 @@ impl<'m> MotionQueue<'m> {
     }
 }
 
-/// The earliest interval about which nothing is known.
+/// The earliest unresolved interval.
 pub(super) struct Unresolved(pub(super) Option<(f64, f64)>);
 
 impl Unresolved {

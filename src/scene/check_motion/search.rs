@@ -1,4 +1,4 @@
-//! The descent of an edge's query.
+//! The search along an edge.
 
 use super::queue::{Interval, MotionHit, MotionQueue, Unresolved};
 use super::{
@@ -12,17 +12,17 @@ use crate::scene::SceneVerdict;
 use crate::scene::broad::{Batch, NearPair, widened};
 use core::num::NonZeroU32;
 
-/// What is known of a pair in an interval.
+/// What is certain about a pair in an interval.
 enum Known {
     Free,
-    /// They do not meet at its middle; before or after, they may.
+    /// They do not meet at its middle, but may before or after.
     Near,
     OutOfBudget,
 }
 
-/// Longest way, for bodies of these radii, within which it pays to ask how far apart they are: over longer ones, those that come
-/// near each other at all can seldom be told apart. A half of the smaller body's radius, which itself counts as at least a tenth
-/// of the other's; any way for two points, unless it overflows.
+/// Longest motion bound, for bodies of these radii, at which a distance query pays: over longer ones, it seldom
+/// certifies bodies that come near each other at all. Half of the smaller body's radius, which counts as at least a
+/// tenth of the larger one's. For two points any bound that does not overflow.
 fn long_way(a: f64, b: f64) -> f64 {
     let (small, large) = if a < b { (a, b) } else { (b, a) };
     if large > 0.0 { 0.5 * small.max(0.1 * large) } else { MAX_COORDINATE }
@@ -48,13 +48,13 @@ impl<N: Lanes, M: Motion> MotionSearch<'_, '_, '_, N, M> {
         self.gather(&mut queue, &mut unresolved)?;
         while let Some(MotionHit { interval, .. }) = queue.get(0) {
             let (middle, span) = Interval(interval).middle();
-            // They are at the middle of the first already.
+            // `gather` left the bodies at the middle of the first interval.
             if interval > 1 {
                 self.go_to(middle)?;
             }
             found.times += 1;
             let is_last = 2.0 * span <= resolution || interval >= Interval::LAST;
-            // Most hits are found soon, and end the query before anything is certified.
+            // Most hits are found early, and end the search before any certification.
             match self.first_hit(&queue, interval, &mut found)? {
                 SceneVerdict::Hit(hit) => {
                     found.verdict = MotionVerdict::Hit { hit, time: middle };
@@ -78,7 +78,8 @@ impl<N: Lanes, M: Motion> MotionSearch<'_, '_, '_, N, M> {
                     Known::Free => {}
                 }
             }
-            // The later halves come behind the earlier ones, so that bodies are placed once for each.
+            // The later halves are queued behind the earlier ones, so that the bodies are placed once for each
+            // interval.
             for i in queue.len - near..queue.len {
                 let later = 2 * interval + 1;
                 if let Some(pair) = queue.get(i)
@@ -98,7 +99,7 @@ impl<N: Lanes, M: Motion> MotionSearch<'_, '_, '_, N, M> {
         let mut found = MotionAnswer::new();
         let parts = parts.get();
         let bits = parts.ilog2() + 1;
-        // Numbers whose bits are counted backwards: 0, a half, a quarter, three quarters.
+        // Bit reversal gives 0, a half, a quarter, three quarters and so on.
         for i in 0..1_u64 << bits {
             let part = i.reverse_bits() >> (64 - bits);
             if part > u64::from(parts) {
@@ -124,7 +125,7 @@ impl<N: Lanes, M: Motion> MotionSearch<'_, '_, '_, N, M> {
         self.scene.place_all(self.moving, self.poses)
     }
 
-    /// The pairs whose bodies' boxes come near each other at any time. The bodies are at the middle of all times then.
+    /// Queues the pairs whose boxes come near each other at any time. Leaves the bodies at the middle of all times.
     fn gather(&mut self, queue: &mut MotionQueue<'_>, unresolved: &mut Unresolved) -> Result<(), SceneError> {
         let (middle, span) = Interval(1).middle();
         self.go_to(middle)?;
@@ -150,11 +151,11 @@ impl<N: Lanes, M: Motion> MotionSearch<'_, '_, '_, N, M> {
                 }
             }
         }
-        // Their boxes are those of where they are again.
+        // Restores the boxes, which were widened above.
         self.scene.place_all(self.moving, self.poses)
     }
 
-    /// The first pair that meets now, of those that wait for an interval.
+    /// The first pair that meets at the current poses, of those pending for an interval.
     fn first_hit(
         &self,
         queue: &MotionQueue<'_>,
@@ -176,12 +177,12 @@ impl<N: Lanes, M: Motion> MotionSearch<'_, '_, '_, N, M> {
         Ok(SceneVerdict::Free)
     }
 
-    /// Whether a pair that does not meet now is free in a span around.
+    /// Whether a pair that does not meet at the current poses is free within `span` of the current time.
     fn certify(&self, pair: MotionHit, span: f64, found: &mut MotionAnswer) -> Result<Known, SceneError> {
         let slots @ [a, b] = [pair.a, pair.b].map(|i| &self.scene.memory.slots[i as usize]);
         let path = motion_bound_of_pair(self.motion, slots, 0.0, span);
         let candidate = self.scene.pair_now(pair.a, pair.b);
-        // Less than in f32, as the boxes are.
+        // 1e-6 covers the rounding of the `f32` depth.
         if f64::from(-candidate.depth) > path * (1.0 + 1e-6) {
             return Ok(Known::Free);
         }
