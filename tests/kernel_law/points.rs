@@ -1,7 +1,8 @@
 //! The kernels of points and boxes of points.
 
+use crate::digest::{Digest, words};
+use crate::pairs;
 use crate::support::rng::Rng;
-use crate::{Digest, pairs, words};
 use simdop::isa::Scalar;
 use simdop::low_level::kernel::Kernel;
 use simdop::node::{Aabb16, Box3, Bucket};

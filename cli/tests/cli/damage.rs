@@ -1,18 +1,11 @@
 //! The command `simdop` on files that were cut at any byte or changed in one, and on disks without room: what it takes is what the
 //! file says, everything else is an error that names the file, and what was there before stays.
 
-#[path = "../../tests/support/files.rs"]
-mod files;
-#[path = "../../tests/support/folder.rs"]
-mod folder;
-#[path = "../../tests/support/mod.rs"]
-mod support;
-
-use files::{obj, off, ply_ascii, ply_binary, stl_ascii, stl_binary, tetrahedron};
-use folder::Folder;
+use crate::files::{obj, off, ply_ascii, ply_binary, stl_ascii, stl_binary, tetrahedron};
+use crate::folder::Folder;
+use crate::support::data::suite_step;
 use std::collections::BTreeMap;
 use std::process::Output;
-use support::data::suite_step;
 
 /// When a file that ends early is taken.
 #[derive(Copy, Clone)]
@@ -38,7 +31,7 @@ fn kinds(folder: &Folder) -> Vec<Kind> {
     let mesh = tetrahedron();
     let spheres = "0 0 0 1\n4 0 0 0.5\n0 4.5 0 1.25\n";
     folder.write("t.obj", obj(&mesh));
-    folder.write("arm.urdf", include_str!("../../examples/arm/arm.urdf"));
+    folder.write("arm.urdf", include_str!("../../../examples/arm/arm.urdf"));
     for (to, arity) in [("t16", "16"), ("t4", "4")] {
         let arguments = ["build", "t.obj", "-o", to, "-k", "6", "-a", arity];
         assert_eq!(folder.fate(&arguments), (0, String::new()));
@@ -70,13 +63,13 @@ fn kinds(folder: &Folder) -> Vec<Kind> {
     add("poses", poses.as_bytes(), &["collide", "t.obj", "t.obj", "--poses", "poses"], Ends::Lines);
     add(
         "cut.urdf",
-        include_bytes!("../../examples/arm/arm.urdf"),
+        include_bytes!("../../../examples/arm/arm.urdf"),
         &["robot", "cut.urdf", "--pairs", "10"],
         Ends::Last(1),
     );
-    let srdf: &[u8] = include_bytes!("../../examples/arm/arm.srdf");
+    let srdf: &[u8] = include_bytes!("../../../examples/arm/arm.srdf");
     add("cut.srdf", srdf, &["robot", "arm.urdf", "--srdf", "cut.srdf", "--pairs", "10"], Ends::Last(1));
-    let problems = include_str!("../../examples/arm/arm.jsonl").lines().next().unwrap();
+    let problems = include_str!("../../../examples/arm/arm.jsonl").lines().next().unwrap();
     let twice = [problems, "\n", problems, "\n"].concat();
     let arguments = ["robot", "arm.urdf", "--problems", "cut.jsonl", "--edges", "0"];
     add("cut.jsonl", twice.as_bytes(), &arguments, Ends::WholeLines);

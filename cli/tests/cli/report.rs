@@ -1,9 +1,6 @@
 //! `simdop report`, run as a user runs it: what its files hold, that they repeat, and what it refuses.
 
-#[path = "../../tests/support/folder.rs"]
-mod folder;
-
-use folder::Folder;
+use crate::folder::Folder;
 use serde_json::Value;
 use std::collections::{BTreeMap, BTreeSet};
 

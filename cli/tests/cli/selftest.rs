@@ -1,9 +1,6 @@
 //! `simdop selftest`, run as a user runs it.
 
-#[path = "../../tests/support/folder.rs"]
-mod folder;
-
-use folder::Folder;
+use crate::folder::Folder;
 use serde_json::Value;
 use simdop::isa::Isa;
 

@@ -1,18 +1,12 @@
 //! `simdop robot`, run as a user runs it: what it reports of a robot, its problems and its pairs, beside brute force on the Panda.
 
-#[path = "../../tests/support/data.rs"]
-mod data;
-#[path = "../../tests/support/folder.rs"]
-mod folder;
-#[path = "../../tests/support/rng.rs"]
-mod rng;
-#[path = "../../benches/support/robots.rs"]
+#[path = "../../../benches/support/robots.rs"]
 mod robots;
 
-use data::{MeshData, directory, suite_step};
-use folder::Folder;
+use crate::folder::Folder;
+use crate::support::data::{self, MeshData, directory, suite_step};
+use crate::support::rng::{self, Rng};
 use glam::DAffine3;
-use rng::Rng;
 use robots::{Configuration, Problem, Robot, SETTINGS};
 use serde_json::{Value, json};
 use simdop::construct::{Builder, Mesh};
