@@ -401,7 +401,8 @@ fn lines(findings: &[Finding]) -> Vec<usize> {
 
 #[test]
 fn comments_and_literals_are_no_code() {
-    let source = "a // unsafe\nb /* unsafe /* unsafe */ unsafe */ c \"un\\\"safe\" r#\"unsafe\"# '\\'' 'u' b\"unsafe\"\n";
+    let source = "a // unsafe\nb /* unsafe /* unsafe */ unsafe */ \
+                  c \"un\\\"safe\" r#\"unsafe\"# '\\'' 'u' b\"unsafe\"\n";
     let code = code_of(source);
     assert_eq!(places_of(&code, "unsafe").count(), 0, "{code}");
     assert_eq!(code.split_whitespace().collect::<Vec<_>>(), ["a", "b", "c", "b"]);
@@ -446,7 +447,8 @@ fn stray_intrinsics_are_found() {
 
 #[test]
 fn types_are_found() {
-    let source = "/// struct A\npub(crate) struct B<T>(T);\nimpl C {\n    type D = E;\n}\nenum F {}\n#[cfg(test)]\nmod tests {\nstruct G;\n}";
+    let source = "/// struct A\npub(crate) struct B<T>(T);\nimpl C {\n    type D = E;\n}\nenum F {}\n\
+                  #[cfg(test)]\nmod tests {\nstruct G;\n}";
     assert_eq!(types_defined(source), [(2, "B".to_owned()), (6, "F".to_owned())]);
 }
 

@@ -384,7 +384,8 @@ fn compare_with_oracle<N: Lanes>(name: &str, mesh: &MeshData, magnification: Mag
         .collect();
     let (mean, spread) = mean_and_spread(&errors);
     println!(
-        "{name:10} arity {:2} {magnification:?}: error {:.4} of the oracle's; worst of {seeds} seeds {:.2} % above the mean",
+        "{name:10} arity {:2} {magnification:?}: error {:.4} of the oracle's; \
+         worst of {seeds} seeds {:.2} % above the mean",
         N::ARITY,
         mean / want,
         spread * 100.0

@@ -19,7 +19,8 @@ mod support;
 macro_rules! for_each_node {
     ($function:ident($($argument:expr),*)) => {
         for_each_node!(@ $function ($($argument),*)
-            Node16<6>, Node16<14>, Node16<18>, Node16<26>, Node16<32>, Node4<6>, Node4<14>, Node4<18>, Node4<26>, Node4<32>)
+            Node16<6>, Node16<14>, Node16<18>, Node16<26>, Node16<32>,
+            Node4<6>, Node4<14>, Node4<18>, Node4<26>, Node4<32>)
     };
     (@ $function:ident $arguments:tt $($node:ty),*) => { $( $function::<$node> $arguments; )* };
 }

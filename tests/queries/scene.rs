@@ -457,7 +457,10 @@ fn what_cannot_be_is_refused() {
     assert_eq!(scene.forbid_collision(id, id), Err(SceneError::NoPair { id }));
     let query = Query::new(Isa::detect());
     for margin in [-1.0, f64::NAN, f64::INFINITY] {
-        let is_named = |error: Option<SceneError>| matches!(error, Some(SceneError::Tolerance(ToleranceError { given })) if given.to_bits() == margin.to_bits());
+        let is_named = |error: Option<SceneError>| match error {
+            Some(SceneError::Tolerance(ToleranceError { given })) => given.to_bits() == margin.to_bits(),
+            _ => false,
+        };
         assert!(is_named(scene.within(&query, margin).err()));
         assert_eq!(is_named(scene.clearance(&query, 0.0, margin).err()), margin != f64::INFINITY);
         // There is no pair to be asked, and the tolerance is refused all the same.

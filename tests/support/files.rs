@@ -32,7 +32,8 @@ pub(crate) fn off(mesh: &MeshData) -> String {
 pub(crate) fn ply_head(mesh: &MeshData, format: &str) -> String {
     let (vertices, faces) = (mesh.vertices.len(), mesh.triangles.len());
     format!(
-        "ply\nformat {format} 1.0\nelement vertex {vertices}\nproperty double x\nproperty double y\nproperty double z\nelement face {faces}\nproperty list uchar int vertex_indices\nend_header\n"
+        "ply\nformat {format} 1.0\nelement vertex {vertices}\nproperty double x\nproperty double y\n\
+         property double z\nelement face {faces}\nproperty list uchar int vertex_indices\nend_header\n"
     )
 }
 

@@ -168,7 +168,12 @@ fn a_tree_answers_as_its_mesh_on_every_node_type_and_instruction_set() {
     // a.tree has k = 32 and arity 16 by now.
     assert_eq!(
         folder.fate(&["collide", "b.obj", "a.tree", "-k", "18"]),
-        (2, "simdop: a.tree: the tree has k = 32 and arity 16, the query k = 18 and arity 16: `simdop build` makes another of it".into())
+        (
+            2,
+            "simdop: a.tree: the tree has k = 32 and arity 16, the query k = 18 and arity 16: \
+             `simdop build` makes another of it"
+                .into()
+        )
     );
     let bytes = std::fs::read(folder.0.join("a.tree")).unwrap();
     folder.write("cut", &bytes[..bytes.len() - 64]);
