@@ -1,11 +1,11 @@
-//! `simdop near`: neighbours in a cloud, and bodies beside its points.
+//! `simdop near`: the neighbours within a cloud, and bodies against its points.
 
 use crate::files::{lines, obj, tetrahedron};
 use crate::folder::Folder;
 use crate::helpers::{pose_file, poses, unread};
 use crate::support::rng::Rng;
 
-/// Points as the library has them, some of them twice.
+/// Random points in the library's number type; a tenth of them occur twice.
 fn cloud(seed: u64, count: usize) -> Vec<[f32; 3]> {
     let mut rng = Rng::new(seed);
     let mut points: Vec<[f32; 3]> =
@@ -18,7 +18,7 @@ fn xyz_cloud(points: &[[f32; 3]]) -> String {
     lines(points, |[x, y, z]| format!("{x:?} {y:?} {z:?}"))
 }
 
-/// Binary, with more than points: an intensity, and a face that no cloud has.
+/// A binary PLY with more than points: an intensity for each, and a face.
 fn ply_cloud(points: &[[f32; 3]], big: bool) -> Vec<u8> {
     let format = if big { "binary_big_endian" } else { "binary_little_endian" };
     let mut bytes = format!(
@@ -36,7 +36,7 @@ fn ply_cloud(points: &[[f32; 3]], big: bool) -> Vec<u8> {
     bytes
 }
 
-/// What is near is decided in `f32`, by exactly these operations.
+/// The neighbours by brute force, with the library's own sequence of `f32` operations.
 fn neighbours(points: &[[f32; 3]], radius: f32) -> Vec<Vec<u32>> {
     let is_near = |p: &[f32; 3], q: &[f32; 3]| {
         let [x, y, z] = [p[0] - q[0], p[1] - q[1], p[2] - q[2]];
@@ -99,7 +99,8 @@ fn neighbours_are_those_of_a_loop() {
     assert!(last.starts_with("                  770         770  ####"), "{table}");
 }
 
-/// Spheres that turn and move among points, in `f64`; what was found is named, and is there.
+/// Random spheres at random poses against the points, in `f64`. The sphere and the point that a hit names
+/// overlap.
 #[test]
 fn a_body_hits_the_points_that_a_loop_finds() {
     let folder = Folder::new("near_body");
@@ -114,7 +115,7 @@ fn a_body_hits_the_points_that_a_loop_finds() {
     folder.write("poses", pose_file(&poses));
     for margin in ["0", "0.05"] {
         let far: f64 = margin.parse().unwrap();
-        // How far the point is out of reach of the sphere.
+        // The signed distance from the sphere to the point, less the margin.
         let gap = |pose: &[[f64; 4]; 3], sphere: &[f64; 4], point: &[f32; 3]| {
             let away = |i: usize| {
                 let row = &pose[i];
@@ -155,7 +156,7 @@ fn a_body_hits_the_points_that_a_loop_finds() {
     assert!(table.contains("... and 191 more") && table.contains("\n200 poses: "), "{table}");
 }
 
-/// What touches is near, and the next number is not; spheres are solid, a mesh is a surface.
+/// Touching counts as near, and the next greater number does not. Spheres are solid, and a mesh is a surface.
 #[test]
 fn the_exit_code_says_whether_a_body_is_near_a_point() {
     let folder = Folder::new("near_exit");
@@ -250,7 +251,7 @@ fn faults_of_clouds_name_file_place_and_problem() {
         let (code, message) = near(&["a.xyz", "--body", "ball.txt", "--margin", margin]);
         assert!(code == 2 && message.contains("must be a number that is not negative"), "{message}");
     }
-    // What would have no effect.
+    // Options that would have no effect are errors.
     for arguments in [
         &["a.xyz", "-r", "1", "--body", "ball.txt"][..],
         &["a.xyz", "-r", "1", "--translate", "0 0 0"],
@@ -291,7 +292,7 @@ fn the_built_in_cloud_needs_no_file() {
     assert_eq!(report["cloud"]["points"], 131_072);
     assert!(report["cloud"]["read_nanoseconds"].is_null());
     let mean = report["neighbours"]["mean"].as_f64().unwrap();
-    // Of so many points in a sphere of radius 0.038, fewer beside the faces of the cube.
+    // The expected number of points in a sphere of radius 0.038; fewer near the faces of the cube.
     let inside = 131_072.0 * 4.0 / 3.0 * std::f64::consts::PI * 0.038_f64.powi(3);
     assert!((0.95 * inside..inside + 1.0).contains(&mean), "{mean} {inside}");
     folder.write("ball.txt", "0.5 0.5 0.5 0.1\n");
@@ -304,7 +305,7 @@ fn the_built_in_cloud_needs_no_file() {
     assert_eq!(unread(folder.command(&["near", "--body", "ball.txt"])), (Some(1), String::new()));
 }
 
-/// The standard output holds the neighbours and no text.
+/// The standard output holds only the neighbours, and no report.
 #[cfg(target_os = "linux")]
 #[test]
 fn neighbours_on_the_standard_output_are_alone_there() {

@@ -6,7 +6,7 @@ use crate::helpers::{IDENTITY, answers, pose_file, poses, strewn};
 use crate::support::exact::meeting_pairs;
 use serde_json::Value;
 
-/// The lists of pairs, pose by pose, each in order.
+/// For each pose the list of pairs, sorted.
 fn pairs(report: &Value) -> Vec<Vec<(usize, usize)>> {
     let index = |value: &Value| value.as_u64().unwrap() as usize;
     let list = |pose: &Value| {
@@ -113,7 +113,7 @@ fn every_format_and_tree_gives_the_pairs_of_brute_force() {
     let folder = Folder::new("formats");
     let mut a = strewn(3, 150);
     let b = strewn(4, 150);
-    // To single precision, so that binary STL says the same as the others.
+    // Rounded to single precision, so that binary STL holds the same coordinates as the other formats.
     a.vertices.iter_mut().flatten().for_each(|x| *x = f64::from(*x as f32));
     folder.write("a.obj", obj(&a));
     folder.write("a.off", off(&a));
@@ -165,7 +165,7 @@ fn a_tree_answers_as_its_mesh_on_every_node_type_and_instruction_set() {
             assert_eq!(tree["isa"], "scalar");
         }
     }
-    // a.tree has k = 32 and arity 16 by now.
+    // The last a.tree has k = 32 and arity 16.
     assert_eq!(
         folder.fate(&["collide", "b.obj", "a.tree", "-k", "18"]),
         (
@@ -179,7 +179,7 @@ fn a_tree_answers_as_its_mesh_on_every_node_type_and_instruction_set() {
     folder.write("cut", &bytes[..bytes.len() - 64]);
     let (code, message) = folder.fate(&["info", "cut"]);
     assert!(code == 2 && message.starts_with("simdop: cut: the tree ends early"), "{message}");
-    // A link of the root: byte 128 is its first plane, 32 k bytes further its first link.
+    // A link of the root: its first plane is byte 128, and its first link is 32 k bytes further.
     let mut broken = bytes;
     broken[128 + 32 * 32] ^= 0x40;
     folder.write("broken", &broken);

@@ -1,4 +1,4 @@
-//! Bodies, poses, and parts of the reports.
+//! Bodies, poses and parts of reports that several modules share.
 
 use crate::files::lines;
 #[cfg(unix)]
@@ -10,7 +10,7 @@ use serde_json::Value;
 use std::process::Output;
 use std::process::{Command, Stdio};
 
-/// Triangles strewn over a cube of side 2, far from empty and far from a solid.
+/// Random small triangles in a cube of side 2: many gaps, and many overlaps.
 pub(crate) fn strewn(seed: u64, count: u32) -> MeshData {
     let mut rng = Rng::new(seed);
     let mut mesh = MeshData { vertices: Vec::new(), triangles: Vec::new() };
@@ -26,7 +26,7 @@ pub(crate) fn strewn(seed: u64, count: u32) -> MeshData {
 
 pub(crate) const IDENTITY: [[f64; 4]; 3] = [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0]];
 
-/// Turns and moves for bodies of size 2: some meet, some do not.
+/// Random rotations and translations for bodies of size 2: some poses collide, and some do not.
 pub(crate) fn poses(count: usize) -> Vec<[[f64; 4]; 3]> {
     let mut rng = Rng::new(7);
     let mut pose = || {
@@ -44,7 +44,7 @@ pub(crate) fn pose_file(poses: &[[[f64; 4]; 3]]) -> String {
     format!("# A in B's frame\n\n{}", lines(poses, line))
 }
 
-/// What does not depend on the clock.
+/// For each pose the answer without the measured times.
 pub(crate) fn answers(report: &Value) -> Vec<Value> {
     let timeless = |pose: &Value| {
         let mut pose = pose.as_object().unwrap().clone();
@@ -55,7 +55,7 @@ pub(crate) fn answers(report: &Value) -> Vec<Value> {
     report["poses"].as_array().unwrap().iter().map(timeless).collect()
 }
 
-/// Run by a shell that first sets a limit, a mask or a trap.
+/// Runs the command in a shell that first sets a limit, a mask or a trap.
 #[cfg(unix)]
 pub(crate) fn through_shell(folder: &Folder, before: &str, arguments: &[&str]) -> Output {
     let mut command = Command::new("sh");
@@ -63,7 +63,7 @@ pub(crate) fn through_shell(folder: &Folder, before: &str, arguments: &[&str]) -
     command.arg(env!("CARGO_BIN_EXE_simdop")).args(arguments).output().unwrap()
 }
 
-/// The exit code and standard error of a command whose reader has left before it begins.
+/// The exit code and standard error of a command whose reader has closed the pipe before it starts.
 pub(crate) fn unread(mut command: Command) -> (Option<i32>, String) {
     let (reader, writer) = std::io::pipe().unwrap();
     drop(reader);

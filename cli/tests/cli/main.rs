@@ -1,4 +1,4 @@
-//! The command `simdop`, run as a user runs it.
+//! The command `simdop`, run as a user runs it. One program for all its tests, so that they are linked once.
 
 mod clouds;
 mod collide;

@@ -65,8 +65,8 @@ fn faults_of_files_name_file_place_and_problem() {
     assert!(code == 2 && message.starts_with("simdop: .: "), "{message}");
 }
 
-/// A cube on a floor, cut after every byte: what is accepted then are whole lines, and a file without
-/// triangles never.
+/// A cube on a floor, truncated after every byte. An accepted file ends at the end of a line, and has
+/// triangles.
 #[test]
 fn a_cut_mesh_is_not_silently_free() {
     let folder = Folder::new("cut");
@@ -86,7 +86,7 @@ fn a_cut_mesh_is_not_silently_free() {
     assert_eq!(folder.json(&["info", "mac.obj"])["triangles"], 12);
 }
 
-/// The notch of an L, and what a fan around a wrong corner would put into it.
+/// An L-shaped polygon; a fan from a wrong corner would cover its notch.
 #[test]
 fn a_concave_polygon_does_not_fill_its_notch() {
     let folder = Folder::new("notch");
@@ -131,7 +131,7 @@ fn real_meshes_have_the_triangles_and_vertices_that_their_tables_say() {
     }
 }
 
-/// Each triangle of this file has vertices of its own, printed with six digits.
+/// In this file no two triangles share a vertex, and coordinates have six digits.
 #[test]
 fn a_link_is_stored_without_what_its_file_repeats() {
     let Some(data) = directory() else { return };

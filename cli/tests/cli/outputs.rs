@@ -1,4 +1,4 @@
-//! Files that are written, and the standard output: limits, links, pipes, full devices.
+//! Output files and the standard output: limits, links, pipes and full devices.
 
 use crate::files::{obj, tetrahedron};
 use crate::folder::Folder;
@@ -10,8 +10,8 @@ use crate::support::data::MeshData;
 #[cfg(target_os = "linux")]
 use std::process::Stdio;
 
-/// A file of at most 4 or 8 KiB (`ulimit -f` counts blocks of 512 bytes, or of 1024) has no room for the
-/// tree: the process is told so, or killed. Either way the old tree is whole.
+/// A file of at most 4 or 8 KiB (the blocks of `ulimit -f` have 512 or 1024 bytes) has no room for the tree:
+/// the write fails, or a signal kills the process. Either way the old tree stays complete.
 #[cfg(unix)]
 #[test]
 fn a_limit_or_a_kill_leaves_the_old_tree() {
@@ -32,7 +32,7 @@ fn a_limit_or_a_kill_leaves_the_old_tree() {
     let killed = through_shell(&folder, "ulimit -c 0; ulimit -f 8", &arguments);
     assert_eq!(killed.status.code(), None, "killed by a signal");
     assert_eq!(std::fs::read(folder.0.join("t.tree")).unwrap(), old);
-    // A picture that cannot be written keeps the tree from being replaced, too.
+    // A picture that cannot be written also prevents the replacement of the tree.
     let arguments = ["build", "large.obj", "-o", "t.tree", "--picture", "absent/p.png"];
     assert_eq!(folder.fate(&arguments).0, 2);
     assert_eq!(std::fs::read(folder.0.join("t.tree")).unwrap(), old);
@@ -84,7 +84,7 @@ fn a_file_is_not_written_twice_nor_over_its_source() {
     assert!(!folder.0.join("new.svg").exists());
 }
 
-/// The standard output, a pipe or a file, holds the tree and no text.
+/// The standard output, a pipe or a file, holds only the tree, and no report.
 #[cfg(target_os = "linux")]
 #[test]
 fn a_tree_on_the_standard_output_is_alone_there() {
@@ -131,7 +131,7 @@ fn a_reader_that_leaves_early_is_no_error_and_changes_no_verdict() {
     assert!(folder.0.join("t.tree").is_file());
 }
 
-/// Four million pairs, which take 32 MB, in a process that has 24 MB of address space for all that it is.
+/// Four million pairs, which take 32 MB, in a process with 24 MB of address space in all.
 #[cfg(target_os = "linux")]
 #[test]
 fn pairs_are_written_as_they_are_found() {

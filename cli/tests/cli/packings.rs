@@ -26,12 +26,12 @@ fn a_packing_is_written_and_reported() {
     let radius = 1.0 / (3.0 + 3.0_f64.sqrt());
     assert!((0.999 * radius..=radius).contains(&spheres[0].radius), "{:?}", spheres[0]);
 
-    // Of a tree the mesh that it was built from; a packing that is there is replaced.
+    // A tree is packed like the mesh it was built from, and an old packing is replaced.
     assert_eq!(folder.fate(&["build", "a.obj", "-o", "a.tree"]), (0, String::new()));
     assert_eq!(folder.fate(&["pack", "a.tree", "-n", "30", "-o", "a.txt"]), (0, String::new()));
     assert_eq!(std::fs::read_to_string(folder.0.join("a.txt")).unwrap(), text);
 
-    // Without a file: a shape that is built in.
+    // Without a file, a built-in shape is packed.
     let output = folder.run(&["pack", "-n", "12", "-o", "gear.txt"]);
     let table = String::from_utf8(output.stdout).unwrap();
     assert_eq!(output.status.code(), Some(0));
@@ -80,7 +80,7 @@ fn the_volume_that_packings_share_is_told() {
     let report = folder.json(&["volume", "one.txt", "two.txt", "--translate", "1 0 0"]);
     let row = &report["poses"][0];
     let lens = 5.0 / 12.0 * std::f64::consts::PI;
-    // At (1, 0, 0) it is 3.16 from the other.
+    // At (1, 0, 0) sphere A is 3.16 from the other sphere of B.
     assert!((row["volume"].as_f64().unwrap() - lens).abs() < 1e-12, "{row}");
     assert_eq!((&row["pairs"], &row["direction"][0]), (&1.into(), &1.0.into()));
     assert_eq!(row["point"], serde_json::json!([0.5, 0.0, 0.0]));
@@ -97,7 +97,7 @@ fn the_volume_that_packings_share_is_told() {
     );
     assert_eq!(table.lines().count(), 6, "{table}");
 
-    // Nothing is looked at: all of the smaller body may be shared.
+    // With a budget of 0 nothing is visited: the bound is the volume of the smaller body.
     let report = folder.json(&["volume", "one.txt", "two.txt", "--translate", "1 0 0", "--budget", "0"]);
     let row = &report["poses"][0];
     let whole = 4.0 / 3.0 * std::f64::consts::PI;
@@ -136,7 +136,8 @@ fn what_cannot_be_packed_is_an_error() {
     assert!(code == 2 && message.starts_with("simdop: absent/a.txt: "), "{message}");
 }
 
-/// Of solids the inside, too, if asked for or if a tree is of one; of clouds the points.
+/// For a solid the cover includes the inside, if the option or the tree says so. For a cloud it covers the
+/// points.
 #[test]
 fn a_cover_is_of_the_surface_the_solid_or_the_points() {
     let folder = Folder::new("cover-parts");
@@ -158,7 +159,7 @@ fn a_cover_is_of_the_surface_the_solid_or_the_points() {
     assert_eq!(folder.json(&["cover", "cloud.xyz", "--points", "--error", "2", "-o", "a.txt"])["spheres"], 1);
 }
 
-/// By an error, a number of spheres or of bytes; as text, and as a tree.
+/// The limit is an error, a number of spheres or a number of bytes. The output is text or a tree.
 #[test]
 fn a_cover_is_within_what_is_asked_for() {
     let folder = Folder::new("cover");
@@ -181,7 +182,7 @@ fn a_cover_is_within_what_is_asked_for() {
     assert!((4000..=8000).contains(&bytes) && small["bytes"] == bytes, "{small}");
     let described = folder.json(&["info", "a.tree", "--verify"]);
     assert_eq!((&described["spheres"], &described["total_bytes"]), (&small["spheres"], &small["bytes"]));
-    // Without a file: a shape that is built in.
+    // Without a file, a built-in shape is covered.
     let line = String::from_utf8(folder.run(&["cover", "--spheres", "9", "-o", "gear.txt"]).stdout).unwrap();
     assert!(line.starts_with("gear ring (built in): 7680 triangles within "), "{line}");
 

@@ -4,7 +4,7 @@ use crate::files::{obj, off, tetrahedron};
 use crate::folder::Folder;
 use crate::helpers::strewn;
 
-/// A path for each triangle; as many hues as the root has children; and no tree unless one is asked for.
+/// The picture has a path for each triangle. No tree is written unless the option asks for one.
 #[test]
 fn build_paints_the_first_level() {
     let folder = Folder::new("picture");
@@ -27,8 +27,8 @@ fn build_paints_the_first_level() {
     assert!(code == 2 && message.starts_with("simdop: absent/a.svg: "), "{message}");
 }
 
-/// The PNG against the paths of the SVG: at the middle of each pixel that no outline is near, the last path
-/// that covers it.
+/// Compares the PNG with the paths of the SVG: each pixel whose centre is far from every outline has the colour
+/// of the last path that covers it.
 #[test]
 fn a_png_shows_what_the_svg_does() {
     let folder = Folder::new("png");
@@ -56,7 +56,8 @@ fn a_png_shows_what_the_svg_does() {
     for (index, pixel) in image.pixels().iter().enumerate() {
         let (x, y) = (index as u32 % image.width(), index as u32 / image.width());
         let (x, y) = (f64::from(x) + 0.5, f64::from(y) + 0.5);
-        // Distances from the three edges, positive inside if the corners turn one way, negative if the other.
+        // Distances from the three edges: all positive inside for one orientation of the corners, all negative
+        // for the other.
         let distances = |t: &[[f64; 2]; 3]| -> [f64; 3] {
             core::array::from_fn(|i| {
                 let ([ax, ay], [bx, by]) = (t[i], t[(i + 1) % 3]);
@@ -81,8 +82,8 @@ fn a_png_shows_what_the_svg_does() {
     }
 }
 
-/// A circle for each sphere, within the picture; and the PNG shows at each pixel that no rim is near the last
-/// circle that covers it.
+/// The picture has a circle for each sphere. Each pixel of the PNG far from every rim has the colour of the
+/// last circle that covers it.
 #[test]
 fn a_picture_of_a_packing_shows_its_spheres() {
     let folder = Folder::new("pack_picture");

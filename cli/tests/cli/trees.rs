@@ -1,4 +1,4 @@
-//! `simdop build` and `simdop info`: the trees and their options.
+//! `simdop build` and `simdop info`: trees and their options.
 
 use crate::files::{obj, off, ply_binary, tetrahedron};
 use crate::folder::Folder;
@@ -27,11 +27,11 @@ fn info_describes_a_tree_and_proves_it() {
     assert_eq!(tree["vertices"], 300);
     let bytes = std::fs::metadata(folder.0.join("a.tree")).unwrap().len();
     assert_eq!(tree["total_bytes"], bytes);
-    // Read back from decimals, the last place may differ.
+    // The decimal output may differ in the last place.
     assert!((tree["bytes_per_triangle_total"].as_f64().unwrap() - bytes as f64 / 101.0).abs() < 1e-9);
     let lanes = tree["lanes_used_per_node"].as_f64().unwrap();
     assert!(lanes > 1.0 && lanes <= 4.0, "{lanes}");
-    // All of 1 or more: the root against itself, lanes that cover what their node covers.
+    // Each is at least 1: the root is visited, and lanes cover what their node covers.
     for key in ["expected_visits", "mean_depth"] {
         assert!(tree[key].as_f64().unwrap() >= 1.0, "{key}");
     }
@@ -42,8 +42,8 @@ fn info_describes_a_tree_and_proves_it() {
     mesh["verified"] = true.into();
     assert_eq!(mesh, tree);
 
-    // Plane 0 of lane 0 a step below its opposite, plane 1, cuts triangles off: valid to walk, not
-    // conservative.
+    // Plane 0 of lane 0, one step below its opposite plane 1, cuts triangles off: the tree is safe to traverse,
+    // but not conservative.
     let mut bytes = std::fs::read(folder.0.join("a.tree")).unwrap();
     let opposite = i16::from_le_bytes([bytes[160], bytes[161]]);
     bytes[128..130].copy_from_slice(&(!opposite - 1).to_le_bytes());
@@ -54,7 +54,8 @@ fn info_describes_a_tree_and_proves_it() {
     assert!(code == 2 && message.starts_with(start), "{message}");
 }
 
-/// A solid is hit by what is inside of it, and stays one when its tree is built again; an open mesh is none.
+/// A solid collides with what is inside it, and stays a solid when its tree is rebuilt. An open mesh is not a
+/// solid.
 #[test]
 fn a_closed_mesh_may_be_built_as_a_solid() {
     let folder = Folder::new("solid");
@@ -114,7 +115,7 @@ fn thin_slabs_may_be_left_out() {
     let nodes = with["nodes"].as_u64().unwrap();
     assert_eq!((slabs(&with), slabs(&without)), (nodes as f64 * 16.0 * 8.0 / 50.0, 0.0));
     let total = |report: &Value| report["total_bytes"].as_u64().unwrap();
-    // Both are multiples of 64.
+    // Both sizes are multiples of 64.
     assert_eq!(total(&with), total(&without) + nodes * 16 * 8);
     assert_eq!(folder.fate(&["collide", "with.tree", "without.tree"]), (1, String::new()));
     let table = String::from_utf8(folder.run(&["info", "without.tree"]).stdout).unwrap();
@@ -147,7 +148,7 @@ fn options_that_do_nothing_on_a_tree_are_errors() {
     }
 }
 
-/// On a terminal, which `script` makes.
+/// Runs on a terminal, which `script` provides.
 #[cfg(target_os = "linux")]
 #[test]
 fn a_long_build_shows_its_share_and_the_time_left() {
