@@ -7,7 +7,7 @@ use simdop::isa::Scalar;
 use simdop::low_level::kernel::Kernel;
 use simdop::node::Ball16;
 
-/// Sixteen balls: near each other, of any bits, or such as trees have, with unused lanes.
+/// Sixteen balls: on a lattice (mode 0), such as trees have, with unused lanes (1), or of any bits.
 fn balls(rng: &mut Rng, mode: u64) -> Ball16 {
     const SPECIAL: [f32; 8] =
         [0.0, -0.0, f32::INFINITY, f32::NEG_INFINITY, f32::NAN, f32::MIN_POSITIVE, f32::MAX, 1e-40];
@@ -15,7 +15,7 @@ fn balls(rng: &mut Rng, mode: u64) -> Ball16 {
     for lane in 0..16 {
         let mut ball = balls.lane(lane);
         match mode {
-            // On a lattice: many touch.
+            // Many balls on a lattice touch.
             0 => {
                 ball.centre = [(); 3].map(|()| rng.int(-3, 3) as f32);
                 (ball.radius, ball.volume) = (rng.int(0, 2) as f32, rng.int(0, 9) as f32);
@@ -37,7 +37,8 @@ fn balls(rng: &mut Rng, mode: u64) -> Ball16 {
     balls
 }
 
-/// Masks and bounds, by their bits; rows that are not wanted stay as they are.
+/// Masks and shared volumes are bit for bit those of the scalar kernel. Rows that are not requested stay
+/// unchanged.
 pub(crate) fn balls_equal_the_scalar_kernel<E: Kernel>(kernel: E, name: &str) {
     let mut rng = Rng::new(5);
     let count = (pairs() / 4).max(1);
@@ -59,12 +60,13 @@ pub(crate) fn balls_equal_the_scalar_kernel<E: Kernel>(kernel: E, name: &str) {
         run(&mut got.0, &mut got.1);
         Scalar::new().balls_meet(&a, wanted, &b, &mut want.0);
         if cfg!(miri) {
-            // libm's roots are inline assembly, which Miri does not know: the kernel is run, and not compared.
+            // libm computes square roots with inline assembly, which Miri does not support: the kernel runs,
+            // and its volumes are not compared.
             want.1 = got.1;
         } else {
             Scalar::new().balls_share(&a.lane(lane), &b, &mut want.1);
         }
-        // A NaN is a NaN, whatever else its bits say.
+        // All NaNs count as equal.
         let bits = |x: f32| if x.is_nan() { f32::NAN.to_bits() } else { x.to_bits() };
         assert_eq!((got.0, got.1.map(bits)), (want.0, want.1.map(bits)), "{name} pair {i}: {a:?} {b:?}");
         for row in (0..16).filter(|row| wanted >> row & 1 != 0) {

@@ -1,15 +1,14 @@
-//! Digests of the answers, and those recorded of the scalar kernels.
+//! Digests of the kernels' answers, and the recorded digests of the scalar kernels.
 
 use crate::pairs;
 use simdop::low_level::kernel::Turned;
 
-/// Pairs of nodes per k at which digests are compared with [`RECORDED`] ones, and an eighth as many
-/// re-alignments and primitive slabs.
+/// The number of pairs of nodes per k that the [`RECORDED`] digests are of; the realignments and primitive
+/// slabs are an eighth as many.
 const RECORDED_PAIRS: u64 = 10_000_000;
 
-/// For each k, the scalar kernel's digests of overlaps, re-alignments and primitive slabs. The tests of `scalar`
-/// check them:
-/// `SIMDOP_PAIRS=10000000 cargo test --release --test kernel_law scalar`.
+/// For each k, the scalar kernel's digests of overlaps, realignments and primitive slabs. The tests of `scalar`
+/// check them: `SIMDOP_PAIRS=10000000 cargo test --release --test kernel_law scalar`.
 #[rustfmt::skip]
 const RECORDED: [(usize, [u64; 3]); 5] = [
     (6, [0x1b927ef70f9f2080, 0x98944e66286fa4b9, 0x9607f9be1f0cc37e]),
@@ -19,12 +18,12 @@ const RECORDED: [(usize, [u64; 3]); 5] = [
     (32, [0x2b3b7a2e90717a17, 0xb9c2333279a47cc8, 0x81da7990e950e85e]),
 ];
 
-/// The scalar kernel's digests, where the number of pairs is the recorded one.
+/// The scalar kernel's digests, if the number of pairs is [`RECORDED_PAIRS`].
 pub(crate) fn recorded<const K: usize>() -> Option<[u64; 3]> {
     (pairs() == RECORDED_PAIRS).then(|| RECORDED.iter().find(|row| row.0 == K).expect("a row for each k").1)
 }
 
-/// Prints a digest, and compares it if there is a recorded one.
+/// Prints a digest, and compares it with the recorded one if there is one.
 pub(crate) fn conclude(what: &str, digest: &Digest, recorded: Option<u64>) {
     println!("{what}, digest {:016x}", digest.0);
     let all = pairs();
@@ -37,8 +36,8 @@ pub(crate) fn conclude(what: &str, digest: &Digest, recorded: Option<u64>) {
     );
 }
 
-/// A digest of words. Each step is a bijection of the state and of the word, so that one word that differs
-/// always shows.
+/// A digest of words. Each step is a bijection of the state and of the word, so a single word that differs
+/// always changes the digest.
 pub(crate) struct Digest(pub(crate) u64);
 
 impl Digest {
@@ -46,7 +45,7 @@ impl Digest {
 
     #[inline]
     pub(crate) fn add(&mut self, word: u64) {
-        // An odd factor: SplitMix64's.
+        // SplitMix64's odd factor.
         self.0 = (self.0 ^ word).wrapping_mul(0xbf58_476d_1ce4_e5b9).rotate_left(29);
     }
 
@@ -55,7 +54,7 @@ impl Digest {
     }
 }
 
-/// Four values a word.
+/// Packs four values into a word.
 #[inline]
 pub(crate) fn words(values: &[u16]) -> impl Iterator<Item = u64> {
     values.chunks(4).map(|four| four.iter().rev().fold(0, |word, &value| word << 16 | u64::from(value)))

@@ -1,4 +1,4 @@
-//! Planes of nodes and queries, drawn in several modes.
+//! Random planes of nodes and queries, in several modes.
 
 use crate::support::codes::SPECIAL;
 use crate::support::rng::Rng;
@@ -8,20 +8,20 @@ use simdop::node::{Child, Node4, Node16};
 use simdop::query::Lanes;
 use std::cell::LazyCell;
 
-/// Planes of `W` bodies, by plane.
+/// Plane `j` of `W` bodies is row `j`.
 pub(crate) type Planes<const W: usize, const K: usize> = [[i16; W]; K];
 
-/// How a pair is generated. In all but the last, a compare separates with a chance of about 1 / K, so that
-/// masks have bits of both kinds.
+/// How a pair is generated. In all modes but the last, a compare separates with a probability of about 1 / K,
+/// so that masks have bits of both values.
 #[derive(Copy, Clone, Debug)]
 pub(crate) enum Mode {
     /// Small integers: bodies touch often.
     Grid,
     /// Codes that are equal or next to each other.
     Near,
-    /// All codes: those that are no planes, and the mark of unused lanes.
+    /// All codes, with those that are not planes, and the mark of unused lanes.
     AnyBits,
-    /// Planes of a tree, turned into another's frame at poses where they meet.
+    /// Planes of a tree, rotated into the other tree's frame at poses where the trees meet.
     Real,
 }
 
@@ -36,7 +36,7 @@ pub(crate) fn code(rng: &mut Rng) -> i16 {
     if rng.below(4) == 0 { *rng.pick(&SPECIAL) } else { rng.u64() as i16 }
 }
 
-/// Planes below `middles` (side -1, for queries) or above them (1, for nodes), except one in 2 K.
+/// Planes below `middles` (side -1, for queries) or above them (side 1, for nodes), except one in 2 K.
 fn planes<const W: usize, const K: usize>(
     rng: &mut Rng,
     mode: Mode,
@@ -62,7 +62,7 @@ fn middles<const K: usize>(rng: &mut Rng) -> [i16; K] {
     core::array::from_fn(|_| code(rng))
 }
 
-/// A query and a node's planes.
+/// The planes of a query and of a node.
 pub(crate) fn pair<const W: usize, const K: usize>(
     rng: &mut Rng,
     mode: Mode,
@@ -71,10 +71,10 @@ pub(crate) fn pair<const W: usize, const K: usize>(
     (planes(rng, mode, &middles, -1), planes(rng, mode, &middles, 1))
 }
 
-/// A body of sixteen and one of four.
+/// Planes of sixteen bodies, and of four.
 type Both<const K: usize> = (Planes<16, K>, Planes<4, K>);
 
-/// `n` queries and `n` nodes, every two of which are a pair.
+/// `n` queries and `n` nodes, for all n^2 pairs.
 pub(crate) fn pool<const K: usize>(
     rng: &mut Rng,
     mode: Mode,
@@ -97,14 +97,14 @@ where
     (draw(-1), draw(1))
 }
 
-/// `count` pairs: each item of a list with each of another, from lists that `draw` makes of a given length.
-/// To draw an item for every pair would take an emulator a hundred times as long as the kernels.
+/// Visits `count` pairs, each item of one list with each item of another; `draw` makes lists of a given length.
+/// Generating an item for every pair would take an emulator a hundred times as long as the kernels.
 pub(crate) fn each_pair<A, B>(
     count: u64,
     mut draw: impl FnMut(usize) -> (Vec<A>, Vec<B>),
     mut visit: impl FnMut(u64, &A, &B),
 ) {
-    // Many lists even where pairs are few.
+    // Many lists, even for few pairs.
     let side = (count.isqrt() / 10).clamp(1, 64) as usize;
     let mut i = 0;
     while i < count {
@@ -125,7 +125,7 @@ pub(crate) const fn narrow<const K: usize>(planes: Planes<4, K>) -> Node4<K> {
     Node4 { planes, child: [Child::EMPTY; 4] }
 }
 
-/// Any number, more often one that is special or small.
+/// Any number, often a special or a small one.
 pub(crate) fn float(rng: &mut Rng) -> f32 {
     match rng.below(8) {
         0 => *rng.pick(&[

@@ -1,10 +1,10 @@
-//! The law of the kernels (`simdop::kernel`): every instruction set gives the scalar kernel's bits, for every
-//! input.
+//! The law of the kernels (`simdop::low_level::kernel`): for every input, every instruction set gives the
+//! scalar kernel's bits.
 //!
-//! One macro makes the same named tests for each name in `Isa::NAMES`. An instruction set that this machine
-//! has not got is reported as `NOT RUN`, and is a failure where `SIMDOP_REQUIRE_ISA` (names, with commas)
-//! asks for it. `SIMDOP_PAIRS` sets the number of pairs of nodes per k. At [`RECORDED_PAIRS`] the oracle is
-//! the scalar kernel's recorded digest, which spares an emulator the scalar kernel.
+//! One macro generates the same tests for each name in `Isa::NAMES`. An instruction set that this machine does
+//! not have is reported as `NOT RUN`, and is a failure if `SIMDOP_REQUIRE_ISA` (names, separated by commas)
+//! contains it. `SIMDOP_PAIRS` sets the number of pairs of nodes per k. At [`RECORDED_PAIRS`](digest) the tests
+//! compare with the scalar kernel's recorded digest, which saves an emulator the scalar kernel.
 
 mod balls;
 mod digest;
@@ -31,7 +31,7 @@ use realign::realignments_equal_the_scalar_kernel;
 use simdop::isa::{Isa, IsaError, on_isa};
 use support::data::notice;
 
-/// The instruction set, if it is here. If not, a notice says so.
+/// The instruction set, if this machine has it. If not, prints a notice.
 fn available(name: &str) -> Option<Isa> {
     match name.parse() {
         Ok(isa) => Some(isa),
@@ -45,7 +45,7 @@ fn available(name: &str) -> Option<Isa> {
     }
 }
 
-/// The tests of one instruction set; each runs `law::<K>(kernel, name)` for every k.
+/// The tests of each instruction set; each test runs `law::<K>(kernel, name)` for every k.
 macro_rules! laws {
     ($($isa:ident)*) => {
         #[test]
@@ -85,7 +85,7 @@ macro_rules! laws {
                 }
             }
 
-            /// Every compare of a plane, of 2^32: minutes in an emulator.
+            /// All 2^32 compares of one plane: takes minutes in an emulator.
             #[test]
             #[ignore = "exhaustive: cargo test --release --test kernel_law -- --ignored"]
             fn all_key_pairs() {
@@ -113,7 +113,7 @@ macro_rules! laws {
 
 laws!(scalar neon avx2 avx512);
 
-/// Pairs of nodes per k: `SIMDOP_PAIRS`, else as many as are no burden.
+/// Pairs of nodes per k: `SIMDOP_PAIRS`, or a number that is quickly tested.
 fn pairs() -> u64 {
     let small = std::env::var("SIMDOP_SUITE").is_ok_and(|suite| suite == "small");
     match std::env::var("SIMDOP_PAIRS") {

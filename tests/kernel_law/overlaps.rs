@@ -14,7 +14,7 @@ use simdop::node::{Node4, Node16};
 use simdop::query::Lanes;
 use std::cell::LazyCell;
 
-/// The overlap kernels in one list of masks: 16 lanes 1vs16, one lane 16vs1, 4vs4, and 16 against the hull.
+/// The masks of all overlap kernels: 1vs16 of 16 lanes, 16vs1 of one lane, 4vs4, and 16 against the hull.
 type Masks = [u16; 19];
 
 #[inline(always)]
@@ -73,12 +73,13 @@ where
     conclude(&format!("{name} k {K}: {} pairs of nodes", pairs()), &digest, recorded);
 }
 
-/// Planes that overlap in every lane, by touching.
+/// Planes that touch in every lane, and so overlap.
 const fn touching<const W: usize, const K: usize>() -> Planes<W, K> {
     [[5; W]; K]
 }
 
-/// Raising one plane of one query lane above one lane of the node clears just that bit, wherever it is.
+/// Raising one plane of one query lane above one lane of the node clears just that bit, for every plane and
+/// lane.
 pub(crate) fn any_one_plane_separates<const K: usize>(kernel: impl Kernel, name: &str) {
     for j in (0..K).step_by(if cfg!(miri) { 5 } else { 1 }) {
         for lane in (0..16).step_by(if cfg!(miri) { 7 } else { 1 }) {
@@ -111,7 +112,7 @@ pub(crate) fn any_one_plane_separates<const K: usize>(kernel: impl Kernel, name:
     }
 }
 
-/// One lane is not separated, each other one by one plane only.
+/// One lane overlaps; each other lane is separated by one plane only.
 pub(crate) fn any_one_lane_overlaps<const K: usize>(kernel: impl Kernel, name: &str) {
     for last in (0..K).step_by(if cfg!(miri) { 7 } else { 1 }) {
         for hit in (0..16).step_by(if cfg!(miri) { 7 } else { 1 }) {
@@ -133,9 +134,9 @@ pub(crate) fn any_one_lane_overlaps<const K: usize>(kernel: impl Kernel, name: &
     }
 }
 
-/// Overlap is symmetric: with the roles swapped, A's planes in the node and B's in the query, rows are
-/// columns. And a reflection of space, which swaps the two planes of each slab, changes nothing. Nor does how many bodies'
-/// turned planes lie side by side.
+/// Overlap is symmetric: exchanging the roles, A's planes in the node and B's in the query, transposes the
+/// mask. A reflection of space, which exchanges the two planes of each slab, does not change it. Nor does the
+/// number of bodies whose rotated planes are stored side by side.
 pub(crate) fn roles_swapped_and_bodies_mirrored<const K: usize>(kernel: impl Kernel, name: &str) {
     let mut rng = Rng::new(200 + K as u64);
     let swapped = |planes: &Planes<16, K>| -> Planes<16, K> {
@@ -150,7 +151,7 @@ pub(crate) fn roles_swapped_and_bodies_mirrored<const K: usize>(kernel: impl Ker
         let mirrored = (mirrored(&query), wide(mirrored(&planes)));
         let swapped = (swapped(&planes), wide(swapped(&query)));
         for (lane, row) in rows.iter().enumerate().step_by(if cfg!(miri) { 5 } else { 1 }) {
-            // Turned planes of this lane alone, and of four.
+            // Rotated planes of this lane alone, and of four lanes.
             let one: Turned<1, K> = query.map(|plane| [plane[lane]]);
             assert_eq!(kernel.overlap_1v16(&one, 0, &node), *row, "{name} k {K}");
             let four: Turned<4, K> = query.map(|plane| core::array::from_fn(|i| plane[(lane + i) % 16]));
@@ -160,14 +161,14 @@ pub(crate) fn roles_swapped_and_bodies_mirrored<const K: usize>(kernel: impl Ker
             assert_eq!(kernel.overlap_1v16(&swapped.0, lane, &swapped.1), column(lane), "{name} k {K}");
             assert_eq!(kernel.overlap_16v1(&query, &node, lane), column(lane), "{name} k {K}");
         }
-        // The hull is the child with the greatest of the planes.
+        // The hull of the children has the greatest of each of their planes.
         let hull = wide(planes.map(|plane| [*plane.iter().max().unwrap(); 16]));
         let against_hull = kernel.overlap_16v_hull(&query, &node);
         assert_eq!(against_hull, kernel.overlap_16v1(&query, &hull, 5), "{name} k {K}");
     }
 }
 
-/// Permuting the children permutes the bits.
+/// A permutation of the children permutes the bits.
 pub(crate) fn lanes_permuted<const K: usize>(kernel: impl Kernel, name: &str) {
     let mut rng = Rng::new(300 + K as u64);
     for i in 0..pairs() / 64 + 1 {
@@ -184,9 +185,9 @@ pub(crate) fn lanes_permuted<const K: usize>(kernel: impl Kernel, name: &str) {
     }
 }
 
-/// All 2^32 pairs of codes in one compare, sixteen at a time: ascending codes in the lanes, so that the lanes
-/// below the query are counted by a subtraction. The compare does not depend on the plane, the lane or k:
-/// [`any_one_plane_separates`] tries those.
+/// All 2^32 pairs of codes in one compare, sixteen at a time. Codes ascend with the lanes, so a subtraction
+/// counts the lanes below the query. The compare does not depend on the plane, the lane or k:
+/// [`any_one_plane_separates`] tests those.
 pub(crate) fn all_key_pairs<E: Kernel>(kernel: E) {
     const CLEAR: i16 = i16::MIN;
     let mut nodes = vec![wide::<6>([[CLEAR; 16]; 6]); 4096];
@@ -207,13 +208,13 @@ pub(crate) fn all_key_pairs<E: Kernel>(kernel: E) {
                     let below = (i32::from(q) - first).clamp(0, 16);
                     let want = (0xffff_0000_u32 >> (16 - below)) as u16 | (0xffff_u32 << below) as u16;
                     assert_eq!(kernel.overlap_1v16(&query, 3, node), want, "query {q} against {first}..");
-                    // The other way round: sixteen queries against one plane.
+                    // The converse: sixteen queries against one plane.
                     let mut single = wide::<6>([[i16::MAX; 16]; 6]);
                     single.planes[i % 6][3] = q;
                     let up_to = (i32::from(q) - first + 1).clamp(0, 16);
                     let want = !(0xffff_u32 << up_to) as u16;
                     assert_eq!(kernel.overlap_16v1(lanes, &single, 3), want, "queries {first}.. against {q}");
-                    // 4vs4: the rows are the same query, the columns four codes.
+                    // 4vs4: all rows are the same query, and the columns are four codes.
                     let four = node.planes.map(|p| [p[0], p[5], p[10], p[15]]);
                     let rows = query.map(|q| [q[3]; 4]);
                     let row = [0, 5, 10, 15]
@@ -231,7 +232,7 @@ pub(crate) fn all_key_pairs<E: Kernel>(kernel: E) {
     }
 }
 
-/// The scalar kernel against the inequality itself, in `f64`, for planes that are values.
+/// The scalar kernel against the inequality itself in `f64`, for codes that are finite planes.
 #[test]
 fn scalar_kernel_is_the_inequality() {
     let mut rng = Rng::new(400);
@@ -254,7 +255,7 @@ fn scalar_kernel_is_the_inequality() {
     }
 }
 
-/// The mark of an unused lane stays separate from everything, even from a query without bounds.
+/// An unused lane is separated from everything, even from an unbounded query.
 #[test]
 fn unused_lanes_are_separated_from_unbounded_bodies() {
     let unbounded = [[Key::INFINITY.code(); 16]; 18];

@@ -12,8 +12,8 @@ use simdop::node::{Node4, Node16};
 use simdop::query::Lanes;
 use std::cell::LazyCell;
 
-/// A slab with anything in it. As often as not a limit is the sum that some child has, so that the compare
-/// of equal numbers and the last place of the sum count.
+/// A random slab. Half of the limits are the sum that some child has, so that the compare of equal numbers and
+/// the last bit of the sum matter.
 fn any_slab<const W: usize, const K: usize>(
     rng: &mut Rng,
     mode: Mode,
@@ -36,7 +36,7 @@ fn any_slab<const W: usize, const K: usize>(
     PrimitiveSlab { sources, weights, limits }
 }
 
-/// Children beyond a slab, of sixteen and of four.
+/// The masks of the children beyond a slab, of sixteen and of four.
 fn beyond<const K: usize>(
     kernel: impl Kernel,
     (slab, slab_4): &(PrimitiveSlab, PrimitiveSlab),

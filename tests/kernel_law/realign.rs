@@ -13,7 +13,7 @@ use simdop::node::{Node4, Node16};
 use simdop::query::Lanes;
 use std::cell::LazyCell;
 
-/// A map with anything in it.
+/// A random map.
 pub(crate) fn any_map<const K: usize>(rng: &mut Rng) -> Realignment<K> {
     Realignment {
         sources: core::array::from_fn(|_| core::array::from_fn(|_| rng.below(K as u64) as u8)),
@@ -32,9 +32,9 @@ where
     let scalar = Scalar::new();
     let recorded = recorded::<K>().map(|[_, realignments, _]| realignments);
     let mut digest = Digest::EMPTY;
-    // How many nodes meet no body of theirs turned, and some.
+    // How often no rotated body of the node meets the other body, and how often some do.
     let mut met = [0; 2];
-    // A scalar re-alignment costs as much as a hundred overlaps.
+    // A scalar realignment takes as long as a hundred overlaps.
     let count = pairs() / 8 / MODES.len() as u64 + 1;
     for &mode in MODES {
         let draw = |n| {
@@ -61,7 +61,8 @@ where
             if i % 4 == 0 {
                 let mut early = got.map(|plane| plane.map(|code| !code));
                 let mut whole = 0;
-                // First all of the other body, then each child of its node: what was turned before is not turned again.
+                // First against the hull of the other node, then against each of its children. Planes that are
+                // already rotated are not rotated again.
                 for lane in [None].into_iter().chain((0..16).map(Some)) {
                     let mask = kernel.realign_16_over(map, node, &mut early, &mut whole, node, lane);
                     let want = match lane {
@@ -79,7 +80,7 @@ where
             }
         });
     }
-    // A sixth at k 32, but a tenth of the few nodes that mutants are tried with.
+    // At k = 32 a sixth meet, but only a tenth of the few nodes that the mutation tests use.
     let share = if pairs() < 4_000 { 16 } else { 8 };
     assert!(cfg!(miri) || met.into_iter().all(|count| share * count > met[0] + met[1]), "k {K}: {met:?}");
     let all = count * MODES.len() as u64;

@@ -12,8 +12,7 @@ use simdop::pose::Pose;
 use simdop::primitive::Triangles;
 use simdop::query::Lanes;
 
-/// Nodes of two trees of one mesh, A's in query form at poses where the trees meet, and slabs of triangles
-/// beside them.
+/// The nodes of two trees of one mesh, maps for poses where the trees meet, and slabs of triangles near them.
 pub(crate) struct Trees<const K: usize> {
     pub(crate) wide: Bvh<Node16<K>>,
     pub(crate) narrow: Bvh<Node4<K>>,
@@ -21,9 +20,9 @@ pub(crate) struct Trees<const K: usize> {
     pub(crate) slabs: Vec<PrimitiveSlab>,
 }
 
-/// A torus with a wave: curved both ways, and not symmetric.
+/// A torus with a wave: curved in both directions, and not symmetric.
 fn shape(n: u32) -> (Vec<[f64; 3]>, Vec<[u32; 3]>) {
-    // A rational parametrisation of the circle: sines differ between machines.
+    // A rational parametrisation of the circle, because sines differ between machines.
     let circle = |i: u32| {
         let t = f64::from(i % n) / f64::from(n) * 4.0 - 2.0;
         let (t, turn) = if t.abs() <= 1.0 { (t, 1.0) } else { (t - 2.0_f64.copysign(t), -1.0) };
@@ -89,7 +88,7 @@ where
     }
 }
 
-/// A node, more often one of the upper and larger: they come first, and overlap more.
+/// A random node; the upper nodes, which come first, are larger and overlap more, and are drawn more often.
 fn upper<'a, N>(rng: &mut Rng, nodes: &'a [N]) -> &'a N {
     let end = 1 + rng.below(nodes.len() as u64) as usize;
     let end = 1 + rng.below(end as u64) as usize;

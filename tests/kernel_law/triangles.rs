@@ -6,8 +6,8 @@ use simdop::isa::{Isa, on_isa};
 use simdop::low_level::kernel::Kernel;
 use simdop::primitive::triangle::Probe;
 
-/// The planes' filter on four triangles is that on one, on every instruction set: corners on a small grid, on
-/// few planes, and of any size.
+/// On every instruction set the filter of four triangles equals the filter of one. Corners lie on a small grid
+/// or on few planes, or have any size.
 #[test]
 fn filters_of_four_triangles_are_those_of_one() {
     for isa in Isa::available() {
@@ -19,7 +19,7 @@ fn filters_of_four_triangles_are_those_of_one() {
             let mut point = |shift: f64| match i % 4 {
                 0 => core::array::from_fn(|_| rng.int(-2, 2) as f64 * size),
                 1 => {
-                    // An oblique plane, as far as rounding lets it be one.
+                    // An oblique plane, up to rounding.
                     let (x, y) = (rng.range(-1.0, 1.0), rng.range(-1.0, 1.0));
                     [x, y, 0.7 - 0.3 * x - 1.1 * y + shift]
                 }

@@ -1,8 +1,8 @@
-//! Meshes as files of every kind that the command reads.
+//! Meshes in every file format that the command reads.
 
 use crate::support::data::MeshData;
 
-/// A tetrahedron: the origin and the unit vectors.
+/// A tetrahedron whose corners are the origin and the unit vectors.
 pub(crate) fn tetrahedron() -> MeshData {
     MeshData {
         vertices: vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
