@@ -3,7 +3,7 @@
 //!
 //! One macro generates the same tests for each name in `Isa::NAMES`. An instruction set that this machine does
 //! not have is reported as `NOT RUN`, and is a failure if `SIMDOP_REQUIRE_ISA` (names, separated by commas)
-//! contains it. `SIMDOP_PAIRS` sets the number of pairs of nodes per k. At [`RECORDED_PAIRS`](digest) the tests
+//! contains it. `SIMDOP_PAIRS` sets the number of pairs of nodes per k. At `digest::RECORDED_PAIRS` the tests
 //! compare with the scalar kernel's recorded digest, which saves an emulator the scalar kernel.
 
 mod balls;
