@@ -76,7 +76,7 @@ fn devices() -> &'static [Gpu] {
     devices
 }
 
-// ---- What wgpu says ---------------------------------------------------------------------------------------
+// ---- The log of wgpu --------------------------------------------------------------------------------------
 
 thread_local! {
     /// The warnings and errors of wgpu that this thread caused.
@@ -341,7 +341,7 @@ proptest! {
     }
 }
 
-// ---- Watching ---------------------------------------------------------------------------------------------
+// ---- Progress ---------------------------------------------------------------------------------------------
 
 #[test]
 fn an_observer_sees_what_the_scalar_builders_does_and_can_stop() {
@@ -372,7 +372,7 @@ fn an_observer_sees_what_the_scalar_builders_does_and_can_stop() {
     }
 }
 
-// ---- What can go wrong ------------------------------------------------------------------------------------
+// ---- Errors -----------------------------------------------------------------------------------------------
 
 const LOST: GpuError = GpuError::Device(DeviceError::Lost);
 

@@ -53,7 +53,7 @@ fn finding(line: usize, what: impl Into<String>) -> Finding {
     Finding { line, what: what.into() }
 }
 
-// ---- Reading Rust, as far as the rules need it ------------------------------------------------------------
+// ---- A reader of Rust for the rules -----------------------------------------------------------------------
 
 /// The code with every character of comments, strings and character literals blanked. Line breaks stay.
 fn code_of(source: &str) -> String {
@@ -394,7 +394,7 @@ fn a_name_of_a_type_means_one_thing() {
     assert!(twice.is_empty(), "{twice:#?}");
 }
 
-// ---- Each rule finds what it is for -----------------------------------------------------------------------
+// ---- Tests of the rules -----------------------------------------------------------------------------------
 
 fn lines(findings: &[Finding]) -> Vec<usize> {
     findings.iter().map(|f| f.line).collect()

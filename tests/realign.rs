@@ -24,7 +24,7 @@ use support::rng::Rng;
 use support::shapes;
 use support::turns::{add, pose, random_point, rotation};
 
-// ---- Poses and frames that are hard in different ways -----------------------------------------------------
+// ---- Difficult poses and frames ---------------------------------------------------------------------------
 
 /// The exponent that scales this size to between 2^12 and 2^13, similar to the builder's.
 fn exponent_for(size: f64) -> i32 {
@@ -37,7 +37,7 @@ fn size_and_distance(rng: &mut Rng) -> (f64, f64) {
     (*rng.pick(&[1e-3, 0.05, 1.0, 1.0, 30.0, 1e3]), *rng.pick(&[0.0, 1.0, 1.0, 1e3, 1e6, 1e12]))
 }
 
-// ---- The question, decided exactly ------------------------------------------------------------------------
+// ---- The exact decision -----------------------------------------------------------------------------------
 
 fn offset(p: f64, centre: f64) -> Dyadic {
     Dyadic::from(p) - Dyadic::from(centre)
@@ -203,7 +203,7 @@ fn turned_planes_bound_bodies_too_large_for_single_precision() {
     for_each_k!(bodies_too_large_for_single_precision);
 }
 
-// ---- One point, a hair from the next key ------------------------------------------------------------------
+// ---- One point close to the next key ----------------------------------------------------------------------
 
 /// The value of some key.
 fn some_bound(rng: &mut Rng) -> f64 {
@@ -258,7 +258,7 @@ fn turned_planes_of_one_point_a_hair_above_a_key() {
     for_each_k!(planes_of_one_point);
 }
 
-// ---- The way back -----------------------------------------------------------------------------------------
+// ---- The inverse pose -------------------------------------------------------------------------------------
 
 /// Body B is one point y, and A has a point p there, at A's greatest distance from the centre of its frame. B's
 /// planes, rotated into A's frame and moved out, bound p, up to the error of `f64` between y and the moved p.
@@ -312,7 +312,7 @@ fn planes_of_b_bound_points_of_a_on_the_way_back() {
     for_each_k!(the_way_back_of_one_point);
 }
 
-// ---- What the offset pays for -----------------------------------------------------------------------------
+// ---- The bound of the offset ------------------------------------------------------------------------------
 
 /// Below any normal product of a code and a weight: three such products, each off by at most 2^-150.
 const UNDERFLOW_EXPONENT: i32 = -148;

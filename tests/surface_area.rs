@@ -96,7 +96,7 @@ fn a_hundred_thousand_coincident_triangles() {
     }
 }
 
-// ---- Every machine ----------------------------------------------------------------------------------------
+// ---- The same bytes on every machine ----------------------------------------------------------------------
 
 /// The trees of a generated mesh, byte for byte. A change of the splitter or of the format changes them.
 #[test]

@@ -291,7 +291,7 @@ fn a_million_triangles() {
     );
 }
 
-// ---- What goes in -----------------------------------------------------------------------------------------
+// ---- Input ------------------------------------------------------------------------------------------------
 
 #[test]
 fn bad_meshes_are_refused_by_name() {
@@ -403,7 +403,7 @@ fn all_pairs(a: &MeshData, b: &MeshData, pose: &[[f64; 4]; 3]) -> BTreeSet<(u32,
     pairs_that_meet(Query::new(Isa::detect()), &a, &b, &Pose::from_rows(*pose).unwrap()).0
 }
 
-// ---- What comes back from storage -------------------------------------------------------------------------
+// ---- Stored bytes -----------------------------------------------------------------------------------------
 
 /// A change of these digests is a change of the format or of the trees. Increase `VERSION` for the former, and
 /// mention both in CHANGELOG.md.

@@ -27,7 +27,7 @@ use simdop::query::{Lanes, Query};
 use simdop::range::{MAX_COORDINATE, MIN_COORDINATE, Point};
 use std::collections::BTreeSet;
 
-// ---- The question, decided exactly ------------------------------------------------------------------------
+// ---- The exact decision -----------------------------------------------------------------------------------
 
 fn exact(x: f64) -> Dyadic {
     Dyadic::from(x)
@@ -195,7 +195,7 @@ fn a_point_off_the_triangle_is_found() {
     for_each_k!(points_off_the_triangle);
 }
 
-// ---- What the limits pay for ------------------------------------------------------------------------------
+// ---- The bound of the limits ------------------------------------------------------------------------------
 
 /// The bound that the module's documentation proves, in exact arithmetic: if a lane within the bounds reaches
 /// the triangle's margin, its plane sums along direction `s` are no lower than the limits.
@@ -542,7 +542,7 @@ fn bodies_of_unlike_size_meet_in_every_pair() {
     unlike_bodies::<Node4<14>>();
 }
 
-// ---- Without a direction, without a bound -----------------------------------------------------------------
+// ---- No direction, no bound -------------------------------------------------------------------------------
 
 fn nothing_is_beyond<const K: usize>() {
     let mut rng = Rng::new(500 + K as u64);

@@ -1,4 +1,4 @@
-//! Queries from any number of threads, on the same trees, give the answers and counters of one thread.
+//! Queries from any number of threads, on the same trees, give the answers and statistics of one thread.
 
 use crate::support::rng::Rng;
 use crate::support::shapes;
