@@ -1,4 +1,4 @@
-//! Spheres around meshes: what they hold, and how far they reach, by brute force.
+//! Covers of meshes by spheres: what they contain, and how far they reach, by brute force.
 
 #[path = "support/data.rs"]
 mod data;
@@ -24,9 +24,10 @@ fn cover(mesh: &MeshData, error: f64) -> Vec<Sphere> {
     Mesh { vertices: &mesh.vertices, triangles: &mesh.triangles }.cover(error).unwrap()
 }
 
-/// Whether every point of a triangle is in one of the spheres: one holds all corners, or they hold its four quarters, in the end
-/// the corners each, where spheres meet. No coordinate has so many digits that halving loses one; the squares round by less than what is
-/// asked besides.
+/// Whether the spheres contain every point of a triangle: one sphere contains all corners, or the spheres
+/// contain the four quarters of the triangle. At the greatest depth, where spheres meet, it suffices that they
+/// contain the corners. Coordinates have so few digits that halving is exact; the rounding of the squares is
+/// less than the tolerance.
 fn is_held(t: &Triangle, spheres: &[Sphere], depth: u32) -> bool {
     let near: Vec<Sphere> = spheres
         .iter()
@@ -51,7 +52,7 @@ fn is_held(t: &Triangle, spheres: &[Sphere], depth: u32) -> bool {
     [[p, a, c], [a, q, b], [c, b, r], [a, b, c]].iter().all(|t| is_held(t, &near, depth - 1))
 }
 
-/// From a point to a triangle.
+/// The distance of a point from a triangle.
 fn distance(x: DVec3, [p, q, r]: &Triangle) -> f64 {
     let of_edge = |p: DVec3, q: DVec3| {
         let (u, length) = (q - p, (q - p).length_squared());
@@ -87,7 +88,7 @@ fn check(mesh: &MeshData, error: f64, what: &str) -> usize {
 #[test]
 fn spheres_hold_the_mesh_and_stay_near_it() {
     let mut rng = Rng::new(210);
-    // Coordinates of few digits.
+    // Coordinates with few digits.
     let round = |mut mesh: MeshData| {
         for x in mesh.vertices.iter_mut().flatten() {
             *x = (*x * 65536.0).round() / 65536.0;
@@ -126,7 +127,7 @@ fn covers_have_no_scale() {
     check(&far, 0.25, "far away");
 }
 
-/// How often a surface winds around a point that is not on it: by the solid angles of its triangles.
+/// The winding number of a surface around a point that is not on it, from the solid angles of its triangles.
 fn winding(all: &[Triangle], x: DVec3) -> f64 {
     let angle = |t: &Triangle| {
         let [p, q, r] = t.map(|corner| corner - x);
@@ -140,7 +141,8 @@ fn cover_solid(mesh: &MeshData, error: f64) -> Vec<Sphere> {
     Mesh { vertices: &mesh.vertices, triangles: &mesh.triangles }.cover_solid(error).unwrap()
 }
 
-/// That the surface is held, and points inside, and that no sphere reaches too far: about its centre and on it.
+/// The spheres contain the surface and points inside, and no sphere reaches too far: checked at its centre and
+/// on it.
 fn check_solid(mesh: &MeshData, error: f64, points: usize, what: &str) -> usize {
     let (all, spheres) = (triangles(mesh), cover_solid(mesh, error));
     for (i, t) in all.iter().enumerate() {
@@ -158,7 +160,7 @@ fn check_solid(mesh: &MeshData, error: f64, points: usize, what: &str) -> usize 
         let x = if i % 2 == 0 {
             low + DVec3::new(share(), share(), share()) * (high - low)
         } else {
-            // Just below the surface, where the spheres that hold it part.
+            // Just below the surface, where the covering spheres are separate.
             let [p, q, r] = all[i / 2 % all.len()];
             let (u, v) = (share(), share());
             let (u, v) = if u + v > 1.0 { (1.0 - u, 1.0 - v) } else { (u, v) };
@@ -183,7 +185,7 @@ fn check_solid(mesh: &MeshData, error: f64, points: usize, what: &str) -> usize 
     spheres.len()
 }
 
-/// With cavities, parts that overlap, inside out, and so thin that no sphere is deep.
+/// With cavities, overlapping parts, reversed orientation, and parts so thin that no sphere is deep.
 #[test]
 fn spheres_hold_the_solid_and_stay_near_it() {
     let cuboid = |low, high| shapes::cuboid(low, high, false);
@@ -237,7 +239,7 @@ fn open_meshes_have_no_solid_to_cover() {
     }
 }
 
-/// So small an error takes more spheres than a tree has: seconds, and minutes in an emulator.
+/// So small an error takes more spheres than a tree can have. It takes seconds, or minutes in an emulator.
 #[test]
 fn more_spheres_than_a_tree_has_are_refused() {
     if suite_step() > 1 {
@@ -251,7 +253,7 @@ fn more_spheres_than_a_tree_has_are_refused() {
     assert_eq!(mesh.cover(1e-5), Err(CoverError::TooMany));
 }
 
-/// Points are triangles whose corners are one.
+/// A point is a triangle whose corners coincide.
 #[test]
 fn points_are_covered_by_few_spheres() {
     let mut rng = Rng::new(213);

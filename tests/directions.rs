@@ -1,4 +1,4 @@
-//! Every direction set against oracles that know nothing of hulls, grids or walks: the definition of a
+//! Every set of directions against oracles that do not use its hull, its grid or its walk: the definition of a
 //! decomposition, and the best of all triples of directions.
 
 #[path = "support/rng.rs"]
@@ -36,8 +36,8 @@ fn ray(rng: &mut Rng) -> Vector {
     }
 }
 
-/// For the best of all triples of directions: every invertible triple, its inverse by Cramer's rule, and its
-/// lengths.
+/// To find the best of all triples of directions: every invertible triple, inverted by Cramer's rule, and the
+/// lengths of its directions.
 struct Triples(Vec<([Vector; 3], Vector)>);
 
 impl Triples {
@@ -60,8 +60,8 @@ impl Triples {
         Self(triples)
     }
 
-    /// The optimum of: minimise `sum c |n|` with `sum c n = u`, `c >= 0`. A basic solution has at most three
-    /// terms.
+    /// The optimum of: minimise `sum c |n|` subject to `sum c n = u`, `c >= 0`. A basic solution has at most
+    /// three terms.
     fn least_cost(&self, u: Vector) -> f64 {
         let slack = -1e-13 * length(u);
         let cost = |(rows, lengths): &([Vector; 3], Vector)| {
@@ -72,8 +72,8 @@ impl Triples {
     }
 }
 
-/// The definition: three distinct directions, weights not negative, their sum u; and -u takes the antipodes.
-/// Returns the cost `sum c |n|`.
+/// Checks the definition: three distinct directions; nonnegative weights; their sum is u; -u has the antipodal
+/// directions. Returns the cost `sum c |n|`.
 fn check_decomposition<const K: usize>(u: Vector) -> f64 {
     let n = Directions::<K>::VECTORS;
     let found = Directions::<K>::decompose(u);
@@ -92,8 +92,8 @@ fn check_decomposition<const K: usize>(u: Vector) -> f64 {
     for (direction, weight) in found.directions.map(|j| j ^ 1).into_iter().zip(found.weights) {
         let other =
             (0..3).filter(|&m| opposite.directions[m] == direction).map(|m| opposite.weights[m]).sum::<f64>();
-        // On a border -u may take the face next to the antipodal one; then the corner that differs weighs
-        // nothing.
+        // On a border, -u may use the face next to the antipodal one. Then the corner that differs has no
+        // weight.
         assert!(
             (other - weight).abs() <= 1e-12 * length(u),
             "k = {K}, u = {u:?}: {found:?} but {opposite:?}"
@@ -118,7 +118,8 @@ fn random_rays<const K: usize>() {
     }
 }
 
-/// Rays where two or more faces meet, exactly, and beside by one unit in the last place or a little.
+/// Rays where two or more faces meet exactly, and rays beside them by one unit in the last place or somewhat
+/// more.
 fn borders<const K: usize>() {
     let n = Directions::<K>::VECTORS;
     let triples = Triples::new::<K>();
@@ -155,7 +156,7 @@ fn borders<const K: usize>() {
     }
 }
 
-/// No answer is promised, but one comes: valid indices, no weight below zero, no panic.
+/// The result is unspecified, but valid: indices in range, no negative weight, no panic.
 fn hopeless<const K: usize>() {
     let odd =
         [0.0, -0.0, 1.0, -1.0, 5e-324, -1e-310, 1e300, f64::MAX, f64::INFINITY, f64::NEG_INFINITY, f64::NAN];
@@ -185,7 +186,7 @@ fn constants<const K: usize>(slabs: &[[i8; 3]]) {
     }
 }
 
-/// The documented mean width of a turned ball, to three digits.
+/// The documented mean width of a rotated ball, to three digits.
 fn mean_width<const K: usize>(documented: f64) {
     let mut rng = Rng::new(7);
     let rays = 40_000;

@@ -1,4 +1,4 @@
-//! Batch Neural Gas on a device: the scalar builder's bytes, whatever is built, and errors as values.
+//! Batch Neural Gas on a device: the same bytes as the scalar builder, for every mesh, and errors as values.
 //!
 //! Needs an adapter: a GPU, or Mesa's llvmpipe (`mesa-vulkan-drivers`). `SIMDOP_REQUIRE_GPU=1` makes its
 //! absence a failure.
@@ -43,14 +43,14 @@ fn block_on<T>(future: impl Future<Output = T>) -> T {
     pollster::block_on(future)
 }
 
-/// A device of its own, with these features and limits.
+/// A separate device with these features and limits.
 fn device_with(features: wgpu::Features, limits: wgpu::Limits) -> Option<(wgpu::Device, wgpu::Queue)> {
     let descriptor =
         wgpu::DeviceDescriptor { required_features: features, required_limits: limits, ..Default::default() };
     Some(block_on(adapter()?.request_device(&descriptor)).unwrap())
 }
 
-/// The devices that all tests share: with 64-bit integers, where the adapter has them, and without.
+/// The devices that all tests share: one with 64-bit integers, if the adapter has them, and one without.
 fn devices() -> &'static [Gpu] {
     static DEVICES: OnceLock<Vec<Gpu>> = OnceLock::new();
     let devices = DEVICES.get_or_init(|| {
@@ -76,14 +76,14 @@ fn devices() -> &'static [Gpu] {
     devices
 }
 
-// ---- What wgpu says ---------------------------------------------------------------------------------------
+// ---- The log of wgpu --------------------------------------------------------------------------------------
 
 thread_local! {
-    /// Warnings and errors that this thread's calls caused.
+    /// The warnings and errors of wgpu that this thread caused.
     static WARNINGS: RefCell<Vec<String>> = const { RefCell::new(Vec::new()) };
 }
 
-/// Hears what wgpu logs.
+/// Receives the log of wgpu.
 struct Listener;
 
 impl log::Log for Listener {
@@ -100,7 +100,8 @@ impl log::Log for Listener {
     fn flush(&self) {}
 }
 
-/// What `work` returns, which must cause neither a warning nor, as errors panic that nobody takes, an error.
+/// Returns the result of `work`, which must not cause a warning or an error. An error that is not handled
+/// panics.
 fn quietly<T>(work: impl FnOnce() -> T) -> T {
     WARNINGS.with_borrow_mut(Vec::clear);
     let result = work();
@@ -164,7 +165,7 @@ const MESHES: [&str; 14] = [
     "meshes/bunny75k",
 ];
 
-/// Whether a mesh is built with a seed in a combination (0 to 3) of lanes and weights.
+/// Whether to build a mesh with a seed, for a combination (0 to 3) of lanes and weights.
 type Wanted = fn(mesh: usize, triangles: usize, combination: usize, seed: u32) -> bool;
 
 fn compare_meshes(wanted: Wanted) {
@@ -188,7 +189,7 @@ fn compare_meshes(wanted: Wanted) {
     }
 }
 
-/// llvmpipe is slow: small meshes with every seed, the large ones with one for each combination of lanes and
+/// llvmpipe is slow: small meshes with every seed, large ones with one seed for each combination of lanes and
 /// weights.
 #[test]
 fn real_meshes_have_the_scalar_builders_bytes() {
@@ -231,7 +232,7 @@ fn generated_meshes_have_the_scalar_builders_bytes() {
     }
 }
 
-/// Spheres as a packing has them: few large, many small, weighted by their volumes.
+/// Spheres like those of a packing: few large, many small, weighted by their volumes.
 fn spheres(rng: &mut Rng, count: usize) -> PointCloud {
     let points = (0..count).map(|_| [(); 3].map(|()| rng.range(-1.0, 1.0))).collect();
     let radius = |i: usize| 0.2 / (1.0 + i as f64).sqrt();
@@ -246,7 +247,7 @@ fn weighted_spheres_have_the_scalar_builders_shape() {
         for seed in 0..10 {
             for arity in [4, 16] {
                 for weighted in [false, true] {
-                    // Each combination on one of them, in turns.
+                    // The seeds alternate between the devices.
                     let Some(gpu) = devices().get(seed as usize % 2) else { return };
                     cloud.compare(gpu, weighted, Clustering { arity, leaf_size: 1, seed });
                 }
@@ -255,8 +256,8 @@ fn weighted_spheres_have_the_scalar_builders_shape() {
     }
 }
 
-/// The trees of a packing, by the builder on a device, by the scalar builder, and of the shape that a device makes of
-/// the centres, each of which weighs what the sphere's volume is.
+/// Compares the trees of a packing: by the builder on a device, by the scalar builder, and from the assignment
+/// that a device computes for the centres, weighted by the spheres' volumes.
 fn compare_packing<N: Dop>(gpu: &Gpu, spheres: &[Sphere], seed: u32) {
     let set = SphereSet { spheres };
     let go_on = || |_: Progress| ControlFlow::Continue(());
@@ -278,8 +279,8 @@ fn compare_packing<N: Dop>(gpu: &Gpu, spheres: &[Sphere], seed: u32) {
     }
 }
 
-/// With [`Magnification::Area`] a sphere weighs its volume, on a device too. A packing's spheres are in single
-/// precision, so the middle of a sphere's box is its centre.
+/// With [`Magnification::Area`] a sphere's weight is its volume, on a device too. A packing's spheres are in
+/// single precision, so the centre of a sphere's box is the sphere's centre.
 #[test]
 fn packings_have_the_scalar_builders_bytes() {
     let mesh = shapes::wavy_torus(800);
@@ -293,7 +294,7 @@ fn packings_have_the_scalar_builders_bytes() {
     }
 }
 
-/// Points of one kind: spread, in clusters, in a plane, in few places, or over a huge range.
+/// Points of one kind: spread, in clusters, in a plane, at few places, or over a huge range.
 fn any_cloud() -> impl Strategy<Value = PointCloud> {
     (0..5_u32, 1..600_usize, any::<u64>()).prop_map(|(kind, count, seed)| {
         let mut rng = Rng::new(seed);
@@ -340,7 +341,7 @@ proptest! {
     }
 }
 
-// ---- Watching ---------------------------------------------------------------------------------------------
+// ---- Progress ---------------------------------------------------------------------------------------------
 
 #[test]
 fn an_observer_sees_what_the_scalar_builders_does_and_can_stop() {
@@ -371,7 +372,7 @@ fn an_observer_sees_what_the_scalar_builders_does_and_can_stop() {
     }
 }
 
-// ---- What can go wrong ------------------------------------------------------------------------------------
+// ---- Errors -----------------------------------------------------------------------------------------------
 
 const LOST: GpuError = GpuError::Device(DeviceError::Lost);
 
@@ -401,7 +402,7 @@ fn a_device_destroyed_in_between_is_an_error_and_no_more() {
                 Otherwise::Fail => assert_eq!(got.unwrap_err(), LOST, "after {after} levels"),
                 Otherwise::Scalar => assert!(got.unwrap().as_bytes() == want.as_bytes()),
             }
-            // Once lost, lost for good.
+            // A lost device stays lost.
             assert_eq!(on::<Node16<6>>(&gpu, &builder, &mesh).unwrap_err(), LOST);
         }
         compare::<Node4<14>>(&devices()[0], "another device", &builder, &mesh);
@@ -449,7 +450,7 @@ fn what_is_no_matter_of_the_device_stays_an_error() {
     assert_eq!(error, GpuError::Build(BuildError::LeafSize { asked: 17 }));
 }
 
-/// In a process of its own, where no backend is allowed that this system has.
+/// In a separate process, which allows only a backend that this system does not have.
 #[test]
 fn no_adapter_is_an_error() {
     in_a_process("without_an_adapter", &[("WGPU_BACKEND", "noop")]);
@@ -461,8 +462,8 @@ fn without_an_adapter() {
     assert!(matches!(Gpu::new(), Err(DeviceError::NoAdapter { .. })));
 }
 
-/// A device that computes on the CPU has as much memory as the process may have: limited, in a process of its
-/// own, once all is there but the tree's buffers.
+/// A device that computes on the CPU has as much memory as the process may use. The limit is set in a separate
+/// process, after everything but the tree's buffers has been allocated.
 #[cfg(target_os = "linux")]
 #[test]
 fn too_little_memory_is_an_error() {
@@ -493,11 +494,11 @@ fn with_too_little_memory() {
         panic!("{:?}", got.map(|(_, spent)| spent))
     };
     println!("{error}");
-    // It leaves nothing broken.
+    // The device still works afterwards.
     compare::<Node16<6>>(gpu, "after", &builder, &small);
 }
 
-/// Bytes of this process's address space.
+/// The bytes of this process's address space.
 #[cfg(target_os = "linux")]
 fn address_space() -> u64 {
     let status = std::fs::read_to_string("/proc/self/status").unwrap();
@@ -505,7 +506,7 @@ fn address_space() -> u64 {
     1024 * line.trim().trim_end_matches(" kB").parse::<u64>().unwrap()
 }
 
-/// The soft limit, which can be raised again, by the command of util-linux.
+/// Sets the soft limit, which can be raised again, with the command of util-linux.
 #[cfg(target_os = "linux")]
 fn limit_memory(bytes: &str) {
     let process = std::process::id().to_string();

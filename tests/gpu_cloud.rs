@@ -1,4 +1,4 @@
-//! Clouds on a device: the CPU's lists and indices, word for word, and errors as values.
+//! Clouds on a device: the same lists and indices as on the CPU, word for word, and errors as values.
 //!
 //! Needs an adapter: a GPU, or Mesa's llvmpipe (`mesa-vulkan-drivers`). `SIMDOP_REQUIRE_GPU=1` makes its
 //! absence a failure.
@@ -37,7 +37,7 @@ fn device() -> Option<&'static Gpu> {
     DEVICE.get_or_init(make).as_ref()
 }
 
-/// A device of its own, that binds no larger buffers than this.
+/// A separate device, whose buffers have at most this many bytes.
 fn device_that_binds(bytes: u64) -> Option<Gpu> {
     let limits = wgpu::Limits { max_storage_buffer_binding_size: bytes, ..wgpu::Limits::default() };
     let descriptor = wgpu::DeviceDescriptor { required_limits: limits, ..Default::default() };
@@ -47,10 +47,10 @@ fn device_that_binds(bytes: u64) -> Option<Gpu> {
 
 const SEARCH: fn() -> RangeSearch = || RangeSearch::new(Isa::detect());
 
-/// What neither the CPU nor the device writes to.
+/// An initial value that neither the CPU nor the device writes.
 const UNTOUCHED: List = List { start: 77, count: 78 };
 
-/// Asks both, and returns the CPU's lists and indices.
+/// Searches on both, and returns the CPU's lists and indices.
 fn compare(
     what: &str,
     on_device: &mut DeviceCloud<'_>,
@@ -90,7 +90,7 @@ fn lowest_radius(radii: &[f32]) -> Option<usize> {
     radii.iter().position(|r| r * r < LEAST_SQUARE)
 }
 
-/// Bits, since those of what is unused are NaN.
+/// Compares bits, because unused lanes are NaN.
 fn assert_same_nodes(on_device: &mut DeviceCloud<'_>, cloud: &PointCloud, what: &str) {
     let nodes = on_device.nodes().unwrap();
     let (got, want): (&[u32], &[u32]) =
@@ -98,7 +98,7 @@ fn assert_same_nodes(on_device: &mut DeviceCloud<'_>, cloud: &PointCloud, what: 
     assert!(got == want, "{what}: boxes");
 }
 
-/// Points of another set, some far outside, some of the cloud.
+/// Points of another set, some far outside, some from the cloud.
 fn others(points: &[[f32; 3]], cloud: &PointCloud, count: usize) -> Vec<[f32; 3]> {
     let (bounds, random) = (cloud.view().bounds(), &mut Random(3));
     let other = |i: usize| -> [f32; 3] {
@@ -132,7 +132,7 @@ fn own_neighbours_are_the_cpus() {
             let radii = Radii::Same(radius);
             let (lists, indices) =
                 compare(&what, &mut on_device, &cloud.view(), &Queries::own(), radii, points.len());
-            // The CPU's against a loop over all: some of them.
+            // The CPU's lists against a loop over all points, for some of them.
             for i in (0..points.len()).step_by(97) {
                 let mut list = indices[lists[i].range()].to_vec();
                 list.sort_unstable();
@@ -195,7 +195,7 @@ fn any_number_of_points_is_searched() {
             let cloud = PointCloud::with_room(&points, bucket_size, n).unwrap();
             let mut on_device = DeviceCloud::new(gpu, &cloud.view()).unwrap();
             assert_same_nodes(&mut on_device, &cloud, "copied");
-            // Few neighbours, and nearly all.
+            // Few neighbours, and nearly all points.
             for radius in if n > 2000 { [0.08, 0.3] } else { [0.15, 1.0] } {
                 let what = format!("{n} points, {bucket_size} a bucket, radius {radius}");
                 let radii = Radii::Same(radius);
@@ -209,7 +209,7 @@ fn any_number_of_points_is_searched() {
     }
 }
 
-/// A share of the buckets asks; lists of the others stay as they were.
+/// Only some buckets search; the lists of the others do not change.
 #[test]
 fn some_buckets_ask() {
     let Some(gpu) = device() else { return };
@@ -224,7 +224,8 @@ fn some_buckets_ask() {
     }
 }
 
-/// Points that move, also out of the cloud's box and onto each other; and points that were removed or inserted before.
+/// Points that move, also out of the cloud's box and onto each other, and points that were removed or inserted
+/// before.
 #[test]
 fn refits_have_the_cpus_boxes_and_neighbours() {
     let Some(gpu) = device() else { return };
@@ -236,7 +237,7 @@ fn refits_have_the_cpus_boxes_and_neighbours() {
         for holes in [false, true] {
             let mut cloud = PointCloud::with_room(&points, 12, points.len() + 5).unwrap();
             if holes {
-                // Some buckets lose all, and a node of 16 children as well.
+                // Some buckets, and a node of 16 children, become empty.
                 for bucket in cloud.view().buckets().to_vec().iter().take(20) {
                     for &index in bucket.indices.iter().filter(|index| **index != u32::MAX) {
                         cloud.remove(index).unwrap();
@@ -282,7 +283,8 @@ fn refits_have_the_cpus_boxes_and_neighbours() {
     }
 }
 
-/// Coordinates whose squares are below what a device must know, beside others, and radii that are as small as may be.
+/// Coordinates whose squares are below the range that a device must support, beside others, and the smallest
+/// radii.
 #[test]
 fn numbers_that_a_device_may_take_for_zero_decide_nothing() {
     let Some(gpu) = device() else { return };
@@ -311,7 +313,7 @@ fn numbers_that_a_device_may_take_for_zero_decide_nothing() {
     assert!(seats == want);
 }
 
-/// More neighbours than a buffer holds come in several goes.
+/// More neighbours than a buffer holds are returned in several parts.
 #[test]
 fn a_buffer_that_holds_few_neighbours_is_enough() {
     // 96 KiB: 24,576 neighbours, and 384 buckets.
@@ -325,7 +327,7 @@ fn a_buffer_that_holds_few_neighbours_is_enough() {
             compare(&what, &mut on_device, &cloud.view(), &Queries::own(), Radii::Same(radius), points.len());
         assert!(radius < 0.2 || indices.len() > 100_000);
     }
-    // One packet alone finds 16 times all points.
+    // A single packet finds 16 times all points.
     let points: Vec<_> = (0..3000).map(|i| [i as f32, 0.0, 0.0]).collect();
     let cloud = PointCloud::new(&points).unwrap();
     let mut on_device = DeviceCloud::new(&gpu, &cloud.view()).unwrap();
@@ -334,24 +336,24 @@ fn a_buffer_that_holds_few_neighbours_is_enough() {
     let too_large =
         DeviceError::TooLarge { what: "neighbours", count: 48_000, bytes: 192_000, limit: 98_304 };
     assert_eq!(error, DeviceCloudError::Device(too_large));
-    // And more points than it has buckets for.
+    // And more points than its buckets can hold.
     let points: Vec<_> = (0..8000).map(|i| [i as f32, 0.0, 0.0]).collect();
     let error = DeviceCloud::new(&gpu, &PointCloud::new(&points).unwrap().view()).unwrap_err();
     let too_large = DeviceError::TooLarge { what: "buckets", count: 500, bytes: 128_000, limit: 98_304 };
     assert_eq!(error, DeviceCloudError::Device(too_large));
 }
 
-/// So many buckets within reach that an invocation would make more turns than a device may make.
+/// So many buckets are within reach that an invocation would exceed the limit on loop iterations.
 #[test]
 fn a_search_that_a_device_may_not_end_is_refused() {
     let Some(gpu) = device() else { return };
-    // A point a bucket: many steps for few neighbours.
+    // One point per bucket: many steps for few neighbours.
     let points: Vec<_> = (0..30_000).map(|i| [i as f32, 0.0, 0.0]).collect();
     let cloud = PointCloud::with_room(&points, 1, points.len()).unwrap();
     let mut on_device = DeviceCloud::new(gpu, &cloud.view()).unwrap();
     let (queries, mut seats) = ([[0.5; 3], [29_000.0, 1.0, 1.0]], [Seat::default(); 2]);
     let (packed, _) = on_device.seat(&queries, &mut seats).unwrap();
-    // All that is within the limit is searched to its end.
+    // Everything within the limit is searched completely.
     compare("most", &mut on_device, &cloud.view(), &packed, Radii::Each(&[1000.0, 20_000.0]), 2);
     let refused = on_device.count(&packed, Radii::Each(&[1000.0, 40_000.0]), &mut [0; 2]);
     assert_eq!(refused, Err(DeviceCloudError::Endless { query: 1 }));
@@ -384,7 +386,7 @@ fn what_is_wrong_is_said() {
     let far = [[0.0; 3], [0.0, FARTHEST.next_up(), 0.0]];
     let error = on_device.seat(&far, &mut seats).map(|_| ()).unwrap_err();
     assert_eq!(error, DeviceCloudError::Range { what: "query", index: 1 });
-    // Seated on the CPU, which can.
+    // Seated on the CPU, which accepts the coordinate.
     let packed = SEARCH().seat(&cloud.view(), &far, &mut seats).unwrap();
     let error = on_device.count(&packed, same, &mut [0; 2]).unwrap_err();
     assert_eq!(error, DeviceCloudError::Range { what: "query", index: 1 });
@@ -399,7 +401,7 @@ fn what_is_wrong_is_said() {
     let wrong = DeviceCloudError::Range { what: "point", index: 7 };
     assert_eq!(on_device.refit(&moved).unwrap_err(), wrong);
     assert_same_nodes(&mut on_device, &cloud, "nothing has moved");
-    // As far as may be.
+    // As far from the origin as allowed.
     let ends: Vec<_> =
         (0..100).map(|i| [FARTHEST, -FARTHEST, 0.0].map(|x| if i % 2 == 0 { x } else { -x })).collect();
     let cloud = PointCloud::new(&ends).unwrap();

@@ -1,11 +1,11 @@
-//! The kernels are inlined in the traversal: a call for each row would cost as much as the row.
+//! The kernels are inlined in the traversal, because a call for each row would cost as much as the row.
 //!
-//! What is asserted, on this binary's own table of symbols: of the modules `simdop::low_level::kernel::{avx2, avx512,
-//! neon}` no function is left but the re-alignment. This program queries with every node type, and searches a cloud of points
-//! in every way, on every instruction set, and uses the kernels in no other way; so `overlap_1v16`, `overlap_16v1`,
-//! `overlap_4v4`, `boxes_near`, `points_near`, `pick` and what they are made of (loads, masks) are inlined in each of those
-//! traversals, and nothing calls them: a function that is called has a symbol. `#[inline(never)]` on any of them fails the test. Needs an
-//! optimised ELF binary.
+//! The test reads the symbol table of its own binary. Of the modules `simdop::kernel::{avx2, avx512, neon}` no
+//! function may be left but the realignment and the filter of triangles. This program queries with every node
+//! type and searches a cloud in every way, on every instruction set, and does not use the kernels otherwise. A
+//! function that is called has a symbol. So `overlap_1v16`, `overlap_16v1`, `overlap_4v4`, `boxes_near`,
+//! `points_near`, `pick` and their parts (loads, masks) are inlined in each of those traversals.
+//! `#[inline(never)]` on any of them fails the test. Needs an optimised ELF binary.
 #![cfg(target_os = "linux")]
 
 mod support;
@@ -31,7 +31,7 @@ fn query<N: Lanes>() {
     }
 }
 
-/// Every search of a cloud, on every instruction set; returns how many there are.
+/// Every search of a cloud on every instruction set. Returns the number of searches.
 fn search() -> usize {
     let points: Vec<_> = (0..500).map(|i| [i % 10, i / 10 % 10, i / 100].map(|x| x as f32)).collect();
     let cloud = black_box(PointCloud::new(&points).unwrap());
@@ -88,7 +88,7 @@ fn functions(elf: &[u8]) -> Vec<String> {
     names
 }
 
-/// Queries with each node type; returns how many there are.
+/// Queries with each node type. Returns the number of node types.
 macro_rules! query_each {
     ($($node:ident<$k:literal>)*) => { [$(query::<$node<$k>>()),*].len() };
 }
@@ -104,9 +104,10 @@ fn kernels_leave_no_function_of_their_own() {
         return;
     }
     let functions = functions(&std::fs::read(std::env::current_exe().unwrap()).unwrap());
-    // Were names written otherwise than expected, none would be found. So others must be. On x86-64 a function compiled for an
-    // instruction set cannot be inlined in one that is not, so each traversal is in a gate of its own. NEON is in what all of an
-    // aarch64 program is compiled for, so there gates are inlined, in a function that is not: that of a traversal.
+    // If names were mangled differently than expected, the test would find none and pass; so it requires
+    // others. On x86-64 a function that is compiled for an instruction set cannot be inlined in one that is
+    // not, so each traversal has a gate of its own. NEON is enabled for a whole aarch64 program, so there gates
+    // are inlined in the traversals, which are not inlined themselves.
     let gates = functions.iter().filter(|name| name.contains("12compiled_for")).count();
     let traversals = functions.iter().filter(|name| name.contains("7descend17h")).count();
     println!("{} functions, {gates} gates, {traversals} traversals", functions.len());
@@ -126,9 +127,9 @@ fn is_kernel(name: &str) -> bool {
         .any(|path| name.contains(path))
 }
 
-/// Re-alignment is called once for up to 16 rows, the planes' filter once for up to four pairs of triangles,
-/// and each is hundreds of instructions: the compiler shares them between the queries. They are compiled for
-/// the same features, and what they are made of must still be in them.
+/// Realignment is called once for up to 16 rows, and the filter once for up to four pairs of triangles. Each is
+/// hundreds of instructions, so the compiler shares them between queries. They are compiled for the same
+/// features, and their parts must still be inlined in them.
 fn may_be_apart(name: &str) -> bool {
     ["10realign_16", "9realign_4", "7realign17h", "7apart_4"].iter().any(|function| name.contains(function))
 }

@@ -1,8 +1,8 @@
-//! The architecture as rules (ARCHITECTURE.md, "Layers"): imports go down, intrinsics and `unsafe` stay where
-//! they belong, files stay short.
+//! The architecture as rules (ARCHITECTURE.md, "Layers"): imports go down, intrinsics and `unsafe` stay in
+//! their modules, files stay short.
 //!
-//! The rules look at the text of `src/`, with comments and literals blanked. Each has a test that it finds
-//! what it is for.
+//! The rules examine the text of `src/` with comments and literals blanked. Each rule has a test that it
+//! detects a violation.
 
 extern crate alloc;
 
@@ -24,25 +24,25 @@ const LAYERS: [&[&str]; 13] = [
     &["query"],
     &["cloud", "packing", "robot"],
     &["scene"],
-    // The command: a crate of its own, which sees of the library what every user does.
+    // Re-exports of internals.
     &["low_level"],
 ];
 
-/// Lower layers that a module must do without all the same.
+/// Lower layers that a module must not use nevertheless.
 const FORBIDDEN: [(&str, &[&str]); 1] = [("construct", &["query", "kernel", "isa"])];
 
-/// What unit tests draw their random numbers from, in any layer: there in no other build.
+/// The random numbers of unit tests, in any layer. No other build has this module.
 const FOR_UNIT_TESTS: &str = "rng";
 
-/// Where intrinsics may be named: files, or folders ending in a slash.
+/// Where intrinsics are allowed: files, or folders with a trailing slash.
 const INTRINSICS: [&str; 4] = ["kernel/avx2/", "kernel/avx512/", "kernel/neon/", "isa/"];
-/// Where `unsafe` may be written: there and in the byte view.
+/// Where `unsafe` is allowed: the same places and the byte view.
 const UNSAFE: [&str; 5] = ["kernel/avx2/", "kernel/avx512/", "kernel/neon/", "isa/", "bytes.rs"];
 
-/// Lines of a library file without its unit tests, at most.
+/// The greatest number of lines of a library file, without its unit tests.
 const MAX_LINES: usize = 500;
 
-/// Something that a rule objects to, on a line counted from 1.
+/// A violation of a rule, with its line, counted from 1.
 #[derive(Clone, PartialEq, Eq, Debug)]
 struct Finding {
     line: usize,
@@ -53,9 +53,9 @@ fn finding(line: usize, what: impl Into<String>) -> Finding {
     Finding { line, what: what.into() }
 }
 
-// ---- Reading Rust, as far as the rules need it ------------------------------------------------------------
+// ---- A reader of Rust for the rules -----------------------------------------------------------------------
 
-/// The code with every character of comments, strings and character literals blanked; lines stay lines.
+/// The code with every character of comments, strings and character literals blanked. Line breaks stay.
 fn code_of(source: &str) -> String {
     let text: Vec<char> = source.chars().collect();
     let mut code = String::with_capacity(source.len());
@@ -71,7 +71,7 @@ fn code_of(source: &str) -> String {
     code
 }
 
-/// Length of the comment or literal that the text begins with; 0 if it begins with neither.
+/// The length of the comment or literal at the start of the text; 0 if there is none.
 fn blank_length(text: &[char], before: Option<char>) -> usize {
     let starts = |prefix: &str| prefix.chars().enumerate().all(|(i, c)| text.get(i) == Some(&c));
     if starts("//") {
@@ -86,7 +86,8 @@ fn blank_length(text: &[char], before: Option<char>) -> usize {
     if starts("\"") {
         return 1 + escaped_length(&text[1..], '"');
     }
-    // A quote begins a character if it ends after one or is escaped; else it is a lifetime's.
+    // A quote begins a character literal if a backslash follows, or one character and a quote. Otherwise it
+    // begins a lifetime.
     if starts("'") && (text.get(1) == Some(&'\\') || text.get(2) == Some(&'\'')) {
         return 1 + escaped_length(&text[1..], '\'');
     }
@@ -115,7 +116,7 @@ fn raw_string_length(text: &[char]) -> usize {
     (2 + hashes..text.len()).find(ends).map_or(text.len(), |at| at + 1 + hashes)
 }
 
-/// Length up to and with the closing quote.
+/// The length up to and including the closing quote.
 fn escaped_length(text: &[char], quote: char) -> usize {
     let mut at = 0;
     while at < text.len() && text[at] != quote {
@@ -128,7 +129,7 @@ fn is_word(c: char) -> bool {
     c.is_alphanumeric() || c == '_'
 }
 
-/// Where `word` stands alone in the code, as byte offsets.
+/// The byte offsets where `word` occurs as a whole word.
 fn places_of<'c>(code: &'c str, word: &'c str) -> impl Iterator<Item = usize> + 'c {
     code.match_indices(word).map(|(at, _)| at).filter(move |&at| {
         let before = code[..at].chars().next_back();
@@ -141,7 +142,7 @@ fn line_of(code: &str, at: usize) -> usize {
     code[..at].matches('\n').count() + 1
 }
 
-/// The first names of a path's rest: `a` of `a::b`, or `a` and `c` of `{a::b, c}`.
+/// The first names of the rest of a path: `a` of `a::b`, or `a` and `c` of `{a::b, c}`.
 fn heads(rest: &str) -> Vec<&str> {
     let word = |s: &'_ str| s.find(|c: char| !is_word(c)).unwrap_or(s.len());
     let Some(group) = rest.trim_start().strip_prefix('{') else {
@@ -166,13 +167,13 @@ fn heads(rest: &str) -> Vec<&str> {
     names
 }
 
-/// Top-level module of a file, and how many `super::` lead from it to the crate's root.
+/// The top-level module of a file, and how many `super::` lead from it to the crate's root.
 fn module_of(path: &str) -> (&str, usize) {
     let parts: Vec<&str> = path.trim_end_matches(".rs").split('/').collect();
     (parts[0], parts.len() - usize::from(parts.last() == Some(&"mod")))
 }
 
-/// The modules of the crate that a file names, with lines: after `crate::`, or after enough `super::`.
+/// The modules of the crate that a file names, with their lines: after `crate::`, or after enough `super::`.
 fn imports<'c>(path: &str, code: &'c str) -> Vec<(usize, &'c str)> {
     let mut found = Vec::new();
     for at in places_of(code, "crate") {
@@ -189,7 +190,7 @@ fn imports<'c>(path: &str, code: &'c str) -> Vec<(usize, &'c str)> {
         }
         let first = !code[..at].ends_with("super::");
         if first && supers >= climbs {
-            // In an inline module one `super::` is used up, so only the names of modules count.
+            // An inline module needs one more `super::`, so only names of modules count.
             let names = heads(rest).into_iter().filter(|name| layer(name).is_some());
             found.extend(names.map(|name| (line_of(code, at), name)));
         }
@@ -207,7 +208,7 @@ fn is_in(path: &str, places: &[&str]) -> bool {
 
 // ---- The rules --------------------------------------------------------------------------------------------
 
-/// An import may only go down.
+/// An import must go down.
 fn upward_imports(path: &str, source: &str) -> Vec<Finding> {
     let code = code_of(source);
     let (module, _) = module_of(path);
@@ -229,21 +230,21 @@ fn upward_imports(path: &str, source: &str) -> Vec<Finding> {
         .collect()
 }
 
-/// `core::arch` and `std::arch` in the kernels of instruction sets and in detection only.
+/// `core::arch` and `std::arch` are allowed only in the kernels of instruction sets and in detection.
 fn stray_intrinsics(path: &str, source: &str) -> Vec<Finding> {
     let code = code_of(source);
     let places = places_of(&code, "arch").map(|at| finding(line_of(&code, at), "core::arch"));
     if is_in(path, &INTRINSICS) { Vec::new() } else { places.collect() }
 }
 
-/// `unsafe` there and in the byte view only.
+/// `unsafe` is allowed only there and in the byte view.
 fn stray_unsafe(path: &str, source: &str) -> Vec<Finding> {
     let code = code_of(source);
     let places = places_of(&code, "unsafe").map(|at| finding(line_of(&code, at), "unsafe"));
     if is_in(path, &UNSAFE) { Vec::new() } else { places.collect() }
 }
 
-/// Which targets have vector kernels is said once, in the build script.
+/// Only the build script lists the targets with vector kernels.
 fn stray_targets(source: &str) -> Vec<Finding> {
     let code = code_of(source);
     places_of(&code, "target_arch")
@@ -251,7 +252,7 @@ fn stray_targets(source: &str) -> Vec<Finding> {
         .collect()
 }
 
-/// Every unsafe block and implementation has its proof in the comment right above its line.
+/// Every unsafe block and implementation has its proof in the comment directly above its line.
 fn unproven_unsafe(source: &str) -> Vec<Finding> {
     let code = code_of(source);
     let lines: Vec<&str> = source.lines().collect();
@@ -267,7 +268,7 @@ fn unproven_unsafe(source: &str) -> Vec<Finding> {
     unproven.filter(|&line| !proven(line)).map(|line| finding(line, "no SAFETY comment")).collect()
 }
 
-/// Library files are short enough to read in one go.
+/// Library files are short.
 fn too_long(path: &str, source: &str) -> Vec<Finding> {
     let tests = source.find("#[cfg(test)]\nmod tests {").unwrap_or(source.len());
     let lines = source[..tests].lines().count();
@@ -279,7 +280,7 @@ fn too_long(path: &str, source: &str) -> Vec<Finding> {
     }
 }
 
-/// The types of the library that a file defines for all of its module, with lines.
+/// The types that a file defines for its whole module, with their lines.
 fn types_defined(source: &str) -> Vec<(usize, String)> {
     let tests = source.find("#[cfg(test)]\nmod tests {").unwrap_or(source.len());
     let code = code_of(&source[..tests]);
@@ -287,7 +288,7 @@ fn types_defined(source: &str) -> Vec<(usize, String)> {
     for keyword in ["struct", "enum", "trait", "union", "type"] {
         for at in places_of(&code, keyword) {
             let line_start = code[..at].rfind('\n').map_or(0, |newline| newline + 1);
-            // Of an implementation are indented.
+            // Types in an implementation are indented.
             let before = &code[line_start..at];
             let name: String =
                 code[at + keyword.len()..].trim_start().chars().take_while(|c| is_word(*c)).collect();
@@ -301,7 +302,7 @@ fn types_defined(source: &str) -> Vec<(usize, String)> {
 
 // ---- The source -------------------------------------------------------------------------------------------
 
-/// Every Rust file below `src/`: path from there, and text.
+/// Every Rust file in `src/`: its path from there, and its text.
 fn sources() -> Vec<(String, String)> {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("src");
     let (mut folders, mut files) = (vec![root.clone()], Vec::<PathBuf>::new());
@@ -328,7 +329,7 @@ fn assert_none(rule: impl Fn(&str, &str) -> Vec<Finding>) {
     assert!(findings.is_empty(), "\n{}", findings.join("\n"));
 }
 
-/// The root and the command's entry only list modules.
+/// The roots of the crates only list modules.
 fn is_root(path: &str) -> bool {
     path == "lib.rs" || path == "main.rs"
 }
@@ -374,7 +375,7 @@ fn library_files_are_short() {
     assert_none(too_long);
 }
 
-/// Whoever meets a name for the second time knows what it is.
+/// A type's name is unique, so that it always means the same.
 #[test]
 fn a_name_of_a_type_means_one_thing() {
     let mut places: BTreeMap<String, Vec<String>> = BTreeMap::new();
@@ -387,13 +388,13 @@ fn a_name_of_a_type_means_one_thing() {
         }
     }
     assert!(places.len() > 100, "the rule saw {} types", places.len());
-    // Sealed is what the field calls the private half of a sealed trait, and private to each.
+    // `Sealed` is the usual name of the private half of a sealed trait, and each is private.
     let twice: Vec<_> =
         places.iter().filter(|(name, places)| places.len() > 1 && *name != "Sealed").collect();
     assert!(twice.is_empty(), "{twice:#?}");
 }
 
-// ---- Each rule finds what it is for -----------------------------------------------------------------------
+// ---- Tests of the rules -----------------------------------------------------------------------------------
 
 fn lines(findings: &[Finding]) -> Vec<usize> {
     findings.iter().map(|f| f.line).collect()
@@ -401,7 +402,8 @@ fn lines(findings: &[Finding]) -> Vec<usize> {
 
 #[test]
 fn comments_and_literals_are_no_code() {
-    let source = "a // unsafe\nb /* unsafe /* unsafe */ unsafe */ c \"un\\\"safe\" r#\"unsafe\"# '\\'' 'u' b\"unsafe\"\n";
+    let source = "a // unsafe\nb /* unsafe /* unsafe */ unsafe */ \
+                  c \"un\\\"safe\" r#\"unsafe\"# '\\'' 'u' b\"unsafe\"\n";
     let code = code_of(source);
     assert_eq!(places_of(&code, "unsafe").count(), 0, "{code}");
     assert_eq!(code.split_whitespace().collect::<Vec<_>>(), ["a", "b", "c", "b"]);
@@ -446,7 +448,8 @@ fn stray_intrinsics_are_found() {
 
 #[test]
 fn types_are_found() {
-    let source = "/// struct A\npub(crate) struct B<T>(T);\nimpl C {\n    type D = E;\n}\nenum F {}\n#[cfg(test)]\nmod tests {\nstruct G;\n}";
+    let source = "/// struct A\npub(crate) struct B<T>(T);\nimpl C {\n    type D = E;\n}\nenum F {}\n\
+                  #[cfg(test)]\nmod tests {\nstruct G;\n}";
     assert_eq!(types_defined(source), [(2, "B".to_owned()), (6, "F".to_owned())]);
 }
 

@@ -1,5 +1,5 @@
-//! Batch Neural Gas: the same bytes from any number of threads and on any machine, clusters as good as those
-//! of a slow clustering in floating point, and an end to every build however awkward the mesh.
+//! Batch Neural Gas: the same bytes on any number of threads and on any machine; clusters as good as those of a
+//! slow clustering in floating point; and a build that terminates for every mesh.
 
 #![expect(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
 
@@ -28,7 +28,8 @@ fn mesh_of(mesh: &MeshData) -> Mesh<'_> {
 
 // ---- The same bytes everywhere ----------------------------------------------------------------------------
 
-/// Of 16 lanes without magnification control, and of 4 lanes with it and 3 triangles a leaf.
+/// With 16 lanes and no magnification control, and with 4 lanes, magnification control and 3 triangles per
+/// leaf.
 fn digests(mesh: &MeshData) -> [u64; 2] {
     let wide: Bvh<Node16<18>> = builder(Magnification::None, 0).build_as(&mesh_of(mesh)).unwrap();
     let narrow: Bvh<Node4<14>> =
@@ -80,7 +81,7 @@ const DATA: [Golden<'_>; 14] = [
     ("meshes/bunny75k", [0x7b44_7202_ccb7_84ac, 0x5737_1a10_2b9b_854d]),
 ];
 
-/// Prints the rows that are not as written, and fails if there are any.
+/// Prints the rows that differ from the recorded ones, and fails if there are any.
 fn compare(got: &[Golden<'_>], want: &[Golden<'_>]) {
     let changed: Vec<_> = got.iter().zip(want).filter(|(got, want)| got != want).collect();
     for ((name, [x, y]), _) in &changed {
@@ -89,7 +90,7 @@ fn compare(got: &[Golden<'_>], want: &[Golden<'_>]) {
     assert!(changed.is_empty(), "digests are not the ones written here, but those above");
 }
 
-/// Whoever changes these has changed the trees: say so in CHANGELOG.md.
+/// A change of these digests changes the trees: mention it in CHANGELOG.md.
 #[test]
 fn golden_bytes_of_generated_meshes() {
     let got: Vec<_> = generated().iter().map(|(name, mesh)| (*name, digests(mesh))).collect();
@@ -99,7 +100,7 @@ fn golden_bytes_of_generated_meshes() {
 #[test]
 fn golden_bytes_of_real_meshes() {
     let Some(data) = directory() else { return };
-    // The first are the smallest: enough for an emulator.
+    // The first are the smallest, and enough for an emulator.
     let some = if suite_step() == 1 { DATA.len() } else { 5 };
     let digests = |name: &str| digests(&MeshData::obj(&data.join(format!("{name}.obj"))));
     let got: Vec<_> = DATA[..some].iter().map(|(name, _)| (*name, digests(name))).collect();
@@ -109,7 +110,7 @@ fn golden_bytes_of_real_meshes() {
 #[cfg(feature = "rayon")]
 #[test]
 fn any_number_of_threads_builds_the_same_bytes() {
-    // Enough for the root's sums to be shared out, and for each level.
+    // Enough triangles to split the sums of the root, and of each level, between threads.
     let mesh = shapes::torus(200, 100);
     for splitter in [
         Splitter::LongestAxis,
@@ -143,7 +144,7 @@ fn the_seed_is_all_there_is_of_chance() {
 
 // ---- Every build ends -------------------------------------------------------------------------------------
 
-/// Triangles at 2^-1, 2^-2, and so on, over and over: clusters as unbalanced as they come.
+/// Triangles at 2^-1, 2^-2, and so on, repeatedly: the most unbalanced clusters.
 fn ever_smaller(n: u32) -> MeshData {
     let triangle = |i: u32| {
         let at = f64::from_bits(u64::from(1023 - i % 240) << 52);
@@ -152,7 +153,7 @@ fn ever_smaller(n: u32) -> MeshData {
     shapes::separate((0..n).map(triangle))
 }
 
-/// Every triangle is in one leaf, of a tree that bounds it.
+/// Every triangle is in exactly one leaf of a valid tree.
 fn check<N: Lanes>(name: &str, mesh: &MeshData, magnification: Magnification, leaf_size: u32) {
     let tree: Bvh<N> = builder(magnification, 5).leaf_size(leaf_size).build_as(&mesh_of(mesh)).unwrap();
     let view: BvhRef<'_, N> = tree.view();
@@ -163,7 +164,7 @@ fn check<N: Lanes>(name: &str, mesh: &MeshData, magnification: Magnification, le
     assert!(sources.iter().copied().eq(0..mesh.triangles.len() as u32), "{name}: each triangle once");
     let stats = view.stats();
     assert!(stats.depth <= MAX_DEPTH);
-    // Full nodes have arity - 1 leaves each. Clusters of leaves of several triangles do not add up so well.
+    // Full nodes have arity - 1 leaves each. Clusters do not fill leaves of several triangles as well.
     let full = stats.primitives.div_ceil(leaf_size as usize).div_ceil(N::ARITY - 1).max(1);
     let most = if leaf_size == 1 { full + full / 8 } else { 2 * full } + 2;
     let nodes = view.header().node_count as usize;
@@ -179,7 +180,7 @@ fn awkward_meshes_are_built() {
         meshes.push((name, shapes::soup(&mut rng, count, 0.1)));
     }
     meshes.push(("points", shapes::separate((0..300).map(|i| [[f64::from(i % 7); 3]; 3]))));
-    // An emulator need not repeat all of that: what is built is the same, bit for bit.
+    // An emulator need not repeat all of them: the trees are the same, bit for bit.
     let leaf_sizes: &[u32] = if suite_step() > 1 { &[5] } else { &[1, 5, 16] };
     for (name, mesh) in &meshes {
         for magnification in MAGNIFICATIONS {
@@ -238,7 +239,8 @@ fn an_observer_sees_progress_and_can_stop() {
     assert_eq!((stopped.unwrap_err(), calls), (BuildError::Cancelled, 2));
 }
 
-/// Sixteen million triangles in a strip along a random walk. Some gigabytes and minutes: `--ignored` runs it.
+/// Sixteen million triangles in a strip along a random walk. Takes gigabytes and minutes: run it with
+/// `--ignored`.
 #[test]
 #[ignore = "memory and time"]
 fn sixteen_million() {
@@ -252,7 +254,7 @@ fn sixteen_million() {
     let vertices: Vec<[f64; 3]> = (0..COUNT + 2).map(step).collect();
     let mesh = MeshData { vertices, triangles: (0..COUNT).map(|i| [i, i + 1, i + 2]).collect() };
     let start = Instant::now();
-    // With weights: the sums are as large as they get.
+    // With weights, the sums are as large as possible.
     let tree: Bvh<Node16<6>> = builder(Magnification::Area, 0).build_as(&mesh_of(&mesh)).unwrap();
     println!("{:.1?}, {:?}", start.elapsed(), tree.view().stats());
     tree.view().validate().unwrap();
@@ -260,8 +262,8 @@ fn sixteen_million() {
 
 // ---- Clusters as good as the paper's ----------------------------------------------------------------------
 
-/// The paper's algorithm in floating point, as it stands there: 100 steps, no early stop, prototypes that
-/// start anywhere.
+/// The paper's algorithm in floating point, exactly as published: 100 steps, no early stop, prototypes that
+/// start at random places.
 struct Oracle<'a> {
     points: &'a [[f64; 3]],
     weights: &'a [f64],
@@ -309,7 +311,7 @@ impl Oracle<'_> {
         lanes
     }
 
-    /// Mean square distance of the points to the mean of their cluster, all weighted.
+    /// The weighted mean square distance of the points from the mean of their cluster.
     fn error(&self, cluster_of: &[usize]) -> f64 {
         let mut sums = vec![[0.0; 4]; self.lanes];
         for ((p, v), &lane) in self.points.iter().zip(self.weights).zip(cluster_of) {
@@ -323,7 +325,7 @@ impl Oracle<'_> {
     }
 }
 
-/// Which lane of the root each triangle of the mesh is in.
+/// The lane of the root that holds each triangle of the mesh.
 fn root_lanes<N: Lanes>(tree: BvhRef<'_, N>) -> Vec<usize> {
     let mut lanes = vec![usize::MAX; tree.len()];
     for (lane, child) in tree.nodes()[0].children().iter().enumerate() {
@@ -359,7 +361,7 @@ fn area([p, q, r]: &[[f64; 3]; 3]) -> f64 {
         .sqrt()
 }
 
-/// Mean, and how far the largest is above it, of the errors of several seeds.
+/// The mean error of several seeds, and by how much the largest exceeds it, as a fraction.
 fn mean_and_spread(errors: &[f64]) -> (f64, f64) {
     let mean = errors.iter().sum::<f64>() / errors.len() as f64;
     (mean, errors.iter().copied().fold(0.0, f64::max) / mean - 1.0)
@@ -384,13 +386,14 @@ fn compare_with_oracle<N: Lanes>(name: &str, mesh: &MeshData, magnification: Mag
         .collect();
     let (mean, spread) = mean_and_spread(&errors);
     println!(
-        "{name:10} arity {:2} {magnification:?}: error {:.4} of the oracle's; worst of {seeds} seeds {:.2} % above the mean",
+        "{name:10} arity {:2} {magnification:?}: error {:.4} of the oracle's; \
+         worst of {seeds} seeds {:.2} % above the mean",
         N::ARITY,
         mean / want,
         spread * 100.0
     );
     assert!(mean < 1.06 * want, "{name}: {mean} is far from {want}");
-    // With four prototypes the algorithm itself has second-best ends, which the oracle finds as often.
+    // With four prototypes the algorithm itself has suboptimal fixed points, which the oracle finds as often.
     assert!(spread < if N::ARITY == 4 { 0.25 } else { 0.1 }, "{name}: {errors:?}");
 }
 
@@ -398,7 +401,7 @@ fn compare_with_oracle<N: Lanes>(name: &str, mesh: &MeshData, magnification: Mag
 fn clusters_are_as_good_as_in_floating_point_whatever_the_seed() {
     let mut rng = Rng::new(13);
     let mut meshes = vec![("torus", shapes::torus(60, 40)), ("soup", shapes::soup(&mut rng, 3000, 0.05))];
-    // An emulator need not repeat that: what is built is the same, bit for bit.
+    // An emulator need not repeat that: the trees are the same, bit for bit.
     if suite_step() > 1 {
         meshes.truncate(1);
     } else if let Some(data) = directory() {

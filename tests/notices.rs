@@ -1,5 +1,4 @@
-//! What a test leaves out for want of data, a person sees: this program is run once more where there are
-//! none.
+//! A test that is skipped for lack of data prints a notice. This program runs itself again without data.
 
 mod support;
 
@@ -7,11 +6,11 @@ use std::path::Path;
 use std::process::{Command, Output};
 use support::data::{directory, notice, suites};
 
-/// What a test of this program says where there are no data sets.
+/// Runs a test of this program without data sets.
 fn without_data(test: &str, required: bool) -> Output {
     let mut command = Command::new(std::env::current_exe().unwrap());
     command.args(["--include-ignored", "--exact", test]).env("SIMDOP_DATA", "/nowhere");
-    // As `cargo test` starts it, whatever this run is told.
+    // With the harness's defaults, whatever the options of this run.
     command.env_remove("RUST_TEST_THREADS").env_remove("RUST_TEST_NOCAPTURE");
     if required {
         command.env("SIMDOP_REQUIRE_DATA", "1")
@@ -55,7 +54,7 @@ fn absent_data_are_seen() {
         let (out, err) =
             (String::from_utf8(output.stdout).unwrap(), String::from_utf8(output.stderr).unwrap());
         assert!(output.status.success() && out.contains("1 passed"), "{out}{err}");
-        // One line, and nothing of what else it prints.
+        // One line, and none of its other output.
         let want = "SKIPPED on real meshes: no data sets in /nowhere ($SIMDOP_DATA, else ../shared/data)";
         assert_eq!(err, format!("*** notices, {test}: {want} ***\n"));
     }
@@ -78,7 +77,7 @@ fn notices_are_written_whole() {
     assert!(err.lines().all(whole), "{err}");
 }
 
-/// Tests and benches ask for data in one way, so that none can leave them out silently.
+/// Tests and benchmarks access data in one way only, so that none can skip silently.
 #[test]
 fn nobody_else_looks_for_data() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));

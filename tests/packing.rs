@@ -1,8 +1,8 @@
-//! Packings against exact arithmetic: every sphere inside, all of them disjoint, on generated shapes and on
-//! real meshes; errors; the same from any number of threads; text that reads back.
+//! Packings against exact arithmetic: every sphere is inside and all are disjoint, on generated shapes and on
+//! real meshes. Also errors, the same result on any number of threads, and text that reads back.
 //!
-//! The oracle shares neither code nor method with the library: rational distances, compared without division,
-//! and rays in other directions, in integers of any length.
+//! The oracle shares neither code nor method with the library: it compares rational distances without division,
+//! and casts rays in other directions, in integers of any length.
 
 mod support;
 
@@ -54,8 +54,8 @@ fn difference(p: [f64; 3], q: [f64; 3]) -> [f64; 3] {
     core::array::from_fn(|i| p[i] - q[i])
 }
 
-/// Whether a direction shows, whatever rounding did, that the triangle is farther from the centre than the
-/// radius. Most triangles end here.
+/// Whether one direction shows, despite rounding, that the triangle is farther from the centre than the radius.
+/// This decides most triangles.
 fn is_plainly_clear(t: &[[f64; 3]; 3], sphere: &Sphere) -> bool {
     let w = t.map(|p| difference(p, sphere.centre));
     let (u, v) = (difference(w[1], w[0]), difference(w[2], w[0]));
@@ -73,8 +73,8 @@ fn is_plainly_clear(t: &[[f64; 3]; 3], sphere: &Sphere) -> bool {
     })
 }
 
-/// Whether no point of a triangle is nearer to the centre than the radius: to its face, where the centre is
-/// above it, and to all three edges.
+/// Whether no point of a triangle is nearer to the centre than the radius: no point of its face, if the centre
+/// is above it, and none of its three edges.
 fn is_clear(t: &[[f64; 3]; 3], sphere: &Sphere) -> bool {
     if is_plainly_clear(t, sphere) {
         return true;
@@ -94,7 +94,7 @@ fn is_clear(t: &[[f64; 3]; 3], sphere: &Sphere) -> bool {
     (0..3).all(|i| {
         let (along, length) = (dot(edges[i].clone(), offsets[i].clone()), square(&edges[i]));
         if sign(&along) <= 0 || along >= length {
-            // The other end is the next edge's begin.
+            // The next edge begins at the other end.
             square(&offsets[i]) >= reach
         } else {
             square(&offsets[i]) * length.clone() - along.clone() * along >= reach.clone() * length
@@ -102,7 +102,8 @@ fn is_clear(t: &[[f64; 3]; 3], sphere: &Sphere) -> bool {
     })
 }
 
-/// A mesh sheared so that rays in a direction (x, y, 1) run along the third axis: boxes on the plane across it.
+/// A mesh, sheared so that rays in a direction (x, y, 1) are parallel to the third axis: boxes in the plane of
+/// the other axes.
 struct Shadow {
     direction: [f64; 3],
     boxes: Vec<[[f64; 2]; 2]>,
@@ -149,7 +150,7 @@ impl Shadow {
     }
 }
 
-/// Every sphere inside the mesh, all disjoint; sizes and volumes are what they should be.
+/// Every sphere is inside the mesh, all are disjoint, and sizes and volumes are correct.
 fn check(mesh: &MeshData, packing: &Packing) {
     let triangles = mesh.corners();
     let directions = [[5.0 / 64.0, 3.0 / 64.0, 1.0], [-0.1875, 0.3125, 1.0], [0.7109375, -0.5390625, 1.0]];
@@ -192,7 +193,7 @@ fn check(mesh: &MeshData, packing: &Packing) {
 
 // ---- Generated shapes -------------------------------------------------------------------------------------
 
-/// Turned out of the axes: sums of products of what few bits hold are exact, so that what was flat is.
+/// Rotated out of the axes. Sums of products of numbers with few bits are exact, so flat faces stay flat.
 fn turned(mesh: &MeshData) -> MeshData {
     let rows = [[0.375, -0.75, 0.5], [0.75, 0.125, -0.5], [0.5, 0.5, 0.625]];
     let place = |p: &[f64; 3]| rows.map(|row| dot_rounded(&row, &p.map(|x| f64::from(x as f32))));
@@ -210,7 +211,7 @@ fn generated() -> Vec<(&'static str, MeshData)> {
     let corner = |x: f64, y: f64| cuboid([x, y, 0.0], [x + 1.0, y + 1.0, 1.0], false);
     let torus = shapes::torus(24, 12);
     let mut with_flat = torus.clone();
-    // A spike without area: an edge, there and back, and a point.
+    // A spike without area, an edge there and back, and a point.
     with_flat.triangles.extend([[0, 100, 0], [5, 5, 5]]);
     let wavy = shapes::wavy_torus(1200);
     vec![
@@ -255,16 +256,17 @@ fn volumes_are_those_of_the_shapes() {
     assert!(close(volume("huge"), 1e240 * volume("wavy torus")));
 }
 
-/// Where the largest spheres are is known.
+/// The places of the largest spheres are known.
 #[test]
 fn the_largest_come_first() {
     let packing = pack(&cuboid([-1.0; 3], [1.0; 3], false), 9);
     let radii: Vec<f64> = packing.spheres.iter().map(|sphere| sphere.radius).collect();
     assert!((0.999..=1.0).contains(&radii[0]), "{radii:?}");
-    // Between the first and a corner: a ball that touches the first and three sides.
+    // Between the first sphere and a corner: a ball that touches the first and three faces.
     let second = (3.0_f64.sqrt() - 1.0) / (3.0_f64.sqrt() + 1.0);
     assert!(radii[1..].iter().all(|r| (0.995 * second..=second * 1.002).contains(r)), "{radii:?}");
-    // Two parts of unlike size: none in the smaller before the larger has none as large.
+    // Two parts of different size: the smaller part gets no sphere while the larger part has room for a larger
+    // one.
     let parts = joined(&[cuboid([0.0; 3], [1.0; 3], false), cuboid([2.0; 3], [2.2; 3], false)]);
     let packing = pack(&parts, 60);
     let first = packing.spheres.iter().position(|sphere| sphere.centre[0] > 1.5).unwrap();
@@ -283,8 +285,8 @@ fn a_mesh_turned_inside_out_packs_the_same() {
     assert!((covered(&one) - covered(&other)).abs() < 0.01);
 }
 
-/// Numbers that single precision holds, where the mesh is where it is precise enough; the scale does not
-/// matter if it is a power of two.
+/// The numbers fit single precision, for a mesh where that is precise enough. Scaling by a power of two changes
+/// nothing.
 #[test]
 fn spheres_are_in_single_precision() {
     let mesh = shapes::wavy_torus(800);
@@ -309,7 +311,7 @@ fn bytes(packing: &Packing) -> Vec<u8> {
     numbers.chain([packing.volume]).flat_map(f64::to_le_bytes).collect()
 }
 
-/// Recorded on x86-64: any machine and any number of threads gives these.
+/// Recorded on x86-64. Every machine and every number of threads gives this digest.
 #[test]
 fn packings_are_the_same_on_every_machine() {
     assert_eq!(digest(&bytes(&pack(&shapes::wavy_torus(400), 100))), GOLDEN);
@@ -382,7 +384,7 @@ fn an_open_mesh_names_an_edge() {
     assert!(gone.contains(&a) && gone.contains(&b));
     assert_eq!([forward, backward].iter().max(), Some(&2));
 
-    // Each triangle with corners of its own: joined where they are equal, 0 and -0 as well.
+    // Every triangle has corners of its own: equal corners are joined, also 0 and -0.
     let mut soup = shapes::separate(whole.corners());
     assert_eq!(pack(&soup, 20).spheres, pack(&whole, 20).spheres);
     soup.vertices.iter_mut().flatten().step_by(2).filter(|x| **x == 0.0).for_each(|x| *x = -*x);
@@ -415,8 +417,8 @@ fn meshes_that_cannot_be_filled_are_errors() {
 
 // ---- Real meshes ------------------------------------------------------------------------------------------
 
-/// Reads the vertices and triangles of a binary little-endian PLY whose vertices are three floats, as the brain
-/// is.
+/// Reads the vertices and triangles of a binary little-endian PLY whose vertices are three floats, such as the
+/// brain.
 fn ply(path: &std::path::Path) -> MeshData {
     let bytes = std::fs::read(path).unwrap();
     let end = bytes.windows(11).position(|w| w == b"end_header\n").unwrap() + 11;
@@ -436,7 +438,7 @@ fn ply(path: &std::path::Path) -> MeshData {
     }
 }
 
-/// What the first spheres cover, in per cent, by the sum of their volumes.
+/// The part of the volume that the first spheres cover, in per cent, from the sum of their volumes.
 fn covered(packing: &Packing, count: usize) -> f64 {
     let volume = |s: &Sphere| 4.0 / 3.0 * core::f64::consts::PI * s.radius.powi(3);
     100.0 * packing.spheres[..count].iter().map(volume).sum::<f64>() / packing.volume

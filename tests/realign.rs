@@ -1,5 +1,5 @@
-//! Re-alignment loses no collision: the turned planes bound every moved point, decided in exact arithmetic;
-//! and they are not much wider than they must be.
+//! Realignment loses no collision: the rotated planes bound every moved point, which exact arithmetic decides;
+//! and they are not much wider than necessary.
 
 #[path = "support/one_point.rs"]
 mod one_point;
@@ -24,20 +24,20 @@ use support::rng::Rng;
 use support::shapes;
 use support::turns::{add, pose, random_point, rotation};
 
-// ---- Poses and frames that are hard in different ways -----------------------------------------------------
+// ---- Difficult poses and frames ---------------------------------------------------------------------------
 
-/// The exponent that puts something of this size between 2^12 and 2^13: about what the builder does.
+/// The exponent that scales this size to between 2^12 and 2^13, similar to the builder's.
 fn exponent_for(size: f64) -> i32 {
     12 - ((size.to_bits() >> 52) as i32 - 1023)
 }
 
-/// Body sizes relative to the other body's, and how far coordinates lie from the origin, relative to the
-/// body.
+/// The body's size relative to the other body's, and the distance of its coordinates from the origin relative
+/// to its size.
 fn size_and_distance(rng: &mut Rng) -> (f64, f64) {
     (*rng.pick(&[1e-3, 0.05, 1.0, 1.0, 30.0, 1e3]), *rng.pick(&[0.0, 1.0, 1.0, 1e3, 1e6, 1e12]))
 }
 
-// ---- The question, decided exactly ------------------------------------------------------------------------
+// ---- The exact decision -----------------------------------------------------------------------------------
 
 fn offset(p: f64, centre: f64) -> Dyadic {
     Dyadic::from(p) - Dyadic::from(centre)
@@ -49,8 +49,8 @@ fn exact_support(n: &[i8; 3], p: &Point, frame: &Frame) -> Dyadic {
     dot(n, d) * Dyadic::power_of_two(frame.exponent)
 }
 
-/// Whether the plane is an upper bound of `n . p` in the frame. Intervals far wider than the rounding errors
-/// decide most.
+/// Whether the plane is an upper bound of `n . p` in the frame. Intervals that are far wider than the rounding
+/// errors decide most cases.
 fn bounds(key: Key, n: &[i8; 3], p: &Point, frame: &Frame) -> bool {
     let limit = key_value(key.code());
     assert!(!limit.is_nan(), "{key:?} is no bound");
@@ -71,7 +71,7 @@ fn bounds(key: Key, n: &[i8; 3], p: &Point, frame: &Frame) -> bool {
     exact_support(n, p, frame) <= Dyadic::from(limit)
 }
 
-/// What a test looked at.
+/// What a test has checked.
 #[derive(Default, Debug)]
 struct Tally {
     checks: u64,
@@ -112,7 +112,7 @@ where
     assert!(tally.unbounded * 2 < tally.checks, "most planes are finite: {tally:?}");
 }
 
-/// Builds a tree of at most 16 triangles, turns its lanes, and checks each lane's planes against the moved
+/// Builds a tree of at most 16 triangles, rotates its lanes, and checks each lane's planes against the moved
 /// corners.
 fn check_mesh<const K: usize>(
     vertices: &[Point],
@@ -172,8 +172,8 @@ fn turned_planes_bound_bodies_at_the_ends_of_the_range() {
     for_each_k!(the_ends_of_the_range);
 }
 
-/// A body 10^33 to 10^40 times larger than the other one's unit, a corner of it beside the other: products of
-/// planes and weights overflow `f32`, to either side, where the planes of that corner are small.
+/// A body 10^33 to 10^40 times larger than the other one's unit, with a corner next to the other body. Products
+/// of planes and weights overflow `f32`, with either sign, where the planes of that corner are small.
 fn bodies_too_large_for_single_precision<const K: usize>()
 where
     Node16<K>: Lanes,
@@ -203,17 +203,17 @@ fn turned_planes_bound_bodies_too_large_for_single_precision() {
     for_each_k!(bodies_too_large_for_single_precision);
 }
 
-// ---- One point, a hair from the next key ------------------------------------------------------------------
+// ---- One point close to the next key ----------------------------------------------------------------------
 
-/// What some key stands for.
+/// The value of some key.
 fn some_bound(rng: &mut Rng) -> f64 {
     key_value(rng.int(-20_000, 20_000) as i16)
 }
 
-/// Every inequality between the point and its turned planes is an equation where its own planes are tight; and the
-/// translation puts the point within a few units in the last place of an `f64` from what a key stands for. A quarter of the
-/// time it is above it, and then the next key must come out, although all of `f32` is too coarse to see
-/// that.
+/// Where the point's own planes are tight, every inequality between the point and its rotated planes is an
+/// equation. The translation puts the point within a few units in the last place of an `f64` from the value of
+/// a key. In a quarter of the cases the point is above it, and then the result must be the next key, although
+/// `f32` is too coarse to distinguish the two.
 fn planes_of_one_point<const K: usize>() {
     let mut rng = Rng::new(200 + K as u64);
     let mut tally = Tally::default();
@@ -228,7 +228,7 @@ fn planes_of_one_point<const K: usize>() {
             Frame { centre: add(away, random_point(&mut rng, [1.0])), exponent: rng.int(-3, 9) as i32 };
         let j = rng.below(K as u64) as usize;
         let n = &directions::table(K).vectors[j];
-        // One coordinate of the translation that the direction has decides the support.
+        // One coordinate of the translation that the direction does not ignore determines the support.
         let axis = (0..3).find(|&i| n[i] != 0).unwrap();
         let mut t = away;
         let bound = some_bound(&mut rng);
@@ -258,10 +258,10 @@ fn turned_planes_of_one_point_a_hair_above_a_key() {
     for_each_k!(planes_of_one_point);
 }
 
-// ---- The way back -----------------------------------------------------------------------------------------
+// ---- The inverse pose -------------------------------------------------------------------------------------
 
-/// Body B is one point y, and A has a point p there, as far from the centre of its frame as A reaches. B's planes, turned
-/// into A's frame and moved out, bound p: up to what `f64` leaves between y and the moved p.
+/// Body B is one point y, and A has a point p there, at A's greatest distance from the centre of its frame. B's
+/// planes, rotated into A's frame and moved out, bound p, up to the error of `f64` between y and the moved p.
 fn the_way_back_of_one_point<const K: usize>() {
     let mut rng = Rng::new(300 + K as u64);
     let (mut checks, mut decided) = (0_u64, 0_u64);
@@ -270,7 +270,8 @@ fn the_way_back_of_one_point<const K: usize>() {
         let (size, distance) = size_and_distance(&mut rng);
         let turn = rotation(&mut rng);
         let pose = pose(&turn, random_point(&mut rng, [distance]));
-        // Three steps of refinement bring p to y as near as `f64` allows: the transpose is nearly the inverse.
+        // Three steps of refinement bring p as close to y as `f64` allows, because the transpose is nearly the
+        // inverse.
         let mut p = [0.0; 3];
         for _ in 0..8 {
             let moved = pose.apply(p);
@@ -311,13 +312,13 @@ fn planes_of_b_bound_points_of_a_on_the_way_back() {
     for_each_k!(the_way_back_of_one_point);
 }
 
-// ---- What the offset pays for -----------------------------------------------------------------------------
+// ---- The bound of the offset ------------------------------------------------------------------------------
 
-/// Below any product of a code and a weight that is normal: three such products, each off by at most 2^-150.
+/// Below any normal product of a code and a weight: three such products, each off by at most 2^-150.
 const UNDERFLOW_EXPONENT: i32 = -148;
 
-/// The bound that the module's text proves, without its last two lines' allowance for `f64`, in exact
-/// arithmetic.
+/// The bound that the module's documentation proves, without the allowance for `f64` in its last two lines, in
+/// exact arithmetic.
 fn required_offset<const K: usize>(
     map: &Realignment<K>,
     j: usize,
@@ -334,7 +335,8 @@ fn required_offset<const K: usize>(
         (Dyadic::power_of_two(UNDERFLOW_EXPONENT), Dyadic::zero(), Dyadic::zero());
     for (_, w) in map.terms(j) {
         assert!(w >= 0.0, "weights are not negative");
-        // A code is half a step less than the plane, which is thus half a step farther out than what is summed.
+        // A code is half a step less than the plane, so the plane is half a step farther out than the term of
+        // the sum.
         reach = reach + exact(w.into()) * (exact(a.max_plane.into()) + exact(0.5));
         half = half + exact(w.into()) * exact(0.5);
     }
@@ -367,7 +369,7 @@ fn offsets_are_no_less_than_proven<const K: usize>() {
         a.frame.centre = random_point(&mut rng, [0.0, 1.0, 1e6, 1e12]);
         a.half_width = random_point(&mut rng, [0.0, 1.0, 127.0, 16_000.0]).map(|x| x.abs() as f32);
         let widest = a.half_width.into_iter().fold(0.0, f32::max);
-        // Where planes are small, nothing hides what the weights miss.
+        // Small planes do not hide the error of the weights.
         a.max_plane = (widest * *rng.pick(&[1e-4, 1.0]) * rng.range(1.0, 6.0) as f32).max(0.5);
         let scale = f64::from_bits(((1023 - a.frame.exponent) as u64) << 52);
         a.max_coordinate =
@@ -401,9 +403,8 @@ fn offsets_pay_for_every_rounding() {
     for_each_k!(offsets_are_no_less_than_proven);
 }
 
-/// Bodies so far from the origin that the pad for rounded coordinates is nearly all of the offset: it may not
-/// be rounded below itself. The two offsets of a slab have opposite translations, so that their sum is twice
-/// the pad.
+/// For bodies far from the origin, nearly all of the offset is the pad for rounded coordinates, and rounding
+/// must not reduce it. The two offsets of a slab have opposite translations, so their sum is twice the pad.
 fn far_offsets_hold_the_pad_for_coordinates<const K: usize>() {
     let mut rng = Rng::new(350 + K as u64);
     let greatest = |p: &Point| p.iter().fold(0.0, |m: f64, x| m.max(x.abs()));
@@ -436,7 +437,8 @@ fn far_offsets_are_not_rounded_below_their_pad() {
 
 // ---- Margins, width and infinity --------------------------------------------------------------------------
 
-/// Everything within the margin of a point: its support is `n . p + |n| margin`.
+/// Planes that are widened by the margin bound everything within the margin of a point, whose support is
+/// `n . p + |n| margin`.
 fn widened_planes_hold_the_margin<const K: usize>() {
     let mut rng = Rng::new(400 + K as u64);
     for _ in 0..4000 / suite_step() {
@@ -455,7 +457,7 @@ fn widened_planes_hold_the_margin<const K: usize>() {
             }
             let [old, new] = [old, new].map(|offset| Dyadic::from(f64::from(offset)));
             let reach = Dyadic::from(Directions::<K>::LENGTHS[j]) * Dyadic::from(margin);
-            // Of the sum that the offset is in: half of a last place of the offset.
+            // The rounding of the sum in the offset: half a unit in the last place of the offset.
             let rounding = Dyadic::power_of_two(-24) * new.clone().abs();
             assert!(new - rounding >= old + reach, "k {K} offset {j}: margin {margin:e}");
         }
@@ -480,8 +482,8 @@ fn widened_planes_hold_everything_within_the_margin() {
     for_each_k!(widened_planes_hold_the_margin);
 }
 
-/// Mean over random turns and directions of a body's width after re-alignment over its true width: a
-/// ball-like cloud in the cube.
+/// The width of a body after realignment over its true width, the mean over random rotations and directions,
+/// for a ball-like cloud in the cube.
 fn width_ratio<const K: usize>() -> f64
 where
     Node16<K>: Lanes,
@@ -512,7 +514,7 @@ where
     sum / count
 }
 
-/// A decomposition that bounds, but badly, would pass every other test here.
+/// All other tests here accept a decomposition that bounds, but loosely.
 #[test]
 fn turned_planes_are_not_much_wider_than_the_body() {
     let ratios = [

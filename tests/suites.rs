@@ -1,5 +1,5 @@
-//! The poses of `benches/support/suites.rs` are as far from contact as they say: brute force over all pairs
-//! of triangles.
+//! The poses of `benches/support/suites.rs` have the stated distance from contact, by brute force over all
+//! pairs of triangles.
 
 #[path = "support/data.rs"]
 mod data;
@@ -15,7 +15,7 @@ use simdop::node::Node16;
 use simdop::primitive::triangle::distance::separation;
 use suites::{Approaching, DISTANCES, Distance, Method, Rows};
 
-/// A long octahedron.
+/// An elongated octahedron.
 fn body() -> MeshData {
     let vertices = vec![
         [2.0, 0.0, 0.0],
@@ -29,7 +29,7 @@ fn body() -> MeshData {
     MeshData { vertices, triangles: triangles.to_vec() }
 }
 
-/// Over all pairs of triangles.
+/// The least distance over all pairs of triangles.
 fn distance(mesh: &MeshData, rows: &Rows) -> f64 {
     let (moved, still) = (mesh.placed(rows), mesh.corners());
     let pairs = moved.iter().flat_map(|a| still.iter().map(move |b| separation(a, b).upper));

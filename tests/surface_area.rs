@@ -1,6 +1,6 @@
-//! The splitters by cost, `SurfaceArea` and `MeanWidth`: trees that hold every triangle once and bound it,
-//! whatever the mesh; the same bytes on every machine; the same answers as any other splitter's trees; and
-//! fewer visits, which is what they are for.
+//! The splitters that minimise a cost, `SurfaceArea` and `MeanWidth`. For every mesh, their trees hold each
+//! triangle once and bound it. They have the same bytes on every machine, and give the same answers as the
+//! trees of any other splitter, with fewer visits.
 
 #![expect(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
 
@@ -36,7 +36,7 @@ fn check_tree<N: Lanes>(what: &str, mesh: &MeshData, leaf_size: u32, splitter: S
     sources.sort_unstable();
     assert!(sources.iter().copied().eq(0..mesh.triangles.len() as u32), "{what}: each triangle once");
 
-    // Full nodes: one node at most has unused lanes, if every leaf is full too.
+    // Full nodes: if every leaf is full, at most one node has unused lanes.
     let stats = view.stats();
     let leaves = mesh.triangles.len().div_ceil(leaf_size as usize);
     let full = leaves.saturating_sub(1).div_ceil(N::ARITY - 1).max(leaves.min(1));
@@ -75,7 +75,8 @@ fn trees_of_awkward_meshes() {
     check_mesh("half coincident", &half);
 }
 
-/// Each triangle twice as far out and twice as large as the last, as far as coordinates go; then again.
+/// Each triangle is twice as far out and twice as large as the last one, up to the range of coordinates; then
+/// the sequence repeats.
 fn growing(n: usize) -> MeshData {
     let at = |i: usize| {
         let size = f64::from(2.0_f32).powi((i % 300) as i32 - 50);
@@ -84,7 +85,7 @@ fn growing(n: usize) -> MeshData {
     shapes::separate((0..n).map(at))
 }
 
-/// Nothing tells them apart.
+/// No splitter can separate these triangles.
 #[test]
 fn a_hundred_thousand_coincident_triangles() {
     let mesh = shapes::coincident(100_000 / suite_step());
@@ -94,9 +95,9 @@ fn a_hundred_thousand_coincident_triangles() {
     }
 }
 
-// ---- Every machine ----------------------------------------------------------------------------------------
+// ---- The same bytes on every machine ----------------------------------------------------------------------
 
-/// Trees of a mesh made by rule, byte for byte. A change of the splitter or of the format changes them.
+/// The trees of a generated mesh, byte for byte. A change of the splitter or of the format changes them.
 #[test]
 fn trees_have_the_bytes_written_here() {
     let mut mesh = shapes::torus(60, 40);
@@ -115,7 +116,7 @@ const GOLDEN: [[u64; 2]; 2] =
 
 // ---- Queries ----------------------------------------------------------------------------------------------
 
-/// Sums over the poses of a suite, by verdict: free, hit.
+/// The sums over the poses of a suite, by verdict: free, hit.
 fn stats<N: Lanes>(suite: &Suite, poses: &[Pose], splitter: Splitter) -> (Vec<bool>, [QueryStats; 2]) {
     let (a, b) = (build::<N>(&suite.a, 1, splitter), build::<N>(&suite.b, 1, splitter));
     let mut sums = [QueryStats::default(); 2];
@@ -151,7 +152,7 @@ fn answers_are_those_of_other_splitters() {
     }
 }
 
-/// What the longer build is for.
+/// The benefit of the longer build.
 #[test]
 fn mean_width_needs_fewer_visits() {
     let Some(data) = directory() else { return };

@@ -1,6 +1,5 @@
-//! The exact triangle test against an independent oracle, over a million pairs made to be difficult: contacts
-//! that are exact in `f64`, the same moved by one unit in the last place, and the same turned, scaled and
-//! shifted.
+//! The exact triangle test against an independent oracle, on over a million difficult pairs: contacts that are
+//! exact in `f64`, the same moved by one unit in the last place, and the same rotated, scaled and shifted.
 
 mod support;
 
@@ -54,7 +53,7 @@ fn verdicts_match_the_oracle() {
     assert!(total >= pairs);
 }
 
-/// What came out of one shape under one treatment.
+/// The results for one shape and one treatment.
 struct Tally {
     pairs: u64,
     hits: u64,
@@ -85,7 +84,7 @@ fn check_cell((shape, treatment): (Shape, Treatment), seed: u64, pairs: u64) -> 
     tally
 }
 
-/// Both argument orders; whether the first needed integers.
+/// Checks both argument orders. Returns whether the first needed integers.
 fn check_orders(pair @ [a, b]: &Pair, expected: bool) -> bool {
     let (mut forward, mut backward) = (7, 7);
     assert_eq!(overlap(a, b, &mut forward), expected, "first with second:\n{}", Bits(pair));
@@ -101,7 +100,7 @@ fn shuffled(t: &Triangle, rng: &mut Rng) -> Triangle {
     rng.pick(&ORDERS).map(|i| t[i])
 }
 
-/// A pair as Rust source that gives back the same bits.
+/// A pair as Rust source that reproduces its bits.
 struct Bits<'a>(&'a Pair);
 
 impl fmt::Display for Bits<'_> {
@@ -117,16 +116,16 @@ impl fmt::Display for Bits<'_> {
 
 // ---- treatments -------------------------------------------------------------------------------------------
 
-/// What happens to a pair that was built on a dyadic grid.
+/// What is done to a pair that was built on a dyadic grid.
 #[derive(Clone, Copy, Debug)]
 enum Treatment {
-    /// Scaled by a power of two and shifted by an integer: nothing is rounded, contacts stay exact.
+    /// Scaled by a power of two and shifted by an integer: nothing is rounded, and contacts stay exact.
     Exact,
-    /// The same, and then one vertex, or all, moved by one unit in the last place.
+    /// The same, and then one vertex, or all vertices, moved by one unit in the last place.
     Nudged,
-    /// Turned by any angle, scaled and shifted, all rounded.
+    /// Rotated by any angle, scaled and shifted, all with rounding.
     Turned,
-    /// Turned likewise, after one triangle moved by 1e-12 to 1e-3 of its size.
+    /// Rotated likewise, after one triangle is moved by 1e-12 to 1e-3 of its size.
     Moved,
 }
 
@@ -151,7 +150,7 @@ impl Treatment {
             Self::Turned => turned(pair, &offset, &[0.0; 3], rng),
             Self::Moved => {
                 let gap = 10.0_f64.powf(rng.range(-12.0, -3.0));
-                // Any way, or along an edge: in the plane, if the pair shares one.
+                // In any direction, or along an edge, which is in the plane if the pair shares one.
                 let way = if rng.below(2) == 0 { rng.rotation()[0] } else { sub(&pair[0][1], &pair[0][0]) };
                 turned(pair, &offset, &scaled(&way, gap), rng)
             }
@@ -166,7 +165,7 @@ fn dyadic(pair: Pair, offset: &Vector, rng: &mut Rng) -> Pair {
 
 fn nudge(x: f64, rng: &mut Rng) -> f64 {
     match rng.below(3) {
-        // Beside zero, a step that the range of coordinates allows.
+        // At zero, a step that the range of coordinates allows.
         0 if x == 0.0 => 1e-17,
         1 if x == 0.0 => -1e-17,
         0 => x.next_up(),
@@ -197,13 +196,13 @@ struct Shape {
     contact: Contact,
 }
 
-/// What is known without any oracle.
+/// What is known without an oracle.
 #[derive(Clone, Copy, PartialEq)]
 enum Contact {
     Unknown,
-    /// The triangles touch as long as nothing is rounded.
+    /// The triangles touch if nothing is rounded.
     UntilRounded,
-    /// They share a vertex, which is rounded in the same way for both.
+    /// They share a vertex, which is rounded equally for both.
     UntilMoved,
 }
 
@@ -334,14 +333,14 @@ fn points_and_needles(rng: &mut Rng) -> Pair {
     [[p; 3], other]
 }
 
-/// Triangles some 2^20 times longer than wide, through nearly the same place.
+/// Triangles about 2^20 times longer than wide, through nearly the same place.
 fn sliver_and_sliver(rng: &mut Rng) -> Pair {
     let through = grid(rng, 4);
     let mut t = || needle(&through, rng).map(|p| add(&p, &scaled(&grid(rng, 2), 2.0_f64.powi(-18))));
     [t(), t()]
 }
 
-/// The points of a plane with integer coordinates in it.
+/// The points with integer coordinates in a plane.
 struct Lattice {
     origin: Vector,
     u: Vector,
@@ -388,7 +387,7 @@ fn inside(t: &Triangle, rng: &mut Rng) -> Vector {
     core::array::from_fn(|k| t[0][k] * weight[0] + t[1][k] * weight[1] + t[2][k] * weight[2])
 }
 
-/// Three points on a line through `p`; `p` is often, not always, between them.
+/// Three points on a line through `p`, which is often, but not always, between them.
 fn needle(p: &Vector, rng: &mut Rng) -> Triangle {
     let direction = grid(rng, 4);
     core::array::from_fn(|_| add(p, &scaled(&direction, rng.int(-3, 3) as f64 / 2.0)))
@@ -417,8 +416,8 @@ fn cross(p: &Vector, q: &Vector) -> Vector {
 
 // ---- the ends of the range, the counter, and the oracle itself --------------------------------------------
 
-/// Coordinates from 2^-250 to 2^302, mixed, so that an intermediate that under- or overflows changes a
-/// verdict. With debug assertions a coordinate that is not in the range is a panic.
+/// Coordinates from 2^-250 to 2^302, mixed, so that an intermediate result that underflows or overflows changes
+/// a verdict. With debug assertions a coordinate out of range panics.
 #[test]
 fn verdicts_match_at_the_ends_of_the_range() {
     let mut rng = Rng::new(2);
@@ -447,7 +446,7 @@ fn nudge_in_range(x: f64, rng: &mut Rng) -> f64 {
     }
 }
 
-/// Pairs at random must not need integers: they are for contacts.
+/// Random pairs must not need integers, which are for contacts.
 #[test]
 fn random_pairs_do_not_need_integers() {
     let mut rng = Rng::new(3);
@@ -479,7 +478,7 @@ fn the_oracle_knows_the_obvious() {
     assert!(!meets([[2.0, 2.0_f64.next_up(), -1.0], [2.0, 2.0_f64.next_up(), 1.0], [9.0, 9.0, 1.0]]));
     assert!(!meets([[5.0, 0.0, 0.0], [9.0, 0.0, 0.0], [6.0, 0.0, 0.0]]));
     assert!(!meets(t.map(|[x, y, z]| [x, y, z + tiny])));
-    // Boxes overlap, one plane, apart.
+    // The boxes overlap, the triangles share a plane, and are disjoint.
     assert!(!meets([[3.0, 3.0, 0.0], [1.5, 3.0, 0.0], [3.0, 1.5, 0.0]]));
 }
 

@@ -1,4 +1,4 @@
-//! Bodies among points, against all pairs of a primitive and a point.
+//! Bodies near the points of a cloud, against all pairs of a primitive and a point.
 
 use crate::scenes::{self, Random};
 use core::ops::ControlFlow;
@@ -11,7 +11,7 @@ use simdop::pose::Pose;
 use simdop::primitive::{Sphere, Spheres, Triangles};
 use simdop::query::{Lanes, PrimitivePair};
 
-/// Turned about an axis between all three, with a matrix that is no rotation by up to `skew`.
+/// A rotation about an oblique axis, by a matrix whose entries are off by up to `skew`.
 fn pose(random: &mut Random, reach: f64, skew: f64) -> Pose {
     let number = |random: &mut Random| f64::from(random.next()) - 0.5;
     let (a, b, c) = (6.0 * number(random), 6.0 * number(random), 6.0 * number(random));
@@ -79,12 +79,12 @@ fn check<N: Lanes, P: PrimitivePair<Spheres>>(
             (hits, free) = if want.is_empty() { (hits, free + 1) } else { (hits + 1, free) };
         }
     }
-    // Few poses need not have both.
+    // A small suite need not have both.
     let few = scenes::size(60, 8) < 60;
     assert!(few || hits > 0 && free > 0, "{what}: {hits} hits, {free} free");
 }
 
-/// A few triangles about the origin, and spheres that overlap as a robot's do.
+/// Triangles around the origin, and spheres that overlap like those of a robot.
 fn mesh() -> (Vec<[f64; 3]>, Vec<[u32; 3]>) {
     let random = &mut Random(37);
     let vertices = (0..60).map(|_| random.point().map(|x| f64::from(x) - 0.5)).collect();
@@ -138,7 +138,7 @@ fn spheres_have_points_within_their_margin_where_a_loop_finds_them() {
         if !(1e-3..1e7).contains(&widest) {
             continue;
         }
-        // Spheres of the size of the scene, about its middle, and far from it.
+        // Spheres as large as the scene, near its middle and far from it.
         let (low, high) = (0..3).fold(([0.0; 3], 0.0_f64), |(mut low, high), i| {
             let least = points.iter().map(|p| p[i]).fold(f32::INFINITY, f32::min);
             let most = points.iter().map(|p| p[i]).fold(f32::NEG_INFINITY, f32::max);
@@ -156,7 +156,7 @@ fn spheres_have_points_within_their_margin_where_a_loop_finds_them() {
     }
 }
 
-/// A point that touches a face, an edge, a corner or a sphere is near; the next number beyond is not.
+/// A point that touches a face, an edge, a corner or a sphere is near. The next number beyond is not.
 #[test]
 fn what_touches_is_near() {
     let triangle = Mesh { vertices: &[[0.0; 3], [4.0, 0.0, 0.0], [0.0, 4.0, 0.0]], triangles: &[[0, 1, 2]] };
@@ -223,7 +223,7 @@ fn what_cannot_be_asked_is_refused() {
     }
 }
 
-/// Of all pairs of a primitive and a point.
+/// The least distance over all pairs of a primitive and a point.
 fn least_distance<N: Lanes, P: PrimitivePair<Spheres>>(
     body: &Bvh<N, P>,
     points: &[[f32; 3]],
@@ -290,7 +290,8 @@ fn distances_are_those_of_a_loop() {
     }
 }
 
-/// A cube of side 2 with a cavity of side 1 in it, turned: a point is in it where it is between the two, seen from the cube.
+/// A rotated cube of side 2 with a cavity of side 1. In the cube's frame, the points between the two surfaces
+/// are inside.
 #[test]
 fn points_inside_of_a_solid_are_near() {
     let [outer, cavity] = [2.0, 1.0].map(|side| OwnedMesh::cuboid([side; 3]).unwrap());

@@ -1,4 +1,4 @@
-//! Clouds as bytes: the same cloud again, or an error.
+//! Clouds as bytes: reading them gives the same cloud, or an error.
 
 use crate::scenes::{self, Random};
 use simdop::cloud::{CLOUD_MAGIC, CloudError, CloudRef, Neighbour, PointCloud, Queries, Radii, RangeSearch};
@@ -7,7 +7,7 @@ use simdop::hierarchy::{Aligned, FormatError};
 use simdop::isa::Isa;
 use simdop::node::{Aabb16, Bucket};
 
-/// Bytes that start at a multiple of 64.
+/// A copy of the bytes at an address that is a multiple of 64.
 fn aligned(bytes: &[u8]) -> Vec<Bucket> {
     let mut lines = vec![Bucket::EMPTY; bytes.len().div_ceil(256)];
     bytemuck::cast_slice_mut::<_, u8>(&mut lines)[..bytes.len()].copy_from_slice(bytes);
@@ -37,7 +37,7 @@ fn a_cloud_comes_back_from_its_bytes() {
             counts
         };
         assert_eq!(count(&view), count(&cloud.view()), "{name}");
-        // What was read can be changed as what was written.
+        // A cloud that was read can be changed like the original.
         for cloud in [&mut cloud, &mut again] {
             cloud.remove(0).unwrap();
             cloud.rebuild().unwrap();
@@ -77,11 +77,11 @@ fn bytes_that_are_no_cloud_are_refused() {
     assert_eq!(with(20, u32::MAX), FormatError::Header { field: "capacity" });
     assert_eq!(with(24, 0), FormatError::Header { field: "nodes" });
     assert_eq!(with(60, 1), FormatError::Header { field: "reserved" });
-    // The first coordinate of the first box is no longer below the points.
+    // The lower corner of the first box is no longer below the points.
     let inside = (f32::from_bits(word(64)) + 0.001).to_bits();
     assert!(matches!(with(64, inside), FormatError::Node { node: 0, lane: 0, .. }));
     assert!(matches!(with(64, f32::NAN.to_bits()), FormatError::Node { node: 0, lane: 0, .. }));
-    // Two lanes lead to one bucket; a node leads to itself; there is no such bucket.
+    // Two lanes link to one bucket; a node links to itself; a bucket does not exist.
     assert!(matches!(with(node(1), word(node(0))), FormatError::Node { node: 0, lane: 1, .. }));
     assert!(matches!(with(node(15), 0), FormatError::Node { node: 0, lane: 15, .. }));
     assert!(matches!(with(node(0), 1 << 31 | 25), FormatError::Node { node: 0, lane: 0, .. }));
@@ -90,16 +90,17 @@ fn bytes_that_are_no_cloud_are_refused() {
     let bucket = bytes.len() - 25 * 256;
     assert_eq!(with(bucket + 192, 400), FormatError::Source { index: 0 });
     assert!(matches!(with(bucket + 192, u32::MAX), FormatError::Vertex { index: 0 }));
-    // A point too far for its box.
+    // A point outside its box.
     assert!(matches!(with(bucket, 9.0_f32.to_bits()), FormatError::Node { .. }));
-    // The same index twice: only who changes a cloud has to know.
+    // An index that occurs twice: only a change of the cloud needs to detect it.
     let mut twice = bytes.clone();
     twice[bucket + 192..bucket + 196].copy_from_slice(&word(bucket + 196).to_le_bytes());
     assert_eq!(read(&twice), Ok(400));
     assert_eq!(PointCloud::from_bytes(&twice).unwrap_err(), FormatError::Source { index: 1 });
 }
 
-/// A node that nothing but itself leads to: it is the next one that any lane leads to.
+/// A node that links to itself, and that no other node links to. The link is valid in itself: it leads to the
+/// next node in order.
 #[test]
 fn nodes_that_nothing_leads_to_are_refused() {
     let points: Vec<_> = (0..10).map(|i| [i as f32, 0.0, 0.0]).collect();
@@ -117,7 +118,8 @@ fn nodes_that_nothing_leads_to_are_refused() {
     assert_eq!(read(&bytes), Ok(10));
 }
 
-/// A head may promise room for more points than there are: memory for them is taken when they come.
+/// The header may state a greater capacity than there are points: the memory is allocated when points are
+/// added.
 #[test]
 fn a_cloud_from_bytes_has_the_room_that_it_says() {
     let random = &mut Random(47);
@@ -144,7 +146,7 @@ fn a_cloud_from_bytes_has_the_room_that_it_says() {
     }
 }
 
-/// Whatever the bytes, a cloud that is accepted can be searched.
+/// Whatever the bytes, a cloud that is accepted can be searched safely.
 #[test]
 fn bytes_that_are_accepted_are_safe() {
     let random = &mut Random(19);

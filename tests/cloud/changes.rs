@@ -1,11 +1,11 @@
-//! Points that move, come and go: the tree stays right.
+//! Points that move, or are inserted or removed: the tree stays correct.
 
 use crate::scenes::{self, Random, brute, is_near};
 use simdop::cloud::{CloudError, CloudMut, Memory, PointCloud, Queries, Radii, RangeSearch};
 use simdop::isa::Isa;
 use simdop::node::{Aabb16, Bucket};
 
-/// The counts of all points, against a loop over those that are there.
+/// Compares the counts of all points with a loop over those that exist.
 fn assert_right(cloud: &PointCloud, points: &[Option<[f32; 3]>], radius: f32, what: &str) {
     let mut counts = vec![u32::MAX; points.len()];
     let search = RangeSearch::new(Isa::detect());
@@ -17,7 +17,8 @@ fn assert_right(cloud: &PointCloud, points: &[Option<[f32; 3]>], radius: f32, wh
     assert_eq!(cloud.view().len(), points.iter().flatten().count());
 }
 
-/// Two thousand frames of particles that drift, bounce and now and then leave the box that the tree was built for.
+/// Two thousand frames of particles that drift, bounce, and sometimes leave the box that the tree was built
+/// for.
 #[test]
 fn particles_stay_exact_through_refits_and_rebuilds() {
     let (n, frames) = (scenes::size(600, 120), scenes::size(2000, 60));
@@ -126,7 +127,7 @@ fn points_come_and_go() {
     }
 }
 
-/// A cloud without points takes some, whether it was built so or emptied, and as many as there is room for.
+/// A cloud without points, whether it was built so or emptied, takes as many points as its capacity.
 #[test]
 fn an_empty_cloud_takes_points() {
     let random = &mut Random(41);
@@ -150,7 +151,7 @@ fn an_empty_cloud_takes_points() {
         }
         assert_right(&cloud, &there, 0.3, "filled");
     }
-    // There is no index that a point could have.
+    // With a capacity of 0 there is no valid index.
     let nothing = PointCloud::new(&[]).unwrap();
     assert_eq!((nothing.view().buckets().len(), nothing.view().nodes().len()), (0, 1));
 }
@@ -202,14 +203,14 @@ fn memory_may_be_the_callers() {
     assert_eq!(build(1, 7, 99), Err(too_little("places", 99, 100)));
 }
 
-/// The paper's ratio: what a box's volume is, as a multiple of what it was.
+/// The paper's ratio: the present volume of a box over its volume when built.
 #[test]
 fn the_ratio_is_that_of_the_box_that_grew_most() {
     let mut points: Vec<_> =
         (0..4096).map(|i| [(i % 16) as f32, (i / 16 % 16) as f32, (i / 256) as f32]).collect();
     let mut cloud = PointCloud::new(&points).unwrap();
     assert_eq!(cloud.refit(&points), Ok(1.0));
-    // All boxes twice as large along one axis.
+    // All boxes become twice as large along one axis.
     for point in &mut points {
         point[1] *= 2.0;
     }

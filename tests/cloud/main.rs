@@ -1,4 +1,4 @@
-//! Points that move, against a loop over all points: the same neighbours to the last bit.
+//! Clouds of points against a loop over all points: the same neighbours, to the last bit.
 
 mod body;
 mod bytes;

@@ -1,5 +1,5 @@
-//! What a planner on a robot relies on: nothing but the owning types touches the heap, and the stack of a search is bounded
-//! whatever the cloud.
+//! The guarantees for a planner on a robot: only the owning types use the heap, and the stack of a search is
+//! bounded for every cloud.
 
 #[path = "../support/heap.rs"]
 mod heap;
@@ -32,12 +32,13 @@ fn bodies() -> (Bvh<Node16<32>, Spheres>, Bvh<Node16<32>>) {
     (round, Builder::new().build_as(&mesh).unwrap())
 }
 
-/// The points that the bodies' corners and centres may touch.
+/// The points that the bodies' corners and centres can touch.
 fn lattice() -> Vec<[f32; 3]> {
     (0..729).map(|i| [i % 9, i / 9 % 9, i / 81].map(|x| x as f32 * 0.125)).collect()
 }
 
-/// Along the mesh: by nothing, by so little that only exact arithmetic can say whether it touches, by a step of the lattice, and away.
+/// Shifts along the mesh: none, one so small that only exact arithmetic can decide whether it touches, one by a
+/// step of the lattice, and one far away.
 fn poses() -> [Pose; 4] {
     [0.0, 1e-17, 0.125, 3.0]
         .map(|x| Pose::from_rows([[1.0, 0.0, 0.0, x], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, x]]).unwrap())
@@ -124,7 +125,7 @@ fn nothing_allocates_in_borrowed_memory() {
     }
 }
 
-/// Clouds that own their memory allocate when they are made, and never again.
+/// Clouds that own their memory allocate when they are built, and never again.
 #[test]
 fn an_owned_cloud_keeps_its_memory() {
     let random = &mut Random(33);
@@ -142,8 +143,8 @@ fn an_owned_cloud_keeps_its_memory() {
     assert_eq!(without_heap("from_bytes", || CloudRef::from_bytes(aligned).map(|view| view.len())), Ok(300));
 }
 
-/// The bytes of a cloud like a comb: in each of its `depth` nodes a bucket and the next node, in the last one two buckets. All
-/// points are near the origin.
+/// The bytes of a cloud whose tree is a chain of `depth` nodes: each has a bucket and the next node, and the
+/// last one has two buckets. All points are near the origin.
 fn comb(depth: usize) -> Vec<Bucket> {
     let points: Vec<_> = (0..=depth).map(|i| [i as f32 / 128.0, 0.0, 0.0]).collect();
     let mut bytes =
@@ -151,13 +152,13 @@ fn comb(depth: usize) -> Vec<Bucket> {
     let mut put = |at: usize, value: usize| {
         bytes[at..at + 4].copy_from_slice(&(value as u32).to_le_bytes());
     };
-    // Points, nodes, buckets.
+    // The numbers of points, nodes and buckets.
     put(16, depth + 1);
     put(24, depth);
     put(28, depth + 1);
     for level in 1..=depth {
         let mut node = Aabb16::EMPTY;
-        // Links to a bucket have the highest bit.
+        // The highest bit marks a link to a bucket.
         let leaf = |bucket: usize| bytemuck::cast(1 << 31 | bucket as u32);
         let next = if level < depth { bytemuck::cast(level as u32) } else { leaf(depth) };
         node.child[..2].copy_from_slice(&[leaf(level - 1), next]);
@@ -175,7 +176,7 @@ fn comb(depth: usize) -> Vec<Bucket> {
     }
     let mut lines = vec![Bucket::EMPTY; bytes.len().div_ceil(256)];
     bytemuck::cast_slice_mut::<_, u8>(&mut lines)[..bytes.len()].copy_from_slice(&bytes);
-    // Nothing may follow the cloud.
+    // No bytes may follow the cloud.
     assert_eq!(bytes.len() % 256, 64);
     lines
 }
@@ -185,7 +186,7 @@ fn read(lines: &[Bucket]) -> Result<CloudRef<'_>, FormatError> {
     CloudRef::from_bytes(&bytes[..bytes.len() - 192])
 }
 
-/// The deepest clouds that pass `from_bytes` are searched to the end; deeper ones do not pass.
+/// The deepest clouds that `from_bytes` accepts are searched completely. It rejects deeper ones.
 #[test]
 fn clouds_too_deep_for_the_stack_are_refused() {
     use simdop::hierarchy::MAX_DEPTH;
@@ -209,7 +210,7 @@ fn clouds_too_deep_for_the_stack_are_refused() {
     }
 }
 
-/// Bytes of stack that the documentation says are enough. Threads have little less: 25 KiB on Linux.
+/// Bytes of stack that suffice according to the documentation. A thread needs little less: 25 KiB on Linux.
 const STACK: usize = 32 << 10;
 
 fn in_thread<R: Send>(f: impl FnOnce() -> R + Send) -> R {
@@ -218,7 +219,7 @@ fn in_thread<R: Send>(f: impl FnOnce() -> R + Send) -> R {
     })
 }
 
-/// A thread that overflows its stack ends the process, so there is nothing to assert: this test fails by being killed.
+/// A thread that overflows its stack aborts the process: this test has nothing to assert.
 #[test]
 fn searches_need_no_more_stack_than_is_documented() {
     let random = &mut Random(37);

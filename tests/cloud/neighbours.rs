@@ -5,7 +5,7 @@ use core::ops::ControlFlow;
 use simdop::cloud::{CloudRef, List, PointCloud, Queries, Radii, RangeSearch, SearchError, Seat};
 use simdop::isa::Isa;
 
-/// Counts, fills and visits on every instruction set, compares all with each other, and returns the lists of the queries.
+/// Counts, fills and visits on every instruction set, compares them all, and returns the lists of the queries.
 fn ask(cloud: &CloudRef<'_>, queries: &Queries<'_>, radii: Radii<'_>, room: usize) -> Vec<Vec<u32>> {
     let mut first = None;
     for isa in Isa::available() {
@@ -71,7 +71,7 @@ fn neighbours_come_in_the_order_of_buckets_and_slots() {
     for (place, &index) in order.iter().enumerate().filter(|(_, index)| **index != u32::MAX) {
         places[index as usize] = place;
     }
-    // The packets of the last radius find more buckets than a packet remembers.
+    // With the last radius, packets find more buckets than a packet can store.
     for radius in [0.1, 0.3, 2.0] {
         for list in ask(&cloud.view(), &Queries::own(), Radii::Same(radius), points.len()) {
             assert!(list.is_sorted_by_key(|&index| places[index as usize]));
@@ -79,7 +79,8 @@ fn neighbours_come_in_the_order_of_buckets_and_slots() {
     }
 }
 
-/// Where a packet finds more buckets than it remembers, its queries go down one by one: with radii on either side of that.
+/// Where a packet finds more buckets than it can store, its queries descend one by one. The radii are on both
+/// sides of that limit.
 #[test]
 fn queries_go_down_alone_where_packets_find_too_much() {
     let random = &mut Random(23);
@@ -95,7 +96,7 @@ fn queries_go_down_alone_where_packets_find_too_much() {
     }
 }
 
-/// Points of another set ask, inside of the cloud's box and far outside, each with a radius of its own.
+/// Queries at points of another set, inside the cloud's box and far outside, each with a radius of its own.
 #[test]
 fn neighbours_of_other_points_are_those_of_a_loop() {
     for (name, points, radii) in scenes::all(scenes::size(1000, 150)) {
@@ -107,7 +108,7 @@ fn neighbours_of_other_points_are_those_of_a_loop() {
             let side =
                 |k: usize| bounds.lower[k] + share * (bounds.upper[k] - bounds.lower[k]) * random.next();
             let asked: [f32; 3] = [0, 1, 2].map(side);
-            // Every third is a point of the cloud.
+            // Every third query is a point of the cloud.
             if i.is_multiple_of(3) || asked.iter().any(|x| !x.is_finite()) {
                 points[i % points.len()]
             } else {

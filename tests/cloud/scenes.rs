@@ -1,6 +1,6 @@
 //! Sets of points that are hard for a tree, and the loop that decides what is near.
 
-/// A generator of numbers in [0, 1), the same everywhere.
+/// A generator of numbers in [0, 1), the same on every machine.
 pub(crate) struct Random(pub(crate) u64);
 
 impl Random {
@@ -14,7 +14,7 @@ impl Random {
     }
 }
 
-/// What a neighbour is: nothing but these operations, in `f32`.
+/// The definition of a neighbour: exactly these operations, in `f32`.
 pub(crate) fn is_near(p: [f32; 3], q: [f32; 3], r: f32) -> bool {
     square(p, q) <= r * r
 }
@@ -24,15 +24,15 @@ pub(crate) fn square(p: [f32; 3], q: [f32; 3]) -> f32 {
     (x * x + y * y) + z * z
 }
 
-/// The neighbours of a query in the order of their indices.
+/// The neighbours of a query by ascending index.
 pub(crate) fn brute(points: &[[f32; 3]], q: [f32; 3], r: f32) -> Vec<u32> {
     (0..points.len() as u32).filter(|&i| is_near(points[i as usize], q, r)).collect()
 }
 
-/// A name, points, and radii.
+/// A name, points and radii.
 pub(crate) type Scene = (&'static str, Vec<[f32; 3]>, Vec<f32>);
 
-/// Named sets of about `n` points, with radii that matter to each.
+/// Named sets of about `n` points, each with radii that are critical for it.
 pub(crate) fn all(n: usize) -> Vec<Scene> {
     let random = &mut Random(7);
     let side = (n as f32).cbrt().ceil() as usize;
@@ -57,7 +57,7 @@ pub(crate) fn all(n: usize) -> Vec<Scene> {
     let huge: Vec<_> = uniform.iter().map(|p| p.map(|x| (x - 0.5) * f32::MAX)).collect();
     vec![
         ("uniform", uniform, vec![0.0, 0.05, 0.1, 0.5, 2.0]),
-        // Ties: radii that are distances of many pairs.
+        // Ties: the radii are the distances of many pairs.
         ("grid", grid(1.0), vec![0.0, 1.0, 2.0_f32.sqrt(), 2.0, 3.0]),
         ("grid of tenths", grid(0.1), vec![0.1, 0.2, 0.3, 0.141_421_36]),
         ("a million from the origin", far, vec![0.0, 0.0625, 0.125, 0.25]),
@@ -72,7 +72,7 @@ pub(crate) fn all(n: usize) -> Vec<Scene> {
     ]
 }
 
-/// As many points as the machine has patience for: emulators and Miri have less.
+/// The number of points: small for emulators and Miri, which are slow.
 pub(crate) fn size(full: usize, small: usize) -> usize {
     if std::env::var("SIMDOP_SUITE").as_deref() == Ok("small") { small } else { full }
 }

@@ -1,11 +1,11 @@
-//! One query at a time.
+//! Single queries.
 
 use crate::scenes::{self, Random, brute, square};
 use core::ops::ControlFlow;
 use simdop::cloud::{Neighbour, PointCloud, RangeSearch, SearchError};
 use simdop::isa::Isa;
 
-/// Points of the cloud, between them and far outside.
+/// Points of the cloud, points between them, and points far outside.
 fn queries(points: &[[f32; 3]], count: usize) -> Vec<[f32; 3]> {
     let random = &mut Random(21);
     let pick =

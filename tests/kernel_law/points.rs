@@ -1,7 +1,8 @@
-//! The kernels of points and boxes of points.
+//! The kernels of points and of boxes of points.
 
+use crate::digest::{Digest, words};
+use crate::pairs;
 use crate::support::rng::Rng;
-use crate::{Digest, pairs, words};
 use simdop::isa::Scalar;
 use simdop::low_level::kernel::Kernel;
 use simdop::node::{Aabb16, Box3, Bucket};
@@ -9,13 +10,14 @@ use simdop::node::{Aabb16, Box3, Bucket};
 /// How numbers are drawn.
 #[derive(Copy, Clone, PartialEq, Debug)]
 enum Mode {
-    /// Small integers, with small integers as squares: many are as far as the radius.
+    /// Small integers, also as the squared radius: often a point is exactly at the radius.
     Lattice,
-    /// Numbers of like size, and as often as not the square of one of the distances, or the number below it.
+    /// Numbers of similar size. The squared radius is often one of the squared distances, or the next number
+    /// below it.
     Near,
-    /// Any finite numbers: differences that are subnormal, squares that are zero or infinite.
+    /// Any finite numbers: subnormal differences, squares that are zero or infinite.
     Finite,
-    /// Any bits: infinities, NaN of any payload, -0, boxes that end before they begin.
+    /// Any bits: infinities, NaNs of any payload, -0, boxes whose lower corner is above the upper one.
     AnyBits,
 }
 
@@ -54,14 +56,14 @@ fn point(rng: &mut Rng, mode: Mode) -> [f32; 3] {
     [(); 3].map(|()| number(rng, mode))
 }
 
-/// A box; of a quarter of them, a point.
+/// A box; in a quarter of the cases, a point.
 fn some_box(rng: &mut Rng, mode: Mode) -> Box3 {
     let (p, q) = (point(rng, mode), point(rng, mode));
     match rng.below(4) {
         0 => Box3::of_point(p),
         _ if mode == Mode::AnyBits => Box3 { lower: p, upper: q },
         _ => {
-            // Of a tenth of the room, so that most boxes are apart.
+            // A tenth of the range of the points, so that most boxes are separate.
             let share = if mode == Mode::Near { 0.1 } else { 1.0 };
             let end = |i: usize| if mode == Mode::Near { p[i] + share * q[i] } else { q[i] };
             let ends = [0, 1, 2].map(|i| (p[i], end(i)));
@@ -70,7 +72,7 @@ fn some_box(rng: &mut Rng, mode: Mode) -> Box3 {
     }
 }
 
-/// What a query is compared with. One lane in eight is unused: NaN of any payload in the mode that has any bits.
+/// A node and a bucket. One lane in eight is unused.
 fn node_and_bucket(rng: &mut Rng, mode: Mode) -> (Aabb16, Bucket) {
     let (mut node, mut bucket) = (Aabb16::EMPTY, Bucket::EMPTY);
     for lane in 0..16 {
@@ -86,7 +88,7 @@ fn node_and_bucket(rng: &mut Rng, mode: Mode) -> (Aabb16, Bucket) {
     (node, bucket)
 }
 
-/// A radius's square, as it may be.
+/// The square of a radius.
 fn square(rng: &mut Rng, mode: Mode, distances: &[f32; 16]) -> f32 {
     let one = *rng.pick(distances);
     match (mode, rng.below(4)) {
@@ -99,11 +101,11 @@ fn square(rng: &mut Rng, mode: Mode, distances: &[f32; 16]) -> f32 {
     }
 }
 
-/// What a kernel says: masks of boxes and points, and their squares.
+/// A kernel's answer: masks of boxes and of points, and squared distances.
 #[derive(PartialEq, Debug)]
 struct Answer {
     masks: [u16; 2],
-    /// A NaN is a NaN, whatever else its bits say.
+    /// All NaNs count as equal.
     squares: [[u32; 16]; 2],
 }
 
@@ -113,7 +115,7 @@ fn answer<E: Kernel>(
     square: f32,
     (node, bucket): &(Aabb16, Bucket),
 ) -> Answer {
-    // No square is negative.
+    // Squares are never negative.
     let mut squares = [[-1.0; 16]; 2];
     let masks = kernel.run(
         #[inline(always)]
@@ -135,7 +137,7 @@ pub(crate) fn points_equal_the_scalar_kernel<E: Kernel>(kernel: E, name: &str) {
         let mut ones = [0_u64; 2];
         for i in 0..count / 4 {
             let (around, p) = (some_box(&mut rng, mode), point(&mut rng, mode));
-            // Single queries are boxes of one point.
+            // A single query is a box that is a point.
             let around = if rng.below(2) == 0 { around } else { Box3::of_point(p) };
             let of = node_and_bucket(&mut rng, mode);
             let mut distances = [0.0; 16];
@@ -165,7 +167,7 @@ pub(crate) fn points_equal_the_scalar_kernel<E: Kernel>(kernel: E, name: &str) {
     println!("{name}: {count} queries against sixteen boxes and sixteen points, digest {:016x}", digest.0);
 }
 
-/// All masks: the indices of the slots that are set, in their order. What follows them is anything.
+/// For every mask: the indices of the slots that are set, in order. The rest of the output is unspecified.
 pub(crate) fn picks_are_the_slots_of_the_mask<E: Kernel>(kernel: E, name: &str) {
     let mut rng = Rng::new(8);
     for mask in (0..=u16::MAX).step_by(if cfg!(miri) { 2979 } else { 1 }) {
@@ -180,22 +182,22 @@ pub(crate) fn picks_are_the_slots_of_the_mask<E: Kernel>(kernel: E, name: &str) 
     }
 }
 
-/// The box around a point and any other; which of the two corners a side is from is by chance.
+/// A box with `p` as a corner; in each coordinate `p` is the lower or the upper end.
 fn around(rng: &mut Rng, p: [f32; 3]) -> Box3 {
     let mode = *rng.pick(&MODES[..3]);
     let ends = p.map(|x| (x, if rng.below(3) == 0 { x } else { number(rng, mode) }));
     Box3 { lower: ends.map(|(x, y)| x.min(y)), upper: ends.map(|(x, y)| x.max(y)) }
 }
 
-/// What lets a search leave out a box, and a packet a box for all of its queries: as they are rounded, squares do not get less
-/// where a box is replaced by a point in it, on either side. Of any finite numbers.
+/// The reason why a search may skip a box, and a packet may skip it for all of its queries: as rounded, squared
+/// distances do not decrease when a box, on either side, is replaced by a point in it. Any finite numbers.
 #[test]
 fn a_box_is_not_farther_than_what_is_in_it() {
     let mut rng = Rng::new(9);
     let scalar = Scalar::new();
     let mut digest = Digest::EMPTY;
     for i in 0..if cfg!(miri) { 10 } else { pairs() } {
-        // Of one mode as often as not, so that no number is nothing beside the other ones.
+        // Numbers mostly of one mode, so that seldom one dominates the others.
         let mode = MODES[i as usize % 3];
         let any = |rng: &mut Rng| if rng.below(4) == 0 { *rng.pick(&MODES[..3]) } else { mode };
         let asks = any(&mut rng);
@@ -231,7 +233,7 @@ fn a_box_is_not_farther_than_what_is_in_it() {
             );
             squares.iter().for_each(|x| digest.add(x.to_bits().into()));
         }
-        // The node of the points themselves is as far as they are.
+        // Boxes that are the points themselves are exactly as far as the points.
         let flat = Aabb16 { lower: bucket.coordinates, upper: bucket.coordinates, ..node };
         assert_eq!(boxes(&single, &flat).map(f32::to_bits), to_points.map(f32::to_bits), "{q:?} {bucket:?}");
         for square in to_points {

@@ -1,5 +1,5 @@
-//! What a planner on a robot relies on: no query touches the heap, and the stack of a query is bounded
-//! whatever the trees.
+//! The guarantees for a planner on a robot: no query uses the heap, and the stack of a query is bounded for all
+//! trees.
 
 #[path = "../support/heap.rs"]
 mod heap;
@@ -41,7 +41,7 @@ fn queries_stay_off_the_heap<N: Lanes>() {
     let detected = without_heap("detection", Isa::detect);
     for isa in without_heap("available", || Isa::available().chain([detected])) {
         let query = Query::new(isa);
-        // Linked rings: the hulls overlap deeply, whether or not the surfaces meet.
+        // Linked rings: the hulls overlap deeply, whether the surfaces meet or not.
         let (near, close, far) = (pose(1.0), pose(2.6), pose(1000.0));
         let collide = |query: Query, pose: &Pose| {
             without_heap("collide", || query.collide(&view, &borrowed, pose)).verdict
@@ -103,10 +103,10 @@ fn the_stack_of_a_query_is_below_three_kilobytes() {
     assert!((1..=3072).contains(&STACK_BYTES), "{STACK_BYTES} bytes");
 }
 
-/// A tilted triangle: its box is fat, so that bodies can overlap as volumes and not meet.
+/// A tilted triangle. Its box is thick, so bodies can overlap as volumes without meeting.
 const TILTED: [[f64; 3]; 3] = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.5], [0.0, 1.0, 0.25]];
 
-/// What a link to a node says of the width of a volume with these planes.
+/// The bits of a link to a node that state the width of a volume with these planes.
 fn width_bits(planes: &[i16; 6]) -> u32 {
     let sum = planes.iter().map(|&code| key_value(code)).sum::<f64>();
     // The binary logarithm, rounded down.
@@ -114,8 +114,8 @@ fn width_bits(planes: &[i16; 6]) -> u32 {
     ((log + 14).clamp(0, 31) as u32) << 26
 }
 
-/// The bytes of a tree like a comb: below each node a leaf and the next node, below the last only a leaf. Each
-/// of its `depth` leaves holds the same triangle, of this size, so that all planes are alike.
+/// The bytes of a tree that is a chain: each node has a leaf and the next node, and the last one has only a
+/// leaf. All `depth` leaves hold the same triangle of this size, so that all planes are equal.
 fn comb(depth: usize, size: f64) -> Vec<u8> {
     let builder = Builder::new();
     let triangle = TILTED.map(|p| p.map(|x| x * size));
@@ -129,7 +129,7 @@ fn comb(depth: usize, size: f64) -> Vec<u8> {
         let planes = core::array::from_fn(|j| [used(0, j), used(1, j), i16::MIN, i16::MIN]);
         Node4::<6>::new(planes, [child[0], child[1], u32::MAX, u32::MAX].map(bytemuck::cast::<u32, Child>))
     };
-    // Lower lanes are visited first: the leaves wait until all levels below have been.
+    // Lower lanes are visited first: the leaves stay pending until all lower levels have been visited.
     let leaf = |first: usize| 1 << 31 | first as u32;
     let link = |level: usize| {
         if level < depth { [width | level as u32, leaf(level - 1)] } else { [leaf(depth - 1), u32::MAX] }
@@ -146,7 +146,7 @@ fn comb(depth: usize, size: f64) -> Vec<u8> {
     bytes
 }
 
-/// The deepest trees that pass `from_bytes` are walked to the end; deeper ones do not pass.
+/// The deepest trees that `from_bytes` accepts are traversed completely. It rejects deeper ones.
 #[test]
 fn trees_too_deep_for_the_stack_are_refused() {
     let apart = Pose::from_rows([[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 1e-3]]).unwrap();
@@ -170,22 +170,22 @@ fn trees_too_deep_for_the_stack_are_refused() {
     for depth in [MAX_DEPTH + 1, 100] {
         assert_eq!(read(depth).err(), too_deep, "depth {depth}");
     }
-    // Nor does one pass that hides its depth.
+    // It also rejects a tree whose header understates the depth.
     let mut bytes = comb(MAX_DEPTH + 1, 1.0);
     let at = core::mem::offset_of!(Header, depth);
     bytes[at..at + 4].copy_from_slice(&(MAX_DEPTH as u32).to_le_bytes());
     assert_eq!(Bvh::<Node4<6>>::from_bytes(&bytes).err(), too_deep);
 }
 
-/// Of two bodies of very unlike size one descends to its leaves before the other does, so that the stack
-/// holds the levels of both. The small one lies a hair above the large one's triangle, far from its edges:
-/// all volumes overlap, and no plane of a triangle has a volume on one side.
+/// For two bodies of very different size, one descends to its leaves before the other does, so the stack holds
+/// the levels of both. The small one lies just above the large one's triangle, far from its edges: all volumes
+/// overlap, and no slab of a triangle culls a volume.
 #[test]
 fn the_stack_holds_the_levels_of_both_trees() {
     for small in [1.0 / 1024.0, 1.0 / 1_048_576.0] {
         let read = |size: f64| Bvh::<Node4<6>>::from_bytes(&comb(MAX_DEPTH, size)).unwrap();
         let (one, other) = (read(1.0), read(small));
-        // A point of the large triangle, and above it.
+        // A point of the large triangle, raised by the gap.
         let at = |sign: f64, gap: f64| {
             let t = [0.25, 0.25, 0.1875 + gap * small].map(|x| x * sign);
             Pose::from_rows([[1.0, 0.0, 0.0, t[0]], [0.0, 1.0, 0.0, t[1]], [0.0, 0.0, 1.0, t[2]]]).unwrap()
@@ -201,14 +201,14 @@ fn the_stack_holds_the_levels_of_both_trees() {
                 assert_eq!(answer.verdict, Verdict::Free, "{isa} {small}");
                 let pairs = (MAX_DEPTH * MAX_DEPTH) as u64;
                 assert_eq!(answer.stats.primitive_pairs, pairs, "{isa} {small}: all volumes overlap");
-                // One visit for each pair of a node and of a leaf's parent, and more on the way.
+                // At least one visit for each pair of a node and of a leaf's parent.
                 assert!(answer.stats.visits >= pairs, "{isa} {small}: {:?}", answer.stats);
             }
         }
     }
 }
 
-/// Nor do a scene's, in whatever memory it is: only bodies that come need more.
+/// Nor do queries of scenes use the heap, whatever memory the scene uses. Only an insertion may allocate.
 #[test]
 fn queries_of_scenes_stay_off_the_heap() {
     let tree = tree::<Node16<18>>();

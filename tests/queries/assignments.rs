@@ -1,4 +1,4 @@
-//! Trees of shapes that the caller has chosen, and what a sphere weighs in a cluster.
+//! Trees with an assignment that the caller has chosen, and the weight of a sphere in a cluster.
 
 use crate::mesh_of;
 use crate::support::rng::Rng;
@@ -15,7 +15,7 @@ use simdop::primitive::{Sphere, Spheres};
 use simdop::query::{Lanes, Query};
 use std::collections::VecDeque;
 
-/// A few large, many small, in single precision, so that the middle of a sphere's box is its centre.
+/// Few large and many small spheres, in single precision, so that the centre of a sphere's box is its centre.
 fn spheres(rng: &mut Rng, count: usize) -> Vec<Sphere> {
     let single = |x: f64| f64::from(x as f32);
     (0..count)
@@ -26,7 +26,7 @@ fn spheres(rng: &mut Rng, count: usize) -> Vec<Sphere> {
         .collect()
 }
 
-/// Any shape there is, with unused lanes anywhere.
+/// A random assignment with unused lanes.
 fn any_shape(rng: &mut Rng, count: usize, arity: usize, leaf_size: usize) -> Assignment {
     let mut order: Vec<u32> = (0..count as u32).collect();
     for i in (1..count).rev() {
@@ -124,7 +124,7 @@ fn what_is_no_shape_is_refused() {
     refused(&order, &[0, 6, 6, 6, 1, 3, 6, 6, 2, 3, 3, 3, 4, 5, 6, 6], "one part");
 }
 
-/// One leaf and the rest, level by level.
+/// A leaf and the rest, at each level.
 #[test]
 fn a_shape_may_be_as_deep_as_trees_are() {
     let chain = |count: u32| {
@@ -138,7 +138,7 @@ fn a_shape_may_be_as_deep_as_trees_are() {
     assert_eq!(chain(deepest + 1).unwrap_err(), BuildError::TooDeep);
 }
 
-/// The bytes of Batch Neural Gas over some points are those of its shape.
+/// Batch Neural Gas has the same bytes as the assignment that it computes from these points and weights.
 fn check_weights<N: Lanes, G: Geometry>(
     geometry: &G,
     magnification: Magnification,
@@ -157,7 +157,7 @@ fn check_weights<N: Lanes, G: Geometry>(
     }
 }
 
-/// And no other power of its radius: as in the BNG paper, section 3.1.1.
+/// The weight is the volume and no other power of the radius, as in section 3.1.1 of the BNG paper.
 #[test]
 fn a_sphere_weighs_its_volume() {
     let spheres = spheres(&mut Rng::new(43), 700);

@@ -1,5 +1,5 @@
-//! The enclosing balls of trees of spheres: they hold what is below, are no larger than they need be, and bound what two
-//! bodies share.
+//! The bounding balls of trees of spheres: they contain everything below them, are not larger than necessary,
+//! and bound the volume that two bodies share.
 
 use crate::aligned;
 use crate::lens::lens;
@@ -23,7 +23,7 @@ fn build<N: Lanes>(spheres: &[Sphere], builder: Builder) -> Bvh<N, Spheres> {
     builder.build_geometry(&SphereSet { spheres }, &mut |_| ControlFlow::Continue(())).unwrap()
 }
 
-/// Spheres of unlike sizes about a point, some twice, some in others, some points.
+/// Spheres of different sizes around a point; some coincide, some are inside others, some are points.
 fn spheres(rng: &mut Rng, count: usize, unit: f64, at: f64) -> Vec<Sphere> {
     let mut spheres = Vec::<Sphere>::new();
     while spheres.len() < count {
@@ -79,7 +79,7 @@ fn check(spheres: &[Sphere], builder: Builder) {
             let said = f64::from(ball.volume);
             assert!(said >= volume * (1.0 - 1e-12) && said <= volume * 1.000_001 + 1e-38, "{said} {volume}");
             if let [sphere] = below[..] {
-                // Itself, but for the rounding of its centre.
+                // The sphere itself, except for the rounding of its centre.
                 assert!(f64::from(ball.radius) <= sphere.radius * scale * 1.000_001 + 5e-3);
             }
         }
@@ -121,7 +121,7 @@ fn trees_may_do_without() {
     assert!(build::<Node4<6>>(&spheres, Builder::new()).view().balls().is_empty());
 }
 
-/// A tree with some of its bytes changed: the error of reading it, or of its proof.
+/// A tree with some changed bytes: the error of reading it, or of verifying it.
 fn changed(tree: &Tree, change: impl FnOnce(&mut [u8])) -> (Option<FormatError>, Option<u32>) {
     let mut lines = aligned(tree.as_bytes());
     let bytes: &mut [u8] = bytemuck::cast_slice_mut(&mut lines);
@@ -170,7 +170,7 @@ fn what_is_wrong_with_balls_is_said() {
             refused(&|balls| balls.radius[lane] = 1e6);
             refused(&|balls| balls.volume[lane] = f32::INFINITY);
             refused(&|balls| balls.volume[lane] = -1.0);
-            // What is below touches the ball, up to rounding.
+            // The spheres below touch the ball, up to rounding.
             assert_eq!(with(index, &|balls| balls.radius[lane] *= 0.999_99), (None, Some(8)));
             let is_point = view.balls()[index].volume[lane] < f32::MIN_POSITIVE;
             let cut = with(index, &|balls| balls.volume[lane] *= 0.999_99);
@@ -185,7 +185,7 @@ fn what_is_wrong_with_balls_is_said() {
     assert!(matches!(refused, Some(FormatError::TooLong { .. })));
 }
 
-/// The flag is refused before anything is looked for behind it: balls of other nodes would not be aligned.
+/// The flag is rejected before anything behind it is read: with other nodes the balls would not be aligned.
 #[test]
 fn trees_that_have_no_balls_cannot_say_so() {
     fn flagged<N: Lanes, P: Primitive>(tree: &Bvh<N, P>) -> Option<FormatError> {
@@ -202,8 +202,8 @@ fn trees_that_have_no_balls_cannot_say_so() {
     assert_eq!(flagged(&crate::build::<Node16<18>>(&mesh)), want);
 }
 
-/// Balls of any sizes, and of sizes a thousand times apart where the smaller one just leaves the larger: there the lens
-/// hardly changes with the larger radius, and digits are lost.
+/// Balls of any sizes, and balls whose sizes differ by a factor of 1000 where the smaller one just leaves the
+/// larger: there the lens depends little on the larger radius, and digits cancel.
 #[test]
 fn bounds_of_volumes_are_those_of_the_lens() {
     let mut rng = Rng::new(4);
@@ -237,7 +237,7 @@ fn bounds_of_volumes_are_those_of_the_lens() {
         let (r, s) = (f64::from(a.radius), f64::from(b.radius));
         let of_lens = lens(r, s, distance);
         let want = of_lens.min(a.volume.into()).min(b.volume.into());
-        // Whether balls meet that only just do is for what pads their radii.
+        // Balls that barely meet are the concern of the radii's pads.
         if distance < (r + s) * (1.0 - 1e-6) {
             assert!(got >= want * (1.0 - 1e-9), "{a:?} {b:?}: {got:e} is below {want:e}");
         }

@@ -1,8 +1,8 @@
-//! The same verdicts and the same counters on every instruction set, and on every machine: one digest for
-//! each suite of `tests/queries/mesh_poses.rs` and node type, over all poses, equal on all instruction sets here and
-//! to the number written below, which x86-64 and aarch64 share.
+//! The same verdicts and statistics on every instruction set and on every machine. For each suite of
+//! `tests/queries/mesh_poses.rs` and node type there is one digest over all poses. It is equal on all
+//! instruction sets here, and equals the number below, which x86-64 and aarch64 share.
 //!
-//! A change of the builder, of the order of the traversal or of the re-alignment changes the counters and so
+//! A change of the builder, of the order of the traversal or of the realignment changes the statistics, and so
 //! the digests: the failing test prints the new rows. The verdicts have a digest of their own, which only an
 //! error can change.
 
@@ -14,7 +14,7 @@ use simdop::node::{Node4, Node16};
 use simdop::pose::Pose;
 use simdop::query::{Answer, Lanes, Query, Verdict};
 
-/// Digests of the verdicts, and of the verdicts with their witnesses and counters.
+/// The digest of the verdicts, and that of the verdicts with their witnesses and statistics.
 type Digests = [u64; 2];
 
 fn digests(answers: &[Answer]) -> Digests {
@@ -33,7 +33,7 @@ fn digests(answers: &[Answer]) -> Digests {
     [verdicts.0, all.0]
 }
 
-/// The poses of a suite. The search for contact decides by the scalar kernel.
+/// The poses of a suite. The search for contact uses the scalar kernel.
 fn poses(suite: &Suite) -> Vec<Pose> {
     let (a, b) = (build::<Node16<18>>(&suite.a), build::<Node16<18>>(&suite.b));
     let pose = |rows: &[[f64; 4]; 3]| Pose::from_rows(*rows).unwrap();
@@ -43,8 +43,8 @@ fn poses(suite: &Suite) -> Vec<Pose> {
     suite.poses(suite_step(), meets).iter().map(pose).collect()
 }
 
-/// The digests of a node type on the scalar kernel, once every other instruction set has given the same
-/// answers.
+/// The digests of a node type on the scalar kernel, after a check that every other instruction set gives the
+/// same answers.
 fn check<N: Lanes>(suite: &Suite, poses: &[Pose]) -> Digests {
     let (a, b) = (build::<N>(&suite.a), build::<N>(&suite.b));
     let answers = |isa: Isa| -> Vec<Answer> {
@@ -62,8 +62,7 @@ fn check<N: Lanes>(suite: &Suite, poses: &[Pose]) -> Digests {
     digests(&want)
 }
 
-/// A suite, the digest of its verdicts, and its digests of everything on `Node16<18>`, `Node4<18>` and
-/// `Node16<32>`.
+/// A suite, the digest of its verdicts, and its full digests on `Node16<18>`, `Node4<18>` and `Node16<32>`.
 type Golden = (&'static str, u64, [u64; 3]);
 
 #[rustfmt::skip]

@@ -1,5 +1,5 @@
 //! Distances and margins against brute force in exact integers: on real meshes, on random shapes, and on
-//! pairs of triangles that are hard.
+//! difficult pairs of triangles.
 
 use crate::build_with_leaves;
 use crate::support::data::{MeshData, Suite, suite_step, suites};
@@ -32,8 +32,8 @@ fn flush(x: f64) -> f64 {
     if x.abs() < MIN_COORDINATE { 0.0 } else { x }
 }
 
-/// Pairs of many kinds: general, points, segments, needles, almost parallel edges, parallel planes, almost
-/// touching.
+/// Pairs of many kinds: general triangles, points, segments, needles, nearly parallel edges, parallel planes,
+/// near contact.
 fn hard_pair(rng: &mut Rng) -> (Tri, Tri) {
     let shape = |rng: &mut Rng| -> Tri {
         let (p, q, r) = (point(rng), point(rng), point(rng));
@@ -54,18 +54,18 @@ fn hard_pair(rng: &mut Rng) -> (Tri, Tri) {
             let shift = point(rng);
             b = a.map(|p| core::array::from_fn(|k| p[k] + shift[k] * *rng.pick(&[1.0, 0.1, 1e-7])));
         }
-        // Almost a copy.
+        // Nearly a copy.
         1 => {
             let shift = point(rng);
             b = a.map(|p| core::array::from_fn(|k| p[k] + shift[k] + tiny * rng.range(-1.0, 1.0)));
         }
-        // A corner of one close to some point of the other.
+        // A corner of one triangle close to a point of the other.
         2 => {
             let on = mixed(&mixed(&a[0], &a[1], rng.unit()), &a[2], rng.unit());
             let move_by: [f64; 3] = core::array::from_fn(|k| on[k] - b[0][k] + tiny * rng.range(-1.0, 1.0));
             b = b.map(|p| core::array::from_fn(|k| p[k] + move_by[k]));
         }
-        // Edges that almost cross.
+        // Edges that nearly cross.
         3 => {
             let (on, of) = (mixed(&a[0], &a[1], rng.unit()), mixed(&b[0], &b[1], rng.unit()));
             let move_by: [f64; 3] = core::array::from_fn(|k| on[k] - of[k] + tiny * rng.range(-1.0, 1.0));
@@ -77,8 +77,8 @@ fn hard_pair(rng: &mut Rng) -> (Tri, Tri) {
     (a.map(|p| p.map(|x| flush(x * scale))), b.map(|p| p.map(|x| flush(x * scale))))
 }
 
-/// How far `p` is from triangle `t`, as far as `f64` can tell. A point of a pair, unlike corners, may have
-/// smaller coordinates than the range of corners allows: where that may be, all is scaled by a power of two.
+/// The distance of `p` from triangle `t`, to the accuracy of `f64`. Unlike corners, a witness point may have
+/// coordinates below the range of corners: then everything is scaled by a power of two.
 fn off(p: &[f64; 3], t: &Tri) -> f64 {
     let small = t.iter().flatten().all(|x| x.abs() < 1e-60);
     let scale = if small { 2_f64.powi(200) } else { 1.0 };
@@ -95,8 +95,7 @@ fn norm(p: &[f64; 3], q: &[f64; 3]) -> f64 {
     }
 }
 
-/// The least altitude of a triangle, as far as `f64` can tell; infinite for a point or a segment that is one
-/// exactly.
+/// The least altitude of a triangle, to the accuracy of `f64`; infinite for an exact point or segment.
 fn altitude(t: &Tri) -> f64 {
     if simdop::primitive::triangle::is_degenerate(t) {
         return f64::INFINITY;
@@ -121,7 +120,7 @@ fn separations_bound_the_exact_distance() {
         assert!(got.lower <= want + rounding && want <= got.upper + rounding, "{what}");
         let size = a.iter().chain(&b).flatten().fold(0.0_f64, |m, x| m.max(x.abs()));
         zeros += u32::from(want == 0.0);
-        // Needles almost in touch are beyond 106 bits too: then the bounds are only bounds.
+        // Needles near contact exceed 106 bits: there the bounds are not tight.
         if want > 1e-12 * size && altitude(&a).min(altitude(&b)) > 1e-12 * size {
             tight += 1;
             assert!(got.upper - got.lower <= 1e-12 * want, "{what}");
@@ -142,23 +141,24 @@ fn separations_bound_the_exact_distance() {
 
 // ---- bodies -----------------------------------------------------------------------------------------------
 
-/// Two bodies at a pose, and all that the test knows about them.
+/// Two bodies at a pose, and the test's data on them.
 struct Scene<'s> {
     name: String,
     a: &'s [Tri],
     b: &'s [Tri],
     pose: Pose,
-    /// Size of the scene: what rounding of coordinates is relative to.
+    /// The size of the scene, to which the rounding of coordinates is relative.
     size: f64,
 }
 
-/// Every query of one pair at one pose, against the oracle. `want` is filled in by the first node type.
+/// Every query of one pair at one pose against the oracle. The first node type computes `want`.
 fn check<N: Lanes>(scene: &Scene<'_>, trees: (&Bvh<N>, &Bvh<N>), want: &mut Option<f64>) {
     let (a, b, pose) = (trees.0.view(), trees.1.view(), &scene.pose);
     let query = Query::new(Isa::detect());
     let got = query.distance(&a, &b, pose, 0.0).unwrap();
     let what = format!("{} k {} arity {}: {got:?}", scene.name, N::K, N::ARITY);
-    // A distance that is too great is found by a nearer pair, one that is too small by there being none.
+    // If the distance is too great, this search finds a nearer pair; if it is too small, this search finds
+    // none.
     let want = *want.get_or_insert_with(|| mesh_distance(scene.a, scene.b, got.upper * (1.0 + 1e-9)));
     assert_eq!(got.completion, Completion::Complete);
     assert_eq!(got.upper == 0.0, want == 0.0, "{want:e} {what}");
@@ -189,7 +189,8 @@ fn check<N: Lanes>(scene: &Scene<'_>, trees: (&Bvh<N>, &Bvh<N>), want: &mut Opti
     check_margins(scene, trees, want, &what);
 }
 
-/// Up to a cutoff beyond it a distance is what it is without one; of bodies that are farther apart only that is said.
+/// A cutoff above the distance does not change it. Below it, the query reports only that the bodies are farther
+/// apart.
 fn check_cutoffs<N: Lanes>(scene: &Scene<'_>, (a, b): (&Bvh<N>, &Bvh<N>), want: f64, what: &str) {
     let query = Query::new(Isa::detect());
     for cutoff in
@@ -275,7 +276,7 @@ fn check_margins<N: Lanes>(scene: &Scene<'_>, (a, b): (&Bvh<N>, &Bvh<N>), want: 
     }
 }
 
-/// The trees of a suite, for one node type and leaf size, at some of its poses.
+/// The trees of a suite at some of its poses, for one node type and leaf size.
 fn check_suite<N: Lanes>(suite: &Suite, poses: &[Rows], wanted: &mut [Option<f64>], leaf_size: u32) {
     let (a, b) = (build_with_leaves::<N>(&suite.a, leaf_size), build_with_leaves::<N>(&suite.b, leaf_size));
     let still = suite.b.corners();
@@ -288,8 +289,8 @@ fn check_suite<N: Lanes>(suite: &Suite, poses: &[Rows], wanted: &mut [Option<f64
     }
 }
 
-/// Bodies of one triangle each, at margins about their distance: what is near enough is never missed, however
-/// hard the pair.
+/// Bodies of one triangle each, with margins near their distance: the query finds every pair within the margin,
+/// however difficult the pair.
 #[test]
 fn margins_of_hard_pairs_are_kept() {
     let one = |t: &Tri| {
@@ -300,7 +301,7 @@ fn margins_of_hard_pairs_are_kept() {
     let mut free = 0;
     for case in 0..10_000 / suite_step() {
         let (mut a, mut b) = hard_pair(&mut rng);
-        // Some are where only moved corners may be: a power of two nearer they are what bodies may have.
+        // Some corners are where only moved corners may be: a quarter of them is in the range of bodies.
         if a.iter().chain(&b).flatten().any(|x| x.abs() > MAX_COORDINATE) {
             a.iter_mut().chain(&mut b).flatten().for_each(|x| *x *= 0.25);
         }
@@ -309,13 +310,13 @@ fn margins_of_hard_pairs_are_kept() {
             query.within(&tree_a.view(), &tree_b.view(), &Pose::IDENTITY, margin).unwrap().hit().is_some()
         };
         let want = exact_distance(&a, &b);
-        // The oracle's root is off by a rounding or two.
+        // The oracle's root has an error of one or two roundings.
         for more in [1e-15, 1e-14, 1e-12, 1e-9, 1e-3, 1.0] {
             let margin = want * (1.0 + more);
             assert!(within(margin), "case {case}: {want:e} is within {margin:e}\n{a:?}\n{b:?}");
         }
         let size = a.iter().chain(&b).flatten().fold(0.0_f64, |m, x| m.max(x.abs()));
-        // Beyond that even 106 bits may not tell.
+        // For smaller distances even 106 bits may not decide.
         let altitude = altitude(&a).min(altitude(&b)).min(size);
         if want > 1e-12 * size && want * altitude > 1e-16 * size * size {
             for less in [1e-14, 1e-9, 0.5] {
@@ -328,7 +329,7 @@ fn margins_of_hard_pairs_are_kept() {
     assert!(free * suite_step() > 10_000, "{free} margins are too small");
 }
 
-/// A corner over a face at a height that is a number: the margin itself counts.
+/// A corner above a face at a representable height: a distance equal to the margin counts.
 #[test]
 fn a_margin_that_is_the_distance_is_kept() {
     let body = |t: Tri| {
@@ -359,7 +360,7 @@ fn distances_and_margins_equal_brute_force_on_meshes() {
             let pose = Pose::from_rows(*rows).unwrap();
             Query::new(Isa::detect()).collide(&a.view(), &b.view(), &pose).hit().is_some()
         };
-        // At most a quarter of the directions: exact distances take their time.
+        // At most a quarter of the directions, because exact distances are slow.
         let poses = suite.poses(suite_step().max(4), meets);
         let mut wanted = vec![None; poses.len()];
         check_suite::<Node16<18>>(suite, &poses, &mut wanted, 1);
@@ -373,7 +374,7 @@ fn distances_and_margins_equal_brute_force_on_meshes() {
     }
 }
 
-/// A few random triangles, some degenerate, of any size, anywhere.
+/// A few random triangles of any size anywhere, some degenerate.
 fn soup(rng: &mut Rng, scale: f64) -> MeshData {
     let count = 1 + rng.below(40) as usize;
     let centre = point(rng).map(|x| x * *rng.pick(&[0.0, 1.0, 100.0]));
@@ -390,8 +391,8 @@ fn soup(rng: &mut Rng, scale: f64) -> MeshData {
     MeshData { vertices, triangles }
 }
 
-/// Triangles whose corners lie on a line, up to rounding: of a normal, rounding is all there is. They go
-/// right through other triangles.
+/// Triangles whose corners are collinear up to rounding, so that their normals are only rounding errors. They
+/// pass through other triangles.
 fn needles(rng: &mut Rng, scale: f64) -> MeshData {
     let count = 1 + rng.below(12) as usize;
     let corners = |_| {
@@ -445,8 +446,7 @@ fn distances_and_margins_equal_brute_force_on_random_shapes() {
     }
 }
 
-/// Bodies as large as they may be, moved as far as they may be: corners come to lie beyond the range of
-/// bodies.
+/// Bodies at the greatest coordinates and the greatest translations: their corners leave the range of bodies.
 #[test]
 fn distances_and_margins_equal_brute_force_at_the_largest_coordinates() {
     let mut rng = Rng::new(31);
@@ -487,12 +487,13 @@ fn distances_and_margins_equal_brute_force_at_the_largest_coordinates() {
     assert!(beyond > 20 && met > 10 && met < 90, "{beyond} beyond, {met} meet");
 }
 
-/// The unit of length does not matter: scaled by powers of two, from the largest coordinates to the smallest,
-/// bodies give the verdicts and distances of the unscaled ones, scaled. Beyond is an error.
+/// The unit of length does not matter: bodies scaled by powers of two, from the smallest to the greatest
+/// coordinates, have the verdicts of the unscaled bodies, and their distances, scaled. Beyond that range there
+/// is an error.
 #[test]
 fn units_do_not_matter_over_the_whole_range() {
     let mut rng = Rng::new(41);
-    // Multiples of 2^-20 below 2: no scale of the range rounds them or makes them too small.
+    // Multiples of 2^-20 below 2: no scale in the range rounds them or makes them too small.
     let round = |mesh: &mut MeshData| {
         mesh.vertices.as_flattened_mut().iter_mut().for_each(|x| *x = (*x * 1048576.0).round() / 1048576.0);
     };
@@ -619,14 +620,13 @@ fn margins_and_tolerances_are_checked_and_empty_bodies_are_far() {
     }
 }
 
-/// Whatever the budget: what is said to be free is, what is said to be a hit is, and what is unknown is said
-/// to be neither.
+/// With any budget, a reported free or hit is correct, and an unknown result is reported as neither.
 #[test]
 fn an_unknown_is_neither_free_nor_a_hit() {
     let mesh = shapes::torus(12, 8);
     let tree = build_with_leaves::<Node16<18>>(&mesh, 1);
     let view = tree.view();
-    // How often a body that is free, or is not, was said to be free, a hit, neither.
+    // How often a free body, and one that is not, was reported as free, as a hit, and as neither.
     let mut said = [[0; 3]; 2];
     let mut rng = Rng::new(29);
     for _ in 0..60 {

@@ -1,5 +1,5 @@
-//! Edges: what is certified free no sample refutes, a hit is one, and what is unresolved comes as near as the resolution; on
-//! every instruction set the same.
+//! Edges of motions: no sample refutes a certified edge, a reported hit is one, and an unresolved interval is
+//! as short as the resolution. The same on every instruction set.
 
 use crate::support::data::suite_step;
 use crate::support::rng::Rng;
@@ -29,7 +29,7 @@ fn at(x: f64, y: f64, z: f64) -> Pose {
     Pose::try_from((DQuat::IDENTITY, DVec3::new(x, y, z))).unwrap()
 }
 
-/// Four links, each 0.5 long, that turn about z and y by turns.
+/// Four links, each 0.5 long, that rotate alternately about z and y.
 fn arm() -> ([Joint; 4], [LinkBody; 4], [[f64; 2]; 4]) {
     let joint = |i: u32| {
         let axis = if i.is_multiple_of(2) { [0.0, 0.0, 1.0] } else { [0.0, 1.0, 0.0] };
@@ -65,7 +65,7 @@ fn edge(
     scene.check_motion(query, moving, motion, 1e-5, &mut Memory::new(waiting).lend()).unwrap()
 }
 
-/// Whether any two bodies that are asked meet at a time.
+/// Whether any two of the bodies to check meet at a time.
 fn meets(
     scene: &mut Scene<'_, Node16<18>>,
     query: &Query,
@@ -81,7 +81,7 @@ fn meets(
     !scene.collide(query).unwrap().is_free()
 }
 
-/// How many edges, and samples of each, by `SIMDOP_EDGES`.
+/// The number of edges, from `SIMDOP_EDGES`, and of samples of each.
 fn effort() -> (usize, u32) {
     let edges = std::env::var("SIMDOP_EDGES").map_or(160 / suite_step(), |n| n.parse().unwrap());
     (edges, if edges > 10_000 { 10_000 } else { 400 })
@@ -154,7 +154,7 @@ fn no_sample_refutes_what_is_certified() {
 
 #[test]
 fn a_wall_between_two_samples_is_met() {
-    // A link 2 long, that turns by a quarter about z, through a wall 2 mm thick across its way.
+    // A link of length 2 that rotates by a quarter about z, through a wall 2 mm thick in its way.
     let link = solid([0.0, -0.01, -0.01], [2.0, 0.01, 0.01]);
     let wall = solid([1.2, 0.0, -0.5], [2.5, 0.002, 0.5]);
     let joints = [Joint::new(JointKind::Revolute, 0, Pose::IDENTITY, [0.0, 0.0, 1.0], 0).unwrap()];
@@ -185,19 +185,19 @@ fn a_wall_between_two_samples_is_met() {
     assert_eq!(scene.world_pose(id), Ok(&Pose::IDENTITY), "bodies stand where they stood");
 }
 
-/// A cube whose corner comes to within `gap` of a plane, at a time of a third, and goes away again.
+/// A cube whose corner approaches a plane to within `gap` at the time 1/3, and leaves again.
 fn tangent(gap: f64, budget: u64, waiting: usize, resolution: f64) -> MotionAnswer {
     let (cube, table) = (solid([0.0; 3], [1.0; 3]), solid([-5.0, -5.0, -1.0], [5.0, 5.0, 0.0]));
     let query = Query::new(Isa::detect()).with_budget(budget);
     let mut scene = Scene::new();
-    // The edge of the cube along y, 2 from the axis of the turn, is lowest at the angle of 0.
+    // The edge of the cube along y, at distance 2 from the axis of rotation, is lowest at the angle 0.
     let start = at(0.0, 0.0, -2.0);
     let id = scene.insert(Body::new(cube.view()), &start).unwrap();
     let _ = scene.insert(Body::new(table.view()).fixed(), &at(0.0, 0.0, 0.0)).unwrap();
     let low =
         Pose::try_from((DQuat::from_rotation_y(-core::f64::consts::FRAC_PI_4), DVec3::new(0.0, 0.0, gap)));
     let screw = Screw::new([0.0, 0.0, 2.0], [0.0, 1.0, 0.0], 1.5, 0.0).unwrap();
-    // A third of the turn before it is lowest.
+    // A third of the rotation before the lowest position.
     let back = Screw::new([0.0, 0.0, 2.0], [0.0, 1.0, 0.0], -0.5, 0.0).unwrap();
     let starts = [back.at(1.0, &low.unwrap()).unwrap()];
     let mut motion = ScrewMotion::new(screw, &starts);
@@ -213,7 +213,8 @@ fn near_misses_are_free_and_touching_is_unresolved_or_a_hit() {
         let answer = tangent(gap, u64::MAX, 256, 1e-9);
         assert!(matches!(answer.verdict, MotionVerdict::Hit { .. }), "{gap}: {answer:?}");
     }
-    // It touches at a third, which is no binary fraction; before, it is too near for the resolution.
+    // It touches at the time 1/3, which is not a binary fraction. Before that it is too near for the
+    // resolution.
     let answer = tangent(0.0, u64::MAX, 256, 1e-4);
     let MotionVerdict::Unresolved { from, to } = answer.verdict else { panic!("{answer:?}") };
     assert!(to - from <= 1e-4 && (from - 1.0 / 3.0).abs() < 0.01, "{from} {to}");
@@ -223,7 +224,7 @@ fn near_misses_are_free_and_touching_is_unresolved_or_a_hit() {
 fn short_of_budget_or_room_nothing_is_called_free() {
     let whole = tangent(1e-4, u64::MAX, 1024, 1e-9);
     assert_eq!(whole.verdict, MotionVerdict::Free);
-    // Some of them end the search for a hit, others the certifying of a pair.
+    // Some budgets end the search for a hit, others the certification of a pair.
     for budget in (0..whole.stats.visits).step_by(whole.stats.visits as usize / 60) {
         let answer = tangent(1e-4, budget, 1024, 1e-9);
         let MotionVerdict::Unresolved { from, to } = answer.verdict else { panic!("{budget}: {answer:?}") };
@@ -258,7 +259,7 @@ fn spheres_and_points_have_edges() {
     }
 }
 
-/// Points that stand still, by what they say; how far they get is no number.
+/// Bodies at rest whose motion bound is NaN.
 struct Unbounded<'m>(&'m [Pose]);
 
 impl Motion for Unbounded<'_> {
@@ -295,7 +296,7 @@ fn a_wall_across_is_met_wherever_it_stands() {
     let (point, wall) = (simdop::construct::OwnedMesh::point(), solid([-5e-4, -1.0, -1.0], [5e-4, 1.0, 1.0]));
     let ball: Tree = Builder::new().build_as(&point.as_mesh()).unwrap();
     let query = Query::new(Isa::detect());
-    // The ball itself, from -2 to 2 along x; and one that it carries, far beside.
+    // The ball itself moves from -2 to 2 along x, or an attached ball does, far beside it.
     for is_carried in [false, true] {
         let beside = if is_carried { 9.0 } else { 0.0 };
         for i in -19..=19 {
@@ -345,7 +346,7 @@ fn what_is_no_edge_is_refused() {
     let refused = scene.check_motion(&query, &[a], &mut motion, 1e-3, &mut memory.lend()).unwrap_err();
     assert_eq!(refused, SceneError::IsAttached { id: a });
     scene.detach(a).unwrap();
-    // So far away that no pose of a scene is.
+    // Farther away than any pose of a scene.
     let far = Screw::new([0.0; 3], [1.0, 0.0, 0.0], 0.0, 1e91).unwrap();
     let mut motion = ScrewMotion::new(far, &starts);
     let refused = scene.check_motion(&query, &[a], &mut motion, 1e-3, &mut memory.lend()).unwrap_err();

@@ -1,5 +1,5 @@
-//! Distances and margins of bodies that are far apart, or of very unlike size, against brute force in exact
-//! integers; and that they cost no more than those of bodies nearby.
+//! Distances and margins of bodies that are far apart or differ greatly in size, against brute force in exact
+//! integers. They cost no more than those of close bodies.
 
 use crate::build_with_leaves;
 use crate::support::data::{MeshData, suite_step};
@@ -20,7 +20,7 @@ fn scaled(mesh: &MeshData, by: f64) -> MeshData {
     MeshData { vertices, triangles: mesh.triangles.clone() }
 }
 
-/// An axis, a diagonal of two or three of them, or any direction.
+/// An axis, a diagonal of two or three axes, or a random direction.
 fn direction(rng: &mut Rng) -> [f64; 3] {
     let signs: [f64; 3] = core::array::from_fn(|_| *rng.pick(&[-1.0, 1.0]));
     let towards = match rng.below(6) {
@@ -34,7 +34,7 @@ fn direction(rng: &mut Rng) -> [f64; 3] {
     core::array::from_fn(|i| signs[i] * towards[i] / length)
 }
 
-/// The pose that turns by `turn` and puts point `p` at `q`.
+/// The pose that rotates by `turn` and maps point `p` to `q`.
 fn placing(turn: &[[f64; 3]; 3], p: &[f64; 3], q: &[f64; 3]) -> Rows {
     core::array::from_fn(|i| {
         let r = turn[i];
@@ -104,7 +104,7 @@ fn check<N: Lanes>(scene: &Scene<'_>, a: &Bvh<N>, b: &Bvh<N>) {
     }
 }
 
-/// A small shape about the origin, of size 1 or so.
+/// A small shape around the origin, of size about 1.
 fn shape(rng: &mut Rng) -> MeshData {
     match rng.below(4) {
         0 => shapes::torus(5, 4),
@@ -122,7 +122,7 @@ fn distances_and_margins_equal_brute_force_at_any_offset() {
     let mut rng = Rng::new(50);
     for case in 0..300 / suite_step() {
         let (a, b) = (shape(&mut rng), shape(&mut rng));
-        // Sizes, in 3 of 4 cases unlike; the offset is told in diagonals of the larger.
+        // The sizes differ in 3 of 4 cases. The offset is in diagonals of the larger body.
         let size = *rng.pick(&[1.0, 1.0, 1e-2, 1e-4, 1e-8, 1e-12, 1e-35]);
         let unit = *rng.pick(&[1.0, 1.0, 1e-30, 1e40]);
         let (size_a, size_b) = if rng.below(2) == 0 { (unit, unit * size) } else { (unit * size, unit) };
@@ -149,7 +149,7 @@ fn distances_and_margins_equal_brute_force_at_any_offset() {
     }
 }
 
-/// A small body about a corner of a large one, as far away as a few of its own diagonals.
+/// A small body near a corner of a large one, at a distance of a few of its own diagonals.
 #[test]
 fn distances_and_margins_equal_brute_force_at_details_of_large_bodies() {
     let mut rng = Rng::new(51);
@@ -168,12 +168,12 @@ fn distances_and_margins_equal_brute_force_at_details_of_large_bodies() {
         let rows = if is_a {
             placing(&turn, &small.centre(), &place)
         } else {
-            // Where the large body's point comes to lie on the centre of the small one.
+            // The large body's point is mapped to the centre of the small one.
             placing(&turn, &place, &small.centre())
         };
         let (placed, still) = (a.placed(&rows), b.corners());
         let want = mesh_distance(&placed, &still, f64::INFINITY);
-        // Pairs that are closer than rounding of coordinates belong to the tests of exact distances.
+        // The tests of exact distances cover pairs that are closer than the rounding of coordinates.
         if want < 1e-3 * small.diagonal() {
             continue;
         }
@@ -189,8 +189,8 @@ fn distances_and_margins_equal_brute_force_at_details_of_large_bodies() {
     assert!(apart * 3 * suite_step() > 200, "{apart} are apart");
 }
 
-/// A point whose planes are keys exactly, with a step of 1, along all directions of which the components sum to an odd number,
-/// which are all of k = 6 and 14; the others are half a step off.
+/// A point whose planes are exactly keys, with a step of 1, along all directions whose components have an odd
+/// sum: these are all directions of k = 6 and 14. The other planes are half a step off.
 fn tight_point<const K: usize>(rng: &mut Rng) -> [f64; 3] {
     loop {
         let y: [f64; 3] = core::array::from_fn(|_| rng.int(-32_765, 32_764) as f64 + 0.5);
@@ -202,20 +202,21 @@ fn tight_point<const K: usize>(rng: &mut Rng) -> [f64; 3] {
     }
 }
 
-/// Points that are one behind the other on the line through the bodies' centres or along a direction of the planes: then bounds
-/// have no room but their pads and half a step, and for k = 6 and 14 not even that; and a margin that is the distance, rounded
-/// up, may not be missed.
+/// Points one behind the other on the line through the bodies' centres, or along a direction of the planes.
+/// Then the bounds have no slack but their pads and half a step, and for k = 6 and 14 not even that half step.
+/// A margin that is the distance, rounded up, must still be found.
 fn points_have_no_room<const K: usize>()
 where
     Node16<K>: Lanes,
 {
     let mut rng = Rng::new(52 + K as u64);
-    // Few are as near to the pad as they can be.
+    // Few cases are as close to the pad as possible.
     let cases = if K == 6 || K == 14 { 24_000 } else { 6000 } / suite_step();
     for case in 0..cases {
         let body = |rng: &mut Rng, unit: f64| {
             let y = tight_point::<K>(rng).map(|x| x * unit);
-            // Twice, so that leaves are in a node of two; once more on the other side, so that the centre is 0.
+            // Twice, so that leaves are in a node of two, and once more on the opposite side, so that the
+            // centre is 0.
             (y, shapes::separate([y, y, y.map(|x| -x)].map(|p| [p; 3])))
         };
         let unit = *rng.pick(&[1.0, 1.0, 0.5_f64.powi(10), 2_f64.powi(30)]);
@@ -232,7 +233,7 @@ where
         if length == 0.0 {
             continue;
         }
-        // Near: from just touching on. The centres and the two points are on one line.
+        // The factor 1 is near contact. The centres and the two points are collinear.
         let far = *rng.pick(&[1.0, 1.5, 10.0, 600.0, 2e3, 1e5, 1e7]) * (1.0 + rng.unit());
         let along: [f64; 3] = if rng.below(3) == 0 && K != 6 {
             let n =
@@ -271,7 +272,7 @@ fn bounds_without_room_hold() {
     points_have_no_room::<32>();
 }
 
-/// What queries of a mesh of 4,000 triangles do at several offsets: visits and pairs of primitives.
+/// The work of queries of a mesh of 4,000 triangles at several offsets: visits and pairs of primitives.
 fn work(
     offset: f64,
     size: f64,

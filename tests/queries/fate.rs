@@ -1,4 +1,4 @@
-//! Pairs over all values of the joints: what is said of them holds at random values.
+//! The class of a pair over all joint values: random values confirm it.
 
 use crate::support::rng::Rng;
 use crate::support::shapes;
@@ -25,7 +25,7 @@ fn at(x: f64, y: f64, z: f64) -> Pose {
     Pose::try_from((DQuat::IDENTITY, DVec3::new(x, y, z))).unwrap()
 }
 
-/// A base and three links, one joint about z between each two.
+/// A base and three links, with a joint about z between each two.
 struct Arm {
     joints: [Joint; 3],
     bodies: [LinkBody; 4],
@@ -51,7 +51,7 @@ impl Arm {
     }
 }
 
-/// What is said of two bodies of an arm, whose trees and radii these are; checked at random values.
+/// Classifies two bodies of an arm with these trees and radii, and checks the result at random values.
 fn fate(trees: [(&Tree, f64); 4], limits: &[[f64; 2]], pair: (usize, usize), boxes: usize) -> PairReport {
     let (arm, query) = (Arm::new(), Query::new(Isa::detect()));
     let robot = arm.robot(limits);
@@ -101,18 +101,18 @@ fn fates_hold_at_random_values() {
     let links = [(&link, 0.0); 4];
     let wide = [[-PI, PI]; 3];
     let narrow = [[-0.3, 0.3]; 3];
-    // Above each other, whatever the joints do.
+    // One above the other for all joint values.
     let report = fate([(&high, 0.0), (&link, 0.0), (&link, 0.0), (&link, 0.0)], &wide, (0, 2), 100_000);
     assert_eq!((report.fate, report.meeting), (PairClass::Never, None));
-    // Not folded so far.
+    // The joints cannot fold the arm that far.
     assert_eq!(fate(links, &narrow, (1, 3), 100_000).fate, PairClass::Never);
     assert_eq!(fate(links, &wide, (1, 3), 100_000).fate, PairClass::Sometimes);
-    // One sticks in the other, about the joint between them.
+    // One body penetrates the other near their joint.
     let report = fate([(&link, 0.0), (&long, 0.0), (&tall, 0.0), (&link, 0.0)], &wide, (1, 2), 100_000);
     assert_eq!((report.fate, report.free), (PairClass::Always, None));
-    // Of one height, they touch along lines only.
+    // Bodies of equal height touch only along lines.
     assert_eq!(fate([(&long, 0.0); 4], &wide, (2, 1), 1000).fate, PairClass::Undecided);
-    // With radii.
+    // Points with radii.
     let point: Tree = Builder::new().build_as(&OwnedMesh::point().as_mesh()).unwrap();
     let points = |r: f64| [(&point, r), (&point, r), (&point, r), (&point, r)];
     assert_eq!(fate(points(0.26), &wide, (1, 2), 1000).fate, PairClass::Always);
@@ -154,7 +154,7 @@ fn bodies_of_one_link_and_others_that_stand_still() {
     assert_eq!(fate(far, near), PairClass::Never);
     let refused = scene.classify_pair(&query, &ids, robot, (far, far), 10).unwrap_err();
     assert_eq!(refused, SceneError::NoPair { id: far });
-    // A cloud may be named first; two of them are no pair.
+    // A cloud may come first; two clouds are not a pair.
     let [scan, other] = [9.0, 0.0].map(|x| scene.insert(Body::new(points.view()), &at(x, 0.0, 0.0)).unwrap());
     let mut fate = |a, b| scene.classify_pair(&query, &ids, robot, (a, b), 10_000).map(|report| report.fate);
     assert_eq!((fate(scan, ids[2]), fate(ids[2], scan)), (Ok(PairClass::Never), Ok(PairClass::Never)));

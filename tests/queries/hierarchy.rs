@@ -1,5 +1,5 @@
 //! Builder and baked tree: every plane of every lane equals exact arithmetic, for every node type, leaf size,
-//! splitter and awkward mesh; and no bytes, however damaged, do harm.
+//! splitter and difficult mesh. Damaged bytes are always safe.
 
 use crate::support::data::{MeshData, suite_step};
 use crate::support::digest::digest_of_tree;
@@ -55,11 +55,11 @@ fn supports(mesh: &MeshData, header: &Header) -> Supports {
     mesh.corners().iter().map(|t| vectors.iter().map(|n| support(n, t)).collect()).collect()
 }
 
-/// Walks a tree, checks each lane's planes against the triangles below it, and counts.
+/// Traverses a tree, checks each lane's planes against the triangles below it, and counts.
 struct Walk<'t, N> {
     tree: BvhRef<'t, N>,
     supports: &'t Supports,
-    /// How often each triangle of the mesh was found in a leaf.
+    /// How many leaves contain each triangle of the mesh.
     found: Vec<u32>,
     nodes: u32,
     leaves: u32,
@@ -75,7 +75,7 @@ impl<'t, N: Lanes> Walk<'t, N> {
         walk
     }
 
-    /// The greatest support of everything below a node.
+    /// The greatest support, in each direction, of everything below a node.
     fn node(&mut self, index: u32, level: u32) -> Vec<Dyadic> {
         self.nodes += 1;
         self.depth = self.depth.max(level);
@@ -125,7 +125,7 @@ fn raise(whole: &mut Option<Vec<Dyadic>>, part: &[Dyadic]) {
     }
 }
 
-/// Twice the area is zero: exactly.
+/// Whether twice the area is exactly zero.
 fn has_no_area([a, b, c]: &Tri) -> bool {
     let edge =
         |p: &[f64; 3]| -> [Dyadic; 3] { core::array::from_fn(|i| Dyadic::from(p[i]) - Dyadic::from(a[i])) };
@@ -162,7 +162,7 @@ fn check_tree<N: Lanes>(mesh: &MeshData, supports: &Supports, leaf_size: u32, sp
 }
 
 fn check_mesh<N: Lanes>(mesh: &MeshData) {
-    // An emulator need not repeat that for all k: what is built is the same, bit for bit.
+    // An emulator need not repeat that for all k: the trees are the same, bit for bit.
     if suite_step() > 1 && N::K != 18 {
         return;
     }
@@ -176,7 +176,7 @@ fn check_mesh<N: Lanes>(mesh: &MeshData) {
     }
 }
 
-/// Around full leaves and full nodes: 16 and 16^2, and the counts at which one more node begins.
+/// Counts near full leaves and full nodes: 16 and 16^2, and the counts at which another node begins.
 #[test]
 fn trees_of_any_count_are_exact() {
     let mut rng = Rng::new(1);
@@ -224,7 +224,8 @@ fn trees_of_awkward_meshes_are_exact() {
     }
 }
 
-/// Nothing tells them apart, so they are split by index: the tree is as deep as any other of that many.
+/// No splitter can separate these triangles, so it splits by index: the tree is as deep as any other of that
+/// count.
 #[test]
 fn coincident_triangles_are_split_by_index() {
     let n = 10_000 / suite_step();
@@ -289,7 +290,7 @@ fn a_million_triangles() {
     );
 }
 
-// ---- What goes in -----------------------------------------------------------------------------------------
+// ---- Input ------------------------------------------------------------------------------------------------
 
 #[test]
 fn bad_meshes_are_refused_by_name() {
@@ -321,7 +322,7 @@ fn bad_meshes_are_refused_by_name() {
         let mesh = Mesh { triangles: &triangles, ..good };
         assert_eq!(build(Builder::new(), mesh), Err(BuildError::Primitive { index: 1 }), "{bad}");
     }
-    // Zeroed pages that nobody touches: the number is refused before anything is read.
+    // Zeroed pages that are never accessed: the count is rejected before anything is read.
     #[cfg(target_pointer_width = "64")]
     {
         let count = Child::MAX_PRIMITIVES as usize + 1;
@@ -366,7 +367,7 @@ fn coordinates_too_small_for_exact_signs_become_zero() {
     view.verify().unwrap();
 }
 
-/// Triangles without area are kept and decided like any others, and change no answer about the others.
+/// Triangles without area are kept and tested like others, and do not change the verdicts of the others.
 #[test]
 fn triangles_without_area_change_nobody_elses_verdict() {
     let mut rng = Rng::new(4);
@@ -401,10 +402,10 @@ fn all_pairs(a: &MeshData, b: &MeshData, pose: &[[f64; 4]; 3]) -> BTreeSet<(u32,
     pairs_that_meet(Query::new(Isa::detect()), &a, &b, &Pose::from_rows(*pose).unwrap()).0
 }
 
-// ---- What comes back from storage -------------------------------------------------------------------------
+// ---- Stored bytes -----------------------------------------------------------------------------------------
 
-/// Whoever changes these has changed the format or the trees: bump `VERSION` for the former, say so in
-/// CHANGELOG.md for both.
+/// A change of these digests is a change of the format or of the trees. Increase `VERSION` for the former, and
+/// mention both in CHANGELOG.md.
 #[test]
 fn golden_bytes() {
     let tetrahedron = MeshData {
@@ -466,7 +467,7 @@ fn bytes_are_refused_by_name() {
     assert_eq!(read(&buffer[..size]), Some(FormatError::NotATree));
 }
 
-/// A caller looks its own triangles up by them.
+/// A caller uses these indices for its own triangles.
 #[test]
 fn an_index_that_the_mesh_has_not_is_refused() {
     let mesh = shapes::torus(6, 4);
@@ -475,7 +476,7 @@ fn an_index_that_the_mesh_has_not_is_refused() {
     let bytes: &mut [u8] = bytemuck::cast_slice_mut(&mut lines);
     let size = bytes.len() - 64;
     let padding = bytes[..size].iter().rev().take_while(|byte| **byte == 0).count();
-    // The sources are the last part. The last of them ends in zeros itself.
+    // The sources are the last part. The last source itself ends in zeros.
     let end = (size - padding).next_multiple_of(4);
     for (index, source) in [(count - 1, count as u32), (0, u32::MAX), (count / 2, 1 << 31)] {
         let at = end - 4 * (count - index);
@@ -488,7 +489,7 @@ fn an_index_that_the_mesh_has_not_is_refused() {
     assert!(BvhRef::<Node16<18>>::from_bytes(&bytes[..size]).is_ok());
 }
 
-/// The five bits of a link that say how wide its node's volume is, of the root's in the header too.
+/// The five bits of a link that state the width of its node's volume; for the root they are in the header.
 #[test]
 fn a_width_that_is_not_of_the_planes_is_refused() {
     widths_are_checked::<Node16<18>>();
@@ -534,17 +535,17 @@ fn widths_are_checked<N: Lanes>() {
     assert_eq!(refusal(root, 0), None, "unchanged");
 }
 
-/// What became of damaged bytes.
+/// The outcomes of damaged bytes.
 #[derive(Default, Debug)]
 struct Damage {
     refused: u32,
-    /// Safe to walk, but some plane cuts off a triangle.
+    /// Safe to traverse, but some plane cuts off a triangle.
     accepted: u32,
-    /// Safe to walk, and every plane bounds what is below it.
+    /// Safe to traverse, and every plane bounds what is below it.
     proven: u32,
 }
 
-/// A sound tree, a pose at which some of it meets itself, and one at which nothing does.
+/// A valid tree, a pose at which parts of it meet, and one at which none do.
 struct Patient<N> {
     tree: Bvh<N>,
     poses: [Pose; 2],
@@ -560,8 +561,9 @@ impl<N: Lanes> Patient<N> {
         Self { tree, poses: [pose(0.75), pose(3.0)], seen: Damage::default() }
     }
 
-    /// However the bytes came about: an error, or a tree on which queries end with true hits; and if it can
-    /// be proven, with true verdicts. What bytes say is solid need not close: a ray may find anything.
+    /// For any bytes: an error, or a tree on which queries terminate with correct hits; and if it can be
+    /// verified, with correct verdicts. If the bytes claim a solid, it need not be closed, so a ray may have
+    /// any result.
     fn examine(&mut self, bytes: &[u8]) {
         let Ok(view) = BvhRef::<N>::from_bytes(bytes) else {
             self.seen.refused += 1;
@@ -600,7 +602,7 @@ impl<N: Lanes> Patient<N> {
     }
 }
 
-/// Every byte, changed in every way that `flips` names, one at a time.
+/// Changes every byte, one at a time, in every way in `flips`.
 fn damage_each_byte<N: Lanes>(mesh: &MeshData, flips: impl Iterator<Item = u8> + Clone) {
     let mut patient = Patient::<N>::new(mesh);
     let mut lines = aligned(patient.tree.as_bytes());
@@ -633,7 +635,7 @@ fn no_changed_byte_does_harm() {
     damage_each_byte::<Node4<14>>(&doubles, bits().chain([0xff]));
 }
 
-/// Several bytes at a time, some of them copied from elsewhere in the tree so that they look right.
+/// Changes several bytes at a time; some are copies from elsewhere in the tree, and so plausible.
 #[test]
 fn no_damage_does_harm() {
     let mut rng = Rng::new(6);
@@ -658,7 +660,7 @@ fn no_damage_does_harm() {
     assert!(patient.seen.accepted + patient.seen.proven > 100, "some of it passes: {:?}", patient.seen);
 }
 
-/// A plane that is a step too low is found by `verify`, and by `verify` alone: the tree stays safe to walk.
+/// `verify` finds a plane that is one step too low, and nothing else does: the tree stays safe to traverse.
 #[test]
 fn every_plane_that_is_a_step_too_low_is_found() {
     let tree = default_build::<Node4<14>>(&shapes::soup(&mut Rng::new(7), 12, 0.3));
@@ -680,7 +682,7 @@ fn every_plane_that_is_a_step_too_low_is_found() {
                         assert_eq!(place, (node, lane, j));
                         lowered += 1;
                     }
-                    // The lowest plane of all, lowered, has a larger magnitude than the header says.
+                    // The lowest plane of all, lowered, has a greater magnitude than the header states.
                     Err(e) => assert!(matches!(e, FormatError::Node { .. }), "{e}"),
                 }
                 bytes[at..at + 2].copy_from_slice(&code.to_le_bytes());

@@ -1,5 +1,5 @@
-//! Hints change the work of a query and nothing else: verdicts and distances are those without, wherever a
-//! hint comes from.
+//! Hints change only the work of a query: verdicts and distances are the same without a hint, wherever the hint
+//! is from.
 
 use crate::build;
 use crate::pairs_that_meet;
@@ -20,7 +20,7 @@ fn bodies<N: Lanes>(suite: &Suite) -> (Bvh<N>, Bvh<N>) {
     (build(&suite.a), build(&suite.b))
 }
 
-/// The pair of a hit, by the meshes: it must meet or come within the margin.
+/// The pair of a hit, by the meshes: it must meet, or be within the margin.
 fn check_hit(answer: &Answer, margin: f64, moved: &[Tri], still: &[Tri], what: &str) {
     let Verdict::Hit(pair) = answer.verdict else { return };
     let (p, q) = (&moved[pair.a as usize], &still[pair.b as usize]);
@@ -63,7 +63,7 @@ fn check_pose<N: Lanes>(suite: &Suite, (a, b): (&Bvh<N>, &Bvh<N>), rows: &Rows, 
                 assert_eq!((answer.stats.primitive_pairs, answer.hint), (1, *hint), "{what}");
                 free_of_charge += 1;
             }
-            // What it found, it finds again at once.
+            // With the hint of its own answer, a query finds the hit without a visit.
             if answer.hit().is_some() {
                 let again = query.with_hint(answer.hint).within(&a, &b, &pose, margin).unwrap();
                 assert_eq!((again.verdict, again.stats.visits), (answer.verdict, 0), "{what}");
@@ -79,7 +79,7 @@ fn check_pose<N: Lanes>(suite: &Suite, (a, b): (&Bvh<N>, &Bvh<N>), rows: &Rows, 
     free_of_charge
 }
 
-/// Hints as they come from the pose before, from other poses, and from bodies that have more triangles.
+/// Hints from the pose before, from other poses, and from bodies with more triangles.
 fn check_suite<N: Lanes>(suite: &Suite, poses: &[Rows], foreign: &[Hint]) {
     let (a, b) = bodies::<N>(suite);
     let query = Query::new(Isa::detect());

@@ -1,5 +1,5 @@
-//! Everything that asks queries, in one program: what a query is compiled to for ten node types and each
-//! instruction set is then compiled once and not once a file. A file is named by its module:
+//! All tests of queries in one program, so that the queries of ten node types and each instruction set are
+//! compiled once, and not once for each file. A file's tests have the name of its module:
 //! `cargo test --release --test queries distance::`.
 
 extern crate alloc;
@@ -19,7 +19,8 @@ mod support;
 macro_rules! for_each_node {
     ($function:ident($($argument:expr),*)) => {
         for_each_node!(@ $function ($($argument),*)
-            Node16<6>, Node16<14>, Node16<18>, Node16<26>, Node16<32>, Node4<6>, Node4<14>, Node4<18>, Node4<26>, Node4<32>)
+            Node16<6>, Node16<14>, Node16<18>, Node16<26>, Node16<32>,
+            Node4<6>, Node4<14>, Node4<18>, Node4<26>, Node4<32>)
     };
     (@ $function:ident $arguments:tt $($node:ty),*) => { $( $function::<$node> $arguments; )* };
 }
@@ -74,7 +75,7 @@ fn build_with_leaves<N: Lanes>(mesh: &MeshData, leaf_size: u32) -> Bvh<N> {
     Builder::new().leaf_size(leaf_size).build_as(&mesh_of(mesh)).unwrap()
 }
 
-/// Every splitter, those that draw lots with this seed.
+/// Every splitter; the random ones have this seed.
 fn splitters(seed: u32) -> [Splitter; 6] {
     let gas = |magnification| Splitter::BatchNeuralGas { magnification, seed };
     [
@@ -92,7 +93,7 @@ fn splitters(seed: u32) -> [Splitter; 6] {
 #[repr(C, align(64))]
 struct Line([u8; 64]);
 
-/// A copy of the bytes at an address that is a multiple of 64, and 64 more behind it.
+/// A copy of the bytes at an address that is a multiple of 64, with 64 more bytes behind it.
 fn aligned(bytes: &[u8]) -> Vec<Line> {
     let mut lines = vec![Line([0; 64]); bytes.len().div_ceil(64) + 1];
     bytemuck::cast_slice_mut(&mut lines)[..bytes.len()].copy_from_slice(bytes);
@@ -102,7 +103,7 @@ fn aligned(bytes: &[u8]) -> Vec<Line> {
 /// Indices of primitives of A and B.
 type Pairs = BTreeSet<(u32, u32)>;
 
-/// [`Query::for_each_pair`], which is compiled again for each type of closure: here there is but one.
+/// [`Query::for_each_pair`] is compiled for each type of closure: here there is only one.
 fn each_pair<N: Lanes, P: PrimitivePair<Q>, Q: PrimitivePair<P>>(
     query: Query,
     a: &BvhRef<'_, N, P>,
@@ -113,7 +114,7 @@ fn each_pair<N: Lanes, P: PrimitivePair<Q>, Q: PrimitivePair<P>>(
     query.for_each_pair(a, b, pose, visit)
 }
 
-/// All pairs that meet, each of them given once, and the work.
+/// All pairs that meet, each reported once, and the work.
 fn pairs_that_meet<A: AsBvh, B: AsBvh<Node = A::Node>>(
     query: Query,
     a: &A,

@@ -1,5 +1,5 @@
-//! Many configurations at once: free are those that are free one by one; on every instruction set, on any number of threads and
-//! in memory of any kind the same.
+//! Many configurations at once: the free ones are those that are free one by one, on every instruction set, on
+//! any number of threads, and in owned and borrowed memory.
 
 use crate::support::rng::Rng;
 use crate::support::shapes;
@@ -26,7 +26,8 @@ fn random_pose(rng: &mut Rng, size: f64) -> Pose {
     Pose::from_rows([[p[0], p[1], p[2], x], [q[0], q[1], q[2], y], [r[0], r[1], r[2], z]]).unwrap()
 }
 
-/// A scene of three bodies that move, one that is attached to the first, obstacles, and one that could move and does not.
+/// A scene of three moving bodies, one attached to the first of them, obstacles, and one body that could move
+/// and does not.
 fn scene<'t>(rng: &mut Rng, trees: &'t [Bvh<Node>; 3]) -> (Scene<'t, Node>, [BodyId; 3]) {
     let mut scene = Scene::new();
     let mut add = |scene: &mut Scene<'t, Node>, tree: usize, is_fixed: bool| {
@@ -34,7 +35,7 @@ fn scene<'t>(rng: &mut Rng, trees: &'t [Bvh<Node>; 3]) -> (Scene<'t, Node>, [Bod
         let world = random_pose(rng, 3.0);
         scene.insert(if is_fixed { body.fixed() } else { body }, &world).unwrap()
     };
-    // Between the bodies that move, so that rows are not in order.
+    // Between the moving bodies, so that rows are not in order.
     let first = add(&mut scene, 0, false);
     let _ = add(&mut scene, 2, true);
     let second = add(&mut scene, 1, false);
@@ -49,7 +50,7 @@ fn scene<'t>(rng: &mut Rng, trees: &'t [Bvh<Node>; 3]) -> (Scene<'t, Node>, [Bod
     scene.place(held, &beside).unwrap();
     scene.attach(held, first).unwrap();
     scene.allow_collision(held, first).unwrap();
-    // Where it meets nothing that stands still.
+    // Where it meets no fixed body.
     let far = Pose::try_from((DQuat::IDENTITY, DVec3::new(0.0, 0.0, 9.0))).unwrap();
     scene.place(still, &far).unwrap();
     (scene, [first, second, third])
@@ -76,7 +77,7 @@ fn configurations_are_free_as_one_by_one() {
     let mut rng = Rng::new(200);
     let trees = [cuboid(0.3), cuboid(0.5), cuboid(0.8)];
     let (mut free, mut all) = (0, 0);
-    // Not multiples of sixteen; the last more than one job.
+    // Counts that are not multiples of sixteen; the last one is more than one job.
     for count in [0_usize, 1, 15, 16, 17, 100, 1100] {
         let (mut scene, moving) = scene(&mut rng, &trees);
         let poses: Vec<Pose> = (0..3 * count).map(|_| random_pose(&mut rng, 4.0)).collect();

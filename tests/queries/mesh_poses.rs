@@ -1,18 +1,17 @@
-//! The main job on real meshes: every verdict equal to brute force in exact arithmetic, at gaps and depths
-//! down to 1e-8 of the diagonal.
+//! Queries on real meshes: every verdict equals brute force in exact arithmetic, at gaps and depths down to
+//! 1e-8 of the diagonal.
 //!
-//! What runs, on each of the four pairs of meshes of `support::data::suites` and on every instruction set
-//! that this machine has:
+//! For each of the four pairs of meshes of `support::data::suites`, on every instruction set of this machine:
 //!
-//! * verdicts at all 200 poses of the pair, which brute force judges once: trees of every k (6, 14, 18, 26,
-//!   32) and both arities, with one triangle a leaf, by the default splitter (mean width) and by the fast
-//!   preset's (extended longest axis); and three more with other leaf sizes. Witnesses and counters equal on
-//!   all instruction sets.
-//! * all pairs of triangles that meet, at two deep poses: every k and both arities, two triangles a leaf, by
-//!   the default splitter.
+//! * Verdicts at all 200 poses of the pair, which brute force judges once. Trees of every k (6, 14, 18, 26, 32)
+//!   and both arities with one triangle per leaf, by the default splitter (mean width) and by the fast preset's
+//!   (extended longest axis); and three more with other leaf sizes. Witnesses and statistics are equal on all
+//!   instruction sets.
+//! * All pairs of triangles that meet, at two deep poses: every k and both arities, with two triangles per leaf,
+//!   by the default splitter.
 //!
-//! `SIMDOP_SUITE=small`, for emulators, takes 32 poses instead of 200, and trees as they are built: elsewhere
-//! they are verified first, which takes an emulator twice as long as all the rest.
+//! `SIMDOP_SUITE=small`, for emulators, has 32 poses instead of 200, and does not verify the trees first, which
+//! takes an emulator twice as long as all the rest.
 
 use crate::pairs_that_meet;
 use crate::support::data::{MeshData, Suite, suite_step, suites};
@@ -39,7 +38,7 @@ fn build<N: Lanes>(mesh: &MeshData, leaf_size: u32, splitter: Splitter) -> Bvh<N
 /// A pose, and whether the bodies meet there.
 type Judged = ([[f64; 4]; 3], bool);
 
-/// The poses of a suite, and the oracle's verdict on each.
+/// The poses of a suite with the oracle's verdicts.
 fn judged(suite: &Suite) -> Vec<Judged> {
     let a = build::<Node16<18>>(&suite.a, 1, Splitter::ExtendedLongestAxis);
     let b = build::<Node16<18>>(&suite.b, 1, Splitter::ExtendedLongestAxis);
@@ -90,7 +89,7 @@ fn verdicts_equal_brute_force_in_exact_arithmetic() {
     }
 }
 
-/// All pairs, not only the first: equal to the oracle's list, for deep poses with many of them.
+/// All pairs equal the oracle's list, at deep poses with many pairs.
 fn check_pairs<N: Lanes>(suite: &Suite, wanted: &[(Pose, BTreeSet<(u32, u32)>)]) {
     let a = build::<N>(&suite.a, 2, Splitter::default());
     let b = build::<N>(&suite.b, 2, Splitter::default());

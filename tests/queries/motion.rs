@@ -1,4 +1,5 @@
-//! Motions: no point gets farther than is said, and bodies are where forward kinematics in other words have them.
+//! Motions: no point moves farther than the motion bound, and bodies are where an independent forward
+//! kinematics has them.
 
 use crate::support::rng::Rng;
 use core::f64::consts::PI;
@@ -9,7 +10,7 @@ use simdop::motion::{
 };
 use simdop::pose::Pose;
 
-/// A joint in the test's own words.
+/// A joint, independent of the library's types.
 struct Spec {
     kind: JointKind,
     parent: u32,
@@ -33,7 +34,7 @@ fn pose(at: DAffine3) -> Pose {
     Pose::try_from(at).unwrap()
 }
 
-/// One whose matrix is as far off a rotation as numbers of five digits are.
+/// A pose whose matrix is as far from a rotation as rounding to five digits makes it.
 fn skewed(rng: &mut Rng, at: DAffine3) -> Pose {
     let mut off = || 1.0 + rng.range(-2e-5, 2e-5);
     let stretch = DAffine3::from_scale(DVec3::new(off(), off(), off()));
@@ -64,7 +65,7 @@ fn joints(specs: &[Spec]) -> Vec<Joint> {
     specs.iter().map(joint).collect()
 }
 
-/// Where the links stand, by glam.
+/// The poses of the links, computed with glam.
 fn frames(specs: &[Spec], base: DAffine3, values: &[f64]) -> Vec<DAffine3> {
     let mut frames = vec![base];
     for spec in specs {
@@ -78,7 +79,7 @@ fn frames(specs: &[Spec], base: DAffine3, values: &[f64]) -> Vec<DAffine3> {
     frames
 }
 
-/// What rounding may make of a place some units from the origin.
+/// The rounding error of a position some units from the origin.
 const CLOSE: f64 = 1e-13;
 
 #[test]
@@ -105,13 +106,13 @@ fn bodies_stand_where_their_joints_lead() {
     }
 }
 
-/// Points in a ball, in the frame of a body that stands at `pose`.
+/// Points on a sphere, in the frame of a body at `pose`.
 fn points(rng: &mut Rng, centre: DVec3, radius: f64) -> Vec<DVec3> {
     (0..12).map(|_| centre + vector(rng, 1.0).normalize() * radius).collect()
 }
 
-/// Asks a motion at a time for paths of balls of its bodies, and samples what their points do around that time. The sum of what
-/// was seen, and that of what was said.
+/// Queries the motion bound of balls of a motion's bodies at a time, and samples how far their points move
+/// around that time. Returns the sum of the observed lengths, and that of the bounds.
 fn check_paths(rng: &mut Rng, motion: &mut impl Motion, span: f64) -> (f64, f64) {
     let n = motion.bodies();
     let mut poses = vec![Pose::IDENTITY; n];
@@ -143,7 +144,7 @@ fn check_paths(rng: &mut Rng, motion: &mut impl Motion, span: f64) -> (f64, f64)
         }
     }
     for (i, (seen, said)) in seen.iter().zip(said.iter().chain(&between)).enumerate() {
-        // What the test itself rounds.
+        // The test's own rounding.
         assert!(*seen <= said + CLOSE, "{i}: {seen} seen, {said} said");
     }
     for i in 1..n {
@@ -177,7 +178,7 @@ fn no_point_gets_farther_than_is_said() {
     }
 }
 
-/// The first joint's origin, the base and the places of the bodies on their links, none of them a rotation.
+/// The first joint's origin, the base and the placements of the bodies on their links are not exact rotations.
 #[test]
 fn no_point_gets_farther_where_matrices_are_not_quite_rotations() {
     let mut rng = Rng::new(176);
@@ -191,7 +192,7 @@ fn no_point_gets_farther_where_matrices_are_not_quite_rotations() {
         let bodies = [1, 2].map(|link| LinkBody { link, at: skewed(&mut rng, DAffine3::IDENTITY) });
         let base = skewed(&mut rng, DAffine3::IDENTITY);
         let robot = Kinematics::new(&joints, &bodies, &[[-4.0, 4.0]; 2]).unwrap().with_base(base);
-        // One joint, by so little that arc and chord are the same: a point gets as far as is said.
+        // One joint, by so little that arc and chord are equal: a point moves as far as the bound.
         let joint = rng.below(2) as usize;
         let mut ends = [[0.1, 0.3]; 2];
         ends[1][joint] += 1e-3;
@@ -220,7 +221,7 @@ fn rounding_far_from_the_origin_is_paid_for() {
         let ends = [[0.3; 5], [-0.4; 5]];
         let (mut values, mut links) = ([0.0; 5], [LinkFrame::EMPTY; 6]);
         let mut motion = JointMotion::new(robot, [&ends[0], &ends[1]], &mut values, &mut links).unwrap();
-        // The way itself is a thousandth of what rounding does.
+        // The motion itself is a thousandth of the rounding errors.
         let _ = check_paths(&mut rng, &mut motion, 1e-12);
     }
 }

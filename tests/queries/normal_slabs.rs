@@ -1,5 +1,5 @@
-//! Normal slabs: that they bound what is below them, and no more than that; that damaged ones are refused; that
-//! they change no verdict; and what they spare.
+//! Normal slabs: they bound what is below them, and tightly; damaged ones are rejected; they change no verdict;
+//! and they save work.
 
 use crate::support::data::{Approach, MeshData, notice, suite_step};
 use crate::support::dyadic::{Dyadic, dot};
@@ -18,7 +18,7 @@ fn build<N: Lanes>(builder: Builder, mesh: &MeshData) -> Bvh<N> {
     builder.build_as(&Mesh { vertices: &mesh.vertices, triangles: &mesh.triangles }).unwrap()
 }
 
-/// A lane in use, its slab, and the primitives below it by their indices in leaf order.
+/// A used lane, its slab, and the primitives below it by their indices in leaf order.
 struct Volume {
     node: u32,
     lane: usize,
@@ -46,7 +46,7 @@ fn volumes<N: Lanes>(tree: &BvhRef<'_, N>) -> Vec<Volume> {
     below.into_iter().enumerate().map(volume).filter(|v| !v.below.is_empty()).collect()
 }
 
-/// The least and the greatest support of a primitive along n, in the frame of its tree: exactly.
+/// The exact least and greatest support of a primitive along n, in the frame of its tree.
 fn supports<N: Lanes>(tree: &BvhRef<'_, N>, n: [f64; 3], primitive: u32) -> [Dyadic; 2] {
     let frame = tree.frame();
     let along = |p: [f64; 3]| {
@@ -57,7 +57,7 @@ fn supports<N: Lanes>(tree: &BvhRef<'_, N>, n: [f64; 3], primitive: u32) -> [Dya
     [all.iter().min().unwrap().clone(), all.iter().max().unwrap().clone()]
 }
 
-/// Meshes of every kind that slabs are wrong on most easily.
+/// Meshes of every kind that is difficult for slabs.
 fn meshes() -> Vec<MeshData> {
     let mut rng = Rng::new(1);
     let scaled = |mut mesh: MeshData, factor: f64, offset: f64| {
@@ -85,7 +85,8 @@ fn meshes() -> Vec<MeshData> {
 
 // ---- The slabs themselves ---------------------------------------------------------------------------------
 
-/// Bounds, and thin: within two steps, and the rounding of the thickness, of the exact extent along their own direction.
+/// The slabs bound, and are tight: within two steps, plus the rounding of the thickness, of the exact extent
+/// along their own direction.
 fn slabs_are_exact<N: Lanes>(meshes: &[MeshData]) {
     for (number, mesh) in meshes.iter().enumerate() {
         for leaf_size in [1, 3] {
@@ -125,12 +126,12 @@ fn slabs_bound_what_is_below_and_no_more() {
     for_each_node!(slabs_are_exact(&meshes));
 }
 
-/// Where a slab lies among the bytes of its tree.
+/// The byte offset of a slab in its tree.
 fn place<N: Lanes>(tree: &BvhRef<'_, N>, node: u32, lane: usize) -> usize {
     128 + size_of_val(tree.nodes()) + 8 * (node as usize * N::ARITY + lane)
 }
 
-/// The tree with other bits of one slab.
+/// The tree with other bits in one slab.
 fn edited<N: Lanes>(tree: &Bvh<N>, at: usize, edit: impl FnOnce(u64) -> u64) -> Vec<Line> {
     let mut lines = aligned(tree.as_bytes());
     let field: &mut [u8; 8] = (&mut bytemuck::cast_slice_mut(&mut lines)[at..at + 8]).try_into().unwrap();
@@ -139,13 +140,14 @@ fn edited<N: Lanes>(tree: &Bvh<N>, at: usize, edit: impl FnOnce(u64) -> u64) -> 
 }
 
 fn tree_in<N: Lanes>(lines: &[Line]) -> Result<BvhRef<'_, N>, FormatError> {
-    // Less the spare line.
+    // Without the spare line.
     BvhRef::from_bytes(bytemuck::cast_slice(&lines[..lines.len() - 1]))
 }
 
-/// One step thinner at either end: refused exactly where something is cut off, by the name of the plane.
+/// A slab that is one step thinner at either end is rejected exactly where it cuts something off, and the error
+/// names the plane.
 fn thinner_is_refused<N: Lanes>(meshes: &[MeshData]) {
-    // An emulator need not repeat that for all k: what is refused is the same.
+    // An emulator need not repeat that for all k: the rejected slabs are the same.
     if suite_step() > 1 && N::K != 18 {
         return;
     }
@@ -194,7 +196,7 @@ fn slabs_one_step_thinner_are_refused() {
     for_each_node!(thinner_is_refused(&meshes));
 }
 
-/// Every way in which a slab's 64 bits can be none, in a used lane and in an unused one.
+/// Every way in which a slab's 64 bits can be invalid, in a used and in an unused lane.
 fn bad_bits_are_refused<N: Lanes>(mesh: &MeshData) {
     let owned = build::<N>(Builder::new(), mesh);
     let tree = owned.view();
@@ -239,7 +241,7 @@ fn bits_that_are_no_slab_are_refused() {
     for_each_node!(bad_bits_are_refused(&mesh));
 }
 
-/// Where the flag of normal slabs is in the header.
+/// The offset of the flag of normal slabs in the header.
 const FLAG: usize = core::mem::offset_of!(Header, has_normal_slabs);
 
 #[test]
@@ -269,7 +271,7 @@ fn the_flag_must_be_true() {
     }
 }
 
-/// A tree without slabs has the bytes of the tree with them, but for the slabs and the flag.
+/// A tree without slabs has the bytes of the tree with them, except for the slabs and the flag.
 fn less_the_slabs<N: Lanes>(meshes: &[MeshData]) {
     for mesh in meshes {
         let with = build::<N>(Builder::new(), mesh);
@@ -283,7 +285,7 @@ fn less_the_slabs<N: Lanes>(meshes: &[MeshData]) {
         let mut expected = with.as_bytes().to_vec();
         expected.drain(slabs);
         expected[FLAG] = 0;
-        // Both are filled up to a multiple of 64.
+        // Both are padded to a multiple of 64.
         let len = without.as_bytes().len().min(expected.len());
         assert_eq!(without.as_bytes()[..len], expected[..len]);
         let rest = without.as_bytes()[len..].iter().chain(&expected[len..]);
@@ -299,12 +301,12 @@ fn a_tree_without_slabs_is_the_same_but_for_them() {
 
 // ---- Long queries -----------------------------------------------------------------------------------------
 
-/// A ring with waves along and around its tube, smooth: 2 n^2 triangles.
+/// A torus with waves along and around its tube, smooth: 2 n^2 triangles.
 fn wavy_torus(n: u32) -> MeshData {
     let mut mesh = shapes::torus(n, n);
     for p in &mut mesh.vertices {
         let [x, y, z] = *p;
-        // Cosines and sines of five times the angle about the axis, by the multiples of a complex number.
+        // Cosine and sine of five times the angle about the axis, by powers of a complex number.
         let length = (x * x + y * y).sqrt();
         let (c, s) = (x / length, y / length);
         let (mut re, mut im) = (1.0, 0.0);
@@ -317,7 +319,7 @@ fn wavy_torus(n: u32) -> MeshData {
     mesh
 }
 
-/// Poses of a body against itself, in contact but for a gap.
+/// Poses of a body against itself, in contact except for a gap.
 fn poses<N: Lanes>(mesh: &MeshData, tree: &Bvh<N>, gap: f64, count: usize) -> Vec<Pose> {
     let mut rng = Rng::new(3);
     let query = Query::new(Isa::detect());
@@ -346,7 +348,7 @@ fn poses<N: Lanes>(mesh: &MeshData, tree: &Bvh<N>, gap: f64, count: usize) -> Ve
     found
 }
 
-/// Work of all poses, in total, of the collision of a tree with itself.
+/// The total visits of all poses for the collision of a tree with itself.
 fn visits<N: Lanes>(tree: &Bvh<N>, poses: &[Pose]) -> u64 {
     let query = Query::new(Isa::detect());
     let visits = |pose: &Pose| {
@@ -387,8 +389,8 @@ fn near_smooth_bodies_take_half_the_visits() {
     assert!(10 * finest[0] <= 16 * coarse[0], "{coarse:?} {finest:?}");
 }
 
-/// Long queries of trees with slabs, with those of one tree only, and without: the same answers on every
-/// instruction set, by the same work.
+/// Long queries of trees with slabs, with slabs in one tree only, and without: the same answers on every
+/// instruction set, with the same work.
 fn answers_agree<N: Lanes>(mesh: &MeshData) {
     let builder = Builder::new().splitter(Splitter::ExtendedLongestAxis);
     let with = build::<N>(builder, mesh);
@@ -423,7 +425,7 @@ fn answers_agree<N: Lanes>(mesh: &MeshData) {
             }
         }
     }
-    // Of the small suite's four poses none need be long.
+    // The small suite has four poses, and none of them need be long.
     let is_long = long > 0 || suite_step() > 1;
     assert!(is_long && spared > 0, "k {} arity {}: {long} were long, {spared} shorter", N::K, N::ARITY);
 }

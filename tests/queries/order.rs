@@ -1,5 +1,4 @@
-//! Which body is turned is the library's choice: the order in which they are given changes no answer, and hardly the
-//! cost.
+//! The query chooses which body to rotate: the order of the bodies changes no answer, and hardly the cost.
 
 use crate::build;
 use crate::pairs_that_meet;
@@ -13,12 +12,12 @@ use simdop::isa::Isa;
 use simdop::node::{Node4, Node16};
 use simdop::query::{Lanes, Query};
 
-/// A room, whose flat walls get loose where they are turned, and a body that is as round as it can be.
+/// A room, whose flat walls grow when rotated, and a body that is as round as possible.
 fn room_and_torus() -> [MeshData; 2] {
     [shapes::room(600), shapes::scaled(&shapes::torus(16, 12), 0.2, [0.0; 3])]
 }
 
-/// Is the room as A turned at all? Its header and that of the other say so.
+/// Whether the k-DOPs of A grow more than those of B when rotated, according to the headers.
 fn gets_looser<N: Lanes>(a: &Bvh<N>, b: &Bvh<N>) -> bool {
     let loose = |tree: &Bvh<N>| {
         f64::from(tree.view().header().rotation_growth) / f64::from(tree.view().header().exponent).exp2()
@@ -26,7 +25,8 @@ fn gets_looser<N: Lanes>(a: &Bvh<N>, b: &Bvh<N>) -> bool {
     loose(a) > 1.1 * loose(b)
 }
 
-/// The room as A, at poses that are as far from rotations as they may be: the torus is turned into the frame of the room.
+/// The room is A, at poses that are as far from rotations as allowed: the query rotates the torus into the
+/// frame of the room.
 fn the_way_back_loses_no_pair<N: Lanes>(poses: usize) {
     let mut rng = Rng::new(5);
     let [room, torus] = room_and_torus();
@@ -36,7 +36,7 @@ fn the_way_back_loses_no_pair<N: Lanes>(poses: usize) {
     for _ in 0..poses {
         let shift = *rng.pick(&[0.0, 1.0, 1e3, 1e6]);
         let turn = turns::rotation(&mut rng);
-        // Some triangle of the room comes to a triangle of the torus, and with it perhaps others.
+        // Some triangle of the room comes to a triangle of the torus, and perhaps others do, too.
         let corner =
             |rng: &mut Rng, mesh: &MeshData| mesh.vertices[rng.below(mesh.vertices.len() as u64) as usize];
         let (p, q) = (corner(&mut rng, &room), corner(&mut rng, &torus));

@@ -1,5 +1,5 @@
-//! Trees in whichever form a caller holds them: owned in a struct, of any node type, in flash; and vertices
-//! that no triangle uses.
+//! Trees in every form that a caller can hold: owned in a struct, of any node type, in flash; and vertices that
+//! no triangle uses.
 
 use crate::mesh_of;
 use crate::support::data::MeshData;
@@ -14,7 +14,7 @@ use simdop::primitive::Triangles;
 use simdop::query::{AnyError, Pair, Query, ToleranceError};
 use simdop::with_bvh;
 
-/// From apart to deep inside each other.
+/// From separate to deep inside each other.
 fn poses() -> Vec<Pose> {
     let pose = |i: i32| {
         let x = f64::from(i) * 0.35;
@@ -23,7 +23,7 @@ fn poses() -> Vec<Pose> {
     (0..12).map(pose).collect()
 }
 
-/// What a planner would hold: the tree and what it asks of it, without a lifetime.
+/// What a planner holds: the tree and its query, without a lifetime.
 struct Link {
     tree: Bvh<Node16<18>>,
     query: Query,
@@ -61,7 +61,7 @@ where
     let built =
         Builder::new().build_any(&mesh_of(mesh), N::K, N::ARITY, &mut |_| ControlFlow::Continue(())).unwrap();
     assert_eq!(built.as_bytes(), tree.as_bytes());
-    // Bytes of a file have no alignment.
+    // The bytes of a file have no alignment.
     let mut file = vec![0; tree.as_bytes().len() + 1];
     file[1..].copy_from_slice(tree.as_bytes());
     let any = AnyBvh::<Triangles>::from_bytes(&file[1..]).unwrap();
@@ -79,7 +79,7 @@ where
         assert_eq!(within, query.within(&tree, &tree, pose, 0.1).unwrap());
         let distance = query.distance_any(&any.view(), &borrowed, pose, 0.01).unwrap();
         assert_eq!(distance, query.distance(&tree, &tree, pose, 0.01).unwrap());
-        // A visitor of a type of its own here would compile every node type's query once more for each.
+        // A visitor of a type of its own would compile every node type's query once more.
         let (mut got, mut want) = (Vec::new(), Vec::new());
         let visitor: &mut dyn FnMut(Pair) -> ControlFlow<()> = &mut |pair| {
             got.push(pair);
@@ -126,7 +126,7 @@ fn what_cannot_be_asked_of_any_trees_has_a_name() {
     assert_eq!(query.within_any(&a.view(), &a.view(), &Pose::IDENTITY, -1.0), Err(negative));
     assert!(!other.to_string().is_empty() && !negative.to_string().is_empty());
 
-    // A node type that there is not, in bytes of any length.
+    // A node type that does not exist, in bytes of any length.
     let mut bytes = a.as_bytes().to_vec();
     bytes[12] = 17;
     assert_eq!(
@@ -143,7 +143,7 @@ fn what_cannot_be_asked_of_any_trees_has_a_name() {
 }
 
 fn leaked(bytes: &[u8]) -> &'static [u8] {
-    // At a multiple of 64 somewhere in a longer run.
+    // At a multiple of 64 within a longer slice.
     let run: &'static mut [u8] = vec![0; bytes.len() + 64].leak();
     let start = run.as_ptr().align_offset(64);
     run[start..start + bytes.len()].copy_from_slice(bytes);
@@ -159,7 +159,7 @@ fn a_tree_in_flash_is_validated_by_its_first_view_and_every_failing_one() {
     assert_eq!(first.nodes().as_ptr(), again.nodes().as_ptr(), "in place");
     assert_eq!((first.stats(), again.stats()), (tree.view().stats(), tree.view().stats()));
 
-    // The root's first link, to a node that there is not: the header is sound.
+    // The root's first link, to a node that does not exist: the header is valid.
     let mut bytes = tree.as_bytes().to_vec();
     let link = 128 + 32 * 18;
     bytes[link..link + 4].copy_from_slice(&0x7fff_ffff_u32.to_le_bytes());
@@ -178,8 +178,8 @@ fn a_tree_in_flash_of_another_node_type_does_not_compile_in_a_constant() {
     let _ = StaticBvh::<Node16<14>>::new(leaked(tree.as_bytes()));
 }
 
-/// A vertex that no triangle uses, a million body sizes away, took the frame's precision from all planes:
-/// every query tested all pairs.
+/// A vertex that no triangle uses, a million body sizes away, must not cost the planes precision. Otherwise
+/// every query would test all pairs.
 #[test]
 fn stray_vertices_change_nothing() {
     let mesh = shapes::torus(24, 16);
@@ -197,8 +197,7 @@ fn stray_vertices_change_nothing() {
             assert!(tree.as_bytes() == clean.as_bytes(), "{stray:?}");
         }
     }
-    // One that could not be used is an error all the same: nothing is dropped in silence that might have been
-    // meant.
+    // An invalid unused vertex is still an error, because it may have been meant to be used.
     let mut broken = mesh;
     broken.vertices.push([f64::NAN, 0.0, 0.0]);
     let index = broken.vertices.len() - 1;

@@ -32,12 +32,12 @@ fn pack(mesh: &MeshData, count: usize) -> Vec<Sphere> {
 
 struct Want {
     volume: f64,
-    /// Of the lenses' volumes times unit vectors, and times the middles.
+    /// The sums of the lenses' volumes times unit vectors, and times the lenses' centres.
     moments: [glam::DVec3; 2],
     pairs: u64,
 }
 
-/// All pairs, the smallest volumes added first.
+/// All pairs; the smallest volumes are added first.
 fn brute(a: &[Sphere], b: &[Sphere], pose: &Pose) -> Want {
     let moved: Vec<Sphere> = a.iter().map(|s| Sphere { centre: pose.apply(s.centre), ..*s }).collect();
     let mut lenses = Vec::new();
@@ -64,7 +64,7 @@ fn brute(a: &[Sphere], b: &[Sphere], pose: &Pose) -> Want {
     }
 }
 
-/// On every instruction set; all answers are the same.
+/// On every instruction set, which all give the same answer.
 fn ask<N: Lanes>(a: &Bvh<N, Spheres>, b: &Bvh<N, Spheres>, pose: &Pose) -> Penetration {
     let mut answers = Isa::available().map(|isa| Query::new(isa).penetration(a, b, pose));
     let first = answers.next().unwrap();
@@ -74,7 +74,7 @@ fn ask<N: Lanes>(a: &Bvh<N, Spheres>, b: &Bvh<N, Spheres>, pose: &Pose) -> Penet
     first
 }
 
-/// What does not depend on the way to it, bit by bit.
+/// The results that do not depend on the order of the traversal, bit by bit.
 fn sums(found: &Penetration) -> String {
     let Penetration { volume, direction, point, pairs, .. } = found;
     format!("{volume:e} {direction:?} {point:?} {pairs}")
@@ -108,7 +108,7 @@ fn check<N: Lanes>(a: &[Sphere], b: &[Sphere], poses: &[Pose]) -> f64 {
     deepest
 }
 
-/// From far apart to one in the other, turned at random.
+/// From far apart to one inside the other, randomly rotated.
 fn poses(rng: &mut Rng, size: f64, count: usize) -> Vec<Pose> {
     let placed = |i: usize| {
         let (turn, towards) = (rng.rotation(), rng.rotation()[0]);
@@ -139,7 +139,7 @@ fn volumes_of_real_packings() {
     assert!(check::<Node16<18>>(&a, &b, &poses) > 0.0);
 }
 
-/// In any unit, with spheres of sizes 1 to 10^6 and bodies of unlike size.
+/// In any unit, with spheres of sizes 1 to 10^6 and bodies of different size.
 #[test]
 fn volumes_in_every_unit_and_of_unlike_sizes() {
     let mut rng = Rng::new(3);
@@ -153,7 +153,7 @@ fn volumes_in_every_unit_and_of_unlike_sizes() {
     };
     for (of_a, of_b) in [(1.0, 1.0), (1e-60, 1e-60), (1e70, 1e70), (1e-3, 1.0), (1.0, 1e-3), (1e-12, 1.0)] {
         let (a, b) = (spheres(&mut rng, of_a, 60), spheres(&mut rng, of_b, 60));
-        // One sphere of each overlaps.
+        // One sphere of each body overlaps.
         let near: Vec<Pose> = (0..40)
             .map(|_| {
                 let (turn, way) = (rng.rotation(), rng.rotation()[1]);
@@ -176,14 +176,14 @@ fn two_spheres_part_along_their_centres() {
     let (one, two) = (ball(1.0), ball(2.0));
     let found = ask(&one, &two, &aside(2.5));
     assert_eq!((found.direction, found.pairs), ([0.0, 1.0, 0.0], 1));
-    // From 1.5 to 2 above the centre of the larger.
+    // From 1.5 to 2 above the centre of the larger sphere.
     assert_eq!(found.point, Some([1.0, 3.75, 3.0]));
     let inside = ask(&one, &two, &aside(-0.5));
     assert!((inside.volume - 4.0 / 3.0 * PI).abs() < 1e-14);
     assert_eq!((inside.direction, inside.point), ([0.0, -1.0, 0.0], Some([1.0, 1.5, 3.0])));
     let same = ask(&one, &one, &aside(0.0));
     assert_eq!((same.direction, same.point), ([0.0; 3], Some([1.0, 2.0, 3.0])));
-    // They touch, and share nothing.
+    // They touch, and share no volume.
     let touching = ask(&one, &two, &aside(3.0));
     assert_eq!((touching.volume, touching.pairs, touching.point), (0.0, 1, None));
     assert_eq!(ask(&one, &two, &aside(3.5)).pairs, 0);
@@ -191,7 +191,7 @@ fn two_spheres_part_along_their_centres() {
     assert_eq!(ask(&empty, &two, &aside(0.0)).volume, 0.0);
 }
 
-/// Exchanged bodies at the inverse pose share as much, and are pushed the other way.
+/// Exchanged bodies at the inverse pose share the same volume, with the opposite direction.
 #[test]
 fn exchanged_bodies_share_as_much() {
     let torus = wavy_torus(200);
@@ -210,8 +210,8 @@ fn exchanged_bodies_share_as_much() {
     }
 }
 
-/// Budgets from none to more than enough: bounds hold, the same on every instruction set, and close in; estimates are
-/// between them, and near the truth with a tenth of the visits.
+/// With budgets from none to more than enough, the bounds hold, are the same on every instruction set, and
+/// converge. Estimates are between them, and near the true volume with a tenth of the visits.
 #[test]
 fn bounds_hold_whatever_the_budget() {
     let torus = wavy_torus(800);
@@ -224,7 +224,8 @@ fn bounds_hold_whatever_the_budget() {
     let query = Query::new(Isa::detect());
     let mut rng = Rng::new(6);
     let (mut closed, mut asked) = (0, 0);
-    // With half of the visits, where anything is shared: both bounds over the volume. Counted, the same everywhere.
+    // With half of the visits, where any volume is shared: both bounds over the volume. Visits are counted, so
+    // this is the same on every machine.
     let mut halfway = [Vec::new(), Vec::new()];
     let mut errors = Vec::new();
     for [a, b] in &trees {
@@ -264,7 +265,7 @@ fn bounds_hold_whatever_the_budget() {
         shares[shares.len() / 2]
     };
     let ([lower, upper], error) = (halfway.map(median), median(errors));
-    // A small suite has small packings, which close later.
+    // The small suite has small packings, which converge later.
     let most = if suite_step() == 1 { 1.39 } else { 2.6 };
     assert!(
         lower > 0.9 && upper < most,
@@ -291,11 +292,11 @@ fn a_budget_leaves_a_lower_bound() {
     assert!(last > 0.0);
 }
 
-/// More waits than there is room for: some is looked at depth first.
+/// More pairs are pending than the stack holds: some are visited depth first.
 #[test]
 fn bounds_hold_where_much_waits() {
     let mut rng = Rng::new(7);
-    // On a lattice, and touching: as many pairs as there can be of disjoint spheres.
+    // On a lattice, and touching: as many pairs as disjoint spheres can have.
     let side = 12 / suite_step().min(2) as i32;
     let lattice = (0..side * side * side).map(|i| {
         let at = [i % side, i / side % side, i / side / side];
@@ -312,7 +313,7 @@ fn bounds_hold_where_much_waits() {
     }
 }
 
-/// A matrix that is no rotation, within what poses accept, brings spheres nearer to each other.
+/// A matrix that is not a rotation, within the tolerance of poses, brings spheres closer together.
 #[test]
 fn bounds_hold_at_poses_that_shrink() {
     let spheres = pack(&wavy_torus(200), 200);

@@ -1,8 +1,9 @@
-//! A primitive's primitive slabs lose no collision: what they say lies beyond a triangle is beyond it along the
-//! slab's direction, by more than the margin, in exact arithmetic; and what clearly lies beyond is found.
+//! Primitive slabs lose no collision. If a slab places a lane beyond a triangle, it is beyond the triangle
+//! along the slab's direction by more than the margin, in exact arithmetic; and lanes that are clearly beyond
+//! are found.
 //!
-//! The directions are the ones that the triangle gives. That they are no true normals does not matter: if all
-//! of one body lies before all of another along any vector, they are apart.
+//! The directions are those that the triangle gives. They need not be true normals: if all of one body lies
+//! before all of another along any vector, the bodies are disjoint.
 
 use crate::one_point::{NO_EXTENT, OnePoint, for_each_k};
 use crate::pairs_that_meet;
@@ -26,7 +27,7 @@ use simdop::query::{Lanes, Query};
 use simdop::range::{MAX_COORDINATE, MIN_COORDINATE, Point};
 use std::collections::BTreeSet;
 
-// ---- The question, decided exactly ------------------------------------------------------------------------
+// ---- The exact decision -----------------------------------------------------------------------------------
 
 fn exact(x: f64) -> Dyadic {
     Dyadic::from(x)
@@ -37,14 +38,14 @@ fn direction(triangle: &Tri, s: usize) -> Point {
     Triangles::own_directions(triangle).map(|column| column[s])
 }
 
-/// What a test looked at: lanes, each against one slab.
+/// What a test has checked: lanes, each against one slab.
 #[derive(Default, Debug)]
 struct Tally {
     checks: u64,
     beyond: u64,
 }
 
-/// A body as a triangle waits for it: its extent, and where it stands.
+/// The pose and the bounds of a body that is tested against a leaf's triangle.
 #[derive(Copy, Clone, Debug)]
 struct Placed<'t> {
     extent: &'t BodyBounds,
@@ -61,7 +62,7 @@ impl Placed<'_> {
         primitive_slabs::<Triangles, K>(triangle, margin, self.extent, self.pose)
     }
 
-    /// Which slabs a lane with these vertices, moved, lies beyond; and that it really does.
+    /// Which slabs a lane with these moved vertices lies beyond; checks that it really does.
     fn check<const K: usize>(
         &self,
         triangle: &Tri,
@@ -85,15 +86,15 @@ impl Placed<'_> {
     }
 }
 
-/// Mostly a pose, from near to far away.
+/// Usually a pose, from near to far away.
 fn some_pose(rng: &mut Rng, size: f64) -> Option<Pose> {
     let turn = rotation(rng);
     let away = random_point(rng, [0.0, 1.0, 1.0, 1e3, 1e6, 1e12].map(|far| far * size));
     (rng.below(4) != 0).then(|| pose(&turn, away))
 }
 
-/// A triangle with a corner at `p` and the others about `size` away: any, a needle, a segment, a point, one
-/// with edges along axes, one that is thinner than its corners are exact.
+/// A triangle with a corner at `p` and the others about `size` away: a random one, a needle, a segment, a
+/// point, one with edges along axes, or one that is thinner than the accuracy of its corners.
 fn triangle_at(rng: &mut Rng, p: Point, size: f64) -> Tri {
     let any = |rng: &mut Rng| random_point(rng, [size]);
     let axis = |rng: &mut Rng| {
@@ -127,8 +128,8 @@ const RATIOS: [f64; 8] = [1e-6, 1e-3, 0.1, 1.0, 1.0, 1e3, 1e6, 1e12];
 
 // ---- One point, and triangles that touch it ---------------------------------------------------------------
 
-/// The planes of a body of one point are tight, and a triangle with a corner there ends at it along each of
-/// its directions, up to rounding: nothing but the pad keeps the point from lying beyond.
+/// The planes of a body that is one point are tight, and a triangle with a corner there ends at the point along
+/// each of its directions, up to rounding: only the pad keeps the point from lying beyond.
 fn corners_touch<const K: usize>() {
     let mut rng = Rng::new(K as u64);
     let mut tally = Tally::default();
@@ -151,11 +152,11 @@ fn a_corner_of_the_triangle_is_never_beyond_it() {
     for_each_k!(corners_touch);
 }
 
-/// The same triangles moved off the point, by a share of the body's frame: as good as all points are found,
-/// each along the direction it was moved in.
+/// The same triangles moved off the point by a fraction of the body's frame. Nearly all points are found, each
+/// along the direction of its move.
 fn points_off_the_triangle<const K: usize>() {
     let mut rng = Rng::new(50 + K as u64);
-    // The other bodies' planes may be half a step off.
+    // The planes of the other k may be half a step off.
     let shares: &[f64] = if K == 6 || K == 14 { &[1e-5, 1e-3] } else { &[1e-3] };
     for &share in shares {
         let mut tally = Tally::default();
@@ -174,7 +175,7 @@ fn points_off_the_triangle<const K: usize>() {
             if n == [0.0; 3] {
                 continue;
             }
-            // Away from where the triangle lies along the direction, and from what rounding makes of it.
+            // Away from the triangle along the direction, and from its rounding errors.
             let middle = triangle.iter().map(|p| dot_rounded(&n, p) - dot_rounded(&n, &point)).sum::<f64>();
             let off = (size * share).copysign(middle) / dot_rounded(&n, &n);
             let moved = triangle.map(|p| add(p, n.map(|x| x * off)));
@@ -183,7 +184,7 @@ fn points_off_the_triangle<const K: usize>() {
             found += u64::from(beyond[s]);
         }
         println!("k {K:2}, {share:e} of the frame off: {found} of {of} found; {tally:?}");
-        // Of a few hundred the share scatters by a percent.
+        // With a few hundred cases, the fraction varies by a percent.
         let least = if suite_step() == 1 { 98 } else { 95 };
         assert!(of > 1000 / suite_step() as u64 && found * 100 >= of * least, "{found} of {of} found");
     }
@@ -194,10 +195,10 @@ fn a_point_off_the_triangle_is_found() {
     for_each_k!(points_off_the_triangle);
 }
 
-// ---- What the limits pay for ------------------------------------------------------------------------------
+// ---- The bound of the limits ------------------------------------------------------------------------------
 
-/// The bound that the module's text proves, in exact arithmetic: along direction `s` the plane sums of a lane
-/// within the extent are no lower than the limits if it reaches the triangle's margin.
+/// The bound that the module's documentation proves, in exact arithmetic: if a lane within the bounds reaches
+/// the triangle's margin, its plane sums along direction `s` are no lower than the limits.
 fn limits_are_proven<const K: usize>(
     slab: &PrimitiveSlab,
     n: Point,
@@ -215,7 +216,7 @@ fn limits_are_proven<const K: usize>(
         u = [0, 1, 2].map(|i| dot(n.clone(), column(i)));
         origin = [0, 1, 2].map(|row| dot(m[row].clone(), c.clone()) + t[row].clone());
         for i in 0..3 {
-            // What moving a corner may lose: four roundings, and being flushed to zero.
+            // The error of moving a corner: four roundings, and flushing to zero.
             let row = m[i].clone().into_iter().fold(Dyadic::zero(), |sum, x| sum + x.abs());
             let image = row * exact(extent.max_coordinate) + t[i].clone().abs();
             let lost = image * Dyadic::power_of_two(-51) + exact(MIN_COORDINATE);
@@ -230,7 +231,8 @@ fn limits_are_proven<const K: usize>(
     }
     // 4 u / (1 - 4 u) < 4 u + 17 u^2 for u = 2^-24.
     let gamma_4 = Dyadic::power_of_two(-22) + exact(17.0) * Dyadic::power_of_two(-48);
-    // A code is half a step less than the plane, which is thus half a step farther out than what is summed.
+    // A code is half a step less than the plane, so the plane is half a step farther out than the term of the
+    // sum.
     let half = exact(0.5);
     let mut pad =
         roundings + gamma_4 * sum.clone() * (exact(extent.max_plane.into()) + half.clone()) + half * sum;
@@ -262,7 +264,7 @@ fn limits_are_no_higher_than_proven<const K: usize>() {
         extent.frame.centre = random_point(&mut rng, [0.0, 1.0, 1e6, 1e12]);
         extent.half_width = random_point(&mut rng, [0.0, 1.0, 127.0, 16_000.0]).map(|x| x.abs() as f32);
         let widest = extent.half_width.into_iter().fold(0.0, f32::max);
-        // Where planes are small, nothing hides what the weights miss.
+        // Small planes do not hide the error of the weights.
         extent.max_plane = (widest * *rng.pick(&[1e-4, 1.0]) * rng.range(1.0, 6.0) as f32).max(0.5);
         let size = f64::from(widest) / extent.frame.scale();
         let centre = extent.frame.centre;
@@ -314,7 +316,7 @@ fn vertices_below<N: Dop>(tree: &BvhRef<'_, N>, child: Child, out: &mut Vec<Poin
     }
 }
 
-/// Every used lane of a tree, against triangles that touch some vertex of it, or are off it by a hair, by
+/// Every used lane of a tree, against triangles that touch a vertex of it, or are off it by a tiny distance, by
 /// about the margin, or by about the size of a lane.
 fn check_mesh<const K: usize>(
     rng: &mut Rng,
@@ -361,7 +363,7 @@ fn check_mesh<const K: usize>(
     }
 }
 
-/// `n` triangles that are points: of small integers, or anywhere.
+/// `n` triangles that are points, with small integer coordinates or random ones.
 fn points(rng: &mut Rng, n: usize) -> MeshData {
     let integers = rng.below(2) == 0;
     shapes::separate((0..n).map(|_| {
@@ -431,7 +433,7 @@ fn lanes_at_the_ends_of_the_range() {
     for_each_k!(the_ends_of_the_range);
 }
 
-/// Points of a tree, whose planes are rounded to keys, a share of the body's size beyond a triangle.
+/// Points of a tree, with planes rounded to keys, beyond a triangle by a fraction of the body's size.
 fn points_of_trees<const K: usize>()
 where
     Node16<K>: Lanes,
@@ -475,15 +477,16 @@ fn points_of_trees_off_a_triangle_are_found() {
 
 // ---- Queries ----------------------------------------------------------------------------------------------
 
-/// How many queries found their bodies apart, and what they asked of pairs of triangles to know it.
+/// How many queries found separate bodies, and how many of them tested no pairs of triangles.
 #[derive(Default, Debug)]
 struct Apart {
     queries: u64,
     without_pairs: u64,
 }
 
-/// A body of a few large triangles, or of many, against one that is smaller by a factor and has a point at one
-/// of the large one or a little off it: leaves wait for nodes, in either role, and every pair is found.
+/// A body of a few large triangles, or of many, against one that is smaller by a factor and has a point at a
+/// point of the large one, or slightly off it. Leaves are tested against nodes, in either role, and every pair
+/// is found.
 fn unlike_bodies<N: Lanes>() {
     let mut rng = Rng::new(600 + N::K as u64);
     let mut apart = Apart::default();
@@ -539,7 +542,7 @@ fn bodies_of_unlike_size_meet_in_every_pair() {
     unlike_bodies::<Node4<14>>();
 }
 
-// ---- Without a direction, without a bound -----------------------------------------------------------------
+// ---- No direction, no bound -------------------------------------------------------------------------------
 
 fn nothing_is_beyond<const K: usize>() {
     let mut rng = Rng::new(500 + K as u64);

@@ -1,5 +1,5 @@
-//! A kind of primitive that the library does not know, written as a user of it would: segments get a tree,
-//! `verify`, and queries among themselves and with triangles, from outside of the crate.
+//! A kind of primitive that the library does not have, written as a user would, outside the crate: segments get
+//! a tree, `verify`, and queries among themselves and with triangles.
 
 use crate::pairs_that_meet;
 use crate::support::data::suite_step;
@@ -128,7 +128,7 @@ impl Geometry for Polyline {
         Cow::Borrowed(&self.segments)
     }
 
-    /// Its length.
+    /// The length of the segment.
     fn weight(corners: &[Point], _radius: f64) -> f64 {
         glam::DVec3::from_array(corners[0]).distance(glam::DVec3::from_array(corners[1]))
     }
@@ -138,8 +138,8 @@ impl Geometry for Polyline {
     }
 }
 
-/// Short segments between points of a coarse lattice, so that many meet at ends, in the middle, or along a
-/// stretch.
+/// Short segments between points of a coarse lattice, so that many meet at ends, in the middle, or along an
+/// interval.
 fn lattice(rng: &mut Rng, count: usize) -> Polyline {
     let mut line = Polyline { vertices: Vec::new(), segments: Vec::new() };
     for _ in 0..count {
@@ -183,7 +183,7 @@ fn check<N: Lanes>() {
     let patches: Vec<Triangle> = (0..150)
         .map(|_| [(); 3].map(|()| [(); 3].map(|()| rng.int(0, 24) as f64)))
         .map(|[p, q, r]: [Point; 3]| {
-            // Small ones: corners two steps apart at most.
+            // Small triangles: corners are at most two steps apart.
             let near = |x: Point| core::array::from_fn(|i| p[i] + (x[i] - p[i]).clamp(-2.0, 2.0));
             [p, near(q), near(r)]
         })
@@ -191,7 +191,7 @@ fn check<N: Lanes>() {
     let vertices: Vec<Point> = patches.iter().flatten().copied().collect();
     let triangles: Vec<[u32; 3]> = (0..patches.len() as u32).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect();
     let mesh = Builder::new().build_as::<N>(&Mesh { vertices: &vertices, triangles: &triangles }).unwrap();
-    // Quarter turns and whole steps keep to the lattice.
+    // Quarter rotations and integer translations preserve the lattice.
     let turned =
         Pose::from_rows([[0.0, -1.0, 0.0, 24.0], [1.0, 0.0, 0.0, 1.0], [0.0, 0.0, 1.0, -2.0]]).unwrap();
     let wanted = [Pose::IDENTITY, turned].map(|pose| {
@@ -238,7 +238,7 @@ fn check<N: Lanes>() {
 #[test]
 fn segments_are_decided_as_brute_force_decides_them() {
     check::<Node16<18>>();
-    // The oracle is slow under an emulator.
+    // The oracle is slow in an emulator.
     if suite_step() == 1 {
         check::<Node4<14>>();
     }
@@ -252,7 +252,7 @@ fn a_tree_of_other_primitives_is_refused() {
     assert!(BvhRef::<Node16<18>, Segments>::from_bytes(tree.as_bytes()).is_ok());
 }
 
-/// `verify` reads the primitives by their own means: a plane moved in by one step is found.
+/// `verify` reads the primitives with their own methods: it finds a plane that is moved in by one step.
 #[test]
 fn a_plane_that_cuts_a_segment_off_is_found() {
     let tree = build::<Node16<18>>(&lattice(&mut Rng::new(13), 40), Splitter::MeanWidth, 1);
@@ -265,7 +265,7 @@ fn a_plane_that_cuts_a_segment_off_is_found() {
     assert_eq!((error.node, error.lane, error.plane), (0, 0, 0));
 }
 
-/// Triangles with a radius each: what is round, flat, and thin at once.
+/// Triangles that have a radius each: round, flat and thin at once.
 #[derive(Copy, Clone, PartialEq, Eq, Debug)]
 struct Padded;
 
@@ -395,7 +395,7 @@ impl Geometry for PaddedMesh {
     }
 }
 
-/// All that volumes pay for radii by, normal slabs and slabs of a primitive's own among it: smooth surfaces close to each
+/// Everything that radii enlarge, normal slabs and primitive slabs included: smooth surfaces close to each
 /// other, and one large triangle close to a small body.
 #[test]
 fn padded_triangles_are_decided_as_brute_force_decides_them() {
@@ -420,12 +420,12 @@ fn padded_triangles_are_decided_as_brute_force_decides_them() {
     for x in [-5.75, -0.3, -0.1, 0.02, 0.05] {
         for (b, tree_b) in bodies.iter().zip(&trees) {
             let t = [x, 0.07, 0.03];
-            // As far from a rotation as a pose may be, and turned.
+            // As far from a rotation as a pose may be, and rotated.
             for m in [[[1.0, 0.0, 4e-5], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]], turn] {
                 let pose = pose(&m, t);
                 let moved: Vec<_> = thick.items().iter().map(|item| Padded::moved(item, &pose)).collect();
                 let (mut want, mut least) = (BTreeSet::new(), f64::INFINITY);
-                // Pairs that touch, as far as the bounds of their distance tell.
+                // Pairs that touch, according to the bounds of their distance.
                 let mut touching = BTreeSet::new();
                 for (i, (p, r)) in moved.iter().enumerate() {
                     for (j, (q, s)) in b.items().iter().enumerate() {

@@ -1,7 +1,7 @@
-//! Far pairs are told before a query begins: never where bodies touch or come within the margin, and always where the
-//! balls about their frames are a little farther apart.
+//! The headers cull far pairs before a query begins: never bodies that touch or are within the margin, and
+//! always bodies whose bounding spheres are a little farther apart.
 //!
-//! Bodies are segments end to end along one line, so that the balls leave no room to spare.
+//! The bodies are segments, end to end on one line, so that the spheres leave no slack.
 
 use crate::build;
 use crate::support::data::MeshData;
@@ -26,7 +26,7 @@ fn segment(p: Vector, q: Vector) -> Bvh<Node16<6>> {
     build(&MeshData { vertices: vec![p, q], triangles: vec![[0, 1, 1]] })
 }
 
-/// The rows of a matrix that a pose takes: a rotation, or as far from one as it may be.
+/// The rows of a matrix that a pose accepts: a rotation, or one as far from a rotation as allowed.
 fn matrix(rng: &mut Rng) -> [Vector; 3] {
     let r = rng.rotation();
     let stretch = *rng.pick(&[0.0, 0.0, 4.9e-5, -4.9e-5]);
@@ -37,7 +37,7 @@ fn matrix(rng: &mut Rng) -> [Vector; 3] {
     })
 }
 
-/// Two bodies, the pose, and how far they are apart: `gap`, up to rounding.
+/// Two bodies, the pose, and their distance `gap`, up to rounding.
 struct Scene {
     a: Bvh<Node16<6>>,
     b: Bvh<Node16<6>>,
@@ -46,22 +46,22 @@ struct Scene {
     what: String,
 }
 
-/// Bodies that are so many times the sum of their sizes apart.
+/// Bodies that are `apart` times the sum of their sizes apart.
 fn scene(rng: &mut Rng, apart: f64) -> Scene {
     let m = matrix(rng);
     let unit = *rng.pick(&[1.0, 1.0, 1e-3, 1e6, 1e-12, 1e12]);
     let (size_a, size_b) = (unit * rng.range(0.1, 1.0), unit * *rng.pick(&[1.0, 0.3, 1e-3, 1e3]));
-    // How far from the origins.
+    // The distance from the origins.
     let far = unit * *rng.pick(&[0.0, 1.0, 1.0, 30.0, 1e4, 1e9]);
     let point = |rng: &mut Rng| map(|_| far * rng.range(-1.0, 1.0));
     let (centre, t) = (point(rng), point(rng));
-    // Half of segment A, in A's frame, and of segment B, in B's.
+    // Half of segment A, in A's frame, and half of segment B, in B's.
     let along = rng.rotation()[0];
     let turned = map(|i| dot(&m[i], &along));
     let length = dot(&turned, &turned).sqrt();
     let (half_a, half_b) = (along.map(|x| size_a * x), turned.map(|x| size_b * x / length));
     let pose = Pose::from_rows(core::array::from_fn(|i| [m[i][0], m[i][1], m[i][2], t[i]])).unwrap();
-    // B begins where the pose moves the end of A, or beyond.
+    // B begins at the moved end of A, or beyond it.
     let end = map(|i| centre[i] + half_a[i]);
     let touched = pose.apply(end);
     let start = map(|i| touched[i] + apart * (size_a + size_b) * turned[i] / length);
@@ -93,8 +93,8 @@ fn what_touches_or_is_within_the_margin_is_never_told_apart() {
     }
 }
 
-/// A hundredth of the bodies' size apart none costs a visit, but for those so far from their origins that `f64` hardly
-/// sees the gap.
+/// A hundredth of the bodies' size apart, no pair costs a visit, except for bodies so far from their origins
+/// that `f64` hardly resolves the gap.
 #[test]
 fn what_is_a_little_farther_apart_costs_nothing() {
     let mut rng = Rng::new(2);
@@ -127,7 +127,7 @@ fn what_is_a_little_farther_apart_costs_nothing() {
     assert!(told > 1500, "{told} of 2000");
 }
 
-/// Nothing is lost where `f32` holds neither sizes nor distances.
+/// No pair is lost where sizes or distances exceed the range of `f32`.
 #[test]
 fn units_beyond_single_precision() {
     let mut rng = Rng::new(3);

@@ -1,5 +1,6 @@
-//! Scenes: who meets whom, and how near they come, is what brute force over all pairs finds in exact arithmetic, on corners
-//! moved into the world; on every instruction set, in lent memory and in memory of the scene's own.
+//! Scenes: which bodies meet, and how near they come, equals brute force over all pairs in exact arithmetic on
+//! corners moved into the world, on every instruction set, in borrowed memory and in memory that the scene
+//! owns.
 
 use crate::support::data::{MeshData, suite_step};
 use crate::support::exact_distance::mesh_distance;
@@ -29,7 +30,7 @@ enum Tree {
     PointCloud(PointCloud),
 }
 
-/// A body in the test's own words: points and triangles, all with one radius.
+/// A body, independent of the library's types: points or triangles, all with one radius.
 struct Model {
     tree: Tree,
     primitives: Vec<Tri>,
@@ -103,7 +104,7 @@ fn random_pose(rng: &mut Rng, size: f64) -> Pose {
     Pose::from_rows([[p[0], p[1], p[2], x], [q[0], q[1], q[2], y], [r[0], r[1], r[2], z]]).unwrap()
 }
 
-/// A body of a scene as the test knows it.
+/// A body of a scene, with the test's own data.
 struct Placed<'m> {
     id: BodyId,
     model: &'m Model,
@@ -132,12 +133,12 @@ fn hits(scene: &Scene<'_, Node>, query: &Query, margin: f64) -> BTreeSet<(BodyId
     found
 }
 
-/// Pairs that are asked, and how far they are apart.
+/// The pairs to check, with their distances.
 type Distances = [((BodyId, BodyId), f64)];
 
 fn check_hits(scene: &Scene<'_, Node>, distances: &Distances, met: &mut [usize; 2], round: usize) {
     for margin in [0.0, 0.05, 0.7] {
-        // Corners of the world are rounded here.
+        // Here, corners in the world are rounded.
         let sure = 1e-12;
         assert!(
             distances.iter().all(|(_, d)| *d == 0.0 || (d - margin).abs() > sure),
@@ -179,7 +180,7 @@ fn check_clearance(scene: &Scene<'_, Node>, distances: &Distances, round: usize)
                         distances.iter().find(|(other, _)| *other == pair).expect("a pair that is asked");
                     assert!(*d <= found.upper + slack);
                     assert!(found.upper <= (found.lower + 1.0) * (1.0 + tolerance) + slack, "{found:?}");
-                    // Of the radii nothing is taken off.
+                    // The witnesses are on the primitives without their radii.
                     let between: f64 = (0..3).map(|i| (witness.a[i] - witness.b[i]).powi(2)).sum();
                     assert!(between.sqrt() + slack >= found.upper);
                 }
@@ -194,7 +195,7 @@ fn check_clearance(scene: &Scene<'_, Node>, distances: &Distances, round: usize)
 fn answers_are_those_of_all_pairs() {
     let mut rng = Rng::new(160);
     let models = models(&mut rng);
-    // Scenes with a hit, and without.
+    // How many scenes have a hit, and how many have none.
     let mut met = [0; 2];
     for round in 0..120 / suite_step() {
         let mut scene = Scene::new();
@@ -224,7 +225,7 @@ fn answers_are_those_of_all_pairs() {
                 ruled_out.insert((i.min(j), i.max(j)));
             }
         }
-        // Some stand elsewhere by now, some have gone.
+        // Some bodies have moved by now, some have been removed.
         for body in &mut placed {
             if rng.below(2) == 0 {
                 body.world = random_pose(&mut rng, size);
@@ -285,13 +286,13 @@ fn attached_bodies_move_along() {
     assert_eq!(scene.world_pose(cup).unwrap().translation(), [0.0; 3]);
     let hit = scene.collide(&query).unwrap().hit().unwrap();
     assert_eq!(ordered(hit.a, hit.b), (wall, cup));
-    // Turned by a half, the cup is on the other side.
+    // After half a rotation, the cup is on the other side.
     let turned = Pose::try_from((DQuat::from_rotation_z(core::f64::consts::PI), DVec3::ZERO)).unwrap();
     scene.place(hand, &turned).unwrap();
     assert!((scene.world_pose(cup).unwrap().translation()[0] + 3.0).abs() < 1e-12);
     scene.place(hand, &at(5.0, 0.0)).unwrap();
     assert!((scene.world_pose(cup).unwrap().translation()[0] - 8.0).abs() < 1e-15);
-    // What is let go stays, and what holds it may go.
+    // A detached body stays in place, and its former holder may move.
     scene.detach(cup).unwrap();
     scene.place(hand, &at(5.0, 9.0)).unwrap();
     assert!((scene.world_pose(cup).unwrap().translation()[0] - 8.0).abs() < 1e-15);
@@ -300,14 +301,14 @@ fn attached_bodies_move_along() {
     scene.place(tray, &at(-1.5, 0.0)).unwrap();
     assert!(scene.collide(&query).unwrap().is_free());
     assert_eq!(scene.place(hand, &at(0.0, 0.0)), Err(SceneError::NoSuchBody { id: hand }));
-    // Another body in its place has another id.
+    // Another body in the same slot has another id.
     let other = put(&mut scene, &tree, 20.0);
     assert!(other != hand && scene.world_pose(hand).is_err() && scene.world_pose(other).is_ok());
     assert_eq!([other, hand].map(|id| BodyId::from_bits(id.to_bits())), [other, hand]);
     assert_eq!(scene.ids().count(), 4);
 }
 
-/// Each attached to the one before, at any poses: all move as one rigid body.
+/// Each body is attached to the one before, at random poses: all move as one rigid body.
 #[test]
 fn a_chain_of_attached_bodies_is_rigid() {
     let (tree, mut rng) = (cube(), Rng::new(163));
@@ -332,7 +333,7 @@ fn a_chain_of_attached_bodies_is_rigid() {
     }
 }
 
-/// A body wholly inside of another meets it only where that one is solid.
+/// A body wholly inside another meets it only if that one is solid.
 #[test]
 fn what_is_inside_a_solid_meets_it() {
     let query = Query::new(Isa::detect());
@@ -361,7 +362,7 @@ fn what_is_inside_a_solid_meets_it() {
     }
 }
 
-/// A pose that what is attached cannot take leaves everything where it was.
+/// If an attached body cannot take a pose, the pose is rejected and nothing moves.
 #[test]
 fn a_refused_pose_moves_nothing() {
     let tree = cube();
@@ -457,10 +458,13 @@ fn what_cannot_be_is_refused() {
     assert_eq!(scene.forbid_collision(id, id), Err(SceneError::NoPair { id }));
     let query = Query::new(Isa::detect());
     for margin in [-1.0, f64::NAN, f64::INFINITY] {
-        let is_named = |error: Option<SceneError>| matches!(error, Some(SceneError::Tolerance(ToleranceError { given })) if given.to_bits() == margin.to_bits());
+        let is_named = |error: Option<SceneError>| match error {
+            Some(SceneError::Tolerance(ToleranceError { given })) => given.to_bits() == margin.to_bits(),
+            _ => false,
+        };
         assert!(is_named(scene.within(&query, margin).err()));
         assert_eq!(is_named(scene.clearance(&query, 0.0, margin).err()), margin != f64::INFINITY);
-        // There is no pair to be asked, and the tolerance is refused all the same.
+        // There is no pair to check, and the tolerance is still rejected.
         assert!(is_named(scene.clearance(&query, margin, 1.0).err()));
     }
     for error in [

@@ -1,8 +1,9 @@
-//! Bodies of unlike size, in any unit, far from their origins, with stray parts: every verdict, all pairs and
-//! margins against brute force in exact arithmetic, with equal answers and counters on every instruction set.
+//! Bodies of different size, in any unit, far from their origins, with stray parts: every verdict, all pairs
+//! and margins against brute force in exact arithmetic, with equal answers and statistics on every instruction
+//! set.
 //!
-//! A small body is brought to random corners of a large one, once as A and once as B, at ratios of sizes from 1
-//! to 10^12. `SIMDOP_SUITE=small`, for emulators, takes smaller bodies and fewer poses.
+//! A small body is posed at random corners of a large one, once as A and once as B, at ratios of sizes from 1
+//! to 10^12. `SIMDOP_SUITE=small`, for emulators, has smaller bodies and fewer poses.
 
 use crate::judged::{Answers, Scene, build, check_all, check_margins, flushed, moved};
 use crate::support::corners::{inverse, near_corners};
@@ -23,7 +24,7 @@ fn size(full: u32, small: u32) -> u32 {
     if suite_step() == 1 { full } else { small }
 }
 
-/// How much larger the large body is, as the sizes of the two.
+/// The sizes of the two bodies.
 const SIZES: [(f64, f64); 10] = [
     (1.0, 1.0),
     (0.3, 1.0),
@@ -53,8 +54,8 @@ fn answers_are_exact_at_every_ratio_of_sizes() {
     }
 }
 
-/// From units in which the small body's coordinates are a few times the least one to those in which the large
-/// body's are the greatest.
+/// From units in which the small body's coordinates are a few times the least one, to units in which the large
+/// body's coordinates are the greatest.
 #[test]
 fn answers_are_exact_in_every_unit() {
     let body = wavy_torus(size(800, 200));
@@ -65,8 +66,9 @@ fn answers_are_exact_in_every_unit() {
     }));
 }
 
-/// Beyond the range of coordinates a body is refused, and so is one that would become a point because all of its
-/// coordinates are smaller than the range. One of which some are is judged as what is left of it, as `build` says.
+/// A body beyond the range of coordinates is rejected, and so is one that would become a point because all of
+/// its coordinates are below the range. If only some are below it, the verdicts are those of the body that is
+/// left, as `build` documents.
 #[test]
 fn units_beyond_the_range_are_refused() {
     let body = wavy_torus(200);
@@ -89,8 +91,9 @@ fn units_beyond_the_range_are_refused() {
     }));
 }
 
-/// Bodies that are far from the origins of their own coordinates: to 10^9 of their diagonals, where a corner's
-/// last place is 2^-23 of the diagonal, and to 10^12, where it is 2^-13 and the pads of re-alignment show.
+/// Bodies that are far from the origin of their own coordinates: by up to 10^9 of their diagonals, where a
+/// corner's last place is 2^-23 of the diagonal, and by 10^12, where it is 2^-13 and the pads of the
+/// realignment matter.
 #[test]
 fn answers_are_exact_far_from_the_origin() {
     let body = wavy_torus(size(800, 200));
@@ -111,7 +114,8 @@ fn answers_are_exact_far_from_the_origin() {
     }));
 }
 
-/// However far apart two bodies are: free, within a few visits, and the same where they are brought back.
+/// However far apart two bodies are, they are free within a few visits. So are the exchanged bodies at the
+/// inverse pose.
 #[test]
 fn bodies_that_are_far_apart_are_free_at_once() {
     let body = wavy_torus(800);
@@ -135,8 +139,8 @@ fn bodies_that_are_far_apart_are_free_at_once() {
     }
 }
 
-/// A triangle far away makes the frame of the tree as coarse as the way there is long, and a vertex that no
-/// triangle has is none of the tree's business.
+/// A triangle far away makes the frame of the tree as coarse as its distance is great. A vertex that no
+/// triangle uses does not affect the tree.
 #[test]
 fn stray_parts_change_no_answer() {
     let body = wavy_torus(200);
@@ -170,7 +174,7 @@ fn stray_parts_change_no_answer() {
     }
 }
 
-/// Margins about the exact distance, and the distance, at unlike sizes.
+/// Margins near the exact distance, and the distance, at different sizes.
 #[test]
 fn margins_are_kept_at_every_ratio_of_sizes() {
     for (name, mesh) in torus_and_room() {
@@ -188,15 +192,15 @@ fn margins_are_kept_at_every_ratio_of_sizes() {
     }
 }
 
-/// Distances and margins beside large triangles: the k-DOPs of these hold all of the small body, of whose triangles nearly
-/// none may be tested all the same.
+/// Distances and margins near large triangles, whose k-DOPs contain the whole small body. Still only few of its
+/// triangles may be tested.
 #[test]
 fn distances_beside_large_triangles_take_little_work() {
     let (cube, torus) = (cuboid([-0.5; 3], [0.5; 3], false), wavy_torus(size(8000, 2000)));
     for scale in [0.05, 1e-3, 1e-5] {
         let small = scaled(&torus, scale, [0.0; 3]);
         let (mut rng, apart) = (Rng::new(3), 0.5 + 1.5 * small.diagonal());
-        // Above a side of the cube, and beyond its edges and corners.
+        // Above a face of the cube, and beyond its edges and corners.
         let mut pose = |i: u32| {
             let mut along = |beyond: bool| if beyond { apart } else { rng.range(-0.4, 0.4) };
             let place = [along(i % 2 == 1), along(i % 4 > 1), apart];
@@ -231,7 +235,7 @@ fn distances_beside_large_triangles_take_little_work() {
     }
 }
 
-/// A large triangle that waits goes on to cut a small body's nodes without these being turned into the triangle's frame.
+/// A pending large triangle keeps culling a small body's nodes without rotating them into the triangle's frame.
 #[test]
 fn nodes_are_not_turned_for_large_triangles_that_cut_them() {
     let (cube, torus) = (cuboid([-0.5; 3], [0.5; 3], false), wavy_torus(size(20_000, 5000)));
@@ -247,7 +251,7 @@ fn nodes_are_not_turned_for_large_triangles_that_cut_them() {
                 visits += answer.stats.visits;
                 realignments += answer.stats.realignments;
             }
-            // The root, and seldom a node below.
+            // The root, and seldom a node below it.
             assert!(visits > 100 && realignments * 2 < visits, "{scale:e}: {realignments} of {visits}");
         }
     }
@@ -280,7 +284,7 @@ fn answers_are_exact_on_real_meshes_of_unlike_size() {
     check_all(scenes);
 }
 
-/// The generated bodies, by the formula and by their edges.
+/// The sizes of the generated bodies, by the formula and by their edges.
 #[test]
 fn generated_bodies_are_what_they_say() {
     let n = 50;

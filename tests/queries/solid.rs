@@ -1,5 +1,5 @@
-//! Solid bodies: what is wholly inside of one is a hit, by verdicts of surfaces, which other tests prove, and winding numbers
-//! in exact arithmetic, by rays in random directions that pass no edge.
+//! Solid bodies: a body wholly inside a solid is a hit. The oracle uses the verdicts of surfaces, which other
+//! tests prove, and winding numbers in exact arithmetic, from rays in random directions that pass no edge.
 
 use crate::support::data::{MeshData, suite_step};
 use crate::support::dyadic::sign_of_determinant;
@@ -27,14 +27,15 @@ fn has_no_area([a, b, c]: &Triangle) -> bool {
     axes.iter().all(|axis| sign_of_determinant(a, b, c, [axis, &[0.0; 3]]) == 0)
 }
 
-/// How often closed triangles wind around a point that is on none of them.
+/// The winding number of closed triangles around a point that is on none of them.
 fn winding(p: &Point, triangles: &[Triangle], rng: &mut Rng) -> i32 {
     let crossed = |t: &Triangle, d: &Point| -> Option<i32> {
         let [a, b, c] = t;
         let sides = [[a, b], [b, c], [c, a]].map(|[q, r]| sign_of_determinant(p, q, r, [d, &[0.0; 3]]));
         match sides {
             [1, 1, 1] | [-1, -1, -1] => {
-                // On which side of the plane the point is: with the direction, whether the plane is ahead.
+                // The side of the plane that the point is on: with the direction, it tells whether the plane is
+                // ahead.
                 let ahead = sign_of_determinant(a, b, c, [a, p]);
                 assert_ne!(ahead, 0, "the point is on a triangle");
                 Some(if ahead == sides[0] { sides[0] } else { 0 })
@@ -73,11 +74,11 @@ fn the_oracle_knows_what_is_in_a_box() {
 
 // ---- Bodies -----------------------------------------------------------------------------------------------
 
-/// A mesh and the vertices of its parts: where each begins.
+/// A mesh of several parts.
 #[derive(Clone)]
 struct Body {
     mesh: MeshData,
-    /// For each triangle its part.
+    /// The part of each triangle.
     part_of: Vec<usize>,
 }
 
@@ -96,7 +97,7 @@ impl Body {
         self.part_of.iter().max().map_or(0, |last| last + 1)
     }
 
-    /// Some corner of each part, each as likely as the others.
+    /// A random corner of each part.
     fn corners(&self, rng: &mut Rng) -> Vec<Point> {
         let corner = |part: usize| {
             let first = self.part_of.iter().position(|&p| p == part).unwrap();
@@ -118,7 +119,7 @@ impl Body {
     }
 }
 
-/// The surface of a cube of edge 4 n, each face n x n squares: rays from the grid pass many corners.
+/// The surface of a cube of edge 4 n, with n x n squares on each face: rays from the grid pass many corners.
 fn squares(low: Point, n: u32, inside_out: bool) -> MeshData {
     let mut mesh = MeshData { vertices: Vec::new(), triangles: Vec::new() };
     for axis in 0..3 {
@@ -163,11 +164,11 @@ fn torn(mesh: &MeshData) -> MeshData {
     separate(mesh.corners())
 }
 
-/// Closed, about 16 across.
+/// Closed bodies, about 16 across.
 fn solids() -> Vec<Body> {
     let shell = |low: f64, high: f64, inside_out: bool| cuboid([low; 3], [high; 3], inside_out);
     let mut ring = scaled(&torus(10, 6), 6.0, [0.0; 3]);
-    // On a grid: some triangles lose their area, and the surface stays closed.
+    // On a grid some triangles lose their area, and the surface stays closed.
     ring.vertices.iter_mut().flatten().for_each(|x| *x = x.round());
     vec![
         Body::new(&[shell(-8.0, 8.0, false)]),
@@ -176,10 +177,10 @@ fn solids() -> Vec<Body> {
         Body::new(&[scaled(&squares([-8.0; 3], 4, false), 0.5, [0.0; 3])]),
         Body::new(&[torn(&octahedron(9.0, [0.0, 1.0, 0.0]))]),
         Body::new(&[ring]),
-        // A cavity, and in it a solid.
+        // A cavity with a solid inside it.
         Body::new(&[shell(-8.0, 8.0, false), shell(-5.0, 5.0, true), shell(-1.0, 1.0, false)]),
         Body::new(&[squares([-8.0; 3], 4, true), squares([-4.0; 3], 2, false)]),
-        // Solid twice.
+        // Twice solid.
         Body::new(&[shell(-8.0, 8.0, false), shell(-5.0, 5.0, false)]),
         // Overlapping, and touching.
         Body::new(&[
@@ -191,7 +192,7 @@ fn solids() -> Vec<Body> {
     ]
 }
 
-/// Some of them surfaces with a border.
+/// Small bodies; some are surfaces with a border.
 fn small_ones() -> Vec<Body> {
     let cube = |x: f64| cuboid([x, 0.0, 0.0], [x + 1.0, 1.0, 1.0], false);
     let flag = |x: f64| separate([[[x, 0.0, 0.0], [x + 1.0, 0.0, 0.0], [x, 1.0, 1.0]]]);
@@ -212,7 +213,7 @@ fn is_closed(body: &Body) -> bool {
 
 // ---- Placements -------------------------------------------------------------------------------------------
 
-/// One body, baked as a surface and, if it can be, as a solid.
+/// One body, baked as a surface and, if possible, as a solid.
 struct StaticBvh<N> {
     body: Body,
     surface: Bvh<N>,
@@ -234,9 +235,9 @@ struct Seen {
     ties: usize,
 }
 
-/// Which parts are inside of a solid.
+/// Which parts are inside a solid.
 fn parts_inside(corners: &[Point], solid: &[Triangle], rng: &mut Rng, seen: &mut Seen) -> Vec<bool> {
-    // An edge or a corner ahead, as far as `f64` can tell.
+    // An edge or a corner ahead, to the accuracy of `f64`.
     let is_tie = |p: &Point, t: &Triangle| {
         let [a, b, c] = t.map(|q| [q[0] - p[0], q[1] - p[1], q[2] - p[2]]);
         [[a, b], [b, c], [c, a]].iter().any(|[u, v]| {
@@ -248,7 +249,7 @@ fn parts_inside(corners: &[Point], solid: &[Triangle], rng: &mut Rng, seen: &mut
     corners.iter().map(|p| winding(p, solid, rng) != 0).collect()
 }
 
-/// Asks about one placement of A in the frame of B, and checks every answer.
+/// Queries one placement of A in the frame of B, and checks every answer.
 fn check<N: Lanes>(a: &StaticBvh<N>, b: &StaticBvh<N>, pose: &Pose, rng: &mut Rng, seen: &mut Seen) {
     let scalar = Query::new(Isa::SCALAR);
     let surfaces = scalar.collide(&a.surface, &b.surface, pose);
@@ -347,7 +348,7 @@ fn check_distances<N: Lanes>(
     }
 }
 
-/// A turn about the grid's axes, or any, and a shift along the grid, or any.
+/// A rotation about the grid's axes, or a random one, and a shift along the grid, or a random one.
 fn placement(rng: &mut Rng, reach: f64, scale: f64, shift: Point) -> Pose {
     let (is_on_grid, is_along_axes) = (rng.below(3) > 0, rng.below(2) > 0);
     let turn = loop {
@@ -361,7 +362,7 @@ fn placement(rng: &mut Rng, reach: f64, scale: f64, shift: Point) -> Pose {
         let x = rng.range(-1.0, 1.0) * reach;
         if is_on_grid { (x / step).round() * step } else { x }
     };
-    // The bodies are at `shift`, both of them, which the turn must not move.
+    // Both bodies are at `shift`, which the rotation must not move.
     let t = core::array::from_fn(|i| {
         let turned: f64 = (0..3).map(|j| turn[i][j] * shift[j]).sum();
         (shift[i] - turned) + along() * scale
@@ -373,7 +374,7 @@ fn random_placements<N: Lanes>(seed: u64, count: usize) {
     let (solids, small) = (solids(), small_ones());
     let (mut rng, mut seen) = (Rng::new(seed), Seen::default());
     for round in 0..count.div_ceil(100) {
-        // In any unit and far from the origin: there the corners are not on the grid any more.
+        // In any unit and far from the origin: there the corners are no longer on the grid.
         let (scale, shift) = match round % 4 {
             0..2 => (1.0, [0.0; 3]),
             2 => (0.25, [1000.0, -500.0, 4.0]),
@@ -401,7 +402,7 @@ fn random_placements<N: Lanes>(seed: u64, count: usize) {
     }
 }
 
-/// The bulk of them, at k = 18 and arity 16.
+/// Most of the placements, at k = 18 and arity 16.
 #[test]
 fn what_is_inside_of_a_solid_is_a_hit() {
     random_placements::<Node16<18>>(2, if cfg!(miri) { 20 } else { 80_000 / suite_step() });
@@ -430,7 +431,7 @@ fn spheres_in_a_solid_are_hits() {
         let spheres: Vec<Sphere> = (0..count)
             .map(|_| Sphere { centre: [(); 3].map(|()| rng.int(-18, 18) as f64 * 0.5 + 0.125), radius })
             .collect();
-        // It changes nothing that they are said to be solid.
+        // Marking them as solid changes nothing.
         let set = SphereSet { spheres: &spheres };
         let build = |builder: Builder| -> Bvh<Node16<18>, Spheres> {
             builder.build_geometry(&set, &mut |_| ControlFlow::Continue(())).unwrap()
@@ -479,7 +480,7 @@ fn spheres_in_a_solid_are_hits() {
     );
 }
 
-/// The pair that is named is of the lowest index in what was built, whatever the tree.
+/// The reported pair has the lowest index in the source mesh, for every tree.
 #[test]
 fn the_crossed_triangle_of_the_lowest_index_is_named() {
     let mut solid = squares([-8.0; 3], 4, false);
@@ -581,7 +582,7 @@ fn every_tree_knows_its_parts() {
     }
 }
 
-/// Whatever the new bytes say, a tree is refused or safe.
+/// Whatever the bytes, a tree is rejected or safe.
 #[test]
 fn solids_from_outside_are_safe() {
     let mut rng = Rng::new(7);

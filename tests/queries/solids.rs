@@ -1,5 +1,5 @@
-//! Penetration volumes of packings against the volume that the solids themselves have in common, which the packings
-//! stand for: never above it, and no farther below than the packings leave uncovered.
+//! Penetration volumes of packings against the common volume of the solids that the packings represent: never
+//! above it, and not farther below it than the volume that the packings leave uncovered.
 
 use crate::columns::Columns;
 use crate::lens::lens;
@@ -19,11 +19,11 @@ use std::f64::consts::PI;
 
 type Triangle = [[f64; 3]; 3];
 
-/// Lines of a grid in either direction.
+/// The number of grid lines in each direction.
 const SIDE: usize = 100;
 
-/// What a grid of so many lines may be wrong by, over the volume of the smaller solid: of known volumes it is wrong by less
-/// than half of this, see [`columns_measure_what_formulas_know`].
+/// The error of a grid of so many lines, over the volume of the smaller solid. For known volumes the error is
+/// less than half of this: see [`columns_measure_what_formulas_know`].
 const GRAIN: f64 = 0.0015;
 
 fn bounds(points: impl Iterator<Item = [f64; 3]> + Clone) -> ([f64; 3], [f64; 3]) {
@@ -37,7 +37,7 @@ fn bounds_of(triangles: &[Triangle]) -> ([f64; 3], [f64; 3]) {
     bounds(triangles.iter().flatten().copied())
 }
 
-/// The volume that two closed surfaces have in common.
+/// The volume of the intersection of two closed surfaces.
 fn shared(a: &[Triangle], b: &[Triangle]) -> f64 {
     let Some(columns) = Columns::through([bounds_of(a), bounds_of(b)], SIDE) else { return 0.0 };
     columns.common(&columns.of_surface(a), &columns.of_surface(b))
@@ -62,7 +62,7 @@ fn columns_measure_what_formulas_know() {
     let is_close = |got: f64, want: f64, of: f64| {
         assert!((got - want).abs() <= 0.5 * GRAIN * of, "{got} is not {want}");
     };
-    // Two squares of edge 2, the one turned by an eighth, share an octagon.
+    // Two squares of edge 2, one of them rotated by 45 degrees, share an octagon.
     let (cube, root) = (cuboid([-1.0; 3], [1.0; 3], false), 0.5_f64.sqrt());
     let eighth = [[root, -root, 0.0], [root, root, 0.0], [0.0, 0.0, 1.0]];
     let waves = wavy_torus(800);
@@ -89,7 +89,7 @@ fn columns_measure_what_formulas_know() {
     }
 }
 
-/// A solid and spheres in it.
+/// A solid with spheres in it.
 struct Filled {
     mesh: MeshData,
     volume: f64,
@@ -104,20 +104,20 @@ impl Filled {
         let tree = Builder::new()
             .build_geometry(&SphereSet { spheres: &spheres }, &mut |_| ControlFlow::Continue(()))
             .unwrap();
-        // Not the sum of tetrahedra: where a mesh overlaps itself, that is more than what is inside.
+        // Not the sum of tetrahedra, which counts overlapping parts of a mesh more than once.
         let corners = mesh.corners();
         Self { mesh: mesh.clone(), volume: shared(&corners, &corners), spheres, tree }
     }
 
-    /// What its spheres do not cover.
+    /// The volume that its spheres do not cover.
     fn uncovered(&self) -> f64 {
         let balls = self.spheres.iter().map(|s| s.radius.powi(3));
         self.volume - 4.0 / 3.0 * PI * balls.sum::<f64>()
     }
 }
 
-/// At poses from one in the other to far apart. Returns the greatest share of what both leave uncovered that a volume is
-/// too small by.
+/// At poses from one body inside the other to far apart. Returns the greatest deficit of a volume over the
+/// volume that both packings leave uncovered.
 fn check(a: &Filled, b: &Filled, seed: u64, count: usize) -> f64 {
     let deficit = a.uncovered() + b.uncovered();
     let slack = GRAIN * a.volume.min(b.volume);
@@ -143,12 +143,12 @@ fn check(a: &Filled, b: &Filled, seed: u64, count: usize) -> f64 {
         let what = format!("{truth} of {} and {}, {deficit}, {whole:?}", a.volume, b.volume);
         assert!(whole.volume <= truth + slack, "{what}");
         assert!(truth <= whole.volume + deficit + slack, "{what}");
-        // The packings alone, counted likewise.
+        // The packings alone, measured likewise.
         let spheres: Vec<Sphere> =
             a.spheres.iter().map(|s| Sphere { centre: pose.apply(s.centre), ..*s }).collect();
         let of_spheres = columns.common(&columns.of_spheres(&spheres), &columns.of_spheres(&b.spheres));
         assert!((of_spheres - whole.volume).abs() <= slack, "{of_spheres} {what}");
-        // A part of the search bounds the same.
+        // A part of the search gives valid bounds, too.
         let visits = whole.stats.visits;
         for budget in [0, visits / 10, visits / 2] {
             let part = query.with_budget(budget).penetration(&a.tree, &b.tree, &pose);
@@ -172,7 +172,7 @@ fn volumes_are_within_their_deficit_of_what_solids_share() {
     for (seed, a, b) in [(1, &boxed, &fine), (2, &ring, &boxed), (3, &fine, &ring), (4, &coarse, &fine)] {
         most = most.max(check(a, b, seed, 60 / step));
     }
-    // Two packings of one solid in its own place leave nearly the same uncovered, which counts twice.
+    // Two packings of one solid at the same place leave nearly the same volume uncovered, which counts twice.
     assert!(most > 0.2 && most <= 1.0, "{most}");
 }
 

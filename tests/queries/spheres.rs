@@ -1,5 +1,5 @@
-//! Spheres as primitives: verdicts, pairs, margins and distances among themselves and with triangles, against brute
-//! force in exact arithmetic; their planes, decided by squares; what is refused.
+//! Spheres as primitives: verdicts, pairs, margins and distances among themselves and with triangles, against
+//! brute force in exact arithmetic; their planes, decided by squares; and what is rejected.
 
 use crate::support::data::suite_step;
 use crate::support::dyadic::{Dyadic, dot, is_rounded_up};
@@ -36,11 +36,12 @@ fn cross(p: &Exact, q: &Exact) -> Exact {
     [minor(1, 2), minor(2, 0), minor(0, 1)]
 }
 
-/// What the oracle knows of a primitive: the hull of corners, and a radius.
+/// A primitive for the oracle: the hull of corners, and a radius.
 trait Shape: Copy {
-    /// Squares of distances of points of the hull from a point, as fractions. The least of them is that of the nearest.
+    /// Squared distances of points of the hull from a point, as fractions. The least one is that of the nearest
+    /// point.
     fn squares(&self, from: &Point) -> Vec<[Dyadic; 2]>;
-    /// The sphere about a corner.
+    /// The sphere around a corner.
     fn ball(&self) -> Sphere;
     fn corners(&self) -> Vec<Point>;
     fn placed(&self, pose: &Pose) -> Self;
@@ -100,7 +101,7 @@ impl Shape for Triangle {
     }
 }
 
-/// How a shape's distance from a sphere compares with `margin`. At most one of the two is no sphere.
+/// Compares a shape's distance from a sphere with `margin`. At most one of the two is not a sphere.
 fn compare<A: Shape, B: Shape>(a: &A, b: &B, margin: f64) -> core::cmp::Ordering {
     let reach = Dyadic::from(a.ball().radius) + Dyadic::from(b.ball().radius) + Dyadic::from(margin);
     let squares =
@@ -108,7 +109,8 @@ fn compare<A: Shape, B: Shape>(a: &A, b: &B, margin: f64) -> core::cmp::Ordering
     squares.iter().map(|[x, y]| x.cmp(&(reach.clone() * reach.clone() * y.clone()))).min().unwrap()
 }
 
-/// Boxes farther apart than this are not compared exactly: far more than rounding.
+/// Whether the boxes are farther apart than `margin`, by far more than rounding: such pairs are not compared
+/// exactly.
 fn are_far<A: Shape, B: Shape>(a: &A, b: &B, margin: f64) -> bool {
     let bounds = |corners: Vec<Point>, i: usize| {
         let x = || corners.iter().map(|p| p[i]);
@@ -121,7 +123,7 @@ fn are_far<A: Shape, B: Shape>(a: &A, b: &B, margin: f64) -> bool {
     })
 }
 
-/// The pairs that are at most `margin` apart, and how many are exactly so.
+/// The pairs at most `margin` apart, and how many are exactly at `margin`.
 fn brute<A: Shape, B: Shape>(a: &[A], b: &[B], pose: &Pose, margin: f64) -> (Pairs, usize) {
     let (mut pairs, mut ties) = (Pairs::new(), 0);
     for (i, a) in a.iter().map(|a| a.placed(pose)).enumerate() {
@@ -158,13 +160,13 @@ fn mesh<N: Lanes>(triangles: &[Triangle]) -> Bvh<N> {
 const STRAIGHT: [[f64; 3]; 3] = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
 const QUARTER: [[f64; 3]; 3] = [[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]];
 
-/// Of a lattice that so many of are dense in.
+/// The side of a lattice in which so many spheres are dense.
 fn side(count: usize) -> i64 {
     if count < 100 { 6 } else { 16 }
 }
 
-/// Centres on a lattice and radii in halves, so that many touch: at distances such as that of (3, 4, 0) and (1, 2, 2).
-/// Some are points, some are equal, some hold others.
+/// Centres on a lattice and radii in halves, so that many spheres touch, for example at distances of (3, 4, 0)
+/// and (1, 2, 2). Some are points, some are equal, some contain others.
 fn lattice(rng: &mut Rng, count: usize, unit: f64, offset: f64) -> Vec<Sphere> {
     let mut spheres: Vec<Sphere> = Vec::new();
     for _ in 0..count {
@@ -192,7 +194,7 @@ fn lattice_triangles(rng: &mut Rng, count: usize, unit: f64, offset: f64) -> Vec
     triangles
 }
 
-/// Radii from 1 to 10^6 in ratio, few of the large ones, anywhere.
+/// Random spheres with radii in ratios from 1 to 10^6, few of them large.
 fn unlike(rng: &mut Rng, count: usize, offset: f64) -> Vec<Sphere> {
     let mut sphere = || {
         let radius = 1e-6 / (rng.unit() + 1e-6);
@@ -232,7 +234,7 @@ where
     (want.len(), ties)
 }
 
-/// The bounds of the distance hold the exact one, and within agrees with them.
+/// The bounds of the distance contain the exact distance, and `within` agrees with them.
 fn check_distance<N, P, Q, A, B>(
     query: Query,
     (tree_a, a): (&Bvh<N, P>, &[A]),
@@ -276,8 +278,9 @@ fn check_distance<N, P, Q, A, B>(
     }
 }
 
-/// Along a motion, each query with the hint of the one before: answers as exact arithmetic has them, and at the cost of
-/// one pair as long as the last one still is within the margin. How many are, and how many cost no more.
+/// Along a motion, each query has the hint of the one before: answers equal exact arithmetic, and cost one pair
+/// as long as the last pair is still within the margin. Returns how many are hits, and how many cost no more
+/// than that pair.
 fn check_motion<N, P, Q, A, B>(
     (tree_a, a): (&Bvh<N, P>, &[A]),
     (tree_b, b): (&Bvh<N, Q>, &[B]),
@@ -308,7 +311,7 @@ where
             assert_eq!((found, work), (last, (0, 1)), "{what}");
             free_of_charge += 1;
         } else {
-            // Far pairs are told before anything is tried.
+            // Far pairs are culled before the hint is tested.
             let is_told = plain.stats == QueryStats::default();
             let in_vain = u64::from(last.is_some() && !is_told);
             let plain = (plain.stats.visits, plain.stats.primitive_pairs + in_vain);
@@ -326,7 +329,7 @@ where
     [hits, free_of_charge]
 }
 
-/// Spheres and spheres, spheres and triangles, both ways round.
+/// Spheres and spheres, spheres and triangles, in both orders.
 fn check_bodies<N: Lanes>(
     a: &[Sphere],
     b: &[Sphere],
@@ -360,7 +363,7 @@ fn lattices<N: Lanes>(count: usize) {
             let says_much = i == 2 || meet > count / 4 && touch > count / 20;
             assert!(says_much, "the test would say little: {meet} {touch}");
         }
-        // Beside each other, with faces that touch, and a step of the translation apart.
+        // Beside each other, with faces that touch, and one step of the translation apart.
         for x in [3.0, 4.0, 40.0, 1000.0].map(|x| (width + x) * unit) {
             let beside = pose(&STRAIGHT, [x, 0.0, 0.0]);
             check_bodies::<N>(&a, &b, &patches, &beside, &format!("unit {unit:e}, {:e} aside", x / unit));
@@ -387,7 +390,7 @@ fn other_node_types_decide_alike() {
             check((&tree_a, &a), (&tree_b, &b), &pose, core::any::type_name::<N>());
         }
     }
-    // What differs between the others is tested without spheres.
+    // Tests without spheres cover the other differences between node types.
     one::<Node16<6>>();
     one::<Node16<32>>();
     one::<Node4<18>>();
@@ -404,7 +407,7 @@ fn spheres_of_unlike_sizes_far_from_the_origin() {
             .collect();
         for far in [0.0, 2.5, 60.0] {
             let turn = rng.rotation();
-            // The turned centre of A stands `far` aside of B's.
+            // The rotated centre of A is `far` from B's.
             let t = core::array::from_fn(|i| {
                 offset - (turn[i][0] + turn[i][1] + turn[i][2]) * offset + if i == 0 { far } else { 0.0 }
             });
@@ -419,13 +422,13 @@ fn spheres_of_unlike_sizes_far_from_the_origin() {
     }
 }
 
-/// A matrix that is as far from a rotation as a pose may be shrinks volumes, but no sphere: bounds that shrank with it
-/// would hide that the other pair than the first is the nearest.
+/// A matrix that is as far from a rotation as a pose may be shrinks volumes, but no sphere. If bounds shrank
+/// with it, they would hide that the second pair is the nearest.
 #[test]
 fn spheres_keep_their_size_at_poses_that_shrink() {
     for share in [1.0 - 4.9e-5, 1.0 + 4.9e-5] {
         let pose = pose(&STRAIGHT.map(|row| row.map(|x| x * share)), [0.0; 3]);
-        // In steps of 2^-12: where a key is, so that the planes bound the spheres without room.
+        // In steps of 2^-12, at keys, so that the planes bound the spheres without slack.
         let a = [0.0, 4.0].map(|y| Sphere { centre: [0.0, y, 0.0], radius: 2.0 + 0.5_f64.powi(13) });
         for nearest in 0..2 {
             let beside = |i: usize| {
@@ -443,7 +446,7 @@ fn spheres_keep_their_size_at_poses_that_shrink() {
 
 #[test]
 fn margins_end_where_they_should() {
-    // Distances 5 - 2.5 - 1 and 3 - 2.5, in a unit that no number is a small integer in.
+    // The distances 5 - 2.5 - 1 and 3 - 2.5, also in a unit without small integers.
     for unit in [1.0, 2_f64.powi(-200), 3e-7] {
         let sphere =
             |x: f64, y: f64, radius: f64| Sphere { centre: [x * unit, y * unit, 0.0], radius: radius * unit };
@@ -474,7 +477,7 @@ fn margins_end_where_they_should() {
     }
 }
 
-/// Each plane is the exact support rounded up, and `verify` finds one that is a step farther in.
+/// Each plane is the exact support rounded up, and `verify` finds one that is a step too low.
 #[test]
 fn planes_are_rounded_up_by_squares() {
     fn one<const K: usize>(step: f64, radii: &[f64])
@@ -492,7 +495,8 @@ fn planes_are_rounded_up_by_squares() {
             let Sphere { centre, radius } = view.primitive(lane as u32);
             for (j, n) in Directions::<K>::VECTORS.iter().enumerate() {
                 let code = view.nodes()[0].planes[j][lane];
-                // What is left for the length of n times the radius, in the body's unit, of this plane and the next.
+                // What is left for the length of n times the radius, in the body's unit, for this plane and the
+                // next.
                 let room = |code: i16| {
                     let height = dot(exact(n), minus(&exact(&centre), &exact(&frame.centre)));
                     Dyadic::from(f64::from(simdop::low_level::key::decode(code)))
@@ -513,12 +517,14 @@ fn planes_are_rounded_up_by_squares() {
             }
         }
     }
-    // Keys exactly, along axes: half a step of 2^-13 beside one. Numbers that have no pattern; tiny beside the body.
+    // Exact keys along axes, half a step of 2^-13 from one. Then numbers without a pattern, and radii that are
+    // tiny beside the body.
     let half = 0.5_f64.powi(14);
     one::<6>(0.25, &[1.0 + half, 2.0 + half, 0.5 + half]);
     one::<18>(0.25, &[1.0, 2.0, 0.5, 1.0 / 3.0, 1e-9]);
     one::<32>(0.25, &[0.0, 1e-12, 0.7, 0.1]);
-    // Times the length of a direction, which is a root, a key but for a rounding, above it or below. The step is 2^-13 or 2^-12.
+    // Radii whose product with the length of a direction, a square root, is a key up to a rounding, above or
+    // below. The step is 2^-13 or 2^-12.
     for half in [half, 2.0 * half] {
         let roots = [2.0_f64, 3.0, 6.0, 14.0].map(|square| (0.5 + half) / square.sqrt());
         let near: Vec<f64> =
@@ -592,8 +598,8 @@ fn bytes_are_read_back_whatever_their_node_type() {
 
     let error = BvhRef::<Node16<18>, Triangles>::from_bytes(tree.as_bytes()).unwrap_err();
     assert_eq!(error, FormatError::OtherPrimitive { kind: 2 });
-    // A radius that is negative, not a number, or takes the sphere out of the header's box.
-    // After the header, the nodes and the balls: there are no normal slabs.
+    // A radius that is negative or not a number, or takes the sphere out of the header's box. It is stored
+    // after the header, the nodes and the balls: there are no normal slabs.
     assert_eq!(tree.view().header().has_normal_slabs, 0);
     let at = 128 + tree.view().nodes().len() * (640 + 320) + 12;
     for radius in [-1.0_f32, f32::NAN, f32::INFINITY, 20.0, -f32::MIN_POSITIVE] {
@@ -625,7 +631,7 @@ fn spheres_that_cannot_be_are_refused() {
     assert!(BuildError::Radius { index: 7 }.to_string().contains("sphere 7"));
 }
 
-/// The whole range of numbers in one pair: exact arithmetic has room for all of them.
+/// The whole range of numbers in one pair; exact arithmetic has no limit.
 #[test]
 fn spheres_at_the_ends_of_the_range() {
     let tiny = MIN_COORDINATE;
@@ -649,7 +655,7 @@ fn spheres_at_the_ends_of_the_range() {
             assert_eq!(found.upper == 0.0, meets, "{other:?}: {found:?}");
             assert!(found.lower <= found.upper);
         }
-        // A triangle with an edge through the point, and a face.
+        // A triangle with an edge through the point, and one with a face through it.
         let Sphere { centre: [x, y, _], radius } = other;
         let edge = [[x, y, -tiny], [x, y, at], [1.5 * x, y, tiny]];
         let face = [[x, -at, -at], [x, at, -at], [x, 0.0, at + tiny]];
@@ -665,7 +671,7 @@ fn spheres_at_the_ends_of_the_range() {
     }
 }
 
-/// Two bodies that pass each other in steps of an eighth, in and out of contact.
+/// Two bodies that pass each other in steps of 1/8, in and out of contact.
 #[test]
 fn hints_are_tried_and_change_no_answer() {
     let mut rng = Rng::new(26);

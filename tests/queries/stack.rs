@@ -1,8 +1,6 @@
-//! How much stack a query takes, all in all: it runs in a thread that has no more than the library's
-//! documentation says.
+//! The stack of a query in total: it runs in a thread that has no more than the library's documentation states.
 //!
-//! A thread that overflows its stack ends the process, so there is nothing to assert: this test fails by
-//! being killed.
+//! A thread that overflows its stack aborts the process: these tests have nothing to assert.
 
 use crate::each_pair;
 use core::ops::ControlFlow;
@@ -16,12 +14,12 @@ use simdop::primitive::{Sphere, Spheres};
 use simdop::query::{Lanes, PrimitivePair, Query};
 use simdop::scene::{Body, MotionHit, MotionMemory, Scene, SceneMemory, Slot, boxes_for, rows_for};
 
-/// Bytes that the crate documentation says are enough for the entries that decide, and for distances. Threads
-/// have little less: 25 KiB on Linux.
+/// Bytes that suffice according to the crate's documentation, for the entry points that decide, and for
+/// distances. A thread needs little less: 25 KiB on Linux.
 const DECIDING: usize = 32 << 10;
 const DISTANCE: usize = 64 << 10;
 
-/// Corners with bits 0, 1 and 2 of their index as coordinates.
+/// Corners whose coordinates are bits 0, 1 and 2 of their index.
 fn cube() -> (Vec<[f64; 3]>, Vec<[u32; 3]>) {
     let corner = |i: u32| [i & 1, i >> 1 & 1, i >> 2 & 1].map(f64::from);
     let quad = |[p, q, r, s]: [u32; 4]| [[p, q, r], [p, r, s]];
@@ -29,8 +27,8 @@ fn cube() -> (Vec<[f64; 3]>, Vec<[u32; 3]>) {
     ((0..8).map(corner).collect(), quads.into_iter().flat_map(quad).collect())
 }
 
-/// Apart, almost touching, touching with whole faces, and one in the other. Almost flat configurations need
-/// exact arithmetic, which takes the most stack.
+/// Separate, near contact, with touching faces, and one inside the other. Nearly flat configurations need exact
+/// arithmetic, which takes the most stack.
 fn poses() -> Vec<Pose> {
     let moved = |x: f64, off: f64| [[1.0, 0.0, 0.0, x], [0.0, 1.0, 0.0, off], [0.0, 0.0, 1.0, 0.1 * off]];
     let turned = |x: f64| [[0.6, -0.8, 0.0, x], [0.8, 0.6, 0.0, 0.3], [0.0, 0.0, 1.0, 0.01]];
@@ -94,7 +92,8 @@ fn check_trees<N: Lanes, P: PrimitivePair<Q>, Q: PrimitivePair<P>>(a: &Bvh<N, P>
     }
 }
 
-/// A solid cube, and a small one in it, whose corners lie on diagonals of its faces as a ray sees them.
+/// A solid cube, and a small one inside it, whose corners lie on diagonals of its faces in the direction of the
+/// ray.
 fn check_solids<N: Lanes>() {
     let (mut vertices, triangles) = cube();
     let build = |vertices: &[[f64; 3]]| -> Bvh<N> {
@@ -121,7 +120,7 @@ fn check_solids<N: Lanes>() {
     }
 }
 
-/// Penetration volumes: with a budget, what waits is on the stack too.
+/// Penetration volumes: with a budget, the pending pairs are on the stack, too.
 fn check_penetration<N: Lanes>() {
     let set = SphereSet { spheres: &spheres() };
     let tree: Bvh<N, Spheres> =
@@ -136,8 +135,8 @@ fn check_penetration<N: Lanes>() {
     }
 }
 
-/// A scene in lent memory, many configurations in it, and an edge: nothing of them is on the stack but a query, and what is
-/// near.
+/// A scene in borrowed memory, many configurations in it, and an edge: only a query and the near pairs are on
+/// the stack.
 fn check_scenes<N: Lanes>() {
     let cube = cubes::<N>();
     let (mut slots, mut boxes) = ([const { Slot::<N>::EMPTY }; 4], [Aabb16::EMPTY; boxes_for(4)]);

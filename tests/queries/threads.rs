@@ -1,4 +1,4 @@
-//! Queries from any number of threads, on the same trees, give the answers and counters of one thread.
+//! Queries from any number of threads, on the same trees, give the answers and statistics of one thread.
 
 use crate::support::rng::Rng;
 use crate::support::shapes;
@@ -16,7 +16,7 @@ fn ask(view: &View<'_>, pose: &Pose) -> (Answer, Distance) {
     (query.collide(view, view, pose), query.distance(view, view, pose, 0.0).unwrap())
 }
 
-/// The poses in equal shares, a thread each, every answer in its place.
+/// The poses in equal shares, one for each thread, with every answer at its pose's index.
 fn with_threads(view: &View<'_>, poses: &[Pose], threads: usize) -> Vec<Option<(Answer, Distance)>> {
     let mut answers = vec![None; poses.len()];
     let share = poses.len().div_ceil(threads);

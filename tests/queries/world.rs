@@ -1,5 +1,5 @@
-//! Verdicts from poses in the world: never falsely free, by exact arithmetic on both poses, and free where the bodies are a
-//! little apart.
+//! Verdicts from poses in the world: never falsely free, by exact arithmetic on both poses, and free where the
+//! bodies are slightly apart.
 
 use crate::build;
 use crate::support::data::{MeshData, suite_step};
@@ -33,7 +33,7 @@ fn unit(p: &Vector) -> Vector {
     p.map(|x| x / length)
 }
 
-/// The corner that `pose` puts at p, up to rounding.
+/// The corner that `pose` maps to p, up to rounding.
 fn corner_at(pose: &Pose, p: &Vector) -> Vector {
     let [r, s, t] = pose.rows();
     let columns = [cross(s, t), cross(t, r), cross(r, s)];
@@ -42,7 +42,7 @@ fn corner_at(pose: &Pose, p: &Vector) -> Vector {
     map(|i| (0..3).map(|j| columns[j][i] * d[j]).sum::<f64>() / determinant)
 }
 
-/// Where a pose puts a corner, without rounding.
+/// The image of a corner at a pose, without rounding.
 fn exactly(pose: &Pose, p: &Vector) -> [Dyadic; 3] {
     core::array::from_fn(|i| {
         dot(pose.rows()[i].map(Dyadic::from), p.map(Dyadic::from)) + Dyadic::from(pose.translation()[i])
@@ -68,7 +68,7 @@ fn body(corners: [Vector; 3]) -> Bvh<Node16<6>> {
     build(&MeshData { vertices: corners.to_vec(), triangles: vec![[0, 1, 2]] })
 }
 
-/// A triangle that stands with a corner on another, up to 1e-12 of it above or below, in the world.
+/// A triangle with a corner on another triangle, up to 1e-12 of its size above or below it, in the world.
 #[test]
 fn bodies_that_meet_in_the_world_are_not_free() {
     let mut rng = Rng::new(16);
@@ -82,8 +82,8 @@ fn bodies_that_meet_in_the_world_are_not_free() {
         let away = random_point(&mut rng, [far * size]);
         let a = [(); 3].map(|()| add(away, random_point(&mut rng, [size])));
         let corners = a.map(|p| add(turned(world_a.rows(), &p), world_a.translation()));
-        // Onto a point of the triangle: inside, on an edge, or a corner. Or onto its farthest corner along an axis of the world
-        // or of its own frame, where boxes around the bodies have nothing to spare.
+        // At a point of the triangle, inside, on an edge, or at a corner. Or at its farthest corner along an
+        // axis of the world or of its own frame, where boxes around the bodies have no slack.
         let i = rng.below(3) as usize;
         let axis = map(|j| f64::from(u8::from(i == j)));
         let own = map(|j| world_a.rows()[j][i]);
@@ -129,7 +129,7 @@ fn bodies_that_meet_in_the_world_are_not_free() {
         hits += u32::from(do_meet);
         free += u32::from(answer.is_free());
         padded += u32::from(!do_meet && !answer.is_free());
-        // Coordinates are computed here with a few roundings, and the margin is as many again.
+        // Coordinates have a few roundings here, and the margin has as many again.
         if gap > 1e-13 * coordinates {
             assert!(answer.is_free(), "round {round}: {gap:e} apart");
         }
@@ -141,7 +141,8 @@ fn bodies_that_meet_in_the_world_are_not_free() {
     );
 }
 
-/// A point of A, computed by the pose of A in B, is as near to where it stands as is said.
+/// The image of a point of A under the pose of A in B is as near to its place in the world as the error bound
+/// states.
 #[test]
 fn points_are_where_the_world_has_them() {
     let mut rng = Rng::new(17);
@@ -152,13 +153,13 @@ fn points_are_where_the_world_has_them() {
         let a_in_b = Pose::relative(&world_a, &world_b).unwrap();
         let p = random_point(&mut rng, [0.0, 1e-3 * size, size, 1e6 * size]);
         let image = a_in_b.pose().apply(p);
-        // From where it stands to where the image stands, in the world: no shorter, seen from B, than 1 / 1.0002 of it.
+        // The error in the world: at least 1 / 1.0002 of the error in B's frame.
         let off = exactly(&world_a, &p).into_iter().zip(exactly(&world_b, &image)).map(|(x, y)| x - y);
         let square = off.map(|x| x.clone() * x).fold(Dyadic::zero(), |sum, x| sum + x);
         let error = a_in_b.error(p.into_iter().fold(0.0, |m, x| m.max(x.abs())));
         let bound = Dyadic::from(error) * Dyadic::from(1.0 - 2e-4);
         assert!(square <= bound.clone() * bound, "{world_a:?} {world_b:?} {p:?}");
-        // For how tight the bound is, a tenth at a time.
+        // Increases `most` to the tightness of the bound.
         while square > (Dyadic::from(error * most) * Dyadic::from(error * most)) {
             most += 0.01;
         }
@@ -183,7 +184,7 @@ fn composed_and_inverse_poses_lead_there_and_back() {
     }
 }
 
-/// What is not within the tolerance of poses is refused, not rounded to something else.
+/// A pose outside the tolerance is rejected, and not rounded to a valid one.
 #[test]
 fn poses_that_do_not_compose_are_refused() {
     let longest = 1.0 + 0.49 * Pose::TOLERANCE;

@@ -1,7 +1,7 @@
 //! Codes of planes that kernels are most likely to get wrong.
 
-/// Codes at the ends of their kinds: an unused lane, the complement of infinity, the lowest planes, about zero, powers of two, the
-/// greatest planes, infinity, and the complement of an unused lane.
+/// The extreme codes of each kind: an unused lane, the complement of infinity, the lowest planes, codes near
+/// zero, powers of two, the greatest planes, infinity, and the complement of an unused lane.
 pub(crate) const SPECIAL: [i16; 20] = [
     i16::MIN,
     -32_767,
@@ -25,7 +25,7 @@ pub(crate) const SPECIAL: [i16; 20] = [
     i16::MAX,
 ];
 
-/// Names it once, so that a test which has no use for it compiles without a warning.
+/// Uses the constant once, so that tests that do not need it compile without a warning.
 const _: () = {
     let _ = SPECIAL;
 };

@@ -1,9 +1,9 @@
-//! How much room solids take, and have in common, counted apart from the library: along the lines of a grid, each of which
-//! stands for a column around it. A voxel grid without steps in one direction.
+//! The volume of solids and of their intersection, independent of the library: a sum over the lines of a grid,
+//! each of which stands for a column around it. It is a voxel grid that is continuous in one direction.
 
 use simdop::primitive::Sphere;
 
-/// Lines along the z axis, in the middles of the cells of a rectangle.
+/// Lines parallel to the z axis through the centres of a rectangle's cells.
 #[derive(Copy, Clone, Debug)]
 pub(crate) struct Columns {
     low: [f64; 2],
@@ -11,14 +11,14 @@ pub(crate) struct Columns {
     side: usize,
 }
 
-/// Of each line the parts that are inside of a solid, in order.
+/// For each line its intervals inside the solid, in order.
 pub(crate) struct Spans(Vec<Vec<[f64; 2]>>);
 
 type Triangle = [[f64; 3]; 3];
 
 impl Columns {
-    /// `side` by `side` lines through what two boxes have in common, by their lowest and highest corners. `None` if that
-    /// is nothing.
+    /// `side` by `side` lines through the intersection of two boxes, each given by its lowest and highest
+    /// corners. `None` if the intersection is empty.
     pub(crate) fn through([a, b]: [([f64; 3], [f64; 3]); 2], side: usize) -> Option<Self> {
         let low: [f64; 3] = core::array::from_fn(|i| a.0[i].max(b.0[i]));
         let high: [f64; 3] = core::array::from_fn(|i| a.1[i].min(b.1[i]));
@@ -30,19 +30,21 @@ impl Columns {
         self.low[axis] + (i as f64 + 0.5) * self.cell[axis]
     }
 
-    /// A range that has all lines between two places, and perhaps one more on either side.
+    /// A range with all lines between two coordinates, and perhaps one more on either side.
     fn around(&self, axis: usize, from: f64, to: f64) -> core::ops::Range<usize> {
         let place = |x: f64| (x - self.low[axis]) / self.cell[axis];
-        // What is below zero becomes zero.
+        // The cast changes negative numbers to zero.
         let first = (place(from) - 1.0) as usize;
         first..((place(to) + 1.0) as usize).min(self.side)
     }
 
-    /// Inside of a closed surface is where a line has crossed it an odd number of times.
+    /// A point of a line is inside a closed surface if the line has crossed the surface an odd number of times
+    /// before.
     ///
-    /// The number is even at the end of each line, whatever rounding does. A line of equal y meets a triangle between two of
-    /// its edges or not at all; where it meets an edge is computed from the edge alone, its ends in a fixed order, and is the
-    /// same for the triangles on both of its sides: what one has to the left of that place, the other has to the right.
+    /// The total number of crossings of a line is even, whatever rounding does. A line of constant y meets two
+    /// edges of a triangle or none. The intersection with an edge is computed from the edge alone, with its
+    /// ends in a fixed order, and so is the same for both triangles of the edge: the left end of one triangle's
+    /// interval is the right end of the other's.
     pub(crate) fn of_surface(&self, triangles: &[Triangle]) -> Spans {
         let mut crossings = vec![Vec::new(); self.side * self.side];
         for t in triangles {
@@ -64,7 +66,7 @@ impl Columns {
         Spans(crossings.into_iter().map(pairs).collect())
     }
 
-    /// Of spheres that do not overlap each other.
+    /// Of spheres that do not overlap.
     pub(crate) fn of_spheres(&self, spheres: &[Sphere]) -> Spans {
         let mut spans = vec![Vec::new(); self.side * self.side];
         for Sphere { centre: [x, y, z], radius } in spheres {
@@ -81,13 +83,13 @@ impl Columns {
         Spans(spans.into_iter().map(pairs).collect())
     }
 
-    /// The volume of what is in both.
+    /// The volume of the intersection.
     pub(crate) fn common(&self, a: &Spans, b: &Spans) -> f64 {
         let line = |(a, b): (&Vec<[f64; 2]>, &Vec<[f64; 2]>)| {
             let (mut i, mut j, mut length) = (0, 0, 0.0);
             while i < a.len() && j < b.len() {
                 length += (a[i][1].min(b[j][1]) - a[i][0].max(b[j][0])).max(0.0);
-                // What ends first meets nothing more.
+                // The interval that ends first meets nothing more.
                 if a[i][1] < b[j][1] { i += 1 } else { j += 1 }
             }
             length
@@ -96,7 +98,7 @@ impl Columns {
     }
 }
 
-/// x and z where an edge passes a y, if it does.
+/// x and z where an edge crosses this y, if it does.
 fn place_on_edge(p: [f64; 3], q: [f64; 3], y: f64) -> Option<[f64; 2]> {
     let [p, q] = if p < q { [p, q] } else { [q, p] };
     ((p[1] > y) != (q[1] > y)).then(|| {

@@ -5,8 +5,9 @@ use super::rng::Rng;
 
 type Rows = [[f64; 4]; 3];
 
-/// `count` poses of `small` in the frame of `large`: turned at random, a random corner of a triangle of the one
-/// at a random corner of the other, then shifted by up to `share` of the small one's diagonal along each axis.
+/// `count` poses of `small` in the frame of `large`: a random rotation; a random corner of a triangle of
+/// `small` coincides with a random corner of `large`; then a shift of at most `share` of the diagonal of
+/// `small` along each axis.
 pub(crate) fn near_corners(
     small: &MeshData,
     large: &MeshData,
@@ -27,7 +28,7 @@ pub(crate) fn near_corners(
     (0..count).map(|_| pose()).collect()
 }
 
-/// Where the other body is in the frame of the posed one, up to rounding.
+/// The pose of the other body in the frame of the posed one, up to rounding.
 pub(crate) fn inverse(rows: &Rows) -> Rows {
     core::array::from_fn(|i| {
         let column = rows.map(|row| row[i]);
@@ -36,7 +37,7 @@ pub(crate) fn inverse(rows: &Rows) -> Rows {
     })
 }
 
-/// Names every helper once, so that a test which needs only some of them compiles without a warning.
+/// Uses every helper once, so that tests that need only some of them compile without a warning.
 const _: () = {
     let _ = (near_corners, inverse);
 };

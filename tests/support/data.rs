@@ -1,4 +1,4 @@
-//! Real meshes, read apart from the library, and poses at given distances from contact.
+//! Real meshes, read without the library, and poses at given distances from contact.
 
 use super::rng::Rng;
 use std::collections::BTreeSet;
@@ -6,34 +6,34 @@ use std::io::Write;
 use std::path::PathBuf;
 use std::sync::{Mutex, PoisonError};
 
-/// A mesh in the test's own words.
+/// A mesh, independent of the library's types.
 #[derive(Clone, Debug)]
 pub(crate) struct MeshData {
     pub(crate) vertices: Vec<[f64; 3]>,
     pub(crate) triangles: Vec<[u32; 3]>,
 }
 
-/// Writes `*** PROGRAM, TEST: WHAT ***` to standard error, once. In a passing test too: what `println!` and
-/// `eprintln!` write there is captured and thrown away, what the stream itself is given is not.
+/// Writes `*** PROGRAM, TEST: WHAT ***` to standard error, once, even from a test that passes: the harness
+/// captures `println!` and `eprintln!`, but not writes to the stream itself.
 pub(crate) fn notice(what: &str) {
     static SAID: Mutex<BTreeSet<String>> = Mutex::new(BTreeSet::new());
     let thread = std::thread::current();
-    // A test's thread has the test's name.
+    // The harness names a test's thread after the test.
     let test = thread.name().filter(|name| *name != "main").map_or(String::new(), |name| format!(", {name}"));
     let line = format!("*** {}{test}: {what} ***\n", env!("CARGO_CRATE_NAME"));
     if SAID.lock().unwrap_or_else(PoisonError::into_inner).insert(line.clone()) {
-        // In one piece: other tests write too.
+        // One write, because other tests write too.
         std::io::stderr().write_all(line.as_bytes()).unwrap();
     }
 }
 
-/// Where the data sets are, if they are: `$SIMDOP_DATA`, else `../shared/data` beside the project. If not, a
-/// notice says so.
+/// The folder of the data sets, if it exists: `$SIMDOP_DATA`, or `../shared/data` beside the project. If not,
+/// prints a notice.
 ///
 /// # Panics
-/// If they are absent and `SIMDOP_REQUIRE_DATA` is set, as CI does.
+/// If it does not exist and `SIMDOP_REQUIRE_DATA` is set, as in CI.
 pub(crate) fn directory() -> Option<PathBuf> {
-    // Beside the project, whose root is this package or the folder that holds it.
+    // The root of the project is this package or its parent folder.
     let package = std::path::Path::new(env!("CARGO_MANIFEST_DIR"));
     let root = if package.join("Cargo.lock").exists() { package.to_owned() } else { package.join("..") };
     let path = std::env::var_os("SIMDOP_DATA").map_or_else(|| root.join("../shared/data"), PathBuf::from);
@@ -49,7 +49,8 @@ pub(crate) fn directory() -> Option<PathBuf> {
     None
 }
 
-/// Share of the suites to run: `SIMDOP_SUITE` is `small` (an eighth, for emulators) or `full` (default).
+/// The step through the suites: `SIMDOP_SUITE` is `small` (every eighth case, for emulators) or `full` (the
+/// default).
 pub(crate) fn suite_step() -> usize {
     match std::env::var("SIMDOP_SUITE").as_deref() {
         Ok("small") => 8,
@@ -59,7 +60,7 @@ pub(crate) fn suite_step() -> usize {
 }
 
 impl MeshData {
-    /// Reads the `v` and three-cornered `f` lines of an OBJ file.
+    /// Reads the `v` and `f` lines of an OBJ file. A polygon becomes a fan of triangles.
     pub(crate) fn obj(path: &std::path::Path) -> Self {
         let text = std::fs::read_to_string(path).unwrap_or_else(|e| panic!("{}: {e}", path.display()));
         let mut mesh = Self { vertices: Vec::new(), triangles: Vec::new() };
@@ -81,8 +82,8 @@ impl MeshData {
         mesh
     }
 
-    /// The corners of every triangle, where the pose places them: the arithmetic that the library documents
-    /// for a moved corner, written again.
+    /// The corners of every triangle at a pose: an independent implementation of the arithmetic that the
+    /// library documents for a moved corner.
     pub(crate) fn placed(&self, pose: &[[f64; 4]; 3]) -> Vec<[[f64; 3]; 3]> {
         let place = |p: &[f64; 3]| pose.map(|r| ((r[0] * p[0] + r[1] * p[1]) + r[2] * p[2]) + r[3]);
         let moved: Vec<[f64; 3]> = self.vertices.iter().map(place).collect();
@@ -94,7 +95,7 @@ impl MeshData {
         self.triangles.iter().map(|t| t.map(|v| self.vertices[v as usize])).collect()
     }
 
-    /// Corners of the bounding box.
+    /// The lowest and the highest corner of the bounding box.
     pub(crate) fn bounds(&self) -> ([f64; 3], [f64; 3]) {
         let fold = |f: fn(f64, f64) -> f64, start: f64| {
             core::array::from_fn(|i| self.vertices.iter().fold(start, |m, p| f(m, p[i])))
@@ -102,27 +103,27 @@ impl MeshData {
         (fold(f64::min, f64::INFINITY), fold(f64::max, f64::NEG_INFINITY))
     }
 
-    /// Length of the bounding box's diagonal.
+    /// The length of the bounding box's diagonal.
     pub(crate) fn diagonal(&self) -> f64 {
         let (low, high) = self.bounds();
         (0..3).map(|i| (high[i] - low[i]).powi(2)).sum::<f64>().sqrt()
     }
 
-    /// Of the bounding box.
+    /// The centre of the bounding box.
     pub(crate) fn centre(&self) -> [f64; 3] {
         let (low, high) = self.bounds();
         core::array::from_fn(|i| 0.5 * (low[i] + high[i]))
     }
 }
 
-/// A pair of meshes of the suites.
+/// A pair of meshes.
 pub(crate) struct Suite {
     pub(crate) name: &'static str,
     pub(crate) a: MeshData,
     pub(crate) b: MeshData,
 }
 
-/// The four pairs that every verdict is checked on.
+/// The four pairs of meshes whose verdicts are all checked.
 pub(crate) fn suites() -> Option<Vec<Suite>> {
     let data = directory()?;
     let pair = |name, a: &str, b: &str| Suite {
@@ -138,16 +139,16 @@ pub(crate) fn suites() -> Option<Vec<Suite>> {
     ])
 }
 
-/// A line that a turned body comes along.
+/// The straight line along which a rotated body approaches.
 #[derive(Copy, Clone, Debug)]
 pub(crate) struct Approach {
-    /// Of the body, by rows.
+    /// The rotation of the body, by rows.
     pub(crate) rotation: [[f64; 3]; 3],
-    /// A point that its centre comes to, at distance 0.
+    /// The body's centre at distance 0.
     pub(crate) target: [f64; 3],
-    /// Unit vector from there to where it comes from.
+    /// The unit vector from the target towards the start.
     pub(crate) towards: [f64; 3],
-    /// The centre of the body where it was made.
+    /// The centre of the body in its own frame.
     pub(crate) centre: [f64; 3],
 }
 
@@ -162,13 +163,13 @@ impl Approach {
     }
 }
 
-/// Gaps (positive) and depths (negative) of the suites, as shares of the diagonal.
+/// Gaps (positive) and depths (negative) of the poses, as fractions of the diagonal.
 pub(crate) const GAPS: [f64; 8] = [1e-2, -1e-2, 1e-4, -1e-4, 1e-6, -1e-6, 1e-8, -1e-8];
 
 impl Suite {
-    /// 25 random rotations and directions; for each, the place where A, coming from outside, first touches B
-    /// as far as `meets` can tell, and the eight poses before and behind it. Deterministic, given exact
-    /// answers.
+    /// For each of 25 random rotations and directions, finds where A, coming from outside, first touches B
+    /// according to `meets`, and returns the eight poses before and behind that place. Deterministic if the
+    /// answers are exact.
     pub(crate) fn poses<F>(&self, step: usize, meets: F) -> Vec<[[f64; 4]; 3]>
     where
         F: Fn(&[[f64; 4]; 3]) -> bool,
@@ -181,8 +182,8 @@ impl Suite {
             let towards = rng.rotation()[0];
             let line = Approach { rotation, target: self.b.centre(), towards, centre: self.a.centre() };
             let at = |distance: f64| line.at(distance);
-            // From far away inwards in steps, to the first that meets (an open scene may let A pass: then its
-            // middle will do).
+            // From far away inwards in steps to the first pose that meets. In an open scene A may pass B: then
+            // the target is used.
             let far = size_a + size_b;
             let first = (0..=200).find(|i| meets(&at(far * (1.0 - f64::from(*i) / 200.0))));
             let mut inside = far * first.map_or(0.0, |i| 1.0 - f64::from(i) / 200.0);
@@ -197,7 +198,7 @@ impl Suite {
     }
 }
 
-/// Names every helper once, so that a test which needs only some of them compiles without a warning.
+/// Uses every helper once, so that tests that need only some of them compile without a warning.
 const _: () = {
     let _ = (notice, directory, suite_step, MeshData::placed, MeshData::corners, suites, GAPS);
     let _ = (MeshData::bounds, MeshData::centre, Approach::at);

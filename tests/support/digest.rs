@@ -20,15 +20,15 @@ pub(crate) fn digest(bytes: &[u8]) -> u64 {
     digest.0
 }
 
-/// Bytes of a tree's header.
+/// The bytes of a tree's header.
 const HEADER: usize = 128;
 
-/// Of all of a baked tree but its header: nodes, vertices, primitives and their indices in what was built.
+/// The digest of a tree without its header: nodes, vertices, primitives and their source indices.
 pub(crate) fn digest_of_tree(bytes: &[u8]) -> u64 {
     digest(&bytes[HEADER..])
 }
 
-/// Names everything once, so that a test which needs only some of it compiles without a warning.
+/// Uses everything once, so that tests that need only some of it compile without a warning.
 const _: () = {
     let _ = digest_of_tree;
 };

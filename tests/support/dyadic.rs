@@ -1,11 +1,10 @@
-//! Exact arithmetic on what floating point stores: integers times powers of two. And keys, by their
-//! definition.
+//! Exact arithmetic on floating-point numbers, as integers times powers of two; and keys, by their definition.
 
 use core::cmp::Ordering;
 use core::ops::{Add, Mul, Sub};
 use dashu_int::IBig;
 
-/// `mantissa * 2^exponent`. Sums and products of finite floats, without rounding.
+/// `mantissa * 2^exponent`: sums and products of finite floats without rounding.
 #[derive(Clone, Debug)]
 pub(crate) struct Dyadic {
     mantissa: IBig,
@@ -26,13 +25,13 @@ impl Dyadic {
         if self < Self::zero() { Self::zero() - self } else { self }
     }
 
-    /// All as multiples of the same power of two.
+    /// The mantissas for the smallest of the exponents.
     pub(crate) fn integers<const N: usize>(numbers: [Self; N]) -> [IBig; N] {
         let least = numbers.iter().map(|x| x.exponent).min().unwrap_or(0);
         numbers.map(|x| x.mantissa << (x.exponent - least) as usize)
     }
 
-    /// Both as multiples of the same power of two.
+    /// Both mantissas for the smaller exponent.
     fn aligned(self, other: Self) -> (IBig, IBig, i32) {
         let exponent = self.exponent.min(other.exponent);
         let raised = |x: Self| x.mantissa << (x.exponent - exponent) as usize;
@@ -48,7 +47,7 @@ impl From<f64> for Dyadic {
         let (magnitude, exponent) =
             if field == 0 { (fraction, -1074) } else { (fraction | 1 << 52, field - 1075) };
         let mantissa = IBig::from(if x.is_sign_negative() { -magnitude } else { magnitude });
-        // A common exponent for all zeros keeps sums short.
+        // A common exponent of all zeros keeps sums short.
         Self { mantissa, exponent: if magnitude == 0 { 0 } else { exponent } }
     }
 }
@@ -143,8 +142,8 @@ pub(crate) fn sign_of_determinant(o: &[f64; 3], p: &[f64; 3], q: &[f64; 3], [r, 
     sign(&(w[0].clone() * minor(1, 2) + w[1].clone() * minor(2, 0) + w[2].clone() * minor(0, 1)))
 }
 
-/// Whether all of some points lie before all others along `n`, either way round, by more than `margin`. Intervals far
-/// wider than the rounding errors decide most.
+/// Whether all points of one set lie before all of the other along `n` or `-n`, by more than `margin`.
+/// Intervals that are far wider than the rounding errors decide most cases.
 pub(crate) fn apart_along(n: &[f64; 3], one: &[[f64; 3]], other: &[[f64; 3]], margin: f64) -> bool {
     let reach = margin * dot_rounded(n, n).sqrt();
     let size =
@@ -170,7 +169,7 @@ pub(crate) fn apart_along(n: &[f64; 3], one: &[[f64; 3]], other: &[[f64; 3]], ma
     gap > Dyadic::zero() && gap.clone() * gap > square
 }
 
-/// What a code stands for, written apart from the library: half a step more than the code. NaN for those that are no bounds.
+/// The value of a code, independent of the library: the code plus half a step. NaN if the code is not a bound.
 pub(crate) fn key_value(code: i16) -> f64 {
     match code {
         -32_766..=32_765 => 0.5 + f64::from(code),
@@ -179,13 +178,13 @@ pub(crate) fn key_value(code: i16) -> f64 {
     }
 }
 
-/// Whether `code` is `x` rounded up to a key: not below `x`, and the next key below is.
+/// Whether `code` is `x` rounded up to a key: the key is at least `x`, and the next lower key is less.
 pub(crate) fn is_rounded_up(code: i16, x: &Dyadic) -> bool {
     let value = Dyadic::from(key_value(code));
     value >= *x && value - Dyadic::from(1.0) < *x
 }
 
-/// Names every helper once, so that a test which needs only some of them compiles without a warning.
+/// Uses every helper once, so that tests that need only some of them compile without a warning.
 const _: () = {
     let _ = (
         is_rounded_up,

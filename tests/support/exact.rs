@@ -1,5 +1,5 @@
 //! An oracle for "do these two closed triangles meet?", and for whole meshes. It shares neither code nor
-//! method with the library: separating axes, decided in integers.
+//! method with the library: it tests separating axes, in integers.
 //!
 //! # The method
 //!
@@ -12,21 +12,21 @@
 //! * the cross product of each edge of `A` or `B` with each coordinate axis.
 //!
 //! *Proof.* Any direction that separates proves that the triangles are disjoint. Conversely let them be
-//! disjoint: the compact set `C = A - B` of all differences does not hold the origin, and neither does
-//! `D = C + eK`, with `K` a cube along the axes and `e > 0` small enough. `D = A + (-B) + eK` is a polytope with an
+//! disjoint: the compact set `C = A - B` of all differences does not contain the origin, and neither does
+//! `D = C + eK`, with `K` an axis-aligned cube and `e > 0` small enough. `D = A + (-B) + eK` is a polytope with an
 //! interior, so the origin is strictly outside one of its facets, and that facet's normal separates `D`, and
 //! so `C`, from the origin. A facet of a sum is a sum of faces of the summands. The edge directions of those
 //! faces span the facet's plane: two that are not parallel come either from one summand, which then has a
 //! face with the facet's normal (a triangle normal or a coordinate axis), or from two summands (a cross
-//! product of the list). QED. Normals of triangles without area and products of parallel edges vanish; the
-//! zero vector separates nothing and does no harm.
+//! product of the list). QED. The normals of triangles without area and the products of parallel edges vanish; the
+//! zero vector separates nothing, so it does no harm.
 //!
 //! # The arithmetic
 //!
 //! An `f64` is an integer times a power of two, so all coordinates of a pair become integers with one common
-//! factor: `i128` where three of them multiplied fit, else big integers. To be fast, each direction is first
-//! tried with `f64` intervals that are far wider than the rounding errors; only a direction in doubt costs
-//! integers.
+//! factor: `i128` where a product of three of them fits, else big integers. For speed, each direction is first
+//! tested with `f64` intervals that are far wider than the rounding errors; only a direction that these leave
+//! undecided takes integers.
 
 use core::ops::{Add, Mul, Sub};
 
@@ -34,8 +34,8 @@ use dashu_int::IBig;
 
 pub(crate) type Tri = [[f64; 3]; 3];
 
-/// Whether two closed triangles have a point in common, exactly for the coordinates as given. Any finite
-/// ones.
+/// Whether two closed triangles have a point in common, exactly for the given coordinates. These may be any
+/// finite numbers.
 pub(crate) fn triangles_meet(a: &Tri, b: &Tri) -> bool {
     if Bounds::of(a).apart(&Bounds::of(b)) {
         return false;
@@ -52,13 +52,14 @@ pub(crate) fn triangles_meet(a: &Tri, b: &Tri) -> bool {
     })
 }
 
-/// The same by integers alone, for checking the short cuts of [`triangles_meet`].
+/// The same in integers only, to check the shortcuts of [`triangles_meet`].
 pub(crate) fn triangles_meet_in_integers(a: &Tri, b: &Tri) -> bool {
     let scaled = Scaled::new(a, b);
     !axes().any(|axis| scaled.separates(axis))
 }
 
-/// Whether the triangles of the first three and of the last three corners meet, whose coordinates are multiples of one number.
+/// Whether the triangle of the first three corners meets that of the last three. The coordinates are multiples
+/// of one common number.
 pub(crate) fn integer_triangles_meet(corners: &[[IBig; 3]; 6]) -> bool {
     !axes().any(|axis| separates(corners, axis))
 }
@@ -90,15 +91,15 @@ pub(crate) fn meeting_pairs(a: &[Tri], b: &[Tri]) -> Vec<(usize, usize)> {
 fn sweep(a: &[Tri], b: &[Tri], mut visit: impl FnMut(usize, usize) -> bool) {
     let (a, b) = (Boxed::all(a), Boxed::all(b));
     let (Some(hull_a), Some(hull_b)) = (Bounds::hull(&a), Bounds::hull(&b)) else { return };
-    // Only what reaches into the other mesh's box matters, and the longest axis of that leaves the fewest
-    // pairs.
+    // Only triangles that reach into the other mesh's box matter. The longest axis of the boxes' intersection
+    // leaves the fewest pairs.
     let (a, b) = (Boxed::within(a, &hull_b), Boxed::within(b, &hull_a));
     let spread =
         |axis: usize| hull_a.high[axis].min(hull_b.high[axis]) - hull_a.low[axis].max(hull_b.low[axis]);
     let axis = (0..3).max_by(|&i, &j| spread(i).total_cmp(&spread(j))).unwrap_or(0);
     let (a, b) = (Boxed::sorted(a, axis), Boxed::sorted(b, axis));
 
-    // Whichever of a pair begins first finds the other among those that begin before it ends.
+    // The triangle of a pair that begins first finds the other among those that begin before it ends.
     let (mut i, mut j) = (0, 0);
     while i < a.len() && j < b.len() {
         let a_first = a[i].bounds.low[axis] <= b[j].bounds.low[axis];
@@ -139,7 +140,7 @@ impl Bounds {
     }
 }
 
-/// A triangle's box, and the triangle's place in its mesh.
+/// A triangle's box, and the triangle's index in its mesh.
 #[derive(Clone, Copy, Debug)]
 struct Boxed {
     bounds: Bounds,
@@ -162,11 +163,11 @@ impl Boxed {
     }
 }
 
-/// One direction of the list: the cross product of two vectors out of the nine "edges": 0..3 are edges of
-/// `A`, 3..6 edges of `B`, 6..9 the coordinate axes.
+/// One direction of the list: the cross product of two of the nine "edges": 0..3 are edges of `A`, 3..6 edges
+/// of `B`, 6..9 the coordinate axes.
 type Axis = (usize, usize);
 
-/// All directions; those that most often separate come first.
+/// All directions. Those that separate most often come first.
 fn axes() -> impl Iterator<Item = Axis> {
     let normals = [(0, 1), (3, 4), (6, 7), (7, 8), (8, 6)];
     let edge_edge = (0..3).flat_map(|i| (3..6).map(move |j| (i, j)));
@@ -174,7 +175,7 @@ fn axes() -> impl Iterator<Item = Axis> {
     normals.into_iter().chain(edge_edge).chain(edge_axis)
 }
 
-// ---- in floating point, with doubt ------------------------------------------------------------------------
+// ---- in floating point, with intervals --------------------------------------------------------------------
 
 enum Rough {
     Apart,
@@ -182,7 +183,8 @@ enum Rough {
     Doubt,
 }
 
-/// Far from overflow and underflow, even for a product of three differences and a unit roundoff.
+/// The coordinates are far from overflow and underflow, even for a product of three differences and a unit
+/// roundoff.
 fn filter_is_sound(a: &Tri, b: &Tri) -> bool {
     let fits = |x: &f64| *x == 0.0 || (1e-60..1e60).contains(&x.abs());
     a.as_flattened().iter().chain(b.as_flattened()).all(fits)
@@ -193,7 +195,7 @@ fn edges(t: &Tri) -> [[f64; 3]; 3] {
 }
 
 /// Each of a projection's at most six products of three differences has a relative error below 16 units of
-/// `2^-53` (three differences, two products, at most five additions); the margin is 128 of them.
+/// `2^-53` (three differences, two products, at most five additions). The margin is 128 units.
 fn rough_verdict((i, j): Axis, (ea, eb): &([[f64; 3]; 3], [[f64; 3]; 3]), a: &Tri, b: &Tri) -> Rough {
     const UNIT: [[f64; 3]; 3] = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
     let vector = |i: usize| [ea, eb, &UNIT][i / 3][i % 3];
@@ -231,7 +233,7 @@ enum Scaled {
 
 type Points<T> = [[T; 3]; 6];
 
-/// The widest coordinates, in bits, for which no projection overflows an `i128`.
+/// The greatest width of coordinates, in bits, for which no projection overflows an `i128`.
 const SMALL_BITS: i32 = 40;
 
 impl Scaled {
@@ -276,7 +278,7 @@ trait Integer: Clone + Ord + From<i32> + Add<Output = Self> + Sub<Output = Self>
 
 impl<T: Clone + Ord + From<i32> + Add<Output = T> + Sub<Output = T> + Mul<Output = T>> Integer for T {}
 
-/// Whether the projections of the first and the last three points on the axis are disjoint.
+/// Whether the projections of the first three and of the last three points on the axis are disjoint.
 fn separates<T: Integer>(points: &Points<T>, (i, j): Axis) -> bool {
     let n = cross(&vector(points, i), &vector(points, j));
     let zero = T::from(0);
@@ -308,7 +310,7 @@ fn dot<T: Integer>(u: &[T; 3], v: &[T; 3]) -> T {
     u[0].clone() * v[0].clone() + u[1].clone() * v[1].clone() + u[2].clone() * v[2].clone()
 }
 
-/// Names every entry point once, so that a test which needs only some of them compiles without a warning.
+/// Uses every entry point once, so that tests that need only some of them compile without a warning.
 const _: () = {
     let _ = (triangles_meet, triangles_meet_in_integers, integer_triangles_meet, meshes_meet, meeting_pairs);
 };

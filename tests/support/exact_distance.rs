@@ -1,4 +1,4 @@
-//! An oracle for "how far apart are these two closed triangles?", and for whole meshes, in integers.
+//! An oracle in integers for the distance of two closed triangles, and of two meshes.
 
 use super::exact::{Tri, triangles_meet};
 use dashu_int::IBig;
@@ -6,9 +6,9 @@ use dashu_int::ops::BitTest;
 
 type Vector = [IBig; 3];
 
-/// The exact distance of two triangles, rounded to `f64`. All corners become integers with a common factor.
-/// Two convex polygons that do not meet are closest between a corner and a face, two edges, or a corner and
-/// an edge: the least of all 33, each a fraction.
+/// The exact distance of two triangles, rounded to `f64`. All corners become integers with a common factor. Two
+/// convex polygons that do not meet are closest at a corner and a face, at two edges, or at a corner and an
+/// edge: the distance is the least of all 33 candidates, each a fraction.
 pub(crate) fn exact_distance(a: &Tri, b: &Tri) -> f64 {
     if triangles_meet(a, b) {
         return 0.0;
@@ -84,13 +84,13 @@ fn parts(x: f64) -> (i64, i32) {
     (if x < 0.0 { -(m >> zeros) } else { m >> zeros }, e + zeros as i32)
 }
 
-/// The square root of a fraction, to 50 bits, of whatever size.
+/// The square root of a fraction of any size, to 50 bits.
 fn root_of_ratio(numerator: &IBig, denominator: &IBig) -> f64 {
     if *numerator == IBig::ZERO {
         return 0.0;
     }
     let bits = |x: &IBig| BitTest::bit_len(x) as i64;
-    // An even shift that leaves 110 bits or so in the quotient.
+    // An even shift that leaves about 110 bits in the quotient.
     let shift = (110 + bits(denominator) - bits(numerator)) & !1;
     let scaled = if shift >= 0 { numerator << shift as usize } else { numerator >> -shift as usize };
     let quotient = i128::try_from(scaled / denominator).expect("111 bits") as f64;
@@ -121,8 +121,8 @@ fn box_distance(a: &[[f64; 2]; 3], b: &[[f64; 2]; 3]) -> f64 {
     (gap(0).powi(2) + gap(1).powi(2) + gap(2).powi(2)).sqrt()
 }
 
-/// The exact distance of two meshes, if it is at most `reach`, else infinity: over all pairs of triangles
-/// whose boxes are that close, nearest boxes first, until no box can hold anything nearer.
+/// The exact distance of two meshes if it is at most `reach`, else infinity. Visits the pairs of triangles
+/// whose boxes are within `reach`, nearest boxes first, until no box can hold a nearer pair.
 pub(crate) fn mesh_distance(a: &[Tri], b: &[Tri], reach: f64) -> f64 {
     let hull = |t: &[Tri]| -> [[f64; 2]; 3] {
         core::array::from_fn(|k| {
@@ -155,7 +155,7 @@ pub(crate) fn mesh_distance(a: &[Tri], b: &[Tri], reach: f64) -> f64 {
     best
 }
 
-/// Names every entry point once, so that a test which needs only some of them compiles without a warning.
+/// Uses every entry point once, so that tests that need only some of them compile without a warning.
 const _: () = {
     let _ = (exact_distance, mesh_distance);
 };

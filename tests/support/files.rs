@@ -1,8 +1,8 @@
-//! Meshes as files of every kind that the command reads.
+//! Meshes in every file format that the command reads.
 
 use crate::support::data::MeshData;
 
-/// A tetrahedron: the origin and the unit vectors.
+/// A tetrahedron whose corners are the origin and the unit vectors.
 pub(crate) fn tetrahedron() -> MeshData {
     MeshData {
         vertices: vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
@@ -32,7 +32,8 @@ pub(crate) fn off(mesh: &MeshData) -> String {
 pub(crate) fn ply_head(mesh: &MeshData, format: &str) -> String {
     let (vertices, faces) = (mesh.vertices.len(), mesh.triangles.len());
     format!(
-        "ply\nformat {format} 1.0\nelement vertex {vertices}\nproperty double x\nproperty double y\nproperty double z\nelement face {faces}\nproperty list uchar int vertex_indices\nend_header\n"
+        "ply\nformat {format} 1.0\nelement vertex {vertices}\nproperty double x\nproperty double y\n\
+         property double z\nelement face {faces}\nproperty list uchar int vertex_indices\nend_header\n"
     )
 }
 

@@ -1,16 +1,16 @@
-//! The command `simdop` in a folder of a test's own.
+//! The command `simdop` in a folder that belongs to one test.
 
 use serde_json::Value;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
-/// A folder of its own for a test's files.
+/// A folder for the files of one test.
 pub(crate) struct Folder(pub(crate) PathBuf);
 
 impl Folder {
     pub(crate) fn new(test: &str) -> Self {
         let path = Path::new(env!("CARGO_TARGET_TMPDIR")).join("cli").join(test);
-        // What an earlier run left.
+        // Deletes the files of an earlier run.
         let _ = std::fs::remove_dir_all(&path);
         std::fs::create_dir_all(&path).unwrap();
         Self(path)
@@ -30,7 +30,7 @@ impl Folder {
         self.command(arguments).output().unwrap()
     }
 
-    /// Exit code and standard error, which has nothing but errors: no progress where there is no terminal.
+    /// Exit code and standard error. That holds only errors: without a terminal there is no progress bar.
     pub(crate) fn fate(&self, arguments: &[&str]) -> (i32, String) {
         let output = self.run(arguments);
         (output.status.code().unwrap(), String::from_utf8(output.stderr).unwrap().trim_end().into())
@@ -43,7 +43,7 @@ impl Folder {
     }
 }
 
-/// Names every helper once, so that a test which needs only some of them compiles without a warning.
+/// Uses every helper once, so that tests that need only some of them compile without a warning.
 const _: () = {
     let _ = (Folder::command, Folder::run, Folder::fate, Folder::json);
     let _ = |folder: &Folder| folder.write("", "");

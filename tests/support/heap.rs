@@ -1,5 +1,5 @@
-//! An allocator that counts how often the thread under test calls it. For one module of a program: there is one allocator to a
-//! program.
+//! An allocator that counts the calls by the thread under test. Only one module of a program can use it,
+//! because a program has one allocator.
 
 use core::alloc::{GlobalAlloc, Layout};
 use core::cell::Cell;
@@ -7,38 +7,38 @@ use core::hint::black_box;
 use std::alloc::System;
 
 thread_local! {
-    /// Calls of the allocator by this thread: the test harness runs others.
+    /// The number of calls by this thread; the test harness has other threads.
     static CALLS: Cell<u64> = const { Cell::new(0) };
 }
 
-/// The system's allocator, counted.
+/// The system's allocator with a counter.
 struct Counting;
 
 impl Counting {
     fn count() {
-        // A thread that is ending has no counter any more, and nobody who would read it.
+        // A thread that is exiting has no counter any more, and nobody reads it.
         let _ = CALLS.try_with(|calls| calls.set(calls.get() + 1));
     }
 }
 
 #[expect(unsafe_code, reason = "an allocator that counts has to be one")]
-// SAFETY: every call is passed on to the system's allocator unchanged.
+// SAFETY: every call is forwarded to the system's allocator unchanged.
 unsafe impl GlobalAlloc for Counting {
     unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
         Self::count();
-        // SAFETY: the caller's promises are the ones asked for.
+        // SAFETY: the caller guarantees the same conditions.
         unsafe { System.alloc(layout) }
     }
 
     unsafe fn dealloc(&self, pointer: *mut u8, layout: Layout) {
         Self::count();
-        // SAFETY: the caller's promises are the ones asked for.
+        // SAFETY: the caller guarantees the same conditions.
         unsafe { System.dealloc(pointer, layout) }
     }
 
     unsafe fn realloc(&self, pointer: *mut u8, layout: Layout, size: usize) -> *mut u8 {
         Self::count();
-        // SAFETY: the caller's promises are the ones asked for.
+        // SAFETY: the caller guarantees the same conditions.
         unsafe { System.realloc(pointer, layout, size) }
     }
 }
@@ -46,7 +46,7 @@ unsafe impl GlobalAlloc for Counting {
 #[global_allocator]
 static ALLOCATOR: Counting = Counting;
 
-/// Runs `f` and returns how often it called the allocator.
+/// Runs `f` and returns the number of its allocator calls.
 fn calls<R>(f: impl FnOnce() -> R) -> (R, u64) {
     let before = CALLS.get();
     let result = black_box(f());

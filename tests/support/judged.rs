@@ -1,5 +1,5 @@
-//! Bodies at poses that are judged by brute force in exact arithmetic, and what queries have to answer there, on every
-//! instruction set.
+//! Bodies at poses that brute force in exact arithmetic judges, and the answers that queries must give there on
+//! every instruction set.
 
 use crate::support::corners::{inverse, near_corners};
 use crate::support::data::MeshData;
@@ -22,7 +22,7 @@ pub(crate) fn build<N: Lanes>(mesh: &MeshData) -> Result<Bvh<N>, BuildError> {
     Builder::new().build_as(&Mesh { vertices: &mesh.vertices, triangles: &mesh.triangles })
 }
 
-/// Two bodies, and what is true of them at some poses.
+/// Two bodies, and the expected answers at some poses.
 pub(crate) struct Scene {
     name: String,
     a: MeshData,
@@ -67,8 +67,8 @@ impl Scene {
         ]
     }
 
-    /// The body with a copy of itself at a thousandth of its size beside one of its corners, and another such
-    /// copy near corners of that.
+    /// The scene is `body` with a copy of itself, scaled by 1/1000, at one of its corners. Another such copy is
+    /// posed near the corners of the first copy.
     pub(crate) fn both_ways_at_a_detail(name: &str, body: &MeshData, poses: u32) -> [Self; 2] {
         let small = scaled(body, 1e-3, [0.0; 3]);
         let corner = body.vertices[body.triangles[body.triangles.len() / 2][0] as usize];
@@ -82,7 +82,7 @@ impl Scene {
         self.judged.iter().filter(|judged| !judged.pairs.is_empty()).count()
     }
 
-    /// Every query with three node types.
+    /// Checks every query with three node types.
     pub(crate) fn check(&self) {
         self.check_nodes::<Node16<18>>();
         self.check_nodes::<Node4<14>>();
@@ -109,13 +109,13 @@ impl Scene {
     }
 }
 
-/// What a pair of bodies is asked at a pose.
+/// The answers to all queries on a pair of bodies at a pose.
 #[derive(Clone, PartialEq)]
 pub(crate) struct Answers {
     collide: Answer,
     /// In ascending order.
     pairs: Pairs,
-    /// Of the enumeration.
+    /// The statistics of the enumeration.
     stats: QueryStats,
 }
 
@@ -127,7 +127,7 @@ impl Answers {
     }
 }
 
-/// As the library documents it of coordinates that are given or moved: those below [`MIN_COORDINATE`] are zero.
+/// As documented for given and moved coordinates: those below [`MIN_COORDINATE`] become zero.
 pub(crate) fn flushed(mut triangles: Vec<Tri>) -> Vec<Tri> {
     for x in triangles.as_flattened_mut().as_flattened_mut() {
         if x.abs() < MIN_COORDINATE {
@@ -137,7 +137,7 @@ pub(crate) fn flushed(mut triangles: Vec<Tri>) -> Vec<Tri> {
     triangles
 }
 
-/// The corners of a body that was built, where the pose places them.
+/// The corners of a built body at a pose.
 pub(crate) fn moved(mesh: &MeshData, rows: &Rows) -> Vec<Tri> {
     let corners = flushed(mesh.corners());
     let built = separate(corners);
@@ -161,7 +161,8 @@ pub(crate) fn check_margins<N: Lanes>(scene: &Scene) {
         let pose = Pose::from_rows(*rows).unwrap();
         let what = format!("{}, k {} arity {}, {rows:?}", scene.name, N::K, N::ARITY);
         let found = Query::new(Isa::detect()).distance(&a, &b, &pose, 0.0).unwrap();
-        // A distance that is too great is found by a nearer pair, one that is too small by there being none.
+        // If the distance is too great, this search finds a nearer pair; if it is too small, this search finds
+        // none.
         let want = mesh_distance(&moved(&scene.a, rows), &still, found.upper * (1.0 + 1e-9));
         assert!(want > 0.0 && pairs.is_empty(), "{what}");
         assert!((found.upper - want).abs() <= 1e-9 * want, "{want:e} {found:?} {what}");

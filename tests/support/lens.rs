@@ -1,10 +1,10 @@
-//! What two balls share.
+//! The intersection of two balls.
 
 use core::f64::consts::PI;
 
-/// The volume that balls of these radii share whose centres are `d` apart: the caps on both sides of the plane of the
-/// circle in which they meet. The height of a cap as a quotient of what does not cancel, so that thin ones keep their
-/// digits, and those of balls that nearly coincide.
+/// The volume of the intersection of two balls whose centres are `d` apart: the caps on both sides of the plane
+/// of the circle in which the spheres meet. The height of a cap is a quotient without cancellation, so that
+/// thin caps, and caps of nearly coincident balls, keep their digits.
 pub(crate) fn lens(r_a: f64, r_b: f64, d: f64) -> f64 {
     let (r, s) = (r_a.max(r_b), r_a.min(r_b));
     let depth = (r + s) - d;

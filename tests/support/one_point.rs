@@ -1,4 +1,4 @@
-//! A body that is one point, whose planes are tight.
+//! A body that is a single point, with tight planes.
 
 use crate::support::dyadic::key_value;
 use crate::support::rng::Rng;
@@ -8,7 +8,7 @@ use simdop::low_level::frame::{BodyBounds, Frame};
 use simdop::low_level::key::Key;
 use simdop::range::Point;
 
-/// Of a body that is the origin.
+/// The bounds of a body that is the origin.
 pub(crate) const NO_EXTENT: BodyBounds = BodyBounds {
     frame: Frame { centre: [0.0; 3], exponent: 0 },
     max_coordinate: 0.0,
@@ -17,8 +17,9 @@ pub(crate) const NO_EXTENT: BodyBounds = BodyBounds {
     max_plane: 0.0,
 };
 
-/// A body that is one point. Its planes are keys exactly, so that nothing is lost before they are turned, where the directions have an
-/// odd number of odd components, all of k = 6 and 14; the others are half a step off.
+/// A body that is a single point. Where the directions have an odd number of odd components (all of k = 6 and
+/// 14), its planes are exactly keys, so that nothing is lost before the planes are rotated. The other planes
+/// are half a step off.
 pub(crate) struct OnePoint<const K: usize> {
     pub(crate) extent: BodyBounds,
     pub(crate) point: Point,

@@ -1,6 +1,6 @@
-//! A small deterministic random generator, the same on every machine.
+//! A small deterministic random number generator, the same on every machine.
 
-/// `SplitMix64` (Steele, Lea & Flood, OOPSLA 2014): one 64-bit word of state, any seed is good.
+/// `SplitMix64` (Steele, Lea & Flood, OOPSLA 2014): one 64-bit word of state; any seed is good.
 #[derive(Clone, Debug)]
 pub(crate) struct Rng(u64);
 
@@ -16,7 +16,7 @@ impl Rng {
         z ^ (z >> 31)
     }
 
-    /// Uniform in `0..n` (multiply and shift: the bias is below `n / 2^64`). `n` must not be zero.
+    /// Uniform in `0..n` by multiplication and shift: the bias is below `n / 2^64`. `n` must not be zero.
     pub(crate) fn below(&mut self, n: u64) -> u64 {
         assert!(n > 0, "an empty range has no members");
         ((u128::from(self.u64()) * u128::from(n)) >> 64) as u64
@@ -37,13 +37,13 @@ impl Rng {
         low + (high - low) * self.unit()
     }
 
-    /// One of the items, each as likely as the others.
+    /// A uniformly random item.
     pub(crate) fn pick<'a, T>(&mut self, items: &'a [T]) -> &'a T {
         &items[self.below(items.len() as u64) as usize]
     }
 
-    /// A uniformly distributed rotation, row by row, from a quaternion drawn from the 4-ball. Only operations
-    /// that are correctly rounded everywhere: sines are not.
+    /// A uniformly distributed rotation, by rows, from a quaternion drawn from the 4-ball. It uses only
+    /// operations that are correctly rounded on every machine, which sines are not.
     pub(crate) fn rotation(&mut self) -> [[f64; 3]; 3] {
         let (q, square) = loop {
             let q: [f64; 4] = core::array::from_fn(|_| self.range(-1.0, 1.0));
@@ -62,7 +62,7 @@ impl Rng {
     }
 }
 
-/// Names every helper once, so that a test which needs only some of them compiles without a warning.
+/// Uses every helper once, so that tests that need only some of them compile without a warning.
 const _: () = {
     let _ = (Rng::new, Rng::u64, Rng::below, Rng::int, Rng::unit, Rng::range, Rng::rotation);
     let _ = Rng::pick::<u8>;

@@ -1,10 +1,10 @@
-//! Meshes made by rule. Correctly rounded operations only (no library's sines), so that every machine makes
-//! the same ones.
+//! Generated meshes. They use correctly rounded operations only (no sines of a library), so that every machine
+//! generates the same ones.
 
 use super::data::MeshData;
 use super::rng::Rng;
 
-/// Point `i` of `n` on the unit circle: evenly along a square, then normalised.
+/// Point `i` of `n` on the unit circle: evenly spaced along a square, then normalised.
 fn on_circle(i: u32, n: u32) -> [f64; 2] {
     let side = 4.0 * f64::from(i % n) / f64::from(n);
     let along = side - side.floor();
@@ -18,15 +18,15 @@ fn on_circle(i: u32, n: u32) -> [f64; 2] {
     [x / length, y / length]
 }
 
-/// Cosine and sine of `i / n` of a turn, by their series on an eighth of a turn: within 2^-52, and the same
-/// everywhere.
+/// Cosine and sine of `i / n` of a full angle, by their series on an eighth of it: within 2^-52, and the same
+/// on every machine.
 fn at_angle(i: u32, n: u32) -> [f64; 2] {
     let eighths = 8.0 * f64::from(i % n) / f64::from(n);
     let (whole, part) = (eighths.floor(), eighths - eighths.floor());
-    // Eighths of odd number are run through backwards, so that each quarter is symmetric.
+    // Odd eighths run backwards, so that each quarter is symmetric.
     let odd = whole % 2.0 != 0.0;
     let x = if odd { 1.0 - part } else { part } * core::f64::consts::FRAC_PI_4;
-    // From the term of x^19 on, the series change no bit.
+    // From x^19 on, the terms of the series do not change any bit.
     let series = |first: f64, from: i32| {
         let (mut term, mut sum) = (first, first);
         for k in (from..from + 16).step_by(2) {
@@ -48,8 +48,8 @@ fn at_angle(i: u32, n: u32) -> [f64; 2] {
     }
 }
 
-/// Triangles of a grid of `rows` x `columns` vertices, row by row; a closed direction joins its last line to
-/// its first.
+/// The triangles of a grid of `rows` x `columns` vertices, row by row. In a closed direction the last line is
+/// joined to the first.
 fn quads(rows: u32, columns: u32, closed: bool) -> Vec<[u32; 3]> {
     let open = u32::from(!closed);
     let index = |i: u32, j: u32| i % rows * columns + j % columns;
@@ -63,7 +63,7 @@ fn quads(rows: u32, columns: u32, closed: bool) -> Vec<[u32; 3]> {
     triangles
 }
 
-/// A ring of radius 1 with a tube of radius 0.4 about the z axis: 2 `around` `along` triangles, watertight.
+/// A torus of radius 1 with a tube of radius 0.4 about the z axis: 2 `around` `along` triangles, watertight.
 pub(crate) fn torus(around: u32, along: u32) -> MeshData {
     let mut vertices = Vec::new();
     for i in 0..around {
@@ -77,8 +77,8 @@ pub(crate) fn torus(around: u32, along: u32) -> MeshData {
     MeshData { vertices, triangles: quads(around, along, true) }
 }
 
-/// A ring with waves along and around its tube, smooth and watertight, nearly 6 across: the most that
-/// 2 n^2 triangles can be without being more than `triangles`, with n at least 3.
+/// A torus with waves along and around its tube, smooth and watertight, nearly 6 across. It has 2 n^2 triangles
+/// with the greatest n for which that is at most `triangles`, and at least 3.
 pub(crate) fn wavy_torus(triangles: u32) -> MeshData {
     let n = (f64::from(triangles) / 2.0).sqrt().floor().max(3.0) as u32;
     let mut vertices = Vec::new();
@@ -93,20 +93,20 @@ pub(crate) fn wavy_torus(triangles: u32) -> MeshData {
     MeshData { vertices, triangles: quads(n, n, true) }
 }
 
-/// A box of a room: half widths, turned about the z axis, around a centre.
+/// A box in a room: half widths, rotated about the z axis, around a centre.
 struct Block {
     half: [f64; 3],
     turn: [f64; 2],
     centre: [f64; 3],
 }
 
-/// What stands in a room of 10 x 8 x 3 m, and the room.
+/// The furniture of a room of 10 x 8 x 3 m, and the room itself.
 fn furniture() -> Vec<Block> {
     const STRAIGHT: [f64; 2] = [1.0, 0.0];
     let block = |half, turn, centre| Block { half, turn, centre };
     let mut blocks = vec![block([5.0, 4.0, 1.5], STRAIGHT, [0.0, 0.0, 1.5])];
     let turns = [STRAIGHT, [0.8, 0.6], [0.28, 0.96], [-0.6, 0.8]];
-    // A table of a top and four legs, a stool before it.
+    // A table with four legs, and a stool in front of it.
     for (i, turn) in turns.into_iter().enumerate() {
         let centre = [-3.0 + 2.0 * i as f64, 1.5 - f64::from(i as u32 % 2) * 2.5];
         let at = |x: f64, y: f64, z: f64| {
@@ -118,7 +118,7 @@ fn furniture() -> Vec<Block> {
         }
         blocks.push(block([0.2, 0.2, 0.22], turn, at(0.1, -0.7, 0.22)));
     }
-    // Shelves along a wall: two sides and five boards each.
+    // Shelves along a wall, each with two sides and five boards.
     for x in [-3.0, -1.0, 1.0, 3.0] {
         blocks.extend([-0.5, 0.5].map(|side| block([0.01, 0.15, 1.0], STRAIGHT, [x + side, 3.8, 1.0])));
         blocks.extend([0.1, 0.5, 0.9, 1.3, 1.7].map(|z| block([0.48, 0.14, 0.01], STRAIGHT, [x, 3.8, z])));
@@ -126,8 +126,8 @@ fn furniture() -> Vec<Block> {
     blocks
 }
 
-/// A room of walls, floor, ceiling and furniture, in metres, in cells of about one size: at most `triangles`
-/// triangles and nearly as many, but at least 12 a box. Faces share no vertices.
+/// A room with walls, floor, ceiling and furniture, in metres, in cells of similar size: at most `triangles`
+/// triangles and nearly as many, but at least 12 for each box. Faces share no vertices.
 pub(crate) fn room(triangles: u32) -> MeshData {
     let blocks = furniture();
     let cells = |length: f64, cell: f64| (2.0 * length / cell).ceil().max(1.0);
@@ -164,13 +164,13 @@ pub(crate) fn room(triangles: u32) -> MeshData {
     room
 }
 
-/// The mesh, `factor` times as large and then shifted.
+/// The mesh, scaled by `factor` and then shifted.
 pub(crate) fn scaled(mesh: &MeshData, factor: f64, shift: [f64; 3]) -> MeshData {
     let place = |p: &[f64; 3]| core::array::from_fn(|i| p[i] * factor + shift[i]);
     MeshData { vertices: mesh.vertices.iter().map(place).collect(), triangles: mesh.triangles.clone() }
 }
 
-/// A box from `low` to `high`, or seen from inside.
+/// A box from `low` to `high`, or the same with its faces turned inward.
 pub(crate) fn cuboid(low: [f64; 3], high: [f64; 3], inside_out: bool) -> MeshData {
     let vertices =
         (0..8).map(|i| core::array::from_fn(|axis| if i >> axis & 1 == 0 { low[axis] } else { high[axis] }));
@@ -192,14 +192,13 @@ pub(crate) fn cuboid(low: [f64; 3], high: [f64; 3], inside_out: bool) -> MeshDat
     MeshData { vertices: vertices.collect(), triangles: triangles.map(turn).to_vec() }
 }
 
-/// A flat square of `side` x `side` vertices at integer places, turned out of the coordinate planes by adding
-/// x to z.
+/// A flat square of `side` x `side` vertices at integer coordinates, tilted by adding x to z.
 pub(crate) fn flat_grid(side: u32) -> MeshData {
     let place = |i: u32| [f64::from(i % side), f64::from(i / side), f64::from(i % side)];
     MeshData { vertices: (0..side * side).map(place).collect(), triangles: quads(side, side, false) }
 }
 
-/// `n` separate triangles of about `size` with centres in the cube of half width 1.
+/// `n` separate triangles of about `size`, with centres in the cube of half width 1.
 pub(crate) fn soup(rng: &mut Rng, n: usize, size: f64) -> MeshData {
     let triangle = |rng: &mut Rng| {
         let centre: [f64; 3] = core::array::from_fn(|_| rng.range(-1.0, 1.0));
@@ -219,7 +218,7 @@ pub(crate) fn collinear(n: usize) -> MeshData {
     separate((0..n).map(|i| [0.0, 1.0, 3.0].map(|offset| at(i as f64 + offset))))
 }
 
-/// One triangle of size 1000 among `n` of size 0.001.
+/// One triangle of size 1000 among `n` triangles of size 0.001.
 pub(crate) fn huge_among_tiny(rng: &mut Rng, n: usize) -> MeshData {
     let mut mesh = soup(rng, n, 1e-3);
     let huge = separate([[[-1e3, -1e3, 0.5], [1e3, -1e3, 0.25], [0.0, 1e3, -0.5]]]);
@@ -227,7 +226,7 @@ pub(crate) fn huge_among_tiny(rng: &mut Rng, n: usize) -> MeshData {
     mesh
 }
 
-/// Points, segments and repeated corners on the vertices of `mesh`: `n` triangles without area.
+/// `n` triangles without area on the vertices of `mesh`: points, segments and repeated corners.
 pub(crate) fn without_area(mesh: &MeshData, rng: &mut Rng, n: usize) -> MeshData {
     let degenerate = |i: usize, rng: &mut Rng| {
         let [p, q] = [(); 2].map(|()| *rng.pick(&mesh.vertices));
@@ -235,8 +234,7 @@ pub(crate) fn without_area(mesh: &MeshData, rng: &mut Rng, n: usize) -> MeshData
             0 => [p, p, p],
             1 => [p, q, p],
             2 => [p, q, q],
-            // Halving, doubling and adding a power of two times a coordinate that it fits is exact: a
-            // straight line.
+            // Three distinct collinear points, exact in floating point.
             _ => [[0.0, 1.0, -1.0], [0.5, 1.25, -1.5], [1.0, 1.5, -2.0]],
         }
     };
@@ -250,14 +248,14 @@ pub(crate) fn separate(triangles: impl IntoIterator<Item = [[f64; 3]; 3]>) -> Me
     MeshData { vertices, triangles }
 }
 
-/// Adds the triangles of `other` behind those of `mesh`.
+/// Appends the triangles of `other` to `mesh`.
 pub(crate) fn append(mesh: &mut MeshData, other: &MeshData) {
     let first = mesh.vertices.len() as u32;
     mesh.vertices.extend_from_slice(&other.vertices);
     mesh.triangles.extend(other.triangles.iter().map(|t| t.map(|v| v + first)));
 }
 
-/// Names every helper once, so that a test which needs only some of them compiles without a warning.
+/// Uses every helper once, so that tests that need only some of them compile without a warning.
 const _: () = {
     let _ = (torus, flat_grid, soup, coincident, collinear, huge_among_tiny, without_area, append);
     let _ = (wavy_torus, room, scaled, cuboid);

@@ -1,4 +1,4 @@
-//! Turns, and points, that are hard in different ways.
+//! Rotations and points that are difficult in different ways.
 
 use super::rng::Rng;
 use simdop::pose::Pose;
@@ -16,14 +16,14 @@ fn from_quaternion(q: [f64; 4]) -> Rows {
     ]
 }
 
-/// A turn by about `angle` about a random axis.
+/// A rotation by about `angle` about a random axis.
 fn small_turn(rng: &mut Rng, angle: f64) -> Rows {
     let mut component = || 0.5 * angle * rng.range(-1.0, 1.0);
     let (x, y, z) = (component(), component(), component());
     from_quaternion([x, y, z, 1.0])
 }
 
-/// Each axis to an axis: every direction of most sets meets another one.
+/// Maps axes to axes: with most sets of directions every direction is mapped to another one.
 fn axis_turn(rng: &mut Rng) -> Rows {
     const STEP: Rows = [[0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [1.0, 0.0, 0.0]];
     const QUARTER: Rows = [[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]];
@@ -46,7 +46,7 @@ pub(crate) fn rotation(rng: &mut Rng) -> Rows {
     }
 }
 
-/// In a cube of one of these half widths.
+/// A random point in a cube, whose half width is one of these sizes.
 pub(crate) fn random_point<const N: usize>(rng: &mut Rng, sizes: [f64; N]) -> [f64; 3] {
     let size = *rng.pick(&sizes);
     [(); 3].map(|()| rng.range(-size, size))
@@ -56,12 +56,12 @@ pub(crate) fn add(p: [f64; 3], q: [f64; 3]) -> [f64; 3] {
     core::array::from_fn(|i| p[i] + q[i])
 }
 
-/// The pose that turns and then shifts.
+/// The pose that first rotates and then translates.
 pub(crate) fn pose(turn: &Rows, t: [f64; 3]) -> Pose {
     Pose::from_rows(core::array::from_fn(|i| [turn[i][0], turn[i][1], turn[i][2], t[i]])).unwrap()
 }
 
-/// Names every helper once, so that a test which needs only some of them compiles without a warning.
+/// Uses every helper once, so that tests that need only some of them compile without a warning.
 const _: () = {
     let _ = (rotation, random_point::<1>, add, pose);
 };

@@ -1,18 +1,13 @@
-//! `simdop robot`, run as a user runs it: what it reports of a robot, its problems and its pairs, beside brute force on the Panda.
+//! `simdop robot`, run as a user runs it: its report on a robot, on planning problems and on pairs of links,
+//! compared with brute force on the Panda.
 
-#[path = "../../tests/support/data.rs"]
-mod data;
-#[path = "../../tests/support/folder.rs"]
-mod folder;
-#[path = "../../tests/support/rng.rs"]
-mod rng;
-#[path = "../../benches/support/robots.rs"]
+#[path = "../../../benches/support/robots.rs"]
 mod robots;
 
-use data::{MeshData, directory, suite_step};
-use folder::Folder;
+use crate::folder::Folder;
+use crate::support::data::{self, MeshData, directory, suite_step};
+use crate::support::rng::{self, Rng};
 use glam::DAffine3;
-use rng::Rng;
 use robots::{Configuration, Problem, Robot, SETTINGS};
 use serde_json::{Value, json};
 use simdop::construct::{Builder, Mesh};
@@ -24,10 +19,11 @@ use simdop::query::Query;
 
 type Tree = Bvh<Node16<18>>;
 
-/// A link that slides along x by at most 1, with this geometry.
+/// A link with this geometry that slides along x by at most 1.
 fn slider(geometry: &str) -> String {
     format!(
-        r#"<robot name="slider"><link name="rail"/><link name="sled"><collision><geometry>{geometry}</geometry></collision></link>
+        r#"<robot name="slider"><link name="rail"/>
+        <link name="sled"><collision><geometry>{geometry}</geometry></collision></link>
         <joint name="slide" type="prismatic"><parent link="rail"/><child link="sled"/><axis xyz="1 0 0"/>
         <limit lower="0" upper="1" effort="1" velocity="1"/></joint>
         <joint name="stop" type="fixed"><parent link="rail"/><child link="end"/></joint><link name="end"/></robot>"#
@@ -88,7 +84,8 @@ fn the_built_in_arm_needs_no_file() {
     assert!(table.contains("asked, and they never meet: upper_arm, hand"), "{table}");
 }
 
-/// In a package, twice as large, and mirrored: a ball inside of it is a hit, one where it would be otherwise is not.
+/// The mesh is in a package, scaled by two and mirrored. A ball inside it is a hit; a ball where the mesh would
+/// be without the mirroring is free.
 #[test]
 fn a_mesh_is_found_scaled_and_solid() {
     let folder = Folder::new("robot_mesh");
@@ -114,7 +111,7 @@ fn a_mesh_is_found_scaled_and_solid() {
     assert_eq!(report["problems"]["validity"]["hits"][0]["bodies"], json!(["sled", "ball"]));
     assert_eq!(report["problems"]["edges"][0]["free"], 2);
     assert_eq!(report["problems"]["edges"][1]["asked"], 0);
-    // What is inside of a surface is not noticed.
+    // A surface does not collide with a ball inside it.
     let report = asked("here/urdf/open.urdf");
     assert_eq!(report["robot"]["bodies"][0]["shape"], "surface");
     assert_eq!(report["problems"]["validity"]["configurations"][0]["valid"], 3);
@@ -190,7 +187,8 @@ fn solid_if_closed(mesh: &Mesh<'_>) -> Tree {
     Builder::new().solid().build_as(mesh).unwrap_or_else(|_| Builder::new().build_as(mesh).unwrap())
 }
 
-/// The Panda, as the benches place it, and trees of its links: every pair is asked at the pose of one in the frame of the other.
+/// The Panda, placed as in the benchmarks, with trees of its links. Each pair is queried at the pose of one
+/// body in the other's frame.
 struct Panda {
     robot: Robot,
     links: Vec<Tree>,
@@ -224,7 +222,7 @@ impl Panda {
     }
 }
 
-/// Random starts and goals among the obstacles of the data's problems.
+/// Random starts and goals among the obstacles of the data set's problems.
 #[test]
 fn validity_is_that_of_all_pairs() {
     let Some(data) = directory() else { return };
@@ -271,7 +269,7 @@ fn validity_is_that_of_all_pairs() {
     assert_eq!(sum(edges, "unresolved"), 0, "{edges}");
 }
 
-/// The samples of the SRDF's author missed a fold of the arm.
+/// The SRDF disables a pair of links that meets when the arm folds: the samples of its author missed that.
 #[test]
 fn a_refuted_pair_meets_where_it_is_said() {
     let Some(data) = directory() else { return };
@@ -290,7 +288,7 @@ fn a_refuted_pair_meets_where_it_is_said() {
     let link = |name: &str| panda.robot.links.iter().position(|link| link.name == name).unwrap();
     let (i, j) = (link("panda_link2"), link("panda_link6"));
     assert!(panda.meet(&panda.links[i], &at[i], &panda.links[j], &at[j]));
-    // What is said never to meet does not, by `SIMDOP_CONFIGURATIONS` random values of the joints.
+    // Pairs that are certified never to meet do not meet at `SIMDOP_CONFIGURATIONS` random configurations.
     let matrix = pairs["matrix"].as_array().unwrap();
     assert_eq!(matrix.len(), all);
     let never: Vec<(usize, usize)> = matrix

@@ -1,13 +1,11 @@
-//! `simdop report`, run as a user runs it: what its files hold, that they repeat, and what it refuses.
+//! `simdop report`, run as a user runs it: the contents of its files, that they are reproducible, and what it
+//! rejects.
 
-#[path = "../../tests/support/folder.rs"]
-mod folder;
-
-use folder::Folder;
+use crate::folder::Folder;
 use serde_json::Value;
 use std::collections::{BTreeMap, BTreeSet};
 
-/// Eight triangles of an octahedron, each cut into four so often, on a sphere that is longer than wide.
+/// An octahedron whose triangles are cut into four `cuts` times, projected onto an ellipsoid.
 fn egg(cuts: u32) -> String {
     let (mut vertices, mut triangles): (Vec<[f64; 3]>, Vec<[usize; 3]>) = (Vec::new(), Vec::new());
     let sides = 1_usize << cuts;
@@ -33,7 +31,7 @@ fn egg(cuts: u32) -> String {
                 found.push([at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)]);
             }
         }
-        // Mirrored as often as there are signs.
+        // An odd number of negative signs mirrors the triangle.
         let is_mirrored = signs.count_ones() % 2 == 1;
         triangles.extend(found.iter().map(|&[a, b, c]| if is_mirrored { [a, c, b] } else { [a, b, c] }));
     }
@@ -43,7 +41,7 @@ fn egg(cuts: u32) -> String {
     text
 }
 
-/// Quick: few poses, and few spheres unless told otherwise.
+/// A quick report: few poses, and few spheres unless an option says otherwise.
 fn quick<'a>(rest: &[&'a str]) -> Vec<&'a str> {
     let spheres: &[&str] = if rest.contains(&"--spheres") { &[] } else { &["--spheres", "20"] };
     [&["report", "--poses", "6"], spheres, rest].concat()
@@ -95,7 +93,7 @@ fn what_repeats_repeats() {
     for page in ["a.html", "b.html"] {
         assert!(read(&folder, page).contains(&first), "{page}");
     }
-    // And all that is not a time.
+    // The CSV files are equal, too, except for the measured times.
     let repeatable = |csv: &str| -> Vec<Record> {
         let mut records = records(&read(&folder, csv));
         for record in &mut records {
@@ -192,7 +190,7 @@ fn what_is_recommended_keeps_to_the_limits() {
         "Without a limit on error or flash, take {}",
         free["setting"].as_str().unwrap()
     )));
-    // The page says how to have it.
+    // The page has the command that builds the recommended tree.
     let page = read(&folder, "report.html");
     let command =
         page.split_once("<code>simdop build MESH -o TREE ").unwrap().1.split_once("</code>").unwrap().0;
@@ -296,7 +294,7 @@ m,129,128,0 %,Another,1,70,5
     );
 }
 
-/// In the place of a mesh, and beside one.
+/// A tree in the place of a mesh, beside a mesh.
 #[test]
 fn trees_are_taken_for_their_meshes() {
     let folder = Folder::new("report_trees");

@@ -1,31 +1,25 @@
-//! The command `simdop` on files that were cut at any byte or changed in one, and on disks without room: what it takes is what the
-//! file says, everything else is an error that names the file, and what was there before stays.
+//! The command `simdop` on files that are truncated at any byte or have one changed byte, and on full disks. It
+//! accepts what is still a valid file. Everything else is an error that names the file, and leaves an old
+//! output file unchanged.
 
-#[path = "../../tests/support/files.rs"]
-mod files;
-#[path = "../../tests/support/folder.rs"]
-mod folder;
-#[path = "../../tests/support/mod.rs"]
-mod support;
-
-use files::{obj, off, ply_ascii, ply_binary, stl_ascii, stl_binary, tetrahedron};
-use folder::Folder;
+use crate::files::{obj, off, ply_ascii, ply_binary, stl_ascii, stl_binary, tetrahedron};
+use crate::folder::Folder;
+use crate::support::data::suite_step;
 use std::collections::BTreeMap;
 use std::process::Output;
-use support::data::suite_step;
 
-/// When a file that ends early is taken.
+/// When a truncated file is accepted.
 #[derive(Copy, Clone)]
 enum Ends {
-    /// The file says how long it is: from that many bytes of its end on.
+    /// If at most this many bytes are missing: the file states its length.
     Last(usize),
-    /// At any line's end at which something is there: such a file cannot be told from a shorter one.
+    /// If it ends at the end of a nonempty line: such a file cannot be distinguished from a shorter one.
     Lines,
-    /// The same, or before that end: a line says itself that it is whole.
+    /// The same, or just before that line's end: each line shows by itself that it is complete.
     WholeLines,
 }
 
-/// A kind of file, and a command that reads it.
+/// A kind of file, and the command that reads it.
 struct Kind {
     name: &'static str,
     content: Vec<u8>,
@@ -33,12 +27,12 @@ struct Kind {
     ends: Ends,
 }
 
-/// All kinds of files that the command reads, in a folder that has what they need besides.
+/// Every kind of file that the command reads, in a folder with the other files that the commands need.
 fn kinds(folder: &Folder) -> Vec<Kind> {
     let mesh = tetrahedron();
     let spheres = "0 0 0 1\n4 0 0 0.5\n0 4.5 0 1.25\n";
     folder.write("t.obj", obj(&mesh));
-    folder.write("arm.urdf", include_str!("../../examples/arm/arm.urdf"));
+    folder.write("arm.urdf", include_str!("../../../examples/arm/arm.urdf"));
     for (to, arity) in [("t16", "16"), ("t4", "4")] {
         let arguments = ["build", "t.obj", "-o", to, "-k", "6", "-a", arity];
         assert_eq!(folder.fate(&arguments), (0, String::new()));
@@ -50,7 +44,7 @@ fn kinds(folder: &Folder) -> Vec<Kind> {
     let mut add = |name: &'static str, content: &[u8], arguments: &[&'static str], ends| {
         kinds.push(Kind { name, content: content.to_vec(), arguments: arguments.to_vec(), ends });
     };
-    // The last line of text may lack its end only where the file says how many lines there are.
+    // The last line of text may lack its line break only where the file states the number of lines.
     add("cut.off", off(&mesh).as_bytes(), &["info", "cut.off"], Ends::Last(0));
     add("cut.ply", ply_ascii(&mesh).as_bytes(), &["info", "cut.ply"], Ends::Last(0));
     add("little.ply", &ply_binary(&mesh, false), &["info", "little.ply"], Ends::Last(0));
@@ -64,26 +58,28 @@ fn kinds(folder: &Folder) -> Vec<Kind> {
     add("cut.obj", obj(&mesh).as_bytes(), &["info", "cut.obj"], Ends::Lines);
     add("cut.txt", spheres.as_bytes(), &["info", "cut.txt"], Ends::Lines);
     add("cut.xyz", b"0 0 0\n1 2 3\n0 4 -1\n", &["near", "cut.xyz", "-r", "1"], Ends::Lines);
-    let cloud = "ply\nformat ascii 1.0\nelement vertex 2\nproperty float x\nproperty float y\nproperty float z\nend_header\n0 0 0\n1 2 3\n";
+    let cloud = "ply\nformat ascii 1.0\nelement vertex 2\n\
+                 property float x\nproperty float y\nproperty float z\nend_header\n0 0 0\n1 2 3\n";
     add("cloud.ply", cloud.as_bytes(), &["near", "cloud.ply", "-r", "1"], Ends::Last(0));
     let poses = "1 0 0 0.5  0 1 0 0  0 0 1 0\n0 -1 0 2 1 0 0 0 0 0 1 0.25\n";
     add("poses", poses.as_bytes(), &["collide", "t.obj", "t.obj", "--poses", "poses"], Ends::Lines);
     add(
         "cut.urdf",
-        include_bytes!("../../examples/arm/arm.urdf"),
+        include_bytes!("../../../examples/arm/arm.urdf"),
         &["robot", "cut.urdf", "--pairs", "10"],
         Ends::Last(1),
     );
-    let srdf: &[u8] = include_bytes!("../../examples/arm/arm.srdf");
+    let srdf: &[u8] = include_bytes!("../../../examples/arm/arm.srdf");
     add("cut.srdf", srdf, &["robot", "arm.urdf", "--srdf", "cut.srdf", "--pairs", "10"], Ends::Last(1));
-    let problems = include_str!("../../examples/arm/arm.jsonl").lines().next().unwrap();
+    let problems = include_str!("../../../examples/arm/arm.jsonl").lines().next().unwrap();
     let twice = [problems, "\n", problems, "\n"].concat();
     let arguments = ["robot", "arm.urdf", "--problems", "cut.jsonl", "--edges", "0"];
     add("cut.jsonl", twice.as_bytes(), &arguments, Ends::WholeLines);
     kinds
 }
 
-/// Exit code and message, of which no third is allowed: an answer without a message, or an error that names the program.
+/// Exit code and message. There are only two outcomes: an answer without a message, or an error that names the
+/// program.
 fn fate(folder: &Folder, kind: &Kind, what: &str) -> (i32, String) {
     let Output { status, stderr, .. } = folder.run(&kind.arguments);
     let message = String::from_utf8_lossy(&stderr).trim_end().to_owned();
@@ -126,7 +122,7 @@ fn a_file_that_ends_early_is_refused() {
     }
 }
 
-/// One bit of each byte, or all of them.
+/// Changes one bit of each byte, or all of its bits.
 #[test]
 fn a_file_with_a_changed_byte_does_no_harm() {
     let folder = Folder::new("changed");
@@ -146,7 +142,8 @@ fn a_file_with_a_changed_byte_does_no_harm() {
     assert!([0, 1, 2].iter().all(|code| codes.contains_key(code)), "all three happen: {codes:?}");
 }
 
-/// Every command that writes a file, with a limit of its size that is below what it writes, and to a device that is full.
+/// Every command that writes a file: with a limit on the file's size below what it writes, and to a full
+/// device.
 #[cfg(target_os = "linux")]
 #[test]
 fn without_room_the_old_file_stays() {
@@ -163,10 +160,11 @@ fn without_room_the_old_file_stays() {
         })
         .collect();
     folder.write("field.obj", vertices + &faces);
-    // A cube that is filled with spheres.
+    // A cube, to be packed with spheres.
     folder.write(
         "cube.off",
-        "OFF\n8 6 0\n0 0 0\n1 0 0\n0 1 0\n1 1 0\n0 0 1\n1 0 1\n0 1 1\n1 1 1\n4 0 2 3 1\n4 4 5 7 6\n4 0 1 5 4\n4 2 6 7 3\n4 0 4 6 2\n4 1 3 7 5\n",
+        "OFF\n8 6 0\n0 0 0\n1 0 0\n0 1 0\n1 1 0\n0 0 1\n1 0 1\n0 1 1\n1 1 1\n\
+         4 0 2 3 1\n4 4 5 7 6\n4 0 1 5 4\n4 2 6 7 3\n4 0 4 6 2\n4 1 3 7 5\n",
     );
     let cloud: String = (0..700).map(|i| format!("{} {} 0\n", i % 30, i / 30)).collect();
     folder.write("cloud.xyz", cloud);
@@ -217,7 +215,7 @@ fn help_that_cannot_be_written_is_an_error() {
         let output = shell.output().unwrap();
         let message = String::from_utf8(output.stderr).unwrap();
         assert_eq!(output.status.code(), Some(2), "{arguments:?}: {message}");
-        // Where the report is not built in, there is no help of it.
+        // Without the feature `report`, that command has no help.
         assert!(message.contains("No space left") || message.contains("feature"), "{arguments:?}: {message}");
     }
 }

@@ -1,9 +1,6 @@
 //! `simdop selftest`, run as a user runs it.
 
-#[path = "../../tests/support/folder.rs"]
-mod folder;
-
-use folder::Folder;
+use crate::folder::Folder;
 use serde_json::Value;
 use simdop::isa::Isa;
 
@@ -31,11 +28,11 @@ fn a_small_run_is_right_and_repeats_its_digest() {
     for key in ["pairs", "hits", "knife_edge", "exact_pairs"] {
         assert_eq!(count(&report[key]), sum(key), "{key}");
     }
-    // Not one answer for all, and hard enough.
+    // Hits and misses are both frequent, and many pairs are hard.
     assert!(sum("hits") * 5 > sum("pairs") && sum("hits") * 5 < sum("pairs") * 4, "{} hits", sum("hits"));
     assert!(sum("knife_edge") > 300 && sum("exact_pairs") > 300);
     for case in cases.iter().filter(|case| !case["case"].as_str().unwrap().contains("points")) {
-        // Trees of a trial's 64 poses, or of 4.
+        // One pair of trees for 64 poses of a trial, or for 4.
         let poses = if case["case"] == "coincident" { 4 } else { 64 };
         assert_eq!(count(&case["formats"]), count(&case["pairs"]).div_ceil(poses), "{case}");
     }

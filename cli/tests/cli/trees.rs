@@ -1,0 +1,174 @@
+//! `simdop build` and `simdop info`: trees and their options.
+
+use crate::files::{obj, off, ply_binary, tetrahedron};
+use crate::folder::Folder;
+use crate::helpers::strewn;
+use serde_json::Value;
+#[cfg(target_os = "linux")]
+use std::process::Command;
+
+#[test]
+fn info_describes_a_tree_and_proves_it() {
+    let folder = Folder::new("info");
+    let mut mesh = strewn(8, 100);
+    mesh.triangles.push([0, 0, 1]);
+    folder.write("a.off", off(&mesh));
+    let options = ["--k=14", "--arity=4", "--leaf-size=3"];
+    assert_eq!(
+        folder.fate(&[&["build", "a.off", "-o", "a.tree"], &options[..]].concat()),
+        (0, String::new())
+    );
+    let tree = folder.json(&["info", "a.tree", "--verify"]);
+    let want = [("k", 14), ("arity", 4), ("leaf_size", 3), ("triangles", 101), ("degenerate_triangles", 1)];
+    for (key, number) in want {
+        assert_eq!(tree[key], number, "{key}");
+    }
+    assert_eq!((&tree["vertex_format"], &tree["verified"]), (&"f64".into(), &true.into()));
+    assert_eq!(tree["vertices"], 300);
+    let bytes = std::fs::metadata(folder.0.join("a.tree")).unwrap().len();
+    assert_eq!(tree["total_bytes"], bytes);
+    // The decimal output may differ in the last place.
+    assert!((tree["bytes_per_triangle_total"].as_f64().unwrap() - bytes as f64 / 101.0).abs() < 1e-9);
+    let lanes = tree["lanes_used_per_node"].as_f64().unwrap();
+    assert!(lanes > 1.0 && lanes <= 4.0, "{lanes}");
+    // Each is at least 1: the root is visited, and lanes cover what their node covers.
+    for key in ["expected_visits", "mean_depth"] {
+        assert!(tree[key].as_f64().unwrap() >= 1.0, "{key}");
+    }
+    assert!(tree["area_ratio"].as_f64().unwrap() > 0.0 && tree["overlap"].as_f64().unwrap() >= 0.0);
+    assert!(tree["build_milliseconds"].is_null());
+    let mut mesh = folder.json(&[&["info", "a.off"], &options[..]].concat());
+    assert!(mesh["build_milliseconds"].take().is_number() && mesh["verified"].is_null());
+    mesh["verified"] = true.into();
+    assert_eq!(mesh, tree);
+
+    // Plane 0 of lane 0, one step below its opposite plane 1, cuts triangles off: the tree is safe to traverse,
+    // but not conservative.
+    let mut bytes = std::fs::read(folder.0.join("a.tree")).unwrap();
+    let opposite = i16::from_le_bytes([bytes[160], bytes[161]]);
+    bytes[128..130].copy_from_slice(&(!opposite - 1).to_le_bytes());
+    folder.write("low.tree", &bytes);
+    assert_eq!(folder.fate(&["info", "low.tree"]), (0, String::new()));
+    let (code, message) = folder.fate(&["info", "low.tree", "--verify"]);
+    let start = "simdop: low.tree: not conservative: plane 0 of node 0, lane 0 cuts off primitive ";
+    assert!(code == 2 && message.starts_with(start), "{message}");
+}
+
+/// A solid collides with what is inside it, and stays a solid when its tree is rebuilt. An open mesh is not a
+/// solid.
+#[test]
+fn a_closed_mesh_may_be_built_as_a_solid() {
+    let folder = Folder::new("solid");
+    let mesh = tetrahedron();
+    let mut small = mesh.clone();
+    small.vertices.iter_mut().flatten().for_each(|x| *x = 0.125 * *x + 0.125);
+    folder.write("a.off", off(&mesh));
+    folder.write("small.off", off(&small));
+    let none = (0, String::new());
+    assert_eq!(folder.fate(&["build", "a.off", "-o", "surface.tree"]), none);
+    assert_eq!(folder.fate(&["build", "a.off", "--solid", "-o", "solid.tree"]), none);
+    assert_eq!(folder.fate(&["build", "solid.tree", "-k", "14", "-o", "again.tree"]), none);
+    for (tree, is_solid) in [("surface.tree", false), ("solid.tree", true), ("again.tree", true)] {
+        let info = folder.json(&["info", tree]);
+        assert_eq!((&info["solid"], &info["parts"]), (&is_solid.into(), &1.into()), "{tree}");
+    }
+    let pose = ["--pose", "1 0 0 0  0 1 0 0  0 0 1 0"];
+    let collide = |b: &str, options: &[&str]| {
+        folder.run(&[&["collide", "small.off", b], &pose[..], options].concat()).status.code().unwrap()
+    };
+    assert_eq!((collide("surface.tree", &[]), collide("solid.tree", &[])), (0, 1));
+    assert_eq!((collide("a.off", &[]), collide("a.off", &["--solid"])), (0, 1));
+
+    let mut open = mesh;
+    open.triangles.pop();
+    folder.write("open.off", off(&open));
+    let (code, message) = folder.fate(&["build", "open.off", "--solid", "-o", "open.tree"]);
+    let start = "simdop: open.off: the mesh is open, or not oriented alike, at the edge of vertices ";
+    assert!(code == 2 && message.starts_with(start), "{message}");
+    assert!(!folder.0.join("open.tree").exists());
+}
+
+#[test]
+fn a_tree_that_is_built_again_keeps_its_k_and_arity() {
+    let folder = Folder::new("again");
+    folder.write("a.obj", obj(&strewn(12, 50)));
+    assert_eq!(folder.fate(&["build", "a.obj", "-o", "a.tree", "-k", "6", "-a", "4"]), (0, String::new()));
+    for (options, k, arity) in
+        [(&[][..], 6, 4), (&["-k", "26"], 26, 4), (&["-a", "16"], 6, 16), (&["-s", "longest-axis"], 6, 4)]
+    {
+        let fate = folder.fate(&[&["build", "a.tree", "-o", "b.tree"], options].concat());
+        assert_eq!(fate, (0, String::new()));
+        let info = folder.json(&["info", "b.tree"]);
+        assert_eq!((&info["k"], &info["arity"]), (&k.into(), &arity.into()), "{options:?}");
+    }
+}
+
+#[test]
+fn thin_slabs_may_be_left_out() {
+    let folder = Folder::new("slabs");
+    folder.write("a.obj", obj(&strewn(13, 50)));
+    assert_eq!(folder.fate(&["build", "a.obj", "-o", "with.tree"]), (0, String::new()));
+    let without = ["build", "a.obj", "-o", "without.tree", "--without-normal-slabs"];
+    assert_eq!(folder.fate(&without), (0, String::new()));
+    let [with, without] = ["with.tree", "without.tree"].map(|name| folder.json(&["info", name, "--verify"]));
+    let slabs = |report: &Value| report["bytes_per_triangle_thin_slabs"].as_f64().unwrap();
+    let nodes = with["nodes"].as_u64().unwrap();
+    assert_eq!((slabs(&with), slabs(&without)), (nodes as f64 * 16.0 * 8.0 / 50.0, 0.0));
+    let total = |report: &Value| report["total_bytes"].as_u64().unwrap();
+    // Both sizes are multiples of 64.
+    assert_eq!(total(&with), total(&without) + nodes * 16 * 8);
+    assert_eq!(folder.fate(&["collide", "with.tree", "without.tree"]), (1, String::new()));
+    let table = String::from_utf8(folder.run(&["info", "without.tree"]).stdout).unwrap();
+    assert!(table.contains("0.0   normal slabs"), "{table}");
+}
+
+#[test]
+fn options_that_do_nothing_on_a_tree_are_errors() {
+    let folder = Folder::new("idle");
+    folder.write("a.obj", obj(&tetrahedron()));
+    assert_eq!(folder.fate(&["build", "a.obj", "-o", "a.tree"]), (0, String::new()));
+    for option in [
+        "--k=18",
+        "--arity=16",
+        "--leaf-size=1",
+        "--splitter=mean-width",
+        "--without-normal-slabs",
+        "--allow-empty",
+    ] {
+        let name = option.split('=').next().unwrap();
+        let idle = format!(
+            "simdop: {name}: a.tree is a tree and stays as it is: `simdop build` makes another of it"
+        );
+        assert_eq!(folder.fate(&["info", "a.tree", option]), (2, idle.clone()));
+        assert_eq!(folder.fate(&["collide", "a.tree", "a.tree", option]), (2, idle.clone()));
+        assert_eq!(folder.fate(&["info", "a.obj", option]), (0, String::new()));
+        assert_eq!(folder.fate(&["collide", "a.tree", "a.obj", option]), (1, String::new()));
+        let want = if option == "--allow-empty" { (2, idle) } else { (0, String::new()) };
+        assert_eq!(folder.fate(&["build", "a.tree", "-o", "b.tree", option]), want);
+    }
+}
+
+/// Runs on a terminal, which `script` provides.
+#[cfg(target_os = "linux")]
+#[test]
+fn a_long_build_shows_its_share_and_the_time_left() {
+    let folder = Folder::new("progress");
+    folder.write("long.ply", ply_binary(&strewn(13, 120_000), false));
+    folder.write("short.ply", ply_binary(&strewn(13, 1000), false));
+    let shares = |mesh: &str| -> Vec<u32> {
+        let command = format!("'{}' build {mesh} -o t.tree", env!("CARGO_BIN_EXE_simdop"));
+        let mut script = Command::new("script");
+        let output = script.current_dir(&folder.0).args(["-qefc", &command, "/dev/null"]).output().unwrap();
+        let text = String::from_utf8(output.stdout).unwrap();
+        assert!(output.status.success() && text.contains("triangles, "), "{text}");
+        let drawn = text.split("building ").filter_map(|part| part.split_once(" %, "));
+        let share = |(before, after): (&str, &str)| {
+            assert!(after.split_once(" left").is_some_and(|(time, _)| time.ends_with('s')), "{after}");
+            before.rsplit(' ').next()?.parse().ok()
+        };
+        drawn.filter_map(share).collect()
+    };
+    let long = shares("long.ply");
+    assert!(long.is_sorted() && long.iter().any(|share| (1..100).contains(share)), "{long:?}");
+    assert!(shares("short.ply").is_empty(), "it is done before anybody reads");
+}
