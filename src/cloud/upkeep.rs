@@ -47,7 +47,7 @@ pub struct Upkeep {
     first: u64,
 }
 
-/// What a build costs, in calls of kernels a point and level of halving; and a refit, a point. Measured on AVX2 (`benches/MEASURED.md`).
+/// What a build costs, in calls of kernels a point and level of halving; and a refit, a point. Measured on AVX2.
 const BUILD: f64 = 0.8;
 const REFIT: f64 = 1.4;
 
