@@ -18,8 +18,6 @@
 
 #![expect(clippy::unwrap_used, reason = "a benchmark that cannot go on has failed")]
 
-#[path = "support/cpu.rs"]
-mod cpu;
 #[path = "../tests/support/data.rs"]
 mod data;
 #[path = "support/distances.rs"]
@@ -36,6 +34,8 @@ mod ablation {
     #[cfg(target_arch = "x86_64")]
     pub(crate) mod wide;
 }
+#[path = "support/page.rs"]
+mod page;
 #[path = "../tests/support/rng.rs"]
 mod rng;
 #[path = "../tests/support/shapes.rs"]
@@ -49,6 +49,7 @@ use ablation::systems::{Entrant, entrants};
 use ablation::traverse::Work;
 use data::{MeshData, Suite, directory};
 use distances::{PerDistance, poses};
+use page::show;
 use shapes::wavy_torus;
 use simdop::isa::Isa;
 use simdop::pose::Pose;
@@ -69,8 +70,12 @@ const TOUCHING: usize = 1;
 
 fn main() {
     let asked: Vec<String> = std::env::args().skip(1).filter(|arg| !arg.starts_with("--")).collect();
-    let isas: Vec<&str> = Isa::available().map(Isa::name).collect();
-    println!("{}; instruction sets: {}\n", cpu::cpu(), isas.join(", "));
+    page::begin(
+        "SIMD, arity, planes and splitter",
+        "Medians, in microseconds a query: a mesh against itself until the first hit, k = 18, one triangle a \
+         leaf. Counts are means over the poses at 0 %. Every system gives the library's verdict at every pose, \
+         which is checked first.",
+    );
     let mut all = Vec::new();
     for (name, mesh) in meshes() {
         if asked.is_empty() || asked.iter().any(|asked| asked == name) {
@@ -78,6 +83,7 @@ fn main() {
         }
     }
     summary(&all);
+    page::write();
 }
 
 /// What an idea buys: the systems without and with it, and what the paper says of it. In their names `best` stands for the best
@@ -177,21 +183,21 @@ fn summary(meshes: &[Vec<Timed>]) {
     };
     let distances = DISTANCES.map(|(name, _)| name).join(" | ");
     let rules = "---|".repeat(DISTANCES.len());
-    println!("## Times as multiples of the first system's, geometric means of {} meshes\n", meshes.len());
-    println!("| system | {distances} |\n|---|{rules}");
+    show!("## Times as multiples of the first system's, geometric means of {} meshes\n", meshes.len());
+    show!("| system | {distances} |\n|---|{rules}");
     for (i, Timed { name, .. }) in first.iter().enumerate() {
-        println!("{}", row(name, [i, 0]));
+        show!("{}", row(name, [i, 0]));
     }
-    println!("\n## What each idea buys: time without it / with it, beside what the SIMDop paper says\n");
-    println!("| idea | {distances} | the paper |\n|---|{rules}---|");
+    show!("\n## What each idea buys: time without it / with it, beside what the SIMDop paper says\n");
+    show!("| idea | {distances} | the paper |\n|---|{rules}---|");
     for Idea { what, without, with, paper } in IDEAS {
         let place = |name: &str| {
             let name = name.replace("best", Isa::detect().name());
             first.iter().position(|timed| timed.name == name)
         };
         match (place(without), place(with)) {
-            (Some(over), Some(under)) => println!("{} {paper} |", row(what, [over, under])),
-            _ => println!("| {what} | {}{paper} |", "not on this machine | ".repeat(DISTANCES.len())),
+            (Some(over), Some(under)) => show!("{} {paper} |", row(what, [over, under])),
+            _ => show!("| {what} | {}{paper} |", "not on this machine | ".repeat(DISTANCES.len())),
         }
     }
 }
@@ -217,18 +223,18 @@ fn report(name: &str, mesh: &MeshData) -> Vec<Timed> {
     check(&entrants, poses.iter().flatten());
     check(&entrants, &grazing(mesh, &entrants[0]));
     let medians = poses.each_ref().map(|poses| medians(&entrants, poses));
-    println!("## {name}, {} triangles\n", mesh.triangles.len());
+    show!("## {name}, {} triangles\n", mesh.triangles.len());
     let distances = DISTANCES.map(|(name, _)| format!("{name}, us")).join(" | ");
-    println!(
+    show!(
         "| system | bytes of nodes a triangle | {distances} | visits | DOP pairs | slabs a pair | triangle pairs |"
     );
-    println!("|---|---|{}---|---|---|---|", "---|".repeat(DISTANCES.len()));
+    show!("|---|---|{}---|---|---|---|", "---|".repeat(DISTANCES.len()));
     for (i, entrant) in entrants.iter().enumerate() {
         let times = medians.each_ref().map(|of| format!("{:.2}", of[i])).join(" | ");
         let works: Vec<Work> = poses[TOUCHING].iter().map(|pose| (entrant.collide)(pose).1).collect();
         let sum = |of: fn(&Work) -> u64| works.iter().map(of).sum::<u64>() as f64;
         let mean = |of| format!("{:.1}", sum(of) / works.len() as f64);
-        println!(
+        show!(
             "| {} | {:.0} | {times} | {} | {} | {:.2} | {} |",
             entrant.name,
             entrant.bytes as f64 / mesh.triangles.len() as f64,
@@ -238,7 +244,7 @@ fn report(name: &str, mesh: &MeshData) -> Vec<Timed> {
             mean(|w| w.primitive_pairs),
         );
     }
-    println!();
+    show!("");
     ablation::orientations::report(mesh, &poses[TOUCHING]);
     let timed = |(i, entrant): (usize, Entrant)| Timed {
         name: entrant.name,

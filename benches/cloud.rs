@@ -23,11 +23,14 @@
 
 #![expect(clippy::unwrap_used, reason = "a benchmark that cannot go on has failed")]
 
+#[path = "support/page.rs"]
+mod page;
 #[path = "../tests/support/rng.rs"]
 mod rng;
 #[path = "support/short.rs"]
 mod short;
 
+use page::show;
 use rng::Rng;
 use short::{count, is_short};
 use simdop::cloud::{
@@ -67,7 +70,12 @@ fn main() {
     let most = std::env::args().skip(1).find_map(|word| word.parse().ok()).unwrap_or(usize::MAX);
     let sizes: Vec<usize> =
         if is_short() { vec![3000] } else { SIZES.into_iter().filter(|size| *size <= most).collect() };
-    println!("{}, one thread.\n", Isa::detect());
+    page::begin(
+        "Points that move",
+        "Milliseconds, one thread: figures 10 and 19 and tables 1 and 2 of Xing, Wang and Hui, *Coherent \
+         Spherical Range-Search for Dynamic Points on GPUs* (CAD 2017). Radii and movements are shares of the \
+         cube's diagonal.",
+    );
     let files = [
         ("figure-10.csv", figure_10(&sizes)),
         ("table-1.csv", table_1(count(300_000, 3000).min(most))),
@@ -81,6 +89,7 @@ fn main() {
         std::fs::write(folder.join(file), csv).unwrap();
     }
     println!("{}", folder.display());
+    page::write();
 }
 
 fn anywhere(count: usize, rng: &mut Rng) -> Points {
@@ -187,11 +196,12 @@ fn mean(times: &[f64]) -> f64 {
 
 fn figure_10(sizes: &[usize]) -> String {
     let steps = count(STEPS, 2);
-    println!("Figure 10: {steps} steps, milliseconds a step, and rebuilds.\n");
-    println!(
+    show!("Figure 10: {steps} steps, milliseconds a step, and rebuilds.\n");
+    show!(
         "| points | movement | radius | neighbours | {0}: all | refit | search | rebuild | rebuilds | {1}: all | refit | search | rebuild | rebuilds |\n\
          |--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|",
-        POLICIES[0].0, POLICIES[1].0
+        POLICIES[0].0,
+        POLICIES[1].0
     );
     let mut csv =
         "points,movement,radius,neighbours,policy,refit_ms,search_ms,rebuild_ms,rebuilds,steps,boxes,buckets\n".to_owned();
@@ -213,12 +223,13 @@ fn figure_10(sizes: &[usize]) -> String {
                     check(&points, &points, radius, &cloud.counts);
                 }
                 let neighbours = clouds[0].work.neighbours as f64 / (steps * size) as f64;
-                print!("| {size} | {movement} | {share} | {neighbours:.1} |");
+                let mut row = format!("| {size} | {movement} | {share} | {neighbours:.1} |");
                 for ((policy, _), cloud) in policies.iter().zip(&clouds) {
                     let ([refit, search, rebuild], rebuilds) = (cloud.times(median), cloud.rebuilds.len());
                     let work = cloud.work;
                     let all = refit + search + rebuild;
-                    print!(" {all:.1} | {refit:.2} | {search:.1} | {rebuild:.2} | {rebuilds} |");
+                    write!(row, " {all:.1} | {refit:.2} | {search:.1} | {rebuild:.2} | {rebuilds} |")
+                        .unwrap();
                     writeln!(
                         csv,
                         "{size},{movement},{share},{neighbours:.2},{policy},{refit:.3},{search:.3},{rebuild:.3},{rebuilds},{steps},{},{}",
@@ -226,11 +237,11 @@ fn figure_10(sizes: &[usize]) -> String {
                     )
                     .unwrap();
                 }
-                println!();
+                show!("{row}");
             }
         }
     }
-    println!();
+    show!("");
     csv
 }
 
@@ -243,8 +254,8 @@ fn wander(points: &mut Points, range: f64, rng: &mut Rng) {
 }
 
 fn table_1(size: usize) -> String {
-    println!("Table 1: {size} points and as many queries, milliseconds and megabytes.\n");
-    println!(
+    show!("Table 1: {size} points and as many queries, milliseconds and megabytes.\n");
+    show!(
         "| radius | neighbours | seat | count | fill | nearest only | cloud, MB | neighbours, MB | nearest only, MB |\n\
          |--:|--:|--:|--:|--:|--:|--:|--:|--:|"
     );
@@ -285,8 +296,9 @@ fn table_1(size: usize) -> String {
         let [tree, all, one] = [tree, all, 4 * size].map(megabytes);
         let neighbours = work.neighbours as f64 / size as f64;
         let filled = fill.map_or_else(|| "-".to_owned(), |fill| format!("{fill:.1}"));
-        println!(
-            "| {share:.3} | {neighbours:.1} | {seat:.1} | {counted:.1} | {filled} | {nearest:.1} | {tree:.1} | {all:.1} | {one:.1} |"
+        show!(
+            "| {share:.3} | {neighbours:.1} | {seat:.1} | {counted:.1} | {filled} | {nearest:.1} | {tree:.1} | \
+             {all:.1} | {one:.1} |"
         );
         writeln!(
             csv,
@@ -294,13 +306,13 @@ fn table_1(size: usize) -> String {
         )
         .unwrap();
     }
-    println!();
+    show!("");
     csv
 }
 
 fn table_2(sizes: &[usize]) -> String {
-    println!("Table 2: milliseconds, the least of {}.\n", count(7, 2));
-    println!(
+    show!("Table 2: milliseconds, the least of {}.\n", count(7, 2));
+    show!(
         "| points | refit | build | build / refit | ns a point: refit | build |\n|--:|--:|--:|--:|--:|--:|"
     );
     let mut csv = "points,refit_ms,build_ms\n".to_owned();
@@ -318,7 +330,7 @@ fn table_2(sizes: &[usize]) -> String {
             refit = refit.min(milliseconds(start));
         }
         let per = 1e6 / size as f64;
-        println!(
+        show!(
             "| {size} | {refit:.3} | {build:.2} | {:.1} | {:.2} | {:.1} |",
             build / refit,
             refit * per,
@@ -326,7 +338,7 @@ fn table_2(sizes: &[usize]) -> String {
         );
         writeln!(csv, "{size},{refit:.4},{build:.4}").unwrap();
     }
-    println!();
+    show!("");
     csv
 }
 
@@ -405,16 +417,16 @@ fn figure_19(size: usize, steps: usize) -> String {
         splash.step(&clouds[2].cloud).unwrap();
     }
     csv.push('\n');
-    println!("Figure 19: {size} particles, {steps} steps, milliseconds a step.\n");
-    println!("| rebuild | all | refit | search | rebuild | rebuilds |\n|---|--:|--:|--:|--:|--:|");
+    show!("Figure 19: {size} particles, {steps} steps, milliseconds a step.\n");
+    show!("| rebuild | all | refit | search | rebuild | rebuilds |\n|---|--:|--:|--:|--:|--:|");
     for ((policy, _), cloud) in policies.iter().zip(&clouds) {
         let [refit, search, rebuild] = cloud.times(mean);
-        println!(
+        show!(
             "| {policy} | {:.2} | {refit:.3} | {search:.2} | {rebuild:.3} | {} |",
             refit + search + rebuild,
             cloud.rebuilds.len()
         );
     }
-    println!();
+    show!("");
     csv
 }

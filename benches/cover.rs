@@ -10,6 +10,8 @@
 mod data;
 #[path = "support/meshes.rs"]
 mod meshes;
+#[path = "support/page.rs"]
+mod page;
 #[path = "../tests/support/rng.rs"]
 mod rng;
 #[path = "../tests/support/shapes.rs"]
@@ -21,6 +23,7 @@ mod suites;
 
 use data::{MeshData, directory};
 use meshes::SCENES;
+use page::show;
 use short::count;
 use simdop::construct::{BuildError, Builder, Mesh, SphereSet};
 use simdop::hierarchy::Bvh;
@@ -41,14 +44,13 @@ const PASSES: usize = 7;
 const ERRORS: [f64; 3] = [0.02, 0.01, 0.005];
 
 fn main() {
-    println!(
-        "Microseconds a query, medians: the mesh, its spheres, its spheres against the mesh. {}.\n",
-        Isa::detect()
+    page::begin(
+        "Covers",
+        "Medians, in microseconds a query: a mesh against itself / the tree of the spheres that cover it / these \
+         spheres against the mesh. Errors are shares of the diagonal.",
     );
-    println!(
-        "| mesh | as | error | spheres | cover, s | bytes, of the mesh's | 1 % deep | 0 % | 1 % | 5 % |"
-    );
-    println!("|---|---|--:|--:|--:|--:|--:|--:|--:|--:|");
+    show!("| mesh | as | error | spheres | cover, s | bytes, of the mesh's | 1 % deep | 0 % | 1 % | 5 % |");
+    show!("|---|---|--:|--:|--:|--:|--:|--:|--:|--:|");
     let mut meshes = vec![("torus".to_owned(), shapes::wavy_torus(count(20_000, 1000) as u32))];
     if let Some(data) = directory() {
         for scene in &SCENES {
@@ -64,6 +66,7 @@ fn main() {
             }
         }
     }
+    page::write();
 }
 
 fn row(name: &str, data: &MeshData, share: f64, is_solid: bool) {
@@ -122,7 +125,7 @@ fn row(name: &str, data: &MeshData, share: f64, is_solid: bool) {
         };
         cells.push(format!("{:.2} / {:.2} / {:.2}", median(0), median(1), median(2)));
     }
-    println!(
+    show!(
         "| {name} | {} | {share} | {} | {seconds:.2} | {:.3} | {} |",
         if is_solid { "solid" } else { "surface" },
         spheres.len(),

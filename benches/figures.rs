@@ -18,6 +18,8 @@ mod figures {
     pub(crate) mod decimate;
     pub(crate) mod plot;
 }
+#[path = "support/page.rs"]
+mod page;
 #[path = "../tests/support/rng.rs"]
 mod rng;
 #[path = "support/short.rs"]
@@ -26,6 +28,7 @@ mod short;
 use data::{GAPS, MeshData, Suite, directory};
 use figures::decimate::{MODELS, series};
 use figures::plot::{Curve, plot};
+use page::show;
 use short::{count, is_short, some};
 use simdop::construct::{Builder, Magnification, Mesh, Splitter};
 use simdop::hierarchy::Bvh;
@@ -71,6 +74,11 @@ struct Row {
 
 fn main() {
     let Some(data) = directory() else { return };
+    page::begin(
+        "Splitters: queries and builds",
+        "Milliseconds a build, microseconds a query, k = 32, arity 16, a mesh against itself. *Pays after*: as \
+         many queries save what the build takes longer than that of the fast preset.",
+    );
     let mut rows = Vec::new();
     for &model in some(&MODELS) {
         let mesh = MeshData::obj(&data.join("meshes").join(model).with_extension("obj"));
@@ -100,7 +108,8 @@ fn main() {
         }
     }
     println!("{}", folder.display());
-    print!("{}", pay_offs(&rows));
+    show!("{}", pay_offs(&rows).trim_end());
+    page::write();
 }
 
 fn build<N: Lanes>(mesh: &MeshData, splitter: Splitter) -> Bvh<N> {
@@ -190,7 +199,8 @@ fn csv(rows: &[Row]) -> String {
 /// full, 1vs16.
 fn pay_offs(rows: &[Row]) -> String {
     let mut text = String::from(
-        "| model | splitter | build, ms | touching, us | pays after | 1 % apart, us | pays after |\n|---|---|---|---|---|---|---|\n",
+        "| model | splitter | build, ms | touching, us | pays after | 1 % apart, us | pays after \
+         |\n|---|---|---|---|---|---|---|\n",
     );
     for model in MODELS {
         let wide = || rows.iter().filter(|row| row.model == model && row.arity == 16);

@@ -14,6 +14,8 @@
 
 #![expect(clippy::unwrap_used, reason = "a bench that cannot go on has failed")]
 
+#[path = "support/page.rs"]
+mod page;
 #[path = "../tests/support/rng.rs"]
 mod rng;
 #[path = "support/short.rs"]
@@ -22,6 +24,7 @@ mod short;
 mod warm;
 
 use core::ops::ControlFlow;
+use page::show;
 use rng::Rng;
 use simdop::construct::gpu::Spent;
 use simdop::construct::{Assignment, Clustering};
@@ -109,8 +112,9 @@ impl Bench {
         let whole = median(whole);
         let part = |of: fn(&Spent) -> Duration| median(parts.iter().map(of).collect());
         let text = |value: Option<f64>| value.map_or(String::new(), |value| format!("{value:.1}"));
-        println!(
-            "| {kind} | {arity} | {count} | {} | {all:.1} | {after_pause:.1} | {whole:.1} | {:.1} | {:.1} | {:.1} | {} | {:.1} | {:.0} |",
+        show!(
+            "| {kind} | {arity} | {count} | {} | {all:.1} | {after_pause:.1} | {whole:.1} | {:.1} | {:.1} | {:.1} \
+             | {} | {:.1} | {:.0} |",
             text(one),
             part(|s| s.upload),
             part(|s| s.device),
@@ -129,8 +133,12 @@ fn main() {
         .unwrap_or(short::count(100_000, COUNTS[0]));
     let pool = |threads| rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
     let bench = Bench { gpu: Gpu::new().unwrap(), one: pool(1), all: pool(0) };
+    page::begin(
+        "Batch Neural Gas on a device",
+        "Medians, in milliseconds a tree. Every tree is compared with the scalar builder's.",
+    );
     let info = bench.gpu.info();
-    println!(
+    show!(
         "{} ({} {}, {:?}), native 64-bit sums: {}; {} threads",
         info.name,
         info.driver,
@@ -139,10 +147,11 @@ fn main() {
         bench.gpu.has_int64(),
         bench.all.current_num_threads()
     );
-    println!(
-        "\n| | lanes | primitives | 1 thread | all threads | device, after a pause | device | of it upload | kernels | download | 1 thread / device | all threads / device | bytes a primitive |"
+    show!(
+        "\n| | lanes | primitives | 1 thread | all threads | device, after a pause | device | of it upload | \
+         kernels | download | 1 thread / device | all threads / device | bytes a primitive |"
     );
-    println!("|---|---|---|---|---|---|---|---|---|---|---|---|---|");
+    show!("|---|---|---|---|---|---|---|---|---|---|---|---|---|");
     let mut rng = Rng::new(1);
     let small = spheres(&mut rng, 1000);
     for arity in [16, 4] {
@@ -157,4 +166,5 @@ fn main() {
             }
         }
     }
+    page::write();
 }

@@ -13,6 +13,8 @@
 
 #![expect(clippy::unwrap_used, reason = "a bench that cannot go on has failed")]
 
+#[path = "support/page.rs"]
+mod page;
 #[path = "../tests/support/rng.rs"]
 mod rng;
 #[path = "support/short.rs"]
@@ -20,6 +22,7 @@ mod short;
 #[path = "support/warm.rs"]
 mod warm;
 
+use page::show;
 use rng::Rng;
 use short::count;
 use simdop::cloud::gpu::{DeviceCloud, DeviceTimes};
@@ -45,7 +48,7 @@ fn print(what: &str, points: usize, cpu: Vec<Duration>, device: &[DeviceTimes], 
     let part = |of: fn(&DeviceTimes) -> Duration| median(device.iter().map(of).collect());
     let (cpu, kernels) = (median(cpu), part(|times| times.device));
     let moved = part(|times| times.upload + times.download);
-    println!(
+    show!(
         "| {points} | {what} | {cpu:.2} | {kernels:.2} | {moved:.2} | {:.2} | {:.2} | {note} |",
         cpu / kernels,
         cpu / (kernels + moved)
@@ -144,17 +147,16 @@ fn main() {
     let most =
         std::env::args().skip(1).find_map(|word| word.parse().ok()).unwrap_or(count(131_072, COUNTS[0]));
     let gpu = Gpu::new().unwrap();
-    let info = gpu.info();
-    println!(
-        "{} ({} {}, {:?}); CPU: {}",
-        info.name,
-        info.driver,
-        info.driver_info,
-        info.backend,
-        Isa::detect()
+    page::begin(
+        "Points on a device",
+        "Medians, in milliseconds, uniform points, some 30 neighbours each. *In and out*: transfers to the device \
+         and back.",
     );
-    println!(
-        "\n| points | | CPU, one core | device | in and out | CPU / device | CPU / all of it | |\n|---|---|---|---|---|---|---|---|"
+    let info = gpu.info();
+    show!("{} ({} {}, {:?}); CPU: {}", info.name, info.driver, info.driver_info, info.backend, Isa::detect());
+    show!(
+        "\n| points | | CPU, one core | device | in and out | CPU / device | CPU / all of it | \
+         |\n|---|---|---|---|---|---|---|---|"
     );
     let warm = PointCloud::new(&[[0.0; 3]; 100]).unwrap();
     let mut on_device = DeviceCloud::new(&gpu, &warm.view()).unwrap();
@@ -162,4 +164,5 @@ fn main() {
     for points in COUNTS.into_iter().filter(|points| *points <= most) {
         row(&gpu, points, if points > 500_000 { 3 } else { count(5, 1) });
     }
+    page::write();
 }

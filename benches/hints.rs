@@ -11,6 +11,8 @@
 
 #[path = "../tests/support/data.rs"]
 mod data;
+#[path = "support/page.rs"]
+mod page;
 #[path = "../tests/support/rng.rs"]
 mod rng;
 #[path = "support/short.rs"]
@@ -20,6 +22,7 @@ mod suites;
 
 use data::{MeshData, directory};
 use glam::{DMat3, DQuat, DVec3};
+use page::show;
 use rng::Rng;
 use short::{count, some};
 use simdop::construct::{Builder, Mesh};
@@ -49,14 +52,17 @@ type Tree<'t> = BvhRef<'t, Node16<18>>;
 
 fn main() {
     let Some(data) = directory() else { return };
-    println!(
-        "Microseconds a query without hints, with them, and the ratio: medians over {} sweeps of {} steps. {}.\n",
-        sweeps(),
-        steps(),
-        Isa::detect()
+    page::begin(
+        "Hints",
+        &format!(
+            "Microseconds a query without hints, with the hint of the step before, and the ratio: medians over {} \
+             sweeps of {} steps.",
+            sweeps(),
+            steps()
+        ),
     );
-    println!("| mesh | sweep | steps in contact | collide | hinted | ratio | distance | hinted | ratio |");
-    println!("|---|---|--:|--:|--:|--:|--:|--:|--:|");
+    show!("| mesh | sweep | steps in contact | collide | hinted | ratio | distance | hinted | ratio |");
+    show!("|---|---|--:|--:|--:|--:|--:|--:|--:|");
     for model in some(&MODELS) {
         let mesh = MeshData::obj(&data.join("meshes").join(model).with_extension("obj"));
         let baked = Mesh { vertices: &mesh.vertices, triangles: &mesh.triangles };
@@ -80,6 +86,7 @@ fn main() {
             row(model, name, &tree.view(), &sweeps);
         }
     }
+    page::write();
 }
 
 fn row(model: &str, name: &str, tree: &Tree<'_>, sweeps: &[Vec<Pose>]) {
@@ -93,7 +100,7 @@ fn row(model: &str, name: &str, tree: &Tree<'_>, sweeps: &[Vec<Pose>]) {
         (found.hint, found.upper)
     };
     let hits = sweeps.iter().flatten().filter(|pose| query.collide(tree, tree, pose).hit().is_some()).count();
-    println!(
+    show!(
         "| {model} | {name} | {:.0} % | {} | {} |",
         100.0 * hits as f64 / (sweeps.len() * steps()) as f64,
         compared(sweeps, collide),

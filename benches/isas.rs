@@ -5,12 +5,12 @@
 
 #![expect(clippy::unwrap_used, reason = "a benchmark that cannot go on has failed")]
 
-#[path = "support/cpu.rs"]
-mod cpu;
 #[path = "../tests/support/data.rs"]
 mod data;
 #[path = "support/meshes.rs"]
 mod meshes;
+#[path = "support/page.rs"]
+mod page;
 #[path = "../tests/support/rng.rs"]
 mod rng;
 #[path = "../tests/support/shapes.rs"]
@@ -22,6 +22,7 @@ mod suites;
 
 use data::{MeshData, directory};
 use meshes::SCENES;
+use page::show;
 use short::count;
 use simdop::construct::{Builder, Mesh};
 use simdop::isa::Isa;
@@ -39,9 +40,13 @@ fn main() {
     let isas: Vec<Isa> = Isa::available().collect();
     let columns: Vec<&str> = isas.iter().map(|isa| isa.name()).collect();
     let ratios: Vec<String> = isas.windows(2).map(|two| format!("{} / {}", two[1], two[0])).collect();
-    println!("Microseconds a query, median / mean / p99; ratios of medians and means. {}.\n", cpu::cpu());
-    println!("| A, B | k | distance | {} | {} |", columns.join(" | "), ratios.join(" | "));
-    println!("|---|--:|---|{}", "--:|".repeat(columns.len() + ratios.len()));
+    page::begin(
+        "Instruction sets",
+        "Microseconds a query, median / mean / p99, with ratios of medians and means. Verdicts and counters are \
+         compared first.",
+    );
+    show!("| A, B | k | distance | {} | {} |", columns.join(" | "), ratios.join(" | "));
+    show!("|---|--:|---|{}", "--:|".repeat(columns.len() + ratios.len()));
     let torus = shapes::wavy_torus(count(20_000, 1000) as u32);
     let mut pairs = vec![("torus", torus.clone(), torus)];
     if let Some(data) = directory() {
@@ -62,19 +67,21 @@ fn main() {
             all.extend(rows::<Node16<32>>(&isas, name, a, b));
         }
     }
+    show!("");
     for (i, ratio) in ratios.iter().enumerate() {
         for (j, what) in ["medians", "means", "p99"].into_iter().enumerate() {
             let mut found: Vec<f64> = all.iter().map(|row| row[i + 1][j] / row[i][j]).collect();
             let mean = (found.iter().map(|x| x.ln()).sum::<f64>() / found.len() as f64).exp();
             found.sort_by(f64::total_cmp);
-            println!(
-                "{ratio}, {what}: {:.3} to {:.3}, in the middle {:.3}, geometric mean {mean:.3}",
+            show!(
+                "* {ratio}, {what}: {:.3} to {:.3}, in the middle {:.3}, geometric mean {mean:.3}",
                 found[0],
                 found[found.len() - 1],
                 found[found.len() / 2]
             );
         }
     }
+    page::write();
 }
 
 /// Median, mean and 99th percentile of each instruction set, by distance.
@@ -120,7 +127,7 @@ fn rows<N: Dop + Lanes>(isas: &[Isa], name: &str, a: &MeshData, b: &MeshData) ->
             .windows(2)
             .map(|two| format!("{:.2}, {:.2}", two[1][0] / two[0][0], two[1][1] / two[0][1]))
             .collect();
-        println!("| {name} | {} | {distance} | {} | {} |", N::K, cells.join(" | "), ratios.join(" | "));
+        show!("| {name} | {} | {distance} | {} | {} |", N::K, cells.join(" | "), ratios.join(" | "));
         found.push(figures);
     }
     found

@@ -3,7 +3,8 @@
 //!
 //! ```sh
 //! cargo bench --bench kernel                        # criterion: kernel/1v16/k18/L1/avx2 ..
-//! SIMDOP_SUMMARY=1 cargo bench --bench kernel       # the table of benches/MEASURED.md: all variants in turn, medians
+//! SIMDOP_SUMMARY=1 cargo bench --bench kernel       # tables: all variants in turn, medians
+//! SIMDOP_PAGES=1 cargo bench --bench kernel         # the same, as a page of benches/results
 //! cargo bench --bench kernel -- --test              # everything once, on a small shape
 //! ```
 //!
@@ -13,6 +14,8 @@
 
 #[path = "../tests/support/data.rs"]
 mod data;
+#[path = "support/page.rs"]
+mod page;
 #[path = "../tests/support/rng.rs"]
 mod rng;
 #[path = "../tests/support/shapes.rs"]
@@ -21,6 +24,7 @@ mod support;
 
 use core::ops::Range;
 use criterion::{Criterion, Throughput};
+use page::show;
 use simdop::isa::{Isa, on_isa};
 use simdop::node::{Node4, Node16};
 use simdop::query::Lanes;
@@ -165,15 +169,18 @@ impl Row {
     fn print_summary(&self) {
         let medians = self.medians(15);
         let percent = 100.0 * self.separated;
-        println!(
+        show!(
             "\n{} k = {}, {}: {} calls, {percent:.0} % of the masks empty\n\n| variant | ns a node | GB/s | x scalar | x papers' |\n|---|---|---|---|---|",
-            self.kernel, self.k, self.level, self.calls
+            self.kernel,
+            self.k,
+            self.level,
+            self.calls
         );
         let of = |name: &str| self.benches.iter().position(|bench| bench.name == name).map(|i| medians[i]);
         for (bench, ns) in self.benches.iter().zip(&medians) {
             let ratio = |base: Option<f64>| base.map_or("-".into(), |base| format!("{:.2}", base / ns));
             let (scalar, papers) = (ratio(of("scalar")), ratio(of("papers-avx2")));
-            println!("| {} | {ns:.2} | {:.1} | {scalar} | {papers} |", bench.name, self.bytes as f64 / ns);
+            show!("| {} | {ns:.2} | {:.1} | {scalar} | {papers} |", bench.name, self.bytes as f64 / ns);
         }
     }
 }
@@ -191,8 +198,15 @@ fn for_each_row(mut visit: impl FnMut(Row)) {
 }
 
 fn main() {
-    if std::env::var_os("SIMDOP_SUMMARY").is_some() {
+    if std::env::var_os("SIMDOP_SUMMARY").is_some() || page::is_wanted() {
+        page::begin(
+            "Kernels",
+            "Nanoseconds a call of an overlap kernel, medians, on the calls of real queries: cow and armadillo \
+             against themselves, almost touching. *Papers*: the kernels of the SIMDop paper. Every variant gives \
+             the scalar kernel's masks, which is checked first.",
+        );
         for_each_row(|row| row.print_summary());
+        page::write();
         return;
     }
     let short = Criterion::default()

@@ -9,6 +9,8 @@
 
 #[path = "../tests/support/data.rs"]
 mod data;
+#[path = "support/page.rs"]
+mod page;
 #[path = "../tests/support/rng.rs"]
 mod rng;
 #[path = "../tests/support/shapes.rs"]
@@ -20,6 +22,7 @@ mod suites;
 
 use data::{MeshData, directory};
 use glam::{DAffine3, DMat3, DVec3};
+use page::show;
 use short::count;
 use simdop::construct::{Builder, Mesh};
 use simdop::hierarchy::BvhRef;
@@ -41,9 +44,13 @@ fn mesh(parts: &MeshData) -> Mesh<'_> {
 }
 
 fn main() {
-    println!("Microseconds a query, median / mean / p99, as given and exchanged. {}.\n", Isa::detect());
-    println!("| A | B | distance | as given | exchanged | ratio of means |");
-    println!("|---|---|---|--:|--:|--:|");
+    page::begin(
+        "Order of the bodies, and far pairs",
+        "Microseconds a query, median / mean / p99: the bodies as given, and exchanged at the inverse poses. \
+         *Far*: two diagonals beyond 5 %.",
+    );
+    show!("| A | B | distance | as given | exchanged | ratio of means |");
+    show!("|---|---|---|--:|--:|--:|");
     let room = shapes::room(count(20_000, 1000) as u32);
     let mut pairs =
         vec![("torus", "room", shapes::scaled(&shapes::wavy_torus(5000), 0.3, [0.0; 3]), room.clone())];
@@ -73,6 +80,7 @@ fn main() {
         let far = lines.iter().map(|line| beyond(line, a.diagonal() + b.diagonal())).collect::<Vec<_>>();
         row([name_a, name_b, "far"], &tree_a.view(), &tree_b.view(), &far);
     }
+    page::write();
 }
 
 /// On along the line, by this much.
@@ -120,7 +128,7 @@ fn row([name_a, name_b, distance]: [&str; 3], a: &Tree<'_>, b: &Tree<'_>, poses:
         format!("{:.3} / {mean:.3} / {:.2}", times[times.len() / 2], times[times.len() * 99 / 100])
     };
     let [mut given, mut exchanged] = times;
-    println!(
+    show!(
         "| {name_a} | {name_b} | {distance} | {} | {} | {:.2} |",
         cell(&mut given, means[0]),
         cell(&mut exchanged, means[1]),

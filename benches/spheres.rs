@@ -26,6 +26,8 @@
 mod data;
 #[path = "../tests/support/lens.rs"]
 mod lens;
+#[path = "support/page.rs"]
+mod page;
 #[path = "../tests/support/rng.rs"]
 mod rng;
 #[path = "support/short.rs"]
@@ -44,6 +46,7 @@ mod spheres {
 }
 
 use data::directory;
+use page::show;
 use short::{count, is_short};
 use spheres::bounds;
 use spheres::construction;
@@ -73,33 +76,36 @@ fn main() {
         .collect();
 
     let makers = Makers::new();
-    println!("Construction, figures 7 and 8 ({}):\n", makers.describe());
+    page::begin(
+        "Sphere trees",
+        "Milliseconds a build, microseconds a query: figures 7, 8 and 10 of Weller et al., *Massively Parallel \
+         Batch Neural Gas for Bounding Volume Hierarchy Construction* (VRIPHYS 2014), for packings of spheres.",
+    );
+    show!("Construction, figures 7 and 8 ({}):\n", makers.describe());
     let built = construction::measure(&models, &sizes, &makers);
-    println!("{}", construction::table(&built));
+    show!("{}", construction::table(&built));
 
     let (mut asked, mut weights, mut bounds) = (Vec::new(), Vec::new(), Vec::new());
     for [a, b] in SCENES.into_iter().take(count(SCENES.len(), 1)) {
         for &size in &sizes {
             let scene = Scene::new(&models[a], &models[b], size);
-            println!("{}.", scene.describe());
+            show!("* {}.", scene.describe());
             scene.measure(&mut asked);
             scene.weights(&mut weights);
             bounds.push(bounds::measure(&scene));
         }
     }
-    println!("\nQueries, figure 10, penetration volume (in brackets: over the first):\n");
-    println!("{}", report::table(&asked, |row| row.volume));
-    println!("Queries, yes or no:\n\n{}", report::table(&asked, |row| row.verdict));
-    println!(
-        "All scenes and sizes, geometric means of the ratios to the first:\n\n{}",
-        report::summary(&asked)
+    show!("\nQueries, figure 10, penetration volume (in brackets: over the first):\n");
+    show!("{}", report::table(&asked, |row| row.volume));
+    show!("Queries, yes or no:\n\n{}", report::table(&asked, |row| row.verdict));
+    show!("All scenes and sizes, geometric means of the ratios to the first:\n\n{}", report::summary(&asked));
+    show!("Volumes as weights, work with over work without (least to most over the starts):\n");
+    show!("{}", report::table_of_weights(&weights));
+    show!(
+        "Bounds of volumes with a part of the visits, estimates and their errors, over the volume, medians of the \
+         poses that share one:\n"
     );
-    println!("Volumes as weights, work with over work without (least to most over the starts):\n");
-    println!("{}", report::table_of_weights(&weights));
-    println!(
-        "Bounds of volumes with a part of the visits, estimates and their errors, over the volume, medians of the poses that share one:\n"
-    );
-    println!("{}", bounds::table(&bounds));
+    show!("{}", bounds::table(&bounds));
 
     let name = if is_short() { "spheres-short" } else { "spheres" };
     let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).with_file_name(name);
@@ -107,4 +113,5 @@ fn main() {
     std::fs::write(folder.join("construction.csv"), construction::csv(&built)).unwrap();
     std::fs::write(folder.join("queries.csv"), report::csv(&asked)).unwrap();
     println!("{}", folder.display());
+    page::write();
 }

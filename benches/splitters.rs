@@ -10,6 +10,8 @@
 mod data;
 #[path = "support/distances.rs"]
 mod distances;
+#[path = "support/page.rs"]
+mod page;
 #[path = "../tests/support/rng.rs"]
 mod rng;
 #[path = "support/short.rs"]
@@ -19,6 +21,7 @@ mod suites;
 
 use data::{MeshData, directory};
 use distances::{PerDistance, poses};
+use page::show;
 use short::{count, some};
 use simdop::construct::{Builder, Magnification, Mesh, Splitter};
 use simdop::hierarchy::Bvh;
@@ -46,20 +49,26 @@ const POSES: usize = 1600;
 
 fn main() {
     let Some(data) = directory() else { return };
-    println!("| mesh | splitter | {} |", DISTANCES.map(|(name, _)| name).join(" | "));
-    println!("|---|---|{}", "---|".repeat(DISTANCES.len()));
+    page::begin(
+        "Visits by splitter",
+        "Visits of pairs of nodes a query, means over the poses: a mesh against itself, k = 18, arity 16, one \
+         triangle a leaf. The counts are the same on every machine.",
+    );
+    show!("| mesh | splitter | {} |", DISTANCES.map(|(name, _)| name).join(" | "));
+    show!("|---|---|{}", "---|".repeat(DISTANCES.len()));
     let mut fewest = 0;
     for model in some(&MODELS) {
         let mesh = MeshData::obj(&data.join("meshes").join(model).with_extension("obj"));
         let poses = poses(&mesh, count(POSES, 8));
         let visits = SPLITTERS.map(|(_, splitter)| visits(&build(&mesh, splitter), &poses));
         for ((splitter, _), visits) in SPLITTERS.iter().zip(&visits) {
-            println!("| {model} | {splitter} | {} |", visits.map(|v| format!("{v:.2}")).join(" | "));
+            show!("| {model} | {splitter} | {} |", visits.map(|v| format!("{v:.2}")).join(" | "));
         }
         let [rivals @ .., best] = &visits;
         fewest += usize::from(rivals.iter().all(|rival| best.iter().zip(rival).all(|(best, r)| best <= r)));
     }
-    println!("\nThe last needs the fewest at all distances on {fewest} of {} meshes.", some(&MODELS).len());
+    show!("\nThe last needs the fewest at all distances on {fewest} of {} meshes.", some(&MODELS).len());
+    page::write();
 }
 
 fn build<N: Lanes>(mesh: &MeshData, splitter: Splitter) -> Bvh<N> {

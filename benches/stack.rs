@@ -8,8 +8,12 @@
 #![expect(unsafe_code, reason = "the stack below the own frame is nobody's variable")]
 #![expect(clippy::unwrap_used, reason = "a benchmark that cannot go on has failed")]
 
+#[path = "support/page.rs"]
+mod page;
+
 use core::hint::black_box;
 use core::ops::ControlFlow;
+use page::show;
 use simdop::construct::{Builder, Mesh};
 use simdop::hierarchy::BvhRef;
 use simdop::isa::Isa;
@@ -119,7 +123,7 @@ fn rows<N: Lanes>() {
             take(4, &mut || _ = black_box(body.verify()));
         }
         assert!(exact > 0, "some poses need exact arithmetic");
-        println!(
+        show!(
             "| {} | {} | {isa} | {} |",
             N::ARITY,
             N::K,
@@ -129,10 +133,16 @@ fn rows<N: Lanes>() {
 }
 
 fn main() {
-    println!("STACK_BYTES {STACK_BYTES}, DISTANCE_STACK_BYTES {DISTANCE_STACK_BYTES}\n");
-    println!("| arity | k | isa | collide | within, for_each_pair | distance | from_bytes | verify |");
-    println!("|--:|--:|---|--:|--:|--:|--:|--:|");
+    page::begin(
+        "Stack",
+        "Bytes of stack that a query takes below its caller's frame, the greatest over poses of a torus and a \
+         cube against themselves.",
+    );
+    show!("STACK_BYTES {STACK_BYTES}, DISTANCE_STACK_BYTES {DISTANCE_STACK_BYTES}\n");
+    show!("| arity | k | isa | collide | within, for_each_pair | distance | from_bytes | verify |");
+    show!("|--:|--:|---|--:|--:|--:|--:|--:|");
     macro_rules! all { ($($node:ty)*) => { $( rows::<$node>(); )* }; }
     // The default, and what takes the most.
     all!(Node16<18> Node16<32> Node4<18> Node4<32>);
+    page::write();
 }

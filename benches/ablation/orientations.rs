@@ -4,6 +4,7 @@
 //! can leave when all of them are separated, as the paper's does, or not at all, as the library's at k = 18.
 
 use crate::data::MeshData;
+use crate::page::show;
 use crate::support::bodies::Scene;
 use crate::support::record::{Arity, record};
 use simdop::construct::{Builder, Mesh};
@@ -12,7 +13,7 @@ use simdop::pose::Pose;
 
 /// Prints slabs a pair of DOPs, mean over the kernel calls of free poses.
 pub(crate) fn report(mesh: &MeshData, poses: &[Pose]) {
-    println!("| kernel | slabs | one pair after the other | till all 16 are separated |\n|---|---|---|---|");
+    show!("| kernel | slabs | one pair after the other | till all 16 are separated |\n|---|---|---|---|");
     row::<Node16<18>>("1vs16", mesh, poses, |query, lane, node| {
         slabs(18, 16, |j, i| query[j][lane] > node.planes[j][i])
     });
@@ -25,7 +26,7 @@ pub(crate) fn report(mesh: &MeshData, poses: &[Pose]) {
     row::<Node4<32>>("4vs4", mesh, poses, |query, _, node| {
         slabs(32, 16, |j, i| query[j][i / 4] > node.planes[j][i % 4])
     });
-    println!();
+    show!("");
 }
 
 /// Slabs that the scalar tests of a call's pairs need, and that each pair gets if they are tested till the
@@ -56,5 +57,5 @@ fn row<N: Arity>(
         sums = [sums[0] + one, sums[1] + all];
     }
     let [one, all] = sums.map(|sum| sum as f64 / pairs);
-    println!("| {name} | {} | {one:.2} | {all:.2} |", N::K / 2);
+    show!("| {name} | {} | {one:.2} | {all:.2} |", N::K / 2);
 }

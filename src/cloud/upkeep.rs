@@ -48,7 +48,7 @@ pub struct Upkeep {
 }
 
 /// Cost of a build, in kernel calls per point and level of halving, and of a refit, per point. Measured on AVX2
-/// (`benches/MEASURED.md`).
+/// (`benches/results`).
 const BUILD: f64 = 0.8;
 const REFIT: f64 = 1.4;
 

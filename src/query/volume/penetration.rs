@@ -27,7 +27,7 @@ pub struct Penetration {
     /// What the volume of a complete search probably is, if that is not known: `volume` and what waits, as if spheres were
     /// spread evenly in the balls that hold them. Not a bound, but between `volume` and `upper`, and nearer than both:
     /// with a tenth of the visits, of packings of 2,000 and 10,000 spheres, 2 to 5 % off in the median, and far too large
-    /// where little is shared (`benches/MEASURED.md`). Without balls, and before the first visit, `volume`.
+    /// where little is shared (`benches/results/spheres.md`). Without balls, and before the first visit, `volume`.
     pub estimate: f64,
     /// Where A is pushed: the mean, weighted by volume, of the unit vectors from the centres of B's spheres to those of
     /// A's. As long as 1 if all agree, shorter the less they do.
