@@ -125,10 +125,10 @@ struct Absent {
 /// What hierarchy a mesh becomes. A tree is what it is: where there are only trees, these are errors.
 #[derive(Args, Clone, Default, Debug)]
 struct TreeOptions {
-    /// Planes of a volume: 6, 14, 18, 26 or 32 [default: 18, or that of a given tree].
+    /// Planes of a volume: 6, 14, 18 or 26 [default: 18, or that of a given tree].
     #[arg(short, long, value_parser = k)]
     k: Option<usize>,
-    /// Children of a node: 4 or 16 [default: 16, or that of a given tree].
+    /// Children of a node: 16, or 4 with k = 18 [default: 16, or that of a given tree].
     #[arg(short, long, value_parser = arity)]
     arity: Option<usize>,
     /// Triangles in a leaf, at most: 1 to 16 [default: 1].
@@ -204,7 +204,7 @@ fn one_of(text: &str, allowed: &[usize]) -> Result<usize, String> {
 }
 
 fn k(text: &str) -> Result<usize, String> {
-    one_of(text, &[6, 14, 18, 26, 32])
+    one_of(text, &[6, 14, 18, 26])
 }
 
 fn arity(text: &str) -> Result<usize, String> {

@@ -8,11 +8,11 @@ use core::ops::ControlFlow;
 macro_rules! build_any {
     ($d:tt $($variant:ident $node:ident $arity:literal $k:literal),*) => {
         impl Builder {
-            /// [`Builder::build_geometry`] for a k in 6, 14, 18, 26, 32 and an arity of 4 or 16.
+            /// [`Builder::build_geometry`] for a k of 6, 14, 18 or 26 at arity 16, or k = 18 at arity 4.
             ///
             /// # Errors
             /// [`BuildError::NodeType`] for any other; else as [`Builder::build_geometry`].
-            // Compiled where it is used: for ten node types.
+            // Compiled where it is used: for five node types.
             #[inline]
             pub fn build_any<G: Geometry>(
                 &self,

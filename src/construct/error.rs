@@ -82,7 +82,10 @@ impl fmt::Display for BuildError {
             Self::Open { edge, corners, forward, backward } => {
                 OpenEdge { edge, corners, forward, backward }.fmt(f)
             }
-            Self::NodeType { k, arity } => write!(f, "there are no nodes of k = {k} and arity {arity}"),
+            Self::NodeType { k, arity } => write!(
+                f,
+                "no nodes of k = {k} and arity {arity} at run time: k is 6, 14, 18 or 26 at arity 16, and 18 at arity 4"
+            ),
             Self::TooDeep => f.write_str("the tree would be too deep"),
             Self::Assignment { problem } => write!(f, "the assignment is no tree: {problem}"),
             Self::Cancelled => f.write_str("the build was cancelled"),

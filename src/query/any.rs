@@ -64,7 +64,7 @@ fn other_node<P: Primitive, Q: Primitive>(a: &AnyBvhRef<'_, P>, b: &AnyBvhRef<'_
     AnyError::OtherNode { a: shape(a.header()), b: shape(b.header()) }
 }
 
-// `inline`, so that the ten node types are compiled where they are used, and not for everyone.
+// `inline`, so that the five node types are compiled where they are used, and not for everyone.
 impl Query {
     /// [`Query::collide`].
     ///

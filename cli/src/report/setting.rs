@@ -23,8 +23,8 @@ pub(super) enum Sweep {
     Full,
 }
 
-const KS: [usize; 5] = [6, 14, 18, 26, 32];
-const ARITIES: [usize; 2] = [16, 4];
+/// k and arity.
+const NODES: [(usize, usize); 5] = [(6, 16), (14, 16), (18, 16), (26, 16), (18, 4)];
 const LEAF_SIZES: [u32; 4] = [1, 2, 4, 8];
 
 /// What the library builds unless told otherwise.
@@ -36,10 +36,10 @@ impl Sweep {
     pub(super) fn settings(self) -> Vec<Setting> {
         let mut all = Vec::new();
         for &splitter in SplitterName::value_variants() {
-            for (has_normal_slabs, arity) in
-                [true, false].into_iter().flat_map(|thin| ARITIES.map(|arity| (thin, arity)))
+            for (has_normal_slabs, (k, arity)) in
+                [true, false].into_iter().flat_map(|has_slabs| NODES.map(|node| (has_slabs, node)))
             {
-                for (k, leaf_size) in KS.into_iter().flat_map(|k| LEAF_SIZES.map(|size| (k, size))) {
+                for leaf_size in LEAF_SIZES {
                     all.push(Setting { k, arity, leaf_size, splitter, has_normal_slabs });
                 }
             }

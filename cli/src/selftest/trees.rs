@@ -23,15 +23,14 @@ pub(super) struct TreeFormat {
     splitter: Splitter,
 }
 
-/// Every k, and both arities.
-const NODES: [(usize, usize); 10] =
-    [(18, 16), (6, 16), (14, 4), (26, 16), (32, 4), (14, 16), (18, 4), (32, 16), (6, 4), (26, 4)];
+/// Every node type that can be chosen at run time.
+const NODES: [(usize, usize); 5] = [(18, 16), (6, 16), (18, 4), (26, 16), (14, 16)];
 const LEAF_SIZES: [u32; 3] = [1, 2, 16];
 /// How many formats there are: of each node two precisions, three leaf sizes, with normal slabs or not, by two splitters.
-const FORMATS: u64 = 10 * 2 * 3 * 2 * 2;
+const FORMATS: u64 = 5 * 2 * 3 * 2 * 2;
 
 impl TreeFormat {
-    pub(super) const CHOICES: &str = "a k of 6, 14, 18, 26 or 32, an arity of 4 or 16, vertices in f32 or f64, up to 1, 2 or 16 primitives a \
+    pub(super) const CHOICES: &str = "a k of 6, 14, 18 or 26 at arity 16 or 18 at arity 4, vertices in f32 or f64, up to 1, 2 or 16 primitives a \
         leaf, with normal slabs or without, split by mean width or extended longest axis";
 
     /// One trial after the other has another, until all have been. The factor has no divisor in common with their number: it mixes

@@ -165,7 +165,7 @@ fn the_csv_holds_every_setting_at_every_distance() {
     assert_eq!(packings.len(), 2 * DISTANCES.len(), "of 10 and 20 spheres");
     let [ten, twenty] = [packings[0], packings[4]].map(|record| number(record, "volume_error"));
     assert!(0.05 < twenty && twenty < ten && ten < 0.6, "{twenty} and {ten}");
-    assert_eq!(report["settings"].as_array().unwrap().len(), 55);
+    assert_eq!(report["settings"].as_array().unwrap().len(), 33);
     assert_eq!(report["settings"][0]["bytes"].as_f64().unwrap(), number(trees[0], "bytes"));
 }
 

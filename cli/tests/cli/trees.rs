@@ -13,13 +13,13 @@ fn info_describes_a_tree_and_proves_it() {
     let mut mesh = strewn(8, 100);
     mesh.triangles.push([0, 0, 1]);
     folder.write("a.off", off(&mesh));
-    let options = ["--k=14", "--arity=4", "--leaf-size=3"];
+    let options = ["--k=18", "--arity=4", "--leaf-size=3"];
     assert_eq!(
         folder.fate(&[&["build", "a.off", "-o", "a.tree"], &options[..]].concat()),
         (0, String::new())
     );
     let tree = folder.json(&["info", "a.tree", "--verify"]);
-    let want = [("k", 14), ("arity", 4), ("leaf_size", 3), ("triangles", 101), ("degenerate_triangles", 1)];
+    let want = [("k", 18), ("arity", 4), ("leaf_size", 3), ("triangles", 101), ("degenerate_triangles", 1)];
     for (key, number) in want {
         assert_eq!(tree[key], number, "{key}");
     }
@@ -92,10 +92,13 @@ fn a_closed_mesh_may_be_built_as_a_solid() {
 fn a_tree_that_is_built_again_keeps_its_k_and_arity() {
     let folder = Folder::new("again");
     folder.write("a.obj", obj(&strewn(12, 50)));
-    assert_eq!(folder.fate(&["build", "a.obj", "-o", "a.tree", "-k", "6", "-a", "4"]), (0, String::new()));
-    for (options, k, arity) in
-        [(&[][..], 6, 4), (&["-k", "26"], 26, 4), (&["-a", "16"], 6, 16), (&["-s", "longest-axis"], 6, 4)]
-    {
+    assert_eq!(folder.fate(&["build", "a.obj", "-o", "a.tree", "-k", "18", "-a", "4"]), (0, String::new()));
+    for (options, k, arity) in [
+        (&[][..], 18, 4),
+        (&["-k", "26", "-a", "16"], 26, 16),
+        (&["-a", "16"], 18, 16),
+        (&["-s", "longest-axis"], 18, 4),
+    ] {
         let fate = folder.fate(&[&["build", "a.tree", "-o", "b.tree"], options].concat());
         assert_eq!(fate, (0, String::new()));
         let info = folder.json(&["info", "b.tree"]);
