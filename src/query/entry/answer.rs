@@ -2,16 +2,7 @@
 
 #[cfg(doc)]
 use super::Query;
-use super::{Hint, QueryStats};
-
-/// Two primitives that meet, by their indices in what was built.
-#[derive(Copy, Clone, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
-pub struct Pair {
-    /// Primitive of body A.
-    pub a: u32,
-    /// Primitive of body B.
-    pub b: u32,
-}
+use super::{Hint, Pair, QueryStats};
 
 /// What a query found out.
 #[must_use = "a query has no other effect than its verdict"]

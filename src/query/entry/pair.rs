@@ -1,0 +1,10 @@
+//! A pair of primitives.
+
+/// Two primitives that meet, by their indices in what was built.
+#[derive(Copy, Clone, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
+pub struct Pair {
+    /// Primitive of body A.
+    pub a: u32,
+    /// Primitive of body B.
+    pub b: u32,
+}
