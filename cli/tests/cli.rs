@@ -1,5 +1,4 @@
-//! The command `simdop`, run as a user runs it: exit codes, messages, JSON, formats, trees in the place of
-//! meshes.
+//! Runs the command `simdop` as a user does: exit codes, messages, JSON, formats, trees in place of meshes.
 
 #[path = "../../tests/support/files.rs"]
 mod files;
@@ -17,7 +16,7 @@ use support::data::{MeshData, directory, suite_step};
 use support::exact::meeting_pairs;
 use support::rng::Rng;
 
-/// Triangles strewn over a cube of side 2, far from empty and far from a solid.
+/// Triangles scattered in a cube of side 2, far from empty and far from solid.
 fn strewn(seed: u64, count: u32) -> MeshData {
     let mut rng = Rng::new(seed);
     let mut mesh = MeshData { vertices: Vec::new(), triangles: Vec::new() };
@@ -33,7 +32,7 @@ fn strewn(seed: u64, count: u32) -> MeshData {
 
 const IDENTITY: [[f64; 4]; 3] = [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0]];
 
-/// Turns and moves for bodies of size 2: some meet, some do not.
+/// Rotations and translations for bodies of size 2: some meet, some do not.
 fn poses(count: usize) -> Vec<[[f64; 4]; 3]> {
     let mut rng = Rng::new(7);
     let mut pose = || {
@@ -51,7 +50,7 @@ fn pose_file(poses: &[[[f64; 4]; 3]]) -> String {
     format!("# A in B's frame\n\n{}", lines(poses, line))
 }
 
-/// What does not depend on the clock.
+/// The part that does not depend on the clock.
 fn answers(report: &Value) -> Vec<Value> {
     let timeless = |pose: &Value| {
         let mut pose = pose.as_object().unwrap().clone();
@@ -62,7 +61,7 @@ fn answers(report: &Value) -> Vec<Value> {
     report["poses"].as_array().unwrap().iter().map(timeless).collect()
 }
 
-/// The lists of pairs, pose by pose, each in order.
+/// The lists of pairs for each pose, sorted.
 fn pairs(report: &Value) -> Vec<Vec<(usize, usize)>> {
     let index = |value: &Value| value.as_u64().unwrap() as usize;
     let list = |pose: &Value| {
@@ -161,8 +160,7 @@ fn faults_of_files_name_file_place_and_problem() {
     assert!(code == 2 && message.starts_with("simdop: .: "), "{message}");
 }
 
-/// A cube on a floor, cut after every byte: what is accepted then are whole lines, and a file without
-/// triangles never.
+/// A cube on a floor, truncated after every byte: only whole lines are accepted, and never a file without triangles.
 #[test]
 fn a_cut_mesh_is_not_silently_free() {
     let folder = Folder::new("cut");
@@ -182,7 +180,7 @@ fn a_cut_mesh_is_not_silently_free() {
     assert_eq!(folder.json(&["info", "mac.obj"])["triangles"], 12);
 }
 
-/// The notch of an L, and what a fan around a wrong corner would put into it.
+/// The notch of an L, which a fan around a wrong corner would fill.
 #[test]
 fn a_concave_polygon_does_not_fill_its_notch() {
     let folder = Folder::new("notch");
@@ -269,7 +267,7 @@ fn every_format_and_tree_gives_the_pairs_of_brute_force() {
     let folder = Folder::new("formats");
     let mut a = strewn(3, 150);
     let b = strewn(4, 150);
-    // To single precision, so that binary STL says the same as the others.
+    // Rounded to single precision, so that binary STL equals the others.
     a.vertices.iter_mut().flatten().for_each(|x| *x = f64::from(*x as f32));
     folder.write("a.obj", obj(&a));
     folder.write("a.off", off(&a));
@@ -321,7 +319,7 @@ fn a_tree_answers_as_its_mesh_on_every_node_type_and_instruction_set() {
             assert_eq!(tree["isa"], "scalar");
         }
     }
-    // a.tree has k = 32 and arity 16 by now.
+    // a.tree now has k = 32 and arity 16.
     assert_eq!(
         folder.fate(&["collide", "b.obj", "a.tree", "-k", "18"]),
         (2, "simdop: a.tree: the tree has k = 32 and arity 16, the query k = 18 and arity 16: `simdop build` makes another of it".into())
@@ -358,11 +356,11 @@ fn info_describes_a_tree_and_proves_it() {
     assert_eq!(tree["vertices"], 300);
     let bytes = std::fs::metadata(folder.0.join("a.tree")).unwrap().len();
     assert_eq!(tree["total_bytes"], bytes);
-    // Read back from decimals, the last place may differ.
+    // The last digit may differ after conversion from decimals.
     assert!((tree["bytes_per_triangle_total"].as_f64().unwrap() - bytes as f64 / 101.0).abs() < 1e-9);
     let lanes = tree["lanes_used_per_node"].as_f64().unwrap();
     assert!(lanes > 1.0 && lanes <= 4.0, "{lanes}");
-    // All of 1 or more: the root against itself, lanes that cover what their node covers.
+    // All are at least 1: the root against itself, lanes that cover what their node covers.
     for key in ["expected_visits", "mean_depth"] {
         assert!(tree[key].as_f64().unwrap() >= 1.0, "{key}");
     }
@@ -373,7 +371,7 @@ fn info_describes_a_tree_and_proves_it() {
     mesh["verified"] = true.into();
     assert_eq!(mesh, tree);
 
-    // Plane 0 of lane 0 a step below its opposite, plane 1, cuts triangles off: valid to walk, not
+    // Plane 0 of lane 0, one step below its opposite, plane 1, cuts triangles off: safe to traverse, but not
     // conservative.
     let mut bytes = std::fs::read(folder.0.join("a.tree")).unwrap();
     let opposite = i16::from_le_bytes([bytes[160], bytes[161]]);
@@ -385,8 +383,8 @@ fn info_describes_a_tree_and_proves_it() {
     assert!(code == 2 && message.starts_with(start), "{message}");
 }
 
-/// A path for each triangle; as many hues as the root has children; and no tree unless one is asked for.
-/// A solid is hit by what is inside of it, and stays one when its tree is built again; an open mesh is none.
+/// The picture has a path for each triangle and as many hues as the root has children, and no tree is written unless
+/// requested. A body inside a solid is a hit, and a solid stays one when its tree is rebuilt; an open mesh is an error.
 #[test]
 fn a_closed_mesh_may_be_built_as_a_solid() {
     let folder = Folder::new("solid");
@@ -441,8 +439,8 @@ fn build_paints_the_first_level() {
     assert!(code == 2 && message.starts_with("simdop: absent/a.svg: "), "{message}");
 }
 
-/// The PNG against the paths of the SVG: at the middle of each pixel that no outline is near, the last path
-/// that covers it.
+/// Compares the PNG with the paths of the SVG: the centre of each pixel away from outlines has the colour of the last
+/// path that covers it.
 #[test]
 fn a_png_shows_what_the_svg_does() {
     let folder = Folder::new("png");
@@ -470,7 +468,7 @@ fn a_png_shows_what_the_svg_does() {
     for (index, pixel) in image.pixels().iter().enumerate() {
         let (x, y) = (index as u32 % image.width(), index as u32 / image.width());
         let (x, y) = (f64::from(x) + 0.5, f64::from(y) + 0.5);
-        // Distances from the three edges, positive inside if the corners turn one way, negative if the other.
+        // Distances from the three edges, all positive inside for one orientation, all negative for the other.
         let distances = |t: &[[f64; 2]; 3]| -> [f64; 3] {
             core::array::from_fn(|i| {
                 let ([ax, ay], [bx, by]) = (t[i], t[(i + 1) % 3]);
@@ -495,7 +493,7 @@ fn a_png_shows_what_the_svg_does() {
     }
 }
 
-/// Run by a shell that first sets a limit, a mask or a trap.
+/// Runs the command in a shell that first sets a limit, a mask or a trap.
 #[cfg(unix)]
 fn through_shell(folder: &Folder, before: &str, arguments: &[&str]) -> Output {
     let mut command = Command::new("sh");
@@ -503,8 +501,8 @@ fn through_shell(folder: &Folder, before: &str, arguments: &[&str]) -> Output {
     command.arg(env!("CARGO_BIN_EXE_simdop")).args(arguments).output().unwrap()
 }
 
-/// A file of at most 4 or 8 KiB (`ulimit -f` counts blocks of 512 bytes, or of 1024) has no room for the
-/// tree: the process is told so, or killed. Either way the old tree is whole.
+/// A file of at most 4 or 8 KiB (`ulimit -f` counts blocks of 512 or 1024 bytes) has no room for the tree: the process
+/// gets an error, or is killed. Either way the old tree is unchanged.
 #[cfg(unix)]
 #[test]
 fn a_limit_or_a_kill_leaves_the_old_tree() {
@@ -525,7 +523,7 @@ fn a_limit_or_a_kill_leaves_the_old_tree() {
     let killed = through_shell(&folder, "ulimit -c 0; ulimit -f 8", &arguments);
     assert_eq!(killed.status.code(), None, "killed by a signal");
     assert_eq!(std::fs::read(folder.0.join("t.tree")).unwrap(), old);
-    // A picture that cannot be written keeps the tree from being replaced, too.
+    // If a picture cannot be written, the tree is not replaced either.
     let arguments = ["build", "large.obj", "-o", "t.tree", "--picture", "absent/p.png"];
     assert_eq!(folder.fate(&arguments).0, 2);
     assert_eq!(std::fs::read(folder.0.join("t.tree")).unwrap(), old);
@@ -659,7 +657,7 @@ fn options_that_do_nothing_on_a_tree_are_errors() {
     }
 }
 
-/// On a terminal, which `script` makes.
+/// On a terminal, which `script` emulates.
 #[cfg(target_os = "linux")]
 #[test]
 fn a_long_build_shows_its_share_and_the_time_left() {
@@ -698,7 +696,7 @@ fn the_built_in_scene_needs_no_file() {
     assert!(table.contains("... and 55 more") && table.contains("\n64 poses: "), "{table}");
 }
 
-/// The exit code and standard error of a command whose reader has left before it begins.
+/// The exit code and standard error of a command whose output pipe is closed before it starts.
 fn unread(mut command: Command) -> (Option<i32>, String) {
     let (reader, writer) = std::io::pipe().unwrap();
     drop(reader);
@@ -731,7 +729,7 @@ fn a_reader_that_leaves_early_is_no_error_and_changes_no_verdict() {
     assert!(folder.0.join("t.tree").is_file());
 }
 
-/// Four million pairs, which take 32 MB, in a process that has 24 MB of address space for all that it is.
+/// Four million pairs, which take 32 MB, in a process with 24 MB of address space in total.
 #[cfg(target_os = "linux")]
 #[test]
 fn pairs_are_written_as_they_are_found() {
@@ -773,7 +771,7 @@ fn pairs_are_written_as_they_are_found() {
     std::fs::remove_file(folder.0.join("pairs")).unwrap();
 }
 
-/// An output that cannot be written is an error, whatever the verdict.
+/// Failing to write the output is an error, whatever the verdict.
 #[cfg(target_os = "linux")]
 #[test]
 fn a_full_output_is_an_error() {
@@ -828,8 +826,8 @@ fn a_link_is_stored_without_what_its_file_repeats() {
     assert!(info["total_bytes"].as_u64().unwrap() < 23_000, "{}", info["total_bytes"]);
 }
 
-/// A circle for each sphere, within the picture; and the PNG shows at each pixel that no rim is near the last
-/// circle that covers it.
+/// The picture has a circle for each sphere, inside the picture; and each pixel of the PNG away from rims shows the
+/// last circle that covers it.
 #[test]
 fn a_picture_of_a_packing_shows_its_spheres() {
     let folder = Folder::new("pack_picture");
@@ -897,12 +895,12 @@ fn a_packing_is_written_and_reported() {
     let radius = 1.0 / (3.0 + 3.0_f64.sqrt());
     assert!((0.999 * radius..=radius).contains(&spheres[0].radius), "{:?}", spheres[0]);
 
-    // Of a tree the mesh that it was built from; a packing that is there is replaced.
+    // For a tree, the mesh that it was built from; an existing packing is replaced.
     assert_eq!(folder.fate(&["build", "a.obj", "-o", "a.tree"]), (0, String::new()));
     assert_eq!(folder.fate(&["pack", "a.tree", "-n", "30", "-o", "a.txt"]), (0, String::new()));
     assert_eq!(std::fs::read_to_string(folder.0.join("a.txt")).unwrap(), text);
 
-    // Without a file: a shape that is built in.
+    // Without a file: a built-in shape.
     let output = folder.run(&["pack", "-n", "12", "-o", "gear.txt"]);
     let table = String::from_utf8(output.stdout).unwrap();
     assert_eq!(output.status.code(), Some(0));
@@ -968,7 +966,7 @@ fn the_volume_that_packings_share_is_told() {
     );
     assert_eq!(table.lines().count(), 6, "{table}");
 
-    // Nothing is looked at: all of the smaller body may be shared.
+    // Without visits, all of the smaller body may be shared.
     let report = folder.json(&["volume", "one.txt", "two.txt", "--translate", "1 0 0", "--budget", "0"]);
     let row = &report["poses"][0];
     let whole = 4.0 / 3.0 * std::f64::consts::PI;
@@ -1007,7 +1005,7 @@ fn what_cannot_be_packed_is_an_error() {
     assert!(code == 2 && message.starts_with("simdop: absent/a.txt: "), "{message}");
 }
 
-/// Of solids the inside, too, if asked for or if a tree is of one; of clouds the points.
+/// For solids the inside, too, on request or if the tree is one of a solid; for clouds the points.
 #[test]
 fn a_cover_is_of_the_surface_the_solid_or_the_points() {
     let folder = Folder::new("cover-parts");
@@ -1029,7 +1027,7 @@ fn a_cover_is_of_the_surface_the_solid_or_the_points() {
     assert_eq!(folder.json(&["cover", "cloud.xyz", "--points", "--error", "2", "-o", "a.txt"])["spheres"], 1);
 }
 
-/// By an error, a number of spheres or of bytes; as text, and as a tree.
+/// Limited by an error, a number of spheres or of bytes; as text, and as a tree.
 #[test]
 fn a_cover_is_within_what_is_asked_for() {
     let folder = Folder::new("cover");
@@ -1052,7 +1050,7 @@ fn a_cover_is_within_what_is_asked_for() {
     assert!((4000..=8000).contains(&bytes) && small["bytes"] == bytes, "{small}");
     let described = folder.json(&["info", "a.tree", "--verify"]);
     assert_eq!((&described["spheres"], &described["total_bytes"]), (&small["spheres"], &small["bytes"]));
-    // Without a file: a shape that is built in.
+    // Without a file: a built-in shape.
     let line = String::from_utf8(folder.run(&["cover", "--spheres", "9", "-o", "gear.txt"]).stdout).unwrap();
     assert!(line.starts_with("gear ring (built in): 7680 triangles within "), "{line}");
 
@@ -1067,7 +1065,7 @@ fn a_cover_is_within_what_is_asked_for() {
     assert!(!folder.0.join("b.txt").exists());
 }
 
-/// Points as the library has them, some of them twice.
+/// Points as the library stores them, some of them twice.
 fn cloud(seed: u64, count: usize) -> Vec<[f32; 3]> {
     let mut rng = Rng::new(seed);
     let mut points: Vec<[f32; 3]> =
@@ -1080,7 +1078,7 @@ fn xyz_cloud(points: &[[f32; 3]]) -> String {
     lines(points, |[x, y, z]| format!("{x:?} {y:?} {z:?}"))
 }
 
-/// Binary, with more than points: an intensity, and a face that no cloud has.
+/// Binary, with more than points: an intensity, and an invalid face, which a cloud ignores.
 fn ply_cloud(points: &[[f32; 3]], big: bool) -> Vec<u8> {
     let format = if big { "binary_big_endian" } else { "binary_little_endian" };
     let mut bytes = format!(
@@ -1096,7 +1094,7 @@ fn ply_cloud(points: &[[f32; 3]], big: bool) -> Vec<u8> {
     bytes
 }
 
-/// What is near is decided in `f32`, by exactly these operations.
+/// Neighbours are decided in `f32`, by exactly these operations.
 fn neighbours(points: &[[f32; 3]], radius: f32) -> Vec<Vec<u32>> {
     let is_near = |p: &[f32; 3], q: &[f32; 3]| {
         let [x, y, z] = [p[0] - q[0], p[1] - q[1], p[2] - q[2]];
@@ -1128,7 +1126,7 @@ fn neighbours_are_those_of_a_loop() {
             assert_eq!(std::fs::read_to_string(folder.0.join("lists")).unwrap(), want, "{name}, {radius}");
             assert_eq!((&report["cloud"]["points"], &report["cloud"]["name"]), (&770.into(), &name.into()));
             assert_eq!((&report["cloud"]["rounding"], &report["repeat"]), (&0.0.into(), &2.into()));
-            // 770 points in 49 buckets of 256 bytes, which takes 5 nodes of 512, and 4 bytes for each index.
+            // 770 points in 49 buckets of 256 bytes, 5 nodes of 512 bytes, and 4 bytes for each index.
             let bytes = report["cloud"]["bytes"].as_u64().unwrap();
             let nodes = bytes - 49 * 256 - 770 * 4;
             assert!(nodes.is_multiple_of(512) && (4..=8).contains(&(nodes / 512)), "{bytes}");
@@ -1159,7 +1157,7 @@ fn neighbours_are_those_of_a_loop() {
     assert!(last.starts_with("                  770         770  ####"), "{table}");
 }
 
-/// Spheres that turn and move among points, in `f64`; what was found is named, and is there.
+/// Spheres that rotate and translate among points, checked in `f64`; the reported pair exists and is near.
 #[test]
 fn a_body_hits_the_points_that_a_loop_finds() {
     let folder = Folder::new("near_body");
@@ -1174,7 +1172,7 @@ fn a_body_hits_the_points_that_a_loop_finds() {
     folder.write("poses", pose_file(&poses));
     for margin in ["0", "0.05"] {
         let far: f64 = margin.parse().unwrap();
-        // How far the point is out of reach of the sphere.
+        // Distance between the point and the sphere's surface.
         let gap = |pose: &[[f64; 4]; 3], sphere: &[f64; 4], point: &[f32; 3]| {
             let away = |i: usize| {
                 let row = &pose[i];
@@ -1215,7 +1213,7 @@ fn a_body_hits_the_points_that_a_loop_finds() {
     assert!(table.contains("... and 191 more") && table.contains("\n200 poses: "), "{table}");
 }
 
-/// What touches is near, and the next number is not; spheres are solid, a mesh is a surface.
+/// Touching is near, and the next larger number is not; spheres are solid, a mesh is a surface.
 #[test]
 fn the_exit_code_says_whether_a_body_is_near_a_point() {
     let folder = Folder::new("near_exit");
@@ -1309,7 +1307,7 @@ fn faults_of_clouds_name_file_place_and_problem() {
         let (code, message) = near(&["a.xyz", "--body", "ball.txt", "--margin", margin]);
         assert!(code == 2 && message.contains("must be a number that is not negative"), "{message}");
     }
-    // What would have no effect.
+    // Options without effect.
     for arguments in [
         &["a.xyz", "-r", "1", "--body", "ball.txt"][..],
         &["a.xyz", "-r", "1", "--translate", "0 0 0"],
@@ -1350,7 +1348,7 @@ fn the_built_in_cloud_needs_no_file() {
     assert_eq!(report["cloud"]["points"], 131_072);
     assert!(report["cloud"]["read_nanoseconds"].is_null());
     let mean = report["neighbours"]["mean"].as_f64().unwrap();
-    // Of so many points in a sphere of radius 0.038, fewer beside the faces of the cube.
+    // About this many points are in a sphere of radius 0.038, fewer near the faces of the cube.
     let inside = 131_072.0 * 4.0 / 3.0 * std::f64::consts::PI * 0.038_f64.powi(3);
     assert!((0.95 * inside..inside + 1.0).contains(&mean), "{mean} {inside}");
     folder.write("ball.txt", "0.5 0.5 0.5 0.1\n");

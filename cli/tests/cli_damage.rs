@@ -1,5 +1,5 @@
-//! The command `simdop` on files that were cut at any byte or changed in one, and on disks without room: what it takes is what the
-//! file says, everything else is an error that names the file, and what was there before stays.
+//! Runs the command `simdop` on files truncated at any byte or changed in one, and on full disks. What it accepts is
+//! what the file says; everything else is an error that names the file, and existing outputs are unchanged.
 
 #[path = "../../tests/support/files.rs"]
 mod files;
@@ -14,14 +14,14 @@ use std::collections::BTreeMap;
 use std::process::Output;
 use support::data::suite_step;
 
-/// When a file that ends early is taken.
+/// When a truncated file is accepted.
 #[derive(Copy, Clone)]
 enum Ends {
-    /// The file says how long it is: from that many bytes of its end on.
+    /// The file states its length: only from this many bytes before its end on.
     Last(usize),
-    /// At any line's end at which something is there: such a file cannot be told from a shorter one.
+    /// At the end of any nonempty line: such a file cannot be distinguished from a shorter one.
     Lines,
-    /// The same, or before that end: a line says itself that it is whole.
+    /// The same, or before that line end: the line itself shows that it is complete.
     WholeLines,
 }
 
@@ -33,7 +33,7 @@ struct Kind {
     ends: Ends,
 }
 
-/// All kinds of files that the command reads, in a folder that has what they need besides.
+/// All kinds of files that the command reads, in a folder with the other files they need.
 fn kinds(folder: &Folder) -> Vec<Kind> {
     let mesh = tetrahedron();
     let spheres = "0 0 0 1\n4 0 0 0.5\n0 4.5 0 1.25\n";
@@ -50,12 +50,12 @@ fn kinds(folder: &Folder) -> Vec<Kind> {
     let mut add = |name: &'static str, content: &[u8], arguments: &[&'static str], ends| {
         kinds.push(Kind { name, content: content.to_vec(), arguments: arguments.to_vec(), ends });
     };
-    // The last line of text may lack its end only where the file says how many lines there are.
+    // The last line of text may lack its end only if the file states the number of lines.
     add("cut.off", off(&mesh).as_bytes(), &["info", "cut.off"], Ends::Last(0));
     add("cut.ply", ply_ascii(&mesh).as_bytes(), &["info", "cut.ply"], Ends::Last(0));
     add("little.ply", &ply_binary(&mesh, false), &["info", "little.ply"], Ends::Last(0));
     add("big.ply", &ply_binary(&mesh, true), &["info", "big.ply"], Ends::Last(0));
-    // What follows `endsolid` is a name.
+    // The word after `endsolid` is a name.
     add("cut.stl", stl_ascii(&mesh).as_bytes(), &["info", "cut.stl"], Ends::Last(" strewn\n".len()));
     add("binary.stl", &stl_binary(&mesh), &["info", "binary.stl"], Ends::Last(0));
     add("cut16", &tree("t16"), &["collide", "cut16", "t.obj"], Ends::Last(0));
@@ -83,7 +83,8 @@ fn kinds(folder: &Folder) -> Vec<Kind> {
     kinds
 }
 
-/// Exit code and message, of which no third is allowed: an answer without a message, or an error that names the program.
+/// Exit code and message. Exactly two outcomes are allowed: an answer without a message, or an error that names the
+/// program.
 fn fate(folder: &Folder, kind: &Kind, what: &str) -> (i32, String) {
     let Output { status, stderr, .. } = folder.run(&kind.arguments);
     let message = String::from_utf8_lossy(&stderr).trim_end().to_owned();
@@ -146,7 +147,7 @@ fn a_file_with_a_changed_byte_does_no_harm() {
     assert!([0, 1, 2].iter().all(|code| codes.contains_key(code)), "all three happen: {codes:?}");
 }
 
-/// Every command that writes a file, with a limit of its size that is below what it writes, and to a device that is full.
+/// Every command that writes a file, with a file size limit below its output, and to a full device.
 #[cfg(target_os = "linux")]
 #[test]
 fn without_room_the_old_file_stays() {
@@ -163,7 +164,7 @@ fn without_room_the_old_file_stays() {
         })
         .collect();
     folder.write("field.obj", vertices + &faces);
-    // A cube that is filled with spheres.
+    // A cube to pack with spheres.
     folder.write(
         "cube.off",
         "OFF\n8 6 0\n0 0 0\n1 0 0\n0 1 0\n1 1 0\n0 0 1\n1 0 1\n0 1 1\n1 1 1\n4 0 2 3 1\n4 4 5 7 6\n4 0 1 5 4\n4 2 6 7 3\n4 0 4 6 2\n4 1 3 7 5\n",
@@ -217,7 +218,7 @@ fn help_that_cannot_be_written_is_an_error() {
         let output = shell.output().unwrap();
         let message = String::from_utf8(output.stderr).unwrap();
         assert_eq!(output.status.code(), Some(2), "{arguments:?}: {message}");
-        // Where the report is not built in, there is no help of it.
+        // Without the feature, the report has no help.
         assert!(message.contains("No space left") || message.contains("feature"), "{arguments:?}: {message}");
     }
 }

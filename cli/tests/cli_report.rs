@@ -1,4 +1,5 @@
-//! `simdop report`, run as a user runs it: what its files hold, that they repeat, and what it refuses.
+//! Runs `simdop report` as a user does: the contents of its files, their reproducibility, and the arguments that it
+//! rejects.
 
 #[path = "../../tests/support/folder.rs"]
 mod folder;
@@ -7,7 +8,7 @@ use folder::Folder;
 use serde_json::Value;
 use std::collections::{BTreeMap, BTreeSet};
 
-/// Eight triangles of an octahedron, each cut into four so often, on a sphere that is longer than wide.
+/// An octahedron whose triangles are split into four `cuts` times, projected on an elongated sphere.
 fn egg(cuts: u32) -> String {
     let (mut vertices, mut triangles): (Vec<[f64; 3]>, Vec<[usize; 3]>) = (Vec::new(), Vec::new());
     let sides = 1_usize << cuts;
@@ -33,7 +34,7 @@ fn egg(cuts: u32) -> String {
                 found.push([at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)]);
             }
         }
-        // Mirrored as often as there are signs.
+        // Each sign is a reflection.
         let is_mirrored = signs.count_ones() % 2 == 1;
         triangles.extend(found.iter().map(|&[a, b, c]| if is_mirrored { [a, c, b] } else { [a, b, c] }));
     }
@@ -43,7 +44,7 @@ fn egg(cuts: u32) -> String {
     text
 }
 
-/// Quick: few poses, and few spheres unless told otherwise.
+/// Fast options: few poses, and few spheres unless given otherwise.
 fn quick<'a>(rest: &[&'a str]) -> Vec<&'a str> {
     let spheres: &[&str] = if rest.contains(&"--spheres") { &[] } else { &["--spheres", "20"] };
     [&["report", "--poses", "6"], spheres, rest].concat()
@@ -95,7 +96,7 @@ fn what_repeats_repeats() {
     for page in ["a.html", "b.html"] {
         assert!(read(&folder, page).contains(&first), "{page}");
     }
-    // And all that is not a time.
+    // And everything that is not a time.
     let repeatable = |csv: &str| -> Vec<Record> {
         let mut records = records(&read(&folder, csv));
         for record in &mut records {
@@ -192,7 +193,7 @@ fn what_is_recommended_keeps_to_the_limits() {
         "Without a limit on error or flash, take {}",
         free["setting"].as_str().unwrap()
     )));
-    // The page says how to have it.
+    // The page gives the command.
     let page = read(&folder, "report.html");
     let command =
         page.split_once("<code>simdop build MESH -o TREE ").unwrap().1.split_once("</code>").unwrap().0;
@@ -296,7 +297,7 @@ m,129,128,0 %,Another,1,70,5
     );
 }
 
-/// In the place of a mesh, and beside one.
+/// Trees in place of a mesh, and together with one.
 #[test]
 fn trees_are_taken_for_their_meshes() {
     let folder = Folder::new("report_trees");

@@ -1,4 +1,5 @@
-//! `simdop robot`, run as a user runs it: what it reports of a robot, its problems and its pairs, beside brute force on the Panda.
+//! Runs `simdop robot` as a user does: its report on a robot, its problems and its pairs, compared with brute force on
+//! the Panda.
 
 #[path = "../../tests/support/data.rs"]
 mod data;
@@ -24,7 +25,7 @@ use simdop::query::Query;
 
 type Tree = Bvh<Node16<18>>;
 
-/// A link that slides along x by at most 1, with this geometry.
+/// A link with this geometry that slides along x by at most 1.
 fn slider(geometry: &str) -> String {
     format!(
         r#"<robot name="slider"><link name="rail"/><link name="sled"><collision><geometry>{geometry}</geometry></collision></link>
@@ -88,7 +89,8 @@ fn the_built_in_arm_needs_no_file() {
     assert!(table.contains("asked, and they never meet: upper_arm, hand"), "{table}");
 }
 
-/// In a package, twice as large, and mirrored: a ball inside of it is a hit, one where it would be otherwise is not.
+/// A mesh in a package, scaled by two and reflected: a ball inside it is a hit, one inside its unreflected image is
+/// not.
 #[test]
 fn a_mesh_is_found_scaled_and_solid() {
     let folder = Folder::new("robot_mesh");
@@ -110,11 +112,11 @@ fn a_mesh_is_found_scaled_and_solid() {
     assert_eq!((&body["name"], &body["shape"]), (&"sled".into(), &"solid".into()));
     assert_eq!(report["problems"]["validity"]["configurations"][0]["valid"], 2, "the first start is not");
     assert_eq!(report["problems"]["validity"]["configurations"][1]["valid"], 3, "goals");
-    // Random configurations are among them.
+    // The hits of random configurations count, too.
     assert_eq!(report["problems"]["validity"]["hits"][0]["bodies"], json!(["sled", "ball"]));
     assert_eq!(report["problems"]["edges"][0]["free"], 2);
     assert_eq!(report["problems"]["edges"][1]["asked"], 0);
-    // What is inside of a surface is not noticed.
+    // A body inside a surface is free.
     let report = asked("here/urdf/open.urdf");
     assert_eq!(report["robot"]["bodies"][0]["shape"], "surface");
     assert_eq!(report["problems"]["validity"]["configurations"][0]["valid"], 3);
@@ -190,7 +192,7 @@ fn solid_if_closed(mesh: &Mesh<'_>) -> Tree {
     Builder::new().solid().build_as(mesh).unwrap_or_else(|_| Builder::new().build_as(mesh).unwrap())
 }
 
-/// The Panda, as the benches place it, and trees of its links: every pair is asked at the pose of one in the frame of the other.
+/// The Panda, placed as in the benchmarks, and trees of its links: every pair is tested at the relative pose.
 struct Panda {
     robot: Robot,
     links: Vec<Tree>,
@@ -271,7 +273,7 @@ fn validity_is_that_of_all_pairs() {
     assert_eq!(sum(edges, "unresolved"), 0, "{edges}");
 }
 
-/// The samples of the SRDF's author missed a fold of the arm.
+/// The samples behind the SRDF missed a configuration in which the arm folds onto itself.
 #[test]
 fn a_refuted_pair_meets_where_it_is_said() {
     let Some(data) = directory() else { return };
@@ -290,7 +292,7 @@ fn a_refuted_pair_meets_where_it_is_said() {
     let link = |name: &str| panda.robot.links.iter().position(|link| link.name == name).unwrap();
     let (i, j) = (link("panda_link2"), link("panda_link6"));
     assert!(panda.meet(&panda.links[i], &at[i], &panda.links[j], &at[j]));
-    // What is said never to meet does not, by `SIMDOP_CONFIGURATIONS` random values of the joints.
+    // Pairs classified as never meeting do not meet at `SIMDOP_CONFIGURATIONS` random values of the joints.
     let matrix = pairs["matrix"].as_array().unwrap();
     assert_eq!(matrix.len(), all);
     let never: Vec<(usize, usize)> = matrix

@@ -1,4 +1,4 @@
-//! `simdop selftest`, run as a user runs it.
+//! Runs `simdop selftest` as a user does.
 
 #[path = "../../tests/support/folder.rs"]
 mod folder;
@@ -31,11 +31,11 @@ fn a_small_run_is_right_and_repeats_its_digest() {
     for key in ["pairs", "hits", "knife_edge", "exact_pairs"] {
         assert_eq!(count(&report[key]), sum(key), "{key}");
     }
-    // Not one answer for all, and hard enough.
+    // Both answers are frequent.
     assert!(sum("hits") * 5 > sum("pairs") && sum("hits") * 5 < sum("pairs") * 4, "{} hits", sum("hits"));
     assert!(sum("knife_edge") > 300 && sum("exact_pairs") > 300);
     for case in cases.iter().filter(|case| !case["case"].as_str().unwrap().contains("points")) {
-        // Trees of a trial's 64 poses, or of 4.
+        // Trees for a trial's 64 poses, or for 4.
         let poses = if case["case"] == "coincident" { 4 } else { 64 };
         assert_eq!(count(&case["formats"]), count(&case["pairs"]).div_ceil(poses), "{case}");
     }

@@ -1,6 +1,6 @@
-//! The page: plots, tables and a recommendation, in one file that needs no other.
+//! The page: plots, tables and a recommendation in one self-contained file.
 //!
-//! Well-formed XML besides HTML, so that tests can read it.
+//! Well-formed XML as well as HTML, so that tests can parse it.
 
 use super::approach::{DISTANCES, PerDistance};
 use super::clock::ROUNDS;
@@ -17,7 +17,7 @@ const STYLE: &str = include_str!("page.css");
 /// The distances, in words.
 pub(super) const TITLES: PerDistance<&str> = ["1 % deep", "0 %: almost touching", "1 % apart", "5 % apart"];
 
-/// What settings are plotted against, as the legend of an axis, and where it differs from one distance to the next.
+/// A quantity that settings are plotted against: label of the axis, label of the table, and its value at a distance.
 type Quantity = (&'static str, &'static str, fn(&Measured, usize) -> f64);
 
 const QUANTITIES: [Quantity; 5] = [
@@ -27,7 +27,7 @@ const QUANTITIES: [Quantity; 5] = [
     (BYTES, "bytes a triangle", |one, _| one.bytes_per_triangle),
     (BUILD, "build, ms", |one, _| one.build_milliseconds),
 ];
-/// What peers have too.
+/// Peers have this quantity, too.
 const BYTES: &str = "Bytes a triangle";
 const BUILD: &str = "Build time";
 
@@ -62,7 +62,7 @@ pub(super) fn html(results: &Results, digest: &str, command: &str) -> String {
     page
 }
 
-/// How to have what is recommended.
+/// The command that builds the recommended tree.
 fn build_command(results: &Results) -> String {
     let Some(best) = results.recommended.map(|index| &results.settings[index].setting) else {
         return String::new();
@@ -136,7 +136,7 @@ fn rgb(plotters::style::RGBColor(r, g, b): plotters::style::RGBColor) -> String 
     format!("#{r:02X}{g:02X}{b:02X}")
 }
 
-/// Each k of the settings, from the least.
+/// Each k of the settings, in ascending order.
 fn ks(results: &Results) -> Vec<usize> {
     let mut ks: Vec<usize> = results.settings.iter().map(|one| one.setting.k).collect();
     ks.sort_unstable();

@@ -5,7 +5,7 @@ use super::page::{escaped, letter};
 use super::results::{Results, short};
 use core::fmt::Write;
 
-/// Each setting a line, the fastest first.
+/// One line per setting, the fastest first.
 pub(super) fn settings(page: &mut String, results: &Results) {
     page.push_str(
         "<h2>All settings, the fastest first</h2>\n<table class=\"settings\">\n<thead>\n<tr><th rowspan=\"2\">front</th>",
@@ -68,7 +68,7 @@ pub(super) fn settings(page: &mut String, results: &Results) {
     page.push_str("</tbody>\n</table>\n<p>★ recommended, ● on the Pareto front.</p>\n");
 }
 
-/// Each error a line.
+/// One line per error.
 pub(super) fn covers(page: &mut String, results: &Results) {
     page.push_str("<h2>Covers: bodies as coarse as a scene needs</h2>\n<p>Spheres that hold the mesh, none of whose points is farther from it than the error. \
          That they are free says so of the mesh; that they meet says that the meshes are nearer than the errors of the two. \
@@ -95,7 +95,7 @@ pub(super) fn covers(page: &mut String, results: &Results) {
     page.push_str("</tbody>\n</table>\n");
 }
 
-/// Each number of spheres a line.
+/// One line per number of spheres.
 pub(super) fn packings(page: &mut String, results: &Results) {
     if results.packed().is_empty() {
         return;
@@ -119,7 +119,7 @@ pub(super) fn packings(page: &mut String, results: &Results) {
     page.push_str("</tbody>\n</table>\n");
 }
 
-/// Each library a line.
+/// One line per library.
 pub(super) fn peers(page: &mut String, results: &Results) {
     if results.peers.is_empty() {
         return;
