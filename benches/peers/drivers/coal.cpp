@@ -1,4 +1,4 @@
-// Coal: trees of the volume that -DVOLUME names, as its wheel compiles them.
+// Coal: trees of the volume given by -DVOLUME, compiled as in its wheel.
 #include "peer.h"
 #include <coal/BVH/BVH_model.h>
 #include <coal/broadphase/broadphase_dynamic_AABB_tree.h>
@@ -25,7 +25,7 @@ static std::vector<coal::Triangle> faces(const uint32_t *triangles, size_t count
   return faces;
 }
 
-// What the harness holds.
+// The object behind the harness's handle.
 static Geometry *geometry(void *body) { return static_cast<Geometry *>(body); }
 
 void *peer_build(const double *vertices, size_t vertex_count, const uint32_t *triangles, size_t triangle_count) {
@@ -51,12 +51,13 @@ static coal::Transform3s transform(const Rows &m) {
   return coal::Transform3s(rotation, coal::Vec3s(m[3], m[7], m[11]));
 }
 
-// The first hit, without its place.
+// The first hit, without its position.
 static coal::CollisionRequest first_hit() {
   coal::CollisionRequest request;
   request.num_max_contacts = 1;
   request.enable_contact = false;
-  // Nodes that are nearer than this are opened though they are apart, for a better bound of the distance: by default 1e-3, in any unit.
+  // Visits nodes nearer than this even if they are separated, for a better bound on the distance: by default 1e-3, in
+  // any unit.
   request.break_distance = 0;
   return request;
 }
@@ -84,7 +85,7 @@ void *peer_convex(const double *vertices, size_t vertex_count, const uint32_t *t
       new coal::Convex<coal::Triangle>(corners, static_cast<unsigned>(vertex_count), sides, static_cast<unsigned>(triangle_count)));
 }
 
-// An object of a manager, which does not own the body.
+// An object of a manager. It does not own the body.
 static std::unique_ptr<Object> object(const Placed &placed) {
   auto shared = std::shared_ptr<Geometry>(std::shared_ptr<void>(), geometry(placed.body));
   return std::make_unique<Object>(shared, transform(placed.place));
@@ -93,7 +94,7 @@ static std::unique_ptr<Object> object(const Placed &placed) {
 namespace {
 struct Scene {
   std::vector<std::unique_ptr<Object>> links, obstacles;
-  // links.size() to a row.
+  // links.size() per row.
   std::vector<bool> asked;
   coal::DynamicAABBTreeCollisionManager robot, world;
 };

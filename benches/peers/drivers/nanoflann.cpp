@@ -1,5 +1,5 @@
-// nanoflann's k-d tree over points in f32. Not through `peer.h`: it is asked for neighbours, all queries in one call, and has no bodies.
-// -ffp-contract=off: squares of distances are rounded as simdop rounds them, so that the answers are the same ones.
+// nanoflann's k-d tree over points in f32. It does not use `peer.h`: it searches neighbours, all queries in one call,
+// and has no bodies. -ffp-contract=off: squared distances are rounded as in simdop, so that the answers are the same.
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
@@ -27,7 +27,7 @@ struct Cloud {
   Cloud(const float *at, size_t count, size_t leaf) : points{std::vector<float>(at, at + 3 * count)}, tree(3, points, nanoflann::KDTreeSingleIndexAdaptorParams(leaf)) {}
 };
 
-// nanoflann takes what is nearer than the worst distance; simdop takes what is as near too. The next float makes them the same.
+// nanoflann accepts distances below the limit; simdop also accepts equal ones. The next float makes them agree.
 float beyond(float radius) { return std::nextafter(radius * radius, std::numeric_limits<float>::infinity()); }
 
 struct Count {

@@ -1,4 +1,5 @@
-// ODE: dCollide of two meshes, one contact asked for. It collects all pairs of triangles that its OPCODE finds before it makes contacts of them.
+// ODE: dCollide of two meshes, with at most one contact. It collects all pairs of triangles that its OPCODE finds
+// before it makes contacts of them.
 #include "peer.h"
 #include <ode/ode.h>
 #include <vector>

@@ -1,4 +1,4 @@
-//! A smooth surface against itself, nearly touching, as ever finer meshes.
+//! A smooth surface against itself, nearly touching, with ever finer meshes.
 
 use crate::entrants::beside_fcl;
 use crate::measure::{Occasion, measure};
@@ -13,7 +13,7 @@ pub(crate) const TRIANGLES: [u32; 5] = [5_000, 20_000, 80_000, 320_000, 1_280_00
 
 const GAPS: [(&str, Distance); 2] = [("2e-5", Distance::Gap(2e-5)), ("1e-3", Distance::Gap(1e-3))];
 
-/// Up to this many triangles brute force decides whether the bodies meet. Its time grows with the square.
+/// Up to this many triangles brute force decides whether the bodies meet. Its time grows quadratically.
 const JUDGED: usize = 100_000;
 
 pub(crate) fn run(options: &Options) -> Result<(), String> {

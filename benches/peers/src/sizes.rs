@@ -13,10 +13,10 @@ use crate::suites::Rows;
 use crate::table::{self, Labels};
 use crate::{Options, save};
 
-/// What the body is multiplied by.
+/// Scale factors of the body.
 const FACTORS: [f64; 7] = [1.0, 0.1, 0.01, 1e-3, 1e-4, 1e-5, 1e-6];
 
-/// Of the room.
+/// Triangles of the room.
 const TRIANGLES: u32 = 100_000;
 
 const POSES_OF_DISTANCES: &str =
@@ -108,7 +108,7 @@ fn against_itself(name: &str, body: &MeshData, options: &Options) -> Vec<Scene> 
     scenes
 }
 
-/// The small body near corners of the third, which is a part of the large one.
+/// Places the small body near corners of the third, which is a part of the large one.
 fn both_ways(
     mesh: &str,
     what: &str,

@@ -6,8 +6,8 @@ use crate::record::Row;
 use crate::summary::Summary;
 use core::fmt::Write as _;
 
-/// Bars of the project: the fastest exact peer and the fastest tree of FCL take so many times longer; our p99
-/// is at most so many medians.
+/// The project's targets: how many times as long the fastest exact peer and the fastest tree of FCL take, and the
+/// maximum ratio of our p99 to the median.
 const EXACT_BAR: f64 = 5.0;
 const FCL_BAR: f64 = 10.0;
 const TAIL_BAR: f64 = 3.0;
@@ -59,7 +59,7 @@ fn head(page: &mut String, rows: &[Row], all: &Summary<'_>, stamp: &str) {
     );
 }
 
-/// What a page of [`near_contact`] is about, and what its rows are of.
+/// The title of a page of [`near_contact`], and the meaning of its rows.
 pub(crate) struct Labels {
     pub(crate) title: &'static str,
     pub(crate) mesh: &'static str,
@@ -120,7 +120,7 @@ fn strings(words: &[&str]) -> Vec<String> {
     words.iter().map(|word| (*word).to_owned()).collect()
 }
 
-/// Three digits.
+/// Three significant digits.
 pub(crate) fn short(x: f64) -> String {
     if x >= 100.0 {
         format!("{x:.0}")
@@ -137,7 +137,7 @@ fn median_of(values: &[f64]) -> f64 {
     quantile(&sorted, 0.5)
 }
 
-/// A ratio, and in how many runs it keeps to the bar.
+/// A ratio, and in how many runs it meets the target.
 fn judged(values: &[f64], keeps: impl Fn(f64) -> bool) -> String {
     if values.is_empty() {
         return "-".to_owned();

@@ -6,7 +6,7 @@ use super::{Options, entrants};
 use crate::cpu::cpu;
 use std::fmt::Write;
 
-/// Tables, and what is said about each.
+/// Name, title and description of each table.
 const TABLES: [(&str, &str, &str); 5] = [
     ("growth", "Growth", "Uniform points in a cube, about 30 neighbours each."),
     (
@@ -28,7 +28,7 @@ const TABLES: [(&str, &str, &str); 5] = [
     ("odd", "Odd clouds", "Few points, coincident ones, flat ones."),
 ];
 
-/// Of fewer points the allocator does not say enough about memory.
+/// For fewer points the allocator is too coarse to measure memory.
 const FEW: usize = 1000;
 
 type Measure = (&'static str, fn(&Row) -> f64);
@@ -161,7 +161,7 @@ fn compared(rows: &[&Row], (what, of): Measure) -> String {
     text + "\n"
 }
 
-/// Times a point, and the power of the number that they grow with.
+/// Times per point, and the exponent of their growth with the number of points.
 fn growth(rows: &[Row]) -> String {
     let rows: Vec<&Row> = rows.iter().filter(|row| row.table == "growth").collect();
     let clouds = by_cloud(&rows);
@@ -192,7 +192,7 @@ fn growth(rows: &[Row]) -> String {
     text + "\n"
 }
 
-/// Rows of one question, simdop's first.
+/// Rows of one query, simdop's first.
 fn by_question(rows: &[single::Row]) -> Vec<Vec<&single::Row>> {
     let mut questions: Vec<Vec<&single::Row>> = Vec::new();
     for row in rows {

@@ -1,4 +1,4 @@
-//! The results as a page of Markdown, and what it is made of.
+//! The results as a page of Markdown, and its rows.
 
 use super::entrants::OURS;
 use crate::cpu::cpu;
@@ -12,7 +12,7 @@ pub(super) struct Row {
     pub(super) robot: String,
     pub(super) links: usize,
     pub(super) triangles: usize,
-    /// Of links that are asked against each other.
+    /// Pairs of links that are tested.
     pub(super) pairs: usize,
     pub(super) problems: usize,
     pub(super) obstacles: String,
@@ -21,9 +21,9 @@ pub(super) struct Row {
     pub(super) free: usize,
     pub(super) library: String,
     pub(super) version: String,
-    /// Over the configurations, each the median of its rounds.
+    /// Mean over the configurations of the median over the rounds.
     pub(super) mean_us: f64,
-    /// Each the least of its rounds.
+    /// The same with the minimum over the rounds.
     pub(super) least_us: f64,
     pub(super) p50_us: f64,
     pub(super) p99_us: f64,
