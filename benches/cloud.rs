@@ -189,12 +189,15 @@ fn figure_10(sizes: &[usize]) -> String {
     let steps = count(STEPS, 2);
     println!("Figure 10: {steps} steps, milliseconds a step, and rebuilds.\n");
     println!(
-        "| points | movement | radius | neighbours | {0}: all | refit | search | rebuild | rebuilds | {1}: all | refit | search | rebuild | rebuilds |\n\
+        "| points | movement | radius | neighbours | {0}: all | refit | search | rebuild | rebuilds | {1}: all | refit \
+         | search | rebuild | rebuilds |\n\
          |--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|",
         POLICIES[0].0, POLICIES[1].0
     );
     let mut csv =
-        "points,movement,radius,neighbours,policy,refit_ms,search_ms,rebuild_ms,rebuilds,steps,boxes,buckets\n".to_owned();
+        "points,movement,radius,neighbours,policy,refit_ms,search_ms,rebuild_ms,rebuilds,steps,boxes,\
+         buckets\n"
+            .to_owned();
     for &size in sizes {
         for movement in MOVEMENTS {
             for share in RADII {
@@ -221,7 +224,8 @@ fn figure_10(sizes: &[usize]) -> String {
                     print!(" {all:.1} | {refit:.2} | {search:.1} | {rebuild:.2} | {rebuilds} |");
                     writeln!(
                         csv,
-                        "{size},{movement},{share},{neighbours:.2},{policy},{refit:.3},{search:.3},{rebuild:.3},{rebuilds},{steps},{},{}",
+                        "{size},{movement},{share},{neighbours:.2},{policy},{refit:.3},{search:.3},{rebuild:.3},\
+                         {rebuilds},{steps},{},{}",
                         work.boxes, work.buckets
                     )
                     .unwrap();
@@ -286,7 +290,8 @@ fn table_1(size: usize) -> String {
         let neighbours = work.neighbours as f64 / size as f64;
         let filled = fill.map_or_else(|| "-".to_owned(), |fill| format!("{fill:.1}"));
         println!(
-            "| {share:.3} | {neighbours:.1} | {seat:.1} | {counted:.1} | {filled} | {nearest:.1} | {tree:.1} | {all:.1} | {one:.1} |"
+            "| {share:.3} | {neighbours:.1} | {seat:.1} | {counted:.1} | {filled} | {nearest:.1} | {tree:.1} | \
+             {all:.1} | {one:.1} |"
         );
         writeln!(
             csv,

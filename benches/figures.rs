@@ -171,14 +171,16 @@ fn query_times<N: Lanes>(trees: &[&Bvh<N>; SPLITTERS.len()], poses: &[Pose]) -> 
 
 fn csv(rows: &[Row]) -> String {
     let mut text = String::from(
-        "model,polygons,arity,splitter,query_microseconds,apart_microseconds,visits,kernels,primitive_pairs,build_milliseconds,expected_visits\n",
+        "model,polygons,arity,splitter,query_microseconds,apart_microseconds,visits,kernels,primitive_pairs,\
+         build_milliseconds,expected_visits\n",
     );
     for row in rows {
         let Row { model, polygons, arity, splitter, query_microseconds, visits, kernels, .. } = row;
         let Row { apart_microseconds, primitive_pairs, build_milliseconds, expected_visits, .. } = row;
         writeln!(
             text,
-            "{model},{polygons},{arity},{splitter},{query_microseconds:.3},{apart_microseconds:.3},{visits:.1},{kernels:.1},\
+            "{model},{polygons},{arity},{splitter},{query_microseconds:.3},{apart_microseconds:.3},{visits:.1},\
+             {kernels:.1},\
              {primitive_pairs:.1},{build_milliseconds:.3},{expected_visits:.1}"
         )
         .unwrap();
@@ -190,7 +192,8 @@ fn csv(rows: &[Row]) -> String {
 /// resolution, 1vs16.
 fn pay_offs(rows: &[Row]) -> String {
     let mut text = String::from(
-        "| model | splitter | build, ms | touching, us | pays after | 1 % apart, us | pays after |\n|---|---|---|---|---|---|---|\n",
+        "| model | splitter | build, ms | touching, us | pays after | 1 % apart, us | pays after |\n\
+         |---|---|---|---|---|---|---|\n",
     );
     for model in MODELS {
         let wide = || rows.iter().filter(|row| row.model == model && row.arity == 16);

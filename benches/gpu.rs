@@ -109,7 +109,8 @@ impl Bench {
         let part = |of: fn(&Spent) -> Duration| median(parts.iter().map(of).collect());
         let text = |value: Option<f64>| value.map_or(String::new(), |value| format!("{value:.1}"));
         println!(
-            "| {kind} | {arity} | {count} | {} | {all:.1} | {after_pause:.1} | {whole:.1} | {:.1} | {:.1} | {:.1} | {} | {:.1} | {:.0} |",
+            "| {kind} | {arity} | {count} | {} | {all:.1} | {after_pause:.1} | {whole:.1} | {:.1} | {:.1} | {:.1} | {} \
+             | {:.1} | {:.0} |",
             text(one),
             part(|s| s.upload),
             part(|s| s.device),
@@ -139,7 +140,8 @@ fn main() {
         bench.all.current_num_threads()
     );
     println!(
-        "\n| | lanes | primitives | 1 thread | all threads | device, after a pause | device | of it upload | kernels | download | 1 thread / device | all threads / device | bytes a primitive |"
+        "\n| | lanes | primitives | 1 thread | all threads | device, after a pause | device | of it upload | kernels | \
+         download | 1 thread / device | all threads / device | bytes a primitive |"
     );
     println!("|---|---|---|---|---|---|---|---|---|---|---|---|---|");
     let mut rng = Rng::new(1);

@@ -155,7 +155,8 @@ fn main() {
         Isa::detect()
     );
     println!(
-        "\n| points | | CPU, one core | device | in and out | CPU / device | CPU / all of it | |\n|---|---|---|---|---|---|---|---|"
+        "\n| points | | CPU, one core | device | in and out | CPU / device | CPU / all of it | |\n\
+         |---|---|---|---|---|---|---|---|"
     );
     let warm = PointCloud::new(&[[0.0; 3]; 100]).unwrap();
     let mut on_device = DeviceCloud::new(&gpu, &warm.view()).unwrap();

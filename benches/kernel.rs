@@ -166,7 +166,8 @@ impl Row {
         let medians = self.medians(15);
         let percent = 100.0 * self.separated;
         println!(
-            "\n{} k = {}, {}: {} calls, {percent:.0} % of the masks empty\n\n| variant | ns a node | GB/s | x scalar | x papers' |\n|---|---|---|---|---|",
+            "\n{} k = {}, {}: {} calls, {percent:.0} % of the masks empty\n\n\
+             | variant | ns a node | GB/s | x scalar | x papers' |\n|---|---|---|---|---|",
             self.kernel, self.k, self.level, self.calls
         );
         let of = |name: &str| self.benches.iter().position(|bench| bench.name == name).map(|i| medians[i]);

@@ -110,7 +110,8 @@ fn run(data: &Path, setting: &Setting) {
     }
     assert_eq!(differ, 0, "verdicts of the scene and of its pairs differ");
     println!(
-        "{}: {asked} configurations, {free} free; pairs asked {:.2}, visits {:.2}, pairs of triangles {:.2} a configuration",
+        "{}: {asked} configurations, {free} free; pairs asked {:.2}, visits {:.2}, pairs of triangles {:.2} a \
+         configuration",
         setting.name,
         pairs as f64 / asked as f64,
         visits as f64 / asked as f64,
@@ -148,7 +149,8 @@ fn run(data: &Path, setting: &Setting) {
     let mean = |slot: usize| best.iter().map(|times| times[slot]).sum::<f64>() / asked as f64;
     let [scene, pairs, placing, five, twenty, fifty] = core::array::from_fn(mean);
     println!(
-        "scene {scene:.2} (of which placing {placing:.2}), pairs {pairs:.2}; margins of 5, 20, 50 mm {five:.2} {twenty:.2} {fifty:.2}"
+        "scene {scene:.2} (of which placing {placing:.2}), pairs {pairs:.2}; margins of 5, 20, 50 mm {five:.2} \
+         {twenty:.2} {fifty:.2}"
     );
     drop(best);
     println!("{}", same_pairs(&robot, &links, &worlds, &query));
@@ -207,7 +209,8 @@ fn same_pairs(robot: &Robot, links: &[Tree], worlds: &[World<'_>], query: &Query
     }
     let [touching, five, twenty, fifty] = sums.map(|sum| sum / f64::from(asked));
     format!(
-        "all pairs alone, {:.1} a configuration: {touching:.2}; margins of 5, 20, 50 mm {five:.2} {twenty:.2} {fifty:.2}, {:.2} {:.2} {:.2} times that",
+        "all pairs alone, {:.1} a configuration: {touching:.2}; margins of 5, 20, 50 mm {five:.2} {twenty:.2} \
+         {fifty:.2}, {:.2} {:.2} {:.2} times that",
         pairs as f64 / f64::from(asked),
         five / touching,
         twenty / touching,
@@ -297,7 +300,8 @@ fn by_spheres<'t>(
     let [one, at_once] = best.map(|sum| sum / worlds.len() as f64);
     let all = worlds.len() * AT_ONCE;
     println!(
-        "by sphere models: one by one {one:.2}, at once {at_once:.2}; of {all} configurations {hits} hit, {missed} of these are missed and \
+        "by sphere models: one by one {one:.2}, at once {at_once:.2}; of {all} configurations {hits} hit, {missed} of \
+         these are missed and \
          {invented} others called hits\n"
     );
 }

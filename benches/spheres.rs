@@ -96,7 +96,8 @@ fn main() {
     println!("Volumes as weights, work with over work without (least to most over the starts):\n");
     println!("{}", report::table_of_weights(&weights));
     println!(
-        "Bounds of volumes with a part of the visits, estimates and their errors, over the volume, medians of the poses that share one:\n"
+        "Bounds of volumes with a part of the visits, estimates and their errors, over the volume, medians of the \
+         poses that share one:\n"
     );
     println!("{}", bounds::table(&bounds));
 

@@ -68,7 +68,8 @@ fn wanted_rows(wanted: u16, work: &mut Work, row: impl Fn(usize) -> u16) -> Rows
 
 macro_rules! wide_system {
     (
-        $system:ty, $node:ty, $query:ty, $none:expr, $map_type:ty, $map:expr, $make:expr, $turn:expr, $leaf:expr, $row:expr, $column:expr
+        $system:ty, $node:ty, $query:ty, $none:expr, $map_type:ty, $map:expr, $make:expr, $turn:expr,
+        $leaf:expr, $row:expr, $column:expr
     ) => {
         impl System<16> for $system {
             type Node = $node;
@@ -249,7 +250,9 @@ for_avx2! {
         let mut planes = [const { MaybeUninit::<[__m256; 2]>::uninit() }; K];
         for (decoded, codes) in planes.iter_mut().zip(codes) {
             let halves = flip(load_codes(codes));
-            decoded.write([_mm256_castsi256_si128(halves), _mm256_extracti128_si256::<1>(halves)].map(|x| _mm256_cvtph_ps(x)));
+            decoded.write(
+                [_mm256_castsi256_si128(halves), _mm256_extracti128_si256::<1>(halves)].map(|x| _mm256_cvtph_ps(x)),
+            );
         }
         for slab in 0..K / 2 {
             let [p, q, r, _] = map.sources[slab];

@@ -80,7 +80,8 @@ fn median(mut times: Vec<Duration>) -> Option<f64> {
 
 pub(crate) fn table(rows: &[Row]) -> String {
     let mut text = String::from(
-        "| model | spheres | of its volume | arity | neural gas, one thread, ms | all threads | device | mean width, one thread |\n\
+        "| model | spheres | of its volume | arity | neural gas, one thread, ms | all threads | device | mean width, \
+         one thread |\n\
          |---|--:|--:|--:|--:|--:|--:|--:|\n",
     );
     for row in rows {
@@ -99,7 +100,8 @@ pub(crate) fn table(rows: &[Row]) -> String {
 
 pub(crate) fn csv(rows: &[Row]) -> String {
     let mut text = String::from(
-        "model,spheres,covered,arity,one_thread_milliseconds,all_threads_milliseconds,device_milliseconds,mean_width_milliseconds\n",
+        "model,spheres,covered,arity,one_thread_milliseconds,all_threads_milliseconds,device_milliseconds,\
+         mean_width_milliseconds\n",
     );
     for row in rows {
         let Row { model, spheres, covered, arity, one_thread, mean_width, .. } = row;

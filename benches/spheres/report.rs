@@ -6,7 +6,8 @@ use std::fmt::Write;
 /// The table of one of the two queries. Numbers in brackets are relative to the first row of a group.
 pub(crate) fn table(rows: &[Row], cost: fn(&Row) -> Cost) -> String {
     let mut text = String::from(
-        "| scene | spheres | arity | partitioning | mean, us | median | p99 | visits | kernels | pairs tested | nodes of both | depth |\n\
+        "| scene | spheres | arity | partitioning | mean, us | median | p99 | visits | kernels | pairs tested | nodes \
+         of both | depth |\n\
          |---|--:|--:|---|--:|--:|--:|--:|--:|--:|--:|--:|\n",
     );
     for group in rows.chunks(DIVISIONS.len()) {
@@ -50,7 +51,8 @@ pub(crate) fn csv(rows: &[Row]) -> String {
 
 pub(crate) fn table_of_weights(rows: &[Weights]) -> String {
     let mut text = String::from(
-        "| scene | spheres | arity | volume: visits | kernels | pairs tested | yes or no: visits | kernels | pairs tested |\n\
+        "| scene | spheres | arity | volume: visits | kernels | pairs tested | yes or no: visits | kernels | pairs \
+         tested |\n\
          |---|--:|--:|--:|--:|--:|--:|--:|--:|\n",
     );
     for Weights { scene, spheres, arity, volume, verdict } in rows {
@@ -66,7 +68,8 @@ pub(crate) fn table_of_weights(rows: &[Weights]) -> String {
 /// Over all scenes and sizes: geometric means relative to the first row of each group.
 pub(crate) fn summary(rows: &[Row]) -> String {
     let mut text = String::from(
-        "| arity | partitioning | volume: time | visits | kernels | pairs tested | yes or no: time | visits | kernels | pairs tested | nodes |\n\
+        "| arity | partitioning | volume: time | visits | kernels | pairs tested | yes or no: time | visits | kernels \
+         | pairs tested | nodes |\n\
          |--:|---|--:|--:|--:|--:|--:|--:|--:|--:|--:|\n",
     );
     for arity in [4, 16] {

@@ -199,7 +199,8 @@ fn print(report: &Report, json: bool, out: &mut dyn Write) -> std::io::Result<()
     };
     writeln!(
         out,
-        "{mesh}: {triangles} {what} within {spheres} spheres, none farther than {error:.6e} from {from}; {bytes} bytes as a tree, {:.2} s",
+        "{mesh}: {triangles} {what} within {spheres} spheres, none farther than {error:.6e} from {from}; {bytes} bytes \
+         as a tree, {:.2} s",
         *cover_nanoseconds as f64 * 1e-9
     )
 }

@@ -137,7 +137,8 @@ impl fmt::Display for Error {
             Self::Option { option, problem } => write!(f, "{option}: {problem}"),
             Self::OtherShape { name, has, asked } => write!(
                 f,
-                "{name}: the tree has k = {} and arity {}, the query k = {} and arity {}: `simdop build` makes another of it",
+                "{name}: the tree has k = {} and arity {}, the query k = {} and arity {}: `simdop build` makes another \
+                 of it",
                 has.k, has.arity, asked.k, asked.arity
             ),
             #[cfg(not(all(feature = "report", feature = "selftest")))]

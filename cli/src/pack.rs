@@ -18,7 +18,13 @@ pub(super) struct Options {
     /// A closed mesh, or a tree: then the mesh that it was built from. Without it: a built-in gear.
     mesh: Option<File>,
     /// Number of spheres.
-    #[arg(short = 'n', long, value_name = "NUMBER", default_value_t = 1000, value_parser = clap::value_parser!(u32).range(1..))]
+    #[arg(
+        short = 'n',
+        long,
+        value_name = "NUMBER",
+        default_value_t = 1000,
+        value_parser = clap::value_parser!(u32).range(1..)
+    )]
     spheres: u32,
     /// The packing to write, one sphere per line: x y z r. An existing file is replaced atomically, once the packing is
     /// complete.

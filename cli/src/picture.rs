@@ -95,7 +95,8 @@ fn svg(parts: &[Part], [width, height]: [f64; 2], title: &str) -> String {
                 let [s, t, u] = rim([*r, *g, *b]);
                 writeln!(
                     text,
-                    "<circle fill=\"#{r:02x}{g:02x}{b:02x}\" stroke=\"#{s:02x}{t:02x}{u:02x}\" cx=\"{x:.1}\" cy=\"{y:.1}\" r=\"{radius:.1}\"/>"
+                    "<circle fill=\"#{r:02x}{g:02x}{b:02x}\" stroke=\"#{s:02x}{t:02x}{u:02x}\" cx=\"{x:.1}\" \
+                     cy=\"{y:.1}\" r=\"{radius:.1}\"/>"
                 )
             }
         };

@@ -21,7 +21,13 @@ pub(super) struct Options {
     )]
     pose: Option<String>,
     /// One pose that only translates: "x y z".
-    #[arg(long, value_name = "NUMBERS", conflicts_with_all = ["poses", "pose"], requires = "a", allow_hyphen_values = true)]
+    #[arg(
+        long,
+        value_name = "NUMBERS",
+        conflicts_with_all = ["poses", "pose"],
+        requires = "a",
+        allow_hyphen_values = true
+    )]
     translate: Option<String>,
     /// A file with one pose per line, as for --pose; `#` begins a comment.
     #[arg(long, value_name = "FILE", requires = "a")]

@@ -201,7 +201,8 @@ impl Report<'_> {
         self.summary.print(out)?;
         writeln!(
             out,
-            "per query: {:.1} visits, {:.1} kernels, {:.1} re-alignments, {:.1} triangle pairs; {} pairs in all were exact",
+            "per query: {:.1} visits, {:.1} kernels, {:.1} re-alignments, {:.1} triangle pairs; {} pairs in all were \
+             exact",
             mean(|p| p.visits),
             mean(|p| p.kernels),
             mean(|p| p.realignments),

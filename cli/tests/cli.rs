@@ -322,7 +322,8 @@ fn a_tree_answers_as_its_mesh_on_every_node_type_and_instruction_set() {
     // a.tree now has k = 32 and arity 16.
     assert_eq!(
         folder.fate(&["collide", "b.obj", "a.tree", "-k", "18"]),
-        (2, "simdop: a.tree: the tree has k = 32 and arity 16, the query k = 18 and arity 16: `simdop build` makes another of it".into())
+        (2, "simdop: a.tree: the tree has k = 32 and arity 16, the query k = 18 and arity 16: `simdop build` makes \
+            another of it".into())
     );
     let bytes = std::fs::read(folder.0.join("a.tree")).unwrap();
     folder.write("cut", &bytes[..bytes.len() - 64]);
@@ -1082,7 +1083,8 @@ fn xyz_cloud(points: &[[f32; 3]]) -> String {
 fn ply_cloud(points: &[[f32; 3]], big: bool) -> Vec<u8> {
     let format = if big { "binary_big_endian" } else { "binary_little_endian" };
     let mut bytes = format!(
-        "ply\nformat {format} 1.0\nelement vertex {}\nproperty float x\nproperty float y\nproperty uchar intensity\nproperty float z\nelement face 1\nproperty list uchar int vertex_indices\nend_header\n",
+        "ply\nformat {format} 1.0\nelement vertex {}\nproperty float x\nproperty float y\nproperty uchar intensity\n\
+         property float z\nelement face 1\nproperty list uchar int vertex_indices\nend_header\n",
         points.len()
     )
     .into_bytes();
@@ -1253,7 +1255,8 @@ fn faults_of_clouds_name_file_place_and_problem() {
     let header = whole.len() - 2 * 13 - 5;
     let in_second = format!("byte {}: the coordinate NaN is not finite", header + 13);
     let cut = format!("byte {}: the file ends at vertex 1 of 2", header + 20);
-    let ply = "ply\nformat ascii 1.0\nelement vertex 2\nproperty float x\nproperty float y\nproperty float z\nend_header\n";
+    let ply = "ply\nformat ascii 1.0\nelement vertex 2\nproperty float x\nproperty float y\nproperty float z\n\
+        end_header\n";
     let (no_point, flat) = (ply.replace("vertex 2", "vertex 0"), ply.replace(" z", " w"));
     let cases: &[(&str, &[u8], &str)] = &[
         ("empty.xyz", b"", "the file is empty"),

@@ -64,7 +64,8 @@ fn kinds(folder: &Folder) -> Vec<Kind> {
     add("cut.obj", obj(&mesh).as_bytes(), &["info", "cut.obj"], Ends::Lines);
     add("cut.txt", spheres.as_bytes(), &["info", "cut.txt"], Ends::Lines);
     add("cut.xyz", b"0 0 0\n1 2 3\n0 4 -1\n", &["near", "cut.xyz", "-r", "1"], Ends::Lines);
-    let cloud = "ply\nformat ascii 1.0\nelement vertex 2\nproperty float x\nproperty float y\nproperty float z\nend_header\n0 0 0\n1 2 3\n";
+    let cloud = "ply\nformat ascii 1.0\nelement vertex 2\nproperty float x\nproperty float y\nproperty float z\n\
+        end_header\n0 0 0\n1 2 3\n";
     add("cloud.ply", cloud.as_bytes(), &["near", "cloud.ply", "-r", "1"], Ends::Last(0));
     let poses = "1 0 0 0.5  0 1 0 0  0 0 1 0\n0 -1 0 2 1 0 0 0 0 0 1 0.25\n";
     add("poses", poses.as_bytes(), &["collide", "t.obj", "t.obj", "--poses", "poses"], Ends::Lines);
@@ -167,7 +168,8 @@ fn without_room_the_old_file_stays() {
     // A cube to pack with spheres.
     folder.write(
         "cube.off",
-        "OFF\n8 6 0\n0 0 0\n1 0 0\n0 1 0\n1 1 0\n0 0 1\n1 0 1\n0 1 1\n1 1 1\n4 0 2 3 1\n4 4 5 7 6\n4 0 1 5 4\n4 2 6 7 3\n4 0 4 6 2\n4 1 3 7 5\n",
+        "OFF\n8 6 0\n0 0 0\n1 0 0\n0 1 0\n1 1 0\n0 0 1\n1 0 1\n0 1 1\n1 1 1\n4 0 2 3 1\n4 4 5 7 6\n4 0 1 5 4\n\
+         4 2 6 7 3\n4 0 4 6 2\n4 1 3 7 5\n",
     );
     let cloud: String = (0..700).map(|i| format!("{} {} 0\n", i % 30, i / 30)).collect();
     folder.write("cloud.xyz", cloud);

@@ -28,7 +28,8 @@ type Tree = Bvh<Node16<18>>;
 /// A link with this geometry that slides along x by at most 1.
 fn slider(geometry: &str) -> String {
     format!(
-        r#"<robot name="slider"><link name="rail"/><link name="sled"><collision><geometry>{geometry}</geometry></collision></link>
+        r#"<robot name="slider"><link name="rail"/>
+        <link name="sled"><collision><geometry>{geometry}</geometry></collision></link>
         <joint name="slide" type="prismatic"><parent link="rail"/><child link="sled"/><axis xyz="1 0 0"/>
         <limit lower="0" upper="1" effort="1" velocity="1"/></joint>
         <joint name="stop" type="fixed"><parent link="rail"/><child link="end"/></joint><link name="end"/></robot>"#

@@ -63,7 +63,8 @@ pub(crate) fn draw(
                         let [[x, y], [u, v]] = [-0.5, 0.5].map(|z| flat(pose.apply([0.0, 0.0, z * height])));
                         let width = 2.0 * SCALE * radius;
                         format!(
-                            "<line x1=\"{x:.1}\" y1=\"{y:.1}\" x2=\"{u:.1}\" y2=\"{v:.1}\" stroke-width=\"{width:.1}\"/>\n"
+                            "<line x1=\"{x:.1}\" y1=\"{y:.1}\" x2=\"{u:.1}\" y2=\"{v:.1}\" \
+                             stroke-width=\"{width:.1}\"/>\n"
                         )
                     }
                     LinkShape::Cuboid { sides } => {
@@ -82,7 +83,8 @@ pub(crate) fn draw(
         );
         for ([x, y], text) in [(hands[0], "start"), (hands[hands.len() - 1], "goal")] {
             svg += &format!(
-                "<circle cx=\"{x:.1}\" cy=\"{y:.1}\" r=\"5\"/>\n<text x=\"{:.1}\" y=\"{:.1}\" stroke=\"white\" stroke-width=\"4\" paint-order=\"stroke\">{text}</text>\n",
+                "<circle cx=\"{x:.1}\" cy=\"{y:.1}\" r=\"5\"/>\n<text x=\"{:.1}\" y=\"{:.1}\" stroke=\"white\" \
+                 stroke-width=\"4\" paint-order=\"stroke\">{text}</text>\n",
                 x + 9.0,
                 y - 9.0
             );

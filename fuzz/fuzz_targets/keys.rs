@@ -85,7 +85,11 @@ fn every_isa_rounds_up(offsets: &[f32; 6]) {
             // One step higher if the number is itself a bound and the key of the bound below is odd.
             let x64 = f64::from(*x);
             let is_even_above = code % 2 == 0 && key_value(code - 1) == x64;
-            let right = if x.is_nan() { code == Key::INFINITY.code() } else { is_even_above || is_rounded_up(code, x64) };
+            let right = if x.is_nan() {
+                code == Key::INFINITY.code()
+            } else {
+                is_even_above || is_rounded_up(code, x64)
+            };
             assert!(right, "{kernel:?} {x:e}: {code:x}");
         }
     });

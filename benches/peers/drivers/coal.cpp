@@ -41,8 +41,8 @@ void peer_free(void *body) { delete geometry(body); }
 size_t peer_bytes(const void *body) {
   auto *model = dynamic_cast<const Model *>(static_cast<const Geometry *>(body));
   if (!model) return 0;
-  return sizeof(Model) + model->getNumBVs() * sizeof(coal::BVNode<coal::VOLUME>) + model->num_vertices * sizeof(coal::Vec3s) +
-         model->num_tris * (sizeof(coal::Triangle) + sizeof(unsigned int));
+  return sizeof(Model) + model->getNumBVs() * sizeof(coal::BVNode<coal::VOLUME>) +
+         model->num_vertices * sizeof(coal::Vec3s) + model->num_tris * (sizeof(coal::Triangle) + sizeof(unsigned int));
 }
 
 static coal::Transform3s transform(const Rows &m) {
@@ -81,8 +81,8 @@ void *peer_box(const double *sides) { return static_cast<Geometry *>(new coal::B
 void *peer_convex(const double *vertices, size_t vertex_count, const uint32_t *triangles, size_t triangle_count) {
   auto corners = std::make_shared<std::vector<coal::Vec3s>>(points(vertices, vertex_count));
   auto sides = std::make_shared<std::vector<coal::Triangle>>(faces(triangles, triangle_count));
-  return static_cast<Geometry *>(
-      new coal::Convex<coal::Triangle>(corners, static_cast<unsigned>(vertex_count), sides, static_cast<unsigned>(triangle_count)));
+  return static_cast<Geometry *>(new coal::Convex<coal::Triangle>(corners, static_cast<unsigned>(vertex_count), sides,
+                                                                  static_cast<unsigned>(triangle_count)));
 }
 
 // An object of a manager. It does not own the body.
@@ -123,7 +123,8 @@ struct MeetIfAsked : Meet {
 };
 } // namespace
 
-void *peer_scene(const Placed *links, size_t link_count, const bool *asked, const Placed *obstacles, size_t obstacle_count) {
+void *peer_scene(const Placed *links, size_t link_count, const bool *asked, const Placed *obstacles,
+                 size_t obstacle_count) {
   auto *scene = new Scene;
   scene->asked.assign(asked, asked + link_count * link_count);
   for (size_t i = 0; i < link_count; i++) {

@@ -93,9 +93,10 @@ void pairs(void *pointer, RTCCollision *collisions, unsigned count) {
 extern "C" void peer_triangle_test(TriangleTest test) { meet = test; }
 
 const char *peer_version() {
-  static const std::string version = std::to_string(rtcGetDeviceProperty(device(), RTC_DEVICE_PROPERTY_VERSION_MAJOR)) + "." +
-                                     std::to_string(rtcGetDeviceProperty(device(), RTC_DEVICE_PROPERTY_VERSION_MINOR)) + "." +
-                                     std::to_string(rtcGetDeviceProperty(device(), RTC_DEVICE_PROPERTY_VERSION_PATCH));
+  static const std::string version =
+      std::to_string(rtcGetDeviceProperty(device(), RTC_DEVICE_PROPERTY_VERSION_MAJOR)) + "." +
+      std::to_string(rtcGetDeviceProperty(device(), RTC_DEVICE_PROPERTY_VERSION_MINOR)) + "." +
+      std::to_string(rtcGetDeviceProperty(device(), RTC_DEVICE_PROPERTY_VERSION_PATCH));
   return version.c_str();
 }
 
@@ -121,7 +122,9 @@ bool peer_collide(void *handle_a, void *handle_b, const Rows &m) {
   // Not contracted to fused operations, so that the corners are those of simdop's verdict.
   for (size_t i = 0; i < a->vertices.size(); i += 3) {
     const double *p = &a->vertices[i];
-    for (int k = 0; k < 3; k++) moved.vertices[i + k] = ((m[4 * k] * p[0] + m[4 * k + 1] * p[1]) + m[4 * k + 2] * p[2]) + m[4 * k + 3];
+    for (int k = 0; k < 3; k++) {
+      moved.vertices[i + k] = ((m[4 * k] * p[0] + m[4 * k + 1] * p[1]) + m[4 * k + 2] * p[2]) + m[4 * k + 3];
+    }
   }
   rtcCommitGeometry(moved.geometry);
   rtcCommitScene(moved.scene);

@@ -43,8 +43,8 @@ void peer_free(void *body) { delete geometry(body); }
 size_t peer_bytes(const void *body) {
   auto *model = dynamic_cast<const Model *>(static_cast<const Geometry *>(body));
   if (!model) return 0;
-  return sizeof(Model) + model->getNumBVs() * sizeof(fcl::BVNode<Volume>) + model->num_vertices * sizeof(fcl::Vector3d) +
-         model->num_tris * (sizeof(fcl::Triangle) + sizeof(unsigned int));
+  return sizeof(Model) + model->getNumBVs() * sizeof(fcl::BVNode<Volume>) + 
+         model->num_vertices * sizeof(fcl::Vector3d) + model->num_tris * (sizeof(fcl::Triangle) + sizeof(unsigned int));
 }
 
 static fcl::Transform3d transform(const Rows &m) {
@@ -116,7 +116,8 @@ struct Asked {
 };
 } // namespace
 
-void *peer_scene(const Placed *links, size_t link_count, const bool *asked, const Placed *obstacles, size_t obstacle_count) {
+void *peer_scene(const Placed *links, size_t link_count, const bool *asked, const Placed *obstacles,
+                 size_t obstacle_count) {
   auto *scene = new Scene;
   scene->asked.assign(asked, asked + link_count * link_count);
   for (size_t i = 0; i < link_count; i++) {

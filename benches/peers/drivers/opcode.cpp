@@ -52,7 +52,8 @@ void peer_free(void *body) { delete static_cast<Body *>(body); }
 
 size_t peer_bytes(const void *handle) {
   auto *body = static_cast<const Body *>(handle);
-  return sizeof(Body) + body->model.GetUsedBytes() + body->vertices.size() * sizeof(Point) + body->triangles.size() * sizeof(IndexedTriangle);
+  return sizeof(Body) + body->model.GetUsedBytes() + body->vertices.size() * sizeof(Point) +
+         body->triangles.size() * sizeof(IndexedTriangle);
 }
 
 bool peer_collide(void *a, void *b, const Rows &m) {

@@ -16,7 +16,8 @@ void peer_free(void *body);
 size_t peer_bytes(const void *body);
 // Whether the bodies meet; ends at the first hit.
 bool peer_collide(void *a, void *b, const Rows &rows);
-// The distance, without tolerance; 0 or less where they meet. With -DDISTANCES only: not every peer and volume has distances.
+// The distance, without tolerance; 0 or less where they meet. With -DDISTANCES only: not every peer and volume has
+// distances.
 double peer_distance(void *a, void *b, const Rows &rows);
 
 // For peers with managers of many bodies:
@@ -31,7 +32,8 @@ void *peer_box(const double *sides);
 void *peer_convex(const double *vertices, size_t vertex_count, const uint32_t *triangles, size_t triangle_count);
 // A robot's links, initially at these poses, among fixed obstacles. The bodies outlive it. asked[i * link_count + j]:
 // whether links i and j are tested against each other.
-void *peer_scene(const Placed *links, size_t link_count, const bool *asked, const Placed *obstacles, size_t obstacle_count);
+void *peer_scene(const Placed *links, size_t link_count, const bool *asked, const Placed *obstacles,
+                 size_t obstacle_count);
 void peer_scene_free(void *scene);
 // Whether the links, at these poses, meet an obstacle or each other; ends at the first hit.
 bool peer_scene_collide(void *scene, const Rows *places);

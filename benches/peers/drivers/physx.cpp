@@ -38,7 +38,9 @@ struct Allocator : PxAllocatorCallback {
 };
 
 struct Errors : PxErrorCallback {
-  void reportError(PxErrorCode::Enum, const char *message, const char *, int) override { std::fprintf(stderr, "PhysX: %s\n", message); }
+  void reportError(PxErrorCode::Enum, const char *message, const char *, int) override {
+    std::fprintf(stderr, "PhysX: %s\n", message);
+  }
 };
 
 struct Body {
@@ -93,7 +95,9 @@ PxVec3 point(double x, double y, double z) { return {float(unit * x), float(unit
 void cook(Body &body) {
   std::vector<PxVec3> points;
   points.reserve(body.vertices.size() / 3);
-  for (size_t i = 0; i < body.vertices.size(); i += 3) points.push_back(point(body.vertices[i], body.vertices[i + 1], body.vertices[i + 2]));
+  for (size_t i = 0; i < body.vertices.size(); i += 3) {
+    points.push_back(point(body.vertices[i], body.vertices[i + 1], body.vertices[i + 2]));
+  }
   PxTriangleMeshDesc mesh;
   mesh.points.data = points.data();
   mesh.points.stride = sizeof(PxVec3);
@@ -121,13 +125,15 @@ void cook(Body &body) {
 
 const char *peer_version() {
   static const std::string version =
-      std::to_string(PX_PHYSICS_VERSION_MAJOR) + "." + std::to_string(PX_PHYSICS_VERSION_MINOR) + "." + std::to_string(PX_PHYSICS_VERSION_BUGFIX);
+      std::to_string(PX_PHYSICS_VERSION_MAJOR) + "." + std::to_string(PX_PHYSICS_VERSION_MINOR) + "." +
+      std::to_string(PX_PHYSICS_VERSION_BUGFIX);
   return version.c_str();
 }
 
 void *peer_build(const double *vertices, size_t vertex_count, const uint32_t *triangles, size_t triangle_count) {
   start();
-  auto *body = new Body{{vertices, vertices + 3 * vertex_count}, {triangles, triangles + 3 * triangle_count}, nullptr, 0};
+  auto *body =
+      new Body{{vertices, vertices + 3 * vertex_count}, {triangles, triangles + 3 * triangle_count}, nullptr, 0};
   const double own = own_unit(*body);
   // Bodies of similar size keep their unit.
   if (bodies.empty() || own > 4 * unit) {
@@ -153,7 +159,8 @@ void peer_free(void *handle) {
 size_t peer_bytes(const void *handle) { return static_cast<const Body *>(handle)->bytes; }
 
 bool peer_collide(void *a, void *b, const Rows &m) {
-  float columns[] = {float(m[0]), float(m[4]), float(m[8]), float(m[1]), float(m[5]), float(m[9]), float(m[2]), float(m[6]), float(m[10])};
+  float columns[] = {float(m[0]), float(m[4]), float(m[8]), float(m[1]),
+                     float(m[5]), float(m[9]), float(m[2]), float(m[6]), float(m[10])};
   const PxTransform pose(point(m[3], m[7], m[11]), PxQuat(PxMat33(columns)).getNormalized());
   const PxTriangleMeshGeometry moved(static_cast<Body *>(a)->mesh), still(static_cast<Body *>(b)->mesh);
   FirstPair first;

@@ -41,8 +41,10 @@ pub(crate) fn run(options: &Options) -> Result<(), String> {
     record::write(&options.out.join("fineness.csv"), &rows)?;
     let about = format!(
         "{}. {}, one thread, {} run(s), the libraries in turns as in RESULTS.md.\n\n\
-        A torus with waves (`tests/support/shapes.rs`) against itself, {} poses a row: turned at random, it comes from a random direction until the gap is this share of its\n\
-        diagonal. Above {JUDGED} triangles the truth is that there is a gap, which simdop's margin query found; up to there it is brute force in exact arithmetic.",
+        A torus with waves (`tests/support/shapes.rs`) against itself, {} poses a row: turned at random, it comes from \
+        a random direction until the gap is this share of its\n\
+        diagonal. Above {JUDGED} triangles the truth is that there is a gap, which simdop's margin query found; up to \
+        there it is brute force in exact arithmetic.",
         options.stamp,
         crate::cpu::cpu(),
         options.runs,

@@ -61,10 +61,14 @@ pub(crate) fn run(options: &Options) -> Result<(), String> {
     record::write(&options.out.join("sizes.csv"), &rows)?;
     let about = format!(
         "{}. {}, one thread, {} run(s), the libraries in turns as in RESULTS.md, whose versions they are.\n\n\
-        A body against itself at a scale (\"1e-3, small as A\" is the body at a thousandth of its size, placed in the frame of the whole one), {} poses a row: turned at\n\
-        random, a random corner of the small one at a random corner of the large one, shifted by up to half the small one's diagonal along each axis. \"1e-3 in a detail\":\n\
-        the large body has a copy of itself at a thousandth of its size at one of its corners, and the small one, another such copy, is near corners of that. The room has\n\
-        {TRIANGLES} triangles (`tests/support/shapes.rs`), the hall is unc_env, the hand is the Panda's. The exchanged poses are the inverse ones, rounded.",
+        A body against itself at a scale (\"1e-3, small as A\" is the body at a thousandth of its size, placed in the \
+        frame of the whole one), {} poses a row: turned at\n\
+        random, a random corner of the small one at a random corner of the large one, shifted by up to half the small \
+        one's diagonal along each axis. \"1e-3 in a detail\":\n\
+        the large body has a copy of itself at a thousandth of its size at one of its corners, and the small one, \
+        another such copy, is near corners of that. The room has\n\
+        {TRIANGLES} triangles (`tests/support/shapes.rs`), the hall is unc_env, the hand is the Panda's. The exchanged \
+        poses are the inverse ones, rounded.",
         options.stamp,
         crate::cpu::cpu(),
         options.runs,

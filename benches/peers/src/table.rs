@@ -29,9 +29,12 @@ fn head(page: &mut String, rows: &[Row], all: &Summary<'_>, stamp: &str) {
     let _ = write!(
         page,
         "# simdop beside its peers\n\n\
-        {stamp}. {}, one thread. {} run(s); {} poses a mesh and distance, half by the sphere method, half by the grid method of Trenkel, Weller and\n\
-        Zachmann's suite; distances are shares of the diagonal of A's box, \"0 %\" is a gap of 2e-5. A time is the least of up to five passes over a block of ten\n\
-        poses, with the libraries in turns, the pose's conversion in it, less the least time that reading the clock twice takes. Where there are several runs, a figure is their\n\
+        {stamp}. {}, one thread. {} run(s); {} poses a mesh and distance, half by the sphere method, half by the grid \
+        method of Trenkel, Weller and\n\
+        Zachmann's suite; distances are shares of the diagonal of A's box, \"0 %\" is a gap of 2e-5. A time is the \
+        least of up to five passes over a block of ten\n\
+        poses, with the libraries in turns, the pose's conversion in it, less the least time that reading the clock \
+        twice takes. Where there are several runs, a figure is their\n\
         median.\n\n\
         ![Median time against distance](results.svg)\n\n\
         Versions: ",
@@ -51,11 +54,16 @@ fn head(page: &mut String, rows: &[Row], all: &Summary<'_>, stamp: &str) {
     let versions: Vec<String> = all.libraries.iter().filter_map(version).collect();
     let _ = write!(page, "{}.\n\n", versions.join(", "));
     page.push_str(
-        "What is compared: simdop, Coal, FCL and parry f64 keep coordinates in f64, OPCODE, ODE, PhysX and parry f32 in f32. Coal, FCL, ODE and Embree are compiled as their\n\
-        packages are; \"FCL native\" is FCL OBB with its templates compiled here, OPCODE is ODE's copy and PhysX is its crate's, compiled here, all with -O3 -march=native.\n\
-        ODE collects all pairs of triangles, the others end at the first. Coal's break_distance is 0: its default, 1e-3 in any unit, opens nodes that are apart.\n\
-        PhysX has tolerances in its unit, and gets bodies scaled by a power of two to edges of about 1: in the units of the data it invents hits near contact.\n\
-        Embree finds pairs of boxes, simdop's exact test decides them, and its time holds the refit of A's tree, since its trees have no pose.\n\n",
+        "What is compared: simdop, Coal, FCL and parry f64 keep coordinates in f64, OPCODE, ODE, PhysX and parry f32 \
+         in f32. Coal, FCL, ODE and Embree are compiled as their\n\
+        packages are; \"FCL native\" is FCL OBB with its templates compiled here, OPCODE is ODE's copy and PhysX is \
+        its crate's, compiled here, all with -O3 -march=native.\n\
+        ODE collects all pairs of triangles, the others end at the first. Coal's break_distance is 0: its default, \
+        1e-3 in any unit, opens nodes that are apart.\n\
+        PhysX has tolerances in its unit, and gets bodies scaled by a power of two to edges of about 1: in the units \
+        of the data it invents hits near contact.\n\
+        Embree finds pairs of boxes, simdop's exact test decides them, and its time holds the refit of A's tree, since \
+        its trees have no pose.\n\n",
     );
 }
 
@@ -174,7 +182,8 @@ fn medians(page: &mut String, all: &Summary<'_>) {
         }
     }
     page.push_str(
-        "\nIn brackets: the runs that keep to the bar. An exact peer of a mesh is one without a wrong answer on it. The fastest is bold.\n\n",
+        "\nIn brackets: the runs that keep to the bar. An exact peer of a mesh is one without a wrong answer on it. \
+         The fastest is bold.\n\n",
     );
 }
 
@@ -192,7 +201,8 @@ fn wins(page: &mut String, all: &Summary<'_>) {
                     let (wrong, of) = all.wrong(mesh, library);
                     let _ = writeln!(
                         page,
-                        "* {mesh}, {distance}: {library} takes {} µs, ours {} µs ({wrong} of {of} answers on the mesh wrong)",
+                        "* {mesh}, {distance}: {library} takes {} µs, ours {} µs ({wrong} of {of} answers on the mesh \
+                         wrong)",
                         short(time),
                         short(ours)
                     );
@@ -250,7 +260,10 @@ fn builds(page: &mut String, all: &Summary<'_>) {
         }));
         row(page, &cells);
     }
-    page.push_str("\nMissed: said free where the bodies meet. Invented: said hit where they do not. The truth is brute force in exact arithmetic, at every pose.\n\n");
+    page.push_str(
+        "\nMissed: said free where the bodies meet. Invented: said hit where they do not. The truth is brute \
+        force in exact arithmetic, at every pose.\n\n",
+    );
 }
 
 fn work(page: &mut String, all: &Summary<'_>) {

@@ -249,7 +249,8 @@ mod tests {
             ("a.Off", b"OFF 0 0 0\n"),
             ("a.STL", b"solid\nendsolid\n"),
             ("b.stl", &[0; 84]),
-            ("a.ply", b"ply\nformat ascii 1.0\nelement vertex 0\nproperty float x\nproperty float y\nproperty float z\nelement face 0\nproperty list uchar int vertex_index\nend_header\n"),
+            ("a.ply", b"ply\nformat ascii 1.0\nelement vertex 0\nproperty float x\nproperty float y\nproperty float z\n\
+                element face 0\nproperty list uchar int vertex_index\nend_header\n"),
         ];
         for (name, bytes) in files {
             let mesh = |empty| read(Path::new(name), bytes, empty);
@@ -283,7 +284,8 @@ mod tests {
     #[test]
     fn every_format_joins_corners_and_leaves_out_what_no_triangle_uses() {
         let vertices = "0 0 0\n1 0 0\n0 1 0\n9 9 9\n1 0 0\n0 1 0\n1 1 0\n";
-        let ply = "ply\nformat ascii 1.0\nelement vertex 7\nproperty float x\nproperty float y\nproperty float z\nelement face 2\nproperty list uchar int vertex_index\nend_header\n";
+        let ply = "ply\nformat ascii 1.0\nelement vertex 7\nproperty float x\nproperty float y\nproperty float z\n\
+            element face 2\nproperty list uchar int vertex_index\nend_header\n";
         let files = [
             (
                 "a.obj",

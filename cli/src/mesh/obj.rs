@@ -166,7 +166,8 @@ mod tests {
 
     #[test]
     fn polygons_indices_and_comments() {
-        let text = "\n4 2\n# a square\r\nv 0 0 0\r\nv 1 0 0 1.0\nv 1 1e0 0 .2 .3 .4\nv 0 1 .5\nvt 0 0\nf 1/1 2/1/3 3//2 4\nf -4 -3 \\\n-2 # end\n";
+        let text = "\n4 2\n# a square\r\nv 0 0 0\r\nv 1 0 0 1.0\nv 1 1e0 0 .2 .3 .4\nv 0 1 .5\nvt 0 0\n\
+            f 1/1 2/1/3 3//2 4\nf -4 -3 \\\n-2 # end\n";
         let mesh = parse(text).unwrap();
         assert_eq!(mesh.vertices[3], [0.0, 1.0, 0.5]);
         // Line ends of classic Mac OS.
@@ -216,7 +217,8 @@ mod tests {
         }
         assert_eq!(fault("v 0 0 0 1 1"), Fault::line(4, "a vertex of 5 numbers"));
         assert_eq!(fault("v 0 0 0 1 1 1 1 1"), Fault::line(4, "a vertex of 8 numbers"));
-        let known = "# c:\\\ng a#b\no x\ns off\nusemtl y z\nmtllib f\nvn 0 nan 0\nvt 0 0\nl 1 2\np 1\n\t \nv 0 0 0 .5 .5 .5 1";
+        let known = "# c:\\\ng a#b\no x\ns off\nusemtl y z\nmtllib f\nvn 0 nan 0\nvt 0 0\nl 1 2\np 1\n\t \n\
+            v 0 0 0 .5 .5 .5 1";
         let text = format!("v 0 0 0\nv 1 0 0\nv 0 1 0\n{known}\nf 1//1 2/1/1 3//\n");
         assert_eq!(parse(&text).map(|mesh| (mesh.vertices.len(), mesh.triangles.len())), Ok((3, 1)));
         let fault = Fault::line(1, "2 vertices and 0 faces are announced, there are 1 and 0");

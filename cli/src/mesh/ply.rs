@@ -280,7 +280,8 @@ fn binary(
 mod tests {
     use super::*;
 
-    const ELEMENTS: &str = "element vertex 3\nproperty double x\nproperty float y\nproperty int z\nproperty uchar red\nelement face 1\nproperty list uchar int vertex_indices\nend_header\n";
+    const ELEMENTS: &str = "element vertex 3\nproperty double x\nproperty float y\nproperty int z\nproperty uchar red\n\
+        element face 1\nproperty list uchar int vertex_indices\nend_header\n";
 
     fn ascii_file(rest: &str) -> Vec<u8> {
         format!("ply\nformat ascii 1.0\ncomment made by hand\n{ELEMENTS}{rest}").into_bytes()

@@ -128,7 +128,8 @@ mod tests {
 
     #[test]
     fn ascii_keeps_decimals() {
-        let text = "SOLID a\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 0.1 0\nendloop\nendfacet\nendsolid\n";
+        let text = "SOLID a\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 0.1 0\nendloop\n\
+            endfacet\nendsolid\n";
         let mesh = parse(text.as_bytes()).unwrap();
         assert_eq!((mesh.triangles.len(), mesh.vertices[2]), (1, [0.0, f64::from(0.1_f32), 0.0]));
     }

@@ -23,7 +23,14 @@ pub(super) struct Options {
     /// Find the neighbours of every point within this distance; each point is its own neighbour, too [default for the
     /// built-in points: 0.038].
     // Without the conflicts, clap would silently accept options that require a body, although there is none.
-    #[arg(short, long, value_name = "DISTANCE", value_parser = radius, allow_hyphen_values = true, conflicts_with_all = ["margin", "pose", "poses", "translate"])]
+    #[arg(
+        short,
+        long,
+        value_name = "DISTANCE",
+        value_parser = radius,
+        allow_hyphen_values = true,
+        conflicts_with_all = ["margin", "pose", "poses", "translate"]
+    )]
     radius: Option<f32>,
     /// The file for the neighbours, one line for each point: indices from 0, in ascending order. An existing file is
     /// replaced atomically, once the list is complete.
@@ -34,7 +41,14 @@ pub(super) struct Options {
     #[arg(id = "a", long = "body", value_name = "FILE")]
     body: Option<File>,
     /// Distance from the body that counts as near; 0 means touching it, or being inside a sphere.
-    #[arg(long, value_name = "DISTANCE", default_value_t = 0.0, requires = "a", value_parser = margin, allow_hyphen_values = true)]
+    #[arg(
+        long,
+        value_name = "DISTANCE",
+        default_value_t = 0.0,
+        requires = "a",
+        value_parser = margin,
+        allow_hyphen_values = true
+    )]
     margin: f64,
     #[command(flatten)]
     poses: poses::Options,

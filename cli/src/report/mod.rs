@@ -54,7 +54,12 @@ pub(super) struct Options {
     #[arg(long, value_name = "FILE")]
     csv: Option<File>,
     /// Poses at each of the four distances.
-    #[arg(long, value_name = "NUMBER", default_value_t = 40, value_parser = clap::value_parser!(u32).range(1..=100_000))]
+    #[arg(
+        long,
+        value_name = "NUMBER",
+        default_value_t = 40,
+        value_parser = clap::value_parser!(u32).range(1..=100_000)
+    )]
     poses: u32,
     /// Seed of the poses.
     #[arg(long, default_value_t = 1)]

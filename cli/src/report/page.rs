@@ -40,7 +40,8 @@ pub(super) fn html(results: &Results, digest: &str, command: &str) -> String {
     let _ = write!(
         page,
         "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\"/>\n\
-         <meta name=\"viewport\" content=\"width=device-width\"/>\n<meta name=\"color-scheme\" content=\"light dark\"/>\n\
+         <meta name=\"viewport\" content=\"width=device-width\"/>\n<meta name=\"color-scheme\" content=\"light \
+         dark\"/>\n\
          <title>{title}</title>\n<style>\n{STYLE}</style>\n</head>\n<body>\n<h1>{title}</h1>\n\
          <p class=\"recommendation\"><strong>Recommended.</strong> {}{}</p>\n",
         escaped(&results.recommendation()),
@@ -232,20 +233,28 @@ fn definitions(page: &mut String, results: &Results) {
     let _ = write!(
         page,
         "<h2>What the words mean</h2>\n<dl>\n\
-         <dt>Distance</dt><dd>A share of the diagonal of A's box. At “1 % deep” A went on so far after it was as near as at “0 %”, \
+         <dt>Distance</dt><dd>A share of the diagonal of A's box. At “1 % deep” A went on so far after it was as near \
+         as at “0 %”, \
          a gap of 2e-5; a thin part may have come out on the other side.</dd>\n\
-         <dt>Time</dt><dd>Of a query for the first pair of triangles that meet, the median over the poses of the least of {ROUNDS} rounds, in \
+         <dt>Time</dt><dd>Of a query for the first pair of triangles that meet, the median over the poses of the least \
+         of {ROUNDS} rounds, in \
          which all settings take turns. Verdicts are exact, and the same by every setting.</dd>\n\
-         <dt>False positives</dt><dd>Pairs of a leaf of A and a leaf of B whose volumes, k-DOPs, meet although none of their \
-         triangles do: the mean over the poses, of all pairs, not only those before the first hit. A leaf of eight triangles counts once.</dd>\n\
-         <dt>Overestimate</dt><dd>How far a leaf's volume, turned, sticks out past its triangles in a direction, in the mesh's unit: \
+         <dt>False positives</dt><dd>Pairs of a leaf of A and a leaf of B whose volumes, k-DOPs, meet although none of \
+         their \
+         triangles do: the mean over the poses, of all pairs, not only those before the first hit. A leaf of eight \
+         triangles counts once.</dd>\n\
+         <dt>Overestimate</dt><dd>How far a leaf's volume, turned, sticks out past its triangles in a direction, in \
+         the mesh's unit: \
          mean and greatest over all leaves and 96 directions.</dd>\n\
          <dt>Bytes</dt><dd>Of {unit} with vertices and triangles, as they are in flash.</dd>\n\
-         <dt>Pareto front</dt><dd>Settings that no other beats in one of time (geometric mean over the distances), greatest overestimate \
+         <dt>Pareto front</dt><dd>Settings that no other beats in one of time (geometric mean over the distances), \
+         greatest overestimate \
          and bytes without being worse in another.</dd>\n\
-         <dt>Recommended</dt><dd>Of the settings within the limits that are at most {like} % slower than the fastest of them, the one with \
+         <dt>Recommended</dt><dd>Of the settings within the limits that are at most {like} % slower than the fastest \
+         of them, the one with \
          the fewest bytes. The options --error and --flash set the limits.</dd>\n\
-         <dt>Left out</dt><dd>Planes as f32, which the library does not build: <code>cargo bench --bench ablation</code> compares them, \
+         <dt>Left out</dt><dd>Planes as f32, which the library does not build: <code>cargo bench --bench \
+         ablation</code> compares them, \
          in a traversal of its own.</dd>\n</dl>\n"
     );
 }

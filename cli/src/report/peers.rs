@@ -120,9 +120,10 @@ mod tests {
         let fault = parse(FILE.as_bytes(), "cow", [10, 21]).unwrap_err();
         assert_eq!(fault, Fault::file("no other library has a line for meshes of 10 and 21 triangles"));
         let broken = FILE.replace("11,,50", "eleven,,50");
-        assert!(
-            matches!(parse(broken.as_bytes(), "cow", [10, 20]), Err(Fault { place, .. }) if place == crate::error::Place::Line(4))
-        );
+        assert!(matches!(
+            parse(broken.as_bytes(), "cow", [10, 20]),
+            Err(Fault { place, .. }) if place == crate::error::Place::Line(4)
+        ));
         let other = parse(b"a,b\n1,2\n", "cow", [10, 20]).unwrap_err();
         assert!(other.problem.starts_with("not the results of benches/peers: "), "{other:?}");
     }

@@ -225,7 +225,8 @@ impl Results {
             return exact;
         };
         format!(
-            "{exact} Spheres that cover the mesh within {} take {} bytes and {} µs: they are free only where it is, and what they hit is nearer than {}.",
+            "{exact} Spheres that cover the mesh within {} take {} bytes and {} µs: they are free only where it is, \
+             and what they hit is nearer than {}.",
             short(cover.error),
             cover.bytes,
             short(cover.geometric_mean_microseconds()),
@@ -246,12 +247,14 @@ impl Results {
             let least = self.settings.iter().map(|one| one.bytes).min().unwrap_or_default();
             let tightest = self.settings.iter().map(|one| one.overestimate_greatest);
             return format!(
-                "{budget} there is no setting: the smallest takes {least} bytes, and the tightest volumes stick out by up to {}.",
+                "{budget} there is no setting: the smallest takes {least} bytes, and the tightest volumes stick out by \
+                 up to {}.",
                 short(tightest.fold(f64::INFINITY, f64::min))
             );
         };
         format!(
-            "{budget}, take {}: {} µs a query (geometric mean of the medians at the four distances), {} bytes ({} a triangle), \
+            "{budget}, take {}: {} µs a query (geometric mean of the medians at the four distances), {} bytes ({} a \
+             triangle), \
              volumes that stick out by at most {}, and {} ms to build.",
             best.setting,
             short(best.geometric_mean_microseconds),

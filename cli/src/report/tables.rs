@@ -8,7 +8,8 @@ use core::fmt::Write;
 /// One line per setting, the fastest first.
 pub(super) fn settings(page: &mut String, results: &Results) {
     page.push_str(
-        "<h2>All settings, the fastest first</h2>\n<table class=\"settings\">\n<thead>\n<tr><th rowspan=\"2\">front</th>",
+        "<h2>All settings, the fastest first</h2>\n<table class=\"settings\">\n<thead>\n\
+         <tr><th rowspan=\"2\">front</th>",
     );
     for (head, unit) in [
         ("k", ""),
@@ -70,11 +71,15 @@ pub(super) fn settings(page: &mut String, results: &Results) {
 
 /// One line per error.
 pub(super) fn covers(page: &mut String, results: &Results) {
-    page.push_str("<h2>Covers: bodies as coarse as a scene needs</h2>\n<p>Spheres that hold the mesh, none of whose points is farther from it than the error. \
-         That they are free says so of the mesh; that they meet says that the meshes are nearer than the errors of the two. \
-         <code>simdop cover MESH --error LENGTH -o TREE</code>. Of closed meshes as solids, <code>--solid</code> makes covers of fewer spheres, \
+    page.push_str("<h2>Covers: bodies as coarse as a scene needs</h2>\n\
+        <p>Spheres that hold the mesh, none of whose points is farther from it than the error. \
+         That they are free says so of the mesh; that they meet says that the meshes are nearer than the errors of the \
+         two. \
+         <code>simdop cover MESH --error LENGTH -o TREE</code>. Of closed meshes as solids, <code>--solid</code> makes \
+         covers of fewer spheres, \
          which hold the inside, too.</p>\n\
-         <table>\n<thead>\n<tr><th>error<br/><small>mesh's unit</small></th><th>spheres</th><th>in all<br/><small>KiB</small></th><th>build<br/><small>ms</small></th>");
+         <table>\n<thead>\n<tr><th>error<br/><small>mesh's unit</small></th><th>spheres</th><th>in \
+         all<br/><small>KiB</small></th><th>build<br/><small>ms</small></th>");
     for distance in DISTANCES {
         let _ = write!(
             page,
@@ -100,7 +105,10 @@ pub(super) fn packings(page: &mut String, results: &Results) {
     if results.packed().is_empty() {
         return;
     }
-    page.push_str("<h2>All packings</h2>\n<table>\n<thead>\n<tr><th>spheres</th><th>not covered<br/><small>% of volume</small></th><th>in all<br/><small>KiB</small></th>");
+    page.push_str(
+        "<h2>All packings</h2>\n<table>\n<thead>\n<tr><th>spheres</th><th>not covered<br/><small>% of \
+        volume</small></th><th>in all<br/><small>KiB</small></th>",
+    );
     for distance in DISTANCES {
         let _ = write!(
             page,
@@ -124,7 +132,11 @@ pub(super) fn peers(page: &mut String, results: &Results) {
     if results.peers.is_empty() {
         return;
     }
-    page.push_str("<h2>Other libraries</h2>\n<p>From the file of benches/peers: measured another time, at other poses of the same distances.</p>\n<table>\n<thead>\n<tr><th></th><th>library</th><th>a triangle<br/><small>bytes</small></th><th>build<br/><small>ms</small></th>");
+    page.push_str(
+        "<h2>Other libraries</h2>\n<p>From the file of benches/peers: measured another time, at other poses \
+        of the same distances.</p>\n<table>\n<thead>\n<tr><th></th><th>library</th><th>a \
+        triangle<br/><small>bytes</small></th><th>build<br/><small>ms</small></th>",
+    );
     for distance in DISTANCES {
         let _ = write!(page, "<th>{distance}<br/><small>µs</small></th>");
     }

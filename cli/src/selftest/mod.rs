@@ -247,7 +247,8 @@ impl SelfTestReport {
         writeln!(out, "\nA format is {}.", TreeFormat::CHOICES)?;
         writeln!(
             out,
-            "{pairs} pairs, each on {}: {hits} hits, {knife_edge} on a knife's edge, {exact_pairs} pairs of primitives in exact arithmetic",
+            "{pairs} pairs, each on {}: {hits} hits, {knife_edge} on a knife's edge, {exact_pairs} pairs of primitives \
+             in exact arithmetic",
             self.isas.join(", ")
         )?;
         let verdict = if self.is_right { "every answer is right" } else { "THERE ARE WRONG ANSWERS" };

@@ -32,7 +32,8 @@ const LEAF_SIZES: [u32; 3] = [1, 2, 16];
 const FORMATS: u64 = 10 * 2 * 3 * 2 * 2;
 
 impl TreeFormat {
-    pub(super) const CHOICES: &str = "a k of 6, 14, 18, 26 or 32, an arity of 4 or 16, vertices in f32 or f64, up to 1, 2 or 16 primitives a \
+    pub(super) const CHOICES: &str = "a k of 6, 14, 18, 26 or 32, an arity of 4 or 16, vertices in f32 or f64, up to \
+        1, 2 or 16 primitives a \
         leaf, with normal slabs or without, split by mean width or extended longest axis";
 
     /// Consecutive trials get different formats until all have occurred. The factor is coprime to their number and

@@ -17,12 +17,14 @@ const TABLES: [(&str, &str, &str); 5] = [
     (
         "scenes",
         "Scenes",
-        "The sweeps are $SIMDOP_DATA/points. About 5,100 points of each lidar sweep are exactly (0, 0, 0): sweeps are shown with and without them.",
+        "The sweeps are $SIMDOP_DATA/points. About 5,100 points of each lidar sweep are exactly (0, 0, 0): sweeps are \
+         shown with and without them.",
     ),
     (
         "particles",
         "Particles of unlike density",
-        "Each particle looks as far as it finds about 30 as dense as its own, or all look equally far. Halos: eight centres, to which the \
+        "Each particle looks as far as it finds about 30 as dense as its own, or all look equally far. Halos: eight \
+         centres, to which the \
         distance is 10 to the power of -4 to 0.",
     ),
     ("odd", "Odd clouds", "Few points, coincident ones, flat ones."),
@@ -77,19 +79,29 @@ fn about(rows: &[Row]) -> String {
     };
     format!(
         "Versions: {}.\n\n\
-        Every point of a cloud asks for all points within its radius, itself among them. *Count*: how many each has. *Fill*: which, into memory that is lent\n\
-        (kiddo's join allocates its own). Libraries take turns: one builds, is asked and refitted, then the next, three rounds at least and up to eleven; a figure\n\
-        is the median of the rounds, in time of the processor, so that what other programs take is not in it. Memory is what the C library's allocator has lent\n\
+        Every point of a cloud asks for all points within its radius, itself among them. *Count*: how many each has. \
+        *Fill*: which, into memory that is lent\n\
+        (kiddo's join allocates its own). Libraries take turns: one builds, is asked and refitted, then the next, \
+        three rounds at least and up to eleven; a figure\n\
+        is the median of the rounds, in time of the processor, so that what other programs take is not in it. Memory \
+        is what the C library's allocator has lent\n\
         after the build, to Rust and C++ alike.\n\n\
         kiddo and capt are compiled for this processor, {features}. \"kiddo\" is its immutable tree,\n\
-        asked point by point in the order of its leaves with its scratch memory, without items and distances where these are not wanted. \"kiddo mutable\" is the other\n\
-        one, which cannot be built where many points coincide. \"kiddo join\" joins two immutable trees of the same points, which it wants to be two; it has one radius\n\
-        and answers in pairs without order. nanoflann is compiled with -O3 -march=native, has {} points a leaf, counts and fills by a result set of its own that allocates\n\
-        nothing, and is asked in the order of its leaves; its comparison is strict, so it is given the next float after the square, and its sums are not fused\n\
-        (-ffp-contract=off), so that its answers are the same. The grids are this package's (`src/points/grid.rs`): points sorted by cell, sixteen tested at a time;\n\
-        \"dense\" has an array of cells, no more than 256 cubed, \"hashed\" a table of those with points; the side of the cells is the fastest of some 25, found by trying before\n\
+        asked point by point in the order of its leaves with its scratch memory, without items and distances where \
+        these are not wanted. \"kiddo mutable\" is the other\n\
+        one, which cannot be built where many points coincide. \"kiddo join\" joins two immutable trees of the same \
+        points, which it wants to be two; it has one radius\n\
+        and answers in pairs without order. nanoflann is compiled with -O3 -march=native, has {} points a leaf, counts \
+        and fills by a result set of its own that allocates\n\
+        nothing, and is asked in the order of its leaves; its comparison is strict, so it is given the next float \
+        after the square, and its sums are not fused\n\
+        (-ffp-contract=off), so that its answers are the same. The grids are this package's (`src/points/grid.rs`): \
+        points sorted by cell, sixteen tested at a time;\n\
+        \"dense\" has an array of cells, no more than 256 cubed, \"hashed\" a table of those with points; the side of \
+        the cells is the fastest of some 25, found by trying before\n\
         anything is timed. Grids are made for one cloud's radii, the others for any.\n\n\
-        Before anything is timed, the counts and sets of up to 128 queries are compared with brute force, and all counts with simdop's; what differed is said at the end.\n\n",
+        Before anything is timed, the counts and sets of up to 128 queries are compared with brute force, and all \
+        counts with simdop's; what differed is said at the end.\n\n",
         versions.join(", "),
         entrants::LEAF,
     )
@@ -170,7 +182,8 @@ fn growth(rows: &[Row]) -> String {
         return String::new();
     }
     let mut text = format!(
-        "### The power of the number of points that times grow with, from {} to {}\n\n| library | build | count | fill |\n| --- | --: | --: | --: |\n",
+        "### The power of the number of points that times grow with, from {} to {}\n\n\
+         | library | build | count | fill |\n| --- | --: | --: | --: |\n",
         few[0].points, many[0].points
     );
     for (a, b) in few.iter().zip(many) {
@@ -216,12 +229,14 @@ fn asked(rows: &[single::Row]) -> String {
         (
             "single",
             "Queries that are no points of the cloud, in no order",
-            "Nanoseconds a query; in brackets divided by those of simdop one by one. \"Seated\": all at once, by `RangeSearch::seat`, whose time is in it.",
+            "Nanoseconds a query; in brackets divided by those of simdop one by one. \"Seated\": all at once, by \
+             `RangeSearch::seat`, whose time is in it.",
         ),
         (
             "any",
             "Whether anything is within a sphere",
-            "Nanoseconds a question; in brackets divided by simdop's, and wrong answers. capt's tree is built for radii of 0.02 to 0.2 m. Eight spheres are those of a link, \
+            "Nanoseconds a question; in brackets divided by simdop's, and wrong answers. capt's tree is built for \
+             radii of 0.02 to 0.2 m. Eight spheres are those of a link, \
             side by side; simdop and capt end at the first that something is in, capt's SIMD takes all eight at once.",
         ),
     ] {
@@ -231,7 +246,8 @@ fn asked(rows: &[single::Row]) -> String {
         }
         let _ = write!(
             text,
-            "## {title}\n\n{about}\n\n| cloud | points | question | yes or found, mean | simdop | peers |\n| --- | --: | --- | --: | --: | --- |\n"
+            "## {title}\n\n{about}\n\n| cloud | points | question | yes or found, mean | simdop | peers |\n\
+             | --- | --: | --- | --: | --: | --- |\n"
         );
         for question in by_question(&of_table) {
             let ours = question[0];
@@ -357,7 +373,8 @@ fn disagreements(rows: &[Row], singles: &[single::Row]) -> String {
     for row in rows.iter().filter(|row| row.wrong + row.differs > 0) {
         let _ = writeln!(
             text,
-            "* {}, {} points, {}: {} of {} queries of the sample are not as by brute force; {} counts of {} are not simdop's.",
+            "* {}, {} points, {}: {} of {} queries of the sample are not as by brute force; {} counts of {} are not \
+             simdop's.",
             row.scene, row.points, row.library, row.wrong, row.sample, row.differs, row.points
         );
     }
