@@ -54,14 +54,14 @@ impl Page {
     /// A page for this many poses of each `what`.
     pub(crate) fn new(options: &Options, title: &str, what: &str) -> Self {
         let text = format!(
-            "# {title}\n\n{}. {}, one thread. {} run(s), {} poses a {what}. simdop: k 18, tolerance 0, with both \
-             points;\n\
-            FCL and Coal: OBBRSS, no tolerance, FCL with the nearest points. \"FCL native\" is compiled here \
-            (RESULTS.md); the ratio is to the faster FCL. Where the bodies meet, each\n\
-            ends as it does.\n\n\
-            Median / 99th percentile, µs. Where there are several runs, a figure is their median. Wrong: differs from \
-            ours by more than {AGREE:e}, relatively, or\n\
-            says that bodies meet which do not, or the reverse.\n\n",
+            "# {title}\n\n{}. {}, one thread. {} run(s), {} poses for each {what}.\n\
+            \n\
+            simdop: k 18, tolerance 0, with both points. FCL and Coal: OBBRSS, no tolerance, FCL with the nearest\n\
+            points. \"FCL native\" is compiled here (RESULTS.md); the ratio is to the faster FCL. If the bodies meet,\n\
+            each library stops in its own way.\n\
+            \n\
+            Median / 99th percentile, µs. With several runs, a figure is their median. An answer is wrong if its\n\
+            relative difference from ours exceeds {AGREE:e}, or if only one of the two says that the bodies meet.\n\n",
             options.stamp,
             crate::cpu::cpu(),
             options.runs,

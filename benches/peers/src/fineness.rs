@@ -40,11 +40,12 @@ pub(crate) fn run(options: &Options) -> Result<(), String> {
     std::fs::create_dir_all(&options.out).map_err(|e| format!("{}: {e}", options.out.display()))?;
     record::write(&options.out.join("fineness.csv"), &rows)?;
     let about = format!(
-        "{}. {}, one thread, {} run(s), the libraries in turns as in RESULTS.md.\n\n\
-        A torus with waves (`tests/support/shapes.rs`) against itself, {} poses a row: turned at random, it comes from \
-        a random direction until the gap is this share of its\n\
-        diagonal. Above {JUDGED} triangles the truth is that there is a gap, which simdop's margin query found; up to \
-        there it is brute force in exact arithmetic.",
+        "{}. {}, one thread, {} run(s), the libraries in turns as in RESULTS.md.\n\
+        \n\
+        A torus with waves (`tests/support/shapes.rs`) against itself, {} poses per row: rotated at random, it\n\
+        approaches from a random direction until the gap is this share of its diagonal. Up to {JUDGED} triangles\n\
+        the truth is brute force in exact arithmetic; above, it is that there is a gap, which simdop's margin\n\
+        query found.",
         options.stamp,
         crate::cpu::cpu(),
         options.runs,
