@@ -81,7 +81,7 @@ fn facts(page: &mut String, results: &Results, digest: &str, command: &str) {
     let _ = write!(
         page,
         "<p>{}{against}; {} poses at each distance, seed {}; {}, one thread; simdop {}; <code>{}</code>.\n\
-         Digest of what repeats: <code class=\"digest\">{digest}</code>.</p>\n",
+         Digest of the reproducible results: <code class=\"digest\">{digest}</code>.</p>\n",
         bodies.join("; "),
         results.poses,
         results.seed,
@@ -232,30 +232,24 @@ fn definitions(page: &mut String, results: &Results) {
     let unit = if results.subjects.len() == 1 { "the tree" } else { "both trees" };
     let _ = write!(
         page,
-        "<h2>What the words mean</h2>\n<dl>\n\
-         <dt>Distance</dt><dd>A share of the diagonal of A's box. At “1 % deep” A went on so far after it was as near \
-         as at “0 %”, \
-         a gap of 2e-5; a thin part may have come out on the other side.</dd>\n\
-         <dt>Time</dt><dd>Of a query for the first pair of triangles that meet, the median over the poses of the least \
-         of {ROUNDS} rounds, in \
-         which all settings take turns. Verdicts are exact, and the same by every setting.</dd>\n\
-         <dt>False positives</dt><dd>Pairs of a leaf of A and a leaf of B whose volumes, k-DOPs, meet although none of \
-         their \
-         triangles do: the mean over the poses, of all pairs, not only those before the first hit. A leaf of eight \
-         triangles counts once.</dd>\n\
-         <dt>Overestimate</dt><dd>How far a leaf's volume, turned, sticks out past its triangles in a direction, in \
-         the mesh's unit: \
-         mean and greatest over all leaves and 96 directions.</dd>\n\
-         <dt>Bytes</dt><dd>Of {unit} with vertices and triangles, as they are in flash.</dd>\n\
-         <dt>Pareto front</dt><dd>Settings that no other beats in one of time (geometric mean over the distances), \
-         greatest overestimate \
-         and bytes without being worse in another.</dd>\n\
-         <dt>Recommended</dt><dd>Of the settings within the limits that are at most {like} % slower than the fastest \
-         of them, the one with \
-         the fewest bytes. The options --error and --flash set the limits.</dd>\n\
+        "<h2>Definitions</h2>\n<dl>\n\
+         <dt>Distance</dt><dd>Relative to the diagonal of A's box. “0 %” is a gap of 2e-5. At “1 % deep” A has \
+         moved on by 1 % from there; thin parts may have come out on the other side.</dd>\n\
+         <dt>Time</dt><dd>Of a query for the first pair of triangles that meet: the median over the poses of the \
+         minimum over {ROUNDS} rounds, in which all settings take turns. Verdicts are exact, and the same for \
+         every setting.</dd>\n\
+         <dt>False positives</dt><dd>Pairs of a leaf of A and a leaf of B whose k-DOPs meet although none of \
+         their triangles do: the mean over the poses, of all pairs, not only those before the first hit. A leaf \
+         of eight triangles counts once.</dd>\n\
+         <dt>Overestimate</dt><dd>How far a leaf's k-DOP, after realignment, extends beyond its triangles in a \
+         direction, in the mesh's unit: mean and maximum over all leaves and 96 directions.</dd>\n\
+         <dt>Bytes</dt><dd>Of {unit} with vertices and triangles, as stored in flash.</dd>\n\
+         <dt>Pareto front</dt><dd>Settings that no other setting dominates. The costs are time (geometric mean \
+         over the distances), greatest overestimate and bytes.</dd>\n\
+         <dt>Recommended</dt><dd>Among the settings within the limits that are at most {like} % slower than the \
+         fastest of them, the one with the fewest bytes. The options --error and --flash set the limits.</dd>\n\
          <dt>Left out</dt><dd>Planes as f32, which the library does not build: <code>cargo bench --bench \
-         ablation</code> compares them, \
-         in a traversal of its own.</dd>\n</dl>\n"
+         ablation</code> compares them, in a traversal of its own.</dd>\n</dl>\n"
     );
 }
 

@@ -225,8 +225,8 @@ impl Results {
             return exact;
         };
         format!(
-            "{exact} Spheres that cover the mesh within {} take {} bytes and {} µs: they are free only where it is, \
-             and what they hit is nearer than {}.",
+            "{exact} Spheres that cover the mesh within {} take {} bytes and {} µs: where they are free, so is the \
+             mesh; where they hit, it is nearer than {}.",
             short(cover.error),
             cover.bytes,
             short(cover.geometric_mean_microseconds()),

@@ -71,13 +71,11 @@ pub(super) fn settings(page: &mut String, results: &Results) {
 
 /// One line per error.
 pub(super) fn covers(page: &mut String, results: &Results) {
-    page.push_str("<h2>Covers: bodies as coarse as a scene needs</h2>\n\
-        <p>Spheres that hold the mesh, none of whose points is farther from it than the error. \
-         That they are free says so of the mesh; that they meet says that the meshes are nearer than the errors of the \
-         two. \
-         <code>simdop cover MESH --error LENGTH -o TREE</code>. Of closed meshes as solids, <code>--solid</code> makes \
-         covers of fewer spheres, \
-         which hold the inside, too.</p>\n\
+    page.push_str("<h2>Covers: coarser bodies for scenes</h2>\n\
+        <p>Spheres that cover the mesh, none of whose points is farther from it than the error. If they are \
+         free, so are the meshes; if they meet, the meshes are nearer than the sum of both errors. <code>simdop \
+         cover MESH --error LENGTH -o TREE</code>. For closed meshes as solids, <code>--solid</code> gives covers \
+         with fewer spheres, which include the inside.</p>\n\
          <table>\n<thead>\n<tr><th>error<br/><small>mesh's unit</small></th><th>spheres</th><th>in \
          all<br/><small>KiB</small></th><th>build<br/><small>ms</small></th>");
     for distance in DISTANCES {
@@ -133,8 +131,8 @@ pub(super) fn peers(page: &mut String, results: &Results) {
         return;
     }
     page.push_str(
-        "<h2>Other libraries</h2>\n<p>From the file of benches/peers: measured another time, at other poses \
-        of the same distances.</p>\n<table>\n<thead>\n<tr><th></th><th>library</th><th>a \
+        "<h2>Other libraries</h2>\n<p>From a results.csv of benches/peers: measured at another time, at other poses \
+         with the same distances.</p>\n<table>\n<thead>\n<tr><th></th><th>library</th><th>a \
         triangle<br/><small>bytes</small></th><th>build<br/><small>ms</small></th>",
     );
     for distance in DISTANCES {
