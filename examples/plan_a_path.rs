@@ -5,7 +5,7 @@
 //! ```
 //!
 //! Two trees of configurations grow from the start and from the goal, in turn: one towards a random configuration, the
-//! other towards the new node, until they meet (Kuffner and LaValle, ICRA 2000). Each step is checked by
+//! other towards the new node, until they meet (Kuffner and `LaValle`, ICRA 2000). Each step is checked by
 //! `Scene::check_motion`, so the path is free at all times, not only at samples. The picture shows the arm along the
 //! path, from the side and from above; without an argument it is written beside the program.
 
