@@ -2,10 +2,10 @@
 //! features.
 //!
 //! Two compact convex sets are disjoint if and only if their projections on some direction are. If triangles A and B
-//! are disjoint, so are the Minkowski sum of A with a small enough cube and B: the origin is outside the polytope A - B
-//! + cube, and some facet of it separates the origin from it. The edges of a facet of a sum are edges of the summands,
-//!   so its normal is a cross product of two of nine vectors: the edges of A, the edges of B, and the three axes. This
-//!   holds for triangles without area, too; products that vanish separate nothing.
+//! are disjoint, so are the Minkowski sum of A with a small enough cube and B: the origin is outside the polytope
+//! `A - B + cube`, and some facet of it separates the origin from it. The edges of a facet of a sum are edges of the
+//! summands, so its normal is a cross product of two of nine vectors: the edges of A, the edges of B, and the three
+//! axes. This holds for triangles without area, too; products that vanish separate nothing.
 //!
 //! **The filter.** A direction is computed from differences u, v of corners, and projects a difference d. Each
 //! difference, product and sum is rounded once, eight of them on the way from corners to a term of a projection, so
