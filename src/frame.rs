@@ -6,7 +6,7 @@
 use crate::directions::{SUPPORTED, table};
 use crate::exact::wide::{Wide, unit_of};
 use crate::exact::{Expansion, power_of_two, terms_of_multiple};
-use crate::key::Key;
+use crate::key::{Fixed, Key, Storage};
 use crate::range::Point;
 
 /// Maps a body's coordinates to its hierarchy's: translates, then scales by a power of two.
@@ -89,7 +89,7 @@ impl Frame {
         // A body of a single point has no size to scale by.
         let exponent = if most > 0.0 { PLANE_EXPONENT - binary_exponent(most) } else { 0 };
         let exponent = exponent.clamp(-MAX_EXPONENT, MAX_EXPONENT);
-        let is_above = most * power_of_two(exponent) > Key::GREATEST.to_f64();
+        let is_above = most * power_of_two(exponent) > Key::<Fixed>::GREATEST.to_f64();
         Self { centre, exponent: if is_above { exponent - 1 } else { exponent } }
     }
 
@@ -123,7 +123,13 @@ impl Frame {
     /// `(n . (p - centre) + |n| radius) * 2^exponent`, rounded up.
     #[cfg(feature = "alloc")]
     #[inline(always)]
-    pub(crate) fn supports(&self, directions: &[Point], p: Point, radius: f64, keys: &mut [Key]) {
+    pub(crate) fn supports<S: Storage>(
+        &self,
+        directions: &[Point],
+        p: Point,
+        radius: f64,
+        keys: &mut [Key<S>],
+    ) {
         let d: Point = core::array::from_fn(|i| p[i] - self.centre[i]);
         let scale = self.scale();
         for (n, key) in directions.iter().zip(keys) {
@@ -143,16 +149,16 @@ impl Frame {
 
     #[cfg(feature = "alloc")]
     #[cold]
-    fn support_exact(&self, direction: &Point, p: Point, radius: f64, near: f64) -> Key {
-        let mut key = Key::round_up_or_unbounded(near);
+    fn support_exact<S: Storage>(&self, direction: &Point, p: Point, radius: f64, near: f64) -> Key<S> {
+        let mut key = Key::<S>::round_up_or_unbounded(near);
         // `near` is within a fraction of a step, so at most one step either way is needed.
-        while let Some(lower) = Key::from_code(key.code() - 1)
+        while let Some(lower) = key.below()
             && self.is_bounded_around(direction, p, radius, lower)
         {
             key = lower;
         }
         while !self.is_bounded_around(direction, p, radius, key) {
-            key = Key::from_code(key.code() + 1).unwrap_or(Key::INFINITY);
+            key = key.next();
         }
         key
     }
@@ -163,7 +169,7 @@ impl Frame {
     /// # Panics
     /// If `direction` has larger components: the exact sum has no room for more terms.
     #[must_use]
-    pub fn is_bounded(&self, direction: &Point, p: Point, key: Key) -> bool {
+    pub fn is_bounded<S: Storage>(&self, direction: &Point, p: Point, key: Key<S>) -> bool {
         if key == Key::INFINITY {
             return true;
         }
@@ -182,7 +188,13 @@ impl Frame {
     /// and as exact for any other. The length of n is a square root, so squares are compared: of the slack between
     /// the plane and `p`, and of `|n| radius`.
     #[must_use]
-    pub fn is_bounded_around(&self, direction: &Point, p: Point, radius: f64, key: Key) -> bool {
+    pub fn is_bounded_around<S: Storage>(
+        &self,
+        direction: &Point,
+        p: Point,
+        radius: f64,
+        key: Key<S>,
+    ) -> bool {
         if radius > 0.0 && key != Key::INFINITY {
             self.has_room(direction, p, radius, key)
         } else {
@@ -190,7 +202,7 @@ impl Frame {
         }
     }
 
-    fn has_room(&self, n: &Point, p: Point, radius: f64, key: Key) -> bool {
+    fn has_room<S: Storage>(&self, n: &Point, p: Point, radius: f64, key: Key<S>) -> bool {
         let plane = key.to_f64() * power_of_two(-self.exponent);
         let (mut slack, mut size) = (plane, plane.abs());
         for i in 0..3 {
@@ -314,7 +326,7 @@ mod tests {
                     continue;
                 }
                 p[axis] += power_of_two(-21) / n[axis];
-                let key = Key::from_code(0).unwrap();
+                let key = Key::<Fixed>::from_code(0).unwrap();
                 assert!(frame.is_bounded(n, p, key), "k {K} direction {j}: on the plane");
                 p[axis] += power_of_two(-50) * height * n[axis].signum();
                 assert_eq!(frame.is_bounded(n, p, key), height < 0.0, "k {K} direction {j}");

@@ -1,26 +1,158 @@
-//! Keys: bounds in 16-bit fixed point, which compare as integers.
+//! Keys: the codes of planes, 16 bits that compare as integers, in one of two storages.
 //!
-//! The unit of a tree's frame is one step of its planes, chosen so that 16 bits cover the whole body
-//! ([`crate::frame`]). A plane is rounded **up** to a code c, with the value
+//! | storage | the value of code c | precision |
+//! |---|---|---|
+//! | [`Fixed`] | `c + 1/2` steps of the frame | 16 bits over the whole body |
+//! | [`Half`] | the half float with the ordered code c | 11 bits anywhere, more about the centre |
 //!
-//! ```text
-//! value(c) = c + 1/2
-//! ```
+//! The unit of a tree's frame is one step of fixed point, chosen so that 16 bits cover the whole body
+//! ([`crate::frame`]): a half then is a number of such steps, below 2^15.
 //!
-//! Keys order as their values do, and `value(!c) = -value(c)`. So the hot loop compares a plane with the opposite
-//! plane of the other body by one 16-bit integer compare, without conversion. Re-aligned planes are rounded to the
-//! nearest code, which is never below them: value(c) is half a step above c.
+//! In both storages a plane is rounded **up**, keys order as their values do, and `value(!c) = -value(c)`. So the hot
+//! loop compares a plane with the opposite plane of the other body by one 16-bit integer compare, without conversion,
+//! and does not know the storage.
 //!
 //! Three codes are not planes of a body. [`Key::INFINITY`], in queries only, means that a rotated body is unbounded
 //! in that direction, or extends farther than any plane. **[`Key::EMPTY`]** (`i16::MIN`) marks an unused lane: it is
 //! below the complement of infinity, so that even a query that is unbounded in every direction is separated from it.
 //! Its complement 32767 is in the queries of unused lanes, and is separated from everything.
 
-use core::fmt;
+mod half;
 
-/// The upper bound of a slab in fixed point. See the [module](crate::low_level::key) for the encoding.
+pub use half::Half;
+
+use core::fmt;
+use core::hash::Hash;
+use core::marker::PhantomData;
+
+/// How a plane is stored in 16 bits. Implemented by [`Fixed`] and [`Half`] only.
+pub trait Storage: Copy + Ord + Hash + Default + fmt::Debug + Send + Sync + sealed::Sealed + 'static {
+    /// The storage in the header of a tree.
+    const CODE: u16;
+    /// The storage as a value.
+    const KIND: StorageKind;
+    /// Whether codes are half floats, for kernels that convert a register at a time.
+    const IS_HALF: bool;
+    /// What a plane's value is above its [number](Storage::number), in steps. Sums of planes add it once.
+    const OFFSET: f32;
+    /// The code of a plane that is unbounded.
+    const INFINITY: i16;
+    /// The code of the greatest plane of a body. The lowest is its complement.
+    const GREATEST: i16;
+
+    /// The number of a code, which kernels multiply by weights. Exact.
+    fn number(code: i16) -> f32;
+
+    /// The value of a code, in steps. Exact.
+    #[inline(always)]
+    #[must_use]
+    fn value(code: i16) -> f32 {
+        Self::number(code) + Self::OFFSET
+    }
+
+    /// The code that kernels round a rotated plane to: a bound not below x, at most one code above the least.
+    /// [`Storage::INFINITY`] for NaN and where x is above all planes, the lowest plane where it is below.
+    fn around(x: f32) -> i16;
+
+    /// The least code that bounds x. At the ends as [`Storage::around`].
+    fn round_up(x: f64) -> i16;
+
+    /// Whether a code can be a plane of a body.
+    fn is_plane(code: i16) -> bool;
+}
+
+/// A [`Storage`] that is chosen at run time.
+#[derive(Copy, Clone, PartialEq, Eq, PartialOrd, Ord, Hash, Default, Debug)]
+pub enum StorageKind {
+    /// [`Fixed`].
+    #[default]
+    Fixed,
+    /// [`Half`].
+    Half,
+}
+
+impl StorageKind {
+    /// The storage with this code in the header of a tree, if there is one.
+    #[must_use]
+    pub const fn from_code(code: u16) -> Option<Self> {
+        match code {
+            Fixed::CODE => Some(Self::Fixed),
+            Half::CODE => Some(Self::Half),
+            _ => None,
+        }
+    }
+}
+
+impl fmt::Display for StorageKind {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Fixed => "fixed point",
+            Self::Half => "half floats",
+        })
+    }
+}
+
+/// The code of every plane of an unused lane, in every storage.
+pub(crate) const EMPTY: i16 = i16::MIN;
+
+mod sealed {
+    pub trait Sealed {}
+    impl Sealed for super::Fixed {}
+    impl Sealed for super::Half {}
+}
+
+/// Planes are 16-bit fixed point: code c is `c + 1/2` steps of the frame.
+///
+/// Rotated planes are rounded to the nearest code, which is never below them: the value is half a step above the code.
+#[derive(Copy, Clone, PartialEq, Eq, PartialOrd, Ord, Hash, Default, Debug)]
+pub struct Fixed;
+
+impl Storage for Fixed {
+    const CODE: u16 = 0;
+    const KIND: StorageKind = StorageKind::Fixed;
+    const IS_HALF: bool = false;
+    const OFFSET: f32 = 0.5;
+    const INFINITY: i16 = i16::MAX - 1;
+    const GREATEST: i16 = i16::MAX - 2;
+
+    #[inline(always)]
+    fn number(code: i16) -> f32 {
+        f32::from(code)
+    }
+
+    /// The nearest code, ties to even, since there are instructions for it.
+    #[inline(always)]
+    fn around(x: f32) -> i16 {
+        // 1.5 * 2^23: its ulp is 1, so the sum is rounded to an integer, with the code in its low bits.
+        const ROUNDING: f32 = 12_582_912.0;
+        let x = if x < f32::from(Self::INFINITY) { x } else { f32::from(Self::INFINITY) };
+        let x = if x > f32::from(!Self::GREATEST) { x } else { f32::from(!Self::GREATEST) };
+        (x + ROUNDING).to_bits() as i16
+    }
+
+    fn round_up(x: f64) -> i16 {
+        const MOST: f64 = Fixed::GREATEST as f64 + 0.5;
+        if x.is_nan() || x > MOST {
+            return Self::INFINITY;
+        }
+        if x < -MOST {
+            return !Self::GREATEST;
+        }
+        // A cast truncates towards zero. All numbers here are exact.
+        let cut = x as i32;
+        let below = cut - i32::from(f64::from(cut) > x);
+        (below + i32::from(x > f64::from(below) + 0.5)) as i16
+    }
+
+    #[inline]
+    fn is_plane(code: i16) -> bool {
+        code >= !Self::GREATEST && code <= Self::GREATEST
+    }
+}
+
+/// The upper bound of a slab, in a storage. See the [module](crate::low_level::key) for the encoding.
 #[derive(Copy, Clone, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
-pub struct Key(i16);
+pub struct Key<S = Fixed>(i16, PhantomData<S>);
 
 /// The number to round was NaN, which is not a bound.
 #[derive(Copy, Clone, PartialEq, Eq, Debug)]
@@ -34,15 +166,20 @@ impl fmt::Display for NotANumber {
 
 impl core::error::Error for NotANumber {}
 
-impl Key {
-    /// The greatest plane of a body, 32765.5 steps.
-    pub const GREATEST: Self = Self(i16::MAX - 2);
+impl<S: Storage> Key<S> {
+    /// The greatest plane of a body.
+    pub const GREATEST: Self = Self::of(S::GREATEST);
     /// Its negation, the lowest bound of a body.
-    pub const LOWEST: Self = Self(!Self::GREATEST.0);
+    pub const LOWEST: Self = Self::of(!S::GREATEST);
     /// Unbounded in this direction. Never in a node.
-    pub const INFINITY: Self = Self(i16::MAX - 1);
+    pub const INFINITY: Self = Self::of(S::INFINITY);
     /// The plane of an unused lane, separated from every query.
-    pub const EMPTY: Self = Self(i16::MIN);
+    pub const EMPTY: Self = Self::of(EMPTY);
+
+    #[inline(always)]
+    const fn of(code: i16) -> Self {
+        Self(code, PhantomData)
+    }
 
     /// The lowest bound not below `x`, in steps: [`Key::INFINITY`] if `x` is above [`Key::GREATEST`], and
     /// [`Key::LOWEST`] if it is below that.
@@ -50,7 +187,7 @@ impl Key {
     /// # Errors
     /// [`NotANumber`] if `x` is NaN.
     #[inline]
-    pub const fn round_up_f64(x: f64) -> Result<Self, NotANumber> {
+    pub fn round_up_f64(x: f64) -> Result<Self, NotANumber> {
         if x.is_nan() { Err(NotANumber) } else { Ok(Self::round_up_or_unbounded(x)) }
     }
 
@@ -59,44 +196,29 @@ impl Key {
     /// # Errors
     /// [`NotANumber`] if `x` is NaN.
     #[inline]
-    pub const fn round_up_f32(x: f32) -> Result<Self, NotANumber> {
-        Self::round_up_f64(x as f64)
+    pub fn round_up_f32(x: f32) -> Result<Self, NotANumber> {
+        Self::round_up_f64(f64::from(x))
     }
 
     /// [`Key::round_up_f64`], with infinity for NaN: in re-alignment `0 * infinity` means "unbounded".
     #[inline]
     #[must_use]
-    pub const fn round_up_or_unbounded(x: f64) -> Self {
-        if x.is_nan() || x > MOST {
-            return Self::INFINITY;
-        }
-        if x < -MOST {
-            return Self::LOWEST;
-        }
-        // A cast truncates towards zero. All numbers here are exact.
-        let cut = x as i32;
-        let below = cut - (cut as f64 > x) as i32;
-        Self((below + (x > below as f64 + 0.5) as i32) as i16)
+    pub fn round_up_or_unbounded(x: f64) -> Self {
+        Self::of(S::round_up(x))
     }
 
-    /// The key with the nearest code, ties to even: a bound not below `x`, and at most one step above. As
-    /// [`Key::round_up_or_unbounded`] at the ends, and for quiet NaN. Kernels round re-aligned planes like this,
-    /// since there are instructions for it.
+    /// [`Storage::around`].
     #[inline(always)]
     #[must_use]
-    pub(crate) const fn around(x: f32) -> Self {
-        // 1.5 * 2^23: its ulp is 1, so the sum is rounded to an integer, with the code in its low bits.
-        const ROUNDING: f32 = 12_582_912.0;
-        let x = if x < Self::INFINITY.0 as f32 { x } else { Self::INFINITY.0 as f32 };
-        let x = if x > Self::LOWEST.0 as f32 { x } else { Self::LOWEST.0 as f32 };
-        Self((x + ROUNDING).to_bits() as i16)
+    pub(crate) fn around(x: f32) -> Self {
+        Self::of(S::around(x))
     }
 
-    /// A fast bound not below `x`, by [`Key::around`]: at most 1 + 2^-8 steps above `x`. For planes that are computed
-    /// in a query.
+    /// A fast bound not below `x`, by [`Key::around`]: in fixed point at most 1 + 2^-8 steps above `x`. For planes that
+    /// are computed in a query.
     #[inline(always)]
     #[must_use]
-    pub(crate) const fn above(x: f64) -> Self {
+    pub(crate) fn above(x: f64) -> Self {
         // Twice the error of rounding to `f32`.
         const MORE: f64 = 1.0 / (1 << 23) as f64;
         Self::around((x + x.abs() * MORE) as f32)
@@ -110,18 +232,32 @@ impl Key {
         if low == high { Some(low) } else { None }
     }
 
-    /// The key with this code, if it can be a plane of a body: from [`Key::LOWEST`] to [`Key::GREATEST`].
+    /// The key with this code, if it can be a plane of a body.
     #[inline]
     #[must_use]
-    pub const fn from_code(code: i16) -> Option<Self> {
-        if code >= Self::LOWEST.0 && code <= Self::GREATEST.0 { Some(Self(code)) } else { None }
+    pub fn from_code(code: i16) -> Option<Self> {
+        if S::is_plane(code) { Some(Self::of(code)) } else { None }
+    }
+
+    /// The next lower key, if there is one.
+    #[cfg(feature = "alloc")]
+    pub(crate) fn below(self) -> Option<Self> {
+        let code = self.0 - 1;
+        Self::from_code(code).or_else(|| Self::from_code(code - 1))
+    }
+
+    /// The next higher key, or [`Key::INFINITY`].
+    #[cfg(feature = "alloc")]
+    pub(crate) fn next(self) -> Self {
+        let code = self.0 + 1;
+        Self::from_code(code).or_else(|| Self::from_code(code + 1)).unwrap_or(Self::INFINITY)
     }
 
     /// The key with this code, which must be a plane of a body or [`Key::INFINITY`].
     #[inline(always)]
     #[must_use]
     pub(crate) const fn bounded(code: i16) -> Self {
-        Self(code)
+        Self::of(code)
     }
 
     /// The stored 16 bits.
@@ -134,31 +270,27 @@ impl Key {
     /// The bound, in steps. Exact.
     #[inline]
     #[must_use]
-    pub const fn to_f32(self) -> f32 {
-        decode(self.0)
+    pub fn to_f32(self) -> f32 {
+        S::value(self.0)
     }
 
     /// The bound, in steps. Exact.
     #[inline]
     #[must_use]
-    pub const fn to_f64(self) -> f64 {
-        self.to_f32() as f64
+    pub fn to_f64(self) -> f64 {
+        f64::from(self.to_f32())
     }
 }
-
-/// The value of a code, in steps. Exact.
-#[inline(always)]
-#[must_use]
-pub const fn decode(code: i16) -> f32 {
-    code as f32 + 0.5
-}
-
-/// The value of [`Key::GREATEST`].
-const MOST: f64 = Key::GREATEST.0 as f64 + 0.5;
 
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    type Key = super::Key<Fixed>;
+
+    fn decode(code: i16) -> f32 {
+        Fixed::value(code)
+    }
 
     /// All planes of bodies, ascending.
     fn ascending() -> impl Iterator<Item = Key> {
@@ -185,7 +317,7 @@ mod tests {
     fn rounds_up_exactly_at_every_boundary() {
         for key in ascending() {
             let value = key.to_f64();
-            let above = Key(key.code() + 1);
+            let above = Key::bounded(key.code() + 1);
             assert_eq!(Key::round_up_f64(value).unwrap(), key, "{value} is a bound");
             assert_eq!(Key::round_up_f64(value.next_up()).unwrap(), above, "just above {value}");
             assert_eq!(Key::round_up_f32(value as f32).unwrap(), key, "{value} is a bound, f32");

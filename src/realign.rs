@@ -36,7 +36,8 @@
 //! 5. Of bodies 2^100 times larger than the other.
 //!
 //! The pad is a sum of products of numbers that are not negative. So one factor covers its own roundings, each `e` of a
-//! partial result. For a body like B, the pad is a twentieth of a step. The rotated plane is then rounded to a key.
+//! partial result. For a body like B, the pad is a twentieth of a step. The rotated plane is then rounded to a key. A half float may be above
+//! a sum by up to a place: 2^-10 of it.
 //!
 //! **Radii.** A pose moves the corners of a primitive, but everything within its radius of them keeps its shape. The
 //! planes bound `u . x + |u| r`, which is less than `u . x + |n| r` where M makes vectors shorter, as an accepted
@@ -57,15 +58,16 @@ pub(crate) use ray::Ray;
 use crate::directions::{Directions, greater};
 use crate::exact::{power_of_two, round_up_f32};
 use crate::frame::{BodyBounds, Frame};
-use crate::key::Key;
+use crate::key::{Fixed, Key, Storage};
 use crate::pose::Pose;
 use crate::primitive::{Primitive, radius_of};
 use crate::range::{MIN_COORDINATE, Point};
 use crate::vector::difference;
+use core::marker::PhantomData;
 
 /// Maps the planes of every node of one body into another body's frame, at one pose.
 #[derive(Copy, Clone, PartialEq, Debug)]
-pub struct Realignment<const K: usize> {
+pub struct Realignment<const K: usize, S = Fixed> {
     /// Three planes for each slab: plane `2s`, rotated, is `(w[0] d[p[0]] + w[1] d[p[1]]) + w[2] d[p[2]] + offset[2s]`
     /// with `p = sources[s]` and `w[l] = weights[l][s]`. Plane `2s + 1` takes the opposite planes, `p ^ 1`, with the
     /// same weights. Only the first half of the array is used, and three bytes of each entry; the fourth makes an entry
@@ -75,6 +77,7 @@ pub struct Realignment<const K: usize> {
     pub weights: [[f32; K]; 3],
     /// Translation plus pad of each plane.
     pub offset: [f32; K],
+    storage: PhantomData<S>,
 }
 
 /// Bounds five roundings of `f32`, with room for the rounding of the pad itself.
@@ -108,9 +111,10 @@ const UNDERFLOW_OF_SINGLES: f32 = power_of_two(-80) as f32;
 /// bound, so such a plane is unbounded instead.
 const MAX_REACH: f32 = power_of_two(126) as f32;
 
-impl<const K: usize> Realignment<K> {
+impl<const K: usize, S: Storage> Realignment<K, S> {
     /// To be overwritten.
-    pub(crate) const UNSET: Self = Self { sources: [[0; 4]; K], weights: [[0.0; K]; 3], offset: [0.0; K] };
+    pub(crate) const UNSET: Self =
+        Self { sources: [[0; 4]; K], weights: [[0.0; K]; 3], offset: [0.0; K], storage: PhantomData };
 
     /// The map for a body with bounds `a`, posed in the frame `b`.
     #[inline(always)]
@@ -163,8 +167,8 @@ impl<const K: usize> Realignment<K> {
             let pad =
                 ((weight_sum * per_weight + length * per_length) + UNDERFLOW_OF_SINGLES) * ITS_OWN_ROUNDINGS;
             let is_bounded = reach < MAX_REACH;
-            // A code c stands for c + 1/2.
-            let pad = 0.5 * weight_sum + pad;
+            // What the values of planes are above their numbers.
+            let pad = S::OFFSET * weight_sum + pad;
             offsets[s] = if is_bounded { [tau + pad, pad - tau] } else { [f32::INFINITY; 2] };
         }
         // Not element by element: for nine of them, the compiler emitted vector stores and loads that stalled on each
@@ -197,7 +201,7 @@ impl<const K: usize> Realignment<K> {
     #[must_use]
     pub fn sum(&self, j: usize, code: impl Fn(usize) -> i16) -> f32 {
         let terms = self.terms(j);
-        let term = |l: usize| terms[l].1 * f32::from(code(terms[l].0));
+        let term = |l: usize| terms[l].1 * S::number(code(terms[l].0));
         ((term(0) + term(1)) + term(2)) + self.offset[j]
     }
 
@@ -205,7 +209,7 @@ impl<const K: usize> Realignment<K> {
     /// operation. An unbounded plane, and a weight or offset beyond `f32`, give [`Key::INFINITY`].
     #[inline]
     #[must_use]
-    pub fn plane(&self, j: usize, code: impl Fn(usize) -> i16) -> Key {
+    pub fn plane(&self, j: usize, code: impl Fn(usize) -> i16) -> Key<S> {
         Key::around(self.sum(j, code))
     }
 }
@@ -247,34 +251,34 @@ pub(crate) fn shrinkage<P: Primitive>(pose: &Pose, a: &BodyBounds) -> f64 {
 // Loops instead of `array::from_fn`, which is not always inlined.
 #[inline(always)]
 #[must_use]
-pub(crate) fn planes_of<P: Primitive, const K: usize>(
+pub(crate) fn planes_of<P: Primitive, const K: usize, S: Storage>(
     b: &Frame,
     items: impl Iterator<Item = P::Item>,
     margin: f64,
-) -> [Key; K] {
+) -> [Key<S>; K] {
     let Supports { least, greatest, size } = Supports::<K>::of::<P>(b, items);
     let scale = b.scale();
     // By columns of slabs, which compile to vector instructions.
-    let mut slabs = [[Key::LOWEST; 2]; K];
+    let mut slabs = [[Key::<S>::LOWEST; 2]; K];
     // Not hoisted: otherwise terms that depend on the margin alone were computed and stored at the start of each query.
     let margin = core::hint::black_box(margin);
     for s in 0..Directions::<K>::COLUMNS {
-        slabs[s] = planes_of_slab::<K>(s, [least[s], greatest[s]], size, margin, scale);
+        slabs[s] = planes_of_slab::<K, S>(s, [least[s], greatest[s]], size, margin, scale);
     }
-    let mut planes = [Key::LOWEST; K];
+    let mut planes = [Key::<S>::LOWEST; K];
     planes.copy_from_slice(&slabs.as_flattened()[..K]);
     planes
 }
 
 /// The two planes of a slab from the least and the greatest support; `size` is the largest magnitude of a coordinate.
 #[inline(always)]
-fn planes_of_slab<const K: usize>(
+fn planes_of_slab<const K: usize, S: Storage>(
     s: usize,
     [least, greatest]: [f64; 2],
     size: f64,
     margin: f64,
     scale: f64,
-) -> [Key; 2] {
+) -> [Key<S>; 2] {
     let pad = F64_SLACK * Directions::<K>::SLAB_SUMS[s] * size;
     let reach = (1.0 + F64_SLACK) * Directions::<K>::SLAB_LENGTHS[s] * margin;
     let pads = pad + reach;

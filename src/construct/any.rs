@@ -1,31 +1,32 @@
 //! Trees whose node type is chosen at run time.
 
 use super::{BuildError, Builder, Geometry, Progress};
-use crate::hierarchy::{AnyBvh, for_node_types};
+use crate::hierarchy::{AnyBvh, NodeType, for_node_types};
+use crate::key::{Fixed, Half, StorageKind};
 use crate::node::{Node4, Node16};
 use core::ops::ControlFlow;
 
 macro_rules! build_any {
-    ($d:tt $($variant:ident $node:ident $arity:literal $k:literal),*) => {
+    ($d:tt $($variant:ident $node:ident $arity:literal $k:literal $storage:ident),*) => {
         impl Builder {
-            /// [`Builder::build_geometry`] for a k of 6, 14, 18 or 26 at arity 16, or k = 18 at arity 4.
+            /// [`Builder::build_geometry`] with a node type chosen at run time: k = 6, 14, 18 or 26 at arity 16,
+            /// or k = 18 at arity 4; half floats for k = 14, 18 and 26 at arity 16.
             ///
             /// # Errors
             /// [`BuildError::NodeType`] for any other; else as [`Builder::build_geometry`].
-            // Compiled where it is used: for five node types.
+            // Compiled where it is used: for all these node types.
             #[inline]
             pub fn build_any<G: Geometry>(
                 &self,
                 geometry: &G,
-                k: usize,
-                arity: usize,
+                node: NodeType,
                 observer: &mut dyn FnMut(Progress) -> ControlFlow<()>,
             ) -> Result<AnyBvh<G::Primitive>, BuildError> {
-                match (k, arity) {
-                    $(($k, $arity) => {
-                        self.build_geometry::<$node<$k>, G>(geometry, observer).map(AnyBvh::$variant)
+                match node {
+                    $(NodeType { k: $k, arity: $arity, storage: StorageKind::$storage } => {
+                        self.build_geometry::<$node<$k, $storage>, G>(geometry, observer).map(AnyBvh::$variant)
                     })*
-                    _ => Err(BuildError::NodeType { k, arity }),
+                    _ => Err(BuildError::NodeType { node }),
                 }
             }
         }

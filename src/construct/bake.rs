@@ -10,7 +10,7 @@ use super::{Assignment, BuildError, Builder, Geometry};
 use crate::exact::round_up_f32;
 use crate::frame::Frame;
 use crate::hierarchy::{Bvh, Header, MAGIC, MAX_DEPTH, VERSION, rotation_growth};
-use crate::key::{Key, decode};
+use crate::key::{EMPTY, Storage};
 use crate::node::{Child, Dop, NormalSlab};
 use crate::primitive::{Primitive, Sphere};
 use crate::range::Point;
@@ -91,7 +91,8 @@ pub(super) fn bake<N: Dop, G: Geometry>(
         has_balls: (!balls.is_empty()).into(),
         is_solid: (is_solid && G::Primitive::BOUNDS_SOLIDS).into(),
         part_count: parts.len() as u32,
-        reserved: [0; 2],
+        storage: N::Storage::CODE,
+        reserved: [0; 3],
     };
     let vertex_bytes: &[u8] = match &single {
         Some(single) => bytemuck::cast_slice(single),
@@ -136,11 +137,11 @@ fn max_plane<N: Dop>(nodes: &[N]) -> f32 {
     for node in nodes {
         for j in 0..N::K {
             for code in (0..N::ARITY).map(|lane| node.plane(j, lane)) {
-                if code != Key::EMPTY.code() {
+                if code != EMPTY {
                     (least, greatest) = (code.min(least), code.max(greatest));
                 }
             }
         }
     }
-    decode(least).abs().max(decode(greatest))
+    N::Storage::value(least).abs().max(N::Storage::value(greatest))
 }

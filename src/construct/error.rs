@@ -1,6 +1,7 @@
 //! Why something cannot be built.
 
 use super::OpenEdge;
+use crate::hierarchy::NodeType;
 #[cfg(doc)]
 use crate::node::Child;
 use crate::node::MAX_LEAF_SIZE;
@@ -52,10 +53,8 @@ pub enum BuildError {
     },
     /// No node type has this k and arity.
     NodeType {
-        /// Planes of a child.
-        k: usize,
-        /// Children of a node.
-        arity: usize,
+        /// What was asked for.
+        node: NodeType,
     },
     /// The tree would be deeper than [`crate::hierarchy::MAX_DEPTH`].
     TooDeep,
@@ -82,9 +81,10 @@ impl fmt::Display for BuildError {
             Self::Open { edge, corners, forward, backward } => {
                 OpenEdge { edge, corners, forward, backward }.fmt(f)
             }
-            Self::NodeType { k, arity } => write!(
+            Self::NodeType { node } => write!(
                 f,
-                "no nodes of k = {k} and arity {arity} at run time: k is 6, 14, 18 or 26 at arity 16, and 18 at arity 4"
+                "no nodes of {node} at run time: k is 6, 14, 18 or 26 at arity 16, and 18 at arity 4; half floats take \
+                 k = 14, 18 or 26 at arity 16"
             ),
             Self::TooDeep => f.write_str("the tree would be too deep"),
             Self::Assignment { problem } => write!(f, "the assignment is no tree: {problem}"),

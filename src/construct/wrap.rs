@@ -39,7 +39,7 @@ pub(super) fn wrap<N: Dop, P: Primitive<Record: AsRef<[u32]>>>(
             for j in 0..N::K {
                 // Unused lanes hold the lowest code, and a node has at least one lane in use.
                 let code = (0..N::ARITY).map(|lane| below.plane(j, lane)).fold(i16::MIN, i16::max);
-                if let Some(key) = Key::from_code(code) {
+                if let Some(key) = Key::<N::Storage>::from_code(code) {
                     nodes[index].raise_plane(j, lane, key);
                 }
             }
@@ -53,8 +53,8 @@ const NODES_PER_TASK: usize = 512;
 const VERTICES_PER_TASK: usize = 2048;
 
 /// The key of each direction's support of each vertex, `K` a vertex.
-fn supports<N: Dop, P: Primitive>(frame: &Frame, vertices: &[P::Double]) -> Vec<Key> {
-    let mut keys = alloc::vec![Key::LOWEST; vertices.len() * N::K];
+fn supports<N: Dop, P: Primitive>(frame: &Frame, vertices: &[P::Double]) -> Vec<Key<N::Storage>> {
+    let mut keys = alloc::vec![Key::<N::Storage>::LOWEST; vertices.len() * N::K];
     parallel::for_each_chunk(&mut keys, VERTICES_PER_TASK * N::K, |task, keys| {
         let vertices = &vertices[task * VERTICES_PER_TASK..];
         for (keys, vertex) in keys.chunks_exact_mut(N::K).zip(vertices) {

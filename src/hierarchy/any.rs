@@ -4,19 +4,22 @@
 use super::Bvh;
 use super::layout::node_type;
 use super::{BvhRef, FormatError, Header, Stats, TreeStats, VerifyError};
+use crate::key::{Fixed, Half, Storage, StorageKind};
 use crate::node::{Node4, Node16};
 use crate::primitive::{Primitive, Triangles};
+use core::fmt;
 
 // Functions over all of them are `inline`: compiled where they are used, and not for everyone.
 
 /// The node types that can be chosen at run time, written once: `$with!` gets a dollar sign and a list of
-/// `Variant Node arity k`. Each is one more copy of every query, so that k = 32 and most of arity 4, which no measurement
+/// `Variant Node arity k Storage`. Each is one more copy of every query, so that k = 32 and most of arity 4, which no measurement
 /// recommends, are for generic code only.
 macro_rules! for_node_types {
     ($with:ident) => {
         $with! {
-            $Arity16K6 Node16 16 6, Arity16K14 Node16 16 14, Arity16K18 Node16 16 18, Arity16K26 Node16 16 26,
-            Arity4K18 Node4 4 18
+            $Arity16K6 Node16 16 6 Fixed, Arity16K14 Node16 16 14 Fixed, Arity16K18 Node16 16 18 Fixed,
+            Arity16K26 Node16 16 26 Fixed, Arity4K18 Node4 4 18 Fixed, Arity16K14Half Node16 16 14 Half,
+            Arity16K18Half Node16 16 18 Half, Arity16K26Half Node16 16 26 Half
         }
     };
 }
@@ -24,13 +27,13 @@ macro_rules! for_node_types {
 pub(crate) use for_node_types;
 
 macro_rules! any_bvh {
-    ($d:tt $($variant:ident $node:ident $arity:literal $k:literal),*) => {
+    ($d:tt $($variant:ident $node:ident $arity:literal $k:literal $storage:ident),*) => {
         /// A borrowed tree of any node type. [`with_bvh!`](crate::with_bvh) gives the [`BvhRef`] in it. Of triangles,
         /// unless said otherwise: [`Header::kind`] tells what bytes are a tree of.
         #[derive(Debug)]
         pub enum AnyBvhRef<'a, P: Primitive = Triangles> {
-            $(#[doc = concat!("[`", stringify!($node), "<", $k, ">`](", stringify!($node), ").")]
-            $variant(BvhRef<'a, $node<$k>, P>),)*
+            $(#[doc = concat!("[`", stringify!($node), "<", $k, ", ", stringify!($storage), ">`](", stringify!($node), ").")]
+            $variant(BvhRef<'a, $node<$k, $storage>, P>),)*
         }
 
         impl<P: Primitive> Copy for AnyBvhRef<'_, P> {}
@@ -44,19 +47,19 @@ macro_rules! any_bvh {
         #[cfg(feature = "alloc")]
         #[derive(Clone, Debug)]
         pub enum AnyBvh<P = Triangles> {
-            $(#[doc = concat!("[`", stringify!($node), "<", $k, ">`](", stringify!($node), ").")]
-            $variant(Bvh<$node<$k>, P>),)*
+            $(#[doc = concat!("[`", stringify!($node), "<", $k, ", ", stringify!($storage), ">`](", stringify!($node), ").")]
+            $variant(Bvh<$node<$k, $storage>, P>),)*
         }
 
-        $(impl<'a, P: Primitive> From<BvhRef<'a, $node<$k>, P>> for AnyBvhRef<'a, P> {
-            fn from(tree: BvhRef<'a, $node<$k>, P>) -> Self {
+        $(impl<'a, P: Primitive> From<BvhRef<'a, $node<$k, $storage>, P>> for AnyBvhRef<'a, P> {
+            fn from(tree: BvhRef<'a, $node<$k, $storage>, P>) -> Self {
                 Self::$variant(tree)
             }
         }
 
         #[cfg(feature = "alloc")]
-        impl<P: Primitive> From<Bvh<$node<$k>, P>> for AnyBvh<P> {
-            fn from(tree: Bvh<$node<$k>, P>) -> Self {
+        impl<P: Primitive> From<Bvh<$node<$k, $storage>, P>> for AnyBvh<P> {
+            fn from(tree: Bvh<$node<$k, $storage>, P>) -> Self {
                 Self::$variant(tree)
             }
         })*
@@ -69,8 +72,11 @@ macro_rules! any_bvh {
             #[inline]
             pub fn from_bytes(bytes: &'a [u8]) -> Result<Self, FormatError> {
                 match node_type(bytes)? {
-                    $(($k, $arity, _) => BvhRef::from_bytes(bytes).map(Self::$variant),)*
-                    (k, arity, _) => Err(FormatError::OtherNode { k, arity }),
+                    $([$k, $arity, $storage::CODE, _] => BvhRef::from_bytes(bytes).map(Self::$variant),)*
+                    [k, arity, storage, _] => Err(match StorageKind::from_code(storage) {
+                        Some(_) => FormatError::OtherNode { k, arity },
+                        None => FormatError::OtherStorage { storage },
+                    }),
                 }
             }
         }
@@ -84,8 +90,11 @@ macro_rules! any_bvh {
             #[inline]
             pub fn from_bytes(bytes: &[u8]) -> Result<Self, FormatError> {
                 match node_type(bytes)? {
-                    $(($k, $arity, _) => Bvh::from_bytes(bytes).map(Self::$variant),)*
-                    (k, arity, _) => Err(FormatError::OtherNode { k, arity }),
+                    $([$k, $arity, $storage::CODE, _] => Bvh::from_bytes(bytes).map(Self::$variant),)*
+                    [k, arity, storage, _] => Err(match StorageKind::from_code(storage) {
+                        Some(_) => FormatError::OtherNode { k, arity },
+                        None => FormatError::OtherStorage { storage },
+                    }),
                 }
             }
 
@@ -121,7 +130,42 @@ macro_rules! any_bvh {
 
 for_node_types!(any_bvh);
 
+/// A node type that is chosen at run time.
+#[derive(Copy, Clone, PartialEq, Eq, Hash, Debug)]
+pub struct NodeType {
+    /// Planes of a child.
+    pub k: usize,
+    /// Children of a node.
+    pub arity: usize,
+    /// How planes are stored.
+    pub storage: StorageKind,
+}
+
+impl Default for NodeType {
+    /// k = 18, arity 16, fixed point.
+    fn default() -> Self {
+        Self { k: 18, arity: 16, storage: StorageKind::Fixed }
+    }
+}
+
+impl fmt::Display for NodeType {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "k = {}, arity {} and {}", self.k, self.arity, self.storage)
+    }
+}
+
 impl<'a, P: Primitive> AnyBvhRef<'a, P> {
+    /// The node type of the tree.
+    #[must_use]
+    pub fn node_type(&self) -> NodeType {
+        let header = self.header();
+        NodeType {
+            k: header.k.into(),
+            arity: header.arity.into(),
+            storage: StorageKind::from_code(header.storage).unwrap_or_default(),
+        }
+    }
+
     /// The tree's description: k and arity among it.
     #[must_use]
     pub fn header(&self) -> &'a Header {

@@ -2,6 +2,7 @@
 
 use super::layout::node_type;
 use crate::frame::{BodyBounds, Frame};
+use crate::key::{Fixed, Half, Storage};
 use crate::node::Child;
 #[cfg(doc)]
 use crate::node::Width;
@@ -74,8 +75,10 @@ pub struct Header {
     /// Number of parts of which a primitive each is named at the end of the bytes: parts do not hang together. 0 of a body
     /// that is one part, which primitive 0 stands for, and of spheres, each of which is a part.
     pub part_count: u32,
+    /// How planes are stored: [`Storage::CODE`](crate::low_level::key::Storage::CODE).
+    pub storage: u16,
     /// Zeros.
-    pub(crate) reserved: [u32; 2],
+    pub(crate) reserved: [u16; 3],
 }
 
 const _: () = assert!(size_of::<Header>() == 128 && align_of::<Header>() == 8, "the header has 128 bytes");
@@ -104,6 +107,11 @@ pub enum FormatError {
         k: u16,
         /// Arity found.
         arity: u16,
+    },
+    /// The planes are stored otherwise than the type of tree has them.
+    OtherStorage {
+        /// The storage found: [`Header::storage`].
+        storage: u16,
     },
     /// The bytes end early.
     Truncated {
@@ -163,6 +171,11 @@ impl fmt::Display for FormatError {
             Self::Version { found } => write!(f, "layout version {found}, this library reads {VERSION}"),
             Self::OtherPrimitive { kind } => write!(f, "the tree has primitives of another kind, {kind}"),
             Self::OtherNode { k, arity } => write!(f, "the tree has k = {k} and arity {arity}"),
+            Self::OtherStorage { storage } => match *storage {
+                Fixed::CODE => f.write_str("the tree's planes are fixed point"),
+                Half::CODE => f.write_str("the tree's planes are half floats"),
+                other => write!(f, "the tree's planes are in an unknown storage, {other}"),
+            },
             Self::Truncated { have, need } => write!(f, "the tree ends early: {have} bytes of {need}"),
             Self::TooLong { have, need } => write!(f, "{have} bytes, of which the tree is the first {need}"),
             Self::Header { field } => write!(f, "bad header: {field}"),

@@ -1,6 +1,7 @@
 //! Where the parts of a baked tree lie.
 
 use super::{FormatError, Header, MAGIC, VERSION};
+use crate::key::Storage;
 use crate::node::{Ball16, Node, NormalSlab};
 use crate::primitive::{Primitive, Store};
 use core::mem::offset_of;
@@ -68,6 +69,10 @@ impl Layout {
         if k as usize != N::K || arity as usize != N::ARITY {
             return Err(FormatError::OtherNode { k, arity });
         }
+        let storage = u16_at(bytes, offset_of!(Header, storage));
+        if storage != <N::Storage as Storage>::CODE {
+            return Err(FormatError::OtherStorage { storage });
+        }
         let vertex_size = u16_at(bytes, offset_of!(Header, vertex_size));
         if !Store::<P>::takes_vertices_of(vertex_size) {
             return Err(FormatError::Header { field: "vertex_size" });
@@ -124,14 +129,19 @@ impl Layout {
     }
 }
 
-/// k, arity and the code of the kind of primitive, of bytes of any alignment.
+/// k, arity, and the codes of the storage and of the kind of primitive, of bytes of any alignment.
 ///
 /// # Errors
 /// As [`Header::read`].
-pub(super) fn node_type(bytes: &[u8]) -> Result<(u16, u16, u16), FormatError> {
+pub(super) fn node_type(bytes: &[u8]) -> Result<[u16; 4], FormatError> {
     attempt!(begins_as_a_tree(bytes));
     let field = |at| u16_at(bytes, at);
-    Ok((field(offset_of!(Header, k)), field(offset_of!(Header, arity)), field(offset_of!(Header, kind))))
+    Ok([
+        field(offset_of!(Header, k)),
+        field(offset_of!(Header, arity)),
+        field(offset_of!(Header, storage)),
+        field(offset_of!(Header, kind)),
+    ])
 }
 
 /// Magic number, length and version.

@@ -31,8 +31,8 @@ mod walk;
 
 #[cfg(feature = "alloc")]
 pub use any::AnyBvh;
-pub use any::AnyBvhRef;
 pub(crate) use any::for_node_types;
+pub use any::{AnyBvhRef, NodeType};
 pub use header::{FormatError, Header, MAGIC, VERSION};
 #[cfg(feature = "alloc")]
 pub use owned::Bvh;

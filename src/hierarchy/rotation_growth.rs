@@ -2,7 +2,6 @@
 
 use crate::directions::table;
 use crate::exact::round_up_f32;
-use crate::key::decode;
 use crate::node::{Dop, Link};
 
 /// How many levels of nodes are looked at.
@@ -48,8 +47,7 @@ fn excess<N: Dop>(node: &N, lane: usize) -> f32 {
     let lengths = table(N::K).lengths;
     let (mut sum, mut least) = (0.0, f32::INFINITY);
     for (s, length) in lengths.iter().step_by(2).enumerate() {
-        let (ahead, behind) = (node.plane(2 * s, lane), node.plane(2 * s + 1, lane));
-        let width = (decode(ahead) + decode(behind)) / *length as f32;
+        let width = (node.value(2 * s, lane) + node.value(2 * s + 1, lane)) / *length as f32;
         least = if width < least { width } else { least };
         sum += width;
     }

@@ -3,7 +3,7 @@
 use super::{BvhRef, FormatError, MAX_DEPTH};
 use crate::exact::power_of_two;
 use crate::frame::{BodyBounds, MAX_EXPONENT};
-use crate::key::{Key, decode};
+use crate::key::{EMPTY, Key, Storage};
 use crate::node::{BoundingBall, Child, Dop, Link, MAX_LEAF_SIZE, Width};
 use crate::primitive::{Fault, Primitive, Sphere};
 use crate::range::{MAX_COORDINATE, MAX_MOVED, flush};
@@ -72,7 +72,7 @@ impl<N: Dop, P: Primitive> BvhRef<'_, N, P> {
                 "part_count",
                 h.part_count == 0 || !P::HAS_BALLS && (2..=h.primitive_count).contains(&h.part_count),
             ),
-            ("reserved", h.reserved == [0; 2]),
+            ("reserved", h.reserved == [0; 3]),
         ];
         match checks.iter().find(|(_, ok)| !ok) {
             Some((field, _)) => Err(FormatError::Header { field }),
@@ -135,12 +135,12 @@ impl<N: Dop, P: Primitive> BvhRef<'_, N, P> {
         for j in 0..N::K {
             let code = node.plane(j, lane);
             if empty {
-                if code != Key::EMPTY.code() {
+                if code != EMPTY {
                     return Err("an unused lane has a plane");
                 }
-            } else if Key::from_code(code).is_none() {
+            } else if Key::<N::Storage>::from_code(code).is_none() {
                 return Err("a plane is infinite, or has the code of unused lanes");
-            } else if decode(code).abs() > max_plane {
+            } else if N::Storage::value(code).abs() > max_plane {
                 return Err("a plane is beyond max_plane");
             }
         }

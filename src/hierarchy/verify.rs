@@ -119,7 +119,7 @@ impl<N: Dop, P: Primitive> BvhRef<'_, N, P> {
         let node = &self.nodes()[node as usize];
         let is_too_low = |(j, direction): &(u32, &Point)| {
             // A code that is no plane bounds nothing: -0, NaN, or the mark of an unused lane.
-            let key = Key::from_code(node.plane(*j as usize, lane));
+            let key = Key::<N::Storage>::from_code(node.plane(*j as usize, lane));
             !key.is_some_and(|key| P::is_bounded(item, frame, direction, key))
         };
         (0..).zip(N::DIRECTIONS).find(is_too_low).map(|(j, _)| j)

@@ -36,8 +36,9 @@ pub mod scalar;
 #[cfg(simdop_x86)]
 mod x86;
 
+use crate::key::Storage;
 #[cfg(doc)]
-use crate::key::Key;
+use crate::key::{Key, Storage};
 use crate::node::{Aabb16, Ball16, BoundingBall, Box3, Bucket, Node4, Node16};
 use crate::primitive::triangle::{Probe, Triangle};
 use crate::realign::{PrimitiveSlab, Realignment};
@@ -92,26 +93,31 @@ pub trait Kernel: Copy + core::fmt::Debug + sealed::Sealed {
 
     /// The children of `node` that the body in lane `lane` (below `W`) of `query` overlaps.
     #[must_use]
-    fn overlap_1v16<const W: usize, const K: usize>(
+    fn overlap_1v16<const W: usize, const K: usize, S: Storage>(
         self,
         query: &Turned<W, K>,
         lane: usize,
-        node: &Node16<K>,
+        node: &Node16<K, S>,
     ) -> u16;
 
     /// The bodies, of the 16 in `query`, that child `lane` (below 16) of `node` overlaps: a column of the matrix whose
     /// rows [`Kernel::overlap_1v16`] gives.
     #[must_use]
-    fn overlap_16v1<const K: usize>(self, query: &Turned<16, K>, node: &Node16<K>, lane: usize) -> u16;
+    fn overlap_16v1<const K: usize, S: Storage>(
+        self,
+        query: &Turned<16, K>,
+        node: &Node16<K, S>,
+        lane: usize,
+    ) -> u16;
 
     /// The bodies, of the 16 in `query`, that overlap the hull of all children of `node`: the k-DOP with the greatest
     /// of their planes. For a root, which is not a child of any node.
     #[must_use]
-    fn overlap_16v_hull<const K: usize>(self, query: &Turned<16, K>, node: &Node16<K>) -> u16;
+    fn overlap_16v_hull<const K: usize, S: Storage>(self, query: &Turned<16, K>, node: &Node16<K, S>) -> u16;
 
     /// The children of `node` that each of the four bodies of `query` overlaps.
     #[must_use]
-    fn overlap_4v4<const K: usize>(self, query: &Turned<4, K>, node: &Node4<K>) -> u16;
+    fn overlap_4v4<const K: usize, S: Storage>(self, query: &Turned<4, K>, node: &Node4<K, S>) -> u16;
 
     /// Bit i: the plane of the probe or of triangle i certainly separates the two. Specified by [`Probe::is_apart`].
     #[must_use]
@@ -122,21 +128,26 @@ pub trait Kernel: Copy + core::fmt::Debug + sealed::Sealed {
     /// # Panics
     /// If a source of the slab is not below `K`; [`crate::realign::primitive_slabs`] gives valid sources.
     #[must_use]
-    fn beyond_16<const K: usize>(self, slab: &PrimitiveSlab, node: &Node16<K>) -> u16;
+    fn beyond_16<const K: usize, S: Storage>(self, slab: &PrimitiveSlab, node: &Node16<K, S>) -> u16;
 
     /// [`Kernel::beyond_16`] for four children.
     ///
     /// # Panics
     /// As [`Kernel::beyond_16`].
     #[must_use]
-    fn beyond_4<const K: usize>(self, slab: &PrimitiveSlab, node: &Node4<K>) -> u16;
+    fn beyond_4<const K: usize, S: Storage>(self, slab: &PrimitiveSlab, node: &Node4<K, S>) -> u16;
 
     /// Rotates the planes of all children of a node into another body's frame. Writes in place, since a returned value
     /// of half a kilobyte would be copied.
     ///
     /// # Panics
     /// If a source of the map is not below `K`; [`Realignment::new`] gives valid sources.
-    fn realign_16<const K: usize>(self, map: &Realignment<K>, node: &Node16<K>, query: &mut Turned<16, K>);
+    fn realign_16<const K: usize, S: Storage>(
+        self,
+        map: &Realignment<K, S>,
+        node: &Node16<K, S>,
+        query: &mut Turned<16, K>,
+    );
 
     /// Whether the machine may lack `f64`, so that triangles are first tested on an integer lattice.
     const ON_LATTICE: bool = false;
@@ -151,13 +162,13 @@ pub trait Kernel: Copy + core::fmt::Debug + sealed::Sealed {
     /// # Panics
     /// As [`Kernel::realign_16`].
     #[must_use]
-    fn realign_16_over<const K: usize>(
+    fn realign_16_over<const K: usize, S: Storage>(
         self,
-        map: &Realignment<K>,
-        a: &Node16<K>,
+        map: &Realignment<K, S>,
+        a: &Node16<K, S>,
         query: &mut Turned<16, K>,
         whole: &mut u16,
-        b: &Node16<K>,
+        b: &Node16<K, S>,
         lane: Option<usize>,
     ) -> u16 {
         if *whole != u16::MAX {
@@ -171,7 +182,12 @@ pub trait Kernel: Copy + core::fmt::Debug + sealed::Sealed {
     ///
     /// # Panics
     /// As [`Kernel::realign_16`].
-    fn realign_4<const K: usize>(self, map: &Realignment<K>, node: &Node4<K>, query: &mut Turned<4, K>);
+    fn realign_4<const K: usize, S: Storage>(
+        self,
+        map: &Realignment<K, S>,
+        node: &Node4<K, S>,
+        query: &mut Turned<4, K>,
+    );
 
     /// For each ball of `a` in a lane of `wanted`, writes to the row of that lane which balls of `b` it meets. The
     /// other rows are unchanged.

@@ -2,6 +2,7 @@
 
 use super::{Kernel, Turned};
 use crate::isa::{Avx2, Avx512};
+use crate::key::Storage;
 use crate::node::{Aabb16, Ball16, BoundingBall, Box3, Bucket, Node4, Node16};
 use crate::primitive::triangle::{Probe, Triangle};
 use crate::realign::{PrimitiveSlab, Realignment};
@@ -10,27 +11,36 @@ use crate::realign::{PrimitiveSlab, Realignment};
 macro_rules! as_avx2 {
     () => {
         #[inline(always)]
-        fn overlap_1v16<const W: usize, const K: usize>(
+        fn overlap_1v16<const W: usize, const K: usize, S: Storage>(
             self,
             query: &Turned<W, K>,
             lane: usize,
-            node: &Node16<K>,
+            node: &Node16<K, S>,
         ) -> u16 {
             self.as_avx2().overlap_1v16(query, lane, node)
         }
 
         #[inline(always)]
-        fn overlap_16v1<const K: usize>(self, query: &Turned<16, K>, node: &Node16<K>, lane: usize) -> u16 {
+        fn overlap_16v1<const K: usize, S: Storage>(
+            self,
+            query: &Turned<16, K>,
+            node: &Node16<K, S>,
+            lane: usize,
+        ) -> u16 {
             self.as_avx2().overlap_16v1(query, node, lane)
         }
 
         #[inline(always)]
-        fn overlap_16v_hull<const K: usize>(self, query: &Turned<16, K>, node: &Node16<K>) -> u16 {
+        fn overlap_16v_hull<const K: usize, S: Storage>(
+            self,
+            query: &Turned<16, K>,
+            node: &Node16<K, S>,
+        ) -> u16 {
             self.as_avx2().overlap_16v_hull(query, node)
         }
 
         #[inline(always)]
-        fn overlap_4v4<const K: usize>(self, query: &Turned<4, K>, node: &Node4<K>) -> u16 {
+        fn overlap_4v4<const K: usize, S: Storage>(self, query: &Turned<4, K>, node: &Node4<K, S>) -> u16 {
             self.as_avx2().overlap_4v4(query, node)
         }
 
@@ -40,17 +50,22 @@ macro_rules! as_avx2 {
         }
 
         #[inline(always)]
-        fn beyond_16<const K: usize>(self, slab: &PrimitiveSlab, node: &Node16<K>) -> u16 {
+        fn beyond_16<const K: usize, S: Storage>(self, slab: &PrimitiveSlab, node: &Node16<K, S>) -> u16 {
             self.as_avx2().beyond_16(slab, node)
         }
 
         #[inline(always)]
-        fn beyond_4<const K: usize>(self, slab: &PrimitiveSlab, node: &Node4<K>) -> u16 {
+        fn beyond_4<const K: usize, S: Storage>(self, slab: &PrimitiveSlab, node: &Node4<K, S>) -> u16 {
             self.as_avx2().beyond_4(slab, node)
         }
 
         #[inline(always)]
-        fn realign_4<const K: usize>(self, map: &Realignment<K>, node: &Node4<K>, query: &mut Turned<4, K>) {
+        fn realign_4<const K: usize, S: Storage>(
+            self,
+            map: &Realignment<K, S>,
+            node: &Node4<K, S>,
+            query: &mut Turned<4, K>,
+        ) {
             self.as_avx2().realign_4(map, node, query);
         }
 
@@ -108,7 +123,12 @@ impl Kernel for X86 {
 
     // Always the same within a query: the branch is negligible.
     #[inline(always)]
-    fn realign_16<const K: usize>(self, map: &Realignment<K>, node: &Node16<K>, query: &mut Turned<16, K>) {
+    fn realign_16<const K: usize, S: Storage>(
+        self,
+        map: &Realignment<K, S>,
+        node: &Node16<K, S>,
+        query: &mut Turned<16, K>,
+    ) {
         match self.avx512 {
             Some(avx512) => avx512.realign_16(map, node, query),
             None => self.avx2.realign_16(map, node, query),

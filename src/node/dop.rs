@@ -11,13 +11,14 @@
 
 use super::{Child, Dop, Node, sealed};
 use crate::directions::Directions;
-use crate::key::Key;
+use crate::key::{EMPTY, Fixed, Key, Storage};
 use crate::range::Point;
+use core::marker::PhantomData;
 
-/// `W` children with `K` planes each.
+/// `W` children with `K` planes each, in storage `S`.
 #[derive(Copy, Clone, PartialEq, Debug)]
 #[repr(C)]
-pub struct DopNode<const W: usize, const K: usize>
+pub struct DopNode<const W: usize, const K: usize, S = Fixed>
 where
     Arity<W>: Alignment,
 {
@@ -26,13 +27,14 @@ where
     /// Where the lanes lead.
     pub child: [Child; W],
     alignment: [<Arity<W> as Alignment>::Unit; 0],
+    storage: PhantomData<S>,
 }
 
 /// Sixteen children. Its slabs start on cache lines.
-pub type Node16<const K: usize> = DopNode<16, K>;
+pub type Node16<const K: usize, S = Fixed> = DopNode<16, K, S>;
 
 /// Four children.
-pub type Node4<const K: usize> = DopNode<4, K>;
+pub type Node4<const K: usize, S = Fixed> = DopNode<4, K, S>;
 
 /// The widths that nodes may have, 4 and 16, as types.
 #[derive(Copy, Clone, PartialEq, Debug)]
@@ -67,7 +69,7 @@ impl Alignment for Arity<4> {
     type Unit = VectorAlignment;
 }
 
-impl<const W: usize, const K: usize> DopNode<W, K>
+impl<const W: usize, const K: usize, S> DopNode<W, K, S>
 where
     Arity<W>: Alignment,
 {
@@ -75,20 +77,21 @@ where
     #[inline(always)]
     #[must_use]
     pub const fn new(planes: [[i16; W]; K], child: [Child; W]) -> Self {
-        Self { planes, child, alignment: [] }
+        Self { planes, child, alignment: [], storage: PhantomData }
     }
 }
 
-impl<const W: usize, const K: usize> sealed::Sealed for DopNode<W, K> where Arity<W>: Alignment {}
+impl<const W: usize, const K: usize, S> sealed::Sealed for DopNode<W, K, S> where Arity<W>: Alignment {}
 
-impl<const W: usize, const K: usize> Node for DopNode<W, K>
+impl<const W: usize, const K: usize, S: Storage> Node for DopNode<W, K, S>
 where
     Arity<W>: Alignment,
     Self: bytemuck::Pod,
 {
+    type Storage = S;
     const K: usize = K;
     const ARITY: usize = W;
-    const EMPTY: Self = Self::new([[Key::EMPTY.code(); W]; K], [Child::EMPTY; W]);
+    const EMPTY: Self = Self::new([[EMPTY; W]; K], [Child::EMPTY; W]);
 
     #[inline]
     fn children(&self) -> &[Child] {
@@ -100,7 +103,7 @@ where
     }
 }
 
-impl<const W: usize, const K: usize> Dop for DopNode<W, K>
+impl<const W: usize, const K: usize, S: Storage> Dop for DopNode<W, K, S>
 where
     Arity<W>: Alignment,
     Self: bytemuck::Pod,
@@ -113,7 +116,7 @@ where
     }
 
     #[inline]
-    fn raise_plane(&mut self, j: usize, lane: usize, key: Key) {
+    fn raise_plane(&mut self, j: usize, lane: usize, key: Key<S>) {
         let plane = &mut self.planes[j][lane];
         *plane = (*plane).max(key.code());
     }

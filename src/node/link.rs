@@ -1,7 +1,6 @@
 //! Links: what a lane of a node leads to.
 
 use super::Dop;
-use crate::key::decode;
 
 /// What a lane of a node leads to, in 32 bits.
 ///
@@ -130,7 +129,7 @@ impl Width {
 
     /// Of child `lane` of a node.
     pub(crate) fn of_lane<N: Dop>(node: &N, lane: usize) -> Self {
-        let slab = |s: usize| decode(node.plane(2 * s, lane)) + decode(node.plane(2 * s + 1, lane));
+        let slab = |s: usize| node.value(2 * s, lane) + node.value(2 * s + 1, lane);
         Self::of((slab(0) + slab(1)) + slab(2))
     }
 

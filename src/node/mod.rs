@@ -21,7 +21,7 @@ pub use link::{Child, Link, MAX_LEAF_SIZE, Width};
 pub(crate) use link::{FIRST, LEAF_BIT};
 pub use normal_slab::NormalSlab;
 
-use crate::key::Key;
+use crate::key::{Key, Storage};
 use crate::range::Point;
 
 mod sealed {
@@ -30,6 +30,8 @@ mod sealed {
 
 /// A node: the links of its lanes. Implemented by [`Node16`] and [`Node4`] only.
 pub trait Node: bytemuck::Pod + Send + Sync + sealed::Sealed + core::fmt::Debug {
+    /// How the planes are stored.
+    type Storage: Storage;
     /// Number of planes of a child.
     const K: usize;
     /// Number of lanes.
@@ -51,5 +53,10 @@ pub trait Dop: Node {
     /// The code of plane `j` of child `lane`.
     fn plane(&self, j: usize, lane: usize) -> i16;
     /// Raises plane `j` of child `lane` to bound `key` too.
-    fn raise_plane(&mut self, j: usize, lane: usize, key: Key);
+    fn raise_plane(&mut self, j: usize, lane: usize, key: Key<Self::Storage>);
+    /// The value of plane `j` of child `lane`, in steps of the frame.
+    #[inline(always)]
+    fn value(&self, j: usize, lane: usize) -> f32 {
+        Self::Storage::value(self.plane(j, lane))
+    }
 }

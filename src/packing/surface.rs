@@ -9,8 +9,7 @@
 use crate::construct::{Builder, Mesh};
 use crate::frame::Frame;
 use crate::hierarchy::{Bvh, MAX_DEPTH};
-use crate::key::decode;
-use crate::node::{Child, Link, Node, Node16};
+use crate::node::{Child, Dop, Link, Node, Node16};
 use crate::primitive::triangle::distance::nearer;
 use crate::range::Point;
 use alloc::vec::Vec;
@@ -189,8 +188,8 @@ impl LaneBoxes {
         for (lane, child) in node.children().iter().enumerate() {
             if child.link() != Link::Empty {
                 for axis in 0..3 {
-                    boxes.high[axis][lane] = decode(node.planes[2 * axis][lane]) + SLACK;
-                    boxes.low[axis][lane] = -decode(node.planes[2 * axis + 1][lane]) - SLACK;
+                    boxes.high[axis][lane] = node.value(2 * axis, lane) + SLACK;
+                    boxes.low[axis][lane] = -node.value(2 * axis + 1, lane) - SLACK;
                 }
             }
         }

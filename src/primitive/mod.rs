@@ -17,7 +17,7 @@ pub use store::Store;
 pub use triangle::Triangles;
 
 use crate::frame::Frame;
-use crate::key::Key;
+use crate::key::{Key, Storage};
 use crate::pose::Pose;
 use crate::range::Point;
 use core::fmt;
@@ -162,7 +162,7 @@ pub trait Primitive: Copy + fmt::Debug + Send + Sync + 'static {
 
     /// Whether plane `key` of a tree in `frame` bounds the primitive in `direction`. Exact.
     #[must_use]
-    fn is_bounded(item: &Self::Item, frame: &Frame, direction: &Point, key: Key) -> bool {
+    fn is_bounded<S: Storage>(item: &Self::Item, frame: &Frame, direction: &Point, key: Key<S>) -> bool {
         let radius = radius_of::<Self>(item);
         Self::corners(item).all(|p| frame.is_bounded_around(direction, p, radius, key))
     }

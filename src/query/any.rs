@@ -2,7 +2,7 @@
 
 use super::distance::Distance;
 use super::entry::{Answer, Completion, Pair, PrimitivePair, Query, QueryStats, ToleranceError};
-use crate::hierarchy::{AnyBvhRef, Header, for_node_types};
+use crate::hierarchy::{AnyBvhRef, NodeType, for_node_types};
 use crate::pose::Pose;
 use crate::primitive::Primitive;
 use core::fmt;
@@ -13,10 +13,10 @@ use core::ops::ControlFlow;
 pub enum AnyError {
     /// The two have nodes of different types: build one of them anew.
     OtherNode {
-        /// k and arity of body A.
-        a: (u16, u16),
-        /// k and arity of body B.
-        b: (u16, u16),
+        /// Of body A.
+        a: NodeType,
+        /// Of body B.
+        b: NodeType,
     },
     /// The margin or tolerance cannot be.
     Tolerance(ToleranceError),
@@ -25,11 +25,7 @@ pub enum AnyError {
 impl fmt::Display for AnyError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::OtherNode { a, b } => write!(
-                f,
-                "a tree of k = {} and arity {} cannot be asked with one of k = {} and arity {}",
-                a.0, a.1, b.0, b.1
-            ),
+            Self::OtherNode { a, b } => write!(f, "a tree of {a} cannot be tested against one of {b}"),
             Self::Tolerance(error) => error.fmt(f),
         }
     }
@@ -44,7 +40,7 @@ impl From<ToleranceError> for AnyError {
 }
 
 macro_rules! ask_any {
-    ($d:tt $($variant:ident $node:ident $arity:literal $k:literal),*) => {
+    ($d:tt $($variant:ident $node:ident $arity:literal $k:literal $storage:ident),*) => {
         /// Evaluates an expression for two trees of one node type; else returns the error that they are not.
         macro_rules! with_both {
             ($d a:ident, $d b:ident => $d value:expr) => {
@@ -60,11 +56,10 @@ macro_rules! ask_any {
 for_node_types!(ask_any);
 
 fn other_node<P: Primitive, Q: Primitive>(a: &AnyBvhRef<'_, P>, b: &AnyBvhRef<'_, Q>) -> AnyError {
-    let shape = |header: &Header| (header.k, header.arity);
-    AnyError::OtherNode { a: shape(a.header()), b: shape(b.header()) }
+    AnyError::OtherNode { a: a.node_type(), b: b.node_type() }
 }
 
-// `inline`, so that the five node types are compiled where they are used, and not for everyone.
+// `inline`, so that all node types are compiled where they are used, and not for everyone.
 impl Query {
     /// [`Query::collide`].
     ///

@@ -17,7 +17,7 @@
 
 use crate::directions::{Directions, SUPPORTED, table};
 use crate::frame::Frame;
-use crate::key::Key;
+use crate::key::{Key, Storage};
 use crate::primitive::Primitive;
 use crate::primitive::lattice::{self, LatticeCorners, OFF_MOVED, OFF_STILL};
 use crate::realign::{Supports, planes_of_slab};
@@ -49,12 +49,12 @@ const _: () = {
 /// called.
 // Does not return the planes, which took as much stack again.
 #[inline(always)]
-pub(crate) fn planes_on_lattice<const K: usize>(
+pub(crate) fn planes_on_lattice<const K: usize, S: Storage>(
     b: &Frame,
     triangles: impl Iterator<Item = Option<LatticeCorners>>,
     exponent: i32,
     margin: f64,
-    mut put: impl FnMut(usize, Key),
+    mut put: impl FnMut(usize, Key<S>),
 ) -> u32 {
     let steps = exponent - b.exponent;
     if !STEPS.contains(&steps) || lattice::logarithm(margin) + exponent > -3 {
@@ -77,9 +77,12 @@ pub(crate) fn planes_on_lattice<const K: usize>(
             }
         }
     }
-    let half = 1 << (steps - 1);
+    let (half, step) = (1 << (steps - 1), f32::from_bits(((127 - steps) as u32) << 23));
     let code = |x: i32| {
-        (x.wrapping_add(half) >> steps).clamp(Key::LOWEST.code().into(), Key::INFINITY.code().into())
+        if S::IS_HALF {
+            return S::around(x as f32 * step);
+        }
+        (x.wrapping_add(half) >> steps).clamp((!S::GREATEST).into(), S::INFINITY.into()) as i16
     };
     let mut left = 0;
     for (j, greatest) in greatest.into_iter().enumerate() {
@@ -87,7 +90,7 @@ pub(crate) fn planes_on_lattice<const K: usize>(
         let off = OFF * i32::from(x.unsigned_abs() + y.unsigned_abs() + z.unsigned_abs()) + 1;
         let more = off + 2 + (greatest.wrapping_abs() >> 22);
         let (low, high) = (code(greatest.wrapping_sub(off)), code(greatest.wrapping_add(more)));
-        put(j, Key::bounded(low as i16));
+        put(j, Key::bounded(low));
         left |= u32::from(low != high) << j;
     }
     left
@@ -99,20 +102,25 @@ pub(crate) const ALL: u32 = u32::MAX;
 /// Calls `put` with [`super::planes_of`] for the slabs of the `wanted` planes, one bit each: the same operations, slab
 /// by slab.
 #[inline(always)]
-pub(crate) fn some_planes_of<P: Primitive, const K: usize>(
+pub(crate) fn some_planes_of<P: Primitive, const K: usize, S: Storage>(
     b: &Frame,
     items: impl Iterator<Item = P::Item>,
     margin: f64,
     wanted: u32,
-    mut put: impl FnMut(usize, Key),
+    mut put: impl FnMut(usize, Key<S>),
 ) {
     let is_wanted = |s: usize| wanted >> (2 * s) & 3 != 0;
     // Not destructured, which copied it.
     let supports = Supports::<K>::of_slabs::<P>(b, items, is_wanted);
     let scale = b.scale();
     for s in (0..K / 2).filter(|&s| is_wanted(s)) {
-        let [ahead, behind] =
-            planes_of_slab::<K>(s, [supports.least[s], supports.greatest[s]], supports.size, margin, scale);
+        let [ahead, behind] = planes_of_slab::<K, S>(
+            s,
+            [supports.least[s], supports.greatest[s]],
+            supports.size,
+            margin,
+            scale,
+        );
         put(2 * s, ahead);
         put(2 * s + 1, behind);
     }
@@ -121,27 +129,28 @@ pub(crate) fn some_planes_of<P: Primitive, const K: usize>(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::key::{Fixed, Half};
     use crate::pose::Pose;
     use crate::primitive::{Lattice, Triangles};
     use crate::realign::planes_of;
     use crate::rng::Rng;
 
-    fn planes<const K: usize>(
+    fn planes<const K: usize, S: Storage>(
         b: &Frame,
         corners: LatticeCorners,
         exponent: i32,
         margin: f64,
-    ) -> ([Key; K], u32) {
-        let mut planes = [Key::LOWEST; K];
+    ) -> ([Key<S>; K], u32) {
+        let mut planes = [Key::<S>::LOWEST; K];
         let triangles = [Some(corners)].into_iter();
-        let left = planes_on_lattice::<K>(b, triangles, exponent, margin, |j, plane| planes[j] = plane);
+        let left = planes_on_lattice::<K, S>(b, triangles, exponent, margin, |j, plane| planes[j] = plane);
         (planes, left)
     }
 
     /// Checks that planes equal those of `f64`, and that at least `least` tenths of the triangles have only certain
     /// planes. The body is within 1 of its origin, and moved by `away`, up to 1 more or less, along each axis. The
     /// frame is within 1 of `centre` along each axis.
-    fn same_as_in_doubles<const K: usize>(away: f64, centre: f64, exponent: i32, least: usize) {
+    fn same_as_in_doubles<const K: usize, S: Storage>(away: f64, centre: f64, exponent: i32, least: usize) {
         let mut rng = Rng::new(K as u64);
         let (mut certain, rounds) = (0, 100_000);
         for _ in 0..rounds {
@@ -157,8 +166,8 @@ mod tests {
             // As small as the inverse pose makes it.
             let margin = if rng.range(0.0, 1.0) < 0.5 { 0.0 } else { 1e-13 };
             let moved = triangle.map(|p| pose.apply(p));
-            let truth = planes_of::<Triangles, K>(&b, [moved].into_iter(), margin);
-            let (mut found, left) = planes::<K>(&b, corners, lattice.exponent, margin);
+            let truth = planes_of::<Triangles, K, S>(&b, [moved].into_iter(), margin);
+            let (mut found, left) = planes::<K, S>(&b, corners, lattice.exponent, margin);
             for (j, plane) in found.iter_mut().enumerate().filter(|(j, _)| left >> j & 1 != 0) {
                 *plane = truth[j];
             }
@@ -167,7 +176,7 @@ mod tests {
             // The planes left, and only those, by whole slabs.
             let mut rest = [None; K];
             let items = [moved].into_iter();
-            some_planes_of::<Triangles, K>(&b, items, margin, left, |j, plane| rest[j] = Some(plane));
+            some_planes_of::<Triangles, K, S>(&b, items, margin, left, |j, plane| rest[j] = Some(plane));
             for (j, plane) in rest.into_iter().enumerate() {
                 let is_wanted = left >> (j & !1) & 3 != 0;
                 assert_eq!(
@@ -182,12 +191,15 @@ mod tests {
 
     #[test]
     fn planes_are_the_same_as_in_doubles() {
-        same_as_in_doubles::<6>(0.0, 0.0, 12, 6);
-        same_as_in_doubles::<18>(0.0, 0.0, 12, 6);
-        same_as_in_doubles::<32>(0.0, 0.0, 12, 6);
+        same_as_in_doubles::<6, Fixed>(0.0, 0.0, 12, 6);
+        same_as_in_doubles::<18, Fixed>(0.0, 0.0, 12, 6);
+        same_as_in_doubles::<32, Fixed>(0.0, 0.0, 12, 6);
         // As far from the frame as the lattice reaches, where the rounding from `f64` to `f32` is tens of steps.
-        same_as_in_doubles::<6>(-2.9, 2.9, 11, 6);
-        same_as_in_doubles::<18>(-2.9, 2.9, 10, 6);
+        same_as_in_doubles::<6, Fixed>(-2.9, 2.9, 11, 6);
+        same_as_in_doubles::<18, Fixed>(-2.9, 2.9, 10, 6);
+        // Half floats are coarser than steps nearly everywhere.
+        same_as_in_doubles::<18, Half>(0.0, 0.0, 12, 6);
+        same_as_in_doubles::<6, Half>(-2.9, 2.9, 11, 6);
     }
 
     #[test]
@@ -195,7 +207,7 @@ mod tests {
         let corners = [[1 << 20; 3]; 3];
         let at = |exponent, margin| {
             let b = Frame { centre: [0.0; 3], exponent: 12 };
-            planes::<18>(&b, corners, exponent, margin)
+            planes::<18, Fixed>(&b, corners, exponent, margin)
         };
         assert!(at(24, 0.0).1 == 0 && at(24, 0.0) == at(24, 1e-9));
         assert!(at(24, 1e-6).1 == ALL && at(14, 0.0).1 == ALL && at(40, 0.0).1 == ALL);

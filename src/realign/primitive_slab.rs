@@ -27,11 +27,13 @@ use super::{F64_SLACK, GAMMA_5, HALF_PLACE, ITS_OWN_ROUNDING, UNDERFLOW, greates
 use crate::directions::Directions;
 use crate::exact::{power_of_two, round_up_f32};
 use crate::frame::BodyBounds;
+use crate::key::Storage;
 use crate::pose::Pose;
 use crate::primitive::{OWN_DIRECTIONS, Primitive, radius_of};
 use crate::range::MIN_COORDINATE;
 
-/// A direction and the interval that a primitive covers along it, for comparison with the planes of another tree.
+/// A direction and the interval that a primitive covers along it, for comparison with the planes of another tree, of one
+/// storage.
 #[derive(Copy, Clone, PartialEq, Debug)]
 pub struct PrimitiveSlab {
     /// The three planes whose weighted sum bounds a child along the direction. The opposite planes, `p ^ 1`, with the
@@ -51,9 +53,9 @@ impl PrimitiveSlab {
     /// operation by operation. Unspecified for an unused lane.
     #[inline]
     #[must_use]
-    pub fn is_beyond(&self, code: impl Fn(usize) -> i16) -> bool {
+    pub fn is_beyond<S: Storage>(&self, code: impl Fn(usize) -> i16) -> bool {
         let sum = |side: usize| {
-            let term = |l: usize| self.weights[l] * f32::from(code(usize::from(self.sources[l]) ^ side));
+            let term = |l: usize| self.weights[l] * S::number(code(usize::from(self.sources[l]) ^ side));
             (term(0) + term(1)) + term(2)
         };
         sum(0) < self.limits[0] || sum(1) < self.limits[1]
@@ -74,7 +76,7 @@ pub type PrimitiveSlabs = [PrimitiveSlab; OWN_DIRECTIONS];
 // Inlined into the query, so that it is compiled for the query's instruction set.
 #[inline(always)]
 #[must_use]
-pub fn primitive_slabs<P: Primitive, const K: usize>(
+pub fn primitive_slabs<P: Primitive, const K: usize, S: Storage>(
     item: &P::Item,
     margin: f64,
     body: &BodyBounds,
@@ -125,8 +127,8 @@ pub fn primitive_slabs<P: Primitive, const K: usize>(
         let w = [u[0][s] as f32, u[1][s] as f32, u[2][s] as f32];
         let weight_sum = (f64::from(w[0]) + f64::from(w[1])) + f64::from(w[2]);
         let pad = ((weight_sum * per_weight + length * per_length) + UNDERFLOW) * ITS_OWN_ROUNDING;
-        // A code c stands for c + 1/2.
-        let pad = pad + 0.5 * weight_sum;
+        // What the values of planes are above their numbers.
+        let pad = pad + f64::from(S::OFFSET) * weight_sum;
         // A vector that is zero or not finite is not a direction; weights of a vector whose length is far from 1 could
         // overflow an `f32`.
         let pad = if length > SHORTEST && length < LONGEST { pad } else { f64::INFINITY };

@@ -42,7 +42,7 @@ use crate::directions::Directions;
 use crate::exact::power_of_two;
 use crate::frame::{BodyBounds, Frame};
 use crate::hierarchy::Header;
-use crate::key::Key;
+use crate::key::{Key, Storage};
 use crate::pose::Pose;
 use crate::primitive::Triangles;
 use crate::range::{MIN_COORDINATE, Point};
@@ -97,7 +97,7 @@ impl Ray {
 
     /// The ray's planes in the frame of the solid's tree, rounded up.
     #[inline(always)]
-    pub(crate) fn planes<const K: usize>(&self, frame: &Frame) -> [Key; K] {
+    pub(crate) fn planes<const K: usize, S: Storage>(&self, frame: &Frame) -> [Key<S>; K] {
         let (w, u, scale) = (&self.way, &self.direction, frame.scale());
         let mut planes = [Key::LOWEST; K];
         for (j, plane) in planes.iter_mut().enumerate() {

@@ -23,14 +23,17 @@
 //!
 //! # Re-alignment
 //!
-//! Codes are converted to 32-bit integers and then to floats, once per plane of the node. Each rotated plane takes
-//! three multiplications and three additions on 2 x 8 lanes; the two planes of a slab share their weights. `vcvtps2dq`
-//! rounds to the nearest code, and `vpackssdw` joins sixteen of them in the order in which `vpunpcklwd` and
-//! `vpunpckhwd` split them.
+//! Codes are converted to floats once per plane of the node. Each rotated plane takes three multiplications and three
+//! additions on 2 x 8 lanes; the two planes of a slab share their weights.
+//!
+//! | | decode | encode |
+//! |---|---|---|
+//! | fixed point | `vpunpcklwd`, `vpunpckhwd` with the signs, `vcvtdq2ps` | `vcvtps2dq` to the nearest code; `vpackssdw` joins sixteen in the order in which they were split |
+//! | half float | codes to bits in three instructions, `vcvtph2ps` | `vcvtps2ph` towards positive infinity, bits to codes |
 
 use super::super::{SEPARATED, Turned};
 use crate::isa::compiled_for_avx2;
-use crate::key::Key;
+use crate::key::{EMPTY, Storage};
 use crate::node::{Node4, Node16};
 use crate::realign::{PrimitiveSlab, Realignment};
 use core::arch::x86_64::*;
@@ -75,10 +78,10 @@ compiled_for_avx2! {
 
 compiled_for_avx2! {
     #[inline]
-    pub(super) fn overlap_1v16<const W: usize, const K: usize>(
+    pub(super) fn overlap_1v16<const W: usize, const K: usize, S: Storage>(
         query: &Turned<W, K>,
         lane: usize,
-        node: &Node16<K>,
+        node: &Node16<K, S>,
     ) -> u16 {
         let lane = lane % W;
         let mut separated = _mm256_setzero_si256();
@@ -97,7 +100,7 @@ compiled_for_avx2! {
 
 compiled_for_avx2! {
     #[inline]
-    pub(super) fn overlap_16v1<const K: usize>(query: &Turned<16, K>, node: &Node16<K>, lane: usize) -> u16 {
+    pub(super) fn overlap_16v1<const K: usize, S: Storage>(query: &Turned<16, K>, node: &Node16<K, S>, lane: usize) -> u16 {
         let lane = lane & 15;
         let mut separated = _mm256_setzero_si256();
         for (bodies, planes) in query.iter().zip(&node.planes) {
@@ -110,7 +113,7 @@ compiled_for_avx2! {
 
 compiled_for_avx2! {
     #[inline]
-    pub(super) fn overlap_16v_hull<const K: usize>(query: &Turned<16, K>, node: &Node16<K>) -> u16 {
+    pub(super) fn overlap_16v_hull<const K: usize, S: Storage>(query: &Turned<16, K>, node: &Node16<K, S>) -> u16 {
         // `vphminposuw` finds the least of eight unsigned words. The exclusive or maps the greatest signed word to the
         // least unsigned one, and back.
         let flip = _mm_set1_epi16(0x7fff);
@@ -128,7 +131,7 @@ compiled_for_avx2! {
 
 compiled_for_avx2! {
     #[inline]
-    pub(super) fn overlap_4v4<const K: usize>(query: &Turned<4, K>, node: &Node4<K>) -> u16 {
+    pub(super) fn overlap_4v4<const K: usize, S: Storage>(query: &Turned<4, K>, node: &Node4<K, S>) -> u16 {
         // Each half of the register holds all four planes. The lower half spreads the first two, the upper half the
         // last two.
         let spread = _mm256_setr_epi8(
@@ -146,37 +149,88 @@ compiled_for_avx2! {
 }
 
 compiled_for_avx2! {
+    /// The bits of half floats with these codes, and the codes of bits.
+    #[inline]
+    fn flipped(codes: __m256i) -> __m256i {
+        _mm256_xor_si256(codes, _mm256_srli_epi16::<1>(_mm256_srai_epi16::<15>(codes)))
+    }
+}
+
+compiled_for_avx2! {
     /// Four codes, as floats; only the lowest quarter of the result is used.
     #[inline]
-    fn decode_4(codes: __m128i) -> __m256 {
-        _mm256_cvtepi32_ps(_mm256_cvtepi16_epi32(codes))
+    fn decode_4<S: Storage>(codes: __m128i) -> __m256 {
+        if S::IS_HALF {
+            halves_to_floats(_mm256_castsi256_si128(flipped(_mm256_zextsi128_si256(codes))))
+        } else {
+            _mm256_cvtepi32_ps(_mm256_cvtepi16_epi32(codes))
+        }
     }
 }
 
 compiled_for_avx2! {
-    /// Sixteen codes, as floats: lanes 0 to 3 and 8 to 11, then the others. [`encode_query`] restores the order.
+    /// Sixteen codes, as floats. Of half floats in order; else lanes 0 to 3 and 8 to 11, then the others.
+    /// [`encode_query`] and [`in_order`] restore the order.
     #[inline]
-    fn decode(codes: __m256i) -> [__m256; 2] {
-        let signs = _mm256_srai_epi16::<15>(codes);
-        [
-            _mm256_cvtepi32_ps(_mm256_unpacklo_epi16(codes, signs)),
-            _mm256_cvtepi32_ps(_mm256_unpackhi_epi16(codes, signs)),
-        ]
+    fn decode<S: Storage>(codes: __m256i) -> [__m256; 2] {
+        if S::IS_HALF {
+            let halves = flipped(codes);
+            [
+                halves_to_floats(_mm256_castsi256_si128(halves)),
+                halves_to_floats(_mm256_extracti128_si256::<1>(halves)),
+            ]
+        } else {
+            let signs = _mm256_srai_epi16::<15>(codes);
+            [
+                _mm256_cvtepi32_ps(_mm256_unpacklo_epi16(codes, signs)),
+                _mm256_cvtepi32_ps(_mm256_unpackhi_epi16(codes, signs)),
+            ]
+        }
     }
 }
 
 compiled_for_avx2! {
-    /// Rounds sixteen values to keys ([`Key::around`]), and returns their complements.
+    /// Sixteen 16-bit lanes that `vpackssdw` made of two registers of [`decode`]'s order.
     #[inline]
-    fn encode_query(values: [__m256; 2]) -> __m256i {
+    fn in_order<S: Storage>(packed: __m256i) -> __m256i {
+        if S::IS_HALF { _mm256_permute4x64_epi64::<0b11_01_10_00>(packed) } else { packed }
+    }
+}
+
+compiled_for_avx2! {
+    /// Rounds sixteen values to codes ([`Storage::around`]), and returns their complements.
+    #[inline]
+    fn encode_query<S: Storage>(values: [__m256; 2]) -> __m256i {
         // NaN is an unbounded plane: if the first operand is NaN, `vminps` returns the second.
-        let integers = values.map(|x| {
-            _mm256_cvtps_epi32(_mm256_min_ps(x, _mm256_set1_ps(f32::from(Key::INFINITY.code()))))
-        });
-        let codes = _mm256_packs_epi32(integers[0], integers[1]);
-        // Values below the range of `i32` become the least one.
-        let codes = _mm256_max_epi16(codes, _mm256_set1_epi16(Key::LOWEST.code()));
+        let codes = if S::IS_HALF {
+            let [low, high] = values.map(|x| floats_to_halves(_mm256_min_ps(x, _mm256_set1_ps(f32::INFINITY))));
+            flipped(_mm256_inserti128_si256::<1>(_mm256_castsi128_si256(low), high))
+        } else {
+            let [low, high] = values.map(|x| {
+                _mm256_cvtps_epi32(_mm256_min_ps(x, _mm256_set1_ps(f32::from(S::INFINITY))))
+            });
+            // Values below the range of `i32` become the least one.
+            _mm256_packs_epi32(low, high)
+        };
+        let codes = _mm256_max_epi16(codes, _mm256_set1_epi16(!S::GREATEST));
         _mm256_xor_si256(codes, _mm256_set1_epi16(-1))
+    }
+}
+
+compiled_for_avx2! {
+    #[cfg(not(miri))]
+    #[inline]
+    fn halves_to_floats(halves: __m128i) -> __m256 {
+        _mm256_cvtph_ps(halves)
+    }
+}
+
+compiled_for_avx2! {
+    /// Rounded towards positive infinity.
+    #[cfg(not(miri))]
+    #[inline]
+    fn floats_to_halves(floats: __m256) -> __m128i {
+        _mm256_cvtps_ph::<_MM_FROUND_TO_POS_INF>(floats)
     }
 }
 
@@ -189,11 +243,11 @@ compiled_for_avx2! {
 
 compiled_for_avx2! {
     #[inline]
-    pub(super) fn realign_16<const K: usize>(map: &Realignment<K>, node: &Node16<K>, query: &mut Turned<16, K>) {
+    pub(super) fn realign_16<const K: usize, S: Storage>(map: &Realignment<K, S>, node: &Node16<K, S>, query: &mut Turned<16, K>) {
         // Not zeroed: that would be a kilobyte of stores.
         let mut planes = [const { MaybeUninit::<[__m256; 2]>::uninit() }; K];
         for (decoded, codes) in planes.iter_mut().zip(&node.planes) {
-            decoded.write(decode(load(codes)));
+            decoded.write(decode::<S>(load(codes)));
         }
         for slab in 0..K / 2 {
             let [p, q, r, _] = map.sources[slab];
@@ -203,12 +257,12 @@ compiled_for_avx2! {
                 let [a, b, c] = [p, q, r].map(|source| unsafe { planes[usize::from(source) ^ side].assume_init_ref() });
                 let offset = _mm256_set1_ps(map.offset[2 * slab + side]);
                 let turned = |half: usize| turn(weights, offset, [a[half], b[half], c[half]]);
-                let codes = encode_query([turned(0), turned(1)]);
+                let codes = encode_query::<S>([turned(0), turned(1)]);
                 // SAFETY: the array has the 32 bytes written; the store needs no alignment.
                 unsafe { _mm256_storeu_si256(query[2 * slab + (side ^ 1)].as_mut_ptr().cast(), codes) };
             }
         }
-        let unused = _mm256_cmpeq_epi16(load(&node.planes[0]), _mm256_set1_epi16(Key::EMPTY.code()));
+        let unused = _mm256_cmpeq_epi16(load(&node.planes[0]), _mm256_set1_epi16(EMPTY));
         let codes = _mm256_blendv_epi8(load(&query[0]), _mm256_set1_epi16(SEPARATED), unused);
         // SAFETY: the array has the 32 bytes written; the store needs no alignment.
         unsafe { _mm256_storeu_si256(query[0].as_mut_ptr().cast(), codes) };
@@ -217,20 +271,20 @@ compiled_for_avx2! {
 
 compiled_for_avx2! {
     #[inline]
-    pub(super) fn realign_4<const K: usize>(map: &Realignment<K>, node: &Node4<K>, query: &mut Turned<4, K>) {
+    pub(super) fn realign_4<const K: usize, S: Storage>(map: &Realignment<K, S>, node: &Node4<K, S>, query: &mut Turned<4, K>) {
         let mut planes = [_mm256_setzero_ps(); K];
         for (decoded, codes) in planes.iter_mut().zip(&node.planes) {
-            *decoded = decode_4(load_4(codes));
+            *decoded = decode_4::<S>(load_4(codes));
         }
         for j in 0..K {
             let terms = map.terms(j);
             let weights = terms.map(|(_, weight)| _mm256_set1_ps(weight));
             let turned = turn(weights, _mm256_set1_ps(map.offset[j]), terms.map(|(source, _)| planes[source]));
-            let codes = _mm256_castsi256_si128(encode_query([turned, turned]));
+            let codes = _mm256_castsi256_si128(encode_query::<S>([turned, turned]));
             // SAFETY: the array has the 8 bytes written; the store needs no alignment.
             unsafe { _mm_storel_epi64(query[j ^ 1].as_mut_ptr().cast(), codes) };
         }
-        let unused = _mm_cmpeq_epi16(load_4(&node.planes[0]), _mm_set1_epi16(Key::EMPTY.code()));
+        let unused = _mm_cmpeq_epi16(load_4(&node.planes[0]), _mm_set1_epi16(EMPTY));
         let codes = _mm_blendv_epi8(load_4(&query[0]), _mm_set1_epi16(SEPARATED), unused);
         // SAFETY: the array has the 8 bytes written; the store needs no alignment.
         unsafe { _mm_storel_epi64(query[0].as_mut_ptr().cast(), codes) };
@@ -247,18 +301,17 @@ compiled_for_avx2! {
 
 compiled_for_avx2! {
     #[inline]
-    pub(super) fn beyond_16<const K: usize>(slab: &PrimitiveSlab, node: &Node16<K>) -> u16 {
+    pub(super) fn beyond_16<const K: usize, S: Storage>(slab: &PrimitiveSlab, node: &Node16<K, S>) -> u16 {
         let weights = slab.weights.map(|weight| _mm256_set1_ps(weight));
         let mut beyond = 0;
         for (side, limit) in slab.limits.into_iter().enumerate() {
-            let planes = slab.sources.map(|source| decode(load(&node.planes[usize::from(source) ^ side])));
+            let planes = slab.sources.map(|source| decode::<S>(load(&node.planes[usize::from(source) ^ side])));
             let below = |half: usize| {
                 let sum = weighted_sum(weights, planes.map(|plane| plane[half]));
                 _mm256_cmp_ps::<_CMP_LT_OQ>(sum, _mm256_set1_ps(limit))
             };
-            // Restores the order of the lanes.
             let (low, high) = (_mm256_castps_si256(below(0)), _mm256_castps_si256(below(1)));
-            beyond |= !zero_lanes(_mm256_packs_epi32(low, high));
+            beyond |= !zero_lanes(in_order::<S>(_mm256_packs_epi32(low, high)));
         }
         beyond
     }
@@ -266,11 +319,11 @@ compiled_for_avx2! {
 
 compiled_for_avx2! {
     #[inline]
-    pub(super) fn beyond_4<const K: usize>(slab: &PrimitiveSlab, node: &Node4<K>) -> u16 {
+    pub(super) fn beyond_4<const K: usize, S: Storage>(slab: &PrimitiveSlab, node: &Node4<K, S>) -> u16 {
         let weights = slab.weights.map(|weight| _mm256_set1_ps(weight));
         let mut beyond = 0;
         for (side, limit) in slab.limits.into_iter().enumerate() {
-            let planes = slab.sources.map(|source| decode_4(load_4(&node.planes[usize::from(source) ^ side])));
+            let planes = slab.sources.map(|source| decode_4::<S>(load_4(&node.planes[usize::from(source) ^ side])));
             let sum = weighted_sum(weights, planes);
             beyond |= _mm256_movemask_ps(_mm256_cmp_ps::<_CMP_LT_OQ>(sum, _mm256_set1_ps(limit)));
         }

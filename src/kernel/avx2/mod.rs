@@ -10,6 +10,7 @@ mod triangles;
 use super::x86::X86;
 use super::{Kernel, Turned};
 use crate::isa::Avx2;
+use crate::key::Storage;
 use crate::node::{Aabb16, Ball16, BoundingBall, Box3, Bucket, Node4, Node16};
 use crate::primitive::triangle::{Probe, Triangle};
 use crate::realign::{PrimitiveSlab, Realignment};
@@ -28,30 +29,35 @@ impl Kernel for Avx2 {
     }
 
     #[inline(always)]
-    fn overlap_1v16<const W: usize, const K: usize>(
+    fn overlap_1v16<const W: usize, const K: usize, S: Storage>(
         self,
         query: &Turned<W, K>,
         lane: usize,
-        node: &Node16<K>,
+        node: &Node16<K, S>,
     ) -> u16 {
         // SAFETY: the token proves the features that the function is compiled for.
         unsafe { dops::overlap_1v16(query, lane, node) }
     }
 
     #[inline(always)]
-    fn overlap_16v1<const K: usize>(self, query: &Turned<16, K>, node: &Node16<K>, lane: usize) -> u16 {
+    fn overlap_16v1<const K: usize, S: Storage>(
+        self,
+        query: &Turned<16, K>,
+        node: &Node16<K, S>,
+        lane: usize,
+    ) -> u16 {
         // SAFETY: the token proves the features that the function is compiled for.
         unsafe { dops::overlap_16v1(query, node, lane) }
     }
 
     #[inline(always)]
-    fn overlap_16v_hull<const K: usize>(self, query: &Turned<16, K>, node: &Node16<K>) -> u16 {
+    fn overlap_16v_hull<const K: usize, S: Storage>(self, query: &Turned<16, K>, node: &Node16<K, S>) -> u16 {
         // SAFETY: the token proves the features that the function is compiled for.
         unsafe { dops::overlap_16v_hull(query, node) }
     }
 
     #[inline(always)]
-    fn overlap_4v4<const K: usize>(self, query: &Turned<4, K>, node: &Node4<K>) -> u16 {
+    fn overlap_4v4<const K: usize, S: Storage>(self, query: &Turned<4, K>, node: &Node4<K, S>) -> u16 {
         // SAFETY: the token proves the features that the function is compiled for.
         unsafe { dops::overlap_4v4(query, node) }
     }
@@ -63,25 +69,35 @@ impl Kernel for Avx2 {
     }
 
     #[inline(always)]
-    fn beyond_16<const K: usize>(self, slab: &PrimitiveSlab, node: &Node16<K>) -> u16 {
+    fn beyond_16<const K: usize, S: Storage>(self, slab: &PrimitiveSlab, node: &Node16<K, S>) -> u16 {
         // SAFETY: the token proves the features that the function is compiled for.
         unsafe { dops::beyond_16(slab, node) }
     }
 
     #[inline(always)]
-    fn beyond_4<const K: usize>(self, slab: &PrimitiveSlab, node: &Node4<K>) -> u16 {
+    fn beyond_4<const K: usize, S: Storage>(self, slab: &PrimitiveSlab, node: &Node4<K, S>) -> u16 {
         // SAFETY: the token proves the features that the function is compiled for.
         unsafe { dops::beyond_4(slab, node) }
     }
 
     #[inline(always)]
-    fn realign_16<const K: usize>(self, map: &Realignment<K>, node: &Node16<K>, query: &mut Turned<16, K>) {
+    fn realign_16<const K: usize, S: Storage>(
+        self,
+        map: &Realignment<K, S>,
+        node: &Node16<K, S>,
+        query: &mut Turned<16, K>,
+    ) {
         // SAFETY: the token proves the features that the function is compiled for.
         unsafe { dops::realign_16(map, node, query) }
     }
 
     #[inline(always)]
-    fn realign_4<const K: usize>(self, map: &Realignment<K>, node: &Node4<K>, query: &mut Turned<4, K>) {
+    fn realign_4<const K: usize, S: Storage>(
+        self,
+        map: &Realignment<K, S>,
+        node: &Node4<K, S>,
+        query: &mut Turned<4, K>,
+    ) {
         // SAFETY: the token proves the features that the function is compiled for.
         unsafe { dops::realign_4(map, node, query) }
     }

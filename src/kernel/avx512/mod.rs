@@ -8,6 +8,7 @@ mod points;
 use super::x86::{X86, as_avx2};
 use super::{Kernel, Turned};
 use crate::isa::Avx512;
+use crate::key::Storage;
 use crate::node::{Aabb16, Ball16, BoundingBall, Box3, Bucket, Node4, Node16};
 use crate::primitive::triangle::{Probe, Triangle};
 use crate::realign::{PrimitiveSlab, Realignment};
@@ -28,7 +29,12 @@ impl Kernel for Avx512 {
     as_avx2!();
 
     #[inline(always)]
-    fn realign_16<const K: usize>(self, map: &Realignment<K>, node: &Node16<K>, query: &mut Turned<16, K>) {
+    fn realign_16<const K: usize, S: Storage>(
+        self,
+        map: &Realignment<K, S>,
+        node: &Node16<K, S>,
+        query: &mut Turned<16, K>,
+    ) {
         // SAFETY: the token proves the features that the function is compiled for.
         unsafe { dops::realign_16(map, node, query) }
     }

@@ -5,7 +5,7 @@
 
 use super::super::{SEPARATED, Turned};
 use crate::isa::compiled_for_neon;
-use crate::key::Key;
+use crate::key::{EMPTY, Storage};
 use crate::node::{Node4, Node16};
 use crate::realign::{PrimitiveSlab, Realignment};
 use core::arch::aarch64::*;
@@ -64,10 +64,10 @@ compiled_for_neon! {
 
 compiled_for_neon! {
     #[inline]
-    pub(super) fn overlap_1v16<const W: usize, const K: usize>(
+    pub(super) fn overlap_1v16<const W: usize, const K: usize, S: Storage>(
         query: &Turned<W, K>,
         lane: usize,
-        node: &Node16<K>,
+        node: &Node16<K, S>,
     ) -> u16 {
         let lane = lane % W;
         let mut separated = [vdupq_n_u16(0); 2];
@@ -90,7 +90,7 @@ compiled_for_neon! {
 
 compiled_for_neon! {
     #[inline]
-    pub(super) fn overlap_16v1<const K: usize>(query: &Turned<16, K>, node: &Node16<K>, lane: usize) -> u16 {
+    pub(super) fn overlap_16v1<const K: usize, S: Storage>(query: &Turned<16, K>, node: &Node16<K, S>, lane: usize) -> u16 {
         let lane = lane & 15;
         let mut separated = [vdupq_n_u16(0); 2];
         for (query, planes) in query.iter().zip(&node.planes) {
@@ -107,7 +107,7 @@ compiled_for_neon! {
 
 compiled_for_neon! {
     #[inline]
-    pub(super) fn overlap_16v_hull<const K: usize>(query: &Turned<16, K>, node: &Node16<K>) -> u16 {
+    pub(super) fn overlap_16v_hull<const K: usize, S: Storage>(query: &Turned<16, K>, node: &Node16<K, S>) -> u16 {
         let mut separated = [vdupq_n_u16(0); 2];
         for (query, planes) in query.iter().zip(&node.planes) {
             let [low, high] = halves(planes);
@@ -124,7 +124,7 @@ compiled_for_neon! {
 
 compiled_for_neon! {
     #[inline]
-    pub(super) fn overlap_4v4<const K: usize>(query: &Turned<4, K>, node: &Node4<K>) -> u16 {
+    pub(super) fn overlap_4v4<const K: usize, S: Storage>(query: &Turned<4, K>, node: &Node4<K, S>) -> u16 {
         let mut separated = [vdupq_n_u16(0); 2];
         for (query, planes) in query.iter().zip(&node.planes) {
             let q = load_4(query);
@@ -142,38 +142,82 @@ compiled_for_neon! {
 compiled_for_neon! {
     /// Four codes, as floats.
     #[inline]
-    fn decode(codes: int16x4_t) -> float32x4_t {
-        vcvtq_f32_s32(vmovl_s16(codes))
+    fn decode<S: Storage>(codes: int16x4_t) -> float32x4_t {
+        if S::IS_HALF { decode_halves(codes) } else { vcvtq_f32_s32(vmovl_s16(codes)) }
     }
 }
 
 compiled_for_neon! {
-    /// Rounds four values to keys, by the operations of [`Key::around`], and returns their complements.
+    /// The operations of [`crate::key::Half`]: stable Rust has no type for half floats in registers.
     #[inline]
-    fn encode_query(x: float32x4_t) -> int16x4_t {
+    fn decode_halves(codes: int16x4_t) -> float32x4_t {
+        let codes = vmovl_s16(codes);
+        // The sign in all bits.
+        let signs = vshrq_n_s32::<31>(codes);
+        let magnitude = vreinterpretq_u32_s32(vandq_s32(veorq_s32(codes, signs), vdupq_n_s32(0x7fff)));
+        let shifted = vshlq_n_u32::<13>(magnitude);
+        let scaled = vmulq_f32(vreinterpretq_f32_u32(shifted), vdupq_n_f32(f32::from_bits((127 + 112) << 23)));
+        let special = vcgeq_u32(magnitude, vdupq_n_u32(0x7c00));
+        let special = vbslq_u32(special, vorrq_u32(shifted, vdupq_n_u32(0x7f80_0000)), vreinterpretq_u32_f32(scaled));
+        let sign = vandq_u32(vreinterpretq_u32_s32(signs), vdupq_n_u32(1 << 31));
+        vreinterpretq_f32_u32(vorrq_u32(special, sign))
+    }
+}
+
+compiled_for_neon! {
+    /// Rounds four values to codes, by the operations of [`Storage::around`], and returns their complements.
+    #[inline]
+    fn encode_query<S: Storage>(x: float32x4_t) -> int16x4_t {
         // Selections instead of FMINNM and FMAX, so that Miri can run them. NaN is an unbounded plane.
-        let most = vdupq_n_f32(f32::from(Key::INFINITY.code()));
-        let x = vbslq_f32(vcltq_f32(x, most), x, most);
-        let least = vdupq_n_f32(f32::from(Key::LOWEST.code()));
-        let x = vbslq_f32(vcgtq_f32(x, least), x, least);
-        // The last place of 1.5 * 2^23 is 1.
-        let rounded = vreinterpretq_s32_f32(vaddq_f32(x, vdupq_n_f32(12_582_912.0)));
-        vmvn_s16(vmovn_s32(rounded))
+        let (most, least) = if S::IS_HALF {
+            (65536.0, -65504.0)
+        } else {
+            (f32::from(S::INFINITY), f32::from(!S::GREATEST))
+        };
+        let x = vbslq_f32(vcltq_f32(x, vdupq_n_f32(most)), x, vdupq_n_f32(most));
+        let x = vbslq_f32(vcgtq_f32(x, vdupq_n_f32(least)), x, vdupq_n_f32(least));
+        let codes = if S::IS_HALF {
+            encode_halves(x)
+        } else {
+            // The last place of 1.5 * 2^23 is 1.
+            vreinterpretq_s32_f32(vaddq_f32(x, vdupq_n_f32(12_582_912.0)))
+        };
+        vmvn_s16(vmovn_s32(codes))
+    }
+}
+
+compiled_for_neon! {
+    /// The codes of the least half floats not below x, which is between the lowest plane and 65,536.
+    #[inline]
+    fn encode_halves(x: float32x4_t) -> int32x4_t {
+        let bits = vreinterpretq_s32_f32(x);
+        let signs = vshrq_n_s32::<31>(bits);
+        let magnitude = vandq_s32(bits, vdupq_n_s32(0x7fff_ffff));
+        let exponent = vandq_s32(magnitude, vdupq_n_s32(0x7f80_0000));
+        let exponent = vmaxq_s32(exponent, vdupq_n_s32(113 << 23));
+        let inverse = vsubq_s32(vdupq_n_s32((254 << 23) + (10 << 23)), exponent);
+        let places = vmulq_f32(vreinterpretq_f32_s32(magnitude), vreinterpretq_f32_s32(inverse));
+        let cut = vcvtq_s32_f32(places);
+        // All bits where places were cut off: less -1 is 1 more. Not of negative numbers.
+        let is_cut = vmvnq_u32(vceqq_f32(vcvtq_f32_s32(cut), places));
+        let up = vbicq_s32(vreinterpretq_s32_u32(is_cut), signs);
+        let base = vshlq_n_s32::<10>(vsubq_s32(vshrq_n_s32::<23>(exponent), vdupq_n_s32(113)));
+        veorq_s32(vsubq_s32(vaddq_s32(base, cut), up), signs)
     }
 }
 
 compiled_for_neon! {
     /// `W` lanes in `Q` quarters of four children.
     #[inline]
-    pub(super) fn realign<const W: usize, const Q: usize, const K: usize>(
-        map: &Realignment<K>,
+    pub(super) fn realign<const W: usize, const Q: usize, const K: usize, S: Storage>(
+        map: &Realignment<K, S>,
         planes: &[[i16; W]; K],
         query: &mut Turned<W, K>,
     ) {
         let mut decoded = [[vdupq_n_f32(0.0); Q]; K];
         for j in 0..K {
             for (quarter, codes) in decoded[j].iter_mut().zip(planes[j].as_chunks::<4>().0) {
-                *quarter = decode(load_4(codes));
+                *quarter = decode::<S>(load_4(codes));
             }
         }
         for j in 0..K {
@@ -182,13 +226,13 @@ compiled_for_neon! {
                 // No fused multiply-add: it would round differently from the specification.
                 let two = vaddq_f32(vmulq_n_f32(a[i], u), vmulq_n_f32(b[i], v));
                 let sum = vaddq_f32(vaddq_f32(two, vmulq_n_f32(c[i], w)), vdupq_n_f32(map.offset[j]));
-                let turned = encode_query(sum);
+                let turned = encode_query::<S>(sum);
                 // SAFETY: the array has the 8 bytes written.
                 unsafe { vst1_s16(codes.as_mut_ptr(), turned) };
             }
         }
         for (codes, first) in query[0].as_chunks_mut::<4>().0.iter_mut().zip(planes[0].as_chunks::<4>().0) {
-            let unused = vceq_s16(load_4(first), vdup_n_s16(Key::EMPTY.code()));
+            let unused = vceq_s16(load_4(first), vdup_n_s16(EMPTY));
             let marked = vbsl_s16(unused, vdup_n_s16(SEPARATED), load_4(codes));
             // SAFETY: the array has the 8 bytes written.
             unsafe { vst1_s16(codes.as_mut_ptr(), marked) };
@@ -199,7 +243,7 @@ compiled_for_neon! {
 compiled_for_neon! {
     /// `W` lanes in `Q` quarters of four children.
     #[inline]
-    pub(super) fn beyond<const W: usize, const Q: usize, const K: usize>(
+    pub(super) fn beyond<const W: usize, const Q: usize, const K: usize, S: Storage>(
         slab: &PrimitiveSlab,
         planes: &[[i16; W]; K],
     ) -> u16 {
@@ -210,7 +254,7 @@ compiled_for_neon! {
         for (side, limit) in slab.limits.into_iter().enumerate() {
             let sources = slab.sources.map(|source| planes[usize::from(source) ^ side].as_chunks::<4>().0);
             for quarter in 0..Q {
-                let [a, b, c] = sources.map(|plane| decode(load_4(&plane[quarter])));
+                let [a, b, c] = sources.map(|plane| decode::<S>(load_4(&plane[quarter])));
                 // No fused multiply-add, as specified.
                 let two = vaddq_f32(vmulq_n_f32(a, u), vmulq_n_f32(b, v));
                 let below = vcltq_f32(vaddq_f32(two, vmulq_n_f32(c, w)), vdupq_n_f32(limit));

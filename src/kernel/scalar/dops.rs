@@ -1,7 +1,7 @@
 //! Children against children, and re-alignment.
 
 use super::super::{SEPARATED, Turned};
-use crate::key::Key;
+use crate::key::{EMPTY, Storage};
 use crate::realign::{PrimitiveSlab, Realignment};
 
 /// Whether some plane separates body `a` of the query from child `b`.
@@ -23,16 +23,19 @@ pub(super) fn overlap_hull<const K: usize>(query: &Turned<16, K>, planes: &[[i16
 }
 
 /// Bit i: child i lies beyond the slab.
-pub(super) fn beyond<const W: usize, const K: usize>(slab: &PrimitiveSlab, planes: &[[i16; W]; K]) -> u16 {
-    (0..W).filter(|&i| slab.is_beyond(|source| planes[source][i])).fold(0, |mask, i| mask | 1 << i)
+pub(super) fn beyond<const W: usize, const K: usize, S: Storage>(
+    slab: &PrimitiveSlab,
+    planes: &[[i16; W]; K],
+) -> u16 {
+    (0..W).filter(|&i| slab.is_beyond::<S>(|source| planes[source][i])).fold(0, |mask, i| mask | 1 << i)
 }
 
-pub(super) fn realign<const W: usize, const K: usize>(
-    map: &Realignment<K>,
+pub(super) fn realign<const W: usize, const K: usize, S: Storage>(
+    map: &Realignment<K, S>,
     planes: &[[i16; W]; K],
     query: &mut Turned<W, K>,
 ) {
-    let decoded = decoded(planes);
+    let decoded = decoded::<W, K, S>(planes);
     for j in 0..K {
         turn(map, &decoded, j, &mut query[j ^ 1]);
     }
@@ -41,8 +44,8 @@ pub(super) fn realign<const W: usize, const K: usize>(
 
 /// [`crate::kernel::Kernel::realign_16_over`]. Rotates plane by plane, and only for children that no earlier plane has
 /// separated: two planes separate most.
-pub(super) fn realign_over<const K: usize>(
-    map: &Realignment<K>,
+pub(super) fn realign_over<const K: usize, S: Storage>(
+    map: &Realignment<K, S>,
     a: &[[i16; 16]; K],
     query: &mut Turned<16, K>,
     whole: &mut u16,
@@ -51,7 +54,7 @@ pub(super) fn realign_over<const K: usize>(
 ) -> u16 {
     // 32-bit masks, to match the registers of the small cores that this is for. Planes of unused lanes are set above
     // every key below.
-    let unused = (0..16).filter(|&i| a[0][i] == Key::EMPTY.code()).fold(0_u32, |mask, i| mask | 1 << i);
+    let unused = (0..16).filter(|&i| a[0][i] == EMPTY).fold(0_u32, |mask, i| mask | 1 << i);
     let known = u32::from(*whole);
     let mut mask = u32::from(u16::MAX);
     for j in 0..K {
@@ -68,8 +71,8 @@ pub(super) fn realign_over<const K: usize>(
             let bit = 1 << i;
             left ^= bit;
             if known & bit == 0 {
-                let code = |codes: &[i16; 16]| f32::from(codes[i]);
-                turned[i] = !Key::around(((u * code(x) + v * code(y)) + w * code(z)) + offset).code();
+                let code = |codes: &[i16; 16]| S::number(codes[i]);
+                turned[i] = !S::around(((u * code(x) + v * code(y)) + w * code(z)) + offset);
             }
             if turned[i] > limit {
                 mask ^= bit;
@@ -96,17 +99,17 @@ fn separate(unused: u32, turned: &mut [i16; 16], limit: i16, mask: u32) -> u32 {
 }
 
 /// Each plane is a term of several sums, so it is decoded once.
-fn decoded<const W: usize, const K: usize>(planes: &[[i16; W]; K]) -> [[f32; W]; K] {
+fn decoded<const W: usize, const K: usize, S: Storage>(planes: &[[i16; W]; K]) -> [[f32; W]; K] {
     let mut decoded = [[0.0; W]; K];
     for (decoded, codes) in decoded.as_flattened_mut().iter_mut().zip(planes.as_flattened()) {
-        *decoded = f32::from(*codes);
+        *decoded = S::number(*codes);
     }
     decoded
 }
 
 /// Rotates plane j of all children.
-fn turn<const W: usize, const K: usize>(
-    map: &Realignment<K>,
+fn turn<const W: usize, const K: usize, S: Storage>(
+    map: &Realignment<K, S>,
     decoded: &[[f32; W]; K],
     j: usize,
     turned: &mut [i16; W],
@@ -114,13 +117,13 @@ fn turn<const W: usize, const K: usize>(
     let [(x, u), (y, v), (z, w)] = map.terms(j).map(|(source, weight)| (&decoded[source], weight));
     for lane in 0..W {
         let sum = ((u * x[lane] + v * y[lane]) + w * z[lane]) + map.offset[j];
-        turned[lane] = !Key::around(sum).code();
+        turned[lane] = !S::around(sum);
     }
 }
 
 fn separate_unused<const W: usize, const K: usize>(planes: &[[i16; W]; K], query: &mut Turned<W, K>) {
     for lane in 0..W {
-        if planes[0][lane] == Key::EMPTY.code() {
+        if planes[0][lane] == EMPTY {
             query[0][lane] = SEPARATED;
         }
     }

@@ -7,6 +7,7 @@ pub(super) mod triangles;
 
 use super::{Kernel, Turned};
 use crate::isa::Scalar;
+use crate::key::Storage;
 use crate::node::{Aabb16, Ball16, BoundingBall, Box3, Bucket, Node4, Node16};
 use crate::primitive::triangle::{Probe, Triangle};
 use crate::realign::{PrimitiveSlab, Realignment};
@@ -28,24 +29,29 @@ impl Kernel for Scalar {
         f()
     }
 
-    fn overlap_1v16<const W: usize, const K: usize>(
+    fn overlap_1v16<const W: usize, const K: usize, S: Storage>(
         self,
         query: &Turned<W, K>,
         lane: usize,
-        node: &Node16<K>,
+        node: &Node16<K, S>,
     ) -> u16 {
         (0..16).filter(|&i| !dops::separated(query, lane, &node.planes, i)).fold(0, |mask, i| mask | 1 << i)
     }
 
-    fn overlap_16v1<const K: usize>(self, query: &Turned<16, K>, node: &Node16<K>, lane: usize) -> u16 {
+    fn overlap_16v1<const K: usize, S: Storage>(
+        self,
+        query: &Turned<16, K>,
+        node: &Node16<K, S>,
+        lane: usize,
+    ) -> u16 {
         (0..16).filter(|&i| !dops::separated(query, i, &node.planes, lane)).fold(0, |mask, i| mask | 1 << i)
     }
 
-    fn overlap_16v_hull<const K: usize>(self, query: &Turned<16, K>, node: &Node16<K>) -> u16 {
+    fn overlap_16v_hull<const K: usize, S: Storage>(self, query: &Turned<16, K>, node: &Node16<K, S>) -> u16 {
         dops::overlap_hull(query, &node.planes)
     }
 
-    fn overlap_4v4<const K: usize>(self, query: &Turned<4, K>, node: &Node4<K>) -> u16 {
+    fn overlap_4v4<const K: usize, S: Storage>(self, query: &Turned<4, K>, node: &Node4<K, S>) -> u16 {
         (0..16)
             .filter(|&i| !dops::separated(query, i / 4, &node.planes, i % 4))
             .fold(0, |mask, i| mask | 1 << i)
@@ -56,31 +62,41 @@ impl Kernel for Scalar {
         triangles::apart_4(probe, triangles)
     }
 
-    fn beyond_16<const K: usize>(self, slab: &PrimitiveSlab, node: &Node16<K>) -> u16 {
-        dops::beyond(slab, &node.planes)
+    fn beyond_16<const K: usize, S: Storage>(self, slab: &PrimitiveSlab, node: &Node16<K, S>) -> u16 {
+        dops::beyond::<_, _, S>(slab, &node.planes)
     }
 
-    fn beyond_4<const K: usize>(self, slab: &PrimitiveSlab, node: &Node4<K>) -> u16 {
-        dops::beyond(slab, &node.planes)
+    fn beyond_4<const K: usize, S: Storage>(self, slab: &PrimitiveSlab, node: &Node4<K, S>) -> u16 {
+        dops::beyond::<_, _, S>(slab, &node.planes)
     }
 
-    fn realign_16<const K: usize>(self, map: &Realignment<K>, node: &Node16<K>, query: &mut Turned<16, K>) {
+    fn realign_16<const K: usize, S: Storage>(
+        self,
+        map: &Realignment<K, S>,
+        node: &Node16<K, S>,
+        query: &mut Turned<16, K>,
+    ) {
         dops::realign(map, &node.planes, query);
     }
 
-    fn realign_16_over<const K: usize>(
+    fn realign_16_over<const K: usize, S: Storage>(
         self,
-        map: &Realignment<K>,
-        a: &Node16<K>,
+        map: &Realignment<K, S>,
+        a: &Node16<K, S>,
         query: &mut Turned<16, K>,
         whole: &mut u16,
-        b: &Node16<K>,
+        b: &Node16<K, S>,
         lane: Option<usize>,
     ) -> u16 {
         dops::realign_over(map, &a.planes, query, whole, &b.planes, lane)
     }
 
-    fn realign_4<const K: usize>(self, map: &Realignment<K>, node: &Node4<K>, query: &mut Turned<4, K>) {
+    fn realign_4<const K: usize, S: Storage>(
+        self,
+        map: &Realignment<K, S>,
+        node: &Node4<K, S>,
+        query: &mut Turned<4, K>,
+    ) {
         dops::realign(map, &node.planes, query);
     }
 

@@ -3,7 +3,7 @@
 use crate::directions::Directions;
 use crate::exact::{power_of_two, round_up_f32};
 use crate::frame::BodyBounds;
-use crate::key::decode;
+use crate::key::Storage;
 use crate::range::Point;
 use crate::realign::{F64_SLACK, GAMMA_5, HALF_PLACE, UNDERFLOW};
 
@@ -38,27 +38,27 @@ impl Along {
 
 /// How far the child in `lane` of a node with these codes reaches.
 #[inline(always)]
-pub(crate) fn reach_of<const W: usize, const K: usize>(
+pub(crate) fn reach_of<const W: usize, const K: usize, S: Storage>(
     codes: &[[i16; W]; K],
     along: &Along,
     lane: usize,
 ) -> f32 {
     let lane = lane % W;
     let mut reach = [0.0; 1];
-    reaches(&along.sources.map(|source| [codes[usize::from(source)][lane]]), along, &mut reach);
+    reaches::<_, S>(&along.sources.map(|source| [codes[usize::from(source)][lane]]), along, &mut reach);
     reach[0]
 }
 
 /// The bounds between the children of a node with these codes and a volume of the other body that reaches `other`
 /// towards them.
 #[inline(always)]
-pub(crate) fn bounds<const W: usize, const K: usize>(
+pub(crate) fn bounds<const W: usize, const K: usize, S: Storage>(
     codes: &[[i16; W]; K],
     along: &Along,
     other: f32,
 ) -> [f32; W] {
     let mut bounds = [0.0; W];
-    reaches(&along.sources.map(|source| codes[usize::from(source)]), along, &mut bounds);
+    reaches::<_, S>(&along.sources.map(|source| codes[usize::from(source)]), along, &mut bounds);
     for bound in &mut bounds {
         let apart = -(*bound + other);
         *bound = if apart > f32::MIN { apart } else { f32::MIN };
@@ -68,10 +68,10 @@ pub(crate) fn bounds<const W: usize, const K: usize>(
 
 /// How far volumes reach of which `codes` are the planes that count.
 #[inline(always)]
-fn reaches<const W: usize>(codes: &[[i16; W]; 3], along: &Along, reach: &mut [f32; W]) {
+fn reaches<const W: usize, S: Storage>(codes: &[[i16; W]; 3], along: &Along, reach: &mut [f32; W]) {
     let [x, y, z] = codes;
     let [u, v, w] = along.weights;
     for lane in 0..W {
-        reach[lane] = ((u * decode(x[lane]) + v * decode(y[lane])) + w * decode(z[lane])) + along.pad;
+        reach[lane] = ((u * S::value(x[lane]) + v * S::value(y[lane])) + w * S::value(z[lane])) + along.pad;
     }
 }

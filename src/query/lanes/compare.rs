@@ -3,7 +3,7 @@
 
 use super::rows::Rows;
 use crate::kernel::{Kernel, SEPARATED, Turned};
-use crate::key::Key;
+use crate::key::{Key, Storage};
 use crate::node::{Dop, Node4, Node16};
 use crate::realign::{PrimitiveSlab, Realignment};
 
@@ -20,7 +20,7 @@ pub trait Compare: Dop {
 
     /// Puts plane `j` of the one body into `aimed`, ready for the compare with planes of the other body.
     #[doc(hidden)]
-    fn aim_along(aimed: &mut Self::Aimed, j: usize, plane: Key);
+    fn aim_along(aimed: &mut Self::Aimed, j: usize, plane: Key<Self::Storage>);
     /// Puts planes that enclose all used lanes of `turned` into `aimed`.
     #[doc(hidden)]
     fn enclose(turned: &Self::Turned, aimed: &mut Self::Aimed);
@@ -56,27 +56,27 @@ pub trait Compare: Dop {
 
 #[inline(always)]
 fn enclose<const V: usize, const W: usize, const K: usize>(turned: &Turned<V, K>, aimed: &mut Turned<W, K>) {
-    // Unused lanes are within: their planes are below all others, and so are sums of these by the same weights.
+    let is_used = turned[0].map(|code| code != SEPARATED);
     for (planes, aimed) in turned.iter().zip(aimed) {
         let mut least = SEPARATED;
-        for &code in planes {
-            least = if code < least { code } else { least };
+        for (&code, is_used) in planes.iter().zip(is_used) {
+            least = if is_used && code < least { code } else { least };
         }
         aimed[0] = least;
     }
 }
 
-impl<const K: usize> Compare for Node16<K>
+impl<const K: usize, S: Storage> Compare for Node16<K, S>
 where
     Self: bytemuck::Pod,
 {
-    type Map = Realignment<K>;
+    type Map = Realignment<K, S>;
     type Turned = Turned<16, K>;
     type Aimed = Turned<1, K>;
     const NO_AIMED: Self::Aimed = [[SEPARATED; 1]; K];
 
     #[inline(always)]
-    fn aim_along(aimed: &mut Self::Aimed, j: usize, plane: Key) {
+    fn aim_along(aimed: &mut Self::Aimed, j: usize, plane: Key<S>) {
         aimed[j ^ 1][0] = !plane.code();
     }
 
@@ -137,17 +137,17 @@ where
     }
 }
 
-impl<const K: usize> Compare for Node4<K>
+impl<const K: usize, S: Storage> Compare for Node4<K, S>
 where
     Self: bytemuck::Pod,
 {
-    type Map = Realignment<K>;
+    type Map = Realignment<K, S>;
     type Turned = Turned<4, K>;
     type Aimed = Turned<4, K>;
     const NO_AIMED: Self::Aimed = [[SEPARATED; 4]; K];
 
     #[inline(always)]
-    fn aim_along(aimed: &mut Self::Aimed, j: usize, plane: Key) {
+    fn aim_along(aimed: &mut Self::Aimed, j: usize, plane: Key<S>) {
         aimed[j ^ 1][0] = !plane.code();
     }
 

@@ -19,7 +19,7 @@
 use crate::directions::Directions;
 use crate::exact::{power_of_two, round_up_f32};
 use crate::frame::Frame;
-use crate::key::decode;
+use crate::key::Storage;
 use crate::primitive::Primitive;
 use crate::realign::{F64_SLACK, Realignment, Supports};
 
@@ -85,8 +85,8 @@ pub(crate) fn growth(frame: &Frame, exponent: i32) -> f32 {
 
 /// How wide a child is along the axes, the first three slabs of every set, in all.
 #[inline(always)]
-pub(crate) fn width<const W: usize, const K: usize>(codes: &[[i16; W]; K], lane: usize) -> f32 {
-    let plane = |j: usize| decode(codes[j][lane % W]);
+pub(crate) fn width<const W: usize, const K: usize, S: Storage>(codes: &[[i16; W]; K], lane: usize) -> f32 {
+    let plane = |j: usize| S::value(codes[j][lane % W]);
     ((plane(0) + plane(1)) + (plane(2) + plane(3))) + (plane(4) + plane(5))
 }
 
@@ -98,15 +98,15 @@ pub(crate) type PlaneRows<const W: usize, const K: usize> = [[f32; W]; K];
 
 /// The turned planes of the bodies with the given ones: [`Realignment::sum`], operation by operation.
 #[inline(always)]
-pub(crate) fn turn<const W: usize, const K: usize>(
-    map: &Realignment<K>,
+pub(crate) fn turn<const W: usize, const K: usize, S: Storage>(
+    map: &Realignment<K, S>,
     codes: &[[i16; W]; K],
     rows: &mut PlaneRows<W, K>,
 ) {
     let mut decoded = [[0.0; W]; K];
     // Row by row, LLVM 22.1 makes vectors across rows, and scatters them.
     for (decoded, code) in decoded.as_flattened_mut().iter_mut().zip(codes.as_flattened()) {
-        *decoded = f32::from(*code);
+        *decoded = S::number(*code);
     }
     for s in 0..K / 2 {
         let [(p, u), (q, v), (r, w)] = map.terms(2 * s);
@@ -148,7 +148,7 @@ pub(crate) fn planes_of<P: Primitive, const K: usize>(b: &Frame, items: &[P::Ite
 
 /// The bounds between the bodies of `rows` and child `lane` of a node of B with these codes.
 #[inline(always)]
-pub(crate) fn gaps_of_rows<const W: usize, const K: usize>(
+pub(crate) fn gaps_of_rows<const W: usize, const K: usize, S: Storage>(
     rows: &PlaneRows<W, K>,
     codes: &[[i16; W]; K],
     lane: usize,
@@ -156,7 +156,7 @@ pub(crate) fn gaps_of_rows<const W: usize, const K: usize>(
 ) -> [f32; W] {
     let mut planes = [0.0; K];
     for (plane, codes) in planes.iter_mut().zip(codes) {
-        *plane = decode(codes[lane % W]) * growth;
+        *plane = S::value(codes[lane % W]) * growth;
     }
     gaps(
         #[inline(always)]
@@ -168,7 +168,7 @@ pub(crate) fn gaps_of_rows<const W: usize, const K: usize>(
 
 /// The bounds between a body with these turned planes and the children of a node of B with these codes.
 #[inline(always)]
-pub(crate) fn gaps_of_planes<const W: usize, const K: usize>(
+pub(crate) fn gaps_of_planes<const W: usize, const K: usize, S: Storage>(
     planes: &Planes<K>,
     codes: &[[i16; W]; K],
     growth: f32,
@@ -182,7 +182,7 @@ pub(crate) fn gaps_of_planes<const W: usize, const K: usize>(
     let shrunk = planes.map(|plane| plane * shrink + f32::from_bits(1));
     gaps(
         #[inline(always)]
-        |j, lane| decode(codes[j][lane]),
+        |j, lane| S::value(codes[j][lane]),
         &shrunk,
         growth,
     )

@@ -20,7 +20,7 @@ pub(super) use supports::AT_ONCE;
 
 use crate::frame::{BodyBounds, Frame};
 use crate::kernel::Turned;
-use crate::key::Key;
+use crate::key::{Key, Storage};
 use crate::node::{Alignment, Arity, Child, DopNode, Node};
 #[cfg(doc)]
 use crate::node::{Node4, Node16};
@@ -135,10 +135,10 @@ pub trait Lanes: Compare {
     fn hull(&self) -> Self;
 }
 
-impl<const W: usize, const K: usize> Lanes for DopNode<W, K>
+impl<const W: usize, const K: usize, S: Storage> Lanes for DopNode<W, K, S>
 where
     Arity<W>: Alignment,
-    Self: bytemuck::Pod + Compare<Map = Realignment<K>, Turned = Turned<W, K>>,
+    Self: bytemuck::Pod + Compare<Map = Realignment<K, S>, Turned = Turned<W, K>, Storage = S>,
 {
     type Planes = gaps::Planes<K>;
     type PlaneRows = gaps::PlaneRows<W, K>;
@@ -159,7 +159,7 @@ where
         items: impl Iterator<Item = P::Item>,
         margin: f64,
     ) {
-        let planes: [Key; K] = planes_of::<P, K>(b, items, margin);
+        let planes: [Key<S>; K] = planes_of::<P, K, S>(b, items, margin);
         for (j, plane) in planes.into_iter().enumerate() {
             Self::aim_along(aimed, j, plane);
         }
@@ -173,7 +173,7 @@ where
         exponent: i32,
         margin: f64,
     ) -> u32 {
-        planes_on_lattice::<K>(b, triangles, exponent, margin, |j, plane| Self::aim_along(aimed, j, plane))
+        planes_on_lattice::<K, S>(b, triangles, exponent, margin, |j, plane| Self::aim_along(aimed, j, plane))
     }
 
     #[inline(always)]
@@ -184,12 +184,12 @@ where
         margin: f64,
         wanted: u32,
     ) {
-        some_planes_of::<P, K>(b, items, margin, wanted, |j, plane| Self::aim_along(aimed, j, plane));
+        some_planes_of::<P, K, S>(b, items, margin, wanted, |j, plane| Self::aim_along(aimed, j, plane));
     }
 
     #[inline(always)]
     fn aim_ray(aimed: &mut Self::Aimed, frame: &Frame, ray: &Ray) {
-        let planes: [Key; K] = ray.planes(frame);
+        let planes: [Key<S>; K] = ray.planes(frame);
         for (j, plane) in planes.into_iter().enumerate() {
             Self::aim_along(aimed, j, plane);
         }
@@ -202,7 +202,7 @@ where
         body: &BodyBounds,
         pose: Option<&Pose>,
     ) -> PrimitiveSlabs {
-        primitive_slabs::<P, K>(item, margin, body, pose)
+        primitive_slabs::<P, K, S>(item, margin, body, pose)
     }
 
     #[inline(always)]
@@ -210,7 +210,7 @@ where
         children: [(&Self, usize); AT_ONCE],
         directions: &[[f64; AT_ONCE]; 3],
     ) -> [[f64; AT_ONCE]; 2] {
-        supports(children.map(|(node, lane)| (&node.planes, lane)), directions)
+        supports::<W, K, S>(children.map(|(node, lane)| (&node.planes, lane)), directions)
     }
 
     #[inline(always)]
@@ -220,7 +220,7 @@ where
 
     #[inline(always)]
     fn turn(&self, map: &Self::Map, rows: &mut Self::PlaneRows) {
-        gaps::turn(map, &self.planes, rows);
+        gaps::turn::<W, K, S>(map, &self.planes, rows);
     }
 
     #[inline(always)]
@@ -235,17 +235,17 @@ where
 
     #[inline(always)]
     fn gaps_of_rows(&self, rows: &Self::PlaneRows, b: &Self, lane: usize, growth: f32) -> Entries {
-        entries(&gaps::gaps_of_rows(rows, &b.planes, lane, growth), &self.child)
+        entries(&gaps::gaps_of_rows::<W, K, S>(rows, &b.planes, lane, growth), &self.child)
     }
 
     #[inline(always)]
     fn gaps_of_planes(&self, planes: &Self::Planes, growth: f32) -> Entries {
-        entries(&gaps::gaps_of_planes(planes, &self.planes, growth), &self.child)
+        entries(&gaps::gaps_of_planes::<W, K, S>(planes, &self.planes, growth), &self.child)
     }
 
     #[inline(always)]
     fn raise(&self, entries: &mut Entries, gaps: &PrimitiveGaps) {
-        raise(entries, &gaps.bounds(&self.planes));
+        raise(entries, &gaps.bounds::<W, K, S>(&self.planes));
     }
 
     fn along(axis: Point, body: &BodyBounds, exponent: i32) -> Along {
@@ -254,17 +254,17 @@ where
 
     #[inline(always)]
     fn reach_along(&self, along: &Along, lane: usize) -> f32 {
-        along::reach_of(&self.planes, along, lane)
+        along::reach_of::<W, K, S>(&self.planes, along, lane)
     }
 
     #[inline(always)]
     fn gaps_along(&self, along: &Along, other: f32) -> Entries {
-        entries(&along::bounds(&self.planes, along, other), &self.child)
+        entries(&along::bounds::<W, K, S>(&self.planes, along, other), &self.child)
     }
 
     #[inline(always)]
     fn width(&self, lane: usize, growth: f32) -> f32 {
-        if growth > 0.0 { gaps::width(&self.planes, lane) * growth } else { 0.0 }
+        if growth > 0.0 { gaps::width::<W, K, S>(&self.planes, lane) * growth } else { 0.0 }
     }
 
     fn hull(&self) -> Self {

@@ -7,6 +7,7 @@
 //! which those of the edges are at a right angle: there the squares of both gaps add.
 
 use crate::exact::power_of_two;
+use crate::key::Storage;
 use crate::primitive::{OWN_DIRECTIONS, Primitive};
 use crate::range::Point;
 use crate::realign::{PrimitiveSlab, PrimitiveSlabs};
@@ -52,11 +53,14 @@ impl PrimitiveGaps {
 
     /// Squares of distances from the primitive that each child of a node with these codes has at least.
     #[inline(always)]
-    pub(crate) fn bounds<const W: usize, const K: usize>(&self, codes: &[[i16; W]; K]) -> [f32; W] {
-        let mut bounds = gaps_of(&self.slabs[0], self.factors[0], codes);
+    pub(crate) fn bounds<const W: usize, const K: usize, S: Storage>(
+        &self,
+        codes: &[[i16; W]; K],
+    ) -> [f32; W] {
+        let mut bounds = gaps_of::<W, K, S>(&self.slabs[0], self.factors[0], codes);
         let first = bounds;
         for s in 1..OWN_DIRECTIONS {
-            let other = gaps_of(&self.slabs[s], self.factors[s], codes);
+            let other = gaps_of::<W, K, S>(&self.slabs[s], self.factors[s], codes);
             for lane in 0..W {
                 let square = if self.is_upright[s] { first[lane] + other[lane] } else { other[lane] };
                 bounds[lane] = if square > bounds[lane] { square } else { bounds[lane] };
@@ -75,7 +79,7 @@ fn are_at_right_angles(n: &Point, m: &Point) -> bool {
 
 /// Squares of how far the children lie beyond a slab, on either side: [`PrimitiveSlab::is_beyond`], operation by operation.
 #[inline(always)]
-fn gaps_of<const W: usize, const K: usize>(
+fn gaps_of<const W: usize, const K: usize, S: Storage>(
     slab: &PrimitiveSlab,
     factor: f32,
     codes: &[[i16; W]; K],
@@ -86,7 +90,7 @@ fn gaps_of<const W: usize, const K: usize>(
     for (side, limit) in slab.limits.into_iter().enumerate() {
         let (x, y, z) = (&codes[(p ^ side) % K], &codes[(q ^ side) % K], &codes[(r ^ side) % K]);
         for lane in 0..W {
-            let sum = (u * f32::from(x[lane]) + v * f32::from(y[lane])) + w * f32::from(z[lane]);
+            let sum = (u * S::number(x[lane]) + v * S::number(y[lane])) + w * S::number(z[lane]);
             let gap = limit - sum;
             // A limit that is too great for an `f32` says nothing.
             let gap = if gap > 0.0 && gap < f32::INFINITY { gap * factor } else { 0.0 };
@@ -101,6 +105,7 @@ mod tests {
     use super::*;
     use crate::directions::Directions;
     use crate::frame::{BodyBounds, Frame};
+    use crate::key::{Fixed, Half};
     use crate::pose::Pose;
     use crate::primitive::Triangles;
     use crate::query::entry::PrimitivePair;
@@ -112,7 +117,11 @@ mod tests {
     const W: usize = 16;
 
     /// Sixteen small triangles about a place: the extent of a body of them, and their planes.
-    fn small_body(centre: Point, size: f64, rng: &mut Rng) -> ([Triangle; W], BodyBounds, [[i16; W]; K]) {
+    fn small_body<S: Storage>(
+        centre: Point,
+        size: f64,
+        rng: &mut Rng,
+    ) -> ([Triangle; W], BodyBounds, [[i16; W]; K]) {
         let corner = |rng: &mut Rng| centre.map(|c| c + size * rng.range(-1.0, 1.0));
         let items = [(); W].map(|()| [corner(rng), corner(rng), corner(rng)]);
         let corners = items.as_flattened();
@@ -123,7 +132,7 @@ mod tests {
         let frame = Frame::around(min, max, &Directions::<K>::VECTORS);
         let mut codes = [[0; W]; K];
         for (lane, item) in items.iter().enumerate() {
-            let planes = planes_of::<Triangles, K>(&frame, core::iter::once(*item), 0.0);
+            let planes = planes_of::<Triangles, K, S>(&frame, core::iter::once(*item), 0.0);
             for (row, plane) in codes.iter_mut().zip(planes) {
                 row[lane] = plane.code();
             }
@@ -158,8 +167,7 @@ mod tests {
         }
     }
 
-    #[test]
-    fn no_bound_is_above_the_distance_and_most_are_close() {
+    fn no_bound_is_above_the_distance<S: Storage>() {
         let mut rng = Rng::new(7);
         let (mut close, mut all, mut beyond_an_edge) = (0, 0, 0);
         for i in 0..4000 {
@@ -173,7 +181,7 @@ mod tests {
                     + v * (large[2][i] - large[0][i])
                     + apart * rng.range(-1.0, 1.0)
             });
-            let (items, extent, codes) = small_body(centre, size, &mut rng);
+            let (items, extent, codes) = small_body::<S>(centre, size, &mut rng);
             // The small body is A, which a pose moves, or B.
             let turn = rng.rotation();
             let pose = Pose::from_rows([0, 1, 2].map(|i| {
@@ -184,10 +192,10 @@ mod tests {
             let (large, pose) =
                 if i % 2 == 0 { (large, None) } else { (large.map(|p| pose.apply(p)), Some(&pose)) };
             let growth = 0.25_f32;
-            let slabs = primitive_slabs::<Triangles, K>(&large, 0.0, &extent, pose);
+            let slabs = primitive_slabs::<Triangles, K, S>(&large, 0.0, &extent, pose);
             let gaps = PrimitiveGaps::new::<Triangles>(&large, slabs, growth);
             let unit = f64::from(growth) * extent.frame.scale();
-            for (item, bound) in items.iter().zip(gaps.bounds(&codes)) {
+            for (item, bound) in items.iter().zip(gaps.bounds::<W, K, S>(&codes)) {
                 let placed = pose.map_or(*item, |pose| Triangles::moved(item, pose));
                 let Some(pair) = <Triangles as PrimitivePair<Triangles>>::nearer(
                     &placed,
@@ -209,7 +217,7 @@ mod tests {
                 close += usize::from(is_far && bound > 0.8 * distance * distance);
                 let along_each = gaps.slabs.iter().zip(gaps.factors).map(|(slab, factor)| {
                     let lane = (0..W).find(|lane| items[*lane] == *item).unwrap_or_default();
-                    gaps_of(slab, factor, &codes)[lane]
+                    gaps_of::<W, K, S>(slab, factor, &codes)[lane]
                 });
                 let greatest = along_each.fold(0.0_f32, f32::max);
                 beyond_an_edge += usize::from(bound > 1.2 * f64::from(greatest));
@@ -217,5 +225,11 @@ mod tests {
         }
         assert!(close * 5 > all * 2 && all > 10_000, "{close} of {all}");
         assert!(beyond_an_edge > 1000, "{beyond_an_edge}");
+    }
+
+    #[test]
+    fn no_bound_is_above_the_distance_and_most_are_close() {
+        no_bound_is_above_the_distance::<Fixed>();
+        no_bound_is_above_the_distance::<Half>();
     }
 }

@@ -1,14 +1,14 @@
 //! Supports of children along directions of any kind, several at once.
 
 use crate::directions::Directions;
-use crate::key::decode;
+use crate::key::Storage;
 
 /// How many pairs are tested at once.
 pub(in crate::query) const AT_ONCE: usize = 4;
 
 /// The least and the greatest support of some lanes of planes along a direction each, by column.
 #[inline(always)]
-pub(in crate::query) fn supports<const W: usize, const K: usize>(
+pub(in crate::query) fn supports<const W: usize, const K: usize, S: Storage>(
     children: [(&[[i16; W]; K], usize); AT_ONCE],
     directions: &[[f64; AT_ONCE]; 3],
 ) -> [[f64; AT_ONCE]; 2] {
@@ -25,7 +25,7 @@ pub(in crate::query) fn supports<const W: usize, const K: usize>(
     let mut supports = [[0.0; AT_ONCE]; 2];
     for side in 0..2 {
         for j in 0..AT_ONCE {
-            let plane = |l: usize| f64::from(decode(codes[side][l][j]));
+            let plane = |l: usize| f64::from(S::value(codes[side][l][j]));
             supports[side][j] = (w[0][j] * plane(0) + w[1][j] * plane(1)) + w[2][j] * plane(2);
         }
     }

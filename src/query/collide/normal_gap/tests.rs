@@ -6,7 +6,7 @@ use crate::construct::{Builder, Mesh};
 use crate::directions::Directions;
 use crate::frame::Frame;
 use crate::hierarchy::{Bvh, BvhRef};
-use crate::key::{Key, decode};
+use crate::key::{Fixed, Key, Storage};
 use crate::node::{Link, Node4, Node16};
 use crate::primitive::triangle::distance::within;
 use crate::primitive::triangle::overlap;
@@ -358,7 +358,7 @@ fn exact_corners_meet<N: Lanes>() {
         let of_a = thinnest_volumes(&a);
         let plane = |j: usize| of_a[0].node.plane(j, of_a[0].lane);
         assert_eq!(
-            [0, 1, 2, 3].map(|j| f64::from(decode(plane(j)))),
+            [0, 1, 2, 3].map(|j| f64::from(Fixed::value(plane(j)))),
             [w; 4],
             "planes pass through the corners"
         );
@@ -526,7 +526,8 @@ fn supports_bound<const K: usize, N: Lanes>() {
                 let slack = 1e-9 * n.iter().map(|x| x.abs()).sum::<f64>();
                 assert!(low[s] <= least + slack && high[s] >= greatest - slack, "k {K}: {n:?}");
             }
-            let plane = |j: usize| Key::from_code(volume.node.plane(j, volume.lane)).unwrap().to_f64();
+            let plane =
+                |j: usize| Key::<Fixed>::from_code(volume.node.plane(j, volume.lane)).unwrap().to_f64();
             assert!(
                 (high[0] - plane(j)).abs() <= 1e-9 && (low[0] + plane(j ^ 1)).abs() <= 1e-9,
                 "k {K}, {j}"
