@@ -1,4 +1,4 @@
-//! Queries between trees whose node type is known at run time only.
+//! Queries between trees whose node type is known only at run time.
 
 use super::distance::Distance;
 use super::entry::{Answer, Completion, Pair, PrimitivePair, Query, QueryStats, ToleranceError};
@@ -8,17 +8,17 @@ use crate::primitive::Primitive;
 use core::fmt;
 use core::ops::ControlFlow;
 
-/// Why two trees of any node type cannot be asked.
+/// Why a query between two trees of any node type is impossible.
 #[derive(Copy, Clone, PartialEq, Debug)]
 pub enum AnyError {
-    /// The two have nodes of different types: build one of them anew.
+    /// The nodes have different types: rebuild one of the trees.
     OtherNode {
         /// k and arity of body A.
         a: (u16, u16),
         /// k and arity of body B.
         b: (u16, u16),
     },
-    /// The margin or tolerance cannot be.
+    /// The margin or tolerance is invalid.
     Tolerance(ToleranceError),
 }
 
@@ -45,7 +45,7 @@ impl From<ToleranceError> for AnyError {
 
 macro_rules! ask_any {
     ($d:tt $($variant:ident $node:ident $arity:literal $k:literal),*) => {
-        /// Evaluates an expression for two trees of one node type; else returns the error that they are not.
+        /// Evaluates an expression for two trees of one node type; returns an error for two types.
         macro_rules! with_both {
             ($d a:ident, $d b:ident => $d value:expr) => {
                 match ($d a, $d b) {
@@ -64,7 +64,7 @@ fn other_node<P: Primitive, Q: Primitive>(a: &AnyBvhRef<'_, P>, b: &AnyBvhRef<'_
     AnyError::OtherNode { a: shape(a.header()), b: shape(b.header()) }
 }
 
-// `inline`, so that the five node types are compiled where they are used, and not for everyone.
+// `inline`, so that the five node types are compiled only where they are used.
 impl Query {
     /// [`Query::collide`].
     ///
@@ -97,7 +97,7 @@ impl Query {
     /// [`Query::within`].
     ///
     /// # Errors
-    /// [`AnyError`] if the two have nodes of different types, or the margin cannot be.
+    /// [`AnyError`] if the two have nodes of different types, or the margin is invalid.
     #[inline]
     pub fn within_any<P: PrimitivePair<Q>, Q: PrimitivePair<P>>(
         &self,
@@ -112,7 +112,7 @@ impl Query {
     /// [`Query::distance`].
     ///
     /// # Errors
-    /// [`AnyError`] if the two have nodes of different types, or the tolerance cannot be.
+    /// [`AnyError`] if the two have nodes of different types, or the tolerance is invalid.
     #[inline]
     pub fn distance_any<P: PrimitivePair<Q>, Q: PrimitivePair<P>>(
         &self,

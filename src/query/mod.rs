@@ -1,10 +1,10 @@
 //! Queries between two hierarchies of one node type, at a pose: no heap, a fixed stack, exact verdicts.
 //!
-//! [`Query`] holds what the caller chooses, the instruction set above all; its methods are the entries.
+//! [`Query`] holds the settings, above all the instruction set; its methods are the queries.
 //!
-//! Queries share nothing that could be set up once for several poses or pairs, and allocate nothing: a loop is as fast as any
-//! batch. A [`Query`], a [`BvhRef`] and a [`Pose`] are `Copy`, `Send` and `Sync`: threads (`std::thread::scope`, rayon) can
-//! divide the poses, and each answer is what one thread gives:
+//! A query has no state that several poses or pairs could share, and allocates nothing: a loop is as fast as any batch.
+//! [`Query`], [`BvhRef`] and [`Pose`] are `Copy`, `Send` and `Sync`: threads (`std::thread::scope`, rayon) can divide
+//! the poses, and the answers are those of a single thread:
 //!
 //! ```
 //! # use simdop::{Builder, Isa, Mesh, Pose, Query};
