@@ -1,16 +1,16 @@
-//! Decides which vector kernels the target has ([`vector_kernels`]), and generates `$OUT_DIR/directions.rs`:
-//! for each k the directions, the triangles of their convex hull with inverse matrices, and a grid that
-//! starts the point location. Read by `src/directions.rs`, which documents the sets and the choice among
-//! them; every property that module relies on is asserted here.
+//! Selects the vector kernels that the target can run ([`conditions`]), and generates `$OUT_DIR/directions.rs`: for
+//! each k the directions, the triangles of their convex hull with inverse matrices, and a grid of start faces for point
+//! location. `src/directions.rs` includes that file and documents the direction sets and how they were chosen. Every
+//! property that module relies on is asserted here.
 
 type Vector = [i32; 3];
 type Ray = [f64; 3];
 
-/// Cells along one side of the octahedral grid; `src/directions.rs` masks with it, so a power of two.
+/// Cells along one side of the octahedral grid. `src/directions.rs` masks with it, so it is a power of two.
 const GRID_SIDE: usize = 16;
-/// Steps from a cell's start face to the face of any ray in the cell, at most; the library allows more.
+/// Largest number of steps from a cell's start face to the face of any ray in the cell. The library allows more.
 const WALK: usize = 3;
-/// Sub-samples along one side of a cell when its start face is voted for.
+/// Samples along one side of a cell that vote for its start face.
 const VOTES: usize = 8;
 
 struct Face {
@@ -38,10 +38,10 @@ fn main() {
     std::fs::write(format!("{folder}/directions.rs"), source).expect("OUT_DIR is writable");
 }
 
-/// Sets `simdop_x86` or `simdop_neon`: the target can pass and keep vector registers, so that there are
-/// kernels and tokens for them. Not so where the ABI is soft-float, as on `x86_64-unknown-none`. Or `simdop_small`: there is
-/// little room for code, above all where `f64` is emulated, so that what is inlined elsewhere is called, if no inner loop
-/// waits for it.
+/// Sets `simdop_x86` or `simdop_neon` if the target can pass and keep vector registers, so that kernels and tokens for
+/// them exist. A soft-float ABI, such as that of `x86_64-unknown-none`, cannot. Sets `simdop_small` if there is little
+/// room for code, above all where `f64` is emulated: functions that are inlined elsewhere are then called, except in
+/// inner loops.
 fn conditions() {
     let condition = |name: &str| std::env::var(name).unwrap_or_default();
     let (arch, features) = (condition("CARGO_CFG_TARGET_ARCH"), condition("CARGO_CFG_TARGET_FEATURE"));
@@ -83,9 +83,9 @@ fn rotations(n: Vector) -> Vec<Vector> {
 
 /// The faces of the convex hull of the NORMALISED directions, antipodal faces at 2i and 2i+1.
 ///
-/// Over random orientations of a body its mean plane is proportional to the direction's length, so the mean
-/// width after re-alignment is proportional to the sum of weight times length, which this hull's triangles
-/// minimise.
+/// Averaged over random orientations of a body, the offset of a plane is proportional to the length of its direction.
+/// The mean width after realignment is therefore proportional to the sum of weight times length, which the triangles of
+/// this hull minimise.
 fn triangulate(vectors: &[Vector]) -> Vec<Face> {
     let k = vectors.len();
     let mut triples: Vec<[usize; 3]> = Vec::new();
@@ -107,8 +107,8 @@ fn triangulate(vectors: &[Vector]) -> Vec<Face> {
     triples.iter().enumerate().map(face).collect()
 }
 
-/// Whether every other direction's end lies below the plane through these three; a fourth on the plane would
-/// make the triangulation ambiguous, so it is refused.
+/// Whether the end of every other direction lies below the plane through these three. A fourth point on the plane would
+/// make the triangulation ambiguous, so it is rejected.
 fn is_hull_face(vectors: &[Vector], triple: [usize; 3]) -> bool {
     let [a, b, c] = triple.map(|j| normalised(vectors[j]));
     let normal = cross(sub(b, a), sub(c, a));
@@ -122,8 +122,8 @@ fn is_hull_face(vectors: &[Vector], triple: [usize; 3]) -> bool {
     least > 0.0
 }
 
-/// Inverse of the matrix with these columns: integer cofactors over an integer determinant, rounded once.
-/// Adding 0 turns -0 into 0.
+/// Inverse of the matrix with these columns: integer cofactors divided by an integer determinant, rounded once. Adding
+/// 0 turns -0 into 0.
 fn inverse(columns: [Vector; 3]) -> [Ray; 3] {
     let [a, b, c] = columns.map(|n| n.map(f64::from));
     let determinant = dot(a, cross(b, c));
@@ -150,9 +150,8 @@ fn start_faces(faces: &[Face]) -> Vec<usize> {
     (0..GRID_SIDE * GRID_SIDE).map(vote).collect()
 }
 
-/// Rays that `Table::start` maps to this cell: the octahedral map of the upper half sphere, turned by 45
-/// degrees to fill the square. (x + y, x - y) / (|x| + |y| + |z|), scaled to 0..=GRID_SIDE-1, is rounded to
-/// (row, column).
+/// Rays that `Table::start` maps to this cell. The octahedral map of the upper half sphere, rotated by 45 degrees to
+/// fill the square: (x + y, x - y) / (|x| + |y| + |z|), scaled to 0..=GRID_SIDE-1, is rounded to (row, column).
 fn samples(cell: usize) -> Vec<Ray> {
     let coordinate = |index: usize, sample: usize| {
         let offset = (sample as f64 + 0.5) / VOTES as f64 - 0.5;
@@ -228,7 +227,7 @@ fn check_faces(vectors: &[Vector], faces: &[Face]) {
     }
 }
 
-/// Rays spread evenly (a Fibonacci spiral): each lies in one face, and in one only unless it is on an edge.
+/// Checks evenly spread rays (a Fibonacci spiral): each lies in a face, and in only one unless it is on an edge.
 fn check_cover(faces: &[Face]) {
     const RAYS: i32 = 5000;
     for i in 0..RAYS {
@@ -241,7 +240,8 @@ fn check_cover(faces: &[Face]) {
     }
 }
 
-/// From its cell's start, a walk across the most negative weight finds every ray's face within `WALK` steps.
+/// Checks that a walk across the most negative weight, from the start face of its cell, finds every ray's face within
+/// `WALK` steps.
 fn check_grid(faces: &[Face], grid: &[usize]) {
     for (cell, &start) in grid.iter().enumerate() {
         for u in samples(cell) {

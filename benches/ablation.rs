@@ -1,20 +1,20 @@
-//! The SIMDop paper's comparison: binary DOP trees, scalar, vectorised by the compiler and by hand, against
-//! 1vs16 and 4vs4; and an ablation of the library: what SIMD, arity, storage and splitter are worth, beside what
-//! the paper says of each.
+//! The SIMDop paper's comparison: binary DOP trees, scalar, auto-vectorised and hand-vectorised, against 1vs16 and
+//! 4vs4; and an ablation of the library: the gain from SIMD, arity, storage and splitter, beside the paper's figure for
+//! each.
 //!
 //! ```sh
-//! cargo bench --bench ablation                     # cow, armadillo, hand, bunny75k and a made-up torus; a minute
+//! cargo bench --bench ablation                     # cow, armadillo, hand, bunny75k and a generated torus; a minute
 //! cargo bench --bench ablation -- cow              # these only; `torus` needs no files
 //! cargo bench --bench ablation -- --test           # the torus, small, at a few poses
 //! ```
 //!
-//! A mesh against itself, k = 18, one triangle a leaf, first hit. Every system has the same triangles,
-//! predicate and poses (those of `support/suites.rs`), and gives the library's verdict at every pose, and at
-//! poses that barely touch, before it is timed. Times are medians over the poses of the least of [`PASSES`]
-//! passes; the systems take turns, [`BLOCK`] poses each. Counts are means over the poses at the distance 0 %.
+//! A mesh against itself, k = 18, one triangle per leaf, first hit. Every system uses the same triangles, predicate and
+//! poses (those of `support/suites.rs`). Before timing, it must give the library's verdict at every pose, and at poses
+//! that barely touch. Times are medians over the poses of the minimum over [`PASSES`] passes; the systems take turns,
+//! [`BLOCK`] poses each. Counts are means over the poses at the distance 0 %.
 //!
-//! The binary trees turn A's DOPs by the library's own inequality and pads (`src/realign.rs`), and descend as
-//! the library does (`ablation/traverse.rs`). They are split by full sweeps (`ablation/split.rs`).
+//! The binary trees realign A's DOPs by the library's own inequality and pads (`src/realign.rs`), and are traversed as
+//! in the library (`ablation/traverse.rs`). They are split by full sweeps (`ablation/split.rs`).
 
 #![expect(clippy::unwrap_used, reason = "a benchmark that cannot go on has failed")]
 
@@ -61,11 +61,11 @@ const MODELS: [&str; 4] = ["cow", "armadillo", "hand", "bunny75k"];
 const TORUS: &str = "torus";
 /// At each distance.
 const POSES: usize = 100;
-/// Poses that a system gets in a row before it is the next one's turn, as in `benches/peers`: a planner asks
-/// one library many things.
+/// Poses that a system gets in a row before the next system's turn, as in `benches/peers`: a planner queries one
+/// library many times.
 const BLOCK: usize = 10;
 const PASSES: usize = 5;
-/// Which of [`DISTANCES`] the counts are of: the paper's.
+/// Index into [`DISTANCES`] of the distance that counts are for: the paper's.
 const TOUCHING: usize = 1;
 
 fn main() {
@@ -86,8 +86,8 @@ fn main() {
     page::write();
 }
 
-/// What an idea buys: the systems without and with it, and what the paper says of it. In their names `best` stands for the best
-/// instruction set of the machine.
+/// The gain from an idea: the systems without and with it, and the paper's figure. In their names `best` stands for the
+/// best instruction set of the machine.
 struct Idea {
     what: &'static str,
     without: &'static str,
@@ -170,7 +170,7 @@ const IDEAS: [Idea; 12] = [
     },
 ];
 
-/// Prints times as multiples of the first system's, and what each idea buys: geometric means over the meshes.
+/// Prints times relative to the first system's, and the gain from each idea: geometric means over the meshes.
 fn summary(meshes: &[Vec<Timed>]) {
     let Some(first) = meshes.first() else { return };
     let row = |first: &str, [over, under]: [usize; 2]| {
@@ -254,7 +254,7 @@ fn report(name: &str, mesh: &MeshData) -> Vec<Timed> {
 }
 
 /// # Panics
-/// If a system does not give the verdict of the first, the library's.
+/// If a verdict differs from that of the first system, the library's.
 fn check<'p>(entrants: &[Entrant], poses: impl IntoIterator<Item = &'p Pose>) {
     for pose in poses {
         let (expected, _) = (entrants[0].collide)(pose);
@@ -264,14 +264,14 @@ fn check<'p>(entrants: &[Entrant], poses: impl IntoIterator<Item = &'p Pose>) {
     }
 }
 
-/// Poses down to 1e-8 of the diagonal on either side of the contact, where a bound that is too tight shows.
+/// Poses down to 1e-8 of the diagonal on either side of contact, where a bound that is too tight shows.
 fn grazing(mesh: &MeshData, entrant: &Entrant) -> Vec<Pose> {
     let suite = Suite { name: "ablation", a: mesh.clone(), b: mesh.clone() };
     let pose = |rows: &_| Pose::from_rows(*rows).unwrap();
     suite.poses(count(1, 8), |rows| (entrant.collide)(&pose(rows)).0).iter().map(pose).collect()
 }
 
-/// Microseconds of each entrant.
+/// Median time of each entrant, in microseconds.
 fn medians(entrants: &[Entrant], poses: &[Pose]) -> Vec<f64> {
     let mut best = vec![vec![Duration::MAX; poses.len()]; entrants.len()];
     for (turn, first) in (0..poses.len()).step_by(BLOCK).enumerate() {

@@ -1,25 +1,25 @@
-//! Figures 10 and 19 and tables 1 and 2 of the paper about points (Xing, Wang & Hui, *Coherent Spherical Range-Search for
-//! Dynamic Points on GPUs*, CAD 2017), for this library on one thread of a CPU:
+//! Figures 10 and 19 and tables 1 and 2 of the paper about points (Xing, Wang & Hui, *Coherent Spherical Range-Search
+//! for Dynamic Points on GPUs*, CAD 2017), for this library on one thread of a CPU:
 //!
 //! ```sh
 //! cargo bench --bench cloud               # up to a million points
-//! cargo bench --bench cloud -- 300000     # up to so many
+//! cargo bench --bench cloud -- 300000     # up to this many
 //! ```
 //!
-//! * **Figure 10**: time of a step in which all points move at random and then ask for their neighbours, against the number of
-//!   points, for ranges of movement and radii; refits and rebuilds are in it. Two rules of when to rebuild: the paper's,
-//!   and by counted work.
-//! * **Table 1**: time and memory against the radius, of 300,000 points and as many other queries, for all neighbours and for
-//!   the nearest only.
-//! * **Table 2**: a refit beside a build, by the number of points.
+//! * **Figure 10**: time of a step in which all points move at random and then search their neighbours, including
+//!   refits and rebuilds, against the number of points, for ranges of movement and radii. Two rules for rebuilds: the
+//!   paper's, and one by counted work.
+//! * **Table 1**: time and memory against the radius, for 300,000 points and as many other queries, for all neighbours
+//!   and for the nearest only.
+//! * **Table 2**: a refit compared with a build, by the number of points.
 //! * **Figure 19**: the time of each step of a simulation of particles that fall, splash and settle.
 //!
-//! As in the paper points lie anywhere in a cube, and radii and movements are shares of its diagonal. The paper does not
-//! give its ranges of movement in numbers. Before a time counts, counts of some queries are compared with those of a loop over all
-//! points, on the cloud as it is after all steps.
+//! As in the paper, points lie anywhere in a cube, and radii and movements are relative to its diagonal. The paper does
+//! not quantify its ranges of movement. Before timing, the counts of some queries are compared with those of a loop
+//! over all points, on the cloud after all steps.
 //!
-//! Prints tables and writes CSV to `target/cloud/`. Times of figure 10 are medians over the steps, those of a simulation means,
-//! those of table 2 the least of several; work is counted, and the same on every machine.
+//! Prints tables and writes CSV to `target/cloud/`. Times of figure 10 are medians over the steps, those of a
+//! simulation means, those of table 2 the minimum of several; work is counted, and the same on every machine.
 
 #![expect(clippy::unwrap_used, reason = "a benchmark that cannot go on has failed")]
 
@@ -49,19 +49,19 @@ const HALF: f64 = 1.0;
 const DIAGONAL: f64 = 2.0 * 1.732_050_807_568_877_2 * HALF;
 
 const SIZES: [usize; 4] = [100_000, 200_000, 500_000, 1_000_000];
-/// Of the diagonal: how far a point goes along each axis in a step, at most.
+/// Maximum movement of a point along each axis in a step, relative to the diagonal.
 const MOVEMENTS: [f64; 4] = [1e-4, 1e-3, 1e-2, 1e-1];
-/// Of these and a larger cloud only the paper's rule is measured: work says that a tree is bad when it was searched, and where every
-/// point goes anywhere one search of such a tree takes seconds.
+/// With this movement and more points than this, only the paper's rule is measured: the rule by work needs a search to
+/// detect a bad tree, and where every point moves anywhere one search of such a tree takes seconds.
 const WILD: (f64, usize) = (1e-1, 200_000);
 
-/// Of the diagonal.
+/// Relative to the diagonal.
 const RADII: [f64; 3] = [0.005, 0.01, 0.02];
 const STEPS: usize = 10;
 
 const POLICIES: [(&str, Policy); 2] = [("ratio above 10", Policy::Ratio(10.0)), ("work", Policy::Work)];
 
-/// Neighbours that a table's buffer may hold.
+/// Capacity of a table's buffer, in neighbours.
 const MOST_NEIGHBOURS: u64 = 1 << 26;
 
 type Points = Vec<[f32; 3]>;
@@ -114,7 +114,7 @@ fn check(points: &Points, queries: &Points, radius: f32, counts: &[u32]) {
     }
 }
 
-/// A cloud whose points move, and what it took.
+/// A cloud whose points move, and the measurements.
 struct Moving {
     cloud: PointCloud,
     upkeep: Upkeep,
@@ -141,7 +141,7 @@ impl Moving {
         }
     }
 
-    /// Refits and searches, and rebuilds if that is due. Milliseconds of each.
+    /// Refits and searches, and rebuilds if due. Returns the milliseconds of each.
     fn step(&mut self, points: &Points, radius: f32) -> [f64; 3] {
         let search = RangeSearch::new(Isa::detect());
         let start = Instant::now();
@@ -164,7 +164,7 @@ impl Moving {
         [refit, searched, rebuild]
     }
 
-    /// If it is due.
+    /// Rebuilds if due.
     fn rebuild(&mut self, ratio: f64, work: &RangeStats) -> f64 {
         if !self.upkeep.is_due(&self.cloud.view(), ratio, work) {
             return 0.0;
@@ -176,7 +176,7 @@ impl Moving {
         time
     }
 
-    /// Milliseconds a step: of the refit, of the search, and of the rebuild, which not every step has.
+    /// Milliseconds per step: of the refit, of the search, and of the rebuild, averaged over all steps.
     fn times(&self, of: fn(&[f64]) -> f64) -> [f64; 3] {
         let share = self.rebuilds.len() as f64 / self.refits.len() as f64;
         let rebuild = if self.rebuilds.is_empty() { 0.0 } else { share * of(&self.rebuilds) };
@@ -204,7 +204,9 @@ fn figure_10(sizes: &[usize]) -> String {
         POLICIES[1].0
     );
     let mut csv =
-        "points,movement,radius,neighbours,policy,refit_ms,search_ms,rebuild_ms,rebuilds,steps,boxes,buckets\n".to_owned();
+        "points,movement,radius,neighbours,policy,refit_ms,search_ms,rebuild_ms,rebuilds,steps,boxes,\
+         buckets\n"
+            .to_owned();
     for &size in sizes {
         for movement in MOVEMENTS {
             for share in RADII {
@@ -232,7 +234,8 @@ fn figure_10(sizes: &[usize]) -> String {
                         .unwrap();
                     writeln!(
                         csv,
-                        "{size},{movement},{share},{neighbours:.2},{policy},{refit:.3},{search:.3},{rebuild:.3},{rebuilds},{steps},{},{}",
+                        "{size},{movement},{share},{neighbours:.2},{policy},{refit:.3},{search:.3},{rebuild:.3},\
+                         {rebuilds},{steps},{},{}",
                         work.boxes, work.buckets
                     )
                     .unwrap();
@@ -350,7 +353,7 @@ struct Splash {
 }
 
 impl Splash {
-    /// A column in a corner.
+    /// A column of particles in a corner.
     fn new(size: usize) -> Self {
         let mut rng = Rng::new(4);
         let column = |[x, y, z]: [f32; 3]| [0.3 * (x + 1.0) - 1.0, 0.3 * (y + 1.0) - 1.0, z];
@@ -361,7 +364,7 @@ impl Splash {
         Self { speed: vec![[0.0; 3]; size], at, radius }
     }
 
-    /// Half a radius in a step, at most: neighbours push each other apart, walls throw back.
+    /// Moves particles by at most half a radius: neighbours repel each other, walls reflect.
     fn step(&mut self, cloud: &PointCloud) -> Result<(), SearchError> {
         let Self { at, speed, radius } = self;
         let search = RangeSearch::new(Isa::detect());
@@ -413,7 +416,7 @@ fn figure_19(size: usize, steps: usize) -> String {
                 check(&splash.at, &splash.at, splash.radius, &cloud.counts);
             }
         }
-        // By the cloud that is built anew by its work: the order in which forces are added is that of its tree.
+        // By the cloud that is rebuilt by work: its tree determines the order in which forces are added.
         splash.step(&clouds[2].cloud).unwrap();
     }
     csv.push('\n');

@@ -1,8 +1,9 @@
-//! What a coarse body saves: `cargo bench --bench cover` prints a table. Three minutes.
+//! The gain from a coarser body: `cargo bench --bench cover` prints a table. Three minutes.
 //!
-//! A mesh against itself at poses of `support/suites.rs`, and the trees of spheres that cover it, with an error of some shares of its
-//! diagonal: against each other, and against the mesh; as surfaces, and as solids if it is closed. All are asked in turns, [`PASSES`] times; the least time of each query
-//! counts. First it is checked that spheres which are free say so of the mesh, and that no hit is farther than the error.
+//! A mesh against itself at the poses of `support/suites.rs`, compared with trees of spheres that cover it within
+//! several errors relative to its diagonal: against each other, and against the mesh; as surfaces, and as solids if it
+//! is closed. All are queried in turns, [`PASSES`] times; the minimum time of each query counts. First checks that the
+//! meshes are free wherever the spheres are, and that no hit is farther than the error.
 
 #![expect(clippy::unwrap_used, reason = "a benchmark that cannot go on has failed")]
 

@@ -1,8 +1,10 @@
-//! Edges of a planner: does the robot meet anything on its way? `cargo bench --features urdf --bench edge` prints a table.
+//! Motions of a planner: does the robot meet anything on its way? `cargo bench --features urdf --bench edge` prints a
+//! table.
 //!
-//! The Panda on every seventh problem of MotionBenchMaker: straight ways in the joints from the start and the goal towards random
-//! configurations, of several lengths, as a tree of a planner grows, and from the start to the goal. *Certified*:
-//! `Scene::check_motion`. *Sampled*: the scene at as many times as VAMP takes, 32 for a unit of length in the joints.
+//! The Panda on every seventh problem of MotionBenchMaker: straight motions in the joints from the start and the goal
+//! towards random configurations, of several lengths, as in a planner's tree, and from the start to the goal.
+//! *Certified*: `Scene::check_motion`. *Sampled*: the scene at as many times as VAMP uses, 32 per unit of length in the
+//! joints.
 
 #![expect(clippy::unwrap_used, reason = "a benchmark that cannot go on has failed")]
 
@@ -37,14 +39,14 @@ use std::time::Instant;
 
 type Tree = Bvh<Node16<18>>;
 
-/// Samples for a unit of length in the joints, as VAMP takes them.
+/// Samples per unit of length in the joints, as in VAMP.
 const RESOLUTION: f64 = 32.0;
 
 fn obstacle_tree(mesh: &OwnedMesh) -> Tree {
     Builder::new().solid().build_as(&mesh.as_mesh()).unwrap()
 }
 
-/// What edges of one length came to.
+/// Results for motions of one length.
 #[derive(Default)]
 struct Row {
     certified: Vec<f64>,
@@ -62,10 +64,10 @@ fn median(values: &mut [f64]) -> f64 {
     values.get(values.len() / 2).copied().unwrap_or(f64::NAN)
 }
 
-/// The Panda, and what its edges are asked with.
+/// The Panda, and the data for its motion queries.
 struct Panda {
     robot: Robot,
-    /// Pairs of bodies that are asked.
+    /// Pairs of bodies that are tested.
     pairs: Vec<(usize, usize)>,
     links: Vec<Tree>,
 }
@@ -106,7 +108,7 @@ impl Panda {
     }
 }
 
-/// A scene, and the memory of its edges.
+/// A scene, and the memory for its motion queries.
 struct Asked<'p, 't> {
     panda: &'p Panda,
     scene: Scene<'t, Node16<18>>,
@@ -118,7 +120,7 @@ struct Asked<'p, 't> {
 }
 
 impl Asked<'_, '_> {
-    /// Times an edge, certified and sampled, and adds it to a row.
+    /// Times a motion, certified and sampled, and adds it to a row.
     fn ask(&mut self, row: &mut Row, from: &[f64], to: &[f64]) {
         let query = Query::new(Isa::detect());
         let kinematics = self.panda.robot.kinematics().unwrap();
@@ -231,7 +233,7 @@ fn print(rows: &mut [(&str, Row)]) {
     }
 }
 
-/// A configuration in a random direction from another, so far away in the joints, within the limits.
+/// A configuration within the limits, in a random direction from another, at this distance in the joints.
 fn towards(rng: &mut Rng, limits: &[[f64; 2]], from: &[f64], length: f64) -> Vec<f64> {
     let target: Vec<f64> = limits.iter().map(|[low, high]| rng.range(*low, *high)).collect();
     let whole = from.iter().zip(&target).map(|(p, q)| (p - q) * (p - q)).sum::<f64>().sqrt();

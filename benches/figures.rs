@@ -1,14 +1,14 @@
-//! Figures 6 and 7 of the SIMDop paper (Tan, Weller, Zachmann, IROS 2019) for this library's splitters: time
-//! of a query and of a build against the number of polygons. `cargo bench --bench figures` writes
-//! `figures.csv` and the plots to `target/figures/`, and prints after how many queries, touching and 1 % of
-//! the diagonal apart, a longer build has paid.
+//! Figures 6 and 7 of the SIMDop paper (Tan, Weller, Zachmann, IROS 2019) for this library's splitters: time of a query
+//! and of a build against the number of polygons. `cargo bench --bench figures` writes `figures.csv` and the plots to
+//! `target/figures/`, and prints after how many queries, touching and 1 % of the diagonal apart, a longer build pays
+//! off.
 //!
 //! Figure 7 with other libraries' builds: `benches/peers/run --builds`.
 //!
-//! As in the paper k is 32, poses are at the distance zero (a millionth of the diagonal from contact, free),
-//! and the polygon count varies by decimation: vertices that share a cell of a grid become one. A model is
-//! tested against itself. Query times are means over the poses of the least of several interleaved runs;
-//! build times are the least of several.
+//! As in the paper k is 32, poses are at the distance zero (a millionth of the diagonal from contact, free), and the
+//! polygon count varies by decimation: vertices that share a cell of a grid become one. A model is tested against
+//! itself. Query times are means over the poses of the minimum over several interleaved runs; build times are the
+//! minimum of several.
 
 #![expect(clippy::unwrap_used, reason = "a benchmark that cannot go on has failed")]
 
@@ -41,9 +41,9 @@ use std::hint::black_box;
 use std::path::Path;
 use std::time::Instant;
 
-/// The fast preset's.
+/// The splitter of the fast preset.
 const FAST: &str = "extended longest axis";
-/// What is compared. One line each.
+/// The splitters compared, one curve each.
 const SPLITTERS: [(&str, Splitter); 6] = [
     ("longest axis", Splitter::LongestAxis),
     (FAST, Splitter::ExtendedLongestAxis),
@@ -53,7 +53,7 @@ const SPLITTERS: [(&str, Splitter); 6] = [
     ("neural gas by area", Splitter::BatchNeuralGas { magnification: Magnification::Area, seed: 0 }),
 ];
 const RUNS: usize = 7;
-/// Distance zero, as far as poses can tell, and 1 % of the diagonal: which of the suites' gaps.
+/// Indices of the suites' gaps: practically zero, and 1 % of the diagonal.
 const TOUCHING: usize = 4;
 const APART: usize = 0;
 
@@ -83,7 +83,7 @@ fn main() {
     for &model in some(&MODELS) {
         let mesh = MeshData::obj(&data.join("meshes").join(model).with_extension("obj"));
         let series = series(&mesh);
-        // Of a short run the coarsest.
+        // In a short run only the coarsest.
         for mesh in &series[..count(series.len(), 2)] {
             let poses = [TOUCHING, APART].map(|gap| poses(mesh, gap));
             eprintln!("{model}: {} polygons", mesh.triangles.len());
@@ -126,7 +126,7 @@ fn poses(mesh: &MeshData, gap: usize) -> Vec<Pose> {
     suite.poses(count(1, 8), meets).chunks_exact(GAPS.len()).map(|at_gaps| pose(&at_gaps[gap])).collect()
 }
 
-/// Appends a row for each splitter, measured on poses that touch and poses apart.
+/// Appends a row for each splitter, measured at touching poses and at poses apart.
 fn measure<N: Lanes>(model: &'static str, mesh: &MeshData, poses: &[Vec<Pose>; 2], rows: &mut Vec<Row>) {
     let built = SPLITTERS.map(|(_, splitter)| {
         let time = || {
@@ -162,7 +162,7 @@ fn measure<N: Lanes>(model: &'static str, mesh: &MeshData, poses: &[Vec<Pose>; 2
     }
 }
 
-/// Seconds a query, mean over the poses of the least of several runs, in which the trees take turns.
+/// Seconds per query: mean over the poses of the minimum over several runs, in which the trees take turns.
 fn query_times<N: Lanes>(trees: &[&Bvh<N>; SPLITTERS.len()], poses: &[Pose]) -> [f64; SPLITTERS.len()] {
     let query = Query::new(Isa::detect());
     let mut times = vec![[f64::INFINITY; SPLITTERS.len()]; poses.len()];
@@ -180,14 +180,16 @@ fn query_times<N: Lanes>(trees: &[&Bvh<N>; SPLITTERS.len()], poses: &[Pose]) -> 
 
 fn csv(rows: &[Row]) -> String {
     let mut text = String::from(
-        "model,polygons,arity,splitter,query_microseconds,apart_microseconds,visits,kernels,primitive_pairs,build_milliseconds,expected_visits\n",
+        "model,polygons,arity,splitter,query_microseconds,apart_microseconds,visits,kernels,primitive_pairs,\
+         build_milliseconds,expected_visits\n",
     );
     for row in rows {
         let Row { model, polygons, arity, splitter, query_microseconds, visits, kernels, .. } = row;
         let Row { apart_microseconds, primitive_pairs, build_milliseconds, expected_visits, .. } = row;
         writeln!(
             text,
-            "{model},{polygons},{arity},{splitter},{query_microseconds:.3},{apart_microseconds:.3},{visits:.1},{kernels:.1},\
+            "{model},{polygons},{arity},{splitter},{query_microseconds:.3},{apart_microseconds:.3},{visits:.1},\
+             {kernels:.1},\
              {primitive_pairs:.1},{build_milliseconds:.3},{expected_visits:.1}"
         )
         .unwrap();
@@ -195,8 +197,8 @@ fn csv(rows: &[Row]) -> String {
     text
 }
 
-/// After how many queries the longer build of a splitter has paid, against the fast preset's: both models in
-/// full, 1vs16.
+/// After how many queries the longer build of a splitter pays off, compared with the fast preset: both models at full
+/// resolution, 1vs16.
 fn pay_offs(rows: &[Row]) -> String {
     let mut text = String::from(
         "| model | splitter | build, ms | touching, us | pays after | 1 % apart, us | pays after \

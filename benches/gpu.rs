@@ -1,16 +1,15 @@
-//! Batch Neural Gas on a device against the scalar builder: time against the number of spheres and of
-//! triangles.
+//! Batch Neural Gas on a GPU compared with the scalar builder: time against the number of spheres and of triangles.
 //!
 //! ```sh
 //! cargo bench --features gpu,rayon --bench gpu -- 10000000   # the largest number; 100 000 without
 //! cargo bench --features gpu,rayon --bench gpu -- --test     # 2 000, once
 //! ```
 //!
-//! Prints a table: medians, milliseconds. The first build of all compiles the kernels and is not counted.
-//! Every tree is compared with the scalar builder's; above a million primitives one thread is not asked.
+//! Prints a table of medians in milliseconds. The very first build compiles the kernels and is not counted. Every tree
+//! is compared with the scalar builder's; above a million primitives the single-threaded build is omitted.
 //!
-//! A device without work slows its clock down. "After a pause" is the device's first tree after the scalar builder's work; the other
-//! times are those of trees that it builds one after the other, after some that are not counted.
+//! An idle GPU lowers its clock. "After a pause" is its first tree after the scalar builder's work; the other times are
+//! for trees built back to back, after warm-up.
 
 #![expect(clippy::unwrap_used, reason = "a bench that cannot go on has failed")]
 
@@ -41,13 +40,13 @@ struct PointCloud {
     weights: Vec<f64>,
 }
 
-/// In a cube, with radii as a packing has them; weighted by volume.
+/// In a cube, with radii as in a packing; weighted by volume.
 fn spheres(rng: &mut Rng, count: usize) -> PointCloud {
     let points = (0..count).map(|_| [(); 3].map(|()| rng.range(-1.0, 1.0))).collect();
     PointCloud { points, weights: (0..count).map(|i| (1.0 + i as f64).powf(-1.5)).collect() }
 }
 
-/// Centres of triangles of a bumpy sphere; weighted by area.
+/// Centres of the triangles of a bumpy sphere; weighted by area.
 fn triangles(rng: &mut Rng, count: usize) -> PointCloud {
     let point = |rng: &mut Rng| {
         let [x, y, z] = rng.rotation()[0];

@@ -1,15 +1,16 @@
-//! Points that move on a device against the CPU: refit, and all neighbours within a radius, with transfers apart.
+//! Moving points on a GPU compared with the CPU: refit, and all neighbours within a radius, with transfers listed
+//! separately.
 //!
 //! ```sh
 //! cargo bench --features gpu,rayon --bench gpu_cloud -- 1000000   # the largest number of points; 131 072 without
 //! cargo bench --features gpu,rayon --bench gpu_cloud -- --test    # 2 000, once
 //! ```
 //!
-//! Prints a table: medians, milliseconds. Uniform points, each of them a query, or as many others; radii that find some 30
-//! neighbours. "CPU" is one core on the widest instruction set, "device" its kernels alone, "in and out" what goes to the device and
-//! comes back beside: positions, queries, lists and neighbours. The first search compiles the kernels and is not counted. All
-//! lists and neighbours are compared with the CPU's. A device without work slows its clock down: what it does is timed one call after the
-//! other, after some that are not counted.
+//! Prints a table of medians in milliseconds. Uniform points, each of them a query, or as many other queries; about 30
+//! neighbours within the radius. "CPU" is one core on the widest instruction set, "device" the GPU's kernels alone, "in
+//! and out" the transfers in both directions: positions, queries, lists and neighbours. The first search compiles the
+//! kernels and is not counted. All lists and neighbours are compared with the CPU's. An idle GPU lowers its clock: its
+//! calls are timed back to back, after warm-up.
 
 #![expect(clippy::unwrap_used, reason = "a bench that cannot go on has failed")]
 
@@ -55,7 +56,7 @@ fn print(what: &str, points: usize, cpu: Vec<Duration>, device: &[DeviceTimes], 
     );
 }
 
-/// One kind of queries, on both.
+/// One kind of queries, on CPU and GPU.
 fn search(
     what: &str,
     on_device: &mut DeviceCloud<'_>,
@@ -101,7 +102,7 @@ fn row(gpu: &Gpu, points: usize, repeats: usize) {
     let mut point = || [(); 3].map(|()| rng.unit() as f32);
     let mut positions: Vec<[f32; 3]> = (0..points).map(|_| point()).collect();
     let others: Vec<[f32; 3]> = (0..points).map(|_| point()).collect();
-    // A ball of 30 points' share of the cube.
+    // The volume of a ball with 30 points in the cube.
     let radius = (30.0 / points as f64 * 3.0 / (4.0 * core::f64::consts::PI)).cbrt() as f32;
     let (mut cloud, build) = timed(|| PointCloud::new(&positions).unwrap());
     let (mut on_device, copy) = timed(|| DeviceCloud::new(gpu, &cloud.view()).unwrap());

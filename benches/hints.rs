@@ -1,11 +1,10 @@
-//! What a hint is worth along a motion: `cargo bench --bench hints` prints a table. A minute.
+//! The gain from a hint along a motion: `cargo bench --bench hints` prints a table. A minute.
 //!
-//! A mesh moves against itself in [`STEPS`] small steps, from places of both methods of `support/suites.rs`.
-//! *In contact* it turns about its centre by 2e-4 radians a step, from 1 % deep, and may come free on the
-//! way; *apart* it does the same from a gap of 1 %; *approaching* it comes straight in from 5 % to 2e-5 of
-//! the diagonal. Each sweep is made without hints and with each step's hint from the step before, in turns,
-//! [`PASSES`] times; the least time of each counts, and every verdict and distance with hints is first
-//! compared with the one without.
+//! A mesh moves against itself in [`STEPS`] small steps, from poses by both methods of `support/suites.rs`. *In
+//! contact* it rotates about its centre by 2e-4 radians per step, from 1 % deep, and may become free on the way;
+//! *apart* it does the same from a gap of 1 %; *approaching* it moves straight in from 5 % to 2e-5 of the diagonal.
+//! Each sweep runs without hints and with the hint of the previous step, in turns, [`PASSES`] times; the minimum time
+//! of each counts. First every verdict and distance with hints is compared with the one without.
 
 #![expect(clippy::unwrap_used, reason = "a benchmark that cannot go on has failed")]
 
@@ -119,7 +118,7 @@ fn compared(sweeps: &[Vec<Pose>], ask: impl Fn(Hint, &Pose) -> (Hint, f64)) -> S
     format!("{:.2} | {:.2} | {:.2}", median(|t| t[0]), median(|t| t[1]), median(|t| t[0] / t[1]))
 }
 
-/// Microseconds a step, without hints and with them.
+/// Microseconds per step, without hints and with them.
 fn both(sweep: &[Pose], ask: &impl Fn(Hint, &Pose) -> (Hint, f64)) -> [f64; 2] {
     let pass = |hinted: bool| {
         let (start, mut hint) = (Instant::now(), Hint::NONE);
@@ -147,7 +146,7 @@ fn both(sweep: &[Pose], ask: &impl Fn(Hint, &Pose) -> (Hint, f64)) -> [f64; 2] {
     best.map(|time| time.as_secs_f64() * 1e6 / sweep.len() as f64)
 }
 
-/// Turns about the body's centre, and about one axis.
+/// Rotations about the body's centre and one axis.
 fn turns(from: &Rows, centre: [f64; 3], rng: &mut Rng) -> Vec<Pose> {
     let [x, y, z] = [0, 1, 2].map(|axis| DVec3::from_array(from.map(|row| row[axis])));
     let (start, translation) = (DMat3::from_cols(x, y, z), DVec3::from_array(from.map(|row| row[3])));
@@ -160,7 +159,7 @@ fn turns(from: &Rows, centre: [f64; 3], rng: &mut Rng) -> Vec<Pose> {
     (0..steps()).map(turned).collect()
 }
 
-/// The same rotation, from one place to another.
+/// Translation from one pose to another of the same rotation.
 fn straight(from: &Rows, to: &Rows) -> Vec<Pose> {
     let at = |step: usize| {
         let share = step as f64 / (steps() - 1) as f64;

@@ -1,7 +1,8 @@
 //! Whole queries on each instruction set of this machine: `cargo bench --bench isas` prints a table. A minute.
 //!
-//! The pairs are those of `benches/peers`, the poses found in the same way; without its files, a torus. Each query is asked on every instruction set in turns, [`PASSES`] times; the
-//! least time of each counts. Verdicts and counters are compared first.
+//! The pairs are those of `benches/peers`, with poses found in the same way; without its files, a torus. Each query
+//! runs on every instruction set in turns, [`PASSES`] times; the minimum time of each counts. Verdicts and query
+//! statistics are compared first.
 
 #![expect(clippy::unwrap_used, reason = "a benchmark that cannot go on has failed")]
 
@@ -133,7 +134,7 @@ fn rows<N: Dop + Lanes>(isas: &[Isa], name: &str, a: &MeshData, b: &MeshData) ->
     found
 }
 
-/// Microseconds of one call, of as many as take some.
+/// Microseconds per call, averaged over enough calls to be measurable.
 fn timed(ask: impl Fn() -> bool) -> f64 {
     let once = |calls: u32| {
         let start = Instant::now();

@@ -1,5 +1,5 @@
-//! The overlap kernels on the calls of real queries: cow and armadillo against themselves, free, 1e-2 to 1e-8
-//! of the diagonal apart.
+//! The overlap kernels on the calls of real queries: cow and armadillo against themselves, free, 1e-2 to 1e-8 of the
+//! diagonal apart.
 //!
 //! ```sh
 //! cargo bench --bench kernel                        # criterion: kernel/1v16/k18/L1/avx2 ..
@@ -8,9 +8,9 @@
 //! cargo bench --bench kernel -- --test              # everything once, on a small shape
 //! ```
 //!
-//! Before it is timed, every variant gives the scalar kernel's mask on every call. "L1" and "L2" data are in
-//! that cache when the clock starts, and the branch predictor has not seen the masks: each call happens once
-//! in a pass, in the order of the traversal.
+//! Before timing, every variant must give the scalar kernel's mask on every call. "L1" and "L2" data are in that cache
+//! when the clock starts, and the branch predictor has not seen the masks: each call happens once in a pass, in the
+//! order of the traversal.
 
 #[path = "../tests/support/data.rs"]
 mod data;
@@ -36,7 +36,7 @@ use support::papers::{Papers, Papers4, float_query, halves_4, halves_16, mask};
 use support::record::{LEVELS, Level, Recording, record};
 use support::variants::{Ours, Ours4, Variant, Vectorised, check, time};
 
-/// A variant on a recording. `time`: one pass over all calls.
+/// A variant on a recording. `time` makes one pass over all calls.
 struct Bench {
     name: String,
     time: Box<dyn Fn() -> Duration>,
@@ -55,7 +55,7 @@ struct Row {
     benches: Vec<Bench>,
 }
 
-/// A recording, its windows, and the clock's rule.
+/// A recording, its windows, and whether they are loaded before timing.
 struct Timed<Q, N> {
     recording: Rc<Recording<Q, N>>,
     windows: Rc<[Range<usize>]>,
@@ -150,8 +150,8 @@ impl Row {
         Self { kernel, k, level, calls, separated, bytes: plane_bytes * k, benches: Vec::new() }
     }
 
-    /// Nanoseconds a call of each variant: medians over rounds in which they take turns, so that a busy
-    /// neighbour hits all of them.
+    /// Nanoseconds per call of each variant: medians over rounds in which they take turns, so that other load on the
+    /// machine affects all of them.
     fn medians(&self, rounds: usize) -> Vec<f64> {
         let mut times = vec![Vec::new(); self.benches.len()];
         for _ in 0..rounds {
@@ -185,7 +185,7 @@ impl Row {
     }
 }
 
-/// Every kernel and k at one level, one after the other: their data do not fit in memory together.
+/// Every kernel and k at one level, one after the other: their data do not fit into memory together.
 fn for_each_row(mut visit: impl FnMut(Row)) {
     for level in LEVELS {
         visit(row_16::<14>(level));

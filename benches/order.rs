@@ -1,9 +1,9 @@
-//! Whether the order of the bodies matters, and what a far pair costs: `cargo bench --bench order` prints a table. Half a
-//! minute.
+//! Whether the order of the bodies matters, and the cost of a far pair: `cargo bench --bench order` prints a table.
+//! Half a minute.
 //!
-//! Each pair of bodies is asked at poses of `support/suites.rs` as given, and exchanged at the inverse poses, in turns,
-//! [`PASSES`] times; the least time of each query counts. *Far* is a body's length beyond 5 %. The verdicts of both orders
-//! are compared first: they may differ only where the inverse, which is rounded, does not come to the same place.
+//! Each pair of bodies is queried at poses of `support/suites.rs` as given, and exchanged at the inverse poses, in
+//! turns, [`PASSES`] times; the minimum time of each query counts. *Far* is a body's length beyond 5 %. The verdicts of
+//! both orders are compared first: they may differ only where rounding of the inverse moves the body.
 
 #![expect(clippy::unwrap_used, reason = "a benchmark that cannot go on has failed")]
 
@@ -83,7 +83,7 @@ fn main() {
     page::write();
 }
 
-/// On along the line, by this much.
+/// The pose further along the line, by this much.
 fn beyond(line: &[Rows; 4], by: f64) -> Rows {
     let at = |rows: &Rows| DVec3::from_array(rows.map(|row| row[3]));
     let shift = (at(&line[3]) - at(&line[0])).normalize() * by;
@@ -136,7 +136,7 @@ fn row([name_a, name_b, distance]: [&str; 3], a: &Tree<'_>, b: &Tree<'_>, poses:
     );
 }
 
-/// Microseconds of one call, of as many as take some.
+/// Microseconds per call, averaged over enough calls to be measurable.
 fn timed(ask: impl Fn() -> bool) -> f64 {
     let once = |calls: u32| {
         let start = Instant::now();

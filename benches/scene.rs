@@ -1,11 +1,16 @@
-//! What a planner asks: may the robot stand here? `cargo bench --bench scene` prints a table. A minute.
+//! A planner's validity check: does the robot collide? `cargo bench --bench scene` prints a table. A minute.
 //!
-//! Robots on every seventh problem of MotionBenchMaker: the start, a goal and ten random configurations. *Scene*: the links
-//! are placed and the scene is asked. *Pairs*: every pair is asked, each at its pose, without boxes, until one hits. Poses are
-//! given: forward kinematics are not in the time. The verdicts of both are compared first. *At once*: 256 random configurations of
-//! each problem, one by one, and all by one call, on one thread and on all. *Sphere models*: the same configurations by the spheres that
-//! are published for the robot instead of its meshes, whose verdicts are counted where they are wrong. *Covers*: spheres that hold the
-//! links are asked first, and the meshes where these hit: the same verdicts, also at margins.
+//! Robots on every seventh problem of MotionBenchMaker: the start, a goal and ten random configurations. Poses are
+//! given: forward kinematics is not timed.
+//!
+//! * *Scene*: the links are placed and the scene is queried.
+//! * *Pairs*: every pair is queried at its relative pose, without boxes, until one hits. The verdicts of both are
+//!   compared first.
+//! * *At once*: 256 random configurations of each problem, one by one, and all by one call, on one thread and on all.
+//! * *Sphere models*: the same configurations with the published spheres of the robot instead of its meshes; their
+//!   wrong verdicts are counted.
+//! * *Covers*: spheres that cover the links are tested first, and the meshes where these hit: the same verdicts, also
+//!   with margins.
 
 #![expect(clippy::unwrap_used, reason = "a benchmark that cannot go on has failed")]
 
@@ -54,11 +59,11 @@ fn pose(at: &DAffine3) -> Pose {
     Pose::try_from(*at).unwrap()
 }
 
-/// A scene, and what is placed in it.
+/// A scene, and the bodies placed in it.
 struct World<'t> {
     scene: Scene<'t, Node16<18>>,
     links: Vec<BodyId>,
-    /// Trees and their places, for asking pairs: links first.
+    /// Trees and their poses, for queries of pairs: links first.
     obstacles: Vec<(&'t Tree, DAffine3)>,
     configurations: &'t [Vec<DAffine3>],
     poses: Vec<Vec<Pose>>,
@@ -120,7 +125,7 @@ fn run(data: &Path, setting: &Setting) {
         visits as f64 / asked as f64,
         tests as f64 / asked as f64
     );
-    // Of each configuration the least of its passes, so that what other programs take is not in it.
+    // The minimum over the passes of each configuration, to exclude the time of other programs.
     let mut best = vec![[f64::INFINITY; 6]; asked as usize];
     for _ in 0..count(15, 1) {
         let mut time = |slot: usize, f: &mut dyn FnMut(&mut World<'_>, usize) -> bool| {
@@ -169,8 +174,8 @@ fn run(data: &Path, setting: &Setting) {
     show!("");
 }
 
-/// The pairs of a configuration: of links that may meet, and of each link with each obstacle, where the first of a pair stands beside
-/// the other.
+/// The pairs of a configuration: links that may meet, and each link with each obstacle, with the pose of the first
+/// relative to the second.
 fn pairs_of<'w>(
     robot: &'w Robot,
     links: &'w [Tree],
@@ -185,7 +190,7 @@ fn pairs_of<'w>(
     of_links.chain(with_obstacles)
 }
 
-/// What all pairs of a configuration cost, each of them asked alone and to the end, for contact and for margins.
+/// The cost of all pairs of a configuration, each queried alone and to the end, for contact and for margins.
 fn same_pairs(robot: &Robot, links: &[Tree], worlds: &[World<'_>], query: &Query) -> String {
     const MARGINS: [f64; 3] = [0.005, 0.02, 0.05];
     let (mut sums, mut asked, mut pairs) = ([0.0; 4], 0, 0);
@@ -267,7 +272,7 @@ fn sphere_models(data: &Path, setting: &Setting, robot: &Robot) -> Vec<Bvh<Node1
     models.collect()
 }
 
-/// What a configuration costs by spheres, and how often they are wrong.
+/// The cost of a configuration with spheres, and how often their verdict is wrong.
 fn by_spheres<'t>(
     robot: &Robot,
     worlds: &mut [World<'_>],
@@ -309,7 +314,7 @@ fn by_spheres<'t>(
     );
 }
 
-/// Of the links' covers, metres.
+/// Errors of the links' covers, in metres.
 const ERRORS: [f64; 3] = [0.01, 0.02, 0.05];
 
 fn cover(mesh: &MeshData, error: f64) -> Bvh<Node16<18>, Spheres> {
@@ -320,7 +325,7 @@ fn cover(mesh: &MeshData, error: f64) -> Bvh<Node16<18>, Spheres> {
         .unwrap()
 }
 
-/// One line for each error that covers of the links may have.
+/// One line for each error of the links' covers.
 fn covers_of_all_errors(
     robot: &Robot,
     worlds: &mut [World<'_>],
@@ -338,8 +343,8 @@ fn covers_of_all_errors(
     }
 }
 
-/// Margins of 0, 5, 20 and 50 mm: what a configuration costs by the meshes alone, and by covers first, the meshes being asked
-/// where these hit.
+/// Margins of 0, 5, 20 and 50 mm: the cost of a configuration with the meshes alone, and with covers first and the
+/// meshes where these hit.
 fn covers_first<'t>(
     worlds: &mut [World<'_>],
     scenes: impl Iterator<Item = (Scene<'t, Node16<18>>, Vec<BodyId>)>,
@@ -383,10 +388,10 @@ fn covers_first<'t>(
     cells.join(", ")
 }
 
-/// Configurations of each problem that are asked about at once.
+/// Configurations of each problem that are checked at once.
 const AT_ONCE: usize = 256;
 
-/// Which are free, a bit for each.
+/// One bit for each configuration: whether it is free.
 fn one_by_one(
     scene: &mut Scene<'_, Node16<18>>,
     query: &Query,

@@ -1,24 +1,23 @@
-//! The figures of the BNG paper (Weller, Mainzer, Srinivas, Teschner & Zachmann, *Massively Parallel Batch Neural Gas for
-//! Bounding Volume Hierarchy Construction*, VRIPHYS 2014), for the library's trees of real packings:
+//! The figures of the BNG paper (Weller, Mainzer, Srinivas, Teschner & Zachmann, *Massively Parallel Batch Neural Gas
+//! for Bounding Volume Hierarchy Construction*, VRIPHYS 2014), for the library's trees of real packings:
 //!
 //! ```sh
-//! cargo bench --bench spheres                        # one thread, no device
-//! cargo bench --features gpu,rayon --bench spheres   # all threads and the device as well
-//! cargo bench --bench spheres -- 10000               # up to so many spheres
+//! cargo bench --bench spheres                        # one thread, no GPU
+//! cargo bench --features gpu,rayon --bench spheres   # all threads and the GPU as well
+//! cargo bench --bench spheres -- 10000               # up to this many spheres
 //! ```
 //!
 //! * **Figures 7 and 8**: time of construction against the number of spheres. All ways to build give the same bytes.
-//! * **Figure 10**: time of a query along a path through another body, by how the spheres of a node were divided: by
-//!   Batch Neural Gas with and without the spheres' volumes as weights, by the paper's two rivals
-//!   (`spheres/heuristics.rs`), and as the library does by default. The queries are for the volume that the two share,
-//!   and for yes or no. Before the clock, all trees must give the same volumes, bit for bit, and these must be the sum
-//!   over all pairs of spheres.
-//! * **Weights**: the work of the same queries with the spheres' volumes as weights over that without, for Batch Neural
-//!   Gas from several starts.
-//! * **Bounds**: how soon they close in, with a budget.
+//! * **Figure 10**: time of a query along a path through another body, by the division of a node's spheres: Batch
+//!   Neural Gas with and without the spheres' volumes as weights, the paper's two rivals (`spheres/heuristics.rs`), and
+//!   the library's default. The queries are for the shared volume, and for yes or no. Before timing, all trees must
+//!   give the same volumes, bit for bit, and these must be the sum over all pairs of spheres.
+//! * **Weights**: the work of the same queries with the spheres' volumes as weights relative to that without, for Batch
+//!   Neural Gas from several starts.
+//! * **Bounds**: how fast they converge with the budget.
 //!
-//! Prints tables and writes CSV to `target/spheres/`. Counted work is the same on every machine. As the paper's pig and
-//! statue are not to be had, a hand and the armadillo stand for them.
+//! Prints tables and writes CSV to `target/spheres/`. Counted work is the same on every machine. The paper's pig and
+//! statue are not available; a hand and the armadillo replace them.
 
 #![expect(clippy::unwrap_used, reason = "a benchmark that cannot go on has failed")]
 
@@ -56,7 +55,7 @@ use spheres::queries::Scene;
 use spheres::report;
 use std::path::Path;
 
-/// The first two are what a short run has.
+/// A short run uses the first two.
 const MODELS: [&str; 4] = ["cow", "hand", "armadillo", "brain_pia_lh"];
 /// The paper's cow and pig, and pig and statue.
 const SCENES: [[usize; 2]; 2] = [[0, 1], [1, 2]];

@@ -1,8 +1,8 @@
-//! What each splitter's trees cost a query, in counted work: `cargo bench --bench splitters` prints a table,
-//! the same on every machine. Five minutes.
+//! The cost of a query in each splitter's trees, in counted work: `cargo bench --bench splitters` prints a table, the
+//! same on every machine. Five minutes.
 //!
-//! Visits a query of a mesh against itself, mean over [`POSES`] poses at each of the four distances of
-//! `support/suites.rs`: k = 18, arity 16, one triangle a leaf.
+//! Visits per query of a mesh against itself, mean over [`POSES`] poses at each of the four distances of
+//! `support/suites.rs`: k = 18, arity 16, one triangle per leaf.
 
 #![expect(clippy::unwrap_used, reason = "a benchmark that cannot go on has failed")]
 
@@ -33,7 +33,7 @@ use suites::DISTANCES;
 
 const MODELS: [&str; 6] = ["cow", "armadillo", "bunny75k", "camel", "hand", "fandisk_large"];
 
-/// What is compared. The last is the best preset's, and should need the fewest visits.
+/// The splitters compared. The last is that of the best preset, and should need the fewest visits.
 const SPLITTERS: [(&str, Splitter); 6] = [
     ("longest axis", Splitter::LongestAxis),
     ("extended longest axis", Splitter::ExtendedLongestAxis),
@@ -43,8 +43,8 @@ const SPLITTERS: [(&str, Splitter); 6] = [
     ("mean width", Splitter::MeanWidth),
 ];
 
-/// So many that trees 1 % apart can be told from each other: with 100 poses, another seed changes the order
-/// of the best three.
+/// Enough to resolve differences of 1 % between trees: with 100 poses, another seed changes the order of the best
+/// three.
 const POSES: usize = 1600;
 
 fn main() {

@@ -1,9 +1,9 @@
-//! How many bytes of stack a query takes, with everything that it calls: `cargo bench --bench stack` prints a
-//! table. Seconds.
+//! How many bytes of stack a query uses, including everything it calls: `cargo bench --bench stack` prints a table.
+//! Seconds.
 //!
-//! The stack below a frame is painted, a query runs on it, and what is still painted afterwards was not
-//! needed. The greatest over poses of a torus and a cube against themselves, some of which need exact
-//! arithmetic: it takes the most. `tests/queries/stack.rs` keeps the bounds that the crate's documentation promises.
+//! The stack below a frame is painted, a query runs on it, and the part still painted afterwards was not used. Reports
+//! the maximum over poses of a torus and a cube against themselves, some of which need exact arithmetic, which uses the
+//! most. `tests/queries/stack.rs` checks the bounds given in the crate's documentation.
 
 #![expect(unsafe_code, reason = "the stack below the own frame is nobody's variable")]
 #![expect(clippy::unwrap_used, reason = "a benchmark that cannot go on has failed")]
@@ -22,7 +22,7 @@ use simdop::pose::Pose;
 use simdop::query::{DISTANCE_STACK_BYTES, Lanes, Query, STACK_BYTES};
 use std::f64::consts::TAU;
 
-/// More than any query takes.
+/// More than any query uses.
 const PAINTED: usize = 96 << 10;
 const PAINT: u8 = 0xa5;
 
@@ -33,21 +33,21 @@ fn paint() {
     black_box(&bytes);
 }
 
-/// Bytes below `top` down to the lowest that is not painted.
+/// Bytes from `top` down to the lowest byte that is not painted.
 #[inline(never)]
 fn used(top: usize) -> usize {
-    // The last page of the paint may lie below what `paint` reached.
+    // The last page of the paint may be below what `paint` reached.
     let lowest = top - PAINTED + 4096;
     let painted = (lowest..top).take_while(|&address| {
-        // SAFETY: `paint` has just used these bytes of this thread's stack, so they are mapped; nothing is
-        // made of what is read.
+        // SAFETY: `paint` has just used these bytes of this thread's stack, so they are mapped; the value read is only
+        // compared.
         let byte = unsafe { core::ptr::read_volatile(address as *const u8) };
         byte == PAINT
     });
     top - lowest - painted.count()
 }
 
-/// Bytes of stack that `f` takes below this function's frame.
+/// Bytes of stack that `f` uses below this function's frame.
 #[inline(never)]
 fn measure(f: &mut dyn FnMut()) -> usize {
     let mark = 0_u8;
@@ -81,7 +81,7 @@ fn cube() -> (Vec<[f64; 3]>, Vec<[u32; 3]>) {
     ((0..8).map(corner).collect(), quads.into_iter().flat_map(quad).collect())
 }
 
-/// Apart, touching with whole faces, almost touching, and turned.
+/// Apart, touching with whole faces, almost touching, and rotated.
 fn poses() -> Vec<Pose> {
     let rows = (0..60).flat_map(|i| {
         let (x, angle) = (f64::from(i) * 0.05, f64::from(i) * 0.11);
@@ -142,7 +142,7 @@ fn main() {
     show!("| arity | k | isa | collide | within, for_each_pair | distance | from_bytes | verify |");
     show!("|--:|--:|---|--:|--:|--:|--:|--:|");
     macro_rules! all { ($($node:ty)*) => { $( rows::<$node>(); )* }; }
-    // The default, and what takes the most.
+    // The default, and the ones that use the most.
     all!(Node16<18> Node16<32> Node4<18> Node4<32>);
     page::write();
 }

@@ -1,11 +1,11 @@
-//! A planner's question: may the arm stand here, and how near does it come to what is around it?
+//! A planner's validity check: does the arm collide, and how near does it come to its surroundings?
 //!
 //! ```sh
 //! cargo run --release --example arm_in_a_scene
 //! ```
 //!
-//! An arm of two capsules turns about its shoulder, with a can in its hand, beside a shelf on a table. The shelf and the table are
-//! solids: whatever is inside of them is a hit, too.
+//! An arm of two capsules holds a can, and rotates about its shoulder beside a shelf on a table. The shelf and the
+//! table are solids: a body inside them is a hit, too.
 
 use simdop::construct::{Builder, OwnedMesh};
 use simdop::glam::{DAffine3, DVec3};
@@ -16,11 +16,11 @@ use simdop::pose::Pose;
 use simdop::query::Query;
 use simdop::scene::{Body, Scene};
 
-/// In metres, as everything here.
+/// In metres, like all lengths here.
 const UPPER_ARM: f64 = 0.4;
 const FOREARM: f64 = 0.3;
 
-/// Where the upper arm and the forearm stand: segments along z, about their middles.
+/// The poses of the upper arm and the forearm: segments along z, about their centres.
 fn arm(shoulder: f64, elbow: f64) -> [DAffine3; 2] {
     let along_x = DAffine3::from_rotation_y(core::f64::consts::FRAC_PI_2);
     let lifted = DAffine3::from_translation(DVec3::new(0.0, 0.0, 0.3)) * DAffine3::from_rotation_z(shoulder);
@@ -40,7 +40,7 @@ fn main() -> Result<(), Box<dyn core::error::Error>> {
     let (upper, fore) = (segment(UPPER_ARM)?, segment(FOREARM)?);
     let (table, shelf) =
         (solid(OwnedMesh::cuboid([3.0, 3.0, 0.1])?)?, solid(OwnedMesh::cuboid([0.2, 0.6, 0.5])?)?);
-    // Larger than the can, by at most a tenth of a millimetre.
+    // Larger than the can by at most a tenth of a millimetre.
     let can = solid(OwnedMesh::cylinder(0.03, 0.14, 1e-4)?)?;
     let at = |x: f64, z: f64| Pose::try_from(DAffine3::from_translation(DVec3::new(x, 0.0, z)));
 
@@ -51,7 +51,7 @@ fn main() -> Result<(), Box<dyn core::error::Error>> {
     let can = scene.insert(Body::new(can.view()), &at(UPPER_ARM + FOREARM, 0.3)?)?;
     scene.insert(Body::new(table.view()).fixed(), &at(0.0, -0.05)?)?;
     let shelf = scene.insert(Body::new(shelf.view()).fixed(), &at(0.75, 0.25)?)?;
-    // Neighbours always touch, and the hand holds the can.
+    // Adjacent links always touch, and the hand holds the can.
     scene.allow_collision(upper, fore)?;
     scene.allow_collision(fore, can)?;
     scene.attach(can, fore)?;
@@ -76,7 +76,7 @@ fn main() -> Result<(), Box<dyn core::error::Error>> {
         "{free} of 180 places are free; the arm comes as near as {:.1} mm to something",
         1000.0 * nearest
     );
-    // Behind it there is only the table, 0.3 - 0.07 below the can.
+    // Behind the shelf there is only the table, 0.3 - 0.07 below the can.
     assert!((100..170).contains(&free) && nearest < 0.23);
     Ok(())
 }

@@ -1,13 +1,13 @@
-//! A distance field on a grid, from points with normals: negative inside, known in a narrow band around the surface.
+//! A distance field on a grid, from points with normals: negative inside, defined in a narrow band around the surface.
 //!
 //! ```sh
 //! cargo run --release --example distance_field
 //! ```
 //!
-//! Xing, Wang, Hui, *Coherent Spherical Range-Search for Dynamic Points on GPUs*, CAD 2017, section 5.2, figure 16. Every
-//! node of the grid asks for the points within four cells of it; the nearest of them gives the distance, and its normal
-//! the side. Where no point is near, the field is not defined. The queries are no points of the cloud, so they are seated
-//! beside those first: queries that lie together then go down the tree together.
+//! Xing, Wang, Hui, *Coherent Spherical Range-Search for Dynamic Points on GPUs*, CAD 2017, section 5.2, figure 16.
+//! Every node of the grid searches the points within four cells; the nearest of them gives the distance, and its normal
+//! the sign. Where no point is near, the field is undefined. The queries are not points of the cloud, so they are
+//! sorted into its order first: queries that are close together then traverse the tree together.
 
 mod points;
 
@@ -21,25 +21,25 @@ use simdop::isa::Isa;
 const NODES: usize = 49;
 /// Side of a cell.
 const CELL: f32 = 3.2 / (NODES - 1) as f32;
-/// How far the field reaches.
+/// Half width of the band.
 const BAND: f32 = 4.0 * CELL;
 
 /// Points of a surface and their normals.
 type Surface = (Vec<[f32; 3]>, Vec<Vec3>);
 
-/// Where the nodes are: x runs fastest.
+/// The positions of the nodes; x varies fastest.
 fn grid() -> Vec<[f32; 3]> {
     let node = |i: usize| [i % NODES, i / NODES % NODES, i / NODES / NODES].map(|c| c as f32 * CELL - 1.6);
     (0..NODES * NODES * NODES).map(node).collect()
 }
 
-/// The square of the distance, in the order of operations in which the search compares it with that of the radius.
+/// The squared distance, computed in the same order of operations as in the search.
 fn square(p: [f32; 3], q: [f32; 3]) -> f32 {
     let [x, y, z] = [p[0] - q[0], p[1] - q[1], p[2] - q[2]];
     (x * x + y * y) + z * z
 }
 
-/// The field at a node: the distance of its nearest point, negative on the inner side of that.
+/// The field at a node: the distance to its nearest point, negative on the inner side.
 fn signed(node: [f32; 3], nearest: usize, (points, normals): &Surface) -> f32 {
     let side = (Vec3::from(node) - Vec3::from(points[nearest])).dot(normals[nearest]);
     square(points[nearest], node).sqrt().copysign(side)
@@ -51,7 +51,7 @@ fn field(surface: &Surface, nodes: &[[f32; 3]]) -> Result<Vec<Option<f32>>, Box<
     let mut seats = vec![Seat::default(); nodes.len()];
     let queries = search.seat(&cloud.view(), nodes, &mut seats)?;
 
-    // The nearest so far. Of points that are as near as each other, the first counts, in whatever order they come.
+    // The nearest point so far. Among equally near points the lowest index counts, whatever the order of the list.
     let mut nearest: Vec<Option<u32>> = vec![None; nodes.len()];
     search.visit(&cloud.view(), &queries, Radii::Same(BAND), |query, point| {
         let query = query as usize;
@@ -82,10 +82,10 @@ fn main() -> Result<(), Box<dyn core::error::Error>> {
     Ok(())
 }
 
-/// What a loop over all points gives, to the bit.
+/// Equals a loop over all points, bit by bit.
 #[test]
 fn the_field_is_that_of_a_loop() {
-    // More points would be no better test, and the loop has 235 million pairs as it is.
+    // More points would not improve the test, and the loop has 235 million pairs already.
     let (surface, nodes) = (surface(2_000), grid());
     let field = field(&surface, &nodes).unwrap();
     for (node, value) in nodes.iter().zip(&field) {
@@ -96,7 +96,7 @@ fn the_field_is_that_of_a_loop() {
     }
 }
 
-/// The sign is right, and the distance that of the torus, as far as the points are dense.
+/// The sign is right, and the distance is that of the torus, up to the density of the points.
 #[test]
 fn the_field_is_that_of_the_torus() {
     let (surface, nodes) = (surface(20_000), grid());

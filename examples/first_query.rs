@@ -10,18 +10,18 @@ use simdop::pose::Pose;
 use simdop::query::{Query, Verdict};
 
 fn main() -> Result<(), Box<dyn core::error::Error>> {
-    // A mesh is a list of corners and a list of triangles, three indices each. This one is a tetrahedron; one
-    // unit is a metre here, and may be anything else, as long as both bodies and the poses use the same.
+    // A mesh is a list of corners and a list of triangles with three indices each. This one is a tetrahedron. The unit
+    // is a metre here; any other works if both bodies and the poses use the same.
     let vertices = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
     let triangles = [[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]];
     let mesh = Mesh { vertices: &vertices, triangles: &triangles };
 
-    // A body is the tree over a mesh, built once. The node type says how many planes bound each volume (k =
-    // 18) and how many children a node has (16). Both bodies of a query have the same node type.
+    // A body is the tree over a mesh, built once. The node type sets the number of planes of a k-DOP (k = 18) and the
+    // number of children of a node (16). Both bodies of a query need the same node type.
     let body = Builder::new().build(&mesh)?;
     let (a, b) = (body.view(), body.view());
 
-    // The best instruction set of this machine. It does not change an answer, only how soon it is there.
+    // The best instruction set of this machine. It changes the speed, but no answer.
     let query = Query::new(Isa::detect());
 
     // A pose places body A in the frame of body B: the rows of the matrix [R|t].
@@ -30,14 +30,13 @@ fn main() -> Result<(), Box<dyn core::error::Error>> {
     let Verdict::Hit(pair) = answer.verdict else { return Err("they overlap by a tenth of a metre".into()) };
     println!("triangle {} of A meets triangle {} of B", pair.a, pair.b);
 
-    // Bodies are closed sets, so those that only touch meet, and verdicts are exact: a gap of a nanometre is
-    // a gap.
+    // Bodies are closed sets, so bodies that only touch do meet. Verdicts are exact: a gap of a nanometre is a gap.
     let touching = Pose::from_rows([[1.0, 0.0, 0.0, 1.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0]])?;
     let apart = Pose::from_rows([[1.0, 0.0, 0.0, 1.0 + 1e-9], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0]])?;
     assert!(query.collide(&a, &b, &touching).hit().is_some());
     assert_eq!(query.collide(&a, &b, &apart).verdict, Verdict::Free);
 
-    // How far apart, and where? At the nanometre, to rounding.
+    // How far apart are they, and where? Exact up to rounding.
     let distance = query.distance(&a, &b, &apart, 0.0)?;
     println!("1e-9 m apart by the pose, {:e} m by the query", distance.upper);
     assert!((distance.upper - 1e-9).abs() < 1e-15);

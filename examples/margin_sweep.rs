@@ -1,12 +1,11 @@
-//! Margins: how close a motion comes to an obstacle, asked in three ways.
+//! Margins: how close a motion comes to an obstacle, in two ways.
 //!
 //! ```sh
 //! cargo run --release --example margin_sweep
 //! ```
 //!
-//! A tool moves past a post. For a list of safety margins the sweep finds the part of the motion that is
-//! nearer than each, with `Query::within`; one `Query::distance` at each pose, which costs more, has the
-//! answers for all margins.
+//! A tool moves past a post. For a list of safety margins the sweep finds the part of the motion that is nearer than
+//! each, with `Query::within`. One `Query::distance` at each pose, which costs more, answers all margins at once.
 
 mod shapes;
 
@@ -15,7 +14,7 @@ use simdop::isa::Isa;
 use simdop::pose::Pose;
 use simdop::query::{Hint, Query};
 
-/// In metres, as everything here.
+/// In metres, like all lengths here.
 const MARGINS: [f64; 4] = [0.0, 0.01, 0.05, 0.2];
 
 fn main() -> Result<(), Box<dyn core::error::Error>> {
@@ -26,7 +25,7 @@ fn main() -> Result<(), Box<dyn core::error::Error>> {
     let post = build(shapes::cuboid([-0.02, -0.02, -1.0], [0.02, 0.02, 1.0]))?;
     let (tool, post) = (tool.view(), post.view());
 
-    // Along x, and 0.1 m to the side: from face to face 0.1 - 0.05 - 0.02 = 0.03 m are left where it passes.
+    // Along x, 0.1 m to the side: the smallest gap between the faces is 0.1 - 0.05 - 0.02 = 0.03 m.
     let steps = -200..=200;
     let at = |step: i32| {
         let x = f64::from(step) * 0.005;
@@ -35,8 +34,7 @@ fn main() -> Result<(), Box<dyn core::error::Error>> {
 
     let query = Query::new(Isa::detect());
     let mut distances = Vec::new();
-    // Consecutive poses are alike, so the pair of triangles that was nearest is a good one to begin with at
-    // the next.
+    // Consecutive poses are similar, so the nearest pair of triangles at one is a good start for the next.
     let mut hint = Hint::NONE;
     for step in steps.clone() {
         let distance = query.with_hint(hint).distance(&tool, &post, &at(step)?, 0.0)?;
@@ -48,7 +46,7 @@ fn main() -> Result<(), Box<dyn core::error::Error>> {
         let mut near = 0;
         for (step, distance) in steps.clone().zip(&distances) {
             let is_near = query.within(&tool, &post, &at(step)?, margin)?.hit().is_some();
-            // The distance lies in lower ..= upper; only a margin between the two would be for either to say.
+            // The distance lies in lower ..= upper; for a margin in between, either answer would be right.
             assert!(if is_near { distance.lower <= margin } else { distance.upper > margin });
             near += u32::from(is_near);
         }

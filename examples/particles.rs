@@ -1,12 +1,12 @@
-//! Particles of mixed sizes, much denser in some places than in others: who touches whom, in every frame.
+//! Particles of mixed sizes, much denser in some places than in others: finds all contacts in every frame.
 //!
 //! ```sh
 //! cargo run --release --example particles
 //! ```
 //!
-//! Xing, Wang, Hui, *Coherent Spherical Range-Search for Dynamic Points on GPUs*, CAD 2017, section 5.2, figures 18 and 19,
-//! with radii that differ by a factor of 50. A grid of cells has no good size for that; here each particle asks with a
-//! radius of its own. The tree is refitted in each frame, and built anew when that pays (section 4.4).
+//! Xing, Wang, Hui, *Coherent Spherical Range-Search for Dynamic Points on GPUs*, CAD 2017, section 5.2, figures 18 and
+//! 19, with radii that differ by a factor of 50. No cell size of a grid suits them all; here each particle searches
+//! with its own radius. The tree is refitted in each frame, and rebuilt when that pays (section 4.4).
 
 mod points;
 
@@ -19,17 +19,17 @@ use simdop::cloud::{
 use simdop::isa::Isa;
 
 const FRAMES: usize = 300;
-/// Of a frame, in seconds.
+/// Time step in seconds.
 const STEP: f32 = 0.01;
 
-/// Towards the middle, in proportion to the distance from it.
+/// Acceleration towards the centre, relative to the distance from it.
 const PULL: f32 = 4.0;
 
 struct Particles {
     positions: Vec<[f32; 3]>,
     velocities: Vec<Vec3>,
     radii: Vec<f32>,
-    /// Twice the radius: how far a particle reaches to another that is no larger.
+    /// Twice the radius: the search radius for contacts with particles that are no larger.
     reaches: Vec<f32>,
 }
 
@@ -40,7 +40,7 @@ impl Particles {
         let positions: Vec<[f32; 3]> = (0..count)
             .map(|_| (random.direction() * (reach * (0.05 + random.unit().powi(4)))).to_array())
             .collect();
-        // On circles around the middle, each on its own: so they stay as dense there as they are, and meet.
+        // Each moves on a circle of its own around the centre, so that the density stays, and particles meet.
         let circle = |p: &[f32; 3]| {
             let p = Vec3::from(*p);
             p.cross(random.direction()).normalize_or_zero() * p.length() * PULL.sqrt()
@@ -56,12 +56,12 @@ impl Particles {
     fn touch(&self, i: u32, j: u32) -> bool {
         let ([i, j], reach) = ([i as usize, j as usize], self.radii[i as usize] + self.radii[j as usize]);
         let [x, y, z] = [0, 1, 2].map(|k| self.positions[i][k] - self.positions[j][k]);
-        // As the search has it, so that a contact is never just outside of what it finds.
+        // As the search computes it, so that it finds every contact.
         (x * x + y * y) + z * z <= reach * reach
     }
 
-    /// Whether it is particle i that finds its contact with j: the larger one, which reaches far enough. Of two that are of
-    /// one size, that of the lower index.
+    /// Whether particle i is the one to report its contact with j: the larger one, whose search radius suffices. For
+    /// equal sizes, the one with the lower index.
     fn finds(&self, i: u32, j: u32) -> bool {
         let (of_i, of_j) = (self.radii[i as usize], self.radii[j as usize]);
         of_i > of_j || of_i == of_j && i < j
@@ -83,7 +83,7 @@ impl Particles {
         })
     }
 
-    /// A frame: what touches is pushed apart, and all are pulled towards the middle.
+    /// A frame: pushes touching particles apart, and pulls all towards the centre.
     fn step(&mut self, pairs: &[[u32; 2]]) {
         let count = self.positions.len();
         let (mut pushes, mut contacts) = (vec![Vec3::ZERO; count], vec![0.0_f32; count]);
@@ -92,7 +92,7 @@ impl Particles {
             let apart = Vec3::from(self.positions[i]) - Vec3::from(self.positions[j]);
             let overlap = self.radii[i] + self.radii[j] - apart.length();
             let push = apart.try_normalize().unwrap_or(Vec3::X) * overlap;
-            // The heavier moves less, by volume.
+            // The heavier one moves less, by volume.
             let share = self.radii[j].powi(3) / (self.radii[i].powi(3) + self.radii[j].powi(3));
             pushes[i] += push * share;
             pushes[j] -= push * (1.0 - share);
@@ -105,14 +105,14 @@ impl Particles {
             let velocity = &mut self.velocities[i];
             *velocity -= before * (PULL * STEP);
             let after = before + *velocity * STEP + push;
-            // What was pushed goes on that way, with a loss.
+            // A pushed particle keeps moving in that direction, damped.
             *velocity += push * (0.2 / STEP);
             *velocity *= 0.995;
             self.positions[i] = after.to_array();
         }
     }
 
-    /// Runs, and shows each frame's contacts. Returns how often the tree was built anew.
+    /// Runs the simulation, and passes each frame's contacts to `show`. Returns the number of rebuilds.
     fn run(
         &mut self,
         frames: usize,
@@ -151,7 +151,7 @@ fn main() -> Result<(), Box<dyn core::error::Error>> {
     Ok(())
 }
 
-/// The contacts are those of a loop over all pairs, in frames before and after trees were built anew.
+/// The contacts equal those of a loop over all pairs, in frames before and after rebuilds.
 #[test]
 fn contacts_are_those_of_a_loop() {
     let mut particles = Particles::new(2_500);

@@ -1,13 +1,13 @@
-//! A small planner: RRT-Connect, for an arm of four joints among boxes, whose connections are certified edges.
+//! A small planner: RRT-Connect for an arm with four joints among boxes, with certified motions.
 //!
 //! ```sh
 //! cargo run --release --features urdf --example plan_a_path -- path.svg
 //! ```
 //!
-//! Two trees of configurations grow from the start and from the goal, in turn towards a random configuration, and each then
-//! towards what the other has got, until they meet (the paper on RRT-Connect, ICRA 2000). Each step is asked as `Scene::check_motion`: the path is
-//! free at all times, not at samples of it. The picture shows the arm along the path, from the side and from above; without
-//! an argument it is written beside the program.
+//! Two trees of configurations grow from the start and from the goal, in turn: one towards a random configuration, the
+//! other towards the new node, until they meet (Kuffner and `LaValle`, ICRA 2000). Each step is checked by
+//! `Scene::check_motion`, so the path is free at all times, not only at samples. The picture shows the arm along the
+//! path, from the side and from above; without an argument it is written beside the program.
 
 #[path = "plan_a_path/picture.rs"]
 mod picture;
@@ -29,7 +29,7 @@ use std::time::{Duration, Instant};
 const URDF: &str = include_str!("arm/arm.urdf");
 const SRDF: &str = include_str!("arm/arm.srdf");
 
-/// Sides and middles: a floor, a rack of two boards with a back, and a post before it.
+/// Side lengths and centres: a floor, a rack of two boards with a back, and a post in front of it.
 const BOXES: [[[f64; 3]; 2]; 5] = [
     [[1.8, 1.8, 0.1], [0.0, 0.0, -0.08]],
     [[0.4, 0.8, 0.03], [0.65, 0.0, 0.3]],
@@ -46,14 +46,14 @@ type Tree = Bvh<Node16<18>>;
 
 const PLANS: usize = 10;
 
-/// How far a tree grows in one step, in the joints.
+/// Maximum length of a step of a tree, in the joints.
 const STEP: f64 = 0.5;
 
 fn distance(p: &Configuration, q: &Configuration) -> f64 {
     p.iter().zip(q).map(|(p, q)| (p - q) * (p - q)).sum::<f64>().sqrt()
 }
 
-/// A tree of configurations: each with the one that it was reached from.
+/// A tree of configurations, each with the index of its parent.
 struct Grown(Vec<(Configuration, usize)>);
 
 impl Grown {
@@ -63,7 +63,7 @@ impl Grown {
         (0..self.0.len()).min_by(nearer).unwrap_or(0)
     }
 
-    /// From a configuration back to the root.
+    /// The configurations from one to the root.
     fn back(&self, mut from: usize) -> Vec<Configuration> {
         let mut path = vec![self.0[from].0];
         while from != 0 {
@@ -74,7 +74,7 @@ impl Grown {
     }
 }
 
-/// The arm among the boxes, and what asking it has cost.
+/// The arm among the boxes, and the cost of the queries so far.
 struct Planner<'t> {
     scene: Scene<'t, Node16<18>>,
     arm: Vec<BodyId>,
@@ -97,7 +97,7 @@ impl Planner<'_> {
         Ok(answer.is_free())
     }
 
-    /// One step of a tree. Where it leads, if it is free, and whether that is all the way.
+    /// One step of a tree: the index of the new node if the step is free, and whether it reaches the target.
     fn extend(
         &mut self,
         tree: &mut Grown,
@@ -134,7 +134,7 @@ impl Planner<'_> {
                             core::mem::swap(&mut path, &mut rest);
                         }
                         path.reverse();
-                        // Both have the place where they met.
+                        // Both end with the configuration where they met.
                         path.extend(&rest[1..]);
                         return Ok(path);
                     }
@@ -145,7 +145,7 @@ impl Planner<'_> {
         Err("no path was found".into())
     }
 
-    /// Leaves out what a free edge bridges: from each place straight to the farthest that can be reached.
+    /// Shortcuts the path: from each configuration straight to the farthest that a free motion reaches.
     fn shorten(&mut self, path: &[Configuration]) -> Result<Vec<Configuration>, Box<dyn Error>> {
         let (mut short, mut at) = (vec![path[0]], 0);
         while at + 1 < path.len() {
@@ -160,7 +160,7 @@ impl Planner<'_> {
     }
 }
 
-/// Numbers from 0 to 1, the same in every run: a linear congruential generator of 64 bits (Knuth's MMIX).
+/// Numbers from 0 to 1, the same in every run: a 64-bit linear congruential generator (Knuth's MMIX).
 fn random() -> impl FnMut() -> f64 {
     let mut state = 7_u64;
     move || {
@@ -210,7 +210,7 @@ fn run(file: &Path) -> Result<(), Box<dyn Error>> {
     assert!(!planner.is_free(&ENDS[0], &ENDS[1])?, "something is in the straight way");
     let start = Instant::now();
     (planner.edges, planner.asking) = (0, Duration::ZERO);
-    // Which way round is luck: the shortest of several plans.
+    // The route depends on chance: take the shortest of several plans.
     let (mut random, mut plans) = (random(), Vec::new());
     for _ in 0..PLANS {
         let found = planner.plan(ENDS, &mut random)?;
@@ -240,7 +240,7 @@ fn run(file: &Path) -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
-/// Configurations along the path, evenly in its length, both ends among them.
+/// Configurations at equal distances along the path, including both ends.
 fn along(path: &[Configuration], count: usize) -> Vec<Configuration> {
     let at = |i: usize| {
         let mut left = length(path) * i as f64 / (count - 1) as f64;
@@ -253,7 +253,7 @@ fn along(path: &[Configuration], count: usize) -> Vec<Configuration> {
         }
         path[path.len() - 1]
     };
-    // The last as it is, and not by a sum that is rounded.
+    // The last one exactly, not as a rounded sum.
     (0..count - 1).map(at).chain(path.last().copied()).collect()
 }
 

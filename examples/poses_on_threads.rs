@@ -4,8 +4,8 @@
 //! cargo run --release --example poses_on_threads
 //! ```
 //!
-//! Queries share nothing and allocate nothing, so threads need no locks and no workspaces: the trees are
-//! borrowed, and a query, a view and a pose are `Copy`.
+//! Queries share nothing and allocate nothing, so threads need no locks and no workspaces: the trees are borrowed, and
+//! a query, a view and a pose are `Copy`.
 
 mod shapes;
 
@@ -20,8 +20,8 @@ use std::thread;
 
 type View<'t> = BvhRef<'t, Node16<18>>;
 
-/// Where a link and an obstacle stand in the world is what a planner knows; a query asks where the link is,
-/// seen from the obstacle: `inverse(world_b) * world_a`.
+/// A planner has the world poses of a link and an obstacle; a query takes the link's pose in the obstacle's frame:
+/// `inverse(world_b) * world_a`.
 fn in_frame_of(world_b: &DAffine3, world_a: &DAffine3) -> Result<Pose, simdop::pose::PoseError> {
     Pose::try_from(world_b.inverse() * *world_a)
 }
@@ -44,7 +44,7 @@ fn verdicts(link: &View<'_>, obstacle: &View<'_>, poses: &[Pose], threads: usize
 }
 
 fn main() -> Result<(), Box<dyn core::error::Error>> {
-    // A link 0.6 m long turns about the z axis of the world; a table stands beside it.
+    // A link 0.6 m long rotates about the z axis of the world, beside a table.
     let build = |(vertices, triangles): (Vec<_>, Vec<_>)| {
         Builder::new().build(&Mesh { vertices: &vertices, triangles: &triangles })
     };
@@ -59,9 +59,8 @@ fn main() -> Result<(), Box<dyn core::error::Error>> {
     let threads = thread::available_parallelism().map_or(1, usize::from);
     let divided = verdicts(&link.view(), &table.view(), &poses, threads);
 
-    // The same answers as from one thread, and those that geometry gives: the link's far corners reach 0.602
-    // m, and the table stands between 0.3 and 0.7 m along both axes, so the link meets it around 45
-    // degrees.
+    // The same answers as on one thread, and as by geometry: the link's far corners reach 0.602 m, and the table
+    // extends from 0.3 to 0.7 m along both axes, so the link meets it around 45 degrees.
     assert_eq!(divided, verdicts(&link.view(), &table.view(), &poses, 1));
     let hits: Vec<usize> = (0..3600).filter(|&i| matches!(divided[i], Verdict::Hit(_))).collect();
     let (first, last) = (hits[0], hits[hits.len() - 1]);

@@ -1,4 +1,4 @@
-//! Resampling: few samples spread themselves evenly over the surface that many noisy points are of.
+//! Resampling: a few samples spread evenly over the surface that many noisy points represent.
 //!
 //! ```sh
 //! cargo run --release --example resample_points
@@ -6,9 +6,9 @@
 //!
 //! Xing, Wang, Hui, *Coherent Spherical Range-Search for Dynamic Points on GPUs*, CAD 2017, section 5.2, figure 15: the
 //! weighted locally optimal projection of Huang et al., *Consolidation of Unorganized Point Clouds for Surface
-//! Reconstruction*, SIGGRAPH Asia 2009. In every round each sample asks two clouds: the points, which pull it onto their
-//! local median, and the samples, which push it away from where they are dense. The points stay; the samples move, and
-//! their tree is refitted.
+//! Reconstruction*, SIGGRAPH Asia 2009. In every round each sample searches two clouds: the points, which pull it onto
+//! their local median, and the samples, which push it away from where they are dense. The points are fixed; the samples
+//! move, and their tree is refitted.
 
 mod points;
 
@@ -20,26 +20,26 @@ use simdop::isa::Isa;
 const POINTS: usize = 20_000;
 const SAMPLES: usize = 500;
 const ROUNDS: usize = 40;
-/// How far a sample looks, in the unit of the points.
+/// Search radius of a sample, in the unit of the points.
 const H: f32 = 0.5;
-/// How strongly samples push each other, from 0 to 0.5.
+/// Strength of the repulsion between samples, from 0 to 0.5.
 const PUSH: f32 = 0.45;
-/// How far a point is from the surface, at most.
+/// Maximum distance of a point from the surface.
 const NOISE: f32 = 0.02;
 
-/// What a point at a distance counts.
+/// The weight of a point at a distance.
 fn weight(distance: f32) -> f32 {
     (-(distance / (H / 4.0)).powi(2)).exp()
 }
 
-/// The same for a median instead of a mean: a point weighs less the farther it is, in proportion.
+/// The weight for a median instead of a mean: also inversely proportional to the distance.
 fn median_weight(distance: f32) -> f32 {
     weight(distance) / distance.max(1e-6)
 }
 
-/// How densely points lie around each point of a cloud: 1 if it is alone.
+/// The density around each point of a cloud: 1 for an isolated point.
 fn densities(at: &[Vec3], found: &Neighbours) -> Vec<f32> {
-    // Each is its own neighbour, which is the 1.
+    // Each is its own neighbour, which gives the 1.
     (0..at.len()).map(|i| found.of(i).map(|j| weight(at[i].distance(at[j]))).sum()).collect()
 }
 
@@ -54,7 +54,7 @@ fn resample(points: &[[f32; 3]], samples: &mut [[f32; 3]]) -> Result<(), Box<dyn
     let (mut near_points, mut near_samples) = (Neighbours::default(), Neighbours::default());
     let mut seats = vec![Seat::default(); samples.len()];
     let p = vectors(points);
-    // So that a sample is not drawn to where the scanner has been twice.
+    // Prevents samples from being drawn to where the scanner saw more points.
     near_points.find(&search, &still.view(), &Queries::own(), p.len(), H)?;
     let of_points = densities(&p, &near_points);
     for round in 0..ROUNDS {
@@ -66,7 +66,8 @@ fn resample(points: &[[f32; 3]], samples: &mut [[f32; 3]]) -> Result<(), Box<dyn
         let moved = (0..x.len()).map(|i| {
             let pull = near_points.of(i).map(|j| {
                 let distance = x[i].distance(p[j]);
-                // Samples begin at points, where the median's weights have no bound: first they go to the mean.
+                // Samples start at points, where the median's weights are unbounded: in the first round they move to
+                // the mean.
                 let w = if round == 0 { weight(distance) } else { median_weight(distance) };
                 (p[j] - x[i], w / of_points[j])
             });
@@ -84,13 +85,13 @@ fn resample(points: &[[f32; 3]], samples: &mut [[f32; 3]]) -> Result<(), Box<dyn
     Ok(())
 }
 
-/// The mean of vectors by their weights; none if there are none.
+/// The weighted mean of vectors; zero if there are none.
 fn mean(weighted: impl Iterator<Item = (Vec3, f32)>) -> Vec3 {
     let (sum, total) = weighted.fold((Vec3::ZERO, 0.0), |(sum, total), (v, w)| (sum + v * w, total + w));
     if total > 0.0 { sum / total } else { Vec3::ZERO }
 }
 
-/// A noisy torus, on one side of which the scanner saw more, and samples that are some of its points.
+/// A noisy torus with more points on one side, and samples that are some of its points.
 fn scan() -> (Vec<[f32; 3]>, Vec<[f32; 3]>) {
     let random = &mut Random(3);
     let mut points = Vec::new();
@@ -104,7 +105,7 @@ fn scan() -> (Vec<[f32; 3]>, Vec<[f32; 3]>) {
     (points, samples)
 }
 
-/// How far each sample is from the next one.
+/// The distance of each sample to the nearest other one.
 fn gaps(samples: &[[f32; 3]]) -> Vec<f32> {
     let x = vectors(samples);
     let gap = |i: usize| {
@@ -127,7 +128,7 @@ fn main() -> Result<(), Box<dyn core::error::Error>> {
     Ok(())
 }
 
-/// On the surface, and spread: the least gap grows many times, and gaps are much more alike.
+/// Samples are on the surface and evenly spread: the smallest gap grows many times, and gaps become much more uniform.
 #[test]
 fn samples_spread_over_the_surface() {
     let (points, mut samples) = scan();
@@ -136,7 +137,7 @@ fn samples_spread_over_the_surface() {
     let after = gaps(&samples);
     let least = |gaps: &[f32]| gaps.iter().copied().fold(f32::INFINITY, f32::min);
     assert!(least(&after) > 5.0 * least(&before), "{} {}", least(&before), least(&after));
-    // The spread of the gaps as a share of their mean: 0 if all are the same.
+    // The standard deviation of the gaps relative to their mean: 0 if all are equal.
     let unevenness = |gaps: &[f32]| {
         let n = gaps.len() as f32;
         let mean = gaps.iter().sum::<f32>() / n;
@@ -148,7 +149,7 @@ fn samples_spread_over_the_surface() {
         unevenness(&before),
         unevenness(&after)
     );
-    // Where the scanner saw less, gaps are hardly wider: that is what the densities are for.
+    // Where the scanner saw less, gaps are hardly wider, thanks to the densities.
     let on_side = |sign: f32| {
         let of_side = samples.iter().zip(&after).filter(|(x, _)| sign * x[0] > 0.3).map(|(_, gap)| *gap);
         of_side.clone().sum::<f32>() / of_side.count() as f32

@@ -1,10 +1,11 @@
-//! From a URDF to a checked edge in thirty lines: may the robot move from here to there, without samples between?
+//! From a URDF to a checked motion in thirty lines: may the robot move from here to there, at all times?
 //!
 //! ```sh
 //! cargo run --release --features urdf --example urdf_to_edge
 //! ```
 //!
-//! Here the links are capsules. Of a `<mesh>`, `LinkShape::mesh` gives nothing: read its file and build a tree of that instead.
+//! The links here are capsules. `LinkShape::mesh` returns nothing for a `<mesh>`: read its file and build the tree from
+//! that.
 
 use simdop::construct::{Builder, OwnedMesh};
 use simdop::glam::{DAffine3, DVec3};
@@ -15,7 +16,7 @@ use simdop::query::Query;
 use simdop::robot::{DisabledPair, LinkShapes, Robot};
 use simdop::scene::{Body, MotionHit, MotionMemory, MotionVerdict, Scene};
 
-/// Two capsules in a row, each half a metre long, on joints that turn about z.
+/// Two capsules in a row, each half a metre long, on joints that rotate about z.
 const URDF: &str = r#"<robot name="two_links">
   <link name="base"/>
   <link name="upper"><collision><origin xyz="0.25 0 0" rpy="0 1.5708 0"/>

@@ -59,8 +59,8 @@ const GENERATED: [Golden<'_>; 7] = [
     ("collinear", [0xbdfc_4a6f_8d38_f48a, 0x519d_d222_cdda_041c]),
     ("coincident", [0x993d_606c_f887_7bbd, 0x6cb3_e3a5_d1a7_1356]),
     ("soup", [0xeb07_b014_b284_98f4, 0x64a3_7e0d_4dd4_7928]),
-    ("huge among tiny", [0xa76f_ad6a_365f_c267, 0x48cd_d84c_476e_070c]),
-    ("ever smaller", [0x5bb8_d75f_d253_0855, 0x4089_608c_104d_d731]),
+    ("huge among tiny", [0x5708_91f5_ac6c_f1c5, 0x5761_8786_7bd9_e725]),
+    ("ever smaller", [0x36c4_de58_bf01_d91d, 0xcedc_242d_b8fd_12a4]),
 ];
 
 #[rustfmt::skip]

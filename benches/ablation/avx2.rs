@@ -1,10 +1,10 @@
-//! Hand-vectorised nodes for AVX2: binary trees over slabs, in floats and in 16-bit keys, and the 16-ary tree
-//! in floats.
+//! Hand-vectorised nodes for AVX2: binary trees over slabs, in floats and in 16-bit keys, and the 16-ary tree in
+//! floats.
 //!
-//! The binary nodes keep the planes of their children in turns, `[slab][side][child]`: a register holds two
-//! slabs of both DOPs in floats, four in keys. Re-alignment takes three loads a pair of slabs, swapped by
-//! side where the source is the other end of its slab, and turns both children at once. A child of A, doubled
-//! by one shuffle, then meets both children of B at once. No early exit: one movemask a pair of children.
+//! The binary nodes interleave the planes of their children, `[slab][side][child]`: a register holds two slabs of both
+//! DOPs in floats, four in keys. Realignment takes three loads per pair of slabs, with sides swapped where the source
+//! is the opposite side of its slab, and handles both children at once. A child of A, duplicated by one shuffle, is
+//! then tested against both children of B at once. No early exit: one movemask per pair of children.
 
 #![expect(unsafe_code, reason = "intrinsics that load and store, and calls that the token makes sound")]
 
@@ -18,7 +18,7 @@ use simdop::low_level::realign::Realignment;
 use simdop::node::Child;
 
 const SLABS: usize = K / 2;
-/// Registers of two slabs each; the ninth slab is left over.
+/// Registers of two slabs each; the ninth slab is separate.
 const WHOLE: usize = SLABS / 2;
 const LAST: usize = SLABS - 1;
 
@@ -30,11 +30,11 @@ pub(crate) struct Floats(pub(crate) Avx2);
 #[derive(Copy, Clone)]
 pub(crate) struct Keys(pub(crate) Avx2);
 
-/// Both DOPs of a node: by slab, `[high of 0, high of 1, low of 0, low of 1]`, as planes that are greatest
-/// supports; or of a query, what they are compared with.
+/// Both DOPs of a node: by slab, `[high of 0, high of 1, low of 0, low of 1]`, as planes that are maximum supports; or
+/// for a query, the values that they are compared with.
 type Slabs<T> = [[T; 4]; SLABS];
 
-/// No load of it crosses a line.
+/// Aligned so that no load crosses a cache line.
 #[derive(Copy, Clone)]
 #[repr(C, align(32))]
 pub(crate) struct FloatPair {
@@ -62,7 +62,7 @@ fn slabs<T: Copy + Default>(dops: &[Dop; 2], plane: impl Fn(f32) -> T) -> Slabs<
     slabs
 }
 
-/// Both lanes of a query: `-plane` of the opposite side.
+/// A child duplicated into both lanes of a query: `-plane` of the opposite side.
 fn doubled<T: Copy + Default>(plane: impl Fn(usize) -> T) -> Slabs<T> {
     let mut slabs = [[T::default(); 4]; SLABS];
     for (s, slab) in slabs.iter_mut().enumerate() {
@@ -72,9 +72,9 @@ fn doubled<T: Copy + Default>(plane: impl Fn(usize) -> T) -> Slabs<T> {
     slabs
 }
 
-/// A re-alignment that gives queries: signs and sides are swapped beforehand.
+/// A realignment that gives queries: signs and sides are swapped in advance.
 pub(crate) struct Turn {
-    /// Which slab each of the three terms takes.
+    /// The source slab of each of the three terms.
     source: [[u8; SLABS]; 3],
     /// For `vpermilps`: the sides in their order or swapped.
     sides: [[[i32; 4]; SLABS]; 3],
@@ -94,8 +94,8 @@ impl Turn {
             offset: doubled(|j| -turn.offset[j]),
         };
         for s in 0..SLABS {
-            // The query's high side is made of the low plane, which is made of the opposites of the high
-            // plane's sources.
+            // The query's high side comes from the low plane, which comes from the opposites of the high plane's
+            // sources.
             for l in 0..3 {
                 let source = turn.sources[s][l];
                 map.source[l][s] = source / 2;
@@ -114,40 +114,40 @@ macro_rules! for_avx2 {
 
 for_avx2! {
     fn load(slab: &[f32; 4]) -> __m128 {
-        // SAFETY: the array has the 16 bytes that are read; the load asks for no alignment.
+        // SAFETY: the array has the 16 bytes that are read; the load needs no alignment.
         unsafe { _mm_loadu_ps(slab.as_ptr()) }
     }
 
     /// Slabs 2 r and 2 r + 1.
     fn load_two(slabs: &Slabs<f32>, r: usize) -> __m256 {
         let (two, _) = slabs[2 * r..].as_chunks::<2>();
-        // SAFETY: the array has the 32 bytes that are read; the load asks for no alignment.
+        // SAFETY: the array has the 32 bytes that are read; the load needs no alignment.
         unsafe { _mm256_loadu_ps(two[0].as_flattened().as_ptr()) }
     }
 
     fn store_two(slabs: &mut Slabs<f32>, r: usize, x: __m256) {
         let (two, _) = slabs[2 * r..].as_chunks_mut::<2>();
-        // SAFETY: the array has the 32 bytes that are written; the store asks for no alignment.
+        // SAFETY: the array has the 32 bytes that are written; the store needs no alignment.
         unsafe { _mm256_storeu_ps(two[0].as_flattened_mut().as_mut_ptr(), x) }
     }
 
     fn store(slab: &mut [f32; 4], x: __m128) {
-        // SAFETY: the array has the 16 bytes that are written; the store asks for no alignment.
+        // SAFETY: the array has the 16 bytes that are written; the store needs no alignment.
         unsafe { _mm_storeu_ps(slab.as_mut_ptr(), x) }
     }
 
     fn sides_two(sides: &[[i32; 4]; SLABS], r: usize) -> __m256i {
         let (two, _) = sides[2 * r..].as_chunks::<2>();
-        // SAFETY: the array has the 32 bytes that are read; the load asks for no alignment.
+        // SAFETY: the array has the 32 bytes that are read; the load needs no alignment.
         unsafe { _mm256_loadu_si256(two[0].as_ptr().cast()) }
     }
 
     fn sides(sides: &[i32; 4]) -> __m128i {
-        // SAFETY: the array has the 16 bytes that are read; the load asks for no alignment.
+        // SAFETY: the array has the 16 bytes that are read; the load needs no alignment.
         unsafe { _mm_loadu_si128(sides.as_ptr().cast()) }
     }
 
-    /// Both children as a query: slabs 2 r and 2 r + 1.
+    /// Realigns slabs 2 r and 2 r + 1 of both children to a query.
     fn turn_two(map: &Turn, planes: &Slabs<f32>, r: usize) -> __m256 {
         let term = |l: usize| {
             let slab = |s: usize| load(&planes[usize::from(map.source[l][s]) % SLABS]);
@@ -159,7 +159,7 @@ for_avx2! {
         _mm256_add_ps(sum, load_two(&map.offset, r))
     }
 
-    /// Both children as a query: the last slab.
+    /// Realigns the last slab of both children to a query.
     fn turn_last(map: &Turn, planes: &Slabs<f32>) -> __m128 {
         let term = |l: usize| {
             let slab = load(&planes[usize::from(map.source[l][LAST]) % SLABS]);
@@ -177,7 +177,7 @@ for_avx2! {
         query
     }
 
-    /// Bit i: the body whose doubled planes are given, register by register, overlaps child i.
+    /// Bit i: the body whose duplicated planes are given, register by register, overlaps child i.
     fn overlap_floats(query: impl Fn(usize) -> __m256, last: __m128, node: &FloatPair) -> u16 {
         let mut separated = _mm256_setzero_ps();
         for r in 0..WHOLE {
@@ -202,7 +202,7 @@ for_avx2! {
         overlap_floats(|r| load_two(a, r), load(&a[LAST]), node)
     }
 
-    /// The complements of the codes nearest to eight numbers, whose signs are swapped already.
+    /// The complements of the nearest keys to eight numbers, whose signs are already swapped.
     fn complements(low: __m128, high: __m128) -> __m128i {
         let codes = _mm_packs_epi32(_mm_cvtps_epi32(low), _mm_cvtps_epi32(high));
         _mm_subs_epi16(codes, _mm_set1_epi16(1))
@@ -210,19 +210,19 @@ for_avx2! {
 
     fn load_codes(slabs: &Slabs<i16>, r: usize) -> __m128i {
         let (two, _) = slabs[2 * r..].as_chunks::<2>();
-        // SAFETY: the array has the 16 bytes that are read; the load asks for no alignment.
+        // SAFETY: the array has the 16 bytes that are read; the load needs no alignment.
         unsafe { _mm_loadu_si128(two[0].as_ptr().cast()) }
     }
 
     /// Slabs 4 r to 4 r + 3.
     fn load_four(slabs: &Slabs<i16>, r: usize) -> __m256i {
         let (four, _) = slabs[4 * r..].as_chunks::<4>();
-        // SAFETY: the array has the 32 bytes that are read; the load asks for no alignment.
+        // SAFETY: the array has the 32 bytes that are read; the load needs no alignment.
         unsafe { _mm256_loadu_si256(four[0].as_ptr().cast()) }
     }
 
     fn load_last(slab: &[i16; 4]) -> __m128i {
-        // SAFETY: the array has the 8 bytes that are read; the load asks for no alignment.
+        // SAFETY: the array has the 8 bytes that are read; the load needs no alignment.
         unsafe { _mm_loadl_epi64(slab.as_ptr().cast()) }
     }
 
@@ -233,7 +233,7 @@ for_avx2! {
         }
         store(&mut planes[LAST], _mm_cvtepi32_ps(_mm_cvtepi16_epi32(load_last(&node.slabs[LAST]))));
         let mut query = [[0; 4]; SLABS];
-        // Stored as it will be loaded: two stores could not be forwarded to one load.
+        // Stored with the width of the later load: two stores could not be forwarded to one load.
         let codes = |r| {
             let turned = turn_two(map, &planes, r);
             complements(_mm256_castps256_ps128(turned), _mm256_extractf128_ps::<1>(turned))
@@ -241,12 +241,12 @@ for_avx2! {
         for r in 0..WHOLE / 2 {
             let (four, _) = query[4 * r..].as_chunks_mut::<4>();
             let codes = _mm256_set_m128i(codes(2 * r + 1), codes(2 * r));
-            // SAFETY: the array has the 32 bytes that are written; the store asks for no alignment.
+            // SAFETY: the array has the 32 bytes that are written; the store needs no alignment.
             unsafe { _mm256_storeu_si256(four[0].as_mut_ptr().cast(), codes) };
         }
         let turned = turn_last(map, &planes);
         let codes = complements(turned, turned);
-        // SAFETY: the array has the 8 bytes that are written; the store asks for no alignment.
+        // SAFETY: the array has the 8 bytes that are written; the store needs no alignment.
         unsafe { _mm_storel_epi64(query[LAST].as_mut_ptr().cast(), codes) };
         query
     }

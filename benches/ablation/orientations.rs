@@ -1,7 +1,7 @@
-//! How many slabs tell two DOPs apart: figure 12 of the SIMDop paper, from the kernel calls of real queries.
+//! How many slabs separate two DOPs: figure 12 of the SIMDop paper, from the kernel calls of real queries.
 //!
-//! A scalar test of one pair ends at the slab that separates it. A kernel that tests sixteen pairs at once
-//! can leave when all of them are separated, as the paper's does, or not at all, as the library's at k = 18.
+//! A scalar test of one pair ends at the slab that separates it. A kernel that tests sixteen pairs at once can exit
+//! when all of them are separated, as the paper's does, or not exit early, as the library's at k = 18.
 
 use crate::data::MeshData;
 use crate::page::show;
@@ -11,7 +11,7 @@ use simdop::construct::{Builder, Mesh};
 use simdop::node::{Node4, Node16};
 use simdop::pose::Pose;
 
-/// Prints slabs a pair of DOPs, mean over the kernel calls of free poses.
+/// Prints the slabs per pair of DOPs, mean over the kernel calls of free poses.
 pub(crate) fn report(mesh: &MeshData, poses: &[Pose]) {
     show!("| kernel | slabs | one pair after the other | till all 16 are separated |\n|---|---|---|---|");
     row::<Node16<18>>("1vs16", mesh, poses, |query, lane, node| {
@@ -29,8 +29,8 @@ pub(crate) fn report(mesh: &MeshData, poses: &[Pose]) {
     show!("");
 }
 
-/// Slabs that the scalar tests of a call's pairs need, and that each pair gets if they are tested till the
-/// last is separated.
+/// The slabs that the scalar tests of a call's pairs need, and the slabs that each pair gets if all are tested until
+/// the last is separated.
 fn slabs(k: usize, pairs: usize, beyond: impl Fn(usize, usize) -> bool) -> [usize; 2] {
     let of = |pair: usize| {
         let first = (0..k / 2).find(|s| beyond(2 * s, pair) || beyond(2 * s + 1, pair));

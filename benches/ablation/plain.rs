@@ -1,4 +1,4 @@
-//! Binary DOP trees in plain Rust: one pair of DOPs after the other, floats, each DOP's planes side by side.
+//! Binary DOP trees in plain Rust: one pair of DOPs after the other, in floats, the planes of each DOP contiguous.
 
 use super::traverse::{Rows, System, Work};
 use super::tree::{Dop, K, round_up};
@@ -15,13 +15,12 @@ pub(crate) struct Pair {
     child: [Child; 2],
 }
 
-/// Slab by slab, and no further than the first that separates. Planes of A are turned when they are asked
-/// for: to turn all planes of a node and keep them for the next visit takes 20 to 40 % longer (touching, cow
-/// and armadillo).
+/// Slab by slab, up to the first that separates. Planes of A are realigned on demand: realigning all planes of a node
+/// and caching them for the next visit takes 20 to 40 % longer (touching, cow and armadillo).
 #[derive(Copy, Clone)]
 pub(crate) struct EarlyExit<E>(pub(crate) E);
 
-/// All slabs, in loops without a branch, which the compiler vectorises for the instruction set.
+/// All slabs, in branchless loops that the compiler vectorises for the instruction set.
 #[derive(Copy, Clone)]
 pub(crate) struct Vectorised<E>(pub(crate) E);
 
@@ -32,8 +31,8 @@ fn turned(map: &ByPlanes, dop: &Dop, j: usize) -> f32 {
     ((u * plane(p) + v * plane(q)) + w * plane(r)) + map.offset[j]
 }
 
-/// Re-alignment by planes, where the library has it by slabs: nothing is left to be worked out when a plane
-/// is turned.
+/// Realignment by planes, where the library does it by slabs, so that nothing is left to compute when a plane is
+/// realigned.
 #[derive(Copy, Clone)]
 pub(crate) struct ByPlanes {
     pub(crate) sources: [[u8; 3]; K],
@@ -56,7 +55,7 @@ impl ByPlanes {
     }
 }
 
-/// For planes that are numbers: those that the library turns are codes, which stand for half a step more.
+/// For planes that are numbers: the library's are keys, which include half a step more.
 #[inline(always)]
 pub(crate) fn for_values(turn: &Realignment<K>) -> Realignment<K> {
     let mut turn = *turn;
@@ -72,7 +71,7 @@ pub(crate) fn for_values(turn: &Realignment<K>) -> Realignment<K> {
     turn
 }
 
-/// What the two systems have in common: all but the tests.
+/// The part that both systems share: everything except the tests.
 macro_rules! two_children {
     () => {
         type Node = Pair;
@@ -154,7 +153,7 @@ impl<E: Kernel> System<2> for EarlyExit<E> {
     }
 }
 
-/// Complements of turned planes, as the library's query form: plane j of B is compared with entry j.
+/// `query` has the complements of realigned planes, as the library's query form: plane j of B is compared with entry j.
 #[inline(always)]
 fn overlap(query: &Dop, dop: &Dop) -> bool {
     let mut separated = false;

@@ -1,19 +1,18 @@
-//! Binary trees: split in two where the library's own measures say, by a full sweep over all places along
-//! three axes, no bins.
+//! Binary trees, split by the library's measures in a full sweep over all positions along three axes, without bins.
 
 use super::tree::{Shape, inner, leaf};
 use crate::data::MeshData;
 use core::array::from_fn;
 use simdop::node::Child;
 
-/// Where to split.
+/// Measure that selects the split.
 #[derive(Copy, Clone, PartialEq, Eq)]
 pub(crate) enum Measure {
-    /// In the middle along the longest axis of the centroids' box.
+    /// At the middle of the longest axis of the centroids' box.
     LongestAxis,
-    /// Least sum of box area x triangles.
+    /// Smallest sum of box area times triangles.
     Area,
-    /// Least sum of the cube of the box's mean width x triangles: that of the library's default.
+    /// Smallest sum of the cubed mean width of the box times triangles: the library's default.
     MeanWidth,
 }
 
@@ -54,7 +53,7 @@ struct Splitter {
     nodes: Vec<[Child; 2]>,
 }
 
-/// The binary tree of a mesh, one triangle a leaf, nodes in the order of a descent.
+/// The binary tree of a mesh, one triangle per leaf, nodes in depth-first order.
 pub(crate) fn split(mesh: &MeshData, measure: Measure) -> Shape<2> {
     let boxes: Vec<_> = mesh
         .corners()
@@ -69,7 +68,7 @@ pub(crate) fn split(mesh: &MeshData, measure: Measure) -> Shape<2> {
 }
 
 impl Splitter {
-    /// The tree of `items`, of which the first is leaf `start`.
+    /// The tree of `items`, the first of which is leaf `start`.
     fn node(&mut self, items: &mut [u32], start: usize) -> Child {
         if let [_] = items {
             return leaf(start);
@@ -77,7 +76,7 @@ impl Splitter {
         let node = self.nodes.len();
         self.nodes.push([Child::EMPTY; 2]);
         let mut count = self.cut(items);
-        // As in the library: a hit is looked for farthest out first.
+        // As in the library: the outermost child is searched for a hit first.
         let whole = self.bounds(items).centre();
         let distance = |items: &[u32]| -> f64 {
             let centre = self.bounds(items).centre();
@@ -96,7 +95,7 @@ impl Splitter {
         items.iter().fold(Bounds::EMPTY, |b, &i| b.join(self.boxes[i as usize]))
     }
 
-    /// Puts `items` in order along an axis, and says how many go to the first child.
+    /// Sorts `items` along an axis, and returns how many go to the first child.
     fn cut(&self, items: &mut [u32]) -> usize {
         let sort = |items: &mut [u32], axis: usize| {
             let at = |i: u32| self.centroids[i as usize][axis];
@@ -120,7 +119,7 @@ impl Splitter {
         best.2
     }
 
-    /// The cheapest cut of sorted items, and what it costs.
+    /// The cheapest cut of sorted items, and its cost.
     fn sweep(&self, items: &[u32]) -> (usize, f64) {
         let cost = |bounds, count: usize| self.measure.of(bounds) * count as f64;
         let grow = |bounds: &mut Bounds, &i: &u32| {

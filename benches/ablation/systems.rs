@@ -1,5 +1,5 @@
-//! What is compared: the library's systems first, the default on the best instruction set at their head, then
-//! the benchmark's own.
+//! The systems compared: the library's first, beginning with the default on the best instruction set, then the
+//! benchmark's own.
 
 #[cfg(target_arch = "x86_64")]
 use super::avx2;
@@ -20,13 +20,13 @@ use simdop::pose::Pose;
 use simdop::query::{Lanes, Query};
 use std::cell::RefCell;
 
-/// Verdict at a pose, and the work it took.
+/// Verdict at a pose, and the work of the query.
 type Collide = Box<dyn Fn(&Pose) -> (bool, Work)>;
 
 /// One system with the mesh's tree.
 pub(crate) struct Entrant {
     pub(crate) name: String,
-    /// Of nodes.
+    /// Of the nodes.
     pub(crate) bytes: usize,
     pub(crate) collide: Collide,
 }
@@ -38,7 +38,7 @@ const OTHERS: [(&str, Splitter); 4] = [
     ("neural gas", Splitter::BatchNeuralGas { magnification: Magnification::None, seed: 0 }),
 ];
 
-/// All systems, the full one first.
+/// All systems, the library's default first.
 pub(crate) fn entrants(mesh: &MeshData) -> Vec<Entrant> {
     let best = Isa::detect();
     let tree = build::<Node16<K>>(mesh, Splitter::MeanWidth);
@@ -83,7 +83,7 @@ fn own_systems(mesh: &MeshData, baked: BvhRef<'_, Node16<K>>, entrants: &mut Vec
     }
 }
 
-/// A view for as long as the benchmark runs, as a caller has one: nothing is to be looked up at a query.
+/// A view that lives as long as the benchmark, so that a query looks nothing up, as for a real caller.
 fn build<N: Lanes>(mesh: &MeshData, splitter: Splitter) -> BvhRef<'static, N> {
     let mesh = Mesh { vertices: &mesh.vertices, triangles: &mesh.triangles };
     let tree: &'static Bvh<N> =
@@ -96,7 +96,7 @@ fn library<N: Lanes>(name: String, tree: BvhRef<'static, N>, isa: Isa) -> Entran
     let collide = move |pose: &Pose| {
         let answer = query.collide(&tree, &tree, pose);
         let stats = answer.stats;
-        // Each call of a kernel tests 16 pairs: 1vs16, 16vs1 or 4vs4.
+        // Each kernel call tests 16 pairs: 1vs16, 16vs1 or 4vs4.
         let mut work =
             Work { visits: stats.visits, primitive_pairs: stats.primitive_pairs, ..Work::default() };
         work.in_all_slabs(16 * stats.kernels);

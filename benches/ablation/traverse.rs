@@ -1,11 +1,10 @@
-//! The simultaneous traversal once more, for any form of node: what the systems have in common, so that they
-//! differ in nothing but their nodes and how those are tested.
+//! The simultaneous traversal, generic over the form of nodes, so that the systems differ only in their nodes and in
+//! the tests of these.
 //!
-//! It is the library's, step by step (`src/query/traverse.rs`): the node of A that was turned last is kept,
-//! pairs of leaves are decided when their bits appear, a leaf of A goes on with planes made of its moved
-//! corners, masks and not pairs wait on the stack, a hit ends it. The predicate is the library's too. Binary
-//! trees differ in one thing: all four pairs of children are tested at once, without asking first which rows
-//! can have a bit.
+//! It follows the library's step by step (`src/query/traverse.rs`): it caches the last realigned node of A, decides
+//! pairs of leaves when their bits appear, descends with a leaf of A by the planes of its moved corners, keeps masks
+//! instead of pairs on the stack, and ends at the first hit. The predicate is the library's, too. Binary trees differ
+//! in one respect: all four pairs of children are tested at once, without first testing which rows can have a bit.
 
 use super::tree::{Dop, K, Tree};
 use core::ops::ControlFlow;
@@ -15,19 +14,19 @@ use simdop::node::{Child, Link};
 use simdop::pose::Pose;
 use simdop::primitive::triangle::{Probe, Triangle};
 
-/// What a query did.
+/// The work of a query.
 #[derive(Copy, Clone, Default, Debug)]
 pub(crate) struct Work {
     pub(crate) visits: u64,
     /// Pairs of DOPs tested.
     pub(crate) tests: u64,
-    /// Slabs tested in all of them: the orientations of the SIMDop paper's figure 12.
+    /// Slabs tested in all of them: the orientations in figure 12 of the SIMDop paper.
     pub(crate) slabs: u64,
     pub(crate) primitive_pairs: u64,
 }
 
 impl Work {
-    /// So many pairs of DOPs, each in all slabs.
+    /// Adds this many pairs of DOPs, each tested in all slabs.
     #[inline(always)]
     pub(crate) fn in_all_slabs(&mut self, tests: u64) {
         self.tests += tests;
@@ -35,24 +34,24 @@ impl Work {
     }
 }
 
-/// A form of nodes with `W` children, and an instruction set to test them with. Planes of bodies in B's frame
-/// are bounds, rounded up.
+/// A form of nodes with `W` children, and an instruction set to test them with. Planes of bodies in B's frame are upper
+/// bounds.
 pub(crate) trait System<const W: usize>: Copy {
     type Node;
-    /// Re-alignment at a pose, prepared.
+    /// Realignment at a pose, prepared.
     type Map;
     /// The children of a node of A in B's frame.
     type Turned<'n>;
     /// A triangle of A in B's frame.
     type Leaf;
     type Isa: Kernel;
-    /// Ask which children of A overlap what leads to the node of B, before they are tested against all of its
-    /// children.
+    /// Test first which children of A overlap the lane that leads to the node of B, before they are tested against all
+    /// of its children.
     const COLUMN_FIRST: bool;
 
     fn node(dops: &[Dop; W], children: &[Child; W]) -> Self::Node;
     fn child(node: &Self::Node, lane: usize) -> Child;
-    /// What the traversal is compiled for.
+    /// The instruction set that the traversal is compiled for.
     fn isa(self) -> Self::Isa;
     fn map(self, turn: &Realignment<K>) -> Self::Map;
     fn turn<'n>(self, map: &Self::Map, node: &'n Self::Node) -> Self::Turned<'n>;
@@ -82,8 +81,8 @@ pub(crate) trait System<const W: usize>: Copy {
 /// Which pairs of children overlap.
 #[derive(Copy, Clone)]
 pub(crate) struct Rows<const W: usize> {
-    /// For each child of A, or in row 0 for what does not split: bits of the children of B, or of A if B
-    /// does not split.
+    /// For each child of A, or in row 0 for a body that is not split: bits of the children of B, or of A if B is not
+    /// split.
     rows: [u16; W],
     /// Bit i: row i has a bit.
     pending: u16,
@@ -99,7 +98,7 @@ impl<const W: usize> Rows<W> {
     }
 }
 
-/// A pair that was visited, and what is still to be descended into.
+/// A visited pair, and the pairs still to descend into.
 #[derive(Copy, Clone)]
 pub(crate) struct Frame<const W: usize> {
     a: Child,
@@ -147,7 +146,7 @@ struct Descent<'t, const W: usize, S: System<W>> {
     map: S::Map,
     turned: Option<(Child, S::Turned<'t>)>,
     aimed: Option<(Child, S::Leaf)>,
-    /// Node and lane in B of what A is descending against.
+    /// Node and lane in B that A descends against.
     target: (&'t S::Node, usize),
     /// Triangles that are tested together.
     others: [Triangle; 4],
@@ -188,7 +187,7 @@ impl<'t, const W: usize, S: System<W>> Descent<'t, W, S> {
         S::child(&self.a.nodes[node as usize], lane)
     }
 
-    /// Visits a pair of which at least one is a node. Returns what is to be descended into.
+    /// Visits a pair of which at least one is a node. Returns the pairs to descend into.
     #[inline(always)]
     fn step(&mut self, a: Child, b: Child) -> ControlFlow<(), Rows<W>> {
         self.work.visits += 1;
@@ -246,7 +245,7 @@ impl<'t, const W: usize, S: System<W>> Descent<'t, W, S> {
         }
     }
 
-    /// The children of A that overlap what A is descending against.
+    /// The children of A that overlap the current target in B.
     #[inline(always)]
     fn column(&mut self, a: Child, node: u32) -> u16 {
         self.turn(a, node);
@@ -265,8 +264,7 @@ impl<'t, const W: usize, S: System<W>> Descent<'t, W, S> {
         }
     }
 
-    /// Leaf `a` against the leaves among the children of `b` that `bits` names. Returns the bits of the
-    /// others.
+    /// Tests leaf `a` against the leaves among the children of `b` that `bits` selects. Returns the bits of the others.
     #[inline(always)]
     fn decide_row(&mut self, a: Child, b: &S::Node, bits: u16) -> ControlFlow<(), u16> {
         let leaves = leaves_among::<W, S>(b, bits);
@@ -278,9 +276,8 @@ impl<'t, const W: usize, S: System<W>> Descent<'t, W, S> {
         ControlFlow::Continue(bits & !leaves)
     }
 
-    /// One triangle against those of the other body in the lanes `leaves`: as in the library four at a time
-    /// go through the planes' filter, but a single one does not, nor do the two that a binary node has at
-    /// most.
+    /// Tests one triangle against those of the other body in the lanes `leaves`. As in the library, four at a time go
+    /// through the filter by planes; a single one does not, nor do the two that a binary node has at most.
     #[inline(always)]
     fn decide(&mut self, one: &Triangle, leaves: u16, other: impl Fn(usize) -> Triangle) -> ControlFlow<()> {
         let probe = Probe::new(one);
@@ -323,7 +320,7 @@ fn moved<const W: usize, S: System<W>>(tree: &Tree<W, S>, pose: &Pose, leaf: Chi
     [pose.apply(p), pose.apply(q), pose.apply(r)]
 }
 
-/// Which of the children that the bits name are leaves.
+/// Which of the selected children are leaves.
 #[inline(always)]
 fn leaves_among<const W: usize, S: System<W>>(node: &S::Node, bits: u16) -> u16 {
     bits_of(bits).filter(|&lane| is_leaf(S::child(node, lane))).fold(0, |leaves, lane| leaves | 1 << lane)

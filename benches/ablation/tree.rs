@@ -1,5 +1,4 @@
-//! Trees in floats: the shape from a splitter, planes from the triangles below, and then whatever form of
-//! nodes a system wants.
+//! Trees in floats: the shape from a splitter, planes from the triangles below, then the form of nodes of a system.
 
 use super::traverse::System;
 use crate::data::MeshData;
@@ -16,19 +15,19 @@ pub(crate) const K: usize = 18;
 /// The planes of one k-DOP, rounded up.
 pub(crate) type Dop = [f32; K];
 
-/// Nothing is in it.
+/// The planes of an empty DOP.
 const EMPTY: Dop = [f32::NEG_INFINITY; K];
 
-/// Which triangle goes where. Children come after their parents.
+/// The assignment of triangles to nodes. Children come after their parents.
 pub(crate) struct Shape<const W: usize> {
     pub(crate) nodes: Vec<[Child; W]>,
-    /// Triangles of the mesh, in the order of the leaves. One triangle a leaf.
+    /// Triangles of the mesh in the order of the leaves, one triangle per leaf.
     pub(crate) order: Vec<u32>,
 }
 
 #[cfg(target_arch = "x86_64")]
 impl Shape<16> {
-    /// That of the library's tree.
+    /// The shape of the library's tree.
     pub(crate) fn of(tree: BvhRef<'_, Node16<K>>) -> Self {
         Self {
             nodes: tree.nodes().iter().map(|node| node.child).collect(),
@@ -37,17 +36,17 @@ impl Shape<16> {
     }
 }
 
-/// Links as `simdop::node::Child` writes them.
+/// Links in the encoding of `simdop::node::Child`.
 pub(crate) fn inner(node: usize) -> Child {
     bytemuck::cast(node as u32)
 }
 
-/// To one triangle.
+/// A link to one triangle.
 pub(crate) fn leaf(triangle: usize) -> Child {
     bytemuck::cast(1 << 31 | triangle as u32)
 }
 
-/// A tree as a system wants it.
+/// A tree in a system's form.
 pub(crate) struct Tree<const W: usize, S: System<W>> {
     pub(crate) nodes: Vec<S::Node>,
     /// A node above the root, which is its child 0.
@@ -109,7 +108,7 @@ fn hull<const W: usize>(dops: &[Dop; W]) -> Dop {
     from_fn(|j| dops.iter().fold(f32::NEG_INFINITY, |m, dop| m.max(dop[j])))
 }
 
-/// Upper bounds of a triangle's supports in a frame.
+/// Upper bounds on a triangle's supports in a frame.
 #[inline(always)]
 fn planes(frame: &Frame, corners: &Triangle) -> [f64; K] {
     let mut greatest = [f64::NEG_INFINITY; K];
@@ -127,7 +126,7 @@ fn planes(frame: &Frame, corners: &Triangle) -> [f64; K] {
             greatest[j + 1] = if -support > greatest[j + 1] { -support } else { greatest[j + 1] };
         }
     }
-    // Roundings of a difference, three products of it with 0, 1 or -1, and two sums: a few 2^-53 of three
+    // Rounding errors of a difference, three products of it with 0, 1 or -1, and two sums: a few 2^-53 of three
     // coordinates.
     let pad = 3.0 * size * (16.0 * f64::EPSILON);
     let scale = frame.scale();
@@ -137,7 +136,7 @@ fn planes(frame: &Frame, corners: &Triangle) -> [f64; K] {
     greatest
 }
 
-/// The least float that is not below.
+/// The smallest float that is not below.
 #[inline(always)]
 pub(crate) fn round_up(x: f64) -> f32 {
     let near = x as f32;

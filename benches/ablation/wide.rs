@@ -1,5 +1,5 @@
-//! The library's 16-ary tree in four forms of node: its own keys and kernels, floats, halves in the order of integers, and the SIMDop paper's
-//! halves that are converted to be compared.
+//! The library's 16-ary tree with four forms of node: its own keys and kernels, floats, halves in the order of
+//! integers, and the SIMDop paper's halves, which are converted before each compare.
 
 #![expect(unsafe_code, reason = "intrinsics that load and store, and calls that the token makes sound")]
 
@@ -16,21 +16,21 @@ use simdop::low_level::key::Key;
 use simdop::low_level::realign::Realignment;
 use simdop::node::{Child, Node16};
 
-/// The library's nodes and kernels: this against the library's own query shows what the benchmark's traversal
-/// costs.
+/// The library's nodes and kernels: compared with the library's own query, this shows the overhead of the benchmark's
+/// traversal.
 #[derive(Copy, Clone)]
 pub(crate) struct Keys(pub(crate) Avx2);
 
-/// Planes in floats, two registers a plane.
+/// Planes in floats, two registers per plane.
 #[derive(Copy, Clone)]
 pub(crate) struct Floats(pub(crate) Avx2);
 
-/// Planes in halves, as codes in their order: the library's kernels test them, and only re-alignment converts them.
+/// Planes in halves, encoded in their order: the library's kernels test them, and only realignment converts them.
 #[derive(Copy, Clone)]
 pub(crate) struct OrderedHalves(pub(crate) Avx2);
 
-/// Planes in halves, converted at each test, which ends when all lanes are separated: algorithm 2 of the
-/// paper with its section IV-C.
+/// Planes in halves, converted at each test, which exits when all lanes are separated: algorithm 2 of the paper with
+/// its section IV-C.
 #[derive(Copy, Clone)]
 pub(crate) struct PapersHalves(pub(crate) Avx2);
 
@@ -42,7 +42,7 @@ pub(crate) struct FloatNode {
     child: [Child; 16],
 }
 
-/// The library's node with these planes, rounded up to halves.
+/// The library's node with these planes, rounded up to keys.
 fn keys(dops: &[Dop; 16], child: &[Child; 16]) -> Node16<K> {
     let mut planes = [[Key::EMPTY.code(); 16]; K];
     for (lane, dop) in dops.iter().enumerate().filter(|(lane, _)| child[*lane] != Child::EMPTY) {
@@ -68,7 +68,8 @@ fn wanted_rows(wanted: u16, work: &mut Work, row: impl Fn(usize) -> u16) -> Rows
 
 macro_rules! wide_system {
     (
-        $system:ty, $node:ty, $query:ty, $none:expr, $map_type:ty, $map:expr, $make:expr, $turn:expr, $leaf:expr, $row:expr, $column:expr
+        $system:ty, $node:ty, $query:ty, $none:expr, $map_type:ty, $map:expr, $make:expr, $turn:expr,
+        $leaf:expr, $row:expr, $column:expr
     ) => {
         impl System<16> for $system {
             type Node = $node;
@@ -142,13 +143,15 @@ wide_system! {
     |isa: Avx2, a, node, lane| isa.overlap_16v1(a, node, lane)
 }
 
-/// The least half that is not below, as a code that orders as the halves do, and whose complement is the opposite half.
+/// The smallest half that is not below, in the encoding that orders like the halves, and whose complement is the
+/// opposite half.
 #[inline(always)]
 fn half_code(x: f64) -> i16 {
-    /// What a half drops of the fraction.
+    /// Fraction bits that a half drops.
     const DROPPED: u32 = 42;
     let bits = x.to_bits();
-    // Planes are far below the greatest half; what is below the normal ones is rounded up to the first of them, or to zero.
+    // Planes are far below the largest half; those below the normal ones are rounded up to the smallest normal half, or
+    // to zero.
     if x.abs() < 1.0 / 16_384.0 {
         return if x > 0.0 { 0x400 } else { 0 };
     }
@@ -218,27 +221,27 @@ for_avx2! {
     /// Lanes 8 h to 8 h + 7.
     fn load(lanes: &[f32; 16], h: usize) -> __m256 {
         let (halves, _) = lanes.as_chunks::<8>();
-        // SAFETY: the array has the 32 bytes that are read; the load asks for no alignment.
+        // SAFETY: the array has the 32 bytes that are read; the load needs no alignment.
         unsafe { _mm256_loadu_ps(halves[h].as_ptr()) }
     }
 
     fn store(lanes: &mut [f32; 16], h: usize, x: __m256) {
         let (halves, _) = lanes.as_chunks_mut::<8>();
-        // SAFETY: the array has the 32 bytes that are written; the store asks for no alignment.
+        // SAFETY: the array has the 32 bytes that are written; the store needs no alignment.
         unsafe { _mm256_storeu_ps(halves[h].as_mut_ptr(), x) }
     }
 
     fn load_codes(lanes: &[i16; 16]) -> __m256i {
-        // SAFETY: the array has the 32 bytes that are read; the load asks for no alignment.
+        // SAFETY: the array has the 32 bytes that are read; the load needs no alignment.
         unsafe { _mm256_loadu_si256(lanes.as_ptr().cast()) }
     }
 
     fn store_codes(lanes: &mut [i16; 16], codes: __m256i) {
-        // SAFETY: the array has the 32 bytes that are written; the store asks for no alignment.
+        // SAFETY: the array has the 32 bytes that are written; the store needs no alignment.
         unsafe { _mm256_storeu_si256(lanes.as_mut_ptr().cast(), codes) }
     }
 
-    /// Codes to halves or back: 0x7fff is flipped where negative.
+    /// Converts the encoding to halves or back: flips 0x7fff in negative numbers.
     fn flip(codes: __m256i) -> __m256i {
         _mm256_xor_si256(codes, _mm256_srli_epi16::<1>(_mm256_srai_epi16::<15>(codes)))
     }
@@ -247,7 +250,9 @@ for_avx2! {
         let mut planes = [const { MaybeUninit::<[__m256; 2]>::uninit() }; K];
         for (decoded, codes) in planes.iter_mut().zip(codes) {
             let halves = flip(load_codes(codes));
-            decoded.write([_mm256_castsi256_si128(halves), _mm256_extracti128_si256::<1>(halves)].map(|x| _mm256_cvtph_ps(x)));
+            decoded.write(
+                [_mm256_castsi256_si128(halves), _mm256_extracti128_si256::<1>(halves)].map(|x| _mm256_cvtph_ps(x)),
+            );
         }
         for slab in 0..K / 2 {
             let [p, q, r, _] = map.sources[slab];
@@ -263,7 +268,7 @@ for_avx2! {
                 };
                 let codes = flip(_mm256_set_m128i(turned(1), turned(0)));
                 let ones = _mm256_set1_epi16(-1);
-                // The code of the second zero is -1, and must be 0.
+                // -0 is encoded as -1, and must be 0.
                 let codes = _mm256_sub_epi16(codes, _mm256_cmpeq_epi16(codes, ones));
                 store_codes(&mut query[2 * slab + (side ^ 1)], _mm256_xor_si256(codes, ones));
             }
@@ -276,7 +281,7 @@ for_avx2! {
     /// Lanes 8 h to 8 h + 7.
     fn convert(lanes: &[u16; 16], h: usize) -> __m256 {
         let (halves, _) = lanes.as_chunks::<8>();
-        // SAFETY: the array has the 16 bytes that are read; the load asks for no alignment.
+        // SAFETY: the array has the 16 bytes that are read; the load needs no alignment.
         _mm256_cvtph_ps(unsafe { _mm_loadu_si128(halves[h].as_ptr().cast()) })
     }
 
@@ -284,7 +289,7 @@ for_avx2! {
         _mm256_xor_ps(x, _mm256_set1_ps(-0.0))
     }
 
-    /// Plane j turned, in lanes 8 h to 8 h + 7.
+    /// Plane j realigned, in lanes 8 h to 8 h + 7.
     fn turned(map: &ByPlanes, planes: &Floats16, j: usize, h: usize) -> __m256 {
         let term = |l: usize| {
             let plane = load(&planes[usize::from(map.sources[j][l]) % K], h);
@@ -336,7 +341,7 @@ for_avx2! {
         !(_mm256_movemask_ps(separated[0]) | _mm256_movemask_ps(separated[1]) << 8) as u16
     }
 
-    /// The paper's nodes hold low and high bounds, so does its query: low ones in `[2 s]`, high ones in `[2 s + 1]`.
+    /// The paper's nodes hold low and high bounds, as does its query: low ones in `[2 s]`, high ones in `[2 s + 1]`.
     fn turn_halves(map: &ByPlanes, node: &Halves<16, K>) -> FloatQuery<16, K> {
         let mut planes = [[0.0; 16]; K];
         for s in 0..K / 2 {

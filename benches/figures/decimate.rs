@@ -9,7 +9,7 @@ pub(crate) const MODELS: [&str; 2] = ["armadillo", "fandisk_large"];
 /// Cells of the decimating grids along the longest side of the model.
 const GRIDS: [u32; 6] = [16, 24, 36, 54, 80, 120];
 
-/// The mesh on each of the grids, and itself last.
+/// The mesh decimated on each of the grids, and the original last.
 pub(crate) fn series(mesh: &MeshData) -> Vec<MeshData> {
     let coarser = GRIDS.iter().map(|&cells| decimated(mesh, cells));
     let mut meshes: Vec<MeshData> =
@@ -18,8 +18,7 @@ pub(crate) fn series(mesh: &MeshData) -> Vec<MeshData> {
     meshes
 }
 
-/// The vertices of a cell become their mean; triangles with two corners in a cell, and all but one on the
-/// same three, go.
+/// Replaces the vertices of a cell by their mean. Drops triangles with two corners in one cell, and duplicates.
 fn decimated(mesh: &MeshData, cells: u32) -> MeshData {
     let bound = |i: usize, f: fn(f64, f64) -> f64| mesh.vertices.iter().map(|p| p[i]).reduce(f).unwrap();
     let low: [f64; 3] = core::array::from_fn(|i| bound(i, f64::min));

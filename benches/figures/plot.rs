@@ -3,7 +3,7 @@
 use plotters::prelude::*;
 use std::path::Path;
 
-/// A line of a plot: polygons and the value.
+/// A curve of a plot: numbers of polygons and values.
 pub(crate) struct Curve {
     pub(crate) name: String,
     pub(crate) points: Vec<(f64, f64)>,

@@ -1,4 +1,4 @@
-//! What a tree must find, without one.
+//! The reference answer without a tree.
 
 use crate::lens::lens;
 use simdop::pose::Pose;
@@ -12,7 +12,7 @@ pub(crate) struct Shared {
     pub(crate) pairs: u64,
 }
 
-/// Of every sphere with every other, one by one.
+/// Tests every sphere against every other.
 pub(crate) fn by_all_pairs([a, b]: [&[Sphere]; 2], pose: &Pose) -> Shared {
     let (mut volume, mut pairs) = (0.0, 0);
     for p in a.iter().map(|sphere| Sphere { centre: pose.apply(sphere.centre), ..*sphere }) {

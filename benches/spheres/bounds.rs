@@ -1,5 +1,5 @@
-//! How soon the bounds of a penetration volume close in: with a part of the visits that all of it takes, what is known of
-//! it from below and from above, and what is estimated. Counted work: the same on every machine.
+//! Convergence of the bounds of a penetration volume: the lower and the upper bound and the estimate after a part of
+//! the visits that the exact volume takes. Counted work: the same on every machine.
 
 use super::queries::Scene;
 use simdop::construct::{Magnification, Splitter};
@@ -10,8 +10,8 @@ use std::fmt::Write;
 /// Shares of the visits.
 const SHARES: [f64; 4] = [0.1, 0.25, 0.5, 0.75];
 
-/// One scene: of each share of the visits, the medians of both bounds and of the estimate over the volume, and of what the
-/// estimate is wrong by.
+/// One scene: for each share of the visits, the medians of both bounds and of the estimate relative to the volume, and
+/// of the estimate's error.
 pub(crate) struct Row {
     scene: String,
     visits: u64,

@@ -9,11 +9,11 @@ use simdop::node::{Dop, Node4, Node16};
 use std::fmt::Write;
 use std::time::Duration;
 
-/// One model, one number of spheres, one arity. Times in milliseconds.
+/// One model, number of spheres and arity. Times in milliseconds.
 pub(crate) struct Row {
     model: &'static str,
     spheres: usize,
-    /// Of the mesh's volume.
+    /// Share of the mesh's volume.
     covered: f64,
     arity: usize,
     /// Batch Neural Gas by volume.
@@ -36,13 +36,13 @@ pub(crate) fn measure(models: &[Model], sizes: &[usize], makers: &Makers) -> Vec
     rows
 }
 
-/// All ways to build give the same bytes.
+/// Checks that all ways to build give the same bytes.
 fn row<N: Dop>(model: &Model, size: usize, makers: &Makers) -> Row {
     let spheres = &model.spheres[..size];
     let gas = Splitter::BatchNeuralGas { magnification: Magnification::Area, seed: 0 };
     let builder = Builder::new().splitter(gas);
     let repeats = count(if size > 20_000 { 3 } else { 7 }, 1);
-    // A device compiles its kernels for the first tree.
+    // The first tree on a GPU compiles the kernels.
     let _ = makers.on_device::<N>(&builder, &spheres[..size.min(100)]);
     let (want, _) = makers.on_one_thread::<N>(&builder, spheres);
     let check = |made: Made<N>| {
@@ -80,7 +80,8 @@ fn median(mut times: Vec<Duration>) -> Option<f64> {
 
 pub(crate) fn table(rows: &[Row]) -> String {
     let mut text = String::from(
-        "| model | spheres | of its volume | arity | neural gas, one thread, ms | all threads | device | mean width, one thread |\n\
+        "| model | spheres | of its volume | arity | neural gas, one thread, ms | all threads | device | mean width, \
+         one thread |\n\
          |---|--:|--:|--:|--:|--:|--:|--:|\n",
     );
     for row in rows {
@@ -99,7 +100,8 @@ pub(crate) fn table(rows: &[Row]) -> String {
 
 pub(crate) fn csv(rows: &[Row]) -> String {
     let mut text = String::from(
-        "model,spheres,covered,arity,one_thread_milliseconds,all_threads_milliseconds,device_milliseconds,mean_width_milliseconds\n",
+        "model,spheres,covered,arity,one_thread_milliseconds,all_threads_milliseconds,device_milliseconds,\
+         mean_width_milliseconds\n",
     );
     for row in rows {
         let Row { model, spheres, covered, arity, one_thread, mean_width, .. } = row;

@@ -1,16 +1,16 @@
-//! The BNG paper's two rivals of clustering, as shapes for the library's builder. Both choose some spheres of a node
-//! and give each of the others to the one whose centre is nearest. (The paper says "closest"; with the nearest surface
-//! instead, big spheres draw in their whole surroundings, and trees inside meshes get over 100 levels.)
+//! The BNG paper's two rivals of clustering, as shapes for the library's builder. Both select some spheres of a node
+//! and assign each of the others to the one with the nearest centre. (The paper says "closest"; by the nearest surface
+//! instead, big spheres would attract their whole surroundings, and trees inside meshes would get over 100 levels.)
 //!
-//! The paper has four lanes. Of sixteen:
+//! The paper has four lanes. For sixteen:
 //!
-//! * *biggest*: the sixteen biggest are chosen;
-//! * *extremes*: there are six extremes on three axes, so sixteen parts are made of four: each of the four parts is
-//!   divided once more, by its own extremes on its own two axes. A node is two levels of the tree of arity 4.
+//! * *biggest*: the sixteen biggest are selected;
+//! * *extremes*: three axes have only six extremes, so the sixteen parts are made from four: each of the four parts is
+//!   divided again, by its own extremes on its own two axes. A node is two levels of the tree of arity 4.
 //!
-//! Four biggest of each of four parts needed more visits than sixteen at once (two scenes of 2,000 spheres: 1.9 to 2.0
-//! times those of Batch Neural Gas instead of 1.4), and sixteen extremes along eight directions more than four of each of
-//! four parts (2.1 times instead of 1.7 to 1.8).
+//! Selecting the four biggest in each of four parts needed more visits than sixteen at once (two scenes of 2,000
+//! spheres: 1.9 to 2.0 times those of Batch Neural Gas instead of 1.4). Sixteen extremes along eight directions needed
+//! more than four in each of four parts (2.1 times instead of 1.7 to 1.8).
 
 use simdop::construct::Assignment;
 use simdop::hierarchy::MAX_DEPTH;
@@ -27,15 +27,15 @@ pub(crate) enum Heuristic {
     Extremes,
 }
 
-/// A shape, and how it was come by.
+/// A shape, and how it was found.
 pub(crate) struct Shape {
     pub(crate) assignment: Assignment,
-    /// Nodes that were cut into equal parts, since the heuristic would have made the tree too deep.
+    /// Nodes that were split into equal parts because the heuristic would have made the tree too deep.
     pub(crate) balanced: usize,
 }
 
 impl Heuristic {
-    /// The shape of a tree with one sphere a leaf. A node of no more spheres than lanes has a lane for each.
+    /// The shape of a tree with one sphere per leaf. A node with at most as many spheres as lanes has a lane for each.
     pub(crate) fn shape(self, spheres: &[Sphere], arity: usize) -> Shape {
         let mut order: Vec<u32> = (0..spheres.len() as u32).collect();
         let (mut ends, mut balanced) = (Vec::new(), 0);
@@ -64,7 +64,7 @@ impl Heuristic {
         Shape { assignment: Assignment { order, ends }, balanced }
     }
 
-    /// More spheres than lanes: up to `arity` parts and at least two, none of them empty.
+    /// Divides more spheres than lanes into at least two and at most `arity` nonempty parts.
     fn divide(self, spheres: &[Sphere], items: &[u32], arity: usize) -> Vec<Vec<u32>> {
         match self {
             Self::Biggest => nearest(spheres, items, &biggest(spheres, items, arity)),
@@ -99,7 +99,7 @@ fn biggest(spheres: &[Sphere], items: &[u32], count: usize) -> Vec<u32> {
     by_size
 }
 
-/// Four, or fewer where one is the extreme on both axes.
+/// Four extremes, or fewer if one is extreme on both axes.
 fn extremes(spheres: &[Sphere], items: &[u32]) -> Vec<u32> {
     let mut axes = [0, 1, 2].map(|axis| (extent(spheres, items, axis), axis));
     axes.sort_by(|a, b| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1)));
@@ -126,7 +126,7 @@ fn compare(spheres: &[Sphere], axis: usize, a: u32, b: u32) -> std::cmp::Orderin
     place(a).total_cmp(&place(b)).then(a.cmp(&b))
 }
 
-/// A part for each of the `chosen`, which holds it and the others that are nearest to it; the first of equals.
+/// A part for each of the `chosen` spheres, with the others nearest to it; the first one wins ties.
 fn nearest(spheres: &[Sphere], items: &[u32], chosen: &[u32]) -> Vec<Vec<u32>> {
     let centre = |item: u32| spheres[item as usize].centre;
     let mut parts: Vec<Vec<u32>> = chosen.iter().map(|&c| vec![c]).collect();
@@ -143,7 +143,7 @@ fn square_distance(p: [f64; 3], q: [f64; 3]) -> f64 {
     (x + y) + z
 }
 
-/// As many in each part, along the longest axis.
+/// Equal parts along the longest axis.
 fn equal_parts(spheres: &[Sphere], items: &[u32], arity: usize) -> Vec<Vec<u32>> {
     let longest = (0..3).max_by(|&a, &b| extent(spheres, items, a).total_cmp(&extent(spheres, items, b)));
     let mut sorted = items.to_vec();

@@ -1,4 +1,4 @@
-//! What can build a tree: one thread, all threads with the feature `rayon`, a device with the feature `gpu`.
+//! The ways to build a tree: one thread, all threads with the feature `rayon`, a GPU with the feature `gpu`.
 
 use core::ops::ControlFlow;
 use simdop::construct::{Builder, SphereSet};
@@ -14,10 +14,10 @@ pub(crate) struct Makers {
     gpu: Option<simdop::device::Gpu>,
 }
 
-/// A tree, and how long it took.
+/// A tree, and its build time.
 pub(crate) type Made<N> = (Bvh<N, Spheres>, Duration);
 
-/// Spheres that a device which is a CPU builds a tree of, at most: it says nothing of speed.
+/// Maximum number of spheres for a GPU adapter that is a CPU, which says nothing about speed.
 const MOST_ON_A_CPU: usize = 10_000;
 
 impl Makers {
@@ -30,7 +30,7 @@ impl Makers {
         }
     }
 
-    /// Says what there is.
+    /// Describes the available ones.
     pub(crate) fn describe(&self) -> String {
         #[cfg(feature = "rayon")]
         let threads = format!("{} threads", rayon::current_num_threads());
@@ -53,7 +53,7 @@ impl Makers {
         build(builder, spheres)
     }
 
-    /// Of several threads, if there are.
+    /// On several threads, if available.
     pub(crate) fn on_all_threads<N: Dop>(&self, builder: &Builder, spheres: &[Sphere]) -> Option<Made<N>> {
         cfg!(feature = "rayon").then(|| build(builder, spheres))
     }

@@ -8,12 +8,12 @@ use simdop::pose::Pose;
 use simdop::primitive::Sphere;
 use std::path::Path;
 
-/// A packed mesh, in a unit in which it is 1 to 2 wide: a power of two, so that this changes no digit.
+/// A packed mesh, in a unit in which it is 1 to 2 wide: a power of two, so that scaling does not round.
 pub(crate) struct Model {
     pub(crate) name: &'static str,
     /// In the order in which they were placed: the first n are the packing of n spheres.
     pub(crate) spheres: Vec<Sphere>,
-    /// Of the mesh's volume, what the first, the first two and so on cover.
+    /// Shares of the mesh's volume covered by the first sphere, the first two, and so on.
     pub(crate) shares: Vec<f64>,
     /// Of the mesh's box.
     centre: [f64; 3],
@@ -22,7 +22,7 @@ pub(crate) struct Model {
 
 impl Model {
     /// # Panics
-    /// If there is no such model, or not so much room in it.
+    /// If there is no such model, or it has no room for this many spheres.
     pub(crate) fn load(data: &Path, name: &'static str, count: usize) -> Self {
         let file = |extension| data.join("meshes").join(name).with_extension(extension);
         let ply = file("ply");
@@ -64,13 +64,13 @@ fn read_ply(path: &Path) -> MeshData {
     }
 }
 
-/// Places that a path comes through, of which every other is far from the other body.
+/// Key poses of a path, every other one far from the other body.
 const KEYS: usize = 24;
-/// What a key is made of: a unit quaternion, and where the centre is.
+/// A key pose: a unit quaternion, and the position of the centre.
 type Key = [f64; 7];
 
-/// A smooth motion of A through B, in and out: a spline through random placements. The same for packings of any
-/// number of spheres, and, since all operations are rounded correctly, on every machine.
+/// A smooth motion of A through B, in and out: a spline through random poses. The same for packings with any number of
+/// spheres and, since all operations are correctly rounded, on every machine.
 pub(crate) fn path(a: &Model, b: &Model, poses: usize) -> Vec<Pose> {
     let mut rng = Rng::new(8);
     let reach = a.half_diagonal + b.half_diagonal;
@@ -79,7 +79,7 @@ pub(crate) fn path(a: &Model, b: &Model, poses: usize) -> Vec<Pose> {
         let share = if i % 2 == 0 { 0.65 } else { rng.range(0.1, 0.4) };
         let [x, y, z] = rng.rotation()[0].map(|x| share * reach * x);
         let mut turn = quaternion(&mut rng);
-        // Of the two quaternions of a rotation the one that is nearer to the last: no turn is longer than half of one.
+        // Of the two quaternions of a rotation, take the one nearer to the last: no rotation exceeds half a turn.
         if let Some(last) = keys.last()
             && (0..4).map(|i| last[i] * turn[i]).sum::<f64>() < 0.0
         {
@@ -116,7 +116,7 @@ fn spline(keys: &[Key], t: f64) -> Key {
     })
 }
 
-/// Turned about the centre of A, which is then moved to where the key says from the centre of B.
+/// Rotated about the centre of A, which is then moved to the key's position relative to the centre of B.
 fn placed(key: &Key, a: [f64; 3], b: [f64; 3]) -> Pose {
     let [x, y, z, w, way @ ..] = *key;
     let length = ((x * x + y * y) + (z * z + w * w)).sqrt();

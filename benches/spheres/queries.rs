@@ -1,5 +1,5 @@
-//! The BNG paper's figure 10: time of a query along a path, by how the spheres were divided; and whether volumes as
-//! weights help.
+//! The BNG paper's figure 10: time of a query along a path, by the division of the spheres; and whether weighting by
+//! volume helps.
 
 use super::all_pairs::{Shared, by_all_pairs};
 use super::heuristics::Heuristic;
@@ -18,16 +18,16 @@ use std::time::Instant;
 
 /// Of a path.
 const POSES: usize = 400;
-/// Times that each tree goes along a path, of which the least of each pose counts: as many as spheres of all of them
-/// together allow, and no fewer or more than this.
+/// Passes of each tree along a path, of which the minimum counts for each pose: limited by the total number of spheres,
+/// and clamped to this range.
 const RUNS: core::ops::RangeInclusive<usize> = 5..=25;
 const SPHERES_OF_ALL_RUNS: usize = 100_000;
-/// Batch Neural Gas is built so often, from other starts, to tell the effect of weights from chance.
+/// Number of random starts of Batch Neural Gas, to distinguish the effect of weights from chance.
 const SEEDS: usize = 10;
-/// Pairs of spheres that are tested one by one for a pair of bodies. At least one pose is.
+/// Maximum number of pairs of spheres tested by brute force for a pair of bodies; at least one pose is tested.
 const PAIRS: usize = 2_000_000_000;
 
-/// How the spheres of a node are divided.
+/// The division of a node's spheres.
 #[derive(Copy, Clone, PartialEq, Eq, Debug)]
 pub(crate) enum Division {
     Splitter(Splitter),
@@ -36,7 +36,7 @@ pub(crate) enum Division {
     Heuristic(Heuristic),
 }
 
-/// What is compared, the first with all others.
+/// The divisions compared, the first with all others.
 pub(crate) const DIVISIONS: [Division; 6] = [
     gas(Magnification::Area, 0),
     gas(Magnification::None, 0),
@@ -66,7 +66,7 @@ impl Division {
         }
     }
 
-    /// The tree, and how many of its nodes could not be divided so.
+    /// The tree, and the number of nodes that could not be divided in this way.
     fn build<N: Lanes>(self, spheres: &[Sphere]) -> (Bvh<N, Spheres>, usize) {
         let set = SphereSet { spheres };
         match self {
@@ -92,11 +92,11 @@ pub(crate) struct Scene<'m> {
     b: &'m Model,
     size: usize,
     poses: Vec<Pose>,
-    /// What the two share at each pose.
+    /// The shared volume and pairs at each pose.
     shared: Vec<Shared>,
 }
 
-/// Of a query.
+/// The cost of a query.
 #[derive(Copy, Clone, Debug)]
 pub(crate) struct Cost {
     /// In microseconds.
@@ -115,7 +115,7 @@ pub(crate) struct Work {
     pub(crate) pairs: f64,
 }
 
-/// One scene, one number of spheres, one arity, one way to divide them.
+/// One scene, number of spheres, arity, and division.
 pub(crate) struct Row {
     pub(crate) scene: String,
     pub(crate) spheres: usize,
@@ -129,7 +129,7 @@ pub(crate) struct Row {
     pub(crate) verdict: Cost,
 }
 
-/// What weights do to the work of a query, as ratios: with over without, over the seeds.
+/// The effect of weights on the work of a query, as ratios of work with to without, over the seeds.
 pub(crate) struct Weights {
     pub(crate) scene: String,
     pub(crate) spheres: usize,
@@ -146,8 +146,8 @@ pub(crate) struct Spread {
 }
 
 impl<'m> Scene<'m> {
-    /// Both bodies with their first `size` spheres. Answers are asked of the default's trees; those of some poses are
-    /// compared with the sum over all pairs.
+    /// Both bodies with their first `size` spheres. The expected answers come from the default's trees; those of some
+    /// poses are compared with the sum over all pairs.
     pub(crate) fn new(a: &'m Model, b: &'m Model, size: usize) -> Self {
         let poses = path(a, b, count(POSES, 23));
         let mut scene = Self { a, b, size, poses, shared: Vec::new() };
@@ -179,7 +179,7 @@ impl<'m> Scene<'m> {
         ([a, b], of_a + of_b)
     }
 
-    /// The deepest pose, and as many more as there is time for.
+    /// Checks the deepest pose, and as many more as time allows.
     fn check(&self) {
         let deepest = (0..self.poses.len()).max_by(|&i, &j| {
             let volume = |i: usize| self.shared[i].volume;
@@ -195,7 +195,7 @@ impl<'m> Scene<'m> {
         }
     }
 
-    /// What the path is like.
+    /// Describes the path.
     pub(crate) fn describe(&self) -> String {
         let meet = self.shared.iter().filter(|shared| shared.pairs > 0).count();
         let deepest = self.shared.iter().map(|shared| shared.volume).fold(0.0, f64::max);
@@ -224,7 +224,7 @@ impl<'m> Scene<'m> {
     fn measure_arity<N: Lanes>(&self, rows: &mut Vec<Row>) {
         eprintln!("{}, {} spheres, arity {}: queries", self.name(), self.size, N::ARITY);
         let built = DIVISIONS.map(|division| self.trees::<N>(division));
-        // Before the clock: every answer of every tree, and what it takes.
+        // Before timing: every answer of every tree, and its work.
         let work = built.each_ref().map(|(trees, _)| self.work(trees));
         let mut times = vec![
             [vec![f64::INFINITY; self.poses.len()], vec![f64::INFINITY; self.poses.len()]];
@@ -258,10 +258,10 @@ impl<'m> Scene<'m> {
         }
     }
 
-    /// Of the volume and of yes or no, in the mean.
+    /// Mean work of the query for the volume and of the query for yes or no.
     ///
     /// # Panics
-    /// If an answer is not, bit for bit, what it is of all other trees.
+    /// If an answer differs in any bit from that of the other trees.
     fn work<N: Lanes>(&self, trees: &[Bvh<N, Spheres>; 2]) -> [Work; 2] {
         let mut stats = [Vec::new(), Vec::new()];
         for (pose, want) in self.poses.iter().zip(&self.shared) {
@@ -292,7 +292,7 @@ impl<'m> Scene<'m> {
         let (with, without) = (works(Magnification::Area), works(Magnification::None));
         let ratios = |query: usize| {
             [|work: &Work| work.visits, |work: &Work| work.kernels, |work: &Work| work.pairs].map(|of| {
-                // To the mean over seeds: which seed is compared with which means nothing.
+                // Relative to the mean over seeds: pairing individual seeds is meaningless.
                 let mean = without.iter().map(|work| of(&work[query])).sum::<f64>() / without.len() as f64;
                 Spread::of(with.iter().map(|work| of(&work[query]) / mean).collect())
             })
@@ -313,7 +313,7 @@ fn shared<N: Lanes>([a, b]: &[Bvh<N, Spheres>; 2], pose: &Pose) -> (Shared, Quer
     (Shared { volume: found.volume, pairs: found.pairs }, found.stats)
 }
 
-/// One after the other along the path; of each pose the least.
+/// Queries the poses in the order of the path; the minimum time of each counts.
 fn timed<T>(poses: &[Pose], times: &mut [f64], query: impl Fn(&Pose) -> T) {
     for (pose, time) in poses.iter().zip(times) {
         let start = Instant::now();

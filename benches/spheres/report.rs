@@ -1,12 +1,13 @@
-//! What was found about queries: tables and CSV.
+//! The results of the queries: tables and CSV.
 
 use super::queries::{Cost, DIVISIONS, Row, Spread, Weights, Work};
 use std::fmt::Write;
 
-/// Of one of the two queries. In brackets ratios to the first of a group.
+/// The table of one of the two queries. Numbers in brackets are relative to the first row of a group.
 pub(crate) fn table(rows: &[Row], cost: fn(&Row) -> Cost) -> String {
     let mut text = String::from(
-        "| scene | spheres | arity | partitioning | mean, us | median | p99 | visits | kernels | pairs tested | nodes of both | depth |\n\
+        "| scene | spheres | arity | partitioning | mean, us | median | p99 | visits | kernels | pairs tested | nodes \
+         of both | depth |\n\
          |---|--:|--:|---|--:|--:|--:|--:|--:|--:|--:|--:|\n",
     );
     for group in rows.chunks(DIVISIONS.len()) {
@@ -15,7 +16,7 @@ pub(crate) fn table(rows: &[Row], cost: fn(&Row) -> Cost) -> String {
             let Row { scene, spheres, arity, division, nodes, depth, .. } = row;
             let Cost { mean, median, p99, work: Work { visits, kernels, pairs } } = cost(row);
             let [in_time, in_visits] = [mean / first.mean, visits / first.work.visits];
-            // How many nodes a heuristic could not divide.
+            // The number of nodes that a heuristic could not divide.
             let note = if row.balanced > 0 { format!(", {} balanced", row.balanced) } else { String::new() };
             writeln!(
                 text,
@@ -50,7 +51,8 @@ pub(crate) fn csv(rows: &[Row]) -> String {
 
 pub(crate) fn table_of_weights(rows: &[Weights]) -> String {
     let mut text = String::from(
-        "| scene | spheres | arity | volume: visits | kernels | pairs tested | yes or no: visits | kernels | pairs tested |\n\
+        "| scene | spheres | arity | volume: visits | kernels | pairs tested | yes or no: visits | kernels | pairs \
+         tested |\n\
          |---|--:|--:|--:|--:|--:|--:|--:|--:|\n",
     );
     for Weights { scene, spheres, arity, volume, verdict } in rows {
@@ -63,10 +65,11 @@ pub(crate) fn table_of_weights(rows: &[Weights]) -> String {
     text
 }
 
-/// Over all scenes and sizes: geometric means of the ratios to the first of each group.
+/// Over all scenes and sizes: geometric means relative to the first row of each group.
 pub(crate) fn summary(rows: &[Row]) -> String {
     let mut text = String::from(
-        "| arity | partitioning | volume: time | visits | kernels | pairs tested | yes or no: time | visits | kernels | pairs tested | nodes |\n\
+        "| arity | partitioning | volume: time | visits | kernels | pairs tested | yes or no: time | visits | kernels \
+         | pairs tested | nodes |\n\
          |--:|---|--:|--:|--:|--:|--:|--:|--:|--:|--:|\n",
     );
     for arity in [4, 16] {

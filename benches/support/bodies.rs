@@ -12,16 +12,16 @@ use simdop::query::{Lanes, Query};
 /// A mesh against itself.
 pub(crate) struct Scene<N> {
     pub(crate) tree: Bvh<N>,
-    /// The poses of the suites (`tests/support/data.rs`) at which it is free: 1e-2 to 1e-8 of the diagonal
-    /// from contact.
+    /// The poses of the suites (`tests/support/data.rs`) at which it is free: 1e-2 to 1e-8 of the diagonal from
+    /// contact.
     pub(crate) poses: Vec<Pose>,
 }
 
-/// Cow (5 804 triangles) and armadillo (52 000), if the data sets are there, else a made-up shape; of a short
-/// run a small one.
+/// Cow (5 804 triangles) and armadillo (52 000), if the data sets exist, otherwise a generated shape; in a short run a
+/// small one.
 pub(crate) fn scenes<N: Lanes>() -> Vec<Scene<N>> {
     let meshes = if is_short() {
-        // The smaller has many unused lanes for its size.
+        // The smaller one has many unused lanes for its size.
         vec![wavy_torus(3200), wavy_torus(32)]
     } else if let Some(data) = directory() {
         ["cow", "armadillo"].map(|name| MeshData::obj(&data.join(format!("meshes/{name}.obj")))).into()

@@ -1,6 +1,6 @@
-//! The processor, for pages of figures.
+//! The processor, for pages of results.
 
-/// Its name, and family and model: its maker calls several kinds by one name.
+/// Its name, and family and model, since one name can cover several kinds.
 pub(crate) fn cpu() -> String {
     let info = std::fs::read_to_string("/proc/cpuinfo").unwrap_or_default();
     let of = |key: &str| {

@@ -7,11 +7,11 @@ use simdop::hierarchy::Bvh;
 use simdop::node::Node16;
 use simdop::pose::Pose;
 
-/// By distance.
+/// One value for each distance.
 pub(crate) type PerDistance<T> = [T; DISTANCES.len()];
 
-/// `count` poses at each distance, half of them by each method. Found by the trees of one splitter, so that a
-/// change of another is judged at the same poses.
+/// `count` poses at each distance, half of them by each method. They are found with the trees of one fixed splitter, so
+/// that a change to another splitter is measured at the same poses.
 pub(crate) fn poses(mesh: &MeshData, count: usize) -> PerDistance<Vec<Pose>> {
     let tree: Bvh<Node16<18>> = Builder::new()
         .splitter(Splitter::ExtendedLongestAxis)

@@ -5,7 +5,7 @@ use ply_rs_bw::parser::Parser;
 use ply_rs_bw::ply::{DefaultElement, Property};
 use std::path::Path;
 
-/// Two meshes of the data sets; one name: a mesh against a copy of itself.
+/// Two meshes of the data sets, or one, which is tested against a copy of itself.
 pub(crate) struct Scene {
     pub(crate) name: &'static str,
     files: &'static [&'static str],

@@ -1,4 +1,4 @@
-//! What the kernel benchmarks measure: recorded calls, and the variants that answer them.
+//! Shared by the kernel benchmarks: recorded calls, and the kernel variants that answer them.
 
 pub(crate) mod bodies;
 #[cfg(target_arch = "x86_64")]

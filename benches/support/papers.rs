@@ -1,10 +1,8 @@
-//! The kernels of the SIMDop paper (Tan, Weller, Zachmann, IROS 2019, algorithms 2 and 3) on its storage:
-//! halves, turned to floats and compared, two compares a slab, leaving when all lanes are separated. With its
-//! optimisations of section IV-C: children's values stored side by side, and the permutation of figure 4 for
-//! 4vs4.
+//! The kernels of the SIMDop paper (Tan, Weller, Zachmann, IROS 2019, algorithms 2 and 3) on its storage: halves,
+//! converted to floats and compared with two compares per slab, exiting when all lanes are separated. Includes the
+//! optimisations of its section IV-C: children's values stored contiguously, and the permutation of figure 4 for 4vs4.
 //!
-//! In its favour: the query is kept in floats, already converted; its AVX2 form leaves as early as the
-//! AVX-512 one.
+//! In its favour: the query is stored in floats, already converted; the AVX2 form exits as early as the AVX-512 one.
 
 #![expect(unsafe_code, reason = "intrinsics that load, and calls that the token makes sound")]
 
@@ -19,7 +17,7 @@ use simdop::node::{Child, Node4, Node16};
 /// A query in floats, by slab: low bounds in `[2 s]`, high bounds in `[2 s + 1]`.
 pub(crate) type FloatQuery<const W: usize, const K: usize> = [[f32; W]; K];
 
-/// Children in halves, as long as the library's node of the same K.
+/// Children in halves, the same size as the library's node of the same K.
 #[derive(Copy, Clone)]
 #[repr(C, align(64))]
 pub(crate) struct Halves<const W: usize, const K: usize> {
@@ -29,9 +27,8 @@ pub(crate) struct Halves<const W: usize, const K: usize> {
 }
 
 pub(crate) fn float_query<const W: usize, const K: usize>(query: &Turned<W, K>) -> FloatQuery<W, K> {
-    // query[2 s] is the key of A's low bound in the direction of plane 2 s, query[2 s + 1] that of its
-    // negated high bound. An unused lane has no bound: low bounds above all others, and high
-    // bounds below.
+    // query[2 s] is the key of A's low bound in the direction of plane 2 s, query[2 s + 1] that of its negated high
+    // bound. An unused lane gets a low bound above all others, and a high bound below all others.
     let value = |code: i16| if code == !Key::EMPTY.code() { f32::INFINITY } else { decode(code) };
     core::array::from_fn(|j| {
         query[j].map(|code| if j.is_multiple_of(2) { value(code) } else { -value(code) })
@@ -60,7 +57,8 @@ fn halves<const W: usize, const K: usize>(planes: &[[i16; W]; K], child: [Child;
     halves
 }
 
-/// The children of a node in halves that a body overlaps: bit i, or bits 4 a + b of the four that a query of arity 4 has.
+/// The children of a node in halves that a body overlaps: bit i, or bits 4 a + b for the four bodies of a query of
+/// arity 4.
 pub(crate) fn mask<const W: usize, const K: usize>(
     query: &FloatQuery<W, K>,
     lane: usize,
@@ -84,7 +82,7 @@ pub(crate) fn halves_4<const K: usize>(node: &Node4<K>) -> Halves<4, K> {
     halves(&node.planes, node.child)
 }
 
-/// The paper's 1vs16. `EXIT`: after each slab, leave if all lanes are separated, as the paper does.
+/// The paper's 1vs16. `EXIT`: exit after a slab if all lanes are separated, as in the paper.
 #[derive(Copy, Clone)]
 pub(crate) struct Papers<E, const K: usize, const EXIT: bool>(pub(crate) E);
 
@@ -126,7 +124,7 @@ impl_variant! { [const K: usize] Papers4<Avx512, K>, 4, (query, _, node) => avx5
 #[target_feature(enable = "avx2,f16c")]
 fn eight(halves: &[u16; 16], first: usize) -> __m256 {
     let (eight, _) = halves[first..].as_chunks::<8>();
-    // SAFETY: the array has the 16 bytes that are read; the load asks for no alignment.
+    // SAFETY: the array has the 16 bytes that are read; the load needs no alignment.
     _mm256_cvtph_ps(unsafe { _mm_loadu_si128(eight[0].as_ptr().cast()) })
 }
 

@@ -20,20 +20,20 @@ mod turned;
 pub(crate) struct Call {
     pub(crate) query: u32,
     pub(crate) node: u32,
-    /// Of the query; 4vs4 takes all.
+    /// Lane of the query; 4vs4 uses all.
     pub(crate) lane: u16,
-    /// The scalar kernel's answer, or that of plain code.
+    /// The expected answer, by the scalar kernel or by plain code.
     pub(crate) mask: u16,
 }
 
-/// Calls, and what they are about.
+/// Calls, and the bodies they refer to.
 pub(crate) struct Recording<Q, N> {
     pub(crate) queries: Vec<Q>,
     pub(crate) nodes: Vec<N>,
     pub(crate) calls: Vec<Call>,
 }
 
-/// What the recorder asks of a node.
+/// What the recorder needs from a node.
 pub(crate) trait Arity: Lanes {
     type Bodies: Copy;
     type Turn;
@@ -45,7 +45,8 @@ pub(crate) trait Arity: Lanes {
     fn column(&self, planes: &Self::Bodies, lane: usize) -> u16;
     /// Which children of A the root of B overlaps.
     fn against_hull(&self, planes: &Self::Bodies) -> u16;
-    /// Calls the kernel for the `wanted` children of A: `call(lane, answer)`. Returns the rows of bits.
+    /// Calls the kernel for the `wanted` children of A, and `call(lane, answer)` with each result. Returns the rows of
+    /// bits.
     fn rows(&self, planes: &Self::Bodies, wanted: u16, call: impl FnMut(usize, u16)) -> [u16; 16];
 }
 
@@ -115,15 +116,15 @@ impl_arity! {
     }
 }
 
-/// What of A is descending.
+/// The part of A that descends.
 #[derive(Copy, Clone)]
 enum Side {
     Node(u32),
-    /// A leaf, as the query that holds its planes.
+    /// A leaf, as the index of the query with its planes.
     Leaf(u32),
 }
 
-/// The library's traversal of free poses, without its leaf tests and its stack.
+/// The library's traversal for free poses, without leaf tests and stack.
 struct Recorder<'t, N: Arity> {
     tree: BvhRef<'t, N>,
     turn: N::Turn,
@@ -225,14 +226,14 @@ fn bits(mask: u16) -> impl Iterator<Item = usize> {
     (0..16).filter(move |bit| mask >> bit & 1 != 0)
 }
 
-/// Which memory the bodies of the calls come from.
+/// The memory that the bodies of the calls are loaded from.
 #[derive(Copy, Clone, PartialEq, Eq, Debug)]
 pub(crate) enum Level {
-    /// Windows of calls whose bodies fit in 24 KB, loaded before the clock starts.
+    /// Windows of calls whose bodies fit into 24 KB, loaded before the clock starts.
     L1,
     /// The same with 256 KB.
     L2,
-    /// A copy of the node for each call, in random order: more than the last cache holds.
+    /// A copy of the node for each call, in random order: larger than the last-level cache.
     Memory,
 }
 
@@ -250,7 +251,7 @@ impl<Q, N: Clone> Recording<Q, N> {
         let (mut seen_queries, mut seen_nodes) = (vec![0; self.queries.len()], vec![0; self.nodes.len()]);
         let (mut windows, mut start, mut bytes) = (Vec::new(), 0, 0);
         for (i, call) in self.calls.iter().enumerate() {
-            // A stamp of 0 is no window's: windows start at 1.
+            // A stamp of 0 marks no window: windows start at 1.
             let stamp = windows.len() + 1;
             let new =
                 |seen: &mut usize, size| if core::mem::replace(seen, stamp) == stamp { 0 } else { size };
@@ -265,7 +266,7 @@ impl<Q, N: Clone> Recording<Q, N> {
         windows
     }
 
-    /// Each call gets a node of its own, somewhere.
+    /// Gives each call a node of its own at a random place.
     pub(crate) fn scattered(&self, rng: &mut Rng) -> Self
     where
         Q: Clone,
@@ -283,7 +284,7 @@ impl<Q, N: Clone> Recording<Q, N> {
         Self { queries: self.queries.clone(), nodes, calls }
     }
 
-    /// With these answers, of planes that were rounded once more.
+    /// With these answers, for planes that were rounded once more.
     pub(crate) fn answered(mut self, mask: impl Fn(&Q, usize, &N) -> u16) -> Self {
         for call in &mut self.calls {
             let (query, node) = (&self.queries[call.query as usize], &self.nodes[call.node as usize]);

@@ -1,4 +1,4 @@
-//! Robots and what they are asked: their links, the problems of MotionBenchMaker, and where the links stand in these.
+//! Robots and their queries: links, problems of MotionBenchMaker, and the poses of the links in these.
 
 use super::data::MeshData;
 use super::rng::Rng;
@@ -13,13 +13,13 @@ use urdf_rs::{Geometry, JointType};
 #[derive(Debug)]
 pub(crate) struct Setting {
     pub(crate) name: &'static str,
-    /// Of its folder and files.
+    /// Name of its folder and files.
     pub(crate) robot: &'static str,
-    /// The meshes that are drawn, instead of those of collision.
+    /// Use the visual meshes instead of the collision meshes.
     pub(crate) is_drawn: bool,
 }
 
-/// Of the UR5's arm no drawn meshes are there; the meshes of collision are the drawn ones in its gripper.
+/// The UR5's arm has no visual meshes here; in its gripper the collision meshes are the visual ones.
 pub(crate) const SETTINGS: [Setting; 3] = [
     Setting { name: "Panda", robot: "panda", is_drawn: false },
     Setting { name: "Panda, drawn meshes", robot: "panda", is_drawn: true },
@@ -31,7 +31,7 @@ impl Setting {
         Robot::read(&data.join("robots").join(self.robot), self.robot, self.is_drawn)
     }
 
-    /// Every so many problems of the robot, the same at each call.
+    /// Every `step`-th problem of the robot, the same at each call.
     pub(crate) fn problems(&self, data: &Path, robot: &Robot, step: usize) -> Vec<Problem> {
         let text = std::fs::read_to_string(data.join(format!("planning/mbm_{}.jsonl", self.robot))).unwrap();
         let mut rng = Rng::new(7);
@@ -42,12 +42,12 @@ impl Setting {
 /// Values of the joints, by name.
 pub(crate) type Configuration = BTreeMap<String, f64>;
 
-/// A robot's links that have a shape, and how they are joined.
+/// The links of a robot that have a shape, and the joints between them.
 #[derive(Debug)]
 pub(crate) struct Robot {
     pub(crate) links: Vec<Link>,
     joints: Vec<Joint>,
-    /// Links that are asked against each other: all pairs but those that the SRDF rules out.
+    /// Pairs of links that are tested: all but those excluded by the SRDF.
     pub(crate) pairs: Vec<(usize, usize)>,
 }
 
@@ -55,7 +55,7 @@ pub(crate) struct Robot {
 pub(crate) struct Link {
     pub(crate) name: String,
     pub(crate) mesh: MeshData,
-    /// Of the mesh in the link's frame.
+    /// The pose of the mesh in the link's frame.
     pub(crate) origin: DAffine3,
 }
 
@@ -77,7 +77,7 @@ fn affine(pose: &urdf_rs::Pose) -> DAffine3 {
 }
 
 impl Robot {
-    /// Of a folder with `NAME.urdf` and `NAME.srdf`; the meshes of collision, or those that are drawn.
+    /// Reads a folder with `NAME.urdf` and `NAME.srdf`, with the collision meshes or the visual ones.
     fn read(folder: &Path, name: &str, is_drawn: bool) -> Self {
         let urdf = urdf_rs::read_file(folder.join(format!("{name}.urdf"))).unwrap();
         let mut links = Vec::new();
@@ -120,7 +120,7 @@ impl Robot {
         Self { joints: joints.collect(), pairs, links }
     }
 
-    /// Where the meshes of the links stand.
+    /// The poses of the links' meshes.
     pub(crate) fn poses(&self, configuration: &Configuration) -> Vec<DAffine3> {
         let mut frames: BTreeMap<&str, DAffine3> = BTreeMap::new();
         // Joints may come in any order.
@@ -149,7 +149,7 @@ impl Robot {
         self.links.iter().map(|link| frames[link.name.as_str()] * link.origin).collect()
     }
 
-    /// A configuration within the limits of the joints that move.
+    /// A configuration within the limits of the moving joints.
     pub(crate) fn random(&self, rng: &mut Rng) -> Configuration {
         let moving = |joint: &&Joint| !matches!(joint.kind, JointType::Fixed);
         self.joints
@@ -160,7 +160,7 @@ impl Robot {
     }
 }
 
-/// The triangles of a binary STL file; corners at one place become one vertex.
+/// The triangles of a binary STL file; coincident corners become one vertex.
 fn stl(path: &Path) -> MeshData {
     let bytes = std::fs::read(path).unwrap_or_else(|e| panic!("{}: {e}", path.display()));
     let (mut vertices, mut indices) = (Vec::new(), BTreeMap::new());
@@ -171,13 +171,13 @@ fn stl(path: &Path) -> MeshData {
             vertices.len() as u32 - 1
         })
     };
-    // After a head of 84 bytes, each triangle has 50: a normal, three corners, attributes.
+    // After a header of 84 bytes, each triangle has 50: a normal, three corners, attributes.
     let triangles =
         bytes[84..].chunks_exact(50).map(|t| [12, 24, 36].map(|at| vertex(&t[at..at + 12]))).collect();
     MeshData { vertices, triangles }
 }
 
-/// A problem: what stands around the robot, and where its links shall stand: at the start, at a goal and in ten random
+/// A problem: the obstacles around the robot, and the poses of its links at the start, at a goal and in ten random
 /// configurations.
 #[derive(Debug)]
 pub(crate) struct Problem {
@@ -195,7 +195,7 @@ pub(crate) struct Obstacle {
 
 #[derive(Debug)]
 pub(crate) enum Shape {
-    /// Its sides.
+    /// Its side lengths.
     Cuboid([f64; 3]),
     Cylinder {
         radius: f64,
@@ -203,7 +203,7 @@ pub(crate) enum Shape {
     },
 }
 
-/// How far from the cylinder a prism around it may be, of the radius: sixteen sides.
+/// Maximum error of a prism around a cylinder, relative to the radius: sixteen sides.
 const ERROR: f64 = 0.02;
 
 impl Shape {
@@ -252,7 +252,7 @@ impl Problem {
     }
 }
 
-/// Names everything once, so that a bench which needs only some of it compiles without a warning.
+/// Names everything once, so that a benchmark which uses only some of it compiles without a warning.
 const _: () = {
     let _ = (Robot::poses, Robot::random, Setting::robot, Setting::problems, Problem::new);
     let _ = |robot: &Robot, problem: &Problem| {

@@ -1,15 +1,14 @@
-//! Poses of two bodies at given distances, after the benchmarking suite of Trenkel, Weller and Zachmann (WSCG
-//! 2007), which the SIMDop paper uses.
+//! Poses of two bodies at given distances, after the benchmarking suite of Trenkel, Weller and Zachmann (WSCG 2007),
+//! which the SIMDop paper uses.
 //!
-//! Body A is turned at random and comes along a line until it is as far from B as wanted. Two ways to choose
-//! lines:
+//! Body A is rotated at random and approaches B along a line until it is at a given distance. Two ways to choose lines:
 //!
 //! * *sphere*: from a random direction towards the centre of B's box;
-//! * *grid*: along a coordinate axis through a point of a regular grid, so that A also comes past the side of
-//!   B. The grid spans what the two boxes, A's in whatever rotation, can reach of each other.
+//! * *grid*: along a coordinate axis through a point of a regular grid, so that A also passes the sides of B. The grid
+//!   spans the positions at which the two boxes, A's at any rotation, can overlap.
 //!
-//! A line that does not come to a contact is left out, so that each line has a pose at every distance.
-//! Distances are shares of the diagonal of A's box.
+//! Lines that do not lead to contact are dropped, so that each line gives a pose at every distance. Distances are
+//! relative to the diagonal of A's box.
 
 use crate::data::{Approach, MeshData};
 use crate::rng::Rng;
@@ -22,16 +21,16 @@ use simdop::query::Query;
 /// `[R|t]`.
 pub(crate) type Rows = [[f64; 4]; 3];
 
-/// A distance at which bodies are to be.
+/// A target distance of the bodies.
 #[derive(Copy, Clone, PartialEq, Debug)]
 pub(crate) enum Distance {
-    /// Share of the diagonal that A went on after the first contact.
+    /// A moves on by this share of the diagonal after first contact.
     Deep(f64),
-    /// Share of the diagonal between the bodies.
+    /// Gap between the bodies, relative to the diagonal.
     Gap(f64),
 }
 
-/// The presets, with their names. No gap at all cannot be had: 2e-5 is the paper's zero.
+/// The presets, with their names. A gap of exactly zero is not attainable: 2e-5 is the paper's zero.
 pub(crate) const DISTANCES: [(&str, Distance); 4] = [
     ("1 % deep", Distance::Deep(0.01)),
     ("0 %", Distance::Gap(2e-5)),
@@ -50,11 +49,11 @@ impl Method {
     pub(crate) const ALL: [Self; 2] = [Self::Sphere, Self::Grid];
 }
 
-/// Places along a line are multiples of this share of the diagonal: 0.3 % of the smallest gap, and coarse
-/// enough that a pose does not depend on the last bits of a distance.
+/// Positions along a line are multiples of this share of the diagonal: 0.3 % of the smallest gap, and coarse enough
+/// that a pose does not depend on the last bits of a distance.
 const STEP: f64 = 1.0 / (1 << 24) as f64;
 
-/// A pair of bodies, and their trees to ask for distances.
+/// A pair of bodies, with trees for distance queries.
 pub(crate) struct Approaching<'t> {
     pub(crate) a: &'t MeshData,
     pub(crate) b: &'t MeshData,
@@ -63,10 +62,10 @@ pub(crate) struct Approaching<'t> {
 }
 
 impl Approaching<'_> {
-    /// `count` lines' poses, each with its place for each of the distances, nearest (or deepest) first.
+    /// The poses of `count` lines, each with its pose at each of the distances, nearest (or deepest) first.
     ///
     /// # Panics
-    /// If most lines miss: then the bodies are not ones that can touch.
+    /// If most lines miss: then the bodies cannot touch.
     pub(crate) fn poses<const N: usize>(
         &self,
         distances: &[(&str, Distance); N],
@@ -99,7 +98,7 @@ impl Approaching<'_> {
         self.line(self.b.centre(), towards, rng)
     }
 
-    /// In random order, about twice as many as wanted.
+    /// In random order, about twice as many as needed.
     fn grid_lines(&self, count: usize, rng: &mut Rng) -> Vec<Approach> {
         let (low, high) = self.b.bounds();
         let reach = 0.5 * self.a.diagonal();
@@ -125,12 +124,12 @@ impl Approaching<'_> {
         lines
     }
 
-    /// The places on a line, or nothing if it misses.
+    /// The poses on a line, or `None` if it misses.
     fn along<const N: usize>(&self, line: &Approach, distances: &[(&str, Distance); N]) -> Option<[Rows; N]> {
         let far = 2.0 * (self.a.diagonal() + self.b.diagonal());
         let mut at = [line.at(far); N];
         let mut place = self.place(far);
-        // From the largest gap to the contact: each search goes on where the last one ended.
+        // From the largest gap to contact: each search continues where the last one ended.
         for i in (0..N).rev() {
             let (gap, depth) = match distances[i].1 {
                 Distance::Gap(gap) => (gap, 0.0),
@@ -150,12 +149,10 @@ impl Approaching<'_> {
         (distance / (STEP * self.a.diagonal())) as i64
     }
 
-    /// The last place on the way in from `start` at which the bodies are more than `gap` apart, to 1/128 of
-    /// the gap.
+    /// The last position, coming from `start`, at which the bodies are more than `gap` apart, up to 1/128 of the gap.
     ///
-    /// No point moves farther than A's centre does: a stride as long as the spare distance is safe. The last
-    /// steps are found by bisection, since the spare distance shrinks slowly where A comes past the side
-    /// of B.
+    /// No point moves farther than A's centre does, so a stride as long as the spare distance is safe. The last steps
+    /// use bisection, since the spare distance shrinks slowly where A passes the side of B.
     fn reach(&self, line: &Approach, start: i64, gap: f64) -> Option<i64> {
         let query = Query::new(Isa::detect());
         let pose = |place: i64| Pose::from_rows(line.at(self.distance(place))).expect("rotations are rigid");
@@ -170,7 +167,7 @@ impl Approaching<'_> {
         let short = (self.place(gap) / 128).max(1);
         let (mut place, mut stride) = (start, 16 * short);
         while place > -start {
-            // A rough distance is cheap, and does while it is large.
+            // A rough distance is cheap, and sufficient while it is large.
             let rough = query.distance(&self.tree_a, &self.tree_b, &pose(place), 0.5).expect("a tolerance");
             let spare = self.place(rough.lower - gap);
             if spare > stride {
@@ -191,7 +188,7 @@ impl Approaching<'_> {
     }
 }
 
-/// By bisection: a place at most `short` from one that is inside.
+/// Bisects to an outside position at most `short` from an inside one.
 fn last_outside(mut outside: i64, mut inside: i64, short: i64, is_inside: impl Fn(i64) -> bool) -> i64 {
     while outside - inside > short {
         let middle = inside + (outside - inside) / 2;

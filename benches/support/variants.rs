@@ -1,4 +1,4 @@
-//! The ways to answer a recorded call.
+//! The kernel variants that answer a recorded call.
 
 use super::record::{Call, Recording};
 use core::hint::black_box;
@@ -7,7 +7,7 @@ use simdop::low_level::kernel::{Kernel, Turned};
 use simdop::node::{Node4, Node16};
 use std::time::{Duration, Instant};
 
-/// One way to answer.
+/// A kernel variant.
 pub(crate) trait Variant: Copy {
     type Query;
     type Node;
@@ -50,9 +50,8 @@ impl<E: Kernel, const K: usize> Variant for Ours4<E, K> {
     }
 }
 
-/// Plain loops without a branch, which the compiler vectorises for the instruction set of the gate. Of six
-/// ways to write them the one it understood best: with the loop over planes outside it took 2 to 9 times as
-/// long.
+/// Plain branchless loops, which the compiler vectorises for the instruction set of the gate. The fastest of six ways
+/// to write them: with the loop over planes outside they took 2 to 9 times as long.
 #[derive(Copy, Clone)]
 pub(crate) struct Vectorised<E, const K: usize>(pub(crate) E);
 
@@ -125,7 +124,7 @@ fn sweep<V: Variant>(variant: V, recording: &Recording<V::Query, V::Node>, calls
     )
 }
 
-/// Brings the bodies of the calls into the cache, and teaches the branch predictor nothing about the kernel.
+/// Loads the bodies of the calls into the cache, without training the branch predictor on the kernel.
 fn load<Q, N>(recording: &Recording<Q, N>, calls: &[Call]) {
     for call in calls {
         for offset in (0..size_of::<Q>()).step_by(64) {
@@ -144,7 +143,7 @@ fn load<Q, N>(recording: &Recording<Q, N>, calls: &[Call]) {
 )]
 fn byte<T>(value: &T, offset: usize) -> u8 {
     assert!(offset < size_of::<T>());
-    // SAFETY: the place is inside the value.
+    // SAFETY: the offset is inside the value.
     let place = unsafe { (&raw const *value).cast::<u8>().add(offset) };
     // SAFETY: the byte is initialised: the variants' types have no padding.
     unsafe { place.read() }

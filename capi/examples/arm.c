@@ -1,8 +1,8 @@
 /*
- * An arm's link and a tetrahedron in its hand, beside a box: do they meet, and how near do they come? A link that swings:
- * does it meet a thin wall on its way? And an arm of two joints: how does it get past a post?
+ * An arm's link that holds a tetrahedron, beside a box: do they meet, and how near do they come? A swinging link: does
+ * it meet a thin wall on its way? And an arm with two joints: how does it get past a post?
  *
- * Lengths are in metres. Ends with 0 only if each answer is the one expected; `capi/check` builds and runs it.
+ * Lengths are in metres. Exits with 0 only if each answer is as expected; `capi/check` builds and runs it.
  */
 #include <math.h>
 #include <stdio.h>
@@ -18,7 +18,7 @@ static void must(simdop_error error) {
     }
 }
 
-/* Ends the program unless what was expected is so. */
+/* Ends the program unless the expectation holds. */
 static void expect(int is_so, const char *what) {
     printf("%s: %s\n", is_so ? "as expected" : "NOT AS EXPECTED", what);
     if (!is_so) {
@@ -46,13 +46,13 @@ static simdop_body *box(double x, double y, double z) {
     return body;
 }
 
-/* Without a turn. */
+/* A translation. */
 static simdop_pose at(double x, double y, double z) {
     const simdop_pose pose = {{{1, 0, 0, x}, {0, 1, 0, y}, {0, 0, 1, z}}};
     return pose;
 }
 
-/* Counts hits, and stops when as many are found as were asked for. */
+/* Counts hits, and stops at `most`. */
 struct count {
     int found, most;
 };
@@ -65,10 +65,10 @@ static int on_hit(void *user, const simdop_scene_hit *hit) {
     return count->found == count->most;
 }
 
-/* A body that slides from one place to another in a straight line: a motion of the caller's. */
+/* A motion given by callbacks: a body slides from one place to another along a straight line. */
 struct slide {
     double from[3], to[3];
-    int left; /* How often it may still be asked. */
+    int left; /* Calls of slide_go_to() until it stops the query. */
 };
 
 static int slide_go_to(void *user, double time, simdop_pose *poses) {
@@ -81,7 +81,7 @@ static int slide_go_to(void *user, double time, simdop_pose *poses) {
     return slide->left-- == 0;
 }
 
-/* All points of the body get equally far: in all of the time, from one place to the other. The rest is for rounding. */
+/* All points of the body move equally far: over the whole time, from one place to the other. 1e-12 covers rounding. */
 static double slide_path(void *user, size_t body, const double *centre, double radius, double span) {
     const struct slide *slide = user;
     double square = 0;
@@ -92,7 +92,7 @@ static double slide_path(void *user, size_t body, const double *centre, double r
     return span * sqrt(square) + 1e-12;
 }
 
-/* A link that swings about the origin, and a wall 2 mm thick across half of its way. */
+/* A link that swings about the origin, and a wall 2 mm thick half way. */
 static void swing(simdop_body *link) {
     simdop_body *wall = box(0.4, 0.002, 0.4);
     simdop_role role = simdop_role_default(), fixed = simdop_role_default();
@@ -115,37 +115,38 @@ static void swing(simdop_body *link) {
 
     simdop_scene_answer seen;
     must(simdop_scene_collide(scene, SIMDOP_NO_BUDGET, &seen));
-    expect(seen.verdict == SIMDOP_VERDICT_FREE, "the link is free where it begins");
+    expect(seen.verdict == SIMDOP_VERDICT_FREE, "the link is free at the start");
     must(simdop_scene_place(scene, link_id, &end));
     must(simdop_scene_collide(scene, SIMDOP_NO_BUDGET, &seen));
-    expect(seen.verdict == SIMDOP_VERDICT_FREE, "and where it ends");
+    expect(seen.verdict == SIMDOP_VERDICT_FREE, "and at the end");
     must(simdop_scene_check_screw(scene, link_id, &start, &end, 1e-6, SIMDOP_NO_BUDGET, &edge));
-    expect(edge.verdict == SIMDOP_MOTION_VERDICT_HIT, "between the two it meets the wall");
+    expect(edge.verdict == SIMDOP_MOTION_VERDICT_HIT, "in between it meets the wall");
     expect((edge.hit.a == wall_id || edge.hit.b == wall_id) && fabs(edge.time - 0.5) < 0.1, "half way");
     must(simdop_scene_check_screw(scene, link_id, &start, &other_end, 1e-6, SIMDOP_NO_BUDGET, &edge));
     expect(edge.verdict == SIMDOP_MOTION_VERDICT_FREE, "the other way round it is free, at all times");
 
-    /* The same questions about a motion of one's own: it slides past the wall, and through it. */
+    /* The same queries with a motion given by callbacks: the link slides past the wall, and through it. */
     struct slide slide = {{-1, 0.6, 0}, {1, 0.6, 0}, 1000};
     simdop_motion motion = {&slide, slide_go_to, slide_path, NULL};
     must(simdop_scene_check_motion(scene, &link_id, 1, &motion, 1e-6, SIMDOP_NO_BUDGET, &edge));
     expect(edge.verdict == SIMDOP_MOTION_VERDICT_FREE, "it slides past the wall");
     slide.from[1] = slide.to[1] = 0.2;
     must(simdop_scene_check_motion_discrete(scene, &link_id, 1, &motion, 1, SIMDOP_NO_BUDGET, &edge));
-    expect(edge.verdict == SIMDOP_MOTION_VERDICT_UNRESOLVED && edge.times == 2, "its two ends alone say nothing");
+    expect(edge.verdict == SIMDOP_MOTION_VERDICT_UNRESOLVED && edge.times == 2, "its two ends alone prove nothing");
     must(simdop_scene_check_motion(scene, &link_id, 1, &motion, 1e-6, SIMDOP_NO_BUDGET, &edge));
     expect(edge.verdict == SIMDOP_MOTION_VERDICT_HIT, "it slides through it");
     slide.left = 0;
     must_fail(simdop_scene_check_motion(scene, &link_id, 1, &motion, 1e-6, SIMDOP_NO_BUDGET, &edge),
               SIMDOP_ERROR_MOTION_STOPPED);
     motion.path = NULL;
-    must_fail(simdop_scene_check_motion(scene, &link_id, 1, &motion, 1e-6, SIMDOP_NO_BUDGET, &edge), SIMDOP_ERROR_NULL);
+    must_fail(simdop_scene_check_motion(scene, &link_id, 1, &motion, 1e-6, SIMDOP_NO_BUDGET, &edge),
+              SIMDOP_ERROR_NULL);
 
     simdop_scene_destroy(scene);
     simdop_body_destroy(wall);
 }
 
-/* An arm in the plane, and a post 0.9 m from its base, half way of a quarter of a turn. */
+/* An arm in the plane, and a post 0.9 m from its base, half way through a quarter turn. */
 static void reach(simdop_body *link) {
     enum { SHOULDER, ELBOW, JOINTS };
     static const double limits[JOINTS][2] = {{-2, 2}, {-2.6, 2.6}};
@@ -164,13 +165,13 @@ static void reach(simdop_body *link) {
     simdop_motion_answer edge;
     must(simdop_scene_create(&scene));
     for (uint32_t i = 0; i < JOINTS; i++) {
-        /* Each joint turns about z, at the end of the link before; half a link further is the middle of its own. */
+        /* Each joint rotates about z at the end of the previous link; the body is half a link further. */
         const simdop_pose origin = at(i == ELBOW ? 0.5 : 0, 0, 0);
         const simdop_joint joint = {SIMDOP_JOINT_KIND_REVOLUTE, i, i, origin, {0, 0, 1}, 1, 0};
         const simdop_link_body body = {i + 1, at(0.25, 0, 0)};
         joints[i] = joint;
         bodies[i] = body;
-        /* Where it stands in the scene does not matter: an edge says where it moves. */
+        /* The pose in the scene does not matter: a motion query sets the poses. */
         must(simdop_scene_insert(scene, link, &role, &base, &ids[i]));
     }
     must(simdop_scene_allow_collision(scene, ids[SHOULDER], ids[ELBOW]));
@@ -178,11 +179,12 @@ static void reach(simdop_body *link) {
     must(simdop_robot_new(&base, joints, JOINTS, bodies, JOINTS, &limits[0][0], JOINTS, &robot));
 
     must(simdop_robot_poses(robot, end, poses));
-    expect(fabs(poses[ELBOW].rows[1][3] - 0.75) < 1e-12, "stretched along y, its second link is there");
+    expect(fabs(poses[ELBOW].rows[1][3] - 0.75) < 1e-12, "stretched along y, its second link is 0.75 m from the base");
     must(simdop_scene_check_joint_motion(scene, ids, JOINTS, robot, start, end, 1e-6, SIMDOP_NO_BUDGET, &edge));
     expect(edge.verdict == SIMDOP_MOTION_VERDICT_HIT, "stretched, it meets the post on the way");
     for (int i = 0; i < 3; i++) {
-        must(simdop_scene_check_joint_motion(scene, ids, JOINTS, robot, way[i], way[i + 1], 1e-6, SIMDOP_NO_BUDGET, &edge));
+        must(simdop_scene_check_joint_motion(scene, ids, JOINTS, robot, way[i], way[i + 1], 1e-6, SIMDOP_NO_BUDGET,
+                                             &edge));
         expect(edge.verdict == SIMDOP_MOTION_VERDICT_FREE, "folded, it is free at all times");
     }
     must_fail(simdop_robot_poses(robot, beyond, poses), SIMDOP_ERROR_MOTION_OUT_OF_LIMITS);
@@ -200,7 +202,7 @@ int main(void) {
     static const uint32_t faces[4 * 3] = {0, 2, 1, 0, 1, 3, 1, 2, 3, 2, 0, 3};
     simdop_body *shelf = box(0.4, 0.4, 0.4), *link = box(0.5, 0.05, 0.05), *built, *tool, *none;
 
-    /* The tool comes from bytes, as it would from flash: they belong to `built`, which must stay as long. */
+    /* The tool is opened from bytes, as it would be from flash. They belong to `built`, which must outlive it. */
     const uint8_t *bytes;
     size_t count;
     must(simdop_body_build_surface(corners, 4, faces, 4, &built));
@@ -213,7 +215,7 @@ int main(void) {
     simdop_distance_answer distance;
     must(simdop_distance(tool, shelf, &pose, 0, SIMDOP_NO_BUDGET, &distance));
     expect(fabs(distance.upper - 0.8) < 1e-12 && distance.lower <= distance.upper, "it is 0.8 m to the shelf");
-    expect(fabs(distance.point_a[0] - 1) < 1e-12 && fabs(distance.point_b[0] - 0.2) < 1e-12, "and this is where");
+    expect(fabs(distance.point_a[0] - 1) < 1e-12 && fabs(distance.point_b[0] - 0.2) < 1e-12, "between these points");
     must(simdop_within(tool, shelf, &pose, 0.79, SIMDOP_NO_BUDGET, &answer));
     expect(answer.verdict == SIMDOP_VERDICT_FREE, "it is not within 0.79 m");
     const double quarter_about_z[4] = {0, 0, sqrt(0.5), sqrt(0.5)}, inside[3] = {0.05, 0, 0};
@@ -221,7 +223,7 @@ int main(void) {
     must(simdop_collide(tool, shelf, &pose, SIMDOP_NO_BUDGET, &answer));
     expect(answer.verdict == SIMDOP_VERDICT_HIT, "wholly inside of the solid it is a hit");
 
-    /* A scene: the link holds the tool, and turns. */
+    /* A scene: the link holds the tool, and moves. */
     simdop_scene *scene;
     simdop_body_id shelf_id, link_id, tool_id;
     simdop_role fixed = simdop_role_default(), padded = simdop_role_default();
@@ -253,7 +255,7 @@ int main(void) {
     must(simdop_scene_each_hit(scene, 0.1, SIMDOP_NO_BUDGET, on_hit, &hits, &all));
     expect(hits.found == 1 && all.completion == SIMDOP_COMPLETION_STOPPED, "the callback stopped at the first hit");
 
-    /* What is wrong is said. */
+    /* Errors. */
     must_fail(simdop_body_build_solid(corners, 4, faces, 3, &none), SIMDOP_ERROR_BUILD_OPEN);
     expect(none == NULL, "there is no body then");
     must_fail(simdop_scene_place(scene, tool_id, &pose), SIMDOP_ERROR_SCENE_IS_ATTACHED);

@@ -10,16 +10,16 @@ use simdop::scene::BodyTree;
 use std::mem::MaybeUninit;
 use std::ops::ControlFlow;
 
-/// The one node type of this interface.
+/// The only node type of this interface.
 pub(crate) type Node = Node16<18>;
 
-/// A body: a set of primitives, triangles or spheres, and the tree over them. It never changes.
+/// A body: a set of primitives, triangles or spheres, and the tree over them. Immutable.
 #[derive(Debug)]
 pub struct simdop_body(Tree);
 
 #[derive(Debug)]
 enum Tree {
-    /// Over bytes of the caller's.
+    /// Borrows the caller's bytes.
     Lent {
         bytes: &'static [u8],
         view: View<'static>,
@@ -28,7 +28,7 @@ enum Tree {
     Spheres(Bvh<Node, Spheres>),
 }
 
-/// A tree to ask: of a scene's kinds, those that a body of this interface can be.
+/// A borrowed tree of a kind that a body of this interface can have.
 #[derive(Copy, Clone, Debug)]
 pub(crate) enum View<'t> {
     Mesh(BvhRef<'t, Node, Triangles>),
@@ -62,11 +62,11 @@ impl simdop_body {
     }
 }
 
-/// Opens a body of triangles or spheres from the bytes of a baked tree, in place, after a check that they are safe to walk,
-/// which takes time in proportion to them.
+/// Opens a body of triangles or spheres in place from the bytes of a baked tree. First validates the bytes, so that
+/// traversal is memory safe, in time linear in their number.
 ///
 /// # Safety
-/// There are `count` bytes, which must stay unchanged until the body is destroyed. They must start at a multiple of 64.
+/// `bytes` points to `count` bytes, aligned to 64, which stay unchanged until the body is destroyed.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn simdop_body_open(
     bytes: *const u8,
@@ -74,7 +74,7 @@ pub unsafe extern "C" fn simdop_body_open(
     body: Option<&mut MaybeUninit<Option<Box<simdop_body>>>>,
 ) -> simdop_error {
     make(body, "body", || {
-        // SAFETY: they are there, and stay as long as the body, by the caller's promise.
+        // SAFETY: the caller guarantees that the bytes exist, and that they outlive the body.
         let bytes: &'static [u8] = unsafe { items(bytes, count, "bytes") }?;
         let is_of_spheres = Header::read(bytes)?.kind == Kind::SPHERES.code();
         let view = if is_of_spheres {
@@ -86,12 +86,12 @@ pub unsafe extern "C" fn simdop_body_open(
     })
 }
 
-/// Builds the body that is the surface of triangles, closed or not: what is inside of it without touching it is free.
-/// `vertices` are `vertex_count` times x, y, z; `triangles` are `triangle_count` times three indices of vertices. Both are
-/// copied. Without triangles the body is empty, and meets nothing.
+/// Builds a body that is the surface of triangles, closed or not: a body inside it that does not touch it is free.
+/// `vertices` holds x, y, z for each of `vertex_count` vertices, `triangles` three vertex indices for each of
+/// `triangle_count` triangles. Both are copied. Without triangles the body is empty, and meets nothing.
 ///
 /// # Safety
-/// The arrays have so many items.
+/// The arrays have the stated lengths.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn simdop_body_build_surface(
     vertices: *const f64,
@@ -100,15 +100,15 @@ pub unsafe extern "C" fn simdop_body_build_surface(
     triangle_count: usize,
     body: Option<&mut MaybeUninit<Option<Box<simdop_body>>>>,
 ) -> simdop_error {
-    // SAFETY: the same is promised here.
+    // SAFETY: the caller gives the guarantee that `build` requires.
     unsafe { build(Builder::new(), vertices, vertex_count, triangles, triangle_count, body) }
 }
 
-/// Builds the solid that closed triangles bound: what is wholly inside of it is a hit, too. Otherwise as
+/// Builds the solid that closed triangles bound: a body wholly inside it is a hit, too. Otherwise like
 /// simdop_body_build_surface().
 ///
 /// # Safety
-/// The arrays have so many items.
+/// The arrays have the stated lengths.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn simdop_body_build_solid(
     vertices: *const f64,
@@ -117,14 +117,14 @@ pub unsafe extern "C" fn simdop_body_build_solid(
     triangle_count: usize,
     body: Option<&mut MaybeUninit<Option<Box<simdop_body>>>>,
 ) -> simdop_error {
-    // SAFETY: the same is promised here.
+    // SAFETY: the caller gives the guarantee that `build` requires.
     unsafe { build(Builder::new().solid(), vertices, vertex_count, triangles, triangle_count, body) }
 }
 
-/// Builds a body of spheres, which are solid: `count` times x, y, z and a radius.
+/// Builds a body of solid spheres. `spheres` holds x, y, z and the radius of each of `count` spheres.
 ///
 /// # Safety
-/// The array has so many items.
+/// The array has the stated length.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn simdop_body_build_spheres(
     spheres: *const f64,
@@ -132,7 +132,7 @@ pub unsafe extern "C" fn simdop_body_build_spheres(
     body: Option<&mut MaybeUninit<Option<Box<simdop_body>>>>,
 ) -> simdop_error {
     make(body, "body", || {
-        // SAFETY: there are so many, by the caller's promise.
+        // SAFETY: the caller guarantees the length; four numbers in a row are aligned as one.
         let spheres: &[[f64; 4]] = unsafe { items(spheres.cast(), count, "spheres") }?;
         let sphere = |&[x, y, z, radius]: &[f64; 4]| Sphere { centre: [x, y, z], radius };
         let spheres: Vec<_> = spheres.iter().map(sphere).collect();
@@ -145,7 +145,7 @@ pub unsafe extern "C" fn simdop_body_build_spheres(
 /// Builds a body of triangles.
 ///
 /// # Safety
-/// The arrays have so many items.
+/// The arrays have the stated lengths.
 unsafe fn build(
     builder: Builder,
     vertices: *const f64,
@@ -156,17 +156,17 @@ unsafe fn build(
 ) -> simdop_error {
     make(body, "body", || {
         let mesh = Mesh {
-            // SAFETY: there are so many, by the caller's promise; three numbers in a row are aligned as one.
+            // SAFETY: the caller guarantees the length; three numbers in a row are aligned as one.
             vertices: unsafe { items(vertices.cast(), vertex_count, "vertices") }?,
-            // SAFETY: the same.
+            // SAFETY: as above.
             triangles: unsafe { items(triangles.cast(), triangle_count, "triangles") }?,
         };
         Ok(simdop_body(Tree::Mesh(builder.build_as(&mesh)?)))
     })
 }
 
-/// The bytes of a body's tree: write them to a file or to flash, and open them there. They belong to the body, or to who
-/// opened it, and are there as long.
+/// Returns the bytes of a body's tree, to be stored in a file or in flash and opened there. They belong to the body, or
+/// to the caller that opened it, and have the same lifetime.
 #[unsafe(no_mangle)]
 pub extern "C" fn simdop_body_bytes(
     body: Option<&simdop_body>,
@@ -182,7 +182,7 @@ pub extern "C" fn simdop_body_bytes(
     })
 }
 
-/// Destroys a body, and the bytes that were built for it. Of NULL, nothing.
+/// Destroys a body, and the bytes that were built for it. Does nothing for NULL.
 #[unsafe(no_mangle)]
 pub extern "C" fn simdop_body_destroy(body: Option<Box<simdop_body>>) {
     drop(body);

@@ -1,12 +1,13 @@
-//! What every function does where C and Rust meet: pointers are looked at, failures kept, panics caught.
+//! The boundary between C and Rust: checks pointers, stores failures, catches panics.
 
 use crate::error::{Failure, simdop_error};
 use std::mem::MaybeUninit;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
-/// Does the work of a function, and returns the code of what came of it.
+/// Runs the body of a C function and returns its error code.
 pub(crate) fn guarded(work: impl FnOnce() -> Result<(), Failure>) -> simdop_error {
-    // What a panic leaves half done is behind the caller's handles, which may only be destroyed after it.
+    // A panic can leave only the objects behind the caller's handles in an inconsistent state; after it they may only
+    // be destroyed.
     match catch_unwind(AssertUnwindSafe(work)) {
         Ok(Ok(())) => simdop_error::None,
         Ok(Err(failure)) => failure.keep(),
@@ -14,7 +15,7 @@ pub(crate) fn guarded(work: impl FnOnce() -> Result<(), Failure>) -> simdop_erro
     }
 }
 
-/// Does the work of a function that leaves an answer.
+/// Runs the body of a C function that writes an answer.
 pub(crate) fn answered<A>(
     answer: Option<&mut MaybeUninit<A>>,
     work: impl FnOnce() -> Result<A, Failure>,
@@ -26,7 +27,7 @@ pub(crate) fn answered<A>(
     })
 }
 
-/// Makes what is behind a handle, which is NULL if that fails.
+/// Creates the object of a handle. The handle is NULL if that fails.
 pub(crate) fn make<T>(
     handle: Option<&mut MaybeUninit<Option<Box<T>>>>,
     name: &str,
@@ -39,7 +40,7 @@ pub(crate) fn make<T>(
     })
 }
 
-/// What a pointer leads to, unless it is NULL.
+/// The target of a pointer, or an error if it is NULL.
 pub(crate) fn given<T>(pointer: Option<T>, name: &str) -> Result<T, Failure> {
     pointer.ok_or_else(|| Failure::new(simdop_error::Null, format!("{name} is NULL")))
 }
@@ -50,21 +51,22 @@ pub(crate) fn given<T>(pointer: Option<T>, name: &str) -> Result<T, Failure> {
 /// Unless the pointer is NULL or misaligned, there are `count` items, which nobody writes during `'a`.
 pub(crate) unsafe fn items<'a, T>(first: *const T, count: usize, name: &str) -> Result<&'a [T], Failure> {
     can_be_array(first, count, name)?;
-    // SAFETY: the pointer is not NULL and aligned, the length not too large; the rest is the caller's promise.
+    // SAFETY: the pointer is not NULL and aligned, and the length is not too large; the caller guarantees the rest.
     Ok(unsafe { std::slice::from_raw_parts(first, count) })
 }
 
-/// An array to be written.
+/// An array to write to.
 ///
 /// # Safety
-/// Unless the pointer is NULL or misaligned, there are `count` places, which nobody else reads or writes during `'a`.
+/// Unless the pointer is NULL or misaligned, there is room for `count` items, which nobody else reads or writes during
+/// `'a`.
 pub(crate) unsafe fn places<'a, T>(
     first: *mut T,
     count: usize,
     name: &str,
 ) -> Result<&'a mut [MaybeUninit<T>], Failure> {
     can_be_array(first, count, name)?;
-    // SAFETY: as of `items`; what is there need not be a `T` yet.
+    // SAFETY: as in `items`; the memory need not hold a valid `T` yet.
     Ok(unsafe { std::slice::from_raw_parts_mut(first.cast(), count) })
 }
 
@@ -76,7 +78,7 @@ fn can_be_array<T>(first: *const T, count: usize, name: &str) -> Result<(), Fail
         let message = format!("{name} does not start at a multiple of {}", align_of::<T>());
         return Err(Failure::new(simdop_error::Misaligned, message));
     }
-    // Rust has no larger ones.
+    // No Rust array is larger.
     if count > isize::MAX.unsigned_abs() / size_of::<T>() {
         return Err(Failure::new(simdop_error::TooLarge, format!("{name}: {count} items are too many")));
     }

@@ -1,10 +1,10 @@
-//! The C interface of simdop. The rules for who calls it (pointers, lifetimes, threads, errors) stand at the head of
-//! `include/simdop.h`, which cbindgen makes of this crate: all names and comments here are written for C.
+//! The C interface of simdop. The rules for callers (pointers, lifetimes, threads, errors) stand at the head of
+//! `include/simdop.h`, which cbindgen generates from this crate: all names and comments here are written for C.
 //!
-//! A pointer that may be NULL is an `Option` of a reference or of a `Box`, which Rust lays out as C does a pointer. What is
-//! behind it is then for the type system to look after; only arrays and callbacks need `unsafe`.
+//! A pointer that may be NULL is an `Option` of a reference or of a `Box`, which has the layout of a C pointer. The
+//! type system then covers its target; only arrays and callbacks need `unsafe`.
 //!
-//! Nothing unwinds into C: what can panic runs in `boundary::guarded`.
+//! Nothing unwinds into C: code that can panic runs in `boundary::guarded`.
 #![expect(non_camel_case_types, reason = "the names are those of C")]
 
 mod body;

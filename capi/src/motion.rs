@@ -1,4 +1,4 @@
-//! Motions of the caller's: functions that the library calls back.
+//! Motions given by the caller as callbacks.
 
 use crate::error::{Failure, simdop_error};
 use crate::pose::simdop_pose;
@@ -7,25 +7,25 @@ use simdop::pose::{Pose, PoseError};
 use std::ffi::{c_int, c_void};
 use std::fmt;
 
-/// A motion of some bodies over the times from 0 to 1, by functions of the caller's. They get `user`, and bodies by their place
-/// in the list of those that move. They must return, without an exception or a longjmp(), and must not use the scene that the
-/// question is about. At the same time a motion must always have the same poses and paths.
+/// A motion of some bodies over the times from 0 to 1, given by callbacks. They receive `user`, and refer to bodies by
+/// index in the list of moving bodies. They must return, without an exception or a longjmp(), and must not use the
+/// scene of the query. For equal times they must give equal poses and bounds.
 #[repr(C)]
 #[derive(Copy, Clone)]
 pub struct simdop_motion {
-    /// What the functions are called with. May be NULL.
+    /// Passed to each callback. May be NULL.
     pub user: *mut c_void,
-    /// Writes where all bodies are in the world at a time: as many poses as bodies move, each of which is then checked. One that
-    /// is left as it was is SIMDOP_ERROR_POSE_NOT_FINITE. Returns 0; anything else stops the query with
-    /// SIMDOP_ERROR_MOTION_STOPPED, for instance because it takes too long.
+    /// Writes the poses of all moving bodies in the world at `time`: one pose for each moving body, each of which is
+    /// then checked. A pose left unwritten is SIMDOP_ERROR_POSE_NOT_FINITE. Returns 0; any other value stops the query
+    /// with SIMDOP_ERROR_MOTION_STOPPED, for instance after a timeout.
     pub go_to: Option<unsafe extern "C" fn(user: *mut c_void, time: f64, poses: *mut simdop_pose) -> c_int>,
-    /// How far a point of a ball, which a body carries as if the ball were part of it, gets at most from where it is at the time
-    /// last gone to, at any time that is at most `span` before or after, within 0 to 1. `centre` has three numbers: where the
-    /// ball's centre is in the world at the time last gone to.
+    /// Returns an upper bound on how far any point of a ball rigidly attached to the body gets from its position at the
+    /// time of the last `go_to`, at any time that differs from it by at most `span`, within 0 to 1. `centre` has three
+    /// numbers: the centre of the ball in the world at the time of the last `go_to`.
     ///
-    /// The verdict rests on this bound: one that is too small makes verdicts wrong. It must have room for the rounding of the
-    /// poses that are written. One that is larger than need be only costs time. NaN, a negative number and one beyond 2^300
-    /// count as infinite, by which nothing is certified.
+    /// The verdict relies on this bound: one that is too small makes verdicts wrong. It must include the rounding of
+    /// the poses that `go_to` writes. A loose bound costs only time. NaN, negative numbers and numbers beyond 2^300
+    /// count as infinite, and certify nothing.
     pub path: Option<
         unsafe extern "C" fn(
             user: *mut c_void,
@@ -35,9 +35,10 @@ pub struct simdop_motion {
             span: f64,
         ) -> f64,
     >,
-    /// The same of two balls that two moving bodies carry, as one sees the other: no two points of theirs come nearer to each
-    /// other than they are at the time last gone to by more than this. May be NULL: then it is the sum of both paths. More
-    /// than that it need never be, and less it is where both bodies are moved by the same, as the links of an arm are.
+    /// The same for two balls attached to two moving bodies, relative to each other: an upper bound on how much nearer
+    /// any two points of theirs come than they are at the time of the last `go_to`. May be NULL: then the sum of both
+    /// `path` bounds is used. The bound never needs to exceed that sum, and is smaller where both bodies share a
+    /// motion, as the links of an arm do.
     pub motion_bound_between: Option<
         unsafe extern "C" fn(
             user: *mut c_void,
@@ -58,10 +59,10 @@ impl fmt::Debug for simdop_motion {
     }
 }
 
-/// A motion that calls back.
+/// A motion given by callbacks.
 pub(crate) struct Called<'m> {
     motion: simdop_motion,
-    /// What `go_to` writes to: a place for each body.
+    /// What `go_to` writes to: one pose for each moving body.
     written: &'m mut [simdop_pose],
     /// Why the motion failed, if it did.
     failure: Option<Failure>,
@@ -69,13 +70,13 @@ pub(crate) struct Called<'m> {
 
 impl<'m> Called<'m> {
     /// # Safety
-    /// As long as this lives, the motion's functions may be called: `user` is what they take it for, and they do what is said of
-    /// them.
+    /// While this value lives, the motion's callbacks may be called: `user` is what they expect, and they fulfil the
+    /// contract of [`simdop_motion`].
     pub(crate) unsafe fn new(motion: simdop_motion, written: &'m mut [simdop_pose]) -> Self {
         Self { motion, written, failure: None }
     }
 
-    /// What a query of the motion came to.
+    /// The result of a query, or the failure of the motion.
     pub(crate) fn conclude<T>(self, answer: Result<T, impl Into<Failure>>) -> Result<T, Failure> {
         match self.failure {
             Some(failure) => Err(failure),
@@ -83,14 +84,14 @@ impl<'m> Called<'m> {
         }
     }
 
-    /// Keeps why there are no poses, to be said in the end.
+    /// Stores the failure, to be reported when the query ends.
     fn fail(&mut self, failure: Failure, error: PoseError) -> Result<(), PoseError> {
         self.failure = Some(failure);
         Err(error)
     }
 }
 
-/// A bound that a function of the caller's returned.
+/// A bound returned by a callback. Invalid values become infinite.
 fn bound(path: f64) -> f64 {
     if path >= 0.0 { path } else { f64::INFINITY }
 }
@@ -103,13 +104,13 @@ impl Motion for Called<'_> {
     fn go_to(&mut self, time: f64, poses: &mut [Pose]) -> Result<(), PoseError> {
         self.written.fill(simdop_pose::UNWRITTEN);
         let stopped = match self.motion.go_to {
-            // SAFETY: it may be called, by the promise of `new`; there is a place for each body's pose.
+            // SAFETY: `new` requires that it may be called; there is room for each body's pose.
             Some(go_to) => unsafe { go_to(self.motion.user, time, self.written.as_mut_ptr()) },
             None => 0,
         };
         if stopped != 0 {
             let message = format!("go_to returned {stopped} at the time {time}");
-            // The library passes on that there is no pose; what is said of it is the above.
+            // The library only passes on that there is no pose; the stored failure has the cause.
             return self.fail(Failure::new(simdop_error::MotionStopped, message), PoseError::NotFinite);
         }
         for (i, pose) in poses.iter_mut().enumerate() {
@@ -126,7 +127,7 @@ impl Motion for Called<'_> {
 
     fn motion_bound(&self, i: usize, ball: &CarriedBall, span: f64) -> f64 {
         let Some(path) = self.motion.path else { return f64::INFINITY };
-        // SAFETY: it may be called, by the promise of `new`; the centre has three numbers, which are there during the call.
+        // SAFETY: `new` requires that it may be called; the centre has three numbers, which live during the call.
         bound(unsafe { path(self.motion.user, i, ball.centre.as_ptr(), ball.radius, span) })
     }
 
@@ -140,7 +141,7 @@ impl Motion for Called<'_> {
             return self.motion_bound(i, a, span) + self.motion_bound(j, b, span);
         };
         let (p, q) = (a.centre.as_ptr(), b.centre.as_ptr());
-        // SAFETY: as of `path`, for two.
+        // SAFETY: as for `path`, with two balls.
         bound(unsafe { path(self.motion.user, i, p, a.radius, j, q, b.radius, span) })
     }
 }

@@ -1,4 +1,4 @@
-//! Poses, by rows or by quaternion.
+//! Poses, from rows or from a quaternion.
 
 use crate::boundary::{given, guarded, items};
 use crate::error::simdop_error;
@@ -6,8 +6,9 @@ use simdop::glam::{DQuat, DVec3};
 use simdop::pose::{Pose, PoseError};
 use std::mem::MaybeUninit;
 
-/// A rigid motion x -> R x + t: the three rows of [R|t]. Fill it in, or use simdop_pose_from_quaternion(). Every function that
-/// takes one checks it: R R^T may differ from 1 by 1e-4, in a scene by 1.5e-5, and R must not mirror.
+/// A rigid motion x -> R x + t: the three rows of [R|t]. Fill it in, or use simdop_pose_from_quaternion(). Every
+/// function that takes one checks it: the entries of R R^T may differ from the identity's by 1e-4, in a scene by
+/// 1.5e-5, and R must not be a reflection.
 #[repr(C)]
 #[derive(Copy, Clone, PartialEq, Debug)]
 pub struct simdop_pose {
@@ -16,7 +17,7 @@ pub struct simdop_pose {
 }
 
 impl simdop_pose {
-    /// No pose: one that a callback did not write.
+    /// Invalid: a pose that a callback did not write.
     pub(crate) const UNWRITTEN: Self = Self { rows: [[f64::NAN; 4]; 3] };
 
     pub(crate) fn checked(&self) -> Result<Pose, PoseError> {
@@ -34,7 +35,7 @@ impl From<&Pose> for simdop_pose {
 /// The pose of a quaternion (x, y, z, w), whose squared length may differ from 1 by 1e-4, and a translation.
 ///
 /// # Safety
-/// `xyzw` are four numbers, `translation` three.
+/// `xyzw` points to four numbers, `translation` to three.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn simdop_pose_from_quaternion(
     xyzw: *const f64,
@@ -42,9 +43,9 @@ pub unsafe extern "C" fn simdop_pose_from_quaternion(
     pose: Option<&mut MaybeUninit<simdop_pose>>,
 ) -> simdop_error {
     guarded(|| {
-        // SAFETY: there are four, by the caller's promise.
+        // SAFETY: the caller guarantees four numbers.
         let xyzw = unsafe { items(xyzw, 4, "xyzw") }?;
-        // SAFETY: there are three, by the caller's promise.
+        // SAFETY: the caller guarantees three numbers.
         let translation = unsafe { items(translation, 3, "translation") }?;
         let pose = given(pose, "pose")?;
         let checked = Pose::try_from((DQuat::from_slice(xyzw), DVec3::from_slice(translation)))?;

@@ -10,37 +10,37 @@ use simdop::query::{Answer, Completion, Distance, Pair, Query, QueryStats, Verdi
 use std::mem::MaybeUninit;
 use std::sync::LazyLock;
 
-/// As many visits as it takes: then no answer is unknown.
+/// No limit on visits: then no answer is unknown.
 pub const SIMDOP_NO_BUDGET: u64 = u64::MAX;
 
-/// The index of a primitive where there is none.
+/// Index that stands for no primitive.
 pub const SIMDOP_NO_PRIMITIVE: u32 = u32::MAX;
 
 /// Whether bodies meet, or come within the margin. Touching counts.
 #[repr(C)]
 #[derive(Copy, Clone, PartialEq, Eq, Debug)]
 pub enum simdop_verdict {
-    /// They do not: certain.
+    /// They do not. Certain.
     Free = 0,
     /// They do.
     Hit = 1,
-    /// The budget was spent before it was known: they may.
+    /// The budget was exhausted first: they may.
     Unknown = 2,
 }
 
-/// How a search ended.
+/// How a query ended.
 #[repr(C)]
 #[derive(Copy, Clone, PartialEq, Eq, Debug)]
 pub enum simdop_completion {
-    /// By itself.
+    /// It ran to the end.
     Complete = 0,
     /// The callback stopped it.
     Stopped = 1,
-    /// The budget was spent.
+    /// The budget was exhausted.
     OutOfBudget = 2,
 }
 
-/// Two primitives, by their indices in what was built; SIMDOP_NO_PRIMITIVE where there are none.
+/// Two primitives, by their indices at construction; SIMDOP_NO_PRIMITIVE if there are none.
 #[repr(C)]
 #[derive(Copy, Clone, PartialEq, Eq, Debug)]
 pub struct simdop_pair {
@@ -50,19 +50,19 @@ pub struct simdop_pair {
     pub b: u32,
 }
 
-/// The work of a query: the same on every machine.
+/// Query statistics: the same on every machine.
 #[repr(C)]
 #[derive(Copy, Clone, PartialEq, Eq, Debug)]
 pub struct simdop_query_stats {
-    /// Pairs of nodes, or of a node and a leaf: the unit of the budget.
+    /// Pairs of nodes, or of a node and a leaf, visited: the unit of the budget.
     pub visits: u64,
-    /// Overlap kernels called.
+    /// Calls of an overlap kernel.
     pub kernels: u64,
-    /// Nodes whose children were turned into the other body's frame.
+    /// Nodes whose children were realigned into the other body's frame.
     pub realignments: u64,
     /// Pairs of primitives tested.
     pub primitive_pairs: u64,
-    /// Of these, the ones that needed exact arithmetic.
+    /// Pairs of primitives that needed exact arithmetic.
     pub exact_pairs: u64,
 }
 
@@ -72,14 +72,14 @@ pub struct simdop_query_stats {
 pub struct simdop_answer {
     /// The verdict.
     pub verdict: simdop_verdict,
-    /// Of a hit: primitives that meet, or come within the margin. Of a body that is inside of a solid, one of the part that is
-    /// inside and one of the solid's.
+    /// For a hit: primitives that meet, or come within the margin. If a body is inside a solid: a primitive of the part
+    /// inside, and one of the solid.
     pub pair: simdop_pair,
-    /// Of an unknown verdict: the distance of the bodies is at least this. Otherwise 0.
+    /// For an unknown verdict: a lower bound on the distance of the bodies. Otherwise 0.
     pub lower: f64,
-    /// Of an unknown verdict: the distance of the bodies is at most this. Otherwise infinite.
+    /// For an unknown verdict: an upper bound on the distance of the bodies. Otherwise infinite.
     pub upper: f64,
-    /// The work.
+    /// Query statistics.
     pub stats: simdop_query_stats,
 }
 
@@ -89,20 +89,20 @@ pub struct simdop_answer {
 pub struct simdop_distance_answer {
     /// Whether the bodies meet.
     pub verdict: simdop_verdict,
-    /// Whether the bounds are as near to each other as was asked. They hold in any case.
+    /// Whether the bounds are as close to each other as requested. They hold in any case.
     pub completion: simdop_completion,
-    /// Lower bound: infinite if a body is empty.
+    /// Lower bound. Infinite if a body is empty.
     pub lower: f64,
-    /// Upper bound: infinite if a body is empty, or the budget was spent before a witness was found. 0 if and only if the
-    /// witnesses meet, or one body is inside of the other, which is solid.
+    /// Upper bound. Infinite if a body is empty, or if the budget was exhausted before a witness was found. 0 if and
+    /// only if the witnesses meet, or one body is inside the other, which is solid.
     pub upper: f64,
-    /// Two primitives that are `upper` apart, if that is finite.
+    /// If `upper` is finite: two primitives at that distance.
     pub pair: simdop_pair,
-    /// Where they are closest: the point of A, in B's frame, up to rounding. NaN if there is no witness.
+    /// The closest point of A's primitive, in B's frame, up to rounding. NaN if there is no witness.
     pub point_a: [f64; 3],
-    /// The point of B, in B's frame.
+    /// The closest point of B's primitive, in B's frame.
     pub point_b: [f64; 3],
-    /// The work.
+    /// Query statistics.
     pub stats: simdop_query_stats,
 }
 
@@ -174,13 +174,13 @@ impl From<Distance> for simdop_distance_answer {
     }
 }
 
-/// A query on the best instruction set of this machine, which is looked for once.
+/// A query on the best instruction set of this machine, which is detected once.
 pub(crate) fn query(budget: u64) -> Query {
     static ISA: LazyLock<Isa> = LazyLock::new(Isa::detect);
     Query::new(*ISA).with_budget(budget)
 }
 
-/// What a query is about.
+/// The input of a query.
 struct Posed<'a> {
     a: View<'a>,
     b: View<'a>,
@@ -198,7 +198,7 @@ impl<'a> Posed<'a> {
     }
 }
 
-/// An expression with the trees of both bodies, whatever their primitives.
+/// Evaluates an expression with the trees of both bodies, whatever their primitives.
 macro_rules! with_trees {
     ($posed:expr, |$a:ident, $b:ident| $with:expr) => {
         match ($posed.a, $posed.b) {
@@ -210,7 +210,8 @@ macro_rules! with_trees {
     };
 }
 
-/// Does body `a`, placed by `a_in_b` in the frame of body `b`, meet `b`? The verdict is exact. Gives up after `budget` visits.
+/// Does body `a`, placed by `a_in_b` in the frame of body `b`, meet `b`? The verdict is exact. Stops after `budget`
+/// visits.
 #[unsafe(no_mangle)]
 pub extern "C" fn simdop_collide(
     a: Option<&simdop_body>,
@@ -225,7 +226,7 @@ pub extern "C" fn simdop_collide(
     })
 }
 
-/// Do the bodies come within `margin`, finite and not negative, of each other? Never falsely free. Otherwise as
+/// Do the bodies come within `margin`, finite and not negative, of each other? Never falsely free. Otherwise like
 /// simdop_collide().
 #[unsafe(no_mangle)]
 pub extern "C" fn simdop_within(
@@ -242,8 +243,9 @@ pub extern "C" fn simdop_within(
     })
 }
 
-/// How far apart are the bodies? The bounds are as near to each other as `tolerance`, relative to the distance, finite and not
-/// negative; 0 is as near as can be computed. Otherwise as simdop_collide(). The greater body is best given as `b`.
+/// How far apart are the bodies? `tolerance`, finite and not negative, limits the gap between the bounds relative to
+/// the distance; 0 makes it as small as rounding allows. Otherwise like simdop_collide(). Faster if `b` is the larger
+/// body.
 #[unsafe(no_mangle)]
 pub extern "C" fn simdop_distance(
     a: Option<&simdop_body>,

@@ -7,32 +7,32 @@ use simdop::motion::{Joint, JointKind, Kinematics, LinkBody, LinkFrame, MotionEr
 use simdop::pose::Pose;
 use std::mem::MaybeUninit;
 
-/// What a joint does.
+/// The kind of a joint.
 #[repr(C)]
 #[derive(Copy, Clone, PartialEq, Eq, Debug)]
 pub enum simdop_joint_kind {
-    /// Turns about its axis, by its value in radians.
+    /// Rotates about its axis by its value in radians.
     Revolute = 0,
-    /// Slides along its axis, by its value in the unit of length.
+    /// Slides along its axis by its value in the unit of length.
     Prismatic = 1,
 }
 
-/// A joint, and the link that it moves: the link behind joint i is link i + 1, and link 0 is the base. A joint that does not
-/// move is none: what is behind it belongs to the link before.
+/// A joint, and the link that it moves: joint i moves link i + 1, and link 0 is the base. A fixed joint is not listed:
+/// what it carries belongs to the link before it.
 #[repr(C)]
 #[derive(Copy, Clone, PartialEq, Debug)]
 pub struct simdop_joint {
-    /// What it does: one of simdop_joint_kind.
+    /// One of simdop_joint_kind.
     pub kind: u32,
-    /// The link that it is on, which comes before its own: at most i for joint i.
+    /// The link that carries the joint: at most i for joint i.
     pub parent: u32,
-    /// The index of the variable that moves it. Of a joint that mimics another, the other's.
+    /// The index of the variable that moves it. For a joint that mimics another, the variable of the other.
     pub variable: u32,
-    /// Where it stands in the frame of the link that it is on.
+    /// The pose of the joint in the frame of its parent link.
     pub origin: simdop_pose,
-    /// Its axis in its own frame: a direction of any length.
+    /// The axis in the joint's frame, of any length.
     pub axis: [f64; 3],
-    /// Its value is `multiplier` times its variable, plus `offset`. 1, unless it mimics another.
+    /// The joint's value is `multiplier` times its variable, plus `offset`. 1, unless it mimics another.
     pub multiplier: f64,
     /// In radians, or in the unit of length. 0, unless it mimics another.
     pub offset: f64,
@@ -44,16 +44,16 @@ pub struct simdop_joint {
 pub struct simdop_link_body {
     /// The link: 0 is the base.
     pub link: u32,
-    /// Where the body stands in the link's frame.
+    /// The pose of the body in the link's frame.
     pub pose: simdop_pose,
 }
 
-/// A robot: joints, the limits of the variables that move them, and where bodies are on the links. Which bodies these are it
-/// does not know: those of a scene are named with each question.
+/// A robot: joints, the limits of the variables that move them, and the poses of bodies on the links. Each query names
+/// the bodies of the scene that these are.
 #[derive(Debug)]
 pub struct simdop_robot {
     parts: Parts,
-    /// Memory for forward kinematics: a place for each link and for each body.
+    /// Memory for forward kinematics: an entry for each link and for each body.
     links: Vec<LinkFrame>,
     poses: Vec<Pose>,
 }
@@ -67,7 +67,7 @@ struct Parts {
 }
 
 impl Parts {
-    /// Checks all of it each time, which is a comparison or two for each joint, body and variable.
+    /// Validates everything on each call, at a comparison or two for each joint, body and variable.
     fn kinematics(&self) -> Result<Kinematics<'_>, MotionError> {
         Ok(Kinematics::new(&self.joints, &self.bodies, &self.limits)?.with_base(self.base))
     }
@@ -88,7 +88,7 @@ impl simdop_robot {
 
 impl simdop_joint {
     fn checked(&self) -> Result<Joint, Failure> {
-        // A field of the enumeration's own type could not be checked: any other number in it would be undefined behaviour.
+        // A field of the enumeration's type could not be checked: any other number in it would be undefined behaviour.
         let kinds = [
             (simdop_joint_kind::Revolute, JointKind::Revolute),
             (simdop_joint_kind::Prismatic, JointKind::Prismatic),
@@ -108,7 +108,7 @@ impl simdop_link_body {
     }
 }
 
-/// All items once they are checked, or what is wrong with the first that is not right.
+/// All items after conversion, or the error of the first invalid one.
 fn checked<T, C>(
     items: &[T],
     name: &str,
@@ -118,12 +118,12 @@ fn checked<T, C>(
     items.iter().enumerate().map(check).collect()
 }
 
-/// Makes a robot whose base stands at `base` in the world, of `joint_count` joints, each behind those between it and the base,
-/// of `body_count` bodies on its links, and of the limits of `variable_count` variables: that many times the lower and the upper
-/// one, both finite. All of it is copied.
+/// Creates a robot. `base` is the pose of its base in the world; each of the `joint_count` joints comes after those
+/// between it and the base; `body_count` bodies are on the links; `limits` holds the lower and the upper limit of each
+/// of `variable_count` variables, all finite. Everything is copied.
 ///
 /// # Safety
-/// The arrays have so many items.
+/// The arrays have the stated lengths.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn simdop_robot_new(
     base: Option<&simdop_pose>,
@@ -137,11 +137,11 @@ pub unsafe extern "C" fn simdop_robot_new(
 ) -> simdop_error {
     make(robot, "robot", || {
         let base = given(base, "base")?.checked()?;
-        // SAFETY: there are so many, by the caller's promise.
+        // SAFETY: the caller guarantees the length.
         let joints = unsafe { items(joints, joint_count, "joints") }?;
-        // SAFETY: the same.
+        // SAFETY: as above.
         let bodies = unsafe { items(bodies, body_count, "bodies") }?;
-        // SAFETY: the same; two numbers in a row are aligned as one.
+        // SAFETY: as above; two numbers in a row are aligned as one.
         let limits: &[[f64; 2]] = unsafe { items(limits.cast(), variable_count, "limits") }?;
         Ok(simdop_robot::new(Parts {
             base,
@@ -152,11 +152,11 @@ pub unsafe extern "C" fn simdop_robot_new(
     })
 }
 
-/// Forward kinematics: where the bodies of a robot stand in the world at some values of its variables. `values` has a number
-/// for each variable, within its limits, and `poses` a place for each body. The robot is not const, for its memory is used.
+/// Forward kinematics: the poses of a robot's bodies in the world. `values` has a number for each variable, within its
+/// limits; `poses` has room for a pose of each body. The robot is not const: the call writes to memory in it.
 ///
 /// # Safety
-/// There are so many numbers and places.
+/// The arrays have these lengths.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn simdop_robot_poses(
     robot: Option<&mut simdop_robot>,
@@ -166,9 +166,9 @@ pub unsafe extern "C" fn simdop_robot_poses(
     guarded(|| {
         let simdop_robot { parts, links, poses: placed } = given(robot, "robot")?;
         let kinematics = parts.kinematics()?;
-        // SAFETY: there is one for each variable, by the caller's promise.
+        // SAFETY: the caller guarantees one for each variable.
         let values = unsafe { items(values, parts.limits.len(), "values") }?;
-        // SAFETY: there is a place for each body, by the caller's promise.
+        // SAFETY: the caller guarantees room for each body.
         let poses = unsafe { places(poses, placed.len(), "poses") }?;
         kinematics.go_to(values, links, placed)?;
         for (pose, placed) in poses.iter_mut().zip(placed) {
@@ -178,7 +178,7 @@ pub unsafe extern "C" fn simdop_robot_poses(
     })
 }
 
-/// Destroys a robot. Of NULL, nothing.
+/// Destroys a robot. Does nothing for NULL.
 #[unsafe(no_mangle)]
 pub extern "C" fn simdop_robot_free(robot: Option<Box<simdop_robot>>) {
     drop(robot);

@@ -1,4 +1,4 @@
-//! The answers about two bodies are the library's.
+//! The C functions give the library's answers about two bodies.
 
 mod support;
 
@@ -52,7 +52,7 @@ fn assert_distances(c: &simdop_distance_answer, rust: &Distance) {
     assert_counters(&c.stats, &rust.stats);
 }
 
-/// Asks both about each of `a` with each of `b`, and counts the verdicts.
+/// Queries every body of `a` against every body of `b` through both interfaces, and counts the verdicts.
 fn compare<A: AsBvh<Node = Node>, B: AsBvh<Node = Node>>(
     a: &[Twice<A>],
     b: &[Twice<B>],

@@ -1,4 +1,4 @@
-//! The answers about edges are the library's, whoever moves the bodies.
+//! The C functions give the library's answers about motions, for each kind of motion.
 
 mod support;
 
@@ -34,7 +34,7 @@ impl Motion for Screws {
     }
 }
 
-/// A motion that C calls.
+/// A motion that the C callbacks evaluate.
 struct User<'m> {
     motion: &'m mut dyn Motion,
     /// Calls of `go_to` until it stops the query.
@@ -47,7 +47,7 @@ fn rows(pose: &Pose) -> simdop_pose {
 }
 
 unsafe extern "C" fn go_to(user: *mut c_void, time: f64, poses: *mut simdop_pose) -> c_int {
-    // SAFETY: the tests hand over such a motion.
+    // SAFETY: the tests pass such a motion.
     let user = unsafe { &mut *user.cast::<User<'_>>() };
     if user.left == 0 {
         return 7;
@@ -56,19 +56,19 @@ unsafe extern "C" fn go_to(user: *mut c_void, time: f64, poses: *mut simdop_pose
     let mut at = vec![Pose::IDENTITY; user.motion.bodies()];
     user.motion.go_to(time, &mut at).unwrap();
     for (i, pose) in at.iter().enumerate() {
-        // SAFETY: there is a place for each body.
+        // SAFETY: there is room for a pose of each body.
         unsafe { poses.wrapping_add(i).write(rows(pose)) };
     }
     0
 }
 
 fn ball(centre: *const f64, radius: f64) -> CarriedBall {
-    // SAFETY: the library hands over three numbers.
+    // SAFETY: the library passes three numbers.
     CarriedBall { centre: unsafe { centre.cast::<[f64; 3]>().read() }, radius }
 }
 
 unsafe extern "C" fn path(user: *mut c_void, body: usize, centre: *const f64, radius: f64, span: f64) -> f64 {
-    // SAFETY: the tests hand over such a motion.
+    // SAFETY: the tests pass such a motion.
     let user = unsafe { &*user.cast::<User<'_>>() };
     user.motion.motion_bound(body, &ball(centre, radius), span)
 }
@@ -83,7 +83,7 @@ unsafe extern "C" fn motion_bound_between(
     radius_b: f64,
     span: f64,
 ) -> f64 {
-    // SAFETY: the tests hand over such a motion.
+    // SAFETY: the tests pass such a motion.
     let user = unsafe { &*user.cast::<User<'_>>() };
     user.motion.motion_bound_between((a, &ball(centre_a, radius_a)), (b, &ball(centre_b, radius_b)), span)
 }
@@ -105,7 +105,7 @@ fn edge(
     resolution: f64,
     budget: u64,
 ) -> Result<simdop_motion_answer, simdop_error> {
-    // SAFETY: the ids are those of the slice; the motion is that of `motion`, or asks nothing of its user.
+    // SAFETY: the ids are those of the slice; the motion is that of `motion`, or does not use `user`.
     answer(|answer| unsafe {
         simdop_scene_check_motion(
             Some(scene),
@@ -126,7 +126,7 @@ fn sampled(
     parts: u32,
 ) -> Result<simdop_motion_answer, simdop_error> {
     let budget = SIMDOP_NO_BUDGET;
-    // SAFETY: as of `edge`.
+    // SAFETY: as for `edge`.
     answer(|answer| unsafe {
         simdop_scene_check_motion_discrete(
             Some(scene),
@@ -173,7 +173,7 @@ impl Memory {
     }
 }
 
-/// A scene twice: three bodies that move, two in the hand of the last, and others that stand still.
+/// A scene, through both interfaces: three moving bodies, two attached to the last, and others that stand still.
 fn scene(rng: &mut Rng) -> (Box<simdop_scene>, Scene<'static, Node>, Vec<BodyId>, Vec<Pose>) {
     let (meshes, spheres) = (meshes(rng), sphere_sets(rng));
     let meshes = meshes.into_iter().map(|body| (body.c, Body::new(Box::leak(Box::new(body.rust)).view())));
@@ -233,7 +233,7 @@ fn edges_answer_as_the_librarys() {
             }
             verdicts[edge(&mut c, &c_ids, &sum, 1e-3, budget).unwrap().verdict as usize] += 1;
 
-            // Bodies that move as one do not meet each other, which only `motion_bound_between` tells.
+            // Only `motion_bound_between` shows that bodies which move as one do not meet.
             let expected = rust.check_motion(&query, moving, &mut shared, 1e-3, &mut memory.lend()).unwrap();
             let mut user = User { motion: &mut shared, left: u32::MAX };
             assert_same(&edge(&mut c, &c_ids, &motion(&mut user), 1e-3, budget).unwrap(), &expected);
@@ -271,7 +271,7 @@ fn straight_edges_answer_as_the_librarys() {
     for round in 0..120 {
         let (mut c, mut rust, ids, _) = scene(&mut rng);
         let c_ids: Vec<_> = ids[..3].iter().map(|id| id.to_bits()).collect();
-        // Robots of more and of fewer joints in one scene.
+        // Robots with more and with fewer joints in one scene.
         for share in [1.0, 0.02] {
             let parts = Parts::random(&mut rng);
             let (from, to) = (parts.values(&mut rng), parts.values(&mut rng));

@@ -1,5 +1,5 @@
-//! Every code can be had, and has a text; nothing crashes at NULL. Of edges, the latter is in `motion.rs`, of robots in
-//! `robot.rs`.
+//! Every code can be caused, and has a text; nothing crashes at NULL. `motion.rs` has the NULL tests of motions,
+//! `robot.rs` those of robots.
 
 mod support;
 
@@ -20,7 +20,7 @@ const TRIANGLES: [[u32; 3]; 4] = [[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]];
 const TETRAHEDRON: Mesh<'static> = Mesh { vertices: &VERTICES, triangles: &TRIANGLES };
 
 fn text(text: *const c_char) -> String {
-    // SAFETY: all texts end with a 0, and are there until the next failure at least.
+    // SAFETY: all texts end with a NUL, and live until the next failure at least.
     unsafe { CStr::from_ptr(text) }.to_str().unwrap().to_owned()
 }
 
@@ -28,7 +28,7 @@ fn last_error() -> String {
     text(simdop_last_error())
 }
 
-/// A tree of two parts, in bytes that may be changed.
+/// The bytes of a tree with two parts, writable.
 fn two_parts() -> (Aligned<[u8; 2048]>, usize) {
     let apart = VERTICES.map(|[x, y, z]| [x + 5.0, y, z]);
     let vertices = [VERTICES, apart].concat();
@@ -39,7 +39,7 @@ fn two_parts() -> (Aligned<[u8; 2048]>, usize) {
     (copy, count)
 }
 
-/// What opening a tree of two parts comes to that has other bytes at one place.
+/// The error of opening a tree of two parts after overwriting bytes at one place.
 fn opened_with(at: usize, bytes: &[u8]) -> simdop_error {
     let (mut copy, count) = two_parts();
     copy.0[at..at + bytes.len()].copy_from_slice(bytes);
@@ -48,7 +48,7 @@ fn opened_with(at: usize, bytes: &[u8]) -> simdop_error {
 
 /// All errors of opening bytes.
 fn of_bytes() -> Vec<simdop_error> {
-    // Where what is in that tree: the header's fields, and after the node with its normal slabs the rest.
+    // Offsets in that tree: the fields of the header, and what follows the node with its normal slabs.
     let [version, k, kind, leaf_size, node] = [8, 12, 16, 18, 128];
     let vertices = node + size_of::<Node16<18>>() + 16 * 8;
     let [records, sources, parts] = [96, 96 + 96, 96 + 96 + 32].map(|offset| vertices + offset);
@@ -93,7 +93,7 @@ fn of_building() -> Vec<simdop_error> {
     let open = solid(&Mesh { vertices: &VERTICES, triangles: &TRIANGLES[1..] }).unwrap_err();
     let tiny = VERTICES.map(|p| p.map(|x| x * 1e-100));
     let refused = |first: *const f64, count| {
-        // SAFETY: more than there can be, or misaligned, which is noticed before any is read.
+        // SAFETY: too many, or misaligned, which is detected before any is read.
         handle(|body| unsafe { simdop_body_build_spheres(first, count, body) }).unwrap_err()
     };
     vec![
@@ -120,7 +120,7 @@ fn of_queries() -> Vec<simdop_error> {
     let not_rigid = placed(0, 0, 1.1);
     assert!(last_error().contains("differs from 1 by"), "{}", last_error());
     let (body, zeros) = (Some(&*body), [0.0; 4]);
-    // SAFETY: four numbers, and three of them.
+    // SAFETY: four numbers, and three.
     let not_unit =
         answer(|pose| unsafe { simdop_pose_from_quaternion(zeros.as_ptr(), zeros.as_ptr(), pose) });
     let margin = answer(|answer| simdop_within(body, body, Some(&IDENTITY), -1.0, SIMDOP_NO_BUDGET, answer));
@@ -155,12 +155,12 @@ fn of_scenes() -> Vec<simdop_error> {
     ]);
     assert_eq!(simdop_scene_remove(Some(&mut scene), b), simdop_error::None);
     assert_eq!(simdop_scene_remove(Some(&mut scene), b), simdop_error::SceneNoSuchBody);
-    // Nothing is attached to what is gone.
+    // Nothing is attached to a removed body.
     assert_eq!(simdop_scene_place(Some(&mut scene), a, Some(&IDENTITY)), simdop_error::None);
     errors
 }
 
-/// A motion that stops at once.
+/// A motion that stops immediately.
 fn motion() -> simdop_motion {
     unsafe extern "C" fn go_to(_: *mut c_void, _: f64, _: *mut simdop_pose) -> c_int {
         1
@@ -172,11 +172,11 @@ fn motion() -> simdop_motion {
     simdop_motion { user, go_to: Some(go_to), path: Some(path), motion_bound_between: None }
 }
 
-/// All errors of edges of a body that is in the scene.
+/// All errors of motions of a body in the scene.
 fn of_edges(scene: &mut simdop_scene, id: simdop_body_id) -> Vec<simdop_error> {
     let (budget, mut errors) = (SIMDOP_NO_BUDGET, Vec::new());
     for resolution in [1e-3, 0.0, -1.0, f64::NAN] {
-        // SAFETY: there is one id; the motion asks nothing of its user.
+        // SAFETY: there is one id; the motion does not use `user`.
         let edge = answer(|answer| unsafe {
             simdop_scene_check_motion(
                 Some(scene),
@@ -222,13 +222,13 @@ fn of_edges(scene: &mut simdop_scene, id: simdop_body_id) -> Vec<simdop_error> {
     errors
 }
 
-/// All errors of robots, and of one that moves a body in the scene.
+/// All errors of robots, and of a robot that moves a body in the scene.
 fn of_robots(scene: &mut simdop_scene, id: simdop_body_id) -> Vec<simdop_error> {
     let mut errors: Vec<_> = faults().iter().map(|(_, parts)| parts.robot().unwrap_err()).collect();
     let robot = hinge().robot().unwrap();
     for (count, end) in [(0, 1.0), (1, 3.0)] {
         let (scene, robot, (from, to)) = (Some(&mut *scene), Some(&*robot), (&raw const end, &raw const end));
-        // SAFETY: there is one id, and of one variable a value.
+        // SAFETY: there is one id, and one value for the one variable.
         let edge = answer(|answer| unsafe {
             simdop_scene_check_joint_motion(
                 scene,
@@ -247,7 +247,7 @@ fn of_robots(scene: &mut simdop_scene, id: simdop_body_id) -> Vec<simdop_error> 
     errors
 }
 
-/// What arrays and the callback come to where they are NULL, or what they are for is.
+/// Functions with an array or callback that is NULL, or with NULL for the result.
 #[expect(clippy::multiple_unsafe_ops_per_block, reason = "of all of them the same is to be said")]
 fn of_null_arrays(scene: &simdop_scene) -> Vec<simdop_error> {
     unsafe extern "C" fn go_on(_: *mut c_void, _: *const simdop_scene_hit) -> c_int {
@@ -280,7 +280,7 @@ fn of_null_arrays(scene: &simdop_scene) -> Vec<simdop_error> {
     errors
 }
 
-/// The other functions, with a NULL in each place.
+/// The other functions, with NULL for each pointer.
 fn of_null() -> Vec<simdop_error> {
     let body: &'static simdop_body =
         Box::leak(solid(&OwnedMesh::cuboid([1.0; 3]).unwrap().as_mesh()).unwrap());
@@ -349,7 +349,7 @@ fn every_code_can_be_had_and_has_a_text() {
         assert!(!texts.contains(&text(simdop_error_text(no_code))));
     }
     for (name, code) in codes {
-        // What no call is known to give is tried in the crate's unit tests.
+        // The crate's unit tests cover the codes that no call can cause.
         let elsewhere = ["NONE", "PANIC", "OTHER", "MOTION_LENGTH"].contains(&name);
         assert!(had.contains(&code) != elsewhere, "{name}");
     }

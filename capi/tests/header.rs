@@ -1,4 +1,4 @@
-//! Is include/simdop.h what cbindgen makes of the sources? If not it is written anew, and this fails once.
+//! include/simdop.h equals the output of cbindgen. Otherwise the test rewrites it, and fails once.
 
 use std::fs;
 use std::path::Path;

@@ -1,4 +1,4 @@
-//! What a caller's motion does wrong: never free, and an error where there is one to be had. The bodies stand where they stood.
+//! Faulty motions given by callbacks: never free, and an error where one can be detected. The bodies keep their poses.
 
 mod support;
 
@@ -8,11 +8,11 @@ use std::ffi::{CStr, c_int, c_void};
 use std::ptr::null;
 use support::{IDENTITY, answer, handle, solid, spheres};
 
-/// Bodies that slide along x, by 4 from -2 on and one behind the other, and what is wrong with that.
+/// Bodies that slide along x in a row, by 4 from -2 on, and a fault in the motion.
 #[derive(Copy, Clone)]
 struct Slide {
     bodies: usize,
-    /// What `path` returns; but of 0 it is a bound.
+    /// What `path` returns. 0 stands for a valid bound.
     path: f64,
     /// From this time on, `go_to` returns 7.
     stop: f64,
@@ -29,14 +29,14 @@ fn at(x: f64, y: f64) -> simdop_pose {
 }
 
 unsafe extern "C" fn go_to(user: *mut c_void, time: f64, poses: *mut simdop_pose) -> c_int {
-    // SAFETY: the tests hand over such a motion.
+    // SAFETY: the tests pass such a motion.
     let slide = unsafe { &*user.cast::<Slide>() };
     for i in 0..slide.bodies {
         let (from, fault) = slide.fault;
         let is_faulty = time >= from && i + 1 == slide.bodies;
         let pose = if is_faulty { fault } else { Some(at(4.0 * time - 2.0 - 3.0 * i as f64, 0.0)) };
         if let Some(pose) = pose {
-            // SAFETY: there is a place for each body.
+            // SAFETY: there is room for a pose of each body.
             unsafe { poses.wrapping_add(i).write(pose) };
         }
     }
@@ -44,7 +44,7 @@ unsafe extern "C" fn go_to(user: *mut c_void, time: f64, poses: *mut simdop_pose
 }
 
 unsafe extern "C" fn path(user: *mut c_void, _: usize, _: *const f64, _: f64, span: f64) -> f64 {
-    // SAFETY: the tests hand over such a motion.
+    // SAFETY: the tests pass such a motion.
     let slide = unsafe { &*user.cast::<Slide>() };
     if slide.path == 0.0 { 4.0 * span + 1e-12 } else { slide.path }
 }
@@ -59,7 +59,7 @@ unsafe extern "C" fn motion_bound_between(
     _: f64,
     _: f64,
 ) -> f64 {
-    // SAFETY: the tests hand over such a motion.
+    // SAFETY: the tests pass such a motion.
     unsafe { &*user.cast::<Slide>() }.path
 }
 
@@ -68,7 +68,7 @@ fn motion(slide: &Slide) -> simdop_motion {
     simdop_motion { user, go_to: Some(go_to), path: Some(path), motion_bound_between: None }
 }
 
-/// A scene with a body three times: two that move, and one that stands at the middle of their way, `above` it.
+/// A scene with one body three times: two that move, and one that stands at the middle of their way, `above` it.
 struct Hall {
     scene: Box<simdop_scene>,
     moving: [simdop_body_id; 2],
@@ -91,7 +91,7 @@ impl Hall {
     fn edge(&mut self, slide: &Slide, motion: &simdop_motion) -> Result<simdop_motion_answer, simdop_error> {
         let (ids, count, budget) = (self.moving.as_ptr(), slide.bodies, SIMDOP_NO_BUDGET);
         let scene = Some(&mut *self.scene);
-        // SAFETY: at most so many ids; the motion is that of a slide, which is there during the call.
+        // SAFETY: at most as many ids as `moving` has; the motion is that of a slide, which lives during the call.
         answer(|answer| unsafe {
             simdop_scene_check_motion(scene, ids, count, Some(motion), 0.05, budget, answer)
         })
@@ -104,13 +104,13 @@ impl Hall {
     fn sampled(&mut self, slide: &Slide, parts: u32) -> Result<simdop_motion_answer, simdop_error> {
         let (ids, count, budget) = (self.moving.as_ptr(), slide.bodies, SIMDOP_NO_BUDGET);
         let (scene, motion) = (Some(&mut *self.scene), motion(slide));
-        // SAFETY: as of `edge`.
+        // SAFETY: as for `edge`.
         answer(|answer| unsafe {
             simdop_scene_check_motion_discrete(scene, ids, count, Some(&motion), parts, budget, answer)
         })
     }
 
-    /// The moving bodies are where they were put at first, which is 10 away from the middle.
+    /// Whether the moving bodies are at their original poses, 10 away from the middle.
     fn is_as_before(&self) -> bool {
         let near = answer(|near| {
             simdop_scene_clearance(Some(&self.scene), 0.0, f64::INFINITY, SIMDOP_NO_BUDGET, near)
@@ -121,7 +121,7 @@ impl Hall {
 }
 
 fn message() -> String {
-    // SAFETY: it ends with a 0, and is there until the next failure.
+    // SAFETY: it ends with a NUL, and lives until the next failure.
     unsafe { CStr::from_ptr(simdop_last_error()) }.to_str().unwrap().to_owned()
 }
 
@@ -148,7 +148,7 @@ fn what_is_no_bound_is_never_free() {
                 assert_eq!(verdict, simdop_motion_verdict::Unresolved, "{path}");
             }
         }
-        // What moves as one is certified by `motion_bound_between` alone: -0 is a bound, too.
+        // Bodies that move as one are certified by `motion_bound_between` alone: -0 is a valid bound, too.
         let two = Slide { path: -0.0, bodies: 2, ..SLIDE };
         let between = simdop_motion { motion_bound_between: Some(motion_bound_between), ..motion(&two) };
         assert_eq!(apart.edge(&two, &between).unwrap().verdict, simdop_motion_verdict::Free);
@@ -185,7 +185,7 @@ fn poses_of_a_motion_are_checked() {
             (with(0, 3, 1e300), simdop_error::PoseTooFar),
             (with(2, 2, -1.0), simdop_error::PoseMirrored),
             (with(0, 0, 1.1), simdop_error::PoseNotOrthonormal),
-            // A pose, but not one of a scene.
+            // A valid pose, but not in a scene.
             (with(0, 0, 1.00003), simdop_error::PoseNotOrthonormal),
         ] {
             for from in [0.0, 0.3, 0.9] {

@@ -1,4 +1,4 @@
-//! Robots: they stand where the library's do, allocate nothing once they are made, and what is wrong with one is said.
+//! Robots have the library's poses, allocate nothing after construction, and report faulty descriptions.
 
 mod support;
 
@@ -17,13 +17,13 @@ use support::{IDENTITY, Rng, answer, handle, solid};
 const UNWRITTEN: simdop_pose = simdop_pose { rows: [[7.0; 4]; 3] };
 
 fn message() -> String {
-    // SAFETY: it ends with a 0, and is there until the next failure.
+    // SAFETY: it ends with a NUL, and lives until the next failure.
     unsafe { CStr::from_ptr(simdop_last_error()) }.to_str().unwrap().to_owned()
 }
 
 fn poses(robot: &mut simdop_robot, values: &[f64]) -> (simdop_error, [simdop_pose; 3]) {
     let mut poses = [UNWRITTEN; 3];
-    // SAFETY: the callers have a value for each variable, and at most three bodies.
+    // SAFETY: the callers pass a value for each variable, and at most three bodies.
     let error = unsafe { simdop_robot_poses(Some(robot), values.as_ptr(), poses.as_mut_ptr()) };
     (error, poses)
 }
@@ -54,7 +54,7 @@ fn bodies_stand_where_the_librarys_do() {
     }
 }
 
-/// A scene with a bar that a hinge turns, from x towards y.
+/// A scene with a bar that a hinge rotates from x towards y.
 struct Hall {
     scene: Box<simdop_scene>,
     ids: [simdop_body_id; 1],
@@ -117,7 +117,7 @@ fn what_is_wrong_is_refused() {
     assert_eq!(hall.edge(0, 0.0, 1.0), Err(simdop_error::MotionBodies));
     assert_eq!(hall.edge(1, 0.0, 1.0), Ok(simdop_motion_verdict::Free), "the scene is as good as before");
 
-    // Poses each, but not where they lead to.
+    // Valid poses each, but their product is out of range.
     let (mut far, mut parts) = (IDENTITY, hinge());
     far.rows[0][3] = 0.75 * 2_f64.powi(300);
     (parts.base, parts.joints[0].origin) = (far, far);

@@ -1,4 +1,4 @@
-//! The answers about scenes are the library's.
+//! The C functions give the library's answers about scenes.
 
 mod support;
 
@@ -10,11 +10,11 @@ use std::ffi::{c_int, c_void};
 use std::ops::ControlFlow;
 use support::{Node, Rng, answer, handle, meshes, pose, sphere_sets};
 
-/// Adds a hit to what `user` leads to, a list and the length at which it stops.
+/// Adds a hit to the list behind `user`, and stops at the length behind it.
 unsafe extern "C" fn collect(user: *mut c_void, hit: *const simdop_scene_hit) -> c_int {
-    // SAFETY: the tests hand over such a list.
+    // SAFETY: the tests pass such a list.
     let (list, most) = unsafe { &mut *user.cast::<(Vec<simdop_scene_hit>, usize)>() };
-    // SAFETY: a hit, by the function's promise.
+    // SAFETY: the library passes a valid hit.
     list.push(unsafe { *hit });
     c_int::from(list.len() == *most)
 }
@@ -22,7 +22,7 @@ unsafe extern "C" fn collect(user: *mut c_void, hit: *const simdop_scene_hit) ->
 fn hits(scene: &simdop_scene, margin: f64, most: usize) -> (Vec<simdop_scene_hit>, simdop_scene_hits) {
     let mut found = (Vec::new(), most);
     let user = (&raw mut found).cast();
-    // SAFETY: the list is what the function takes it for.
+    // SAFETY: the list is what the callback expects.
     let came_to = answer(|hits| unsafe {
         simdop_scene_each_hit(Some(scene), margin, SIMDOP_NO_BUDGET, Some(collect), user, hits)
     });
@@ -38,7 +38,7 @@ fn assert_hits(c: &simdop_scene_hit, rust: Option<SceneHit>) {
     assert_eq!((c.a, c.b, c.pair.a, c.pair.b), expected);
 }
 
-/// Asks both all that there is to ask.
+/// Runs every query through both interfaces.
 fn compare(c: &simdop_scene, rust: &Scene<'_, Node>, rng: &mut Rng, verdicts: &mut [u32; 3]) {
     let margin = rng.range(0.0, 0.2);
     for budget in [SIMDOP_NO_BUDGET, 2] {
@@ -108,7 +108,7 @@ fn scenes_answer_as_the_librarys() {
             let [c_id, c_other] = [id, other].map(BodyId::to_bits);
             let (c_world, world) = pose(&mut rng);
             let (scene, choice) = (Some(&mut *c), rng.below(10));
-            // Either both do it, or neither.
+            // Both succeed, or both fail.
             let (error, expected) = match if step < 5 { 0 } else { choice } {
                 0..=2 => {
                     let (c_body, body) = *rng.pick(&bodies);

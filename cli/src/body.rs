@@ -1,4 +1,4 @@
-//! Bodies: a mesh or a tree from a file, of any node type.
+//! Bodies: a mesh or a tree of any node type from a file.
 
 use super::error::Error;
 use super::mesh::{self, Empty, MeshData};
@@ -29,12 +29,12 @@ impl Shape {
     }
 }
 
-/// Every triangle, with the lane of the root that it is below.
+/// Every triangle, with the lane of the root it is below.
 pub(super) fn clusters(tree: &AnyBvh) -> Vec<(usize, [[f64; 3]; 3])> {
     with_bvh!(tree.view(), tree => primitives_by_root_lane(&tree))
 }
 
-/// Every primitive, with the lane of the root that it is below.
+/// Every primitive, with the lane of the root it is below.
 pub(super) fn primitives_by_root_lane<N: Dop, P: Primitive>(
     tree: &BvhRef<'_, N, P>,
 ) -> Vec<(usize, P::Item)> {
@@ -48,12 +48,13 @@ pub(super) fn primitives_by_root_lane<N: Dop, P: Primitive>(
     found
 }
 
-/// The mesh that was built: its triangles in their order, its vertices as far as triangles use them.
+/// The mesh that the tree was built from: its triangles in their order, and the vertices that they use.
 pub(super) fn mesh_of(tree: &AnyBvh) -> MeshData {
     with_bvh!(tree.view(), tree => {
         let mut soup = vec![[[0.0; 3]; 3]; tree.len()];
         for index in 0..tree.len() as u32 {
-            // No more than a hint in an unverified tree: the library proves ranges, not that sources are a permutation.
+            // The source is only a hint in an unverified tree: validation checks ranges, not that sources are a
+            // permutation.
             if let Some(triangle) = soup.get_mut(tree.source(index) as usize) {
                 *triangle = tree.primitive(index);
             }
@@ -62,19 +63,19 @@ pub(super) fn mesh_of(tree: &AnyBvh) -> MeshData {
     })
 }
 
-/// How a tree holds its vertices.
+/// The format in which a tree stores its vertices.
 pub(super) fn vertex_format(header: &Header) -> &'static str {
     if header.vertex_size == 12 { "f32" } else { "f64" }
 }
 
-/// What a file holds.
+/// The contents of a file.
 pub(super) enum Source {
     Tree(Box<AnyBvh>),
     Mesh(MeshData),
 }
 
 impl Source {
-    /// The mesh, or that which the tree was built from.
+    /// The mesh, or the mesh that the tree was built from.
     pub(super) fn into_mesh(self) -> MeshData {
         match self {
             Self::Mesh(mesh) => mesh,
@@ -82,28 +83,28 @@ impl Source {
         }
     }
 
-    /// Whether it is a tree of a solid.
+    /// Whether it is the tree of a solid.
     pub(super) fn is_solid(&self) -> bool {
         matches!(self, Self::Tree(tree) if tree.view().header().is_solid != 0)
     }
 }
 
-/// A tree, its name, and how long it took to read its file and to build it.
+/// A tree, its name, and the time it took to read its file and to build it.
 pub(super) struct Body {
     pub(super) name: String,
     pub(super) tree: AnyBvh,
-    /// `None`: generated.
+    /// `None` if it was generated.
     pub(super) read: Option<Duration>,
-    /// `None`: the file held the tree.
+    /// `None` if the file held the tree.
     pub(super) build: Option<Duration>,
 }
 
-/// Files of fewer bytes are read at once, as far as a person can tell.
+/// Files smaller than this are read instantly, in a user's eyes.
 const LONG_READ: usize = 4 << 20;
-/// Meshes of fewer triangles are built at once.
+/// Meshes of fewer triangles than this are built instantly.
 const LONG_BUILD: usize = 100_000;
 
-/// Reads a file: a tree if it begins as one, whatever its name; else a mesh.
+/// Reads a file: as a tree if it begins like one, whatever its name; otherwise as a mesh.
 pub(super) fn read(path: &Path, options: &TreeOptions, quiet: bool) -> Result<Source, Error> {
     let bytes = std::fs::read(path).map_err(Error::io(path))?;
     let _spinner = progress::step(format!("reading {}", path.display()), quiet || bytes.len() < LONG_READ);
@@ -116,7 +117,7 @@ pub(super) fn read(path: &Path, options: &TreeOptions, quiet: bool) -> Result<So
     }
 }
 
-/// The mesh of a file, or that which its tree was built from, and its name. Without a file: a gear that is built in.
+/// The mesh of a file, or the mesh that its tree was built from, with its name. Without a file: a built-in gear.
 pub(super) fn mesh_or_gear(path: Option<&Path>, quiet: bool) -> Result<(String, MeshData), Error> {
     let Some(path) = path else { return Ok(("gear ring (built in)".into(), demo::gear())) };
     Ok((path.display().to_string(), read(path, &TreeOptions::default(), quiet)?.into_mesh()))
@@ -133,7 +134,7 @@ pub(super) fn build(
     let levels = progress::levels(mesh.triangles.len(), options.leaf_size() as usize, shape.arity);
     let bar = progress::build(&name, levels, quiet || mesh.triangles.len() < LONG_BUILD);
     let mut observer = |_: Progress| {
-        // A tree may be deeper than a full one.
+        // A tree may be deeper than one with full nodes.
         bar.set_position((bar.position() + 1).min(levels));
         ControlFlow::Continue(())
     };
@@ -155,16 +156,16 @@ pub(super) fn of_spheres(name: &str, spheres: &[Sphere]) -> Result<Bvh<Node16<18
         .map_err(|error| Error::Build { name: name.into(), error })
 }
 
-/// The shape that the options ask for, where they do, and else the one of a given tree, or the default.
+/// The shape given by the options; otherwise that of a given tree, or the default.
 pub(super) fn shape(options: &TreeOptions, given: Option<Shape>) -> Shape {
     let default = given.unwrap_or(Shape { k: 18, arity: 16 });
     Shape { k: options.k.unwrap_or(default.k), arity: options.arity.unwrap_or(default.arity) }
 }
 
-/// What two bodies are: [`pair`] and the built-in scene see to that.
+/// [`pair`] and the built-in scene guarantee this of two bodies.
 pub(super) const SAME: &str = "bodies of one node type";
 
-/// Two bodies of one node type, from files that may be trees.
+/// Two bodies of one node type, from files that may hold trees.
 pub(super) fn pair(paths: [&PathBuf; 2], options: &TreeOptions, quiet: bool) -> Result<[Body; 2], Error> {
     let timed = |path: &PathBuf| -> Result<(Source, Duration), Error> {
         let start = Instant::now();
@@ -195,7 +196,7 @@ pub(super) fn pair(paths: [&PathBuf; 2], options: &TreeOptions, quiet: bool) -> 
     Ok([body(a, paths[0])?, body(b, paths[1])?])
 }
 
-/// The query that the options ask for.
+/// The query that the options describe.
 pub(super) fn query(isa: Isa, budget: Option<u64>) -> Query {
     let query = Query::new(isa);
     budget.map_or(query, |visits| query.with_budget(visits))

@@ -9,13 +9,13 @@ use clap::Args;
 
 #[derive(Args, Debug)]
 pub(super) struct Options {
-    /// The mesh, or a tree: then the mesh that it was built from.
+    /// A mesh, or a tree: then the mesh that it was built from.
     mesh: File,
-    /// The tree to write. A file that is there is replaced at once, when the tree is whole.
+    /// The tree to write. An existing file is replaced atomically, once the tree is complete.
     #[arg(short, long, required_unless_present = "picture")]
     output: Option<File>,
-    /// An image to write, by its name's ending .svg or .png: the mesh, coloured by the child of the root
-    /// that each triangle is below.
+    /// An image to write, .svg or .png by its extension: the mesh, each triangle coloured by the child of the root that
+    /// holds it.
     #[arg(long, value_name = "FILE")]
     picture: Option<File>,
     #[command(flatten)]
@@ -34,7 +34,7 @@ pub(super) fn run(options: &Options) -> Result<(), Error> {
             return Err(Error::idle("--allow-empty", &name));
         }
         Source::Tree(tree) => {
-            // A solid stays one.
+            // The tree of a solid becomes one again.
             tree_options.solid |= tree.view().header().is_solid != 0;
             (body::mesh_of(&tree), Some(body::Shape::of(&tree)))
         }

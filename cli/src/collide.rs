@@ -20,23 +20,22 @@ pub(super) struct Options {
     b: Option<File>,
     #[command(flatten)]
     poses: poses::Options,
-    /// Time each query this often and report the fastest.
+    /// Time each query this many times and report the fastest.
     #[arg(long, value_name = "TIMES", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..))]
     repeat: u32,
-    /// Give up after this many visits of node pairs.
+    /// Stop after this many visits of node pairs.
     #[arg(long, value_name = "VISITS")]
     budget: Option<u64>,
-    /// List every pair of triangles that meet, by their indices from 0, in the order in which they are
-    /// found.
+    /// List every pair of triangles that meet, by their indices from 0, in the order in which they are found.
     #[arg(long)]
     all_pairs: bool,
     /// Instruction set: auto, scalar, neon, avx2 or avx512.
     #[arg(long, default_value = "auto", value_parser = isa)]
     isa: Isa,
-    /// Rows of the table, at most.
+    /// Maximum number of rows in the table.
     #[arg(long, default_value_t = 64)]
     rows: usize,
-    /// One JSON object instead of a table.
+    /// Print one JSON object instead of a table.
     #[arg(long)]
     json: bool,
     #[command(flatten)]
@@ -68,7 +67,7 @@ pub(super) fn run(options: &Options) -> Result<u8, Error> {
         _ => 0,
     };
     match printed {
-        // The reader of our output has seen enough. The verdict is what it is.
+        // The reader closed the pipe. The verdict is valid all the same.
         Err(error) if error.kind() == std::io::ErrorKind::BrokenPipe => Ok(code),
         printed => printed.map(|()| code).map_err(Error::Output),
     }
@@ -82,7 +81,7 @@ fn scene_of(options: &Options) -> Result<([Body; 2], Vec<Pose>), Error> {
             [build("torus knot (built in)", demo::knot())?, build("gear ring (built in)", demo::gear())?];
         return Ok((bodies, demo::sweep()));
     };
-    // Poses first: a slip in them shows before the work of building.
+    // Read the poses first: an error in them shows before the trees are built.
     let poses = options.poses.read()?;
     Ok((body::pair([a, b], &options.tree, options.json)?, poses))
 }
@@ -101,7 +100,7 @@ fn body_report(body: &Body) -> BodyReport {
 }
 
 fn all<'a>(bodies: &'a [Body; 2], query: Query, poses: &'a [Pose], options: &Options) -> Vec<PoseReport<'a>> {
-    // Fewer are done at once.
+    // Fewer are done instantly.
     let bar = progress::bar(poses.len(), "poses", options.json || poses.len() < 1000);
     let mut reports = Vec::with_capacity(poses.len());
     for pose in poses {
@@ -113,7 +112,7 @@ fn all<'a>(bodies: &'a [Body; 2], query: Query, poses: &'a [Pose], options: &Opt
 
 fn one<'a>(bodies: &'a [Body; 2], query: Query, pose: &'a Pose, options: &Options) -> PoseReport<'a> {
     let (answer, nanoseconds) = fastest(bodies, query, pose, options.repeat);
-    // A query without visits is the set-up alone.
+    // A query without visits measures the set-up alone.
     let (_, set_up_nanoseconds) = fastest(bodies, query.with_budget(0), pose, options.repeat);
     let (verdict, pair, distance_bounds) = match answer.verdict {
         Verdict::Hit(pair) => ("hit", Some([pair.a, pair.b]), None),
@@ -138,7 +137,7 @@ fn one<'a>(bodies: &'a [Body; 2], query: Query, pose: &'a Pose, options: &Option
     }
 }
 
-/// The answer, which is the same every time, and the shortest time it took.
+/// The answer, which is the same each time, and the shortest time it took.
 fn fastest([a, b]: &[Body; 2], query: Query, pose: &Pose, repeat: u32) -> (Answer, u64) {
     let timed = || {
         let start = Instant::now();

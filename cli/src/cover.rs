@@ -17,41 +17,41 @@ use std::time::Instant;
 
 #[derive(Args, Debug)]
 pub(super) struct Options {
-    /// A mesh, or a tree: then the mesh that it was built from. Without it: a gear that is built in.
+    /// A mesh, or a tree: then the mesh that it was built from. Without it: a built-in gear.
     mesh: Option<File>,
     #[command(flatten)]
     limit: Limit,
-    /// Cover what is inside of a closed mesh, too: what is wholly inside is a hit. A tree of a solid stays one without this.
+    /// Cover the inside of a closed mesh, too: what is wholly inside is a hit. Implied for a tree of a solid.
     #[arg(long, conflicts_with = "points")]
     solid: bool,
-    /// Cover the points of a cloud (.ply, .xyz), whatever faces there are.
+    /// Cover the points of a cloud (.ply, .xyz), and ignore its faces.
     #[arg(long, requires = "mesh")]
     points: bool,
-    /// What to write: the spheres, a line each (x y z r), if the name ends in .txt; else their tree (k = 18, arity 16), as a part of a
-    /// firmware. A file that is there is replaced at once.
+    /// The file to write: if its name ends in .txt, one sphere per line (x y z r); otherwise the tree of the spheres (k
+    /// = 18, arity 16), for instance for firmware. An existing file is replaced atomically.
     #[arg(short, long)]
     output: File,
-    /// One JSON object instead of a line.
+    /// Print one JSON object instead of a line.
     #[arg(long)]
     json: bool,
 }
 
-/// How coarse.
+/// Limits the error or the size of the cover.
 #[derive(Args, Copy, Clone, Debug)]
 #[group(required = true, multiple = false)]
 struct Limit {
-    /// No point of a sphere is farther than this from the mesh, in its unit.
+    /// Maximum distance of the spheres' points from the mesh, in its unit.
     #[arg(long, value_name = "LENGTH", allow_negative_numbers = true)]
     error: Option<f64>,
-    /// The least error that takes at most so many spheres, up to a tenth.
+    /// Find the smallest error, up to a tenth, that needs at most this many spheres.
     #[arg(long, value_name = "NUMBER", value_parser = clap::value_parser!(u32).range(1..))]
     spheres: Option<u32>,
-    /// The least error that takes at most so many bytes for the tree, up to a tenth.
+    /// Find the smallest error, up to a tenth, whose tree needs at most this many bytes.
     #[arg(long, value_name = "BYTES")]
     bytes: Option<u64>,
 }
 
-/// What of a mesh spheres hold.
+/// The part of a mesh that the spheres cover.
 #[derive(Copy, Clone, PartialEq, Eq, Debug, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub(super) enum CoveredPart {
@@ -60,7 +60,7 @@ pub(super) enum CoveredPart {
     Points,
 }
 
-/// What is to be covered.
+/// What to cover.
 pub(super) struct ToCover<'m> {
     pub(super) name: &'m str,
     pub(super) mesh: &'m MeshData,
@@ -81,7 +81,7 @@ struct Report {
     cover_nanoseconds: u128,
 }
 
-/// Spheres that hold a mesh, and their tree.
+/// Spheres that cover a mesh, and their tree.
 pub(super) struct Covered {
     error: f64,
     pub(super) spheres: Vec<Sphere>,
@@ -121,7 +121,7 @@ pub(super) fn run(options: &Options) -> Result<(), Error> {
     output::say(Some(&options.output), |out| print(&report, options.json, out))
 }
 
-/// The mesh, and what of it is to be covered.
+/// Reads the mesh and determines the part of it to cover.
 fn read(options: &Options) -> Result<(String, MeshData, CoveredPart), Error> {
     let given = if options.solid { CoveredPart::Solid } else { CoveredPart::Surface };
     let Some(path) = options.mesh.as_deref() else {
@@ -132,12 +132,12 @@ fn read(options: &Options) -> Result<(String, MeshData, CoveredPart), Error> {
     if options.points {
         let bytes = std::fs::read(path).map_err(Error::io(path))?;
         let vertices = mesh::points(path, &bytes)?;
-        // Triangles whose corners are one.
+        // Degenerate triangles, one for each point.
         let triangles = (0..vertices.len() as u32).map(|i| [i; 3]).collect();
         return Ok((name, MeshData { vertices, triangles }, CoveredPart::Points));
     }
     let source = body::read(path, &TreeOptions::default(), options.json)?;
-    // A solid stays one.
+    // The tree of a solid is covered as a solid.
     let part = if source.is_solid() { CoveredPart::Solid } else { given };
     Ok((name, source.into_mesh(), part))
 }
@@ -155,7 +155,7 @@ pub(super) fn cover(subject: &ToCover<'_>, error: f64) -> Result<Covered, Error>
     Ok(Covered { error, spheres, tree })
 }
 
-/// A cover within what is asked for.
+/// A cover within a limit.
 fn within(subject: &ToCover<'_>, limit: Limit) -> Result<Covered, Error> {
     if let Some(error) = limit.error {
         return cover(subject, error);
@@ -167,7 +167,7 @@ fn within(subject: &ToCover<'_>, limit: Limit) -> Result<Covered, Error> {
     let (low, high) = subject.mesh.vertices.iter().fold(([f64::MAX; 3], [f64::MIN; 3]), |(low, high), p| {
         ([0, 1, 2].map(|i| low[i].min(p[i])), [0, 1, 2].map(|i| high[i].max(p[i])))
     });
-    // Of one sphere.
+    // An error that a single sphere meets.
     let widest = (0..3).map(|i| high[i] - low[i]).sum::<f64>().max(f64::MIN_POSITIVE);
     let mut best = cover(subject, widest)?;
     if !fits(&best) {
@@ -177,9 +177,9 @@ fn within(subject: &ToCover<'_>, limit: Limit) -> Result<Covered, Error> {
     let mut step = 0.5;
     while step < 0.95 {
         match cover(subject, best.error * step) {
-            // As coarse as it was: one sphere, or as many points.
+            // The size no longer changes: one sphere, or one per point.
             Ok(finer) if fits(&finer) && finer.error > 1e-6 * widest => best = finer,
-            // What is too fine to be computed does not fit either.
+            // An error too small to compute does not fit either.
             Ok(_) | Err(Error::Cover { .. }) => step = step.sqrt(),
             Err(other) => return Err(other),
         }
@@ -199,7 +199,8 @@ fn print(report: &Report, json: bool, out: &mut dyn Write) -> std::io::Result<()
     };
     writeln!(
         out,
-        "{mesh}: {triangles} {what} within {spheres} spheres, none farther than {error:.6e} from {from}; {bytes} bytes as a tree, {:.2} s",
+        "{mesh}: {triangles} {what} within {spheres} spheres, none farther than {error:.6e} from {from}; {bytes} bytes \
+         as a tree, {:.2} s",
         *cover_nanoseconds as f64 * 1e-9
     )
 }

@@ -1,5 +1,4 @@
-//! The built-in scenes: two generated bodies and a sweep of poses, and a cloud, so that the first run needs no
-//! file.
+//! The built-in scenes, so that the first run needs no file: two generated bodies with a sweep of poses, and a cloud.
 
 use super::mesh::MeshData;
 use core::f64::consts::TAU;
@@ -35,7 +34,7 @@ pub(super) fn gear() -> MeshData {
     })
 }
 
-/// The knot flies past the gear, turning: far away, grazing, through it, and away again.
+/// The rotating knot flies past the gear: far away, grazing, through it, and away again.
 pub(super) fn sweep() -> Vec<Pose> {
     let poses = (0..64_u32).map(|i| {
         let s = f64::from(i) / 63.0;
@@ -48,9 +47,9 @@ pub(super) fn sweep() -> Vec<Pose> {
     poses.map(|pose| pose.unwrap_or(Pose::IDENTITY)).collect()
 }
 
-/// Points that are uniform in the unit cube.
+/// Points uniform in the unit cube.
 pub(super) fn cube() -> Vec<[f32; 3]> {
-    // A linear congruential generator of 64 bits (Knuth's MMIX), of whose words the upper 24 bits are taken.
+    // A 64-bit linear congruential generator (Knuth's MMIX); its upper 24 bits are used.
     let mut state = 1_u64;
     let mut coordinate = || {
         state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
@@ -74,8 +73,8 @@ fn grid(along: u32, around: u32, point: impl Fn(u32, u32) -> [f64; 3]) -> MeshDa
     mesh
 }
 
-/// The nearest multiple of 2^-30: mathematical libraries differ in the last bits of a sine, the scene does
-/// not.
+/// The nearest multiple of 2^-30, so that the scene is the same everywhere: math libraries differ in the last bits of a
+/// sine.
 fn snap(x: f64) -> f64 {
     const STEPS: f64 = (1_u32 << 30) as f64;
     (x * STEPS).round() / STEPS

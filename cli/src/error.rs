@@ -1,4 +1,4 @@
-//! What can go wrong, with the file and the place in it.
+//! Errors, with the file and the place in it.
 
 use super::body::Shape;
 use core::fmt;
@@ -10,7 +10,7 @@ use simdop::robot::RobotError;
 use simdop::scene::SceneError;
 use std::path::PathBuf;
 
-/// Where in a file.
+/// A place in a file.
 #[derive(Copy, Clone, PartialEq, Eq, Debug)]
 pub(crate) enum Place {
     Line(usize),
@@ -18,7 +18,7 @@ pub(crate) enum Place {
     Nowhere,
 }
 
-/// What is wrong with the contents of a file, found before its name is known.
+/// An error in the contents of a file, found where the file's name is not known.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub(crate) struct Fault {
     pub(crate) place: Place,
@@ -43,11 +43,11 @@ impl Fault {
 pub(crate) enum Error {
     /// Reading or writing failed.
     Io { path: PathBuf, error: std::io::Error },
-    /// A file's contents are wrong.
+    /// The contents of a file are invalid.
     Content { path: PathBuf, fault: Fault },
-    /// Bytes that should be a tree are none.
+    /// The bytes of a tree are invalid.
     Tree { path: PathBuf, error: FormatError },
-    /// A plane of a tree is too low.
+    /// A plane of a tree does not bound its primitives.
     Verify { path: PathBuf, error: VerifyError },
     /// A mesh cannot be built.
     Build { name: String, error: BuildError },
@@ -55,33 +55,33 @@ pub(crate) enum Error {
     Cover { name: String, error: CoverError },
     /// A mesh cannot be filled with spheres.
     Pack { name: String, error: PackError },
-    /// Points cannot be a cloud.
+    /// Points cannot become a cloud.
     PointCloud { name: String, error: CloudError },
-    /// A search in a cloud cannot be answered.
+    /// A range search in a cloud fails.
     Search { name: String, error: SearchError },
-    /// A description is no robot.
+    /// A description of a robot is invalid.
     Robot { path: PathBuf, error: RobotError },
-    /// What a link is made of cannot be had.
+    /// The shape of a link cannot be read or built.
     Link { link: String, error: Box<Self> },
     /// A robot cannot be placed or moved.
     Scene { name: String, error: SceneError },
     #[cfg(feature = "report")]
-    /// A mesh is one point, so that no distance is a share of its size.
+    /// All corners of a mesh coincide, so that it has no size to scale distances by.
     NoSize { name: String },
     #[cfg(feature = "report")]
-    /// However one body comes along, it does not meet the other.
+    /// One body does not meet the other along any of the lines.
     NoContact { a: String, b: String, lines: usize },
-    /// An option that cannot be followed.
+    /// An option that cannot be applied.
     Option { option: &'static str, problem: String },
-    /// A tree has another node type than the other body, or than the options ask for.
+    /// The node type of a tree differs from that of the other body, or from the options.
     OtherShape { name: String, has: Shape, asked: Shape },
-    /// A command that this program was built without.
+    /// A command that this build does not include.
     #[cfg(not(all(feature = "report", feature = "selftest")))]
     Feature(&'static str),
-    /// A trial of the self-test cannot be asked at all.
+    /// A trial of the self-test cannot be run.
     #[cfg(feature = "selftest")]
     SelfTest { name: String, problem: String },
-    /// The standard output is gone or full.
+    /// Writing to the standard output failed.
     Output(std::io::Error),
 }
 
@@ -90,7 +90,7 @@ impl Error {
         Self::Content { path: path.into(), fault }
     }
 
-    /// An option about building, where there is nothing to build.
+    /// A build option where there is nothing to build.
     pub(crate) fn idle(option: &'static str, name: &impl fmt::Display) -> Self {
         Self::Option {
             option,
@@ -137,7 +137,8 @@ impl fmt::Display for Error {
             Self::Option { option, problem } => write!(f, "{option}: {problem}"),
             Self::OtherShape { name, has, asked } => write!(
                 f,
-                "{name}: the tree has k = {} and arity {}, the query k = {} and arity {}: `simdop build` makes another of it",
+                "{name}: the tree has k = {} and arity {}, the query k = {} and arity {}: `simdop build` makes another \
+                 of it",
                 has.k, has.arity, asked.k, asked.arity
             ),
             #[cfg(not(all(feature = "report", feature = "selftest")))]

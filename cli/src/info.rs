@@ -9,12 +9,12 @@ use std::io::Write;
 
 #[derive(Args, Debug)]
 pub(super) struct Options {
-    /// A tree, or a mesh or a packing (.txt) that is built first.
+    /// A tree, or a mesh or a packing (.txt), whose tree is built first.
     tree: File,
-    /// Prove, in exact arithmetic, that every plane bounds what is below it.
+    /// Verify in exact arithmetic that every plane bounds the primitives below it.
     #[arg(long)]
     verify: bool,
-    /// One JSON object instead of a table.
+    /// Print one JSON object instead of a table.
     #[arg(long)]
     json: bool,
     #[command(flatten)]

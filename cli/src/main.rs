@@ -37,7 +37,7 @@ use std::io::Write;
 use std::path::PathBuf;
 use std::process::ExitCode;
 
-/// Exact collision queries between triangle meshes, by SIMD on hierarchies of k-DOPs.
+/// Exact collision queries between triangle meshes, with SIMD on hierarchies of k-DOPs.
 #[derive(Parser, Debug)]
 #[command(version, about)]
 struct Cli {
@@ -49,63 +49,63 @@ struct Cli {
 enum Command {
     /// Does A, placed by a pose in B's frame, meet B?
     ///
-    /// A and B are meshes (.obj, .off, .ply, .stl) or trees made by `simdop build`. Without files: two
-    /// generated bodies and a sweep of poses. For one pose the exit code is the verdict: 0 free, 1 hit;
-    /// for several it is 0. It is 2 for errors, and 3 if the budget was spent before the only verdict was
-    /// known.
+    /// A and B are meshes (.obj, .off, .ply, .stl) or trees made by `simdop build`. Without files: two generated bodies
+    /// and a sweep of poses. Exit code for a single pose: 0 if free, 1 if hit, 3 if the budget was exhausted first. For
+    /// several poses it is 0. For errors it is 2.
     Collide(collide::Options),
     /// Builds the hierarchy of a mesh and writes it as a tree.
     ///
-    /// The body is as exact as the mesh. A smaller one, within an error, or of so many bytes or spheres, is made by `simdop cover`.
+    /// The body is as exact as the mesh. `simdop cover` makes a smaller one, within an error or a number of bytes or
+    /// spheres.
     Build(build::Options),
-    /// Describes a tree, or the tree that a mesh or a packing (.txt) becomes.
+    /// Describes a tree, or the tree of a mesh or a packing (.txt).
     Info(info::Options),
-    /// Fills a closed mesh with disjoint spheres, the largest that fits first, and writes them as text.
+    /// Packs a closed mesh with disjoint spheres, always the largest that fits, and writes them as text.
     ///
-    /// The table says what share of the mesh's volume the first spheres cover.
+    /// The table shows the share of the mesh's volume that the first spheres cover.
     Pack(pack::Options),
-    /// Covers a mesh with spheres: a smaller body that is free only where the mesh is.
+    /// Covers a mesh with spheres: a smaller body that is free only where the mesh is free.
     ///
-    /// Every point of the mesh is in a sphere, and no point of a sphere is farther from the mesh than the error: "free" is certain, and
-    /// "hit" means within the error. It is the surface that is covered, so that what is inside of it may be free; with --solid, and of
-    /// trees of solids, the inside is covered, too. With --points it is a cloud of points.
+    /// Every point of the mesh is in a sphere, and no point of a sphere is farther from the mesh than the error: "free"
+    /// is certain, and "hit" means within the error. The surface is covered, so that a body inside it may be free; with
+    /// --solid, and for trees of solids, the inside is covered, too. With --points, the input is a cloud of points.
     Cover(cover::Options),
-    /// How much of their volume do two packings share, A placed by a pose in B's frame?
+    /// How much volume do two packings share, A placed by a pose in B's frame?
     ///
-    /// With the direction in which A is pushed, and as many rows as there are poses.
+    /// Also prints the direction that separates A from B. One row for each pose.
     Volume(volume::Options),
     /// Which points of a cloud are near each other, or near a body?
     ///
-    /// With a radius: how many neighbours the points have, how long it takes, and the neighbours themselves.
-    /// With a body, placed by a pose in the cloud's frame: whether any point is near it. For one pose the exit
-    /// code is the verdict: 0 free, 1 hit; for several it is 0. It is 2 for errors. Without files: the
-    /// neighbours of points that are built in.
+    /// With a radius: the number of neighbours of the points, the time of the search, and the neighbours themselves.
+    /// With a body, placed by a pose in the cloud's frame: whether any point is near it. Exit code for a single pose: 0
+    /// if free, 1 if hit. For several poses it is 0. For errors it is 2. Without files: the neighbours of built-in
+    /// points.
     Near(near::Options),
-    /// A robot and its joints: where may it stand among obstacles, which ways are free, which of its links can
-    /// meet?
+    /// Which configurations of a robot are valid, which motions are free, and which of its links can meet?
     ///
-    /// A free way is free at all times, not at samples of it, and a pair that never meets does so at no values
-    /// of the joints. Meshes are .obj, .off, .ply or .stl. Without files: an arm that is built in, among boxes.
+    /// A free motion is free at all times, not only at samples, and a pair that never meets does not meet for any
+    /// values of the joints. Meshes are .obj, .off, .ply or .stl. Without files: a built-in arm among boxes.
     Robot(robot::Options),
-    /// Which tree is the fastest for a mesh, at what cost in bytes and in how far its volumes stick out?
+    /// Which tree is the fastest for a mesh, and what does it cost in bytes and in tightness?
     ///
-    /// Builds the mesh by many settings, asks them all at the same poses, and writes a page of plots that stands
-    /// alone, with a recommendation, and a CSV file. A and B are meshes (.obj, .off, .ply, .stl), or trees, for the
-    /// meshes that they were built from; one mesh meets itself, and without files it is two generated bodies. The
-    /// settings are k, arity, leaf size, splitter, and with or without normal slabs; planes are 16-bit keys, and
-    /// bodies are as exact as their meshes. Packings of closed meshes are compared by their number of spheres.
+    /// Builds the mesh with many settings, queries all trees at the same poses, and writes a self-contained page of
+    /// plots with a recommendation, and a CSV file. A and B are meshes (.obj, .off, .ply, .stl), or trees, for the
+    /// meshes that they were built from. With one mesh, it is tested against itself; without files, the bodies are
+    /// generated. The settings are k, arity, leaf size, splitter, and with or without normal slabs; planes are 16-bit
+    /// keys, and bodies are as exact as their meshes. Packings of closed meshes are compared by their number of
+    /// spheres.
     #[cfg(feature = "report")]
     Report(report::Options),
-    /// Needs the feature `report`: which tree is the fastest for a mesh, at what cost?
+    /// Needs the feature `report`: which tree is the fastest for a mesh, and at what cost?
     #[cfg(not(feature = "report"))]
     #[command(disable_help_flag = true)]
     Report(Absent),
-    /// Is every answer right on this machine? Generated bodies in hard cases, beside exact arithmetic, on every
-    /// instruction set that there is.
+    /// Is every answer right on this machine? Compares hard cases with exact arithmetic on every available instruction
+    /// set.
     ///
-    /// The table has a row for each case: pairs, collisions missed and invented, poses where the exact answer flips
-    /// within one unit in the last place, and the time beside that of a benign case. The exit code is 0 if everything
-    /// is right and 1 if not; then what was wrong is printed, so that it can be repeated. It is 2 for errors.
+    /// The table has a row for each case: pairs, missed and false collisions, poses where the exact answer flips within
+    /// one unit in the last place, and the time relative to that of a benign case. The exit code is 0 if everything is
+    /// right, 2 for errors, and otherwise 1; then each wrong answer is printed with what is needed to reproduce it.
     #[cfg(feature = "selftest")]
     Selftest(selftest::Options),
     /// Needs the feature `selftest`: is every answer right on this machine?
@@ -114,7 +114,7 @@ enum Command {
     Selftest(Absent),
 }
 
-/// The arguments of a command that this program was built without.
+/// The arguments of a command that this build does not include.
 #[cfg(not(all(feature = "report", feature = "selftest")))]
 #[derive(Args, Debug)]
 struct Absent {
@@ -122,7 +122,8 @@ struct Absent {
     _arguments: Vec<std::ffi::OsString>,
 }
 
-/// What hierarchy a mesh becomes. A tree is what it is: where there are only trees, these are errors.
+/// Options for building a hierarchy from a mesh. Trees are used as they are: if all bodies are trees, these options are
+/// errors.
 #[derive(Args, Clone, Default, Debug)]
 struct TreeOptions {
     /// Planes of a volume: 6, 14, 18 or 26 [default: 18, or that of a given tree].
@@ -131,20 +132,19 @@ struct TreeOptions {
     /// Children of a node: 16, or 4 with k = 18 [default: 16, or that of a given tree].
     #[arg(short, long, value_parser = arity)]
     arity: Option<usize>,
-    /// Triangles in a leaf, at most: 1 to 16 [default: 1].
+    /// Maximum number of triangles in a leaf: 1 to 16 [default: 1].
     #[arg(short, long, value_parser = clap::value_parser!(u32).range(1..=16))]
     leaf_size: Option<u32>,
-    /// How triangles are assigned to the children of a node [default: mean-width].
+    /// How the triangles of a node are distributed to its children [default: mean-width].
     #[arg(short, long, value_enum)]
     splitter: Option<SplitterName>,
-    /// Leave out the normal slabs: 8 bytes a child fewer, and more visits of smooth meshes that nearly touch.
+    /// Omit the normal slabs: saves 8 bytes per child, but smooth meshes that nearly touch need more visits.
     #[arg(long)]
     without_normal_slabs: bool,
-    /// The mesh bounds a solid: what is wholly inside of it is a hit. It must be closed.
+    /// Treat the mesh as a solid, so that what is wholly inside it is a hit. It must be closed.
     #[arg(long)]
     solid: bool,
-    /// Take a mesh file without a triangle for an empty body, which meets nothing. Without this it is an
-    /// error.
+    /// Accept a mesh file without triangles as an empty body, which meets nothing. Without this option it is an error.
     #[arg(long)]
     allow_empty: bool,
 }
@@ -158,7 +158,7 @@ impl TreeOptions {
         self.splitter.unwrap_or(SplitterName::MeanWidth)
     }
 
-    /// One of these that was given, if any was: for bodies that are trees already, on which they do nothing.
+    /// One of these options if any was given: for bodies that are already trees, to which they do not apply.
     fn first_given(&self) -> Option<&'static str> {
         let given = [
             ("--k", self.k.is_some()),
@@ -218,11 +218,11 @@ fn isa(text: &str) -> Result<Isa, String> {
     text.parse().map_err(|e: simdop::isa::IsaError| e.to_string())
 }
 
-/// A file that exists is not required here: the reader names what is wrong.
+/// clap does not check that a file exists: the reader's error messages are better.
 type File = PathBuf;
 
-/// Prints what clap has to say: help, the version, or what is wrong with the arguments. Help that cannot be written is an error, as
-/// all output is.
+/// Prints clap's output: help, version, or errors in the arguments. Failing to write the help is an error, as for all
+/// output.
 fn answered(answer: &clap::Error) -> ExitCode {
     match answer.print().and_then(|()| std::io::stdout().flush()) {
         Ok(()) => ExitCode::from(u8::from(answer.use_stderr()) * 2),
@@ -259,10 +259,10 @@ fn main() -> ExitCode {
     };
     match outcome {
         Ok(code) => ExitCode::from(code),
-        // The reader of our output has seen enough: nothing is wrong.
+        // The reader closed the pipe: not an error.
         Err(Error::Output(error)) if error.kind() == std::io::ErrorKind::BrokenPipe => ExitCode::SUCCESS,
         Err(error) => {
-            // If the standard error is gone too, the exit code is all there is to say.
+            // If standard error is closed too, only the exit code is left.
             let _ = writeln!(std::io::stderr(), "simdop: {error}");
             ExitCode::from(2)
         }

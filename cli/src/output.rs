@@ -1,32 +1,32 @@
-//! Files that are written whole or not at all: a full disk, a limit or a kill leaves what was there.
+//! Writes files atomically: a full disk, a limit or a kill leaves the previous contents.
 
 use super::error::Error;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 use tempfile::NamedTempFile;
 
-/// Writes each file's bytes, all of them before any takes the place of what was there.
+/// Writes the bytes of each file. No file is replaced before all are written.
 pub(super) fn replace<'a>(files: impl IntoIterator<Item = (&'a Path, &'a [u8])>) -> Result<(), Error> {
     let staged: Vec<Staged<'a>> =
         files.into_iter().map(|(path, bytes)| stage(path, bytes)).collect::<Result<_, _>>()?;
     staged.into_iter().try_for_each(Staged::commit)
 }
 
-/// Bytes on their way to a file.
+/// Bytes that are to become a file's contents.
 enum Staged<'a> {
-    /// In a file beside the one to replace.
+    /// In a temporary file beside the one to replace.
     Beside { file: NamedTempFile, target: PathBuf },
-    /// To be written to what is no file: the standard output, a pipe, a device.
+    /// For a target that is not a file: the standard output, a pipe, a device.
     Stream { path: &'a Path, bytes: &'a [u8] },
 }
 
-/// Writes the bytes where a rename will bring them to `path`.
+/// Writes the bytes to where a rename moves them to `path`.
 fn stage<'a>(path: &'a Path, bytes: &'a [u8]) -> Result<Staged<'a>, Error> {
     let old = std::fs::metadata(path);
     if is_standard_output(path) || old.as_ref().is_ok_and(|old| !old.is_file() && !old.is_dir()) {
         return Ok(Staged::Stream { path, bytes });
     }
-    // Where `path` is a symbolic link, what it names is replaced.
+    // If `path` is a symbolic link, replace its target.
     let target = std::fs::canonicalize(path).unwrap_or_else(|_| path.to_path_buf());
     let write = || {
         let name = target.file_name().ok_or(std::io::ErrorKind::IsADirectory)?;
@@ -35,7 +35,7 @@ fn stage<'a>(path: &'a Path, bytes: &'a [u8]) -> Result<Staged<'a>, Error> {
         let mut builder = tempfile::Builder::new();
         builder.prefix(&prefix).suffix(".part");
         #[cfg(unix)]
-        // What a file has that is made without a wish of its own; the process's mask applies.
+        // The default permissions of a new file; the process's umask applies.
         builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
         let mut file = builder.tempfile_in(folder(&target))?;
         file.write_all(bytes)?;
@@ -50,13 +50,13 @@ fn stage<'a>(path: &'a Path, bytes: &'a [u8]) -> Result<Staged<'a>, Error> {
 }
 
 impl Staged<'_> {
-    /// Brings the bytes to their place.
+    /// Moves the bytes to their place.
     fn commit(self) -> Result<(), Error> {
         match self {
             Self::Beside { file, target } => {
                 file.persist(&target)
                     .map_err(|problem| Error::Io { path: target.clone(), error: problem.error })?;
-                // So that the new name lasts, too. Not every file system can be asked for it.
+                // Makes the rename durable. Not every file system supports this.
                 let _ = std::fs::File::open(folder(&target)).and_then(|folder| folder.sync_all());
                 Ok(())
             }
@@ -72,7 +72,7 @@ impl Staged<'_> {
     }
 }
 
-/// Prints what is said of a file that was written: to the standard output, unless that holds the file and nothing else.
+/// Prints the message about a written file to the standard output, unless that is where the file goes.
 pub(super) fn say(
     file: Option<&Path>,
     print: impl FnOnce(&mut dyn Write) -> std::io::Result<()>,
@@ -84,7 +84,7 @@ pub(super) fn say(
     print(&mut std::io::stdout().lock()).map_err(Error::Output)
 }
 
-/// Refuses to write one file twice, or over the one that is read. The names are those of the options.
+/// Rejects writing one file twice, or overwriting the one that is read. The names are those of the options.
 pub(super) fn check_targets(
     read: Option<&Path>,
     [first, second]: [(&'static str, Option<&Path>); 2],
@@ -105,12 +105,12 @@ pub(super) fn check_targets(
     }
 }
 
-/// Where a file is, or will be.
+/// The folder of a file, which may not exist yet.
 pub(super) fn folder(target: &Path) -> &Path {
     target.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."))
 }
 
-/// Whether two paths name one file, whether it is there or not.
+/// Whether two paths name one file, which may not exist yet.
 pub(super) fn is_same(a: &Path, b: &Path) -> bool {
     match (std::fs::metadata(a), std::fs::metadata(b)) {
         (Ok(a_data), Ok(b_data)) => identity(a, &a_data) == identity(b, &b_data),
@@ -123,7 +123,7 @@ pub(super) fn is_same(a: &Path, b: &Path) -> bool {
     }
 }
 
-/// Whether a path, such as `/dev/stdout`, names what the standard output goes to.
+/// Whether a path, such as `/dev/stdout`, names the target of the standard output.
 pub(super) fn is_standard_output(path: &Path) -> bool {
     #[cfg(unix)]
     {

@@ -15,20 +15,26 @@ use std::time::Instant;
 
 #[derive(Args, Debug)]
 pub(super) struct Options {
-    /// A closed mesh, or a tree: then the mesh that it was built from. Without it: a gear that is built in.
+    /// A closed mesh, or a tree: then the mesh that it was built from. Without it: a built-in gear.
     mesh: Option<File>,
-    /// How many spheres.
-    #[arg(short = 'n', long, value_name = "NUMBER", default_value_t = 1000, value_parser = clap::value_parser!(u32).range(1..))]
+    /// Number of spheres.
+    #[arg(
+        short = 'n',
+        long,
+        value_name = "NUMBER",
+        default_value_t = 1000,
+        value_parser = clap::value_parser!(u32).range(1..)
+    )]
     spheres: u32,
-    /// The packing to write, a sphere a line: x y z r. A file that is there is replaced at once, when the
-    /// packing is whole.
+    /// The packing to write, one sphere per line: x y z r. An existing file is replaced atomically, once the packing is
+    /// complete.
     #[arg(short, long)]
     output: File,
-    /// An image to write, by its name's ending .svg or .png: the spheres, coloured by the child of the root of
-    /// their tree that each is below.
+    /// An image to write, .svg or .png by its extension: the spheres, each coloured by the child of the root of their
+    /// tree that holds it.
     #[arg(long, value_name = "FILE")]
     picture: Option<File>,
-    /// One JSON object instead of a table.
+    /// Print one JSON object instead of a table.
     #[arg(long)]
     json: bool,
 }
@@ -38,7 +44,7 @@ struct Report {
     version: &'static str,
     mesh: String,
     triangles: usize,
-    /// Of the mesh, in its unit to the third.
+    /// Of the mesh, in cubic units.
     volume: f64,
     spheres: usize,
     asked: u32,
@@ -47,7 +53,7 @@ struct Report {
     steps: Vec<Step>,
 }
 
-/// What the first spheres cover.
+/// The volume that the first spheres cover.
 #[derive(Serialize)]
 struct Step {
     spheres: usize,

@@ -1,5 +1,5 @@
-//! The first level of a tree as a picture: the mesh or the spheres, one colour for each child of the root (as
-//! figure 3 of the SIMDop paper).
+//! A picture of the first level of a tree: the mesh or the spheres, one colour for each child of the root, as in figure
+//! 3 of the SIMDop paper.
 
 use super::body;
 use super::error::Error;
@@ -12,14 +12,14 @@ use tiny_skia::{Color, FillRule, Paint, PathBuilder, Pixmap, Stroke, Transform};
 
 type Vector = [f64; 3];
 
-/// Pixels along the longer side of the mesh, and around it.
+/// Pixels along the longer side of the mesh, without the margins.
 const SIZE: f64 = 800.0;
 const MARGIN: f64 = 20.0;
-/// The view is turned by this to the left and from above, so that three sides of a box are seen.
+/// The view is rotated by this angle to the left and from above, so that three sides of a box are visible.
 const TURN: f64 = 0.35;
 const TILT: f64 = 0.25;
 
-/// What kind of image a file is.
+/// The format of an image file.
 #[derive(Copy, Clone, PartialEq, Eq, Debug)]
 pub(super) enum Format {
     Svg,
@@ -27,7 +27,7 @@ pub(super) enum Format {
 }
 
 impl Format {
-    /// By the ending of the file's name.
+    /// By the file's extension.
     pub(super) fn of(path: &Path) -> Result<Self, Error> {
         let extension = path.extension().and_then(|e| e.to_str()).unwrap_or("").to_ascii_lowercase();
         match extension.as_str() {
@@ -41,7 +41,7 @@ impl Format {
     }
 }
 
-/// The bytes of an image of a mesh: orthographic, painted from back to front.
+/// The image of a mesh: orthographic, painted from back to front.
 pub(super) fn paint(tree: &AnyBvh, title: &str, format: Format) -> Vec<u8> {
     let clusters = body::clusters(tree);
     let camera = Camera::for_balls(clusters.iter().flat_map(|(_, t)| t).map(|p| (*p, 0.0)));
@@ -49,8 +49,8 @@ pub(super) fn paint(tree: &AnyBvh, title: &str, format: Format) -> Vec<u8> {
     image(parts, &camera, title, format)
 }
 
-/// The bytes of an image of spheres. Of disjoint ones, which this order of painting is right for: where a line
-/// of sight meets two, the one whose centre is nearer is nearer.
+/// The image of spheres. The order of painting is right if they are disjoint: if a line of sight meets two, the one
+/// with the nearer centre is nearer.
 pub(super) fn paint_spheres(tree: &BvhRef<'_, Node16<18>, Spheres>, title: &str, format: Format) -> Vec<u8> {
     let clusters = body::primitives_by_root_lane(tree);
     let camera = Camera::for_balls(clusters.iter().map(|(_, sphere)| (sphere.centre, sphere.radius)));
@@ -60,7 +60,7 @@ pub(super) fn paint_spheres(tree: &BvhRef<'_, Node16<18>, Spheres>, title: &str,
             centre: camera.project(&sphere.centre),
             radius: sphere.radius * camera.scale,
         },
-        // A little darker than the paper, from which pale hues would not be told.
+        // Darker than the paper, against which pale hues would be invisible.
         colour: colour(*lane).map(|x| (x * 235.0) as u8),
     };
     image(clusters.iter().map(disc).collect(), &camera, title, format)
@@ -95,7 +95,8 @@ fn svg(parts: &[Part], [width, height]: [f64; 2], title: &str) -> String {
                 let [s, t, u] = rim([*r, *g, *b]);
                 writeln!(
                     text,
-                    "<circle fill=\"#{r:02x}{g:02x}{b:02x}\" stroke=\"#{s:02x}{t:02x}{u:02x}\" cx=\"{x:.1}\" cy=\"{y:.1}\" r=\"{radius:.1}\"/>"
+                    "<circle fill=\"#{r:02x}{g:02x}{b:02x}\" stroke=\"#{s:02x}{t:02x}{u:02x}\" cx=\"{x:.1}\" \
+                     cy=\"{y:.1}\" r=\"{radius:.1}\"/>"
                 )
             }
         };
@@ -104,7 +105,7 @@ fn svg(parts: &[Part], [width, height]: [f64; 2], title: &str) -> String {
 }
 
 fn png(parts: &[Part], size: [f64; 2]) -> Vec<u8> {
-    // Neither is zero, nor more than the longer side and two margins.
+    // Neither is zero; each is at most the longer side plus two margins.
     let [width, height] = size.map(|pixels| pixels.round() as u32);
     let mut image = Pixmap::new(width, height).expect("a size that memory has room for");
     image.fill(Color::WHITE);
@@ -120,13 +121,13 @@ fn png(parts: &[Part], size: [f64; 2]) -> Vec<u8> {
                 path.line_to(q[0], q[1]);
                 path.line_to(s[0], s[1]);
                 path.close();
-                // Seen from its edge, a triangle has no outline.
+                // A triangle seen edge-on has no outline.
                 if let Some(path) = path.finish() {
                     image.fill_path(&path, &paint, FillRule::Winding, still, None);
                 }
             }
             Outline::Disc { centre: [x, y], radius } => {
-                // Nor has a point.
+                // Nor does a point.
                 if let Some(path) = PathBuilder::from_circle(*x as f32, *y as f32, *radius as f32) {
                     image.fill_path(&path, &paint, FillRule::Winding, still, None);
                     let [r, g, b] = rim([*r, *g, *b]);
@@ -144,15 +145,15 @@ struct Camera {
     right: Vector,
     up: Vector,
     back: Vector,
-    /// Least coordinates along `right` and `up`, and their ranges, in the mesh's unit.
+    /// Smallest coordinates along `right` and `up`, and their ranges, in the mesh's unit.
     low: [f64; 2],
     extent: [f64; 2],
-    /// Pixels in a unit.
+    /// Pixels per unit.
     scale: f64,
 }
 
 impl Camera {
-    /// Centres and radii of what is to be seen.
+    /// Centres and radii of the visible balls.
     fn for_balls(balls: impl Iterator<Item = (Vector, f64)> + Clone) -> Self {
         let range = |direction: Vector| {
             let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
@@ -163,7 +164,7 @@ impl Camera {
         };
         let [x, y, z] = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
         let [wide, high, deep] = [x, y, z].map(|axis| range(axis).1);
-        // Right-handed: right x up points at the viewer. Up is an axis that often is: z, else y.
+        // Right-handed: right x up points at the viewer. Up is z, or y if the view is along z.
         let (right, up, back) = if deep <= wide && deep <= high {
             (x, y, z)
         } else if wide <= high {
@@ -179,7 +180,7 @@ impl Camera {
         Self { right, up, back, low: [left, bottom], extent: [width, height], scale }
     }
 
-    /// In pixels, the first from the left, the second from the top.
+    /// In pixels from the left and from the top.
     fn project(&self, p: &Vector) -> [f64; 2] {
         let x = dot(&self.right, p) - self.low[0];
         let y = self.low[1] + self.extent[1] - dot(&self.up, p);
@@ -187,9 +188,9 @@ impl Camera {
     }
 }
 
-/// What is painted at once.
+/// A triangle or a sphere to paint.
 struct Part {
-    /// Towards the viewer.
+    /// Along the axis to the viewer.
     depth: f64,
     outline: Outline,
     colour: [u8; 3],
@@ -213,8 +214,7 @@ impl Part {
             (core::array::from_fn(|i| b[i] - a[i]), core::array::from_fn(|i| c[i] - a[i]));
         let normal = [u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]];
         let length = dot(&normal, &normal).sqrt();
-        // Lit from behind the viewer's left shoulder, and on both sides: nobody promises which is the outer
-        // one.
+        // Lit from behind the viewer's left shoulder, on both sides: the orientation of triangles is not guaranteed.
         let light: Vector =
             core::array::from_fn(|i| camera.back[i] - 0.5 * camera.right[i] + 0.5 * camera.up[i]);
         let facing = dot(&normal, &light).abs() / (length * dot(&light, &light).sqrt());
@@ -225,8 +225,7 @@ impl Part {
     }
 }
 
-/// Hues a golden angle apart, so that lanes next to each other differ; every other round of the circle is
-/// paler.
+/// Hues a golden angle apart, so that neighbouring lanes differ; every other round of the circle is paler.
 fn colour(lane: usize) -> Vector {
     let hue = (lane as f64 * 0.618_033_988_75).fract() * 6.0;
     let floor = [0.15, 0.45, 0.0][lane % 3];
@@ -237,7 +236,7 @@ fn colour(lane: usize) -> Vector {
     })
 }
 
-/// Turns two perpendicular unit vectors, the first towards the second.
+/// Rotates two perpendicular unit vectors, the first towards the second.
 fn turned(a: Vector, b: Vector, angle: f64) -> (Vector, Vector) {
     let (s, c) = angle.sin_cos();
     (core::array::from_fn(|i| c * a[i] + s * b[i]), core::array::from_fn(|i| c * b[i] - s * a[i]))
@@ -288,7 +287,7 @@ mod tests {
         }
     }
 
-    /// What is nearer is painted later: with the camera in front of each side of the spheres in turn.
+    /// Nearer spheres are painted later: with the camera in front of each side of the spheres in turn.
     #[test]
     fn the_nearer_sphere_is_painted_last() {
         for axis in 0..3 {

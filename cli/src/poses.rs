@@ -7,7 +7,7 @@ use clap::Args;
 use simdop::pose::Pose;
 use std::path::Path;
 
-/// Where A stands.
+/// The poses of A.
 #[derive(Args, Debug)]
 pub(super) struct Options {
     /// One pose: the 12 numbers of the row-major 3x4 matrix [R|t] that places A in B's frame [default:
@@ -20,10 +20,16 @@ pub(super) struct Options {
         allow_hyphen_values = true
     )]
     pose: Option<String>,
-    /// One pose that only moves: "x y z".
-    #[arg(long, value_name = "NUMBERS", conflicts_with_all = ["poses", "pose"], requires = "a", allow_hyphen_values = true)]
+    /// One pose that only translates: "x y z".
+    #[arg(
+        long,
+        value_name = "NUMBERS",
+        conflicts_with_all = ["poses", "pose"],
+        requires = "a",
+        allow_hyphen_values = true
+    )]
     translate: Option<String>,
-    /// A file with one pose a line, as for --pose; `#` begins a comment.
+    /// A file with one pose per line, as for --pose; `#` begins a comment.
     #[arg(long, value_name = "FILE", requires = "a")]
     poses: Option<File>,
 }
@@ -44,7 +50,7 @@ fn single(option: &'static str, rows: Result<[[f64; 4]; 3], String>) -> Result<P
     Pose::from_rows(rows).map_err(|error| Error::Option { option, problem: error.to_string() })
 }
 
-/// One pose a line, each of which ends. Blank lines, and what follows a `#`, are passed over.
+/// One pose per line; every line must end. Skips blank lines and comments after `#`.
 fn read(path: &Path) -> Result<Vec<Pose>, Error> {
     let bytes = std::fs::read(path).map_err(Error::io(path))?;
     parse(&String::from_utf8_lossy(&bytes)).map_err(|fault| Error::content(path, fault))
@@ -59,7 +65,7 @@ fn parse(text: &str) -> Result<Vec<Pose>, Fault> {
             poses.push(Pose::from_rows(rows).map_err(|error| Fault::line(number, error.to_string()))?);
         }
     }
-    // A number that was cut is a number too.
+    // A truncated number could pass for another number.
     check_last_line(text, 1)?;
     if poses.is_empty() { Err(Fault::file("there is no pose in the file")) } else { Ok(poses) }
 }
@@ -70,7 +76,7 @@ fn matrix(text: &str) -> Result<[[f64; 4]; 3], String> {
     Ok(core::array::from_fn(|i| core::array::from_fn(|j| twelve[4 * i + j])))
 }
 
-/// The pose that only moves, by three numbers.
+/// The pose that translates by three numbers.
 fn translation(text: &str) -> Result<[[f64; 4]; 3], String> {
     let [x, y, z]: [f64; 3] = numbers(text, "x, y and z")?;
     Ok([[1.0, 0.0, 0.0, x], [0.0, 1.0, 0.0, y], [0.0, 0.0, 1.0, z]])

@@ -1,10 +1,10 @@
-//! Progress on long work: on a terminal only, on standard error.
+//! Progress of long work, on standard error and only on a terminal.
 
 use core::time::Duration;
 use indicatif::{ProgressBar, ProgressFinish, ProgressStyle};
 use std::io::IsTerminal;
 
-/// A spinner with a text, for a step of unknown length. It is gone when it is dropped.
+/// A spinner with a text, for a step of unknown length. Disappears when dropped.
 pub(super) fn step(text: String, quiet: bool) -> ProgressBar {
     let bar = visible(ProgressBar::new_spinner(), quiet);
     if bar.is_hidden() {
@@ -15,7 +15,7 @@ pub(super) fn step(text: String, quiet: bool) -> ProgressBar {
     bar
 }
 
-/// A bar over `count` poses, or what else the unit says. It is gone when it is dropped.
+/// A bar over `count` items, such as poses. Disappears when dropped.
 pub(super) fn bar(count: usize, unit: &str, quiet: bool) -> ProgressBar {
     let bar = visible(ProgressBar::new(count as u64), quiet);
     let template = format!("{{wide_bar}} {{pos}}/{{len}} {unit}, {{eta}} left");
@@ -25,10 +25,10 @@ pub(super) fn bar(count: usize, unit: &str, quiet: bool) -> ProgressBar {
     bar
 }
 
-/// A bar over the work of a build, in levels of the tree: but for the first, which takes the longest, they
-/// take about as long as each other. It is gone when it is dropped.
+/// A bar over a build, in levels of the tree: apart from the first, which takes longest, they take about equally long.
+/// Disappears when dropped.
 pub(super) fn build(name: &str, levels: u64, quiet: bool) -> ProgressBar {
-    // Making nodes of the levels is one step more.
+    // One more step makes the nodes of all levels.
     let bar = visible(ProgressBar::new(levels + 1), quiet);
     if bar.is_hidden() {
         return bar;
@@ -41,7 +41,7 @@ pub(super) fn build(name: &str, levels: u64, quiet: bool) -> ProgressBar {
     bar
 }
 
-/// Levels of a tree over so many triangles whose nodes are full.
+/// Levels of a tree with full nodes over this many triangles.
 pub(super) fn levels(triangles: usize, leaf_size: usize, arity: usize) -> u64 {
     let (mut levels, mut room) = (1, leaf_size.saturating_mul(arity));
     while room < triangles {

@@ -1,4 +1,4 @@
-//! Files of spheres, as packings and covers are, and what `simdop info` says of one.
+//! Files of spheres, such as packings and covers, and the output of `simdop info` for them.
 
 use super::body;
 use super::error::{Error, Fault};
@@ -11,7 +11,7 @@ use std::io::Write;
 use std::path::Path;
 use std::time::Instant;
 
-/// Whether a file holds spheres: by its name, or because it is a tree of them.
+/// Whether a file holds spheres: by its name, or because it is a tree of spheres.
 pub(super) fn is_of_spheres(path: &Path) -> bool {
     let is_tree = |bytes: Vec<u8>| bytes.starts_with(&MAGIC) && SphereTree::from_bytes(&bytes).is_ok();
     path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("txt"))
@@ -20,7 +20,7 @@ pub(super) fn is_of_spheres(path: &Path) -> bool {
 
 type SphereTree = Bvh<Node16<18>, Spheres>;
 
-/// The spheres of a file, and their tree: the one that it holds, or one that is built.
+/// The spheres of a file, and their tree, which is read or built.
 pub(super) fn read(path: &Path) -> Result<(Vec<Sphere>, SphereTree), Error> {
     let bytes = std::fs::read(path).map_err(Error::io(path))?;
     if bytes.starts_with(&MAGIC) {
@@ -37,7 +37,7 @@ pub(super) fn read(path: &Path) -> Result<(Vec<Sphere>, SphereTree), Error> {
     Ok((spheres, tree))
 }
 
-/// Of all spheres: what is covered twice counts twice.
+/// The sum over all spheres: overlaps count twice.
 pub(super) fn volume(spheres: &[Sphere]) -> f64 {
     spheres.iter().map(Sphere::volume).sum()
 }
@@ -61,7 +61,7 @@ struct Report {
     verified: Option<bool>,
 }
 
-/// Describes a packing and the tree that it becomes.
+/// Describes a packing and the tree built from it.
 pub(super) fn info(path: &Path, verify: bool, json: bool) -> Result<(), Error> {
     let start = Instant::now();
     let (spheres, tree) = read(path)?;

@@ -1,4 +1,4 @@
-//! What `simdop collide` reports: a table for people, an object for programs.
+//! The report of `simdop collide`: a table for people, an object for programs.
 
 use super::body::{Body, SAME};
 use alloc::rc::Rc;
@@ -31,7 +31,7 @@ pub(super) struct BodyReport {
     pub(super) triangles: u32,
     pub(super) degenerate_triangles: u32,
     pub(super) leaf_size: u16,
-    /// Reading and checking the file. Null for a generated body.
+    /// The time to read and check the file. Null for a generated body.
     pub(super) read_nanoseconds: Option<u128>,
     /// Null for a tree from a file.
     pub(super) build_nanoseconds: Option<u128>,
@@ -46,15 +46,15 @@ pub(super) struct PoseReport<'a> {
     /// All of them.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) pairs: Option<Pairs<'a>>,
-    /// Whether the budget lasted for all of them: known once they are written, so it comes after them.
+    /// Whether the budget sufficed for all of them. Comes after the pairs: it is known once they are written.
     #[serde(skip_serializing_if = "Option::is_none", serialize_with = "known")]
     pub(super) pairs_complete: Option<Rc<Cell<bool>>>,
-    /// Bounds of the distance, if the budget was spent.
+    /// Bounds on the distance, if the budget was exhausted.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) distance_bounds: Option<[f64; 2]>,
-    /// The query, set-up included.
+    /// The query, including set-up.
     pub(super) nanoseconds: u64,
-    /// What the query spends before its first visit.
+    /// The time before the first visit.
     pub(super) set_up_nanoseconds: u64,
     pub(super) visits: u64,
     pub(super) kernels: u64,
@@ -67,8 +67,8 @@ fn known<S: Serializer>(value: &Option<Rc<Cell<bool>>>, serializer: S) -> Result
     value.as_deref().map(Cell::get).serialize(serializer)
 }
 
-/// Every pair of triangles that meet, found while they are written: there may be as many as the product of
-/// two numbers of triangles.
+/// Every pair of triangles that meet, found while writing them: there may be as many as the product of the numbers of
+/// triangles.
 pub(super) struct Pairs<'a> {
     bodies: &'a [Body; 2],
     query: Query,
@@ -77,13 +77,13 @@ pub(super) struct Pairs<'a> {
 }
 
 impl<'a> Pairs<'a> {
-    /// The pairs, and what will say whether they were all.
+    /// The pairs, and a flag that will hold whether the list is complete.
     pub(super) fn new(bodies: &'a [Body; 2], query: Query, pose: &'a Pose) -> (Self, Rc<Cell<bool>>) {
         let is_complete = Rc::new(Cell::new(false));
         (Self { bodies, query, pose, is_complete: is_complete.clone() }, is_complete)
     }
 
-    /// Writes each, until one cannot be written.
+    /// Calls `write` for each pair until it fails.
     fn try_for_each<E>(&self, mut write: impl FnMut(Pair) -> Result<(), E>) -> Result<(), E> {
         let [a, b] = self.bodies;
         let mut written = Ok(());
@@ -117,12 +117,12 @@ pub(super) struct Summary {
 }
 
 impl Summary {
-    /// Of verdicts and times, one of each for a pose, and one pose at least.
+    /// Summarizes the verdict and time of each pose. At least one pose.
     pub(super) fn of(poses: impl Iterator<Item = (&'static str, u64)>) -> Self {
         let (verdicts, mut times): (Vec<_>, Vec<_>) = poses.unzip();
         let count = |of| verdicts.iter().filter(|verdict| **verdict == of).count();
         times.sort_unstable();
-        // Nearest rank: the smallest time that the share of all times is not above.
+        // Nearest rank: the smallest time that is not below the given share of all times.
         let rank = |percent: usize| (times.len() * percent).div_ceil(100).saturating_sub(1);
         let at = |percent| times.get(rank(percent)).copied().unwrap_or(0);
         Self {
@@ -162,7 +162,7 @@ impl Report<'_> {
         out.flush()
     }
 
-    /// At most `rows` poses, then what they come to.
+    /// Prints at most `rows` poses, then the summary.
     pub(super) fn print_table(&self, rows: usize) -> std::io::Result<()> {
         let mut out = BufWriter::new(std::io::stdout().lock());
         self.print_bodies(&mut out)?;
@@ -201,7 +201,8 @@ impl Report<'_> {
         self.summary.print(out)?;
         writeln!(
             out,
-            "per query: {:.1} visits, {:.1} kernels, {:.1} re-alignments, {:.1} triangle pairs; {} pairs in all were exact",
+            "per query: {:.1} visits, {:.1} kernels, {:.1} re-alignments, {:.1} triangle pairs; {} pairs in all were \
+             exact",
             mean(|p| p.visits),
             mean(|p| p.kernels),
             mean(|p| p.realignments),

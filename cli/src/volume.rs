@@ -16,7 +16,7 @@ use std::time::Instant;
 
 #[derive(Args, Debug)]
 pub(super) struct Options {
-    /// The packing that the poses move, as `simdop pack` writes it: a sphere a line, x y z r.
+    /// The packing that the poses move, in the format of `simdop pack`: one sphere per line, x y z r.
     a: File,
     /// The packing that stands still.
     b: File,
@@ -25,13 +25,13 @@ pub(super) struct Options {
     /// Instruction set: auto, scalar, neon, avx2 or avx512.
     #[arg(long, default_value = "auto", value_parser = isa)]
     isa: Isa,
-    /// Give up after so many visits, and say how much may be missing.
+    /// Stop after this many visits, and bound the missing volume.
     #[arg(long, value_name = "VISITS")]
     budget: Option<u64>,
-    /// Rows of the table, at most.
+    /// Maximum number of rows in the table.
     #[arg(long, default_value_t = 64)]
     rows: usize,
-    /// One JSON object instead of a table.
+    /// Print one JSON object instead of a table.
     #[arg(long)]
     json: bool,
 }
@@ -50,19 +50,19 @@ struct Report {
 struct Body {
     name: String,
     spheres: usize,
-    /// Of all of its spheres: what is covered twice counts twice.
+    /// The sum over all its spheres: overlaps count twice.
     volume: f64,
 }
 
 #[derive(Serialize)]
 struct Row {
-    /// What the two share, in their unit to the third: at least.
+    /// Lower bound on the shared volume, in cubic units.
     volume: f64,
-    /// What it probably is: the same, unless the budget was spent.
+    /// Estimate of the shared volume: equal to the lower bound, unless the budget was exhausted.
     estimate: f64,
-    /// And at most, if no spheres of a body overlap each other.
+    /// Upper bound, provided that the spheres of a body do not overlap each other.
     upper: f64,
-    /// Where A is pushed.
+    /// The direction that pushes A out of B.
     direction: [f64; 3],
     /// In B's frame. Null if they share nothing.
     point: Option<[f64; 3]>,
@@ -72,7 +72,7 @@ struct Row {
 }
 
 pub(super) fn run(options: &Options) -> Result<(), Error> {
-    // Poses first: a slip in them shows before the work of building.
+    // Read the poses first: an error in them shows before the trees are built.
     let poses = options.poses.read()?;
     let [(a, tree_a), (b, tree_b)] = [read(&options.a)?, read(&options.b)?];
     let query = Query::new(options.isa).with_budget(options.budget.unwrap_or(u64::MAX));

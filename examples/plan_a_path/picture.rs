@@ -5,16 +5,16 @@ use simdop::motion::LinkFrame;
 use simdop::pose::Pose;
 use simdop::robot::{LinkShape, Robot};
 
-/// Pixels of a metre, and where the middles of the two views are.
+/// Pixels per metre, and the centres of the two views.
 const SCALE: f64 = 330.0;
 const VIEWS: [(&str, [usize; 2], [f64; 2]); 2] =
     [("from the side", [0, 2], [330.0, 480.0]), ("from above", [0, 1], [970.0, 330.0])];
 
-/// Corners of a box: bit i says on which side along axis i.
+/// Corners of a box: bit i selects the side along axis i.
 const FACES: [[u8; 4]; 6] =
     [[0, 1, 3, 2], [4, 5, 7, 6], [0, 1, 5, 4], [2, 3, 7, 6], [0, 2, 6, 4], [1, 3, 7, 5]];
 
-/// A face of a box; all six together are what is seen of it from anywhere.
+/// A face of a box. Drawing all six gives its outline from any view.
 fn polygon(face: [u8; 4], sides: &[f64; 3], pose: &Pose, flat: impl Fn([f64; 3]) -> [f64; 2]) -> String {
     let corner = |bits: u8| {
         let side = |i: usize| if bits >> i & 1 == 0 { -0.5 } else { 0.5 };
@@ -24,7 +24,7 @@ fn polygon(face: [u8; 4], sides: &[f64; 3], pose: &Pose, flat: impl Fn([f64; 3])
     format!("<polygon points=\"{}\" stroke=\"none\"/>\n", face.map(corner).concat().trim_end())
 }
 
-/// Of boxes, by sides and middles, and configurations along the path.
+/// `boxes` are side lengths and centres, `shown` the configurations along the path.
 pub(crate) fn draw(
     robot: &Robot,
     boxes: &[[[f64; 3]; 2]],
@@ -63,7 +63,8 @@ pub(crate) fn draw(
                         let [[x, y], [u, v]] = [-0.5, 0.5].map(|z| flat(pose.apply([0.0, 0.0, z * height])));
                         let width = 2.0 * SCALE * radius;
                         format!(
-                            "<line x1=\"{x:.1}\" y1=\"{y:.1}\" x2=\"{u:.1}\" y2=\"{v:.1}\" stroke-width=\"{width:.1}\"/>\n"
+                            "<line x1=\"{x:.1}\" y1=\"{y:.1}\" x2=\"{u:.1}\" y2=\"{v:.1}\" \
+                             stroke-width=\"{width:.1}\"/>\n"
                         )
                     }
                     LinkShape::Cuboid { sides } => {
@@ -82,7 +83,8 @@ pub(crate) fn draw(
         );
         for ([x, y], text) in [(hands[0], "start"), (hands[hands.len() - 1], "goal")] {
             svg += &format!(
-                "<circle cx=\"{x:.1}\" cy=\"{y:.1}\" r=\"5\"/>\n<text x=\"{:.1}\" y=\"{:.1}\" stroke=\"white\" stroke-width=\"4\" paint-order=\"stroke\">{text}</text>\n",
+                "<circle cx=\"{x:.1}\" cy=\"{y:.1}\" r=\"5\"/>\n<text x=\"{:.1}\" y=\"{:.1}\" stroke=\"white\" \
+                 stroke-width=\"4\" paint-order=\"stroke\">{text}</text>\n",
                 x + 9.0,
                 y - 9.0
             );

@@ -1,9 +1,9 @@
-//! What the examples about clouds share: points made in code, so that no files are needed, and lists of neighbours.
+//! Shared by the examples about clouds: generated points, so that no files are needed, and lists of neighbours.
 
 use glam::Vec3;
 use simdop::cloud::{CloudRef, List, Queries, Radii, RangeSearch, SearchError};
 
-/// A generator of numbers in [0, 1), the same on every machine (Knuth's MMIX: a linear congruence of 64 bits).
+/// A generator of numbers in [0, 1), the same on every machine: a 64-bit linear congruential generator (Knuth's MMIX).
 pub(crate) struct Random(pub(crate) u64);
 
 impl Random {
@@ -16,7 +16,7 @@ impl Random {
         low + (high - low) * self.unit()
     }
 
-    /// Of length 1, all as likely.
+    /// A uniformly distributed unit vector.
     pub(crate) fn direction(&mut self) -> Vec3 {
         loop {
             let p = Vec3::new(self.between(-1.0, 1.0), self.between(-1.0, 1.0), self.between(-1.0, 1.0));
@@ -27,12 +27,12 @@ impl Random {
     }
 }
 
-/// The surface that points are taken of: a torus around the z axis.
+/// The surface that points are sampled from: a torus around the z axis.
 pub(crate) mod torus {
     use super::{Random, Vec3};
     use core::f32::consts::TAU;
 
-    /// From the axis to the middle of the tube.
+    /// From the axis to the centre of the tube.
     const MAJOR: f32 = 1.0;
     /// Of the tube.
     const MINOR: f32 = 0.4;
@@ -45,13 +45,13 @@ pub(crate) mod torus {
         (outwards * MAJOR + normal * MINOR, normal)
     }
 
-    /// How far a point is from the surface; negative inside.
+    /// The signed distance of a point from the surface; negative inside.
     pub(crate) fn distance(p: Vec3) -> f32 {
         (Vec3::new(p.x.hypot(p.y) - MAJOR, p.z, 0.0)).length() - MINOR
     }
 }
 
-/// The neighbours of each query, in memory that is used again: it grows until the longest lists fit.
+/// The neighbours of each query, in reused memory that grows to the longest lists.
 #[derive(Default)]
 pub(crate) struct Neighbours {
     lists: Vec<List>,
@@ -71,7 +71,7 @@ impl Neighbours {
         loop {
             match search.fill(cloud, queries, Radii::Same(radius), &mut self.lists, &mut self.indices) {
                 Err(SearchError::Buffer { need, .. }) if need < u64::from(u32::MAX) => {
-                    // Some more, so that the next step has room for its own.
+                    // Some more, so that the next step is likely to fit.
                     self.indices.resize(need as usize * 5 / 4, 0);
                 }
                 found => return found.map(drop),
@@ -79,13 +79,13 @@ impl Neighbours {
         }
     }
 
-    /// Of one query.
+    /// The neighbours of one query.
     pub(crate) fn of(&self, query: usize) -> impl Iterator<Item = usize> + Clone {
         self.indices[self.lists[query].range()].iter().map(|&index| index as usize)
     }
 }
 
-/// Names everything once, so that an example which needs only some of it compiles without a warning.
+/// Names everything once, so that examples which use only some of it compile without a warning.
 const _: () = {
     let _ = (Random::unit, Random::between, Random::direction, torus::point, torus::distance);
     let _ = Neighbours::find;

@@ -1,8 +1,8 @@
-//! The bodies of the examples, made in code so that no files are needed.
+//! The bodies of the examples, generated so that no files are needed.
 
 /// The surface of a box as a mesh: its corners, and two triangles for each of its six faces.
 pub(crate) fn cuboid(low: [f64; 3], high: [f64; 3]) -> (Vec<[f64; 3]>, Vec<[u32; 3]>) {
-    // Bits 0, 1 and 2 of a corner's index choose between low and high along x, y and z.
+    // Bits 0, 1 and 2 of a corner's index select low or high along x, y and z.
     let corner = |i: usize| [[low, high][i & 1][0], [low, high][i >> 1 & 1][1], [low, high][i >> 2 & 1][2]];
     let triangles = vec![
         [0, 2, 3], // z = low

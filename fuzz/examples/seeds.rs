@@ -1,4 +1,4 @@
-//! Writes the seeds of every target, always the same ones.
+//! Writes the seeds of every target; deterministic.
 
 use simdop::node::{Dop, Node4, Node16};
 use simdop_fuzz::Input;
@@ -24,7 +24,7 @@ fn main() -> io::Result<()> {
         "cloud_bytes",
     ];
     for target in targets {
-        // Each k, and the modes in turn; then numbers as they come.
+        // Each k, and the modes in turn; then random bytes.
         for k in 0..5 {
             let choice = [k];
             let mut input = Input::new(&choice);
@@ -33,8 +33,8 @@ fn main() -> io::Result<()> {
             write(target, ["k6", "k14", "k18", "k26", "k32"][usize::from(k)], &seed)?;
         }
     }
-    // Bodies of unlike size, the torus against the torus: at equal size, at the greatest ratio in both orders, and
-    // with one, the other or both far from the origin. Then a corner near a corner, and numbers as they come.
+    // Bodies of different sizes, the torus against the torus: at equal size, at the largest ratio in both orders, and
+    // with one, the other or both far from the origin. Then a corner near a corner, and random bytes.
     let torus = |size: u8, place: u8| [4 * (4 * 7 + size) + place, 0];
     let pairs = [
         (torus(0, 0), torus(0, 0)),
@@ -66,8 +66,8 @@ fn main() -> io::Result<()> {
     write("sphere_bytes", "overlapping", spheres::<Node4<6>>(4))?;
     write("sphere_bytes", "sphere", spheres::<Node16<26>>(5))?;
     write("sphere_bytes", "nothing", spheres::<Node16<6>>(7))?;
-    // Changes to bytes begin with an even number, points and what happens to them with an odd one. Those that are longer than the fuzzer's
-    // inputs are left to the changes.
+    // An even first number selects changes to bytes, an odd one selects points and operations on them. Seeds longer
+    // than the fuzzer's inputs are left to the changes.
     let names = [
         (0, "lattice"),
         (1, "real"),

@@ -1,5 +1,5 @@
-//! Which balls meet, and bounds of what they share, are the same on every instruction set; and where numbers are
-//! moderate, what two balls share is not above the bound.
+//! Overlap masks and bounds on shared volumes of balls are the same on every instruction set; and for moderate numbers
+//! the shared volume of two balls does not exceed the bound.
 #![no_main]
 
 use libfuzzer_sys::fuzz_target;
@@ -10,7 +10,7 @@ use simdop_fuzz::planes::float;
 use simdop_fuzz::spheres::{distance, lens};
 use simdop_fuzz::{Input, Mode, on_every_isa};
 
-/// What a row and a bound are before: none that a kernel gives.
+/// Initial value of rows and bounds, which no kernel returns.
 const ROW: u16 = 0x5a5a;
 const BOUND: f32 = -0.5;
 
@@ -44,7 +44,7 @@ fuzz_target!(|data: &[u8]| {
     }
 });
 
-/// A NaN is a NaN, whatever else its bits say.
+/// All NaNs are equal, whatever their other bits.
 fn bits(x: f32) -> u32 {
     if x.is_nan() { f32::NAN.to_bits() } else { x.to_bits() }
 }
@@ -67,7 +67,7 @@ fn rows_and_bounds<E: Kernel>(
     (rows, bounds)
 }
 
-/// Sixteen balls: on a lattice, so that many touch; of any bits; or such as trees have, with unused lanes.
+/// Sixteen balls: on a lattice, so that many touch; with arbitrary bits; or as in trees, with unused lanes.
 fn balls(input: &mut Input, mode: Mode) -> Ball16 {
     let mut balls = Ball16::EMPTY;
     for lane in 0..16 {
@@ -95,7 +95,7 @@ fn balls(input: &mut Input, mode: Mode) -> Ball16 {
     balls
 }
 
-/// Now and then shifts a ball to where it nearly touches another from the outside, or from the inside.
+/// Sometimes moves a ball to where it nearly touches another from the outside, or from the inside.
 fn touch(one: &BoundingBall, lane: usize, balls: &mut Ball16, input: &mut Input) {
     let (choice, mut ball) = (input.below(4), balls.lane(lane));
     if choice < 2 {
@@ -109,7 +109,7 @@ fn touch(one: &BoundingBall, lane: usize, balls: &mut Ball16, input: &mut Input)
     balls.set(lane, &ball);
 }
 
-/// Whether squares and cubes of the numbers are far from what `f32` cannot hold, and no radius is negative.
+/// Whether squares and cubes of the numbers are far from the limits of `f32`, and no radius is negative.
 fn is_moderate(ball: &BoundingBall) -> bool {
     let most = 1_048_576.0;
     ball.centre.iter().all(|x| x.abs() <= most)
@@ -117,8 +117,8 @@ fn is_moderate(ball: &BoundingBall) -> bool {
         && ball.volume.is_finite()
 }
 
-/// What two balls share, in `f64`: where they hardly meet, of balls smaller by what the kernels leave to the pads of turned
-/// balls.
+/// The shared volume of two balls, in `f64`. If they hardly overlap: of slightly smaller balls, as the kernels rely on
+/// the padding of rotated balls there.
 fn least_bound(a: &BoundingBall, b: &BoundingBall) -> f64 {
     let (r, s) = (f64::from(a.radius), f64::from(b.radius));
     let d = distance(&a.centre.map(f64::from), &b.centre.map(f64::from));

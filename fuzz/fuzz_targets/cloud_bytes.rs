@@ -1,9 +1,9 @@
-//! Whatever bytes `from_bytes` accepts as a cloud are safe to search, and are what it says; whatever it refuses, it refuses for a
-//! reason that is true. Clouds whose points move, come and go hold the points that they should. What searches find is what
-//! a loop over all points finds.
+//! Bytes that `from_bytes` accepts as a cloud are safe to search, and the cloud is what they say; bytes that it rejects
+//! have the error that it reports. Clouds whose points are moved, inserted and removed hold the right points. Searches
+//! find the same points as a loop over all points.
 //!
-//! An input that begins as a cloud does is taken as one. Of the others some are lists of changes to the bytes of a sound
-//! cloud, and some are points and what happens to them.
+//! An input that begins like a cloud is used as one. Of the others some are lists of changes to the bytes of a valid
+//! cloud, and some are points and operations on them.
 #![no_main]
 
 use libfuzzer_sys::fuzz_target;
@@ -28,7 +28,7 @@ fuzz_target!(|data: &[u8]| {
     }
 });
 
-/// Makes up to four changes to a sound cloud.
+/// Makes up to four changes to a valid cloud.
 fn changed(buffer: &mut Buffer, input: &mut Input) {
     let bytes = input.pick(clouds()).view().to_bytes();
     let (len, nodes_end) = (copied(buffer, &bytes).len(), nodes_end(&bytes));
@@ -51,7 +51,7 @@ fn examine(bytes: &[u8], input: &mut Input) {
             is_what_the_bytes_say(&view, bytes);
             is_safe_to_search(&view, false);
             searches_agree(&view, input, Mode::Real);
-            // A cloud may have room for more than there is memory.
+            // The capacity of a cloud may exceed the available memory.
             if view.capacity() <= 4096 {
                 may_be_owned(&view, bytes);
             }
@@ -64,7 +64,7 @@ fn examine(bytes: &[u8], input: &mut Input) {
     }
 }
 
-/// It can be copied and then changed, unless two points have one index.
+/// Checks that it can be copied and then changed, unless two points have the same index.
 fn may_be_owned(view: &CloudRef<'_>, bytes: &[u8]) {
     let all = held(view);
     let mut indices: Vec<_> = all.iter().map(|(index, _)| *index).collect();
@@ -84,7 +84,7 @@ fn may_be_owned(view: &CloudRef<'_>, bytes: &[u8]) {
     is_the_model(&cloud, &model, true);
 }
 
-/// The points that the cloud holds are those of the model, which has one place for each index.
+/// Checks that the cloud holds the points of the model, which has one entry for each index.
 fn is_the_model(cloud: &PointCloud, model: &[Option<[f32; 3]>], tight: bool) {
     let view = cloud.view();
     view.validate().unwrap();
@@ -100,7 +100,7 @@ fn is_the_model(cloud: &PointCloud, model: &[Option<[f32; 3]>], tight: bool) {
     assert_eq!(view.len(), model.iter().flatten().count());
 }
 
-/// Builds a cloud and lets things happen to it.
+/// Builds a cloud and applies operations to it.
 fn moved(input: &mut Input) {
     let mode = input.mode();
     let (n, room) = (input.below(160), input.below(20));
@@ -116,7 +116,7 @@ fn moved(input: &mut Input) {
         Some(splitter) => PointCloud::split_by(&points, splitter, bucket_size),
         None => PointCloud::with_room(&points, bucket_size, n + room),
     };
-    // Points that coincide and numbers of unlike size are split by halves: no set of so few is too deep.
+    // Coincident points and numbers of very different size are split in halves: so few points never get too deep.
     let mut cloud = made.unwrap();
     let mut model: Vec<_> = points.into_iter().map(Some).collect();
     model.resize(cloud.view().capacity(), None);
@@ -133,7 +133,7 @@ fn moved(input: &mut Input) {
     assert!(PointCloud::from_bytes(&bytes).unwrap().view().to_bytes() == bytes);
 }
 
-/// One thing. Whether all boxes are tight afterwards.
+/// Applies one operation. Returns whether all boxes are tight afterwards.
 fn happen(cloud: &mut PointCloud, model: &mut [Option<[f32; 3]>], input: &mut Input, mode: Mode) -> bool {
     let positions =
         |model: &[Option<[f32; 3]>]| -> Vec<_> { model.iter().map(|p| p.unwrap_or([f32::NAN; 3])).collect() };
@@ -155,7 +155,7 @@ fn happen(cloud: &mut PointCloud, model: &mut [Option<[f32; 3]>], input: &mut In
             return true;
         }
         2 => {
-            // What is wrong changes nothing.
+            // Invalid input changes nothing.
             let mut wrong = positions(model);
             if let Some(at) = model.iter().position(Option::is_some) {
                 wrong[at][1] = f32::INFINITY;
@@ -189,10 +189,10 @@ fn happen(cloud: &mut PointCloud, model: &mut [Option<[f32; 3]>], input: &mut In
     false
 }
 
-/// All buckets but the last are as full as was asked for, and all nodes but one use all lanes.
+/// Checks that all buckets but the last are as full as requested, and all nodes but one use all lanes.
 fn is_full(cloud: &PointCloud) {
     let view = cloud.view();
-    // One to insert into, where there is room for points and none is there.
+    // An empty cloud with capacity has one bucket to insert into.
     let wanted = buckets_for(view.len().max(usize::from(view.capacity() > 0)), view.bucket_size());
     assert_eq!((view.buckets().len(), view.nodes().len()), (wanted, nodes_for(wanted)));
 }

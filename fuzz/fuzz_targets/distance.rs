@@ -1,5 +1,5 @@
-//! Distances, margins and cutoffs between two trees hold for the exact distance of all their triangles, the pairs that are named are as
-//! near as is said, and every instruction set gives the same.
+//! Distances, margins and cutoffs between two trees agree with the exact distance of all their triangles, the reported
+//! pairs are as near as reported, and every instruction set gives the same answers.
 #![no_main]
 
 #[path = "../../tests/support/mod.rs"]
@@ -23,15 +23,16 @@ fn check<N: Lanes>(input: &mut Input, mode: Mode) {
     with_pair::<N>(input, mode, compare);
 }
 
-/// What the oracle and the library's own sums of squares round, relatively.
+/// Relative rounding error of the oracle and of the library's sums of squares.
 const ROUNDING: f64 = 1e-14;
 
-/// The exact distance of two bodies, and which of their triangles it is of.
+/// The exact distance of two bodies, and the pair of triangles at that distance.
 struct Oracle<'a> {
     a: Vec<[[f64; 3]; 3]>,
     b: &'a [[[f64; 3]; 3]],
     distance: f64,
-    /// How far from the origin any corner is: the rounding of points, and of the bounds of needles, is relative to it.
+    /// Maximum distance of a corner from the origin: the rounding of points, and of the bounds of needles, is relative
+    /// to it.
     size: f64,
 }
 
@@ -41,7 +42,7 @@ fn compare<N: Lanes>(a: &Body<N>, b: &Body<N>, pose: &Pose, input: &mut Input) {
     let ask = |isa: Isa| Query::new(isa).distance(&a.tree, &b.tree, pose, tolerance).unwrap();
     let got = ask(Isa::SCALAR);
     let moved: Vec<_> = a.triangles.iter().map(|t| t.map(|p| pose.apply(p))).collect();
-    // What is too great is found by a nearer pair, what is too small by there being none.
+    // The search finds a nearer pair if the answer is too large, and none if it is too small.
     let distance = mesh_distance(&moved, &b.triangles, got.upper * (1.0 + 1e-9));
     let corners = moved.iter().chain(&b.triangles).flatten().flatten();
     let size = corners.fold(0.0, |size: f64, x| size.max(x.abs()));
@@ -83,7 +84,8 @@ impl Oracle<'_> {
         self.a.is_empty() || self.b.is_empty()
     }
 
-    /// Bounds hold the distance, and it is 0 where they say so; the pair that is named is as near as the upper one.
+    /// Checks that the bounds contain the distance, that the reported pair is within the upper one, and that this is 0
+    /// exactly if the pair meets.
     fn bound(&self, got: &Distance, pose: &Pose) {
         let want = self.distance;
         let what = || format!("{want:e} {got:?} {pose:?}");
@@ -98,7 +100,7 @@ impl Oracle<'_> {
         }
     }
 
-    /// Nothing that is nearer than the margin is called free, and what is called near is.
+    /// Checks that a free verdict implies a distance above the margin, and a hit one within it.
     fn decide(&self, answer: &Answer, margin: f64, pose: &Pose) {
         let want = self.distance;
         let what = || format!("{margin:e} {want:e} {answer:?} {pose:?}");

@@ -1,8 +1,7 @@
-//! Whatever bytes `from_bytes` accepts are safe to walk and to query, and are what it says; whatever it
-//! refuses, it refuses for a reason that is true.
+//! Bytes that `from_bytes` accepts are safe to traverse and to query, and the tree is what they say; bytes that it
+//! rejects have the error that it reports.
 //!
-//! An input that begins as a baked tree does is taken as one. Any other is a list of changes to a tree of the
-//! builder.
+//! An input that begins like a baked tree is used as one. Any other is a list of changes to a valid tree.
 #![no_main]
 
 #[path = "../../tests/support/mod.rs"]
@@ -30,7 +29,7 @@ fuzz_target!(|data: &[u8]| {
     }
 });
 
-/// Makes up to four changes to a sound tree.
+/// Makes up to four changes to a valid tree.
 fn changed<N: Lanes>(buffer: &mut Buffer, input: &mut Input) {
     let tree = &input.pick(&bodies::<N>().0).tree;
     let bytes = baked::changed(buffer, tree, input, |bytes, parts, input| {
@@ -51,7 +50,7 @@ fn examine<N: Lanes>(bytes: &[u8], input: &mut Input) {
     });
 }
 
-/// The corners of the triangles, read from the bytes by other means.
+/// Compares the corners of the triangles with an independent reader.
 fn are_its_triangles<N: Lanes>(view: &BvhRef<'_, N>, bytes: &[u8]) {
     let header = view.header();
     let records = Parts::of::<N, Triangles>(header).records;
@@ -66,8 +65,8 @@ fn are_its_triangles<N: Lanes>(view: &BvhRef<'_, N>, bytes: &[u8]) {
     }
 }
 
-/// Queries end, alike on every instruction set, with true hits; and if the tree is proven, which takes a
-/// while, with true verdicts.
+/// Queries terminate with the same answers on every instruction set, and hits are true; if the tree is verified, which
+/// takes a while, all verdicts are true.
 fn queries_agree<N: Lanes>(view: &BvhRef<'_, N>, input: &mut Input) {
     let other = input.pick(&bodies::<N>().0).tree.view();
     let pose = pose(input, Mode::Real);
@@ -75,11 +74,11 @@ fn queries_agree<N: Lanes>(view: &BvhRef<'_, N>, input: &mut Input) {
     let proven = input.one_in(8) && view.verify().is_ok();
     let moved: Vec<Tri> = corners(a).map(|t| t.map(|p| pose.apply(p))).collect();
     let still: Vec<Tri> = corners(b).collect();
-    // Planes at infinity can make a query test all pairs.
+    // Infinite planes can make a query test all pairs.
     let query = |isa| Query::new(isa).with_budget(300);
     let answer = query(Isa::SCALAR).collide(a, b, &pose);
     match answer.verdict {
-        // What bytes say is solid need not be: a ray may find anything.
+        // Bytes may claim to be a solid when they are not: then a ray can find anything.
         Verdict::Hit(_) if a.is_solid() || b.is_solid() => {}
         Verdict::Hit(pair) => {
             assert!(is_hit(a, b, &moved, &still, (pair.a, pair.b)), "a false hit: {pair:?}")

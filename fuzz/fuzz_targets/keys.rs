@@ -1,5 +1,5 @@
-//! Rounding up to a key, against its definition: in the library's scalar code, and in the re-alignment of every instruction set, whose
-//! planes are the offsets when all weights are zero, rounded to the nearest code.
+//! Rounding up to a key, compared with its definition: in the library's scalar code, and in the realignment of every
+//! instruction set, whose planes equal the offsets, rounded to the nearest key, when all weights are zero.
 #![no_main]
 
 #[path = "../../tests/support/mod.rs"]
@@ -29,7 +29,7 @@ fuzz_target!(|data: &[u8]| {
     every_isa_rounds_up(&offsets);
 });
 
-/// A number of any size, or one near a bound or near the middle of two.
+/// A number of any size, or one near a bound of a key or near the midpoint of two.
 fn number(input: &mut Input, mode: Mode) -> f64 {
     match mode {
         Mode::Grid => f64::from(input.int(-128, 127)) / 16.0,
@@ -45,7 +45,7 @@ fn number(input: &mut Input, mode: Mode) -> f64 {
     }
 }
 
-/// The code that a number must have: the lowest that is not below it.
+/// Whether the key is the lowest that is not below the number.
 fn is_rounded_up(code: i16, x: f64) -> bool {
     let lowest = code == Key::LOWEST.code() && x <= key_value(code);
     let least_infinite = code == Key::INFINITY.code() && x > key_value(Key::GREATEST.code());
@@ -82,10 +82,14 @@ fn every_isa_rounds_up(offsets: &[f32; 6]) {
         let query = turned_16(kernel, &map, &node);
         for (j, x) in offsets.iter().enumerate() {
             let code = !query[j ^ 1][3];
-            // A step above where it is a bound itself, and the code of the bound below is odd.
+            // One step higher if the number is itself a bound and the key of the bound below is odd.
             let x64 = f64::from(*x);
             let is_even_above = code % 2 == 0 && key_value(code - 1) == x64;
-            let right = if x.is_nan() { code == Key::INFINITY.code() } else { is_even_above || is_rounded_up(code, x64) };
+            let right = if x.is_nan() {
+                code == Key::INFINITY.code()
+            } else {
+                is_even_above || is_rounded_up(code, x64)
+            };
             assert!(right, "{kernel:?} {x:e}: {code:x}");
         }
     });

@@ -1,4 +1,4 @@
-//! Packings as text: what is read is what the words say, and what is written is read again with the same bits.
+//! Packings as text: reading gives the numbers that the words say, and writing and reading preserves every bit.
 #![no_main]
 
 use libfuzzer_sys::fuzz_target;
@@ -31,7 +31,7 @@ fuzz_target!(|data: &[u8]| {
         }
         Err(TextError::Empty) => assert!(!is_cut && rows.is_empty(), "{text:?}"),
         Err(TextError::Cut { line }) => assert!(is_cut && line >= 1, "{text:?}"),
-        // The first line that is wrong is named.
+        // The error names the first invalid line.
         Err(error) => {
             let first = rows.iter().find(|(_, row)| !is_sphere(row)).map(|(line, _)| *line);
             assert_eq!(error.line(), first, "{text:?}: {error}");
@@ -39,8 +39,8 @@ fuzz_target!(|data: &[u8]| {
     }
 });
 
-/// The words of each line that has some, with the line's number: those that are numbers. Of a text whose last line
-/// does not end, without that line.
+/// The words of each nonempty line, with its line number; words that are not numbers are `None`. Without the last line
+/// if it does not end.
 fn rows(text: &str) -> Vec<(usize, Vec<Option<f64>>)> {
     let text = text.replace("\r\n", "\n").replace('\r', "\n");
     let mut lines: Vec<&str> = text.split('\n').collect();

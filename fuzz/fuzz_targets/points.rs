@@ -1,5 +1,5 @@
-//! Which points and boxes are near, how far they are, and the slots of a mask, are the same on every instruction set; and as they
-//! are rounded, no box is farther than a point in it.
+//! Which points and boxes are within reach, their distances, and the slots of a mask are the same on every instruction
+//! set; and with this rounding no box is farther than a point in it.
 #![no_main]
 
 use libfuzzer_sys::fuzz_target;
@@ -37,7 +37,7 @@ fuzz_target!(|data: &[u8]| {
     }
     let slots = (0..16).filter(|slot| want.points >> slot & 1 != 0);
     assert!(want.picked.iter().copied().eq(slots.map(|slot| bucket.indices[slot])));
-    // Where nothing is infinite or NaN, a box of which the point is a corner is not farther than the point.
+    // Unless something is infinite or NaN, a box that has the point as a corner is not farther than the point.
     for lane in 0..16 {
         let (of, p) = (node.lane(lane), bucket.coordinates.map(|of| of[lane]));
         let holds = (0..3).all(|i| of.lower[i] <= p[i] && p[i] <= of.upper[i]);
@@ -50,7 +50,7 @@ fuzz_target!(|data: &[u8]| {
     }
 });
 
-/// Two corners; of any bits, not always the lower one first.
+/// Two corners with arbitrary bits, not always the lower one first.
 fn other_corner(p: [f32; 3], input: &mut Input, mode: Mode) -> Box3 {
     let ends = p.map(|x| {
         let y = float(input, mode);
@@ -82,7 +82,7 @@ fn node_and_bucket(input: &mut Input, mode: Mode) -> (Aabb16, Bucket) {
 struct Answer {
     boxes: u16,
     points: u16,
-    /// A NaN is a NaN, whatever else its bits say.
+    /// All NaNs are equal, whatever their other bits.
     squares: [[u32; 16]; 2],
     picked: Vec<u32>,
 }

@@ -1,5 +1,5 @@
-//! Which children lie beyond a primitive's primitive slab is the same on every instruction set; and of a real tree
-//! those that do are beyond the triangle along the slab's direction, decided exactly.
+//! Which children a primitive slab separates is the same on every instruction set; and for a real tree these children
+//! are separated from the triangle along the slab's direction, decided exactly.
 #![no_main]
 
 #[path = "../../tests/support/mod.rs"]
@@ -45,7 +45,7 @@ where
     }
 }
 
-/// The children of a node of one body against a triangle of the other, in either role.
+/// Tests the children of a node of one body against a triangle of the other, in either role.
 fn what_is_beyond_is_apart<const K: usize>(
     body: &Body<Node16<K>>,
     other: &Body<Node16<K>>,
@@ -59,7 +59,7 @@ fn what_is_beyond_is_apart<const K: usize>(
         return;
     }
     let waiting: Tri = *input.pick(&other.triangles);
-    // A waits for B's nodes where the pose moves it; B waits as it is for those of A.
+    // A pending triangle of A is at its pose in B's frame; one of B is tested as it is against nodes of A.
     let (mut triangle, placed) =
         if input.one_in(2) { (waiting.map(|p| pose.apply(p)), None) } else { (waiting, Some(pose)) };
     let moved = |p: Point| placed.map_or(p, |pose| pose.apply(p));
@@ -78,7 +78,7 @@ fn what_is_beyond_is_apart<const K: usize>(
         for (lane, child) in node.child.iter().enumerate().filter(|(lane, _)| beyond >> lane & 1 != 0) {
             let mut vertices = Vec::new();
             vertices_below(&view, *child, &mut vertices);
-            // An unused lane may be either: no pair of it is left to be told apart.
+            // The result for an unused lane is arbitrary: it has no pairs to separate.
             assert_eq!(vertices.is_empty(), child.link() == Link::Empty, "k {K} lane {lane}");
             vertices.iter_mut().for_each(|p| *p = moved(*p));
             let n = directions.map(|column| column[s]);
@@ -90,7 +90,7 @@ fn what_is_beyond_is_apart<const K: usize>(
     }
 }
 
-/// Shifts a triangle so that one of its corners is at `p`.
+/// Moves a triangle so that one of its corners is at `p`.
 fn touch(triangle: &mut Tri, p: Point) {
     let from = triangle[0];
     let flush = |x: f64| if x.abs() < MIN_COORDINATE { 0.0 } else { x };
@@ -123,7 +123,7 @@ fn kernels_agree<const K: usize>(slab: &PrimitiveSlab, wide: &Node16<K>, narrow:
     });
 }
 
-/// A slab with anything in it.
+/// A slab with arbitrary values.
 fn any_slab(input: &mut Input, mode: Mode, k: u8) -> PrimitiveSlab {
     PrimitiveSlab {
         sources: [(); 3].map(|()| input.u8() % k),

@@ -1,5 +1,5 @@
-//! Re-alignment gives the scalar kernel's bits on every instruction set; and the turned planes of a real tree
-//! bound its moved triangles, decided exactly.
+//! Realignment gives the scalar kernel's bits on every instruction set; and the realigned planes of a real tree bound
+//! its moved triangles, decided exactly.
 #![no_main]
 
 #[path = "../../tests/support/mod.rs"]
@@ -44,7 +44,7 @@ where
     }
 }
 
-/// The leaves of the root, turned into the frame of some other body.
+/// Checks the leaves of the root, realigned to the frame of another body.
 fn turned_planes_bound<const K: usize>(a: &Body<Node16<K>>, pose: &Pose, input: &mut Input)
 where
     Node16<K>: Lanes<Map = Realignment<K>>,
@@ -78,7 +78,7 @@ fn kernels_agree<const K: usize>(map: &Realignment<K>, wide: &Node16<K>, narrow:
     });
 }
 
-/// A map with anything in it, but for negative weights.
+/// A map with arbitrary values, except negative weights.
 fn any_map<const K: usize>(input: &mut Input, mode: Mode) -> Realignment<K> {
     let mut float = || float(input, mode);
     let mut map = Realignment { sources: [[0; 4]; K], weights: [[0.0; K]; 3], offset: [0.0; K] };
@@ -94,8 +94,8 @@ fn any_map<const K: usize>(input: &mut Input, mode: Mode) -> Realignment<K> {
     map
 }
 
-/// Whether `limit` is an upper bound of `n . p` in the frame. Intervals far wider than the rounding errors
-/// decide most.
+/// Whether `limit` is an upper bound on `n . p` in the frame. Intervals far wider than the rounding errors decide most
+/// cases.
 fn bounds(limit: f64, n: &[i8; 3], p: &Point, frame: &Frame) -> bool {
     assert!(!limit.is_nan(), "{limit} is no bound");
     if limit == f64::INFINITY {

@@ -1,9 +1,8 @@
-//! Whatever bytes `from_bytes` accepts as a tree of spheres are safe to walk and to query, and are what it says;
-//! whatever it refuses, it refuses for a reason that is true. What two proven trees share is the sum over all pairs of
-//! spheres, and lies between the bounds that a budget leaves.
+//! Bytes that `from_bytes` accepts as a tree of spheres are safe to traverse and to query, and the tree is what they
+//! say; bytes that it rejects have the error that it reports. The shared volume of two verified trees is the sum over
+//! all pairs of spheres, and lies between the bounds of a query with a budget.
 //!
-//! An input that begins as a baked tree does is taken as one. Any other is a list of changes to a tree of the
-//! builder.
+//! An input that begins like a baked tree is used as one. Any other is a list of changes to a valid tree.
 #![no_main]
 
 use core::f64::consts::PI;
@@ -28,16 +27,16 @@ fuzz_target!(|data: &[u8]| {
     if let Some((k, four)) = said_node(data) {
         for_node!(k, four, examine(copied(&mut buffer, data), &mut input));
     } else {
-        // Trees with four children to a node have no balls.
+        // Trees of arity 4 have no balls.
         let (k, four) = (input.below(5), input.one_in(8));
         for_node!([6, 14, 18, 26, 32][k], four, changed(&mut buffer, &mut input));
     }
 });
 
-/// Makes up to four changes to a sound tree.
+/// Makes up to four changes to a valid tree.
 fn changed<N: Lanes>(buffer: &mut Buffer, input: &mut Input) {
     let tree = &input.pick(&sphere_bodies::<N>().0).tree;
-    // Of vertices in single precision 4, and 8 of those in double precision.
+    // 4 for vertices in single precision, 8 in double precision.
     let number = usize::from(tree.view().header().vertex_size) / 4;
     let bytes = baked::changed(buffer, tree, input, |bytes, parts, input| {
         let (region, size) = match input.u8() {
@@ -65,7 +64,7 @@ fn examine<N: Lanes>(bytes: &[u8], input: &mut Input) {
     });
 }
 
-/// The spheres, read from the bytes by other means.
+/// Compares the spheres with an independent reader.
 fn are_its_spheres<N: Lanes>(view: &View<'_, N>, bytes: &[u8]) {
     let header = view.header();
     let records = Parts::of::<N, Spheres>(header).records;
@@ -80,7 +79,7 @@ fn are_its_spheres<N: Lanes>(view: &View<'_, N>, bytes: &[u8]) {
     }
 }
 
-/// Balls of used lanes have numbers that can be turned, and those of unused ones meet nothing.
+/// Checks that balls of used lanes can be rotated without overflow, and that those of unused lanes meet nothing.
 fn balls_are_of_the_body<N: Lanes>(view: &View<'_, N>) {
     let half_width = view.header().half_width;
     let width = half_width.iter().map(|x| f64::from(*x)).sum::<f64>();
@@ -99,7 +98,7 @@ fn balls_are_of_the_body<N: Lanes>(view: &View<'_, N>) {
     }
 }
 
-/// What is asked of two trees.
+/// The answers of all queries of two trees.
 #[derive(PartialEq, Debug)]
 struct Answers {
     collided: Answer,
@@ -108,7 +107,8 @@ struct Answers {
     part: Penetration,
 }
 
-/// Queries end, alike on every instruction set; and if the tree is proven, with what brute force finds.
+/// Queries terminate with the same answers on every instruction set; if the tree is verified, with those of brute
+/// force.
 fn queries_agree<N: Lanes>(view: &View<'_, N>, input: &mut Input) {
     let other = input.pick(&sphere_bodies::<N>().0).tree.view();
     let pose = pose(input, Mode::Real);
@@ -117,7 +117,7 @@ fn queries_agree<N: Lanes>(view: &View<'_, N>, input: &mut Input) {
     let (visits, budget) = (300, input.below(64) as u64);
     let ask = |isa| {
         let query = Query::new(isa);
-        // Planes at infinity can make a query test all pairs.
+        // Infinite planes can make a query test all pairs.
         let bounded = query.with_budget(visits);
         Answers {
             collided: bounded.collide(a, b, &pose),
@@ -129,7 +129,7 @@ fn queries_agree<N: Lanes>(view: &View<'_, N>, input: &mut Input) {
     let answers = ask(Isa::SCALAR);
     for isa in Isa::available().filter(|isa| *isa != Isa::SCALAR) {
         let other = ask(isa);
-        // Bit by bit where a volume is not a number.
+        // Bit by bit if a volume is NaN.
         assert!(
             other == answers || format!("{other:?}") == format!("{answers:?}"),
             "{isa} {other:?} {answers:?}"
@@ -169,7 +169,8 @@ struct Placed<'t, N> {
 }
 
 impl<N: Lanes> Placed<'_, N> {
-    /// Hits are within the margin, and of proven trees no two spheres are if none was found: up to rounding.
+    /// Checks, up to rounding, that a hit is within the margin, and that if none is found in verified trees no two
+    /// spheres are.
     fn verdict_is_true(&self, answer: &Answer, margin: f64, proven: bool) {
         let all = || {
             let of = |i| self.still.iter().zip(0..).map(move |(q, j)| (i, j, q));
@@ -191,13 +192,14 @@ impl<N: Lanes> Placed<'_, N> {
         }
     }
 
-    /// The volume is the sum over all pairs, and so are the pairs; a budget's bounds are on both sides of it.
+    /// Checks that the volume and the pairs are the sums over all pairs, and that the bounds of a budget enclose the
+    /// volume.
     fn volumes_are_true(&self, whole: &Penetration, part: &Penetration) {
-        // In the unit of the smaller body's frame, where nothing is too small or too large.
+        // In the unit of the smaller body's frame, where nothing overflows or underflows.
         let frames = [self.a, self.b].map(|tree| tree.frame().scale());
         let scale = f64::max(frames[0], frames[1]);
         let smaller = if frames[0] == scale { self.a } else { self.b };
-        // Sums are of limited size: of bodies in the frame that the builder chooses.
+        // Only sums for bodies in a frame that the builder would choose have limited size.
         if smaller.header().half_width.iter().any(|x| *x > 1024.0) {
             return;
         }
@@ -213,7 +215,8 @@ impl<N: Lanes> Placed<'_, N> {
                 let shared = lens(r, s, distance(&way, &[0.0; 3]));
                 volume += shared;
                 if gap <= rounding {
-                    // A lens is right to some last places of the smaller sphere, times how much larger the other one is.
+                    // The error of a lens is a few last places of the smaller sphere's volume, times the ratio of the
+                    // radii.
                     slack +=
                         1e-13 * (4.0 / 3.0 * PI) * (r.min(s) * r.min(s)) * r.max(s) + (-120.0_f64).exp2();
                 }
@@ -234,11 +237,11 @@ impl<N: Lanes> Placed<'_, N> {
     }
 }
 
-/// How far two spheres are from each other, less than nothing where they overlap; and what rounding may have changed.
+/// The gap between two spheres, negative if they overlap, and a bound on its rounding error.
 fn gap(p: &Sphere, q: &Sphere) -> (f64, f64) {
     let d = distance(&p.centre, &q.centre);
     let reach = p.radius + q.radius;
-    // Squares of what is so small are zero.
+    // The squares of such small numbers underflow to zero.
     (d - reach, 1e-14 * (d + reach) + 1e-150)
 }
 

@@ -1,5 +1,5 @@
-//! Queries between two trees give brute force's answers, and the scalar kernel's counters on every
-//! instruction set.
+//! Queries between two trees give brute force's answers, and the scalar kernel's query statistics on every instruction
+//! set.
 #![no_main]
 
 #[path = "../../tests/support/mod.rs"]
@@ -56,7 +56,7 @@ fn compare<N: Lanes>(a: &Body<N>, b: &Body<N>, pose: &Pose, input: &mut Input) {
     }
 }
 
-/// Margins, and distances within a budget, agree with the distance.
+/// Checks that margins, and distances with a budget, agree with the distance.
 fn compare_bounds<N: Lanes>(
     a: &Body<N>,
     b: &Body<N>,
@@ -90,7 +90,7 @@ fn compare_bounds<N: Lanes>(
     }
 }
 
-/// To collide, to collide within a budget, all pairs in ascending order, and the distance.
+/// Collision, collision with a budget, all pairs in ascending order, and distance.
 type Answers = (Answer, Answer, Vec<Pair>, Option<Distance>);
 
 fn answers<N: Lanes>(

@@ -1,5 +1,5 @@
-//! Baked trees as bytes: changes to them, a second reader of where their parts are, a walk that trusts none of them, and what
-//! holds of all bytes whatever the primitives.
+//! Baked trees as bytes: changes to them, an independent reader, a traversal that trusts nothing, and checks that hold
+//! for all bytes whatever the primitives.
 
 use crate::Input;
 use crate::planes::code;
@@ -10,10 +10,10 @@ use simdop::node::{Ball16, Link};
 use simdop::primitive::Primitive;
 use simdop::query::Lanes;
 
-/// At a multiple of 64, and large enough for every tree here.
+/// Aligned to 64, and large enough for every tree here.
 pub type Buffer = Aligned<[u8; 32 << 10]>;
 
-/// The number of planes and the number of children that the bytes say, if they begin as a baked tree does.
+/// The number of planes and the arity in the header, if the bytes begin like a baked tree.
 pub fn said_node(data: &[u8]) -> Option<(u8, bool)> {
     let field = |at: usize| data.get(at).copied().unwrap_or(0);
     data.starts_with(&MAGIC[..4]).then(|| (field(12), field(14) == 4))
@@ -26,7 +26,7 @@ pub fn copied<'b>(buffer: &'b mut Buffer, data: &[u8]) -> &'b [u8] {
     &buffer.0[..size]
 }
 
-/// Makes one change to the bytes of a tree, somewhere in a region, by any number or by `special`.
+/// Makes one change to the bytes of a tree, at some place in a region, with an arbitrary number or by `special`.
 pub fn change(
     bytes: &mut [u8],
     region: &Range<usize>,
@@ -50,22 +50,22 @@ pub fn change(
     }
 }
 
-/// Puts the code of a plane, or any two bytes, at an even place.
+/// Writes the key of a plane, or any two bytes, at an even offset.
 pub fn put_code(bytes: &mut [u8], at: usize, input: &mut Input) {
     bytes[at & !1..][..2].copy_from_slice(&code(input).to_le_bytes());
 }
 
-/// How many of the bytes are left: nearly always all.
+/// How many of the bytes are kept: nearly always all.
 pub fn cut(len: usize, input: &mut Input) -> usize {
     if input.u8() == 0 { usize::from(input.u16()) % (len + 1) } else { len }
 }
 
-/// Little-endian, whatever the library reads.
+/// Little-endian, independent of the library's reader.
 pub fn u32_at(bytes: &[u8], at: usize) -> u32 {
     u32::from_le_bytes(*bytes[at..].first_chunk().unwrap())
 }
 
-/// Where the parts of a tree after its nodes begin, and where all ends.
+/// Offsets of the parts that follow the nodes, and of the end.
 #[derive(Copy, Clone, Debug)]
 pub struct Parts {
     pub balls: usize,
@@ -92,7 +92,7 @@ impl Parts {
     }
 }
 
-/// Whether what is said to be wrong with the bytes is.
+/// Whether the bytes have the reported error.
 fn is_true<N: Lanes, P: Primitive>(error: FormatError, bytes: &[u8]) -> bool {
     let field = |at: usize| u32_at(bytes, at);
     match error {
@@ -132,7 +132,7 @@ fn is_true<N: Lanes, P: Primitive>(error: FormatError, bytes: &[u8]) -> bool {
     }
 }
 
-/// The bytes of a sound tree after up to four changes.
+/// The bytes of a valid tree after up to four changes.
 pub fn changed<'b, N: Lanes, P: Primitive>(
     buffer: &'b mut Buffer,
     tree: &Bvh<N, P>,
@@ -148,8 +148,8 @@ pub fn changed<'b, N: Lanes, P: Primitive>(
     &buffer.0[..size]
 }
 
-/// Bytes that are refused are refused for a reason that is true. Those that are not are what they say, safe to walk, and
-/// the same when copied: `then` asks more of them.
+/// Checks that rejected bytes have the reported error, and that accepted ones are read correctly, safe to traverse, and
+/// equal after copying. Accepted trees are then passed to `then`.
 pub fn examine<N: Lanes, P: Primitive>(bytes: &[u8], then: impl FnOnce(&BvhRef<'_, N, P>)) {
     let owned = Bvh::<N, P>::from_bytes(bytes);
     match BvhRef::<N, P>::from_bytes(bytes) {
@@ -168,7 +168,7 @@ pub fn examine<N: Lanes, P: Primitive>(bytes: &[u8], then: impl FnOnce(&BvhRef<'
     }
 }
 
-/// The parts of the tree but for its primitives, read from the bytes by other means.
+/// Compares the parts of the tree, except its primitives, with an independent reader.
 fn is_what_the_bytes_say<N: Lanes, P: Primitive>(view: &BvhRef<'_, N, P>, bytes: &[u8]) {
     let header = view.header();
     let parts = Parts::of::<N, P>(header);
@@ -199,8 +199,8 @@ pub fn number_at<N: Lanes, P: Primitive>(header: &Header, bytes: &[u8], vertex: 
     }
 }
 
-/// Every node and every primitive is reached once, no deeper than the header says, by planes that bound
-/// something.
+/// Checks that every node and every primitive is reached once, no deeper than the header says, through planes that
+/// bound something.
 fn is_safe_to_walk<N: Lanes, P: Primitive>(view: &BvhRef<'_, N, P>) {
     let whole = if view.nodes().is_empty() { None } else { Some(0) };
     let (nodes, lanes, seen) = walked(view, whole);
@@ -210,7 +210,7 @@ fn is_safe_to_walk<N: Lanes, P: Primitive>(view: &BvhRef<'_, N, P>) {
     assert_eq!(stats.nodes, view.nodes().len());
 }
 
-/// The nodes and lanes below a root, and which primitives are: each once.
+/// The number of nodes and lanes below a root, and which primitives are; each is reached once.
 fn walked<N: Lanes, P: Primitive>(view: &BvhRef<'_, N, P>, root: Option<u32>) -> (usize, usize, Vec<bool>) {
     let (mut nodes, mut lanes, mut seen) = (0, 0, vec![false; view.len()]);
     let mut pending: Vec<_> = root.into_iter().map(|root| (root, 1)).collect();
@@ -237,7 +237,7 @@ fn walked<N: Lanes, P: Primitive>(view: &BvhRef<'_, N, P>, root: Option<u32>) ->
     (nodes, lanes, seen)
 }
 
-/// Puts a number that is not what was there, but often near it, at a multiple of its size: of 4 or 8 bytes.
+/// Writes a number of 4 or 8 bytes that differs from the previous one, but is often near it, at a multiple of its size.
 pub fn put_number(bytes: &mut [u8], at: usize, size: usize, input: &mut Input) {
     let at = at - at % size;
     let old = match size {

@@ -27,8 +27,8 @@ impl<N: Dop> Body<N> {
     }
 }
 
-/// Hands over two bodies and a pose: of [`Mode::Real`] every second time bodies of unlike size; of the others small ones, unless one
-/// is refused.
+/// Passes two bodies and a pose to a function: with [`Mode::Real`] every second time bodies of different size;
+/// otherwise small ones, unless one is rejected.
 pub fn with_pair<N: Dop>(
     input: &mut Input,
     mode: Mode,
@@ -48,15 +48,14 @@ pub fn with_pair<N: Dop>(
     }
 }
 
-/// How large bodies of unlike size are, and how many of their diagonals from the origin.
+/// Sizes of bodies, and their distances from the origin in diagonals.
 const FACTORS: [f64; 7] = [1.0, 1e-2, 1e-4, 1e-6, 1e-8, 1e-10, 1e-12];
 const OFFSETS: [f64; 4] = [0.0, 1e3, 1e6, 1e9];
 
-/// Bodies of all these sizes at all these places: of one kind after the other, each kind by size, each size by
-/// place.
+/// Bodies of all these sizes at all these places, sorted by kind, then by size, then by place.
 struct Unlike<N>(Vec<Body<N>>);
 
-/// One of them: two have a ratio of sizes of up to 10^12.
+/// One of them: two differ in size by a factor of up to 10^12.
 pub fn unlike_body<N: Dop>(input: &mut Input) -> &'static Body<N> {
     let all = cached(|| {
         let mut rng = Rng::new(2);
@@ -81,7 +80,7 @@ pub fn unlike_body<N: Dop>(input: &mut Input) -> &'static Body<N> {
     input.pick(&all.0)
 }
 
-/// A pose that brings a corner of one body to a corner of the other, or near it.
+/// A pose that moves a corner of one body to a corner of the other, or near it.
 pub fn corner_pose<N>(input: &mut Input, a: &Body<N>, b: &Body<N>) -> Pose {
     let rotation = turn(input);
     let [from, to] = [a, b].map(|body| {
@@ -97,10 +96,10 @@ pub fn corner_pose<N>(input: &mut Input, a: &Body<N>, b: &Body<N>) -> Pose {
     Pose::from_rows(rows).expect("bodies are in range, and so are their differences")
 }
 
-/// The bodies of real trees: of size about 1 about the origin, so that most poses let them meet, and small.
+/// The bodies of real trees: of size about 1, near the origin, so that they meet at most poses, and small.
 pub struct Bodies<N>(pub Vec<Body<N>>);
 
-/// Two triangles, and a ring that is a ten-thousandth of their size at a corner of one of them.
+/// Two triangles, and a ring of a ten-thousandth of their size at a corner of one of them.
 fn with_a_detail() -> MeshData {
     let mut mesh = shapes::separate([
         [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]],
@@ -132,8 +131,7 @@ pub fn bodies<N: Dop>() -> &'static Bodies<N> {
     })
 }
 
-/// A body of a few triangles: mostly one of some that were made before, as making one takes longer than a
-/// query.
+/// A body of a few triangles: mostly one from a cache, as building one takes longer than a query.
 pub enum Small<N: 'static> {
     Kept(&'static Body<N>),
     Made(Box<Body<N>>),
@@ -150,11 +148,11 @@ impl<N> Deref for Small<N> {
     }
 }
 
-/// The small bodies that are kept, of integer coordinates and of any bits.
+/// The cached small bodies, with integer coordinates and with arbitrary bits.
 struct Kept<N>([Vec<Body<N>>; 2]);
 
-/// A body of a few triangles, out of the input one time in sixteen. Vertices may be refused: then `None`,
-/// once it is known that this was right.
+/// A body of a few triangles, built from the input one time in sixteen. Returns `None` if vertices are rejected, after
+/// checking that this is right.
 pub fn small_body<N: Dop>(input: &mut Input, mode: Mode) -> Option<Small<N>> {
     if input.one_in(16) {
         return make_body(input, mode).map(|body| Small::Made(Box::new(body)));
@@ -174,7 +172,7 @@ fn make_body<N: Dop>(input: &mut Input, mode: Mode) -> Option<Body<N>> {
     let vertices: Vec<[f64; 3]> = corners.collect();
     let triangles: Vec<[u32; 3]> = (0..count as u32).map(|t| [3 * t, 3 * t + 1, 3 * t + 2]).collect();
     let leaf_size = 1 + input.below(4) as u32;
-    // False for NaN. A body that would become a point is refused, one that is a point is not.
+    // False for NaN. A body that would collapse to a point is rejected, one that is a point is not.
     let in_range = vertices.as_flattened().iter().all(|x| x.abs() <= simdop::range::MAX_COORDINATE);
     let greatest = vertices.as_flattened().iter().fold(0.0, |m: f64, x| m.max(x.abs()));
     let legal = in_range && (greatest == 0.0 || greatest >= simdop::range::MIN_COORDINATE);
@@ -187,7 +185,7 @@ fn make_body<N: Dop>(input: &mut Input, mode: Mode) -> Option<Body<N>> {
     Some(Body { triangles: mesh.corners(), tree, size: mesh.diagonal() })
 }
 
-/// What coordinates are about as large as.
+/// Typical magnitude of coordinates.
 fn unit(input: &mut Input, mode: Mode) -> f64 {
     let exponent = if mode == Mode::AnyBits { 2 * input.int(-127, 127) } else { 0 };
     f64::from_bits(((exponent + 1023) as u64) << 52)
@@ -204,9 +202,9 @@ fn coordinate(input: &mut Input, mode: Mode, unit: f64) -> f64 {
     }
 }
 
-/// A pose that lets bodies of size 1 meet; with [`Mode::Grid`], one that takes integers to integers.
+/// A pose at which bodies of size 1 can meet; with [`Mode::Grid`], one that maps integers to integers.
 ///
-/// Numbers that are no pose are refused: then, once it is known that this was right, the identity.
+/// Invalid poses are rejected: the identity is returned then, after checking that this is right.
 pub fn pose(input: &mut Input, mode: Mode) -> Pose {
     let rotation = if mode == Mode::Grid { axis_turn(input) } else { turn(input) };
     let unit = unit(input, mode);
@@ -230,7 +228,7 @@ pub fn pose(input: &mut Input, mode: Mode) -> Pose {
     }
 }
 
-/// One of the 24 turns that take axes to axes.
+/// One of the 24 rotations that map axes to axes.
 fn axis_turn(input: &mut Input) -> [[f64; 3]; 3] {
     let choice = input.below(24);
     let axis = choice % 3;
@@ -249,7 +247,7 @@ fn axis_turn(input: &mut Input) -> [[f64; 3]; 3] {
     rows
 }
 
-/// The turn of a quaternion of four signed bytes.
+/// The rotation of a quaternion of four signed bytes.
 fn turn(input: &mut Input) -> [[f64; 3]; 3] {
     let q = [(); 4].map(|()| f64::from(input.u8() as i8));
     let length = ((q[0] * q[0] + q[1] * q[1]) + (q[2] * q[2] + q[3] * q[3])).sqrt();

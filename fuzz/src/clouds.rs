@@ -1,4 +1,4 @@
-//! Clouds of points: what is near is decided by a loop over the points in their buckets.
+//! Clouds of points: a loop over the points in their buckets decides which are near.
 
 use crate::baked::{put_number, u32_at};
 use crate::planes::float;
@@ -19,7 +19,7 @@ pub fn point(input: &mut Input, mode: Mode) -> Point {
     [(); 3].map(|()| Some(float(input, mode)).filter(|x| x.is_finite()).unwrap_or(0.5))
 }
 
-/// A point of these, between two of them, or any.
+/// One of these points, a point between two of them, or any point.
 fn query(input: &mut Input, mode: Mode, all: &[(u32, Point)]) -> Point {
     match (input.below(4), all) {
         (_, []) | (0, _) => point(input, mode),
@@ -31,7 +31,7 @@ fn query(input: &mut Input, mode: Mode, all: &[(u32, Point)]) -> Point {
     }
 }
 
-/// A radius; as often as not the distance of two of the points.
+/// A radius; half of the time the distance of two of the points.
 fn radius(input: &mut Input, mode: Mode, all: &[(u32, Point)]) -> f32 {
     let any = match (input.below(4), all) {
         (_, []) | (0, _) => float(input, mode).abs(),
@@ -41,13 +41,13 @@ fn radius(input: &mut Input, mode: Mode, all: &[(u32, Point)]) -> f32 {
     if any.is_finite() { any } else { 2.0 }
 }
 
-/// What is compared with a radius's square: these operations in `f32`.
+/// The value compared with the squared radius: these operations in `f32`.
 fn square(p: Point, q: Point) -> f32 {
     let [x, y, z] = [0, 1, 2].map(|i| p[i] - q[i]);
     (x * x + y * y) + z * z
 }
 
-/// Sound clouds of many kinds.
+/// Valid clouds of many kinds.
 pub fn clouds() -> &'static Vec<PointCloud> {
     cached(|| {
         let bytes: Vec<u8> = (0..100).collect();
@@ -79,9 +79,9 @@ pub fn clouds() -> &'static Vec<PointCloud> {
     })
 }
 
-/// Puts a coordinate, a link or an index where it lies in a node or a bucket, near what was there or any.
+/// Writes a coordinate, a link or an index at its place in a node or a bucket, near the previous value or arbitrary.
 pub fn put(bytes: &mut [u8], at: usize, nodes_end: usize, input: &mut Input) {
-    // In a node, links are its last eighth; in a bucket, indices the last quarter.
+    // Links are the last eighth of a node; indices the last quarter of a bucket.
     let is_link = at >= 64 && at < nodes_end && (at - 64) % 512 >= 448;
     let is_index = at >= nodes_end && (at - nodes_end) % 256 >= 192;
     if is_link || is_index {
@@ -93,12 +93,12 @@ pub fn put(bytes: &mut [u8], at: usize, nodes_end: usize, input: &mut Input) {
     }
 }
 
-/// Where the nodes of a cloud in bytes end.
+/// Offset of the end of the nodes of a cloud.
 pub fn nodes_end(bytes: &[u8]) -> usize {
     64 + 512 * u32_at(bytes, 24) as usize
 }
 
-/// Whether what is said to be wrong with the bytes is.
+/// Whether the bytes have the reported error.
 pub fn is_true(error: FormatError, bytes: &[u8]) -> bool {
     let field = |at: usize| u32_at(bytes, at);
     let place = |index: u32| {
@@ -125,7 +125,7 @@ pub fn is_true(error: FormatError, bytes: &[u8]) -> bool {
     }
 }
 
-/// The cloud, read from the bytes by other means.
+/// Compares the cloud with an independent reader.
 pub fn is_what_the_bytes_say(view: &CloudRef<'_>, bytes: &[u8]) {
     let field = |at: usize| u32_at(bytes, at) as usize;
     let (nodes, buckets): (&[u8], &[u8]) =
@@ -149,8 +149,8 @@ pub fn held(view: &CloudRef<'_>) -> Vec<(u32, Point)> {
     view.buckets().iter().flat_map(of).collect()
 }
 
-/// Every node and every bucket is reached once, the buckets in their order, and each box on the way holds each point: the
-/// least that does, where boxes are said to be tight.
+/// Checks that every node and every bucket is reached once, the buckets in their order, and that each box on the way
+/// contains its points, and is the smallest that does if boxes should be tight.
 pub fn is_safe_to_search(view: &CloudRef<'_>, tight: bool) {
     let (mut nodes, mut buckets) = (0, 0);
     below(view, 0, 1, tight, &mut nodes, &mut buckets);
@@ -197,17 +197,18 @@ fn below(
     all
 }
 
-/// What a loop over all points finds.
+/// The results of a loop over all points.
 struct Found {
-    /// Of each point in turn, its index and its neighbours. Nothing of clouds with room for more than there is memory for results.
+    /// For each point in turn, its index and its neighbours. `None` for clouds whose capacity exceeds the memory for
+    /// results.
     own: Option<Vec<(u32, Vec<u32>)>>,
-    /// Of each other query.
+    /// For each other query.
     others: Vec<Vec<u32>>,
     /// All points, nearest first.
     nearest: Vec<Vec<(f32, u32)>>,
 }
 
-/// Searches of a cloud on every instruction set find what a loop does, in its order.
+/// Checks that searches of a cloud on every instruction set find the same as a loop, in its order.
 pub fn searches_agree(view: &CloudRef<'_>, input: &mut Input, mode: Mode) {
     let all = held(view);
     let asked: Vec<_> = (0..input.below(12)).map(|_| query(input, mode, &all)).collect();
@@ -301,7 +302,7 @@ fn own_agree(
     [counted, visited.unwrap(), filled]
 }
 
-/// Queries that are no points of the cloud, packed.
+/// Checks queries that are not points of the cloud, packed.
 fn others_agree(
     search: &RangeSearch,
     view: &CloudRef<'_>,
@@ -323,7 +324,7 @@ fn others_agree(
     [counted, visited.unwrap()]
 }
 
-/// The first of all points in order.
+/// Checks the k nearest: the first of all points in order.
 fn nearest_agree(search: &RangeSearch, view: &CloudRef<'_>, want: &[(f32, u32)], q: Point, k: usize) {
     let mut found = vec![Neighbour::NONE; k];
     let count = k.min(want.len());

@@ -1,28 +1,31 @@
-//! What the fuzz targets share: the fuzzer's bytes read as numbers, planes and bodies made from them, and
-//! every instruction set that is here.
+//! Shared by the fuzz targets: the fuzzer's bytes interpreted as numbers, planes and bodies made from them, and every
+//! available instruction set.
 //!
 //! ```text
 //! cargo +nightly fuzz run TARGET fuzz/corpus/TARGET fuzz/seeds/TARGET -- -max_len=4096
-//! cargo +nightly fuzz run -O --sanitizer none --no-trace-compares TARGET ...     ten times as fast, without checks of overflow
-//! cargo run --manifest-path fuzz/Cargo.toml --example seeds                      writes fuzz/seeds again
+//! cargo run --manifest-path fuzz/Cargo.toml --example seeds     (writes fuzz/seeds again)
 //! ```
 //!
-//! | target | what | who decides |
-//! |---|---|---|
-//! | `kernel_1v16`, `kernel_4v4` | masks of every instruction set | the scalar kernel |
-//! | `realign` | the same for turned planes; turned planes bound the moved triangles | the scalar kernel; exact arithmetic |
-//! | `primitive_slab` | the same for children beyond a slab; children beyond a triangle's slab are apart from it | the scalar kernel; exact arithmetic |
-//! | `keys` | rounding up, by the keys and by every instruction set; codes and values | the definition of a key |
-//! | `from_bytes` | bytes refused for a true reason, or safe to walk and to query | a second reader; brute force |
-//! | `balls` | which balls meet, and bounds of what they share | the scalar kernel; lenses in `f64` |
-//! | `sphere_bytes` | as `from_bytes`, of trees of spheres; penetration volumes and their bounds | a second reader; brute force |
-//! | `points` | which points and boxes are near, and how far they are | the scalar kernel |
-//! | `cloud_bytes` | as `from_bytes`, of clouds; clouds that change, and all searches of them | a second reader; a loop over the points |
-//! | `traverse` | verdicts, pairs, budgets and distances, of sizes to 1e12 : 1 and as far as 1e9 diagonals from the origin; counters of every instruction set | brute force; the scalar kernel |
-//! | `distance` | distances, margins and cutoffs, their bounds within a budget, the pairs that are named | exact distances of all pairs; the scalar kernel |
+//! With `-O --sanitizer none --no-trace-compares` fuzzing is ten times as fast, but does not check for overflow.
 //!
-//! The first byte chooses the [`Mode`], the second k, the rest is values. `from_bytes`,
-//! `sphere_bytes` and `cloud_bytes` take what was baked as it is, too.
+//!  target | checks | oracle |
+//! ---|---|---|
+//!  `kernel_1v16`, `kernel_4v4` | masks of every instruction set | scalar kernel |
+//!  `realign` | realigned planes of every instruction set; they bound the moved triangles | scalar kernel; exact |
+//!  `primitive_slab` | children that a slab separates, and that they are apart | scalar kernel; exact |
+//!  `keys` | rounding up, by the keys and by every instruction set | definition of a key |
+//!  `from_bytes` | bytes rejected with the right error, or safe to traverse and query | second reader; brute force |
+//!  `balls` | overlap of balls, and bounds on shared volumes | scalar kernel; lenses in `f64` |
+//!  `sphere_bytes` | as `from_bytes`, for trees of spheres; penetration volumes | second reader; brute force |
+//!  `points` | which points and boxes are near, and their distances | scalar kernel |
+//!  `cloud_bytes` | as `from_bytes`, for clouds; changes of clouds, and all searches | second reader; loop |
+//!  `traverse` | verdicts, pairs, budgets, distances; query statistics | brute force; scalar kernel |
+//!  `distance` | distances, margins, cutoffs, bounds within a budget, reported pairs | exact distances; scalar kernel |
+//!
+//! The sizes of bodies in `traverse` differ by up to 1e12 : 1, at up to 1e9 diagonals from the origin.
+//!
+//! The first byte of an input selects the [`Mode`], the second k; the rest is values. `from_bytes`, `sphere_bytes` and
+//! `cloud_bytes` also accept baked bytes as they are.
 
 pub mod baked;
 pub mod bodies;
@@ -43,19 +46,19 @@ use std::sync::{LazyLock, Mutex};
 use support::digest::digest;
 use support::rng::Rng;
 
-/// How an input is read.
+/// How an input is interpreted.
 #[derive(Copy, Clone, PartialEq, Eq, Debug)]
 pub enum Mode {
     /// Small integers: bodies touch often.
     Grid,
-    /// Any bits: NaN, infinities, -0, subnormal numbers, the mark of unused lanes.
+    /// Arbitrary bits: NaN, infinities, -0, subnormal numbers, the mark of unused lanes.
     AnyBits,
     /// Trees of the library's builder, at poses where they meet.
     Real,
 }
 
-/// The fuzzer's bytes as numbers. After their end come pseudo-random ones that the bytes seed, so that a
-/// short input fills a node.
+/// The fuzzer's bytes as numbers. After their end come pseudo-random numbers seeded by the bytes, so that a short input
+/// fills a node.
 pub struct Input<'a> {
     bytes: &'a [u8],
     after: Rng,
@@ -118,12 +121,12 @@ impl<'a> Input<'a> {
     }
 }
 
-/// A value that is made once for each type, and kept.
+/// A value that is created once for each type, and cached.
 pub fn cached<T: Send + Sync>(make: impl FnOnce() -> T) -> &'static T {
     static ALL: LazyLock<Mutex<HashMap<TypeId, &'static (dyn Any + Send + Sync)>>> =
         LazyLock::new(Mutex::default);
     let found = ALL.lock().unwrap().get(&TypeId::of::<T>()).copied();
-    // Not made under the lock: what is made may ask for other such values.
+    // Created outside the lock: its creation may need other cached values.
     let value = found.unwrap_or_else(|| {
         let made: &'static T = Box::leak(Box::new(make()));
         ALL.lock().unwrap().insert(TypeId::of::<T>(), made);
@@ -166,7 +169,7 @@ macro_rules! for_node {
     }};
 }
 
-/// Evaluates an expression with the kernel of every instruction set of this machine but the scalar one.
+/// Evaluates an expression with the kernel of every available instruction set except the scalar one.
 #[macro_export]
 macro_rules! on_every_isa {
     ($kernel:ident => $body:expr) => {

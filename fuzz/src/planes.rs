@@ -1,5 +1,5 @@
-//! Planes of queries and nodes that separate now and then, in any mode: kernels that only ever give empty
-//! masks agree about nothing.
+//! Planes of queries and nodes that separate some of the lanes, in any mode: kernels that return only empty masks would
+//! agree trivially.
 
 use crate::bodies::{bodies, pose};
 use crate::{Input, Mode, cached};
@@ -14,10 +14,10 @@ pub use crate::turned::{turned_4, turned_16};
 
 use crate::support::codes::SPECIAL;
 
-/// Planes of `W` bodies, by plane.
+/// Planes of `W` bodies, plane by plane.
 pub type Planes<const W: usize, const K: usize> = [[i16; W]; K];
 
-/// Any code; one of [`SPECIAL`] as often as not.
+/// Any key; half of the time one of [`SPECIAL`].
 pub fn code(input: &mut Input) -> i16 {
     match input.u8() {
         choice @ 128.. => SPECIAL[usize::from(choice) % SPECIAL.len()],
@@ -42,7 +42,7 @@ pub fn grid_code(value: i32) -> i16 {
     Key::round_up_f64(value.into()).unwrap().code()
 }
 
-/// A query, and planes that each of its planes separates from one body in sixty-four or so.
+/// A query, and planes of which each separates about one body in sixty-four from it.
 pub fn pair<const W: usize, const K: usize>(input: &mut Input, mode: Mode) -> (Planes<W, K>, Planes<W, K>) {
     let (mut query, mut planes) = ([[0; W]; K], [[0; W]; K]);
     for j in 0..K {
@@ -88,7 +88,7 @@ pub const fn narrow<const K: usize>(planes: Planes<4, K>) -> Node4<K> {
     Node4::new(planes, [Child::EMPTY; 4])
 }
 
-/// Nodes of real trees, and some of them turned by the scalar kernel at poses where the trees meet.
+/// Nodes of real trees, and some of them realigned by the scalar kernel at poses where the trees meet.
 struct Recorded<Q, N> {
     queries: Vec<Q>,
     nodes: Vec<N>,

@@ -1,4 +1,4 @@
-//! Bodies of spheres and their trees, and what two balls share.
+//! Bodies of spheres and their trees, and the shared volume of two balls.
 
 use crate::cached;
 use crate::support::rng::Rng;
@@ -21,7 +21,7 @@ impl<N: Dop> SphereBody<N> {
     }
 }
 
-/// Bodies of spheres, of size about 1 about the origin, and a small one.
+/// Bodies of spheres, of size about 1, near the origin, and a small one.
 pub struct SphereBodies<N>(pub Vec<SphereBody<N>>);
 
 /// The bodies of spheres of a node type.
@@ -60,7 +60,7 @@ pub fn sphere_bodies<N: Dop>() -> &'static SphereBodies<N> {
     })
 }
 
-/// Spheres of radii from 10^-4 to 1/2 that do not overlap each other.
+/// Spheres with radii from 10^-4 to 1/2 that do not overlap each other.
 fn disjoint(rng: &mut Rng, count: usize) -> Vec<Sphere> {
     let mut spheres = vec![Sphere { centre: [0.1, -0.2, 0.0], radius: 0.5 }];
     while spheres.len() < count {
@@ -74,13 +74,13 @@ fn disjoint(rng: &mut Rng, count: usize) -> Vec<Sphere> {
     spheres
 }
 
-/// How far apart two points are.
+/// The distance of two points.
 pub fn distance(p: &Point, q: &Point) -> f64 {
     let [x, y, z] = [0, 1, 2].map(|i| p[i] - q[i]);
     (x * x + y * y + z * z).sqrt()
 }
 
-/// What two balls share whose centres are `d` apart.
+/// The shared volume of two balls whose centres are `d` apart.
 pub fn lens(r_a: f64, r_b: f64, d: f64) -> f64 {
     crate::lens::lens(r_a, r_b, d)
 }

@@ -48,23 +48,23 @@ pub trait Alignment: sealed::Sealed {
 #[doc(hidden)]
 #[derive(Copy, Clone, PartialEq, Debug)]
 #[repr(align(64))]
-pub struct Line;
+pub struct CacheLine;
 
 /// A register of the narrowest instruction set.
 #[doc(hidden)]
 #[derive(Copy, Clone, PartialEq, Debug)]
 #[repr(align(16))]
-pub struct Register;
+pub struct VectorAlignment;
 
 impl sealed::Sealed for Arity<16> {}
 impl sealed::Sealed for Arity<4> {}
 
 impl Alignment for Arity<16> {
-    type Unit = Line;
+    type Unit = CacheLine;
 }
 
 impl Alignment for Arity<4> {
-    type Unit = Register;
+    type Unit = VectorAlignment;
 }
 
 impl<const W: usize, const K: usize> DopNode<W, K>

@@ -14,6 +14,7 @@ mod normal_slab;
 pub use aabb::{Aabb16, Box3, Bucket};
 pub use ball::{Ball16, BoundingBall};
 pub use dop::{Alignment, Arity, DopNode, Node4, Node16};
+#[cfg(feature = "gpu")]
 pub(crate) use link::INDEX;
 pub use link::{Child, Link, MAX_LEAF_SIZE, Width};
 #[cfg(feature = "gpu")]

@@ -639,11 +639,26 @@ fn solids_from_outside_are_safe() {
     };
     assert_eq!(with(&|_| ()), None);
     assert_eq!(with(&|b| b[114] = 2), Some(FormatError::Header { field: "is_solid" }));
-    assert_eq!(
-        with(&|b| b[120] = 1),
-        Some(FormatError::Truncated { have: bytes.len(), need: bytes.len() + 64 })
-    );
+    assert_eq!(with(&|b| b[120] = 1), Some(FormatError::Header { field: "reserved" }));
     assert_eq!(with(&|b| b[section] = b[section + 4]), Some(FormatError::Part { index: 1 }));
     assert_eq!(with(&|b| b[section + 16] = 60), Some(FormatError::Part { index: 4 }));
     assert_eq!(with(&|b| b[116] = 1), Some(FormatError::Header { field: "part_count" }));
+}
+
+/// The flag is the builder's word, not a claim that `verify` proves: bytes without it are the tree of the surface, byte for
+/// byte, and answer as such.
+#[test]
+fn without_the_flag_a_solid_is_its_surface() {
+    let cube = Body::new(&[cuboid([-1.0; 3], [1.0; 3], false)]);
+    let (solid, surface): (Bvh<Node16<18>>, Bvh<Node16<18>>) =
+        (cube.build(Builder::new().solid()), cube.build(Builder::new()));
+    let inner: Bvh<Node16<18>> = Body::new(&[octahedron(0.25, [0.1; 3])]).build(Builder::new());
+    let mut bytes = solid.as_bytes().to_vec();
+    bytes[offset_of!(Header, is_solid)] = 0;
+    assert!(bytes == surface.as_bytes(), "the flag is all that differs");
+    let flipped = Bvh::<Node16<18>>::from_bytes(&bytes).unwrap();
+    assert_eq!(flipped.view().verify(), Ok(()));
+    let query = Query::new(Isa::detect());
+    assert!(!query.collide(&inner, &solid, &Pose::IDENTITY).is_free());
+    assert!(query.collide(&inner, &flipped, &Pose::IDENTITY).is_free());
 }

@@ -1,4 +1,4 @@
-// Coal: trees of the volume that -DVOLUME names, as its wheel compiles them.
+// Coal: trees of the volume given by -DVOLUME, compiled as in its wheel.
 #include "peer.h"
 #include <coal/BVH/BVH_model.h>
 #include <coal/broadphase/broadphase_dynamic_AABB_tree.h>
@@ -25,7 +25,7 @@ static std::vector<coal::Triangle> faces(const uint32_t *triangles, size_t count
   return faces;
 }
 
-// What the harness holds.
+// The object behind the harness's handle.
 static Geometry *geometry(void *body) { return static_cast<Geometry *>(body); }
 
 void *peer_build(const double *vertices, size_t vertex_count, const uint32_t *triangles, size_t triangle_count) {
@@ -41,8 +41,8 @@ void peer_free(void *body) { delete geometry(body); }
 size_t peer_bytes(const void *body) {
   auto *model = dynamic_cast<const Model *>(static_cast<const Geometry *>(body));
   if (!model) return 0;
-  return sizeof(Model) + model->getNumBVs() * sizeof(coal::BVNode<coal::VOLUME>) + model->num_vertices * sizeof(coal::Vec3s) +
-         model->num_tris * (sizeof(coal::Triangle) + sizeof(unsigned int));
+  return sizeof(Model) + model->getNumBVs() * sizeof(coal::BVNode<coal::VOLUME>) +
+         model->num_vertices * sizeof(coal::Vec3s) + model->num_tris * (sizeof(coal::Triangle) + sizeof(unsigned int));
 }
 
 static coal::Transform3s transform(const Rows &m) {
@@ -51,12 +51,13 @@ static coal::Transform3s transform(const Rows &m) {
   return coal::Transform3s(rotation, coal::Vec3s(m[3], m[7], m[11]));
 }
 
-// The first hit, without its place.
+// The first hit, without its position.
 static coal::CollisionRequest first_hit() {
   coal::CollisionRequest request;
   request.num_max_contacts = 1;
   request.enable_contact = false;
-  // Nodes that are nearer than this are opened though they are apart, for a better bound of the distance: by default 1e-3, in any unit.
+  // Visits nodes nearer than this even if they are separated, for a better bound on the distance: by default 1e-3, in
+  // any unit.
   request.break_distance = 0;
   return request;
 }
@@ -80,11 +81,11 @@ void *peer_box(const double *sides) { return static_cast<Geometry *>(new coal::B
 void *peer_convex(const double *vertices, size_t vertex_count, const uint32_t *triangles, size_t triangle_count) {
   auto corners = std::make_shared<std::vector<coal::Vec3s>>(points(vertices, vertex_count));
   auto sides = std::make_shared<std::vector<coal::Triangle>>(faces(triangles, triangle_count));
-  return static_cast<Geometry *>(
-      new coal::Convex<coal::Triangle>(corners, static_cast<unsigned>(vertex_count), sides, static_cast<unsigned>(triangle_count)));
+  return static_cast<Geometry *>(new coal::Convex<coal::Triangle>(corners, static_cast<unsigned>(vertex_count), sides,
+                                                                  static_cast<unsigned>(triangle_count)));
 }
 
-// An object of a manager, which does not own the body.
+// An object of a manager. It does not own the body.
 static std::unique_ptr<Object> object(const Placed &placed) {
   auto shared = std::shared_ptr<Geometry>(std::shared_ptr<void>(), geometry(placed.body));
   return std::make_unique<Object>(shared, transform(placed.place));
@@ -93,7 +94,7 @@ static std::unique_ptr<Object> object(const Placed &placed) {
 namespace {
 struct Scene {
   std::vector<std::unique_ptr<Object>> links, obstacles;
-  // links.size() to a row.
+  // links.size() per row.
   std::vector<bool> asked;
   coal::DynamicAABBTreeCollisionManager robot, world;
 };
@@ -122,7 +123,8 @@ struct MeetIfAsked : Meet {
 };
 } // namespace
 
-void *peer_scene(const Placed *links, size_t link_count, const bool *asked, const Placed *obstacles, size_t obstacle_count) {
+void *peer_scene(const Placed *links, size_t link_count, const bool *asked, const Placed *obstacles,
+                 size_t obstacle_count) {
   auto *scene = new Scene;
   scene->asked.assign(asked, asked + link_count * link_count);
   for (size_t i = 0; i < link_count; i++) {

@@ -1,5 +1,5 @@
-// Embree: rtcCollide finds pairs of triangles whose boxes meet; simdop's exact test decides them. Embree has no pose for a tree: A's triangles are
-// moved and A's tree is refitted in every query, and that is in the time.
+// Embree: rtcCollide finds pairs of triangles whose boxes meet; simdop's exact test decides them. Embree's trees have
+// no pose: every query moves A's triangles and refits A's tree, which is part of its time.
 #include "peer.h"
 #include <algorithm>
 #include <cmath>
@@ -40,7 +40,7 @@ void bounds(const RTCBoundsFunctionArguments *arguments) {
   static_cast<const Side *>(arguments->geometryUserPtr)->corners(arguments->primID, t);
   float low[3], high[3];
   for (int k = 0; k < 3; k++) {
-    // Outwards: f32 rounds to nearest.
+    // Rounded outwards, as the conversion to f32 rounds to nearest.
     low[k] = std::nextafterf(float(std::min({t[0][k], t[1][k], t[2][k]})), -std::numeric_limits<float>::infinity());
     high[k] = std::nextafterf(float(std::max({t[0][k], t[1][k], t[2][k]})), std::numeric_limits<float>::infinity());
   }
@@ -55,7 +55,7 @@ void start(Side &side, const Body &body, bool moves) {
   side.scene = rtcNewScene(device());
   if (moves) {
     rtcSetSceneFlags(side.scene, RTC_SCENE_FLAG_DYNAMIC);
-    // Without it a commit builds anew, in 15 times the time.
+    // Otherwise a commit rebuilds the tree, which takes 15 times as long.
     rtcSetSceneBuildQuality(side.scene, RTC_BUILD_QUALITY_LOW);
   }
   side.geometry = rtcNewGeometry(device(), RTC_GEOMETRY_TYPE_USER);
@@ -80,7 +80,7 @@ struct Search {
 
 void pairs(void *pointer, RTCCollision *collisions, unsigned count) {
   auto *search = static_cast<Search *>(pointer);
-  // There is no way to break off; after a hit nothing is tested.
+  // rtcCollide cannot be aborted; after a hit nothing is tested.
   for (unsigned i = 0; i < count && !search->hit; i++) {
     Triangle s, t;
     search->a->corners(collisions[i].primID0, s);
@@ -93,9 +93,10 @@ void pairs(void *pointer, RTCCollision *collisions, unsigned count) {
 extern "C" void peer_triangle_test(TriangleTest test) { meet = test; }
 
 const char *peer_version() {
-  static const std::string version = std::to_string(rtcGetDeviceProperty(device(), RTC_DEVICE_PROPERTY_VERSION_MAJOR)) + "." +
-                                     std::to_string(rtcGetDeviceProperty(device(), RTC_DEVICE_PROPERTY_VERSION_MINOR)) + "." +
-                                     std::to_string(rtcGetDeviceProperty(device(), RTC_DEVICE_PROPERTY_VERSION_PATCH));
+  static const std::string version =
+      std::to_string(rtcGetDeviceProperty(device(), RTC_DEVICE_PROPERTY_VERSION_MAJOR)) + "." +
+      std::to_string(rtcGetDeviceProperty(device(), RTC_DEVICE_PROPERTY_VERSION_MINOR)) + "." +
+      std::to_string(rtcGetDeviceProperty(device(), RTC_DEVICE_PROPERTY_VERSION_PATCH));
   return version.c_str();
 }
 
@@ -118,10 +119,12 @@ size_t peer_bytes(const void *) { return 0; }
 bool peer_collide(void *handle_a, void *handle_b, const Rows &m) {
   auto *a = static_cast<Body *>(handle_a);
   Side &moved = a->moved;
-  // Not contracted to fused operations: the corners that simdop's verdict is about.
+  // Not contracted to fused operations, so that the corners are those of simdop's verdict.
   for (size_t i = 0; i < a->vertices.size(); i += 3) {
     const double *p = &a->vertices[i];
-    for (int k = 0; k < 3; k++) moved.vertices[i + k] = ((m[4 * k] * p[0] + m[4 * k + 1] * p[1]) + m[4 * k + 2] * p[2]) + m[4 * k + 3];
+    for (int k = 0; k < 3; k++) {
+      moved.vertices[i + k] = ((m[4 * k] * p[0] + m[4 * k + 1] * p[1]) + m[4 * k + 2] * p[2]) + m[4 * k + 3];
+    }
   }
   rtcCommitGeometry(moved.geometry);
   rtcCommitScene(moved.scene);

@@ -1,4 +1,4 @@
-// FCL: trees of the volume that -DVOLUME names (OBB, OBBRSS), as its package compiles them.
+// FCL: trees of the volume given by -DVOLUME (OBB, OBBRSS), compiled as in its package.
 #include "peer.h"
 #include <fcl/broadphase/broadphase_dynamic_AABB_tree.h>
 #include <fcl/config.h>
@@ -27,7 +27,7 @@ static std::vector<fcl::Triangle> faces(const uint32_t *triangles, size_t count)
   return faces;
 }
 
-// What the harness holds.
+// The object behind the harness's handle.
 static Geometry *geometry(void *body) { return static_cast<Geometry *>(body); }
 
 void *peer_build(const double *vertices, size_t vertex_count, const uint32_t *triangles, size_t triangle_count) {
@@ -43,8 +43,8 @@ void peer_free(void *body) { delete geometry(body); }
 size_t peer_bytes(const void *body) {
   auto *model = dynamic_cast<const Model *>(static_cast<const Geometry *>(body));
   if (!model) return 0;
-  return sizeof(Model) + model->getNumBVs() * sizeof(fcl::BVNode<Volume>) + model->num_vertices * sizeof(fcl::Vector3d) +
-         model->num_tris * (sizeof(fcl::Triangle) + sizeof(unsigned int));
+  return sizeof(Model) + model->getNumBVs() * sizeof(fcl::BVNode<Volume>) + 
+         model->num_vertices * sizeof(fcl::Vector3d) + model->num_tris * (sizeof(fcl::Triangle) + sizeof(unsigned int));
 }
 
 static fcl::Transform3d transform(const Rows &m) {
@@ -82,7 +82,7 @@ void *peer_convex(const double *vertices, size_t vertex_count, const uint32_t *t
   return static_cast<Geometry *>(new fcl::Convexd(corners, static_cast<int>(triangle_count), sides));
 }
 
-// An object of a manager, which does not own the body.
+// An object of a manager. It does not own the body.
 static std::unique_ptr<Object> object(const Placed &placed) {
   auto shared = std::shared_ptr<Geometry>(std::shared_ptr<void>(), geometry(placed.body));
   return std::make_unique<Object>(shared, transform(placed.place));
@@ -91,12 +91,12 @@ static std::unique_ptr<Object> object(const Placed &placed) {
 namespace {
 struct Scene {
   std::vector<std::unique_ptr<Object>> links, obstacles;
-  // links.size() to a row.
+  // links.size() per row.
   std::vector<bool> asked;
   fcl::DynamicAABBTreeCollisionManagerd robot, world;
 };
 
-// What a callback works on.
+// Data of a callback.
 struct Asked {
   const Scene &scene;
   bool hit = false;
@@ -116,7 +116,8 @@ struct Asked {
 };
 } // namespace
 
-void *peer_scene(const Placed *links, size_t link_count, const bool *asked, const Placed *obstacles, size_t obstacle_count) {
+void *peer_scene(const Placed *links, size_t link_count, const bool *asked, const Placed *obstacles,
+                 size_t obstacle_count) {
   auto *scene = new Scene;
   scene->asked.assign(asked, asked + link_count * link_count);
   for (size_t i = 0; i < link_count; i++) {

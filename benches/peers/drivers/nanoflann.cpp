@@ -1,5 +1,5 @@
-// nanoflann's k-d tree over points in f32. Not through `peer.h`: it is asked for neighbours, all queries in one call, and has no bodies.
-// -ffp-contract=off: squares of distances are rounded as simdop rounds them, so that the answers are the same ones.
+// nanoflann's k-d tree over points in f32. It does not use `peer.h`: it searches neighbours, all queries in one call,
+// and has no bodies. -ffp-contract=off: squared distances are rounded as in simdop, so that the answers are the same.
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
@@ -24,10 +24,12 @@ using Tree = nanoflann::KDTreeSingleIndexAdaptor<nanoflann::L2_Simple_Adaptor<fl
 struct Cloud {
   Points points;
   Tree tree;
-  Cloud(const float *at, size_t count, size_t leaf) : points{std::vector<float>(at, at + 3 * count)}, tree(3, points, nanoflann::KDTreeSingleIndexAdaptorParams(leaf)) {}
+  Cloud(const float *at, size_t count, size_t leaf)
+      : points{std::vector<float>(at, at + 3 * count)},
+        tree(3, points, nanoflann::KDTreeSingleIndexAdaptorParams(leaf)) {}
 };
 
-// nanoflann takes what is nearer than the worst distance; simdop takes what is as near too. The next float makes them the same.
+// nanoflann accepts distances below the limit; simdop also accepts equal ones. The next float makes them agree.
 float beyond(float radius) { return std::nextafter(radius * radius, std::numeric_limits<float>::infinity()); }
 
 struct Count {
@@ -74,7 +76,8 @@ void peer_cloud_order(const void *cloud, uint32_t *order) {
 }
 
 // Queries in this order, each with its radius, or all with the first (stride 0).
-void peer_cloud_count(const void *cloud, const float *queries, const uint32_t *order, size_t count, const float *radii, size_t stride, uint32_t *counts) {
+void peer_cloud_count(const void *cloud, const float *queries, const uint32_t *order, size_t count,
+                      const float *radii, size_t stride, uint32_t *counts) {
   const Tree &tree = static_cast<const Cloud *>(cloud)->tree;
   for (size_t i = 0; i < count; i++) {
     const uint32_t query = order[i];
@@ -84,8 +87,8 @@ void peer_cloud_count(const void *cloud, const float *queries, const uint32_t *o
   }
 }
 
-void peer_cloud_fill(const void *cloud, const float *queries, const uint32_t *order, size_t count, const float *radii, size_t stride, List *lists, uint32_t *indices,
-                     size_t room) {
+void peer_cloud_fill(const void *cloud, const float *queries, const uint32_t *order, size_t count,
+                     const float *radii, size_t stride, List *lists, uint32_t *indices, size_t room) {
   const Tree &tree = static_cast<const Cloud *>(cloud)->tree;
   Fill found{0, indices, indices + room};
   for (size_t i = 0; i < count; i++) {
@@ -97,7 +100,8 @@ void peer_cloud_fill(const void *cloud, const float *queries, const uint32_t *or
   }
 }
 
-void peer_cloud_nearest(const void *cloud, const float *queries, const uint32_t *order, size_t count, size_t k, uint32_t *indices, float *squares) {
+void peer_cloud_nearest(const void *cloud, const float *queries, const uint32_t *order, size_t count, size_t k,
+                        uint32_t *indices, float *squares) {
   const Tree &tree = static_cast<const Cloud *>(cloud)->tree;
   for (size_t i = 0; i < count; i++) {
     const uint32_t query = order[i];

@@ -1,4 +1,5 @@
-// ODE: dCollide of two meshes, one contact asked for. It collects all pairs of triangles that its OPCODE finds before it makes contacts of them.
+// ODE: dCollide of two meshes, with at most one contact. It collects all pairs of triangles that its OPCODE finds
+// before it makes contacts of them.
 #include "peer.h"
 #include <ode/ode.h>
 #include <vector>
@@ -25,8 +26,8 @@ void *peer_build(const double *vertices, size_t vertex_count, const uint32_t *tr
   body->vertices.assign(vertices, vertices + 3 * vertex_count);
   body->triangles.assign(triangles, triangles + 3 * triangle_count);
   body->data = dGeomTriMeshDataCreate();
-  dGeomTriMeshDataBuildSingle(body->data, body->vertices.data(), 3 * sizeof(float), static_cast<int>(vertex_count), body->triangles.data(),
-                              static_cast<int>(3 * triangle_count), 3 * sizeof(dTriIndex));
+  dGeomTriMeshDataBuildSingle(body->data, body->vertices.data(), 3 * sizeof(float), static_cast<int>(vertex_count),
+                              body->triangles.data(), static_cast<int>(3 * triangle_count), 3 * sizeof(dTriIndex));
   body->moved = dCreateTriMesh(nullptr, body->data, nullptr, nullptr, nullptr);
   body->still = dCreateTriMesh(nullptr, body->data, nullptr, nullptr, nullptr);
   return body;
@@ -48,5 +49,6 @@ bool peer_collide(void *a, void *b, const Rows &m) {
   const dMatrix3 rotation = {m[0], m[1], m[2], 0, m[4], m[5], m[6], 0, m[8], m[9], m[10], 0};
   dGeomSetRotation(moved, rotation);
   dContactGeom contact;
-  return dCollide(moved, static_cast<Body *>(b)->still, 1 | static_cast<int>(CONTACTS_UNIMPORTANT), &contact, sizeof contact) > 0;
+  const int flags = 1 | static_cast<int>(CONTACTS_UNIMPORTANT);
+  return dCollide(moved, static_cast<Body *>(b)->still, flags, &contact, sizeof contact) > 0;
 }

@@ -1,5 +1,5 @@
-// OPCODE itself, from ODE's sources: its tree of boxes, built as ODE does. Asked for the first pair only, and with 6 of the 15 axes between boxes, which was
-// the faster setting here; ODE tests all 15.
+// OPCODE itself, from ODE's sources: its tree of boxes, built as in ODE. It searches the first pair only, with 6 of the
+// 15 axes between boxes, which was the faster setting here; ODE tests all 15.
 #include <cstdlib>
 #include <cstring>
 #include "Opcode.h"
@@ -52,7 +52,8 @@ void peer_free(void *body) { delete static_cast<Body *>(body); }
 
 size_t peer_bytes(const void *handle) {
   auto *body = static_cast<const Body *>(handle);
-  return sizeof(Body) + body->model.GetUsedBytes() + body->vertices.size() * sizeof(Point) + body->triangles.size() * sizeof(IndexedTriangle);
+  return sizeof(Body) + body->model.GetUsedBytes() + body->vertices.size() * sizeof(Point) +
+         body->triangles.size() * sizeof(IndexedTriangle);
 }
 
 bool peer_collide(void *a, void *b, const Rows &m) {

@@ -1,6 +1,7 @@
-// PhysX: its overlap of two meshes, which the first pair of triangles ends. Meshes are taken as they are, neither welded nor cleaned, so that no triangle is
-// lost. Trees are split by surface and not quantized, which on armadillo took 0.2 to 0.6 of the time that PhysX's default did. Leaves have four triangles, the
-// default: with six, unc and panda took down to 0.75 of the time, and brain_pia_lh at a gap of 2e-5 took 1.14.
+// PhysX: its overlap of two meshes, ended by the first pair of triangles. Meshes are used as they are, neither welded
+// nor cleaned, so that no triangle is lost. Trees are split by surface and not quantized, which on armadillo took 0.2
+// to 0.6 of the time of PhysX's default. Leaves have four triangles, the default: with six, unc and panda took down to
+// 0.75 of the time, and brain_pia_lh at a gap of 2e-5 took 1.14.
 #include "peer.h"
 #include <cmath>
 #include <cooking/PxCooking.h>
@@ -22,7 +23,7 @@
 using namespace physx;
 
 namespace {
-// Counts what is kept.
+// Counts the allocated bytes.
 struct Allocator : PxAllocatorCallback {
   size_t kept = 0;
   void *allocate(size_t size, const char *, const char *, int) override {
@@ -37,13 +38,15 @@ struct Allocator : PxAllocatorCallback {
 };
 
 struct Errors : PxErrorCallback {
-  void reportError(PxErrorCode::Enum, const char *message, const char *, int) override { std::fprintf(stderr, "PhysX: %s\n", message); }
+  void reportError(PxErrorCode::Enum, const char *message, const char *, int) override {
+    std::fprintf(stderr, "PhysX: %s\n", message);
+  }
 };
 
 struct Body {
   std::vector<double> vertices;
   std::vector<uint32_t> triangles;
-  // In the unit of all bodies.
+  // In the common unit of all bodies.
   PxTriangleMesh *mesh;
   size_t bytes;
 };
@@ -70,10 +73,12 @@ void start() {
   if (!foundation) std::abort();
 }
 
-// PhysX has tolerances in its unit of length: boxes are 2e-4 wider than what is in them, and a corner lies in the plane of a triangle where its distance
-// times twice the triangle's area is below 1e-6. Its test of two triangles multiplies thirteen lengths, which overflows where these are about a thousand. In the
-// units of the data, it invented hits near contact: at all poses of a gap of 2e-5 where edges are a hundredth. Hence bodies are scaled, by a power of two, so that
-// nothing is rounded: edges of the finest body are about 1. With the coarsest's, a tiny body in a room took thousands of times as long.
+// PhysX has tolerances in its unit of length: boxes are 2e-4 wider than their contents, and a corner lies in the plane
+// of a triangle if its distance times twice the triangle's area is below 1e-6. Its test of two triangles multiplies
+// thirteen lengths, which overflows for lengths of about a thousand. In the units of the data, it reported false hits
+// near contact: at all poses of a gap of 2e-5 where edges are a hundredth. Hence bodies are scaled by a power of two,
+// so that nothing is rounded: edges of the finest body are about 1. With the unit of the coarsest body, a tiny body in
+// a room took thousands of times as long.
 double unit;
 std::set<Body *> bodies;
 
@@ -90,7 +95,9 @@ PxVec3 point(double x, double y, double z) { return {float(unit * x), float(unit
 void cook(Body &body) {
   std::vector<PxVec3> points;
   points.reserve(body.vertices.size() / 3);
-  for (size_t i = 0; i < body.vertices.size(); i += 3) points.push_back(point(body.vertices[i], body.vertices[i + 1], body.vertices[i + 2]));
+  for (size_t i = 0; i < body.vertices.size(); i += 3) {
+    points.push_back(point(body.vertices[i], body.vertices[i + 1], body.vertices[i + 2]));
+  }
   PxTriangleMeshDesc mesh;
   mesh.points.data = points.data();
   mesh.points.stride = sizeof(PxVec3);
@@ -118,15 +125,17 @@ void cook(Body &body) {
 
 const char *peer_version() {
   static const std::string version =
-      std::to_string(PX_PHYSICS_VERSION_MAJOR) + "." + std::to_string(PX_PHYSICS_VERSION_MINOR) + "." + std::to_string(PX_PHYSICS_VERSION_BUGFIX);
+      std::to_string(PX_PHYSICS_VERSION_MAJOR) + "." + std::to_string(PX_PHYSICS_VERSION_MINOR) + "." +
+      std::to_string(PX_PHYSICS_VERSION_BUGFIX);
   return version.c_str();
 }
 
 void *peer_build(const double *vertices, size_t vertex_count, const uint32_t *triangles, size_t triangle_count) {
   start();
-  auto *body = new Body{{vertices, vertices + 3 * vertex_count}, {triangles, triangles + 3 * triangle_count}, nullptr, 0};
+  auto *body =
+      new Body{{vertices, vertices + 3 * vertex_count}, {triangles, triangles + 3 * triangle_count}, nullptr, 0};
   const double own = own_unit(*body);
-  // Those of like size stay as they are.
+  // Bodies of similar size keep their unit.
   if (bodies.empty() || own > 4 * unit) {
     unit = own;
     for (Body *other : bodies) {
@@ -146,15 +155,16 @@ void peer_free(void *handle) {
   delete body;
 }
 
-// Without the copy of the mesh that is for scaling it anew.
+// Without the copy of the mesh that is kept for rescaling.
 size_t peer_bytes(const void *handle) { return static_cast<const Body *>(handle)->bytes; }
 
 bool peer_collide(void *a, void *b, const Rows &m) {
-  float columns[] = {float(m[0]), float(m[4]), float(m[8]), float(m[1]), float(m[5]), float(m[9]), float(m[2]), float(m[6]), float(m[10])};
+  float columns[] = {float(m[0]), float(m[4]), float(m[8]), float(m[1]),
+                     float(m[5]), float(m[9]), float(m[2]), float(m[6]), float(m[10])};
   const PxTransform pose(point(m[3], m[7], m[11]), PxQuat(PxMat33(columns)).getNormalized());
   const PxTriangleMeshGeometry moved(static_cast<Body *>(a)->mesh), still(static_cast<Body *>(b)->mesh);
   FirstPair first;
-  // Without flags: the processor's rounding mode is neither saved nor restored, which takes time.
+  // Without flags: saving and restoring the processor's rounding mode takes time.
   PxMeshQuery::findOverlapTriangleMesh(first, moved, pose, still, PxTransform(PxIdentity), PxGeometryQueryFlags());
   return first.found;
 }

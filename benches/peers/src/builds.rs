@@ -1,8 +1,8 @@
-//! Figure 7 of the SIMDop paper with the peers: time of a build against the number of polygons, one thread,
-//! k = 18 and arity 16.
+//! Figure 7 of the SIMDop paper with the peers: time of a build against the number of polygons, one thread, k = 18 and
+//! arity 16.
 //!
-//! A build is all that a library does from arrays of coordinates and indices to a body that can be asked.
-//! Libraries build in turns; the least of several times counts.
+//! A build is everything a library does from arrays of coordinates and indices to a body that can be queried. Libraries
+//! build in turns; the minimum of several times counts.
 
 use crate::curves::{Curve, plot};
 use crate::data::MeshData;

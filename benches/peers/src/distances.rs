@@ -1,5 +1,4 @@
-//! Distances instead of collisions, at the same poses: ours at tolerance 0, and of the peers that measure
-//! them.
+//! Distances instead of collisions, at the same poses: simdop's at tolerance 0, and those of the peers that have them.
 
 use crate::data::MeshData;
 use crate::entrants::{Entrant, OURS, measuring};
@@ -10,22 +9,22 @@ use crate::{Options, save};
 use core::fmt::Write as _;
 use std::time::{Duration, Instant};
 
-/// The project's bar: FCL's median is so many of ours.
+/// The project's target: FCL's median is at least this many times ours.
 const BAR: f64 = 2.0;
 
-/// A peer's answer is wrong if it differs from ours by more than this, relatively. Ours are tested against
-/// exact arithmetic (`tests/queries/distance.rs`).
+/// A peer's answer is wrong if its relative difference from ours exceeds this. Ours are tested against exact arithmetic
+/// (`tests/queries/distance.rs`).
 const AGREE: f64 = 1e-9;
 
 /// One library on one suite.
 struct Results {
     library: String,
-    /// Of each pose, the least of several, µs.
+    /// The minimum of several for each pose, µs.
     times: Vec<f64>,
     distances: Vec<f64>,
 }
 
-/// The medians and 99th percentiles of one library on one suite, over the runs, and its wrong answers.
+/// The medians and 99th percentiles of one library on one suite, for each run, and its wrong answers.
 struct Cell {
     library: String,
     medians: Vec<f64>,
@@ -45,21 +44,24 @@ pub(crate) fn run(options: &Options, scenes: &[&Scene]) -> Result<(), String> {
     save(&options.out.join("DISTANCES.md"), &page.text)
 }
 
-/// What was measured, a row a suite.
+/// The page of results, with a row for each suite.
 pub(crate) struct Page {
     pub(crate) text: String,
     has_head: bool,
 }
 
 impl Page {
-    /// With so many poses for what.
+    /// A page for this many poses of each `what`.
     pub(crate) fn new(options: &Options, title: &str, what: &str) -> Self {
         let text = format!(
-            "# {title}\n\n{}. {}, one thread. {} run(s), {} poses a {what}. simdop: k 18, tolerance 0, with both points;\n\
-            FCL and Coal: OBBRSS, no tolerance, FCL with the nearest points. \"FCL native\" is compiled here (RESULTS.md); the ratio is to the faster FCL. Where the bodies meet, each\n\
-            ends as it does.\n\n\
-            Median / 99th percentile, µs. Where there are several runs, a figure is their median. Wrong: differs from ours by more than {AGREE:e}, relatively, or\n\
-            says that bodies meet which do not, or the reverse.\n\n",
+            "# {title}\n\n{}. {}, one thread. {} run(s), {} poses for each {what}.\n\
+            \n\
+            simdop: k 18, tolerance 0, with both points. FCL and Coal: OBBRSS, no tolerance, FCL with the nearest\n\
+            points. \"FCL native\" is compiled here (RESULTS.md); the ratio is to the faster FCL. If the bodies meet,\n\
+            each library stops in its own way.\n\
+            \n\
+            Median / 99th percentile, µs. With several runs, a figure is their median. An answer is wrong if its\n\
+            relative difference from ours exceeds {AGREE:e}, or if only one of the two says that the bodies meet.\n\n",
             options.stamp,
             crate::cpu::cpu(),
             options.runs,
@@ -68,7 +70,7 @@ impl Page {
         Self { text, has_head: false }
     }
 
-    /// Measures two meshes, or one against itself, at each suite's poses.
+    /// Measures two meshes, or one against itself, at the poses of each suite.
     pub(crate) fn add(
         &mut self,
         options: &Options,

@@ -33,20 +33,20 @@ struct Managers {
     collide: unsafe extern "C" fn(Handle, *const Rows) -> bool,
 }
 
-/// A body and its place, as `peer.h` has it.
+/// A body and its pose, as declared in `peer.h`.
 #[repr(C)]
 struct Placed {
     handle: Handle,
     place: Rows,
 }
 
-/// A body in a peer's hands.
+/// A body built by a peer.
 pub(crate) struct Body {
     driver: Rc<Driver>,
     handle: Handle,
 }
 
-/// A robot's links among bodies that stand still, in a peer's hands.
+/// A robot's links among fixed bodies, built by a peer.
 pub(crate) struct Scene {
     managers: Managers,
     handle: Handle,
@@ -60,9 +60,9 @@ extern "C" fn meet(a: &Triangle, b: &Triangle) -> bool {
 
 impl Driver {
     pub(crate) fn load(path: &Path) -> Result<Self, libloading::Error> {
-        // SAFETY: the drivers are this crate's own; loading one starts nothing but what the peer's package
-        // starts. The types are those of `peer.h`, and of `embree.cpp`, which alone takes a triangle
-        // test. Symbols of one driver are not seen by the others (RTLD_LOCAL).
+        // SAFETY: the drivers are this crate's own; loading one starts only what the peer's package starts. The types
+        // are those of `peer.h`, and of `embree.cpp`, the only one with a triangle test. Symbols of one driver are not
+        // visible to the others (RTLD_LOCAL).
         unsafe {
             let library = Library::new(path)?;
             let take: Result<Symbol<'_, unsafe extern "C" fn(TriangleTest)>, _> =
@@ -98,14 +98,14 @@ impl Driver {
     }
 
     pub(crate) fn version(&self) -> String {
-        // SAFETY: `peer_version` takes nothing and returns a string that stays.
+        // SAFETY: `peer_version` takes nothing and returns a string that lives forever.
         unsafe { CStr::from_ptr((self.version)()) }.to_string_lossy().into_owned()
     }
 
     pub(crate) fn build(this: &Rc<Self>, mesh: &MeshData) -> Body {
         let (vertices, triangles) = (&mesh.vertices, &mesh.triangles);
-        // SAFETY: the pointers and counts are those of the arrays, and every index is below the vertex count:
-        // simdop's builder has checked the mesh.
+        // SAFETY: the pointers and counts are those of the arrays, and every index is below the vertex count: simdop's
+        // builder has validated the mesh.
         let handle =
             unsafe { (this.build)(vertices.as_ptr(), vertices.len(), triangles.as_ptr(), triangles.len()) };
         Body { driver: Rc::clone(this), handle }
@@ -115,7 +115,7 @@ impl Driver {
         self.managers.expect("asked of drivers with managers")
     }
 
-    /// A box about the origin, as a solid of the peer's own.
+    /// A box about the origin, as a native solid of the peer.
     pub(crate) fn cuboid(this: &Rc<Self>, sides: &[f64; 3]) -> Body {
         // SAFETY: three numbers.
         Body { driver: Rc::clone(this), handle: unsafe { (this.managers().cuboid)(sides) } }
@@ -131,7 +131,7 @@ impl Driver {
         Body { driver: Rc::clone(this), handle }
     }
 
-    /// Links, at first like this, and which of them are asked against each other, row by row; and obstacles.
+    /// Links, initially at these poses, which pairs of them are tested, row by row, and obstacles.
     pub(crate) fn scene(
         this: &Rc<Self>,
         links: &Rc<Vec<Body>>,
@@ -158,10 +158,10 @@ impl Driver {
 }
 
 impl Scene {
-    /// Whether the links, at these places, meet an obstacle or each other.
+    /// Whether the links, at these poses, meet an obstacle or each other.
     pub(crate) fn collides(&mut self, places: &[Rows]) -> bool {
         assert_eq!(places.len(), self.links.len());
-        // SAFETY: the handle is alive, nothing else uses it meanwhile, and there is a place for each link.
+        // SAFETY: the handle is alive, nothing else uses it meanwhile, and there is a pose for each link.
         unsafe { (self.managers.collide)(self.handle, places.as_ptr()) }
     }
 }
@@ -179,16 +179,16 @@ impl Body {
         unsafe { (self.driver.bytes)(self.handle) }
     }
 
-    /// Whether this, placed by the pose, meets the other.
+    /// Whether this body, placed by the pose, meets the other.
     pub(crate) fn collides(&self, other: &Self, rows: &Rows) -> bool {
-        // SAFETY: both handles are of one driver (its bodies are made together) and alive; 12 numbers are in
-        // a row.
+        // SAFETY: both handles are of one driver (its bodies are built together) and alive; a pose has 12 contiguous
+        // numbers.
         unsafe { (self.driver.collide)(self.handle, other.handle, rows) }
     }
 }
 
 impl Body {
-    /// How far this, placed by the pose, is from the other, if the peer measures distances.
+    /// The distance of this body, placed by the pose, from the other, if the peer measures distances.
     pub(crate) fn distance(&self, other: &Self, rows: &Rows) -> Option<f64> {
         // SAFETY: as for `collides`.
         self.driver.distance.map(|distance| unsafe { distance(self.handle, other.handle, rows) })

@@ -1,4 +1,4 @@
-//! The libraries that take part, each with its bodies built.
+//! The libraries compared, each with its bodies built.
 
 use crate::data::{MeshData, notice};
 use crate::driver::Driver;
@@ -22,17 +22,17 @@ pub(crate) struct Entrant {
     pub(crate) version: String,
     /// For all bodies of the scene.
     pub(crate) build_ms: f64,
-    /// Of all bodies, if the library says.
+    /// For all bodies, if the library reports it.
     pub(crate) bytes: Option<usize>,
-    /// Do the bodies meet?
+    /// Whether the bodies meet.
     pub(crate) collide: Box<dyn Fn(&Rows) -> bool>,
-    /// How far apart are they? Of a library that measures it.
+    /// The distance of the bodies, if the library measures it.
     pub(crate) distance: Option<Measure>,
-    /// The work of a query, of a library that counts it.
+    /// The work of a query, if the library counts it.
     pub(crate) count: Option<Count>,
 }
 
-/// Ours, and the name that the ratios are about.
+/// The name of our entrant, which ratios refer to.
 pub(crate) const OURS: &str = "simdop k 18";
 
 /// FCL with its templates compiled for this machine.
@@ -54,11 +54,11 @@ const DRIVERS: [(&str, &str); 9] = [
     ("Embree", "embree"),
 ];
 
-/// Those that measure distances.
+/// Peers that measure distances.
 const MEASURING: [(&str, &str); 3] =
     [("FCL OBBRSS", "fcl-OBBRSS"), (FCL_NATIVE, "fcl-native-OBBRSS"), ("Coal OBBRSS", "coal-OBBRSS")];
 
-/// Everything that measures distances and could be had.
+/// All available libraries that measure distances.
 pub(crate) fn measuring(meshes: &[MeshData], drivers: &Path) -> Vec<Entrant> {
     let mut entrants = vec![ours::<Node16<18>>(OURS, meshes)];
     entrants
@@ -66,7 +66,7 @@ pub(crate) fn measuring(meshes: &[MeshData], drivers: &Path) -> Vec<Entrant> {
     entrants
 }
 
-/// Everything that could be had.
+/// All available libraries.
 pub(crate) fn entrants(meshes: &[MeshData], drivers: &Path) -> Vec<Entrant> {
     let mut entrants = vec![ours::<Node16<18>>(OURS, meshes), ours::<Node16<14>>("simdop k 14", meshes)];
     entrants.extend(loaded(&DRIVERS, drivers).into_iter().map(|(name, driver)| driven(name, driver, meshes)));
@@ -74,7 +74,7 @@ pub(crate) fn entrants(meshes: &[MeshData], drivers: &Path) -> Vec<Entrant> {
     entrants
 }
 
-/// Ours and FCL compiled here: for bodies of which so many copies do not fit into memory.
+/// Ours and FCL compiled here: for bodies too large for copies by every library.
 pub(crate) fn beside_fcl(meshes: &[MeshData], drivers: &Path) -> Vec<Entrant> {
     let fcl = DRIVERS.iter().copied().filter(|(name, _)| *name == FCL_NATIVE).collect::<Vec<_>>();
     let mut entrants = vec![ours::<Node16<18>>(OURS, meshes)];
@@ -82,10 +82,10 @@ pub(crate) fn beside_fcl(meshes: &[MeshData], drivers: &Path) -> Vec<Entrant> {
     entrants
 }
 
-/// Builds a body, drops it, and says how many milliseconds the building took.
+/// Builds a body, drops it, and returns the build time in milliseconds.
 pub(crate) type Build = Box<dyn Fn(&MeshData) -> f64>;
 
-/// Everything that could be had, to be timed at building: our presets and Batch Neural Gas, then the peers.
+/// Everything available whose build is timed: our presets and Batch Neural Gas, then the peers.
 pub(crate) fn builders(drivers: &Path) -> Vec<(String, Build)> {
     let gas = Splitter::BatchNeuralGas { magnification: Magnification::None, seed: 0 };
     let own =
@@ -104,7 +104,7 @@ pub(crate) fn builders(drivers: &Path) -> Vec<(String, Build)> {
     builders
 }
 
-/// The drivers that are there and load; for the others, a warning.
+/// The drivers that load; warns about the others.
 pub(crate) fn loaded(wanted: &[(&'static str, &str)], drivers: &Path) -> Vec<(&'static str, Rc<Driver>)> {
     let load = |&(name, file): &(&'static str, &str)| match Driver::load(&drivers.join(format!("{file}.so")))
     {

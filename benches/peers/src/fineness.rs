@@ -1,4 +1,4 @@
-//! A smooth surface against itself, nearly touching, as ever finer meshes.
+//! A smooth surface against itself, nearly touching, with ever finer meshes.
 
 use crate::entrants::beside_fcl;
 use crate::measure::{Occasion, measure};
@@ -13,7 +13,7 @@ pub(crate) const TRIANGLES: [u32; 5] = [5_000, 20_000, 80_000, 320_000, 1_280_00
 
 const GAPS: [(&str, Distance); 2] = [("2e-5", Distance::Gap(2e-5)), ("1e-3", Distance::Gap(1e-3))];
 
-/// Up to this many triangles brute force decides whether the bodies meet. Its time grows with the square.
+/// Up to this many triangles brute force decides whether the bodies meet. Its time grows quadratically.
 const JUDGED: usize = 100_000;
 
 pub(crate) fn run(options: &Options) -> Result<(), String> {
@@ -40,9 +40,12 @@ pub(crate) fn run(options: &Options) -> Result<(), String> {
     std::fs::create_dir_all(&options.out).map_err(|e| format!("{}: {e}", options.out.display()))?;
     record::write(&options.out.join("fineness.csv"), &rows)?;
     let about = format!(
-        "{}. {}, one thread, {} run(s), the libraries in turns as in RESULTS.md.\n\n\
-        A torus with waves (`tests/support/shapes.rs`) against itself, {} poses a row: turned at random, it comes from a random direction until the gap is this share of its\n\
-        diagonal. Above {JUDGED} triangles the truth is that there is a gap, which simdop's margin query found; up to there it is brute force in exact arithmetic.",
+        "{}. {}, one thread, {} run(s), the libraries in turns as in RESULTS.md.\n\
+        \n\
+        A torus with waves (`tests/support/shapes.rs`) against itself, {} poses per row: rotated at random, it\n\
+        approaches from a random direction until the gap is this share of its diagonal. Up to {JUDGED} triangles\n\
+        the truth is brute force in exact arithmetic; above, it is that there is a gap, which simdop's margin\n\
+        query found.",
         options.stamp,
         crate::cpu::cpu(),
         options.runs,

@@ -1,4 +1,4 @@
-//! simdop beside other collision libraries: the same meshes, the same poses, one process, in turns.
+//! Compares simdop with other collision libraries: the same meshes, the same poses, one process, in turns.
 //! `benches/peers/run` builds and starts it.
 
 #![cfg_attr(feature = "simd", feature(portable_simd))]
@@ -55,57 +55,57 @@ struct Options {
     /// The data sets
     #[arg(long, env = "SIMDOP_DATA")]
     data: PathBuf,
-    /// Where the peers' drivers are
+    /// Folder of the peers' drivers
     #[arg(long)]
     drivers: PathBuf,
-    /// Where poses and results go
+    /// Folder for poses and results
     #[arg(long, overrides_with = "out")]
     out: PathBuf,
-    /// Which meshes, separated by commas [default: all]; of --sizes: cow, armadillo, room, hand;
-    /// of --points tables: growth, radii, scenes, particles, odd, single, any
+    /// Meshes, separated by commas [default: all]; with --sizes: cow, armadillo, room, hand; with --points tables:
+    /// growth, radii, scenes, particles, odd, single, any
     #[arg(long, value_delimiter = ',')]
     meshes: Vec<String>,
-    /// Poses for each mesh and distance, half of each method; of --sizes and --fineness, for each row
-    /// [default: 200, of these 60]
+    /// Poses for each mesh and distance, half of each method; with --sizes and --fineness, for each row [default: 200,
+    /// with these 60]
     #[arg(long, value_parser = clap::value_parser!(u32).range(2..))]
     poses: Option<u32>,
-    /// Of the poses
+    /// Seed of the poses
     #[arg(long, default_value_t = 1)]
     seed: u64,
-    /// Repeat everything so often
+    /// Number of runs
     #[arg(long, default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..))]
     runs: u32,
-    /// Time builds against the number of polygons, and nothing else
+    /// Time only builds, against the number of polygons
     #[arg(long, group = "instead")]
     builds: bool,
     /// Keep what an interrupted run measured
     #[arg(long)]
     resume: bool,
-    /// Measure distances instead of collisions, by the libraries that can; also of --sizes
+    /// Measure distances instead of collisions, for the libraries that can; also with --sizes
     #[arg(long, conflicts_with_all = ["builds", "fineness", "points", "scenes"])]
     distance: bool,
-    /// Collide small bodies with large ones, near corners of these
+    /// Collide small bodies with large ones, near corners of the latter
     #[arg(long, group = "instead")]
     sizes: bool,
-    /// Collide meshes of one surface, ever finer, that nearly touch
+    /// Collide ever finer meshes of one surface that nearly touch
     #[arg(long, group = "instead")]
     fineness: bool,
-    /// Of --fineness: the numbers of triangles, separated by commas
+    /// With --fineness: the numbers of triangles, separated by commas
     #[arg(long, value_delimiter = ',', default_values_t = fineness::TRIANGLES, requires = "fineness")]
     triangles: Vec<u32>,
-    /// Search neighbours of points instead, beside libraries that do that
+    /// Search neighbours of points instead, compared with libraries for that
     #[arg(long, group = "instead")]
     points: bool,
-    /// Of --points: clouds of at most so many points
+    /// With --points: clouds of at most this many points
     #[arg(long, default_value_t = usize::MAX, hide_default_value = true, requires = "points")]
     most: usize,
-    /// Ask whether a robot may stand among bodies instead, by the libraries that have scenes
+    /// Check configurations of a robot among bodies instead, for the libraries that have scenes
     #[arg(long, group = "instead")]
     scenes: bool,
-    /// Of --scenes: one problem in so many
+    /// With --scenes: one problem in this many
     #[arg(long, default_value_t = 7, value_parser = clap::value_parser!(u32).range(1..), requires = "scenes")]
     every: u32,
-    /// What to say of date, version and command
+    /// Date, version and command for the page
     #[arg(long, default_value = "")]
     stamp: String,
 }
@@ -179,7 +179,7 @@ fn report(options: &Options, rows: &[record::Row]) -> Result<(), String> {
     save(&options.out.join("RESULTS.md"), &table::page(rows, &options.stamp))
 }
 
-/// Writes a page of results and says where.
+/// Writes a page of results and prints its path.
 fn save(path: &Path, page: &str) -> Result<(), String> {
     std::fs::write(path, page).map_err(|e| format!("{}: {e}", path.display()))?;
     println!("{}", path.display());

@@ -1,4 +1,4 @@
-//! The clock.
+//! Timing of queries.
 
 use crate::data::MeshData;
 use crate::entrants::Entrant;
@@ -6,18 +6,18 @@ use crate::poses::{Judged, Named};
 use crate::record::Row;
 use std::time::{Duration, Instant};
 
-/// Poses that a library gets in a row before it is the next one's turn. With one, the caches are the other
-/// libraries' at each query; a planner asks one library many things. The same pose comes again only after the
-/// others of the block, so that no branch predictor learns a query by heart.
+/// Poses that a library gets in a row before the next library's turn. With a single pose, the caches would hold the
+/// other libraries' data at each query; a planner queries one library many times. A pose is repeated only after the
+/// others of the block, so that no branch predictor learns a query.
 pub(crate) const BLOCK: usize = 10;
 
-/// Passes over a block; the least time of each pose counts.
+/// Passes over a block; the minimum time of each pose counts.
 pub(crate) const PASSES: usize = 5;
 
-/// No further pass over a block on which so much time was spent.
+/// No further pass over a block that took this long in total.
 pub(crate) const ENOUGH: Duration = Duration::from_millis(100);
 
-/// Which measurement this is.
+/// The context of a measurement.
 pub(crate) struct Occasion<'s> {
     pub(crate) run: u32,
     pub(crate) mesh: &'s str,
@@ -48,8 +48,7 @@ pub(crate) fn measure(
     rows
 }
 
-/// What it takes to read the clock twice with nothing between, at the least: this much of a time is certainly
-/// not the query's.
+/// The minimum time between two consecutive readings of the clock: this much of a time is not the query's.
 fn clock_cost() -> Duration {
     (0..10_000).map(|_| Instant::now().elapsed()).min().unwrap_or_default()
 }
@@ -125,7 +124,7 @@ fn row(
     }
 }
 
-/// The nearest rank: the least value that at least this share does not exceed.
+/// Nearest rank: the smallest value that is not below the given share of all values.
 pub(crate) fn quantile(sorted: &[f64], share: f64) -> f64 {
     let rank = (share * sorted.len() as f64).ceil() as usize;
     sorted[rank.clamp(1, sorted.len()) - 1]

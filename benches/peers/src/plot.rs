@@ -1,4 +1,4 @@
-//! Median time against distance, a panel a mesh.
+//! Median time against distance, one panel per mesh.
 
 use crate::summary::Summary;
 use plotters::coord::Shift;
@@ -12,7 +12,7 @@ const PANEL: (u32, u32) = (560, 380);
 const COLUMNS: usize = 3;
 const LEGEND: u32 = 60;
 
-/// Ours dark and thick; kin in shades of one colour.
+/// Ours dark and thick; related libraries in shades of one colour.
 fn style(library: &str) -> ShapeStyle {
     let (color, width) = match library {
         "simdop k 18" => (RGBColor(0, 0, 0), 3),

@@ -1,5 +1,5 @@
-//! Pose files: made once, with the exact oracle's verdicts, and read back with a checksum. `simdop collide
-//! --poses` reads them too.
+//! Pose files: generated once, with the exact oracle's verdicts, and read back with a checksum. `simdop collide
+//! --poses` reads them, too.
 
 use crate::data::MeshData;
 use crate::digest::digest;
@@ -11,21 +11,21 @@ use simdop::hierarchy::Bvh;
 use simdop::node::Node16;
 use std::path::{Path, PathBuf};
 
-/// A pose and what is true of it.
+/// A pose and its exact verdict.
 #[derive(Copy, Clone, PartialEq, Debug)]
 pub(crate) struct Judged {
     pub(crate) rows: Rows,
-    /// Do the bodies meet?
+    /// Whether the bodies meet.
     pub(crate) meets: bool,
 }
 
-/// Poses of one kind, and what kind that is.
+/// The name of a suite, and its poses.
 pub(crate) type Named = (String, Vec<Judged>);
 
 /// A line of a pose file.
 type Line = (Judged, Method);
 
-/// What is wrong with a pose file.
+/// An error in a pose file.
 #[derive(Debug)]
 pub(crate) enum Fault {
     Line(usize),
@@ -41,7 +41,7 @@ impl core::fmt::Display for Fault {
     }
 }
 
-/// The poses of a scene for each of [`DISTANCES`]: from the files in `directory`, made if they are not there.
+/// The poses of a scene for each of [`DISTANCES`], from the files in `directory`, which are generated if missing.
 pub(crate) fn suites(
     name: &str,
     directory: &Path,
@@ -85,7 +85,7 @@ pub(crate) fn judge<'m>(a: &'m MeshData, b: &MeshData) -> impl Fn(Rows) -> Judge
     move |rows| Judged { rows, meets: meshes_meet(&a.placed(&rows), &still) }
 }
 
-/// Poses at each of the distances, nearest first: so many by each method.
+/// Poses at each of the distances, nearest first: equally many by each method.
 pub(crate) fn approaching<const N: usize>(
     meshes: &[MeshData],
     distances: &[(&str, Distance); N],
@@ -122,7 +122,7 @@ fn written(title: &str, suite: &[Line]) -> String {
     text
 }
 
-/// As files have it.
+/// The name in the files.
 const fn name_of(method: Method) -> &'static str {
     match method {
         Method::Sphere => "sphere",
@@ -159,7 +159,7 @@ fn parsed(line: &str) -> Option<Line> {
     Some((Judged { rows, meets }, method))
 }
 
-/// Of the numbers' bits and the verdicts.
+/// Of the bits of the numbers, and the verdicts.
 fn checksum(suite: &[Line]) -> String {
     let bytes = suite.iter().flat_map(|(pose, method)| {
         let numbers = pose.rows.iter().flatten().flat_map(|number| number.to_bits().to_le_bytes());

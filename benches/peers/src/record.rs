@@ -1,9 +1,9 @@
-//! What is kept of a measurement: a row for each run, scene, distance and library.
+//! The records of a measurement: a row for each run, scene, distance and library.
 
 use serde::{Deserialize, Serialize};
 use std::path::Path;
 
-/// A line of the CSV file. Times are of single queries, each the least of several at its pose.
+/// A line of the CSV file. Times are of single queries, each the minimum of several at its pose.
 #[derive(Clone, PartialEq, Debug, Serialize, Deserialize)]
 pub(crate) struct Row {
     pub(crate) run: u32,

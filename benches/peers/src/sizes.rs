@@ -13,14 +13,14 @@ use crate::suites::Rows;
 use crate::table::{self, Labels};
 use crate::{Options, save};
 
-/// What the body is multiplied by.
+/// Scale factors of the body.
 const FACTORS: [f64; 7] = [1.0, 0.1, 0.01, 1e-3, 1e-4, 1e-5, 1e-6];
 
-/// Of the room.
+/// Triangles of the room.
 const TRIANGLES: u32 = 100_000;
 
 const POSES_OF_DISTANCES: &str =
-    "row, as in SIZES.md, but shifted by up to two of the small one's diagonals along each axis";
+    "row, as in SIZES.md, but shifted by up to two of the small body's diagonals along each axis";
 
 const BODIES: [&str; 4] = ["cow", "armadillo", "room", "hand"];
 
@@ -36,7 +36,7 @@ pub(crate) fn run(options: &Options) -> Result<(), String> {
     let bodies = if options.meshes.is_empty() { &BODIES.map(str::to_owned)[..] } else { &options.meshes };
     std::fs::create_dir_all(&options.out).map_err(|e| format!("{}: {e}", options.out.display()))?;
     if options.distance {
-        let mut page = Page::new(options, "Distances of bodies of unlike size", POSES_OF_DISTANCES);
+        let mut page = Page::new(options, "Distances of bodies of different sizes", POSES_OF_DISTANCES);
         for body in bodies {
             for Scene { mesh, what, meshes, poses } in scenes(body, options)? {
                 let judge = judge(&meshes[0], &meshes[1]);
@@ -60,17 +60,21 @@ pub(crate) fn run(options: &Options) -> Result<(), String> {
     }
     record::write(&options.out.join("sizes.csv"), &rows)?;
     let about = format!(
-        "{}. {}, one thread, {} run(s), the libraries in turns as in RESULTS.md, whose versions they are.\n\n\
-        A body against itself at a scale (\"1e-3, small as A\" is the body at a thousandth of its size, placed in the frame of the whole one), {} poses a row: turned at\n\
-        random, a random corner of the small one at a random corner of the large one, shifted by up to half the small one's diagonal along each axis. \"1e-3 in a detail\":\n\
-        the large body has a copy of itself at a thousandth of its size at one of its corners, and the small one, another such copy, is near corners of that. The room has\n\
-        {TRIANGLES} triangles (`tests/support/shapes.rs`), the hall is unc_env, the hand is the Panda's. The exchanged poses are the inverse ones, rounded.",
+        "{}. {}, one thread, {} run(s), the libraries in turns, with the versions in RESULTS.md.\n\
+        \n\
+        A body against itself at another scale (\"1e-3, small as A\" is the body at a thousandth of its size,\n\
+        placed in the frame of the original), {} poses per row: rotated at random, a random corner of the small\n\
+        body is at a random corner of the large one, shifted by up to half the small body's diagonal along each\n\
+        axis. \"1e-3 in a detail\": the large body has a copy of itself at a thousandth of its size at one of its\n\
+        corners, and the small body, another such copy, is near corners of the copy. The room has {TRIANGLES}\n\
+        triangles (`tests/support/shapes.rs`), the hall is unc_env, the hand is the Panda's. The exchanged poses\n\
+        are the rounded inverse poses.",
         options.stamp,
         crate::cpu::cpu(),
         options.runs,
         options.poses()
     );
-    let labels = Labels { title: "Bodies of unlike size", mesh: "body", distance: "scale" };
+    let labels = Labels { title: "Bodies of different sizes", mesh: "body", distance: "scale" };
     save(&options.out.join("SIZES.md"), &table::near_contact(&rows, &labels, &about))
 }
 
@@ -108,7 +112,7 @@ fn against_itself(name: &str, body: &MeshData, options: &Options) -> Vec<Scene> 
     scenes
 }
 
-/// The small body near corners of the third, which is a part of the large one.
+/// Places the small body near corners of the third, which is a part of the large one.
 fn both_ways(
     mesh: &str,
     what: &str,

@@ -1,10 +1,10 @@
-//! Rows of several runs, put together by mesh, distance and library.
+//! Rows of several runs, grouped by mesh, distance and library.
 
 use crate::entrants::OURS;
 use crate::measure::quantile;
 use crate::record::Row;
 
-/// All that was measured.
+/// All measurements.
 pub(crate) struct Summary<'r> {
     rows: &'r [Row],
     pub(crate) meshes: Vec<&'r str>,
@@ -13,7 +13,7 @@ pub(crate) struct Summary<'r> {
     pub(crate) runs: Vec<u32>,
 }
 
-/// Each once, in the order of first appearance.
+/// The distinct items, in the order of first appearance.
 fn distinct<T: PartialEq>(items: impl Iterator<Item = T>) -> Vec<T> {
     items.fold(Vec::new(), |mut all, item| {
         if !all.contains(&item) {
@@ -34,7 +34,7 @@ impl<'r> Summary<'r> {
         }
     }
 
-    /// Rows of a mesh and distance (any, if empty) and library.
+    /// Rows of a library for a mesh and a distance, or all distances if empty.
     pub(crate) fn rows(&self, mesh: &str, distance: &str, library: &str) -> impl Iterator<Item = &'r Row> {
         let any = distance.is_empty();
         self.rows.iter().filter(move |row| {
@@ -55,7 +55,7 @@ impl<'r> Summary<'r> {
         (!values.is_empty()).then(|| quantile(&values, 0.5))
     }
 
-    /// Wrong answers on a mesh at all distances, of how many. Runs repeat them: the worst run.
+    /// Wrong answers on a mesh at all distances, and the number of answers. Runs repeat them: takes the worst run.
     pub(crate) fn wrong(&self, mesh: &str, library: &str) -> (usize, usize) {
         let in_run = |run: &u32| {
             let rows = self.rows(mesh, "", library).filter(|row| row.run == *run);
@@ -74,7 +74,7 @@ impl<'r> Summary<'r> {
         peers.filter(|library| matches!(self.wrong(mesh, library), (0, 1..))).collect()
     }
 
-    /// In each run, how many times longer the fastest of these peers takes than we do, by the medians.
+    /// For each run, the ratio of the fastest of these peers to ours, by the medians.
     pub(crate) fn ratios(&self, mesh: &str, distance: &str, peers: &[&str]) -> Vec<f64> {
         let in_run = |run: &u32| {
             let median = |library: &str| {

@@ -6,8 +6,8 @@ use crate::record::Row;
 use crate::summary::Summary;
 use core::fmt::Write as _;
 
-/// Bars of the project: the fastest exact peer and the fastest tree of FCL take so many times longer; our p99
-/// is at most so many medians.
+/// The project's targets: how many times as long the fastest exact peer and the fastest tree of FCL take, and the
+/// maximum ratio of our p99 to the median.
 const EXACT_BAR: f64 = 5.0;
 const FCL_BAR: f64 = 10.0;
 const TAIL_BAR: f64 = 3.0;
@@ -29,10 +29,13 @@ fn head(page: &mut String, rows: &[Row], all: &Summary<'_>, stamp: &str) {
     let _ = write!(
         page,
         "# simdop beside its peers\n\n\
-        {stamp}. {}, one thread. {} run(s); {} poses a mesh and distance, half by the sphere method, half by the grid method of Trenkel, Weller and\n\
-        Zachmann's suite; distances are shares of the diagonal of A's box, \"0 %\" is a gap of 2e-5. A time is the least of up to five passes over a block of ten\n\
-        poses, with the libraries in turns, the pose's conversion in it, less the least time that reading the clock twice takes. Where there are several runs, a figure is their\n\
-        median.\n\n\
+        {stamp}. {}, one thread.\n\
+        \n\
+        {} run(s); {} poses for each mesh and distance, half by the sphere method, half by the grid method of\n\
+        the suite by Trenkel, Weller and Zachmann. Distances are relative to the diagonal of A's box; \"0 %\" is a\n\
+        gap of 2e-5. A time is the minimum of up to five passes over a block of ten poses; the libraries take\n\
+        turns. Times include the conversion of the pose, and exclude the minimum time of reading the clock\n\
+        twice. With several runs, a figure is their median.\n\n\
         ![Median time against distance](results.svg)\n\n\
         Versions: ",
         crate::cpu::cpu(),
@@ -51,15 +54,18 @@ fn head(page: &mut String, rows: &[Row], all: &Summary<'_>, stamp: &str) {
     let versions: Vec<String> = all.libraries.iter().filter_map(version).collect();
     let _ = write!(page, "{}.\n\n", versions.join(", "));
     page.push_str(
-        "What is compared: simdop, Coal, FCL and parry f64 keep coordinates in f64, OPCODE, ODE, PhysX and parry f32 in f32. Coal, FCL, ODE and Embree are compiled as their\n\
-        packages are; \"FCL native\" is FCL OBB with its templates compiled here, OPCODE is ODE's copy and PhysX is its crate's, compiled here, all with -O3 -march=native.\n\
-        ODE collects all pairs of triangles, the others end at the first. Coal's break_distance is 0: its default, 1e-3 in any unit, opens nodes that are apart.\n\
-        PhysX has tolerances in its unit, and gets bodies scaled by a power of two to edges of about 1: in the units of the data it invents hits near contact.\n\
-        Embree finds pairs of boxes, simdop's exact test decides them, and its time holds the refit of A's tree, since its trees have no pose.\n\n",
+        "simdop, Coal, FCL and parry f64 store coordinates in f64; OPCODE, ODE, PhysX and parry f32 in f32. Coal,\n\
+        FCL, ODE and Embree are compiled as in their packages. \"FCL native\" is FCL OBB with its templates\n\
+        compiled here, OPCODE is ODE's copy and PhysX is its crate's; these three are compiled here with -O3\n\
+        -march=native. ODE collects all pairs of triangles, the others stop at the first. Coal's break_distance\n\
+        is 0: with its default, 1e-3 in any unit, it visits nodes that are separated. PhysX has tolerances in\n\
+        its unit, so its bodies are scaled by a power of two to edges of about 1: in the units of the data it\n\
+        reports false hits near contact. Embree finds pairs of boxes, which simdop's exact test decides. Its\n\
+        trees have no pose, so its time includes the refit of A's tree.\n\n",
     );
 }
 
-/// What a page of [`near_contact`] is about, and what its rows are of.
+/// The title of a page of [`near_contact`], and the meaning of its rows.
 pub(crate) struct Labels {
     pub(crate) title: &'static str,
     pub(crate) mesh: &'static str,
@@ -120,7 +126,7 @@ fn strings(words: &[&str]) -> Vec<String> {
     words.iter().map(|word| (*word).to_owned()).collect()
 }
 
-/// Three digits.
+/// Three significant digits.
 pub(crate) fn short(x: f64) -> String {
     if x >= 100.0 {
         format!("{x:.0}")
@@ -137,7 +143,7 @@ fn median_of(values: &[f64]) -> f64 {
     quantile(&sorted, 0.5)
 }
 
-/// A ratio, and in how many runs it keeps to the bar.
+/// A ratio, and in how many runs it meets the target.
 fn judged(values: &[f64], keeps: impl Fn(f64) -> bool) -> String {
     if values.is_empty() {
         return "-".to_owned();
@@ -149,9 +155,9 @@ fn judged(values: &[f64], keeps: impl Fn(f64) -> bool) -> String {
 fn medians(page: &mut String, all: &Summary<'_>) {
     let mut cells = strings(&["mesh", "distance"]);
     cells.extend(strings(&all.libraries));
-    cells.push(format!("fastest exact peer / ours, bar {EXACT_BAR}"));
-    cells.push(format!("FCL / ours, bar {FCL_BAR}"));
-    cells.push(format!("our p99 / median, bar {TAIL_BAR}"));
+    cells.push(format!("fastest exact peer / ours, target {EXACT_BAR}"));
+    cells.push(format!("FCL / ours, target {FCL_BAR}"));
+    cells.push(format!("our p99 / median, target {TAIL_BAR}"));
     header(page, "Median time of a query, µs", 2, &cells);
     let fcl: Vec<&str> = all.libraries.iter().copied().filter(|library| library.starts_with("FCL")).collect();
     for mesh in &all.meshes {
@@ -174,7 +180,8 @@ fn medians(page: &mut String, all: &Summary<'_>) {
         }
     }
     page.push_str(
-        "\nIn brackets: the runs that keep to the bar. An exact peer of a mesh is one without a wrong answer on it. The fastest is bold.\n\n",
+        "\nIn brackets: the runs that meet the target. An exact peer of a mesh has no wrong answer on it. The fastest \
+         is bold.\n\n",
     );
 }
 
@@ -192,7 +199,8 @@ fn wins(page: &mut String, all: &Summary<'_>) {
                     let (wrong, of) = all.wrong(mesh, library);
                     let _ = writeln!(
                         page,
-                        "* {mesh}, {distance}: {library} takes {} µs, ours {} µs ({wrong} of {of} answers on the mesh wrong)",
+                        "* {mesh}, {distance}: {library} takes {} µs, ours {} µs ({wrong} of {of} answers on the mesh \
+                         wrong)",
                         short(time),
                         short(ours)
                     );
@@ -206,7 +214,7 @@ fn wins(page: &mut String, all: &Summary<'_>) {
 fn spreads(page: &mut String, all: &Summary<'_>) {
     let mut cells = strings(&["mesh", "distance", "hits"]);
     cells.extend(strings(&all.libraries));
-    header(page, "Median / mean / 99th percentile / greatest time, µs", 2, &cells);
+    header(page, "Median / mean / 99th percentile / maximum time, µs", 2, &cells);
     for mesh in &all.meshes {
         for distance in &all.distances {
             let hits = all
@@ -233,7 +241,7 @@ fn spreads(page: &mut String, all: &Summary<'_>) {
 fn builds(page: &mut String, all: &Summary<'_>) {
     let mut cells = strings(&["mesh", "triangles"]);
     cells.extend(strings(&all.libraries));
-    header(page, "Build, ms; bytes a triangle; wrong answers (missed + invented) of all", 1, &cells);
+    header(page, "Build, ms; bytes per triangle; wrong answers (missed + invented) of all", 1, &cells);
     for mesh in &all.meshes {
         let triangles = all
             .rows(mesh, "", OURS)
@@ -250,7 +258,10 @@ fn builds(page: &mut String, all: &Summary<'_>) {
         }));
         row(page, &cells);
     }
-    page.push_str("\nMissed: said free where the bodies meet. Invented: said hit where they do not. The truth is brute force in exact arithmetic, at every pose.\n\n");
+    page.push_str(
+        "\nMissed: reported free where the bodies meet. Invented: reported hit where they do not. The truth is \
+         brute force in exact arithmetic, at every pose.\n\n",
+    );
 }
 
 fn work(page: &mut String, all: &Summary<'_>) {
@@ -263,7 +274,7 @@ fn work(page: &mut String, all: &Summary<'_>) {
             "distance",
             "visits",
             "kernels",
-            "re-alignments",
+            "realignments",
             "triangle pairs",
             "of them exact",
         ]),

@@ -1,4 +1,4 @@
-//! The code of each error of the library.
+//! The error code of each error of the library.
 
 use super::{Failure, simdop_error};
 use simdop::construct::BuildError;
@@ -9,7 +9,7 @@ use simdop::query::ToleranceError;
 use simdop::scene::SceneError;
 use std::fmt::Display;
 
-/// An error of the library, with its code.
+/// An error of the library that has a code.
 pub(crate) trait Coded: Display {
     fn code(&self) -> simdop_error;
 }
@@ -20,7 +20,8 @@ impl<E: Coded> From<E> for Failure {
     }
 }
 
-// The library's enumerations may grow, and some of their errors are of what this interface does not offer: these are `Other`.
+// The library's enumerations may grow, and some of their errors concern features that this interface does not offer.
+// Those map to `Other`.
 
 impl Coded for PoseError {
     fn code(&self) -> simdop_error {
@@ -120,7 +121,7 @@ mod tests {
         assert_eq!(last_error(), BuildError::Cancelled.to_string());
     }
 
-    /// From C, where the robot says how many values there are, this cannot be had.
+    /// C cannot cause this error: the robot determines the number of values.
     #[test]
     fn a_wrong_number_of_values_has_a_code() {
         let error = MotionError::Length { given: 1, needed: 2 };

@@ -1,4 +1,4 @@
-//! What is asked of a scene.
+//! Queries of a scene.
 
 use super::{simdop_body_id, simdop_scene};
 use crate::boundary::{answered, given, guarded};
@@ -9,10 +9,10 @@ use std::ffi::{c_int, c_void};
 use std::mem::MaybeUninit;
 use std::ops::ControlFlow;
 
-/// The id of a body where there is none.
+/// The id that stands for no body.
 pub const SIMDOP_NO_BODY: simdop_body_id = u64::MAX;
 
-/// Two bodies that meet, and where; SIMDOP_NO_BODY and SIMDOP_NO_PRIMITIVE where there are none.
+/// Two bodies that meet, and primitives of theirs that do; SIMDOP_NO_BODY and SIMDOP_NO_PRIMITIVE if there are none.
 #[repr(C)]
 #[derive(Copy, Clone, PartialEq, Eq, Debug)]
 pub struct simdop_scene_hit {
@@ -20,7 +20,7 @@ pub struct simdop_scene_hit {
     pub a: simdop_body_id,
     /// The other.
     pub b: simdop_body_id,
-    /// Primitives of theirs.
+    /// Their primitives.
     pub pair: simdop_pair,
 }
 
@@ -28,53 +28,53 @@ pub struct simdop_scene_hit {
 #[repr(C)]
 #[derive(Copy, Clone, PartialEq, Eq, Debug)]
 pub struct simdop_scene_answer {
-    /// Whether any two bodies that are asked against each other meet, or come within the margin.
+    /// Whether the bodies of any tested pair meet, or come within the margin.
     pub verdict: simdop_verdict,
-    /// Of a hit: the first that was found.
+    /// For a hit: the first one found.
     pub hit: simdop_scene_hit,
-    /// Pairs of bodies whose boxes were near each other, and which were asked about.
+    /// Pairs of bodies whose boxes were near each other, and which were tested.
     pub pairs: u64,
-    /// The work for these pairs.
+    /// Query statistics, summed over these pairs.
     pub stats: simdop_query_stats,
 }
 
-/// The answer of simdop_scene_clearance(): the least distance of any two bodies lies in lower ..= upper.
+/// The answer of simdop_scene_clearance(): the smallest distance of two bodies lies in lower ..= upper.
 #[repr(C)]
 #[derive(Copy, Clone, PartialEq, Debug)]
 pub struct simdop_scene_clearance_answer {
-    /// Whether the bounds are as near to each other as was asked. They hold in any case.
+    /// Whether the bounds are as close to each other as requested. They hold in any case.
     pub completion: simdop_completion,
-    /// Lower bound: the cutoff, if no two are nearer.
+    /// Lower bound: the cutoff, if no two bodies are nearer.
     pub lower: f64,
-    /// Upper bound: infinite if no two were found that are nearer than the cutoff. 0 if and only if two meet.
+    /// Upper bound. Infinite if no two bodies nearer than the cutoff were found. 0 if and only if two meet.
     pub upper: f64,
-    /// Bodies that are `upper` apart, and their primitives, if that is finite.
+    /// If `upper` is finite: bodies at that distance, and their primitives.
     pub hit: simdop_scene_hit,
-    /// Where the primitives are closest: the point of `hit.a`'s in the world, up to rounding. A body's radius is not heeded.
-    /// NaN if there is no hit.
+    /// The closest point of `hit.a`'s primitive in the world, up to rounding. Ignores the body's radius. NaN if there
+    /// is no hit.
     pub point_a: [f64; 3],
-    /// The point of `hit.b`'s.
+    /// The closest point of `hit.b`'s primitive.
     pub point_b: [f64; 3],
-    /// Pairs of bodies that were asked about.
+    /// Pairs of bodies tested.
     pub pairs: u64,
-    /// The work for these pairs.
+    /// Query statistics, summed over these pairs.
     pub stats: simdop_query_stats,
 }
 
-/// What simdop_scene_each_hit() came to.
+/// The answer of simdop_scene_each_hit().
 #[repr(C)]
 #[derive(Copy, Clone, PartialEq, Eq, Debug)]
 pub struct simdop_scene_hits {
-    /// How it ended: hits may be missing unless it is complete.
+    /// How the query ended: unless it is complete, hits may be missing.
     pub completion: simdop_completion,
-    /// Pairs of bodies that were asked about.
+    /// Pairs of bodies tested.
     pub pairs: u64,
-    /// The work for these pairs.
+    /// Query statistics, summed over these pairs.
     pub stats: simdop_query_stats,
 }
 
-/// Is called with each hit: 0 goes on, anything else stops. It must return, without an exception or a longjmp(), and must not
-/// change the scene, which it may ask.
+/// Called with each hit. Returns 0 to go on, anything else to stop. It must return, without an exception or a
+/// longjmp(), and must not change the scene, which it may query.
 pub type simdop_on_hit =
     Option<unsafe extern "C" fn(user: *mut c_void, hit: *const simdop_scene_hit) -> c_int>;
 
@@ -116,7 +116,7 @@ impl From<SceneDistance> for simdop_scene_clearance_answer {
     }
 }
 
-/// Do any two bodies meet that are asked against each other? Gives up after `budget` visits for all pairs together.
+/// Do the bodies of any tested pair meet? Stops after `budget` visits, summed over all pairs.
 #[unsafe(no_mangle)]
 pub extern "C" fn simdop_scene_collide(
     scene: Option<&simdop_scene>,
@@ -126,7 +126,7 @@ pub extern "C" fn simdop_scene_collide(
     answered(answer, || Ok(given(scene, "scene")?.scene.collide(&query(budget))?.into()))
 }
 
-/// Do any two bodies that are asked against each other come within `margin`, 0 to 2^300, in the world? Otherwise as
+/// Do the bodies of any tested pair come within `margin`, 0 to 2^300, in the world? Otherwise like
 /// simdop_scene_collide().
 #[unsafe(no_mangle)]
 pub extern "C" fn simdop_scene_within(
@@ -138,9 +138,9 @@ pub extern "C" fn simdop_scene_within(
     answered(answer, || Ok(given(scene, "scene")?.scene.within(&query(budget), margin)?.into()))
 }
 
-/// How near do two bodies come that are asked against each other, up to `cutoff`, which may be infinite? The bounds are as near
-/// to each other as `tolerance`, relative to the distance between primitives, before radii are taken off. Otherwise as
-/// simdop_scene_collide().
+/// What is the smallest distance between the bodies of any tested pair, up to `cutoff`, which may be infinite?
+/// `tolerance` limits the gap between the bounds relative to the distance between primitives, before the radii are
+/// subtracted. Otherwise like simdop_scene_collide().
 #[unsafe(no_mangle)]
 pub extern "C" fn simdop_scene_clearance(
     scene: Option<&simdop_scene>,
@@ -152,11 +152,11 @@ pub extern "C" fn simdop_scene_clearance(
     answered(answer, || Ok(given(scene, "scene")?.scene.clearance(&query(budget), tolerance, cutoff)?.into()))
 }
 
-/// Calls `on_hit` with `user` and every two bodies that are asked against each other and come within `margin`, each two once.
-/// Otherwise as simdop_scene_within().
+/// Calls `on_hit` with `user` once for each tested pair of bodies that come within `margin`. Otherwise like
+/// simdop_scene_within().
 ///
 /// # Safety
-/// `user`, which may be NULL, is what `on_hit` takes it for.
+/// `user`, which may be NULL, is what `on_hit` expects.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn simdop_scene_each_hit(
     scene: Option<&simdop_scene>,
@@ -170,7 +170,7 @@ pub unsafe extern "C" fn simdop_scene_each_hit(
         let (scene, hits) = (&given(scene, "scene")?.scene, given(hits, "hits")?);
         let on_hit = given(on_hit, "on_hit")?;
         let (completion, pairs, stats) = scene.for_each_hit(&query(budget), margin, |hit| {
-            // SAFETY: `user` is what the function takes it for, by the caller's promise; the hit is there during the call.
+            // SAFETY: the caller guarantees that `user` is what the function expects; the hit lives during the call.
             match unsafe { on_hit(user, &hit.into()) } {
                 0 => ControlFlow::Continue(()),
                 _ => ControlFlow::Break(()),

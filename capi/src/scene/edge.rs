@@ -1,4 +1,4 @@
-//! Edges: do bodies of a scene meet anywhere on their way?
+//! Motions: do bodies of a scene meet anywhere on the way?
 
 use super::{simdop_body_id, simdop_scene, simdop_scene_hit};
 use crate::body::Node;
@@ -14,44 +14,44 @@ use simdop::scene::{BodyId, MotionAnswer, MotionHit, MotionMemory, MotionVerdict
 use std::mem::MaybeUninit;
 use std::num::NonZeroU32;
 
-/// Pairs of bodies that a query of an edge has room for, each in an interval of time which it has yet to ask about: two for each
-/// pair of bodies that come near each other, and more where these come close. Those there is no room for are unresolved. A scene
-/// allocates this room, 768 KiB, at its first edge, and keeps it; its later edges allocate nothing, unless more bodies move, or a
-/// robot of more joints or variables.
+/// Capacity of a motion query: pairs of bodies, each with an interval of time that is still to be checked. It takes two
+/// for each pair of bodies that come near each other, and more where they come close. Pairs beyond the capacity are
+/// unresolved. A scene allocates this memory, 768 KiB, at its first motion query and keeps it. Later ones allocate
+/// nothing, unless more bodies move, or a robot has more joints or variables.
 pub const SIMDOP_EDGE_ROOM: usize = 65536;
 
-/// What became of an edge.
+/// The verdict about a motion.
 #[repr(C)]
 #[derive(Copy, Clone, PartialEq, Eq, Debug)]
 pub enum simdop_motion_verdict {
-    /// No two bodies that are asked against each other meet at any time from 0 to 1: certain.
+    /// The bodies of no tested pair meet at any time from 0 to 1. Certain.
     Free = 0,
-    /// Two bodies meet at a time. It need not be the first.
+    /// Two bodies meet at some time, not necessarily the first.
     Hit = 1,
-    /// No hit was found, but within an interval of time something may meet.
+    /// No hit was found, but bodies may meet within an interval of time.
     Unresolved = 2,
 }
 
-/// The answer of simdop_scene_check_motion() and its like.
+/// The answer of simdop_scene_check_motion() and its variants.
 #[repr(C)]
 #[derive(Copy, Clone, PartialEq, Debug)]
 pub struct simdop_motion_answer {
     /// The verdict.
     pub verdict: simdop_motion_verdict,
-    /// Of a hit: the bodies, and primitives of theirs that meet.
+    /// For a hit: the bodies, and primitives of theirs that meet.
     pub hit: simdop_scene_hit,
-    /// Of a hit: when. Otherwise NaN.
+    /// For a hit: the time. Otherwise NaN.
     pub time: f64,
-    /// Of an unresolved verdict: when the first interval begins about which nothing is known. Before, nothing meets, unless
-    /// this is the answer about samples. Otherwise NaN.
+    /// For an unresolved verdict: the start of the first unresolved interval of time. Nothing meets before it, unless
+    /// only samples were checked. Otherwise NaN.
     pub from: f64,
-    /// When that interval ends: not more than the resolution later, if neither budget nor room ended the query.
+    /// The end of that interval: at most the resolution later, unless budget or capacity ended the query.
     pub to: f64,
-    /// At how many times the bodies were placed.
+    /// Number of times at which the bodies were placed.
     pub times: u64,
-    /// Pairs of bodies that were asked about, once for each time.
+    /// Pairs of bodies tested, counted once for each time.
     pub pairs: u64,
-    /// The work for these pairs.
+    /// Query statistics, summed over these pairs.
     pub stats: simdop_query_stats,
 }
 
@@ -80,7 +80,7 @@ impl From<MotionAnswer> for simdop_motion_answer {
     }
 }
 
-/// Memory for edges, which stays with the scene.
+/// Memory for motion queries, which the scene keeps.
 #[derive(Default, Debug)]
 pub(super) struct EdgeRoom {
     moving: Vec<BodyId>,
@@ -89,10 +89,10 @@ pub(super) struct EdgeRoom {
     motion: MotionRoom,
 }
 
-/// What motions have memory of their own for, which they make as large as they need it.
+/// Memory of the motions themselves, which grow it as needed.
 #[derive(Default, Debug)]
 struct MotionRoom {
-    /// What callbacks write: a place for each body.
+    /// What callbacks write: one pose for each moving body.
     written: Vec<simdop_pose>,
     /// The values of a robot's variables, and its links.
     values: Vec<f64>,
@@ -100,7 +100,8 @@ struct MotionRoom {
 }
 
 impl EdgeRoom {
-    /// Makes room for an edge of these bodies: their ids, memory for the query, and what there is for the motion.
+    /// Resizes the memory for a motion of these bodies, and returns their ids, the memory of the query, and that of the
+    /// motion.
     fn lend(&mut self, moving: &[simdop_body_id]) -> (&[BodyId], MotionMemory<'_>, &mut MotionRoom) {
         let Self { moving: ids, poses, waiting, motion } = self;
         ids.clear();
@@ -111,7 +112,7 @@ impl EdgeRoom {
     }
 }
 
-/// What an edge is asked with where functions of the caller's move the bodies.
+/// The input of a motion query whose motion is given by callbacks.
 struct CalledEdge<'e> {
     scene: &'e mut Scene<'static, Node>,
     moving: &'e [BodyId],
@@ -121,7 +122,7 @@ struct CalledEdge<'e> {
 
 impl<'e> CalledEdge<'e> {
     /// # Safety
-    /// As of simdop_scene_check_motion(); as long as this lives, the motion's functions may be called.
+    /// As for simdop_scene_check_motion(). While this value lives, the motion's callbacks may be called.
     unsafe fn new(
         scene: Option<&'e mut simdop_scene>,
         moving: *const simdop_body_id,
@@ -129,28 +130,30 @@ impl<'e> CalledEdge<'e> {
         motion: Option<&simdop_motion>,
     ) -> Result<Self, Failure> {
         let simdop_scene { scene, room } = given(scene, "scene")?;
-        // SAFETY: there are so many, by the caller's promise.
+        // SAFETY: the caller guarantees the length.
         let moving = unsafe { items(moving, count, "moving") }?;
         let motion = *given(motion, "motion")?;
         given(motion.go_to, "motion->go_to")?;
         let (moving, memory, MotionRoom { written, .. }) = room.lend(moving);
         written.resize(moving.len(), simdop_pose::UNWRITTEN);
-        // SAFETY: its functions may be called as long as this lives, by the caller's promise.
+        // SAFETY: the caller guarantees that its callbacks may be called while this value lives.
         let motion = unsafe { Called::new(motion, written) };
         Ok(Self { scene, moving, motion, memory })
     }
 }
 
-/// Do any two bodies that are asked against each other meet at any time of a motion of some of them, and of what is attached to
-/// these? All others stand still. SIMDOP_MOTION_VERDICT_FREE is certain for all times from 0 to 1, not for samples of them, if the
-/// motion's `path` is the bound that it should be.
+/// Do the bodies of any tested pair meet at any time of a motion? The motion moves some bodies, and those attached to
+/// them; all others stand still. SIMDOP_MOTION_VERDICT_FREE is certain for all times from 0 to 1, not only for samples,
+/// provided that the motion's `path` is a valid bound.
 ///
-/// `moving` are the `count` bodies that move, in the motion's order; none of them is attached. No interval of time that is not
-/// longer than `resolution`, above 0, is halved: what comes so near that this would be needed is unresolved. Gives up after
-/// `budget` visits for all pairs and times together. Afterwards, and after a failure, the bodies stand where they stood.
+/// `moving` lists the `count` moving bodies in the order of the motion; none of them is attached to another body.
+/// Intervals of time not longer than `resolution`, which is positive, are not split: bodies so close that this would be
+/// needed are unresolved. Stops after `budget` visits, summed over all pairs and times. Afterwards, even after a
+/// failure, the bodies are at their original poses.
 ///
 /// # Safety
-/// There are `count` ids. `motion->user` is what the motion's functions take it for, and these do what is said of them.
+/// `moving` has `count` ids. `motion->user` is what the motion's callbacks expect, and these fulfil the contract of
+/// simdop_motion.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn simdop_scene_check_motion(
     scene: Option<&mut simdop_scene>,
@@ -163,7 +166,7 @@ pub unsafe extern "C" fn simdop_scene_check_motion(
 ) -> simdop_error {
     answered(answer, || {
         given(given(motion, "motion")?.path, "motion->path")?;
-        // SAFETY: the same is promised here, for as long as this call.
+        // SAFETY: the caller gives this guarantee, for as long as this call.
         let edge = unsafe { CalledEdge::new(scene, moving, count, motion) }?;
         let CalledEdge { scene, moving, mut motion, mut memory } = edge;
         let answer = scene.check_motion(&query(budget), moving, &mut motion, resolution, &mut memory);
@@ -171,13 +174,13 @@ pub unsafe extern "C" fn simdop_scene_check_motion(
     })
 }
 
-/// The same question at some times only: at those that divide 0 to 1 into `parts` evenly, at least 1, both ends among them, in
-/// an order that halves the longest gaps first, until one is a hit. The verdict is never SIMDOP_MOTION_VERDICT_FREE, but
-/// unresolved from 0 to 1: between the times, nothing is known. The motion's `path` is not called, and may be NULL. Otherwise as
-/// simdop_scene_check_motion().
+/// Like simdop_scene_check_motion(), but only at the times that divide 0 to 1 into `parts` equal intervals, at least 1,
+/// both ends included. Splits the longest gaps first and stops at the first hit. The verdict is never
+/// SIMDOP_MOTION_VERDICT_FREE, but unresolved from 0 to 1: the times in between are not checked. The motion's `path` is
+/// not called, and may be NULL.
 ///
 /// # Safety
-/// As of simdop_scene_check_motion().
+/// As for simdop_scene_check_motion().
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn simdop_scene_check_motion_discrete(
     scene: Option<&mut simdop_scene>,
@@ -191,7 +194,7 @@ pub unsafe extern "C" fn simdop_scene_check_motion_discrete(
     answered(answer, || {
         let parts = NonZeroU32::new(parts)
             .ok_or_else(|| Failure::new(simdop_error::MotionNoParts, "an edge of 0 parts".into()))?;
-        // SAFETY: the same is promised here, for as long as this call.
+        // SAFETY: the caller gives this guarantee, for as long as this call.
         let edge = unsafe { CalledEdge::new(scene, moving, count, motion) }?;
         let CalledEdge { scene, moving, mut motion, mut memory } = edge;
         let answer = scene.check_motion_discrete(&query(budget), moving, &mut motion, parts, &mut memory);
@@ -199,10 +202,10 @@ pub unsafe extern "C" fn simdop_scene_check_motion_discrete(
     })
 }
 
-/// As simdop_scene_check_motion(), of one body, and of what is attached to it, on its way from one pose in the world to another: it turns
-/// evenly about an axis, by at most half a turn, and moves evenly along the axis. This screw is the one that leads there, and of
-/// poses which differ in no turn is a straight line. It ends at `to` up to 1e-7 of the coordinates, and up to what the matrices
-/// are off a rotation. Where the body stands in the scene does not matter.
+/// Like simdop_scene_check_motion(), for one body, and those attached to it, on a screw motion from one pose in the
+/// world to another: it rotates uniformly about an axis, by at most half a turn, and moves uniformly along the axis. If
+/// the rotations are equal, it moves along a straight line. It ends at `to` up to 1e-7 of the coordinates, and up to
+/// the deviation of the matrices from a rotation. The body's pose in the scene is irrelevant.
 #[unsafe(no_mangle)]
 pub extern "C" fn simdop_scene_check_screw(
     scene: Option<&mut simdop_scene>,
@@ -223,13 +226,13 @@ pub extern "C" fn simdop_scene_check_screw(
     })
 }
 
-/// As simdop_scene_check_motion(), of the bodies of a robot, and of what is attached to these, while each of its variables changes
-/// evenly from one value to another. `from` and `to` have a number for each variable, within its limits. `moving` are the
-/// robot's bodies, in its order: with more or fewer of them this is SIMDOP_ERROR_MOTION_BODIES. Where they stand in the scene
-/// does not matter.
+/// Like simdop_scene_check_motion(), for the bodies of a robot, and those attached to them, while each variable changes
+/// uniformly from one value to another. `from` and `to` have a number for each variable, within its limits. `moving`
+/// lists the robot's bodies in its order: a different number of them is SIMDOP_ERROR_MOTION_BODIES. Their poses in the
+/// scene are irrelevant.
 ///
 /// # Safety
-/// There are `count` ids, and a number for each variable in both arrays.
+/// `moving` has `count` ids, and `from` and `to` a number for each variable.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn simdop_scene_check_joint_motion(
     scene: Option<&mut simdop_scene>,
@@ -246,11 +249,11 @@ pub unsafe extern "C" fn simdop_scene_check_joint_motion(
         let simdop_scene { scene, room } = given(scene, "scene")?;
         let kinematics = given(robot, "robot")?.kinematics()?;
         let variables = kinematics.limits().len();
-        // SAFETY: there are so many, by the caller's promise.
+        // SAFETY: the caller guarantees the length.
         let moving = unsafe { items(moving, count, "moving") }?;
-        // SAFETY: there is one for each variable, by the caller's promise.
+        // SAFETY: the caller guarantees one for each variable.
         let from = unsafe { items(from, variables, "from") }?;
-        // SAFETY: the same.
+        // SAFETY: as above.
         let to = unsafe { items(to, variables, "to") }?;
         let (moving, mut memory, MotionRoom { values, links, .. }) = room.lend(moving);
         values.resize(variables, 0.0);

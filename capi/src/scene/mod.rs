@@ -23,17 +23,17 @@ use simdop::scene::{Body, BodyId, Groups, Scene};
 use std::ffi::c_int;
 use std::mem::MaybeUninit;
 
-/// In every group, or against every group.
+/// All groups.
 pub const SIMDOP_ALL_GROUPS: u32 = u32::MAX;
 
-/// Bodies, placed in the world.
+/// A set of bodies at poses in the world.
 #[derive(Debug)]
 pub struct simdop_scene {
     scene: Scene<'static, Node>,
     room: EdgeRoom,
 }
 
-// What the header says of threads.
+// The header guarantees these properties.
 const _: () = {
     const fn shared_among_threads<T: Send + Sync>() {}
     shared_among_threads::<simdop_body>();
@@ -41,24 +41,26 @@ const _: () = {
     shared_among_threads::<simdop_robot>();
 };
 
-/// A body in its scene, and in no other one. That of a body which was removed is an error, until its place was taken 2^32 times.
+/// The id of a body in its scene, and in no other. The id of a removed body is an error until its slot was reused 2^32
+/// times.
 pub type simdop_body_id = u64;
 
-/// What a body is in a scene. Begin with simdop_role_default(): of all zeros it is in no group, and asked against none.
+/// The role of a body in a scene. Start from simdop_role_default(): a body whose role is all zeros is tested against
+/// nothing.
 #[repr(C)]
 #[derive(Copy, Clone, PartialEq, Debug)]
 pub struct simdop_role {
-    /// Everything within this of the body's primitives belongs to it, too. Not negative.
+    /// The body includes everything within this distance of its primitives. Not negative.
     pub radius: f64,
-    /// Not 0: the body stands still. No two of these are asked against each other. It may be placed anew all the same.
+    /// Nonzero: the body stands still. Pairs of such bodies are not tested. simdop_scene_place() may still move it.
     pub is_fixed: c_int,
     /// The groups that the body is in: bit i is group i.
     pub groups: u32,
-    /// The groups that it is asked against. Two bodies are, if each is in a group that the other names here.
+    /// The groups that it is tested against. A pair is tested if each body is in a group that the other lists here.
     pub against: u32,
 }
 
-/// A body that moves, of radius 0, in all groups and asked against all.
+/// A moving body of radius 0, in all groups and tested against all.
 #[unsafe(no_mangle)]
 pub extern "C" fn simdop_role_default() -> simdop_role {
     simdop_role { radius: 0.0, is_fixed: 0, groups: SIMDOP_ALL_GROUPS, against: SIMDOP_ALL_GROUPS }
@@ -72,7 +74,7 @@ impl simdop_role {
     }
 }
 
-/// Does something to a scene.
+/// Applies a change to a scene.
 fn change(
     scene: Option<&mut simdop_scene>,
     change: impl FnOnce(&mut Scene<'static, Node>) -> Result<(), Failure>,
@@ -80,7 +82,7 @@ fn change(
     guarded(|| change(&mut given(scene, "scene")?.scene))
 }
 
-/// Makes a scene without bodies, which grows as they come.
+/// Creates an empty scene. It grows as bodies are inserted.
 #[unsafe(no_mangle)]
 pub extern "C" fn simdop_scene_create(
     scene: Option<&mut MaybeUninit<Option<Box<simdop_scene>>>>,
@@ -88,14 +90,14 @@ pub extern "C" fn simdop_scene_create(
     make(scene, "scene", || Ok(simdop_scene { scene: Scene::new(), room: EdgeRoom::default() }))
 }
 
-/// Destroys a scene, and none of its bodies. Of NULL, nothing.
+/// Destroys a scene, but none of its bodies. Does nothing for NULL.
 #[unsafe(no_mangle)]
 pub extern "C" fn simdop_scene_destroy(scene: Option<Box<simdop_scene>>) {
     drop(scene);
 }
 
-/// Puts a body into a scene, where it stands at `world`. One body may be put into several scenes, and into one several times.
-/// It must stay until it is removed, or the scene is destroyed.
+/// Inserts a body into a scene at the pose `world`. A body may be inserted into several scenes, and several times into
+/// one. It must exist until it is removed or the scene is destroyed.
 #[unsafe(no_mangle)]
 pub extern "C" fn simdop_scene_insert(
     scene: Option<&mut simdop_scene>,
@@ -112,13 +114,13 @@ pub extern "C" fn simdop_scene_insert(
     })
 }
 
-/// Takes a body out of a scene. Those that are attached to it stay where they are, and are attached no more.
+/// Removes a body from a scene. The bodies attached to it stay where they are, and are no longer attached.
 #[unsafe(no_mangle)]
 pub extern "C" fn simdop_scene_remove(scene: Option<&mut simdop_scene>, id: simdop_body_id) -> simdop_error {
     change(scene, |scene| Ok(scene.remove(BodyId::from_bits(id)).map(drop)?))
 }
 
-/// Places a body, and those that are attached to it. One that is attached is placed with the other only.
+/// Sets the pose of a body, and moves the bodies attached to it along. An attached body cannot be placed itself.
 #[unsafe(no_mangle)]
 pub extern "C" fn simdop_scene_place(
     scene: Option<&mut simdop_scene>,
@@ -131,7 +133,7 @@ pub extern "C" fn simdop_scene_place(
     })
 }
 
-/// Attaches a body to another, which it is then placed with: it stays where it is as seen from there.
+/// Attaches a body to another, at its current pose relative to it. Placing the other then moves it along.
 #[unsafe(no_mangle)]
 pub extern "C" fn simdop_scene_attach(
     scene: Option<&mut simdop_scene>,
@@ -141,13 +143,13 @@ pub extern "C" fn simdop_scene_attach(
     change(scene, |scene| Ok(scene.attach(BodyId::from_bits(id), BodyId::from_bits(to))?))
 }
 
-/// Attaches a body no more. It stays where it is. Of a body that is not attached, nothing.
+/// Detaches a body. It stays where it is. Does nothing for a body that is not attached.
 #[unsafe(no_mangle)]
 pub extern "C" fn simdop_scene_detach(scene: Option<&mut simdop_scene>, id: simdop_body_id) -> simdop_error {
     change(scene, |scene| Ok(scene.detach(BodyId::from_bits(id))?))
 }
 
-/// Allows two bodies to meet, whatever their groups: no question of the scene asks the pair.
+/// Allows two bodies to meet, whatever their groups: no query of the scene tests the pair.
 #[unsafe(no_mangle)]
 pub extern "C" fn simdop_scene_allow_collision(
     scene: Option<&mut simdop_scene>,
@@ -157,7 +159,7 @@ pub extern "C" fn simdop_scene_allow_collision(
     change(scene, |scene| Ok(scene.allow_collision(BodyId::from_bits(a), BodyId::from_bits(b))?))
 }
 
-/// Forbids two bodies to meet, whatever their groups: all questions of the scene ask the pair.
+/// Forbids two bodies to meet, whatever their groups: all queries of the scene test the pair.
 #[unsafe(no_mangle)]
 pub extern "C" fn simdop_scene_forbid_collision(
     scene: Option<&mut simdop_scene>,

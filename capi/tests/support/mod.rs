@@ -1,4 +1,4 @@
-//! What the tests share: bodies and poses, by the C functions and by the library.
+//! Shared by the tests: bodies and poses, through the C functions and through the library.
 
 #[path = "../../../tests/support/rng.rs"]
 mod rng;
@@ -17,31 +17,31 @@ use std::ops::ControlFlow;
 
 pub(crate) type Node = Node16<18>;
 
-/// A body, twice.
+/// A body, through both interfaces.
 pub(crate) struct Twice<T> {
     pub(crate) c: &'static simdop_body,
     pub(crate) rust: T,
 }
 
-/// What a function leaves behind its last pointer, or why it does not.
+/// What a function writes through its last pointer, or its error.
 pub(crate) fn answer<T>(
     ask: impl FnOnce(Option<&mut MaybeUninit<T>>) -> simdop_error,
 ) -> Result<T, simdop_error> {
     let mut place = MaybeUninit::uninit();
     match ask(Some(&mut place)) {
-        // SAFETY: written, of success.
+        // SAFETY: written on success.
         simdop_error::None => Ok(unsafe { place.assume_init() }),
         error => Err(error),
     }
 }
 
-/// A new handle. Of failure, it is NULL.
+/// A new handle. It is NULL on failure.
 pub(crate) fn handle<T>(
     make: impl FnOnce(Option<&mut MaybeUninit<Option<Box<T>>>>) -> simdop_error,
 ) -> Result<Box<T>, simdop_error> {
     let mut place = MaybeUninit::uninit();
     let error = make(Some(&mut place));
-    // SAFETY: written, whatever came of it.
+    // SAFETY: written on success and on failure.
     let handle = unsafe { place.assume_init() };
     assert_eq!(handle.is_some(), error == simdop_error::None);
     handle.ok_or(error)
@@ -92,9 +92,9 @@ pub(crate) fn open(bytes: &[u8]) -> Result<Box<simdop_body>, simdop_error> {
 pub(crate) fn bytes(body: &simdop_body) -> &[u8] {
     let mut first = MaybeUninit::uninit();
     let count = answer(|count| simdop_body_bytes(Some(body), Some(&mut first), count)).unwrap();
-    // SAFETY: written, of success.
+    // SAFETY: written on success.
     let first = unsafe { first.assume_init() };
-    // SAFETY: so many bytes, which are there as long as the body.
+    // SAFETY: there are that many bytes, which live as long as the body.
     unsafe { std::slice::from_raw_parts(first, count) }
 }
 
@@ -132,7 +132,7 @@ pub(crate) fn sphere_sets(rng: &mut Rng) -> Vec<Twice<Bvh<Node, Spheres>>> {
     all
 }
 
-/// A random pose, of bodies that meet in about half of all cases.
+/// A random pose. The bodies meet in about half of all cases.
 pub(crate) fn pose(rng: &mut Rng) -> (simdop_pose, Pose) {
     let rotation = rng.rotation();
     let row = |r: [f64; 3], t: f64| [r[0], r[1], r[2], t];
@@ -143,7 +143,7 @@ pub(crate) fn pose(rng: &mut Rng) -> (simdop_pose, Pose) {
 pub(crate) const IDENTITY: simdop_pose =
     simdop_pose { rows: [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0]] };
 
-/// Names what only some of the tests need, so that the others compile without a warning.
+/// Names items that only some of the tests use, so that the others compile without a warning.
 const _: () = {
     let _ = (open, bytes, meshes, sphere_sets, pose, IDENTITY);
     let _ = |twice: Twice<()>| (twice.c, twice.rust);

@@ -1,11 +1,11 @@
-//! A robot, by the C functions and by the library, and what can be wrong with one.
+//! A robot through the C functions and through the library, and faulty robots.
 
 use super::{IDENTITY, Rng, handle, pose};
 use simdop::motion::{Joint, JointKind, Kinematics, LinkBody};
 use simdop::pose::Pose;
 use simdop_capi::*;
 
-/// What a robot is made of.
+/// The description of a robot.
 #[derive(Clone)]
 pub(crate) struct Parts {
     pub(crate) base: simdop_pose,
@@ -15,7 +15,8 @@ pub(crate) struct Parts {
 }
 
 impl Parts {
-    /// A tree of joints of both kinds, one of which mimics another, with three bodies, and a variable that moves nothing.
+    /// A tree of joints of both kinds, one of which mimics another, with three bodies, and a variable that moves
+    /// nothing.
     pub(crate) fn random(rng: &mut Rng) -> Self {
         let joint = |i: u32, rng: &mut Rng| simdop_joint {
             kind: rng.below(2) as u32,
@@ -55,7 +56,7 @@ impl Parts {
         })
     }
 
-    /// The same by the library.
+    /// The same robot through the library.
     pub(crate) fn with_kinematics<R>(&self, ask: impl FnOnce(Kinematics<'_>) -> R) -> R {
         let checked = |pose: &simdop_pose| Pose::from_rows(pose.rows).unwrap();
         let joint = |joint: &simdop_joint| {
@@ -71,7 +72,7 @@ impl Parts {
     }
 }
 
-/// A joint that turns about z, at its link's origin, by the first variable, and a body on its link.
+/// A joint that rotates about z, at its link's origin, by the first variable, and a body on its link.
 pub(crate) fn hinge() -> Parts {
     let kind = simdop_joint_kind::Revolute as u32;
     let (origin, axis) = (IDENTITY, [0.0, 0.0, 1.0]);
@@ -80,7 +81,7 @@ pub(crate) fn hinge() -> Parts {
     Parts { base: IDENTITY, joints: vec![joint], bodies: vec![body], limits: vec![[-2.0, 2.0]] }
 }
 
-/// Robots that there cannot be, with the code of each.
+/// Invalid robots, with the error code of each.
 pub(crate) fn faults() -> Vec<(simdop_error, Parts)> {
     let mut mirrored = IDENTITY;
     mirrored.rows[1][1] = -1.0;
@@ -115,7 +116,7 @@ pub(crate) fn faults() -> Vec<(simdop_error, Parts)> {
     faults
 }
 
-/// As in `mod.rs`, of what not all tests need.
+/// As in `mod.rs`, for items that not all tests use.
 const _: () = {
     let _ = (Parts::random, Parts::values, Parts::robot, faults);
     let _ = |parts: Parts| parts.with_kinematics(|_| ());

@@ -1,4 +1,4 @@
-//! Coordinates of text files: which type holds what their digits say.
+//! Coordinates of text files: the type that stores them without loss.
 
 use super::quote;
 use crate::error::Fault;
@@ -13,7 +13,7 @@ pub(super) fn coordinate(word: Option<&str>, line: usize) -> Result<f64, Fault> 
     }
 }
 
-/// The coordinates of a text file: whether those read so far lose nothing as `f32`.
+/// Tracks whether the coordinates read so far lose nothing as `f32`.
 #[derive(Default)]
 pub(super) struct Decimals {
     need_f64: bool,
@@ -43,7 +43,7 @@ impl Decimals {
     }
 }
 
-/// Whether a decimal number, `x` as `f64`, can be printed again from its `f32`, digit by digit.
+/// Whether a decimal number, whose `f64` is `x`, can be reproduced from its `f32` digit by digit.
 fn survives_f32(word: &str, x: f64) -> bool {
     let single = x as f32;
     if f64::from(single) == x {
@@ -54,8 +54,7 @@ fn survives_f32(word: &str, x: f64) -> bool {
         mantissa.trim_start_matches(['+', '-', '0', '.']).bytes().filter(u8::is_ascii_digit).count()
     };
     let count = digits(word);
-    // One digit stands before the point. Half way between two numbers of that many digits, some printers take
-    // the other one.
+    // One digit stands before the point. Printers differ in rounding a number half way between two of that many digits.
     let (rounded, shortest) = (format!("{single:.*e}", count.saturating_sub(1)), format!("{single:e}"));
     [rounded, shortest].iter().any(|print| digits(print) == count && print.parse() == Ok(x))
 }
@@ -67,7 +66,7 @@ mod tests {
 
     #[test]
     fn decimals_become_the_nearest_double() {
-        // 2^53 + 1 lies half way: to even. 5e-324 is the smallest positive number.
+        // 2^53 + 1 lies half way and rounds to even. 5e-324 is the smallest positive number.
         for (word, want) in
             [("0.1", 0.1), ("-.5", -0.5), ("1.", 1.0), ("9007199254740993", 9007199254740992.0)]
         {
@@ -80,8 +79,8 @@ mod tests {
         }
     }
 
-    /// What is lost is decided here without digits: the neighbouring `f32`s, and how far from them the number
-    /// is.
+    /// The expected loss is computed without digits: from the neighbouring `f32`s, and the distance of the number to
+    /// them.
     #[test]
     fn six_digits_survive_f32_and_seventeen_do_not() {
         let survives = |word: &str| survives_f32(word, word.parse().unwrap());
@@ -94,8 +93,8 @@ mod tests {
             for word in [format!("{single:e}"), format!("{single:.8e}"), format!("{:?}", f64::from(single))] {
                 assert!(survives(&word), "{word}");
             }
-            // A tenth of the way to the next one: no f32, whatever the number of digits, as long as they tell
-            // it apart.
+            // A tenth of the way to the next `f32`: not an `f32` itself, for any number of digits that distinguish the
+            // two.
             let step = f64::from(single.next_up()) - f64::from(single);
             assert!(!survives(&format!("{:.12e}", f64::from(single) + 0.1 * step)));
         }
@@ -108,7 +107,7 @@ mod tests {
             ("0.10000000000", false),
             ("0.1000000014901", true),
             ("16777217", false),
-            // Zeros before the point may be meant.
+            // Zeros before the point may be significant.
             ("115486832", true),
             ("115486830", false),
             ("142838.62", true),

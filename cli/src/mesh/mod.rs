@@ -1,23 +1,21 @@
-//! Mesh files: OBJ, OFF, PLY, STL; and clouds of points: PLY, XYZ. Nothing is dropped or repaired in silence: every fault names its line or
-//! byte.
+//! Mesh files: OBJ, OFF, PLY, STL; and clouds of points: PLY, XYZ. Nothing is dropped or repaired silently: every error
+//! names its line or byte.
 //!
-//! What a file holds in binary is kept to the bit. Decimals become the nearest `f32` where that loses
-//! nothing: if each coordinate of the file, printed from its `f32` with as many digits as the file gives it,
-//! is what the file says. So it is for six digits and fewer, and for what a program printed from `f32`. One
-//! coordinate that says more makes the whole file `f64`. The library stores either as it is, the first in
-//! half of the bytes.
+//! Binary numbers are stored bit by bit. Decimals are rounded to `f32` if that loses nothing: if each coordinate of the
+//! file, printed from its `f32` with the same number of digits, is what the file says. This holds for up to six digits,
+//! and for numbers printed from `f32`. If a single coordinate has more precision, the whole file becomes `f64`. The
+//! library stores either type as it is; `f32` takes half the bytes.
 //!
-//! Corners whose coordinates have the same bits become one vertex. A vertex that no triangle uses is no part
-//! of a body. Points of a cloud are all kept, in their order: their indices are those of the file.
+//! Corners whose coordinates have the same bits become one vertex. Vertices that no triangle uses are dropped. The
+//! points of a cloud are all kept, in their order: their indices are those of the file.
 //!
-//! Lines end in LF, CR LF or CR, also the last one: the last number of a file that was cut in the middle of a
-//! line would otherwise pass for a shorter number, and a square for a triangle. (In ASCII STL the word
-//! `endsolid` is an end, too.) A file that was cut between two lines cannot be told from a smaller one where
-//! its format has no counts: in OBJ, and between the solids of an ASCII STL.
+//! Lines end in LF, CR LF or CR, including the last one: otherwise the last number of a truncated file could pass for a
+//! shorter number, and a square for a triangle. (In ASCII STL the word `endsolid` is an end, too.) Truncation between
+//! two lines cannot be detected where the format has no counts: in OBJ, and between the solids of an ASCII STL.
 //!
-//! PLY headers and binary payloads are read by the crate `ply-rs-bw`. The rest is read here: `ply-rs-bw`
-//! refuses ASCII numbers such as `.5`, `tobj`'s errors name no line, `stl_io` rounds ASCII decimals to `f32`,
-//! and for OFF there is no crate that is kept.
+//! The crate `ply-rs-bw` reads PLY headers and binary payloads. The rest is read here: `ply-rs-bw` rejects ASCII
+//! numbers such as `.5`, `tobj`'s errors name no line, `stl_io` rounds ASCII decimals to `f32`, and no maintained crate
+//! reads OFF.
 
 mod decimals;
 mod obj;
@@ -33,23 +31,23 @@ use decimals::{Decimals, coordinate};
 use std::collections::HashMap;
 use std::path::Path;
 
-/// Vertices and triangles as the library takes them.
+/// Vertices and triangles in the form that the library takes.
 #[derive(Clone, PartialEq, Debug, Default)]
 pub(crate) struct MeshData {
     pub(crate) vertices: Vec<[f64; 3]>,
     pub(crate) triangles: Vec<[u32; 3]>,
 }
 
-/// Whether a file without a triangle is one.
+/// Whether a file without triangles is accepted.
 #[derive(Copy, Clone, PartialEq, Eq, Debug)]
 pub(crate) enum Empty {
-    /// An empty body is meant.
+    /// The body is meant to be empty.
     Allowed,
-    /// Something was lost on the way here.
+    /// The file is assumed to be damaged.
     Refused,
 }
 
-/// Reads a mesh, by the extension of its file's name.
+/// Reads a mesh, by the file's extension.
 pub(crate) fn read(path: &Path, bytes: &[u8], empty: Empty) -> Result<MeshData, Error> {
     let extension = path.extension().and_then(|e| e.to_str()).unwrap_or("").to_ascii_lowercase();
     let parse = match extension.as_str() {
@@ -62,7 +60,7 @@ pub(crate) fn read(path: &Path, bytes: &[u8], empty: Empty) -> Result<MeshData, 
             Err(Fault::file("neither a tree nor a mesh: a mesh's name ends in .obj, .off, .ply or .stl"))
         },
     };
-    // A file of no bytes is a failed copy, not a mesh of no triangles.
+    // An empty file is a failed copy, not a mesh without triangles.
     let mesh = if bytes.is_empty() { Err(Fault::file("the file is empty")) } else { parse(bytes) };
     let mesh = mesh.map_err(|fault| Error::content(path, fault))?;
     if mesh.triangles.is_empty() && empty == Empty::Refused {
@@ -72,7 +70,7 @@ pub(crate) fn read(path: &Path, bytes: &[u8], empty: Empty) -> Result<MeshData, 
     Ok(mesh)
 }
 
-/// Reads the points of a cloud, by the extension of its file's name. One at least, and all within `f32`.
+/// Reads the points of a cloud, by the file's extension. At least one, all within the range of `f32`.
 pub(crate) fn points(path: &Path, bytes: &[u8]) -> Result<Vec<[f64; 3]>, Error> {
     let extension = path.extension().and_then(|e| e.to_str()).unwrap_or("").to_ascii_lowercase();
     let points = match extension.as_str() {
@@ -89,7 +87,7 @@ pub(crate) fn points(path: &Path, bytes: &[u8]) -> Result<Vec<[f64; 3]>, Error> 
     }
 }
 
-/// Whether a point can be one of a cloud, whose coordinates are `f32`. Else the problem.
+/// Checks that a point can be in a cloud, whose coordinates are `f32`. Otherwise returns the problem.
 fn check_single(point: [f64; 3]) -> Result<(), String> {
     match point.iter().find(|x| !(**x as f32).is_finite()) {
         Some(x) => Err(format!("the coordinate {x:?} is beyond f32")),
@@ -97,13 +95,13 @@ fn check_single(point: [f64; 3]) -> Result<(), String> {
     }
 }
 
-/// Comments are in any encoding: what is not UTF-8 becomes U+FFFD, which no number or keyword holds.
+/// Comments may have any encoding: invalid UTF-8 becomes U+FFFD, which no number or keyword contains.
 fn text(bytes: &[u8]) -> Cow<'_, str> {
     let bytes = bytes.strip_prefix("\u{feff}".as_bytes()).unwrap_or(bytes);
     String::from_utf8_lossy(bytes)
 }
 
-/// The lines of a text with their numbers, from 1. A line ends in LF, CR LF or CR.
+/// The lines of a text, numbered from 1. A line ends in LF, CR LF or CR.
 pub(crate) fn lines(text: &str) -> impl Iterator<Item = (usize, &str)> {
     let mut rest = text;
     (1..).map_while(move |number| {
@@ -115,7 +113,7 @@ pub(crate) fn lines(text: &str) -> impl Iterator<Item = (usize, &str)> {
     })
 }
 
-/// Refuses a text whose last line has no end, counted from a first line.
+/// Rejects a text whose last line does not end. `first_line` is the number of its first line.
 pub(crate) fn check_last_line(text: &str, first_line: usize) -> Result<(), Fault> {
     if text.is_empty() || text.ends_with(['\n', '\r']) {
         return Ok(());
@@ -127,11 +125,11 @@ pub(crate) fn check_last_line(text: &str, first_line: usize) -> Result<(), Fault
     ))
 }
 
-/// The faces of a file, before they are cut into triangles: their vertices may come later.
+/// The faces of a file before triangulation: their vertices may come later.
 #[derive(Default)]
 struct Faces {
     corners: Vec<u32>,
-    /// Where each face ends in `corners`, and where it is in the file.
+    /// Where each face ends in `corners`, and its place in the file.
     ends: Vec<(usize, Place)>,
 }
 
@@ -155,7 +153,7 @@ impl Faces {
             .map(move |&(end, place)| (&self.corners[core::mem::replace(&mut start, end)..end], place))
     }
 
-    /// The mesh of these faces. Every corner is one of the vertices.
+    /// The mesh of these faces. Every corner must be one of the vertices.
     fn into_mesh(self, vertices: Vec<[f64; 3]>) -> Result<MeshData, Fault> {
         let mut triangles = Vec::with_capacity(self.ends.len());
         let mut points = Vec::new();
@@ -174,14 +172,14 @@ impl Faces {
 }
 
 impl MeshData {
-    /// The mesh of triangles that are given by their corners.
+    /// The mesh of triangles given by their corners.
     pub(crate) fn of(soup: &[[[f64; 3]; 3]]) -> Self {
         let first_corners = (0..soup.len() as u32).map(|i| 3 * i);
         Self { vertices: soup.concat(), triangles: first_corners.map(|c| [c, c + 1, c + 2]).collect() }
             .joined()
     }
 
-    /// Vertices whose coordinates have the same bits become one; those that no triangle uses are left out.
+    /// Merges vertices whose coordinates have the same bits, and drops those that no triangle uses.
     fn joined(self) -> Self {
         let mut vertices = Vec::new();
         let mut known: HashMap<[u64; 3], u32> = HashMap::new();
@@ -200,13 +198,13 @@ impl MeshData {
     }
 }
 
-/// A word of a file, for a message: no longer than a line, and visible.
+/// A word of a file, shortened and made printable for a message.
 pub(crate) fn quote(word: &str) -> String {
     let short: String = word.chars().take(40).flat_map(char::escape_debug).collect();
     if word.chars().nth(40).is_some() { format!("'{short}...'") } else { format!("'{short}'") }
 }
 
-/// The number of words that are left, all of them numbers; what they say is not asked for.
+/// The number of remaining words, which must all be numbers. Their values are ignored.
 fn numbers_left<'a>(words: &mut impl Iterator<Item = &'a str>, line: usize) -> Result<usize, Fault> {
     let mut count = 0;
     for word in words {
@@ -222,7 +220,7 @@ fn count(word: Option<&str>, line: usize) -> Result<u32, Fault> {
     word.parse().map_err(|_| Fault::line(line, format!("{} is not a count or index", quote(word))))
 }
 
-/// The problem of an index from 0.
+/// The message for an invalid index from 0.
 fn unknown_vertex(index: i64, count: usize) -> String {
     format!("vertex {index} of {count}, counted from 0, does not exist")
 }
@@ -251,7 +249,8 @@ mod tests {
             ("a.Off", b"OFF 0 0 0\n"),
             ("a.STL", b"solid\nendsolid\n"),
             ("b.stl", &[0; 84]),
-            ("a.ply", b"ply\nformat ascii 1.0\nelement vertex 0\nproperty float x\nproperty float y\nproperty float z\nelement face 0\nproperty list uchar int vertex_index\nend_header\n"),
+            ("a.ply", b"ply\nformat ascii 1.0\nelement vertex 0\nproperty float x\nproperty float y\nproperty float z\n\
+                element face 0\nproperty list uchar int vertex_index\nend_header\n"),
         ];
         for (name, bytes) in files {
             let mesh = |empty| read(Path::new(name), bytes, empty);
@@ -285,7 +284,8 @@ mod tests {
     #[test]
     fn every_format_joins_corners_and_leaves_out_what_no_triangle_uses() {
         let vertices = "0 0 0\n1 0 0\n0 1 0\n9 9 9\n1 0 0\n0 1 0\n1 1 0\n";
-        let ply = "ply\nformat ascii 1.0\nelement vertex 7\nproperty float x\nproperty float y\nproperty float z\nelement face 2\nproperty list uchar int vertex_index\nend_header\n";
+        let ply = "ply\nformat ascii 1.0\nelement vertex 7\nproperty float x\nproperty float y\nproperty float z\n\
+            element face 2\nproperty list uchar int vertex_index\nend_header\n";
         let files = [
             (
                 "a.obj",

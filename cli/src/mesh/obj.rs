@@ -1,14 +1,13 @@
-//! Wavefront OBJ: vertices and polygons. Other statements of the format are passed over, but for those that
-//! hold, or may hold, a surface, which would be missed: these are a fault, and so is every word that the
-//! format does not know.
+//! Wavefront OBJ: vertices and polygons. Other statements of the format are skipped, except those that hold, or may
+//! hold, a surface: skipping these would lose a part of the body, so they are errors, as is every unknown word.
 
 use super::{Decimals, Faces, MeshData, check_last_line, coordinate, count, lines, numbers_left, quote};
 use crate::error::{Fault, Place};
 use alloc::borrow::Cow;
 
-/// Statements of numbers without a surface of their own.
+/// Statements with numbers and no surface of their own.
 const NUMBERS: [&str; 12] = ["vt", "vn", "vp", "p", "l", "deg", "bmat", "step", "con", "s", "mg", "lod"];
-/// Statements of names and switches.
+/// Statements with names and switches.
 const NAMES: [&str; 16] = [
     "g",
     "o",
@@ -27,10 +26,10 @@ const NAMES: [&str; 16] = [
     "end",
     "res",
 ];
-/// Free-form geometry, of today's format and of the one before.
+/// Free-form geometry, of the current format and of its predecessor.
 const FREE_FORM: [&str; 12] =
     ["curv", "curv2", "surf", "parm", "trim", "hole", "scrv", "sp", "bsp", "bzp", "cdc", "cdp"];
-/// Statements that fetch lines from elsewhere.
+/// Statements that include lines from elsewhere.
 const FETCHING: [&str; 2] = ["call", "csh"];
 
 pub(super) fn parse(text: &str) -> Result<MeshData, Fault> {
@@ -49,7 +48,7 @@ pub(super) fn parse(text: &str) -> Result<MeshData, Fault> {
         let Some(word) = words.next() else { continue };
         match word {
             "v" => vertices.push(vertex(&mut decimals, &mut words, line)?),
-            // `fo` is what the format called it before.
+            // `fo` is the obsolete name of `f`.
             "f" | "fo" => {
                 corners.clear();
                 for word in words {
@@ -64,7 +63,7 @@ pub(super) fn parse(text: &str) -> Result<MeshData, Fault> {
             _ if FETCHING.contains(&word) => {
                 return Err(Fault::line(line, format!("{word}: lines from elsewhere are not supported")));
             }
-            // Some writers begin with the numbers of vertices and faces, without a word.
+            // Some writers begin with the numbers of vertices and faces, without a keyword.
             _ if is_first && word.parse::<usize>().is_ok() => {
                 let counts = [count(Some(word), line)?, count(words.next(), line)?].map(|n| n as usize);
                 if let Some(more) = words.next() {
@@ -88,14 +87,14 @@ pub(super) fn parse(text: &str) -> Result<MeshData, Fault> {
     faces.into_mesh(vertices)
 }
 
-/// A line with the ones that it goes on in, as a backslash at its end says.
+/// A line together with its continuation lines: a backslash at the end of a line continues it.
 fn continued<'a>(
     first: &'a str,
     line: usize,
     mut next: impl FnMut() -> Option<&'a str>,
 ) -> Result<Cow<'a, str>, Fault> {
     let Some(open) = first.strip_suffix('\\') else { return Ok(first.into()) };
-    // A name may end in a backslash, and then the line after it would be lost.
+    // A name may end in a backslash, and the next line would then be lost.
     if open.split_ascii_whitespace().next().is_some_and(|word| NAMES.contains(&word)) {
         return Err(Fault::line(
             line,
@@ -116,8 +115,8 @@ fn continued<'a>(
     }
 }
 
-/// `x y z`, then nothing, a weight, or a colour of three or four numbers. A weight other than 1 is for
-/// rational curves: what it means here is unclear.
+/// `x y z`, then nothing, a weight, or a colour of three or four numbers. A weight other than 1 is for rational curves;
+/// its meaning here is unclear.
 fn vertex<'a>(
     decimals: &mut Decimals,
     words: &mut impl Iterator<Item = &'a str>,
@@ -133,8 +132,7 @@ fn vertex<'a>(
     }
 }
 
-/// The vertex of `v`, `v/vt`, `v//vn` or `v/vt/vn`: counted from 1, or backwards from the last one if
-/// negative.
+/// The vertex of `v`, `v/vt`, `v//vn` or `v/vt/vn`: counted from 1, or backwards from the last one if negative.
 fn corner(word: &str, count: usize, line: usize) -> Result<u32, Fault> {
     let mut parts = word.split('/');
     let index = parts.next().unwrap_or("");
@@ -168,10 +166,11 @@ mod tests {
 
     #[test]
     fn polygons_indices_and_comments() {
-        let text = "\n4 2\n# a square\r\nv 0 0 0\r\nv 1 0 0 1.0\nv 1 1e0 0 .2 .3 .4\nv 0 1 .5\nvt 0 0\nf 1/1 2/1/3 3//2 4\nf -4 -3 \\\n-2 # end\n";
+        let text = "\n4 2\n# a square\r\nv 0 0 0\r\nv 1 0 0 1.0\nv 1 1e0 0 .2 .3 .4\nv 0 1 .5\nvt 0 0\n\
+            f 1/1 2/1/3 3//2 4\nf -4 -3 \\\n-2 # end\n";
         let mesh = parse(text).unwrap();
         assert_eq!(mesh.vertices[3], [0.0, 1.0, 0.5]);
-        // As an old Macintosh writes it.
+        // Line ends of classic Mac OS.
         assert_eq!(parse(&text.replace("\r\n", "\n").replace('\n', "\r")).unwrap(), mesh);
         assert_eq!(mesh.triangles, [[0, 1, 2], [0, 2, 3], [0, 1, 2]]);
     }
@@ -202,7 +201,7 @@ mod tests {
         assert_eq!(fault("call more.obj\n"), Fault::line(1, "call: lines from elsewhere are not supported"));
     }
 
-    /// A statement that is not quite one must not vanish, and with it the body.
+    /// A misspelt statement must not be skipped silently, and the body with it.
     #[test]
     fn nothing_unknown_is_passed_over() {
         let fault = |text: &str| parse(&format!("v 0 0 0\nv 1 0 0\nv 0 1 0\n{text}\nf 1 2 3\n")).unwrap_err();
@@ -218,7 +217,8 @@ mod tests {
         }
         assert_eq!(fault("v 0 0 0 1 1"), Fault::line(4, "a vertex of 5 numbers"));
         assert_eq!(fault("v 0 0 0 1 1 1 1 1"), Fault::line(4, "a vertex of 8 numbers"));
-        let known = "# c:\\\ng a#b\no x\ns off\nusemtl y z\nmtllib f\nvn 0 nan 0\nvt 0 0\nl 1 2\np 1\n\t \nv 0 0 0 .5 .5 .5 1";
+        let known = "# c:\\\ng a#b\no x\ns off\nusemtl y z\nmtllib f\nvn 0 nan 0\nvt 0 0\nl 1 2\np 1\n\t \n\
+            v 0 0 0 .5 .5 .5 1";
         let text = format!("v 0 0 0\nv 1 0 0\nv 0 1 0\n{known}\nf 1//1 2/1/1 3//\n");
         assert_eq!(parse(&text).map(|mesh| (mesh.vertices.len(), mesh.triangles.len())), Ok((3, 1)));
         let fault = Fault::line(1, "2 vertices and 0 faces are announced, there are 1 and 0");
@@ -240,7 +240,7 @@ mod tests {
         assert_eq!(parse(&format!("{corners}f 1 2 3\nf 1 3 2 4\n")), Err(fault));
     }
 
-    /// A cube, cut after every byte. Every cut within a line is told; a cut between two lines cannot be.
+    /// A cube, truncated after every byte. Every cut within a line is detected; a cut between two lines cannot be.
     #[test]
     fn a_file_cut_within_a_line_is_refused() {
         let corners: String = (0..8).map(|i| format!("v {} {} {}\n", i & 1, i >> 1 & 1, i >> 2)).collect();
@@ -254,8 +254,8 @@ mod tests {
                     accepted.push(mesh.triangles.len());
                 }
             }
-            // Nothing at all, 8 vertices, and 5 squares; of CR LF both the CR and the LF are an end of the
-            // line, of the last one too.
+            // The empty file, 8 vertices, and 5 squares. With CR LF, both the CR and the LF end a line, also the last
+            // one.
             let of_each = if end.len() == 2 { 2 } else { 1 };
             assert_eq!(accepted.len(), 1 + 13 * of_each + of_each - 1);
             assert_eq!(accepted.iter().filter(|count| **count > 0).count(), 5 * of_each + of_each - 1);

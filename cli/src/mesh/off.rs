@@ -1,11 +1,11 @@
-//! OFF: counts, vertices, polygons. Comments, normals, colours and texture coordinates are passed over, but
-//! counted.
+//! OFF: counts, vertices, polygons. Comments, normals, colours and texture coordinates are skipped, but their number is
+//! checked.
 
 use super::{Decimals, Faces, MeshData, check_last_line, count, lines, numbers_left, quote, unknown_vertex};
 use crate::error::{Fault, Place};
 
-/// First words: with texture coordinates (ST), colours (C), normals (N); and how many numbers may stand after
-/// the three coordinates of a vertex. A colour has three or four.
+/// First words: with texture coordinates (ST), colours (C), normals (N); and how many numbers may follow the three
+/// coordinates of a vertex. A colour has three or four.
 const HEADS: [(&str, &[usize]); 8] = [
     ("OFF", &[0]),
     ("COFF", &[3, 4]),
@@ -16,7 +16,7 @@ const HEADS: [(&str, &[usize]); 8] = [
     ("STNOFF", &[5]),
     ("STCNOFF", &[8, 9]),
 ];
-/// How many numbers may stand after the corners of a face: a colour, or its index in a table.
+/// How many numbers may follow the corners of a face: a colour, or its index in a table.
 const FACE_COLOUR: [usize; 4] = [0, 1, 3, 4];
 
 pub(super) fn parse(text: &str) -> Result<MeshData, Fault> {
@@ -41,7 +41,7 @@ pub(super) fn parse(text: &str) -> Result<MeshData, Fault> {
     let mut words = counts.split_ascii_whitespace();
     let vertex_count = count(words.next(), line)?;
     let face_count = count(words.next(), line)?;
-    // The number of edges, which nobody keeps.
+    // The number of edges, which is ignored.
     check_rest(&mut words, &[0, 1], line)?;
 
     let mut vertices = Vec::new();
@@ -76,7 +76,7 @@ pub(super) fn parse(text: &str) -> Result<MeshData, Fault> {
     faces.into_mesh(vertices)
 }
 
-/// Refuses a line with another number of numbers at its end than one of these.
+/// Rejects a line whose number of trailing numbers is not one of these.
 fn check_rest<'a>(
     words: &mut impl Iterator<Item = &'a str>,
     allowed: &[usize],

@@ -1,5 +1,5 @@
-//! PLY, ASCII and binary of either byte order. The crate `ply-rs-bw` reads headers and binary elements; ASCII
-//! elements are read here.
+//! PLY, ASCII and binary of either byte order. The crate `ply-rs-bw` reads headers and binary elements; ASCII elements
+//! are read here.
 
 use super::{
     Decimals, Faces, MeshData, check_last_line, check_single, count, lines, quote, text, unknown_vertex,
@@ -77,12 +77,12 @@ pub(super) fn parse(bytes: &[u8]) -> Result<MeshData, Fault> {
     faces.into_mesh(vertices)
 }
 
-/// The vertices in their order, whatever else is in the file.
+/// The vertices in their order. Ignores everything else in the file.
 pub(super) fn points(bytes: &[u8]) -> Result<Vec<[f64; 3]>, Fault> {
     Ok(elements(bytes, Wanted::Points)?.vertices)
 }
 
-/// What a file is read for.
+/// What to read from a file.
 #[derive(Copy, Clone, PartialEq, Eq, Debug)]
 enum Wanted {
     Mesh,
@@ -110,7 +110,7 @@ fn header_fault(error: &ParseError) -> Fault {
     Fault { place: error.line().map_or(Place::Nowhere, Place::Line), problem: message.to_string() }
 }
 
-/// Whether the file has what is wanted and can be read in full. Returns the number of vertices.
+/// Checks that the file has the wanted elements and can be read in full. Returns the number of vertices.
 fn check_header(header: &Header, wanted: Wanted) -> Result<usize, Fault> {
     let what = if wanted == Wanted::Mesh { "mesh" } else { "cloud" };
     let element = |name: &str| {
@@ -143,22 +143,22 @@ fn check_header(header: &Header, wanted: Wanted) -> Result<usize, Fault> {
     Ok(vertex.count)
 }
 
-/// What has been read of a file.
+/// The elements read so far.
 struct Elements {
     wanted: Wanted,
-    /// How many vertices the header announces.
+    /// The number of vertices in the header.
     vertex_count: usize,
     vertices: Vec<[f64; 3]>,
     faces: Faces,
 }
 
 impl Elements {
-    /// Whether elements of a kind are looked at.
+    /// Whether elements of a kind are used.
     fn wants(&self, kind: &str) -> bool {
         kind == "vertex" || kind == "face" && self.wanted == Wanted::Mesh
     }
 
-    /// Adds what an element of the file is.
+    /// Adds an element of the file.
     fn add(&mut self, kind: &str, element: &Element, place: Place) -> Result<(), Fault> {
         let fault = |problem| Fault { place, problem };
         match kind {
@@ -212,8 +212,7 @@ fn ascii(text: &str, first_line: usize, header: &Header, mut elements: Elements)
     Ok(elements)
 }
 
-/// Decimals are read as in the other formats, whatever type the header gives them. Properties that are not
-/// asked for are not looked at.
+/// Reads decimals as in the other formats, whatever type the header gives them. Skips unused properties.
 fn ascii_element(
     def: &ElementDef,
     content: &str,
@@ -255,7 +254,7 @@ fn binary(
 ) -> Result<Elements, Fault> {
     let parser = Parser::<Element>::new();
     let mut rest = payload;
-    // An element without properties has no bytes, however many there are.
+    // Elements without properties have no bytes, whatever their number.
     for def in header.elements.values().filter(|def| !def.properties.is_empty()) {
         for index in 0..def.count {
             let start = file_size - rest.len();
@@ -281,14 +280,15 @@ fn binary(
 mod tests {
     use super::*;
 
-    const ELEMENTS: &str = "element vertex 3\nproperty double x\nproperty float y\nproperty int z\nproperty uchar red\nelement face 1\nproperty list uchar int vertex_indices\nend_header\n";
+    const ELEMENTS: &str = "element vertex 3\nproperty double x\nproperty float y\nproperty int z\nproperty uchar red\n\
+        element face 1\nproperty list uchar int vertex_indices\nend_header\n";
 
     fn ascii_file(rest: &str) -> Vec<u8> {
         format!("ply\nformat ascii 1.0\ncomment made by hand\n{ELEMENTS}{rest}").into_bytes()
     }
 
-    /// Three vertices of 17 bytes and a face with `corners`; `big` is the byte order. Returns the header's
-    /// size too.
+    /// Three vertices of 17 bytes and a face with `corners`; `big` is the byte order. Also returns the size of the
+    /// header.
     fn binary_file(big: bool, x: f64, corners: [i32; 3]) -> (Vec<u8>, usize) {
         let name = if big { "big" } else { "little" };
         let mut bytes = format!("ply\nformat binary_{name}_endian 1.0\n{ELEMENTS}").into_bytes();
@@ -373,7 +373,7 @@ mod tests {
         }
     }
 
-    /// A cloud is the vertices, as often as they are there; faces are passed over, also where they are wrong.
+    /// A cloud consists of all vertices, duplicates included; faces are skipped, even invalid ones.
     #[test]
     fn points_are_the_vertices_of_any_file() {
         let same = [[0.5, 0.5, 7.0], [0.5, 0.5, 7.0], [0.0, 1.0, 0.0]];

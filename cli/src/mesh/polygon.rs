@@ -1,21 +1,20 @@
-//! Polygons into triangles: ears are cut off, and every decision is a sign that is computed exactly.
+//! Triangulates polygons by ear clipping. Every decision is a sign that is computed exactly.
 //!
-//! Crates for this task drop corners that lie on a line up to rounding, or merge corners that coincide. A
-//! face that is not quite flat would lose a part of itself. Here a polygon of n corners always becomes n - 2
-//! triangles that use all of them.
+//! Crates for this task drop corners that are collinear up to rounding, or merge coincident corners. A face that is not
+//! quite flat would lose a part of itself. Here a polygon of n corners always becomes n - 2 triangles that use all of
+//! them.
 //!
-//! Why the result is right: seen along an axis, the signed areas of the triangles add up to the winding
-//! number of the polygon at each point. No triangle is turned the other way, and no two edges cross; so the
-//! triangles tile the polygon's inside.
+//! Correctness: projected along an axis, the signed areas of the triangles add up to the winding number of the polygon
+//! at each point. No triangle has the opposite orientation, and no two edges cross; so the triangles tile the inside of
+//! the polygon.
 
 use robust::{Coord, orient2d};
 
-/// Why a polygon cannot be cut.
+/// The error of a polygon that cannot be triangulated.
 pub(super) const CROSSED: &str = "a polygon whose edges cross each other";
 
-/// Calls `emit` with the corners of the triangles that a polygon of three corners at least consists of,
-/// counted from 0, all turned as the polygon is. A polygon whose corners lie on one line becomes triangles
-/// without area.
+/// Calls `emit` with the corners, counted from 0, of the triangles that tile a polygon of at least three corners. All
+/// have the polygon's orientation. A polygon whose corners are collinear becomes triangles without area.
 pub(super) fn triangulate(corners: &[[f64; 3]], emit: impl FnMut([usize; 3])) -> Result<(), &'static str> {
     let count = corners.len();
     let fan = (2..count).map(|i| [0, i - 1, i]);
@@ -23,8 +22,8 @@ pub(super) fn triangulate(corners: &[[f64; 3]], emit: impl FnMut([usize; 3])) ->
         fan.for_each(emit);
         return Ok(());
     };
-    // Each triangle turns as the polygon does, and together by less than half a turn: so it is for every
-    // convex polygon without a corner in the middle of an edge.
+    // A fan: all triangles have the polygon's orientation, and their angles sum to less than half a turn. This holds
+    // for every convex polygon without a corner in the middle of an edge.
     if (2..count).all(|i| polygon.turn(0, i - 1, i) > 0 && polygon.turn(0, 1, i) > 0) {
         fan.for_each(emit);
         return Ok(());
@@ -33,14 +32,14 @@ pub(super) fn triangulate(corners: &[[f64; 3]], emit: impl FnMut([usize; 3])) ->
 }
 
 struct Polygon {
-    /// The corners without the coordinate along which the polygon is seen largest. Leaving out a coordinate
-    /// does not round, as turning the polygon into its own plane would.
+    /// The corners, projected along the axis in which the polygon's area is largest. Dropping a coordinate does not
+    /// round, whereas rotating the polygon into its own plane would.
     points: Vec<Coord<f64>>,
     is_clockwise: bool,
 }
 
 impl Polygon {
-    /// `None` if all corners lie on one line.
+    /// `None` if all corners are collinear.
     fn seen_from_a_side(corners: &[[f64; 3]]) -> Option<Self> {
         let normal = normal(corners);
         let mut axes = [0, 1, 2];
@@ -55,15 +54,15 @@ impl Polygon {
         })
     }
 
-    /// 1 if three corners turn as the polygon does, -1 if they turn the other way, 0 if they lie on one line.
+    /// 1 if three corners have the polygon's orientation, -1 if they have the opposite one, 0 if they are collinear.
     fn turn(&self, i: usize, j: usize, k: usize) -> i8 {
         let sign = orient2d(self.points[i], self.points[j], self.points[k]);
         let sign = i8::from(sign > 0.0) - i8::from(sign < 0.0);
         if self.is_clockwise { -sign } else { sign }
     }
 
-    /// Whether two edges cross at a point inside of both. Edges that only touch may be those of a hole and of
-    /// the bridge to it.
+    /// Whether two edges cross at an interior point of both. Edges that only touch may be those of a hole and of the
+    /// bridge to it.
     fn has_crossing(&self) -> bool {
         let count = self.points.len();
         let next = |i: usize| (i + 1) % count;
@@ -81,8 +80,8 @@ impl Polygon {
                 let [a, b, c] = ear(i);
                 self.turn(a, b, c) > 0 && !(0..count).any(|place| self.is_in_the_way(&ring, [a, b, c], place))
             };
-            // A way there and back, or a corner passed twice in a row, encloses nothing: it goes first. Any
-            // other ear without area is taken only where there is no better one.
+            // An edge followed by its reverse, or a corner repeated, encloses nothing: clip it first. Other ears
+            // without area are a last resort.
             let coincides = |&i: &usize| {
                 let [a, b, c] = ear(i).map(|corner| self.points[corner]);
                 a == b || b == c || a == c
@@ -95,15 +94,15 @@ impl Polygon {
             let found = search.clone().find(coincides).or_else(|| search.clone().find(is_ear));
             let found = found.or_else(|| search.find(is_flat)).ok_or(CROSSED)?;
             emit(ear(found));
-            // The next is looked for after this one, or many thin triangles would meet in one corner.
+            // Continue the search after this ear, or many thin triangles would meet in one corner.
             at = (found + 1) % count;
             ring.remove(at);
         }
         Ok(())
     }
 
-    /// Whether the corner at a place of the ring lies in the closed triangle of an ear; where it coincides
-    /// with one of the ear's, whether an edge goes from there into the triangle.
+    /// Whether the corner at a place of the ring lies in the closed triangle of an ear. If it coincides with a corner
+    /// of the ear: whether an edge goes from there into the triangle.
     fn is_in_the_way(&self, ring: &[usize], [a, b, c]: [usize; 3], place: usize) -> bool {
         let p = ring[place];
         for [before, corner, after] in [[c, a, b], [a, b, c], [b, c, a]] {
@@ -118,7 +117,7 @@ impl Polygon {
     }
 }
 
-/// Twice the area of a polygon, seen along each axis; up to rounding.
+/// Twice the area of a polygon, projected along each axis, up to rounding.
 fn normal(corners: &[[f64; 3]]) -> [f64; 3] {
     let mut normal = [0.0; 3];
     let from_first = |p: &[f64; 3]| -> [f64; 3] { core::array::from_fn(|i| p[i] - corners[0][i]) };
@@ -136,7 +135,7 @@ fn normal(corners: &[[f64; 3]]) -> [f64; 3] {
 mod tests {
     use super::*;
 
-    /// Points on an integer grid, put on a slanted plane that no axis is normal to: x, y, and x + 2 y.
+    /// Points on an integer grid, lifted to an oblique plane: x, y, and x + 2 y.
     fn slanted(flat: &[[i32; 2]]) -> Vec<[f64; 3]> {
         flat.iter().map(|[x, y]| [*x, *y, x + 2 * y].map(f64::from)).collect()
     }
@@ -152,8 +151,8 @@ mod tests {
         flat.iter().enumerate().map(|(i, p)| p[0] * next(i)[1] - p[1] * next(i)[0]).sum()
     }
 
-    /// Whether a point, given in thirds of the grid's unit so that it lies on no edge, is inside: how often a
-    /// ray to the right meets the outline.
+    /// Whether a point is inside: how often a ray to the right meets the outline. The point is given in thirds of the
+    /// grid's unit, so that it lies on no edge.
     fn is_inside(flat: &[[i32; 2]], [x, y]: [i32; 2]) -> bool {
         let meets = |i: usize| {
             let (p, q) = (flat[i].map(|c| 3 * c), flat[(i + 1) % flat.len()].map(|c| 3 * c));
@@ -163,8 +162,8 @@ mod tests {
         (0..flat.len()).filter(|i| meets(*i)).count() % 2 == 1
     }
 
-    /// That the triangles use each corner, number n - 2, and cover what the even-odd rule says, sampled
-    /// between the lines of the grid.
+    /// Checks that the triangles use each corner, number n - 2, and cover what the even-odd rule says, sampled between
+    /// the lines of the grid.
     fn check(flat: &[[i32; 2]]) {
         let triangles = cut(flat).unwrap_or_else(|problem| panic!("{flat:?}: {problem}"));
         assert_eq!(triangles.len(), flat.len() - 2, "{flat:?}");
@@ -172,8 +171,7 @@ mod tests {
         let sign = doubled_area(flat).signum();
         let parts: Vec<[[i32; 2]; 3]> = triangles.iter().map(|t| t.map(|i| flat[i])).collect();
         assert!(parts.iter().all(|t| doubled_area(t) * sign >= 0), "{flat:?} {parts:?}");
-        // Slopes of the grid's lines are fractions of small numbers: these samples are on none of them, or on
-        // both sides alike.
+        // The slopes of edges are fractions of small numbers: no sample lies on an edge, unless both sides are alike.
         for x in -2..40 {
             for y in -2..40 {
                 let sample = [3 * (x / 2) + 1 + x % 2, 3 * (y / 2) + 1 + y % 2];
@@ -197,7 +195,7 @@ mod tests {
         assert_eq!(cut(&[[0, 0], [2, 6], [5, 3], [4, 0]]), Ok(vec![[0, 1, 2], [0, 2, 3]]));
     }
 
-    /// Each from each of its corners, and both ways round.
+    /// From each corner, and in both orientations.
     #[test]
     fn concave_polygons_are_covered_once() {
         let shapes: [&[[i32; 2]]; 10] = [
@@ -208,13 +206,13 @@ mod tests {
             &[[0, 0], [9, 0], [9, 9], [2, 9], [2, 3], [6, 3], [6, 6], [4, 6], [4, 7], [8, 7], [8, 1], [0, 1]],
             // Corners in the middle of edges.
             &[[0, 0], [2, 0], [4, 0], [6, 0], [6, 6], [3, 6], [0, 6], [0, 3]],
-            // A square hole, with a bridge that is passed twice.
+            // A square hole, with a bridge that is traversed twice.
             &[[0, 0], [9, 0], [9, 9], [0, 9], [0, 0], [3, 3], [3, 6], [6, 6], [6, 3], [3, 3]],
             // Two triangles that meet in a corner.
             &[[0, 0], [2, 2], [4, 0], [4, 4], [2, 2], [0, 4]],
             // A notch as deep as the corner that it touches.
             &[[0, 0], [4, 0], [12, 0], [12, 11], [0, 0], [11, 12], [0, 12], [0, 4]],
-            // A corner passed twice in a row; an edge that goes too far and back.
+            // A repeated corner; an edge that goes too far and back.
             &[[0, 0], [4, 0], [4, 0], [4, 4], [1, 1], [0, 4]],
             &[[0, 0], [4, 0], [4, 4], [0, 4], [0, 6]],
         ];
@@ -228,7 +226,7 @@ mod tests {
         }
     }
 
-    /// Stars around a point: every ray from there meets the outline once, so it does not cross itself.
+    /// Stars around a point: every ray from it meets the outline once, so the outline does not cross itself.
     #[test]
     fn random_stars_are_covered_once() {
         let mut state = 1_u32;
@@ -243,7 +241,7 @@ mod tests {
                 [10.0 + reach * angle.cos(), 10.0 + reach * angle.sin()].map(|x| x as i32)
             };
             let star: Vec<[i32; 2]> = (0..count).map(|i| corner(i, f64::from(3 + below(7)))).collect();
-            // Rounding to the grid can turn an edge around; then it is no star.
+            // Rounding to the grid can reverse an edge; the result is not a star.
             let turns = |i: usize| {
                 let (p, q) = (star[i], star[(i + 1) % star.len()]);
                 (p[0] - 10) * (q[1] - 10) - (p[1] - 10) * (q[0] - 10) > 0
@@ -261,14 +259,14 @@ mod tests {
         assert_eq!(cut(&pentagram), Err(CROSSED));
         // More than once around the first corner.
         assert_eq!(cut(&[[0, 0], [5, 0], [2, 5], [-4, 3], [-4, -3], [2, -5], [8, 1]]), Err(CROSSED));
-        // A corridor that crosses over its own beginning: no part turns the other way.
+        // A corridor that crosses its own beginning: no part has the opposite orientation.
         let corridor = [[0, 0], [10, 0], [10, 10], [4, 10], [4, -4], [5, -4], [5, 9], [9, 9], [9, 1], [0, 1]];
         assert_eq!(cut(&corridor), Err(CROSSED));
-        // A bow tie whose edges meet in a corner: they do not cross, but one half turns the other way.
+        // A bow tie whose edges meet in a corner: they do not cross, but one half has the opposite orientation.
         assert_eq!(cut(&[[0, 0], [2, 2], [4, 4], [4, 0], [2, 2], [0, 4]]), Err(CROSSED));
         assert_eq!(cut(&[[0, 0], [1, 1], [3, 3], [2, 2]]).map(|t| t.len()), Ok(2));
         assert_eq!(cut(&[[1, 1]; 5]).map(|t| t.len()), Ok(3));
-        // Flat as seen along z only.
+        // Flat only as projected along z.
         let standing = [[0.0, 0.0, 0.0], [4.0, 4.0, 4.0], [4.0, 4.0, 0.0], [0.0, 0.0, 4.0]];
         assert_eq!(triangulate(&standing, |_| {}), Err(CROSSED));
     }

@@ -3,13 +3,13 @@
 use super::{Decimals, MeshData, lines, quote, text};
 use crate::error::Fault;
 
-/// Bytes before the triangles of a binary file: a free header and a count.
+/// Bytes before the triangles of a binary file: a free-form header and a count.
 const HEADER: usize = 84;
 /// Bytes of a triangle: normal, three corners, attributes.
 const RECORD: usize = 50;
 
 pub(super) fn parse(bytes: &[u8]) -> Result<MeshData, Fault> {
-    // A binary file may begin with "solid" too: its length tells it, or, where that is wrong, its zeros.
+    // A binary file may begin with "solid", too: its length identifies it or, if that is wrong, its zeros.
     let count = bytes.get(80..HEADER).map(|b| u32::from_le_bytes([b[0], b[1], b[2], b[3]]) as usize);
     let exact =
         count.is_some_and(|n| n.checked_mul(RECORD).and_then(|b| b.checked_add(HEADER)) == Some(bytes.len()));
@@ -47,7 +47,7 @@ fn binary(records: &[u8], count: usize) -> Result<MeshData, Fault> {
     Ok(MeshData::of(&soup))
 }
 
-/// The statements of an ASCII file, which stand in this order; facets repeat, and so may solids.
+/// The statements of an ASCII file, in their order; facets repeat, and so may solids.
 const FACET: [&str; 7] = ["facet normal", "outer loop", "vertex", "vertex", "vertex", "endloop", "endfacet"];
 
 fn ascii(text: &str) -> Result<MeshData, Fault> {
@@ -56,7 +56,7 @@ fn ascii(text: &str) -> Result<MeshData, Fault> {
     let mut corners = [[0.0; 3]; 3];
     let mut last = 0;
     let mut is_open = false;
-    // How much of a facet there is.
+    // Statements of the current facet read so far.
     let mut step = 0;
     for (line, content) in lines(text) {
         last = line;
@@ -68,7 +68,7 @@ fn ascii(text: &str) -> Result<MeshData, Fault> {
             _ => FACET[step],
         };
         match (word.as_str(), is_open, step) {
-            // After these two, a name of any words.
+            // A name of any number of words may follow these two.
             ("solid", false, _) => is_open = true,
             ("endsolid", true, 0) => is_open = false,
             (_, true, _) if FACET[step].split(' ').next() == Some(&word) => {
@@ -80,7 +80,7 @@ fn ascii(text: &str) -> Result<MeshData, Fault> {
                 if word == "vertex" {
                     corners[step - 2] = decimals.point(&mut words, line)?;
                 }
-                // What a normal says is not asked for: some writers leave it undefined.
+                // The normal is ignored: some writers leave it undefined.
                 let more = words.count();
                 if more != if step == 0 { 3 } else { 0 } {
                     return Err(Fault::line(line, format!("{word} with {more} words more")));
@@ -128,7 +128,8 @@ mod tests {
 
     #[test]
     fn ascii_keeps_decimals() {
-        let text = "SOLID a\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 0.1 0\nendloop\nendfacet\nendsolid\n";
+        let text = "SOLID a\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 0.1 0\nendloop\n\
+            endfacet\nendsolid\n";
         let mesh = parse(text.as_bytes()).unwrap();
         assert_eq!((mesh.triangles.len(), mesh.vertices[2]), (1, [0.0, f64::from(0.1_f32), 0.0]));
     }
@@ -179,7 +180,7 @@ mod tests {
         assert_eq!(junk("vertex 1 0 ", "nan 0 "), "the coordinate 'nan' is not finite");
         assert_eq!(junk("endloop", " now"), "endloop with 1 words more");
         assert_eq!(junk("endfacet", "\nendfacet"), "'endfacet' stands where facet or endsolid should");
-        // Whole only where a solid has ended: with or without its name.
+        // Valid only if truncated at the end of a solid, with or without its name.
         let whole = |length: &usize| parse(&file.as_bytes()[..*length]).is_ok();
         let first = file.find("endsolid").unwrap() + "endsolid".len();
         let expected: Vec<usize> = (first..=first + " two words\n".len()).chain([file.len() - 1]).collect();

@@ -1,8 +1,8 @@
-//! XYZ: a point a line, and what a scanner knows of it besides.
+//! XYZ: one point per line, and further data of a scanner.
 //!
-//! The first three numbers of a line are x, y and z. More may follow, such as a normal, a colour or an intensity, which
-//! are not looked at; but all lines have as many, so that a line that lost a number does not pass for another point.
-//! `#` begins a comment, to the end of the line.
+//! The first three numbers of a line are x, y and z. More may follow, such as a normal, a colour or an intensity. They
+//! are ignored, but all lines must have equally many numbers, so that a line that lost one does not pass for another
+//! point. `#` begins a comment, to the end of the line.
 
 use super::{Decimals, check_last_line, check_single, lines, numbers_left};
 use crate::error::Fault;
@@ -65,7 +65,7 @@ mod tests {
         );
     }
 
-    /// What is accepted of a cut file are whole lines.
+    /// Of a truncated file, only whole lines are accepted.
     #[test]
     fn a_cut_line_is_no_point() {
         let text = "1 2 3\n14 15 16\n";

@@ -31,7 +31,7 @@ struct Report {
 #[derive(Serialize)]
 struct BodyReport {
     name: String,
-    /// What it is made of: spheres or triangles.
+    /// The kind of its primitives: spheres or triangles.
     kind: &'static str,
     primitives: usize,
 }
@@ -39,10 +39,10 @@ struct BodyReport {
 #[derive(Serialize)]
 struct Row {
     verdict: &'static str,
-    /// The sphere or triangle that was found to be near a point, by its index from 0.
+    /// The sphere or triangle found near a point, by its index from 0.
     #[serde(skip_serializing_if = "Option::is_none")]
     primitive: Option<u32>,
-    /// And that point, by its index from 0.
+    /// That point, by its index from 0.
     #[serde(skip_serializing_if = "Option::is_none")]
     point: Option<u32>,
     nanoseconds: u64,
@@ -54,13 +54,13 @@ enum Body {
 }
 
 pub(super) fn run(path: &Path, options: &Options) -> Result<u8, Error> {
-    // Poses first: a slip in them shows before the work of building.
+    // Read the poses first: an error in them shows before the trees are built.
     let poses = options.poses.read()?;
     let body = Body::read(path, options.json)?;
     let (cloud, about) = Points::read(options)?.build(options.repeat)?;
     let (cloud, search) = (cloud.view(), RangeSearch::new(options.isa));
 
-    // Fewer are done at once.
+    // Fewer are done instantly.
     let bar = progress::bar(poses.len(), "poses", options.json || poses.len() < 1000);
     let mut rows = Vec::with_capacity(poses.len());
     for pose in &poses {
@@ -94,7 +94,7 @@ pub(super) fn run(path: &Path, options: &Options) -> Result<u8, Error> {
         _ => 0,
     };
     match print(&report, options, &mut BufWriter::new(std::io::stdout().lock())) {
-        // The reader of our output has seen enough. The verdict is what it is.
+        // The reader closed the pipe. The verdict is valid all the same.
         Err(error) if error.kind() == std::io::ErrorKind::BrokenPipe => Ok(code),
         printed => printed.map(|()| code).map_err(Error::Output),
     }

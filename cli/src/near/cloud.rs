@@ -1,4 +1,4 @@
-//! The cloud: read or made, and its tree.
+//! The cloud: read or generated, and its tree.
 
 use super::Options;
 use crate::error::Error;
@@ -10,14 +10,14 @@ use std::io::Write;
 use std::path::Path;
 use std::time::Instant;
 
-/// Files of fewer bytes are read at once, as far as a person can tell.
+/// Files smaller than this are read instantly, in a user's eyes.
 const LONG_READ: usize = 4 << 20;
 
-/// Points as the library takes them.
+/// Points in the form that the library takes.
 pub(super) struct Points {
     name: String,
     points: Vec<[f32; 3]>,
-    /// How far a coordinate of the file is from its `f32`, at most.
+    /// Maximum difference between a coordinate of the file and its `f32`.
     rounding: f64,
     read_nanoseconds: Option<u128>,
 }
@@ -26,12 +26,12 @@ pub(super) struct Points {
 pub(super) struct Report {
     pub(super) name: String,
     pub(super) points: usize,
-    /// How far a coordinate of the file is from the `f32` that stands for it, at most.
+    /// Maximum difference between a coordinate of the file and its `f32`.
     rounding: f64,
-    /// Of the tree, which holds the points.
+    /// Of the tree, which contains the points.
     bytes: usize,
     bytes_per_point: f64,
-    /// Null for points that are built in.
+    /// Null for built-in points.
     read_nanoseconds: Option<u128>,
     build_nanoseconds: u128,
 }
@@ -62,7 +62,7 @@ impl Points {
         Ok(Self { name: path.display().to_string(), points, rounding, read_nanoseconds })
     }
 
-    /// The tree, the fastest of `repeat` builds.
+    /// Builds the tree `repeat` times and reports the fastest build.
     pub(super) fn build(&self, repeat: u32) -> Result<(PointCloud, Report), Error> {
         let build = || {
             PointCloud::new(&self.points)
@@ -70,7 +70,7 @@ impl Points {
         };
         let (cloud, time) = super::fastest(repeat, build)?;
         let view = cloud.view();
-        // The places, a number for each index, are the owner's.
+        // The owner stores the places, one number for each index.
         let bytes =
             size_of_val(view.nodes()) + size_of_val(view.buckets()) + view.capacity() * size_of::<u32>();
         let report = Report {

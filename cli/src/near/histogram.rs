@@ -1,9 +1,9 @@
-//! How many points have how many neighbours.
+//! A histogram of the numbers of neighbours.
 
 use serde::Serialize;
 use std::io::Write;
 
-/// Rows of a histogram, at most.
+/// Maximum number of rows.
 const ROWS: u32 = 20;
 /// Characters of the longest bar.
 const BAR: usize = 50;
@@ -11,7 +11,7 @@ const BAR: usize = 50;
 #[derive(Serialize)]
 pub(super) struct Histogram {
     least: u32,
-    /// Of an even number of points, the lower of the two in the middle.
+    /// For an even number of points, the lower of the two in the middle.
     median: u32,
     mean: f64,
     greatest: u32,
@@ -28,7 +28,7 @@ struct Row {
 }
 
 impl Histogram {
-    /// Of one point at least.
+    /// Requires at least one count.
     pub(super) fn of(mut counts: Vec<u32>) -> Self {
         counts.sort_unstable();
         let (least, greatest) = (counts[0], counts[counts.len() - 1]);
@@ -67,7 +67,7 @@ impl Histogram {
     }
 }
 
-/// The least of 1, 2, 5, 10, 20 and so on that makes few enough rows.
+/// The smallest of 1, 2, 5, 10, 20 and so on that makes few enough rows.
 fn width(least: u32, greatest: u32) -> u32 {
     let mut decade = 1;
     loop {
@@ -85,7 +85,7 @@ fn width(least: u32, greatest: u32) -> u32 {
 mod tests {
     use super::*;
 
-    /// Every number is in the one row that holds it, rows join, and there are neither too many nor needlessly few.
+    /// Every number is in exactly one row, rows adjoin, and there are neither too many nor needlessly few.
     #[test]
     fn every_count_is_in_one_row() {
         for counts in [

@@ -9,7 +9,7 @@ use serde::Serialize;
 use simdop::cloud::{CloudRef, List, Queries, Radii, RangeSearch, SearchError};
 use std::io::Write;
 
-/// Of the built-in points: about thirty are as near to one that is far from the cube's faces.
+/// For the built-in points: one far from the faces of the cube has about thirty neighbours.
 const BUILT_IN_RADIUS: f32 = 0.038;
 
 #[derive(Serialize)]
@@ -19,9 +19,9 @@ struct Report {
     isa: &'static str,
     radius: f32,
     repeat: u32,
-    /// Of each point, itself among them.
+    /// The neighbours of each point, itself included.
     neighbours: Histogram,
-    /// Counting the neighbours of all points.
+    /// The time to count the neighbours of all points.
     search_nanoseconds: u128,
     /// Calls of the kernel that tests sixteen boxes.
     boxes: u64,
@@ -61,7 +61,7 @@ pub(super) fn run(options: &Options) -> Result<(), Error> {
 
 /// The neighbours of each point on a line of its own.
 fn lists(search: &RangeSearch, cloud: &CloudRef<'_>, radius: f32, total: u64) -> Result<String, SearchError> {
-    // More are not asked memory for: a list has its place in 32 bits.
+    // The offsets of a list have 32 bits.
     let Ok(room) = u32::try_from(total) else {
         return Err(SearchError::Buffer { have: u32::MAX as usize, need: total });
     };
@@ -71,7 +71,7 @@ fn lists(search: &RangeSearch, cloud: &CloudRef<'_>, radius: f32, total: u64) ->
     let mut lines = String::new();
     for list in lists {
         let neighbours = &mut indices[list.range()];
-        // The tree's order is as good as any to a program; a person looks for a number.
+        // Sorted for human readers: the order of the tree means nothing to them.
         neighbours.sort_unstable();
         for (place, index) in neighbours.iter().enumerate() {
             // Writing to a string does not fail.

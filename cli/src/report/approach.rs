@@ -1,10 +1,10 @@
-//! Poses at the distances that the benches measure at.
+//! Poses at the distances of the benchmarks.
 //!
-//! After the benchmarking suite of Trenkel, Weller and Zachmann (WSCG 2007), as `benches/support/suites.rs`: body
-//! A is turned at random and comes along a line until it is as far from B as wanted. Every other line goes from a
-//! random direction to the centre of B's box, and the rest along a coordinate axis through a random point of what
-//! the two boxes can reach of each other, so that A also comes past the side of B. A line that misses B is left
-//! out, so that each has a pose at every distance. Distances are shares of the diagonal of A's box.
+//! After the benchmarking suite of Trenkel, Weller and Zachmann (WSCG 2007), like `benches/support/suites.rs`: body A
+//! is rotated at random and approaches B along a line until it is at a given distance. Every other line goes from a
+//! random direction to the centre of B's box. The rest go along a coordinate axis through a random point at which the
+//! boxes can overlap, so that A also passes the sides of B. Lines that miss B are dropped, so that each line gives a
+//! pose at every distance. Distances are relative to the diagonal of A's box.
 
 use crate::error::Error;
 use crate::mesh::MeshData;
@@ -16,28 +16,28 @@ use simdop::node::Node16;
 use simdop::pose::Pose;
 use simdop::query::Query;
 
-/// By distance.
+/// One value for each distance.
 pub(super) type PerDistance<T> = [T; DISTANCES.len()];
 
-/// Their names, those of the benches, nearest first.
+/// Their names, as in the benchmarks, nearest first.
 pub(super) const DISTANCES: [&str; 4] = ["1 % deep", "0 %", "1 %", "5 %"];
-/// Between the bodies, at all but the first distance. No gap at all cannot be had.
+/// Gaps between the bodies at all but the first distance. A gap of exactly zero is not attainable.
 const GAPS: [f64; 3] = [2e-5, 0.01, 0.05];
-/// How far A went on from the smallest gap, at the first distance.
+/// How far A moves on from the smallest gap, at the first distance.
 const DEPTH: f64 = 0.01;
 
-/// Places along a line are multiples of this share of the diagonal: 0.3 % of the smallest gap, and coarse enough
+/// Positions along a line are multiples of this share of the diagonal: 0.3 % of the smallest gap, and coarse enough
 /// that a pose does not depend on the last bits of a distance.
 const STEP: f64 = 1.0 / (1 << 24) as f64;
-/// Steps of one approach, at most: more are of bodies that slide along each other.
+/// Maximum number of steps of an approach. More are needed only if the bodies slide along each other.
 const MOST_STEPS: usize = 10_000;
-/// Lines for each that does not miss, at most.
+/// Maximum number of lines tried for each that hits.
 const MOST_LINES: usize = 1000;
 
 /// `count` poses of A in B's frame at each distance.
 ///
 /// # Errors
-/// If a mesh has no size, cannot be built, or no line comes to a contact.
+/// If a mesh has no size, cannot be built, or no line leads to contact.
 pub(super) fn poses(
     [a, b]: [(&str, &MeshData); 2],
     count: usize,
@@ -68,7 +68,7 @@ pub(super) fn bounds(mesh: &MeshData) -> [[f64; 3]; 2] {
     [f64::min, f64::max].map(|of| core::array::from_fn(|i| bound(i, of)))
 }
 
-/// Of a box of any size, whose squares may be beyond `f64`.
+/// The diagonal of a box of any size, even if its square overflows `f64`.
 pub(super) fn diagonal([low, high]: &[[f64; 3]; 2]) -> f64 {
     let sides: [f64; 3] = core::array::from_fn(|i| high[i] - low[i]);
     let longest = sides.into_iter().fold(0.0, f64::max);
@@ -106,14 +106,14 @@ impl<'m> Approaching<'m> {
     }
 }
 
-/// A way of A, turned, towards B.
+/// A line along which A, rotated, approaches B.
 struct Line<'t> {
     a: &'t Approaching<'t>,
     b: &'t Approaching<'t>,
     rotation: [[f64; 3]; 3],
-    /// Where the centre of A is at place 0.
+    /// The centre of A at position 0.
     target: [f64; 3],
-    /// From there, to where A comes from.
+    /// The direction from there to where A comes from.
     back: [f64; 3],
 }
 
@@ -139,7 +139,7 @@ impl<'t> Line<'t> {
         Self { a, b, rotation, target, back }
     }
 
-    /// In steps.
+    /// The position at a distance, in steps.
     fn place(&self, distance: f64) -> i64 {
         (distance / (STEP * self.a.diagonal())) as i64
     }
@@ -155,11 +155,11 @@ impl<'t> Line<'t> {
         Pose::from_rows(core::array::from_fn(row)).ok()
     }
 
-    /// A pose at each distance, or nothing if the line misses.
+    /// A pose at each distance, or `None` if the line misses.
     fn along(&self) -> Option<PerDistance<Pose>> {
         let mut place = self.place(2.0 * (self.a.diagonal() + self.b.diagonal()));
         let mut places = [0; DISTANCES.len()];
-        // From the largest gap to the contact: each search goes on where the last one ended.
+        // From the largest gap to contact: each search continues where the last one ended.
         for (i, gap) in GAPS.into_iter().enumerate().rev() {
             place = self.reach(place, gap * self.a.diagonal())?;
             places[i + 1] = place;
@@ -169,9 +169,9 @@ impl<'t> Line<'t> {
         Some([deep?, touching?, near?, far?])
     }
 
-    /// The first place on the way in from `start` at which the bodies are `gap` apart, or a hundredth of it more.
+    /// The first position, coming from `start`, at which the bodies are `gap` apart, or up to a hundredth of it more.
     ///
-    /// No point moves farther than A's centre does: a stride as long as the spare distance is safe.
+    /// No point moves farther than A's centre does, so a stride as long as the spare distance is safe.
     fn reach(&self, start: i64, gap: f64) -> Option<i64> {
         let query = Query::new(Isa::detect());
         let short = (self.place(gap) / 128).max(1);
@@ -181,7 +181,7 @@ impl<'t> Line<'t> {
                 let found = query.distance(&self.a.tree, &self.b.tree, &self.pose(place)?, tolerance).ok()?;
                 Some(self.place(found.lower - gap))
             };
-            // A rough distance is cheap, and does while it is large.
+            // A rough distance is cheap, and sufficient while it is large.
             let mut stride = spare(0.5)?;
             if stride < 16 * short {
                 stride = spare(1.0 / 512.0)?;
@@ -198,8 +198,8 @@ impl<'t> Line<'t> {
     }
 }
 
-/// Uniform among all, by a quaternion that is uniform in the unit ball: without a sine, whose last bits differ from
-/// one mathematical library to the next.
+/// A uniformly distributed rotation, from a quaternion that is uniform in the unit ball. Avoids sines, whose last bits
+/// differ between math libraries.
 fn rotation(random: &mut Random) -> [[f64; 3]; 3] {
     let ([w, x, y, z], square) = loop {
         let q: [f64; 4] = core::array::from_fn(|_| 2.0 * random.unit() - 1.0);
@@ -222,7 +222,7 @@ mod tests {
     use super::*;
     use crate::demo;
 
-    /// By the library's distances, which are tested against brute force.
+    /// Checked with the library's distances, which are tested against brute force.
     #[test]
     fn poses_are_at_their_distances() {
         let (knot, gear) = (demo::knot(), demo::gear());
@@ -266,7 +266,7 @@ mod tests {
         }
     }
 
-    /// Two specks at the ends of a box, far from its centre.
+    /// Two tiny triangles at the ends of a box, far from its centre.
     #[test]
     fn bodies_that_always_miss_are_an_error() {
         let corner = |at: f64| [[at; 3], [at + 1e-9, at, at], [at, at + 1e-9, at]];

@@ -1,27 +1,27 @@
-//! Times of several entrants at the same poses, in one run.
+//! Measures the times of several entrants at the same poses in one run.
 
 use super::approach::PerDistance;
 use indicatif::ProgressBar;
 use std::time::{Duration, Instant};
 
-/// Every entrant gets each block of poses so often; of each pose the least time counts.
+/// Every entrant gets each block of poses this many times; the minimum for each pose counts.
 pub(super) const ROUNDS: usize = 5;
 
-/// Poses that an entrant gets in a row before it is the next one's turn, as in `benches/peers`: a planner asks one
-/// tree many things, and no pose comes again before its block is over.
+/// Poses that an entrant gets in a row before the next entrant's turn, as in `benches/peers`: a planner queries one
+/// tree many times, and no pose is repeated before its block is over.
 const BLOCK: usize = 10;
 
-/// Shorter times are taken for this: clocks go in steps of as much.
+/// The resolution of clocks: shorter times count as this.
 const LEAST: Duration = Duration::from_nanos(10);
 
-/// Of one entrant over all poses, in microseconds.
+/// The times of one entrant over all poses, in microseconds.
 #[derive(Copy, Clone, PartialEq, Default, Debug)]
 pub(super) struct Times {
     pub(super) median: f64,
     pub(super) p99: f64,
 }
 
-/// Of the medians at the distances.
+/// The geometric mean of the medians at the distances.
 pub(super) fn geometric_mean(medians: PerDistance<f64>) -> f64 {
     (medians.iter().map(|median| median.ln()).sum::<f64>() / medians.len() as f64).exp()
 }
@@ -33,7 +33,7 @@ pub(super) fn in_turns(
     bar: &ProgressBar,
     mut ask: impl FnMut(usize, usize),
 ) -> Vec<Times> {
-    // What it takes to read the clock twice is certainly not the query's.
+    // The time to read the clock twice is not part of the query.
     let clock = (0..10_000).map(|_| Instant::now().elapsed()).min().unwrap_or_default();
     let mut least = vec![vec![Duration::MAX; poses]; entrants];
     for _ in 0..ROUNDS {
@@ -57,7 +57,7 @@ pub(super) fn in_turns(
 impl Times {
     fn of(mut times: Vec<Duration>) -> Self {
         times.sort_unstable();
-        // Nearest rank: the least time that the share of all times is not above.
+        // Nearest rank: the smallest time that is not below the given share of all times.
         let at = |percent: usize| {
             let rank = (times.len() * percent).div_ceil(100).saturating_sub(1);
             times.get(rank).map_or(0.0, |time| 1e6 * time.as_secs_f64())

@@ -1,5 +1,5 @@
-//! Spheres that cover the meshes within an error: bodies as coarse as a scene needs, whose "free" is certain and whose
-//! "hit" means that the meshes are nearer than the errors.
+//! Spheres that cover the meshes within an error: coarser bodies for a scene. Their "free" is certain, and their "hit"
+//! means that the meshes are nearer than the errors.
 
 use super::approach::{self, DISTANCES, PerDistance};
 use super::clock::{self, Times};
@@ -12,24 +12,24 @@ use simdop::pose::Pose;
 use simdop::query::Query;
 use std::time::Instant;
 
-/// Shares of the largest diagonal.
+/// Errors relative to the largest diagonal.
 const ERRORS: [f64; 3] = [0.05, 0.02, 0.01];
 
 /// The covers of all meshes within one error.
 #[derive(Clone, PartialEq, Debug, Serialize)]
 pub(super) struct CoveredBodies {
-    /// That no point of a sphere is farther than from its mesh, in the mesh's unit.
+    /// Maximum distance of the spheres' points from the mesh, in its unit.
     pub(super) error: f64,
     /// Of all bodies.
     pub(super) spheres: usize,
     /// Of the trees.
     pub(super) bytes: usize,
-    /// Of the spheres and their trees.
+    /// The time to compute the spheres and build their trees.
     pub(super) build_milliseconds: f64,
     pub(super) at: PerDistance<CoveredAt>,
 }
 
-/// At a distance.
+/// Results at one distance.
 #[derive(Copy, Clone, PartialEq, Default, Debug, Serialize)]
 pub(super) struct CoveredAt {
     /// Poses at which spheres meet.
@@ -40,13 +40,13 @@ pub(super) struct CoveredAt {
 }
 
 impl CoveredBodies {
-    /// Of the medians at the distances, in microseconds.
+    /// The geometric mean of the medians at the distances, in microseconds.
     pub(super) fn geometric_mean_microseconds(&self) -> f64 {
         clock::geometric_mean(self.at.map(|at| at.median_microseconds))
     }
 }
 
-/// Of all [`ERRORS`], the coarsest first, at these poses.
+/// The covers for all [`ERRORS`], the coarsest first, measured at these poses.
 pub(super) fn measure(
     meshes: &[(&str, &MeshData)],
     poses: &PerDistance<Vec<Pose>>,

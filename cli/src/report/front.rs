@@ -1,17 +1,17 @@
-//! Which settings are worth having, and which one is recommended.
+//! The Pareto front of the settings, and the recommended one.
 
-/// What a setting costs: the less of each, the better.
+/// The costs of a setting; less is better.
 #[derive(Copy, Clone, PartialEq, Debug)]
 pub(super) struct Cost {
     /// Of a query, in microseconds.
     pub(super) time: f64,
-    /// The greatest, in the mesh's unit.
+    /// The maximum, in the mesh's unit.
     pub(super) overestimate: f64,
     /// Of all trees.
     pub(super) bytes: usize,
 }
 
-/// What may be spent.
+/// Limits on the costs.
 #[derive(Copy, Clone, PartialEq, Debug, Default)]
 pub(super) struct Budget {
     /// In the mesh's unit.
@@ -20,11 +20,11 @@ pub(super) struct Budget {
     pub(super) flash: Option<u64>,
 }
 
-/// Times that are so close to each other are taken for the same: they differ from run to run.
+/// Times within this factor of each other count as equal: they vary between runs.
 pub(super) const SAME_TIME: f64 = 1.05;
 
 impl Cost {
-    /// Whether it is better in something and worse in nothing.
+    /// Whether it is better in some cost and worse in none.
     fn dominates(&self, other: &Self) -> bool {
         self.time <= other.time
             && self.overestimate <= other.overestimate
@@ -38,13 +38,13 @@ impl Cost {
     }
 }
 
-/// The Pareto front: of each cost whether no other dominates it.
+/// The Pareto front: for each cost, whether no other dominates it.
 pub(super) fn front(costs: &[Cost]) -> Vec<bool> {
     costs.iter().map(|cost| !costs.iter().any(|other| other.dominates(cost))).collect()
 }
 
-/// Of those within the budget and about as fast as the fastest of them, the one with the fewest bytes: it is on the
-/// front.
+/// Among the settings within the budget and about as fast as the fastest of them, the one with the fewest bytes. It is
+/// on the front.
 pub(super) fn recommended(costs: &[Cost], budget: &Budget) -> Option<usize> {
     let within = || costs.iter().enumerate().filter(|(_, cost)| cost.is_within(budget));
     let fastest = within().map(|(_, cost)| cost.time).min_by(f64::total_cmp)?;
@@ -62,7 +62,7 @@ mod tests {
     use super::*;
     use crate::random::Random;
 
-    /// Small integers, so that many are equal in something.
+    /// Small integers, so that many costs are equal in some component.
     fn costs(random: &mut Random, count: usize) -> Vec<Cost> {
         let mut integer = || (6.0 * random.unit()).floor();
         (0..count)
@@ -70,7 +70,7 @@ mod tests {
             .collect()
     }
 
-    /// By the words of the definition, one cost at a time.
+    /// Spells out the definition, one cost at a time.
     fn is_beaten(cost: &Cost, by: &Cost) -> bool {
         let [mine, theirs] = [cost, by].map(|c| [c.time, c.overestimate, c.bytes as f64]);
         let is_worse_nowhere = (0..3).filter(|&i| theirs[i] > mine[i]).count() == 0;
@@ -112,7 +112,7 @@ mod tests {
             };
             let chosen = costs[index];
             assert!(may(&chosen) && front(&costs)[index], "{chosen:?} of {costs:?}, {budget:?}");
-            // The steps of time are larger than what counts as the same.
+            // The costs' times differ by more than what counts as equal.
             assert!(costs.iter().filter(|cost| may(cost)).all(|cost| chosen.time <= cost.time));
         }
         assert!((20..480).contains(&refusals), "{refusals}");

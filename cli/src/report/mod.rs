@@ -1,12 +1,14 @@
-//! `simdop report`: time against error, bytes and time to build, of many settings on one mesh or two.
+//! `simdop report`: query time against error, bytes and build time, for many settings on one or two meshes.
 //!
-//! * `setting`: which settings are compared; `approach`: at which poses.
-//! * `volumes`: **false positives** and **overestimates**, with their definitions; `clock`: times, in turns;
-//!   `packings`: the same of packings; `covers`: of spheres that cover the meshes; `peers`: other libraries, from a file.
-//! * `front`: the Pareto front and the recommendation; `results`: CSV, JSON and a digest of what repeats; `page`,
-//!   `tables` and `plot`: the page.
+//! * `setting`: the settings compared; `approach`: the poses.
+//! * `volumes`: **false positives** and **overestimates**, with their definitions; `clock`: times, measured in turns;
+//!   `packings`: the same for packings; `covers`: for spheres that cover the meshes; `peers`: other libraries, from a
+//!   file.
+//! * `front`: the Pareto front and the recommendation; `results`: CSV, JSON and a digest of the reproducible results;
+//!   `page`, `tables` and `plot`: the page.
 //!
-//! All trees are kept until all are asked, in turns: of 100,000 triangles the usual settings take some 400 MB.
+//! All trees are kept in memory, since they are queried in turns: for 100,000 triangles the default settings take about
+//! 400 MB.
 
 mod approach;
 mod clock;
@@ -41,42 +43,46 @@ use volumes::{Overestimate, Volumes, meetings};
 
 #[derive(Args, Debug)]
 pub(super) struct Options {
-    /// The mesh that comes along, or a tree: then the mesh that it was built from. Without it: the built-in scene.
+    /// The mesh that approaches, or a tree: then the mesh that it was built from. Without it: the built-in scene.
     a: Option<File>,
-    /// The mesh that stands still. Without it: the same.
+    /// The mesh that stands still. Without it: the same mesh.
     b: Option<File>,
-    /// The page to write. Files that are there are replaced at once, when all is done.
+    /// The page to write. Existing files are replaced atomically at the end.
     #[arg(short, long, value_name = "FILE", default_value = "report.html")]
     output: File,
-    /// The CSV file to write [default: beside the page, with its name and .csv].
+    /// The CSV file to write [default: beside the page, with its name and the extension .csv].
     #[arg(long, value_name = "FILE")]
     csv: Option<File>,
     /// Poses at each of the four distances.
-    #[arg(long, value_name = "NUMBER", default_value_t = 40, value_parser = clap::value_parser!(u32).range(1..=100_000))]
+    #[arg(
+        long,
+        value_name = "NUMBER",
+        default_value_t = 40,
+        value_parser = clap::value_parser!(u32).range(1..=100_000)
+    )]
     poses: u32,
-    /// Of the poses.
+    /// Seed of the poses.
     #[arg(long, default_value_t = 1)]
     seed: u64,
-    /// Recommend a setting whose volumes stick out by at most this, in the mesh's unit.
+    /// Recommend a setting whose k-DOPs overestimate by at most this, in the mesh's unit.
     #[arg(long, value_name = "LENGTH", value_parser = length)]
     error: Option<f64>,
-    /// Recommend a setting whose trees take at most so much flash.
+    /// Recommend a setting whose trees take at most this much flash.
     #[arg(long, value_name = "BYTES")]
     flash: Option<u64>,
-    /// Every k, arity, leaf size and splitter with every other, with and without normal slabs: 480 settings instead
-    /// of 55.
+    /// Combine every k, arity, leaf size and splitter, with and without normal slabs: 480 settings instead of 55.
     #[arg(long)]
     full: bool,
-    /// Spheres of a packing, at most; 0 for no packings.
+    /// Maximum number of spheres of a packing; 0 for no packings.
     #[arg(long, value_name = "NUMBER", default_value_t = 1000)]
     spheres: u32,
-    /// Show other libraries beside: the results.csv of `benches/peers/run`.
+    /// Include other libraries: the results.csv of `benches/peers/run`.
     #[arg(long, value_name = "FILE")]
     peers: Option<File>,
     /// Instruction set: auto, scalar, neon, avx2 or avx512.
     #[arg(long, default_value = "auto", value_parser = isa)]
     isa: Isa,
-    /// One JSON object instead of a table.
+    /// Print one JSON object instead of a table.
     #[arg(long)]
     json: bool,
 }
@@ -139,13 +145,13 @@ pub(super) fn run(options: &Options) -> Result<(), Error> {
         .map_err(Error::Output)
 }
 
-/// What was asked, for the page: the command alone, and not where it is.
+/// The command line for the page, with the program's name instead of its path.
 fn command() -> String {
     let arguments = std::env::args_os().skip(1).map(|argument| argument.to_string_lossy().into_owned());
     core::iter::once("simdop".to_owned()).chain(arguments).collect::<Vec<_>>().join(" ")
 }
 
-/// Where the CSV goes. What cannot be written is said before the work, not after it.
+/// The path of the CSV file. Reports targets that cannot be written before the work starts.
 fn targets(options: &Options) -> Result<PathBuf, Error> {
     if options.csv.is_none() && output::is_standard_output(&options.output) {
         let problem = "needs a name where the page goes to the standard output".into();
@@ -162,7 +168,7 @@ fn targets(options: &Options) -> Result<PathBuf, Error> {
     Ok(csv)
 }
 
-/// One that meets itself, or two, with their names.
+/// One mesh that is tested against itself, or two, with their names.
 fn meshes(options: &Options) -> Result<Vec<(String, MeshData)>, Error> {
     let read = |path: &PathBuf| {
         let mesh = body::read(path, &TreeOptions::default(), options.json)?.into_mesh();
@@ -188,14 +194,14 @@ fn subject(name: &str, mesh: &MeshData) -> Subject {
     Subject { name: name.to_owned(), triangles: mesh.triangles.len(), diagonal }
 }
 
-/// A setting's trees, of each mesh one.
+/// The trees of a setting, one for each mesh.
 struct Built {
     setting: Setting,
     trees: Vec<Body>,
     milliseconds: f64,
 }
 
-/// Builds that take less, in milliseconds, are made three times, in turns, and their median counts.
+/// Builds shorter than this, in milliseconds, are repeated three times, in turns, and the median counts.
 const LONG_BUILD: f64 = 100.0;
 
 fn build(settings: &[Setting], meshes: &[(&str, &MeshData)], quiet: bool) -> Result<Vec<Built>, Error> {
@@ -266,7 +272,7 @@ fn measure(built: &[Built], poses: &PerDistance<Vec<Pose>>, options: &Options) -
     settings
 }
 
-/// What is counted and measured without a clock.
+/// Everything that is counted or measured without a clock.
 fn of_volumes(built: &Built, poses: &PerDistance<Vec<Pose>>) -> Measured {
     let volumes: Vec<Volumes> = built.trees.iter().map(|body| Volumes::of(&body.tree)).collect();
     let (a, b) = (&volumes[0], &volumes[volumes.len() - 1]);

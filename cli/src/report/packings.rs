@@ -1,5 +1,5 @@
-//! Packings of the meshes, by their number of spheres: the share of the volume that they do not cover, against the
-//! time that the volume which two of them share takes.
+//! Packings of the meshes, by their number of spheres: the share of the volume that they leave uncovered, against the
+//! time to compute the shared volume of two.
 
 use super::approach::{DISTANCES, PerDistance};
 use super::clock::{self, Times};
@@ -16,7 +16,7 @@ use simdop::pose::Pose;
 use simdop::primitive::Spheres;
 use simdop::query::Query;
 
-/// The first spheres of a packing, of each body as many.
+/// The first spheres of a packing, equally many for each body.
 #[derive(Clone, PartialEq, Debug, Serialize)]
 pub(super) struct Packed {
     pub(super) spheres: usize,
@@ -27,28 +27,28 @@ pub(super) struct Packed {
     pub(super) at: PerDistance<PackedAt>,
 }
 
-/// At a distance.
+/// Results at one distance.
 #[derive(Copy, Clone, PartialEq, Default, Debug, Serialize)]
 pub(super) struct PackedAt {
-    /// Of spheres that meet, mean over the poses.
+    /// Pairs of spheres that meet, mean over the poses.
     pub(super) pairs: f64,
     pub(super) visits: f64,
     pub(super) median_microseconds: f64,
     pub(super) p99_microseconds: f64,
 }
 
-/// What came of filling the meshes.
+/// The result of packing the meshes.
 pub(super) enum Packings {
-    /// None were asked for.
+    /// None were requested.
     None,
-    /// A mesh cannot be filled, for this reason.
+    /// A mesh cannot be packed, for this reason.
     Impossible(String),
     Of(Vec<Packed>),
 }
 
 type Tree = Bvh<Node16<18>, Spheres>;
 
-/// The meshes' packings of 10, 20, 50, 100 and so on spheres up to `most`, at these poses.
+/// The meshes' packings with 10, 20, 50, 100 and so on spheres, up to `most`, measured at these poses.
 pub(super) fn measure(
     meshes: &[(&str, &MeshData)],
     most: usize,
@@ -69,7 +69,7 @@ pub(super) fn measure(
             Err(error) => return Err(Error::Pack { name: (*name).into(), error }),
         }
     }
-    // No more than there are in each.
+    // At most as many as each packing has.
     let most = filled.iter().map(|(_, packing)| packing.spheres.len()).fold(most, usize::min);
     let mut entrants = Vec::new();
     for spheres in steps(most) {
@@ -118,7 +118,7 @@ fn fill(name: &str, mesh: &MeshData, most: usize, quiet: bool) -> Result<Packing
     })
 }
 
-/// What the first spheres of all packings leave uncovered, as a share of what the meshes enclose.
+/// The volume that the first spheres of all packings leave uncovered, relative to the volume enclosed by the meshes.
 fn volume_error(filled: &[(&str, Packing)], spheres: usize) -> f64 {
     let volume: f64 = filled.iter().map(|(_, packing)| packing.volume).sum();
     let covered = |packing: &Packing| {
@@ -149,7 +149,7 @@ mod tests {
         assert_eq!(steps(1), [1]);
     }
 
-    /// Of two packings, by what their spheres' volumes leave.
+    /// Two packings are weighted by the volumes of their meshes.
     #[test]
     fn what_is_uncovered_is_weighed_by_volume() {
         let ball = |radius| Sphere { centre: [0.0; 3], radius };

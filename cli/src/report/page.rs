@@ -1,6 +1,6 @@
-//! The page: plots, tables and a recommendation, in one file that needs no other.
+//! The page: plots, tables and a recommendation in one self-contained file.
 //!
-//! Well-formed XML besides HTML, so that tests can read it.
+//! Well-formed XML as well as HTML, so that tests can parse it.
 
 use super::approach::{DISTANCES, PerDistance};
 use super::clock::ROUNDS;
@@ -17,7 +17,7 @@ const STYLE: &str = include_str!("page.css");
 /// The distances, in words.
 pub(super) const TITLES: PerDistance<&str> = ["1 % deep", "0 %: almost touching", "1 % apart", "5 % apart"];
 
-/// What settings are plotted against, as the legend of an axis, and where it differs from one distance to the next.
+/// A quantity that settings are plotted against: label of the axis, label of the table, and its value at a distance.
 type Quantity = (&'static str, &'static str, fn(&Measured, usize) -> f64);
 
 const QUANTITIES: [Quantity; 5] = [
@@ -27,7 +27,7 @@ const QUANTITIES: [Quantity; 5] = [
     (BYTES, "bytes a triangle", |one, _| one.bytes_per_triangle),
     (BUILD, "build, ms", |one, _| one.build_milliseconds),
 ];
-/// What peers have too.
+/// Peers have this quantity, too.
 const BYTES: &str = "Bytes a triangle";
 const BUILD: &str = "Build time";
 
@@ -40,7 +40,8 @@ pub(super) fn html(results: &Results, digest: &str, command: &str) -> String {
     let _ = write!(
         page,
         "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\"/>\n\
-         <meta name=\"viewport\" content=\"width=device-width\"/>\n<meta name=\"color-scheme\" content=\"light dark\"/>\n\
+         <meta name=\"viewport\" content=\"width=device-width\"/>\n<meta name=\"color-scheme\" content=\"light \
+         dark\"/>\n\
          <title>{title}</title>\n<style>\n{STYLE}</style>\n</head>\n<body>\n<h1>{title}</h1>\n\
          <p class=\"recommendation\"><strong>Recommended.</strong> {}{}</p>\n",
         escaped(&results.recommendation()),
@@ -62,7 +63,7 @@ pub(super) fn html(results: &Results, digest: &str, command: &str) -> String {
     page
 }
 
-/// How to have what is recommended.
+/// The command that builds the recommended tree.
 fn build_command(results: &Results) -> String {
     let Some(best) = results.recommended.map(|index| &results.settings[index].setting) else {
         return String::new();
@@ -80,7 +81,7 @@ fn facts(page: &mut String, results: &Results, digest: &str, command: &str) {
     let _ = write!(
         page,
         "<p>{}{against}; {} poses at each distance, seed {}; {}, one thread; simdop {}; <code>{}</code>.\n\
-         Digest of what repeats: <code class=\"digest\">{digest}</code>.</p>\n",
+         Digest of the reproducible results: <code class=\"digest\">{digest}</code>.</p>\n",
         bodies.join("; "),
         results.poses,
         results.seed,
@@ -136,7 +137,7 @@ fn rgb(plotters::style::RGBColor(r, g, b): plotters::style::RGBColor) -> String 
     format!("#{r:02X}{g:02X}{b:02X}")
 }
 
-/// Each k of the settings, from the least.
+/// Each k of the settings, in ascending order.
 fn ks(results: &Results) -> Vec<usize> {
     let mut ks: Vec<usize> = results.settings.iter().map(|one| one.setting.k).collect();
     ks.sort_unstable();
@@ -231,22 +232,24 @@ fn definitions(page: &mut String, results: &Results) {
     let unit = if results.subjects.len() == 1 { "the tree" } else { "both trees" };
     let _ = write!(
         page,
-        "<h2>What the words mean</h2>\n<dl>\n\
-         <dt>Distance</dt><dd>A share of the diagonal of A's box. At “1 % deep” A went on so far after it was as near as at “0 %”, \
-         a gap of 2e-5; a thin part may have come out on the other side.</dd>\n\
-         <dt>Time</dt><dd>Of a query for the first pair of triangles that meet, the median over the poses of the least of {ROUNDS} rounds, in \
-         which all settings take turns. Verdicts are exact, and the same by every setting.</dd>\n\
-         <dt>False positives</dt><dd>Pairs of a leaf of A and a leaf of B whose volumes, k-DOPs, meet although none of their \
-         triangles do: the mean over the poses, of all pairs, not only those before the first hit. A leaf of eight triangles counts once.</dd>\n\
-         <dt>Overestimate</dt><dd>How far a leaf's volume, turned, sticks out past its triangles in a direction, in the mesh's unit: \
-         mean and greatest over all leaves and 96 directions.</dd>\n\
-         <dt>Bytes</dt><dd>Of {unit} with vertices and triangles, as they are in flash.</dd>\n\
-         <dt>Pareto front</dt><dd>Settings that no other beats in one of time (geometric mean over the distances), greatest overestimate \
-         and bytes without being worse in another.</dd>\n\
-         <dt>Recommended</dt><dd>Of the settings within the limits that are at most {like} % slower than the fastest of them, the one with \
-         the fewest bytes. The options --error and --flash set the limits.</dd>\n\
-         <dt>Left out</dt><dd>Planes as f32, which the library does not build: <code>cargo bench --bench ablation</code> compares them, \
-         in a traversal of its own.</dd>\n</dl>\n"
+        "<h2>Definitions</h2>\n<dl>\n\
+         <dt>Distance</dt><dd>Relative to the diagonal of A's box. “0 %” is a gap of 2e-5. At “1 % deep” A has \
+         moved on by 1 % from there; thin parts may have come out on the other side.</dd>\n\
+         <dt>Time</dt><dd>Of a query for the first pair of triangles that meet: the median over the poses of the \
+         minimum over {ROUNDS} rounds, in which all settings take turns. Verdicts are exact, and the same for \
+         every setting.</dd>\n\
+         <dt>False positives</dt><dd>Pairs of a leaf of A and a leaf of B whose k-DOPs meet although none of \
+         their triangles do: the mean over the poses, of all pairs, not only those before the first hit. A leaf \
+         of eight triangles counts once.</dd>\n\
+         <dt>Overestimate</dt><dd>How far a leaf's k-DOP, after realignment, extends beyond its triangles in a \
+         direction, in the mesh's unit: mean and maximum over all leaves and 96 directions.</dd>\n\
+         <dt>Bytes</dt><dd>Of {unit} with vertices and triangles, as stored in flash.</dd>\n\
+         <dt>Pareto front</dt><dd>Settings that no other setting dominates. The costs are time (geometric mean \
+         over the distances), greatest overestimate and bytes.</dd>\n\
+         <dt>Recommended</dt><dd>Among the settings within the limits that are at most {like} % slower than the \
+         fastest of them, the one with the fewest bytes. The options --error and --flash set the limits.</dd>\n\
+         <dt>Left out</dt><dd>Planes as f32, which the library does not build: <code>cargo bench --bench \
+         ablation</code> compares them, in a traversal of its own.</dd>\n</dl>\n"
     );
 }
 

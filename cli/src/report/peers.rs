@@ -5,7 +5,7 @@ use crate::error::{Error, Fault};
 use serde::{Deserialize, Serialize};
 use std::path::Path;
 
-/// What is read of a line. The file has more.
+/// The fields used of a line. The file has more.
 #[derive(Deserialize)]
 struct Line {
     mesh: String,
@@ -18,7 +18,7 @@ struct Line {
     median_us: f64,
 }
 
-/// A library on these meshes. Each figure is the median of the file's runs.
+/// A library on these meshes. Each figure is the median over the file's runs.
 #[derive(Clone, PartialEq, Debug, Serialize)]
 pub(super) struct Peer {
     pub(super) library: String,
@@ -27,14 +27,14 @@ pub(super) struct Peer {
     pub(super) median_microseconds: PerDistance<Option<f64>>,
 }
 
-/// simdop's own lines begin so: they are of another machine or day, and are left out.
+/// The prefix of simdop's own lines, which are from another machine or day, and are ignored.
 const OURS: &str = "simdop";
 
-/// The libraries that were measured on meshes of so many triangles, in the order of the file. Where there are
-/// several meshes of as many, the one of this name.
+/// The libraries measured on meshes with these numbers of triangles, in the order of the file. If several meshes match,
+/// the one with this name.
 ///
 /// # Errors
-/// If the file is none of `benches/peers`', or has no such mesh.
+/// If the file was not written by `benches/peers`, or has no such mesh.
 pub(super) fn read(path: &Path, name: &str, triangles: [usize; 2]) -> Result<Vec<Peer>, Error> {
     let bytes = std::fs::read(path).map_err(Error::io(path))?;
     parse(&bytes, name, triangles).map_err(|fault| Error::content(path, fault))
@@ -83,7 +83,7 @@ fn peer(library: &str, lines: &[Line]) -> Peer {
     }
 }
 
-/// Of one at least.
+/// `None` if there are no values.
 fn median(values: impl Iterator<Item = f64>) -> Option<f64> {
     let mut values: Vec<f64> = values.collect();
     values.sort_by(f64::total_cmp);
@@ -120,9 +120,10 @@ mod tests {
         let fault = parse(FILE.as_bytes(), "cow", [10, 21]).unwrap_err();
         assert_eq!(fault, Fault::file("no other library has a line for meshes of 10 and 21 triangles"));
         let broken = FILE.replace("11,,50", "eleven,,50");
-        assert!(
-            matches!(parse(broken.as_bytes(), "cow", [10, 20]), Err(Fault { place, .. }) if place == crate::error::Place::Line(4))
-        );
+        assert!(matches!(
+            parse(broken.as_bytes(), "cow", [10, 20]),
+            Err(Fault { place, .. }) if place == crate::error::Place::Line(4)
+        ));
         let other = parse(b"a,b\n1,2\n", "cow", [10, 20]).unwrap_err();
         assert!(other.problem.starts_with("not the results of benches/peers: "), "{other:?}");
     }

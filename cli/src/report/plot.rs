@@ -1,18 +1,18 @@
 //! Plots: a row of panels, one for each distance, as SVG for the page.
 //!
-//! Drawn twice as large as shown, since coordinates are whole numbers. Black, and one grey, are what the page's
-//! style sheet turns into the colours of text and grid, by day and by night; the other colours stay.
+//! Drawn at twice the displayed size, since coordinates are integers. The page's style sheet replaces black and one
+//! grey by the colours of text and grid for the light or dark scheme; the other colours are fixed.
 
 use plotters::coord::Shift;
 use plotters::coord::combinators::BindKeyPoints;
 use plotters::prelude::*;
 
-/// Of a row, as shown.
+/// Of a row, in displayed pixels.
 pub(super) const WIDTH: u32 = 1200;
 pub(super) const HEIGHT: u32 = 300;
 const SCALE: u32 = 2;
 
-/// Told apart without red and green (Okabe and Ito 2008), and seen on white and on black.
+/// Distinguishable without red and green (Okabe and Ito 2008), and visible on white and on black.
 pub(super) const COLOURS: [RGBColor; 5] = [
     RGBColor(230, 159, 0),
     RGBColor(86, 180, 233),
@@ -30,7 +30,7 @@ pub(super) enum Shape {
     Square,
 }
 
-/// What a mark is about.
+/// The importance of a mark.
 #[derive(Copy, Clone, PartialEq, Eq, Debug)]
 pub(super) enum Rank {
     Other,
@@ -43,16 +43,16 @@ pub(super) enum Rank {
 pub(super) struct Mark {
     pub(super) x: f64,
     pub(super) y: f64,
-    /// Of [`COLOURS`].
+    /// Index into [`COLOURS`].
     pub(super) colour: usize,
     pub(super) shape: Shape,
-    /// As shown, in pixels.
+    /// In displayed pixels.
     pub(super) radius: u32,
     pub(super) is_filled: bool,
     pub(super) rank: Rank,
 }
 
-/// A point with a word.
+/// A labelled point.
 #[derive(Clone, PartialEq, Debug)]
 pub(super) struct Label {
     pub(super) x: f64,
@@ -60,7 +60,7 @@ pub(super) struct Label {
     pub(super) text: String,
 }
 
-/// Both axes are logarithmic. Where x is zero, a mark is at the left border.
+/// Both axes are logarithmic. Marks with x = 0 are at the left border.
 #[derive(Clone, PartialEq, Debug, Default)]
 pub(super) struct Panel {
     pub(super) title: String,
@@ -68,11 +68,11 @@ pub(super) struct Panel {
     pub(super) y_axis: String,
     pub(super) marks: Vec<Mark>,
     pub(super) labels: Vec<Label>,
-    /// Whether the labels are joined by a line.
+    /// Whether a line joins the labels.
     pub(super) has_line: bool,
 }
 
-/// Of text, as shown: plotters takes 1.24 of a font's size for one.
+/// Font of text of this displayed height: plotters draws text 1.24 times as high as the font's size.
 fn text(pixels: u32) -> (&'static str, f64) {
     ("sans-serif", 1.24 * f64::from(SCALE * pixels))
 }
@@ -94,14 +94,14 @@ impl Rectangle {
             && other.top < self.bottom
     }
 
-    /// Its upper left one, from that of an area.
+    /// Its upper left corner, relative to that of an area.
     fn corner(&self, area: &DrawingArea<SVGBackend<'_>, Shift>) -> (i32, i32) {
         let (left, top) = area.get_base_pixel();
         (self.left - left, self.top - top)
     }
 }
 
-/// Of what has a label.
+/// Of a labelled point.
 const DOT: u32 = SCALE * 3;
 
 fn dot((x, y): (i32, i32)) -> Rectangle {
@@ -109,7 +109,7 @@ fn dot((x, y): (i32, i32)) -> Rectangle {
     Rectangle { left: x - r, top: y - r, right: x + r, bottom: y + r }
 }
 
-/// Where a text of so many letters may be written about a dot: to its right or left, above or below.
+/// Candidate places for a label of this length: right or left of the dot, above or below it.
 fn places(x: i32, y: i32, letters: i32) -> [Rectangle; 4] {
     let (width, height, gap) = (SCALE as i32 * 7 * letters, SCALE as i32 * 12, SCALE as i32 * 4);
     [(gap, -height), (gap, 0), (-gap - width, -height), (-gap - width, 0)].map(|(right, down)| {
@@ -126,7 +126,7 @@ pub(super) fn row(panels: &[Panel]) -> String {
     {
         let area = SVGBackend::with_string(&mut svg, (SCALE * WIDTH, SCALE * HEIGHT)).into_drawing_area();
         for (panel, area) in panels.iter().zip(area.split_evenly((1, panels.len()))) {
-            // Into memory: it does not fail.
+            // Drawing into memory does not fail.
             let _ = draw(panel, &area);
         }
         let _ = area.present();
@@ -169,7 +169,7 @@ fn draw(panel: &Panel, area: &DrawingArea<SVGBackend<'_>, Shift>) -> Result<(), 
             INK.stroke_width(SCALE),
         )))?;
     }
-    // The more a mark matters, the later it is drawn.
+    // More important marks are drawn later.
     for rank in [Rank::Other, Rank::Front, Rank::Recommended] {
         for mark in panel.marks.iter().filter(|mark| mark.rank == rank) {
             chart.plotting_area().draw(&element(mark, x_axis.shown(mark.x)))?;
@@ -183,7 +183,7 @@ fn draw(panel: &Panel, area: &DrawingArea<SVGBackend<'_>, Shift>) -> Result<(), 
         plotted.draw(&Circle::new(at(label), DOT, INK.filled()))?;
         let (x, y) = place(label);
         let places = places(x, y, label.text.chars().count() as i32);
-        // Where there is no room, the dot alone is seen; the table has its figures.
+        // If no place is free, only the dot is drawn; the table has its figures.
         let is_free = |place: &Rectangle| taken.iter().all(|other| !place.overlaps(other));
         if let Some(place) = places.into_iter().find(is_free) {
             area.draw(&Text::new(label.text.clone(), place.corner(area), text(11).into_font().color(&INK)))?;
@@ -195,8 +195,8 @@ fn draw(panel: &Panel, area: &DrawingArea<SVGBackend<'_>, Shift>) -> Result<(), 
 
 type Point = (f64, f64);
 
-/// A mark as it is drawn: those that are on no front are faint, those on it have a ring, and the recommended one a
-/// second.
+/// The drawing of a mark: faint if it is not on the front, with a ring if it is, and with a second ring if it is
+/// recommended.
 fn element<'s>(mark: &Mark, x: f64) -> DynElement<'s, SVGBackend<'s>, Point> {
     let is_front = mark.rank != Rank::Other;
     let colour = COLOURS[mark.colour % COLOURS.len()].mix(if is_front { 1.0 } else { 0.5 });
@@ -204,9 +204,9 @@ fn element<'s>(mark: &Mark, x: f64) -> DynElement<'s, SVGBackend<'s>, Point> {
     let line =
         |is_seen: bool| if is_seen { INK.stroke_width(SCALE + 1) } else { TRANSPARENT.stroke_width(0) };
     let (ring, halo) = (line(is_front), line(mark.rank == Rank::Recommended));
-    // A square is as large as a disc to the eye.
+    // Makes a square look as large as a disc.
     let r = (SCALE * mark.radius) as i32 * if mark.shape == Shape::Square { 7 } else { 8 } / 8;
-    // Around what is hollow, so that its colour is seen.
+    // Hollow marks get a larger outer ring, so that their colour is visible.
     let outer = if mark.is_filled { r } else { r + SCALE as i32 + 1 };
     let at = EmptyElement::at((x, mark.y));
     let halo = Circle::new((0, 0), r + (SCALE * 5) as i32, halo);
@@ -225,7 +225,7 @@ fn element<'s>(mark: &Mark, x: f64) -> DynElement<'s, SVGBackend<'s>, Point> {
     }
 }
 
-/// Of a triangle or a square, the first once more at the end.
+/// Corners of a triangle or a square, with the first repeated at the end.
 fn corners(shape: Shape, r: i32) -> Vec<(i32, i32)> {
     match shape {
         Shape::Triangle => {
@@ -241,7 +241,7 @@ struct Axis {
     low: f64,
     high: f64,
     ticks: Vec<f64>,
-    /// Where zero is shown, if there is one.
+    /// The position of zero, if any value is zero.
     zero: Option<f64>,
 }
 
@@ -260,7 +260,7 @@ impl Axis {
         let (least, greatest) = (positive().fold(f64::INFINITY, f64::min), positive().fold(0.0, f64::max));
         let (least, greatest) = if greatest > 0.0 { (least, greatest) } else { (1.0, 1.0) };
         let has_zero = values.clone().any(|value| value == 0.0);
-        // Room at both ends, and some range at least.
+        // Margins at both ends, and a minimum range.
         let room = (greatest / least).powf(0.08).max(1.25);
         let zero = has_zero.then(|| least / (room * room * room));
         let (low, high) = (zero.unwrap_or(least) / room, greatest * room);
@@ -289,7 +289,7 @@ impl Axis {
         if !(0.000_99..1e5).contains(&tick) {
             return format!("{tick:.1e}").replace(".0e", "e");
         }
-        // Without the last bits of a power of ten.
+        // Hides rounding errors of powers of ten.
         let text = format!("{tick:.4}");
         text.trim_end_matches('0').trim_end_matches('.').to_owned()
     }

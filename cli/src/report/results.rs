@@ -1,4 +1,4 @@
-//! What was found out, as CSV, JSON and a digest of what repeats.
+//! The results as CSV, JSON and a digest of the reproducible part.
 
 use super::approach::{DISTANCES, PerDistance};
 use super::covers::CoveredBodies;
@@ -10,7 +10,7 @@ use serde::{Serialize, Serializer};
 use std::io::Write;
 use std::path::Path;
 
-/// A setting's trees, of one body or of two.
+/// Measurements of a setting's trees, for one body or two.
 #[derive(Clone, PartialEq, Debug, Serialize)]
 pub(super) struct Measured {
     #[serde(serialize_with = "as_text")]
@@ -22,18 +22,18 @@ pub(super) struct Measured {
     pub(super) overestimate_mean: f64,
     pub(super) overestimate_greatest: f64,
     pub(super) at: PerDistance<MeasuredAt>,
-    /// Of the medians at the distances.
+    /// The geometric mean of the medians at the distances.
     pub(super) geometric_mean_microseconds: f64,
     pub(super) is_on_front: bool,
 }
 
-/// At a distance: means over the poses, and times.
+/// Results at one distance: means over the poses, and times.
 #[derive(Copy, Clone, PartialEq, Default, Debug, Serialize)]
 pub(super) struct MeasuredAt {
     /// Poses at which the bodies meet.
     pub(super) hits: usize,
     pub(super) false_positives: f64,
-    /// Pairs of leaves whose volumes meet.
+    /// Pairs of leaves whose k-DOPs meet.
     pub(super) leaf_pairs: f64,
     pub(super) visits: f64,
     pub(super) triangle_pairs: f64,
@@ -45,18 +45,18 @@ fn as_text<S: Serializer>(setting: &Setting, serializer: S) -> Result<S::Ok, S::
     serializer.collect_str(setting)
 }
 
-/// A body that was measured.
+/// A measured body.
 #[derive(Clone, PartialEq, Debug, Serialize)]
 pub(super) struct Subject {
     pub(super) name: String,
     pub(super) triangles: usize,
-    /// Of the box around it, in its unit.
+    /// Of its box, in its unit.
     pub(super) diagonal: f64,
 }
 
-/// Everything.
+/// All results.
 pub(super) struct Results {
-    /// One, which met itself, or two.
+    /// One body, tested against itself, or two.
     pub(super) subjects: Vec<Subject>,
     pub(super) isa: &'static str,
     /// At each distance.
@@ -64,14 +64,14 @@ pub(super) struct Results {
     pub(super) seed: u64,
     pub(super) budget: Budget,
     pub(super) settings: Vec<Measured>,
-    /// Which of them.
+    /// Index of a setting.
     pub(super) recommended: Option<usize>,
     pub(super) covers: Vec<CoveredBodies>,
     pub(super) packings: Packings,
     pub(super) peers: Vec<Peer>,
 }
 
-/// A line of the CSV file: a setting, a cover, a packing or a peer at a distance. What does not apply is empty.
+/// A line of the CSV file: a setting, a cover, a packing or a peer at a distance. Fields that do not apply are empty.
 #[derive(Serialize, Default)]
 struct Line<'r> {
     kind: &'static str,
@@ -95,7 +95,7 @@ struct Line<'r> {
     triangle_pairs: Option<f64>,
     sphere_pairs: Option<f64>,
     visits: Option<f64>,
-    // What follows differs from run to run.
+    // The rest varies between runs.
     build_ms: Option<f64>,
     median_us: Option<f64>,
     p99_us: Option<f64>,
@@ -175,7 +175,7 @@ impl<'r> Line<'r> {
         }
     }
 
-    /// Without what differs from run to run.
+    /// Without the fields that vary between runs.
     fn repeatable(self) -> Self {
         Self { build_ms: None, median_us: None, p99_us: None, is_on_front: None, ..self }
     }
@@ -200,8 +200,8 @@ impl Results {
         written(self.lines())
     }
 
-    /// Of the meshes' numbers of triangles and what else repeats on every machine and instruction set: bytes,
-    /// overestimates, false positives, hits and counters. Of no time, nor of other libraries.
+    /// Digest of everything that is the same on every machine and instruction set: numbers of triangles, bytes,
+    /// overestimates, false positives, hits and query statistics. Excludes times and other libraries.
     pub(super) fn digest(&self) -> String {
         let repeatable = self.lines().filter(|line| line.kind != "peer").map(Line::repeatable);
         let mut bytes = written(repeatable);
@@ -213,7 +213,8 @@ impl Results {
         format!("{:016x}", bytes.iter().fold(0xcbf2_9ce4_8422_2325, step))
     }
 
-    /// A sentence, and one more of covers where there is a limit on error that one keeps to.
+    /// A sentence about the recommended setting, and another about covers if there is a limit on the error that one
+    /// meets.
     pub(super) fn recommendation(&self) -> String {
         let exact = self.recommended_setting();
         let Some(most) = self.budget.error else { return exact };
@@ -224,7 +225,8 @@ impl Results {
             return exact;
         };
         format!(
-            "{exact} Spheres that cover the mesh within {} take {} bytes and {} µs: they are free only where it is, and what they hit is nearer than {}.",
+            "{exact} Spheres that cover the mesh within {} take {} bytes and {} µs: where they are free, so is the \
+             mesh; where they hit, it is nearer than {}.",
             short(cover.error),
             cover.bytes,
             short(cover.geometric_mean_microseconds()),
@@ -245,12 +247,14 @@ impl Results {
             let least = self.settings.iter().map(|one| one.bytes).min().unwrap_or_default();
             let tightest = self.settings.iter().map(|one| one.overestimate_greatest);
             return format!(
-                "{budget} there is no setting: the smallest takes {least} bytes, and the tightest volumes stick out by up to {}.",
+                "{budget} there is no setting: the smallest takes {least} bytes, and the tightest volumes stick out by \
+                 up to {}.",
                 short(tightest.fold(f64::INFINITY, f64::min))
             );
         };
         format!(
-            "{budget}, take {}: {} µs a query (geometric mean of the medians at the four distances), {} bytes ({} a triangle), \
+            "{budget}, take {}: {} µs a query (geometric mean of the medians at the four distances), {} bytes ({} a \
+             triangle), \
              volumes that stick out by at most {}, and {} ms to build.",
             best.setting,
             short(best.geometric_mean_microseconds),
@@ -263,7 +267,7 @@ impl Results {
 }
 
 impl Results {
-    /// What was found, for a person or a program. The settings are those on the front; all are in the files.
+    /// Prints the results for a person or a program. Only the settings on the front; the files have all.
     pub(super) fn print(
         &self,
         digest: &str,
@@ -346,7 +350,7 @@ struct Report<'r> {
     peers: &'r [Peer],
 }
 
-/// Writing to memory does not fail.
+/// The lines as CSV. Writing to memory does not fail.
 fn written<'r>(lines: impl Iterator<Item = Line<'r>>) -> Vec<u8> {
     let mut writer = csv::Writer::from_writer(Vec::new());
     for line in lines {
@@ -355,7 +359,7 @@ fn written<'r>(lines: impl Iterator<Item = Line<'r>>) -> Vec<u8> {
     writer.into_inner().unwrap_or_default()
 }
 
-/// Three digits that count.
+/// Three significant digits.
 pub(super) fn short(x: f64) -> String {
     let magnitude = x.abs();
     if x == 0.0 {

@@ -1,10 +1,10 @@
-//! The settings of a tree that are compared.
+//! The tree settings compared.
 
 use crate::{SplitterName, TreeOptions};
 use clap::ValueEnum;
 use core::fmt;
 
-/// What a mesh is built by.
+/// The options for building a mesh.
 #[derive(Copy, Clone, PartialEq, Eq, Debug)]
 pub(super) struct Setting {
     pub(super) k: usize,
@@ -17,9 +17,9 @@ pub(super) struct Setting {
 /// Which settings are compared.
 #[derive(Copy, Clone, PartialEq, Eq, Debug)]
 pub(super) enum Sweep {
-    /// k, arity and leaf size with each other, and the rest one at a time.
+    /// All combinations of k, arity and leaf size; the other options one at a time.
     Cross,
-    /// All with each other.
+    /// All combinations.
     Full,
 }
 
@@ -27,12 +27,12 @@ pub(super) enum Sweep {
 const NODES: [(usize, usize); 5] = [(6, 16), (14, 16), (18, 16), (26, 16), (18, 4)];
 const LEAF_SIZES: [u32; 4] = [1, 2, 4, 8];
 
-/// What the library builds unless told otherwise.
+/// The library's defaults.
 const DEFAULT: Setting =
     Setting { k: 18, arity: 16, leaf_size: 1, splitter: SplitterName::MeanWidth, has_normal_slabs: true };
 
 impl Sweep {
-    /// Its settings, each once.
+    /// The settings, without duplicates.
     pub(super) fn settings(self) -> Vec<Setting> {
         let mut all = Vec::new();
         for &splitter in SplitterName::value_variants() {
@@ -71,14 +71,14 @@ impl Setting {
         }
     }
 
-    /// As `simdop build` takes it.
+    /// In the form of `simdop build`'s options.
     pub(super) fn arguments(&self) -> String {
         let Self { k, arity, leaf_size, has_normal_slabs, .. } = self;
         let thin = if *has_normal_slabs { "" } else { " --without-normal-slabs" };
         format!("-k {k} -a {arity} -l {leaf_size} -s {}{thin}", self.splitter_name())
     }
 
-    /// The splitter as the options have it.
+    /// The splitter in the form of the options.
     pub(super) fn splitter_name(&self) -> String {
         self.splitter.to_possible_value().map(|value| value.get_name().to_owned()).unwrap_or_default()
     }

@@ -5,10 +5,11 @@ use super::page::{escaped, letter};
 use super::results::{Results, short};
 use core::fmt::Write;
 
-/// Each setting a line, the fastest first.
+/// One line per setting, the fastest first.
 pub(super) fn settings(page: &mut String, results: &Results) {
     page.push_str(
-        "<h2>All settings, the fastest first</h2>\n<table class=\"settings\">\n<thead>\n<tr><th rowspan=\"2\">front</th>",
+        "<h2>All settings, the fastest first</h2>\n<table class=\"settings\">\n<thead>\n\
+         <tr><th rowspan=\"2\">front</th>",
     );
     for (head, unit) in [
         ("k", ""),
@@ -68,13 +69,15 @@ pub(super) fn settings(page: &mut String, results: &Results) {
     page.push_str("</tbody>\n</table>\n<p>★ recommended, ● on the Pareto front.</p>\n");
 }
 
-/// Each error a line.
+/// One line per error.
 pub(super) fn covers(page: &mut String, results: &Results) {
-    page.push_str("<h2>Covers: bodies as coarse as a scene needs</h2>\n<p>Spheres that hold the mesh, none of whose points is farther from it than the error. \
-         That they are free says so of the mesh; that they meet says that the meshes are nearer than the errors of the two. \
-         <code>simdop cover MESH --error LENGTH -o TREE</code>. Of closed meshes as solids, <code>--solid</code> makes covers of fewer spheres, \
-         which hold the inside, too.</p>\n\
-         <table>\n<thead>\n<tr><th>error<br/><small>mesh's unit</small></th><th>spheres</th><th>in all<br/><small>KiB</small></th><th>build<br/><small>ms</small></th>");
+    page.push_str("<h2>Covers: coarser bodies for scenes</h2>\n\
+        <p>Spheres that cover the mesh, none of whose points is farther from it than the error. If they are \
+         free, so are the meshes; if they meet, the meshes are nearer than the sum of both errors. <code>simdop \
+         cover MESH --error LENGTH -o TREE</code>. For closed meshes as solids, <code>--solid</code> gives covers \
+         with fewer spheres, which include the inside.</p>\n\
+         <table>\n<thead>\n<tr><th>error<br/><small>mesh's unit</small></th><th>spheres</th><th>in \
+         all<br/><small>KiB</small></th><th>build<br/><small>ms</small></th>");
     for distance in DISTANCES {
         let _ = write!(
             page,
@@ -95,12 +98,15 @@ pub(super) fn covers(page: &mut String, results: &Results) {
     page.push_str("</tbody>\n</table>\n");
 }
 
-/// Each number of spheres a line.
+/// One line per number of spheres.
 pub(super) fn packings(page: &mut String, results: &Results) {
     if results.packed().is_empty() {
         return;
     }
-    page.push_str("<h2>All packings</h2>\n<table>\n<thead>\n<tr><th>spheres</th><th>not covered<br/><small>% of volume</small></th><th>in all<br/><small>KiB</small></th>");
+    page.push_str(
+        "<h2>All packings</h2>\n<table>\n<thead>\n<tr><th>spheres</th><th>not covered<br/><small>% of \
+        volume</small></th><th>in all<br/><small>KiB</small></th>",
+    );
     for distance in DISTANCES {
         let _ = write!(
             page,
@@ -119,12 +125,16 @@ pub(super) fn packings(page: &mut String, results: &Results) {
     page.push_str("</tbody>\n</table>\n");
 }
 
-/// Each library a line.
+/// One line per library.
 pub(super) fn peers(page: &mut String, results: &Results) {
     if results.peers.is_empty() {
         return;
     }
-    page.push_str("<h2>Other libraries</h2>\n<p>From the file of benches/peers: measured another time, at other poses of the same distances.</p>\n<table>\n<thead>\n<tr><th></th><th>library</th><th>a triangle<br/><small>bytes</small></th><th>build<br/><small>ms</small></th>");
+    page.push_str(
+        "<h2>Other libraries</h2>\n<p>From a results.csv of benches/peers: measured at another time, at other poses \
+         with the same distances.</p>\n<table>\n<thead>\n<tr><th></th><th>library</th><th>a \
+        triangle<br/><small>bytes</small></th><th>build<br/><small>ms</small></th>",
+    );
     for distance in DISTANCES {
         let _ = write!(page, "<th>{distance}<br/><small>µs</small></th>");
     }

@@ -1,15 +1,15 @@
-//! How far the volumes of a tree say more than its triangles: counted and measured, not timed.
+//! How loosely the volumes of a tree bound its triangles: counted and measured, not timed.
 //!
-//! **False positives**, at a pose: the pairs of a leaf of A and a leaf of B whose k-DOPs meet although no triangle
-//! of the one meets one of the other. A's k-DOPs are turned into B's frame as a query turns them
-//! ([`simdop::realign`]), so that both are k-DOPs of the same directions; triangles are decided exactly. All pairs
-//! of leaves are meant, not those alone that a query comes to before its first hit. What else a query tells pairs
-//! apart by, such as normal slabs, is not asked: that shows in its counters.
+//! **False positives**, at a pose: the pairs of a leaf of A and a leaf of B whose k-DOPs meet although no triangle of
+//! one meets a triangle of the other. A's k-DOPs are realigned to B's frame as in a query ([`simdop::realign`]), so
+//! that both have the same directions; triangles are decided exactly. This covers all pairs of leaves, not only those
+//! that a query visits before its first hit. Further tests of a query, such as normal slabs, are not included: they
+//! show in the query statistics.
 //!
-//! **Overestimate**, of a leaf in a unit direction u, a length: what re-alignment takes for the leaf's support
-//! along u, the sum of weights times three of its planes, less the support of its triangles. So far does the
-//! volume stick out when it is turned until u is a direction of the other body. Mean and greatest are over all
-//! leaves and [`directions`] that prefer no k. It is never negative, and holds what storing planes in 16 bits adds.
+//! **Overestimate**, of a leaf in a unit direction u, a length: the leaf's support along u as bounded by realignment
+//! (the sum of weights times three of its planes), minus the support of its triangles. This is the gap between volume
+//! and triangles after a rotation that takes u to a direction of the other body. Mean and maximum are over all leaves
+//! and over [`directions`] that favour no k. It is never negative, and includes the loss from 16-bit planes.
 
 use simdop::hierarchy::{AnyBvh, BvhRef, Lane};
 use simdop::low_level::directions::Directions;
@@ -21,24 +21,24 @@ use simdop::pose::Pose;
 use simdop::primitive::triangle::{Triangle, overlap};
 use simdop::with_bvh;
 
-/// The k-DOPs of a tree, its lanes in use, out of their nodes.
+/// The k-DOPs of a tree: its used lanes, extracted from the nodes.
 pub(super) struct Volumes {
     k: usize,
     extent: BodyBounds,
-    /// Of each node the first of its lanes, and at the end their number.
+    /// The first lane of each node, and at the end the number of lanes.
     starts: Vec<usize>,
     links: Vec<Link>,
-    /// Codes, `k` for each lane.
+    /// Keys, `k` for each lane.
     planes: Vec<i16>,
     triangles: Vec<Triangle>,
 }
 
-/// Pairs of leaves at a pose.
+/// Numbers of pairs of leaves at a pose.
 #[derive(Copy, Clone, PartialEq, Eq, Default, Debug)]
 pub(super) struct Meetings {
-    /// Those whose volumes meet.
+    /// Pairs whose k-DOPs meet.
     pub(super) volumes: u64,
-    /// Of these, those whose triangles meet.
+    /// Of these, pairs whose triangles meet.
     pub(super) triangles: u64,
 }
 
@@ -62,7 +62,7 @@ impl Overestimate {
     }
 }
 
-/// One side of a pair that is still to be opened.
+/// One side of a pair that is still to be visited.
 #[derive(Copy, Clone, Debug)]
 enum Side {
     Node(usize),
@@ -77,7 +77,7 @@ impl Volumes {
 
     fn of_nodes<N: Dop>(tree: &BvhRef<'_, N>) -> Self {
         let mut lanes: Vec<Lane> = tree.walk().collect();
-        // Depth first otherwise.
+        // The lanes come in depth-first order otherwise.
         lanes.sort_by_key(|lane| (lane.node, lane.lane));
         let mut starts = vec![0; tree.nodes().len() + 1];
         for lane in &lanes {
@@ -101,7 +101,7 @@ impl Volumes {
         }
     }
 
-    /// Of a tree without a triangle there is none.
+    /// `None` for a tree without triangles.
     fn root(&self) -> Option<Side> {
         (self.starts.len() > 1).then_some(Side::Node(0))
     }
@@ -131,7 +131,7 @@ impl Volumes {
         }
     }
 
-    /// Adds what its leaves overestimate.
+    /// Adds the overestimates of its leaves.
     pub(super) fn measure(&self, overestimate: &mut Overestimate) {
         let Frame { centre, exponent } = self.extent.frame;
         let directions = directions();
@@ -147,7 +147,7 @@ impl Volumes {
                 };
                 let exact = self.triangles(lane).iter().flatten().map(support).fold(f64::MIN, f64::max);
                 let bound = weights.iter().map(|(plane, weight)| weight * f64::from(decode(planes[*plane])));
-                // A rounding below zero is none.
+                // Rounding can make it slightly negative.
                 let excess = (bound.sum::<f64>() * 2_f64.powi(-exponent) - exact).max(0.0);
                 overestimate.sum += excess;
                 overestimate.count += 1;
@@ -157,7 +157,7 @@ impl Volumes {
     }
 }
 
-/// Unit vectors through the middles of four by four squares on each side of a cube.
+/// Unit vectors through the centres of four by four squares on each face of a cube.
 fn directions() -> Vec<[f64; 3]> {
     let steps = [-0.75, -0.25, 0.25, 0.75];
     let mut all = Vec::new();
@@ -174,7 +174,7 @@ fn directions() -> Vec<[f64; 3]> {
     all
 }
 
-/// The planes that bound a support along a direction, with their weights.
+/// The planes that bound the support along a direction, with their weights.
 fn weights(k: usize, direction: [f64; 3]) -> [(usize, f64); 3] {
     let found = match k {
         6 => Directions::<6>::decompose(direction),
@@ -186,8 +186,7 @@ fn weights(k: usize, direction: [f64; 3]) -> [(usize, f64); 3] {
     core::array::from_fn(|l| (usize::from(found.directions[l]), found.weights[l]))
 }
 
-/// Turns the planes of one volume: to the complement of the opposite plane in the other frame, ready for the
-/// compare.
+/// Realigns the planes of one k-DOP: to the complement of the opposite plane in the other frame, ready for the compare.
 type Turn = Box<dyn Fn(&[i16], &mut [i16])>;
 
 fn turn<const K: usize>(pose: &Pose, a: &BodyBounds, b: &Frame) -> Turn {
@@ -209,7 +208,7 @@ fn turn_of(k: usize, pose: &Pose, a: &BodyBounds, b: &Frame) -> Turn {
     }
 }
 
-/// Whether a turned volume meets one of the other body.
+/// Whether a realigned k-DOP meets one of the other body.
 fn meet(turned: &[i16], planes: &[i16]) -> bool {
     turned.iter().zip(planes).all(|(turned, plane)| turned <= plane)
 }

@@ -1,4 +1,4 @@
-//! Does the robot meet anything on its way? Straight edges of problems, certified and sampled.
+//! Does the robot meet anything on its way? Straight motions of problems, certified and sampled.
 
 use super::model::Model;
 use super::problems::Problem;
@@ -9,12 +9,12 @@ use serde::Serialize;
 use simdop::scene::{MotionVerdict, SceneError};
 use std::io::Write;
 
-/// How long random edges are at most, in the joints: what a tree of a planner grows by.
+/// Maximum length of random motions in the joints: a typical step of a planner's tree.
 const LONGEST: f64 = 1.0;
 
 #[derive(Default)]
 pub(super) struct Edges {
-    /// Of edges from the start to each goal, and of random ones.
+    /// Motions from the start to each goal, and random ones.
     kinds: [Outcomes; 2],
 }
 
@@ -37,9 +37,9 @@ pub(super) struct EdgeReport {
     free: usize,
     hits: usize,
     unresolved: usize,
-    /// Hits of which the samples found none.
+    /// Hits that the samples missed.
     missed_by_samples: usize,
-    /// At how many times the bodies were placed, in the mean.
+    /// Mean number of times at which the bodies were placed.
     mean_times: f64,
     mean_samples: f64,
     median_microseconds: f64,
@@ -47,7 +47,8 @@ pub(super) struct EdgeReport {
 }
 
 impl Edges {
-    /// From the start to the goals, and as many random ones as asked for: from the start and the goals in turn.
+    /// Checks motions from the start to the goals, and as many random ones as requested, alternating between start and
+    /// goals.
     pub(super) fn ask(
         &mut self,
         model: &Model,

@@ -1,4 +1,4 @@
-//! Which bodies of a robot can meet at all, shown for all values of its joints, beside what its SRDF rules out.
+//! Classifies which bodies of a robot can meet at all, for all values of its joints, and compares with its SRDF.
 
 use super::model::Model;
 use crate::progress;
@@ -14,14 +14,14 @@ type Configuration = BTreeMap<String, f64>;
 
 #[derive(Serialize)]
 pub(super) struct FatesReport {
-    /// Boxes of values that a pair may take.
+    /// Maximum number of boxes of values for a pair.
     boxes_allowed: usize,
     boxes: usize,
     seconds: f64,
     fates: Vec<FateReport>,
-    /// Entries that an SRDF must not have.
+    /// Entries of the SRDF that are wrong.
     refuted: Vec<Refuted>,
-    /// Of each pair, asked or ruled out.
+    /// Every pair, tested or excluded by the SRDF.
     matrix: Vec<CertifiedPair>,
 }
 
@@ -124,7 +124,7 @@ impl FatesReport {
             writeln!(out, "    {}", values.join(", "))?;
         }
         for CertifiedPair { bodies: [a, b], is_asked, fate, .. } in &self.matrix {
-            // Where the robot may stand anywhere as far as they go, or nowhere.
+            // Tested pairs that meet for no configuration, or for every one.
             if *is_asked && ["never", "always"].contains(fate) {
                 writeln!(out, "asked, and they {fate} meet: {a}, {b}")?;
             }
@@ -133,8 +133,8 @@ impl FatesReport {
     }
 }
 
-/// Values at which two bodies that are ruled out do what the reason denies: whether they meet there, and the values. Neighbours
-/// may do anything. Any other pair that meets at some values only hides collisions.
+/// Values that refute the reason for excluding a pair: whether the bodies meet there, and the values. The reason
+/// `Adjacent` allows everything. Excluding any other pair that meets for some values only hides collisions.
 fn counterexample<'a>(reason: &str, found: &'a PairReport) -> Option<(bool, &'a [f64])> {
     let meeting = found.meeting.as_deref().map(|values| (true, values));
     match reason {

@@ -27,30 +27,30 @@ use world::World;
 
 #[derive(Args, Debug)]
 pub(super) struct Options {
-    /// The robot. Without it: an arm that is built in, with problems and pairs.
+    /// The robot. Without it: a built-in arm, with problems and pairs.
     urdf: Option<File>,
-    /// The pairs of links that are not asked against each other. Without it all are that joints move, neighbours
-    /// too.
+    /// The pairs of links that are not tested. Without it: all pairs that joints move are tested, adjacent links
+    /// included.
     #[arg(long, value_name = "FILE", requires = "urdf")]
     srdf: Option<File>,
-    /// Which shapes of a link are its bodies. Of a mesh that is closed, they are solids.
+    /// Which shapes of a link are its bodies. Closed meshes become solids.
     #[arg(long, value_enum, default_value = "collision")]
     shapes: ShapesName,
-    /// Problems of planning, one JSON object a line, as MotionBenchMaker's: `start`, `goals` and `obstacles`.
-    /// Are starts, goals and random configurations valid, and edges between them free?
+    /// Planning problems, one JSON object per line in MotionBenchMaker's form: `start`, `goals` and `obstacles`. Are
+    /// starts, goals and random configurations valid, and the motions between them free?
     #[arg(long, value_name = "FILE", requires = "urdf")]
     problems: Option<File>,
-    /// Show of each pair of bodies whether it can meet, with at most so many boxes of values of the joints, and
-    /// compare with the SRDF [default for the built-in arm: 20000].
+    /// Classify whether each pair of bodies can meet, with at most this many boxes of joint values, and compare with
+    /// the SRDF [default for the built-in arm: 20000].
     #[arg(long, value_name = "BOXES", value_parser = clap::value_parser!(u32).range(1..))]
     pairs: Option<u32>,
-    /// Random edges of each problem, beside those from its start to its goals [default: 10].
+    /// Random motions of each problem, in addition to those from its start to its goals [default: 10].
     #[arg(long, value_name = "COUNT")]
     edges: Option<u32>,
     /// Instruction set: auto, scalar, neon, avx2 or avx512.
     #[arg(long, default_value = "auto", value_parser = isa)]
     isa: Isa,
-    /// One JSON object instead of a table.
+    /// Print one JSON object instead of a table.
     #[arg(long)]
     json: bool,
 }
@@ -85,7 +85,7 @@ struct Report {
 struct RobotReport {
     name: String,
     bodies: Vec<BodyReport>,
-    /// Those that move by themselves.
+    /// Those that are not fixed and mimic no other.
     joints: Vec<JointReport>,
     joints_that_follow: usize,
     pairs_asked: usize,
@@ -230,7 +230,7 @@ impl Report {
     }
 }
 
-/// An answer, which is the same every time, and the shortest of three times that it took, in microseconds.
+/// The answer, which is the same each time, and the shortest of three times, in microseconds.
 fn timed<R>(mut ask: impl FnMut() -> Result<R, SceneError>) -> Result<(R, f64), SceneError> {
     let mut once = || {
         let start = Instant::now();
@@ -240,12 +240,12 @@ fn timed<R>(mut ask: impl FnMut() -> Result<R, SceneError>) -> Result<(R, f64), 
     Ok((answer, first.min(once()?.1).min(once()?.1)))
 }
 
-/// Zero of nothing.
+/// Zero for an empty slice.
 fn mean(values: &[f64]) -> f64 {
     values.iter().sum::<f64>() / values.len().max(1) as f64
 }
 
-/// Zero of nothing.
+/// Zero for an empty slice.
 fn median(mut values: Vec<f64>) -> f64 {
     values.sort_by(f64::total_cmp);
     values.get(values.len() / 2).copied().unwrap_or(0.0)

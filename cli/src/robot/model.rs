@@ -1,4 +1,4 @@
-//! A robot with the trees of its bodies: its description, and the mesh files that this names.
+//! A robot with the trees of its bodies, from its description and the mesh files that this refers to.
 
 use super::Options;
 use crate::error::{Error, Fault};
@@ -17,20 +17,20 @@ pub(super) type Tree = Bvh<Node16<18>>;
 const BUILT_IN_URDF: &str = include_str!("../../../examples/arm/arm.urdf");
 const BUILT_IN_SRDF: &str = include_str!("../../../examples/arm/arm.srdf");
 
-/// How far from a cylinder the prism around it may be, of its radius: sixteen sides.
+/// Maximum error of the prism around a cylinder, relative to its radius: sixteen sides.
 const CYLINDER_ERROR: f64 = 0.02;
 
-/// A tree, and a radius about its triangles.
+/// A tree, and the radius of the body around its triangles.
 pub(super) struct Round {
     pub(super) tree: Tree,
     pub(super) radius: f64,
 }
 
 impl Round {
-    /// Of a mesh that is a solid if it is closed, and else a surface.
+    /// The tree of a mesh: a solid if it is closed, otherwise a surface.
     fn build(mesh: &Mesh<'_>, radius: f64) -> Result<Self, BuildError> {
         let surface = || Builder::new().build_as(mesh);
-        // Segments and points are closed, and there is nothing inside of them.
+        // Segments and points are closed, and have no inside.
         let tree = if radius > 0.0 {
             surface()?
         } else {
@@ -42,11 +42,11 @@ impl Round {
         Ok(Self { tree, radius })
     }
 
-    /// Of a shape that is no mesh file.
+    /// The tree of a shape that is not a mesh file.
     pub(super) fn of(shape: &LinkShape) -> Result<Self, String> {
         let error = match shape {
             LinkShape::Cylinder { radius, .. } => CYLINDER_ERROR * radius,
-            // Only cylinders become something else.
+            // Only cylinders are approximated.
             _ => 1.0,
         };
         let (mesh, radius) =
@@ -67,13 +67,13 @@ impl Round {
     }
 }
 
-/// A robot, what its bodies are, and which of them are asked against each other.
+/// A robot, its bodies, and which pairs of them are tested.
 pub(super) struct Model {
     pub(super) robot: Robot,
     pub(super) bodies: Vec<Round>,
-    /// The bodies' names: of their links, with a number behind all but the first of a link.
+    /// The names of the bodies: those of their links, with a number for all but the first of a link.
     pub(super) names: Vec<String>,
-    /// Names of all joints, those that do not move by themselves among them.
+    /// Names of all joints, including fixed ones and those that mimic another.
     pub(super) joints: Vec<String>,
     pub(super) disabled: Vec<DisabledPair>,
     /// Pairs of bodies, by their indices.
@@ -104,7 +104,7 @@ impl Model {
         Ok(Self { bodies, names, joints, asked: robot.pairs(&disabled), disabled, robot })
     }
 
-    /// A scene of the robot alone, all of it at the origin.
+    /// A scene of the robot alone, with all its bodies at the origin.
     pub(super) fn scene(&self) -> Result<(Scene<'_, Node16<18>>, Vec<BodyId>), SceneError> {
         let mut scene = Scene::new();
         let mut ids = Vec::with_capacity(self.bodies.len());
@@ -123,7 +123,7 @@ impl Model {
         Ok((scene, ids))
     }
 
-    /// Pairs of bodies that joints move as one sees the other.
+    /// Pairs of bodies that joints move relative to each other.
     pub(super) fn moving_pairs(&self) -> Vec<(usize, usize)> {
         self.robot.pairs(&[])
     }
@@ -137,7 +137,7 @@ fn body(urdf: &Path, shape: &LinkShape) -> Result<Round, Error> {
         for vertex in &mut mesh.vertices {
             *vertex = core::array::from_fn(|i| scale[i] * vertex[i]);
         }
-        // A mirror image is inside out.
+        // A reflection turns the mesh inside out.
         if scale.iter().product::<f64>() < 0.0 {
             mesh.triangles.iter_mut().for_each(|[_, b, c]| core::mem::swap(b, c));
         }
@@ -148,8 +148,8 @@ fn body(urdf: &Path, shape: &LinkShape) -> Result<Round, Error> {
     Round::of(shape).map_err(|problem| Error::content(urdf, Fault::file(problem)))
 }
 
-/// Where a mesh is that a URDF names: beside it, or in a package. That is the first `NAME/FILE` or `FILE` in the URDF's folder and
-/// in those above it: the folder of a package need not have its name.
+/// The file of a mesh that a URDF refers to, relative to it or to a package: the first `NAME/FILE` or `FILE` in the
+/// URDF's folder and those above it. The folder of a package need not have its name.
 fn located(urdf: &Path, name: &str) -> PathBuf {
     let absolute = std::path::absolute(urdf).unwrap_or_else(|_| urdf.into());
     let folder = absolute.parent().unwrap_or(Path::new("/"));
@@ -171,7 +171,7 @@ fn numbered(links: &[String]) -> Vec<String> {
 }
 
 fn joint_names(urdf: &str) -> Vec<String> {
-    // It was read before.
+    // It was parsed before.
     let joints = urdf_rs::read_from_string(urdf).map(|robot| robot.joints).unwrap_or_default();
     joints.into_iter().map(|joint| joint.name).collect()
 }

@@ -1,4 +1,4 @@
-//! Problems of planning, one JSON object a line, as MotionBenchMaker's are written for the data sets.
+//! Planning problems, one JSON object per line, in the form of MotionBenchMaker's data sets.
 
 use super::model::{Model, Round};
 use crate::error::{Error, Fault};
@@ -12,7 +12,7 @@ use std::path::Path;
 
 const BUILT_IN: &str = include_str!("../../../examples/arm/arm.jsonl");
 
-/// What stands around the robot, and from where to where it shall go.
+/// The obstacles around the robot, and its start and goals.
 pub(super) struct Problem {
     pub(super) obstacles: Vec<Obstacle>,
     /// A value for each variable of the robot.
@@ -64,7 +64,7 @@ impl From<&Shape> for LinkShape {
     }
 }
 
-/// The problems of a file; without one, those that are built in.
+/// The problems of a file; without one, the built-in ones.
 pub(super) fn read(file: Option<&Path>, model: &Model) -> Result<Vec<Problem>, Error> {
     let (path, text) = match file {
         Some(path) => (path, std::fs::read_to_string(path).map_err(Error::io(path))?),
@@ -83,7 +83,7 @@ pub(super) fn read(file: Option<&Path>, model: &Model) -> Result<Vec<Problem>, E
 
 fn parse(line: &str, model: &Model) -> Result<Problem, String> {
     let line: Line = serde_json::from_str(line).map_err(|error| {
-        // The line of the file is told apart: each is an object by itself.
+        // serde_json counts lines within this object only: the caller reports the line of the file.
         let text = error.to_string();
         let what = text.split(" at line ").next().unwrap_or_default();
         format!("column {}: {what}", error.column())
@@ -96,7 +96,8 @@ fn parse(line: &str, model: &Model) -> Result<Problem, String> {
         let at = at.map_err(|error| fault(error.to_string()))?;
         Ok(Obstacle { name: placed.id, body, at })
     };
-    // Of what the start does not name, zero, or what is nearest to it; of what a goal does not name, the start's.
+    // Joints that the start does not name are at zero, or at the limit nearest to it; those that a goal does not name
+    // are at the start's value.
     let rest: Vec<f64> = model.robot.limits.iter().map(|[low, high]| 0.0_f64.max(*low).min(*high)).collect();
     let start = values(&line.start, &rest, model).map_err(|problem| format!("the start: {problem}"))?;
     let goal = |(i, goal)| {
@@ -109,7 +110,8 @@ fn parse(line: &str, model: &Model) -> Result<Problem, String> {
     })
 }
 
-/// A value for each variable, where it is named, and else that of `rest`. Joints that do not move by themselves may be named.
+/// A value for each variable: the named one, otherwise that of `rest`. Fixed joints and those that mimic another may be
+/// named.
 fn values(named: &Values, rest: &[f64], model: &Model) -> Result<Vec<f64>, String> {
     let mut values = rest.to_vec();
     for (name, value) in named {

@@ -1,4 +1,4 @@
-//! May the robot stand there? Starts, goals and random configurations of problems.
+//! Is a configuration valid? Starts, goals and random configurations of problems.
 
 use super::model::Model;
 use super::problems::Problem;
@@ -12,7 +12,7 @@ use std::io::Write;
 
 /// Random configurations of a problem.
 const RANDOM: usize = 10;
-/// Pairs in the table.
+/// Maximum number of pairs in the table.
 const ROWS: usize = 10;
 
 #[derive(Default)]
@@ -21,7 +21,7 @@ pub(super) struct Validity {
     hits: BTreeMap<[String; 2], usize>,
 }
 
-/// Configurations of one kind: how many are valid, and how long each took.
+/// Configurations of one kind: how many are valid, and the time for each.
 #[derive(Default)]
 struct Kind {
     valid: usize,
@@ -31,7 +31,8 @@ struct Kind {
 #[derive(Serialize)]
 pub(super) struct ValidityReport {
     configurations: Vec<KindReport>,
-    /// How many configurations each pair of bodies made invalid: the first that was found of them, the most frequent first.
+    /// The number of configurations that each pair of bodies made invalid, counting the first pair found in each;
+    /// sorted, the most frequent first.
     hits: Vec<HitReport>,
 }
 

@@ -10,11 +10,11 @@ use simdop::pose::Pose;
 use simdop::query::Query;
 use simdop::scene::{BodyId, MotionAnswer, MotionHit, MotionMemory, Scene, SceneError, SceneHit};
 
-/// Samples for a unit of length in the joints: as many as the planner VAMP takes.
+/// Samples per unit of length in the joints: as many as the planner VAMP takes.
 const SAMPLES: f64 = 32.0;
-/// No interval of an edge's time is halved that is shorter.
+/// Intervals of a motion's time shorter than this are not split.
 const SHORTEST: f64 = 1e-6;
-/// Pairs of bodies in intervals that wait: more than edges of seven joints among a dozen boxes need.
+/// Pending pairs of bodies in intervals: more than motions of seven joints among a dozen boxes need.
 const WAITING: usize = 8192;
 
 pub(super) struct World<'t> {
@@ -53,7 +53,7 @@ impl<'t> World<'t> {
         })
     }
 
-    /// Two bodies that meet at these values, if any do. Placing them is part of the question.
+    /// Two bodies that meet at these values, if any do. Includes placing them.
     pub(super) fn hit_at(&mut self, values: &[f64]) -> Result<Option<SceneHit>, SceneError> {
         self.robot.go_to(values, &mut self.links, &mut self.poses)?;
         for (&id, pose) in self.ids.iter().zip(&self.poses) {
@@ -62,14 +62,14 @@ impl<'t> World<'t> {
         Ok(self.scene.collide(&self.query)?.hit())
     }
 
-    /// A straight edge in the joints, certified.
+    /// A straight motion in the joints, certified.
     pub(super) fn edge(&mut self, ends: [&[f64]; 2]) -> Result<MotionAnswer, SceneError> {
         let mut motion = JointMotion::new(self.robot, ends, &mut self.values, &mut self.links)?;
         let mut memory = MotionMemory { poses: &mut self.poses, waiting: &mut self.waiting };
         self.scene.check_motion(&self.query, &self.ids, &mut motion, SHORTEST, &mut memory)
     }
 
-    /// The same edge at samples.
+    /// The same motion at samples.
     pub(super) fn check_motion_discrete(&mut self, ends: [&[f64]; 2]) -> Result<MotionAnswer, SceneError> {
         let parts = (SAMPLES * distance(ends[0], ends[1])).ceil() as u32;
         let parts = NonZeroU32::new(parts).unwrap_or(NonZeroU32::MIN);

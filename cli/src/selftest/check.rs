@@ -1,4 +1,4 @@
-//! What the library answers beside what is so.
+//! Compares the library's answers with the truth.
 
 use super::oracle::Truth;
 use super::trees::AllPairs;
@@ -11,16 +11,16 @@ use std::collections::BTreeSet;
 #[derive(Copy, Clone, PartialEq, Eq, PartialOrd, Ord, Debug, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub(super) enum Wrong {
-    /// What meets was not found.
+    /// A collision was not found.
     Missed,
-    /// What does not meet was reported.
+    /// A collision was reported where there is none.
     Invented,
-    /// Instruction sets differ, in verdict, witness or counters.
+    /// Instruction sets differ, in verdict, witness or query statistics.
     Unequal,
 }
 
-/// What is wrong with the answers of all instruction sets to one question, each kind of it once, with where it was seen first. `is_pair`
-/// says whether the two primitives of a hit may be its witness.
+/// The kinds of errors in the answers of all instruction sets to one query, each once, with the first instruction set
+/// that shows it. `is_pair` tells whether two primitives may be the witness of a hit.
 pub(super) fn verdicts(
     truth: Truth,
     answers: &[(Isa, Answer)],
@@ -29,7 +29,7 @@ pub(super) fn verdicts(
     let of_one = |answer: &Answer| match answer.verdict {
         Verdict::Hit(pair) if !truth.meets || !is_pair(pair.a, pair.b) => Some(Wrong::Invented),
         Verdict::Free | Verdict::Unknown { .. } if truth.meets => Some(Wrong::Missed),
-        // Without a budget everything is known.
+        // Without a budget no answer may be unknown.
         Verdict::Unknown { .. } => Some(Wrong::Invented),
         Verdict::Hit(_) | Verdict::Free => None,
     };
@@ -37,7 +37,7 @@ pub(super) fn verdicts(
     first_of_each(wrong.chain(unequal(answers)))
 }
 
-/// The same of all pairs that meet.
+/// The same for all pairs that meet.
 pub(super) fn all_pairs(truth: &BTreeSet<(u32, u32)>, answers: &[(Isa, AllPairs)]) -> Vec<(Wrong, Isa)> {
     let of_one = |isa: Isa, found: &BTreeSet<(u32, u32)>| {
         let missed = (!truth.is_subset(found)).then_some((Wrong::Missed, isa));
@@ -48,13 +48,13 @@ pub(super) fn all_pairs(truth: &BTreeSet<(u32, u32)>, answers: &[(Isa, AllPairs)
     first_of_each(wrong.chain(unequal(answers)))
 }
 
-/// The first instruction set that does not answer as the weakest does.
+/// The first instruction set whose answer differs from the weakest one's.
 pub(super) fn unequal<A: PartialEq>(answers: &[(Isa, A)]) -> Option<(Wrong, Isa)> {
     let (_, first) = answers.first()?;
     answers.iter().find(|(_, answer)| answer != first).map(|(isa, _)| (Wrong::Unequal, *isa))
 }
 
-/// Of each kind the first.
+/// The first of each kind.
 pub(super) fn first_of_each(wrong: impl Iterator<Item = (Wrong, Isa)>) -> Vec<(Wrong, Isa)> {
     let mut first: Vec<(Wrong, Isa)> = Vec::new();
     for (kind, isa) in wrong {
@@ -81,7 +81,7 @@ mod tests {
     const HIT: Verdict = Verdict::Hit(Pair { a: 1, b: 2 });
     const UNKNOWN: Verdict = Verdict::Unknown { lower: 0.0, upper: 1.0 };
 
-    /// Of one instruction set; the witness is right if it is 1 and 2.
+    /// The errors for one instruction set; the correct witness is 1 and 2.
     fn kinds(meets: bool, verdict: Verdict) -> Vec<Wrong> {
         let wrong = verdicts(truth(meets), &[(Isa::SCALAR, answer(verdict))], |a, b| (a, b) == (1, 2));
         wrong.into_iter().map(|(wrong, _)| wrong).collect()

@@ -1,4 +1,4 @@
-//! What is drawn for a trial: the same on every machine, by operations that are rounded correctly everywhere.
+//! Random input of a trial: the same on every machine, using only correctly rounded operations.
 
 use simdop::primitive::triangle::Triangle;
 use simdop::range::Point;
@@ -8,7 +8,7 @@ pub(super) type Turn = [[f64; 3]; 3];
 
 pub(super) const NO_TURN: Turn = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
 
-/// `SplitMix64` (Steele, Lea & Flood, OOPSLA 2014), and the precision that the bodies of a trial have.
+/// `SplitMix64` (Steele, Lea & Flood, OOPSLA 2014), and the precision of the trial's bodies.
 pub(super) struct Draw {
     state: u64,
     /// Whether coordinates of bodies are rounded to `f32`.
@@ -16,7 +16,7 @@ pub(super) struct Draw {
 }
 
 impl Draw {
-    /// What is drawn for a trial does not depend on what was drawn for others.
+    /// The input of a trial does not depend on that of other trials.
     pub(super) fn new(seed: u64, case: &str, trial: u64, is_single: bool) -> Self {
         let state = case.bytes().fold(seed, |state, byte| Self::mixed(state ^ u64::from(byte)));
         Self { state: Self::mixed(state ^ trial), is_single }
@@ -62,7 +62,7 @@ impl Draw {
         self.below(2) == 0
     }
 
-    /// From 2^low to twice 2^high, about evenly by its exponent.
+    /// From 2^low to twice 2^high, with an approximately uniform exponent.
     pub(super) fn size(&mut self, low: i32, high: i32) -> f64 {
         (1.0 + self.unit()) * power_of_two(self.int(low, high))
     }
@@ -73,7 +73,7 @@ impl Draw {
         if self.is_heads() { size } else { -size }
     }
 
-    /// One unit in the last place up, down, or none.
+    /// One unit in the last place up, down, or unchanged.
     pub(super) fn nudged(&mut self, x: f64) -> f64 {
         match self.below(3) {
             0 => x.next_up(),
@@ -82,7 +82,7 @@ impl Draw {
         }
     }
 
-    /// A direction, of length 1 up to rounding.
+    /// A unit vector, up to rounding.
     pub(super) fn direction(&mut self) -> Point {
         loop {
             let p: Point = core::array::from_fn(|_| self.range(-1.0, 1.0));
@@ -93,13 +93,13 @@ impl Draw {
         }
     }
 
-    /// A direction of one axis.
+    /// A direction along one axis.
     pub(super) fn axis(&mut self) -> Point {
         let (axis, sign) = (self.below(3), if self.is_heads() { 1.0 } else { -1.0 });
         core::array::from_fn(|i| if i == axis { sign } else { 0.0 })
     }
 
-    /// Any rotation, from a quaternion in the ball of four dimensions.
+    /// Any rotation, from a quaternion in the four-dimensional ball.
     pub(super) fn turn(&mut self) -> Turn {
         let (q, square) = loop {
             let q: [f64; 4] = core::array::from_fn(|_| self.range(-1.0, 1.0));
@@ -116,7 +116,7 @@ impl Draw {
         ]
     }
 
-    /// A rotation that takes axes to axes, so that it rounds nothing.
+    /// A rotation that maps axes to axes, and so does not round.
     pub(super) fn quarter_turns(&mut self) -> Turn {
         let mut turn = NO_TURN;
         for _ in 0..3 {
@@ -128,12 +128,12 @@ impl Draw {
         turn
     }
 
-    /// As a body has it.
+    /// Rounded to the body's precision.
     pub(super) fn rounded(&self, p: Point) -> Point {
         if self.is_single { p.map(|x| f64::from(x as f32)) } else { p }
     }
 
-    /// Turned and moved, as a body has it.
+    /// Rotated, moved, and rounded to the body's precision.
     pub(super) fn placed(&self, triangles: &[Triangle], turn: &Turn, shift: &Point) -> Vec<Triangle> {
         let place = |p| self.rounded(add(&turned(turn, &p), shift));
         triangles.iter().map(|t| t.map(place)).collect()

@@ -1,16 +1,16 @@
-//! Bodies that hard cases are made of, and poses that bring them into contact.
+//! Bodies of the hard cases, and poses that bring them into contact.
 
 use super::draw::{Draw, NO_TURN, Turn, add, dot, minus, scaled};
 use super::oracle::{Convex, Figure, Matrix, placed};
 use simdop::primitive::triangle::Triangle;
 use simdop::range::Point;
 
-/// A triangulated ball of radius 1: an octahedron whose faces are cut into four as often as this. Of no level and of the first it is
-/// convex, strictly: the plane of each face has all other corners on its one side.
+/// A triangulated unit ball: an octahedron whose faces are split into four `levels` times. For `levels` of 0 and 1 it
+/// is strictly convex: all other corners lie strictly on one side of the plane of each face.
 fn ball(levels: u32) -> Vec<Triangle> {
     let mut faces: Vec<Triangle> = Vec::new();
     for (x, y, z) in [(1.0, 1.0, 1.0), (-1.0, -1.0, 1.0), (-1.0, 1.0, -1.0), (1.0, -1.0, -1.0)] {
-        // Each of these and its image in the origin, run through the other way round.
+        // Each of these, and its reflection through the origin with reversed orientation.
         let face = [[x, 0.0, 0.0], [0.0, y, 0.0], [0.0, 0.0, z]];
         let [p, q, r] = face.map(|p| p.map(|c: f64| if c == 0.0 { c } else { -c }));
         faces.extend([face, [q, p, r]]);
@@ -29,12 +29,12 @@ fn ball(levels: u32) -> Vec<Triangle> {
     faces
 }
 
-/// A closed body about the origin with hills, about 1 in radius: its corners are moved along their ways from the origin.
+/// A closed body about the origin with hills, of radius about 1: its corners are moved along the lines to the origin.
 pub(super) fn blob(draw: &mut Draw) -> Vec<Triangle> {
     let levels = draw.pick(&[0, 1, 1, 1, 2]);
     let waves: [(Point, f64); 3] =
         core::array::from_fn(|_| (scaled(&draw.direction(), 3.0), draw.range(-0.2, 0.2)));
-    // The same for all copies of a corner: a sum in one order.
+    // Summed in one order, so that all copies of a corner get the same height.
     let height = |p: &Point| {
         waves.iter().fold(1.0, |sum, (way, size)| {
             let at = dot(way, p);
@@ -44,14 +44,14 @@ pub(super) fn blob(draw: &mut Draw) -> Vec<Triangle> {
     ball(levels).into_iter().map(|t| t.map(|p| scaled(&p, height(&p)))).collect()
 }
 
-/// A closed convex body about the origin, which is inside. No two faces are in one plane, nor nearly.
+/// A closed convex body around the origin. No two faces are coplanar, or nearly so.
 pub(super) fn polytope(draw: &mut Draw) -> Vec<Triangle> {
     let stretch: Point = core::array::from_fn(|_| draw.range(0.5, 1.5));
     let levels = draw.below(2) as u32;
     ball(levels).into_iter().map(|t| t.map(|p| core::array::from_fn(|i| p[i] * stretch[i]))).collect()
 }
 
-/// A box about the origin by its half widths, each face two triangles.
+/// A box about the origin, given by its half widths, two triangles per face.
 pub(super) fn block([x, y, z]: Point) -> Vec<Triangle> {
     let corner = |i: usize| {
         let side = |bit: usize, w: f64| if i >> bit & 1 == 0 { -w } else { w };
@@ -61,7 +61,7 @@ pub(super) fn block([x, y, z]: Point) -> Vec<Triangle> {
     faces.iter().flat_map(|[p, q, r, s]| [[*p, *q, *r], [*p, *r, *s]]).map(|t| t.map(corner)).collect()
 }
 
-/// A square in the plane z = 0 from the origin, in cells of this width.
+/// A square in the plane z = 0 with a corner at the origin, in cells of this width.
 pub(super) fn sheet(cells: i32, width: f64) -> Vec<Triangle> {
     let at = |i: i32, j: i32| [f64::from(i) * width, f64::from(j) * width, 0.0];
     let cell = |(i, j): (i32, i32)| {
@@ -71,7 +71,7 @@ pub(super) fn sheet(cells: i32, width: f64) -> Vec<Triangle> {
     (0..cells).flat_map(|i| (0..cells).map(move |j| (i, j))).flat_map(cell).collect()
 }
 
-/// Triangles that share a corner, the origin, and are about 1 long and this wide.
+/// Triangles about 1 long and this wide that share a corner, the origin.
 pub(super) fn fan(draw: &mut Draw, count: usize, width: f64) -> Vec<Triangle> {
     let needle = |_| {
         let (tip, across) = (draw.direction(), scaled(&draw.direction(), width));
@@ -85,12 +85,12 @@ pub(super) fn matrix(turn: &Turn, shift: &Point) -> Matrix {
     core::array::from_fn(|i| [turn[i][0], turn[i][1], turn[i][2], shift[i]])
 }
 
-/// A point of the body that is farthest along a direction.
+/// A point that is farthest along a direction.
 fn farthest(points: impl Iterator<Item = Point>, direction: &Point) -> Point {
     points.max_by(|p, q| dot(p, direction).total_cmp(&dot(q, direction))).unwrap_or_default()
 }
 
-/// Points of a body that matter to its extent along a direction.
+/// The points that determine a body's extent along a direction.
 fn ends<'t>(figure: &'t Figure, direction: &Point) -> impl Iterator<Item = Point> + use<'t> {
     let direction = *direction;
     figure.items.iter().flat_map(move |item| match *item {
@@ -99,11 +99,10 @@ fn ends<'t>(figure: &'t Figure, direction: &Point) -> impl Iterator<Item = Point
     })
 }
 
-/// Places A beyond B along a direction of length 1, so that the end of the one touches that of the other, up to rounding, or is this
-/// far from it.
+/// Places A beyond B along a unit direction, so that their ends touch up to rounding, or are this far apart.
 pub(super) fn touching([a, b]: [&Figure; 2], turn: &Turn, direction: &Point, gap: f64) -> Matrix {
     let upright = matrix(turn, &[0.0; 3]);
-    // Backwards, as A sees it.
+    // The opposite direction, in A's frame.
     let back: Point = core::array::from_fn(|j| {
         -((turn[0][j] * direction[0] + turn[1][j] * direction[1]) + turn[2][j] * direction[2])
     });
@@ -121,7 +120,7 @@ pub(super) fn corner_on_point(draw: &mut Draw, [a, b]: [&Figure; 2], turn: &Turn
     };
     let point = match b.items[draw.below(b.items.len())] {
         Convex::Triangle(t) => {
-            // Eighths, so that corners and middles of edges are frequent.
+            // Eighths, so that corners and midpoints of edges are frequent.
             let i = draw.int(0, 8);
             let j = draw.int(0, 8 - i);
             let weights = [i, j, 8 - i - j].map(|w| f64::from(w) / 8.0);
@@ -133,8 +132,8 @@ pub(super) fn corner_on_point(draw: &mut Draw, [a, b]: [&Figure; 2], turn: &Turn
     matrix(turn, &add(&minus(&point, &end), &scaled(&direction, gap)))
 }
 
-/// In contact one way or the other, for bodies of which the smaller is about this large: they touch up to rounding, or are a little
-/// apart, or a little within each other.
+/// In contact one way or another: the bodies touch up to rounding, are slightly apart, or slightly overlap. `size` is
+/// approximately that of the smaller body.
 pub(super) fn in_contact(draw: &mut Draw, [a, b]: [&Figure; 2], turn: &Turn, size: f64) -> Matrix {
     let gap = match draw.below(4) {
         0 => 0.0,
@@ -150,7 +149,7 @@ pub(super) fn in_contact(draw: &mut Draw, [a, b]: [&Figure; 2], turn: &Turn, siz
     }
 }
 
-/// Any rotation, or one that rounds nothing.
+/// Any rotation, or one that does not round.
 pub(super) fn any_turn(draw: &mut Draw) -> Turn {
     match draw.below(8) {
         0 => NO_TURN,
@@ -159,12 +158,12 @@ pub(super) fn any_turn(draw: &mut Draw) -> Turn {
     }
 }
 
-/// As many as a trial has, of poses that are made one by one.
+/// As many poses as a trial has.
 pub(super) fn poses(draw: &mut Draw, mut pose: impl FnMut(&mut Draw) -> Matrix) -> Vec<Matrix> {
     (0..super::cases::POSES).map(|_| pose(draw)).collect()
 }
 
-/// A body's triangles so many times as large.
+/// Scales the triangles of a body.
 pub(super) fn resized(triangles: Vec<Triangle>, by: f64) -> Vec<Triangle> {
     triangles.into_iter().map(|t| t.map(|p| scaled(&p, by))).collect()
 }

@@ -1,8 +1,9 @@
-//! `simdop selftest`: hard cases on the user's machine, each answer beside an oracle that is none of the library's code.
+//! `simdop selftest`: hard cases on the user's machine, each answer compared with an oracle that shares no code with
+//! the library.
 //!
-//! A *trial* is two bodies, built in one of the formats, and up to 64 poses. Each pose is a *pair*: it is judged by
-//! the [`oracle`] and asked on every instruction set that there is. What is drawn for a trial depends on the seed, the case and the
-//! number of the trial only, so that a run of one case repeats what a run of all of them found.
+//! A *trial* is two bodies, built in one of the formats, and up to 64 poses. Each pose is a *pair*: the [`oracle`]
+//! decides it, and every available instruction set is queried. The input of a trial depends only on the seed, the case
+//! and the number of the trial, so that a run of one case reproduces its part of a run of all cases.
 
 mod cases;
 mod check;
@@ -31,17 +32,17 @@ use trees::{Bodies, BodyTrees, TreeFormat};
 
 #[derive(Args, Debug)]
 pub(super) struct Options {
-    /// Pairs to generate: two bodies at a pose, in one of the formats, or a point of a cloud. Each is asked on every
-    /// instruction set that this machine has.
+    /// Number of pairs to generate: two bodies at a pose, in one of the formats, or a point of a cloud. Each is tested
+    /// on every instruction set of this machine.
     #[arg(long, value_name = "COUNT", default_value_t = 250_000, value_parser = clap::value_parser!(u64).range(1..))]
     pairs: u64,
-    /// What the pairs are drawn from.
+    /// Seed of the random input.
     #[arg(long, default_value_t = 1)]
     seed: u64,
-    /// This case alone.
+    /// Run only this case.
     #[arg(long, value_name = "NAME", value_parser = hard_case)]
     case: Option<HardCase>,
-    /// One JSON object instead of a table.
+    /// Print one JSON object instead of a table.
     #[arg(long)]
     json: bool,
 }
@@ -64,7 +65,7 @@ struct SelfTestReport {
     knife_edge: u64,
     exact_pairs: u64,
     seconds: f64,
-    /// Of all answers and counters of all cases: the same on every machine.
+    /// Digest of all answers and query statistics of all cases: the same on every machine.
     digest: String,
     cases: Vec<CaseReport>,
 }
@@ -72,7 +73,7 @@ struct SelfTestReport {
 pub(super) fn run(options: &Options) -> Result<u8, Error> {
     let selected: Vec<HardCase> = options.case.map_or_else(|| CASES.into(), |case| vec![case]);
     let shares: u64 = selected.iter().map(|case| case.share).sum();
-    // At least one of each.
+    // At least one pair per case.
     let counts = selected.iter().map(|case| (options.pairs * case.share).div_ceil(shares));
     let counts: Vec<u64> = counts.collect();
     let bar = progress::bar(counts.iter().sum::<u64>() as usize, "pairs", options.json);
@@ -105,13 +106,13 @@ pub(super) fn run(options: &Options) -> Result<u8, Error> {
     };
     let code = u8::from(!report.is_right);
     match report.print(options.json, &mut BufWriter::new(std::io::stdout().lock())) {
-        // The reader of our output has seen enough. The verdict is what it is.
+        // The reader closed the pipe. The verdict is valid all the same.
         Err(error) if error.kind() == std::io::ErrorKind::BrokenPipe => Ok(code),
         printed => printed.map(|()| code).map_err(Error::Output),
     }
 }
 
-/// Trial after trial, until there are so many pairs.
+/// Runs trials until there are enough pairs.
 fn run_case(case: &HardCase, count: u64, seed: u64, tally: &mut Tally<'_>) -> Result<(), Error> {
     for trial in 0.. {
         let left = usize::try_from(count - tally.pairs()).unwrap_or(usize::MAX);
@@ -138,10 +139,10 @@ fn run_case(case: &HardCase, count: u64, seed: u64, tally: &mut Tally<'_>) -> Re
     Ok(())
 }
 
-/// Poses of which one is asked for all of its pairs of triangles, too.
+/// For one in this many poses, all pairs of triangles are enumerated, too.
 const POSES_FOR_ALL_PAIRS: usize = 8;
 
-/// Asks the bodies what the oracle says of them.
+/// Runs the queries of a trial and compares them with the oracle.
 fn ask(
     bodies: &dyn Bodies,
     drawn: &Trial,
@@ -176,7 +177,7 @@ fn ask(
     Ok(())
 }
 
-/// Of all instruction sets, weakest first, and how long the last took: by then all is in the cache.
+/// The answers of all instruction sets, weakest first, and the time of the last one, which runs with warm caches.
 fn answers(bodies: &dyn Bodies, pose: &Pose) -> Result<(Vec<(Isa, Answer)>, u64), AnyError> {
     let (mut answers, mut nanoseconds) = (Vec::with_capacity(4), 0);
     for isa in Isa::available() {
@@ -204,7 +205,7 @@ fn all_pairs(
     Ok(check::all_pairs(&oracle.pairs(rows).into_iter().collect(), &found))
 }
 
-/// What an answer is, as the digest takes it.
+/// The answer as input of the digest.
 fn numbers(answer: &Answer) -> [u64; 7] {
     let QueryStats { visits, kernels, realignments, primitive_pairs, exact_pairs } = answer.stats;
     let [verdict, pair] = match answer.verdict {
@@ -223,7 +224,7 @@ fn described(format: &TreeFormat, rows: &Matrix, truth: Truth, answers: &[(Isa, 
     format!("{format}\n  pose {}\n  {truth}; {}", numbers.join(" "), answers.join(", "))
 }
 
-/// What is wrong with the enumeration of all pairs, which may be so where the first hit is right.
+/// Describes errors in the enumeration of all pairs, which can occur even if the first hit is right.
 fn of_all_pairs(wrong: &[(Wrong, Isa)]) -> String {
     let each = wrong.iter().map(|(wrong, isa)| format!("\n  of all pairs of triangles: {wrong:?} by {isa}"));
     each.collect()
@@ -246,7 +247,8 @@ impl SelfTestReport {
         writeln!(out, "\nA format is {}.", TreeFormat::CHOICES)?;
         writeln!(
             out,
-            "{pairs} pairs, each on {}: {hits} hits, {knife_edge} on a knife's edge, {exact_pairs} pairs of primitives in exact arithmetic",
+            "{pairs} pairs, each on {}: {hits} hits, {knife_edge} on a knife's edge, {exact_pairs} pairs of primitives \
+             in exact arithmetic",
             self.isas.join(", ")
         )?;
         let verdict = if self.is_right { "every answer is right" } else { "THERE ARE WRONG ANSWERS" };
@@ -263,12 +265,12 @@ mod tests {
     use simdop::query::{Hint, Pair};
     use trees::AllPairs;
 
-    /// Bodies that answer right, but of other sizes than they are said to have: a library that misses collisions, and one that
+    /// Bodies that answer right, but for sizes other than the oracle's: stands for a library that misses collisions, or
     /// invents them.
     struct Resized {
         a: Figure,
         b: Figure,
-        /// Whether scalar code counts otherwise.
+        /// Whether the scalar code reports other statistics.
         is_unequal: bool,
     }
 
@@ -311,7 +313,7 @@ mod tests {
         for wrong in [&smaller, &larger] {
             assert_eq!(wrong.wrong_answers()[2], 0, "all instruction sets are as wrong");
         }
-        // With scalar code alone there is nothing to differ from.
+        // With scalar code alone nothing can differ.
         let differ = Isa::available().count() > 1;
         assert_eq!(unequal.wrong_answers(), [0, 0, if differ { 64 } else { 0 }]);
         assert!(!smaller.is_right() && !larger.is_right());

@@ -1,4 +1,5 @@
-//! Points and their neighbours: beside a loop over all points, as [`simdop::cloud`] documents what near means.
+//! Points and their neighbours, compared with a loop over all points by the definition of a neighbour in
+//! [`simdop::cloud`].
 
 use super::check::{Wrong, first_of_each, unequal};
 use super::draw::Draw;
@@ -9,22 +10,22 @@ use simdop::cloud::{List, PointCloud, Queries, Radii, RangeSearch, RangeStats, S
 use simdop::isa::Isa;
 use std::time::Instant;
 
-/// Points that all look this far.
+/// Points that all have the same search radius.
 pub(super) struct Neighbourhood {
     points: Vec<[f32; 3]>,
     radius: f32,
 }
 
-/// Points in a cloud, which are as many questions.
+/// Points in a cloud, and so queries.
 const POINTS: usize = 256;
 
-/// Uniform in a cube, with some ten neighbours each.
+/// Uniform in a cube, with about ten neighbours each.
 pub(super) fn uniform(draw: &mut Draw) -> Neighbourhood {
     let points = (0..POINTS).map(|_| core::array::from_fn(|_| draw.unit() as f32)).collect();
     Neighbourhood { points, radius: 0.22 }
 }
 
-/// On a lattice, with a radius that is a distance on it, up to rounding.
+/// On a lattice, with a radius that equals a distance on it, up to rounding.
 pub(super) fn at_radius(draw: &mut Draw) -> Neighbourhood {
     let unit = draw.pick(&[1.0, 0.1, 1e-3, 1024.0]);
     let away = draw.pick(&[0.0, 0.0, 1e4, 1e6]) * unit;
@@ -38,7 +39,7 @@ pub(super) fn at_radius(draw: &mut Draw) -> Neighbourhood {
         }
     };
     let points = (0..POINTS).map(|_| core::array::from_fn(|_| coordinate(draw))).collect();
-    // Of whole vectors: 1, 2, 3, 5 and some whose length is a root.
+    // Squared lengths of integer vectors: the lengths are 1, 2, 3 and square roots.
     let square = draw.pick(&[1.0, 4.0, 9.0, 2.0, 3.0, 5.0, 6.0, 14.0, 0.0]);
     let radius = (f64::sqrt(square) * unit) as f32;
     let radius = if is_nudged && radius > 0.0 && draw.is_heads() { radius.next_down() } else { radius };
@@ -59,13 +60,13 @@ impl Neighbourhood {
         near.map(|(_, index)| index).collect()
     }
 
-    /// Whether the answer is another for a radius one unit in the last place beside.
+    /// Whether the answer changes if the radius changes by one unit in the last place.
     fn is_knife_edge(&self, query: usize, neighbours: usize) -> bool {
         let beside = [self.radius.next_up(), self.radius.next_down().max(0.0)];
         beside.iter().any(|&radius| self.near(query, radius).len() != neighbours)
     }
 
-    /// Asks the first of the points, so many.
+    /// Queries the first `count` points.
     pub(super) fn ask(&self, count: usize, trial: u64, tally: &mut Tally<'_>) -> Result<(), Error> {
         let name = || "the cloud of a trial".to_owned();
         let cloud =
@@ -84,7 +85,7 @@ impl Neighbourhood {
                 answers.iter().map(|(isa, lists)| (*isa, lists[query].as_slice())).collect();
             let mut wrong = differences(&near, &each);
             if query == 0 {
-                // They are those of all points.
+                // The statistics are those of all points.
                 wrong.extend(unequal(&stats));
             }
             let first = each.first().map_or(&[][..], |(_, found)| found);
@@ -103,7 +104,7 @@ impl Neighbourhood {
         Ok(())
     }
 
-    /// The neighbours of each point, in the order of the library, and what it took to find them.
+    /// The neighbours of each point, in the order of the library, and the range statistics.
     fn lists(
         &self,
         isa: Isa,
@@ -119,13 +120,13 @@ impl Neighbourhood {
     }
 }
 
-/// What is wrong with the lists of one point.
+/// The errors in the lists of one point.
 fn differences(near: &[u32], answers: &[(Isa, &[u32])]) -> Vec<(Wrong, Isa)> {
     let of_one = |(isa, found): &(Isa, &[u32])| {
         let mut sorted = found.to_vec();
         sorted.sort_unstable();
         let lacks = |all: &[u32], some: &[u32]| some.iter().any(|index| all.binary_search(index).is_err());
-        // A neighbour that is found twice is one too many.
+        // A neighbour that is listed twice is an error, too.
         let is_invented = lacks(near, &sorted) || sorted.windows(2).any(|pair| pair[0] == pair[1]);
         let missed = lacks(&sorted, near).then_some((Wrong::Missed, *isa));
         missed.into_iter().chain(is_invented.then_some((Wrong::Invented, *isa)))

@@ -1,4 +1,4 @@
-//! What comes out of a case: its row of the table.
+//! The results of a case: its row of the table.
 
 use super::cases::HardCase;
 use super::check::Wrong;
@@ -8,32 +8,32 @@ use simdop::isa::Isa;
 use std::collections::BTreeSet;
 use std::io::Write;
 
-/// Times that a median is taken of, at most.
+/// Maximum number of times in a median.
 const TIMES: usize = 1 << 16;
-/// Wrong answers of a case that are described, at most.
+/// Maximum number of wrong answers that are described for a case.
 const DESCRIBED: usize = 4;
 
 #[derive(Serialize)]
 pub(super) struct CaseReport {
     case: &'static str,
-    /// Bodies at a pose, or points, each asked on every instruction set.
+    /// Bodies at a pose, or points, each tested on every instruction set.
     pairs: u64,
-    /// In which there were trees. Clouds have one format, which is not counted.
+    /// Tree formats that occurred. Clouds have one format, which is not counted.
     formats: usize,
     hits: u64,
-    /// Of all instruction sets.
+    /// Summed over all instruction sets.
     missed: u64,
     invented: u64,
-    /// Pairs of which instruction sets differ.
+    /// Pairs for which instruction sets differ.
     unequal: u64,
-    /// Pairs whose exact answer is another one unit in the last place beside.
+    /// Pairs whose exact answer changes one unit in the last place away.
     knife_edge: u64,
-    /// Of the strongest instruction set, and so of all.
+    /// Of the strongest instruction set; all agree.
     exact_pairs: u64,
     median_nanoseconds: u64,
-    /// The median by that of the benign case, if that was run.
+    /// The median relative to that of the benign case, if that was run.
     times_benign: Option<f64>,
-    /// Of all answers and counters: the same on every machine.
+    /// Digest of all answers and query statistics: the same on every machine.
     digest: String,
     #[serde(skip_serializing_if = "Vec::is_empty")]
     wrong: Vec<WrongAnswer>,
@@ -41,19 +41,19 @@ pub(super) struct CaseReport {
     benign: &'static str,
 }
 
-/// A wrong answer, with all that it takes to see it again.
+/// A wrong answer, with everything needed to reproduce it.
 #[derive(Serialize)]
 struct WrongAnswer {
     wrong: Wrong,
     isa: &'static str,
     trial: u64,
-    /// Of the trial's poses or points.
+    /// Index among the trial's poses or points.
     place: usize,
     what: String,
     repeat: String,
 }
 
-/// One question, and how its answers compare with the truth.
+/// One query, and how its answers compare with the truth.
 pub(super) struct Asked<'t> {
     pub(super) trial: u64,
     pub(super) place: usize,
@@ -65,7 +65,7 @@ pub(super) struct Asked<'t> {
     pub(super) describe: &'t dyn Fn() -> String,
 }
 
-/// A row in the making.
+/// A row while it is computed.
 pub(super) struct Tally<'t> {
     seed: u64,
     report: CaseReport,
@@ -105,7 +105,7 @@ impl<'t> Tally<'t> {
         }
     }
 
-    /// How many there are.
+    /// The number of pairs so far.
     pub(super) const fn pairs(&self) -> u64 {
         self.report.pairs
     }
@@ -144,7 +144,7 @@ impl<'t> Tally<'t> {
         (self.progress)();
     }
 
-    /// Numbers of an answer: they and their order make the digest (FNV-1a, by words).
+    /// Adds the numbers of an answer. The digest is FNV-1a, by words, and depends on their order.
     pub(super) fn add_answer(&mut self, numbers: impl IntoIterator<Item = u64>) {
         for number in numbers {
             self.digest = (self.digest ^ number).wrapping_mul(0x100_0000_01b3).rotate_left(23);
@@ -172,7 +172,7 @@ impl CaseReport {
         [self.missed, self.invented, self.unequal]
     }
 
-    /// Puts the time beside that of the benign case, which is among them if it was run.
+    /// Computes the time relative to that of the benign case, if it is among the others.
     pub(super) fn compare(&mut self, others: &[Self]) {
         let name = self.benign;
         let benign = others.iter().find(|other| other.case == name).map(|other| other.median_nanoseconds);
@@ -219,7 +219,7 @@ impl CaseReport {
         Ok(())
     }
 
-    /// Pairs, hits, those on the edge, and those of triangles or spheres that took exact arithmetic.
+    /// Pairs, hits, knife-edge pairs, and pairs of triangles or spheres that needed exact arithmetic.
     pub(super) const fn sums(&self) -> [u64; 4] {
         [self.pairs, self.hits, self.knife_edge, self.exact_pairs]
     }

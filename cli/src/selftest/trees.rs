@@ -1,4 +1,4 @@
-//! The bodies of a trial as trees of every format, asked on every instruction set.
+//! The bodies of a trial as trees of every format, queried on every instruction set.
 
 use super::cases::Trial;
 use super::oracle::{Convex, Figure};
@@ -11,12 +11,12 @@ use simdop::primitive::{Sphere, Spheres};
 use simdop::query::{Answer, AnyError, Query, QueryStats};
 use std::collections::BTreeSet;
 
-/// How trees are built: the formats that a library's user may choose.
+/// How a tree is built: the formats that a user of the library can choose.
 #[derive(Copy, Clone, Debug)]
 pub(super) struct TreeFormat {
     pub(super) k: usize,
     pub(super) arity: usize,
-    /// Whether the numbers of vertices are rounded to `f32`, and so kept.
+    /// Whether the coordinates of vertices are rounded to `f32`, and so stored.
     pub(super) is_single: bool,
     leaf_size: u32,
     has_normal_slabs: bool,
@@ -33,8 +33,8 @@ impl TreeFormat {
     pub(super) const CHOICES: &str = "a k of 6, 14, 18 or 26 at arity 16 or 18 at arity 4, vertices in f32 or f64, up to 1, 2 or 16 primitives a \
         leaf, with normal slabs or without, split by mean width or extended longest axis";
 
-    /// One trial after the other has another, until all have been. The factor has no divisor in common with their number: it mixes
-    /// them, so that a few trials have some of everything.
+    /// Consecutive trials get different formats until all have occurred. The factor is coprime to their number and
+    /// mixes them, so that a few trials cover some of everything.
     pub(super) fn of(trial: u64) -> Self {
         let mut left = (trial % FORMATS * 97 % FORMATS) as usize;
         let mut digit = |base: usize| {
@@ -95,11 +95,11 @@ impl core::fmt::Display for TreeFormat {
     }
 }
 
-/// Two bodies, as the self-test asks them.
+/// Two bodies, as the self-test queries them.
 pub(super) trait Bodies {
     fn collide(&self, isa: Isa, pose: &Pose) -> Result<Answer, AnyError>;
 
-    /// All pairs of triangles, of bodies that are.
+    /// All pairs of triangles that meet, if the bodies consist of triangles.
     fn pairs(&self, isa: Isa, pose: &Pose) -> Option<Result<AllPairs, AnyError>>;
 }
 
@@ -110,7 +110,7 @@ pub(super) enum BodyTrees {
     SpheresOnTriangles(AnyBvh<Spheres>, AnyBvh),
 }
 
-/// All pairs that meet, and what it took to find them.
+/// All pairs that meet, and the query statistics.
 pub(super) type AllPairs = (BTreeSet<(u32, u32)>, QueryStats);
 
 impl BodyTrees {

@@ -49,7 +49,7 @@ fn kinds(folder: &Folder) -> Vec<Kind> {
     add("cut.ply", ply_ascii(&mesh).as_bytes(), &["info", "cut.ply"], Ends::Last(0));
     add("little.ply", &ply_binary(&mesh, false), &["info", "little.ply"], Ends::Last(0));
     add("big.ply", &ply_binary(&mesh, true), &["info", "big.ply"], Ends::Last(0));
-    // What follows `endsolid` is a name.
+    // The word after `endsolid` is a name.
     add("cut.stl", stl_ascii(&mesh).as_bytes(), &["info", "cut.stl"], Ends::Last(" strewn\n".len()));
     add("binary.stl", &stl_binary(&mesh), &["info", "binary.stl"], Ends::Last(0));
     add("cut16", &tree("t16"), &["collide", "cut16", "t.obj"], Ends::Last(0));

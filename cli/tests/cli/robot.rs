@@ -107,7 +107,7 @@ fn a_mesh_is_found_scaled_and_solid() {
     assert_eq!((&body["name"], &body["shape"]), (&"sled".into(), &"solid".into()));
     assert_eq!(report["problems"]["validity"]["configurations"][0]["valid"], 2, "the first start is not");
     assert_eq!(report["problems"]["validity"]["configurations"][1]["valid"], 3, "goals");
-    // Random configurations are among them.
+    // The hits of random configurations count, too.
     assert_eq!(report["problems"]["validity"]["hits"][0]["bodies"], json!(["sled", "ball"]));
     assert_eq!(report["problems"]["edges"][0]["free"], 2);
     assert_eq!(report["problems"]["edges"][1]["asked"], 0);

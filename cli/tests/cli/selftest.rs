@@ -1,4 +1,4 @@
-//! `simdop selftest`, run as a user runs it.
+//! Runs `simdop selftest` as a user does.
 
 use crate::folder::Folder;
 use serde_json::Value;

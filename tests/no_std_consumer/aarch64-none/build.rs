@@ -1,4 +1,4 @@
-//! Places the program with `virt.ld`.
+//! Sets the linker script `virt.ld`.
 
 fn main() {
     println!("cargo:rerun-if-changed=virt.ld");

@@ -1,5 +1,5 @@
-//! Bakes the body into `$OUT_DIR/ring.simdop` and writes the host's own answers to `$OUT_DIR/expected.rs`; likewise the points
-//! into `points.simdop`, and what its searches cost to `expected_work.rs`.
+//! Bakes the body into `$OUT_DIR/ring.simdop` and writes the host's answers to `$OUT_DIR/expected.rs`; likewise the
+//! points into `points.simdop`, and the range statistics of their searches to `expected_work.rs`.
 
 #[path = "src/points.rs"]
 mod points;
@@ -39,7 +39,7 @@ fn main() {
     for (_, rows, _) in poses::POSES {
         let pose = Pose::from_rows(rows).expect("the poses are rigid");
         let answer = Query::new(Isa::detect()).collide(&tree.view(), &tree.view(), &pose);
-        // The Debug form of these is the expression that makes them.
+        // The Debug output of these is the expression that creates them.
         writeln!(source, "    {:?},", (answer.verdict, answer.stats)).expect("a String takes everything");
     }
     source.push_str("];\n");
@@ -59,7 +59,7 @@ fn main() {
     std::fs::write(folder.join("expected.rs"), source).expect("OUT_DIR is writable");
 }
 
-/// The cloud, and the work of its searches: a constant of the consumer.
+/// The cloud, and the statistics of its searches: a constant of the consumer.
 fn bake_points(folder: &Path) {
     let all: Vec<_> = (0..points::COUNT).map(|i| points::point(i, 0)).collect();
     let cloud = PointCloud::new(&all).expect("the points are finite");
@@ -69,7 +69,7 @@ fn bake_points(folder: &Path) {
         let search = RangeSearch::new(Isa::detect());
         search.count(&cloud.view(), &Queries::own(), Radii::Same(radius), &mut counts).expect("a radius")
     });
-    // The Debug form is the expression that makes it.
+    // The Debug output is the expression that creates it.
     let source = format!(
         "/// What the host's searches cost.\nconst EXPECTED_WORK: [RangeStats; {}] = {works:?};\n",
         works.len()
@@ -77,7 +77,7 @@ fn bake_points(folder: &Path) {
     std::fs::write(folder.join("expected_work.rs"), source).expect("OUT_DIR is writable");
 }
 
-/// A torus round the z axis.
+/// A torus around the z axis.
 fn ring() -> (Vec<[f64; 3]>, Vec<[u32; 3]>) {
     let (around, tube) = AROUND;
     let mut vertices = Vec::new();

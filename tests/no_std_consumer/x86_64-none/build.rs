@@ -1,4 +1,4 @@
-//! Fixed addresses: nothing here would relocate the program when it starts.
+//! Fixed addresses: no loader relocates the program when it starts.
 
 fn main() {
     if std::env::var("CARGO_CFG_TARGET_OS").is_ok_and(|os| os == "none") {

@@ -1,4 +1,5 @@
-//! Whether anything is within a sphere, as planners ask: beside capt, whose trees are made for a range of radii.
+//! Whether any point is within a sphere, as planners query it: compared with capt, whose trees are built for a range of
+//! radii.
 
 use super::scenes::{self, Points};
 use super::single::{Row, Way, compare, row};
@@ -14,10 +15,10 @@ use simdop::cloud::{PointCloud, RangeSearch};
 use simdop::isa::Isa;
 use std::collections::BTreeSet;
 
-/// Radii that capt's trees are built for, in metres: those of the spheres of robots' arms.
+/// The range of radii of capt's trees, in metres: that of the spheres of robot arms.
 const RANGE: (f32, f32) = (0.02, 0.2);
 
-/// A link's spheres, which are asked about together.
+/// Spheres of a link, which are queried together.
 const LINK: usize = 8;
 
 const ASKED: usize = 40_000;
@@ -48,13 +49,14 @@ pub(crate) fn measure(options: &Options) -> Result<Vec<Row>, String> {
     Ok(rows)
 }
 
-/// The first point in each cell of 0.1 m: who plans with capt thins his clouds.
+/// The first point in each cell of 0.1 m: clouds are thinned for planning with capt.
 fn thinned(sweep: &Points) -> Points {
     let mut cells = BTreeSet::new();
     sweep.iter().copied().filter(|point| cells.insert(point.map(|x| (x * 10.0).floor() as i32))).collect()
 }
 
-/// Spheres in rows of [`LINK`], a radius apart: each row somewhere around a point of the sweep, as far from it as `away` says.
+/// Spheres in rows of [`LINK`], a radius apart. Each row is near a random point of the sweep, at a distance given by
+/// `away`.
 fn links(sweep: &Points, away: f64, radii: (f32, f32), rng: &mut Rng) -> Vec<Sphere> {
     let mut spheres = Vec::with_capacity(ASKED);
     while spheres.len() < ASKED {
@@ -188,7 +190,7 @@ fn measure_sweep(name: &str, sweep: &Points, options: &Options, rows: &mut Vec<R
 #[cfg(feature = "simd")]
 type Lanes = std::simd::Simd<f32, LINK>;
 
-/// As capt takes them; a planner keeps them so.
+/// In the form that capt takes, and in which a planner would store them.
 #[cfg(feature = "simd")]
 fn in_lanes(spheres: &[Sphere]) -> Vec<([Lanes; 3], Lanes)> {
     let lanes = |link: &[Sphere]| {

@@ -1,4 +1,4 @@
-//! Every point of a cloud asks.
+//! Queries at every point of a cloud.
 
 use super::entrants::{Built, Entrant, Filled, Lists, Radii, entrants};
 use super::scenes::{self, Points, USUAL};
@@ -14,7 +14,7 @@ pub(crate) struct Row {
     pub(crate) table: String,
     pub(crate) scene: String,
     pub(crate) points: usize,
-    /// Found by a point on average, itself among them.
+    /// Found per point on average, itself included.
     pub(crate) neighbours: f64,
     pub(crate) library: String,
     pub(crate) version: String,
@@ -23,12 +23,12 @@ pub(crate) struct Row {
     pub(crate) count_ms: f64,
     pub(crate) fill_ms: f64,
     pub(crate) bytes_per_point: f64,
-    /// Of which these are the medians.
+    /// The number of rounds that these are medians of.
     pub(crate) rounds: usize,
-    /// Queries of the sample that brute force answers otherwise.
+    /// Queries of the sample whose answer differs from brute force.
     pub(crate) wrong: usize,
     pub(crate) sample: usize,
-    /// Queries whose count is not simdop's.
+    /// Queries whose count differs from simdop's.
     pub(crate) differs: usize,
 }
 
@@ -39,13 +39,13 @@ struct Case {
     radii: Radii,
 }
 
-/// Queries that brute force answers.
+/// Queries that are checked by brute force.
 const SAMPLE: usize = 128;
 
 /// Seconds for the rounds of a cloud.
 const PATIENCE: f64 = 3.0;
 
-/// Of the page, in its order.
+/// The tables of the page, in order.
 pub(crate) const TABLES: [&str; 5] = ["growth", "radii", "scenes", "particles", "odd"];
 
 pub(crate) fn measure(table: &str, options: &Options) -> Result<Vec<Row>, String> {
@@ -67,7 +67,7 @@ fn cases(wanted: &str, options: &Options) -> Result<Vec<Case>, String> {
     };
     let rng = |salt: u64| Rng::new(options.seed * 1000 + salt);
     for (salt, count) in (0..).zip([10_000, 31_623, 100_000, 131_072, 316_228, 1_000_000]) {
-        // Where it is not asked for it is not made.
+        // Skip the generation of clouds that are not requested.
         let count = if count <= options.most { count } else { continue };
         let radii = Radii::Same(scenes::radius(count, USUAL));
         add("growth", "uniform, 30 neighbours", scenes::uniform(count, &mut rng(salt)), radii);
@@ -146,7 +146,7 @@ fn cases(wanted: &str, options: &Options) -> Result<Vec<Case>, String> {
     let twice = |points: Points| points.iter().chain(&points).copied().collect::<Points>();
     let radii = Radii::Same(scenes::radius(usual, USUAL));
     add("odd", "uniform, each point twice", twice(scenes::uniform(usual / 2, &mut rng(31))), radii);
-    // Of a sheet: pi r^2 n = 30.
+    // For a sheet: pi r^2 n = 30.
     let flat =
         |share: f32| Radii::Same(share * (USUAL as f32 / (usual as f32 * std::f32::consts::PI)).sqrt());
     add("odd", "a sheet across an axis", scenes::sheet(usual, false, &mut rng(32)), flat(1.0));
@@ -164,7 +164,7 @@ pub(crate) fn diagonal(points: &[[f32; 3]]) -> f32 {
     (0..3).map(|axis| extent(axis).powi(2)).sum::<f32>().sqrt()
 }
 
-/// What is known of an entrant on a case before it is timed, and its times.
+/// An entrant's preparation for a case, and its times.
 struct Lane<'a> {
     entrant: &'a Entrant,
     bytes: usize,
@@ -182,7 +182,7 @@ fn measure_case(case: &Case, entrants: &[Entrant]) -> Vec<Row> {
     let sample = sample(points, radii);
     let mut counts = vec![0; points.len()];
     let mut first: Option<Vec<u32>> = None;
-    // The first builds are simdop's: they say how much memory for neighbours is needed.
+    // simdop builds first, to find how much memory the neighbours need.
     let mut lists = Lists::default();
     let mut lanes = Vec::new();
     for entrant in entrants {
@@ -244,12 +244,12 @@ fn measure_case(case: &Case, entrants: &[Entrant]) -> Vec<Row> {
     lanes.into_iter().map(row).collect()
 }
 
-/// Builds, asks and refits once; of few points often. Returns the milliseconds that it took.
+/// Builds, searches and refits once, or repeatedly for few points. Returns the time in milliseconds.
 fn round(lane: &mut Lane<'_>, case: &Case, moved: &[[f32; 3]], counts: &mut [u32], lists: &mut Lists) -> f64 {
     let Case { points, radii, .. } = case;
     let times = (10_000 / points.len()).clamp(1, 1000);
     let build = || (lane.entrant.build)(points, radii).expect("it was built before");
-    // Dropped after the clock has stopped: nobody else's tree is freed in his time.
+    // Dropped after the clock has stopped, so that no time includes freeing a tree.
     let mut built: Vec<Box<dyn Built>> = Vec::with_capacity(times);
     let build_ms = milliseconds(|| built.extend((0..times).map(|_| build())));
     let mut built = built.pop().expect("one at least");
@@ -272,7 +272,7 @@ fn round(lane: &mut Lane<'_>, case: &Case, moved: &[[f32; 3]], counts: &mut [u32
     build_ms + count_ms + fill_ms + refit_ms
 }
 
-/// Each a tenth of its radius away.
+/// Moves each point by a tenth of its radius.
 fn moved(points: &[[f32; 3]], radii: &Radii) -> Points {
     let mut rng = Rng::new(7);
     let mut step = |x: f32, index| x + radii.of(index) * rng.range(-0.1, 0.1) as f32;
@@ -302,7 +302,7 @@ fn sample(points: &[[f32; 3]], radii: &Radii) -> Sample {
     Sample { sets: queries.iter().map(near).collect(), queries: queries.into_iter().collect() }
 }
 
-/// Queries of the sample whose count or set is not brute force's.
+/// Queries of the sample whose count or set differs from brute force.
 fn wrong(sample: &Sample, counts: &[u32], lists: &Lists, filled: Filled) -> usize {
     let sets = lists.sets(filled, &sample.queries);
     let right = sample

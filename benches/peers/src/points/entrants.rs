@@ -1,4 +1,4 @@
-//! Who takes part: points, built, asked by their own points.
+//! The libraries compared, each with points, its tree, and queries at its own points.
 
 use super::grid::{Grid, Kind, best_side};
 use super::nanoflann::{self, Nanoflann};
@@ -9,7 +9,7 @@ use std::path::Path;
 use std::rc::Rc;
 use std::sync::atomic::{AtomicU32, Ordering::Relaxed};
 
-/// How far each point looks.
+/// The search radius of each point.
 pub(crate) enum Radii {
     Same(f32),
     Each(Vec<f32>),
@@ -24,7 +24,7 @@ impl Radii {
         }
     }
 
-    /// The radii, and what a query's number is multiplied by.
+    /// The radii, and the stride from one query to the next.
     pub(crate) fn strided(&self, queries: usize) -> (&[f32], usize) {
         match self {
             Self::Same(radius) => (core::slice::from_ref(radius), 0),
@@ -43,7 +43,7 @@ impl Radii {
     }
 }
 
-/// Where the neighbours of a query lie.
+/// The place of a query's neighbours.
 #[repr(C)]
 #[derive(Copy, Clone, Default)]
 pub(crate) struct List {
@@ -51,7 +51,7 @@ pub(crate) struct List {
     pub(crate) count: u32,
 }
 
-/// Memory for the neighbours of all points. Those who answer in pairs or in lists of simdop's have theirs.
+/// Memory for the neighbours of all points. Libraries that answer in pairs or in simdop's lists use their own.
 #[derive(Default)]
 pub(crate) struct Lists {
     pub(crate) lists: Vec<List>,
@@ -61,7 +61,7 @@ pub(crate) struct Lists {
 }
 
 impl Lists {
-    /// For so many points with so many neighbours.
+    /// For this many points and neighbours.
     pub(crate) fn new(points: usize, neighbours: usize) -> Self {
         Self {
             lists: vec![List::default(); points],
@@ -99,7 +99,7 @@ impl Lists {
     }
 }
 
-/// Where `Built::fill` put them.
+/// Where `Built::fill` stored them.
 #[derive(Copy, Clone, PartialEq, Eq)]
 pub(crate) enum Filled {
     Lists,
@@ -107,7 +107,7 @@ pub(crate) enum Filled {
     Pairs,
 }
 
-/// `None` if the library cannot have these points or radii.
+/// `None` if the library does not support these points or radii.
 type Build = dyn Fn(&[[f32; 3]], &Radii) -> Option<Box<dyn Built>>;
 type Prepare = dyn Fn(&[[f32; 3]], &Radii);
 
@@ -116,17 +116,17 @@ pub(crate) struct Entrant {
     pub(crate) name: String,
     pub(crate) version: String,
     pub(crate) build: Box<Build>,
-    /// What is found out before anything is timed.
+    /// Work before anything is timed.
     pub(crate) prepare: Box<Prepare>,
 }
 
-/// What a library made of points.
+/// A library's structure over points.
 pub(crate) trait Built {
     /// Called once before the first query, and not timed.
     fn ready(&mut self, _points: &[[f32; 3]]) {}
     fn count(&mut self, points: &[[f32; 3]], radii: &Radii, counts: &mut [u32]);
     fn fill(&mut self, points: &[[f32; 3]], radii: &Radii, lists: &mut Lists) -> Filled;
-    /// Takes new positions of the same points; whether it can.
+    /// Moves the points to new positions; returns whether the library supports this.
     fn refit(&mut self, _points: &[[f32; 3]]) -> bool {
         false
     }
@@ -159,7 +159,7 @@ impl Built for Ours {
     }
 }
 
-/// The points in the order of the leaves, which is the best that one can ask one after another.
+/// The points in the order of the leaves, which is the best order for queries one after another.
 macro_rules! kiddo {
     ($name:ident, $tree:ty) => {
         struct $name {
@@ -215,7 +215,7 @@ macro_rules! kiddo {
 kiddo!(Kiddo, ImmutableKdTree<f32, 3>);
 kiddo!(KiddoMutable, MutableKdTree<f32, 3>);
 
-/// Two trees of the same points, which kiddo joins: all pairs within one radius. It wants two.
+/// Two trees of the same points, which kiddo joins: all pairs within one radius. kiddo requires two trees.
 struct KiddoJoin {
     trees: [ImmutableKdTree<f32, 3>; 2],
 }
@@ -223,7 +223,7 @@ struct KiddoJoin {
 impl Built for KiddoJoin {
     fn count(&mut self, _: &[[f32; 3]], radii: &Radii, counts: &mut [u32]) {
         let Radii::Same(radius) = radii else { unreachable!("joins have one radius") };
-        // It may call from several threads, so that counts are atomic; with one thread these are plain additions.
+        // The callback may run on several threads, so counts are atomic; on one thread these are plain additions.
         let found: Vec<AtomicU32> = counts.iter().map(|_| AtomicU32::new(0)).collect();
         let join = self.trees[0].query_tree(&self.trees[1]).within::<SquaredEuclidean<f32>>(radius * radius);
         join.without_distances().for_each(|pair| {
@@ -285,7 +285,7 @@ fn grid(kind: Kind) -> Entrant {
     }
 }
 
-/// Points in a leaf of nanoflann: its default is 10; of 10, 16, 24 and 32 the fastest here.
+/// Points per leaf of nanoflann: its default is 10; of 10, 16, 24 and 32 the fastest here.
 pub(crate) const LEAF: usize = 16;
 
 /// The version in this package's lock file.

@@ -1,30 +1,31 @@
-//! A uniform grid, as somebody would write it who needs neighbours of one radius and knows his processor: points sorted by cell, so that
-//! cells side by side in x are one run of memory; a run is tested sixteen points at a time, which the compiler vectorises.
+//! A uniform grid, hand-written and tuned for neighbours within one radius: points are sorted by cell, so that adjacent
+//! cells in x are contiguous in memory; a run of them is tested sixteen points at a time, which the compiler
+//! vectorises.
 
 use super::entrants::{List, Lists, Radii};
 use super::milliseconds;
 use core::ops::Range;
 
-/// Cells of a dense grid, at most: those of the paper's finest, 256 along each axis.
+/// Maximum number of cells of a dense grid: those of the paper's finest, 256 along each axis.
 const DENSE: u64 = 1 << 24;
 
 /// Points tested at a time.
 const WIDTH: usize = 16;
 
-/// How cells are found.
+/// How cells are looked up.
 #[derive(Copy, Clone, PartialEq, Eq, Debug)]
 pub(crate) enum Kind {
-    /// In an array of all of them.
+    /// In an array of all cells.
     Dense,
-    /// In a hash table of those with points.
+    /// In a hash table of the nonempty cells.
     Hashed,
 }
 
 enum Cells {
-    /// Where each cell's points begin, and behind the last where they end.
+    /// The first point of each cell, and after the last the number of points.
     Dense(Vec<u32>),
     Hashed {
-        /// Number of a cell plus one, or 0; a power of two of them.
+        /// Number of a cell plus one, or 0 if empty; the length is a power of two.
         table: Vec<u32>,
         keys: Vec<[u32; 3]>,
         starts: Vec<u32>,
@@ -36,10 +37,10 @@ pub(crate) struct Grid {
     inverse: f32,
     /// Along each axis.
     count: [u32; 3],
-    /// What a radius is widened by, so that rounding a cell's number leaves nothing out.
+    /// Widens the radius, so that rounding a cell's coordinates loses no point.
     slack: f32,
     cells: Cells,
-    /// Coordinates and indices, cell by cell, with room to read beyond the last.
+    /// Coordinates and indices, cell by cell, padded for reads beyond the last.
     at: [Vec<f32>; 3],
     indices: Vec<u32>,
     points: usize,
@@ -51,7 +52,7 @@ fn hash([x, y, z]: [u32; 3]) -> usize {
 }
 
 impl Grid {
-    /// `None` if so many cells are too many.
+    /// `None` if there would be too many cells.
     pub(crate) fn new(points: &[[f32; 3]], side: f32, kind: Kind) -> Option<Self> {
         let (mut lower, mut upper) = ([f32::INFINITY; 3], [f32::NEG_INFINITY; 3]);
         for point in points {
@@ -88,7 +89,7 @@ impl Grid {
         } else {
             grid.hashed(points)
         };
-        // Counting sort: `next` is where the next point of each cell goes.
+        // Counting sort: `next` is the place of the next point of each cell.
         let mut next = starts.clone();
         for axis in &mut grid.at {
             axis.resize(points.len() + WIDTH, f32::NAN);
@@ -109,8 +110,8 @@ impl Grid {
         Some(grid)
     }
 
-    /// The cell of each point, and where each cell's points begin. Cells with points are numbered in the order of their places, for the
-    /// caches' sake.
+    /// The cell of each point, and the first point of each cell. Nonempty cells are numbered in spatial order, for the
+    /// caches.
     fn hashed(&mut self, points: &[[f32; 3]]) -> (Vec<u32>, Vec<u32>) {
         let mut table = vec![0_u32; (2 * points.len()).next_power_of_two()];
         let mask = table.len() - 1;
@@ -155,7 +156,7 @@ impl Grid {
         (numbers, starts)
     }
 
-    /// Monotone along each axis, whatever is rounded; cells beyond the grid are those at its edge.
+    /// Monotone along each axis despite rounding; points beyond the grid are in its outermost cells.
     #[inline]
     fn cell(&self, point: [f32; 3]) -> [u32; 3] {
         core::array::from_fn(|axis| {
@@ -169,7 +170,7 @@ impl Grid {
         (z as usize * self.count[1] as usize + y as usize) * self.count[0] as usize + x as usize
     }
 
-    /// Runs of points that hold all within the radius. `run` returns whether it wants more.
+    /// Runs that together contain all points within the radius. `run` returns whether to go on.
     #[inline]
     fn near(&self, query: [f32; 3], radius: f32, mut run: impl FnMut(Range<usize>) -> bool) {
         let reach = radius * 1.000_01 + self.slack;
@@ -191,7 +192,7 @@ impl Grid {
                 let wanted =
                     (0..3).map(|axis| u64::from(last[axis] - first[axis]) + 1).fold(1, u64::saturating_mul);
                 let cell = |number: usize| starts[number] as usize..starts[number + 1] as usize;
-                // More cells than there are: each of these is looked at.
+                // If that is more cells than there are, visit every cell.
                 if wanted > keys.len() as u64 {
                     for (number, key) in keys.iter().enumerate() {
                         if (0..3).all(|axis| first[axis] <= key[axis] && key[axis] <= last[axis])
@@ -224,7 +225,7 @@ impl Grid {
         }
     }
 
-    /// Squares of the distances of so many points, as simdop rounds them.
+    /// Squared distances of [`WIDTH`] points, rounded as in simdop.
     #[inline]
     fn squares(&self, query: [f32; 3], from: usize) -> [f32; WIDTH] {
         let mut squares = [0.0; WIDTH];
@@ -236,7 +237,7 @@ impl Grid {
         squares
     }
 
-    /// The grid's own points ask, in the order of the cells.
+    /// The grid's own points as queries, in the order of the cells.
     fn own(&self) -> impl Iterator<Item = (u32, [f32; 3])> {
         (0..self.points).map(|place| (self.indices[place], self.at.each_ref().map(|axis| axis[place])))
     }
@@ -273,7 +274,7 @@ impl Grid {
                 while from < run.end {
                     let (squares, left) = (self.squares(query, from), run.end - from);
                     let indices = &self.indices[from..from + WIDTH];
-                    // Each is written, and the next one over it unless it was a neighbour.
+                    // Each is written, and overwritten by the next one unless it is a neighbour.
                     if let Some(room) = lists.indices.get_mut(end..end + WIDTH) {
                         let mut taken = 0;
                         for lane in 0..WIDTH {
@@ -314,7 +315,7 @@ impl Grid {
     }
 }
 
-/// Where each number's items begin, and behind the last where they end.
+/// The first item of each number, and after the last the number of items.
 fn starts(numbers: &[u32], count: usize) -> Vec<u32> {
     let mut starts = vec![0_u32; count + 1];
     for &number in numbers {
@@ -326,8 +327,9 @@ fn starts(numbers: &[u32], count: usize) -> Vec<u32> {
     starts
 }
 
-/// The fastest side for these radii, found by trying: shares of the largest radius, of the median and of the least, and of the side of a cube
-/// with two points on average, each on some of the queries. `None` if no grid of the kind has room.
+/// The fastest cell side for these radii, found by trials: multiples of the largest radius, of the median and of the
+/// smallest, and of the side of a cube with two points on average, each on some of the queries. `None` if no grid of
+/// the kind fits.
 pub(crate) fn best_side(points: &[[f32; 3]], radii: &Radii, kind: Kind) -> Option<f32> {
     let mut sorted: Vec<f32> = (0..points.len() as u32).map(|i| radii.of(i)).collect();
     sorted.sort_by(f32::total_cmp);
@@ -341,14 +343,14 @@ pub(crate) fn best_side(points: &[[f32; 3]], radii: &Radii, kind: Kind) -> Optio
     };
     let volume: f32 = (0..3).map(|axis| extent(axis).max(1e-6)).product();
     sides.extend([1.0, 2.0, 8.0].map(|share: f32| (share * volume / points.len() as f32).cbrt()));
-    // 256 along the longest axis, as the paper has it.
+    // 256 along the longest axis, as in the paper.
     sides.push((0..3).map(extent).fold(0.0, f32::max) / 250.0);
     sides.retain(|&side| side > 0.0 && side.is_finite());
     sides.sort_by(f32::total_cmp);
     sides.dedup();
     let time = |&side: &f32| {
         let grid = Grid::new(points, side, kind)?;
-        // Runs of queries that are neighbours, as in a whole pass.
+        // Runs of neighbouring queries, as in a whole pass.
         let runs = 16_usize;
         let (each, step) = ((points.len() / runs).clamp(1, 64), (points.len() / runs).max(1));
         let mut least = f64::INFINITY;

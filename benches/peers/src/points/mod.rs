@@ -1,5 +1,6 @@
-//! Points instead of meshes: all neighbours within a radius, of every point of a cloud, beside kiddo, nanoflann and a uniform grid; single
-//! queries and nearest points beside the same; whether anything is within a sphere beside capt.
+//! Points instead of meshes: all neighbours within a radius of every point of a cloud, compared with kiddo, nanoflann
+//! and a uniform grid; single queries and nearest points, compared with the same; whether any point is within a sphere,
+//! compared with capt.
 
 mod any;
 mod batches;
@@ -15,7 +16,7 @@ use serde::Serialize;
 use serde::de::DeserializeOwned;
 use std::path::Path;
 
-/// Everything about one run of `--points`. What a table's measurements gave is written when it is done, and read again with `--resume`.
+/// One run of `--points`. The measurements of a table are written once it is complete, and read again with `--resume`.
 pub(crate) fn run(options: &Options) -> Result<(), String> {
     let parts = options.out.join("parts");
     std::fs::create_dir_all(&parts).map_err(|e| format!("{}: {e}", parts.display()))?;
@@ -60,19 +61,19 @@ fn write<T: Serialize>(path: &Path, rows: &[T]) -> Result<(), String> {
     write().map_err(|e| format!("{}: {e}", path.display()))
 }
 
-/// Whether the table is asked for.
+/// Whether the table is requested.
 fn wanted(options: &Options, table: &str) -> bool {
     options.meshes.is_empty() || options.meshes.iter().any(|name| name == table)
 }
 
-/// Of the processor: what other programs take of it is not counted. In this process one thread works.
+/// Processor time, which excludes other programs. This process has one thread.
 fn milliseconds(work: impl FnOnce()) -> f64 {
     let started = processor_time();
     work();
     processor_time() - started
 }
 
-/// Of this process, in milliseconds.
+/// Processor time of this process, in milliseconds.
 fn processor_time() -> f64 {
     #[repr(C)]
     struct Timespec {
@@ -84,7 +85,8 @@ fn processor_time() -> f64 {
         fn clock_gettime(clock: i32, time: *mut Timespec) -> i32;
     }
     let mut time = Timespec { seconds: 0, nanoseconds: 0 };
-    // SAFETY: Linux's, which writes the time where it is told to; both fields have 64 bits on all its 64-bit machines.
+    // SAFETY: Linux's function, which writes the time to the given place; both fields have 64 bits on all its 64-bit
+    // machines.
     let failed = unsafe { clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &raw mut time) };
     assert_eq!(failed, 0, "every Linux has this clock");
     time.seconds as f64 * 1e3 + time.nanoseconds as f64 * 1e-6
@@ -101,7 +103,7 @@ fn square([ax, ay, az]: [f32; 3], [bx, by, bz]: [f32; 3]) -> f32 {
     (x * x + y * y) + z * z
 }
 
-/// What is lent by the C library's allocator, to Rust and C++ alike. In this process one thread allocates.
+/// Bytes allocated from the C library, by Rust and C++ alike. Only one thread of this process allocates.
 fn lent() -> usize {
     #[repr(C)]
     struct Mallinfo2 {
@@ -119,7 +121,7 @@ fn lent() -> usize {
     unsafe extern "C" {
         fn mallinfo2() -> Mallinfo2;
     }
-    // SAFETY: glibc's; it takes nothing and returns ten numbers.
+    // SAFETY: glibc's function; it takes nothing and returns ten numbers.
     let info = unsafe { mallinfo2() };
     info.uordblks + info.hblkhd
 }

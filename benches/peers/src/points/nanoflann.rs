@@ -30,7 +30,7 @@ pub(crate) struct Nanoflann {
     _library: Library,
 }
 
-/// Points in nanoflann's hands.
+/// Points in a nanoflann tree.
 pub(crate) struct PointCloud {
     driver: Rc<Nanoflann>,
     handle: Handle,
@@ -56,7 +56,7 @@ impl Nanoflann {
     }
 }
 
-/// Who asks: so many points, in this order.
+/// Queries in a given order.
 #[derive(Copy, Clone)]
 pub(crate) struct Queries<'a> {
     pub(crate) points: &'a [[f32; 3]],
@@ -71,11 +71,11 @@ impl Queries<'_> {
 
 impl Nanoflann {
     pub(crate) fn version(&self) -> String {
-        // SAFETY: `peer_version` takes nothing and returns a string that stays.
+        // SAFETY: `peer_version` takes nothing and returns a string that lives forever.
         unsafe { CStr::from_ptr((self.version)()) }.to_string_lossy().into_owned()
     }
 
-    /// With so many points a leaf.
+    /// A tree with this many points per leaf.
     pub(crate) fn build(this: &Rc<Self>, points: &[[f32; 3]], leaf: usize) -> PointCloud {
         // SAFETY: the pointer and the count are those of the array, which the driver copies.
         let handle = unsafe { (this.cloud)(points.as_ptr(), points.len(), leaf) };
@@ -87,7 +87,7 @@ impl PointCloud {
     /// The points in the order of the tree's leaves.
     pub(crate) fn order(&self) -> Vec<u32> {
         let mut order = vec![0; self.points];
-        // SAFETY: the driver writes one index a point.
+        // SAFETY: the driver writes one index per point.
         unsafe { (self.driver.order)(self.handle, order.as_mut_ptr()) };
         order
     }
@@ -96,7 +96,7 @@ impl PointCloud {
         queries.check();
         let (radii, stride) = radii.strided(queries.points.len());
         assert!(counts.len() >= queries.points.len(), "a count for each query");
-        // SAFETY: the order names queries, each of which has its radius and its count: checked above.
+        // SAFETY: the order refers to queries, each of which has a radius and a count: checked above.
         unsafe {
             (self.driver.count)(
                 self.handle,
@@ -130,7 +130,7 @@ impl PointCloud {
         }
     }
 
-    /// The `k` nearest of each query, and the squares of their distances.
+    /// The `k` nearest points of each query, and their squared distances.
     pub(crate) fn nearest(&self, queries: Queries<'_>, k: usize, indices: &mut [u32], squares: &mut [f32]) {
         queries.check();
         let need = k * queries.points.len();
@@ -138,7 +138,7 @@ impl PointCloud {
             k <= self.points && indices.len() >= need && squares.len() >= need,
             "k places for each query"
         );
-        // SAFETY: the order names queries, each of which has k places in both arrays: checked above.
+        // SAFETY: the order refers to queries, each of which has k places in both arrays: checked above.
         unsafe {
             (self.driver.nearest)(
                 self.handle,

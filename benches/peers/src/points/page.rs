@@ -6,29 +6,32 @@ use super::{Options, entrants};
 use crate::cpu::cpu;
 use std::fmt::Write;
 
-/// Tables, and what is said about each.
+/// Name, title and description of each table.
 const TABLES: [(&str, &str, &str); 5] = [
     ("growth", "Growth", "Uniform points in a cube, about 30 neighbours each."),
     (
         "radii",
         "Radii",
-        "Uniform points, ever more neighbours; near the cube's faces a point has fewer than its row says.",
+        "Uniform points, with increasing numbers of neighbours; near the cube's faces a point has fewer than \
+         the row states.",
     ),
     (
         "scenes",
         "Scenes",
-        "The sweeps are $SIMDOP_DATA/points. About 5,100 points of each lidar sweep are exactly (0, 0, 0): sweeps are shown with and without them.",
+        "The sweeps are in $SIMDOP_DATA/points. About 5,100 points of each lidar sweep are exactly (0, 0, 0): \
+         the tables have the sweeps with and without them.",
     ),
     (
         "particles",
-        "Particles of unlike density",
-        "Each particle looks as far as it finds about 30 as dense as its own, or all look equally far. Halos: eight centres, to which the \
-        distance is 10 to the power of -4 to 0.",
+        "Particles of different densities",
+        "The radius of each particle gives about 30 neighbours of its own density, or all have the same \
+         radius. Halos: eight centres; the distance of a particle from its centre is 10 to a power between -4 \
+         and 0.",
     ),
     ("odd", "Odd clouds", "Few points, coincident ones, flat ones."),
 ];
 
-/// Of fewer points the allocator does not say enough about memory.
+/// For fewer points the allocator is too coarse to measure memory.
 const FEW: usize = 1000;
 
 type Measure = (&'static str, fn(&Row) -> f64);
@@ -52,9 +55,9 @@ pub(crate) fn page(batches: &[Row], singles: &[single::Row], options: &Options) 
             (COUNT, "Count, ms"),
             (FILL, "Fill, ms"),
             (BUILD, "Build, and simdop's refit, ms"),
-            (MEMORY, "Memory, bytes a point"),
+            (MEMORY, "Memory, bytes per point"),
         ] {
-            let _ = write!(page, "{unit}; in brackets the peer's divided by simdop's:\n\n");
+            let _ = write!(page, "{unit}; in brackets relative to simdop:\n\n");
             page += &compared(&rows, what);
         }
     }
@@ -71,25 +74,33 @@ fn about(rows: &[Row]) -> String {
     versions.sort();
     versions.dedup();
     let features = if cfg!(feature = "simd") {
-        "with their SIMD, for which the compiler is told to be an unstable one"
+        "with their SIMD, which needs unstable features of the compiler"
     } else {
-        "without their SIMD, which needs an unstable compiler"
+        "without their SIMD, which needs unstable features of the compiler"
     };
     format!(
-        "Versions: {}.\n\n\
-        Every point of a cloud asks for all points within its radius, itself among them. *Count*: how many each has. *Fill*: which, into memory that is lent\n\
-        (kiddo's join allocates its own). Libraries take turns: one builds, is asked and refitted, then the next, three rounds at least and up to eleven; a figure\n\
-        is the median of the rounds, in time of the processor, so that what other programs take is not in it. Memory is what the C library's allocator has lent\n\
-        after the build, to Rust and C++ alike.\n\n\
-        kiddo and capt are compiled for this processor, {features}. \"kiddo\" is its immutable tree,\n\
-        asked point by point in the order of its leaves with its scratch memory, without items and distances where these are not wanted. \"kiddo mutable\" is the other\n\
-        one, which cannot be built where many points coincide. \"kiddo join\" joins two immutable trees of the same points, which it wants to be two; it has one radius\n\
-        and answers in pairs without order. nanoflann is compiled with -O3 -march=native, has {} points a leaf, counts and fills by a result set of its own that allocates\n\
-        nothing, and is asked in the order of its leaves; its comparison is strict, so it is given the next float after the square, and its sums are not fused\n\
-        (-ffp-contract=off), so that its answers are the same. The grids are this package's (`src/points/grid.rs`): points sorted by cell, sixteen tested at a time;\n\
-        \"dense\" has an array of cells, no more than 256 cubed, \"hashed\" a table of those with points; the side of the cells is the fastest of some 25, found by trying before\n\
-        anything is timed. Grids are made for one cloud's radii, the others for any.\n\n\
-        Before anything is timed, the counts and sets of up to 128 queries are compared with brute force, and all counts with simdop's; what differed is said at the end.\n\n",
+        "Versions: {}.\n\
+        \n\
+        Every point of a cloud is a query for all points within its radius, itself included. *Count*: the number\n\
+        of neighbours of each. *Fill*: their indices, in memory passed by the caller (kiddo's join allocates its\n\
+        own). Libraries take turns: one builds, searches and refits, then the next, in at least three and at\n\
+        most eleven rounds. A figure is the median over the rounds, in processor time, which excludes other\n\
+        programs. Memory is what is allocated from the C library after the build, by Rust and C++ alike.\n\
+        \n\
+        kiddo and capt are compiled for this processor, {features}. \"kiddo\" is its immutable tree, queried point\n\
+        by point in the order of its leaves with its scratch memory, without items and distances where these are\n\
+        not needed. \"kiddo mutable\" is its mutable tree, which cannot be built where many points coincide.\n\
+        \"kiddo join\" joins two immutable trees of the same points, as it requires two; it has one radius and\n\
+        answers in unordered pairs. nanoflann is compiled with -O3 -march=native, has {} points per leaf, counts\n\
+        and fills through result sets of this package that allocate nothing, and is queried in the order of its\n\
+        leaves. Its comparison is strict, so it gets the next float after the square, and its sums are not fused\n\
+        (-ffp-contract=off), so that its answers are the same. The grids are this package's\n\
+        (`src/points/grid.rs`): points sorted by cell, sixteen tested at a time. \"dense\" has an array of cells,\n\
+        at most 256 cubed, \"hashed\" a table of nonempty cells; the cell side is the fastest of about 25, found\n\
+        by trials that are not timed. Grids are built for the radii of one cloud, the other structures for any.\n\
+        \n\
+        Before timing, the counts and sets of up to 128 queries are compared with brute force, and all counts\n\
+        with simdop's; differences are listed at the end.\n\n",
         versions.join(", "),
         entrants::LEAF,
     )
@@ -161,7 +172,7 @@ fn compared(rows: &[&Row], (what, of): Measure) -> String {
     text + "\n"
 }
 
-/// Times a point, and the power of the number that they grow with.
+/// Times per point, and the exponent of their growth with the number of points.
 fn growth(rows: &[Row]) -> String {
     let rows: Vec<&Row> = rows.iter().filter(|row| row.table == "growth").collect();
     let clouds = by_cloud(&rows);
@@ -170,7 +181,8 @@ fn growth(rows: &[Row]) -> String {
         return String::new();
     }
     let mut text = format!(
-        "### The power of the number of points that times grow with, from {} to {}\n\n| library | build | count | fill |\n| --- | --: | --: | --: |\n",
+        "### Exponent of the growth of times with the number of points, from {} to {}\n\n\
+         | library | build | count | fill |\n| --- | --: | --: | --: |\n",
         few[0].points, many[0].points
     );
     for (a, b) in few.iter().zip(many) {
@@ -192,7 +204,7 @@ fn growth(rows: &[Row]) -> String {
     text + "\n"
 }
 
-/// Rows of one question, simdop's first.
+/// Rows of one query, simdop's first.
 fn by_question(rows: &[single::Row]) -> Vec<Vec<&single::Row>> {
     let mut questions: Vec<Vec<&single::Row>> = Vec::new();
     for row in rows {
@@ -215,14 +227,16 @@ fn asked(rows: &[single::Row]) -> String {
     for (table, title, about) in [
         (
             "single",
-            "Queries that are no points of the cloud, in no order",
-            "Nanoseconds a query; in brackets divided by those of simdop one by one. \"Seated\": all at once, by `RangeSearch::seat`, whose time is in it.",
+            "Queries that are not points of the cloud, in random order",
+            "Nanoseconds per query; in brackets relative to simdop one by one. \"Seated\": all at once, sorted by \
+             `RangeSearch::seat`, whose time is included.",
         ),
         (
             "any",
-            "Whether anything is within a sphere",
-            "Nanoseconds a question; in brackets divided by simdop's, and wrong answers. capt's tree is built for radii of 0.02 to 0.2 m. Eight spheres are those of a link, \
-            side by side; simdop and capt end at the first that something is in, capt's SIMD takes all eight at once.",
+            "Whether any point is within a sphere",
+            "Nanoseconds per query; in brackets relative to simdop, and wrong answers. capt's tree is built for \
+             radii of 0.02 to 0.2 m. Eight spheres are those of a link, side by side; simdop and capt stop at the \
+             first that contains a point, capt's SIMD tests all eight at once.",
         ),
     ] {
         let of_table: Vec<single::Row> = rows.iter().filter(|row| row.table == table).cloned().collect();
@@ -231,7 +245,8 @@ fn asked(rows: &[single::Row]) -> String {
         }
         let _ = write!(
             text,
-            "## {title}\n\n{about}\n\n| cloud | points | question | yes or found, mean | simdop | peers |\n| --- | --: | --- | --: | --: | --- |\n"
+            "## {title}\n\n{about}\n\n| cloud | points | query | yes or found, mean | simdop | peers |\n\
+             | --- | --: | --- | --: | --: | --- |\n"
         );
         for question in by_question(&of_table) {
             let ours = question[0];
@@ -269,7 +284,7 @@ fn asked(rows: &[single::Row]) -> String {
                     seen.push(&row.scene);
                     let _ = writeln!(
                         text,
-                        "* {}, {library}: build {} ms, {} bytes a point.",
+                        "* {}, {library}: build {} ms, {} bytes per point.",
                         row.scene,
                         number(build),
                         number(bytes)
@@ -283,8 +298,7 @@ fn asked(rows: &[single::Row]) -> String {
 }
 
 fn losses(rows: &[Row], singles: &[single::Row]) -> String {
-    let mut text =
-        "## Where a peer is better\n\nRatios below 1: the peer's divided by simdop's.\n\n".to_owned();
+    let mut text = "## Where a peer is better\n\nRatios below 1, of the peer to simdop.\n\n".to_owned();
     text += "| cloud | points | what | peer | ratio |\n| --- | --: | --- | --- | --: |\n";
     let all: Vec<&Row> = rows.iter().collect();
     for cloud in by_cloud(&all) {
@@ -319,8 +333,8 @@ fn losses(rows: &[Row], singles: &[single::Row]) -> String {
             );
         }
     }
-    text += "\nBuilds, refits and memory of clouds of 1000 points and more, over all of them:\n\n";
-    text += "| what | peer | least ratio | median | greatest |\n| --- | --- | --: | --: | --: |\n";
+    text += "\nBuilds, refits and memory, over all clouds of at least 1000 points:\n\n";
+    text += "| what | peer | minimum ratio | median | maximum |\n| --- | --- | --: | --: | --: |\n";
     let refit: Measure = ("the peer's build / simdop's refit", |row| row.refit_ms.unwrap_or(row.build_ms));
     for (what, of) in [BUILD, refit, MEMORY] {
         for library in libraries(&all).iter().skip(1) {
@@ -351,13 +365,14 @@ fn disagreements(rows: &[Row], singles: &[single::Row]) -> String {
     let queries: usize = rows.iter().map(|row| row.points).sum();
     let _ = writeln!(
         text,
-        "Counts compared with simdop's: {queries}, of these other ones: {}.",
+        "Counts compared with simdop's: {queries}; different: {}.",
         rows.iter().map(|row| row.differs).sum::<usize>()
     );
     for row in rows.iter().filter(|row| row.wrong + row.differs > 0) {
         let _ = writeln!(
             text,
-            "* {}, {} points, {}: {} of {} queries of the sample are not as by brute force; {} counts of {} are not simdop's.",
+            "* {}, {} points, {}: {} of {} queries of the sample differ from brute force; {} counts of {} differ from \
+             simdop's.",
             row.scene, row.points, row.library, row.wrong, row.sample, row.differs, row.points
         );
     }

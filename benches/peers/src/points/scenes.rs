@@ -1,4 +1,4 @@
-//! Points, and how far they look.
+//! Points and their search radii.
 
 use super::entrants::Radii;
 use crate::rng::Rng;
@@ -8,7 +8,7 @@ use std::path::Path;
 
 pub(crate) type Points = Vec<[f32; 3]>;
 
-/// Neighbours of the bar.
+/// Neighbours of a point in the project's target.
 pub(crate) const USUAL: f64 = 30.0;
 
 /// In the unit cube.
@@ -16,17 +16,18 @@ pub(crate) fn uniform(count: usize, rng: &mut Rng) -> Points {
     (0..count).map(|_| core::array::from_fn(|_| rng.unit() as f32)).collect()
 }
 
-/// In which a uniform point finds so many on average, itself not counted, away from the cube's faces.
+/// The radius in which a uniform point away from the cube's faces finds this many neighbours on average, itself
+/// excluded.
 pub(crate) fn radius(count: usize, neighbours: f64) -> f32 {
     (neighbours / count as f64 * 0.75 / std::f64::consts::PI).cbrt() as f32
 }
 
-/// About normally distributed: the sum of twelve.
+/// Approximately normally distributed: the sum of twelve.
 fn normal(rng: &mut Rng) -> f64 {
     (0..12).map(|_| rng.unit()).sum::<f64>() - 6.0
 }
 
-/// 64 clusters of unlike width in the unit cube.
+/// 64 clusters of different widths in the unit cube.
 pub(crate) fn clustered(count: usize, rng: &mut Rng) -> Points {
     let clusters: Vec<([f64; 3], f64)> =
         (0..64).map(|_| (core::array::from_fn(|_| rng.unit()), 0.002 * 10_f64.powf(rng.unit()))).collect();
@@ -51,7 +52,7 @@ pub(crate) fn line(count: usize, rng: &mut Rng) -> Points {
     (0..count).map(|_| rng.unit()).map(|u| [u as f32, (0.5 * u) as f32, (0.25 * u) as f32]).collect()
 }
 
-/// Along a Morton curve: points that are near to each other in space are so in memory.
+/// Sorted along a Morton curve: points that are near each other in space are near each other in memory.
 pub(crate) fn morton(mut points: Points) -> Points {
     let spread =
         |x: f32| (0..10).fold(0_u32, |key, bit| key | (((x * 1023.0) as u32) >> bit & 1) << (3 * bit));
@@ -59,8 +60,8 @@ pub(crate) fn morton(mut points: Points) -> Points {
     points
 }
 
-/// Particles of unlike density: nine tenths in a cube of this share of the scene's size, the others anywhere. Each looks as far as it finds
-/// [`USUAL`] neighbours among particles as dense as its own.
+/// Particles of two densities: nine tenths are in a cube of this share of the scene's size, the others anywhere. The
+/// radius of each gives [`USUAL`] neighbours among particles of its own density.
 pub(crate) fn particles(count: usize, share: f64, rng: &mut Rng) -> (Points, Radii) {
     let dense = count * 9 / 10;
     let near = share as f32 * radius(dense, USUAL);
@@ -75,8 +76,8 @@ pub(crate) fn particles(count: usize, share: f64, rng: &mut Rng) -> (Points, Rad
     (points, Radii::Each(radii))
 }
 
-/// Particles around a few centres, ever denser: the distance from a centre is 10 to the power of something between -4 and 0. Each looks as
-/// far as it finds [`USUAL`] neighbours, if particles were as dense all around it.
+/// Particles around a few centres, ever denser: the distance from a centre is 10 to a power between -4 and 0. The
+/// radius of each gives [`USUAL`] neighbours if the density were uniform around it.
 pub(crate) fn halos(count: usize, rng: &mut Rng) -> (Points, Radii) {
     let (centres, decades) = (uniform(8, rng), 4.0);
     let (mut points, mut radii) = (Vec::new(), Vec::new());
@@ -101,7 +102,8 @@ fn shuffle<T>(items: &mut [T], rng: &mut Rng) {
     }
 }
 
-/// A PLY file's vertices, shifted to the first one where they lie far from the origin: `f32` would round them to centimetres.
+/// A PLY file's vertices, shifted to the first one if they are far from the origin: `f32` would round them to
+/// centimetres.
 pub(crate) fn ply(path: &Path) -> Result<Points, String> {
     let say = |problem: &dyn std::fmt::Display| format!("{}: {problem}", path.display());
     let file = std::fs::File::open(path).map_err(|e| say(&e))?;

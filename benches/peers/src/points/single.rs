@@ -1,4 +1,4 @@
-//! Queries one after another, in no order: within a radius, and the nearest.
+//! Queries one after another, in random order: within a radius, and the nearest.
 
 use super::entrants::{LEAF, Radii, nanoflann};
 use super::grid::{Grid, Kind, best_side};
@@ -22,21 +22,21 @@ pub(crate) struct Row {
     pub(crate) points: usize,
     pub(crate) what: String,
     pub(crate) library: String,
-    /// Nanoseconds a query, the median of the rounds.
+    /// Nanoseconds per query, the median of the rounds.
     pub(crate) ns: f64,
-    /// Queries, and those answered otherwise than by brute force; of the first [`SAMPLE`] the nearest are so compared, of all others whether
-    /// they are as simdop says.
+    /// Number of queries, and of wrong answers: the nearest points of the first [`SAMPLE`] queries are compared with
+    /// brute force, all others with simdop.
     pub(crate) asked: usize,
     pub(crate) wrong: usize,
     pub(crate) build_ms: Option<f64>,
     pub(crate) bytes_per_point: Option<f64>,
-    /// What the answers add up to: neighbours, or spheres that something is in.
+    /// The sum of the answers: neighbours, or spheres that contain a point.
     pub(crate) sum: u64,
 }
 
 pub(crate) const ROUNDS: usize = 7;
 
-/// Queries whose answers brute force gives.
+/// Queries that are checked by brute force.
 const SAMPLE: usize = 128;
 
 const ASKED: usize = 20_000;
@@ -49,7 +49,8 @@ pub(crate) struct Way<'a> {
     pub(crate) answer: Box<Answer<'a>>,
 }
 
-/// Times ways in turns, and compares their answers with the first one's, whose first are compared with the truth.
+/// Times the ways in turns, and compares their answers with those of the first one, which is checked against brute
+/// force on its first queries.
 pub(crate) fn compare(of: &Row, ways: Vec<Way<'_>>, truth: &[u64], rows: &mut Vec<Row>) {
     let mut answers = vec![0; of.asked];
     let mut first: Vec<u64> = Vec::new();
@@ -90,7 +91,7 @@ pub(crate) fn row(table: &str, scene: &str, points: usize, what: &str, asked: us
     }
 }
 
-/// A cloud and where it is asked.
+/// A cloud and its queries.
 struct Scene {
     name: String,
     points: Points,
@@ -228,7 +229,8 @@ fn measure_scene(scene: &Scene, options: &Options, rows: &mut Vec<Row>) {
 
     for &k in *ks {
         let k = k.min(points.len());
-        // The bits of the farthest one's square: which of several as far is found is up to the library.
+        // The bits of the farthest one's squared distance: which of several equally far points is found is up to the
+        // library.
         let truth: Vec<u64> = queries[..SAMPLE]
             .iter()
             .map(|&at| {

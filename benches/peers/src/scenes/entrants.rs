@@ -1,4 +1,4 @@
-//! The libraries that take part, each with a scene for every problem.
+//! The libraries compared, each with a scene for every problem.
 
 use super::{Task, rows};
 use crate::data::MeshData;
@@ -16,11 +16,11 @@ use simdop::scene::{Body, BodyId, Scene};
 use std::path::Path;
 use std::rc::Rc;
 
-/// What obstacles are to a library. Links are surfaces always.
+/// The form of obstacles in a library. Links are always surfaces.
 #[derive(Copy, Clone, PartialEq)]
 pub(super) enum Obstacles {
     Surfaces,
-    /// A link inside of one is a hit. The peers' are boxes, and convex bodies for the prisms.
+    /// A link inside one is a hit. The peers use boxes, and convex bodies for the prisms.
     Solids,
 }
 
@@ -35,10 +35,10 @@ impl Obstacles {
     }
 }
 
-/// In that problem, may the links be at these places?
+/// Whether the links are free at these poses in a problem.
 type Decide<'t> = Box<dyn FnMut(usize, &[Rows]) -> bool + 't>;
 
-/// A library that holds a scene for every problem of a robot.
+/// A library with a scene for every problem of a robot.
 pub(super) struct Entrant<'t> {
     pub(super) name: String,
     pub(super) version: String,
@@ -57,7 +57,7 @@ const DRIVERS: [(&str, &str); 6] = [
     ("Coal OBBRSS", "coal-OBBRSS"),
 ];
 
-/// Everything that could be had.
+/// All available libraries.
 pub(super) fn entrants<'t>(
     task: &'t Task,
     trees: &'t Trees,
@@ -71,7 +71,7 @@ pub(super) fn entrants<'t>(
 
 type Node = Node16<18>;
 
-/// simdop's.
+/// simdop's trees.
 pub(super) struct Trees {
     links: Vec<Bvh<Node>>,
     /// Of each problem.
@@ -79,7 +79,7 @@ pub(super) struct Trees {
     solids: Vec<Vec<Bvh<Node>>>,
 }
 
-/// An obstacle's, about its origin.
+/// The mesh of an obstacle, about its origin.
 fn mesh(obstacle: &Obstacle) -> MeshData {
     let OwnedMesh { vertices, triangles } = obstacle.shape.mesh();
     MeshData { vertices, triangles }

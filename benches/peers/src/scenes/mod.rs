@@ -1,4 +1,4 @@
-//! May the robot stand here? Whole configurations among bodies that stand still, beside the managers of FCL and Coal.
+//! Validity checks of whole configurations of a robot among fixed bodies, compared with the managers of FCL and Coal.
 
 mod entrants;
 mod page;
@@ -13,7 +13,7 @@ use glam::DAffine3;
 use page::Row;
 use std::time::Instant;
 
-/// Times that every library decides every configuration, in turns, of each run.
+/// Rounds of each run: in each, every library decides every configuration, in turns.
 const ROUNDS: u32 = 15;
 
 /// A robot and its problems.
@@ -29,7 +29,7 @@ struct Configuration {
     places: Vec<Rows>,
 }
 
-/// The matrix by rows, as all libraries are given it.
+/// The matrix by rows, in the form that all libraries take.
 fn rows(at: &DAffine3) -> Rows {
     let (x, y, z, t) = (at.x_axis, at.y_axis, at.z_axis, at.translation);
     core::array::from_fn(|i| [x[i], y[i], z[i], t[i]])
@@ -84,14 +84,14 @@ pub(crate) fn run(options: &Options) -> Result<(), String> {
     save(&options.out.join("SCENES.md"), &page::page(&rows, &options.stamp))
 }
 
-/// What one library said, and how long it took.
+/// The verdicts and times of one library.
 struct Results {
     free: Vec<bool>,
-    /// Of each configuration, in each round, µs.
+    /// By configuration and round, in µs.
     times: Vec<Vec<f64>>,
 }
 
-/// One round is every configuration once, problem by problem, by one library after the other.
+/// In a round, one library after the other decides every configuration once, problem by problem.
 fn in_turns(entrants: &mut [Entrant<'_>], configurations: &[Configuration], rounds: u32) -> Vec<Results> {
     let blank = |_: &Entrant<'_>| Results {
         free: vec![false; configurations.len()],
@@ -117,7 +117,7 @@ fn mean(times: &[f64]) -> f64 {
 }
 
 impl Results {
-    /// Of each configuration, what this share of its rounds takes at most; in ascending order.
+    /// For each configuration, this quantile of its rounds; in ascending order.
     fn sorted(&self, share: f64) -> Vec<f64> {
         let of = |rounds: &Vec<f64>| {
             let mut rounds = rounds.clone();
@@ -129,7 +129,7 @@ impl Results {
         times
     }
 
-    /// Configurations that were said to be free, or not, and are the other.
+    /// Configurations that were reported as free (or not) and are the opposite.
     fn wrong(&self, truth: &[bool], said: bool) -> usize {
         self.free.iter().zip(truth).filter(|(free, truth)| **free == said && **truth != said).count()
     }

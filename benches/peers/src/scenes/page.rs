@@ -1,4 +1,4 @@
-//! The results as a page of Markdown, and what it is made of.
+//! The results as a page of Markdown, and its rows.
 
 use super::entrants::OURS;
 use crate::cpu::cpu;
@@ -12,7 +12,7 @@ pub(super) struct Row {
     pub(super) robot: String,
     pub(super) links: usize,
     pub(super) triangles: usize,
-    /// Of links that are asked against each other.
+    /// Pairs of links that are tested.
     pub(super) pairs: usize,
     pub(super) problems: usize,
     pub(super) obstacles: String,
@@ -21,9 +21,9 @@ pub(super) struct Row {
     pub(super) free: usize,
     pub(super) library: String,
     pub(super) version: String,
-    /// Over the configurations, each the median of its rounds.
+    /// Mean over the configurations of the median over the rounds.
     pub(super) mean_us: f64,
-    /// Each the least of its rounds.
+    /// The same with the minimum over the rounds.
     pub(super) least_us: f64,
     pub(super) p50_us: f64,
     pub(super) p99_us: f64,
@@ -34,16 +34,26 @@ pub(super) struct Row {
 }
 
 const ABOUT: &str = "\
-May the robot stand here? The links are placed, at poses that are given, and asked against the obstacles and against each other, all pairs but those that the\n\
-SRDF rules out, until the first hit. Problems of MotionBenchMaker: of each the start, a goal and ten random configurations. simdop: a `Scene`. FCL and Coal: a\n\
-`DynamicAABBTreeCollisionManager` for the links and one for the obstacles. The links' manager is updated, asked against the other, and then against itself, by callbacks\n\
-that stop at the first hit. Updating links one by one takes longer, asking one by one no less, itself first more or less. \"FCL native\" is compiled here with\n\
--O3 -march=native, the others as their packages are. Coal's break_distance is 0.\n\n\
-Links are trees of triangles. Obstacles are boxes, and prisms of sixteen sides around cylinders. *Surfaces* are trees of their triangles for all libraries.\n\
-*Solids*, in which a link is a hit too, are solid trees for simdop, Box and Convex for the peers (prisms as trees take them up to 8 % less, but are hollow).\n\
-The truth is brute force in exact arithmetic, at every configuration. *Missed*: said free where it is not; *invented*: said hit where it is free.\n\n\
-A round is every configuration once by one library, and the libraries take turns. Of each configuration the median of its rounds counts: their mean, p50 and\n\
-p99; in brackets the mean of the least. Reading the clock is in all of them.\n";
+Is a configuration of the robot free? The links are at given poses, and are tested against the obstacles\n\
+and against each other, up to the first hit. The SRDF excludes some pairs of links. Each problem of\n\
+MotionBenchMaker has a start, a goal and ten random configurations.\n\
+\n\
+simdop uses a `Scene`. FCL and Coal use one `DynamicAABBTreeCollisionManager` for the links and one for\n\
+the obstacles. The manager of the links is updated, tested against the other, and then against itself,\n\
+with callbacks that stop at the first hit. Updating the links one by one takes longer, and testing them\n\
+one by one is no faster; testing the links against each other first makes little difference. \"FCL\n\
+native\" is compiled here with -O3 -march=native, the others as in their packages. Coal's break_distance\n\
+is 0.\n\
+\n\
+Links are trees of triangles. Obstacles are boxes, and prisms of sixteen sides around cylinders.\n\
+*Surfaces* are trees of their triangles for all libraries. *Solids*, in which a link inside is a hit,\n\
+are solid trees for simdop, and Box and Convex for the peers (prisms as trees take them up to 8 % less,\n\
+but are hollow). The truth is brute force in exact arithmetic, at every configuration. *Missed*:\n\
+reported free where it is not; *invented*: reported hit where it is free.\n\
+\n\
+In a round, each library in turn decides every configuration once. For each configuration the median\n\
+over the rounds counts: the table has mean, p50 and p99 of these; in brackets the mean of the minima.\n\
+Reading the clock is included.\n";
 
 /// The page.
 pub(super) fn page(rows: &[Row], stamp: &str) -> String {
@@ -52,7 +62,8 @@ pub(super) fn page(rows: &[Row], stamp: &str) -> String {
         let first = &group[0];
         let _ = write!(
             page,
-            "\n## {}, obstacles as {}\n\n{} links of {} triangles, {} pairs of them, {} problems; {} of {} configurations are free.\n\n\
+            "\n## {}, obstacles as {}\n\n{} links of {} triangles, {} pairs of links, {} problems; {} of {} \
+             configurations are free.\n\n\
             | library | mean, µs | / {OURS} | p50 | p99 | missed + invented |\n| --- | --: | --: | --: | --: | --: |\n",
             first.robot,
             first.obstacles,

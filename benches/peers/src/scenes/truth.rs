@@ -1,4 +1,5 @@
-//! Which configurations are free, by brute force in exact arithmetic on corners that were moved into the world.
+//! Decides which configurations are free, by brute force in exact arithmetic on corners that were moved to the world
+//! frame.
 
 use super::{Task, rows};
 use crate::data::MeshData;
@@ -32,18 +33,18 @@ impl Placed {
         self.is_near(other) && meshes_meet(&self.triangles, &other.triangles)
     }
 
-    /// Whether a part of this is inside of the other, which is convex, if their surfaces do not meet.
+    /// Whether a part of this is inside the other, which is convex, given that their surfaces do not meet.
     fn is_partly_in(&self, convex: &Self) -> bool {
         let is_in = |p: &[f64; 3]| {
             (0..3).all(|i| convex.low[i] <= p[i] && p[i] <= convex.high[i])
                 && convex.triangles.iter().all(|[a, b, c]| sign_of_determinant(a, b, c, [p, a]) <= 0)
         };
-        // A triangle is inside of it where one of its corners is.
+        // A triangle is inside if one of its corners is.
         self.is_near(convex) && self.triangles.iter().any(|triangle| is_in(&triangle[0]))
     }
 }
 
-/// Of each configuration, whether it is free with the obstacles as surfaces, and as solids.
+/// For each configuration, whether it is free with the obstacles as surfaces, and as solids.
 pub(super) fn free(task: &Task) -> [Vec<bool>; 2] {
     let obstacles = |problem: usize| -> Vec<Placed> {
         let obstacles = task.problems[problem].obstacles.iter();

@@ -5,7 +5,7 @@ use simdop::construct::{Builder, Mesh, Splitter};
 use simdop::hierarchy::Bvh;
 use simdop::node::{Node4, Node16};
 
-/// Triangles strewn over a cube of side 2.
+/// Triangles scattered in a cube of side 2.
 fn strewn(random: &mut Random, count: u32) -> MeshData {
     let mut mesh = MeshData::default();
     for i in 0..count {
@@ -23,7 +23,7 @@ fn build<N: Dop>(mesh: &MeshData, leaf_size: u32) -> Bvh<N> {
     builder.build_as(&Mesh { vertices: &mesh.vertices, triangles: &mesh.triangles }).unwrap()
 }
 
-/// Codes of the planes of each leaf, and its triangles.
+/// The keys of a leaf's planes, and its triangles.
 type Leaf = (Vec<i16>, Vec<Triangle>);
 
 fn leaves<N: Dop>(tree: &BvhRef<'_, N>) -> Vec<Leaf> {
@@ -36,7 +36,7 @@ fn leaves<N: Dop>(tree: &BvhRef<'_, N>) -> Vec<Leaf> {
     tree.walk().filter_map(leaf).collect()
 }
 
-/// Every leaf with every other, by the inequality as ARCHITECTURE.md has it, in numbers instead of codes.
+/// Compares all pairs of leaves by the inequality in ARCHITECTURE.md, with numbers instead of keys.
 fn by_brute_force<N: Dop, const K: usize>(a: &BvhRef<'_, N>, b: &BvhRef<'_, N>, pose: &Pose) -> Meetings {
     let map = Realignment::<K>::new(pose, &a.extent(), &b.frame());
     let mut found = Meetings::default();
@@ -81,7 +81,7 @@ fn false_positives_are_those_of_brute_force() {
     let poses = [0.0, 0.5, 1.3, 9.0].map(|x| Pose::from_rows(turned(x)).unwrap());
     let coarse = check::<Node16<6>, 6>(&meshes, 1, &poses);
     let fine = check::<Node16<18>, 18>(&meshes, 1, &poses);
-    // The triangles are the same; finer volumes tell more pairs apart.
+    // The same triangles meet; tighter k-DOPs separate more pairs.
     assert!(fine.triangles == coarse.triangles && fine.volumes < coarse.volumes, "{fine:?}, {coarse:?}");
     check::<Node16<14>, 14>(&meshes, 3, &poses);
     check::<Node4<18>, 18>(&meshes, 2, &poses);
@@ -89,8 +89,7 @@ fn false_positives_are_those_of_brute_force() {
     check::<Node16<26>, 26>(&meshes, 4, &poses);
 }
 
-/// The support of a k-DOP: the greatest over its corners, which are where three planes meet and no other plane is
-/// passed.
+/// The support of a k-DOP: the maximum over its corners, where three planes meet and no other plane is exceeded.
 fn support_of_corners<const K: usize>(planes: &[f64], u: [f64; 3]) -> f64 {
     let n = Directions::<K>::VECTORS;
     let dot = |p: [f64; 3], q: [f64; 3]| p[0] * q[0] + p[1] * q[1] + p[2] * q[2];
@@ -114,8 +113,7 @@ fn support_of_corners<const K: usize>(planes: &[f64], u: [f64; 3]) -> f64 {
     greatest
 }
 
-/// Beside the corners of the volumes: what re-alignment takes for a support is that of the volume, or a bit more,
-/// and for boxes just that.
+/// Compares with the corners of the k-DOPs: realignment bounds the support from above, and exactly for boxes.
 #[test]
 fn overestimates_are_those_of_the_corners() {
     fn check<N: Dop, const K: usize>(mesh: &MeshData, leaf_size: u32, slack: f64) -> Overestimate

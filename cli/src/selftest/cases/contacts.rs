@@ -1,5 +1,4 @@
-//! Bodies of about one size in contact: with nothing special about them, nested, made of needles, and at the very pose where
-//! the answer flips.
+//! Bodies of similar size in contact: ordinary ones, nested ones, needles, and at the pose where the answer flips.
 
 use super::{POSES, Trial};
 use crate::selftest::draw::{Draw, NO_TURN, power_of_two, scaled};
@@ -9,12 +8,12 @@ use crate::selftest::figures::{
 use crate::selftest::oracle::{Figure, Matrix, Oracle};
 use simdop::primitive::triangle::Triangle;
 
-/// A body as drawn, about the origin.
+/// The surface of these triangles, about the origin.
 fn surface(draw: &Draw, triangles: &[Triangle]) -> Figure {
     Figure::surface(draw.placed(triangles, &NO_TURN, &[0.0; 3]))
 }
 
-/// Blobs that are clearly apart or clearly within each other.
+/// Blobs that are clearly separate or clearly overlap.
 pub(super) fn benign(draw: &mut Draw) -> Trial {
     let [a, b] = [blob(draw), blob(draw)].map(|triangles| surface(draw, &triangles));
     let poses = poses(draw, |draw| {
@@ -24,7 +23,7 @@ pub(super) fn benign(draw: &mut Draw) -> Trial {
     Trial { a, b, poses }
 }
 
-/// A body and a copy of it about the same centre, a little smaller, larger, or as large; solid or not.
+/// A body and a concentric copy of it, slightly smaller, slightly larger, or of the same size; solid or not.
 pub(super) fn nested_copies(draw: &mut Draw) -> Trial {
     let is_solid = draw.is_heads();
     let body = if is_solid { polytope(draw) } else { blob(draw) };
@@ -40,7 +39,7 @@ pub(super) fn nested_copies(draw: &mut Draw) -> Trial {
             0 => [0.0; 3],
             1 => scaled(&draw.direction(), draw.signed(-52, -20)),
             2 => scaled(&draw.direction(), draw.signed(-20, -3)),
-            // Beside each other.
+            // Side by side.
             _ => return in_contact(draw, [&a, &b], &turn, 1.0),
         };
         matrix(&turn, &shift)
@@ -48,7 +47,7 @@ pub(super) fn nested_copies(draw: &mut Draw) -> Trial {
     Trial { a, b, poses }
 }
 
-/// Less than 1 by a power of two.
+/// 1 minus a power of two.
 fn draw_part(exponent: i32) -> f64 {
     -power_of_two(exponent)
 }
@@ -65,7 +64,7 @@ pub(super) fn needle_fans(draw: &mut Draw) -> Trial {
         let turn = any_turn(draw);
         match draw.below(3) {
             0 => in_contact(draw, [&a, &b], &turn, 1.0),
-            // Through each other, somewhere, by less than their width.
+            // Intersecting, by less than their width.
             1 => corner_on_point(draw, [&a, &b], &turn, 0.0),
             _ => {
                 let gap = draw.signed(-52, -16);
@@ -76,13 +75,13 @@ pub(super) fn needle_fans(draw: &mut Draw) -> Trial {
     Trial { a, b, poses }
 }
 
-/// A hundred thousand times the same triangle, and a few others.
+/// A hundred thousand copies of one triangle, and a few others.
 pub(super) fn coincident(draw: &mut Draw) -> Trial {
     let one = fan(draw, 1, 1.0);
     let others = fan(draw, 4, 0.5);
     let (one, b) = (surface(draw, &one), surface(draw, &others));
     let a = Figure { copies: 100_000, ..one };
-    // Few, since they take long: so that there are several formats.
+    // Only four poses, since they are slow, so that several formats are covered.
     let poses = (0..4).map(|_| {
         let turn = any_turn(draw);
         in_contact(draw, [&a, &b], &turn, 1.0)
@@ -90,7 +89,7 @@ pub(super) fn coincident(draw: &mut Draw) -> Trial {
     Trial { poses: poses.collect(), a, b }
 }
 
-/// The last pose along an axis where two bodies meet, the first where they do not, and those beside.
+/// The last pose along an axis where two bodies meet, the first where they do not, and neighbouring ones.
 pub(super) fn knife_edge(draw: &mut Draw) -> Trial {
     let [a, b] = [polytope(draw), polytope(draw)].map(|triangles| surface(draw, &triangles));
     let oracle = Oracle::new(&a, &b);
@@ -99,7 +98,7 @@ pub(super) fn knife_edge(draw: &mut Draw) -> Trial {
         let (turn, axis) = (any_turn(draw), draw.below(3));
         let direction = core::array::from_fn(|i| if i == axis { 1.0 } else { 0.0 });
         let mut apart = touching([&a, &b], &turn, &direction, 0.5);
-        // Anywhere above B, if not so that they pass it.
+        // Anywhere above B within its extent, so that A does not pass it.
         for row in &mut apart {
             row[3] += draw.range(-0.3, 0.3);
         }
@@ -124,7 +123,7 @@ pub(super) fn knife_edge(draw: &mut Draw) -> Trial {
     Trial { a, b, poses }
 }
 
-/// Halves the way between two poses until there is no number between them.
+/// Bisects the interval between two poses until there is no number in between.
 fn halve(oracle: &Oracle<'_>, axis: usize, within: &mut Matrix, apart: &mut Matrix) {
     loop {
         let (low, high) = (within[axis][3], apart[axis][3]);

@@ -1,4 +1,4 @@
-//! The hard cases by name, with what draws bodies and poses for each.
+//! The hard cases by name, with the functions that draw bodies and poses for each.
 
 mod contacts;
 mod planes;
@@ -8,22 +8,22 @@ mod spheres;
 use super::draw::Draw;
 use super::oracle::{Figure, Matrix};
 
-/// Poses of a trial, at most.
+/// Maximum number of poses of a trial.
 pub(super) const POSES: usize = 64;
 
-/// Two bodies, and the poses that A is placed at in the frame of B.
+/// Two bodies, and poses of A in the frame of B.
 pub(super) struct Trial {
     pub(super) a: Figure,
     pub(super) b: Figure,
     pub(super) poses: Vec<Matrix>,
 }
 
-/// What draws the trials of a case.
+/// Draws the trials of a case.
 #[derive(Copy, Clone, Debug)]
 pub(super) enum Maker {
-    /// Bodies that are asked whether they meet.
+    /// Bodies that are tested for collision.
     Bodies(fn(&mut Draw) -> Trial),
-    /// Points that are asked for their neighbours.
+    /// Points whose neighbours are searched.
     Points(fn(&mut Draw) -> super::points::Neighbourhood),
 }
 
@@ -33,7 +33,7 @@ pub(super) struct HardCase {
     /// The case that times are compared with: an easy one of the same kind.
     pub(super) benign: &'static str,
     pub(super) maker: Maker,
-    /// Its share of all pairs is this by the sum of all.
+    /// Its share of all pairs is this divided by the sum over all cases.
     pub(super) share: u64,
 }
 
@@ -46,7 +46,7 @@ const fn case(name: &'static str, benign: &'static str, maker: fn(&mut Draw) -> 
     HardCase { name, benign, maker: Maker::Bodies(maker), share: 1000 }
 }
 
-/// All cases, the benign ones of a kind before its others.
+/// All cases, each benign case before the others of its kind.
 pub(super) const CASES: [HardCase; 20] = [
     case(TRIANGLES, TRIANGLES, contacts::benign),
     case("near-parallel", TRIANGLES, planes::near_parallel),
@@ -56,7 +56,7 @@ pub(super) const CASES: [HardCase; 20] = [
     case("far-1e6", TRIANGLES, sizes::far_1e6),
     case("scale-ratio", TRIANGLES, sizes::scale_ratio),
     case("needle-fans", TRIANGLES, contacts::needle_fans),
-    // A pose takes a thousand times as long as of the others.
+    // A pose takes a thousand times as long as those of the others.
     HardCase { share: 2, ..case("coincident", TRIANGLES, contacts::coincident) },
     case("turns", TRIANGLES, planes::turns),
     case("knife-edge", TRIANGLES, contacts::knife_edge),
@@ -81,8 +81,8 @@ mod tests {
     use super::*;
     use crate::selftest::oracle::Oracle;
 
-    /// Each case has both answers, and those that are about it have poses on the edge: a suite whose bodies are all far apart
-    /// would pass anything.
+    /// Each case has both answers, and cases about borderline contacts have such poses: a suite whose bodies are all
+    /// far apart would accept any library.
     #[test]
     fn cases_are_hard() {
         let on_the_edge = ["coplanar-sheets", "knife-edge", "tangent-spheres", "nested-spheres", "turns"];

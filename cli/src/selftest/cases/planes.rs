@@ -1,4 +1,4 @@
-//! Faces in one plane, or nearly.
+//! Faces that are coplanar, or nearly so.
 
 use super::Trial;
 use crate::selftest::draw::{Draw, NO_TURN, Turn, add, power_of_two, product, scaled, turned};
@@ -6,8 +6,7 @@ use crate::selftest::figures::{block, matrix, poses, sheet, touching};
 use crate::selftest::oracle::Figure;
 use simdop::range::Point;
 
-/// How the bodies of a trial stand in space: any way, unless their coordinates are rounded so much that it would undo what the
-/// case is about.
+/// The common rotation of a trial's bodies: any, unless rounding the coordinates would destroy what the case tests.
 fn common_turn(draw: &mut Draw) -> Turn {
     if draw.is_single || draw.is_heads() { draw.quarter_turns() } else { draw.turn() }
 }
@@ -18,7 +17,7 @@ pub(super) fn near_parallel(draw: &mut Draw) -> Trial {
     let cells = draw.int(1, 4);
     let flat = sheet(cells, 1.0 / f64::from(cells));
     let b = Figure::surface(draw.placed(&flat, &common, &[0.0; 3]));
-    // A is a sheet whose corners are near the plane; the pose turns it as B was turned, and tilts it.
+    // A is a sheet whose corners are near the plane; the pose rotates it like B, and tilts it.
     let bumps = if draw.is_heads() { 0.0 } else { 1e-9 };
     let bumpy = flat.iter().map(|t| t.map(|[x, y, z]| [x, y, z + bumps * ((x * 5.0 + y * 3.0) % 1.0)]));
     let a = Figure::surface(draw.placed(&bumpy.collect::<Vec<_>>(), &NO_TURN, &[0.0; 3]));
@@ -36,7 +35,7 @@ pub(super) fn near_parallel(draw: &mut Draw) -> Trial {
     Trial { a, b, poses }
 }
 
-/// Sheets in one plane whose cells lie on one lattice: corner on corner, edge along edge, beside each other.
+/// Coplanar sheets whose cells lie on one lattice: corner on corner, edge along edge, side by side.
 pub(super) fn coplanar_sheets(draw: &mut Draw) -> Trial {
     let common = common_turn(draw);
     let (cells_a, cells_b) = (draw.int(1, 4), draw.int(1, 4));
@@ -51,7 +50,7 @@ pub(super) fn coplanar_sheets(draw: &mut Draw) -> Trial {
             1 => shift = shift.map(|x| draw.nudged(x)),
             _ => {}
         }
-        // Half of them are turned in their plane as well.
+        // Half of them are rotated within their plane, too.
         let turn = if draw.is_heads() { common } else { product(&common, &quarter_in_plane(draw)) };
         matrix(&turn, &turned(&common, &shift))
     });
@@ -69,14 +68,14 @@ fn angles() -> [[f64; 2]; 3] {
     [[(six + two) / 4.0, (six - two) / 4.0], [two / 2.0, two / 2.0], [0.0, 1.0]]
 }
 
-/// Blocks, face on face, after turns of 15, 45 and 90 degrees about axes, and with each number of the rotation one unit in the
-/// last place beside.
+/// Blocks, face on face, after rotations of 15, 45 and 90 degrees about axes, and with each number of the rotation
+/// changed by one unit in the last place.
 pub(super) fn turns(draw: &mut Draw) -> Trial {
     let any_block = |draw: &mut Draw| {
         let half: Point = core::array::from_fn(|_| f64::from(draw.int(1, 16)) / 8.0);
         let centre: Point = core::array::from_fn(|_| f64::from(draw.int(-8, 8)) / 8.0);
         let triangles = draw.placed(&block(half), &NO_TURN, &centre);
-        // Of a surface, what is inside is free.
+        // The inside of a surface is free.
         if draw.is_heads() { Figure::surface(triangles) } else { Figure::surface(triangles[..10].to_vec()) }
     };
     let (a, b) = (any_block(draw), any_block(draw));
@@ -86,7 +85,7 @@ pub(super) fn turns(draw: &mut Draw) -> Trial {
             let [c, s] = draw.pick(&angles());
             let s = if draw.is_heads() { s } else { -s };
             let about = [[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]];
-            // About another axis: coordinates change places before and after.
+            // About another axis: permutes the coordinates before and after.
             let cycle: Turn = draw.pick(&[
                 NO_TURN,
                 [NO_TURN[1], NO_TURN[2], NO_TURN[0]],
@@ -100,7 +99,7 @@ pub(super) fn turns(draw: &mut Draw) -> Trial {
         }
         let gap = if draw.is_heads() { 0.0 } else { draw.signed(-52, -2) };
         let mut rows = touching([&a, &b], &turn, &draw.axis(), gap);
-        // Along the face, too: edges and corners of both come to lie anywhere.
+        // Shifted along the face, too, so that edges and corners lie anywhere on it.
         let aside = scaled(&add(&draw.axis(), &draw.axis()), f64::from(draw.int(0, 4)) / 8.0);
         for (row, aside) in rows.iter_mut().zip(aside) {
             row[3] += aside;

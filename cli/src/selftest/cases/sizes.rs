@@ -1,4 +1,4 @@
-//! Bodies far from their origins, of sizes that differ, and of sizes at the ends of what numbers can hold.
+//! Bodies far from their origins, of different sizes, and of sizes at the limits of the number formats.
 
 use super::Trial;
 use crate::selftest::draw::{Draw, NO_TURN, power_of_two, scaled};
@@ -42,16 +42,16 @@ pub(super) fn scale_ratio(draw: &mut Draw) -> Trial {
     blobs(draw, sizes, [[0.0; 3]; 2])
 }
 
-/// Bodies of a few units of the least coordinates: of the numbers below the normal ones in single precision, and of those that the
-/// library makes zero in double precision.
+/// Bodies of a few units of the smallest coordinates: of subnormal numbers in single precision, and of those that the
+/// library flushes to zero in double precision.
 pub(super) fn denormal(draw: &mut Draw) -> Trial {
     let exponent = if draw.is_single { -146 } else { -248 };
     let size = draw.size(exponent, exponent + 6);
     blobs(draw, [size; 2], [[0.0; 3]; 2])
 }
 
-/// Bodies of which one is some 2^9 times as large as the other: in the frame of that, its planes are far beyond the greatest that a key
-/// holds.
+/// Bodies of which one is about 2^9 times as large as the other: in the frame of the smaller one, its planes are far
+/// beyond the largest key.
 pub(super) fn key_overflow(draw: &mut Draw) -> Trial {
     let ratio = draw.size(7, 10);
     let unit = power_of_two(draw.int(-8, 8));

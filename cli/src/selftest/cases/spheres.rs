@@ -7,7 +7,7 @@ use crate::selftest::oracle::{Convex, Figure, Matrix, placed};
 use simdop::primitive::Sphere;
 use simdop::range::Point;
 
-/// Spheres strewn over a cube.
+/// Spheres scattered in a cube.
 fn strewn(draw: &mut Draw) -> Figure {
     let count = draw.int(1, 24);
     let sphere = |_| Sphere { centre: draw_point(draw), radius: f64::from(draw.range(0.05, 0.4) as f32) };
@@ -32,13 +32,13 @@ pub(super) fn benign_on_triangles(draw: &mut Draw) -> Trial {
     Trial { a, b, poses }
 }
 
-/// Clearly apart or clearly within each other.
+/// Clearly separate or clearly overlapping.
 fn clear(draw: &mut Draw, bodies: [&Figure; 2]) -> Matrix {
     let (turn, direction) = (draw.turn(), draw.direction());
     touching(bodies, &turn, &direction, draw.signed(-6, -2))
 }
 
-/// A vector of whole numbers whose length is whole, too.
+/// An integer vector of integer length.
 #[derive(Copy, Clone)]
 struct WholeWay {
     way: [i32; 3],
@@ -62,8 +62,8 @@ const WAYS: [WholeWay; 8] = [
 
 const UNIT: f64 = power_of_two(-4);
 
-/// Spheres on a lattice whose radii are multiples of a way's length: along it, and with any order and signs of its coordinates, they
-/// touch exactly, unless a pose rounds.
+/// Spheres on a lattice whose radii are multiples of a vector's length. Along the vector, with any order and signs of
+/// its coordinates, they touch exactly, unless a pose rounds.
 fn on_lattice(draw: &mut Draw, way: WholeWay, count: i32, most: i32) -> Figure {
     let sphere = |_| Sphere {
         centre: core::array::from_fn(|_| UNIT * f64::from(draw.int(-16, 16))),
@@ -79,7 +79,7 @@ fn ball_of(draw: &mut Draw, figure: &Figure) -> Sphere {
     }
 }
 
-/// A sphere of A and one of B, whose centres are so far apart as their radii make it: their sum, where they touch.
+/// Places a sphere of A at a distance from one of B that their radii determine: the sum of the radii makes them touch.
 fn tangent_pose(
     draw: &mut Draw,
     bodies @ [a, b]: [&Figure; 2],
@@ -88,7 +88,7 @@ fn tangent_pose(
 ) -> Matrix {
     let turn = if draw.below(4) == 0 { draw.turn() } else { draw.quarter_turns() };
     let gap = if draw.is_heads() { 0.0 } else { draw.signed(-52, -4) };
-    // Beside all of B, where what is not touched is not met.
+    // Beside all of B, so that spheres which do not touch do not meet either.
     if draw.is_heads() {
         let direction = if draw.is_heads() { draw.axis() } else { draw.direction() };
         return touching(bodies, &turn, &direction, gap);
@@ -97,7 +97,7 @@ fn tangent_pose(
     let signed = way.map(|x| f64::from(if draw.is_heads() { x } else { -x }) / f64::from(length));
     let along = turned(&draw.quarter_turns(), &way.map(f64::from));
     let (apart, length) = (distance(p.radius, q.radius), f64::from(length));
-    // Multiplied first, since the product is a multiple of the length.
+    // Multiply first, since the product is a multiple of the length.
     let apart = along.map(|x| x * apart / length);
     let from = placed(&matrix(&turn, &[0.0; 3]), &p.centre);
     let shift = add(&add(&minus(&q.centre, &from), &apart), &scaled(&signed, gap));
@@ -113,7 +113,7 @@ pub(super) fn tangent(draw: &mut Draw) -> Trial {
     Trial { a, b, poses }
 }
 
-/// Spheres inside of each other, touching from inside and not, and their like outside.
+/// Spheres inside each other, touching from inside or not, and similar ones outside.
 pub(super) fn nested(draw: &mut Draw) -> Trial {
     let way = draw.pick(&WAYS);
     let counts = [draw.int(1, 2), draw.int(1, 2)];

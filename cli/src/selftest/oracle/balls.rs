@@ -1,4 +1,4 @@
-//! Balls against balls and triangles: lengths are compared by their squares, in integers where rounding could matter.
+//! Balls against balls and triangles: compares squared lengths, in integers where rounding could matter.
 
 use super::Rough;
 use super::integers::{cross, difference, dot as exact_dot, integers, sign};
@@ -9,17 +9,17 @@ use simdop::primitive::Sphere;
 use simdop::primitive::triangle::Triangle;
 use simdop::range::Point;
 
-/// More than the roundings of a length, or of a point of a triangle, do to it: 2^-44 of what it is made of.
+/// Relative bound, 2^-44, on the effect of rounding on a length, or on a point of a triangle.
 const FILTER: f64 = 256.0 * f64::EPSILON;
 
-/// Exactly, for centres and radii as given.
+/// Exact, for the given centres and radii.
 pub(super) fn balls_meet(a: &Sphere, b: &Sphere) -> bool {
     let [p, q, [r, s, _]] = integers([a.centre, b.centre, [a.radius, b.radius, 0.0]]);
     let (way, reach) = (difference(&p, &q), r + s);
     exact_dot(&way, &way) <= &reach * &reach
 }
 
-/// For all positions of a centre within `moved` of where it is, in each coordinate.
+/// For all positions of a centre within `moved` of the given one, in each coordinate.
 pub(super) fn rough_balls(a: &Sphere, b: &Sphere, moved: f64) -> Rough {
     let between = length(&minus(&a.centre, &b.centre));
     let reach = a.radius + b.radius;
@@ -27,8 +27,8 @@ pub(super) fn rough_balls(a: &Sphere, b: &Sphere, moved: f64) -> Rough {
     decided(between - reach, between - reach, error)
 }
 
-/// Exactly. The distance of a point from a triangle is that from a corner, or from an edge whose ends it is between, or from the
-/// plane if it is over the face; and none of these that is defined is less than it.
+/// Exact. The distance of a point from a triangle is that from a corner, from an edge if the point projects between its
+/// ends, or from the plane if the point is over the face; and none of these that is defined is smaller than it.
 pub(super) fn ball_meets_triangle(ball: &Sphere, t: &Triangle) -> bool {
     let [p, q, r, centre, [radius, _, _]] =
         integers([t[0], t[1], t[2], ball.centre, [ball.radius, 0.0, 0.0]]);
@@ -53,20 +53,20 @@ pub(super) fn ball_meets_triangle(ball: &Sphere, t: &Triangle) -> bool {
     length > IBig::ZERO && (0..3).all(is_over) && &height * &height <= square * length
 }
 
-/// For all positions of the centre, or of the corners, within `moved` of where they are, in each coordinate.
+/// For all positions of the centre, or of the corners, within `moved` of the given ones, in each coordinate.
 pub(super) fn rough_ball_and_triangle(ball: &Sphere, t: &Triangle, moved: f64) -> Rough {
     let corners = t.map(|p| minus(&p, &ball.centre));
     let nearest = nearest_to_origin(&corners);
     let size = corners.iter().map(length).fold(ball.radius, f64::max);
     let upper = length(&nearest);
-    // All of the triangle is this far along the way to the point that seems nearest.
+    // The whole triangle is at least this far along the direction to the point that seems nearest.
     let lower = corners.iter().map(|p| dot(p, &nearest)).fold(f64::INFINITY, f64::min) / upper;
-    // What is not a number is no gap: then the upper bound alone may tell.
+    // Treat NaN and infinity as no gap: then only the upper bound can decide.
     let lower = if lower.is_finite() { lower } else { 0.0 };
     decided(lower - ball.radius, upper - ball.radius, FILTER * size + 2.0 * moved)
 }
 
-/// By bounds of a gap, each of which may be wrong by the error.
+/// Decides by bounds on a gap, each of which may be wrong by the error.
 fn decided(lower: f64, upper: f64, error: f64) -> Rough {
     if lower > error {
         Rough::Apart
@@ -81,7 +81,7 @@ fn length(p: &Point) -> f64 {
     dot(p, p).sqrt()
 }
 
-/// A point of the triangle, up to rounding: about the one that is nearest to the origin.
+/// A point of the triangle, up to rounding: approximately the one nearest to the origin.
 fn nearest_to_origin(corners: &Triangle) -> Point {
     let edges = [0, 1, 2].map(|i| minus(&corners[(i + 1) % 3], &corners[i]));
     let [u, v] = [edges[0], scaled(&edges[2], -1.0)];
@@ -94,7 +94,7 @@ fn nearest_to_origin(corners: &Triangle) -> Point {
     }
     let on_edge = |i: usize| {
         let share = -dot(&corners[i], &edges[i]) / dot(&edges[i], &edges[i]);
-        // Of an edge without length, its corner.
+        // For an edge of length zero, its corner.
         let share = if share > 0.0 { share.min(1.0) } else { 0.0 };
         add(&corners[i], &scaled(&edges[i], share))
     };
@@ -151,7 +151,7 @@ mod tests {
         assert!(meets([1.0, 1.0, 0.0], 0.0) && !meets([3.0, 3.0, 0.0], 0.0), "points");
     }
 
-    /// Against the least distance from points strewn over the triangle.
+    /// Compares with the smallest distance to points scattered over the triangle.
     #[test]
     fn bounds_are_right_for_any_triangle() {
         let mut draw = Draw::new(7, "", 0, false);
@@ -171,7 +171,8 @@ mod tests {
                     core::array::from_fn(|k| t[0][k] * (1.0 - s - u) + t[1][k] * s + t[2][k] * u - centre[k]);
                 least = least.min(length(&p));
             }
-            // A point of the triangle has one of these within a fortieth of the longest edge, at most root of 12.
+            // Any point of the triangle has one of these within a fortieth of the longest edge, which is at most the
+            // root of 12.
             assert!(if exact { least < ball.radius + 0.09 } else { least > ball.radius }, "{t:?} {ball:?}");
             let moved = draw.pick(&[0.0, 1e-9, 0.01]);
             match rough_ball_and_triangle(&ball, &t, moved) {

@@ -1,4 +1,4 @@
-//! Floating-point numbers as integers, and vectors of them: arithmetic without rounding.
+//! Floating-point numbers as integers, and vectors of them, for arithmetic without rounding.
 
 use core::cmp::Ordering;
 use dashu_int::IBig;

@@ -1,5 +1,5 @@
-//! Whether two bodies meet, found without the library: by all pairs of their primitives, in exact arithmetic where
-//! floating-point numbers with a proved bound do not decide.
+//! Decides without the library whether two bodies meet: tests all pairs of their primitives, in exact arithmetic where
+//! floating-point numbers with a proven error bound do not decide.
 
 mod balls;
 mod integers;
@@ -14,7 +14,7 @@ use simdop::range::{MIN_COORDINATE, Point};
 /// The rows of a pose: a rotation, and a translation in the last column.
 pub(super) type Matrix = [[f64; 4]; 3];
 
-/// What a leaf holds.
+/// The primitive of a leaf.
 #[derive(Copy, Clone, PartialEq, Debug)]
 pub(super) enum Convex {
     Triangle(Triangle),
@@ -26,13 +26,13 @@ pub(super) enum Convex {
 pub(super) struct Figure {
     /// All of one kind.
     pub(super) items: Vec<Convex>,
-    /// How often the body has each of them.
+    /// How many times the body contains each of them.
     pub(super) copies: usize,
-    /// Of triangles: they bound a solid, which is convex.
+    /// Whether the triangles bound a solid, which is convex.
     pub(super) is_solid: bool,
 }
 
-/// What a filter says of a pair.
+/// The result of a filter for a pair.
 #[derive(Copy, Clone, PartialEq, Eq, Debug)]
 enum Rough {
     Apart,
@@ -40,11 +40,11 @@ enum Rough {
     Doubt,
 }
 
-/// What is so at a pose.
+/// The exact answer at a pose.
 #[derive(Copy, Clone, PartialEq, Eq, Debug)]
 pub(super) struct Truth {
     pub(super) meets: bool,
-    /// One unit in the last place along an axis, and it is not so.
+    /// Whether the answer changes one unit in the last place along some axis.
     pub(super) is_knife_edge: bool,
 }
 
@@ -79,7 +79,7 @@ impl Figure {
     }
 }
 
-/// As [`simdop::pose::Pose::apply`] documents it: verdicts are exact for corners that are rounded so.
+/// As documented at [`simdop::pose::Pose::apply`]: verdicts are exact for corners rounded in this way.
 pub(super) fn placed(rows: &Matrix, p: &Point) -> Point {
     flushed(rows.map(|[x, y, z, t]| ((x * p[0] + y * p[1]) + z * p[2]) + t))
 }
@@ -88,7 +88,7 @@ fn flushed(p: Point) -> Point {
     p.map(|x| if x.abs() < MIN_COORDINATE { 0.0 } else { x })
 }
 
-/// A primitive and the box around it.
+/// A primitive and its box.
 struct Bounded {
     item: Convex,
     low: Point,
@@ -102,7 +102,7 @@ impl Bounded {
                 let fold = |f: fn(f64, f64) -> f64| core::array::from_fn(|i| f(f(p[i], q[i]), r[i]));
                 (fold(f64::min), fold(f64::max))
             }
-            // One more unit in the last place than the sums are rounded by.
+            // One unit in the last place more than the rounding error of the sums.
             Convex::Ball(ball) => (
                 ball.centre.map(|x| (x - ball.radius).next_down()),
                 ball.centre.map(|x| (x + ball.radius).next_up()),
@@ -112,7 +112,7 @@ impl Bounded {
     }
 
     fn rough(&self, other: &Self, moved: f64) -> Rough {
-        // Far more than the roundings of the sum.
+        // Far more than the rounding errors of the sum.
         let reach = moved + moved;
         for i in 0..3 {
             if self.high[i] + reach < other.low[i] || other.high[i] + reach < self.low[i] {
@@ -151,11 +151,12 @@ impl<'t> Oracle<'t> {
         Self { a, b, still: b.items.iter().map(|item| Bounded::new(*item)).collect() }
     }
 
-    /// Whether A, placed by the pose, meets B or is inside of it, or the other way round; and whether it would do so beside.
+    /// Whether A, placed by the pose, meets B, or one is inside the other; and whether a neighbouring pose changes
+    /// this.
     pub(super) fn truth(&self, rows: &Matrix) -> Truth {
         let moved = self.a.moved(rows);
         let step = step(rows, &moved);
-        // A sum of a coordinate and a translation is off by half a unit before and after the step.
+        // The sum of a coordinate and a translation is off by half a unit before and after the step.
         match self.surfaces(&moved, 2.0 * step) {
             Rough::Together => Truth { meets: true, is_knife_edge: false },
             Rough::Apart => Truth { meets: self.is_inside(&moved), is_knife_edge: false },
@@ -176,7 +177,7 @@ impl<'t> Oracle<'t> {
         self.is_hit(&self.a.moved(rows))
     }
 
-    /// Whether a hit may name these two primitives: they meet, or are of bodies one of which is inside of the other.
+    /// Whether a hit may name these two primitives: they meet, or belong to bodies one of which is inside the other.
     pub(super) fn is_witness(&self, rows: &Matrix, a: u32, b: u32) -> bool {
         let is_there = |figure: &Figure, index: u32| (index as usize) < figure.items.len() * figure.copies;
         let is_inside = || {
@@ -196,7 +197,7 @@ impl<'t> Oracle<'t> {
         meet(&moved, item(self.b, b))
     }
 
-    /// All pairs of primitives that meet, in ascending order. Not of copies.
+    /// All pairs of primitives that meet, in ascending order, without copies.
     pub(super) fn pairs(&self, rows: &Matrix) -> Vec<(u32, u32)> {
         let mut pairs = Vec::new();
         for (a, i) in self.a.moved(rows).iter().zip(0..) {
@@ -214,7 +215,7 @@ impl<'t> Oracle<'t> {
         pairs
     }
 
-    /// Whether any primitives meet, for all positions of A's within `moved` of where they are.
+    /// Whether any primitives meet, for all positions of A's primitives within `moved` of the given ones.
     fn surfaces(&self, placed: &[Bounded], moved: f64) -> Rough {
         let mut all = Rough::Apart;
         for (a, b) in placed.iter().flat_map(|a| self.still.iter().map(move |b| (a, b))) {
@@ -239,8 +240,8 @@ impl<'t> Oracle<'t> {
         doubts.into_iter().any(|(a, b)| meet(&a.item, &b.item)) || self.is_inside(moved)
     }
 
-    /// Whether one of the bodies, whose surfaces are apart, is inside of the other: then all of its corners are on one side of
-    /// all faces.
+    /// Whether one of two bodies whose surfaces do not meet is inside the other: then all of its corners are on one
+    /// side of all faces.
     fn is_inside(&self, moved: &[Bounded]) -> bool {
         self.b.is_solid && contains(&self.still, moved) || self.a.is_solid && contains(moved, &self.still)
     }
@@ -256,7 +257,8 @@ fn contains(solid: &[Bounded], other: &[Bounded]) -> bool {
     first.is_some() && first != Some(Ordering::Equal) && sides.all(|side| Some(side) == first)
 }
 
-/// One unit in the last place of the greatest coordinate of what is added up: the translation and where it leads.
+/// One unit in the last place of the largest coordinate among the summands and sums: the translation and the placed
+/// points.
 fn step(rows: &Matrix, moved: &[Bounded]) -> f64 {
     let ends = moved.iter().flat_map(|item| item.low.iter().chain(&item.high));
     let greatest = rows.iter().map(|row| &row[3]).chain(ends).fold(0.0, |m: f64, x| m.max(x.abs()));
@@ -289,7 +291,7 @@ mod tests {
         assert_eq!(truth(&solid, 3.0), certain(false));
         assert_eq!(truth(&solid, 0.45), certain(true));
         assert_eq!(truth(&surface, 0.45), certain(true), "through the slanted face");
-        // B inside of A.
+        // B inside A.
         assert_eq!(Oracle::new(&solid, &small).truth(&matrix(&NO_TURN, &[-0.0625; 3])), certain(true));
         assert_eq!(Oracle::new(&surface, &small).truth(&matrix(&NO_TURN, &[-0.0625; 3])), certain(false));
     }
@@ -303,7 +305,7 @@ mod tests {
         assert_eq!(at(1.0), truth(true, true));
         assert_eq!(at(1.0_f64.next_up()), truth(false, true));
         assert_eq!(at(1.0 + 4.0 * f64::EPSILON), truth(false, false));
-        // Beside it there still is a common point, along the edges.
+        // For neighbouring poses there is still a common point, along the edges.
         assert_eq!(at(0.5), truth(true, false));
     }
 
@@ -322,8 +324,8 @@ mod tests {
         assert!(Oracle::new(&many, &body).pair_meets(&rows, 4, 0), "a copy of triangle 0");
     }
 
-    /// The polytopes are convex and run one way round, as [`contains`] takes for granted: their centre is inside, each corner on
-    /// or within each face, as well after rounding.
+    /// The polytopes are convex and consistently oriented, as [`contains`] assumes: their centre is inside, and each
+    /// corner is on or within each face, also after rounding.
     #[test]
     fn polytopes_are_convex() {
         for i in 0..200 {
@@ -344,7 +346,7 @@ mod tests {
         Draw::new(9, "", i, false).turn()
     }
 
-    /// Bodies of balls, against the sums in `f64` where these are clear.
+    /// Bodies of balls, compared with the sums in `f64` where these are conclusive.
     #[test]
     fn balls_meet_where_their_distance_says() {
         let mut draw = Draw::new(10, "", 0, false);

@@ -1,15 +1,18 @@
-//! Do two closed triangles have a point in common? By separating axes, not by the signs of features as the library does it.
+//! Whether two closed triangles have a point in common: by separating axes, unlike the library, which uses signs of
+//! features.
 //!
-//! Two compact convex sets are disjoint if and only if their projections on some direction are. If triangles A and B are disjoint,
-//! so are the box of a small enough cube around A and B: the origin is outside of the polytope A - B + cube, and some facet of that
-//! separates it. The edges of a facet of a sum are edges of the summands, so its normal is a cross product of two of the nine: edges of
-//! A, edges of B, the three axes. That holds for triangles without area, too; products that vanish separate nothing.
+//! Two compact convex sets are disjoint if and only if their projections on some direction are. If triangles A and B
+//! are disjoint, so are the Minkowski sum of A with a small enough cube and B: the origin is outside the polytope A - B
+//! + cube, and some facet of it separates the origin from it. The edges of a facet of a sum are edges of the summands,
+//!   so its normal is a cross product of two of nine vectors: the edges of A, the edges of B, and the three axes. This
+//!   holds for triangles without area, too; products that vanish separate nothing.
 //!
-//! **The filter.** A direction is computed from differences u, v of corners, and projects a difference d. Each difference,
-//! product and sum is rounded once, eight of them on the way from corners to a term of a projection, so that it is off by no more
-//! than 9 2^-53 of the sum of the magnitudes of its products; 2^-48 is granted, which also covers that this sum is itself rounded.
-//! Nothing underflows: coordinates are 0 or at least 2^-250, differences multiples of 2^-302, and products of three of
-//! these above 2^-906. They are below 2^302, and nothing overflows.
+//! **The filter.** A direction is computed from differences u, v of corners, and projects a difference d. Each
+//! difference, product and sum is rounded once, eight of them on the way from corners to a term of a projection, so
+//! that the result is off by at most 9 2^-53 of the sum of the magnitudes of its products. The filter allows 2^-48,
+//! which also covers the rounding of that sum. Nothing underflows: coordinates are 0 or at least 2^-250, differences
+//! are multiples of 2^-302, and products of three of these are above 2^-906. Differences are below 2^302, so nothing
+//! overflows.
 
 use super::Rough;
 use super::integers::{Exact, cross, difference, dot, integers};
@@ -17,10 +20,10 @@ use core::cmp::Ordering;
 use simdop::primitive::triangle::Triangle;
 use simdop::range::Point;
 
-/// A cross product of two vectors out of nine: 0..3 are edges of A, 3..6 edges of B, 6..9 axes.
+/// A cross product of two of nine vectors: 0..3 are edges of A, 3..6 edges of B, 6..9 axes.
 type Product = (usize, usize);
 
-/// All of them, those that separate most often first.
+/// All cross products, those that separate most often first.
 fn products() -> impl Iterator<Item = Product> {
     let normals = [(0, 1), (3, 4), (7, 8), (8, 6), (6, 7)];
     let of_edges = (0..3).flat_map(|i| (3..6).map(move |j| (i, j)));
@@ -28,7 +31,7 @@ fn products() -> impl Iterator<Item = Product> {
     normals.into_iter().chain(of_edges).chain(with_axes)
 }
 
-/// Exactly, for the corners as given.
+/// Exact, for the given corners.
 pub(super) fn meet(a: &Triangle, b: &Triangle) -> bool {
     let projected = Projected::new(a, b, 0.0);
     let mut exact = None;
@@ -39,7 +42,7 @@ pub(super) fn meet(a: &Triangle, b: &Triangle) -> bool {
     })
 }
 
-/// For all positions of A's corners within `moved` of where they are, in each coordinate.
+/// For all positions of A's corners within `moved` of the given ones, in each coordinate.
 pub(super) fn rough(a: &Triangle, b: &Triangle, moved: f64) -> Rough {
     let projected = Projected::new(a, b, moved);
     let mut all = Rough::Together;
@@ -60,7 +63,7 @@ pub(super) fn meet_by_integers(a: &Triangle, b: &Triangle) -> bool {
     !products().any(|product| separates(&exact, product))
 }
 
-/// On which side of the triangle's plane the point is: `Greater` where the corners run counterclockwise.
+/// The side of the triangle's plane that the point is on: `Greater` where the corners appear counterclockwise.
 pub(super) fn side(t: &Triangle, p: &Point) -> Ordering {
     let [a, b, c, p] = integers([t[0], t[1], t[2], *p]);
     let normal = cross(&difference(&b, &a), &difference(&c, &a));
@@ -82,14 +85,14 @@ fn separates(corners: &[Exact; 6], (i, j): Product) -> bool {
     a.max(b).max(c) < p.min(q).min(r) || p.max(q).max(r) < a.min(b).min(c)
 }
 
-/// Two triangles, seen from a corner of A.
+/// Two triangles, relative to a corner of A.
 struct Projected {
     /// The corners of A, then of B.
     corners: [Point; 6],
     /// Edges, then axes.
     vectors: [Point; 9],
     moved: f64,
-    /// No coordinate of a corner is greater.
+    /// Maximum magnitude of the corners' coordinates.
     size: f64,
 }
 
@@ -111,18 +114,18 @@ impl Projected {
         }
     }
 
-    /// How much a projection changes at most by the motion of corners: a coordinate of a difference by two motions, and it is a
-    /// sum of six products of a coordinate of each vector and of a difference.
+    /// Bound on how much a motion of the corners changes a projection. A coordinate of a difference changes by two
+    /// motions; the projection is a sum of six products of a coordinate of each vector and of a difference.
     fn change(&self, (i, j): Product) -> f64 {
         if self.moved == 0.0 {
             return 0.0;
         }
         let step = 2.0 * self.moved;
-        // Size and change of a vector: of an edge it is a difference of two of the corners here.
+        // Size and change of a vector: an edge is a difference of two of these corners.
         let of = |i: usize| if i < 6 { (2.0 * self.size, step) } else { (1.0, 0.0) };
         let ((u, du), (v, dv)) = (of(i), of(j));
         let (d, dd) = (self.size, step);
-        // Twice, for roundings.
+        // The factor 2 covers rounding.
         2.0 * 6.0 * ((u + du) * (v + dv) * (d + dd) - u * v * d).max(du * v * d + u * dv * d + u * v * dd)
     }
 
@@ -149,7 +152,7 @@ impl Projected {
         if gap > error {
             Rough::Apart
         } else if gap <= -error {
-            // Of zeros, too: what was not rounded, and touches.
+            // Zeros, too, where nothing was rounded: the triangles touch.
             Rough::Together
         } else {
             Rough::Doubt
@@ -201,7 +204,7 @@ mod tests {
         assert!(meet(&p, &p) && !meet(&p, &q));
     }
 
-    /// On a lattice, where contacts are frequent, at several units and moved by a unit in the last place.
+    /// On a lattice, where contacts are frequent, in several units, and moved by a unit in the last place.
     #[test]
     fn the_filter_changes_no_verdict() {
         let mut draw = Draw::new(5, "", 0, false);
@@ -225,7 +228,7 @@ mod tests {
         assert!(hits > pairs / 10 && hits < pairs * 9 / 10, "{hits} hits");
     }
 
-    /// What is certain for all motions of A is so for each.
+    /// What is certain for all motions of A holds for each of them.
     #[test]
     fn what_is_certain_stays_so() {
         let mut draw = Draw::new(6, "", 0, false);

@@ -1,4 +1,4 @@
-//! A 64-bit Arm core at EL1 with nothing but its vector unit switched on: how programs start, print and end there.
+//! A 64-bit Arm core at EL1 where only the vector unit is enabled: start, output and exit of a program.
 #![no_std]
 
 use core::arch::{asm, global_asm};
@@ -21,22 +21,22 @@ global_asm!(
 const SYS_OPEN: usize = 0x01;
 const SYS_WRITE: usize = 0x05;
 const SYS_EXIT: usize = 0x18;
-/// `fopen` mode "w": of the special file `:tt`, standard output.
+/// `fopen` mode "w", for the special file `:tt`, standard output.
 const MODE_W: usize = 4;
 /// ADP_Stopped_ApplicationExit.
 const APPLICATION_EXIT: usize = 0x20026;
 
 fn semihosting(operation: usize, arguments: &[usize]) -> usize {
     let result;
-    // SAFETY: the trap that asks the debugger, here QEMU, for a service: it reads the arguments, and what
-    // they point to, and changes x0 only.
+    // SAFETY: the trap that requests a service from the debugger, here QEMU: it reads the arguments and what they point
+    // to, and changes only x0.
     unsafe {
         asm!("hlt #0xf000", inout("x0") operation => result, in("x1") arguments.as_ptr(), options(nostack));
     }
     result
 }
 
-/// Where the emulator prints.
+/// The emulator's output.
 pub struct Console {
     handle: usize,
 }
@@ -57,7 +57,7 @@ impl Write for Console {
     }
 }
 
-/// Ends the emulator, with status 0 if all was as it should be.
+/// Ends the emulator, with status 0 if everything was as expected.
 pub fn exit(good: bool) -> ! {
     semihosting(SYS_EXIT, &[APPLICATION_EXIT, usize::from(!good)]);
     loop {

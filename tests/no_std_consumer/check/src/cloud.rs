@@ -1,4 +1,4 @@
-//! Searches of a cloud of points: of one that lies in read-only memory, and of one that is built in the program's own.
+//! Searches of two clouds of points: one in read-only memory, and one built in the program's own memory.
 
 use crate::points::{COUNT, RADII, point};
 use core::cell::UnsafeCell;
@@ -18,7 +18,7 @@ static CLOUD: Aligned<[u8; SIZE]> = Aligned(*include_bytes!(concat!(env!("OUT_DI
 
 include!(concat!(env!("OUT_DIR"), "/expected_work.rs"));
 
-/// Points a bucket of the cloud that changes: fewer than there is room for.
+/// Points per bucket of the cloud that changes: less than its capacity, to leave room.
 const SPARSE: u32 = 12;
 const BUCKETS: usize = buckets_for(COUNT, SPARSE);
 
@@ -30,7 +30,7 @@ struct Room {
     places: UnsafeCell<[u32; COUNT]>,
 }
 
-// SAFETY: what is in the cells is lent once, which the flag sees to.
+// SAFETY: the flag ensures that the contents of the cells are borrowed only once.
 unsafe impl Sync for Room {}
 
 static ROOM: Room = Room {
@@ -42,19 +42,19 @@ static ROOM: Room = Room {
 
 impl Room {
     fn take(&'static self) -> Option<Memory<'static>> {
-        // A load and a store: the smallest cores have no more, and this program has one thread.
+        // A load and a store: the smallest cores have no atomic swap, and this program has one thread.
         if self.is_taken.load(Ordering::Relaxed) {
             return None;
         }
         self.is_taken.store(true, Ordering::Relaxed);
-        // SAFETY: nobody else was lent it, or will be.
+        // SAFETY: it was not borrowed before, and cannot be borrowed again.
         let (nodes, buckets, places) =
             unsafe { (&mut *self.nodes.get(), &mut *self.buckets.get(), &mut *self.places.get()) };
         Some(Memory { nodes, buckets, places })
     }
 }
 
-/// Whether two points are within a radius of each other: what the library promises to compute.
+/// Whether two points are within a radius of each other, by the library's definition.
 fn is_near(p: [f32; 3], q: [f32; 3], radius: f32) -> bool {
     square(p, q) <= radius * radius
 }
@@ -64,7 +64,7 @@ fn square(p: [f32; 3], q: [f32; 3]) -> f32 {
     (x * x + y * y) + z * z
 }
 
-/// Whether searches find what a loop over all points does. `None` if the library refuses one.
+/// Whether searches find the same as a loop over all points. `None` if the library returns an error.
 fn agrees(search: RangeSearch, view: &CloudRef<'_>, steps: usize, radius: f32) -> Option<(RangeStats, bool)> {
     let mut counts = [u32::MAX; COUNT];
     let work = search.count(view, &Queries::own(), Radii::Same(radius), &mut counts).ok()?;
@@ -77,7 +77,7 @@ fn agrees(search: RangeSearch, view: &CloudRef<'_>, steps: usize, radius: f32) -
     for i in 0..40 {
         let q = point(i, steps + 3);
         let all = (0..COUNT).map(|j| Neighbour { index: j as u32, square: square(q, point(j, steps)) });
-        // The first of those that are nearest.
+        // The first of the nearest points.
         let nearest = all.reduce(|best, next| if next.square < best.square { next } else { best });
         agrees &= search.nearest(view, q).ok()? == nearest;
         let is_any = nearest.is_some_and(|best| best.square <= radius * radius);
@@ -86,7 +86,7 @@ fn agrees(search: RangeSearch, view: &CloudRef<'_>, steps: usize, radius: f32) -
     Some((work, agrees))
 }
 
-/// Searches both clouds and prints what was found. True if each answer is the one expected.
+/// Searches both clouds and prints the results. True if each answer is as expected.
 pub fn run(out: &mut impl Write, isa: Isa) -> Result<bool, &'static str> {
     let search = RangeSearch::new(isa);
     let mut good = true;
@@ -110,7 +110,7 @@ pub fn run(out: &mut impl Write, isa: Isa) -> Result<bool, &'static str> {
         if steps == 4 {
             cloud.rebuild().map_err(|_| "the cloud cannot be rebuilt")?;
         }
-        // Out, and in again where there is room.
+        // Remove, and insert again in free slots.
         for index in [7_u32, 250] {
             cloud.remove(index).map_err(|_| "a point cannot be removed")?;
             cloud.insert(index, point(index as usize, steps)).map_err(|_| "a point cannot be inserted")?;

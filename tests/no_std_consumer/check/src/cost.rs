@@ -1,9 +1,10 @@
-//! What queries cost, counted: instructions, and bytes of stack in all. Neither varies from run to run.
+//! The cost of queries: instructions, and bytes of stack in total. Neither varies between runs.
 //!
 //!     .ci/run microcontroller
 //!
-//! `qemu -icount shift=0` gives each instruction a nanosecond of the machine's own time, which its timers count. A count
-//! that is not within [`WITHIN`] of the one that a program expects is a failure: write the new one down if it is meant.
+//! With `qemu -icount shift=0` each instruction takes a nanosecond of the machine's own time, which its timers count. A
+//! count that differs by more than [`WITHIN`] from the expected one is a failure: update the expected count if the
+//! change is intended.
 
 use crate::poses::{self, POSES};
 use crate::scene::{BEYOND, FREE, HIT};
@@ -17,9 +18,9 @@ use simdop::query::Query;
 
 /// A timer of the machine that wraps around after its highest bit.
 pub trait Timer {
-    /// How many instructions are a tick.
+    /// Instructions per tick.
     const IN_A_TICK: u32;
-    /// The bits that it has.
+    /// Mask of the timer's bits.
     const MASK: u32;
     /// Ticks so far.
     fn now(&mut self) -> u32;
@@ -28,16 +29,17 @@ pub trait Timer {
 /// Instructions, and bytes of stack below the caller's frame.
 pub type Cost = (u32, u32);
 
-/// The queries at all poses; of those at random ones the hits' mean and greatest cost, and the free ones'; checking a pose, and a scene:
-/// whether an arm may stand there, its forward kinematics included, and whether it may go there.
+/// The queries at all poses; for those at random poses the mean and maximum cost of hits, and of the free ones;
+/// checking a pose; and a scene: collision at a configuration of an arm, including its forward kinematics, and along a
+/// motion.
 pub const COUNTED: usize = POSES.len() + 7;
 
-/// How far a count may be from what is expected: one part in so many.
+/// A count may differ from the expected one by one part in this many.
 const WITHIN: u32 = 25;
 
 const REPEATS: u32 = 64;
 
-/// Prints what all of them cost. True if all is as expected.
+/// Prints all costs. True if all are as expected.
 pub fn run(out: &mut impl Write, timer: &mut impl Timer, machine: &str, expected: [Cost; COUNTED]) -> bool {
     let Ok(ring) = RING.view() else { return false };
     let isa = Isa::detect();
@@ -58,7 +60,7 @@ pub fn run(out: &mut impl Write, timer: &mut impl Timer, machine: &str, expected
         );
         good &= is_expected;
     };
-    // The only call of `collide`: for a second one the compiler would inline less, and the counts would be others.
+    // The only call of `collide`: with a second one the compiler would inline less, and the counts would change.
     let mut is_free = false;
     let mut collide = |pose: &Pose, repeats: u32| {
         let cost = cost(timer, repeats, &mut || {
@@ -70,7 +72,7 @@ pub fn run(out: &mut impl Write, timer: &mut impl Timer, machine: &str, expected
         let Ok(pose) = Pose::from_rows(*rows) else { return false };
         row(name, collide(&pose, REPEATS).0);
     }
-    // Hits and others: how many, their instructions in all and the most of one, and the most stack.
+    // Hits and others: number, total instructions, maximum instructions, and maximum stack.
     let mut kinds = [(0, 0, 0, 0); 2];
     for number in 0..poses::RANDOM {
         let Ok(pose) = Pose::from_rows(poses::random(number)) else { return false };
@@ -103,7 +105,7 @@ pub fn run(out: &mut impl Write, timer: &mut impl Timer, machine: &str, expected
     good
 }
 
-/// Of one call: instructions on average, and stack.
+/// The cost of one call: average instructions, and stack.
 #[inline(never)]
 fn cost<T: Timer>(timer: &mut T, repeats: u32, f: &mut dyn FnMut()) -> Cost {
     let start = timer.now();
@@ -115,20 +117,20 @@ fn cost<T: Timer>(timer: &mut T, repeats: u32, f: &mut dyn FnMut()) -> Cost {
 }
 
 const PAINT: u32 = 0x5a5a_a5a5;
-/// More than any query takes, in words, and less than any of the programs has.
+/// In words: more than any query uses, and less than any of the programs has.
 const PAINTED: usize = 8192;
 
-/// More than the bytes of the frame of [`stack`].
+/// More bytes than the frame of [`stack`] has.
 const FRAME: usize = 256;
 
-/// Bytes of stack below the caller's that a call touches.
+/// Bytes of stack below the caller's frame that a call touches.
 #[inline(never)]
 fn stack(f: &mut dyn FnMut()) -> u32 {
     let mark = 0_u32;
-    // Below this function's own frame, which is counted too.
+    // Below this function's own frame, which is counted, too.
     let top = (&raw const mark as usize - FRAME) as *mut u32;
-    // SAFETY: every program has more stack than is painted, and nothing that is in use lies below the frame of the
-    // function that runs.
+    // SAFETY: every program has more stack than is painted, and nothing below the frame of the running function is in
+    // use.
     unsafe {
         for i in 1..PAINTED {
             write_volatile(top.sub(i), PAINT);

@@ -1,4 +1,4 @@
-//! The queries that every bare-metal program runs, on a tree and a cloud that lie in its read-only memory.
+//! The queries that every bare-metal program runs, on a tree and a cloud in its read-only memory.
 #![no_std]
 
 mod cloud;
@@ -17,14 +17,14 @@ use simdop::node::Node16;
 use simdop::pose::Pose;
 use simdop::query::{Pair, Query, QueryStats, Verdict, Verdict::*};
 
-/// The baked tree, read in place. The compiler has checked its header.
+/// The baked tree, read in place. Its header was checked at compile time.
 pub static RING: StaticBvh<Node16<18>> = include_tree!(concat!(env!("OUT_DIR"), "/ring.simdop"));
 
 include!(concat!(env!("OUT_DIR"), "/expected.rs"));
 
-/// Whether the ring crosses itself moved, by one query: the size of a program that asks no more is what `Query::collide`
-/// adds to a firmware.
-// Inlined, so that programs which do not ask it hold no second caller of `collide`, which would change their counts.
+/// Whether the ring meets itself at another pose, in one query: the size of a program with only this query is what
+/// `Query::collide` adds to firmware.
+// Inlined, so that programs which do not call it have no second caller of `collide`, which would change their counts.
 #[inline]
 pub fn crosses() -> bool {
     let (Ok(ring), Ok(pose)) = (RING.view(), Pose::from_rows(black_box(poses::POSES[1].1))) else {
@@ -33,8 +33,8 @@ pub fn crosses() -> bool {
     Query::new(Isa::detect()).collide(&ring, &ring, &pose).hit().is_some()
 }
 
-/// Runs every query and prints its answer. True if each has the verdict that geometry gives, and equals the
-/// host's in every counter too.
+/// Runs every query and prints its answer. True if each has the verdict that geometry gives, and the host's query
+/// statistics.
 pub fn run(out: &mut impl Write) -> bool {
     match try_run(out) {
         Ok(good) => good,

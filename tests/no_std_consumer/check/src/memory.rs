@@ -1,4 +1,4 @@
-//! The scene's memory: statics, as firmware has them, and nothing of a heap.
+//! The scene's memory: statics, as in firmware, and no heap.
 
 use crate::RING;
 use crate::scene::{Arm, BODIES, Failed, WAITING};
@@ -13,10 +13,10 @@ static BOXES: ConstStaticCell<[Aabb16; boxes_for(BODIES)]> =
 static ROWS: ConstStaticCell<[u16; rows_for(BODIES)]> = ConstStaticCell::new([0; rows_for(BODIES)]);
 static PAIRS: ConstStaticCell<[MotionHit; WAITING]> = ConstStaticCell::new([MotionHit::EMPTY; WAITING]);
 
-/// The arm in its scene, and room for its edges; `None` the second time.
+/// The arm in its scene, and memory for its motions; `None` the second time.
 ///
 /// # Errors
-/// If the scene does not take its bodies.
+/// If the scene rejects its bodies.
 // Inlined for the same reason as [`crate::crosses`].
 #[inline]
 pub fn arm() -> Result<Option<(Arm<'static>, &'static mut [MotionHit])>, Failed> {

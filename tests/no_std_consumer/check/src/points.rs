@@ -1,13 +1,13 @@
-//! The points of the cloud, and how far searches look. Numbers that `f32` holds exactly, so that many points are just as far
-//! as the radius.
+//! The points of the cloud, and the search radii. All numbers are exact in `f32`, so that many points are exactly at
+//! the radius.
 
-/// How many points there are.
+/// Number of points.
 pub const COUNT: usize = 300;
 
 /// The radii.
 pub const RADII: [f32; 3] = [0.0, 0.5, 1.25];
 
-/// Point `i`, after so many steps of its way.
+/// Point `i`, after this many steps of its motion.
 pub fn point(i: usize, steps: usize) -> [f32; 3] {
     let at = |factor: usize, size: usize| ((factor * i) % size) as f32 / 8.0;
     let [x, y, z] = [at(37, 41), at(53, 31), at(29, 23)];

@@ -2,20 +2,19 @@
 
 use simdop::query::Answer;
 
-/// From the ring's centre to the middle of its tube.
+/// From the ring's centre to the centre of its tube.
 pub const RING_RADIUS: f64 = 1.0;
 /// Radius of the tube.
 pub const TUBE_RADIUS: f64 = 0.25;
 
 /// Name, pose by rows, and whether the moved ring meets the one at rest.
 ///
-/// The first two moved rings stand upright: their tube passes the plane of the other at `t_x - 1` and `t_x +
-/// 1`, and misses it when both are further than two tube radii from its middle line, that is from `x = -1`
-/// and `x = 1`.
+/// The first two moved rings stand upright: their tube crosses the plane of the other ring at `t_x - 1` and `t_x + 1`.
+/// They miss it if both are farther than two tube radii from its centre line, that is from `x = -1` and `x = 1`.
 pub const POSES: [(&str, [[f64; 4]; 3], bool); 5] = [
     // At 0 and 2: two links of a chain. Their boxes and hulls overlap.
     ("linked", [[1.0, 0.0, 0.0, 1.0], [0.0, 0.0, -1.0, 0.0], [0.0, 1.0, 0.0, 0.0]], false),
-    // At -0.7 and 1.3: 0.3 from the middle line.
+    // At -0.7 and 1.3: 0.3 from the centre line.
     ("crossing", [[1.0, 0.0, 0.0, 0.3], [0.0, 0.0, -1.0, 0.0], [0.0, 1.0, 0.0, 0.0]], true),
     // One above the other, 0.1 apart.
     ("above", [[0.6, -0.8, 0.0, 0.2], [0.8, 0.6, 0.0, 0.1], [0.0, 0.0, 1.0, 0.6]], false),
@@ -25,24 +24,24 @@ pub const POSES: [(&str, [[f64; 4]; 3], bool); 5] = [
     ("far", [[0.6, -0.8, 0.0, 2.5], [0.8, 0.6, 0.0, 1.5], [0.0, 0.0, 1.0, 0.5]], false),
 ];
 
-/// Further poses of the same two rings, more and less deep in each other: the pose of a number.
+/// Number of random poses of the same two rings, at various depths.
 ///
-/// A rotation by a random quaternion, and a way of a random direction, at most 2.4 long. Rings whose middles are farther apart than 2.5
-/// cannot meet.
+/// A rotation by a random quaternion, and a translation in a random direction by at most 2.4. Rings whose centres are
+/// farther apart than 2.5 cannot meet.
 pub const RANDOM: u32 = 120;
 
 pub fn random(number: u32) -> [[f64; 4]; 3] {
     let mut state = number;
     let mut unit = || {
         state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
-        // From -1 to 1: the lowest bits of such numbers are not random.
+        // From -1 to 1. Discards the lowest bits, which are not random.
         f64::from(state >> 8) / f64::from(1_u32 << 23) - 1.0
     };
-    // Neighbours' first numbers are alike.
+    // The first numbers of neighbouring seeds are similar.
     let _ = (unit(), unit(), unit());
     let [w, x, y, z] = [unit(), unit(), unit(), unit()];
     let twice = 2.0 / (w * w + x * x + y * y + z * z);
-    // Of a point of the plane, its image on the sphere.
+    // Maps a point of the plane to the sphere.
     let (u, v) = (unit(), unit());
     let length = 1.2 * (1.0 + unit()) / (1.0 + u * u + v * v);
     let way = [2.0 * u * length, 2.0 * v * length, (1.0 - u * u - v * v) * length];
@@ -53,7 +52,7 @@ pub fn random(number: u32) -> [[f64; 4]; 3] {
     ]
 }
 
-/// Counts an answer: hits, and each of the counters.
+/// Counts an answer: hits, and each of the query statistics.
 pub fn tally(sums: &mut [u64; 6], answer: &Answer) {
     let c = &answer.stats;
     let one = [

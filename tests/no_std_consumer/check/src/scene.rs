@@ -1,4 +1,4 @@
-//! A scene and an edge: an arm of two rings, and a ring that hangs on it, among two that stand still.
+//! A scene and motions: an arm of two rings with a ring attached to it, among two that stand still.
 
 use crate::poses::RING_RADIUS;
 use simdop::glam::{DQuat, DVec3};
@@ -11,16 +11,16 @@ use simdop::scene::{Body, BodyId, MotionHit, MotionMemory, MotionVerdict, Scene,
 
 /// Bodies of the scene.
 pub const BODIES: usize = 5;
-/// Pairs in intervals that wait: more than any of the edges needs.
+/// Pending pairs in intervals: more than any of the motions needs.
 pub const WAITING: usize = 256;
 
-/// What was asked, whether it is free, and what it cost.
+/// Whether the query is free, and its cost.
 pub type Found = (bool, u64, QueryStats);
 
-/// How many answers there are.
+/// Number of answers.
 pub const ANSWERS: usize = 4;
 
-/// The arm, and the scene that it stands in.
+/// The arm, and its scene.
 pub struct Arm<'t> {
     /// The scene.
     pub scene: Scene<'t, Node16<18>>,
@@ -31,7 +31,7 @@ pub struct Arm<'t> {
     values: [f64; 2],
 }
 
-/// Why there is no answer.
+/// A query failed.
 #[derive(Debug)]
 pub struct Failed;
 
@@ -60,7 +60,7 @@ fn at(x: f64, y: f64, z: f64) -> Result<Pose, PoseError> {
 }
 
 impl<'t> Arm<'t> {
-    /// Fills a scene. Each ring of the arm turns about a joint at its rim, and the one that hangs on it stands upright.
+    /// Fills a scene. Each ring of the arm rotates about a joint at its rim; the attached ring stands upright.
     pub fn new(mut scene: Scene<'t, Node16<18>>, ring: BvhRef<'t, Node16<18>>) -> Result<Self, Failed> {
         let reach = RING_RADIUS + 0.5;
         let z = [0.0, 0.0, 1.0];
@@ -91,7 +91,7 @@ impl<'t> Arm<'t> {
         })
     }
 
-    /// Whether the arm may stand there.
+    /// Whether the arm collides at these values.
     pub fn collide(&mut self, query: &Query, values: [f64; 2]) -> Result<Found, Failed> {
         let mut poses = [Pose::IDENTITY; 2];
         let robot = Kinematics::new(&self.joints, &self.bodies, &LIMITS)?;
@@ -103,7 +103,7 @@ impl<'t> Arm<'t> {
         Ok((answer.is_free(), answer.pairs, answer.stats))
     }
 
-    /// Whether it may go there.
+    /// Whether the arm collides between these values.
     pub fn check_motion(
         &mut self,
         query: &Query,
@@ -122,7 +122,7 @@ impl<'t> Arm<'t> {
         }
     }
 
-    /// A place that is free, one that is not, a way that is free, and one that leads through the ring that stands.
+    /// A configuration that is free, one that is not, a motion that is free, and one through the standing ring.
     pub fn answers(&mut self, query: &Query, waiting: &mut [MotionHit]) -> Result<[Found; ANSWERS], Failed> {
         Ok([
             self.collide(query, FREE)?,
@@ -133,13 +133,13 @@ impl<'t> Arm<'t> {
     }
 }
 
-/// Values of the joints, and what geometry gives for them.
+/// Values of the joints at which geometry gives a free verdict.
 pub const FREE: [f64; 2] = [0.0, 0.0];
-/// Where the second ring meets the one that stands.
+/// The second ring meets the standing one.
 pub const HIT: [f64; 2] = [1.2, 0.6];
-/// A little farther than [`FREE`].
+/// Slightly beyond [`FREE`].
 pub const NEAR: [f64; 2] = [0.4, 0.1];
-/// Behind the ring that stands.
+/// Behind the standing ring.
 pub const BEYOND: [f64; 2] = [2.6, 0.2];
 /// Which of the answers are free.
 pub const IS_FREE: [bool; ANSWERS] = [true, false, true, false];

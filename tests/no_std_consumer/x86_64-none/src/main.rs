@@ -1,9 +1,7 @@
-//! Queries on x86-64 without std. Both builds start as Linux processes, whose system calls stand in for a
-//! console.
+//! Queries on x86-64 without std. Both builds start as Linux processes, whose system calls stand in for a console.
 //!
-//! * `x86_64-unknown-none`: freestanding. Its ABI keeps away from vector registers, so this is the scalar
-//!   kernel's.
-//! * `x86_64-unknown-linux-gnu`: libc only starts it. CPUID and XGETBV alone say which vector kernel may run.
+//! * `x86_64-unknown-none`: freestanding. Its ABI has no vector registers, so it uses the scalar kernel.
+//! * `x86_64-unknown-linux-gnu`: libc only starts it. CPUID and XGETBV alone select the vector kernel.
 #![no_std]
 #![no_main]
 
@@ -17,7 +15,7 @@ core::arch::global_asm!(".global _start", "_start:", "and rsp, -16", "call main"
 #[link(name = "c")]
 unsafe extern "C" {}
 
-/// The unwind tables of the compiled `core` name it; with `panic = "abort"` nobody calls it.
+/// The unwind tables of the precompiled `core` refer to it; with `panic = "abort"` it is never called.
 #[cfg(target_os = "linux")]
 #[unsafe(no_mangle)]
 extern "C" fn rust_eh_personality() {}
@@ -28,8 +26,7 @@ const EXIT: usize = 60;
 
 fn system_call(number: usize, arguments: [usize; 3]) {
     let [a, b, c] = arguments;
-    // SAFETY: `write` only reads the string it is given, `exit` does not come back; the call changes rax, rcx
-    // and r11.
+    // SAFETY: `write` only reads the given string, `exit` does not return; the call changes rax, rcx and r11.
     unsafe {
         asm!("syscall", inout("rax") number => _, in("rdi") a, in("rsi") b, in("rdx") c,
             out("rcx") _, out("r11") _, options(nostack));

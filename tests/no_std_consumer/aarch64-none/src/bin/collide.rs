@@ -1,4 +1,4 @@
-//! The smallest program that asks a query: its size is what `Query::collide` adds to a firmware.
+//! The smallest program with a query: its size is what `Query::collide` adds to firmware.
 #![no_std]
 #![no_main]
 

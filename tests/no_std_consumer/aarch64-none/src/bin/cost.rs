@@ -1,4 +1,4 @@
-//! What queries cost on a Cortex-A53: [`check::cost`].
+//! The cost of queries on a Cortex-A53: [`check::cost`].
 #![no_std]
 #![no_main]
 
@@ -30,7 +30,7 @@ impl Timer for VirtualTimer {
 
     fn now(&mut self) -> u32 {
         let ticks: u64;
-        // SAFETY: reads a counter, which every core has.
+        // SAFETY: reads a counter that every core has.
         unsafe { asm!("isb", "mrs {}, cntvct_el0", out(reg) ticks, options(nomem, nostack)) };
         ticks as u32
     }

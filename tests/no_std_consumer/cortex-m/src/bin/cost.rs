@@ -1,4 +1,4 @@
-//! What queries cost on a Cortex-M4F, or on a Cortex-M7 if it runs on one: [`check::cost`].
+//! The cost of queries on a Cortex-M4F, or on a Cortex-M7 if it runs on one: [`check::cost`].
 #![no_std]
 #![no_main]
 
@@ -38,7 +38,7 @@ const M7: [Cost; COUNTED] = [
     (47_219, 6_656),
 ];
 
-/// The number of the Cortex-M7 among the parts that its maker numbers.
+/// Part number of the Cortex-M7 in the CPUID register.
 const PART_OF_M7: u32 = 0xc27;
 
 /// Counts down, at 25 MHz.
