@@ -1,4 +1,4 @@
-//! Trees whose node type is known at run time only.
+//! Trees whose node type is known only at run time.
 
 #[cfg(feature = "alloc")]
 use super::Bvh;
@@ -7,11 +7,11 @@ use super::{BvhRef, FormatError, Header, Stats, TreeStats, VerifyError};
 use crate::node::{Node4, Node16};
 use crate::primitive::{Primitive, Triangles};
 
-// Functions over all of them are `inline`: compiled where they are used, and not for everyone.
+// Functions over all of them are `inline`, so that they are compiled only where they are used.
 
-/// The node types that can be chosen at run time, written once: `$with!` gets a dollar sign and a list of
-/// `Variant Node arity k`. Each is one more copy of every query, so that k = 32 and most of arity 4, which no measurement
-/// recommends, are for generic code only.
+/// The node types that can be chosen at run time: `$with!` is called with a dollar sign and a list of `Variant Node
+/// arity k`. Each adds a copy of every query, so k = 32 and most types of arity 4, which no measurement recommends, are
+/// for generic code only.
 macro_rules! for_node_types {
     ($with:ident) => {
         $with! {
@@ -25,8 +25,8 @@ pub(crate) use for_node_types;
 
 macro_rules! any_bvh {
     ($d:tt $($variant:ident $node:ident $arity:literal $k:literal),*) => {
-        /// A borrowed tree of any node type. [`with_bvh!`](crate::with_bvh) gives the [`BvhRef`] in it. Of triangles,
-        /// unless said otherwise: [`Header::kind`] tells what bytes are a tree of.
+        /// A borrowed tree of any node type; [`with_bvh!`](crate::with_bvh) gives the [`BvhRef`] in it. The primitives
+        /// are triangles by default; [`Header::kind`] holds the kind of a baked tree's.
         #[derive(Debug)]
         pub enum AnyBvhRef<'a, P: Primitive = Triangles> {
             $(#[doc = concat!("[`", stringify!($node), "<", $k, ">`](", stringify!($node), ").")]
@@ -40,7 +40,7 @@ macro_rules! any_bvh {
             }
         }
 
-        /// A tree that owns its bytes, of any node type; of triangles, unless said otherwise.
+        /// An owned tree of any node type. The primitives are triangles by default.
         #[cfg(feature = "alloc")]
         #[derive(Clone, Debug)]
         pub enum AnyBvh<P = Triangles> {
@@ -62,7 +62,7 @@ macro_rules! any_bvh {
         })*
 
         impl<'a, P: Primitive> AnyBvhRef<'a, P> {
-            /// [`BvhRef::from_bytes`] of whichever node type the header says.
+            /// [`BvhRef::from_bytes`] of the node type in the header.
             ///
             /// # Errors
             /// As [`BvhRef::from_bytes`].
@@ -77,7 +77,7 @@ macro_rules! any_bvh {
 
         #[cfg(feature = "alloc")]
         impl<P: Primitive> AnyBvh<P> {
-            /// [`Bvh::from_bytes`] of whichever node type the header says.
+            /// [`Bvh::from_bytes`] of the node type in the header.
             ///
             /// # Errors
             /// As [`Bvh::from_bytes`].
@@ -106,8 +106,8 @@ macro_rules! any_bvh {
             }
         }
 
-        /// Evaluates an expression for the [`BvhRef`](crate::hierarchy::BvhRef) in an [`AnyBvhRef`](crate::hierarchy::AnyBvhRef),
-        /// whichever its node type is: `with_bvh!(any, tree => tree.len())`.
+        /// Evaluates an expression with the [`BvhRef`](crate::hierarchy::BvhRef) in an
+        /// [`AnyBvhRef`](crate::hierarchy::AnyBvhRef), whatever its node type: `with_bvh!(any, tree => tree.len())`.
         #[macro_export]
         macro_rules! with_bvh {
             ($d any:expr, $d tree:ident => $d value:expr) => {
@@ -122,7 +122,7 @@ macro_rules! any_bvh {
 for_node_types!(any_bvh);
 
 impl<'a, P: Primitive> AnyBvhRef<'a, P> {
-    /// The tree's description: k and arity among it.
+    /// The tree's header, with k and arity among its fields.
     #[must_use]
     pub fn header(&self) -> &'a Header {
         with_bvh!(self, tree => tree.header())

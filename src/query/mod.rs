@@ -12,7 +12,8 @@
 //! # let triangles = [[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]];
 //! # let body = Builder::new().build(&Mesh { vertices: &vertices, triangles: &triangles })?;
 //! # let poses: Vec<Pose> = [0.1, 0.7, 1.5, 9.0].into_iter()
-//! #     .map(|x| Pose::from_rows([[1.0, 0.0, 0.0, x], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0]]).unwrap()).collect();
+//! #     .map(|x| Pose::from_rows([[1.0, 0.0, 0.0, x], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0]]).unwrap())
+//! #     .collect();
 //! let (view, query) = (body.view(), Query::new(Isa::detect()));
 //! let mut free = vec![false; poses.len()];
 //! let share = poses.len().div_ceil(2);

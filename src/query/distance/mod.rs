@@ -34,7 +34,7 @@ impl Query {
     /// [`crate::primitive::triangle::distance`].
     ///
     /// A margin may have any size. Above three tenths of the smaller body's radius, the query switches from widened
-    /// volumes to the search for the nearest primitives after 4 visits, or after 24 for bodies of at most 1,024
+    /// volumes to the search for the nearest primitives after at most 4 visits, or 24 for bodies of at most 1,024
     /// primitives.
     ///
     /// # Errors
