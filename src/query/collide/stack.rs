@@ -9,8 +9,8 @@ use crate::query::lanes::{Descent, Rows};
 pub(super) struct Volumes {
     pub(super) a: Child,
     pub(super) b: Child,
-    /// The node that holds the planes of `b`, in lane `lane_b`; [`ABOVE_ROOT`](crate::query::setup::ABOVE_ROOT) if `b` is
-    /// the root.
+    /// The node that holds the planes of `b`, in lane `lane_b`; [`ABOVE_ROOT`](crate::query::setup::ABOVE_ROOT) if `b`
+    /// is the root.
     pub(super) holder_b: u32,
     pub(super) lane_b: u8,
 }
