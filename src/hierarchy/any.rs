@@ -1,4 +1,4 @@
-//! Trees whose node type is known at run time only.
+//! Trees whose node type is known only at run time.
 
 #[cfg(feature = "alloc")]
 use super::Bvh;
@@ -9,7 +9,7 @@ use crate::node::{Node4, Node16};
 use crate::primitive::{Primitive, Triangles};
 use core::fmt;
 
-// Functions over all of them are `inline`: compiled where they are used, and not for everyone.
+// Functions over all of them are `inline`, so that they are compiled only where they are used.
 
 /// The node types that can be chosen at run time, written once: `$with!` gets a dollar sign and a list of
 /// `Variant Node arity k Storage`. Each is one more copy of every query, so that k = 32 and most of arity 4, which no measurement
@@ -43,7 +43,7 @@ macro_rules! any_bvh {
             }
         }
 
-        /// A tree that owns its bytes, of any node type; of triangles, unless said otherwise.
+        /// An owned tree of any node type. The primitives are triangles by default.
         #[cfg(feature = "alloc")]
         #[derive(Clone, Debug)]
         pub enum AnyBvh<P = Triangles> {
@@ -65,7 +65,7 @@ macro_rules! any_bvh {
         })*
 
         impl<'a, P: Primitive> AnyBvhRef<'a, P> {
-            /// [`BvhRef::from_bytes`] of whichever node type the header says.
+            /// [`BvhRef::from_bytes`] of the node type in the header.
             ///
             /// # Errors
             /// As [`BvhRef::from_bytes`].
@@ -83,7 +83,7 @@ macro_rules! any_bvh {
 
         #[cfg(feature = "alloc")]
         impl<P: Primitive> AnyBvh<P> {
-            /// [`Bvh::from_bytes`] of whichever node type the header says.
+            /// [`Bvh::from_bytes`] of the node type in the header.
             ///
             /// # Errors
             /// As [`Bvh::from_bytes`].
@@ -115,8 +115,8 @@ macro_rules! any_bvh {
             }
         }
 
-        /// Evaluates an expression for the [`BvhRef`](crate::hierarchy::BvhRef) in an [`AnyBvhRef`](crate::hierarchy::AnyBvhRef),
-        /// whichever its node type is: `with_bvh!(any, tree => tree.len())`.
+        /// Evaluates an expression with the [`BvhRef`](crate::hierarchy::BvhRef) in an
+        /// [`AnyBvhRef`](crate::hierarchy::AnyBvhRef), whatever its node type: `with_bvh!(any, tree => tree.len())`.
         #[macro_export]
         macro_rules! with_bvh {
             ($d any:expr, $d tree:ident => $d value:expr) => {

@@ -1,4 +1,4 @@
-//! The head of a baked tree.
+//! The header of a baked tree.
 
 use super::layout::node_type;
 use crate::frame::{BodyBounds, Frame};
@@ -11,7 +11,7 @@ use crate::primitive::Kind;
 use crate::range::Point;
 use core::fmt;
 
-/// First bytes of every baked tree. The line feed and the control character show a transfer in text mode.
+/// First bytes of every baked tree. The line feed and the control character reveal a transfer in text mode.
 pub const MAGIC: [u8; 8] = *b"SIMDOP\x1a\n";
 
 /// Version of the layout that this crate reads and writes.
@@ -44,23 +44,23 @@ pub struct Header {
     pub primitive_count: u32,
     /// Number of vertices.
     pub vertex_count: u32,
-    /// Primitives that are flat in more ways than their kind is: triangles without area, whose corners are
-    /// collinear or coincide. They are kept, and collide as the segments or points they are.
+    /// Number of degenerate triangles, whose corners are collinear or coincide. They are kept, and collide as the
+    /// segments or points they are.
     pub degenerate_count: u32,
     /// Centre of the frame, in the body's unit.
     pub centre: Point,
-    /// Largest absolute coordinate of a point of the body or of the centre, in the body's unit. At least.
+    /// Upper bound of the absolute coordinates of the body's points and of the centre, in the body's unit.
     pub max_coordinate: f64,
-    /// Largest distance of a point of the body from the centre, in the body's unit. At least.
+    /// Upper bound of the distances of the body's points from the centre, in the body's unit.
     pub radius: f64,
     /// Scale of the frame: `2^exponent`.
     pub exponent: i32,
-    /// Largest `|x|`, `|y|`, `|z|` of a point of the body in the frame. At least.
+    /// Upper bounds of `|x|`, `|y|` and `|z|` of the body's points in the frame.
     pub half_width: [f32; 3],
     /// Largest absolute finite plane.
     pub max_plane: f32,
-    /// How loose the planes get when they are turned, in the unit of the frame: of two bodies a query turns the one that
-    /// loses less.
+    /// How much wider the volumes become when they are rotated, in the unit of the frame. A query rotates the body
+    /// whose volumes grow less.
     pub rotation_growth: f32,
     /// The link to the root, with the [`Width`] of a box of twice [`Header::half_width`].
     pub root: Child,
@@ -68,12 +68,13 @@ pub struct Header {
     pub vertex_size: u16,
     /// 1 if the tree has normal slabs, else 0.
     pub has_normal_slabs: u16,
-    /// 1 if the tree has the balls of its lanes, else 0.
+    /// 1 if the tree has bounding balls of its lanes, else 0.
     pub has_balls: u16,
-    /// 1 if the triangles bound a solid, 0 if they are a surface; 0 of spheres, each of which is solid.
+    /// 1 if the triangles bound a solid, 0 if they are a surface. 0 for spheres, each of which is solid.
     pub is_solid: u16,
-    /// Number of parts of which a primitive each is named at the end of the bytes: parts do not hang together. 0 of a body
-    /// that is one part, which primitive 0 stands for, and of spheres, each of which is a part.
+    /// Number of parts, connected components of the body, that have an entry at the end of the bytes: the index of one
+    /// primitive of the part. 0 for a body of a single part, which primitive 0 represents, and for spheres, each of
+    /// which is a part.
     pub part_count: u32,
     /// How planes are stored: [`Storage::CODE`](crate::low_level::key::Storage::CODE).
     pub storage: u16,
@@ -83,7 +84,7 @@ pub struct Header {
 
 const _: () = assert!(size_of::<Header>() == 128 && align_of::<Header>() == 8, "the header has 128 bytes");
 
-/// Why bytes are not a tree.
+/// Why bytes are not a valid tree.
 #[derive(Copy, Clone, PartialEq, Eq, Debug)]
 #[non_exhaustive]
 pub enum FormatError {
@@ -91,17 +92,17 @@ pub enum FormatError {
     Misaligned,
     /// The bytes do not start with [`MAGIC`].
     NotATree,
-    /// The layout has another version.
+    /// The layout has a different version.
     Version {
         /// The version found.
         found: u32,
     },
-    /// The tree has other primitives than those asked for.
+    /// The tree's primitives are of a different kind than requested.
     OtherPrimitive {
         /// The code of the kind found: see [`Kind::code`].
         kind: u16,
     },
-    /// The tree has another k or arity than the node type asked for.
+    /// The tree's k or arity differs from that of the requested node type.
     OtherNode {
         /// k found.
         k: u16,
@@ -120,19 +121,19 @@ pub enum FormatError {
         /// Bytes needed.
         need: usize,
     },
-    /// Bytes follow after the end of the tree.
+    /// There are bytes after the end of the tree.
     TooLong {
         /// Bytes given.
         have: usize,
         /// Bytes of the tree.
         need: usize,
     },
-    /// A field of the header cannot be, or contradicts the contents.
+    /// A field of the header is invalid, or contradicts the contents.
     Header {
         /// Its name.
         field: &'static str,
     },
-    /// A plane or link of a node cannot be.
+    /// A plane or link of a node is invalid.
     Node {
         /// Index of the node.
         node: u32,
@@ -146,17 +147,17 @@ pub enum FormatError {
         /// Index of the vertex.
         index: u32,
     },
-    /// A primitive names a vertex that there is not.
+    /// A primitive has the index of a vertex that does not exist.
     Primitive {
         /// Index of the primitive in leaf order.
         index: u32,
     },
-    /// The index that a primitive had in what was built is not below the number of primitives.
+    /// The source index of a primitive is not below the number of primitives.
     Source {
         /// Index of the primitive in leaf order.
         index: u32,
     },
-    /// What stands for a part is no primitive, or does not come after what stands for the part before.
+    /// The primitive of a part does not exist, or does not come after that of the part before.
     Part {
         /// Index of the part.
         index: u32,
@@ -195,7 +196,7 @@ impl fmt::Display for FormatError {
 impl core::error::Error for FormatError {}
 
 impl Header {
-    /// The header of some bytes, whatever the node type: to find out which.
+    /// The header of a baked tree of any node type, to find out which.
     ///
     /// # Errors
     /// [`FormatError`] if the bytes are misaligned, too short, no tree or of another version.
@@ -207,7 +208,7 @@ impl Header {
         bytemuck::try_from_bytes(&bytes[..size_of::<Self>()]).map_err(|_| FormatError::Misaligned)
     }
 
-    /// How large the body is.
+    /// The bounds of the body.
     #[inline(always)]
     #[must_use]
     pub const fn extent(&self) -> BodyBounds {

@@ -1,4 +1,4 @@
-//! Where the parts of a baked tree lie.
+//! Where the parts of a baked tree are.
 
 use super::{FormatError, Header, MAGIC, VERSION};
 use crate::key::Storage;
@@ -6,7 +6,7 @@ use crate::node::{Ball16, Node, NormalSlab};
 use crate::primitive::{Primitive, Store};
 use core::mem::offset_of;
 
-/// `Result` has no `?` in a constant.
+/// `?` for `Result` in constants, which do not support it.
 macro_rules! attempt {
     ($result:expr) => {
         match $result {
@@ -16,7 +16,7 @@ macro_rules! attempt {
     };
 }
 
-/// Where each part begins and how many bytes it has, found out from the header once.
+/// Offset and length of each part, computed from the header once.
 #[derive(Copy, Clone, PartialEq, Eq, Debug)]
 pub(super) struct Layout {
     pub(super) nodes: Part,
@@ -24,14 +24,14 @@ pub(super) struct Layout {
     pub(super) normal_slabs: Part,
     pub(super) vertices: Part,
     pub(super) records: Part,
-    /// What primitives were in what was built, then what stands for the parts.
+    /// The source indices of the primitives, then one primitive of each part.
     pub(super) indices: Part,
     pub(super) vertex_size: u16,
-    /// Length of the whole, a multiple of 64.
+    /// Total length, a multiple of 64.
     pub(super) end: usize,
 }
 
-/// A run of bytes.
+/// A range of bytes.
 #[derive(Copy, Clone, PartialEq, Eq, Debug)]
 pub(super) struct Part {
     start: usize,
@@ -45,8 +45,8 @@ impl Part {
         bytes.get(self.start..)?.get(..self.len)
     }
 
-    /// The next part, of `count` items: after this one, at a multiple of `align`. On a 32-bit machine a tree
-    /// may be too large to address.
+    /// The next part, of `count` items: after this one, at a multiple of `align`. On a 32-bit machine a tree may be too
+    /// large to address.
     const fn then(self, count: u32, size: usize, align: usize) -> Result<Self, FormatError> {
         const TOO_LARGE: FormatError = FormatError::Header { field: "counts overflow the address space" };
         let Some(end) = self.start.checked_add(self.len) else { return Err(TOO_LARGE) };
@@ -57,8 +57,8 @@ impl Part {
 }
 
 impl Layout {
-    /// Of bytes that shall be a tree of these nodes and primitives, all of it and nothing else. For constants
-    /// too, so it reads the header byte by byte.
+    /// The layout of bytes that must be exactly one tree of these nodes and primitives. Also used in constants, so it
+    /// reads the header byte by byte.
     pub(super) const fn of<N: Node, P: Primitive>(bytes: &[u8]) -> Result<Self, FormatError> {
         attempt!(begins_as_a_tree(bytes));
         let kind = u16_at(bytes, offset_of!(Header, kind));
@@ -77,7 +77,7 @@ impl Layout {
         if !Store::<P>::takes_vertices_of(vertex_size) {
             return Err(FormatError::Header { field: "vertex_size" });
         }
-        // Here, since balls that other nodes cannot have need not be aligned.
+        // Checked here, since the following alignment holds only for nodes that can have balls.
         let has_balls = u16_at(bytes, offset_of!(Header, has_balls));
         if has_balls > 1 || has_balls == 1 && !(P::HAS_BALLS && N::ARITY == 16) {
             return Err(FormatError::Header { field: "has_balls" });
@@ -101,7 +101,7 @@ impl Layout {
         Ok(layout)
     }
 
-    /// Of a tree with these counts, and normal slabs and balls or not.
+    /// The layout of a tree with these counts, with or without normal slabs and balls.
     pub(super) const fn of_counts<N: Node, P: Primitive>(
         nodes: u32,
         has_normal_slabs: u16,
@@ -115,7 +115,7 @@ impl Layout {
         let with_slabs = if has_normal_slabs != 0 { nodes } else { 0 };
         let with_balls = if has_balls != 0 { nodes } else { 0 };
         let nodes = attempt!(header.then(nodes, size_of::<N>(), 64));
-        // Where nodes have sixteen lanes, they end at a multiple of 64.
+        // Nodes of sixteen lanes end at a multiple of 64.
         let balls = attempt!(nodes.then(with_balls, size_of::<Ball16>(), 1));
         let normal_slabs = attempt!(balls.then(with_slabs, N::ARITY * size_of::<NormalSlab>(), 8));
         let vertices = attempt!(normal_slabs.then(vertices, vertex_size as usize, 8));

@@ -1,16 +1,17 @@
-//! Bounding volume hierarchies: one run of bytes, read in place.
+//! Bounding volume hierarchies: one range of bytes, read in place.
 //!
-//! A baked tree is a [`Header`], the nodes in breadth-first order, the balls or the normal slabs of their lanes if it
-//! has them, the vertices, the primitives in the order of the leaves (of a triangle the indices of its corners), and
-//! for each primitive its index in what was built; of a body of several parts also a primitive in each. All little-endian, each part aligned for its type, the whole to 64
-//! bytes.
+//! A baked tree consists of a [`Header`]; the nodes in breadth-first order; the balls or the normal slabs of their
+//! lanes, if it has them; the vertices; the primitives in the order of the leaves (for a triangle the indices of its
+//! corners); for each primitive its **source index**, that is its index in the geometry that the tree was built from;
+//! and for a body of several parts one primitive of each part. All numbers are little-endian. Each part is aligned for
+//! its type, and the length is a multiple of 64 bytes.
 //!
 //! | type | the bytes | for |
 //! |---|---|---|
 //! | [`Bvh`] | owned | what a builder returns, files |
 //! | [`BvhRef`] | borrowed, and [checked](BvhRef::validate) | flash and memory maps, queries |
-//! | [`StaticBvh`] | in the program, by [`include_tree!`](crate::include_tree) | flash: validated once, then borrowed in a few instructions |
-//! | [`AnyBvh`], [`AnyBvhRef`] | either, with k and arity known at run time only | files of any tree |
+//! | [`StaticBvh`] | in the program, by [`include_tree!`](crate::include_tree) | flash: validated once |
+//! | [`AnyBvh`], [`AnyBvhRef`] | either, with k and arity known only at run time | files of any tree |
 //!
 //! Queries take all but the last two through [`AsBvh`].
 
@@ -46,6 +47,6 @@ pub(crate) use view::with_bvhs;
 pub use view::{AsBvh, BvhRef};
 pub use walk::{Lane, Walk};
 
-/// Levels of nodes, at most: it bounds the stack of every query. 16-ary trees of any practical size have
-/// fewer than 10.
+/// Maximum number of levels of nodes: it bounds the stack of every query. 16-ary trees of any practical size have fewer
+/// than 10.
 pub const MAX_DEPTH: usize = 22;

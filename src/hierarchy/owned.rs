@@ -7,12 +7,12 @@ use crate::primitive::{Primitive, Triangles};
 use alloc::vec::Vec;
 use core::marker::PhantomData;
 
-/// One aligned line of bytes.
+/// One aligned cache line.
 #[derive(Copy, Clone, Debug, bytemuck::Pod, bytemuck::Zeroable)]
 #[repr(C, align(64))]
 pub(super) struct Line([u8; 64]);
 
-/// Bytes in whole lines, and how many of them are meant.
+/// Concatenates the parts, each with an alignment, in whole lines.
 pub(super) fn in_lines(parts: &[(usize, &[u8])]) -> Vec<Line> {
     let end_of = |end: usize, align: usize, part: &[u8]| end.next_multiple_of(align) + part.len();
     let end = parts.iter().fold(0, |end, (align, part)| end_of(end, *align, part));
@@ -38,10 +38,10 @@ impl<N: Dop, P: Primitive> Bvh<N, P> {
     /// Copies a baked tree, of any alignment, and validates it.
     ///
     /// # Errors
-    /// [`FormatError`] if the bytes are not a tree of this node type and these primitives, all of it and
-    /// nothing else, or are not safe to walk.
+    /// [`FormatError`] if the bytes are not exactly one tree of this node type and these primitives, or are not safe to
+    /// traverse.
     pub fn from_bytes(bytes: &[u8]) -> Result<Self, FormatError> {
-        // Of the bytes given: their copy is filled up to whole lines.
+        // Of the bytes given, since their copy is padded to whole lines.
         let layout = Layout::of::<N, P>(bytes)?;
         let tree = Self { lines: in_lines(&[(64, bytes)]), layout, kind: PhantomData };
         BvhRef::<N, P>::from_bytes(tree.as_bytes())?;
@@ -50,10 +50,10 @@ impl<N: Dop, P: Primitive> Bvh<N, P> {
 }
 
 impl<N: Node, P: Primitive> Bvh<N, P> {
-    /// Takes parts, each with the alignment it needs, that are known to be a tree: the packer's.
+    /// Concatenates parts, each with the alignment it needs, that are known to form a tree: those of the packer.
     ///
     /// # Panics
-    /// If they are not.
+    /// If they do not.
     pub(crate) fn assemble(parts: &[(usize, &[u8])]) -> Self {
         let lines = in_lines(parts);
         match Layout::of::<N, P>(bytemuck::cast_slice(&lines)) {
@@ -68,8 +68,7 @@ impl<N: Node, P: Primitive> Bvh<N, P> {
         bytemuck::cast_slice(&self.lines)
     }
 
-    /// Borrows the tree. Constant time: the parts are known, and nothing is checked again. Queries take the
-    /// owned tree as well.
+    /// Borrows the tree, in constant time and without further checks. Queries take the owned tree as well.
     ///
     /// # Panics
     /// Never: the bytes were checked when the tree was made.

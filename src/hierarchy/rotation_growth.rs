@@ -1,18 +1,18 @@
-//! How loose the planes of a tree get when it is turned.
+//! How much wider the volumes of a tree become when they are rotated.
 
 use crate::directions::table;
 use crate::exact::round_up_f32;
 use crate::node::{Dop, Link};
 
-/// How many levels of nodes are looked at.
+/// Number of levels of nodes that are measured.
 const LEVELS: usize = 3;
 
-/// How much wider volumes of a tree get when they are turned into another frame, in the unit of its own: about what the
-/// mean width of a child's slabs is above the least of them. A flat wall along an axis has one slab that is far thinner
-/// than the others; once turned, all are as wide. The mean over the used lanes of a level; of the first three levels the
-/// geometric mean. Unbounded planes are not counted.
+/// How much wider the volumes of a tree become when they are rotated into another frame, in the unit of the tree's own:
+/// about the mean width of a child's slabs less the least of them. (A flat wall along an axis has one slab that is far
+/// thinner than the others; after a rotation all have the same width.) The result is the geometric mean over the first
+/// three levels of the arithmetic mean over a level's used lanes.
 ///
-/// In `f32` and in one order, so that it is the same number on every machine.
+/// In `f32` and in a fixed order, so that every machine computes the same number.
 pub(crate) fn rotation_growth<N: Dop>(nodes: &[N]) -> f32 {
     let (mut product, mut levels) = (1.0, 0);
     let (mut begin, mut end) = (0, 1);

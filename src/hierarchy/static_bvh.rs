@@ -1,4 +1,4 @@
-//! Trees that are part of the program.
+//! Trees in the program's read-only memory.
 
 use super::layout::Layout;
 use super::{BvhRef, FormatError};
@@ -7,7 +7,7 @@ use crate::primitive::{Primitive, Triangles};
 use core::marker::PhantomData;
 use core::sync::atomic::{AtomicBool, Ordering};
 
-/// Gives its content the alignment that [`BvhRef::from_bytes`] asks for.
+/// Gives its content the alignment that [`BvhRef::from_bytes`] requires.
 ///
 /// ```
 /// use simdop::hierarchy::Aligned;
@@ -18,11 +18,11 @@ use core::sync::atomic::{AtomicBool, Ordering};
 #[repr(C, align(64))]
 pub struct Aligned<T: ?Sized>(pub T);
 
-/// A tree in the program's own read-only memory, such as a microcontroller's flash.
-/// [`include_tree!`](crate::include_tree) makes one.
+/// A tree in the program's read-only memory, such as a microcontroller's flash. [`include_tree!`](crate::include_tree)
+/// makes one.
 ///
-/// Its header was checked when the program was compiled. Its contents are validated by the first call of
-/// [`StaticBvh::view`], which is remembered: later calls take a few instructions.
+/// The compiler checked its header. The first call of [`StaticBvh::view`] validates its contents and stores the result:
+/// later calls take a few instructions.
 #[derive(Debug)]
 pub struct StaticBvh<N, P = Triangles> {
     bytes: &'static [u8],
@@ -32,11 +32,10 @@ pub struct StaticBvh<N, P = Triangles> {
 }
 
 impl<N: Dop, P: Primitive> StaticBvh<N, P> {
-    /// Of bytes that are aligned to 64. In a constant, whatever is wrong with the header is an error of
-    /// compilation.
+    /// A tree in bytes that are aligned to 64. In a constant, an invalid header is a compile error.
     ///
     /// # Panics
-    /// If the bytes are not a tree of this node type and these primitives, all of it and nothing else.
+    /// If the bytes are not exactly one tree of this node type and these primitives.
     #[must_use]
     pub const fn new(bytes: &'static [u8]) -> Self {
         let layout = match Layout::of::<N, P>(bytes) {
@@ -56,13 +55,12 @@ impl<N: Dop, P: Primitive> StaticBvh<N, P> {
         Self { bytes, layout, is_valid: AtomicBool::new(false), kind: PhantomData }
     }
 
-    /// The tree, borrowed. The first call [validates](BvhRef::validate) it, in time linear in its size.
+    /// Borrows the tree. The first call [validates](BvhRef::validate) it, in time linear in its size.
     ///
     /// # Errors
-    /// [`FormatError`] if the contents are not safe to walk, or the bytes are not aligned.
+    /// [`FormatError`] if the contents are not safe to traverse, or the bytes are not aligned.
     pub fn view(&self) -> Result<BvhRef<'static, N, P>, FormatError> {
-        // What is remembered says something of constant bytes only, so that no other memory has to be in step
-        // with it.
+        // `Relaxed` suffices: the flag describes constant bytes, so no other memory has to be synchronised with it.
         if self.is_valid.load(Ordering::Relaxed) {
             return BvhRef::of_layout(self.bytes, &self.layout).ok_or(FormatError::Misaligned);
         }
@@ -78,8 +76,8 @@ impl<N: Dop, P: Primitive> StaticBvh<N, P> {
     }
 }
 
-/// A [`StaticBvh`] tree from a file, aligned, its header checked by the compiler. The path is relative to the
-/// source file, as for [`include_bytes!`]; an absolute one may be made with `concat!` and `env!`.
+/// A [`StaticBvh`] from a file: aligned, with its header checked by the compiler. The path is relative to the source
+/// file, as for [`include_bytes!`]; `concat!` and `env!` can make an absolute one.
 ///
 /// ```ignore
 /// static HAND: StaticBvh<Node16<18>> = include_tree!("hand.simdop");

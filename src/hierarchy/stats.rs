@@ -1,4 +1,4 @@
-//! What a tree costs.
+//! Size statistics of a tree.
 
 use super::BvhRef;
 use super::layout::Layout;
@@ -10,13 +10,13 @@ use crate::primitive::Primitive;
 pub struct Stats {
     /// Number of primitives.
     pub primitives: usize,
-    /// Number of parts: primitives of different parts do not hang together. Each sphere is one.
+    /// Number of parts: primitives of different parts are not connected. Each sphere is one.
     pub parts: usize,
     /// Number of nodes.
     pub nodes: usize,
     /// Levels of nodes.
     pub depth: usize,
-    /// Lanes in use, of `nodes * arity`.
+    /// Used lanes, of `nodes * arity`.
     pub lanes_used: usize,
     /// Bytes of planes and links.
     pub node_bytes: usize,
@@ -24,7 +24,7 @@ pub struct Stats {
     pub normal_slab_bytes: usize,
     /// Bytes of balls.
     pub ball_bytes: usize,
-    /// Bytes of the whole baked tree, with vertices, primitives and their indices in what was built.
+    /// Bytes of the whole baked tree, with vertices, primitives and source indices.
     pub total_bytes: usize,
 }
 

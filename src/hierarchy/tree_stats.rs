@@ -1,36 +1,36 @@
-//! What queries of a tree will cost, from its shape alone.
+//! Predicts the cost of queries from the shape of a tree alone.
 
 use super::{BvhRef, Lane, MAX_DEPTH};
 use crate::node::{Dop, Link};
 use crate::primitive::Primitive;
 
-/// How good a tree is, by the boxes of its lanes (the first three slabs, which every k has). All are ratios:
-/// no unit.
+/// Quality of a tree, by the boxes of its lanes (the first three slabs, which every k has). All numbers are ratios,
+/// without unit.
 #[derive(Copy, Clone, PartialEq, Debug)]
 pub struct TreeStats {
-    /// Visits expected of a query against a copy of itself that finds no hit, at a uniformly random motion
-    /// that lets the two root boxes meet.
+    /// Expected number of visits of a query against a copy of the tree that finds no hit, at a uniformly random motion
+    /// for which the two root boxes meet.
     ///
-    /// Boxes a and b meet, given that the roots r do, with the probability mu(a, b) / mu(r, r), where by
-    /// Blaschke's kinematic formula
+    /// Boxes a and b meet, given that the roots r do, with the probability mu(a, b) / mu(r, r), where by Blaschke's
+    /// kinematic formula
     ///
     /// ```text
     /// mu(a, b) = 4 (V_a + V_b) + S_a m_b + S_b m_a          (times 2 pi^2)
     /// ```
     ///
-    /// with the volume V, the area S and the sum m of the three edges of a box. The sum of that over all
-    /// pairs that a query can visit: nodes of one level, and nodes and leaves of no deeper a level, each
-    /// leaf of one tree with each node of the other, twice. 1 for a single node. If the root has no
-    /// area, every pair is taken to meet.
+    /// with the volume V, the area S and the sum m of the three edges of a box. The result is the sum of that over all
+    /// pairs that a query can visit: pairs of nodes of one level, and pairs of a node and a leaf of the same or a
+    /// higher level, each leaf of one tree with each node of the other, counted twice. It is 1 for a single node. If
+    /// the root has no area, every pair counts as meeting.
     pub expected_visits: f64,
-    /// Sum of the areas of a node's lanes over the area of the node, mean over the nodes that have one.
+    /// Sum of the areas of a node's lanes divided by the area of the node; mean over the nodes that have one.
     pub area_ratio: f64,
-    /// Volume that two lanes of a node share, summed over pairs of lanes, over the sum of the lanes'
-    /// volumes; mean over the nodes whose lanes have volume.
+    /// Volume that two lanes of a node share, summed over pairs of lanes, divided by the sum of the lanes' volumes;
+    /// mean over the nodes whose lanes have volume.
     pub overlap: f64,
-    /// Share of lanes in use.
+    /// Fraction of the lanes that are used.
     pub lanes_used: f64,
-    /// Levels of nodes above a primitive, mean over the primitives.
+    /// Levels of nodes above a primitive; mean over the primitives.
     pub mean_depth: f64,
 }
 
@@ -39,7 +39,7 @@ type LaneBox = [[f64; 2]; 3];
 
 const NOTHING: LaneBox = [[f64::INFINITY, f64::NEG_INFINITY]; 3];
 
-/// Volume, area and sum of edges of boxes, and their number; of one box or summed over many.
+/// Number of boxes, and the sums of their volumes, areas and edges.
 #[derive(Copy, Clone, Default, Debug)]
 struct Size {
     count: f64,
@@ -61,8 +61,8 @@ impl Size {
         self.edges += other.edges;
     }
 
-    /// The measure of the motions that let two boxes meet, over `2 pi^2`, summed over every box of one set
-    /// with every box of the other.
+    /// The measure of the motions for which two boxes meet, divided by `2 pi^2`, summed over every box of one set with
+    /// every box of the other.
     fn meeting(&self, other: &Self) -> f64 {
         let volumes = 4.0 * (self.volume * other.count + other.volume * self.count);
         volumes + self.area * other.edges + other.area * self.edges
@@ -77,7 +77,7 @@ struct Mean {
 }
 
 impl Mean {
-    /// Takes a ratio, if it is one.
+    /// Adds a ratio, if the denominator is positive.
     fn add(&mut self, part: f64, whole: f64) {
         if whole > 0.0 {
             self.sum += part / whole;
@@ -92,7 +92,7 @@ impl Mean {
 
 #[derive(Default, Debug)]
 struct LevelSums {
-    /// By level, the root's node being 0: sizes of nodes, and of leaves.
+    /// Sizes of nodes and of leaves by level; the root's node has level 0.
     nodes: [Size; MAX_DEPTH + 1],
     leaves: [Size; MAX_DEPTH + 1],
     area_ratio: Mean,
@@ -101,7 +101,7 @@ struct LevelSums {
 }
 
 impl<N: Dop, P: Primitive> BvhRef<'_, N, P> {
-    /// Predicts what queries cost. Linear in the number of nodes. Zeros for an empty tree.
+    /// Predicts the cost of queries. Linear in the number of nodes. Zeros for an empty tree.
     #[must_use]
     pub fn tree_stats(&self) -> TreeStats {
         let sums = self.sums();
@@ -138,7 +138,7 @@ impl<N: Dop, P: Primitive> BvhRef<'_, N, P> {
         sums
     }
 
-    /// Adds what a node's lanes are to each other and to the node. Returns the size of the box of its lanes.
+    /// Adds the areas and overlaps of a node's lanes. Returns the size of the box around its lanes.
     fn add_node(&self, node: u32, sums: &mut LevelSums) -> Size {
         let used = |lane: &usize| self.nodes()[node as usize].children()[*lane].link() != Link::Empty;
         let lanes = || (0..N::ARITY).filter(used).map(|lane| self.lane_box(node, lane));
@@ -158,7 +158,7 @@ impl<N: Dop, P: Primitive> BvhRef<'_, N, P> {
     }
 
     fn lane_box(&self, node: u32, lane: usize) -> LaneBox {
-        // Codes, which are half a step less than planes: as much as rounding up adds to them on average.
+        // Codes, which are half a step below the planes: about what rounding up adds to a plane on average.
         let plane = |j: usize| f64::from(self.nodes()[node as usize].plane(j, lane));
         core::array::from_fn(|axis| [-plane(2 * axis + 1), plane(2 * axis)])
     }

@@ -1,4 +1,4 @@
-//! Is it safe to walk these bytes? Baked trees are untrusted input.
+//! Validation: whether bytes are safe to traverse. Baked trees are untrusted input.
 
 use super::{BvhRef, FormatError, MAX_DEPTH};
 use crate::exact::power_of_two;
@@ -10,21 +10,21 @@ use crate::range::{MAX_COORDINATE, MAX_MOVED, flush};
 use core::ops::Range;
 
 impl<N: Dop, P: Primitive> BvhRef<'_, N, P> {
-    /// Proves that no query can read out of range, loop, or overflow its stack, and that the header's bounds
-    /// hold. In one pass, without memory:
+    /// Proves that no query can read out of range, loop, or overflow its stack, and that the header's bounds hold. In
+    /// one pass, without memory:
     ///
-    /// * nodes are in breadth-first order, so the links to nodes are 1, 2, 3 .. in the order they are met:
-    ///   each node has one parent, none is unreachable, no path returns, and the levels can be counted;
+    /// * nodes are in breadth-first order, so the links to nodes are 1, 2, 3 .. in the order of the lanes: each node
+    ///   has one parent and is reachable, there are no cycles, and the levels can be counted;
     /// * primitives are in the order of the leaves, so the leaves' ranges follow each other likewise;
-    /// * the index that each primitive had in what was built is below their number, and what stands for parts are
-    ///   primitives, ascending;
-    /// * each plane of a used lane is a finite key, each plane of an unused one is
-    ///   [`Key::EMPTY`]; balls are finite and lie about the body.
+    /// * source indices are below the number of primitives, and the indices of the parts' primitives are valid and
+    ///   ascend;
+    /// * each plane of a used lane is a finite key, each plane of an unused one is [`Key::EMPTY`]; balls are finite and
+    ///   no larger than the body.
     ///
-    /// That the planes really bound the primitives is for [`BvhRef::verify`].
+    /// [`BvhRef::verify`] proves that the planes really bound the primitives.
     ///
     /// # Errors
-    /// [`FormatError`] names the first thing that is wrong.
+    /// [`FormatError`] describes the first fault.
     pub fn validate(&self) -> Result<(), FormatError> {
         self.validate_header()?;
         self.validate_nodes()?;
@@ -63,7 +63,7 @@ impl<N: Dop, P: Primitive> BvhRef<'_, N, P> {
             ("exponent", (-MAX_EXPONENT..=MAX_EXPONENT).contains(&h.exponent)),
             ("half_width", h.half_width.iter().all(|w| *w >= 0.0 && w.is_finite())),
             ("max_plane", h.max_plane >= 0.0 && h.max_plane.is_finite()),
-            // Any number is safe: it decides what is faster.
+            // Any such number is safe: it affects only speed.
             ("rotation_growth", h.rotation_growth >= 0.0 && h.rotation_growth.is_finite()),
             ("root", h.root == Child::root(0, h.half_width)),
             ("has_normal_slabs", h.has_normal_slabs <= 1),
@@ -123,7 +123,7 @@ impl<N: Dop, P: Primitive> BvhRef<'_, N, P> {
         if levels == self.header.depth { Ok(()) } else { Err(FormatError::Header { field: "depth" }) }
     }
 
-    /// The planes of a lane, and its normal slab.
+    /// Validates the planes of a lane and its normal slab.
     pub(super) fn validate_volume(
         &self,
         index: u32,
@@ -150,7 +150,8 @@ impl<N: Dop, P: Primitive> BvhRef<'_, N, P> {
         Ok(())
     }
 
-    /// Whether the ball of a lane, if the tree has balls, is no larger than the body, or that of an unused lane.
+    /// Whether the ball of a lane is no larger than the body, or empty if the lane is unused. True for trees without
+    /// balls.
     fn is_ball_valid(&self, node: u32, lane: usize, child: Child) -> bool {
         let Some(balls) = self.balls.get(node as usize) else { return true };
         let ball = balls.lane(lane);
@@ -158,7 +159,8 @@ impl<N: Dop, P: Primitive> BvhRef<'_, N, P> {
             return ball.is_empty();
         }
         let BoundingBall { centre, radius, volume } = ball;
-        // False of NaN. What rounding adds to a radius is more than the widths of a body that is a point.
+        // Comparisons with NaN are false. The term 2^-30 is for bodies that are a point: rounding makes their radius
+        // positive.
         let most = self.extent().width_sum() * (1.0 + power_of_two(-10)) + power_of_two(-30);
         centre.iter().zip(self.header.half_width).all(|(x, most)| x.abs() <= most)
             && (radius >= 0.0 && f64::from(radius) <= most)
@@ -171,7 +173,7 @@ impl<N: Dop, P: Primitive> BvhRef<'_, N, P> {
         let is_inside = |vertex: &P::Double| {
             let Sphere { centre: p, radius } = P::ball(vertex);
             let reach = radius * scale;
-            // False of NaN.
+            // Comparisons with NaN are false.
             (radius >= 0.0 && flush(radius) == radius)
                 && p.iter().all(|&x| x.abs() + radius <= max_coordinate && flush(x) == x)
                 && (0..3)
@@ -185,7 +187,7 @@ impl<N: Dop, P: Primitive> BvhRef<'_, N, P> {
     }
 }
 
-/// That a lane leads to the first node that no link has led to yet, of those that there are, and says how wide it is.
+/// Validates that a lane's link leads to the next node in breadth-first order, and has the width of the lane's volume.
 pub(super) fn validate_target<N: Dop>(
     node: &N,
     lane: usize,

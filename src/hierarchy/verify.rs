@@ -1,4 +1,4 @@
-//! Does every plane bound what is below it? Proved again, in exact arithmetic.
+//! Verification: whether every volume bounds what is below it, proved again in exact arithmetic.
 
 use super::{BvhRef, Lane, Walk};
 use crate::frame::Frame;
@@ -15,8 +15,8 @@ pub struct VerifyError {
     pub node: u32,
     /// Lane in the node.
     pub lane: u32,
-    /// Index of the direction; k and k + 1 for the low and the high end of the normal slab; k + 2 for the ball, and k + 3
-    /// for the sum of volumes that it says, of which the first primitive below the lane is named.
+    /// Index of the direction; k and k + 1 for the low and the high end of the normal slab; k + 2 for the ball; k + 3
+    /// for the sum of volumes stored with it, where `primitive` is the first one below the lane.
     pub plane: u32,
     /// Index of the primitive in what was built.
     pub primitive: u32,
@@ -32,23 +32,23 @@ impl fmt::Display for VerifyError {
 impl core::error::Error for VerifyError {}
 
 impl<N: Dop, P: Primitive> BvhRef<'_, N, P> {
-    /// Decides, for every primitive and every lane on the path to it, whether each plane is an upper bound of
-    /// the exact support of the primitive, and whether it lies within the lane's normal slab, or its ball. No
-    /// rounding takes part: planes, corners, centre and direction are dyadic numbers, summed as expansions; of
-    /// primitives with a radius, squares are compared in integers. (Volumes below a lane are added up in `f64`, in the
-    /// order in which the packer does.) Cost: primitives x depth x k.
+    /// Decides, for every primitive and every lane on the path to it, whether each plane is an upper bound of the exact
+    /// support of the primitive, and whether the primitive lies within the lane's normal slab or ball. Nothing is
+    /// rounded: planes, corners, centre and direction are dyadic numbers, summed as expansions; for primitives with a
+    /// radius, integers compare squares. (The volumes below a lane are summed in `f64`, in the packer's order.) Cost:
+    /// primitives x depth x k.
     ///
-    /// That the triangles of a solid close, and which primitives hang together, is what the builder says: it is not proved
-    /// again, and where bytes say it falsely, a body may be taken for one that is inside, or for one that is not.
+    /// It does not prove that the triangles of a solid form a closed surface, nor which primitives are connected. Bytes
+    /// with wrong parts or a wrong solid flag may give a wrong answer to whether a body is inside of another.
     ///
     /// # Errors
-    /// [`VerifyError`] names the first plane that is too low.
+    /// [`VerifyError`] describes the first plane that is too low.
     pub fn verify(&self) -> Result<(), VerifyError> {
         self.verify_below(&self.frame(), self.walk())?;
         self.verify_volumes()
     }
 
-    /// Of the nodes that a walk meets, whose planes are written in a frame.
+    /// Verifies the lanes of a walk, whose planes are in a frame.
     fn verify_below(&self, frame: &Frame, mut walk: Walk<'_, N>) -> Result<(), VerifyError> {
         while let Some(Lane { child, .. }) = walk.next() {
             let Link::Leaf { first, count } = child.link() else { continue };
@@ -67,7 +67,7 @@ impl<N: Dop, P: Primitive> BvhRef<'_, N, P> {
         Ok(())
     }
 
-    /// Whether the volume that each ball says is that of the spheres below its lane, at least.
+    /// Whether the volume stored with each ball is at least that of the spheres below its lane.
     fn verify_volumes(&self) -> Result<(), VerifyError> {
         for (node, balls) in (0..).zip(self.balls) {
             for (lane, child) in (0..).zip(self.nodes()[node as usize].children()) {
@@ -81,7 +81,7 @@ impl<N: Dop, P: Primitive> BvhRef<'_, N, P> {
         Ok(())
     }
 
-    /// The sum of the volumes of what is below a link, in the unit of the frame: as the packer adds them up.
+    /// The volume of the primitives below a link, in the unit of the frame, summed in the packer's order.
     fn volume_below(&self, link: Link) -> f64 {
         match link {
             Link::Empty => 0.0,
@@ -106,7 +106,7 @@ impl<N: Dop, P: Primitive> BvhRef<'_, N, P> {
         }
     }
 
-    /// Whether the ball of a lane, if the tree has balls, leaves out some of a primitive.
+    /// Whether the ball of a lane excludes part of a primitive. `None` if the tree has no balls.
     fn too_round(&self, frame: &Frame, node: u32, lane: usize, item: &P::Item) -> Option<u32> {
         let BoundingBall { centre, radius, .. } = self.balls.get(node as usize)?.lane(lane);
         let (centre, reach) = (centre.map(f64::from), radius_of::<P>(item));
@@ -125,12 +125,12 @@ impl<N: Dop, P: Primitive> BvhRef<'_, N, P> {
         (0..).zip(N::DIRECTIONS).find(is_too_low).map(|(j, _)| j)
     }
 
-    /// The end of a lane's normal slab that a primitive is beyond, if the tree has such slabs.
+    /// The end of a lane's normal slab that a primitive exceeds, if the tree has such slabs.
     fn too_thin(&self, frame: &Frame, node: u32, lane: usize, item: &P::Item) -> Option<u32> {
         let slab = self.normal_slab(node, lane)?;
         let (n, ends) = (slab.normal(), slab.ends());
         let radius = radius_of::<P>(item);
-        // By less than what the packer leaves, too much.
+        // Rounded up, by less than the packer's allowance.
         let reach = libm::sqrt((n[0] * n[0] + n[1] * n[1]) + n[2] * n[2])
             * (radius * frame.scale())
             * (1.0 + 4.0 * f64::EPSILON);

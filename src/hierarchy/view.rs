@@ -6,8 +6,7 @@ use crate::frame::{BodyBounds, Frame};
 use crate::node::{Ball16, Dop, Node, NormalSlab};
 use crate::primitive::{Primitive, Store, Triangles};
 
-/// A hierarchy over borrowed bytes, safe to walk. Small and `Copy`: pass it by value or reference as you
-/// like.
+/// A hierarchy over borrowed bytes, safe to traverse. Small and `Copy`: pass it by value or reference.
 #[derive(Debug)]
 pub struct BvhRef<'a, N, P: Primitive = Triangles> {
     pub(super) header: &'a Header,
@@ -15,7 +14,7 @@ pub struct BvhRef<'a, N, P: Primitive = Triangles> {
     pub(super) normal_slabs: &'a [NormalSlab],
     pub(super) balls: &'a [Ball16],
     pub(super) store: Store<'a, P>,
-    /// The index that each primitive had in what was built; then, if the body has several parts, of a primitive in each.
+    /// The source index of each primitive; then, if the body has several parts, one primitive of each.
     pub(super) indices: &'a [u32],
 }
 
@@ -30,10 +29,10 @@ impl<'a, N: Dop, P: Primitive> BvhRef<'a, N, P> {
     /// Borrows a baked tree in place, without a copy, after [`BvhRef::validate`]: linear in its size.
     ///
     /// # Errors
-    /// [`FormatError`] if the bytes are not a tree of this node type and these primitives, all of it and
-    /// nothing else, are not aligned to 64, or are not safe to walk.
+    /// [`FormatError`] if the bytes are not exactly one tree of this node type and these primitives, are not aligned to
+    /// 64, or are not safe to traverse.
     pub fn from_bytes(bytes: &'a [u8]) -> Result<Self, FormatError> {
-        // First, so that the error of bytes that are too short for a header says so.
+        // First, so that bytes too short for a header give that error.
         Header::read(bytes)?;
         let layout = Layout::of::<N, P>(bytes)?;
         let view = Self::of_layout(bytes, &layout).ok_or(FormatError::Misaligned)?;
@@ -46,7 +45,7 @@ impl<'a, N: Node, P: Primitive> BvhRef<'a, N, P> {
     /// The parts of the bytes, their contents unchecked. `None` if they are misaligned.
     #[inline(always)]
     pub(super) fn of_layout(bytes: &'a [u8], layout: &Layout) -> Option<Self> {
-        // No balls lie where nodes end, aligned or not.
+        // An empty part may be misaligned.
         let balls = match layout.balls.of(bytes)? {
             [] => &[],
             balls => bytemuck::try_cast_slice(balls).ok()?,
@@ -63,13 +62,13 @@ impl<'a, N: Node, P: Primitive> BvhRef<'a, N, P> {
         })
     }
 
-    /// Every lane in use, depth first.
+    /// All used lanes, depth first.
     #[must_use]
     pub fn walk(&self) -> Walk<'a, N> {
         Walk::below(self.nodes, if self.is_empty() { None } else { Some(0) })
     }
 
-    /// The tree's description.
+    /// The tree's header.
     #[inline]
     #[must_use]
     pub const fn header(&self) -> &'a Header {
@@ -83,15 +82,15 @@ impl<'a, N: Node, P: Primitive> BvhRef<'a, N, P> {
         self.nodes
     }
 
-    /// The normal slabs of all lanes, `ARITY` a node; none if the tree was built without.
+    /// The normal slabs of all lanes, `ARITY` a node; empty if the tree was built without.
     #[inline(always)]
     #[must_use]
     pub const fn normal_slabs(&self) -> &'a [NormalSlab] {
         self.normal_slabs
     }
 
-    /// The enclosing balls of all lanes, one item a node; none but of spheres at arity 16, and none of a tree that was
-    /// built without.
+    /// The bounding balls of all lanes, one item a node. Empty unless the primitives are spheres, the arity is 16 and
+    /// the tree was built with balls.
     #[inline(always)]
     #[must_use]
     pub const fn balls(&self) -> &'a [Ball16] {
@@ -104,7 +103,7 @@ impl<'a, N: Node, P: Primitive> BvhRef<'a, N, P> {
         self.normal_slabs.get(node as usize * N::ARITY + lane).copied()
     }
 
-    /// Those of a node.
+    /// The normal slabs of a node's lanes.
     #[inline(always)]
     pub(crate) fn normal_slabs_of(&self, node: u32) -> Option<&'a [NormalSlab]> {
         self.normal_slabs.get(node as usize * N::ARITY..)?.get(..N::ARITY)
@@ -117,7 +116,7 @@ impl<'a, N: Node, P: Primitive> BvhRef<'a, N, P> {
         Frame { centre: self.header.centre, exponent: self.header.exponent }
     }
 
-    /// How large the body is.
+    /// The bounds of the body.
     #[inline(always)]
     #[must_use]
     pub const fn extent(&self) -> BodyBounds {
@@ -131,7 +130,7 @@ impl<'a, N: Node, P: Primitive> BvhRef<'a, N, P> {
         self.header.primitive_count as usize
     }
 
-    /// Whether there is no primitive. An empty body meets nothing.
+    /// Whether there are no primitives. An empty body meets nothing.
     #[inline]
     #[must_use]
     pub const fn is_empty(&self) -> bool {
@@ -145,8 +144,8 @@ impl<'a, N: Node, P: Primitive> BvhRef<'a, N, P> {
         P::BOUNDS_SOLIDS && self.header.is_solid != 0
     }
 
-    /// For each part of the body, of what hangs together at its vertices, a primitive in it: ascending indices in
-    /// leaf order. Of spheres each is a part; an empty body has none.
+    /// A primitive of each part of the body, as ascending indices in leaf order. A part is a set of primitives
+    /// connected by shared vertices. Each sphere is a part; an empty body has none.
     #[must_use]
     pub fn parts(&self) -> impl ExactSizeIterator<Item = u32> + 'a {
         let count = self.len();
@@ -155,8 +154,8 @@ impl<'a, N: Node, P: Primitive> BvhRef<'a, N, P> {
         (0..several).map(move |index| parts.get(index).map_or(index as u32, |part| *part))
     }
 
-    /// Primitive `index`, an index in leaf order below [`len`](Self::len), in the body's unit: of a triangle
-    /// its corners.
+    /// The primitive with an index in leaf order, below [`len`](Self::len), in the body's unit: for a triangle its
+    /// corners.
     ///
     /// # Panics
     /// If `index` is out of range.
@@ -166,13 +165,14 @@ impl<'a, N: Node, P: Primitive> BvhRef<'a, N, P> {
         P::item(&self.store, index)
     }
 
-    /// What the primitives are read from.
+    /// The storage of the primitives.
     #[inline(always)]
     pub(crate) const fn store(&self) -> &Store<'a, P> {
         &self.store
     }
 
-    /// The index that the primitive at `index` in leaf order had in what was built.
+    /// The source index of the primitive at `index` in leaf order: its index in the geometry that the tree was built
+    /// from.
     ///
     /// # Panics
     /// If `index` is out of range.
@@ -183,24 +183,24 @@ impl<'a, N: Node, P: Primitive> BvhRef<'a, N, P> {
     }
 }
 
-/// A tree that queries take: borrowed, or owned. A struct can so hold an owned tree and query it, without a
-/// view beside it.
+/// A tree that queries take: borrowed or owned. With it a struct can hold an owned tree and query it without storing a
+/// view.
 pub trait AsBvh {
     /// Its nodes.
     type Node: Node;
     /// Its primitives.
     type Primitive: Primitive;
 
-    /// The tree, borrowed. Constant time: nothing is checked again.
+    /// Borrows the tree. Constant time: nothing is checked again.
     fn as_bvh(&self) -> BvhRef<'_, Self::Node, Self::Primitive>;
 
-    /// Calls `f` with the tree, where it is: a borrowed one is not copied.
+    /// Calls `f` with the tree in place: a borrowed one is not copied.
     #[inline(always)]
     fn with_bvh<R>(&self, f: impl FnOnce(&BvhRef<'_, Self::Node, Self::Primitive>) -> R) -> R {
         f(&self.as_bvh())
     }
 
-    /// Its description: all that is looked at of a tree that is far from the other.
+    /// Its header, which is all that a query reads of far bodies.
     #[inline(always)]
     fn header(&self) -> &Header {
         self.as_bvh().header()
@@ -227,7 +227,7 @@ impl<N: Node, P: Primitive> AsBvh for BvhRef<'_, N, P> {
     }
 }
 
-/// Calls `ask` with both trees, where they are.
+/// Calls `ask` with both trees in place.
 #[inline(always)]
 pub(crate) fn with_bvhs<A: AsBvh, B: AsBvh, R>(
     a: &A,

@@ -1,14 +1,14 @@
-//! The walk over a tree that everything but queries shares.
+//! Depth-first traversal of a single tree, for everything but queries.
 
 use super::MAX_DEPTH;
 use crate::node::{Child, Link, Node};
 
-/// A lane in use, as a [`Walk`] meets it.
+/// A used lane, as visited by a [`Walk`].
 #[derive(Copy, Clone, PartialEq, Eq, Debug)]
 pub struct Lane {
     /// Index of its node.
     pub node: u32,
-    /// Its number in the node.
+    /// Its index in the node.
     pub lane: usize,
     /// Levels of nodes from the root's node to this one, both included.
     pub level: usize,
@@ -16,25 +16,24 @@ pub struct Lane {
     pub child: Child,
 }
 
-/// All lanes in use, depth first, a lane before what is below it. Without heap: a path of at most
-/// [`MAX_DEPTH`] lanes.
+/// All used lanes, depth first, each lane before those below it. Without heap: a path of at most [`MAX_DEPTH`] lanes.
 #[derive(Clone, Debug)]
 pub struct Walk<'a, N> {
     nodes: &'a [N],
-    /// Of each level the node, and the lane that comes next.
+    /// The node and the next lane on each level.
     path: [(u32, usize); MAX_DEPTH],
     level: usize,
-    /// The node to enter before anything else.
+    /// The node to enter next.
     below: Option<u32>,
 }
 
 impl<'a, N: Node> Walk<'a, N> {
-    /// Of what is below a node.
+    /// Visits everything below a node.
     pub(super) fn below(nodes: &'a [N], below: Option<u32>) -> Self {
         Self { nodes, path: [(0, 0); MAX_DEPTH], level: 0, below }
     }
 
-    /// Node and lane on each level above the lane that was met last, and its own.
+    /// Node and lane on each level above the lane that was visited last, and its own.
     pub fn path(&self) -> impl Iterator<Item = (u32, usize)> {
         self.path[..self.level].iter().map(|&(node, next)| (node, next - 1))
     }

@@ -1,12 +1,12 @@
-//! Nodes of boxes, and buckets of points: what a tree over moving points is made of.
+//! Nodes of boxes, and buckets of points, for trees over moving points.
 //!
-//! The boxes are `f32`, as the points are, and need no frame: the least and the greatest coordinate of points are numbers
-//! of the points themselves, so that nothing is rounded, and a tree is as tight far from the origin and in a cluster a
-//! millionth of the scene's size as it is anywhere.
+//! The boxes are `f32`, like the points, and need no frame: the least and the greatest coordinates of points are exact,
+//! so nothing is rounded, and a tree is equally tight far from the origin and in a cluster a millionth of the scene's
+//! size.
 
 use super::Child;
 
-/// A box whose sides are parallel to the axes, closed: a point where `lower` equals `upper`.
+/// An axis-aligned box, closed: a point if `lower` equals `upper`.
 #[derive(Copy, Clone, PartialEq, Debug)]
 pub struct Box3 {
     /// The least coordinates.
@@ -19,23 +19,24 @@ pub struct Box3 {
 #[derive(Copy, Clone, PartialEq, Debug, bytemuck::Pod, bytemuck::Zeroable)]
 #[repr(C, align(64))]
 pub struct Aabb16 {
-    /// `lower[i]`: the least coordinate i of what is below each lane; NaN where nothing is.
+    /// `lower[i]`: the least coordinate i below each lane; NaN in unused lanes.
     pub lower: [[f32; 16]; 3],
-    /// `upper[i]`: the greatest coordinate i of what is below each lane; NaN where nothing is.
+    /// `upper[i]`: the greatest coordinate i below each lane; NaN in unused lanes.
     pub upper: [[f32; 16]; 3],
     /// The fourth root of the [volume](Box3::fourth_root_of_volume) that each lane's box had when the tree was built.
     pub built: [f32; 16],
-    /// Where the lanes lead: to a node, or to one bucket, which [`Link::Leaf`](super::Link::Leaf) counts as one.
+    /// The links of the lanes: to a node, or to one bucket, which [`Link::Leaf`](super::Link::Leaf) counts as one.
     pub child: [Child; 16],
 }
 
-/// Up to sixteen points, a coordinate at a time. 256 bytes.
+/// Up to sixteen points, by coordinate. 256 bytes.
 #[derive(Copy, Clone, PartialEq, Debug, bytemuck::Pod, bytemuck::Zeroable)]
 #[repr(C, align(64))]
 pub struct Bucket {
-    /// `coordinates[i][slot]`: coordinate i of the points; NaN in unused slots, which so are near nothing.
+    /// `coordinates[i][slot]`: coordinate i of the points; NaN in unused slots, which are within no distance of
+    /// anything.
     pub coordinates: [[f32; 16]; 3],
-    /// Which points these are; [`Bucket::UNUSED`] in unused slots.
+    /// The indices of the points; [`Bucket::UNUSED`] in unused slots.
     pub indices: [u32; 16],
 }
 
@@ -43,35 +44,36 @@ const _: () = assert!(size_of::<Aabb16>() == 512, "a node of boxes is eight cach
 const _: () = assert!(size_of::<Bucket>() == 256, "a bucket of points is four cache lines");
 
 impl Box3 {
-    /// Holds nothing.
+    /// The empty box.
     pub const EMPTY: Self = Self { lower: [f32::NAN; 3], upper: [f32::NAN; 3] };
 
-    /// Holds one point.
+    /// The box of one point.
     #[inline(always)]
     #[must_use]
     pub const fn of_point(point: [f32; 3]) -> Self {
         Self { lower: point, upper: point }
     }
 
-    /// Whether it holds nothing.
+    /// Whether the box is empty.
     #[must_use]
     pub const fn is_empty(&self) -> bool {
         self.lower[0].is_nan()
     }
 
-    /// Makes it hold another box too.
+    /// Extends the box to contain another.
     #[inline(always)]
     pub fn add(&mut self, other: &Self) {
         for i in 0..3 {
-            // What is empty is NaN, which no comparison holds of; so it neither stays nor gets in.
+            // Empty boxes are NaN, with which comparisons are false, so NaN is neither kept nor taken over.
             let (lower, upper) = (other.lower[i], other.upper[i]);
             self.lower[i] = if self.lower[i] <= lower || lower.is_nan() { self.lower[i] } else { lower };
             self.upper[i] = if self.upper[i] >= upper || upper.is_nan() { self.upper[i] } else { upper };
         }
     }
 
-    /// The volume, where no side counts as shorter than a 1024th of the longest, so that the boxes of flat sets have one
-    /// too. Its fourth root, for which `f32` has the range whatever the unit; rounded up. 0 of a point and of nothing.
+    /// The fourth root of the volume, rounded up. For the volume, no side counts as shorter than a 1024th of the
+    /// longest, so that boxes of flat sets have one too. The root fits `f32` whatever the unit. 0 for a point and for
+    /// the empty box.
     #[must_use]
     pub fn fourth_root_of_volume(&self) -> f32 {
         let volume = self.volume();
@@ -80,7 +82,7 @@ impl Box3 {
         if square * square < volume { root.next_up() } else { root }
     }
 
-    /// The volume of [`Box3::fourth_root_of_volume`], in the unit's cube.
+    /// The volume of [`Box3::fourth_root_of_volume`], in the unit cubed.
     pub(crate) fn volume(&self) -> f64 {
         if self.is_empty() {
             return 0.0;
@@ -101,7 +103,7 @@ impl Aabb16 {
         child: [Child::EMPTY; 16],
     };
 
-    /// The box of a lane, which is counted modulo 16.
+    /// The box of a lane (modulo 16).
     #[inline(always)]
     #[must_use]
     pub const fn lane(&self, lane: usize) -> Box3 {
@@ -109,7 +111,7 @@ impl Aabb16 {
         Box3 { lower: [a[lane], b[lane], c[lane]], upper: [d[lane], e[lane], f[lane]] }
     }
 
-    /// Sets the box of a lane, which is counted modulo 16.
+    /// Sets the box of a lane (modulo 16).
     #[inline(always)]
     pub(crate) const fn set_lane(&mut self, lane: usize, of: &Box3) {
         let lane = lane & 15;
@@ -121,7 +123,7 @@ impl Aabb16 {
         }
     }
 
-    /// Around all lanes.
+    /// The box around all lanes.
     #[must_use]
     pub fn bounds(&self) -> Box3 {
         Box3 { lower: self.lower.map(|x| least(&x)), upper: self.upper.map(|x| greatest(&x)) }
@@ -129,12 +131,12 @@ impl Aabb16 {
 }
 
 impl Bucket {
-    /// In [`Bucket::indices`]: there is no point.
+    /// The index of an unused slot.
     pub const UNUSED: u32 = u32::MAX;
     /// No points.
     pub const EMPTY: Self = Self { coordinates: [[f32::NAN; 16]; 3], indices: [Self::UNUSED; 16] };
 
-    /// The point in a slot, which is counted modulo 16.
+    /// The point in a slot (modulo 16).
     #[inline(always)]
     #[must_use]
     pub const fn point(&self, slot: usize) -> [f32; 3] {
@@ -142,7 +144,7 @@ impl Bucket {
         [x[slot], y[slot], z[slot]]
     }
 
-    /// Puts a point into a slot, which is counted modulo 16.
+    /// Puts a point into a slot (modulo 16).
     #[inline(always)]
     pub(crate) const fn set(&mut self, slot: usize, point: [f32; 3], index: u32) {
         let slot = slot & 15;
@@ -154,14 +156,14 @@ impl Bucket {
         self.indices[slot] = index;
     }
 
-    /// The slots in use.
+    /// The used slots, a bit each.
     #[inline(always)]
     #[must_use]
     pub fn used(&self) -> u16 {
         (0..16).filter(|&slot| self.indices[slot] != Self::UNUSED).fold(0, |mask, slot| mask | 1 << slot)
     }
 
-    /// Around the points.
+    /// The box around the points.
     #[inline(always)]
     #[must_use]
     pub fn bounds(&self) -> Box3 {
@@ -169,7 +171,7 @@ impl Bucket {
     }
 }
 
-/// The least of sixteen numbers, of which some are NaN; NaN if all are. In halves, which compile to vectors.
+/// The least of sixteen numbers, ignoring NaN; NaN if all are. By halves, which compilers vectorise.
 #[inline(always)]
 fn least(x: &[f32; 16]) -> f32 {
     let lesser = |a: f32, b: f32| if a < b || b.is_nan() { a } else { b };
@@ -182,7 +184,7 @@ fn least(x: &[f32; 16]) -> f32 {
     folded[0]
 }
 
-/// The greatest of sixteen numbers, of which some are NaN; NaN if all are.
+/// The greatest of sixteen numbers, ignoring NaN; NaN if all are.
 #[inline(always)]
 fn greatest(x: &[f32; 16]) -> f32 {
     let greater = |a: f32, b: f32| if a > b || b.is_nan() { a } else { b };

@@ -1,39 +1,39 @@
-//! Enclosing balls: beside the planes of a node of sixteen lanes, where the primitives are spheres.
+//! Bounding balls of the lanes of 16-ary nodes, for trees of spheres.
 //!
-//! Balls suit spheres: a leaf's is the sphere itself, and turning one moves its centre and leaves the rest. With
-//! the volume of the spheres below, they bound from above what two bodies of spheres may have in common.
+//! Balls suit spheres: a leaf's is the sphere itself, and a rotation moves only its centre. With the volume of the
+//! spheres below, they give an upper bound of the volume that two bodies of spheres have in common.
 
-/// The balls of sixteen lanes, in the tree's frame: a lane's holds all spheres below it, though not the balls of the
-/// lanes below (a wrapped hierarchy). 320 bytes.
+/// The balls of sixteen lanes, in the tree's frame. A lane's ball contains all spheres below it, though not necessarily
+/// the balls of the lanes below (a wrapped hierarchy). 320 bytes.
 #[derive(Copy, Clone, PartialEq, Debug, bytemuck::Pod, bytemuck::Zeroable)]
 #[repr(C, align(64))]
 pub struct Ball16 {
-    /// `centre[i]`: coordinate i of the centres; NaN in unused lanes, which so meet nothing.
+    /// `centre[i]`: coordinate i of the centres; NaN in unused lanes, which meet nothing.
     pub centre: [[f32; 16]; 3],
     /// The radii; 0 in unused lanes.
     pub radius: [f32; 16],
-    /// The sums of the volumes of the spheres below, at least; 0 in unused lanes.
+    /// Upper bounds of the total volume of the spheres below; 0 in unused lanes.
     pub volume: [f32; 16],
 }
 
-/// One of them.
+/// The ball of a lane.
 #[derive(Copy, Clone, PartialEq, Debug)]
 pub struct BoundingBall {
     /// The centre.
     pub centre: [f32; 3],
     /// The radius.
     pub radius: f32,
-    /// The sum of the volumes of the spheres in it, at least.
+    /// Upper bound of the total volume of the spheres in it.
     pub volume: f32,
 }
 
 const _: () = assert!(size_of::<Ball16>() == 320, "the balls of a node are five cache lines");
 
 impl BoundingBall {
-    /// Of an unused lane.
+    /// The ball of an unused lane.
     pub const EMPTY: Self = Self { centre: [f32::NAN; 3], radius: 0.0, volume: 0.0 };
 
-    /// Whether it is that of an unused lane, bit by bit.
+    /// Whether it is the ball of an unused lane, bit by bit.
     pub(crate) const fn is_empty(&self) -> bool {
         let [x, y, z] = self.centre;
         let nan = f32::NAN.to_bits();
@@ -43,10 +43,10 @@ impl BoundingBall {
 }
 
 impl Ball16 {
-    /// Of unused lanes.
+    /// The balls of unused lanes.
     pub const EMPTY: Self = Self { centre: [[f32::NAN; 16]; 3], radius: [0.0; 16], volume: [0.0; 16] };
 
-    /// The ball of a lane, which is counted modulo 16.
+    /// The ball of a lane (modulo 16).
     #[inline(always)]
     #[must_use]
     pub const fn lane(&self, lane: usize) -> BoundingBall {
@@ -59,7 +59,7 @@ impl Ball16 {
         }
     }
 
-    /// Puts a ball into a lane, which is counted modulo 16.
+    /// Puts a ball into a lane (modulo 16).
     #[inline(always)]
     pub const fn set(&mut self, lane: usize, ball: &BoundingBall) {
         let lane = lane & 15;

@@ -6,8 +6,8 @@
 //! | link of child `i` at byte | `32 K + 4 i` | `8 K + 4 i` |
 //! | size, k = 6 / 14 / 18 / 26 / 32 | 256 / 512 / 640 / 896 / 1088 | 64 / 128 / 160 / 224 / 272 |
 //!
-//! Planes `2 s` and `2 s + 1` are slab `s`. In a `Node16` they share one 64-byte line: one zmm, two ymm or
-//! four q registers.
+//! Planes `2 s` and `2 s + 1` form slab `s`. In a `Node16` they share one 64-byte line: one zmm, two ymm or four q
+//! registers.
 
 use super::{Child, Dop, Node, sealed};
 use crate::directions::Directions;
@@ -24,7 +24,7 @@ where
 {
     /// `planes[j][i]`: key of plane `j` of child `i`, [`Key::EMPTY`] in unused lanes.
     pub planes: [[i16; W]; K],
-    /// Where the lanes lead.
+    /// The links of the lanes.
     pub child: [Child; W],
     alignment: [<Arity<W> as Alignment>::Unit; 0],
     storage: PhantomData<S>,
@@ -36,11 +36,11 @@ pub type Node16<const K: usize, S = Fixed> = DopNode<16, K, S>;
 /// Four children.
 pub type Node4<const K: usize, S = Fixed> = DopNode<4, K, S>;
 
-/// The widths that nodes may have, 4 and 16, as types.
+/// The possible numbers of lanes of a node, 4 and 16, as types.
 #[derive(Copy, Clone, PartialEq, Debug)]
 pub struct Arity<const W: usize>;
 
-/// How nodes of a width are aligned. Implemented by `Arity<16>` and `Arity<4>` only.
+/// The alignment of nodes with this number of lanes. Implemented by `Arity<16>` and `Arity<4>` only.
 pub trait Alignment: sealed::Sealed {
     #[doc(hidden)]
     type Unit: Copy + PartialEq + Send + Sync + core::fmt::Debug + 'static;

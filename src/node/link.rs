@@ -1,12 +1,12 @@
-//! Links: what a lane of a node leads to.
+//! Links: the target of a node's lane.
 
 use super::Dop;
 
-/// What a lane of a node leads to, in 32 bits.
+/// The target of a node's lane, in 32 bits.
 ///
 /// | bits | meaning |
 /// |---|---|
-/// | all ones | nothing: the lane is unused |
+/// | all ones | empty: the lane is unused |
 /// | 31 = 0, 30..26, 25..0 | [`Width`] of the volume, index of an inner node |
 /// | 31 = 1, 30..27, 26..0 | leaf: number of primitives less one, index of the first |
 #[derive(Copy, Clone, PartialEq, Eq, Debug, bytemuck::Pod, bytemuck::Zeroable)]
@@ -32,31 +32,31 @@ pub enum Link {
 pub(crate) const LEAF_BIT: u32 = 1 << 31;
 const COUNT_SHIFT: u32 = 27;
 const WIDTH_SHIFT: u32 = 26;
-/// Of links to nodes.
+/// The index bits of a link to a node.
 pub(crate) const INDEX: u32 = (1 << WIDTH_SHIFT) - 1;
-/// Of links to primitives.
+/// The index bits of a link to primitives.
 pub(crate) const FIRST: u32 = (1 << COUNT_SHIFT) - 1;
 
 impl Child {
-    /// The link to the root, as if it were as narrow as a volume can be.
+    /// The link to the root, with the least width.
     pub const ROOT: Self = Self(0);
-    /// The unused lane.
+    /// The link of an unused lane.
     pub const EMPTY: Self = Self(u32::MAX);
-    /// A hierarchy has at most this many primitives, and so fewer nodes.
+    /// Maximum number of primitives of a hierarchy; it has fewer nodes.
     pub const MAX_PRIMITIVES: u32 = (1 << WIDTH_SHIFT) - MAX_LEAF_SIZE;
 
-    /// Link to a node, `index` below 2^26, whose volume has this width.
+    /// Link to a node, `index` below 2^26, with the width of its volume.
     pub(crate) const fn inner(index: u32, width: Width) -> Self {
         debug_assert!(index <= INDEX, "the index of a node has 26 bits");
         Self((width.0 as u32) << WIDTH_SHIFT | index)
     }
 
-    /// Link to the first node of a tree whose points are within these of its frame's centre along the axes.
+    /// Link to the first node of a tree; the coordinates of its points are at most `[x, y, z]` from the frame's centre.
     pub(crate) const fn root(index: u32, [x, y, z]: [f32; 3]) -> Self {
         Self::inner(index, Width::of(2.0 * ((x + y) + z)))
     }
 
-    /// How wide the volume of the node is that the link leads to. Of no meaning in other links.
+    /// The width of the node's volume. Meaningless in other links.
     #[inline]
     #[must_use]
     pub const fn width(self) -> Width {
@@ -72,7 +72,7 @@ impl Child {
         Self(LEAF_BIT | (count - 1) << COUNT_SHIFT | first)
     }
 
-    /// What the lane leads to.
+    /// Decodes the link.
     #[inline]
     #[must_use]
     pub const fn link(self) -> Link {
@@ -101,19 +101,19 @@ impl Link {
 /// Largest number of primitives in a leaf.
 pub const MAX_LEAF_SIZE: u32 = 16;
 
-/// How wide a volume is: the binary logarithm of the sum of its three axes' slabs, in the frame's unit, in 5
-/// bits. The code is the logarithm, rounded down, plus 14, at least 0 and at most 31: 2^17 holds what a frame
-/// makes of any body, and 2^-14 is a 10^-9th of it.
+/// The width of a volume: the binary logarithm of the sum of its slabs along the three axes, in the frame's unit, in 5
+/// bits. The code is the logarithm, rounded down, plus 14, clamped to 0 ..= 31: 2^17 is at least the width of any body
+/// in its frame, and 2^-14 is a 10^-9th of that.
 ///
-/// It only says which of two nodes a query opens first: no verdict hangs on it.
+/// It only decides which of two nodes a query opens first: no verdict depends on it.
 #[derive(Copy, Clone, PartialEq, Eq, PartialOrd, Ord, Debug)]
 pub struct Width(u8);
 
-/// The code of a volume that is as wide as 1 of its frame.
+/// The code of width 1 in the frame's unit.
 const CODE_OF_ONE: i32 = 14;
 
 impl Width {
-    /// Of a volume whose three axes' slabs sum to this, in the frame's unit. The widest for infinity and NaN.
+    /// The code for this sum of slabs, in the frame's unit. The greatest code for infinity and NaN.
     #[must_use]
     pub const fn of(sum: f32) -> Self {
         let exponent = (sum.to_bits() >> 23 & 0xff) as i32 - 127;
@@ -127,14 +127,13 @@ impl Width {
         })
     }
 
-    /// Of child `lane` of a node.
+    /// The width of child `lane` of a node.
     pub(crate) fn of_lane<N: Dop>(node: &N, lane: usize) -> Self {
         let slab = |s: usize| node.value(2 * s, lane) + node.value(2 * s + 1, lane);
         Self::of((slab(0) + slab(1)) + slab(2))
     }
 
-    /// By how many powers of two this is wider than the other in a frame whose unit is `2^exponent` times
-    /// this one's.
+    /// By how many powers of two this is wider than the other, in a frame whose unit is `2^exponent` times this one's.
     #[inline(always)]
     pub(crate) const fn excess(self, other: Self, exponent: i32) -> i32 {
         self.0 as i32 - other.0 as i32 - exponent

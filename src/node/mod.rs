@@ -1,9 +1,9 @@
-//! Nodes: links to what is below, and volumes that bound it.
+//! Nodes: the links and the bounding volumes of their children.
 //!
-//! [`Node`] is what every kind of node has: a fixed number of lanes, each with a link. [`Dop`] adds the
-//! planes of k-DOPs, which [`DopNode`] holds for [`Node16`] and [`Node4`]. A tree may have the [`NormalSlab`]s of its lanes
-//! beside its nodes, or, of spheres, their enclosing balls ([`Ball16`]). Trees over moving points
-//! have nodes of boxes, [`Aabb16`], and [`Bucket`]s.
+//! [`Node`] is what every kind of node has: a fixed number of lanes, each with a link. [`Dop`] adds the planes of
+//! k-DOPs, which [`DopNode`] holds for [`Node16`] and [`Node4`]. A tree may have the [`NormalSlab`]s of its lanes
+//! beside its nodes, or for spheres their bounding balls ([`Ball16`]). Trees over moving points have nodes of boxes,
+//! [`Aabb16`], and [`Bucket`]s.
 
 mod aabb;
 mod ball;
@@ -41,7 +41,7 @@ pub trait Node: bytemuck::Pod + Send + Sync + sealed::Sealed + core::fmt::Debug 
 
     /// The links of all lanes.
     fn children(&self) -> &[Child];
-    /// Makes `lane` a child.
+    /// Sets the link of `lane`.
     fn set_child(&mut self, lane: usize, child: Child);
 }
 

@@ -1,8 +1,8 @@
-//! The normal slab of a volume: a direction of its own, along which it is thinner than any of its planes.
+//! Normal slabs: a slab of a volume along a direction of its own, thinner than any of its k-DOP's slabs.
 //!
-//! A k-DOP of a smooth patch is as thick as the patch is wide times its tilt against the nearest direction;
-//! the slab along the patch's mean normal is as thick as the patch is curved. Near contact that is what tells
-//! two patches apart (DESIGN 6).
+//! The k-DOP of a smooth patch is as thick as the patch's width times its tilt against the nearest direction; the slab
+//! along the patch's mean normal is only as thick as the patch is curved. Near contact, such slabs separate two patches
+//! that k-DOPs do not.
 
 use crate::exact::power_of_two;
 use crate::range::Point;
@@ -12,11 +12,11 @@ use crate::range::Point;
 /// | bits | meaning |
 /// |---|---|
 /// | 11..0, 23..12 | x and y of the direction n, signed |
-/// | 39..24 | thickness, in lengths of 4096 units of the frame: the bits of a half that is not negative |
+/// | 39..24 | thickness, in lengths of 4096 units of the frame: a non-negative half-precision float |
 /// | 63..40 | low end, in lengths of 8 units of the frame, signed |
 ///
-/// The third coordinate of n is not negative, and `|x| + |y| + z` = 2047: n is a vector of integers, not of
-/// unit length, and exact. All points p of the child obey `low <= n . (p - centre) * 2^exponent <= high`.
+/// The third coordinate of n is not negative, and `|x| + |y| + z` = 2047: n is an exact vector of integers, not of unit
+/// length. All points p of the child obey `low <= n . (p - centre) * 2^exponent <= high`.
 #[derive(Copy, Clone, PartialEq, Eq, Debug, bytemuck::Pod, bytemuck::Zeroable)]
 #[repr(transparent)]
 pub struct NormalSlab(u64);
@@ -24,11 +24,11 @@ pub struct NormalSlab(u64);
 /// The sum of the magnitudes of a direction's coordinates.
 const NORMAL_SUM: f64 = 2047.0;
 
-/// One step of the low end.
+/// The step of the low end.
 const LOW_STEP: f64 = 8.0;
-/// What a thickness of 1 stands for.
+/// The unit of thicknesses.
 const THICKNESS_UNIT: f64 = 4096.0;
-/// The bits of the half that is infinite.
+/// The bits of an infinite half-precision float.
 const INFINITE: u64 = 0x7c00;
 /// The reciprocal of the length of a normal must be finite.
 #[cfg(feature = "alloc")]
@@ -38,7 +38,7 @@ const SHORTEST: f64 = power_of_two(-1000);
 const LOW_LIMIT: f64 = ((1 << 23) - 1) as f64;
 
 impl NormalSlab {
-    /// Everything is inside: an unbounded thickness. Of an unused lane, too.
+    /// Contains everything: its thickness is infinite. Also used for unused lanes.
     pub const EVERYWHERE: Self = Self(INFINITE << 24);
 
     /// The direction n.
@@ -50,12 +50,12 @@ impl NormalSlab {
         [x, y, (NORMAL_SUM - x.abs()) - y.abs()]
     }
 
-    /// The low and the high end, in the frame's unit times the sum of magnitudes of n. Exact; infinite if the
-    /// thickness is.
+    /// The low and the high end, in the frame's unit times the sum of magnitudes of n. Exact; infinite if the thickness
+    /// is.
     #[inline(always)]
     #[must_use]
     pub const fn ends(self) -> [f64; 2] {
-        // The half's fields moved into place give its value times 2^-1008.
+        // The fields of a half-precision float, moved into place, give its value times 2^-1008.
         let half = (self.0 >> 24) & 0xffff;
         let thickness = f64::from_bits(half << 42) * (THICKNESS_UNIT * power_of_two(1008));
         if half == INFINITE {
@@ -65,7 +65,7 @@ impl NormalSlab {
         [low, low + thickness]
     }
 
-    /// Whether the bits are such a slab.
+    /// Whether the bits are a valid slab.
     #[must_use]
     pub fn is_valid(self) -> bool {
         let [x, y, z] = self.normal();
@@ -73,8 +73,8 @@ impl NormalSlab {
         x.abs() + y.abs() <= NORMAL_SUM && z >= 0.0 && thickness <= INFINITE
     }
 
-    /// The slab along about `normal`, of any length and either sign, whose ends `extent` gives for the
-    /// direction that was chosen, rounded by less than [`NormalSlab::EXTENT_ERROR`].
+    /// The slab along a direction near `normal`, of any length and either sign. `extent` returns the ends along the
+    /// chosen direction, with an error below [`NormalSlab::EXTENT_ERROR`].
     #[cfg(feature = "alloc")]
     pub(crate) fn new(normal: Point, extent: impl FnOnce(Point) -> (f64, f64)) -> Self {
         let [x, y, z] = normal;
@@ -83,7 +83,7 @@ impl NormalSlab {
             return Self::EVERYWHERE;
         }
         let scale = NORMAL_SUM / if z < 0.0 { -sum } else { sum };
-        // Rounded by adding a half and cutting off, which any direction near the one asked for may be.
+        // Rounded by adding a half and truncating; any direction near the given one will do.
         let nearest = |x: f64| (x * scale + if x * scale < 0.0 { -0.5 } else { 0.5 }) as i64;
         let x = nearest(x);
         let rest = NORMAL_SUM as i64 - x.abs();
@@ -100,13 +100,13 @@ impl NormalSlab {
             return Self::EVERYWHERE;
         }
         let nearest = half::f16::from_f64(thickness);
-        // The code after the largest finite half is infinity, as it should be.
+        // The code after the largest finite one is infinity, as required.
         let is_below = nearest.to_f64() < thickness;
         let thickness = nearest.to_bits() + u16::from(is_below);
         Self(direction.0 | u64::from(thickness) << 24 | (steps as u64) << 40)
     }
 
-    /// By how much the ends that a slab is made of may be wrong: far less than a step.
+    /// The maximum error of the ends that a slab is made from: far less than a step.
     #[cfg(feature = "alloc")]
     pub(crate) const EXTENT_ERROR: f64 = 1.0 / (1_u64 << 22) as f64;
 }
@@ -161,11 +161,11 @@ mod tests {
 
     #[test]
     fn ends_hold_extents_that_are_rounded() {
-        // Five roundings of 2^-53 of 2047 * 2^15: what the sums of a construction may be wrong by, and more.
+        // More than five roundings of 2^-53 of 2047 * 2^15, the error of the sums of a construction.
         let wrong = power_of_two(-24);
         for steps in [-8_000_000.0, -1.0, 0.0, 1.0, 12_345.0] {
             for thickness in [0.0, 128.0, 4096.0, 12_288.0] {
-                // Ends that a slab can hold exactly, as they come out of rounded sums.
+                // Ends that a slab can hold exactly, with the error of rounded sums.
                 let (low, high) = (steps * LOW_STEP, steps * LOW_STEP + thickness);
                 let ends = NormalSlab::new([1.0, 2.0, 3.0], |_| (low, high)).ends();
                 assert!(ends[0] <= low - wrong && ends[1] >= high + wrong, "{low} {high}: {ends:?}");

@@ -1,4 +1,4 @@
-//! Queries between trees whose node type is known at run time only.
+//! Queries between trees whose node type is known only at run time.
 
 use super::distance::Distance;
 use super::entry::{Answer, Completion, Pair, PrimitivePair, Query, QueryStats, ToleranceError};
@@ -8,17 +8,17 @@ use crate::primitive::Primitive;
 use core::fmt;
 use core::ops::ControlFlow;
 
-/// Why two trees of any node type cannot be asked.
+/// Why a query between two trees of any node type is impossible.
 #[derive(Copy, Clone, PartialEq, Debug)]
 pub enum AnyError {
-    /// The two have nodes of different types: build one of them anew.
+    /// The nodes have different types: rebuild one of the trees.
     OtherNode {
         /// Of body A.
         a: NodeType,
         /// Of body B.
         b: NodeType,
     },
-    /// The margin or tolerance cannot be.
+    /// The margin or tolerance is invalid.
     Tolerance(ToleranceError),
 }
 
@@ -92,7 +92,7 @@ impl Query {
     /// [`Query::within`].
     ///
     /// # Errors
-    /// [`AnyError`] if the two have nodes of different types, or the margin cannot be.
+    /// [`AnyError`] if the two have nodes of different types, or the margin is invalid.
     #[inline]
     pub fn within_any<P: PrimitivePair<Q>, Q: PrimitivePair<P>>(
         &self,
@@ -107,7 +107,7 @@ impl Query {
     /// [`Query::distance`].
     ///
     /// # Errors
-    /// [`AnyError`] if the two have nodes of different types, or the tolerance cannot be.
+    /// [`AnyError`] if the two have nodes of different types, or the tolerance is invalid.
     #[inline]
     pub fn distance_any<P: PrimitivePair<Q>, Q: PrimitivePair<P>>(
         &self,

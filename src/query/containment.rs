@@ -1,13 +1,13 @@
 //! Solids: whether a body that meets no primitive of another is inside of it.
 //!
-//! Each part of a body hangs together, so if it meets no triangle of a solid it is inside with all of its points, or
-//! outside with all of them: one corner decides, as the pose moves it. It is inside if the surface winds around it, which is
-//! the sum of the triangles that a ray from it crosses, each 1 where the ray leaves and -1 where it enters
-//! ([`Primitive::crossing`]). The ray goes along the first axis of B's frame, whichever body is the solid, so that the
-//! verdict is for the same numbers as all others are: corners of A as [`Pose::apply`] moves them.
+//! Each part of a body is connected. If it meets no triangle of a solid, all of it is inside or all of it outside, so
+//! one moved corner decides. It is inside if the winding number of the surface about it is not zero: the sum over the
+//! triangles that a ray from the corner crosses, 1 where the ray leaves and -1 where it enters
+//! ([`Primitive::crossing`]). The ray runs along the first axis of B's frame, whichever body is the solid, so that the
+//! test uses the same numbers as all others: corners of A as [`Pose::apply`] moves them.
 //!
-//! For volumes the ray is a k-DOP ([`Ray`]), which the kernels take down the tree of the solid. This is all out of the way of
-//! a traversal: a call that is made only if a body is solid and nothing else was found.
+//! For the volumes of the solid's tree the ray is a k-DOP ([`Ray`]), with which the kernels traverse the tree. None of
+//! this runs in a traversal: it is called only if a body is solid and no primitives met.
 
 use super::entry::{Found, Query, QueryStats};
 use super::lanes::Lanes;
@@ -22,27 +22,27 @@ use crate::primitive::Primitive;
 use crate::range::Point;
 use crate::realign::Ray;
 
-/// Where bodies are whose primitives do not meet.
+/// The relation of bodies whose primitives do not meet.
 #[derive(Copy, Clone, Debug)]
 pub(in crate::query) enum Containment {
-    /// Each is outside of the other.
+    /// Neither has a part inside of the other.
     Outside,
-    /// A part of one is inside of the other, which is solid: the primitives are one of the part, and the one with the
-    /// lowest index in what was built of those that the ray crosses. The point is in both bodies.
+    /// A part of one is inside of the other, which is solid. `found` holds the part's primitive and, of the primitives
+    /// that the ray crosses, the one with the lowest source index. The point is in both bodies.
     Inside { found: Found, point: Point },
-    /// The budget was spent before it was known. The bodies are no farther apart than this.
+    /// The budget was spent before the relation was known. The distance of the bodies is at most `upper`.
     OutOfBudget { upper: f64 },
 }
 
-/// A part that is inside of a solid: the primitive that stands for it, the one of the solid that is named with it, and a
-/// point of it.
+/// A part that is inside of a solid: the primitive that represents it, the solid's primitive to report with it, and a
+/// point of the part.
 struct Inner {
     part: u32,
     crossed: u32,
     point: Point,
 }
 
-/// A node on the way down, and its children that are still to be looked at.
+/// A node on the path, and its children that are still to be visited.
 #[derive(Copy, Clone)]
 struct Descended {
     node: u32,
@@ -50,9 +50,9 @@ struct Descended {
 }
 
 impl Query {
-    /// Whether a part of either body, none of whose primitives meet, is inside of the other. The work is added to the
-    /// counters, whose visits the budget bounds.
-    // Out of the way of programs whose bodies are surfaces.
+    /// Whether a part of either body is inside of the other, given that no primitives meet. The work is added to the
+    /// query statistics, whose visits the budget bounds.
+    // Not inlined: programs whose bodies are surfaces do not need it.
     #[cold]
     #[inline(never)]
     pub(in crate::query) fn place<N: Lanes, P: Primitive, Q: Primitive>(
@@ -84,8 +84,8 @@ impl Query {
         }
     }
 
-    /// The first part of a body, where the pose places it if there is one, that is inside of a solid. An error if the budget
-    /// was spent: no less than the distance of the bodies.
+    /// The first part of a body that is inside of a solid; a pose, if there is one, places the body. If the budget was
+    /// spent, the error is an upper bound of the distance of the bodies.
     fn first_inner<N: Lanes, P: Primitive, Q: Primitive>(
         &self,
         body: &BvhRef<'_, N, Q>,
@@ -106,8 +106,8 @@ impl Query {
         Ok(None)
     }
 
-    /// If a solid, where a pose places it, winds around a point, the crossed primitive with the lowest index in what was built.
-    /// The point is of what is so large. An error if the budget was spent.
+    /// If a solid, placed by a pose, winds around a point, the crossed primitive with the lowest source index. `of`
+    /// bounds the body of the point. An error if the budget was spent.
     pub(crate) fn winds_around<N: Lanes, P: Primitive>(
         &self,
         solid: &BvhRef<'_, N, P>,
@@ -120,8 +120,8 @@ impl Query {
         self.around(&PlacedTree { tree: solid, pose: Some(pose) }, point, &ray, stats)
     }
 
-    /// If the solid winds around the point, the crossed primitive with the lowest index in what was built. An error if the
-    /// budget was spent: no less than the distance of the point from the solid.
+    /// If the solid winds around the point, the crossed primitive with the lowest source index. If the budget was
+    /// spent, the error is an upper bound of the distance of the point from the solid.
     fn around<N: Lanes, P: Primitive>(
         &self,
         solid: &PlacedTree<'_, N, P>,
@@ -133,7 +133,7 @@ impl Query {
     }
 }
 
-/// Not part of its caller, where the frame of the scalar code would lie below that of the instruction set that is used.
+/// Not inlined: the stack frame of the scalar code would add to that of the selected instruction set.
 #[inline(never)]
 fn around_on<N: Lanes, P: Primitive, E: Kernel>(
     kernel: E,
@@ -154,7 +154,7 @@ fn around_on<N: Lanes, P: Primitive, E: Kernel>(
             let mut level = 0;
             let mut next = (!solid.tree.is_empty()).then_some(0);
             loop {
-                // One loop with one call of the kernel, so that it is inlined.
+                // A loop with a single call of the kernel, so that it is inlined.
                 if let Some(node) = next.take() {
                     if stats.visits == budget {
                         return Err(distance_bound(solid, point));

@@ -1,10 +1,10 @@
 //! Queries between two hierarchies of one node type, at a pose: no heap, a fixed stack, exact verdicts.
 //!
-//! [`Query`] holds what the caller chooses, the instruction set above all; its methods are the entries.
+//! [`Query`] holds the settings, above all the instruction set; its methods are the queries.
 //!
-//! Queries share nothing that could be set up once for several poses or pairs, and allocate nothing: a loop is as fast as any
-//! batch. A [`Query`], a [`BvhRef`] and a [`Pose`] are `Copy`, `Send` and `Sync`: threads (`std::thread::scope`, rayon) can
-//! divide the poses, and each answer is what one thread gives:
+//! A query has no state that several poses or pairs could share, and allocates nothing: a loop is as fast as any batch.
+//! [`Query`], [`BvhRef`] and [`Pose`] are `Copy`, `Send` and `Sync`: threads (`std::thread::scope`, rayon) can divide
+//! the poses, and the answers are those of a single thread:
 //!
 //! ```
 //! # use simdop::{Builder, Isa, Mesh, Pose, Query};
@@ -12,7 +12,8 @@
 //! # let triangles = [[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]];
 //! # let body = Builder::new().build(&Mesh { vertices: &vertices, triangles: &triangles })?;
 //! # let poses: Vec<Pose> = [0.1, 0.7, 1.5, 9.0].into_iter()
-//! #     .map(|x| Pose::from_rows([[1.0, 0.0, 0.0, x], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0]]).unwrap()).collect();
+//! #     .map(|x| Pose::from_rows([[1.0, 0.0, 0.0, x], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0]]).unwrap())
+//! #     .collect();
 //! let (view, query) = (body.view(), Query::new(Isa::detect()));
 //! let mut free = vec![false; poses.len()];
 //! let share = poses.len().div_ceil(2);

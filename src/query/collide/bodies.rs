@@ -1,14 +1,14 @@
 //! The two bodies of a traversal.
 //!
-//! **Which body is rotated.** The one whose k-DOPs grow less ([`Header::rotation_growth`]). In a traversal `a` is that body
-//! and `b` the one that keeps its frame, whichever of the query's A and B they are: volumes of a are rotated by the pose, or
-//! by its inverse ([`InversePose`]). Primitives are tested where the pose moves those of the query's A: [`Placing`] says
-//! which body that is.
+//! **Which body is rotated.** The one whose k-DOPs grow less ([`Header::rotation_growth`]). In a traversal `a` is that
+//! body and `b` the one that keeps its frame, whichever of the query's A and B they are: volumes of a are rotated by
+//! the pose, or by its inverse ([`InversePose`]). Primitives are always tested with the pose applied to those of the
+//! query's A: [`Placing`] records which body that is.
 //!
-//! **Unlike sizes.** Two nodes are opened both at once only if their volumes are of like width. Else a small body would be
-//! descended to its leaves while the other is still at nodes that are larger than all of it, and every pair of such a leaf
-//! and such a node overlaps. So the wider node is opened alone, its children against the narrower volume as a whole, until
-//! the two are alike. The widths are in the links ([`Width`]).
+//! **Different sizes.** Two nodes are opened at once only if their volumes are of similar width. Otherwise a small body
+//! would be traversed to its leaves while the other is still at nodes larger than all of it, and every pair of such a
+//! leaf and such a node overlaps. So the wider node is opened alone, and its children are tested against the narrower
+//! volume as a whole, until the two are similar. The widths are in the links ([`Width`]).
 
 use super::stack::{Next, Volumes};
 use crate::hierarchy::BvhRef;
@@ -21,19 +21,19 @@ use crate::query::setup::{PlacedTree, Placing, placed};
 #[cfg(doc)]
 use crate::realign::InversePose;
 
-/// Body a, which is rotated, body b, which keeps its frame, and how.
+/// Body a, which is rotated, body b, which keeps its frame, and the map between them.
 pub(super) struct Bodies<'t, N: Lanes, P: Primitive, Q: Primitive> {
     pub(super) a: &'t BvhRef<'t, N, P>,
     pub(super) b: &'t BvhRef<'t, N, Q>,
     pub(super) placing: &'t Placing<'t>,
     /// Rotates volumes of a into the frame of b.
     pub(super) map: &'t N::Map,
-    /// How many powers of two the unit of a's frame is larger than that of b's.
+    /// Binary logarithm of the unit of a's frame divided by that of b's.
     units: i32,
 }
 
-/// A node is opened alone if it is wider than the other by this many powers of two, that is by a factor of 4
-/// to 16: below, bodies of like size would be opened in turns, which costs them more visits.
+/// A node is opened alone if it is wider than the other by this many powers of two, that is by a factor of 4 to 16.
+/// With a smaller limit, bodies of similar size would be opened alternately, which takes more visits.
 const MUCH_WIDER: i32 = 3;
 
 impl<'t, N: Lanes, P: Primitive, Q: Primitive> Bodies<'t, N, P, Q> {
@@ -81,7 +81,7 @@ impl<'t, N: Lanes, P: Primitive, Q: Primitive> Bodies<'t, N, P, Q> {
         self.b.nodes()[node as usize].children()[lane]
     }
 
-    /// The children that a bit on the stack stands for.
+    /// The pair of children of a bit on the stack.
     #[inline(always)]
     pub(super) fn below(&self, Next { volumes, opened, row, bit }: Next) -> Volumes {
         let mut below = volumes;
@@ -99,7 +99,7 @@ impl<'t, N: Lanes, P: Primitive, Q: Primitive> Bodies<'t, N, P, Q> {
         below
     }
 
-    /// Both bodies, with the pose at the query's A.
+    /// Both bodies, with the pose on the query's A.
     #[inline(always)]
     pub(super) fn placed(&self) -> (PlacedTree<'t, N, P>, PlacedTree<'t, N, Q>) {
         placed((self.a, self.b), self.placing)

@@ -1,4 +1,4 @@
-//! When a traversal ends.
+//! How a traversal ends.
 
 use crate::query::entry::Found;
 use core::ops::ControlFlow;
@@ -6,7 +6,7 @@ use core::ops::ControlFlow;
 /// Why a traversal ended early.
 #[derive(Copy, Clone, Debug)]
 pub(in crate::query) enum Stop {
-    /// The visitor broke off.
+    /// The visitor stopped it.
     Visitor,
     /// The budget is spent. `upper`: the distance of two corners below a pending pair.
     Budget { upper: f64 },
@@ -14,6 +14,6 @@ pub(in crate::query) enum Stop {
 
 pub(super) type Flow = ControlFlow<Stop>;
 
-/// Called for each pair that meets. A `dyn` call: few pairs meet, and each concrete visitor would compile the traversal
-/// once more.
+/// Called for each pair that meets. A `dyn` call: few pairs meet, and each concrete visitor would instantiate the
+/// traversal again.
 pub(in crate::query) type Visitor<'v> = &'v mut dyn FnMut(Found) -> ControlFlow<()>;

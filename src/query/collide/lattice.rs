@@ -1,5 +1,5 @@
-//! Leaves on cores that have no `f64`: by corners on a lattice of integers where these are certain, else as everywhere. Which
-//! of the two decides changes no verdict, no plane and no counter ([`LatticeProbe`]).
+//! Leaves on cores that have no `f64`: tested with corners on an integer lattice where that is certain, otherwise as on
+//! all machines. Which of the two decides changes no verdict, no plane and no query statistics ([`LatticeProbe`]).
 
 use super::flow::{Flow, Stop};
 use crate::frame::Frame;
@@ -13,7 +13,7 @@ use crate::query::setup::{PlacedTree, Placing, Side};
 use crate::realign::ALL;
 use core::ops::ControlFlow;
 
-/// The lattice of a query, made when it is first needed; none if the bodies have none.
+/// The lattice of a query, made when first needed; none if the bodies have none.
 #[derive(Default, Debug)]
 pub(super) struct TestLattice(Option<Option<Lattice>>);
 
@@ -42,7 +42,7 @@ fn corners_of<N: Lanes, P: Primitive>(
     P::on_lattice(body.tree.store(), index, lattice, body.pose.is_some())
 }
 
-/// One primitive against those of some leaves.
+/// Tests one primitive against those of some leaves.
 #[inline(never)]
 pub(super) fn decide_on_lattice<N: Lanes, One: PrimitivePair<Other>, Other: PrimitivePair<One>>(
     lattice: Option<&Lattice>,
@@ -85,7 +85,8 @@ fn meet<N: Lanes, One: PrimitivePair<Other>, Other: PrimitivePair<One>>(
     One::meets(&One::probe(&one.item(i), 0.0), &other.item(j), exact)
 }
 
-/// The planes of leaf `a`, which `placing` places in body b, in a frame of b, as far as they are certain: of the others a bit each.
+/// The planes of leaf `a`, which `placing` places in body b, in a frame of b, where they are certain. Returns a bit for
+/// each of the others.
 #[inline(always)]
 pub(super) fn aim_on_lattice<N: Lanes, P: Primitive, Q: Primitive>(
     lattice: &mut TestLattice,
@@ -102,8 +103,8 @@ pub(super) fn aim_on_lattice<N: Lanes, P: Primitive, Q: Primitive>(
     }
 }
 
-/// The way back has a lattice of its own.
-// Not a part of its caller, of whose stack it would take more.
+/// The inverse pose has a lattice of its own.
+// Not inlined: it would enlarge the caller's stack frame.
 #[cold]
 #[inline(never)]
 fn aim_back<N: Lanes, P: Primitive, Q: Primitive>(

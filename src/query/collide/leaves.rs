@@ -1,4 +1,4 @@
-//! Pairs of leaves: decided when their bits appear.
+//! Pairs of leaves: tested as soon as a kernel reports that they overlap.
 
 use super::bodies::Bodies;
 use super::flow::{Flow, Stop, Visitor};
@@ -11,7 +11,7 @@ use crate::query::lanes::{Descent, Lanes, Rows, bits_of};
 use crate::query::setup::{LookAhead, Margin, Side, is_near};
 use core::ops::ControlFlow;
 
-/// Children of a node that are leaves.
+/// The children of a node that are leaves.
 #[derive(Copy, Clone)]
 pub(super) struct Leaves<'t> {
     children: &'t [Child],
@@ -19,7 +19,7 @@ pub(super) struct Leaves<'t> {
 }
 
 impl<'t> Leaves<'t> {
-    /// Of the children that the bits name.
+    /// Those among `bits`.
     #[inline(always)]
     fn among(children: &'t [Child], bits: u16) -> Self {
         let mut lanes = 0;
@@ -41,7 +41,7 @@ impl Iterator for Leaves<'_> {
     }
 }
 
-/// What pairs of leaves are decided with.
+/// The state of the tests of pairs of leaves.
 pub(super) struct LeafPairs<'t, M: Margin> {
     margin: M,
     /// Culls primitives that are farther from each other than the margin.
@@ -49,10 +49,10 @@ pub(super) struct LeafPairs<'t, M: Margin> {
     visit: Visitor<'t>,
 }
 
-/// Whether pairs are first tested on a lattice.
+/// Whether pairs are first tested on an integer lattice.
 #[inline(always)]
 fn is_on_lattice<P: Primitive, Q: Primitive, E: Kernel>(margin: f64) -> bool {
-    // A margin is a constant where bodies have to touch.
+    // The margin is the constant 0 if bodies have to touch.
     E::ON_LATTICE && P::IS_ON_LATTICE && Q::IS_ON_LATTICE && margin == 0.0
 }
 
@@ -67,7 +67,7 @@ impl<'t, M: Margin> LeafPairs<'t, M> {
         self.margin
     }
 
-    /// Decides the pairs of leaves among the bits, and clears them.
+    /// Tests the pairs of leaves among the bits, and clears them.
     #[inline(always)]
     pub(super) fn decide<N: Lanes, P: PrimitivePair<Q>, Q: PrimitivePair<P>, E: Kernel>(
         &mut self,
@@ -101,13 +101,13 @@ impl<'t, M: Margin> LeafPairs<'t, M> {
                     rows.set(0, bits & !leaves.lanes);
                 }
             }
-            // A node of a that was opened alone: no child of b to decide its leaves against.
+            // A node of a that was opened alone has no child of b to test its leaves against.
             _ => {}
         }
         Flow::Continue(())
     }
 
-    /// Every primitive of a leaf of a against every primitive of some leaves of b.
+    /// Tests every primitive of a leaf of a against every primitive of some leaves of b.
     #[inline(always)]
     fn decide_a<N: Lanes, P: PrimitivePair<Q>, Q: PrimitivePair<P>, E: Kernel>(
         &mut self,
@@ -130,7 +130,7 @@ impl<'t, M: Margin> LeafPairs<'t, M> {
         }
         for i in one.link().primitives() {
             let item = placing.item_a(a, i);
-            // Closures that are not said to be inlined were calls, out of the gate.
+            // Closures without `inline` became calls, outside of the gate.
             decide_one::<P, Q, E, M>(
                 kernel,
                 (self.margin, &mut self.ahead),
@@ -146,7 +146,7 @@ impl<'t, M: Margin> LeafPairs<'t, M> {
         Flow::Continue(())
     }
 
-    /// Every primitive of a leaf of b against every primitive of some leaves of a.
+    /// Tests every primitive of a leaf of b against every primitive of some leaves of a.
     #[inline(always)]
     fn decide_b<N: Lanes, P: PrimitivePair<Q>, Q: PrimitivePair<P>, E: Kernel>(
         &mut self,
@@ -185,8 +185,8 @@ impl<'t, M: Margin> LeafPairs<'t, M> {
     }
 }
 
-/// One primitive, which is of the query's A or not, against those of some leaves, four at a time through the filter. With a margin those
-/// that are farther apart along an axis are left out first.
+/// Tests one primitive, of the query's A or B, against those of some leaves, four at a time through the filter. With a
+/// margin, an axis culls far primitives first.
 #[inline(always)]
 fn decide_one<One: PrimitivePair<Other>, Other: PrimitivePair<One>, E: Kernel, M: Margin>(
     kernel: E,
@@ -225,13 +225,13 @@ fn decide_one<One: PrimitivePair<Other>, Other: PrimitivePair<One>, E: Kernel, M
                 break;
             }
         }
-        // A single pair is decided as fast by the test itself.
+        // A single pair is tested as fast without the filter.
         let apart = if len > 1 { One::apart_4(kernel, &probe, &others) } else { 0 };
         for k in bits_of(!apart & ((1 << len) - 1)) {
             let (other, exact) = (&others[k & 3], &mut stats.exact_pairs);
             let meets = match (margin > 0.0, is_of_a) {
                 (false, _) => One::meets(&probe, other, exact),
-                // By an axis that was found since.
+                // By an axis that was found in the meantime.
                 (true, _) if is_far(ahead, other) => false,
                 (true, true) => is_near::<One, Other, _>(item, other, (margin, reach, ahead), exact),
                 (true, false) => is_near::<Other, One, _>(other, item, (margin, reach, ahead), exact),

@@ -1,4 +1,4 @@
-//! Do two bodies meet, and which of their primitives do: both trees are descended at once.
+//! Whether two bodies meet, and which of their primitives do, by a simultaneous traversal of both trees.
 
 mod bodies;
 mod flow;
@@ -25,14 +25,14 @@ use core::ops::ControlFlow;
 use flow::Stop;
 
 impl Query {
-    /// Does body `a`, placed by `pose` in the frame of body `b`, meet `b`? Touching counts, and so does being inside of a
-    /// [solid](crate::construct::Builder::solid) body: then the primitives of the hit are any one of the part that is
-    /// inside, and one of the solid's.
+    /// Does body `a`, placed by `pose` in the frame of body `b`, meet `b`? Touching counts, and so does being inside of
+    /// a [solid](crate::construct::Builder::solid) body: then the hit names a primitive of the part that is inside, and
+    /// one of the solid's.
     ///
-    /// The verdict is exact for the corners of `a` moved by [`Pose::apply`]. First hit ends it.
+    /// The verdict is exact for the corners of `a` moved by [`Pose::apply`]. The query ends at the first hit.
     ///
-    /// The order of the bodies hardly matters to speed: whichever of them gets less loose by it is turned into the frame
-    /// of the other ([`rotation_growth`](crate::hierarchy::Header::rotation_growth)).
+    /// The order of the bodies hardly matters to speed: the query rotates the body whose k-DOPs grow less
+    /// ([`rotation_growth`](crate::hierarchy::Header::rotation_growth)).
     pub fn collide<A: AsBvh, B: AsBvh<Node = A::Node>>(&self, a: &A, b: &B, pose: &Pose) -> Answer
     where
         A::Node: Lanes,
@@ -49,7 +49,7 @@ impl Query {
         })
     }
 
-    /// Makes the answer of two surfaces that of bodies which may be solid.
+    /// Adds containment to the answer of two surfaces, for bodies that may be solid.
     #[inline]
     pub(in crate::query) fn add_inside<N: Lanes, P: Primitive, Q: Primitive>(
         &self,
@@ -60,7 +60,7 @@ impl Query {
     ) {
         match &mut answer.verdict {
             _ if !(a.is_solid() || b.is_solid()) => {}
-            // Nothing is inside of what was empty, or met by the hint.
+            // Without visits the bodies are empty or the hint is a hit: no body is inside of the other.
             _ if answer.stats.visits == 0 => {}
             Verdict::Hit(_) => {}
             Verdict::Unknown { lower, .. } => *lower = 0.0,
@@ -72,9 +72,8 @@ impl Query {
         }
     }
 
-    /// The first pair of primitives at most `margin` apart: that of the hint, or the first that the traversal
-    /// finds.
-    // Work is counted where they are answered: as a copy they would have to wait for their stores.
+    /// The first pair of primitives at most `margin` apart: that of the hint, or the first that the traversal finds.
+    // Counts in the answer itself: a copy of the counters would stall on their stores.
     #[inline(always)]
     pub(in crate::query) fn first_pair<N: Lanes, P: PrimitivePair<Q>, Q: PrimitivePair<P>>(
         &self,
@@ -102,8 +101,8 @@ impl Query {
         answer
     }
 
-    /// Calls `visit` with every pair of primitives that meet, each once, until it breaks. A hint is not heeded. Of bodies
-    /// that are inside of a solid, and meet none of its triangles, there is no pair.
+    /// Calls `visit` with every pair of primitives that meet, each once, until it breaks. The hint is ignored. Bodies
+    /// that are inside of a solid and meet none of its triangles have no pair.
     pub fn for_each_pair<A: AsBvh, B: AsBvh<Node = A::Node>>(
         &self,
         a: &A,
@@ -133,7 +132,7 @@ impl Query {
 }
 
 /// Whether the primitives of a hint meet.
-// Not a part of a query, of whose traversal it would take stack.
+// Not inlined: it would enlarge the stack frame of the traversal.
 #[inline(never)]
 fn meet<N: Lanes, P: PrimitivePair<Q>, Q: PrimitivePair<P>>(
     found: Found,

@@ -1,27 +1,27 @@
-//! Pairs of children and their normal slabs: what a query that has become long asks before each visit.
+//! The test of two children by their normal slabs, which a long query makes before each visit.
 //!
-//! Child a of A has `low_a <= n_a . x <= high_a`, child b of B likewise with `n_b` and y; x and y are points in
-//! the frames of the two trees. A point of A stands at `y = rho M x + s` in B's frame, with the ratio rho of
-//! the units and the shift s of the centres. Along `n_b`, with `u = transpose(M) n_b`, a covers
+//! Child a of A has `low_a <= n_a . x <= high_a`, child b of B likewise with `n_b` and y; x and y are points in the
+//! frames of the two trees. A point of A is at `y = rho M x + s` in B's frame, with the ratio rho of the units and the
+//! shift s of the centres. Along `n_b`, with `u = transpose(M) n_b`, a covers
 //!
 //! ```text
 //! rho u . x + n_b . s,      u = alpha n_a + r,      alpha = u . n_a / n_a . n_a
 //! ```
 //!
-//! and so at most `alpha [low_a, high_a]` plus the support of its planes along r: three of them by weights, as
-//! in re-alignment. r is small for patches that nearly touch, whose normals are nearly parallel: the bound is
-//! as thin as both slabs. Along `v = M n_a` likewise: there a covers `rho [low_a, high_a] + v . s`, but for
-//! what M is not a rotation, and b at most `beta [low_b, high_b]` plus its support along `v - beta n_b`.
+//! and so at most `alpha [low_a, high_a]` plus the support of its planes along r: a weighted sum of three planes, as in
+//! re-alignment. r is small for patches that nearly touch, whose normals are nearly parallel: the bound is as thin as
+//! both slabs. Along `v = M n_a` likewise: there a covers `rho [low_a, high_a] + v . s`, except for M's deviation from
+//! a rotation, and b at most `beta [low_b, high_b]` plus its support along `v - beta n_b`.
 //!
-//! All in `f64`, so one pad for the whole query does:
+//! All computations are in `f64`, so a single pad for the whole query suffices. It is the sum of these, times 4096,
+//! which bounds the magnitudes of n and v:
 //!
-//! | what was rounded | the pad, times 4096, which bounds the magnitudes of n and v |
-//! |---|---|
-//! | u, v, alpha, beta, r and its weights | `2^-44 (rho sum half_width_a + sum half_width_b)` |
-//! | sums of planes, and slabs | `2^-44 (rho max_plane_a + max_plane_b + rho + 1)` |
-//! | the frames' centres, moved corners | `2^-46 (coordinates)` |
-//! | coordinates of moved corners that [`Pose::apply`] flushes to zero | `2^-250` |
-//! | M is not a rotation: `v . M x = n_a . x + (transpose(M) M - 1) n_a . x` | `rho max abs(transpose(M) M - 1) sum half_width_a` |
+//! * u, v, alpha, beta, r and its weights: `2^-44 (rho sum half_width_a + sum half_width_b)`;
+//! * sums of planes, and slabs: `2^-44 (rho max_plane_a + max_plane_b + rho + 1)`;
+//! * the frames' centres, moved corners: `2^-46 (coordinates)`;
+//! * coordinates of moved corners that [`Pose::apply`] flushes to zero: `2^-250`;
+//! * M is not a rotation, `v . M x = n_a . x + (transpose(M) M - 1) n_a . x`: `rho max abs(transpose(M) M - 1) sum
+//!   half_width_a`.
 
 use crate::exact::power_of_two;
 use crate::frame::BodyBounds;
@@ -31,13 +31,13 @@ use crate::query::lanes::{AT_ONCE, Lanes};
 use crate::range::{MIN_COORDINATE, Point};
 use crate::realign::{F64_SLACK, coordinates, shift};
 
-/// What of a pose and two bodies is the same for all pairs.
+/// What is the same for all pairs of a query.
 #[derive(Copy, Clone, Debug)]
 pub(super) struct NormalTest<'t> {
     pose: &'t Pose,
-    /// Where the centre of A's frame is, in B's frame.
+    /// The centre of A's frame, in B's frame.
     shift: Point,
-    /// Units of B's frame in one of A's.
+    /// The unit of A's frame divided by that of B's.
     ratio: f64,
     pad: f64,
 }
@@ -50,7 +50,7 @@ pub(super) struct NormalChild<'t, N> {
     pub(super) slab: NormalSlab,
 }
 
-/// Bounds the sum of magnitudes of a direction, and of a direction that a pose turned.
+/// Bounds the sum of magnitudes of a direction, before and after a rotation by the pose.
 const SUM: f64 = 4096.0;
 
 impl<'t> NormalTest<'t> {
@@ -83,7 +83,7 @@ impl<'t> NormalTest<'t> {
         b: &[NormalChild<'_, N>; AT_ONCE],
     ) -> u16 {
         let (m, shift) = (self.pose.rows(), &self.shift);
-        // By columns, a pair a lane.
+        // By columns, one pair a lane.
         let ([mut low_a, mut high_a], mut n_a) = ([[0.0; AT_ONCE]; 2], [[0.0; AT_ONCE]; 3]);
         let ([mut low_b, mut high_b], mut n_b) = ([[0.0; AT_ONCE]; 2], [[0.0; AT_ONCE]; 3]);
         for j in 0..AT_ONCE {
@@ -114,7 +114,7 @@ impl<'t> NormalTest<'t> {
         let greater = |x: f64, y: f64| if x > y { x } else { y };
         let mut apart = [0_u16; AT_ONCE];
         for j in 0..AT_ONCE {
-            // An unbounded slab gives infinities of both signs or NaN, of which all comparisons are false.
+            // An unbounded slab gives infinities of both signs or NaN, for which all comparisons are false.
             let (x, y) = (alpha[j] * low_a[j], alpha[j] * high_a[j]);
             let low = (self.ratio * (lesser(x, y) + low_r[j]) + along_b[j]) - self.pad;
             let high = (self.ratio * (greater(x, y) + high_r[j]) + along_b[j]) + self.pad;

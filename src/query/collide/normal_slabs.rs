@@ -1,4 +1,4 @@
-//! In a long query, pending pairs are culled once more by their normal slabs ([`super::normal_gap`]).
+//! A long query also culls pending pairs by their normal slabs ([`super::normal_gap`]).
 
 use super::bodies::Bodies;
 use super::normal_gap::{NormalChild, NormalTest};
@@ -10,7 +10,7 @@ use crate::query::lanes::{AT_ONCE, Descent, Lanes, bits_of};
 use crate::query::setup::{Margin, Side};
 use crate::realign::shrinkage;
 
-/// What normal slabs are tested with, and how that went.
+/// The test of normal slabs, and how many pairs it tested and culled.
 #[derive(Default, Debug)]
 pub(super) struct NormalSlabs<'t> {
     test: Option<NormalTest<'t>>,
@@ -18,16 +18,16 @@ pub(super) struct NormalSlabs<'t> {
     apart: u32,
 }
 
-/// Normal slabs are tested from this visit on: most queries are shorter, and of hits most pending pairs are
-/// never visited.
+/// Normal slabs are tested from this visit on: most queries are shorter, and most pending pairs of a hit are never
+/// visited.
 pub(super) const LONG: u64 = 32;
-/// Normal slabs are given up when, after so many pairs, fewer than one in [`SHARE`] was apart.
+/// Normal slabs are no longer tested if, after this many pairs, they separated fewer than one in [`SHARE`].
 const TRIAL: u32 = 32;
 const SHARE: u32 = 4;
 
 impl<'t> NormalSlabs<'t> {
-    /// Clears the bits of the last entry of the stack whose children are apart by their normal slabs. Each entry
-    /// is tested once, when it is its turn: of a hit most never are.
+    /// Clears the bits of the last entry of the stack whose children are separated by their normal slabs. An entry is
+    /// tested once, just before it is visited: most entries of a hit never are.
     #[inline(always)]
     pub(super) fn cull<N: Lanes, P: Primitive, Q: Primitive, E: Kernel>(
         &mut self,
@@ -61,7 +61,7 @@ impl<'t> NormalSlabs<'t> {
             top.looked_at = true;
             if let (Link::Inner(node_a), Link::Inner(node_b)) = (top.volumes.a.link(), top.volumes.b.link())
                 && let (Some(slabs_a), Some(slabs_b)) = (a.normal_slabs_of(node_a), b.normal_slabs_of(node_b))
-                // Where it hardly ever separates, it is not tested any more.
+                // No longer tested if it rarely separates.
                 && !(self.tested >= TRIAL && self.apart * SHARE < self.tested)
             {
                 let test = *self.test.get_or_insert_with(|| {
@@ -84,7 +84,7 @@ impl<'t> NormalSlabs<'t> {
         }
     }
 
-    // A function of its own, compiled once for each node type and instruction set.
+    // Not inlined: compiled once for each node type and instruction set.
     #[inline(never)]
     fn clear_apart<N: Lanes, E: Kernel>(
         &mut self,

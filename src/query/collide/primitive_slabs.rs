@@ -12,19 +12,19 @@ use crate::query::lanes::{Lanes, bits_of, weight_of};
 use crate::query::setup::{Cutter, Margin, Placing, Side};
 use crate::realign::{PrimitiveSlabs, shrinkage};
 
-/// The leaf that culled the other tree's nodes last, and the slabs of its primitive.
+/// The last leaf that culled nodes of the other tree, and the slabs of its primitive.
 #[derive(Default, Debug)]
 pub(super) struct PrimitiveCut {
     last: Option<(Cutter, PrimitiveSlabs)>,
 }
 
-/// A leaf's primitive culls where it can clear as many leaves as this ([`weight_of`]).
+/// Primitive slabs are tested if they may cull at least this weight of children ([`weight_of`]).
 const WORTH_CUTTING: usize = 16;
 
-/// A leaf of b culls nodes of a alone if it is wider than they are by this many powers of two.
+/// The slabs of a leaf of b alone cull nodes of a if the leaf is wider than they are by this many powers of two.
 const WIDER: i32 = 1;
 
-/// Whether the children of one node that the bits name are worth being culled by the leaf that is pending against them.
+/// Whether the children of a node that have a bit are worth a test against the primitive slabs of the pending leaf.
 #[inline(always)]
 pub(super) fn is_worth_cutting<N: Lanes, P: Primitive, Q: Primitive>(
     bodies: &Bodies<'_, N, P, Q>,
@@ -41,9 +41,9 @@ pub(super) fn is_worth_cutting<N: Lanes, P: Primitive, Q: Primitive>(
 }
 
 impl PrimitiveCut {
-    /// Whether the leaf b, which was the last to cull nodes of the other tree, culls the children of `a` without these being
-    /// rotated into its frame and compared with its k-DOP: of a large triangle the slabs cull nearly as much, and are in a's
-    /// frame.
+    /// Whether the children of `a` are culled by the slabs of leaf b alone, without rotating them into b's frame and
+    /// comparing them with the leaf's k-DOP. Leaf b must be the last one that culled nodes. The slabs of a large
+    /// triangle cull nearly as much, and are in a's frame.
     #[inline(always)]
     pub(super) fn cuts_alone<N: Lanes, P: Primitive, Q: Primitive>(
         &self,
@@ -64,9 +64,9 @@ impl PrimitiveCut {
         }
     }
 
-    /// Where a leaf is pending against a node: which of the children that the bits name do not lie beyond its
-    /// primitive's slabs.
-    // Not a part of the loop, which is faster without it, but behind a gate of its own.
+    /// For a leaf that is pending against a node: which of the children with a bit do not lie beyond its primitive's
+    /// slabs.
+    // Not inlined, since the loop is faster without it; it has a gate of its own.
     #[inline(never)]
     pub(super) fn cut<N: Lanes, P: Primitive, Q: Primitive, E: Kernel>(
         &mut self,
@@ -123,8 +123,8 @@ impl PrimitiveCut {
     }
 }
 
-/// The slabs of a primitive, for nodes of the other body, of primitives `Others`. Of the query's bodies it is B's
-/// nodes that keep their frame: those of A are rotated by the pose.
+/// The slabs of a primitive in the frame of the other body, whose primitives are `Others`. Of the query's bodies, B's
+/// nodes keep their frame and A's are rotated by the pose.
 #[inline(always)]
 fn slabs<N: Lanes, One: Primitive, Others: Primitive, E: Kernel>(
     kernel: E,

@@ -11,22 +11,23 @@ use crate::query::entry::QueryStats;
 use crate::query::lanes::Lanes;
 use crate::query::setup::Placing;
 
-/// The planes of a node's children.
+/// The rotated planes of a node's children.
 #[derive(Debug)]
-// At the start of a cache line: vectors of 32 or 64 bytes elsewhere lie in two of them, each second or each.
+// Aligned to a cache line: otherwise every second vector of 32 bytes, and every vector of 64, crosses a line.
 #[cfg_attr(simdop_x86, repr(C, align(64)))]
 pub(super) struct RotatedChildren<T> {
     pub(super) planes: T,
     pub(super) node: Child,
-    /// Which of the children, where they are rotated one by one.
+    /// Which of the children have been rotated, if they are rotated one by one.
     pub(super) whole: u16,
 }
 
 /// The planes that were rotated last.
 pub(super) struct Rotated<N: Lanes> {
-    /// Of the node of a that was rotated last. Siblings in b follow each other, so it is often the next one too.
+    /// Those of the node of a that was rotated last. Siblings in b follow each other, so the next visit often needs
+    /// them too.
     pub(super) children: RotatedChildren<N::Turned>,
-    /// The leaf or node of a whose volume descends b's tree, if one did, and its planes.
+    /// The last leaf or node of a that was compared as a single volume with nodes of b, and its planes.
     pub(super) aimed: Option<(Child, N::Aimed)>,
 }
 
@@ -42,7 +43,7 @@ impl<N: Lanes> Rotated<N> {
         self.children.node
     }
 
-    /// Rotates the children of node `a`, which is at `node`, into b's frame.
+    /// Rotates the children of node `a`, whose index is `node`, into b's frame.
     #[inline(always)]
     pub(super) fn rotate<P: Primitive, Q: Primitive, E: Kernel>(
         &mut self,
@@ -59,8 +60,8 @@ impl<N: Lanes> Rotated<N> {
         }
     }
 
-    /// [`Self::rotate`], as far as it is needed, and which of the children overlap a node of b: all of it, or what it holds
-    /// in a lane. Returns the number of kernel calls too.
+    /// [`Self::rotate`], as far as needed, and which of the children overlap a node of b, or one lane of it. Also
+    /// returns the number of kernel calls.
     #[inline(always)]
     pub(super) fn rotate_over<P: Primitive, Q: Primitive, E: Kernel>(
         &mut self,
@@ -105,7 +106,7 @@ impl<N: Lanes> Rotated<N> {
         }
     }
 
-    /// Computes planes that enclose all of node `a` from those of its children, which are rotated.
+    /// Computes planes that enclose all of node `a` from those of its rotated children.
     #[cold]
     pub(super) fn enclose<P: Primitive, Q: Primitive, E: Kernel>(
         &mut self,
@@ -127,7 +128,7 @@ impl<N: Lanes> Rotated<N> {
 }
 
 /// The planes of leaf `a`, which `placing` places in body b, in a frame of b.
-// A part of the gate, but on small machines, where it is seldom needed and would take stack of every visit.
+// Inlined in the gate, except on small machines, where it is rarely needed and would take stack of every visit.
 #[cfg_attr(simdop_small, inline(never))]
 #[cfg_attr(not(simdop_small), inline(always))]
 fn aim<N: Lanes, P: Primitive>(
@@ -139,7 +140,7 @@ fn aim<N: Lanes, P: Primitive>(
     N::aim::<P>(aimed, frame_b, moved::<N, P>(tree, leaf, placing), placing.outwards);
 }
 
-/// The same of those planes alone that `wanted` has bits for.
+/// [`aim`], for those planes only that have a bit in `wanted`.
 #[inline(never)]
 fn aim_some<N: Lanes, P: Primitive>(
     aimed: &mut N::Aimed,
@@ -151,7 +152,7 @@ fn aim_some<N: Lanes, P: Primitive>(
     N::aim_some::<P>(aimed, frame_b, moved::<N, P>(tree, leaf, placing), placing.outwards, wanted);
 }
 
-/// The primitives of leaf `a` where `placing` places them in body b.
+/// The primitives of leaf `a`, which `placing` places in body b.
 #[inline(always)]
 fn moved<'t, N: Lanes, P: Primitive>(
     tree: &'t BvhRef<'_, N, P>,

@@ -1,4 +1,4 @@
-//! From a query to a traversal: which body is rotated, and the gate of the set-up.
+//! From a query to a traversal: which body is rotated, and the ISA gate of the set-up.
 
 use super::bodies::Bodies;
 use super::flow::{Stop, Visitor};
@@ -30,8 +30,8 @@ impl Query {
         self.traverse((a, b), &placing, margin, stats, visit)
     }
 
-    /// [`Self::run`], where B is turned.
-    // Not a part of it, so that the way back takes no stack of other queries.
+    /// [`Self::run`] if B is rotated.
+    // Not inlined, so that the inverse pose takes no stack of other queries.
     #[inline(never)]
     fn run_back<N: Lanes, P: PrimitivePair<Q>, Q: PrimitivePair<P>>(
         &self,
@@ -49,7 +49,7 @@ impl Query {
         })
     }
 
-    /// Body a is turned.
+    /// Traverses with body a rotated.
     #[inline(always)]
     fn traverse<N: Lanes, P: PrimitivePair<Q>, Q: PrimitivePair<P>>(
         &self,
@@ -62,8 +62,8 @@ impl Query {
         on_isa!(self.isa(), token => self.traverse_on(token, trees, placing, margin, stats, visit))
     }
 
-    /// One function for both orders, which are of one type where both bodies have the same primitives. Not part of its
-    /// caller, where the frame of the scalar code would lie below that of the instruction set that is used.
+    /// A single function for both orders, which have the same type if both bodies have the same primitives. Not
+    /// inlined: the stack frame of the scalar code would add to that of the selected instruction set.
     #[inline(never)]
     fn traverse_on<N: Lanes, P: PrimitivePair<Q>, Q: PrimitivePair<P>, E: Kernel>(
         &self,
@@ -74,7 +74,8 @@ impl Query {
         stats: &mut QueryStats,
         visit: Visitor<'_>,
     ) -> Option<Stop> {
-        // Inlined in the gate whatever its size, so that the set-up is compiled for the instruction set. The descent has one of its own.
+        // Inlined in the gate whatever its size, so that the set-up is compiled for the instruction set. The traversal
+        // has a gate of its own.
         kernel.run(
             #[inline(always)]
             || {
@@ -93,11 +94,11 @@ impl Query {
     }
 }
 
-/// Whether of bodies A and B it is B that gets less loose by being turned, and by enough to pay for the way back.
+/// Whether B's k-DOPs grow less than A's by being rotated, and by enough to pay for the inverse pose.
 fn is_b_turned(a: &Header, b: &Header) -> bool {
     let loose = |h: &Header| f64::from(h.rotation_growth) * power_of_two(-h.exponent);
     WAY_BACK * loose(b) < loose(a)
 }
 
-/// What turning B costs besides: bodies that are alike are not exchanged.
+/// The relative cost of rotating B: similar bodies are not exchanged.
 const WAY_BACK: f64 = 1.02;

@@ -1,8 +1,8 @@
-//! The simultaneous traversal: both trees descend together, sixteen pairs a step.
+//! The simultaneous traversal of both trees, sixteen pairs of volumes a step.
 //!
-//! A **visit** takes two nodes, or a node and a leaf. a's children are rotated into b's frame (one
-//! re-alignment), the kernel gives a row of bits for each of them, pairs of leaves among the bits are decided
-//! at once, and the other pairs go on the stack.
+//! A **visit** takes two nodes, or a node and a leaf. a's children are rotated into b's frame (one re-alignment), and
+//! the kernel returns a row of bits for each of them. Pairs of leaves among the bits are tested at once; the other
+//! pairs are pushed on the stack.
 
 use super::bodies::Bodies;
 use super::flow::{Flow, Stop, Visitor};
@@ -19,14 +19,14 @@ use crate::query::lanes::{Descent, Lanes, Rows, used_lanes};
 use crate::query::setup::{ABOVE_ROOT, Margin, corner_distance};
 use core::ops::ControlFlow;
 
-/// When a traversal ends, and what counts as meeting.
+/// When a traversal ends, and up to which distance primitives count as meeting.
 #[derive(Copy, Clone, Debug)]
 pub(super) struct Limits<M> {
     pub(super) budget: u64,
     pub(super) margin: M,
 }
 
-/// One query under way.
+/// The state of a query.
 pub(super) struct Traversal<'t, N: Lanes, P: PrimitivePair<Q>, Q: PrimitivePair<P>, E, M: Margin> {
     kernel: E,
     bodies: Bodies<'t, N, P, Q>,
@@ -69,7 +69,7 @@ where
     }
 
     /// Visits every pair of primitives that meet.
-    // Each part of the stack is a function's own: many queries end at the roots, and few get far down.
+    // Each part of the stack belongs to a function of its own: many queries end at the roots, and few go deep.
     #[inline(always)]
     pub(super) fn run(&mut self) -> Flow {
         let (a, b) = (self.bodies.a, self.bodies.b);
@@ -85,7 +85,7 @@ where
         }
     }
 
-    /// Visits what is below an entry.
+    /// Visits everything below an entry.
     #[inline(never)]
     fn go_on(&mut self, entry: &Visited) -> Flow {
         let mut memory = [NOT_VISITED; FEW];
@@ -98,7 +98,7 @@ where
         Flow::Continue(())
     }
 
-    /// [`Self::go_on`], with as much memory as trees that were validated can take.
+    /// [`Self::go_on`], with as much memory as the deepest valid trees need.
     #[cold]
     #[inline(never)]
     fn go_deep(&mut self, entry: &Visited) -> Flow {
@@ -109,8 +109,10 @@ where
         Flow::Continue(())
     }
 
-    /// Visits two volumes, if any, and all pairs on the stack, until nothing is left, or the stack is full: then this is true.
-    // One function, whatever the memory, and the gate. One loop with one call of each kernel, so that each is inlined.
+    /// Visits two volumes, if any, and then all pairs on the stack. Returns true if it stops early because the stack is
+    /// full.
+    // A single function for all sizes of memory, which contains the ISA gate. A loop with a single call of each kernel,
+    // so that each is inlined.
     #[inline(never)]
     fn descend(&mut self, volumes: Option<Volumes>, stack: &mut Stack<'_>) -> ControlFlow<Stop, bool> {
         let kernel = self.kernel;
@@ -135,7 +137,7 @@ where
         )
     }
 
-    /// Visits a pair of which at least one is a node, and returns what is still to be visited below.
+    /// Visits a pair of which at least one is a node, and returns the pending pairs below it.
     #[inline(always)]
     fn step(&mut self, volumes: &Volumes) -> ControlFlow<Stop, Option<Visited>> {
         let Volumes { a, b, holder_b, lane_b } = *volumes;
@@ -210,7 +212,7 @@ where
     }
 }
 
-/// The node that a link to a root leads to.
+/// The node of a link to a root.
 #[inline(always)]
 fn root(link: Child) -> u32 {
     if let Link::Inner(node) = link.link() { node } else { 0 }

@@ -1,12 +1,12 @@
-//! What a distance query returns.
+//! The result of a distance query.
 
 #[cfg(doc)]
 use crate::query::Query;
 use crate::query::entry::{Completion, Hint, Pair, QueryStats, Verdict};
 use crate::range::Point;
 
-/// The closest primitives of two bodies, and their closest points. Of a body inside of a solid one primitive of the part that
-/// is inside and one of the solid's, and twice a corner of the former, which is a point of both bodies.
+/// The closest primitives of two bodies, and their closest points. If one body is inside of a solid: a primitive of the
+/// part that is inside and one of the solid's, and a corner of the former, a point of both bodies, twice.
 #[derive(Copy, Clone, PartialEq, Debug)]
 pub struct Witness {
     /// The primitives.
@@ -17,32 +17,33 @@ pub struct Witness {
     pub b: Point,
 }
 
-/// What a distance query found out: the distance of the bodies lies in `lower ..= upper`.
+/// The result of a distance query: the distance of the bodies lies in `lower ..= upper`.
 ///
-/// The bodies are free if `lower` is above 0, which `upper` says nothing of while the search is not complete:
-/// [`Distance::verdict`] tells.
+/// The bodies are free if `lower` is above 0. While the search is not complete, a positive `upper` does not mean that:
+/// use [`Distance::verdict`].
 #[must_use = "a query has no other effect than its answer"]
 #[derive(Copy, Clone, PartialEq, Debug)]
 pub struct Distance {
     /// Lower bound, in the bodies' unit.
     pub lower: f64,
-    /// Upper bound, in the bodies' unit: that of the witness. Zero if and only if the witness's primitives
+    /// Upper bound, in the bodies' unit: the distance of the witness. Zero if and only if the witness's primitives
     /// meet, or one body is inside of the other, which is [solid](crate::construct::Builder::solid).
     pub upper: f64,
-    /// Two primitives and points that are `upper` apart. `None`, with an infinite `upper`, if a body is empty or no two
-    /// were found that are nearer than the cutoff.
+    /// Two primitives, and points of them that are `upper` apart. `None`, with an infinite `upper`, if a body is empty
+    /// or no two were found that are nearer than the cutoff.
     pub witness: Option<Witness>,
-    /// [`Completion::Complete`], or [`Completion::OutOfBudget`]: then the bounds are valid, and as far apart as they are.
+    /// [`Completion::Complete`], or [`Completion::OutOfBudget`]: then the bounds are valid but may differ by more than
+    /// the tolerance.
     pub completion: Completion,
-    /// The work.
+    /// The work of the query.
     pub stats: QueryStats,
-    /// The witness, or of a body inside of a solid the primitives of the two surfaces that are closest, for the next
-    /// query to [try first](Query::with_hint).
+    /// The witness, or if one body is inside of a solid the closest primitives of the two surfaces, for the next query
+    /// to [try first](Query::with_hint).
     pub hint: Hint,
 }
 
 impl Distance {
-    /// Do the bodies meet? Unknown only if the budget was spent before either bound could tell.
+    /// Whether the bodies meet. Unknown only if the budget was spent before either bound could decide.
     pub fn verdict(&self) -> Verdict {
         match self.witness {
             Some(witness) if self.upper == 0.0 => Verdict::Hit(witness.pair),

@@ -1,19 +1,18 @@
 //! Bodies far apart: lower bounds of distances along the line through their centres.
 //!
-//! Let s be the way from the centre of B to that of A, and e a vector along s, at most of length 1. Points x of A and
-//! y of B, each seen from the centre of its own body, are at least
+//! Let s be the vector from the centre of B to that of A, and e a vector along s, of length at most 1. Points x of A
+//! and y of B, each relative to the centre of its own body, are at least
 //!
 //! ```text
 //! |s + x - y| >= e . s - (-e . x) - (e . y)
 //! ```
 //!
-//! apart, and how far a volume reaches along e or -e follows from three of its planes, as in re-alignment. The
-//! first term is the same for all volumes, so that only the others are compared: they are as large as the bodies,
-//! and are rounded relative to that, whatever the distance. Squares of gaps are rounded relative to the
-//! distance.
+//! apart, and the supports of a volume along e and -e follow from three of its planes, as in re-alignment. The first
+//! term is the same for all volumes, so only the others are compared: they are as large as the bodies, and are rounded
+//! relative to that, whatever the distance. Squares of gaps would be rounded relative to the distance.
 //!
-//! Along the line one does not see how far aside volumes are of each other: by w, say, which makes them farther apart
-//! by `w^2 / (2 |s|)`. From [`FAR`] on that is little beside their sizes.
+//! The bound ignores the lateral offset of two volumes: an offset of w makes them farther apart by `w^2 / (2 |s|)`.
+//! From [`FAR`] on that is small compared with their sizes.
 
 use crate::exact::{power_of_two, round_up_f32};
 use crate::frame::{BodyBounds, Frame};
@@ -24,32 +23,32 @@ use crate::range::Point;
 use crate::realign::{shift, slack_of_shift};
 use crate::vector::{dot, length};
 
-/// Bodies are far apart whose centres are farther apart than this many times the sum of their sizes.
+/// Bodies are far apart if the distance of their centres is above this multiple of the sum of their radii.
 const FAR: f64 = 16.0;
 
-/// Shortens vectors that were brought to length 1, and products of two, by more than their roundings.
+/// Shortens normalised vectors, and products of two, by more than their rounding errors.
 const SHORTENED: f64 = 1.0 - power_of_two(-49);
 
 /// The line through the centres of two bodies.
 #[derive(Copy, Clone, Debug)]
 pub(super) struct Axis {
-    /// From B to A, at most of length 1.
+    /// From B to A, of length at most 1.
     axis: Point,
     /// From the centre of B to that of A.
     shift: Point,
-    /// How far the centres are apart along the axis, less all that is lost in `f64`. At least.
+    /// Lower bound of the distance of the centres along the axis, less all that `f64` may lose.
     between: f64,
-    /// Of the unit of volumes.
+    /// The scale of the unit of volumes.
     scale: f64,
-    /// How far volumes of A reach towards B.
+    /// The supports of A's volumes towards B.
     pub(super) a: Along,
-    /// How far volumes of B reach towards A.
+    /// The supports of B's volumes towards A.
     pub(super) b: Along,
 }
 
 impl Axis {
-    /// Of bodies that are far apart, with volumes in a unit of `2^-exponent`, of which A's fall short by
-    /// `shrinkage` once turned.
+    /// For bodies that are far apart, with volumes in a unit of `2^-exponent`. A's rotated volumes may be too small by
+    /// `shrinkage`.
     #[inline(always)]
     pub(super) fn new<N: Lanes>(
         pose: &Pose,
@@ -90,24 +89,24 @@ impl Axis {
         }
     }
 
-    /// A distance as bounds are: relative, rounded up.
+    /// Converts a distance to the form of the bounds: relative to the distance of the centres, rounded up.
     pub(super) fn relative(&self, distance: f64) -> f32 {
         round_up_f32((distance - self.between) * self.scale)
     }
 
-    /// A bound as a distance, in the bodies' unit.
+    /// Converts a bound to a distance, in the bodies' unit.
     pub(super) fn distance(&self, bound: f32) -> f64 {
         (self.between + f64::from(bound) / self.scale) * SHORTENED
     }
 
-    /// How far moved primitives of A reach towards B.
+    /// The support of moved primitives of A towards B.
     #[inline(always)]
     pub(super) fn reach<P: Primitive>(&self, b: &Frame, items: &[P::Item]) -> f32 {
         let mut greatest = f64::NEG_INFINITY;
         for item in items {
             let radius = radius_of::<P>(item);
             for p in P::corners(item) {
-                // Its own roundings are within the slack of `between`.
+                // The slack in `between` covers the rounding errors of this.
                 let x = [0, 1, 2].map(|i| (p[i] - b.centre[i]) - self.shift[i]);
                 let mut reach = -dot(&self.axis, &x);
                 if P::IS_ROUND {
@@ -116,7 +115,7 @@ impl Axis {
                 greatest = if reach > greatest { reach } else { greatest };
             }
         }
-        // The sum that it goes into is rounded once.
+        // Covers the rounding of the sum to which the result is added.
         let reach = greatest * self.scale;
         round_up_f32(reach + power_of_two(-22) * reach.abs())
     }

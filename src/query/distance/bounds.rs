@@ -1,8 +1,8 @@
-//! How far apart volumes are, by what suits the distance of the bodies: in all directions , or
-//! along one line ([`Axis`]).
+//! Lower bounds of the distances between volumes: along all directions if the bodies are near, or along one line
+//! ([`Axis`]) if they are far apart.
 //!
-//! Bounds are numbers in `f32` that order as distances do: squares where bodies are near, relative to the distance of
-//! the centres where they are far. The unit is that of the larger body's frame.
+//! Bounds are `f32` that have the order of the distances: squared distances for near bodies, and distances relative to
+//! that of the centres for far ones. The unit is that of the larger body's frame.
 
 use super::axis::Axis;
 use crate::exact::{power_of_two, round_up_f32};
@@ -15,38 +15,38 @@ use crate::query::entry::QueryStats;
 use crate::query::lanes::{Lanes, growth};
 use crate::realign::shrinkage;
 
-/// Nodes of A whose turned planes are kept: the last on each level, levels counted modulo this.
+/// Number of nodes of A whose rotated planes are kept: the last on each level, with levels counted modulo this.
 const KEPT: usize = 4;
 
-/// More than what squares lose that are too small for a normal `f32`.
+/// More than squares lose that are too small for a normal `f32`.
 const UNDERFLOW: f64 = power_of_two(-140);
 
-/// The bounds of one query.
+/// The bounds of a query.
 #[derive(Debug)]
 pub(super) enum Bounds<'t, N: Lanes> {
     Near(Near<'t, N>),
     Far(Axis),
 }
 
-/// What turns A's planes into B's frame, and the planes that were turned last.
+/// The map that rotates A's planes into B's frame, and the planes that it rotated last.
 #[derive(Debug)]
 pub(super) struct Near<'t, N: Lanes> {
     map: N::Map,
-    /// B's frame, but for the unit.
+    /// B's frame, with the exponent of the unit.
     pub(super) frame: Frame,
-    /// Takes B's planes into the unit.
+    /// Converts B's planes to the unit.
     pub(super) growth: f32,
     turned: &'t mut Kept<N>,
 }
 
-/// The planes of nodes of A that were turned last, one of a level.
+/// The planes of the nodes of A that were rotated last, one of a level.
 pub(super) type Kept<N> = [(Child, <N as Lanes>::PlaneRows); KEPT];
 
-/// Bodies are unlike in size if one is this many times wider than the other.
+/// Bodies are of different size if the radius of one is above this multiple of the other's.
 const UNLIKE: f64 = 4.0;
 
-/// What takes widths of volumes of A and of B into one unit; zero for bodies of like size, whose volumes need not be
-/// compared.
+/// Factors that convert the widths of volumes of A and of B to a common unit. Zero for bodies of similar size, whose
+/// volumes need not be compared.
 #[inline(always)]
 pub(super) fn growths(a: &BodyBounds, b: &BodyBounds) -> [f32; 2] {
     if a.radius > UNLIKE * b.radius || b.radius > UNLIKE * a.radius {
@@ -57,20 +57,20 @@ pub(super) fn growths(a: &BodyBounds, b: &BodyBounds) -> [f32; 2] {
     }
 }
 
-/// The unit is `2^-exponent`, that of the larger body's frame.
+/// The exponent of the unit: that of the larger body's frame.
 #[inline(always)]
 fn unit(a: &BodyBounds, b: &BodyBounds) -> i32 {
     if a.frame.exponent < b.frame.exponent { a.frame.exponent } else { b.frame.exponent }
 }
 
-/// Of no node yet.
+/// No rotated planes.
 #[inline(always)]
 pub(super) const fn no_turned<N: Lanes>() -> Kept<N> {
     [(Child::EMPTY, N::NO_PLANE_ROWS); KEPT]
 }
 
 impl<'t, N: Lanes> Bounds<'t, N> {
-    /// Where A is made of `P`.
+    /// `P` is the kind of A's primitives.
     #[inline(always)]
     pub(super) fn new<P: Primitive>(
         pose: &Pose,
@@ -88,7 +88,7 @@ impl<'t, N: Lanes> Bounds<'t, N> {
         Self::Near(Near { map, frame, growth: growth(&b.frame, exponent), turned })
     }
 
-    /// The least bound that there is.
+    /// The least possible bound.
     pub(super) const fn least(&self) -> f32 {
         match self {
             Self::Near(_) => 0.0,
@@ -96,7 +96,7 @@ impl<'t, N: Lanes> Bounds<'t, N> {
         }
     }
 
-    /// What the bounds of volumes at this distance, in the bodies' unit, do not exceed.
+    /// Upper bound of the bounds of volumes at this distance, which is in the bodies' unit.
     pub(super) fn of_distance(&self, distance: f64) -> f32 {
         match self {
             Self::Near(near) => {
@@ -107,7 +107,7 @@ impl<'t, N: Lanes> Bounds<'t, N> {
         }
     }
 
-    /// The distance, in the bodies' unit, that volumes with this bound have at least.
+    /// Lower bound of the distance of volumes with this bound, in the bodies' unit.
     pub(super) fn distance(&self, bound: f32) -> f64 {
         let distance = match self {
             Self::Near(near) if bound > 0.0 => libm::sqrt(f64::from(bound)) / near.frame.scale(),
@@ -118,7 +118,7 @@ impl<'t, N: Lanes> Bounds<'t, N> {
     }
 }
 
-/// What turns planes of A in one frame into another.
+/// The map that rotates planes of A into a frame.
 #[inline(always)]
 fn map<N: Lanes, P: Primitive>(pose: &Pose, a: &BodyBounds, frame: &Frame) -> N::Map {
     let (mut map, shrinkage) = (N::UNMAPPED, shrinkage::<P>(pose, a));
@@ -130,12 +130,12 @@ fn map<N: Lanes, P: Primitive>(pose: &Pose, a: &BodyBounds, frame: &Frame) -> N:
 }
 
 impl<N: Lanes> Near<'_, N> {
-    /// What takes planes in a frame into the unit.
+    /// Factor that converts planes in a frame to the unit.
     pub(super) fn growth_in(&self, frame: &Frame) -> f32 {
         growth(frame, self.frame.exponent)
     }
 
-    /// The planes of the children of node `a`.
+    /// The rotated planes of the children of node `a`.
     #[inline(always)]
     pub(super) fn turn<P: Primitive>(
         &mut self,
@@ -162,7 +162,8 @@ mod tests {
     use crate::node::Node16;
     use crate::primitive::Triangles;
 
-    /// Two balls of radius 100 in their frames, centres `far` units of A's frame apart; B's unit is 2^20 times smaller.
+    /// Bounds of two balls of radius 100 in their frames, with centres `far` units of A's frame apart; B's unit is 2^20
+    /// times smaller.
     fn bounds(far: f64, kept: &mut Kept<Node16<18>>) -> Bounds<'_, Node16<18>> {
         let frame = |exponent| Frame { centre: [0.0; 3], exponent };
         let body = |exponent: i32| BodyBounds {
@@ -186,10 +187,10 @@ mod tests {
             assert_eq!(matches!(bounds, Bounds::Far(_)), far > 2e3, "{far}");
             let mut inexact = 0;
             for i in 0..1000 {
-                // In the bodies' unit, about the bodies' distance.
+                // In the bodies' unit, about the distance of the bodies.
                 let distance = (far + f64::from(i) * 0.731) * power_of_two(-3);
                 let bound = bounds.of_distance(distance);
-                // Up to rounding in `f64`, what was rounded up to the bound.
+                // The bound before it was rounded up, known up to rounding in `f64`.
                 let (exact, rounding) = match &bounds {
                     Bounds::Near(_) => ((8.0 * distance) * (8.0 * distance), 1e-15),
                     Bounds::Far(_) => (8.0 * (distance - bounds.distance(0.0)), 1e-15),

@@ -1,19 +1,19 @@
-//! The stack of a distance query: volumes that wait, with their bounds.
+//! The stack of a distance query: pending volumes with their bounds.
 
 use crate::hierarchy::MAX_DEPTH;
 use crate::node::Child;
 use crate::query::lanes::{Entries, Entry, least};
 use crate::query::setup::Side;
 
-/// A child of a node of A, to be seen as a volume in B's frame.
+/// A child of a node of A, whose planes are rotated into B's frame.
 #[derive(Copy, Clone, Debug)]
 pub(super) struct VolumeA {
     pub(super) child: Child,
-    /// The node it is a child of; nothing for the root.
+    /// Link to the node that has it as a child; empty for the root.
     pub(super) parent: Child,
     pub(super) lane: u8,
     pub(super) level: u8,
-    /// Of nodes; leaves are not opened.
+    /// Of nodes only; leaves are not opened.
     pub(super) width: f32,
 }
 
@@ -27,18 +27,18 @@ pub(super) struct VolumeB {
     pub(super) width: f32,
 }
 
-/// A volume this much wider than the other is opened next, whatever their levels.
+/// A volume that is wider than the other by this factor is opened next, whatever their levels.
 const WIDER: f32 = 4.0;
 
 impl VolumeA {
-    /// Which of two nodes is opened next: the one on the higher level, unless the other is much wider.
+    /// Whether node `self` is opened next rather than `b`: the one on the higher level, unless the other is much wider.
     #[inline(always)]
     pub(super) fn is_next(&self, b: &VolumeB) -> bool {
         if self.level <= b.level { self.width * WIDER >= b.width } else { self.width > WIDER * b.width }
     }
 }
 
-/// A step that was taken, and the lanes that are still to be followed.
+/// A step that was taken, and the lanes that are still pending.
 #[derive(Copy, Clone, Debug)]
 pub(super) struct Opened {
     pub(super) entries: Entries,
@@ -77,7 +77,7 @@ impl Frontier {
     }
 
     /// # Panics
-    /// If full, which trees that were validated cannot bring about.
+    /// If full, which validated trees cannot cause.
     #[inline(always)]
     pub(super) fn push(&mut self, step: Opened) {
         self.opened[self.len] = step;
@@ -93,7 +93,7 @@ impl Frontier {
         self.len -= 1;
     }
 
-    /// The least bound of all that wait, if anything does.
+    /// The least bound of all pending volumes, if there are any.
     pub(super) fn least(&self) -> Option<f32> {
         let least = self.opened[..self.len].iter().map(|step| least(&step.entries)).min()?;
         (least != Entry::NONE).then(|| least.bound())

@@ -1,5 +1,4 @@
-//! The leaf of A that waits while B is descended: its primitives where the pose places them, and what is
-//! computed from them once.
+//! The leaf of A that is pending while B is traversed: its moved primitives, and what is computed from them once.
 
 use super::axis::Axis;
 use crate::frame::Frame;
@@ -13,12 +12,12 @@ use crate::range::Point;
 
 const MANY: usize = MAX_LEAF_SIZE as usize;
 
-/// A leaf of A at the pose.
+/// A leaf of A, moved by the pose.
 #[derive(Debug)]
 pub(super) struct LeafA<N: Lanes, P: Primitive> {
     leaf: Child,
     moved: [P::Item; MANY],
-    /// Of [`LeafA::leaf`] if `is_bounded`; or `reach` is.
+    /// Planes of [`LeafA::leaf`], valid if `is_bounded`. For bodies far apart, `reach` is valid instead.
     planes: N::Planes,
     reach: f32,
     is_bounded: bool,
@@ -30,7 +29,7 @@ impl<N: Lanes, P: Primitive> LeafA<N, P> {
         Self { leaf: Child::EMPTY, moved, planes: N::NO_PLANES, reach: 0.0, is_bounded: false }
     }
 
-    /// Its primitives; none if `leaf` is not a leaf.
+    /// Its moved primitives; none if `leaf` is not a leaf.
     #[inline(always)]
     pub(super) fn items(&mut self, a: &BvhRef<'_, N, P>, pose: &Pose, leaf: Child) -> &[P::Item] {
         let Link::Leaf { first, count } = leaf.link() else { return &[] };
@@ -63,7 +62,7 @@ impl<N: Lanes, P: Primitive> LeafA<N, P> {
         &self.planes
     }
 
-    /// How far it reaches towards B, of bodies far apart.
+    /// Its support towards B, for bodies far apart.
     #[inline(always)]
     pub(super) fn reach(
         &mut self,
@@ -84,18 +83,18 @@ impl<N: Lanes, P: Primitive> LeafA<N, P> {
     }
 }
 
-/// No pair farther apart than this matters.
+/// Pairs that are farther apart than this are dropped.
 #[derive(Copy, Clone, Debug)]
 pub(super) struct Threshold {
     /// In the bodies' unit.
     pub(super) distance: f64,
-    /// As the bounds of volumes are, rounded up.
+    /// The same as a bound of volumes, rounded up.
     pub(super) bound: f32,
     pub(super) ahead: Ahead,
 }
 
 impl Threshold {
-    /// [`LookAhead::look_along`], for what is farther apart than matters.
+    /// [`LookAhead::look_along`], with this threshold.
     #[inline(always)]
     pub(super) fn look_along(&mut self, closest: [Point; 2], reach: f64) {
         self.ahead.look_along(closest, self.distance, reach);

@@ -1,4 +1,4 @@
-//! How far apart: within a margin or not, and the distance itself.
+//! Distance queries: whether two bodies are within a margin, and their distance.
 
 mod answer;
 mod axis;
@@ -24,17 +24,18 @@ use crate::primitive::triangle::distance::TIGHT;
 use search::{Goal, Outcome, search};
 
 impl Query {
-    /// Do the bodies come within `margin` (in their unit) of each other? [`Verdict::Hit`] names two
-    /// primitives that do, or, as [`Query::collide`] does, of bodies that are inside of a solid;
-    /// [`Verdict::Free`] means that the bodies are farther apart than `margin`.
+    /// Do the bodies come within `margin` (in their unit) of each other? [`Verdict::Hit`] names two primitives that do,
+    /// or, as [`Query::collide`] does, two of bodies that are inside of a solid; [`Verdict::Free`] means that the
+    /// bodies are farther apart than `margin`.
     ///
-    /// Never falsely free. Exact for margin 0, where this is [`Query::collide`]. For others a pair is a hit
-    /// if its distance, known to 2^-90 of the primitives' extent or 2^-50 of the distance, whichever is
-    /// greater, is not certainly above the margin. Needles that almost touch are known less well: see
+    /// Never falsely free. Exact for margin 0, where this is [`Query::collide`]. For others a pair is a hit unless its
+    /// distance is certainly above the margin, where the distance is known to 2^-90 of the primitives' extent or to
+    /// 2^-50 of itself, whichever is greater. It is known less well for needles that almost touch: see
     /// [`crate::primitive::triangle::distance`].
     ///
-    /// A margin may be of any size: where it is above three tenths of the smaller body's radius, what 4 visits do not decide, or 24 of
-    /// bodies of at most 1,024 primitives, is decided as distances are, by the search for the nearest primitives.
+    /// A margin may have any size. Above three tenths of the smaller body's radius, the query switches from widened
+    /// volumes to the search for the nearest primitives after at most 4 visits, or 24 for bodies of at most 1,024
+    /// primitives.
     ///
     /// # Errors
     /// [`ToleranceError`] if `margin` is negative, infinite or NaN.
@@ -89,13 +90,13 @@ impl Query {
         Answer { stats: answer.stats.and(&rest.stats), ..rest }
     }
 
-    /// The distance of body `a`, placed by `pose` in the frame of body `b`, from `b`, and where they are
-    /// closest. Zero if and only if they meet, or one is inside of the other, which is
-    /// [solid](crate::construct::Builder::solid); the first common point ends it.
+    /// The distance of body `a`, placed by `pose` in the frame of body `b`, from `b`, and where they are closest. Zero
+    /// if and only if they meet, or one is inside of the other, which is [solid](crate::construct::Builder::solid). The
+    /// search ends at the first common point.
     ///
-    /// With `tolerance` t the search ends when it has proved `upper <= (1 + t) lower`, up to rounding: 0.01
-    /// is for "roughly how far", and 0 for what `f64` can hold (2^-42 relatively). A budget ends it with
-    /// the bounds it then has. Bodies may be as far apart and as unlike in size as they like.
+    /// With `tolerance` t the search ends when it has proved `upper <= (1 + t) lower`, up to rounding: 0.01 gives a
+    /// rough distance, and 0 the precision of `f64` (2^-42 relatively). A budget ends it with the bounds found so far.
+    /// Bodies may be any distance apart, and differ in size by any factor.
     ///
     /// ```
     /// # use simdop::{Builder, Isa, Mesh, Pose, Query};
@@ -126,12 +127,12 @@ impl Query {
         self.distance_up_to(a, b, pose, tolerance, f64::INFINITY)
     }
 
-    /// [`Query::distance`] of bodies that are nearer than `cutoff`, in their unit. Others are only known to be at least
-    /// that far apart: `lower` is the cutoff then, or more, `upper` is infinite and there is no witness. Of bodies whose
-    /// distance is the cutoff, up to the tolerance, either may be the answer.
+    /// [`Query::distance`] of bodies that are nearer than `cutoff`, in their unit. For others the result is only that
+    /// they are at least that far apart: `lower` is at least the cutoff, `upper` is infinite and there is no witness.
+    /// If the distance equals the cutoff, up to the tolerance, either answer is possible.
     ///
-    /// For the nearest of many bodies: with the least `upper` so far as cutoff, those that are farther are left after a
-    /// few visits, most of them before the first.
+    /// For the nearest of many bodies: with the least `upper` so far as cutoff, the query abandons farther bodies after
+    /// a few visits, most of them before the first.
     ///
     /// ```
     /// # use simdop::{Builder, Isa, Mesh, Pose, Query};
@@ -189,7 +190,7 @@ impl Query {
         Ok(self.or_none(found, &a, &b, pose))
     }
 
-    /// The distance of two surfaces, for bodies that may be solid: none where one is inside of the other.
+    /// The distance of two surfaces, for bodies that may be solid: 0 if one is inside of the other.
     #[inline(always)]
     fn or_none<N: Lanes, P: Primitive, Q: Primitive>(
         &self,
@@ -218,8 +219,8 @@ impl Query {
         }
     }
 
-    /// [`Query::within`] of bodies that are not empty and small compared with the margin: k-DOPs that are widened by
-    /// it overlap nearly all.
+    /// [`Query::within`] of bodies that are not empty and small compared with the margin: k-DOPs widened by it would
+    /// nearly all overlap.
     fn first_near<N: Lanes, P: PrimitivePair<Q>, Q: Primitive>(
         &self,
         a: BvhRef<'_, N, P>,
@@ -248,13 +249,13 @@ impl Query {
 }
 
 /// Volumes that are widened by a margin overlap far more often than they are within it: the wider, the more. Up to this
-/// share of the smaller body's radius they are descended by all the same.
+/// fraction of the smaller body's radius they are used nevertheless.
 const SMALL: f64 = 0.3;
-/// Above this multiple of it they hardly tell anything apart.
+/// Above this multiple of the radius they cull almost nothing.
 const LARGE: f64 = 3.0;
-/// In between they have so many visits before the search for the nearest primitives begins: pairs that these do not decide would take far
-/// more.
+/// In between, the number of visits with widened volumes before the search for the nearest primitives begins: undecided
+/// pairs would take far more.
 const FEW: u64 = 4;
-/// Bodies of at most [`COARSE`] primitives have so many, which decide most pairs.
+/// The same for bodies of at most [`COARSE`] primitives, of which it decides most pairs.
 const FEW_OF_COARSE: u64 = 24;
 const COARSE: usize = 1024;

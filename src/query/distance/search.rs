@@ -1,9 +1,9 @@
 //! The distance of two bodies: branch and bound over the same nodes.
 //!
-//! A **step** takes one volume of one body and a node of the other: the lower bounds of all its children at
-//! once ([`super::bounds`]): of the wider volume's node. Children are followed
-//! nearest first; whatever is farther than matters is dropped: than the best pair of primitives so far, by a
-//! threshold that allows for the tolerance, or than a margin.
+//! A **step** opens a node of one body and computes the lower bounds between all of its children and a volume of the
+//! other body at once ([`super::bounds`]). It opens the node on the higher level, unless the other is much wider.
+//! Children are visited nearest first. Pairs farther apart than a threshold are dropped: the distance of the best pair
+//! of primitives so far, less the tolerance, or a margin.
 
 use super::bounds::{Bounds, Kept, growths, no_turned};
 use super::frontier::{Frontier, Opened, VolumeA, VolumeB};
@@ -19,10 +19,10 @@ use crate::query::setup::{ABOVE_ROOT, Ahead, Cutter, LookAhead, Side, first_prim
 use crate::range::Point;
 use crate::realign::shrinkage;
 
-/// What a search is for.
+/// The goal of a search.
 #[derive(Copy, Clone, Debug)]
 pub(super) enum Goal {
-    /// The distance, known when its bounds differ by `tolerance` relatively, or it is no less than the cutoff.
+    /// The distance, until its bounds differ by `tolerance` relatively, or it is at least the cutoff.
     Distance { tolerance: f64, cutoff: f64 },
     /// Two primitives that are at most this far apart.
     Within { margin: f64 },
@@ -37,7 +37,7 @@ pub(super) struct Best {
     pub(super) points: [Point; 2],
 }
 
-/// What a search came to.
+/// The result of a search.
 #[derive(Debug)]
 pub(super) struct Outcome {
     pub(super) completion: Completion,
@@ -62,12 +62,12 @@ pub(super) struct Search<'t, N: Lanes, P: Primitive, Q: Primitive> {
     best: Best,
     hit: Option<Found>,
     pub(super) threshold: Threshold,
-    /// Those of the leaf that waited last for a node of the other tree.
+    /// Those of the last leaf that was pending against a node of the other tree.
     pub(super) primitive_gaps: Option<(Cutter, PrimitiveGaps)>,
     pub(super) leaf: LeafA<N, P>,
-    /// Lane 0: all of B.
+    /// A node whose lane 0 is the hull of B.
     whole_b: N,
-    /// What takes widths of A and of B into one unit.
+    /// Converts the widths of A and of B to a common unit.
     pub(super) growths: [f32; 2],
 }
 
@@ -94,9 +94,10 @@ pub(super) fn search<N: Lanes, P: PrimitivePair<Q>, Q: Primitive, E: Kernel>(
     )
 }
 
-/// It is worth it where this weight of children may be near enough to matter ([`weight`]).
+/// Primitive slabs are tested if children of this weight are within the threshold ([`weight`]).
 const WORTH_RAISING: usize = 16;
-/// A margin is most often decided by the first pair of primitives, after fewer visits than this.
+/// With a margin they are tested only from this visit on, since most often the first pair of primitives decides
+/// earlier.
 const FIRST_VISITS: u64 = 12;
 
 impl<'t, N: Lanes, P: PrimitivePair<Q>, Q: Primitive> Search<'t, N, P, Q> {
@@ -136,7 +137,7 @@ impl<'t, N: Lanes, P: PrimitivePair<Q>, Q: Primitive> Search<'t, N, P, Q> {
         }
     }
 
-    /// Tests the pair of the hint. A distance that has no cutoff has to begin with some pair.
+    /// Tests the pair of the hint. A search for a distance without cutoff needs some first pair.
     #[inline(always)]
     fn try_first(&mut self, hint: Option<Found>) {
         let first = match self.goal {
@@ -148,12 +149,12 @@ impl<'t, N: Lanes, P: PrimitivePair<Q>, Q: Primitive> Search<'t, N, P, Q> {
         self.test(found, &moved);
     }
 
-    /// Whether nothing is left to be found.
+    /// Whether the search can end.
     const fn is_over(&self) -> bool {
         self.best.upper == 0.0 || self.hit.is_some()
     }
 
-    /// A pair of primitives.
+    /// Tests a pair of primitives.
     #[inline(always)]
     fn test(&mut self, found: Found, moved: &P::Item) {
         self.stats.primitive_pairs += 1;
@@ -164,8 +165,8 @@ impl<'t, N: Lanes, P: PrimitivePair<Q>, Q: Primitive> Search<'t, N, P, Q> {
         let exact = &mut self.stats.exact_pairs;
         match self.goal {
             Goal::Distance { tolerance, cutoff } => {
-                // That may be a pair beyond the threshold. One beyond the cutoff is no better than those that were
-                // dropped for being so far: it must not raise the threshold.
+                // The pair may be beyond the threshold. A pair beyond the cutoff is no better than those that were
+                // dropped, and must not raise the threshold.
                 let pair = P::nearer(moved, &still, self.threshold.distance, tolerance, exact);
                 if let Some(pair) = pair.filter(|pair| pair.lower < cutoff) {
                     self.note(found, &pair, tolerance, cutoff);
@@ -192,8 +193,8 @@ impl<'t, N: Lanes, P: PrimitivePair<Q>, Q: Primitive> Search<'t, N, P, Q> {
         }
     }
 
-    /// Searches until nothing is left that could be nearer, or the budget is spent. Then [`Best::lower`]
-    /// bounds the bodies' distance.
+    /// Searches until nothing nearer can remain, or the budget is spent. Then [`Best::lower`] bounds the bodies'
+    /// distance.
     #[inline(always)]
     fn run(&mut self) -> Completion {
         let mut stack = Frontier::new();
@@ -239,12 +240,12 @@ impl<'t, N: Lanes, P: PrimitivePair<Q>, Q: Primitive> Search<'t, N, P, Q> {
         Completion::Complete
     }
 
-    /// Every pair of primitives that was dropped or seen is at least this far apart.
+    /// Lower bound of the distance of every pair of primitives that was dropped or tested.
     fn certain(&self) -> f64 {
         self.best.lower.min(self.threshold.distance)
     }
 
-    /// Leaves volumes that wait, with the least of their bounds, among them `a` and `b`.
+    /// Ends the search with volumes pending, whose least bound is `pending`; `a` and `b` are among them.
     #[cold]
     fn give_up(&mut self, pending: f32, a: Child, b: Child) {
         self.best.lower = self.bounds.distance(pending).min(self.certain());
@@ -256,7 +257,7 @@ impl<'t, N: Lanes, P: PrimitivePair<Q>, Q: Primitive> Search<'t, N, P, Q> {
         }
     }
 
-    /// The volumes that a lane of a step stands for.
+    /// The pair of volumes of a lane of a step.
     #[inline(always)]
     fn child(&self, step: &Opened, lane: usize, bound: f32) -> (VolumeA, VolumeB, f32) {
         let (a, b) = (step.a, step.b);
@@ -275,7 +276,7 @@ impl<'t, N: Lanes, P: PrimitivePair<Q>, Q: Primitive> Search<'t, N, P, Q> {
         }
     }
 
-    /// The children of node `a` against volume `b`.
+    /// Lower bounds between the children of node `a` and volume `b`.
     #[inline(always)]
     fn open_a(&mut self, a: &VolumeA, b: &VolumeB) -> Entries {
         let Link::Inner(node) = a.child.link() else { return [Entry::NONE; 16] };
@@ -292,7 +293,7 @@ impl<'t, N: Lanes, P: PrimitivePair<Q>, Q: Primitive> Search<'t, N, P, Q> {
         }
     }
 
-    /// Volume `a` against the children of node `b`.
+    /// Lower bounds between volume `a` and the children of node `b`.
     #[inline(always)]
     fn open_b(&mut self, a: &VolumeA, b: &VolumeB) -> Entries {
         let Link::Inner(node) = b.child.link() else { return [Entry::NONE; 16] };
@@ -320,7 +321,7 @@ impl<'t, N: Lanes, P: PrimitivePair<Q>, Q: Primitive> Search<'t, N, P, Q> {
         }
     }
 
-    /// Every primitive of one leaf against every primitive of the other.
+    /// Tests every primitive of one leaf against every primitive of the other.
     #[inline(always)]
     fn decide(&mut self, a: Child, b: Child) {
         let (Link::Leaf { first: i, count: m }, Link::Leaf { first: j, count: n }) = (a.link(), b.link())
@@ -338,8 +339,8 @@ impl<'t, N: Lanes, P: PrimitivePair<Q>, Q: Primitive> Search<'t, N, P, Q> {
         }
     }
 
-    /// Raises the bounds of a step where a leaf waits that is wider than the node which was opened. Of bodies of like size,
-    /// that is without widths, these are too few to pay for being looked for.
+    /// Raises the bounds of a step by primitive slabs if a pending leaf is wider than the node that was opened. Bodies
+    /// of similar size, which have no widths, have too few such steps to pay for the test.
     #[inline(always)]
     pub(super) fn raise(&mut self, step: &mut Opened) {
         let first_visits = if let Goal::Within { .. } = self.goal { FIRST_VISITS } else { 0 };

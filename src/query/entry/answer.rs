@@ -1,18 +1,18 @@
-//! What a query returns.
+//! The results of queries.
 
 #[cfg(doc)]
 use super::Query;
 use super::{Hint, Pair, QueryStats};
 
-/// What a query found out.
+/// The verdict of a query.
 #[must_use = "a query has no other effect than its verdict"]
 #[derive(Copy, Clone, PartialEq, Debug)]
 pub enum Verdict {
-    /// The bodies meet, or come within the margin of each other, and here is where. Or a part of one is inside of the other,
-    /// which is [solid](crate::construct::Builder::solid): here are a primitive of that part and one of the solid's, of
-    /// those that a ray from a corner of the former crosses the one with the lowest index.
+    /// The bodies meet, or come within the margin of each other, and these primitives do. Or a part of one body is
+    /// inside of the other, which is [solid](crate::construct::Builder::solid): then one is a primitive of that part,
+    /// and the other is the solid's with the lowest index of those that a ray from a corner of the former crosses.
     Hit(Pair),
-    /// No primitive of A meets one of B, or comes within the margin of one, and neither has a part inside of a solid.
+    /// No primitive of A meets one of B, or comes within the margin of one, and no body has a part inside of a solid.
     Free,
     /// The budget was spent before the answer was known. The distance of the bodies, 0 if they meet, lies in
     /// `lower ..= upper`.
@@ -25,15 +25,15 @@ pub enum Verdict {
 }
 
 impl Verdict {
-    /// Are the bodies certainly free: apart, or farther apart than the margin? What a motion must ask before it goes on: with
-    /// a budget, no hit does not mean free.
+    /// Whether the bodies are certainly free: apart, or farther apart than the margin. A planner must test this, not
+    /// the absence of a hit: with a budget, no hit does not mean free.
     #[must_use]
     pub const fn is_free(&self) -> bool {
         matches!(self, Self::Free)
     }
 
-    /// The triangles of a hit. `None` is not "free": the budget may have been spent before one was found. For
-    /// that there is [`Verdict::is_free`].
+    /// The primitives of a hit. `None` does not mean free, since the budget may have been spent before a hit was found:
+    /// see [`Verdict::is_free`].
     #[must_use]
     pub const fn hit(&self) -> Option<Pair> {
         match self {
@@ -43,9 +43,9 @@ impl Verdict {
     }
 }
 
-/// A verdict and what it cost.
+/// A verdict and its cost.
 ///
-/// There is no `is_hit`, whose negation would read as "free" where the verdict is [`Verdict::Unknown`]: ask
+/// There is no `is_hit`, whose negation would read as "free" where the verdict is [`Verdict::Unknown`]: use
 /// [`Answer::is_free`], or match the verdict.
 ///
 /// ```
@@ -65,10 +65,10 @@ impl Verdict {
 pub struct Answer {
     /// The verdict.
     pub verdict: Verdict,
-    /// The work.
+    /// The work of the query.
     pub stats: QueryStats,
-    /// The primitives that met, or else the hint that was given, as where a body is inside of a solid: for the next query
-    /// to [try first](Query::with_hint).
+    /// The primitives that met, for the next query to [try first](Query::with_hint). If none did, also where a body is
+    /// inside of a solid, the hint of this query.
     pub hint: Hint,
 }
 
@@ -86,13 +86,13 @@ impl Answer {
     }
 }
 
-/// What an enumeration came to.
+/// How an enumeration ended.
 #[must_use = "pairs are missing unless the enumeration is complete"]
 #[derive(Copy, Clone, PartialEq, Eq, Debug)]
 pub enum Completion {
     /// Every pair was visited.
     Complete,
-    /// The visitor broke off.
+    /// The visitor stopped it.
     Stopped,
     /// The budget was spent.
     OutOfBudget,

@@ -1,17 +1,16 @@
-//! What a caller carries from one query to the next.
+//! Temporal coherence: what a caller carries from one query to the next.
 
 use super::Pair;
 use crate::hierarchy::BvhRef;
 use crate::node::Node;
 use crate::primitive::Primitive;
 
-/// The primitives that a query found, for the next query of the same bodies at a pose nearby to try first:
-/// those that met, or those that were closest.
+/// The primitives that a query found, for the next query of the same bodies at a nearby pose to try first: those that
+/// met, or those that were closest.
 ///
-/// A hint never changes a verdict, whatever bodies and poses it comes from: its primitives are tested as any
-/// others are. It changes which pair a [`Verdict::Hit`](super::Verdict::Hit) names, the counters, and, where
-/// several pairs of primitives are equally close, which one witnesses a distance (its bounds then differ by
-/// rounding).
+/// A hint never changes a verdict, whatever bodies and poses it comes from: its primitives are tested like any others.
+/// It changes which pair a [`Verdict::Hit`](super::Verdict::Hit) names, the query statistics, and, where several pairs
+/// of primitives are equally close, which one witnesses a distance (its bounds then differ by rounding).
 #[derive(Copy, Clone, PartialEq, Eq, Default, Debug)]
 pub struct Hint(Option<Found>);
 
@@ -23,7 +22,7 @@ pub(in crate::query) struct Found {
 }
 
 impl Found {
-    /// By their indices in what was built.
+    /// The pair by source indices.
     pub(in crate::query) fn pair<N: Node, P: Primitive, Q: Primitive>(
         self,
         a: &BvhRef<'_, N, P>,
@@ -34,14 +33,14 @@ impl Found {
 }
 
 impl Hint {
-    /// Nothing to try first.
+    /// No hint.
     pub const NONE: Self = Self(None);
 
     pub(in crate::query) const fn new(found: Found) -> Self {
         Self(Some(found))
     }
 
-    /// The pair, if there are such primitives in bodies of so many.
+    /// The pair, if both indices are in range for bodies of `count_a` and `count_b` primitives.
     pub(in crate::query) fn pair(self, count_a: usize, count_b: usize) -> Option<Found> {
         self.0.filter(|found| (found.a as usize) < count_a && (found.b as usize) < count_b)
     }

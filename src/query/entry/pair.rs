@@ -1,6 +1,6 @@
 //! A pair of primitives.
 
-/// Two primitives that meet, by their indices in what was built.
+/// Two primitives that meet, by their indices in the geometry that the trees were built from.
 #[derive(Copy, Clone, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
 pub struct Pair {
     /// Primitive of body A.

@@ -1,4 +1,4 @@
-//! One primitive against another: what pairs of leaves come down to.
+//! The tests of pairs of primitives.
 
 use crate::kernel::Kernel;
 use crate::primitive::sphere::{against_sphere, against_triangle};
@@ -6,34 +6,32 @@ use crate::primitive::triangle::distance::{nearer, within};
 use crate::primitive::triangle::{Probe, Triangle, Triangles};
 use crate::primitive::{Primitive, Separation, Sphere, Spheres};
 
-/// The tests of one primitive of this kind against one of the `Other` kind. A query between two bodies needs
-/// them both ways round, since either body may have the one leaf that is tested against several.
+/// The tests of a primitive of this kind against one of the `Other` kind. A query between two bodies needs them for
+/// both orders, since a leaf of either body may be tested against several of the other.
 ///
-/// Verdicts are exact for the primitives as given; `exact` is increased by 1 where a test needed more than
-/// `f64`.
+/// Verdicts are exact for the primitives as given; `exact` is increased by 1 where a test needed more than `f64`.
 pub trait PrimitivePair<Other: Primitive>: Primitive {
-    /// One primitive that is to be tested against many: what is computed of it once.
+    /// A primitive to be tested against many, with what is computed from it once.
     type Probe<'t>;
 
-    /// Prepares a primitive, for others that are at most `margin` apart from it.
+    /// Prepares a primitive for tests against others with this margin.
     fn probe(item: &Self::Item, margin: f64) -> Self::Probe<'_>;
 
-    /// Whether the two meet. Touching is meeting.
+    /// Whether the two meet. Touching counts.
     fn meets(probe: &Self::Probe<'_>, other: &Other::Item, exact: &mut u64) -> bool;
 
-    /// Bit i: the probe and primitive i are certainly farther apart than the margin of the probe, or do not meet, if it is
-    /// 0. A filter that may be left out; the same bits on every instruction set.
+    /// Bit i: the probe and primitive i are certainly farther apart than the margin of the probe; for margin 0, they do
+    /// not meet. An optional filter, with the same bits on every instruction set.
     #[inline(always)]
     fn apart_4<E: Kernel>(_kernel: E, _probe: &Self::Probe<'_>, _others: &[Other::Item; 4]) -> u16 {
         0
     }
 
-    /// Whether the two are at most `margin`, which is above 0, apart. Never false of those that are.
+    /// Whether the two are at most `margin` apart, which is above 0. Never falsely false.
     fn within(item: &Self::Item, other: &Other::Item, margin: f64, exact: &mut u64) -> bool;
 
-    /// Certain bounds of the distance, or `None` if it is certainly greater than `limit`. The bounds differ
-    /// by at most `tolerance` relatively, which is at least 2^-42. The upper one is 0 if and only if the
-    /// two meet.
+    /// Certain bounds of the distance, or `None` if it is certainly greater than `limit`. The bounds differ by at most
+    /// `tolerance` relatively, which is at least 2^-42. The upper one is 0 if and only if the two meet.
     fn nearer(
         item: &Self::Item,
         other: &Other::Item,

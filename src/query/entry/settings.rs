@@ -1,9 +1,9 @@
-//! What a caller chooses for a query.
+//! The settings of a query.
 
 use super::{Answer, Hint, QueryStats, Verdict};
 use crate::isa::Isa;
 
-/// How a query runs.
+/// The settings of a query; its methods run it.
 #[derive(Copy, Clone, PartialEq, Eq, Debug)]
 pub struct Query {
     isa: Isa,
@@ -28,7 +28,7 @@ impl Query {
         self.isa
     }
 
-    /// Tries first what an earlier query of the same bodies found: for coherent motion. See [`Hint`].
+    /// Tests first what an earlier query of the same bodies found, for coherent motion. See [`Hint`].
     ///
     /// ```
     /// # use simdop::{Builder, Isa, Mesh, Pose, Query, query::Hint};
@@ -50,18 +50,18 @@ impl Query {
         Self { hint, ..self }
     }
 
-    /// That no primitives meet, found out without any work.
+    /// The answer "free", found without any work.
     #[inline(always)]
     pub(in crate::query) fn free(&self) -> Answer {
         Answer { verdict: Verdict::Free, stats: QueryStats::default(), hint: self.hint }
     }
 
-    /// Visits that it may make.
+    /// The maximum number of visits.
     pub(crate) const fn budget(&self) -> u64 {
         self.budget
     }
 
-    /// With what is left of its budget after some work.
+    /// With the rest of its budget after some work.
     pub(crate) const fn after(&self, work: &QueryStats) -> Self {
         self.with_budget(self.budget - work.visits)
     }

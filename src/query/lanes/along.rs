@@ -1,4 +1,4 @@
-//! How far volumes reach along an axis.
+//! Supports of volumes along an axis.
 
 use crate::directions::Directions;
 use crate::exact::{power_of_two, round_up_f32};
@@ -7,21 +7,21 @@ use crate::key::Storage;
 use crate::range::Point;
 use crate::realign::{F64_SLACK, GAMMA_5, HALF_PLACE, UNDERFLOW};
 
-/// How far volumes of one body reach along an axis: as far as three of their planes allow, by weights. Re-alignment
-/// into one direction, relative to the centre of the body's own frame.
+/// How to bound the supports of one body's volumes along an axis, from three of their planes with weights: a
+/// re-alignment to one direction, relative to the centre of the body's own frame.
 #[derive(Copy, Clone, Debug)]
 pub struct Along {
     /// The planes.
     sources: [u8; 3],
-    /// Not negative. They take planes to the wanted unit.
+    /// Not negative. They convert planes to the wanted unit.
     weights: [f32; 3],
-    /// Pays for every rounding on the way, the one of the sum that the result goes into too.
+    /// Covers every rounding, including that of the sum to which the result is added.
     pad: f32,
 }
 
 impl Along {
-    /// For an axis in the body's own frame, at most a little longer than 1, in a unit of `2^-exponent`, which is not
-    /// smaller than that of the body's frame.
+    /// For an axis in the body's own frame, of length at most slightly above 1, in a unit of `2^-exponent`, which is
+    /// not smaller than that of the body's frame.
     pub(crate) fn new<const K: usize>(axis: Point, body: &BodyBounds, exponent: i32) -> Self {
         let found = Directions::<K>::decompose(axis);
         let ratio = power_of_two(exponent - body.frame.exponent);
@@ -36,7 +36,7 @@ impl Along {
     }
 }
 
-/// How far the child in `lane` of a node with these codes reaches.
+/// Upper bound of the support of child `lane` of a node with these codes.
 #[inline(always)]
 pub(crate) fn reach_of<const W: usize, const K: usize, S: Storage>(
     codes: &[[i16; W]; K],
@@ -49,8 +49,8 @@ pub(crate) fn reach_of<const W: usize, const K: usize, S: Storage>(
     reach[0]
 }
 
-/// The bounds between the children of a node with these codes and a volume of the other body that reaches `other`
-/// towards them.
+/// Lower bounds of the gaps between the children of a node with these codes and a volume of the other body, whose
+/// support towards them is `other`.
 #[inline(always)]
 pub(crate) fn bounds<const W: usize, const K: usize, S: Storage>(
     codes: &[[i16; W]; K],
@@ -66,7 +66,7 @@ pub(crate) fn bounds<const W: usize, const K: usize, S: Storage>(
     bounds
 }
 
-/// How far volumes reach of which `codes` are the planes that count.
+/// Upper bounds of the supports of volumes; `codes` are their planes along the three sources.
 #[inline(always)]
 fn reaches<const W: usize, S: Storage>(codes: &[[i16; W]; 3], along: &Along, reach: &mut [f32; W]) {
     let [x, y, z] = codes;

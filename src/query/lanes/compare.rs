@@ -1,5 +1,5 @@
-//! Which children overlap: where 1vs16 and 4vs4 differ. Where numbers are returned besides, they are those of the kernel
-//! calls.
+//! Which children overlap: the operations that differ between 1vs16 and 4vs4. A number returned with the lanes counts
+//! kernel calls.
 
 use super::rows::Rows;
 use crate::kernel::{Kernel, SEPARATED, Turned};
@@ -7,18 +7,19 @@ use crate::key::{Key, Storage};
 use crate::node::{Dop, Node4, Node16};
 use crate::realign::{PrimitiveSlab, Realignment};
 
-/// What [`Node16`] and [`Node4`] call different kernels for.
+/// The operations for which [`Node16`] and [`Node4`] call different kernels.
 pub trait Compare: Dop {
     /// Re-alignment into the other body's frame.
     type Map: Copy + core::fmt::Debug;
-    /// Rotated planes of as many bodies as there are lanes.
+    /// Rotated planes of a node's children: one volume a lane.
     type Turned: Copy + core::fmt::Debug;
-    /// Those of one body, in lane 0.
+    /// Rotated planes of a single volume, in lane 0.
     type Aimed: Copy + core::fmt::Debug;
     #[doc(hidden)]
     const NO_AIMED: Self::Aimed;
 
-    /// Puts plane `j` of the one body into `aimed`, ready for the compare with planes of the other body.
+    /// Puts plane `j` of the volume into `aimed`, in the form in which the kernels compare it with planes of the other
+    /// body.
     #[doc(hidden)]
     fn aim_along(aimed: &mut Self::Aimed, j: usize, plane: Key<Self::Storage>);
     /// Puts planes that enclose all used lanes of `turned` into `aimed`.
@@ -29,8 +30,9 @@ pub trait Compare: Dop {
     fn beyond<E: Kernel>(&self, kernel: E, slab: &PrimitiveSlab) -> u16;
     #[doc(hidden)]
     fn realign<E: Kernel>(&self, kernel: E, map: &Self::Map, turned: &mut Self::Turned);
-    /// [`Compare::realign`], and [`Compare::overlap_column`] of a lane of `b` with its result, or without a lane
-    /// [`Compare::overlap_hull`]. Of the bodies in `whole`, `turned` has the planes already; those that overlap are added to them.
+    /// [`Compare::realign`], then [`Compare::overlap_column`] of a lane of `b`, or without a lane
+    /// [`Compare::overlap_hull`]. `turned` already has the planes of the lanes in `whole`; those that overlap are added
+    /// to both.
     #[doc(hidden)]
     fn realign_over<E: Kernel>(
         &self,
@@ -40,16 +42,16 @@ pub trait Compare: Dop {
         b: &Self,
         lane: Option<usize>,
     ) -> (u16, u64);
-    /// The bodies in the `wanted` lanes of `turned` against all lanes of `self`; other rows are zero.
+    /// The volumes in the `wanted` lanes of `turned` against all lanes of `self`; other rows are zero.
     #[doc(hidden)]
     fn overlap_rows<E: Kernel>(&self, kernel: E, turned: &Self::Turned, wanted: u16) -> (Rows, u64);
-    /// Which lanes of `self` the body in `aimed` overlaps.
+    /// Which lanes of `self` the volume in `aimed` overlaps.
     #[doc(hidden)]
     fn overlap_aimed<E: Kernel>(&self, kernel: E, aimed: &Self::Aimed) -> u16;
-    /// Which bodies of `turned` child `lane` of `self` overlaps.
+    /// Which volumes of `turned` overlap child `lane` of `self`.
     #[doc(hidden)]
     fn overlap_column<E: Kernel>(&self, kernel: E, turned: &Self::Turned, lane: usize) -> u16;
-    /// Which bodies of `turned` all of `self` overlaps.
+    /// Which volumes of `turned` overlap the hull of all of `self`.
     #[doc(hidden)]
     fn overlap_hull<E: Kernel>(&self, kernel: E, turned: &Self::Turned) -> (u16, u64);
 }

@@ -1,8 +1,8 @@
-//! What waits in a distance query: bounds of volumes, with the lanes they are for.
+//! Pending volumes of a distance query: bounds, with their lanes.
 
 use crate::node::{Child, Link};
 
-/// A bound and the lane it is for in one number: numbers order as the bounds do, equal bounds by lane.
+/// A bound and its lane in one number: entries order by bound, then by lane.
 #[derive(Copy, Clone, PartialEq, Eq, PartialOrd, Ord, Debug)]
 pub struct Entry(u32);
 
@@ -13,7 +13,7 @@ const LANE_BITS: u32 = 15;
 const SIGN: u32 = 1 << 31;
 
 impl Entry {
-    /// No lane, or one that is done with.
+    /// No lane, or one that is finished.
     pub(crate) const NONE: Self = Self(u32::MAX);
 
     /// To be overwritten.
@@ -51,7 +51,7 @@ pub(crate) fn entries<const W: usize>(bounds: &[f32; W], links: &[Child; W]) -> 
     entries
 }
 
-/// Raises entries to bounds of the same lanes that are above zero.
+/// Raises entries to the bounds of the same lanes that are above zero.
 #[inline(always)]
 pub(crate) fn raise<const W: usize>(entries: &mut Entries, bounds: &[f32; W]) {
     for (lane, (entry, bound)) in entries.iter_mut().zip(bounds).enumerate() {
@@ -60,7 +60,7 @@ pub(crate) fn raise<const W: usize>(entries: &mut Entries, bounds: &[f32; W]) {
     }
 }
 
-/// What the children of a node weigh whose bounds are at most `bound` ([`weight_of`]).
+/// The total weight of the children of a node whose bounds are at most `bound` ([`weight_of`]).
 #[inline(always)]
 pub(crate) fn weight(entries: &Entries, bound: f32, children: &[Child]) -> usize {
     let mut weight = 0;
@@ -72,7 +72,8 @@ pub(crate) fn weight(entries: &Entries, bound: f32, children: &[Child]) -> usize
 
 const WEIGHT_OF_INNER: usize = 8;
 
-/// What a child counts where leaves are counted that a test may clear: a node counts as several, since it would be visited.
+/// The weight of a child in a count of the leaves that a test may cull. A node counts as several leaves, since it would
+/// be visited.
 #[inline(always)]
 pub(in crate::query) const fn weight_of(child: Child) -> usize {
     if let Link::Leaf { .. } = child.link() { 1 } else { WEIGHT_OF_INNER }

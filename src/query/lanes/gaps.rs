@@ -1,20 +1,19 @@
 //! Lower bounds of distances between volumes, for all children of a node at once.
 //!
-//! Along direction n the gap between A and B is `-d_opposite(A) - d(B)`, and the bodies are at least `gap /
-//! |n|` apart. Gaps along three directions at right angles are those of boxes, whose distance is the root of
-//! the sum of their squares; k = 18 and 26 have four such **triads**, the others one. The greatest over all
-//! triads, and over the directions that are in none, is the bound. The greatest gap alone is lower by the
-//! cosine of the angle to the nearest direction, and twice as many volumes are within reach
-//! (`DECISIONS.md`).
+//! Along direction n the gap between A and B is `-d_opposite(A) - d(B)`, and the bodies are at least `gap / |n|` apart.
+//! Gaps along three orthogonal directions are those of boxes, whose distance is the root of the sum of their squares. k
+//! = 18 and 26 have four such **triads**, the others one. The bound is the greatest over all triads, and over the
+//! directions that are in none. The greatest gap alone would be lower by the cosine of the angle to the nearest
+//! direction, and twice as many volumes would be within reach (`DECISIONS.md`).
 //!
-//! Where volumes overlap the greatest gap says how deep, so that a search can try the deepest first.
+//! Where volumes overlap, the greatest gap is the penetration depth, negated, so that a search can visit the deepest
+//! first.
 //!
-//! A's planes are turned into B's frame as `f32`: a key cannot say how far a body is that is beyond
-//! B. All is in the unit of the larger body's frame, so that no number here is above 2^26 and nothing
-//! overflows, whatever the ratio of their sizes.
+//! A's planes are rotated into B's frame as `f32`: a key cannot hold the distance of a body that is beyond B. The unit
+//! is that of the larger body's frame, so that no number here is above 2^26 and nothing overflows, whatever the ratio
+//! of their sizes.
 //!
-//! Plain Rust in a fixed order, in a shape that compilers make vectors of: the same bits on every instruction
-//! set.
+//! Plain Rust in a fixed order that compilers vectorise: the same bits on every instruction set.
 
 use crate::directions::Directions;
 use crate::exact::{power_of_two, round_up_f32};
@@ -23,12 +22,12 @@ use crate::key::Storage;
 use crate::primitive::Primitive;
 use crate::realign::{F64_SLACK, Realignment, Supports};
 
-/// What follows from the directions alone.
+/// Constants of a set of directions.
 struct Slabs<const K: usize>;
 
 impl<const K: usize> Slabs<K> {
-    /// What turns a gap along a slab into one of points: below the reciprocal of the slab's length by more than
-    /// six roundings of `f32`: twice those of the gap, and those of squaring and adding.
+    /// Factors from gaps along a slab to distances: below the reciprocal of the slab's length by more than six
+    /// roundings of `f32`, which are twice those of the gap and those of squaring and adding.
     const INVERSE_LENGTHS: [f32; K] = {
         let mut inverse = [0.0; K];
         let mut s = 0;
@@ -39,8 +38,8 @@ impl<const K: usize> Slabs<K> {
         inverse
     };
 
-    /// The triads, after their number: three slabs at right angles each, or one that is in no such three,
-    /// with slab K - 1, which does not exist.
+    /// The number of triads, and the triads: three orthogonal slabs each, or one that is in no such three, padded with
+    /// slab K - 1, which does not exist.
     const TRIADS: (usize, [[usize; 3]; K]) = {
         let (mut count, mut triads) = (0, [[K - 1; 3]; K]);
         let mut used = [false; K];
@@ -74,29 +73,28 @@ impl<const K: usize> Slabs<K> {
     }
 }
 
-/// What takes decoded planes of a body in `frame` into a unit of `2^-exponent`, which is not smaller than the
-/// frame's.
+/// Factor from decoded planes of a body in `frame` to a unit of `2^-exponent`, which is not smaller than the frame's.
 #[inline(always)]
 pub(crate) fn growth(frame: &Frame, exponent: i32) -> f32 {
-    // Planes of a body that much smaller are below the pad for underflow, in the other body's planes.
+    // Planes of a body that is so much smaller are below the underflow pad of the other body's planes.
     let smaller = frame.exponent - exponent;
     if smaller > 100 { 0.0 } else { power_of_two(-smaller) as f32 }
 }
 
-/// How wide a child is along the axes, the first three slabs of every set, in all.
+/// The sum of a child's widths along the axes, the first three slabs of every set.
 #[inline(always)]
 pub(crate) fn width<const W: usize, const K: usize, S: Storage>(codes: &[[i16; W]; K], lane: usize) -> f32 {
     let plane = |j: usize| S::value(codes[j][lane % W]);
     ((plane(0) + plane(1)) + (plane(2) + plane(3))) + (plane(4) + plane(5))
 }
 
-/// The planes of a body turned into B's frame, rounded up.
+/// The planes of a volume, rotated into B's frame and rounded up.
 pub(crate) type Planes<const K: usize> = [f32; K];
 
-/// The turned planes of several bodies: row j is direction j.
+/// The rotated planes of several volumes: row j is direction j.
 pub(crate) type PlaneRows<const W: usize, const K: usize> = [[f32; W]; K];
 
-/// The turned planes of the bodies with the given ones: [`Realignment::sum`], operation by operation.
+/// Rotates the planes with these codes: [`Realignment::sum`], operation by operation.
 #[inline(always)]
 pub(crate) fn turn<const W: usize, const K: usize, S: Storage>(
     map: &Realignment<K, S>,
@@ -104,7 +102,7 @@ pub(crate) fn turn<const W: usize, const K: usize, S: Storage>(
     rows: &mut PlaneRows<W, K>,
 ) {
     let mut decoded = [[0.0; W]; K];
-    // Row by row, LLVM 22.1 makes vectors across rows, and scatters them.
+    // A loop over rows makes LLVM 22.1 vectorise across rows, and scatter.
     for (decoded, code) in decoded.as_flattened_mut().iter_mut().zip(codes.as_flattened()) {
         *decoded = S::number(*code);
     }
@@ -120,7 +118,7 @@ pub(crate) fn turn<const W: usize, const K: usize, S: Storage>(
     }
 }
 
-/// The turned planes of one of several bodies.
+/// The rotated planes of one of several volumes.
 #[inline(always)]
 pub(crate) fn column<const W: usize, const K: usize>(rows: &PlaneRows<W, K>, lane: usize) -> Planes<K> {
     let mut planes = [0.0; K];
@@ -130,8 +128,8 @@ pub(crate) fn column<const W: usize, const K: usize>(rows: &PlaneRows<W, K>, lan
     planes
 }
 
-/// The planes of moved primitives, in frame `b`: tighter than those of nodes, since not rounded to keys. `reach`
-/// bounds all coordinates.
+/// The planes of moved primitives, in frame `b`: tighter than those of nodes, since not rounded to keys. `reach` bounds
+/// all coordinates.
 #[inline(always)]
 pub(crate) fn planes_of<P: Primitive, const K: usize>(b: &Frame, items: &[P::Item], reach: f64) -> Planes<K> {
     let Supports { least, greatest, .. } = Supports::<K>::of::<P>(b, items.iter().copied());
@@ -146,7 +144,7 @@ pub(crate) fn planes_of<P: Primitive, const K: usize>(b: &Frame, items: &[P::Ite
     planes
 }
 
-/// The bounds between the bodies of `rows` and child `lane` of a node of B with these codes.
+/// The bounds between the volumes of `rows` and child `lane` of a node of B with these codes.
 #[inline(always)]
 pub(crate) fn gaps_of_rows<const W: usize, const K: usize, S: Storage>(
     rows: &PlaneRows<W, K>,
@@ -166,7 +164,7 @@ pub(crate) fn gaps_of_rows<const W: usize, const K: usize, S: Storage>(
     )
 }
 
-/// The bounds between a body with these turned planes and the children of a node of B with these codes.
+/// The bounds between a volume with these rotated planes and the children of a node of B with these codes.
 #[inline(always)]
 pub(crate) fn gaps_of_planes<const W: usize, const K: usize, S: Storage>(
     planes: &Planes<K>,
@@ -176,8 +174,8 @@ pub(crate) fn gaps_of_planes<const W: usize, const K: usize, S: Storage>(
     if growth == 0.0 {
         return [f32::MIN; W];
     }
-    // The body's few planes are shrunk instead of growing those of all children. What gets too small for a normal
-    // number is rounded up.
+    // Shrinks the few planes of the volume instead of growing those of all children. What becomes subnormal is rounded
+    // up.
     let shrink = 1.0 / growth;
     let shrunk = planes.map(|plane| plane * shrink + f32::from_bits(1));
     gaps(
@@ -188,9 +186,9 @@ pub(crate) fn gaps_of_planes<const W: usize, const K: usize, S: Storage>(
     )
 }
 
-/// The bounds between one body and 16 or 4 others: along direction j the gap is what is missing to zero of the sum of
-/// row j and the other's plane in the opposite direction, both of which `growth` takes into the unit. The square of the
-/// distance; or, of volumes that overlap, their greatest gap.
+/// The bounds between one volume and 16 or 4 others. Along direction j the gap is minus the sum of row j and the
+/// other's plane in the opposite direction; `growth` converts both to the unit. The bound is the squared distance; for
+/// volumes that overlap, their greatest gap.
 #[inline(always)]
 fn gaps<const W: usize, const K: usize>(
     row: impl Fn(usize, usize) -> f32,
@@ -226,7 +224,7 @@ fn gaps<const W: usize, const K: usize>(
         }
     }
     for lane in 0..W {
-        // The square of a gap may be too small for an `f32`, and the gap itself is no bound of a square.
+        // The square of a gap may underflow in `f32`, and the gap itself is not a bound of a square.
         best[lane] = if best[lane] > 0.0 { best[lane] } else { lesser(signed[lane], 0.0) };
     }
     best
@@ -243,7 +241,7 @@ fn lesser(a: f32, b: f32) -> f32 {
     if a < b { a } else { b }
 }
 
-/// The planes of a whole node: the greatest of its lanes', which are lowest where unused.
+/// The planes of the hull of a node: the greatest of its lanes'. Those of unused lanes are lowest.
 #[inline(always)]
 pub(crate) fn hull<const W: usize, const K: usize>(planes: &[[i16; W]; K]) -> [i16; K] {
     let mut hull = [i16::MIN; K];

@@ -1,4 +1,4 @@
-//! What the engines compute from the planes of a node, once for 1vs16 and 4vs4: masks of overlaps, gaps, supports.
+//! What the traversals compute from the planes of a node, for 1vs16 and 4vs4: overlap masks, gaps, supports.
 
 mod along;
 mod compare;
@@ -35,11 +35,11 @@ use supports::supports;
 
 /// A node type that can be queried. Implemented by [`Node16`] and [`Node4`] only.
 pub trait Lanes: Compare {
-    /// Turned planes of one body, in `f32`.
+    /// Rotated planes of one volume, in `f32`.
     type Planes: Copy + core::fmt::Debug;
-    /// Those of as many bodies as there are lanes.
+    /// Rotated planes of a node's children, in `f32`.
     type PlaneRows: Copy + core::fmt::Debug;
-    /// To be overwritten: zeros, which take no copy.
+    /// To be overwritten: all zeros, which need no copy.
     #[doc(hidden)]
     const UNTURNED: Self::Turned;
     /// Likewise.
@@ -60,7 +60,8 @@ pub trait Lanes: Compare {
         items: impl Iterator<Item = P::Item>,
         margin: f64,
     );
-    /// [`Lanes::aim`] of triangles on a lattice of `2^exponent` steps to the unit. Planes that are not certain, a bit each.
+    /// [`Lanes::aim`] for triangles on a lattice of `2^exponent` steps to the unit. Returns a bit for each plane that
+    /// is not certain.
     #[doc(hidden)]
     fn aim_on_lattice(
         aimed: &mut Self::Aimed,
@@ -69,7 +70,7 @@ pub trait Lanes: Compare {
         exponent: i32,
         margin: f64,
     ) -> u32;
-    /// [`Lanes::aim`] of the `wanted` planes of triangles, a bit each.
+    /// [`Lanes::aim`] for those planes only that have a bit in `wanted`.
     #[doc(hidden)]
     fn aim_some<P: Primitive>(
         aimed: &mut Self::Aimed,
@@ -89,47 +90,49 @@ pub trait Lanes: Compare {
         body: &BodyBounds,
         pose: Option<&Pose>,
     ) -> PrimitiveSlabs;
-    /// The least and the greatest support of some children along a direction each, by column.
+    /// The least and the greatest support of some children, each along a direction of its own, by column.
     #[doc(hidden)]
     fn supports_of_children(
         children: [(&Self, usize); AT_ONCE],
         directions: &[[f64; AT_ONCE]; 3],
     ) -> [[f64; AT_ONCE]; 2];
-    /// Turned planes shall hold everything within `margin` of the body.
+    /// Widens the map, so that rotated planes bound everything within `margin` of the body.
     #[doc(hidden)]
     fn widen(map: &mut Self::Map, b: &Frame, margin: f64);
-    /// The planes of the children, turned into the other body's frame.
+    /// Rotates the planes of the children into the other body's frame.
     #[doc(hidden)]
     fn turn(&self, map: &Self::Map, rows: &mut Self::PlaneRows);
-    /// Those of one of the children.
+    /// The planes of one child.
     #[doc(hidden)]
     fn planes_in(rows: &Self::PlaneRows, lane: usize) -> Self::Planes;
-    /// The planes of moved primitives, whose coordinates and the frame's centre `reach` bounds.
+    /// The planes of moved primitives. `reach` bounds their coordinates and the frame's centre.
     #[doc(hidden)]
     fn planes_of<P: Primitive>(b: &Frame, items: &[P::Item], reach: f64) -> Self::Planes;
-    /// How far each child of `self`, with the turned planes in `rows`, is from child `lane` of `b`, whose planes
-    /// `growth` takes into the unit of the turned ones.
+    /// Lower bounds of the distances between child `lane` of `b` and each child of `self`, whose rotated planes are in
+    /// `rows`. `growth` converts the planes of `b` to the unit of the rotated ones.
     #[doc(hidden)]
     fn gaps_of_rows(&self, rows: &Self::PlaneRows, b: &Self, lane: usize, growth: f32) -> Entries;
-    /// How far the body with these turned planes is from each child of `self`.
+    /// Lower bounds of the distances between a volume with these rotated planes and each child of `self`.
     #[doc(hidden)]
     fn gaps_of_planes(&self, planes: &Self::Planes, growth: f32) -> Entries;
-    /// Raises bounds to what a primitive's primitive slabs say.
+    /// Raises bounds by a primitive's own slabs.
     #[doc(hidden)]
     fn raise(&self, entries: &mut Entries, gaps: &PrimitiveGaps);
-    /// How volumes of a body reach along an axis of its frame, in a unit of `2^-exponent`.
+    /// Prepares the supports of a body's volumes along an axis of its frame, in a unit of `2^-exponent`.
     #[doc(hidden)]
     fn along(axis: Point, body: &BodyBounds, exponent: i32) -> Along;
-    /// How far child `lane` reaches.
+    /// Upper bound of the support of child `lane`.
     #[doc(hidden)]
     fn reach_along(&self, along: &Along, lane: usize) -> f32;
-    /// How far each child of `self` is from a volume that reaches `other` towards them, relative to the bodies' centres.
+    /// Lower bounds of the gaps between each child of `self` and a volume whose support towards them is `other`,
+    /// relative to the bodies' centres.
     #[doc(hidden)]
     fn gaps_along(&self, along: &Along, other: f32) -> Entries;
-    /// How wide child `lane` is along the axes, in all; `growth` takes it into the unit. Zero if `growth` is.
+    /// The sum of the widths of child `lane` along the three axes; `growth` converts it to the unit. Zero if `growth`
+    /// is.
     #[doc(hidden)]
     fn width(&self, lane: usize, growth: f32) -> f32;
-    /// A node whose lane 0 is all of `self`, which is a root.
+    /// A node whose lane 0 is the hull of `self`, which is a root.
     #[doc(hidden)]
     #[must_use]
     fn hull(&self) -> Self;

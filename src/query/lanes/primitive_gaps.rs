@@ -1,10 +1,11 @@
-//! A leaf that waits for the other tree, in a search for the nearest: how far that tree's nodes lie beyond slabs of its
-//! primitive's own ([`crate::realign::primitive_slabs`]).
+//! A pending leaf in a search for the nearest primitives: how far the nodes of the other tree lie beyond the slabs of
+//! its primitive's own directions ([`crate::realign::primitive_slabs`]).
 //!
-//! The k-DOP of a large triangle holds all of a small body beside it, whose volumes are then at no distance from it. Along
-//! the triangle's own directions n they are, by the limit of the slab less the child's weighted sum, in steps of the child's
-//! frame and all that was rounded allowed for; points are that over `abs(n)` apart. The first direction is the plane's, to
-//! which those of the edges are at a right angle: there the squares of both gaps add.
+//! The k-DOP of a large triangle may contain all of a small body beside it, whose volumes then have no distance from
+//! it. Along each of the triangle's own directions n, a child of the other tree has a gap from the triangle: the limit
+//! of the slab less the child's weighted sum, in steps of the child's frame, with all rounding allowed for. Points of
+//! the two are at least that gap over `abs(n)` apart. The first direction is the plane's normal, to which those of the
+//! edges are orthogonal, so that the squares of two such gaps add up.
 
 use crate::exact::power_of_two;
 use crate::key::Storage;
@@ -13,26 +14,27 @@ use crate::range::Point;
 use crate::realign::{PrimitiveSlab, PrimitiveSlabs};
 use crate::vector::dot;
 
-/// What bounds how far children of the other tree's nodes are from a primitive.
+/// Bounds the distances between a primitive and the children of the other tree's nodes.
 #[derive(Copy, Clone, Debug)]
 pub struct PrimitiveGaps {
     slabs: PrimitiveSlabs,
-    /// What takes gaps along the slabs into distances in the unit of the bounds: 0 for a slab that is not used.
+    /// Factors from gaps along the slabs to distances in the unit of the bounds: 0 for a slab that is not used.
     factors: [f32; OWN_DIRECTIONS],
-    /// Whether a slab is at a right angle to the first.
+    /// Whether a slab is orthogonal to the first.
     is_upright: [bool; OWN_DIRECTIONS],
 }
 
 /// Shorter directions are not used.
 const SHORTEST_SQUARE: f64 = power_of_two(-40);
-/// Squares of cosines up to this are right angles: then squares of gaps add, up to 2^-22.
+/// Squared cosines up to this count as orthogonal: squares of gaps then add up, with an error of 2^-22.
 const RIGHT_ANGLE: f64 = power_of_two(-44);
-/// Is lost to a factor. Squares of gaps and their sums have eight roundings of `f32` and what right angles take: less than
-/// twice this.
+/// Reduces the factors. Squares of gaps and their sums have eight roundings of `f32` and the error of [`RIGHT_ANGLE`]:
+/// less than twice this.
 const SLACK: f64 = 1.0 - power_of_two(-20);
 
 impl PrimitiveGaps {
-    /// Of a primitive and its slabs among nodes of the other body, whose steps `growth` takes into the unit of the bounds.
+    /// Of a primitive and its slabs in the frame of the other body; `growth` converts that frame's steps to the unit of
+    /// the bounds.
     #[inline(always)]
     pub(in crate::query) fn new<P: Primitive>(item: &P::Item, slabs: PrimitiveSlabs, growth: f32) -> Self {
         let n = P::own_directions(item);
@@ -51,7 +53,7 @@ impl PrimitiveGaps {
         Self { slabs, factors, is_upright }
     }
 
-    /// Squares of distances from the primitive that each child of a node with these codes has at least.
+    /// Lower bounds of the squared distances between the primitive and each child of a node with these codes.
     #[inline(always)]
     pub(crate) fn bounds<const W: usize, const K: usize, S: Storage>(
         &self,
@@ -77,7 +79,8 @@ fn are_at_right_angles(n: &Point, m: &Point) -> bool {
     product * product <= RIGHT_ANGLE * (dot(n, n) * dot(m, m))
 }
 
-/// Squares of how far the children lie beyond a slab, on either side: [`PrimitiveSlab::is_beyond`], operation by operation.
+/// Squares of how far the children lie beyond a slab, on either side: [`PrimitiveSlab::is_beyond`], operation by
+/// operation.
 #[inline(always)]
 fn gaps_of<const W: usize, const K: usize, S: Storage>(
     slab: &PrimitiveSlab,
@@ -92,7 +95,7 @@ fn gaps_of<const W: usize, const K: usize, S: Storage>(
         for lane in 0..W {
             let sum = (u * S::number(x[lane]) + v * S::number(y[lane])) + w * S::number(z[lane]);
             let gap = limit - sum;
-            // A limit that is too great for an `f32` says nothing.
+            // A limit that overflows `f32` bounds nothing.
             let gap = if gap > 0.0 && gap < f32::INFINITY { gap * factor } else { 0.0 };
             squares[lane] = if gap > 0.0 { gap * gap } else { squares[lane] };
         }
@@ -150,7 +153,7 @@ mod tests {
         (items, extent, codes)
     }
 
-    /// Triangles of every shape, needles and points among them.
+    /// Triangles of any shape, needles and points among them.
     fn triangle(rng: &mut Rng) -> Triangle {
         let mut corner = || [(); 3].map(|()| rng.range(-10.0, 10.0));
         let [p, q, r] = [corner(), corner(), corner()];

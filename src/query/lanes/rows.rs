@@ -7,13 +7,13 @@ use crate::node::Child;
 pub struct Rows {
     /// Row i: the children of B that child i of A overlaps.
     pub(crate) rows: [u16; 16],
-    /// Bit i, of 16: row i has a bit. In 32, since a load of 16 was compiled to one of 32 that had to wait for
-    /// the stores of what lay beside it: 5 % of a query.
+    /// Bit i, of 16: row i has a bit. Stored in 32 bits, since a 16-bit load was compiled to a 32-bit one, which
+    /// stalled on the adjacent stores: 5 % of a query.
     pub(crate) pending: u32,
 }
 
 impl Rows {
-    /// Puts fewer bits in a row.
+    /// Replaces a row by a subset of its bits.
     #[inline(always)]
     pub(crate) fn set(&mut self, row: usize, bits: u16) {
         self.rows[row & 15] = bits;
@@ -21,14 +21,14 @@ impl Rows {
     }
 }
 
-/// Whose children the bits of an entry stand for.
+/// What the bits of an entry stand for.
 #[derive(Copy, Clone, PartialEq, Eq, Debug)]
 pub(in crate::query) enum Descent {
     /// Row i: the children of B that child i of A overlaps.
     Both,
-    /// Row 0: children of A, against all of B's volume.
+    /// Row 0: children of A that overlap all of B's volume.
     A,
-    /// Row 0: children of B, against all of A's volume.
+    /// Row 0: children of B that overlap all of A's volume.
     B,
 }
 
@@ -42,7 +42,7 @@ pub(in crate::query) fn bits_of(mut bits: u16) -> impl Iterator<Item = usize> {
     })
 }
 
-/// Which lanes of a node lead somewhere.
+/// The used lanes of a node.
 #[inline(always)]
 pub(in crate::query) fn used_lanes(children: &[Child]) -> u16 {
     let mut used = 0;

@@ -1,12 +1,12 @@
-//! Supports of children along directions of any kind, several at once.
+//! Supports of children along arbitrary directions, several at once.
 
 use crate::directions::Directions;
 use crate::key::Storage;
 
-/// How many pairs are tested at once.
+/// Number of pairs tested at once.
 pub(in crate::query) const AT_ONCE: usize = 4;
 
-/// The least and the greatest support of some lanes of planes along a direction each, by column.
+/// The least and the greatest support of some children, each along a direction of its own, by column.
 #[inline(always)]
 pub(in crate::query) fn supports<const W: usize, const K: usize, S: Storage>(
     children: [(&[[i16; W]; K], usize); AT_ONCE],

@@ -1,24 +1,25 @@
-//! An axis along which primitives are told apart that are farther from each other than matters.
+//! Culls pairs of primitives by one axis, along which they are certainly farther apart than the query's threshold.
 
 use crate::exact::power_of_two;
 use crate::primitive::{Primitive, radius_of};
 use crate::query::entry::PrimitivePair;
 use crate::range::Point;
 
-/// What is asked of two primitives before they are compared.
+/// A cheap test of two primitives before they are compared.
 pub(in crate::query) trait LookAhead: Copy {
-    /// Tells none apart.
+    /// Culls nothing.
     const NOTHING: Self;
 
-    /// Whether the two are certainly farther apart than matters.
+    /// Whether the two are certainly farther apart than the threshold.
     fn is_far<P: Primitive, Q: Primitive>(&self, a: &P::Item, b: &Q::Item) -> bool;
 
-    /// From now on along the axis from one point to another: the closest ones of two primitives, where others are most often apart
-    /// too. Pairs that are farther apart than `threshold` do not matter. `reach` bounds all coordinates.
+    /// Sets the axis, from one point to another: the closest points of two primitives, as other pairs are most often
+    /// separated along the same axis. Pairs that are farther apart than `threshold` may be culled. `reach` bounds all
+    /// coordinates.
     fn look_along(&mut self, closest: [Point; 2], threshold: f64, reach: f64);
 }
 
-/// Primitives that have to touch are compared as fast.
+/// Without a margin the exact test is as fast as a cull.
 impl LookAhead for () {
     const NOTHING: Self = ();
 
@@ -31,20 +32,19 @@ impl LookAhead for () {
     fn look_along(&mut self, _: [Point; 2], _: f64, _: f64) {}
 }
 
-/// Tells most pairs of primitives that are too far apart to matter by one axis: that of the best pair so far, or, where one within a
-/// margin is looked for, of the pair that was compared last.
+/// Culls most pairs of primitives by one axis: that of the best pair so far, or, within a margin, of the pair that was
+/// compared last.
 #[derive(Copy, Clone, Debug)]
 pub(in crate::query) struct Ahead {
     /// From B to A, not normalised.
     axis: Point,
-    /// A is farther ahead of B along the axis than this: it does not matter. Infinite if the axis says
-    /// nothing.
+    /// Pairs with a gap above this along the axis are culled. Infinite if there is no axis.
     limit: f64,
-    /// Of the axis: by how much, times a radius, something round is nearer than its corners. At least.
+    /// Upper bound of the axis's length: a radius reaches this many times as far along the axis.
     length: f64,
 }
 
-/// Axes whose square is above this lose nothing to underflow.
+/// The squared length of an axis above this loses nothing to underflow.
 const SHORT: f64 = power_of_two(-800);
 
 impl LookAhead for Ahead {
@@ -69,8 +69,8 @@ impl LookAhead for Ahead {
         let [x, y, z] = axis;
         let square = (x * x + y * y) + z * z;
         *self = if square > SHORT {
-            // Two products of axis and corner and their difference: 8 roundings of at most `reach` times the
-            // axis's magnitudes. Radii take 4 more.
+            // Two products of axis and corner and their difference: 8 roundings of at most `reach` times the axis's
+            // magnitudes. Radii take 4 more.
             let rounding = power_of_two(-49) * reach * ((x.abs() + y.abs()) + z.abs());
             let length = glam::DVec3::from_array(axis).length();
             let longer = 1.0 + power_of_two(-48);
@@ -81,8 +81,8 @@ impl LookAhead for Ahead {
     }
 }
 
-/// Whether a primitive of the query's A and one of its B are at most the margin apart. If not, others are from now on told apart along
-/// the axis of their closest points, unless `reach` is 0.
+/// Whether a primitive of the query's A and one of its B are at most the margin apart. If not, their closest points
+/// give the next axis, unless `reach` is 0.
 #[inline(always)]
 pub(in crate::query) fn is_near<P: PrimitivePair<Q>, Q: Primitive, L: LookAhead>(
     a: &P::Item,
@@ -97,7 +97,7 @@ pub(in crate::query) fn is_near<P: PrimitivePair<Q>, Q: Primitive, L: LookAhead>
     is_near
 }
 
-// Not a part of its caller, of whose stack it would take more.
+// Not inlined: it would enlarge the caller's stack frame.
 #[inline(never)]
 fn look_between<P: PrimitivePair<Q>, Q: Primitive, L: LookAhead>(
     a: &P::Item,

@@ -1,4 +1,4 @@
-//! How far apart counts as meeting.
+//! The margin: the distance up to which primitives count as meeting.
 
 use super::ahead::{Ahead, LookAhead};
 use crate::exact::power_of_two;
@@ -8,18 +8,18 @@ use crate::primitive::Primitive;
 use crate::query::lanes::Lanes;
 use crate::realign::greatest;
 
-/// How far apart primitives may be that count as meeting. A type, so that a program which asks only whether bodies
-/// touch holds none of the code of distances: three quarters of the whole on a microcontroller.
+/// The margin of a query. A type, so that a program which only tests whether bodies touch contains no code for
+/// distances, which is three quarters of the whole on a microcontroller.
 pub(in crate::query) trait Margin: Copy {
-    /// What tells most primitives apart: nothing where they have to touch, which is decided as fast.
+    /// Culls most pairs of primitives. `()` for margin 0, where the exact test is as fast.
     type Ahead: LookAhead;
     /// In the bodies' unit, not negative.
     fn value(self) -> f64;
-    /// Bounds all coordinates where primitives are told apart so; else 0.
+    /// Bounds all coordinates if primitives are culled along an axis ([`LookAhead`]); else 0.
     fn reach(self) -> f64;
 }
 
-/// Primitives have to touch.
+/// Margin 0: primitives have to touch.
 #[derive(Copy, Clone, Debug)]
 pub(in crate::query) struct Touching;
 
@@ -47,14 +47,15 @@ pub(in crate::query) fn reach<N: Lanes, P: Primitive, Q: Primitive>(
     (4.0 * a.extent().max_coordinate + greatest(&pose.translation())) + b.extent().max_coordinate
 }
 
-/// They may be this far apart.
+/// Primitives may be this far apart.
 #[derive(Copy, Clone, Debug)]
 pub(in crate::query) struct Within {
     margin: f64,
     reach: f64,
 }
 
-/// Margins below this share of the coordinates pay for roundings: the planes tell nearly all primitives apart that are not so near.
+/// Margins below this fraction of the coordinates are not worth an axis: the planes already cull nearly all farther
+/// primitives.
 const ROUNDINGS: f64 = power_of_two(-30);
 
 impl Within {

@@ -1,4 +1,4 @@
-//! What a query sets up before it descends: far pairs, which body is rotated, and how far apart counts as meeting.
+//! The set-up of a query: far pairs, which body is rotated, and the margin.
 
 mod ahead;
 mod far_pairs;

@@ -1,4 +1,4 @@
-//! How the bodies of a query stand to each other: which of them is rotated into the frame of the other.
+//! How the bodies of a query are placed: which of them is rotated into the frame of the other.
 
 use crate::hierarchy::BvhRef;
 use crate::node::{Child, Link};
@@ -14,31 +14,32 @@ pub(in crate::query) enum Side {
     B,
 }
 
-/// A leaf of one primitive that waits for the other tree, by the index of the primitive.
+/// A leaf of one primitive that is pending against the other tree, by the index of the primitive. Its primitive slabs
+/// cull nodes of that tree.
 #[derive(Copy, Clone, PartialEq, Eq, Debug)]
 pub(in crate::query) enum Cutter {
     A(u32),
     B(u32),
 }
 
-/// Instead of the node that holds the root as a child, which there is not.
+/// Index in place of the node that holds the root as a child, which does not exist.
 pub(in crate::query) const ABOVE_ROOT: u32 = u32::MAX;
 
-/// Body a of a traversal, which is turned, and body b, which keeps its frame.
+/// Body a of a traversal, which is rotated, and body b, which keeps its frame.
 #[derive(Copy, Clone, Debug)]
 pub(in crate::query) struct Placing<'t> {
     /// Moves the primitives of the query's A.
     pub(in crate::query) pose: &'t Pose,
-    /// Which body of the query is turned.
+    /// Which body of the query is rotated.
     pub(in crate::query) turned: Side,
-    /// Places it in the frame of the other: `pose`, or the way back.
+    /// Places body a in the frame of b: `pose`, or its inverse.
     pub(in crate::query) to_b: &'t Pose,
-    /// How far its volumes have to be moved out, in the bodies' unit: by the margin, and by what the way back pads.
+    /// How far the volumes of a are widened, in the bodies' unit: by the margin, and by the pad of the inverse pose.
     pub(in crate::query) outwards: f64,
 }
 
 impl Placing<'_> {
-    /// Primitive of a as it is tested.
+    /// Primitive of a, as it is tested.
     #[inline(always)]
     pub(in crate::query) fn item_a<N: Lanes, P: Primitive>(
         &self,
@@ -48,7 +49,7 @@ impl Placing<'_> {
         self.place::<P>(a.primitive(index), Side::A)
     }
 
-    /// Primitive of b as it is tested.
+    /// Primitive of b, as it is tested.
     #[inline(always)]
     pub(in crate::query) fn item_b<N: Lanes, Q: Primitive>(
         &self,
@@ -58,7 +59,7 @@ impl Placing<'_> {
         self.place::<Q>(b.primitive(index), Side::B)
     }
 
-    /// A primitive of a or of b in the frame of the query's B: of these two it is the query's A that the pose moves.
+    /// A primitive of a or of b in the frame of the query's B. The pose moves the one that belongs to the query's A.
     #[inline(always)]
     fn place<P: Primitive>(&self, item: P::Item, of: Side) -> P::Item {
         if self.turned == of { P::moved(&item, self.pose) } else { item }
@@ -73,7 +74,7 @@ pub(in crate::query) struct PlacedTree<'t, N: Lanes, P: Primitive> {
 }
 
 impl<N: Lanes, P: Primitive> PlacedTree<'_, N, P> {
-    /// A primitive where it stands, for where no inner loop waits for it.
+    /// The pose of its primitives, if it is the query's A.
     #[cfg_attr(simdop_small, inline(never))]
     #[cfg_attr(not(simdop_small), inline(always))]
     pub(in crate::query) fn item(&self, index: u32) -> P::Item {
@@ -85,7 +86,7 @@ impl<N: Lanes, P: Primitive> PlacedTree<'_, N, P> {
     }
 }
 
-/// Both bodies of a traversal.
+/// The placed primitive. Not for inner loops.
 pub(in crate::query) fn placed<'t, N: Lanes, P: Primitive, Q: Primitive>(
     (a, b): (&'t BvhRef<'t, N, P>, &'t BvhRef<'t, N, Q>),
     placing: &'t Placing<'_>,
@@ -94,7 +95,7 @@ pub(in crate::query) fn placed<'t, N: Lanes, P: Primitive, Q: Primitive>(
     (PlacedTree { tree: a, pose: pose(Side::A) }, PlacedTree { tree: b, pose: pose(Side::B) })
 }
 
-/// The distance of some corner below volume a from some corner below b, rounded up.
+/// Both bodies of a traversal.
 #[cold]
 #[inline(never)]
 pub(in crate::query) fn corner_distance<N: Lanes, P: Primitive, Q: Primitive>(
@@ -110,7 +111,7 @@ pub(in crate::query) fn corner_distance<N: Lanes, P: Primitive, Q: Primitive>(
     d * (1.0 + 8.0 * f64::EPSILON)
 }
 
-/// Some primitive below a link.
+/// An upper bound of the distance of two bodies: that between a corner below volume a and one below b, rounded up.
 pub(in crate::query) fn first_primitive<N: Lanes, P: Primitive>(
     tree: &BvhRef<'_, N, P>,
     mut link: Link,
@@ -118,8 +119,8 @@ pub(in crate::query) fn first_primitive<N: Lanes, P: Primitive>(
     loop {
         match link {
             Link::Leaf { first, .. } => return first,
-            // Links lead to later nodes, so this ends; a node without a used lane does not bound anything:
-            // any primitive will do.
+            // Links lead to later nodes, so this ends. A node without a used lane bounds nothing, and any primitive
+            // will do.
             Link::Inner(node) => {
                 let children = tree.nodes()[node as usize].children();
                 link = children.iter().map(|c| c.link()).find(|l| *l != Link::Empty).unwrap_or(Link::Empty);

@@ -1,5 +1,5 @@
-//! The descent of two trees of spheres by the balls of their lanes, for all pairs of spheres that meet: depth first, or
-//! what may share the most volume first.
+//! Traverses two trees of spheres with the bounding balls of their lanes, to find all pairs of spheres that meet: depth
+//! first, or best first by the bound of the shared volume.
 
 use super::lens::{LensSums, expected};
 use super::queue::{BallPair, LaneAt, PairQueue, Waiting};
@@ -14,12 +14,12 @@ use crate::query::lanes::{Descent, Rows, bits_of};
 use crate::realign::BallMap;
 use core::ops::ControlFlow;
 
-/// The children that were looked at in a visit, by the bits that meet: in row i those of child i of A where both nodes were
-/// opened; else in row 0.
+/// The children that were tested in a visit, as bits of those that meet: row i holds the bits for child i of A if both
+/// nodes were opened; else row 0 holds them all.
 #[derive(Copy, Clone, Debug)]
 struct OpenedBalls {
     volumes: BallPair,
-    /// The nodes, where they were opened.
+    /// The nodes, if they were opened.
     nodes: (u32, u32),
     by: Descent,
     rows: Rows,
@@ -33,7 +33,7 @@ const NOTHING: OpenedBalls = OpenedBalls {
 };
 
 impl OpenedBalls {
-    /// The volumes that a bit stands for.
+    /// The pair of volumes of a bit.
     const fn below(&self, row: usize, bit: usize) -> BallPair {
         let BallPair { a, b } = self.volumes;
         match self.by {
@@ -49,15 +49,16 @@ impl OpenedBalls {
 /// What is known when the budget is spent.
 #[derive(Copy, Clone, Debug)]
 pub(super) struct Rest {
-    /// The volume that was known when the last search began.
+    /// The volume found before the visit that ran out of budget.
     pub(super) known: f64,
-    /// What is shared besides, at most, in the unit of B's frame: where spheres do not overlap.
+    /// Upper bound of the remaining shared volume, in the unit of B's frame. Assumes that the spheres of a body do not
+    /// overlap.
     pub(super) bound: f64,
-    /// And probably.
+    /// Estimate of the remaining shared volume, in the same unit.
     pub(super) expected: f64,
 }
 
-/// One search under way.
+/// The state of a search.
 pub(super) struct BallSearch<'t, N, E> {
     kernel: E,
     a: BvhRef<'t, N, Spheres>,
@@ -67,15 +68,15 @@ pub(super) struct BallSearch<'t, N, E> {
     budget: u64,
     stats: &'t mut QueryStats,
     sums: &'t mut LensSums,
-    /// The node of A that was turned last.
+    /// The node of A whose balls were moved last, and the moved balls.
     turned: (u32, Ball16),
-    /// The lane of A whose ball was turned alone last, and that ball in lane 0.
+    /// The lane of A whose ball was last moved alone, and that ball in lane 0.
     aimed: (LaneAt, Ball16),
-    /// How many times the unit of B's frame is smaller than that of A's.
+    /// The unit of A's frame divided by that of B's.
     ratio: f32,
 }
 
-/// A ball this many times as large as the other is opened alone.
+/// Only the larger of two balls is opened if its radius is more than this many times the other's.
 const MUCH_LARGER: f32 = 4.0;
 
 const NO_NODE: u32 = u32::MAX;
@@ -95,13 +96,13 @@ impl<'t, N: Node, E: Kernel> BallSearch<'t, N, E> {
         Self { kernel, a, b, pose, map, budget, stats, sums, turned, aimed, ratio: ratio as f32 }
     }
 
-    /// Finds all pairs, depth first: breaks off where the budget is spent.
+    /// Finds all pairs, depth first. Breaks when the budget is spent.
     #[inline(always)]
     pub(super) fn all(&mut self) -> ControlFlow<()> {
         self.depth_first(BallPair::ROOTS)
     }
 
-    /// Finds pairs, what may share the most first, until the budget is spent.
+    /// Finds pairs, largest bound of the shared volume first, until the budget is spent.
     #[inline(always)]
     pub(super) fn best_first(&mut self) -> ControlFlow<Rest> {
         let mut queue = PairQueue::new();
@@ -125,7 +126,7 @@ impl<'t, N: Node, E: Kernel> BallSearch<'t, N, E> {
         ControlFlow::Continue(())
     }
 
-    /// Visits volumes, and puts those below them into the queue.
+    /// Visits a pair of volumes and queues the pairs below it.
     #[inline(always)]
     fn expand(&mut self, next: &Waiting, queue: &mut PairQueue) -> ControlFlow<()> {
         let opened = self.visit(next.volumes)?;
@@ -146,7 +147,7 @@ impl<'t, N: Node, E: Kernel> BallSearch<'t, N, E> {
                 }
             }
             for bit in bits_of(opened.rows.rows[row]) {
-                // Not more than what holds it shares.
+                // Not more than the volumes that contain these share.
                 let bound = if shared[bit] < next.bound { shared[bit] } else { next.bound };
                 queue.push(Waiting { bound, volumes: opened.below(row, bit) });
             }
@@ -154,10 +155,10 @@ impl<'t, N: Node, E: Kernel> BallSearch<'t, N, E> {
         ControlFlow::Continue(())
     }
 
-    /// Visits all that is below some volumes.
+    /// Visits everything below a pair of volumes.
     #[inline(always)]
     fn depth_first(&mut self, from: BallPair) -> ControlFlow<()> {
-        // Each entry is a level deeper in one tree or in both.
+        // Each entry is at least a level deeper than the one before it, in one tree or in both.
         let mut stack = [NOTHING; 2 * MAX_DEPTH];
         let mut len = 0;
         let mut volumes = from;
@@ -180,7 +181,7 @@ impl<'t, N: Node, E: Kernel> BallSearch<'t, N, E> {
         }
     }
 
-    /// Opens one of two volumes or both, and decides the pairs of leaves among their children.
+    /// Opens one volume or both, and tests the pairs of leaves among the children.
     #[inline(always)]
     fn visit(&mut self, volumes: BallPair) -> ControlFlow<(), OpenedBalls> {
         if self.stats.visits == self.budget {
@@ -221,7 +222,7 @@ impl<'t, N: Node, E: Kernel> BallSearch<'t, N, E> {
         ControlFlow::Continue(opened)
     }
 
-    /// Which of the turned balls the ball of a lane of B meets; for the root, all that are in use.
+    /// The moved balls that the ball of B's lane meets; for the root, all used ones.
     #[inline(always)]
     fn against(&mut self, b: LaneAt) -> u16 {
         if b == LaneAt::ROOT {
@@ -265,23 +266,23 @@ impl<'t, N: Node, E: Kernel> BallSearch<'t, N, E> {
         tree.balls()[node as usize].lane(lane)
     }
 
-    /// The volume of the spheres below; of all, no bound.
+    /// The volume of the spheres below a lane; no bound for the root.
     fn volume_at(tree: &BvhRef<'_, N, Spheres>, at: LaneAt) -> f32 {
         if at == LaneAt::ROOT { f32::MAX } else { Self::ball_at(tree, at).volume }
     }
 
-    /// What volumes that wait probably share; of the roots, which have no balls, nothing is known.
+    /// Estimate of the volume that a pending pair shares. Of the roots, which have no balls, nothing is known.
     #[inline(never)]
     fn expected(&self, Waiting { bound, volumes: BallPair { a, b } }: &Waiting) -> f64 {
         if *a == LaneAt::ROOT {
             return 0.0;
         }
         let (a, b) = (self.map.turned(&Self::ball_at(&self.a, *a)), Self::ball_at(&self.b, *b));
-        // The bound also where balls have no size to compute with.
+        // `min` also returns the bound where the estimate is NaN: for balls of radius zero.
         f64::min(expected(&a, &b), f64::from(*bound))
     }
 
-    /// Turns the balls of node `a` into B's frame.
+    /// Moves the balls of node `a` into B's frame.
     #[inline(always)]
     fn turn(&mut self, a: u32) {
         if self.turned.0 != a {
@@ -291,7 +292,7 @@ impl<'t, N: Node, E: Kernel> BallSearch<'t, N, E> {
         }
     }
 
-    /// Turns the ball of a lane.
+    /// Moves the ball of one lane.
     #[inline(always)]
     fn aim(&mut self, a: LaneAt) {
         if self.aimed.0 != a {
@@ -300,12 +301,12 @@ impl<'t, N: Node, E: Kernel> BallSearch<'t, N, E> {
         }
     }
 
-    /// Decides the pairs of leaves among the bits, and clears them.
+    /// Tests the pairs of leaves among the bits, and clears them.
     #[inline(always)]
     fn decide_leaves(&mut self, opened: &mut OpenedBalls) {
         for row in bits_of(opened.rows.pending as u16) {
             let mut inner = opened.rows.rows[row];
-            // Those below share their volume of A, but where A alone was opened.
+            // Where A was opened, each bit has another leaf of A; else a row shares one.
             let mut moved = (NO_NODE, Sphere::default());
             for bit in bits_of(inner) {
                 let BallPair { a, b } = opened.below(row, bit);

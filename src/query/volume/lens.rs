@@ -1,4 +1,4 @@
-//! What pairs of spheres share: lenses, and sums over them that do not depend on their order.
+//! Lenses, the volumes that pairs of spheres share, and sums over them that do not depend on the order.
 
 use super::Penetration;
 use crate::exact::power_of_two;
@@ -11,8 +11,8 @@ use crate::query::entry::{Completion, QueryStats};
 use crate::range::Point;
 use core::f64::consts::PI;
 
-/// Sums over pairs of spheres, relative to the centre of the smaller body and in [`STEPS`] of its frame: all that the two
-/// have in common is in it, and at most 2^8 away from there.
+/// Sums over pairs of spheres, relative to the centre of the smaller body's frame, in units of [`STEPS`] steps of that
+/// frame. The shared volume lies inside the smaller body, at most 2^8 such units from the centre.
 pub(super) struct LensSums {
     origin: Point,
     scale: f64,
@@ -22,10 +22,11 @@ pub(super) struct LensSums {
     pairs: u64,
 }
 
-/// The unit of lengths, of which a body's frame has at most 2^7 either way, as the sums have room for.
+/// The unit of length, in steps of the frame. In it a body reaches at most 2^7 from its frame's centre, which the sums
+/// have room for.
 const STEPS: f64 = 256.0;
 
-/// What is known of a volume when the budget is spent, in the bodies' unit.
+/// What is known of the volume when the budget is spent, in the bodies' unit.
 #[derive(Copy, Clone, Debug)]
 pub(super) struct Outlook {
     pub(super) estimate: f64,
@@ -64,7 +65,7 @@ impl LensSums {
         }
     }
 
-    /// Takes two spheres that meet, the first of A, where it was moved to.
+    /// Adds two spheres that meet, the first one a moved sphere of A.
     #[inline(always)]
     pub(super) fn add(&mut self, a: &Sphere, b: &Sphere) {
         self.pairs += 1;
@@ -72,9 +73,10 @@ impl LensSums {
         let apart: Point = core::array::from_fn(|i| (a.centre[i] - b.centre[i]) * self.scale);
         let distance = libm::sqrt((apart[0] * apart[0] + apart[1] * apart[1]) + apart[2] * apart[2]);
         let volume = lens(r_a, r_b, distance);
-        // Concentric spheres do not say where to go.
+        // Concentric spheres have no direction.
         let towards = apart.map(|x| if distance > 0.0 { x / distance } else { 0.0 });
-        // Along the line of centres the lens reaches from where A's sphere begins, or B's, to where B's ends, or A's.
+        // On the line of centres, the lens begins at the later of the two near ends and stops at the earlier of the two
+        // far ends.
         let low = f64::max(distance - r_a, -r_b);
         let high = f64::min(distance + r_a, r_b);
         let middle = 0.5 * (low + high);
@@ -93,18 +95,18 @@ impl LensSums {
     }
 }
 
-/// The volume that the spheres in two balls would share if each body's were spread evenly in its ball: the lens, times
-/// the shares of both balls that spheres take. Not a number for balls that are points.
+/// The volume that the spheres in two balls would share if they filled their balls evenly: the lens times the fractions
+/// of both balls that are filled. NaN for balls of radius zero.
 pub(super) fn expected(a: &BoundingBall, b: &BoundingBall) -> f64 {
     let [x, y, z] = [0, 1, 2].map(|i| f64::from(b.centre[i] - a.centre[i]));
     let distance = libm::sqrt((x * x + y * y) + z * z);
     let [of_a, of_b] = [a, b].map(|ball| volume(ball.radius.into()));
-    // No more than all of a ball where spheres overlap.
+    // Overlapping spheres fill at most the whole ball.
     let taken = f64::min(a.volume.into(), of_a) * f64::min(b.volume.into(), of_b);
     lens(a.radius.into(), b.radius.into(), distance) * taken / (of_a * of_b)
 }
 
-/// The volume that two balls share whose centres are `distance` apart.
+/// The shared volume of two balls whose centres are `distance` apart.
 fn lens(r_a: f64, r_b: f64, distance: f64) -> f64 {
     let (sum, difference) = (r_a + r_b, (r_a - r_b).abs());
     if distance >= sum {
@@ -120,12 +122,12 @@ fn lens(r_a: f64, r_b: f64, distance: f64) -> f64 {
     PI * (depth * depth) * rest / (12.0 * distance)
 }
 
-/// A sum that does not depend on the order of what is added: integers, in three parts. What is added has a magnitude
-/// below 2^40 and is cut off at 2^-124, and 2^60 numbers may be added.
+/// A sum that does not depend on the order of its terms: integers, in three parts. Terms have a magnitude below 2^40
+/// and are truncated at 2^-124. At most 2^60 terms.
 #[derive(Copy, Clone)]
 struct Sum([i128; 3]);
 
-/// What a part of a sum counts.
+/// The unit of each part of a sum.
 const UNITS: [f64; 3] = [power_of_two(-20), power_of_two(-72), power_of_two(-124)];
 
 impl Sum {
@@ -134,7 +136,7 @@ impl Sum {
     #[inline(always)]
     fn add(&mut self, mut x: f64) {
         for (sum, unit) in self.0.iter_mut().zip(UNITS) {
-            // Exact: powers of two, and what is left has no more bits than there were.
+            // Exact: the units are powers of two, and the remainder has no more bits than `x`.
             let whole = (x * (1.0 / unit)) as i64;
             *sum += i128::from(whole);
             x -= whole as f64 * unit;
@@ -171,7 +173,7 @@ mod tests {
         };
         let (forth, back) = (sum(&mut numbers.iter()), sum(&mut numbers.iter().rev()));
         assert_eq!(forth, back);
-        // Of each number at most a unit is lost, and no bit of one that is a multiple of it.
+        // Each term loses less than a unit; a multiple of the unit loses nothing.
         for x in &numbers {
             let (_, alone) = sum(&mut core::iter::once(x));
             assert!((alone - x).abs() <= UNITS[2], "{x:e} {alone:e}");
@@ -179,7 +181,7 @@ mod tests {
         }
     }
 
-    /// The volume of two caps, which loses digits where the lens is thin.
+    /// The volume as two caps. Loses digits where the lens is thin.
     fn by_caps(r_a: f64, r_b: f64, d: f64) -> f64 {
         let cap = |r: f64, h: f64| PI * h * h * (3.0 * r - h) / 3.0;
         let t = (d * d + r_b * r_b - r_a * r_a) / (2.0 * d);
@@ -205,8 +207,8 @@ mod tests {
                 for inside in [0.0, 0.5, 1.0] {
                     assert_eq!(lens(r_a, r_b, from * inside), whole);
                 }
-                // Nothing jumps where one is just inside of the other, or outside. Squares of coordinates that differ by
-                // less are zero, and so is their root.
+                // The volume is continuous where one sphere leaves the other's inside, and where they part. Squares of
+                // smaller differences of coordinates underflow to zero.
                 let just_out = f64::max(from.next_up(), 1e-160);
                 assert!((lens(r_a, r_b, just_out) - whole).abs() < 1e-13 * whole);
                 assert_eq!([lens(r_a, r_b, to), lens(r_a, r_b, 2.0 * to)], [0.0; 2]);
@@ -230,7 +232,7 @@ mod tests {
             close(expected(&ball(0.0, 1.0, of_a), &ball(1.0, 1.0, of_b)), unit * 5.0 / 16.0 * of_a * of_b);
             close(expected(&ball(0.0, 4.0, of_a), &ball(1.0, 1.0, of_b)), unit * of_a * of_b);
         }
-        // Spheres that overlap do not share more than there is.
+        // Overlapping spheres share at most the whole ball.
         close(expected(&ball(0.0, 1.0, 3.0), &ball(1.0, 1.0, 1.0)), unit * 5.0 / 16.0);
         assert_eq!(expected(&ball(0.0, 1.0, 0.5), &ball(2.5, 1.0, 0.5)), 0.0);
         assert!(expected(&ball(0.0, 0.0, 1.0), &ball(0.0, 1.0, 1.0)).is_nan());

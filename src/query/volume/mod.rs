@@ -1,8 +1,8 @@
-//! How deep two bodies of spheres are in each other: the volume that they have in common.
+//! Penetration of two bodies of spheres: the volume that they have in common.
 //!
 //! Weller and Zachmann, *Inner Sphere Trees for Proximity and Penetration Queries*, RSS 2009. The spheres of a packing
-//! are disjoint, so what two packings have in common is the sum of what each of their spheres has in common with each
-//! of the other's: lenses. It is continuous in the pose, and grows where a distance is zero.
+//! are disjoint, so the common volume of two packings is the sum of the lenses that pairs of their spheres share. It is
+//! continuous in the pose, and grows where a distance is zero.
 
 mod balls;
 mod lens;
@@ -28,14 +28,16 @@ use core::ops::ControlFlow;
 use lens::{LensSums, Outlook};
 
 impl Query {
-    /// How much of their volume two bodies of spheres have in common, body `a` placed by `pose` in the frame of body
-    /// `b`, and where they would part. Zero if and only if no spheres overlap: those that touch share no volume.
+    /// The volume that two bodies of spheres have in common, with body `a` placed by `pose` in the frame of body `b`,
+    /// and the direction in which they would separate. Zero if and only if no spheres overlap: touching spheres share
+    /// no volume.
     ///
-    /// The sums do not depend on the order in which pairs are found: the same bits on every instruction set, with and
-    /// without balls.
+    /// The sums do not depend on the order in which pairs are found: they have the same bits on every instruction set,
+    /// with and without balls.
     ///
-    /// With a [budget](Query::with_budget), what may share the most volume is looked at first, so that the bounds close in
-    /// soon: `volume` from below and `upper` from above, and between them `estimate`. Without one, depth first, which is faster. A hint is not heeded.
+    /// With a [budget](Query::with_budget), the pairs that may share the most volume are visited first, so that the
+    /// bounds (`volume` from below, `upper` from above) and the `estimate` between them converge quickly. Without one,
+    /// the search is depth first, which is faster. The hint is ignored.
     ///
     /// ```
     /// use core::ops::ControlFlow;
@@ -75,8 +77,7 @@ impl Query {
         sums.finish(stop.map(|_| Outlook { estimate: 0.0, upper: f64::INFINITY }), stats)
     }
 
-    /// Depth first, or what may share the most first. Two functions, of which only the second has room for what waits on
-    /// its stack.
+    /// Depth first, or best first. Two functions, since only best first needs room for the queue on its stack.
     #[inline(never)]
     fn search_balls<N: Node, const BEST_FIRST: bool>(
         &self,
@@ -93,7 +94,7 @@ impl Query {
                 if BEST_FIRST {
                     search.best_first().break_value()
                 } else {
-                    // Without a budget nothing breaks it off.
+                    // Only a budget can break the search.
                     let _ = search.all();
                     None
                 }
@@ -101,7 +102,8 @@ impl Query {
         ))
     }
 
-    /// Adds up all pairs that the balls of two trees lead to. If the budget is spent, what is known of the whole volume.
+    /// Adds up all pairs found by the balls of two trees. If the budget is spent, returns what is known of the whole
+    /// volume.
     fn by_balls<N: Node>(
         &self,
         a: &BvhRef<'_, N, Spheres>,
@@ -117,8 +119,8 @@ impl Query {
             self.search_balls::<N, true>((a, b), (pose, &map), sums, stats)
         };
         let Rest { known, bound, expected } = rest?;
-        // A pose may bring A's spheres nearer to each other, as much as its matrix is no rotation: of what so overlaps, each
-        // of them has three times that share of its volume.
+        // A pose may bring A's spheres nearer to each other, as its matrix may deviate from a rotation. Each sphere
+        // then overlaps others by at most three times the deviation, as a fraction of its volume.
         let volume = |tree: &BvhRef<'_, N, Spheres>| {
             let unscale = 1.0 / tree.frame().scale();
             let lanes = tree.balls()[0].volume.iter().map(|x| f64::from(*x)).sum::<f64>();

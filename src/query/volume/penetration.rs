@@ -1,4 +1,4 @@
-//! What a penetration query returns.
+//! The result of a penetration query.
 
 use crate::query::entry::{Completion, QueryStats};
 use crate::range::Point;
@@ -7,38 +7,41 @@ use crate::range::Point;
 #[must_use = "a query has no other effect than its answer"]
 #[derive(Copy, Clone, PartialEq, Debug)]
 pub struct Penetration {
-    /// The sum over all pairs of spheres of the volume that the two share, in the bodies' unit to the third. Where the
-    /// spheres of a body overlap each other, what is covered twice counts twice.
+    /// The volume that the two spheres of a pair share, summed over all pairs, in the bodies' unit cubed. Where the
+    /// spheres of one body overlap each other, volume that is covered twice counts twice.
     ///
-    /// Of packings: the volume that they have in common. What the meshes that they fill have in common is not less, and
-    /// not more than this and what each of the packings leaves of its mesh uncovered, added up: wherever both meshes are
-    /// and not both packings, one of them has no sphere. What is uncovered is
-    /// [`Packing::volume`](crate::packing::Packing::volume) less the last of
-    /// [`Packing::shares`](crate::packing::Packing::shares) of it, where the mesh does not overlap itself. A packing that
-    /// covers 82 % of a mesh lacks 18 % of its volume in its own place, half of this bound.
+    /// For packings this is their common volume. The meshes that they fill have at least that much in common, and at
+    /// most as much as this plus the volume that each packing leaves uncovered in its mesh: a point in both meshes but
+    /// not in both packings is uncovered in one of them. The uncovered volume is
+    /// [`Packing::volume`](crate::packing::Packing::volume) times one less the last of
+    /// [`Packing::shares`](crate::packing::Packing::shares), provided the mesh does not overlap itself. A packing
+    /// that covers 82 % of a mesh leaves 18 % of it uncovered.
     ///
-    /// In `f64`: a lens is right to some 1e-15 of the smaller of its spheres, times how much larger the other one is.
+    /// Computed in `f64`: the error of a lens is about 1e-15 of the smaller sphere's volume, times the ratio
+    /// of the radii.
     pub volume: f64,
-    /// Not below the volume of a complete search, where neither body's spheres overlap each other, as those of packings do
-    /// not: the same as `volume` if the search was complete. Else with what the spheres in all volumes that wait share
-    /// at most. What the meshes of packings have in common may be more by what these leave uncovered, as of `volume`.
-    /// Infinite for trees without balls ([`crate::construct::Builder::without_balls`]) and for those of arity 4.
+    /// Upper bound of the volume of a complete search, if the spheres of neither body overlap each other, as in
+    /// packings. Equal to `volume` if the search was complete; otherwise it adds an upper bound of what the spheres in
+    /// all pending volumes share. The meshes of packings may have more in common, by their uncovered volume (see
+    /// `volume`). Infinite for trees without balls ([`crate::construct::Builder::without_balls`]) and for those of
+    /// arity 4.
     pub upper: f64,
-    /// What the volume of a complete search probably is, if that is not known: `volume` and what waits, as if spheres were
-    /// spread evenly in the balls that hold them. Not a bound, but between `volume` and `upper`, and nearer than both:
-    /// with a tenth of the visits, of packings of 2,000 and 10,000 spheres, 2 to 5 % off in the median, and far too large
-    /// where little is shared (`benches/results/spheres.md`). Without balls, and before the first visit, `volume`.
+    /// Estimate of the volume of a complete search: `volume`, plus what the pending pairs would share if spheres were
+    /// spread evenly in their bounding balls. Not a bound, but between `volume` and `upper`, and nearer than both: with
+    /// a tenth of the visits, for packings of 2,000 and 10,000 spheres, its median error is 2 to 5 %. It is far too
+    /// large where little is shared (`benches/results/spheres.md`). Without balls, and before the first visit, equal to
+    /// `volume`.
     pub estimate: f64,
-    /// Where A is pushed: the mean, weighted by volume, of the unit vectors from the centres of B's spheres to those of
-    /// A's. As long as 1 if all agree, shorter the less they do.
+    /// The direction in which A is pushed: the mean, weighted by volume, of the unit vectors from the centres of B's
+    /// spheres to those of A's. Its length is 1 if all agree, and less the more they differ.
     pub direction: Point,
-    /// The mean, weighted by volume, of the middles of the lenses, in B's frame and unit. `None` if no two spheres
+    /// The mean, weighted by volume, of the midpoints of the lenses, in B's frame and unit. `None` if no two spheres
     /// share a volume.
     pub point: Option<Point>,
-    /// The pairs of spheres that meet.
+    /// Number of pairs of spheres that meet.
     pub pairs: u64,
-    /// Unless [`Completion::Complete`], pairs are missing: the volume is a lower bound, and direction and point are those of
-    /// the pairs that were found.
+    /// Unless [`Completion::Complete`], pairs are missing: the volume is a lower bound, and direction and point are
+    /// those of the pairs found.
     pub completion: Completion,
     /// The work.
     pub stats: QueryStats,

@@ -1,4 +1,4 @@
-//! Pairs of balls that wait in a search for what two bodies share, by how much that may be.
+//! The priority queue of pending pairs of balls in a penetration query, ordered by the bound of their shared volume.
 
 /// A lane of a node, or the root.
 #[derive(Copy, Clone, PartialEq, Eq, PartialOrd, Ord, Debug)]
@@ -17,7 +17,7 @@ impl LaneAt {
     }
 }
 
-/// Two volumes whose balls meet, of which at least one is a node's.
+/// A pair of volumes whose balls meet, at least one of which is a node's.
 #[derive(Copy, Clone, PartialEq, Eq, PartialOrd, Ord, Debug)]
 pub(super) struct BallPair {
     pub(super) a: LaneAt,
@@ -28,24 +28,24 @@ impl BallPair {
     pub(super) const ROOTS: Self = Self { a: LaneAt::ROOT, b: LaneAt::ROOT };
 }
 
-/// Volumes that wait, and what their spheres share at most, in the unit of B's frame.
+/// A pending pair, and the upper bound of the volume that its spheres share, in the unit of B's frame.
 #[derive(Copy, Clone, PartialEq, Debug)]
 pub(super) struct Waiting {
     pub(super) bound: f32,
     pub(super) volumes: BallPair,
 }
 
-/// Room for what waits: some are always left for all pairs of children of one visit.
+/// Capacity. A visit is queued only if there is room for all pairs of children, [`MOST_PAIRS`].
 const MOST_WAITING: usize = 1024;
 const MOST_PAIRS: usize = 256;
 
-/// A binary heap: what may share the most comes first.
+/// A binary heap, with the largest bound first.
 pub(super) struct PairQueue {
     waiting: [Waiting; MOST_WAITING],
     len: usize,
 }
 
-/// Bytes of what waits in a search for a penetration volume with a budget: 12 KiB.
+/// Bytes of the queue of a [penetration query](crate::query::Query::penetration) with a budget: 12 KiB.
 pub const PENETRATION_QUEUE_BYTES: usize = size_of::<PairQueue>();
 
 impl PairQueue {
@@ -59,7 +59,7 @@ impl PairQueue {
     }
 
     fn is_before(x: &Waiting, y: &Waiting) -> bool {
-        // Bounds are not negative, so that their bits order as they do.
+        // Bounds are not negative, so their bits have the same order.
         (x.bound.to_bits(), x.volumes) > (y.bound.to_bits(), y.volumes)
     }
 
@@ -104,8 +104,8 @@ impl PairQueue {
         self.waiting[..self.len].iter()
     }
 
-    /// What all that wait share at most, up to rounding in `f64`: what one volume shares with all others is not more than
-    /// what it holds.
+    /// Upper bound of what all pending pairs share, up to rounding in `f64`: one volume shares with all others at most
+    /// what it contains.
     pub(super) fn capped(
         &mut self,
         side: impl Fn(&BallPair) -> LaneAt,

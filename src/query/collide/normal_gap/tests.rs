@@ -1,5 +1,5 @@
-//! No two children that share a point, or come within the margin, are ever apart; and what they are told
-//! apart by.
+//! No two children that share a point, or come within the margin, are ever separated; and each of the four ways to
+//! separate others occurs.
 
 use super::*;
 use crate::construct::{Builder, Mesh};
@@ -56,7 +56,7 @@ impl Random {
         ]
     }
 
-    /// About one of the axes, and so near to a rotation that its deviation rounds to nothing.
+    /// About one of the axes, and so close to a rotation that its deviation rounds to nothing.
     fn turn_without_skew(&mut self) -> [[f64; 3]; 3] {
         let (s, c) = loop {
             let (s, c) = libm::sincos(4.0 * self.signed());
@@ -80,7 +80,7 @@ enum Deviation {
     None,
     /// Its entries have five digits.
     Digits,
-    /// It stretches or shrinks, by nearly as much as is accepted.
+    /// It stretches or shrinks by nearly as much as is accepted.
     Stretch(f64),
 }
 
@@ -97,7 +97,7 @@ fn pose_of(rotation: [[f64; 3]; 3], deviation: Deviation, t: Point) -> Pose {
     Pose::from_rows([row(0), row(1), row(2)]).unwrap()
 }
 
-/// A saddle with corners at quarters, whose triangles have many normals.
+/// A saddle with corners at multiples of a quarter, whose triangles have many normals.
 fn saddle(side: i32) -> Soup {
     let at = |i: i32, j: i32| [f64::from(i), f64::from(j), f64::from(i * i - j * j + i * j) / 4.0];
     let quads = (-side..side).flat_map(|i| (-side..side).map(move |j| (i, j)));
@@ -137,7 +137,7 @@ impl<N> Volume<N> {
     }
 }
 
-/// All lanes in use of a tree.
+/// All used lanes of a tree.
 fn volumes<N: Lanes>(tree: &BvhRef<'_, N>) -> Vec<Volume<N>> {
     let mut below: BTreeMap<(u32, usize), Vec<u32>> = BTreeMap::new();
     let mut walk = tree.walk();
@@ -156,7 +156,7 @@ fn volumes<N: Lanes>(tree: &BvhRef<'_, N>) -> Vec<Volume<N>> {
     below.into_iter().map(volume).collect()
 }
 
-/// The thinnest slab of a direction and low end, or the one a step higher, that `verify` accepts.
+/// The thinnest slab with a given direction and low end, or with the low end a step higher, that `verify` accepts.
 fn thinnest(slab: NormalSlab, frame: &Frame, corners: &[Point]) -> NormalSlab {
     let bits: u64 = bytemuck::cast(slab);
     let with = |low: i64, code: u64| -> NormalSlab {
@@ -179,7 +179,7 @@ fn thinnest(slab: NormalSlab, frame: &Frame, corners: &[Point]) -> NormalSlab {
     with(low, enough as u64)
 }
 
-/// All lanes of a tree with slabs as thin as `verify` accepts.
+/// All used lanes of a tree, with slabs as thin as `verify` accepts.
 fn thinnest_volumes<N: Lanes>(tree: &BvhRef<'_, N>) -> Vec<Volume<N>> {
     let mut all = volumes(tree);
     for volume in &mut all {
@@ -189,7 +189,7 @@ fn thinnest_volumes<N: Lanes>(tree: &BvhRef<'_, N>) -> Vec<Volume<N>> {
     all
 }
 
-/// The pairs that are apart.
+/// The pairs that are separated.
 fn apart<N: Lanes>(test: &NormalTest<'_>, a: &[Volume<N>], b: &[Volume<N>]) -> Vec<(usize, usize)> {
     let mut found = Vec::new();
     for (i, x) in a.iter().enumerate() {
@@ -203,8 +203,8 @@ fn apart<N: Lanes>(test: &NormalTest<'_>, a: &[Volume<N>], b: &[Volume<N>]) -> V
     found
 }
 
-/// Requires that no two lanes are apart below which are primitives that `meet` says to meet, by their indices in
-/// what was built. Returns how many lanes were apart.
+/// Requires that no two lanes are separated if primitives below them meet according to `meet`, which takes source
+/// indices. Returns the number of separated lanes.
 fn never_apart<N: Lanes>(
     what: &str,
     (a, volumes_a): (&BvhRef<'_, N>, &[Volume<N>]),
@@ -230,14 +230,14 @@ fn stray(size: f64) -> [Point; 3] {
     [[8.0, 1.0, 9.0], [8.0, 9.0, 1.0], [1.0, 8.0, 9.0]].map(|p| p.map(|x| x * size))
 }
 
-/// B is A where the pose puts it, bit by bit: each triangle meets its own image, in all its corners, and lies
-/// in the same plane, so that slabs are as close as they can be.
+/// B is A as moved by the pose, bit by bit: each triangle meets its own image in all corners and lies in the same
+/// plane, so that slabs are as close as possible.
 fn images_meet<N: Lanes>() {
     let mut random = Random(1);
     let turned = [[0.0, -1.0, 0.0], [0.0, 0.0, 1.0], [-1.0, 0.0, 0.0]];
     let (mut asked, mut found) = (0, 0);
     let units = [0, -20, 40].map(power_of_two);
-    // In A, or in B, which are that much smaller than the other then.
+    // Exponents of the strays in A and in B; they make the frame of one body that much coarser than that of the other.
     let strays = [(0, 0), (2, 0), (0, 3), (20, 0), (0, 20), (40, 0), (0, 40)];
     let offsets = [0.0, 10.0, 1e9, power_of_two(40)];
     let deviations =
@@ -281,7 +281,7 @@ fn what_shares_a_point_is_never_apart() {
     for_each_node!(images_meet);
 }
 
-/// B is A's image, moved along a normal by the margin: as far as it may be.
+/// B is A's image, moved along a normal by the margin: the farthest that still counts.
 fn margins_reach<N: Lanes>() {
     let mut random = Random(2);
     for (round, size) in (0..6).flat_map(|r| [1e-6, 1e-3, 0.25, 4.0, 1e3].map(|size| (r, size))) {
@@ -310,7 +310,7 @@ fn what_comes_within_the_margin_is_never_apart() {
     for_each_node!(margins_reach);
 }
 
-/// Corners that the pose moves to below the least coordinate become zero, and B is where they are then.
+/// Corners that the pose moves to below the least coordinate become zero, where B then is.
 fn flushed_corners_meet<N: Lanes>() {
     let mut random = Random(3);
     for _ in 0..20 {
@@ -329,9 +329,9 @@ fn corners_that_become_zero_are_met() {
     for_each_node!(flushed_corners_meet);
 }
 
-/// B is one point, which is a corner of A where the pose puts it; the planes of A and all slabs pass through it without
-/// rounding, so that every rounding of the test itself shows. Keys are in the middle between two steps, and so are the corners:
-/// along axes, but not along directions of which the components sum to an even number.
+/// B is a point, which is a corner of A as moved by the pose; the planes of A and all slabs pass through it without
+/// rounding, so that every rounding of the test itself shows. Keys lie halfway between two steps, and so do the corners
+/// along the axes, but not along directions whose components have an even sum.
 fn exact_corners_meet<N: Lanes>() {
     // With a step of 1: twice as much is above the greatest key.
     let w = 16_383.5;
@@ -343,7 +343,7 @@ fn exact_corners_meet<N: Lanes>() {
     let mut random = Random(4);
     let mut poses = 0;
     while poses < 40 {
-        // The pad for a skew would pay for all else.
+        // The pad for the deviation from a rotation would hide every other error.
         let rotation = random.turn_without_skew();
         let (i, c) = (random.u64() as usize % soup.len(), random.u64() as usize % 3);
         let image = pose_of(rotation, Deviation::None, [0.0; 3]).apply(soup[i][c]);
@@ -415,8 +415,8 @@ fn what_meets_is_never_apart() {
     for_each_node!(brute_force_agrees);
 }
 
-/// Each of the four ways to be apart: a sheet, and a ball of triangles just above or just below the middle of
-/// it, that neither k-DOPs nor the ball's primitive slab tell apart.
+/// Each of the four ways to separate: a sheet, and a ball of triangles just above or just below its middle, which
+/// neither k-DOPs nor the primitive slab of the ball's triangles separate.
 fn each_side_separates<N: Lanes>() {
     let mut random = Random(6);
     let (flat, normal) = (map(&sheet(1), |p| p.map(|x| 8.0 * x)), glam::dvec3(-0.25, 0.375, 1.0).normalize());
@@ -433,7 +433,7 @@ fn each_side_separates<N: Lanes>() {
                 })
                 .collect();
             let above = side * 3.0 * normal;
-            // The ball as B: it lies where the sheet's plane is turned to.
+            // The ball as B, where the pose moves the sheet's plane.
             let centre = turn.apply(above.to_array());
             let still = map(&ball, |p| core::array::from_fn(|i| p[i] + centre[i]));
             let (sheet, ball_b) = (tree_of::<N>(&flat), tree_of::<N>(&still));
@@ -441,7 +441,7 @@ fn each_side_separates<N: Lanes>() {
                 roots_apart(&sheet.view(), &ball_b.view(), &turn),
                 "round {round}, by a's normal, {side}"
             );
-            // And as A: it turns, and moves to where the sheet lies.
+            // The ball as A, which the pose rotates and moves to the sheet.
             let (ball_a, there) = (tree_of::<N>(&ball), pose_of(rotation, Deviation::None, above.to_array()));
             assert!(
                 roots_apart(&ball_a.view(), &sheet.view(), &there),
@@ -451,7 +451,7 @@ fn each_side_separates<N: Lanes>() {
     }
 }
 
-/// Whether all pairs of lanes of two roots are apart.
+/// Whether all pairs of lanes of two roots are separated.
 fn roots_apart<N: Lanes>(a: &BvhRef<'_, N>, b: &BvhRef<'_, N>, pose: &Pose) -> bool {
     let (of_a, of_b) = (volumes(a), volumes(b));
     let test = NormalTest::new(pose, &a.extent(), &b.extent(), 0.0);
@@ -463,8 +463,8 @@ fn a_sheet_is_told_from_what_lies_on_either_side() {
     for_each_node!(each_side_separates);
 }
 
-/// Unbounded planes bound nothing, unbounded slabs neither: touching bodies are not apart, whatever is
-/// unbounded; and far ones are not, where a slab is.
+/// Unbounded planes bound nothing, and neither do unbounded slabs: touching bodies are not separated, whatever is
+/// unbounded; far ones are not where a slab is unbounded.
 fn unbounded_is_never_apart<N: Lanes>() {
     let mut random = Random(7);
     let soup = saddle(2);
@@ -497,8 +497,8 @@ fn unbounded_planes_and_slabs_never_separate() {
     for_each_node!(unbounded_is_never_apart);
 }
 
-/// The supports of children are those of their planes: never below those of the corners, and equal along the
-/// planes' own directions.
+/// The supports of children follow from their planes: never below those of the corners, and equal along the directions
+/// of the planes.
 fn supports_bound<const K: usize, N: Lanes>() {
     let mut random = Random(8);
     let soup = saddle(2);
