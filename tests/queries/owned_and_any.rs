@@ -98,16 +98,7 @@ where
 #[test]
 fn trees_of_any_node_type_answer_as_their_own_type_does() {
     let mesh = shapes::torus(12, 8);
-    any_agrees::<Node16<6>>(&mesh);
-    any_agrees::<Node16<14>>(&mesh);
-    any_agrees::<Node16<18>>(&mesh);
-    any_agrees::<Node16<26>>(&mesh);
-    any_agrees::<Node16<32>>(&mesh);
-    any_agrees::<Node4<6>>(&mesh);
-    any_agrees::<Node4<14>>(&mesh);
-    any_agrees::<Node4<18>>(&mesh);
-    any_agrees::<Node4<26>>(&mesh);
-    any_agrees::<Node4<32>>(&mesh);
+    for_each_node!(any_agrees(&mesh));
 }
 
 #[test]

@@ -388,9 +388,7 @@ fn other_node_types_decide_alike() {
         }
     }
     // What differs between the others is tested without spheres.
-    one::<Node16<6>>();
-    one::<Node16<32>>();
-    one::<Node4<18>>();
+    for_each_node!(one());
 }
 
 #[test]
