@@ -10,7 +10,9 @@ use crate::build;
 use crate::support::data::{Suite, suite_step, suites};
 use crate::support::digest::Digest;
 use simdop::isa::Isa;
-use simdop::node::{Node4, Node16};
+#[cfg(simdop_all_nodes)]
+use simdop::node::Node4;
+use simdop::node::Node16;
 use simdop::pose::Pose;
 use simdop::query::{Answer, Lanes, Query, Verdict};
 
