@@ -3,7 +3,8 @@
 # shellcheck disable=SC2034 # used by who sources this
 
 # Without line tables, which nobody reads here, all builds are shorter.
-export CI=true CARGO_TERM_COLOR=never CARGO_PROFILE_RELEASE_DEBUG=0 CARGO_INCREMENTAL=0 CARGO_NET_RETRY=5 DEBIAN_FRONTEND=noninteractive
+export CI=true CARGO_TERM_COLOR=never CARGO_PROFILE_RELEASE_DEBUG=0 CARGO_INCREMENTAL=0 CARGO_NET_RETRY=5
+export DEBIAN_FRONTEND=noninteractive
 export CARGO_TARGET_DIR="${CARGO_TARGET_DIR:-$PWD/target}"
 SIMDOP_DATA=$(realpath -m "${SIMDOP_DATA:-../shared/data}")
 export SIMDOP_DATA
@@ -15,8 +16,8 @@ export CARGO_TARGET_AARCH64_UNKNOWN_LINUX_GNU_LINKER=aarch64-linux-gnu-gcc
 # For Miri, whose detection answers what the crate is compiled for: the features of the tokens in src/isa.
 X86_FEATURES=+avx2,+bmi1,+bmi2,+f16c,+lzcnt,+popcnt,+avx512f,+avx512bw,+avx512vl
 
-# Target, package in tests/no_std_consumer, and the instruction set that its queries must report. x86_64-unknown-none has a
-# soft-float ABI and no vector kernels: those run without std in a Linux process.
+# Target, package in tests/no_std_consumer, and the instruction set that its queries must report. x86_64-unknown-none
+# has a soft-float ABI and no vector kernels: those run without std in a Linux process.
 BARE=(
   "thumbv7em-none-eabihf cortex-m-consumer scalar"
   "aarch64-unknown-none aarch64-none neon"
@@ -25,12 +26,15 @@ BARE=(
 )
 CONSUMERS=tests/no_std_consumer
 
-# Packages and features of the README's test command, once `host_selection` has read it. All that is built for this machine's
-# release profile is built with them, so that nothing is built twice.
+# Packages and features of the README's test command, once `host_selection` has read it. All that is built for this
+# machine's release profile is built with them, so that nothing is built twice.
 HOST=()
 
 # A caller's flags would change what is tested.
-clear_flags() { unset SIMDOP_REQUIRE_ISA SIMDOP_PAIRS SIMDOP_SUITE RUSTFLAGS RUSTDOCFLAGS CARGO_BUILD_TARGET CARGO_ENCODED_RUSTFLAGS; }
+clear_flags() {
+  unset SIMDOP_REQUIRE_ISA SIMDOP_PAIRS SIMDOP_SUITE
+  unset RUSTFLAGS RUSTDOCFLAGS CARGO_BUILD_TARGET CARGO_ENCODED_RUSTFLAGS
+}
 
 die() {
   echo "error: $*" >&2
@@ -86,7 +90,8 @@ readme_test_command() {
 host_selection() {
   local -a words
   read -ra words <<<"$(readme_test_command)"
-  [ "${words[*]:0:3}" = "cargo test --release" ] || die "the README's test command does not begin with cargo test --release"
+  [ "${words[*]:0:3}" = "cargo test --release" ] ||
+    die "the README's test command does not begin with cargo test --release"
   HOST=("${words[@]:3}")
 }
 
@@ -99,9 +104,11 @@ neon() {
     cargo test --locked --release --target "$NEON" "$@"
 }
 
-# miri_kernels TARGET: the kernels' law in Miri. The scalar kernels have a part in each test, and no unsafe code to be looked at.
+# miri_kernels TARGET: the kernels' law in Miri. The scalar kernels have a part in each test, and no unsafe code to be
+# looked at.
 miri_kernels() {
-  MIRIFLAGS=-Zmiri-disable-isolation cargo +nightly miri test --locked --target "$1" --test kernel_law -- --skip scalar::
+  MIRIFLAGS=-Zmiri-disable-isolation \
+    cargo +nightly miri test --locked --target "$1" --test kernel_law -- --skip scalar::
 }
 
 # short_bench NAME: a benchmark in its short form.
@@ -111,8 +118,8 @@ short_bench() {
   evidence "bench $1, short"
 }
 
-# fuzz_all RUNS SEED: each target has an oracle; seed and count make a run repeatable. Built with the address sanitizer and checks of
-# overflow. What the fuzzer finds new goes to a folder that is thrown away.
+# fuzz_all RUNS SEED: each target has an oracle; seed and count make a run repeatable. Built with the address sanitizer
+# and checks of overflow. What the fuzzer finds new goes to a folder that is thrown away.
 fuzz_all() {
   local targets target runs
   targets=$(cargo +nightly fuzz list)
@@ -139,7 +146,8 @@ conclude() {
   [ "$passed" -gt 0 ] || die "no test ran on $place"
   line="$place: $passed tests, $ignored ignored; named after"
   for isa; do
-    count=$(grep -cE "^test (.*[^a-z0-9])?$isa([^a-z0-9].*)? \.\.\. ok$" "$log") || die "no test named after $isa ran on $place"
+    count=$(grep -cE "^test (.*[^a-z0-9])?$isa([^a-z0-9].*)? \.\.\. ok$" "$log") ||
+      die "no test named after $isa ran on $place"
     line+=" $isa $count"
   done
   evidence "$line"

@@ -3,7 +3,7 @@
 //! `cargo test --release --test queries distance::`.
 //!
 //! Compiling ten node types takes most of the time. The tests run on three of them: the default one, the one with
-//! the most planes, and one of arity 4. `RUSTFLAGS="--cfg simdop_all_nodes"` adds the others, as `.ci/sweep nodes` does.
+//! the most planes, and one of arity 4. `RUSTFLAGS="--cfg simdop_all_nodes"` adds the others: `.ci/sweep nodes`.
 
 extern crate alloc;
 
