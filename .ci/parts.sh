@@ -1,18 +1,40 @@
-# Parts of the stages of .ci/run, and of .ci/mutations: both source this file.
+# Parts of .ci/run, .ci/sweep, .ci/mutations and .ci/bochs, which source this file in the project's folder.
 # shellcheck shell=bash
+# shellcheck disable=SC2034 # used by who sources this
+
+# Without line tables, which nobody reads here, all builds are shorter.
+export CI=true CARGO_TERM_COLOR=never CARGO_PROFILE_RELEASE_DEBUG=0 CARGO_INCREMENTAL=0 CARGO_NET_RETRY=5
+export DEBIAN_FRONTEND=noninteractive
+export CARGO_TARGET_DIR="${CARGO_TARGET_DIR:-$PWD/target}"
+SIMDOP_DATA=$(realpath -m "${SIMDOP_DATA:-../shared/data}")
+export SIMDOP_DATA
 
 NEON=aarch64-unknown-linux-gnu
+# The smallest core that robots use: NEON and none of the later extensions, whose instructions end a test there.
+NEON_RUNNER="qemu-aarch64 -L /usr/aarch64-linux-gnu -cpu cortex-a53"
 export CARGO_TARGET_AARCH64_UNKNOWN_LINUX_GNU_LINKER=aarch64-linux-gnu-gcc
 # For Miri, whose detection answers what the crate is compiled for: the features of the tokens in src/isa.
-# shellcheck disable=SC2034 # used by who sources this
 X86_FEATURES=+avx2,+bmi1,+bmi2,+f16c,+lzcnt,+popcnt,+avx512f,+avx512bw,+avx512vl
 
-# The features that benches and tests of wgpu are built with: the same, so that nothing is built twice.
-BENCHED=gpu,rayon,urdf
+# Target, package in tests/no_std_consumer, and the instruction set that its queries must report. x86_64-unknown-none
+# has a soft-float ABI and no vector kernels: those run without std in a Linux process.
+BARE=(
+  "thumbv7em-none-eabihf cortex-m-consumer scalar"
+  "aarch64-unknown-none aarch64-none neon"
+  "x86_64-unknown-none x86_64-none scalar"
+  "x86_64-unknown-linux-gnu x86_64-none avx(2|512)"
+)
+CONSUMERS=tests/no_std_consumer
 
-# The features of the README's command.
-# shellcheck disable=SC2034 # used by who sources this
-TESTED=simdop/rayon,simdop/mint,simdop/nalgebra,simdop/urdf,simdop-cli/report,simdop-cli/selftest
+# Packages and features of the README's test command, once `host_selection` has read it. All that is built for this
+# machine's release profile is built with them, so that nothing is built twice.
+HOST=()
+
+# A caller's flags would change what is tested.
+clear_flags() {
+  unset SIMDOP_REQUIRE_ISA SIMDOP_PAIRS SIMDOP_SUITE
+  unset RUSTFLAGS RUSTDOCFLAGS CARGO_BUILD_TARGET CARGO_ENCODED_RUSTFLAGS
+}
 
 die() {
   echo "error: $*" >&2
@@ -65,24 +87,53 @@ readme_test_command() {
   echo "$command"
 }
 
-# neon CPU ARGUMENTS...: cargo test for aarch64 on an emulated CPU.
-neon() {
-  local cpu=$1
-  shift
-  CARGO_TARGET_AARCH64_UNKNOWN_LINUX_GNU_RUNNER="qemu-aarch64 -L /usr/aarch64-linux-gnu -cpu $cpu" \
-    cargo test --locked --target "$NEON" "$@"
+host_selection() {
+  local -a words
+  read -ra words <<<"$(readme_test_command)"
+  [ "${words[*]:0:3}" = "cargo test --release" ] ||
+    die "the README's test command does not begin with cargo test --release"
+  HOST=("${words[@]:3}")
 }
 
-# miri_kernels TARGET: the kernels' law in Miri. The scalar kernels have a part in each test, and no unsafe code to be looked at.
+# The instruction sets of this CPU that tests must run on, with commas.
+host_isas() { if has_avx512; then echo avx2,avx512; else echo avx2; fi; }
+
+# neon ARGUMENTS...: cargo test for aarch64 on an emulated CPU.
+neon() {
+  SIMDOP_REQUIRE_ISA=neon CARGO_TARGET_AARCH64_UNKNOWN_LINUX_GNU_RUNNER=$NEON_RUNNER \
+    cargo test --locked --release --target "$NEON" "$@"
+}
+
+# miri_kernels TARGET: the kernels' law in Miri. The scalar kernels have a part in each test, and no unsafe code to be
+# looked at.
 miri_kernels() {
-  MIRIFLAGS=-Zmiri-disable-isolation cargo +nightly miri test --locked --target "$1" --test kernel_law -- --skip scalar::
+  MIRIFLAGS=-Zmiri-disable-isolation \
+    cargo +nightly miri test --locked --target "$1" --test kernel_law -- --skip scalar::
 }
 
 # short_bench NAME: a benchmark in its short form.
 short_bench() {
   step "$1, short"
-  timeout 60 cargo bench --quiet --locked --features "$BENCHED" --bench "$1" -- --test
+  timeout 60 cargo bench --quiet --locked "${HOST[@]}" --bench "$1" -- --test
   evidence "bench $1, short"
+}
+
+# fuzz_all RUNS SEED: each target has an oracle; seed and count make a run repeatable. Built with the address sanitizer
+# and checks of overflow. What the fuzzer finds new goes to a folder that is thrown away.
+fuzz_all() {
+  local targets target runs
+  targets=$(cargo +nightly fuzz list)
+  [ -n "$targets" ] || die "fuzz/ has no target"
+  for target in $targets; do
+    step "$target"
+    [ -d "fuzz/seeds/$target" ] || die "fuzz/seeds has nothing for $target"
+    mkdir -p "$LOGS/corpus/$target"
+    cargo +nightly fuzz run --no-trace-compares "$target" "$LOGS/corpus/$target" "fuzz/seeds/$target" -- \
+      -runs="$1" -seed="$2" -max_len=4096 -timeout=60 -verbosity=0 -print_final_stats=1 2>&1 | tee "$LOGS/fuzz"
+    runs=$(awk '/number_of_executed_units/ {print $2}' "$LOGS/fuzz")
+    [ "${runs:-0}" -ge "$1" ] || die "$target ran ${runs:-no} times of $1"
+    evidence "fuzz target $target: $runs runs"
+  done
 }
 
 # conclude WHERE LOG ISA...: fails unless tests passed, and for each instruction set some that are named after it
@@ -95,7 +146,8 @@ conclude() {
   [ "$passed" -gt 0 ] || die "no test ran on $place"
   line="$place: $passed tests, $ignored ignored; named after"
   for isa; do
-    count=$(grep -cE "^test (.*[^a-z0-9])?$isa([^a-z0-9].*)? \.\.\. ok$" "$log") || die "no test named after $isa ran on $place"
+    count=$(grep -cE "^test (.*[^a-z0-9])?$isa([^a-z0-9].*)? \.\.\. ok$" "$log") ||
+      die "no test named after $isa ran on $place"
     line+=" $isa $count"
   done
   evidence "$line"

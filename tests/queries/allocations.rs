@@ -72,10 +72,7 @@ fn queries_stay_off_the_heap<N: Lanes>() {
 
 #[test]
 fn a_query_never_allocates() {
-    queries_stay_off_the_heap::<Node16<6>>();
-    queries_stay_off_the_heap::<Node16<18>>();
-    queries_stay_off_the_heap::<Node16<32>>();
-    queries_stay_off_the_heap::<Node4<14>>();
+    for_each_node!(queries_stay_off_the_heap());
 }
 
 #[test]

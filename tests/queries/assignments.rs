@@ -86,7 +86,7 @@ fn any_shapes<N: Lanes>(rng: &mut Rng) {
 #[test]
 fn any_shape_is_a_tree_with_the_same_answers() {
     let mut rng = Rng::new(40);
-    any_shapes::<Node4<18>>(&mut rng);
+    any_shapes::<Node4<14>>(&mut rng);
     any_shapes::<Node16<18>>(&mut rng);
 }
 

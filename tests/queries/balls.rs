@@ -198,7 +198,7 @@ fn trees_that_have_no_balls_cannot_say_so() {
     let spheres = spheres(&mut Rng::new(4), 100, 1.0, 0.0);
     assert_eq!(flagged(&build::<Node4<6>>(&spheres, Builder::new())), want);
     let mesh = shapes::torus(5, 3);
-    assert_eq!(flagged(&crate::build::<Node4<18>>(&mesh)), want);
+    assert_eq!(flagged(&crate::build::<Node4<14>>(&mesh)), want);
     assert_eq!(flagged(&crate::build::<Node16<18>>(&mesh)), want);
 }
 

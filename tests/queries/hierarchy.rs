@@ -398,7 +398,7 @@ fn triangles_without_area_change_nobody_elses_verdict() {
 }
 
 fn all_pairs(a: &MeshData, b: &MeshData, pose: &[[f64; 4]; 3]) -> BTreeSet<(u32, u32)> {
-    let (a, b) = (build::<Node16<14>>(a, 3, Splitter::default()), build(b, 3, Splitter::default()));
+    let (a, b) = (build::<Node16<18>>(a, 3, Splitter::default()), build(b, 3, Splitter::default()));
     pairs_that_meet(Query::new(Isa::detect()), &a, &b, &Pose::from_rows(*pose).unwrap()).0
 }
 

@@ -1,6 +1,9 @@
 //! All tests of queries in one program, so that the queries of ten node types and each instruction set are
 //! compiled once, and not once for each file. A file's tests have the name of its module:
 //! `cargo test --release --test queries distance::`.
+//!
+//! Compiling ten node types takes most of the time. The tests run on three of them: the default one, the one with
+//! the most planes, and one of arity 4. `RUSTFLAGS="--cfg simdop_all_nodes"` adds the others: `.ci/sweep nodes`.
 
 extern crate alloc;
 
@@ -15,9 +18,11 @@ mod one_point;
 #[path = "../support/mod.rs"]
 mod support;
 
-/// Calls a generic function with the arguments, once for every node type.
+/// Calls a generic function with the arguments, once for each node type.
 macro_rules! for_each_node {
     ($function:ident($($argument:expr),*)) => {
+        for_each_node!(@ $function ($($argument),*) Node16<18>, Node16<32>, Node4<14>);
+        #[cfg(simdop_all_nodes)]
         for_each_node!(@ $function ($($argument),*)
             Node16<6>, Node16<14>, Node16<18>, Node16<26>, Node16<32>,
             Node4<6>, Node4<14>, Node4<18>, Node4<26>, Node4<32>)

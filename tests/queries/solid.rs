@@ -411,6 +411,7 @@ fn what_is_inside_of_a_solid_is_a_hit() {
 #[test]
 fn so_it_is_for_other_node_types() {
     let count = if cfg!(miri) { 4 } else { 8_000 / suite_step() };
+    #[cfg(simdop_all_nodes)]
     random_placements::<Node16<6>>(3, count);
     random_placements::<Node16<32>>(4, count);
     random_placements::<Node4<14>>(5, count);

@@ -178,16 +178,10 @@ fn check_scenes<N: Lanes>() {
 
 #[test]
 fn queries_need_no_more_stack_than_is_documented() {
-    check::<Node16<6>>();
-    check::<Node16<18>>();
+    for_each_node!(check());
     check_scenes::<Node16<18>>();
-    check_scenes::<Node4<18>>();
-    check::<Node16<32>>();
-    check::<Node4<6>>();
-    check::<Node4<32>>();
+    check_scenes::<Node4<14>>();
     check_spheres::<Node16<32>>();
-    check_solids::<Node16<32>>();
-    check_solids::<Node4<32>>();
-    check_penetration::<Node16<32>>();
-    check_penetration::<Node4<32>>();
+    for_each_node!(check_solids());
+    for_each_node!(check_penetration());
 }
