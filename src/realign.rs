@@ -116,6 +116,13 @@ impl<const K: usize, S: Storage> Realignment<K, S> {
     pub(crate) const UNSET: Self =
         Self { sources: [[0; 4]; K], weights: [[0.0; K]; 3], offset: [0.0; K], storage: PhantomData };
 
+    /// A map with these numbers, for tests of kernels: the fields say what they are.
+    #[inline]
+    #[must_use]
+    pub const fn from_parts(sources: [[u8; 4]; K], weights: [[f32; K]; 3], offset: [f32; K]) -> Self {
+        Self { sources, weights, offset, storage: PhantomData }
+    }
+
     /// The map for a body with bounds `a`, posed in the frame `b`.
     #[inline(always)]
     #[must_use]

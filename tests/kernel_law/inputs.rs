@@ -3,7 +3,7 @@
 use crate::support::codes::SPECIAL;
 use crate::support::rng::Rng;
 use crate::trees::Trees;
-use simdop::low_level::key::Key;
+use simdop::low_level::key::{Fixed, Key, Storage};
 use simdop::node::{Child, Node4, Node16};
 use simdop::query::Lanes;
 use std::cell::LazyCell;
@@ -43,7 +43,7 @@ fn planes<const W: usize, const K: usize>(
     middles: &[i16; K],
     side: i64,
 ) -> Planes<W, K> {
-    let grid = |x: i64| Key::round_up_f64(x as f64).unwrap().code();
+    let grid = |x: i64| Key::<Fixed>::round_up_f64(x as f64).unwrap().code();
     let mut draw = |middle: i16| {
         let side = if rng.below(2 * K as u64) == 0 { -side } else { side };
         match mode {
@@ -75,15 +75,15 @@ pub(crate) fn pair<const W: usize, const K: usize>(
 type Both<const K: usize> = (Planes<16, K>, Planes<4, K>);
 
 /// `n` queries and `n` nodes, for all n^2 pairs.
-pub(crate) fn pool<const K: usize>(
+pub(crate) fn pool<const K: usize, S: Storage>(
     rng: &mut Rng,
     mode: Mode,
-    trees: &LazyCell<Trees<K>, impl FnOnce() -> Trees<K>>,
+    trees: &LazyCell<Trees<K, S>, impl FnOnce() -> Trees<K, S>>,
     n: usize,
 ) -> (Vec<Both<K>>, Vec<Both<K>>)
 where
-    Node16<K>: Lanes,
-    Node4<K>: Lanes,
+    Node16<K, S>: Lanes,
+    Node4<K, S>: Lanes,
 {
     if let Mode::Real = mode {
         return (
@@ -119,6 +119,14 @@ pub(crate) fn each_pair<A, B>(
 
 pub(crate) const fn wide<const K: usize>(planes: Planes<16, K>) -> Node16<K> {
     Node16::new(planes, [Child::EMPTY; 16])
+}
+
+pub(crate) const fn wide_as<const K: usize, S: Storage>(planes: Planes<16, K>) -> Node16<K, S> {
+    Node16::new(planes, [Child::EMPTY; 16])
+}
+
+pub(crate) const fn narrow_as<const K: usize, S: Storage>(planes: Planes<4, K>) -> Node4<K, S> {
+    Node4::new(planes, [Child::EMPTY; 4])
 }
 
 pub(crate) const fn narrow<const K: usize>(planes: Planes<4, K>) -> Node4<K> {

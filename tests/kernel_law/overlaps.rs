@@ -1,7 +1,7 @@
 //! The overlap kernels.
 
 use crate::digest::{Digest, conclude, recorded, words};
-use crate::inputs::{MODES, Planes, code, each_pair, narrow, pair, pool, wide};
+use crate::inputs::{MODES, Planes, code, each_pair, narrow, pair, pool, wide, wide_as};
 use crate::pairs;
 use crate::realign::any_map;
 use crate::support::rng::Rng;
@@ -9,7 +9,7 @@ use crate::trees::Trees;
 use crate::turned::turned_16;
 use simdop::isa::{Isa, Scalar, on_isa};
 use simdop::low_level::kernel::{Kernel, Turned};
-use simdop::low_level::key::{Key, decode};
+use simdop::low_level::key::{Fixed, Half, Key, Storage};
 use simdop::node::{Node4, Node16};
 use simdop::query::Lanes;
 use std::cell::LazyCell;
@@ -46,7 +46,7 @@ where
 {
     let mut rng = Rng::new(K as u64);
     let trees = LazyCell::new(|| Trees::<K>::new(&mut Rng::new(K as u64)));
-    let recorded = recorded::<K>().map(|[overlaps, ..]| overlaps);
+    let recorded = recorded::<K, Fixed>().map(|[overlaps, ..]| overlaps);
     let mut digest = Digest::EMPTY;
     let count = pairs() / MODES.len() as u64;
     for &mode in MODES {
@@ -235,11 +235,16 @@ pub(crate) fn all_key_pairs<E: Kernel>(kernel: E) {
 /// The scalar kernel against the inequality itself in `f64`, for codes that are finite planes.
 #[test]
 fn scalar_kernel_is_the_inequality() {
+    inequality::<Fixed>();
+    inequality::<Half>();
+}
+
+fn inequality<S: Storage>() {
     let mut rng = Rng::new(400);
     for _ in 0..pairs() / 64 + 1 {
         let value = |rng: &mut Rng| loop {
             let code = if rng.below(2) == 0 { code(rng) } else { rng.int(0x3c00, 0x3c04) as i16 };
-            if Key::from_code(code).is_some() {
+            if S::is_plane(code) {
                 return code;
             }
         };
@@ -248,7 +253,7 @@ fn scalar_kernel_is_the_inequality() {
         let query = core::array::from_fn(|j| a[j ^ 1].map(|code| !code));
         let bodies: [[i16; 18]; 16] = core::array::from_fn(|lane| a.map(|plane| plane[lane]));
         for (lane, body) in bodies.iter().enumerate() {
-            let separated = |i: usize| (0..18).any(|j| -decode(body[j ^ 1]) > decode(b[j][i]));
+            let separated = |i: usize| (0..18).any(|j| -S::value(body[j ^ 1]) > S::value(b[j][i]));
             let want = (0..16).fold(0, |mask, i| mask | u16::from(!separated(i)) << i);
             assert_eq!(Scalar::new().overlap_1v16(&query, lane, &wide(b)), want);
         }
@@ -258,16 +263,22 @@ fn scalar_kernel_is_the_inequality() {
 /// An unused lane is separated from everything, even from an unbounded query.
 #[test]
 fn unused_lanes_are_separated_from_unbounded_bodies() {
-    let unbounded = [[Key::INFINITY.code(); 16]; 18];
+    unused_lanes::<Fixed>();
+    unused_lanes::<Half>();
+}
+
+fn unused_lanes<S: Storage>() {
+    let wide = wide_as::<18, S>;
+    let unbounded = [[S::INFINITY; 16]; 18];
     let query = unbounded.map(|plane| plane.map(|code| !code));
     let mut planes = unbounded;
     for plane in &mut planes {
-        plane[7] = Key::EMPTY.code();
+        plane[7] = Key::<S>::EMPTY.code();
     }
     for isa in Isa::available() {
         on_isa!(isa, kernel => {
             assert_eq!(kernel.overlap_1v16(&query, 0, &wide(planes)), !(1 << 7), "{isa}");
-            let mut map = any_map::<18>(&mut Rng::new(1));
+            let mut map = any_map::<18, S>(&mut Rng::new(1));
             map.offset = [f32::INFINITY; 18];
             let turned = turned_16(kernel, &map, &wide(planes));
             assert_eq!(kernel.overlap_1v16(&turned, 7, &wide(unbounded)), 0, "{isa}");

@@ -1,12 +1,13 @@
 //! The kernels of primitive slabs.
 
 use crate::digest::{Digest, conclude, recorded, words};
-use crate::inputs::{MODES, Mode, Planes, each_pair, float, narrow, pool, wide};
+use crate::inputs::{MODES, Mode, Planes, each_pair, float, narrow_as, pool, wide_as};
 use crate::pairs;
 use crate::support::rng::Rng;
 use crate::trees::Trees;
 use simdop::isa::Scalar;
 use simdop::low_level::kernel::Kernel;
+use simdop::low_level::key::{Fixed, Half, Storage};
 use simdop::low_level::realign::PrimitiveSlab;
 use simdop::node::{Node4, Node16};
 use simdop::query::Lanes;
@@ -14,7 +15,7 @@ use std::cell::LazyCell;
 
 /// A random slab. Half of the limits are the sum that some child has, so that the compare of equal numbers and
 /// the last bit of the sum matter.
-fn any_slab<const W: usize, const K: usize>(
+fn any_slab<const W: usize, const K: usize, S: Storage>(
     rng: &mut Rng,
     mode: Mode,
     nodes: &[Planes<W, K>],
@@ -30,17 +31,17 @@ fn any_slab<const W: usize, const K: usize>(
             return number(rng);
         }
         let (planes, lane) = (rng.pick(nodes), rng.below(W as u64) as usize);
-        let term = |l: usize| weights[l] * f32::from(planes[usize::from(sources[l]) ^ side][lane]);
+        let term = |l: usize| weights[l] * S::number(planes[usize::from(sources[l]) ^ side][lane]);
         (term(0) + term(1)) + term(2)
     });
     PrimitiveSlab { sources, weights, limits }
 }
 
 /// The masks of the children beyond a slab, of sixteen and of four.
-fn beyond<const K: usize>(
+fn beyond<const K: usize, S: Storage>(
     kernel: impl Kernel,
     (slab, slab_4): &(PrimitiveSlab, PrimitiveSlab),
-    (node, node_4): &(Node16<K>, Node4<K>),
+    (node, node_4): &(Node16<K, S>, Node4<K, S>),
 ) -> [u16; 2] {
     [kernel.beyond_16(slab, node), kernel.beyond_4(slab_4, node_4)]
 }
@@ -49,10 +50,21 @@ pub(crate) fn primitive_slabs_equal_the_scalar_kernel<const K: usize>(kernel: im
 where
     Node16<K>: Lanes,
     Node4<K>: Lanes,
+    Node16<K, Half>: Lanes,
+    Node4<K, Half>: Lanes,
+{
+    primitive_slabs::<K, Fixed>(kernel, name);
+    primitive_slabs::<K, Half>(kernel, &format!("{name}, half floats,"));
+}
+
+fn primitive_slabs<const K: usize, S: Storage>(kernel: impl Kernel, name: &str)
+where
+    Node16<K, S>: Lanes,
+    Node4<K, S>: Lanes,
 {
     let mut rng = Rng::new(600 + K as u64);
-    let trees = LazyCell::new(|| Trees::<K>::new(&mut Rng::new(K as u64)));
-    let recorded = recorded::<K>().map(|[_, _, slabs]| slabs);
+    let trees = LazyCell::new(|| Trees::<K, S>::new(&mut Rng::new(K as u64)));
+    let recorded = recorded::<K, S>().map(|[_, _, slabs]| slabs);
     let mut digest = Digest::EMPTY;
     let count = pairs() / 8 / MODES.len() as u64 + 1;
     for &mode in MODES {
@@ -62,12 +74,15 @@ where
             let (wides, narrows): (Vec<_>, Vec<_>) = nodes.into_iter().unzip();
             let slab = |_| match mode {
                 Mode::Real => (*rng.pick(&trees.slabs), *rng.pick(&trees.slabs)),
-                _ => (any_slab(&mut rng, mode, &wides), any_slab(&mut rng, mode, &narrows)),
+                _ => (
+                    any_slab::<_, _, S>(&mut rng, mode, &wides),
+                    any_slab::<_, _, S>(&mut rng, mode, &narrows),
+                ),
             };
             let slabs: Vec<_> = (0..n).map(slab).collect();
-            (slabs, wides.into_iter().map(wide).zip(narrows.into_iter().map(narrow)).collect())
+            (slabs, wides.into_iter().map(wide_as).zip(narrows.into_iter().map(narrow_as)).collect())
         };
-        each_pair(count, draw, |i, slabs, nodes: &(Node16<K>, Node4<K>)| {
+        each_pair(count, draw, |i, slabs, nodes: &(Node16<K, S>, Node4<K, S>)| {
             let got = beyond(kernel, slabs, nodes);
             if recorded.is_none() {
                 let want = beyond(Scalar::new(), slabs, nodes);

@@ -1,36 +1,48 @@
 //! The kernels that rotate planes into another frame.
 
 use crate::digest::{Digest, conclude, recorded};
-use crate::inputs::{MODES, Mode, each_pair, float, narrow, pool, wide};
+use crate::inputs::{MODES, Mode, each_pair, float, narrow_as, pool, wide_as};
 use crate::pairs;
 use crate::support::rng::Rng;
 use crate::trees::Trees;
 use crate::turned::{turned_4, turned_16};
 use simdop::isa::Scalar;
 use simdop::low_level::kernel::Kernel;
+use simdop::low_level::key::{Fixed, Half, Storage};
 use simdop::low_level::realign::Realignment;
 use simdop::node::{Node4, Node16};
 use simdop::query::Lanes;
 use std::cell::LazyCell;
 
 /// A random map.
-pub(crate) fn any_map<const K: usize>(rng: &mut Rng) -> Realignment<K> {
-    Realignment {
-        sources: core::array::from_fn(|_| core::array::from_fn(|_| rng.below(K as u64) as u8)),
-        weights: core::array::from_fn(|_| core::array::from_fn(|_| float(rng).abs())),
-        offset: core::array::from_fn(|_| float(rng)),
-    }
+pub(crate) fn any_map<const K: usize, S: Storage>(rng: &mut Rng) -> Realignment<K, S> {
+    Realignment::from_parts(
+        core::array::from_fn(|_| core::array::from_fn(|_| rng.below(K as u64) as u8)),
+        core::array::from_fn(|_| core::array::from_fn(|_| float(rng).abs())),
+        core::array::from_fn(|_| float(rng)),
+    )
 }
 
 pub(crate) fn realignments_equal_the_scalar_kernel<const K: usize>(kernel: impl Kernel, name: &str)
 where
     Node16<K>: Lanes,
     Node4<K>: Lanes,
+    Node16<K, Half>: Lanes,
+    Node4<K, Half>: Lanes,
+{
+    realignments::<K, Fixed>(kernel, name);
+    realignments::<K, Half>(kernel, &format!("{name}, half floats,"));
+}
+
+fn realignments<const K: usize, S: Storage>(kernel: impl Kernel, name: &str)
+where
+    Node16<K, S>: Lanes,
+    Node4<K, S>: Lanes,
 {
     let mut rng = Rng::new(100 + K as u64);
-    let trees = LazyCell::new(|| Trees::<K>::new(&mut Rng::new(K as u64)));
+    let trees = LazyCell::new(|| Trees::<K, S>::new(&mut Rng::new(K as u64)));
     let scalar = Scalar::new();
-    let recorded = recorded::<K>().map(|[_, realignments, _]| realignments);
+    let recorded = recorded::<K, S>().map(|[_, realignments, _]| realignments);
     let mut digest = Digest::EMPTY;
     // How often no rotated body of the node meets the other body, and how often some do.
     let mut met = [0; 2];
@@ -43,9 +55,9 @@ where
                 _ => (0..n).map(|_| any_map(&mut rng)).collect(),
             };
             let (_, nodes) = pool(&mut rng, mode, &trees, n);
-            (maps, nodes.into_iter().map(|(planes, four)| (wide(planes), narrow(four))).collect())
+            (maps, nodes.into_iter().map(|(planes, four)| (wide_as(planes), narrow_as(four))).collect())
         };
-        each_pair(count, draw, |i, map, (node, node_4): &(Node16<K>, Node4<K>)| {
+        each_pair(count, draw, |i, map, (node, node_4): &(Node16<K, S>, Node4<K, S>)| {
             let (got, got_4) = (turned_16(kernel, map, node), turned_4(kernel, map, node_4));
             if recorded.is_none() {
                 assert_eq!(

@@ -6,6 +6,7 @@ use simdop::construct::{Builder, Mesh};
 use simdop::hierarchy::Bvh;
 use simdop::isa::Scalar;
 use simdop::low_level::kernel::Turned;
+use simdop::low_level::key::{Fixed, Storage};
 use simdop::low_level::realign::{PrimitiveSlab, Realignment, primitive_slabs};
 use simdop::node::{Node4, Node16};
 use simdop::pose::Pose;
@@ -13,10 +14,10 @@ use simdop::primitive::Triangles;
 use simdop::query::Lanes;
 
 /// The nodes of two trees of one mesh, maps for poses where the trees meet, and slabs of triangles near them.
-pub(crate) struct Trees<const K: usize> {
-    pub(crate) wide: Bvh<Node16<K>>,
-    pub(crate) narrow: Bvh<Node4<K>>,
-    pub(crate) maps: Vec<Realignment<K>>,
+pub(crate) struct Trees<const K: usize, S: Storage = Fixed> {
+    pub(crate) wide: Bvh<Node16<K, S>>,
+    pub(crate) narrow: Bvh<Node4<K, S>>,
+    pub(crate) maps: Vec<Realignment<K, S>>,
     pub(crate) slabs: Vec<PrimitiveSlab>,
 }
 
@@ -41,17 +42,17 @@ fn shape(n: u32) -> (Vec<[f64; 3]>, Vec<[u32; 3]>) {
     (vertices.collect(), triangles.collect())
 }
 
-impl<const K: usize> Trees<K>
+impl<const K: usize, S: Storage> Trees<K, S>
 where
-    Node16<K>: Lanes,
-    Node4<K>: Lanes,
+    Node16<K, S>: Lanes,
+    Node4<K, S>: Lanes,
 {
     pub(crate) fn new(rng: &mut Rng) -> Self {
         let (vertices, triangles) = shape(24);
         let mesh = Mesh { vertices: &vertices, triangles: &triangles };
         let (wide, narrow) =
             (Builder::new().build_as(&mesh).unwrap(), Builder::new().build_as(&mesh).unwrap());
-        let extent = Bvh::<Node16<K>>::view(&wide).extent();
+        let extent = Bvh::<Node16<K, S>>::view(&wide).extent();
         let mut pose = || {
             let rotation = rng.rotation();
             let shift = rng.rotation()[0].map(|x| x * 2.0);
@@ -63,19 +64,19 @@ where
         let mut corner = || [(); 3].map(|()| rng.range(-2.0, 2.0));
         let mut triangle = || [corner(), corner(), corner()];
         let slabs = poses.iter().flat_map(|pose| {
-            let posed = primitive_slabs::<Triangles, K>(&triangle(), 0.0, &extent, Some(pose));
-            let still = primitive_slabs::<Triangles, K>(&triangle(), 0.01, &extent, None);
+            let posed = primitive_slabs::<Triangles, K, S>(&triangle(), 0.0, &extent, Some(pose));
+            let still = primitive_slabs::<Triangles, K, S>(&triangle(), 0.01, &extent, None);
             posed.into_iter().chain(still)
         });
         let slabs = slabs.collect();
         Self { wide, narrow, maps, slabs }
     }
 
-    pub(crate) fn node_16(&self, rng: &mut Rng) -> &Node16<K> {
+    pub(crate) fn node_16(&self, rng: &mut Rng) -> &Node16<K, S> {
         upper(rng, self.wide.view().nodes())
     }
 
-    pub(crate) fn node_4(&self, rng: &mut Rng) -> &Node4<K> {
+    pub(crate) fn node_4(&self, rng: &mut Rng) -> &Node4<K, S> {
         upper(rng, self.narrow.view().nodes())
     }
 
