@@ -146,7 +146,7 @@ impl Storage for Fixed {
 
     #[inline]
     fn is_plane(code: i16) -> bool {
-        code >= !Self::GREATEST && code <= Self::GREATEST
+        (!Self::GREATEST..=Self::GREATEST).contains(&code)
     }
 }
 

@@ -10,7 +10,7 @@ use simdop::construct::{Builder, Mesh};
 use simdop::hierarchy::BvhRef;
 use simdop::low_level::directions::{self, Directions};
 use simdop::low_level::frame::{BodyBounds, Frame};
-use simdop::low_level::key::Key;
+use simdop::low_level::key::{Fixed, Key};
 use simdop::low_level::realign::{InversePose, Realignment};
 use simdop::node::Node16;
 use simdop::pose::Pose;
@@ -246,7 +246,7 @@ fn planes_of_one_point<const K: usize>() {
 
         let exact = exact_support(n, &moved, &frame);
         above += u64::from(exact > Dyadic::from(bound));
-        let steps = i32::from(keys[j].code()) - i32::from(Key::round_up_f64(bound).unwrap().code());
+        let steps = i32::from(keys[j].code()) - i32::from(Key::<Fixed>::round_up_f64(bound).unwrap().code());
         next += u64::from(steps == 1);
     }
     println!("k {K:2}: {tally:?}, {above} a hair above a key, {next} planes at the key next to it");

@@ -69,7 +69,7 @@ impl Storage for Half {
         let exponent = if exponent > -14 { exponent } else { -14 };
         let places = magnitude * crate::exact::power_of_two(10 - exponent);
         let cut = places as i32;
-        let up = i32::from(x > 0.0 && cut as f64 != places);
+        let up = i32::from(x > 0.0 && f64::from(cut) != places);
         let half = ((exponent + 14) << 10) + cut + up;
         // A plane of a body is never -0: compared with a plane that is exactly opposite, -0 would be beyond 0.
         (if x < 0.0 && half != 0 { !half } else { half }) as i16
@@ -77,7 +77,7 @@ impl Storage for Half {
 
     #[inline]
     fn is_plane(code: i16) -> bool {
-        code >= !Self::GREATEST && code <= Self::GREATEST && code != -1
+        (!Self::GREATEST..=Self::GREATEST).contains(&code) && code != -1
     }
 }
 

@@ -13,7 +13,7 @@ use simdop::construct::{BuildError, Builder, Magnification, Mesh, Splitter};
 use simdop::hierarchy::{Bvh, BvhRef, FormatError, Header};
 use simdop::isa::Isa;
 use simdop::low_level::directions;
-use simdop::low_level::key::Key;
+use simdop::low_level::key::{Fixed, Key};
 use simdop::node::{Child, Link, Node4, Node16};
 use simdop::pose::Pose;
 use simdop::query::{Lanes, Query, Verdict};
@@ -671,7 +671,7 @@ fn every_plane_that_is_a_step_too_low_is_found() {
         for lane in (0..4).filter(|&lane| tree.view().nodes()[node].child[lane].link() != Link::Empty) {
             for j in 0..14 {
                 let code = tree.view().nodes()[node].planes[j][lane];
-                let lower = Key::from_code(code - 1).unwrap().code();
+                let lower = Key::<Fixed>::from_code(code - 1).unwrap().code();
                 let at = 128 + node * size + (j * 4 + lane) * 2;
                 let bytes: &mut [u8] = bytemuck::cast_slice_mut(&mut lines);
                 bytes[at..at + 2].copy_from_slice(&lower.to_le_bytes());

@@ -2,8 +2,8 @@
 //! compiled once, and not once for each file. A file's tests have the name of its module:
 //! `cargo test --release --test queries distance::`.
 //!
-//! Compiling ten node types takes most of the time. The tests run on three of them: the default one, the one with
-//! the most planes, and one of arity 4. `RUSTFLAGS="--cfg simdop_all_nodes"` adds the others: `.ci/sweep nodes`.
+//! Compiling ten node types takes most of the time. The tests run on three of them: the default one, one of half floats,
+//! and one of arity 4. `RUSTFLAGS="--cfg simdop_all_nodes"` adds the others: `.ci/sweep nodes`.
 
 extern crate alloc;
 
@@ -21,11 +21,13 @@ mod support;
 /// Calls a generic function with the arguments, once for each node type.
 macro_rules! for_each_node {
     ($function:ident($($argument:expr),*)) => {
-        for_each_node!(@ $function ($($argument),*) Node16<18>, Node16<32>, Node4<14>);
+        for_each_node!(@ $function ($($argument),*)
+            Node16<18>, Node16<26, simdop::low_level::key::Half>, Node4<14>);
         #[cfg(simdop_all_nodes)]
         for_each_node!(@ $function ($($argument),*)
-            Node16<6>, Node16<14>, Node16<18>, Node16<26>, Node16<32>,
-            Node4<6>, Node4<14>, Node4<18>, Node4<26>, Node4<32>)
+            Node16<6>, Node16<14>, Node16<26>, Node16<32>, Node4<6>, Node4<18>, Node4<26>, Node4<32>,
+            Node16<14, simdop::low_level::key::Half>, Node16<18, simdop::low_level::key::Half>,
+            Node4<18, simdop::low_level::key::Half>)
     };
     (@ $function:ident $arguments:tt $($node:ty),*) => { $( $function::<$node> $arguments; )* };
 }
@@ -57,6 +59,7 @@ mod solid;
 mod solids;
 mod spheres;
 mod stack;
+mod storage;
 mod threads;
 mod world;
 

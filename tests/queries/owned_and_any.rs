@@ -6,8 +6,9 @@ use crate::support::data::MeshData;
 use crate::support::shapes;
 use core::ops::ControlFlow;
 use simdop::construct::{BuildError, Builder};
-use simdop::hierarchy::{AnyBvh, AnyBvhRef, AsBvh, Bvh, BvhRef, FormatError, StaticBvh};
+use simdop::hierarchy::{AnyBvh, AnyBvhRef, AsBvh, Bvh, BvhRef, FormatError, NodeType, StaticBvh};
 use simdop::isa::Isa;
+use simdop::low_level::key::{Half, Storage, StorageKind};
 use simdop::node::{Node4, Node16};
 use simdop::pose::Pose;
 use simdop::primitive::Triangles;
@@ -58,8 +59,8 @@ where
 {
     let query = Query::new(Isa::detect());
     let tree = Builder::new().build_as::<N>(&mesh_of(mesh)).unwrap();
-    let built =
-        Builder::new().build_any(&mesh_of(mesh), N::K, N::ARITY, &mut |_| ControlFlow::Continue(())).unwrap();
+    let node = NodeType { k: N::K, arity: N::ARITY, storage: <N::Storage as Storage>::KIND };
+    let built = Builder::new().build_any(&mesh_of(mesh), node, &mut |_| ControlFlow::Continue(())).unwrap();
     assert_eq!(built.as_bytes(), tree.as_bytes());
     // The bytes of a file have no alignment.
     let mut file = vec![0; tree.as_bytes().len() + 1];
@@ -103,20 +104,29 @@ fn trees_of_any_node_type_answer_as_their_own_type_does() {
     any_agrees::<Node16<18>>(&mesh);
     any_agrees::<Node16<26>>(&mesh);
     any_agrees::<Node4<18>>(&mesh);
+    any_agrees::<Node16<14, Half>>(&mesh);
+    any_agrees::<Node16<18, Half>>(&mesh);
+    any_agrees::<Node16<26, Half>>(&mesh);
 }
 
 #[test]
 fn what_cannot_be_asked_of_any_trees_has_a_name() {
     let mesh = shapes::torus(6, 4);
-    let build =
-        |k, arity| Builder::new().build_any(&mesh_of(&mesh), k, arity, &mut |_| ControlFlow::Continue(()));
-    assert_eq!(build(17, 16).err(), Some(BuildError::NodeType { k: 17, arity: 16 }));
-    assert_eq!(build(18, 8).err(), Some(BuildError::NodeType { k: 18, arity: 8 }));
-    let (a, b) = (build(18, 16).unwrap(), build(18, 4).unwrap());
+    let build = |node| Builder::new().build_any(&mesh_of(&mesh), node, &mut |_| ControlFlow::Continue(()));
+    let (usual, narrow) = (NodeType::default(), NodeType { arity: 4, ..NodeType::default() });
+    let half = NodeType { storage: StorageKind::Half, ..usual };
+    for node in [NodeType { k: 17, ..usual }, NodeType { arity: 8, ..usual }, NodeType { arity: 4, ..half }] {
+        assert_eq!(build(node).err(), Some(BuildError::NodeType { node }));
+    }
+    let (a, b) = (build(usual).unwrap(), build(narrow).unwrap());
     let query = Query::new(Isa::detect());
-    let other = AnyError::OtherNode { a: (18, 16), b: (18, 4) };
+    let other = AnyError::OtherNode { a: usual, b: narrow };
     assert_eq!(query.collide_any(&a.view(), &b.view(), &Pose::IDENTITY), Err(other));
     assert_eq!(query.distance_any(&a.view(), &b.view(), &Pose::IDENTITY, 0.0), Err(other));
+    let halves = build(half).unwrap();
+    let other_storage = AnyError::OtherNode { a: usual, b: half };
+    assert_eq!(query.collide_any(&a.view(), &halves.view(), &Pose::IDENTITY), Err(other_storage));
+    assert!(other_storage.to_string().contains("half floats"), "{other_storage}");
     let negative = AnyError::Tolerance(ToleranceError { given: -1.0 });
     assert_eq!(query.within_any(&a.view(), &a.view(), &Pose::IDENTITY, -1.0), Err(negative));
     assert!(!other.to_string().is_empty() && !negative.to_string().is_empty());

@@ -19,6 +19,7 @@ use simdop::hierarchy::BvhRef;
 use simdop::isa::Isa;
 use simdop::low_level::directions;
 use simdop::low_level::frame::BodyBounds;
+use simdop::low_level::key::Fixed;
 use simdop::low_level::realign::{PrimitiveSlab, primitive_slabs};
 use simdop::node::{Child, Dop, Link, Node, Node4, Node16};
 use simdop::pose::Pose;
@@ -59,7 +60,7 @@ impl Placed<'_> {
     }
 
     fn slabs<const K: usize>(&self, triangle: &Tri, margin: f64) -> [PrimitiveSlab; OWN_DIRECTIONS] {
-        primitive_slabs::<Triangles, K>(triangle, margin, self.extent, self.pose)
+        primitive_slabs::<Triangles, K, Fixed>(triangle, margin, self.extent, self.pose)
     }
 
     /// Which slabs a lane with these moved vertices lies beyond; checks that it really does.
@@ -72,7 +73,7 @@ impl Placed<'_> {
         tally: &mut Tally,
     ) -> [bool; OWN_DIRECTIONS] {
         let slabs = self.slabs::<K>(triangle, margin);
-        let beyond = slabs.map(|slab| slab.is_beyond(&code));
+        let beyond = slabs.map(|slab| slab.is_beyond::<Fixed>(&code));
         for s in 0..OWN_DIRECTIONS {
             tally.checks += 1;
             tally.beyond += u64::from(beyond[s]);
@@ -461,9 +462,9 @@ where
             };
             let triangle = [below(1.0, 0.0), below(-1.0, 1.0), below(-1.0, -1.0)];
             let extent = view.extent();
-            let slab = &primitive_slabs::<Triangles, K>(&triangle, 0.0, &extent, Some(&pose))[0];
+            let slab = &primitive_slabs::<Triangles, K, Fixed>(&triangle, 0.0, &extent, Some(&pose))[0];
             of += 1;
-            found += u64::from(slab.is_beyond(|j| view.nodes()[0].plane(j, lane)));
+            found += u64::from(slab.is_beyond::<Fixed>(|j| view.nodes()[0].plane(j, lane)));
         }
     }
     println!("k {K:2}: {found} of {of} points found");
@@ -557,7 +558,7 @@ fn nothing_is_beyond<const K: usize>() {
             for slab in placed.slabs::<K>(&triangle, 0.0) {
                 assert_eq!(slab.limits, PrimitiveSlab::EVERYWHERE.limits, "{triangle:?}");
                 let codes: [i16; K] = core::array::from_fn(|_| *rng.pick(&SPECIAL));
-                assert!(!slab.is_beyond(|source| codes[source]), "{codes:?}");
+                assert!(!slab.is_beyond::<Fixed>(|source| codes[source]), "{codes:?}");
             }
         }
     }

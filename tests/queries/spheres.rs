@@ -8,8 +8,9 @@ use crate::support::turns::pose;
 use crate::{Pairs, pairs_that_meet, splitters};
 use core::ops::ControlFlow;
 use simdop::construct::{BuildError, Builder, Mesh, SphereSet};
-use simdop::hierarchy::{AnyBvh, Bvh, BvhRef, FormatError};
+use simdop::hierarchy::{AnyBvh, Bvh, BvhRef, FormatError, NodeType};
 use simdop::isa::Isa;
+use simdop::low_level::key::{Fixed, Storage};
 use simdop::node::{Node4, Node16};
 use simdop::pose::Pose;
 use simdop::primitive::triangle::Triangle;
@@ -499,8 +500,7 @@ fn planes_are_rounded_up_by_squares() {
                 // next.
                 let room = |code: i16| {
                     let height = dot(exact(n), minus(&exact(&centre), &exact(&frame.centre)));
-                    Dyadic::from(f64::from(simdop::low_level::key::decode(code)))
-                        * Dyadic::power_of_two(-frame.exponent)
+                    Dyadic::from(f64::from(Fixed::value(code))) * Dyadic::power_of_two(-frame.exponent)
                         - height
                 };
                 let reach = square(&exact(n)) * Dyadic::from(radius) * Dyadic::from(radius);
@@ -586,15 +586,18 @@ fn bytes_are_read_back_whatever_their_node_type() {
     let any = AnyBvh::<Spheres>::from_bytes(tree.as_bytes()).unwrap();
     assert_eq!(any.as_bytes(), tree.as_bytes());
     let again = |k, arity| {
-        Builder::new()
-            .build_any(&SphereSet { spheres: &spheres }, k, arity, &mut |_| ControlFlow::Continue(()))
+        let node = NodeType { k, arity, ..NodeType::default() };
+        Builder::new().build_any(&SphereSet { spheres: &spheres }, node, &mut |_| ControlFlow::Continue(()))
     };
     let built = again(18, 16).unwrap();
     assert_eq!(built.as_bytes(), tree.as_bytes());
     let query = Query::new(Isa::detect());
     let answer = query.collide_any(&any.view(), &built.view(), &Pose::IDENTITY).unwrap();
     assert_eq!(answer, query.collide(&tree, &tree, &Pose::IDENTITY));
-    assert_eq!(again(17, 16).unwrap_err(), BuildError::NodeType { k: 17, arity: 16 });
+    assert_eq!(
+        again(17, 16).unwrap_err(),
+        BuildError::NodeType { node: NodeType { k: 17, ..NodeType::default() } }
+    );
 
     let error = BvhRef::<Node16<18>, Triangles>::from_bytes(tree.as_bytes()).unwrap_err();
     assert_eq!(error, FormatError::OtherPrimitive { kind: 2 });

@@ -5,7 +5,7 @@ use crate::support::rng::Rng;
 use crate::support::turns::random_point;
 use simdop::low_level::directions;
 use simdop::low_level::frame::{BodyBounds, Frame};
-use simdop::low_level::key::Key;
+use simdop::low_level::key::{Fixed, Key};
 use simdop::range::Point;
 
 /// The bounds of a body that is the origin.
@@ -43,7 +43,7 @@ impl<const K: usize> OnePoint<K> {
         extent.half_width = y.map(|x| x.abs() as f32);
         extent.max_plane = supports.iter().fold(0.0, |m, x| x.abs().max(m)) as f32 + 0.5;
         let planes = supports.map(|x| {
-            let key = Key::round_up_f64(x).unwrap();
+            let key = Key::<Fixed>::round_up_f64(x).unwrap();
             let is_tight = x.fract().abs() == 0.5;
             assert_eq!(key_value(key.code()), if is_tight { x } else { x + 0.5 });
             key.code()

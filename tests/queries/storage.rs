@@ -1,0 +1,158 @@
+//! Half floats and fixed point: the same verdicts, and bytes that are taken for what they are.
+
+use crate::build;
+use crate::support::data::{MeshData, directory, suite_step};
+use crate::support::rng::Rng;
+use crate::support::shapes;
+use core::mem::offset_of;
+use core::ops::ControlFlow;
+use simdop::hierarchy::{AnyBvh, Bvh, BvhRef, FormatError, Header};
+use simdop::isa::Isa;
+use simdop::low_level::key::{Fixed, Half, Storage};
+use simdop::node::{Node4, Node16};
+use simdop::pose::Pose;
+use simdop::primitive::Triangles;
+use simdop::query::{Lanes, Query};
+
+/// `full`, or `small` for emulators.
+fn size(full: usize, small: usize) -> usize {
+    if suite_step() == 1 { full } else { small }
+}
+
+/// Trees of one mesh in both storages.
+struct Both<F: Lanes, H: Lanes> {
+    fixed: Bvh<F>,
+    half: Bvh<H>,
+}
+
+impl<F: Lanes, H: Lanes> Both<F, H> {
+    fn new(mesh: &MeshData) -> Self {
+        let (fixed, half) = (build::<F>(mesh), build::<H>(mesh));
+        for result in [fixed.view().verify(), half.view().verify()] {
+            assert_eq!(result, Ok(()));
+        }
+        assert_eq!(fixed.as_bytes().len(), half.as_bytes().len());
+        Self { fixed, half }
+    }
+}
+
+/// Verdicts, pairs, margins and distances do not depend on the storage.
+fn alike<F: Lanes, H: Lanes>(a: &MeshData, b: &MeshData, reach: f64, poses: usize) {
+    let (a, b) = (Both::<F, H>::new(a), Both::<F, H>::new(b));
+    let mut rng = Rng::new(40);
+    let mut hits = 0;
+    for i in 0..poses {
+        let turn = rng.rotation();
+        let rows =
+            core::array::from_fn(|i| [turn[i][0], turn[i][1], turn[i][2], reach * rng.range(-1.0, 1.0)]);
+        let pose = Pose::from_rows(rows).unwrap();
+        let margin = 0.05 * reach;
+        for isa in Isa::available() {
+            let query = Query::new(isa);
+            let of = |free: bool, near: bool, lower: f64, upper: f64, pairs: Vec<_>| {
+                (free, near, lower, upper, pairs)
+            };
+            let all = |fixed: bool| {
+                let mut pairs = Vec::new();
+                let mut visit = |pair| {
+                    pairs.push(pair);
+                    ControlFlow::Continue(())
+                };
+                if fixed {
+                    let free = query.collide(&a.fixed, &b.fixed, &pose).is_free();
+                    let near = query.within(&a.fixed, &b.fixed, &pose, margin).unwrap().is_free();
+                    let distance = query.distance(&a.fixed, &b.fixed, &pose, 0.0).unwrap();
+                    let _ = query.for_each_pair(&a.fixed, &b.fixed, &pose, &mut visit);
+                    pairs.sort_unstable();
+                    of(free, near, distance.lower, distance.upper, pairs)
+                } else {
+                    let free = query.collide(&a.half, &b.half, &pose).is_free();
+                    let near = query.within(&a.half, &b.half, &pose, margin).unwrap().is_free();
+                    let distance = query.distance(&a.half, &b.half, &pose, 0.0).unwrap();
+                    let _ = query.for_each_pair(&a.half, &b.half, &pose, &mut visit);
+                    pairs.sort_unstable();
+                    of(free, near, distance.lower, distance.upper, pairs)
+                }
+            };
+            let (fixed, half) = (all(true), all(false));
+            assert_eq!((fixed.0, fixed.1, &fixed.4), (half.0, half.1, &half.4), "{isa}, pose {i}");
+            let apart = (fixed.3 - half.3).abs();
+            assert!(apart <= 1e-9 * fixed.3, "{isa}, pose {i}: {} {}", fixed.3, half.3);
+            assert!(fixed.2 <= half.3 && half.2 <= fixed.3, "{isa}, pose {i}");
+            hits += usize::from(!fixed.0);
+        }
+    }
+    assert!(hits > 0, "some poses meet");
+}
+
+#[test]
+fn verdicts_are_those_of_fixed_point() {
+    let (torus, soup) = (shapes::torus(24, 16), shapes::soup(&mut Rng::new(3), 200, 0.3));
+    alike::<Node16<18>, Node16<18, Half>>(&torus, &soup, 3.0, size(200, 20));
+    alike::<Node16<14>, Node16<14, Half>>(&soup, &soup, 2.0, size(60, 5));
+    alike::<Node4<18>, Node4<18, Half>>(&torus, &torus, 4.0, size(60, 5));
+    if let Some(data) = directory() {
+        let cow = MeshData::obj(&data.join("meshes/cow.obj"));
+        alike::<Node16<18>, Node16<18, Half>>(&cow, &cow, cow.diagonal(), size(60, 5));
+    }
+}
+
+/// A half float ends at 65,504 steps, so that planes of a body a million times larger become unbounded.
+#[test]
+fn bodies_of_unlike_size_meet_where_they_do_in_fixed_point() {
+    let torus = shapes::torus(24, 16);
+    for factor in [1e-6, 1e-4, 1e4, 1e6] {
+        let other = shapes::scaled(&torus, factor, [0.0; 3]);
+        // About where the surface of the larger one is.
+        alike::<Node16<18>, Node16<18, Half>>(&torus, &other, 2.0 * f64::max(1.0, factor), size(60, 6));
+        alike::<Node16<18>, Node16<18, Half>>(&other, &torus, 2.0 * f64::max(1.0, factor), size(60, 6));
+    }
+}
+
+#[test]
+fn bytes_of_another_storage_are_refused() {
+    let mesh = shapes::torus(12, 8);
+    let (fixed, half) = (build::<Node16<18>>(&mesh), build::<Node16<18, Half>>(&mesh));
+    let wrong = |storage| Some(FormatError::OtherStorage { storage });
+    assert_eq!(BvhRef::<Node16<18, Half>>::from_bytes(fixed.as_bytes()).err(), wrong(Fixed::CODE));
+    assert_eq!(BvhRef::<Node16<18>>::from_bytes(half.as_bytes()).err(), wrong(Half::CODE));
+    let mut unknown = half.as_bytes().to_vec();
+    unknown[offset_of!(Header, storage)] = 7;
+    assert_eq!(AnyBvh::<Triangles>::from_bytes(&unknown).err(), wrong(7));
+    for storage in [Fixed::CODE, Half::CODE, 7] {
+        assert!(!FormatError::OtherStorage { storage }.to_string().is_empty());
+    }
+
+    // Codes that are no planes: -0, infinity, and NaN.
+    for code in [-1, Half::INFINITY, !Half::INFINITY, i16::MAX, -32_000] {
+        let mut bytes = half.as_bytes().to_vec();
+        bytes[128..130].copy_from_slice(&code.to_le_bytes());
+        let error = Bvh::<Node16<18, Half>>::from_bytes(&bytes).unwrap_err();
+        assert!(matches!(error, FormatError::Node { node: 0, lane: 0, .. }), "{code}: {error}");
+    }
+}
+
+/// Planes are tight: the next lower code of no plane bounds what is below.
+#[test]
+fn planes_are_the_least_halves() {
+    let tree = build::<Node16<18, Half>>(&shapes::soup(&mut Rng::new(7), 40, 0.3));
+    let mut bytes = tree.as_bytes().to_vec();
+    let node = tree.view().nodes()[0];
+    for lane in (0..16).filter(|&lane| node.planes[0][lane] != i16::MIN) {
+        for j in 0..18 {
+            let code = node.planes[j][lane];
+            let lower = if code == 0 { -2 } else { code - 1 };
+            let at = 128 + (j * 16 + lane) * 2;
+            bytes[at..at + 2].copy_from_slice(&lower.to_le_bytes());
+            match Bvh::<Node16<18, Half>>::from_bytes(&bytes) {
+                Ok(lowered) => {
+                    let error = lowered.view().verify().unwrap_err();
+                    assert_eq!((error.node, error.lane as usize, error.plane as usize), (0, lane, j));
+                }
+                // The lowest plane of all, lowered, has a greater magnitude than the header states.
+                Err(error) => assert!(matches!(error, FormatError::Node { .. }), "{error}"),
+            }
+            bytes[at..at + 2].copy_from_slice(&code.to_le_bytes());
+        }
+    }
+}
