@@ -17,7 +17,7 @@ pub mod kernel {
     pub use crate::kernel::*;
 }
 
-/// Planes as 16-bit fixed-point codes, rounded up. Code c has the value c + 1/2 steps of the tree's frame.
+/// Planes as 16-bit codes, rounded up, in fixed point or as half floats. Codes compare as their values do.
 pub mod key {
     pub use crate::key::*;
 }

@@ -21,7 +21,9 @@ pub use link::{Child, Link, MAX_LEAF_SIZE, Width};
 pub(crate) use link::{FIRST, LEAF_BIT};
 pub use normal_slab::NormalSlab;
 
-use crate::key::{Key, Storage};
+pub use crate::key::{Fixed, Half, Storage, StorageKind};
+
+use crate::key::Key;
 use crate::range::Point;
 
 mod sealed {
