@@ -20,6 +20,8 @@
 mod half;
 
 pub use half::Half;
+#[cfg(all(miri, simdop_x86))]
+pub(crate) use half::half_code;
 
 use core::fmt;
 use core::hash::Hash;

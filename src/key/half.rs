@@ -9,9 +9,9 @@ use super::{Storage, StorageKind};
 #[derive(Copy, Clone, PartialEq, Eq, PartialOrd, Ord, Hash, Default, Debug)]
 pub struct Half;
 
-/// The code of bits, and the bits of a code.
+/// The code of the bits of a half float, and the bits of a code.
 #[inline(always)]
-pub(crate) const fn flipped(bits: i16) -> i16 {
+pub(crate) const fn half_code(bits: i16) -> i16 {
     bits ^ (bits >> 15) & 0x7fff
 }
 
@@ -29,7 +29,7 @@ impl Storage for Half {
     /// A code that is not a number gives NaN.
     #[inline(always)]
     fn number(code: i16) -> f32 {
-        let bits = flipped(code) as u16;
+        let bits = half_code(code) as u16;
         let magnitude = u32::from(bits & 0x7fff);
         // The exponent's bias is 127 instead of 15; the product is exact, of subnormal halves too.
         let scaled = f32::from_bits(magnitude << 13) * f32::from_bits((127 + 112) << 23);
@@ -67,7 +67,8 @@ impl Storage for Half {
         let magnitude = x.abs();
         let exponent = (magnitude.to_bits() >> 52) as i32 - 1023;
         let exponent = if exponent > -14 { exponent } else { -14 };
-        let places = magnitude * crate::exact::power_of_two(10 - exponent);
+        // A power of two, from its exponent.
+        let places = magnitude * f64::from_bits(((1023 + 10 - exponent) as u64) << 52);
         let cut = places as i32;
         let up = i32::from(x > 0.0 && f64::from(cut) != places);
         let half = ((exponent + 14) << 10) + cut + up;
@@ -88,7 +89,7 @@ mod tests {
     use half::f16;
 
     fn value(code: i16) -> f16 {
-        f16::from_bits(flipped(code) as u16)
+        f16::from_bits(half_code(code) as u16)
     }
 
     #[test]
@@ -99,7 +100,7 @@ mod tests {
                 number.to_bits() == half.to_bits() || number.is_nan() && half.is_nan(),
                 "{code}: {number} {half}"
             );
-            assert_eq!(flipped(flipped(code)), code);
+            assert_eq!(half_code(half_code(code)), code);
             if !number.is_nan() {
                 assert_eq!(Half::number(!code), -number, "{code}");
             }
@@ -112,7 +113,7 @@ mod tests {
     /// The least half that is not below x, by the crate `half`.
     fn least(x: f64) -> f16 {
         let near = f16::from_f64(x);
-        let code = flipped(near.to_bits() as i16);
+        let code = half_code(near.to_bits() as i16);
         if f64::from(near) < x { value(code + 1 + i16::from(code == -1)) } else { near }
     }
 

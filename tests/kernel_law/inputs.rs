@@ -1,6 +1,6 @@
 //! Random planes of nodes and queries, in several modes.
 
-use crate::support::codes::SPECIAL;
+use crate::support::codes::{SPECIAL, SPECIAL_HALVES};
 use crate::support::rng::Rng;
 use crate::trees::Trees;
 use simdop::low_level::key::{Fixed, Key, Storage};
@@ -32,12 +32,15 @@ pub(crate) const MODES: &[Mode] = if cfg!(miri) {
     &[Mode::Grid, Mode::Near, Mode::AnyBits, Mode::Real]
 };
 
-pub(crate) fn code(rng: &mut Rng) -> i16 {
-    if rng.below(4) == 0 { *rng.pick(&SPECIAL) } else { rng.u64() as i16 }
+pub(crate) fn code<S: Storage>(rng: &mut Rng) -> i16 {
+    if rng.below(4) != 0 {
+        return rng.u64() as i16;
+    }
+    if S::IS_HALF && rng.below(2) == 0 { *rng.pick(&SPECIAL_HALVES) } else { *rng.pick(&SPECIAL) }
 }
 
 /// Planes below `middles` (side -1, for queries) or above them (side 1, for nodes), except one in 2 K.
-fn planes<const W: usize, const K: usize>(
+fn planes<const W: usize, const K: usize, S: Storage>(
     rng: &mut Rng,
     mode: Mode,
     middles: &[i16; K],
@@ -50,7 +53,7 @@ fn planes<const W: usize, const K: usize>(
             Mode::Grid => grid(if side < 0 { rng.int(-2, 1) } else { rng.int(1, 3) }),
             Mode::Near => middle.saturating_add((side * rng.int(0, 1)) as i16),
             Mode::AnyBits | Mode::Real => {
-                let any = code(rng);
+                let any = code::<S>(rng);
                 if side < 0 { any.min(middle) } else { any.max(middle) }
             }
         }
@@ -58,8 +61,8 @@ fn planes<const W: usize, const K: usize>(
     core::array::from_fn(|j| core::array::from_fn(|_| draw(middles[j])))
 }
 
-fn middles<const K: usize>(rng: &mut Rng) -> [i16; K] {
-    core::array::from_fn(|_| code(rng))
+fn middles<const K: usize, S: Storage>(rng: &mut Rng) -> [i16; K] {
+    core::array::from_fn(|_| code::<S>(rng))
 }
 
 /// The planes of a query and of a node.
@@ -67,8 +70,9 @@ pub(crate) fn pair<const W: usize, const K: usize>(
     rng: &mut Rng,
     mode: Mode,
 ) -> (Planes<W, K>, Planes<W, K>) {
-    let middles = middles(rng);
-    (planes(rng, mode, &middles, -1), planes(rng, mode, &middles, 1))
+    let middles = middles::<K, Fixed>(rng);
+    let mut planes = |side| planes::<W, K, Fixed>(rng, mode, &middles, side);
+    (planes(-1), planes(1))
 }
 
 /// Planes of sixteen bodies, and of four.
@@ -91,9 +95,12 @@ where
             (0..n).map(|_| (trees.node_16(rng).planes, trees.node_4(rng).planes)).collect(),
         );
     }
-    let (wide, narrow) = (middles(rng), middles(rng));
-    let mut draw =
-        |side| (0..n).map(|_| (planes(rng, mode, &wide, side), planes(rng, mode, &narrow, side))).collect();
+    let (wide, narrow) = (middles::<K, S>(rng), middles::<K, S>(rng));
+    let mut draw = |side| {
+        let both =
+            |_| (planes::<_, _, S>(rng, mode, &wide, side), planes::<_, _, S>(rng, mode, &narrow, side));
+        (0..n).map(both).collect()
+    };
     (draw(-1), draw(1))
 }
 

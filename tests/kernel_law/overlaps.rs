@@ -243,7 +243,7 @@ fn inequality<S: Storage>() {
     let mut rng = Rng::new(400);
     for _ in 0..pairs() / 64 + 1 {
         let value = |rng: &mut Rng| loop {
-            let code = if rng.below(2) == 0 { code(rng) } else { rng.int(0x3c00, 0x3c04) as i16 };
+            let code = if rng.below(2) == 0 { code::<S>(rng) } else { rng.int(0x3c00, 0x3c04) as i16 };
             if S::is_plane(code) {
                 return code;
             }

@@ -3,7 +3,7 @@
 
 use crate::support::data::{MeshData, suite_step};
 use crate::support::digest::digest_of_tree;
-use crate::support::dyadic::{Dyadic, dot, is_rounded_up};
+use crate::support::dyadic::{Dyadic, dot, is_rounded_up, is_rounded_up_to_half};
 use crate::support::exact::{Tri, meeting_pairs, meshes_meet, triangles_meet};
 use crate::support::rng::Rng;
 use crate::support::shapes;
@@ -13,7 +13,7 @@ use simdop::construct::{BuildError, Builder, Magnification, Mesh, Splitter};
 use simdop::hierarchy::{Bvh, BvhRef, FormatError, Header};
 use simdop::isa::Isa;
 use simdop::low_level::directions;
-use simdop::low_level::key::{Fixed, Key};
+use simdop::low_level::key::{Fixed, Key, Storage};
 use simdop::node::{Child, Link, Node4, Node16};
 use simdop::pose::Pose;
 use simdop::query::{Lanes, Query, Verdict};
@@ -93,7 +93,11 @@ impl<'t, N: Lanes> Walk<'t, N> {
             for (j, exact) in below.iter().enumerate() {
                 let code = node.plane(j, lane);
                 assert!(
-                    is_rounded_up(code, exact),
+                    if N::Storage::IS_HALF {
+                        is_rounded_up_to_half(code, exact)
+                    } else {
+                        is_rounded_up(code, exact)
+                    },
                     "node {index} lane {lane} plane {j}: {code} for {exact:?}"
                 );
             }

@@ -38,14 +38,21 @@ impl<F: Lanes, H: Lanes> Both<F, H> {
 
 /// Verdicts, pairs, margins and distances do not depend on the storage.
 fn alike<F: Lanes, H: Lanes>(a: &MeshData, b: &MeshData, reach: f64, poses: usize) {
+    let corners = [&a.vertices, &b.vertices];
     let (a, b) = (Both::<F, H>::new(a), Both::<F, H>::new(b));
     let mut rng = Rng::new(40);
     let mut hits = 0;
     for i in 0..poses {
         let turn = rng.rotation();
-        let rows =
+        let mut rows: [[f64; 4]; 3] =
             core::array::from_fn(|i| [turn[i][0], turn[i][1], turn[i][2], reach * rng.range(-1.0, 1.0)]);
-        let pose = Pose::from_rows(rows).unwrap();
+        let mut pose = Pose::from_rows(rows).unwrap();
+        if i % 2 == 0 {
+            // A corner of A at a corner of B.
+            let [p, q] = [pose.apply(*rng.pick(corners[0])), *rng.pick(corners[1])];
+            (0..3).for_each(|i| rows[i][3] += q[i] - p[i]);
+            pose = Pose::from_rows(rows).unwrap();
+        }
         let margin = 0.05 * reach;
         for isa in Isa::available() {
             let query = Query::new(isa);

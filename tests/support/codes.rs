@@ -25,7 +25,13 @@ pub(crate) const SPECIAL: [i16; 20] = [
     i16::MAX,
 ];
 
-/// Uses the constant once, so that tests that do not need it compile without a warning.
+/// The same of half floats: their infinity, NaN, greatest, least normal and least values, 1, -0, and the complements.
+pub(crate) const SPECIAL_HALVES: [i16; 14] = [
+    0x7c00, !0x7c00, 0x7c01, !0x7c01, 0x7e00, !0x7e00, 0x7bff, !0x7bff, 0x0400, !0x0400, 0x03ff, !0x03ff,
+    0x3c00, !0x3c00,
+];
+
+/// Uses the constants once, so that tests that do not need them compile without a warning.
 const _: () = {
-    let _ = SPECIAL;
+    let _ = (SPECIAL, SPECIAL_HALVES);
 };

@@ -184,10 +184,21 @@ pub(crate) fn is_rounded_up(code: i16, x: &Dyadic) -> bool {
     value >= *x && value - Dyadic::from(1.0) < *x
 }
 
+/// Whether a code is that of the least half float not below x, and not of -0.
+pub(crate) fn is_rounded_up_to_half(code: i16, x: &Dyadic) -> bool {
+    let value = |code: i16| {
+        let bits = if code < 0 { !code as u16 | 0x8000 } else { code as u16 };
+        Dyadic::from(f64::from(half::f16::from_bits(bits)))
+    };
+    let below = if code == 0 { -2 } else { code - 1 };
+    code != -1 && value(code) >= *x && value(below) < *x
+}
+
 /// Uses every helper once, so that tests that need only some of them compile without a warning.
 const _: () = {
     let _ = (
         is_rounded_up,
+        is_rounded_up_to_half,
         Dyadic::integers::<1>,
         Dyadic::power_of_two,
         Dyadic::abs,

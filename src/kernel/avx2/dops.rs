@@ -34,6 +34,8 @@
 use super::super::{SEPARATED, Turned};
 use crate::isa::compiled_for_avx2;
 use crate::key::{EMPTY, Storage};
+#[cfg(miri)]
+use crate::key::{Half, half_code};
 use crate::node::{Node4, Node16};
 use crate::realign::{PrimitiveSlab, Realignment};
 use core::arch::x86_64::*;
@@ -231,6 +233,30 @@ compiled_for_avx2! {
     #[inline]
     fn floats_to_halves(floats: __m256) -> __m128i {
         _mm256_cvtps_ph::<_MM_FROUND_TO_POS_INF>(floats)
+    }
+}
+
+#[cfg(miri)] // Miri has none of the two instructions: these let it run the rest.
+compiled_for_avx2! {
+    fn halves_to_floats(halves: __m128i) -> __m256 {
+        let mut codes = [0_i16; 8];
+        // SAFETY: the array has the 16 bytes written; the store needs no alignment.
+        unsafe { _mm_storeu_si128(codes.as_mut_ptr().cast(), halves) };
+        let floats = codes.map(|bits| Half::number(half_code(bits)));
+        // SAFETY: the array has the 32 bytes read; the load needs no alignment.
+        unsafe { _mm256_loadu_ps(floats.as_ptr()) }
+    }
+}
+
+#[cfg(miri)]
+compiled_for_avx2! {
+    fn floats_to_halves(floats: __m256) -> __m128i {
+        let mut numbers = [0.0_f32; 8];
+        // SAFETY: the array has the 32 bytes written; the store needs no alignment.
+        unsafe { _mm256_storeu_ps(numbers.as_mut_ptr(), floats) };
+        let bits = numbers.map(|x| half_code(Half::around(x)));
+        // SAFETY: the array has the 16 bytes read; the load needs no alignment.
+        unsafe { _mm_loadu_si128(bits.as_ptr().cast()) }
     }
 }
 

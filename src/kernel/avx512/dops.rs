@@ -7,6 +7,8 @@
 use super::super::{SEPARATED, Turned};
 use crate::isa::compiled_for_avx512;
 use crate::key::{EMPTY, Storage};
+#[cfg(miri)]
+use crate::key::{Half, half_code};
 use crate::node::Node16;
 use crate::realign::Realignment;
 use core::arch::x86_64::*;
@@ -41,6 +43,27 @@ compiled_for_avx512! {
     #[inline]
     fn floats_to_halves(values: __m512) -> __m256i {
         _mm512_cvtps_ph::<_MM_FROUND_TO_POS_INF>(_mm512_min_ps(values, _mm512_set1_ps(f32::INFINITY)))
+    }
+}
+
+#[cfg(miri)]
+compiled_for_avx512! {
+    fn halves_to_floats(halves: __m256i) -> __m512 {
+        let mut codes = [0_i16; 16];
+        // SAFETY: the array has the 32 bytes written; the store needs no alignment.
+        unsafe { _mm256_storeu_si256(codes.as_mut_ptr().cast(), halves) };
+        let floats = codes.map(|bits| Half::number(half_code(bits)));
+        // SAFETY: the array has the 64 bytes read; the load needs no alignment.
+        unsafe { _mm512_loadu_ps(floats.as_ptr()) }
+    }
+}
+
+#[cfg(miri)]
+compiled_for_avx512! {
+    fn floats_to_halves(values: __m512) -> __m256i {
+        let bits = super::points::numbers(values).map(|x| half_code(Half::around(x)));
+        // SAFETY: the array has the 32 bytes read; the load needs no alignment.
+        unsafe { _mm256_loadu_si256(bits.as_ptr().cast()) }
     }
 }
 
