@@ -1,6 +1,9 @@
 //! Batch Neural Gas over weighted points.
 
-use super::{Assignment, BuildError, Observer, neural_gas};
+use super::error::BuildError;
+#[cfg(feature = "gpu")]
+use super::gpu;
+use super::split::{Assignment, Observer, neural_gas};
 use crate::halving::Halving;
 use crate::range::Point;
 
@@ -35,17 +38,17 @@ impl Clustering {
     /// The same on a device, and where its time went.
     ///
     /// # Errors
-    /// [`super::gpu::GpuError`].
+    /// [`gpu::GpuError`].
     #[cfg(feature = "gpu")]
     pub fn assign_on(
         &self,
-        gpu: &crate::device::Gpu,
+        device: &crate::device::Gpu,
         points: &[Point],
         weights: Option<&[f64]>,
         observer: &mut Observer<'_>,
-    ) -> Result<(Assignment, super::gpu::Spent), super::gpu::GpuError> {
+    ) -> Result<(Assignment, gpu::Spent), gpu::GpuError> {
         let samples = neural_gas::Samples::new(points, weights);
-        super::gpu::assign(gpu, &samples, &self.halving(), self.seed, observer)
+        gpu::assign(device, &samples, &self.halving(), self.seed, observer)
     }
 
     fn halving(&self) -> Halving {

@@ -7,9 +7,9 @@
 //! A sphere of radius r whose centre is at most d from the mesh has no point farther than `r + d` from it. What rounding does to the
 //! corners of pieces, halved at most 200 times, is less than 2^-44 of the largest coordinate; each radius is greater by that.
 
-use super::enclosing::smallest_enclosing;
-use super::geometry::{check_records, check_vertices};
-use super::{BuildError, Mesh};
+use super::bake::smallest_enclosing;
+use super::error::BuildError;
+use super::input::{Mesh, check_records, check_vertices};
 use crate::exact::power_of_two;
 use crate::primitive::triangle::Triangle;
 use crate::primitive::triangle::point::Foot;

@@ -1,6 +1,5 @@
 //! Why something cannot be built.
 
-use super::OpenEdge;
 #[cfg(doc)]
 use crate::node::Child;
 use crate::node::MAX_LEAF_SIZE;
@@ -94,3 +93,27 @@ impl fmt::Display for BuildError {
 }
 
 impl core::error::Error for BuildError {}
+
+/// An edge along which not as many triangles run in one direction as in the other.
+#[derive(Copy, Clone, PartialEq, Debug)]
+pub(crate) struct OpenEdge {
+    /// Its two vertices: of several with the same coordinates the first.
+    pub(crate) edge: [u32; 2],
+    /// Their coordinates.
+    pub(crate) corners: [Point; 2],
+    /// Triangles that run from the first vertex to the second.
+    pub(crate) forward: usize,
+    /// Triangles that run from the second vertex to the first.
+    pub(crate) backward: usize,
+}
+
+impl fmt::Display for OpenEdge {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { edge: [a, b], corners: [p, q], forward, backward } = self;
+        write!(
+            f,
+            "the mesh is open, or not oriented alike, at the edge of vertices {a} and {b}, {p:?} to {q:?}: {forward} \
+             of its triangles run from {a} to {b}, {backward} back"
+        )
+    }
+}

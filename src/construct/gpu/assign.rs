@@ -4,9 +4,8 @@ use super::error::GpuError;
 use super::jobs::Jobs;
 use super::memory::{Binding, Sizes, TreeMemory};
 use super::shader::{SMALL, STEPS_AT_ONCE, Shader, balance_dispatches, bind, program};
-use crate::construct::levels::{self, Level};
-use crate::construct::neural_gas::{Clusterer, Samples};
-use crate::construct::{Assignment, Observer};
+use crate::construct::split::neural_gas::{Clusterer, Samples};
+use crate::construct::split::{Assignment, Level, Observer, by_level};
 use crate::device::{Compiled, Gpu};
 use crate::halving::Halving;
 use alloc::sync::Arc;
@@ -32,7 +31,7 @@ pub struct Spent {
     pub memory: u64,
 }
 
-/// The shape of a tree over a samples, as [`crate::construct::neural_gas::assign`] has it.
+/// The shape of a tree over a samples, as [`crate::construct::split::neural_gas::assign`] has it.
 pub(in crate::construct) fn assign(
     gpu: &Gpu,
     samples: &Samples<'_>,
@@ -118,7 +117,7 @@ impl<'a, const N: usize> Build<'a, N> {
         let halving = self.clusterer.halving;
         let total = self.order.len();
         let cut = |level: &Level<'_>, ends: &mut [u32]| self.cut_level(level, ends);
-        let ends = levels::by_level(total, N, halving.leaf_size, observer, cut)?;
+        let ends = by_level(total, N, halving.leaf_size, observer, cut)?;
         let start = Instant::now();
         let gpu = self.gpu;
         let order = gpu.guarded(0, || self.read_order(core::slice::from_ref(&(0..total))))?;

@@ -1,6 +1,6 @@
 //! What can go wrong with a build on a device.
 
-use crate::construct::BuildError;
+use crate::construct::error::BuildError;
 use crate::device::DeviceError;
 use core::fmt;
 

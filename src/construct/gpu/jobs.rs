@@ -1,9 +1,9 @@
 //! What the host tells the device about a level.
 
+use super::chunks::{BALANCED_SIZE, MAX_CHUNKS, MIN_CHUNK};
 use super::memory::{self, Chunk, NodeData};
-use super::shader::{BALANCED_SIZE, MAX_CHUNKS, MIN_CHUNK};
-use crate::construct::levels::Level;
-use crate::construct::neural_gas::Clusterer;
+use crate::construct::split::Level;
+use crate::construct::split::neural_gas::Clusterer;
 use alloc::vec::Vec;
 use core::ops::Range;
 

@@ -1,6 +1,6 @@
 //! What lies in the device's memory.
 
-use super::shader::{BALANCED_SIZE, MIN_CHUNK};
+use super::chunks::{BALANCED_SIZE, MIN_CHUNK};
 use crate::device::DeviceError;
 use alloc::vec::Vec;
 use bytemuck::{Pod, Zeroable};

@@ -1,7 +1,8 @@
 //! The kernels: their text, and the pipelines made of it.
 
+use super::chunks::BALANCED_SIZE;
 use super::memory::{Binding, TreeMemory};
-use crate::construct::neural_gas::{ClusterLimits, LIMITS};
+use crate::construct::split::neural_gas::{ClusterLimits, LIMITS};
 use crate::device::{Compiled, Gpu, Program};
 use alloc::format;
 use alloc::string::String;
@@ -13,15 +14,6 @@ const WORKGROUP: u32 = 128;
 
 /// Of `update`, whose workgroups are few and have many partial sums to add.
 const UPDATE_WORKGROUP: u32 = 256;
-
-/// Nodes of at most so many primitives are small: one workgroup clusters and balances each.
-pub(super) const BALANCED_SIZE: usize = LIMITS.balanced_size;
-
-/// Primitives of a chunk of a large node, at least.
-pub(super) const MIN_CHUNK: usize = 512;
-
-/// Chunks of a node, at most: one workgroup adds up their sums.
-pub(super) const MAX_CHUNKS: usize = 2048;
 
 /// Steps of a small node in one dispatch, and primitives taken out of crowded lanes. An invocation must not
 /// make more than 65,535 turns of loops: llvmpipe (Mesa 22.3) leaves its loops then without a word, and
@@ -42,7 +34,7 @@ pub(super) const SMALL: u32 = u32::MAX - 1;
 /// One prototype took everything.
 pub(super) const ONE_LANE: u32 = u32::MAX;
 
-/// The kernels, each named for its scalar twin in [`crate::construct::neural_gas`].
+/// The kernels, each named for its scalar twin in [`crate::construct::split::neural_gas`].
 #[derive(Copy, Clone, PartialEq, Eq, Debug)]
 pub(super) enum Shader {
     Bounds,

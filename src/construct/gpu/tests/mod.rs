@@ -7,10 +7,10 @@ mod text;
 
 use super::memory::{self, Binding, Chunk, NodeData, Sizes, State, TreeMemory};
 use super::shader::{self, Int64, ONE_LANE, SMALL, STEPS_AT_ONCE, Shader, balance_dispatches};
-use crate::construct::neural_gas::twins::{
+use crate::construct::split::neural_gas::twins::{
     Balance, Cluster, Prototypes, SampleBox, Sums, accumulate, nearest, schedule, settle, sort_by_lane,
 };
-use crate::construct::neural_gas::{LIMITS, Samples};
+use crate::construct::split::neural_gas::{LIMITS, Samples};
 use crate::device::{DeviceError, Gpu};
 use crate::rng::Rng;
 use alloc::vec;

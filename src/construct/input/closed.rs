@@ -1,36 +1,12 @@
 //! Whether triangles close, once corners at one place are one.
 
-use super::geometry::check_records;
-use super::{BuildError, Mesh, check_vertices};
+use super::geometry::Mesh;
+use super::ranges::{check_records, check_vertices};
+use crate::construct::error::{BuildError, OpenEdge};
 use crate::primitive::Triangles;
 use crate::range::Point;
 use alloc::vec::Vec;
 use core::cmp::Ordering;
-use core::fmt;
-
-/// An edge along which not as many triangles run in one direction as in the other.
-#[derive(Copy, Clone, PartialEq, Debug)]
-pub(crate) struct OpenEdge {
-    /// Its two vertices: of several with the same coordinates the first.
-    pub(crate) edge: [u32; 2],
-    /// Their coordinates.
-    pub(crate) corners: [Point; 2],
-    /// Triangles that run from the first vertex to the second.
-    pub(crate) forward: usize,
-    /// Triangles that run from the second vertex to the first.
-    pub(crate) backward: usize,
-}
-
-impl fmt::Display for OpenEdge {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Self { edge: [a, b], corners: [p, q], forward, backward } = self;
-        write!(
-            f,
-            "the mesh is open, or not oriented alike, at the edge of vertices {a} and {b}, {p:?} to {q:?}: {forward} \
-             of its triangles run from {a} to {b}, {backward} back"
-        )
-    }
-}
 
 /// Why a mesh bounds no solid.
 pub(crate) enum Unclosed {
@@ -51,7 +27,7 @@ pub(crate) fn check_closed(mesh: &Mesh<'_>) -> Result<(), Unclosed> {
 ///
 /// Then the surface has no border, and how often it winds around a point does not depend on the ray by which
 /// that is counted. Two triangles an edge is the usual case; where solids touch along an edge there are four.
-pub(super) fn check_edges(
+pub(in crate::construct) fn check_edges(
     vertices: &[Point],
     triangles: impl Iterator<Item = [u32; 3]>,
 ) -> Result<(), OpenEdge> {
@@ -81,7 +57,7 @@ pub(super) fn check_edges(
 }
 
 /// For each vertex the first one with its coordinates. 0 and -0 are one place.
-pub(super) fn first_at_place(vertices: &[Point]) -> Vec<u32> {
+pub(in crate::construct) fn first_at_place(vertices: &[Point]) -> Vec<u32> {
     let compare = |a: &Point, b: &Point| -> Ordering {
         let axes = (0..3).map(|i| (a[i] + 0.0).total_cmp(&(b[i] + 0.0)));
         axes.fold(Ordering::Equal, Ordering::then)

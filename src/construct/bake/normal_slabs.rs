@@ -1,8 +1,7 @@
 //! The normal slabs of a tree whose planes are known.
 
-use super::Geometry;
-use super::below::CornersBelow;
-use super::geometry::{Record, corners_of};
+use super::corners_below::CornersBelow;
+use crate::construct::input::{Geometry, Record, corners_of};
 use crate::frame::Frame;
 use crate::node::{Link, Node, NormalSlab};
 use crate::parallel;

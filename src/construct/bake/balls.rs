@@ -1,6 +1,6 @@
 //! The balls of a tree of spheres whose shape is known.
 
-use super::below::CornersBelow;
+use super::corners_below::CornersBelow;
 use super::enclosing::smallest_enclosing;
 use crate::exact::{power_of_two, round_up_f32};
 use crate::frame::Frame;

@@ -1,6 +1,6 @@
 //! Meshes of the shapes by which robots, and what stands around them, are often described.
 
-use super::Mesh;
+use super::geometry::Mesh;
 use crate::exact::power_of_two;
 use crate::range::{MAX_COORDINATE, Point};
 use alloc::vec::Vec;
@@ -10,7 +10,7 @@ use core::fmt;
 /// A mesh that owns its vertices and triangles.
 ///
 /// All but [`OwnedMesh::point`] and [`OwnedMesh::segment`] are closed, with their triangles counterclockwise as seen from
-/// outside, and so may be [solid](super::Builder::solid). A sphere is a point with a radius, a capsule a segment with one
+/// outside, and so may be [solid](crate::construct::Builder::solid). A sphere is a point with a radius, a capsule a segment with one
 /// ([`crate::scene::Body::with_radius`]).
 ///
 /// ```

@@ -1,7 +1,10 @@
 //! The two splitters by sorting: longest axis and extended longest axis (SIMDop paper, section IV-A, 1 and
 //! 2), by [`Halving`].
 
-use super::{Assignment, BuildError, Observer, levels};
+use super::assignment::Assignment;
+use super::levels;
+use super::progress::Observer;
+use crate::construct::error::BuildError;
 use crate::halving::{Halving, Located};
 use crate::range::Point;
 use alloc::vec::Vec;

@@ -1,6 +1,6 @@
 //! The shape of a tree: links without planes, and therefore without widths.
 
-use super::Assignment;
+use crate::construct::split::Assignment;
 use crate::node::{Child, Node, Width};
 use alloc::vec::Vec;
 

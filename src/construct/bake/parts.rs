@@ -1,6 +1,6 @@
 //! The parts of a body: what hangs together at its vertices.
 
-use super::closed::first_at_place;
+use crate::construct::input::first_at_place;
 use crate::range::Point;
 use alloc::vec::Vec;
 

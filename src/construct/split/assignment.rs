@@ -1,8 +1,6 @@
-//! What a splitter returns, and trees of a caller's own.
+//! The shape of a tree.
 
-use super::{BuildError, Builder, Geometry};
-use crate::hierarchy::Bvh;
-use crate::node::Dop;
+use crate::construct::error::BuildError;
 use alloc::collections::VecDeque;
 use alloc::vec::Vec;
 
@@ -22,7 +20,12 @@ pub struct Assignment {
 
 impl Assignment {
     /// What is wrong with it, if anything, as the shape of a tree over so many primitives.
-    pub(super) fn check(&self, primitives: usize, arity: usize, leaf_size: usize) -> Result<(), BuildError> {
+    pub(in crate::construct) fn check(
+        &self,
+        primitives: usize,
+        arity: usize,
+        leaf_size: usize,
+    ) -> Result<(), BuildError> {
         let wrong = |problem| Err(BuildError::Assignment { problem });
         let mut is_placed = alloc::vec![false; primitives];
         for &index in &self.order {
@@ -55,38 +58,5 @@ impl Assignment {
             }
         }
         if waiting.is_empty() { Ok(()) } else { wrong("there are fewer nodes than ranges") }
-    }
-}
-
-impl Builder {
-    /// The tree of a shape that the caller has chosen, whatever the splitter: with the builder's leaf size, for
-    /// nodes of this arity. It may have at most [`MAX_DEPTH`](crate::hierarchy::MAX_DEPTH) levels.
-    ///
-    /// ```
-    /// use simdop::construct::{Assignment, Builder, SphereSet};
-    /// use simdop::primitive::{Sphere, Spheres};
-    /// use simdop::{hierarchy::Bvh, node::Node4};
-    ///
-    /// let spheres = [0.0, 9.0, 1.0, 3.0, 2.0, 4.0].map(|x| Sphere { centre: [x, 0.0, 0.0], radius: 0.5 });
-    /// // The one that is far from the others alone, and two nodes of which the second has a leaf more.
-    /// let shape = Assignment { order: vec![1, 0, 2, 4, 3, 5], ends: vec![1, 3, 6, 6, 2, 3, 3, 3, 4, 5, 6, 6] };
-    /// let tree: Bvh<Node4<18>, Spheres> =
-    ///     Builder::new().build_assigned(&SphereSet { spheres: &spheres }, &shape)?;
-    /// assert_eq!(tree.view().nodes().len(), 3);
-    /// assert_eq!(tree.view().source(0), 1);
-    /// # Ok::<(), Box<dyn std::error::Error>>(())
-    /// ```
-    ///
-    /// # Errors
-    /// [`BuildError`]: of the geometry; [`BuildError::Assignment`]; [`BuildError::TooDeep`].
-    pub fn build_assigned<N: Dop, G: Geometry>(
-        &self,
-        geometry: &G,
-        assignment: &Assignment,
-    ) -> Result<Bvh<N, G::Primitive>, BuildError> {
-        self.build_by(geometry, |table| {
-            assignment.check(table.primitives.len(), N::ARITY, self.leaf_size as usize)?;
-            Ok::<_, BuildError>(assignment)
-        })
     }
 }

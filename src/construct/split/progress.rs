@@ -2,7 +2,7 @@
 
 use core::ops::ControlFlow;
 
-/// What the observer of [`super::Builder::build_with`] is told after each level of the tree.
+/// What the observer of [`crate::construct::Builder::build_with`] is told after each level of the tree.
 #[derive(Copy, Clone, PartialEq, Eq, Debug)]
 pub struct Progress {
     /// Primitives that are in their leaves.
@@ -12,4 +12,4 @@ pub struct Progress {
 }
 
 /// Answers `Break` to stop the build.
-pub(super) type Observer<'a> = dyn FnMut(Progress) -> ControlFlow<()> + 'a;
+pub(in crate::construct) type Observer<'a> = dyn FnMut(Progress) -> ControlFlow<()> + 'a;

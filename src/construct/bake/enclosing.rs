@@ -20,7 +20,7 @@ const MAX_STEPS: usize = 1000;
 ///
 /// # Panics
 /// If there is no ball.
-pub(super) fn smallest_enclosing(balls: &[Sphere]) -> Point {
+pub(in crate::construct) fn smallest_enclosing(balls: &[Sphere]) -> Point {
     let balls_at = |index: usize| Candidate {
         centre: DVec3::from_array(balls[index].centre),
         radius: balls[index].radius,

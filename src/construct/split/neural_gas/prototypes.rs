@@ -1,6 +1,6 @@
 //! Where the prototypes are.
 
-use super::accumulate::Sums;
+use super::sums::Sums;
 
 /// One prototype for each lane, in local coordinates.
 pub(in crate::construct) struct Prototypes<const N: usize> {

@@ -1,18 +1,19 @@
 //! What all splitters by levels share: all nodes of a level are cut, each on its own, then their parts that
 //! are no leaves are the next level. So nodes come out breadth-first, and a level is one parallel step.
 
-use super::{BuildError, Observer, Progress};
+use super::progress::{Observer, Progress};
+use crate::construct::error::BuildError;
 use crate::parallel;
 use alloc::vec::Vec;
 use core::ops::Range;
 
 /// Where a node is in its tree.
 #[derive(Copy, Clone, Debug)]
-pub(super) struct Place {
+pub(in crate::construct) struct Place {
     /// Among all nodes, breadth-first.
-    pub(super) node: usize,
+    pub(in crate::construct) node: usize,
     /// Levels from here to the deepest node that a tree may have, this one included.
-    pub(super) levels_left: usize,
+    pub(in crate::construct) levels_left: usize,
 }
 
 /// A node to cut.
@@ -24,13 +25,13 @@ struct Job<'a, T> {
 }
 
 /// All nodes of one level.
-pub(super) struct Level<'a> {
+pub(in crate::construct) struct Level<'a> {
     /// The items that each stands for.
-    pub(super) nodes: &'a [Range<usize>],
+    pub(in crate::construct) nodes: &'a [Range<usize>],
     /// Number of the first, breadth-first.
-    pub(super) first: usize,
+    pub(in crate::construct) first: usize,
     /// As in [`Place`].
-    pub(super) levels_left: usize,
+    pub(in crate::construct) levels_left: usize,
 }
 
 /// Moves `items` into the order of the leaves and returns where the parts end, as [`super::Assignment`] wants
@@ -38,7 +39,7 @@ pub(super) struct Level<'a> {
 ///
 /// `cut(scratch, place, items, ends)` moves the items of one node so that the parts of its lanes are
 /// consecutive, and writes where each ends, from the node's first item.
-pub(super) fn split<T: Send, S: Default>(
+pub(in crate::construct) fn split<T: Send, S: Default>(
     items: &mut [T],
     arity: usize,
     leaf_size: usize,
@@ -67,7 +68,7 @@ pub(super) fn split<T: Send, S: Default>(
 
 /// Where the parts of a tree over `total` items end. `cut(level, ends)` cuts all nodes of a level, and writes
 /// where their parts end, from the first item of all.
-pub(super) fn by_level<E: From<BuildError>>(
+pub(in crate::construct) fn by_level<E: From<BuildError>>(
     total: usize,
     arity: usize,
     leaf_size: usize,

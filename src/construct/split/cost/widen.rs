@@ -1,64 +1,18 @@
-//! Splitting by expected cost: binned cuts, made for wide nodes.
-//!
-//! The surface area heuristic gives a binary tree; collapsing that into wide nodes leaves many lanes unused.
-//! Here a node is cut in two, and each side again, until there is a part for each lane; a cut may be wherever
-//! it leaves **full nodes** on both sides (see [`longest_axis`]), and how many lanes each side gets follows
-//! from its number of primitives. What a cut costs is, for each side, [measure](Measure) x primitives per
-//! lane.
-//!
-//! Visits per query, mesh against itself, k = 18, arity 16, one triangle a leaf, mean over 50 random
-//! rotations and directions; gaps along the direction as shares of the diagonal:
-//!
-//! | splitter | cow, 2e-5 | 1e-2 | armadillo, 2e-5 | 1e-2 | bytes of nodes per triangle |
-//! |---|---|---|---|---|---|
-//! | extended longest axis | 49.6 | 22.0 | 60.8 | 22.2 | 43 |
-//! | binary by area x primitives, collapsed by opening the largest area | 38.3 | 10.8 | 68.2 | 9.0 | 156, 116 |
-//! | area | 57.8 | 27.4 | 87.5 | 16.9 | 43 |
-//! | cube of the mean width, and exchange in two passes | 31.4 | 11.8 | 47.3 | 8.9 | 43 |
-//!
-//! Tried with exchange, each better on one of cow, camel, man and armadillo and worse on another: the fourth
-//! to sixth power of the mean width, area x mean width, the same by the nine slabs of k = 18 instead of the
-//! box, less weight on primitives per lane (powers 1/4 to 3/4, the logarithm), more than three passes, cuts
-//! along the six diagonals of k = 18 too. Exchange that starts from the clusters of Batch Neural Gas or from
-//! the cuts, whichever costs less, takes 3 % off the visits when touching and 1 % at 1 %, for two to three
-//! times the build. Without exchange the first power of the mean width and its square were worse than the
-//! cube everywhere: 88 and 54 visits for the cow at the small gap, where the cube needed 35.
+//! One cut after the other, until there is a part for each lane.
 
-mod aabb;
-mod cut;
-mod refine;
-
-pub(super) use aabb::{Aabb, Measure};
-
-use super::levels::{self, Place};
-use super::longest_axis::Item;
-use super::{Assignment, BuildError, Observer};
+use super::cut::{Buffers, CutFinder, Share, Shares};
+use super::plan::{AXES, Plan, Primitives};
+use super::refine::refine;
+use crate::construct::error::BuildError;
+use crate::construct::split::assignment::Assignment;
+use crate::construct::split::levels::{self, Place};
+use crate::construct::split::longest_axis::Item;
+use crate::construct::split::progress::Observer;
 use crate::halving::Halving;
 use crate::hierarchy::MAX_DEPTH;
-use crate::range::Point;
 use alloc::vec::Vec;
-use cut::{Buffers, CutFinder, Share, Shares};
 
-const AXES: [Point; 3] = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
-
-/// What to split.
-#[derive(Copy, Clone, Debug)]
-pub(super) struct Primitives<'a> {
-    pub(super) boxes: &'a [Aabb],
-    pub(super) centroids: &'a [Point],
-}
-
-/// How to split.
-#[derive(Copy, Clone, Debug)]
-pub(super) struct Plan {
-    pub(super) arity: usize,
-    pub(super) leaf_size: usize,
-    pub(super) measure: Measure,
-    /// How often the lanes of a node exchange primitives after its cuts.
-    pub(super) passes: usize,
-}
-
-pub(super) fn assign(
+pub(in crate::construct) fn assign(
     primitives: Primitives<'_>,
     plan: Plan,
     observer: &mut Observer<'_>,
@@ -150,7 +104,7 @@ impl Widener<'_> {
         let Plan { arity, leaf_size, passes, .. } = self.plan;
         self.cut(items, 0, arity, ends);
         if passes > 0 && (items.len() > arity || leaf_size > 1) {
-            self.refine(items, ends);
+            refine(&mut self.finder, self.plan, items, ends);
         }
         // What a full tree of so many levels holds: no more than that, and halving, if nothing else, gets it
         // in.
@@ -203,7 +157,9 @@ impl Widener<'_> {
 
 #[cfg(test)]
 mod tests {
+    use super::super::aabb::{Aabb, Measure};
     use super::*;
+    use crate::range::Point;
     use core::ops::ControlFlow;
 
     /// Boxes twice as far out and twice as large each as the last: whatever is cut off first, most of the

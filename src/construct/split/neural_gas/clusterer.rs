@@ -1,80 +1,21 @@
-//! Batch Neural Gas (BNG paper, sections 3.1 and 3.2; SIMDop paper, section IV-A 3), in integers.
-//!
-//! A node of n lanes gets n prototypes. At each step every primitive x ranks the prototypes by distance, k =
-//! 0 for the nearest, and each prototype moves to the mean of all primitives, weighted by h(k) v(x) with
-//! h(k) = exp(-k / lambda). lambda falls from n / 2 to 0.01: from everybody's mean to k-means. In the end a
-//! primitive goes to its nearest prototype, and each lane is a node again.
-//!
-//! # The steps
-//!
-//! [`Samples::new`] (quantise) once a tree; for each node [`Cluster::local_coordinates`] and
-//! [`Prototypes::start`]; then, until nothing moves or the schedule ends, [`accumulate`] (distances, ranks,
-//! sums) and [`Prototypes::update`]; then [`nearest`] (assign), [`balance`](balance::balance) and
-//! [`sort_by_lane`]. Nodes of a level share nothing: whoever runs each step for all nodes of a level at once,
-//! as a GPU does, gets the same tree as this code, which runs all steps of one node while its data are in the
-//! cache.
-//!
-//! # Number ranges
-//!
-//! Everything after quantisation is integer arithmetic, and sums of integers do not depend on their order:
-//! that is why the tree is the same from any number of threads and on any machine.
-//!
-//! | quantity | range | type |
-//! |---|---|---|
-//! | position over the root's box, one scale for all axes | 0 ..= 2^32 - 1 | u32 |
-//! | local coordinate: position less the node's low corner, shifted | 0 ..= 2^15 - 1 | u16 |
-//! | squared distance | <= 3 (2^15 - 1)^2 < 2^32 | u32 |
-//! | h | 0 ..= 2^12 - 1 | u16 |
-//! | weight v in a node of c primitives | 1 ..= 2^min(13, 37 - b) - 1, c < 2^b; all 1 without magnification control | u16 |
-//! | pull h v | < 2^25 | u32 |
-//! | sum of h v | c h v < 2^(37 + 12) = 2^49 | u64 |
-//! | sum of h v x, and half of the sum of h v for rounding | < 2^49 (2^15 - 1/2) < 2^64 | u64 |
-//! | cost of moving a primitive, in [`balance`]: difference of two squared distances / 2^6; a path of 15 of them | < 2^26; < 2^30, both signs | i32 |
-//!
-//! So nothing overflows up to 2^24 primitives with 13-bit weights, nor, with as many bits fewer, up to the
-//! 2^27 that a tree may have. Weights are relative to the heaviest primitive of their node, and at least 1.
-//!
-//! # When clustering cannot
-//!
-//! A node is cut by the extended longest axis, in full precision, if it is so small that positions hardly
-//! tell its primitives apart, if one prototype takes everything, or if the branch is so unbalanced that it
-//! would become too deep. That always ends.
+//! One node after the other: clustering, or cuts by axes where that fails.
 
-mod accumulate;
-mod balance;
-#[cfg(feature = "gpu")]
-mod limits;
-mod prototypes;
-mod samples;
-mod schedule;
-
-#[cfg(feature = "gpu")]
-pub(super) use limits::{ClusterLimits, LIMITS};
-pub(super) use samples::Samples;
-/// What each kernel of a device is compared with.
-#[cfg(all(test, feature = "gpu"))]
-pub(super) mod twins {
-    pub(in crate::construct) use super::accumulate::{Sums, accumulate, nearest};
-    pub(in crate::construct) use super::balance::Balance;
-    pub(in crate::construct) use super::prototypes::Prototypes;
-    pub(in crate::construct) use super::samples::{Cluster, SampleBox};
-    pub(in crate::construct) use super::schedule::schedule;
-    pub(in crate::construct) use super::{settle, sort_by_lane};
-}
-
-use super::longest_axis::Item;
-use super::{Assignment, BuildError, Observer, levels};
+use super::accumulate::{accumulate, nearest};
+use super::balance::{self, Balance};
+use super::prototypes::Prototypes;
+use super::samples::{Cluster, Samples};
+use super::schedule::schedule;
+use crate::construct::error::BuildError;
+use crate::construct::split::assignment::Assignment;
+use crate::construct::split::levels;
+use crate::construct::split::longest_axis::Item;
+use crate::construct::split::progress::Observer;
 use crate::halving::Halving;
-use accumulate::{accumulate, nearest};
 use alloc::vec::Vec;
-use balance::Balance;
-use prototypes::Prototypes;
-use samples::Cluster;
-use schedule::schedule;
 
 /// The shape of a tree over a samples. `halving` has the arity and leaf size, and cuts where clustering
 /// cannot.
-pub(super) fn assign(
+pub(in crate::construct) fn assign(
     samples: &Samples<'_>,
     halving: &Halving,
     seed: u32,
@@ -88,12 +29,12 @@ pub(super) fn assign(
 }
 
 /// Cuts nodes of `N` lanes.
-pub(super) struct Clusterer<'a, const N: usize> {
-    pub(super) samples: &'a Samples<'a>,
-    pub(super) halving: &'a Halving,
-    pub(super) seed: u32,
+pub(in crate::construct) struct Clusterer<'a, const N: usize> {
+    pub(in crate::construct) samples: &'a Samples<'a>,
+    pub(in crate::construct) halving: &'a Halving,
+    pub(in crate::construct) seed: u32,
     /// h of each rank, step by step.
-    pub(super) schedule: Vec<[u16; N]>,
+    pub(in crate::construct) schedule: Vec<[u16; N]>,
 }
 
 /// What a thread needs to cut nodes, kept from one to the next.
@@ -106,7 +47,7 @@ struct Scratch<const N: usize> {
 }
 
 impl<'a, const N: usize> Clusterer<'a, N> {
-    pub(super) fn new(samples: &'a Samples<'a>, halving: &'a Halving, seed: u32) -> Self {
+    pub(in crate::construct) fn new(samples: &'a Samples<'a>, halving: &'a Halving, seed: u32) -> Self {
         Self { samples, halving, seed, schedule: schedule() }
     }
 
@@ -149,7 +90,7 @@ impl<'a, const N: usize> Clusterer<'a, N> {
         true
     }
 
-    pub(super) fn cut_by_axes(&self, part: &mut [u32], ends: &mut [u32]) {
+    pub(in crate::construct) fn cut_by_axes(&self, part: &mut [u32], ends: &mut [u32]) {
         let item = |&index: &u32| Item { centroid: self.samples.point(index), index };
         let mut items: Vec<Item> = part.iter().map(item).collect();
         self.halving.cut_node(&mut items, ends);
@@ -163,7 +104,7 @@ impl<'a, const N: usize> Clusterer<'a, N> {
     }
 
     /// Whether only balanced cuts keep a branch over `count` primitives within the levels that are left.
-    pub(super) fn is_too_deep(&self, levels_left: usize, count: usize) -> bool {
+    pub(in crate::construct) fn is_too_deep(&self, levels_left: usize, count: usize) -> bool {
         levels_left <= self.levels_needed(count) + 1
     }
 

@@ -3,34 +3,10 @@
 use super::prototypes::Prototypes;
 use super::samples::{BLOCK, Block, Cluster};
 use super::schedule::ONE;
+use super::sums::Sums;
 use crate::parallel;
 use alloc::vec::Vec;
 use core::ops::Range;
-
-/// What pulls each prototype: sum of h v, and sums of h v x for the three axes.
-#[derive(Clone, PartialEq, Eq, Debug)]
-pub(in crate::construct) struct Sums<const N: usize> {
-    pub(in crate::construct) weight: [u64; N],
-    pub(in crate::construct) moments: [[u64; N]; 3],
-}
-
-impl<const N: usize> Sums<N> {
-    const ZERO: Self = Self { weight: [0; N], moments: [[0; N]; 3] };
-
-    fn add(&mut self, other: &Self) {
-        let add = |to: &mut [u64; N], from: &[u64; N]| to.iter_mut().zip(from).for_each(|(a, b)| *a += b);
-        add(&mut self.weight, &other.weight);
-        self.moments.iter_mut().zip(&other.moments).for_each(|(to, from)| add(to, from));
-    }
-
-    /// Sums of a block of primitives for prototype `lane`.
-    fn add_block(&mut self, lane: usize, [weight, x, y, z]: [u64; 4]) {
-        self.weight[lane] += weight;
-        self.moments[0][lane] += x;
-        self.moments[1][lane] += y;
-        self.moments[2][lane] += z;
-    }
-}
 
 /// Blocks for one thread: some 0.2 ms.
 const TASK: usize = 512;

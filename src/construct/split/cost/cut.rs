@@ -1,7 +1,7 @@
 //! One cut in two: the direction and the number of primitives that cost least.
 
-use super::Primitives;
 use super::aabb::{Aabb, Measure};
+use super::plan::Primitives;
 use crate::range::Point;
 use alloc::vec::Vec;
 

@@ -1,12 +1,13 @@
 //! The baked tree of a shape: header, nodes, primitives in one run of bytes. The only code that makes nodes.
 
 use super::balls::balls;
-use super::geometry::{Checked, Record, bounding_box, corners_of};
 use super::normal_slabs::normal_slabs;
 use super::parts::parts;
 use super::shape::{InOrder, Shape};
 use super::wrap::wrap;
-use super::{Assignment, BuildError, Builder, Geometry};
+use crate::construct::error::BuildError;
+use crate::construct::input::{Checked, Geometry, Record, bounding_box, corners_of};
+use crate::construct::split::Assignment;
 use crate::exact::round_up_f32;
 use crate::frame::Frame;
 use crate::hierarchy::{Bvh, Header, MAGIC, MAX_DEPTH, VERSION, rotation_growth};
@@ -16,11 +17,20 @@ use crate::primitive::{Primitive, Sphere};
 use crate::range::Point;
 use alloc::vec::Vec;
 
+/// What a tree has beside its planes.
+#[derive(Copy, Clone, Debug)]
+pub(in crate::construct) struct Contents {
+    pub(in crate::construct) leaf_size: u32,
+    pub(in crate::construct) has_normal_slabs: bool,
+    pub(in crate::construct) has_balls: bool,
+    pub(in crate::construct) is_solid: bool,
+}
+
 /// Bakes the tree of a checked geometry.
-pub(super) fn bake<N: Dop, G: Geometry>(
+pub(in crate::construct) fn bake<N: Dop, G: Geometry>(
     table: &Checked<'_, G::Primitive>,
     assignment: &Assignment,
-    Builder { leaf_size, has_normal_slabs, has_balls, is_solid, .. }: Builder,
+    Contents { leaf_size, has_normal_slabs, has_balls, is_solid }: Contents,
 ) -> Result<Bvh<N, G::Primitive>, BuildError> {
     let shape: Shape<N> = Shape::new(assignment, leaf_size);
     if shape.depth > MAX_DEPTH {
