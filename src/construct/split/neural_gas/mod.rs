@@ -8,8 +8,8 @@
 //! # The steps
 //!
 //! [`Samples::new`] (quantise) once a tree; for each node [`Cluster::local_coordinates`] and
-//! [`Prototypes::start`]; then, until nothing moves or the schedule ends, [`accumulate`] (distances, ranks,
-//! sums) and [`Prototypes::update`]; then [`nearest`] (assign), [`balance`](balance::balance) and
+//! [`Prototypes::start`]; then, until nothing moves or the schedule ends, [`accumulate()`] (distances, ranks,
+//! sums) and [`Prototypes::update`]; then [`nearest`] (assign), [`Balance::balance`] and
 //! [`sort_by_lane`]. Nodes of a level share nothing: whoever runs each step for all nodes of a level at once,
 //! as a GPU does, gets the same tree as this code, which runs all steps of one node while its data are in the
 //! cache.
@@ -71,6 +71,7 @@ pub(in crate::construct) mod twins {
 #[cfg(doc)]
 use {
     accumulate::{accumulate, nearest},
+    balance::Balance,
     clusterer::sort_by_lane,
     prototypes::Prototypes,
     samples::Cluster,
