@@ -1,8 +1,5 @@
 //! Links: what a lane of a node leads to.
 
-use super::Dop;
-use crate::key::decode;
-
 /// What a lane of a node leads to, in 32 bits.
 ///
 /// | bits | meaning |
@@ -126,12 +123,6 @@ impl Width {
         } else {
             code as u8
         })
-    }
-
-    /// Of child `lane` of a node.
-    pub(crate) fn of_lane<N: Dop>(node: &N, lane: usize) -> Self {
-        let slab = |s: usize| decode(node.plane(2 * s, lane)) + decode(node.plane(2 * s + 1, lane));
-        Self::of((slab(0) + slab(1)) + slab(2))
     }
 
     /// By how many powers of two this is wider than the other in a frame whose unit is `2^exponent` times

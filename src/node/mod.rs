@@ -20,7 +20,7 @@ pub use link::{Child, Link, MAX_LEAF_SIZE, Width};
 pub(crate) use link::{FIRST, LEAF_BIT};
 pub use normal_slab::NormalSlab;
 
-use crate::key::Key;
+use crate::key::{Key, decode};
 use crate::range::Point;
 
 mod sealed {
@@ -51,4 +51,12 @@ pub trait Dop: Node {
     fn plane(&self, j: usize, lane: usize) -> i16;
     /// Raises plane `j` of child `lane` to bound `key` too.
     fn raise_plane(&mut self, j: usize, lane: usize, key: Key);
+}
+
+impl Width {
+    /// Of child `lane` of a node.
+    pub(crate) fn of_lane<N: Dop>(node: &N, lane: usize) -> Self {
+        let slab = |s: usize| decode(node.plane(2 * s, lane)) + decode(node.plane(2 * s + 1, lane));
+        Self::of((slab(0) + slab(1)) + slab(2))
+    }
 }

@@ -156,7 +156,7 @@ pub(super) fn program(lanes: usize) -> Program {
     Program {
         label: "simdop neural gas",
         variant: lanes,
-        source: |lanes, gpu| source(lanes, if gpu.has_int64() { Int64::Native } else { Int64::Pairs }),
+        source: |lanes, has_int64| source(lanes, if has_int64 { Int64::Native } else { Int64::Pairs }),
         kernels: Shader::ALL.iter().map(|kernel| kernel.interface().0).collect(),
     }
 }
@@ -166,7 +166,7 @@ pub(super) fn bind(compiled: &Compiled, gpu: &Gpu, memory: &TreeMemory) -> Vec<w
     let bind = |&kernel: &Shader| {
         let (_, bindings) = kernel.interface();
         let entry = |&binding: &Binding| (binding as u32, memory.buffer(binding).as_entire_binding());
-        compiled.bind(gpu, kernel as usize, bindings.iter().map(entry))
+        compiled.bind(&gpu.device, kernel as usize, bindings.iter().map(entry))
     };
     Shader::ALL.iter().map(bind).collect()
 }
