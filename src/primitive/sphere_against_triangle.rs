@@ -1,10 +1,10 @@
 //! A sphere and a triangle: compares the distance of the centre from the triangle with the radius.
 
-use super::Sphere;
-use super::against_sphere::{ROUNDING, bounds_of_gap};
-use crate::primitive::Separation;
-use crate::primitive::triangle::Triangle;
-use crate::primitive::triangle::point::{Foot, excess};
+use super::ball::Sphere;
+use super::separation::Separation;
+use super::sphere::against_sphere::{ROUNDING, bounds_of_gap};
+use super::triangle::Triangle;
+use super::triangle::point::{Foot, excess};
 use crate::range::{MIN_COORDINATE, Point};
 
 /// Whether the two are at most `margin` apart. Exact; a margin above 0 and below [`MIN_COORDINATE`] counts as
