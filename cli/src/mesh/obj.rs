@@ -2,7 +2,9 @@
 //! hold, or may hold, a surface, which would be missed: these are a fault, and so is every word that the
 //! format does not know.
 
-use super::{Decimals, Faces, MeshData, check_last_line, coordinate, count, lines, numbers_left, quote};
+use super::data::{Faces, MeshData};
+use super::decimals::{Decimals, coordinate};
+use super::text::{check_last_line, count, lines, numbers_left, quote};
 use crate::error::{Fault, Place};
 use alloc::borrow::Cow;
 

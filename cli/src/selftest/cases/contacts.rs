@@ -1,12 +1,12 @@
 //! Bodies of about one size in contact: with nothing special about them, nested, made of needles, and at the very pose where
 //! the answer flips.
 
-use super::{POSES, Trial};
 use crate::selftest::draw::{Draw, NO_TURN, power_of_two, scaled};
 use crate::selftest::figures::{
     any_turn, blob, corner_on_point, fan, in_contact, matrix, polytope, poses, resized, touching,
 };
 use crate::selftest::oracle::{Figure, Matrix, Oracle};
+use crate::selftest::trial::{POSES, Trial};
 use simdop::primitive::triangle::Triangle;
 
 /// A body as drawn, about the origin.

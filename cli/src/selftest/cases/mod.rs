@@ -6,17 +6,8 @@ mod sizes;
 mod spheres;
 
 use super::draw::Draw;
-use super::oracle::{Figure, Matrix};
-
-/// Poses of a trial, at most.
-pub(super) const POSES: usize = 64;
-
-/// Two bodies, and the poses that A is placed at in the frame of B.
-pub(super) struct Trial {
-    pub(super) a: Figure,
-    pub(super) b: Figure,
-    pub(super) poses: Vec<Matrix>,
-}
+use super::points::{self, Neighbourhood};
+use super::trial::Trial;
 
 /// What draws the trials of a case.
 #[derive(Copy, Clone, Debug)]
@@ -24,7 +15,7 @@ pub(super) enum Maker {
     /// Bodies that are asked whether they meet.
     Bodies(fn(&mut Draw) -> Trial),
     /// Points that are asked for their neighbours.
-    Points(fn(&mut Draw) -> super::points::Neighbourhood),
+    Points(fn(&mut Draw) -> Neighbourhood),
 }
 
 #[derive(Copy, Clone, Debug)]
@@ -67,11 +58,11 @@ pub(super) const CASES: [HardCase; 20] = [
     case("nested-spheres", SPHERES, spheres::nested),
     case(SPHERES_ON_TRIANGLES, SPHERES_ON_TRIANGLES, spheres::benign_on_triangles),
     case("spheres-on-faces", SPHERES_ON_TRIANGLES, spheres::on_faces),
-    HardCase { name: POINTS, benign: POINTS, maker: Maker::Points(super::points::uniform), share: 1000 },
+    HardCase { name: POINTS, benign: POINTS, maker: Maker::Points(points::uniform), share: 1000 },
     HardCase {
         name: "points-at-radius",
         benign: POINTS,
-        maker: Maker::Points(super::points::at_radius),
+        maker: Maker::Points(points::at_radius),
         share: 1000,
     },
 ];
@@ -80,6 +71,7 @@ pub(super) const CASES: [HardCase; 20] = [
 mod tests {
     use super::*;
     use crate::selftest::oracle::Oracle;
+    use crate::selftest::trial::POSES;
 
     /// Each case has both answers, and those that are about it have poses on the edge: a suite whose bodies are all far apart
     /// would pass anything.

@@ -1,9 +1,9 @@
 //! Faces in one plane, or nearly.
 
-use super::Trial;
 use crate::selftest::draw::{Draw, NO_TURN, Turn, add, power_of_two, product, scaled, turned};
 use crate::selftest::figures::{block, matrix, poses, sheet, touching};
 use crate::selftest::oracle::Figure;
+use crate::selftest::trial::Trial;
 use simdop::range::Point;
 
 /// How the bodies of a trial stand in space: any way, unless their coordinates are rounded so much that it would undo what the

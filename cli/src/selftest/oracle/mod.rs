@@ -3,10 +3,12 @@
 
 mod balls;
 mod integers;
+mod rough;
 mod triangles;
 
 use super::draw::power_of_two;
 use core::cmp::Ordering;
+use rough::Rough;
 use simdop::primitive::Sphere;
 use simdop::primitive::triangle::Triangle;
 use simdop::range::{MIN_COORDINATE, Point};
@@ -30,14 +32,6 @@ pub(super) struct Figure {
     pub(super) copies: usize,
     /// Of triangles: they bound a solid, which is convex.
     pub(super) is_solid: bool,
-}
-
-/// What a filter says of a pair.
-#[derive(Copy, Clone, PartialEq, Eq, Debug)]
-enum Rough {
-    Apart,
-    Together,
-    Doubt,
 }
 
 /// What is so at a pose.

@@ -11,8 +11,8 @@
 //! Nothing underflows: coordinates are 0 or at least 2^-250, differences multiples of 2^-302, and products of three of
 //! these above 2^-906. They are below 2^302, and nothing overflows.
 
-use super::Rough;
 use super::integers::{Exact, cross, difference, dot, integers};
+use super::rough::Rough;
 use core::cmp::Ordering;
 use simdop::primitive::triangle::Triangle;
 use simdop::range::Point;
