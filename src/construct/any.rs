@@ -11,11 +11,10 @@ use core::ops::ControlFlow;
 macro_rules! build_any {
     ($d:tt $($variant:ident $node:ident $arity:literal $k:literal),*) => {
         impl Builder {
-            /// [`Builder::build_geometry`] for a k of 6, 14, 18 or 26 at arity 16, or k = 18 at arity 4.
+            /// [`Builder::build_geometry`] for k = 6, 14, 18 or 26 at arity 16, or k = 18 at arity 4.
             ///
-            /// # Errors
-            /// [`BuildError::NodeType`] for any other; else as [`Builder::build_geometry`].
-            // Compiled where it is used: for five node types.
+            /// [`BuildError::NodeType`] for any other k and arity, and those of [`Builder::build_geometry`].
+            // Inline, so that only crates that call it compile the five node types.
             #[inline]
             pub fn build_any<G: Geometry>(
                 &self,

@@ -1,4 +1,4 @@
-//! What can be chosen about a hierarchy, and its construction on the CPU.
+//! Settings of a build, and builds on the CPU.
 
 use super::bake::{Contents, bake};
 use super::error::BuildError;
@@ -33,21 +33,21 @@ impl Builder {
         Self::best()
     }
 
-    /// Built soonest: [`Splitter::ExtendedLongestAxis`], one triangle a leaf.
+    /// Fastest to build: [`Splitter::ExtendedLongestAxis`], one triangle per leaf.
     #[must_use]
     pub const fn fast() -> Self {
         Self { splitter: Splitter::ExtendedLongestAxis, ..Self::best() }
     }
 
-    /// Half the bytes of nodes at about the speed of the best: [`Splitter::MeanWidth`], up to two triangles a
-    /// leaf.
+    /// Half the bytes of nodes at about the query speed of [`Builder::best`]: [`Splitter::MeanWidth`], up to two
+    /// triangles per leaf.
     #[must_use]
     pub const fn balanced() -> Self {
         Self { leaf_size: 2, ..Self::best() }
     }
 
-    /// The fewest visits a query: [`Splitter::MeanWidth`], one triangle a leaf. Some eleven times as long to
-    /// build as the fast one.
+    /// The fewest visits per query: [`Splitter::MeanWidth`], one triangle per leaf. A build takes about eleven times as
+    /// long as with [`Builder::fast`].
     #[must_use]
     pub const fn best() -> Self {
         Self {
@@ -59,43 +59,44 @@ impl Builder {
         }
     }
 
-    /// Assigns with `splitter`.
+    /// Sets the splitter.
     #[must_use]
     pub const fn splitter(self, splitter: Splitter) -> Self {
         Self { splitter, ..self }
     }
 
-    /// Up to `triangles` (1 ..= 16) in a leaf: fewer nodes, more triangle pairs to test.
+    /// Sets the largest number of triangles per leaf, 1 to 16. Larger leaves give fewer nodes, and more triangle pairs
+    /// to test.
     #[must_use]
     pub const fn leaf_size(self, triangles: u32) -> Self {
         Self { leaf_size: triangles, ..self }
     }
 
-    /// Leaves out the [`NormalSlab`](crate::node::NormalSlab)s: a fifth fewer bytes of nodes, and more visits of
-    /// smooth meshes that nearly touch. Trees of spheres never have them.
+    /// Omits the [`NormalSlab`](crate::node::NormalSlab)s. Nodes take a fifth fewer bytes, and smooth meshes that
+    /// nearly touch need more visits. Trees of spheres never have them.
     #[must_use]
     pub const fn without_normal_slabs(self) -> Self {
         Self { has_normal_slabs: false, ..self }
     }
 
-    /// Leaves out the [`Ball16`](crate::node::Ball16)s, which trees of spheres have where nodes have sixteen lanes: a
-    /// third fewer bytes of nodes (k = 18), and penetration volumes take longer and have no upper bound before they are
+    /// Omits the [`Ball16`](crate::node::Ball16)s, which trees of spheres have if their nodes have sixteen lanes. Nodes
+    /// take a third fewer bytes (k = 18). Penetration volumes take longer, and have no upper bound before they are
     /// complete.
     #[must_use]
     pub const fn without_balls(self) -> Self {
         Self { has_balls: false, ..self }
     }
 
-    /// The mesh bounds a solid: a body that is wholly inside of it, without touching its surface, is a hit of
+    /// The mesh bounds a solid. A body that lies wholly inside it, without touching its surface, is a hit of
     /// [`collide`](crate::query::Query::collide) and [`within`](crate::query::Query::within), and its distance is 0.
-    /// Without this a body is a surface, and what is wholly inside of it is free.
+    /// Without this setting a mesh is a surface, and a body wholly inside it is free.
     ///
-    /// Inside is where the surface winds around a point, as often as it may: parts that overlap are one solid, so is
-    /// a shell in a shell of the same orientation, and a shell of the other orientation is a cavity. A mesh that is turned
-    /// inside out is as solid. It must be closed: with corners of the same coordinates joined, as many triangles run
-    /// along each edge in one direction as in the other. An empty mesh is.
+    /// A point is inside if the winding number of the surface around it is not zero: overlapping parts are one solid,
+    /// as are nested shells of the same orientation, while a nested shell of the opposite orientation bounds a cavity.
+    /// A mesh that is turned inside out is just as solid. The mesh must be closed: after joining vertices with equal
+    /// coordinates, as many triangles run along each edge in one direction as in the other. An empty mesh is closed.
     ///
-    /// Sets of spheres are solid anyway: of them this changes nothing.
+    /// Sets of spheres are always solid: for them this setting changes nothing.
     ///
     /// ```
     /// # use simdop::{Builder, Isa, Mesh, Pose, Query};
@@ -121,25 +122,25 @@ impl Builder {
         Self { is_solid: true, ..self }
     }
 
-    /// Builds the hierarchy of a mesh. The choice of `N` is the choice of k and arity.
+    /// Builds the hierarchy of a mesh. `N` determines k and arity.
     ///
-    /// Coordinates are kept as they are (stored as `f32` where that loses nothing), except that those below
+    /// Coordinates keep their values, and are stored as `f32` where that is exact; those below
     /// [`crate::range::MIN_COORDINATE`] become zero. Degenerate triangles are kept and counted.
     ///
-    /// Planes are 16 bits wide across the whole mesh. Near a part whose triangles are smaller than one 65,536th of the
-    /// mesh's width, such as a screw in a hall, a query tests most triangles of that part: build it as a body of its own.
+    /// Planes have 16 bits across the whole mesh. Near a part whose triangles are smaller than 1/65,536 of the mesh's
+    /// width, such as a screw in a hall, a query tests most triangles of that part. Build such a part as a body of its
+    /// own.
     ///
-    /// The same bytes on every machine and, with the feature `rayon`, from any number of threads: those of
-    /// the current pool. A build needs some 100 bytes a triangle besides the mesh and the tree (k = 18,
-    /// arity 16, half as many vertices as triangles), whatever the splitter.
+    /// The bytes are the same on every machine and, with the feature `rayon`, for any number of threads; a build uses
+    /// those of the current pool. With any splitter, a build needs about 100 bytes per triangle besides the mesh and
+    /// the tree (k = 18, arity 16, half as many vertices as triangles).
     ///
-    /// # Errors
-    /// [`BuildError`]: nothing is dropped or repaired in silence.
+    /// [`BuildError`] if the mesh or a setting is invalid. Nothing is dropped or repaired silently.
     pub fn build(&self, mesh: &Mesh<'_>) -> Result<Bvh<Node16<18>>, BuildError> {
         self.build_as(mesh)
     }
 
-    /// [`Builder::build`] with another type of node than the default.
+    /// [`Builder::build`] with any node type.
     ///
     /// # Errors
     /// As [`Builder::build`].
@@ -147,11 +148,10 @@ impl Builder {
         self.build_with(mesh, &mut |_| ControlFlow::Continue(()))
     }
 
-    /// [`Builder::build`], telling `observer` after each level of the tree how far it is, and stopping when
-    /// told to.
+    /// [`Builder::build`], calling `observer` after each level of the tree. The build stops if `observer` returns
+    /// `Break`.
     ///
-    /// # Errors
-    /// [`BuildError`]: of the mesh, or [`BuildError::Cancelled`] if `observer` returned `Break`.
+    /// [`BuildError`], including [`BuildError::Cancelled`] if `observer` returned `Break`.
     pub fn build_with<N: Dop>(
         &self,
         mesh: &Mesh<'_>,
@@ -160,7 +160,7 @@ impl Builder {
         self.build_geometry(mesh, observer)
     }
 
-    /// [`Builder::build_with`] of any primitives.
+    /// [`Builder::build_with`] for any primitives.
     ///
     /// # Errors
     /// As [`Builder::build_with`].
@@ -174,8 +174,8 @@ impl Builder {
         })
     }
 
-    /// The tree of a shape that the caller has chosen, whatever the splitter: with the builder's leaf size, for
-    /// nodes of this arity. It may have at most [`MAX_DEPTH`](crate::hierarchy::MAX_DEPTH) levels.
+    /// Builds a tree whose shape the caller chooses; the splitter is ignored. The assignment is for the builder's leaf
+    /// size and nodes of this arity, with at most [`MAX_DEPTH`](crate::hierarchy::MAX_DEPTH) levels.
     ///
     /// ```
     /// use simdop::construct::{Assignment, Builder, SphereSet};
@@ -192,8 +192,7 @@ impl Builder {
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     ///
-    /// # Errors
-    /// [`BuildError`]: of the geometry; [`BuildError::Assignment`]; [`BuildError::TooDeep`].
+    /// [`BuildError`], including [`BuildError::Assignment`] and [`BuildError::TooDeep`].
     pub fn build_assigned<N: Dop, G: Geometry>(
         &self,
         geometry: &G,

@@ -7,21 +7,21 @@ use super::split::{Assignment, Observer, neural_gas};
 use crate::halving::Halving;
 use crate::range::Point;
 
-/// Batch Neural Gas over points with weights, such as the centres and volumes of spheres: the shape of a
-/// tree, without bodies in it.
+/// Batch Neural Gas over weighted points, such as the centres and volumes of spheres. The result is the shape of a
+/// tree, without bodies.
 #[doc(hidden)]
 #[derive(Copy, Clone, Debug)]
 pub struct Clustering {
     /// 4 or 16.
     pub arity: usize,
-    /// Points in a leaf, at most.
+    /// The largest number of points in a leaf.
     pub leaf_size: usize,
-    /// Decides where prototypes start, and nothing else.
+    /// Seed of the initial prototypes.
     pub seed: u32,
 }
 
 impl Clustering {
-    /// Of finite `points`, each with a finite weight that is not negative, or all alike.
+    /// Assigns `points`, which must be finite. Weights must be finite and not negative; without weights all are equal.
     ///
     /// # Errors
     /// [`BuildError::Cancelled`], [`BuildError::TooDeep`].
@@ -35,7 +35,7 @@ impl Clustering {
         neural_gas::assign(&samples, &self.halving(), self.seed, observer)
     }
 
-    /// The same on a device, and where its time went.
+    /// [`Clustering::assign`] on a device, with the times of its phases.
     ///
     /// # Errors
     /// [`gpu::GpuError`].

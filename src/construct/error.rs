@@ -1,4 +1,4 @@
-//! Why something cannot be built.
+//! Errors of construction.
 
 #[cfg(doc)]
 use crate::node::Child;
@@ -10,12 +10,12 @@ use core::fmt;
 #[derive(Copy, Clone, PartialEq, Debug)]
 #[non_exhaustive]
 pub enum BuildError {
-    /// A leaf holds 1 to 16 primitives.
+    /// The leaf size is not 1 to 16.
     LeafSize {
         /// The size asked for.
         asked: u32,
     },
-    /// More primitives than [`Child::MAX_PRIMITIVES`], or as many vertices as do not fit in 32 bits.
+    /// More primitives than [`Child::MAX_PRIMITIVES`], or more vertices than fit in 32 bits.
     TooLarge {
         /// The number given.
         count: usize,
@@ -30,17 +30,17 @@ pub enum BuildError {
         /// Index of the sphere, or of the vertex with this radius.
         index: usize,
     },
-    /// No coordinate reaches [`crate::range::MIN_COORDINATE`], and not all are zero: the body would become a point.
+    /// All coordinates are below [`crate::range::MIN_COORDINATE`], and not all are zero: the body would become a point.
     TooSmall,
-    /// A triangle, or other primitive, names a vertex that there is not.
+    /// A triangle, or other primitive, refers to a vertex that does not exist.
     Primitive {
         /// Index of the primitive.
         index: usize,
     },
-    /// The mesh is to be [solid](super::Builder::solid), and not as many triangles run along an edge in one direction as in the
-    /// other: there is a hole, or the triangles are not oriented alike.
+    /// The mesh should be [solid](super::Builder::solid), but not as many triangles run along some edge in one
+    /// direction as in the other: there is a hole, or the triangles are not consistently oriented.
     Open {
-        /// The edge's two vertices: of several with the same coordinates the first.
+        /// The edge's two vertices; of vertices with equal coordinates, the first.
         edge: [u32; 2],
         /// Their coordinates, in the body's unit.
         corners: [Point; 2],
@@ -63,7 +63,7 @@ pub enum BuildError {
         /// What is wrong with it.
         problem: &'static str,
     },
-    /// The caller of [`super::Builder::build_with`] wished to stop.
+    /// The observer of [`super::Builder::build_with`] stopped the build.
     Cancelled,
 }
 
@@ -97,7 +97,7 @@ impl core::error::Error for BuildError {}
 /// An edge along which not as many triangles run in one direction as in the other.
 #[derive(Copy, Clone, PartialEq, Debug)]
 pub(crate) struct OpenEdge {
-    /// Its two vertices: of several with the same coordinates the first.
+    /// Its two vertices; of vertices with equal coordinates, the first.
     pub(crate) edge: [u32; 2],
     /// Their coordinates.
     pub(crate) corners: [Point; 2],

@@ -1,4 +1,4 @@
-//! The balls of a tree of spheres whose shape is known.
+//! The balls of a tree of spheres.
 
 use super::corners_below::CornersBelow;
 use super::enclosing::smallest_enclosing;
@@ -9,8 +9,8 @@ use crate::parallel;
 use crate::primitive::{Primitive, Sphere, sphere};
 use alloc::vec::Vec;
 
-/// The balls of all lanes, in the frame: each the smallest about the spheres below, but for rounding, which only makes it
-/// larger.
+/// The balls of all lanes, in the frame. Each is the smallest ball around the spheres below, up to rounding, which only
+/// enlarges it.
 pub(super) fn balls<N: Node, P: Primitive<Record: AsRef<[u32]>>>(
     nodes: &[N],
     frame: &Frame,
@@ -40,7 +40,7 @@ pub(super) fn balls<N: Node, P: Primitive<Record: AsRef<[u32]>>>(
                         }
                     }
                 }
-                // The packer adds up in `f64`, with a few dozen roundings.
+                // The packer sums in `f64`, with a few dozen roundings.
                 let volume = round_up_f32(volumes[index * N::ARITY + lane] * (1.0 + power_of_two(-40)));
                 balls.set(lane, &BoundingBall { volume, ..around(&below, half_width) });
             }
@@ -57,10 +57,10 @@ fn in_frame(frame: &Frame, ball: &Sphere) -> Sphere {
     Sphere { centre, radius: ball.radius * scale }
 }
 
-/// A ball around some spheres, its centre in single precision.
+/// A ball around some spheres, with its centre in single precision.
 fn around(spheres: &[Sphere], half_width: [f32; 3]) -> BoundingBall {
     let smallest = smallest_enclosing(spheres);
-    // It lies within the body: rounding shall not take it out.
+    // The centre lies within the body, and must stay there after rounding.
     let centre: [f32; 3] =
         core::array::from_fn(|i| (smallest[i] as f32).clamp(-half_width[i], half_width[i]));
     let reach = |sphere: &Sphere| {
@@ -68,12 +68,12 @@ fn around(spheres: &[Sphere], half_width: [f32; 3]) -> BoundingBall {
         libm::sqrt((x * x + y * y) + z * z) + sphere.radius
     };
     let radius = spheres.iter().map(reach).fold(0.0, f64::max);
-    // Of coordinates below 2^16, a few roundings.
+    // Allowance for a few roundings of coordinates below 2^16.
     let rounding = power_of_two(-32);
     BoundingBall { centre, radius: round_up_f32(radius * (1.0 + rounding) + rounding), volume: 0.0 }
 }
 
-/// The volume of the spheres below each lane, in the frame's unit.
+/// The total volume of the spheres below each lane, in the unit of the frame.
 fn volumes<N: Node, P: Primitive<Record: AsRef<[u32]>>>(
     nodes: &[N],
     frame: &Frame,

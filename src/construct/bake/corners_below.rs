@@ -1,20 +1,19 @@
-//! What is below each node of a tree.
+//! The corners below each node of a tree.
 
 use crate::node::{Link, Node};
 use crate::primitive::Primitive;
 use alloc::vec::Vec;
 
-/// The corners below each node, those below one node in one run: a corner counts once for each node that has a leaf
-/// which uses it.
+/// The corners below each node, as one run of a list per node. A corner appears once for each node with a leaf that
+/// uses it.
 pub(super) struct CornersBelow<P: Primitive> {
     corners: Vec<P::Double>,
-    /// Where the run of each node begins and ends.
+    /// Start and end of the run of each node.
     runs: Vec<(usize, usize)>,
 }
 
 impl<P: Primitive<Record: AsRef<[u32]>>> CornersBelow<P> {
     pub(super) fn new<N: Node>(nodes: &[N], vertices: &[P::Double], records: &[P::Record]) -> Self {
-        // The corners of each node's own leaves, node by node.
         let mut own = Vec::with_capacity(vertices.len());
         let mut own_ends = Vec::with_capacity(nodes.len());
         let mut last_used_by = alloc::vec![usize::MAX; vertices.len()];
@@ -30,7 +29,7 @@ impl<P: Primitive<Record: AsRef<[u32]>>> CornersBelow<P> {
             }
             own_ends.push(own.len());
         }
-        // How many corners are below each node. Children come after their parents.
+        // Children come after their parents.
         let own_of =
             |node: usize| if node == 0 { 0..own_ends[0] } else { own_ends[node - 1]..own_ends[node] };
         let mut counts = alloc::vec![0; nodes.len()];

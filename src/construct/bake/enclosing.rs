@@ -1,22 +1,22 @@
 //! The smallest ball around some balls.
 //!
-//! The ball around all is that around a few of them, four at most, which touch it from within: its basis. Starting with
-//! one, the ball that reaches farthest out of the current one joins the basis, and those that the new ball does not touch
-//! leave it, until none reaches out: the radius grows with each step. This is the scheme of Fischer and Gärtner, *The
-//! smallest enclosing ball of balls*, 2004, with the farthest ball as pivot; a basis of four and a newcomer are few
-//! enough to try all their subsets. (Welzl's move-to-front is wrong for balls.)
+//! The smallest ball is determined by at most four of the balls, which touch it from within: its basis. Starting with
+//! one ball, the ball that reaches farthest beyond the current ball joins the basis, and those that the new ball does
+//! not touch leave it, until no ball reaches beyond. The radius grows with each step. This is the scheme of Fischer and
+//! Gärtner, *The smallest enclosing ball of balls*, 2004, with the farthest ball as pivot. A basis of four and one more
+//! ball have few enough subsets to try all. (Welzl's move-to-front is wrong for balls.)
 
 use crate::primitive::Sphere;
 use crate::range::Point;
 use glam::DVec3;
 
-/// Balls that reach out by less than this share of the radius count as inside.
+/// Balls that reach beyond by less than this share of the radius count as inside.
 const TOLERANCE: f64 = 1e-9;
 
-/// More than the steps that any set has needed: a few dozen.
+/// Limit of the number of steps. Any set needs a few dozen.
 const MAX_STEPS: usize = 1000;
 
-/// Its centre, up to rounding. The balls' coordinates are those of a frame: neither very large nor very small.
+/// The centre, up to rounding. The coordinates of the balls are those of a frame: neither very large nor very small.
 ///
 /// # Panics
 /// If there is no ball.
@@ -30,7 +30,8 @@ pub(in crate::construct) fn smallest_enclosing(balls: &[Sphere]) -> Point {
     for _ in 0..MAX_STEPS {
         let Some(farthest) = farthest_out(balls, &found) else { break };
         basis.push(balls_at(farthest));
-        // Rounding can leave no subset whose ball holds all others; the last ball is nearly the smallest then.
+        // Because of rounding, no subset may have a ball that contains all others. The last ball is then nearly the
+        // smallest.
         let Some(better) = basis.reduce() else { break };
         if better.radius <= found.radius {
             break;
@@ -40,14 +41,14 @@ pub(in crate::construct) fn smallest_enclosing(balls: &[Sphere]) -> Point {
     found.centre.to_array()
 }
 
-/// The ball that reaches farthest out of `found`, if one does.
+/// The ball that reaches farthest beyond `found`, if any does.
 fn farthest_out(balls: &[Sphere], found: &Candidate) -> Option<usize> {
     let mut limit = found.radius * (1.0 + TOLERANCE);
     let mut farthest = None;
     for (index, ball) in balls.iter().enumerate() {
         let square = DVec3::from_array(ball.centre).distance_squared(found.centre);
         let room = limit - ball.radius;
-        // Nearly all are inside, which costs no root.
+        // Nearly all are inside, and need no square root.
         if room < 0.0 || square > room * room {
             let reach = libm::sqrt(square) + ball.radius;
             if reach > limit {
@@ -70,7 +71,7 @@ impl Candidate {
     }
 }
 
-/// Balls that touch the smallest ball around them, or might.
+/// Balls that touch, or may touch, the smallest ball around them.
 struct Basis {
     balls: [Candidate; 5],
     len: usize,
@@ -82,7 +83,8 @@ impl Basis {
         self.len += 1;
     }
 
-    /// The smallest ball around all of them, which the last one touches; those that it is made of stay.
+    /// The smallest ball around all of them, which touches the last one. Only the balls that determine it stay in the
+    /// basis.
     fn reduce(&mut self) -> Option<Candidate> {
         let last = 1_u32 << (self.len - 1);
         let mut smallest: Option<(Candidate, u32)> = None;
@@ -115,12 +117,12 @@ impl Basis {
     }
 }
 
-/// The balls that one to four balls touch from within, with the centre in the affine hull of theirs: there are none, one
-/// or two.
+/// The balls, at most two, that one to four balls touch from within, with the centre in the affine hull of their
+/// centres.
 ///
-/// With the first centre as origin, q the others, and R the radius that is sought, `|x| = R - r_0` and `|x - q| = R - r`
-/// give `q . x = (q . q + r_0^2 - r^2) / 2 + (r - r_0) R`, which is linear: x = u + R v, and `|x| = R - r_0` is quadratic in
-/// R.
+/// With the first centre as origin, another centre q, and the radius R sought, `|x| = R - r_0` and `|x - q| = R - r`
+/// give `q . x = (q . q + r_0^2 - r^2) / 2 + (r - r_0) R`. This is linear, so x = u + R v, and `|x| = R - r_0` is a
+/// quadratic equation for R.
 fn around_touching(balls: &[Candidate]) -> [Option<Candidate>; 2] {
     let first = balls[0];
     let mut rows = [Row::default(); 3];
@@ -151,12 +153,12 @@ fn around_touching(balls: &[Candidate]) -> [Option<Candidate>; 2] {
     if discriminant < 0.0 {
         return [None; 2];
     }
-    // Without cancellation: one root by the sum of like signs, the other by the product of both.
+    // Avoids cancellation: one root from the sum of terms of equal sign, the other from the product of the roots.
     let sum = -(b + libm::copysign(libm::sqrt(discriminant), b));
     [ball(sum / a), ball(c / sum)]
 }
 
-/// An equation of up to three unknown weights: their factors, and the two right sides.
+/// A linear equation for up to three unknown weights: coefficients and two right-hand sides.
 #[derive(Copy, Clone, Default)]
 struct Row {
     products: [f64; 3],
@@ -164,8 +166,7 @@ struct Row {
     slope: f64,
 }
 
-/// The weights for both right sides, by Gaussian elimination; `None` if centres lie in a lower dimension than their
-/// number says.
+/// The weights for both right-hand sides, by Gaussian elimination; `None` if the centres are affinely dependent.
 fn solve(rows: &mut [Row]) -> Option<[(f64, f64); 3]> {
     let n = rows.len();
     let scale = rows.iter().flat_map(|row| row.products).fold(0.0, |m: f64, x| m.max(x.abs()));
@@ -215,7 +216,7 @@ mod tests {
         balls.iter().map(reach).fold(0.0, f64::max)
     }
 
-    /// The least reach from any point: a convex function, which a nested search of thirds finds the least of.
+    /// The least reach from any point: a convex function, minimised by a nested ternary search.
     fn least_reach(balls: &[Sphere]) -> f64 {
         fn along(axis: usize, p: Point, balls: &[Sphere]) -> f64 {
             if axis == 3 {
@@ -237,7 +238,7 @@ mod tests {
         along(0, [0.0; 3], balls)
     }
 
-    /// Up to nine balls, of one of the kinds that are hard.
+    /// Up to nine balls, of one of several hard kinds.
     fn hard_set(rng: &mut Rng) -> Vec<Sphere> {
         let kind = rng.below(8);
         let first = Sphere { centre: point(rng), radius: 20.0 * rng.unit() };
@@ -245,11 +246,11 @@ mod tests {
         let count = 1 + rng.below(9) as usize;
         let along = |t: f64, u: f64| core::array::from_fn(|i| first.centre[i] + t * q[i] + u * r[i]);
         let mut next = |i: usize| match kind {
-            // Of unlike sizes.
+            // Of very different sizes.
             0 => Sphere { centre: point(rng), radius: 100.0 * 1e-6_f64.powf(rng.unit()) },
             // Points.
             1 => Sphere { centre: point(rng), radius: 0.0 },
-            // In each other, and touching from within.
+            // Nested, and touching from within.
             2 => {
                 let share = rng.unit();
                 let d = DVec3::from_array(point(rng)).normalize_or_zero();
@@ -258,10 +259,10 @@ mod tests {
             }
             // Equal.
             3 => first,
-            // Collinear, of one size or of many.
+            // Collinear, of equal or different sizes.
             4 => Sphere { centre: along(rng.unit(), 0.0), radius: first.radius },
             5 => Sphere { centre: along(rng.unit(), 0.0), radius: 20.0 * rng.unit() },
-            // In a plane.
+            // Coplanar.
             6 => Sphere { centre: along(rng.unit(), rng.unit()), radius: 5.0 * rng.unit() },
             // The corners of a cube, whose ball touches all.
             _ => Sphere {
@@ -282,8 +283,8 @@ mod tests {
         }
     }
 
-    /// No point near the centre has a smaller reach: for many sets, and for large ones. The function is convex, so that
-    /// there is none anywhere else, but for what the directions of the steps leave out.
+    /// No point near the centre has a smaller reach, for many sets and for large ones. The function is convex, so the
+    /// minimum is global, up to the sampled directions.
     #[test]
     fn no_step_makes_it_smaller() {
         let rng = &mut Rng::new(2);

@@ -1,4 +1,4 @@
-//! The normal slabs of a tree whose planes are known.
+//! The normal slabs of a tree.
 
 use super::corners_below::CornersBelow;
 use crate::construct::input::{Geometry, Record, corners_of};
@@ -10,7 +10,7 @@ use crate::range::Point;
 use crate::vector::length;
 use alloc::vec::Vec;
 
-/// The normal slab of every lane, `ARITY` a node: along the mean normal of what is below.
+/// The normal slab of every lane, `ARITY` per node: along the mean normal of the primitives below.
 pub(super) fn normal_slabs<N: Node, G: Geometry>(
     nodes: &[N],
     frame: &Frame,
@@ -52,7 +52,7 @@ pub(super) fn normal_slabs<N: Node, G: Geometry>(
 
 const NODES_PER_TASK: usize = 64;
 
-/// The sum of the normals below each lane.
+/// The sum of the normals of the primitives below each lane.
 fn mean_normals<N: Node, R>(nodes: &[N], records: &[R], mut normal: impl FnMut(&R) -> Point) -> Vec<Point> {
     let add = |sum: &mut Point, n: &Point| (0..3).for_each(|i| sum[i] += n[i]);
     let mut normals = alloc::vec![[0.0; 3]; nodes.len() * N::ARITY];
@@ -79,7 +79,7 @@ fn mean_normals<N: Node, R>(nodes: &[N], records: &[R], mut normal: impl FnMut(&
     normals
 }
 
-/// The least and the greatest support of nothing.
+/// The least and the greatest support of an empty set.
 const NONE: (f64, f64) = (f64::INFINITY, f64::NEG_INFINITY);
 
 /// The least and the greatest support along n, relative to a centre.
@@ -92,7 +92,7 @@ struct Stretch {
 }
 
 impl Stretch {
-    /// Of some corners too. Two at a time, so that they do not wait for each other.
+    /// Includes corners. Two accumulators, so that their latencies overlap.
     fn extend<P: Primitive>(&mut self, corners: &[P::Double]) {
         let mut other = Self { ends: NONE, ..*self };
         let (pairs, rest) = corners.as_chunks::<2>();
@@ -106,7 +106,7 @@ impl Stretch {
         self.join(other.ends);
     }
 
-    /// Of a corner too.
+    /// Includes a corner.
     #[inline(always)]
     fn add<P: Primitive>(&mut self, corner: &P::Double) {
         let Sphere { centre: p, radius } = P::ball(corner);

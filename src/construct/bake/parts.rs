@@ -1,14 +1,13 @@
-//! The parts of a body: what hangs together at its vertices.
+//! The connected parts of a body.
 
 use crate::construct::input::first_at_place;
 use crate::range::Point;
 use alloc::vec::Vec;
 
-/// For each part of a body its first primitive, ascending; nothing of a body that is one part, which its first primitive
-/// stands for.
+/// The first primitive of each part, ascending. Empty if the body is one part, which primitive 0 represents.
 ///
-/// Primitives hang together where they share a vertex, or have vertices at one place, as the triangles of STL files do. What
-/// is one part already by shared vertices is not asked for places, which have to be sorted.
+/// Primitives are connected if they share a vertex, or have vertices at equal coordinates, as the triangles of STL
+/// files have. `places` is called only if shared vertices leave several parts: the places must be sorted.
 pub(super) fn parts<R: AsRef<[u32]>>(
     records: &[R],
     vertices: usize,
@@ -27,8 +26,8 @@ pub(super) fn parts<R: AsRef<[u32]>>(
     if firsts.len() > 1 { firsts } else { Vec::new() }
 }
 
-/// Disjoint sets of vertices (Tarjan, *Efficiency of a Good But Not Linear Set Union Algorithm*, JACM 1975), the least of
-/// each its root.
+/// Disjoint sets of vertices (Tarjan, *Efficiency of a Good But Not Linear Set Union Algorithm*, JACM 1975). The root
+/// of a set is its least vertex.
 struct Sets {
     parents: Vec<u32>,
 }
@@ -40,7 +39,7 @@ impl Sets {
 
     fn root(&mut self, mut vertex: u32) -> u32 {
         while self.parents[vertex as usize] != vertex {
-            // Halves the path.
+            // Path halving.
             let parent = self.parents[vertex as usize];
             let above = self.parents[parent as usize];
             self.parents[vertex as usize] = above;

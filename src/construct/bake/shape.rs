@@ -1,10 +1,10 @@
-//! The shape of a tree: links without planes, and therefore without widths.
+//! Nodes with links, still without planes and widths.
 
 use crate::construct::split::Assignment;
 use crate::node::{Child, Node, Width};
 use alloc::vec::Vec;
 
-/// Links of all nodes, without planes, and the primitives in the order of the leaves.
+/// Nodes with their links, without planes, and the primitives in leaf order.
 pub(super) struct Shape<N> {
     pub(super) nodes: Vec<N>,
     pub(super) sources: Vec<u32>,
@@ -16,7 +16,7 @@ impl<N: Node> Shape<N> {
         let count = assignment.ends.len() / N::ARITY;
         let mut nodes = Vec::with_capacity(count);
         let mut sources = Vec::with_capacity(assignment.order.len());
-        // Where the ranges of the nodes to come begin, and their level, in order.
+        // Start of the range and level of each node, in order.
         let mut starts = Vec::with_capacity(count);
         starts.push((0, 1));
         let mut depth = 0;
@@ -34,7 +34,7 @@ impl<N: Node> Shape<N> {
                     node.set_child(lane, Child::leaf(sources.len() as u32, count));
                     sources.extend_from_slice(&assignment.order[start as usize..end as usize]);
                 }
-                // Used lanes come first: an unused one is not worth a place in between.
+                // Used lanes come first.
                 lane += usize::from(count > 0);
                 start = end;
             }
@@ -44,15 +44,15 @@ impl<N: Node> Shape<N> {
     }
 }
 
-/// The primitives of a tree over its own table of vertices.
+/// The primitives of a tree, with their own table of vertices.
 pub(super) struct InOrder<V, R> {
     pub(super) vertices: Vec<V>,
     pub(super) records: Vec<R>,
 }
 
 impl<V: Copy, R: Copy + AsRef<[u32]> + AsMut<[u32]>> InOrder<V, R> {
-    /// The primitives in the order of the leaves, and the vertices in the order of their first use: what a
-    /// leaf needs lies together. Vertices that no primitive uses are left out.
+    /// The primitives in leaf order, and the vertices in the order of their first use, so that the data of a leaf are
+    /// contiguous. Unused vertices are omitted.
     pub(super) fn of(vertices: &[V], primitives: &[R], sources: &[u32]) -> Self {
         const UNSEEN: u32 = u32::MAX;
         let mut places = alloc::vec![UNSEEN; vertices.len()];

@@ -1,4 +1,4 @@
-//! The baked tree of a shape: header, nodes, primitives in one run of bytes. The only code that makes nodes.
+//! The bytes of a tree: header, nodes and primitives in one run.
 
 use super::balls::balls;
 use super::normal_slabs::normal_slabs;
@@ -17,7 +17,7 @@ use crate::primitive::{Primitive, Sphere};
 use crate::range::Point;
 use alloc::vec::Vec;
 
-/// What a tree has beside its planes.
+/// What a tree stores besides its planes.
 #[derive(Copy, Clone, Debug)]
 pub(in crate::construct) struct Contents {
     pub(in crate::construct) leaf_size: u32,
@@ -37,7 +37,7 @@ pub(in crate::construct) fn bake<N: Dop, G: Geometry>(
         return Err(BuildError::TooDeep);
     }
     let InOrder { vertices, records } = InOrder::of(&table.vertices, &table.primitives, &shape.sources);
-    // Of the vertices that primitives use: a stray one would take the frame's precision from all the others.
+    // Only vertices that primitives use: an unused one far away would cost the others precision.
     let (low, high) = if vertices.is_empty() {
         ([0.0; 3], [0.0; 3])
     } else {
@@ -50,7 +50,7 @@ pub(in crate::construct) fn bake<N: Dop, G: Geometry>(
 
     let mut normal_slabs =
         if has_normal_slabs { normal_slabs::<N, G>(&nodes, &frame, &vertices, &records) } else { Vec::new() };
-    // Spheres have no normals: nothing is thin.
+    // Spheres have no normals, so all their slabs are infinite.
     if G::Primitive::IS_ROUND && normal_slabs.iter().all(|slab| *slab == NormalSlab::EVERYWHERE) {
         normal_slabs = Vec::new();
     }
@@ -60,7 +60,7 @@ pub(in crate::construct) fn bake<N: Dop, G: Geometry>(
     } else {
         Vec::new()
     };
-    // Each sphere is one.
+    // Each sphere is a part, which need not be listed.
     let parts = if G::Primitive::HAS_BALLS {
         Vec::new()
     } else {
@@ -107,7 +107,7 @@ pub(in crate::construct) fn bake<N: Dop, G: Geometry>(
         Some(single) => bytemuck::cast_slice(single),
         None => bytemuck::cast_slice(&vertices),
     };
-    // Each with its alignment: the order in which a layout reads them.
+    // Each with its alignment, in the order in which `Layout` reads them.
     Ok(Bvh::assemble(&[
         (64, bytemuck::bytes_of(&header)),
         (64, bytemuck::cast_slice(&nodes)),
@@ -120,7 +120,7 @@ pub(in crate::construct) fn bake<N: Dop, G: Geometry>(
     ]))
 }
 
-/// The largest magnitude of a coordinate in a box, or of the centre of the frame around it.
+/// The largest magnitude of a coordinate of a box, or of the centre of the frame around it.
 fn max_coordinate(low: Point, high: Point, frame: &Frame) -> f64 {
     low.into_iter().chain(high).chain(frame.centre).map(f64::abs).fold(0.0, f64::max)
 }
@@ -139,8 +139,7 @@ fn radius<P: Primitive>(frame: &Frame, vertices: &[P::Double]) -> f64 {
     vertices.iter().map(P::ball).map(reach).fold(0.0, f64::max)
 }
 
-/// The largest magnitude of a plane. Codes order as what they stand for, so the least and the greatest
-/// have it.
+/// The largest magnitude of a plane. Codes are ordered as their values, so the least or the greatest code has it.
 fn max_plane<N: Dop>(nodes: &[N]) -> f32 {
     let (mut least, mut greatest) = (0, 0);
     for node in nodes {

@@ -1,4 +1,4 @@
-//! The planes of a tree whose shape is known, and the widths that its links say.
+//! The planes of a tree, and the widths in its links.
 
 use crate::frame::Frame;
 use crate::key::Key;
@@ -7,10 +7,10 @@ use crate::parallel;
 use crate::primitive::{Primitive, Sphere};
 use alloc::vec::Vec;
 
-/// The planes of every lane: the supports of the corners below it, with the radius about them. Rounding up is monotone, so the greatest
-/// of the rounded supports is the greatest support rounded: a wrapped hierarchy, whether reduced from corners
-/// or from the lanes below. So each vertex is rounded once, though some six triangles and all their ancestors
-/// use it.
+/// Sets the planes of every lane to the supports of the corners below it, radii included. Rounding up is monotone, so
+/// the maximum of the rounded supports is the rounded maximum: the hierarchy is the same whether each lane is reduced
+/// from corners or from the lanes below. Each vertex is therefore rounded only once, though about six triangles and all
+/// their ancestors use it.
 pub(super) fn wrap<N: Dop, P: Primitive<Record: AsRef<[u32]>>>(
     nodes: &mut [N],
     frame: &Frame,
@@ -37,7 +37,7 @@ pub(super) fn wrap<N: Dop, P: Primitive<Record: AsRef<[u32]>>>(
             let Link::Inner(target) = nodes[index].children()[lane].link() else { continue };
             let below = nodes[target as usize];
             for j in 0..N::K {
-                // Unused lanes hold the lowest code, and a node has at least one lane in use.
+                // Unused lanes have the lowest code, and a node has at least one used lane.
                 let code = (0..N::ARITY).map(|lane| below.plane(j, lane)).fold(i16::MIN, i16::max);
                 if let Some(key) = Key::from_code(code) {
                     nodes[index].raise_plane(j, lane, key);
@@ -52,7 +52,7 @@ pub(super) fn wrap<N: Dop, P: Primitive<Record: AsRef<[u32]>>>(
 const NODES_PER_TASK: usize = 512;
 const VERTICES_PER_TASK: usize = 2048;
 
-/// The key of each direction's support of each vertex, `K` a vertex.
+/// The key of each vertex's support in each direction: `K` keys per vertex.
 fn supports<N: Dop, P: Primitive>(frame: &Frame, vertices: &[P::Double]) -> Vec<Key> {
     let mut keys = alloc::vec![Key::LOWEST; vertices.len() * N::K];
     parallel::for_each_chunk(&mut keys, VERTICES_PER_TASK * N::K, |task, keys| {

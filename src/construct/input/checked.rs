@@ -1,4 +1,4 @@
-//! A geometry that can be built.
+//! A geometry whose values are valid.
 
 use super::closed::check_edges;
 use super::corners::{bounding_box, corner_balls, corners_of};
@@ -11,7 +11,7 @@ use crate::range::{Point, flush};
 use alloc::borrow::Cow;
 use alloc::vec::Vec;
 
-/// A geometry that was checked, its coordinates flushed.
+/// A validated geometry, with coordinates flushed.
 #[derive(Clone, Debug)]
 pub(in crate::construct) struct Checked<'a, P: Primitive> {
     pub(in crate::construct) vertices: Vec<P::Double>,
@@ -32,9 +32,9 @@ impl<'a, P: Primitive<Record: AsRef<[u32]>>> Checked<'a, P> {
         Ok(Self { vertices: vertices.iter().map(|v| P::map(v, flush)).collect(), primitives })
     }
 
-    /// Whether triangles close.
+    /// Checks that the surface is closed.
     pub(in crate::construct) fn check_closed(&self) -> Result<(), BuildError> {
-        // The corners of a triangle, as of all primitives that bound solids.
+        // Only triangles bound solids, so records have three corners.
         let triangles = self.primitives.iter().filter_map(|record| record.as_ref().try_into().ok());
         check_edges(&self.places(), triangles).map_err(|OpenEdge { edge, corners, forward, backward }| {
             BuildError::Open { edge, corners, forward, backward }
@@ -50,7 +50,7 @@ impl<'a, P: Primitive<Record: AsRef<[u32]>>> Checked<'a, P> {
         self.primitives.iter().map(|record| bounding_box(corner_balls::<P>(&self.vertices, record)))
     }
 
-    /// What each primitive weighs.
+    /// The weight of each primitive.
     pub(in crate::construct) fn weights<G: Geometry<Primitive = P>>(&self) -> Vec<f64> {
         let all = self.primitives.iter().flat_map(|record| corner_balls::<P>(&self.vertices, record));
         let size = |ball: Sphere| ball.centre.into_iter().fold(ball.radius, |m, x| m.max(x.abs()));

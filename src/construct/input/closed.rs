@@ -1,4 +1,4 @@
-//! Whether triangles close, once corners at one place are one.
+//! Whether a surface is closed after joining vertices with equal coordinates.
 
 use super::geometry::Mesh;
 use super::ranges::{check_records, check_vertices};
@@ -8,25 +8,26 @@ use crate::range::Point;
 use alloc::vec::Vec;
 use core::cmp::Ordering;
 
-/// Why a mesh bounds no solid.
+/// Why a mesh does not bound a solid.
 pub(crate) enum Unclosed {
-    /// It is no mesh that could be built.
+    /// The mesh is invalid.
     Mesh(BuildError),
-    /// It has a border.
+    /// The surface has a border.
     Open(OpenEdge),
 }
 
-/// Proves that a mesh can be built, and is closed.
+/// Checks that a mesh is valid and closed.
 pub(crate) fn check_closed(mesh: &Mesh<'_>) -> Result<(), Unclosed> {
     check_vertices::<Triangles>(mesh.vertices).map_err(Unclosed::Mesh)?;
     check_records(mesh.triangles, mesh.vertices.len()).map_err(Unclosed::Mesh)?;
     check_edges(mesh.vertices, mesh.triangles.iter().copied()).map_err(Unclosed::Open)
 }
 
-/// As many triangles run along each edge in one direction as in the other, once corners at one place are one.
+/// Checks that as many triangles run along each edge in one direction as in the other, after joining vertices with
+/// equal coordinates.
 ///
-/// Then the surface has no border, and how often it winds around a point does not depend on the ray by which
-/// that is counted. Two triangles an edge is the usual case; where solids touch along an edge there are four.
+/// Then the surface has no border, and its winding number around a point does not depend on the ray by which it is
+/// counted. An edge usually has two triangles; where solids touch along an edge it has four.
 pub(in crate::construct) fn check_edges(
     vertices: &[Point],
     triangles: impl Iterator<Item = [u32; 3]>,
@@ -39,7 +40,7 @@ pub(in crate::construct) fn check_edges(
             match a.cmp(&b) {
                 Ordering::Less => edges.push(([a, b], true)),
                 Ordering::Greater => edges.push(([b, a], false)),
-                // Of a triangle without area: it runs nowhere.
+                // An edge of a degenerate triangle: it has no direction.
                 Ordering::Equal => {}
             }
         }
@@ -56,7 +57,7 @@ pub(in crate::construct) fn check_edges(
     Ok(())
 }
 
-/// For each vertex the first one with its coordinates. 0 and -0 are one place.
+/// For each vertex, the first one with the same coordinates. 0 and -0 are equal.
 pub(in crate::construct) fn first_at_place(vertices: &[Point]) -> Vec<u32> {
     let compare = |a: &Point, b: &Point| -> Ordering {
         let axes = (0..3).map(|i| (a[i] + 0.0).total_cmp(&(b[i] + 0.0)));

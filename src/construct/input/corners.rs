@@ -4,7 +4,7 @@ use crate::primitive::{Primitive, Sphere};
 use crate::range::Point;
 use alloc::vec::Vec;
 
-/// What the corners of a primitive are, with the radius about them.
+/// The corners of a primitive as balls: points with the radius around them.
 pub(in crate::construct) fn corner_balls<P: Primitive<Record: AsRef<[u32]>>>(
     vertices: &[P::Double],
     record: &P::Record,
@@ -12,7 +12,7 @@ pub(in crate::construct) fn corner_balls<P: Primitive<Record: AsRef<[u32]>>>(
     record.as_ref().iter().map(|&vertex| P::ball(&vertices[vertex as usize]))
 }
 
-/// Writes the corners of a primitive, and returns its radius.
+/// Writes the corners of a primitive to `corners` and returns its radius.
 pub(in crate::construct) fn corners_of<P: Primitive<Record: AsRef<[u32]>>>(
     vertices: &[P::Double],
     record: &P::Record,
@@ -23,7 +23,7 @@ pub(in crate::construct) fn corners_of<P: Primitive<Record: AsRef<[u32]>>>(
     corner_balls::<P>(vertices, record).fold(0.0, |radius, ball| f64::max(radius, ball.radius))
 }
 
-/// Low and high corner of the box of some balls; of none, infinities.
+/// Low and high corner of the bounding box of some balls; of none, infinities.
 pub(in crate::construct) fn bounding_box(balls: impl Iterator<Item = Sphere>) -> (Point, Point) {
     let (mut low, mut high) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
     for Sphere { centre, radius } in balls {

@@ -1,4 +1,4 @@
-//! What can be built: primitives over a table of vertices.
+//! Primitives over a table of vertices.
 
 #[cfg(doc)]
 use crate::construct::{Builder, Magnification};
@@ -8,33 +8,33 @@ use crate::primitive::{Primitive, Sphere, Spheres, Triangles, triangle};
 use crate::range::Point;
 use alloc::borrow::Cow;
 
-/// Primitives over a table of vertices: what [`Builder::build_geometry`] makes a tree of.
+/// Primitives over a table of vertices: the input of [`Builder::build_geometry`].
 pub trait Geometry {
-    /// What they are. Their records are the indices of their corners.
+    /// The type of the primitives. Their records are the indices of their corners.
     type Primitive: Primitive<Record: AsRef<[u32]> + AsMut<[u32]>>;
 
     /// All vertices, in the body's unit.
     fn vertices(&self) -> &[<Self::Primitive as Primitive>::Double];
     /// The indices of each primitive's corners.
     fn primitives(&self) -> Cow<'_, [<Self::Primitive as Primitive>::Record]>;
-    /// What a primitive weighs with [`Magnification::Area`]: finite and not negative. Its corners and its
-    /// radius are in a unit of length in which none of these numbers is above 2.
+    /// The weight of a primitive for [`Magnification::Area`]: finite and not negative. Corners and radius are scaled so
+    /// that no number is above 2.
     fn weight(corners: &[Point], radius: f64) -> f64;
-    /// A primitive's normal, of either sign, as long as it weighs; zero if it has none. Children get a
-    /// [`NormalSlab`] along their primitives' mean normal.
+    /// A primitive's normal, of either sign, with the weight as its length; zero if it has none. Children get a
+    /// [`NormalSlab`] along the mean normal of their primitives.
     #[must_use]
     fn normal(_corners: &[Point]) -> Point {
         [0.0; 3]
     }
-    /// Whether a primitive is flat in more ways than its kind is, as a triangle without area: such ones are
+    /// Whether a primitive is more degenerate than its type, as a triangle without area is. Degenerate primitives are
     /// counted.
     fn is_degenerate(corners: &[Point], radius: f64) -> bool;
 }
 
-/// What a geometry's records are.
+/// The record of a geometry's primitives.
 pub(in crate::construct) type Record<G> = <<G as Geometry>::Primitive as Primitive>::Record;
 
-/// Triangles as three indices each into the vertices. Duplicate, unused and non-manifold parts are welcome.
+/// Triangles as three indices each into the vertices. Duplicate, unused and non-manifold parts are accepted.
 #[derive(Copy, Clone, Debug)]
 pub struct Mesh<'a> {
     /// Corners, in the body's unit.
@@ -109,7 +109,7 @@ impl Geometry for SphereSet<'_> {
         (0..self.spheres.len()).map(|index| [index as u32]).collect()
     }
 
-    /// The volume, but for a factor.
+    /// The volume, up to a constant factor.
     fn weight(_corners: &[Point], radius: f64) -> f64 {
         radius * radius * radius
     }

@@ -1,4 +1,4 @@
-//! Meshes of the shapes by which robots, and what stands around them, are often described.
+//! Meshes of simple shapes, which often describe robots and their surroundings.
 
 use super::geometry::Mesh;
 use crate::exact::power_of_two;
@@ -9,9 +9,9 @@ use core::fmt;
 
 /// A mesh that owns its vertices and triangles.
 ///
-/// All but [`OwnedMesh::point`] and [`OwnedMesh::segment`] are closed, with their triangles counterclockwise as seen from
-/// outside, and so may be [solid](crate::construct::Builder::solid). A sphere is a point with a radius, a capsule a segment with one
-/// ([`crate::scene::Body::with_radius`]).
+/// All but [`OwnedMesh::point`] and [`OwnedMesh::segment`] are closed, with triangles counterclockwise as seen from
+/// outside, and so may be [solid](crate::construct::Builder::solid). A sphere is a point with a radius, a capsule a
+/// segment with a radius ([`crate::scene::Body::with_radius`]).
 ///
 /// ```
 /// use simdop::{construct::{Builder, OwnedMesh}, hierarchy::Bvh, isa::Isa, node::Node16, pose::Pose, query::Query};
@@ -43,12 +43,12 @@ pub struct OwnedMesh {
 #[derive(Copy, Clone, PartialEq, Debug)]
 #[non_exhaustive]
 pub enum ShapeError {
-    /// A length is not above 0, or beyond [`MAX_COORDINATE`].
+    /// A length is not positive, or beyond [`MAX_COORDINATE`].
     Length {
         /// The value given.
         given: f64,
     },
-    /// A round shape would need more than [`OwnedMesh::MAX_SIDES`] sides to be as near to its circle.
+    /// A round shape would need more than [`OwnedMesh::MAX_SIDES`] sides to be within the error of its circle.
     Error {
         /// The value given.
         given: f64,
@@ -68,31 +68,31 @@ impl fmt::Display for ShapeError {
 
 impl core::error::Error for ShapeError {}
 
-/// More than what a few roundings do to a vertex, relatively.
+/// Relative allowance for the roundings of a vertex.
 const ROUNDING: f64 = power_of_two(-48);
 
 fn length(given: f64) -> Result<f64, ShapeError> {
-    // Not NaN, by how it is compared.
+    // The comparison is false for NaN.
     if given > 0.0 && given <= MAX_COORDINATE { Ok(given) } else { Err(ShapeError::Length { given }) }
 }
 
 impl OwnedMesh {
-    /// The most sides that a cylinder or a cone may have: enough for an error of 3e-7 of the radius.
+    /// The largest number of sides of a cylinder or a cone. It allows an error of 3e-7 of the radius.
     pub const MAX_SIDES: u32 = 4096;
 
-    /// To be built, or asked.
+    /// The mesh, borrowed.
     #[must_use]
     pub fn as_mesh(&self) -> Mesh<'_> {
         Mesh { vertices: &self.vertices, triangles: &self.triangles }
     }
 
-    /// The origin: with a radius, a sphere.
+    /// The origin. With a radius, it is a sphere.
     #[must_use]
     pub fn point() -> Self {
         Self { vertices: alloc::vec![[0.0; 3]], triangles: alloc::vec![[0; 3]] }
     }
 
-    /// So long, along z about the origin: with a radius, a capsule.
+    /// A segment of length `long` along z, centred at the origin. With a radius, it is a capsule.
     ///
     /// # Errors
     /// [`ShapeError::Length`].
@@ -104,7 +104,7 @@ impl OwnedMesh {
         })
     }
 
-    /// A box with sides so long, about the origin.
+    /// A cuboid with these side lengths, centred at the origin.
     ///
     /// # Errors
     /// [`ShapeError::Length`].
@@ -117,11 +117,10 @@ impl OwnedMesh {
         Ok(Self { vertices: (0..8).map(corner).collect(), triangles })
     }
 
-    /// A prism along z, about the origin, that holds the cylinder of this radius and height. No point of it is farther than
-    /// `error` from the cylinder: it is free only where the cylinder is.
+    /// A prism along z, centred at the origin, that contains the cylinder of this radius and height. No point of it is
+    /// farther than `error` from the cylinder.
     ///
-    /// # Errors
-    /// [`ShapeError::Length`]; [`ShapeError::Error`] if the error is not above 0, or too small.
+    /// [`ShapeError::Length`]; [`ShapeError::Error`] if the error is not positive, or too small.
     pub fn cylinder(radius: f64, height: f64, error: f64) -> Result<Self, ShapeError> {
         let (rim, half) = (rim(radius, error)?, 0.5 * length(height)?);
         let sides = rim.len() as u32;
@@ -136,8 +135,8 @@ impl OwnedMesh {
         Ok(Self { vertices, triangles })
     }
 
-    /// A pyramid about the z axis that holds the cone of this radius and height, whose tip is as far above the origin as its
-    /// base is below. No point of it is farther than `error` from the cone.
+    /// A pyramid around the z axis that contains the cone of this radius and height. The tip is as far above the origin
+    /// as the base is below. No point of it is farther than `error` from the cone.
     ///
     /// # Errors
     /// As [`OwnedMesh::cylinder`].
@@ -155,17 +154,17 @@ impl OwnedMesh {
     }
 }
 
-/// The corners of the regular polygon with the fewest sides that holds the circle and is within `error` of it.
+/// The corners of the regular polygon with the fewest sides that contains the circle and is within `error` of it.
 fn rim(radius: f64, error: f64) -> Result<Vec<[f64; 2]>, ShapeError> {
     let radius = length(radius)?;
-    // Of a polygon of n sides around a circle the corners are 1 / cos(pi / n) times the radius away.
+    // The corners of a polygon of n sides around a circle are 1 / cos(pi / n) times the radius away.
     let outer = |sides: u32| radius * (1.0 + ROUNDING) / libm::cos(PI / f64::from(sides));
     let allowed = (radius + error) * (1.0 - ROUNDING);
     let fits = |sides: u32| outer(sides) <= allowed;
     if !(error > 0.0 && fits(OwnedMesh::MAX_SIDES)) {
         return Err(ShapeError::Error { given: error });
     }
-    // The corners come nearer with every side: the first number that fits, by halving.
+    // The distance falls with the number of sides: bisection finds the first number that fits.
     let (mut below, mut sides) = (2, OwnedMesh::MAX_SIDES);
     while sides - below > 1 {
         let middle = below.midpoint(sides);
@@ -183,7 +182,7 @@ fn rim(radius: f64, error: f64) -> Result<Vec<[f64; 2]>, ShapeError> {
 mod tests {
     use super::*;
 
-    /// Of the origin from the side: its foot is the middle.
+    /// Distance of the origin from an edge: the foot is its middle.
     fn edge(p: &[f64; 2], q: &[f64; 2]) -> f64 {
         (0.5 * (p[0] + q[0])).hypot(0.5 * (p[1] + q[1]))
     }
@@ -199,14 +198,14 @@ mod tests {
                     assert!(edge(p, q) >= radius, "{radius} {relative}: {}", edge(p, q));
                     assert!(p[0].hypot(p[1]) <= radius + error, "{radius} {relative}");
                 }
-                // One side fewer would not do.
+                // One side fewer does not suffice.
                 let fewer = rim.len() - 1;
                 assert!(fewer < 3 || radius / (PI / fewer as f64).cos() > (radius + error) * (1.0 - 1e-12));
             }
         }
     }
 
-    /// The volume by tetrahedra from the origin: positive, so the triangles are seen from outside.
+    /// The volume by tetrahedra from the origin: positive, so the triangles are counterclockwise from outside.
     fn volume(mesh: &OwnedMesh) -> f64 {
         let corner = |v: u32| glam::DVec3::from_array(mesh.vertices[v as usize]);
         mesh.triangles.iter().map(|t| corner(t[0]).dot(corner(t[1]).cross(corner(t[2]))) / 6.0).sum()

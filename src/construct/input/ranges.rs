@@ -5,7 +5,7 @@ use crate::node::Child;
 use crate::primitive::{Primitive, Sphere};
 use crate::range::MAX_COORDINATE;
 
-/// Whether vertices are in the range, and not too many.
+/// Checks the range and the number of vertices.
 pub(in crate::construct) fn check_vertices<P: Primitive>(vertices: &[P::Double]) -> Result<(), BuildError> {
     if u32::try_from(vertices.len()).is_err() {
         return Err(BuildError::TooLarge { count: vertices.len() });
@@ -23,7 +23,7 @@ pub(in crate::construct) fn check_vertices<P: Primitive>(vertices: &[P::Double])
     Ok(())
 }
 
-/// Whether records are not too many, and name no vertex but the first `vertices`.
+/// Checks that the records are not too many and refer to the first `vertices` vertices only.
 pub(in crate::construct) fn check_records<R: AsRef<[u32]>>(
     records: &[R],
     vertices: usize,
