@@ -376,7 +376,7 @@ fn uses(code: &str, accepts: impl Fn(&str) -> bool) -> Vec<(usize, usize)> {
     places_of(code, "use").filter_map(statement).collect()
 }
 
-/// Imports between the files and folders of one folder that lead back to where they begin, each as `folder: from -> to`. What the
+/// Imports between the files and folders of one folder that are part of a circle, each as `folder: from -> to`. What the
 /// folder's own file defines, beside re-exports, counts as a file `mod`.
 fn circular_imports(files: &[(String, String)]) -> Vec<String> {
     let is_read = |path: &str| !is_root(path) && !path.ends_with("tests.rs") && !path.contains("/tests/");
@@ -506,7 +506,7 @@ fn library_files_are_short() {
     assert_none(too_long);
 }
 
-/// Inside each folder, so that one can read its files from the lowest up.
+/// The files of a folder can be read one after the other, from the lowest up.
 #[test]
 fn files_do_not_import_in_circles() {
     for crate_root in ["src", "cli/src"] {

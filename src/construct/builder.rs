@@ -122,7 +122,7 @@ impl Builder {
         Self { is_solid: true, ..self }
     }
 
-    /// Builds the hierarchy of a mesh. `N` determines k and arity.
+    /// Builds the hierarchy of a mesh, with k = 18 and arity 16. [`Builder::build_as`] builds other node types.
     ///
     /// Coordinates keep their values, and are stored as `f32` where that is exact; those below
     /// [`crate::range::MIN_COORDINATE`] become zero. Degenerate triangles are kept and counted.

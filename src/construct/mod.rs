@@ -1,8 +1,8 @@
-//! Construction: a splitter assigns primitives to lanes, level by level; then the nodes are wrapped and
-//! baked.
+//! Construction: a splitter assigns primitives to lanes, level by level; then the planes of the nodes are computed, and
+//! the bytes are assembled.
 //!
-//! Splitters return an [`Assignment`] and nothing else. Planes, links, bytes and their order are made in one place,
-//! `bake`, so two splitters, or two machines, with equal assignments make equal bytes.
+//! Splitters return only an [`Assignment`]. Planes, links, bytes and their order are made in one place, `bake`, so
+//! splitters or machines with equal assignments make equal bytes.
 
 mod any;
 mod bake;

@@ -12,24 +12,22 @@ use crate::hierarchy::Bvh;
 use crate::node::Dop;
 use core::ops::ControlFlow;
 
-/// What [`Builder::build_on`] does where the device fails.
+/// What [`Builder::build_on`] does if the device fails.
 #[derive(Copy, Clone, PartialEq, Eq, Debug)]
 pub enum Otherwise {
-    /// It returns the device's error.
+    /// Return the error of the device.
     Fail,
-    /// It builds the tree on the CPU: the same one, later. Errors of the mesh, and cancellation, stay errors.
+    /// Build the same tree on the CPU. Errors of the mesh, and cancellation, are still returned.
     Scalar,
 }
 
 impl Builder {
-    /// [`Builder::build_with`] on a device: the same bytes. The splitter must be
-    /// [`Splitter::BatchNeuralGas`].
+    /// [`Builder::build_with`] on a device, with the same bytes. The splitter must be [`Splitter::BatchNeuralGas`].
     ///
-    /// `observer` is called after each level of the tree; if the device fails and the CPU is to build the
-    /// tree, it begins anew.
+    /// `observer` is called after each level of the tree, and from the start again if the device fails and the CPU
+    /// builds the tree.
     ///
-    /// # Errors
-    /// [`GpuError`]; with [`Otherwise::Scalar`] [`GpuError::Build`] and [`GpuError::Splitter`] only.
+    /// [`GpuError`]; with [`Otherwise::Scalar`] only [`GpuError::Build`] and [`GpuError::Splitter`].
     pub fn build_on<N: Dop>(
         &self,
         gpu: &Gpu,
@@ -40,7 +38,7 @@ impl Builder {
         self.build_geometry_on(gpu, otherwise, mesh, observer)
     }
 
-    /// [`Builder::build_on`] of any primitives, such as the spheres of a packing.
+    /// [`Builder::build_on`] for any primitives, such as the spheres of a packing.
     ///
     /// # Errors
     /// As [`Builder::build_on`].

@@ -1,4 +1,4 @@
-//! What the host tells the device about a level.
+//! The nodes and chunks of a level, for the device.
 
 use super::chunks::{BALANCED_SIZE, MAX_CHUNKS, MIN_CHUNK};
 use super::memory::{self, Chunk, NodeData};
@@ -12,7 +12,7 @@ pub(super) struct Jobs {
     pub(super) level: memory::LevelData,
     pub(super) nodes: Vec<NodeData>,
     pub(super) chunks: Vec<Chunk>,
-    /// Of the nodes in their level.
+    /// Indices of the nodes in their level.
     pub(super) numbers: Vec<usize>,
 }
 

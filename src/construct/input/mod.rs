@@ -1,4 +1,4 @@
-//! What can be built: meshes and other geometries, and the checks that they pass first.
+//! Input of a build: meshes and other geometries, and their validation.
 
 mod checked;
 mod closed;

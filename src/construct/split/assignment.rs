@@ -4,22 +4,22 @@ use crate::construct::error::BuildError;
 use alloc::collections::VecDeque;
 use alloc::vec::Vec;
 
-/// Which primitive goes into which lane of which node: the shape of a tree, without a plane in it.
+/// Assigns primitives to lanes of nodes: the shape of a tree, without planes.
 ///
-/// Nodes are in breadth-first order. A node stands for a range of `order`; its lanes are consecutive parts of
-/// that range. A part of at most `leaf_size` primitives is a leaf; a longer one is the next node that no
-/// earlier part has taken. The root stands for all primitives; where there are none, there is no node.
+/// Nodes are in breadth-first order. A node represents a range of `order`; its lanes are consecutive parts of that
+/// range. A part of at most `leaf_size` primitives is a leaf; any longer part is the next node, in order. The root
+/// represents all primitives; without primitives there is no node.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct Assignment {
     /// The primitives, each once.
     pub order: Vec<u32>,
-    /// `arity` numbers a node: where each lane's part of `order` ends. The first begins where the node's
-    /// range does. Parts may be empty: unused lanes. No part longer than a leaf is the whole of its range.
+    /// `arity` numbers per node: the end of each lane's part of `order`. The first part begins where the node's range
+    /// does. Parts may be empty, which leaves lanes unused. No part longer than a leaf is the whole range.
     pub ends: Vec<u32>,
 }
 
 impl Assignment {
-    /// What is wrong with it, if anything, as the shape of a tree over so many primitives.
+    /// Checks that it is the shape of a tree over this many primitives.
     pub(in crate::construct) fn check(
         &self,
         primitives: usize,

@@ -13,15 +13,15 @@ use crate::range::Point;
 use alloc::vec::Vec;
 use core::ops::ControlFlow;
 
-/// What a splitter reads.
+/// The input of a splitter.
 pub(in crate::construct) struct Items {
     boxes: Vec<Aabb>,
-    /// `None`: all weigh the same.
+    /// `None` if all are equal.
     pub(in crate::construct) weights: Option<Vec<f64>>,
 }
 
 impl Items {
-    /// Weights only if this splitter reads them.
+    /// Computes weights only if this splitter uses them.
     pub(in crate::construct) fn new<G: Geometry>(
         table: &Checked<'_, G::Primitive>,
         splitter: Splitter,
@@ -65,7 +65,7 @@ impl Items {
     }
 }
 
-/// The shape of a tree of sixteen lanes over points, each of which is a primitive.
+/// The shape of a tree with sixteen lanes over points, each of which is a primitive.
 pub(crate) fn assign_points(
     points: &[[f32; 3]],
     splitter: Splitter,

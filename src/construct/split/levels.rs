@@ -1,5 +1,5 @@
-//! What all splitters by levels share: all nodes of a level are cut, each on its own, then their parts that
-//! are no leaves are the next level. So nodes come out breadth-first, and a level is one parallel step.
+//! Splitting level by level: all nodes of a level are cut independently, then those parts that are not leaves form the
+//! next level. So nodes are in breadth-first order, and a level is one parallel step.
 
 use super::progress::{Observer, Progress};
 use crate::construct::error::BuildError;
@@ -7,12 +7,12 @@ use crate::parallel;
 use alloc::vec::Vec;
 use core::ops::Range;
 
-/// Where a node is in its tree.
+/// The position of a node in its tree.
 #[derive(Copy, Clone, Debug)]
 pub(in crate::construct) struct Place {
-    /// Among all nodes, breadth-first.
+    /// Index in breadth-first order.
     pub(in crate::construct) node: usize,
-    /// Levels from here to the deepest node that a tree may have, this one included.
+    /// Number of levels from here to the maximum depth of a tree, this one included.
     pub(in crate::construct) levels_left: usize,
 }
 
@@ -26,19 +26,18 @@ struct Job<'a, T> {
 
 /// All nodes of one level.
 pub(in crate::construct) struct Level<'a> {
-    /// The items that each stands for.
+    /// The range of items of each node.
     pub(in crate::construct) nodes: &'a [Range<usize>],
-    /// Number of the first, breadth-first.
+    /// Index of the first node in breadth-first order.
     pub(in crate::construct) first: usize,
     /// As in [`Place`].
     pub(in crate::construct) levels_left: usize,
 }
 
-/// Moves `items` into the order of the leaves and returns where the parts end, as [`super::Assignment`] wants
-/// them.
+/// Moves `items` into leaf order and returns the ends of the parts, as in [`super::Assignment`].
 ///
-/// `cut(scratch, place, items, ends)` moves the items of one node so that the parts of its lanes are
-/// consecutive, and writes where each ends, from the node's first item.
+/// `cut(scratch, place, items, ends)` moves the items of one node so that the parts of its lanes are consecutive, and
+/// writes the ends of the parts, counted from the node's first item.
 pub(in crate::construct) fn split<T: Send, S: Default>(
     items: &mut [T],
     arity: usize,
@@ -66,8 +65,8 @@ pub(in crate::construct) fn split<T: Send, S: Default>(
     by_level(total, arity, leaf_size, observer, cut_level)
 }
 
-/// Where the parts of a tree over `total` items end. `cut(level, ends)` cuts all nodes of a level, and writes
-/// where their parts end, from the first item of all.
+/// The ends of the parts of a tree over `total` items. `cut(level, ends)` cuts all nodes of a level, and writes the
+/// ends of their parts, counted from the first of all items.
 pub(in crate::construct) fn by_level<E: From<BuildError>>(
     total: usize,
     arity: usize,

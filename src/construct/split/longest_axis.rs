@@ -9,8 +9,8 @@ use crate::halving::{Halving, Located};
 use crate::range::Point;
 use alloc::vec::Vec;
 
-/// A primitive, as far as these splitters see it. Moved as a whole: an index to look it up by would miss the
-/// cache at each step.
+/// The data of a primitive that these splitters use. Moved as a whole: looking it up by index would miss the cache at
+/// every step.
 #[derive(Copy, Clone, Debug)]
 pub(super) struct Item {
     pub(super) centroid: Point,
@@ -52,7 +52,7 @@ mod tests {
         assign(centroids, halving, &mut |_| ControlFlow::Continue(())).unwrap()
     }
 
-    /// Along a line every cut is by the same order: by place, and by index in one place.
+    /// Along a line, every cut uses the same order: by place, and by index at equal places.
     #[test]
     fn ties_go_by_index() {
         let place = |i: usize| (i * 7919 % 3001 % 20) as f64;

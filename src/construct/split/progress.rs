@@ -1,15 +1,15 @@
-//! How far a build is.
+//! Progress of a build.
 
 use core::ops::ControlFlow;
 
-/// What the observer of [`crate::construct::Builder::build_with`] is told after each level of the tree.
+/// Passed to the observer of [`crate::construct::Builder::build_with`] after each level of the tree.
 #[derive(Copy, Clone, PartialEq, Eq, Debug)]
 pub struct Progress {
-    /// Primitives that are in their leaves.
+    /// Number of primitives in leaves so far.
     pub placed: usize,
-    /// All primitives.
+    /// Number of all primitives.
     pub total: usize,
 }
 
-/// Answers `Break` to stop the build.
+/// Returns `Break` to stop the build.
 pub(in crate::construct) type Observer<'a> = dyn FnMut(Progress) -> ControlFlow<()> + 'a;

@@ -1,39 +1,37 @@
-//! The splitters to choose from.
+//! The choice of a splitter.
 
 /// How primitives are assigned to the lanes of a node (SIMDop paper, section IV-A).
 #[derive(Copy, Clone, PartialEq, Eq, Default, Debug)]
 #[non_exhaustive]
 pub enum Splitter {
-    /// Sort along the longest axis and cut into equal parts.
+    /// Sort along the longest axis and divide into equal parts.
     LongestAxis,
-    /// Halve along the longest axis, then each half along its own, until there is a part for each lane.
+    /// Halve along the longest axis, then each half along its own longest axis, until there is a part for each lane.
     ExtendedLongestAxis,
-    /// Cut where the sum of box area x primitives per lane is least: the surface area heuristic, without the
-    /// detour over a binary tree.
+    /// Cut where the sum of box area x primitives per lane is least: the surface area heuristic, without an
+    /// intermediate binary tree.
     SurfaceArea,
-    /// Cut where the sum of the cube of the box's mean width x primitives per lane is least, then exchange
-    /// primitives between lanes as long as that sum falls, and look at the outermost lanes first. The
-    /// fewest visits.
+    /// Cut where the sum of the cube of the box's mean width x primitives per lane is least, then exchange primitives
+    /// between lanes while that sum falls. Queries visit the outermost lanes first. The fewest visits.
     #[default]
     MeanWidth,
-    /// Cluster with Batch Neural Gas, one prototype for each lane (BNG paper, section 3): the slowest to
-    /// build.
+    /// Cluster with Batch Neural Gas, one prototype per lane (BNG paper, section 3). The slowest build.
     BatchNeuralGas {
-        /// What draws prototypes besides the number of primitives.
+        /// The weight of a primitive.
         magnification: Magnification,
-        /// Decides where prototypes start, and nothing else.
+        /// Seed of the initial prototypes.
         seed: u32,
     },
 }
 
-/// What a primitive weighs in a cluster: magnification control (BNG paper, section 3.1.1).
+/// The weight of a primitive in clustering: magnification control (BNG paper, section 3.1.1).
 #[derive(Copy, Clone, PartialEq, Eq, Default, Debug)]
 #[non_exhaustive]
 pub enum Magnification {
-    /// Each primitive counts once, as in the SIMDop paper.
+    /// All weights are equal, as in the SIMDop paper.
     #[default]
     None,
-    /// A primitive weighs as much as it is large, a triangle its area, a sphere its volume, so that large ones are
-    /// not outliers and come high up in the tree.
+    /// The weight of a triangle is its area, that of a sphere its volume. Large primitives are then no outliers, and
+    /// end up high in the tree.
     Area,
 }

@@ -1,4 +1,4 @@
-//! Boxes, and what a box is expected to cost.
+//! Boxes and their expected cost.
 
 use crate::range::Point;
 
@@ -10,7 +10,7 @@ pub(in crate::construct) struct Aabb {
 }
 
 impl Aabb {
-    /// The box of nothing: joins as the neutral element, has no measure.
+    /// The empty box: the neutral element of joins, without a measure.
     pub(in crate::construct) const EMPTY: Self =
         Self { low: [f64::INFINITY; 3], high: [f64::NEG_INFINITY; 3] };
 
@@ -19,8 +19,8 @@ impl Aabb {
         Self { low, high }
     }
 
-    /// The box of both. Minima and maxima do not depend on the order in which boxes are joined: no coordinate
-    /// is NaN or -0. Comparisons are one instruction where [`f64::min`], which looks for NaN, is four.
+    /// The box around both. Minima and maxima do not depend on the order of joins, since no coordinate is NaN or -0. A
+    /// comparison is one instruction; [`f64::min`], which handles NaN, is four.
     pub(in crate::construct) fn join(&self, other: &Self) -> Self {
         Self {
             low: core::array::from_fn(
@@ -45,21 +45,22 @@ impl Aabb {
     }
 }
 
-/// How often a box is expected to meet what it is tested against, up to a factor.
+/// How often a box is expected to meet another body, up to a constant factor.
 #[derive(Copy, Clone, PartialEq, Eq, Debug)]
 pub(in crate::construct) enum Measure {
-    /// The area: a ray's chance to meet a convex body (the surface area heuristic, Goldsmith & Salmon 1987).
+    /// The area: proportional to the probability that a ray meets a convex body (the surface area heuristic, Goldsmith
+    /// & Salmon 1987).
     Area,
-    /// The cube of the mean width: a bound of the chance to meet another body of its kind. By Blaschke's
-    /// kinematic formula, motions that let two convex bodies meet have the measure `8 pi^2 (V + V') + 2
-    /// pi (S M' + M S')`, with volume, area, and `M = 2 pi` times the mean width. For two alike that is
-    /// of the third degree in their size, and by the isoperimetric inequalities no more than a multiple
-    /// of `M^3`, which unlike `S M` also tells long segments from short ones.
+    /// The cube of the mean width: a bound of the probability to meet another body of its kind. By Blaschke's kinematic
+    /// formula, the motions at which two convex bodies meet have the measure `8 pi^2 (V + V') + 2 pi (S M' + M S')`,
+    /// with volume, area, and `M = 2 pi` times the mean width. For two equal bodies that is of degree three in their
+    /// size, and by the isoperimetric inequalities at most a multiple of `M^3`, which unlike `S M` also distinguishes
+    /// long segments from short ones.
     MeanWidth,
 }
 
 impl Measure {
-    /// The measure of a box that is not empty. Finite: coordinates are below 2^300.
+    /// The measure of a non-empty box. Finite: coordinates are below 2^300.
     pub(super) fn of(self, bounds: &Aabb) -> f64 {
         let [x, y, z] = bounds.widths();
         match self {

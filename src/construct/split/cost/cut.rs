@@ -1,49 +1,49 @@
-//! One cut in two: the direction and the number of primitives that cost least.
+//! One cut: the direction and the number of primitives with the least cost.
 
 use super::aabb::{Aabb, Measure};
 use super::plan::Primitives;
 use crate::range::Point;
 use alloc::vec::Vec;
 
-/// More primitives than this are counted in bins (Wald 2007), fewer are sorted and every cut is tried.
+/// Larger sets are counted in bins (Wald 2007); smaller ones are sorted, and every cut is tried.
 const MAX_SORTED: usize = 256;
 const BINS: usize = 64;
 
-/// How many primitives go to the first side, and how many lanes each side gets.
+/// The number of primitives on the first side, and the number of lanes for each side.
 #[derive(Copy, Clone, PartialEq, Eq, Debug)]
 pub(super) struct Share {
     pub(super) count: usize,
     pub(super) lanes: [usize; 2],
 }
 
-/// The shares to choose from.
+/// The admissible shares.
 pub(super) trait Shares {
-    /// The share with `count` primitives on the first side, if it is one to choose.
+    /// The share with `count` primitives on the first side, if it is admissible.
     fn exactly(&self, count: usize) -> Option<Share>;
-    /// The shares with about `count` primitives on the first side.
+    /// The admissible shares with about `count` primitives on the first side.
     fn near(&self, count: usize) -> impl Iterator<Item = Share>;
 }
 
-/// A share of primitives by their order along a direction; ties go by index.
+/// A share of primitives by their order along a direction; ties are broken by index.
 #[derive(Copy, Clone, Debug)]
 pub(super) struct Cut {
     direction: Point,
     pub(super) share: Share,
 }
 
-/// The best cut so far and its cost.
+/// The best cut so far, and its cost.
 #[derive(Copy, Clone, Debug)]
 struct BestCut {
     cost: f64,
     cut: Option<Cut>,
 }
 
-/// Memory of a [`CutFinder`], for the next one.
+/// Memory of a [`CutFinder`], reused by the next one.
 #[derive(Default, Debug)]
 pub(super) struct Buffers {
-    /// Place along a direction, as a number that sorts like it, and index.
+    /// Place along a direction, as an integer with the same order, and index.
     keys: Vec<(i64, u32)>,
-    /// Measure of all from a place on.
+    /// Measure of all items from a place on.
     behind: Vec<f64>,
 }
 
@@ -60,7 +60,7 @@ impl<'a> CutFinder<'a> {
         Self { primitives, measure, buffers }
     }
 
-    /// The cut that costs least, the first of equals, if it costs less than `limit`: a side costs its measure
+    /// The cut with the least cost, the first of equals, if it is below `limit`. The cost of a side is its measure
     /// times its primitives per lane.
     pub(super) fn best(
         &mut self,
@@ -89,7 +89,7 @@ impl<'a> CutFinder<'a> {
         items.iter().fold(Aabb::EMPTY, |b, &i| b.join(&self.primitives.boxes[i as usize]))
     }
 
-    /// What a lane with so many primitives costs.
+    /// The cost of a lane with `count` primitives.
     pub(super) fn lane_cost(&self, bounds: &Aabb, count: usize) -> f64 {
         self.measure.of(bounds) * count as f64
     }
@@ -99,7 +99,8 @@ impl<'a> CutFinder<'a> {
         (direction[0] * p[0] + direction[1] * p[1]) + direction[2] * p[2]
     }
 
-    /// Where an item lies along a direction, as a number that sorts as [`f64::total_cmp`] does, and faster.
+    /// The place of an item along a direction, as an integer with the order of [`f64::total_cmp`], which is faster to
+    /// compare.
     fn place(&self, direction: Point, item: u32) -> i64 {
         let bits = self.along(direction, item).to_bits() as i64;
         bits ^ ((bits >> 63) & i64::MAX)
@@ -130,8 +131,8 @@ impl<'a> CutFinder<'a> {
         self.buffers.keys = keys;
     }
 
-    /// Cuts between bins. The share nearest to a border may be some primitives away from it: at more than
-    /// [`MAX_SORTED`] of them that is no matter.
+    /// Tries cuts between bins. The share nearest to a border may be some primitives away from it, which does not
+    /// matter for more than [`MAX_SORTED`] primitives.
     fn try_bins(&self, items: &[u32], direction: Point, shares: &impl Shares, best: &mut BestCut) {
         let places = || items.iter().map(|&i| self.along(direction, i));
         let (low, high) =

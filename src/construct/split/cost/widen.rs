@@ -1,4 +1,4 @@
-//! One cut after the other, until there is a part for each lane.
+//! Cuts a node repeatedly, until there is a part for each lane.
 
 use super::cut::{Buffers, CutFinder, Share, Shares};
 use super::plan::{AXES, Plan, Primitives};
@@ -20,7 +20,7 @@ pub(in crate::construct) fn assign(
     assign_within(primitives, plan, MAX_DEPTH, observer)
 }
 
-/// At most `max_depth` levels of nodes, which must be enough for a balanced tree.
+/// At most `max_depth` levels of nodes, which must suffice for a balanced tree.
 fn assign_within(
     primitives: Primitives<'_>,
     plan: Plan,
@@ -38,7 +38,7 @@ fn assign_within(
         let mut start = 0;
         for end in lanes.into_iter().map(|end| end as usize) {
             if end - start <= plan.leaf_size {
-                // A leaf is a set: its order must not depend on how a selection algorithm moves things.
+                // A leaf is a set: its order must not depend on the selection algorithm.
                 items[start..end].sort_unstable();
             }
             start = end;
@@ -67,8 +67,8 @@ impl Shares for LaneShares {
         if leaves <= lanes {
             return Some(Share { count, lanes: [left, lanes - left] });
         }
-        // Full nodes turn one leaf into `arity`, so the leaves below l lanes are l + (arity - 1) m. That
-        // leaves one l.
+        // Each full node turns one leaf into `arity`, so l lanes have l + (arity - 1) m leaves below them. Only one l
+        // is possible.
         let left_lanes = (left - 1) % step + 1;
         if left_lanes >= lanes || leaves - left < lanes - left_lanes {
             return None;
@@ -98,16 +98,15 @@ struct Widener<'a> {
 }
 
 impl Widener<'_> {
-    /// Puts where the lanes of a node end into `ends`, counted from its first item. Below it there may be
-    /// `levels` levels.
+    /// Writes the ends of a node's lanes to `ends`, counted from its first item. At most `levels` levels may follow
+    /// below it.
     fn node(&mut self, items: &mut [u32], levels: usize, ends: &mut Vec<u32>) {
         let Plan { arity, leaf_size, passes, .. } = self.plan;
         self.cut(items, 0, arity, ends);
         if passes > 0 && (items.len() > arity || leaf_size > 1) {
             refine(&mut self.finder, self.plan, items, ends);
         }
-        // What a full tree of so many levels holds: no more than that, and halving, if nothing else, gets it
-        // in.
+        // The capacity of a full tree of this many levels. If a part exceeds it, halving is used, which always fits.
         let capacity = leaf_size.saturating_mul(arity.saturating_pow(levels as u32));
         let starts = core::iter::once(0).chain(ends.iter().map(|&end| end as usize));
         if starts.zip(&*ends).any(|(start, &end)| end as usize - start > capacity) {
@@ -116,8 +115,7 @@ impl Widener<'_> {
         }
     }
 
-    /// Appends where `lanes` parts of `items` end, counted from `start`. Calls itself once for every lane at
-    /// most.
+    /// Appends the ends of `lanes` parts of `items`, counted from `start`. Recurses at most once per lane.
     fn cut(&mut self, items: &mut [u32], start: usize, lanes: usize, ends: &mut Vec<u32>) {
         let Plan { arity, leaf_size, .. } = self.plan;
         let total = items.len();
@@ -126,14 +124,14 @@ impl Widener<'_> {
             return;
         }
         if leaf_size == 1 && total <= lanes {
-            // A leaf each: there is nothing to choose.
+            // One primitive per lane: there is no choice.
             items.sort_unstable();
             ends.extend((1..=lanes).map(|lane| (start + lane.min(total)) as u32));
             return;
         }
         let shares = LaneShares { total, lanes, leaf_size, arity };
         let Some(cut) = self.finder.best(items, &AXES, &shares, f64::INFINITY) else {
-            // All in one place: no bin differs from another.
+            // All are in one place: no bin differs from another.
             return self.halve(items, start, lanes, ends);
         };
         self.finder.apply(items, &cut);
@@ -162,8 +160,8 @@ mod tests {
     use crate::range::Point;
     use core::ops::ControlFlow;
 
-    /// Boxes twice as far out and twice as large each as the last: whatever is cut off first, most of the
-    /// rest is in one place.
+    /// Each box twice as far out and twice as large as the last: whatever is cut off first, most of the rest is in one
+    /// place.
     fn growing(n: usize) -> Vec<Aabb> {
         let at =
             |i: usize| (0..i % 900).fold(1.0, |x: f64, _| 2.0 * x) * f64::from_bits(0x3d30_0000_0000_0000);

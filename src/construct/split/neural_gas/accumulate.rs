@@ -1,4 +1,4 @@
-//! The step that takes the time: distances, ranks, sums.
+//! The most expensive step: distances, ranks, sums.
 
 use super::prototypes::Prototypes;
 use super::samples::{BLOCK, Block, Cluster};
@@ -8,10 +8,10 @@ use crate::parallel;
 use alloc::vec::Vec;
 use core::ops::Range;
 
-/// Blocks for one thread: some 0.2 ms.
+/// Blocks per thread: about 0.2 ms.
 const TASK: usize = 512;
 
-/// Blocks whose sums for unit weights fit in 32 bits: 32 * 4095 * 32767 < 2^32.
+/// Number of blocks whose sums for unit weights fit in 32 bits: 32 * 4095 * 32767 < 2^32.
 const GROUP: usize = 32;
 
 /// Distances, ranks and sums over a whole node.
@@ -75,10 +75,10 @@ pub(in crate::construct) fn distances<const N: usize>(
     distances
 }
 
-/// How many prototypes are nearer, the one with the lower index if two are equally near.
+/// The number of prototypes that are nearer. Of equally near ones the lower index counts as nearer.
 #[inline]
 fn ranks<const N: usize>(distances: &PerLane<u32, N>) -> PerLane<u32, N> {
-    // Each starts behind all that follow it, and overtakes those that are farther.
+    // Each starts behind all that follow it, and advances past those that are farther.
     let mut ranks: PerLane<u32, N> = core::array::from_fn(|lane| [(N - 1 - lane) as u32; BLOCK]);
     for lane in 1..N {
         let mut own = ranks[lane];
@@ -94,7 +94,7 @@ fn ranks<const N: usize>(distances: &PerLane<u32, N>) -> PerLane<u32, N> {
     ranks
 }
 
-/// h of each rank; 0 for padding, which pulls nothing.
+/// h of each rank; 0 for padding, which must not contribute.
 #[inline]
 fn pulls<const N: usize>(block: &Block<'_>, prototypes: &Prototypes<N>, h: &[u16; N]) -> PerLane<u16, N> {
     let ranks = ranks(&distances(block, prototypes));
@@ -127,7 +127,7 @@ fn add_group<const N: usize>(
             for i in 0..BLOCK {
                 sums[0][i] += u32::from(pulls[i]);
                 for axis in 0..3 {
-                    // 12 bits times 15, both without a sign in 16.
+                    // Unsigned factors of 12 and 15 bits, both within 16.
                     sums[1 + axis][i] += u32::from(pulls[i]) * u32::from(block.coordinates[axis][i]);
                 }
             }
@@ -174,7 +174,7 @@ fn nearest_of<const N: usize>(block: &Block<'_>, prototypes: &Prototypes<N>) -> 
     lanes
 }
 
-/// Once h(1) is 0, only the nearest prototype is pulled: the sums of [`add_weighted`] without ranks.
+/// If h(1) is 0, only the nearest prototype is pulled: the sums of [`add_weighted`] without ranks.
 fn add_nearest<const N: usize>(block: &Block<'_>, prototypes: &Prototypes<N>, sums: &mut Sums<N>) {
     let lanes = nearest_of(block, prototypes);
     for i in 0..block.len {
@@ -184,7 +184,7 @@ fn add_nearest<const N: usize>(block: &Block<'_>, prototypes: &Prototypes<N>, su
     }
 }
 
-/// Assigns each primitive to its nearest prototype. The number of primitives of each.
+/// Assigns each primitive to its nearest prototype. Returns the number of primitives of each.
 pub(in crate::construct) fn nearest<const N: usize>(
     cluster: &Cluster,
     prototypes: &Prototypes<N>,
@@ -206,7 +206,7 @@ mod tests {
     use super::super::schedule::schedule;
     use super::*;
 
-    /// Numbers that any machine has.
+    /// A generator that is the same on every machine.
     fn random(state: &mut u32) -> u32 {
         *state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
         *state >> 8
@@ -219,7 +219,7 @@ mod tests {
         cluster
     }
 
-    /// The definition, in 128 bits, one primitive after the other.
+    /// The definition in 128 bits, one primitive at a time.
     fn by_definition<const N: usize>(
         cluster: &Cluster,
         prototypes: &Prototypes<N>,
@@ -279,9 +279,8 @@ mod tests {
         }
     }
 
-    /// Everything as large as it gets: primitives in the far corner, as heavy as can be, in as many blocks as
-    /// one sum of 32 bits takes; then 2^24 times the share of one primitive, as a tree of 16 M of them
-    /// would add up.
+    /// All values at their maximum: primitives in the far corner with maximal weights, in as many blocks as a 32-bit
+    /// sum takes; then 2^24 times the contribution of one primitive, as in a tree of 16 million.
     #[test]
     fn nothing_overflows_at_the_extremes() {
         const TOP: u64 = (1 << 15) - 1;

@@ -1,44 +1,44 @@
 //! Full nodes: clusters of sizes that leave no lane unused further down.
 //!
-//! A tree of arity w with m nodes, all full, has 1 + (w - 1) m leaves. So each lane gets room for a number of
-//! leaves of this form, near to what clustering gave it, and primitives move until every lane has room for
-//! its own: the assignment to the prototypes with the least sum of squared distances, found as a flow of
-//! least cost by successive shortest paths. A primitive that has to go makes room by moving a neighbour to
-//! the next lane, and so on; it does not jump across the node.
+//! A tree of arity w with m full nodes has 1 + (w - 1) m leaves. So each lane gets a capacity of this form, near its
+//! cluster's size, and primitives move until no lane exceeds its capacity. The result is the assignment to the
+//! prototypes with the least sum of squared distances, found as a minimum-cost flow by successive shortest paths. A
+//! primitive that must leave a lane makes room by moving a neighbour to the next lane, and so on, instead of jumping
+//! across the node.
 //!
-//! Without this, half of the nodes would be those of clusters that do not quite fit in their lane, with two
-//! lanes in use.
+//! Without balancing, half of the nodes would be those of clusters slightly larger than their lane, with two lanes in
+//! use.
 
 use super::accumulate::distances;
 use super::prototypes::Prototypes;
 use super::samples::Cluster;
 use alloc::vec::Vec;
 
-/// Larger nodes are as clustering leaves them: they have few unused lanes below them.
+/// Larger nodes are not balanced: they have few unused lanes below them.
 pub(in crate::construct) const MAX_SIZE: usize = 2048;
 
-/// Costs are squared distances in 26 bits: a path over 16 lanes fits in 31.
+/// Costs are squared distances, shifted to 26 bits: a path over 16 lanes fits in 31.
 pub(in crate::construct) const COST_SHIFT: u32 = 6;
 
-/// The cost of what is impossible: a path of these over 16 lanes still fits in 31 bits.
+/// The cost of an impossible move: a path of these over 16 lanes still fits in 31 bits.
 pub(in crate::construct) const NEVER: i32 = 1 << 26;
 
-/// The cheapest primitive to move from one lane to another, and what that costs.
+/// The cheapest primitive to move from one lane to another, and its cost.
 #[derive(Copy, Clone, Debug)]
 struct Move {
     cost: i32,
     primitive: u32,
 }
 
-/// Memory for balancing, kept from one node to the next.
+/// Memory for balancing, reused for the next node.
 #[derive(Default)]
 pub(in crate::construct) struct Balance<const N: usize> {
-    /// Of each primitive to each prototype.
+    /// The cost of each primitive at each prototype.
     costs: Vec<[i32; N]>,
 }
 
 impl<const N: usize> Balance<N> {
-    /// Moves primitives until no lane has more than it has room for.
+    /// Moves primitives until no lane exceeds its capacity.
     pub(in crate::construct) fn balance(
         &mut self,
         cluster: &Cluster,
@@ -59,8 +59,7 @@ impl<const N: usize> Balance<N> {
             let full = |lane: usize| sizes[lane] > room[lane];
             let (cost, from) = shortest_paths(&moves, full);
             let open = (0..N).filter(|&lane| sizes[lane] < room[lane]);
-            // There is more room than there are primitives, and any lane that is too full can give to any
-            // other.
+            // The total capacity exceeds the number of primitives, and any overfull lane can give to any other.
             let Some(end) = open.min_by_key(|&lane| cost[lane]) else { return };
             let mut lane = end;
             stale = 1 << end;
@@ -84,7 +83,7 @@ impl<const N: usize> Balance<N> {
         }
     }
 
-    /// Finds the cheapest moves out of the `stale` lanes again.
+    /// Recomputes the cheapest moves out of the `stale` lanes.
     fn renew(&self, moves: &mut [[Move; N]; N], stale: u32, lanes: &[u8]) {
         for lane in (0..N).filter(|lane| stale >> lane & 1 != 0) {
             moves[lane] = [Move { cost: NEVER, primitive: 0 }; N];
@@ -104,8 +103,8 @@ impl<const N: usize> Balance<N> {
     }
 }
 
-/// How many primitives each lane has room for. Each further node, which turns one leaf into N, goes to the
-/// lane that lacks most.
+/// The capacity of each lane. Each additional node, which turns one leaf into N, goes to the lane with the greatest
+/// lack.
 fn rooms<const N: usize>(sizes: &[u32; N], leaf_size: usize) -> [u32; N] {
     let leaf = leaf_size as u32;
     let count: u32 = sizes.iter().sum();
@@ -120,9 +119,9 @@ fn rooms<const N: usize>(sizes: &[u32; N], leaf_size: usize) -> [u32; N] {
     room
 }
 
-/// The cheapest ways from any of the lanes that are too `full` to each lane, and each lane's last giver:
-/// Bellman-Ford, for moves back towards a primitive's nearest prototype have a negative cost. There is no
-/// cycle of negative cost: each flow so far was the cheapest.
+/// The cheapest paths from any of the overfull lanes to each lane, and the last giver of each lane. Bellman-Ford, since
+/// moves back towards a primitive's nearest prototype have a negative cost. There is no cycle of negative cost, since
+/// each flow so far was the cheapest.
 fn shortest_paths<const N: usize>(
     moves: &[[Move; N]; N],
     full: impl Fn(usize) -> bool,
@@ -153,7 +152,7 @@ mod tests {
     use super::super::samples::Samples;
     use super::*;
 
-    /// Points of a cluster, from a generator that any machine has.
+    /// Points of a cluster, from a generator that is the same on every machine.
     fn points(count: usize, seed: u32) -> Vec<[f64; 3]> {
         let mut state = seed;
         let mut random = || {
@@ -167,7 +166,7 @@ mod tests {
         costs.iter().zip(lanes).map(|(costs, &lane)| costs[usize::from(lane)]).sum()
     }
 
-    /// The least cost over all 4^n assignments that leave no lane too full.
+    /// The least cost over all 4^n assignments that exceed no capacity.
     fn least_cost(costs: &[[i32; 4]], room: &[u32; 4]) -> i32 {
         let Some((first, rest)) = costs.split_first() else { return 0 };
         let take = |lane: usize| {

@@ -1,4 +1,4 @@
-//! One node after the other: clustering, or cuts by axes where that fails.
+//! Cuts one node at a time: by clustering, or by axes where that fails.
 
 use super::accumulate::{accumulate, nearest};
 use super::balance::{self, Balance};
@@ -13,8 +13,7 @@ use crate::construct::split::progress::Observer;
 use crate::halving::Halving;
 use alloc::vec::Vec;
 
-/// The shape of a tree over a samples. `halving` has the arity and leaf size, and cuts where clustering
-/// cannot.
+/// The shape of a tree over samples. `halving` has the arity and leaf size, and cuts nodes where clustering fails.
 pub(in crate::construct) fn assign(
     samples: &Samples<'_>,
     halving: &Halving,
@@ -37,7 +36,7 @@ pub(in crate::construct) struct Clusterer<'a, const N: usize> {
     pub(in crate::construct) schedule: Vec<[u16; N]>,
 }
 
-/// What a thread needs to cut nodes, kept from one to the next.
+/// The memory of a thread, reused for the next node.
 #[derive(Default)]
 struct Scratch<const N: usize> {
     cluster: Cluster,
@@ -62,7 +61,7 @@ impl<'a, const N: usize> Clusterer<'a, N> {
 
     fn cut(&self, scratch: &mut Scratch<N>, place: levels::Place, part: &mut [u32], ends: &mut [u32]) {
         if part.len() <= N {
-            // A lane for each.
+            // One primitive per lane.
             ends.iter_mut().zip(1..).for_each(|(end, i)| *end = (part.len() as u32).min(i));
         } else if self.is_too_deep(place.levels_left, part.len())
             || !self.cluster(scratch, place.node, part, ends)
@@ -71,7 +70,7 @@ impl<'a, const N: usize> Clusterer<'a, N> {
         }
     }
 
-    /// Clusters a node. Whether that led to anything.
+    /// Clusters a node. Returns whether it was split.
     fn cluster(&self, scratch: &mut Scratch<N>, node: usize, part: &mut [u32], ends: &mut [u32]) -> bool {
         let Scratch { cluster, balance, lanes, sorted } = scratch;
         if !cluster.local_coordinates(self.samples, part) {
@@ -97,13 +96,13 @@ impl<'a, const N: usize> Clusterer<'a, N> {
         part.iter_mut().zip(&items).for_each(|(index, item)| *index = item.index);
         let mut start = 0;
         for &end in &*ends {
-            // As after clustering: a part's order must not depend on how a selection algorithm moves things.
+            // As after clustering: the order of a part must not depend on the selection algorithm.
             part[start..end as usize].sort_unstable();
             start = end as usize;
         }
     }
 
-    /// Whether only balanced cuts keep a branch over `count` primitives within the levels that are left.
+    /// Whether only balanced cuts keep a branch over `count` primitives within the remaining levels.
     pub(in crate::construct) fn is_too_deep(&self, levels_left: usize, count: usize) -> bool {
         levels_left <= self.levels_needed(count) + 1
     }
@@ -132,7 +131,7 @@ pub(in crate::construct) fn settle<const N: usize>(
     }
 }
 
-/// Moves the primitives of each lane together, in the order they had, and writes where the lanes end.
+/// Stable sort of the primitives by lane; writes the ends of the lanes.
 pub(in crate::construct) fn sort_by_lane<const N: usize>(
     part: &mut [u32],
     lanes: &[u8],
@@ -160,7 +159,7 @@ pub(in crate::construct) fn sort_by_lane<const N: usize>(
 mod tests {
     use super::*;
 
-    /// Points twice as far out each as the last: a cluster is all that is near the middle.
+    /// Each point twice as far out as the last: one cluster is all points near the middle.
     #[test]
     fn a_node_with_no_level_to_spare_is_balanced() {
         const COUNT: u32 = 256;

@@ -1,4 +1,4 @@
-//! The numbers that every implementation of the steps shares.
+//! The constants that all implementations of the steps share.
 
 use super::{balance, samples, schedule};
 
@@ -9,7 +9,7 @@ pub(in crate::construct) struct ClusterLimits {
     pub(in crate::construct) weight_bits: u32,
     pub(in crate::construct) weight_sum_bits: u32,
     pub(in crate::construct) min_extent: u32,
-    /// Nodes of at most so many primitives are balanced.
+    /// Nodes of at most this many primitives are balanced.
     pub(in crate::construct) balanced_size: usize,
     pub(in crate::construct) cost_shift: u32,
     pub(in crate::construct) never: i32,

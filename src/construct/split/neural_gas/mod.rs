@@ -1,23 +1,22 @@
 //! Batch Neural Gas (BNG paper, sections 3.1 and 3.2; SIMDop paper, section IV-A 3), in integers.
 //!
-//! A node of n lanes gets n prototypes. At each step every primitive x ranks the prototypes by distance, k =
-//! 0 for the nearest, and each prototype moves to the mean of all primitives, weighted by h(k) v(x) with
-//! h(k) = exp(-k / lambda). lambda falls from n / 2 to 0.01: from everybody's mean to k-means. In the end a
-//! primitive goes to its nearest prototype, and each lane is a node again.
+//! A node of n lanes has n prototypes. At each step, every primitive x ranks the prototypes by distance, k = 0 for the
+//! nearest, and each prototype moves to the mean of all primitives, weighted by h(k) v(x) with h(k) = exp(-k / lambda).
+//! lambda falls from n / 2 to 0.01, from the mean of all to k-means. Finally each primitive is assigned to its nearest
+//! prototype, and each lane becomes a node.
 //!
 //! # The steps
 //!
-//! [`Samples::new`] (quantise) once a tree; for each node [`Cluster::local_coordinates`] and
-//! [`Prototypes::start`]; then, until nothing moves or the schedule ends, [`accumulate()`] (distances, ranks,
-//! sums) and [`Prototypes::update`]; then [`nearest`] (assign), [`Balance::balance`] and
-//! [`sort_by_lane`]. Nodes of a level share nothing: whoever runs each step for all nodes of a level at once,
-//! as a GPU does, gets the same tree as this code, which runs all steps of one node while its data are in the
-//! cache.
+//! [`Samples::new`] (quantise) once per tree; for each node [`Cluster::local_coordinates`] and [`Prototypes::start`];
+//! then, until nothing moves or the schedule ends, [`accumulate()`] (distances, ranks, sums) and
+//! [`Prototypes::update`]; then [`nearest`] (assign), [`Balance::balance`] and [`sort_by_lane`]. Nodes of a level are
+//! independent. Running each step for all nodes of a level at once, as a GPU does, gives the same tree as this code,
+//! which runs all steps of one node while its data are in the cache.
 //!
 //! # Number ranges
 //!
-//! Everything after quantisation is integer arithmetic, and sums of integers do not depend on their order:
-//! that is why the tree is the same from any number of threads and on any machine.
+//! After quantisation all arithmetic is on integers, whose sums do not depend on their order. So the tree is the same
+//! for any number of threads and on any machine.
 //!
 //! | quantity | range | type |
 //! |---|---|---|
@@ -25,20 +24,21 @@
 //! | local coordinate: position less the node's low corner, shifted | 0 ..= 2^15 - 1 | u16 |
 //! | squared distance | <= 3 (2^15 - 1)^2 < 2^32 | u32 |
 //! | h | 0 ..= 2^12 - 1 | u16 |
-//! | weight v in a node of c primitives | 1 ..= 2^min(13, 37 - b) - 1, c < 2^b; all 1 without magnification control | u16 |
+//! | weight v in a node of c < 2^b primitives; 1 without weights | 1 ..= 2^min(13, 37 - b) - 1 | u16 |
 //! | pull h v | < 2^25 | u32 |
 //! | sum of h v | c h v < 2^(37 + 12) = 2^49 | u64 |
 //! | sum of h v x, and half of the sum of h v for rounding | < 2^49 (2^15 - 1/2) < 2^64 | u64 |
-//! | cost of moving a primitive, in [`balance`]: difference of two squared distances / 2^6; a path of 15 of them | < 2^26; < 2^30, both signs | i32 |
+//! | cost of a move, in [`balance`]: difference of two squared distances / 2^6 | < 2^26, both signs | i32 |
+//! | path of 15 moves | < 2^30, both signs | i32 |
 //!
-//! So nothing overflows up to 2^24 primitives with 13-bit weights, nor, with as many bits fewer, up to the
-//! 2^27 that a tree may have. Weights are relative to the heaviest primitive of their node, and at least 1.
+//! Nothing overflows up to 2^24 primitives with 13-bit weights, or up to the 2^27 that a tree may have with
+//! correspondingly fewer bits. Weights are relative to the heaviest primitive of their node, and at least 1.
 //!
 //! # When clustering cannot
 //!
-//! A node is cut by the extended longest axis, in full precision, if it is so small that positions hardly
-//! tell its primitives apart, if one prototype takes everything, or if the branch is so unbalanced that it
-//! would become too deep. That always ends.
+//! A node is cut by the extended longest axis, in full precision, if it is so small that quantised positions hardly
+//! distinguish its primitives, if one prototype takes all primitives, or if the branch is so unbalanced that it would
+//! become too deep. This always terminates.
 
 mod accumulate;
 mod balance;
@@ -56,7 +56,7 @@ pub(in crate::construct) use clusterer::assign;
 #[cfg(feature = "gpu")]
 pub(in crate::construct) use limits::{ClusterLimits, LIMITS};
 pub(in crate::construct) use samples::Samples;
-/// What each kernel of a device is compared with.
+/// The reference for each kernel of a device.
 #[cfg(all(test, feature = "gpu"))]
 pub(in crate::construct) mod twins {
     pub(in crate::construct) use super::accumulate::{accumulate, nearest};

@@ -1,4 +1,4 @@
-//! Where the prototypes are.
+//! Positions of the prototypes.
 
 use super::sums::Sums;
 
@@ -8,7 +8,7 @@ pub(in crate::construct) struct Prototypes<const N: usize> {
 }
 
 impl<const N: usize> Prototypes<N> {
-    /// Anywhere in the node's box, as the seed and the node's number have it.
+    /// Pseudo-random positions in the node's box, from the seed and the node's number.
     pub(in crate::construct) fn start(extent: [u16; 3], seed: u32, node: u32) -> Self {
         let at = |axis: usize, lane: usize| {
             let number = (node.wrapping_mul(N as u32).wrapping_add(lane as u32)).wrapping_mul(3);
@@ -18,8 +18,8 @@ impl<const N: usize> Prototypes<N> {
         Self { coordinates: core::array::from_fn(|axis| core::array::from_fn(|lane| at(axis, lane))) }
     }
 
-    /// Moves each prototype to its mean, rounded half up; one that nothing pulls stays. Whether any moved:
-    /// one step of a coordinate is more than 1e-5 of the node's box, the paper's threshold.
+    /// Moves each prototype to its mean, rounded half up; one without contributions stays. Returns whether any moved:
+    /// one step of a coordinate is more than 1e-5 of the node's box, the threshold of the paper.
     pub(in crate::construct) fn update(&mut self, sums: &Sums<N>) -> bool {
         let mut moved = false;
         for (coordinates, moments) in self.coordinates.iter_mut().zip(&sums.moments) {
@@ -35,8 +35,8 @@ impl<const N: usize> Prototypes<N> {
     }
 }
 
-/// The finaliser of `MurmurHash3` (Appleby): every bit of the number changes every bit of the result with
-/// probability 1/2.
+/// The finaliser of `MurmurHash3` (Appleby): every bit of the input changes every bit of the result with probability
+/// 1/2.
 fn scramble(number: u32) -> u32 {
     let mut x = number;
     x = (x ^ x >> 16).wrapping_mul(0x85eb_ca6b);

@@ -1,4 +1,4 @@
-//! Quantised points: of the whole tree, and of one node.
+//! Quantised points of a tree and of a node.
 
 use crate::range::Point;
 use alloc::vec::Vec;
@@ -12,8 +12,8 @@ pub(in crate::construct) struct Samples<'a> {
 }
 
 impl<'a> Samples<'a> {
-    /// Finite `points`, at most [`crate::node::Child::MAX_PRIMITIVES`], each with a weight that is not
-    /// negative, or all alike.
+    /// Quantises finite `points`, at most [`crate::node::Child::MAX_PRIMITIVES`]. Weights must not be negative; without
+    /// weights all are equal.
     ///
     /// Each step is one correctly rounded operation and monotone, so the integers are the same on every
     /// machine.
@@ -25,7 +25,7 @@ impl<'a> Samples<'a> {
         let (low, high) = (corner(f64::min, f64::INFINITY), corner(f64::max, f64::NEG_INFINITY));
         let extent = (0..3).map(|i| high[i] - low[i]).fold(0.0, f64::max);
         let scale = if extent > 0.0 { TOP / extent } else { 0.0 };
-        // A cast to an integer saturates: rounding cannot carry a position past the border.
+        // A cast to an integer saturates, so rounding cannot exceed the range.
         let quantise = |p: &Point| core::array::from_fn(|i| ((p[i] - low[i]) * scale) as u32);
         let heaviest = weights.into_iter().flatten().fold(0.0, |m: f64, w| m.max(*w));
         let weigh = |w: &f64| if heaviest > 0.0 { ((w / heaviest * TOP) as u32).max(1) } else { 1 };
@@ -52,7 +52,7 @@ impl<'a> Samples<'a> {
         &self.weights
     }
 
-    /// Of the primitives of a node.
+    /// The box and the greatest weight of a node's primitives.
     pub(in crate::construct) fn bounds(&self, part: &[u32]) -> SampleBox {
         let mut bounds = SampleBox { low: [u32::MAX; 3], high: [0; 3], heaviest: 1 };
         for &index in part {
@@ -64,24 +64,24 @@ impl<'a> Samples<'a> {
         bounds
     }
 
-    /// In full precision.
+    /// The point in full precision.
     pub(in crate::construct) fn point(&self, index: u32) -> Point {
         self.points[index as usize]
     }
 }
 
-/// Bits of a local coordinate: three squares of differences still fit in 32 bits.
+/// Bits of a local coordinate: the sum of three squared differences fits in 32 bits.
 pub(in crate::construct) const LOCAL_BITS: u32 = 15;
 
-/// Bits of a weight, at most, and of the sum of the weights of a node: times 12 bits of h and 15 of a
-/// coordinate below 2^64.
+/// Largest number of bits of a weight, and of the sum of the weights of a node: with 12 bits of h and 15 of a
+/// coordinate, products are below 2^64.
 pub(in crate::construct) const WEIGHT_BITS: u32 = 13;
 pub(in crate::construct) const WEIGHT_SUM_BITS: u32 = 37;
 
-/// A node with a box smaller than this in steps of the root's 2^32 is not worth clustering.
+/// Nodes with a smaller box, in units of the root's box over 2^32, are not clustered.
 pub(in crate::construct) const MIN_EXTENT: u32 = 1 << 8;
 
-/// Points handled at a time.
+/// Points per block.
 pub(in crate::construct) const BLOCK: usize = 8;
 
 /// The box of a node's positions, and its largest weight.
@@ -89,11 +89,11 @@ pub(in crate::construct) const BLOCK: usize = 8;
 pub(in crate::construct) struct SampleBox {
     pub(in crate::construct) low: [u32; 3],
     pub(in crate::construct) high: [u32; 3],
-    /// 1 if all weigh the same.
+    /// 1 if all are equal.
     pub(in crate::construct) heaviest: u32,
 }
 
-/// How positions and weights become those of a node.
+/// Converts positions and weights to those of a node.
 struct Grid {
     low: [u32; 3],
     shift: u32,
@@ -102,7 +102,7 @@ struct Grid {
 }
 
 impl Grid {
-    /// None if positions hardly tell the primitives apart.
+    /// None if the quantised positions hardly distinguish the primitives.
     fn of(bounds: &SampleBox, count: usize) -> Option<Self> {
         let size: [u32; 3] = core::array::from_fn(|i| bounds.high[i] - bounds.low[i]);
         let longest = size.into_iter().fold(0, u32::max);
@@ -116,7 +116,7 @@ impl Grid {
     }
 }
 
-/// The primitives of one node, in the order they have there, each list padded to whole blocks.
+/// The primitives of one node, in its order, each list padded to whole blocks.
 #[derive(Default)]
 pub(in crate::construct) struct Cluster {
     len: usize,
@@ -131,12 +131,12 @@ pub(in crate::construct) struct Block<'a> {
     pub(in crate::construct) coordinates: [&'a [u16; BLOCK]; 3],
     /// None if all weigh 1.
     pub(in crate::construct) weights: Option<&'a [u16; BLOCK]>,
-    /// How many there are; the rest is padding.
+    /// Number of primitives; the rest is padding.
     pub(in crate::construct) len: usize,
 }
 
 impl Cluster {
-    /// Takes the primitives of `part`. False if positions hardly tell them apart.
+    /// Loads the primitives of `part`. False if the quantised positions hardly distinguish them.
     pub(in crate::construct) fn local_coordinates(&mut self, samples: &Samples<'_>, part: &[u32]) -> bool {
         let Some(frame) = Grid::of(&samples.bounds(part), part.len()) else { return false };
         let positions = || part.iter().map(|&index| &samples.positions[index as usize]);
@@ -179,7 +179,7 @@ impl Cluster {
     }
 }
 
-/// How far the weights of a node move down: they fit in their bits, and so does their sum.
+/// The right shift of a node's weights, such that they and their sum fit in their bits.
 fn weight_shift(count: usize, heaviest: u32) -> u32 {
     let count_bits = usize::BITS - count.leading_zeros();
     let bits = WEIGHT_BITS.min(WEIGHT_SUM_BITS - count_bits);
@@ -190,7 +190,7 @@ fn weight_shift(count: usize, heaviest: u32) -> u32 {
 mod tests {
     use super::*;
 
-    /// Sums of h v x stay below 2^64 for any number of primitives that a tree may have, and any weights.
+    /// Sums of h v x stay below 2^64 for any number of primitives in a tree, and any weights.
     #[test]
     fn weights_leave_room_for_their_sum() {
         for count in [1_u64, 2, 1000, (1 << 24) - 1, 1 << 24, crate::node::Child::MAX_PRIMITIVES.into()] {

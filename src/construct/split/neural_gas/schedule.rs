@@ -1,8 +1,8 @@
-//! How the neighbourhood shrinks.
+//! The schedule of the neighbourhood.
 
 use alloc::vec::Vec;
 
-/// Steps of a node, at most. Lambda is 0.01 after the last.
+/// Largest number of steps of a node. Lambda is 0.01 after the last.
 pub(in crate::construct) const STEPS: usize = 40;
 
 /// Lambda after the last step, as in the paper.
@@ -14,11 +14,11 @@ pub(in crate::construct) const ONE: u16 = (1 << 12) - 1;
 /// h of the ranks 0 to n - 1 at each step: exp(-k / lambda) with lambda = n / 2 (0.01 / (n / 2))^(t / steps),
 /// in units of 1 / 4095.
 pub(in crate::construct) fn schedule<const N: usize>() -> Vec<[u16; N]> {
-    // Rounded to the nearest, half up. `libm` is software: the same bits on every machine.
+    // Rounded to the nearest, half up. `libm` is software, with the same bits on every machine.
     (0..STEPS).map(|t| core::array::from_fn(|k| (exact::<N>(t, k) + 0.5) as u16)).collect()
 }
 
-/// h of rank `k` at step `t`, before it is rounded.
+/// h of rank `k` at step `t`, before rounding.
 fn exact<const N: usize>(t: usize, k: usize) -> f64 {
     let first = N as f64 / 2.0;
     let decay = libm::log(LAST_LAMBDA / first);
@@ -43,7 +43,7 @@ mod tests {
         assert!(schedule[STEPS - 1][1..].iter().all(|h| *h == 0));
     }
 
-    /// So the last places of exp and log, which a new version of `libm` might change, do not matter.
+    /// Differences in the last places of exp and log, which a new version of `libm` might bring, do not matter.
     #[test]
     fn no_entry_is_near_a_tie() {
         for t in 0..STEPS {

@@ -1,6 +1,6 @@
 //! Sums over the primitives of a node.
 
-/// What pulls each prototype: sum of h v, and sums of h v x for the three axes.
+/// Contributions to each prototype: sum of h v, and sums of h v x for the three axes.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub(in crate::construct) struct Sums<const N: usize> {
     pub(in crate::construct) weight: [u64; N],
