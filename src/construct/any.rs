@@ -13,6 +13,7 @@ macro_rules! build_any {
         impl Builder {
             /// [`Builder::build_geometry`] for k = 6, 14, 18 or 26 at arity 16, or k = 18 at arity 4.
             ///
+            /// # Errors
             /// [`BuildError::NodeType`] for any other k and arity, and those of [`Builder::build_geometry`].
             // Inline, so that only crates that call it compile the five node types.
             #[inline]

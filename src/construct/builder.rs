@@ -135,6 +135,7 @@ impl Builder {
     /// those of the current pool. With any splitter, a build needs about 100 bytes per triangle besides the mesh and
     /// the tree (k = 18, arity 16, half as many vertices as triangles).
     ///
+    /// # Errors
     /// [`BuildError`] if the mesh or a setting is invalid. Nothing is dropped or repaired silently.
     pub fn build(&self, mesh: &Mesh<'_>) -> Result<Bvh<Node16<18>>, BuildError> {
         self.build_as(mesh)
@@ -151,6 +152,7 @@ impl Builder {
     /// [`Builder::build`], calling `observer` after each level of the tree. The build stops if `observer` returns
     /// `Break`.
     ///
+    /// # Errors
     /// [`BuildError`], including [`BuildError::Cancelled`] if `observer` returned `Break`.
     pub fn build_with<N: Dop>(
         &self,
@@ -192,6 +194,7 @@ impl Builder {
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     ///
+    /// # Errors
     /// [`BuildError`], including [`BuildError::Assignment`] and [`BuildError::TooDeep`].
     pub fn build_assigned<N: Dop, G: Geometry>(
         &self,

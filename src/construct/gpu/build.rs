@@ -27,6 +27,7 @@ impl Builder {
     /// `observer` is called after each level of the tree, and from the start again if the device fails and the CPU
     /// builds the tree.
     ///
+    /// # Errors
     /// [`GpuError`]; with [`Otherwise::Scalar`] only [`GpuError::Build`] and [`GpuError::Splitter`].
     pub fn build_on<N: Dop>(
         &self,

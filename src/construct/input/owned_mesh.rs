@@ -120,6 +120,7 @@ impl OwnedMesh {
     /// A prism along z, centred at the origin, that contains the cylinder of this radius and height. No point of it is
     /// farther than `error` from the cylinder.
     ///
+    /// # Errors
     /// [`ShapeError::Length`]; [`ShapeError::Error`] if the error is not positive, or too small.
     pub fn cylinder(radius: f64, height: f64, error: f64) -> Result<Self, ShapeError> {
         let (rim, half) = (rim(radius, error)?, 0.5 * length(height)?);
