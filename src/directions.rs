@@ -55,61 +55,12 @@
 
 mod sectors;
 mod slabs;
+mod table;
 
 use sectors::Float;
-
-/// The values of k that have direction sets.
-pub const SUPPORTED: [usize; 5] = [6, 14, 18, 26, 32];
-
-/// A triangle of the hull of the directions.
-#[derive(Copy, Clone, PartialEq, Debug)]
-pub struct Face {
-    /// Its vertices, as indices into [`Table::vectors`].
-    pub directions: [u8; 3],
-    /// The inverse of the matrix whose columns are the vertices: row `l` times u is the weight of `directions[l]`.
-    pub inverse: [[f64; 3]; 3],
-    /// `neighbours[l]` is the face across the edge opposite `directions[l]`, where that vertex's weight is negative.
-    pub neighbours: [u8; 3],
-}
-
-impl Face {
-    /// The c with `u = sum c[l] n[directions[l]]`, up to rounding. All are positive inside the face's cone.
-    #[inline]
-    #[must_use]
-    pub fn weights(&self, u: [f64; 3]) -> [f64; 3] {
-        self.inverse.map(|row| (row[0] * u[0] + row[1] * u[1]) + row[2] * u[2])
-    }
-}
-
-/// The directions of one k and the triangulation of the sphere by them.
-#[derive(Copy, Clone, PartialEq, Debug)]
-pub struct Table {
-    /// `vectors[2 * i + 1] = -vectors[2 * i]` is slab i.
-    pub vectors: &'static [[i8; 3]],
-    /// The Euclidean length of each direction, rounded up.
-    pub lengths: &'static [f64],
-    /// Face `f ^ 1` is the antipode of face `f`: the same vertices, each `^ 1`, in the same order.
-    pub faces: &'static [Face],
-    /// For each cell of the upper half sphere under the octahedral map, a face in or near it (see
-    /// [`Directions::decompose`]).
-    pub grid: &'static [u8; GRID_CELLS],
-}
-
-/// The table for k directions. In a `const`, an unsupported k fails to compile.
-///
-/// # Panics
-/// If `k` is not in [`SUPPORTED`].
-#[must_use]
-pub const fn table(k: usize) -> &'static Table {
-    match k {
-        6 => &generated::TABLE_6,
-        14 => &generated::TABLE_14,
-        18 => &generated::TABLE_18,
-        26 => &generated::TABLE_26,
-        32 => &generated::TABLE_32,
-        _ => panic!("a direction set has k = 6, 14, 18, 26 or 32"),
-    }
-}
+pub(crate) use sectors::greater;
+use table::GRID_SIDE;
+pub use table::{Face, SUPPORTED, Table, table};
 
 /// A vector as a nonnegative combination of three directions: `u = sum weights[l] n[directions[l]]`.
 #[derive(Copy, Clone, PartialEq, Debug)]
@@ -126,9 +77,6 @@ pub struct Directions<const K: usize>;
 
 /// Half the side of the grid, for `f64` arithmetic: cell indices are 0 to `2 * HALF_SIDE`.
 const HALF_SIDE: f64 = (GRID_SIDE - 1) as f64 / 2.0;
-const GRID_CELLS: usize = GRID_SIDE * GRID_SIDE;
-const _: () = assert!(GRID_SIDE.is_power_of_two(), "indices are masked");
-
 /// Adding this to a number in 0..2^51 leaves it rounded to an integer in the low bits.
 const INTEGER_BITS: f64 = (1_u64 << 52) as f64;
 
@@ -273,12 +221,6 @@ fn least_corner(c: [f64; 3]) -> usize {
     if c[2] < c[l] { 2 } else { l }
 }
 
-/// Like [`f64::max`], but one instruction on x86. If either is NaN, the result is `b`.
-#[inline]
-pub(crate) fn greater<T: PartialOrd>(a: T, b: T) -> T {
-    if a > b { a } else { b }
-}
-
 /// The face where the walk for `u` starts. The octahedral map flattens the upper half sphere to a square:
 /// `(x + y, x - y) / (|x| + |y| + |z|)`; for the lower half, -u is looked up. One division, no branch.
 #[inline]
@@ -287,13 +229,6 @@ fn start(table: &Table, u: [f64; 3], size: f64) -> u8 {
     let cell = |x: f64| ((x * scale + HALF_SIDE) + INTEGER_BITS).to_bits() as usize & (GRID_SIDE - 1);
     let face = table.grid[cell(u[0] + u[1]) * GRID_SIDE + cell(u[0] - u[1])];
     face ^ u8::from(u[2].is_sign_negative())
-}
-
-use generated::GRID_SIDE;
-
-mod generated {
-    use super::{Face, Table};
-    include!(concat!(env!("OUT_DIR"), "/directions.rs"));
 }
 
 #[cfg(test)]

@@ -142,18 +142,12 @@ fn line_of(code: &str, at: usize) -> usize {
     code[..at].matches('\n').count() + 1
 }
 
-/// The first names of the rest of a path: `a` of `a::b`, or `a` and `c` of `{a::b, c}`.
-fn heads(rest: &str) -> Vec<&str> {
-    let word = |s: &'_ str| s.find(|c: char| !is_word(c)).unwrap_or(s.len());
-    let Some(group) = rest.trim_start().strip_prefix('{') else {
-        let rest = rest.trim_start();
-        return vec![&rest[..word(rest)]];
-    };
-    let (mut depth, mut start, mut names) = (0, 0, Vec::new());
+/// The items of a group, up to its closing brace: `a` and `b::{c, d}` of `a, b::{c, d}}`.
+fn items(group: &str) -> Vec<&str> {
+    let (mut depth, mut start, mut items) = (0, 0, Vec::new());
     for (at, c) in group.char_indices() {
         if depth == 0 && (c == ',' || c == '}') {
-            let item = group[start..at].trim();
-            names.push(&item[..word(item)]);
+            items.push(group[start..at].trim());
             start = at + 1;
         }
         match c {
@@ -163,8 +157,25 @@ fn heads(rest: &str) -> Vec<&str> {
             _ => {}
         }
     }
-    names.retain(|name| !name.is_empty());
-    names
+    items
+}
+
+/// The paths at the start of a text, each as its names: `a::b` and `a::c::d` of `a::{b, c::d}`. A glob is a path to the
+/// module itself.
+fn paths(text: &str) -> Vec<Vec<&str>> {
+    let text = text.trim_start();
+    if let Some(group) = text.strip_prefix('{') {
+        return items(group).into_iter().flat_map(paths).collect();
+    }
+    let (name, rest) = text.split_at(text.find(|c: char| !is_word(c)).unwrap_or(text.len()));
+    let ends = rest.strip_prefix("::").map_or(vec![vec![]], paths);
+    let own = Some(name).filter(|name| !name.is_empty());
+    ends.into_iter().map(|end| own.into_iter().chain(end).collect()).collect()
+}
+
+/// The first names of the rest of a path: `a` of `a::b`, or `a` and `c` of `{a::b, c}`.
+fn heads(rest: &str) -> Vec<&str> {
+    paths(rest).into_iter().filter_map(|path| path.first().copied()).collect()
 }
 
 /// The top-level module of a file, and how many `super::` lead from it to the crate's root.
@@ -300,11 +311,131 @@ fn types_defined(source: &str) -> Vec<(usize, String)> {
     found
 }
 
+/// A module of a crate, as the rule about circles reads it.
+struct Module<'f> {
+    /// Its names from the root.
+    path: Vec<&'f str>,
+    /// Without unit tests and imports for documentation.
+    code: String,
+}
+
+impl<'f> Module<'f> {
+    fn new(path: &'f str, source: &str) -> Self {
+        let tests = source.find("\nmod tests {").unwrap_or(source.len());
+        let mut code = code_of(&source[..tests]);
+        for (start, end) in uses(&code, |before| before.ends_with("#[cfg(doc)]")) {
+            code.replace_range(start..end, &" ".repeat(end - start));
+        }
+        let path = path.trim_end_matches(".rs").split('/').filter(|name| *name != "mod").collect();
+        Self { path, code }
+    }
+
+    /// The paths that it names, from the root: those after `crate`, `super` or `self`.
+    fn imports(&self) -> Vec<Vec<&str>> {
+        let mut imports = Vec::new();
+        for keyword in ["crate", "super", "self"] {
+            for at in places_of(&self.code, keyword).filter(|&at| !self.code[..at].ends_with("::")) {
+                for path in paths(&self.code[at..]) {
+                    let climbs = path.iter().take_while(|name| **name == "super").count();
+                    let base = match keyword {
+                        "crate" => &[][..],
+                        // `super` of an inline module may be this file: a path too short is no import.
+                        _ => &self.path[..self.path.len().saturating_sub(climbs)],
+                    };
+                    imports.push([base, &path[climbs.max(usize::from(keyword != "super"))..]].concat());
+                }
+            }
+        }
+        imports
+    }
+
+    /// The names that it re-exports from its children, each with the child, and the rest of its code.
+    fn re_exports(&self, children: &BTreeSet<&str>) -> (BTreeMap<&str, &str>, String) {
+        let (mut names, mut rest) = (BTreeMap::new(), self.code.clone());
+        for (start, end) in uses(&self.code, |before| before.ends_with("pub") || before.ends_with(')')) {
+            let statement = &self.code[start..end];
+            for path in paths(statement["use".len()..].trim_start().trim_start_matches("self::")) {
+                if let (Some(child), Some(name)) = (path.first(), path.last())
+                    && children.contains(child)
+                {
+                    names.insert(*name, *child);
+                    rest.replace_range(start..end, &" ".repeat(end - start));
+                }
+            }
+        }
+        (names, rest)
+    }
+}
+
+/// Where the `use` statements begin and end whose preceding code is accepted, visibility aside.
+fn uses(code: &str, accepts: impl Fn(&str) -> bool) -> Vec<(usize, usize)> {
+    let statement = |at: usize| {
+        let end = at + code[at..].find(';')?;
+        accepts(code[..at].trim_end()).then_some((at, end))
+    };
+    places_of(code, "use").filter_map(statement).collect()
+}
+
+/// Imports between the files and folders of one folder that are part of a circle, each as `folder: from -> to`. What the
+/// folder's own file defines, beside re-exports, counts as a file `mod`.
+fn circular_imports(files: &[(String, String)]) -> Vec<String> {
+    let is_read = |path: &str| !is_root(path) && !path.ends_with("tests.rs") && !path.contains("/tests/");
+    let modules: Vec<Module<'_>> = files
+        .iter()
+        .filter(|(path, _)| is_read(path))
+        .map(|(path, source)| Module::new(path, source))
+        .collect();
+    let folders: BTreeSet<&[&str]> =
+        modules.iter().flat_map(|m| (1..m.path.len()).map(|n| &m.path[..n])).collect();
+    folders.into_iter().flat_map(|folder| circles_of(folder, &modules)).collect()
+}
+
+fn circles_of(folder: &[&str], modules: &[Module<'_>]) -> Vec<String> {
+    let depth = folder.len();
+    let inside = || modules.iter().filter(|module| module.path.starts_with(folder));
+    let children: BTreeSet<&str> = inside().filter_map(|module| module.path.get(depth).copied()).collect();
+    let own = inside().find(|module| module.path.len() == depth);
+    let (names, rest) = own.map(|own| own.re_exports(&children)).unwrap_or_default();
+    let mut edges: BTreeSet<(&str, &str)> = BTreeSet::new();
+    for module in inside() {
+        let from = module.path.get(depth).copied().unwrap_or("mod");
+        for path in module.imports().iter().filter(|path| path.starts_with(folder)) {
+            let Some(name) = path.get(depth) else { continue };
+            let to = children.get(name).or_else(|| names.get(name)).unwrap_or(&"mod");
+            edges.insert((from, to));
+        }
+    }
+    for name in children.iter().chain(names.keys()) {
+        let is_used = |at: usize| {
+            let is_path = rest[at + name.len()..].starts_with("::");
+            !rest[..at].ends_with([':', '.']) && (is_path || names.contains_key(name))
+        };
+        if places_of(&rest, name).any(is_used) {
+            edges.insert(("mod", names.get(name).unwrap_or(name)));
+        }
+    }
+    let leads = |from: &str, to: &str| {
+        let (mut reached, mut pending) = (BTreeSet::new(), vec![from]);
+        while let Some(unit) = pending.pop() {
+            if reached.insert(unit) {
+                pending.extend(edges.iter().filter(|edge| edge.0 == unit).map(|edge| edge.1));
+            }
+        }
+        reached.contains(to)
+    };
+    let circular = edges.iter().filter(|(from, to)| from != to && leads(to, from));
+    circular.map(|(from, to)| format!("{}: {from} -> {to}", folder.join("/"))).collect()
+}
+
 // ---- The source -------------------------------------------------------------------------------------------
 
-/// Every Rust file in `src/`: its path from there, and its text.
 fn sources() -> Vec<(String, String)> {
-    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("src");
+    sources_in("src")
+}
+
+/// Every Rust file in a folder: its path from there, and its text.
+fn sources_in(folder: &str) -> Vec<(String, String)> {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join(folder);
     let (mut folders, mut files) = (vec![root.clone()], Vec::<PathBuf>::new());
     while let Some(folder) = folders.pop() {
         for entry in std::fs::read_dir(&folder).unwrap() {
@@ -375,6 +506,17 @@ fn library_files_are_short() {
     assert_none(too_long);
 }
 
+/// The files of a folder can be read one after the other, from the lowest up.
+#[test]
+fn files_do_not_import_in_circles() {
+    for crate_root in ["src", "cli/src"] {
+        let files = sources_in(crate_root);
+        assert!(files.len() > 50, "the rule saw {} files", files.len());
+        let circles = circular_imports(&files);
+        assert!(circles.is_empty(), "{crate_root}:\n{}", circles.join("\n"));
+    }
+}
+
 /// A type's name is unique, so that it always means the same.
 #[test]
 fn a_name_of_a_type_means_one_thing() {
@@ -428,12 +570,50 @@ fn upward_imports_are_found() {
     assert_eq!(found("primitive/flat.rs", "use super::Plane;\nuse super::super::node::Node;"), [2]);
     assert_eq!(found("primitive/mod.rs", "use super::{exact, node};"), [1]);
     assert_eq!(found("pose.rs", "use crate::frame::Frame;"), [1], "one layer: neither may import the other");
-    assert_eq!(found("construct/pack.rs", "use super::Mesh;\nuse crate::node::Node;"), []);
+    assert_eq!(found("construct/bake.rs", "use super::Mesh;\nuse crate::node::Node;"), []);
     for name in FORBIDDEN[0].1 {
-        assert_eq!(found("construct/pack.rs", &format!("use crate::{name}::X;")), [1], "{name}");
+        assert_eq!(found("construct/bake.rs", &format!("use crate::{name}::X;")), [1], "{name}");
     }
     assert_eq!(found("newcomer.rs", ""), [1], "a module without a layer");
     assert_eq!(found("node.rs", "use crate::newcomer::X;"), [1]);
+}
+
+#[test]
+fn circular_imports_are_found() {
+    let circles = |files: &[(&str, &str)]| {
+        circular_imports(
+            &files.iter().map(|(path, source)| ((*path).into(), (*source).into())).collect::<Vec<_>>(),
+        )
+    };
+    let low = ("a/low.rs", "pub(super) struct Low;");
+    let high = ("a/high.rs", "use super::Low;\nuse crate::a::low::Low as Other;");
+    let re_export = ("a/mod.rs", "mod high;\nmod low;\npub(crate) use low::{Low, self};");
+    let both = ["a: high -> low", "a: low -> high"];
+    assert!(circles(&[low, high, re_export]).is_empty());
+    for back in ["use super::high::X;", "fn f(x: &crate::a::high::X) {}", "use super::{b, high::{X, Y}};"] {
+        assert_eq!(circles(&[("a/low.rs", back), high, re_export]), both, "{back}");
+        assert_eq!(
+            circles(&[("a/low/deep.rs", &back.replace("super", "super::super")), high, re_export]),
+            both
+        );
+    }
+    for no_import in [
+        "// super::high",
+        "#[cfg(doc)]\nuse super::high;",
+        "#[cfg(test)]\nmod tests {\nuse super::super::high;\n}",
+    ] {
+        assert!(circles(&[("a/low.rs", no_import), high, re_export]).is_empty(), "{no_import}");
+    }
+    // What a folder's own file defines.
+    for own in ["mod low;\nstruct X(low::Low);", "mod low;\npub use low::Low;\nstruct X(Low);"] {
+        let circle = circles(&[("a/mod.rs", own), ("a/low.rs", "use super::X;")]);
+        assert_eq!(circle, ["a: low -> mod", "a: mod -> low"], "{own}");
+        assert_eq!(circles(&[("a.rs", own), ("a/low.rs", "use super::X;")]), circle, "{own}");
+        assert!(circles(&[("a/mod.rs", own), low]).is_empty(), "{own}");
+    }
+    // Of three, in a folder below.
+    let three = [("a/b/x.rs", "use super::y;"), ("a/b/y.rs", "use super::z;"), ("a/b/z.rs", "use super::x;")];
+    assert_eq!(circles(&three), ["a/b: x -> y", "a/b: y -> z", "a/b: z -> x"]);
 }
 
 #[test]

@@ -48,6 +48,7 @@ mod error;
 #[cfg(feature = "gpu")]
 pub mod gpu;
 mod insert;
+mod list;
 mod median;
 #[cfg(feature = "alloc")]
 mod owned;
@@ -64,10 +65,11 @@ mod view;
 pub use body::Contact;
 pub use bytes::{CLOUD_MAGIC, CLOUD_VERSION};
 pub use error::{CloudError, SearchError};
+pub use list::List;
 #[cfg(feature = "alloc")]
 pub use owned::PointCloud;
 pub use packet::{Queries, Radii, Seat};
-pub use search::{List, RangeSearch, RangeStats};
+pub use search::{RangeSearch, RangeStats};
 pub use single::Neighbour;
 pub use store::{CloudMut, Memory, buckets_for, nodes_for};
 pub use upkeep::{Policy, Upkeep};

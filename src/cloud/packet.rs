@@ -1,6 +1,6 @@
 //! Queries, grouped into packets that traverse the tree together.
 
-use super::{CloudRef, RangeSearch, SearchError};
+use super::{CloudRef, SearchError};
 use crate::node::{Box3, Bucket};
 use core::ops::Range;
 
@@ -17,7 +17,7 @@ pub(super) enum Asking<'a> {
 }
 
 /// Assigns a query that is not a point of the cloud to a bucket, with whose other queries it traverses the tree.
-/// Memory for [`RangeSearch::seat`].
+/// Memory for [`RangeSearch::seat`](super::RangeSearch::seat).
 #[derive(Copy, Clone, PartialEq, Eq, PartialOrd, Ord, Default, Debug)]
 pub struct Seat {
     pub(super) bucket: u32,
@@ -155,32 +155,5 @@ impl Packet {
         self.square = if ask.square > self.square { ask.square } else { self.square };
         self.asks[self.count & 15] = ask;
         self.count += 1;
-    }
-}
-
-impl RangeSearch {
-    /// Packs queries that are not points of the cloud (section 4.2.1 of the paper): finds a nearby bucket for each,
-    /// and sorts them by bucket. `seats` must hold one element for each point. The result may be reused while the
-    /// points move little; it only affects speed.
-    ///
-    /// # Errors
-    /// [`SearchError::Query`] if a coordinate is not finite, [`SearchError::Length`] if there are fewer seats than
-    /// points.
-    pub fn seat<'a>(
-        &self,
-        cloud: &CloudRef<'_>,
-        points: &'a [[f32; 3]],
-        seats: &'a mut [Seat],
-    ) -> Result<Queries<'a>, SearchError> {
-        let have = seats.len();
-        let Some(seats) = seats.get_mut(..points.len()) else {
-            return Err(SearchError::Length { what: "seats", have, need: points.len() });
-        };
-        if let Some(query) = points.iter().position(|point| !super::store::is_finite(*point)) {
-            return Err(SearchError::Query { query: query as u32 });
-        }
-        self.find_buckets(cloud, points, seats);
-        seats.sort_unstable();
-        Ok(Queries(Asking::Others { points, seats }))
     }
 }

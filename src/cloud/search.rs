@@ -6,7 +6,8 @@
 
 use super::packet::{Ask, Asking, Packet};
 use super::sink::{Count, Fill, Sink, Visit};
-use super::{CloudRef, Queries, Radii, SearchError, Seat};
+use super::store::is_finite;
+use super::{CloudRef, List, Queries, Radii, SearchError, Seat};
 use crate::hierarchy::MAX_DEPTH;
 use crate::isa::{Isa, on_isa};
 use crate::kernel::Kernel;
@@ -19,15 +20,6 @@ pub struct RangeSearch {
     pub(super) isa: Isa,
 }
 
-/// The range of a query's neighbours in the output buffer.
-#[derive(Copy, Clone, PartialEq, Eq, Default, Debug)]
-pub struct List {
-    /// Index of the first neighbour.
-    pub start: u32,
-    /// Number of neighbours.
-    pub count: u32,
-}
-
 /// The work of a search. The same on every instruction set.
 #[derive(Copy, Clone, PartialEq, Eq, Default, Debug)]
 pub struct RangeStats {
@@ -37,14 +29,6 @@ pub struct RangeStats {
     pub buckets: u64,
     /// Neighbours found.
     pub neighbours: u64,
-}
-
-impl List {
-    /// The range of indices in the buffer.
-    #[must_use]
-    pub const fn range(&self) -> core::ops::Range<usize> {
-        self.start as usize..self.start as usize + self.count as usize
-    }
 }
 
 /// Capacity for a packet's candidate buckets, in groups of sixteen. If it is exceeded, each query of the packet
@@ -285,6 +269,31 @@ impl RangeSearch {
                 descent.work
             },
         )))
+    }
+
+    /// Packs queries that are not points of the cloud (section 4.2.1 of the paper): finds a nearby bucket for each,
+    /// and sorts them by bucket. `seats` must hold one element for each point. The result may be reused while the
+    /// points move little; it only affects speed.
+    ///
+    /// # Errors
+    /// [`SearchError::Query`] if a coordinate is not finite, [`SearchError::Length`] if there are fewer seats than
+    /// points.
+    pub fn seat<'a>(
+        &self,
+        cloud: &CloudRef<'_>,
+        points: &'a [[f32; 3]],
+        seats: &'a mut [Seat],
+    ) -> Result<Queries<'a>, SearchError> {
+        let have = seats.len();
+        let Some(seats) = seats.get_mut(..points.len()) else {
+            return Err(SearchError::Length { what: "seats", have, need: points.len() });
+        };
+        if let Some(query) = points.iter().position(|point| !is_finite(*point)) {
+            return Err(SearchError::Query { query: query as u32 });
+        }
+        self.find_buckets(cloud, points, seats);
+        seats.sort_unstable();
+        Ok(Queries(Asking::Others { points, seats }))
     }
 
     /// Finds a nearby bucket for each point: descends to the lane with the nearest box, the first of equals.

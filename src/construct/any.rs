@@ -1,6 +1,9 @@
 //! Trees whose node type is chosen at run time.
 
-use super::{BuildError, Builder, Geometry, Progress};
+use super::builder::Builder;
+use super::error::BuildError;
+use super::input::Geometry;
+use super::split::Progress;
 use crate::hierarchy::{AnyBvh, NodeType, for_node_types};
 use crate::key::{Fixed, Half, StorageKind};
 use crate::node::{Node4, Node16};

@@ -1,24 +1,27 @@
 //! Batch Neural Gas over weighted points.
 
-use super::{Assignment, BuildError, Observer, neural_gas};
+use super::error::BuildError;
+#[cfg(feature = "gpu")]
+use super::gpu;
+use super::split::{Assignment, Observer, neural_gas};
 use crate::halving::Halving;
 use crate::range::Point;
 
-/// Batch Neural Gas over points with weights, such as the centres and volumes of spheres: the shape of a
-/// tree, without bodies in it.
+/// Batch Neural Gas over weighted points, such as the centres and volumes of spheres. The result is the shape of a
+/// tree, without bodies.
 #[doc(hidden)]
 #[derive(Copy, Clone, Debug)]
 pub struct Clustering {
     /// 4 or 16.
     pub arity: usize,
-    /// Points in a leaf, at most.
+    /// The largest number of points in a leaf.
     pub leaf_size: usize,
-    /// Decides where prototypes start, and nothing else.
+    /// Seed of the initial prototypes.
     pub seed: u32,
 }
 
 impl Clustering {
-    /// Of finite `points`, each with a finite weight that is not negative, or all alike.
+    /// Assigns `points`, which must be finite. Weights must be finite and not negative; without weights all are equal.
     ///
     /// # Errors
     /// [`BuildError::Cancelled`], [`BuildError::TooDeep`].
@@ -32,20 +35,20 @@ impl Clustering {
         neural_gas::assign(&samples, &self.halving(), self.seed, observer)
     }
 
-    /// The same on a device, and where its time went.
+    /// [`Clustering::assign`] on a device, with the times of its phases.
     ///
     /// # Errors
-    /// [`super::gpu::GpuError`].
+    /// [`gpu::GpuError`].
     #[cfg(feature = "gpu")]
     pub fn assign_on(
         &self,
-        gpu: &crate::device::Gpu,
+        device: &crate::device::Gpu,
         points: &[Point],
         weights: Option<&[f64]>,
         observer: &mut Observer<'_>,
-    ) -> Result<(Assignment, super::gpu::Spent), super::gpu::GpuError> {
+    ) -> Result<(Assignment, gpu::Spent), gpu::GpuError> {
         let samples = neural_gas::Samples::new(points, weights);
-        super::gpu::assign(gpu, &samples, &self.halving(), self.seed, observer)
+        gpu::assign(device, &samples, &self.halving(), self.seed, observer)
     }
 
     fn halving(&self) -> Halving {

@@ -1,15 +1,17 @@
-//! Spheres around a mesh: a smaller body, when a robot need not know its surroundings to the last digit.
+//! Spheres that cover a mesh: a smaller body for applications that tolerate an error.
 //!
-//! Triangles are halved along their longest edges into *pieces*, a fraction of the error wide. The first piece that no sphere holds yet
-//! is the seed of another one: of some centres near it, on the mesh, the one is taken from which most pieces that are not held are within
-//! reach. So spheres grow away from what is held already, and overlap little.
+//! Triangles are halved along their longest edges into *pieces*, whose edges are a fraction of the error. The first
+//! piece that no sphere covers is the seed of the next sphere. Of several candidate centres near it on the mesh, the
+//! one with the most uncovered pieces within reach is chosen. So spheres extend away from covered pieces, and overlap
+//! little.
 //!
-//! A sphere of radius r whose centre is at most d from the mesh has no point farther than `r + d` from it. What rounding does to the
-//! corners of pieces, halved at most 200 times, is less than 2^-44 of the largest coordinate; each radius is greater by that.
+//! No point of a sphere of radius r whose centre is at most d from the mesh is farther than `r + d` from the mesh.
+//! Rounding changes the corners of pieces, halved at most 200 times, by less than 2^-44 of the largest coordinate; each
+//! radius is larger by that.
 
-use super::enclosing::smallest_enclosing;
-use super::geometry::{check_records, check_vertices};
-use super::{BuildError, Mesh};
+use super::bake::smallest_enclosing;
+use super::error::BuildError;
+use super::input::{Mesh, check_records, check_vertices};
 use crate::exact::power_of_two;
 use crate::primitive::triangle::Triangle;
 use crate::primitive::triangle::point::Foot;
@@ -19,25 +21,25 @@ use crate::vector::{cross, difference, length};
 use alloc::vec::Vec;
 use core::fmt;
 
-/// Of the largest coordinate, for the roundings of corners.
+/// Allowance for the roundings of corners, relative to the largest coordinate.
 pub(crate) const ROUNDING: f64 = power_of_two(-44);
-/// No smaller error, of the largest coordinate, so that roundings are little of it.
+/// The least error, relative to the largest coordinate, so that roundings are negligible.
 const LEAST_ERROR: f64 = power_of_two(-36);
 
 /// Why a mesh cannot be covered.
 #[derive(Copy, Clone, PartialEq, Debug)]
 #[non_exhaustive]
 pub enum CoverError {
-    /// The error is not above 2^-36 of the largest coordinate, or not finite.
+    /// The error is not finite, or not above 2^-36 of the largest coordinate.
     Error {
-        /// The error asked for.
+        /// The value given.
         given: f64,
-        /// None smaller is possible.
+        /// The bound that the error must exceed.
         least: f64,
     },
-    /// The error is so small that the mesh would be cut into more than 2^24 pieces, some fifty for each sphere.
+    /// The error would require more than 2^24 pieces, about fifty per sphere.
     TooMany,
-    /// There is something wrong with the mesh.
+    /// The mesh is invalid.
     Mesh(BuildError),
 }
 
@@ -58,12 +60,12 @@ impl fmt::Display for CoverError {
 impl core::error::Error for CoverError {}
 
 impl Mesh<'_> {
-    /// Spheres that hold every point of the mesh, and no point that is farther than `error` from it, in its unit. So a body of
-    /// these spheres that is free of others says for certain that the mesh is; a hit means that the others come within `error` of
-    /// the mesh. Of the surface: what is wholly inside of a closed mesh may be free of the spheres;
-    /// [`Mesh::cover_solid`] holds the inside, too. Points are covered as triangles whose three corners are one.
+    /// Spheres that contain every point of the mesh, and no point farther than `error` from it, in its unit. If a body
+    /// of these spheres is free of others, so is the mesh, with certainty; if it hits, the others come within `error`
+    /// of the mesh. The spheres cover the surface only: a body wholly inside a closed mesh may be free of them.
+    /// [`Mesh::cover_solid`] covers the inside, too. Points are covered as triangles with three equal corners.
     ///
-    /// The same spheres on every machine. An empty mesh has none.
+    /// The spheres are the same on every machine. An empty mesh has none.
     ///
     /// ```
     /// use simdop::construct::{Builder, OwnedMesh, SphereSet};
@@ -89,24 +91,24 @@ impl Mesh<'_> {
     }
 }
 
-/// Whether roundings are little of an error, where no coordinate is larger.
+/// Checks that an error is large compared with roundings, if no coordinate is above `largest`.
 pub(crate) fn check_error(given: f64, largest: f64) -> Result<(), CoverError> {
     let least = LEAST_ERROR * largest;
     if given > least && given.is_finite() { Ok(()) } else { Err(CoverError::Error { given, least }) }
 }
 
-/// No edge of a piece is longer, of the error.
+/// The longest edge of a piece, relative to the error.
 const LONGEST: f64 = 0.25;
-/// More pieces would take gigabytes.
+/// Limit of the number of pieces: more would take gigabytes.
 const MOST_PIECES: usize = 1 << 24;
-/// Centres that are tried for a sphere.
+/// Candidate centres per sphere.
 const TRIED: usize = 24;
 
 /// A part of a triangle.
 struct Piece {
     corners: Triangle,
     middle: Point,
-    /// Twice, in squares of the error.
+    /// Twice the area, in units of the squared error.
     area: f64,
     is_held: bool,
 }
@@ -130,7 +132,7 @@ impl Piece {
     }
 }
 
-/// Halves triangles along their longest edges until none is longer than that.
+/// Halves triangles along their longest edges until no edge is longer than `longest`.
 pub(crate) fn cut(triangles: &[Triangle], longest: f64) -> Result<Vec<Triangle>, CoverError> {
     let (mut waiting, mut pieces) = (triangles.to_vec(), Vec::new());
     while let Some(t) = waiting.pop() {
@@ -150,15 +152,15 @@ pub(crate) fn cut(triangles: &[Triangle], longest: f64) -> Result<Vec<Triangle>,
     Ok(pieces)
 }
 
-/// Where a point is among cubes as wide as the error.
+/// A cell of a grid whose cubes are as wide as the error.
 type CoverCell = [i64; 3];
 
 struct Cover {
     error: f64,
     pad: f64,
-    /// In the order of their cubes.
+    /// Sorted by their cubes.
     pieces: Vec<Piece>,
-    /// Of each cube that has pieces, in ascending order, the first.
+    /// The first piece of each cube that has any, in ascending order.
     cubes: Vec<(CoverCell, usize)>,
 }
 
@@ -180,7 +182,7 @@ impl Cover {
         Ok(Self { error, pad, pieces: pieces.into_iter().map(|(_, piece)| piece).collect(), cubes })
     }
 
-    /// Pieces whose middles are in the cubes around that of a point, among them all within the error of it.
+    /// Pieces whose middles are in the cubes around that of a point: all within the error of the point are among them.
     fn around(&self, p: &Point) -> impl Iterator<Item = usize> + '_ {
         let [x, y, z] = p.map(|x| libm::floor(x / self.error) as i64);
         let end = |k: usize| self.cubes.get(k).map_or(self.pieces.len(), |(_, first)| *first);
@@ -194,7 +196,7 @@ impl Cover {
 
     fn spheres(mut self) -> Vec<Sphere> {
         let mut spheres = Vec::new();
-        // What is at most this far from a point of the mesh, with pads for it and for where that point is.
+        // Distance from a point of the mesh, less the pads for the point and the mesh.
         let reach = (self.error - 4.0 * self.pad) * (1.0 - power_of_two(-40));
         for seed in 0..self.pieces.len() {
             if self.pieces[seed].is_held {
@@ -203,7 +205,7 @@ impl Cover {
             let is_near = |&i: &usize| self.pieces[seed].is_within(reach, &self.pieces[i].middle);
             let centres: Vec<usize> = self.around(&self.pieces[seed].middle).filter(is_near).collect();
             let tried = TRIED.min(centres.len());
-            // By area, and by number where there is none: points have no area.
+            // By area; by number if areas are zero, as for points.
             let (mut best, mut most) = (seed, (-1.0, 0));
             for k in 0..tried {
                 let centre = centres[k * centres.len() / tried];
@@ -223,14 +225,14 @@ impl Cover {
         spheres
     }
 
-    /// The pieces that a sphere would hold and none does yet.
+    /// The uncovered pieces within `reach` of a centre.
     fn not_held<'p>(&'p self, centre: &'p Point, reach: f64) -> impl Iterator<Item = usize> + 'p {
         let is_new = move |i: &usize| !self.pieces[*i].is_held && self.pieces[*i].is_within(reach, centre);
         self.around(centre).filter(is_new)
     }
 
-    /// Around some pieces that are within reach of a centre: the smallest, if no point of it is too far from the mesh, or one about
-    /// that centre.
+    /// A sphere around pieces within reach of a centre: the smallest one, if no point of it is too far from the mesh;
+    /// otherwise one around that centre.
     fn sphere(&self, centre: Point, held: &[usize]) -> Sphere {
         let local =
             |p: &Point| Sphere { centre: difference(p, &centre).map(|x| x / self.error), radius: 0.0 };

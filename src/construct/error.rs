@@ -1,6 +1,5 @@
-//! Why something cannot be built.
+//! Errors of construction.
 
-use super::OpenEdge;
 use crate::hierarchy::NodeType;
 #[cfg(doc)]
 use crate::node::Child;
@@ -12,12 +11,12 @@ use core::fmt;
 #[derive(Copy, Clone, PartialEq, Debug)]
 #[non_exhaustive]
 pub enum BuildError {
-    /// A leaf holds 1 to 16 primitives.
+    /// The leaf size is not 1 to 16.
     LeafSize {
         /// The size asked for.
         asked: u32,
     },
-    /// More primitives than [`Child::MAX_PRIMITIVES`], or as many vertices as do not fit in 32 bits.
+    /// More primitives than [`Child::MAX_PRIMITIVES`], or more vertices than fit in 32 bits.
     TooLarge {
         /// The number given.
         count: usize,
@@ -32,17 +31,17 @@ pub enum BuildError {
         /// Index of the sphere, or of the vertex with this radius.
         index: usize,
     },
-    /// No coordinate reaches [`crate::range::MIN_COORDINATE`], and not all are zero: the body would become a point.
+    /// All coordinates are below [`crate::range::MIN_COORDINATE`], and not all are zero: the body would become a point.
     TooSmall,
-    /// A triangle, or other primitive, names a vertex that there is not.
+    /// A triangle, or other primitive, refers to a vertex that does not exist.
     Primitive {
         /// Index of the primitive.
         index: usize,
     },
-    /// The mesh is to be [solid](super::Builder::solid), and not as many triangles run along an edge in one direction as in the
-    /// other: there is a hole, or the triangles are not oriented alike.
+    /// The mesh should be [solid](super::Builder::solid), but not as many triangles run along some edge in one
+    /// direction as in the other: there is a hole, or the triangles are not consistently oriented.
     Open {
-        /// The edge's two vertices: of several with the same coordinates the first.
+        /// The edge's two vertices; of vertices with equal coordinates, the first.
         edge: [u32; 2],
         /// Their coordinates, in the body's unit.
         corners: [Point; 2],
@@ -63,7 +62,7 @@ pub enum BuildError {
         /// What is wrong with it.
         problem: &'static str,
     },
-    /// The caller of [`super::Builder::build_with`] wished to stop.
+    /// The observer of [`super::Builder::build_with`] stopped the build.
     Cancelled,
 }
 
@@ -94,3 +93,27 @@ impl fmt::Display for BuildError {
 }
 
 impl core::error::Error for BuildError {}
+
+/// An edge along which not as many triangles run in one direction as in the other.
+#[derive(Copy, Clone, PartialEq, Debug)]
+pub(crate) struct OpenEdge {
+    /// Its two vertices; of vertices with equal coordinates, the first.
+    pub(crate) edge: [u32; 2],
+    /// Their coordinates.
+    pub(crate) corners: [Point; 2],
+    /// Triangles that run from the first vertex to the second.
+    pub(crate) forward: usize,
+    /// Triangles that run from the second vertex to the first.
+    pub(crate) backward: usize,
+}
+
+impl fmt::Display for OpenEdge {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { edge: [a, b], corners: [p, q], forward, backward } = self;
+        write!(
+            f,
+            "the mesh is open, or not oriented alike, at the edge of vertices {a} and {b}, {p:?} to {q:?}: {forward} \
+             of its triangles run from {a} to {b}, {backward} back"
+        )
+    }
+}

@@ -1,6 +1,6 @@
 //! A device, and its errors as values.
 
-use super::{Compiled, DeviceError};
+use super::{Compiled, DeviceError, Program};
 use alloc::string::ToString;
 use alloc::sync::Arc;
 use alloc::vec::Vec;
@@ -76,8 +76,23 @@ impl Gpu {
         self.device.features().contains(wgpu::Features::SHADER_INT64)
     }
 
+    /// The program, compiled on first use, which takes some tenths of a second.
+    pub(crate) fn compiled(&self, program: &Program) -> Result<Arc<Compiled>, DeviceError> {
+        let is_it = |made: &&Arc<Compiled>| (made.label, made.variant) == (program.label, program.variant);
+        if let Some(made) = self.programs().iter().find(is_it) {
+            return Ok(made.clone());
+        }
+        let made =
+            Arc::new(self.guarded(0, || {
+                Ok::<_, DeviceError>(Compiled::new(&self.device, self.has_int64(), program))
+            })?);
+        // If another thread compiled it meanwhile, either result will do.
+        self.programs().push(made.clone());
+        Ok(made)
+    }
+
     /// The programs compiled so far.
-    pub(super) fn programs(&self) -> MutexGuard<'_, Vec<Arc<Compiled>>> {
+    fn programs(&self) -> MutexGuard<'_, Vec<Arc<Compiled>>> {
         // Safe after a panic: a push has either happened or not.
         self.programs.lock().unwrap_or_else(PoisonError::into_inner)
     }

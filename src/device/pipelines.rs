@@ -1,8 +1,6 @@
 //! Compute shaders: source and pipelines.
 
-use super::{DeviceError, Gpu};
 use alloc::string::String;
-use alloc::sync::Arc;
 use alloc::vec::Vec;
 
 /// The source of kernels that are compiled together.
@@ -11,7 +9,8 @@ pub(crate) struct Program {
     pub(crate) label: &'static str,
     /// The variant of the source.
     pub(crate) variant: usize,
-    pub(crate) source: fn(usize, &Gpu) -> String,
+    /// Of the variant, and whether 64-bit integers are native.
+    pub(crate) source: fn(usize, bool) -> String,
     /// The entry points.
     pub(crate) kernels: Vec<&'static str>,
 }
@@ -19,19 +18,19 @@ pub(crate) struct Program {
 /// The kernels of a program, compiled.
 #[derive(Debug)]
 pub(crate) struct Compiled {
-    label: &'static str,
-    variant: usize,
+    pub(super) label: &'static str,
+    pub(super) variant: usize,
     pipelines: Vec<wgpu::ComputePipeline>,
 }
 
 impl Compiled {
-    fn new(gpu: &Gpu, program: &Program) -> Self {
-        let module = gpu.device.create_shader_module(wgpu::ShaderModuleDescriptor {
+    pub(super) fn new(device: &wgpu::Device, has_int64: bool, program: &Program) -> Self {
+        let module = device.create_shader_module(wgpu::ShaderModuleDescriptor {
             label: Some(program.label),
-            source: wgpu::ShaderSource::Wgsl((program.source)(program.variant, gpu).into()),
+            source: wgpu::ShaderSource::Wgsl((program.source)(program.variant, has_int64).into()),
         });
         let pipeline = |name: &&'static str| {
-            gpu.device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
+            device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
                 label: Some(*name),
                 layout: None,
                 module: &module,
@@ -56,29 +55,15 @@ impl Compiled {
     /// Binds buffers to a kernel, each by its binding number.
     pub(crate) fn bind<'b>(
         &self,
-        gpu: &Gpu,
+        device: &wgpu::Device,
         number: usize,
         buffers: impl Iterator<Item = (u32, wgpu::BindingResource<'b>)>,
     ) -> wgpu::BindGroup {
         let entry = |(binding, resource)| wgpu::BindGroupEntry { binding, resource };
-        gpu.device.create_bind_group(&wgpu::BindGroupDescriptor {
+        device.create_bind_group(&wgpu::BindGroupDescriptor {
             label: Some(self.label),
             layout: &self.pipeline(number).get_bind_group_layout(0),
             entries: &buffers.map(entry).collect::<Vec<_>>(),
         })
-    }
-}
-
-impl Gpu {
-    /// The program, compiled on first use, which takes some tenths of a second.
-    pub(crate) fn compiled(&self, program: &Program) -> Result<Arc<Compiled>, DeviceError> {
-        let is_it = |made: &&Arc<Compiled>| (made.label, made.variant) == (program.label, program.variant);
-        if let Some(made) = self.programs().iter().find(is_it) {
-            return Ok(made.clone());
-        }
-        let made = Arc::new(self.guarded(0, || Ok::<_, DeviceError>(Compiled::new(self, program)))?);
-        // If another thread compiled it meanwhile, either result will do.
-        self.programs().push(made.clone());
-        Ok(made)
     }
 }

@@ -1,6 +1,5 @@
 //! The header of a baked tree.
 
-use super::layout::node_type;
 use crate::frame::{BodyBounds, Frame};
 use crate::key::{Fixed, Half, Storage};
 use crate::node::Child;
@@ -196,18 +195,6 @@ impl fmt::Display for FormatError {
 impl core::error::Error for FormatError {}
 
 impl Header {
-    /// The header of a baked tree of any node type, to find out which.
-    ///
-    /// # Errors
-    /// [`FormatError`] if the bytes are misaligned, too short, no tree or of another version.
-    pub fn read(bytes: &[u8]) -> Result<&Self, FormatError> {
-        node_type(bytes)?;
-        if bytes.as_ptr().align_offset(64) != 0 {
-            return Err(FormatError::Misaligned);
-        }
-        bytemuck::try_from_bytes(&bytes[..size_of::<Self>()]).map_err(|_| FormatError::Misaligned)
-    }
-
     /// The bounds of the body.
     #[inline(always)]
     #[must_use]

@@ -129,6 +129,20 @@ impl Layout {
     }
 }
 
+impl Header {
+    /// The header of a baked tree of any node type, to find out which.
+    ///
+    /// # Errors
+    /// [`FormatError`] if the bytes are misaligned, too short, no tree or of another version.
+    pub fn read(bytes: &[u8]) -> Result<&Self, FormatError> {
+        node_type(bytes)?;
+        if bytes.as_ptr().align_offset(64) != 0 {
+            return Err(FormatError::Misaligned);
+        }
+        bytemuck::try_from_bytes(&bytes[..size_of::<Self>()]).map_err(|_| FormatError::Misaligned)
+    }
+}
+
 /// k, arity, and the codes of the storage and of the kind of primitive, of bytes of any alignment.
 ///
 /// # Errors

@@ -10,13 +10,13 @@ use core::marker::PhantomData;
 /// One aligned cache line.
 #[derive(Copy, Clone, Debug, bytemuck::Pod, bytemuck::Zeroable)]
 #[repr(C, align(64))]
-pub(super) struct Line([u8; 64]);
+pub(super) struct CacheLine([u8; 64]);
 
 /// Concatenates the parts, each with an alignment, in whole lines.
-pub(super) fn in_lines(parts: &[(usize, &[u8])]) -> Vec<Line> {
+pub(super) fn in_lines(parts: &[(usize, &[u8])]) -> Vec<CacheLine> {
     let end_of = |end: usize, align: usize, part: &[u8]| end.next_multiple_of(align) + part.len();
     let end = parts.iter().fold(0, |end, (align, part)| end_of(end, *align, part));
-    let mut lines = alloc::vec![Line([0; 64]); end.div_ceil(64)];
+    let mut lines = alloc::vec![CacheLine([0; 64]); end.div_ceil(64)];
     let bytes: &mut [u8] = bytemuck::cast_slice_mut(&mut lines);
     let mut end = 0;
     for (align, part) in parts {
@@ -29,7 +29,7 @@ pub(super) fn in_lines(parts: &[(usize, &[u8])]) -> Vec<Line> {
 /// A hierarchy that owns its bytes.
 #[derive(Clone, Debug)]
 pub struct Bvh<N, P = Triangles> {
-    lines: Vec<Line>,
+    lines: Vec<CacheLine>,
     layout: Layout,
     kind: PhantomData<(N, P)>,
 }

@@ -6,14 +6,14 @@ use core::arch::x86_64::{__cpuid, __cpuid_count, __get_cpuid_max, _xgetbv};
 #[derive(Copy, Clone, Debug)]
 pub(super) struct Feature {
     leaf: u32,
-    register: Register,
+    register: CpuidRegister,
     bit: u32,
     /// Required bits of XCR0.
     state: u64,
 }
 
 #[derive(Copy, Clone, Debug)]
-enum Register {
+enum CpuidRegister {
     Ebx,
     Ecx,
 }
@@ -30,15 +30,15 @@ impl Feature {
     /// appendix E.
     pub(super) const fn named(name: &str) -> Self {
         let (leaf, register, bit, state) = match name.as_bytes() {
-            b"popcnt" => (1, Register::Ecx, 23, NONE),
-            b"f16c" => (1, Register::Ecx, 29, YMM),
-            b"bmi1" => (7, Register::Ebx, 3, NONE),
-            b"avx2" => (7, Register::Ebx, 5, YMM),
-            b"bmi2" => (7, Register::Ebx, 8, NONE),
-            b"avx512f" => (7, Register::Ebx, 16, ZMM),
-            b"avx512bw" => (7, Register::Ebx, 30, ZMM),
-            b"avx512vl" => (7, Register::Ebx, 31, ZMM),
-            b"lzcnt" => (0x8000_0001, Register::Ecx, 5, NONE),
+            b"popcnt" => (1, CpuidRegister::Ecx, 23, NONE),
+            b"f16c" => (1, CpuidRegister::Ecx, 29, YMM),
+            b"bmi1" => (7, CpuidRegister::Ebx, 3, NONE),
+            b"avx2" => (7, CpuidRegister::Ebx, 5, YMM),
+            b"bmi2" => (7, CpuidRegister::Ebx, 8, NONE),
+            b"avx512f" => (7, CpuidRegister::Ebx, 16, ZMM),
+            b"avx512bw" => (7, CpuidRegister::Ebx, 30, ZMM),
+            b"avx512vl" => (7, CpuidRegister::Ebx, 31, ZMM),
+            b"lzcnt" => (0x8000_0001, CpuidRegister::Ecx, 5, NONE),
             _ => panic!("a feature without a row"),
         };
         Self { leaf, register, bit, state }
@@ -52,8 +52,8 @@ impl Feature {
         }
         let answer = __cpuid_count(self.leaf, 0);
         let register = match self.register {
-            Register::Ebx => answer.ebx,
-            Register::Ecx => answer.ecx,
+            CpuidRegister::Ebx => answer.ebx,
+            CpuidRegister::Ecx => answer.ecx,
         };
         register >> self.bit & 1 != 0 && saved_state() & self.state == self.state
     }

@@ -1,7 +1,5 @@
 //! Links: the target of a node's lane.
 
-use super::Dop;
-
 /// The target of a node's lane, in 32 bits.
 ///
 /// | bits | meaning |
@@ -125,12 +123,6 @@ impl Width {
         } else {
             code as u8
         })
-    }
-
-    /// The width of child `lane` of a node.
-    pub(crate) fn of_lane<N: Dop>(node: &N, lane: usize) -> Self {
-        let slab = |s: usize| node.value(2 * s, lane) + node.value(2 * s + 1, lane);
-        Self::of((slab(0) + slab(1)) + slab(2))
     }
 
     /// By how many powers of two this is wider than the other, in a frame whose unit is `2^exponent` times this one's.

@@ -62,3 +62,11 @@ pub trait Dop: Node {
         Self::Storage::value(self.plane(j, lane))
     }
 }
+
+impl Width {
+    /// The width of child `lane` of a node.
+    pub(crate) fn of_lane<N: Dop>(node: &N, lane: usize) -> Self {
+        let slab = |s: usize| node.value(2 * s, lane) + node.value(2 * s + 1, lane);
+        Self::of((slab(0) + slab(1)) + slab(2))
+    }
+}

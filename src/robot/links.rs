@@ -1,6 +1,8 @@
 //! Converts the links and joints of a URDF file to moving joints.
 
-use super::{LinkShape, LinkShapes, Robot, RobotError};
+use super::description::Robot;
+use super::error::RobotError;
+use super::shapes::{LinkShape, LinkShapes};
 use crate::motion::{Joint, JointKind, LinkBody, MotionError};
 use crate::pose::{Pose, PoseError};
 use alloc::string::{String, ToString};
@@ -10,7 +12,7 @@ use core::f64::consts::PI;
 use glam::{DQuat, DVec3, EulerRot};
 use urdf_rs::{Geometry, JointType};
 
-pub(super) fn read(text: &str, shapes: LinkShapes) -> Result<Robot, RobotError> {
+fn read(text: &str, shapes: LinkShapes) -> Result<Robot, RobotError> {
     let urdf =
         urdf_rs::read_from_string(text).map_err(|error| RobotError::Format { problem: error.to_string() })?;
     let mut robot = Robot {
@@ -63,6 +65,15 @@ pub(super) fn read(text: &str, shapes: LinkShapes) -> Result<Robot, RobotError> 
 }
 
 impl Robot {
+    /// The robot of a URDF file.
+    ///
+    /// # Errors
+    /// [`RobotError`]: the text is not a URDF file, the joints are not a tree, a joint has more than one degree of
+    /// freedom, invalid limits, an invalid mimic joint, or an invalid pose.
+    pub fn from_urdf(text: &str, shapes: LinkShapes) -> Result<Self, RobotError> {
+        read(text, shapes)
+    }
+
     /// `None` if it mimics a joint that is not a variable.
     fn moving_joint(
         &self,

@@ -1,7 +1,11 @@
 //! Queries of a scene at its current poses.
 
-use super::broad::{Batch, NearPair, are_turned_boxes_apart};
-use super::{BodyId, BodyTree, Scene, SceneError, Slot};
+use super::body::{BodyId, BodyTree};
+use super::body_size::are_turned_boxes_apart;
+use super::broad::{Batch, NearPair};
+use super::error::SceneError;
+use super::memory::Slot;
+use super::placement::Scene;
 use crate::pose::{Pose, Relative};
 use crate::query::{
     Answer, Completion, Distance, Hint, Lanes, Pair, Query, QueryStats, ToleranceError, Verdict, checked,

@@ -3,8 +3,10 @@
 //! The boxes of sixteen configurations are compared at a time, one in each lane. Near pairs are then tested one by one,
 //! the deepest of each configuration first, until two bodies of the configuration meet.
 
+use super::body::BodyId;
 use super::broad::{NearPair, depth, insert_by_depth};
-use super::{BodyId, Scene, SceneError};
+use super::error::SceneError;
+use super::placement::{self, Scene};
 use crate::isa::on_isa;
 use crate::kernel::Kernel;
 use crate::node::{Aabb16, Box3};
@@ -226,7 +228,7 @@ impl<N: Lanes> Sixteen<'_, '_, '_, N> {
             for lane in 0..self.poses.len() / self.moving {
                 let mut composed = Pose::IDENTITY;
                 let world = self.world(i, lane, &mut composed)?;
-                super::check(world)?;
+                placement::check(world)?;
                 let bounds = slot.size.bounds(world);
                 self.boxes[i].set_lane(lane, &bounds);
             }

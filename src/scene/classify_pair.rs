@@ -7,8 +7,10 @@
 //! is halved, along the joint whose share is greatest.
 
 use super::ask::AskedPair;
+use super::body::{BodyId, BodyTree};
 use super::check_motion::motion_bound_of_pair;
-use super::{BodyId, BodyTree, Scene, SceneError};
+use super::error::SceneError;
+use super::placement::Scene;
 use crate::motion::{JointMotion, Kinematics, LinkFrame, Motion};
 use crate::node::Dop;
 use crate::pose::Pose;

@@ -1,6 +1,6 @@
 //! Errors of scenes.
 
-use super::BodyId;
+use super::body::BodyId;
 #[cfg(doc)]
 use super::{Scene, boxes_for, rows_for};
 use crate::motion::MotionError;

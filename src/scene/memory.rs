@@ -1,7 +1,8 @@
 //! Memory of a scene: borrowed from the caller, or owned.
 
-use super::broad::BodySize;
-use super::{Body, SceneError};
+use super::body::Body;
+use super::body_size::BodySize;
+use super::error::SceneError;
 use crate::node::{Aabb16, Box3};
 use crate::pose::{Inverted, Pose, Relative};
 #[cfg(feature = "alloc")]

@@ -1,6 +1,8 @@
 //! Which pairs of bodies are tested.
 
-use super::{BodyId, Scene, SceneError};
+use super::body::BodyId;
+use super::error::SceneError;
+use super::placement::Scene;
 
 impl<N> Scene<'_, N> {
     /// Whether two bodies are tested against each other.

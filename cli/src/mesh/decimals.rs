@@ -1,6 +1,6 @@
 //! Coordinates of text files: the type that stores them without loss.
 
-use super::quote;
+use super::text::quote;
 use crate::error::Fault;
 
 /// A coordinate in a text file: the nearest `f64`.

@@ -17,26 +17,22 @@
 //! numbers such as `.5`, `tobj`'s errors name no line, `stl_io` rounds ASCII decimals to `f32`, and no maintained crate
 //! reads OFF.
 
+mod data;
 mod decimals;
 mod obj;
 mod off;
 mod ply;
 mod polygon;
 mod stl;
+mod text;
 mod xyz;
 
-use super::error::{Error, Fault, Place};
-use alloc::borrow::Cow;
-use decimals::{Decimals, coordinate};
-use std::collections::HashMap;
-use std::path::Path;
+pub(crate) use data::MeshData;
+pub(crate) use text::{check_last_line, lines, quote};
 
-/// Vertices and triangles in the form that the library takes.
-#[derive(Clone, PartialEq, Debug, Default)]
-pub(crate) struct MeshData {
-    pub(crate) vertices: Vec<[f64; 3]>,
-    pub(crate) triangles: Vec<[u32; 3]>,
-}
+use crate::error::{Error, Fault};
+use std::path::Path;
+use text::text;
 
 /// Whether a file without triangles is accepted.
 #[derive(Copy, Clone, PartialEq, Eq, Debug)]
@@ -87,147 +83,10 @@ pub(crate) fn points(path: &Path, bytes: &[u8]) -> Result<Vec<[f64; 3]>, Error> 
     }
 }
 
-/// Checks that a point can be in a cloud, whose coordinates are `f32`. Otherwise returns the problem.
-fn check_single(point: [f64; 3]) -> Result<(), String> {
-    match point.iter().find(|x| !(**x as f32).is_finite()) {
-        Some(x) => Err(format!("the coordinate {x:?} is beyond f32")),
-        None => Ok(()),
-    }
-}
-
-/// Comments may have any encoding: invalid UTF-8 becomes U+FFFD, which no number or keyword contains.
-fn text(bytes: &[u8]) -> Cow<'_, str> {
-    let bytes = bytes.strip_prefix("\u{feff}".as_bytes()).unwrap_or(bytes);
-    String::from_utf8_lossy(bytes)
-}
-
-/// The lines of a text, numbered from 1. A line ends in LF, CR LF or CR.
-pub(crate) fn lines(text: &str) -> impl Iterator<Item = (usize, &str)> {
-    let mut rest = text;
-    (1..).map_while(move |number| {
-        let end = rest.bytes().position(|b| matches!(b, b'\n' | b'\r')).unwrap_or(rest.len());
-        let (line, after) = rest.split_at(end);
-        let is_line = !rest.is_empty();
-        rest = after.strip_prefix("\r\n").or_else(|| after.strip_prefix(['\n', '\r'])).unwrap_or(after);
-        is_line.then_some((number, line))
-    })
-}
-
-/// Rejects a text whose last line does not end. `first_line` is the number of its first line.
-pub(crate) fn check_last_line(text: &str, first_line: usize) -> Result<(), Fault> {
-    if text.is_empty() || text.ends_with(['\n', '\r']) {
-        return Ok(());
-    }
-    let last = first_line + lines(text).count() - 1;
-    Err(Fault::line(
-        last,
-        "the last line does not end: if the file was not cut there, end it with a line break",
-    ))
-}
-
-/// The faces of a file before triangulation: their vertices may come later.
-#[derive(Default)]
-struct Faces {
-    corners: Vec<u32>,
-    /// Where each face ends in `corners`, and its place in the file.
-    ends: Vec<(usize, Place)>,
-}
-
-impl Faces {
-    fn add(&mut self, corners: impl IntoIterator<Item = u32>, place: Place) -> Result<(), Fault> {
-        let start = self.corners.len();
-        self.corners.extend(corners);
-        let count = self.corners.len() - start;
-        if count < 3 {
-            let problem = format!("a face with {count} corners, at least 3 are needed");
-            return Err(Fault { place, problem });
-        }
-        self.ends.push((self.corners.len(), place));
-        Ok(())
-    }
-
-    fn iter(&self) -> impl Iterator<Item = (&[u32], Place)> {
-        let mut start = 0;
-        self.ends
-            .iter()
-            .map(move |&(end, place)| (&self.corners[core::mem::replace(&mut start, end)..end], place))
-    }
-
-    /// The mesh of these faces. Every corner must be one of the vertices.
-    fn into_mesh(self, vertices: Vec<[f64; 3]>) -> Result<MeshData, Fault> {
-        let mut triangles = Vec::with_capacity(self.ends.len());
-        let mut points = Vec::new();
-        for (corners, place) in self.iter() {
-            if let &[a, b, c] = corners {
-                triangles.push([a, b, c]);
-                continue;
-            }
-            points.clear();
-            points.extend(corners.iter().map(|&v| vertices[v as usize]));
-            polygon::triangulate(&points, |t| triangles.push(t.map(|i| corners[i])))
-                .map_err(|problem| Fault { place, problem: problem.into() })?;
-        }
-        Ok(MeshData { vertices, triangles }.joined())
-    }
-}
-
-impl MeshData {
-    /// The mesh of triangles given by their corners.
-    pub(crate) fn of(soup: &[[[f64; 3]; 3]]) -> Self {
-        let first_corners = (0..soup.len() as u32).map(|i| 3 * i);
-        Self { vertices: soup.concat(), triangles: first_corners.map(|c| [c, c + 1, c + 2]).collect() }
-            .joined()
-    }
-
-    /// Merges vertices whose coordinates have the same bits, and drops those that no triangle uses.
-    fn joined(self) -> Self {
-        let mut vertices = Vec::new();
-        let mut known: HashMap<[u64; 3], u32> = HashMap::new();
-        let mut places = vec![None; self.vertices.len()];
-        let mut place = |v: u32| {
-            let p = self.vertices[v as usize];
-            *places[v as usize].get_or_insert_with(|| {
-                *known.entry(p.map(f64::to_bits)).or_insert_with(|| {
-                    vertices.push(p);
-                    (vertices.len() - 1) as u32
-                })
-            })
-        };
-        let triangles = self.triangles.iter().map(|t| t.map(&mut place)).collect();
-        Self { vertices, triangles }
-    }
-}
-
-/// A word of a file, shortened and made printable for a message.
-pub(crate) fn quote(word: &str) -> String {
-    let short: String = word.chars().take(40).flat_map(char::escape_debug).collect();
-    if word.chars().nth(40).is_some() { format!("'{short}...'") } else { format!("'{short}'") }
-}
-
-/// The number of remaining words, which must all be numbers. Their values are ignored.
-fn numbers_left<'a>(words: &mut impl Iterator<Item = &'a str>, line: usize) -> Result<usize, Fault> {
-    let mut count = 0;
-    for word in words {
-        word.parse::<f64>().map_err(|_| Fault::line(line, format!("{} is not a number", quote(word))))?;
-        count += 1;
-    }
-    Ok(count)
-}
-
-/// A count, or an index from 0, in a text file. Indices are 32 bits wide in a tree.
-fn count(word: Option<&str>, line: usize) -> Result<u32, Fault> {
-    let word = word.ok_or_else(|| Fault::line(line, "a count or index is missing"))?;
-    word.parse().map_err(|_| Fault::line(line, format!("{} is not a count or index", quote(word))))
-}
-
-/// The message for an invalid index from 0.
-fn unknown_vertex(index: i64, count: usize) -> String {
-    format!("vertex {index} of {count}, counted from 0, does not exist")
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::error::Place;
 
     #[test]
     fn the_extension_decides() {

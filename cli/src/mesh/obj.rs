@@ -1,7 +1,9 @@
 //! Wavefront OBJ: vertices and polygons. Other statements of the format are skipped, except those that hold, or may
 //! hold, a surface: skipping these would lose a part of the body, so they are errors, as is every unknown word.
 
-use super::{Decimals, Faces, MeshData, check_last_line, coordinate, count, lines, numbers_left, quote};
+use super::data::{Faces, MeshData};
+use super::decimals::{Decimals, coordinate};
+use super::text::{check_last_line, count, lines, numbers_left, quote};
 use crate::error::{Fault, Place};
 use alloc::borrow::Cow;
 

@@ -1,7 +1,9 @@
 //! OFF: counts, vertices, polygons. Comments, normals, colours and texture coordinates are skipped, but their number is
 //! checked.
 
-use super::{Decimals, Faces, MeshData, check_last_line, count, lines, numbers_left, quote, unknown_vertex};
+use super::data::{Faces, MeshData};
+use super::decimals::Decimals;
+use super::text::{check_last_line, count, lines, numbers_left, quote, unknown_vertex};
 use crate::error::{Fault, Place};
 
 /// First words: with texture coordinates (ST), colours (C), normals (N); and how many numbers may follow the three

@@ -1,9 +1,9 @@
 //! PLY, ASCII and binary of either byte order. The crate `ply-rs-bw` reads headers and binary elements; ASCII elements
 //! are read here.
 
-use super::{
-    Decimals, Faces, MeshData, check_last_line, check_single, count, lines, quote, text, unknown_vertex,
-};
+use super::data::{Faces, MeshData};
+use super::decimals::Decimals;
+use super::text::{check_last_line, check_single, count, lines, quote, text, unknown_vertex};
 use crate::error::{Fault, Place};
 use ply_rs_bw::parser::{ParseError, Parser, Reader};
 use ply_rs_bw::ply::{

@@ -1,6 +1,8 @@
 //! STL, binary and ASCII. Both are triangles without indices: corners with the same bits become one vertex.
 
-use super::{Decimals, MeshData, lines, quote, text};
+use super::data::MeshData;
+use super::decimals::Decimals;
+use super::text::{lines, quote, text};
 use crate::error::Fault;
 
 /// Bytes before the triangles of a binary file: a free-form header and a count.

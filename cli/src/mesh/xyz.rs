@@ -4,7 +4,8 @@
 //! are ignored, but all lines must have equally many numbers, so that a line that lost one does not pass for another
 //! point. `#` begins a comment, to the end of the line.
 
-use super::{Decimals, check_last_line, check_single, lines, numbers_left};
+use super::decimals::Decimals;
+use super::text::{check_last_line, check_single, lines, numbers_left};
 use crate::error::Fault;
 
 pub(super) fn points(text: &str) -> Result<Vec<[f64; 3]>, Fault> {

@@ -1,6 +1,8 @@
 //! A body at poses, and whether points are near it.
 
-use super::{Options, Points, cloud, fastest};
+use super::cloud::{self, Points};
+use super::options::Options;
+use super::timing::fastest;
 use crate::body::{self, Source};
 use crate::error::Error;
 use crate::verdicts::Summary;

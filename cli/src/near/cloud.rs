@@ -1,6 +1,7 @@
 //! The cloud: read or generated, and its tree.
 
-use super::Options;
+use super::options::Options;
+use super::timing::fastest;
 use crate::error::Error;
 use crate::{demo, mesh, progress};
 use core::mem::size_of_val;
@@ -68,7 +69,7 @@ impl Points {
             PointCloud::new(&self.points)
                 .map_err(|error| Error::PointCloud { name: self.name.clone(), error })
         };
-        let (cloud, time) = super::fastest(repeat, build)?;
+        let (cloud, time) = fastest(repeat, build)?;
         let view = cloud.view();
         // The owner stores the places, one number for each index.
         let bytes =

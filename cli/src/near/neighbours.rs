@@ -1,7 +1,9 @@
 //! All neighbours of all points.
 
+use super::cloud::{self, Points};
 use super::histogram::Histogram;
-use super::{Options, Points, cloud, fastest};
+use super::options::Options;
+use super::timing::fastest;
 use crate::error::Error;
 use crate::output;
 use core::fmt::Write as _;

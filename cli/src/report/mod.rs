@@ -14,6 +14,7 @@ mod approach;
 mod clock;
 mod covers;
 mod front;
+mod html;
 mod packings;
 mod page;
 mod peers;

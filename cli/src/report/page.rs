@@ -5,6 +5,7 @@
 use super::approach::{DISTANCES, PerDistance};
 use super::clock::ROUNDS;
 use super::front::SAME_TIME;
+use super::html::{escaped, letter};
 use super::packings::Packings;
 use super::plot::{self, COLOURS, Label, Mark, Panel, Rank, Shape};
 use super::results::{Measured, Results, Subject, short};
@@ -189,11 +190,6 @@ fn quantity_plots(page: &mut String, results: &Results, (title, axis, value): &Q
     let _ = write!(page, "<h2>{title}, and the time of a query</h2>\n{}\n", plot::row(&panels));
 }
 
-/// The name of a peer in the plots.
-pub(super) fn letter(index: usize) -> String {
-    char::from(b'a' + (index % 26) as u8).to_string()
-}
-
 fn packings(page: &mut String, results: &Results) {
     match &results.packings {
         Packings::None => {}
@@ -251,8 +247,4 @@ fn definitions(page: &mut String, results: &Results) {
          <dt>Left out</dt><dd>Planes as f32, which the library does not build: <code>cargo bench --bench \
          ablation</code> compares them, in a traversal of its own.</dd>\n</dl>\n"
     );
-}
-
-pub(super) fn escaped(text: &str) -> String {
-    text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
 }

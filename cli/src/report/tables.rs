@@ -1,7 +1,7 @@
 //! The tables of the page.
 
 use super::approach::DISTANCES;
-use super::page::{escaped, letter};
+use super::html::{escaped, letter};
 use super::results::{Results, short};
 use core::fmt::Write;
 

@@ -2,7 +2,7 @@
 
 use super::model::Model;
 use super::problems::Problem;
-use super::timed;
+use super::timing::{median, timed};
 use super::world::World;
 use crate::random::{Random, towards};
 use serde::Serialize;
@@ -81,8 +81,8 @@ impl Edges {
                 missed_by_samples: kind.missed,
                 mean_times: mean(kind.times),
                 mean_samples: mean(kind.samples),
-                median_microseconds: super::median(kind.certified),
-                sampled_median_microseconds: super::median(kind.sampled),
+                median_microseconds: median(kind.certified),
+                sampled_median_microseconds: median(kind.sampled),
             }
         };
         ["start to goal", "random"].into_iter().zip(self.kinds).map(report).collect()

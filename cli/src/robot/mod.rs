@@ -3,72 +3,27 @@
 mod edges;
 mod fates;
 mod model;
+mod options;
 mod problems;
+mod timing;
 mod validity;
 mod world;
 
-use super::error::Error;
-use super::random::Random;
-use super::{File, isa, progress};
-use clap::{Args, ValueEnum};
+pub(super) use options::Options;
+
+use crate::error::Error;
+use crate::progress;
+use crate::random::Random;
 use edges::{EdgeReport, Edges};
 use fates::FatesReport;
 use model::Model;
 use problems::Problem;
 use serde::Serialize;
-use simdop::isa::Isa;
 use simdop::query::Query;
-use simdop::robot::LinkShapes;
 use simdop::scene::SceneError;
 use std::io::{BufWriter, Write};
-use std::time::Instant;
 use validity::{Validity, ValidityReport};
 use world::World;
-
-#[derive(Args, Debug)]
-pub(super) struct Options {
-    /// The robot. Without it: a built-in arm, with problems and pairs.
-    urdf: Option<File>,
-    /// The pairs of links that are not tested. Without it: all pairs that joints move are tested, adjacent links
-    /// included.
-    #[arg(long, value_name = "FILE", requires = "urdf")]
-    srdf: Option<File>,
-    /// Which shapes of a link are its bodies. Closed meshes become solids.
-    #[arg(long, value_enum, default_value = "collision")]
-    shapes: ShapesName,
-    /// Planning problems, one JSON object per line in MotionBenchMaker's form: `start`, `goals` and `obstacles`. Are
-    /// starts, goals and random configurations valid, and the motions between them free?
-    #[arg(long, value_name = "FILE", requires = "urdf")]
-    problems: Option<File>,
-    /// Classify whether each pair of bodies can meet, with at most this many boxes of joint values, and compare with
-    /// the SRDF [default for the built-in arm: 20000].
-    #[arg(long, value_name = "BOXES", value_parser = clap::value_parser!(u32).range(1..))]
-    pairs: Option<u32>,
-    /// Random motions of each problem, in addition to those from its start to its goals [default: 10].
-    #[arg(long, value_name = "COUNT")]
-    edges: Option<u32>,
-    /// Instruction set: auto, scalar, neon, avx2 or avx512.
-    #[arg(long, default_value = "auto", value_parser = isa)]
-    isa: Isa,
-    /// Print one JSON object instead of a table.
-    #[arg(long)]
-    json: bool,
-}
-
-#[derive(ValueEnum, Copy, Clone, Debug)]
-enum ShapesName {
-    Collision,
-    Visual,
-}
-
-impl From<ShapesName> for LinkShapes {
-    fn from(shapes: ShapesName) -> Self {
-        match shapes {
-            ShapesName::Collision => Self::Collision,
-            ShapesName::Visual => Self::Visual,
-        }
-    }
-}
 
 #[derive(Serialize)]
 struct Report {
@@ -228,25 +183,4 @@ impl Report {
         }
         out.flush()
     }
-}
-
-/// The answer, which is the same each time, and the shortest of three times, in microseconds.
-fn timed<R>(mut ask: impl FnMut() -> Result<R, SceneError>) -> Result<(R, f64), SceneError> {
-    let mut once = || {
-        let start = Instant::now();
-        ask().map(|answer| (answer, start.elapsed().as_secs_f64() * 1e6))
-    };
-    let (answer, first) = once()?;
-    Ok((answer, first.min(once()?.1).min(once()?.1)))
-}
-
-/// Zero for an empty slice.
-fn mean(values: &[f64]) -> f64 {
-    values.iter().sum::<f64>() / values.len().max(1) as f64
-}
-
-/// Zero for an empty slice.
-fn median(mut values: Vec<f64>) -> f64 {
-    values.sort_by(f64::total_cmp);
-    values.get(values.len() / 2).copied().unwrap_or(0.0)
 }

@@ -1,6 +1,6 @@
 //! A robot with the trees of its bodies, from its description and the mesh files that this refers to.
 
-use super::Options;
+use super::options::Options;
 use crate::error::{Error, Fault};
 use crate::mesh::{self, Empty};
 use crate::progress;

@@ -2,7 +2,7 @@
 
 use super::model::Model;
 use super::problems::Problem;
-use super::timed;
+use super::timing::{mean, median, timed};
 use super::world::World;
 use crate::random::Random;
 use serde::Serialize;
@@ -80,8 +80,8 @@ impl Validity {
             kind,
             configurations: of.microseconds.len(),
             valid: of.valid,
-            mean_microseconds: super::mean(&of.microseconds),
-            median_microseconds: super::median(of.microseconds),
+            mean_microseconds: mean(&of.microseconds),
+            median_microseconds: median(of.microseconds),
         };
         let hit = |(bodies, configurations)| HitReport { bodies, configurations };
         let mut hits: Vec<_> = self.hits.into_iter().map(hit).collect();

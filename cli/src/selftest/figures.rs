@@ -2,6 +2,7 @@
 
 use super::draw::{Draw, NO_TURN, Turn, add, dot, minus, scaled};
 use super::oracle::{Convex, Figure, Matrix, placed};
+use super::trial::POSES;
 use simdop::primitive::triangle::Triangle;
 use simdop::range::Point;
 
@@ -160,7 +161,7 @@ pub(super) fn any_turn(draw: &mut Draw) -> Turn {
 
 /// As many poses as a trial has.
 pub(super) fn poses(draw: &mut Draw, mut pose: impl FnMut(&mut Draw) -> Matrix) -> Vec<Matrix> {
-    (0..super::cases::POSES).map(|_| pose(draw)).collect()
+    (0..POSES).map(|_| pose(draw)).collect()
 }
 
 /// Scales the triangles of a body.

@@ -13,10 +13,11 @@ mod oracle;
 mod points;
 mod tally;
 mod trees;
+mod trial;
 
 use super::error::Error;
 use super::progress;
-use cases::{CASES, HardCase, Maker, Trial};
+use cases::{CASES, HardCase, Maker};
 use check::Wrong;
 use clap::Args;
 use draw::Draw;
@@ -29,6 +30,7 @@ use std::io::{BufWriter, Write};
 use std::time::Instant;
 use tally::{Asked, CaseReport, Tally};
 use trees::{Bodies, BodyTrees, TreeFormat};
+use trial::Trial;
 
 #[derive(Args, Debug)]
 pub(super) struct Options {
@@ -81,7 +83,7 @@ pub(super) fn run(options: &Options) -> Result<u8, Error> {
     let start = Instant::now();
     let mut reports = Vec::new();
     for (case, count) in selected.iter().zip(counts) {
-        let mut tally = Tally::new(case, options.seed, &tick);
+        let mut tally = Tally::new([case.name, case.benign], options.seed, &tick);
         run_case(case, count, options.seed, &mut tally)?;
         let mut report = tally.finished();
         report.compare(&reports);
@@ -301,7 +303,7 @@ mod tests {
             let figure =
                 |figure: &Figure| Figure::surface(resized(figure.triangles().copied().collect(), by));
             let bodies = Resized { a: figure(&drawn.a), b: figure(&drawn.b), is_unequal };
-            let mut tally = Tally::new(&CASES[0], 1, &|| ());
+            let mut tally = Tally::new([CASES[0].name, CASES[0].benign], 1, &|| ());
             ask(&bodies, &drawn, (0, &format), &mut tally).unwrap();
             tally.finished()
         };

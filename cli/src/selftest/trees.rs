@@ -1,7 +1,7 @@
 //! The bodies of a trial as trees of every format, queried on every instruction set.
 
-use super::cases::Trial;
 use super::oracle::{Convex, Figure};
+use super::trial::Trial;
 use core::ops::ControlFlow;
 use simdop::construct::{BuildError, Builder, Geometry, Mesh, SphereSet, Splitter};
 use simdop::hierarchy::AnyBvh;

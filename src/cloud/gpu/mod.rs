@@ -65,6 +65,7 @@
 //! several batches. The buffers are reused by later searches.
 
 mod error;
+mod limits;
 mod memory;
 mod search;
 mod shader;
@@ -72,6 +73,7 @@ mod shader;
 mod tests;
 
 pub use error::DeviceCloudError;
+pub use limits::{FARTHEST, LEAST_SQUARE};
 
 use super::{CloudError, CloudRef};
 use crate::device::{Compiled, DeviceError, Gpu};
@@ -84,15 +86,6 @@ use core::time::Duration;
 use memory::{CloudBinding, DeviceMemory, SearchData, TreeLevel};
 use shader::{CloudShader, WORKGROUP};
 use std::time::Instant;
-
-/// The largest absolute value of a coordinate on a device: 2^60.
-pub const FARTHEST: f32 = crate::exact::power_of_two(60) as f32;
-
-/// The least square of a radius on a device: 2^-76.
-pub const LEAST_SQUARE: f32 = crate::exact::power_of_two(-76) as f32;
-
-/// The device's squares are exact if they are at least this. If one is less, the exact square is less too.
-const SURE_SQUARE: f32 = 2.0 * LEAST_SQUARE;
 
 /// Where the time of a call went.
 #[derive(Copy, Clone, PartialEq, Eq, Default, Debug)]
@@ -288,7 +281,7 @@ impl<'g> DeviceCloud<'g> {
             for &(kernel, level, groups) in work.iter().filter(|(.., groups)| *groups > 0) {
                 let (_, bindings) = kernel.interface();
                 let entry = |&binding: &CloudBinding| (binding as u32, self.memory.resource(binding, level));
-                let group = self.compiled.bind(gpu, kernel as usize, bindings.iter().map(entry));
+                let group = self.compiled.bind(&gpu.device, kernel as usize, bindings.iter().map(entry));
                 pass.set_pipeline(self.compiled.pipeline(kernel as usize));
                 pass.set_bind_group(0, &group, &[]);
                 pass.dispatch_workgroups(groups.min(most) as u32, groups.div_ceil(most) as u32, 1);

@@ -1,7 +1,7 @@
 //! The compute shaders: their source and interfaces.
 
 use super::memory::CloudBinding;
-use crate::device::{Gpu, Program};
+use crate::device::Program;
 use crate::hierarchy::MAX_DEPTH;
 use crate::node::{Bucket, FIRST, INDEX, LEAF_BIT};
 use alloc::format;
@@ -92,7 +92,7 @@ impl CloudShader {
 
 /// The WGSL source of all kernels.
 pub(super) fn source() -> String {
-    let sure = super::SURE_SQUARE.to_bits();
+    let sure = super::limits::SURE_SQUARE.to_bits();
     let constants = format!(
         "const WORKGROUP = {WORKGROUP}u;\nconst PARTS = {}u;\nconst UNUSED = {}u;\nconst UNSURE = {UNSURE}u;\n\
         const NO_BUCKET = {NO_BUCKET}u;\nconst LEAF_BIT = {LEAF_BIT}u;\nconst NODE_BITS = {INDEX}u;\n\
@@ -118,7 +118,7 @@ pub(super) fn program() -> Program {
     Program {
         label: "simdop cloud",
         variant: 0,
-        source: |_, _: &Gpu| source(),
+        source: |_, _| source(),
         kernels: CloudShader::ALL.iter().map(|kernel| kernel.interface().0).collect(),
     }
 }

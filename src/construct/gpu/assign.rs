@@ -1,12 +1,11 @@
-//! Level by level: what the device does, and what the host does.
+//! The work of device and host, level by level.
 
 use super::error::GpuError;
 use super::jobs::Jobs;
 use super::memory::{Binding, Sizes, TreeMemory};
 use super::shader::{SMALL, STEPS_AT_ONCE, Shader, balance_dispatches, bind, program};
-use crate::construct::levels::{self, Level};
-use crate::construct::neural_gas::{Clusterer, Samples};
-use crate::construct::{Assignment, Observer};
+use crate::construct::split::neural_gas::{Clusterer, Samples};
+use crate::construct::split::{Assignment, Level, Observer, by_level};
 use crate::device::{Compiled, Gpu};
 use crate::halving::Halving;
 use alloc::sync::Arc;
@@ -15,24 +14,23 @@ use core::ops::Range;
 use core::time::Duration;
 use std::time::Instant;
 
-/// Where the time of a build on a device went.
+/// The times of a build on a device.
 #[derive(Copy, Clone, Default, Debug)]
 #[non_exhaustive]
 pub struct Spent {
-    /// Memory allocated, positions and weights moved to the device.
+    /// Allocation, and transfer of positions and weights to the device.
     pub upload: Duration,
-    /// Waited for the device, for each level once.
+    /// Waiting for the device, once per level.
     pub device: Duration,
-    /// The order of the primitives moved back.
+    /// Transfer of the order of the primitives to the host.
     pub download: Duration,
-    /// Bytes read back in the middle of the build: where the lanes of each level end, and nodes that the
-    /// host cut by axes.
+    /// Bytes read back during the build: ends of the lanes of each level, and nodes that the host cuts by axes.
     pub read_back: u64,
-    /// Bytes of all buffers.
+    /// Size of all buffers in bytes.
     pub memory: u64,
 }
 
-/// The shape of a tree over a samples, as [`crate::construct::neural_gas::assign`] has it.
+/// The shape of a tree over samples, equal to that of [`crate::construct::split::neural_gas::assign`].
 pub(in crate::construct) fn assign(
     gpu: &Gpu,
     samples: &Samples<'_>,
@@ -47,18 +45,17 @@ pub(in crate::construct) fn assign(
     }
 }
 
-/// Marks places of `Build::order` that the device's order has.
+/// Marks places of `Build::order` whose primitives only the device has.
 const ON_DEVICE: u32 = u32::MAX;
 
-/// A tree that is being built.
+/// A build in progress.
 struct Build<'a, const N: usize> {
     gpu: &'a Gpu,
     clusterer: Clusterer<'a, N>,
     compiled: Arc<Compiled>,
     memory: TreeMemory,
     groups: Vec<wgpu::BindGroup>,
-    /// Primitives of nodes so small that they and all below them are cut by axes, in their places; else
-    /// [`ON_DEVICE`].
+    /// Primitives of nodes that are cut by axes with all nodes below them, in their places; elsewhere [`ON_DEVICE`].
     order: Vec<u32>,
     spent: Spent,
 }
@@ -118,7 +115,7 @@ impl<'a, const N: usize> Build<'a, N> {
         let halving = self.clusterer.halving;
         let total = self.order.len();
         let cut = |level: &Level<'_>, ends: &mut [u32]| self.cut_level(level, ends);
-        let ends = levels::by_level(total, N, halving.leaf_size, observer, cut)?;
+        let ends = by_level(total, N, halving.leaf_size, observer, cut)?;
         let start = Instant::now();
         let gpu = self.gpu;
         let order = gpu.guarded(0, || self.read_order(core::slice::from_ref(&(0..total))))?;
@@ -133,7 +130,7 @@ impl<'a, const N: usize> Build<'a, N> {
         let (mut on_device, mut by_axes) = (Vec::new(), Vec::new());
         for (i, (range, ends)) in level.nodes.iter().zip(ends.chunks_exact_mut(N)).enumerate() {
             if range.len() <= N {
-                // A lane for each.
+                // One primitive per lane.
                 ends.iter_mut().zip(1..).for_each(|(end, i)| *end = range.end.min(range.start + i) as u32);
             } else if self.is_on_host(range) || self.clusterer.is_too_deep(level.levels_left, range.len()) {
                 by_axes.push(i);
@@ -167,14 +164,14 @@ impl<'a, const N: usize> Build<'a, N> {
         self.order[range.start] != ON_DEVICE
     }
 
-    /// Clusters nodes on the device. Where their lanes end.
+    /// Clusters nodes on the device. Returns the ends of their lanes.
     fn run(&mut self, jobs: &Jobs) -> Result<Vec<u32>, GpuError> {
         let start = Instant::now();
         self.write(Binding::Level, &[jobs.level]);
         self.write(Binding::Nodes, &jobs.nodes);
         self.write(Binding::Chunks, &jobs.chunks);
         self.submit(jobs, &[Shader::Bounds, Shader::Start, Shader::LocalCoordinates]);
-        // Not all in one: a system may stop a device that works too long on one submission.
+        // In several submissions: a system may stop a device that works too long on one.
         for steps in self.clusterer.schedule.chunks(STEPS_AT_ONCE) {
             let each = [Shader::Accumulate, Shader::Update].repeat(steps.len());
             self.submit(jobs, &[&*each, &[Shader::Cluster]].concat());
@@ -210,7 +207,7 @@ impl<'a, const N: usize> Build<'a, N> {
         self.gpu.queue.submit([encoder.finish()]);
     }
 
-    /// Words of a buffer, one range after the other.
+    /// The words of several ranges of a buffer, concatenated.
     fn read_ranges(&self, binding: Binding, ranges: &[Range<usize>]) -> Result<Vec<u32>, GpuError> {
         let (mut encoder, mut bytes) =
             (self.gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default()), 0);
@@ -231,7 +228,7 @@ impl<'a, const N: usize> Build<'a, N> {
         self.read_ranges(Binding::Order, ranges)
     }
 
-    /// Takes nodes off the device for good.
+    /// Transfers the primitives of nodes to the host, which keeps them.
     fn fetch(&mut self, level: &Level<'_>, nodes: &[usize]) -> Result<(), GpuError> {
         let ranges: Vec<_> = nodes.iter().map(|&i| level.nodes[i].clone()).collect();
         let gpu = self.gpu;
@@ -246,7 +243,7 @@ impl<'a, const N: usize> Build<'a, N> {
         Ok(())
     }
 
-    /// Cuts nodes in full precision, which the host alone has.
+    /// Cuts nodes by axes in full precision, which only the host has.
     fn cut_by_axes(&mut self, level: &Level<'_>, nodes: &[usize], ends: &mut [u32]) -> Result<(), GpuError> {
         let visiting: Vec<usize> =
             nodes.iter().copied().filter(|&i| !self.is_on_host(&level.nodes[i])).collect();

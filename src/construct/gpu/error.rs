@@ -1,6 +1,6 @@
-//! What can go wrong with a build on a device.
+//! Errors of builds on a device.
 
-use crate::construct::BuildError;
+use crate::construct::error::BuildError;
 use crate::device::DeviceError;
 use core::fmt;
 
@@ -8,12 +8,11 @@ use core::fmt;
 #[derive(Clone, PartialEq, Debug)]
 #[non_exhaustive]
 pub enum GpuError {
-    /// The device has failed.
+    /// The device failed.
     Device(DeviceError),
-    /// The builder's splitter does not run on devices: only [`crate::construct::Splitter::BatchNeuralGas`]
-    /// does.
+    /// The splitter does not run on devices: only [`crate::construct::Splitter::BatchNeuralGas`] does.
     Splitter,
-    /// Not a matter of the device: the mesh cannot be built, or the build was cancelled.
+    /// The mesh is invalid, or the build was cancelled.
     Build(BuildError),
 }
 

@@ -1,9 +1,9 @@
-//! What the host tells the device about a level.
+//! The nodes and chunks of a level, for the device.
 
+use super::chunks::{BALANCED_SIZE, MAX_CHUNKS, MIN_CHUNK};
 use super::memory::{self, Chunk, NodeData};
-use super::shader::{BALANCED_SIZE, MAX_CHUNKS, MIN_CHUNK};
-use crate::construct::levels::Level;
-use crate::construct::neural_gas::Clusterer;
+use crate::construct::split::Level;
+use crate::construct::split::neural_gas::Clusterer;
 use alloc::vec::Vec;
 use core::ops::Range;
 
@@ -12,7 +12,7 @@ pub(super) struct Jobs {
     pub(super) level: memory::LevelData,
     pub(super) nodes: Vec<NodeData>,
     pub(super) chunks: Vec<Chunk>,
-    /// Of the nodes in their level.
+    /// Indices of the nodes in their level.
     pub(super) numbers: Vec<usize>,
 }
 

@@ -1,11 +1,11 @@
-//! What lies in the device's memory.
+//! Buffers on the device.
 
-use super::shader::{BALANCED_SIZE, MIN_CHUNK};
+use super::chunks::{BALANCED_SIZE, MIN_CHUNK};
 use crate::device::DeviceError;
 use alloc::vec::Vec;
 use bytemuck::{Pod, Zeroable};
 
-/// Of all dispatches of a level.
+/// Parameters of all dispatches of a level.
 #[repr(C)]
 #[derive(Copy, Clone, Pod, Zeroable, Default, Debug)]
 pub(super) struct LevelData {
@@ -18,7 +18,7 @@ pub(super) struct LevelData {
     pub(super) weighted: u32,
 }
 
-/// A node of the level that is clustered.
+/// A clustered node of the level.
 #[repr(C)]
 #[derive(Copy, Clone, Pod, Zeroable, Debug)]
 pub(super) struct NodeData {
@@ -29,7 +29,7 @@ pub(super) struct NodeData {
     pub(super) chunks: u32,
 }
 
-/// Primitives that one workgroup handles.
+/// The primitives of one workgroup.
 #[repr(C)]
 #[derive(Copy, Clone, Pod, Zeroable, Debug)]
 pub(super) struct Chunk {
@@ -38,7 +38,7 @@ pub(super) struct Chunk {
     pub(super) count: u32,
 }
 
-/// A node, while it is clustered.
+/// The state of a node during clustering.
 #[repr(C)]
 #[derive(Copy, Clone, Pod, Zeroable, PartialEq, Eq, Default, Debug)]
 pub(super) struct State {
@@ -93,7 +93,7 @@ impl Binding {
     ];
 }
 
-/// How large a tree's buffers are.
+/// The sizes of a tree's buffers.
 #[derive(Copy, Clone, Debug)]
 pub(super) struct Sizes {
     pub(super) primitives: usize,
@@ -103,13 +103,13 @@ pub(super) struct Sizes {
 }
 
 impl Sizes {
-    /// Nodes of a level that are clustered, at most: each has more primitives than lanes. Also the chunks of
-    /// a level: only nodes so large that it does not matter have more than one.
+    /// Largest number of clustered nodes of a level: each has more primitives than lanes. Also bounds the chunks of a
+    /// level: only very large nodes have more than one.
     pub(super) fn nodes(&self) -> usize {
         self.primitives / (self.lanes + 1) + 1
     }
 
-    /// Bytes of a buffer.
+    /// Size of a buffer in bytes.
     pub(super) fn bytes(&self, binding: Binding) -> u64 {
         let (primitives, lanes, nodes) = (self.primitives, self.lanes, self.nodes());
         let words = |count: usize| 4 * count as u64;
@@ -130,18 +130,17 @@ impl Sizes {
         }
     }
 
-    /// Bytes of the buffer through which the host reads: the order of all primitives, or the ends of a
-    /// level's nodes.
+    /// Size in bytes of the buffer for reads by the host: the order of all primitives, or the ends of a level's nodes.
     fn staging_bytes(&self) -> u64 {
         self.bytes(Binding::Order).max(self.bytes(Binding::Ends))
     }
 
-    /// Of all buffers.
+    /// Size of all buffers in bytes.
     pub(super) fn total(&self) -> u64 {
         Binding::ALL.iter().map(|&binding| self.bytes(binding)).sum::<u64>() + self.staging_bytes()
     }
 
-    /// The first buffer that is larger than the device's limits allow.
+    /// Checks that every buffer is within the limits of the device.
     pub(super) fn check(&self, limits: &wgpu::Limits) -> Result<(), DeviceError> {
         let most = limits.max_storage_buffer_binding_size.min(limits.max_buffer_size);
         let largest = Binding::ALL.iter().map(|&binding| self.bytes(binding)).fold(0, u64::max);
@@ -153,12 +152,12 @@ impl Sizes {
     }
 }
 
-/// Chunks of large nodes, at most.
+/// Largest number of chunks of large nodes.
 fn max_large_chunks(primitives: usize) -> usize {
     primitives / MIN_CHUNK + primitives / BALANCED_SIZE + 1
 }
 
-/// A tree's buffers, allocated once.
+/// The buffers of a tree, allocated once.
 pub(super) struct TreeMemory {
     buffers: Vec<wgpu::Buffer>,
     pub(super) staging: wgpu::Buffer,

@@ -1,9 +1,9 @@
-//! Batch Neural Gas on a device, through wgpu: all nodes of a level at once, and the scalar builder's trees,
-//! byte for byte.
+//! Batch Neural Gas on a device, through wgpu: all nodes of a level at once, with the same bytes as the scalar builder.
 //!
 //! ```no_run
 //! use core::ops::ControlFlow;
-//! use simdop::{construct::{Builder, Magnification, Mesh, Splitter, gpu::Otherwise}, device::Gpu, hierarchy::Bvh, node::Node16};
+//! use simdop::construct::{Builder, Magnification, Mesh, Splitter, gpu::Otherwise};
+//! use simdop::{device::Gpu, hierarchy::Bvh, node::Node16};
 //!
 //! let gpu = Gpu::new()?; // or Gpu::with_adapter, Gpu::with_device; once
 //! # let (vertices, triangles) = ([[0.0; 3]; 3], [[0, 1, 2]]);
@@ -16,33 +16,34 @@
 //!
 //! # A level
 //!
-//! The host tells the device which nodes the level has. Then, without a word between them: the box of each
-//! node (`bounds`), its frame and prototypes (`start`), `local_coordinates`, the steps, `nearest`, full nodes
-//! (`balance`), and a stable sort by lane (`lane_ends`, `sort_by_lane`, `replace`). The host reads once,
-//! where the lanes end: that is the tree's own data, and says what the next level is.
+//! The host sends the nodes of the level. The device then computes, without synchronisation: the box of each node
+//! (`bounds`), its frame and prototypes (`start`), `local_coordinates`, the steps, `nearest`, full nodes (`balance`),
+//! and a stable sort by lane (`lane_ends`, `sort_by_lane`, `replace`). The host reads back once: the ends of the lanes,
+//! which are part of the tree and determine the next level.
 //!
-//! A *small* node (2048 primitives or fewer) is clustered by one workgroup, eight steps in one dispatch
-//! (`cluster`). A *large* one is cut into chunks; each step is a dispatch that adds up each chunk
-//! (`accumulate`) and one that adds up the chunks and moves the prototypes (`update`); nodes that have
-//! settled sit the rest out.
+//! One workgroup clusters a *small* node (2048 primitives or fewer), eight steps per dispatch (`cluster`). A *large*
+//! node is divided into chunks; each step is a dispatch that sums each chunk (`accumulate`) and one that adds the sums
+//! and moves the prototypes (`update`). Nodes that have settled skip the remaining steps.
 //!
-//! Nodes that clustering cannot split are cut by the host, in full precision: it reads the order of their
-//! primitives, and keeps it where everything below will be cut so too.
+//! The host cuts nodes that clustering cannot split, in full precision. It reads the order of their primitives, and
+//! keeps it if all nodes below will be cut so too.
 //!
 //! # Memory
 //!
-//! Allocated once a tree, and used again by every step and level: 40 bytes a primitive; 332 bytes (16 lanes)
-//! or 140 (4 lanes) for each node that a level may have, which has more primitives than lanes; partial sums.
-//! In all 61 bytes a primitive (16 lanes), 69 (4 lanes). The largest buffer has 12 bytes a primitive: 11
-//! million fit in the 128 MiB that every device binds.
+//! Allocated once per tree and reused by every step and level: 40 bytes per primitive; 332 bytes (16 lanes) or 140 (4
+//! lanes) for each node that a level may have, which has more primitives than lanes; and partial sums. The total is 61
+//! bytes per primitive (16 lanes) or 69 (4 lanes). The largest buffer has 12 bytes per primitive: 11 million primitives
+//! fit in the 128 MiB that every device binds.
 //!
 //! # Sources
 //!
-//! The BNG paper, section 3.2, has the order of the steps: distances, ranks, sums per prototype, sort by
-//! prototype. The number ranges are those of the scalar builder: every sum is of integers, so that their
-//! order does not matter.
+//! The order of the steps is that of the BNG paper, section 3.2: distances, ranks, sums per prototype, sort by
+//! prototype. The number ranges are those of the scalar builder: all sums are of integers, so their order does not
+//! matter.
 
 mod assign;
+mod build;
+mod chunks;
 mod error;
 mod jobs;
 mod memory;
@@ -51,72 +52,6 @@ mod shader;
 mod tests;
 
 pub use assign::Spent;
+pub(super) use assign::assign;
+pub use build::Otherwise;
 pub use error::GpuError;
-
-use super::neural_gas::Samples;
-use super::{Builder, Geometry, Mesh, Progress, Splitter};
-use crate::device::Gpu;
-use crate::halving::Halving;
-use crate::hierarchy::Bvh;
-use crate::node::Dop;
-use core::ops::ControlFlow;
-
-/// What [`Builder::build_on`] does where the device fails.
-#[derive(Copy, Clone, PartialEq, Eq, Debug)]
-pub enum Otherwise {
-    /// It returns the device's error.
-    Fail,
-    /// It builds the tree on the CPU: the same one, later. Errors of the mesh, and cancellation, stay errors.
-    Scalar,
-}
-
-impl Builder {
-    /// [`Builder::build_with`] on a device: the same bytes. The splitter must be
-    /// [`Splitter::BatchNeuralGas`].
-    ///
-    /// `observer` is called after each level of the tree; if the device fails and the CPU is to build the
-    /// tree, it begins anew.
-    ///
-    /// # Errors
-    /// [`GpuError`]; with [`Otherwise::Scalar`] [`GpuError::Build`] and [`GpuError::Splitter`] only.
-    pub fn build_on<N: Dop>(
-        &self,
-        gpu: &Gpu,
-        otherwise: Otherwise,
-        mesh: &Mesh<'_>,
-        observer: &mut dyn FnMut(Progress) -> ControlFlow<()>,
-    ) -> Result<Bvh<N>, GpuError> {
-        self.build_geometry_on(gpu, otherwise, mesh, observer)
-    }
-
-    /// [`Builder::build_on`] of any primitives, such as the spheres of a packing.
-    ///
-    /// # Errors
-    /// As [`Builder::build_on`].
-    pub fn build_geometry_on<N: Dop, G: Geometry>(
-        &self,
-        gpu: &Gpu,
-        otherwise: Otherwise,
-        geometry: &G,
-        observer: &mut dyn FnMut(Progress) -> ControlFlow<()>,
-    ) -> Result<Bvh<N, G::Primitive>, GpuError> {
-        let Splitter::BatchNeuralGas { seed, .. } = self.splitter else {
-            return Err(GpuError::Splitter);
-        };
-        let on_device = self.build_by(geometry, |table| {
-            let halving = Halving { arity: N::ARITY, leaf_size: self.leaf_size as usize, extended: true };
-            let items = self.items::<G>(table);
-            let centroids = items.centroids();
-            let samples = Samples::new(&centroids, items.weights.as_deref());
-            assign(gpu, &samples, &halving, seed, observer).map(|(assignment, _)| assignment)
-        });
-        match on_device {
-            Ok(tree) => Ok(tree),
-            Err(error @ GpuError::Build(_)) => Err(error),
-            Err(error) if otherwise == Otherwise::Fail => Err(error),
-            Err(_) => Ok(self.build_geometry(geometry, observer)?),
-        }
-    }
-}
-
-pub(in crate::construct) use assign::assign;

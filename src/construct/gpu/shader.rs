@@ -1,48 +1,40 @@
-//! The kernels: their text, and the pipelines made of it.
+//! The kernels: source and pipelines.
 
+use super::chunks::BALANCED_SIZE;
 use super::memory::{Binding, TreeMemory};
-use crate::construct::neural_gas::{ClusterLimits, LIMITS};
+use crate::construct::split::neural_gas::{ClusterLimits, LIMITS};
 use crate::device::{Compiled, Gpu, Program};
 use alloc::format;
 use alloc::string::String;
 use alloc::vec::Vec;
 
-/// Threads of a workgroup. On an H200 64 take 1.1 to 1.5 times as long for up to 100,000 primitives and 16 lanes, and 256 take 1.4 times as
-/// long from 100,000 on for 4 lanes.
+/// Threads per workgroup. On an H200, 64 take 1.1 to 1.5 times as long for up to 100,000 primitives and 16 lanes, and
+/// 256 take 1.4 times as long from 100,000 on for 4 lanes.
 const WORKGROUP: u32 = 128;
 
-/// Of `update`, whose workgroups are few and have many partial sums to add.
+/// For `update`, which has few workgroups with many partial sums to add.
 const UPDATE_WORKGROUP: u32 = 256;
 
-/// Nodes of at most so many primitives are small: one workgroup clusters and balances each.
-pub(super) const BALANCED_SIZE: usize = LIMITS.balanced_size;
-
-/// Primitives of a chunk of a large node, at least.
-pub(super) const MIN_CHUNK: usize = 512;
-
-/// Chunks of a node, at most: one workgroup adds up their sums.
-pub(super) const MAX_CHUNKS: usize = 2048;
-
-/// Steps of a small node in one dispatch, and primitives taken out of crowded lanes. An invocation must not
-/// make more than 65,535 turns of loops: llvmpipe (Mesa 22.3) leaves its loops then without a word, and
-/// systems stop a dispatch that takes seconds.
+/// Steps of a small node per dispatch, and primitives moved out of overfull lanes per dispatch. An invocation must not
+/// exceed 65,535 loop iterations: beyond that, llvmpipe (Mesa 22.3) silently exits loops, and systems stop a dispatch
+/// that takes seconds.
 pub(super) const STEPS_AT_ONCE: usize = 8;
 const MOVES_AT_ONCE: usize = 32;
 
-/// Dispatches of [`Shader::Balance`] after which no lane is crowded. Leaves are shared out in multiples of
-/// `lanes` - 1, each to the lane that lacks most: so no lane has room for more than that beyond its
-/// primitives, and all that lack can be no more than all that is free.
+/// Number of dispatches of [`Shader::Balance`] after which no lane is overfull. Leaves are distributed in multiples of
+/// `lanes` - 1, each to the lane with the greatest lack. So no lane has more free capacity than that, and the total
+/// lack is at most the total free capacity.
 pub(super) fn balance_dispatches(lanes: usize, leaf_size: usize) -> usize {
     (lanes * (lanes - 1) * leaf_size).min(BALANCED_SIZE).div_ceil(MOVES_AT_ONCE)
 }
 
-/// Outcomes of a node, in `states` and `ends`: from here on it is to be cut by axes. No node has so many
-/// primitives that an end could be mistaken for one.
+/// Outcomes of a node, in `states` and `ends`. The node must be cut by axes. No node has so many primitives that an end
+/// could equal one of these.
 pub(super) const SMALL: u32 = u32::MAX - 1;
-/// One prototype took everything.
+/// One prototype took all primitives.
 pub(super) const ONE_LANE: u32 = u32::MAX;
 
-/// The kernels, each named for its scalar twin in [`crate::construct::neural_gas`].
+/// The kernels, each named for its scalar twin in [`crate::construct::split::neural_gas`].
 #[derive(Copy, Clone, PartialEq, Eq, Debug)]
 pub(super) enum Shader {
     Bounds,
@@ -73,7 +65,7 @@ impl Shader {
         Self::Replace,
     ];
 
-    /// Its entry point, and the buffers that it uses.
+    /// Its entry point and the buffers it uses.
     pub(super) fn interface(self) -> (&'static str, &'static [Binding]) {
         use Binding as B;
         match self {
@@ -121,16 +113,16 @@ impl Shader {
     }
 }
 
-/// How sums of 64 bits are computed. The bytes are the same.
+/// How 64-bit sums are computed. The results are the same.
 #[derive(Copy, Clone, PartialEq, Eq, Debug)]
 pub(super) enum Int64 {
-    /// The adapter has them.
+    /// By 64-bit integers of the adapter.
     Native,
-    /// Two words each, with a carry.
+    /// By two words and a carry.
     Pairs,
 }
 
-/// The text of all kernels for nodes of so many lanes.
+/// The source of all kernels for nodes with this many lanes.
 pub(super) fn source(lanes: usize, int64: Int64) -> String {
     let ClusterLimits {
         steps, local_bits, weight_bits, weight_sum_bits, min_extent, cost_shift, never, ..
@@ -164,17 +156,17 @@ pub(super) fn program(lanes: usize) -> Program {
     Program {
         label: "simdop neural gas",
         variant: lanes,
-        source: |lanes, gpu| source(lanes, if gpu.has_int64() { Int64::Native } else { Int64::Pairs }),
+        source: |lanes, has_int64| source(lanes, if has_int64 { Int64::Native } else { Int64::Pairs }),
         kernels: Shader::ALL.iter().map(|kernel| kernel.interface().0).collect(),
     }
 }
 
-/// The kernels' views of a tree's buffers.
+/// Bind groups of the kernels for a tree's buffers.
 pub(super) fn bind(compiled: &Compiled, gpu: &Gpu, memory: &TreeMemory) -> Vec<wgpu::BindGroup> {
     let bind = |&kernel: &Shader| {
         let (_, bindings) = kernel.interface();
         let entry = |&binding: &Binding| (binding as u32, memory.buffer(binding).as_entire_binding());
-        compiled.bind(gpu, kernel as usize, bindings.iter().map(entry))
+        compiled.bind(&gpu.device, kernel as usize, bindings.iter().map(entry))
     };
     Shader::ALL.iter().map(bind).collect()
 }

@@ -7,7 +7,7 @@ use crate::primitive::Separation;
 use crate::range::{MIN_COORDINATE, Point};
 
 /// Relative allowance for a dozen roundings.
-pub(super) const ROUNDING: f64 = power_of_two(-48);
+pub(in crate::primitive) const ROUNDING: f64 = power_of_two(-48);
 
 /// Differences of coordinates, and sums of radii: multiples of 2^-302 below 2^305. Their squares have 1218 bits.
 type OfDegreeOne = Wide<10>;
@@ -60,7 +60,7 @@ pub(crate) fn nearer(
 }
 
 /// Bounds of `(x^2 - y^2) / (x + y)`, which is x - y without cancellation; zeros if it is not positive.
-pub(super) fn bounds_of_gap(difference_of_squares: f64, sum: f64) -> (f64, f64) {
+pub(in crate::primitive) fn bounds_of_gap(difference_of_squares: f64, sum: f64) -> (f64, f64) {
     if difference_of_squares <= 0.0 {
         return (0.0, 0.0);
     }

@@ -10,35 +10,12 @@
 //! [`MAX_COORDINATE`](crate::range::MAX_COORDINATE).
 
 pub(crate) mod against_sphere;
-pub(crate) mod against_triangle;
 
+pub use super::ball::Sphere;
+pub(crate) use super::ball::volume;
 use super::{Kind, Primitive, Store};
 use crate::pose::Pose;
 use crate::range::Point;
-use core::f64::consts::PI;
-
-/// A closed ball: all points at most `radius` from `centre`, in its body's coordinates and unit.
-#[derive(Copy, Clone, PartialEq, Default, Debug, bytemuck::Pod, bytemuck::Zeroable)]
-#[repr(C)]
-pub struct Sphere {
-    /// Its centre.
-    pub centre: Point,
-    /// Its radius, not negative. A sphere of radius 0 is a point.
-    pub radius: f64,
-}
-
-impl Sphere {
-    /// Its volume.
-    #[must_use]
-    pub const fn volume(&self) -> f64 {
-        volume(self.radius)
-    }
-}
-
-/// The volume of a sphere.
-pub(crate) const fn volume(radius: f64) -> f64 {
-    4.0 / 3.0 * PI * (radius * radius * radius)
-}
 
 /// Spheres, stored as centre and radius: 16 bytes where `f32` holds the four numbers exactly, else 32, plus 4 for the
 /// index. They may overlap.

@@ -13,7 +13,7 @@
 //! The side of the triangle's plane on which the origin lies decides whether the crossing is ahead of the origin or
 //! behind it. An origin in the triangle counts as a crossing.
 
-use super::{Signs, Triangle};
+use super::sides::{Signs, Triangle};
 use crate::range::Point;
 
 /// The two coordinates that a projection along the first axis keeps.

@@ -6,7 +6,7 @@
 //! `d / (h + g - 2 d)`. So x moves by at most d plus this fraction of the edge's length. If that is less than m, the
 //! edge still passes through the triangle.
 
-use super::Triangle;
+use super::sides::Triangle;
 use crate::range::Point;
 use crate::vector::{cross, difference, dot, length};
 

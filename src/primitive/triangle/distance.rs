@@ -30,7 +30,8 @@ use super::features::{
     Closest, Corners, FacePlane, Real, Vector, closest_on_edges, greatest, least, rejection,
 };
 use super::interval::Wedge;
-use super::{Triangle, in_range, overlap};
+use super::overlap::{in_range, overlap};
+use super::sides::Triangle;
 use crate::exact::power_of_two;
 use crate::primitive::Separation;
 use crate::vector::{cross, difference, dot};

@@ -29,7 +29,7 @@ pub(super) trait Real:
 impl Real for f64 {
     const ZERO: Self = 0.0;
     const ONE: Self = 1.0;
-    const ROUNDOFF: Self = super::UNIT_ROUNDOFF;
+    const ROUNDOFF: Self = super::sides::UNIT_ROUNDOFF;
 
     #[inline(always)]
     fn scaled_difference(x: f64, y: f64, scale: f64) -> Self {

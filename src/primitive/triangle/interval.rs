@@ -1,6 +1,6 @@
 //! The intervals that two triangles cut out of the line common to their planes.
 
-use super::Signs;
+use super::sides::Signs;
 
 /// A triangle that another plane cuts or touches, viewed with its own normal towards the viewer and the other plane's
 /// normal upwards.

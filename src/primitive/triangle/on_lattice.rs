@@ -23,7 +23,7 @@
 //! because the bounding boxes are disjoint, and then the triangles are too.
 
 use super::interval::Wedge;
-use super::separated;
+use super::sides::separated;
 use crate::primitive::lattice::{LatticeCorners, OFF_MOVED};
 
 /// Upper bound, in steps, of the error of a difference of two coordinates, plus one step for roundings.
@@ -116,7 +116,8 @@ mod tests {
     use super::*;
     use crate::pose::Pose;
     use crate::primitive::lattice::Lattice;
-    use crate::primitive::triangle::{Probe, Signs, Triangle};
+    use crate::primitive::triangle::sides::Signs;
+    use crate::primitive::triangle::{Probe, Triangle};
     use crate::range::Point;
     use crate::rng::Rng;
 

@@ -5,7 +5,7 @@
 
 use super::distance::{COMFORTABLE, ROUNDINGS, SHORT, unit_scale};
 use super::features::{Corners, Vector, along, clamped, greatest, least};
-use super::{Triangle, UNIT_ROUNDOFF};
+use super::sides::{Triangle, UNIT_ROUNDOFF};
 use crate::exact::wide::{Wide, unit_of};
 use crate::range::Point;
 use crate::vector::{cross, difference, dot};

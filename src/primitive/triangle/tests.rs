@@ -1,6 +1,8 @@
 //! Pairs with obvious results, one for each path through the test. `tests/triangle_pairs.rs` tests a million others.
 
-use super::*;
+use super::sides::{Plane, Signs, Triangle, sign};
+use super::{is_degenerate, overlap};
+use crate::range::MIN_COORDINATE;
 
 /// A right triangle in the plane z = 0.
 const T: Triangle = [[0.0, 0.0, 0.0], [4.0, 0.0, 0.0], [0.0, 4.0, 0.0]];

@@ -1,7 +1,7 @@
 //! Triangles as the primitives of a tree.
 
-use super::Triangle;
 use super::crossing::crossing;
+use super::sides::Triangle;
 use crate::pose::Pose;
 use crate::primitive::{Kind, Lattice, LatticeCorners, OWN_DIRECTIONS, Primitive, Sphere, Store};
 use crate::range::Point;

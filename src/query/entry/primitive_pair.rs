@@ -1,7 +1,8 @@
 //! The tests of pairs of primitives.
 
 use crate::kernel::Kernel;
-use crate::primitive::sphere::{against_sphere, against_triangle};
+use crate::primitive::sphere::against_sphere;
+use crate::primitive::sphere_against_triangle as against_triangle;
 use crate::primitive::triangle::distance::{nearer, within};
 use crate::primitive::triangle::{Probe, Triangle, Triangles};
 use crate::primitive::{Primitive, Separation, Sphere, Spheres};

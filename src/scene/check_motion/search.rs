@@ -1,15 +1,18 @@
 //! The search along an edge.
 
+use super::answer::{MotionAnswer, MotionVerdict};
+use super::motion_bound::{finite_or_infinite, motion_bound_of_pair};
 use super::queue::{Interval, MotionHit, MotionQueue, Unresolved};
-use super::{
-    BodyId, MotionAnswer, MotionVerdict, Scene, SceneError, finite_or_infinite, motion_bound_of_pair,
-};
 use crate::motion::Motion;
 use crate::pose::Pose;
 use crate::query::{Lanes, Query, Verdict};
 use crate::range::MAX_COORDINATE;
-use crate::scene::SceneVerdict;
-use crate::scene::broad::{Batch, NearPair, widened};
+use crate::scene::ask::SceneVerdict;
+use crate::scene::body::BodyId;
+use crate::scene::body_size::widened;
+use crate::scene::broad::{Batch, NearPair};
+use crate::scene::error::SceneError;
+use crate::scene::placement::Scene;
 use core::num::NonZeroU32;
 
 /// What is certain about a pair in an interval.

@@ -1,11 +1,11 @@
 //! Bodies of similar size in contact: ordinary ones, nested ones, needles, and at the pose where the answer flips.
 
-use super::{POSES, Trial};
 use crate::selftest::draw::{Draw, NO_TURN, power_of_two, scaled};
 use crate::selftest::figures::{
     any_turn, blob, corner_on_point, fan, in_contact, matrix, polytope, poses, resized, touching,
 };
 use crate::selftest::oracle::{Figure, Matrix, Oracle};
+use crate::selftest::trial::{POSES, Trial};
 use simdop::primitive::triangle::Triangle;
 
 /// The surface of these triangles, about the origin.

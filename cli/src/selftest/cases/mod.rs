@@ -6,25 +6,16 @@ mod sizes;
 mod spheres;
 
 use super::draw::Draw;
-use super::oracle::{Figure, Matrix};
-
-/// Maximum number of poses of a trial.
-pub(super) const POSES: usize = 64;
-
-/// Two bodies, and poses of A in the frame of B.
-pub(super) struct Trial {
-    pub(super) a: Figure,
-    pub(super) b: Figure,
-    pub(super) poses: Vec<Matrix>,
-}
+use super::points::{self, Neighbourhood};
+use super::trial::Trial;
 
 /// Draws the trials of a case.
 #[derive(Copy, Clone, Debug)]
 pub(super) enum Maker {
     /// Bodies that are tested for collision.
     Bodies(fn(&mut Draw) -> Trial),
-    /// Points whose neighbours are searched.
-    Points(fn(&mut Draw) -> super::points::Neighbourhood),
+    /// Points that are asked for their neighbours.
+    Points(fn(&mut Draw) -> Neighbourhood),
 }
 
 #[derive(Copy, Clone, Debug)]
@@ -67,11 +58,11 @@ pub(super) const CASES: [HardCase; 20] = [
     case("nested-spheres", SPHERES, spheres::nested),
     case(SPHERES_ON_TRIANGLES, SPHERES_ON_TRIANGLES, spheres::benign_on_triangles),
     case("spheres-on-faces", SPHERES_ON_TRIANGLES, spheres::on_faces),
-    HardCase { name: POINTS, benign: POINTS, maker: Maker::Points(super::points::uniform), share: 1000 },
+    HardCase { name: POINTS, benign: POINTS, maker: Maker::Points(points::uniform), share: 1000 },
     HardCase {
         name: "points-at-radius",
         benign: POINTS,
-        maker: Maker::Points(super::points::at_radius),
+        maker: Maker::Points(points::at_radius),
         share: 1000,
     },
 ];
@@ -80,6 +71,7 @@ pub(super) const CASES: [HardCase; 20] = [
 mod tests {
     use super::*;
     use crate::selftest::oracle::Oracle;
+    use crate::selftest::trial::POSES;
 
     /// Each case has both answers, and cases about borderline contacts have such poses: a suite whose bodies are all
     /// far apart would accept any library.

@@ -1,9 +1,9 @@
 //! Faces that are coplanar, or nearly so.
 
-use super::Trial;
 use crate::selftest::draw::{Draw, NO_TURN, Turn, add, power_of_two, product, scaled, turned};
 use crate::selftest::figures::{block, matrix, poses, sheet, touching};
 use crate::selftest::oracle::Figure;
+use crate::selftest::trial::Trial;
 use simdop::range::Point;
 
 /// The common rotation of a trial's bodies: any, unless rounding the coordinates would destroy what the case tests.

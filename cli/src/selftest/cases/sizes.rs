@@ -1,9 +1,9 @@
 //! Bodies far from their origins, of different sizes, and of sizes at the limits of the number formats.
 
-use super::Trial;
 use crate::selftest::draw::{Draw, NO_TURN, power_of_two, scaled};
 use crate::selftest::figures::{any_turn, blob, in_contact, poses, resized};
 use crate::selftest::oracle::Figure;
+use crate::selftest::trial::Trial;
 use simdop::range::Point;
 
 /// Two blobs of these sizes about these points, in contact.

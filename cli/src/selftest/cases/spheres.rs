@@ -1,9 +1,9 @@
 //! Balls that touch balls and faces, from outside and from inside.
 
-use super::Trial;
 use crate::selftest::draw::{Draw, NO_TURN, add, minus, power_of_two, scaled, turned};
 use crate::selftest::figures::{any_turn, blob, block, in_contact, matrix, poses, touching};
 use crate::selftest::oracle::{Convex, Figure, Matrix, placed};
+use crate::selftest::trial::Trial;
 use simdop::primitive::Sphere;
 use simdop::range::Point;
 

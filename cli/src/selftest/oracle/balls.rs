@@ -1,7 +1,7 @@
 //! Balls against balls and triangles: compares squared lengths, in integers where rounding could matter.
 
-use super::Rough;
 use super::integers::{cross, difference, dot as exact_dot, integers, sign};
+use super::rough::Rough;
 use crate::selftest::draw::{add, dot, minus, scaled};
 use core::cmp::Ordering;
 use dashu_int::IBig;

@@ -3,10 +3,12 @@
 
 mod balls;
 mod integers;
+mod rough;
 mod triangles;
 
 use super::draw::power_of_two;
 use core::cmp::Ordering;
+use rough::Rough;
 use simdop::primitive::Sphere;
 use simdop::primitive::triangle::Triangle;
 use simdop::range::{MIN_COORDINATE, Point};
@@ -32,15 +34,7 @@ pub(super) struct Figure {
     pub(super) is_solid: bool,
 }
 
-/// The result of a filter for a pair.
-#[derive(Copy, Clone, PartialEq, Eq, Debug)]
-enum Rough {
-    Apart,
-    Together,
-    Doubt,
-}
-
-/// The exact answer at a pose.
+/// What is so at a pose.
 #[derive(Copy, Clone, PartialEq, Eq, Debug)]
 pub(super) struct Truth {
     pub(super) meets: bool,

@@ -14,8 +14,8 @@
 //! are multiples of 2^-302, and products of three of these are above 2^-906. Differences are below 2^302, so nothing
 //! overflows.
 
-use super::Rough;
 use super::integers::{Exact, cross, difference, dot, integers};
+use super::rough::Rough;
 use core::cmp::Ordering;
 use simdop::primitive::triangle::Triangle;
 use simdop::range::Point;

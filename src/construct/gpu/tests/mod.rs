@@ -1,5 +1,4 @@
-//! Each kernel alone against its scalar twin, on generated nodes; the text of the kernels against the types
-//! here.
+//! Each kernel against its scalar twin, on generated nodes, and the source of the kernels against the types here.
 
 mod lanes;
 mod steps;
@@ -7,10 +6,10 @@ mod text;
 
 use super::memory::{self, Binding, Chunk, NodeData, Sizes, State, TreeMemory};
 use super::shader::{self, Int64, ONE_LANE, SMALL, STEPS_AT_ONCE, Shader, balance_dispatches};
-use crate::construct::neural_gas::twins::{
+use crate::construct::split::neural_gas::twins::{
     Balance, Cluster, Prototypes, SampleBox, Sums, accumulate, nearest, schedule, settle, sort_by_lane,
 };
-use crate::construct::neural_gas::{LIMITS, Samples};
+use crate::construct::split::neural_gas::{LIMITS, Samples};
 use crate::device::{DeviceError, Gpu};
 use crate::rng::Rng;
 use alloc::vec;
@@ -18,7 +17,7 @@ use alloc::vec::Vec;
 use bytemuck::{NoUninit, Pod};
 use std::{eprintln, println};
 
-/// Both ways of computing in 64 bits, where there is an adapter.
+/// Devices with both kinds of 64-bit sums, if there is an adapter.
 fn devices() -> Vec<Gpu> {
     let instance = wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle_from_env());
     let Ok(adapter) = pollster::block_on(instance.request_adapter(&wgpu::RequestAdapterOptions::default()))
@@ -38,7 +37,7 @@ fn devices() -> Vec<Gpu> {
     vec![gpu, pairs]
 }
 
-/// Numbers that any machine has.
+/// A generator that is the same on every machine.
 struct Random(Rng);
 
 impl Random {
@@ -51,18 +50,18 @@ impl Random {
     }
 }
 
-/// The nodes of a level: parts of one samples.
+/// The nodes of a level: parts of one set of samples.
 struct Nodes {
     points: Vec<[f64; 3]>,
     weights: Option<Vec<f64>>,
-    /// Primitives of all nodes, one after the other, in no order.
+    /// The primitives of all nodes, one node after the other, shuffled within nodes.
     order: Vec<u32>,
     sizes: Vec<usize>,
 }
 
 impl Nodes {
-    /// Of the sizes at which kernels change their ways, and of all kinds: spread, in few places, flat,
-    /// coincident, in corners.
+    /// With sizes at which kernels change their behaviour, and of all kinds: spread, in few places, flat, coincident,
+    /// in corners.
     fn generate(random: &mut Random, weighted: bool, sizes: &[usize]) -> Self {
         let count: usize = sizes.iter().sum();
         let mut points = Vec::new();
@@ -78,10 +77,10 @@ impl Nodes {
             points.extend((0..size).map(|_| core::array::from_fn(|i| at[i] + coordinate(random, i))));
         }
         let weights = weighted.then(|| {
-            // Some as heavy as can be, some of no weight at all.
+            // Some of maximal weight, some of weight zero.
             (0..count).map(|i| if i % 7 < 3 { 1.0 } else { f64::from(random.below(1000)) / 1000.0 }).collect()
         });
-        // The primitives of a node are not neighbours in memory.
+        // Primitives of a node are not contiguous in memory.
         let mut order: Vec<u32> = (0..count as u32).collect();
         let mut start = 0;
         for size in sizes {
@@ -126,7 +125,7 @@ fn number(i: usize) -> u32 {
 }
 
 impl<'a, const N: usize> Rig<'a, N> {
-    /// Chunks of `chunk` primitives; small nodes have but one.
+    /// Chunks of `chunk` primitives; small nodes have one chunk.
     fn new(gpu: &'a Gpu, nodes: &Nodes, chunk: Option<usize>) -> Self {
         let sizes = Sizes {
             primitives: nodes.order.len(),
@@ -134,7 +133,7 @@ impl<'a, const N: usize> Rig<'a, N> {
             weighted: nodes.weights.is_some(),
             schedule: LIMITS.steps * N,
         };
-        // More chunks than a tree would have.
+        // More chunks than a tree has.
         let roomy = Sizes { primitives: 64 * sizes.primitives.max(1000), ..sizes };
         let memory = TreeMemory::new(&gpu.device, &roomy);
         let groups = shader::bind(&gpu.compiled(&shader::program(N)).unwrap(), gpu, &memory);
@@ -261,7 +260,7 @@ fn all_words<const N: usize>(prototypes: &[Prototypes<N>]) -> Vec<[u32; 2]> {
     prototypes.iter().flat_map(words).collect()
 }
 
-/// Numbers of primitives around those at which kernels change their ways.
+/// Numbers of primitives around those at which kernels change their behaviour.
 const SIZES: [usize; 15] = [17, 18, 63, 64, 65, 127, 128, 129, 200, 255, 256, 700, 1023, 2047, 2048];
 
 /// Runs `check` on both kinds of device, weighted or not, for nodes that are large, in chunks of 64 or 100,

@@ -113,7 +113,7 @@ fn accumulate_of_16() {
     for_all::<16>(check_accumulate);
 }
 
-/// Sums as large as they get, of nothing, of moments that leave a half, and any.
+/// Maximal sums, zero sums, moments with a remainder of one half, and any others.
 fn any_sums<const N: usize>(random: &mut Random) -> Sums<N> {
     let mut sums = Sums { weight: [0; N], moments: [[0; N]; 3] };
     for lane in 0..N {
@@ -153,7 +153,7 @@ fn check_update<const N: usize>(rig: &mut Rig<'_, N>, nodes: &Nodes, random: &mu
             sums = Sums { weight: [0; N], moments: [[0; N]; 3] };
         }
         for (j, sum) in sum_words(&sums).into_iter().enumerate() {
-            // Shared out among the chunks.
+            // Distributed over the chunks.
             let mut rest = sum;
             for chunk in 0..node.chunks as usize {
                 let share = if chunk + 1 == node.chunks as usize { rest } else { rest / 3 };

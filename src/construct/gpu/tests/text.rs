@@ -1,4 +1,4 @@
-//! What the text of the shaders says, beside what the host takes for granted.
+//! The source of the shaders, compared with the assumptions of the host.
 
 use super::*;
 
@@ -67,7 +67,7 @@ fn structures_are_laid_out_as_in_the_kernels() {
     }
 }
 
-/// What the module's documentation promises.
+/// As the documentation of the module states.
 #[test]
 fn memory_is_a_number_of_bytes_for_each_primitive() {
     for (lanes, most) in [(4, 69), (16, 61)] {

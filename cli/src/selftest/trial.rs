@@ -1,0 +1,13 @@
+//! What is judged and asked together.
+
+use super::oracle::{Figure, Matrix};
+
+/// Poses of a trial, at most.
+pub(super) const POSES: usize = 64;
+
+/// Two bodies, and the poses that A is placed at in the frame of B.
+pub(super) struct Trial {
+    pub(super) a: Figure,
+    pub(super) b: Figure,
+    pub(super) poses: Vec<Matrix>,
+}

@@ -1,0 +1,17 @@
+//! Input of a build: meshes and other geometries, and their validation.
+
+mod checked;
+mod closed;
+mod corners;
+mod geometry;
+mod owned_mesh;
+mod ranges;
+
+pub(super) use checked::Checked;
+pub(super) use closed::first_at_place;
+pub(crate) use closed::{Unclosed, check_closed};
+pub(super) use corners::{bounding_box, corners_of};
+pub(super) use geometry::Record;
+pub use geometry::{Geometry, Mesh, SphereSet};
+pub use owned_mesh::{OwnedMesh, ShapeError};
+pub(super) use ranges::{check_records, check_vertices};

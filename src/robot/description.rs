@@ -1,0 +1,49 @@
+//! A robot, whatever file describes it.
+
+use super::shapes::LinkShape;
+use super::srdf::DisabledPair;
+use crate::motion::{Joint, Kinematics, LinkBody, MotionError};
+use alloc::string::String;
+use alloc::vec::Vec;
+
+/// A robot from its description.
+#[derive(Clone, Debug)]
+pub struct Robot {
+    /// Its name.
+    pub name: String,
+    /// The moving joints, each after its ancestors.
+    pub joints: Vec<Joint>,
+    /// Names of the variables: of all moving joints that mimic no other.
+    pub variables: Vec<String>,
+    /// Lower and upper limits of the variables. For a continuous joint, one full turn either way.
+    pub limits: Vec<[f64; 2]>,
+    /// The bodies' poses on the links.
+    pub bodies: Vec<LinkBody>,
+    /// The bodies' shapes.
+    pub shapes: Vec<LinkShape>,
+    /// For each body, the name of its link in the description, which may be on a fixed joint.
+    pub names: Vec<String>,
+}
+
+impl Robot {
+    /// The joints and bodies in the form that motions take.
+    ///
+    /// # Errors
+    /// [`MotionError`] if the fields were changed to invalid values.
+    pub fn kinematics(&self) -> Result<Kinematics<'_>, MotionError> {
+        Kinematics::new(&self.joints, &self.bodies, &self.limits)
+    }
+
+    /// Pairs of bodies to test, by index: those whose relative pose depends on a joint and that `disabled` does not
+    /// contain. In a scene, forbid these pairs to collide, and allow all others
+    /// ([`Scene::forbid_collision`](crate::scene::Scene::forbid_collision)).
+    #[must_use]
+    pub fn pairs(&self, disabled: &[DisabledPair]) -> Vec<(usize, usize)> {
+        let is_asked = |&(i, j): &(usize, usize)| {
+            let is_disabled = |pair: &DisabledPair| pair.is_of(&self.names[i], &self.names[j]);
+            self.bodies[i].link != self.bodies[j].link && !disabled.iter().any(is_disabled)
+        };
+        let all = (0..self.bodies.len()).flat_map(|i| (i + 1..self.bodies.len()).map(move |j| (i, j)));
+        all.filter(is_asked).collect()
+    }
+}
