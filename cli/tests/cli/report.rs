@@ -321,7 +321,7 @@ fn trees_are_taken_for_their_meshes() {
     let folder = Folder::new("report_trees");
     folder.write("egg.obj", egg(2));
     folder.write("other.obj", egg(1));
-    assert_eq!(folder.fate(&["build", "egg.obj", "-o", "egg.simdop", "-k", "6", "-a", "4"]).0, 0);
+    assert_eq!(folder.fate(&["build", "egg.obj", "-o", "egg.simdop", "-k", "18", "-a", "4"]).0, 0);
     let [of_mesh, of_tree] =
         ["egg.obj", "egg.simdop"].map(|body| folder.json(&quick(&[body, "other.obj", "--spheres", "0"])));
     assert_eq!(of_mesh["digest"], of_tree["digest"]);
