@@ -1,17 +1,39 @@
 //! Bodies: opened from bytes, or built.
 
 use crate::boundary::{given, guarded, items, make};
-use crate::error::simdop_error;
+use crate::error::{Failure, simdop_error};
 use simdop::construct::{Builder, Mesh, SphereSet};
 use simdop::hierarchy::{Bvh, BvhRef, Header};
+use simdop::low_level::key::{Fixed, Half, Storage, StorageKind};
 use simdop::node::Node16;
 use simdop::primitive::{Kind, Sphere, Spheres, Triangles};
 use simdop::scene::BodyTree;
+use std::ffi::c_int;
 use std::mem::MaybeUninit;
 use std::ops::ControlFlow;
 
-/// The only node type of this interface.
-pub(crate) type Node = Node16<18>;
+/// The node types of this interface.
+pub(crate) type Node<S> = Node16<18, S>;
+
+/// How the planes of a body are stored, in 16 bits. Bodies of different storage cannot be tested against each other.
+#[repr(C)]
+#[derive(Copy, Clone, PartialEq, Eq, Debug)]
+pub enum simdop_storage {
+    /// Fixed point: as precise anywhere in the body.
+    Fixed = 0,
+    /// Half floats: more precise near the centre of the body, and less far from it.
+    Half = 1,
+}
+
+impl simdop_storage {
+    /// The storage with this number.
+    fn checked(number: c_int) -> Result<Self, Failure> {
+        let known = [Self::Fixed, Self::Half].into_iter().find(|storage| *storage as c_int == number);
+        known.ok_or_else(|| {
+            Failure::new(simdop_error::BuildNoSuchStorage, format!("no storage has the number {number}"))
+        })
+    }
+}
 
 /// A body: a set of primitives, triangles or spheres, and the tree over them. Immutable.
 #[derive(Debug)]
@@ -22,21 +44,70 @@ enum Tree {
     /// Borrows the caller's bytes.
     Lent {
         bytes: &'static [u8],
-        view: View<'static>,
+        view: AnyView<'static>,
     },
-    Mesh(Bvh<Node>),
-    Spheres(Bvh<Node, Spheres>),
+    Fixed(Built<Fixed>),
+    Half(Built<Half>),
+}
+
+/// An owned tree.
+#[derive(Debug)]
+enum Built<S: Storage> {
+    Mesh(Bvh<Node<S>>),
+    Spheres(Bvh<Node<S>, Spheres>),
 }
 
 /// A borrowed tree of a kind that a body of this interface can have.
 #[derive(Copy, Clone, Debug)]
-pub(crate) enum View<'t> {
-    Mesh(BvhRef<'t, Node, Triangles>),
-    Spheres(BvhRef<'t, Node, Spheres>),
+pub(crate) enum View<'t, S: Storage> {
+    Mesh(BvhRef<'t, Node<S>, Triangles>),
+    Spheres(BvhRef<'t, Node<S>, Spheres>),
 }
 
-impl<'t> From<View<'t>> for BodyTree<'t, Node> {
-    fn from(view: View<'t>) -> Self {
+/// The same, of any storage.
+#[derive(Copy, Clone, Debug)]
+pub(crate) enum AnyView<'t> {
+    Fixed(View<'t, Fixed>),
+    Half(View<'t, Half>),
+}
+
+impl<S: Storage> Built<S> {
+    fn view(&self) -> View<'_, S> {
+        match self {
+            Self::Mesh(tree) => View::Mesh(tree.view()),
+            Self::Spheres(tree) => View::Spheres(tree.view()),
+        }
+    }
+
+    fn bytes(&self) -> &[u8] {
+        match self {
+            Self::Mesh(tree) => tree.as_bytes(),
+            Self::Spheres(tree) => tree.as_bytes(),
+        }
+    }
+}
+
+impl<'t, S: Storage> View<'t, S> {
+    fn open(bytes: &'t [u8], header: &Header) -> Result<Self, Failure> {
+        Ok(if header.kind == Kind::SPHERES.code() {
+            Self::Spheres(BvhRef::from_bytes(bytes)?)
+        } else {
+            Self::Mesh(BvhRef::from_bytes(bytes)?)
+        })
+    }
+}
+
+impl AnyView<'_> {
+    pub(crate) const fn storage(&self) -> StorageKind {
+        match self {
+            Self::Fixed(_) => StorageKind::Fixed,
+            Self::Half(_) => StorageKind::Half,
+        }
+    }
+}
+
+impl<'t, S: Storage> From<View<'t, S>> for BodyTree<'t, Node<S>> {
+    fn from(view: View<'t, S>) -> Self {
         match view {
             View::Mesh(tree) => tree.into(),
             View::Spheres(tree) => tree.into(),
@@ -45,22 +116,24 @@ impl<'t> From<View<'t>> for BodyTree<'t, Node> {
 }
 
 impl simdop_body {
-    pub(crate) fn view(&self) -> View<'_> {
+    pub(crate) fn view(&self) -> AnyView<'_> {
         match &self.0 {
             Tree::Lent { view, .. } => *view,
-            Tree::Mesh(tree) => View::Mesh(tree.view()),
-            Tree::Spheres(tree) => View::Spheres(tree.view()),
+            Tree::Fixed(built) => AnyView::Fixed(built.view()),
+            Tree::Half(built) => AnyView::Half(built.view()),
         }
     }
 
     fn bytes(&self) -> &[u8] {
         match &self.0 {
             Tree::Lent { bytes, .. } => bytes,
-            Tree::Mesh(tree) => tree.as_bytes(),
-            Tree::Spheres(tree) => tree.as_bytes(),
+            Tree::Fixed(built) => built.bytes(),
+            Tree::Half(built) => built.bytes(),
         }
     }
 }
+
+const FIXED: c_int = simdop_storage::Fixed as c_int;
 
 /// Opens a body of triangles or spheres in place from the bytes of a baked tree. First validates the bytes, so that
 /// traversal is memory safe, in time linear in their number.
@@ -76,11 +149,11 @@ pub unsafe extern "C" fn simdop_body_open(
     make(body, "body", || {
         // SAFETY: the caller guarantees that the bytes exist, and that they outlive the body.
         let bytes: &'static [u8] = unsafe { items(bytes, count, "bytes") }?;
-        let is_of_spheres = Header::read(bytes)?.kind == Kind::SPHERES.code();
-        let view = if is_of_spheres {
-            View::Spheres(BvhRef::from_bytes(bytes)?)
-        } else {
-            View::Mesh(BvhRef::from_bytes(bytes)?)
+        let header = Header::read(bytes)?;
+        let view = match StorageKind::from_code(header.storage) {
+            Some(StorageKind::Half) => AnyView::Half(View::open(bytes, header)?),
+            // Opening refuses an unknown storage.
+            _ => AnyView::Fixed(View::open(bytes, header)?),
         };
         Ok(simdop_body(Tree::Lent { bytes, view }))
     })
@@ -100,8 +173,10 @@ pub unsafe extern "C" fn simdop_body_build_surface(
     triangle_count: usize,
     body: Option<&mut MaybeUninit<Option<Box<simdop_body>>>>,
 ) -> simdop_error {
-    // SAFETY: the caller gives the guarantee that `build` requires.
-    unsafe { build(Builder::new(), vertices, vertex_count, triangles, triangle_count, body) }
+    // SAFETY: the caller gives the same guarantee.
+    unsafe {
+        simdop_body_build_triangles_as(vertices, vertex_count, triangles, triangle_count, 0, FIXED, body)
+    }
 }
 
 /// Builds the solid that closed triangles bound: a body wholly inside it is a hit, too. Otherwise like
@@ -117,8 +192,40 @@ pub unsafe extern "C" fn simdop_body_build_solid(
     triangle_count: usize,
     body: Option<&mut MaybeUninit<Option<Box<simdop_body>>>>,
 ) -> simdop_error {
-    // SAFETY: the caller gives the guarantee that `build` requires.
-    unsafe { build(Builder::new().solid(), vertices, vertex_count, triangles, triangle_count, body) }
+    // SAFETY: the caller gives the same guarantee.
+    unsafe {
+        simdop_body_build_triangles_as(vertices, vertex_count, triangles, triangle_count, 1, FIXED, body)
+    }
+}
+
+/// Builds a body like simdop_body_build_solid() if `is_solid` is not zero, and otherwise like
+/// simdop_body_build_surface(), with planes in `storage`, a simdop_storage.
+///
+/// # Safety
+/// The arrays have the stated lengths.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn simdop_body_build_triangles_as(
+    vertices: *const f64,
+    vertex_count: usize,
+    triangles: *const u32,
+    triangle_count: usize,
+    is_solid: c_int,
+    storage: c_int,
+    body: Option<&mut MaybeUninit<Option<Box<simdop_body>>>>,
+) -> simdop_error {
+    make(body, "body", || {
+        let mesh = Mesh {
+            // SAFETY: the caller guarantees the length; three numbers in a row are aligned as one.
+            vertices: unsafe { items(vertices.cast(), vertex_count, "vertices") }?,
+            // SAFETY: as above.
+            triangles: unsafe { items(triangles.cast(), triangle_count, "triangles") }?,
+        };
+        let builder = if is_solid == 0 { Builder::new() } else { Builder::new().solid() };
+        Ok(simdop_body(match simdop_storage::checked(storage)? {
+            simdop_storage::Fixed => Tree::Fixed(Built::Mesh(builder.build_as(&mesh)?)),
+            simdop_storage::Half => Tree::Half(Built::Mesh(builder.build_as(&mesh)?)),
+        }))
+    })
 }
 
 /// Builds a body of solid spheres. `spheres` holds x, y, z and the radius of each of `count` spheres.
@@ -131,37 +238,32 @@ pub unsafe extern "C" fn simdop_body_build_spheres(
     count: usize,
     body: Option<&mut MaybeUninit<Option<Box<simdop_body>>>>,
 ) -> simdop_error {
+    // SAFETY: the caller gives the same guarantee.
+    unsafe { simdop_body_build_spheres_as(spheres, count, FIXED, body) }
+}
+
+/// Builds a body like simdop_body_build_spheres(), with planes in `storage`, a simdop_storage.
+///
+/// # Safety
+/// The array has the stated length.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn simdop_body_build_spheres_as(
+    spheres: *const f64,
+    count: usize,
+    storage: c_int,
+    body: Option<&mut MaybeUninit<Option<Box<simdop_body>>>>,
+) -> simdop_error {
     make(body, "body", || {
         // SAFETY: the caller guarantees the length; four numbers in a row are aligned as one.
         let spheres: &[[f64; 4]] = unsafe { items(spheres.cast(), count, "spheres") }?;
         let sphere = |&[x, y, z, radius]: &[f64; 4]| Sphere { centre: [x, y, z], radius };
         let spheres: Vec<_> = spheres.iter().map(sphere).collect();
         let set = SphereSet { spheres: &spheres };
-        let tree = Builder::new().build_geometry(&set, &mut |_| ControlFlow::Continue(()))?;
-        Ok(simdop_body(Tree::Spheres(tree)))
-    })
-}
-
-/// Builds a body of triangles.
-///
-/// # Safety
-/// The arrays have the stated lengths.
-unsafe fn build(
-    builder: Builder,
-    vertices: *const f64,
-    vertex_count: usize,
-    triangles: *const u32,
-    triangle_count: usize,
-    body: Option<&mut MaybeUninit<Option<Box<simdop_body>>>>,
-) -> simdop_error {
-    make(body, "body", || {
-        let mesh = Mesh {
-            // SAFETY: the caller guarantees the length; three numbers in a row are aligned as one.
-            vertices: unsafe { items(vertices.cast(), vertex_count, "vertices") }?,
-            // SAFETY: as above.
-            triangles: unsafe { items(triangles.cast(), triangle_count, "triangles") }?,
-        };
-        Ok(simdop_body(Tree::Mesh(builder.build_as(&mesh)?)))
+        let (builder, mut go_on) = (Builder::new(), |_| ControlFlow::Continue(()));
+        Ok(simdop_body(match simdop_storage::checked(storage)? {
+            simdop_storage::Fixed => Tree::Fixed(Built::Spheres(builder.build_geometry(&set, &mut go_on)?)),
+            simdop_storage::Half => Tree::Half(Built::Spheres(builder.build_geometry(&set, &mut go_on)?)),
+        }))
     })
 }
 

@@ -1,10 +1,11 @@
 //! Queries of two bodies.
 
-use crate::body::{View, simdop_body};
+use crate::body::{AnyView, View, simdop_body};
 use crate::boundary::{answered, given};
 use crate::error::{Failure, simdop_error};
 use crate::pose::simdop_pose;
 use simdop::isa::Isa;
+use simdop::low_level::key::{Fixed, Half};
 use simdop::pose::Pose;
 use simdop::query::{Answer, Completion, Distance, Pair, Query, QueryStats, Verdict};
 use std::mem::MaybeUninit;
@@ -182,9 +183,14 @@ pub(crate) fn query(budget: u64) -> Query {
 
 /// The input of a query.
 struct Posed<'a> {
-    a: View<'a>,
-    b: View<'a>,
+    bodies: Both<'a>,
     pose: Pose,
+}
+
+/// Two bodies of one storage.
+enum Both<'a> {
+    Fixed(View<'a, Fixed>, View<'a, Fixed>),
+    Half(View<'a, Half>, View<'a, Half>),
 }
 
 impl<'a> Posed<'a> {
@@ -194,14 +200,32 @@ impl<'a> Posed<'a> {
         a_in_b: Option<&simdop_pose>,
     ) -> Result<Self, Failure> {
         let pose = given(a_in_b, "a_in_b")?.checked()?;
-        Ok(Self { a: given(a, "a")?.view(), b: given(b, "b")?.view(), pose })
+        let bodies = match (given(a, "a")?.view(), given(b, "b")?.view()) {
+            (AnyView::Fixed(a), AnyView::Fixed(b)) => Both::Fixed(a, b),
+            (AnyView::Half(a), AnyView::Half(b)) => Both::Half(a, b),
+            (a, b) => {
+                let message = format!(
+                    "a body of {} cannot be tested against one of {}: build one of them again",
+                    a.storage(),
+                    b.storage()
+                );
+                return Err(Failure::new(simdop_error::OtherStorage, message));
+            }
+        };
+        Ok(Self { bodies, pose })
     }
 }
 
-/// Evaluates an expression with the trees of both bodies, whatever their primitives.
+/// Evaluates an expression with the trees of both bodies, whatever their storage and primitives.
 macro_rules! with_trees {
     ($posed:expr, |$a:ident, $b:ident| $with:expr) => {
-        match ($posed.a, $posed.b) {
+        match $posed.bodies {
+            Both::Fixed(a, b) => with_trees!(of a, b, |$a, $b| $with),
+            Both::Half(a, b) => with_trees!(of a, b, |$a, $b| $with),
+        }
+    };
+    (of $of_a:ident, $of_b:ident, |$a:ident, $b:ident| $with:expr) => {
+        match ($of_a, $of_b) {
             (View::Mesh($a), View::Mesh($b)) => $with,
             (View::Mesh($a), View::Spheres($b)) => $with,
             (View::Spheres($a), View::Mesh($b)) => $with,
@@ -211,7 +235,7 @@ macro_rules! with_trees {
 }
 
 /// Does body `a`, placed by `a_in_b` in the frame of body `b`, meet `b`? The verdict is exact. Stops after `budget`
-/// visits.
+/// visits. Both bodies have the same storage.
 #[unsafe(no_mangle)]
 pub extern "C" fn simdop_collide(
     a: Option<&simdop_body>,

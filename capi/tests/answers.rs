@@ -2,13 +2,20 @@
 
 mod support;
 
+use simdop::construct::OwnedMesh;
 use simdop::glam::{DQuat, DVec3};
 use simdop::hierarchy::AsBvh;
 use simdop::isa::Isa;
+use simdop::low_level::key::{Fixed, Half, Storage};
+use simdop::node::Node16;
 use simdop::pose::Pose;
 use simdop::query::{Answer, Completion, Distance, PrimitivePair, Query, QueryStats, Verdict};
 use simdop_capi::*;
-use support::{Node, Rng, Twice, answer, bytes, meshes, open, pose, sphere_sets};
+use std::ffi::c_int;
+use support::{
+    Rng, Twice, answer, bytes, meshes_of, open, pose, solid, sphere_sets_of, spheres, spheres_as, surface,
+    triangles_as,
+};
 
 fn assert_counters(c: &simdop_query_stats, rust: &QueryStats) {
     let stats = [c.visits, c.kernels, c.realignments, c.primitive_pairs, c.exact_pairs];
@@ -53,7 +60,7 @@ fn assert_distances(c: &simdop_distance_answer, rust: &Distance) {
 }
 
 /// Queries every body of `a` against every body of `b` through both interfaces, and counts the verdicts.
-fn compare<A: AsBvh<Node = Node>, B: AsBvh<Node = Node>>(
+fn compare<S: Storage, A: AsBvh<Node = Node16<18, S>>, B: AsBvh<Node = Node16<18, S>>>(
     a: &[Twice<A>],
     b: &[Twice<B>],
     rng: &mut Rng,
@@ -82,8 +89,17 @@ fn compare<A: AsBvh<Node = Node>, B: AsBvh<Node = Node>>(
 
 #[test]
 fn answers_are_the_librarys() {
+    answers_of::<Fixed>();
+}
+
+#[test]
+fn answers_of_half_floats_are_the_librarys() {
+    answers_of::<Half>();
+}
+
+fn answers_of<S: Storage>() {
     let mut rng = Rng::new(1);
-    let (meshes, spheres, mut verdicts) = (meshes(&mut rng), sphere_sets(&mut rng), [0; 3]);
+    let (meshes, spheres, mut verdicts) = (meshes_of::<S>(&mut rng), sphere_sets_of::<S>(&mut rng), [0; 3]);
     for _ in 0..20 {
         compare(&meshes, &meshes, &mut rng, &mut verdicts);
         compare(&meshes, &spheres, &mut rng, &mut verdicts);
@@ -93,10 +109,75 @@ fn answers_are_the_librarys() {
     assert!(verdicts.iter().all(|&count| count > 100), "{verdicts:?}");
 }
 
+/// Bodies of both storages, made of the same primitives.
+fn of_both_storages() -> Vec<[&'static simdop_body; 2]> {
+    fn bodies<S: Storage>() -> Vec<&'static simdop_body> {
+        let mut rng = Rng::new(4);
+        let meshes = meshes_of::<S>(&mut rng);
+        let spheres = sphere_sets_of::<S>(&mut rng);
+        meshes.iter().map(|body| body.c).chain(spheres.iter().map(|body| body.c)).collect()
+    }
+    bodies::<Fixed>().into_iter().zip(bodies::<Half>()).map(|(fixed, half)| [fixed, half]).collect()
+}
+
+/// Verdicts are exact, so that both storages give the same; distances agree within their bounds.
+#[test]
+fn both_storages_have_one_verdict_and_no_query_mixes_them() {
+    let (bodies, mut rng, mut hits) = (of_both_storages(), Rng::new(5), [0; 2]);
+    for (a, b) in bodies.iter().flat_map(|a| bodies.iter().map(move |b| (a, b))) {
+        for _ in 0..10 {
+            let (at, _) = pose(&mut rng);
+            let margin = rng.range(0.0, 0.5);
+            let collide = |a: &simdop_body, b: &simdop_body| {
+                answer(|answer| simdop_collide(Some(a), Some(b), Some(&at), SIMDOP_NO_BUDGET, answer))
+            };
+            let within = |a: &simdop_body, b: &simdop_body| {
+                answer(|answer| simdop_within(Some(a), Some(b), Some(&at), margin, SIMDOP_NO_BUDGET, answer))
+            };
+            let distance = |a: &simdop_body, b: &simdop_body| {
+                answer(|answer| simdop_distance(Some(a), Some(b), Some(&at), 0.0, SIMDOP_NO_BUDGET, answer))
+            };
+            let [fixed, half] = [0, 1].map(|i| collide(a[i], b[i]).unwrap().verdict);
+            assert_eq!(fixed, half);
+            hits[fixed as usize] += 1;
+            let [fixed, half] = [0, 1].map(|i| within(a[i], b[i]).unwrap().verdict);
+            assert_eq!(fixed, half);
+            let [fixed, half] = [0, 1].map(|i| distance(a[i], b[i]).unwrap());
+            assert!(fixed.lower <= half.upper && half.lower <= fixed.upper, "{fixed:?}, {half:?}");
+            for (i, j) in [(0, 1), (1, 0)] {
+                assert_eq!(collide(a[i], b[j]).unwrap_err(), simdop_error::OtherStorage);
+                assert_eq!(within(a[i], b[j]).unwrap_err(), simdop_error::OtherStorage);
+                assert_eq!(distance(a[i], b[j]).unwrap_err(), simdop_error::OtherStorage);
+            }
+        }
+    }
+    assert!(hits.iter().all(|&count| count > 50), "{hits:?}");
+}
+
+/// Functions without a storage build fixed point.
+#[test]
+fn fixed_point_is_the_default() {
+    let mesh = OwnedMesh::cuboid([1.0; 3]).unwrap();
+    let balls = [[0.0, 0.0, 0.0, 1.0], [2.0, 0.0, 0.0, 0.5]];
+    let fixed = simdop_storage::Fixed as c_int;
+    for (plain, named) in [
+        (surface(&mesh.as_mesh()), triangles_as(&mesh.as_mesh(), false, fixed)),
+        (solid(&mesh.as_mesh()), triangles_as(&mesh.as_mesh(), true, fixed)),
+        (spheres(&balls), spheres_as(&balls, fixed)),
+    ] {
+        assert_eq!(bytes(&plain.unwrap()), bytes(&named.unwrap()));
+    }
+}
+
 #[test]
 fn bytes_are_the_librarys_and_open_as_the_same_body() {
+    bytes_of::<Fixed>();
+    bytes_of::<Half>();
+}
+
+fn bytes_of<S: Storage>() {
     let mut rng = Rng::new(2);
-    let (meshes, spheres) = (meshes(&mut rng), sphere_sets(&mut rng));
+    let (meshes, spheres) = (meshes_of::<S>(&mut rng), sphere_sets_of::<S>(&mut rng));
     let built = meshes.iter().map(|body| (body.c, body.rust.as_bytes()));
     for (body, expected) in built.chain(spheres.iter().map(|body| (body.c, body.rust.as_bytes()))) {
         assert_eq!(bytes(body), expected);

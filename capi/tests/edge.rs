@@ -3,7 +3,9 @@
 mod support;
 
 use simdop::isa::Isa;
+use simdop::low_level::key::{Fixed, Half, Storage};
 use simdop::motion::{CarriedBall, JointMotion, LinkFrame, Motion, Screw, ScrewMotion};
+use simdop::node::Node16;
 use simdop::pose::{Pose, PoseError};
 use simdop::query::Query;
 use simdop::scene::{Body, BodyId, MotionAnswer, MotionHit, MotionMemory, MotionVerdict, Scene};
@@ -11,7 +13,7 @@ use simdop_capi::*;
 use std::ffi::{c_int, c_void};
 use std::num::NonZeroU32;
 use support::robot::Parts;
-use support::{Node, Rng, answer, handle, meshes, pose, sphere_sets};
+use support::{Rng, answer, handle, meshes_of, pose, sphere_sets_of};
 
 /// Bodies that each move by a screw of their own.
 struct Screws(Vec<(Screw, Pose)>);
@@ -174,8 +176,10 @@ impl Memory {
 }
 
 /// A scene, through both interfaces: three moving bodies, two attached to the last, and others that stand still.
-fn scene(rng: &mut Rng) -> (Box<simdop_scene>, Scene<'static, Node>, Vec<BodyId>, Vec<Pose>) {
-    let (meshes, spheres) = (meshes(rng), sphere_sets(rng));
+fn scene<S: Storage>(
+    rng: &mut Rng,
+) -> (Box<simdop_scene>, Scene<'static, Node16<18, S>>, Vec<BodyId>, Vec<Pose>) {
+    let (meshes, spheres) = (meshes_of::<S>(rng), sphere_sets_of::<S>(rng));
     let meshes = meshes.into_iter().map(|body| (body.c, Body::new(Box::leak(Box::new(body.rust)).view())));
     let spheres = spheres.into_iter().map(|body| (body.c, Body::new(Box::leak(Box::new(body.rust)).view())));
     let bodies: Vec<_> = meshes.chain(spheres).collect();
@@ -207,10 +211,15 @@ fn scene(rng: &mut Rng) -> (Box<simdop_scene>, Scene<'static, Node>, Vec<BodyId>
 
 #[test]
 fn edges_answer_as_the_librarys() {
+    edges_of::<Fixed>();
+    edges_of::<Half>();
+}
+
+fn edges_of<S: Storage>() {
     let mut rng = Rng::new(5);
     let (mut verdicts, mut memory) = ([0; 3], Memory::new());
     for round in 0..120 {
-        let (mut c, mut rust, ids, places) = scene(&mut rng);
+        let (mut c, mut rust, ids, places) = scene::<S>(&mut rng);
         let share = if round % 2 == 0 { 1.0 } else { 0.05 };
         let mut screw = || {
             let mut point = || [0; 3].map(|_| rng.range(-1.0, 1.0));
@@ -265,11 +274,16 @@ fn edges_answer_as_the_librarys() {
 
 #[test]
 fn straight_edges_answer_as_the_librarys() {
+    straight_edges_of::<Fixed>();
+    straight_edges_of::<Half>();
+}
+
+fn straight_edges_of<S: Storage>() {
     let mut rng = Rng::new(6);
     let (mut verdicts, mut memory) = ([0; 3], Memory::new());
     let (mut values, mut links) = ([0.0; 8], [LinkFrame::EMPTY; 8]);
     for round in 0..120 {
-        let (mut c, mut rust, ids, _) = scene(&mut rng);
+        let (mut c, mut rust, ids, _) = scene::<S>(&mut rng);
         let c_ids: Vec<_> = ids[..3].iter().map(|id| id.to_bits()).collect();
         // Robots with more and with fewer joints in one scene.
         for share in [1.0, 0.02] {

@@ -4,16 +4,16 @@
 mod support;
 
 use simdop::construct::{Builder, Mesh, OwnedMesh};
-use simdop::hierarchy::{Aligned, Bvh};
+use simdop::hierarchy::{Aligned, Bvh, Header};
 use simdop::node::{Node4, Node16};
 use simdop_capi::*;
 use std::collections::BTreeSet;
 use std::ffi::{CStr, c_char, c_int, c_void};
 use std::fs;
-use std::mem::MaybeUninit;
+use std::mem::{MaybeUninit, offset_of};
 use std::ptr::null;
 use support::robot::{faults, hinge};
-use support::{IDENTITY, answer, bytes, handle, open, solid, spheres, surface};
+use support::{IDENTITY, answer, bytes, handle, open, solid, spheres, spheres_as, surface, triangles_as};
 
 const VERTICES: [[f64; 3]; 4] = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
 const TRIANGLES: [[u32; 3]; 4] = [[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]];
@@ -50,6 +50,7 @@ fn opened_with(at: usize, bytes: &[u8]) -> simdop_error {
 fn of_bytes() -> Vec<simdop_error> {
     // Offsets in that tree: the fields of the header, and what follows the node with its normal slabs.
     let [version, k, kind, leaf_size, node] = [8, 12, 16, 18, 128];
+    let storage = offset_of!(Header, storage);
     let vertices = node + size_of::<Node16<18>>() + 16 * 8;
     let [records, sources, parts] = [96, 96 + 96, 96 + 96 + 32].map(|offset| vertices + offset);
     let (copy, count) = two_parts();
@@ -72,6 +73,7 @@ fn of_bytes() -> Vec<simdop_error> {
         opened_with(0, b"simdop"),
         opened_with(version, &[99]),
         opened_with(kind, &[7]),
+        opened_with(storage, &[7]),
         opened_with(leaf_size, &[0]),
         opened_with(node, &[0xff, 0x7f]),
         opened_with(vertices, &f32::NAN.to_le_bytes()),
@@ -101,6 +103,8 @@ fn of_building() -> Vec<simdop_error> {
         open,
         changed(f64::INFINITY),
         spheres(&[[0.0, 0.0, 0.0, -1.0]]).unwrap_err(),
+        triangles_as(&TETRAHEDRON, false, 2).unwrap_err(),
+        spheres_as(&[], -1).unwrap_err(),
         surface(&Mesh { vertices: &tiny, triangles: &TRIANGLES }).unwrap_err(),
         surface(&Mesh { vertices: &VERTICES[..3], triangles: &TRIANGLES }).unwrap_err(),
         refused([0.0; 4].as_ptr(), usize::MAX),
@@ -119,6 +123,12 @@ fn of_queries() -> Vec<simdop_error> {
     };
     let not_rigid = placed(0, 0, 1.1);
     assert!(last_error().contains("differs from 1 by"), "{}", last_error());
+    let half = triangles_as(&TETRAHEDRON, true, simdop_storage::Half as c_int).unwrap();
+    let other_storage =
+        answer(|answer| simdop_collide(Some(&body), Some(&half), Some(&IDENTITY), SIMDOP_NO_BUDGET, answer));
+    let message =
+        "a body of fixed point cannot be tested against one of half floats: build one of them again";
+    assert_eq!(last_error(), message);
     let (body, zeros) = (Some(&*body), [0.0; 4]);
     // SAFETY: four numbers, and three.
     let not_unit =
@@ -131,6 +141,7 @@ fn of_queries() -> Vec<simdop_error> {
         placed(0, 0, -1.0),
         not_unit.unwrap_err(),
         margin.unwrap_err(),
+        other_storage.unwrap_err(),
     ]
 }
 
@@ -264,6 +275,15 @@ fn of_null_arrays(scene: &simdop_scene) -> Vec<simdop_error> {
             errors.push(handle(|body| build(numbers, 4, null(), 0, body)).unwrap_err());
             errors.push(build(numbers, 4, indices, 1, None));
         }
+        errors.push(
+            handle(|body| simdop_body_build_triangles_as(null(), 0, indices, 1, 0, 1, body)).unwrap_err(),
+        );
+        errors.push(
+            handle(|body| simdop_body_build_triangles_as(numbers, 4, null(), 0, 0, 1, body)).unwrap_err(),
+        );
+        errors.push(simdop_body_build_triangles_as(numbers, 4, indices, 1, 0, 1, None));
+        errors.push(handle(|body| simdop_body_build_spheres_as(null(), 1, 1, body)).unwrap_err());
+        errors.push(simdop_body_build_spheres_as(numbers, 3, 1, None));
         errors.push(handle(|body| simdop_body_build_spheres(null(), 1, body)).unwrap_err());
         errors.push(simdop_body_build_spheres(numbers, 3, None));
         errors.push(answer(|pose| simdop_pose_from_quaternion(null(), numbers, pose)).unwrap_err());

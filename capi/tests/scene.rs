@@ -3,12 +3,14 @@
 mod support;
 
 use simdop::isa::Isa;
+use simdop::low_level::key::{Fixed, Half, Storage};
+use simdop::node::Node16;
 use simdop::query::{Completion, Query};
 use simdop::scene::{Body, BodyId, Groups, Scene, SceneHit, SceneVerdict};
 use simdop_capi::*;
 use std::ffi::{c_int, c_void};
 use std::ops::ControlFlow;
-use support::{Node, Rng, answer, handle, meshes, pose, sphere_sets};
+use support::{IDENTITY, Rng, answer, handle, meshes_of, pose, sphere_sets_of};
 
 /// Adds a hit to the list behind `user`, and stops at the length behind it.
 unsafe extern "C" fn collect(user: *mut c_void, hit: *const simdop_scene_hit) -> c_int {
@@ -39,7 +41,12 @@ fn assert_hits(c: &simdop_scene_hit, rust: Option<SceneHit>) {
 }
 
 /// Runs every query through both interfaces.
-fn compare(c: &simdop_scene, rust: &Scene<'_, Node>, rng: &mut Rng, verdicts: &mut [u32; 3]) {
+fn compare<S: Storage>(
+    c: &simdop_scene,
+    rust: &Scene<'_, Node16<18, S>>,
+    rng: &mut Rng,
+    verdicts: &mut [u32; 3],
+) {
     let margin = rng.range(0.0, 0.2);
     for budget in [SIMDOP_NO_BUDGET, 2] {
         let query = Query::new(Isa::detect()).with_budget(budget);
@@ -90,13 +97,18 @@ fn compare(c: &simdop_scene, rust: &Scene<'_, Node>, rng: &mut Rng, verdicts: &m
 
 #[test]
 fn scenes_answer_as_the_librarys() {
+    scenes_of::<Fixed>(30);
+    scenes_of::<Half>(10);
+}
+
+fn scenes_of<S: Storage>(scenes: u32) {
     let mut rng = Rng::new(3);
-    let (meshes, spheres) = (meshes(&mut rng), sphere_sets(&mut rng));
+    let (meshes, spheres) = (meshes_of::<S>(&mut rng), sphere_sets_of::<S>(&mut rng));
     let meshes = meshes.iter().map(|body| (body.c, Body::new(body.rust.view())));
     let spheres = spheres.iter().map(|body| (body.c, Body::new(body.rust.view())));
     let bodies: Vec<_> = meshes.chain(spheres).collect();
     let mut verdicts = [0; 3];
-    for _ in 0..30 {
+    for _ in 0..scenes {
         let mut c = handle(|scene| simdop_scene_create(scene)).unwrap();
         let mut rust = Scene::new();
         for step in 0..60 {
@@ -154,6 +166,31 @@ fn scenes_answer_as_the_librarys() {
         simdop_scene_destroy(Some(c));
     }
     assert!(verdicts.iter().all(|&count| count > 100), "{verdicts:?}");
+}
+
+/// The first body decides the storage of a scene for good, since ids outlive their bodies.
+#[test]
+fn a_scene_has_bodies_of_one_storage() {
+    let fixed = meshes_of::<Fixed>(&mut Rng::new(6))[0].c;
+    let half = meshes_of::<Half>(&mut Rng::new(6))[0].c;
+    let other = Err(simdop_error::OtherStorage);
+    for [first, second] in [[fixed, half], [half, fixed]] {
+        let mut scene = handle(|scene| simdop_scene_create(scene)).unwrap();
+        let insert = |scene: &mut simdop_scene, body, radius| {
+            let role = simdop_role { radius, ..simdop_role_default() };
+            answer(|id| simdop_scene_insert(Some(scene), Some(body), Some(&role), Some(&IDENTITY), id))
+        };
+        // What is refused decides nothing.
+        assert_eq!(insert(&mut scene, second, f64::NAN), Err(simdop_error::SceneRadius));
+        let id = insert(&mut scene, first, 0.0).unwrap();
+        assert_eq!(insert(&mut scene, second, 0.0), other);
+        assert_eq!(simdop_scene_remove(Some(&mut scene), id), simdop_error::None);
+        assert_eq!(insert(&mut scene, second, 0.0), other);
+        let again = insert(&mut scene, first, 0.0).unwrap();
+        assert_ne!(again, id);
+        assert_eq!(simdop_scene_remove(Some(&mut scene), id), simdop_error::SceneNoSuchBody);
+        simdop_scene_destroy(Some(scene));
+    }
 }
 
 #[test]

@@ -6,7 +6,7 @@ use super::{TreeOptions, demo, progress};
 use core::ops::ControlFlow;
 use core::time::Duration;
 use simdop::construct::{Builder, Mesh, Progress, SphereSet};
-use simdop::hierarchy::{AnyBvh, Bvh, BvhRef, Header, Lane, MAGIC};
+use simdop::hierarchy::{AnyBvh, Bvh, BvhRef, Header, Lane, MAGIC, NodeType};
 use simdop::isa::Isa;
 use simdop::node::{Dop, Link, Node16};
 use simdop::primitive::{Primitive, Sphere, Spheres};
@@ -14,20 +14,6 @@ use simdop::query::Query;
 use simdop::with_bvh;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
-
-/// k and arity of a tree.
-#[derive(Copy, Clone, PartialEq, Eq, Debug)]
-pub(super) struct Shape {
-    pub(super) k: usize,
-    pub(super) arity: usize,
-}
-
-impl Shape {
-    pub(super) fn of(tree: &AnyBvh) -> Self {
-        let header = *tree.view().header();
-        Self { k: header.k.into(), arity: header.arity.into() }
-    }
-}
 
 /// Every triangle, with the lane of the root it is below.
 pub(super) fn clusters(tree: &AnyBvh) -> Vec<(usize, [[f64; 3]; 3])> {
@@ -128,10 +114,10 @@ pub(super) fn build(
     name: String,
     mesh: &MeshData,
     options: &TreeOptions,
-    shape: Shape,
+    node: NodeType,
     quiet: bool,
 ) -> Result<Body, Error> {
-    let levels = progress::levels(mesh.triangles.len(), options.leaf_size() as usize, shape.arity);
+    let levels = progress::levels(mesh.triangles.len(), options.leaf_size() as usize, node.arity);
     let bar = progress::build(&name, levels, quiet || mesh.triangles.len() < LONG_BUILD);
     let mut observer = |_: Progress| {
         // A tree may be deeper than one with full nodes.
@@ -144,7 +130,7 @@ pub(super) fn build(
     let builder = if options.solid { builder.solid() } else { builder };
     let start = Instant::now();
     let tree = builder
-        .build_any(&mesh, shape.k, shape.arity, &mut observer)
+        .build_any(&mesh, node, &mut observer)
         .map_err(|error| Error::Build { name: name.clone(), error })?;
     Ok(Body { name, tree, read: None, build: Some(start.elapsed()) })
 }
@@ -156,10 +142,14 @@ pub(super) fn of_spheres(name: &str, spheres: &[Sphere]) -> Result<Bvh<Node16<18
         .map_err(|error| Error::Build { name: name.into(), error })
 }
 
-/// The shape given by the options; otherwise that of a given tree, or the default.
-pub(super) fn shape(options: &TreeOptions, given: Option<Shape>) -> Shape {
-    let default = given.unwrap_or(Shape { k: 18, arity: 16 });
-    Shape { k: options.k.unwrap_or(default.k), arity: options.arity.unwrap_or(default.arity) }
+/// The node type given by the options; otherwise that of a given tree, or the default.
+pub(super) fn node_type(options: &TreeOptions, given: Option<NodeType>) -> NodeType {
+    let default = given.unwrap_or_default();
+    NodeType {
+        k: options.k.unwrap_or(default.k),
+        arity: options.arity.unwrap_or(default.arity),
+        storage: options.storage.map_or(default.storage, Into::into),
+    }
 }
 
 /// [`pair`] and the built-in scene guarantee this of two bodies.
@@ -176,19 +166,19 @@ pub(super) fn pair(paths: [&PathBuf; 2], options: &TreeOptions, quiet: bool) -> 
         return Err(Error::idle(option, &paths[0].display()));
     }
     let given = [&a.0, &b.0].into_iter().find_map(|source| match source {
-        Source::Tree(tree) => Some(Shape::of(tree)),
+        Source::Tree(tree) => Some(tree.view().node_type()),
         Source::Mesh(_) => None,
     });
-    let shape = shape(options, given);
+    let node = node_type(options, given);
     let body = |(source, time): (Source, Duration), path: &PathBuf| -> Result<Body, Error> {
         let name = path.display().to_string();
         let body = match source {
-            Source::Mesh(mesh) => build(name, &mesh, options, shape, quiet)?,
-            Source::Tree(tree) if Shape::of(&tree) == shape => {
+            Source::Mesh(mesh) => build(name, &mesh, options, node, quiet)?,
+            Source::Tree(tree) if tree.view().node_type() == node => {
                 Body { name, tree: *tree, read: None, build: None }
             }
             Source::Tree(tree) => {
-                return Err(Error::OtherShape { name, has: Shape::of(&tree), asked: shape });
+                return Err(Error::OtherNode { name, has: tree.view().node_type(), asked: node });
             }
         };
         Ok(Body { read: Some(time), ..body })

@@ -36,14 +36,14 @@ pub(super) fn run(options: &Options) -> Result<(), Error> {
         Source::Tree(tree) => {
             // The tree of a solid becomes one again.
             tree_options.solid |= tree.view().header().is_solid != 0;
-            (body::mesh_of(&tree), Some(body::Shape::of(&tree)))
+            (body::mesh_of(&tree), Some(tree.view().node_type()))
         }
     };
     let name = options.mesh.display().to_string();
-    let shape = body::shape(&options.tree, given);
-    let body = body::build(name, &mesh, &tree_options, shape, false)?;
+    let node = body::node_type(&options.tree, given);
+    let body = body::build(name, &mesh, &tree_options, node, false)?;
     let picture = format.map(|format| {
-        let title = format!("{}, {:?}, arity {}", body.name, options.tree.splitter(), shape.arity);
+        let title = format!("{}, {:?}, arity {}", body.name, options.tree.splitter(), node.arity);
         picture::paint(&body.tree, &title, format)
     });
     let tree = options.output.as_deref().map(|path| (path, body.tree.as_bytes()));

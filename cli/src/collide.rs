@@ -46,14 +46,15 @@ pub(super) fn run(options: &Options) -> Result<u8, Error> {
     let (bodies, poses) = scene_of(options)?;
     let query = body::query(options.isa, options.budget);
     let reports = all(&bodies, query, &poses, options);
-    let shape = body::Shape::of(&bodies[0].tree);
+    let node = bodies[0].tree.view().node_type();
     let [a, b] = bodies.each_ref().map(body_report);
     let report = Report {
         version: env!("CARGO_PKG_VERSION"),
         a,
         b,
-        k: shape.k,
-        arity: shape.arity,
+        k: node.k,
+        arity: node.arity,
+        storage: node.storage.into(),
         isa: options.isa.name(),
         budget: options.budget,
         repeat: options.repeat,
@@ -75,8 +76,8 @@ pub(super) fn run(options: &Options) -> Result<u8, Error> {
 
 fn scene_of(options: &Options) -> Result<([Body; 2], Vec<Pose>), Error> {
     let (Some(a), Some(b)) = (&options.a, &options.b) else {
-        let shape = body::shape(&options.tree, None);
-        let build = |name: &str, mesh| body::build(name.into(), &mesh, &options.tree, shape, options.json);
+        let node = body::node_type(&options.tree, None);
+        let build = |name: &str, mesh| body::build(name.into(), &mesh, &options.tree, node, options.json);
         let bodies =
             [build("torus knot (built in)", demo::knot())?, build("gear ring (built in)", demo::gear())?];
         return Ok((bodies, demo::sweep()));

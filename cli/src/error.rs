@@ -1,10 +1,9 @@
 //! Errors, with the file and the place in it.
 
-use super::body::Shape;
 use core::fmt;
 use simdop::cloud::{CloudError, SearchError};
 use simdop::construct::{BuildError, CoverError};
-use simdop::hierarchy::{FormatError, VerifyError};
+use simdop::hierarchy::{FormatError, NodeType, VerifyError};
 use simdop::packing::PackError;
 use simdop::robot::RobotError;
 use simdop::scene::SceneError;
@@ -74,7 +73,7 @@ pub(crate) enum Error {
     /// An option that cannot be applied.
     Option { option: &'static str, problem: String },
     /// The node type of a tree differs from that of the other body, or from the options.
-    OtherShape { name: String, has: Shape, asked: Shape },
+    OtherNode { name: String, has: NodeType, asked: NodeType },
     /// A command that this build does not include.
     #[cfg(not(all(feature = "report", feature = "selftest")))]
     Feature(&'static str),
@@ -135,12 +134,9 @@ impl fmt::Display for Error {
                 write!(f, "{a} does not come to a contact with {b} along any of {lines} lines")
             }
             Self::Option { option, problem } => write!(f, "{option}: {problem}"),
-            Self::OtherShape { name, has, asked } => write!(
-                f,
-                "{name}: the tree has k = {} and arity {}, the query k = {} and arity {}: `simdop build` makes another \
-                 of it",
-                has.k, has.arity, asked.k, asked.arity
-            ),
+            Self::OtherNode { name, has, asked } => {
+                write!(f, "{name}: the tree has {has}, the query {asked}: `simdop build` makes another of it")
+            }
             #[cfg(not(all(feature = "report", feature = "selftest")))]
             Self::Feature(name) => write!(
                 f,

@@ -2,9 +2,10 @@
 
 use super::body::{self, Source};
 use super::error::Error;
-use super::{File, TreeOptions, sphere_file};
+use super::{File, StorageName, TreeOptions, sphere_file};
 use clap::Args;
 use serde::Serialize;
+use simdop::low_level::key::StorageKind;
 use std::io::Write;
 
 #[derive(Args, Debug)]
@@ -25,6 +26,7 @@ pub(super) struct Options {
 struct Report {
     k: u16,
     arity: u16,
+    storage: StorageName,
     leaf_size: u16,
     depth: usize,
     triangles: usize,
@@ -63,8 +65,8 @@ pub(super) fn run(options: &Options) -> Result<(), Error> {
         },
         Source::Mesh(mesh) => {
             let name = options.tree.display().to_string();
-            let shape = body::shape(&options.build, None);
-            let body = body::build(name, &mesh, &options.build, shape, options.json)?;
+            let node = body::node_type(&options.build, None);
+            let body = body::build(name, &mesh, &options.build, node, options.json)?;
             (body.tree, body.build)
         }
     };
@@ -77,6 +79,7 @@ pub(super) fn run(options: &Options) -> Result<(), Error> {
     let report = Report {
         k: header.k,
         arity: header.arity,
+        storage: view.node_type().storage.into(),
         leaf_size: header.leaf_size,
         depth: stats.depth,
         triangles: stats.primitives,
@@ -109,7 +112,8 @@ fn print(report: &Report, json: bool) -> std::io::Result<()> {
         return writeln!(out, "{}", serde_json::to_string_pretty(report)?);
     }
     let Report { k, arity, leaf_size, depth, triangles, vertices, nodes, .. } = report;
-    writeln!(out, "k {k}, arity {arity}, leaf size {leaf_size}, depth {depth}")?;
+    let storage = StorageKind::from(report.storage);
+    writeln!(out, "k {k}, arity {arity}, {storage}, leaf size {leaf_size}, depth {depth}")?;
     writeln!(out, "triangles           {triangles:>12}   without area {}", report.degenerate_triangles)?;
     let is = if report.solid { "of a solid" } else { "of a surface" };
     writeln!(out, "parts               {:>12}   {is}", report.parts)?;

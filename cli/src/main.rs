@@ -31,8 +31,10 @@ mod volume;
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use error::Error;
+use serde::Serialize;
 use simdop::construct::Magnification;
 use simdop::isa::Isa;
+use simdop::low_level::key::StorageKind;
 use std::io::Write;
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -91,9 +93,9 @@ enum Command {
     /// Builds the mesh with many settings, queries all trees at the same poses, and writes a self-contained page of
     /// plots with a recommendation, and a CSV file. A and B are meshes (.obj, .off, .ply, .stl), or trees, for the
     /// meshes that they were built from. With one mesh, it is tested against itself; without files, the bodies are
-    /// generated. The settings are k, arity, leaf size, splitter, and with or without normal slabs; planes are 16-bit
-    /// keys, and bodies are as exact as their meshes. Packings of closed meshes are compared by their number of
-    /// spheres.
+    /// generated. The settings are k, arity, leaf size, splitter, with or without normal slabs, and whether planes are
+    /// stored as 16-bit fixed point or as half floats; bodies are as exact as their meshes. Packings of closed meshes
+    /// are compared by their number of spheres.
     #[cfg(feature = "report")]
     Report(report::Options),
     /// Needs the feature `report`: which tree is the fastest for a mesh, and at what cost?
@@ -132,6 +134,10 @@ struct TreeOptions {
     /// Children of a node: 16, or 4 with k = 18 [default: 16, or that of a given tree].
     #[arg(short, long, value_parser = arity)]
     arity: Option<usize>,
+    /// How planes are stored: half floats exist for k = 14, 18 and 26 at arity 16 [default: fixed, or that of a given
+    /// tree].
+    #[arg(long, value_enum)]
+    storage: Option<StorageName>,
     /// Maximum number of triangles in a leaf: 1 to 16 [default: 1].
     #[arg(short, long, value_parser = clap::value_parser!(u32).range(1..=16))]
     leaf_size: Option<u32>,
@@ -163,6 +169,7 @@ impl TreeOptions {
         let given = [
             ("--k", self.k.is_some()),
             ("--arity", self.arity.is_some()),
+            ("--storage", self.storage.is_some()),
             ("--leaf-size", self.leaf_size.is_some()),
             ("--splitter", self.splitter.is_some()),
             ("--without-normal-slabs", self.without_normal_slabs),
@@ -170,6 +177,34 @@ impl TreeOptions {
             ("--allow-empty", self.allow_empty),
         ];
         given.iter().find(|(_, is_given)| *is_given).map(|(option, _)| *option)
+    }
+}
+
+/// [`StorageKind`] in options and reports.
+#[derive(ValueEnum, Serialize, Copy, Clone, PartialEq, Eq, Debug)]
+#[serde(rename_all = "lowercase")]
+enum StorageName {
+    /// 16-bit fixed point: as precise anywhere in the body.
+    Fixed,
+    /// Half floats: more precise near the centre of the body, and less far from it.
+    Half,
+}
+
+impl From<StorageName> for StorageKind {
+    fn from(storage: StorageName) -> Self {
+        match storage {
+            StorageName::Fixed => Self::Fixed,
+            StorageName::Half => Self::Half,
+        }
+    }
+}
+
+impl From<StorageKind> for StorageName {
+    fn from(storage: StorageKind) -> Self {
+        match storage {
+            StorageKind::Fixed => Self::Fixed,
+            StorageKind::Half => Self::Half,
+        }
     }
 }
 

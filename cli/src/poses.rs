@@ -8,7 +8,9 @@ use simdop::pose::Pose;
 use std::path::Path;
 
 /// The poses of A.
+// Flattened into other structures of this name: clap would give both groups the same one.
 #[derive(Args, Debug)]
+#[group(skip)]
 pub(super) struct Options {
     /// One pose: the 12 numbers of the row-major 3x4 matrix [R|t] that places A in B's frame [default:
     /// identity].

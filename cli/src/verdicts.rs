@@ -1,10 +1,12 @@
 //! The report of `simdop collide`: a table for people, an object for programs.
 
+use super::StorageName;
 use super::body::{Body, SAME};
 use alloc::rc::Rc;
 use core::cell::Cell;
 use core::ops::ControlFlow;
 use serde::ser::{Serialize, SerializeSeq, Serializer};
+use simdop::low_level::key::StorageKind;
 use simdop::pose::Pose;
 use simdop::query::{Completion, Pair, Query};
 use std::io::{BufWriter, Write};
@@ -16,6 +18,7 @@ pub(super) struct Report<'a> {
     pub(super) b: BodyReport,
     pub(super) k: usize,
     pub(super) arity: usize,
+    pub(super) storage: StorageName,
     pub(super) isa: &'static str,
     /// In visits.
     pub(super) budget: Option<u64>,
@@ -190,7 +193,8 @@ impl Report<'_> {
             }
             writeln!(out)?;
         }
-        writeln!(out, "k {}, arity {}, {}", self.k, self.arity, self.isa)
+        let storage = StorageKind::from(self.storage);
+        writeln!(out, "k {}, arity {}, {storage}, {}", self.k, self.arity, self.isa)
     }
 
     fn print_summary(&self, out: &mut impl Write) -> std::io::Result<()> {

@@ -44,6 +44,7 @@ impl Coded for FormatError {
             Self::Version { .. } => simdop_error::BytesVersion,
             Self::OtherPrimitive { .. } => simdop_error::BytesOtherPrimitive,
             Self::OtherNode { .. } => simdop_error::BytesOtherNode,
+            Self::OtherStorage { .. } => simdop_error::BytesOtherStorage,
             Self::Truncated { .. } => simdop_error::BytesTruncated,
             Self::TooLong { .. } => simdop_error::BytesTooLong,
             Self::Header { .. } => simdop_error::BytesHeader,

@@ -60,6 +60,8 @@ pub enum simdop_error {
     BytesSource = 30,
     /// The representative primitive of a part in the bytes is invalid, or out of order.
     BytesPart = 31,
+    /// The planes of the tree are neither fixed point nor half floats.
+    BytesOtherStorage = 32,
 
     /// A vertex is NaN, infinite, or beyond 2^300.
     BuildVertex = 40,
@@ -71,9 +73,13 @@ pub enum simdop_error {
     BuildPrimitive = 43,
     /// A mesh to be built as a solid is not closed, or its triangles are not oriented consistently.
     BuildOpen = 44,
+    /// A body's storage is not one of simdop_storage.
+    BuildNoSuchStorage = 45,
 
     /// A margin, tolerance or cutoff is negative, NaN or too large, or a resolution is NaN or not positive.
     Tolerance = 60,
+    /// The storage of a body differs from that of the other body, or of the bodies in the scene: build it again.
+    OtherStorage = 61,
 
     /// The body is not, or no longer, in the scene.
     SceneNoSuchBody = 70,
@@ -110,7 +116,7 @@ pub enum simdop_error {
     MotionNoSuchKind = 90,
 }
 
-const TEXTS: [(simdop_error, &CStr); 45] = [
+const TEXTS: [(simdop_error, &CStr); 48] = [
     (simdop_error::None, c"no error"),
     (simdop_error::Null, c"a pointer is NULL"),
     (simdop_error::Misaligned, c"a pointer is not aligned: the bytes of a tree to 64, an array to its items"),
@@ -134,15 +140,18 @@ const TEXTS: [(simdop_error, &CStr); 45] = [
     (simdop_error::BytesPrimitive, c"a primitive of the tree names a vertex that there is not"),
     (simdop_error::BytesSource, c"a primitive of the tree had an index that cannot be"),
     (simdop_error::BytesPart, c"what stands for a part of the tree's body cannot"),
+    (simdop_error::BytesOtherStorage, c"the planes of the tree are neither fixed point nor half floats"),
     (simdop_error::BuildVertex, c"a vertex is not finite, or beyond 2^300"),
     (simdop_error::BuildRadius, c"a sphere's radius is negative or not finite, or it extends beyond 2^300"),
     (simdop_error::BuildTooSmall, c"all coordinates are below 2^-250"),
     (simdop_error::BuildPrimitive, c"a triangle refers to a vertex that does not exist"),
     (simdop_error::BuildOpen, c"a mesh to be built as a solid is not closed"),
+    (simdop_error::BuildNoSuchStorage, c"a body's storage is not one of simdop_storage"),
     (
         simdop_error::Tolerance,
         c"a margin, tolerance or cutoff is negative, NaN or too large, or a resolution is not positive",
     ),
+    (simdop_error::OtherStorage, c"the storage of a body differs from that of another"),
     (simdop_error::SceneNoSuchBody, c"the body is not, or no longer, in the scene"),
     (simdop_error::SceneRadius, c"a body's radius is negative, NaN or too large"),
     (simdop_error::SceneIsAttached, c"the body is attached to another"),

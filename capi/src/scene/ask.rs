@@ -1,6 +1,6 @@
 //! Queries of a scene.
 
-use super::{simdop_body_id, simdop_scene};
+use super::{simdop_body_id, simdop_scene, with_scene};
 use crate::boundary::{answered, given, guarded};
 use crate::error::simdop_error;
 use crate::query::{query, simdop_completion, simdop_pair, simdop_query_stats, simdop_verdict};
@@ -123,7 +123,10 @@ pub extern "C" fn simdop_scene_collide(
     budget: u64,
     answer: Option<&mut MaybeUninit<simdop_scene_answer>>,
 ) -> simdop_error {
-    answered(answer, || Ok(given(scene, "scene")?.scene.collide(&query(budget))?.into()))
+    answered(answer, || {
+        let scene = &given(scene, "scene")?.scene;
+        Ok(with_scene!(scene, |scene| scene.collide(&query(budget)))?.into())
+    })
 }
 
 /// Do the bodies of any tested pair come within `margin`, 0 to 2^300, in the world? Otherwise like
@@ -135,7 +138,10 @@ pub extern "C" fn simdop_scene_within(
     budget: u64,
     answer: Option<&mut MaybeUninit<simdop_scene_answer>>,
 ) -> simdop_error {
-    answered(answer, || Ok(given(scene, "scene")?.scene.within(&query(budget), margin)?.into()))
+    answered(answer, || {
+        let scene = &given(scene, "scene")?.scene;
+        Ok(with_scene!(scene, |scene| scene.within(&query(budget), margin))?.into())
+    })
 }
 
 /// What is the smallest distance between the bodies of any tested pair, up to `cutoff`, which may be infinite?
@@ -149,7 +155,10 @@ pub extern "C" fn simdop_scene_clearance(
     budget: u64,
     answer: Option<&mut MaybeUninit<simdop_scene_clearance_answer>>,
 ) -> simdop_error {
-    answered(answer, || Ok(given(scene, "scene")?.scene.clearance(&query(budget), tolerance, cutoff)?.into()))
+    answered(answer, || {
+        let scene = &given(scene, "scene")?.scene;
+        Ok(with_scene!(scene, |scene| scene.clearance(&query(budget), tolerance, cutoff))?.into())
+    })
 }
 
 /// Calls `on_hit` with `user` once for each tested pair of bodies that come within `margin`. Otherwise like
@@ -169,13 +178,15 @@ pub unsafe extern "C" fn simdop_scene_each_hit(
     guarded(|| {
         let (scene, hits) = (&given(scene, "scene")?.scene, given(hits, "hits")?);
         let on_hit = given(on_hit, "on_hit")?;
-        let (completion, pairs, stats) = scene.for_each_hit(&query(budget), margin, |hit| {
+        let visit = |hit: SceneHit| {
             // SAFETY: the caller guarantees that `user` is what the function expects; the hit lives during the call.
             match unsafe { on_hit(user, &hit.into()) } {
                 0 => ControlFlow::Continue(()),
                 _ => ControlFlow::Break(()),
             }
-        })?;
+        };
+        let (completion, pairs, stats) =
+            with_scene!(scene, |scene| scene.for_each_hit(&query(budget), margin, visit))?;
         hits.write(simdop_scene_hits { completion: completion.into(), pairs, stats: stats.into() });
         Ok(())
     })

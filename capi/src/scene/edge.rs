@@ -1,7 +1,6 @@
 //! Motions: do bodies of a scene meet anywhere on the way?
 
-use super::{simdop_body_id, simdop_scene, simdop_scene_hit};
-use crate::body::Node;
+use super::{AnyScene, simdop_body_id, simdop_scene, simdop_scene_hit, with_scene};
 use crate::boundary::{answered, given, items};
 use crate::error::{Failure, simdop_error};
 use crate::motion::{Called, simdop_motion};
@@ -10,7 +9,7 @@ use crate::query::{query, simdop_query_stats};
 use crate::robot::simdop_robot;
 use simdop::motion::{JointMotion, LinkFrame, Screw, ScrewMotion};
 use simdop::pose::Pose;
-use simdop::scene::{BodyId, MotionAnswer, MotionHit, MotionMemory, MotionVerdict, Scene};
+use simdop::scene::{BodyId, MotionAnswer, MotionHit, MotionMemory, MotionVerdict};
 use std::mem::MaybeUninit;
 use std::num::NonZeroU32;
 
@@ -114,7 +113,7 @@ impl EdgeRoom {
 
 /// The input of a motion query whose motion is given by callbacks.
 struct CalledEdge<'e> {
-    scene: &'e mut Scene<'static, Node>,
+    scene: &'e mut AnyScene,
     moving: &'e [BodyId],
     motion: Called<'e>,
     memory: MotionMemory<'e>,
@@ -129,7 +128,7 @@ impl<'e> CalledEdge<'e> {
         count: usize,
         motion: Option<&simdop_motion>,
     ) -> Result<Self, Failure> {
-        let simdop_scene { scene, room } = given(scene, "scene")?;
+        let simdop_scene { scene, room, .. } = given(scene, "scene")?;
         // SAFETY: the caller guarantees the length.
         let moving = unsafe { items(moving, count, "moving") }?;
         let motion = *given(motion, "motion")?;
@@ -169,7 +168,9 @@ pub unsafe extern "C" fn simdop_scene_check_motion(
         // SAFETY: the caller gives this guarantee, for as long as this call.
         let edge = unsafe { CalledEdge::new(scene, moving, count, motion) }?;
         let CalledEdge { scene, moving, mut motion, mut memory } = edge;
-        let answer = scene.check_motion(&query(budget), moving, &mut motion, resolution, &mut memory);
+        let answer = with_scene!(scene, |scene| {
+            scene.check_motion(&query(budget), moving, &mut motion, resolution, &mut memory)
+        });
         Ok(motion.conclude(answer)?.into())
     })
 }
@@ -197,7 +198,9 @@ pub unsafe extern "C" fn simdop_scene_check_motion_discrete(
         // SAFETY: the caller gives this guarantee, for as long as this call.
         let edge = unsafe { CalledEdge::new(scene, moving, count, motion) }?;
         let CalledEdge { scene, moving, mut motion, mut memory } = edge;
-        let answer = scene.check_motion_discrete(&query(budget), moving, &mut motion, parts, &mut memory);
+        let answer = with_scene!(scene, |scene| {
+            scene.check_motion_discrete(&query(budget), moving, &mut motion, parts, &mut memory)
+        });
         Ok(motion.conclude(answer)?.into())
     })
 }
@@ -217,12 +220,15 @@ pub extern "C" fn simdop_scene_check_screw(
     answer: Option<&mut MaybeUninit<simdop_motion_answer>>,
 ) -> simdop_error {
     answered(answer, || {
-        let simdop_scene { scene, room } = given(scene, "scene")?;
+        let simdop_scene { scene, room, .. } = given(scene, "scene")?;
         let (from, to) = (given(from, "from")?.checked()?, given(to, "to")?.checked()?);
         let starts = [from];
         let mut motion = ScrewMotion::new(Screw::between(&from, &to)?, &starts);
         let (moving, mut memory, _) = room.lend(&[id]);
-        Ok(scene.check_motion(&query(budget), moving, &mut motion, resolution, &mut memory)?.into())
+        let answer = with_scene!(scene, |scene| {
+            scene.check_motion(&query(budget), moving, &mut motion, resolution, &mut memory)
+        });
+        Ok(answer?.into())
     })
 }
 
@@ -246,7 +252,7 @@ pub unsafe extern "C" fn simdop_scene_check_joint_motion(
     answer: Option<&mut MaybeUninit<simdop_motion_answer>>,
 ) -> simdop_error {
     answered(answer, || {
-        let simdop_scene { scene, room } = given(scene, "scene")?;
+        let simdop_scene { scene, room, .. } = given(scene, "scene")?;
         let kinematics = given(robot, "robot")?.kinematics()?;
         let variables = kinematics.limits().len();
         // SAFETY: the caller guarantees the length.
@@ -259,6 +265,9 @@ pub unsafe extern "C" fn simdop_scene_check_joint_motion(
         values.resize(variables, 0.0);
         links.resize(kinematics.links(), LinkFrame::EMPTY);
         let mut motion = JointMotion::new(kinematics, [from, to], values, links)?;
-        Ok(scene.check_motion(&query(budget), moving, &mut motion, resolution, &mut memory)?.into())
+        let answer = with_scene!(scene, |scene| {
+            scene.check_motion(&query(budget), moving, &mut motion, resolution, &mut memory)
+        });
+        Ok(answer?.into())
     })
 }

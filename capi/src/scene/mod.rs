@@ -13,12 +13,13 @@ pub use edge::{
     simdop_scene_check_motion, simdop_scene_check_motion_discrete, simdop_scene_check_screw,
 };
 
-use crate::body::{Node, simdop_body};
+use crate::body::{AnyView, Node, View, simdop_body};
 use crate::boundary::{given, guarded, make};
 use crate::error::{Failure, simdop_error};
 use crate::pose::simdop_pose;
 use crate::robot::simdop_robot;
 use edge::EdgeRoom;
+use simdop::low_level::key::{Fixed, Half, Storage, StorageKind};
 use simdop::scene::{Body, BodyId, Groups, Scene};
 use std::ffi::c_int;
 use std::mem::MaybeUninit;
@@ -29,9 +30,46 @@ pub const SIMDOP_ALL_GROUPS: u32 = u32::MAX;
 /// A set of bodies at poses in the world.
 #[derive(Debug)]
 pub struct simdop_scene {
-    scene: Scene<'static, Node>,
+    scene: AnyScene,
+    /// Whether a body was ever inserted: then the storage is that of the scene, since ids outlive their bodies.
+    has_storage: bool,
     room: EdgeRoom,
 }
+
+/// A scene of bodies of one storage.
+#[derive(Debug)]
+enum AnyScene {
+    Fixed(Scene<'static, Node<Fixed>>),
+    Half(Scene<'static, Node<Half>>),
+}
+
+impl AnyScene {
+    fn new(storage: StorageKind) -> Self {
+        match storage {
+            StorageKind::Fixed => Self::Fixed(Scene::new()),
+            StorageKind::Half => Self::Half(Scene::new()),
+        }
+    }
+
+    const fn storage(&self) -> StorageKind {
+        match self {
+            Self::Fixed(_) => StorageKind::Fixed,
+            Self::Half(_) => StorageKind::Half,
+        }
+    }
+}
+
+/// Evaluates an expression with the scene of either storage.
+macro_rules! with_scene {
+    ($any:expr, |$scene:ident| $with:expr) => {
+        match $any {
+            $crate::scene::AnyScene::Fixed($scene) => $with,
+            $crate::scene::AnyScene::Half($scene) => $with,
+        }
+    };
+}
+
+use with_scene;
 
 // The header guarantees these properties.
 const _: () = {
@@ -67,19 +105,18 @@ pub extern "C" fn simdop_role_default() -> simdop_role {
 }
 
 impl simdop_role {
-    fn body(&self, body: &'static simdop_body) -> Body<'static, Node> {
+    fn body<S: Storage>(&self, view: View<'static, S>) -> Body<'static, Node<S>> {
         let groups = Groups { of: self.groups, against: self.against };
-        let body = Body::new(body.view()).with_radius(self.radius).with_groups(groups);
+        let body = Body::new(view).with_radius(self.radius).with_groups(groups);
         if self.is_fixed == 0 { body } else { body.fixed() }
     }
 }
 
 /// Applies a change to a scene.
-fn change(
-    scene: Option<&mut simdop_scene>,
-    change: impl FnOnce(&mut Scene<'static, Node>) -> Result<(), Failure>,
-) -> simdop_error {
-    guarded(|| change(&mut given(scene, "scene")?.scene))
+macro_rules! change {
+    ($any:expr, |$scene:ident| $change:expr) => {
+        guarded(|| Ok(with_scene!(&mut given($any, "scene")?.scene, |$scene| $change)?))
+    };
 }
 
 /// Creates an empty scene. It grows as bodies are inserted.
@@ -87,7 +124,10 @@ fn change(
 pub extern "C" fn simdop_scene_create(
     scene: Option<&mut MaybeUninit<Option<Box<simdop_scene>>>>,
 ) -> simdop_error {
-    make(scene, "scene", || Ok(simdop_scene { scene: Scene::new(), room: EdgeRoom::default() }))
+    make(scene, "scene", || {
+        let scene = AnyScene::new(StorageKind::default());
+        Ok(simdop_scene { scene, has_storage: false, room: EdgeRoom::default() })
+    })
 }
 
 /// Destroys a scene, but none of its bodies. Does nothing for NULL.
@@ -97,7 +137,8 @@ pub extern "C" fn simdop_scene_destroy(scene: Option<Box<simdop_scene>>) {
 }
 
 /// Inserts a body into a scene at the pose `world`. A body may be inserted into several scenes, and several times into
-/// one. It must exist until it is removed or the scene is destroyed.
+/// one. It must exist until it is removed or the scene is destroyed. The first body decides the storage of all bodies
+/// of the scene.
 #[unsafe(no_mangle)]
 pub extern "C" fn simdop_scene_insert(
     scene: Option<&mut simdop_scene>,
@@ -106,10 +147,24 @@ pub extern "C" fn simdop_scene_insert(
     world: Option<&simdop_pose>,
     id: Option<&mut MaybeUninit<simdop_body_id>>,
 ) -> simdop_error {
-    change(scene, |scene| {
-        let body = given(role, "role")?.body(given(body, "body")?);
-        let world = given(world, "world")?.checked()?;
-        given(id, "id")?.write(scene.insert(body, &world)?.to_bits());
+    guarded(|| {
+        let simdop_scene { scene, has_storage, .. } = given(scene, "scene")?;
+        let (role, view) = (given(role, "role")?, given(body, "body")?.view());
+        let (world, id) = (given(world, "world")?.checked()?, given(id, "id")?);
+        if !*has_storage && scene.storage() != view.storage() {
+            *scene = AnyScene::new(view.storage());
+        }
+        let inserted = match (scene, view) {
+            (AnyScene::Fixed(scene), AnyView::Fixed(view)) => scene.insert(role.body(view), &world)?,
+            (AnyScene::Half(scene), AnyView::Half(view)) => scene.insert(role.body(view), &world)?,
+            (scene, view) => {
+                let message =
+                    format!("a body of {} in a scene of {}: build it again", view.storage(), scene.storage());
+                return Err(Failure::new(simdop_error::OtherStorage, message));
+            }
+        };
+        *has_storage = true;
+        id.write(inserted.to_bits());
         Ok(())
     })
 }
@@ -117,7 +172,7 @@ pub extern "C" fn simdop_scene_insert(
 /// Removes a body from a scene. The bodies attached to it stay where they are, and are no longer attached.
 #[unsafe(no_mangle)]
 pub extern "C" fn simdop_scene_remove(scene: Option<&mut simdop_scene>, id: simdop_body_id) -> simdop_error {
-    change(scene, |scene| Ok(scene.remove(BodyId::from_bits(id)).map(drop)?))
+    change!(scene, |scene| scene.remove(BodyId::from_bits(id)).map(drop))
 }
 
 /// Sets the pose of a body, and moves the bodies attached to it along. An attached body cannot be placed itself.
@@ -127,9 +182,9 @@ pub extern "C" fn simdop_scene_place(
     id: simdop_body_id,
     world: Option<&simdop_pose>,
 ) -> simdop_error {
-    change(scene, |scene| {
-        let world = given(world, "world")?.checked()?;
-        Ok(scene.place(BodyId::from_bits(id), &world)?)
+    guarded(|| {
+        let (scene, world) = (given(scene, "scene")?, given(world, "world")?.checked()?);
+        Ok(with_scene!(&mut scene.scene, |scene| scene.place(BodyId::from_bits(id), &world))?)
     })
 }
 
@@ -140,13 +195,13 @@ pub extern "C" fn simdop_scene_attach(
     id: simdop_body_id,
     to: simdop_body_id,
 ) -> simdop_error {
-    change(scene, |scene| Ok(scene.attach(BodyId::from_bits(id), BodyId::from_bits(to))?))
+    change!(scene, |scene| scene.attach(BodyId::from_bits(id), BodyId::from_bits(to)))
 }
 
 /// Detaches a body. It stays where it is. Does nothing for a body that is not attached.
 #[unsafe(no_mangle)]
 pub extern "C" fn simdop_scene_detach(scene: Option<&mut simdop_scene>, id: simdop_body_id) -> simdop_error {
-    change(scene, |scene| Ok(scene.detach(BodyId::from_bits(id))?))
+    change!(scene, |scene| scene.detach(BodyId::from_bits(id)))
 }
 
 /// Allows two bodies to meet, whatever their groups: no query of the scene tests the pair.
@@ -156,7 +211,7 @@ pub extern "C" fn simdop_scene_allow_collision(
     a: simdop_body_id,
     b: simdop_body_id,
 ) -> simdop_error {
-    change(scene, |scene| Ok(scene.allow_collision(BodyId::from_bits(a), BodyId::from_bits(b))?))
+    change!(scene, |scene| scene.allow_collision(BodyId::from_bits(a), BodyId::from_bits(b)))
 }
 
 /// Forbids two bodies to meet, whatever their groups: all queries of the scene test the pair.
@@ -166,5 +221,5 @@ pub extern "C" fn simdop_scene_forbid_collision(
     a: simdop_body_id,
     b: simdop_body_id,
 ) -> simdop_error {
-    change(scene, |scene| Ok(scene.forbid_collision(BodyId::from_bits(a), BodyId::from_bits(b))?))
+    change!(scene, |scene| scene.forbid_collision(BodyId::from_bits(a), BodyId::from_bits(b)))
 }

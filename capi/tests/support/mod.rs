@@ -8,14 +8,14 @@ pub(crate) use rng::Rng;
 
 use simdop::construct::{Builder, Mesh, OwnedMesh, SphereSet};
 use simdop::hierarchy::Bvh;
+use simdop::low_level::key::{Half, Storage};
 use simdop::node::Node16;
 use simdop::pose::Pose;
 use simdop::primitive::{Sphere, Spheres};
 use simdop_capi::*;
+use std::ffi::c_int;
 use std::mem::MaybeUninit;
 use std::ops::ControlFlow;
-
-pub(crate) type Node = Node16<18>;
 
 /// A body, through both interfaces.
 pub(crate) struct Twice<T> {
@@ -79,6 +79,40 @@ pub(crate) fn solid(mesh: &Mesh<'_>) -> Result<Box<simdop_body>, simdop_error> {
     })
 }
 
+pub(crate) fn triangles_as(
+    mesh: &Mesh<'_>,
+    is_solid: bool,
+    storage: c_int,
+) -> Result<Box<simdop_body>, simdop_error> {
+    let (vertices, triangles) = (mesh.vertices, mesh.triangles);
+    handle(|body| {
+        // SAFETY: the lengths are those of the slices.
+        unsafe {
+            simdop_body_build_triangles_as(
+                vertices.as_ptr().cast(),
+                vertices.len(),
+                triangles.as_ptr().cast(),
+                triangles.len(),
+                is_solid.into(),
+                storage,
+                body,
+            )
+        }
+    })
+}
+
+pub(crate) fn spheres_as(spheres: &[[f64; 4]], storage: c_int) -> Result<Box<simdop_body>, simdop_error> {
+    // SAFETY: the length is that of the slice.
+    handle(|body| unsafe {
+        simdop_body_build_spheres_as(spheres.as_ptr().cast(), spheres.len(), storage, body)
+    })
+}
+
+/// The number of a storage in C.
+fn number<S: Storage>() -> c_int {
+    if S::IS_HALF { simdop_storage::Half as c_int } else { simdop_storage::Fixed as c_int }
+}
+
 pub(crate) fn spheres(spheres: &[[f64; 4]]) -> Result<Box<simdop_body>, simdop_error> {
     // SAFETY: the length is that of the slice.
     handle(|body| unsafe { simdop_body_build_spheres(spheres.as_ptr().cast(), spheres.len(), body) })
@@ -99,25 +133,25 @@ pub(crate) fn bytes(body: &simdop_body) -> &[u8] {
 }
 
 /// Surfaces of random triangles, and solids.
-pub(crate) fn meshes(rng: &mut Rng) -> Vec<Twice<Bvh<Node>>> {
+pub(crate) fn meshes_of<S: Storage>(rng: &mut Rng) -> Vec<Twice<Bvh<Node16<18, S>>>> {
     let mut all = Vec::new();
     for count in [1, 7, 60] {
         let vertices: Vec<_> = (0..3 * count).map(|_| [0; 3].map(|_| rng.range(-1.0, 1.0))).collect();
         let triangles: Vec<_> = (0..count as u32).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect();
         let mesh = Mesh { vertices: &vertices, triangles: &triangles };
         let rust = Builder::new().build_as(&mesh).unwrap();
-        all.push(Twice { c: Box::leak(surface(&mesh).unwrap()), rust });
+        all.push(Twice { c: Box::leak(triangles_as(&mesh, false, number::<S>()).unwrap()), rust });
     }
     for sides in [[2.0, 2.0, 2.0], [0.1, 0.2, 0.3]] {
         let mesh = OwnedMesh::cuboid(sides).unwrap();
         let rust = Builder::new().solid().build_as(&mesh.as_mesh()).unwrap();
-        all.push(Twice { c: Box::leak(solid(&mesh.as_mesh()).unwrap()), rust });
+        all.push(Twice { c: Box::leak(triangles_as(&mesh.as_mesh(), true, number::<S>()).unwrap()), rust });
     }
     all
 }
 
 /// Sets of random spheres.
-pub(crate) fn sphere_sets(rng: &mut Rng) -> Vec<Twice<Bvh<Node, Spheres>>> {
+pub(crate) fn sphere_sets_of<S: Storage>(rng: &mut Rng) -> Vec<Twice<Bvh<Node16<18, S>, Spheres>>> {
     let mut all = Vec::new();
     for count in [1, 40] {
         let balls: Vec<[f64; 4]> = (0..count)
@@ -127,7 +161,7 @@ pub(crate) fn sphere_sets(rng: &mut Rng) -> Vec<Twice<Bvh<Node, Spheres>>> {
         let set: Vec<_> = balls.iter().map(sphere).collect();
         let set = SphereSet { spheres: &set };
         let rust = Builder::new().build_geometry(&set, &mut |_| ControlFlow::Continue(())).unwrap();
-        all.push(Twice { c: Box::leak(spheres(&balls).unwrap()), rust });
+        all.push(Twice { c: Box::leak(spheres_as(&balls, number::<S>()).unwrap()), rust });
     }
     all
 }
@@ -145,6 +179,7 @@ pub(crate) const IDENTITY: simdop_pose =
 
 /// Names items that only some of the tests use, so that the others compile without a warning.
 const _: () = {
-    let _ = (open, bytes, meshes, sphere_sets, pose, IDENTITY);
+    let _ = (open, bytes, pose, IDENTITY, surface, solid, spheres);
+    let _ = (meshes_of::<Half>, sphere_sets_of::<Half>);
     let _ = |twice: Twice<()>| (twice.c, twice.rust);
 };

@@ -111,8 +111,8 @@ impl Body {
         Ok(Self::Mesh(match body::read(path, &options, quiet)? {
             Source::Tree(tree) => tree,
             Source::Mesh(mesh) => {
-                let (name, shape) = (path.display().to_string(), body::shape(&options, None));
-                Box::new(body::build(name, &mesh, &options, shape, quiet)?.tree)
+                let (name, node) = (path.display().to_string(), body::node_type(&options, None));
+                Box::new(body::build(name, &mesh, &options, node, quiet)?.tree)
             }
         }))
     }

@@ -24,7 +24,7 @@ mod setting;
 mod tables;
 mod volumes;
 
-use super::body::{self, Body, SAME, Shape};
+use super::body::{self, Body, SAME};
 use super::error::Error;
 use super::mesh::MeshData;
 use super::{File, TreeOptions, demo, isa, output, progress};
@@ -71,7 +71,8 @@ pub(super) struct Options {
     /// Recommend a setting whose trees take at most this much flash.
     #[arg(long, value_name = "BYTES")]
     flash: Option<u64>,
-    /// Combine every k, arity, leaf size and splitter, with and without normal slabs: 480 settings instead of 55.
+    /// Combine every k, arity, storage, leaf size and splitter, with and without normal slabs: 384 settings instead of
+    /// 45.
     #[arg(long)]
     full: bool,
     /// Maximum number of spheres of a packing; 0 for no packings.
@@ -208,9 +209,8 @@ const LONG_BUILD: f64 = 100.0;
 fn build(settings: &[Setting], meshes: &[(&str, &MeshData)], quiet: bool) -> Result<Vec<Built>, Error> {
     let bar = progress::bar(settings.len(), "settings built", quiet);
     let once = |setting: &Setting| -> Result<Built, Error> {
-        let shape = Shape { k: setting.k, arity: setting.arity };
         let tree = |(name, mesh): &(&str, &MeshData)| {
-            body::build((*name).to_owned(), mesh, &setting.options(), shape, true)
+            body::build((*name).to_owned(), mesh, &setting.options(), setting.node, true)
         };
         let trees = meshes.iter().map(tree).collect::<Result<Vec<Body>, Error>>()?;
         let time = trees.iter().filter_map(|body| body.build).map(|time| time.as_secs_f64()).sum::<f64>();

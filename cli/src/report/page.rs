@@ -9,9 +9,11 @@ use super::html::{escaped, letter};
 use super::packings::Packings;
 use super::plot::{self, COLOURS, Label, Mark, Panel, Rank, Shape};
 use super::results::{Measured, Results, Subject, short};
+use super::setting::Setting;
 use super::tables;
 use crate::SplitterName;
 use core::fmt::Write;
+use simdop::low_level::key::StorageKind;
 
 const STYLE: &str = include_str!("page.css");
 
@@ -99,13 +101,17 @@ fn legend(page: &mut String, results: &Results) {
     }
     page.push_str("<span class=\"key\">Shape:</span>");
     let square = "<rect x=\"4\" y=\"4\" width=\"10\" height=\"10\" fill=\"currentColor\"/>";
-    let triangle = "<path d=\"M9 3l6.5 11h-13z\" fill=\"currentColor\"/>";
-    for (shape, text) in [
-        (disc("currentColor").as_str(), "arity 16"),
-        (triangle, "arity 4"),
-        (square, "another splitter than mean-width"),
+    let path = |outline: &str| format!("<path d=\"{outline}\" fill=\"currentColor\"/>");
+    for (kind, drawing, text) in [
+        (Shape::Disc, disc("currentColor").as_str(), "fixed point, arity 16"),
+        (Shape::Triangle, &path("M9 3l6.5 11h-13z"), "fixed point, arity 4"),
+        (Shape::Lozenge, &path("M9 1l5 8-5 8-5-8z"), "half floats"),
+        (Shape::Square, square, "another splitter than mean-width"),
+        (Shape::Cross, &path("M7 3h4v4h4v4h-4v4h-4v-4h-4v-4h4z"), "half floats, another splitter"),
     ] {
-        let _ = write!(page, "<span>{}{text}</span>", swatch(shape));
+        if results.settings.iter().any(|one| shape(&one.setting) == kind) {
+            let _ = write!(page, "<span>{}{text}</span>", swatch(drawing));
+        }
     }
     page.push_str("<span class=\"key\">Larger:</span><span>more triangles a leaf (1, 2, 4, 8)</span>");
     let hollow =
@@ -140,10 +146,22 @@ fn rgb(plotters::style::RGBColor(r, g, b): plotters::style::RGBColor) -> String 
 
 /// Each k of the settings, in ascending order.
 fn ks(results: &Results) -> Vec<usize> {
-    let mut ks: Vec<usize> = results.settings.iter().map(|one| one.setting.k).collect();
+    let mut ks: Vec<usize> = results.settings.iter().map(|one| one.setting.node.k).collect();
     ks.sort_unstable();
     ks.dedup();
     ks
+}
+
+/// Half floats exist at arity 16 only.
+fn shape(setting: &Setting) -> Shape {
+    let is_usual = setting.splitter == SplitterName::MeanWidth;
+    match (setting.node.storage, is_usual, setting.node.arity) {
+        (StorageKind::Fixed, true, 16) => Shape::Disc,
+        (StorageKind::Fixed, true, _) => Shape::Triangle,
+        (StorageKind::Fixed, false, _) => Shape::Square,
+        (StorageKind::Half, true, _) => Shape::Lozenge,
+        (StorageKind::Half, false, _) => Shape::Cross,
+    }
 }
 
 fn quantity_plots(page: &mut String, results: &Results, (title, axis, value): &Quantity) {
@@ -154,12 +172,8 @@ fn quantity_plots(page: &mut String, results: &Results, (title, axis, value): &Q
         Mark {
             x: value(one, distance),
             y: one.at[distance].median_microseconds,
-            colour: ks.iter().position(|k| *k == setting.k).unwrap_or_default(),
-            shape: match (setting.splitter, setting.arity) {
-                (SplitterName::MeanWidth, 16) => Shape::Disc,
-                (SplitterName::MeanWidth, _) => Shape::Triangle,
-                _ => Shape::Square,
-            },
+            colour: ks.iter().position(|k| *k == setting.node.k).unwrap_or_default(),
+            shape: shape(setting),
             radius: 4 + setting.leaf_size.ilog2(),
             is_filled: setting.has_normal_slabs,
             rank: match (results.recommended == Some(index), one.is_on_front) {
@@ -239,6 +253,8 @@ fn definitions(page: &mut String, results: &Results) {
          of eight triangles counts once.</dd>\n\
          <dt>Overestimate</dt><dd>How far a leaf's k-DOP, after realignment, extends beyond its triangles in a \
          direction, in the mesh's unit: mean and maximum over all leaves and 96 directions.</dd>\n\
+         <dt>Storage</dt><dd>Planes take 16 bits: in fixed point they are equally precise anywhere in the body, and as \
+         half floats more precise near its centre than far from it.</dd>\n\
          <dt>Bytes</dt><dd>Of {unit} with vertices and triangles, as stored in flash.</dd>\n\
          <dt>Pareto front</dt><dd>Settings that no other setting dominates. The costs are time (geometric mean \
          over the distances), greatest overestimate and bytes.</dd>\n\

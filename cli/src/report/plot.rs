@@ -28,6 +28,9 @@ pub(super) enum Shape {
     Disc,
     Triangle,
     Square,
+    Lozenge,
+    /// With upright arms.
+    Cross,
 }
 
 /// The importance of a mark.
@@ -225,9 +228,31 @@ fn element<'s>(mark: &Mark, x: f64) -> DynElement<'s, SVGBackend<'s>, Point> {
     }
 }
 
-/// Corners of a triangle or a square, with the first repeated at the end.
+/// Corners of any shape but a disc, with the first repeated at the end.
 fn corners(shape: Shape, r: i32) -> Vec<(i32, i32)> {
     match shape {
+        Shape::Lozenge => {
+            let (wide, high) = (r * 7 / 8, r * 3 / 2);
+            vec![(0, -high), (wide, 0), (0, high), (-wide, 0), (0, -high)]
+        }
+        Shape::Cross => {
+            let (arm, half) = (r * 5 / 4, r * 3 / 8);
+            vec![
+                (-half, -arm),
+                (half, -arm),
+                (half, -half),
+                (arm, -half),
+                (arm, half),
+                (half, half),
+                (half, arm),
+                (-half, arm),
+                (-half, half),
+                (-arm, half),
+                (-arm, -half),
+                (-half, -half),
+                (-half, -arm),
+            ]
+        }
         Shape::Triangle => {
             vec![(0, -r - r / 4), (r + r / 8, r * 3 / 4), (-r - r / 8, r * 3 / 4), (0, -r - r / 4)]
         }

@@ -77,6 +77,7 @@ struct Line<'r> {
     kind: &'static str,
     k: Option<usize>,
     arity: Option<usize>,
+    storage: Option<String>,
     leaf_size: Option<u32>,
     splitter: Option<String>,
     normal_slabs: Option<bool>,
@@ -107,8 +108,9 @@ impl<'r> Line<'r> {
         let (setting, at) = (&measured.setting, &measured.at[distance]);
         Self {
             kind: "tree",
-            k: Some(setting.k),
-            arity: Some(setting.arity),
+            k: Some(setting.node.k),
+            arity: Some(setting.node.arity),
+            storage: Some(setting.storage_name()),
             leaf_size: Some(setting.leaf_size),
             splitter: Some(setting.splitter_name()),
             normal_slabs: Some(setting.has_normal_slabs),

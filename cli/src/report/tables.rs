@@ -14,6 +14,7 @@ pub(super) fn settings(page: &mut String, results: &Results) {
     for (head, unit) in [
         ("k", ""),
         ("arity", ""),
+        ("storage", ""),
         ("leaf", "triangles"),
         ("splitter", ""),
         ("normal slabs", ""),
@@ -48,9 +49,10 @@ pub(super) fn settings(page: &mut String, results: &Results) {
         let setting = &one.setting;
         let _ = write!(
             page,
-            "<tr{class}><td>{star}</td><td>{}</td><td>{}</td><td>{}</td><td class=\"word\">{}</td><td>{}</td>",
-            setting.k,
-            setting.arity,
+            "<tr{class}><td>{star}</td><td>{}</td><td>{}</td><td class=\"word\">{}</td><td>{}</td><td class=\"word\">{}</td><td>{}</td>",
+            setting.node.k,
+            setting.node.arity,
+            setting.storage_name(),
             setting.leaf_size,
             setting.splitter_name(),
             if setting.has_normal_slabs { "yes" } else { "no" }

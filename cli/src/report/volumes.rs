@@ -14,7 +14,7 @@
 use simdop::hierarchy::{AnyBvh, BvhRef, Lane};
 use simdop::low_level::directions::Directions;
 use simdop::low_level::frame::{BodyBounds, Frame};
-use simdop::low_level::key::decode;
+use simdop::low_level::key::{Fixed, Half, Storage, StorageKind};
 use simdop::low_level::realign::Realignment;
 use simdop::node::{Dop, Link};
 use simdop::pose::Pose;
@@ -24,6 +24,7 @@ use simdop::with_bvh;
 /// The k-DOPs of a tree: its used lanes, extracted from the nodes.
 pub(super) struct Volumes {
     k: usize,
+    storage: StorageKind,
     extent: BodyBounds,
     /// The first lane of each node, and at the end the number of lanes.
     starts: Vec<usize>,
@@ -93,6 +94,7 @@ impl Volumes {
         };
         Self {
             k: N::K,
+            storage: N::Storage::KIND,
             extent: tree.extent(),
             starts,
             links: lanes.iter().map(|lane| lane.child.link()).collect(),
@@ -124,6 +126,14 @@ impl Volumes {
         &self.planes[lane * self.k..(lane + 1) * self.k]
     }
 
+    /// The value of a plane's key, in steps of the frame.
+    fn value(&self, code: i16) -> f32 {
+        match self.storage {
+            StorageKind::Fixed => Fixed::value(code),
+            StorageKind::Half => Half::value(code),
+        }
+    }
+
     fn triangles(&self, lane: usize) -> &[Triangle] {
         match self.links[lane] {
             Link::Leaf { first, count } => &self.triangles[first as usize..(first + count) as usize],
@@ -146,7 +156,8 @@ impl Volumes {
                     x + y + z
                 };
                 let exact = self.triangles(lane).iter().flatten().map(support).fold(f64::MIN, f64::max);
-                let bound = weights.iter().map(|(plane, weight)| weight * f64::from(decode(planes[*plane])));
+                let bound =
+                    weights.iter().map(|(plane, weight)| weight * f64::from(self.value(planes[*plane])));
                 // Rounding can make it slightly negative.
                 let excess = (bound.sum::<f64>() * 2_f64.powi(-exponent) - exact).max(0.0);
                 overestimate.sum += excess;
@@ -189,8 +200,8 @@ fn weights(k: usize, direction: [f64; 3]) -> [(usize, f64); 3] {
 /// Realigns the planes of one k-DOP: to the complement of the opposite plane in the other frame, ready for the compare.
 type Turn = Box<dyn Fn(&[i16], &mut [i16])>;
 
-fn turn<const K: usize>(pose: &Pose, a: &BodyBounds, b: &Frame) -> Turn {
-    let map = Realignment::<K>::new(pose, a, b);
+fn turn<const K: usize, S: Storage>(pose: &Pose, a: &BodyBounds, b: &Frame) -> Turn {
+    let map = Realignment::<K, S>::new(pose, a, b);
     Box::new(move |planes, turned| {
         for (j, turned) in turned.iter_mut().enumerate() {
             *turned = !map.plane(j ^ 1, |source| planes[source]).code();
@@ -198,13 +209,13 @@ fn turn<const K: usize>(pose: &Pose, a: &BodyBounds, b: &Frame) -> Turn {
     })
 }
 
-fn turn_of(k: usize, pose: &Pose, a: &BodyBounds, b: &Frame) -> Turn {
+fn turn_of<S: Storage>(k: usize, pose: &Pose, a: &BodyBounds, b: &Frame) -> Turn {
     match k {
-        6 => turn::<6>(pose, a, b),
-        14 => turn::<14>(pose, a, b),
-        18 => turn::<18>(pose, a, b),
-        26 => turn::<26>(pose, a, b),
-        _ => turn::<32>(pose, a, b),
+        6 => turn::<6, S>(pose, a, b),
+        14 => turn::<14, S>(pose, a, b),
+        18 => turn::<18, S>(pose, a, b),
+        26 => turn::<26, S>(pose, a, b),
+        _ => turn::<32, S>(pose, a, b),
     }
 }
 
@@ -213,10 +224,14 @@ fn meet(turned: &[i16], planes: &[i16]) -> bool {
     turned.iter().zip(planes).all(|(turned, plane)| turned <= plane)
 }
 
-/// All pairs of leaves at a pose of `a` in the frame of `b`. Both have the same k.
+/// All pairs of leaves at a pose of `a` in the frame of `b`. Both have the same k and storage.
 pub(super) fn meetings(a: &Volumes, b: &Volumes, pose: &Pose) -> Meetings {
     let mut found = Meetings::default();
     let (Some(root_a), Some(root_b)) = (a.root(), b.root()) else { return found };
+    let turn_of = match a.storage {
+        StorageKind::Fixed => turn_of::<Fixed>,
+        StorageKind::Half => turn_of::<Half>,
+    };
     let turn = turn_of(a.k, pose, &a.extent, &b.extent.frame);
     let mut turned = vec![0; a.planes.len()];
     let mut is_turned = vec![false; a.links.len()];

@@ -4,8 +4,9 @@ use super::oracle::{Convex, Figure};
 use super::trial::Trial;
 use core::ops::ControlFlow;
 use simdop::construct::{BuildError, Builder, Geometry, Mesh, SphereSet, Splitter};
-use simdop::hierarchy::AnyBvh;
+use simdop::hierarchy::{AnyBvh, NodeType};
 use simdop::isa::Isa;
+use simdop::low_level::key::StorageKind::{self, Fixed, Half};
 use simdop::pose::Pose;
 use simdop::primitive::{Sphere, Spheres};
 use simdop::query::{Answer, AnyError, Query, QueryStats};
@@ -14,8 +15,7 @@ use std::collections::BTreeSet;
 /// How a tree is built: the formats that a user of the library can choose.
 #[derive(Copy, Clone, Debug)]
 pub(super) struct TreeFormat {
-    pub(super) k: usize,
-    pub(super) arity: usize,
+    node: NodeType,
     /// Whether the coordinates of vertices are rounded to `f32`, and so stored.
     pub(super) is_single: bool,
     leaf_size: u32,
@@ -24,14 +24,24 @@ pub(super) struct TreeFormat {
 }
 
 /// Every node type that can be chosen at run time.
-const NODES: [(usize, usize); 5] = [(18, 16), (6, 16), (18, 4), (26, 16), (14, 16)];
+const NODES: [(usize, usize, StorageKind); 8] = [
+    (18, 16, Fixed),
+    (18, 16, Half),
+    (6, 16, Fixed),
+    (18, 4, Fixed),
+    (26, 16, Half),
+    (26, 16, Fixed),
+    (14, 16, Fixed),
+    (14, 16, Half),
+];
 const LEAF_SIZES: [u32; 3] = [1, 2, 16];
 /// How many formats there are: of each node two precisions, three leaf sizes, with normal slabs or not, by two splitters.
-const FORMATS: u64 = 5 * 2 * 3 * 2 * 2;
+const FORMATS: u64 = 8 * 2 * 3 * 2 * 2;
 
 impl TreeFormat {
-    pub(super) const CHOICES: &str = "a k of 6, 14, 18 or 26 at arity 16 or 18 at arity 4, vertices in f32 or f64, up to 1, 2 or 16 primitives a \
-        leaf, with normal slabs or without, split by mean width or extended longest axis";
+    pub(super) const CHOICES: &str = "a k of 6, 14, 18 or 26 at arity 16 or 18 at arity 4, planes in fixed point, or in \
+        half floats for k of 14, 18 or 26 at arity 16, vertices in f32 or f64, up to 1, 2 or 16 primitives a leaf, with \
+        normal slabs or without, split by mean width or extended longest axis";
 
     /// Consecutive trials get different formats until all have occurred. The factor is coprime to their number and
     /// mixes them, so that a few trials cover some of everything.
@@ -42,10 +52,9 @@ impl TreeFormat {
             left /= base;
             digit
         };
-        let (k, arity) = NODES[digit(NODES.len())];
+        let (k, arity, storage) = NODES[digit(NODES.len())];
         Self {
-            k,
-            arity,
+            node: NodeType { k, arity, storage },
             is_single: digit(2) == 1,
             leaf_size: LEAF_SIZES[digit(LEAF_SIZES.len())],
             has_normal_slabs: digit(2) == 0,
@@ -57,7 +66,7 @@ impl TreeFormat {
         let builder = Builder::new().leaf_size(self.leaf_size).splitter(self.splitter);
         let builder = if self.has_normal_slabs { builder } else { builder.without_normal_slabs() };
         let builder = if figure.is_solid { builder.solid() } else { builder };
-        builder.build_any(geometry, self.k, self.arity, &mut |_| ControlFlow::Continue(()))
+        builder.build_any(geometry, self.node, &mut |_| ControlFlow::Continue(()))
     }
 
     fn mesh(&self, figure: &Figure) -> Result<AnyBvh, BuildError> {
@@ -84,12 +93,12 @@ impl TreeFormat {
 
 impl core::fmt::Display for TreeFormat {
     fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
-        let Self { k, arity, leaf_size, .. } = self;
+        let Self { node: NodeType { k, arity, storage }, leaf_size, .. } = self;
         let vertices = if self.is_single { "f32" } else { "f64" };
         let slabs = if self.has_normal_slabs { "with" } else { "without" };
         write!(
             f,
-            "k {k}, arity {arity}, leaf size {leaf_size}, {vertices}, {slabs} normal slabs, {:?}",
+            "k {k}, arity {arity}, {storage}, leaf size {leaf_size}, {vertices}, {slabs} normal slabs, {:?}",
             self.splitter
         )
     }
@@ -156,7 +165,9 @@ mod tests {
         };
         assert_eq!(names(0..FORMATS).len() as u64, FORMATS);
         assert_eq!(names(0..FORMATS), names(FORMATS..2 * FORMATS));
-        let nodes: BTreeSet<_> = (0..10).map(TreeFormat::of).map(|f| (f.k, f.arity)).collect();
-        assert_eq!(nodes.len(), 10);
+        // As many trials as node types have all of them.
+        let nodes: BTreeSet<_> =
+            (0..NODES.len() as u64).map(|i| TreeFormat::of(i).node.to_string()).collect();
+        assert_eq!(nodes.len(), NODES.len());
     }
 }

@@ -163,7 +163,10 @@ fn the_exit_code_says_whether_a_body_is_near_a_point() {
     folder.write("one.xyz", "0.25 0.25 0\n");
     folder.write("ball.txt", "0 0 0 0.5\n");
     folder.write("t.obj", obj(&tetrahedron()));
-    assert_eq!(folder.fate(&["build", "t.obj", "-o", "t.tree", "-k", "6", "-a", "4"]), (0, String::new()));
+    assert_eq!(
+        folder.fate(&["build", "t.obj", "-o", "t.tree", "-k", "14", "--storage", "half"]),
+        (0, String::new())
+    );
     let code = |body: &str, at: &str, margin: &str| {
         let (code, message) =
             folder.fate(&["near", "one.xyz", "--body", body, "--translate", at, "--margin", margin]);

@@ -38,7 +38,9 @@ fn the_exit_code_is_the_verdict_of_one_pose() {
         (0, String::new()),
         "nothing meets nothing"
     );
-    for wrong in ["--leaf-size=17", "--k=7", "--arity=8", "--isa=sse9", "--repeat=0", "--splitter=x"] {
+    for wrong in
+        ["--leaf-size=17", "--k=7", "--arity=8", "--isa=sse9", "--repeat=0", "--splitter=x", "--storage=f32"]
+    {
         assert_eq!(code(&[wrong]), 2, "{wrong}");
     }
     assert_eq!(folder.fate(&["collide", "t.obj"]).0, 2, "one body");
@@ -130,17 +132,29 @@ fn every_format_and_tree_gives_the_pairs_of_brute_force() {
         (0, String::new())
     );
     assert_eq!(folder.fate(&["build", "tree.obj", "-o", "again"]), (0, String::new()));
+    assert_eq!(folder.fate(&["build", "again", "-o", "half", "--storage", "half"]), (0, String::new()));
     let still = b.corners();
     let want: Vec<_> = poses.iter().map(|pose| meeting_pairs(&a.placed(pose), &still)).collect();
     assert!(want.iter().any(|list| list.len() > 10) && want.iter().any(Vec::is_empty), "poses of both kinds");
-    let names =
-        ["a.obj", "a.off", "a.ply", "little.ply", "big.ply", "ascii.stl", "binary.stl", "tree.obj", "again"];
-    for name in names {
+    let meshes = ["a.obj", "a.off", "a.ply", "little.ply", "big.ply", "ascii.stl", "binary.stl"];
+    for name in meshes.into_iter().chain(["tree.obj", "again", "half"]) {
         let report = folder.json(&["collide", name, "b.obj", "--poses", "poses", "--all-pairs"]);
         assert_eq!(pairs(&report), want, "{name}");
-        let is_tree = ["tree.obj", "again"].contains(&name);
-        assert_eq!(report["k"], if is_tree { 26 } else { 18 }, "a tree decides k");
+        assert_eq!(report["k"], if meshes.contains(&name) { 18 } else { 26 }, "a tree decides k");
+        assert_eq!(report["storage"], if name == "half" { "half" } else { "fixed" }, "{name}");
     }
+    let report = folder.json(&[
+        "collide",
+        "a.obj",
+        "b.obj",
+        "--poses",
+        "poses",
+        "--all-pairs",
+        "-k=14",
+        "--storage=half",
+    ]);
+    assert_eq!(pairs(&report), want, "half floats of meshes");
+    assert_eq!((&report["k"], &report["storage"]), (&14.into(), &"half".into()));
 }
 
 #[test]
@@ -149,9 +163,19 @@ fn a_tree_answers_as_its_mesh_on_every_node_type_and_instruction_set() {
     folder.write("a.obj", obj(&strewn(5, 400)));
     folder.write("b.obj", obj(&strewn(6, 400)));
     folder.write("poses", pose_file(&poses(10)));
-    for (k, arity) in [("6", "16"), ("14", "16"), ("18", "4"), ("18", "16"), ("26", "16")] {
-        let options =
-            ["-k", k, "-a", arity, "-s", if k == "6" { "longest-axis" } else { "extended-longest-axis" }];
+    let mut verdicts = None;
+    for (k, arity, storage) in [
+        ("6", "16", "fixed"),
+        ("14", "16", "fixed"),
+        ("14", "16", "half"),
+        ("18", "4", "fixed"),
+        ("18", "16", "fixed"),
+        ("18", "16", "half"),
+        ("26", "16", "half"),
+        ("26", "16", "fixed"),
+    ] {
+        let splitter = if k == "6" { "longest-axis" } else { "extended-longest-axis" };
+        let options = ["-k", k, "-a", arity, "--storage", storage, "-s", splitter];
         let fate = folder.fate(&[&["build", "a.obj", "--output", "a.tree"], &options[..]].concat());
         assert_eq!(fate, (0, String::new()));
         let ask = |a: &str, more: &[&str]| {
@@ -159,20 +183,34 @@ fn a_tree_answers_as_its_mesh_on_every_node_type_and_instruction_set() {
         };
         let mesh = ask("a.obj", &[]);
         let tree = ask("a.tree", &["--isa", "scalar"]);
-        assert_eq!(answers(&mesh), answers(&tree), "k {k}, arity {arity}");
+        assert_eq!(answers(&mesh), answers(&tree), "k {k}, arity {arity}, {storage}");
+        assert_eq!(tree["storage"], storage);
+        let found: Vec<Value> = answers(&tree).iter().map(|pose| pose["verdict"].clone()).collect();
+        assert_eq!(*verdicts.get_or_insert_with(|| found.clone()), found, "verdicts are exact");
         assert!(tree["a"]["build_nanoseconds"].is_null() && tree["b"]["build_nanoseconds"].is_u64());
         assert_eq!(tree["isa"], "scalar");
     }
-    // The last a.tree has k = 26 and arity 16.
+    // The last a.tree has k = 26, arity 16 and fixed point.
+    let other = |asked: &str| {
+        format!(
+            "simdop: a.tree: the tree has k = 26, arity 16 and fixed point, the query {asked}: `simdop build` makes \
+             another of it"
+        )
+    };
     assert_eq!(
         folder.fate(&["collide", "b.obj", "a.tree", "-k", "18"]),
-        (
-            2,
-            "simdop: a.tree: the tree has k = 26 and arity 16, the query k = 18 and arity 16: \
-             `simdop build` makes another of it"
-                .into()
-        )
+        (2, other("k = 18, arity 16 and fixed point"))
     );
+    let half = other("k = 26, arity 16 and half floats");
+    assert_eq!(folder.fate(&["collide", "b.obj", "a.tree", "--storage", "half"]), (2, half.clone()));
+    let build = ["build", "b.obj", "-o", "b.tree", "-k", "26", "--storage", "half"];
+    assert_eq!(folder.fate(&build), (0, String::new()));
+    assert_eq!(folder.fate(&["collide", "b.tree", "a.tree"]), (2, half), "two trees of unlike storage");
+    assert_eq!(folder.fate(&["build", "a.tree", "-o", "half.tree", "--storage", "half"]), (0, String::new()));
+    let report = folder.json(&["collide", "b.tree", "half.tree"]);
+    assert_eq!(report["storage"], "half");
+    let table = String::from_utf8(folder.run(&["collide", "b.tree", "half.tree"]).stdout).unwrap();
+    assert!(table.contains("k 26, arity 16, half floats, "), "{table}");
     let bytes = std::fs::read(folder.0.join("a.tree")).unwrap();
     folder.write("cut", &bytes[..bytes.len() - 64]);
     let (code, message) = folder.fate(&["info", "cut"]);

@@ -33,8 +33,10 @@ fn kinds(folder: &Folder) -> Vec<Kind> {
     let spheres = "0 0 0 1\n4 0 0 0.5\n0 4.5 0 1.25\n";
     folder.write("t.obj", obj(&mesh));
     folder.write("arm.urdf", include_str!("../../../examples/arm/arm.urdf"));
-    for (to, arity) in [("t16", "16"), ("t4", "4")] {
-        let arguments = ["build", "t.obj", "-o", to, "-k", "6", "-a", arity];
+    for (to, k, arity, storage) in
+        [("t16", "6", "16", "fixed"), ("t4", "18", "4", "fixed"), ("half", "14", "16", "half")]
+    {
+        let arguments = ["build", "t.obj", "-o", to, "-k", k, "-a", arity, "--storage", storage];
         assert_eq!(folder.fate(&arguments), (0, String::new()));
     }
     let arguments = ["cover", "t.obj", "--error", "0.4", "-o", "cover"];
@@ -54,6 +56,7 @@ fn kinds(folder: &Folder) -> Vec<Kind> {
     add("binary.stl", &stl_binary(&mesh), &["info", "binary.stl"], Ends::Last(0));
     add("cut16", &tree("t16"), &["collide", "cut16", "t.obj"], Ends::Last(0));
     add("cut4", &tree("t4"), &["collide", "t.obj", "cut4"], Ends::Last(0));
+    add("cuthalf", &tree("half"), &["collide", "t.obj", "cuthalf"], Ends::Last(0));
     add("spheres", &tree("cover"), &["info", "spheres"], Ends::Last(0));
     add("cut.obj", obj(&mesh).as_bytes(), &["info", "cut.obj"], Ends::Lines);
     add("cut.txt", spheres.as_bytes(), &["info", "cut.txt"], Ends::Lines);

@@ -113,7 +113,19 @@ fn the_csv_holds_every_setting_at_every_distance() {
     let report = folder.json(&quick(&["egg.obj", "--csv", "other.csv"]));
     let records = records(&read(&folder, "other.csv"));
     let trees: Vec<&Record> = records.iter().filter(|record| record["kind"] == "tree").collect();
-    assert_eq!(trees.len(), 55 * DISTANCES.len());
+    assert_eq!(trees.len(), 45 * DISTANCES.len());
+    let of_storage = |storage: &str| trees.iter().filter(|record| record["storage"] == storage).count();
+    assert_eq!([of_storage("fixed"), of_storage("half")], [33, 12].map(|count| count * DISTANCES.len()));
+    // The two storages of a setting have trees of one size, and k-DOPs that differ.
+    for half in trees.iter().filter(|record| record["storage"] == "half") {
+        let same = ["k", "arity", "leaf_size", "splitter", "normal_slabs", "distance"];
+        let is_twin = |record: &&&Record| {
+            record["storage"] == "fixed" && same.iter().all(|column| record[*column] == half[*column])
+        };
+        let fixed = trees.iter().find(is_twin).unwrap();
+        assert_eq!(half["bytes"], fixed["bytes"], "{half:?}");
+        assert_ne!(half["overestimate_mean"], fixed["overestimate_mean"], "{half:?}");
+    }
     let mut costs = Vec::new();
     for of_setting in trees.chunks_exact(DISTANCES.len()) {
         let mut logarithms = 0.0;
@@ -143,7 +155,7 @@ fn the_csv_holds_every_setting_at_every_distance() {
     for (cost, is_on_front) in &costs {
         assert_eq!(*is_on_front, !costs.iter().any(|(other, _)| beats(other, cost)), "{cost:?}");
     }
-    assert!((2..55).contains(&costs.iter().filter(|(_, is_on_front)| *is_on_front).count()));
+    assert!((2..45).contains(&costs.iter().filter(|(_, is_on_front)| *is_on_front).count()));
     let covers: Vec<&Record> = records.iter().filter(|record| record["kind"] == "cover").collect();
     assert_eq!(covers.len(), 3 * DISTANCES.len());
     for of_cover in covers.chunks_exact(DISTANCES.len()) {
@@ -165,7 +177,7 @@ fn the_csv_holds_every_setting_at_every_distance() {
     assert_eq!(packings.len(), 2 * DISTANCES.len(), "of 10 and 20 spheres");
     let [ten, twenty] = [packings[0], packings[4]].map(|record| number(record, "volume_error"));
     assert!(0.05 < twenty && twenty < ten && ten < 0.6, "{twenty} and {ten}");
-    assert_eq!(report["settings"].as_array().unwrap().len(), 33);
+    assert_eq!(report["settings"].as_array().unwrap().len(), 45);
     assert_eq!(report["settings"][0]["bytes"].as_f64().unwrap(), number(trees[0], "bytes"));
 }
 
@@ -201,6 +213,11 @@ fn what_is_recommended_keeps_to_the_limits() {
         std::fs::read(folder.0.join("egg.simdop")).unwrap().len() as u64,
         free["bytes"].as_u64().unwrap()
     );
+    let storage = match folder.json(&["info", "egg.simdop"])["storage"].as_str() {
+        Some("half") => "half floats",
+        _ => "fixed point",
+    };
+    assert!(sentence.contains(storage), "{sentence}");
 
     let report = folder.json(&quick(&["egg.obj"]));
     let least = |key: &str| {
@@ -270,7 +287,7 @@ m,129,128,0 %,Another,1,70,5
             })
             .count()
     };
-    assert_eq!(tables.iter().map(rows).collect::<Vec<_>>(), [55, 3, 2, 1]);
+    assert_eq!(tables.iter().map(rows).collect::<Vec<_>>(), [45, 3, 2, 1]);
     let plots: Vec<String> = elements()
         .filter(|element| element.attribute("width") == Some("2400"))
         .map(|plot| plot.descendants().filter_map(|node| node.text()).collect())
@@ -279,6 +296,10 @@ m,129,128,0 %,Another,1,70,5
     for plot in &plots {
         assert!(DISTANCES.iter().all(|distance| plot.contains(distance)) && plot.contains("median time, µs"));
     }
+    // The two storages have shapes of their own, and a definition.
+    let text: String = document.descendants().filter_map(|node| node.text()).collect();
+    assert!(["fixed point, arity 16", "half floats", "Storage"].iter().all(|part| text.contains(part)));
+    assert!(!text.contains("half floats, another splitter"), "which is only in the full sweep");
     let heading = elements().find(|element| element.has_tag_name("h1")).unwrap();
     assert_eq!(heading.text(), Some(&*format!("simdop report: {name}")));
     let after = heading.next_sibling_element().unwrap();
@@ -300,7 +321,7 @@ fn trees_are_taken_for_their_meshes() {
     let folder = Folder::new("report_trees");
     folder.write("egg.obj", egg(2));
     folder.write("other.obj", egg(1));
-    assert_eq!(folder.fate(&["build", "egg.obj", "-o", "egg.simdop", "-k", "6", "-a", "4"]).0, 0);
+    assert_eq!(folder.fate(&["build", "egg.obj", "-o", "egg.simdop", "-k", "18", "-a", "4"]).0, 0);
     let [of_mesh, of_tree] =
         ["egg.obj", "egg.simdop"].map(|body| folder.json(&quick(&[body, "other.obj", "--spheres", "0"])));
     assert_eq!(of_mesh["digest"], of_tree["digest"]);

@@ -23,6 +23,7 @@ fn info_describes_a_tree_and_proves_it() {
     for (key, number) in want {
         assert_eq!(tree[key], number, "{key}");
     }
+    assert_eq!(tree["storage"], "fixed");
     assert_eq!((&tree["vertex_format"], &tree["verified"]), (&"f64".into(), &true.into()));
     assert_eq!(tree["vertices"], 300);
     let bytes = std::fs::metadata(folder.0.join("a.tree")).unwrap().len();
@@ -89,7 +90,7 @@ fn a_closed_mesh_may_be_built_as_a_solid() {
 }
 
 #[test]
-fn a_tree_that_is_built_again_keeps_its_k_and_arity() {
+fn a_tree_that_is_built_again_keeps_its_node_type() {
     let folder = Folder::new("again");
     folder.write("a.obj", obj(&strewn(12, 50)));
     assert_eq!(folder.fate(&["build", "a.obj", "-o", "a.tree", "-k", "18", "-a", "4"]), (0, String::new()));
@@ -103,6 +104,35 @@ fn a_tree_that_is_built_again_keeps_its_k_and_arity() {
         assert_eq!(fate, (0, String::new()));
         let info = folder.json(&["info", "b.tree"]);
         assert_eq!((&info["k"], &info["arity"]), (&k.into(), &arity.into()), "{options:?}");
+        assert_eq!(info["storage"], "fixed");
+    }
+    let half = ["build", "a.obj", "-o", "half.tree", "-k", "14", "--storage", "half"];
+    assert_eq!(folder.fate(&half), (0, String::new()));
+    for (options, k, storage) in [
+        (&[][..], 14, "half"),
+        (&["-k", "26", "-l", "2"], 26, "half"),
+        (&["--storage", "half"], 14, "half"),
+        (&["--storage", "fixed"], 14, "fixed"),
+        (&["--storage", "fixed", "-k", "6"], 6, "fixed"),
+    ] {
+        let fate = folder.fate(&[&["build", "half.tree", "-o", "b.tree"], options].concat());
+        assert_eq!(fate, (0, String::new()));
+        let info = folder.json(&["info", "b.tree", "--verify"]);
+        assert_eq!((&info["k"], &info["storage"]), (&k.into(), &storage.into()), "{options:?}");
+    }
+    let table = String::from_utf8(folder.run(&["info", "half.tree"]).stdout).unwrap();
+    assert!(table.starts_with("k 14, arity 16, half floats, leaf size 1, "), "{table}");
+}
+
+#[test]
+fn half_floats_that_no_query_has_are_refused() {
+    let folder = Folder::new("no_half");
+    folder.write("a.obj", obj(&tetrahedron()));
+    for options in [["-k", "6"], ["-a", "4"]] {
+        let build = [&["build", "a.obj", "-o", "a.tree", "--storage", "half"], &options[..]].concat();
+        let (code, message) = folder.fate(&build);
+        assert!(code == 2 && message.starts_with("simdop: a.obj: "), "{message}");
+        assert!(message.contains("half floats") && !folder.0.join("a.tree").exists(), "{message}");
     }
 }
 
@@ -133,6 +163,7 @@ fn options_that_do_nothing_on_a_tree_are_errors() {
     for option in [
         "--k=18",
         "--arity=16",
+        "--storage=fixed",
         "--leaf-size=1",
         "--splitter=mean-width",
         "--without-normal-slabs",

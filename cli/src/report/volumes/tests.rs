@@ -38,12 +38,12 @@ fn leaves<N: Dop>(tree: &BvhRef<'_, N>) -> Vec<Leaf> {
 
 /// Compares all pairs of leaves by the inequality in ARCHITECTURE.md, with numbers instead of keys.
 fn by_brute_force<N: Dop, const K: usize>(a: &BvhRef<'_, N>, b: &BvhRef<'_, N>, pose: &Pose) -> Meetings {
-    let map = Realignment::<K>::new(pose, &a.extent(), &b.frame());
+    let map = Realignment::<K, N::Storage>::new(pose, &a.extent(), &b.frame());
     let mut found = Meetings::default();
     for (planes_a, triangles_a) in leaves(a) {
         let turned: Vec<f32> = (0..K).map(|j| map.plane(j, |source| planes_a[source]).to_f32()).collect();
         for (planes_b, triangles_b) in leaves(b) {
-            if (0..K).any(|j| -turned[j ^ 1] > decode(planes_b[j])) {
+            if (0..K).any(|j| -turned[j ^ 1] > N::Storage::value(planes_b[j])) {
                 continue;
             }
             found.volumes += 1;
@@ -87,6 +87,9 @@ fn false_positives_are_those_of_brute_force() {
     check::<Node4<18>, 18>(&meshes, 2, &poses);
     check::<Node4<18>, 18>(&meshes, 1, &poses);
     check::<Node16<26>, 26>(&meshes, 4, &poses);
+    let half = check::<Node16<18, Half>, 18>(&meshes, 1, &poses);
+    assert_eq!(half.triangles, fine.triangles);
+    check::<Node16<26, Half>, 26>(&meshes, 4, &poses);
 }
 
 /// The support of a k-DOP: the maximum over its corners, where three planes meet and no other plane is exceeded.
@@ -125,7 +128,8 @@ fn overestimates_are_those_of_the_corners() {
         let (centre, scale) = (view.frame().centre, view.frame().scale());
         let mut want = Overestimate::default();
         for (planes, triangles) in leaves(&view) {
-            let planes: Vec<f64> = planes.iter().map(|&code| f64::from(decode(code)) / scale).collect();
+            let planes: Vec<f64> =
+                planes.iter().map(|&code| f64::from(N::Storage::value(code)) / scale).collect();
             for u in directions() {
                 let support = |p: &[f64; 3]| (0..3).map(|i| u[i] * (p[i] - centre[i])).sum::<f64>();
                 let exact = triangles.iter().flatten().map(support).reduce(f64::max).unwrap();
@@ -148,6 +152,8 @@ fn overestimates_are_those_of_the_corners() {
     let boxes = check::<Node16<6>, 6>(&mesh, 1, 0.0);
     let fine = check::<Node16<18>, 18>(&mesh, 1, 0.6);
     assert!(fine.mean() < 0.7 * boxes.mean() && fine.greatest < boxes.greatest, "{fine:?}, {boxes:?}");
+    let half = check::<Node16<18, Half>, 18>(&mesh, 1, 0.6);
+    assert!(half.mean() < 0.7 * boxes.mean() && half.mean() != fine.mean(), "{half:?}, {fine:?}");
     let four = check::<Node4<18>, 18>(&mesh, 4, 0.6);
     assert!(four.mean() > boxes.mean());
 }
