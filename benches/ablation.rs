@@ -25,6 +25,7 @@ mod distances;
 mod ablation {
     #[cfg(target_arch = "x86_64")]
     pub(crate) mod avx2;
+    pub(crate) mod bytes;
     pub(crate) mod orientations;
     pub(crate) mod plain;
     pub(crate) mod split;
@@ -95,7 +96,7 @@ struct Idea {
     paper: &'static str,
 }
 
-const IDEAS: [Idea; 12] = [
+const IDEAS: [Idea; 13] = [
     Idea {
         what: "all ideas together, over a binary tree in scalar code",
         without: "binary, scalar, early exit",
@@ -147,6 +148,12 @@ const IDEAS: [Idea; 12] = [
     Idea {
         what: "planes in 16-bit keys, over floats",
         without: "1vs16, avx2, this traversal, floats",
+        with: "1vs16, avx2, this traversal, keys",
+        paper: "none",
+    },
+    Idea {
+        what: "planes in 16-bit keys, over 8-bit planes relative to the node",
+        without: "1vs16, avx2, this traversal, 8-bit planes",
         with: "1vs16, avx2, this traversal, keys",
         paper: "none",
     },

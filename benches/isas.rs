@@ -27,7 +27,8 @@ use page::show;
 use short::count;
 use simdop::construct::{Builder, Mesh};
 use simdop::isa::Isa;
-use simdop::node::{Dop, Node16};
+use simdop::low_level::key::{Half, Storage, StorageKind};
+use simdop::node::{Dop, Node, Node16};
 use simdop::pose::Pose;
 use simdop::query::{Lanes, Query};
 use std::hint::black_box;
@@ -46,8 +47,8 @@ fn main() {
         "Microseconds a query, median / mean / p99, with ratios of medians and means. Verdicts and counters are \
          compared first.",
     );
-    show!("| A, B | k | distance | {} | {} |", columns.join(" | "), ratios.join(" | "));
-    show!("|---|--:|---|{}", "--:|".repeat(columns.len() + ratios.len()));
+    show!("| A, B | k | planes | distance | {} | {} |", columns.join(" | "), ratios.join(" | "));
+    show!("|---|--:|---|---|{}", "--:|".repeat(columns.len() + ratios.len()));
     let torus = shapes::wavy_torus(count(20_000, 1000) as u32);
     let mut pairs = vec![("torus", torus.clone(), torus)];
     if let Some(data) = directory() {
@@ -60,29 +61,36 @@ fn main() {
             })
             .collect();
     }
-    let mut all = Vec::new();
+    let (mut fixed, mut half) = (Vec::new(), Vec::new());
     for (name, a, b) in &pairs[..count(pairs.len(), 1)] {
-        all.extend(rows::<Node16<18>>(&isas, name, a, b));
+        fixed.extend(rows::<Node16<18>>(&isas, name, a, b));
+        half.extend(rows::<Node16<18, Half>>(&isas, name, a, b));
         if std::env::args().any(|arg| arg == "--all") {
-            all.extend(rows::<Node16<26>>(&isas, name, a, b));
-            all.extend(rows::<Node16<32>>(&isas, name, a, b));
+            fixed.extend(rows::<Node16<26>>(&isas, name, a, b));
+            fixed.extend(rows::<Node16<32>>(&isas, name, a, b));
         }
     }
     show!("");
+    summary(&ratios, StorageKind::Fixed, &fixed);
+    summary(&ratios, StorageKind::Half, &half);
+    page::write();
+}
+
+/// The ratios of consecutive instruction sets over all rows.
+fn summary(ratios: &[String], storage: StorageKind, all: &[Vec<[f64; 3]>]) {
     for (i, ratio) in ratios.iter().enumerate() {
         for (j, what) in ["medians", "means", "p99"].into_iter().enumerate() {
             let mut found: Vec<f64> = all.iter().map(|row| row[i + 1][j] / row[i][j]).collect();
             let mean = (found.iter().map(|x| x.ln()).sum::<f64>() / found.len() as f64).exp();
             found.sort_by(f64::total_cmp);
             show!(
-                "* {ratio}, {what}: {:.3} to {:.3}, in the middle {:.3}, geometric mean {mean:.3}",
+                "* {storage}, {ratio}, {what}: {:.3} to {:.3}, in the middle {:.3}, geometric mean {mean:.3}",
                 found[0],
                 found[found.len() - 1],
                 found[found.len() / 2]
             );
         }
     }
-    page::write();
 }
 
 /// Median, mean and 99th percentile of each instruction set, by distance.
@@ -128,7 +136,13 @@ fn rows<N: Dop + Lanes>(isas: &[Isa], name: &str, a: &MeshData, b: &MeshData) ->
             .windows(2)
             .map(|two| format!("{:.2}, {:.2}", two[1][0] / two[0][0], two[1][1] / two[0][1]))
             .collect();
-        show!("| {name} | {} | {distance} | {} | {} |", N::K, cells.join(" | "), ratios.join(" | "));
+        show!(
+            "| {name} | {} | {} | {distance} | {} | {} |",
+            N::K,
+            <N as Node>::Storage::KIND,
+            cells.join(" | "),
+            ratios.join(" | ")
+        );
         found.push(figures);
     }
     found

@@ -13,7 +13,7 @@ use super::traverse::{Rows, System, Work};
 use super::tree::{Dop, K, round_up};
 use core::arch::x86_64::*;
 use simdop::isa::Avx2;
-use simdop::low_level::key::Key;
+use simdop::low_level::key::{Fixed, Key};
 use simdop::low_level::realign::Realignment;
 use simdop::node::Child;
 
@@ -343,6 +343,6 @@ macro_rules! binary_system {
 binary_system! { Floats, FloatPair, f32, for_values, turn_floats, rows_floats, row_floats, |x| x, |x| -round_up(x) }
 binary_system! {
     Keys, KeyPair, i16, |turn: &Realignment<K>| *turn, turn_keys, rows_keys, row_keys,
-    |x: f32| Key::round_up_or_unbounded(x.into()).code(),
-    |x: f64| !Key::round_up_or_unbounded(x).code()
+    |x: f32| Key::<Fixed>::round_up_or_unbounded(x.into()).code(),
+    |x: f64| !Key::<Fixed>::round_up_or_unbounded(x).code()
 }

@@ -3,6 +3,7 @@
 
 #[cfg(target_arch = "x86_64")]
 use super::avx2;
+use super::bytes::Bytes;
 use super::plain::{EarlyExit, Vectorised};
 use super::split::{Measure, split};
 use super::traverse::{System, Work, collide};
@@ -60,15 +61,16 @@ fn own_systems(mesh: &MeshData, baked: BvhRef<'_, Node16<K>>, entrants: &mut Vec
     let shapes =
         [Measure::MeanWidth, Measure::Area, Measure::LongestAxis].map(|measure| split(mesh, measure));
     let [shape, by_area, by_axis] = &shapes;
+    let wide = Shape::of(baked);
     entrants.extend([
         own("binary, scalar, early exit", EarlyExit(plain), mesh, shape, baked),
         own("binary, scalar, surface area", EarlyExit(plain), mesh, by_area, baked),
         own("binary, scalar, longest axis", EarlyExit(plain), mesh, by_axis, baked),
         own("binary, compiler", Vectorised(plain), mesh, shape, baked),
+        own("1vs16, scalar, this traversal, 8-bit planes", Bytes(plain), mesh, &wide, baked),
     ]);
     #[cfg(target_arch = "x86_64")]
     if let Some(isa) = Avx2::detect() {
-        let wide = Shape::of(baked);
         entrants.extend([
             own("binary, compiler for avx2", Vectorised(isa), mesh, shape, baked),
             own("binary, by hand, avx2", avx2::Floats(isa), mesh, shape, baked),
@@ -78,6 +80,7 @@ fn own_systems(mesh: &MeshData, baked: BvhRef<'_, Node16<K>>, entrants: &mut Vec
             own("1vs16, avx2, this traversal, keys", wide::Keys(isa), mesh, &wide, baked),
             own("1vs16, avx2, this traversal, ordered halves", wide::OrderedHalves(isa), mesh, &wide, baked),
             own("1vs16, avx2, this traversal, paper's halves", wide::PapersHalves(isa), mesh, &wide, baked),
+            own("1vs16, avx2, this traversal, 8-bit planes", Bytes(isa), mesh, &wide, baked),
             own("1vs16, avx2, this traversal, floats", wide::Floats(isa), mesh, &wide, baked),
         ]);
     }

@@ -25,7 +25,6 @@ pub(crate) struct Shape<const W: usize> {
     pub(crate) order: Vec<u32>,
 }
 
-#[cfg(target_arch = "x86_64")]
 impl Shape<16> {
     /// The shape of the library's tree.
     pub(crate) fn of(tree: BvhRef<'_, Node16<K>>) -> Self {

@@ -12,7 +12,7 @@ use core::arch::x86_64::*;
 use core::mem::MaybeUninit;
 use simdop::isa::Avx2;
 use simdop::low_level::kernel::{Kernel, Turned};
-use simdop::low_level::key::Key;
+use simdop::low_level::key::{Fixed, Key};
 use simdop::low_level::realign::Realignment;
 use simdop::node::{Child, Node16};
 
@@ -44,10 +44,10 @@ pub(crate) struct FloatNode {
 
 /// The library's node with these planes, rounded up to keys.
 fn keys(dops: &[Dop; 16], child: &[Child; 16]) -> Node16<K> {
-    let mut planes = [[Key::EMPTY.code(); 16]; K];
+    let mut planes = [[Key::<Fixed>::EMPTY.code(); 16]; K];
     for (lane, dop) in dops.iter().enumerate().filter(|(lane, _)| child[*lane] != Child::EMPTY) {
         for (plane, x) in planes.iter_mut().zip(dop) {
-            plane[lane] = Key::round_up_or_unbounded(f64::from(*x)).code();
+            plane[lane] = Key::<Fixed>::round_up_or_unbounded(f64::from(*x)).code();
         }
     }
     Node16::new(planes, *child)
@@ -137,7 +137,7 @@ wide_system! {
         query
     },
     |query: &mut Turned<16, K>, j: usize, plane| {
-        query[j ^ 1][0] = !Key::round_up_or_unbounded(plane).code();
+        query[j ^ 1][0] = !Key::<Fixed>::round_up_or_unbounded(plane).code();
     },
     |isa: Avx2, a, lane, node| isa.overlap_1v16(a, lane, node),
     |isa: Avx2, a, node, lane| isa.overlap_16v1(a, node, lane)

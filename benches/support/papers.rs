@@ -11,8 +11,11 @@ use core::arch::x86_64::*;
 use half::f16;
 use simdop::isa::{Avx2, Avx512};
 use simdop::low_level::kernel::Turned;
-use simdop::low_level::key::{Key, decode};
+use simdop::low_level::key::{Fixed, Key, Storage};
 use simdop::node::{Child, Node4, Node16};
+
+/// The code of unused lanes, in every storage.
+const EMPTY: i16 = Key::<Fixed>::EMPTY.code();
 
 /// A query in floats, by slab: low bounds in `[2 s]`, high bounds in `[2 s + 1]`.
 pub(crate) type FloatQuery<const W: usize, const K: usize> = [[f32; W]; K];
@@ -26,19 +29,24 @@ pub(crate) struct Halves<const W: usize, const K: usize> {
     pub(crate) child: [Child; W],
 }
 
-pub(crate) fn float_query<const W: usize, const K: usize>(query: &Turned<W, K>) -> FloatQuery<W, K> {
+pub(crate) fn float_query<const W: usize, const K: usize, S: Storage>(
+    query: &Turned<W, K>,
+) -> FloatQuery<W, K> {
     // query[2 s] is the key of A's low bound in the direction of plane 2 s, query[2 s + 1] that of its negated high
     // bound. An unused lane gets a low bound above all others, and a high bound below all others.
-    let value = |code: i16| if code == !Key::EMPTY.code() { f32::INFINITY } else { decode(code) };
+    let value = |code: i16| if code == !EMPTY { f32::INFINITY } else { S::value(code) };
     core::array::from_fn(|j| {
         query[j].map(|code| if j.is_multiple_of(2) { value(code) } else { -value(code) })
     })
 }
 
-fn halves<const W: usize, const K: usize>(planes: &[[i16; W]; K], child: [Child; W]) -> Halves<W, K> {
+fn halves<const W: usize, const K: usize, S: Storage>(
+    planes: &[[i16; W]; K],
+    child: [Child; W],
+) -> Halves<W, K> {
     // Rounded outwards.
     let up = |code: i16| {
-        let (x, nearest) = (decode(code), f16::from_f32(decode(code)));
+        let (x, nearest) = (S::value(code), f16::from_f32(S::value(code)));
         let bits = nearest.to_bits();
         match nearest.to_f32() < x {
             true if x > 0.0 => bits + 1,
@@ -49,7 +57,7 @@ fn halves<const W: usize, const K: usize>(planes: &[[i16; W]; K], child: [Child;
     let plane =
         |j: usize| planes[j ^ 1].map(|code| if j.is_multiple_of(2) { up(code) ^ 0x8000 } else { up(code) });
     let mut halves = Halves { planes: core::array::from_fn(plane), child };
-    for lane in (0..W).filter(|&lane| planes[0][lane] == Key::EMPTY.code()) {
+    for lane in (0..W).filter(|&lane| planes[0][lane] == EMPTY) {
         for slab in halves.planes.chunks_exact_mut(2) {
             (slab[0][lane], slab[1][lane]) = (0x7c00, 0xfc00);
         }
@@ -74,12 +82,12 @@ pub(crate) fn mask<const W: usize, const K: usize>(
     pairs.fold(0, |mask, i| mask | 1 << i)
 }
 
-pub(crate) fn halves_16<const K: usize>(node: &Node16<K>) -> Halves<16, K> {
-    halves(&node.planes, node.child)
+pub(crate) fn halves_16<const K: usize, S: Storage>(node: &Node16<K, S>) -> Halves<16, K> {
+    halves::<16, K, S>(&node.planes, node.child)
 }
 
-pub(crate) fn halves_4<const K: usize>(node: &Node4<K>) -> Halves<4, K> {
-    halves(&node.planes, node.child)
+pub(crate) fn halves_4<const K: usize, S: Storage>(node: &Node4<K, S>) -> Halves<4, K> {
+    halves::<4, K, S>(&node.planes, node.child)
 }
 
 /// The paper's 1vs16. `EXIT`: exit after a slab if all lanes are separated, as in the paper.

@@ -6,6 +6,7 @@ use core::ops::Range;
 use simdop::hierarchy::BvhRef;
 use simdop::isa::Scalar;
 use simdop::low_level::kernel::{Kernel, Turned};
+use simdop::low_level::key::Storage;
 use simdop::low_level::realign::Realignment;
 use simdop::node::{Child, Link, Node4, Node16};
 use simdop::query::Lanes;
@@ -52,12 +53,12 @@ pub(crate) trait Arity: Lanes {
 
 macro_rules! impl_arity {
     ($node:ident, $arity:literal, $turned:ident, $($item:item)*) => {
-        impl<const K: usize> Arity for $node<K>
+        impl<const K: usize, S: Storage> Arity for $node<K, S>
         where
             Self: Lanes,
         {
             type Bodies = Turned<$arity, K>;
-            type Turn = Realignment<K>;
+            type Turn = Realignment<K, S>;
             fn turn_of(tree: BvhRef<'_, Self>, pose: &simdop::pose::Pose) -> Self::Turn {
                 Realignment::new(pose, &tree.extent(), &tree.frame())
             }

@@ -2,8 +2,10 @@
 
 use super::record::{Call, Recording};
 use core::hint::black_box;
+use core::marker::PhantomData;
 use core::ops::Range;
 use simdop::low_level::kernel::{Kernel, Turned};
+use simdop::low_level::key::Storage;
 use simdop::node::{Node4, Node16};
 use std::time::{Duration, Instant};
 
@@ -18,34 +20,34 @@ pub(crate) trait Variant: Copy {
 
 /// The library's kernel, 1vs16.
 #[derive(Copy, Clone)]
-pub(crate) struct Ours<E, const K: usize>(pub(crate) E);
+pub(crate) struct Ours<E, const K: usize, S>(pub(crate) E, pub(crate) PhantomData<S>);
 
-impl<E: Kernel, const K: usize> Variant for Ours<E, K> {
+impl<E: Kernel, const K: usize, S: Storage> Variant for Ours<E, K, S> {
     type Query = Turned<16, K>;
-    type Node = Node16<K>;
+    type Node = Node16<K, S>;
     #[inline(always)]
     fn gate<R>(self, f: impl FnOnce() -> R) -> R {
         self.0.run(f)
     }
     #[inline(always)]
-    fn overlap(self, query: &Turned<16, K>, lane: usize, node: &Node16<K>) -> u16 {
+    fn overlap(self, query: &Turned<16, K>, lane: usize, node: &Node16<K, S>) -> u16 {
         self.0.overlap_1v16(query, lane, node)
     }
 }
 
 /// The library's kernel, 4vs4.
 #[derive(Copy, Clone)]
-pub(crate) struct Ours4<E, const K: usize>(pub(crate) E);
+pub(crate) struct Ours4<E, const K: usize, S>(pub(crate) E, pub(crate) PhantomData<S>);
 
-impl<E: Kernel, const K: usize> Variant for Ours4<E, K> {
+impl<E: Kernel, const K: usize, S: Storage> Variant for Ours4<E, K, S> {
     type Query = Turned<4, K>;
-    type Node = Node4<K>;
+    type Node = Node4<K, S>;
     #[inline(always)]
     fn gate<R>(self, f: impl FnOnce() -> R) -> R {
         self.0.run(f)
     }
     #[inline(always)]
-    fn overlap(self, query: &Turned<4, K>, _: usize, node: &Node4<K>) -> u16 {
+    fn overlap(self, query: &Turned<4, K>, _: usize, node: &Node4<K, S>) -> u16 {
         self.0.overlap_4v4(query, node)
     }
 }

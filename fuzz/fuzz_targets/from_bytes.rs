@@ -15,17 +15,17 @@ use simdop::primitive::Triangles;
 use simdop::query::{Lanes, Query, Verdict};
 use simdop_fuzz::baked::{self, Buffer, Parts, change, copied, number_at, put_code, said_node, u32_at};
 use simdop_fuzz::bodies::{bodies, pose};
-use simdop_fuzz::{Input, Mode, for_node};
+use simdop_fuzz::{Input, Mode, NodeChoice, for_node};
 use support::exact::{Tri, meshes_meet, triangles_meet};
 
 fuzz_target!(|data: &[u8]| {
     let mut buffer: Buffer = Aligned([0; _]);
     let mut input = Input::new(data);
-    if let Some((k, four)) = said_node(data) {
-        for_node!(k, four, examine(copied(&mut buffer, data), &mut input));
+    if let Some(node) = said_node(data) {
+        for_node!(node, examine(copied(&mut buffer, data), &mut input));
     } else {
-        let (k, four) = (input.below(5), input.one_in(2));
-        for_node!([6, 14, 18, 26, 32][k], four, changed(&mut buffer, &mut input));
+        let node = NodeChoice::new(&mut input);
+        for_node!(node, changed(&mut buffer, &mut input));
     }
 });
 

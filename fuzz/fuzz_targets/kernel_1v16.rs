@@ -4,6 +4,7 @@
 use libfuzzer_sys::fuzz_target;
 use simdop::isa::Scalar;
 use simdop::low_level::kernel::Kernel;
+use simdop::low_level::key::Storage;
 use simdop::low_level::realign::Realignment;
 use simdop::node::Node16;
 use simdop::query::Lanes;
@@ -16,15 +17,15 @@ fuzz_target!(|data: &[u8]| {
     for_k!(k, check(&mut input, mode));
 });
 
-fn check<const K: usize>(input: &mut Input, mode: Mode)
+fn check<const K: usize, S: Storage>(input: &mut Input, mode: Mode)
 where
-    Node16<K>: Lanes<Map = Realignment<K>>,
+    Node16<K, S>: Lanes<Map = Realignment<K, S>>,
 {
     let (lane, column) = (input.below(16), input.below(16));
     let (query, node) = if mode == Mode::Real {
-        real_16::<K>(input)
+        real_16::<K, S>(input)
     } else {
-        let (query, planes) = pair(input, mode);
+        let (query, planes) = pair::<16, K, S>(input, mode);
         (query, wide(planes))
     };
     let (row, col) = masks(Scalar::new(), &query, lane, &node, column);
@@ -33,11 +34,11 @@ where
     });
 }
 
-fn masks<E: Kernel, const K: usize>(
+fn masks<E: Kernel, const K: usize, S: Storage>(
     kernel: E,
     query: &[[i16; 16]; K],
     lane: usize,
-    node: &Node16<K>,
+    node: &Node16<K, S>,
     column: usize,
 ) -> (u16, u16) {
     (kernel.overlap_1v16(query, lane, node), kernel.overlap_16v1(query, node, column))

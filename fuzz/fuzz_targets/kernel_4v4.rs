@@ -4,6 +4,7 @@
 use libfuzzer_sys::fuzz_target;
 use simdop::isa::Scalar;
 use simdop::low_level::kernel::Kernel;
+use simdop::low_level::key::Storage;
 use simdop::low_level::realign::Realignment;
 use simdop::node::Node4;
 use simdop::query::Lanes;
@@ -16,15 +17,15 @@ fuzz_target!(|data: &[u8]| {
     for_k!(k, check(&mut input, mode));
 });
 
-fn check<const K: usize>(input: &mut Input, mode: Mode)
+fn check<const K: usize, S: Storage>(input: &mut Input, mode: Mode)
 where
-    Node4<K>: Lanes<Map = Realignment<K>>,
+    Node4<K, S>: Lanes<Map = Realignment<K, S>>,
 {
     let (query, node) = if mode == Mode::Real {
-        real_4::<K>(input)
+        real_4::<K, S>(input)
     } else {
-        let (query, planes) = pair(input, mode);
-        (query, narrow(planes))
+        let (query, planes) = pair::<4, K, S>(input, mode);
+        (query, narrow::<K, S>(planes))
     };
     let want = Scalar::new().overlap_4v4(&query, &node);
     on_every_isa!(kernel => {

@@ -9,6 +9,7 @@ use libfuzzer_sys::fuzz_target;
 use simdop::hierarchy::BvhRef;
 use simdop::isa::Scalar;
 use simdop::low_level::kernel::Kernel;
+use simdop::low_level::key::Storage;
 use simdop::low_level::realign::{PrimitiveSlab, primitive_slabs};
 use simdop::node::{Child, Link, Node4, Node16};
 use simdop::pose::Pose;
@@ -27,14 +28,14 @@ fuzz_target!(|data: &[u8]| {
     for_k!(k, check(&mut input, mode));
 });
 
-fn check<const K: usize>(input: &mut Input, mode: Mode)
+fn check<const K: usize, S: Storage>(input: &mut Input, mode: Mode)
 where
-    Node16<K>: Lanes,
+    Node16<K, S>: Lanes,
 {
     if mode != Mode::Real && !input.one_in(4) {
         let slab = any_slab(input, mode, K as u8);
-        let (wide, narrow) = (wide::<K>(pair(input, mode).1), narrow::<K>(pair(input, mode).1));
-        kernels_agree(&slab, &wide, &narrow);
+        let (wide, narrow) = (wide(pair::<16, K, S>(input, mode).1), narrow(pair::<4, K, S>(input, mode).1));
+        kernels_agree::<K, S>(&slab, &wide, &narrow);
         return;
     }
     if mode == Mode::Real {
@@ -46,13 +47,13 @@ where
 }
 
 /// Tests the children of a node of one body against a triangle of the other, in either role.
-fn what_is_beyond_is_apart<const K: usize>(
-    body: &Body<Node16<K>>,
-    other: &Body<Node16<K>>,
+fn what_is_beyond_is_apart<const K: usize, S: Storage>(
+    body: &Body<Node16<K, S>>,
+    other: &Body<Node16<K, S>>,
     pose: &Pose,
     input: &mut Input,
 ) where
-    Node16<K>: Lanes,
+    Node16<K, S>: Lanes,
 {
     let view = body.tree.view();
     if view.is_empty() || other.triangles.is_empty() {
@@ -72,7 +73,8 @@ fn what_is_beyond_is_apart<const K: usize>(
     let extent = view.extent();
     let four = narrow(node.planes.map(|p| [p[0], p[1], p[2], p[3]]));
     let directions = Triangles::own_directions(&triangle);
-    for (s, slab) in primitive_slabs::<Triangles, K>(&triangle, margin, &extent, placed).iter().enumerate() {
+    for (s, slab) in primitive_slabs::<Triangles, K, S>(&triangle, margin, &extent, placed).iter().enumerate()
+    {
         kernels_agree(slab, node, &four);
         let beyond = Scalar::new().beyond_16(slab, node);
         for (lane, child) in node.child.iter().enumerate().filter(|(lane, _)| beyond >> lane & 1 != 0) {
@@ -100,9 +102,12 @@ fn touch(triangle: &mut Tri, p: Point) {
     triangle[0] = p;
 }
 
-fn vertices_below<const K: usize>(tree: &BvhRef<'_, Node16<K>>, child: Child, out: &mut Vec<Point>)
-where
-    Node16<K>: Lanes,
+fn vertices_below<const K: usize, S: Storage>(
+    tree: &BvhRef<'_, Node16<K, S>>,
+    child: Child,
+    out: &mut Vec<Point>,
+) where
+    Node16<K, S>: Lanes,
 {
     match child.link() {
         Link::Empty => {}
@@ -115,7 +120,11 @@ where
     }
 }
 
-fn kernels_agree<const K: usize>(slab: &PrimitiveSlab, wide: &Node16<K>, narrow: &Node4<K>) {
+fn kernels_agree<const K: usize, S: Storage>(
+    slab: &PrimitiveSlab,
+    wide: &Node16<K, S>,
+    narrow: &Node4<K, S>,
+) {
     let want = (Scalar::new().beyond_16(slab, wide), Scalar::new().beyond_4(slab, narrow));
     on_every_isa!(kernel => {
         let got = (kernel.beyond_16(slab, wide), kernel.beyond_4(slab, narrow));

@@ -9,6 +9,7 @@ use libfuzzer_sys::fuzz_target;
 use simdop::isa::Scalar;
 use simdop::low_level::directions;
 use simdop::low_level::frame::Frame;
+use simdop::low_level::key::Storage;
 use simdop::low_level::realign::Realignment;
 use simdop::node::{Link, Node4, Node16};
 use simdop::pose::Pose;
@@ -16,8 +17,9 @@ use simdop::query::Lanes;
 use simdop::range::Point;
 use simdop_fuzz::bodies::{Body, bodies, pose, small_body};
 use simdop_fuzz::planes::{float, narrow, pair, turned_4, turned_16, wide};
+use simdop_fuzz::values::value;
 use simdop_fuzz::{Input, Mode, for_k, on_every_isa};
-use support::dyadic::{Dyadic, dot, key_value};
+use support::dyadic::{Dyadic, dot};
 
 fuzz_target!(|data: &[u8]| {
     let mut input = Input::new(data);
@@ -25,14 +27,14 @@ fuzz_target!(|data: &[u8]| {
     for_k!(k, check(&mut input, mode));
 });
 
-fn check<const K: usize>(input: &mut Input, mode: Mode)
+fn check<const K: usize, S: Storage>(input: &mut Input, mode: Mode)
 where
-    Node16<K>: Lanes<Map = Realignment<K>>,
-    Node4<K>: Lanes<Map = Realignment<K>>,
+    Node16<K, S>: Lanes<Map = Realignment<K, S>>,
+    Node4<K, S>: Lanes<Map = Realignment<K, S>>,
 {
     if mode != Mode::Real && !input.one_in(4) {
-        let map = any_map::<K>(input, mode);
-        let (wide, narrow) = (wide(pair(input, mode).1), narrow(pair(input, mode).1));
+        let map = any_map::<K, S>(input, mode);
+        let (wide, narrow) = (wide(pair::<16, K, S>(input, mode).1), narrow(pair::<4, K, S>(input, mode).1));
         kernels_agree(&map, &wide, &narrow);
         return;
     }
@@ -45,13 +47,13 @@ where
 }
 
 /// Checks the leaves of the root, realigned to the frame of another body.
-fn turned_planes_bound<const K: usize>(a: &Body<Node16<K>>, pose: &Pose, input: &mut Input)
+fn turned_planes_bound<const K: usize, S: Storage>(a: &Body<Node16<K, S>>, pose: &Pose, input: &mut Input)
 where
-    Node16<K>: Lanes<Map = Realignment<K>>,
+    Node16<K, S>: Lanes<Map = Realignment<K, S>>,
 {
-    let b = input.pick(&bodies::<Node16<K>>().0).tree.view().frame();
+    let b = input.pick(&bodies::<Node16<K, S>>().0).tree.view().frame();
     let view = a.tree.view();
-    let map = Realignment::<K>::new(pose, &view.extent(), &b);
+    let map = Realignment::<K, S>::new(pose, &view.extent(), &b);
     let Some(root) = view.nodes().first() else { return };
     let narrow = narrow(root.planes.map(|p| [p[0], p[1], p[2], p[3]]));
     kernels_agree(&map, root, &narrow);
@@ -62,7 +64,7 @@ where
             for p in (first..first + count).flat_map(|index| view.primitive(index)) {
                 let moved = pose.apply(p);
                 for (j, n) in directions::table(K).vectors.iter().enumerate() {
-                    let limit = key_value(!query[j ^ 1][lane]);
+                    let limit = value::<S>(!query[j ^ 1][lane]);
                     assert!(bounds(limit, n, &moved, &b), "k {K} plane {j} {limit} cuts off {moved:?}");
                 }
             }
@@ -70,7 +72,11 @@ where
     }
 }
 
-fn kernels_agree<const K: usize>(map: &Realignment<K>, wide: &Node16<K>, narrow: &Node4<K>) {
+fn kernels_agree<const K: usize, S: Storage>(
+    map: &Realignment<K, S>,
+    wide: &Node16<K, S>,
+    narrow: &Node4<K, S>,
+) {
     let (want_16, want_4) = (turned_16(Scalar::new(), map, wide), turned_4(Scalar::new(), map, narrow));
     on_every_isa!(kernel => {
         assert_eq!(turned_16(kernel, map, wide), want_16, "{kernel:?} k {K} {map:?} {wide:x?}");
@@ -79,9 +85,9 @@ fn kernels_agree<const K: usize>(map: &Realignment<K>, wide: &Node16<K>, narrow:
 }
 
 /// A map with arbitrary values, except negative weights.
-fn any_map<const K: usize>(input: &mut Input, mode: Mode) -> Realignment<K> {
+fn any_map<const K: usize, S: Storage>(input: &mut Input, mode: Mode) -> Realignment<K, S> {
     let mut float = || float(input, mode);
-    let mut map = Realignment { sources: [[0; 4]; K], weights: [[0.0; K]; 3], offset: [0.0; K] };
+    let mut map = Realignment::from_parts([[0; 4]; K], [[0.0; K]; 3], [0.0; K]);
     for j in 0..K {
         for weights in &mut map.weights {
             weights[j] = float().abs();

@@ -17,19 +17,20 @@ use simdop_fuzz::baked::{
 };
 use simdop_fuzz::bodies::pose;
 use simdop_fuzz::spheres::{distance, lens, sphere_bodies};
-use simdop_fuzz::{Input, Mode, for_node};
+use simdop_fuzz::{Input, Mode, NodeChoice, for_node};
 
 type View<'t, N> = BvhRef<'t, N, Spheres>;
 
 fuzz_target!(|data: &[u8]| {
     let mut buffer: Buffer = Aligned([0; _]);
     let mut input = Input::new(data);
-    if let Some((k, four)) = said_node(data) {
-        for_node!(k, four, examine(copied(&mut buffer, data), &mut input));
+    if let Some(node) = said_node(data) {
+        for_node!(node, examine(copied(&mut buffer, data), &mut input));
     } else {
         // Trees of arity 4 have no balls.
-        let (k, four) = (input.below(5), input.one_in(8));
-        for_node!([6, 14, 18, 26, 32][k], four, changed(&mut buffer, &mut input));
+        let (k, form) = ([6, 14, 18, 26, 32][input.below(5)], input.below(8));
+        let node = NodeChoice { k, four: form == 0, half: form % 2 == 1 };
+        for_node!(node, changed(&mut buffer, &mut input));
     }
 });
 

@@ -11,13 +11,13 @@ use simdop::isa::Isa;
 use simdop::pose::Pose;
 use simdop::query::{Answer, Completion, Distance, Lanes, Pair, Query, Verdict};
 use simdop_fuzz::bodies::{Body, with_pair};
-use simdop_fuzz::{Input, Mode, for_node};
+use simdop_fuzz::{Input, Mode, NodeChoice, for_node};
 use support::exact::meeting_pairs;
 
 fuzz_target!(|data: &[u8]| {
     let mut input = Input::new(data);
-    let (mode, k, four) = (input.mode(), input.below(5), input.one_in(2));
-    for_node!([6, 14, 18, 26, 32][k], four, check(&mut input, mode));
+    let (mode, node) = (input.mode(), NodeChoice::new(&mut input));
+    for_node!(node, check(&mut input, mode));
 });
 
 fn check<N: Lanes>(input: &mut Input, mode: Mode) {

@@ -1,11 +1,12 @@
 //! Baked trees as bytes: changes to them, an independent reader, a traversal that trusts nothing, and checks that hold
 //! for all bytes whatever the primitives.
 
-use crate::Input;
 use crate::planes::code;
-use crate::support::dyadic::key_value;
+use crate::values::is_plane;
+use crate::{Input, NodeChoice};
 use core::ops::Range;
 use simdop::hierarchy::{Aligned, Bvh, BvhRef, FormatError, Header, MAGIC, MAX_DEPTH, VERSION};
+use simdop::low_level::key::{Half, Storage};
 use simdop::node::{Ball16, Link};
 use simdop::primitive::Primitive;
 use simdop::query::Lanes;
@@ -13,10 +14,14 @@ use simdop::query::Lanes;
 /// Aligned to 64, and large enough for every tree here.
 pub type Buffer = Aligned<[u8; 32 << 10]>;
 
-/// The number of planes and the arity in the header, if the bytes begin like a baked tree.
-pub fn said_node(data: &[u8]) -> Option<(u8, bool)> {
+/// The node type in the header, if the bytes begin like a baked tree.
+pub fn said_node(data: &[u8]) -> Option<NodeChoice> {
     let field = |at: usize| data.get(at).copied().unwrap_or(0);
-    data.starts_with(&MAGIC[..4]).then(|| (field(12), field(14) == 4))
+    data.starts_with(&MAGIC[..4]).then(|| NodeChoice {
+        k: field(12),
+        four: field(14) == 4,
+        half: u16::from(field(120)) == Half::CODE,
+    })
 }
 
 /// Copies as many bytes as there is room for.
@@ -101,6 +106,9 @@ fn is_true<N: Lanes, P: Primitive>(error: FormatError, bytes: &[u8]) -> bool {
         FormatError::OtherNode { k, arity } => {
             u32::from(k) | u32::from(arity) << 16 == field(12)
                 && (usize::from(k), usize::from(arity)) != (N::K, N::ARITY)
+        }
+        FormatError::OtherStorage { storage } => {
+            u32::from(storage) == field(120) & 0xffff && storage != <N::Storage as Storage>::CODE
         }
         FormatError::OtherPrimitive { kind } => {
             u32::from(kind) == field(16) & 0xffff && kind != P::KIND.code()
@@ -221,7 +229,7 @@ fn walked<N: Lanes, P: Primitive>(view: &BvhRef<'_, N, P>, root: Option<u32>) ->
         for (lane, child) in node.children().iter().enumerate() {
             let link = child.link();
             lanes += usize::from(link != Link::Empty);
-            let bounds = |code| key_value(code).is_finite();
+            let bounds = is_plane::<N::Storage>;
             assert!((0..N::K).all(|j| bounds(node.plane(j, lane)) != (link == Link::Empty)));
             match link {
                 Link::Empty => {}

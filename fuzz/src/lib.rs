@@ -13,7 +13,7 @@
 //!  `kernel_1v16`, `kernel_4v4` | masks of every instruction set | scalar kernel |
 //!  `realign` | realigned planes of every instruction set; they bound the moved triangles | scalar kernel; exact |
 //!  `primitive_slab` | children that a slab separates, and that they are apart | scalar kernel; exact |
-//!  `keys` | rounding up, by the keys and by every instruction set | definition of a key |
+//!  `keys` | rounding up, by the keys and by every instruction set | definition of a key; the crate `half` |
 //!  `from_bytes` | bytes rejected with the right error, or safe to traverse and query | second reader; brute force |
 //!  `balls` | overlap of balls, and bounds on shared volumes | scalar kernel; lenses in `f64` |
 //!  `sphere_bytes` | as `from_bytes`, for trees of spheres; penetration volumes | second reader; brute force |
@@ -24,7 +24,8 @@
 //!
 //! The sizes of bodies in `traverse` differ by up to 1e12 : 1, at up to 1e9 diagonals from the origin.
 //!
-//! The first byte of an input selects the [`Mode`], the second k; the rest is values. `from_bytes`, `sphere_bytes` and
+//! The first byte of an input selects the [`Mode`], the second k, and with it, or with the third, the storage of planes;
+//! the rest is values. `from_bytes`, `sphere_bytes` and
 //! `cloud_bytes` also accept baked bytes as they are.
 
 pub mod baked;
@@ -32,6 +33,7 @@ pub mod bodies;
 pub mod clouds;
 pub mod planes;
 pub mod spheres;
+pub mod values;
 
 #[path = "../../tests/support/lens.rs"]
 mod lens;
@@ -40,6 +42,7 @@ mod support;
 #[path = "../../tests/support/turned.rs"]
 mod turned;
 
+pub use simdop::low_level::key::{Fixed, Half};
 use std::any::{Any, TypeId};
 use std::collections::HashMap;
 use std::sync::{LazyLock, Mutex};
@@ -121,6 +124,24 @@ impl<'a> Input<'a> {
     }
 }
 
+/// A node type.
+#[derive(Copy, Clone, Debug)]
+pub struct NodeChoice {
+    pub k: u8,
+    /// Four children instead of sixteen.
+    pub four: bool,
+    /// Half floats instead of fixed point.
+    pub half: bool,
+}
+
+impl NodeChoice {
+    pub fn new(input: &mut Input) -> Self {
+        let k = [6, 14, 18, 26, 32][input.below(5)];
+        let form = input.below(4);
+        Self { k, four: form % 2 == 0, half: form >= 2 }
+    }
+}
+
 /// A value that is created once for each type, and cached.
 pub fn cached<T: Send + Sync>(make: impl FnOnce() -> T) -> &'static T {
     static ALL: LazyLock<Mutex<HashMap<TypeId, &'static (dyn Any + Send + Sync)>>> =
@@ -135,26 +156,40 @@ pub fn cached<T: Send + Sync>(make: impl FnOnce() -> T) -> &'static T {
     value.downcast_ref().unwrap()
 }
 
-/// Calls a generic function for one k, chosen by a number.
+/// Calls a generic function for one k and storage, chosen by a number.
 #[macro_export]
 macro_rules! for_k {
     ($choice:expr, $function:ident($($argument:expr),*)) => {
-        match $choice % 5 {
-            0 => $function::<6>($($argument),*),
-            1 => $function::<14>($($argument),*),
-            2 => $function::<18>($($argument),*),
-            3 => $function::<26>($($argument),*),
-            _ => $function::<32>($($argument),*),
+        match $choice % 10 {
+            0 => $function::<6, $crate::Fixed>($($argument),*),
+            1 => $function::<14, $crate::Fixed>($($argument),*),
+            2 => $function::<18, $crate::Fixed>($($argument),*),
+            3 => $function::<26, $crate::Fixed>($($argument),*),
+            4 => $function::<32, $crate::Fixed>($($argument),*),
+            5 => $function::<6, $crate::Half>($($argument),*),
+            6 => $function::<14, $crate::Half>($($argument),*),
+            7 => $function::<18, $crate::Half>($($argument),*),
+            8 => $function::<26, $crate::Half>($($argument),*),
+            _ => $function::<32, $crate::Half>($($argument),*),
         }
     };
 }
 
-/// Calls a generic function for one node type, chosen by k and whether it has four children.
+/// Calls a generic function for a node type. Few types have half floats, so that the targets are compiled in time.
 #[macro_export]
 macro_rules! for_node {
-    ($k:expr, $four:expr, $function:ident($($argument:expr),*)) => {{
+    ($choice:expr, $function:ident($($argument:expr),*)) => {{
         use simdop::node::{Node4, Node16};
-        match ($k, $four) {
+        let $crate::NodeChoice { k, four, half } = $choice;
+        if half {
+            match (k, four) {
+                (_, true) => return $function::<Node4<18, $crate::Half>>($($argument),*),
+                (6 | 14, false) => return $function::<Node16<14, $crate::Half>>($($argument),*),
+                (18, false) => return $function::<Node16<18, $crate::Half>>($($argument),*),
+                (_, false) => return $function::<Node16<26, $crate::Half>>($($argument),*),
+            }
+        }
+        match (k, four) {
             (6, true) => $function::<Node4<6>>($($argument),*),
             (14, true) => $function::<Node4<14>>($($argument),*),
             (18, true) => $function::<Node4<18>>($($argument),*),

@@ -5,7 +5,7 @@ use crate::bodies::{bodies, pose};
 use crate::{Input, Mode, cached};
 use simdop::isa::Scalar;
 use simdop::low_level::kernel::Turned;
-use simdop::low_level::key::Key;
+use simdop::low_level::key::{Fixed, Key, Storage};
 use simdop::low_level::realign::Realignment;
 use simdop::node::{Child, Node4, Node16};
 use simdop::query::Lanes;
@@ -17,9 +17,15 @@ use crate::support::codes::SPECIAL;
 /// Planes of `W` bodies, plane by plane.
 pub type Planes<const W: usize, const K: usize> = [[i16; W]; K];
 
-/// Any key; half of the time one of [`SPECIAL`].
+/// Extreme codes of half floats: infinity, the greatest number, the least normal one and the greatest below it, and the
+/// negations of all; then -0, the number below it, and one.
+const SPECIAL_HALVES: [i16; 11] =
+    [0x7c00, 0x7bff, 0x400, 0x3ff, !0x7c00, !0x7bff, !0x400, !0x3ff, -1, -2, 0x3c00];
+
+/// Any key; half of the time one of [`SPECIAL`] or [`SPECIAL_HALVES`].
 pub fn code(input: &mut Input) -> i16 {
     match input.u8() {
+        choice @ 192.. => SPECIAL_HALVES[usize::from(choice) % SPECIAL_HALVES.len()],
         choice @ 128.. => SPECIAL[usize::from(choice) % SPECIAL.len()],
         _ => input.u16() as i16,
     }
@@ -38,15 +44,18 @@ pub fn float(input: &mut Input, mode: Mode) -> f32 {
 }
 
 /// The key of a small integer.
-pub fn grid_code(value: i32) -> i16 {
-    Key::round_up_f64(value.into()).unwrap().code()
+fn grid_code<S: Storage>(value: i32) -> i16 {
+    Key::<S>::round_up_f64(value.into()).unwrap().code()
 }
 
 /// A query, and planes of which each separates about one body in sixty-four from it.
-pub fn pair<const W: usize, const K: usize>(input: &mut Input, mode: Mode) -> (Planes<W, K>, Planes<W, K>) {
+pub fn pair<const W: usize, const K: usize, S: Storage>(
+    input: &mut Input,
+    mode: Mode,
+) -> (Planes<W, K>, Planes<W, K>) {
     let (mut query, mut planes) = ([[0; W]; K], [[0; W]; K]);
     for j in 0..K {
-        let middle = if mode == Mode::Grid { grid_code(input.int(-3, 3)) } else { code(input) };
+        let middle = if mode == Mode::Grid { grid_code::<S>(input.int(-3, 3)) } else { code(input) };
         let mut draw = |query: bool| {
             let choice = input.u8();
             let below = query != (choice.is_multiple_of(64));
@@ -73,18 +82,18 @@ pub fn with_unused_lanes<const W: usize, const K: usize>(
         for plane in &mut planes {
             for (lane, code) in plane.iter_mut().enumerate().filter(|(lane, _)| unused >> lane & 1 != 0) {
                 debug_assert!(lane < W);
-                *code = Key::EMPTY.code();
+                *code = Key::<Fixed>::EMPTY.code();
             }
         }
     }
     planes
 }
 
-pub const fn wide<const K: usize>(planes: Planes<16, K>) -> Node16<K> {
+pub const fn wide<const K: usize, S: Storage>(planes: Planes<16, K>) -> Node16<K, S> {
     Node16::new(planes, [Child::EMPTY; 16])
 }
 
-pub const fn narrow<const K: usize>(planes: Planes<4, K>) -> Node4<K> {
+pub const fn narrow<const K: usize, S: Storage>(planes: Planes<4, K>) -> Node4<K, S> {
     Node4::new(planes, [Child::EMPTY; 4])
 }
 
@@ -117,17 +126,17 @@ impl<Q: Copy, N: Lanes> Recorded<Q, N> {
 }
 
 /// A query and a node of real trees.
-pub fn real_16<const K: usize>(input: &mut Input) -> (Turned<16, K>, Node16<K>)
+pub fn real_16<const K: usize, S: Storage>(input: &mut Input) -> (Turned<16, K>, Node16<K, S>)
 where
-    Node16<K>: Lanes<Map = Realignment<K>>,
+    Node16<K, S>: Lanes<Map = Realignment<K, S>>,
 {
-    cached(|| Recorded::<_, Node16<K>>::new(|map, node| turned_16(Scalar::new(), map, node))).pick(input)
+    cached(|| Recorded::<_, Node16<K, S>>::new(|map, node| turned_16(Scalar::new(), map, node))).pick(input)
 }
 
 /// [`real_16`] for four children.
-pub fn real_4<const K: usize>(input: &mut Input) -> (Turned<4, K>, Node4<K>)
+pub fn real_4<const K: usize, S: Storage>(input: &mut Input) -> (Turned<4, K>, Node4<K, S>)
 where
-    Node4<K>: Lanes<Map = Realignment<K>>,
+    Node4<K, S>: Lanes<Map = Realignment<K, S>>,
 {
-    cached(|| Recorded::<_, Node4<K>>::new(|map, node| turned_4(Scalar::new(), map, node))).pick(input)
+    cached(|| Recorded::<_, Node4<K, S>>::new(|map, node| turned_4(Scalar::new(), map, node))).pick(input)
 }
