@@ -4,6 +4,8 @@
 //! slab are codes from 0 to 255: `base + step * code`, rounded outwards. A test rounds the bounds of the other body to
 //! the node's codes, and compares bytes. Loops over the lanes are left to the compiler.
 
+#![expect(clippy::needless_range_loop, reason = "several columns share the index")]
+
 use super::plain::ByPlanes;
 use super::traverse::{Rows, System, Work};
 use super::tree::{Dop, K, round_up};
@@ -177,7 +179,7 @@ impl<E: Kernel> System<16> for Bytes<E> {
     /// Planes exceed the greatest of the tree by at most 1/128 of the body's width. That is within the slack of the pads
     /// in `src/realign.rs`, which are 1.3 times the errors.
     #[inline(always)]
-    fn turn<'n>(self, map: &ByPlanes, node: &'n ByteNode) -> Intervals {
+    fn turn(self, map: &ByPlanes, node: &ByteNode) -> Intervals {
         let mut planes = [[0.0; 16]; K];
         for s in 0..SLABS {
             let [greatest, least] = node.bounds(s);

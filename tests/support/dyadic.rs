@@ -188,7 +188,13 @@ pub(crate) fn is_rounded_up(code: i16, x: &Dyadic) -> bool {
 pub(crate) fn is_rounded_up_to_half(code: i16, x: &Dyadic) -> bool {
     let value = |code: i16| {
         let bits = if code < 0 { !code as u16 | 0x8000 } else { code as u16 };
-        Dyadic::from(f64::from(half::f16::from_bits(bits)))
+        let (exponent, places) = (i32::from(bits >> 10 & 31), f64::from(bits & 0x3ff));
+        let magnitude = if exponent == 0 {
+            places * 2.0_f64.powi(-24)
+        } else {
+            (1024.0 + places) * 2.0_f64.powi(exponent - 25)
+        };
+        Dyadic::from(if code < 0 { -magnitude } else { magnitude })
     };
     let below = if code == 0 { -2 } else { code - 1 };
     code != -1 && value(code) >= *x && value(below) < *x
