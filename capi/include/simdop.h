@@ -334,7 +334,7 @@ typedef enum {
  */
 typedef enum {
   /**
-   * Fixed point: as precise anywhere in the body.
+   * Fixed point: equally precise everywhere in the body.
    */
   SIMDOP_STORAGE_FIXED = 0,
   /**
