@@ -2,8 +2,9 @@
  * simdop: exact collision and distance queries between bodies of triangles or spheres.
  *
  * Bodies. A body is opened from the bytes of a baked tree, or built. Its tree has k = 18 and arity 16, the default of
- * `simdop build`. A query takes two bodies, A and B, and a pose that places A in the frame of B. A scene holds many
- * bodies at poses in the world, and tests the pairs that their roles select.
+ * `simdop build`, and planes in fixed point, the default, or in half floats: see simdop_storage. A query takes two
+ * bodies of one storage, A and B, and a pose that places A in the frame of B. A scene holds many bodies of one storage
+ * at poses in the world, and tests the pairs that their roles select.
  *
  * A motion query decides whether moving bodies meet at any time from 0 to 1, not only at samples of the time. A robot
  * moves bodies by joints.
@@ -159,6 +160,10 @@ typedef enum {
    */
   SIMDOP_ERROR_BYTES_PART = 31,
   /**
+   * The planes of the tree are neither fixed point nor half floats.
+   */
+  SIMDOP_ERROR_BYTES_OTHER_STORAGE = 32,
+  /**
    * A vertex is NaN, infinite, or beyond 2^300.
    */
   SIMDOP_ERROR_BUILD_VERTEX = 40,
@@ -179,9 +184,17 @@ typedef enum {
    */
   SIMDOP_ERROR_BUILD_OPEN = 44,
   /**
+   * A body's storage is not one of simdop_storage.
+   */
+  SIMDOP_ERROR_BUILD_NO_SUCH_STORAGE = 45,
+  /**
    * A margin, tolerance or cutoff is negative, NaN or too large, or a resolution is NaN or not positive.
    */
   SIMDOP_ERROR_TOLERANCE = 60,
+  /**
+   * The storage of a body differs from that of the other body, or of the bodies in the scene: build it again.
+   */
+  SIMDOP_ERROR_OTHER_STORAGE = 61,
   /**
    * The body is not, or no longer, in the scene.
    */
@@ -315,6 +328,20 @@ typedef enum {
    */
   SIMDOP_JOINT_KIND_PRISMATIC = 1,
 } simdop_joint_kind;
+
+/**
+ * How the planes of a body are stored, in 16 bits. Bodies of different storage cannot be tested against each other.
+ */
+typedef enum {
+  /**
+   * Fixed point: equally precise everywhere in the body.
+   */
+  SIMDOP_STORAGE_FIXED = 0,
+  /**
+   * Half floats: more precise near the centre of the body, and less far from it.
+   */
+  SIMDOP_STORAGE_HALF = 1,
+} simdop_storage;
 
 /**
  * A body: a set of primitives, triangles or spheres, and the tree over them. Immutable.
@@ -760,12 +787,38 @@ simdop_error simdop_body_build_solid(const double *vertices,
                                      simdop_body **body);
 
 /**
+ * Builds a body like simdop_body_build_solid() if `is_solid` is not zero, and otherwise like
+ * simdop_body_build_surface(), with planes in `storage`, a simdop_storage.
+ *
+ * # Safety
+ * The arrays have the stated lengths.
+ */
+simdop_error simdop_body_build_triangles_as(const double *vertices,
+                                            size_t vertex_count,
+                                            const uint32_t *triangles,
+                                            size_t triangle_count,
+                                            int is_solid,
+                                            int storage,
+                                            simdop_body **body);
+
+/**
  * Builds a body of solid spheres. `spheres` holds x, y, z and the radius of each of `count` spheres.
  *
  * # Safety
  * The array has the stated length.
  */
 simdop_error simdop_body_build_spheres(const double *spheres, size_t count, simdop_body **body);
+
+/**
+ * Builds a body like simdop_body_build_spheres(), with planes in `storage`, a simdop_storage.
+ *
+ * # Safety
+ * The array has the stated length.
+ */
+simdop_error simdop_body_build_spheres_as(const double *spheres,
+                                          size_t count,
+                                          int storage,
+                                          simdop_body **body);
 
 /**
  * Returns the bytes of a body's tree, to be stored in a file or in flash and opened there. They belong to the body, or
@@ -801,7 +854,7 @@ simdop_error simdop_pose_from_quaternion(const double *xyzw, const double *trans
 
 /**
  * Does body `a`, placed by `a_in_b` in the frame of body `b`, meet `b`? The verdict is exact. Stops after `budget`
- * visits.
+ * visits. Both bodies have the same storage.
  */
 simdop_error simdop_collide(const simdop_body *a,
                             const simdop_body *b,
@@ -882,7 +935,8 @@ void simdop_scene_destroy(simdop_scene *scene);
 
 /**
  * Inserts a body into a scene at the pose `world`. A body may be inserted into several scenes, and several times into
- * one. It must exist until it is removed or the scene is destroyed.
+ * one. It must exist until it is removed or the scene is destroyed. The first body decides the storage of all bodies
+ * of the scene.
  */
 simdop_error simdop_scene_insert(simdop_scene *scene,
                                  const simdop_body *body,

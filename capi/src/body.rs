@@ -19,7 +19,7 @@ pub(crate) type Node<S> = Node16<18, S>;
 #[repr(C)]
 #[derive(Copy, Clone, PartialEq, Eq, Debug)]
 pub enum simdop_storage {
-    /// Fixed point: as precise anywhere in the body.
+    /// Fixed point: equally precise everywhere in the body.
     Fixed = 0,
     /// Half floats: more precise near the centre of the body, and less far from it.
     Half = 1,

@@ -97,18 +97,18 @@ fn compare<S: Storage>(
 
 #[test]
 fn scenes_answer_as_the_librarys() {
-    scenes_of::<Fixed>(30);
-    scenes_of::<Half>(10);
+    scenes_of::<Fixed>();
+    scenes_of::<Half>();
 }
 
-fn scenes_of<S: Storage>(scenes: u32) {
+fn scenes_of<S: Storage>() {
     let mut rng = Rng::new(3);
     let (meshes, spheres) = (meshes_of::<S>(&mut rng), sphere_sets_of::<S>(&mut rng));
     let meshes = meshes.iter().map(|body| (body.c, Body::new(body.rust.view())));
     let spheres = spheres.iter().map(|body| (body.c, Body::new(body.rust.view())));
     let bodies: Vec<_> = meshes.chain(spheres).collect();
     let mut verdicts = [0; 3];
-    for _ in 0..scenes {
+    for _ in 0..30 {
         let mut c = handle(|scene| simdop_scene_create(scene)).unwrap();
         let mut rust = Scene::new();
         for step in 0..60 {

@@ -184,7 +184,7 @@ impl TreeOptions {
 #[derive(ValueEnum, Serialize, Copy, Clone, PartialEq, Eq, Debug)]
 #[serde(rename_all = "lowercase")]
 enum StorageName {
-    /// 16-bit fixed point: as precise anywhere in the body.
+    /// 16-bit fixed point: equally precise everywhere in the body.
     Fixed,
     /// Half floats: more precise near the centre of the body, and less far from it.
     Half,

@@ -253,8 +253,8 @@ fn definitions(page: &mut String, results: &Results) {
          of eight triangles counts once.</dd>\n\
          <dt>Overestimate</dt><dd>How far a leaf's k-DOP, after realignment, extends beyond its triangles in a \
          direction, in the mesh's unit: mean and maximum over all leaves and 96 directions.</dd>\n\
-         <dt>Storage</dt><dd>Planes take 16 bits: in fixed point they are equally precise anywhere in the body, and as \
-         half floats more precise near its centre than far from it.</dd>\n\
+         <dt>Storage</dt><dd>Planes take 16 bits: in fixed point they are equally precise everywhere, and as \
+         half floats more precise near the body's centre than far from it.</dd>\n\
          <dt>Bytes</dt><dd>Of {unit} with vertices and triangles, as stored in flash.</dd>\n\
          <dt>Pareto front</dt><dd>Settings that no other setting dominates. The costs are time (geometric mean \
          over the distances), greatest overestimate and bytes.</dd>\n\

@@ -49,7 +49,8 @@ pub(super) fn settings(page: &mut String, results: &Results) {
         let setting = &one.setting;
         let _ = write!(
             page,
-            "<tr{class}><td>{star}</td><td>{}</td><td>{}</td><td class=\"word\">{}</td><td>{}</td><td class=\"word\">{}</td><td>{}</td>",
+            "<tr{class}><td>{star}</td><td>{}</td><td>{}</td><td class=\"word\">{}</td><td>{}</td>\
+             <td class=\"word\">{}</td><td>{}</td>",
             setting.node.k,
             setting.node.arity,
             setting.storage_name(),

@@ -35,13 +35,14 @@ const NODES: [(usize, usize, StorageKind); 8] = [
     (14, 16, Half),
 ];
 const LEAF_SIZES: [u32; 3] = [1, 2, 16];
-/// How many formats there are: of each node two precisions, three leaf sizes, with normal slabs or not, by two splitters.
+/// The number of formats: for each node type two precisions, three leaf sizes, with normal slabs or not, and two
+/// splitters.
 const FORMATS: u64 = 8 * 2 * 3 * 2 * 2;
 
 impl TreeFormat {
-    pub(super) const CHOICES: &str = "a k of 6, 14, 18 or 26 at arity 16 or 18 at arity 4, planes in fixed point, or in \
-        half floats for k of 14, 18 or 26 at arity 16, vertices in f32 or f64, up to 1, 2 or 16 primitives a leaf, with \
-        normal slabs or without, split by mean width or extended longest axis";
+    pub(super) const CHOICES: &str = "a k of 6, 14, 18 or 26 at arity 16 or 18 at arity 4, planes in fixed \
+        point, or in half floats for k of 14, 18 or 26 at arity 16, vertices in f32 or f64, up to 1, 2 or 16 \
+        primitives a leaf, with normal slabs or without, split by mean width or extended longest axis";
 
     /// Consecutive trials get different formats until all have occurred. The factor is coprime to their number and
     /// mixes them, so that a few trials cover some of everything.
