@@ -92,25 +92,39 @@ impl ByteNode {
         bounds
     }
 
-    /// Bounds of bodies in the codes of this node.
+    /// Bounds of bodies in the codes of this node, rounded to the nearest: a nearest code is not above the least code that
+    /// is not below the number, nor below the greatest that is not above it.
     ///
-    /// The difference from the base is rounded once. Codes times a step are exact and rounding is monotone, so that no
-    /// body leaves a child that it touches.
+    /// The difference from the base is rounded, too. Codes times a step are exact and rounding is monotone, so that no
+    /// body is separated from a child that it touches.
     #[inline(always)]
     fn coded(&self, bodies: &Intervals) -> Coded {
+        // 1.5 * 2^23: its last place is 1, so that the code is in the low bits of the sum.
+        const ROUNDING: f32 = 12_582_912.0;
         let mut coded = Coded { codes: [[[0; 16]; 2]; SLABS], beyond: [0; 16] };
+        let mut beyond = [0_u32; 16];
         for s in 0..SLABS {
             let (base, inverse) = (f32::from(self.base[s]), step(-self.exponent[s]));
+            let [lows, highs] = &bodies[s];
+            let mut bits = [[0_u32; 16]; 2];
             for lane in 0..16 {
-                let [low, high] = bodies[s].map(|bounds| (bounds[lane] - base) * inverse);
-                coded.beyond[lane] |= u8::from(low > 255.0) | u8::from(high < 0.0);
-                // From 0 to 255, so that a cast truncates: up for the least bound, down for the greatest.
-                let [low, high] = [low, high].map(|x| if x > 0.0 { x } else { 0.0 });
-                let [low, high] = [low, high].map(|x| if x < 255.0 { x } else { 255.0 });
-                let cut = low as i32;
-                coded.codes[s][0][lane] = (cut + i32::from((cut as f32) < low)) as u8;
-                coded.codes[s][1][lane] = high as i32 as u8;
+                let low = (lows[lane] - base) * inverse;
+                let high = (highs[lane] - base) * inverse;
+                beyond[lane] |= u32::from(low > 255.0) | u32::from(high < 0.0);
+                let low = if low > 0.0 { low } else { 0.0 };
+                let high = if high < 255.0 { high } else { 255.0 };
+                bits[0][lane] = (low + ROUNDING).to_bits();
+                bits[1][lane] = (high + ROUNDING).to_bits();
             }
+            // The low bits of numbers beyond the codes mean nothing: those bodies are marked.
+            for (codes, bits) in coded.codes[s].iter_mut().zip(&bits) {
+                for (code, bits) in codes.iter_mut().zip(bits) {
+                    *code = *bits as u8;
+                }
+            }
+        }
+        for (mark, beyond) in coded.beyond.iter_mut().zip(&beyond) {
+            *mark = *beyond as u8;
         }
         coded
     }
