@@ -12,7 +12,8 @@
 //! when the clock starts, and the branch predictor has not seen the masks: each call happens once in a pass, in the
 //! order of the traversal.
 //!
-//! Rows at k = 18 have both storages of planes. `realign` rotates nodes of the same trees, 32 at a time, four times each.
+//! Rows at k = 18 have both storages of planes. `realign` rotates nodes of the same trees, 32 at a time, four times
+//! each.
 
 #[path = "../tests/support/data.rs"]
 mod data;

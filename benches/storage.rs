@@ -41,12 +41,13 @@ const PASSES: usize = 9;
 fn main() {
     page::begin(
         "Fixed point and half floats",
-        "Collision queries at k = 18 and arity 16: microseconds a query, median / mean / p99, with ratios of each, half \
-         floats to fixed point. Triangle pairs and visits are means a query; bytes are those of both trees, which are \
-         as large in either storage. The verdicts of both are compared first.",
+        "Collision queries at k = 18 and arity 16: microseconds a query, median / mean / p99, with ratios of each, \
+         half floats to fixed point. Triangle pairs and visits are means a query. Trees are equally large in both \
+         storages. The verdicts of both are compared first.",
     );
     show!(
-        "| A, B | distance | fixed | half | half / fixed | pairs, fixed | half | visits, fixed | half | bytes a triangle |"
+        "| A, B | distance | fixed | half | half / fixed | pairs, fixed | half | visits, fixed | half | bytes a \
+         triangle |"
     );
     show!("|---|---|--:|--:|--:|--:|--:|--:|--:|--:|");
     let torus = shapes::wavy_torus(count(20_000, 1000) as u32);

@@ -1,8 +1,8 @@
 //! A prototype of 8-bit planes relative to their node, in plain Rust: 384 bytes a node instead of 640.
 //!
-//! Each slab of a node has a base, in whole steps of the frame, and a power-of-two step. The bounds of a child along the
-//! slab are codes from 0 to 255: `base + step * code`, rounded outwards. A test rounds the bounds of the other body to
-//! the node's codes, and compares bytes. Loops over the lanes are left to the compiler.
+//! Each slab of a node has a base, in whole steps of the frame, and a power-of-two step. The bounds of a child along
+//! the slab are codes from 0 to 255: `base + step * code`, rounded outwards. A test rounds the bounds of the other body
+//! to the node's codes, and compares bytes. Loops over the lanes are left to the compiler.
 
 #![expect(clippy::needless_range_loop, reason = "several columns share the index")]
 
@@ -92,8 +92,8 @@ impl ByteNode {
         bounds
     }
 
-    /// Bounds of bodies in the codes of this node, rounded to the nearest: a nearest code is not above the least code that
-    /// is not below the number, nor below the greatest that is not above it.
+    /// Bounds of bodies in the codes of this node, rounded to the nearest: a nearest code is not above the least code
+    /// that is not below the number, nor below the greatest that is not above it.
     ///
     /// The difference from the base is rounded, too. Codes times a step are exact and rounding is monotone, so that no
     /// body is separated from a child that it touches.
@@ -190,8 +190,8 @@ impl<E: Kernel> System<16> for Bytes<E> {
 
     /// Unused lanes become infinitely far.
     ///
-    /// Planes exceed the greatest of the tree by at most 1/128 of the body's width. That is within the slack of the pads
-    /// in `src/realign.rs`, which are 1.3 times the errors.
+    /// Planes exceed the greatest of the tree by at most 1/128 of the body's width. That is within the slack of the
+    /// pads in `src/realign.rs`, which are 1.3 times the errors.
     #[inline(always)]
     fn turn(self, map: &ByPlanes, node: &ByteNode) -> Intervals {
         let mut planes = [[0.0; 16]; K];

@@ -1,12 +1,15 @@
 //! Writes the seeds of every target; deterministic.
 
 use simdop::node::{Dop, Node4, Node16};
-use simdop_fuzz::Input;
 use simdop_fuzz::bodies::bodies;
 use simdop_fuzz::clouds::clouds;
 use simdop_fuzz::spheres::sphere_bodies;
+use simdop_fuzz::{Half, Input};
 use std::io;
 use std::path::Path;
+
+const NAMES: [&str; 10] =
+    ["k6", "k14", "k18", "k26", "k32", "half_k6", "half_k14", "half_k18", "half_k26", "half_k32"];
 
 fn main() -> io::Result<()> {
     let targets = [
@@ -24,13 +27,14 @@ fn main() -> io::Result<()> {
         "cloud_bytes",
     ];
     for target in targets {
-        // Each k, and the modes in turn; then random bytes.
-        for k in 0..5 {
+        // Each k, and the modes in turn; then random bytes. The byte for k also selects the storage of planes here.
+        let has_storage = ["kernel_1v16", "kernel_4v4", "realign", "primitive_slab"].contains(&target);
+        for k in 0..if has_storage { 10 } else { 5 } {
             let choice = [k];
             let mut input = Input::new(&choice);
             let mut seed = vec![k % 3, k, k];
             seed.extend((0..48).map(|_| input.u8()));
-            write(target, ["k6", "k14", "k18", "k26", "k32"][usize::from(k)], &seed)?;
+            write(target, NAMES[usize::from(k)], &seed)?;
         }
     }
     // Bodies of different sizes, the torus against the torus: at equal size, at the largest ratio in both orders, and
@@ -55,6 +59,7 @@ fn main() -> io::Result<()> {
         }
     }
     write("from_bytes", "torus", tree::<Node16<18>>(0))?;
+    write("from_bytes", "torus_of_halves", tree::<Node16<18, Half>>(0))?;
     write("from_bytes", "doubles", tree::<Node4<14>>(2))?;
     write("from_bytes", "coincident", tree::<Node4<32>>(6))?;
     write("from_bytes", "triangle", tree::<Node16<6>>(9))?;

@@ -1,5 +1,5 @@
-//! Rounding up to a key, compared with its definition and with the crate `half`: in the library's scalar code, and in the
-//! realignment of every instruction set, whose planes equal the rounded offsets when all weights are zero.
+//! Rounding up to a key, compared with its definition and with the crate `half`: in the library's scalar code, and in
+//! the realignment of every instruction set, whose planes equal the rounded offsets when all weights are zero.
 #![no_main]
 
 use libfuzzer_sys::fuzz_target;

@@ -24,8 +24,8 @@
 //!
 //! The sizes of bodies in `traverse` differ by up to 1e12 : 1, at up to 1e9 diagonals from the origin.
 //!
-//! The first byte of an input selects the [`Mode`], the second k, and with it, or with the third, the storage of planes;
-//! the rest is values. `from_bytes`, `sphere_bytes` and
+//! The first byte of an input selects the [`Mode`], the second k, and it or the third the storage of planes; the
+//! rest is values. `from_bytes`, `sphere_bytes` and
 //! `cloud_bytes` also accept baked bytes as they are.
 
 pub mod baked;
