@@ -36,8 +36,8 @@
 //! 5. Of bodies 2^100 times larger than the other.
 //!
 //! The pad is a sum of products of numbers that are not negative. So one factor covers its own roundings, each `e` of a
-//! partial result. For a body like B, the pad is a twentieth of a step. The rotated plane is then rounded to a key. A half float may be above
-//! a sum by up to a place: 2^-10 of it.
+//! partial result. For a body like B, the pad is a twentieth of a step. The rotated plane is then rounded to a key, for
+//! half floats upwards: by up to 2^-10 of it.
 //!
 //! **Radii.** A pose moves the corners of a primitive, but everything within its radius of them keeps its shape. The
 //! planes bound `u . x + |u| r`, which is less than `u . x + |n| r` where M makes vectors shorter, as an accepted

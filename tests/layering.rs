@@ -376,8 +376,8 @@ fn uses(code: &str, accepts: impl Fn(&str) -> bool) -> Vec<(usize, usize)> {
     places_of(code, "use").filter_map(statement).collect()
 }
 
-/// Imports between the files and folders of one folder that are part of a circle, each as `folder: from -> to`. What the
-/// folder's own file defines, beside re-exports, counts as a file `mod`.
+/// Imports between the files and folders of one folder that are part of a circle, each as `folder: from -> to`. What
+/// the folder's own file defines, beside re-exports, counts as a file `mod`.
 fn circular_imports(files: &[(String, String)]) -> Vec<String> {
     let is_read = |path: &str| !is_root(path) && !path.ends_with("tests.rs") && !path.contains("/tests/");
     let modules: Vec<Module<'_>> = files

@@ -55,7 +55,7 @@ impl fmt::Display for CloudError {
             Self::BucketSize { asked } => write!(f, "bucket size {asked}, must be 1 to 16"),
             Self::TooMany { count } => write!(f, "{count} points, at most {MAX_POINTS} make a cloud"),
             Self::Point { index } => write!(f, "point {index} has a coordinate that is not finite"),
-            Self::Memory { what, have, need } => write!(f, "{have} {what} were lent, {need} are needed"),
+            Self::Memory { what, have, need } => write!(f, "{have} {what} were given, {need} are needed"),
             Self::Positions { have, need } => write!(f, "{have} positions for {need} indices"),
             Self::Index { index } => write!(f, "point {index} cannot be: there is one already, or none"),
             Self::Full => f.write_str("no bucket near the point has room"),

@@ -12,8 +12,8 @@ use core::fmt;
 // Functions over all of them are `inline`, so that they are compiled only where they are used.
 
 /// The node types that can be chosen at run time, written once: `$with!` gets a dollar sign and a list of
-/// `Variant Node arity k Storage`. Each is one more copy of every query, so that k = 32 and most of arity 4, which no measurement
-/// recommends, are for generic code only.
+/// `Variant Node arity k Storage`. Each is one more copy of every query, so that k = 32 and most of arity 4, which no
+/// measurement recommends, are for generic code only.
 macro_rules! for_node_types {
     ($with:ident) => {
         $with! {
@@ -32,7 +32,9 @@ macro_rules! any_bvh {
         /// unless said otherwise: [`Header::kind`] tells what bytes are a tree of.
         #[derive(Debug)]
         pub enum AnyBvhRef<'a, P: Primitive = Triangles> {
-            $(#[doc = concat!("[`", stringify!($node), "<", $k, ", ", stringify!($storage), ">`](", stringify!($node), ").")]
+            $(#[doc = concat!(
+                "[`", stringify!($node), "<", $k, ", ", stringify!($storage), ">`](", stringify!($node), ")."
+            )]
             $variant(BvhRef<'a, $node<$k, $storage>, P>),)*
         }
 
@@ -47,7 +49,9 @@ macro_rules! any_bvh {
         #[cfg(feature = "alloc")]
         #[derive(Clone, Debug)]
         pub enum AnyBvh<P = Triangles> {
-            $(#[doc = concat!("[`", stringify!($node), "<", $k, ", ", stringify!($storage), ">`](", stringify!($node), ").")]
+            $(#[doc = concat!(
+                "[`", stringify!($node), "<", $k, ", ", stringify!($storage), ">`](", stringify!($node), ")."
+            )]
             $variant(Bvh<$node<$k, $storage>, P>),)*
         }
 

@@ -50,10 +50,14 @@ impl Storage for Half {
         let exponent = magnitude & 0x7f80_0000;
         let exponent = if exponent > 113 << 23 { exponent } else { 113 << 23 };
         let places = f32::from_bits(magnitude) * f32::from_bits((254 << 23) - (exponent - (10 << 23)));
-        let cut = places as i32;
+        // Below 2^12: the sum is rounded to an integer, in its low bits. Unlike casts, this compiles to vectors.
+        const ROUNDING: f32 = 8_388_608.0;
+        let sum = places + ROUNDING;
+        let (nearest, rounded) = ((sum.to_bits() & 0xffff) as i32, sum - ROUNDING);
         let is_negative = bits >> 31 != 0;
-        let up = i32::from(!is_negative && cut as f32 != places);
-        let half = (((exponent >> 23) as i32 - 113) << 10) + cut + up;
+        let correction =
+            i32::from(!is_negative & (rounded < places)) - i32::from(is_negative & (rounded > places));
+        let half = (((exponent >> 23) as i32 - 113) << 10) + nearest + correction;
         (if is_negative { !half } else { half }) as i16
     }
 

@@ -32,8 +32,8 @@ use crate::pose::Pose;
 use crate::primitive::{OWN_DIRECTIONS, Primitive, radius_of};
 use crate::range::MIN_COORDINATE;
 
-/// A direction and the interval that a primitive covers along it, for comparison with the planes of another tree, of one
-/// storage.
+/// A direction and the interval that a primitive covers along it, for comparison with the planes of another tree, all
+/// of one storage.
 #[derive(Copy, Clone, PartialEq, Debug)]
 pub struct PrimitiveSlab {
     /// The three planes whose weighted sum bounds a child along the direction. The opposite planes, `p ^ 1`, with the

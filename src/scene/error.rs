@@ -106,7 +106,7 @@ impl fmt::Display for SceneError {
             Self::Cycle { id } => write!(f, "body {} would be attached to itself", id.index),
             Self::NoPair { id } => write!(f, "body {} is no pair with itself", id.index),
             Self::Motion { bodies, given, poses } => {
-                write!(f, "a motion of {bodies} bodies: {given} are named, and {poses} poses lent")
+                write!(f, "a motion of {bodies} bodies: {given} are named, and {poses} poses are given")
             }
             Self::Path(error) => error.fmt(f),
             Self::Tolerance(error) => error.fmt(f),

@@ -81,30 +81,30 @@ pub struct SceneMemory<'t, N> {
 
 /// A borrowed slice, or a vector that grows.
 #[derive(Debug)]
-pub(super) enum LentOrOwned<'m, T> {
-    Lent(&'m mut [T]),
+pub(super) enum BorrowedOrOwned<'m, T> {
+    Borrowed(&'m mut [T]),
     #[cfg(feature = "alloc")]
     Owned(Vec<T>),
 }
 
-impl<T> Deref for LentOrOwned<'_, T> {
+impl<T> Deref for BorrowedOrOwned<'_, T> {
     type Target = [T];
 
     #[inline(always)]
     fn deref(&self) -> &[T] {
         match self {
-            Self::Lent(slice) => slice,
+            Self::Borrowed(slice) => slice,
             #[cfg(feature = "alloc")]
             Self::Owned(slice) => slice,
         }
     }
 }
 
-impl<T> DerefMut for LentOrOwned<'_, T> {
+impl<T> DerefMut for BorrowedOrOwned<'_, T> {
     #[inline(always)]
     fn deref_mut(&mut self) -> &mut [T] {
         match self {
-            Self::Lent(slice) => slice,
+            Self::Borrowed(slice) => slice,
             #[cfg(feature = "alloc")]
             Self::Owned(slice) => slice,
         }
@@ -113,16 +113,16 @@ impl<T> DerefMut for LentOrOwned<'_, T> {
 
 #[derive(Debug)]
 pub(super) struct Memories<'t, N> {
-    pub(super) slots: LentOrOwned<'t, Slot<'t, N>>,
+    pub(super) slots: BorrowedOrOwned<'t, Slot<'t, N>>,
     /// Boxes around the bodies in the world, radii included, sixteen at a time; NaN for an empty slot.
-    pub(super) boxes: LentOrOwned<'t, Aabb16>,
+    pub(super) boxes: BorrowedOrOwned<'t, Aabb16>,
     /// The pairs to test: bit j of row i. Each pair has its bit in one of its two symmetric places: the row of the
     /// moving body, or else of the lower index. A row has [`Memories::stride`] words.
-    rows: LentOrOwned<'t, u16>,
+    rows: BorrowedOrOwned<'t, u16>,
 }
 
 impl<'t, N> Memories<'t, N> {
-    pub(super) fn lent(memory: SceneMemory<'t, N>) -> Result<Self, SceneError> {
+    pub(super) fn borrowed(memory: SceneMemory<'t, N>) -> Result<Self, SceneError> {
         let SceneMemory { slots, boxes, rows } = memory;
         let bodies = slots.len();
         if boxes.len() < boxes_for(bodies) || rows.len() < rows_for(bodies) {
@@ -134,18 +134,18 @@ impl<'t, N> Memories<'t, N> {
         boxes.fill(Aabb16::EMPTY);
         rows.fill(0);
         Ok(Self {
-            slots: LentOrOwned::Lent(slots),
-            boxes: LentOrOwned::Lent(boxes),
-            rows: LentOrOwned::Lent(rows),
+            slots: BorrowedOrOwned::Borrowed(slots),
+            boxes: BorrowedOrOwned::Borrowed(boxes),
+            rows: BorrowedOrOwned::Borrowed(rows),
         })
     }
 
     #[cfg(feature = "alloc")]
     pub(super) const fn owned() -> Self {
         Self {
-            slots: LentOrOwned::Owned(Vec::new()),
-            boxes: LentOrOwned::Owned(Vec::new()),
-            rows: LentOrOwned::Owned(Vec::new()),
+            slots: BorrowedOrOwned::Owned(Vec::new()),
+            boxes: BorrowedOrOwned::Owned(Vec::new()),
+            rows: BorrowedOrOwned::Owned(Vec::new()),
         }
     }
 
@@ -191,7 +191,7 @@ impl<'t, N> Memories<'t, N> {
 
     #[cfg(feature = "alloc")]
     fn grow(&mut self) -> Option<usize> {
-        let (LentOrOwned::Owned(slots), LentOrOwned::Owned(boxes), LentOrOwned::Owned(rows)) =
+        let (BorrowedOrOwned::Owned(slots), BorrowedOrOwned::Owned(boxes), BorrowedOrOwned::Owned(rows)) =
             (&mut self.slots, &mut self.boxes, &mut self.rows)
         else {
             return None;

@@ -56,7 +56,7 @@ impl<'t, N> Scene<'t, N> {
     /// # Errors
     /// [`SceneError::Memory`] if there are too few boxes or rows for the slots.
     pub fn in_memory(memory: SceneMemory<'t, N>) -> Result<Self, SceneError> {
-        Ok(Self { memory: Memories::lent(memory)? })
+        Ok(Self { memory: Memories::borrowed(memory)? })
     }
 
     /// The number of bodies that fit without growing.

@@ -1,9 +1,9 @@
-//! All tests of queries in one program, so that the queries of ten node types and each instruction set are
-//! compiled once, and not once for each file. A file's tests have the name of its module:
+//! All tests of queries in one program, so that the queries of each node type and instruction set are compiled
+//! once, and not once for each file. A file's tests have the name of its module:
 //! `cargo test --release --test queries distance::`.
 //!
-//! Compiling ten node types takes most of the time. The tests run on three of them: the default one, one of half floats,
-//! and one of arity 4. `RUSTFLAGS="--cfg simdop_all_nodes"` adds the others: `.ci/sweep nodes`.
+//! Compiling them takes most of the time. So the tests run on three node types: the default one, one of half
+//! floats, and one of arity 4. `RUSTFLAGS="--cfg simdop_all_nodes"` adds the others: `.ci/sweep nodes`.
 
 extern crate alloc;
 

@@ -102,7 +102,11 @@ compiled_for_avx2! {
 
 compiled_for_avx2! {
     #[inline]
-    pub(super) fn overlap_16v1<const K: usize, S: Storage>(query: &Turned<16, K>, node: &Node16<K, S>, lane: usize) -> u16 {
+    pub(super) fn overlap_16v1<const K: usize, S: Storage>(
+        query: &Turned<16, K>,
+        node: &Node16<K, S>,
+        lane: usize,
+    ) -> u16 {
         let lane = lane & 15;
         let mut separated = _mm256_setzero_si256();
         for (bodies, planes) in query.iter().zip(&node.planes) {
@@ -269,7 +273,11 @@ compiled_for_avx2! {
 
 compiled_for_avx2! {
     #[inline]
-    pub(super) fn realign_16<const K: usize, S: Storage>(map: &Realignment<K, S>, node: &Node16<K, S>, query: &mut Turned<16, K>) {
+    pub(super) fn realign_16<const K: usize, S: Storage>(
+        map: &Realignment<K, S>,
+        node: &Node16<K, S>,
+        query: &mut Turned<16, K>,
+    ) {
         // Not zeroed: that would be a kilobyte of stores.
         let mut planes = [const { MaybeUninit::<[__m256; 2]>::uninit() }; K];
         for (decoded, codes) in planes.iter_mut().zip(&node.planes) {
@@ -297,7 +305,11 @@ compiled_for_avx2! {
 
 compiled_for_avx2! {
     #[inline]
-    pub(super) fn realign_4<const K: usize, S: Storage>(map: &Realignment<K, S>, node: &Node4<K, S>, query: &mut Turned<4, K>) {
+    pub(super) fn realign_4<const K: usize, S: Storage>(
+        map: &Realignment<K, S>,
+        node: &Node4<K, S>,
+        query: &mut Turned<4, K>,
+    ) {
         let mut planes = [_mm256_setzero_ps(); K];
         for (decoded, codes) in planes.iter_mut().zip(&node.planes) {
             *decoded = decode_4::<S>(load_4(codes));

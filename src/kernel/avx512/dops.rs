@@ -100,7 +100,11 @@ compiled_for_avx512! {
 
 compiled_for_avx512! {
     #[inline]
-    pub(super) fn realign_16<const K: usize, S: Storage>(map: &Realignment<K, S>, node: &Node16<K, S>, query: &mut Turned<16, K>) {
+    pub(super) fn realign_16<const K: usize, S: Storage>(
+        map: &Realignment<K, S>,
+        node: &Node16<K, S>,
+        query: &mut Turned<16, K>,
+    ) {
         // Not zeroed: that would be a kilobyte of stores.
         let mut planes = [const { MaybeUninit::<__m512>::uninit() }; K];
         for (decoded, codes) in planes.iter_mut().zip(&node.planes) {

@@ -90,7 +90,11 @@ compiled_for_neon! {
 
 compiled_for_neon! {
     #[inline]
-    pub(super) fn overlap_16v1<const K: usize, S: Storage>(query: &Turned<16, K>, node: &Node16<K, S>, lane: usize) -> u16 {
+    pub(super) fn overlap_16v1<const K: usize, S: Storage>(
+        query: &Turned<16, K>,
+        node: &Node16<K, S>,
+        lane: usize,
+    ) -> u16 {
         let lane = lane & 15;
         let mut separated = [vdupq_n_u16(0); 2];
         for (query, planes) in query.iter().zip(&node.planes) {

@@ -7,7 +7,8 @@ use super::sides::{Signs, Triangle, UNIT_ROUNDOFF, sign};
 use crate::exact::determinant;
 use crate::range::Point;
 
-/// Relative error bound of a 2 by 2 determinant of differences: `ccwerrboundA` of the paper cited at [`DETERMINANT_ERROR`](super::sides::DETERMINANT_ERROR).
+/// Relative error bound of a 2 by 2 determinant of differences: `ccwerrboundA` of the paper cited at
+/// [`DETERMINANT_ERROR`](super::sides::DETERMINANT_ERROR).
 const AREA_ERROR: f64 = (3.0 + 16.0 * UNIT_ROUNDOFF) * UNIT_ROUNDOFF;
 
 const EDGES: [(usize, usize); 3] = [(0, 1), (1, 2), (2, 0)];
