@@ -17,140 +17,19 @@
 //! below the complement of infinity, so that even a query that is unbounded in every direction is separated from it.
 //! Its complement 32767 is in the queries of unused lanes, and is separated from everything.
 
+mod fixed;
 mod half;
+mod storage;
 
+pub use fixed::Fixed;
 pub use half::Half;
 #[cfg(all(miri, simdop_x86))]
 pub(crate) use half::half_code;
+pub(crate) use storage::EMPTY;
+pub use storage::{Storage, StorageKind};
 
 use core::fmt;
-use core::hash::Hash;
 use core::marker::PhantomData;
-
-/// How a plane is stored in 16 bits. Implemented by [`Fixed`] and [`Half`] only.
-pub trait Storage: Copy + Ord + Hash + Default + fmt::Debug + Send + Sync + sealed::Sealed + 'static {
-    /// The storage in the header of a tree.
-    const CODE: u16;
-    /// The storage as a value.
-    const KIND: StorageKind;
-    /// Whether codes are half floats, for kernels that convert a register at a time.
-    const IS_HALF: bool;
-    /// What a plane's value is above its [number](Storage::number), in steps. Sums of planes add it once.
-    const OFFSET: f32;
-    /// The code of a plane that is unbounded.
-    const INFINITY: i16;
-    /// The code of the greatest plane of a body. The lowest is its complement.
-    const GREATEST: i16;
-
-    /// The number of a code, which kernels multiply by weights. Exact.
-    fn number(code: i16) -> f32;
-
-    /// The value of a code, in steps. Exact.
-    #[inline(always)]
-    #[must_use]
-    fn value(code: i16) -> f32 {
-        Self::number(code) + Self::OFFSET
-    }
-
-    /// The code that kernels round a rotated plane to: a bound not below x, at most one code above the least.
-    /// [`Storage::INFINITY`] for NaN and where x is above all planes, the lowest plane where it is below.
-    fn around(x: f32) -> i16;
-
-    /// The least code that bounds x. At the ends as [`Storage::around`].
-    fn round_up(x: f64) -> i16;
-
-    /// Whether a code can be a plane of a body.
-    fn is_plane(code: i16) -> bool;
-}
-
-/// A [`Storage`] that is chosen at run time.
-#[derive(Copy, Clone, PartialEq, Eq, PartialOrd, Ord, Hash, Default, Debug)]
-pub enum StorageKind {
-    /// [`Fixed`].
-    #[default]
-    Fixed,
-    /// [`Half`].
-    Half,
-}
-
-impl StorageKind {
-    /// The storage with this code in the header of a tree, if there is one.
-    #[must_use]
-    pub const fn from_code(code: u16) -> Option<Self> {
-        match code {
-            Fixed::CODE => Some(Self::Fixed),
-            Half::CODE => Some(Self::Half),
-            _ => None,
-        }
-    }
-}
-
-impl fmt::Display for StorageKind {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(match self {
-            Self::Fixed => "fixed point",
-            Self::Half => "half floats",
-        })
-    }
-}
-
-/// The code of every plane of an unused lane, in every storage.
-pub(crate) const EMPTY: i16 = i16::MIN;
-
-mod sealed {
-    pub trait Sealed {}
-    impl Sealed for super::Fixed {}
-    impl Sealed for super::Half {}
-}
-
-/// Planes are 16-bit fixed point: code c is `c + 1/2` steps of the frame.
-///
-/// Rotated planes are rounded to the nearest code, which is never below them: the value is half a step above the code.
-#[derive(Copy, Clone, PartialEq, Eq, PartialOrd, Ord, Hash, Default, Debug)]
-pub struct Fixed;
-
-impl Storage for Fixed {
-    const CODE: u16 = 0;
-    const KIND: StorageKind = StorageKind::Fixed;
-    const IS_HALF: bool = false;
-    const OFFSET: f32 = 0.5;
-    const INFINITY: i16 = i16::MAX - 1;
-    const GREATEST: i16 = i16::MAX - 2;
-
-    #[inline(always)]
-    fn number(code: i16) -> f32 {
-        f32::from(code)
-    }
-
-    /// The nearest code, ties to even, since there are instructions for it.
-    #[inline(always)]
-    fn around(x: f32) -> i16 {
-        // 1.5 * 2^23: its ulp is 1, so the sum is rounded to an integer, with the code in its low bits.
-        const ROUNDING: f32 = 12_582_912.0;
-        let x = if x < f32::from(Self::INFINITY) { x } else { f32::from(Self::INFINITY) };
-        let x = if x > f32::from(!Self::GREATEST) { x } else { f32::from(!Self::GREATEST) };
-        (x + ROUNDING).to_bits() as i16
-    }
-
-    fn round_up(x: f64) -> i16 {
-        const MOST: f64 = Fixed::GREATEST as f64 + 0.5;
-        if x.is_nan() || x > MOST {
-            return Self::INFINITY;
-        }
-        if x < -MOST {
-            return !Self::GREATEST;
-        }
-        // A cast truncates towards zero. All numbers here are exact.
-        let cut = x as i32;
-        let below = cut - i32::from(f64::from(cut) > x);
-        (below + i32::from(x > f64::from(below) + 0.5)) as i16
-    }
-
-    #[inline]
-    fn is_plane(code: i16) -> bool {
-        (!Self::GREATEST..=Self::GREATEST).contains(&code)
-    }
-}
 
 /// The upper bound of a slab, in a storage. See the [module](crate::low_level::key) for the encoding.
 #[derive(Copy, Clone, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]

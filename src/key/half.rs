@@ -1,6 +1,6 @@
 //! Half-float storage: IEEE 754 binary16, as its ordered code.
 
-use super::{Storage, StorageKind};
+use super::storage::{Storage, StorageKind, sealed};
 
 /// Planes are half floats, rounded up. The code of the bits h is h where the sign bit is clear, and `!(h & 0x7fff)`
 /// where it is set, so that codes order as values do.
@@ -17,6 +17,8 @@ pub(crate) const fn half_code(bits: i16) -> i16 {
 
 /// Infinity of binary16.
 const INFINITE: i16 = 0x7c00;
+
+impl sealed::Sealed for Half {}
 
 impl Storage for Half {
     const CODE: u16 = 1;

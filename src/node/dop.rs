@@ -50,7 +50,7 @@ pub trait Alignment: sealed::Sealed {
 #[doc(hidden)]
 #[derive(Copy, Clone, PartialEq, Debug)]
 #[repr(align(64))]
-pub struct CacheLine;
+pub struct LineAlignment;
 
 /// A register of the narrowest instruction set.
 #[doc(hidden)]
@@ -62,7 +62,7 @@ impl sealed::Sealed for Arity<16> {}
 impl sealed::Sealed for Arity<4> {}
 
 impl Alignment for Arity<16> {
-    type Unit = CacheLine;
+    type Unit = LineAlignment;
 }
 
 impl Alignment for Arity<4> {

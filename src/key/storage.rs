@@ -1,0 +1,78 @@
+//! What the two storages of planes have in common.
+
+use core::fmt;
+use core::hash::Hash;
+
+/// How a plane is stored in 16 bits. Implemented by [`Fixed`](super::Fixed) and [`Half`](super::Half) only.
+pub trait Storage: Copy + Ord + Hash + Default + fmt::Debug + Send + Sync + sealed::Sealed + 'static {
+    /// The storage in the header of a tree.
+    const CODE: u16;
+    /// The storage as a value.
+    const KIND: StorageKind;
+    /// Whether codes are half floats, for kernels that convert a register at a time.
+    const IS_HALF: bool;
+    /// What a plane's value is above its [number](Storage::number), in steps. Sums of planes add it once.
+    const OFFSET: f32;
+    /// The code of a plane that is unbounded.
+    const INFINITY: i16;
+    /// The code of the greatest plane of a body. The lowest is its complement.
+    const GREATEST: i16;
+
+    /// The number of a code, which kernels multiply by weights. Exact.
+    fn number(code: i16) -> f32;
+
+    /// The value of a code, in steps. Exact.
+    #[inline(always)]
+    #[must_use]
+    fn value(code: i16) -> f32 {
+        Self::number(code) + Self::OFFSET
+    }
+
+    /// The code that kernels round a rotated plane to: a bound not below x, at most one code above the least.
+    /// [`Storage::INFINITY`] for NaN and where x is above all planes, the lowest plane where it is below.
+    fn around(x: f32) -> i16;
+
+    /// The least code that bounds x. At the ends as [`Storage::around`].
+    fn round_up(x: f64) -> i16;
+
+    /// Whether a code can be a plane of a body.
+    fn is_plane(code: i16) -> bool;
+}
+
+/// A [`Storage`] that is chosen at run time.
+#[derive(Copy, Clone, PartialEq, Eq, PartialOrd, Ord, Hash, Default, Debug)]
+pub enum StorageKind {
+    /// [`Fixed`](super::Fixed).
+    #[default]
+    Fixed,
+    /// [`Half`](super::Half).
+    Half,
+}
+
+impl StorageKind {
+    /// The storage with this code in the header of a tree, if there is one.
+    #[must_use]
+    pub const fn from_code(code: u16) -> Option<Self> {
+        match code {
+            0 => Some(Self::Fixed),
+            1 => Some(Self::Half),
+            _ => None,
+        }
+    }
+}
+
+impl fmt::Display for StorageKind {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Fixed => "fixed point",
+            Self::Half => "half floats",
+        })
+    }
+}
+
+/// The code of every plane of an unused lane, in every storage.
+pub(crate) const EMPTY: i16 = i16::MIN;
+
+pub(super) mod sealed {
+    pub trait Sealed {}
+}
