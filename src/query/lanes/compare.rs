@@ -57,12 +57,23 @@ pub trait Compare: Dop {
 }
 
 #[inline(always)]
-fn enclose<const V: usize, const W: usize, const K: usize>(turned: &Turned<V, K>, aimed: &mut Turned<W, K>) {
-    let is_used = turned[0].map(|code| code != SEPARATED);
+fn enclose<const V: usize, const W: usize, const K: usize, S: Storage>(
+    turned: &Turned<V, K>,
+    aimed: &mut Turned<W, K>,
+) {
+    // In fixed point the planes of unused lanes are below all others, and so are sums of them by the same weights. Their
+    // half floats are NaN, which makes rotated planes unbounded.
+    let mut floor = [i16::MIN; V];
+    if S::IS_HALF {
+        for (floor, code) in floor.iter_mut().zip(&turned[0]) {
+            *floor = if *code == SEPARATED { SEPARATED } else { i16::MIN };
+        }
+    }
     for (planes, aimed) in turned.iter().zip(aimed) {
         let mut least = SEPARATED;
-        for (&code, is_used) in planes.iter().zip(is_used) {
-            least = if is_used && code < least { code } else { least };
+        for (&code, &floor) in planes.iter().zip(&floor) {
+            let code = if S::IS_HALF && code < floor { floor } else { code };
+            least = if code < least { code } else { least };
         }
         aimed[0] = least;
     }
@@ -84,7 +95,7 @@ where
 
     #[inline(always)]
     fn enclose(turned: &Self::Turned, aimed: &mut Self::Aimed) {
-        enclose(turned, aimed);
+        enclose::<_, _, K, S>(turned, aimed);
     }
 
     #[inline(always)]
@@ -155,7 +166,7 @@ where
 
     #[inline(always)]
     fn enclose(turned: &Self::Turned, aimed: &mut Self::Aimed) {
-        enclose(turned, aimed);
+        enclose::<_, _, K, S>(turned, aimed);
     }
 
     #[inline(always)]
