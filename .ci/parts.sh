@@ -29,6 +29,8 @@ CONSUMERS=tests/no_std_consumer
 # Packages and features of the README's test command, once `host_selection` has read it. All that is built for this
 # machine's release profile is built with them, so that nothing is built twice.
 HOST=()
+# The same with the feature that tests and benches of devices need.
+WITH_GPU=()
 
 # A caller's flags would change what is tested.
 clear_flags() {
@@ -93,6 +95,8 @@ host_selection() {
   [ "${words[*]:0:3}" = "cargo test --release" ] ||
     die "the README's test command does not begin with cargo test --release"
   HOST=("${words[@]:3}")
+  # wgpu takes longer to build than all else, and most users have no use for it.
+  WITH_GPU=("${HOST[@]}" --features simdop/gpu)
 }
 
 # The instruction sets of this CPU that tests must run on, with commas.
@@ -114,7 +118,7 @@ miri_kernels() {
 # short_bench NAME: a benchmark in its short form.
 short_bench() {
   step "$1, short"
-  timeout 60 cargo bench --quiet --locked "${HOST[@]}" --bench "$1" -- --test
+  timeout 60 cargo bench --quiet --locked "${WITH_GPU[@]}" --bench "$1" -- --test
   evidence "bench $1, short"
 }
 
