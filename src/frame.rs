@@ -6,7 +6,9 @@
 use crate::directions::{SUPPORTED, table};
 use crate::exact::wide::{Wide, unit_of};
 use crate::exact::{Expansion, power_of_two, terms_of_multiple};
-use crate::key::{Fixed, Key, Storage};
+#[cfg(feature = "alloc")]
+use crate::key::Fixed;
+use crate::key::{Key, Storage};
 use crate::range::Point;
 
 /// Maps a body's coordinates to its hierarchy's: translates, then scales by a power of two.
