@@ -199,7 +199,8 @@ compiled_for_neon! {
         let magnitude = vandq_s32(bits, vdupq_n_s32(0x7fff_ffff));
         let exponent = vandq_s32(magnitude, vdupq_n_s32(0x7f80_0000));
         let exponent = vmaxq_s32(exponent, vdupq_n_s32(113 << 23));
-        let inverse = vsubq_s32(vdupq_n_s32((254 << 23) + (10 << 23)), exponent);
+        let place = vsubq_s32(exponent, vdupq_n_s32(10 << 23));
+        let inverse = vsubq_s32(vdupq_n_s32(254 << 23), place);
         let places = vmulq_f32(vreinterpretq_f32_s32(magnitude), vreinterpretq_f32_s32(inverse));
         let cut = vcvtq_s32_f32(places);
         // All bits where places were cut off: less -1 is 1 more. Not of negative numbers.
