@@ -36,9 +36,9 @@ pub mod scalar;
 #[cfg(simdop_x86)]
 mod x86;
 
-use crate::key::Storage;
 #[cfg(doc)]
-use crate::key::{Key, Storage};
+use crate::key::Key;
+use crate::key::Storage;
 use crate::node::{Aabb16, Ball16, BoundingBall, Box3, Bucket, Node4, Node16};
 use crate::primitive::triangle::{Probe, Triangle};
 use crate::realign::{PrimitiveSlab, Realignment};
