@@ -124,6 +124,10 @@ mod tests {
     }
 
     fn check(x: f32) {
+        // Arithmetic never gives a signalling NaN, which AArch64's minimum instructions treat differently.
+        if x.is_nan() && x.to_bits() & 1 << 22 == 0 {
+            return;
+        }
         let found = value(Half::around(x));
         let want = match x {
             _ if x.is_nan() || x > 65504.0 => f16::INFINITY,
