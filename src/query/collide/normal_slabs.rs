@@ -64,7 +64,7 @@ impl<'t> NormalSlabs<'t> {
                 // No longer tested if it rarely separates.
                 && !(self.tested >= TRIAL && self.apart * SHARE < self.tested)
             {
-                let test = *self.test.get_or_insert_with(|| {
+                let test = self.test.get_or_insert_with(|| {
                     let (pose, extent_a, extent_b) = (placing.pose, a.extent(), b.extent());
                     // Of the query's A and B.
                     let (of_a, of_b, shrinkage) = if is_a_turned {
@@ -75,7 +75,9 @@ impl<'t> NormalSlabs<'t> {
                     NormalTest::new(pose, &of_a, &of_b, margin.value() + shrinkage)
                 });
                 let nodes = (&a.nodes()[node_a as usize], &b.nodes()[node_b as usize]);
-                self.clear_apart(kernel, &test, is_a_turned, nodes, (slabs_a, slabs_b), top);
+                let (tested, apart) = clear_apart(kernel, test, is_a_turned, nodes, (slabs_a, slabs_b), top);
+                self.tested += tested;
+                self.apart += apart;
             }
             if top.rows.pending != 0 {
                 return;
@@ -83,53 +85,53 @@ impl<'t> NormalSlabs<'t> {
             stack.pop();
         }
     }
+}
 
-    // Not inlined: compiled once for each node type and instruction set.
-    #[inline(never)]
-    fn clear_apart<N: Lanes, E: Kernel>(
-        &mut self,
-        kernel: E,
-        test: &NormalTest<'_>,
-        is_a_turned: bool,
-        (node_a, node_b): (&N, &N),
-        (slabs_a, slabs_b): (&[NormalSlab], &[NormalSlab]),
-        Visited { rows, .. }: &mut Visited,
-    ) {
-        let (mut tested, mut found) = (0, 0);
-        kernel.run(
-            #[inline(always)]
-            || {
-                let mut pairs = bits_of(rows.pending as u16)
-                    .flat_map(|row| bits_of(rows.rows[row]).map(move |bit| (row, bit)));
-                let mut left = *rows;
-                loop {
-                    let none = NormalSlab::EVERYWHERE;
-                    let mut of_a = [NormalChild { node: node_a, lane: 0, slab: none }; AT_ONCE];
-                    let mut of_b = [NormalChild { node: node_b, lane: 0, slab: none }; AT_ONCE];
-                    let mut count = 0;
-                    while count < AT_ONCE {
-                        let Some((row, bit)) = pairs.next() else { break };
-                        (of_a[count].lane, of_a[count].slab) = (row, slabs_a[row]);
-                        (of_b[count].lane, of_b[count].slab) = (bit, slabs_b[bit]);
-                        count += 1;
-                    }
-                    if count == 0 {
-                        break;
-                    }
-                    let (first, second) = if is_a_turned { (&of_a, &of_b) } else { (&of_b, &of_a) };
-                    let apart = test.apart(first, second) & ((1 << count) - 1);
-                    for j in bits_of(apart) {
-                        let row = of_a[j].lane;
-                        left.set(row, left.rows[row & 15] & !(1 << of_b[j].lane));
-                    }
-                    tested += count as u32;
-                    found += apart.count_ones();
+/// Clears the bits of pairs that are apart. Returns how many were tested, and how many of them are apart.
+// Not inlined: compiled once for each node type and instruction set.
+#[cfg_attr(simdop_small, inline(always))]
+#[cfg_attr(not(simdop_small), inline(never))]
+fn clear_apart<N: Lanes, E: Kernel>(
+    kernel: E,
+    test: &NormalTest<'_>,
+    is_a_turned: bool,
+    (node_a, node_b): (&N, &N),
+    (slabs_a, slabs_b): (&[NormalSlab], &[NormalSlab]),
+    Visited { rows, .. }: &mut Visited,
+) -> (u32, u32) {
+    let (mut tested, mut found) = (0, 0);
+    kernel.run(
+        #[inline(always)]
+        || {
+            let mut pairs = bits_of(rows.pending as u16)
+                .flat_map(|row| bits_of(rows.rows[row]).map(move |bit| (row, bit)));
+            let mut left = *rows;
+            loop {
+                let none = NormalSlab::EVERYWHERE;
+                let mut of_a = [NormalChild { node: node_a, lane: 0, slab: none }; AT_ONCE];
+                let mut of_b = [NormalChild { node: node_b, lane: 0, slab: none }; AT_ONCE];
+                let mut count = 0;
+                while count < AT_ONCE {
+                    let Some((row, bit)) = pairs.next() else { break };
+                    (of_a[count].lane, of_a[count].slab) = (row, slabs_a[row]);
+                    (of_b[count].lane, of_b[count].slab) = (bit, slabs_b[bit]);
+                    count += 1;
                 }
-                drop(pairs);
-                *rows = left;
-            },
-        );
-        self.tested += tested;
-        self.apart += found;
-    }
+                if count == 0 {
+                    break;
+                }
+                let (first, second) = if is_a_turned { (&of_a, &of_b) } else { (&of_b, &of_a) };
+                let apart = test.apart(first, second) & ((1 << count) - 1);
+                for j in bits_of(apart) {
+                    let row = of_a[j].lane;
+                    left.set(row, left.rows[row & 15] & !(1 << of_b[j].lane));
+                }
+                tested += count as u32;
+                found += apart.count_ones();
+            }
+            drop(pairs);
+            *rows = left;
+        },
+    );
+    (tested, found)
 }

@@ -4,10 +4,12 @@ use super::bodies::Bodies;
 use super::flow::{Stop, Visitor};
 use super::traverse::{Limits, Traversal};
 use crate::exact::power_of_two;
+use crate::frame::{BodyBounds, Frame};
 use crate::hierarchy::{BvhRef, Header};
 use crate::isa::on_isa;
 use crate::kernel::Kernel;
 use crate::pose::Pose;
+use crate::primitive::Primitive;
 use crate::query::entry::{Found, PrimitivePair, Query, QueryStats};
 use crate::query::lanes::Lanes;
 use crate::query::setup::{Margin, Placing, Side};
@@ -80,17 +82,25 @@ impl Query {
             #[inline(always)]
             || {
                 let mut map = N::UNMAPPED;
-                let (extent, frame) = (a.extent(), b.frame());
-                N::map(&mut map, placing.to_b, &extent, &frame);
-                let outwards = placing.outwards + shrinkage::<P>(placing.to_b, &extent);
-                if outwards > 0.0 {
-                    N::widen(&mut map, &frame, outwards);
-                }
+                set_up::<N, P>(&mut map, placing, &a.extent(), &b.frame());
                 let bodies = Bodies::new((a, b), placing, &map);
                 let limits = Limits { budget: self.budget(), margin };
                 Traversal::new(kernel.narrow(), bodies, limits, stats, visit).run().break_value()
             },
         )
+    }
+}
+
+/// How volumes of body a are rotated into the frame of b.
+// Inlined, so that it is compiled for the query's instruction set. Not on small machines, where it would take stack of the
+// whole traversal.
+#[cfg_attr(simdop_small, inline(never))]
+#[cfg_attr(not(simdop_small), inline(always))]
+fn set_up<N: Lanes, P: Primitive>(map: &mut N::Map, placing: &Placing<'_>, a: &BodyBounds, b: &Frame) {
+    N::map(map, placing.to_b, a, b);
+    let outwards = placing.outwards + shrinkage::<P>(placing.to_b, a);
+    if outwards > 0.0 {
+        N::widen(map, b, outwards);
     }
 }
 
