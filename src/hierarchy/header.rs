@@ -1,7 +1,7 @@
 //! The header of a baked tree.
 
 use crate::frame::{BodyBounds, Frame};
-use crate::key::{Fixed, Half, Storage};
+use crate::key::StorageKind;
 use crate::node::Child;
 #[cfg(doc)]
 use crate::node::Width;
@@ -171,10 +171,9 @@ impl fmt::Display for FormatError {
             Self::Version { found } => write!(f, "layout version {found}, this library reads {VERSION}"),
             Self::OtherPrimitive { kind } => write!(f, "the tree has primitives of another kind, {kind}"),
             Self::OtherNode { k, arity } => write!(f, "the tree has k = {k} and arity {arity}"),
-            Self::OtherStorage { storage } => match *storage {
-                Fixed::CODE => f.write_str("the tree's planes are fixed point"),
-                Half::CODE => f.write_str("the tree's planes are half floats"),
-                other => write!(f, "the tree's planes are in an unknown storage, {other}"),
+            Self::OtherStorage { storage } => match StorageKind::from_code(*storage) {
+                Some(kind) => write!(f, "the tree's planes are {kind}"),
+                None => write!(f, "the tree's planes are in an unknown storage, {storage}"),
             },
             Self::Truncated { have, need } => write!(f, "the tree ends early: {have} bytes of {need}"),
             Self::TooLong { have, need } => write!(f, "{have} bytes, of which the tree is the first {need}"),

@@ -11,9 +11,7 @@ pub struct Fixed;
 impl sealed::Sealed for Fixed {}
 
 impl Storage for Fixed {
-    const CODE: u16 = 0;
     const KIND: StorageKind = StorageKind::Fixed;
-    const IS_HALF: bool = false;
     const OFFSET: f32 = 0.5;
     const INFINITY: i16 = i16::MAX - 1;
     const GREATEST: i16 = i16::MAX - 2;

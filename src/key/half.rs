@@ -21,9 +21,7 @@ const INFINITE: i16 = 0x7c00;
 impl sealed::Sealed for Half {}
 
 impl Storage for Half {
-    const CODE: u16 = 1;
     const KIND: StorageKind = StorageKind::Half;
-    const IS_HALF: bool = true;
     const OFFSET: f32 = 0.0;
     const INFINITY: i16 = INFINITE;
     const GREATEST: i16 = INFINITE - 1;

@@ -6,11 +6,11 @@ use core::hash::Hash;
 /// How a plane is stored in 16 bits. Implemented by [`Fixed`](super::Fixed) and [`Half`](super::Half) only.
 pub trait Storage: Copy + Ord + Hash + Default + fmt::Debug + Send + Sync + sealed::Sealed + 'static {
     /// The storage in the header of a tree.
-    const CODE: u16;
+    const CODE: u16 = Self::KIND as u16;
     /// The storage as a value.
     const KIND: StorageKind;
     /// Whether codes are half floats, for kernels that convert a register at a time.
-    const IS_HALF: bool;
+    const IS_HALF: bool = matches!(Self::KIND, StorageKind::Half);
     /// What a plane's value is above its [number](Storage::number), in steps. Sums of planes add it once.
     const OFFSET: f32;
     /// The code of a plane that is unbounded.
@@ -39,23 +39,25 @@ pub trait Storage: Copy + Ord + Hash + Default + fmt::Debug + Send + Sync + seal
     fn is_plane(code: i16) -> bool;
 }
 
-/// A [`Storage`] that is chosen at run time.
+/// A [`Storage`] that is chosen at run time. The numbers are those in headers of trees.
 #[derive(Copy, Clone, PartialEq, Eq, PartialOrd, Ord, Hash, Default, Debug)]
 pub enum StorageKind {
     /// [`Fixed`](super::Fixed).
     #[default]
-    Fixed,
+    Fixed = 0,
     /// [`Half`](super::Half).
-    Half,
+    Half = 1,
 }
 
 impl StorageKind {
     /// The storage with this code in the header of a tree, if there is one.
     #[must_use]
     pub const fn from_code(code: u16) -> Option<Self> {
+        const FIXED: u16 = StorageKind::Fixed as u16;
+        const HALF: u16 = StorageKind::Half as u16;
         match code {
-            0 => Some(Self::Fixed),
-            1 => Some(Self::Half),
+            FIXED => Some(Self::Fixed),
+            HALF => Some(Self::Half),
             _ => None,
         }
     }
