@@ -12,6 +12,8 @@ mod data;
 mod meshes;
 #[path = "support/page.rs"]
 mod page;
+#[path = "support/pairs.rs"]
+mod pairs;
 #[path = "../tests/support/rng.rs"]
 mod rng;
 #[path = "../tests/support/shapes.rs"]
@@ -20,10 +22,12 @@ mod shapes;
 mod short;
 #[path = "support/suites.rs"]
 mod suites;
+#[path = "support/timing.rs"]
+mod timing;
 
-use data::{MeshData, directory};
-use meshes::SCENES;
+use data::MeshData;
 use page::show;
+use pairs::{lines, pairs, spread};
 use short::count;
 use simdop::construct::{Builder, Mesh};
 use simdop::isa::Isa;
@@ -32,10 +36,9 @@ use simdop::node::{Dop, Node, Node16};
 use simdop::pose::Pose;
 use simdop::query::{Lanes, Query};
 use std::hint::black_box;
-use std::time::Instant;
-use suites::{Approaching, DISTANCES, Method};
+use suites::{Approaching, DISTANCES};
+use timing::{cell, figures, timed};
 
-const LINES: usize = 200;
 const PASSES: usize = 9;
 
 fn main() {
@@ -49,20 +52,8 @@ fn main() {
     );
     show!("| A, B | k | planes | distance | {} | {} |", columns.join(" | "), ratios.join(" | "));
     show!("|---|--:|---|---|{}", "--:|".repeat(columns.len() + ratios.len()));
-    let torus = shapes::wavy_torus(count(20_000, 1000) as u32);
-    let mut pairs = vec![("torus", torus.clone(), torus)];
-    if let Some(data) = directory() {
-        pairs = SCENES
-            .iter()
-            .map(|scene| {
-                let mut meshes = scene.meshes(&data);
-                let b = meshes.pop().unwrap();
-                (scene.name, meshes.pop().unwrap_or_else(|| b.clone()), b)
-            })
-            .collect();
-    }
     let (mut fixed, mut half) = (Vec::new(), Vec::new());
-    for (name, a, b) in &pairs[..count(pairs.len(), 1)] {
+    for (name, a, b) in &pairs() {
         fixed.extend(rows::<Node16<18>>(&isas, name, a, b));
         half.extend(rows::<Node16<18, Half>>(&isas, name, a, b));
         if std::env::args().any(|arg| arg == "--all") {
@@ -80,15 +71,8 @@ fn main() {
 fn summary(ratios: &[String], storage: StorageKind, all: &[Vec<[f64; 3]>]) {
     for (i, ratio) in ratios.iter().enumerate() {
         for (j, what) in ["medians", "means", "p99"].into_iter().enumerate() {
-            let mut found: Vec<f64> = all.iter().map(|row| row[i + 1][j] / row[i][j]).collect();
-            let mean = (found.iter().map(|x| x.ln()).sum::<f64>() / found.len() as f64).exp();
-            found.sort_by(f64::total_cmp);
-            show!(
-                "* {storage}, {ratio}, {what}: {:.3} to {:.3}, in the middle {:.3}, geometric mean {mean:.3}",
-                found[0],
-                found[found.len() - 1],
-                found[found.len() / 2]
-            );
+            let found = all.iter().map(|row| row[i + 1][j] / row[i][j]).collect();
+            show!("* {storage}, {ratio}, {what}: {}", spread(found));
         }
     }
 }
@@ -101,10 +85,7 @@ fn rows<N: Dop + Lanes>(isas: &[Isa], name: &str, a: &MeshData, b: &MeshData) ->
     };
     let ((tree_a, rough_a), (tree_b, rough_b)) = (mesh(a), mesh(b));
     let pair = Approaching { a, b, tree_a: rough_a.view(), tree_b: rough_b.view() };
-    let lines: Vec<_> = Method::ALL
-        .into_iter()
-        .flat_map(|method| pair.poses(&DISTANCES, method, count(LINES, 8) / 2, 1))
-        .collect();
+    let lines = lines(&pair);
     let queries: Vec<Query> = isas.iter().map(|&isa| Query::new(isa)).collect();
     let mut found = Vec::new();
     for (i, (distance, _)) in DISTANCES.iter().enumerate() {
@@ -122,16 +103,8 @@ fn rows<N: Dop + Lanes>(isas: &[Isa], name: &str, a: &MeshData, b: &MeshData) ->
                 }
             }
         }
-        let figures: Vec<[f64; 3]> = times
-            .iter_mut()
-            .map(|times| {
-                times.sort_by(f64::total_cmp);
-                let mean = times.iter().sum::<f64>() / times.len() as f64;
-                [times[times.len() / 2], mean, times[times.len() * 99 / 100]]
-            })
-            .collect();
-        let cells: Vec<String> =
-            figures.iter().map(|[median, mean, p99]| format!("{median:.3} / {mean:.3} / {p99:.2}")).collect();
+        let figures: Vec<[f64; 3]> = times.iter_mut().map(|times| figures(times)).collect();
+        let cells: Vec<String> = figures.iter().map(cell).collect();
         let ratios: Vec<String> = figures
             .windows(2)
             .map(|two| format!("{:.2}, {:.2}", two[1][0] / two[0][0], two[1][1] / two[0][1]))
@@ -146,17 +119,4 @@ fn rows<N: Dop + Lanes>(isas: &[Isa], name: &str, a: &MeshData, b: &MeshData) ->
         found.push(figures);
     }
     found
-}
-
-/// Microseconds per call, averaged over enough calls to be measurable.
-fn timed(ask: impl Fn() -> bool) -> f64 {
-    let once = |calls: u32| {
-        let start = Instant::now();
-        for _ in 0..calls {
-            black_box(ask());
-        }
-        start.elapsed().as_secs_f64() * 1e6 / f64::from(calls)
-    };
-    let first = once(1);
-    once(((8.0 / first) as u32).clamp(1, 200))
 }

@@ -19,6 +19,8 @@ mod shapes;
 mod short;
 #[path = "support/suites.rs"]
 mod suites;
+#[path = "support/timing.rs"]
+mod timing;
 
 use data::{MeshData, directory};
 use glam::{DAffine3, DMat3, DVec3};
@@ -31,8 +33,8 @@ use simdop::node::Node16;
 use simdop::pose::Pose;
 use simdop::query::Query;
 use std::hint::black_box;
-use std::time::Instant;
 use suites::{Approaching, DISTANCES, Method, Rows};
+use timing::{cell, figures, timed};
 
 const LINES: usize = 200;
 const PASSES: usize = 7;
@@ -122,29 +124,11 @@ fn row([name_a, name_b, distance]: [&str; 3], a: &Tree<'_>, b: &Tree<'_>, poses:
             times[1][i] = times[1][i].min(exchanged);
         }
     }
-    let means = times.each_ref().map(|all| all.iter().sum::<f64>() / all.len() as f64);
-    let cell = |times: &mut Vec<f64>, mean: f64| {
-        times.sort_by(f64::total_cmp);
-        format!("{:.3} / {mean:.3} / {:.2}", times[times.len() / 2], times[times.len() * 99 / 100])
-    };
-    let [mut given, mut exchanged] = times;
+    let [given, exchanged] = times.map(|mut times| figures(&mut times));
     show!(
         "| {name_a} | {name_b} | {distance} | {} | {} | {:.2} |",
-        cell(&mut given, means[0]),
-        cell(&mut exchanged, means[1]),
-        means[1] / means[0]
+        cell(&given),
+        cell(&exchanged),
+        exchanged[1] / given[1]
     );
-}
-
-/// Microseconds per call, averaged over enough calls to be measurable.
-fn timed(ask: impl Fn() -> bool) -> f64 {
-    let once = |calls: u32| {
-        let start = Instant::now();
-        for _ in 0..calls {
-            black_box(ask());
-        }
-        start.elapsed().as_secs_f64() * 1e6 / f64::from(calls)
-    };
-    let first = once(1);
-    once(((8.0 / first) as u32).clamp(1, 200))
 }

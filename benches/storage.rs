@@ -11,6 +11,8 @@ mod data;
 mod meshes;
 #[path = "support/page.rs"]
 mod page;
+#[path = "support/pairs.rs"]
+mod pairs;
 #[path = "../tests/support/rng.rs"]
 mod rng;
 #[path = "../tests/support/shapes.rs"]
@@ -19,10 +21,12 @@ mod shapes;
 mod short;
 #[path = "support/suites.rs"]
 mod suites;
+#[path = "support/timing.rs"]
+mod timing;
 
-use data::{MeshData, directory};
-use meshes::SCENES;
+use data::MeshData;
 use page::show;
+use pairs::{lines, pairs, spread};
 use short::count;
 use simdop::construct::{Builder, Mesh};
 use simdop::hierarchy::Bvh;
@@ -32,10 +36,9 @@ use simdop::node::Node16;
 use simdop::pose::Pose;
 use simdop::query::Query;
 use std::hint::black_box;
-use std::time::Instant;
-use suites::{Approaching, DISTANCES, Method};
+use suites::{Approaching, DISTANCES};
+use timing::{cell, figures, timed};
 
-const LINES: usize = 200;
 const PASSES: usize = 9;
 
 fn main() {
@@ -50,33 +53,14 @@ fn main() {
          triangle |"
     );
     show!("|---|---|--:|--:|--:|--:|--:|--:|--:|--:|");
-    let torus = shapes::wavy_torus(count(20_000, 1000) as u32);
-    let mut pairs = vec![("torus", torus.clone(), torus)];
-    if let Some(data) = directory() {
-        pairs = SCENES
-            .iter()
-            .map(|scene| {
-                let mut meshes = scene.meshes(&data);
-                let b = meshes.pop().unwrap();
-                (scene.name, meshes.pop().unwrap_or_else(|| b.clone()), b)
-            })
-            .collect();
-    }
     let mut ratios = Vec::new();
-    for (name, a, b) in &pairs[..count(pairs.len(), 1)] {
+    for (name, a, b) in &pairs() {
         ratios.extend(rows(name, a, b));
     }
     show!("");
     for (i, what) in ["medians", "means", "p99"].into_iter().enumerate() {
-        let mut found: Vec<f64> = ratios.iter().map(|row| row[i]).collect();
-        let mean = (found.iter().map(|x| x.ln()).sum::<f64>() / found.len() as f64).exp();
-        found.sort_by(f64::total_cmp);
-        show!(
-            "* half / fixed, {what}: {:.3} to {:.3}, in the middle {:.3}, geometric mean {mean:.3}",
-            found[0],
-            found[found.len() - 1],
-            found[found.len() / 2]
-        );
+        let found = ratios.iter().map(|row| row[i]).collect();
+        show!("* half / fixed, {what}: {}", spread(found));
     }
     page::write();
 }
@@ -127,10 +111,7 @@ fn rows(name: &str, a: &MeshData, b: &MeshData) -> Vec<[f64; 3]> {
     assert_eq!(fixed.bytes(), half.bytes(), "sizes of {name} differ");
     let bytes = fixed.bytes() as f64 / (a.triangles.len() + b.triangles.len()) as f64;
     let pair = Approaching { a, b, tree_a: fixed.a.view(), tree_b: fixed.b.view() };
-    let lines: Vec<_> = Method::ALL
-        .into_iter()
-        .flat_map(|method| pair.poses(&DISTANCES, method, count(LINES, 8) / 2, 1))
-        .collect();
+    let lines = lines(&pair);
     let query = Query::new(Isa::detect());
     let mut found = Vec::new();
     for (i, (distance, _)) in DISTANCES.iter().enumerate() {
@@ -152,13 +133,8 @@ fn rows(name: &str, a: &MeshData, b: &MeshData) -> Vec<[f64; 3]> {
                 }
             }
         }
-        let figures = times.map(|mut times| {
-            times.sort_by(f64::total_cmp);
-            let mean = times.iter().sum::<f64>() / times.len() as f64;
-            [times[times.len() / 2], mean, times[times.len() * 99 / 100]]
-        });
-        let cells =
-            figures.each_ref().map(|[median, mean, p99]| format!("{median:.3} / {mean:.3} / {p99:.2}"));
+        let figures = times.map(|mut times| figures(&mut times));
+        let cells = figures.each_ref().map(cell);
         let ratio: [f64; 3] = core::array::from_fn(|j| figures[1][j] / figures[0][j]);
         let [of_fixed, of_half] = [fixed.work(&query, &poses), half.work(&query, &poses)];
         show!(
@@ -175,17 +151,4 @@ fn rows(name: &str, a: &MeshData, b: &MeshData) -> Vec<[f64; 3]> {
         found.push(ratio);
     }
     found
-}
-
-/// Microseconds per call, averaged over enough calls to be measurable.
-fn timed(ask: impl Fn() -> bool) -> f64 {
-    let once = |calls: u32| {
-        let start = Instant::now();
-        for _ in 0..calls {
-            black_box(ask());
-        }
-        start.elapsed().as_secs_f64() * 1e6 / f64::from(calls)
-    };
-    let first = once(1);
-    once(((8.0 / first) as u32).clamp(1, 200))
 }
