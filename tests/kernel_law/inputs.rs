@@ -125,7 +125,7 @@ pub(crate) fn each_pair<A, B>(
 }
 
 pub(crate) const fn wide<const K: usize>(planes: Planes<16, K>) -> Node16<K> {
-    Node16::new(planes, [Child::EMPTY; 16])
+    wide_as(planes)
 }
 
 pub(crate) const fn wide_as<const K: usize, S: Storage>(planes: Planes<16, K>) -> Node16<K, S> {
@@ -137,7 +137,7 @@ pub(crate) const fn narrow_as<const K: usize, S: Storage>(planes: Planes<4, K>) 
 }
 
 pub(crate) const fn narrow<const K: usize>(planes: Planes<4, K>) -> Node4<K> {
-    Node4::new(planes, [Child::EMPTY; 4])
+    narrow_as(planes)
 }
 
 /// Any number, often a special or a small one.

@@ -12,7 +12,7 @@ use simdop::low_level::key::{Fixed, Half, Storage};
 use simdop::node::{Node4, Node16};
 use simdop::pose::Pose;
 use simdop::primitive::Triangles;
-use simdop::query::{Lanes, Query};
+use simdop::query::{Completion, Lanes, Pair, Query};
 
 /// `full`, or `small` for emulators.
 fn size(full: usize, small: usize) -> usize {
@@ -36,6 +36,35 @@ impl<F: Lanes, H: Lanes> Both<F, H> {
     }
 }
 
+/// What the queries of two bodies say.
+struct Answers {
+    /// Whether they are free, and farther apart than the margin.
+    verdicts: [bool; 2],
+    lower: f64,
+    upper: f64,
+    pairs: Vec<Pair>,
+}
+
+impl Answers {
+    fn of<N: Lanes>(query: &Query, a: &Bvh<N>, b: &Bvh<N>, pose: &Pose, margin: f64) -> Self {
+        let mut pairs = Vec::new();
+        let (completion, _) = query.for_each_pair(a, b, pose, |pair| {
+            pairs.push(pair);
+            ControlFlow::Continue(())
+        });
+        assert_eq!(completion, Completion::Complete);
+        pairs.sort_unstable();
+        let distance = query.distance(a, b, pose, 0.0).unwrap();
+        let near = query.within(a, b, pose, margin).unwrap();
+        Self {
+            verdicts: [query.collide(a, b, pose).is_free(), near.is_free()],
+            lower: distance.lower,
+            upper: distance.upper,
+            pairs,
+        }
+    }
+}
+
 /// Verdicts, pairs, margins and distances do not depend on the storage.
 fn alike<F: Lanes, H: Lanes>(a: &MeshData, b: &MeshData, reach: f64, poses: usize) {
     let corners = [&a.vertices, &b.vertices];
@@ -56,37 +85,13 @@ fn alike<F: Lanes, H: Lanes>(a: &MeshData, b: &MeshData, reach: f64, poses: usiz
         let margin = 0.05 * reach;
         for isa in Isa::available() {
             let query = Query::new(isa);
-            let of = |free: bool, near: bool, lower: f64, upper: f64, pairs: Vec<_>| {
-                (free, near, lower, upper, pairs)
-            };
-            let all = |fixed: bool| {
-                let mut pairs = Vec::new();
-                let mut visit = |pair| {
-                    pairs.push(pair);
-                    ControlFlow::Continue(())
-                };
-                if fixed {
-                    let free = query.collide(&a.fixed, &b.fixed, &pose).is_free();
-                    let near = query.within(&a.fixed, &b.fixed, &pose, margin).unwrap().is_free();
-                    let distance = query.distance(&a.fixed, &b.fixed, &pose, 0.0).unwrap();
-                    let _ = query.for_each_pair(&a.fixed, &b.fixed, &pose, &mut visit);
-                    pairs.sort_unstable();
-                    of(free, near, distance.lower, distance.upper, pairs)
-                } else {
-                    let free = query.collide(&a.half, &b.half, &pose).is_free();
-                    let near = query.within(&a.half, &b.half, &pose, margin).unwrap().is_free();
-                    let distance = query.distance(&a.half, &b.half, &pose, 0.0).unwrap();
-                    let _ = query.for_each_pair(&a.half, &b.half, &pose, &mut visit);
-                    pairs.sort_unstable();
-                    of(free, near, distance.lower, distance.upper, pairs)
-                }
-            };
-            let (fixed, half) = (all(true), all(false));
-            assert_eq!((fixed.0, fixed.1, &fixed.4), (half.0, half.1, &half.4), "{isa}, pose {i}");
-            let apart = (fixed.3 - half.3).abs();
-            assert!(apart <= 1e-9 * fixed.3, "{isa}, pose {i}: {} {}", fixed.3, half.3);
-            assert!(fixed.2 <= half.3 && half.2 <= fixed.3, "{isa}, pose {i}");
-            hits += usize::from(!fixed.0);
+            let fixed = Answers::of(&query, &a.fixed, &b.fixed, &pose, margin);
+            let half = Answers::of(&query, &a.half, &b.half, &pose, margin);
+            assert_eq!((fixed.verdicts, &fixed.pairs), (half.verdicts, &half.pairs), "{isa}, pose {i}");
+            let apart = (fixed.upper - half.upper).abs();
+            assert!(apart <= 1e-9 * fixed.upper, "{isa}, pose {i}: {} {}", fixed.upper, half.upper);
+            assert!(fixed.lower <= half.upper && half.lower <= fixed.upper, "{isa}, pose {i}");
+            hits += usize::from(!fixed.verdicts[0]);
         }
     }
     assert!(hits > 0, "some poses meet");
