@@ -228,3 +228,46 @@ where
         ((0..4).fold(0, |mask, i| mask | u16::from(pairs >> (4 * i) & 0xf != 0) << i), 1)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::isa::Scalar;
+    use crate::key::{Fixed, Half};
+    use crate::node::{Child, Node};
+    use crate::pose::Pose;
+
+    /// All of a node is bounded by its used lanes alone, rotated or not: unused ones would make half floats unbounded.
+    fn only_used_lanes_are_enclosed<S: Storage>()
+    where
+        Node16<6, S>: Compare<Map = Realignment<6, S>, Turned = Turned<16, 6>, Aimed = Turned<1, 6>>,
+    {
+        let mut node = Node16::<6, S>::EMPTY;
+        for (lane, plane) in [(2, 100.0), (9, 300.0)] {
+            node.set_child(lane, Child::leaf(lane as u32, 1));
+            (0..6).for_each(|j| node.raise_plane(j, lane, Key::around(plane)));
+        }
+        let frame = crate::frame::Frame { centre: [0.0; 3], exponent: 0 };
+        let extent = crate::frame::BodyBounds {
+            frame,
+            max_coordinate: 300.0,
+            radius: 600.0,
+            half_width: [301.0; 3],
+            max_plane: 301.0,
+        };
+        let map = Realignment::new(&Pose::IDENTITY, &extent, &frame);
+        let (mut turned, mut aimed) = ([[0; 16]; 6], Node16::<6, S>::NO_AIMED);
+        node.realign(Scalar::new(), &map, &mut turned);
+        Node16::<6, S>::enclose(&turned, &mut aimed);
+        for [code] in aimed {
+            let bound = S::value(!code);
+            assert!((300.0..302.0).contains(&bound), "{bound}");
+        }
+    }
+
+    #[test]
+    fn unused_lanes_do_not_open_the_hull() {
+        only_used_lanes_are_enclosed::<Fixed>();
+        only_used_lanes_are_enclosed::<Half>();
+    }
+}
