@@ -202,12 +202,30 @@ compiled_for_neon! {
         let place = vsubq_s32(exponent, vdupq_n_s32(10 << 23));
         let inverse = vsubq_s32(vdupq_n_s32(254 << 23), place);
         let places = vmulq_f32(vreinterpretq_f32_s32(magnitude), vreinterpretq_f32_s32(inverse));
-        let cut = vcvtq_s32_f32(places);
+        let cut = truncate(places);
         // All bits where places were cut off: less -1 is 1 more. Not of negative numbers.
         let is_cut = vmvnq_u32(vceqq_f32(vcvtq_f32_s32(cut), places));
         let up = vbicq_s32(vreinterpretq_s32_u32(is_cut), signs);
         let base = vshlq_n_s32::<10>(vsubq_s32(vshrq_n_s32::<23>(exponent), vdupq_n_s32(113)));
         veorq_s32(vsubq_s32(vaddq_s32(base, cut), up), signs)
+    }
+}
+
+compiled_for_neon! {
+    /// The whole parts of four numbers below 2^24 that are not negative.
+    #[inline]
+    fn truncate(x: float32x4_t) -> int32x4_t {
+        #[cfg(not(miri))]
+        {
+            vcvtq_s32_f32(x)
+        }
+        #[cfg(miri)] // Miri has no FCVTZS.
+        {
+            // The last place of 2^23 is 1, so the sum is rounded to a whole number. One that was rounded up is above x.
+            let sum = vaddq_f32(x, vdupq_n_f32(8_388_608.0));
+            let rounded = vsubq_s32(vreinterpretq_s32_f32(sum), vdupq_n_s32(0x4b00_0000));
+            vaddq_s32(rounded, vreinterpretq_s32_u32(vcgtq_f32(vcvtq_f32_s32(rounded), x)))
+        }
     }
 }
 
