@@ -1,0 +1,64 @@
+//! Why numbers do not form a shape.
+
+use crate::range::{MAX_COORDINATE, MIN_COORDINATE, Point};
+use core::fmt;
+
+/// Why numbers do not form a shape.
+#[derive(Copy, Clone, PartialEq, Debug)]
+#[non_exhaustive]
+pub enum ShapeError {
+    /// A radius, side or height is negative, NaN, or too large; or it is zero where it must not be.
+    Length {
+        /// The number given.
+        given: f64,
+    },
+    /// A coordinate is not finite, or its magnitude is out of range ([`crate::range`]).
+    Coordinate {
+        /// The number given.
+        given: f64,
+    },
+    /// An axis, normal or half edge has no direction: it is zero.
+    NoDirection,
+    /// Two half edges of a cuboid are not perpendicular.
+    NotPerpendicular {
+        /// The cosine of the angle between them.
+        cosine: f64,
+    },
+}
+
+impl fmt::Display for ShapeError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Length { given } => write!(f, "{given:e} is not a length of a shape"),
+            Self::Coordinate { given } => write!(f, "{given:e} is not a coordinate of a shape"),
+            Self::NoDirection => f.write_str("an axis, normal or half edge of a shape is zero"),
+            Self::NotPerpendicular { cosine } => {
+                write!(
+                    f,
+                    "two edges of a cuboid are not perpendicular: the cosine of their angle is {cosine:e}"
+                )
+            }
+        }
+    }
+}
+
+impl core::error::Error for ShapeError {}
+
+/// A length above 0.
+pub(super) fn length(given: f64) -> Result<f64, ShapeError> {
+    let is_length = (MIN_COORDINATE..=MAX_COORDINATE).contains(&given);
+    if is_length { Ok(given) } else { Err(ShapeError::Length { given }) }
+}
+
+/// A length, or 0.
+pub(super) fn length_or_zero(given: f64) -> Result<f64, ShapeError> {
+    if given == 0.0 { Ok(0.0) } else { length(given) }
+}
+
+pub(super) fn point(p: &Point) -> Result<(), ShapeError> {
+    let is_valid = |x: f64| x == 0.0 || (MIN_COORDINATE..=MAX_COORDINATE).contains(&x.abs());
+    match p.iter().find(|x| !is_valid(**x)) {
+        Some(given) => Err(ShapeError::Coordinate { given: *given }),
+        None => Ok(()),
+    }
+}
