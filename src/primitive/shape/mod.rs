@@ -9,6 +9,8 @@
 
 mod core;
 mod error;
+#[cfg_attr(not(test), expect(dead_code, reason = "the pair functions will call it"))]
+pub(crate) mod fast;
 
 pub use self::core::Core;
 pub use error::ShapeError;

@@ -1,0 +1,213 @@
+//! Cores with a nearest point and a support function.
+//!
+//! **Error of a nearest point.** Let the point given be within 33 `size` of the reference point. Segments and cuboids:
+//! the coordinates along the edges are clamped, so exactly those of a point of the core; to compute the point from them
+//! takes at most 4 roundings for each term, which is 8 u `size` with the rounding of the reference point. Cylinders:
+//! the part of the given point across the axis has an error of at most 12 roundings of 34 `size`, so the point returned
+//! is within 2^9 u `size` of the cylinder. For the difference of two such points that makes at most 2^-43 `size`.
+//!
+//! **Error of the support function** along n: dot products of three terms and sums of four, so at most 16 u |n| `size`;
+//! for a cylinder also a relative error of 8 u of the part across the axis, which is computed as a cross product: its
+//! error is 4 u |n| |axis| before the division by |axis|.
+
+use super::power_of_two;
+use crate::range::Point;
+use crate::vector::{cross, difference, dot};
+
+/// A convex core.
+pub(super) trait Body {
+    /// The reference point.
+    fn at(&self) -> &Point;
+    /// The greatest distance of a point of the core from the reference point, or more.
+    fn size(&self) -> f64;
+    /// The radius of a ball in the core, or less.
+    fn inner(&self) -> f64;
+    /// The nearest point, up to rounding, of the core shrunk about its centre by the factor `scale`. Segments are not
+    /// shrunk.
+    fn nearest_of(&self, p: &Point, scale: f64) -> Point;
+    /// The greatest `n . (x - at)` for x in the core.
+    fn support(&self, n: &Point) -> f64;
+}
+
+#[inline(always)]
+fn clamp(x: f64, low: f64, high: f64) -> f64 {
+    // `low` for NaN.
+    let x = if x > low { x } else { low };
+    if x < high { x } else { high }
+}
+
+#[inline(always)]
+fn norm_1(v: &Point) -> f64 {
+    v[0].abs() + v[1].abs() + v[2].abs()
+}
+
+#[inline(always)]
+fn greatest(v: &Point) -> f64 {
+    let larger = |x: f64, y: f64| if x > y { x } else { y };
+    larger(larger(v[0].abs(), v[1].abs()), v[2].abs())
+}
+
+/// The points `at + t edge` for t in 0 ..= 1.
+#[derive(Debug)]
+pub(super) struct Segment {
+    pub(super) at: Point,
+    pub(super) edge: Point,
+    pub(super) square: f64,
+}
+
+impl Segment {
+    #[inline(always)]
+    pub(super) fn new(ends: &[Point; 2], at: Point) -> Self {
+        let edge = difference(&ends[1], &ends[0]);
+        Self { at, edge, square: dot(&edge, &edge) }
+    }
+
+    #[inline(always)]
+    pub(super) fn point(&self, t: f64) -> Point {
+        [0, 1, 2].map(|i| self.at[i] + t * self.edge[i])
+    }
+
+    #[inline(always)]
+    pub(super) fn nearest(&self, p: &Point) -> Point {
+        // 0 / 0 for a segment that is a point: clamped to 0.
+        self.point(clamp(dot(&difference(p, &self.at), &self.edge) / self.square, 0.0, 1.0))
+    }
+}
+
+impl Body for Segment {
+    #[inline(always)]
+    fn at(&self) -> &Point {
+        &self.at
+    }
+
+    #[inline(always)]
+    fn size(&self) -> f64 {
+        norm_1(&self.edge)
+    }
+
+    #[inline(always)]
+    fn inner(&self) -> f64 {
+        0.0
+    }
+
+    #[inline(always)]
+    fn nearest_of(&self, p: &Point, _: f64) -> Point {
+        self.nearest(p)
+    }
+
+    #[inline(always)]
+    fn support(&self, n: &Point) -> f64 {
+        let end = dot(n, &self.edge);
+        if end > 0.0 { end } else { 0.0 }
+    }
+}
+
+/// A parallelepiped whose edges are about perpendicular.
+#[derive(Debug)]
+pub(super) struct Cuboid {
+    at: Point,
+    half: [Point; 3],
+    /// About the reciprocals of the squares of `half`.
+    inverse: [f64; 3],
+}
+
+impl Cuboid {
+    /// `None` if a half edge is too short or too long for the product of all squares.
+    #[inline(always)]
+    pub(super) fn new(half: &[Point; 3], at: Point) -> Option<Self> {
+        let [x, y, z] = [dot(&half[0], &half[0]), dot(&half[1], &half[1]), dot(&half[2], &half[2])];
+        // One division for three.
+        let (xy, volume) = (x * y, (x * y) * z);
+        if !(volume > power_of_two(-1000) && volume < power_of_two(1000)) {
+            return None;
+        }
+        let one = 1.0 / volume;
+        Some(Self { at, half: *half, inverse: [one * (y * z), one * (x * z), one * xy] })
+    }
+}
+
+impl Body for Cuboid {
+    #[inline(always)]
+    fn at(&self) -> &Point {
+        &self.at
+    }
+
+    #[inline(always)]
+    fn size(&self) -> f64 {
+        (norm_1(&self.half[0]) + norm_1(&self.half[1])) + norm_1(&self.half[2])
+    }
+
+    // Heights over a face are at least 0.999 of the edge: half of an edge's greatest coordinate is less.
+    #[inline(always)]
+    fn inner(&self) -> f64 {
+        let [x, y, z] = [greatest(&self.half[0]), greatest(&self.half[1]), greatest(&self.half[2])];
+        let least = if x < y { x } else { y };
+        0.5 * if least < z { least } else { z }
+    }
+
+    #[inline(always)]
+    fn nearest_of(&self, p: &Point, scale: f64) -> Point {
+        let w = difference(p, &self.at);
+        let along = |i: usize| clamp(dot(&w, &self.half[i]) * self.inverse[i], -scale, scale);
+        let (x, y, z) = (along(0), along(1), along(2));
+        let h = &self.half;
+        [0, 1, 2].map(|i| ((x * h[0][i] + y * h[1][i]) + z * h[2][i]) + self.at[i])
+    }
+
+    #[inline(always)]
+    fn support(&self, n: &Point) -> f64 {
+        let h = &self.half;
+        (dot(n, &h[0]).abs() + dot(n, &h[1]).abs()) + dot(n, &h[2]).abs()
+    }
+}
+
+#[derive(Debug)]
+pub(super) struct Cylinder {
+    at: Point,
+    axis: Point,
+    radius: f64,
+    /// The reciprocal of the square of `axis`.
+    inverse: f64,
+}
+
+impl Cylinder {
+    #[inline(always)]
+    pub(super) fn new(axis: &Point, radius: f64, at: Point) -> Self {
+        Self { at, axis: *axis, radius, inverse: 1.0 / dot(axis, axis) }
+    }
+}
+
+impl Body for Cylinder {
+    #[inline(always)]
+    fn at(&self) -> &Point {
+        &self.at
+    }
+
+    #[inline(always)]
+    fn size(&self) -> f64 {
+        norm_1(&self.axis) + self.radius
+    }
+
+    #[inline(always)]
+    fn inner(&self) -> f64 {
+        let half = greatest(&self.axis);
+        if half < self.radius { half } else { self.radius }
+    }
+
+    #[inline(always)]
+    fn nearest_of(&self, p: &Point, scale: f64) -> Point {
+        let w = difference(p, &self.at);
+        let along = dot(&w, &self.axis) * self.inverse;
+        let across = [0, 1, 2].map(|i| w[i] - along * self.axis[i]);
+        let (square, radius) = (dot(&across, &across), self.radius * scale);
+        let factor = if square > radius * radius { radius / libm::sqrt(square) } else { 1.0 };
+        let t = clamp(along, -scale, scale);
+        [0, 1, 2].map(|i| (t * self.axis[i] + factor * across[i]) + self.at[i])
+    }
+
+    #[inline(always)]
+    fn support(&self, n: &Point) -> f64 {
+        let across = cross(n, &self.axis);
+        dot(n, &self.axis).abs() + self.radius * libm::sqrt(dot(&across, &across) * self.inverse)
+    }
+}

@@ -1,0 +1,146 @@
+//! Near points of two cores by alternating projections, and the certificates that they give.
+
+use super::bodies::{Body, Segment};
+use super::{ERROR, FEW, power_of_two};
+use crate::range::Point;
+use crate::vector::{difference, dot};
+
+/// How much cores are shrunk where only a common point shows that they meet.
+const SHRINK: f64 = power_of_two(-9);
+/// Rounds of projections before the pair stays undecided.
+const ROUNDS: usize = 12;
+/// The greatest factor of an extrapolation: points stay within 2 + 15 * 2 sizes.
+const FAR: f64 = 15.0;
+
+/// What both certificates compare with.
+#[derive(Copy, Clone, Debug)]
+struct Limits {
+    /// The square of the distance of two computed points that shows that the shapes are within the margin; negative
+    /// if there is none.
+    near: f64,
+    /// The distance that a gap must exceed.
+    far: f64,
+    /// The square of the length below which a direction is too inaccurate.
+    least: f64,
+    /// The factor by which cores are shrunk.
+    scale: f64,
+}
+
+impl Limits {
+    /// `None` if `size` is out of the range of the error analysis.
+    ///
+    /// A convex core that contains a ball of radius r contains all points at most `(1 - scale) r` from the core shrunk
+    /// by `scale` about the centre of the ball.
+    #[inline(always)]
+    fn new(size: f64, inner: f64, reach: f64) -> Option<Self> {
+        if !(size > power_of_two(-100) && size < power_of_two(100)) {
+            return None;
+        }
+        let error = size * ERROR;
+        let (scale, wider) = if reach < inner * (4.0 * SHRINK) {
+            (1.0 - SHRINK, reach + inner * SHRINK)
+        } else {
+            (1.0, reach)
+        };
+        let near = wider * (1.0 - FEW) - error;
+        let far = reach * (1.0 + FEW) + error;
+        let square = if near > 0.0 { near * near } else { -1.0 };
+        Some(Self { near: square, far, least: error * error, scale })
+    }
+
+    /// The verdict of the difference `n` of a point of B and a point of A.
+    ///
+    /// The gap is `n . at(B) - support(A, n) - support(B, -n)`, with an error of at most 64 u |n| size, which is part
+    /// of the `error` in `far`. The comparison of squares is that of `gap` and `far |n|`.
+    #[inline(always)]
+    fn judge<A: Body, B: Body>(&self, a: &A, b: &B, n: &Point) -> Option<bool> {
+        let square = dot(n, n);
+        if square <= self.near {
+            return Some(true);
+        }
+        let gap = (dot(n, b.at()) - a.support(n)) - b.support(&n.map(|x| -x));
+        let is_apart = gap > 0.0
+            && gap * gap > (self.far * self.far) * (square * (1.0 + 4.0 * FEW))
+            && square > self.least;
+        is_apart.then_some(false)
+    }
+}
+
+#[inline(always)]
+fn norm_1(v: &Point) -> f64 {
+    v[0].abs() + v[1].abs() + v[2].abs()
+}
+
+/// A point, relative to the reference point of a core.
+#[inline(always)]
+pub(super) fn from_point<A: Body>(p: &Point, a: &A, reach: f64) -> Option<bool> {
+    let limits = Limits::new(norm_1(p) + a.size(), a.inner(), reach)?;
+    let n = difference(p, &a.nearest_of(p, limits.scale));
+    let square = dot(&n, &n);
+    if square <= limits.near {
+        return Some(true);
+    }
+    let gap = dot(&n, p) - a.support(&n);
+    let is_apart = gap > 0.0
+        && gap * gap > (limits.far * limits.far) * (square * (1.0 + 4.0 * FEW))
+        && square > limits.least;
+    is_apart.then_some(false)
+}
+
+/// Two segments: the nearest points of the lines, clamped (Ericson, *Real-Time Collision Detection*, 5.1.9).
+#[inline(always)]
+pub(super) fn segments(a: &Segment, b: &Segment, reach: f64) -> Option<bool> {
+    let limits = Limits::new(norm_1(&b.at) + (a.size() + b.size()), 0.0, reach)?;
+    let clamp = |x: f64| {
+        let x = if x > 0.0 { x } else { 0.0 };
+        if x < 1.0 { x } else { 1.0 }
+    };
+    let (p, q, mixed) = (dot(&a.edge, &b.at), dot(&b.edge, &b.at), dot(&a.edge, &b.edge));
+    // Where the division fails, NaN becomes 0, and the certificates judge any two points.
+    let s = clamp((p * b.square - mixed * q) / (a.square * b.square - mixed * mixed));
+    let t = clamp((mixed * s - q) / b.square);
+    let s = clamp((mixed * t + p) / a.square);
+    limits.judge(a, b, &difference(&b.point(t), &a.point(s)))
+}
+
+/// Two cores. The reference point of A is the origin.
+#[inline(always)]
+pub(super) fn decide<A: Body, B: Body>(a: &A, b: &B, reach: f64) -> Option<bool> {
+    let size = norm_1(b.at()) + (a.size() + b.size());
+    let limits = Limits::new(size, a.inner() + b.inner(), reach)?;
+    let p = a.nearest_of(b.at(), limits.scale);
+    let q = b.nearest_of(&p, limits.scale);
+    let n = difference(&q, &p);
+    match limits.judge(a, b, &n) {
+        None => search(a, b, &limits, q),
+        certain => certain,
+    }
+}
+
+/// Alternates projections. On a sequence that converges linearly along a line, which is that of two edges, every
+/// second round extrapolates to its limit.
+#[inline(never)]
+fn search<A: Body, B: Body>(a: &A, b: &B, limits: &Limits, from: Point) -> Option<bool> {
+    let mut q = from;
+    for _ in 0..ROUNDS {
+        let p = a.nearest_of(&q, limits.scale);
+        let first = b.nearest_of(&p, limits.scale);
+        let certain = limits.judge(a, b, &difference(&first, &p));
+        if certain.is_some() {
+            return certain;
+        }
+        let p = a.nearest_of(&first, limits.scale);
+        let second = b.nearest_of(&p, limits.scale);
+        let certain = limits.judge(a, b, &difference(&second, &p));
+        if certain.is_some() {
+            return certain;
+        }
+        let (before, after) = (difference(&first, &q), difference(&second, &first));
+        let (square, along) = (dot(&before, &before), dot(&before, &after));
+        // The ratio r = along / square of the steps gives the rest r / (1 - r) of the last one.
+        let factor = along / (square - along);
+        let factor = if factor > 0.0 && factor < FAR { factor } else { 0.0 };
+        q = [0, 1, 2].map(|i| second[i] + factor * after[i]);
+    }
+    None
+}
