@@ -17,6 +17,7 @@
 mod bodies;
 mod half_space;
 mod search;
+mod simplex;
 #[cfg(test)]
 mod tests;
 

@@ -27,6 +27,8 @@ pub(super) trait Body {
     fn nearest_of(&self, p: &Point, scale: f64) -> Point;
     /// The greatest `n . (x - at)` for x in the core.
     fn support(&self, n: &Point) -> f64;
+    /// `x - at` for a point x of the core that is about the farthest along `n`.
+    fn farthest(&self, n: &Point) -> Point;
 }
 
 #[inline(always)]
@@ -34,6 +36,11 @@ fn clamp(x: f64, low: f64, high: f64) -> f64 {
     // `low` for NaN.
     let x = if x > low { x } else { low };
     if x < high { x } else { high }
+}
+
+#[inline(always)]
+fn sign(x: f64) -> f64 {
+    if x < 0.0 { -1.0 } else { 1.0 }
 }
 
 #[inline(always)]
@@ -100,6 +107,11 @@ impl Body for Segment {
         let end = dot(n, &self.edge);
         if end > 0.0 { end } else { 0.0 }
     }
+
+    #[inline(always)]
+    fn farthest(&self, n: &Point) -> Point {
+        if dot(n, &self.edge) > 0.0 { self.edge } else { [0.0; 3] }
+    }
 }
 
 /// A parallelepiped whose edges are about perpendicular.
@@ -159,6 +171,13 @@ impl Body for Cuboid {
         let h = &self.half;
         (dot(n, &h[0]).abs() + dot(n, &h[1]).abs()) + dot(n, &h[2]).abs()
     }
+
+    #[inline(always)]
+    fn farthest(&self, n: &Point) -> Point {
+        let h = &self.half;
+        let (x, y, z) = (sign(dot(n, &h[0])), sign(dot(n, &h[1])), sign(dot(n, &h[2])));
+        [0, 1, 2].map(|i| (x * h[0][i] + y * h[1][i]) + z * h[2][i])
+    }
 }
 
 #[derive(Debug)]
@@ -174,6 +193,13 @@ impl Cylinder {
     #[inline(always)]
     pub(super) fn new(axis: &Point, radius: f64, at: Point) -> Self {
         Self { at, axis: *axis, radius, inverse: 1.0 / dot(axis, axis) }
+    }
+
+    /// The part of a vector across the axis.
+    #[inline(always)]
+    fn across(&self, v: &Point) -> Point {
+        let along = dot(v, &self.axis) * self.inverse;
+        [0, 1, 2].map(|i| v[i] - along * self.axis[i])
     }
 }
 
@@ -209,5 +235,16 @@ impl Body for Cylinder {
     fn support(&self, n: &Point) -> f64 {
         let across = cross(n, &self.axis);
         dot(n, &self.axis).abs() + self.radius * libm::sqrt(dot(&across, &across) * self.inverse)
+    }
+
+    #[inline(always)]
+    fn farthest(&self, n: &Point) -> Point {
+        let along = dot(n, &self.axis);
+        let across = self.across(&self.across(n));
+        let (t, square) = (sign(along), dot(&across, &across));
+        // Twice across, so that its error is relative to itself; for shorter ones the centre of the disc.
+        let is_long = square > dot(n, n) * power_of_two(-60);
+        let factor = if is_long { self.radius / libm::sqrt(square) } else { 0.0 };
+        [0, 1, 2].map(|i| t * self.axis[i] + factor * across[i])
     }
 }

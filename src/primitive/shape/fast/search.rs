@@ -1,16 +1,15 @@
-//! Near points of two cores by alternating projections, and the certificates that they give.
+//! Near points of two cores, and the certificates that they give.
 
 use super::bodies::{Body, Segment};
+use super::simplex::{Nearest, Simplex};
 use super::{ERROR, FEW, power_of_two};
 use crate::range::Point;
 use crate::vector::{difference, dot};
 
 /// How much cores are shrunk where only a common point shows that they meet.
 const SHRINK: f64 = power_of_two(-9);
-/// Rounds of projections before the pair stays undecided.
-const ROUNDS: usize = 12;
-/// The greatest factor of an extrapolation: points stay within 2 + 15 * 2 sizes.
-const FAR: f64 = 15.0;
+/// Rounds before the pair stays undecided.
+const ROUNDS: usize = 20;
 
 /// What both certificates compare with.
 #[derive(Copy, Clone, Debug)]
@@ -22,6 +21,8 @@ struct Limits {
     far: f64,
     /// The square of the length below which a direction is too inaccurate.
     least: f64,
+    /// Bound of the error of the difference of two points.
+    error: f64,
     /// The factor by which cores are shrunk.
     scale: f64,
 }
@@ -45,7 +46,7 @@ impl Limits {
         let near = wider * (1.0 - FEW) - error;
         let far = reach * (1.0 + FEW) + error;
         let square = if near > 0.0 { near * near } else { -1.0 };
-        Some(Self { near: square, far, least: error * error, scale })
+        Some(Self { near: square, far, least: error * error, error, scale })
     }
 
     /// The verdict of the difference `n` of a point of B and a point of A.
@@ -112,35 +113,32 @@ pub(super) fn decide<A: Body, B: Body>(a: &A, b: &B, reach: f64) -> Option<bool>
     let q = b.nearest_of(&p, limits.scale);
     let n = difference(&q, &p);
     match limits.judge(a, b, &n) {
-        None => search(a, b, &limits, q),
+        None => search(a, b, &limits, &n),
         certain => certain,
     }
 }
 
-/// Alternates projections. On a sequence that converges linearly along a line, which is that of two edges, every
-/// second round extrapolates to its limit.
+/// Gilbert, Johnson and Keerthi's iteration on the differences of a point of B and a point of A.
 #[inline(never)]
-fn search<A: Body, B: Body>(a: &A, b: &B, limits: &Limits, from: Point) -> Option<bool> {
-    let mut q = from;
+fn search<A: Body, B: Body>(a: &A, b: &B, limits: &Limits, from: &Point) -> Option<bool> {
+    let mut v = *from;
+    let mut simplex = Simplex::EMPTY;
     for _ in 0..ROUNDS {
-        let p = a.nearest_of(&q, limits.scale);
-        let first = b.nearest_of(&p, limits.scale);
-        let certain = limits.judge(a, b, &difference(&first, &p));
+        let opposite = v.map(|x| -x);
+        let (p, q) = (a.farthest(&v), b.farthest(&opposite));
+        let w = [0, 1, 2].map(|i| (b.at()[i] - p[i]) + q[i]);
+        if !simplex.add(&w) {
+            return None;
+        }
+        v = match simplex.reduce(limits.error) {
+            Nearest::Inside => return Some(true),
+            Nearest::Unknown => return None,
+            Nearest::At(v) => v,
+        };
+        let certain = limits.judge(a, b, &v);
         if certain.is_some() {
             return certain;
         }
-        let p = a.nearest_of(&first, limits.scale);
-        let second = b.nearest_of(&p, limits.scale);
-        let certain = limits.judge(a, b, &difference(&second, &p));
-        if certain.is_some() {
-            return certain;
-        }
-        let (before, after) = (difference(&first, &q), difference(&second, &first));
-        let (square, along) = (dot(&before, &before), dot(&before, &after));
-        // The ratio r = along / square of the steps gives the rest r / (1 - r) of the last one.
-        let factor = along / (square - along);
-        let factor = if factor > 0.0 && factor < FAR { factor } else { 0.0 };
-        q = [0, 1, 2].map(|i| second[i] + factor * after[i]);
     }
     None
 }
