@@ -39,6 +39,21 @@ fn clamp(x: f64, low: f64, high: f64) -> f64 {
 }
 
 #[inline(always)]
+pub(super) fn plus(a: &Point, b: &Point) -> Point {
+    [a[0] + b[0], a[1] + b[1], a[2] + b[2]]
+}
+
+#[inline(always)]
+pub(super) fn times(t: f64, v: &Point) -> Point {
+    [t * v[0], t * v[1], t * v[2]]
+}
+
+#[inline(always)]
+fn combination([x, y, z]: &Point, [p, q, r]: &[Point; 3]) -> Point {
+    plus(&plus(&times(*x, p), &times(*y, q)), &times(*z, r))
+}
+
+#[inline(always)]
 fn sign(x: f64) -> f64 {
     if x < 0.0 { -1.0 } else { 1.0 }
 }
@@ -71,7 +86,7 @@ impl Segment {
 
     #[inline(always)]
     pub(super) fn point(&self, t: f64) -> Point {
-        [0, 1, 2].map(|i| self.at[i] + t * self.edge[i])
+        plus(&self.at, &times(t, &self.edge))
     }
 
     #[inline(always)]
@@ -163,7 +178,7 @@ impl Body for Cuboid {
         let along = |i: usize| clamp(dot(&w, &self.half[i]) * self.inverse[i], -scale, scale);
         let (x, y, z) = (along(0), along(1), along(2));
         let h = &self.half;
-        [0, 1, 2].map(|i| ((x * h[0][i] + y * h[1][i]) + z * h[2][i]) + self.at[i])
+        plus(&combination(&[x, y, z], h), &self.at)
     }
 
     #[inline(always)]
@@ -176,7 +191,7 @@ impl Body for Cuboid {
     fn farthest(&self, n: &Point) -> Point {
         let h = &self.half;
         let (x, y, z) = (sign(dot(n, &h[0])), sign(dot(n, &h[1])), sign(dot(n, &h[2])));
-        [0, 1, 2].map(|i| (x * h[0][i] + y * h[1][i]) + z * h[2][i])
+        combination(&[x, y, z], h)
     }
 }
 
@@ -199,7 +214,7 @@ impl Cylinder {
     #[inline(always)]
     fn across(&self, v: &Point) -> Point {
         let along = dot(v, &self.axis) * self.inverse;
-        [0, 1, 2].map(|i| v[i] - along * self.axis[i])
+        difference(v, &times(along, &self.axis))
     }
 }
 
@@ -224,11 +239,11 @@ impl Body for Cylinder {
     fn nearest_of(&self, p: &Point, scale: f64) -> Point {
         let w = difference(p, &self.at);
         let along = dot(&w, &self.axis) * self.inverse;
-        let across = [0, 1, 2].map(|i| w[i] - along * self.axis[i]);
+        let across = difference(&w, &times(along, &self.axis));
         let (square, radius) = (dot(&across, &across), self.radius * scale);
         let factor = if square > radius * radius { radius / libm::sqrt(square) } else { 1.0 };
         let t = clamp(along, -scale, scale);
-        [0, 1, 2].map(|i| (t * self.axis[i] + factor * across[i]) + self.at[i])
+        plus(&plus(&times(t, &self.axis), &times(factor, &across)), &self.at)
     }
 
     #[inline(always)]
@@ -245,6 +260,6 @@ impl Body for Cylinder {
         // Twice across, so that its error is relative to itself; for shorter ones the centre of the disc.
         let is_long = square > dot(n, n) * power_of_two(-60);
         let factor = if is_long { self.radius / libm::sqrt(square) } else { 0.0 };
-        [0, 1, 2].map(|i| t * self.axis[i] + factor * across[i])
+        plus(&times(t, &self.axis), &times(factor, &across))
     }
 }

@@ -1,6 +1,6 @@
 //! Near points of two cores, and the certificates that they give.
 
-use super::bodies::{Body, Segment};
+use super::bodies::{Body, Segment, plus};
 use super::simplex::{Nearest, Simplex};
 use super::{ERROR, FEW, power_of_two};
 use crate::range::Point;
@@ -59,12 +59,17 @@ impl Limits {
         if square <= self.near {
             return Some(true);
         }
-        let gap = (dot(n, b.at()) - a.support(n)) - b.support(&n.map(|x| -x));
+        let gap = (dot(n, b.at()) - a.support(n)) - b.support(&negative(n));
         let is_apart = gap > 0.0
             && gap * gap > (self.far * self.far) * (square * (1.0 + 4.0 * FEW))
             && square > self.least;
         is_apart.then_some(false)
     }
+}
+
+#[inline(always)]
+fn negative(v: &Point) -> Point {
+    [-v[0], -v[1], -v[2]]
 }
 
 #[inline(always)]
@@ -124,9 +129,9 @@ fn search<A: Body, B: Body>(a: &A, b: &B, limits: &Limits, from: &Point) -> Opti
     let mut v = *from;
     let mut simplex = Simplex::EMPTY;
     for _ in 0..ROUNDS {
-        let opposite = v.map(|x| -x);
+        let opposite = negative(&v);
         let (p, q) = (a.farthest(&v), b.farthest(&opposite));
-        let w = [0, 1, 2].map(|i| (b.at()[i] - p[i]) + q[i]);
+        let w = plus(&difference(b.at(), &p), &q);
         if !simplex.add(&w) {
             return None;
         }

@@ -1,5 +1,6 @@
 //! The point nearest to the origin of a simplex of at most four points.
 
+use super::bodies::{plus, times};
 use crate::range::Point;
 use crate::vector::{cross, difference, dot};
 
@@ -68,7 +69,7 @@ fn on_segment(a: &Point, b: &Point) -> Found {
         (*b, [*b; 3], 1)
     } else {
         let t = along / square;
-        ([0, 1, 2].map(|i| a[i] + t * edge[i]), [*a, *b, *b], 2)
+        (plus(a, &times(t, &edge)), [*a, *b, *b], 2)
     }
 }
 
@@ -102,7 +103,7 @@ fn on_triangle(a: &Point, b: &Point, c: &Point) -> Found {
     }
     let one = 1.0 / ((va + vb) + vc);
     let (s, t) = (vb * one, vc * one);
-    ([0, 1, 2].map(|i| (a[i] + s * x[i]) + t * y[i]), [*a, *b, *c], 3)
+    (plus(&plus(a, &times(s, &x)), &times(t, &y)), [*a, *b, *c], 3)
 }
 
 /// The nearest point on the faces that the origin is beyond; if there is none, whether the origin is certainly inside.
