@@ -16,12 +16,13 @@
 
 mod bodies;
 mod half_space;
+mod pairs;
 mod search;
 mod simplex;
 #[cfg(test)]
 mod tests;
 
-use self::bodies::{Body, Cuboid, Cylinder, Segment};
+use self::bodies::{Body, Segment};
 use super::{Core, Shape};
 use crate::exact::power_of_two;
 use crate::range::Point;
@@ -54,48 +55,8 @@ pub(crate) fn decide(a: &Shape, b: &Shape, margin: f64) -> Option<bool> {
             let d = difference(&t[0], &s[0]);
             search::segments(&Segment::new(s, [0.0; 3]), &Segment::new(t, d), reach)
         }
-        (Core::Point(p), Core::Cuboid { centre, half }) | (Core::Cuboid { centre, half }, Core::Point(p)) => {
-            let cuboid = Cuboid::new(half, [0.0; 3])?;
-            search::from_point(&difference(p, centre), &cuboid, reach)
-        }
-        (Core::Segment(s), Core::Cuboid { centre, half })
-        | (Core::Cuboid { centre, half }, Core::Segment(s)) => {
-            let cuboid = Cuboid::new(half, [0.0; 3])?;
-            search::decide(&cuboid, &Segment::new(s, difference(&s[0], centre)), reach)
-        }
-        (Core::Cuboid { centre: c, half: g }, Core::Cuboid { centre, half }) => {
-            let (a, b) = (Cuboid::new(g, [0.0; 3])?, Cuboid::new(half, difference(centre, c))?);
-            search::decide(&a, &b, reach)
-        }
-        (Core::Point(p), Core::Cylinder { centre, half_axis, radius })
-        | (Core::Cylinder { centre, half_axis, radius }, Core::Point(p)) => {
-            let cylinder = Cylinder::new(half_axis, *radius, [0.0; 3]);
-            search::from_point(&difference(p, centre), &cylinder, reach)
-        }
-        (Core::Segment(s), Core::Cylinder { centre, half_axis, radius })
-        | (Core::Cylinder { centre, half_axis, radius }, Core::Segment(s)) => {
-            let cylinder = Cylinder::new(half_axis, *radius, [0.0; 3]);
-            search::decide(&cylinder, &Segment::new(s, difference(&s[0], centre)), reach)
-        }
-        (Core::Cuboid { centre: c, half }, Core::Cylinder { centre, half_axis, radius })
-        | (Core::Cylinder { centre, half_axis, radius }, Core::Cuboid { centre: c, half }) => {
-            let cylinder = Cylinder::new(half_axis, *radius, difference(centre, c));
-            search::decide(&Cuboid::new(half, [0.0; 3])?, &cylinder, reach)
-        }
-        (
-            Core::Cylinder { centre: c, half_axis: axis, radius: r },
-            Core::Cylinder { centre, half_axis, radius },
-        ) => {
-            let a = Cylinder::new(axis, *r, [0.0; 3]);
-            search::decide(&a, &Cylinder::new(half_axis, *radius, difference(centre, c)), reach)
-        }
-        (Core::HalfSpace { normal, .. }, Core::HalfSpace { normal: other, .. }) => {
-            half_space::both(normal, other)
-        }
-        (Core::HalfSpace { normal, offset }, other) | (other, Core::HalfSpace { normal, offset }) => {
-            half_space::decide(normal, *offset, other, reach)
-        }
-        _ => None,
+        (Core::HalfSpace { .. }, _) | (_, Core::HalfSpace { .. }) => half_space::decide(a, b, reach),
+        _ => pairs::decide(a, b, reach),
     }
 }
 

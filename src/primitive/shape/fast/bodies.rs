@@ -131,17 +131,17 @@ impl Body for Segment {
 
 /// A parallelepiped whose edges are about perpendicular.
 #[derive(Debug)]
-pub(super) struct Cuboid {
+pub(super) struct Cuboid<'a> {
     at: Point,
-    half: [Point; 3],
+    half: &'a [Point; 3],
     /// About the reciprocals of the squares of `half`.
     inverse: [f64; 3],
 }
 
-impl Cuboid {
+impl<'a> Cuboid<'a> {
     /// `None` if a half edge is too short or too long for the product of all squares.
     #[inline(always)]
-    pub(super) fn new(half: &[Point; 3], at: Point) -> Option<Self> {
+    pub(super) fn new(half: &'a [Point; 3], at: Point) -> Option<Self> {
         let [x, y, z] = [dot(&half[0], &half[0]), dot(&half[1], &half[1]), dot(&half[2], &half[2])];
         // One division for three.
         let (xy, volume) = (x * y, (x * y) * z);
@@ -149,11 +149,11 @@ impl Cuboid {
             return None;
         }
         let one = 1.0 / volume;
-        Some(Self { at, half: *half, inverse: [one * (y * z), one * (x * z), one * xy] })
+        Some(Self { at, half, inverse: [one * (y * z), one * (x * z), one * xy] })
     }
 }
 
-impl Body for Cuboid {
+impl Body for Cuboid<'_> {
     #[inline(always)]
     fn at(&self) -> &Point {
         &self.at
@@ -175,50 +175,51 @@ impl Body for Cuboid {
     #[inline(always)]
     fn nearest_of(&self, p: &Point, scale: f64) -> Point {
         let w = difference(p, &self.at);
-        let along = |i: usize| clamp(dot(&w, &self.half[i]) * self.inverse[i], -scale, scale);
-        let (x, y, z) = (along(0), along(1), along(2));
-        let h = &self.half;
+        let (h, inverse) = (self.half, &self.inverse);
+        let x = clamp(dot(&w, &h[0]) * inverse[0], -scale, scale);
+        let y = clamp(dot(&w, &h[1]) * inverse[1], -scale, scale);
+        let z = clamp(dot(&w, &h[2]) * inverse[2], -scale, scale);
         plus(&combination(&[x, y, z], h), &self.at)
     }
 
     #[inline(always)]
     fn support(&self, n: &Point) -> f64 {
-        let h = &self.half;
+        let h = self.half;
         (dot(n, &h[0]).abs() + dot(n, &h[1]).abs()) + dot(n, &h[2]).abs()
     }
 
     #[inline(always)]
     fn farthest(&self, n: &Point) -> Point {
-        let h = &self.half;
+        let h = self.half;
         let (x, y, z) = (sign(dot(n, &h[0])), sign(dot(n, &h[1])), sign(dot(n, &h[2])));
         combination(&[x, y, z], h)
     }
 }
 
 #[derive(Debug)]
-pub(super) struct Cylinder {
+pub(super) struct Cylinder<'a> {
     at: Point,
-    axis: Point,
+    axis: &'a Point,
     radius: f64,
     /// The reciprocal of the square of `axis`.
     inverse: f64,
 }
 
-impl Cylinder {
+impl<'a> Cylinder<'a> {
     #[inline(always)]
-    pub(super) fn new(axis: &Point, radius: f64, at: Point) -> Self {
-        Self { at, axis: *axis, radius, inverse: 1.0 / dot(axis, axis) }
+    pub(super) fn new(axis: &'a Point, radius: f64, at: Point) -> Self {
+        Self { at, axis, radius, inverse: 1.0 / dot(axis, axis) }
     }
 
     /// The part of a vector across the axis.
     #[inline(always)]
     fn across(&self, v: &Point) -> Point {
-        let along = dot(v, &self.axis) * self.inverse;
-        difference(v, &times(along, &self.axis))
+        let along = dot(v, self.axis) * self.inverse;
+        difference(v, &times(along, self.axis))
     }
 }
 
-impl Body for Cylinder {
+impl Body for Cylinder<'_> {
     #[inline(always)]
     fn at(&self) -> &Point {
         &self.at
@@ -226,40 +227,40 @@ impl Body for Cylinder {
 
     #[inline(always)]
     fn size(&self) -> f64 {
-        norm_1(&self.axis) + self.radius
+        norm_1(self.axis) + self.radius
     }
 
     #[inline(always)]
     fn inner(&self) -> f64 {
-        let half = greatest(&self.axis);
+        let half = greatest(self.axis);
         if half < self.radius { half } else { self.radius }
     }
 
     #[inline(always)]
     fn nearest_of(&self, p: &Point, scale: f64) -> Point {
         let w = difference(p, &self.at);
-        let along = dot(&w, &self.axis) * self.inverse;
-        let across = difference(&w, &times(along, &self.axis));
+        let along = dot(&w, self.axis) * self.inverse;
+        let across = difference(&w, &times(along, self.axis));
         let (square, radius) = (dot(&across, &across), self.radius * scale);
         let factor = if square > radius * radius { radius / libm::sqrt(square) } else { 1.0 };
         let t = clamp(along, -scale, scale);
-        plus(&plus(&times(t, &self.axis), &times(factor, &across)), &self.at)
+        plus(&plus(&times(t, self.axis), &times(factor, &across)), &self.at)
     }
 
     #[inline(always)]
     fn support(&self, n: &Point) -> f64 {
-        let across = cross(n, &self.axis);
-        dot(n, &self.axis).abs() + self.radius * libm::sqrt(dot(&across, &across) * self.inverse)
+        let across = cross(n, self.axis);
+        dot(n, self.axis).abs() + self.radius * libm::sqrt(dot(&across, &across) * self.inverse)
     }
 
     #[inline(always)]
     fn farthest(&self, n: &Point) -> Point {
-        let along = dot(n, &self.axis);
+        let along = dot(n, self.axis);
         let across = self.across(&self.across(n));
         let (t, square) = (sign(along), dot(&across, &across));
         // Twice across, so that its error is relative to itself; for shorter ones the centre of the disc.
         let is_long = square > dot(n, n) * power_of_two(-60);
         let factor = if is_long { self.radius / libm::sqrt(square) } else { 0.0 };
-        plus(&times(t, &self.axis), &times(factor, &across))
+        plus(&times(t, self.axis), &times(factor, &across))
     }
 }

@@ -1,18 +1,26 @@
 //! Half-spaces against every other core.
 
-use super::{Core, FEW};
+use super::{Core, FEW, Shape};
 use crate::exact::power_of_two;
 use crate::range::Point;
 use crate::vector::{cross, dot};
 
-/// A half-space against a core that is none.
+/// A half-space against another shape.
 ///
 /// The shape is within `reach` if and only if the least `normal . x - offset` of its core is at most `reach |normal|`.
 /// A dot product errs by at most 3 u of the sum of its terms' magnitudes, of which `size` has all; the part of a disc
 /// across the normal by a relative 8 u. Products of two coordinates are at least 2^-500 or zero. The squares of a cross
 /// product need the test of `size`.
-#[inline]
-pub(super) fn decide(normal: &Point, offset: f64, other: &Core, reach: f64) -> Option<bool> {
+pub(super) fn decide(a: &Shape, b: &Shape, reach: f64) -> Option<bool> {
+    let (normal, offset, other) = match (&a.core, &b.core) {
+        (Core::HalfSpace { normal, .. }, Core::HalfSpace { normal: other, .. }) => {
+            return both(normal, other);
+        }
+        (Core::HalfSpace { normal, offset }, other) | (other, Core::HalfSpace { normal, offset }) => {
+            (normal, *offset, other)
+        }
+        _ => return None,
+    };
     let n = normal;
     let terms = |v: &Point| (n[0] * v[0]).abs() + (n[1] * v[1]).abs() + (n[2] * v[2]).abs();
     let least = |x: f64, y: f64| if x < y { x } else { y };
@@ -62,8 +70,7 @@ fn in_range(axis: &Point) -> Option<()> {
 }
 
 /// Two half-spaces meet unless their normals point in opposite directions.
-#[inline]
-pub(super) fn both(n: &Point, m: &Point) -> Option<bool> {
+fn both(n: &Point, m: &Point) -> Option<bool> {
     let across = cross(n, m);
     // The normals are at most sqrt(12) long, so the cross product errs by less than 2^-45.
     let is_skew = dot(&across, &across) > power_of_two(-80);
