@@ -17,10 +17,13 @@ struct Limits {
     /// The square of the distance of two computed points that shows that the shapes are within the margin; negative
     /// if there is none.
     near: f64,
+    /// The same for points of the shrunk cores.
+    near_of_shrunk: f64,
     /// The distance that a gap must exceed.
     far: f64,
     /// The square of the length below which a direction is too inaccurate.
     least: f64,
+    size: f64,
     /// Bound of the error of the difference of two points.
     error: f64,
     /// The factor by which cores are shrunk.
@@ -43,20 +46,30 @@ impl Limits {
         } else {
             (1.0, reach)
         };
-        let near = wider * (1.0 - FEW) - error;
+        let near = |reach: f64| {
+            let near = reach * (1.0 - FEW) - error;
+            if near > 0.0 { near * near } else { -1.0 }
+        };
         let far = reach * (1.0 + FEW) + error;
-        let square = if near > 0.0 { near * near } else { -1.0 };
-        Some(Self { near: square, far, least: error * error, error, scale })
+        Some(Self {
+            near: near(reach),
+            near_of_shrunk: near(wider),
+            far,
+            least: error * error,
+            size,
+            error,
+            scale,
+        })
     }
 
-    /// The verdict of the difference `n` of a point of B and a point of A.
+    /// The verdict of the difference `n` of a point of B and a point of A, with a limit `near` for such points.
     ///
     /// The gap is `n . at(B) - support(A, n) - support(B, -n)`, with an error of at most 64 u |n| size, which is part
     /// of the `error` in `far`. The comparison of squares is that of `gap` and `far |n|`.
     #[inline(always)]
-    fn judge<A: Body, B: Body>(&self, a: &A, b: &B, n: &Point) -> Option<bool> {
+    fn judge<A: Body, B: Body>(&self, a: &A, b: &B, n: &Point, near: f64) -> Option<bool> {
         let square = dot(n, n);
-        if square <= self.near {
+        if square <= near {
             return Some(true);
         }
         let gap = (dot(n, b.at()) - a.support(n)) - b.support(&negative(n));
@@ -83,7 +96,7 @@ pub(super) fn from_point<A: Body>(p: &Point, a: &A, reach: f64) -> Option<bool> 
     let limits = Limits::new(norm_1(p) + a.size(), a.inner(), reach)?;
     let n = difference(p, &a.nearest_of(p, limits.scale));
     let square = dot(&n, &n);
-    if square <= limits.near {
+    if square <= limits.near_of_shrunk {
         return Some(true);
     }
     let gap = dot(&n, p) - a.support(&n);
@@ -106,7 +119,7 @@ pub(super) fn segments(a: &Segment, b: &Segment, reach: f64) -> Option<bool> {
     let s = clamp((p * b.square - mixed * q) / (a.square * b.square - mixed * mixed));
     let t = clamp((mixed * s - q) / b.square);
     let s = clamp((mixed * t + p) / a.square);
-    limits.judge(a, b, &difference(&b.point(t), &a.point(s)))
+    limits.judge(a, b, &difference(&b.point(t), &a.point(s)), limits.near)
 }
 
 /// Two cores. The reference point of A is the origin.
@@ -117,7 +130,7 @@ pub(super) fn decide<A: Body, B: Body>(a: &A, b: &B, reach: f64) -> Option<bool>
     let p = a.nearest_of(b.at(), limits.scale);
     let q = b.nearest_of(&p, limits.scale);
     let n = difference(&q, &p);
-    match limits.judge(a, b, &n) {
+    match limits.judge(a, b, &n, limits.near_of_shrunk) {
         None => search(a, b, &limits, &n),
         certain => certain,
     }
@@ -135,12 +148,12 @@ fn search<A: Body, B: Body>(a: &A, b: &B, limits: &Limits, from: &Point) -> Opti
         if !simplex.add(&w) {
             return None;
         }
-        v = match simplex.reduce(limits.error) {
+        v = match simplex.reduce(limits.size, limits.error) {
             Nearest::Inside => return Some(true),
             Nearest::Unknown => return None,
             Nearest::At(v) => v,
         };
-        let certain = limits.judge(a, b, &v);
+        let certain = limits.judge(a, b, &v, limits.near);
         if certain.is_some() {
             return certain;
         }
