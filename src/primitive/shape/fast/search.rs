@@ -19,6 +19,8 @@ struct Limits {
     near: f64,
     /// The same for points of the shrunk cores.
     near_of_shrunk: f64,
+    /// The same for the reference points, about which the cores contain balls.
+    near_of_balls: f64,
     /// The distance that a gap must exceed.
     far: f64,
     /// The square of the length below which a direction is too inaccurate.
@@ -54,6 +56,7 @@ impl Limits {
         Some(Self {
             near: near(reach),
             near_of_shrunk: near(wider),
+            near_of_balls: near(reach + inner),
             far,
             least: error * error,
             size,
@@ -63,20 +66,20 @@ impl Limits {
     }
 
     /// The verdict of the difference `n` of a point of B and a point of A, with a limit `near` for such points.
+    #[inline(always)]
+    fn judge<A: Body, B: Body>(&self, a: &A, b: &B, n: &Point, near: f64) -> Option<bool> {
+        let square = dot(n, n);
+        if square <= near { Some(true) } else { self.is_apart(a, b, n, square).then_some(false) }
+    }
+
+    /// Whether the gap along `n`, whose square is `square`, separates the shapes.
     ///
     /// The gap is `n . at(B) - support(A, n) - support(B, -n)`, with an error of at most 64 u |n| size, which is part
     /// of the `error` in `far`. The comparison of squares is that of `gap` and `far |n|`.
     #[inline(always)]
-    fn judge<A: Body, B: Body>(&self, a: &A, b: &B, n: &Point, near: f64) -> Option<bool> {
-        let square = dot(n, n);
-        if square <= near {
-            return Some(true);
-        }
+    fn is_apart<A: Body, B: Body>(&self, a: &A, b: &B, n: &Point, square: f64) -> bool {
         let gap = (dot(n, b.at()) - a.support(n)) - b.support(&negative(n));
-        let is_apart = gap > 0.0
-            && gap * gap > (self.far * self.far) * (square * (1.0 + 4.0 * FEW))
-            && square > self.least;
-        is_apart.then_some(false)
+        gap > 0.0 && gap * gap > (self.far * self.far) * (square * (1.0 + 4.0 * FEW)) && square > self.least
     }
 }
 
@@ -127,6 +130,13 @@ pub(super) fn segments(a: &Segment, b: &Segment, reach: f64) -> Option<bool> {
 pub(super) fn decide<A: Body, B: Body>(a: &A, b: &B, reach: f64) -> Option<bool> {
     let size = norm_1(b.at()) + (a.size() + b.size());
     let limits = Limits::new(size, a.inner() + b.inner(), reach)?;
+    let square = dot(b.at(), b.at());
+    if limits.is_apart(a, b, b.at(), square) {
+        return Some(false);
+    }
+    if square < limits.near_of_balls {
+        return Some(true);
+    }
     let p = a.nearest_of(b.at(), limits.scale);
     let q = b.nearest_of(&p, limits.scale);
     let n = difference(&q, &p);
