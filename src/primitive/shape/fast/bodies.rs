@@ -16,11 +16,11 @@ use crate::vector::{cross, difference, dot};
 
 /// A convex core.
 pub(super) trait Body {
-    /// The reference point.
+    /// The reference point, which is in the core.
     fn at(&self) -> &Point;
     /// The greatest distance of a point of the core from the reference point, or more.
     fn size(&self) -> f64;
-    /// The radius of a ball in the core, or less.
+    /// The radius of a ball in the core about the reference point, or less.
     fn inner(&self) -> f64;
     /// The nearest point, up to rounding, of the core shrunk about its centre by the factor `scale`. Segments are not
     /// shrunk.

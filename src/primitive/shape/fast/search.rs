@@ -141,16 +141,24 @@ pub(super) fn decide<A: Body, B: Body>(a: &A, b: &B, reach: f64) -> Option<bool>
     let q = b.nearest_of(&p, limits.scale);
     let n = difference(&q, &p);
     match limits.judge(a, b, &n, limits.near_of_shrunk) {
-        None => search(a, b, &limits, &n),
+        None => search(a, b, &limits, &n, Some(&n)).or_else(|| search(a, b, &limits, &n, None)),
         certain => certain,
     }
 }
 
-/// Gilbert, Johnson and Keerthi's iteration on the differences of a point of B and a point of A.
+/// Gilbert, Johnson and Keerthi's iteration on the differences of a point of B and a point of A. With a
+/// difference `first` as a corner it takes two thirds of the time, but one pair in a few hundred ends in a flat
+/// simplex.
 #[inline(never)]
-fn search<A: Body, B: Body>(a: &A, b: &B, limits: &Limits, from: &Point) -> Option<bool> {
+fn search<A: Body, B: Body>(
+    a: &A,
+    b: &B,
+    limits: &Limits,
+    from: &Point,
+    first: Option<&Point>,
+) -> Option<bool> {
     let mut v = *from;
-    let mut simplex = Simplex::EMPTY;
+    let mut simplex = first.map_or(Simplex::EMPTY, Simplex::new);
     for _ in 0..ROUNDS {
         let opposite = negative(&v);
         let (p, q) = (a.farthest(&v), b.farthest(&opposite));

@@ -24,6 +24,11 @@ pub(super) struct Simplex {
 impl Simplex {
     pub(super) const EMPTY: Self = Self { corners: [[0.0; 3]; 4], len: 0 };
 
+    #[inline]
+    pub(super) const fn new(corner: &Point) -> Self {
+        Self { corners: [*corner; 4], len: 1 }
+    }
+
     /// Whether the corner is new.
     #[inline]
     pub(super) fn add(&mut self, w: &Point) -> bool {
