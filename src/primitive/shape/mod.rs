@@ -11,6 +11,7 @@ mod core;
 mod error;
 #[cfg_attr(not(test), expect(dead_code, reason = "the pair functions will call it"))]
 pub(crate) mod fast;
+pub mod lanes;
 
 pub use self::core::Core;
 pub use error::ShapeError;
