@@ -118,7 +118,7 @@ fn decide_part<V: Wide, const M: usize, const N: usize>(
     let inner = number(query.inner).plus(V::load(token, &lanes.inner, part));
     let near = reach.plus(inner.times(number(SHRINK))).times(number(1.0 - FEW)).minus(slack);
 
-    let d = difference(&load(token, &lanes.centre, part), &splat(token, &query.centre));
+    let d: Vector<V> = difference(&load(token, &lanes.centre, part), &splat(token, &query.centre));
     if M == 0 && N == 0 {
         let distance = dot(&d, &d).root();
         return Decided { apart: distance.exceeds(far), within: near.exceeds(distance) };
@@ -211,3 +211,6 @@ fn decide_part<V: Wide, const M: usize, const N: usize>(
     apart |= gap.exceeds(far.times(length)) & length.exceeds(slack);
     Decided { apart, within: near.exceeds(length) }
 }
+
+#[cfg(test)]
+mod tests;

@@ -20,7 +20,7 @@ impl Wide for Lanes {
     }
 
     #[inline(always)]
-    fn load(_: Avx512, numbers: &[f32; 16], part: usize) -> Self {
+    fn load(_: Avx512, numbers: &[f32; 16], _: usize) -> Self {
         let some = numbers;
         // SAFETY: the token proves the features; the array has the 64 bytes read; the load needs no alignment.
         Self(unsafe { _mm512_loadu_ps(some.as_ptr()) })

@@ -20,7 +20,7 @@ mod pairs;
 mod search;
 mod simplex;
 #[cfg(test)]
-mod tests;
+pub(crate) mod tests;
 
 use self::bodies::{Body, Segment};
 use super::{Core, Shape};

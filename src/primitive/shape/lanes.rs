@@ -38,6 +38,18 @@ pub struct Solid<const N: usize> {
 }
 
 impl<const N: usize> Solid<N> {
+    /// All numbers zero.
+    pub const EMPTY: Self = Self {
+        centre: [0.0; 3],
+        half: [[0.0; 3]; N],
+        radius: 0.0,
+        inner: 0.0,
+        size: 0.0,
+        inverse: [0.0; N],
+        extent: [0.0; N],
+        length: [0.0; N],
+    };
+
     /// A shape widened by `margin`. `None` if it is not a sphere, capsule or cuboid of `N` half edges.
     #[must_use]
     pub fn new(shape: &Shape, margin: f64) -> Option<Self> {

@@ -220,6 +220,21 @@ fn short(s: &Shape) -> Shape {
     Shape { core, radius: s.radius }
 }
 
+/// A shape in another unit.
+pub(crate) fn scaled(s: &Shape, by: f64) -> Shape {
+    let point = |p: Point| p.map(|x| x * by);
+    let core = match s.core {
+        Core::Point(p) => Core::Point(point(p)),
+        Core::Segment(ends) => Core::Segment(ends.map(point)),
+        Core::Cuboid { centre, half } => Core::Cuboid { centre: point(centre), half: half.map(point) },
+        Core::Cylinder { centre, half_axis, radius } => {
+            Core::Cylinder { centre: point(centre), half_axis: point(half_axis), radius: radius * by }
+        }
+        _ => unreachable!(),
+    };
+    Shape { core, radius: s.radius * by }
+}
+
 /// The greatest margin at which the verdict is `false`, up to rounding, if there is one.
 fn distance(a: &Shape, b: &Shape) -> f64 {
     let (mut low, mut high) = (0.0, 16.0);
@@ -438,21 +453,7 @@ fn cylinders_at_known_distances() {
             (high.hypot((across.sqrt() - r - s).max(0.0)) * (1.0 + rng.range(-1.0, 1.0) * 1e-10)).max(0.0);
         for m in [margin, 0.0, 1.0] {
             let difference = is_within(m);
-            let scaled = |s: &Shape| {
-                let point = |p: Point| p.map(|x| x * scale);
-                let core = match s.core {
-                    Core::Point(p) => Core::Point(point(p)),
-                    Core::Segment(ends) => Core::Segment(ends.map(point)),
-                    Core::Cylinder { centre, half_axis, radius } => Core::Cylinder {
-                        centre: point(centre),
-                        half_axis: point(half_axis),
-                        radius: radius * scale,
-                    },
-                    other => other,
-                };
-                Shape { core, radius: 0.0 }
-            };
-            let got = decide(&scaled(&a), &scaled(&b), m * scale);
+            let got = decide(&scaled(&a, scale), &scaled(&b, scale), m * scale);
             if difference.abs() > 1e-14 {
                 assert!(got.is_none_or(|got| got == (difference > 0.0)), "{a:?} {b:?} {m:e}: {difference:e}");
             }
