@@ -7,6 +7,7 @@ use crate::pose::Pose;
 use crate::primitive::Shape;
 use crate::primitive::shape::fast;
 use crate::rng::Rng;
+use alloc::vec::Vec;
 use glam::{DMat3, DVec3};
 
 /// A sphere, capsule or cuboid near the origin.
@@ -98,7 +99,6 @@ fn verdicts_are_those_of_the_filter() {
             counts = [counts[0] + some, counts[1] + all];
         }
     }
-    println!("{counts:?}");
     assert!(cfg!(miri) || 10 * counts[0] > 5 * counts[1], "{counts:?}");
 }
 
