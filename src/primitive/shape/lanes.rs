@@ -9,7 +9,8 @@ use crate::exact::{power_of_two, round_up_f32};
 use crate::range::Point;
 use crate::vector::dot;
 
-/// The range of [`Solid`]'s `size`: products of four sizes and their error bounds are normal numbers.
+/// The range of [`Solid`]'s `size`: products of two sizes and two error bounds are normal numbers. Smaller shapes count
+/// as of the least size.
 const LEAST: f64 = power_of_two(-20);
 const GREATEST: f64 = power_of_two(30);
 /// Shorter half edges of cuboids are not treated.
@@ -75,14 +76,18 @@ impl<const N: usize> Solid<N> {
         let narrow = |v: &Point| [v[0] as f32, v[1] as f32, v[2] as f32];
         let size = half.iter().fold(norm_1(centre), |sum, h| sum + norm_1(h));
         let shortest = half.iter().map(largest).fold(f64::INFINITY, f64::min);
-        let is_treated = size >= LEAST && size.max(radius) <= GREATEST && (N < 3 || shortest >= SHORTEST);
+        let is_treated = size.max(radius) <= GREATEST && (N < 3 || shortest >= SHORTEST);
         let mut solid = Self {
             centre: narrow(centre),
             half: [[0.0; 3]; N],
             radius: radius as f32,
             // Heights over a face are at least 0.999 of the edge.
             inner: if N < 3 { 0.0 } else { (0.5 * shortest) as f32 },
-            size: if is_treated { round_up_f32(size) } else { f32::INFINITY },
+            size: if is_treated {
+                round_up_f32(size.max(LEAST) * (1.0 + power_of_two(-48)))
+            } else {
+                f32::INFINITY
+            },
             inverse: [0.0; N],
             extent: [0.0; N],
             length: [0.0; N],
