@@ -18,6 +18,16 @@
 //! * Underflow: L is at least 2^-20, so slacks are at least 2^-39. Gaps along differences shorter than the slack are
 //!   not used, and half edges are at least 2^-60 long, so that all products that are compared are normal.
 //!
+//! **Separating axes.** Two cuboids are also tested along all 15 axes of two rectangular boxes, in coordinates along
+//! their edges. Let c be the sum of both `skew`. An exactly rectangular box has edges within 2.1 c of their length from
+//! those of each cuboid, so computed gaps and overlaps along a vector of length at most 1 err by less than
+//! (16 u + 8 c) L, and the support functions of cuboids and boxes differ by less than 4 c L. `DEEP` L + 8 c L covers
+//! both. Axes `a x b` are not normalized: they are shorter than 1, so that gaps and overlaps along the unit vector are
+//! larger. If all 15 overlaps exceed the slack, the difference of the boxes contains a ball about the origin of a
+//! radius above that by which the cuboids' support functions differ, so the cuboids meet. The axis of two edges that
+//! are parallel up to 2^-20 is left out: turning one box by three such angles, which moves support functions by less
+//! than 2^-17 L with the axes, makes them parallel, and then it is no axis.
+//!
 //! A core that contains a ball of radius r contains all points at most `SHRINK r` from the core shrunk by 1 - `SHRINK`:
 //! so points of shrunk cuboids that are near enough show that cuboids without a radius meet.
 
@@ -26,6 +36,9 @@ use crate::primitive::shape::lanes::{Decided, Solid, SolidLanes};
 
 const SLACK: f32 = power_of_two(-19) as f32;
 const FEW: f32 = power_of_two(-20) as f32;
+const DEEP: f32 = power_of_two(-16) as f32;
+/// The sines of angles that are those of parallel edges, with an error of 4 u.
+const PARALLEL: f32 = power_of_two(-21) as f32;
 const SHRINK: f32 = power_of_two(-10) as f32;
 /// Rounds of projections of two cuboids, and of a segment and a cuboid.
 const ROUNDS: usize = 4;
@@ -140,7 +153,14 @@ fn decide_part<V: Wide, const M: usize, const N: usize>(
             ab[i][j] = dot(&a[i], &b[j]);
         }
     }
-    let mut apart = 0;
+    let (mut apart, mut within) = (0, 0);
+    if M == 3 && N == 3 {
+        let sizes = number(query.size).plus(V::load(token, &lanes.size, part));
+        let skew = number(query.skew).plus(V::load(token, &lanes.skew, part));
+        let slack = sizes.times(number(DEEP).plus(skew.times(number(8.0))));
+        (apart, within) =
+            axes(token, query, lanes, part, (&da, &db, &ab), (reach.times(number(1.0 + FEW)), slack));
+    }
 
     // The half edges of cuboids as axes.
     if M == 3 {
@@ -209,7 +229,65 @@ fn decide_part<V: Wide, const M: usize, const N: usize>(
         gap = gap.minus(dot(&n, &b[j]).magnitude());
     }
     apart |= gap.exceeds(far.times(length)) & length.exceeds(slack);
-    Decided { apart, within: near.exceeds(length) }
+    Decided { apart, within: within | near.exceeds(length) }
+}
+
+/// The lanes that one of the 15 axes separates, and those that all show to meet; `limits` are the reach and the slack.
+#[inline(always)]
+fn axes<V: Wide, const M: usize, const N: usize>(
+    token: V::Token,
+    query: &Solid<M>,
+    lanes: &SolidLanes<N>,
+    part: usize,
+    (da, db, ab): (&[V; M], &[V; N], &[[V; N]; M]),
+    (reach, slack): (V, V),
+) -> (u16, u16) {
+    let zero = V::splat(token, 0.0);
+    // Lengths of the half edges, d along their directions, and the cosines of the angles between them.
+    let (mut p, mut q, mut t, mut w) = ([zero; 3], [zero; 3], [zero; 3], [zero; 3]);
+    let (mut per, mut cosine, mut magnitude) = ([zero; 3], [[zero; 3]; 3], [[zero; 3]; 3]);
+    for j in 0..N {
+        q[j] = V::load(token, &lanes.length[j], part);
+        per[j] = q[j].times(V::load(token, &lanes.inverse[j], part));
+        w[j] = db[j].times(per[j]).magnitude();
+    }
+    for i in 0..M {
+        p[i] = V::splat(token, query.length[i]);
+        let ours = V::splat(token, query.length[i] * query.inverse[i]);
+        t[i] = da[i].times(ours);
+        for j in 0..N {
+            cosine[i][j] = ab[i][j].times(ours.times(per[j]));
+            magnitude[i][j] = cosine[i][j].magnitude();
+        }
+    }
+    let far = reach.plus(slack);
+    let below = zero.minus(slack);
+    let (mut apart, mut within) = (0, u16::MAX);
+    let mut axis = |gap: V, is_parallel: u16| {
+        apart |= gap.exceeds(far);
+        within &= below.exceeds(gap) | is_parallel;
+    };
+    for i in 0..M {
+        let spread = q[0].times(magnitude[i][0]).plus(q[1].times(magnitude[i][1]));
+        axis(t[i].magnitude().minus(p[i].plus(spread.plus(q[2].times(magnitude[i][2])))), 0);
+    }
+    for j in 0..N {
+        let spread = p[0].times(magnitude[0][j]).plus(p[1].times(magnitude[1][j]));
+        axis(w[j].minus(q[j].plus(spread.plus(p[2].times(magnitude[2][j])))), 0);
+    }
+    let parallel = V::splat(token, PARALLEL);
+    for i in 0..M {
+        let (k, l) = ((i + 1) % 3, (i + 2) % 3);
+        for j in 0..N {
+            let (m, n) = ((j + 1) % 3, (j + 2) % 3);
+            let along = t[l].times(cosine[k][j]).minus(t[k].times(cosine[l][j])).magnitude();
+            let ours = p[k].times(magnitude[l][j]).plus(p[l].times(magnitude[k][j]));
+            let theirs = q[m].times(magnitude[i][n]).plus(q[n].times(magnitude[i][m]));
+            let is_parallel = parallel.exceeds(magnitude[k][j].greater(magnitude[l][j]));
+            axis(along.minus(ours.plus(theirs)), is_parallel);
+        }
+    }
+    (apart, within)
 }
 
 #[cfg(test)]

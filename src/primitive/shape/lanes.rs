@@ -36,6 +36,8 @@ pub struct Solid<const N: usize> {
     pub extent: [f32; N],
     /// The length of each half edge, about.
     pub length: [f32; N],
+    /// The greatest cosine of the angle between two half edges. Rounded up.
+    pub skew: f32,
 }
 
 impl<const N: usize> Solid<N> {
@@ -49,6 +51,7 @@ impl<const N: usize> Solid<N> {
         inverse: [0.0; N],
         extent: [0.0; N],
         length: [0.0; N],
+        skew: 0.0,
     };
 
     /// A shape widened by `margin`. `None` if it is not a sphere, capsule or cuboid of `N` half edges.
@@ -91,6 +94,7 @@ impl<const N: usize> Solid<N> {
             inverse: [0.0; N],
             extent: [0.0; N],
             length: [0.0; N],
+            skew: 0.0,
         };
         for (i, h) in half.iter().enumerate() {
             let square = dot(h, h);
@@ -99,6 +103,10 @@ impl<const N: usize> Solid<N> {
             let extent: f64 = half.iter().map(|g| dot(g, h).abs()).sum();
             solid.extent[i] = round_up_f32(extent * (1.0 + power_of_two(-48)));
             solid.length[i] = libm::sqrt(square) as f32;
+            for g in &half[..i] {
+                let cosine = dot(g, h).abs() / libm::sqrt(dot(g, g) * square);
+                solid.skew = solid.skew.max(round_up_f32(cosine + power_of_two(-48)));
+            }
         }
         solid
     }
@@ -124,6 +132,8 @@ pub struct SolidLanes<const N: usize> {
     pub extent: [[f32; 16]; N],
     /// See [`Solid::length`].
     pub length: [[f32; 16]; N],
+    /// See [`Solid::skew`].
+    pub skew: [f32; 16],
     /// The lanes that have a shape.
     pub used: u16,
 }
@@ -146,6 +156,7 @@ impl<const N: usize> SolidLanes<N> {
         inverse: [[0.0; 16]; N],
         extent: [[0.0; 16]; N],
         length: [[0.0; 16]; N],
+        skew: [0.0; 16],
         used: 0,
     };
 
@@ -175,6 +186,7 @@ impl<const N: usize> SolidLanes<N> {
         self.radius[lane] = solid.radius;
         self.inner[lane] = solid.inner;
         self.size[lane] = solid.size;
+        self.skew[lane] = solid.skew;
         self.used |= 1 << lane;
     }
 }
