@@ -4,9 +4,9 @@
 //! coordinates, in which about one pair in 10^5 is.
 //!
 //! **Method.** Near points of the two cores by alternating projections, in the coordinates along the half edges. For
-//! two segments, one step of the solution of the two equations. Then the certificates of the scalar filter: points that
-//! are near enough show that the shapes are within the margin; a gap along the difference of the points, along the line
-//! of centres or a half edge of a cuboid that is wide enough shows that they are not.
+//! two segments, the solution of the two equations. Then the certificates of the scalar filter: points that
+//! are near enough show that the shapes are within the margin; a gap along the difference of the points or a half edge of a
+//! cuboid that is wide enough shows that they are not.
 //!
 //! **Errors.** Let u = 2^-24 and L the sum of both `size`. Rounding to `f32` moves points of the cores by at most u L.
 //! * The coordinates along half edges are clamped, so exactly those of a point of the core. To compute the difference
@@ -160,7 +160,12 @@ fn decide_part<V: Wide, const M: usize, const N: usize>(
         let slack = sizes.times(number(DEEP).plus(skew.times(number(8.0))));
         (apart, within) =
             axes(token, query, lanes, part, (&da, &db, &ab), (reach.times(number(1.0 + FEW)), slack));
+        // What follows decides only lanes that are open, so that leaving does not change the result.
+        if apart | within == u16::MAX >> (16 - V::LANES) {
+            return Decided { apart, within };
+        }
     }
+    let open = !(apart | within);
 
     // The half edges of cuboids as axes.
     if M == 3 {
@@ -169,7 +174,7 @@ fn decide_part<V: Wide, const M: usize, const N: usize>(
             for j in 0..N {
                 gap = gap.minus(ab[i][j].magnitude());
             }
-            apart |= gap.exceeds(far.times(number(query.length[i])));
+            apart |= gap.exceeds(far.times(number(query.length[i]))) & open;
         }
     }
     if N == 3 {
@@ -178,7 +183,7 @@ fn decide_part<V: Wide, const M: usize, const N: usize>(
             for i in 0..M {
                 gap = gap.minus(ab[i][j].magnitude());
             }
-            apart |= gap.exceeds(far.times(V::load(token, &lanes.length[j], part)));
+            apart |= gap.exceeds(far.times(V::load(token, &lanes.length[j], part))) & open;
         }
     }
 
@@ -228,8 +233,9 @@ fn decide_part<V: Wide, const M: usize, const N: usize>(
     for j in 0..N {
         gap = gap.minus(dot(&n, &b[j]).magnitude());
     }
-    apart |= gap.exceeds(far.times(length)) & length.exceeds(slack);
-    Decided { apart, within: within | near.exceeds(length) }
+    apart |= gap.exceeds(far.times(length)) & length.exceeds(slack) & open;
+    within |= near.exceeds(length) & open;
+    Decided { apart, within }
 }
 
 /// The lanes that one of the 15 axes separates, and those that all show to meet; `limits` are the reach and the slack.
@@ -262,7 +268,7 @@ fn axes<V: Wide, const M: usize, const N: usize>(
     }
     let far = reach.plus(slack);
     let below = zero.minus(slack);
-    let (mut apart, mut within) = (0, u16::MAX);
+    let (mut apart, mut within) = (0, u16::MAX >> (16 - V::LANES));
     let mut axis = |gap: V, is_parallel: u16| {
         apart |= gap.exceeds(far);
         within &= below.exceeds(gap) | is_parallel;
