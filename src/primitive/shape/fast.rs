@@ -14,6 +14,7 @@
 //! nor overflow. Tests with products of more factors require `size` in 2^-100 .. 2^100. Then underflow adds at most
 //! 2^-1000 to numbers that are compared with multiples of `size`^2 2^-90 or more.
 
+mod axes;
 mod bodies;
 mod half_space;
 mod pairs;

@@ -128,6 +128,17 @@ pub(super) fn segments(a: &Segment, b: &Segment, reach: f64) -> Option<bool> {
 /// Two cores. The reference point of A is the origin.
 #[inline(always)]
 pub(super) fn decide<A: Body, B: Body>(a: &A, b: &B, reach: f64) -> Option<bool> {
+    decide_with(a, b, reach, |_| None)
+}
+
+/// [`decide`] with another filter before the search, which gets `size`.
+#[inline(always)]
+pub(super) fn decide_with<A: Body, B: Body>(
+    a: &A,
+    b: &B,
+    reach: f64,
+    filter: impl FnOnce(f64) -> Option<bool>,
+) -> Option<bool> {
     let size = norm_1(b.at()) + (a.size() + b.size());
     let limits = Limits::new(size, a.inner() + b.inner(), reach)?;
     let square = dot(b.at(), b.at());
@@ -136,6 +147,10 @@ pub(super) fn decide<A: Body, B: Body>(a: &A, b: &B, reach: f64) -> Option<bool>
     }
     if square < limits.near_of_balls {
         return Some(true);
+    }
+    let certain = filter(size);
+    if certain.is_some() {
+        return certain;
     }
     let p = a.nearest_of(b.at(), limits.scale);
     let q = b.nearest_of(&p, limits.scale);
