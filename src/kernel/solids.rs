@@ -117,6 +117,7 @@ pub(super) fn decide<V: Wide, const M: usize, const N: usize>(
 }
 
 #[inline(always)]
+#[expect(clippy::needless_range_loop, reason = "several arrays share the index")]
 fn decide_part<V: Wide, const M: usize, const N: usize>(
     token: V::Token,
     query: &Solid<M>,
@@ -187,12 +188,45 @@ fn decide_part<V: Wide, const M: usize, const N: usize>(
         }
     }
 
-    // Near points, x along a and y along b.
+    let (x, y) = near_points(token, query, lanes, part, (&da, &db, &ab));
+    let mut n = d;
+    for j in 0..N {
+        n = plus(&n, &times(y[j], &b[j]));
+    }
+    for i in 0..M {
+        n = difference(&n, &times(x[i], &a[i]));
+    }
+    let length = dot(&n, &n).root();
+    let mut gap = dot(&n, &d);
+    for i in 0..M {
+        gap = gap.minus(dot(&n, &a[i]).magnitude());
+    }
+    for j in 0..N {
+        gap = gap.minus(dot(&n, &b[j]).magnitude());
+    }
+    apart |= gap.exceeds(far.times(length)) & length.exceeds(slack) & open;
+    within |= near.exceeds(length) & open;
+    Decided { apart, within }
+}
+
+/// Coordinates of near points of the cores along the half edges of the query and of the lanes.
+#[inline(always)]
+fn near_points<V: Wide, const M: usize, const N: usize>(
+    token: V::Token,
+    query: &Solid<M>,
+    lanes: &SolidLanes<N>,
+    part: usize,
+    (da, db, ab): (&[V; M], &[V; N], &[[V; N]; M]),
+) -> ([V; M], [V; N]) {
+    let number = |x: f32| V::splat(token, x);
+    let zero = number(0.0);
     let (mut x, mut y) = ([zero; M], [zero; N]);
     let limit = |edges: usize| number(if edges == 3 { 1.0 - SHRINK } else { 1.0 });
     let clamp = |t: V, edges: usize| t.greater(zero.minus(limit(edges))).lesser(limit(edges));
     if M == 1 && N == 1 {
-        let (g, h) = (dot(&a[0], &a[0]), dot(&b[0], &b[0]));
+        let g = splat::<V>(token, &query.half[0]);
+        let h = load::<V>(token, &lanes.half[0], part);
+        let (g, h) = (dot(&g, &g), dot(&h, &h));
         let determinant = g.times(h).minus(ab[0][0].times(ab[0][0]));
         x[0] = clamp(da[0].times(h).minus(ab[0][0].times(db[0])).over(determinant), M);
     } else {
@@ -217,25 +251,7 @@ fn decide_part<V: Wide, const M: usize, const N: usize>(
             x[i] = clamp(along.times(number(query.inverse[i])), M);
         }
     }
-
-    let mut n = d;
-    for j in 0..N {
-        n = plus(&n, &times(y[j], &b[j]));
-    }
-    for i in 0..M {
-        n = difference(&n, &times(x[i], &a[i]));
-    }
-    let length = dot(&n, &n).root();
-    let mut gap = dot(&n, &d);
-    for i in 0..M {
-        gap = gap.minus(dot(&n, &a[i]).magnitude());
-    }
-    for j in 0..N {
-        gap = gap.minus(dot(&n, &b[j]).magnitude());
-    }
-    apart |= gap.exceeds(far.times(length)) & length.exceeds(slack) & open;
-    within |= near.exceeds(length) & open;
-    Decided { apart, within }
+    (x, y)
 }
 
 /// The lanes that one of the 15 axes separates, and those that all show to meet; `limits` are the reach and the slack.

@@ -101,6 +101,26 @@ fn verdicts_are_those_of_the_filter() {
     assert!(cfg!(miri) || 10 * counts[0] > 5 * counts[1], "{counts:?}");
 }
 
+/// Cuboids that touch up to a part of their size down to 2^-25, for the axes.
+#[test]
+fn touching_cuboids() {
+    let mut rng = Rng::new(2);
+    let mut certain = 0;
+    let count = if cfg!(miri) { 0 } else { 1000 };
+    for _ in 0..count {
+        let (a, b) = fast::tests::touching(&mut rng, (2, 2), 25);
+        let (query, lanes) = (Solid::<3>::new(&a, 0.0).unwrap(), SolidLanes::<3>::new(&[b, b]).unwrap());
+        let (got, want) = (Scalar::new().solids(&query, &lanes), fast::decide(&a, &b, 0.0));
+        let verdicts = (got.apart >> 1 & 1 == 1, got.within >> 1 & 1 == 1);
+        assert!(verdicts != (true, true) && verdicts.0 == (got.apart & 1 == 1));
+        if verdicts != (false, false) {
+            certain += 1;
+            assert!(want.is_none_or(|want| want == verdicts.1), "{a:?} {b:?}: {verdicts:?}");
+        }
+    }
+    assert!(cfg!(miri) || 10 * certain > 4 * count, "{certain}");
+}
+
 #[test]
 fn other_kinds_have_no_lanes() {
     let (sphere, cone) = (Shape::sphere(1.0).unwrap(), Shape::cone(1.0, 1.0).unwrap());

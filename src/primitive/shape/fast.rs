@@ -39,8 +39,7 @@ const FEW: f64 = power_of_two(-47);
 #[inline]
 pub(crate) fn decide(a: &Shape, b: &Shape, margin: f64) -> Option<bool> {
     let reach = (a.radius + b.radius) + margin;
-    // False for NaN.
-    if !(margin >= 0.0) {
+    if margin < 0.0 || margin.is_nan() {
         return None;
     }
     match (&a.core, &b.core) {

@@ -24,6 +24,7 @@ const PARALLEL: f64 = power_of_two(-30);
 
 /// Whether the parallelepiped about the origin with the half edges `a` meets that about `d` with the half edges `b`.
 #[inline]
+#[expect(clippy::needless_range_loop, reason = "several arrays share the index")]
 pub(super) fn meet(a: &[Point; 3], d: &Point, b: &[Point; 3], q: f64) -> Option<bool> {
     let n = [cross(&a[1], &a[2]), cross(&a[2], &a[0]), cross(&a[0], &a[1])];
     let one = 1.0 / dot(&n[0], &a[0]);

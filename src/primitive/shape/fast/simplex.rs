@@ -74,7 +74,7 @@ type Found = (Point, [Point; 3], usize);
 fn on_segment(a: &Point, b: &Point) -> Found {
     let edge = difference(b, a);
     let (along, square) = (-dot(a, &edge), dot(&edge, &edge));
-    if !(along > 0.0) {
+    if along <= 0.0 || along.is_nan() {
         (*a, [*a; 3], 1)
     } else if along >= square {
         (*b, [*b; 3], 1)

@@ -270,6 +270,55 @@ fn polytopes_are_decided_as_in_exact_arithmetic() {
     assert!(cfg!(miri) || 10 * certain > 5 * all);
 }
 
+/// A pair of polytopes without a margin that touch up to a few last bits, or up to `least`: long cuboids often by edges
+/// that are nearly parallel.
+pub(crate) fn touching(rng: &mut Rng, kinds: (u64, u64), least: i64) -> (Shape, Shape) {
+    let mut one = |kind| {
+        let s = if kind == 2 && rng.below(2) == 0 {
+            Shape::cuboid([rng.range(2.0, 4.0), rng.range(0.2, 0.4), rng.range(0.2, 0.4)]).unwrap()
+        } else {
+            shape(rng, kind)
+        };
+        let s = Shape { core: s.core, radius: if kind == 2 { 0.0 } else { s.radius } };
+        let p = if rng.below(2) == 0 {
+            let small = rng.range(-1.0, 1.0) * 2.0_f64.powi(-(rng.below(30) as i32));
+            let (x, z) = (DMat3::from_rotation_x(rng.range(-3.0, 3.0)), DMat3::from_rotation_z(small));
+            Pose::new(z * x, DVec3::ZERO).unwrap()
+        } else {
+            pose(rng, 0.5)
+        };
+        s.moved(&p)
+    };
+    let (a, b) = (one(kinds.0), one(kinds.1));
+    let direction: [f64; 3] = core::array::from_fn(|_| rng.range(-1.0, 1.0));
+    let at =
+        |t: f64| b.moved(&Pose::new(DMat3::IDENTITY, DVec3::from_array(direction.map(|x| t * x))).unwrap());
+    let (mut low, mut high) = (0.0, 64.0);
+    for _ in 0..60 {
+        let middle = 0.5 * (low + high);
+        if decide(&a, &at(middle), 0.0) == Some(false) { high = middle } else { low = middle }
+    }
+    let by = 2.0_f64.powi(-(rng.int(4, least) as i32));
+    let t = high + by * rng.range(-1.0, 1.0);
+    (short(&a), short(&at(t)))
+}
+
+#[test]
+fn touching_polytopes_are_decided_as_in_exact_arithmetic() {
+    let mut rng = Rng::new(6);
+    let (mut certain, mut all) = (0, 0);
+    for i in 0..if cfg!(miri) { 1 } else { 6000 } {
+        let kinds = if rng.below(3) == 0 { (rng.below(3), rng.below(3)) } else { (2, 2) };
+        let (a, b) = touching(&mut rng, kinds, 51);
+        all += 1;
+        if let Some(verdict) = decide(&a, &b, 0.0) {
+            certain += 1;
+            assert_eq!(Some(verdict), exact(&a, &b, 0.0, -110), "{i}: {a:?} {b:?}");
+        }
+    }
+    assert!(cfg!(miri) || 10 * certain > 5 * all, "{certain} of {all}");
+}
+
 /// Pairs of any magnitudes: what overflows or underflows must stay undecided.
 #[test]
 fn numbers_of_any_magnitude_never_give_a_wrong_verdict() {
