@@ -106,7 +106,7 @@ fn verdicts_are_those_of_the_filter() {
 fn touching_cuboids() {
     let mut rng = Rng::new(2);
     let mut certain = 0;
-    let count = if cfg!(miri) { 0 } else { 1000 };
+    let count = if cfg!(miri) { 0 } else { 6000 };
     for _ in 0..count {
         let (a, b) = fast::tests::touching(&mut rng, (2, 2), 25);
         let (query, lanes) = (Solid::<3>::new(&a, 0.0).unwrap(), SolidLanes::<3>::new(&[b, b]).unwrap());
