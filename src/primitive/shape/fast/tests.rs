@@ -251,7 +251,7 @@ fn distance(a: &Shape, b: &Shape) -> f64 {
 fn polytopes_are_decided_as_in_exact_arithmetic() {
     let mut rng = Rng::new(1);
     let (mut certain, mut all) = (0, 0);
-    for i in 0..if cfg!(miri) { 3 } else { 1500 } {
+    for i in 0..1500 {
         let kinds = (rng.below(4), rng.below(4));
         let (a, b) = (shape(&mut rng, kinds.0), shape(&mut rng, kinds.1));
         let (a, b) = (short(&a.moved(&pose(&mut rng, 1.0))), short(&b.moved(&pose(&mut rng, 1.0))));
@@ -267,7 +267,7 @@ fn polytopes_are_decided_as_in_exact_arithmetic() {
             }
         }
     }
-    assert!(cfg!(miri) || 10 * certain > 5 * all);
+    assert!(10 * certain > 5 * all);
 }
 
 /// A pair of polytopes without a margin that touch up to a few last bits, or up to `least`: long cuboids often by edges
@@ -312,7 +312,7 @@ pub(crate) fn touching(rng: &mut Rng, kinds: (u64, u64), least: i64) -> (Shape, 
 fn touching_polytopes_are_decided_as_in_exact_arithmetic() {
     let mut rng = Rng::new(6);
     let (mut certain, mut all) = (0, 0);
-    for i in 0..if cfg!(miri) { 1 } else { 6000 } {
+    for i in 0..6000 {
         let kinds = if rng.below(3) == 0 { (rng.below(3), rng.below(3)) } else { (rng.int(1, 2) as u64, 2) };
         let (a, b) = touching(&mut rng, kinds, 51);
         all += 1;
@@ -321,7 +321,7 @@ fn touching_polytopes_are_decided_as_in_exact_arithmetic() {
             assert_eq!(Some(verdict), exact(&a, &b, 0.0, -110), "{i}: {a:?} {b:?}");
         }
     }
-    assert!(cfg!(miri) || 10 * certain > 5 * all, "{certain} of {all}");
+    assert!(10 * certain > 5 * all, "{certain} of {all}");
 }
 
 /// Pairs of any magnitudes: what overflows or underflows must stay undecided.
@@ -329,7 +329,7 @@ fn touching_polytopes_are_decided_as_in_exact_arithmetic() {
 fn numbers_of_any_magnitude_never_give_a_wrong_verdict() {
     let mut rng = Rng::new(2);
     let mut certain = 0;
-    for i in 0..if cfg!(miri) { 3 } else { 2000 } {
+    for i in 0..2000 {
         let all = power_of_two(*rng.pick(&[-240, -160, -101, -99, 0, 99, 101, 160, 250, 290]));
         let mut draw = || {
             let kind = rng.below(4);
@@ -363,7 +363,7 @@ fn numbers_of_any_magnitude_never_give_a_wrong_verdict() {
             }
         }
     }
-    assert!(cfg!(miri) || certain > 2000);
+    assert!(certain > 2000);
 }
 
 /// The convex hull of some points: the first of them, and all relative to it.
@@ -443,7 +443,7 @@ fn corners(core: &Core, is_around: bool) -> Vec<Point> {
 fn cylinders_are_between_prisms() {
     let mut rng = Rng::new(3);
     let (mut certain, mut all) = (0, 0);
-    for i in 0..if cfg!(miri) { 2 } else { 2000 } {
+    for i in 0..2000 {
         let kinds = (*rng.pick(&[0, 1, 2, 4]), 4);
         let (a, b) = (shape(&mut rng, kinds.0), shape(&mut rng, kinds.1));
         let (a, b) = (a.moved(&pose(&mut rng, 2.0)), b.moved(&pose(&mut rng, 2.0)));
@@ -460,7 +460,7 @@ fn cylinders_are_between_prisms() {
             assert!(other.is_none_or(|other| other == verdict), "{i}: {a:?} {b:?} {margin:e}");
         }
     }
-    assert!(cfg!(miri) || certain > 3000 && all > 3000);
+    assert!(certain > 3000 && all > 3000);
 }
 
 /// Cylinders along an axis whose distances are roots of integers, at margins next to them.
@@ -468,7 +468,7 @@ fn cylinders_are_between_prisms() {
 fn cylinders_at_known_distances() {
     let mut rng = Rng::new(4);
     let mut certain = [0, 0];
-    for _ in 0..if cfg!(miri) { 20 } else { 20_000 } {
+    for _ in 0..20_000 {
         let axis = rng.below(3) as usize;
         let (x, y) = ((axis + 1) % 3, (axis + 2) % 3);
         let mut number = |low: i64| rng.int(low, 8) as f64;
@@ -512,14 +512,14 @@ fn cylinders_at_known_distances() {
             certain[usize::from(got.is_some())] += 1;
         }
     }
-    assert!(cfg!(miri) || certain[1] > 4 * certain[0], "{certain:?}");
+    assert!(certain[1] > 4 * certain[0], "{certain:?}");
 }
 
 #[test]
 fn half_spaces_are_decided_as_in_exact_arithmetic() {
     let mut rng = Rng::new(5);
     let (mut certain, mut all) = (0, 0);
-    for i in 0..if cfg!(miri) { 20 } else { 5000 } {
+    for i in 0..5000 {
         let kind = rng.below(4);
         let (a, b) = (shape(&mut rng, 6), shape(&mut rng, kind));
         let (a, b) = (a.moved(&pose(&mut rng, 1.0)), short(&b.moved(&pose(&mut rng, 1.0))));
@@ -542,7 +542,7 @@ fn half_spaces_are_decided_as_in_exact_arithmetic() {
             }
         }
     }
-    assert!(cfg!(miri) || 10 * certain > 5 * all);
+    assert!(10 * certain > 5 * all);
 }
 
 #[test]
