@@ -9,9 +9,12 @@
 
 mod core;
 mod error;
+mod hull;
+mod stored;
 
 pub use self::core::Core;
 pub use error::ShapeError;
+pub use stored::{ShapeNumbers, Shapes, SingleShapeNumbers};
 
 use crate::exact::power_of_two;
 use crate::pose::Pose;
