@@ -120,6 +120,18 @@ impl Query {
         self.around(&PlacedTree { tree: solid, pose: Some(pose) }, point, &ray, stats)
     }
 
+    /// If a solid winds around a point of its own frame, the crossed primitive with the lowest source index. An error if
+    /// the budget was spent.
+    pub(in crate::query) fn inside_of_solid<N: Lanes, P: Primitive>(
+        &self,
+        solid: &BvhRef<'_, N, P>,
+        point: &Point,
+        stats: &mut QueryStats,
+    ) -> Result<Option<u32>, f64> {
+        let Some(ray) = Ray::new(point, solid.header(), None) else { return Ok(None) };
+        self.around(&PlacedTree { tree: solid, pose: None }, point, &ray, stats)
+    }
+
     /// If the solid winds around the point, the crossed primitive with the lowest source index. If the budget was
     /// spent, the error is an upper bound of the distance of the point from the solid.
     fn around<N: Lanes, P: Primitive>(

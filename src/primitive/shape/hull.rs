@@ -31,7 +31,7 @@ pub(super) struct Hull {
 }
 
 impl Hull {
-    pub(super) fn corners(&self) -> impl Iterator<Item = Point> + use<> {
+    pub(super) fn corners(&self) -> impl Iterator<Item = Point> + Clone + use<> {
         self.corners.into_iter().take(self.len)
     }
 

@@ -10,10 +10,13 @@
 mod core;
 mod error;
 mod hull;
+mod pair;
 mod stored;
 
 pub use self::core::Core;
 pub use error::ShapeError;
+pub use pair::{is_within, meets, separation};
+pub(crate) use pair::{is_near, nearer};
 pub use stored::{ShapeNumbers, Shapes, SingleShapeNumbers};
 
 use crate::exact::power_of_two;
@@ -44,6 +47,12 @@ impl Shape {
         core.check()?;
         error::length_or_zero(radius)?;
         Ok(Self { core, radius })
+    }
+
+    /// A shape of numbers that are known to be valid.
+    #[inline(always)]
+    pub(crate) const fn unchecked(core: Core, radius: f64) -> Self {
+        Self { core, radius }
     }
 
     /// A ball about the origin.
@@ -141,4 +150,10 @@ impl Shape {
     pub fn moved(&self, pose: &Pose) -> Self {
         Self { core: self.core.moved(pose), radius: self.radius }
     }
+}
+
+/// Points whose convex hull, widened by the radius, contains a shape. NaN for a half-space.
+pub(crate) fn hull_of(shape: &Shape) -> (impl Iterator<Item = Point> + Clone + use<>, f64) {
+    let hull = hull::Hull::of(shape);
+    (hull.corners(), hull.radius)
 }
