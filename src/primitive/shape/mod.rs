@@ -7,11 +7,23 @@
 //! without a translation, coordinate by coordinate and rounded to `f64`. Radii stay as they are. Verdicts are those of
 //! the shape with these numbers.
 
+mod axes;
+mod bounds;
 mod core;
+mod depth;
 mod error;
+mod exact;
+mod fast;
+mod gjk;
+mod half_space;
 mod hull;
+pub mod lanes;
+mod newton;
 mod pair;
+mod place;
+mod polytope;
 mod stored;
+mod support;
 
 pub use self::core::Core;
 pub use error::ShapeError;
