@@ -9,6 +9,7 @@
 
 mod core;
 mod error;
+pub(crate) mod exact;
 
 pub use self::core::Core;
 pub use error::ShapeError;
