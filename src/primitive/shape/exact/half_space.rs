@@ -34,10 +34,12 @@ impl HalfSpace {
             return Some(polytope.corners().iter().any(|corner| self.is_within_of_point(corner, reach)));
         }
         let round = Round::new(other, unit)?;
-        Some(round.discs().any(|centre| self.is_within_of_disc(&centre, &round, reach)) || {
-            let tip = round.end();
-            round.is_cone && self.is_within_of_point(&tip, reach)
-        })
+        Some(
+            round.discs().any(|centre| self.is_within_of_disc(&centre, &round, reach)) || {
+                let tip = round.end();
+                round.is_cone && self.is_within_of_point(&tip, reach)
+            },
+        )
     }
 
     /// The height of a point above the plane, times the length of the normal.

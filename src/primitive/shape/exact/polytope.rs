@@ -31,20 +31,7 @@ const TRIANGLE: Features =
 /// Bit k of the number of a corner is the sign of half edge k.
 const CUBOID: Features = Features {
     corners: 8,
-    edges: &[
-        [0, 1],
-        [0, 2],
-        [0, 4],
-        [1, 3],
-        [1, 5],
-        [2, 3],
-        [2, 6],
-        [3, 7],
-        [4, 5],
-        [4, 6],
-        [5, 7],
-        [6, 7],
-    ],
+    edges: &[[0, 1], [0, 2], [0, 4], [1, 3], [1, 5], [2, 3], [2, 6], [3, 7], [4, 5], [4, 6], [5, 7], [6, 7]],
     directions: 3,
     faces: &[&[0, 1, 3, 2], &[4, 5, 7, 6], &[0, 1, 5, 4], &[2, 3, 7, 6], &[0, 2, 6, 4], &[1, 3, 7, 5]],
 };

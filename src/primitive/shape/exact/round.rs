@@ -2,8 +2,8 @@
 
 use super::Core;
 use super::integers::{
-    Four, One, Six, Three, Twelve, Two, cross, difference, dot, is_at_least_root, is_at_most, is_at_most_root,
-    is_zero, negative, one, twice,
+    Four, One, Six, Three, Twelve, Two, cross, difference, dot, is_at_least_root, is_at_most,
+    is_at_most_root, is_zero, negative, one, twice,
 };
 
 /// A disc, and the same disc at the other end of the axis (a cylinder) or a tip there (a cone). Points p of it satisfy
