@@ -18,6 +18,11 @@ use core::ops::{Add, Mul, Sub};
 trait Number: Clone + Ord + From<i64> + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> {}
 impl<T: Clone + Ord + From<i64> + Add<Output = T> + Sub<Output = T> + Mul<Output = T>> Number for T {}
 
+/// For shapes of small whole numbers.
+fn whole(x: f64) -> i128 {
+    x as i128
+}
+
 fn dot<T: Number>(u: &[T; 3], v: &[T; 3]) -> T {
     let product = |k: usize| u[k].clone() * v[k].clone();
     product(0) + product(1) + product(2)

@@ -18,57 +18,66 @@ fn edges(core: &Core) -> Vec<(usize, usize)> {
     }
 }
 
-/// Less if they overlap, equal if they touch or one is on the axis of the other, greater if they are apart.
-fn compare(round: &Core, polytope: &Core) -> Ordering {
-    let number = |x: f64| x as i128;
-    let vector = |v: &Point| v.map(number);
-    let (base, axis, radius, is_cone) = match round {
+/// The base, axis and radius, and whether it is a cone.
+pub(super) fn parts<T: Number>(core: &Core, number: impl Fn(f64) -> T) -> ([T; 3], [T; 3], T, bool) {
+    let vector = |v: &Point| v.map(&number);
+    match core {
         Core::Cylinder { centre, half_axis: h, radius } => {
             (minus(&vector(centre), &vector(h)), vector(&h.map(|x| 2.0 * x)), number(*radius), false)
         }
         Core::Cone { base, axis, radius } => (vector(base), vector(axis), number(*radius), true),
-        _ => panic!("{round:?} is not round"),
-    };
+        _ => panic!("{core:?} is not round"),
+    }
+}
+
+/// Less if they overlap, equal if they touch or the polytope meets the axis, greater if they are apart.
+pub(super) fn compare<T: Number>(round: &Core, polytope: &Core, number: impl Fn(f64) -> T) -> Ordering {
+    let (base, axis, radius, is_cone) = parts(round, &number);
     let all = corners(polytope, number);
-    let end = combined(&1, &base, &1, &axis);
-    if square_between(&[base, end], &all).0 == 0 {
+    let (zero, one) = (T::from(0), T::from(1));
+    let negative = |x: &T| zero.clone() - x.clone();
+    let product = |x: &T, y: &T| x.clone() * y.clone();
+    let end = combined(&one, &base, &one, &axis);
+    if square_between(&[base.clone(), end], &all).0 == zero {
         return Ordering::Equal;
     }
     let length = dot(&axis, &axis);
     // Vectors from the base with their denominators.
-    let offsets: Vec<[i128; 3]> = all.iter().map(|p| minus(p, &base)).collect();
-    let mut section: Vec<([i128; 3], i128)> =
-        offsets.iter().filter(|d| (0..=length).contains(&dot(d, &axis))).map(|d| (*d, 1)).collect();
+    let offsets: Vec<[T; 3]> = all.iter().map(|p| minus(p, &base)).collect();
+    let is_between = |d: &&[T; 3]| (zero.clone()..=length.clone()).contains(&dot(d, &axis));
+    let mut section: Vec<_> = offsets.iter().filter(is_between).map(|d| (d.clone(), one.clone())).collect();
     for (i, j) in edges(polytope) {
-        let (p, q) = (&offsets[i], &offsets[j]);
-        for plane in [0, length] {
-            let (s, t) = (dot(p, &axis) - plane, dot(q, &axis) - plane);
-            if s * t < 0 {
-                let sign = (t - s).signum();
-                section.push((combined(&(t * sign), p, &(-s * sign), q), (t - s) * sign));
+        for plane in [&zero, &length] {
+            let height = |i: usize| dot(&offsets[i], &axis) - plane.clone();
+            let (low, high) = if height(i) < height(j) { (i, j) } else { (j, i) };
+            if height(low) < zero && height(high) > zero {
+                let (s, t) = (negative(&height(low)), height(high));
+                section.push((combined(&t, &offsets[low], &s, &offsets[high]), s + t));
             }
         }
     }
     // On the disc: a vector from its middle, and its denominator, which is zero for a direction.
-    let project = |(d, weight): &([i128; 3], i128)| {
+    let project = |(d, weight): &([T; 3], T)| {
         let along = dot(d, &axis);
-        let on_disc = combined(&length, d, &-along, &axis);
-        (on_disc, length * weight - if is_cone { along } else { 0 })
+        let on_disc = combined(&length, d, &negative(&along), &axis);
+        let width = product(&length, weight);
+        (on_disc, if is_cone { width - along } else { width })
     };
     let images: Vec<_> = section.iter().map(project).collect();
+    let square = product(&radius, &radius);
+    let compare_end = |p: &[T; 3], v: &T| dot(p, p).cmp(&product(&square, &product(v, v)));
     // The axis does not meet the section, so the nearest point of its image is on an edge.
-    let compare_pair = |(p, v): &([i128; 3], i128), (q, w): &([i128; 3], i128)| {
-        let edge = combined(v, q, &-w, p);
-        let square = radius * radius;
-        if *v == 0 && *w == 0 {
+    let compare_pair = |(p, v): &([T; 3], T), (q, w): &([T; 3], T)| {
+        let edge = combined(v, q, &negative(w), p);
+        if *v == zero && *w == zero {
             Ordering::Greater
-        } else if *v > 0 && -dot(p, &edge) <= 0 {
-            dot(p, p).cmp(&(square * v * v))
-        } else if *w > 0 && dot(q, &edge) <= 0 {
-            dot(q, q).cmp(&(square * w * w))
+        } else if *v > zero && dot(p, &edge) >= zero {
+            compare_end(p, v)
+        } else if *w > zero && dot(q, &edge) <= zero {
+            compare_end(q, w)
         } else {
             let moment = cross(p, q);
-            dot(&moment, &moment).cmp(&(square * dot(&edge, &edge)))
+            dot(&moment, &moment).cmp(&product(&square, &dot(&edge, &edge)))
         }
     };
     let pairs = images.iter().flat_map(|p| images.iter().map(move |q| compare_pair(p, q)));
@@ -85,7 +94,7 @@ fn polytopes_meet_round_solids_where_their_sections_do() {
             let most = rng.int(1, 6);
             let mut draw = Draw { rng: &mut rng, most };
             let (a, b) = (draw.core(round), draw.core(polytope));
-            let expected = tally.add(compare(&a, &b));
+            let expected = tally.add(compare(&a, &b, whole));
             assert_eq!(verdict(&mut rng, &a, &b, 0.0), Some(expected), "{a:?} {b:?}");
         }
         tally.check(count / 100, &format!("{round} {polytope}"));
@@ -102,7 +111,7 @@ fn faces_are_pierced_away_from_their_edges() {
         let polytope = draw.core(2 + i % 2);
         draw.most = 3;
         let round = draw.core(4 + i / 2 % 2);
-        let expected = tally.add(compare(&round, &polytope));
+        let expected = tally.add(compare(&round, &polytope, whole));
         assert_eq!(verdict(&mut rng, &round, &polytope, 0.0), Some(expected), "{round:?} {polytope:?}");
     }
     tally.check(1000, "pierced");
