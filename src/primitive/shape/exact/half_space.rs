@@ -34,12 +34,9 @@ impl HalfSpace {
             return Some(polytope.corners().iter().any(|corner| self.is_within_of_point(corner, reach)));
         }
         let round = Round::new(other, unit)?;
-        Some(
-            round.discs().any(|centre| self.is_within_of_disc(&centre, &round, reach)) || {
-                let tip = round.end();
-                round.is_cone && self.is_within_of_point(&tip, reach)
-            },
-        )
+        let is_near_disc = |middle: &[One; 3]| self.is_within_of_disc(middle, &round, reach);
+        let is_near_tip = || self.is_within_of_point(&round.end(), reach);
+        Some(round.discs().any(|middle| is_near_disc(&middle)) || round.is_cone && is_near_tip())
     }
 
     /// The height of a point above the plane, times the length of the normal.
@@ -52,11 +49,10 @@ impl HalfSpace {
         is_at_most_root::<20, 10, 40>(&self.height(p), &reach.times::<10, 20>(reach).times(&square), &one())
     }
 
-    /// For a disc of a cylinder or cone, with axis a and radius r, at height h, and reach R: whether
-    /// `h <= r |n x a| / |a| + R |n|`, where n is the normal. The lowest point of the disc is `r |n x a| / |a|` below
-    /// its centre.
-    fn is_within_of_disc(&self, centre: &[One; 3], round: &Round, reach: &One) -> bool {
-        let height = self.height(centre);
+    /// For a disc at height h, of a solid with axis a and radius r, the normal n and the reach R: whether
+    /// `h <= r |n x a| / |a| + R |n|`. The lowest point of the disc is `r |n x a| / |a|` below its middle.
+    fn is_within_of_disc(&self, middle: &[One; 3], round: &Round, reach: &One) -> bool {
+        let height = self.height(middle);
         if height.sign() <= 0 {
             return true;
         }
@@ -64,7 +60,7 @@ impl HalfSpace {
         let axis: Two = dot(&round.axis, &round.axis);
         let normal: Two = dot(&self.normal, &self.normal);
         let squared = |x: &One| -> Two { x.times(x) };
-        // With all terms squared and multiplied by a^2: h <= sqrt(u) + sqrt(v) if h^2 - u - v <= 2 sqrt(u v).
+        // The squares of the three terms, times a^2: h <= sqrt(u) + sqrt(v) if and only if h^2 - u - v <= 2 sqrt(u v).
         let u: Six = squared(&round.radius).times(&dot::<20, 20, 40>(&tilt, &tilt));
         let v: Six = squared(reach).times::<20, 40>(&normal).times(&axis);
         let h: Six = height.times::<20, 40>(&height).times(&axis);

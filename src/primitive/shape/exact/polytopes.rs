@@ -6,10 +6,10 @@ use crate::exact::wide::Wide;
 
 /// Whether two polytopes have a common point: whether no axis separates them.
 ///
-/// An axis separates them strictly or not at all, so any axis may be tested, and it remains to show that these are
-/// enough. Let E be the directions of the edges of both. The two have a common point if the origin is in their
-/// Minkowski difference D, a polytope with edges parallel to vectors of E. If the origin is not in D, one of these
-/// separates:
+/// If their projections on some axis have no common point, they have none. It remains to show that the axes tested are
+/// enough. Let E be the directions of the edges of both. The two have a common point if and only if the origin is in
+/// their Minkowski difference D, a polytope whose edges are parallel to vectors of E. If the origin is not in D, one of
+/// these separates:
 /// * D has a volume: the normal of a facet, which is the cross product of two edges.
 /// * D is in a plane: the plane's normal n, the cross product of two edges; or the normal in the plane of an edge e,
 ///   which is n x e.
@@ -75,12 +75,12 @@ fn separates<const L: usize>(axis: &[Wide<L>; 3], a: &Polytope, b: &Polytope) ->
 
 /// Whether two polytopes without a common point are at most `reach` apart.
 ///
-/// Each candidate is the distance of a point of one from a point of the other. The least distance of the two is among
-/// them: it is between two of the features that the two, or their surfaces, are unions of. If several points are
-/// nearest, some two are in features whose dimensions have the least sum. These features have no common direction, along
-/// which the points could be moved to the border of one, and both are perpendicular to the line between the points. So
-/// they are two corners, a corner and an edge, a corner and a face, or two edges that are not parallel, and the points
-/// are the feet of their common perpendicular.
+/// Each candidate is the distance of a point of one from a point of the other, and the least distance is among them:
+/// The nearest points are in corners, inside of edges or inside of faces, since the polytopes or their surfaces are
+/// unions of these. Of all pairs of nearest points, take one whose two features have the least sum of dimensions. The
+/// features have no common direction, along which both points could be moved to the border of one. Both features are
+/// perpendicular to the line between the points. So they are two corners, a corner and an edge, a corner and a face, or
+/// two edges that are not parallel, and the points are the feet of their common perpendicular.
 pub(super) fn is_near(a: &Polytope, b: &Polytope, reach: &One) -> bool {
     let square: Two = reach.times(reach);
     let near_corners = a.corners().iter().any(|p| {

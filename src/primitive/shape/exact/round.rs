@@ -6,9 +6,10 @@ use super::integers::{
     is_at_most_root, is_zero, negative, one, twice,
 };
 
-/// A disc, and the same disc at the other end of the axis (a cylinder) or a tip there (a cone). Points p of it satisfy
-/// `0 <= d.a <= a^2` and `|d x a| a^2 <= r |a| w`, where d is p minus the base, a the axis, and w is a^2 for a cylinder and
-/// `a^2 - d.a` for a cone.
+/// A disc, and the same disc at the other end of the axis (a cylinder) or a tip there (a cone).
+///
+/// With d from the base to a point, the axis a and the radius r, it is the set of all points with `0 <= d.a <= a^2` and
+/// `|d x a| |a| <= r w`, where w is `a^2` for a cylinder and `a^2 - d.a` for a cone.
 #[derive(Debug)]
 pub(super) struct Round {
     /// The middle of the disc.

@@ -10,8 +10,8 @@ use super::round::Round;
 
 /// Whether the two have a common point, for a polytope that is not a point.
 ///
-/// If they have one, then a face meets the round solid, or an edge where there are no faces, or the solid is inside of a
-/// cuboid with a volume, and so its base.
+/// If they have one, then an edge or a face meets the round solid, or the solid, and so its base, is inside of a cuboid
+/// with a volume.
 pub(super) fn meet(round: &Round, polytope: &Polytope) -> bool {
     polytope.edges().any(|(from, edge)| edge_meets(round, from, &edge))
         || polytope.faces().any(|face| face_meets(round, &face))
@@ -116,11 +116,11 @@ impl Quadratic {
 /// The plane of the face cuts the solid in a convex set K, which does not meet the border of the face. So the face
 /// contains K or is disjoint from it, and one point of K decides. There is one among these candidates, unless K is
 /// empty:
-/// * Where the plane crosses the axis, or the base if the plane contains the axis.
-/// * If the axis is strictly on one side of the plane, some point of K is on a disc, since the point of the solid that is
-///   lowest in the direction of the plane's normal is on a disc or is the tip, which the axis includes. The disc meets
-///   the plane in a chord. Its middle is the foot of the perpendicular, in the plane of the disc, from the middle of the
-///   disc.
+/// * The point where the plane crosses the axis, or the base if the plane contains the axis.
+/// * If the axis is strictly on one side of the plane, the middles of chords. The point of the solid that is lowest in
+///   the direction of the plane's normal is on a disc, or is a tip, which the axis includes. So if K is not empty, a
+///   disc meets the plane, in a chord or a point of its rim. The middle is the foot of the perpendicular, in the plane
+///   of the disc, from the middle of the disc.
 ///
 /// Each candidate is tested for being in both.
 fn face_meets(round: &Round, face: &Face<'_>) -> bool {
@@ -147,8 +147,8 @@ fn axis_meets(round: &Round, face: &Face<'_>) -> bool {
     face.is_over::<40, 30, 70>(&point, &weight)
 }
 
-/// For a disc with middle c at height s over the face, with the normal n, the axis a and the radius r: the foot is
-/// `c - s / |n x a|^2 m` with `m = a^2 n - (n.a) a`, where |m| is `|a| |n x a|`.
+/// Whether the middle of the chord is in the disc and in the face. With the normal n, the axis a, and the middle c of
+/// the disc at height s, it is `c - s / |n x a|^2 m` for `m = a^2 n - (n.a) a`, whose length is `|a| |n x a|`.
 fn chord_meets(round: &Round, face: &Face<'_>, middle: &[One; 3]) -> bool {
     let axis = &round.axis;
     let tilt: [Three; 3] = cross(&face.normal, axis);

@@ -25,7 +25,7 @@ pub(super) fn square_between<T: Number>(a: &[[T; 3]], b: &[[T; 3]]) -> (T, T) {
 /// is reduced to the corners of which it is a positive combination.
 fn nearest_of<T: Number>(simplex: &mut Vec<[T; 3]>) -> ([T; 3], T, T) {
     let zero = T::from(0);
-    let mut best: Option<([T; 3], T, T, Vec<[T; 3]>)> = None;
+    let mut best: Option<(_, T, T, Vec<_>)> = None;
     for subset in 1_usize..1 << simplex.len() {
         let corners: Vec<_> =
             (0..simplex.len()).filter(|i| subset >> i & 1 == 1).map(|i| &simplex[i]).collect();
