@@ -48,19 +48,30 @@ pub(crate) fn is_within(a: &Shape, b: &Shape, margin: f64) -> Option<bool> {
         (Core::Cylinder { .. } | Core::Cone { .. }, Core::Cylinder { .. } | Core::Cone { .. }) => None,
         (round @ (Core::Cylinder { .. } | Core::Cone { .. }), other)
         | (other, round @ (Core::Cylinder { .. } | Core::Cone { .. })) => {
-            let round = Round::new(round, unit)?;
-            let other = Polytope::new(other, unit)?;
-            match other.corners() {
-                [point] => Some(round.is_within_of_point(point, &reach)),
-                _ if reach.sign() == 0 => Some(round_against_polytope::meet(&round, &other)),
-                _ => None,
-            }
+            round_is_within(round, other, unit, &reach)
         }
-        (a, b) => {
-            let (a, b) = (Polytope::new(a, unit)?, Polytope::new(b, unit)?);
-            Some(polytopes::meet(&a, &b) || reach.sign() > 0 && polytopes::is_near(&a, &b, &reach))
-        }
+        (a, b) => Some(polytope_is_within(a, b, unit, &reach)),
     }
+}
+
+// Functions of their own, so that the polytopes of one are not on the stack of another.
+
+#[inline(never)]
+fn round_is_within(round: &Core, other: &Core, unit: i32, reach: &One) -> Option<bool> {
+    let round = Round::new(round, unit)?;
+    if let Core::Point(point) = other {
+        return Some(round.is_within_of_point(&point.map(|x| One::new(x, unit)), reach));
+    }
+    if reach.sign() > 0 {
+        return None;
+    }
+    Some(round_against_polytope::meet(&round, &Polytope::new(other, unit)))
+}
+
+#[inline(never)]
+fn polytope_is_within(a: &Core, b: &Core, unit: i32, reach: &One) -> bool {
+    let (a, b) = (Polytope::new(a, unit), Polytope::new(b, unit));
+    polytopes::meet(&a, &b) || reach.sign() > 0 && polytopes::is_near(&a, &b, reach)
 }
 
 /// The numbers of a core that are lengths, and zeros. A half-space has its offset: normals have a unit of their own.

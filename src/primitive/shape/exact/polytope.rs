@@ -24,6 +24,7 @@ struct Features {
     faces: &'static [&'static [usize]],
 }
 
+const NONE: Features = Features { corners: 0, edges: &[], directions: 0, faces: &[] };
 const POINT: Features = Features { corners: 1, edges: &[], directions: 0, faces: &[] };
 const SEGMENT: Features = Features { corners: 2, edges: &[[0, 1]], directions: 1, faces: &[] };
 const TRIANGLE: Features =
@@ -45,8 +46,9 @@ pub(super) struct Face<'a> {
 }
 
 impl Polytope {
-    /// `None` for other cores.
-    pub(super) fn new(core: &Core, unit: i32) -> Option<Self> {
+    /// Without corners for other cores.
+    #[inline(never)]
+    pub(super) fn new(core: &Core, unit: i32) -> Self {
         let number = |x: f64| One::new(x, unit);
         let mut corners = [[One::ZERO; 3]; 8];
         let mut set = |points: &[[f64; 3]]| {
@@ -78,9 +80,9 @@ impl Polytope {
                 }
                 &CUBOID
             }
-            Core::Cylinder { .. } | Core::Cone { .. } | Core::HalfSpace { .. } => return None,
+            Core::Cylinder { .. } | Core::Cone { .. } | Core::HalfSpace { .. } => &NONE,
         };
-        Some(Self { corners, features })
+        Self { corners, features }
     }
 
     pub(super) fn of_point(point: [One; 3]) -> Self {
@@ -122,6 +124,7 @@ impl Face<'_> {
 
     /// Whether the point `x / weight` is in the prism of the face along its normal, which must not be zero. `R` must
     /// have room for three degrees more than `L` has.
+    #[inline(never)]
     pub(super) fn is_over<const L: usize, const W: usize, const R: usize>(
         &self,
         x: &[Wide<L>; 3],

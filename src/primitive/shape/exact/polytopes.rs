@@ -16,6 +16,7 @@ use crate::exact::wide::Wide;
 /// * D is on a line along e: e; or, if the origin is not on the line, the perpendicular of the line through it. With d
 ///   from the origin to a point of D, that is e x (e x d).
 /// * D is a point d: d.
+#[inline(never)]
 pub(super) fn meet(a: &Polytope, b: &Polytope) -> bool {
     let mut directions = [[One::ZERO; 3]; 6];
     let mut count = 0;
@@ -56,21 +57,25 @@ pub(super) fn meet(a: &Polytope, b: &Polytope) -> bool {
 }
 
 /// Whether the projections on an axis, of degree three at most, have no common point.
+#[inline(never)]
 fn separates<const L: usize>(axis: &[Wide<L>; 3], a: &Polytope, b: &Polytope) -> bool {
-    let project = |p: &Polytope| {
-        let mut range: Option<[Four; 2]> = None;
-        for corner in p.corners() {
-            let x: Four = dot(axis, corner);
-            let [least, greatest] = range.unwrap_or([x; 2]);
-            range = Some([
-                if is_at_most(&x, &least) { x } else { least },
-                if is_at_most(&greatest, &x) { x } else { greatest },
-            ]);
+    let (a, b) = (projection(axis, a), projection(axis, b));
+    !is_at_most(&a[0], &b[1]) || !is_at_most(&b[0], &a[1])
+}
+
+/// The least and the greatest of a projection.
+#[inline(never)]
+fn projection<const L: usize>(axis: &[Wide<L>; 3], p: &Polytope) -> [Four; 2] {
+    let mut range = [dot(axis, &p.corners()[0]); 2];
+    for corner in &p.corners()[1..] {
+        let x: Four = dot(axis, corner);
+        if is_at_most(&x, &range[0]) {
+            range[0] = x;
+        } else if is_at_most(&range[1], &x) {
+            range[1] = x;
         }
-        range.unwrap_or([Four::ZERO; 2])
-    };
-    let ([a_least, a_greatest], [b_least, b_greatest]) = (project(a), project(b));
-    !is_at_most(&a_least, &b_greatest) || !is_at_most(&b_least, &a_greatest)
+    }
+    range
 }
 
 /// Whether two polytopes without a common point are at most `reach` apart.
@@ -81,6 +86,7 @@ fn separates<const L: usize>(axis: &[Wide<L>; 3], a: &Polytope, b: &Polytope) ->
 /// features have no common direction, along which both points could be moved to the border of one. Both features are
 /// perpendicular to the line between the points. So they are two corners, a corner and an edge, a corner and a face, or
 /// two edges that are not parallel, and the points are the feet of their common perpendicular.
+#[inline(never)]
 pub(super) fn is_near(a: &Polytope, b: &Polytope, reach: &One) -> bool {
     let square: Two = reach.times(reach);
     let near_corners = a.corners().iter().any(|p| {
@@ -97,6 +103,7 @@ pub(super) fn is_near(a: &Polytope, b: &Polytope, reach: &One) -> bool {
         || has_near_edges(a, b, &square)
 }
 
+#[inline(never)]
 fn has_corner_near_edge(a: &Polytope, b: &Polytope, square: &Two) -> bool {
     b.edges().any(|(from, edge)| {
         let length: Two = dot(&edge, &edge);
@@ -112,6 +119,7 @@ fn has_corner_near_edge(a: &Polytope, b: &Polytope, square: &Two) -> bool {
     })
 }
 
+#[inline(never)]
 fn has_corner_near_face(a: &Polytope, b: &Polytope, square: &Two) -> bool {
     b.faces().filter(|face| !is_zero(&face.normal)).any(|face| {
         let length: Four = dot(&face.normal, &face.normal);
@@ -123,6 +131,7 @@ fn has_corner_near_face(a: &Polytope, b: &Polytope, square: &Two) -> bool {
     })
 }
 
+#[inline(never)]
 fn has_near_edges(a: &Polytope, b: &Polytope, square: &Two) -> bool {
     a.edges().any(|(p, u)| {
         b.edges().any(|(q, v)| {

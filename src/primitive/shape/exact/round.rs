@@ -22,6 +22,7 @@ pub(super) struct Round {
 
 impl Round {
     /// `None` for other cores, and without an axis.
+    #[inline(never)]
     pub(super) fn new(core: &Core, unit: i32) -> Option<Self> {
         let vector = |v: &[f64; 3]| v.map(|x| One::new(x, unit));
         let round = match core {
@@ -57,6 +58,7 @@ impl Round {
     }
 
     /// Whether a point is at most `reach` away.
+    #[inline(never)]
     pub(super) fn is_within_of_point(&self, p: &[One; 3], reach: &One) -> bool {
         let profile = Profile::new(self, p, reach);
         if self.is_cone { profile.is_near_cone(&self.radius) } else { profile.is_near_cylinder() }
@@ -109,6 +111,7 @@ impl Profile {
 
     /// Whether the rim of a disc is near: `(rho - r)^2 + z^2 <= R^2`, where `rho^2 + z^2` is the squared distance from
     /// its middle.
+    #[inline(never)]
     fn is_near_rim(&self, from_middle: &Two) -> bool {
         let rest = from_middle.plus(&self.radius).minus(&self.reach);
         let radius: Two = twice(&twice(&self.radius));
@@ -116,6 +119,7 @@ impl Profile {
     }
 
     /// The nearest point is on the side, on a disc, or on the rim of a disc.
+    #[inline(never)]
     fn is_near_cylinder(&self) -> bool {
         let is_below = self.along.sign() < 0;
         let beyond = if is_below { negative(&self.along) } else { self.along.minus(&self.length) };
@@ -131,6 +135,7 @@ impl Profile {
     /// The nearest point is on the disc, on its rim, on the tip, or on the side. With z the height above the base and H
     /// that of the tip, the foot on the slant line, from (r, 0) to (0, H), is at most at the rim if
     /// `r^2 + z H <= r rho`, and at least at the tip if `z H - H^2 >= r rho`.
+    #[inline(never)]
     fn is_near_cone(&self, radius: &One) -> bool {
         if self.along.sign() <= 0 && self.is_over_disc() {
             return self.is_near_plane(&self.along);

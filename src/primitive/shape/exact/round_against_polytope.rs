@@ -1,8 +1,8 @@
 //! Cylinders and cones against polytopes: do they meet?
 
 use super::integers::{
-    Eight, Four, One, Seven, Six, Ten, Three, Two, cross, difference, dot, is_at_most, is_zero, negative,
-    one, scaled, twice,
+    Eight, Four, One, Seven, Six, Ten, Three, Two, cross, difference, dot, is_zero, minor, negative, one,
+    twice,
 };
 use super::polytope::{Face, Polytope};
 use super::polytopes;
@@ -12,10 +12,16 @@ use super::round::Round;
 ///
 /// If they have one, then an edge or a face meets the round solid, or the solid, and so its base, is inside of a cuboid
 /// with a volume.
+#[inline(never)]
 pub(super) fn meet(round: &Round, polytope: &Polytope) -> bool {
     polytope.edges().any(|(from, edge)| edge_meets(round, from, &edge))
         || polytope.faces().any(|face| face_meets(round, &face))
-        || polytopes::meet(&Polytope::of_point(round.base), polytope)
+        || base_is_inside(round, polytope)
+}
+
+#[inline(never)]
+fn base_is_inside(round: &Round, polytope: &Polytope) -> bool {
+    polytopes::meet(&Polytope::of_point(round.base), polytope)
 }
 
 /// The ratio of two numbers. The denominator is positive.
@@ -26,41 +32,50 @@ struct Ratio {
 }
 
 impl Ratio {
+    #[inline(never)]
     fn is_at_most(&self, other: &Self) -> bool {
-        let [x, y]: [Four; 2] =
-            [self.numerator.times(&other.denominator), other.numerator.times(&self.denominator)];
-        is_at_most(&x, &y)
+        let difference: Four =
+            minor(&self.numerator, &other.denominator, &other.numerator, &self.denominator);
+        difference.sign() <= 0
     }
 }
 
-/// Whether a segment has a point in the solid. The points of the segment between the planes of the two ends form an
-/// interval. There a point is in the solid if a quadratic polynomial is not positive.
+/// Whether a segment has a point in the solid: whether a quadratic polynomial has a value of at most zero between the
+/// planes of the two ends.
+#[inline(never)]
 fn edge_meets(round: &Round, from: &[One; 3], edge: &[One; 3]) -> bool {
     let to_point = difference(from, &round.base);
+    part_between_planes(round, &to_point, edge)
+        .is_some_and(|ends| Quadratic::new(round, &to_point, edge).has_value_up_to_zero(&ends))
+}
+
+/// The part of a segment between the planes of the two ends, as an interval of its parameter t.
+#[inline(never)]
+fn part_between_planes(round: &Round, to_point: &[One; 3], edge: &[One; 3]) -> Option<[Ratio; 2]> {
     let length: Two = dot(&round.axis, &round.axis);
-    let [start, slope]: [Two; 2] = [dot(&to_point, &round.axis), dot(edge, &round.axis)];
+    let [start, slope]: [Two; 2] = [dot(to_point, &round.axis), dot(edge, &round.axis)];
     let one = Two::new(1.0, 0);
     let mut ends = [Two::ZERO, one].map(|numerator| Ratio { numerator, denominator: one });
     // start + t slope >= 0, and length - start - t slope >= 0.
     for (value, slope) in [(start, slope), (length.minus(&start), negative(&slope))] {
-        match slope.sign() {
-            0 if value.sign() < 0 => return false,
-            0 => {}
-            1 => {
-                let end = Ratio { numerator: negative(&value), denominator: slope };
-                if ends[0].is_at_most(&end) {
-                    ends[0] = end;
-                }
+        if slope.sign() == 0 {
+            if value.sign() < 0 {
+                return None;
             }
-            _ => {
-                let end = Ratio { numerator: value, denominator: negative(&slope) };
-                if end.is_at_most(&ends[1]) {
-                    ends[1] = end;
-                }
-            }
+            continue;
+        }
+        let is_lower = slope.sign() > 0;
+        let end = if is_lower {
+            Ratio { numerator: negative(&value), denominator: slope }
+        } else {
+            Ratio { numerator: value, denominator: negative(&slope) }
+        };
+        let former = &mut ends[usize::from(!is_lower)];
+        if is_lower == former.is_at_most(&end) {
+            *former = end;
         }
     }
-    ends[0].is_at_most(&ends[1]) && Quadratic::new(round, &to_point, edge).has_value_up_to_zero(&ends)
+    ends[0].is_at_most(&ends[1]).then_some(ends)
 }
 
 /// `q t^2 + 2 b t + c`: for a point of the segment, the difference of the squares of `|d x a| |a|` and `r w`
@@ -72,6 +87,7 @@ struct Quadratic {
 }
 
 impl Quadratic {
+    #[inline(never)]
     fn new(round: &Round, to_point: &[One; 3], edge: &[One; 3]) -> Self {
         let length: Two = dot(&round.axis, &round.axis);
         let radius: Two = round.radius.times(&round.radius);
@@ -84,30 +100,34 @@ impl Quadratic {
         let form = |i: usize, j: usize| -> Six {
             let around: Four = dot(&moments[i], &moments[j]);
             let width: Four = widths[i].times(&widths[j]);
-            around.times::<20, 60>(&length).minus(&width.times(&radius))
+            minor(&around, &length, &width, &radius)
         };
         Self { q: form(1, 1), b: form(0, 1), c: form(0, 0) }
     }
 
     /// Whether there is a value of at most zero in an interval. The least value is at an end or where the derivative is
     /// zero.
+    #[inline(never)]
     fn has_value_up_to_zero(&self, ends: &[Ratio; 2]) -> bool {
         let Self { q, b, c } = self;
-        let at = |t: &Ratio| {
-            let Ratio { numerator: n, denominator: d } = t;
-            let [nn, nd, dd]: [Four; 3] = [n.times(n), n.times(d), d.times(d)];
-            let first: Ten = q.times(&nn);
-            first.plus(&twice(b).times(&nd)).plus(&c.times(&dd))
-        };
         // The sign of the derivative, for a positive q.
         let derivative = |t: &Ratio| -> i32 {
-            let first: Eight = q.times(&t.numerator);
-            first.plus(&b.times(&t.denominator)).sign()
+            let derivative: Eight = minor(q, &t.numerator, b, &negative(&t.denominator));
+            derivative.sign()
         };
-        let has_inner_minimum = || q.sign() > 0 && derivative(&ends[0]) < 0 && derivative(&ends[1]) > 0;
-        at(&ends[0]).sign() <= 0
-            || at(&ends[1]).sign() <= 0
-            || has_inner_minimum() && is_at_most::<120>(&q.times(c), &b.times(b))
+        let has_roots = || minor::<60, 60, 60, 60, 120>(b, b, q, c).sign() >= 0;
+        self.sign_at(&ends[0]) <= 0
+            || self.sign_at(&ends[1]) <= 0
+            || q.sign() > 0 && derivative(&ends[0]) < 0 && derivative(&ends[1]) > 0 && has_roots()
+    }
+
+    #[inline(never)]
+    fn sign_at(&self, t: &Ratio) -> i32 {
+        let denominator = negative(&t.denominator);
+        let sum: Eight = minor(&self.q, &t.numerator, &twice(&self.b), &denominator);
+        let square: Four = t.denominator.times(&denominator);
+        let sum: Ten = minor(&sum, &t.numerator, &self.c, &square);
+        sum.sign()
     }
 }
 
@@ -128,10 +148,12 @@ fn face_meets(round: &Round, face: &Face<'_>) -> bool {
         && (axis_meets(round, face) || round.discs().any(|middle| chord_meets(round, face, &middle)))
 }
 
+#[inline(never)]
 fn height(face: &Face<'_>, p: &[One; 3]) -> Three {
     dot(&face.normal, &difference(p, face.corner()))
 }
 
+#[inline(never)]
 fn axis_meets(round: &Round, face: &Face<'_>) -> bool {
     let end = round.end();
     let [at_base, at_end] = [height(face, &round.base), height(face, &end)];
@@ -142,13 +164,13 @@ fn axis_meets(round: &Round, face: &Face<'_>) -> bool {
         return false;
     }
     let weight = at_end.minus(&at_base);
-    let point: [Four; 3] =
-        [0, 1, 2].map(|k| at_end.times::<10, 40>(&round.base[k]).minus(&at_base.times(&end[k])));
+    let point: [Four; 3] = [0, 1, 2].map(|k| minor(&at_end, &round.base[k], &at_base, &end[k]));
     face.is_over::<40, 30, 70>(&point, &weight)
 }
 
 /// Whether the middle of the chord is in the disc and in the face. With the normal n, the axis a, and the middle c of
 /// the disc at height s, it is `c - s / |n x a|^2 m` for `m = a^2 n - (n.a) a`, whose length is `|a| |n x a|`.
+#[inline(never)]
 fn chord_meets(round: &Round, face: &Face<'_>, middle: &[One; 3]) -> bool {
     let axis = &round.axis;
     let tilt: [Three; 3] = cross(&face.normal, axis);
@@ -160,12 +182,14 @@ fn chord_meets(round: &Round, face: &Face<'_>, middle: &[One; 3]) -> bool {
     let radius: Two = round.radius.times(&round.radius);
     let height = height(face, middle);
     let square: Six = height.times(&height);
-    if !is_at_most::<80>(&square.times(&length), &radius.times(&weight)) {
+    if minor::<60, 20, 20, 60, 80>(&square, &length, &radius, &weight).sign() > 0 {
         return false;
     }
     let along: Three = dot(&face.normal, axis);
-    let direction: [Four; 3] =
-        difference(&scaled::<20, 20, 40>(&length, &face.normal), &scaled::<30, 10, 40>(&along, axis));
-    let foot: [Seven; 3] = difference(&scaled(&weight, middle), &scaled(&height, &direction));
+    let mut foot = [Seven::ZERO; 3];
+    for (k, coordinate) in foot.iter_mut().enumerate() {
+        let direction: Four = minor(&length, &face.normal[k], &along, &axis[k]);
+        *coordinate = minor(&weight, &middle[k], &height, &direction);
+    }
     face.is_over::<70, 60, 100>(&foot, &weight)
 }
