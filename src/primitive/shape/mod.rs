@@ -7,8 +7,15 @@
 //! without a translation, coordinate by coordinate and rounded to `f64`. Radii stay as they are. Verdicts are those of
 //! the shape with these numbers.
 
+pub(crate) mod bounds;
 mod core;
+pub(crate) mod depth;
 mod error;
+mod gjk;
+mod half_space;
+mod newton;
+mod place;
+mod support;
 
 pub use self::core::Core;
 pub use error::ShapeError;
