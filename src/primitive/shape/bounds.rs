@@ -18,6 +18,9 @@ mod tests;
 /// The most steps of the algorithm of Gilbert, Johnson and Keerthi. Polytopes with up to eight corners need fewer than 30.
 const STEPS: usize = 64;
 
+/// Points with a smaller squared distance, in units of the squared size, may be one point inside of both.
+const NEAR: f64 = power_of_two(-60);
+
 /// Sizes between which no square or product of four lengths above 2^-80 of the size leaves the range of `f64`.
 const COMFORTABLE: core::ops::RangeInclusive<f64> = power_of_two(-100)..=power_of_two(100);
 
@@ -95,22 +98,52 @@ impl<'p> Search<'p> {
 
     #[inline(always)]
     fn run(mut self) -> Bounds {
-        if self.newton(Places::guess(self.pair)) {
-            return self.finish();
+        if !self.newton(Places::guess(self.pair)) {
+            self.gjk();
+        } else if self.may_meet() {
+            self.overlap();
         }
-        self.gjk();
         self.finish()
+    }
+
+    /// The bounds do not tell whether the cores meet, which decides for shapes without radii.
+    #[inline(always)]
+    fn may_meet(&self) -> bool {
+        self.lower <= 0.0 && self.upper > self.radius[0]
+    }
+
+    /// Looks for a tetrahedron in A - B that certainly contains the origin.
+    #[cold]
+    #[inline(never)]
+    fn overlap(&mut self) {
+        let mut simplex = Simplex::new();
+        let mut direction = self.pair.between;
+        for _ in 0..STEPS {
+            let (point, of_a) = self.lower_along(&direction);
+            if self.lower > 0.0 || simplex.has(&point) {
+                return;
+            }
+            simplex.add(point, of_a);
+            let nearest = simplex.reduce();
+            if nearest.inside {
+                if simplex.surely_contains_origin(self.pair.slack, self.pair.size) {
+                    self.upper = 0.0;
+                }
+                return;
+            }
+            direction = nearest.direction;
+        }
     }
 
     /// Proposes the closest points near these places.
     #[inline(always)]
     fn newton(&mut self, mut places: Places) -> bool {
         let found = places.found(self.pair);
-        if self.is_solved_by(&found) {
+        if self.is_solved_by(&found, &places) {
             return true;
         }
         let found = places.refine(self.pair);
-        if self.is_solved_by(&found) {
+        if self.is_solved_by(&found, &places) {
             return true;
         }
         self.lower_along(&found.between);
@@ -118,8 +151,14 @@ impl<'p> Search<'p> {
     }
 
     #[inline(always)]
-    fn is_solved_by(&mut self, found: &Found) -> bool {
+    fn is_solved_by(&mut self, found: &Found, places: &Places) -> bool {
         self.upper_by(&found.between, &found.of_a);
+        if dot(&found.between, &found.between) < NEAR * (self.pair.size * self.pair.size)
+            && places.surely_meet(self.pair, &found.between)
+        {
+            self.upper = 0.0;
+            return true;
+        }
         self.lower_along(&found.direction);
         self.is_done()
     }

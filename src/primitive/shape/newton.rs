@@ -64,6 +64,13 @@ impl Places {
         Found { between, of_a, direction: perpendicular(&ways, &between) }
     }
 
+    /// Whether the cores certainly meet, because one of the two points is so far inside of its core that a ball about it has the
+    /// other one.
+    pub(super) fn surely_meet(&self, pair: &Pair, between: &Point) -> bool {
+        let apart = libm::sqrt(dot(between, between)) + pair.slack;
+        pair.a.form.room(&self.a) > apart || pair.b.form.room(&self.b) > apart
+    }
+
     /// The ways of both, those of B negated, and the number of those of A.
     #[inline(always)]
     fn ways(&self, pair: &Pair, between: &Point) -> (Ways, usize) {

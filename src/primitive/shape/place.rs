@@ -121,6 +121,28 @@ impl Form {
         }
     }
 
+    /// The radius of a ball about a place that is certainly inside of the core, up to the slack of a pair. The angles between
+    /// the half edges of a cuboid are right ones within 1e-4, so its faces are nearer than its half edges are long
+    /// by a factor of 1 - 4e-4 at most.
+    pub(super) fn room(&self, place: &Place) -> f64 {
+        let along = |k: usize, half: &Point| (1.0 - place.x[k].abs()) * libm::sqrt(dot(half, half));
+        let across = |u: &Point| {
+            let out = libm::sqrt(place.disc[0] * place.disc[0] + place.disc[1] * place.disc[1]);
+            (1.0 - out) * libm::sqrt(dot(u, u))
+        };
+        match self {
+            Self::Point | Self::Segment(_) | Self::Triangle(_) => 0.0,
+            Self::Cuboid([x, y, z]) => 0.999 * along(0, x).min(along(1, y)).min(along(2, z)),
+            Self::Cylinder(half, [u, _]) => 0.999 * along(0, half).min(across(u)),
+            Self::Cone(half, [u, _]) => {
+                let (height, radius) = (2.0 * libm::sqrt(dot(half, half)), libm::sqrt(dot(u, u)));
+                let up = 0.5 * (1.0 + place.x[0]) * height;
+                let out = 0.5 * (1.0 - place.x[0]) * across(u);
+                0.999 * up.min(out * (height / libm::sqrt(height * height + radius * radius)))
+            }
+        }
+    }
+
     /// The ways that a place may move if it is pulled against `pull`: those not barred by the boundary of the core.
     #[inline(always)]
     pub(super) fn ways(&self, place: &Place, pull: &Point, ways: &mut Ways) {
