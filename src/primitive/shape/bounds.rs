@@ -79,7 +79,10 @@ pub(super) struct Search<'p> {
     /// Cores farther apart are of no interest.
     limit: f64,
     tolerance: f64,
+    /// The largest gap found; negative if all directions have overlaps.
     pub(super) lower: f64,
+    /// The direction of that gap.
+    pub(super) along: Point,
     pub(super) upper: f64,
     /// The vector from the point of B to that of A, and A's point from its centre.
     between: Point,
@@ -92,18 +95,31 @@ impl<'p> Search<'p> {
         let sum = radii[0] + radii[1];
         let radius = [sum * (1.0 - f64::EPSILON), sum * (1.0 + f64::EPSILON)];
         let limit = (limit + radius[1]) * (1.0 + 8.0 * f64::EPSILON);
-        let (between, of_a) = ([0.0; 3], [0.0; 3]);
-        Self { pair, radii, radius, limit, tolerance, lower: 0.0, upper: f64::INFINITY, between, of_a }
+        let (lower, upper) = (f64::NEG_INFINITY, f64::INFINITY);
+        let zero = [0.0; 3];
+        Self { pair, radii, radius, limit, tolerance, lower, upper, along: zero, between: zero, of_a: zero }
     }
 
     #[inline(always)]
     fn run(mut self) -> Bounds {
-        if !self.newton(Places::guess(self.pair)) {
-            self.gjk();
-        } else if self.may_meet() {
+        self.search();
+        self.finish()
+    }
+
+    #[inline(always)]
+    fn search(&mut self) {
+        self.approach();
+        if self.may_meet() {
             self.overlap();
         }
-        self.finish()
+    }
+
+    /// Looks for the closest points.
+    #[inline(always)]
+    pub(super) fn approach(&mut self) {
+        if !self.newton(Places::guess(self.pair)) {
+            self.gjk();
+        }
     }
 
     /// The bounds do not tell whether the cores meet, which decides for shapes without radii.
@@ -115,24 +131,26 @@ impl<'p> Search<'p> {
     /// Looks for a tetrahedron in A - B that certainly contains the origin.
     #[cold]
     #[inline(never)]
-    fn overlap(&mut self) {
+    pub(super) fn overlap(&mut self) -> Option<[Point; 4]> {
         let mut simplex = Simplex::new();
         let mut direction = self.pair.between;
         for _ in 0..STEPS {
             let (point, of_a) = self.lower_along(&direction);
             if self.lower > 0.0 || simplex.has(&point) {
-                return;
+                return None;
             }
             simplex.add(point, of_a);
             let nearest = simplex.reduce();
             if nearest.inside {
                 if simplex.surely_contains_origin(self.pair.slack, self.pair.size) {
                     self.upper = 0.0;
+                    return Some(simplex.points);
                 }
-                return;
+                return None;
             }
             direction = nearest.direction;
         }
+        None
     }
 
     /// Proposes the closest points near these places.
@@ -180,7 +198,7 @@ impl<'p> Search<'p> {
             self.upper_by(&nearest.point, &nearest.of_a);
             if nearest.inside {
                 if simplex.surely_contains_origin(self.pair.slack, self.pair.size) {
-                    (self.upper, self.lower) = (0.0, 0.0);
+                    self.upper = 0.0;
                 }
                 return;
             }
@@ -213,7 +231,7 @@ impl<'p> Search<'p> {
         if square > f64::MIN_POSITIVE {
             let gap = dot(d, &point) / libm::sqrt(square) - self.pair.slack;
             if gap > self.lower {
-                self.lower = gap;
+                (self.lower, self.along) = (gap, *d);
             }
         }
         (point, of_a)

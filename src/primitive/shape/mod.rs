@@ -7,6 +7,7 @@
 //! without a translation, coordinate by coordinate and rounded to `f64`. Radii stay as they are. Verdicts are those of
 //! the shape with these numbers.
 
+mod axes;
 pub(crate) mod bounds;
 mod core;
 pub(crate) mod depth;
@@ -15,6 +16,7 @@ mod gjk;
 mod half_space;
 mod newton;
 mod place;
+mod polytope;
 mod support;
 
 pub use self::core::Core;
