@@ -45,7 +45,8 @@ fn edges(form: &Form) -> Option<Edges> {
 pub(super) fn depth(pair: &Pair) -> Option<(f64, f64, Point)> {
     let (a, b) = (edges(&pair.a.form)?, edges(&pair.b.form)?);
     let is_symmetric = a.is_symmetric && b.is_symmetric;
-    let own = [&a, &b].into_iter().flat_map(|body| body.faces.iter().map(|[i, j]| (body.list[*i], body.list[*j])));
+    let own =
+        [&a, &b].into_iter().flat_map(|body| body.faces.iter().map(|[i, j]| (body.list[*i], body.list[*j])));
     let shared = a.list[..a.len].iter().flat_map(|e| b.list[..b.len].iter().map(|f| (*e, *f)));
     let (mut lower, mut upper, mut along) = (f64::INFINITY, f64::INFINITY, [0.0; 3]);
     let mut moved = 0.0;

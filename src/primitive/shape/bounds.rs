@@ -13,7 +13,7 @@ use crate::exact::power_of_two;
 use crate::vector::dot;
 
 #[cfg(test)]
-mod tests;
+pub(super) mod tests;
 
 /// The most steps of the algorithm of Gilbert, Johnson and Keerthi. Polytopes with up to eight corners need fewer than 30.
 const STEPS: usize = 64;
@@ -143,6 +143,7 @@ impl<'p> Search<'p> {
             let nearest = simplex.reduce();
             if nearest.inside {
                 if simplex.surely_contains_origin(self.pair.slack, self.pair.size) {
+                    self.upper_by(&nearest.point, &nearest.of_a);
                     self.upper = 0.0;
                     return Some(simplex.points);
                 }
@@ -172,9 +173,9 @@ impl<'p> Search<'p> {
     fn is_solved_by(&mut self, found: &Found, places: &Places) -> bool {
         self.upper_by(&found.between, &found.of_a);
         if dot(&found.between, &found.between) < NEAR * (self.pair.size * self.pair.size)
-            && places.surely_meet(self.pair, &found.between)
+            && let Some(point) = places.common(self.pair, found)
         {
-            self.upper = 0.0;
+            (self.upper, self.between, self.of_a) = (0.0, [0.0; 3], point);
             return true;
         }
         self.lower_along(&found.direction);
@@ -198,6 +199,7 @@ impl<'p> Search<'p> {
             self.upper_by(&nearest.point, &nearest.of_a);
             if nearest.inside {
                 if simplex.surely_contains_origin(self.pair.slack, self.pair.size) {
+                    self.upper_by(&nearest.point, &nearest.of_a);
                     self.upper = 0.0;
                 }
                 return;
@@ -264,8 +266,7 @@ impl<'p> Search<'p> {
         let lower = self.lower - self.radius[1];
         let lower = if lower > 0.0 { lower * narrow } else { 0.0 };
         let a = self.pair.a.placed(&self.of_a);
-        let of_b: Point =
-            [0, 1, 2].map(|k| self.pair.between[k] + self.of_a[k] - self.between[k]);
+        let of_b: Point = [0, 1, 2].map(|k| self.pair.between[k] + self.of_a[k] - self.between[k]);
         let b = self.pair.b.placed(&of_b);
         let sum = self.radii[0] + self.radii[1];
         let length = libm::sqrt(dot(&self.between, &self.between));

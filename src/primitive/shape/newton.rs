@@ -64,11 +64,18 @@ impl Places {
         Found { between, of_a, direction: perpendicular(&ways, &between) }
     }
 
-    /// Whether the cores certainly meet, because one of the two points is so far inside of its core that a ball about it has the
-    /// other one.
-    pub(super) fn surely_meet(&self, pair: &Pair, between: &Point) -> bool {
-        let apart = libm::sqrt(dot(between, between)) + pair.slack;
-        pair.a.form.room(&self.a) > apart || pair.b.form.room(&self.b) > apart
+    /// A point of both cores, from A's centre, if they certainly meet because one of the two places is so far inside of
+    /// its core that a ball about it has the other one.
+    pub(super) fn common(&self, pair: &Pair, found: &Found) -> Option<Point> {
+        let v = &found.between;
+        let apart = libm::sqrt(dot(v, v)) + pair.slack;
+        if pair.b.form.room(&self.b) > apart {
+            Some(found.of_a)
+        } else if pair.a.form.room(&self.a) > apart {
+            Some([0, 1, 2].map(|k| found.of_a[k] - v[k]))
+        } else {
+            None
+        }
     }
 
     /// The ways of both, those of B negated, and the number of those of A.

@@ -81,10 +81,8 @@ impl Polytope {
         let normal = cross(&difference(&q, &p), &difference(&r, &p));
         let length = libm::sqrt(dot(&normal, &normal));
         let products = [dot(&normal, &p), dot(&normal, &q), dot(&normal, &r)];
-        let (low, high) = (
-            products[0].min(products[1]).min(products[2]),
-            products[0].max(products[1]).max(products[2]),
-        );
+        let (low, high) =
+            (products[0].min(products[1]).min(products[2]), products[0].max(products[1]).max(products[2]));
         let (low, high) = if length > 0.0 { (low / length, high) } else { (0.0, 0.0) };
         self.faces[self.face_count] = Face { corners, normal, low, high };
         self.face_count += 1;

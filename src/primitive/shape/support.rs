@@ -3,7 +3,7 @@
 //! [`ROUNDINGS`] has the error analysis that all bounds of [`super::bounds`] and [`super::depth`] rely on.
 
 use super::{Core, Point};
-use crate::vector::{difference, dot};
+use crate::vector::{difference, dot, length};
 
 /// A pair's `slack` is this many unit roundoffs of its `size` ([`Pair`]). With u = 2^-53, S the size, and a factor
 /// 1 + 2^-40 for terms of second order:
@@ -74,29 +74,31 @@ impl Body {
             Core::Point(p) => Self { origin: scaled(p), shift: [0.0; 3], form: Form::Point, reach: 0.0 },
             Core::Segment([p, q]) => {
                 let half = difference(q, p).map(|x| 0.5 * x * scale);
-                Self { origin: scaled(p), shift: half, form: Form::Segment(half), reach: taxicab(&half) }
+                Self { origin: scaled(p), shift: half, form: Form::Segment(half), reach: length(&half) }
             }
             Core::Triangle([p, q, r]) => {
                 let (u, v) = (scaled(&difference(q, p)), scaled(&difference(r, p)));
                 let shift = [0, 1, 2].map(|k| (u[k] + v[k]) * (1.0 / 3.0));
                 let corners = [shift.map(|x| -x), difference(&u, &shift), difference(&v, &shift)];
-                let reach = taxicab(&u) + taxicab(&v);
+                let reach = length(&corners[0]).max(length(&corners[1])).max(length(&corners[2]));
                 Self { origin: scaled(p), shift, form: Form::Triangle(corners), reach }
             }
             Core::Cuboid { centre, half } => {
                 let half = [scaled(&half[0]), scaled(&half[1]), scaled(&half[2])];
-                let reach = (taxicab(&half[0]) + taxicab(&half[1])) + taxicab(&half[2]);
+                let squares = (dot(&half[0], &half[0]) + dot(&half[1], &half[1])) + dot(&half[2], &half[2]);
+                // Pairs of half edges that are not quite perpendicular make the diagonal longer by less.
+                let reach = 1.001 * libm::sqrt(squares);
                 Self { origin: scaled(centre), shift: [0.0; 3], form: Form::Cuboid(half), reach }
             }
             Core::Cylinder { centre, half_axis, radius } => {
                 let (half, radius) = (scaled(half_axis), radius * scale);
                 let form = Form::Cylinder(half, radii(half_axis, radius));
-                Self { origin: scaled(centre), shift: [0.0; 3], form, reach: taxicab(&half) + radius }
+                Self { origin: scaled(centre), shift: [0.0; 3], form, reach: length(&half) + radius }
             }
             Core::Cone { base, axis, radius } => {
                 let (half, radius) = (axis.map(|x| 0.5 * x * scale), radius * scale);
                 let form = Form::Cone(half, radii(axis, radius));
-                Self { origin: scaled(base), shift: half, form, reach: taxicab(&half) + radius }
+                Self { origin: scaled(base), shift: half, form, reach: length(&half) + radius }
             }
             Core::HalfSpace { .. } => return None,
         };
@@ -109,7 +111,7 @@ impl Body {
         let lowest = self.support(&normal.map(|x| -x));
         let local: Point = [0, 1, 2].map(|k| self.shift[k] + lowest[k]);
         let height = (dot(normal, &self.origin) - offset) + dot(normal, &local);
-        let size = (taxicab(&self.origin) + self.reach) * taxicab(normal) + offset.abs();
+        let size = (length(&self.origin) + self.reach) * length(normal) + offset.abs();
         (height, ROUNDINGS * 0.5 * f64::EPSILON * size, lowest)
     }
 
@@ -166,9 +168,8 @@ impl Pair {
     #[inline(always)]
     pub(super) fn of(a: &Core, b: &Core, scale: f64) -> Option<Self> {
         let (a, b) = (Body::of(a, scale)?, Body::of(b, scale)?);
-        let between: Point =
-            [0, 1, 2].map(|k| (a.origin[k] - b.origin[k]) + (a.shift[k] - b.shift[k]));
-        let size = taxicab(&between) + (a.reach + b.reach);
+        let between: Point = [0, 1, 2].map(|k| (a.origin[k] - b.origin[k]) + (a.shift[k] - b.shift[k]));
+        let size = length(&between) + (a.reach + b.reach);
         Some(Self { a, b, between, size, slack: ROUNDINGS * 0.5 * f64::EPSILON * size })
     }
 
@@ -192,38 +193,15 @@ fn on_rim([u, v]: &[Point; 2], d: &Point) -> (Point, f64) {
     ([0, 1, 2].map(|k| x * u[k] + y * v[k]), out)
 }
 
-/// At least the length of a vector.
-#[inline(always)]
-fn taxicab(v: &Point) -> f64 {
-    (v[0].abs() + v[1].abs()) + v[2].abs()
-}
-
 /// Two vectors of this length that are perpendicular to an axis and to each other (Duff et al. 2017, "Building an
 /// orthonormal basis, revisited").
 #[inline(always)]
 fn radii(axis: &Point, radius: f64) -> [Point; 2] {
-    let square = dot(axis, axis);
-    let [x, y, z] = if (1e-200..1e200).contains(&square) {
-        let inverse = 1.0 / libm::sqrt(square);
-        axis.map(|x| x * inverse)
-    } else {
-        extreme_unit(axis)
-    };
+    let length = length(axis);
+    // A rotation can flush an axis of less than twice the smallest coordinate to zero; z is as good as any then.
+    let [x, y, z] = if length > 0.0 { axis.map(|x| x / length) } else { [0.0, 0.0, 1.0] };
     let sign = 1.0_f64.copysign(z);
     let p = -1.0 / (sign + z);
     let q = x * y * p;
     [[1.0 + sign * x * x * p, sign * q, -sign * x], [q, sign + y * y * p, -y]].map(|v| v.map(|x| x * radius))
-}
-
-/// The unit vector along an axis whose square underflows or overflows. A rotation can set an axis of less than twice
-/// the smallest coordinate to zero; z is as good as any then.
-#[cold]
-fn extreme_unit(axis: &Point) -> Point {
-    let largest = axis[0].abs().max(axis[1].abs()).max(axis[2].abs());
-    if largest == 0.0 {
-        return [0.0, 0.0, 1.0];
-    }
-    let scaled = axis.map(|x| x / largest);
-    let length = libm::sqrt(dot(&scaled, &scaled));
-    scaled.map(|x| x / length)
 }
