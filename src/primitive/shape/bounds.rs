@@ -10,7 +10,7 @@ use super::newton::{Found, Places};
 use super::support::Pair;
 use super::{Point, Shape};
 use crate::exact::power_of_two;
-use crate::vector::dot;
+use crate::vector::{cross, dot};
 
 #[cfg(test)]
 pub(super) mod tests;
@@ -220,8 +220,25 @@ impl<'p> Search<'p> {
                 }
             }
         }
-        if !self.is_done() {
-            self.newton(Places::near(self.pair, &self.of_a, &self.between));
+        let places = Places::near(self.pair, &self.of_a, &self.between);
+        if !self.is_done() && !self.newton(places) {
+            self.edges(&Places::near(self.pair, &self.of_a, &self.between));
+        }
+    }
+
+    /// Bounds the distance from below along the perpendiculars of all edges and faces at these places: of points that nearly
+    /// touch, the difference does not tell which ways are barred.
+    fn edges(&mut self, places: &Places) {
+        let [p, q, r] = self.pair.a.form.edges(&places.a);
+        let [s, t, u] = self.pair.b.form.edges(&places.b);
+        let edges = [p, q, r, s, t, u];
+        for i in 1..6 {
+            for j in 0..i {
+                let normal = cross(&edges[i], &edges[j]);
+                let sign = 1.0_f64.copysign(dot(&normal, &self.between));
+                self.lower_along(&normal.map(|x| sign * x));
+                self.lower_along(&normal.map(|x| -sign * x));
+            }
         }
     }
 

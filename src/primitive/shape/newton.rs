@@ -1,8 +1,9 @@
 //! Newton's method for the closest points of two cores, by their coordinates.
 //!
 //! The squared distance is minimised over the coordinates that the boundaries do not bar (projected Newton: Bertsekas
-//! 1982). For polytopes it is quadratic, so one step solves it once the right coordinates are free; on rims convergence
-//! is quadratic. Nothing here is certified.
+//! 1982). For polytopes it is quadratic, so one step solves it once the right coordinates are free. Near the solution the
+//! distance itself is minimised, whose second derivative does not vanish where shapes touch: so convergence on rims is
+//! quadratic too. Nothing here is certified.
 
 use super::Point;
 use super::place::{Place, Ways};
@@ -13,7 +14,10 @@ use crate::vector::{cross, dot};
 const STEPS: usize = 12;
 
 /// A step of less, in units of half edges and radii, is the last: the next one would be below rounding.
-const LAST: f64 = 1.0 / (1u64 << 27) as f64;
+const LAST: f64 = 1.0 / (1_u64 << 40) as f64;
+
+/// The squared cosine of the ways and the vector between the points near the solution.
+const NEAR: f64 = 1e-2;
 
 /// Two places.
 #[derive(Copy, Clone, Debug)]
@@ -110,6 +114,8 @@ impl Places {
                     let place = if i < count { &mut next.a } else { &mut next.b };
                     place.go(&ways.list[i], share * step[i]);
                 }
+                next.a.settle();
+                next.b.settle();
                 let (a, v) = next.points(pair);
                 if dot(&v, &v) < square {
                     (of_a, between) = (a, v);
@@ -141,18 +147,26 @@ fn solve(ways: &Ways, between: &Point) -> [f64; 6] {
     let mut h = [[0.0; 6]; 6];
     let mut s = [0.0; 6];
     let mut skipped = [false; 6];
+    let square = dot(between, between);
+    let mut is_near = square > 0.0;
+    for i in 0..n {
+        let tangent = &ways.list[i].tangent;
+        s[i] = -dot(tangent, between);
+        is_near &= s[i] * s[i] <= NEAR * (dot(tangent, tangent) * square);
+    }
+    let gradient = s;
+    let inverse = if is_near { 1.0 / square } else { 0.0 };
     for i in 0..n {
         let way = &ways.list[i];
         for j in 0..=i {
-            h[i][j] = dot(&way.tangent, &ways.list[j].tangent);
+            h[i][j] = dot(&way.tangent, &ways.list[j].tangent) - gradient[i] * (gradient[j] * inverse);
         }
         if i > 0 {
             h[i][i - 1] += dot(&way.mixed, between);
         }
         let diagonal = h[i][i];
         h[i][i] += dot(&way.bend, between);
-        s[i] = -dot(&way.tangent, between);
-        let least = 1e-11 * (diagonal + h[i][i]);
+        let least = 1e-14 * (diagonal + h[i][i]);
         // Row i of L times D, then of L.
         for j in 0..i {
             if skipped[j] {
@@ -191,14 +205,17 @@ fn solve(ways: &Ways, between: &Point) -> [f64; 6] {
 /// along the one.
 #[inline(always)]
 fn perpendicular(ways: &Ways, between: &Point) -> Point {
-    let (mut best, mut most) = ([0.0; 3], 1e-10);
+    // The tangent of a rim is as inaccurate as the place on it; straight ways are exact.
+    let mut best = [0.0; 3];
+    let (mut most, mut straight) = (1e-10, false);
     for i in 0..ways.len {
         for j in 0..i {
+            let is_straight = ways.list[i].bend == [0.0; 3] && ways.list[j].bend == [0.0; 3];
             let (u, v) = (&ways.list[i].tangent, &ways.list[j].tangent);
             let normal = cross(u, v);
             let sine = dot(&normal, &normal) / (dot(u, u) * dot(v, v));
-            if sine > most {
-                (best, most) = (normal, sine);
+            if sine > 1e-10 && (is_straight && !straight || sine > most && is_straight == straight) {
+                (best, most, straight) = (normal, sine, is_straight);
             }
         }
     }

@@ -143,6 +143,23 @@ impl Form {
         }
     }
 
+    /// Three vectors along all faces and edges at a place.
+    pub(super) fn edges(&self, place: &Place) -> [Point; 3] {
+        let [y, z] = place.disc;
+        let on_disc = |[u, v]: &[Point; 2], y: f64, z: f64| [0, 1, 2].map(|k| y * u[k] + z * v[k]);
+        match self {
+            Self::Point => [[0.0; 3]; 3],
+            Self::Segment(half) => [*half; 3],
+            Self::Triangle([p, q, r]) => [difference(q, p), difference(r, q), difference(p, r)],
+            Self::Cuboid(half) => *half,
+            Self::Cylinder(half, disc) => [*half, on_disc(disc, y, z), on_disc(disc, -z, y)],
+            Self::Cone(half, disc) => {
+                let out = on_disc(disc, y, z);
+                [[0, 1, 2].map(|k| 2.0 * half[k] - out[k]), out, on_disc(disc, -z, y)]
+            }
+        }
+    }
+
     /// The ways that a place may move if it is pulled against `pull`: those not barred by the boundary of the core.
     #[inline(always)]
     pub(super) fn ways(&self, place: &Place, pull: &Point, ways: &mut Ways) {
@@ -200,7 +217,7 @@ impl Form {
 }
 
 impl Place {
-    /// Moves along a way, and stays in the core.
+    /// Moves along a way. The place is in the core after [`Place::settle`].
     #[inline(always)]
     pub(super) fn go(&mut self, way: &Way, by: f64) {
         match way.slot {
@@ -210,10 +227,7 @@ impl Place {
                 self.x[k] += by;
                 self.x[from] = (self.x[from] - by).max(0.0);
             }
-            Slot::Disc(k) => {
-                self.disc[k] += by;
-                self.disc = in_disc(self.disc);
-            }
+            Slot::Disc(k) => self.disc[k] += by,
             Slot::Rim => {
                 let [y, z] = self.disc;
                 let (y, z) = (y - z * by, z + y * by);
@@ -221,6 +235,14 @@ impl Place {
                 self.disc = [y * inverse, z * inverse];
             }
         }
+    }
+}
+
+impl Place {
+    /// Back to the nearest point of the disc.
+    #[inline(always)]
+    pub(super) fn settle(&mut self) {
+        self.disc = in_disc(self.disc);
     }
 }
 
