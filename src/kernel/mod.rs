@@ -23,6 +23,8 @@
 //!    `box.lower - query.upper` and `query.lower - box.upper`. The greater of two numbers is the second unless the
 //!    first is greater. Rounding is monotone and symmetric about 0, so the **rounded** squared distance of a box is at
 //!    most that of any point in it: a box that is too far contains no near point, without a pad.
+//! 8. **Solids** (spheres, capsules, cuboids) are decided in `f32` by one definition of the arithmetic for all register
+//!    widths, `kernel/solids.rs`, which proves the error bounds. No fused multiply-add.
 //!
 //! All operations accept any bits. Codes that are not planes compare as integers, like all others.
 
@@ -33,6 +35,7 @@ mod avx512;
 #[cfg(simdop_neon)]
 mod neon;
 pub mod scalar;
+mod solids;
 #[cfg(simdop_x86)]
 mod x86;
 
@@ -40,6 +43,7 @@ mod x86;
 use crate::key::Key;
 use crate::key::Storage;
 use crate::node::{Aabb16, Ball16, BoundingBall, Box3, Bucket, Node4, Node16};
+use crate::primitive::shape::lanes::{Decided, Solid, SolidLanes};
 use crate::primitive::triangle::{Probe, Triangle};
 use crate::realign::{PrimitiveSlab, Realignment};
 
@@ -216,4 +220,9 @@ pub trait Kernel: Copy + core::fmt::Debug + sealed::Sealed {
     /// Moves the indices of the slots in `mask` to the front of `found`, in order. The entries after them are
     /// unspecified.
     fn pick(self, mask: u16, indices: &[u32; 16], found: &mut [u32; 16]);
+
+    /// The shapes in `lanes` that are certainly not within the margin of `query`, and those that certainly are. Unused
+    /// lanes are apart. Undecided lanes are in neither mask.
+    #[must_use]
+    fn solids<const M: usize, const N: usize>(self, query: &Solid<M>, lanes: &SolidLanes<N>) -> Decided;
 }

@@ -4,6 +4,7 @@ use super::{Kernel, Turned};
 use crate::isa::{Avx2, Avx512};
 use crate::key::Storage;
 use crate::node::{Aabb16, Ball16, BoundingBall, Box3, Bucket, Node4, Node16};
+use crate::primitive::shape::lanes::{Decided, Solid, SolidLanes};
 use crate::primitive::triangle::{Probe, Triangle};
 use crate::realign::{PrimitiveSlab, Realignment};
 
@@ -158,5 +159,14 @@ impl Kernel for X86 {
     #[inline(always)]
     fn pick(self, mask: u16, indices: &[u32; 16], found: &mut [u32; 16]) {
         self.avx2.pick(mask, indices, found);
+    }
+
+    // As for re-alignment, the branch is negligible.
+    #[inline(always)]
+    fn solids<const M: usize, const N: usize>(self, query: &Solid<M>, lanes: &SolidLanes<N>) -> Decided {
+        match self.avx512 {
+            Some(avx512) => avx512.solids(query, lanes),
+            None => self.avx2.solids(query, lanes),
+        }
     }
 }

@@ -13,6 +13,7 @@ mod overlaps;
 mod points;
 mod primitive_slabs;
 mod realign;
+mod solids;
 #[path = "../support/mod.rs"]
 mod support;
 mod trees;
@@ -68,6 +69,13 @@ macro_rules! laws {
             fn balls_equal_the_scalar_kernel() {
                 if let Some(isa) = available(stringify!($isa)) {
                     on_isa!(isa, kernel => super::balls_equal_the_scalar_kernel(kernel, stringify!($isa)));
+                }
+            }
+
+            #[test]
+            fn solids_equal_the_scalar_kernel() {
+                if let Some(isa) = available(stringify!($isa)) {
+                    on_isa!(isa, kernel => solids::solids_equal_the_scalar_kernel(kernel, stringify!($isa)));
                 }
             }
 

@@ -5,6 +5,7 @@
 mod balls;
 mod dops;
 mod points;
+mod solids;
 mod triangles;
 
 use super::x86::X86;
@@ -12,6 +13,7 @@ use super::{Kernel, Turned};
 use crate::isa::Avx2;
 use crate::key::Storage;
 use crate::node::{Aabb16, Ball16, BoundingBall, Box3, Bucket, Node4, Node16};
+use crate::primitive::shape::lanes::{Decided, Solid, SolidLanes};
 use crate::primitive::triangle::{Probe, Triangle};
 use crate::realign::{PrimitiveSlab, Realignment};
 
@@ -142,5 +144,11 @@ impl Kernel for Avx2 {
     fn pick(self, mask: u16, indices: &[u32; 16], found: &mut [u32; 16]) {
         // SAFETY: the token proves the features that the function is compiled for.
         unsafe { points::pick(mask, indices, found) }
+    }
+
+    #[inline(always)]
+    fn solids<const M: usize, const N: usize>(self, query: &Solid<M>, lanes: &SolidLanes<N>) -> Decided {
+        // SAFETY: the token proves the features that the function is compiled for.
+        unsafe { solids::decide(self, query, lanes) }
     }
 }

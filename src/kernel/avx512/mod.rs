@@ -4,12 +4,14 @@
 
 mod dops;
 mod points;
+mod solids;
 
 use super::x86::{X86, as_avx2};
 use super::{Kernel, Turned};
 use crate::isa::Avx512;
 use crate::key::Storage;
 use crate::node::{Aabb16, Ball16, BoundingBall, Box3, Bucket, Node4, Node16};
+use crate::primitive::shape::lanes::{Decided, Solid, SolidLanes};
 use crate::primitive::triangle::{Probe, Triangle};
 use crate::realign::{PrimitiveSlab, Realignment};
 
@@ -67,5 +69,11 @@ impl Kernel for Avx512 {
     fn pick(self, mask: u16, indices: &[u32; 16], found: &mut [u32; 16]) {
         // SAFETY: the token proves the features that the function is compiled for.
         unsafe { points::pick(mask, indices, found) }
+    }
+
+    #[inline(always)]
+    fn solids<const M: usize, const N: usize>(self, query: &Solid<M>, lanes: &SolidLanes<N>) -> Decided {
+        // SAFETY: the token proves the features that the function is compiled for.
+        unsafe { solids::decide(self, query, lanes) }
     }
 }

@@ -5,11 +5,13 @@
 mod balls;
 mod dops;
 mod points;
+mod solids;
 
 use super::{Kernel, Turned, scalar};
 use crate::isa::Neon;
 use crate::key::Storage;
 use crate::node::{Aabb16, Ball16, BoundingBall, Box3, Bucket, Node4, Node16};
+use crate::primitive::shape::lanes::{Decided, Solid, SolidLanes};
 use crate::primitive::triangle::{Probe, Triangle};
 use crate::realign::{PrimitiveSlab, Realignment};
 
@@ -138,5 +140,11 @@ impl Kernel for Neon {
     #[inline(always)]
     fn pick(self, mask: u16, indices: &[u32; 16], found: &mut [u32; 16]) {
         scalar::points::pick(mask, indices, found);
+    }
+
+    #[inline(always)]
+    fn solids<const M: usize, const N: usize>(self, query: &Solid<M>, lanes: &SolidLanes<N>) -> Decided {
+        // SAFETY: the token proves the features that the function is compiled for.
+        unsafe { solids::decide(self, query, lanes) }
     }
 }

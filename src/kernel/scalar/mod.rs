@@ -3,12 +3,14 @@
 mod balls;
 mod dops;
 pub(super) mod points;
+mod solids;
 pub(super) mod triangles;
 
 use super::{Kernel, Turned};
 use crate::isa::Scalar;
 use crate::key::Storage;
 use crate::node::{Aabb16, Ball16, BoundingBall, Box3, Bucket, Node4, Node16};
+use crate::primitive::shape::lanes::{Decided, Solid, SolidLanes};
 use crate::primitive::triangle::{Probe, Triangle};
 use crate::realign::{PrimitiveSlab, Realignment};
 
@@ -129,5 +131,9 @@ impl Kernel for Scalar {
     #[inline(always)]
     fn pick(self, mask: u16, indices: &[u32; 16], found: &mut [u32; 16]) {
         points::pick(mask, indices, found);
+    }
+
+    fn solids<const M: usize, const N: usize>(self, query: &Solid<M>, lanes: &SolidLanes<N>) -> Decided {
+        super::solids::decide::<f32, M, N>(self, query, lanes)
     }
 }

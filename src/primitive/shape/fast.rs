@@ -1,0 +1,102 @@
+//! Whether two shapes are within a margin, decided in plain `f64` where its error bounds allow.
+//!
+//! Every verdict has a certificate, which is checked with a bound of its own rounding errors:
+//! * **Within:** two points, one of each core, that are near enough.
+//! * **Apart:** a direction along which the gap between the cores is wide enough. Any direction gives a lower bound of
+//!   the distance.
+//!
+//! How the points and directions are found needs no error analysis. In what follows, u = 2^-53, the origin is the
+//! reference point of A's core (an end, the centre), and `size` is at least the norm of the difference of the reference
+//! points plus, for each core, the greatest distance of its points from its reference point. Sums of magnitudes give
+//! it; their relative errors are below 2^-48, which the constants include.
+//!
+//! **Products.** Coordinates are multiples of 2^-302 below 2^302, so that products of two differences neither underflow
+//! nor overflow. Tests with products of more factors require `size` in 2^-100 .. 2^100. Then underflow adds at most
+//! 2^-1000 to numbers that are compared with multiples of `size`^2 2^-90 or more.
+
+mod bodies;
+mod half_space;
+mod pairs;
+mod search;
+mod simplex;
+#[cfg(test)]
+pub(crate) mod tests;
+
+use self::bodies::{Body, Segment};
+use super::{Core, Shape};
+use crate::exact::power_of_two;
+use crate::range::Point;
+use crate::vector::{difference, dot};
+
+/// Bound of the error of the computed difference of two certified points, relative to `size`: see [`bodies`].
+const ERROR: f64 = power_of_two(-42);
+/// More than the relative error of a few dozen operations on positive numbers.
+const FEW: f64 = power_of_two(-47);
+
+/// Whether two shapes are at most `margin` apart. `None` if the error bounds do not allow a decision, or for pairs of
+/// kinds that this filter does not treat.
+#[inline]
+pub(crate) fn decide(a: &Shape, b: &Shape, margin: f64) -> Option<bool> {
+    let reach = (a.radius + b.radius) + margin;
+    // False for NaN.
+    if !(margin >= 0.0) {
+        return None;
+    }
+    match (&a.core, &b.core) {
+        (Core::Point(p), Core::Point(q)) => {
+            let d = difference(q, p);
+            compare_squares(dot(&d, &d), reach)
+        }
+        (Core::Point(p), Core::Segment(s)) | (Core::Segment(s), Core::Point(p)) => {
+            let (d, s) = (difference(p, &s[0]), Segment::new(s, [0.0; 3]));
+            from_point(&d, &s, reach)
+        }
+        (Core::Segment(s), Core::Segment(t)) => {
+            let d = difference(&t[0], &s[0]);
+            search::segments(&Segment::new(s, [0.0; 3]), &Segment::new(t, d), reach)
+        }
+        (Core::HalfSpace { .. }, _) | (_, Core::HalfSpace { .. }) => half_space::decide(a, b, reach),
+        _ => pairs::decide(a, b, reach),
+    }
+}
+
+/// Whether the norm of a vector of exact differences, rounded once, is at most `reach`.
+///
+/// Every term of `square` is positive and the result of at most 6 roundings, and so is `reach * reach`; products do not
+/// underflow or overflow but for reaches below 2^-500, whose square is far below that of any nonzero difference.
+#[inline]
+fn compare_squares(square: f64, reach: f64) -> Option<bool> {
+    let other = reach * reach;
+    if square == 0.0 || square * (1.0 + FEW) < other {
+        Some(true)
+    } else if square > other * (1.0 + FEW) {
+        Some(false)
+    } else {
+        None
+    }
+}
+
+/// A point against a segment from the origin.
+///
+/// The parameter of the nearest point is off by a relative 4 u of `|d| / |edge|` before it is clamped, so the computed
+/// nearest point is within `8 u size` of the exact one, and `|n|` within 16 u size of the distance.
+#[inline]
+fn from_point(d: &Point, segment: &Segment, reach: f64) -> Option<bool> {
+    let n = difference(d, &segment.nearest(d));
+    let size = (d[0].abs() + d[1].abs() + d[2].abs()) + segment.size();
+    compare(dot(&n, &n), reach, size * power_of_two(-48))
+}
+
+/// Compares the root of a computed `square` with `reach`, where the root's error is at most `error` plus a few
+/// relative roundings.
+#[inline]
+fn compare(square: f64, reach: f64, error: f64) -> Option<bool> {
+    let (inner, outer) = (reach - error, reach + error);
+    if inner > 0.0 && square * (1.0 + FEW) < inner * inner {
+        Some(true)
+    } else if square > outer * outer * (1.0 + FEW) {
+        Some(false)
+    } else {
+        None
+    }
+}
