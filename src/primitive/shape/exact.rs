@@ -32,8 +32,8 @@ const FARTHEST: f64 = power_of_two(310);
 /// radii and the margin. With margin 0, whether they meet; touching counts. A margin above 0 and below
 /// [`MIN_COORDINATE`] counts as [`MIN_COORDINATE`]. Symmetric.
 ///
-/// `None` if the pair has no exact test (see above), or if the axis of a cylinder or cone is zero. A pose can make it so:
-/// it flushes components below [`MIN_COORDINATE`].
+/// `None` if the pair has no exact test (see above), or if the axis of a cylinder or cone is zero. A pose can make it
+/// zero, since it flushes components below [`MIN_COORDINATE`].
 #[cold]
 #[inline(never)]
 pub(crate) fn is_within(a: &Shape, b: &Shape, margin: f64) -> Option<bool> {

@@ -61,7 +61,7 @@ fn one_digit_decides() {
     let pairs = (0..6).flat_map(|i| (0..=i.min(3)).map(move |j| (i, j)));
     for (i, j) in pairs {
         let mut tallies = [Tally::default(), Tally::default()];
-        for _ in 0..800 {
+        for _ in 0..500 {
             let most = rng.int(1, 3);
             let mut draw = Draw { rng: &mut rng, most };
             let (a, b) = (draw.core(i), draw.core(j));
@@ -85,7 +85,7 @@ fn one_digit_decides() {
             assert_eq!(is_within(&a, &b, parts[2]), Some(expected), "{a:?} {b:?} {:e}", parts[2]);
         }
         let [_, touching] = tallies;
-        assert!(touching.apart.min(touching.near + touching.touching) > 5, "{i} {j}: {touching:?}");
+        assert!(touching.apart.min(touching.near + touching.touching) > 2, "{i} {j}: {touching:?}");
     }
 }
 
@@ -115,7 +115,7 @@ fn one_digit_of_a_half_space_decides() {
             let [a, b] = [core, Core::HalfSpace { normal, offset }].map(|core| Shape { core, radius: 0.0 });
             assert_eq!(is_within(&a, &b, margin), Some(expected), "{a:?} {b:?} {margin:e}");
         }
-        tally.check(20, &format!("{kind}"));
+        tally.check(5, &format!("{kind}"));
     }
 }
 

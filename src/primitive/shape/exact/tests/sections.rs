@@ -89,7 +89,7 @@ fn polytopes_meet_round_solids_where_their_sections_do() {
     let mut rng = Rng::new(72);
     for (round, polytope) in [4, 5].into_iter().flat_map(|round| [0, 1, 2, 3].map(|p| (round, p))) {
         let mut tally = Tally::default();
-        let count = 8_000;
+        let count = 5_000;
         for _ in 0..count {
             let most = rng.int(1, 6);
             let mut draw = Draw { rng: &mut rng, most };
