@@ -25,15 +25,15 @@ use crate::exact::power_of_two;
 use crate::exact::wide::unit_of;
 
 /// No two cores are this far apart. Points of bounded cores are less than 2^306 from the origin. Normals are at least
-/// 1/4 long, so that the planes of half-spaces are at most 2^304 from it.
+/// 1/4 long and offsets less than 2^303, so the planes of half-spaces are less than 2^305 from it.
 const FARTHEST: f64 = power_of_two(310);
 
 /// Whether two shapes are at most `margin` apart: whether the distance of their cores is at most the exact sum of the
 /// radii and the margin. With margin 0, whether they meet; touching counts. A margin above 0 and below
 /// [`MIN_COORDINATE`] counts as [`MIN_COORDINATE`]. Symmetric.
 ///
-/// `None` if the pair has no exact test: see above. Also for a cylinder or cone whose axis is zero, which happens if a
-/// pose rotates components of the least magnitudes.
+/// `None` if the pair has no exact test (see above), or if the axis of a cylinder or cone is zero. A pose can make it
+/// zero, since it flushes components below [`MIN_COORDINATE`].
 #[cold]
 #[inline(never)]
 pub(crate) fn is_within(a: &Shape, b: &Shape, margin: f64) -> Option<bool> {
@@ -54,7 +54,7 @@ pub(crate) fn is_within(a: &Shape, b: &Shape, margin: f64) -> Option<bool> {
     }
 }
 
-// Functions of their own, so that the polytopes of one are not on the stack of another.
+// Separate functions: the stack frame of one does not include the polytopes of the other.
 
 #[inline(never)]
 fn round_is_within(round: &Core, other: &Core, unit: i32, reach: &One) -> Option<bool> {

@@ -2,7 +2,7 @@
 //!
 //! Lengths are multiples of 2^-302. Differences of points are below 2^307, since the corners of a cuboid, sums of four
 //! numbers, are below 2^305; sums of radii and a margin are below 2^311. So an integer of degree one has at most 613
-//! bits, one of degree d has 613 d and a few for its number of terms, and 64 x 10 d is enough.
+//! bits, one of degree d has 613 d and a few for its number of terms, and 640 d are enough.
 
 use crate::exact::wide::Wide;
 
@@ -34,8 +34,8 @@ pub(super) fn dot<const M: usize, const N: usize, const R: usize>(
     sum
 }
 
-/// `x u - y v`, in a width that must have room for it. A function of its own, which keeps the products of it and of its
-/// callers off the stack of others.
+/// `x u - y v`, in a width that must have room for it. Not inlined: its temporaries would enlarge the stack frames of
+/// its callers.
 #[inline(never)]
 pub(super) fn minor<const L: usize, const M: usize, const N: usize, const O: usize, const R: usize>(
     x: &Wide<L>,

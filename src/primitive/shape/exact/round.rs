@@ -148,8 +148,14 @@ impl Profile {
         if is_at_least_root(&below_tip, &product, &self.length) {
             return is_at_most(&self.from_ends[1], &self.reach);
         }
-        // The height above the slant line is `(rho H + z r - r H) / sqrt(r^2 + H^2)`. Times H: it is at most R if
-        // sqrt(u) + b <= sqrt(v).
+        self.is_near_slant_line(radius)
+    }
+
+    /// The height above the slant line is `(rho H + z r - r H) / sqrt(r^2 + H^2)`. Times `H sqrt(r^2 + H^2)`, it is
+    /// `sqrt(u) + b`, and the reach is `sqrt(v)`.
+    #[inline(never)]
+    fn is_near_slant_line(&self, radius: &One) -> bool {
+        let below_tip = self.along.minus(&self.length);
         let u: Six = self.around.times(&self.length);
         let b: Three = radius.times(&below_tip);
         let slant: Four = self.radius.plus(&self.length).times(&self.length);

@@ -61,7 +61,7 @@ fn one_digit_decides() {
     let pairs = (0..6).flat_map(|i| (0..=i.min(3)).map(move |j| (i, j)));
     for (i, j) in pairs {
         let mut tallies = [Tally::default(), Tally::default()];
-        for _ in 0..1500 {
+        for _ in 0..500 {
             let most = rng.int(1, 3);
             let mut draw = Draw { rng: &mut rng, most };
             let (a, b) = (draw.core(i), draw.core(j));
@@ -85,7 +85,37 @@ fn one_digit_decides() {
             assert_eq!(is_within(&a, &b, parts[2]), Some(expected), "{a:?} {b:?} {:e}", parts[2]);
         }
         let [_, touching] = tallies;
-        assert!(touching.apart.min(touching.near + touching.touching) > 5, "{i} {j}: {touching:?}");
+        assert!(touching.apart.min(touching.near + touching.touching) > 2, "{i} {j}: {touching:?}");
+    }
+}
+
+/// Half-spaces whose offset and normal are of other sizes than the polytope, up to one ulp.
+#[test]
+fn one_digit_of_a_half_space_decides() {
+    let mut rng = Rng::new(81);
+    for kind in 0..4 {
+        let mut tally = Tally::default();
+        for _ in 0..4000 {
+            let mut draw = Draw { rng: &mut rng, most: 3 };
+            let (core, normal, margin) = (draw.core(kind), draw.axis(), draw.rng.int(-1, 2).max(0) as f64);
+            let scale = power_of_two(*rng.pick(&[-248, 0, 298]));
+            let core = replaced(&scaled(&core, scale), |x| beside(&mut rng, x));
+            let normal = normal.map(|x| beside(&mut rng, 0.5 * x));
+            let offset = *rng.pick(&[0.0, MIN_COORDINATE, 2.0, scale, -scale, 1.5 * scale]);
+            let margin = beside(&mut rng, margin * scale).max(0.0);
+            let n = normal.map(wide);
+            let least = corners(&core, wide).iter().map(|p| dot(&n, p)).min().unwrap();
+            let height = least - (wide(offset) << 302);
+            let order = if height < IBig::ZERO {
+                core::cmp::Ordering::Less
+            } else {
+                (&height * &height).cmp(&(wide(margin) * wide(margin) * dot(&n, &n)))
+            };
+            let expected = tally.add(order);
+            let [a, b] = [core, Core::HalfSpace { normal, offset }].map(|core| Shape { core, radius: 0.0 });
+            assert_eq!(is_within(&a, &b, margin), Some(expected), "{a:?} {b:?} {margin:e}");
+        }
+        tally.check(5, &format!("{kind}"));
     }
 }
 
