@@ -27,8 +27,8 @@ mod support;
 
 pub use self::core::Core;
 pub use error::ShapeError;
-pub use pair::{is_within, meets, separation};
 pub(crate) use pair::{is_near, nearer};
+pub use pair::{is_within, meets, separation};
 pub use stored::{ShapeNumbers, Shapes, SingleShapeNumbers};
 
 use crate::exact::power_of_two;

@@ -6,10 +6,10 @@
 //! any shape; and without radii for cylinders and cones against points, segments, triangles and cuboids. Of other pairs
 //! of round shapes the bounds decide, which are within 2^-40 of the size of the two: only certainly free is free.
 
+use super::Shape;
 use super::bounds::{Bounds, bounds};
 use super::exact;
 use super::fast::decide;
-use super::Shape;
 use crate::exact::power_of_two;
 use crate::primitive::Separation;
 use crate::range::MIN_COORDINATE;
@@ -61,7 +61,13 @@ fn is_near_surely(a: &Shape, b: &Shape, margin: f64, exact: &mut u64) -> bool {
 
 /// [`separation`]; `exact` grows by 1 if the bounds did not decide whether the two meet.
 #[inline]
-pub(crate) fn nearer(a: &Shape, b: &Shape, limit: f64, tolerance: f64, exact: &mut u64) -> Option<Separation> {
+pub(crate) fn nearer(
+    a: &Shape,
+    b: &Shape,
+    limit: f64,
+    tolerance: f64,
+    exact: &mut u64,
+) -> Option<Separation> {
     let found = bounds(a, b, limit, tolerance);
     if found.lower > limit {
         return None;
@@ -71,7 +77,11 @@ pub(crate) fn nearer(a: &Shape, b: &Shape, limit: f64, tolerance: f64, exact: &m
     } else {
         *exact += 1;
         let meets = exact::is_within(a, b, 0.0).unwrap_or(true);
-        if meets { (0.0, 0.0) } else { (f64::MIN_POSITIVE.min(found.upper), found.upper.max(f64::MIN_POSITIVE)) }
+        if meets {
+            (0.0, 0.0)
+        } else {
+            (f64::MIN_POSITIVE.min(found.upper), found.upper.max(f64::MIN_POSITIVE))
+        }
     };
     Some(Separation { lower, upper, a: found.a, b: found.b })
 }

@@ -1,11 +1,11 @@
 //! The tests of pairs of primitives.
 
 use crate::kernel::Kernel;
+use crate::primitive::shape::{self, Core};
 use crate::primitive::sphere::against_sphere;
 use crate::primitive::sphere_against_triangle as against_triangle;
 use crate::primitive::triangle::distance::{nearer, within};
 use crate::primitive::triangle::{Probe, Triangle, Triangles};
-use crate::primitive::shape::{self, Core};
 use crate::primitive::{Primitive, Separation, Shape, Shapes, Sphere, Spheres};
 
 /// The tests of a primitive of this kind against one of the `Other` kind. A query between two bodies needs them for

@@ -67,7 +67,8 @@ impl<N: Lanes> Volume<N> {
                 return Self::half_space(&[1.0, 0.0, 0.0], f64::INFINITY, &bounds);
             }
             let axis = away.map(|x| x / distance);
-            let support = corners.map(|p| dot(&axis, &difference(&p, &centre))).fold(f64::NEG_INFINITY, f64::max);
+            let support =
+                corners.map(|p| dot(&axis, &difference(&p, &centre))).fold(f64::NEG_INFINITY, f64::max);
             let end = (support + radius) + ROUNDING * (size + bounds.max_coordinate);
             return Self::half_space(&axis, end, &bounds);
         }

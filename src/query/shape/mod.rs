@@ -41,7 +41,7 @@ impl Query {
         B::Node: Lanes,
         Shapes: PrimitivePair<B::Primitive>,
     {
-        self.shape_within(&shape.moved(pose), &b.view(), 0.0)
+        self.shape_within(&shape.moved(pose), &b.as_bvh(), 0.0)
     }
 
     /// Whether a shape, placed by `pose` in the frame of body B, comes within `margin` of B, or is inside of it. As
@@ -60,7 +60,7 @@ impl Query {
         B::Node: Lanes,
         Shapes: PrimitivePair<B::Primitive>,
     {
-        Ok(self.shape_within(&shape.moved(pose), &b.view(), checked(margin)?))
+        Ok(self.shape_within(&shape.moved(pose), &b.as_bvh(), checked(margin)?))
     }
 
     /// The distance of a shape, placed by `pose` in the frame of body B, from B, if it is below `cutoff`. As
@@ -83,10 +83,15 @@ impl Query {
         let tolerance = checked(tolerance)?.max(TIGHT);
         // Above zero, so that bodies that touch are nearer.
         let cutoff = if cutoff == f64::INFINITY { cutoff } else { checked(cutoff)?.max(f64::MIN_POSITIVE) };
-        Ok(self.shape_distance(&shape.moved(pose), &b.view(), tolerance, cutoff))
+        Ok(self.shape_distance(&shape.moved(pose), &b.as_bvh(), tolerance, cutoff))
     }
 
-    fn shape_within<N: Lanes, Q: Primitive>(&self, shape: &Shape, tree: &BvhRef<'_, N, Q>, margin: f64) -> Answer
+    fn shape_within<N: Lanes, Q: Primitive>(
+        &self,
+        shape: &Shape,
+        tree: &BvhRef<'_, N, Q>,
+        margin: f64,
+    ) -> Answer
     where
         Shapes: PrimitivePair<Q>,
     {

@@ -159,7 +159,9 @@ where
                     let found = <Shapes as PrimitivePair<Q>>::nearer(shape, &item, limit, tolerance, exact);
                     let Some(found) = found else { continue };
                     best.lower = best.lower.min(found.lower);
-                    if best.found.is_none_or(|(_, nearest)| found.upper < nearest.upper) && found.upper <= cutoff {
+                    if best.found.is_none_or(|(_, nearest)| found.upper < nearest.upper)
+                        && found.upper <= cutoff
+                    {
                         (limit, best.found) = (found.upper.min(cutoff), Some((index, found)));
                         if found.upper == 0.0 {
                             return Nearest { lower: 0.0, ..best };

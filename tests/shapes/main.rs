@@ -1,0 +1,8 @@
+//! Shapes: pairs against exact arithmetic, and trees against brute force over pairs.
+
+extern crate alloc;
+
+#[path = "../support/mod.rs"]
+mod support;
+
+mod trees;
