@@ -12,6 +12,7 @@ use super::lanes::Lanes;
 use crate::exact::power_of_two;
 use crate::hierarchy::{AsBvh, BvhRef};
 use crate::pose::Pose;
+use crate::primitive::shape::{is_near, nearer};
 use crate::primitive::{Primitive, Shape, Shapes};
 use bounds::Volume;
 use search::Outcome;
@@ -170,5 +171,30 @@ impl Query {
             return None;
         }
         self.inside_of_solid(tree, &Shapes::point(shape), stats).transpose()
+    }
+}
+
+/// Two shapes in one frame, of bodies that are shapes.
+impl Query {
+    pub(crate) fn shapes_within(&self, a: &Shape, b: &Shape, margin: f64) -> Answer {
+        let mut stats = QueryStats { primitive_pairs: 1, ..QueryStats::default() };
+        let is_near = is_near(a, b, margin, &mut stats.exact_pairs);
+        let verdict = if is_near { Verdict::Hit(Pair { a: 0, b: 0 }) } else { Verdict::Free };
+        Answer { verdict, stats, hint: Hint::NONE }
+    }
+
+    pub(crate) fn shapes_distance(&self, a: &Shape, b: &Shape, tolerance: f64, cutoff: f64) -> Distance {
+        let mut stats = QueryStats { primitive_pairs: 1, ..QueryStats::default() };
+        let tolerance = if tolerance > TIGHT { tolerance } else { TIGHT };
+        let found =
+            nearer(a, b, cutoff, tolerance, &mut stats.exact_pairs).filter(|found| found.upper <= cutoff);
+        Distance {
+            lower: found.map_or(cutoff, |found| found.lower),
+            upper: found.map_or(f64::INFINITY, |found| found.upper),
+            witness: found.map(|found| Witness { pair: Pair { a: 0, b: 0 }, a: found.a, b: found.b }),
+            completion: Completion::Complete,
+            stats,
+            hint: Hint::NONE,
+        }
     }
 }
