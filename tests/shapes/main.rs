@@ -5,4 +5,5 @@ extern crate alloc;
 #[path = "../support/mod.rs"]
 mod support;
 
+mod scenes;
 mod trees;

@@ -15,7 +15,7 @@ use simdop::primitive::{Primitive, Shape, Shapes, Sphere, Spheres, Triangles};
 use simdop::query::{Lanes, PrimitivePair, Query, QueryStats};
 
 /// A random shape of about unit size, of each bounded kind; sometimes widened, thin or far from its origin.
-fn shape(rng: &mut Rng) -> Shape {
+pub(crate) fn shape(rng: &mut Rng) -> Shape {
     let length = |rng: &mut Rng| *rng.pick(&[0.001, 0.3, 1.0]) * rng.range(0.5, 1.0);
     let at = pose(&rng.rotation(), random_point(rng, [0.0, 0.5, 2.0]));
     let shape = match rng.below(7) {
@@ -31,16 +31,16 @@ fn shape(rng: &mut Rng) -> Shape {
     if rng.below(4) == 0 { shape.widened(0.1).unwrap() } else { shape }
 }
 
-fn half_space(rng: &mut Rng) -> Shape {
+pub(crate) fn half_space(rng: &mut Rng) -> Shape {
     Shape::half_space(random_point(rng, [1.0, 100.0]), rng.range(-2.0, 2.0)).unwrap()
 }
 
-fn set<N: simdop::node::Dop>(shapes: &[Shape]) -> Bvh<N, Shapes> {
+pub(crate) fn set<N: simdop::node::Dop>(shapes: &[Shape]) -> Bvh<N, Shapes> {
     let set = ShapeSet::new(shapes).unwrap();
     Builder::new().build_geometry(&set, &mut |_| ControlFlow::Continue(())).unwrap()
 }
 
-fn mesh<N: simdop::node::Dop>(data: &MeshData, is_solid: bool) -> Bvh<N> {
+pub(crate) fn mesh<N: simdop::node::Dop>(data: &MeshData, is_solid: bool) -> Bvh<N> {
     let builder = if is_solid { Builder::new().solid() } else { Builder::new() };
     builder.build_as(&Mesh { vertices: &data.vertices, triangles: &data.triangles }).unwrap()
 }
