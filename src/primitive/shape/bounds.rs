@@ -6,7 +6,7 @@
 //! Keerthi.
 
 use super::gjk::Simplex;
-use super::newton::{Found, Places};
+use super::newton::{self, Newton, Places};
 use super::support::Pair;
 use super::{Point, Shape};
 use crate::exact::power_of_two;
@@ -156,29 +156,33 @@ impl<'p> Search<'p> {
 
     /// Proposes the closest points near these places.
     #[inline(always)]
-    fn newton(&mut self, mut places: Places) -> bool {
-        let found = places.found(self.pair);
-        if self.is_solved_by(&found, &places) {
+    fn newton(&mut self, places: Places) -> bool {
+        let mut newton = Newton::new(self.pair, places);
+        for _ in 0..newton::STEPS {
+            if self.is_solved_by(&newton) {
+                return true;
+            }
+            if !newton.step(self.pair) {
+                break;
+            }
+        }
+        if self.is_solved_by(&newton) {
             return true;
         }
-        let found = places.refine(self.pair);
-        if self.is_solved_by(&found, &places) {
-            return true;
-        }
-        self.lower_along(&found.between);
+        self.lower_along(&newton.between);
         self.is_done()
     }
 
     #[inline(always)]
-    fn is_solved_by(&mut self, found: &Found, places: &Places) -> bool {
-        self.upper_by(&found.between, &found.of_a);
-        if dot(&found.between, &found.between) < NEAR * (self.pair.size * self.pair.size)
-            && let Some(point) = places.common(self.pair, found)
+    fn is_solved_by(&mut self, newton: &Newton) -> bool {
+        self.upper_by(&newton.between, &newton.of_a);
+        if dot(&newton.between, &newton.between) < NEAR * (self.pair.size * self.pair.size)
+            && let Some(point) = newton.common(self.pair)
         {
             (self.upper, self.between, self.of_a) = (0.0, [0.0; 3], point);
             return true;
         }
-        self.lower_along(&found.direction);
+        self.lower_along(&newton.direction());
         self.is_done()
     }
 

@@ -11,7 +11,7 @@ use super::support::Pair;
 use crate::vector::{cross, dot};
 
 /// The most steps.
-const STEPS: usize = 12;
+pub(super) const STEPS: usize = 16;
 
 /// A step of less, in units of half edges and radii, is the last: the next one would be below rounding.
 const LAST: f64 = 1.0 / (1_u64 << 40) as f64;
@@ -26,15 +26,17 @@ pub(super) struct Places {
     pub(super) b: Place,
 }
 
-/// Two points.
+/// The state of the method.
 #[derive(Copy, Clone, Debug)]
-pub(super) struct Found {
-    /// From B to A.
+pub(super) struct Newton {
+    places: Places,
+    /// From the point of B to that of A.
     pub(super) between: Point,
-    /// From A's centre.
+    /// A's point, from its centre.
     pub(super) of_a: Point,
-    /// Perpendicular to all ways in which the points may move.
-    pub(super) direction: Point,
+    /// The ways of both, those of B negated, after those of A.
+    ways: Ways,
+    count: usize,
 }
 
 impl Places {
@@ -59,85 +61,119 @@ impl Places {
         let (a, b) = (pair.a.form.at(&self.a), pair.b.form.at(&self.b));
         (a, [0, 1, 2].map(|k| pair.between[k] + (a[k] - b[k])))
     }
+}
 
-    /// The places as they are.
+impl Newton {
     #[inline(always)]
-    pub(super) fn found(&self, pair: &Pair) -> Found {
-        let (of_a, between) = self.points(pair);
-        let (ways, _) = self.ways(pair, &between);
-        Found { between, of_a, direction: perpendicular(&ways, &between) }
+    pub(super) fn new(pair: &Pair, places: Places) -> Self {
+        let (of_a, between) = places.points(pair);
+        let mut newton = Self { places, between, of_a, ways: Ways::new(), count: 0 };
+        newton.find_ways(pair);
+        newton
+    }
+
+    #[inline(always)]
+    fn find_ways(&mut self, pair: &Pair) {
+        self.ways.len = 0;
+        pair.a.form.ways(&self.places.a, &self.between, &mut self.ways);
+        self.count = self.ways.len;
+        pair.b.form.ways(&self.places.b, &self.between.map(|x| -x), &mut self.ways);
+        for way in &mut self.ways.list[self.count..self.ways.len] {
+            way.tangent = way.tangent.map(|x| -x);
+            way.bend = way.bend.map(|x| -x);
+            way.mixed = way.mixed.map(|x| -x);
+        }
     }
 
     /// A point of both cores, from A's centre, if they certainly meet because one of the two places is so far inside of
     /// its core that a ball about it has the other one.
-    pub(super) fn common(&self, pair: &Pair, found: &Found) -> Option<Point> {
-        let v = &found.between;
+    pub(super) fn common(&self, pair: &Pair) -> Option<Point> {
+        let v = &self.between;
         let apart = libm::sqrt(dot(v, v)) + pair.slack;
-        if pair.b.form.room(&self.b) > apart {
-            Some(found.of_a)
-        } else if pair.a.form.room(&self.a) > apart {
-            Some([0, 1, 2].map(|k| found.of_a[k] - v[k]))
+        if pair.b.form.room(&self.places.b) > apart {
+            Some(self.of_a)
+        } else if pair.a.form.room(&self.places.a) > apart {
+            Some([0, 1, 2].map(|k| self.of_a[k] - v[k]))
         } else {
             None
         }
     }
 
-    /// The ways of both, those of B negated, and the number of those of A.
+    /// Moves the places. False if that was the last step.
     #[inline(always)]
-    fn ways(&self, pair: &Pair, between: &Point) -> (Ways, usize) {
-        let mut ways = Ways::new();
-        pair.a.form.ways(&self.a, between, &mut ways);
-        let of_a = ways.len;
-        pair.b.form.ways(&self.b, &between.map(|x| -x), &mut ways);
-        for way in &mut ways.list[of_a..ways.len] {
-            way.tangent = way.tangent.map(|x| -x);
-            way.bend = way.bend.map(|x| -x);
-            way.mixed = way.mixed.map(|x| -x);
-        }
-        (ways, of_a)
-    }
-
-    /// Moves to the closest points.
-    pub(super) fn refine(&mut self, pair: &Pair) -> Found {
-        let (mut of_a, mut between) = self.points(pair);
-        let (mut ways, mut count) = self.ways(pair, &between);
-        for _ in 0..STEPS {
-            let step = solve(&ways, &between);
-            let size = step.iter().fold(0.0_f64, |most, x| most.max(x.abs()));
-            let mut next = *self;
-            let mut share = 1.0;
-            let square = dot(&between, &between);
-            let mut is_better = false;
-            for _ in 0..4 {
-                next = *self;
-                for i in 0..ways.len {
-                    let place = if i < count { &mut next.a } else { &mut next.b };
-                    place.go(&ways.list[i], share * step[i]);
-                }
-                next.a.settle();
-                next.b.settle();
-                let (a, v) = next.points(pair);
-                if dot(&v, &v) < square {
-                    (of_a, between) = (a, v);
-                    is_better = true;
-                    break;
-                }
-                if size <= LAST {
-                    break;
-                }
-                share *= 0.25;
+    pub(super) fn step(&mut self, pair: &Pair) -> bool {
+        let (ways, before) = (&self.ways, self.places);
+        let step = solve(ways, &self.between);
+        let size = step.iter().fold(0.0_f64, |most, x| most.max(x.abs()));
+        let square = dot(&self.between, &self.between);
+        let mut share = 1.0;
+        for _ in 0..4 {
+            let mut next = before;
+            for i in 0..ways.len {
+                let place = if i < self.count { &mut next.a } else { &mut next.b };
+                place.go(&ways.list[i], share * step[i]);
             }
-            if !is_better {
-                break;
+            next.a.settle();
+            next.b.settle();
+            let (of_a, between) = next.points(pair);
+            if dot(&between, &between) < square {
+                (self.places, self.of_a, self.between) = (next, of_a, between);
+                self.find_ways(pair);
+                return size > LAST;
             }
-            *self = next;
-            (ways, count) = self.ways(pair, &between);
             if size <= LAST {
                 break;
             }
+            share *= 0.25;
         }
-        Found { between, of_a, direction: perpendicular(&ways, &between) }
+        false
     }
+
+    /// A vector along `between` that is perpendicular to the ways: the cross product of two of them, or `between` without its
+    /// part along the one.
+    #[inline(always)]
+    pub(super) fn direction(&self) -> Point {
+        let ways = &self.ways.list[..self.ways.len];
+        match ways {
+            [] => return self.between,
+            [way] => return without(&self.between, &way.tangent),
+            _ => {}
+        }
+        // The tangent of a rim is as inaccurate as the place on it; straight ways are exact.
+        for accepts_bent in [false, true] {
+            let (mut best, mut most) = ([0.0; 3], 1e-10);
+            for i in 1..ways.len() {
+                for j in 0..i {
+                    let (u, v) = (&ways[i], &ways[j]);
+                    if !accepts_bent && (u.bends() || v.bends()) {
+                        continue;
+                    }
+                    let normal = cross(&u.tangent, &v.tangent);
+                    let sine = dot(&normal, &normal);
+                    let product = dot(&u.tangent, &u.tangent) * dot(&v.tangent, &v.tangent);
+                    if sine > most * product {
+                        (best, most) = (normal, sine / product);
+                    }
+                    if most > 0.1 {
+                        break;
+                    }
+                }
+            }
+            if most > 1e-10 {
+                let sign = 1.0_f64.copysign(dot(&best, &self.between));
+                return best.map(|x| sign * x);
+            }
+        }
+        without(&self.between, &ways[0].tangent)
+    }
+}
+
+/// A vector without its part along another.
+#[inline(always)]
+fn without(v: &Point, way: &Point) -> Point {
+    let square = dot(way, way);
+    let rest = if square > 0.0 { dot(way, v) / square } else { 0.0 };
+    [0, 1, 2].map(|k| v[k] - rest * way[k])
 }
 
 /// Newton's step: the solution of H s = -g, without ways that depend on those before (`LDL^T`, skipping small pivots).
@@ -199,35 +235,4 @@ fn solve(ways: &Ways, between: &Point) -> [f64; 6] {
         }
     }
     s
-}
-
-/// A vector along `between` that is perpendicular to the ways: the cross product of two of them, or `between` without its part
-/// along the one.
-#[inline(always)]
-fn perpendicular(ways: &Ways, between: &Point) -> Point {
-    // The tangent of a rim is as inaccurate as the place on it; straight ways are exact.
-    let mut best = [0.0; 3];
-    let (mut most, mut straight) = (1e-10, false);
-    for i in 0..ways.len {
-        for j in 0..i {
-            let is_straight = ways.list[i].bend == [0.0; 3] && ways.list[j].bend == [0.0; 3];
-            let (u, v) = (&ways.list[i].tangent, &ways.list[j].tangent);
-            let normal = cross(u, v);
-            let sine = dot(&normal, &normal) / (dot(u, u) * dot(v, v));
-            if sine > 1e-10 && (is_straight && !straight || sine > most && is_straight == straight) {
-                (best, most, straight) = (normal, sine, is_straight);
-            }
-        }
-    }
-    if most > 1e-10 {
-        let sign = 1.0_f64.copysign(dot(&best, between));
-        return best.map(|x| sign * x);
-    }
-    if ways.len == 0 {
-        return *between;
-    }
-    let way = &ways.list[0].tangent;
-    let square = dot(way, way);
-    let rest = if square > 0.0 { dot(way, between) / square } else { 0.0 };
-    [0, 1, 2].map(|k| between[k] - rest * way[k])
 }

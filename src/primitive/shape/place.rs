@@ -57,6 +57,13 @@ impl Ways {
     }
 }
 
+impl Way {
+    #[inline(always)]
+    pub(super) fn bends(&self) -> bool {
+        matches!(self.slot, Slot::Rim)
+    }
+}
+
 impl Form {
     /// The place nearest to a point, up to rounding; roughly for a cuboid whose edges are not quite perpendicular.
     #[inline(always)]
