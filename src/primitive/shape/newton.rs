@@ -80,8 +80,6 @@ impl Newton {
         pair.b.form.ways(&self.places.b, &self.between.map(|x| -x), &mut self.ways);
         for way in &mut self.ways.list[self.count..self.ways.len] {
             way.tangent = way.tangent.map(|x| -x);
-            way.bend = way.bend.map(|x| -x);
-            way.mixed = way.mixed.map(|x| -x);
         }
     }
 
@@ -186,22 +184,24 @@ fn solve(ways: &Ways, between: &Point) -> [f64; 6] {
     let square = dot(between, between);
     let mut is_near = square > 0.0;
     for i in 0..n {
-        let tangent = &ways.list[i].tangent;
-        s[i] = -dot(tangent, between);
-        is_near &= s[i] * s[i] <= NEAR * (dot(tangent, tangent) * square);
+        let way = &ways.list[i];
+        s[i] = -way.slope;
+        h[i][i] = dot(&way.tangent, &way.tangent);
+        is_near &= s[i] * s[i] <= NEAR * (h[i][i] * square);
     }
     let gradient = s;
     let inverse = if is_near { 1.0 / square } else { 0.0 };
     for i in 0..n {
         let way = &ways.list[i];
-        for j in 0..=i {
+        for j in 0..i {
             h[i][j] = dot(&way.tangent, &ways.list[j].tangent) - gradient[i] * (gradient[j] * inverse);
         }
+        h[i][i] -= gradient[i] * (gradient[i] * inverse);
         if i > 0 {
-            h[i][i - 1] += dot(&way.mixed, between);
+            h[i][i - 1] += way.mixed;
         }
         let diagonal = h[i][i];
-        h[i][i] += dot(&way.bend, between);
+        h[i][i] += way.bend;
         let least = 1e-14 * (diagonal + h[i][i]);
         // Row i of L times D, then of L.
         for j in 0..i {
