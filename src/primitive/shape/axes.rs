@@ -1,7 +1,7 @@
 //! The depth of two polytopes: each face of their difference is perpendicular to a face of one or to an edge of both.
 
 use super::Point;
-use super::support::{Form, Pair};
+use super::support::{Form, Pair, each};
 use crate::vector::{cross, difference, dot};
 
 /// Edges with a smaller sine count as parallel.
@@ -69,7 +69,7 @@ pub(super) fn depth(pair: &Pair) -> Option<(f64, f64, Point)> {
         let lost = pair.size * (16.0 * f64::EPSILON) / sine;
         let sign = 1.0_f64.copysign(dot(&normal, &pair.between));
         for sign in [sign, -sign] {
-            let d = normal.map(|x| sign * x);
+            let d = each(|k| sign * normal[k]);
             let (point, _) = pair.support(&d);
             let height = -dot(&d, &point) / length;
             lower = lower.min(height - lost);

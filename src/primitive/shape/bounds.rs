@@ -7,7 +7,7 @@
 
 use super::gjk::Simplex;
 use super::newton::{self, Newton, Places};
-use super::support::Pair;
+use super::support::{Pair, each};
 use super::{Point, Shape};
 use crate::exact::power_of_two;
 use crate::vector::{cross, dot};
@@ -240,8 +240,8 @@ impl<'p> Search<'p> {
             for j in 0..i {
                 let normal = cross(&edges[i], &edges[j]);
                 let sign = 1.0_f64.copysign(dot(&normal, &self.between));
-                self.lower_along(&normal.map(|x| sign * x));
-                self.lower_along(&normal.map(|x| -sign * x));
+                self.lower_along(&each(|k| sign * normal[k]));
+                self.lower_along(&each(|k| -sign * normal[k]));
             }
         }
     }
@@ -287,7 +287,7 @@ impl<'p> Search<'p> {
         let lower = self.lower - self.radius[1];
         let lower = if lower > 0.0 { lower * narrow } else { 0.0 };
         let a = self.pair.a.placed(&self.of_a);
-        let of_b: Point = [0, 1, 2].map(|k| self.pair.between[k] + self.of_a[k] - self.between[k]);
+        let of_b: Point = each(|k| self.pair.between[k] + self.of_a[k] - self.between[k]);
         let b = self.pair.b.placed(&of_b);
         let sum = self.radii[0] + self.radii[1];
         let length = libm::sqrt(dot(&self.between, &self.between));
@@ -295,7 +295,7 @@ impl<'p> Search<'p> {
             return Bounds { lower, upper, a, b };
         }
         let unit = if meets { 1.0 / sum } else { 1.0 / length };
-        let toward = |p: &Point, by: f64| [0, 1, 2].map(|k| p[k] + self.between[k] * (by * unit));
+        let toward = |p: &Point, by: f64| each(|k| p[k] + self.between[k] * (by * unit));
         Bounds { lower, upper, a: toward(&a, -self.radii[0]), b: toward(&b, self.radii[1]) }
     }
 }

@@ -7,11 +7,14 @@
 
 use super::Point;
 use super::place::{Place, Ways};
-use super::support::Pair;
+use super::support::{Form, Pair, each};
 use crate::vector::{cross, dot};
 
 /// The most steps.
 pub(super) const STEPS: usize = 16;
+
+/// Alternating projections before the first step.
+const ROUNDS: usize = 1;
 
 /// A step of less, in units of half edges and radii, is the last: the next one would be below rounding.
 const LAST: f64 = 1.0 / (1_u64 << 40) as f64;
@@ -40,26 +43,37 @@ pub(super) struct Newton {
 }
 
 impl Places {
-    /// A's point nearest to B's centre, and the one of B nearest to it.
+    /// A's point nearest to B's centre, and B's nearest to it, and once more: a round costs a fourth of a step.
     #[inline(always)]
     pub(super) fn guess(pair: &Pair) -> Self {
-        let a = pair.a.form.nearest(&pair.between.map(|x| -x));
-        let of_a = pair.a.form.at(&a);
-        let b = pair.b.form.nearest(&[0, 1, 2].map(|k| pair.between[k] + of_a[k]));
+        let (form, other) = (&pair.a.form, &pair.b.form);
+        let t = &pair.between;
+        let mut a = form.nearest(&[-t[0], -t[1], -t[2]]);
+        let mut p = form.at(&a);
+        let mut b = other.nearest(&[t[0] + p[0], t[1] + p[1], t[2] + p[2]]);
+        if matches!(form, Form::Point) || matches!(other, Form::Point) {
+            return Self { a, b };
+        }
+        for _ in 0..ROUNDS {
+            let q = other.at(&b);
+            a = form.nearest(&[q[0] - t[0], q[1] - t[1], q[2] - t[2]]);
+            p = form.at(&a);
+            b = other.nearest(&[t[0] + p[0], t[1] + p[1], t[2] + p[2]]);
+        }
         Self { a, b }
     }
 
     /// The places nearest to a point of A and one at `between` from it.
     #[inline(always)]
     pub(super) fn near(pair: &Pair, of_a: &Point, between: &Point) -> Self {
-        let of_b: Point = [0, 1, 2].map(|k| pair.between[k] + of_a[k] - between[k]);
+        let of_b: Point = each(|k| pair.between[k] + of_a[k] - between[k]);
         Self { a: pair.a.form.nearest(of_a), b: pair.b.form.nearest(&of_b) }
     }
 
     #[inline(always)]
     fn points(&self, pair: &Pair) -> (Point, Point) {
         let (a, b) = (pair.a.form.at(&self.a), pair.b.form.at(&self.b));
-        (a, [0, 1, 2].map(|k| pair.between[k] + (a[k] - b[k])))
+        (a, each(|k| pair.between[k] + (a[k] - b[k])))
     }
 }
 
@@ -77,9 +91,9 @@ impl Newton {
         self.ways.len = 0;
         pair.a.form.ways(&self.places.a, &self.between, &mut self.ways);
         self.count = self.ways.len;
-        pair.b.form.ways(&self.places.b, &self.between.map(|x| -x), &mut self.ways);
+        pair.b.form.ways(&self.places.b, &each(|k| -self.between[k]), &mut self.ways);
         for way in &mut self.ways.list[self.count..self.ways.len] {
-            way.tangent = way.tangent.map(|x| -x);
+            way.tangent = each(|k| -way.tangent[k]);
         }
     }
 
@@ -91,7 +105,7 @@ impl Newton {
         if pair.b.form.room(&self.places.b) > apart {
             Some(self.of_a)
         } else if pair.a.form.room(&self.places.a) > apart {
-            Some([0, 1, 2].map(|k| self.of_a[k] - v[k]))
+            Some(each(|k| self.of_a[k] - v[k]))
         } else {
             None
         }
@@ -159,7 +173,7 @@ impl Newton {
             }
             if most > 1e-10 {
                 let sign = 1.0_f64.copysign(dot(&best, &self.between));
-                return best.map(|x| sign * x);
+                return each(|k| sign * best[k]);
             }
         }
         without(&self.between, &ways[0].tangent)
@@ -171,7 +185,7 @@ impl Newton {
 fn without(v: &Point, way: &Point) -> Point {
     let square = dot(way, way);
     let rest = if square > 0.0 { dot(way, v) / square } else { 0.0 };
-    [0, 1, 2].map(|k| v[k] - rest * way[k])
+    each(|k| v[k] - rest * way[k])
 }
 
 /// Newton's step: the solution of H s = -g, without ways that depend on those before (`LDL^T`, skipping small pivots).

@@ -1,7 +1,7 @@
 //! Points of cores by coordinates: where they are, and how they move.
 
 use super::Point;
-use super::support::Form;
+use super::support::{Form, each};
 use crate::vector::{difference, dot};
 
 /// A point of a core.
@@ -125,16 +125,14 @@ impl Form {
         let (x, disc) = (&place.x, &place.disc);
         match self {
             Self::Point => [0.0; 3],
-            Self::Segment(half) => half.map(|h| x[0] * h),
+            Self::Segment(half) => each(|k| x[0] * half[k]),
             Self::Triangle([p, q, r]) | Self::Cuboid([p, q, r]) => {
-                [0, 1, 2].map(|k| (x[0] * p[k] + x[1] * q[k]) + x[2] * r[k])
+                each(|k| (x[0] * p[k] + x[1] * q[k]) + x[2] * r[k])
             }
-            Self::Cylinder(half, [u, v]) => {
-                [0, 1, 2].map(|k| x[0] * half[k] + (disc[0] * u[k] + disc[1] * v[k]))
-            }
+            Self::Cylinder(half, [u, v]) => each(|k| x[0] * half[k] + (disc[0] * u[k] + disc[1] * v[k])),
             Self::Cone(half, [u, v]) => {
                 let (y, z) = (0.5 * (1.0 - x[0]) * disc[0], 0.5 * (1.0 - x[0]) * disc[1]);
-                [0, 1, 2].map(|k| x[0] * half[k] + (y * u[k] + z * v[k]))
+                each(|k| x[0] * half[k] + (y * u[k] + z * v[k]))
             }
         }
     }
@@ -164,7 +162,7 @@ impl Form {
     /// Three vectors along all faces and edges at a place.
     pub(super) fn edges(&self, place: &Place) -> [Point; 3] {
         let [y, z] = place.disc;
-        let on_disc = |[u, v]: &[Point; 2], y: f64, z: f64| [0, 1, 2].map(|k| y * u[k] + z * v[k]);
+        let on_disc = |[u, v]: &[Point; 2], y: f64, z: f64| each(|k| y * u[k] + z * v[k]);
         match self {
             Self::Point => [[0.0; 3]; 3],
             Self::Segment(half) => [*half; 3],
@@ -173,7 +171,7 @@ impl Form {
             Self::Cylinder(half, disc) => [*half, on_disc(disc, y, z), on_disc(disc, -z, y)],
             Self::Cone(half, disc) => {
                 let out = on_disc(disc, y, z);
-                [[0, 1, 2].map(|k| 2.0 * half[k] - out[k]), out, on_disc(disc, -z, y)]
+                [each(|k| 2.0 * half[k] - out[k]), out, on_disc(disc, -z, y)]
             }
         }
     }
@@ -209,7 +207,7 @@ impl Form {
             Self::Cone(half, disc) => {
                 let [u, v] = disc;
                 let (y, z) = (place.disc[0], place.disc[1]);
-                let side: Point = [0, 1, 2].map(|k| half[k] - 0.5 * (y * u[k] + z * v[k]));
+                let side: Point = each(|k| half[k] - 0.5 * (y * u[k] + z * v[k]));
                 let slides = ways.add_line(0, x[0], &side, pull);
                 let before = ways.len;
                 disc_ways(disc, &place.disc, 0.5 * (1.0 - x[0]), pull, ways);
@@ -261,12 +259,12 @@ fn disc_ways([u, v]: &[Point; 2], [y, z]: &[f64; 2], share: f64, pull: &Point, w
     let out = y * du + z * dv;
     let is_on_rim = y * y + z * z > 1.0 - 8.0 * f64::EPSILON;
     if is_on_rim && out <= 0.0 {
-        let tangent = [0, 1, 2].map(|k| share * (y * v[k] - z * u[k]));
+        let tangent = each(|k| share * (y * v[k] - z * u[k]));
         ways.add(tangent, y * dv - z * du, Slot::Rim);
         ways.list[ways.len - 1].bend = -out;
     } else {
-        ways.add(u.map(|x| share * x), du, Slot::Disc(0));
-        ways.add(v.map(|x| share * x), dv, Slot::Disc(1));
+        ways.add(each(|k| share * u[k]), du, Slot::Disc(0));
+        ways.add(each(|k| share * v[k]), dv, Slot::Disc(1));
     }
 }
 
@@ -290,9 +288,10 @@ fn in_disc([y, z]: [f64; 2]) -> [f64; 2] {
 
 /// Barycentric coordinates.
 #[inline(always)]
-fn nearest_in_triangle(corners: &[Point; 3], p: &Point) -> [f64; 3] {
+fn nearest_in_triangle(corners: &[Point; 3], at: &Point) -> [f64; 3] {
     use crate::vector::cross;
-    let [a, b, c] = [0, 1, 2].map(|k| difference(&corners[k], p));
+    let [p, q, r] = corners;
+    let (a, b, c) = (difference(p, at), difference(q, at), difference(r, at));
     let normal = cross(&difference(&b, &a), &difference(&c, &a));
     let (x, y, z) =
         (dot(&normal, &cross(&b, &c)), dot(&normal, &cross(&c, &a)), dot(&normal, &cross(&a, &b)));
@@ -306,7 +305,7 @@ fn nearest_in_triangle(corners: &[Point; 3], p: &Point) -> [f64; 3] {
         let (i, j) = ((k + 1) % 3, (k + 2) % 3);
         let edge = difference(places[j], places[i]);
         let t = (-share(places[i], &edge)).clamp(0.0, 1.0);
-        let v: Point = [0, 1, 2].map(|n| places[i][n] + t * edge[n]);
+        let v = each(|n| places[i][n] + t * edge[n]);
         let square = dot(&v, &v);
         if square < least {
             least = square;

@@ -9,7 +9,7 @@
 //! distance of a face is at least the least product of its corners with any unit vector.
 
 use super::Point;
-use super::support::Pair;
+use super::support::{Pair, each};
 use crate::vector::{cross, difference, dot};
 
 const FACES: usize = 128;
@@ -52,7 +52,7 @@ pub(super) fn depth(pair: &Pair, corners: &[Point; 4], tolerance: f64) -> (f64, 
             break;
         }
         lower = lower.max(nearest.low);
-        let d = nearest.normal.map(|x| -x);
+        let d = each(|k| -nearest.normal[k]);
         let (corner, _) = pair.support(&d);
         let height = -dot(&d, &corner) / libm::sqrt(dot(&d, &d));
         if height < upper {

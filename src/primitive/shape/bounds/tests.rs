@@ -59,7 +59,9 @@ fn check(a: &Shape, b: &Shape, tolerance: f64, rounds: usize) -> Bounds {
     let size = magnitude(a).max(magnitude(b));
     let width = found.upper - found.lower;
     let is_tight = width <= 1.001 * tolerance * found.lower || width <= 8.0 * FLOOR * size;
-if !is_tight { std::println!("LOOSE {:e} {:e} {text}", width / found.lower, width / size); }
+    if !is_tight {
+        std::println!("LOOSE {:e} {:e} {text}", width / found.lower, width / size);
+    }
     for (shape, p) in [(a, &found.a), (b, &found.b)] {
         let off = length(&minus(&exact(p), &nearest(shape, &exact(p)))).0;
         assert!(off <= FLOOR * size, "{} {text}", off / size);
@@ -228,7 +230,21 @@ fn half_spaces_meet_unless_they_are_opposite() {
 
 #[test]
 fn one() {
-let a = Shape { core: Core::Triangle([[0.3243023727599287, 0.8227357174883135, -0.3142814288863693], [-0.35870133448656805, -0.17173796564305366, 0.9848488012158335], [-0.8019686975460117, -0.4582260517521809, 0.7342108617500424]]), radius: 0.0 };
-let b = Shape { core: Core::Cylinder { centre: [-0.5208545446871156, 0.5064217089836811, 0.4495490386989285], half_axis: [0.3246969784706726, 0.012262222567140497, 0.21597307850229636], radius: 0.3696968664238828 }, radius: 0.0 };
-std::eprintln!("{:?}", bounds(&a,&b,1e9,1e-6));
+    let a = Shape {
+        core: Core::Triangle([
+            [0.3243023727599287, 0.8227357174883135, -0.3142814288863693],
+            [-0.35870133448656805, -0.17173796564305366, 0.9848488012158335],
+            [-0.8019686975460117, -0.4582260517521809, 0.7342108617500424],
+        ]),
+        radius: 0.0,
+    };
+    let b = Shape {
+        core: Core::Cylinder {
+            centre: [-0.5208545446871156, 0.5064217089836811, 0.4495490386989285],
+            half_axis: [0.3246969784706726, 0.012262222567140497, 0.21597307850229636],
+            radius: 0.3696968664238828,
+        },
+        radius: 0.0,
+    };
+    std::eprintln!("{:?}", bounds(&a, &b, 1e9, 1e-6));
 }
