@@ -114,16 +114,29 @@ impl Newton {
     /// Moves the places. False if that was the last step.
     #[inline(always)]
     pub(super) fn step(&mut self, pair: &Pair) -> bool {
-        let (ways, before) = (&self.ways, self.places);
-        let step = solve(ways, &self.between);
+        let (step, is_near) = solve(&self.ways, &self.between, true);
+        // The distance of shapes that overlap has no second derivative where it vanishes; its square has one.
+        self.go(pair, &step) || is_near && self.go_far(pair)
+    }
+
+    #[cold]
+    #[inline(never)]
+    fn go_far(&mut self, pair: &Pair) -> bool {
+        let (step, _) = solve(&self.ways, &self.between, false);
+        self.go(pair, &step)
+    }
+
+    /// False if the step is below rounding, or no share of it is a step downwards.
+    #[inline(always)]
+    fn go(&mut self, pair: &Pair, step: &[f64; 6]) -> bool {
         let size = step.iter().fold(0.0_f64, |most, x| most.max(x.abs()));
         let square = dot(&self.between, &self.between);
         let mut share = 1.0;
         for _ in 0..4 {
-            let mut next = before;
-            for i in 0..ways.len {
+            let mut next = self.places;
+            for i in 0..self.ways.len {
                 let place = if i < self.count { &mut next.a } else { &mut next.b };
-                place.go(&ways.list[i], share * step[i]);
+                place.go(&self.ways.list[i], share * step[i]);
             }
             next.a.settle();
             next.b.settle();
@@ -188,15 +201,15 @@ fn without(v: &Point, way: &Point) -> Point {
     each(|k| v[k] - rest * way[k])
 }
 
-/// Newton's step: the solution of H s = -g, without ways that depend on those before (`LDL^T`, skipping small pivots).
+/// Newton's step, and whether it is that of the distance, not of its square: the solution of H s = -g, without ways that depend on those before (`LDL^T`, skipping small pivots).
 #[inline(always)]
-fn solve(ways: &Ways, between: &Point) -> [f64; 6] {
+fn solve(ways: &Ways, between: &Point, may_be_near: bool) -> ([f64; 6], bool) {
     let n = ways.len;
     let mut h = [[0.0; 6]; 6];
     let mut s = [0.0; 6];
     let mut skipped = [false; 6];
     let square = dot(between, between);
-    let mut is_near = square > 0.0;
+    let mut is_near = may_be_near && square > 0.0;
     for i in 0..n {
         let way = &ways.list[i];
         s[i] = -way.slope;
@@ -248,5 +261,5 @@ fn solve(ways: &Ways, between: &Point) -> [f64; 6] {
             s[i] -= h[k][i] * s[k];
         }
     }
-    s
+    (s, is_near)
 }

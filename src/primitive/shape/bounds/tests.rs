@@ -3,6 +3,7 @@ use super::{Bounds, bounds};
 use crate::exact::power_of_two;
 use crate::range::Point;
 use crate::rng::Rng;
+use core::sync::atomic::{AtomicU32, Ordering};
 use double::{Double, Vector, along, exact, length, minus};
 use samples::{Sampled, moved, scaled};
 
@@ -15,6 +16,9 @@ const PAIRS: usize = 3_000;
 
 /// Rounding that a test of computed points allows, relative to the coordinates.
 const FLOOR: f64 = power_of_two(-45);
+
+/// How many bounds were not tight.
+static LOOSE: AtomicU32 = AtomicU32::new(0);
 
 fn magnitude(shape: &Shape) -> f64 {
     let most = |p: &Point| p.iter().fold(0.0_f64, |m, x| m.max(x.abs()));
@@ -59,16 +63,21 @@ fn check(a: &Shape, b: &Shape, tolerance: f64, rounds: usize) -> Bounds {
     let size = magnitude(a).max(magnitude(b));
     let width = found.upper - found.lower;
     let is_tight = width <= 1.001 * tolerance * found.lower || width <= 8.0 * FLOOR * size;
-    if !is_tight {
-        std::println!("LOOSE {:e} {:e} {text}", width / found.lower, width / size);
-    }
+    // Round shapes that touch: Newton's method converges slowly where rims are parallel to what they touch.
+    assert!(
+        is_tight || rounds > 1 && width <= power_of_two(-30) * size,
+        "{} {} {text}",
+        width / found.lower,
+        width / size
+    );
+    LOOSE.fetch_add(u32::from(!is_tight), Ordering::Relaxed);
     for (shape, p) in [(a, &found.a), (b, &found.b)] {
         let off = length(&minus(&exact(p), &nearest(shape, &exact(p)))).0;
         assert!(off <= FLOOR * size, "{} {text}", off / size);
     }
     let apart = length(&minus(&exact(&found.a), &exact(&found.b))).0;
     // A common point comes from a tetrahedron, which may be thin.
-    let floor = if found.upper == 0.0 { 256.0 * FLOOR } else { 4.0 * FLOOR };
+    let floor = if found.upper == 0.0 { power_of_two(-26) } else { 4.0 * FLOOR };
     assert!((apart - found.upper).abs() <= floor * size, "{} {text}", (apart - found.upper) / size);
     let above = from_above(a, b, &found, rounds);
     assert!(Double::from(found.lower) <= above, "{above:?} {text}");
@@ -139,6 +148,8 @@ fn round_shapes_have_their_distances() {
         }
     }
     assert!(sure[0] * 100 > sure[1] * 95, "{sure:?}");
+    let loose = LOOSE.load(Ordering::Relaxed) as usize;
+    assert!(loose * 1000 <= sure[1], "{loose} of {}", sure[1]);
 }
 
 #[test]
@@ -226,25 +237,4 @@ fn half_spaces_meet_unless_they_are_opposite() {
     assert_eq!(bounds(&up, &space([0.1, 0.2, 0.3], -7.0), 1.0, 0.0).upper, 0.0);
     let found = bounds(&up, &space([0.5, -0.25, 0.0], -7.0), 1.0, 0.0);
     assert_eq!((found.upper, found.a), (0.0, found.b));
-}
-
-#[test]
-fn one() {
-    let a = Shape {
-        core: Core::Triangle([
-            [0.3243023727599287, 0.8227357174883135, -0.3142814288863693],
-            [-0.35870133448656805, -0.17173796564305366, 0.9848488012158335],
-            [-0.8019686975460117, -0.4582260517521809, 0.7342108617500424],
-        ]),
-        radius: 0.0,
-    };
-    let b = Shape {
-        core: Core::Cylinder {
-            centre: [-0.5208545446871156, 0.5064217089836811, 0.4495490386989285],
-            half_axis: [0.3246969784706726, 0.012262222567140497, 0.21597307850229636],
-            radius: 0.3696968664238828,
-        },
-        radius: 0.0,
-    };
-    std::eprintln!("{:?}", bounds(&a, &b, 1e9, 1e-6));
 }
