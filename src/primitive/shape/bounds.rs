@@ -21,6 +21,10 @@ const STEPS: usize = 64;
 /// Points with a smaller squared distance, in units of the squared size, may be one point inside of both.
 const NEAR: f64 = power_of_two(-60);
 
+/// Added to the direction between the centres, in units of the size.
+const STARTS: [Point; 5] =
+    [[0.0; 3], [0.36, 0.48, 0.81], [-0.6, 0.64, 0.45], [0.47, -0.8, 0.36], [-0.81, -0.36, -0.47]];
+
 /// Sizes between which no square or product of four lengths above 2^-80 of the size leaves the range of `f64`.
 const COMFORTABLE: core::ops::RangeInclusive<f64> = power_of_two(-100)..=power_of_two(100);
 
@@ -128,12 +132,24 @@ impl<'p> Search<'p> {
         self.lower <= 0.0 && self.upper > self.radius[0]
     }
 
-    /// Looks for a tetrahedron in A - B that certainly contains the origin.
+    /// Looks for a tetrahedron in A - B that certainly contains the origin. From one direction, symmetric shapes may give only some
+    /// that have it on a face.
     #[cold]
     #[inline(never)]
     pub(super) fn overlap(&mut self) -> Option<[Point; 4]> {
+        let [x, y, z] = self.pair.between;
+        let size = self.pair.size;
+        for [u, v, w] in STARTS {
+            let found = self.overlap_from([x + u * size, y + v * size, z + w * size]);
+            if found.is_some() || self.lower > 0.0 {
+                return found;
+            }
+        }
+        None
+    }
+
+    fn overlap_from(&mut self, mut direction: Point) -> Option<[Point; 4]> {
         let mut simplex = Simplex::new();
-        let mut direction = self.pair.between;
         for _ in 0..STEPS {
             let (point, of_a) = self.lower_along(&direction);
             if self.lower > 0.0 || simplex.has(&point) {
@@ -224,15 +240,15 @@ impl<'p> Search<'p> {
                 }
             }
         }
-        let places = Places::near(self.pair, &self.of_a, &self.between);
-        if !self.is_done() && !self.newton(places) {
-            self.edges(&Places::near(self.pair, &self.of_a, &self.between));
+        if !self.is_done() && !self.newton(Places::near(self.pair, &self.of_a, &self.between)) {
+            self.edges();
         }
     }
 
     /// Bounds the distance from below along the perpendiculars of all edges and faces at these places: of points that nearly
     /// touch, the difference does not tell which ways are barred.
-    fn edges(&mut self, places: &Places) {
+    pub(super) fn edges(&mut self) {
+        let places = Places::near(self.pair, &self.of_a, &self.between);
         let [p, q, r] = self.pair.a.form.edges(&places.a);
         let [s, t, u] = self.pair.b.form.edges(&places.b);
         let edges = [p, q, r, s, t, u];

@@ -65,12 +65,19 @@ fn of_pair(pair: &Pair, radii: [f64; 2], tolerance: f64) -> Depth {
                 (upper, along) = (above, axis);
             }
         }
-        let is_tight = upper - lower <= (tolerance * (less + upper)).max(3.0 * pair.slack);
-        if !is_tight && let Some(corners) = search.overlap() {
-            let (below, above, axis) = polytope::depth(pair, &corners, tolerance);
-            lower = lower.max(below);
-            if above < upper {
-                (upper, along) = (above, axis);
+        let goal = (tolerance * (less + upper)).max(3.0 * pair.slack);
+        let is_tight = upper < f64::INFINITY && upper - lower <= goal;
+        if !is_tight {
+            let corners = search.overlap();
+            search.edges();
+            if -search.lower < upper {
+                (upper, along) = (-search.lower, search.along);
+            }
+            if let Some((below, above, axis)) = polytope::depth(pair, corners, tolerance) {
+                lower = lower.max(below);
+                if above < upper {
+                    (upper, along) = (above, axis);
+                }
             }
         }
     }
