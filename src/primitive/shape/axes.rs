@@ -5,7 +5,7 @@ use super::support::{Form, Pair, each};
 use crate::vector::{cross, difference, dot};
 
 /// Edges with a smaller sine count as parallel.
-const PARALLEL: f64 = 1.0 / (1u64 << 48) as f64;
+const PARALLEL: f64 = 1.0 / (1_u64 << 48) as f64;
 
 /// The edges of a polytope that are not parallel, and its faces as pairs of edges.
 struct Edges {

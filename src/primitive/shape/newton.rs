@@ -16,6 +16,9 @@ pub(super) const STEPS: usize = 16;
 /// Alternating projections before the first step.
 const ROUNDS: usize = 1;
 
+/// Alternating projections instead of a step that does not come nearer.
+const PROJECTIONS: usize = 4;
+
 /// A step of less, in units of half edges and radii, is the last: the next one would be below rounding.
 const LAST: f64 = 1.0 / (1_u64 << 40) as f64;
 
@@ -116,7 +119,30 @@ impl Newton {
     pub(super) fn step(&mut self, pair: &Pair) -> bool {
         let (step, is_near) = solve(&self.ways, &self.between, true);
         // The distance of shapes that overlap has no second derivative where it vanishes; its square has one.
-        self.go(pair, &step) || is_near && self.go_far(pair)
+        self.go(pair, &step) || is_near && self.go_far(pair) || self.project(pair)
+    }
+
+    /// Alternating projections only come nearer, where a step that is cut at the boundaries may not.
+    #[cold]
+    #[inline(never)]
+    fn project(&mut self, pair: &Pair) -> bool {
+        let before = dot(&self.between, &self.between);
+        let t = &pair.between;
+        for _ in 0..PROJECTIONS {
+            let q = pair.b.form.at(&self.places.b);
+            let a = pair.a.form.nearest(&each(|k| q[k] - t[k]));
+            let p = pair.a.form.at(&a);
+            let b = pair.b.form.nearest(&each(|k| t[k] + p[k]));
+            let next = Places { a, b };
+            let (of_a, between) = next.points(pair);
+            if dot(&between, &between) >= dot(&self.between, &self.between) {
+                break;
+            }
+            (self.places, self.of_a, self.between) = (next, of_a, between);
+        }
+        let is_better = dot(&self.between, &self.between) < 0.75 * before;
+        self.find_ways(pair);
+        is_better
     }
 
     #[cold]
