@@ -33,15 +33,15 @@ fn edges(form: &Form) -> Option<Edges> {
     Some(edges)
 }
 
-/// A lower bound of the depth of the cores, an upper one, and the direction in which it separates A from B. `None` if a core
-/// is round.
+/// A lower bound of the depth of the cores, an upper one, and the direction in which it separates A from B. `None` if
+/// a core is round.
 ///
-/// **The lower bound.** The depth is the least height h(n) of A - B over its faces' unit normals n. A computed normal is
-/// wrong by at most 2e / s, where s is the sine of the two edges and e = 16u bounds the relative errors of the edges and the
-/// cross product; h changes by at most the size S times that. Edges e and e' whose sine t is below 2^-48 are made
-/// parallel: that moves no point of B by more than S t, changes the depth by as much, and makes the normal that they span
-/// vanish; normals of the edge moved are wrong by 2t / s more. If all normals vanish, there is no bound; if A - B is flat
-/// without them, one of the others is perpendicular to it and bounds the depth by 0.
+/// **The lower bound.** The depth is the least height h(n) of A - B over its faces' unit normals n. A computed normal
+/// is wrong by at most 2e / s, where s is the sine of the two edges and e = 16u bounds the relative errors of the
+/// edges and the cross product; h changes by at most the size S times that. Edges e and e' whose sine t is below 2^-48
+/// are made parallel: that moves no point of B by more than S t, changes the depth by as much, and makes the normal
+/// that they span vanish; normals of the edge moved are wrong by 2t / s more. If all normals vanish, there is no
+/// bound; if A - B is flat without them, one of the others is perpendicular to it and bounds the depth by 0.
 pub(super) fn depth(pair: &Pair) -> Option<(f64, f64, Point)> {
     let (a, b) = (edges(&pair.a.form)?, edges(&pair.b.form)?);
     let is_symmetric = a.is_symmetric && b.is_symmetric;

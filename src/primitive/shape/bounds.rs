@@ -1,9 +1,9 @@
 //! Certain bounds of the distance of two shapes, in `f64`.
 //!
 //! Any point of A and any point of B bound the distance from above, and any direction bounds it from below: by the gap
-//! between the projections on it. So an algorithm only proposes points and directions, and only their evaluation has an
-//! error ([`super::support`] bounds it). Newton's method proposes them first, then the algorithm of Gilbert, Johnson and
-//! Keerthi.
+//! between the projections on it. So an algorithm only proposes points and directions, and only their evaluation has
+//! an error ([`super::support`] bounds it). Newton's method proposes them first, then the algorithm of Gilbert,
+//! Johnson and Keerthi.
 
 use super::gjk::Simplex;
 use super::newton::{self, Newton, Places};
@@ -15,7 +15,8 @@ use crate::vector::{cross, dot};
 #[cfg(test)]
 pub(super) mod tests;
 
-/// The most steps of the algorithm of Gilbert, Johnson and Keerthi. Polytopes with up to eight corners need fewer than 30.
+/// The most steps of the algorithm of Gilbert, Johnson and Keerthi. Polytopes with up to eight corners need fewer than
+/// 30.
 const STEPS: usize = 64;
 
 /// Points with a smaller squared distance, in units of the squared size, may be one point inside of both.
@@ -41,8 +42,8 @@ pub(crate) struct Bounds {
     pub(crate) b: Point,
 }
 
-/// Bounds of the distance of two shapes in one frame. Stops when the distance is certainly above `limit`, when the bounds
-/// differ by at most `tolerance` times the lower one, or when `f64` cannot tell more: then they differ by less
+/// Bounds of the distance of two shapes in one frame. Stops when the distance is certainly above `limit`, when the
+/// bounds differ by at most `tolerance` times the lower one, or when `f64` cannot tell more: then they differ by less
 /// than 2^-44 of the size of the cores and the distance of their centres.
 pub(crate) fn bounds(a: &Shape, b: &Shape, limit: f64, tolerance: f64) -> Bounds {
     let radii = [a.radius, b.radius];
@@ -132,8 +133,8 @@ impl<'p> Search<'p> {
         self.lower <= 0.0 && self.upper > self.radius[0]
     }
 
-    /// Looks for a tetrahedron in A - B that certainly contains the origin. From one direction, symmetric shapes may give only some
-    /// that have it on a face.
+    /// Looks for a tetrahedron in A - B that certainly contains the origin. From one direction, symmetric shapes may
+    /// give only some that have it on a face.
     #[cold]
     #[inline(never)]
     pub(super) fn overlap(&mut self) -> Option<[Point; 4]> {
@@ -245,8 +246,8 @@ impl<'p> Search<'p> {
         }
     }
 
-    /// Bounds the distance from below along the perpendiculars of all edges and faces at these places: of points that nearly
-    /// touch, the difference does not tell which ways are barred.
+    /// Bounds the distance from below along the perpendiculars of all edges and faces at these places: of points that
+    /// nearly touch, the difference does not tell which ways are barred.
     pub(super) fn edges(&mut self) {
         let places = Places::near(self.pair, &self.of_a, &self.between);
         let [p, q, r] = self.pair.a.form.edges(&places.a);
@@ -262,7 +263,8 @@ impl<'p> Search<'p> {
         }
     }
 
-    /// Bounds the distance from below by the gap along d, which points from B to A. Returns the point of A - B that has it.
+    /// Bounds the distance from below by the gap along d, which points from B to A. Returns the point of A - B that
+    /// has it.
     #[inline(always)]
     fn lower_along(&mut self, d: &Point) -> (Point, Point) {
         let (point, of_a) = self.pair.support(d);

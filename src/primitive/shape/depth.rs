@@ -25,8 +25,8 @@ pub(crate) struct Depth {
     pub(crate) direction: Point,
 }
 
-/// Bounds of the depth of two shapes in one frame; zero for shapes that are apart. They differ by at most `tolerance` times
-/// the upper one, or by rounding, unless round shapes need more faces than [`polytope`] has room for.
+/// Bounds of the depth of two shapes in one frame; zero for shapes that are apart. They differ by at most `tolerance`
+/// times the upper one, or by rounding, unless round shapes need more faces than [`polytope`] has room for.
 pub(crate) fn depth(a: &Shape, b: &Shape, tolerance: f64) -> Depth {
     let Some(pair) = Pair::of(&a.core, &b.core, 1.0) else {
         return half_space::depth(a, b);
@@ -84,7 +84,8 @@ fn of_pair(pair: &Pair, radii: [f64; 2], tolerance: f64) -> Depth {
     let length = libm::sqrt(dot(&along, &along));
     let direction = if length > 0.0 { along.map(|x| x / length) } else { [0.0, 0.0, 1.0] };
     if length == 0.0 {
-        // No direction has been tried: the cores are one point up to rounding, and no direction has a gap below -slack.
+        // No direction has been tried: the cores are one point up to rounding, and no direction has a gap below
+        // -slack.
         upper = upper.min(pair.size + pair.slack);
     }
     let lower = if lower >= 0.0 { (less + lower) * narrow } else { ((less + lower) * narrow).max(0.0) };

@@ -102,7 +102,8 @@ impl Simplex {
     /// before and `d . p >= 0` after the motion; so no plane through the origin has all corners on one open side.
     ///
     /// A product `p . (q x r)` is the sum of six products, each with an error of at most 5u of itself: with L the
-    /// largest length, below 16u L^3 in all. Corners as computed are within the size S of a pair, and so 2^-49 S L^2 is more.
+    /// largest length, below 16u L^3 in all. Corners as computed are within the size S of a pair, and so 2^-49 S L^2
+    /// is more.
     #[cold]
     pub(super) fn surely_contains_origin(&self, slack: f64, size: f64) -> bool {
         if self.len < 4 {

@@ -1,9 +1,9 @@
 //! Newton's method for the closest points of two cores, by their coordinates.
 //!
 //! The squared distance is minimised over the coordinates that the boundaries do not bar (projected Newton: Bertsekas
-//! 1982). For polytopes it is quadratic, so one step solves it once the right coordinates are free. Near the solution the
-//! distance itself is minimised, whose second derivative does not vanish where shapes touch: so convergence on rims is
-//! quadratic too. Nothing here is certified.
+//! 1982). For polytopes it is quadratic, so one step solves it once the right coordinates are free. Near the solution
+//! the distance itself is minimised, whose second derivative does not vanish where shapes touch: so convergence on
+//! rims is quadratic too. Nothing here is certified.
 
 use super::Point;
 use super::place::{Place, Ways};
@@ -100,8 +100,8 @@ impl Newton {
         }
     }
 
-    /// A point of both cores, from A's centre, if they certainly meet because one of the two places is so far inside of
-    /// its core that a ball about it has the other one.
+    /// A point of both cores, from A's centre, if they certainly meet because one of the two places is so far inside
+    /// of its core that a ball about it has the other one.
     pub(super) fn common(&self, pair: &Pair) -> Option<Point> {
         let v = &self.between;
         let apart = libm::sqrt(dot(v, v)) + pair.slack;
@@ -180,8 +180,8 @@ impl Newton {
         false
     }
 
-    /// A vector along `between` that is perpendicular to the ways: the cross product of two of them, or `between` without its
-    /// part along the one.
+    /// A vector along `between` that is perpendicular to the ways: the cross product of two of them, or `between`
+    /// without its part along the one.
     #[inline(always)]
     pub(super) fn direction(&self) -> Point {
         let ways = &self.ways.list[..self.ways.len];
@@ -227,7 +227,8 @@ fn without(v: &Point, way: &Point) -> Point {
     each(|k| v[k] - rest * way[k])
 }
 
-/// Newton's step, and whether it is that of the distance, not of its square: the solution of H s = -g, without ways that depend on those before (`LDL^T`, skipping small pivots).
+/// Newton's step, and whether it is that of the distance, not of its square: the solution of H s = -g, without ways
+/// that depend on those before (`LDL^T`, skipping small pivots).
 #[inline(always)]
 fn solve(ways: &Ways, between: &Point, may_be_near: bool) -> ([f64; 6], bool) {
     let n = ways.len;

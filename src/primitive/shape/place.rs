@@ -18,7 +18,8 @@ pub(super) struct Place {
 pub(super) struct Way {
     /// The derivative of the point.
     pub(super) tangent: Point,
-    /// The product of the pull with the tangent, with the second derivative, and with the one by this way and the way before.
+    /// The product of the pull with the tangent, with the second derivative, and with the one by this way and the way
+    /// before.
     pub(super) slope: f64,
     pub(super) bend: f64,
     pub(super) mixed: f64,
@@ -137,9 +138,9 @@ impl Form {
         }
     }
 
-    /// The radius of a ball about a place that is certainly inside of the core, up to the slack of a pair. The angles between
-    /// the half edges of a cuboid are right ones within 1e-4, so its faces are nearer than its half edges are long
-    /// by a factor of 1 - 4e-4 at most.
+    /// The radius of a ball about a place that is certainly inside of the core, up to the slack of a pair. The angles
+    /// between the half edges of a cuboid are right ones within 1e-4, so its faces are nearer than its half edges are
+    /// long by a factor of 1 - 4e-4 at most.
     pub(super) fn room(&self, place: &Place) -> f64 {
         let along = |k: usize, half: &Point| (1.0 - place.x[k].abs()) * libm::sqrt(dot(half, half));
         let across = |u: &Point| {
@@ -230,7 +231,7 @@ impl Place {
             }
             Slot::Corner(k, from) => {
                 let (k, from) = (usize::from(k), usize::from(from));
-                let by = by.clamp(-self.x[k], self.x[from].max(0.0));
+                let by = by.min(self.x[from]).max(-self.x[k]);
                 self.x[k] += by;
                 self.x[from] = (self.x[from] - by).max(0.0);
             }

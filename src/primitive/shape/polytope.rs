@@ -1,13 +1,13 @@
-//! The depth of two round cores: a polytope inside of A - B grows towards the boundary at its nearest face (van den Bergen
-//! 2001, "Proximity queries and penetration depth computation on 3D game objects").
+//! The depth of two round cores: a polytope inside of A - B grows towards the boundary at its nearest face (van den
+//! Bergen 2001, "Proximity queries and penetration depth computation on 3D game objects").
 //!
-//! **The lower bound.** Let d be the least distance of the faces from the origin. The faces are a closed surface that goes around
-//! the origin: a tetrahedron or octahedron at first, whose faces are all passed counterclockwise, so that their solid angles add
-//! up; afterwards, each step adds the boundary of tetrahedra
-//! between a face and the new corner, which lie in the open half-space above the origin that the face's normal spans. So the
-//! surface goes around the ball of radius d, and no plane has all corners on the side away from that ball: their convex
-//! hull, which is inside of A - B, contains it. Nothing depends on the surface being convex, nor on normals being accurate: the
-//! distance of a face is at least the least product of its corners with any unit vector.
+//! **The lower bound.** Let d be the least distance of the faces from the origin. The faces are a closed surface that
+//! goes around the origin: a tetrahedron or octahedron at first, whose faces are all passed counterclockwise, so that
+//! their solid angles add up; afterwards, each step adds the boundary of tetrahedra between a face and the new corner,
+//! which lie in the open half-space above the origin that the face's normal spans. So the surface goes around the ball
+//! of radius d, and no plane has all corners on the side away from that ball: their convex hull, which is inside of A
+//! - B, contains it. Nothing depends on the surface being convex, nor on normals being accurate: the distance of a
+//! face is at least the least product of its corners with any unit vector.
 
 use super::Point;
 use super::support::{Pair, each};
@@ -33,9 +33,9 @@ struct Polytope {
     face_count: usize,
 }
 
-/// A lower bound of the depth of the cores, an upper one, and the direction in which it separates A from B. Starts from
-/// the support points along the axes, or from the corners of a tetrahedron in A - B that contains the origin. `None` if neither
-/// does.
+/// A lower bound of the depth of the cores, an upper one, and the direction in which it separates A from B. Starts
+/// from the support points along the axes, or from the corners of a tetrahedron in A - B that contains the origin.
+/// `None` if neither does.
 #[cold]
 #[inline(never)]
 pub(super) fn depth(pair: &Pair, corners: Option<[Point; 4]>, tolerance: f64) -> Option<(f64, f64, Point)> {

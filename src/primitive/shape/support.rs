@@ -5,25 +5,26 @@
 use super::{Core, Point};
 use crate::vector::{difference, dot, length};
 
-/// A pair's `slack` is this many unit roundoffs of its `size` ([`Pair`]). With u = 2^-53, S the size, and a factor
-/// 1 + 2^-40 for terms of second order:
+/// A pair's `slack` is this many unit roundoffs of its `size` ([`Pair`]). With u = 2^-53, S the size, and a factor 1 +
+/// 2^-40 for terms of second order:
 ///
 /// * **Places.** `between` is `(origin - origin) + (shift - shift)`. A shift is within 2u S of what it stands for, so
 ///   each of its coordinates has an error of at most 2u (|t| + S), the three together one of at most 6u S.
 /// * **Bodies.** Half edges and axes are given numbers, halved at most. A triangle's corners about its centroid have
-///   an error of at most 3u per coordinate, 6u S together. The vectors of a disc: an axis of unit length has
-///   an error of at most 4u, and the two vectors of its frame, linear in it but for products of numbers below 1, of at
-///   most 12u; so a disc is within 16u S of the exact one.
+///   an error of at most 3u per coordinate, 6u S together. The vectors of a disc: an axis of unit length has an error
+///   of at most 4u, and the two vectors of its frame, linear in it but for products of numbers below 1, of at most
+///   12u; so a disc is within 16u S of the exact one.
 /// * **Points.** A computed support point is a sum of at most four such vectors with coefficients of at most 1, off by
-///   at most 4u: 6u S. Those of convex combinations of points are normalised to 2u.
-///   So a difference of computed points is within 6 + 16 + 12 + 4 = 38u S of one of the exact cores. This is what an
-///   upper bound needs.
+///   at most 4u: 6u S. Those of convex combinations of points are normalised to 2u. So a difference of computed points
+///   is within 6 + 16 + 12 + 4 = 38u S of one of the exact cores. This is what an upper bound needs.
 /// * **Choices.** A support point is chosen by products with d, each wrong by at most 3u |d||x|: the product of the
 ///   chosen point is at most 12u |d| S below the largest one. (On a rim, an error e of the products with the two
 ///   vectors costs at most 2 e: the chosen unit vector c maximises `c . (g + e)`, and `c . g >= |g + e| - |e|`.)
-/// * **Products.** `d . w` of the chosen point is off by at most 3u |d| S, its quotient by the length of d by 4u of itself.
+/// * **Products.** `d . w` of the chosen point is off by at most 3u |d| S, its quotient by the length of d by 4u of
+///   itself.
 ///
-/// The last two add 19u S to the 38u S for a lower bound. The rest covers the norms and the additions of the slack itself.
+/// The last two add 19u S to the 38u S for a lower bound. The rest covers the norms and the additions of the slack
+/// itself.
 const ROUNDINGS: f64 = 64.0;
 
 /// A core about its centre, which is `origin + shift`.
@@ -105,8 +106,8 @@ impl Body {
         Some(body)
     }
 
-    /// The least of `normal . p - offset`, an upper bound of its error, and the point, from the centre. The components of the normal
-    /// are at most 2, and the error is that of a pair whose size includes the distance of the plane.
+    /// The least of `normal . p - offset`, an upper bound of its error, and the point, from the centre. The components
+    /// of the normal are at most 2, and the error is that of a pair whose size includes the distance of the plane.
     pub(super) fn above(&self, normal: &Point, offset: f64) -> (f64, f64, Point) {
         let lowest = self.support(&each(|k| -normal[k]));
         let local: Point = each(|k| self.shift[k] + lowest[k]);
