@@ -86,8 +86,7 @@ impl Simplex {
     fn inside(&self, weights: &[f64; 4]) -> Nearest {
         let sum = weights.iter().sum::<f64>();
         let (mut point, mut on_a) = ([0.0; 3], [0.0; 3]);
-        for i in 0..4 {
-            let weight = weights[i] / sum;
+        for (i, weight) in weights.iter().map(|x| x / sum).enumerate() {
             for k in 0..3 {
                 point[k] += weight * self.points[i][k];
                 on_a[k] += weight * self.of_a[i][k];

@@ -160,9 +160,9 @@ impl Newton {
         let mut share = 1.0;
         for _ in 0..4 {
             let mut next = self.places;
-            for i in 0..self.ways.len {
+            for (i, way) in self.ways.list[..self.ways.len].iter().enumerate() {
                 let place = if i < self.count { &mut next.a } else { &mut next.b };
-                place.go(&self.ways.list[i], share * step[i]);
+                place.go(way, share * step[i]);
             }
             next.a.settle();
             next.b.settle();

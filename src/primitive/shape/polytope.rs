@@ -3,11 +3,11 @@
 //!
 //! **The lower bound.** Let d be the least distance of the faces from the origin. The faces are a closed surface that
 //! goes around the origin: a tetrahedron or octahedron at first, whose faces are all passed counterclockwise, so that
-//! their solid angles add up; afterwards, each step adds the boundary of tetrahedra between a face and the new corner,
-//! which lie in the open half-space above the origin that the face's normal spans. So the surface goes around the ball
-//! of radius d, and no plane has all corners on the side away from that ball: their convex hull, which is inside of A
-//! - B, contains it. Nothing depends on the surface being convex, nor on normals being accurate: the distance of a
-//! face is at least the least product of its corners with any unit vector.
+//! their solid angles add up. Each step then adds the boundaries of tetrahedra between a face and the new corner, which
+//! lie in the open half-space beyond the origin that the face's normal spans. So the surface goes around the ball of
+//! radius d, and the convex hull of the corners, which is inside of A - B, contains that ball. Nothing depends on the
+//! surface being convex, nor on normals being accurate: the distance of a face is at least the least product of its
+//! corners with any unit vector.
 
 use super::Point;
 use super::support::{Pair, each};
