@@ -20,8 +20,8 @@ pub enum Core {
         /// Half its edges.
         half: [Point; 3],
     },
-    /// All points at most `radius` from the axis `centre - half_axis .. centre + half_axis` that are between the
-    /// planes through its ends perpendicular to it.
+    /// All points at most `radius` from the axis `centre - half_axis .. centre + half_axis` that are between the planes
+    /// through its ends perpendicular to it.
     Cylinder {
         /// Its centre.
         centre: Point,
