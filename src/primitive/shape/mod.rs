@@ -43,8 +43,9 @@ impl Default for Shape {
 impl Shape {
     /// A shape from its core and radius.
     ///
-    /// # Errors [`ShapeError`] if a number is out of range, a radius is negative, a length that must not be zero is,
-    /// or the half edges of a cuboid are not perpendicular within [`Pose::TOLERANCE`].
+    /// # Errors
+    /// [`ShapeError`] if a number is out of range, a radius is negative, a length that must not be zero is, or the half
+    /// edges of a cuboid are not perpendicular within [`Pose::TOLERANCE`].
     pub fn new(core: Core, radius: f64) -> Result<Self, ShapeError> {
         core.check()?;
         error::length_or_zero(radius)?;
