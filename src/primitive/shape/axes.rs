@@ -1,11 +1,11 @@
 //! The depth of two polytopes: each face of their difference is perpendicular to a face of one or to an edge of both.
 
 use super::Point;
-use super::support::{Form, Pair};
+use super::support::{Form, Pair, each};
 use crate::vector::{cross, difference, dot};
 
 /// Edges with a smaller sine count as parallel.
-const PARALLEL: f64 = 1.0 / (1u64 << 48) as f64;
+const PARALLEL: f64 = 1.0 / (1_u64 << 48) as f64;
 
 /// The edges of a polytope that are not parallel, and its faces as pairs of edges.
 struct Edges {
@@ -33,15 +33,15 @@ fn edges(form: &Form) -> Option<Edges> {
     Some(edges)
 }
 
-/// A lower bound of the depth of the cores, an upper one, and the direction in which it separates A from B. `None` if a core
-/// is round.
+/// A lower bound of the depth of the cores, an upper one, and the direction in which it separates A from B. `None` if
+/// a core is round.
 ///
-/// **The lower bound.** The depth is the least height h(n) of A - B over its faces' unit normals n. A computed normal is
-/// wrong by at most 2e / s, where s is the sine of the two edges and e = 16u bounds the relative errors of the edges and the
-/// cross product; h changes by at most the size S times that. Edges e and e' whose sine t is below 2^-48 are made
-/// parallel: that moves no point of B by more than S t, changes the depth by as much, and makes the normal that they span
-/// vanish; normals of the edge moved are wrong by 2t / s more. If all normals vanish, there is no bound; if A - B is flat
-/// without them, one of the others is perpendicular to it and bounds the depth by 0.
+/// **The lower bound.** The depth is the least height h(n) of A - B over its faces' unit normals n. A computed normal
+/// is wrong by at most 2e / s, where s is the sine of the two edges and e = 16u bounds the relative errors of the
+/// edges and the cross product; h changes by at most the size S times that. Edges e and e' whose sine t is below 2^-48
+/// are made parallel: that moves no point of B by more than S t, changes the depth by as much, and makes the normal
+/// that they span vanish; normals of the edge moved are wrong by 2t / s more. If all normals vanish, there is no
+/// bound; if A - B is flat without them, one of the others is perpendicular to it and bounds the depth by 0.
 pub(super) fn depth(pair: &Pair) -> Option<(f64, f64, Point)> {
     let (a, b) = (edges(&pair.a.form)?, edges(&pair.b.form)?);
     let is_symmetric = a.is_symmetric && b.is_symmetric;
@@ -69,7 +69,7 @@ pub(super) fn depth(pair: &Pair) -> Option<(f64, f64, Point)> {
         let lost = pair.size * (16.0 * f64::EPSILON) / sine;
         let sign = 1.0_f64.copysign(dot(&normal, &pair.between));
         for sign in [sign, -sign] {
-            let d = normal.map(|x| sign * x);
+            let d = each(|k| sign * normal[k]);
             let (point, _) = pair.support(&d);
             let height = -dot(&d, &point) / length;
             lower = lower.min(height - lost);

@@ -1,13 +1,13 @@
 //! Certain bounds of the distance of two shapes, in `f64`.
 //!
 //! Any point of A and any point of B bound the distance from above, and any direction bounds it from below: by the gap
-//! between the projections on it. So an algorithm only proposes points and directions, and only their evaluation has an
-//! error ([`super::support`] bounds it). Newton's method proposes them first, then the algorithm of Gilbert, Johnson and
-//! Keerthi.
+//! between the projections on it. So an algorithm only proposes points and directions, and only their evaluation has
+//! an error ([`super::support`] bounds it). Newton's method proposes them first, then the algorithm of Gilbert,
+//! Johnson and Keerthi.
 
 use super::gjk::Simplex;
-use super::newton::{Found, Places};
-use super::support::Pair;
+use super::newton::{self, Newton, Places};
+use super::support::{Pair, each};
 use super::{Point, Shape};
 use crate::exact::power_of_two;
 use crate::vector::{cross, dot};
@@ -15,11 +15,16 @@ use crate::vector::{cross, dot};
 #[cfg(test)]
 pub(super) mod tests;
 
-/// The most steps of the algorithm of Gilbert, Johnson and Keerthi. Polytopes with up to eight corners need fewer than 30.
+/// The most steps of the algorithm of Gilbert, Johnson and Keerthi. Polytopes with up to eight corners need fewer than
+/// 30.
 const STEPS: usize = 64;
 
 /// Points with a smaller squared distance, in units of the squared size, may be one point inside of both.
 const NEAR: f64 = power_of_two(-60);
+
+/// Added to the direction between the centres, in units of the size.
+const STARTS: [Point; 5] =
+    [[0.0; 3], [0.36, 0.48, 0.81], [-0.6, 0.64, 0.45], [0.47, -0.8, 0.36], [-0.81, -0.36, -0.47]];
 
 /// Sizes between which no square or product of four lengths above 2^-80 of the size leaves the range of `f64`.
 const COMFORTABLE: core::ops::RangeInclusive<f64> = power_of_two(-100)..=power_of_two(100);
@@ -37,8 +42,8 @@ pub(crate) struct Bounds {
     pub(crate) b: Point,
 }
 
-/// Bounds of the distance of two shapes in one frame. Stops when the distance is certainly above `limit`, when the bounds
-/// differ by at most `tolerance` times the lower one, or when `f64` cannot tell more: then they differ by less
+/// Bounds of the distance of two shapes in one frame. Stops when the distance is certainly above `limit`, when the
+/// bounds differ by at most `tolerance` times the lower one, or when `f64` cannot tell more: then they differ by less
 /// than 2^-44 of the size of the cores and the distance of their centres.
 pub(crate) fn bounds(a: &Shape, b: &Shape, limit: f64, tolerance: f64) -> Bounds {
     let radii = [a.radius, b.radius];
@@ -128,12 +133,24 @@ impl<'p> Search<'p> {
         self.lower <= 0.0 && self.upper > self.radius[0]
     }
 
-    /// Looks for a tetrahedron in A - B that certainly contains the origin.
+    /// Looks for a tetrahedron in A - B that certainly contains the origin. From one direction, symmetric shapes may
+    /// give only some that have it on a face.
     #[cold]
     #[inline(never)]
     pub(super) fn overlap(&mut self) -> Option<[Point; 4]> {
+        let [x, y, z] = self.pair.between;
+        let size = self.pair.size;
+        for [u, v, w] in STARTS {
+            let found = self.overlap_from([x + u * size, y + v * size, z + w * size]);
+            if found.is_some() || self.lower > 0.0 {
+                return found;
+            }
+        }
+        None
+    }
+
+    fn overlap_from(&mut self, mut direction: Point) -> Option<[Point; 4]> {
         let mut simplex = Simplex::new();
-        let mut direction = self.pair.between;
         for _ in 0..STEPS {
             let (point, of_a) = self.lower_along(&direction);
             if self.lower > 0.0 || simplex.has(&point) {
@@ -156,29 +173,33 @@ impl<'p> Search<'p> {
 
     /// Proposes the closest points near these places.
     #[inline(always)]
-    fn newton(&mut self, mut places: Places) -> bool {
-        let found = places.found(self.pair);
-        if self.is_solved_by(&found, &places) {
+    fn newton(&mut self, places: Places) -> bool {
+        let mut newton = Newton::new(self.pair, places);
+        for _ in 0..newton::STEPS {
+            if self.is_solved_by(&newton) {
+                return true;
+            }
+            if !newton.step(self.pair) {
+                break;
+            }
+        }
+        if self.is_solved_by(&newton) {
             return true;
         }
-        let found = places.refine(self.pair);
-        if self.is_solved_by(&found, &places) {
-            return true;
-        }
-        self.lower_along(&found.between);
+        self.lower_along(&newton.between);
         self.is_done()
     }
 
     #[inline(always)]
-    fn is_solved_by(&mut self, found: &Found, places: &Places) -> bool {
-        self.upper_by(&found.between, &found.of_a);
-        if dot(&found.between, &found.between) < NEAR * (self.pair.size * self.pair.size)
-            && let Some(point) = places.common(self.pair, found)
+    fn is_solved_by(&mut self, newton: &Newton) -> bool {
+        self.upper_by(&newton.between, &newton.of_a);
+        if dot(&newton.between, &newton.between) < NEAR * (self.pair.size * self.pair.size)
+            && let Some(point) = newton.common(self.pair)
         {
             (self.upper, self.between, self.of_a) = (0.0, [0.0; 3], point);
             return true;
         }
-        self.lower_along(&found.direction);
+        self.lower_along(&newton.direction());
         self.is_done()
     }
 
@@ -220,15 +241,15 @@ impl<'p> Search<'p> {
                 }
             }
         }
-        let places = Places::near(self.pair, &self.of_a, &self.between);
-        if !self.is_done() && !self.newton(places) {
-            self.edges(&Places::near(self.pair, &self.of_a, &self.between));
+        if !self.is_done() && !self.newton(Places::near(self.pair, &self.of_a, &self.between)) {
+            self.edges();
         }
     }
 
-    /// Bounds the distance from below along the perpendiculars of all edges and faces at these places: of points that nearly
-    /// touch, the difference does not tell which ways are barred.
-    fn edges(&mut self, places: &Places) {
+    /// Bounds the distance from below along the perpendiculars of all edges and faces at these places: of points that
+    /// nearly touch, the difference does not tell which ways are barred.
+    pub(super) fn edges(&mut self) {
+        let places = Places::near(self.pair, &self.of_a, &self.between);
         let [p, q, r] = self.pair.a.form.edges(&places.a);
         let [s, t, u] = self.pair.b.form.edges(&places.b);
         let edges = [p, q, r, s, t, u];
@@ -236,13 +257,14 @@ impl<'p> Search<'p> {
             for j in 0..i {
                 let normal = cross(&edges[i], &edges[j]);
                 let sign = 1.0_f64.copysign(dot(&normal, &self.between));
-                self.lower_along(&normal.map(|x| sign * x));
-                self.lower_along(&normal.map(|x| -sign * x));
+                self.lower_along(&each(|k| sign * normal[k]));
+                self.lower_along(&each(|k| -sign * normal[k]));
             }
         }
     }
 
-    /// Bounds the distance from below by the gap along d, which points from B to A. Returns the point of A - B that has it.
+    /// Bounds the distance from below by the gap along d, which points from B to A. Returns the point of A - B that
+    /// has it.
     #[inline(always)]
     fn lower_along(&mut self, d: &Point) -> (Point, Point) {
         let (point, of_a) = self.pair.support(d);
@@ -283,7 +305,7 @@ impl<'p> Search<'p> {
         let lower = self.lower - self.radius[1];
         let lower = if lower > 0.0 { lower * narrow } else { 0.0 };
         let a = self.pair.a.placed(&self.of_a);
-        let of_b: Point = [0, 1, 2].map(|k| self.pair.between[k] + self.of_a[k] - self.between[k]);
+        let of_b: Point = each(|k| self.pair.between[k] + self.of_a[k] - self.between[k]);
         let b = self.pair.b.placed(&of_b);
         let sum = self.radii[0] + self.radii[1];
         let length = libm::sqrt(dot(&self.between, &self.between));
@@ -291,7 +313,7 @@ impl<'p> Search<'p> {
             return Bounds { lower, upper, a, b };
         }
         let unit = if meets { 1.0 / sum } else { 1.0 / length };
-        let toward = |p: &Point, by: f64| [0, 1, 2].map(|k| p[k] + self.between[k] * (by * unit));
+        let toward = |p: &Point, by: f64| each(|k| p[k] + self.between[k] * (by * unit));
         Bounds { lower, upper, a: toward(&a, -self.radii[0]), b: toward(&b, self.radii[1]) }
     }
 }

@@ -25,8 +25,8 @@ pub(crate) struct Depth {
     pub(crate) direction: Point,
 }
 
-/// Bounds of the depth of two shapes in one frame; zero for shapes that are apart. They differ by at most `tolerance` times
-/// the upper one, or by rounding, unless round shapes need more faces than [`polytope`] has room for.
+/// Bounds of the depth of two shapes in one frame; zero for shapes that are apart. They differ by at most `tolerance`
+/// times the upper one, or by rounding, unless round shapes need more faces than [`polytope`] has room for.
 pub(crate) fn depth(a: &Shape, b: &Shape, tolerance: f64) -> Depth {
     let Some(pair) = Pair::of(&a.core, &b.core, 1.0) else {
         return half_space::depth(a, b);
@@ -65,19 +65,27 @@ fn of_pair(pair: &Pair, radii: [f64; 2], tolerance: f64) -> Depth {
                 (upper, along) = (above, axis);
             }
         }
-        let is_tight = upper - lower <= (tolerance * (less + upper)).max(3.0 * pair.slack);
-        if !is_tight && let Some(corners) = search.overlap() {
-            let (below, above, axis) = polytope::depth(pair, &corners, tolerance);
-            lower = lower.max(below);
-            if above < upper {
-                (upper, along) = (above, axis);
+        let goal = (tolerance * (less + upper)).max(3.0 * pair.slack);
+        let is_tight = upper < f64::INFINITY && upper - lower <= goal;
+        if !is_tight {
+            let corners = search.overlap();
+            search.edges();
+            if -search.lower < upper {
+                (upper, along) = (-search.lower, search.along);
+            }
+            if let Some((below, above, axis)) = polytope::depth(pair, corners, tolerance) {
+                lower = lower.max(below);
+                if above < upper {
+                    (upper, along) = (above, axis);
+                }
             }
         }
     }
     let length = libm::sqrt(dot(&along, &along));
     let direction = if length > 0.0 { along.map(|x| x / length) } else { [0.0, 0.0, 1.0] };
     if length == 0.0 {
-        // No direction has been tried: the cores are one point up to rounding, and no direction has a gap below -slack.
+        // No direction has been tried: the cores are one point up to rounding, and no direction has a gap below
+        // -slack.
         upper = upper.min(pair.size + pair.slack);
     }
     let lower = if lower >= 0.0 { (less + lower) * narrow } else { ((less + lower) * narrow).max(0.0) };

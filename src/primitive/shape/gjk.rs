@@ -3,6 +3,7 @@
 //! Nothing here is certified: a caller derives certain bounds from the points and directions found.
 
 use super::Point;
+use super::support::each;
 use crate::vector::{cross, difference, dot};
 
 /// A simplex of points of the difference A - B.
@@ -85,8 +86,7 @@ impl Simplex {
     fn inside(&self, weights: &[f64; 4]) -> Nearest {
         let sum = weights.iter().sum::<f64>();
         let (mut point, mut on_a) = ([0.0; 3], [0.0; 3]);
-        for i in 0..4 {
-            let weight = weights[i] / sum;
+        for (i, weight) in weights.iter().map(|x| x / sum).enumerate() {
             for k in 0..3 {
                 point[k] += weight * self.points[i][k];
                 on_a[k] += weight * self.of_a[i][k];
@@ -101,7 +101,8 @@ impl Simplex {
     /// before and `d . p >= 0` after the motion; so no plane through the origin has all corners on one open side.
     ///
     /// A product `p . (q x r)` is the sum of six products, each with an error of at most 5u of itself: with L the
-    /// largest length, below 16u L^3 in all. Corners as computed are within the size S of a pair, and so 2^-49 S L^2 is more.
+    /// largest length, below 16u L^3 in all. Corners as computed are within the size S of a pair, and so 2^-49 S L^2
+    /// is more.
     #[cold]
     pub(super) fn surely_contains_origin(&self, slack: f64, size: f64) -> bool {
         if self.len < 4 {
@@ -140,10 +141,10 @@ fn on_edge(p: &[Point; 4], i: usize, j: usize) -> Face {
     let along = -dot(&edge, &p[i]);
     if along > 0.0 && along < square {
         let t = along / square;
-        let v: Point = [0, 1, 2].map(|k| p[i][k] + t * edge[k]);
+        let v: Point = each(|k| p[i][k] + t * edge[k]);
         // Rounding leaves a part along the edge, which a lower bound would pay for with the edge's length.
         let rest = dot(&v, &edge) / square;
-        let direction = [0, 1, 2].map(|k| v[k] - rest * edge[k]);
+        let direction = each(|k| v[k] - rest * edge[k]);
         Face { kept: [i, j, 0], weights: [1.0 - t, t, 0.0], len: 2, direction, square: dot(&v, &v) }
     } else {
         let end = if along > 0.0 { j } else { i };
@@ -166,7 +167,7 @@ fn on_triangle(p: &[Point; 4], i: usize, j: usize, k: usize) -> Face {
         let square = height * height / dot(&normal, &normal);
         let sign = 1.0_f64.copysign(height);
         let weights = [x * inverse, y * inverse, z * inverse];
-        return Face { kept: [i, j, k], weights, len: 3, direction: normal.map(|x| sign * x), square };
+        return Face { kept: [i, j, k], weights, len: 3, direction: each(|k| sign * normal[k]), square };
     }
     // An edge that separates the origin's projection from the triangle has the nearest point.
     let mut best: Option<Face> = None;

@@ -1,7 +1,7 @@
 //! Points of cores by coordinates: where they are, and how they move.
 
 use super::Point;
-use super::support::Form;
+use super::support::{Form, each};
 use crate::vector::{difference, dot};
 
 /// A point of a core.
@@ -16,22 +16,23 @@ pub(super) struct Place {
 /// A direction in which a place may move.
 #[derive(Copy, Clone, Debug)]
 pub(super) struct Way {
-    /// The first derivative of the point.
+    /// The derivative of the point.
     pub(super) tangent: Point,
-    /// The second one.
-    pub(super) bend: Point,
-    /// The second derivative by this way and the one before.
-    pub(super) mixed: Point,
+    /// The product of the pull with the tangent, with the second derivative, and with the one by this way and the way
+    /// before.
+    pub(super) slope: f64,
+    pub(super) bend: f64,
+    pub(super) mixed: f64,
     slot: Slot,
 }
 
 /// The coordinates that a way changes.
 #[derive(Copy, Clone, Debug)]
 enum Slot {
-    Line(usize),
+    Line(u8),
     /// A triangle's corner instead of another.
-    Corner(usize, usize),
-    Disc(usize),
+    Corner(u8, u8),
+    Disc(u8),
     /// The angle on the rim of a disc.
     Rim,
 }
@@ -46,14 +47,32 @@ pub(super) struct Ways {
 impl Ways {
     #[inline(always)]
     pub(super) fn new() -> Self {
-        let way = Way { tangent: [0.0; 3], bend: [0.0; 3], mixed: [0.0; 3], slot: Slot::Rim };
+        let way = Way { tangent: [0.0; 3], slope: 0.0, bend: 0.0, mixed: 0.0, slot: Slot::Rim };
         Self { list: [way; 6], len: 0 }
     }
 
     #[inline(always)]
-    fn add(&mut self, tangent: Point, slot: Slot) {
-        self.list[self.len] = Way { tangent, bend: [0.0; 3], mixed: [0.0; 3], slot };
+    fn add(&mut self, tangent: Point, slope: f64, slot: Slot) {
+        self.list[self.len] = Way { tangent, slope, bend: 0.0, mixed: 0.0, slot };
         self.len += 1;
+    }
+
+    /// Adds a way of a coordinate in -1 ..= 1 that is not barred.
+    #[inline(always)]
+    fn add_line(&mut self, k: u8, x: f64, tangent: &Point, pull: &Point) -> bool {
+        let slope = dot(tangent, pull);
+        let is_free = (x > -1.0 || slope < 0.0) && (x < 1.0 || slope > 0.0);
+        if is_free {
+            self.add(*tangent, slope, Slot::Line(k));
+        }
+        is_free
+    }
+}
+
+impl Way {
+    #[inline(always)]
+    pub(super) fn bends(&self) -> bool {
+        matches!(self.slot, Slot::Rim)
     }
 }
 
@@ -107,23 +126,21 @@ impl Form {
         let (x, disc) = (&place.x, &place.disc);
         match self {
             Self::Point => [0.0; 3],
-            Self::Segment(half) => half.map(|h| x[0] * h),
+            Self::Segment(half) => each(|k| x[0] * half[k]),
             Self::Triangle([p, q, r]) | Self::Cuboid([p, q, r]) => {
-                [0, 1, 2].map(|k| (x[0] * p[k] + x[1] * q[k]) + x[2] * r[k])
+                each(|k| (x[0] * p[k] + x[1] * q[k]) + x[2] * r[k])
             }
-            Self::Cylinder(half, [u, v]) => {
-                [0, 1, 2].map(|k| x[0] * half[k] + (disc[0] * u[k] + disc[1] * v[k]))
-            }
+            Self::Cylinder(half, [u, v]) => each(|k| x[0] * half[k] + (disc[0] * u[k] + disc[1] * v[k])),
             Self::Cone(half, [u, v]) => {
                 let (y, z) = (0.5 * (1.0 - x[0]) * disc[0], 0.5 * (1.0 - x[0]) * disc[1]);
-                [0, 1, 2].map(|k| x[0] * half[k] + (y * u[k] + z * v[k]))
+                each(|k| x[0] * half[k] + (y * u[k] + z * v[k]))
             }
         }
     }
 
-    /// The radius of a ball about a place that is certainly inside of the core, up to the slack of a pair. The angles between
-    /// the half edges of a cuboid are right ones within 1e-4, so its faces are nearer than its half edges are long
-    /// by a factor of 1 - 4e-4 at most.
+    /// The radius of a ball about a place that is certainly inside of the core, up to the slack of a pair. The angles
+    /// between the half edges of a cuboid are right ones within 1e-4, so its faces are nearer than its half edges are
+    /// long by a factor of 1 - 4e-4 at most.
     pub(super) fn room(&self, place: &Place) -> f64 {
         let along = |k: usize, half: &Point| (1.0 - place.x[k].abs()) * libm::sqrt(dot(half, half));
         let across = |u: &Point| {
@@ -146,7 +163,7 @@ impl Form {
     /// Three vectors along all faces and edges at a place.
     pub(super) fn edges(&self, place: &Place) -> [Point; 3] {
         let [y, z] = place.disc;
-        let on_disc = |[u, v]: &[Point; 2], y: f64, z: f64| [0, 1, 2].map(|k| y * u[k] + z * v[k]);
+        let on_disc = |[u, v]: &[Point; 2], y: f64, z: f64| each(|k| y * u[k] + z * v[k]);
         match self {
             Self::Point => [[0.0; 3]; 3],
             Self::Segment(half) => [*half; 3],
@@ -155,7 +172,7 @@ impl Form {
             Self::Cylinder(half, disc) => [*half, on_disc(disc, y, z), on_disc(disc, -z, y)],
             Self::Cone(half, disc) => {
                 let out = on_disc(disc, y, z);
-                [[0, 1, 2].map(|k| 2.0 * half[k] - out[k]), out, on_disc(disc, -z, y)]
+                [each(|k| 2.0 * half[k] - out[k]), out, on_disc(disc, -z, y)]
             }
         }
     }
@@ -163,53 +180,40 @@ impl Form {
     /// The ways that a place may move if it is pulled against `pull`: those not barred by the boundary of the core.
     #[inline(always)]
     pub(super) fn ways(&self, place: &Place, pull: &Point, ways: &mut Ways) {
-        let is_free = |x: f64, way: &Point| {
-            let push = dot(way, pull);
-            (x > -1.0 || push < 0.0) && (x < 1.0 || push > 0.0)
-        };
+        let x = &place.x;
         match self {
             Self::Point => {}
             Self::Segment(half) => {
-                if is_free(place.x[0], half) {
-                    ways.add(*half, Slot::Line(0));
-                }
+                ways.add_line(0, x[0], half, pull);
             }
             Self::Triangle(corners) => {
-                let x = &place.x;
                 let most = if x[0] >= x[1] && x[0] >= x[2] { 0 } else { 1 + usize::from(x[2] > x[1]) };
                 for k in 0..3 {
                     let way = difference(&corners[k], &corners[most]);
-                    if k != most && (x[k] > 0.0 || dot(&way, pull) < 0.0) {
-                        ways.add(way, Slot::Corner(k, most));
+                    let slope = dot(&way, pull);
+                    if k != most && (x[k] > 0.0 || slope < 0.0) {
+                        ways.add(way, slope, Slot::Corner(k as u8, most as u8));
                     }
                 }
             }
             Self::Cuboid(half) => {
-                for k in 0..3 {
-                    if is_free(place.x[k], &half[k]) {
-                        ways.add(half[k], Slot::Line(k));
-                    }
-                }
+                ways.add_line(0, x[0], &half[0], pull);
+                ways.add_line(1, x[1], &half[1], pull);
+                ways.add_line(2, x[2], &half[2], pull);
             }
             Self::Cylinder(half, disc) => {
-                if is_free(place.x[0], half) {
-                    ways.add(*half, Slot::Line(0));
-                }
+                ways.add_line(0, x[0], half, pull);
                 disc_ways(disc, &place.disc, 1.0, pull, ways);
             }
             Self::Cone(half, disc) => {
                 let [u, v] = disc;
-                let share = 0.5 * (1.0 - place.x[0]);
                 let (y, z) = (place.disc[0], place.disc[1]);
-                let side: Point = [0, 1, 2].map(|k| half[k] - 0.5 * (y * u[k] + z * v[k]));
+                let side: Point = each(|k| half[k] - 0.5 * (y * u[k] + z * v[k]));
+                let slides = ways.add_line(0, x[0], &side, pull);
                 let before = ways.len;
-                let slides = is_free(place.x[0], &side);
-                if slides {
-                    ways.add(side, Slot::Line(0));
-                }
-                disc_ways(disc, &place.disc, share, pull, ways);
-                if slides && ways.len == before + 2 {
-                    ways.list[before + 1].mixed = [0, 1, 2].map(|k| 0.5 * (z * u[k] - y * v[k]));
+                disc_ways(disc, &place.disc, 0.5 * (1.0 - x[0]), pull, ways);
+                if slides && ways.len == before + 1 {
+                    ways.list[before].mixed = 0.5 * (z * dot(u, pull) - y * dot(v, pull));
                 }
             }
         }
@@ -221,13 +225,17 @@ impl Place {
     #[inline(always)]
     pub(super) fn go(&mut self, way: &Way, by: f64) {
         match way.slot {
-            Slot::Line(k) => self.x[k] = (self.x[k] + by).clamp(-1.0, 1.0),
+            Slot::Line(k) => {
+                let x = &mut self.x[usize::from(k)];
+                *x = (*x + by).clamp(-1.0, 1.0);
+            }
             Slot::Corner(k, from) => {
-                let by = by.clamp(-self.x[k], self.x[from].max(0.0));
+                let (k, from) = (usize::from(k), usize::from(from));
+                let by = by.min(self.x[from]).max(-self.x[k]);
                 self.x[k] += by;
                 self.x[from] = (self.x[from] - by).max(0.0);
             }
-            Slot::Disc(k) => self.disc[k] += by,
+            Slot::Disc(k) => self.disc[usize::from(k)] += by,
             Slot::Rim => {
                 let [y, z] = self.disc;
                 let (y, z) = (y - z * by, z + y * by);
@@ -248,15 +256,16 @@ impl Place {
 
 #[inline(always)]
 fn disc_ways([u, v]: &[Point; 2], [y, z]: &[f64; 2], share: f64, pull: &Point, ways: &mut Ways) {
-    let out: Point = [0, 1, 2].map(|k| share * (y * u[k] + z * v[k]));
+    let (du, dv) = (share * dot(u, pull), share * dot(v, pull));
+    let out = y * du + z * dv;
     let is_on_rim = y * y + z * z > 1.0 - 8.0 * f64::EPSILON;
-    if is_on_rim && dot(&out, pull) <= 0.0 {
-        let tangent = [0, 1, 2].map(|k| share * (y * v[k] - z * u[k]));
-        ways.add(tangent, Slot::Rim);
-        ways.list[ways.len - 1].bend = out.map(|x| -x);
+    if is_on_rim && out <= 0.0 {
+        let tangent = each(|k| share * (y * v[k] - z * u[k]));
+        ways.add(tangent, y * dv - z * du, Slot::Rim);
+        ways.list[ways.len - 1].bend = -out;
     } else {
-        ways.add(u.map(|x| share * x), Slot::Disc(0));
-        ways.add(v.map(|x| share * x), Slot::Disc(1));
+        ways.add(each(|k| share * u[k]), du, Slot::Disc(0));
+        ways.add(each(|k| share * v[k]), dv, Slot::Disc(1));
     }
 }
 
@@ -280,9 +289,10 @@ fn in_disc([y, z]: [f64; 2]) -> [f64; 2] {
 
 /// Barycentric coordinates.
 #[inline(always)]
-fn nearest_in_triangle(corners: &[Point; 3], p: &Point) -> [f64; 3] {
+fn nearest_in_triangle(corners: &[Point; 3], at: &Point) -> [f64; 3] {
     use crate::vector::cross;
-    let [a, b, c] = [0, 1, 2].map(|k| difference(&corners[k], p));
+    let [p, q, r] = corners;
+    let (a, b, c) = (difference(p, at), difference(q, at), difference(r, at));
     let normal = cross(&difference(&b, &a), &difference(&c, &a));
     let (x, y, z) =
         (dot(&normal, &cross(&b, &c)), dot(&normal, &cross(&c, &a)), dot(&normal, &cross(&a, &b)));
@@ -296,7 +306,7 @@ fn nearest_in_triangle(corners: &[Point; 3], p: &Point) -> [f64; 3] {
         let (i, j) = ((k + 1) % 3, (k + 2) % 3);
         let edge = difference(places[j], places[i]);
         let t = (-share(places[i], &edge)).clamp(0.0, 1.0);
-        let v: Point = [0, 1, 2].map(|n| places[i][n] + t * edge[n]);
+        let v = each(|n| places[i][n] + t * edge[n]);
         let square = dot(&v, &v);
         if square < least {
             least = square;

@@ -1,15 +1,16 @@
-//! The depth of two round cores: a polytope inside of A - B grows towards the boundary at its nearest face (van den Bergen
-//! 2001, "Proximity queries and penetration depth computation on 3D game objects").
+//! The depth of two round cores: a polytope inside of A - B grows towards the boundary at its nearest face (van den
+//! Bergen 2001, "Proximity queries and penetration depth computation on 3D game objects").
 //!
-//! **The lower bound.** Let d be the least distance of the faces from the origin. The faces are a closed surface of winding number 1
-//! about the origin: a tetrahedron that contains it at first; afterwards, each step adds the boundary of tetrahedra
-//! between a face and the new corner, which lie in the open half-space above the origin that the face's normal spans. So the
-//! surface goes around the ball of radius d, and no plane has all corners on the side away from that ball: their convex
-//! hull, which is inside of A - B, contains it. Nothing depends on the surface being convex, nor on normals being accurate: the
-//! distance of a face is at least the least product of its corners with any unit vector.
+//! **The lower bound.** Let d be the least distance of the faces from the origin. The faces are a closed surface that
+//! goes around the origin: a tetrahedron or octahedron at first, whose faces are all passed counterclockwise, so that
+//! their solid angles add up. Each step then adds the boundaries of tetrahedra between a face and the new corner, which
+//! lie in the open half-space beyond the origin that the face's normal spans. So the surface goes around the ball of
+//! radius d, and the convex hull of the corners, which is inside of A - B, contains that ball. Nothing depends on the
+//! surface being convex, nor on normals being accurate: the distance of a face is at least the least product of its
+//! corners with any unit vector.
 
 use super::Point;
-use super::support::Pair;
+use super::support::{Pair, each};
 use crate::vector::{cross, difference, dot};
 
 const FACES: usize = 128;
@@ -18,8 +19,9 @@ const CORNERS: usize = 64;
 #[derive(Copy, Clone)]
 struct Face {
     corners: [u8; 3],
+    /// Of unit length, up to rounding.
     normal: Point,
-    /// The least and the greatest product of a corner with the normal, in units of its length.
+    /// The least and the greatest product of a corner with the normal.
     low: f64,
     high: f64,
 }
@@ -31,18 +33,32 @@ struct Polytope {
     face_count: usize,
 }
 
-/// A lower bound of the depth of the cores, an upper one, and the direction in which it separates A from B, from
-/// the corners of a tetrahedron in A - B that contains the origin.
+/// A lower bound of the depth of the cores, an upper one, and the direction in which it separates A from B. Starts
+/// from the support points along the axes, or from the corners of a tetrahedron in A - B that contains the origin.
+/// `None` if neither does.
 #[cold]
 #[inline(never)]
-pub(super) fn depth(pair: &Pair, corners: &[Point; 4], tolerance: f64) -> (f64, f64, Point) {
+pub(super) fn depth(pair: &Pair, corners: Option<[Point; 4]>, tolerance: f64) -> Option<(f64, f64, Point)> {
     let none = Face { corners: [0; 3], normal: [0.0; 3], low: 0.0, high: 0.0 };
     let mut polytope =
-        Polytope { corners: [[0.0; 3]; CORNERS], faces: [none; FACES], corner_count: 4, face_count: 0 };
-    polytope.corners[..4].copy_from_slice(corners);
-    let volume = dot(&corners[1], &cross(&corners[2], &corners[3]));
-    for [i, j, k] in [[1, 2, 3], [0, 3, 2], [0, 1, 3], [0, 2, 1]] {
-        polytope.add_face(if volume > 0.0 { [i, j, k] } else { [i, k, j] });
+        Polytope { corners: [[0.0; 3]; CORNERS], faces: [none; FACES], corner_count: 6, face_count: 0 };
+    for i in 0..6 {
+        let mut d = [0.0; 3];
+        d[i / 2] = if i % 2 == 0 { -1.0 } else { 1.0 };
+        polytope.corners[i] = pair.support(&d).0;
+    }
+    for [i, j, k] in [[0, 2, 4], [0, 5, 2], [0, 3, 5], [0, 4, 3], [1, 4, 2], [1, 2, 5], [1, 5, 3], [1, 3, 4]]
+    {
+        polytope.add_face([i, j, k]);
+    }
+    if polytope.nearest().low <= pair.slack {
+        let corners = corners?;
+        (polytope.corner_count, polytope.face_count) = (4, 0);
+        polytope.corners[..4].copy_from_slice(&corners);
+        let volume = dot(&corners[1], &cross(&corners[2], &corners[3]));
+        for [i, j, k] in [[1, 2, 3], [0, 3, 2], [0, 1, 3], [0, 2, 1]] {
+            polytope.add_face(if volume > 0.0 { [i, j, k] } else { [i, k, j] });
+        }
     }
     let (mut lower, mut upper, mut along) = (0.0_f64, f64::INFINITY, [0.0; 3]);
     loop {
@@ -52,17 +68,17 @@ pub(super) fn depth(pair: &Pair, corners: &[Point; 4], tolerance: f64) -> (f64, 
             break;
         }
         lower = lower.max(nearest.low);
-        let d = nearest.normal.map(|x| -x);
+        let d = each(|k| -nearest.normal[k]);
         let (corner, _) = pair.support(&d);
-        let height = -dot(&d, &corner) / libm::sqrt(dot(&d, &d));
+        let height = -dot(&d, &corner);
         if height < upper {
             (upper, along) = (height, d);
         }
-        if upper - lower <= (tolerance * upper).max(0.25 * pair.slack) || !polytope.grow(corner) {
+        if upper - lower <= (tolerance * upper).max(pair.slack) || !polytope.grow(corner, pair.slack) {
             break;
         }
     }
-    (lower - pair.slack, upper + pair.slack, along)
+    Some((lower - pair.slack, upper + pair.slack, along))
 }
 
 impl Polytope {
@@ -83,13 +99,14 @@ impl Polytope {
         let products = [dot(&normal, &p), dot(&normal, &q), dot(&normal, &r)];
         let (low, high) =
             (products[0].min(products[1]).min(products[2]), products[0].max(products[1]).max(products[2]));
-        let (low, high) = if length > 0.0 { (low / length, high) } else { (0.0, 0.0) };
-        self.faces[self.face_count] = Face { corners, normal, low, high };
+        let inverse = if length > 0.0 { 1.0 / length } else { 0.0 };
+        let normal = each(|k| inverse * normal[k]);
+        self.faces[self.face_count] = Face { corners, normal, low: inverse * low, high: inverse * high };
         self.face_count += 1;
     }
 
     /// Replaces the faces below a new corner. False if nothing is, or if there is no room.
-    fn grow(&mut self, corner: Point) -> bool {
+    fn grow(&mut self, corner: Point, slack: f64) -> bool {
         if self.corner_count == CORNERS {
             return false;
         }
@@ -97,8 +114,8 @@ impl Polytope {
         let (mut count, mut kept) = (0, 0);
         for i in 0..self.face_count {
             let face = self.faces[i];
-            // Strictly above: both products are positive.
-            if dot(&face.normal, &corner) > face.high {
+            // Corners in the plane of a face, as those of a cap are, leave it as it is.
+            if dot(&face.normal, &corner) > face.high + 0.25 * slack {
                 for k in 0..3 {
                     let edge = [face.corners[k], face.corners[(k + 1) % 3]];
                     // An edge between two faces below is passed in both directions.

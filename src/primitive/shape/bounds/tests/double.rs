@@ -1,6 +1,6 @@
 //! Numbers of 106 bits.
 
-use std::ops::{Add, Div, Mul, Neg, Sub};
+use core::ops::{Add, Div, Mul, Neg, Sub};
 
 /// The unevaluated sum of two numbers.
 #[derive(Copy, Clone, Debug, PartialEq, PartialOrd)]

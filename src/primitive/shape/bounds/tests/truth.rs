@@ -2,6 +2,8 @@
 
 use super::super::super::{Core, Shape};
 use super::double::{Double, Vector, ZERO, along, cross, dot, exact, length, minus};
+use alloc::vec;
+use alloc::vec::Vec;
 
 /// Corners, edges and triangles of a polytope.
 pub(crate) struct Polytope {
@@ -141,7 +143,8 @@ pub(crate) fn distance(a: &Polytope, b: &Polytope) -> Double {
     if !apart && has_volume { ZERO } else { least }
 }
 
-/// The point of a core nearest to a point. For a cuboid by sweeps over its coordinates: its edges are nearly perpendicular.
+/// The point of a core nearest to a point. For a cuboid by sweeps over its coordinates: its edges are nearly
+/// perpendicular.
 pub(crate) fn nearest(core: &Core, p: &Vector) -> Vector {
     let one = Double::from(1.0);
     match core {
