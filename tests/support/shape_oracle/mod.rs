@@ -1,0 +1,122 @@
+//! An oracle for the distance of two shapes. It shares neither code nor method with the library's pair functions: it
+//! reads the numbers of two shapes and computes in integers of any size.
+//!
+//! All numbers of a pair become integers by one power of two. Let `reach` be the sum of both radii and of a margin: two
+//! shapes are within the margin if and only if their cores are at most `reach` apart.
+//!
+//!  cores | method of the decision |
+//! ---|---|
+//!  half-space, any | the lowest point in closed form; the sign of a sum with at most two square roots ([`half_space`]) |
+//!  polytope, polytope | least norm of the differences of points, by simplices of corners in integers ([`nearest`]) |
+//!  point, cylinder or cone | the distance in closed form, as above ([`round`]) |
+//!  polytope, cylinder or cone, without reach | whether one of finitely many rational points is in both ([`round`]) |
+//!  any other with a cylinder or cone | bounds of the distance that are refined to 2^-64 of the size ([`nearest`]) |
+//!
+//! The last may be [`Judgement::TooCloseToCall`]; all others are exact. For speed, bounds in `f64` that are far wider
+//! than the rounding errors come first ([`rough`]).
+
+mod body;
+mod half_space;
+mod nearest;
+mod numbers;
+mod rough;
+mod round;
+mod simplex;
+
+use self::body::{Body, Pair};
+use self::nearest::{refine, square_of_distance};
+use self::half_space::{half_space_bounds, half_spaces_reach};
+use self::numbers::{over_down, over_up, root_down, root_up};
+use self::rough::Rough;
+use dashu_int::IBig;
+use simdop::primitive::shape::Shape;
+
+/// What the oracle says of a pair and a margin.
+#[derive(Copy, Clone, PartialEq, Eq, Debug)]
+pub(crate) enum Judgement {
+    /// The distance is greater than the margin.
+    Apart,
+    /// The distance is at most the margin.
+    Meets,
+    /// The difference of the distance and the margin is below 2^-60 of the size, and the cores are not polytopes.
+    TooCloseToCall,
+}
+
+/// Certain bounds of a distance, in units of 2^exponent. Zero is the distance of all shapes that meet.
+#[derive(Clone, Debug)]
+pub(crate) struct Interval {
+    pub(crate) lower: IBig,
+    pub(crate) upper: IBig,
+    pub(crate) exponent: i32,
+    /// The pair's size is about 2^size units.
+    pub(crate) size: usize,
+}
+
+/// Bits of a pair's size where the result is rounded.
+const PRECISION: usize = 168;
+
+/// Bits of a pair's size to which bounds are refined.
+const RESOLVED: usize = 64;
+
+/// Whether the distance of two shapes is at most `margin`, which is not negative.
+pub(crate) fn meets(a: &Shape, b: &Shape, margin: f64) -> Judgement {
+    let exact = |is_within: bool| if is_within { Judgement::Meets } else { Judgement::Apart };
+    let mut pair = Pair::new(a, b, margin, 0);
+    if let Some(is_within) = half_spaces_reach(&pair) {
+        return exact(is_within);
+    }
+    let rough = Rough::new(&pair);
+    if let Some(is_within) = rough.is_within(&pair.reach, pair.bits) {
+        return exact(is_within);
+    }
+    match (&pair.a, &pair.b) {
+        (Body::Hull(p), Body::Hull(q)) => {
+            let (numerator, denominator) = square_of_distance(p, q, &rough.corners);
+            return exact(numerator <= &pair.reach * &pair.reach * denominator);
+        }
+        (Body::Hull(hull), Body::Round(round)) | (Body::Round(round), Body::Hull(hull)) => {
+            if let [point] = &hull.corners[..] {
+                return exact(round.reaches_point(point, &pair.reach));
+            }
+            if pair.reach == IBig::ZERO {
+                return exact(round.meets_hull(hull));
+            }
+        }
+        _ => {}
+    }
+    if pair.bits < PRECISION {
+        pair = Pair::new(a, b, margin, PRECISION);
+    }
+    let (reach, least) = (pair.reach.clone(), IBig::ONE << (pair.bits - RESOLVED));
+    let is_enough =
+        |lower: &IBig, upper: &IBig| *lower > reach || *upper <= reach || upper - lower <= least;
+    let bounds = refine(&pair, &rough.directions, is_enough);
+    if bounds.lower > reach {
+        Judgement::Apart
+    } else if bounds.meets || bounds.upper <= reach {
+        Judgement::Meets
+    } else {
+        Judgement::TooCloseToCall
+    }
+}
+
+/// Certain bounds of the distance of two shapes, at most 2^-60 of the pair's size apart. The size is that of the
+/// distance and of both cores.
+pub(crate) fn distance_interval(a: &Shape, b: &Shape) -> Interval {
+    let pair = Pair::new(a, b, 0.0, PRECISION);
+    let (lower, upper) = match (&pair.a, &pair.b) {
+        (Body::HalfSpace(_), _) | (_, Body::HalfSpace(_)) => half_space_bounds(&pair),
+        (Body::Hull(p), Body::Hull(q)) => {
+            let (numerator, denominator) = square_of_distance(p, q, &[[0, 0]]);
+            (root_down(&over_down(&numerator, &denominator)), root_up(&over_up(&numerator, &denominator)))
+        }
+        _ => {
+            let least = IBig::ONE << (pair.bits - RESOLVED);
+            let rough = Rough::new(&pair);
+            let bounds = refine(&pair, &rough.directions, |lower, upper| upper - lower <= least);
+            (bounds.lower, bounds.upper)
+        }
+    };
+    let rest = |x: IBig| (x - &pair.reach).max(IBig::ZERO);
+    Interval { lower: rest(lower), upper: rest(upper), exponent: pair.exponent, size: pair.bits }
+}
