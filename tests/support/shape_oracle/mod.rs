@@ -26,7 +26,7 @@ mod simplex;
 use self::body::{Body, Pair};
 use self::nearest::{refine, square_of_distance};
 use self::half_space::{half_space_bounds, half_spaces_reach};
-use self::numbers::{over_down, over_up, root_down, root_up};
+use self::numbers::{over_down, over_up, root_down, root_up, scaled};
 use self::rough::Rough;
 use dashu_int::IBig;
 use simdop::primitive::shape::Shape;
@@ -119,4 +119,22 @@ pub(crate) fn distance_interval(a: &Shape, b: &Shape) -> Interval {
     };
     let rest = |x: IBig| (x - &pair.reach).max(IBig::ZERO);
     Interval { lower: rest(lower), upper: rest(upper), exponent: pair.exponent, size: pair.bits }
+}
+
+/// The distance of two shapes, up to about 1e-13 of the pair's size.
+pub(crate) fn estimate(a: &Shape, b: &Shape) -> f64 {
+    let pair = Pair::new(a, b, 0.0, 64);
+    if half_spaces_reach(&pair).is_some() {
+        return scaled(&(half_space_bounds(&pair).0 - &pair.reach), pair.exponent).max(0.0);
+    }
+    let unit = 2_f64.powi(pair.bits as i32 + pair.exponent);
+    Rough::new(&pair).estimate * unit - scaled(&pair.reach, pair.exponent)
+}
+
+impl Interval {
+    /// The bounds in `f64`, rounded outwards.
+    pub(crate) fn to_f64(&self) -> (f64, f64) {
+        let by = 4.0 * f64::EPSILON;
+        (scaled(&self.lower, self.exponent) * (1.0 - by), scaled(&self.upper, self.exponent) * (1.0 + by))
+    }
 }

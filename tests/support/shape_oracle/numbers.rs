@@ -146,6 +146,12 @@ pub(crate) fn to_f64(x: &IBig, bits: usize) -> f64 {
     (x >> excess).to_f64().value() * 2_f64.powi(-((bits - excess) as i32))
 }
 
+/// `x 2^exponent`, up to rounding.
+pub(crate) fn scaled(x: &IBig, exponent: i32) -> f64 {
+    let excess = x.bit_len().saturating_sub(64);
+    (x >> excess).to_f64().value() * 2_f64.powi(exponent + excess as i32)
+}
+
 #[test]
 fn signs_of_roots() {
     let n = |x: i64| IBig::from(x);

@@ -31,6 +31,8 @@ pub(crate) struct Rough {
     /// In units of the pair's size, and certain.
     pub(crate) lower: f64,
     pub(crate) upper: f64,
+    /// The distance up to rounding.
+    pub(crate) estimate: f64,
     /// The last simplex: corners of the two cores, for polytopes.
     pub(crate) corners: Vec<[usize; 2]>,
     /// Directions from the first core to the second in which its points are farthest, in units of 2^-60.
@@ -72,6 +74,7 @@ impl Rough {
         let scaled = |d: &Point| d.map(|x| IBig::from((x * (1_u64 << 60) as f64) as i64));
         Self {
             lower: lower - MARGIN,
+            estimate: if is_inside { 0.0 } else { upper },
             upper: if is_inside { 0.0 } else { upper + MARGIN },
             corners: found.iter().map(|f| f.corners).collect(),
             directions: found.iter().map(|f| scaled(&f.direction)).collect(),
