@@ -1,8 +1,8 @@
 //! Pairs of shapes that are difficult to judge: near contact, exactly touching, nested, parallel, thin, far, tiny,
 //! unlike in size, and at both ends of the range.
 
-use super::rng::Rng;
-use super::shape_oracle::estimate;
+use crate::shape_oracle::estimate;
+use crate::support::rng::Rng;
 use simdop::pose::Pose;
 use simdop::primitive::shape::{Core, Shape};
 
@@ -21,15 +21,8 @@ pub(crate) enum Kind {
     HalfSpace,
 }
 
-pub(crate) const KINDS: [Kind; 7] = [
-    Kind::Point,
-    Kind::Segment,
-    Kind::Triangle,
-    Kind::Cuboid,
-    Kind::Cylinder,
-    Kind::Cone,
-    Kind::HalfSpace,
-];
+pub(crate) const KINDS: [Kind; 7] =
+    [Kind::Point, Kind::Segment, Kind::Triangle, Kind::Cuboid, Kind::Cylinder, Kind::Cone, Kind::HalfSpace];
 
 /// All unordered pairs of kinds.
 pub(crate) fn kind_pairs() -> impl Iterator<Item = (Kind, Kind)> {
@@ -46,7 +39,9 @@ pub(crate) fn hard_pairs(rng: &mut Rng) -> impl Iterator<Item = (Shape, Shape)> 
 pub(crate) fn hard_pair((p, q): (Kind, Kind), rng: &mut Rng) -> (Shape, Shape) {
     let (p, q) = if rng.below(2) == 0 { (p, q) } else { (q, p) };
     loop {
+        let is_flat = p == Kind::HalfSpace && q == Kind::HalfSpace;
         let pair = match rng.below(8) {
+            _ if is_flat && rng.below(2) == 0 => opposite(rng),
             0 => on_lattice(p, q, rng),
             1 => touching_flat(p, q, rng),
             2 => touching_at_point(p, q, rng),
@@ -62,7 +57,9 @@ pub(crate) fn hard_pair((p, q): (Kind, Kind), rng: &mut Rng) -> (Shape, Shape) {
 /// A margin that is hard for a pair: mostly none, else the distance up to rounding, or a small integer of the lattice.
 pub(crate) fn hard_margin(a: &Shape, b: &Shape, rng: &mut Rng) -> f64 {
     let margin = match rng.below(6) {
-        0 => estimate(a, b) * *rng.pick(&[1.0, 1.0 - 1e-9, 1.0 + 1e-9, 1.0 - f64::EPSILON, 1.0 + f64::EPSILON]),
+        0 => {
+            estimate(a, b) * *rng.pick(&[1.0, 1.0 - 1e-9, 1.0 + 1e-9, 1.0 - f64::EPSILON, 1.0 + f64::EPSILON])
+        }
         1 => rng.int(1, 5) as f64,
         _ => 0.0,
     };
@@ -97,8 +94,8 @@ fn both(a: &Shape, b: &Shape, change: impl Fn(&Shape) -> Option<Shape>) -> Optio
     Some((change(a)?, change(b)?))
 }
 
-/// All lengths multiplied by a power of two.
-fn scaled(shape: &Shape, by: f64) -> Option<Shape> {
+/// All lengths multiplied by a number, without rounding if it is a power of two.
+pub(crate) fn scaled(shape: &Shape, by: f64) -> Option<Shape> {
     let flush = |x: f64| if x.abs() < simdop::range::MIN_COORDINATE { 0.0 } else { x };
     let v = |p: Point| p.map(|x| flush(x * by));
     let core = match *shape.core() {
@@ -117,6 +114,12 @@ fn scaled(shape: &Shape, by: f64) -> Option<Shape> {
 
 fn shifted(shape: &Shape, by: &Point) -> Option<Shape> {
     mapped(shape, &IDENTITY, by)
+}
+
+/// The shape with its coordinates in another order.
+pub(crate) fn permuted(shape: &Shape, order: [usize; 3]) -> Shape {
+    let rows = order.map(|k| IDENTITY[k]);
+    mapped(shape, &rows, &[0.0; 3]).expect("a permutation changes no number")
 }
 
 const IDENTITY: Rows = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
@@ -260,24 +263,28 @@ fn on_lattice(p: Kind, q: Kind, rng: &mut Rng) -> Option<(Shape, Shape)> {
 fn top(shape: &Shape, k: usize) -> Option<f64> {
     let most = |points: &[Point]| points.iter().map(|p| p[k]).reduce(f64::max);
     let across = |axis: &Point, radius: f64| if axis[k] == 0.0 { radius } else { 0.0 };
-    Some(shape.radius() + match shape.core() {
-        Core::Point(p) => p[k],
-        Core::Segment(ends) => most(ends)?,
-        Core::Triangle(corners) => most(corners)?,
-        Core::Cuboid { centre, half } => centre[k] + half.iter().map(|h| h[k].abs()).sum::<f64>(),
-        Core::Cylinder { centre, half_axis, radius } => {
-            centre[k] + half_axis[k].abs() + across(half_axis, *radius)
-        }
-        Core::Cone { base, axis, radius } => base[k] + axis[k].max(0.0) + across(axis, *radius),
-        Core::HalfSpace { normal, offset } => {
-            let is_axis = (0..3).all(|i| (normal[i] > 0.0) == (i == k) && (i == k || normal[i] == 0.0));
-            return is_axis.then(|| offset / normal[k] + shape.radius());
-        }
-    })
+    Some(
+        shape.radius()
+            + match shape.core() {
+                Core::Point(p) => p[k],
+                Core::Segment(ends) => most(ends)?,
+                Core::Triangle(corners) => most(corners)?,
+                Core::Cuboid { centre, half } => centre[k] + half.iter().map(|h| h[k].abs()).sum::<f64>(),
+                Core::Cylinder { centre, half_axis, radius } => {
+                    centre[k] + half_axis[k].abs() + across(half_axis, *radius)
+                }
+                Core::Cone { base, axis, radius } => base[k] + axis[k].max(0.0) + across(axis, *radius),
+                Core::HalfSpace { normal, offset } => {
+                    let is_axis =
+                        (0..3).all(|i| (normal[i] > 0.0) == (i == k) && (i == k || normal[i] == 0.0));
+                    return is_axis.then(|| offset / normal[k] + shape.radius());
+                }
+            },
+    )
 }
 
-/// Two shapes with axes along the coordinate axes, one on top of the other: the exact contact of two faces, a face and
-/// a line, and so on. Their middles differ by integers.
+/// Two shapes with axes along the coordinate axes, one on top of the other, mostly without a gap: the exact contact of
+/// two faces, a face and a line, and so on. Their middles differ by integers.
 fn touching_flat(p: Kind, q: Kind, rng: &mut Rng) -> Option<(Shape, Shape)> {
     let k = rng.below(3) as usize;
     let mut normal = [0.0; 3];
@@ -299,7 +306,8 @@ fn touching_flat(p: Kind, q: Kind, rng: &mut Rng) -> Option<(Shape, Shape)> {
     mirror[k][k] = -1.0;
     let bottom = -top(&mapped(&b, &mirror, &[0.0; 3])?, k)?;
     let mut by = [0.0; 3];
-    by[k] = top(&a, k)? - bottom;
+    let gap = *rng.pick(&[0.0, 0.0, 0.0, 1.0, -1.0, 0.5, 2_f64.powi(-40), -2_f64.powi(-40)]);
+    by[k] = top(&a, k)? - bottom + gap;
     Some((a, mapped(&b, &IDENTITY, &by)?))
 }
 
@@ -322,9 +330,9 @@ fn lattice_point(shape: &Shape, rng: &mut Rng) -> Option<Point> {
         Core::Triangle([p, q, r]) => {
             *rng.pick(&[*p, *q, *r, times(&add(*p, *q), 0.5), times(&add(*q, *r), 0.5)])
         }
-        Core::Cuboid { centre, half } => half
-            .iter()
-            .fold(*centre, |p, h| add(p, times(h, *rng.pick(&[-1.0, 1.0, 1.0, 0.5, 0.0])))),
+        Core::Cuboid { centre, half } => {
+            half.iter().fold(*centre, |p, h| add(p, times(h, *rng.pick(&[-1.0, 1.0, 1.0, 0.5, 0.0]))))
+        }
         Core::Cylinder { centre, half_axis, radius } => {
             let rim = around(Some(half_axis), *radius)?;
             add(add(*centre, rim), times(half_axis, *rng.pick(&[-1.0, 1.0, 0.5, 0.0])))
@@ -345,6 +353,18 @@ fn touching_at_point(p: Kind, q: Kind, rng: &mut Rng) -> Option<(Shape, Shape)> 
     let (a, b) = (place(p, rng)?, place(q, rng)?);
     let (at, of) = (lattice_point(&a, rng)?, lattice_point(&b, rng)?);
     Some((a, mapped(&b, &IDENTITY, &core::array::from_fn(|k| at[k] - of[k]))?))
+}
+
+/// Half-spaces with opposite normals, of unlike lengths, and a gap, an overlap or neither.
+fn opposite(rng: &mut Rng) -> Option<(Shape, Shape)> {
+    let length = *rng.pick(&[1.0, 3.0, 0.125]);
+    let normal = rng.rotation()[0].map(|x| (x * 1024.0).round());
+    let (offset, gap) =
+        (rng.int(-5, 5) as f64, *rng.pick(&[0.0, 1.0, -1.0, 2_f64.powi(-40), -2_f64.powi(-40)]));
+    let a = Shape::half_space(normal, offset).ok()?;
+    let b = Shape::half_space(normal.map(|x| -x * length), (gap - offset) * length).ok()?;
+    let radius = *rng.pick(&[0.0, 0.0, 0.5]);
+    Some((a, b.widened(radius).ok()?))
 }
 
 /// A shape inside another, or nearly so.

@@ -4,7 +4,8 @@ use core::cmp::Ordering;
 
 use super::body::{Body, Pair, Plane};
 use super::numbers::{
-    cross, dot, is_zero, negated, over_down, over_up, root_down, root_up, sign_with_root, sign_with_roots, square,
+    cross, dot, is_zero, negated, over_down, over_up, root_down, root_up, sign_with_root, sign_with_roots,
+    square,
 };
 use dashu_int::IBig;
 use dashu_int::ops::Abs;
@@ -51,7 +52,8 @@ fn heights(pair: &Pair) -> Option<Vec<Height>> {
             let middle = dot(normal, &round.middle) - &plane.offset;
             // A disc of radius r is lowest at r sqrt(n - along^2 / U) below its middle.
             let p = &round.radius * &round.radius * (&n * &full - &along * &along) * &full;
-            let disc = |middle: IBig| Height { a: middle * &full, p: p.clone(), d: full.clone(), n: n.clone() };
+            let disc =
+                |middle: IBig| Height { a: middle * &full, p: p.clone(), d: full.clone(), n: n.clone() };
             if round.is_cone {
                 let tip = Height { a: &middle + along, p: IBig::ZERO, d: IBig::ONE, n: n.clone() };
                 vec![tip, disc(middle)]

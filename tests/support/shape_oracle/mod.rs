@@ -24,12 +24,13 @@ mod round;
 mod simplex;
 
 use self::body::{Body, Pair};
-use self::nearest::{refine, square_of_distance};
 use self::half_space::{half_space_bounds, half_spaces_reach};
-use self::numbers::{over_down, over_up, root_down, root_up, scaled};
+use self::nearest::{refine, square_of_distance};
+use self::numbers::{integer, least_exponent, over_down, over_up, root_down, root_up, scaled};
 use self::rough::Rough;
 use dashu_int::IBig;
-use simdop::primitive::shape::Shape;
+use dashu_int::ops::BitTest;
+use simdop::primitive::shape::{Core, Shape};
 
 /// What the oracle says of a pair and a margin.
 #[derive(Copy, Clone, PartialEq, Eq, Debug)]
@@ -88,8 +89,7 @@ pub(crate) fn meets(a: &Shape, b: &Shape, margin: f64) -> Judgement {
         pair = Pair::new(a, b, margin, PRECISION);
     }
     let (reach, least) = (pair.reach.clone(), IBig::ONE << (pair.bits - RESOLVED));
-    let is_enough =
-        |lower: &IBig, upper: &IBig| *lower > reach || *upper <= reach || upper - lower <= least;
+    let is_enough = |lower: &IBig, upper: &IBig| *lower > reach || *upper <= reach || upper - lower <= least;
     let bounds = refine(&pair, &rough.directions, is_enough);
     if bounds.lower > reach {
         Judgement::Apart
@@ -118,7 +118,8 @@ pub(crate) fn distance_interval(a: &Shape, b: &Shape) -> Interval {
         }
     };
     let rest = |x: IBig| (x - &pair.reach).max(IBig::ZERO);
-    Interval { lower: rest(lower), upper: rest(upper), exponent: pair.exponent, size: pair.bits }
+    let size = pair.bits.max(upper.bit_len());
+    Interval { lower: rest(lower), upper: rest(upper), exponent: pair.exponent, size }
 }
 
 /// The distance of two shapes, up to about 1e-13 of the pair's size.
@@ -131,7 +132,45 @@ pub(crate) fn estimate(a: &Shape, b: &Shape) -> f64 {
     Rough::new(&pair).estimate * unit - scaled(&pair.reach, pair.exponent)
 }
 
+/// Whether [`meets`] is exact, so never [`Judgement::TooCloseToCall`].
+pub(crate) fn is_rational(a: &Shape, b: &Shape, margin: f64) -> bool {
+    let has_reach = a.radius() + b.radius() + margin > 0.0;
+    let is_round = |shape: &Shape| matches!(shape.core(), Core::Cylinder { .. } | Core::Cone { .. });
+    let is = |kind: fn(&Core) -> bool| kind(a.core()) || kind(b.core());
+    is(|core| matches!(core, Core::HalfSpace { .. }))
+        || match (is_round(a), is_round(b)) {
+            (false, false) => true,
+            (true, true) => false,
+            _ => is(|core| matches!(core, Core::Point(_))) || !has_reach,
+        }
+}
+
 impl Interval {
+    /// Whether the bounds are at most 2^-60 of the size apart.
+    pub(crate) fn is_narrow(&self) -> bool {
+        &self.upper - &self.lower <= IBig::ONE << (self.size - 60)
+    }
+
+    /// What the bounds say of a margin.
+    pub(crate) fn judge(&self, margin: f64) -> Judgement {
+        // In units that make the margin an integer.
+        let exponent = least_exponent([margin]).unwrap_or(self.exponent).min(self.exponent);
+        let more = (self.exponent - exponent) as usize;
+        let margin = integer(margin, exponent);
+        if &self.lower << more > margin {
+            Judgement::Apart
+        } else if &self.upper << more <= margin {
+            Judgement::Meets
+        } else {
+            Judgement::TooCloseToCall
+        }
+    }
+
+    /// The size, up to a factor of 4.
+    pub(crate) fn size(&self) -> f64 {
+        2_f64.powi(self.exponent + self.size as i32)
+    }
+
     /// The bounds in `f64`, rounded outwards.
     pub(crate) fn to_f64(&self) -> (f64, f64) {
         let by = 4.0 * f64::EPSILON;

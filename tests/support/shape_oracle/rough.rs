@@ -58,7 +58,8 @@ impl Rough {
             let length = dot(&nearest, &nearest).sqrt();
             let progress = length < upper;
             upper = length.min(upper);
-            found = found.into_iter().enumerate().filter(|(i, _)| kept & 1 << i != 0).map(|(_, f)| f).collect();
+            found =
+                found.into_iter().enumerate().filter(|(i, _)| kept & 1 << i != 0).map(|(_, f)| f).collect();
             if length < 1e-14 || !progress {
                 break;
             }
@@ -124,7 +125,8 @@ impl Flat {
         match self {
             Self::Hull(corners) => {
                 let heights: Vec<f64> = corners.iter().map(|p| dot(n, p)).collect();
-                let best = (1..heights.len()).fold(0, |best, i| if heights[i] > heights[best] { i } else { best });
+                let best =
+                    (1..heights.len()).fold(0, |best, i| if heights[i] > heights[best] { i } else { best });
                 (corners[best], best)
             }
             Self::Round { is_cone, middle, axis, unit, radius } => {

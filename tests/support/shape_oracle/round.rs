@@ -8,9 +8,7 @@ use core::cmp::Ordering;
 
 use super::body::{Hull, Round};
 use super::nearest::touches_point;
-use super::numbers::{
-    Vector, add, cross, dot, sign_with_root, sign_with_roots, square, sub, times,
-};
+use super::numbers::{Vector, add, cross, dot, sign_with_root, sign_with_roots, square, sub, times};
 use dashu_int::IBig;
 use dashu_int::ops::Abs;
 
