@@ -41,6 +41,9 @@ pub(crate) struct Rough {
 
 const MARGIN: f64 = 1.0 / (1_u64 << 36) as f64;
 
+/// A length of a unit vector's part across an axis below which that part may be a rounding error.
+const LEAST_ACROSS: f64 = 1.0 / (1_u64 << 45) as f64;
+
 /// A volume of a simplex that no rounding changes to zero.
 const LEAST_VOLUME: f64 = 1.0 / (1_u64 << 33) as f64;
 
@@ -130,14 +133,15 @@ impl Flat {
                 (corners[best], best)
             }
             Self::Round { is_cone, middle, axis, unit, radius } => {
-                // Twice, so that the rest is perpendicular to the axis even if it is short.
-                let across = without(&without(n, unit), unit);
+                let across = without(n, unit);
                 let length = dot(&across, &across).sqrt();
-                let across = if length < 1e-300 {
+                let across = if length < LEAST_ACROSS {
+                    // Mostly rounding errors, perhaps along the axis. The middle of the disc is as far as its rim, up to
+                    // `LEAST_ACROSS` radii.
                     [0.0; 3]
                 } else {
-                    let scaled = across.map(|x| x / length);
-                    let again = without(&scaled, unit);
+                    // Again, so that it is perpendicular to the axis up to rounding even if it was short.
+                    let again = without(&across.map(|x| x / length), unit);
                     let length = dot(&again, &again).sqrt();
                     again.map(|x| x / length)
                 };
