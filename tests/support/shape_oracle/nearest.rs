@@ -43,7 +43,6 @@ pub(crate) struct Bounds {
     pub(crate) upper: IBig,
     /// Whether a common point is known: then `upper` is 0.
     pub(crate) meets: bool,
-    pub(crate) steps: usize,
 }
 
 /// Points of cylinders and cones are rounded: each is at most so many units away from the solid.
@@ -66,7 +65,8 @@ pub(crate) fn refine(
         [pair.a.farthest_point(towards), pair.b.farthest_point(&negated(towards))]
     };
     let mut witnesses: Vec<Witness> = start.iter().map(support).collect();
-    let mut bounds = Bounds { lower: IBig::ZERO, upper: IBig::ZERO, meets: false, steps: 0 };
+    let mut bounds = Bounds { lower: IBig::ZERO, upper: IBig::ZERO, meets: false };
+    let mut steps = 0;
     let mut newest = None;
     // Two points are rounded, and the root is.
     let slack = IBig::from(2 * ROUNDING + 1);
@@ -74,7 +74,7 @@ pub(crate) fn refine(
         let points: Vec<Vector> = witnesses.iter().map(|[p, q]| sub(p, q)).collect();
         let Nearest { kept, weights, direction, square: (numerator, denominator) } = nearest(&points, newest);
         bounds.upper = root_down(&(numerator / denominator)) + &slack;
-        bounds.steps += 1;
+        steps += 1;
         witnesses = kept.iter().map(|&i| witnesses[i].clone()).collect();
         let direction = shortened(&direction, DIRECTION);
         // Rounded to nothing if the two touch up to rounding.
@@ -91,7 +91,7 @@ pub(crate) fn refine(
                 bounds.upper = IBig::ZERO;
             }
         }
-        if is_over || bounds.steps == MAX_STEPS || is_enough(&bounds.lower, &bounds.upper) {
+        if is_over || steps == MAX_STEPS || is_enough(&bounds.lower, &bounds.upper) {
             return bounds;
         }
         let lowest = support(&negated(&direction));
