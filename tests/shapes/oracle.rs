@@ -231,6 +231,16 @@ fn half_spaces() {
             check(&plane, &cylinder(c, half[2], half[0]), margin, lowest <= margin * length);
             touching += u32::from(lowest == margin * length);
         }
+        // Against a cone along z, either way up: its tip or its disc is lower.
+        if n[2] % 4 == 0 || n[2] % 5 == 0 {
+            let across = ((length * length - n[2] * n[2]) as f64).sqrt() as i64;
+            let rise = half[1] * (1 - 2 * rng.int(0, 1));
+            let axis = float([0, 0, rise]);
+            let cone = shape(Core::Cone { base: float(c), axis, radius: half[0] as f64 }, r as f64);
+            let lowest = height(c) + (n[2] * rise).min(-half[0] * across);
+            check(&plane, &cone, margin, lowest <= (r + margin) * length);
+            touching += u32::from(lowest == (r + margin) * length);
+        }
         // Opposite half-spaces, with normals of different lengths.
         let k = rng.int(1, 3);
         let below = rng.int(-20, 20);

@@ -173,7 +173,6 @@ impl Hull {
         }
         if is_triangle {
             corners.truncate(3);
-            corners[2] = add(&corner, &edges[1]);
         }
         Self { corner, edges, is_triangle, corners }
     }

@@ -6,7 +6,7 @@
 //!
 //!  cores | method of the decision |
 //! ---|---|
-//!  half-space, any | the lowest point in closed form; the sign of a sum with at most two square roots ([`half_space`]) |
+//!  half-space, any | the lowest point in closed form; a sign with at most two square roots ([`half_space`]) |
 //!  polytope, polytope | least norm of the differences of points, by simplices of corners in integers ([`nearest`]) |
 //!  point, cylinder or cone | the distance in closed form, as above ([`round`]) |
 //!  polytope, cylinder or cone, without reach | whether one of finitely many rational points is in both ([`round`]) |
@@ -129,7 +129,7 @@ pub(crate) fn estimate(a: &Shape, b: &Shape) -> f64 {
         return scaled(&(half_space_bounds(&pair).0 - &pair.reach), pair.exponent).max(0.0);
     }
     let unit = 2_f64.powi(pair.bits as i32 + pair.exponent);
-    Rough::new(&pair).estimate * unit - scaled(&pair.reach, pair.exponent)
+    (Rough::new(&pair).estimate * unit - scaled(&pair.reach, pair.exponent)).max(0.0)
 }
 
 /// Whether [`meets`] is exact, so never [`Judgement::TooCloseToCall`].

@@ -81,15 +81,15 @@ impl Round {
     /// `X / (U - z)^2` for a cone (below its tip). The first is convex, the second is so after the projection from the
     /// tip. Of all faces of Q whose relative interior has a point where f is least, one of the lowest dimension has
     /// exactly one such point, and this is the only stationary point of f on the affine hull of the face. This hull
-    /// is that of a face of P, or its intersection with a bounding plane of the slab. So P meets the solid if and only if
-    /// one of these stationary points is in both, or the tip is in P.
+    /// is that of a face of P, or its intersection with a bounding plane of the slab. So P meets the solid if and only
+    /// if one of these stationary points is in both, or the tip is in P.
     pub(crate) fn meets_hull(&self, hull: &Hull) -> bool {
         if hull.corners.iter().any(|p| self.contains(p, &IBig::ONE)) {
             return true;
         }
         // In three dimensions the stationary points are the middles of the discs.
-        let ends = [Some(self.end()), Some(if self.is_cone { self.middle.clone() } else { self.start() })];
-        if ends.iter().flatten().any(|end| touches_point(hull, end)) {
+        let ends = [self.end(), if self.is_cone { self.middle.clone() } else { self.start() }];
+        if ends.iter().any(|end| touches_point(hull, end)) {
             return true;
         }
         hull.edge_faces().any(|(corner, edge)| self.meets_edge(&corner, &edge))
@@ -128,8 +128,8 @@ impl Round {
         })
     }
 
-    /// Whether a stationary point of the plane through a facet, or of its intersection with a level, is on the facet and
-    /// in the solid.
+    /// Whether a stationary point of the plane through a facet, or of its intersection with a level, is on the facet
+    /// and in the solid.
     fn meets_facet(&self, facet: &Facet) -> bool {
         let Facet { corner, edges: [e, g], is_triangle } = facet;
         let w = sub(corner, &self.middle);
