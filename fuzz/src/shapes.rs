@@ -37,7 +37,7 @@ fn core(input: &mut Input, mode: Mode) -> Core {
         5 => Core::Cone { base: point(), axis: point(), radius: point()[0].abs() },
         _ => {
             let ([offset, ..], normal) = (point(), point());
-            return Shape::half_space(normal, offset).map_or(Core::Point([0.0; 3]), |shape| *shape.core());
+            Shape::half_space(normal, offset).map_or(Core::Point([0.0; 3]), |shape| *shape.core())
         }
     }
 }

@@ -63,7 +63,7 @@ pub(crate) fn hard_margin(a: &Shape, b: &Shape, rng: &mut Rng) -> f64 {
         1 => rng.int(1, 5) as f64,
         _ => 0.0,
     };
-    if margin < simdop::range::MIN_COORDINATE || margin > 1e80 { 0.0 } else { margin }
+    if (simdop::range::MIN_COORDINATE..=1e80).contains(&margin) { margin } else { 0.0 }
 }
 
 // ---- treatments of a pair ---------------------------------------------------------------------------------------
