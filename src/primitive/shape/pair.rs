@@ -77,11 +77,8 @@ pub(crate) fn nearer(
     } else {
         *exact += 1;
         let meets = exact::is_within(a, b, 0.0).unwrap_or(true);
-        if meets {
-            (0.0, 0.0)
-        } else {
-            (f64::MIN_POSITIVE.min(found.upper), found.upper.max(f64::MIN_POSITIVE))
-        }
+        // Apart by less than the bounds resolve.
+        (0.0, if meets { 0.0 } else { found.upper.max(f64::MIN_POSITIVE) })
     };
     Some(Separation { lower, upper, a: found.a, b: found.b })
 }
