@@ -121,11 +121,11 @@ impl Frame {
         (x * x + y * y) + z * z
     }
 
-    /// The key of each direction's support of the ball of `radius` about `p`: the exact value of
+    /// Raises each key to the direction's support of the ball of `radius` about `p`: the exact value of
     /// `(n . (p - centre) + |n| radius) * 2^exponent`, rounded up.
     #[cfg(feature = "alloc")]
     #[inline(always)]
-    pub(crate) fn supports<S: Storage>(
+    pub(crate) fn raise_supports<S: Storage>(
         &self,
         directions: &[Point],
         p: Point,
@@ -145,7 +145,7 @@ impl Frame {
             // Five roundings, each with an error below 2^-53 of a partial result.
             let error = size * scale * power_of_two(-50);
             let rounded = Key::round_up_alike(value - error, value + error);
-            *key = rounded.unwrap_or_else(|| self.support_exact(n, p, radius, value));
+            *key = (*key).max(rounded.unwrap_or_else(|| self.support_exact(n, p, radius, value)));
         }
     }
 

@@ -53,7 +53,7 @@ pub(super) struct Spending<'c> {
 
 impl Spending<'_> {
     #[inline(always)]
-    fn visit(&mut self) -> ControlFlow<Ended> {
+    pub(super) fn visit(&mut self) -> ControlFlow<Ended> {
         if self.stats.visits == self.budget {
             return ControlFlow::Break(Ended::OutOfBudget);
         }
@@ -66,7 +66,7 @@ impl Spending<'_> {
 const STACK: usize = MAX_DEPTH * 15 + 16;
 
 /// A relative error larger than that of a dozen `f64` roundings.
-const ROUNDING: f64 = power_of_two(-44);
+pub(super) const ROUNDING: f64 = power_of_two(-44);
 
 impl RangeSearch {
     /// The first point of the cloud, in the order of the buckets, that is within `margin` of a body placed by `pose`
@@ -197,7 +197,7 @@ impl CloudRef<'_> {
 
     /// Visits the buckets that overlap a box, in order, until `look` breaks.
     #[inline(always)]
-    fn first_of_buckets<E: Kernel>(
+    pub(super) fn first_of_buckets<E: Kernel>(
         &self,
         kernel: E,
         bounds: &Box3,
@@ -223,7 +223,7 @@ impl CloudRef<'_> {
 
 /// The points of a bucket and their indices.
 #[inline(always)]
-fn points_of(bucket: &Bucket) -> impl Iterator<Item = (u32, Sphere)> + Clone + '_ {
+pub(super) fn points_of(bucket: &Bucket) -> impl Iterator<Item = (u32, Sphere)> + Clone + '_ {
     let used = bucket.used();
     (0..16).filter(move |&slot| used >> slot & 1 != 0).map(|slot| {
         let at = Sphere { centre: bucket.point(slot).map(f64::from), radius: 0.0 };

@@ -4,10 +4,10 @@ use super::body::Ended;
 use super::{CloudRef, RangeSearch, SearchError};
 use crate::hierarchy::{AsBvh, BvhRef};
 use crate::pose::Pose;
-use crate::primitive::Separation;
-use crate::primitive::Spheres;
+use crate::primitive::shape::{Core, nearer};
 use crate::primitive::triangle::distance::TIGHT;
-use crate::query::{Completion, Distance, Hint, Lanes, PrimitivePair, Query, QueryStats, Witness};
+use crate::primitive::{Separation, Shape, Spheres};
+use crate::query::{Completion, Distance, Hint, Lanes, Pair, PrimitivePair, Query, QueryStats, Witness};
 
 /// An upper bound of the distance between any body and any cloud.
 const FARTHEST: f64 = 1e300;
@@ -69,43 +69,18 @@ impl CloudRef<'_> {
         cutoff: f64,
     ) -> Distance {
         let is_empty = body.is_empty() || self.is_empty();
-        let mut found = Distance {
-            lower: if is_empty { f64::INFINITY } else { cutoff },
-            upper: f64::INFINITY,
-            witness: None,
-            completion: Completion::Complete,
-            stats: QueryStats::default(),
-            hint: Hint::NONE,
-        };
-        if is_empty {
-            return found;
-        }
-        let mut margin = cutoff.min(FARTHEST);
-        loop {
-            let near = match self.surface_within(query, body, pose, margin, &mut found.stats) {
-                None => break,
-                Some(Ended::Near(near)) => near,
-                Some(Ended::OutOfBudget) => return out_of_budget(found),
+        let tight = tolerance.max(TIGHT);
+        let mut found = shrinking(is_empty, tight, cutoff, |margin, stats| {
+            let near = match self.surface_within(query, body, pose, margin, stats)? {
+                Ended::Near(near) => near,
+                Ended::OutOfBudget => return Some(None),
             };
             let moved = P::moved(&body.primitive(near.primitive), pose);
-            let tight = tolerance.max(TIGHT);
-            let exact = &mut found.stats.exact_pairs;
-            let nearer = P::nearer(&moved, &near.at, f64::INFINITY, tight, exact);
-            let Some(Separation { upper, a, b, .. }) = nearer else {
-                unreachable!("no distance is above infinity")
-            };
-            let mut next = 0.5 * margin;
-            if upper < found.upper {
-                found.upper = upper;
-                found.witness = Some(Witness { pair: near.pair(body), a, b });
-                next = upper / (1.0 + tight);
-            }
-            if upper == 0.0 {
-                return Distance { lower: 0.0, ..found };
-            }
-            // Holds once the next search finds no point within this margin.
-            found.lower = next;
-            margin = next;
+            let nearer = P::nearer(&moved, &near.at, f64::INFINITY, tight, &mut stats.exact_pairs);
+            Some(nearer.map(|separation| (near.pair(body), separation)))
+        });
+        if is_empty || found.completion != Completion::Complete || found.upper == 0.0 {
+            return found;
         }
         if body.is_solid() {
             match self.first_inside(query, body, pose, &mut found.stats) {
@@ -119,6 +94,67 @@ impl CloudRef<'_> {
         }
         found
     }
+}
+
+impl CloudRef<'_> {
+    /// [`CloudRef::body_distance`] of one shape in the cloud's frame.
+    #[inline(never)]
+    pub(crate) fn shape_distance(
+        &self,
+        query: &Query,
+        shape: &Shape,
+        tolerance: f64,
+        cutoff: f64,
+    ) -> Distance {
+        let tight = tolerance.max(TIGHT);
+        shrinking(self.is_empty(), tight, cutoff, |margin, stats| {
+            let near = match self.near_shape(query, shape, margin, stats)? {
+                Ended::Near(near) => near,
+                Ended::OutOfBudget => return Some(None),
+            };
+            let point = Shape::unchecked(Core::Point(near.at.centre), 0.0);
+            let nearer = nearer(shape, &point, f64::INFINITY, tight, &mut stats.exact_pairs);
+            Some(nearer.map(|separation| (Pair { a: 0, b: near.point }, separation)))
+        })
+    }
+}
+
+/// Finds the distance by searches with shrinking margins. A search returns nothing if nothing is within the margin, and
+/// no separation if the budget was spent.
+fn shrinking(
+    is_empty: bool,
+    tight: f64,
+    cutoff: f64,
+    mut search: impl FnMut(f64, &mut QueryStats) -> Option<Option<(Pair, Separation)>>,
+) -> Distance {
+    let mut found = Distance {
+        lower: if is_empty { f64::INFINITY } else { cutoff },
+        upper: f64::INFINITY,
+        witness: None,
+        completion: Completion::Complete,
+        stats: QueryStats::default(),
+        hint: Hint::NONE,
+    };
+    if is_empty {
+        return found;
+    }
+    let mut margin = cutoff.min(FARTHEST);
+    while let Some(near) = search(margin, &mut found.stats) {
+        let Some((pair, Separation { upper, a, b, .. })) = near else { return out_of_budget(found) };
+        let mut next = 0.5 * margin;
+        if upper < found.upper {
+            found.upper = upper;
+            found.witness = Some(Witness { pair, a, b });
+            next = upper / (1.0 + tight);
+        }
+        if upper == 0.0 {
+            return Distance { lower: 0.0, ..found };
+        }
+        // Holds once the next search finds no point within this margin.
+        found.lower = next;
+        margin = next;
+    }
+    found
 }
 
 fn out_of_budget(found: Distance) -> Distance {

@@ -54,6 +54,7 @@ mod median;
 mod owned;
 mod packet;
 mod search;
+mod shape;
 mod single;
 mod sink;
 #[cfg(feature = "alloc")]

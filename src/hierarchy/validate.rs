@@ -70,7 +70,7 @@ impl<N: Dop, P: Primitive> BvhRef<'_, N, P> {
             ("is_solid", h.is_solid == 0 || h.is_solid == 1 && P::BOUNDS_SOLIDS),
             (
                 "part_count",
-                h.part_count == 0 || !P::HAS_BALLS && (2..=h.primitive_count).contains(&h.part_count),
+                h.part_count == 0 || !P::ARE_PARTS && (2..=h.primitive_count).contains(&h.part_count),
             ),
             ("reserved", h.reserved == [0; 3]),
         ];
@@ -170,8 +170,7 @@ impl<N: Dop, P: Primitive> BvhRef<'_, N, P> {
     fn validate_store(&self) -> Result<(), FormatError> {
         let BodyBounds { frame, max_coordinate, half_width, .. } = self.extent();
         let scale = frame.scale();
-        let is_inside = |vertex: &P::Double| {
-            let Sphere { centre: p, radius } = P::ball(vertex);
+        let is_inside = |Sphere { centre: p, radius }: Sphere| {
             let reach = radius * scale;
             // Comparisons with NaN are false.
             (radius >= 0.0 && flush(radius) == radius)
@@ -180,7 +179,7 @@ impl<N: Dop, P: Primitive> BvhRef<'_, N, P> {
                     .all(|i| ((p[i] - frame.centre[i]) * scale).abs() + reach <= f64::from(half_width[i]))
                 && frame.is_in_reach(p, radius, self.header.radius)
         };
-        self.store.check(is_inside).map_err(|fault| match fault {
+        self.store.check(|vertex| P::balls(vertex).all(is_inside)).map_err(|fault| match fault {
             Fault::Vertex { index } => FormatError::Vertex { index },
             Fault::Primitive { index } => FormatError::Primitive { index },
         })

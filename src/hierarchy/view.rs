@@ -150,7 +150,7 @@ impl<'a, N: Node, P: Primitive> BvhRef<'a, N, P> {
     pub fn parts(&self) -> impl ExactSizeIterator<Item = u32> + 'a {
         let count = self.len();
         let parts = &self.indices[count..];
-        let several = if P::HAS_BALLS { count } else { parts.len().max(usize::from(count > 0)) };
+        let several = if P::ARE_PARTS { count } else { parts.len().max(usize::from(count > 0)) };
         (0..several).map(move |index| parts.get(index).map_or(index as u32, |part| *part))
     }
 

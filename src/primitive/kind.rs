@@ -1,7 +1,7 @@
 //! Kinds of primitives.
 
 #[cfg(doc)]
-use super::{Spheres, Triangles};
+use super::{Shapes, Spheres, Triangles};
 use core::fmt;
 
 /// The type of a tree's primitives, as stored in its header.
@@ -13,6 +13,9 @@ impl Kind {
     pub const TRIANGLES: Self = Self(1);
     /// [`Spheres`].
     pub const SPHERES: Self = Self(2);
+
+    /// [`Shapes`].
+    pub const SHAPES: Self = Self(3);
 
     /// A kind that a user of this crate defines: `number` is below 2^15.
     ///
@@ -36,6 +39,7 @@ impl fmt::Display for Kind {
         match *self {
             Self::TRIANGLES => f.write_str("triangles"),
             Self::SPHERES => f.write_str("spheres"),
+            Self::SHAPES => f.write_str("shapes"),
             Self(code) => write!(f, "primitives of kind {code}"),
         }
     }

@@ -19,7 +19,7 @@ pub use ball::Sphere;
 pub use kind::Kind;
 pub use lattice::{Lattice, LatticeCorners};
 pub use separation::Separation;
-pub use shape::Shape;
+pub use shape::{Shape, Shapes};
 pub use sphere::Spheres;
 pub(crate) use store::{Fault, radius_of};
 pub use store::{OWN_DIRECTIONS, Primitive, Store};

@@ -24,6 +24,9 @@ pub trait Primitive: Copy + fmt::Debug + Send + Sync + 'static {
     const IS_ROUND: bool = false;
     /// Whether every primitive is a ball, so that trees store a ball for each lane: only [`Spheres`].
     const HAS_BALLS: bool = false;
+    /// Whether every primitive is a part of its own: a solid that is in no other part. If not, each vertex has one ball,
+    /// and primitives that share a vertex are in one part.
+    const ARE_PARTS: bool = false;
 
     /// Whether closed sets of these primitives bound solids: only [`Triangles`]. Their records are the indices of three
     /// corners.
@@ -48,8 +51,9 @@ pub trait Primitive: Copy + fmt::Debug + Send + Sync + 'static {
     /// A vertex in single precision, if narrowing is exact.
     fn narrow(vertex: &Self::Double) -> Option<Self::Single>;
 
-    /// The vertex as a ball: its point, and the radius of the primitives of which it is a corner.
-    fn ball(vertex: &Self::Double) -> Sphere;
+    /// Balls whose convex hull contains what a primitive has of a vertex: of a corner its point, with the radius of the
+    /// primitives of which it is a corner. At least one. NaN if the numbers of a vertex are not valid together.
+    fn balls(vertex: &Self::Double) -> impl Iterator<Item = Sphere>;
 
     /// Applies `number` to each coordinate of a vertex, and to its radius if it has one.
     #[must_use]
@@ -64,8 +68,14 @@ pub trait Primitive: Copy + fmt::Debug + Send + Sync + 'static {
     /// If there is no such primitive.
     fn item(store: &Store<'_, Self>, index: u32) -> Self::Item;
 
-    /// The corners, at least one.
+    /// The corners, at least one. Of curved primitives, those of a polytope around them.
     fn corners(item: &Self::Item) -> impl Iterator<Item = Point>;
+
+    /// A point of the primitive.
+    #[inline(always)]
+    fn point(item: &Self::Item) -> Point {
+        Self::corners(item).next().unwrap_or_default()
+    }
 
     /// The radius around the hull of the corners. Not negative.
     #[inline(always)]

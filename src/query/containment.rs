@@ -94,8 +94,8 @@ impl Query {
         stats: &mut QueryStats,
     ) -> Result<Option<Inner>, f64> {
         for part in body.parts() {
-            let Some(corner) = Q::corners(&body.primitive(part)).next() else { continue };
-            let point = pose.map_or(corner, |pose| pose.apply(corner));
+            let point = Q::point(&body.primitive(part));
+            let point = pose.map_or(point, |pose| pose.apply(point));
             let extent = body.extent();
             let beside = solid.pose.map(|pose| (pose, &extent));
             let Some(ray) = Ray::new(&point, solid.tree.header(), beside) else { continue };
@@ -118,6 +118,18 @@ impl Query {
     ) -> Result<Option<u32>, f64> {
         let Some(ray) = Ray::new(point, solid.header(), Some((pose, of))) else { return Ok(None) };
         self.around(&PlacedTree { tree: solid, pose: Some(pose) }, point, &ray, stats)
+    }
+
+    /// If a solid winds around a point of its own frame, the crossed primitive with the lowest source index. An error if
+    /// the budget was spent.
+    pub(in crate::query) fn inside_of_solid<N: Lanes, P: Primitive>(
+        &self,
+        solid: &BvhRef<'_, N, P>,
+        point: &Point,
+        stats: &mut QueryStats,
+    ) -> Result<Option<u32>, f64> {
+        let Some(ray) = Ray::new(point, solid.header(), None) else { return Ok(None) };
+        self.around(&PlacedTree { tree: solid, pose: None }, point, &ray, stats)
     }
 
     /// If the solid winds around the point, the crossed primitive with the lowest source index. If the budget was
@@ -195,6 +207,6 @@ fn around_on<N: Lanes, P: Primitive, E: Kernel>(
 /// The distance of a point from some corner of a body, rounded up.
 #[cold]
 fn distance_bound<N: Lanes, P: Primitive>(body: &PlacedTree<'_, N, P>, point: &Point) -> f64 {
-    let corner = P::corners(&body.item(0)).next().map_or(glam::DVec3::ZERO, glam::DVec3::from_array);
+    let corner = glam::DVec3::from_array(P::point(&body.item(0)));
     glam::DVec3::from_array(*point).distance(corner) * (1.0 + 8.0 * f64::EPSILON)
 }

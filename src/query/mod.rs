@@ -37,6 +37,7 @@ mod distance;
 mod entry;
 mod lanes;
 mod setup;
+mod shape;
 mod volume;
 
 pub use any::AnyError;

@@ -7,10 +7,12 @@ use super::error::SceneError;
 use super::memory::Slot;
 use super::placement::Scene;
 use crate::pose::{Pose, Relative};
+use crate::primitive::shape::Core;
 use crate::query::{
     Answer, Completion, Distance, Hint, Lanes, Pair, Query, QueryStats, ToleranceError, Verdict, checked,
 };
 use crate::range::{MAX_COORDINATE, Point};
+use crate::realign::greatest;
 use core::ops::ControlFlow;
 
 /// Two bodies that meet, and the primitives that do.
@@ -94,18 +96,34 @@ pub struct SceneWitness {
     pub b: Point,
 }
 
-/// Evaluates one expression for two trees, of any primitives, and the other for a tree and a cloud.
+/// Evaluates one of several expressions: for two trees of any primitives, for a tree and a cloud, for a shape and a
+/// tree, for a shape and a cloud, or for two shapes.
 macro_rules! with_trees {
-    (($a:expr, $b:expr), |$x:ident, $y:ident| $with:expr, |$tree:ident, $cloud:ident| $among:expr) => {
+    (
+        ($a:expr, $b:expr), |$x:ident, $y:ident| $with:expr, |$tree:ident, $cloud:ident| $among:expr,
+        |$shape:ident, $of:ident| $beside:expr, |$one:ident, $scan:ident| $in_scan:expr,
+        |$p:ident, $q:ident| $both:expr
+    ) => {
         match ($a, $b) {
+            (BodyTree::Shape($p), BodyTree::Shape($q)) => $both,
+            (BodyTree::Shape($shape), BodyTree::Shapes($of)) => $beside,
+            (BodyTree::Shape($shape), BodyTree::Mesh($of)) => $beside,
+            (BodyTree::Shape($shape), BodyTree::Spheres($of)) => $beside,
+            (BodyTree::Shape($one), BodyTree::PointCloud($scan)) => $in_scan,
+            (BodyTree::Shapes($x), BodyTree::Shapes($y)) => $with,
+            (BodyTree::Shapes($x), BodyTree::Mesh($y)) => $with,
+            (BodyTree::Shapes($x), BodyTree::Spheres($y)) => $with,
+            (BodyTree::Mesh($x), BodyTree::Shapes($y)) => $with,
+            (BodyTree::Spheres($x), BodyTree::Shapes($y)) => $with,
+            (BodyTree::Shapes($tree), BodyTree::PointCloud($cloud)) => $among,
             (BodyTree::Mesh($x), BodyTree::Mesh($y)) => $with,
             (BodyTree::Mesh($x), BodyTree::Spheres($y)) => $with,
             (BodyTree::Spheres($x), BodyTree::Mesh($y)) => $with,
             (BodyTree::Spheres($x), BodyTree::Spheres($y)) => $with,
             (BodyTree::Mesh($tree), BodyTree::PointCloud($cloud)) => $among,
             (BodyTree::Spheres($tree), BodyTree::PointCloud($cloud)) => $among,
-            (BodyTree::PointCloud(_), _) => {
-                unreachable!("a cloud is the second of a pair, and not of another cloud")
+            (BodyTree::PointCloud(_), _) | (_, BodyTree::Shape(_)) => {
+                unreachable!("a shape is the first of a pair, and a cloud the second")
             }
         }
     };
@@ -130,12 +148,20 @@ impl<'s, 't, N> AskedPair<'s, 't, N> {
         let (Some(body_a), Some(body_b)) = (&a.body, &b.body) else {
             unreachable!("there is no box where there is no body")
         };
+        let relative = b.relative(world_a, world_b);
+        let mut max_coordinate = a.size.max_coordinate;
+        if let BodyTree::Shape(shape) = &body_a.tree
+            && let Core::HalfSpace { .. } = shape.core()
+        {
+            // What is compared are points of the half-space near the other body.
+            max_coordinate += 2.0 * (b.size.max_coordinate + greatest(&relative.pose().translation()));
+        }
         Self {
             trees: (&body_a.tree, &body_b.tree),
-            relative: b.relative(world_a, world_b),
+            relative,
             radii: body_a.radius + body_b.radius,
             round: a.size.greatest_radius + b.size.greatest_radius,
-            max_coordinate: a.size.max_coordinate,
+            max_coordinate,
         }
     }
 
@@ -309,7 +335,10 @@ impl<'t, N: Lanes> Scene<'t, N> {
         with_trees!(
             (asked.trees.0, asked.trees.1),
             |a, b| query.within(a, b, pose, margin),
-            |tree, cloud| Ok(cloud.body_within(query, tree, pose, margin))
+            |tree, cloud| Ok(cloud.body_within(query, tree, pose, margin)),
+            |shape, tree| query.within_shape(shape, tree, pose, margin),
+            |shape, cloud| Ok(cloud.shape_within(query, &shape.moved(pose), margin)),
+            |a, b| Ok(query.shapes_within(&a.moved(pose), b, margin))
         )
     }
 
@@ -327,7 +356,10 @@ impl<'t, N: Lanes> Scene<'t, N> {
         let answer = with_trees!(
             (asked.trees.0, asked.trees.1),
             |a, b| query.distance_up_to(a, b, pose, tolerance, cutoff),
-            |tree, cloud| Ok(cloud.body_distance(query, tree, pose, checked(tolerance)?, cutoff))
+            |tree, cloud| Ok(cloud.body_distance(query, tree, pose, checked(tolerance)?, cutoff)),
+            |shape, tree| query.distance_shape(shape, tree, pose, tolerance, cutoff),
+            |shape, cloud| Ok(cloud.shape_distance(query, &shape.moved(pose), checked(tolerance)?, cutoff)),
+            |a, b| Ok(query.shapes_distance(&a.moved(pose), b, checked(tolerance)?, cutoff))
         )?;
         // Largest difference between a distance in the frame of b and the same distance in the world.
         let off = |x: f64| asked.padded(x) - x;

@@ -4,7 +4,7 @@ use crate::cloud::CloudRef;
 use crate::frame::BodyBounds;
 use crate::hierarchy::BvhRef;
 use crate::node::Dop;
-use crate::primitive::{Primitive, Spheres, Triangles};
+use crate::primitive::{Primitive, Shape, Shapes, Spheres, Triangles};
 use crate::range::MAX_COORDINATE;
 
 /// Identifies a body of one scene. Valid until the body is removed.
@@ -29,9 +29,14 @@ impl BodyId {
     }
 }
 
-/// The tree of a body.
+/// The geometry of a body: a tree, a cloud, or one shape, which needs no tree.
 #[derive(Debug)]
 pub enum BodyTree<'t, N> {
+    /// One shape. A half-space, such as the ground, should be [fixed](Body::fixed): nothing bounds how far a motion
+    /// carries its points.
+    Shape(Shape),
+    /// Shapes: a link of several capsules, or a shelf of cuboids.
+    Shapes(BvhRef<'t, N, Shapes>),
     /// Triangles.
     Mesh(BvhRef<'t, N, Triangles>),
     /// Spheres: a packing, or a robot's sphere model.
@@ -59,6 +64,18 @@ impl<'t, N> From<BvhRef<'t, N, Spheres>> for BodyTree<'t, N> {
     }
 }
 
+impl<N> From<Shape> for BodyTree<'_, N> {
+    fn from(shape: Shape) -> Self {
+        Self::Shape(shape)
+    }
+}
+
+impl<'t, N> From<BvhRef<'t, N, Shapes>> for BodyTree<'t, N> {
+    fn from(tree: BvhRef<'t, N, Shapes>) -> Self {
+        Self::Shapes(tree)
+    }
+}
+
 impl<'t, N> From<CloudRef<'t>> for BodyTree<'t, N> {
     fn from(cloud: CloudRef<'t>) -> Self {
         Self::PointCloud(cloud)
@@ -69,42 +86,51 @@ impl<N> BodyTree<'_, N> {
     pub(super) const fn is_cloud(&self) -> bool {
         matches!(self, Self::PointCloud(_))
     }
+
+    /// Where the body is in pairs: a shape comes first, a cloud second.
+    pub(super) const fn rank(&self) -> u8 {
+        match self {
+            Self::Shape(_) => 0,
+            Self::Shapes(_) | Self::Mesh(_) | Self::Spheres(_) => 1,
+            Self::PointCloud(_) => 2,
+        }
+    }
 }
 
 impl<N: Dop> BodyTree<'_, N> {
-    pub(super) fn extent(&self) -> BodyBounds {
+    /// Of a tree or a cloud.
+    pub(super) fn extent(&self) -> Option<BodyBounds> {
         match self {
-            Self::Mesh(tree) => tree.extent(),
-            Self::Spheres(tree) => tree.extent(),
-            Self::PointCloud(cloud) => cloud.extent(),
+            Self::Shape(_) => None,
+            Self::Shapes(tree) => Some(tree.extent()),
+            Self::Mesh(tree) => Some(tree.extent()),
+            Self::Spheres(tree) => Some(tree.extent()),
+            Self::PointCloud(cloud) => Some(cloud.extent()),
         }
     }
 
     pub(super) const fn is_empty(&self) -> bool {
         match self {
+            Self::Shape(_) => false,
+            Self::Shapes(tree) => tree.is_empty(),
             Self::Mesh(tree) => tree.is_empty(),
             Self::Spheres(tree) => tree.is_empty(),
             Self::PointCloud(cloud) => cloud.is_empty(),
         }
     }
 
-    /// Upper bound of the primitives' radii, in the body's unit.
-    pub(super) fn greatest_radius(&self) -> f64 {
-        let is_round = match self {
+    /// Whether its primitives have radii, which a pose does not change.
+    pub(super) const fn is_round(&self) -> bool {
+        match self {
+            Self::Shape(_) | Self::Shapes(_) => Shapes::IS_ROUND,
             Self::Mesh(_) => Triangles::IS_ROUND,
             Self::Spheres(_) => Spheres::IS_ROUND,
             Self::PointCloud(_) => false,
-        };
-        if !is_round {
-            return 0.0;
         }
-        let extent = self.extent();
-        let [x, y, z] = extent.half_width;
-        f64::from(x.min(y).min(z)) / extent.frame.scale()
     }
 }
 
-/// A body of a scene: a tree, a radius around its primitives, and the groups that select its pairs.
+/// A body of a scene: its geometry, a radius around its primitives, and the groups that select its pairs.
 ///
 /// A triangle without area is a segment or a point. So a capsule is one such triangle with a radius, and a padded link
 /// is the link's mesh with a radius.

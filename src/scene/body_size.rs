@@ -4,17 +4,23 @@
 //! shorten vectors by up to 1.5e-4 of their length. The sums are in `f64`, with a dozen roundings of 2^-53 of the
 //! coordinates, which 2^-40 of the coordinates covers. The boxes are `f32`, rounded outwards.
 
-use super::body::Body;
+use super::body::{Body, BodyTree};
 use crate::exact::power_of_two;
 use crate::motion::CarriedBall;
 use crate::node::{Box3, Dop};
 use crate::pose::Pose;
+use crate::primitive::Shape;
+use crate::primitive::shape::{Core, hull_of};
 use crate::range::Point;
+use crate::vector::{difference, length};
 
 /// Rounding allowance, relative to the coordinates.
 const ROUNDING: f64 = power_of_two(-40);
 /// Allowance for how much an accepted matrix may shorten vectors, relative to a body's size.
 const SKEW: f64 = power_of_two(-12);
+
+/// Half the width of a half-space: beyond all bodies, with room for products.
+const UNBOUNDED: f64 = power_of_two(900);
 
 /// A body's size in its own frame, from which its box in the world follows.
 #[derive(Copy, Clone, Debug)]
@@ -48,7 +54,12 @@ impl BodySize {
         if body.tree.is_empty() {
             return Self::NOTHING;
         }
-        let extent = body.tree.extent();
+        let Some(extent) = body.tree.extent() else {
+            let BodyTree::Shape(shape) = &body.tree else { return Self::NOTHING };
+            return Self::of_shape(shape, body.radius);
+        };
+        let [x, y, z] = extent.half_width;
+        let least_width = f64::from(x.min(y).min(z)) / extent.frame.scale();
         let unscale = (1.0 + SKEW) / extent.frame.scale();
         Self {
             centre: extent.frame.centre,
@@ -57,7 +68,41 @@ impl BodySize {
             // No row of a matrix is longer than 1.0001.
             reach: body.radius + 2.0 * ROUNDING * extent.max_coordinate,
             max_coordinate: extent.max_coordinate,
-            greatest_radius: body.tree.greatest_radius(),
+            greatest_radius: if body.tree.is_round() { least_width } else { 0.0 },
+        }
+    }
+
+    /// Of one shape, with a radius around it.
+    fn of_shape(shape: &Shape, widened: f64) -> Self {
+        if let Core::HalfSpace { offset, .. } = *shape.core() {
+            // Its largest coordinate depends on the other body: `AskedPair::new`.
+            let max_coordinate = offset.abs() + shape.radius();
+            return Self {
+                half: [UNBOUNDED; 3],
+                radius: UNBOUNDED,
+                reach: widened + 2.0 * ROUNDING * max_coordinate,
+                max_coordinate,
+                ..Self::NOTHING
+            };
+        }
+        let (corners, radius) = hull_of(shape);
+        let (mut low, mut high) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
+        for p in corners.clone() {
+            for i in 0..3 {
+                (low[i], high[i]) = (low[i].min(p[i] - radius), high[i].max(p[i] + radius));
+            }
+        }
+        let centre = [0, 1, 2].map(|i| 0.5 * low[i] + 0.5 * high[i]);
+        let size = low.into_iter().chain(high).fold(0.0, |most: f64, x| most.max(x.abs()));
+        let farthest = corners.map(|p| length(&difference(&p, &centre))).fold(0.0, f64::max) + radius;
+        let rounding = ROUNDING * size;
+        Self {
+            centre,
+            half: [0, 1, 2].map(|i| (high[i] - low[i]) * (0.5 * (1.0 + SKEW)) + rounding),
+            radius: farthest * (1.0 + SKEW) + rounding,
+            reach: widened + 2.0 * rounding,
+            max_coordinate: size * (1.0 + ROUNDING),
+            greatest_radius: farthest + rounding,
         }
     }
 

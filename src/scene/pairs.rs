@@ -51,12 +51,17 @@ impl<N> Scene<'_, N> {
         Ok(self.row_and_bit(i, j))
     }
 
-    /// Row and column of a pair's bit in the matrix. A cloud is the second of each of its pairs, so its row is empty.
+    /// Row and column of a pair's bit in the matrix. A cloud is the second of each of its pairs, so its row is empty, and a
+    /// shape the first, unless both are shapes.
     /// By default, the row of a fixed body contains only its pairs with clouds.
     pub(super) fn row_and_bit(&self, i: usize, j: usize) -> (usize, usize) {
         let is_fixed = |i: usize| self.memory.slots[i].body.as_ref().is_some_and(|body| body.is_fixed);
-        let [a, b] = [i, j].map(|i| (self.is_cloud(i), is_fixed(i), i));
+        let [a, b] = [i, j].map(|i| (self.rank(i), is_fixed(i), i));
         if a < b { (i, j) } else { (j, i) }
+    }
+
+    fn rank(&self, i: usize) -> u8 {
+        self.memory.slots[i].body.as_ref().map_or(0, |body| body.tree.rank())
     }
 
     fn is_cloud(&self, i: usize) -> bool {

@@ -30,13 +30,13 @@ pub(super) fn balls<N: Node, P: Primitive<Record: AsRef<[u32]>>>(
                     Link::Empty => continue,
                     Link::Inner(node) => {
                         below.extend(
-                            spheres.below(node).iter().map(|vertex| in_frame(frame, &P::ball(vertex))),
+                            spheres.below(node).iter().flat_map(P::balls).map(|ball| in_frame(frame, &ball)),
                         );
                     }
                     Link::Leaf { first, count } => {
                         for record in &records[first as usize..][..count as usize] {
                             let vertices = record.as_ref().iter().map(|&vertex| &vertices[vertex as usize]);
-                            below.extend(vertices.map(|vertex| in_frame(frame, &P::ball(vertex))));
+                            below.extend(vertices.flat_map(P::balls).map(|ball| in_frame(frame, &ball)));
                         }
                     }
                 }
@@ -90,8 +90,8 @@ fn volumes<N: Node, P: Primitive<Record: AsRef<[u32]>>>(
                 Link::Leaf { first, count } => {
                     let records = records[first as usize..][..count as usize].iter();
                     let used = records.flat_map(|record| record.as_ref());
-                    let radius = |&vertex: &u32| P::ball(&vertices[vertex as usize]).radius;
-                    used.map(radius).map(|radius| sphere::volume(radius * frame.scale())).sum()
+                    let radii = |&vertex: &u32| P::balls(&vertices[vertex as usize]).map(|ball| ball.radius);
+                    used.flat_map(radii).map(|radius| sphere::volume(radius * frame.scale())).sum()
                 }
             };
         }

@@ -109,12 +109,13 @@ impl Stretch {
     /// Includes a corner.
     #[inline(always)]
     fn add<P: Primitive>(&mut self, corner: &P::Double) {
-        let Sphere { centre: p, radius } = P::ball(corner);
-        let (n, c) = (&self.n, &self.centre);
-        // A few roundings, each 2^-53 of at most 2047 * 2^15 units.
-        let x = (n[0] * (p[0] - c[0]) + n[1] * (p[1] - c[1])) + n[2] * (p[2] - c[2]);
-        let reach = self.length * radius;
-        self.join(if P::IS_ROUND { (x - reach, x + reach) } else { (x, x) });
+        for Sphere { centre: p, radius } in P::balls(corner) {
+            let (n, c) = (&self.n, &self.centre);
+            // A few roundings, each 2^-53 of at most 2047 * 2^15 units.
+            let x = (n[0] * (p[0] - c[0]) + n[1] * (p[1] - c[1])) + n[2] * (p[2] - c[2]);
+            let reach = self.length * radius;
+            self.join(if P::IS_ROUND { (x - reach, x + reach) } else { (x, x) });
+        }
     }
 
     #[inline(always)]

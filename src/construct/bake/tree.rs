@@ -41,7 +41,7 @@ pub(in crate::construct) fn bake<N: Dop, G: Geometry>(
     let (low, high) = if vertices.is_empty() {
         ([0.0; 3], [0.0; 3])
     } else {
-        bounding_box(vertices.iter().map(G::Primitive::ball))
+        bounding_box(vertices.iter().flat_map(G::Primitive::balls))
     };
     let frame = Frame::around(low, high, N::DIRECTIONS);
     let half_width = half_width::<G::Primitive>(&frame, &vertices);
@@ -61,10 +61,12 @@ pub(in crate::construct) fn bake<N: Dop, G: Geometry>(
         Vec::new()
     };
     // Each sphere is a part, which need not be listed.
-    let parts = if G::Primitive::HAS_BALLS {
+    let parts = if G::Primitive::ARE_PARTS {
         Vec::new()
     } else {
-        parts(&records, vertices.len(), || vertices.iter().map(|v| G::Primitive::ball(v).centre).collect())
+        parts(&records, vertices.len(), || {
+            vertices.iter().flat_map(G::Primitive::balls).map(|ball| ball.centre).collect()
+        })
     };
     let mut corners = Vec::new();
     let mut is_degenerate = |record: &&Record<G>| {
@@ -131,13 +133,13 @@ fn half_width<P: Primitive>(frame: &Frame, vertices: &[P::Double]) -> [f32; 3] {
         let width = |Sphere { centre, radius }: Sphere| {
             ((centre[i] - frame.centre[i]) * frame.scale()).abs() + radius * frame.scale()
         };
-        round_up_f32(vertices.iter().map(P::ball).map(width).fold(0.0, f64::max))
+        round_up_f32(vertices.iter().flat_map(P::balls).map(width).fold(0.0, f64::max))
     })
 }
 
 fn radius<P: Primitive>(frame: &Frame, vertices: &[P::Double]) -> f64 {
     let reach = |Sphere { centre, radius }: Sphere| frame.reach(centre, radius);
-    vertices.iter().map(P::ball).map(reach).fold(0.0, f64::max)
+    vertices.iter().flat_map(P::balls).map(reach).fold(0.0, f64::max)
 }
 
 /// The largest magnitude of a plane. Codes are ordered as their values, so the least or the greatest code has it.

@@ -58,8 +58,9 @@ fn supports<N: Dop, P: Primitive>(frame: &Frame, vertices: &[P::Double]) -> Vec<
     parallel::for_each_chunk(&mut keys, VERTICES_PER_TASK * N::K, |task, keys| {
         let vertices = &vertices[task * VERTICES_PER_TASK..];
         for (keys, vertex) in keys.chunks_exact_mut(N::K).zip(vertices) {
-            let Sphere { centre, radius } = P::ball(vertex);
-            frame.supports(N::DIRECTIONS, centre, radius, keys);
+            for Sphere { centre, radius } in P::balls(vertex) {
+                frame.raise_supports(N::DIRECTIONS, centre, radius, keys);
+            }
         }
     });
     keys

@@ -23,7 +23,7 @@ impl<'a, P: Primitive<Record: AsRef<[u32]>>> Checked<'a, P> {
         let vertices = geometry.vertices();
         check_vertices::<P>(vertices)?;
         let size = |ball: Sphere| ball.centre.into_iter().fold(ball.radius, |m, x| m.max(x.abs()));
-        let greatest = vertices.iter().map(|vertex| size(P::ball(vertex))).fold(0.0, f64::max);
+        let greatest = vertices.iter().flat_map(P::balls).map(size).fold(0.0, f64::max);
         if greatest > 0.0 && flush(greatest) == 0.0 {
             return Err(BuildError::TooSmall);
         }
@@ -42,7 +42,8 @@ impl<'a, P: Primitive<Record: AsRef<[u32]>>> Checked<'a, P> {
     }
 
     fn places(&self) -> Vec<Point> {
-        self.vertices.iter().map(|vertex| P::ball(vertex).centre).collect()
+        // Only triangles bound solids, so each vertex is one point.
+        self.vertices.iter().flat_map(P::balls).map(|ball| ball.centre).collect()
     }
 
     /// The box of each primitive.

@@ -9,7 +9,7 @@ pub(in crate::construct) fn corner_balls<P: Primitive<Record: AsRef<[u32]>>>(
     vertices: &[P::Double],
     record: &P::Record,
 ) -> impl Iterator<Item = Sphere> {
-    record.as_ref().iter().map(|&vertex| P::ball(&vertices[vertex as usize]))
+    record.as_ref().iter().flat_map(|&vertex| P::balls(&vertices[vertex as usize]))
 }
 
 /// Writes the corners of a primitive to `corners` and returns its radius.

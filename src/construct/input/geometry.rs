@@ -4,9 +4,11 @@
 use crate::construct::{Builder, Magnification};
 #[cfg(doc)]
 use crate::node::NormalSlab;
-use crate::primitive::{Primitive, Sphere, Spheres, Triangles, triangle};
+use crate::primitive::shape::{ShapeError, ShapeNumbers};
+use crate::primitive::{Primitive, Shape, Shapes, Sphere, Spheres, Triangles, triangle};
 use crate::range::Point;
 use alloc::borrow::Cow;
+use alloc::vec::Vec;
 
 /// Primitives over a table of vertices: the input of [`Builder::build_geometry`].
 pub trait Geometry {
@@ -116,5 +118,44 @@ impl Geometry for SphereSet<'_> {
 
     fn is_degenerate(_corners: &[Point], radius: f64) -> bool {
         radius == 0.0
+    }
+}
+
+/// Shapes, which may overlap and coincide: a link of several capsules, or a shelf of cuboids.
+#[derive(Clone, Debug)]
+pub struct ShapeSet {
+    shapes: Vec<ShapeNumbers>,
+}
+
+impl ShapeSet {
+    /// A set of shapes.
+    ///
+    /// # Errors
+    /// [`ShapeError::Unbounded`] if one of them is a half-space.
+    pub fn new(shapes: &[Shape]) -> Result<Self, ShapeError> {
+        Ok(Self { shapes: shapes.iter().map(ShapeNumbers::try_from).collect::<Result<_, _>>()? })
+    }
+}
+
+impl Geometry for ShapeSet {
+    type Primitive = Shapes;
+
+    fn vertices(&self) -> &[ShapeNumbers] {
+        &self.shapes
+    }
+
+    fn primitives(&self) -> Cow<'_, [[u32; 1]]> {
+        (0..self.shapes.len()).map(|index| [index as u32]).collect()
+    }
+
+    /// The squared size, up to a constant factor.
+    fn weight(corners: &[Point], radius: f64) -> f64 {
+        let Some(first) = corners.first() else { return 0.0 };
+        let square = |p: &Point| (0..3).map(|i| (p[i] - first[i]) * (p[i] - first[i])).sum::<f64>();
+        corners.iter().map(square).fold(radius * radius, f64::max)
+    }
+
+    fn is_degenerate(corners: &[Point], radius: f64) -> bool {
+        radius == 0.0 && corners.len() == 1
     }
 }

@@ -12,6 +12,6 @@ pub(super) use closed::first_at_place;
 pub(crate) use closed::{Unclosed, check_closed};
 pub(super) use corners::{bounding_box, corners_of};
 pub(super) use geometry::Record;
-pub use geometry::{Geometry, Mesh, SphereSet};
+pub use geometry::{Geometry, Mesh, ShapeSet, SphereSet};
 pub use owned_mesh::{OwnedMesh, ShapeError};
 pub(super) use ranges::{check_records, check_vertices};

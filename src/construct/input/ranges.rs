@@ -11,13 +11,14 @@ pub(in crate::construct) fn check_vertices<P: Primitive>(vertices: &[P::Double])
         return Err(BuildError::TooLarge { count: vertices.len() });
     }
     for (index, vertex) in vertices.iter().enumerate() {
-        let Sphere { centre, radius } = P::ball(vertex);
-        // The comparisons are false for NaN.
-        if !centre.iter().all(|x| x.abs() <= MAX_COORDINATE) {
-            return Err(BuildError::Vertex { index });
-        }
-        if !(radius >= 0.0 && centre.iter().all(|x| x.abs() + radius <= MAX_COORDINATE)) {
-            return Err(BuildError::Radius { index });
+        for Sphere { centre, radius } in P::balls(vertex) {
+            // The comparisons are false for NaN.
+            if !centre.iter().all(|x| x.abs() <= MAX_COORDINATE) {
+                return Err(BuildError::Vertex { index });
+            }
+            if !(radius >= 0.0 && centre.iter().all(|x| x.abs() + radius <= MAX_COORDINATE)) {
+                return Err(BuildError::Radius { index });
+            }
         }
     }
     Ok(())

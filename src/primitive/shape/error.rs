@@ -19,6 +19,8 @@ pub enum ShapeError {
     },
     /// An axis, normal or half edge has no direction: it is zero.
     NoDirection,
+    /// A tree cannot hold a half-space, which is not bounded.
+    Unbounded,
     /// Two half edges of a cuboid are not perpendicular.
     NotPerpendicular {
         /// The cosine of the angle between them.
@@ -32,6 +34,7 @@ impl fmt::Display for ShapeError {
             Self::Length { given } => write!(f, "{given:e} is not a length of a shape"),
             Self::Coordinate { given } => write!(f, "{given:e} is not a coordinate of a shape"),
             Self::NoDirection => f.write_str("an axis, normal or half edge of a shape is zero"),
+            Self::Unbounded => f.write_str("a tree of shapes cannot hold a half-space"),
             Self::NotPerpendicular { cosine } => {
                 write!(
                     f,

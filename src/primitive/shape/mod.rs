@@ -7,14 +7,29 @@
 //! without a translation, coordinate by coordinate and rounded to `f64`. Radii stay as they are. Verdicts are those of
 //! the shape with these numbers.
 
+mod axes;
+mod bounds;
 mod core;
+mod depth;
 mod error;
-#[cfg_attr(not(test), expect(dead_code, reason = "the pair functions will call it"))]
-pub(crate) mod fast;
+mod exact;
+mod fast;
+mod gjk;
+mod half_space;
+mod hull;
 pub mod lanes;
+mod newton;
+mod pair;
+mod place;
+mod polytope;
+mod stored;
+mod support;
 
 pub use self::core::Core;
 pub use error::ShapeError;
+pub(crate) use pair::{is_near, nearer};
+pub use pair::{is_within, meets, separation};
+pub use stored::{ShapeNumbers, Shapes, SingleShapeNumbers};
 
 use crate::exact::power_of_two;
 use crate::pose::Pose;
@@ -44,6 +59,12 @@ impl Shape {
         core.check()?;
         error::length_or_zero(radius)?;
         Ok(Self { core, radius })
+    }
+
+    /// A shape of numbers that are known to be valid.
+    #[inline(always)]
+    pub(crate) const fn unchecked(core: Core, radius: f64) -> Self {
+        Self { core, radius }
     }
 
     /// A ball about the origin.
@@ -141,4 +162,10 @@ impl Shape {
     pub fn moved(&self, pose: &Pose) -> Self {
         Self { core: self.core.moved(pose), radius: self.radius }
     }
+}
+
+/// Points whose convex hull, widened by the radius, contains a shape. NaN for a half-space.
+pub(crate) fn hull_of(shape: &Shape) -> (impl Iterator<Item = Point> + Clone + use<>, f64) {
+    let hull = hull::Hull::of(shape);
+    (hull.corners(), hull.radius)
 }

@@ -26,6 +26,7 @@ impl Primitive for Spheres {
     const KIND: Kind = Kind::SPHERES;
     const IS_ROUND: bool = true;
     const HAS_BALLS: bool = true;
+    const ARE_PARTS: bool = true;
 
     type Single = [f32; 4];
     type Double = Sphere;
@@ -44,8 +45,8 @@ impl Primitive for Spheres {
     }
 
     #[inline(always)]
-    fn ball(vertex: &Sphere) -> Sphere {
-        *vertex
+    fn balls(vertex: &Sphere) -> impl Iterator<Item = Sphere> {
+        core::iter::once(*vertex)
     }
 
     fn map(vertex: &Sphere, number: impl Fn(f64) -> f64) -> Sphere {

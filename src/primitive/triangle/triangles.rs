@@ -32,8 +32,8 @@ impl Primitive for Triangles {
     }
 
     #[inline(always)]
-    fn ball(vertex: &Point) -> Sphere {
-        Sphere { centre: *vertex, radius: 0.0 }
+    fn balls(vertex: &Point) -> impl Iterator<Item = Sphere> {
+        core::iter::once(Sphere { centre: *vertex, radius: 0.0 })
     }
 
     #[inline(always)]

@@ -1,11 +1,12 @@
 //! The tests of pairs of primitives.
 
 use crate::kernel::Kernel;
+use crate::primitive::shape::{self, Core};
 use crate::primitive::sphere::against_sphere;
 use crate::primitive::sphere_against_triangle as against_triangle;
 use crate::primitive::triangle::distance::{nearer, within};
 use crate::primitive::triangle::{Probe, Triangle, Triangles};
-use crate::primitive::{Primitive, Separation, Sphere, Spheres};
+use crate::primitive::{Primitive, Separation, Shape, Shapes, Sphere, Spheres};
 
 /// The tests of a primitive of this kind against one of the `Other` kind. A query between two bodies needs them for
 /// both orders, since a leaf of either body may be tested against several of the other.
@@ -167,3 +168,65 @@ impl PrimitivePair<Spheres> for Triangles {
         Some(Separation { a: found.b, b: found.a, ..found })
     }
 }
+
+/// A primitive as a shape.
+trait AsShape: Primitive {
+    fn shape(item: &Self::Item) -> Shape;
+}
+
+impl AsShape for Shapes {
+    #[inline(always)]
+    fn shape(item: &Shape) -> Shape {
+        *item
+    }
+}
+
+impl AsShape for Triangles {
+    #[inline(always)]
+    fn shape(item: &Triangle) -> Shape {
+        Shape::unchecked(Core::Triangle(*item), 0.0)
+    }
+}
+
+impl AsShape for Spheres {
+    #[inline(always)]
+    fn shape(item: &Sphere) -> Shape {
+        Shape::unchecked(Core::Point(item.centre), item.radius)
+    }
+}
+
+macro_rules! pairs_of_shapes {
+    ($($a:ident $b:ident),*) => {
+        $(impl PrimitivePair<$b> for $a {
+            type Probe<'t> = Shape;
+
+            #[inline(always)]
+            fn probe(item: &Self::Item, _margin: f64) -> Shape {
+                Self::shape(item)
+            }
+
+            #[inline(always)]
+            fn meets(probe: &Shape, other: &<$b as Primitive>::Item, exact: &mut u64) -> bool {
+                shape::is_near(probe, &$b::shape(other), 0.0, exact)
+            }
+
+            #[inline(always)]
+            fn within(item: &Self::Item, other: &<$b as Primitive>::Item, margin: f64, exact: &mut u64) -> bool {
+                shape::is_near(&Self::shape(item), &$b::shape(other), margin, exact)
+            }
+
+            #[inline(always)]
+            fn nearer(
+                item: &Self::Item,
+                other: &<$b as Primitive>::Item,
+                limit: f64,
+                tolerance: f64,
+                exact: &mut u64,
+            ) -> Option<Separation> {
+                shape::nearer(&Self::shape(item), &$b::shape(other), limit, tolerance, exact)
+            }
+        })*
+    };
+}
+
+pairs_of_shapes!(Shapes Shapes, Shapes Triangles, Triangles Shapes, Shapes Spheres, Spheres Shapes);

@@ -5,7 +5,6 @@ use crate::node::{Child, Link};
 use crate::pose::Pose;
 use crate::primitive::Primitive;
 use crate::query::lanes::Lanes;
-use crate::range::Point;
 
 /// One of the two bodies.
 #[derive(Copy, Clone, PartialEq, Eq, Debug)]
@@ -106,8 +105,7 @@ pub(in crate::query) fn corner_distance<N: Lanes, P: Primitive, Q: Primitive>(
     let (of_a, of_b) = placed(trees, placing);
     let p = of_a.item(first_primitive(trees.0, a.link()));
     let q = of_b.item(first_primitive(trees.1, b.link()));
-    let corner = |p: Option<Point>| p.map_or(glam::DVec3::ZERO, glam::DVec3::from_array);
-    let d = corner(P::corners(&p).next()).distance(corner(Q::corners(&q).next()));
+    let d = glam::DVec3::from_array(P::point(&p)).distance(glam::DVec3::from_array(Q::point(&q)));
     d * (1.0 + 8.0 * f64::EPSILON)
 }
 

@@ -1,0 +1,127 @@
+//! A few balls whose convex hull contains a shape, by which trees bound it.
+
+use super::{Core, Shape};
+use crate::exact::power_of_two;
+use crate::pose::Pose;
+use crate::range::{MIN_COORDINATE, Point, flush};
+use crate::vector::{cross, length};
+
+/// Room for the corners of an octagonal prism.
+const MOST: usize = 16;
+
+/// Allowance for the roundings of a corner: a dozen, relative to the sum of the magnitudes.
+const ROUNDING: f64 = power_of_two(-48);
+
+/// A pose moves a disc as one that is perpendicular to the moved axis, with the same radius. Its matrix, which is within
+/// [`Pose::TOLERANCE`] of a rotation, moves the points of the disc elsewhere by up to this share of the radius, so that
+/// discs are bounded with as much room in all directions.
+const SKEW: f64 = power_of_two(-11);
+const _: () = assert!(SKEW > 4.0 * Pose::TOLERANCE);
+
+/// The tangent of an eighth of a half turn, rounded up: an octagon around a circle of radius 1 has the corners (±1, ±t)
+/// and (±t, ±1).
+const TANGENT: f64 = 0.414_213_563;
+
+/// Points whose convex hull, widened by a radius, contains a shape.
+#[derive(Copy, Clone, Debug)]
+pub(super) struct Hull {
+    corners: [Point; MOST],
+    len: usize,
+    pub(super) radius: f64,
+}
+
+impl Hull {
+    pub(super) fn corners(&self) -> impl Iterator<Item = Point> + Clone + use<> {
+        self.corners.into_iter().take(self.len)
+    }
+
+    /// The hull of a shape. NaN for half-spaces, which no hull contains.
+    pub(super) fn of(shape: &Shape) -> Self {
+        let mut hull = Self { corners: [[0.0; 3]; MOST], len: 0, radius: shape.radius };
+        match &shape.core {
+            Core::Point(p) => hull.push(*p),
+            Core::Segment(ends) => ends.iter().for_each(|p| hull.push(*p)),
+            Core::Triangle(corners) => corners.iter().for_each(|p| hull.push(*p)),
+            Core::Cuboid { centre, half: [x, y, z] } => {
+                for signs in 0..8_u8 {
+                    let sign = |axis: u8| if signs >> axis & 1 == 0 { 1.0 } else { -1.0 };
+                    let (x, y, z) = (scaled(x, sign(0)), scaled(y, sign(1)), scaled(z, sign(2)));
+                    hull.push(sum(&sum(centre, &x), &sum(&y, &z)));
+                }
+                hull.widen(size(centre) + (size(x) + (size(y) + size(z))));
+            }
+            Core::Cylinder { centre, half_axis, radius } => {
+                let wide = radius * (1.0 + SKEW);
+                let [u, v] = across(half_axis, wide);
+                let end = scaled(half_axis, 1.0 + SKEW * radius / length(half_axis));
+                hull.push_octagon(&sum(centre, &end), &u, &v);
+                hull.push_octagon(&sum(centre, &scaled(&end, -1.0)), &u, &v);
+                hull.widen(size(centre) + (size(&end) + 2.0 * wide));
+            }
+            Core::Cone { base, axis, radius } => {
+                let wide = radius * (1.0 + SKEW);
+                let [u, v] = across(axis, wide);
+                let below = scaled(axis, -SKEW * radius / length(axis));
+                hull.push_octagon(&sum(base, &below), &u, &v);
+                hull.push(sum(base, axis));
+                // The moved disc may lean beyond the lateral surface, too.
+                hull.radius += SKEW * radius;
+                hull.widen(size(base) + (size(axis) + 2.0 * wide));
+            }
+            Core::HalfSpace { .. } => {
+                hull.push([f64::NAN; 3]);
+                hull.radius = f64::NAN;
+            }
+        }
+        hull
+    }
+
+    fn push(&mut self, p: Point) {
+        self.corners[self.len] = p.map(flush);
+        self.len += 1;
+    }
+
+    fn push_octagon(&mut self, middle: &Point, u: &Point, v: &Point) {
+        for (x, y) in [(1.0, TANGENT), (TANGENT, 1.0)] {
+            for (x, y) in [(x, y), (x, -y), (-x, y), (-x, -y)] {
+                self.push(sum(middle, &sum(&scaled(u, x), &scaled(v, y))));
+            }
+        }
+    }
+
+    /// Adds the allowance for rounding of corners, for a sum of magnitudes.
+    fn widen(&mut self, size: f64) {
+        self.radius = (self.radius + (ROUNDING * size + 4.0 * MIN_COORDINATE)) * (1.0 + ROUNDING);
+    }
+}
+
+/// Two vectors of a length, perpendicular to the axis and to each other up to rounding.
+fn across(axis: &Point, long: f64) -> [Point; 2] {
+    let unit = |v: &Point| scaled(v, 1.0 / length(v));
+    let axis = unit(axis);
+    let [x, y, z] = axis.map(f64::abs);
+    let least = if x <= y && x <= z {
+        0
+    } else if y <= z {
+        1
+    } else {
+        2
+    };
+    let mut e = [0.0; 3];
+    e[least] = 1.0;
+    let u = unit(&cross(&axis, &e));
+    [scaled(&u, long), scaled(&cross(&axis, &u), long)]
+}
+
+fn sum(a: &Point, b: &Point) -> Point {
+    [a[0] + b[0], a[1] + b[1], a[2] + b[2]]
+}
+
+fn scaled(v: &Point, by: f64) -> Point {
+    [v[0] * by, v[1] * by, v[2] * by]
+}
+
+/// An upper bound of a vector's length, up to rounding.
+fn size(v: &Point) -> f64 {
+    (v[0].abs() + v[1].abs()) + v[2].abs()
+}

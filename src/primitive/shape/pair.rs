@@ -1,0 +1,84 @@
+//! Two shapes in one frame: do they meet or come within a margin, and what is their distance?
+//!
+//! A filter in plain `f64` decides most pairs. Certified bounds of the distance decide the rest, and what these cannot
+//! is decided exactly, in integers, if it is the sign of a rational number. It is, whatever the radii, for points,
+//! segments, triangles and cuboids, for a half-space against any shape but a widened round one, and for a sphere against
+//! any shape; and without radii for cylinders and cones against points, segments, triangles and cuboids. Of other pairs
+//! of round shapes the bounds decide, which are within 2^-40 of the size of the two: only certainly free is free.
+
+use super::Shape;
+use super::bounds::{Bounds, bounds};
+use super::exact;
+use super::fast::decide;
+use crate::exact::power_of_two;
+use crate::primitive::Separation;
+use crate::range::MIN_COORDINATE;
+
+/// The smallest tolerance, of what is to decide.
+const TIGHT: f64 = power_of_two(-42);
+
+/// Whether two shapes have a common point. Touching counts.
+#[must_use]
+pub fn meets(a: &Shape, b: &Shape) -> bool {
+    is_near(a, b, 0.0, &mut 0)
+}
+
+/// Whether two shapes are at most `margin` apart. A margin below 0 or NaN counts as 0, one above 0 and below
+/// [`MIN_COORDINATE`] as [`MIN_COORDINATE`].
+#[must_use]
+pub fn is_within(a: &Shape, b: &Shape, margin: f64) -> bool {
+    is_near(a, b, if margin > 0.0 { margin } else { 0.0 }, &mut 0)
+}
+
+/// Bounds of the distance of two shapes, and their closest points; `None` if it is certainly greater than `limit`. The
+/// bounds differ by at most `tolerance` relatively, but not less than 2^-42, or by the rounding of the coordinates.
+#[must_use]
+pub fn separation(a: &Shape, b: &Shape, limit: f64, tolerance: f64) -> Option<Separation> {
+    nearer(a, b, limit, if tolerance > TIGHT { tolerance } else { TIGHT }, &mut 0)
+}
+
+/// [`is_within`]; `exact` grows by 1 if the filter did not decide.
+#[inline]
+pub(crate) fn is_near(a: &Shape, b: &Shape, margin: f64, exact: &mut u64) -> bool {
+    match decide(a, b, margin) {
+        Some(is_near) => is_near,
+        None => is_near_surely(a, b, margin, exact),
+    }
+}
+
+#[cold]
+#[inline(never)]
+fn is_near_surely(a: &Shape, b: &Shape, margin: f64, exact: &mut u64) -> bool {
+    *exact += 1;
+    let margin = if margin > 0.0 && margin < MIN_COORDINATE { MIN_COORDINATE } else { margin };
+    let Bounds { lower, upper, .. } = bounds(a, b, margin, TIGHT);
+    if lower > margin {
+        return false;
+    }
+    // A lower bound of 0 says nothing; an upper one of 0 that they certainly meet.
+    upper == 0.0 || upper <= margin || exact::is_within(a, b, margin).unwrap_or(true)
+}
+
+/// [`separation`]; `exact` grows by 1 if the bounds did not decide whether the two meet.
+#[inline]
+pub(crate) fn nearer(
+    a: &Shape,
+    b: &Shape,
+    limit: f64,
+    tolerance: f64,
+    exact: &mut u64,
+) -> Option<Separation> {
+    let found = bounds(a, b, limit, tolerance);
+    if found.lower > limit {
+        return None;
+    }
+    let (lower, upper) = if found.lower > 0.0 || found.upper == 0.0 {
+        (found.lower, found.upper)
+    } else {
+        *exact += 1;
+        let meets = exact::is_within(a, b, 0.0).unwrap_or(true);
+        // Apart by less than the bounds resolve.
+        (0.0, if meets { 0.0 } else { found.upper.max(f64::MIN_POSITIVE) })
+    };
+    Some(Separation { lower, upper, a: found.a, b: found.b })
+}

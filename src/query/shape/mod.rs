@@ -1,0 +1,200 @@
+//! One shape against a tree. The k-DOP of the shape, computed in the tree's frame, is tested against sixteen children
+//! at a time; nothing is rotated. A half-space, which no k-DOP bounds, and shapes far away are tested along one axis.
+
+mod bounds;
+mod search;
+
+use super::distance::{Distance, Witness};
+use super::entry::{
+    Answer, Completion, Hint, Pair, PrimitivePair, Query, QueryStats, ToleranceError, Verdict, checked,
+};
+use super::lanes::Lanes;
+use crate::exact::power_of_two;
+use crate::hierarchy::{AsBvh, BvhRef};
+use crate::pose::Pose;
+use crate::primitive::shape::{is_near, nearer};
+use crate::primitive::{Primitive, Shape, Shapes};
+use bounds::Volume;
+use search::Outcome;
+
+/// The smallest tolerance of a distance between primitives.
+const TIGHT: f64 = power_of_two(-42);
+
+impl Query {
+    /// Whether a shape, placed by `pose` in the frame of body B, meets B; or is inside of B, which is
+    /// [solid](crate::construct::Builder::solid). Touching counts. As [`Query::collide`] with a body A of one primitive,
+    /// but without a tree and with half-spaces, too.
+    ///
+    /// ```
+    /// # use simdop::{Builder, Isa, Mesh, Pose, Query};
+    /// use simdop::primitive::Shape;
+    /// # let vertices = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+    /// # let triangles = [[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]];
+    /// # let body = Builder::new().build(&Mesh { vertices: &vertices, triangles: &triangles })?;
+    /// let (query, ball) = (Query::new(Isa::detect()), Shape::sphere(0.5)?);
+    /// let up = |z| Pose::from_rows([[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, z]]);
+    /// assert!(query.collide_shape(&ball, &body, &up(1.5)?).hit().is_some()); // it touches the tip
+    /// assert!(query.collide_shape(&ball, &body, &up(1.500001)?).is_free());
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    pub fn collide_shape<B: AsBvh>(&self, shape: &Shape, b: &B, pose: &Pose) -> Answer
+    where
+        B::Node: Lanes,
+        Shapes: PrimitivePair<B::Primitive>,
+    {
+        self.shape_within(&shape.moved(pose), &b.as_bvh(), 0.0)
+    }
+
+    /// Whether a shape, placed by `pose` in the frame of body B, comes within `margin` of B, or is inside of it. As
+    /// [`Query::within`].
+    ///
+    /// # Errors
+    /// [`ToleranceError`] if `margin` is negative, infinite or NaN.
+    pub fn within_shape<B: AsBvh>(
+        &self,
+        shape: &Shape,
+        b: &B,
+        pose: &Pose,
+        margin: f64,
+    ) -> Result<Answer, ToleranceError>
+    where
+        B::Node: Lanes,
+        Shapes: PrimitivePair<B::Primitive>,
+    {
+        Ok(self.shape_within(&shape.moved(pose), &b.as_bvh(), checked(margin)?))
+    }
+
+    /// The distance of a shape, placed by `pose` in the frame of body B, from B, if it is below `cutoff`. As
+    /// [`Query::distance_up_to`].
+    ///
+    /// # Errors
+    /// [`ToleranceError`] if `tolerance` is negative, infinite or NaN, or `cutoff` negative or NaN.
+    pub fn distance_shape<B: AsBvh>(
+        &self,
+        shape: &Shape,
+        b: &B,
+        pose: &Pose,
+        tolerance: f64,
+        cutoff: f64,
+    ) -> Result<Distance, ToleranceError>
+    where
+        B::Node: Lanes,
+        Shapes: PrimitivePair<B::Primitive>,
+    {
+        let tolerance = checked(tolerance)?.max(TIGHT);
+        // Above zero, so that bodies that touch are nearer.
+        let cutoff = if cutoff == f64::INFINITY { cutoff } else { checked(cutoff)?.max(f64::MIN_POSITIVE) };
+        Ok(self.shape_distance(&shape.moved(pose), &b.as_bvh(), tolerance, cutoff))
+    }
+
+    fn shape_within<N: Lanes, Q: Primitive>(
+        &self,
+        shape: &Shape,
+        tree: &BvhRef<'_, N, Q>,
+        margin: f64,
+    ) -> Answer
+    where
+        Shapes: PrimitivePair<Q>,
+    {
+        let mut stats = QueryStats::default();
+        let volume = Volume::of(shape, tree);
+        let mut verdict = match self.first_near_shape(shape, &volume, tree, margin, &mut stats) {
+            Outcome::Found(index) => Verdict::Hit(Pair { a: 0, b: tree.source(index) }),
+            Outcome::Nothing => Verdict::Free,
+            Outcome::OutOfBudget => Verdict::Unknown { lower: 0.0, upper: volume.farthest(shape, tree) },
+        };
+        if verdict == Verdict::Free
+            && let Some(inside) = self.shape_inside(shape, tree, &mut stats)
+        {
+            verdict = match inside {
+                Ok(index) => Verdict::Hit(Pair { a: 0, b: tree.source(index) }),
+                Err(upper) => Verdict::Unknown { lower: 0.0, upper },
+            };
+        }
+        Answer { verdict, stats, hint: Hint::NONE }
+    }
+
+    fn shape_distance<N: Lanes, Q: Primitive>(
+        &self,
+        shape: &Shape,
+        tree: &BvhRef<'_, N, Q>,
+        tolerance: f64,
+        cutoff: f64,
+    ) -> Distance
+    where
+        Shapes: PrimitivePair<Q>,
+    {
+        let mut stats = QueryStats::default();
+        let volume = Volume::of(shape, tree);
+        let nearest = self.nearest_to_shape(shape, &volume, tree, (tolerance, cutoff), &mut stats);
+        let mut distance = Distance {
+            lower: nearest.lower,
+            upper: f64::INFINITY,
+            witness: None,
+            completion: if nearest.is_complete { Completion::Complete } else { Completion::OutOfBudget },
+            stats,
+            hint: Hint::NONE,
+        };
+        if let Some((index, found)) = nearest.found {
+            distance.upper = found.upper;
+            distance.witness =
+                Some(Witness { pair: Pair { a: 0, b: tree.source(index) }, a: found.a, b: found.b });
+        }
+        if distance.upper > 0.0
+            && distance.completion == Completion::Complete
+            && let Some(inside) = self.shape_inside(shape, tree, &mut distance.stats)
+        {
+            distance.lower = 0.0;
+            match inside {
+                Ok(index) => {
+                    let point = Shapes::point(shape);
+                    distance.upper = 0.0;
+                    distance.witness =
+                        Some(Witness { pair: Pair { a: 0, b: tree.source(index) }, a: point, b: point });
+                }
+                Err(_) => distance.completion = Completion::OutOfBudget,
+            }
+        }
+        distance
+    }
+
+    /// If a shape that meets no primitive is inside of a solid: the crossed primitive that is reported, or an upper
+    /// bound of the distance if the budget was spent.
+    fn shape_inside<N: Lanes, Q: Primitive>(
+        &self,
+        shape: &Shape,
+        tree: &BvhRef<'_, N, Q>,
+        stats: &mut QueryStats,
+    ) -> Option<Result<u32, f64>> {
+        // A half-space is inside of nothing that is bounded.
+        if !tree.is_solid() || tree.is_empty() || Volume::<N>::is_half_space(shape) {
+            return None;
+        }
+        self.inside_of_solid(tree, &Shapes::point(shape), stats).transpose()
+    }
+}
+
+/// Two shapes in one frame, of bodies that are shapes.
+impl Query {
+    pub(crate) fn shapes_within(&self, a: &Shape, b: &Shape, margin: f64) -> Answer {
+        let mut stats = QueryStats { primitive_pairs: 1, ..QueryStats::default() };
+        let is_near = is_near(a, b, margin, &mut stats.exact_pairs);
+        let verdict = if is_near { Verdict::Hit(Pair { a: 0, b: 0 }) } else { Verdict::Free };
+        Answer { verdict, stats, hint: Hint::NONE }
+    }
+
+    pub(crate) fn shapes_distance(&self, a: &Shape, b: &Shape, tolerance: f64, cutoff: f64) -> Distance {
+        let mut stats = QueryStats { primitive_pairs: 1, ..QueryStats::default() };
+        let tolerance = if tolerance > TIGHT { tolerance } else { TIGHT };
+        let found =
+            nearer(a, b, cutoff, tolerance, &mut stats.exact_pairs).filter(|found| found.upper <= cutoff);
+        Distance {
+            lower: found.map_or(cutoff, |found| found.lower),
+            upper: found.map_or(f64::INFINITY, |found| found.upper),
+            witness: found.map(|found| Witness { pair: Pair { a: 0, b: 0 }, a: found.a, b: found.b }),
+            completion: Completion::Complete,
+            stats,
+            hint: Hint::NONE,
+        }
+    }
+}

@@ -1,0 +1,193 @@
+//! The traversals of a tree by one shape.
+
+use super::bounds::Volume;
+use crate::hierarchy::{BvhRef, MAX_DEPTH};
+use crate::isa::on_isa;
+use crate::kernel::Kernel;
+use crate::node::Link;
+use crate::primitive::{Primitive, Separation, Shape, Shapes};
+use crate::query::entry::{PrimitivePair, Query, QueryStats};
+use crate::query::lanes::Lanes;
+
+/// The end of a search for a primitive within a margin.
+pub(super) enum Outcome {
+    /// The index of a primitive, in leaf order.
+    Found(u32),
+    Nothing,
+    OutOfBudget,
+}
+
+/// The nearest primitive.
+pub(super) struct Nearest {
+    /// Lower bound of the distance: the cutoff if no primitive is nearer.
+    pub(super) lower: f64,
+    /// Its index in leaf order.
+    pub(super) found: Option<(u32, Separation)>,
+    pub(super) is_complete: bool,
+}
+
+impl Query {
+    /// A primitive of the tree within `margin` of the shape.
+    pub(super) fn first_near_shape<N: Lanes, Q: Primitive>(
+        &self,
+        shape: &Shape,
+        volume: &Volume<N>,
+        tree: &BvhRef<'_, N, Q>,
+        margin: f64,
+        stats: &mut QueryStats,
+    ) -> Outcome
+    where
+        Shapes: PrimitivePair<Q>,
+    {
+        on_isa!(self.isa(), kernel => kernel.run(
+            #[inline(always)]
+            || first_near(kernel, self.budget(), shape, volume, tree, margin, stats),
+        ))
+    }
+
+    /// The primitive of the tree that is nearest to the shape.
+    pub(super) fn nearest_to_shape<N: Lanes, Q: Primitive>(
+        &self,
+        shape: &Shape,
+        volume: &Volume<N>,
+        tree: &BvhRef<'_, N, Q>,
+        limits: (f64, f64),
+        stats: &mut QueryStats,
+    ) -> Nearest
+    where
+        Shapes: PrimitivePair<Q>,
+    {
+        on_isa!(self.isa(), kernel => kernel.run(
+            #[inline(always)]
+            || nearest(self.budget(), shape, volume, tree, limits, stats),
+        ))
+    }
+}
+
+#[inline(always)]
+fn first_near<N: Lanes, Q: Primitive, E: Kernel>(
+    kernel: E,
+    budget: u64,
+    shape: &Shape,
+    volume: &Volume<N>,
+    tree: &BvhRef<'_, N, Q>,
+    margin: f64,
+    stats: &mut QueryStats,
+) -> Outcome
+where
+    Shapes: PrimitivePair<Q>,
+{
+    let mut aimed = N::NO_AIMED;
+    volume.aim(&mut aimed, shape, margin);
+    // A node, and its children that are still to be visited.
+    let mut path = [(0_u32, 0_u16); MAX_DEPTH];
+    let (mut levels, mut next) = (0, tree.header().root.link());
+    loop {
+        match next {
+            Link::Empty => {}
+            Link::Inner(node) => {
+                if stats.visits == budget {
+                    return Outcome::OutOfBudget;
+                }
+                stats.visits += 1;
+                stats.kernels += 1;
+                let near = volume.near(kernel, &tree.nodes()[node as usize], &aimed, margin);
+                path[levels] = (node, near);
+                levels += 1;
+            }
+            Link::Leaf { .. } => {
+                let probe = <Shapes as PrimitivePair<Q>>::probe(shape, margin);
+                for index in next.primitives() {
+                    stats.primitive_pairs += 1;
+                    let item = tree.primitive(index);
+                    let is_near = if margin > 0.0 {
+                        <Shapes as PrimitivePair<Q>>::within(shape, &item, margin, &mut stats.exact_pairs)
+                    } else {
+                        <Shapes as PrimitivePair<Q>>::meets(&probe, &item, &mut stats.exact_pairs)
+                    };
+                    if is_near {
+                        return Outcome::Found(index);
+                    }
+                }
+            }
+        }
+        loop {
+            let Some(level) = levels.checked_sub(1) else { return Outcome::Nothing };
+            let (node, near) = path[level];
+            if near == 0 {
+                levels = level;
+                continue;
+            }
+            path[level].1 = near & (near - 1);
+            next = tree.nodes()[node as usize].children()[near.trailing_zeros() as usize].link();
+            break;
+        }
+    }
+}
+
+#[inline(always)]
+fn nearest<N: Lanes, Q: Primitive>(
+    budget: u64,
+    shape: &Shape,
+    volume: &Volume<N>,
+    tree: &BvhRef<'_, N, Q>,
+    (tolerance, cutoff): (f64, f64),
+    stats: &mut QueryStats,
+) -> Nearest
+where
+    Shapes: PrimitivePair<Q>,
+{
+    let mut path = [(0_u32, [f64::INFINITY; 16]); MAX_DEPTH];
+    let (mut levels, mut next) = (0, tree.header().root.link());
+    let mut best = Nearest { lower: cutoff, found: None, is_complete: true };
+    let mut limit = cutoff;
+    loop {
+        match next {
+            Link::Empty => {}
+            Link::Inner(node) => {
+                if stats.visits == budget {
+                    return Nearest { lower: 0.0, is_complete: false, ..best };
+                }
+                stats.visits += 1;
+                path[levels] = (node, volume.distances(&tree.nodes()[node as usize]));
+                levels += 1;
+            }
+            Link::Leaf { .. } => {
+                for index in next.primitives() {
+                    stats.primitive_pairs += 1;
+                    let (item, exact) = (tree.primitive(index), &mut stats.exact_pairs);
+                    let found = <Shapes as PrimitivePair<Q>>::nearer(shape, &item, limit, tolerance, exact);
+                    let Some(found) = found else { continue };
+                    best.lower = best.lower.min(found.lower);
+                    if best.found.is_none_or(|(_, nearest)| found.upper < nearest.upper)
+                        && found.upper <= cutoff
+                    {
+                        (limit, best.found) = (found.upper.min(cutoff), Some((index, found)));
+                        if found.upper == 0.0 {
+                            return Nearest { lower: 0.0, ..best };
+                        }
+                    }
+                }
+            }
+        }
+        // What is farther than this cannot improve the answer by more than the tolerance.
+        let most = if best.found.is_some() { limit / (1.0 + tolerance) } else { limit };
+        loop {
+            let Some(level) = levels.checked_sub(1) else { return best };
+            let (node, distances) = &mut path[level];
+            let mut lane = 0;
+            for (other, distance) in distances.iter().enumerate() {
+                lane = if *distance < distances[lane] { other } else { lane };
+            }
+            let distance = core::mem::replace(&mut distances[lane], f64::INFINITY);
+            if distance > most || distance == f64::INFINITY {
+                // So are all others of this node.
+                best.lower = best.lower.min(distance);
+                levels = level;
+                continue;
+            }
+            next = tree.nodes()[*node as usize].children()[lane].link();
+            break;
+        }
+    }
+}
