@@ -13,7 +13,7 @@ mod core;
 mod depth;
 mod error;
 mod exact;
-mod fast;
+pub(crate) mod fast;
 mod gjk;
 mod half_space;
 mod hull;
