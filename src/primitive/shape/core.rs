@@ -1,7 +1,8 @@
 //! What a radius widens.
 
 use super::error::{self, ShapeError};
-use super::{MAX_COORDINATE, MIN_COORDINATE, Point, Pose, flush};
+use crate::pose::Pose;
+use crate::range::{MAX_COORDINATE, MIN_COORDINATE, Point, flush};
 use crate::vector::dot;
 
 /// A closed convex set.
@@ -41,7 +42,7 @@ pub enum Core {
     },
     /// All points p with `normal . p <= offset`.
     HalfSpace {
-        /// Points outwards. The largest component is between 1/2 and 1 up to rounding ([`super::Shape::half_space`]
+        /// Points outwards. The largest component is between 1/2 and 1 up to rounding ([`Shape::half_space`](super::Shape::half_space)
         /// scales it by a power of two); of a moved one, at least 1/4 and at most 2.
         normal: Point,
         /// In units of the normal's length.

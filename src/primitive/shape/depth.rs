@@ -16,18 +16,19 @@ mod tests;
 
 /// Bounds of the least translation of A that separates two shapes.
 #[derive(Copy, Clone, PartialEq, Debug)]
-pub(crate) struct Depth {
+pub struct Depth {
     /// No shorter translation separates them.
-    pub(crate) lower: f64,
+    pub lower: f64,
     /// Moved by `direction * upper`, A is apart from B or touches it, up to the rounding of the direction's length.
-    pub(crate) upper: f64,
+    pub upper: f64,
     /// Of unit length.
-    pub(crate) direction: Point,
+    pub direction: Point,
 }
 
 /// Bounds of the depth of two shapes in one frame; zero for shapes that are apart. They differ by at most `tolerance`
 /// times the upper one, or by rounding, unless round shapes need more faces than [`polytope`] has room for.
-pub(crate) fn depth(a: &Shape, b: &Shape, tolerance: f64) -> Depth {
+#[must_use]
+pub fn depth(a: &Shape, b: &Shape, tolerance: f64) -> Depth {
     let Some(pair) = Pair::of(&a.core, &b.core, 1.0) else {
         return half_space::depth(a, b);
     };

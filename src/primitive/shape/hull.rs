@@ -1,6 +1,7 @@
 //! A few balls whose convex hull contains a shape, by which trees bound it.
 
-use super::{Core, Shape};
+use super::convex::Shape;
+use super::core::Core;
 use crate::exact::power_of_two;
 use crate::pose::Pose;
 use crate::range::{MIN_COORDINATE, Point, flush};
@@ -93,6 +94,12 @@ impl Hull {
     fn widen(&mut self, size: f64) {
         self.radius = (self.radius + (ROUNDING * size + 4.0 * MIN_COORDINATE)) * (1.0 + ROUNDING);
     }
+}
+
+/// Points whose convex hull, widened by the radius, contains a shape. NaN for a half-space.
+pub(crate) fn hull_of(shape: &Shape) -> (impl Iterator<Item = Point> + Clone + use<>, f64) {
+    let hull = Hull::of(shape);
+    (hull.corners(), hull.radius)
 }
 
 /// Two vectors of a length, perpendicular to the axis and to each other up to rounding.

@@ -1,7 +1,9 @@
 //! Shapes as the primitives of a tree.
 
+use super::convex::Shape;
+use super::core::Core;
+use super::error::ShapeError;
 use super::hull::Hull;
-use super::{Core, Shape, ShapeError};
 use crate::pose::Pose;
 use crate::primitive::{Kind, OWN_DIRECTIONS, Primitive, Sphere, Store};
 use crate::range::Point;

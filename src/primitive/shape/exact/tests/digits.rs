@@ -4,6 +4,7 @@
 
 use super::sections::parts;
 use super::*;
+use alloc::format;
 use core::cmp::Ordering;
 use dashu_int::IBig;
 
