@@ -4,13 +4,13 @@ use super::core::Core;
 use super::error::{self, ShapeError};
 use crate::exact::power_of_two;
 use crate::pose::Pose;
-use crate::range::{MAX_COORDINATE, MIN_COORDINATE, Point, flush};
+use crate::range::{Point, flush};
 
 /// A closed convex solid: all points at most a radius from its core.
 #[derive(Copy, Clone, PartialEq, Debug)]
 pub struct Shape {
-    core: Core,
-    radius: f64,
+    pub(super) core: Core,
+    pub(super) radius: f64,
 }
 
 impl Default for Shape {

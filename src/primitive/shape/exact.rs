@@ -20,9 +20,11 @@ use self::half_space::HalfSpace;
 use self::integers::One;
 use self::polytope::Polytope;
 use self::round::Round;
-use super::{Core, MIN_COORDINATE, Shape};
 use crate::exact::power_of_two;
 use crate::exact::wide::unit_of;
+use crate::primitive::shape::convex::Shape;
+use crate::primitive::shape::core::Core;
+use crate::range::MIN_COORDINATE;
 
 /// No two cores are this far apart. Points of bounded cores are less than 2^306 from the origin. Normals are at least
 /// 1/4 long and offsets less than 2^303, so the planes of half-spaces are less than 2^305 from it.

@@ -18,6 +18,7 @@
 mod axes;
 mod bodies;
 mod half_space;
+mod margins;
 mod pairs;
 mod search;
 mod simplex;
@@ -26,15 +27,12 @@ mod simplex;
 pub(crate) mod tests;
 
 use self::bodies::{Body, Segment};
-use super::{Core, Shape};
+use self::margins::FEW;
 use crate::exact::power_of_two;
+use crate::primitive::shape::convex::Shape;
+use crate::primitive::shape::core::Core;
 use crate::range::Point;
 use crate::vector::{difference, dot};
-
-/// Bound of the error of the computed difference of two certified points, relative to `size`: see [`bodies`].
-const ERROR: f64 = power_of_two(-42);
-/// More than the relative error of a few dozen operations on positive numbers.
-const FEW: f64 = power_of_two(-47);
 
 /// Whether two shapes are at most `margin` apart. `None` if the error bounds do not allow a decision, or for pairs of
 /// kinds that this filter does not treat.

@@ -4,8 +4,9 @@
 //! shapes in `f64`: their error bounds include the rounding of these numbers. A shape whose numbers are out of the
 //! range of the error analysis is never decided.
 
-use super::{Core, Shape};
 use crate::exact::{power_of_two, round_up_f32};
+use crate::primitive::shape::convex::Shape;
+use crate::primitive::shape::core::Core;
 use crate::range::Point;
 use crate::vector::dot;
 

@@ -7,28 +7,20 @@
 //! without a translation, coordinate by coordinate and rounded to `f64`. Radii stay as they are. Verdicts are those of
 //! the shape with these numbers.
 
-mod axes;
 mod bounds;
 mod convex;
 mod core;
-mod depth;
 mod error;
 mod exact;
 pub(crate) mod fast;
-mod gjk;
-mod half_space;
 mod hull;
 pub mod lanes;
-mod newton;
 mod pair;
-mod place;
-mod polytope;
 mod stored;
-mod support;
 
 pub use self::core::Core;
+pub use bounds::{Depth, depth};
 pub use convex::Shape;
-pub use depth::{Depth, depth};
 pub use error::ShapeError;
 pub(crate) use hull::hull_of;
 pub(crate) use pair::{is_near, nearer};

@@ -6,12 +6,12 @@
 //! any shape; and without radii for cylinders and cones against points, segments, triangles and cuboids. Of other pairs
 //! of round shapes the bounds decide, which are within 2^-40 of the size of the two: only certainly free is free.
 
-use super::Shape;
 use super::bounds::{Bounds, bounds};
 use super::exact;
 use super::fast::decide;
 use crate::exact::power_of_two;
 use crate::primitive::Separation;
+use crate::primitive::shape::convex::Shape;
 use crate::range::MIN_COORDINATE;
 
 /// The smallest tolerance, of what is to decide.

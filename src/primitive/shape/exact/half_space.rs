@@ -3,7 +3,8 @@
 use super::integers::{Four, One, Six, Twelve, Two, cross, dot, is_at_most_root, is_zero, minor, one, twice};
 use super::polytope::Polytope;
 use super::round::Round;
-use super::{Core, unit_of};
+use crate::exact::wide::unit_of;
+use crate::primitive::shape::core::Core;
 
 /// All points p with `normal . p <= offset`. The offset is of degree two: in the product of the units of normals and
 /// lengths.

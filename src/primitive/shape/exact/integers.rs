@@ -73,10 +73,6 @@ pub(super) fn negative<const L: usize>(x: &Wide<L>) -> Wide<L> {
     Wide::ZERO.minus(x)
 }
 
-pub(super) fn magnitude<const L: usize>(x: &Wide<L>) -> Wide<L> {
-    if x.sign() < 0 { negative(x) } else { *x }
-}
-
 #[inline(never)]
 pub(super) fn twice<const L: usize>(x: &Wide<L>) -> Wide<L> {
     x.plus(x)

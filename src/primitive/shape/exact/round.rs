@@ -1,10 +1,10 @@
 //! Cylinders and cones, and their distances from points.
 
-use super::Core;
 use super::integers::{
     Four, One, Six, Three, Twelve, Two, cross, difference, dot, is_at_least_root, is_at_most,
     is_at_most_root, is_zero, negative, one, twice,
 };
+use crate::primitive::shape::core::Core;
 
 /// A disc, and the same disc at the other end of the axis (a cylinder) or a tip there (a cone).
 ///

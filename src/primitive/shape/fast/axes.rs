@@ -16,7 +16,7 @@
 //! `PARALLEL`, 4 q `PARALLEL` and so on. Overlaps of more than 2^-26 q, 2^-25 q^2 and 2^-22 q^3 exceed all of this, so
 //! that the difference of A and B contains the origin.
 
-use super::power_of_two;
+use crate::exact::power_of_two;
 use crate::range::Point;
 use crate::vector::{cross, dot};
 

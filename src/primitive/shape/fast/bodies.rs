@@ -10,7 +10,7 @@
 //! for a cylinder also a relative error of 8 u of the part across the axis, which is computed as a cross product: its
 //! error is 4 u |n| |axis| before the division by |axis|.
 
-use super::power_of_two;
+use crate::exact::power_of_two;
 use crate::range::Point;
 use crate::vector::{cross, difference, dot};
 

@@ -3,7 +3,8 @@
 use super::axes;
 use super::bodies::{Body, Cuboid, Cylinder, Segment};
 use super::search;
-use super::{Core, Shape};
+use crate::primitive::shape::convex::Shape;
+use crate::primitive::shape::core::Core;
 use crate::range::Point;
 use crate::vector::difference;
 

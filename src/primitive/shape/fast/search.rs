@@ -1,8 +1,10 @@
 //! Near points of two cores, and the certificates that they give.
 
 use super::bodies::{Body, Segment, plus};
+use super::margins::ERROR;
+use super::margins::FEW;
 use super::simplex::{Nearest, Simplex};
-use super::{ERROR, FEW, power_of_two};
+use crate::exact::power_of_two;
 use crate::range::Point;
 use crate::vector::{difference, dot};
 

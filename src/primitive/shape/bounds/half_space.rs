@@ -1,9 +1,10 @@
 //! Half-spaces: their distances and depths are linear.
 
-use super::bounds::Bounds;
-use super::depth::Depth;
+use super::certified::{Bounds, Depth};
 use super::support::Body;
-use super::{Core, Point, Shape};
+use crate::primitive::shape::convex::Shape;
+use crate::primitive::shape::core::Core;
+use crate::range::Point;
 use crate::vector::dot;
 
 /// How far a core is above the plane of a half-space, or the plane of an opposite one; negative below it.

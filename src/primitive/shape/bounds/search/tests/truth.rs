@@ -1,7 +1,7 @@
 //! Distances and support values with 100 bits, by other means than those tested.
 
-use super::super::super::{Core, Shape};
 use super::double::{Double, Vector, ZERO, along, cross, dot, exact, length, minus};
+use crate::primitive::shape::{Core, Shape};
 use alloc::vec;
 use alloc::vec::Vec;
 

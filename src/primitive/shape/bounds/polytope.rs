@@ -9,8 +9,8 @@
 //! surface being convex, nor on normals being accurate: the distance of a face is at least the least product of its
 //! corners with any unit vector.
 
-use super::Point;
 use super::support::{Pair, each};
+use crate::range::Point;
 use crate::vector::{cross, difference, dot};
 
 const FACES: usize = 128;

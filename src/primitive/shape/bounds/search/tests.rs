@@ -1,6 +1,6 @@
-use super::super::{Core, Shape};
 use super::{Bounds, bounds};
 use crate::exact::power_of_two;
+use crate::primitive::shape::{Core, Shape};
 use crate::range::Point;
 use crate::rng::Rng;
 use alloc::format;

@@ -5,25 +5,16 @@
 //! finitely many axes ([`super::axes`]); for round shapes a polytope inside of A - B bounds it from below
 //! ([`super::polytope`]).
 
-use super::bounds::{Search, unit_scale};
+use super::certified::Depth;
+use super::search::{Search, unit_scale};
 use super::support::Pair;
-use super::{Point, Shape, axes, half_space, polytope};
+use super::{axes, half_space, polytope};
 use crate::exact::power_of_two;
+use crate::primitive::shape::convex::Shape;
 use crate::vector::dot;
 
 #[cfg(test)]
 mod tests;
-
-/// Bounds of the least translation of A that separates two shapes.
-#[derive(Copy, Clone, PartialEq, Debug)]
-pub struct Depth {
-    /// No shorter translation separates them.
-    pub lower: f64,
-    /// Moved by `direction * upper`, A is apart from B or touches it, up to the rounding of the direction's length.
-    pub upper: f64,
-    /// Of unit length.
-    pub direction: Point,
-}
 
 /// Bounds of the depth of two shapes in one frame; zero for shapes that are apart. They differ by at most `tolerance`
 /// times the upper one, or by rounding, unless round shapes need more faces than [`polytope`] has room for.

@@ -1,7 +1,7 @@
 //! Points of cores by coordinates: where they are, and how they move.
 
-use super::Point;
 use super::support::{Form, each};
+use crate::range::Point;
 use crate::vector::{difference, dot};
 
 /// A point of a core.

@@ -2,7 +2,8 @@
 //!
 //! [`ROUNDINGS`] has the error analysis that all bounds of [`super::bounds`] and [`super::depth`] rely on.
 
-use super::{Core, Point};
+use crate::primitive::shape::core::Core;
+use crate::range::Point;
 use crate::vector::{difference, dot, length};
 
 /// A pair's `slack` is this many unit roundoffs of its `size` ([`Pair`]). With u = 2^-53, S the size, and a factor 1 +

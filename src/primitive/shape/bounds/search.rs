@@ -5,11 +5,13 @@
 //! an error ([`super::support`] bounds it). Newton's method proposes them first, then the algorithm of Gilbert,
 //! Johnson and Keerthi.
 
+use super::certified::Bounds;
 use super::gjk::Simplex;
 use super::newton::{self, Newton, Places};
 use super::support::{Pair, each};
-use super::{Point, Shape};
 use crate::exact::power_of_two;
+use crate::primitive::shape::convex::Shape;
+use crate::range::Point;
 use crate::vector::{cross, dot};
 
 #[cfg(test)]
@@ -28,19 +30,6 @@ const STARTS: [Point; 5] =
 
 /// Sizes between which no square or product of four lengths above 2^-80 of the size leaves the range of `f64`.
 const COMFORTABLE: core::ops::RangeInclusive<f64> = power_of_two(-100)..=power_of_two(100);
-
-/// Bounds of the distance of two shapes.
-#[derive(Copy, Clone, PartialEq, Debug)]
-pub(crate) struct Bounds {
-    /// Above 0 only if the two are certainly apart.
-    pub(crate) lower: f64,
-    /// 0 only if they certainly meet.
-    pub(crate) upper: f64,
-    /// A point of the first shape that is `upper` from the second, up to rounding.
-    pub(crate) a: Point,
-    /// The point of the second shape.
-    pub(crate) b: Point,
-}
 
 /// Bounds of the distance of two shapes in one frame. Stops when the distance is certainly above `limit`, when the
 /// bounds differ by at most `tolerance` times the lower one, or when `f64` cannot tell more: then they differ by less

@@ -1,6 +1,6 @@
 //! Shapes at random and hard places.
 
-use super::super::super::{Core, Shape};
+use crate::primitive::shape::{Core, Shape};
 use crate::range::{Point, flush};
 use crate::rng::Rng;
 

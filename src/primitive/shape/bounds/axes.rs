@@ -1,7 +1,7 @@
 //! The depth of two polytopes: each face of their difference is perpendicular to a face of one or to an edge of both.
 
-use super::Point;
 use super::support::{Form, Pair, each};
+use crate::range::Point;
 use crate::vector::{cross, difference, dot};
 
 /// Edges with a smaller sine count as parallel.

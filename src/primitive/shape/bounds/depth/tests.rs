@@ -1,9 +1,9 @@
-use super::super::bounds::tests::double::{Double, Vector, ZERO, exact, length};
-use super::super::bounds::tests::samples::{Sampled, scaled};
-use super::super::bounds::tests::truth::{self, gap_of_shapes};
-use super::super::{Core, Shape};
+use super::super::search::tests::double::{Double, Vector, ZERO, exact, length};
+use super::super::search::tests::samples::{Sampled, scaled};
+use super::super::search::tests::truth::{self, gap_of_shapes};
 use super::{Depth, depth};
 use crate::exact::power_of_two;
+use crate::primitive::shape::{Core, Shape};
 use crate::range::Point;
 use crate::rng::Rng;
 use alloc::format;

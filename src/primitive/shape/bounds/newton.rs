@@ -5,9 +5,9 @@
 //! the distance itself is minimised, whose second derivative does not vanish where shapes touch: so convergence on
 //! rims is quadratic too. Nothing here is certified.
 
-use super::Point;
 use super::place::{Place, Ways};
 use super::support::{Form, Pair, each};
+use crate::range::Point;
 use crate::vector::{cross, dot};
 
 /// The most steps.

@@ -2,8 +2,8 @@
 //!
 //! Nothing here is certified: a caller derives certain bounds from the points and directions found.
 
-use super::Point;
 use super::support::each;
+use crate::range::Point;
 use crate::vector::{cross, difference, dot};
 
 /// A simplex of points of the difference A - B.
