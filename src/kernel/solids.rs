@@ -46,13 +46,13 @@ const ROUNDS: usize = 4;
 /// Some numbers in a register. A value exists only where a token proves the instruction set.
 ///
 /// Comparisons are false for NaN. Operations are those of IEEE 754, each rounded; no fused multiply-add.
-pub(super) trait Wide: Copy {
+pub(super) trait Register: Copy {
     type Token: Copy;
     /// Numbers in a register, a divisor of 16.
     const LANES: usize;
 
     fn splat(token: Self::Token, x: f32) -> Self;
-    /// Lanes `LANES part ..`.
+    /// Floats `LANES part ..`.
     fn load(token: Self::Token, numbers: &[f32; 16], part: usize) -> Self;
     fn plus(self, other: Self) -> Self;
     fn minus(self, other: Self) -> Self;
@@ -68,41 +68,41 @@ pub(super) trait Wide: Copy {
     fn exceeds(self, other: Self) -> u16;
 }
 
-type Vector<V> = [V; 3];
+type RegisterVector<V> = [V; 3];
 
 #[inline(always)]
-fn dot<V: Wide>(a: &Vector<V>, b: &Vector<V>) -> V {
+fn dot<V: Register>(a: &RegisterVector<V>, b: &RegisterVector<V>) -> V {
     a[0].times(b[0]).plus(a[1].times(b[1])).plus(a[2].times(b[2]))
 }
 
 #[inline(always)]
-fn difference<V: Wide>(a: &Vector<V>, b: &Vector<V>) -> Vector<V> {
+fn difference<V: Register>(a: &RegisterVector<V>, b: &RegisterVector<V>) -> RegisterVector<V> {
     [a[0].minus(b[0]), a[1].minus(b[1]), a[2].minus(b[2])]
 }
 
 #[inline(always)]
-fn times<V: Wide>(t: V, v: &Vector<V>) -> Vector<V> {
+fn times<V: Register>(t: V, v: &RegisterVector<V>) -> RegisterVector<V> {
     [t.times(v[0]), t.times(v[1]), t.times(v[2])]
 }
 
 #[inline(always)]
-fn plus<V: Wide>(a: &Vector<V>, b: &Vector<V>) -> Vector<V> {
+fn plus<V: Register>(a: &RegisterVector<V>, b: &RegisterVector<V>) -> RegisterVector<V> {
     [a[0].plus(b[0]), a[1].plus(b[1]), a[2].plus(b[2])]
 }
 
 #[inline(always)]
-fn splat<V: Wide>(token: V::Token, v: &[f32; 3]) -> Vector<V> {
+fn splat<V: Register>(token: V::Token, v: &[f32; 3]) -> RegisterVector<V> {
     [V::splat(token, v[0]), V::splat(token, v[1]), V::splat(token, v[2])]
 }
 
 #[inline(always)]
-fn load<V: Wide>(token: V::Token, v: &[[f32; 16]; 3], part: usize) -> Vector<V> {
+fn load<V: Register>(token: V::Token, v: &[[f32; 16]; 3], part: usize) -> RegisterVector<V> {
     [V::load(token, &v[0], part), V::load(token, &v[1], part), V::load(token, &v[2], part)]
 }
 
 /// The lanes of `lanes` that `query` is certainly apart from, and those that it certainly meets.
 #[inline(always)]
-pub(super) fn decide<V: Wide, const M: usize, const N: usize>(
+pub(super) fn decide<V: Register, const M: usize, const N: usize>(
     token: V::Token,
     query: &Solid<M>,
     lanes: &SolidLanes<N>,
@@ -118,7 +118,7 @@ pub(super) fn decide<V: Wide, const M: usize, const N: usize>(
 
 #[inline(always)]
 #[expect(clippy::needless_range_loop, reason = "several arrays share the index")]
-fn decide_part<V: Wide, const M: usize, const N: usize>(
+fn decide_part<V: Register, const M: usize, const N: usize>(
     token: V::Token,
     query: &Solid<M>,
     lanes: &SolidLanes<N>,
@@ -132,7 +132,7 @@ fn decide_part<V: Wide, const M: usize, const N: usize>(
     let inner = number(query.inner).plus(V::load(token, &lanes.inner, part));
     let near = reach.plus(inner.times(number(SHRINK))).times(number(1.0 - FEW)).minus(slack);
 
-    let d: Vector<V> = difference(&load(token, &lanes.centre, part), &splat(token, &query.centre));
+    let d: RegisterVector<V> = difference(&load(token, &lanes.centre, part), &splat(token, &query.centre));
     if M == 0 && N == 0 {
         let distance = dot(&d, &d).root();
         return Decided { apart: distance.exceeds(far), within: near.exceeds(distance) };
@@ -211,7 +211,7 @@ fn decide_part<V: Wide, const M: usize, const N: usize>(
 
 /// Coordinates of near points of the cores along the half edges of the query and of the lanes.
 #[inline(always)]
-fn near_points<V: Wide, const M: usize, const N: usize>(
+fn near_points<V: Register, const M: usize, const N: usize>(
     token: V::Token,
     query: &Solid<M>,
     lanes: &SolidLanes<N>,
@@ -256,7 +256,7 @@ fn near_points<V: Wide, const M: usize, const N: usize>(
 
 /// The lanes that one of the 15 axes separates, and those that all of them show to meet.
 #[inline(always)]
-fn axes<V: Wide, const M: usize, const N: usize>(
+fn axes<V: Register, const M: usize, const N: usize>(
     token: V::Token,
     query: &Solid<M>,
     lanes: &SolidLanes<N>,

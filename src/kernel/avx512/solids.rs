@@ -1,6 +1,6 @@
 //! Sixteen lanes. `vmaxps` and `vminps` return their second operand unless the first is greater or less, as specified.
 
-use super::super::solids::{self, Wide};
+use super::super::solids::{self, Register};
 #[cfg(miri)]
 use super::points::{load, numbers};
 use crate::isa::{Avx512, compiled_for_avx512};
@@ -9,9 +9,9 @@ use core::arch::x86_64::*;
 
 /// A register. Made only from a token.
 #[derive(Copy, Clone)]
-pub(super) struct Lanes(__m512);
+pub(super) struct Floats(__m512);
 
-impl Wide for Lanes {
+impl Register for Floats {
     type Token = Avx512;
     const LANES: usize = 16;
 
@@ -139,6 +139,6 @@ compiled_for_avx512! {
         query: &Solid<M>,
         lanes: &SolidLanes<N>,
     ) -> Decided {
-        solids::decide::<Lanes, M, N>(token, query, lanes)
+        solids::decide::<Floats, M, N>(token, query, lanes)
     }
 }

@@ -1,9 +1,9 @@
 //! One lane.
 
-use super::super::solids::Wide;
+use super::super::solids::Register;
 use crate::isa::Scalar;
 
-impl Wide for f32 {
+impl Register for f32 {
     type Token = Scalar;
     const LANES: usize = 1;
 

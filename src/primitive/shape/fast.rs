@@ -26,7 +26,7 @@ mod simplex;
 #[cfg(all(test, not(miri)))]
 pub(crate) mod tests;
 
-use self::bodies::{Body, Segment};
+use self::bodies::{Segment, Supported};
 use self::margins::FEW;
 use crate::exact::power_of_two;
 use crate::primitive::shape::convex::Shape;

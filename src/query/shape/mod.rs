@@ -15,7 +15,7 @@ use crate::pose::Pose;
 use crate::primitive::shape::{is_near, nearer};
 use crate::primitive::{Primitive, Shape, Shapes};
 use bounds::Volume;
-use search::Outcome;
+use search::FirstNear;
 
 /// The smallest tolerance of a distance between primitives.
 const TIGHT: f64 = power_of_two(-42);
@@ -99,9 +99,9 @@ impl Query {
         let mut stats = QueryStats::default();
         let volume = Volume::of(shape, tree);
         let mut verdict = match self.first_near_shape(shape, &volume, tree, margin, &mut stats) {
-            Outcome::Found(index) => Verdict::Hit(Pair { a: 0, b: tree.source(index) }),
-            Outcome::Nothing => Verdict::Free,
-            Outcome::OutOfBudget => Verdict::Unknown { lower: 0.0, upper: volume.farthest(shape, tree) },
+            FirstNear::Found(index) => Verdict::Hit(Pair { a: 0, b: tree.source(index) }),
+            FirstNear::Nothing => Verdict::Free,
+            FirstNear::OutOfBudget => Verdict::Unknown { lower: 0.0, upper: volume.farthest(shape, tree) },
         };
         if verdict == Verdict::Free
             && let Some(inside) = self.shape_inside(shape, tree, &mut stats)

@@ -15,7 +15,7 @@ use crate::range::Point;
 use crate::vector::{cross, difference, dot};
 
 /// A convex core.
-pub(super) trait Body {
+pub(super) trait Supported {
     /// The reference point, which is in the core.
     fn at(&self) -> &Point;
     /// The greatest distance of a point of the core from the reference point, or more.
@@ -96,7 +96,7 @@ impl Segment {
     }
 }
 
-impl Body for Segment {
+impl Supported for Segment {
     #[inline(always)]
     fn at(&self) -> &Point {
         &self.at
@@ -153,7 +153,7 @@ impl<'a> Cuboid<'a> {
     }
 }
 
-impl Body for Cuboid<'_> {
+impl Supported for Cuboid<'_> {
     #[inline(always)]
     fn at(&self) -> &Point {
         &self.at
@@ -219,7 +219,7 @@ impl<'a> Cylinder<'a> {
     }
 }
 
-impl Body for Cylinder<'_> {
+impl Supported for Cylinder<'_> {
     #[inline(always)]
     fn at(&self) -> &Point {
         &self.at

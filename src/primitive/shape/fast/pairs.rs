@@ -1,7 +1,7 @@
 //! The pairs with a cuboid or a cylinder, each compiled once.
 
 use super::axes;
-use super::bodies::{Body, Cuboid, Cylinder, Segment};
+use super::bodies::{Cuboid, Cylinder, Segment, Supported};
 use super::search;
 use crate::primitive::shape::convex::Shape;
 use crate::primitive::shape::core::Core;

@@ -376,7 +376,7 @@ impl Hull {
     }
 }
 
-impl Body for Hull {
+impl Supported for Hull {
     fn at(&self) -> &Point {
         &self.0
     }
