@@ -7,9 +7,9 @@ use core::arch::x86_64::*;
 
 /// A register. Made only from a token.
 #[derive(Copy, Clone)]
-pub(super) struct Floats(__m256);
+pub(super) struct EightFloats(__m256);
 
-impl Register for Floats {
+impl Register for EightFloats {
     type Token = Avx2;
     const LANES: usize = 8;
 
@@ -92,6 +92,6 @@ compiled_for_avx2! {
         query: &Solid<M>,
         lanes: &SolidLanes<N>,
     ) -> Decided {
-        solids::decide::<Floats, M, N>(token, query, lanes)
+        solids::decide::<EightFloats, M, N>(token, query, lanes)
     }
 }

@@ -9,9 +9,9 @@ use core::arch::x86_64::*;
 
 /// A register. Made only from a token.
 #[derive(Copy, Clone)]
-pub(super) struct Floats(__m512);
+pub(super) struct SixteenFloats(__m512);
 
-impl Register for Floats {
+impl Register for SixteenFloats {
     type Token = Avx512;
     const LANES: usize = 16;
 
@@ -139,6 +139,6 @@ compiled_for_avx512! {
         query: &Solid<M>,
         lanes: &SolidLanes<N>,
     ) -> Decided {
-        solids::decide::<Floats, M, N>(token, query, lanes)
+        solids::decide::<SixteenFloats, M, N>(token, query, lanes)
     }
 }

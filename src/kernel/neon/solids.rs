@@ -7,9 +7,9 @@ use core::arch::aarch64::*;
 
 /// A register. Made only from a token.
 #[derive(Copy, Clone)]
-pub(super) struct Floats(float32x4_t);
+pub(super) struct FourFloats(float32x4_t);
 
-impl Register for Floats {
+impl Register for FourFloats {
     type Token = Neon;
     const LANES: usize = 4;
 
@@ -98,6 +98,6 @@ compiled_for_neon! {
         query: &Solid<M>,
         lanes: &SolidLanes<N>,
     ) -> Decided {
-        solids::decide::<Floats, M, N>(token, query, lanes)
+        solids::decide::<FourFloats, M, N>(token, query, lanes)
     }
 }
