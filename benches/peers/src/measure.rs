@@ -49,7 +49,7 @@ pub(crate) fn measure(
 }
 
 /// The minimum time between two consecutive readings of the clock: this much of a time is not the query's.
-pub(crate) fn clock_cost() -> Duration {
+fn clock_cost() -> Duration {
     (0..10_000).map(|_| Instant::now().elapsed()).min().unwrap_or_default()
 }
 

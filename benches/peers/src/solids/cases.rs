@@ -167,8 +167,8 @@ impl Placement {
         let (a, b) = (solids[0].shape().moved(&pose), solids[1].shape());
         let judged = match truth::meets(&a, &b, 0.0) {
             Judgement::Meets => Some(true),
-            Judgement::Free => Some(false),
-            Judgement::Open => None,
+            Judgement::Apart => Some(false),
+            Judgement::TooCloseToCall => None,
         };
         assert!(known.is_none() || judged.is_none() || known == judged, "{solids:?} {rows:?}: {judged:?}");
         Case { pair, rows, meets: judged.or(known), distance: truth::distance_interval(&a, &b) }

@@ -4,11 +4,15 @@
 //! the best of those of all its faces. A convex combination bounds the distance from above, a supporting plane from
 //! below. Both hold up to rounding, also where the iteration stalls.
 
+use core::cell::Cell;
 use simdop::primitive::shape::{Core, Shape};
 
 type Point = [f64; 3];
 
 const MOST: usize = 300;
+
+/// Error of a coordinate or a distance, relative to the largest coordinate.
+const ROUNDING: f64 = 2e-14;
 
 /// Bounds of the distance, which are 0 if the shapes meet.
 pub(super) struct Bounds {
@@ -35,10 +39,10 @@ pub(super) fn bounds(a: &Shape, b: &Shape) -> Bounds {
 }
 
 fn of_cores(a: &Core, b: &Core) -> Bounds {
-    let mut extent = 0.0_f64;
-    let mut vertex = |direction: &Point| {
+    let extent = Cell::new(0.0_f64);
+    let vertex = |direction: &Point| {
         let (p, q) = (support(a, direction), support(b, &direction.map(|x| -x)));
-        extent = extent.max(largest(&p)).max(largest(&q));
+        extent.set(extent.get().max(largest(&p)).max(largest(&q)));
         difference(&p, &q)
     };
     let mut nearest = vertex(&[1.0, 0.0, 0.0]);
@@ -56,6 +60,9 @@ fn of_cores(a: &Core, b: &Core) -> Bounds {
         simplex.push(next);
         let (point, face) = next_to_origin(&simplex);
         if face.len() == 4 {
+            if lower > ROUNDING * extent.get() {
+                break;
+            }
             return Bounds { lower: 0.0, upper: 0.0, rounding: 0.0 };
         }
         let now = length(&point);
@@ -64,17 +71,18 @@ fn of_cores(a: &Core, b: &Core) -> Bounds {
         }
         (nearest, simplex, upper) = (point, face, now);
     }
-    Bounds { lower, upper, rounding: 4e-15 * extent }
+    Bounds { lower, upper, rounding: ROUNDING * extent.get() }
 }
 
 /// The point of the core farthest along the direction.
 fn support(core: &Core, direction: &Point) -> Point {
     let farther = |p: Point, q: Point| if dot(direction, &p) >= dot(direction, &q) { p } else { q };
     let rim = |axis: &Point, radius: f64| {
-        let along = dot(direction, axis) / dot(axis, axis);
-        let across: Point = core::array::from_fn(|i| direction[i] - along * axis[i]);
+        let without = |v: &Point| moved(v, axis, -dot(v, axis) / dot(axis, axis));
+        // Twice: the rounding of the first is large beside the rest of what is almost along the axis.
+        let across = without(&without(direction));
         let long = length(&across);
-        if long > 0.0 { across.map(|x| x * (radius / long)) } else { [0.0; 3] }
+        if long > 1e-14 * length(direction) { across.map(|x| x * (radius / long)) } else { [0.0; 3] }
     };
     match *core {
         Core::Point(p) => p,
@@ -128,8 +136,10 @@ fn weights(face: &[Point]) -> Option<Vec<f64>> {
         [p, q, r, s] => {
             let volume = |x: &Point, y: &Point, z: &Point| dot(x, &cross(y, z));
             let parts = [volume(q, r, s), -volume(p, r, s), volume(p, q, s), -volume(p, q, r)];
-            let sign = parts[0].signum();
-            parts.map(|part| sign * part).to_vec()
+            // Not inside of what could be flat.
+            let extent = face.iter().fold(0.0_f64, |most, corner| most.max(length(corner)));
+            let (sign, rounding) = (parts[0].signum(), 1e-15 * extent.powi(3));
+            parts.map(|part| sign * part - rounding).to_vec()
         }
         _ => unreachable!("a simplex has one to four corners"),
     };

@@ -8,7 +8,7 @@ mod ours;
 mod page;
 mod truth;
 
-use crate::measure::{BLOCK, PASSES, clock_cost, quantile};
+use crate::measure::{BLOCK, quantile};
 use crate::{Options, record, save};
 use cases::{Case, Suite};
 use entrants::{Distance, Entrant};
@@ -16,6 +16,7 @@ use page::Row;
 use simdop::pose::Pose;
 use simdop::primitive::shape::{Core, Shape};
 use std::hint::black_box;
+use std::ops::Range;
 use std::time::Instant;
 
 /// A distance is wrong if its error is more than this share of the distance and the smaller body's diagonal together:
@@ -42,9 +43,12 @@ pub(crate) fn run(options: &Options) -> Result<(), String> {
     save(&options.out.join("SHAPES.md"), &page::page(&rows, options))
 }
 
-/// The times of a function in ns, by case, and their mean without reading the clock each time.
+/// Passes over a block. The clock of some machines has steps of 10 ns, so that a time is a mean of many readings.
+const PASSES: usize = 15;
+
+/// The times of a function in ns: of each case, and their mean without reading the clock at each call.
 struct Times {
-    best: Vec<f64>,
+    of: Vec<f64>,
     mean: f64,
 }
 
@@ -56,10 +60,10 @@ struct Results {
     found: Vec<Option<Distance>>,
 }
 
-/// All libraries on all cases, block by block, as in [`crate::measure`]. Verdicts first.
+/// All libraries on all cases, block by block. Verdicts first.
 fn in_turns(entrants: &[Entrant], count: usize) -> Vec<Results> {
-    let clock = clock_cost().as_secs_f64() * 1e9;
-    let times = || Times { best: vec![f64::INFINITY; count], mean: 0.0 };
+    let clock = clock();
+    let times = || Times { of: vec![0.0; count], mean: 0.0 };
     let blank = |entrant: &Entrant| Results {
         verdicts: times(),
         hits: vec![false; count],
@@ -72,48 +76,67 @@ fn in_turns(entrants: &[Entrant], count: usize) -> Vec<Results> {
         for i in 0..entrants.len() {
             let which = (turn + i) % entrants.len();
             let (entrant, results) = (&entrants[which], &mut results[which]);
-            results
-                .verdicts
-                .of_block(block.clone(), count, clock, |case| results.hits[case] = (entrant.collide)(case));
+            let hits = &mut results.hits;
+            results.verdicts.add(block.clone(), clock, |case| hits[case] = (entrant.collide)(case));
             if let (Some(measure), Some(times)) = (&entrant.distance, &mut results.distances) {
-                times.of_block(block.clone(), count, clock, |case| results.found[case] = measure(case));
+                let found = &mut results.found;
+                times.add(block.clone(), clock, |case| found[case] = measure(case));
             }
         }
     }
     results
 }
 
+/// What [`Times`] measures of a call that does nothing.
+fn clock() -> f64 {
+    let nothing: Box<dyn Fn(usize) -> bool> = Box::new(|case| case % 2 == 0);
+    let mut times = Times { of: vec![0.0; 1000], mean: 0.0 };
+    let mut answers = vec![false; 1000];
+    for first in (0..1000).step_by(BLOCK) {
+        times.add(first..first + BLOCK, 0.0, |case| answers[case] = nothing(case));
+    }
+    black_box(answers);
+    times.figures()[0]
+}
+
 impl Times {
-    fn of_block(
-        &mut self,
-        block: std::ops::Range<usize>,
-        count: usize,
-        clock: f64,
-        mut call: impl FnMut(usize),
-    ) {
+    fn add(&mut self, block: Range<usize>, clock: f64, mut call: impl FnMut(usize)) {
         let nanos = |start: Instant| start.elapsed().as_secs_f64() * 1e9;
-        let mut all = f64::INFINITY;
+        let count = self.of.len() as f64;
+        let (mut single, mut together) = (vec![Vec::new(); block.len()], Vec::new());
         for _ in 0..PASSES {
-            for case in block.clone() {
+            for (case, times) in block.clone().zip(&mut single) {
                 let start = Instant::now();
                 call(black_box(case));
-                self.best[case] = self.best[case].min((nanos(start) - clock).max(0.0));
+                times.push(nanos(start));
             }
             let start = Instant::now();
             for case in block.clone() {
                 call(black_box(case));
             }
-            all = all.min((nanos(start) - clock).max(0.0));
+            together.push(nanos(start));
         }
-        self.mean += all / count as f64;
+        for (case, times) in block.zip(single) {
+            self.of[case] = (undisturbed(times) - clock).max(0.0);
+        }
+        self.mean += (undisturbed(together) - clock).max(0.0) / count;
     }
 
     /// Median, 99th percentile and mean.
     fn figures(&self) -> [f64; 3] {
-        let mut sorted = self.best.clone();
+        let mut sorted = self.of.clone();
         sorted.sort_by(f64::total_cmp);
         [quantile(&sorted, 0.5), quantile(&sorted, 0.99), self.mean]
     }
+}
+
+/// The mean without what an interruption took, and without the first pass, which fills the caches.
+fn undisturbed(mut times: Vec<f64>) -> f64 {
+    times.remove(0);
+    times.sort_by(f64::total_cmp);
+    let limit = 1.5 * times[times.len() / 4] + 20.0;
+    times.retain(|time| *time <= limit);
+    times.iter().sum::<f64>() / times.len() as f64
 }
 
 /// What is wrong with an answer.

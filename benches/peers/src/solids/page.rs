@@ -1,11 +1,11 @@
 //! The results as a page of Markdown, and its rows.
 
-use super::AGREE;
 use super::cases::placements;
 use super::ours::OURS;
+use super::{AGREE, PASSES};
 use crate::Options;
 use crate::cpu::cpu;
-use crate::measure::quantile;
+use crate::measure::{BLOCK, quantile};
 use core::fmt::Write as _;
 use serde::Serialize;
 
@@ -107,20 +107,25 @@ fn head(page: &mut String, rows: &[Row], libraries: &[&str], options: &Options) 
         * *touching*, *2^-40 apart*: at right angles, with numbers so short that nothing is rounded. These are knife\n\
         edges.\n\
         \n\
-        Versions: {}. Coal and FCL are compiled as in their packages; \"FCL native\" has its templates compiled here\n\
-        with -O3 -march=native. All compute in f64 with their default tolerances. A verdict is computed without\n\
-        contacts, Coal's by its functor for a pair of shapes, with break_distance 0. A distance comes with the closest\n\
-        points; where the bodies meet, no depth is computed. FCL has no distance from a half-space. \"simdop meshes\n\
-        (before)\" has trees of triangles instead of shapes: cylinders and cones within 1e-3 of their radius, spheres\n\
-        and capsules as points and segments with a margin, and a large cube as half-space; each a solid.\n\
+        Versions: {}.\n\
         \n\
-        Poses are converted to each library's type beforehand. A time is the minimum of five passes over a block of ten\n\
-        poses, less that of reading the clock; the libraries take turns. With several runs, a figure is their median.\n",
+        Coal is compiled as in its package. \"FCL native\" has its templates compiled here with -O3 -march=native; its\n\
+        package has assertions that end the process where shapes almost touch. All compute in f64 with their default\n\
+        tolerances. A verdict is computed without contacts, Coal's by its functor for a pair of shapes, with\n\
+        break_distance 0. A distance comes with the closest points; where the bodies meet, no depth is computed. FCL has\n\
+        no distance from a half-space. \"simdop meshes (before)\" has trees of triangles instead of shapes: cylinders and\n\
+        cones within 1e-3 of their radius, spheres and capsules as points and segments with a margin, and a large cube\n\
+        as half-space; each a solid.\n\
+        \n\
+        Poses are converted to each library's type beforehand. A time is the mean of up to {} passes over a block of\n\
+        {BLOCK} poses without those that were interrupted, less that of reading the clock; the libraries take turns. With\n\
+        several runs, a figure is their median.\n",
         options.stamp,
         cpu(),
         options.runs,
         options.poses(),
-        versions.join(", ")
+        versions.join(", "),
+        PASSES - 1
     );
 }
 

@@ -1,6 +1,6 @@
 //! What is true of two shapes in one frame.
 //!
-//! PROVISIONAL: bounds in `f64` instead of the exact oracle. Judgements near contact are open.
+//! PROVISIONAL: bounds in `f64` instead of the exact oracle. Judgements near contact are too close to call.
 
 use super::gjk::bounds;
 use simdop::primitive::shape::Shape;
@@ -10,20 +10,20 @@ pub(super) const NAME: &str = "provisional";
 
 #[derive(Copy, Clone, PartialEq, Eq, Debug)]
 pub(super) enum Judgement {
+    Apart,
     Meets,
-    Free,
-    Open,
+    TooCloseToCall,
 }
 
 /// Whether the distance of the shapes is at most the margin.
 pub(super) fn meets(a: &Shape, b: &Shape, margin: f64) -> Judgement {
     let found = bounds(a, b);
     if found.lower > margin + found.rounding {
-        Judgement::Free
+        Judgement::Apart
     } else if found.upper == 0.0 || found.upper < margin - found.rounding {
         Judgement::Meets
     } else {
-        Judgement::Open
+        Judgement::TooCloseToCall
     }
 }
 
