@@ -23,8 +23,8 @@ const FAR: f64 = 1e6;
 
 const UNLIKE: f64 = 1e-3;
 
-/// Gap of the bodies that are barely apart: it leaves coordinates without rounding.
-const APART: f64 = 1.0 / (1_u64 << 40) as f64;
+/// Gap of the bodies that are barely apart: coordinates with it are not rounded.
+const APART: f64 = 1.0 / (1_u64 << 36) as f64;
 
 /// How the bodies are placed.
 #[derive(Copy, Clone, PartialEq, Debug)]
@@ -51,7 +51,7 @@ pub(super) fn placements() -> Vec<(String, Placement)> {
         ("1:1000", Placement::Unlike),
         ("far", Placement::Far),
         ("touching", Placement::Exact(0.0)),
-        ("2^-40 apart", Placement::Exact(APART)),
+        ("2^-36 apart", Placement::Exact(APART)),
     ];
     distances.chain(others.map(|(name, placement)| (name.to_owned(), placement))).collect()
 }

@@ -104,7 +104,7 @@ fn head(page: &mut String, rows: &[Row], libraries: &[&str], options: &Options) 
         * *thin*: the radius of capsules and one length of the others, but spheres, is 1e-6. *Tiny*: the sizes are\n\
         1e-6 of those above. *1:1000*: one body is that much smaller. The distances take turns.\n\
         * *far*: the distance is 1e6.\n\
-        * *touching*, *2^-40 apart*: at right angles, with numbers so short that nothing is rounded. These are knife\n\
+        * *touching*, *2^-36 apart*: at right angles, with numbers so short that nothing is rounded. These are knife\n\
         edges.\n\
         \n\
         Versions: {}.\n\
