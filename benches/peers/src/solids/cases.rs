@@ -133,7 +133,7 @@ impl Placement {
             Self::Nested => [a.scaled(0.1), b],
             Self::Thin => [a.thinned(SMALL, rng), b.thinned(SMALL, rng)],
             Self::Tiny => [a.scaled(SMALL), b.scaled(SMALL)],
-            Self::Unlike if index % 2 == 0 => [a.scaled(UNLIKE), b],
+            Self::Unlike if index.is_multiple_of(2) => [a.scaled(UNLIKE), b],
             Self::Unlike => [a, b.scaled(UNLIKE)],
             _ => [a, b],
         }
