@@ -203,8 +203,9 @@ fn approach(solids: &[Solid; 2], distance: Distance, rng: &mut Rng) -> Rows {
     };
     let rotation = rng.rotation();
     let mut from = rng.rotation()[0];
-    if is_plane {
-        from[2] = from[2].abs();
+    // Not from so far aside that a cube in place of the half-space would end before.
+    while is_plane && from[2] < 1.0 / 16.0 {
+        from = rng.rotation()[0];
     }
     let [p, q] = [&solids[0], &solids[1]].map(|solid| solid.inside(rng));
     let rows = |along: f64| at(&rotation, &p, &core::array::from_fn(|i| q[i] + along * from[i]));
