@@ -191,8 +191,8 @@ fn at(rotation: &[[f64; 3]; 3], p: &[f64; 3], q: &[f64; 3]) -> Rows {
     })
 }
 
-/// A, rotated at random, comes from a random direction, such that a random point of it moves towards one of B. Of a gap,
-/// the last place that is farther; of a depth, that much beyond the first contact.
+/// A, rotated at random, comes from a random direction, such that a random point of it moves towards one of B. Of a
+/// gap, the last place that is farther; of a depth, that much beyond the first contact.
 fn approach(solids: &[Solid; 2], distance: Distance, rng: &mut Rng) -> Rows {
     let [a, b] = solids.map(|solid| solid.shape());
     let is_plane = solids[1].kind == Kind::HalfSpace;

@@ -96,30 +96,31 @@ fn head(page: &mut String, rows: &[Row], libraries: &[&str], options: &Options) 
         "# Pairs of convex shapes\n\n\
         {}. {}, one thread.\n\
         \n\
-        {} run(s), {} poses per row, of ten pairs of sizes: lengths are between 1/4 and 1. A, rotated at random, comes\n\
-        from a random direction such that a random point of it moves towards one of B, up to a distance relative to\n\
-        the smaller body's diagonal; \"0 %\" is a gap of 2e-5, as in RESULTS.md. The half-space is fixed.\n\
+        {} run(s), {} poses per row, of ten pairs of sizes: lengths are between 1/4 and 1. A, rotated at random,\n\
+        comes from a random direction such that a random point of it moves towards one of B, up to a distance\n\
+        relative to the smaller body's diagonal; \"0 %\" is a gap of 2e-5, as in RESULTS.md. The half-space is\n\
+        fixed.\n\
         \n\
         * *nested*: A, at a tenth of its size, is inside B.\n\
-        * *thin*: the radius of capsules and one length of the others, but spheres, is 1e-6. *Tiny*: the sizes are\n\
-        1e-6 of those above. *1:1000*: one body is that much smaller. The distances take turns.\n\
+        * *thin*: the radius of capsules and one length of the others, but spheres, is 1e-6. *Tiny*: the sizes\n\
+        are 1e-6 of those above. *1:1000*: one body is that much smaller. The distances take turns.\n\
         * *far*: the distance is 1e6.\n\
-        * *touching*, *2^-36 apart*: at right angles, with numbers so short that nothing is rounded. These are knife\n\
-        edges.\n\
+        * *touching*, *2^-36 apart*: at right angles, with numbers so short that nothing is rounded. These are\n\
+        knife edges.\n\
         \n\
         Versions: {}.\n\
         \n\
-        Coal is compiled as in its package. \"FCL native\" has its templates compiled here with -O3 -march=native; its\n\
-        package has assertions that end the process where shapes almost touch. All compute in f64 with their default\n\
-        tolerances. A verdict is computed without contacts, Coal's by its functor for a pair of shapes, with\n\
-        break_distance 0. A distance comes with the closest points; where the bodies meet, no depth is computed. FCL has\n\
-        no distance from a half-space. \"simdop meshes (before)\" has trees of triangles instead of shapes: cylinders and\n\
-        cones within 1e-3 of their radius, spheres and capsules as points and segments with a margin, and a large cube\n\
-        as half-space; each a solid.\n\
+        Coal is compiled as in its package. \"FCL native\" has its templates compiled here with -O3\n\
+        -march=native; its package has assertions that end the process where shapes almost touch. All compute in\n\
+        f64 with their default tolerances. A verdict is computed without contacts, Coal's by its functor for a\n\
+        pair of shapes, with break_distance 0. A distance comes with the closest points; where the bodies meet,\n\
+        no depth is computed. FCL has no distance from a half-space. \"simdop meshes (before)\" has trees of\n\
+        triangles instead of shapes: cylinders and cones within 1e-3 of their radius, spheres and capsules as\n\
+        points and segments with a margin, and a large cube as half-space; each a solid.\n\
         \n\
-        Poses are converted to each library's type beforehand. A time is the mean of up to {} passes over a block of\n\
-        {BLOCK} poses without those that were interrupted, less that of reading the clock; the libraries take turns. With\n\
-        several runs, a figure is their median.\n",
+        Poses are converted to each library's type beforehand. A time is the mean of up to {} passes over a\n\
+        block of {BLOCK} poses without those that were interrupted, less that of reading the clock; the\n\
+        libraries take turns. With several runs, a figure is their median.\n",
         options.stamp,
         cpu(),
         options.runs,
@@ -134,7 +135,7 @@ fn ratios(page: &mut String, rows: &[Row], libraries: &[&str]) {
     let _ = write!(
         page,
         "\n## {OURS} / fastest peer\n\n\
-        Of the median times of a row. The bars: at most {MEDIAN_BAR:.2} in the median row, and never above {ANY_BAR}.\n\n\
+        Of the median times of a row. The bars: at most {MEDIAN_BAR:.2} in the median row, never above {ANY_BAR}.\n\n\
         | query | rows | median row | worst row | | rows above {ANY_BAR} |\n| --- | --: | --: | --: | --- | --: |\n"
     );
     for measure in &MEASURES {
@@ -165,8 +166,8 @@ fn ratios(page: &mut String, rows: &[Row], libraries: &[&str]) {
 
 fn wrong(page: &mut String, rows: &[Row], libraries: &[&str]) {
     for (measure, about) in MEASURES.iter().zip([
-        "Missed (\"free\" where the bodies meet) + invented (\"hit\" where they do not), over all pairs. Open: the truth \
-         is not known.",
+        "Missed (\"free\" where the bodies meet) + invented (\"hit\" where they do not), over all pairs. Open: \
+         the truth is not known.",
         &format!(
             "Distances that are off by more than {AGREE:e} of the distance and the smaller body's diagonal together + \
              closest points that are off by as much, from the bodies or as a distance."
@@ -217,7 +218,8 @@ fn wrapped(mut text: String, word: &str) -> String {
 fn table(page: &mut String, rows: &[Row], libraries: &[&str], measure: &Measure) {
     let _ = write!(
         page,
-        "Median / 99th percentile, ns; in brackets wrong answers.\n\n| A | B | {} | {OURS} / fastest |\n| --- | --- |{} --: |\n",
+        "Median / 99th percentile, ns; in brackets wrong answers.\n\n\
+        | A | B | {} | {OURS} / fastest |\n| --- | --- |{} --: |\n",
         libraries.join(" | "),
         " --: |".repeat(libraries.len())
     );
