@@ -8,23 +8,12 @@ use simdop::hierarchy::Bvh;
 use simdop::isa::Isa;
 use simdop::node::Node16;
 use simdop::pose::Pose;
-use simdop::primitive::Separation;
-use simdop::primitive::shape::Shape;
+use simdop::primitive::shape::{Shape, meets, separation};
 use simdop::query::Query;
 use std::rc::Rc;
 
 /// The name of our entrant, which ratios refer to.
 pub(super) const OURS: &str = "simdop";
-
-/// The library's functions of two shapes in one frame: whether they meet; and their separation up to a limit, within a
-/// tolerance.
-struct Functions {
-    meets: fn(&Shape, &Shape) -> bool,
-    separation: fn(&Shape, &Shape, f64, f64) -> Option<Separation>,
-}
-
-/// A stub until the library has them.
-const FUNCTIONS: Option<Functions> = None;
 
 /// Prisms and pyramids are within this share of the radius of their cylinders and cones.
 const ERROR: f64 = 1e-3;
@@ -33,15 +22,14 @@ const ERROR: f64 = 1e-3;
 const GROUND: f64 = 1024.0;
 
 pub(super) fn entrants(suite: &Suite) -> Vec<Entrant> {
-    let shapes = FUNCTIONS.map(|functions| shapes(functions, suite));
-    shapes.into_iter().chain([meshes(suite)]).collect()
+    vec![shapes(suite), meshes(suite)]
 }
 
 fn poses(suite: &Suite) -> Vec<Pose> {
     suite.cases.iter().map(|case| Pose::from_rows(case.rows).expect("the poses are rigid")).collect()
 }
 
-fn shapes(functions: Functions, suite: &Suite) -> Entrant {
+fn shapes(suite: &Suite) -> Entrant {
     let poses = poses(suite);
     let of: Vec<usize> = suite.cases.iter().map(|case| case.pair).collect();
     let pairs: Vec<[Shape; 2]> =
@@ -51,7 +39,6 @@ fn shapes(functions: Functions, suite: &Suite) -> Entrant {
         (a.moved(&poses[i]), *b)
     });
     let again = Rc::clone(&placed);
-    let Functions { meets, separation } = functions;
     Entrant {
         name: OURS.to_owned(),
         version: "f64".to_owned(),

@@ -1,34 +1,19 @@
-//! What is true of two shapes in one frame.
-//!
-//! PROVISIONAL: bounds in `f64` instead of the exact oracle. Judgements near contact are too close to call.
+//! What is true of two shapes in one frame: the exact oracle of the tests.
 
-use super::gjk::bounds;
+use crate::shape_oracle;
+pub(super) use crate::shape_oracle::Judgement;
 use simdop::primitive::shape::Shape;
 
 /// Part of the names of the files of poses: verdicts of another truth are not read.
-pub(super) const NAME: &str = "provisional";
-
-#[derive(Copy, Clone, PartialEq, Eq, Debug)]
-pub(super) enum Judgement {
-    Apart,
-    Meets,
-    TooCloseToCall,
-}
+pub(super) const NAME: &str = "exact";
 
 /// Whether the distance of the shapes is at most the margin.
 pub(super) fn meets(a: &Shape, b: &Shape, margin: f64) -> Judgement {
-    let found = bounds(a, b);
-    if found.lower > margin + found.rounding {
-        Judgement::Apart
-    } else if found.upper == 0.0 || found.upper < margin - found.rounding {
-        Judgement::Meets
-    } else {
-        Judgement::TooCloseToCall
-    }
+    shape_oracle::meets(a, b, margin)
 }
 
 /// Lower and upper bound of the distance.
 pub(super) fn distance_interval(a: &Shape, b: &Shape) -> [f64; 2] {
-    let found = bounds(a, b);
-    [(found.lower - found.rounding).max(0.0), found.upper + found.rounding]
+    let (lower, upper) = shape_oracle::distance_interval(a, b).to_f64();
+    [lower, upper]
 }
