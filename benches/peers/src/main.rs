@@ -36,7 +36,6 @@ mod rng;
 #[path = "../../support/robots.rs"]
 mod robots;
 mod scenes;
-#[expect(dead_code, reason = "the tests use more of it")]
 #[path = "../../../tests/support/shape_oracle/mod.rs"]
 mod shape_oracle;
 #[path = "../../../tests/support/shapes.rs"]
