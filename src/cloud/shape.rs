@@ -61,10 +61,10 @@ fn bounds(shape: &Shape, margin: f64) -> Box3 {
     let (corners, radius) = hull_of(shape);
     let reach = radius + margin;
     for p in corners {
-        for i in 0..3 {
-            let side = reach + ROUNDING * (p[i].abs() + reach);
-            around.lower[i] = around.lower[i].min(((p[i] - side) as f32).next_down());
-            around.upper[i] = around.upper[i].max(((p[i] + side) as f32).next_up());
+        for (i, x) in p.into_iter().enumerate() {
+            let side = reach + ROUNDING * (x.abs() + reach);
+            around.lower[i] = around.lower[i].min(((x - side) as f32).next_down());
+            around.upper[i] = around.upper[i].max(((x + side) as f32).next_up());
         }
     }
     around

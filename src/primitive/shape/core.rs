@@ -115,7 +115,7 @@ impl Core {
 /// A vector of length 1 up to rounding.
 fn unit(v: &Point) -> Result<Point, ShapeError> {
     let largest = v[0].abs().max(v[1].abs()).max(v[2].abs());
-    if largest < MIN_COORDINATE || largest > MAX_COORDINATE {
+    if !(MIN_COORDINATE..=MAX_COORDINATE).contains(&largest) {
         return Err(ShapeError::NoDirection);
     }
     let scaled = v.map(|x| x / largest);

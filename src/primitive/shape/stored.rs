@@ -147,8 +147,10 @@ impl Primitive for Shapes {
     #[inline(always)]
     fn point(item: &Shape) -> Point {
         match item.core {
-            Core::Point(p) | Core::Segment([p, _]) | Core::Triangle([p, ..]) => p,
-            Core::Cuboid { centre: p, .. }
+            Core::Point(p)
+            | Core::Segment([p, _])
+            | Core::Triangle([p, ..])
+            | Core::Cuboid { centre: p, .. }
             | Core::Cylinder { centre: p, .. }
             | Core::Cone { base: p, .. } => p,
             // Not of a tree.
