@@ -313,5 +313,6 @@ fn axes<V: Register, const M: usize, const N: usize>(
 }
 
 // Miri does not run libm's square roots, which shapes need.
-#[cfg(all(test, not(miri)))]
+#[cfg(test)]
+#[cfg(not(miri))]
 mod tests;

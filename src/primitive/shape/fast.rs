@@ -23,7 +23,8 @@ mod pairs;
 mod search;
 mod simplex;
 // Miri does not run libm's square roots.
-#[cfg(all(test, not(miri)))]
+#[cfg(test)]
+#[cfg(not(miri))]
 pub(crate) mod tests;
 
 use self::bodies::{Segment, Supported};

@@ -12,8 +12,8 @@ pub(crate) enum Body {
     HalfSpace(Plane),
 }
 
-/// The image of a cube or of a simplex under an affine map: all `corner + sum x_i edges[i]` with all `x_i` in 0 ..= 1, of
-/// a triangle also with a sum of at most 1.
+/// The image of a cube or of a simplex under an affine map: all `corner + sum x_i edges[i]` with all `x_i` in 0 ..= 1,
+/// of a triangle also with a sum of at most 1.
 pub(crate) struct Hull {
     pub(crate) corner: Vector,
     pub(crate) edges: Vec<Vector>,
