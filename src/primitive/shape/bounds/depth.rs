@@ -17,7 +17,7 @@ use crate::vector::dot;
 mod tests;
 
 /// Bounds of the depth of two shapes in one frame; zero for shapes that are apart. They differ by at most `tolerance`
-/// times the upper one, or by rounding, unless round shapes need more faces than [`polytope`] has room for.
+/// times the upper one, or by rounding, unless round shapes need more than the 128 faces of the search.
 #[must_use]
 pub fn depth(a: &Shape, b: &Shape, tolerance: f64) -> Depth {
     let Some(pair) = Pair::of(&a.core, &b.core, 1.0) else {
