@@ -98,6 +98,11 @@
 //! of opposite orientation is a cavity. The inside test runs only if no triangles meet, and is exact like everything
 //! else. Spheres are solid.
 //!
+//! **Shapes.** Spheres, capsules, cuboids, cylinders, cones and half-spaces are themselves ([`primitive::Shape`]), not
+//! meshes. One shape needs no tree: [`query::Query::collide_shape`] tests it against a tree,
+//! [`primitive::shape::meets`] against another shape, and a scene takes it as a body. [`construct::ShapeSet`] builds one
+//! tree of many. Which verdicts are exact, and which are only certain if free, is listed in [`primitive::shape`].
+//!
 //! **`Unknown`.** A query without a budget always ends with `Hit` or `Free`. One with a budget
 //! ([`query::Query::with_budget`]) may run out of it and return [`query::Verdict::Unknown`]: the bodies may meet. If
 //! safety is at stake, test [`query::Answer::is_free`], which is true only if freedom is proven. `Unknown` has bounds
