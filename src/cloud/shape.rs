@@ -11,8 +11,8 @@ use crate::query::{Answer, Hint, Pair, Query, QueryStats, Verdict};
 use core::ops::ControlFlow;
 
 impl CloudRef<'_> {
-    /// Whether a shape in the cloud's frame comes within `margin` of a point. Touching counts. In the answer, `b` is the
-    /// point.
+    /// Whether a shape in the cloud's frame comes within `margin` of a point. Touching counts. In the answer, `b` is
+    /// the point.
     // Not inlined: scenes without clouds should not pay for its stack frame.
     #[inline(never)]
     pub(crate) fn shape_within(&self, query: &Query, shape: &Shape, margin: f64) -> Answer {

@@ -43,7 +43,8 @@ pub enum Core {
     /// All points p with `normal . p <= offset`.
     HalfSpace {
         /// Points outwards. The largest component is between 1/2 and 1 up to rounding
-        /// ([`Shape::half_space`](super::Shape::half_space) scales it by a power of two); of a moved one, at least 1/4 and at most 2.
+        /// ([`Shape::half_space`](super::Shape::half_space) scales it by a power of two); of a moved one, at least 1/4
+        /// and at most 2.
         normal: Point,
         /// In units of the normal's length.
         offset: f64,

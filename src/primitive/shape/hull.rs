@@ -13,9 +13,9 @@ const MOST: usize = 16;
 /// Allowance for the roundings of a corner: a dozen, relative to the sum of the magnitudes.
 const ROUNDING: f64 = power_of_two(-48);
 
-/// A pose moves a disc as one that is perpendicular to the moved axis, with the same radius. Its matrix, which is within
-/// [`Pose::TOLERANCE`] of a rotation, moves the points of the disc elsewhere by up to this share of the radius, so that
-/// discs are bounded with as much room in all directions.
+/// A pose moves a disc as one that is perpendicular to the moved axis, with the same radius. Its matrix, which is
+/// within [`Pose::TOLERANCE`] of a rotation, moves the points of the disc elsewhere by up to this share of the radius,
+/// so that discs are bounded with as much room in all directions.
 const SKEW: f64 = power_of_two(-11);
 const _: () = assert!(SKEW > 4.0 * Pose::TOLERANCE);
 

@@ -22,8 +22,8 @@ const TIGHT: f64 = power_of_two(-42);
 
 impl Query {
     /// Whether a shape, placed by `pose` in the frame of body B, meets B; or is inside of B, which is
-    /// [solid](crate::construct::Builder::solid). Touching counts. As [`Query::collide`] with a body A of one primitive,
-    /// but without a tree and with half-spaces, too.
+    /// [solid](crate::construct::Builder::solid). Touching counts. As [`Query::collide`] with a body A of one
+    /// primitive, but without a tree and with half-spaces, too.
     ///
     /// ```
     /// # use simdop::{Builder, Isa, Mesh, Pose, Query};
