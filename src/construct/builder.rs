@@ -2,7 +2,7 @@
 
 use super::bake::{Contents, bake};
 use super::error::BuildError;
-use super::input::{Checked, Geometry, Mesh};
+use super::input::{Caps, Checked, Geometry, Mesh};
 use super::split::{Assignment, Items, Progress, Splitter};
 use crate::hierarchy::Bvh;
 use crate::node::{Dop, MAX_LEAF_SIZE, Node16};
@@ -17,7 +17,16 @@ pub struct Builder {
     pub(super) leaf_size: u32,
     has_normal_slabs: bool,
     has_balls: bool,
-    is_solid: bool,
+    inside: Inside,
+}
+
+/// What a mesh bounds.
+#[derive(Copy, Clone, PartialEq, Eq, Debug)]
+enum Inside {
+    Surface,
+    Solid,
+    /// A solid with caps over holes of at most this width: the bits of an `f64`, so that builders are `Eq`.
+    Capped(u64),
 }
 
 impl Default for Builder {
@@ -55,7 +64,7 @@ impl Builder {
             leaf_size: 1,
             has_normal_slabs: true,
             has_balls: true,
-            is_solid: false,
+            inside: Inside::Surface,
         }
     }
 
@@ -119,7 +128,52 @@ impl Builder {
     /// ```
     #[must_use]
     pub const fn solid(self) -> Self {
-        Self { is_solid: true, ..self }
+        Self { inside: Inside::Solid, ..self }
+    }
+
+    /// [`Builder::solid`], for a mesh that need not be closed: holes of at most this width are capped. The width of a
+    /// hole is the greatest distance of two corners of its border, in the mesh's unit.
+    ///
+    /// The border of a mesh is where not as many triangles run along an edge in one direction as in the other, after
+    /// joining vertices with equal coordinates. It falls into loops, which are the holes: gaps between triangles, but
+    /// also the outlines of triangles that are turned the wrong way, and of walls inside a solid, whose edges have three
+    /// triangles. A cap is a fan of triangles from one corner of a loop to its edges. Over a flat hole it is flat. Of
+    /// the fans over another hole, it is the one with the least area.
+    ///
+    /// Caps only complete the surface around which winding numbers are counted:
+    ///
+    /// * A body is a hit if any point of it is inside, as everywhere in a solid, or on a cap. The hit names a primitive
+    ///   at the border of a hole, never a cap.
+    /// * The distance of a body outside is that from the triangles of the mesh, however near it is to a cap. So it may
+    ///   fall to 0 at once, where the body reaches a cap. [`within`](crate::query::Query::within), of a margin above 0,
+    ///   and the radius of a [scene's body](crate::scene::Body::with_radius) do not see caps either.
+    /// * [`check_motion`](crate::scene::Scene::check_motion) and
+    ///   [`classify_pair`](crate::scene::Scene::classify_pair) do, so a motion through a hole is never free.
+    ///
+    /// [`BvhRef::cap_stats`](crate::hierarchy::BvhRef::cap_stats) reports what was capped. The bytes of a closed mesh
+    /// are those of [`Builder::solid`].
+    ///
+    /// ```
+    /// use simdop::construct::{BuildError, OwnedMesh};
+    /// use simdop::{Builder, Isa, Pose, Query};
+    ///
+    /// let mut open = OwnedMesh::cuboid([1.0; 3])?;
+    /// open.triangles.truncate(10); // a side is missing
+    /// let error = Builder::new().solid_with_caps(1.0).build(&open.as_mesh()).unwrap_err();
+    /// assert!(matches!(error, BuildError::Hole { width, .. } if width == 2.0_f64.sqrt()));
+    ///
+    /// let solid = Builder::new().solid_with_caps(1.5).build(&open.as_mesh())?;
+    /// let caps = solid.view().cap_stats();
+    /// assert_eq!((caps.holes, caps.triangles), (1, 2));
+    ///
+    /// let small = Builder::new().build(&OwnedMesh::cuboid([0.1; 3])?.as_mesh())?;
+    /// let answer = Query::new(Isa::detect()).collide(&small, &solid, &Pose::IDENTITY);
+    /// assert!(answer.hit().is_some());
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    #[must_use]
+    pub const fn solid_with_caps(self, width: f64) -> Self {
+        Self { inside: Inside::Capped(width.to_bits()), ..self }
     }
 
     /// Builds the hierarchy of a mesh, with k = 18 and arity 16. [`Builder::build_as`] builds other node types.
@@ -217,12 +271,16 @@ impl Builder {
             return Err(BuildError::LeafSize { asked: self.leaf_size }.into());
         }
         let table = Checked::new(geometry)?;
-        if self.is_solid && G::Primitive::BOUNDS_SOLIDS {
-            table.check_closed()?;
-        }
+        let inside = if G::Primitive::BOUNDS_SOLIDS { self.inside } else { Inside::Surface };
+        let caps = match inside {
+            Inside::Surface => Caps::default(),
+            Inside::Solid => table.check_closed().map(|()| Caps::default())?,
+            Inside::Capped(width) => table.caps(f64::from_bits(width))?,
+        };
         let assignment = assign(&table)?;
-        let Self { leaf_size, has_normal_slabs, has_balls, is_solid, .. } = *self;
-        let contents = Contents { leaf_size, has_normal_slabs, has_balls, is_solid };
+        let Self { leaf_size, has_normal_slabs, has_balls, .. } = *self;
+        let is_solid = inside != Inside::Surface;
+        let contents = Contents { leaf_size, has_normal_slabs, has_balls, is_solid, caps: &caps };
         Ok(bake::<N, G>(&table, assignment.borrow(), contents)?)
     }
 }
