@@ -20,13 +20,18 @@ pub struct CapStats {
 }
 
 impl<'a, N: Node, P: Primitive> BvhRef<'a, N, P> {
+    /// Whether holes are capped.
+    #[inline(always)]
+    pub(crate) const fn has_caps(&self) -> bool {
+        !self.caps.is_empty()
+    }
+
     /// The tree of the caps, if the solid has any. It has the frame of this tree, and is itself a surface.
     /// [`BvhRef::parts`] of it is one triangle of each hole, and [`BvhRef::source`] is the index, in this tree's leaf
     /// order, of a primitive at the border of the triangle's hole.
     #[must_use]
     pub fn caps(&self) -> Option<Self> {
-        // Surfaces and most solids return here.
-        if self.caps.is_empty() { None } else { self.tree_of_caps() }
+        if self.has_caps() { self.tree_of_caps() } else { None }
     }
 
     #[cold]

@@ -29,7 +29,7 @@ impl<N: Dop, P: Primitive> BvhRef<'_, N, P> {
     /// [`FormatError`] describes the first fault.
     pub fn validate(&self) -> Result<(), FormatError> {
         self.validate_tree(self.header.primitive_count)?;
-        if self.caps.is_empty() { Ok(()) } else { self.validate_caps() }
+        if self.has_caps() { self.validate_caps() } else { Ok(()) }
     }
 
     fn validate_caps(&self) -> Result<(), FormatError> {

@@ -88,6 +88,14 @@ impl<N: Dop> BodyTree<'_, N> {
         }
     }
 
+    /// The caps of a solid, as a body.
+    pub(super) fn caps(&self) -> Option<Self> {
+        match self {
+            Self::Mesh(tree) => tree.caps().map(Self::Mesh),
+            Self::Spheres(_) | Self::PointCloud(_) => None,
+        }
+    }
+
     /// Upper bound of the primitives' radii, in the body's unit.
     pub(super) fn greatest_radius(&self) -> f64 {
         let is_round = match self {
