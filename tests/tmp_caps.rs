@@ -1,9 +1,9 @@
 //! x
 extern crate alloc;
-#[path = "support/mod.rs"]
-mod support;
 #[path = "queries/caps.rs"]
 mod caps;
+#[path = "support/mod.rs"]
+mod support;
 use simdop::construct::Mesh;
 use support::data::MeshData;
 fn mesh_of(mesh: &MeshData) -> Mesh<'_> {
