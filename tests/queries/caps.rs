@@ -622,7 +622,7 @@ fn holes_that_are_too_wide_are_named() {
     let error = mesh_of(&soup).caps(f64::INFINITY).unwrap_err();
     assert_eq!(
         error,
-        BuildError::TooManyCaps { count: 16_385, edge: [0, 1], corners: [[0.0; 3], [0.25, 0.0625, 0.0]] }
+        BuildError::TooManyCaps { count: 16_385, edge: [0, 2], corners: [[0.0; 3], [0.5, 0.25, 0.0]] }
     );
     let few = MeshData { triangles: soup.triangles[1..].to_vec(), ..soup };
     assert_eq!(mesh_of(&few).caps(1.0).unwrap().stats.holes, 16_384);
@@ -745,7 +745,7 @@ fn bodies_are_hits_inside_and_on_caps() {
         check_bodies::<Node16<18>>(mesh, count, &mut rng, &mut seen);
     }
     println!("{seen:?} touching, inside, on a cap, free");
-    assert!(count < 100 || seen.iter().all(|&n| n > 5 * count), "{seen:?}");
+    assert!(count < 100 || seen.iter().all(|&n| n > 2 * count), "{seen:?}");
 }
 
 /// A cube wholly inside of a link with holes is a hit if these are capped, and free of the surface.
@@ -922,7 +922,7 @@ fn packings_and_covers_take_the_caps() {
 #[test]
 fn damaged_caps_are_refused() {
     let mut mesh = tunnel();
-    append(&mut mesh, &scaled(&open_cube(), 0.25, [0.3, 0.0, 0.0]));
+    append(&mut mesh, &scaled(&open_cube(), 0.25, [0.25, 0.0, 0.0]));
     let tree = capped::<Node16<18>>(&mesh);
     let (view, bytes) = (tree.view(), tree.as_bytes());
     let lines = usize::from(view.header().cap_lines);
