@@ -145,9 +145,17 @@ impl CapsReport {
 
 impl fmt::Display for CapsReport {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let (many, width) = (if self.holes == 1 { "" } else { "s" }, self.width);
-        write!(f, "{} hole{many} capped, at most {width:.4e} wide", self.holes)
+        let many = if self.holes == 1 { "" } else { "s" };
+        write!(f, "{} hole{many} capped, at most {} wide", self.holes, rounded_up(self.width))
     }
+}
+
+/// A width to five digits, rounded up, so that it is a limit that holds.
+pub(super) fn rounded_up(width: f64) -> f64 {
+    let step = 10_f64.powf(width.log10().floor() - 4.0);
+    let digits = |x: f64| format!("{x:.4e}").parse().unwrap_or(x);
+    let near: f64 = digits(width);
+    if near < width { digits(near + step) } else { near }
 }
 
 /// Builds the tree of a mesh.
@@ -235,4 +243,17 @@ pub(super) fn pair(paths: [&PathBuf; 2], options: &TreeOptions, quiet: bool) -> 
 pub(super) fn query(isa: Isa, budget: Option<u64>) -> Query {
     let query = Query::new(isa);
     budget.map_or(query, |visits| query.with_budget(visits))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::rounded_up;
+
+    #[test]
+    fn widths_are_rounded_up_to_five_digits() {
+        let of = [2.0_f64.sqrt(), 0.5, 1.0, 99_999.2, 1e-9, 1.000_01e-7, 123_456.0, 0.003_784_741];
+        let want = [1.4143, 0.5, 1.0, 1e5, 1e-9, 1.0001e-7, 123_460.0, 0.003_784_8];
+        assert_eq!(of.map(rounded_up), want);
+        assert!(of.iter().all(|x| rounded_up(*x) >= *x));
+    }
 }

@@ -122,7 +122,8 @@ fn print(report: &Report, json: bool) -> std::io::Result<()> {
     if let Some(CapsReport { holes, triangles, width }) = report.caps {
         writeln!(
             out,
-            "holes               {holes:>12}   capped by {triangles} triangles, at most {width:.4e} wide"
+            "holes               {holes:>12}   capped by {triangles} triangles, at most {} wide",
+            body::rounded_up(width)
         )?;
     }
     writeln!(out, "vertices            {vertices:>12}   stored as {}", report.vertex_format)?;

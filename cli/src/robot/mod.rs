@@ -11,7 +11,7 @@ mod world;
 
 pub(super) use options::Options;
 
-use crate::body::CapsReport;
+use crate::body::{CapsReport, rounded_up};
 use crate::error::Error;
 use crate::progress;
 use crate::random::Random;
@@ -157,7 +157,7 @@ impl RobotReport {
         for BodyReport { name, shape, triangles, bytes, caps, widest_hole } in &self.bodies {
             let holes = match (caps, widest_hole) {
                 (Some(caps), _) => format!("  {caps}"),
-                (None, Some(width)) => format!("  with holes up to {width:.4e} wide"),
+                (None, Some(width)) => format!("  with holes up to {} wide", rounded_up(*width)),
                 (None, None) => String::new(),
             };
             writeln!(out, "{name:wide$}  {shape:8} {triangles:9} {bytes:9}{holes}")?;
