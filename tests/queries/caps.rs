@@ -744,8 +744,64 @@ fn bodies_are_hits_inside_and_on_caps() {
         println!("{name}");
         check_bodies::<Node16<18>>(mesh, count, &mut rng, &mut seen);
     }
-    println!("{seen:?} touching, inside, on a cap, free");
+    // The solid is the first body, and moved.
+    let dice = cuboid([-0.25; 3], [0.25; 3], false);
+    let small: Tree = Builder::new().build_as(&mesh_of(&dice)).unwrap();
+    let mut moved_seen = [0; 3];
+    for mesh in [ball(2, false), torus(8, 6), open_cube()] {
+        let mesh = cut(&mesh, 6, &mut rng);
+        let tree = capped::<Node16<18>>(&mesh);
+        for _ in 0..count / 4 {
+            let pose = pose(&rotation(&mut rng), [(); 3].map(|()| rng.range(-1.6, 1.6)));
+            let place = |all: &[Triangle]| all.iter().map(|t| t.map(|p| pose.apply(p))).collect::<Vec<_>>();
+            let found = Query::new(Isa::detect()).collide(&tree, &small, &pose);
+            let far = Query::new(Isa::detect()).distance(&tree, &small, &pose, 0.0).unwrap();
+            let is_touching = meshes_meet(&place(&mesh.corners()), &dice.corners());
+            let is_on = meshes_meet(&place(&caps_of(&tree)), &dice.corners());
+            let around = Oracle::new(place(&closed_by_caps(&mesh, &tree)));
+            let is_in = dice.vertices.iter().any(|p| around.place(p, &mut rng).is_in());
+            let is_hit = is_touching || is_on || is_in;
+            assert_eq!(found.hit().is_some(), is_hit, "{pose:?}");
+            assert_eq!((far.upper == 0.0, far.lower == 0.0), (is_hit, is_hit), "{pose:?}");
+            if let Some(pair) = found.hit() {
+                assert!((pair.a as usize) < mesh.triangles.len() && pair.b < 12);
+                moved_seen[if is_touching { 0 } else { 1 + usize::from(is_on) }] += 1;
+            }
+        }
+    }
+    println!("{moved_seen:?} {seen:?} touching, inside, on a cap, free");
+    assert!(count < 100 || moved_seen.iter().all(|&n| n > 0), "{moved_seen:?}");
     assert!(count < 100 || seen.iter().all(|&n| n > 2 * count), "{seen:?}");
+}
+
+/// Of the triangles that the ray crosses, and of those at the hole of a cap that it crosses, the first is named.
+#[test]
+fn what_is_beside_a_cap_is_named() {
+    let query = Query::new(Isa::detect());
+    for shift in 0..10 {
+        let mut mesh = open_cube();
+        mesh.triangles.rotate_left(shift);
+        let tree = capped::<Node16<18>>(&mesh);
+        let is_at_hole = |index: u32| {
+            let at = |&&v: &&u32| mesh.vertices[v as usize][0] == 1.0;
+            mesh.triangles[index as usize].iter().filter(at).count() == 2
+        };
+        let dot: Tree = Builder::new().build_as(&mesh_of(&separate([[[0.0; 3]; 3]]))).unwrap();
+        // The ray along x leaves through one cap or the other.
+        for t in [[0.0, 0.5, 0.1], [0.0, 0.1, 0.5], [0.0, -0.5, 0.1], [0.0, 0.1, -0.5]] {
+            let pair = query.collide(&dot, &tree, &at(t)).hit().unwrap();
+            assert!(is_at_hole(pair.b), "{pair:?}");
+            assert_eq!(query.distance(&dot, &tree, &at(t), 0.0).unwrap().witness.unwrap().pair, pair);
+        }
+        for x in [1.0, 1.05] {
+            let flag = separate([[[-0.1, 0.0, 0.0], [0.0, 0.1, 0.0], [0.0, 0.0, 0.1]]]);
+            let flag: Tree = Builder::new().build_as(&mesh_of(&flag)).unwrap();
+            let pair = query.collide(&flag, &tree, &at([x, 0.2, 0.3])).hit().unwrap();
+            assert!(is_at_hole(pair.b), "{pair:?}");
+            let witness = query.distance(&flag, &tree, &at([x, 0.2, 0.3]), 0.0).unwrap().witness.unwrap();
+            assert!(is_at_hole(witness.pair.b), "{witness:?}");
+        }
+    }
 }
 
 /// A cube wholly inside of a link with holes is a hit if these are capped, and free of the surface.

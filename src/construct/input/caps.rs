@@ -26,7 +26,7 @@ const MOST: usize = 1 << 14;
 /// Triangles that close the holes of a mesh: [`Mesh::caps`].
 #[derive(Clone, PartialEq, Default, Debug)]
 pub struct Caps {
-    /// Indices of the corners, among the mesh's vertices.
+    /// Indices of the corners; of vertices with equal coordinates, the first.
     pub triangles: Vec<[u32; 3]>,
     /// What was capped.
     pub stats: CapStats,
@@ -73,8 +73,7 @@ pub(in crate::construct) fn caps(
     triangles: impl Iterator<Item = [u32; 3]>,
     width: f64,
 ) -> Result<Caps, BuildError> {
-    let border = Border::of(vertices, triangles);
-    let loops = border.loops();
+    let loops = Border::of(vertices, triangles).loops();
     let widths = widths(vertices, &loops, width)?;
     let mut caps = Caps::default();
     for ((hole, around), width) in (0..).zip(&loops).zip(widths) {
@@ -82,7 +81,7 @@ pub(in crate::construct) fn caps(
         let corner = |i: usize| around[(apex + i) % around.len()];
         for i in 1..around.len() - 1 {
             let edge = corner(i);
-            caps.triangles.push([corner(0).from, edge.from, edge.to].map(|v| border.used[v as usize]));
+            caps.triangles.push([corner(0).from, edge.from, edge.to]);
             caps.beside.push(edge.beside);
             caps.holes.push(hole);
         }
@@ -101,28 +100,19 @@ struct BorderEdge {
     beside: u32,
 }
 
-/// The border that caps need.
-struct Border {
-    /// Sorted. An edge occurs as often as it has weight.
-    edges: Vec<BorderEdge>,
-    /// For the first vertex at a place, the first one there that a triangle uses.
-    used: Vec<u32>,
-}
+/// The border that caps need, sorted. An edge occurs as often as it has weight.
+struct Border(Vec<BorderEdge>);
 
-/// A closed path of edges that passes no vertex twice.
+/// A closed path along edges, which passes no vertex twice.
 type Loop = Vec<BorderEdge>;
 
 impl Border {
     fn of(vertices: &[Point], triangles: impl Iterator<Item = [u32; 3]>) -> Self {
         let first = first_at_place(vertices);
-        let mut used = alloc::vec![u32::MAX; vertices.len()];
         // Each with the direction in which a triangle runs along it, and the triangle.
         let mut along: Vec<([u32; 2], bool, u32)> = Vec::with_capacity(3 * triangles.size_hint().0);
         for (index, corners) in (0..).zip(triangles) {
             let t = corners.map(|v| first[v as usize]);
-            for (place, vertex) in t.into_iter().zip(corners) {
-                used[place as usize] = used[place as usize].min(vertex);
-            }
             for [a, b] in [[t[0], t[1]], [t[1], t[2]], [t[2], t[0]]] {
                 match a.cmp(&b) {
                     Ordering::Less => along.push(([a, b], true, index)),
@@ -143,27 +133,28 @@ impl Border {
             edges.extend(core::iter::repeat_n(BorderEdge { from, to, beside }, weight.unsigned_abs()));
         }
         edges.sort_unstable();
-        Self { edges, used }
+        Self(edges)
     }
 
     /// Loops that together are the border. At a vertex with several ways on, they take the lowest first.
     fn loops(&self) -> Vec<Loop> {
         const NOWHERE: usize = usize::MAX;
-        let starts = |vertex: u32| self.edges.partition_point(|edge| edge.from < vertex);
-        let mut is_taken = alloc::vec![false; self.edges.len()];
+        let edges = &self.0;
+        let starts = |vertex: u32| edges.partition_point(|edge| edge.from < vertex);
+        let mut is_taken = alloc::vec![false; edges.len()];
         // The place on the path of the edge that leaves a vertex, by the number of the vertex's first edge.
-        let mut places = alloc::vec![NOWHERE; self.edges.len()];
+        let mut places = alloc::vec![NOWHERE; edges.len()];
         let (mut loops, mut path): (Vec<Loop>, Vec<usize>) = (Vec::new(), Vec::new());
-        for start in 0..self.edges.len() {
+        for start in 0..edges.len() {
             let mut next = (!is_taken[start]).then_some(start);
             while let Some(edge) = next {
                 is_taken[edge] = true;
-                places[starts(self.edges[edge].from)] = path.len();
+                places[starts(edges[edge].from)] = path.len();
                 path.push(edge);
-                let here = starts(self.edges[edge].to);
+                let here = starts(edges[edge].to);
                 if places[here] != NOWHERE {
                     // Back at a vertex of the path: the part since then is a loop.
-                    let around: Loop = path.drain(places[here]..).map(|edge| self.edges[edge]).collect();
+                    let around: Loop = path.drain(places[here]..).map(|edge| edges[edge]).collect();
                     around.iter().for_each(|edge| places[starts(edge.from)] = NOWHERE);
                     loops.push(around);
                     if path.is_empty() {
@@ -171,8 +162,8 @@ impl Border {
                     }
                 }
                 // As many edges lead to a vertex as away from it, so there is one until the path is back at its start.
-                let of_vertex = |edge: &usize| self.edges[*edge].from == self.edges[here].from;
-                next = (here..self.edges.len()).take_while(of_vertex).find(|&edge| !is_taken[edge]);
+                let of_vertex = |edge: &usize| edges[*edge].from == edges[here].from;
+                next = (here..edges.len()).take_while(of_vertex).find(|&edge| !is_taken[edge]);
             }
         }
         loops
@@ -245,11 +236,11 @@ mod tests {
     /// Every edge is in one loop, and no loop passes a vertex twice.
     fn check_loops(mut edges: Vec<BorderEdge>) -> Vec<usize> {
         edges.sort_unstable();
-        let border = Border { edges, used: Vec::new() };
+        let border = Border(edges);
         let loops = border.loops();
         let mut all: Vec<BorderEdge> = loops.concat();
         all.sort_unstable();
-        assert_eq!(all, border.edges);
+        assert_eq!(all, border.0);
         for around in &loops {
             for (i, edge) in around.iter().enumerate() {
                 assert_eq!(edge.to, around[(i + 1) % around.len()].from);
@@ -302,14 +293,6 @@ mod tests {
                     walk.push(walk[0]);
                 }
                 edges.extend(walk.windows(2).map(|pair| edge(pair[0], pair[1])));
-            }
-            for i in (0..edges.len()).rev() {
-                let back = edges[..i].iter().position(|e| (e.from, e.to) == (edges[i].to, edges[i].from));
-                if let Some(j) = back {
-                    edges.swap_remove(i);
-                    edges.remove(j);
-                    break;
-                }
             }
             let _ = check_loops(without_opposites(edges));
         }
