@@ -794,7 +794,7 @@ fn what_is_beside_a_cap_is_named() {
             assert_eq!(query.distance(&dot, &tree, &at(t), 0.0).unwrap().witness.unwrap().pair, pair);
         }
         for x in [1.0, 1.05] {
-            let flag = separate([[[-0.1, 0.0, 0.0], [0.0, 0.1, 0.0], [0.0, 0.0, 0.1]]]);
+            let flag = separate([[[0.0, 0.1, 0.0], [-0.1, 0.0, 0.0], [0.0, 0.0, 0.1]]]);
             let flag: Tree = Builder::new().build_as(&mesh_of(&flag)).unwrap();
             let pair = query.collide(&flag, &tree, &at([x, 0.2, 0.3])).hit().unwrap();
             assert!(is_at_hole(pair.b), "{pair:?}");
@@ -1063,19 +1063,14 @@ fn damaged_caps_are_refused() {
     let vertices = inner(128 + size_of_val(view.nodes()));
     let records = vertices + (12 * view.header().vertex_count as usize).next_multiple_of(4);
     assert_eq!(view.header().vertex_size, 12);
-    let far = |b: &mut [u8]| {
-        // The tree of the caps accepts it, but not the solid, which is smaller.
-        for (offset, value) in [(offset_of!(Header, max_coordinate), 1e3), (offset_of!(Header, radius), 1e3)]
-        {
-            b[inner(offset)..inner(offset) + 8].copy_from_slice(&f64::to_le_bytes(value));
-        }
-        let half = inner(offset_of!(Header, half_width));
-        let wide = f32::from_le_bytes(b[half..half + 4].try_into().unwrap()) * 4.0;
-        (0..3).for_each(|i| b[half + 4 * i..half + 4 * i + 4].copy_from_slice(&wide.to_le_bytes()));
-        b[vertices..vertices + 4].copy_from_slice(&2.0_f32.to_le_bytes());
-    };
-    let wrong = error(&far);
-    assert!(matches!(wrong, Some(FormatError::Caps { .. })), "{wrong:?}");
+    // The caps of a larger solid in the same frame.
+    let [large, small] = [1.0, 0.75].map(|size| capped::<Node16<18>>(&scaled(&open_cube(), size, [0.0; 3])));
+    assert_eq!(large.view().frame(), small.view().frame());
+    let tail = |tree: &Tree| 64 * usize::from(tree.view().header().cap_lines);
+    let (from_large, of_small) =
+        (large.as_bytes().len() - tail(&large), small.as_bytes().len() - tail(&small));
+    let mixed = [&small.as_bytes()[..of_small], &large.as_bytes()[from_large..]].concat();
+    assert_eq!(Bvh::<Node16<18>>::from_bytes(&mixed).err(), caps("a vertex is outside of the solid's box"));
     // Caps that do not fit are found by `verify`: with another corner, and turned.
     let changed = |change: &dyn Fn(&mut [u8])| with(change).unwrap().view().verify().unwrap_err();
     let (nodes, k) = (tree.view().header().node_count, 18);
