@@ -248,9 +248,9 @@ fn built(builder: Builder, mesh: &Mesh<'_>, storage: c_int) -> Result<simdop_bod
 }
 
 /// Builds a solid like simdop_body_build_solid(), with planes in `storage`, a simdop_storage, from triangles that need
-/// not be closed: holes of at most this width are capped. The width of a hole is the greatest distance of two corners of
-/// its border. Caps count for what is inside, and for nothing else: no distance is that of a cap, and no pair names one.
-/// A body on a cap is a hit. simdop_body_caps() tells what was capped.
+/// not be closed: holes of at most this width are capped. The width of a hole is the greatest distance of two corners
+/// of its border. Caps count for what is inside, and for nothing else: no distance is measured from a cap, and no pair
+/// names one. A body that meets a cap is partly inside, and a hit. simdop_body_caps() reports what was capped.
 ///
 /// # Safety
 /// The arrays have the stated lengths.

@@ -205,8 +205,8 @@ fn print(report: &Report, json: bool, out: &mut dyn Write) -> std::io::Result<()
     let caps = report.caps.map_or_else(String::new, |caps| format!(" ({caps})"));
     writeln!(
         out,
-        "{mesh}: {triangles} {what}{caps} within {spheres} spheres, none farther than {error:.6e} from {from}; {bytes} bytes \
-         as a tree, {:.2} s",
+        "{mesh}: {triangles} {what}{caps} within {spheres} spheres, none farther than {error:.6e} from {from}; {bytes} \
+         bytes as a tree, {:.2} s",
         *cover_nanoseconds as f64 * 1e-9
     )
 }

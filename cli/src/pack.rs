@@ -27,8 +27,8 @@ pub(super) struct Options {
         value_parser = clap::value_parser!(u32).range(1..)
     )]
     spheres: u32,
-    /// Cap the holes of the mesh, none of which may be wider than this: the greatest distance of two corners of a hole's
-    /// border, in the mesh's unit. Caps bound the packing like triangles.
+    /// Cap the holes of the mesh, none of which may be wider than this: the greatest distance of two corners of a
+    /// hole's border, in the mesh's unit. Caps bound the packing like triangles.
     #[arg(long, value_name = "LENGTH", value_parser = crate::length)]
     cap: Option<f64>,
     /// The packing to write, one sphere per line: x y z r. An existing file is replaced atomically, once the packing is

@@ -104,6 +104,7 @@ impl Builder {
     /// as are nested shells of the same orientation, while a nested shell of the opposite orientation bounds a cavity.
     /// A mesh that is turned inside out is just as solid. The mesh must be closed: after joining vertices with equal
     /// coordinates, as many triangles run along each edge in one direction as in the other. An empty mesh is closed.
+    /// [`Builder::solid_with_caps`] takes meshes with holes.
     ///
     /// Sets of spheres are always solid: for them this setting changes nothing.
     ///
@@ -134,21 +135,21 @@ impl Builder {
     /// [`Builder::solid`], for a mesh that need not be closed: holes of at most this width are capped. The width of a
     /// hole is the greatest distance of two corners of its border, in the mesh's unit.
     ///
-    /// The border of a mesh is where not as many triangles run along an edge in one direction as in the other, after
-    /// joining vertices with equal coordinates. It falls into loops, which are the holes: gaps between triangles, but
-    /// also the outlines of triangles that are turned the wrong way, and of walls inside a solid, whose edges have three
-    /// triangles. A cap is a fan of triangles from one corner of a loop to its edges. Over a flat hole it is flat. Of
-    /// the fans over another hole, it is the one with the least area.
+    /// The border of a mesh consists of the edges along which not as many triangles run in one direction as in the
+    /// other, after joining vertices with equal coordinates. It decomposes into loops, the holes: gaps between
+    /// triangles, but also the outlines of triangles that are oriented the wrong way, and of walls inside a solid, at
+    /// whose edges three triangles meet. A cap is a fan of triangles from one corner of a loop to its edges: over a
+    /// flat hole it is flat, and over any other it is the fan of least area.
     ///
-    /// Caps only complete the surface around which winding numbers are counted:
+    /// Caps count for what is inside, and for nothing else:
     ///
-    /// * A body is a hit if any point of it is inside, as everywhere in a solid, or on a cap. The hit names a primitive
-    ///   at the border of a hole, never a cap.
-    /// * The distance of a body outside is that from the triangles of the mesh, however near it is to a cap. So it may
-    ///   fall to 0 at once, where the body reaches a cap. [`within`](crate::query::Query::within), of a margin above 0,
-    ///   and the radius of a [scene's body](crate::scene::Body::with_radius) do not see caps either.
+    /// * A body is a hit if any point of it is inside or on a cap, even if it touches no triangle. The hit names a
+    ///   primitive at the border of the hole, never a cap.
+    /// * Distances are those from the triangles of the mesh, and 0 for a body that is a hit. So a distance may drop to 0
+    ///   where a body reaches a cap. Neither [`within`](crate::query::Query::within) with a margin nor the radius of
+    ///   [a body in a scene](crate::scene::Body::with_radius) extends to caps.
     /// * [`check_motion`](crate::scene::Scene::check_motion) and
-    ///   [`classify_pair`](crate::scene::Scene::classify_pair) do, so a motion through a hole is never free.
+    ///   [`classify_pair`](crate::scene::Scene::classify_pair) never certify a motion through a cap as free.
     ///
     /// [`BvhRef::cap_stats`](crate::hierarchy::BvhRef::cap_stats) reports what was capped. The bytes of a closed mesh
     /// are those of [`Builder::solid`].

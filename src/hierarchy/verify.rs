@@ -16,10 +16,10 @@ pub struct VerifyError {
     /// Lane in the node.
     pub lane: u32,
     /// Index of the direction; k and k + 1 for the low and the high end of the normal slab; k + 2 for the ball; k + 3
-    /// for the sum of volumes stored with it, where `primitive` is the first one below the lane; k + 4 for a cap with an
-    /// edge at which it does not close the surface.
+    /// for the sum of volumes stored with it, where `primitive` is the first one below the lane; k + 4 for a cap that
+    /// does not close the surface at one of its edges.
     pub plane: u32,
-    /// Index of the primitive in what was built. For a cap, [its source](BvhRef::caps).
+    /// Index of the primitive in what was built. For a cap, its [source index](BvhRef::caps).
     pub primitive: u32,
 }
 
@@ -39,8 +39,8 @@ impl<N: Dop, P: Primitive> BvhRef<'_, N, P> {
     /// radius, integers compare squares. (The volumes below a lane are summed in `f64`, in the packer's order.) Cost:
     /// primitives x depth x k.
     ///
-    /// The same is proved for the tree of the [caps](Self::caps), and that as many triangles and caps run along each edge
-    /// of a cap in one direction as in the other. Cost: caps x (caps + primitives).
+    /// The same is proved for the tree of the [caps](Self::caps), and that as many triangles and caps run along each
+    /// edge of a cap in one direction as in the other. Cost: caps x (caps + primitives).
     ///
     /// It does not prove that the triangles of a solid form a closed surface elsewhere, nor which primitives are
     /// connected. Bytes with wrong parts or a wrong solid flag may give a wrong answer to whether a body is inside of

@@ -6,9 +6,9 @@
 //! ([`Primitive::crossing`]). The ray runs along the first axis of B's frame, whichever body is the solid, so that the
 //! test uses the same numbers as all others: corners of A as [`Pose::apply`] moves them.
 //!
-//! The sum is over the triangles of the mesh and over its [caps](BvhRef::caps). A part that meets no triangle may still
-//! meet a cap, and then is neither inside nor outside: [`Query::collide`] tests that with the tree of the caps, and
-//! [`Query::distance`] searches it. A part on a cap counts as inside.
+//! The sum includes the [caps](BvhRef::caps) of the solid. A part that meets no triangle may meet a cap, and then is
+//! neither wholly inside nor wholly outside. It counts as inside: [`Query::collide`] and [`Query::distance`] test the
+//! tree of the caps as well.
 //!
 //! For the volumes of the solid's tree the ray is a k-DOP ([`Ray`]), with which the kernels traverse the tree. None of
 //! this runs in a traversal: it is called only if a body is solid and no primitives met.
@@ -157,7 +157,7 @@ fn around_on<N: Lanes, P: Primitive, E: Kernel>(
             let mut path = [Descended { node: 0, lanes: 0 }; MAX_DEPTH];
             let mut level = 0;
             let mut next = (!solid.tree.is_empty()).then_some(0);
-            // First the primitives, then the caps, whose tree is in the same frame.
+            // The primitives, then the caps: their tree has the same frame, so that the ray's planes are the same.
             let caps = solid.tree.caps();
             let mut tree = solid.tree;
             let mut of_caps = caps.as_ref();

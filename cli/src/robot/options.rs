@@ -16,8 +16,8 @@ pub(crate) struct Options {
     /// Which shapes of a link are its bodies. Closed meshes become solids, others surfaces.
     #[arg(long, value_enum, default_value = "collision")]
     pub(super) shapes: ShapesName,
-    /// Cap the holes of meshes that have none wider than this, so that they become solids, too: the greatest distance of
-    /// two corners of a hole's border, in the robot's unit.
+    /// Cap the holes of meshes that have none wider than this, so that they become solids, too: the greatest distance
+    /// of two corners of a hole's border, in the robot's unit.
     #[arg(long, value_name = "LENGTH", value_parser = crate::length)]
     pub(super) cap: Option<f64>,
     /// Planning problems, one JSON object per line in MotionBenchMaker's form: `start`, `goals` and `obstacles`. Are

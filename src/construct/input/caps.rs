@@ -1,16 +1,18 @@
 //! Caps: triangles that close the holes of a mesh.
 //!
-//! Vertices at one place are one. For each edge, count the triangles along it in one direction less those in the other:
-//! the border of the surface, a chain of edges with integer weights. The border of a border is zero, so as many edges
-//! lead to a vertex as away from it, and the chain falls into loops that pass no vertex twice. A fan of triangles from
-//! one vertex of a loop to its edges has that loop as its border. With all these fans turned the other way, the surface
-//! has no border, so its winding number around any point not on it is an integer that does not depend on the ray by
-//! which it is counted. That is so for any surface: an edge of three triangles, or of two that are not oriented alike, is
-//! a part of the border like any other.
+//! Vertices with equal coordinates are joined. The weight of an edge is the number of triangles that run along it in
+//! one direction, less those in the other. The edges with their weights are a 1-chain, the border of the surface. The
+//! border of a border is zero, so as many edges lead to each vertex as away from it, and the chain decomposes into
+//! loops that pass no vertex twice. The border of a fan of triangles, from one vertex of a loop to its edges, is the
+//! loop. So the surface together with the opposite of all fans has no border, and its winding number around a point is
+//! an integer that does not depend on the ray by which it is counted. This holds for any surface: an edge of three
+//! triangles, or of two with opposite orientations, is part of the border like any other.
 
 use super::closed::first_at_place;
 use super::geometry::Mesh;
 use super::ranges::{check_records, check_vertices};
+#[cfg(doc)]
+use crate::construct::Builder;
 use crate::construct::error::BuildError;
 use crate::frame::scale_to_one;
 use crate::hierarchy::CapStats;
@@ -37,11 +39,11 @@ pub struct Caps {
 }
 
 impl Mesh<'_> {
-    /// The triangles that close the holes of this mesh, if none is wider than `width`, the greatest distance of two
-    /// corners of its border, in the mesh's unit. [`Builder::solid_with_caps`](crate::construct::Builder::solid_with_caps)
-    /// says what holes and caps are. Of a closed mesh there are none.
+    /// The triangles that close the holes of this mesh, if none is wider than `width`: the greatest distance of two
+    /// corners of a hole's border, in the mesh's unit. None for a closed mesh. [`Builder::solid_with_caps`] defines
+    /// holes and caps.
     ///
-    /// With the triangles of this mesh they are a closed mesh, which may be packed or covered.
+    /// Together with the triangles of this mesh they are a closed mesh, which may be packed or covered.
     ///
     /// ```
     /// use simdop::construct::{Mesh, OwnedMesh};
@@ -136,7 +138,7 @@ impl Border {
         Self(edges)
     }
 
-    /// Loops that together are the border. At a vertex with several ways on, they take the lowest first.
+    /// Loops whose sum is the border. At a vertex with several outgoing edges they follow the lowest first.
     fn loops(&self) -> Vec<Loop> {
         const NOWHERE: usize = usize::MAX;
         let edges = &self.0;
@@ -153,7 +155,7 @@ impl Border {
                 path.push(edge);
                 let here = starts(edges[edge].to);
                 if places[here] != NOWHERE {
-                    // Back at a vertex of the path: the part since then is a loop.
+                    // A vertex of the path again: the path since then is a loop.
                     let around: Loop = path.drain(places[here]..).map(|edge| edges[edge]).collect();
                     around.iter().for_each(|edge| places[starts(edge.from)] = NOWHERE);
                     loops.push(around);
@@ -161,7 +163,7 @@ impl Border {
                         break;
                     }
                 }
-                // As many edges lead to a vertex as away from it, so there is one until the path is back at its start.
+                // As many edges lead to a vertex as away from it, so one is left unless the path is back at its start.
                 let of_vertex = |edge: &usize| edges[*edge].from == edges[here].from;
                 next = (here..edges.len()).take_while(of_vertex).find(|&edge| !is_taken[edge]);
             }
