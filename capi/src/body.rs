@@ -1,9 +1,9 @@
 //! Bodies: opened from bytes, or built.
 
-use crate::boundary::{given, guarded, items, make};
+use crate::boundary::{answered, given, guarded, items, make};
 use crate::error::{Failure, simdop_error};
 use simdop::construct::{Builder, Mesh, SphereSet};
-use simdop::hierarchy::{Bvh, BvhRef, Header};
+use simdop::hierarchy::{Bvh, BvhRef, CapStats, Header};
 use simdop::low_level::key::{Fixed, Half, Storage, StorageKind};
 use simdop::node::Node16;
 use simdop::primitive::{Kind, Sphere, Spheres, Triangles};
@@ -87,6 +87,15 @@ impl<S: Storage> Built<S> {
     }
 }
 
+impl<S: Storage> View<'_, S> {
+    fn cap_stats(&self) -> CapStats {
+        match self {
+            Self::Mesh(tree) => tree.cap_stats(),
+            Self::Spheres(_) => CapStats::default(),
+        }
+    }
+}
+
 impl<'t, S: Storage> View<'t, S> {
     fn open(bytes: &'t [u8], header: &Header) -> Result<Self, Failure> {
         Ok(if header.kind == Kind::SPHERES.code() {
@@ -102,6 +111,13 @@ impl AnyView<'_> {
         match self {
             Self::Fixed(_) => StorageKind::Fixed,
             Self::Half(_) => StorageKind::Half,
+        }
+    }
+
+    fn cap_stats(&self) -> CapStats {
+        match self {
+            Self::Fixed(view) => view.cap_stats(),
+            Self::Half(view) => view.cap_stats(),
         }
     }
 }
@@ -220,11 +236,66 @@ pub unsafe extern "C" fn simdop_body_build_triangles_as(
             // SAFETY: as above.
             triangles: unsafe { items(triangles.cast(), triangle_count, "triangles") }?,
         };
-        let builder = if is_solid == 0 { Builder::new() } else { Builder::new().solid() };
-        Ok(simdop_body(match simdop_storage::checked(storage)? {
-            simdop_storage::Fixed => Tree::Fixed(Built::Mesh(builder.build_as(&mesh)?)),
-            simdop_storage::Half => Tree::Half(Built::Mesh(builder.build_as(&mesh)?)),
-        }))
+        built(if is_solid == 0 { Builder::new() } else { Builder::new().solid() }, &mesh, storage)
+    })
+}
+
+fn built(builder: Builder, mesh: &Mesh<'_>, storage: c_int) -> Result<simdop_body, Failure> {
+    Ok(simdop_body(match simdop_storage::checked(storage)? {
+        simdop_storage::Fixed => Tree::Fixed(Built::Mesh(builder.build_as(mesh)?)),
+        simdop_storage::Half => Tree::Half(Built::Mesh(builder.build_as(mesh)?)),
+    }))
+}
+
+/// Builds a solid like simdop_body_build_solid(), with planes in `storage`, a simdop_storage, from triangles that need
+/// not be closed: holes of at most this width are capped. The width of a hole is the greatest distance of two corners
+/// of its border. Caps count for what is inside, and for nothing else: no distance is measured from a cap, and no pair
+/// names one. A body that meets a cap is partly inside, and a hit. simdop_body_caps() reports what was capped.
+///
+/// # Safety
+/// The arrays have the stated lengths.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn simdop_body_build_solid_with_caps(
+    vertices: *const f64,
+    vertex_count: usize,
+    triangles: *const u32,
+    triangle_count: usize,
+    width: f64,
+    storage: c_int,
+    body: Option<&mut MaybeUninit<Option<Box<simdop_body>>>>,
+) -> simdop_error {
+    make(body, "body", || {
+        let mesh = Mesh {
+            // SAFETY: the caller guarantees the length; three numbers in a row are aligned as one.
+            vertices: unsafe { items(vertices.cast(), vertex_count, "vertices") }?,
+            // SAFETY: as above.
+            triangles: unsafe { items(triangles.cast(), triangle_count, "triangles") }?,
+        };
+        built(Builder::new().solid_with_caps(width), &mesh, storage)
+    })
+}
+
+/// The holes of a body that are capped.
+#[repr(C)]
+#[derive(Copy, Clone, PartialEq, Debug)]
+pub struct simdop_caps {
+    /// Number of holes.
+    pub holes: usize,
+    /// Number of triangles in their caps.
+    pub triangles: usize,
+    /// The width of the widest, rounded up.
+    pub width: f64,
+}
+
+/// Writes what is capped of a body; zeros for a body without caps.
+#[unsafe(no_mangle)]
+pub extern "C" fn simdop_body_caps(
+    body: Option<&simdop_body>,
+    caps: Option<&mut MaybeUninit<simdop_caps>>,
+) -> simdop_error {
+    answered(caps, || {
+        let CapStats { holes, triangles, width } = given(body, "body")?.view().cap_stats();
+        Ok(simdop_caps { holes, triangles, width })
     })
 }
 

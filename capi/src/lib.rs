@@ -17,9 +17,9 @@ mod robot;
 mod scene;
 
 pub use body::{
-    simdop_body, simdop_body_build_solid, simdop_body_build_spheres, simdop_body_build_spheres_as,
-    simdop_body_build_surface, simdop_body_build_triangles_as, simdop_body_bytes, simdop_body_destroy,
-    simdop_body_open, simdop_storage,
+    simdop_body, simdop_body_build_solid, simdop_body_build_solid_with_caps, simdop_body_build_spheres,
+    simdop_body_build_spheres_as, simdop_body_build_surface, simdop_body_build_triangles_as,
+    simdop_body_bytes, simdop_body_caps, simdop_body_destroy, simdop_body_open, simdop_caps, simdop_storage,
 };
 pub use error::{simdop_error, simdop_error_text, simdop_last_error};
 pub use motion::simdop_motion;

@@ -13,7 +13,9 @@ use std::fs;
 use std::mem::{MaybeUninit, offset_of};
 use std::ptr::null;
 use support::robot::{faults, hinge};
-use support::{IDENTITY, answer, bytes, handle, open, solid, spheres, spheres_as, surface, triangles_as};
+use support::{
+    IDENTITY, answer, bytes, capped, handle, open, solid, spheres, spheres_as, surface, triangles_as,
+};
 
 const VERTICES: [[f64; 3]; 4] = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
 const TRIANGLES: [[u32; 3]; 4] = [[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]];
@@ -57,6 +59,14 @@ fn of_bytes() -> Vec<simdop_error> {
     let arity_4: Bvh<Node4<18>> = Builder::new().build_as(&TETRAHEDRON).unwrap();
 
     assert!(open(&copy.0[..count]).is_ok());
+    let body = capped(&Mesh { vertices: &VERTICES, triangles: &TRIANGLES[1..] }, 2.0, 0).unwrap();
+    let caps = answer(|caps| simdop_body_caps(Some(&body), caps)).unwrap();
+    assert_eq!((caps.holes, caps.triangles), (1, 1));
+    let (mut damaged, capped_count) = (Aligned([0; 4096]), bytes(&body).len());
+    damaged.0[..capped_count].copy_from_slice(bytes(&body));
+    let lines = damaged.0[offset_of!(Header, cap_lines)] as usize;
+    damaged.0[capped_count - 64 * lines] = 0;
+    let caps_without_magic = open(&damaged.0[..capped_count]).unwrap_err();
     let other_node = open(arity_4.as_bytes()).unwrap_err();
     assert!(last_error().contains("arity 4"), "{}", last_error());
     assert_eq!(opened_with(k, &[14, 0]), other_node);
@@ -80,6 +90,7 @@ fn of_bytes() -> Vec<simdop_error> {
         opened_with(records, &[8, 0, 0, 0]),
         opened_with(sources, &[8, 0, 0, 0]),
         opened_with(parts, &[8, 0, 0, 0]),
+        caps_without_magic,
     ]
 }
 
@@ -98,9 +109,15 @@ fn of_building() -> Vec<simdop_error> {
         // SAFETY: too many, or misaligned, which is detected before any is read.
         handle(|body| unsafe { simdop_body_build_spheres(first, count, body) }).unwrap_err()
     };
+    let third = |i: u32| [3 * i, 3 * i + 1, 3 * i + 2];
+    let many = (vec![VERTICES[..3].to_vec(); 16_385].concat(), (0..16_385).map(third).collect::<Vec<_>>());
+    let apart: Vec<_> = (0..).zip(&many.0).map(|(i, p)| [p[0], p[1], f64::from(i / 3)]).collect();
     vec![
         not_finite,
         open,
+        capped(&Mesh { vertices: &VERTICES, triangles: &TRIANGLES[1..] }, 1.0, 0).unwrap_err(),
+        capped(&Mesh { vertices: &apart, triangles: &many.1 }, 9.0, 0).unwrap_err(),
+        capped(&TETRAHEDRON, 1.0, 2).unwrap_err(),
         changed(f64::INFINITY),
         spheres(&[[0.0, 0.0, 0.0, -1.0]]).unwrap_err(),
         triangles_as(&TETRAHEDRON, false, 2).unwrap_err(),
@@ -282,6 +299,10 @@ fn of_null_arrays(scene: &simdop_scene) -> Vec<simdop_error> {
             handle(|body| simdop_body_build_triangles_as(numbers, 4, null(), 0, 0, 1, body)).unwrap_err(),
         );
         errors.push(simdop_body_build_triangles_as(numbers, 4, indices, 1, 0, 1, None));
+        let build = simdop_body_build_solid_with_caps;
+        errors.push(handle(|body| build(null(), 0, indices, 1, 1.0, 0, body)).unwrap_err());
+        errors.push(handle(|body| build(numbers, 4, null(), 0, 1.0, 0, body)).unwrap_err());
+        errors.push(build(numbers, 4, indices, 1, 1.0, 0, None));
         errors.push(handle(|body| simdop_body_build_spheres_as(null(), 1, 1, body)).unwrap_err());
         errors.push(simdop_body_build_spheres_as(numbers, 3, 1, None));
         errors.push(handle(|body| simdop_body_build_spheres(null(), 1, body)).unwrap_err());
@@ -312,6 +333,8 @@ fn of_null() -> Vec<simdop_error> {
     errors.push(simdop_body_bytes(None, Some(&mut first), Some(&mut count)));
     errors.push(simdop_body_bytes(some, None, Some(&mut count)));
     errors.push(simdop_body_bytes(some, Some(&mut first), None));
+    errors.push(answer(|caps| simdop_body_caps(None, caps)).unwrap_err());
+    errors.push(simdop_body_caps(some, None));
     for (a, b, pose) in [(None, some, pose), (some, None, pose), (some, some, None)] {
         errors.push(answer(|answer| simdop_collide(a, b, pose, no_budget, answer)).unwrap_err());
         errors.push(answer(|answer| simdop_within(a, b, pose, 0.0, no_budget, answer)).unwrap_err());

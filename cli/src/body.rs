@@ -3,10 +3,12 @@
 use super::error::Error;
 use super::mesh::{self, Empty, MeshData};
 use super::{TreeOptions, demo, progress};
+use core::fmt;
 use core::ops::ControlFlow;
 use core::time::Duration;
+use serde::Serialize;
 use simdop::construct::{Builder, Mesh, Progress, SphereSet};
-use simdop::hierarchy::{AnyBvh, Bvh, BvhRef, Header, Lane, MAGIC, NodeType};
+use simdop::hierarchy::{AnyBvh, Bvh, BvhRef, CapStats, Header, Lane, MAGIC, NodeType};
 use simdop::isa::Isa;
 use simdop::node::{Dop, Link, Node16};
 use simdop::primitive::{Primitive, Sphere, Spheres};
@@ -69,6 +71,14 @@ impl Source {
         }
     }
 
+    /// The width of the holes that are capped, if it is the tree of a solid with caps.
+    pub(super) fn cap_width(&self) -> Option<f64> {
+        match self {
+            Self::Tree(tree) => Some(tree.view().cap_stats().width).filter(|width| *width > 0.0),
+            Self::Mesh(_) => None,
+        }
+    }
+
     /// Whether it is the tree of a solid.
     pub(super) fn is_solid(&self) -> bool {
         matches!(self, Self::Tree(tree) if tree.view().header().is_solid != 0)
@@ -103,10 +113,49 @@ pub(super) fn read(path: &Path, options: &TreeOptions, quiet: bool) -> Result<So
     }
 }
 
-/// The mesh of a file, or the mesh that its tree was built from, with its name. Without a file: a built-in gear.
-pub(super) fn mesh_or_gear(path: Option<&Path>, quiet: bool) -> Result<(String, MeshData), Error> {
-    let Some(path) = path else { return Ok(("gear ring (built in)".into(), demo::gear())) };
-    Ok((path.display().to_string(), read(path, &TreeOptions::default(), quiet)?.into_mesh()))
+/// A file's name and contents. Without a file: a built-in gear.
+pub(super) fn source_or_gear(path: Option<&Path>, quiet: bool) -> Result<(String, Source), Error> {
+    let Some(path) = path else { return Ok(("gear ring (built in)".into(), Source::Mesh(demo::gear()))) };
+    Ok((path.display().to_string(), read(path, &TreeOptions::default(), quiet)?))
+}
+
+/// Adds caps over the holes of a mesh, if none is wider than `width`.
+pub(super) fn cap(name: &str, mesh: &mut MeshData, width: f64) -> Result<CapStats, Error> {
+    let caps = Mesh { vertices: &mesh.vertices, triangles: &mesh.triangles }.caps(width);
+    let caps = caps.map_err(|error| Error::Build { name: name.into(), error })?;
+    mesh.triangles.extend(caps.triangles);
+    Ok(caps.stats)
+}
+
+/// The holes of a body that are capped.
+#[derive(Serialize, Copy, Clone, Debug)]
+pub(super) struct CapsReport {
+    pub(super) holes: usize,
+    pub(super) triangles: usize,
+    /// Of the widest hole.
+    pub(super) width: f64,
+}
+
+impl CapsReport {
+    /// `None` if no hole is capped.
+    pub(super) fn of(CapStats { holes, triangles, width }: CapStats) -> Option<Self> {
+        (holes > 0).then_some(Self { holes, triangles, width })
+    }
+}
+
+impl fmt::Display for CapsReport {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let many = if self.holes == 1 { "" } else { "s" };
+        write!(f, "{} hole{many} capped, at most {} wide", self.holes, rounded_up(self.width))
+    }
+}
+
+/// A width to five digits, rounded up, so that it is a limit that holds.
+pub(super) fn rounded_up(width: f64) -> f64 {
+    let step = 10_f64.powf(width.log10().floor() - 4.0);
+    let digits = |x: f64| format!("{x:.4e}").parse().unwrap_or(x);
+    let near: f64 = digits(width);
+    if near < width { digits(near + step) } else { near }
 }
 
 /// Builds the tree of a mesh.
@@ -127,7 +176,11 @@ pub(super) fn build(
     let mesh = Mesh { vertices: &mesh.vertices, triangles: &mesh.triangles };
     let builder = Builder::new().leaf_size(options.leaf_size()).splitter(options.splitter().into());
     let builder = if options.without_normal_slabs { builder.without_normal_slabs() } else { builder };
-    let builder = if options.solid { builder.solid() } else { builder };
+    let builder = match options.cap {
+        Some(width) => builder.solid_with_caps(width),
+        None if options.solid => builder.solid(),
+        None => builder,
+    };
     let start = Instant::now();
     let tree = builder
         .build_any(&mesh, node, &mut observer)
@@ -190,4 +243,17 @@ pub(super) fn pair(paths: [&PathBuf; 2], options: &TreeOptions, quiet: bool) -> 
 pub(super) fn query(isa: Isa, budget: Option<u64>) -> Query {
     let query = Query::new(isa);
     budget.map_or(query, |visits| query.with_budget(visits))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::rounded_up;
+
+    #[test]
+    fn widths_are_rounded_up_to_five_digits() {
+        let of = [2.0_f64.sqrt(), 0.5, 1.0, 99_999.2, 1e-9, 1.000_01e-7, 123_456.0, 0.003_784_741];
+        let want = [1.4143, 0.5, 1.0, 1e5, 1e-9, 1.0001e-7, 123_460.0, 0.003_784_8];
+        assert_eq!(of.map(rounded_up), want);
+        assert!(of.iter().all(|x| rounded_up(*x) >= *x));
+    }
 }

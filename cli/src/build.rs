@@ -1,6 +1,6 @@
 //! `simdop build`.
 
-use super::body::{self, Source};
+use super::body::{self, CapsReport, Source};
 use super::error::Error;
 use super::output;
 use super::picture::{self, Format};
@@ -27,16 +27,18 @@ pub(super) fn run(options: &Options) -> Result<(), Error> {
     let targets = [("--output", options.output.as_deref()), ("--picture", options.picture.as_deref())];
     output::check_targets(Some(&options.mesh), targets)?;
     let mut tree_options = options.tree.clone();
-    let (mesh, given) = match body::read(&options.mesh, &options.tree, false)? {
+    let source = body::read(&options.mesh, &options.tree, false)?;
+    let (mesh, given) = match source {
         Source::Mesh(mesh) => (mesh, None),
         Source::Tree(_) if options.tree.allow_empty => {
             let name = options.mesh.display();
             return Err(Error::idle("--allow-empty", &name));
         }
-        Source::Tree(tree) => {
+        Source::Tree(ref tree) => {
             // The tree of a solid becomes one again.
             tree_options.solid |= tree.view().header().is_solid != 0;
-            (body::mesh_of(&tree), Some(tree.view().node_type()))
+            tree_options.cap = tree_options.cap.or(source.cap_width());
+            (body::mesh_of(tree), Some(tree.view().node_type()))
         }
     };
     let name = options.mesh.display().to_string();
@@ -51,14 +53,16 @@ pub(super) fn run(options: &Options) -> Result<(), Error> {
 
     let (header, stats) = (*body.tree.view().header(), body.tree.view().stats());
     let milliseconds = body.build.unwrap_or_default().as_secs_f64() * 1e3;
+    let caps = CapsReport::of(body.tree.view().cap_stats());
     let summary = format!(
-        "{}: {} triangles, {} vertices in {}, {} nodes, {} bytes, built in {milliseconds:.1} ms",
+        "{}: {} triangles, {} vertices in {}, {} nodes, {} bytes, {}built in {milliseconds:.1} ms",
         options.output.as_ref().unwrap_or(&options.mesh).display(),
         stats.primitives,
         header.vertex_count,
         body::vertex_format(&header),
         stats.nodes,
-        stats.total_bytes
+        stats.total_bytes,
+        caps.map_or_else(String::new, |caps| format!("{caps}, "))
     );
     output::say(options.output.as_deref(), |out| writeln!(out, "{summary}"))
 }

@@ -1,6 +1,6 @@
 //! `simdop collide`.
 
-use super::body::{self, Body};
+use super::body::{self, Body, CapsReport};
 use super::error::Error;
 use super::verdicts::{BodyReport, Pairs, PoseReport, Report, Summary};
 use super::{File, TreeOptions, demo, isa, poses, progress};
@@ -88,13 +88,14 @@ fn scene_of(options: &Options) -> Result<([Body; 2], Vec<Pose>), Error> {
 }
 
 fn body_report(body: &Body) -> BodyReport {
-    let header = body.tree.view().header();
+    let (header, caps) = (body.tree.view().header(), body.tree.view().cap_stats());
     let nanoseconds = |time: Option<Duration>| time.map(|t| t.as_nanos());
     BodyReport {
         name: body.name.clone(),
         triangles: header.primitive_count,
         degenerate_triangles: header.degenerate_count,
         leaf_size: header.leaf_size,
+        caps: CapsReport::of(caps),
         read_nanoseconds: nanoseconds(body.read),
         build_nanoseconds: nanoseconds(body.build),
     }

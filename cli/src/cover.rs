@@ -1,14 +1,14 @@
 //! `simdop cover`.
 
-use super::body;
+use super::body::{self, CapsReport};
 use super::error::Error;
 use super::mesh::{self, MeshData};
-use super::{File, TreeOptions, output, progress};
+use super::{File, output, progress};
 use clap::Args;
 use core::ops::ControlFlow;
 use serde::Serialize;
 use simdop::construct::{Builder, Mesh, SphereSet};
-use simdop::hierarchy::Bvh;
+use simdop::hierarchy::{Bvh, CapStats};
 use simdop::node::Node16;
 use simdop::packing::text;
 use simdop::primitive::{Sphere, Spheres};
@@ -24,6 +24,10 @@ pub(super) struct Options {
     /// Cover the inside of a closed mesh, too: what is wholly inside is a hit. Implied for a tree of a solid.
     #[arg(long, conflicts_with = "points")]
     solid: bool,
+    /// Cover the inside, too, of a mesh whose holes are capped. None may be wider than this: the greatest distance of
+    /// two corners of a hole's border, in the mesh's unit.
+    #[arg(long, value_name = "LENGTH", value_parser = crate::length, conflicts_with = "points")]
+    cap: Option<f64>,
     /// Cover the points of a cloud (.ply, .xyz), and ignore its faces.
     #[arg(long, requires = "mesh")]
     points: bool,
@@ -73,6 +77,7 @@ struct Report {
     mesh: String,
     /// Or points.
     triangles: usize,
+    caps: Option<CapsReport>,
     part: CoveredPart,
     error: f64,
     spheres: usize,
@@ -93,7 +98,9 @@ pub(super) fn run(options: &Options) -> Result<(), Error> {
         options.mesh.as_deref(),
         [("--output", Some(options.output.as_path())), ("", None)],
     )?;
-    let (name, mesh, part) = read(options)?;
+    let (name, mut mesh, part, width) = read(options)?;
+    let triangles = mesh.triangles.len();
+    let caps = width.map_or(Ok(CapStats::default()), |width| body::cap(&name, &mut mesh, width))?;
     let spinner = progress::step(format!("covering {name}"), options.json);
     let start = Instant::now();
     let covered = within(&ToCover { name: &name, mesh: &mesh, part }, options.limit)?;
@@ -111,7 +118,8 @@ pub(super) fn run(options: &Options) -> Result<(), Error> {
     let report = Report {
         version: env!("CARGO_PKG_VERSION"),
         mesh: name,
-        triangles: mesh.triangles.len(),
+        triangles,
+        caps: CapsReport::of(caps),
         part,
         error: covered.error,
         spheres: covered.spheres.len(),
@@ -121,25 +129,22 @@ pub(super) fn run(options: &Options) -> Result<(), Error> {
     output::say(Some(&options.output), |out| print(&report, options.json, out))
 }
 
-/// Reads the mesh and determines the part of it to cover.
-fn read(options: &Options) -> Result<(String, MeshData, CoveredPart), Error> {
-    let given = if options.solid { CoveredPart::Solid } else { CoveredPart::Surface };
-    let Some(path) = options.mesh.as_deref() else {
-        let (name, mesh) = body::mesh_or_gear(None, options.json)?;
-        return Ok((name, mesh, given));
-    };
-    let name = path.display().to_string();
-    if options.points {
+/// Reads the mesh and determines the part of it to cover, and the width of holes to cap.
+fn read(options: &Options) -> Result<(String, MeshData, CoveredPart, Option<f64>), Error> {
+    if let (Some(path), true) = (options.mesh.as_deref(), options.points) {
+        let name = path.display().to_string();
         let bytes = std::fs::read(path).map_err(Error::io(path))?;
         let vertices = mesh::points(path, &bytes)?;
         // Degenerate triangles, one for each point.
         let triangles = (0..vertices.len() as u32).map(|i| [i; 3]).collect();
-        return Ok((name, MeshData { vertices, triangles }, CoveredPart::Points));
+        return Ok((name, MeshData { vertices, triangles }, CoveredPart::Points, None));
     }
-    let source = body::read(path, &TreeOptions::default(), options.json)?;
+    let (name, source) = body::source_or_gear(options.mesh.as_deref(), options.json)?;
+    let width = options.cap.or(source.cap_width());
     // The tree of a solid is covered as a solid.
-    let part = if source.is_solid() { CoveredPart::Solid } else { given };
-    Ok((name, source.into_mesh(), part))
+    let is_solid = options.solid || width.is_some() || source.is_solid();
+    let part = if is_solid { CoveredPart::Solid } else { CoveredPart::Surface };
+    Ok((name, source.into_mesh(), part, width))
 }
 
 /// The cover within an error, in the mesh's unit.
@@ -197,10 +202,11 @@ fn print(report: &Report, json: bool, out: &mut dyn Write) -> std::io::Result<()
         CoveredPart::Solid => ("triangles and what is inside", "the solid"),
         CoveredPart::Points => ("points", "them"),
     };
+    let caps = report.caps.map_or_else(String::new, |caps| format!(" ({caps})"));
     writeln!(
         out,
-        "{mesh}: {triangles} {what} within {spheres} spheres, none farther than {error:.6e} from {from}; {bytes} bytes \
-         as a tree, {:.2} s",
+        "{mesh}: {triangles} {what}{caps} within {spheres} spheres, none farther than {error:.6e} from {from}; {bytes} \
+         bytes as a tree, {:.2} s",
         *cover_nanoseconds as f64 * 1e-9
     )
 }

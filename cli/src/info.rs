@@ -1,6 +1,6 @@
 //! `simdop info`.
 
-use super::body::{self, Source};
+use super::body::{self, CapsReport, Source};
 use super::error::Error;
 use super::{File, StorageName, TreeOptions, sphere_file};
 use clap::Args;
@@ -32,6 +32,7 @@ struct Report {
     triangles: usize,
     degenerate_triangles: u32,
     solid: bool,
+    caps: Option<CapsReport>,
     parts: u32,
     vertices: u32,
     vertex_format: &'static str,
@@ -85,6 +86,7 @@ pub(super) fn run(options: &Options) -> Result<(), Error> {
         triangles: stats.primitives,
         degenerate_triangles: header.degenerate_count,
         solid: header.is_solid != 0,
+        caps: CapsReport::of(view.cap_stats()),
         parts: stats.parts as u32,
         vertices: header.vertex_count,
         vertex_format: body::vertex_format(header),
@@ -117,6 +119,13 @@ fn print(report: &Report, json: bool) -> std::io::Result<()> {
     writeln!(out, "triangles           {triangles:>12}   without area {}", report.degenerate_triangles)?;
     let is = if report.solid { "of a solid" } else { "of a surface" };
     writeln!(out, "parts               {:>12}   {is}", report.parts)?;
+    if let Some(CapsReport { holes, triangles, width }) = report.caps {
+        writeln!(
+            out,
+            "holes               {holes:>12}   capped by {triangles} triangles, at most {} wide",
+            body::rounded_up(width)
+        )?;
+    }
     writeln!(out, "vertices            {vertices:>12}   stored as {}", report.vertex_format)?;
     writeln!(out, "nodes               {nodes:>12}")?;
     writeln!(out, "lanes used per node {:>12.2}   of {arity}", report.lanes_used_per_node)?;

@@ -150,6 +150,10 @@ struct TreeOptions {
     /// Treat the mesh as a solid, so that what is wholly inside it is a hit. It must be closed.
     #[arg(long)]
     solid: bool,
+    /// Treat the mesh as a solid, and cap its holes, none of which may be wider than this: the greatest distance of two
+    /// corners of a hole's border, in the mesh's unit.
+    #[arg(long, value_name = "LENGTH", value_parser = length)]
+    cap: Option<f64>,
     /// Accept a mesh file without triangles as an empty body, which meets nothing. Without this option it is an error.
     #[arg(long)]
     allow_empty: bool,
@@ -174,6 +178,7 @@ impl TreeOptions {
             ("--splitter", self.splitter.is_some()),
             ("--without-normal-slabs", self.without_normal_slabs),
             ("--solid", self.solid),
+            ("--cap", self.cap.is_some()),
             ("--allow-empty", self.allow_empty),
         ];
         given.iter().find(|(_, is_given)| *is_given).map(|(option, _)| *option)
@@ -244,6 +249,11 @@ fn k(text: &str) -> Result<usize, String> {
 
 fn arity(text: &str) -> Result<usize, String> {
     one_of(text, &[4, 16])
+}
+
+fn length(text: &str) -> Result<f64, String> {
+    let length = text.parse().ok().filter(|length| *length > 0.0);
+    length.ok_or_else(|| "must be a length above 0".into())
 }
 
 fn isa(text: &str) -> Result<Isa, String> {

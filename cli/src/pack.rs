@@ -1,6 +1,6 @@
 //! `simdop pack`.
 
-use super::body;
+use super::body::{self, CapsReport};
 use super::error::Error;
 use super::output;
 use super::picture::{self, Format};
@@ -9,6 +9,7 @@ use clap::Args;
 use core::ops::ControlFlow;
 use serde::Serialize;
 use simdop::construct::Mesh;
+use simdop::hierarchy::CapStats;
 use simdop::packing::{Filling, Packer, Packing, text};
 use std::io::Write;
 use std::time::Instant;
@@ -26,6 +27,10 @@ pub(super) struct Options {
         value_parser = clap::value_parser!(u32).range(1..)
     )]
     spheres: u32,
+    /// Cap the holes of the mesh, none of which may be wider than this: the greatest distance of two corners of a
+    /// hole's border, in the mesh's unit. Caps bound the packing like triangles.
+    #[arg(long, value_name = "LENGTH", value_parser = crate::length)]
+    cap: Option<f64>,
     /// The packing to write, one sphere per line: x y z r. An existing file is replaced atomically, once the packing is
     /// complete.
     #[arg(short, long)]
@@ -44,6 +49,7 @@ struct Report {
     version: &'static str,
     mesh: String,
     triangles: usize,
+    caps: Option<CapsReport>,
     /// Of the mesh, in cubic units.
     volume: f64,
     spheres: usize,
@@ -67,7 +73,10 @@ pub(super) fn run(options: &Options) -> Result<(), Error> {
     let format = options.picture.as_deref().map(Format::of).transpose()?;
     let targets = [("--output", Some(options.output.as_path())), ("--picture", options.picture.as_deref())];
     output::check_targets(options.mesh.as_deref(), targets)?;
-    let (name, mesh) = body::mesh_or_gear(options.mesh.as_deref(), options.json)?;
+    let (name, source) = body::source_or_gear(options.mesh.as_deref(), options.json)?;
+    let (width, mut mesh) = (options.cap.or(source.cap_width()), source.into_mesh());
+    let triangles = mesh.triangles.len();
+    let caps = width.map_or(Ok(CapStats::default()), |width| body::cap(&name, &mut mesh, width))?;
     let bar = progress::bar(options.spheres as usize, "spheres", options.json);
     let mut observer = |filling: Filling| {
         bar.set_position(filling.placed as u64);
@@ -89,7 +98,8 @@ pub(super) fn run(options: &Options) -> Result<(), Error> {
     let report = Report {
         version: env!("CARGO_PKG_VERSION"),
         mesh: name,
-        triangles: mesh.triangles.len(),
+        triangles,
+        caps: CapsReport::of(caps),
         volume: packing.volume,
         spheres: packing.spheres.len(),
         asked: options.spheres,
@@ -132,7 +142,11 @@ fn print(report: &Report, json: bool, out: &mut dyn Write) -> std::io::Result<()
     }
     let Report { mesh, triangles, volume, spheres, asked, .. } = report;
     let seconds = report.pack_nanoseconds as f64 / 1e9;
-    writeln!(out, "{mesh}: {triangles} triangles, volume {volume:.6e}, {spheres} spheres in {seconds:.2} s")?;
+    let caps = report.caps.map_or_else(String::new, |caps| format!(", {caps}"));
+    writeln!(
+        out,
+        "{mesh}: {triangles} triangles{caps}, volume {volume:.6e}, {spheres} spheres in {seconds:.2} s"
+    )?;
     if *spheres < *asked as usize {
         writeln!(out, "of {asked} spheres asked for, the rest would be too small")?;
     }

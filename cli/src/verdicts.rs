@@ -1,7 +1,7 @@
 //! The report of `simdop collide`: a table for people, an object for programs.
 
 use super::StorageName;
-use super::body::{Body, SAME};
+use super::body::{Body, CapsReport, SAME};
 use alloc::rc::Rc;
 use core::cell::Cell;
 use core::ops::ControlFlow;
@@ -34,6 +34,7 @@ pub(super) struct BodyReport {
     pub(super) triangles: u32,
     pub(super) degenerate_triangles: u32,
     pub(super) leaf_size: u16,
+    pub(super) caps: Option<CapsReport>,
     /// The time to read and check the file. Null for a generated body.
     pub(super) read_nanoseconds: Option<u128>,
     /// Null for a tree from a file.
@@ -185,6 +186,9 @@ impl Report<'_> {
     fn print_bodies(&self, out: &mut impl Write) -> std::io::Result<()> {
         for (letter, body) in [("A", &self.a), ("B", &self.b)] {
             write!(out, "{letter}  {}: {} triangles", body.name, body.triangles)?;
+            if let Some(caps) = body.caps {
+                write!(out, ", {caps}")?;
+            }
             let times = [("read", body.read_nanoseconds), ("built", body.build_nanoseconds)];
             for (what, time) in times {
                 if let Some(nanoseconds) = time {

@@ -2,7 +2,7 @@
 
 use super::bake::{Contents, bake};
 use super::error::BuildError;
-use super::input::{Checked, Geometry, Mesh};
+use super::input::{Caps, Checked, Geometry, Mesh};
 use super::split::{Assignment, Items, Progress, Splitter};
 use crate::hierarchy::Bvh;
 use crate::node::{Dop, MAX_LEAF_SIZE, Node16};
@@ -17,7 +17,16 @@ pub struct Builder {
     pub(super) leaf_size: u32,
     has_normal_slabs: bool,
     has_balls: bool,
-    is_solid: bool,
+    inside: Inside,
+}
+
+/// What a mesh bounds.
+#[derive(Copy, Clone, PartialEq, Eq, Debug)]
+enum Inside {
+    Surface,
+    Solid,
+    /// A solid with caps over holes of at most this width: the bits of an `f64`, so that builders are `Eq`.
+    Capped(u64),
 }
 
 impl Default for Builder {
@@ -55,7 +64,7 @@ impl Builder {
             leaf_size: 1,
             has_normal_slabs: true,
             has_balls: true,
-            is_solid: false,
+            inside: Inside::Surface,
         }
     }
 
@@ -95,6 +104,7 @@ impl Builder {
     /// as are nested shells of the same orientation, while a nested shell of the opposite orientation bounds a cavity.
     /// A mesh that is turned inside out is just as solid. The mesh must be closed: after joining vertices with equal
     /// coordinates, as many triangles run along each edge in one direction as in the other. An empty mesh is closed.
+    /// [`Builder::solid_with_caps`] takes meshes with holes.
     ///
     /// Sets of spheres are always solid: for them this setting changes nothing.
     ///
@@ -119,7 +129,52 @@ impl Builder {
     /// ```
     #[must_use]
     pub const fn solid(self) -> Self {
-        Self { is_solid: true, ..self }
+        Self { inside: Inside::Solid, ..self }
+    }
+
+    /// [`Builder::solid`], for a mesh that need not be closed: holes of at most this width are capped. The width of a
+    /// hole is the greatest distance of two corners of its border, in the mesh's unit.
+    ///
+    /// The border of a mesh consists of the edges along which not as many triangles run in one direction as in the
+    /// other, after joining vertices with equal coordinates. It decomposes into loops, the holes: gaps between
+    /// triangles, but also the outlines of triangles that are oriented the wrong way, and of walls inside a solid, at
+    /// whose edges three triangles meet. A cap is a fan of triangles from one corner of a loop to its edges: over a
+    /// flat hole it is flat, and over any other it is the fan of least area.
+    ///
+    /// Caps count for what is inside, and for nothing else:
+    ///
+    /// * A body is a hit if any point of it is inside or on a cap, even if it touches no triangle. The hit names a
+    ///   primitive at the border of the hole, never a cap.
+    /// * Distances are those from the triangles of the mesh, and 0 for a body that is a hit. So a distance may drop to 0
+    ///   where a body reaches a cap. Neither [`within`](crate::query::Query::within) with a margin nor the radius of
+    ///   [a body in a scene](crate::scene::Body::with_radius) extends to caps.
+    /// * [`check_motion`](crate::scene::Scene::check_motion) and
+    ///   [`classify_pair`](crate::scene::Scene::classify_pair) never certify a motion through a cap as free.
+    ///
+    /// [`BvhRef::cap_stats`](crate::hierarchy::BvhRef::cap_stats) reports what was capped. The bytes of a closed mesh
+    /// are those of [`Builder::solid`].
+    ///
+    /// ```
+    /// use simdop::construct::{BuildError, OwnedMesh};
+    /// use simdop::{Builder, Isa, Pose, Query};
+    ///
+    /// let mut open = OwnedMesh::cuboid([1.0; 3])?;
+    /// open.triangles.truncate(10); // a side is missing
+    /// let error = Builder::new().solid_with_caps(1.0).build(&open.as_mesh()).unwrap_err();
+    /// assert!(matches!(error, BuildError::Hole { width, .. } if width == 2.0_f64.sqrt()));
+    ///
+    /// let solid = Builder::new().solid_with_caps(1.5).build(&open.as_mesh())?;
+    /// let caps = solid.view().cap_stats();
+    /// assert_eq!((caps.holes, caps.triangles), (1, 2));
+    ///
+    /// let small = Builder::new().build(&OwnedMesh::cuboid([0.1; 3])?.as_mesh())?;
+    /// let answer = Query::new(Isa::detect()).collide(&small, &solid, &Pose::IDENTITY);
+    /// assert!(answer.hit().is_some());
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    #[must_use]
+    pub const fn solid_with_caps(self, width: f64) -> Self {
+        Self { inside: Inside::Capped(width.to_bits()), ..self }
     }
 
     /// Builds the hierarchy of a mesh, with k = 18 and arity 16. [`Builder::build_as`] builds other node types.
@@ -217,12 +272,16 @@ impl Builder {
             return Err(BuildError::LeafSize { asked: self.leaf_size }.into());
         }
         let table = Checked::new(geometry)?;
-        if self.is_solid && G::Primitive::BOUNDS_SOLIDS {
-            table.check_closed()?;
-        }
+        let inside = if G::Primitive::BOUNDS_SOLIDS { self.inside } else { Inside::Surface };
+        let caps = match inside {
+            Inside::Surface => Caps::default(),
+            Inside::Solid => table.check_closed().map(|()| Caps::default())?,
+            Inside::Capped(width) => table.caps(f64::from_bits(width))?,
+        };
         let assignment = assign(&table)?;
-        let Self { leaf_size, has_normal_slabs, has_balls, is_solid, .. } = *self;
-        let contents = Contents { leaf_size, has_normal_slabs, has_balls, is_solid };
+        let Self { leaf_size, has_normal_slabs, has_balls, .. } = *self;
+        let is_solid = inside != Inside::Surface;
+        let contents = Contents { leaf_size, has_normal_slabs, has_balls, is_solid, caps: &caps };
         Ok(bake::<N, G>(&table, assignment.borrow(), contents)?)
     }
 }

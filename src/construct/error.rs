@@ -50,6 +50,26 @@ pub enum BuildError {
         /// Triangles that run from the second vertex to the first.
         backward: usize,
     },
+    /// A hole of the mesh is wider than [allowed](super::Builder::solid_with_caps): the widest of all.
+    Hole {
+        /// The two vertices of an edge at its border; of vertices with equal coordinates, the first.
+        edge: [u32; 2],
+        /// Their coordinates, in the body's unit.
+        corners: [Point; 2],
+        /// Its width, the greatest distance of two corners of its border.
+        width: f64,
+        /// The greatest width allowed.
+        limit: f64,
+    },
+    /// The holes of the mesh would take more than 16,384 triangles to cap.
+    TooManyCaps {
+        /// Number of triangles.
+        count: usize,
+        /// The two vertices of an edge at the border of the hole with the most corners.
+        edge: [u32; 2],
+        /// Their coordinates, in the body's unit.
+        corners: [Point; 2],
+    },
     /// No node type has this k and arity.
     NodeType {
         /// What was asked for.
@@ -80,6 +100,16 @@ impl fmt::Display for BuildError {
             Self::Open { edge, corners, forward, backward } => {
                 OpenEdge { edge, corners, forward, backward }.fmt(f)
             }
+            Self::Hole { edge: [a, b], corners: [p, q], width, limit } => write!(
+                f,
+                "the mesh has a hole {width} wide, more than {limit}, at the edge of vertices {a} and {b}, {p:?} to \
+                 {q:?}"
+            ),
+            Self::TooManyCaps { count, edge: [a, b], corners: [p, q] } => write!(
+                f,
+                "{count} triangles to cap the holes of the mesh are too many; the longest border passes the edge of \
+                 vertices {a} and {b}, {p:?} to {q:?}"
+            ),
             Self::NodeType { node } => write!(
                 f,
                 "no nodes of {node} at run time: k is 6, 14, 18 or 26 at arity 16, and 18 at arity 4; half floats take \

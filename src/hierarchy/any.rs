@@ -3,7 +3,7 @@
 #[cfg(feature = "alloc")]
 use super::Bvh;
 use super::layout::node_type;
-use super::{BvhRef, FormatError, Header, Stats, TreeStats, VerifyError};
+use super::{BvhRef, CapStats, FormatError, Header, Stats, TreeStats, VerifyError};
 use crate::key::{Fixed, Half, Storage, StorageKind};
 use crate::node::{Node4, Node16};
 use crate::primitive::{Primitive, Triangles};
@@ -188,6 +188,13 @@ impl<'a, P: Primitive> AnyBvhRef<'a, P> {
     #[inline]
     pub fn tree_stats(&self) -> TreeStats {
         with_bvh!(self, tree => tree.tree_stats())
+    }
+
+    /// As [`BvhRef::cap_stats`].
+    #[must_use]
+    #[inline]
+    pub fn cap_stats(&self) -> CapStats {
+        with_bvh!(self, tree => tree.cap_stats())
     }
 
     /// As [`BvhRef::verify`].

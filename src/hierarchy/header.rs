@@ -77,8 +77,10 @@ pub struct Header {
     pub part_count: u32,
     /// How planes are stored: [`Storage::CODE`](crate::low_level::key::Storage::CODE).
     pub storage: u16,
-    /// Zeros.
-    pub(crate) reserved: [u16; 3],
+    /// Bytes of the tree of the [caps](super::BvhRef::caps), divided by 64; 0 if the solid has none.
+    pub cap_lines: u16,
+    /// The greatest width of a hole that is capped, rounded up, in the unit of the frame; 0 without caps.
+    pub cap_width: f32,
 }
 
 const _: () = assert!(size_of::<Header>() == 128 && align_of::<Header>() == 8, "the header has 128 bytes");
@@ -161,6 +163,11 @@ pub enum FormatError {
         /// Index of the part.
         index: u32,
     },
+    /// The tree of the caps is invalid, or does not belong to this tree.
+    Caps {
+        /// What is wrong.
+        problem: &'static str,
+    },
 }
 
 impl fmt::Display for FormatError {
@@ -187,6 +194,7 @@ impl fmt::Display for FormatError {
             Self::Part { index } => {
                 write!(f, "what stands for part {index} is no primitive, or out of order")
             }
+            Self::Caps { problem } => write!(f, "the tree of the caps: {problem}"),
         }
     }
 }

@@ -26,9 +26,24 @@ pub(super) struct Layout {
     pub(super) records: Part,
     /// The source indices of the primitives, then one primitive of each part.
     pub(super) indices: Part,
+    /// The tree of the caps.
+    pub(super) caps: Part,
     pub(super) vertex_size: u16,
     /// Total length, a multiple of 64.
     pub(super) end: usize,
+}
+
+/// The counts in a header that determine the layout.
+#[derive(Copy, Clone)]
+pub(super) struct Counts {
+    pub(super) nodes: u32,
+    pub(super) has_normal_slabs: u16,
+    pub(super) has_balls: u16,
+    pub(super) vertices: u32,
+    pub(super) vertex_size: u16,
+    pub(super) primitives: u32,
+    pub(super) parts: u32,
+    pub(super) cap_lines: u16,
 }
 
 /// A range of bytes.
@@ -82,15 +97,16 @@ impl Layout {
         if has_balls > 1 || has_balls == 1 && !(P::HAS_BALLS && N::ARITY == 16) {
             return Err(FormatError::Header { field: "has_balls" });
         }
-        let layout = attempt!(Self::of_counts::<N, P>(
-            u32_at(bytes, offset_of!(Header, node_count)),
-            u16_at(bytes, offset_of!(Header, has_normal_slabs)),
+        let layout = attempt!(Self::of_counts::<N, P>(Counts {
+            nodes: u32_at(bytes, offset_of!(Header, node_count)),
+            has_normal_slabs: u16_at(bytes, offset_of!(Header, has_normal_slabs)),
             has_balls,
-            u32_at(bytes, offset_of!(Header, vertex_count)),
+            vertices: u32_at(bytes, offset_of!(Header, vertex_count)),
             vertex_size,
-            u32_at(bytes, offset_of!(Header, primitive_count)),
-            u32_at(bytes, offset_of!(Header, part_count)),
-        ));
+            primitives: u32_at(bytes, offset_of!(Header, primitive_count)),
+            parts: u32_at(bytes, offset_of!(Header, part_count)),
+            cap_lines: u16_at(bytes, offset_of!(Header, cap_lines)),
+        }));
         let end = layout.end;
         if bytes.len() < end {
             return Err(FormatError::Truncated { have: bytes.len(), need: end });
@@ -102,15 +118,9 @@ impl Layout {
     }
 
     /// The layout of a tree with these counts, with or without normal slabs and balls.
-    pub(super) const fn of_counts<N: Node, P: Primitive>(
-        nodes: u32,
-        has_normal_slabs: u16,
-        has_balls: u16,
-        vertices: u32,
-        vertex_size: u16,
-        primitives: u32,
-        parts: u32,
-    ) -> Result<Self, FormatError> {
+    pub(super) const fn of_counts<N: Node, P: Primitive>(counts: Counts) -> Result<Self, FormatError> {
+        let Counts { nodes, has_normal_slabs, has_balls, vertices, vertex_size, .. } = counts;
+        let Counts { primitives, parts, cap_lines, .. } = counts;
         let header = Part { start: 0, len: size_of::<Header>() };
         let with_slabs = if has_normal_slabs != 0 { nodes } else { 0 };
         let with_balls = if has_balls != 0 { nodes } else { 0 };
@@ -124,8 +134,9 @@ impl Layout {
         // No gap between the two.
         let parts = attempt!(indices.then(parts, 4, 4));
         indices.len += parts.len;
-        let end = attempt!(indices.then(0, 0, 64)).start;
-        Ok(Self { nodes, normal_slabs, balls, vertices, records, indices, vertex_size, end })
+        let caps = attempt!(indices.then(cap_lines as u32, 64, 64));
+        let end = caps.start + caps.len;
+        Ok(Self { nodes, normal_slabs, balls, vertices, records, indices, caps, vertex_size, end })
     }
 }
 

@@ -3,8 +3,8 @@
 //! A baked tree consists of a [`Header`]; the nodes in breadth-first order; the balls or the normal slabs of their
 //! lanes, if it has them; the vertices; the primitives in the order of the leaves (for a triangle the indices of its
 //! corners); for each primitive its **source index**, that is its index in the geometry that the tree was built from;
-//! and for a body of several parts one primitive of each part. All numbers are little-endian. Each part is aligned for
-//! its type, and the length is a multiple of 64 bytes.
+//! for a body of several parts one primitive of each part; and for a solid with caps, the tree of these. All numbers
+//! are little-endian. Each part is aligned for its type, and the length is a multiple of 64 bytes.
 //!
 //! | type | the bytes | for |
 //! |---|---|---|
@@ -16,6 +16,7 @@
 //! Queries take all but the last two through [`AsBvh`].
 
 mod any;
+mod caps;
 mod header;
 mod layout;
 #[cfg(feature = "alloc")]
@@ -34,6 +35,7 @@ mod walk;
 pub use any::AnyBvh;
 pub(crate) use any::for_node_types;
 pub use any::{AnyBvhRef, NodeType};
+pub use caps::CapStats;
 pub use header::{FormatError, Header, MAGIC, VERSION};
 #[cfg(feature = "alloc")]
 pub use owned::Bvh;

@@ -1,7 +1,7 @@
 //! Size statistics of a tree.
 
 use super::BvhRef;
-use super::layout::Layout;
+use super::layout::{Counts, Layout};
 use crate::node::{Child, Node};
 use crate::primitive::Primitive;
 
@@ -24,7 +24,7 @@ pub struct Stats {
     pub normal_slab_bytes: usize,
     /// Bytes of balls.
     pub ball_bytes: usize,
-    /// Bytes of the whole baked tree, with vertices, primitives and source indices.
+    /// Bytes of the whole baked tree, with vertices, primitives, source indices and caps.
     pub total_bytes: usize,
 }
 
@@ -34,15 +34,16 @@ impl<N: Node, P: Primitive> BvhRef<'_, N, P> {
     pub fn stats(&self) -> Stats {
         let used = |node: &N| node.children().iter().filter(|c| **c != Child::EMPTY).count();
         let h = self.header;
-        let layout = Layout::of_counts::<N, P>(
-            h.node_count,
-            h.has_normal_slabs,
-            h.has_balls,
-            h.vertex_count,
-            h.vertex_size,
-            h.primitive_count,
-            h.part_count,
-        );
+        let layout = Layout::of_counts::<N, P>(Counts {
+            nodes: h.node_count,
+            has_normal_slabs: h.has_normal_slabs,
+            has_balls: h.has_balls,
+            vertices: h.vertex_count,
+            vertex_size: h.vertex_size,
+            primitives: h.primitive_count,
+            parts: h.part_count,
+            cap_lines: h.cap_lines,
+        });
         Stats {
             primitives: self.len(),
             parts: self.parts().len(),

@@ -1,11 +1,12 @@
 //! Validation: whether bytes are safe to traverse. Baked trees are untrusted input.
 
+use super::layout::Layout;
 use super::{BvhRef, FormatError, MAX_DEPTH};
 use crate::exact::power_of_two;
 use crate::frame::{BodyBounds, MAX_EXPONENT};
 use crate::key::{EMPTY, Key, Storage};
 use crate::node::{BoundingBall, Child, Dop, Link, MAX_LEAF_SIZE, Width};
-use crate::primitive::{Fault, Primitive, Sphere};
+use crate::primitive::{Fault, Primitive, Sphere, Store};
 use crate::range::{MAX_COORDINATE, MAX_MOVED, flush};
 use core::ops::Range;
 
@@ -19,18 +20,48 @@ impl<N: Dop, P: Primitive> BvhRef<'_, N, P> {
     /// * source indices are below the number of primitives, and the indices of the parts' primitives are valid and
     ///   ascend;
     /// * each plane of a used lane is a finite key, each plane of an unused one is [`Key::EMPTY`]; balls are finite and
-    ///   no larger than the body.
+    ///   no larger than the body;
+    /// * the same holds for the tree of the caps, which is in the same frame, and whose vertices are in the same box.
     ///
     /// [`BvhRef::verify`] proves that the planes really bound the primitives.
     ///
     /// # Errors
     /// [`FormatError`] describes the first fault.
     pub fn validate(&self) -> Result<(), FormatError> {
+        self.validate_tree(self.header.primitive_count)?;
+        if self.has_caps() { self.validate_caps() } else { Ok(()) }
+    }
+
+    fn validate_caps(&self) -> Result<(), FormatError> {
+        let wrong = |problem| Err(FormatError::Caps { problem });
+        let Ok(layout) = Layout::of::<N, P>(self.caps) else {
+            return wrong("it is no tree of the same node type and length");
+        };
+        let Some(caps) = Self::of_layout(self.caps, &layout) else { return wrong("it is misaligned") };
+        let (own, whole) = (caps.header, self.header);
+        if own.is_solid != 0 || own.cap_lines != 0 || own.primitive_count == 0 {
+            return wrong("it is a solid, or empty");
+        }
+        if own.centre != whole.centre || own.exponent != whole.exponent {
+            return wrong("it has another frame");
+        }
+        if caps.validate_tree(whole.primitive_count).is_err() {
+            return wrong("its contents are invalid");
+        }
+        // Rays are as long as the solid's box is wide.
+        if self.validate_vertices(&caps.store).is_err() {
+            return wrong("a vertex is outside of the solid's box");
+        }
+        Ok(())
+    }
+
+    /// Validates all but the caps. Source indices must be below `source_count`.
+    fn validate_tree(&self, source_count: u32) -> Result<(), FormatError> {
         self.validate_header()?;
         self.validate_nodes()?;
-        self.validate_store()?;
+        self.validate_vertices(&self.store)?;
         let (sources, parts) = self.indices.split_at(self.len());
-        if let Some(index) = sources.iter().position(|&source| source >= self.header.primitive_count) {
+        if let Some(index) = sources.iter().position(|&source| source >= source_count) {
             return Err(FormatError::Source { index: index as u32 });
         }
         let mut next = 0;
@@ -72,7 +103,15 @@ impl<N: Dop, P: Primitive> BvhRef<'_, N, P> {
                 "part_count",
                 h.part_count == 0 || !P::ARE_PARTS && (2..=h.primitive_count).contains(&h.part_count),
             ),
-            ("reserved", h.reserved == [0; 3]),
+            ("cap_lines", h.cap_lines == 0 || h.is_solid == 1),
+            (
+                "cap_width",
+                if h.cap_lines == 0 {
+                    h.cap_width.to_bits() == 0
+                } else {
+                    h.cap_width > 0.0 && h.cap_width.is_finite()
+                },
+            ),
         ];
         match checks.iter().find(|(_, ok)| !ok) {
             Some((field, _)) => Err(FormatError::Header { field }),
@@ -167,7 +206,8 @@ impl<N: Dop, P: Primitive> BvhRef<'_, N, P> {
             && (volume >= 0.0 && volume.is_finite())
     }
 
-    fn validate_store(&self) -> Result<(), FormatError> {
+    /// Validates a store, whose vertices must be within the bounds of the body.
+    fn validate_vertices(&self, store: &Store<'_, P>) -> Result<(), FormatError> {
         let BodyBounds { frame, max_coordinate, half_width, .. } = self.extent();
         let scale = frame.scale();
         let is_inside = |Sphere { centre: p, radius }: Sphere| {
@@ -179,7 +219,7 @@ impl<N: Dop, P: Primitive> BvhRef<'_, N, P> {
                     .all(|i| ((p[i] - frame.centre[i]) * scale).abs() + reach <= f64::from(half_width[i]))
                 && frame.is_in_reach(p, radius, self.header.radius)
         };
-        self.store.check(|vertex| P::balls(vertex).all(is_inside)).map_err(|fault| match fault {
+        store.check(|vertex| P::balls(vertex).all(is_inside)).map_err(|fault| match fault {
             Fault::Vertex { index } => FormatError::Vertex { index },
             Fault::Primitive { index } => FormatError::Primitive { index },
         })

@@ -11,14 +11,15 @@ use core::fmt;
 /// A plane that cuts off part of a primitive below it: a collision could be missed.
 #[derive(Copy, Clone, PartialEq, Eq, Debug)]
 pub struct VerifyError {
-    /// Index of the node.
+    /// Index of the node. The nodes of the caps are numbered after those of the primitives.
     pub node: u32,
     /// Lane in the node.
     pub lane: u32,
     /// Index of the direction; k and k + 1 for the low and the high end of the normal slab; k + 2 for the ball; k + 3
-    /// for the sum of volumes stored with it, where `primitive` is the first one below the lane.
+    /// for the sum of volumes stored with it, where `primitive` is the first one below the lane; k + 4 for a cap that
+    /// does not close the surface at one of its edges.
     pub plane: u32,
-    /// Index of the primitive in what was built.
+    /// Index of the primitive in what was built. For a cap, its [source index](BvhRef::caps).
     pub primitive: u32,
 }
 
@@ -38,14 +39,43 @@ impl<N: Dop, P: Primitive> BvhRef<'_, N, P> {
     /// radius, integers compare squares. (The volumes below a lane are summed in `f64`, in the packer's order.) Cost:
     /// primitives x depth x k.
     ///
-    /// It does not prove that the triangles of a solid form a closed surface, nor which primitives are connected. Bytes
-    /// with wrong parts or a wrong solid flag may give a wrong answer to whether a body is inside of another.
+    /// The same is proved for the tree of the [caps](Self::caps), and that as many triangles and caps run along each
+    /// edge of a cap in one direction as in the other. Cost: caps x (caps + primitives).
+    ///
+    /// It does not prove that the triangles of a solid form a closed surface elsewhere, nor which primitives are
+    /// connected. Bytes with wrong parts or a wrong solid flag may give a wrong answer to whether a body is inside of
+    /// another.
     ///
     /// # Errors
     /// [`VerifyError`] describes the first plane that is too low.
     pub fn verify(&self) -> Result<(), VerifyError> {
         self.verify_below(&self.frame(), self.walk())?;
-        self.verify_volumes()
+        self.verify_volumes()?;
+        let Some(caps) = self.caps() else { return Ok(()) };
+        caps.verify_below(&caps.frame(), caps.walk())
+            .map_err(|error| VerifyError { node: error.node + self.header.node_count, ..error })?;
+        self.verify_caps(&caps)
+    }
+
+    /// Whether the caps close the surface along their edges.
+    fn verify_caps(&self, caps: &Self) -> Result<(), VerifyError> {
+        let items = |tree: &Self| {
+            let tree = *tree;
+            (0..tree.len() as u32).map(move |index| tree.primitive(index))
+        };
+        for index in 0..caps.len() as u32 {
+            for [p, q] in edges::<P>(&caps.primitive(index)) {
+                let along = |item: P::Item| -> i64 {
+                    let runs = |[u, v]: [Point; 2]| i64::from(u == p && v == q) - i64::from(u == q && v == p);
+                    edges::<P>(&item).map(runs).sum()
+                };
+                if p != q && items(self).chain(items(caps)).map(along).sum::<i64>() != 0 {
+                    let (node, plane) = (self.header.node_count, N::K as u32 + 4);
+                    return Err(VerifyError { node, lane: 0, plane, primitive: caps.source(index) });
+                }
+            }
+        }
+        Ok(())
     }
 
     /// Verifies the lanes of a walk, whose planes are in a frame.
@@ -145,4 +175,10 @@ impl<N: Dop, P: Primitive> BvhRef<'_, N, P> {
         };
         (0..2).find(|&end| is_beyond(end)).map(|end| (N::K + end) as u32)
     }
+}
+
+/// The edges between successive corners of a primitive.
+fn edges<P: Primitive>(item: &P::Item) -> impl Iterator<Item = [Point; 2]> + '_ {
+    let after = P::corners(item).skip(1).chain(P::corners(item).take(1));
+    P::corners(item).zip(after).map(|(p, q)| [p, q])
 }

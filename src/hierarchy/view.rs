@@ -16,6 +16,8 @@ pub struct BvhRef<'a, N, P: Primitive = Triangles> {
     pub(super) store: Store<'a, P>,
     /// The source index of each primitive; then, if the body has several parts, one primitive of each.
     pub(super) indices: &'a [u32],
+    /// The bytes of the tree of the caps; empty without caps.
+    pub(super) caps: &'a [u8],
 }
 
 impl<N, P: Primitive> Copy for BvhRef<'_, N, P> {}
@@ -59,6 +61,7 @@ impl<'a, N: Node, P: Primitive> BvhRef<'a, N, P> {
             balls,
             store: Store::read(layout.vertex_size, vertices, records)?,
             indices: bytemuck::try_cast_slice(layout.indices.of(bytes)?).ok()?,
+            caps: layout.caps.of(bytes)?,
         })
     }
 

@@ -111,11 +111,11 @@ impl Packer {
     /// Fills a mesh. The result has fewer spheres than requested if no other sphere fits whose radius is above 2^-21
     /// of the mesh's width.
     ///
-    /// The mesh must be closed: with vertices of equal coordinates merged, as many of its triangles run along each
-    /// edge in one direction as in the other. Usually that is one in each direction; two in each, where parts touch
-    /// along an edge, and degenerate triangles are accepted too. The mesh may have several parts and cavities, and
-    /// either orientation. A point is inside if a ray from it crosses the mesh an odd number of times: the
-    /// intersection of two overlapping parts is outside.
+    /// The mesh must be closed, as [`Mesh::caps`] makes it: with vertices of equal coordinates merged, as many of its
+    /// triangles run along each edge in one direction as in the other. Usually that is one in each direction; two in
+    /// each, where parts touch along an edge, and degenerate triangles are accepted too. The mesh may have several
+    /// parts and cavities, and either orientation. A point is inside if a ray from it crosses the mesh an odd number of
+    /// times: the intersection of two overlapping parts is outside.
     ///
     /// # Errors
     /// [`PackError`].

@@ -6,6 +6,10 @@
 //! ([`Primitive::crossing`]). The ray runs along the first axis of B's frame, whichever body is the solid, so that the
 //! test uses the same numbers as all others: corners of A as [`Pose::apply`] moves them.
 //!
+//! The sum includes the [caps](BvhRef::caps) of the solid. A part that meets no triangle may meet a cap, and then is
+//! neither wholly inside nor wholly outside. It counts as inside: [`Query::collide`] and [`Query::distance`] test the
+//! tree of the caps as well.
+//!
 //! For the volumes of the solid's tree the ray is a k-DOP ([`Ray`]), with which the kernels traverse the tree. None of
 //! this runs in a traversal: it is called only if a body is solid and no primitives met.
 
@@ -34,8 +38,8 @@ pub(in crate::query) enum Containment {
     OutOfBudget { upper: f64 },
 }
 
-/// A part that is inside of a solid: the primitive that represents it, the solid's primitive to report with it, and a
-/// point of the part.
+/// A part that is inside of a solid: the primitive that represents it, the solid's primitive to report with it (of
+/// those that the ray crosses, and of those beside a cap that it crosses), and a point of the part.
 struct Inner {
     part: u32,
     crossed: u32,
@@ -165,6 +169,10 @@ fn around_on<N: Lanes, P: Primitive, E: Kernel>(
             let mut path = [Descended { node: 0, lanes: 0 }; MAX_DEPTH];
             let mut level = 0;
             let mut next = (!solid.tree.is_empty()).then_some(0);
+            // The primitives, then the caps: their tree has the same frame, so that the ray's planes are the same.
+            let caps = solid.tree.caps();
+            let mut tree = solid.tree;
+            let mut of_caps = caps.as_ref();
             loop {
                 // A loop with a single call of the kernel, so that it is inlined.
                 if let Some(node) = next.take() {
@@ -172,12 +180,16 @@ fn around_on<N: Lanes, P: Primitive, E: Kernel>(
                         return Err(distance_bound(solid, point));
                     }
                     stats.visits += 1;
-                    let lanes = solid.tree.nodes()[node as usize].overlap_aimed(kernel, &aimed);
+                    let lanes = tree.nodes()[node as usize].overlap_aimed(kernel, &aimed);
                     stats.kernels += 1;
                     path[level] = Descended { node, lanes };
                     level += 1;
                 }
-                let Some(above) = level.checked_sub(1) else { break };
+                let Some(above) = level.checked_sub(1) else {
+                    let Some(caps) = of_caps.take() else { break };
+                    (tree, next) = (caps, Some(0));
+                    continue;
+                };
                 let Descended { node, lanes } = &mut path[above];
                 if *lanes == 0 {
                     level = above;
@@ -185,16 +197,18 @@ fn around_on<N: Lanes, P: Primitive, E: Kernel>(
                 }
                 let lane = lanes.trailing_zeros() as usize;
                 *lanes &= lanes.wrapping_sub(1);
-                let link = solid.tree.nodes()[*node as usize].children()[lane].link();
+                let link = tree.nodes()[*node as usize].children()[lane].link();
                 if let Link::Inner(below) = link {
                     next = Some(below);
                 }
                 for index in link.primitives() {
                     stats.primitive_pairs += 1;
-                    let crossed = P::crossing(&solid.item(index), point, &mut stats.exact_pairs);
-                    let is_lower = |lowest| solid.tree.source(index) < solid.tree.source(lowest);
+                    let item = PlacedTree { tree, pose: solid.pose }.item(index);
+                    let crossed = P::crossing(&item, point, &mut stats.exact_pairs);
+                    let named = if core::ptr::eq(tree, solid.tree) { index } else { tree.source(index) };
+                    let is_lower = |lowest| solid.tree.source(named) < solid.tree.source(lowest);
                     if crossed != 0 && lowest.is_none_or(is_lower) {
-                        lowest = Some(index);
+                        lowest = Some(named);
                     }
                     winding += i64::from(crossed);
                 }

@@ -171,6 +171,20 @@ impl<'s, 't, N> AskedPair<'s, 't, N> {
     }
 }
 
+impl<N: Lanes> AskedPair<'_, '_, N> {
+    fn ask_within(&self, query: &Query, margin: f64) -> Result<Answer, ToleranceError> {
+        let (pose, margin) = (self.relative.pose(), self.padded(margin + self.radii));
+        with_trees!(
+            (self.trees.0, self.trees.1),
+            |a, b| query.within(a, b, pose, margin),
+            |tree, cloud| Ok(cloud.body_within(query, tree, pose, margin)),
+            |shape, tree| query.within_shape(shape, tree, pose, margin),
+            |shape, cloud| Ok(cloud.shape_within(query, &shape.moved(pose), margin)),
+            |a, b| Ok(query.shapes_within(&a.moved(pose), b, margin))
+        )
+    }
+}
+
 impl<'t, N: Lanes> Scene<'t, N> {
     /// Do any two tested bodies meet? Touching counts. Stops at the first pair found.
     ///
@@ -318,6 +332,30 @@ impl<'t, N: Lanes> Scene<'t, N> {
         self.ask_within_at(query, candidate, [&a.world, &b.world], margin)
     }
 
+    /// As `ask_within`, for bodies that may move: those that come near a cap are a hit, too. So if they are free, no
+    /// point of either can get inside of the other by moving no farther than the margin.
+    pub(super) fn ask_within_reach(
+        &self,
+        query: &Query,
+        candidate: &NearPair,
+        margin: f64,
+    ) -> Result<Answer, ToleranceError> {
+        let mut answer = self.ask_within(query, candidate, margin)?;
+        let slots @ [a, b] = self.slots_of(candidate);
+        let mut asked = AskedPair::new(slots, [&a.world, &b.world]);
+        let (a, b) = asked.trees;
+        let (caps_a, caps_b) = (a.caps(), b.caps());
+        let pairs = [caps_a.as_ref().map(|caps| (caps, b)), caps_b.as_ref().map(|caps| (a, caps))];
+        for trees in pairs.into_iter().flatten() {
+            if answer.is_free() {
+                asked.trees = trees;
+                let near = asked.ask_within(&query.after(&answer.stats), margin)?;
+                answer = Answer { stats: answer.stats.and(&near.stats), ..near };
+            }
+        }
+        Ok(answer)
+    }
+
     /// As `ask_within`, at other world poses.
     pub(super) fn ask_within_at(
         &self,
@@ -330,16 +368,7 @@ impl<'t, N: Lanes> Scene<'t, N> {
         if are_turned_boxes_apart((&a.size, worlds[0]), (&b.size, worlds[1]), margin) {
             return Ok(Answer { verdict: Verdict::Free, stats: QueryStats::default(), hint: Hint::NONE });
         }
-        let asked = AskedPair::new(slots, worlds);
-        let (pose, margin) = (asked.relative.pose(), asked.padded(margin + asked.radii));
-        with_trees!(
-            (asked.trees.0, asked.trees.1),
-            |a, b| query.within(a, b, pose, margin),
-            |tree, cloud| Ok(cloud.body_within(query, tree, pose, margin)),
-            |shape, tree| query.within_shape(shape, tree, pose, margin),
-            |shape, cloud| Ok(cloud.shape_within(query, &shape.moved(pose), margin)),
-            |a, b| Ok(query.shapes_within(&a.moved(pose), b, margin))
-        )
+        AskedPair::new(slots, worlds).ask_within(query, margin)
     }
 
     /// Bounds of the distance in the world, and the answer in the frame of b.

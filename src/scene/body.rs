@@ -119,6 +119,14 @@ impl<N: Dop> BodyTree<'_, N> {
         }
     }
 
+    /// The caps of a solid, as a body.
+    pub(super) fn caps(&self) -> Option<Self> {
+        match self {
+            Self::Mesh(tree) => tree.caps().map(Self::Mesh),
+            Self::Shape(_) | Self::Shapes(_) | Self::Spheres(_) | Self::PointCloud(_) => None,
+        }
+    }
+
     /// Whether its primitives have radii, which a pose does not change.
     pub(super) const fn is_round(&self) -> bool {
         match self {

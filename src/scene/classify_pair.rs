@@ -115,7 +115,7 @@ impl<N: Lanes> ClassSearch<'_, '_, '_, N> {
                 widest.is_none() || self.meets_after(&values)?
             } else {
                 let path = self.motion_bound(&values, 0.0)?;
-                path.is_finite() && !self.is_within(path)?
+                path.is_finite() && !self.is_within_reach(path)?
             };
             match widest {
                 _ if is_everywhere => {}
@@ -176,7 +176,9 @@ impl<N: Lanes> ClassSearch<'_, '_, '_, N> {
         if asked.radii > 0.0 {
             // 1e-3 of the radii covers the effect of a matrix that is not quite a rotation.
             let deep = -(moved + 1e-3 * asked.radii);
-            return Ok(deep + asked.radii > 0.0 && self.is_within(deep)?);
+            // A body inside of a solid may get out through a cap.
+            let has_caps = asked.trees.0.caps().is_some() || asked.trees.1.caps().is_some();
+            return Ok(deep + asked.radii > 0.0 && !has_caps && self.is_within(deep)?);
         }
         let (BodyTree::Mesh(tree_a), BodyTree::Mesh(tree_b)) = asked.trees else { return Ok(false) };
         let (pose, mut is_deep) = (asked.relative.pose(), false);
@@ -193,6 +195,13 @@ impl<N: Lanes> ClassSearch<'_, '_, '_, N> {
     fn is_within(&self, margin: f64) -> Result<bool, SceneError> {
         let [a, b] = self.pair.map(|i| i as u32);
         let answer = self.scene.ask_within(self.query, &self.scene.pair_now(a, b), margin)?;
+        Ok(matches!(answer.verdict, Verdict::Hit(_)))
+    }
+
+    /// As `is_within`, of the bodies and their caps.
+    fn is_within_reach(&self, margin: f64) -> Result<bool, SceneError> {
+        let [a, b] = self.pair.map(|i| i as u32);
+        let answer = self.scene.ask_within_reach(self.query, &self.scene.pair_now(a, b), margin)?;
         Ok(matches!(answer.verdict, Verdict::Hit(_)))
     }
 }

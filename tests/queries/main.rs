@@ -35,6 +35,7 @@ macro_rules! for_each_node {
 mod allocations;
 mod assignments;
 mod balls;
+mod caps;
 mod counters;
 mod digests;
 mod distance;

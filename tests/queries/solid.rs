@@ -641,7 +641,7 @@ fn solids_from_outside_are_safe() {
     assert_eq!(with(&|_| ()), None);
     assert_eq!(with(&|b| b[114] = 2), Some(FormatError::Header { field: "is_solid" }));
     assert_eq!(with(&|b| b[120] = 1), Some(FormatError::OtherStorage { storage: 1 }));
-    assert_eq!(with(&|b| b[122] = 1), Some(FormatError::Header { field: "reserved" }));
+    assert_eq!(with(&|b| b[125] = 1), Some(FormatError::Header { field: "cap_width" }));
     assert_eq!(with(&|b| b[section] = b[section + 4]), Some(FormatError::Part { index: 1 }));
     assert_eq!(with(&|b| b[section + 16] = 60), Some(FormatError::Part { index: 4 }));
     assert_eq!(with(&|b| b[116] = 1), Some(FormatError::Header { field: "part_count" }));

@@ -53,6 +53,7 @@ impl Coded for FormatError {
             Self::Primitive { .. } => simdop_error::BytesPrimitive,
             Self::Source { .. } => simdop_error::BytesSource,
             Self::Part { .. } => simdop_error::BytesPart,
+            Self::Caps { .. } => simdop_error::BytesCaps,
             _ => simdop_error::Other,
         }
     }
@@ -67,6 +68,8 @@ impl Coded for BuildError {
             Self::TooSmall => simdop_error::BuildTooSmall,
             Self::Primitive { .. } => simdop_error::BuildPrimitive,
             Self::Open { .. } => simdop_error::BuildOpen,
+            Self::Hole { .. } => simdop_error::BuildHole,
+            Self::TooManyCaps { .. } => simdop_error::BuildTooManyCaps,
             _ => simdop_error::Other,
         }
     }

@@ -62,6 +62,8 @@ pub enum simdop_error {
     BytesPart = 31,
     /// The planes of the tree are neither fixed point nor half floats.
     BytesOtherStorage = 32,
+    /// The tree of the caps in the bytes is invalid.
+    BytesCaps = 33,
 
     /// A vertex is NaN, infinite, or beyond 2^300.
     BuildVertex = 40,
@@ -75,6 +77,10 @@ pub enum simdop_error {
     BuildOpen = 44,
     /// A body's storage is not one of simdop_storage.
     BuildNoSuchStorage = 45,
+    /// A mesh to be built as a solid with caps has a hole that is wider than the limit.
+    BuildHole = 46,
+    /// The holes of a mesh would take more than 16,384 triangles to cap.
+    BuildTooManyCaps = 47,
 
     /// A margin, tolerance or cutoff is negative, NaN or too large, or a resolution is NaN or not positive.
     Tolerance = 60,
@@ -141,12 +147,15 @@ const TEXTS: [(simdop_error, &CStr); 48] = [
     (simdop_error::BytesSource, c"a primitive of the tree had an index that cannot be"),
     (simdop_error::BytesPart, c"what stands for a part of the tree's body cannot"),
     (simdop_error::BytesOtherStorage, c"the planes of the tree are neither fixed point nor half floats"),
+    (simdop_error::BytesCaps, c"the tree of the caps is invalid"),
     (simdop_error::BuildVertex, c"a vertex is not finite, or beyond 2^300"),
     (simdop_error::BuildRadius, c"a sphere's radius is negative or not finite, or it extends beyond 2^300"),
     (simdop_error::BuildTooSmall, c"all coordinates are below 2^-250"),
     (simdop_error::BuildPrimitive, c"a triangle refers to a vertex that does not exist"),
     (simdop_error::BuildOpen, c"a mesh to be built as a solid is not closed"),
     (simdop_error::BuildNoSuchStorage, c"a body's storage is not one of simdop_storage"),
+    (simdop_error::BuildHole, c"a mesh has a hole that is wider than the limit"),
+    (simdop_error::BuildTooManyCaps, c"the holes of a mesh would take too many triangles to cap"),
     (
         simdop_error::Tolerance,
         c"a margin, tolerance or cutoff is negative, NaN or too large, or a resolution is not positive",

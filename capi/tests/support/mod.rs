@@ -101,6 +101,24 @@ pub(crate) fn triangles_as(
     })
 }
 
+pub(crate) fn capped(mesh: &Mesh<'_>, width: f64, storage: c_int) -> Result<Box<simdop_body>, simdop_error> {
+    let (vertices, triangles) = (mesh.vertices, mesh.triangles);
+    handle(|body| {
+        // SAFETY: the lengths are those of the slices.
+        unsafe {
+            simdop_body_build_solid_with_caps(
+                vertices.as_ptr().cast(),
+                vertices.len(),
+                triangles.as_ptr().cast(),
+                triangles.len(),
+                width,
+                storage,
+                body,
+            )
+        }
+    })
+}
+
 pub(crate) fn spheres_as(spheres: &[[f64; 4]], storage: c_int) -> Result<Box<simdop_body>, simdop_error> {
     // SAFETY: the length is that of the slice.
     handle(|body| unsafe {
@@ -147,6 +165,11 @@ pub(crate) fn meshes_of<S: Storage>(rng: &mut Rng) -> Vec<Twice<Bvh<Node16<18, S
         let rust = Builder::new().solid().build_as(&mesh.as_mesh()).unwrap();
         all.push(Twice { c: Box::leak(triangles_as(&mesh.as_mesh(), true, number::<S>()).unwrap()), rust });
     }
+    // A side is missing, and capped.
+    let mut mesh = OwnedMesh::cuboid([1.5; 3]).unwrap();
+    mesh.triangles.truncate(10);
+    let rust = Builder::new().solid_with_caps(2.2).build_as(&mesh.as_mesh()).unwrap();
+    all.push(Twice { c: Box::leak(capped(&mesh.as_mesh(), 2.2, number::<S>()).unwrap()), rust });
     all
 }
 
@@ -179,7 +202,7 @@ pub(crate) const IDENTITY: simdop_pose =
 
 /// Names items that only some of the tests use, so that the others compile without a warning.
 const _: () = {
-    let _ = (open, bytes, pose, IDENTITY, surface, solid, spheres);
+    let _ = (open, bytes, pose, IDENTITY, surface, solid, spheres, capped);
     let _ = (meshes_of::<Half>, sphere_sets_of::<Half>);
     let _ = |twice: Twice<()>| (twice.c, twice.rust);
 };

@@ -11,6 +11,7 @@ mod world;
 
 pub(super) use options::Options;
 
+use crate::body::{CapsReport, rounded_up};
 use crate::error::Error;
 use crate::progress;
 use crate::random::Random;
@@ -55,6 +56,9 @@ struct BodyReport {
     shape: &'static str,
     triangles: usize,
     bytes: usize,
+    caps: Option<CapsReport>,
+    /// The width of the widest hole of a surface, unless it has too many.
+    widest_hole: Option<f64>,
 }
 
 #[derive(Serialize)]
@@ -126,6 +130,8 @@ impl RobotReport {
             shape: body.shape(),
             triangles: body.tree.view().len(),
             bytes: body.tree.as_bytes().len(),
+            caps: body.caps(),
+            widest_hole: body.hole,
         };
         let bodies: Vec<_> = model.names.iter().zip(&model.bodies).map(body).collect();
         let robot = &model.robot;
@@ -148,10 +154,24 @@ impl RobotReport {
             |names: &mut dyn Iterator<Item = &String>| names.map(|name| name.len()).max().unwrap_or(0);
         let wide = width(&mut self.bodies.iter().map(|body| &body.name)).max(4);
         writeln!(out, "{}\n\n{:wide$}  shape    triangles     bytes", self.name, "body")?;
-        for BodyReport { name, shape, triangles, bytes } in &self.bodies {
-            writeln!(out, "{name:wide$}  {shape:8} {triangles:9} {bytes:9}")?;
+        for BodyReport { name, shape, triangles, bytes, caps, widest_hole } in &self.bodies {
+            let holes = match (caps, widest_hole) {
+                (Some(caps), _) => format!("  {caps}"),
+                (None, Some(width)) => format!("  with holes up to {} wide", rounded_up(*width)),
+                (None, None) => String::new(),
+            };
+            writeln!(out, "{name:wide$}  {shape:8} {triangles:9} {bytes:9}{holes}")?;
         }
         writeln!(out, "{:wide$}                     {:9}", "in all", self.bytes)?;
+        let surfaces = self.bodies.iter().filter(|body| body.shape == "surface");
+        let surfaces: Vec<&str> = surfaces.map(|body| body.name.as_str()).collect();
+        if !surfaces.is_empty() {
+            let surfaces = surfaces.join(", ");
+            writeln!(
+                out,
+                "warning: what is wholly inside of these is free, unless --cap closes them: {surfaces}"
+            )?;
+        }
         let wide = width(&mut self.joints.iter().map(|joint| &joint.name)).max(5);
         writeln!(out, "\n{:wide$}        from         to", "joint")?;
         for JointReport { name, limits: [low, high] } in &self.joints {

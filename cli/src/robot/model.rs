@@ -1,6 +1,7 @@
 //! A robot with the trees of its bodies, from its description and the mesh files that this refers to.
 
 use super::options::Options;
+use crate::body::CapsReport;
 use crate::error::{Error, Fault};
 use crate::mesh::{self, Empty};
 use crate::progress;
@@ -24,22 +25,23 @@ const CYLINDER_ERROR: f64 = 0.02;
 pub(super) struct Round {
     pub(super) tree: Tree,
     pub(super) radius: f64,
+    /// The width of the widest hole of a surface, unless it has too many.
+    pub(super) hole: Option<f64>,
 }
 
 impl Round {
-    /// The tree of a mesh: a solid if it is closed, otherwise a surface.
-    fn build(mesh: &Mesh<'_>, radius: f64) -> Result<Self, BuildError> {
+    /// The tree of a mesh: a solid if it is closed, or has no hole wider than `cap`; otherwise a surface.
+    fn build(mesh: &Mesh<'_>, radius: f64, cap: f64) -> Result<Self, BuildError> {
         let surface = || Builder::new().build_as(mesh);
         // Segments and points are closed, and have no inside.
-        let tree = if radius > 0.0 {
-            surface()?
-        } else {
-            match Builder::new().solid().build_as(mesh) {
-                Err(BuildError::Open { .. }) => surface()?,
-                built => built?,
-            }
-        };
-        Ok(Self { tree, radius })
+        if radius > 0.0 {
+            return Ok(Self { tree: surface()?, radius, hole: None });
+        }
+        match Builder::new().solid_with_caps(cap).build_as(mesh) {
+            Err(BuildError::Hole { width, .. }) => Ok(Self { tree: surface()?, radius, hole: Some(width) }),
+            Err(BuildError::TooManyCaps { .. }) => Ok(Self { tree: surface()?, radius, hole: None }),
+            built => Ok(Self { tree: built?, radius, hole: None }),
+        }
     }
 
     /// The tree of a shape that is not a mesh file.
@@ -51,7 +53,7 @@ impl Round {
         };
         let (mesh, radius) =
             shape.mesh(error).map_err(|error| error.to_string())?.ok_or("a mesh file is no such shape")?;
-        Self::build(&mesh.as_mesh(), radius).map_err(|error| error.to_string())
+        Self::build(&mesh.as_mesh(), radius, 0.0).map_err(|error| error.to_string())
     }
 
     pub(super) fn body(&self) -> Body<'_, Node16<18>> {
@@ -61,9 +63,14 @@ impl Round {
     pub(super) fn shape(&self) -> &'static str {
         match (self.radius > 0.0, self.tree.view().header().is_solid != 0) {
             (true, _) => "round",
+            (false, true) if self.caps().is_some() => "capped",
             (false, true) => "solid",
             (false, false) => "surface",
         }
+    }
+
+    pub(super) fn caps(&self) -> Option<CapsReport> {
+        CapsReport::of(self.tree.view().cap_stats())
     }
 }
 
@@ -97,7 +104,8 @@ impl Model {
         };
         let _spinner = progress::step(format!("reading the meshes of {}", robot.name), options.json);
         let bodies = robot.shapes.iter().zip(&robot.names).map(|(shape, link)| {
-            body(path, shape).map_err(|error| Error::Link { link: link.clone(), error: Box::new(error) })
+            body(path, shape, options.cap.unwrap_or(0.0))
+                .map_err(|error| Error::Link { link: link.clone(), error: Box::new(error) })
         });
         let bodies = bodies.collect::<Result<_, _>>()?;
         let (names, joints) = (numbered(&robot.names), joint_names(&urdf));
@@ -129,7 +137,7 @@ impl Model {
     }
 }
 
-fn body(urdf: &Path, shape: &LinkShape) -> Result<Round, Error> {
+fn body(urdf: &Path, shape: &LinkShape, cap: f64) -> Result<Round, Error> {
     if let LinkShape::Mesh { file, scale } = shape {
         let path = located(urdf, file);
         let bytes = std::fs::read(&path).map_err(Error::io(&path))?;
@@ -142,7 +150,7 @@ fn body(urdf: &Path, shape: &LinkShape) -> Result<Round, Error> {
             mesh.triangles.iter_mut().for_each(|[_, b, c]| core::mem::swap(b, c));
         }
         let mesh = Mesh { vertices: &mesh.vertices, triangles: &mesh.triangles };
-        return Round::build(&mesh, 0.0)
+        return Round::build(&mesh, 0.0, cap)
             .map_err(|error| Error::Build { name: path.display().to_string(), error });
     }
     Round::of(shape).map_err(|problem| Error::content(urdf, Fault::file(problem)))

@@ -13,9 +13,13 @@ pub(crate) struct Options {
     /// included.
     #[arg(long, value_name = "FILE", requires = "urdf")]
     pub(super) srdf: Option<File>,
-    /// Which shapes of a link are its bodies. Closed meshes become solids.
+    /// Which shapes of a link are its bodies. Closed meshes become solids, others surfaces.
     #[arg(long, value_enum, default_value = "collision")]
     pub(super) shapes: ShapesName,
+    /// Cap the holes of meshes that have none wider than this, so that they become solids, too: the greatest distance
+    /// of two corners of a hole's border, in the robot's unit.
+    #[arg(long, value_name = "LENGTH", value_parser = crate::length)]
+    pub(super) cap: Option<f64>,
     /// Planning problems, one JSON object per line in MotionBenchMaker's form: `start`, `goals` and `obstacles`. Are
     /// starts, goals and random configurations valid, and the motions between them free?
     #[arg(long, value_name = "FILE", requires = "urdf")]

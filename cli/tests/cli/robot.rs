@@ -115,6 +115,39 @@ fn a_mesh_is_found_scaled_and_solid() {
     let report = asked("here/urdf/open.urdf");
     assert_eq!(report["robot"]["bodies"][0]["shape"], "surface");
     assert_eq!(report["problems"]["validity"]["configurations"][0]["valid"], 3);
+    // A solid with a cap does.
+    let capped = |width| {
+        let arguments =
+            ["robot", "here/urdf/open.urdf", "--cap", width, "--problems", "problems", "--edges", "0"];
+        folder.json(&arguments)
+    };
+    let (report, other) = (capped("2.9"), capped("2.8"));
+    let body = &report["robot"]["bodies"][0];
+    assert_eq!((&body["shape"], &body["caps"]["holes"]), (&"capped".into(), &1.into()));
+    assert_eq!(report["problems"]["validity"]["configurations"][0]["valid"], 2);
+    let body = &other["robot"]["bodies"][0];
+    assert_eq!((&body["shape"], &body["caps"]), (&"surface".into(), &Value::Null));
+    assert_eq!(body["widest_hole"].as_f64().unwrap(), 8.0_f64.sqrt());
+    assert_eq!(other["problems"]["validity"]["configurations"][0]["valid"], 3);
+    let table =
+        |options: &[&str]| String::from_utf8(folder.run(&[&["robot"], options].concat()).stdout).unwrap();
+    let lines = [
+        (&["here/urdf/robot.urdf"][..], "sled  solid            4 "),
+        (&["here/urdf/open.urdf"], "sled  surface          3 "),
+        (&["here/urdf/open.urdf", "--cap", "3"], "sled  capped           3 "),
+    ];
+    for (options, line) in lines {
+        let table = table(options);
+        let warning = "\nwarning: what is wholly inside of these is free, unless --cap closes them: sled\n";
+        assert!(table.contains(&format!("\n{line}")), "{table}");
+        assert_eq!(table.contains(warning), line.contains("surface"), "{table}");
+        assert_eq!(table.contains("  with holes up to 2.8285 wide\n"), line.contains("surface"), "{table}");
+        assert_eq!(
+            table.contains("  1 hole capped, at most 2.8285 wide\n"),
+            line.contains("capped"),
+            "{table}"
+        );
+    }
 }
 
 #[test]

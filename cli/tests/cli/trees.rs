@@ -89,6 +89,78 @@ fn a_closed_mesh_may_be_built_as_a_solid() {
     assert!(!folder.0.join("open.tree").exists());
 }
 
+/// Holes are capped on request only, as every command reports, and a tree keeps its caps when it is built again.
+#[test]
+fn holes_are_capped_on_request() {
+    let folder = Folder::new("caps");
+    let mut open = tetrahedron();
+    let mut small = open.clone();
+    small.vertices.iter_mut().flatten().for_each(|x| *x = 0.125 * *x + 0.125);
+    folder.write("small.off", off(&small));
+    // The face opposite of the origin: a hole with sides of the square root of two.
+    open.triangles.retain(|t| t.contains(&0));
+    folder.write("open.off", off(&open));
+    let said = |arguments: &[&str]| String::from_utf8(folder.run(arguments).stdout).unwrap();
+
+    let (code, message) = folder.fate(&["build", "open.off", "--cap", "1.4", "-o", "open.tree"]);
+    let start =
+        "simdop: open.off: the mesh has a hole 1.4142135623730951 wide, more than 1.4, at the edge of ";
+    assert!(code == 2 && message.starts_with(start), "{message}");
+    assert!(!folder.0.join("open.tree").exists());
+    for length in ["0", "NaN", "wide"] {
+        let (code, message) = folder.fate(&["build", "open.off", "--cap", length, "-o", "open.tree"]);
+        assert!(code == 2 && message.contains("must be a length above 0"), "{message}");
+    }
+    let line = said(&["build", "open.off", "--cap", "1.5", "-o", "open.tree"]);
+    assert!(line.contains(" bytes, 1 hole capped, at most 1.4143 wide, built in "), "{line}");
+    assert_eq!(folder.fate(&["build", "open.tree", "-k", "14", "-o", "again.tree"]), (0, String::new()));
+    for tree in ["open.tree", "again.tree"] {
+        let info = folder.json(&["info", tree, "--verify"]);
+        let caps = &info["caps"];
+        assert_eq!(
+            (&info["solid"], &caps["holes"], &caps["triangles"]),
+            (&true.into(), &1.into(), &1.into())
+        );
+        assert!((caps["width"].as_f64().unwrap() - 2.0_f64.sqrt()).abs() < 1e-6, "{tree}");
+    }
+    let table = said(&["info", "open.tree"]);
+    let line = "\nholes                          1   capped by 1 triangles, at most 1.4143 wide\n";
+    assert!(table.contains(line), "{table}");
+    assert!(folder.json(&["info", "small.off"])["caps"].is_null());
+
+    let pose = ["--pose", "1 0 0 0  0 1 0 0  0 0 1 0"];
+    let collide = |b: &str, options: &[&str]| {
+        folder.run(&[&["collide", "small.off", b], &pose[..], options].concat()).status.code().unwrap()
+    };
+    assert_eq!((collide("open.off", &[]), collide("open.off", &["--cap", "1.5"])), (0, 1));
+    assert_eq!((collide("again.tree", &["-k", "14"]), collide("open.off", &["--solid"])), (1, 2));
+    let table = said(&[&["collide", "small.off", "open.tree"], &pose[..]].concat());
+    assert!(table.contains("B  open.tree: 3 triangles, 1 hole capped, at most 1.4143 wide"), "{table}");
+    let (code, message) =
+        folder.fate(&[&["collide", "open.tree", "open.tree", "--cap", "2"], &pose[..]].concat());
+    assert!(code == 2 && message.starts_with("simdop: --cap: open.tree is a tree"), "{message}");
+
+    // A packing and a cover of the inside.
+    let (code, message) = folder.fate(&["pack", "open.off", "-o", "open.txt"]);
+    assert!(code == 2 && message.contains("the mesh is open"), "{message}");
+    for mesh in [&["open.off", "--cap", "1.5"][..], &["open.tree"]] {
+        let report = folder.json(&[&["pack", "-n", "9", "-o", "open.txt"], mesh].concat());
+        assert_eq!((&report["triangles"], &report["caps"]["holes"]), (&3.into(), &1.into()));
+        assert!((report["volume"].as_f64().unwrap() - 1.0 / 6.0).abs() < 1e-12);
+        let report = folder.json(&[&["cover", "--error", "0.05", "-o", "cover.txt"], mesh].concat());
+        assert_eq!((&report["part"], &report["caps"]["holes"]), (&"solid".into(), &1.into()));
+    }
+    let line = said(&["pack", "open.off", "--cap", "1.5", "-n", "9", "-o", "open.txt"]);
+    assert!(
+        line.starts_with("open.off: 3 triangles, 1 hole capped, at most 1.4143 wide, volume 1.66"),
+        "{line}"
+    );
+    let line = said(&["cover", "open.off", "--cap", "1.5", "--error", "0.1", "-o", "cover.txt"]);
+    let start = "open.off: 3 triangles and what is inside (1 hole capped, at most 1.4143 wide) within ";
+    assert!(line.starts_with(start), "{line}");
+    assert_eq!(folder.fate(&["cover", "open.off", "--cap", "1", "--error", "0.1", "-o", "x.txt"]).0, 2);
+}
+
 #[test]
 fn a_tree_that_is_built_again_keeps_its_node_type() {
     let folder = Folder::new("again");

@@ -6,8 +6,8 @@ use super::parts::parts;
 use super::shape::{InOrder, TreeShape};
 use super::wrap::wrap;
 use crate::construct::error::BuildError;
-use crate::construct::input::{Checked, Geometry, Record, bounding_box, corners_of};
-use crate::construct::split::Assignment;
+use crate::construct::input::{Caps, Checked, Geometry, Record, bounding_box, corners_of};
+use crate::construct::split::{Assignment, Items, Splitter};
 use crate::exact::round_up_f32;
 use crate::frame::Frame;
 use crate::hierarchy::{Bvh, Header, MAGIC, MAX_DEPTH, VERSION, rotation_growth};
@@ -15,22 +15,45 @@ use crate::key::{EMPTY, Storage};
 use crate::node::{Child, Dop, NormalSlab};
 use crate::primitive::{Primitive, Sphere};
 use crate::range::Point;
+use alloc::borrow::Cow;
 use alloc::vec::Vec;
+use bytemuck::Zeroable;
+use core::ops::ControlFlow;
 
 /// What a tree stores besides its planes.
 #[derive(Copy, Clone, Debug)]
-pub(in crate::construct) struct Contents {
+pub(in crate::construct) struct Contents<'c> {
     pub(in crate::construct) leaf_size: u32,
     pub(in crate::construct) has_normal_slabs: bool,
     pub(in crate::construct) has_balls: bool,
     pub(in crate::construct) is_solid: bool,
+    pub(in crate::construct) caps: &'c Caps,
+}
+
+/// What the tree of the caps has from that of the solid.
+struct OfSolid<'c> {
+    frame: Frame,
+    /// For each cap, the index in the solid's leaf order of a primitive at the border of its hole.
+    beside: Vec<u32>,
+    /// For each cap, the number of its hole.
+    holes: &'c [u32],
 }
 
 /// Bakes the tree of a checked geometry.
 pub(in crate::construct) fn bake<N: Dop, G: Geometry>(
     table: &Checked<'_, G::Primitive>,
     assignment: &Assignment,
-    Contents { leaf_size, has_normal_slabs, has_balls, is_solid }: Contents,
+    contents: Contents<'_>,
+) -> Result<Bvh<N, G::Primitive>, BuildError> {
+    bake_tree::<N, G>(table, assignment, contents, None)
+}
+
+/// Bakes a tree, or that of a solid's caps.
+fn bake_tree<N: Dop, G: Geometry>(
+    table: &Checked<'_, G::Primitive>,
+    assignment: &Assignment,
+    Contents { leaf_size, has_normal_slabs, has_balls, is_solid, caps }: Contents<'_>,
+    of_solid: Option<&OfSolid<'_>>,
 ) -> Result<Bvh<N, G::Primitive>, BuildError> {
     let shape: TreeShape<N> = TreeShape::new(assignment, leaf_size);
     if shape.depth > MAX_DEPTH {
@@ -43,7 +66,7 @@ pub(in crate::construct) fn bake<N: Dop, G: Geometry>(
     } else {
         bounding_box(vertices.iter().flat_map(G::Primitive::balls))
     };
-    let frame = Frame::around(low, high, N::DIRECTIONS);
+    let frame = of_solid.map_or_else(|| Frame::around(low, high, N::DIRECTIONS), |solid| solid.frame);
     let half_width = half_width::<G::Primitive>(&frame, &vertices);
     let mut nodes = shape.nodes;
     wrap::<N, G::Primitive>(&mut nodes, &frame, &vertices, &records);
@@ -61,12 +84,27 @@ pub(in crate::construct) fn bake<N: Dop, G: Geometry>(
         Vec::new()
     };
     // Each sphere is a part, which need not be listed.
-    let parts = if G::Primitive::ARE_PARTS {
+    let parts = if let Some(solid) = of_solid {
+        firsts(&shape.sources, solid.holes)
+    } else if G::Primitive::ARE_PARTS {
         Vec::new()
     } else {
         parts(&records, vertices.len(), || {
             vertices.iter().flat_map(G::Primitive::balls).map(|ball| ball.centre).collect()
         })
+    };
+    let sources = match of_solid {
+        Some(solid) => shape.sources.iter().map(|&cap| solid.beside[cap as usize]).collect(),
+        None => shape.sources,
+    };
+    let tree_of_caps = if caps.triangles.is_empty() {
+        None
+    } else {
+        Some(bake_caps::<N, G>(table, caps, frame, &sources, leaf_size)?)
+    };
+    let cap_bytes = tree_of_caps.as_ref().map_or(&[][..], Bvh::as_bytes);
+    let Ok(cap_lines) = u16::try_from(cap_bytes.len() / 64) else {
+        return Err(BuildError::TooLarge { count: caps.triangles.len() });
     };
     let mut corners = Vec::new();
     let mut is_degenerate = |record: &&Record<G>| {
@@ -104,7 +142,8 @@ pub(in crate::construct) fn bake<N: Dop, G: Geometry>(
         is_solid: (is_solid && G::Primitive::BOUNDS_SOLIDS).into(),
         part_count: parts.len() as u32,
         storage: N::Storage::CODE,
-        reserved: [0; 3],
+        cap_lines,
+        cap_width: round_up_f32(caps.stats.width * frame.scale()),
     };
     let vertex_bytes: &[u8] = match &single {
         Some(single) => bytemuck::cast_slice(single),
@@ -118,9 +157,50 @@ pub(in crate::construct) fn bake<N: Dop, G: Geometry>(
         (8, bytemuck::cast_slice(&normal_slabs)),
         (8, vertex_bytes),
         (4, bytemuck::cast_slice(&records)),
-        (4, bytemuck::cast_slice(&shape.sources)),
+        (4, bytemuck::cast_slice(&sources)),
         (4, bytemuck::cast_slice(&parts)),
+        (64, cap_bytes),
     ]))
+}
+
+/// Bakes the tree of the caps of a solid, whose leaf order `sources` gives.
+fn bake_caps<N: Dop, G: Geometry>(
+    table: &Checked<'_, G::Primitive>,
+    caps: &Caps,
+    frame: Frame,
+    sources: &[u32],
+    leaf_size: u32,
+) -> Result<Bvh<N, G::Primitive>, BuildError> {
+    let mut leaves = alloc::vec![0; sources.len()];
+    (0..).zip(sources).for_each(|(leaf, &source)| leaves[source as usize] = leaf);
+    let record = |corners: &[u32; 3]| {
+        let mut record = Record::<G>::zeroed();
+        record.as_mut().copy_from_slice(corners);
+        record
+    };
+    let records: Vec<_> = caps.triangles.iter().map(record).collect();
+    let table = Checked { vertices: table.vertices.clone(), primitives: Cow::Owned(records) };
+    let splitter = Splitter::ExtendedLongestAxis;
+    let mut go_on = |_| ControlFlow::Continue(());
+    let assignment = Items::new::<G>(&table, splitter).split(splitter, leaf_size, N::ARITY, &mut go_on)?;
+    let none = Caps::default();
+    let contents =
+        Contents { leaf_size, has_normal_slabs: false, has_balls: false, is_solid: false, caps: &none };
+    let beside = caps.beside.iter().map(|&source| leaves[source as usize]).collect();
+    bake_tree::<N, G>(&table, &assignment, contents, Some(&OfSolid { frame, beside, holes: &caps.holes }))
+}
+
+/// The first cap of each hole in leaf order, ascending. Empty if there is one hole.
+fn firsts(sources: &[u32], holes: &[u32]) -> Vec<u32> {
+    let count = holes.iter().fold(0, |count, hole| count.max(*hole as usize + 1));
+    let mut is_seen = alloc::vec![false; count];
+    let mut firsts: Vec<u32> = Vec::with_capacity(count);
+    for (index, &cap) in (0..).zip(sources) {
+        if !core::mem::replace(&mut is_seen[holes[cap as usize] as usize], true) {
+            firsts.push(index);
+        }
+    }
+    if count > 1 { firsts } else { Vec::new() }
 }
 
 /// The largest magnitude of a coordinate of a box, or of the centre of the frame around it.

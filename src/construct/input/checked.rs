@@ -1,5 +1,6 @@
 //! A geometry whose values are valid.
 
+use super::caps::{Caps, caps};
 use super::closed::check_edges;
 use super::corners::{bounding_box, corner_balls, corners_of};
 use super::geometry::Geometry;
@@ -39,6 +40,12 @@ impl<'a, P: Primitive<Record: AsRef<[u32]>>> Checked<'a, P> {
         check_edges(&self.places(), triangles).map_err(|OpenEdge { edge, corners, forward, backward }| {
             BuildError::Open { edge, corners, forward, backward }
         })
+    }
+
+    /// The caps of the surface, if no hole is wider than `width`.
+    pub(in crate::construct) fn caps(&self, width: f64) -> Result<Caps, BuildError> {
+        let triangles = self.primitives.iter().filter_map(|record| record.as_ref().try_into().ok());
+        caps(&self.places(), triangles, width)
     }
 
     fn places(&self) -> Vec<Point> {

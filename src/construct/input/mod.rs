@@ -1,5 +1,6 @@
 //! Input of a build: meshes and other geometries, and their validation.
 
+mod caps;
 mod checked;
 mod closed;
 mod corners;
@@ -7,6 +8,7 @@ mod geometry;
 mod owned_mesh;
 mod ranges;
 
+pub use caps::Caps;
 pub(super) use checked::Checked;
 pub(super) use closed::first_at_place;
 pub(crate) use closed::{Unclosed, check_closed};

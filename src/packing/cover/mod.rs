@@ -52,7 +52,7 @@ impl Mesh<'_> {
     /// ```
     ///
     /// # Errors
-    /// [`CoverError`]; [`BuildError::Open`] in it if the mesh is not closed.
+    /// [`CoverError`]; [`BuildError::Open`] in it if the mesh is not closed: [`Mesh::caps`] closes holes.
     pub fn cover_solid(&self, error: f64) -> Result<Vec<Sphere>, CoverError> {
         check_closed(self).map_err(|unclosed| {
             CoverError::Mesh(match unclosed {

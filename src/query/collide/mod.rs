@@ -20,7 +20,6 @@ use super::lanes::Lanes;
 use super::setup::{Margin, Touching, are_apart};
 use crate::hierarchy::{AsBvh, BvhRef, with_bvhs};
 use crate::pose::Pose;
-use crate::primitive::Primitive;
 use core::ops::ControlFlow;
 use flow::Stop;
 
@@ -51,7 +50,7 @@ impl Query {
 
     /// Adds containment to the answer of two surfaces, for bodies that may be solid.
     #[inline]
-    pub(in crate::query) fn add_inside<N: Lanes, P: Primitive, Q: Primitive>(
+    pub(in crate::query) fn add_inside<N: Lanes, P: PrimitivePair<Q>, Q: PrimitivePair<P>>(
         &self,
         answer: &mut Answer,
         a: &BvhRef<'_, N, P>,
@@ -65,11 +64,47 @@ impl Query {
             Verdict::Hit(_) => {}
             Verdict::Unknown { lower, .. } => *lower = 0.0,
             verdict @ Verdict::Free => match self.place(a, b, pose, &mut answer.stats) {
-                Containment::Outside => {}
+                Containment::Outside => {
+                    if a.has_caps() || b.has_caps() {
+                        *verdict = self.on_caps(a, b, pose, &mut answer.stats);
+                    }
+                }
                 Containment::Inside { found, .. } => *verdict = Verdict::Hit(found.pair(a, b)),
                 Containment::OutOfBudget { upper } => *verdict = Verdict::Unknown { lower: 0.0, upper },
             },
         }
+    }
+
+    /// Whether either body meets a cap of the other. The pair names a primitive beside the cap.
+    #[cold]
+    #[inline(never)]
+    fn on_caps<N: Lanes, P: PrimitivePair<Q>, Q: PrimitivePair<P>>(
+        &self,
+        a: &BvhRef<'_, N, P>,
+        b: &BvhRef<'_, N, Q>,
+        pose: &Pose,
+        stats: &mut QueryStats,
+    ) -> Verdict {
+        let query = self.with_hint(Hint::NONE);
+        let (caps_a, caps_b) = (a.caps(), b.caps());
+        if let Some(caps) = &caps_b {
+            let answer = query.after(stats).first_pair(a, caps, pose, Touching);
+            *stats = stats.and(&answer.stats);
+            match answer.verdict {
+                Verdict::Hit(pair) => return Verdict::Hit(Pair { b: b.source(pair.b), ..pair }),
+                Verdict::Free => {}
+                unknown @ Verdict::Unknown { .. } => return unknown,
+            }
+        }
+        if let Some(caps) = &caps_a {
+            let answer = query.after(stats).first_pair(caps, b, pose, Touching);
+            *stats = stats.and(&answer.stats);
+            return match answer.verdict {
+                Verdict::Hit(pair) => Verdict::Hit(Pair { a: a.source(pair.a), ..pair }),
+                verdict => verdict,
+            };
+        }
+        Verdict::Free
     }
 
     /// The first pair of primitives at most `margin` apart: that of the hint, or the first that the traversal finds.

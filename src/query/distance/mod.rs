@@ -12,7 +12,7 @@ pub use frontier::DISTANCE_STACK_BYTES;
 
 use super::containment::Containment;
 use super::entry::{
-    Answer, Completion, Hint, PrimitivePair, Query, QueryStats, ToleranceError, Verdict, checked,
+    Answer, Completion, Found, Hint, PrimitivePair, Query, QueryStats, ToleranceError, Verdict, checked,
 };
 use super::lanes::Lanes;
 use super::setup::{Within, are_apart};
@@ -192,7 +192,7 @@ impl Query {
 
     /// The distance of two surfaces, for bodies that may be solid: 0 if one is inside of the other.
     #[inline(always)]
-    fn or_none<N: Lanes, P: Primitive, Q: Primitive>(
+    fn or_none<N: Lanes, P: PrimitivePair<Q>, Q: Primitive>(
         &self,
         surfaces: Distance,
         a: &BvhRef<'_, N, P>,
@@ -204,6 +204,9 @@ impl Query {
         }
         let mut stats = surfaces.stats;
         match self.place(a, b, pose, &mut stats) {
+            Containment::Outside if a.has_caps() || b.has_caps() => {
+                self.or_none_on_caps(Distance { stats, ..surfaces }, a, b, pose)
+            }
             Containment::Outside => Distance { stats, ..surfaces },
             Containment::Inside { found, point } => Distance {
                 lower: 0.0,
@@ -216,6 +219,54 @@ impl Query {
             Containment::OutOfBudget { .. } => {
                 Distance { lower: 0.0, completion: Completion::OutOfBudget, stats, ..surfaces }
             }
+        }
+    }
+
+    /// The distance of two bodies that are not inside of each other: 0 if one meets a cap of the other.
+    #[cold]
+    #[inline(never)]
+    fn or_none_on_caps<N: Lanes, P: PrimitivePair<Q>, Q: Primitive>(
+        &self,
+        surfaces: Distance,
+        a: &BvhRef<'_, N, P>,
+        b: &BvhRef<'_, N, Q>,
+        pose: &Pose,
+    ) -> Distance {
+        let query = self.with_hint(Hint::NONE);
+        let goal = Goal::Distance { tolerance: TIGHT, cutoff: f64::MIN_POSITIVE };
+        let mut stats = surfaces.stats;
+        // A cap is named by a primitive beside it.
+        let of_b = b.caps().map(|caps| {
+            let outcome = query.after(&stats).search(*a, caps, pose, goal);
+            stats = stats.and(&outcome.stats);
+            let Found { a, b } = outcome.best.found;
+            (Found { a, b: caps.source(b) }, outcome)
+        });
+        let is_decided = |(_, outcome): &(Found, Outcome)| {
+            outcome.best.upper == 0.0 || outcome.completion != Completion::Complete
+        };
+        let of_a = || {
+            a.caps().map(|caps| {
+                let outcome = query.after(&stats).search(caps, *b, pose, goal);
+                stats = stats.and(&outcome.stats);
+                let Found { a, b } = outcome.best.found;
+                (Found { a: caps.source(a), b }, outcome)
+            })
+        };
+        match of_b.filter(is_decided).or_else(of_a).filter(is_decided) {
+            Some((found, Outcome { best, .. })) if best.upper == 0.0 => {
+                let [p, q] = best.points;
+                Distance {
+                    lower: 0.0,
+                    upper: 0.0,
+                    witness: Some(Witness { pair: found.pair(a, b), a: p, b: q }),
+                    completion: Completion::Complete,
+                    stats,
+                    hint: surfaces.hint,
+                }
+            }
+            Some(_) => Distance { lower: 0.0, completion: Completion::OutOfBudget, stats, ..surfaces },
+            None => Distance { stats, ..surfaces },
         }
     }
 

@@ -192,7 +192,10 @@ impl<N: Lanes, M: Motion> MotionSearch<'_, '_, '_, N, M> {
         if path > long_way(a.size.whole_reach(), b.size.whole_reach()) {
             return Ok(Known::Near);
         }
-        Ok(match self.ask_within(&candidate, path, found)? {
+        let answer = self.scene.ask_within_reach(&self.query.after(&found.stats), &candidate, path)?;
+        found.pairs += 1;
+        found.stats = found.stats.and(&answer.stats);
+        Ok(match answer.verdict {
             Verdict::Free => Known::Free,
             Verdict::Unknown { .. } => Known::OutOfBudget,
             Verdict::Hit(_) => Known::Near,
