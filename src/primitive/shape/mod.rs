@@ -27,6 +27,8 @@ mod support;
 
 pub use self::core::Core;
 pub use error::ShapeError;
+#[cfg(feature = "alloc")]
+pub(crate) use error::length;
 pub(crate) use pair::{is_near, nearer};
 pub use pair::{is_within, meets, separation};
 pub use stored::{ShapeNumbers, Shapes, SingleShapeNumbers};
