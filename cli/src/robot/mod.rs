@@ -52,7 +52,9 @@ struct RobotReport {
 #[derive(Serialize)]
 struct BodyReport {
     name: String,
+    /// The kind of a shape, or of a mesh: a solid or a surface.
     shape: &'static str,
+    /// Zero of a shape, and so are the bytes.
     triangles: usize,
     bytes: usize,
 }
@@ -121,11 +123,9 @@ fn ask(
 
 impl RobotReport {
     fn of(model: &Model) -> Self {
-        let body = |(name, body): (&String, &model::Round)| BodyReport {
-            name: name.clone(),
-            shape: body.shape(),
-            triangles: body.tree.view().len(),
-            bytes: body.tree.as_bytes().len(),
+        let body = |(name, body): (&String, &model::Geometry)| {
+            let (triangles, bytes) = body.size();
+            BodyReport { name: name.clone(), shape: body.kind(), triangles, bytes }
         };
         let bodies: Vec<_> = model.names.iter().zip(&model.bodies).map(body).collect();
         let robot = &model.robot;

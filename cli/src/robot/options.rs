@@ -13,7 +13,7 @@ pub(crate) struct Options {
     /// included.
     #[arg(long, value_name = "FILE", requires = "urdf")]
     pub(super) srdf: Option<File>,
-    /// Which shapes of a link are its bodies. Closed meshes become solids.
+    /// Which shapes of a link are its bodies: exactly what the URDF says, without an error. Closed meshes become solids.
     #[arg(long, value_enum, default_value = "collision")]
     pub(super) shapes: ShapesName,
     /// Planning problems, one JSON object per line in MotionBenchMaker's form: `start`, `goals` and `obstacles`. Are

@@ -8,7 +8,7 @@ use simdop::motion::{JointMotion, Kinematics, LinkFrame};
 use simdop::node::Node16;
 use simdop::pose::Pose;
 use simdop::query::Query;
-use simdop::scene::{BodyId, MotionAnswer, MotionHit, MotionMemory, Scene, SceneError, SceneHit};
+use simdop::scene::{Body, BodyId, MotionAnswer, MotionHit, MotionMemory, Scene, SceneError, SceneHit};
 
 /// Samples per unit of length in the joints: as many as the planner VAMP takes.
 const SAMPLES: f64 = 32.0;
@@ -36,7 +36,7 @@ impl<'t> World<'t> {
         let robot = model.robot.kinematics()?;
         let mut obstacles = Vec::new();
         for obstacle in &problem.obstacles {
-            let id = scene.insert(obstacle.body.body().fixed(), &obstacle.at)?;
+            let id = scene.insert(Body::new(obstacle.shape).fixed(), &obstacle.at)?;
             obstacles.push((id, obstacle.name.as_str()));
         }
         Ok(Self {

@@ -47,7 +47,10 @@ impl fmt::Display for ShapeError {
                 )
             }
             Self::Error { given } => {
-                write!(f, "a mesh of a round shape cannot be within an error of {given:e}: it has at most 4096 sides")
+                write!(
+                    f,
+                    "a mesh of a round shape cannot be within an error of {given:e}: it has at most 4096 sides"
+                )
             }
         }
     }
