@@ -5,5 +5,6 @@ extern crate alloc;
 #[path = "../support/mod.rs"]
 mod support;
 
+mod planning;
 mod scenes;
 mod trees;
