@@ -78,9 +78,12 @@ impl<'t> World<'t> {
         self.scene.check_motion_discrete(&self.query, &self.ids, &mut motion, parts, &mut memory)
     }
 
+    /// The robot's bodies first, in their order.
     pub(super) fn names(&self, hit: &SceneHit) -> [&str; 2] {
-        [hit.a, hit.b].map(|id| match self.ids.iter().position(|body| *body == id) {
-            Some(i) => &self.model.names[i],
+        let place = |id: BodyId| self.ids.iter().position(|body| *body == id).unwrap_or(usize::MAX);
+        let [a, b] = if place(hit.b) < place(hit.a) { [hit.b, hit.a] } else { [hit.a, hit.b] };
+        [a, b].map(|id| match self.model.names.get(place(id)) {
+            Some(name) => name.as_str(),
             None => self.obstacles.iter().find(|(body, _)| *body == id).map_or("", |(_, name)| name),
         })
     }
