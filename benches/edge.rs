@@ -2,7 +2,8 @@
 //! table.
 //!
 //! The Panda on every seventh problem of MotionBenchMaker: straight motions in the joints from the start and the goal
-//! towards random configurations, of several lengths, as in a planner's tree, and from the start to the goal.
+//! towards random configurations, of several lengths, as in a planner's tree, and from the start to the goal. The links
+//! are meshes, the obstacles boxes and cylinders.
 //! *Certified*: `Scene::check_motion`. *Sampled*: the scene at as many times as VAMP uses, 32 per unit of length in the
 //! joints.
 
@@ -25,7 +26,7 @@ use page::show;
 use rng::Rng;
 use robots::{Problem, SETTINGS};
 use short::count;
-use simdop::construct::{Builder, Mesh, OwnedMesh};
+use simdop::construct::{Builder, Mesh};
 use simdop::hierarchy::Bvh;
 use simdop::isa::Isa;
 use simdop::motion::{JointMotion, LinkFrame};
@@ -41,10 +42,6 @@ type Tree = Bvh<Node16<18>>;
 
 /// Samples per unit of length in the joints, as in VAMP.
 const RESOLUTION: f64 = 32.0;
-
-fn obstacle_tree(mesh: &OwnedMesh) -> Tree {
-    Builder::new().solid().build_as(&mesh.as_mesh()).unwrap()
-}
 
 /// Results for motions of one length.
 #[derive(Default)]
@@ -87,7 +84,7 @@ impl Panda {
     }
 
     /// Among the obstacles of a problem.
-    fn scene<'t>(&'t self, problem: &Problem, trees: &'t [Tree]) -> (Scene<'t, Node16<18>>, Vec<BodyId>) {
+    fn scene<'t>(&'t self, problem: &Problem) -> (Scene<'t, Node16<18>>, Vec<BodyId>) {
         let mut scene = Scene::new();
         let insert = |link: &'t Tree| scene.insert(Body::new(link.view()), &Pose::IDENTITY).unwrap();
         let ids: Vec<BodyId> = self.links.iter().map(insert).collect();
@@ -100,9 +97,9 @@ impl Panda {
                 };
             }
         }
-        for (tree, obstacle) in trees.iter().zip(&problem.obstacles) {
+        for obstacle in &problem.obstacles {
             let at = Pose::try_from(obstacle.at).unwrap();
-            let _ = scene.insert(Body::new(tree.view()).fixed(), &at).unwrap();
+            let _ = scene.insert(Body::new(obstacle.shape.shape()).fixed(), &at).unwrap();
         }
         (scene, ids)
     }
@@ -177,8 +174,7 @@ fn main() {
     let mut rows = ["0.1", "0.3", "1", "start to goal"].map(|name| (name, Row::default()));
     let setting = &SETTINGS[0];
     for problem in setting.problems(&data, &setting.robot(&data), count(7, 70)) {
-        let trees: Vec<Tree> = problem.obstacles.iter().map(|o| obstacle_tree(&o.shape.mesh())).collect();
-        let (scene, moving) = panda.scene(&problem, &trees);
+        let (scene, moving) = panda.scene(&problem);
         let variables = &panda.robot.variables;
         let ends: [Vec<f64>; 2] = problem
             .ends

@@ -4,23 +4,19 @@
 //! cargo run --release --example arm_in_a_scene
 //! ```
 //!
-//! An arm of two capsules holds a can, and rotates about its shoulder beside a shelf on a table. The shelf and the
-//! table are solids: a body inside them is a hit, too.
+//! An arm of two capsules holds a can, a cylinder, and rotates about its shoulder beside a shelf on a table. All are
+//! shapes, which need no meshes: the answers are those of round bodies.
 
-use simdop::construct::{Builder, OwnedMesh};
 use simdop::glam::{DAffine3, DVec3};
-use simdop::hierarchy::Bvh;
-use simdop::isa::Isa;
-use simdop::node::Node16;
-use simdop::pose::Pose;
-use simdop::query::Query;
-use simdop::scene::{Body, Scene};
+use simdop::primitive::Shape;
+use simdop::scene::Body;
+use simdop::{Isa, Node16, Pose, Query, Scene};
 
 /// In metres, like all lengths here.
 const UPPER_ARM: f64 = 0.4;
 const FOREARM: f64 = 0.3;
 
-/// The poses of the upper arm and the forearm: segments along z, about their centres.
+/// The poses of the upper arm and the forearm: capsules along z, about their centres.
 fn arm(shoulder: f64, elbow: f64) -> [DAffine3; 2] {
     let along_x = DAffine3::from_rotation_y(core::f64::consts::FRAC_PI_2);
     let lifted = DAffine3::from_translation(DVec3::new(0.0, 0.0, 0.3)) * DAffine3::from_rotation_z(shoulder);
@@ -33,24 +29,16 @@ fn arm(shoulder: f64, elbow: f64) -> [DAffine3; 2] {
 }
 
 fn main() -> Result<(), Box<dyn core::error::Error>> {
-    let solid = |mesh: OwnedMesh| Builder::new().solid().build(&mesh.as_mesh());
-    let segment = |long: f64| -> Result<Bvh<Node16<18>>, Box<dyn core::error::Error>> {
-        Ok(Builder::new().build_as(&OwnedMesh::segment(long)?.as_mesh())?)
-    };
-    let (upper, fore) = (segment(UPPER_ARM)?, segment(FOREARM)?);
-    let (table, shelf) =
-        (solid(OwnedMesh::cuboid([3.0, 3.0, 0.1])?)?, solid(OwnedMesh::cuboid([0.2, 0.6, 0.5])?)?);
-    // Larger than the can by at most a tenth of a millimetre.
-    let can = solid(OwnedMesh::cylinder(0.03, 0.14, 1e-4)?)?;
     let at = |x: f64, z: f64| Pose::try_from(DAffine3::from_translation(DVec3::new(x, 0.0, z)));
 
-    let mut scene = Scene::new();
+    // Without trees, any type of nodes will do.
+    let mut scene: Scene<'_, Node16<18>> = Scene::new();
     let rest = arm(0.0, 0.0);
-    let upper = scene.insert(Body::new(upper.view()).with_radius(0.06), &Pose::try_from(rest[0])?)?;
-    let fore = scene.insert(Body::new(fore.view()).with_radius(0.05), &Pose::try_from(rest[1])?)?;
-    let can = scene.insert(Body::new(can.view()), &at(UPPER_ARM + FOREARM, 0.3)?)?;
-    scene.insert(Body::new(table.view()).fixed(), &at(0.0, -0.05)?)?;
-    let shelf = scene.insert(Body::new(shelf.view()).fixed(), &at(0.75, 0.25)?)?;
+    let upper = scene.insert(Body::new(Shape::capsule(0.06, UPPER_ARM)?), &Pose::try_from(rest[0])?)?;
+    let fore = scene.insert(Body::new(Shape::capsule(0.05, FOREARM)?), &Pose::try_from(rest[1])?)?;
+    let can = scene.insert(Body::new(Shape::cylinder(0.03, 0.14)?), &at(UPPER_ARM + FOREARM, 0.3)?)?;
+    scene.insert(Body::new(Shape::cuboid([3.0, 3.0, 0.1])?).fixed(), &at(0.0, -0.05)?)?;
+    let shelf = scene.insert(Body::new(Shape::cuboid([0.2, 0.6, 0.5])?).fixed(), &at(0.75, 0.25)?)?;
     // Adjacent links always touch, and the hand holds the can.
     scene.allow_collision(upper, fore)?;
     scene.allow_collision(fore, can)?;

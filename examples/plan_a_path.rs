@@ -13,13 +13,12 @@
 mod picture;
 
 use core::error::Error;
-use simdop::construct::{Builder, OwnedMesh};
 use simdop::glam::{DAffine3, DVec3};
-use simdop::hierarchy::Bvh;
 use simdop::isa::Isa;
 use simdop::motion::{JointMotion, Kinematics, LinkFrame};
 use simdop::node::Node16;
 use simdop::pose::Pose;
+use simdop::primitive::Shape;
 use simdop::query::Query;
 use simdop::robot::{DisabledPair, LinkShapes, Robot};
 use simdop::scene::{Body, BodyId, MotionHit, MotionMemory, Scene};
@@ -42,7 +41,6 @@ const ENDS: [Configuration; 2] = [[-2.2, 0.9, 0.9, 0.3], [0.0, 0.3, 1.6, -0.3]];
 
 /// Values of waist, shoulder, elbow and wrist.
 type Configuration = [f64; 4];
-type Tree = Bvh<Node16<18>>;
 
 const PLANS: usize = 10;
 
@@ -176,20 +174,10 @@ fn length(path: &[Configuration]) -> f64 {
 fn run(file: &Path) -> Result<(), Box<dyn Error>> {
     let robot = Robot::from_urdf(URDF, LinkShapes::Collision)?;
     let asked = robot.pairs(&DisabledPair::from_srdf(SRDF)?);
-    let mut bodies: Vec<(Tree, f64)> = Vec::new();
-    for shape in &robot.shapes {
-        let (mesh, radius) = shape.mesh(1e-3)?.ok_or("the arm has no mesh files")?;
-        bodies.push((Builder::new().build_as(&mesh.as_mesh())?, radius));
-    }
-    let mut boxes: Vec<(Tree, Pose)> = Vec::new();
-    for [sides, middle] in BOXES {
-        let tree = Builder::new().solid().build_as(&OwnedMesh::cuboid(sides)?.as_mesh())?;
-        boxes.push((tree, Pose::try_from(DAffine3::from_translation(DVec3::from_array(middle)))?));
-    }
-    let mut scene = Scene::new();
-    let mut arm = Vec::new();
-    for (i, (tree, radius)) in bodies.iter().enumerate() {
-        arm.push(scene.insert(Body::new(tree.view()).with_radius(*radius), &Pose::IDENTITY)?);
+    let (mut scene, mut arm) = (Scene::new(), Vec::new());
+    for (i, link) in robot.shapes.iter().enumerate() {
+        let shape = link.shape().ok_or("the arm has no mesh files")?;
+        arm.push(scene.insert(Body::new(shape), &Pose::IDENTITY)?);
         for j in 0..i {
             if asked.contains(&(j, i)) {
                 scene.forbid_collision(arm[j], arm[i])?;
@@ -198,8 +186,9 @@ fn run(file: &Path) -> Result<(), Box<dyn Error>> {
             };
         }
     }
-    for (tree, at) in &boxes {
-        let _ = scene.insert(Body::new(tree.view()).fixed(), at)?;
+    for [sides, middle] in BOXES {
+        let at = Pose::try_from(DAffine3::from_translation(DVec3::from_array(middle)))?;
+        let _ = scene.insert(Body::new(Shape::cuboid(sides)?).fixed(), &at)?;
     }
 
     let (robot_at, query) = (robot.kinematics()?, Query::new(Isa::detect()));

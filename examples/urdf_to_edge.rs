@@ -4,17 +4,15 @@
 //! cargo run --release --features urdf --example urdf_to_edge
 //! ```
 //!
-//! The links here are capsules. `LinkShape::mesh` returns nothing for a `<mesh>`: read its file and build the tree from
-//! that.
+//! The links here are capsules, bodies as they are. `LinkShape::shape` returns nothing for a `<mesh>`: read its file and
+//! build a tree from that.
 
-use simdop::construct::{Builder, OwnedMesh};
 use simdop::glam::{DAffine3, DVec3};
-use simdop::isa::Isa;
 use simdop::motion::{JointMotion, LinkFrame};
-use simdop::pose::Pose;
-use simdop::query::Query;
+use simdop::primitive::Shape;
 use simdop::robot::{DisabledPair, LinkShapes, Robot};
-use simdop::scene::{Body, MotionHit, MotionMemory, MotionVerdict, Scene};
+use simdop::scene::{Body, MotionHit, MotionMemory, MotionVerdict};
+use simdop::{Isa, Node16, Pose, Query, Scene};
 
 /// Two capsules in a row, each half a metre long, on joints that rotate about z.
 const URDF: &str = r#"<robot name="two_links">
@@ -34,16 +32,11 @@ const SRDF: &str =
 fn main() -> Result<(), Box<dyn core::error::Error>> {
     let robot = Robot::from_urdf(URDF, LinkShapes::Collision)?;
     let asked = robot.pairs(&DisabledPair::from_srdf(SRDF)?);
-    let (mut trees, mut ids) = (Vec::new(), Vec::new());
-    for shape in &robot.shapes {
-        let (mesh, radius) = shape.mesh(1e-3)?.ok_or("a mesh file is to be read")?;
-        trees.push((Builder::new().build(&mesh.as_mesh())?, radius));
-    }
-    let pillar = Builder::new().solid().build(&OwnedMesh::cuboid([0.1, 0.1, 1.0])?.as_mesh())?;
 
-    let mut scene = Scene::new();
-    for (i, (tree, radius)) in trees.iter().enumerate() {
-        ids.push(scene.insert(Body::new(tree.view()).with_radius(*radius), &Pose::IDENTITY)?);
+    let (mut scene, mut ids) = (Scene::<'_, Node16<18>>::new(), Vec::new());
+    for (i, link) in robot.shapes.iter().enumerate() {
+        let shape = link.shape().ok_or("a mesh file is to be read")?;
+        ids.push(scene.insert(Body::new(shape), &Pose::IDENTITY)?);
         for j in 0..i {
             if asked.contains(&(j, i)) {
                 scene.forbid_collision(ids[j], ids[i])?;
@@ -53,7 +46,8 @@ fn main() -> Result<(), Box<dyn core::error::Error>> {
         }
     }
     let there = DAffine3::from_translation(DVec3::new(0.8, 0.0, 0.0));
-    let _ = scene.insert(Body::new(pillar.view()).fixed(), &Pose::try_from(there)?)?;
+    let pillar = Body::new(Shape::cuboid([0.1, 0.1, 1.0])?).fixed();
+    let _ = scene.insert(pillar, &Pose::try_from(there)?)?;
 
     let (kinematics, query) = (robot.kinematics()?, Query::new(Isa::detect()));
     let (mut links, mut values) = (vec![LinkFrame::EMPTY; kinematics.links()], [0.0; 2]);

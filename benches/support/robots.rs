@@ -5,6 +5,7 @@ use super::rng::Rng;
 use glam::{DAffine3, DQuat, DVec3, EulerRot};
 use serde_json::Value;
 use simdop::construct::OwnedMesh;
+use simdop::primitive;
 use std::collections::BTreeMap;
 use std::path::Path;
 use urdf_rs::{Geometry, JointType};
@@ -207,6 +208,14 @@ pub(crate) enum Shape {
 const ERROR: f64 = 0.02;
 
 impl Shape {
+    pub(crate) fn shape(&self) -> primitive::Shape {
+        match *self {
+            Self::Cuboid(sides) => primitive::Shape::cuboid(sides),
+            Self::Cylinder { radius, height } => primitive::Shape::cylinder(radius, height),
+        }
+        .unwrap()
+    }
+
     pub(crate) fn mesh(&self) -> OwnedMesh {
         match *self {
             Self::Cuboid(sides) => OwnedMesh::cuboid(sides),
@@ -255,6 +264,7 @@ impl Problem {
 /// Names everything once, so that a benchmark which uses only some of it compiles without a warning.
 const _: () = {
     let _ = (Robot::poses, Robot::random, Setting::robot, Setting::problems, Problem::new);
+    let _ = (Shape::mesh, Shape::shape);
     let _ = |robot: &Robot, problem: &Problem| {
         let _ = (
             &robot.pairs,

@@ -79,6 +79,14 @@ impl Source {
         }
     }
 
+    /// Of a tree.
+    fn node_type(&self) -> Option<NodeType> {
+        match self {
+            Self::Tree(tree) => Some(tree.view().node_type()),
+            Self::Mesh(_) => None,
+        }
+    }
+
     /// Whether it is the tree of a solid.
     pub(super) fn is_solid(&self) -> bool {
         matches!(self, Self::Tree(tree) if tree.view().header().is_solid != 0)
@@ -208,35 +216,51 @@ pub(super) fn node_type(options: &TreeOptions, given: Option<NodeType>) -> NodeT
 /// [`pair`] and the built-in scene guarantee this of two bodies.
 pub(super) const SAME: &str = "bodies of one node type";
 
+/// A file's contents, and the time it took to read it.
+fn timed(path: &Path, options: &TreeOptions, quiet: bool) -> Result<(Source, Duration), Error> {
+    let start = Instant::now();
+    Ok((read(path, options, quiet)?, start.elapsed()))
+}
+
 /// Two bodies of one node type, from files that may hold trees.
 pub(super) fn pair(paths: [&PathBuf; 2], options: &TreeOptions, quiet: bool) -> Result<[Body; 2], Error> {
-    let timed = |path: &PathBuf| -> Result<(Source, Duration), Error> {
-        let start = Instant::now();
-        Ok((read(path, options, quiet)?, start.elapsed()))
-    };
-    let [a, b] = [timed(paths[0])?, timed(paths[1])?];
+    let [a, b] = [timed(paths[0], options, quiet)?, timed(paths[1], options, quiet)?];
     if let (Source::Tree(_), Source::Tree(_), Some(option)) = (&a.0, &b.0, options.first_given()) {
         return Err(Error::idle(option, &paths[0].display()));
     }
-    let given = [&a.0, &b.0].into_iter().find_map(|source| match source {
-        Source::Tree(tree) => Some(tree.view().node_type()),
-        Source::Mesh(_) => None,
-    });
+    let given = a.0.node_type().or_else(|| b.0.node_type());
     let node = node_type(options, given);
-    let body = |(source, time): (Source, Duration), path: &PathBuf| -> Result<Body, Error> {
-        let name = path.display().to_string();
-        let body = match source {
-            Source::Mesh(mesh) => build(name, &mesh, options, node, quiet)?,
-            Source::Tree(tree) if tree.view().node_type() == node => {
-                Body { name, tree: *tree, read: None, build: None }
-            }
-            Source::Tree(tree) => {
-                return Err(Error::OtherNode { name, has: tree.view().node_type(), asked: node });
-            }
-        };
-        Ok(Body { read: Some(time), ..body })
+    Ok([of_source(a, paths[0], options, node, quiet)?, of_source(b, paths[1], options, node, quiet)?])
+}
+
+/// A body from a file that may hold a tree.
+pub(super) fn single(path: &Path, options: &TreeOptions, quiet: bool) -> Result<Body, Error> {
+    let source = timed(path, options, quiet)?;
+    if let (Source::Tree(_), Some(option)) = (&source.0, options.first_given()) {
+        return Err(Error::idle(option, &path.display()));
+    }
+    let node = node_type(options, source.0.node_type());
+    of_source(source, path, options, node, quiet)
+}
+
+fn of_source(
+    (source, time): (Source, Duration),
+    path: &Path,
+    options: &TreeOptions,
+    node: NodeType,
+    quiet: bool,
+) -> Result<Body, Error> {
+    let name = path.display().to_string();
+    let body = match source {
+        Source::Mesh(mesh) => build(name, &mesh, options, node, quiet)?,
+        Source::Tree(tree) if tree.view().node_type() == node => {
+            Body { name, tree: *tree, read: None, build: None }
+        }
+        Source::Tree(tree) => {
+            return Err(Error::OtherNode { name, has: tree.view().node_type(), asked: node });
+        }
     };
-    Ok([body(a, paths[0])?, body(b, paths[1])?])
+    Ok(Body { read: Some(time), ..body })
 }
 
 /// The query that the options describe.

@@ -1,11 +1,12 @@
 //! `simdop collide`.
 
-use super::body::{self, Body, CapsReport};
+use super::body;
 use super::error::Error;
-use super::verdicts::{BodyReport, Pairs, PoseReport, Report, Summary};
-use super::{File, TreeOptions, demo, isa, poses, progress};
+use super::pair::Bodies;
+use super::shape::{self, Given};
+use super::verdicts::{Pairs, PoseReport, Report, Summary};
+use super::{TreeOptions, demo, isa, poses, progress};
 use clap::Args;
-use core::time::Duration;
 use simdop::isa::Isa;
 use simdop::pose::Pose;
 use simdop::query::{Answer, Query, QueryStats, Verdict};
@@ -14,10 +15,11 @@ use std::time::Instant;
 #[derive(Args, Debug)]
 pub(super) struct Options {
     /// The body that the poses move. Without it: the built-in scene.
-    #[arg(requires = "b")]
-    a: Option<File>,
+    #[arg(requires = "b", value_parser = shape::parser())]
+    a: Option<Given>,
     /// The body that stands still.
-    b: Option<File>,
+    #[arg(value_parser = shape::parser())]
+    b: Option<Given>,
     #[command(flatten)]
     poses: poses::Options,
     /// Time each query this many times and report the fastest.
@@ -46,15 +48,14 @@ pub(super) fn run(options: &Options) -> Result<u8, Error> {
     let (bodies, poses) = scene_of(options)?;
     let query = body::query(options.isa, options.budget);
     let reports = all(&bodies, query, &poses, options);
-    let node = bodies[0].tree.view().node_type();
-    let [a, b] = bodies.each_ref().map(body_report);
+    let (node, [a, b]) = (bodies.node_type(), bodies.reports());
     let report = Report {
         version: env!("CARGO_PKG_VERSION"),
         a,
         b,
-        k: node.k,
-        arity: node.arity,
-        storage: node.storage.into(),
+        k: node.map(|node| node.k),
+        arity: node.map(|node| node.arity),
+        storage: node.map(|node| node.storage.into()),
         isa: options.isa.name(),
         budget: options.budget,
         repeat: options.repeat,
@@ -74,34 +75,19 @@ pub(super) fn run(options: &Options) -> Result<u8, Error> {
     }
 }
 
-fn scene_of(options: &Options) -> Result<([Body; 2], Vec<Pose>), Error> {
+/// The bodies, and the poses for their queries.
+fn scene_of(options: &Options) -> Result<(Bodies, Vec<Pose>), Error> {
     let (Some(a), Some(b)) = (&options.a, &options.b) else {
-        let node = body::node_type(&options.tree, None);
-        let build = |name: &str, mesh| body::build(name.into(), &mesh, &options.tree, node, options.json);
-        let bodies =
-            [build("torus knot (built in)", demo::knot())?, build("gear ring (built in)", demo::gear())?];
-        return Ok((bodies, demo::sweep()));
+        return Ok((Bodies::built_in(&options.tree, options.json)?, demo::sweep()));
     };
     // Read the poses first: an error in them shows before the trees are built.
     let poses = options.poses.read()?;
-    Ok((body::pair([a, b], &options.tree, options.json)?, poses))
+    let bodies = Bodies::read([a, b], &options.tree, options.json)?;
+    let places = bodies.places(poses)?;
+    Ok((bodies, places))
 }
 
-fn body_report(body: &Body) -> BodyReport {
-    let (header, caps) = (body.tree.view().header(), body.tree.view().cap_stats());
-    let nanoseconds = |time: Option<Duration>| time.map(|t| t.as_nanos());
-    BodyReport {
-        name: body.name.clone(),
-        triangles: header.primitive_count,
-        degenerate_triangles: header.degenerate_count,
-        leaf_size: header.leaf_size,
-        caps: CapsReport::of(caps),
-        read_nanoseconds: nanoseconds(body.read),
-        build_nanoseconds: nanoseconds(body.build),
-    }
-}
-
-fn all<'a>(bodies: &'a [Body; 2], query: Query, poses: &'a [Pose], options: &Options) -> Vec<PoseReport<'a>> {
+fn all<'a>(bodies: &'a Bodies, query: Query, poses: &'a [Pose], options: &Options) -> Vec<PoseReport<'a>> {
     // Fewer are done instantly.
     let bar = progress::bar(poses.len(), "poses", options.json || poses.len() < 1000);
     let mut reports = Vec::with_capacity(poses.len());
@@ -112,7 +98,7 @@ fn all<'a>(bodies: &'a [Body; 2], query: Query, poses: &'a [Pose], options: &Opt
     reports
 }
 
-fn one<'a>(bodies: &'a [Body; 2], query: Query, pose: &'a Pose, options: &Options) -> PoseReport<'a> {
+fn one<'a>(bodies: &'a Bodies, query: Query, pose: &'a Pose, options: &Options) -> PoseReport<'a> {
     let (answer, nanoseconds) = fastest(bodies, query, pose, options.repeat);
     // A query without visits measures the set-up alone.
     let (_, set_up_nanoseconds) = fastest(bodies, query.with_budget(0), pose, options.repeat);
@@ -140,10 +126,10 @@ fn one<'a>(bodies: &'a [Body; 2], query: Query, pose: &'a Pose, options: &Option
 }
 
 /// The answer, which is the same each time, and the shortest time it took.
-fn fastest([a, b]: &[Body; 2], query: Query, pose: &Pose, repeat: u32) -> (Answer, u64) {
+fn fastest(bodies: &Bodies, query: Query, pose: &Pose, repeat: u32) -> (Answer, u64) {
     let timed = || {
         let start = Instant::now();
-        let answer = query.collide_any(&a.tree.view(), &b.tree.view(), pose).expect(body::SAME);
+        let answer = bodies.collide(&query, pose);
         (answer, u64::try_from(start.elapsed().as_nanos()).unwrap_or(u64::MAX))
     };
     let (answer, first) = timed();

@@ -13,6 +13,7 @@ mod mesh;
 mod near;
 mod output;
 mod pack;
+mod pair;
 mod picture;
 mod poses;
 mod progress;
@@ -25,6 +26,7 @@ mod rng;
 mod robot;
 #[cfg(feature = "selftest")]
 mod selftest;
+mod shape;
 mod sphere_file;
 mod verdicts;
 mod volume;
@@ -51,9 +53,12 @@ struct Cli {
 enum Command {
     /// Does A, placed by a pose in B's frame, meet B?
     ///
-    /// A and B are meshes (.obj, .off, .ply, .stl) or trees made by `simdop build`. Without files: two generated bodies
-    /// and a sweep of poses. Exit code for a single pose: 0 if free, 1 if hit, 3 if the budget was exhausted first. For
-    /// several poses it is 0. For errors it is 2.
+    /// A and B are meshes (.obj, .off, .ply, .stl), trees made by `simdop build`, or shapes, which are exactly what
+    /// their numbers say: box:X,Y,Z (side lengths), sphere:R, capsule:R,H, cylinder:R,H and cone:R,H, about the origin
+    /// and along z, and plane:NX,NY,NZ,D (all points p with N . p <= D). The height of a capsule is the distance of the
+    /// centres of its hemispheres. Without bodies: two generated ones and a sweep of poses. If B alone is a shape, the
+    /// inverse of the pose moves it. Exit code for a single pose: 0 if free, 1 if hit, 3 if the budget was exhausted
+    /// first. For several poses it is 0. For errors it is 2.
     Collide(collide::Options),
     /// Builds the hierarchy of a mesh and writes it as a tree.
     ///

@@ -85,7 +85,7 @@ fn translation(text: &str) -> Result<[[f64; 4]; 3], String> {
 }
 
 /// `N` numbers, separated by spaces or commas.
-fn numbers<const N: usize>(text: &str, which: &str) -> Result<[f64; N], String> {
+pub(super) fn numbers<const N: usize>(text: &str, which: &str) -> Result<[f64; N], String> {
     let words = text.split(|c: char| c.is_whitespace() || c == ',').filter(|word| !word.is_empty());
     let mut numbers = Vec::with_capacity(N);
     for word in words {

@@ -1,7 +1,8 @@
 //! The report of `simdop collide`: a table for people, an object for programs.
 
 use super::StorageName;
-use super::body::{Body, CapsReport, SAME};
+use super::body::CapsReport;
+use super::pair::Bodies;
 use alloc::rc::Rc;
 use core::cell::Cell;
 use core::ops::ControlFlow;
@@ -16,9 +17,10 @@ pub(super) struct Report<'a> {
     pub(super) version: &'static str,
     pub(super) a: BodyReport,
     pub(super) b: BodyReport,
-    pub(super) k: usize,
-    pub(super) arity: usize,
-    pub(super) storage: StorageName,
+    /// Of the trees. Null if both bodies are shapes.
+    pub(super) k: Option<usize>,
+    pub(super) arity: Option<usize>,
+    pub(super) storage: Option<StorageName>,
     pub(super) isa: &'static str,
     /// In visits.
     pub(super) budget: Option<u64>,
@@ -31,9 +33,12 @@ pub(super) struct Report<'a> {
 #[derive(serde::Serialize)]
 pub(super) struct BodyReport {
     pub(super) name: String,
-    pub(super) triangles: u32,
-    pub(super) degenerate_triangles: u32,
-    pub(super) leaf_size: u16,
+    /// The kind of a body that is one shape: it has no triangles, and is neither read nor built.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) shape: Option<&'static str>,
+    pub(super) triangles: Option<u32>,
+    pub(super) degenerate_triangles: Option<u32>,
+    pub(super) leaf_size: Option<u16>,
     pub(super) caps: Option<CapsReport>,
     /// The time to read and check the file. Null for a generated body.
     pub(super) read_nanoseconds: Option<u128>,
@@ -44,7 +49,7 @@ pub(super) struct BodyReport {
 #[derive(serde::Serialize)]
 pub(super) struct PoseReport<'a> {
     pub(super) verdict: &'static str,
-    /// The first pair of triangles found to meet, by their indices in the meshes.
+    /// The first pair of triangles found to meet, by their indices in the meshes. A shape has the index 0.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) pair: Option<[u32; 2]>,
     /// All of them.
@@ -74,7 +79,7 @@ fn known<S: Serializer>(value: &Option<Rc<Cell<bool>>>, serializer: S) -> Result
 /// Every pair of triangles that meet, found while writing them: there may be as many as the product of the numbers of
 /// triangles.
 pub(super) struct Pairs<'a> {
-    bodies: &'a [Body; 2],
+    bodies: &'a Bodies,
     query: Query,
     pose: &'a Pose,
     is_complete: Rc<Cell<bool>>,
@@ -82,21 +87,19 @@ pub(super) struct Pairs<'a> {
 
 impl<'a> Pairs<'a> {
     /// The pairs, and a flag that will hold whether the list is complete.
-    pub(super) fn new(bodies: &'a [Body; 2], query: Query, pose: &'a Pose) -> (Self, Rc<Cell<bool>>) {
+    pub(super) fn new(bodies: &'a Bodies, query: Query, pose: &'a Pose) -> (Self, Rc<Cell<bool>>) {
         let is_complete = Rc::new(Cell::new(false));
         (Self { bodies, query, pose, is_complete: is_complete.clone() }, is_complete)
     }
 
     /// Calls `write` for each pair until it fails.
     fn try_for_each<E>(&self, mut write: impl FnMut(Pair) -> Result<(), E>) -> Result<(), E> {
-        let [a, b] = self.bodies;
         let mut written = Ok(());
         let mut visit = |pair| {
             written = write(pair);
             if written.is_ok() { ControlFlow::Continue(()) } else { ControlFlow::Break(()) }
         };
-        let (completion, _) =
-            self.query.for_each_pair_any(&a.tree.view(), &b.tree.view(), self.pose, &mut visit).expect(SAME);
+        let completion = self.bodies.for_each_pair(&self.query, self.pose, &mut visit);
         self.is_complete.set(completion == Completion::Complete);
         written
     }
@@ -172,7 +175,7 @@ impl Report<'_> {
         self.print_bodies(&mut out)?;
         writeln!(out, "\n  pose  verdict          us  visits  kernels  re-aligned  triangle pairs  exact")?;
         for (index, pose) in self.poses.iter().enumerate().take(rows) {
-            pose.print(&mut out, index)?;
+            pose.print(&mut out, index, [&self.a, &self.b])?;
         }
         if self.poses.len() > rows {
             writeln!(out, "   ... and {} more: --rows or --json shows them", self.poses.len() - rows)?;
@@ -185,7 +188,11 @@ impl Report<'_> {
 
     fn print_bodies(&self, out: &mut impl Write) -> std::io::Result<()> {
         for (letter, body) in [("A", &self.a), ("B", &self.b)] {
-            write!(out, "{letter}  {}: {} triangles", body.name, body.triangles)?;
+            write!(out, "{letter}  {}: ", body.name)?;
+            match (body.shape, body.triangles) {
+                (Some(_), _) => write!(out, "a shape")?,
+                (None, triangles) => write!(out, "{} triangles", triangles.unwrap_or(0))?,
+            }
             if let Some(caps) = body.caps {
                 write!(out, ", {caps}")?;
             }
@@ -197,8 +204,10 @@ impl Report<'_> {
             }
             writeln!(out)?;
         }
-        let storage = StorageKind::from(self.storage);
-        writeln!(out, "k {}, arity {}, {storage}, {}", self.k, self.arity, self.isa)
+        if let (Some(k), Some(arity), Some(storage)) = (self.k, self.arity, self.storage) {
+            write!(out, "k {k}, arity {arity}, {}, ", StorageKind::from(storage))?;
+        }
+        writeln!(out, "{}", self.isa)
     }
 
     fn print_summary(&self, out: &mut impl Write) -> std::io::Result<()> {
@@ -221,12 +230,17 @@ impl Report<'_> {
 }
 
 impl PoseReport<'_> {
-    fn print(&self, out: &mut impl Write, index: usize) -> std::io::Result<()> {
+    fn print(&self, out: &mut impl Write, index: usize, bodies: [&BodyReport; 2]) -> std::io::Result<()> {
         let Self { verdict, visits, kernels, realignments, primitive_pairs, exact_pairs, .. } = self;
         write!(out, "{index:6}  {verdict:7} {:11.2} ", microseconds(self.nanoseconds))?;
         write!(out, "{visits:7} {kernels:8} {realignments:11} {primitive_pairs:15} {exact_pairs:6}")?;
         match (self.pair, self.distance_bounds) {
-            (Some([a, b]), _) => writeln!(out, "  triangle {a} of A meets {b} of B")?,
+            (Some([a, b]), _) => match bodies.map(|body| body.shape.is_some()) {
+                [false, false] => writeln!(out, "  triangle {a} of A meets {b} of B")?,
+                [false, true] => writeln!(out, "  triangle {a} of A meets B")?,
+                [true, false] => writeln!(out, "  A meets triangle {b} of B")?,
+                [true, true] => writeln!(out, "  A meets B")?,
+            },
             (_, Some([low, high])) => writeln!(out, "  the distance is in {low} ..= {high}")?,
             _ => writeln!(out)?,
         }

@@ -3,7 +3,9 @@
 use core::error::Error;
 use simdop::motion::LinkFrame;
 use simdop::pose::Pose;
-use simdop::robot::{LinkShape, Robot};
+use simdop::primitive::Shape;
+use simdop::primitive::shape::Core;
+use simdop::robot::Robot;
 
 /// Pixels per metre, and the centres of the two views.
 const SCALE: f64 = 330.0;
@@ -15,13 +17,33 @@ const FACES: [[u8; 4]; 6] =
     [[0, 1, 3, 2], [4, 5, 7, 6], [0, 1, 5, 4], [2, 3, 7, 6], [0, 2, 6, 4], [1, 3, 7, 5]];
 
 /// A face of a box. Drawing all six gives its outline from any view.
-fn polygon(face: [u8; 4], sides: &[f64; 3], pose: &Pose, flat: impl Fn([f64; 3]) -> [f64; 2]) -> String {
+fn polygon(
+    face: [u8; 4],
+    centre: &[f64; 3],
+    half: &[[f64; 3]; 3],
+    flat: impl Fn([f64; 3]) -> [f64; 2],
+) -> String {
     let corner = |bits: u8| {
-        let side = |i: usize| if bits >> i & 1 == 0 { -0.5 } else { 0.5 };
-        let [x, y] = flat(pose.apply(core::array::from_fn(|i| side(i) * sides[i])));
+        let side = |i: usize| if bits >> i & 1 == 0 { -1.0 } else { 1.0 };
+        let along = |j: usize| (0..3).map(|i| side(i) * half[i][j]).sum::<f64>();
+        let [x, y] = flat(core::array::from_fn(|j| centre[j] + along(j)));
         format!("{x:.1},{y:.1} ")
     };
     format!("<polygon points=\"{}\" stroke=\"none\"/>\n", face.map(corner).concat().trim_end())
+}
+
+/// A shape at its place: a capsule as a thick line, a box as its faces.
+fn drawn(shape: &Shape, flat: impl Fn([f64; 3]) -> [f64; 2] + Copy) -> Option<String> {
+    match shape.core() {
+        Core::Segment(ends) => {
+            let ([[x, y], [u, v]], width) = (ends.map(flat), 2.0 * SCALE * shape.radius());
+            Some(format!(
+                "<line x1=\"{x:.1}\" y1=\"{y:.1}\" x2=\"{u:.1}\" y2=\"{v:.1}\" stroke-width=\"{width:.1}\"/>\n"
+            ))
+        }
+        Core::Cuboid { centre, half } => Some(FACES.map(|face| polygon(face, centre, half, flat)).concat()),
+        _ => None,
+    }
 }
 
 /// `boxes` are side lengths and centres, `shown` the configurations along the path.
@@ -57,21 +79,10 @@ pub(crate) fn draw(
             );
             let (mut links, mut poses) = ([LinkFrame::EMPTY; 5], [Pose::IDENTITY; 8]);
             robot.kinematics()?.go_to(values, &mut links, &mut poses)?;
-            for (shape, pose) in robot.shapes.iter().zip(&poses) {
-                svg += &match *shape {
-                    LinkShape::Capsule { radius, height } => {
-                        let [[x, y], [u, v]] = [-0.5, 0.5].map(|z| flat(pose.apply([0.0, 0.0, z * height])));
-                        let width = 2.0 * SCALE * radius;
-                        format!(
-                            "<line x1=\"{x:.1}\" y1=\"{y:.1}\" x2=\"{u:.1}\" y2=\"{v:.1}\" \
-                             stroke-width=\"{width:.1}\"/>\n"
-                        )
-                    }
-                    LinkShape::Cuboid { sides } => {
-                        FACES.map(|face| polygon(face, &sides, pose, flat)).concat()
-                    }
-                    _ => return Err("the arm has capsules and boxes".into()),
-                };
+            for (link, pose) in robot.shapes.iter().zip(&poses) {
+                let shape = link.shape().map(|shape| shape.moved(pose));
+                svg +=
+                    &shape.and_then(|shape| drawn(&shape, flat)).ok_or("the arm has capsules and boxes")?;
             }
             svg += "</g>\n";
             hands.push(flat(poses[robot.shapes.len() - 1].apply([0.0, 0.0, 0.07])));

@@ -8,7 +8,7 @@ use crate::isa::on_isa;
 use crate::kernel::Kernel;
 use crate::node::{Aabb16, Box3, Bucket, Child, Dop, Link};
 use crate::pose::Pose;
-use crate::primitive::{Primitive, Sphere, Spheres};
+use crate::primitive::{Primitive, Shape, Sphere, Spheres};
 use crate::query::{Answer, Hint, Lanes, Pair, PrimitivePair, Query, QueryStats, Verdict};
 use crate::range::{MIN_COORDINATE, Point};
 use crate::realign::greatest;
@@ -108,12 +108,31 @@ impl RangeSearch {
         B::Node: Lanes,
         B::Primitive: PrimitivePair<Spheres>,
     {
-        if !(margin >= 0.0 && margin.is_finite()) {
-            return Err(SearchError::Radius { query: 0 });
-        }
-        let answer = cloud.body_within(&Query::new(self.isa), &body.as_bvh(), pose, margin);
+        let answer = cloud.body_within(&Query::new(self.isa), &body.as_bvh(), pose, checked(margin)?);
         Ok(answer.hit().map(|Pair { a, b }| Contact { primitive: a, point: b }))
     }
+
+    /// The first point of the cloud, in the order of the buckets, that is within `margin` of a shape placed by `pose` in
+    /// the cloud's frame; `None` if there is none. Touching counts, and so does being inside. As
+    /// [`RangeSearch::body_within`] with a body of one primitive, but without a tree and with half-spaces, too.
+    ///
+    /// # Errors
+    /// [`SearchError::Radius`] if the margin is negative, NaN or infinite.
+    pub fn shape_within(
+        &self,
+        cloud: &CloudRef<'_>,
+        shape: &Shape,
+        pose: &Pose,
+        margin: f64,
+    ) -> Result<Option<Contact>, SearchError> {
+        let answer = cloud.shape_within(&Query::new(self.isa), &shape.moved(pose), checked(margin)?);
+        Ok(answer.hit().map(|Pair { a, b }| Contact { primitive: a, point: b }))
+    }
+}
+
+fn checked(margin: f64) -> Result<f64, SearchError> {
+    let is_margin = margin >= 0.0 && margin.is_finite();
+    if is_margin { Ok(margin) } else { Err(SearchError::Radius { query: 0 }) }
 }
 
 impl CloudRef<'_> {

@@ -15,6 +15,7 @@ pub mod gpu;
 mod input;
 mod split;
 
+pub use crate::primitive::shape::ShapeError;
 pub use builder::Builder;
 #[doc(hidden)]
 pub use clustering::Clustering;
@@ -22,7 +23,7 @@ pub use cover::CoverError;
 pub(crate) use cover::{ROUNDING as COVER_ROUNDING, check_error as check_cover_error, cut};
 pub use error::BuildError;
 pub(crate) use error::OpenEdge;
-pub use input::{Caps, Geometry, Mesh, OwnedMesh, ShapeError, ShapeSet, SphereSet};
+pub use input::{Caps, Geometry, Mesh, OwnedMesh, ShapeSet, SphereSet};
 pub(crate) use input::{Unclosed, check_closed};
 pub(crate) use split::assign_points;
 pub use split::{Assignment, Magnification, Progress, Splitter};

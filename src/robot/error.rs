@@ -2,6 +2,7 @@
 
 use crate::motion::MotionError;
 use crate::pose::PoseError;
+use crate::primitive::shape::ShapeError;
 use alloc::string::String;
 use core::fmt;
 
@@ -52,6 +53,13 @@ pub enum RobotError {
         /// What is wrong with it.
         error: PoseError,
     },
+    /// A length of a shape is out of range.
+    Shape {
+        /// The link.
+        link: String,
+        /// What is wrong with it.
+        error: ShapeError,
+    },
 }
 
 impl fmt::Display for RobotError {
@@ -68,6 +76,7 @@ impl fmt::Display for RobotError {
             Self::Mimic { joint } => write!(f, "joint {joint} mimics one that does not move by itself"),
             Self::Joint { joint, error } => write!(f, "joint {joint}: {error}"),
             Self::Pose { of, error } => write!(f, "the origin of {of}: {error}"),
+            Self::Shape { link, error } => write!(f, "link {link}: {error}"),
         }
     }
 }

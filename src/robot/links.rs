@@ -5,6 +5,8 @@ use super::error::RobotError;
 use super::shapes::{LinkShape, LinkShapes};
 use crate::motion::{Joint, JointKind, LinkBody, MotionError};
 use crate::pose::{Pose, PoseError};
+use crate::primitive::Shape;
+use crate::primitive::shape::ShapeError;
 use alloc::string::{String, ToString};
 use alloc::vec;
 use alloc::vec::Vec;
@@ -69,7 +71,7 @@ impl Robot {
     ///
     /// # Errors
     /// [`RobotError`]: the text is not a URDF file, the joints are not a tree, a joint has more than one degree of
-    /// freedom, invalid limits, an invalid mimic joint, or an invalid pose.
+    /// freedom, invalid limits, an invalid mimic joint, or an invalid pose; a length of a shape is not positive.
     pub fn from_urdf(text: &str, shapes: LinkShapes) -> Result<Self, RobotError> {
         read(text, shapes)
     }
@@ -112,23 +114,26 @@ impl Robot {
         for (origin, geometry) in parts {
             let at = of(&link.name, pose(origin).and_then(|origin| at.compose(&origin)))?;
             self.bodies.push(LinkBody { link: moving, at });
-            self.shapes.push(shape(geometry));
+            let shape = shape(geometry);
+            self.shapes.push(shape.map_err(|error| RobotError::Shape { link: link.name.clone(), error })?);
             self.names.push(link.name.clone());
         }
         Ok(())
     }
 }
 
-fn shape(geometry: &Geometry) -> LinkShape {
-    match geometry {
+fn shape(geometry: &Geometry) -> Result<LinkShape, ShapeError> {
+    let shape = match geometry {
         Geometry::Mesh { filename, scale } => {
-            LinkShape::Mesh { file: filename.clone(), scale: scale.map_or([1.0; 3], |scale| *scale) }
+            let scale = scale.map_or([1.0; 3], |scale| *scale);
+            return Ok(LinkShape::Mesh { file: filename.clone(), scale });
         }
-        Geometry::Box { size } => LinkShape::Cuboid { sides: **size },
-        &Geometry::Cylinder { radius, length } => LinkShape::Cylinder { radius, height: length },
-        &Geometry::Capsule { radius, length } => LinkShape::Capsule { radius, height: length },
-        &Geometry::Sphere { radius } => LinkShape::Sphere { radius },
-    }
+        Geometry::Box { size } => Shape::cuboid(**size),
+        &Geometry::Cylinder { radius, length } => Shape::cylinder(radius, length),
+        &Geometry::Capsule { radius, length } => Shape::capsule(radius, length),
+        &Geometry::Sphere { radius } => Shape::sphere(radius),
+    };
+    shape.map(LinkShape::Shape)
 }
 
 /// The kind of a joint; `None` if it is fixed.

@@ -140,8 +140,7 @@ impl<N: Dop> BodyTree<'_, N> {
 
 /// A body of a scene: its geometry, a radius around its primitives, and the groups that select its pairs.
 ///
-/// A triangle without area is a segment or a point. So a capsule is one such triangle with a radius, and a padded link
-/// is the link's mesh with a radius.
+/// A padded link is the link's mesh or shape with a radius.
 #[derive(Debug)]
 pub struct Body<'t, N> {
     pub(super) tree: BodyTree<'t, N>,

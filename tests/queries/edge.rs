@@ -238,11 +238,15 @@ fn short_of_budget_or_room_nothing_is_called_free() {
     assert_eq!(tangent(-1e-2, u64::MAX, 0, 1e-9).verdict, MotionVerdict::Unresolved { from: 0.0, to: 1.0 });
 }
 
+/// A triangle that is one point.
+fn point() -> Tree {
+    Builder::new().build_as(&Mesh { vertices: &[[0.0; 3]], triangles: &[[0; 3]] }).unwrap()
+}
+
 #[test]
 fn spheres_and_points_have_edges() {
     // A point of radius 0.1 passes a wall on its way along x.
-    let (point, wall) = (simdop::construct::OwnedMesh::point(), solid([-3.0, -1.0, -1.0], [3.0, 0.0, 1.0]));
-    let ball: Tree = Builder::new().build_as(&point.as_mesh()).unwrap();
+    let (ball, wall) = (point(), solid([-3.0, -1.0, -1.0], [3.0, 0.0, 1.0]));
     let query = Query::new(Isa::detect());
     for (y, is_free) in [(0.11, true), (0.0999, false)] {
         let mut scene = Scene::new();
@@ -279,9 +283,7 @@ impl Motion for Unbounded<'_> {
 
 #[test]
 fn points_that_may_get_anywhere_are_unresolved() {
-    let point = simdop::construct::OwnedMesh::point();
-    let point: Tree = Builder::new().build_as(&point.as_mesh()).unwrap();
-    let mut scene = Scene::new();
+    let (point, mut scene) = (point(), Scene::new());
     let places = [at(0.0, 0.0, 0.0), at(1.0, 0.0, 0.0)];
     let ids = places.map(|place| scene.insert(Body::new(point.view()), &place).unwrap());
     for count in [1, 2] {
@@ -293,8 +295,7 @@ fn points_that_may_get_anywhere_are_unresolved() {
 
 #[test]
 fn a_wall_across_is_met_wherever_it_stands() {
-    let (point, wall) = (simdop::construct::OwnedMesh::point(), solid([-5e-4, -1.0, -1.0], [5e-4, 1.0, 1.0]));
-    let ball: Tree = Builder::new().build_as(&point.as_mesh()).unwrap();
+    let (ball, wall) = (point(), solid([-5e-4, -1.0, -1.0], [5e-4, 1.0, 1.0]));
     let query = Query::new(Isa::detect());
     // The ball itself moves from -2 to 2 along x, or an attached ball does, far beside it.
     for is_carried in [false, true] {

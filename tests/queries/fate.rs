@@ -5,7 +5,7 @@ use crate::support::shapes;
 use core::f64::consts::PI;
 use glam::{DQuat, DVec3};
 use simdop::cloud::PointCloud;
-use simdop::construct::{Builder, Mesh, OwnedMesh};
+use simdop::construct::{Builder, Mesh};
 use simdop::hierarchy::Bvh;
 use simdop::isa::Isa;
 use simdop::motion::{Joint, JointKind, Kinematics, LinkBody, LinkFrame};
@@ -113,7 +113,8 @@ fn fates_hold_at_random_values() {
     // Bodies of equal height touch only along lines.
     assert_eq!(fate([(&long, 0.0); 4], &wide, (2, 1), 1000).fate, PairClass::Undecided);
     // Points with radii.
-    let point: Tree = Builder::new().build_as(&OwnedMesh::point().as_mesh()).unwrap();
+    let point = Mesh { vertices: &[[0.0; 3]], triangles: &[[0; 3]] };
+    let point: Tree = Builder::new().build_as(&point).unwrap();
     let points = |r: f64| [(&point, r), (&point, r), (&point, r), (&point, r)];
     assert_eq!(fate(points(0.26), &wide, (1, 2), 1000).fate, PairClass::Always);
     assert_eq!(fate(points(0.24), &wide, (1, 2), 1000).fate, PairClass::Never);

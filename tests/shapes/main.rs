@@ -12,5 +12,6 @@ mod support;
 
 mod oracle;
 mod pairs;
+mod planning;
 mod scenes;
 mod trees;

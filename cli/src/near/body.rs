@@ -5,6 +5,7 @@ use super::options::Options;
 use super::timing::fastest;
 use crate::body::{self, Source};
 use crate::error::Error;
+use crate::shape::{Given, NamedShape};
 use crate::verdicts::Summary;
 use crate::{TreeOptions, progress, sphere_file};
 use serde::Serialize;
@@ -15,7 +16,6 @@ use simdop::pose::Pose;
 use simdop::primitive::Spheres;
 use simdop::with_bvh;
 use std::io::{BufWriter, Write};
-use std::path::Path;
 
 #[derive(Serialize)]
 struct Report {
@@ -33,7 +33,7 @@ struct Report {
 #[derive(Serialize)]
 struct BodyReport {
     name: String,
-    /// The kind of its primitives: spheres or triangles.
+    /// The kind of its primitives: spheres, triangles, or one shape.
     kind: &'static str,
     primitives: usize,
 }
@@ -41,7 +41,7 @@ struct BodyReport {
 #[derive(Serialize)]
 struct Row {
     verdict: &'static str,
-    /// The sphere or triangle found near a point, by its index from 0.
+    /// The primitive found near a point, by its index from 0.
     #[serde(skip_serializing_if = "Option::is_none")]
     primitive: Option<u32>,
     /// That point, by its index from 0.
@@ -50,15 +50,19 @@ struct Row {
     nanoseconds: u64,
 }
 
+/// The kind of a body that is one shape.
+const SHAPE: &str = "shape";
+
 enum Body {
     Spheres(Bvh<Node16<18>, Spheres>),
     Mesh(Box<AnyBvh>),
+    Shape(NamedShape),
 }
 
-pub(super) fn run(path: &Path, options: &Options) -> Result<u8, Error> {
+pub(super) fn run(given: &Given, options: &Options) -> Result<u8, Error> {
     // Read the poses first: an error in them shows before the trees are built.
     let poses = options.poses.read()?;
-    let body = Body::read(path, options.json)?;
+    let body = Body::read(given, options.json)?;
     let (cloud, about) = Points::read(options)?.build(options.repeat)?;
     let (cloud, search) = (cloud.view(), RangeSearch::new(options.isa));
 
@@ -83,7 +87,7 @@ pub(super) fn run(path: &Path, options: &Options) -> Result<u8, Error> {
     drop(bar);
     let report = Report {
         version: env!("CARGO_PKG_VERSION"),
-        body: body.report(path),
+        body: body.report(given),
         cloud: about,
         isa: options.isa.name(),
         margin: options.margin,
@@ -103,7 +107,11 @@ pub(super) fn run(path: &Path, options: &Options) -> Result<u8, Error> {
 }
 
 impl Body {
-    fn read(path: &Path, quiet: bool) -> Result<Self, Error> {
+    fn read(given: &Given, quiet: bool) -> Result<Self, Error> {
+        let path = match given {
+            Given::File(path) => path,
+            Given::Shape(named) => return Ok(Self::Shape(named.clone())),
+        };
         if sphere_file::is_of_spheres(path) {
             return Ok(Self::Spheres(sphere_file::read(path)?.1));
         }
@@ -129,15 +137,21 @@ impl Body {
             Self::Mesh(tree) => {
                 with_bvh!(tree.view(), tree => search.body_within(cloud, &tree, pose, margin))
             }
+            Self::Shape(named) => search.shape_within(cloud, &named.shape, pose, margin),
         }
     }
 
-    fn report(&self, path: &Path) -> BodyReport {
+    fn report(&self, given: &Given) -> BodyReport {
         let (kind, primitives) = match self {
             Self::Spheres(tree) => ("sphere", tree.view().len()),
             Self::Mesh(tree) => ("triangle", tree.view().stats().primitives),
+            Self::Shape(_) => (SHAPE, 1),
         };
-        BodyReport { name: path.display().to_string(), kind, primitives }
+        let name = match given {
+            Given::File(path) => path.display().to_string(),
+            Given::Shape(named) => named.name.clone(),
+        };
+        BodyReport { name, kind, primitives }
     }
 }
 
@@ -147,14 +161,20 @@ fn print(report: &Report, options: &Options, out: &mut impl Write) -> std::io::R
         return out.flush();
     }
     let BodyReport { name, kind, primitives } = &report.body;
-    writeln!(out, "A  {name}: {primitives} {kind}s")?;
+    match *kind {
+        SHAPE => writeln!(out, "A  {name}: a shape")?,
+        _ => writeln!(out, "A  {name}: {primitives} {kind}s")?,
+    }
     write!(out, "B  ")?;
     report.cloud.print(out)?;
     writeln!(out, "\n  pose  verdict          us")?;
     for (index, row) in report.poses.iter().enumerate().take(options.rows) {
         write!(out, "{index:6}  {:<7}  {:10.2}", row.verdict, row.nanoseconds as f64 / 1e3)?;
         if let (Some(primitive), Some(point)) = (row.primitive, row.point) {
-            write!(out, "  point {point} is near {kind} {primitive} of A")?;
+            match *kind {
+                SHAPE => write!(out, "  point {point} is near A")?,
+                _ => write!(out, "  point {point} is near {kind} {primitive} of A")?,
+            }
         }
         writeln!(out)?;
     }

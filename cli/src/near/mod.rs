@@ -18,7 +18,7 @@ pub(super) fn run(options: &Options) -> Result<u8, Error> {
         [("--output", options.output.as_deref()), ("--output", None)],
     )?;
     match &options.body {
-        Some(path) => body::run(path, options),
+        Some(given) => body::run(given, options),
         None => neighbours::run(options).map(|()| 0),
     }
 }

@@ -1,5 +1,6 @@
 //! What can be chosen.
 
+use crate::shape::{self, Given};
 use crate::{File, isa, poses};
 use clap::{ArgGroup, Args};
 use simdop::isa::Isa;
@@ -28,10 +29,10 @@ pub(crate) struct Options {
     #[arg(short, long, value_name = "FILE", conflicts_with = "a")]
     pub(super) output: Option<File>,
     /// Test at each pose whether any point is near this body, A: a packing (.txt), whose spheres are solid, a mesh,
-    /// which is a surface, or a tree. The cloud is B.
-    #[arg(id = "a", long = "body", value_name = "FILE")]
-    pub(super) body: Option<File>,
-    /// Distance from the body that counts as near; 0 means touching it, or being inside a sphere.
+    /// which is a surface, a tree, or a shape as for `simdop collide`, such as box:0.1,0.2,0.3. The cloud is B.
+    #[arg(id = "a", long = "body", value_name = "FILE", value_parser = shape::parser())]
+    pub(super) body: Option<Given>,
+    /// Distance from the body that counts as near; 0 means touching it, or being inside a sphere or shape.
     #[arg(
         long,
         value_name = "DISTANCE",

@@ -53,7 +53,9 @@ struct RobotReport {
 #[derive(Serialize)]
 struct BodyReport {
     name: String,
+    /// The kind of a shape, or of a mesh: a solid or a surface.
     shape: &'static str,
+    /// Zero of a shape, and so are the bytes.
     triangles: usize,
     bytes: usize,
     caps: Option<CapsReport>,
@@ -125,13 +127,16 @@ fn ask(
 
 impl RobotReport {
     fn of(model: &Model) -> Self {
-        let body = |(name, body): (&String, &model::Round)| BodyReport {
-            name: name.clone(),
-            shape: body.shape(),
-            triangles: body.tree.view().len(),
-            bytes: body.tree.as_bytes().len(),
-            caps: body.caps(),
-            widest_hole: body.hole,
+        let body = |(name, body): (&String, &model::Geometry)| {
+            let (triangles, bytes) = body.size();
+            BodyReport {
+                name: name.clone(),
+                shape: body.kind(),
+                triangles,
+                bytes,
+                caps: body.caps(),
+                widest_hole: body.hole(),
+            }
         };
         let bodies: Vec<_> = model.names.iter().zip(&model.bodies).map(body).collect();
         let robot = &model.robot;

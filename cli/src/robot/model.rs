@@ -1,14 +1,16 @@
-//! A robot with the trees of its bodies, from its description and the mesh files that this refers to.
+//! A robot with its bodies, from its description and the mesh files that this refers to.
 
 use super::options::Options;
 use crate::body::CapsReport;
-use crate::error::{Error, Fault};
+use crate::error::Error;
 use crate::mesh::{self, Empty};
 use crate::progress;
+use crate::shape;
 use simdop::construct::{BuildError, Builder, Mesh};
 use simdop::hierarchy::Bvh;
 use simdop::node::Node16;
 use simdop::pose::Pose;
+use simdop::primitive::Shape;
 use simdop::robot::{DisabledPair, LinkShape, Robot};
 use simdop::scene::{Body, BodyId, Scene, SceneError};
 use std::path::{Path, PathBuf};
@@ -18,66 +20,70 @@ pub(super) type Tree = Bvh<Node16<18>>;
 const BUILT_IN_URDF: &str = include_str!("../../../examples/arm/arm.urdf");
 const BUILT_IN_SRDF: &str = include_str!("../../../examples/arm/arm.srdf");
 
-/// Maximum error of the prism around a cylinder, relative to its radius: sixteen sides.
-const CYLINDER_ERROR: f64 = 0.02;
-
-/// A tree, and the radius of the body around its triangles.
-pub(super) struct Round {
-    pub(super) tree: Tree,
-    pub(super) radius: f64,
-    /// The width of the widest hole of a surface, unless it has too many.
-    pub(super) hole: Option<f64>,
+/// The geometry of a link.
+pub(super) enum Geometry {
+    Mesh {
+        tree: Tree,
+        /// The width of the widest hole of a surface, unless it has too many.
+        hole: Option<f64>,
+    },
+    Shape(Shape),
 }
 
-impl Round {
+impl Geometry {
     /// The tree of a mesh: a solid if it is closed, or has no hole wider than `cap`; otherwise a surface.
-    fn build(mesh: &Mesh<'_>, radius: f64, cap: f64) -> Result<Self, BuildError> {
-        let surface = || Builder::new().build_as(mesh);
-        // Segments and points are closed, and have no inside.
-        if radius > 0.0 {
-            return Ok(Self { tree: surface()?, radius, hole: None });
-        }
+    fn build(mesh: &Mesh<'_>, cap: f64) -> Result<Self, BuildError> {
+        let surface = |hole| Ok(Self::Mesh { tree: Builder::new().build_as(mesh)?, hole });
         match Builder::new().solid_with_caps(cap).build_as(mesh) {
-            Err(BuildError::Hole { width, .. }) => Ok(Self { tree: surface()?, radius, hole: Some(width) }),
-            Err(BuildError::TooManyCaps { .. }) => Ok(Self { tree: surface()?, radius, hole: None }),
-            built => Ok(Self { tree: built?, radius, hole: None }),
+            Err(BuildError::Hole { width, .. }) => surface(Some(width)),
+            Err(BuildError::TooManyCaps { .. }) => surface(None),
+            built => Ok(Self::Mesh { tree: built?, hole: None }),
         }
-    }
-
-    /// The tree of a shape that is not a mesh file.
-    pub(super) fn of(shape: &LinkShape) -> Result<Self, String> {
-        let error = match shape {
-            LinkShape::Cylinder { radius, .. } => CYLINDER_ERROR * radius,
-            // Only cylinders are approximated.
-            _ => 1.0,
-        };
-        let (mesh, radius) =
-            shape.mesh(error).map_err(|error| error.to_string())?.ok_or("a mesh file is no such shape")?;
-        Self::build(&mesh.as_mesh(), radius, 0.0).map_err(|error| error.to_string())
     }
 
     pub(super) fn body(&self) -> Body<'_, Node16<18>> {
-        Body::new(self.tree.view()).with_radius(self.radius)
+        match self {
+            Self::Mesh { tree, .. } => Body::new(tree.view()),
+            Self::Shape(shape) => Body::new(*shape),
+        }
     }
 
-    pub(super) fn shape(&self) -> &'static str {
-        match (self.radius > 0.0, self.tree.view().header().is_solid != 0) {
-            (true, _) => "round",
-            (false, true) if self.caps().is_some() => "capped",
-            (false, true) => "solid",
-            (false, false) => "surface",
+    pub(super) fn kind(&self) -> &'static str {
+        match self {
+            Self::Mesh { .. } if self.caps().is_some() => "capped",
+            Self::Mesh { tree, .. } if tree.view().header().is_solid != 0 => "solid",
+            Self::Mesh { .. } => "surface",
+            Self::Shape(shape) => shape::kind(shape),
+        }
+    }
+
+    /// The number of triangles, and the bytes of their tree. A shape has neither.
+    pub(super) fn size(&self) -> (usize, usize) {
+        match self {
+            Self::Mesh { tree, .. } => (tree.view().len(), tree.as_bytes().len()),
+            Self::Shape(_) => (0, 0),
         }
     }
 
     pub(super) fn caps(&self) -> Option<CapsReport> {
-        CapsReport::of(self.tree.view().cap_stats())
+        match self {
+            Self::Mesh { tree, .. } => CapsReport::of(tree.view().cap_stats()),
+            Self::Shape(_) => None,
+        }
+    }
+
+    pub(super) const fn hole(&self) -> Option<f64> {
+        match self {
+            Self::Mesh { hole, .. } => *hole,
+            Self::Shape(_) => None,
+        }
     }
 }
 
 /// A robot, its bodies, and which pairs of them are tested.
 pub(super) struct Model {
     pub(super) robot: Robot,
-    pub(super) bodies: Vec<Round>,
+    pub(super) bodies: Vec<Geometry>,
     /// The names of the bodies: those of their links, with a number for all but the first of a link.
     pub(super) names: Vec<String>,
     /// Names of all joints, including fixed ones and those that mimic another.
@@ -137,23 +143,23 @@ impl Model {
     }
 }
 
-fn body(urdf: &Path, shape: &LinkShape, cap: f64) -> Result<Round, Error> {
-    if let LinkShape::Mesh { file, scale } = shape {
-        let path = located(urdf, file);
-        let bytes = std::fs::read(&path).map_err(Error::io(&path))?;
-        let mut mesh = mesh::read(&path, &bytes, Empty::Refused)?;
-        for vertex in &mut mesh.vertices {
-            *vertex = core::array::from_fn(|i| scale[i] * vertex[i]);
-        }
-        // A reflection turns the mesh inside out.
-        if scale.iter().product::<f64>() < 0.0 {
-            mesh.triangles.iter_mut().for_each(|[_, b, c]| core::mem::swap(b, c));
-        }
-        let mesh = Mesh { vertices: &mesh.vertices, triangles: &mesh.triangles };
-        return Round::build(&mesh, 0.0, cap)
-            .map_err(|error| Error::Build { name: path.display().to_string(), error });
+fn body(urdf: &Path, shape: &LinkShape, cap: f64) -> Result<Geometry, Error> {
+    let (file, scale) = match shape {
+        LinkShape::Mesh { file, scale } => (file, scale),
+        LinkShape::Shape(shape) => return Ok(Geometry::Shape(*shape)),
+    };
+    let path = located(urdf, file);
+    let bytes = std::fs::read(&path).map_err(Error::io(&path))?;
+    let mut mesh = mesh::read(&path, &bytes, Empty::Refused)?;
+    for vertex in &mut mesh.vertices {
+        *vertex = core::array::from_fn(|i| scale[i] * vertex[i]);
     }
-    Round::of(shape).map_err(|problem| Error::content(urdf, Fault::file(problem)))
+    // A reflection turns the mesh inside out.
+    if scale.iter().product::<f64>() < 0.0 {
+        mesh.triangles.iter_mut().for_each(|[_, b, c]| core::mem::swap(b, c));
+    }
+    let mesh = Mesh { vertices: &mesh.vertices, triangles: &mesh.triangles };
+    Geometry::build(&mesh, cap).map_err(|error| Error::Build { name: path.display().to_string(), error })
 }
 
 /// The file of a mesh that a URDF refers to, relative to it or to a package: the first `NAME/FILE` or `FILE` in the

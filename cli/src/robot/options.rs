@@ -13,7 +13,8 @@ pub(crate) struct Options {
     /// included.
     #[arg(long, value_name = "FILE", requires = "urdf")]
     pub(super) srdf: Option<File>,
-    /// Which shapes of a link are its bodies. Closed meshes become solids, others surfaces.
+    /// Which shapes of a link are its bodies: exactly what the URDF says, without an error. Closed meshes become solids,
+    /// others surfaces.
     #[arg(long, value_enum, default_value = "collision")]
     pub(super) shapes: ShapesName,
     /// Cap the holes of meshes that have none wider than this, so that they become solids, too: the greatest distance

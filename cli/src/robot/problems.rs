@@ -1,12 +1,13 @@
 //! Planning problems, one JSON object per line, in the form of MotionBenchMaker's data sets.
 
-use super::model::{Model, Round};
+use super::model::Model;
 use crate::error::{Error, Fault};
 use serde::Deserialize;
 use simdop::glam::{DQuat, DVec3};
 use simdop::motion::MotionError;
 use simdop::pose::Pose;
-use simdop::robot::LinkShape;
+use simdop::primitive::Shape;
+use simdop::primitive::shape::ShapeError;
 use std::collections::BTreeMap;
 use std::path::Path;
 
@@ -22,7 +23,7 @@ pub(super) struct Problem {
 
 pub(super) struct Obstacle {
     pub(super) name: String,
-    pub(super) body: Round,
+    pub(super) shape: Shape,
     pub(super) at: Pose,
 }
 
@@ -40,26 +41,28 @@ struct Line {
 struct Placed {
     id: String,
     #[serde(flatten)]
-    shape: Shape,
+    form: Form,
     pos: [f64; 3],
     quat_xyzw: [f64; 4],
 }
 
 #[derive(Deserialize)]
 #[serde(tag = "type", content = "dims", rename_all = "lowercase")]
-enum Shape {
+enum Form {
+    /// Side lengths.
     Box([f64; 3]),
     /// Height and radius.
     Cylinder([f64; 2]),
+    /// Radius.
     Sphere([f64; 1]),
 }
 
-impl From<&Shape> for LinkShape {
-    fn from(shape: &Shape) -> Self {
-        match *shape {
-            Shape::Box(sides) => Self::Cuboid { sides },
-            Shape::Cylinder([height, radius]) => Self::Cylinder { radius, height },
-            Shape::Sphere([radius]) => Self::Sphere { radius },
+impl Form {
+    fn shape(&self) -> Result<Shape, ShapeError> {
+        match *self {
+            Self::Box(sides) => Shape::cuboid(sides),
+            Self::Cylinder([height, radius]) => Shape::cylinder(radius, height),
+            Self::Sphere([radius]) => Shape::sphere(radius),
         }
     }
 }
@@ -90,11 +93,11 @@ fn parse(line: &str, model: &Model) -> Result<Problem, String> {
     })?;
     let obstacle = |placed: Placed| {
         let fault = |problem: String| format!("obstacle {}: {problem}", placed.id);
-        let body = Round::of(&LinkShape::from(&placed.shape)).map_err(fault)?;
+        let shape = placed.form.shape().map_err(|error| fault(error.to_string()))?;
         let turn = DQuat::from_array(placed.quat_xyzw).normalize();
         let at = Pose::try_from((turn, DVec3::from_array(placed.pos)));
         let at = at.map_err(|error| fault(error.to_string()))?;
-        Ok(Obstacle { name: placed.id, body, at })
+        Ok(Obstacle { name: placed.id, shape, at })
     };
     // Joints that the start does not name are at zero, or at the limit nearest to it; those that a goal does not name
     // are at the start's value.

@@ -8,7 +8,7 @@ use simdop::motion::{JointMotion, Kinematics, LinkFrame};
 use simdop::node::Node16;
 use simdop::pose::Pose;
 use simdop::query::Query;
-use simdop::scene::{BodyId, MotionAnswer, MotionHit, MotionMemory, Scene, SceneError, SceneHit};
+use simdop::scene::{Body, BodyId, MotionAnswer, MotionHit, MotionMemory, Scene, SceneError, SceneHit};
 
 /// Samples per unit of length in the joints: as many as the planner VAMP takes.
 const SAMPLES: f64 = 32.0;
@@ -36,7 +36,7 @@ impl<'t> World<'t> {
         let robot = model.robot.kinematics()?;
         let mut obstacles = Vec::new();
         for obstacle in &problem.obstacles {
-            let id = scene.insert(obstacle.body.body().fixed(), &obstacle.at)?;
+            let id = scene.insert(Body::new(obstacle.shape).fixed(), &obstacle.at)?;
             obstacles.push((id, obstacle.name.as_str()));
         }
         Ok(Self {
@@ -78,9 +78,12 @@ impl<'t> World<'t> {
         self.scene.check_motion_discrete(&self.query, &self.ids, &mut motion, parts, &mut memory)
     }
 
+    /// The robot's bodies first, in their order.
     pub(super) fn names(&self, hit: &SceneHit) -> [&str; 2] {
-        [hit.a, hit.b].map(|id| match self.ids.iter().position(|body| *body == id) {
-            Some(i) => &self.model.names[i],
+        let place = |id: BodyId| self.ids.iter().position(|body| *body == id).unwrap_or(usize::MAX);
+        let [a, b] = if place(hit.b) < place(hit.a) { [hit.b, hit.a] } else { [hit.a, hit.b] };
+        [a, b].map(|id| match self.model.names.get(place(id)) {
+            Some(name) => name.as_str(),
             None => self.obstacles.iter().find(|(body, _)| *body == id).map_or("", |(_, name)| name),
         })
     }

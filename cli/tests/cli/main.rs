@@ -17,6 +17,7 @@ mod report;
 mod robot;
 #[cfg(feature = "selftest")]
 mod selftest;
+mod shapes;
 #[path = "../../../tests/support/mod.rs"]
 mod support;
 mod trees;

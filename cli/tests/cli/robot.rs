@@ -150,6 +150,38 @@ fn a_mesh_is_found_scaled_and_solid() {
     }
 }
 
+/// Shapes are exactly what the URDF says: a ball a micrometre beside a round cylinder is free, where a prism around the
+/// cylinder would meet it.
+#[test]
+fn a_urdf_has_its_own_shapes() {
+    let folder = Folder::new("robot_shapes");
+    let shapes = [
+        (r#"<cylinder radius="0.1" length="0.4"/>"#, "cylinder", 0.1),
+        (r#"<capsule radius="0.1" length="0.4"/>"#, "capsule", 0.1),
+        (r#"<sphere radius="0.1"/>"#, "sphere", 0.1),
+        (r#"<box size="0.2 0.2 0.2"/>"#, "box", 0.1),
+    ];
+    for (geometry, kind, reach) in shapes {
+        folder.write("robot.urdf", slider(geometry));
+        // Beside the sled at the start, which is invalid only if they meet.
+        let lines = [1e-6, 1e-12, -1e-6].map(|gap| ball_at([0.0, reach + 0.01 + gap, 0.0]).to_string());
+        folder.write("problems", lines.join("\n"));
+        let arguments = ["robot", "robot.urdf", "--problems", "problems", "--edges", "0"];
+        let report = folder.json(&arguments);
+        let body = json!({"name": "sled", "shape": kind, "triangles": 0, "bytes": 0});
+        assert_eq!(report["robot"]["bodies"], json!([body]));
+        let starts = &report["problems"]["validity"]["configurations"][0];
+        assert_eq!((&starts["configurations"], &starts["valid"]), (&3.into(), &2.into()), "{kind}");
+        let edges = &report["problems"]["edges"][0];
+        // Motions so near the ball may be unresolved.
+        assert!(edges["hits"] == 1, "{kind}: {edges}");
+        let output = folder.run(&arguments);
+        let table = String::from_utf8(output.stdout).unwrap();
+        assert!(output.stderr.is_empty() && table.contains(&format!("\nsled  {kind} ")), "{table}");
+        assert!(!table.contains("error") && !table.contains("prism"), "{table}");
+    }
+}
+
 #[test]
 fn faults_name_the_link_the_file_and_the_place() {
     let folder = Folder::new("robot_faults");
@@ -181,7 +213,7 @@ fn faults_name_the_link_the_file_and_the_place() {
     starts(&["dae.urdf"], &(sled("arm.dae") + ": COLLADA is not read: convert it"));
     starts(&["missing.urdf"], &(sled("arm/missing.stl") + ": No such file"));
     starts(&["empty.urdf"], &(sled("empty.obj") + ": the file is empty"));
-    starts(&["flat.urdf"], "simdop: link sled: flat.urdf: ");
+    starts(&["flat.urdf"], "simdop: flat.urdf: link sled: -1e0 is not a length of a shape");
     starts(&["text.urdf"], "simdop: text.urdf: not a robot's description: ");
     starts(&["two.urdf"], "simdop: two.urdf: the links are no tree: see ");
     starts(&["nowhere.urdf"], "simdop: nowhere.urdf: No such file");
@@ -245,13 +277,19 @@ impl Panda {
         !self.query.collide(a, b, &pose).is_free()
     }
 
-    fn is_valid(&self, problem: &Problem, obstacles: &[Tree], values: &Configuration) -> bool {
+    /// A link among obstacles, each placed in the link's frame.
+    fn meets_any(&self, problem: &Problem, link: &Tree, at: &DAffine3) -> bool {
+        problem.obstacles.iter().any(|obstacle| {
+            let pose = Pose::try_from(at.inverse() * obstacle.at).unwrap();
+            !self.query.collide_shape(&obstacle.shape.shape(), link, &pose).is_free()
+        })
+    }
+
+    fn is_valid(&self, problem: &Problem, values: &Configuration) -> bool {
         let at = self.robot.poses(values);
-        let links = || self.links.iter().zip(&at);
         let of_itself = |&(i, j): &(usize, usize)| self.meet(&self.links[i], &at[i], &self.links[j], &at[j]);
-        let mut around = obstacles.iter().zip(problem.obstacles.iter().map(|obstacle| &obstacle.at));
-        !self.robot.pairs.iter().any(of_itself)
-            && !around.any(|(tree, place)| links().any(|(link, at)| self.meet(link, at, tree, place)))
+        let mut links = self.links.iter().zip(&at);
+        !self.robot.pairs.iter().any(of_itself) && !links.any(|(link, at)| self.meets_any(problem, link, at))
     }
 }
 
@@ -275,10 +313,8 @@ fn validity_is_that_of_all_pairs() {
 
     let (mut valid, mut crossing) = ([0, 0], 0);
     for problem in &problems {
-        let obstacles: Vec<Tree> =
-            problem.obstacles.iter().map(|o| solid_if_closed(&o.shape.mesh().as_mesh())).collect();
         for (valid, values) in valid.iter_mut().zip(&problem.ends) {
-            *valid += usize::from(panda.is_valid(problem, &obstacles, values));
+            *valid += usize::from(panda.is_valid(problem, values));
         }
         let [from, to] = &problem.ends;
         let at = |i: u32| {
@@ -286,7 +322,7 @@ fn validity_is_that_of_all_pairs() {
                 |(name, x): (&String, &f64)| (name.clone(), x + f64::from(i) / 64.0 * (to[name] - x));
             from.iter().map(between).collect::<Configuration>()
         };
-        crossing += usize::from((0..=64).any(|i| !panda.is_valid(problem, &obstacles, &at(i))));
+        crossing += usize::from((0..=64).any(|i| !panda.is_valid(problem, &at(i))));
     }
     let path = |name: &str| data.join("robots/panda").join(name).to_str().unwrap().to_string();
     let (urdf, srdf) = (path("panda.urdf"), path("panda.srdf"));

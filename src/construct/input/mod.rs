@@ -15,5 +15,5 @@ pub(crate) use closed::{Unclosed, check_closed};
 pub(super) use corners::{bounding_box, corners_of};
 pub(super) use geometry::Record;
 pub use geometry::{Geometry, Mesh, ShapeSet, SphereSet};
-pub use owned_mesh::{OwnedMesh, ShapeError};
+pub use owned_mesh::OwnedMesh;
 pub(super) use ranges::{check_records, check_vertices};

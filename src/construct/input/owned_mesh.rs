@@ -1,34 +1,24 @@
-//! Meshes of simple shapes, which often describe robots and their surroundings.
+//! Meshes of simple shapes.
 
 use super::geometry::Mesh;
 use crate::exact::power_of_two;
-use crate::range::{MAX_COORDINATE, Point};
+use crate::primitive::shape::{ShapeError, length};
+use crate::range::Point;
 use alloc::vec::Vec;
 use core::f64::consts::PI;
-use core::fmt;
 
 /// A mesh that owns its vertices and triangles.
 ///
-/// All but [`OwnedMesh::point`] and [`OwnedMesh::segment`] are closed, with triangles counterclockwise as seen from
-/// outside, and so may be [solid](crate::construct::Builder::solid). A sphere is a point with a radius, a capsule a
-/// segment with a radius ([`crate::scene::Body::with_radius`]).
+/// The meshes made here are closed, with triangles counterclockwise as seen from outside, and so may be
+/// [solid](crate::construct::Builder::solid). They are for drawing, and for what takes meshes only: a query takes a
+/// [`Shape`](crate::primitive::Shape) as it is, without an error.
 ///
 /// ```
-/// use simdop::{construct::{Builder, OwnedMesh}, hierarchy::Bvh, isa::Isa, node::Node16, pose::Pose, query::Query};
-/// use simdop::scene::{Body, Scene};
+/// use simdop::construct::{Builder, OwnedMesh};
 ///
-/// let table: Bvh<Node16<18>> = Builder::new().solid().build_as(&OwnedMesh::cuboid([1.2, 0.8, 0.04])?.as_mesh())?;
-/// let can: Bvh<Node16<18>> = Builder::new().solid().build_as(&OwnedMesh::cylinder(0.03, 0.14, 1e-4)?.as_mesh())?;
-/// let forearm: Bvh<Node16<18>> = Builder::new().build_as(&OwnedMesh::segment(0.3)?.as_mesh())?;
-///
-/// let at = |z: f64| Pose::from_rows([[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, z]]);
-/// let mut scene = Scene::new();
-/// scene.insert(Body::new(table.view()).fixed(), &at(0.0)?)?;
-/// scene.insert(Body::new(can.view()).fixed(), &at(0.0901)?)?;
-/// // A capsule, of radius 0.06, over the can.
-/// scene.insert(Body::new(forearm.view()).with_radius(0.06), &at(0.38)?)?;
-/// let near = scene.clearance(&Query::new(Isa::detect()), 0.0, 1.0)?;
-/// assert!((near.upper - (0.23 - 0.1601 - 0.06)).abs() < 1e-9);
+/// let can = OwnedMesh::cylinder(0.03, 0.14, 1e-4)?;
+/// assert_eq!((can.vertices.len(), can.triangles.len()), (80, 156));
+/// let solid = Builder::new().solid().build(&can.as_mesh())?;
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Clone, PartialEq, Debug)]
@@ -39,42 +29,8 @@ pub struct OwnedMesh {
     pub triangles: Vec<[u32; 3]>,
 }
 
-/// Why there is no such shape.
-#[derive(Copy, Clone, PartialEq, Debug)]
-#[non_exhaustive]
-pub enum ShapeError {
-    /// A length is not positive, or beyond [`MAX_COORDINATE`].
-    Length {
-        /// The value given.
-        given: f64,
-    },
-    /// A round shape would need more than [`OwnedMesh::MAX_SIDES`] sides to be within the error of its circle.
-    Error {
-        /// The value given.
-        given: f64,
-    },
-}
-
-impl fmt::Display for ShapeError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Length { given } => write!(f, "a length of {given}: must be above 0, and at most 2^300"),
-            Self::Error { given } => {
-                write!(f, "an error of {given} would take more than {} sides", OwnedMesh::MAX_SIDES)
-            }
-        }
-    }
-}
-
-impl core::error::Error for ShapeError {}
-
 /// Relative allowance for the roundings of a vertex.
 const ROUNDING: f64 = power_of_two(-48);
-
-fn length(given: f64) -> Result<f64, ShapeError> {
-    // The comparison is false for NaN.
-    if given > 0.0 && given <= MAX_COORDINATE { Ok(given) } else { Err(ShapeError::Length { given }) }
-}
 
 impl OwnedMesh {
     /// The largest number of sides of a cylinder or a cone. It allows an error of 3e-7 of the radius.
@@ -84,24 +40,6 @@ impl OwnedMesh {
     #[must_use]
     pub fn as_mesh(&self) -> Mesh<'_> {
         Mesh { vertices: &self.vertices, triangles: &self.triangles }
-    }
-
-    /// The origin. With a radius, it is a sphere.
-    #[must_use]
-    pub fn point() -> Self {
-        Self { vertices: alloc::vec![[0.0; 3]], triangles: alloc::vec![[0; 3]] }
-    }
-
-    /// A segment of length `long` along z, centred at the origin. With a radius, it is a capsule.
-    ///
-    /// # Errors
-    /// [`ShapeError::Length`].
-    pub fn segment(long: f64) -> Result<Self, ShapeError> {
-        let half = 0.5 * length(long)?;
-        Ok(Self {
-            vertices: alloc::vec![[0.0, 0.0, -half], [0.0, 0.0, half]],
-            triangles: alloc::vec![[0, 1, 1]],
-        })
     }
 
     /// A cuboid with these side lengths, centred at the origin.
@@ -233,7 +171,6 @@ mod tests {
         let high = |mesh: &OwnedMesh| mesh.vertices.iter().fold(0.0, |m: f64, p| m.max(p[2].abs()));
         assert_eq!([high(&cuboid), high(&can), high(&cone)], [1.5, 2.5, 2.5]);
         assert_eq!(cone.vertices[1], [0.0, 0.0, 2.5], "the tip is above");
-        assert_eq!(OwnedMesh::segment(3.0).unwrap().vertices, [[0.0, 0.0, -1.5], [0.0, 0.0, 1.5]]);
     }
 
     #[test]
@@ -243,7 +180,6 @@ mod tests {
                 Some(ShapeError::Length { given: named }) => named.to_bits() == given.to_bits(),
                 _ => false,
             };
-            assert!(refused(OwnedMesh::segment(given).err()));
             assert!(refused(OwnedMesh::cuboid([1.0, given, 1.0]).err()));
             assert!(refused(OwnedMesh::cylinder(given, 1.0, 0.1).err()));
             assert!(refused(OwnedMesh::cone(1.0, given, 0.1).err()));

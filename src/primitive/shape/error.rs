@@ -26,6 +26,11 @@ pub enum ShapeError {
         /// The cosine of the angle between them.
         cosine: f64,
     },
+    /// A mesh of a round shape would need too many sides to be within this error of it, or the error is not above 0.
+    Error {
+        /// The number given.
+        given: f64,
+    },
 }
 
 impl fmt::Display for ShapeError {
@@ -41,6 +46,12 @@ impl fmt::Display for ShapeError {
                     "two edges of a cuboid are not perpendicular: the cosine of their angle is {cosine:e}"
                 )
             }
+            Self::Error { given } => {
+                write!(
+                    f,
+                    "a mesh of a round shape cannot be within an error of {given:e}: it has at most 4096 sides"
+                )
+            }
         }
     }
 }
@@ -48,7 +59,7 @@ impl fmt::Display for ShapeError {
 impl core::error::Error for ShapeError {}
 
 /// A length above 0.
-pub(super) fn length(given: f64) -> Result<f64, ShapeError> {
+pub(crate) fn length(given: f64) -> Result<f64, ShapeError> {
     let is_length = (MIN_COORDINATE..=MAX_COORDINATE).contains(&given);
     if is_length { Ok(given) } else { Err(ShapeError::Length { given }) }
 }

@@ -52,6 +52,8 @@ pub use self::core::Core;
 pub use bounds::{Depth, depth};
 pub use convex::Shape;
 pub use error::ShapeError;
+#[cfg(feature = "alloc")]
+pub(crate) use error::length;
 pub(crate) use hull::hull_of;
 pub(crate) use pair::{is_near, nearer};
 pub use pair::{is_within, meets, separation};

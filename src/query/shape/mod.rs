@@ -15,7 +15,7 @@ use crate::pose::Pose;
 use crate::primitive::shape::{is_near, nearer};
 use crate::primitive::{Primitive, Shape, Shapes};
 use bounds::Volume;
-use search::FirstNear;
+use core::ops::ControlFlow;
 
 /// The smallest tolerance of a distance between primitives.
 const TIGHT: f64 = power_of_two(-42);
@@ -87,6 +87,32 @@ impl Query {
         Ok(self.shape_distance(&shape.moved(pose), &b.as_bvh(), tolerance, cutoff))
     }
 
+    /// Calls `visit` with each primitive of body B that a shape, placed by `pose` in the frame of B, meets, until it
+    /// breaks; in the pairs, `a` is 0. As [`Query::for_each_pair`].
+    pub fn for_each_pair_shape<B: AsBvh>(
+        &self,
+        shape: &Shape,
+        b: &B,
+        pose: &Pose,
+        mut visit: impl FnMut(Pair) -> ControlFlow<()>,
+    ) -> (Completion, QueryStats)
+    where
+        B::Node: Lanes,
+        Shapes: PrimitivePair<B::Primitive>,
+    {
+        let (shape, tree, mut stats) = (shape.moved(pose), b.as_bvh(), QueryStats::default());
+        let volume = Volume::of(&shape, &tree);
+        let visit = &mut |index| visit(Pair { a: 0, b: tree.source(index) });
+        let completion = self.for_each_near_shape(&shape, &volume, &tree, 0.0, &mut stats, visit);
+        (completion, stats)
+    }
+
+    /// Whether a shape, placed by `pose` in the frame of another, meets it. As
+    /// [`meets`](crate::primitive::shape::meets), with statistics.
+    pub fn collide_shapes(&self, a: &Shape, b: &Shape, pose: &Pose) -> Answer {
+        self.shapes_within(&a.moved(pose), b, 0.0)
+    }
+
     fn shape_within<N: Lanes, Q: Primitive>(
         &self,
         shape: &Shape,
@@ -98,11 +124,14 @@ impl Query {
     {
         let mut stats = QueryStats::default();
         let volume = Volume::of(shape, tree);
-        let mut verdict = match self.first_near_shape(shape, &volume, tree, margin, &mut stats) {
-            FirstNear::Found(index) => Verdict::Hit(Pair { a: 0, b: tree.source(index) }),
-            FirstNear::Nothing => Verdict::Free,
-            FirstNear::OutOfBudget => Verdict::Unknown { lower: 0.0, upper: volume.farthest(shape, tree) },
-        };
+        let mut verdict = Verdict::Free;
+        let completion = self.for_each_near_shape(shape, &volume, tree, margin, &mut stats, &mut |index| {
+            verdict = Verdict::Hit(Pair { a: 0, b: tree.source(index) });
+            ControlFlow::Break(())
+        });
+        if completion == Completion::OutOfBudget {
+            verdict = Verdict::Unknown { lower: 0.0, upper: volume.farthest(shape, tree) };
+        }
         if verdict == Verdict::Free
             && let Some(inside) = self.shape_inside(shape, tree, &mut stats)
         {

@@ -6,16 +6,9 @@ use crate::isa::on_isa;
 use crate::kernel::Kernel;
 use crate::node::Link;
 use crate::primitive::{Primitive, Separation, Shape, Shapes};
-use crate::query::entry::{PrimitivePair, Query, QueryStats};
+use crate::query::entry::{Completion, PrimitivePair, Query, QueryStats};
 use crate::query::lanes::Lanes;
-
-/// The end of a search for a primitive within a margin.
-pub(super) enum FirstNear {
-    /// The index of a primitive, in leaf order.
-    Found(u32),
-    Nothing,
-    OutOfBudget,
-}
+use core::ops::ControlFlow;
 
 /// The nearest primitive.
 pub(super) struct NearestPrimitive {
@@ -27,21 +20,22 @@ pub(super) struct NearestPrimitive {
 }
 
 impl Query {
-    /// A primitive of the tree within `margin` of the shape.
-    pub(super) fn first_near_shape<N: Lanes, Q: Primitive>(
+    /// Calls `visit` with the index, in leaf order, of each primitive within `margin` of the shape, until it breaks.
+    pub(super) fn for_each_near_shape<N: Lanes, Q: Primitive>(
         &self,
         shape: &Shape,
         volume: &Volume<N>,
         tree: &BvhRef<'_, N, Q>,
         margin: f64,
         stats: &mut QueryStats,
-    ) -> FirstNear
+        visit: &mut dyn FnMut(u32) -> ControlFlow<()>,
+    ) -> Completion
     where
         Shapes: PrimitivePair<Q>,
     {
         on_isa!(self.isa(), kernel => kernel.run(
             #[inline(always)]
-            || first_near(kernel, self.budget(), shape, volume, tree, margin, stats),
+            || for_each_near(kernel, self.budget(), shape, volume, tree, margin, stats, visit),
         ))
     }
 
@@ -65,7 +59,8 @@ impl Query {
 }
 
 #[inline(always)]
-fn first_near<N: Lanes, Q: Primitive, E: Kernel>(
+#[expect(clippy::too_many_arguments, reason = "one call, inlined")]
+fn for_each_near<N: Lanes, Q: Primitive, E: Kernel>(
     kernel: E,
     budget: u64,
     shape: &Shape,
@@ -73,7 +68,8 @@ fn first_near<N: Lanes, Q: Primitive, E: Kernel>(
     tree: &BvhRef<'_, N, Q>,
     margin: f64,
     stats: &mut QueryStats,
-) -> FirstNear
+    visit: &mut dyn FnMut(u32) -> ControlFlow<()>,
+) -> Completion
 where
     Shapes: PrimitivePair<Q>,
 {
@@ -87,7 +83,7 @@ where
             Link::Empty => {}
             Link::Inner(node) => {
                 if stats.visits == budget {
-                    return FirstNear::OutOfBudget;
+                    return Completion::OutOfBudget;
                 }
                 stats.visits += 1;
                 stats.kernels += 1;
@@ -105,14 +101,14 @@ where
                     } else {
                         <Shapes as PrimitivePair<Q>>::meets(&probe, &item, &mut stats.exact_pairs)
                     };
-                    if is_near {
-                        return FirstNear::Found(index);
+                    if is_near && visit(index).is_break() {
+                        return Completion::Stopped;
                     }
                 }
             }
         }
         loop {
-            let Some(level) = levels.checked_sub(1) else { return FirstNear::Nothing };
+            let Some(level) = levels.checked_sub(1) else { return Completion::Complete };
             let (node, near) = path[level];
             if near == 0 {
                 levels = level;
