@@ -60,12 +60,7 @@ fn bake_tree<N: Dop, G: Geometry>(
         return Err(BuildError::TooDeep);
     }
     let InOrder { vertices, records } = InOrder::of(&table.vertices, &table.primitives, &shape.sources);
-    // Only vertices that primitives use: an unused one far away would cost the others precision.
-    let (low, high) = if vertices.is_empty() {
-        ([0.0; 3], [0.0; 3])
-    } else {
-        bounding_box(vertices.iter().flat_map(G::Primitive::balls))
-    };
+    let (low, high) = bounds::<G::Primitive>(&vertices);
     let frame = of_solid.map_or_else(|| Frame::around(low, high, N::DIRECTIONS), |solid| solid.frame);
     let half_width = half_width::<G::Primitive>(&frame, &vertices);
     let mut nodes = shape.nodes;
@@ -201,6 +196,11 @@ fn firsts(sources: &[u32], holes: &[u32]) -> Vec<u32> {
         }
     }
     if count > 1 { firsts } else { Vec::new() }
+}
+
+/// The box around the vertices that primitives use: an unused one far away would cost the others precision.
+fn bounds<P: Primitive>(vertices: &[P::Double]) -> (Point, Point) {
+    if vertices.is_empty() { ([0.0; 3], [0.0; 3]) } else { bounding_box(vertices.iter().flat_map(P::balls)) }
 }
 
 /// The largest magnitude of a coordinate of a box, or of the centre of the frame around it.
