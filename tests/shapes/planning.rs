@@ -54,7 +54,7 @@ impl<'t> World<'t> {
         let obstacles = obstacles.iter().map(|(tree, at)| insert(Body::new(*tree).fixed(), at)).collect();
         for i in 0..ids.len() {
             for j in 0..i {
-                let _ = scene.allow_collision(ids[i], ids[j]).unwrap();
+                scene.allow_collision(ids[i], ids[j]).unwrap();
             }
         }
         Self { scene, links: ids, obstacles }
