@@ -168,7 +168,10 @@ fn a_urdf_has_its_own_shapes() {
         folder.write("problems", lines.join("\n"));
         let arguments = ["robot", "robot.urdf", "--problems", "problems", "--edges", "0"];
         let report = folder.json(&arguments);
-        let body = json!({"name": "sled", "shape": kind, "triangles": 0, "bytes": 0});
+        let none = Value::Null;
+        let body = json!({
+            "name": "sled", "shape": kind, "triangles": 0, "bytes": 0, "caps": none, "widest_hole": none
+        });
         assert_eq!(report["robot"]["bodies"], json!([body]));
         let starts = &report["problems"]["validity"]["configurations"][0];
         assert_eq!((&starts["configurations"], &starts["valid"]), (&3.into(), &2.into()), "{kind}");
