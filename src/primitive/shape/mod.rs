@@ -9,6 +9,7 @@
 
 mod axes;
 mod bounds;
+mod closed;
 mod core;
 mod depth;
 mod error;

@@ -221,7 +221,7 @@ impl Newton {
 
 /// A vector without its part along another.
 #[inline(always)]
-fn without(v: &Point, way: &Point) -> Point {
+pub(super) fn without(v: &Point, way: &Point) -> Point {
     let square = dot(way, way);
     let rest = if square > 0.0 { dot(way, v) / square } else { 0.0 };
     each(|k| v[k] - rest * way[k])

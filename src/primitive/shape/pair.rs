@@ -8,8 +8,8 @@
 
 use super::Shape;
 use super::bounds::{Bounds, bounds};
-use super::exact;
 use super::fast::decide;
+use super::{closed, exact};
 use crate::exact::power_of_two;
 use crate::primitive::Separation;
 use crate::range::MIN_COORDINATE;
@@ -68,7 +68,7 @@ pub(crate) fn nearer(
     tolerance: f64,
     exact: &mut u64,
 ) -> Option<Separation> {
-    let found = bounds(a, b, limit, tolerance);
+    let found = closed::bounds(a, b, limit, tolerance).unwrap_or_else(|| bounds(a, b, limit, tolerance));
     if found.lower > limit {
         return None;
     }
