@@ -16,10 +16,10 @@ use crate::vector::{cross, difference, dot};
 const COMFORTABLE: core::ops::RangeInclusive<f64> = power_of_two(-200)..=power_of_two(200);
 
 /// The most rounds of [`blocks`].
-const ROUNDS: usize = 6;
+const ROUNDS: usize = 10;
 
-/// Squared distances below this share of the squared size may be of a common point.
-const NEAR: f64 = power_of_two(-60);
+/// How much blocks are shrunk to find a common point.
+const SHRINK: f64 = power_of_two(-7);
 
 /// Bounds of the distance of two shapes as [`super::bounds::bounds`] gives them, or `None` if they would not be as
 /// tight.
@@ -279,11 +279,11 @@ impl<const N: usize> Block<'_, N> {
     }
 }
 
-/// Between -1 and 1.
+/// Between `-most` and `most`.
 #[inline(always)]
-fn clamped(x: f64) -> f64 {
-    let x = if x > -1.0 { x } else { -1.0 };
-    if x < 1.0 { x } else { 1.0 }
+fn clamped(x: f64, most: f64) -> f64 {
+    let x = if x > -most { x } else { -most };
+    if x < most { x } else { most }
 }
 
 #[inline(always)]
@@ -337,15 +337,68 @@ fn blocks<const N: usize, const M: usize>(a: &Block<'_, N>, b: &Block<'_, M>, go
     // A's nearest point to the centre of B, and unclamped coordinates of the nearest points.
     let mut y = [0.0; M];
     let mut p: [f64; N] = core::array::from_fn(|i| -of_t_a[i] * inverse_a[i]);
-    let mut x = p.map(clamped);
+    let mut x = p.map(|p| clamped(p, 1.0));
+    // Points that are not near the boundary show that cores meet.
+    let (mut most, mut is_apart) = (1.0, false);
+    let origins = difference(a.origin, b.origin);
+    if N == 3 && M == 3 {
+        match widest(&squares_a, &squares_b, &of_t_a, &of_t_b, &mixed) {
+            Axis::None => most = 1.0 - SHRINK,
+            Axis::A(i) => {
+                let sign = 1.0_f64.copysign(of_t_a[i]);
+                y = core::array::from_fn(|j| sign.copysign(sign * mixed[i][j]));
+                x = core::array::from_fn(|i| {
+                    let mut q = -of_t_a[i];
+                    for j in 0..M {
+                        q += mixed[i][j] * y[j];
+                    }
+                    clamped(q * inverse_a[i], most)
+                });
+            }
+            Axis::B(j) => {
+                let sign = 1.0_f64.copysign(of_t_b[j]);
+                x = core::array::from_fn(|i| 1.0_f64.copysign(-sign * mixed[i][j]));
+                y = core::array::from_fn(|j| {
+                    let mut q = of_t_b[j];
+                    for i in 0..N {
+                        q += mixed[i][j] * x[i];
+                    }
+                    clamped(q * inverse_b[j], most)
+                });
+            }
+            Axis::Edges(i, j) => {
+                let normal = cross(&a.half[i], &b.half[j]);
+                let sign = 1.0_f64.copysign(dot(&normal, &t));
+                x = core::array::from_fn(|i| 1.0_f64.copysign(-sign * dot(&normal, &a.half[i])));
+                y = core::array::from_fn(|j| 1.0_f64.copysign(sign * dot(&normal, &b.half[j])));
+                (x[i], y[j]) = (0.0, 0.0);
+                let (mut of_a, mut of_b) = (-of_t_a[i], of_t_b[j]);
+                for k in 0..3 {
+                    of_a += mixed[i][k] * y[k];
+                    of_b += mixed[k][j] * x[k];
+                }
+                let share = mixed[i][j] * inverse_a[i];
+                y[j] = clamped((of_b + share * of_a) / (squares_b[j] - share * mixed[i][j]), most);
+                x[i] = clamped((of_a + mixed[i][j] * y[j]) * inverse_a[i], most);
+                y[j] = clamped((of_b + mixed[i][j] * x[i]) * inverse_b[j], most);
+            }
+        }
+    }
     for round in 0..ROUNDS {
-        for _ in 0..if round == 0 { 2 } else { 1 } {
+        let is_start = N == 3 && M == 3 && round == 0;
+        for _ in 0..if is_start {
+            0
+        } else if round == 0 {
+            2
+        } else {
+            1
+        } {
             for j in 0..M {
                 let mut q = of_t_b[j];
                 for i in 0..N {
                     q += mixed[i][j] * x[i];
                 }
-                y[j] = clamped(q * inverse_b[j]);
+                y[j] = clamped(q * inverse_b[j], most);
             }
             for i in 0..N {
                 let mut q = -of_t_a[i];
@@ -353,43 +406,57 @@ fn blocks<const N: usize, const M: usize>(a: &Block<'_, N>, b: &Block<'_, M>, go
                     q += mixed[i][j] * y[j];
                 }
                 p[i] = q * inverse_a[i];
-                x[i] = clamped(p[i]);
+                x[i] = clamped(p[i], most);
             }
             if N == 0 {
                 break;
             }
         }
-        if x.iter().any(|x| x.abs() < 1.0) && y.iter().any(|y| y.abs() < 1.0) {
+        if !is_start && x.iter().any(|x| x.abs() < most) && y.iter().any(|y| y.abs() < most) {
+            let (mut h, mut s) = ([[0.0; M]; M], [0.0; M]);
             for j in 0..M {
                 let mut slope = of_t_b[j] - squares_b[j] * y[j];
-                let mut bend = squares_b[j];
                 for i in 0..N {
                     slope += mixed[i][j] * x[i];
-                    bend -= if p[i].abs() < 1.0 { mixed[i][j] * (mixed[i][j] * inverse_a[i]) } else { 0.0 };
                 }
-                if bend <= 1e-8 * squares_b[j] || y[j].abs() == 1.0 && slope * y[j] >= 0.0 {
+                let is_free = y[j].abs() < most || slope * y[j] < 0.0;
+                if !is_free {
                     continue;
                 }
-                let next = clamped(y[j] + slope / bend);
-                let by = next - y[j];
-                y[j] = next;
+                s[j] = slope;
+                h[j][j] = squares_b[j];
                 for i in 0..N {
-                    p[i] += mixed[i][j] * inverse_a[i] * by;
-                    x[i] = clamped(p[i]);
+                    let share = if p[i].abs() < most { mixed[i][j] * inverse_a[i] } else { 0.0 };
+                    for k in 0..=j {
+                        h[j][k] -= share * mixed[i][k];
+                    }
                 }
+            }
+            solve(&mut h, &mut s, &squares_b);
+            for j in 0..M {
+                y[j] = clamped(y[j] + s[j], most);
+            }
+            for i in 0..N {
+                let mut q = -of_t_a[i];
+                for j in 0..M {
+                    q += mixed[i][j] * y[j];
+                }
+                p[i] = q * inverse_a[i];
+                x[i] = clamped(p[i], most);
             }
         }
         let (of_a, of_b) = (a.point(&x), b.point(&y));
-        let origins = difference(a.origin, b.origin);
         let between: Point = each(|k| origins[k] + (of_a[k] - of_b[k]));
+        let at: Point = each(|k| a.origin[k] + of_a[k]);
         let square = dot(&between, &between);
         let length = libm::sqrt(square);
-        let at: Point = each(|k| a.origin[k] + of_a[k]);
         let upper = length + slack;
         if upper <= goal.less {
             return Some(goal.bounds(0.0, upper, &at, &between, length));
         }
-        if square < NEAR * total {
+        let gap = |d: &Point, length: f64| (dot(d, &t) - (a.reach(d) + b.reach(d))) / length - slack;
+        let lower = if square > f64::MIN_POSITIVE { gap(&between, length) } else { 0.0 };
+        if lower <= 0.0 {
             if b.has_ball(&y, &squares_b, upper) {
                 return Some(goal.bounds(0.0, 0.0, &at, &[0.0; 3], 0.0));
             }
@@ -397,10 +464,12 @@ fn blocks<const N: usize, const M: usize>(a: &Block<'_, N>, b: &Block<'_, M>, go
                 let at = difference(&at, &between);
                 return Some(goal.bounds(0.0, 0.0, &at, &[0.0; 3], 0.0));
             }
-            return None;
+            if round > 0 && !is_apart {
+                most = 1.0 - SHRINK;
+            }
+            continue;
         }
-        let gap = |d: &Point, length: f64| (dot(d, &t) - (a.reach(d) + b.reach(d))) / length - slack;
-        let lower = gap(&between, length);
+        (is_apart, most) = (true, 1.0);
         if goal.is_met(lower, upper, slack) {
             return Some(goal.bounds(lower, upper, &at, &between, length));
         }
@@ -449,4 +518,96 @@ fn perpendicular<const N: usize, const M: usize>(
         }
     }
     if len > 0 { without(d, &edges[0]) } else { *d }
+}
+
+/// Solves h s = s for a symmetric h, of which only the lower triangle is used, without unknowns that depend on those
+/// before: their pivots are below a small share of `squares`.
+#[inline(always)]
+fn solve<const M: usize>(h: &mut [[f64; M]; M], s: &mut [f64; M], squares: &[f64; M]) {
+    // L of `L D L^T`, and the reciprocals of D.
+    let mut pivots = [0.0; M];
+    for j in 0..M {
+        let mut d = h[j][j];
+        for k in 0..j {
+            for m in 0..k {
+                h[j][k] -= h[j][m] * h[k][m];
+            }
+            // L D, until the row is complete.
+            let l = h[j][k] * pivots[k];
+            d -= h[j][k] * l;
+            s[j] -= l * s[k];
+        }
+        for k in 0..j {
+            h[j][k] *= pivots[k];
+        }
+        pivots[j] = if d > 1e-8 * squares[j] { 1.0 / d } else { 0.0 };
+    }
+    for j in (0..M).rev() {
+        s[j] *= pivots[j];
+        for k in j + 1..M {
+            s[j] -= h[k][j] * s[k];
+        }
+    }
+}
+
+/// The axis of two cuboids along which they are farthest apart.
+enum Axis {
+    /// They overlap along all.
+    None,
+    A(usize),
+    B(usize),
+    Edges(usize, usize),
+}
+
+/// The axis with the widest gap, up to rounding and the angles of the edges, of the half edges of two cuboids and the
+/// cross products of two of them (Gottschalk, Lin and Manocha 1996).
+#[inline(always)]
+fn widest<const N: usize, const M: usize>(
+    squares_a: &[f64; N],
+    squares_b: &[f64; M],
+    of_t_a: &[f64; N],
+    of_t_b: &[f64; M],
+    mixed: &[[f64; M]; N],
+) -> Axis {
+    let (a, b) = (squares_a.map(libm::sqrt), squares_b.map(libm::sqrt));
+    let (inverse_a, inverse_b) = (a.map(inverse), b.map(inverse));
+    let cosines: [[f64; M]; N] =
+        core::array::from_fn(|i| core::array::from_fn(|j| mixed[i][j] * (inverse_a[i] * inverse_b[j])));
+    let (mut best, mut axis) = (0.0, Axis::None);
+    for i in 0..N {
+        let mut gap = of_t_a[i].abs() * inverse_a[i] - a[i];
+        for j in 0..M {
+            gap -= b[j] * cosines[i][j].abs();
+        }
+        if gap > best {
+            (best, axis) = (gap, Axis::A(i));
+        }
+    }
+    for j in 0..M {
+        let mut gap = of_t_b[j].abs() * inverse_b[j] - b[j];
+        for i in 0..N {
+            gap -= a[i] * cosines[i][j].abs();
+        }
+        if gap > best {
+            (best, axis) = (gap, Axis::B(j));
+        }
+    }
+    let mut best = best * best;
+    for i in 0..N {
+        let (k, l) = ((i + 1) % N, (i + 2) % N);
+        let (near, far) = (of_t_a[k] * inverse_a[k], of_t_a[l] * inverse_a[l]);
+        for j in 0..M {
+            let (m, n) = ((j + 1) % M, (j + 2) % M);
+            let (u, v) = (cosines[k][j], cosines[l][j]);
+            let reach_a = a[k] * v.abs() + a[l] * u.abs();
+            let reach_b = b[m] * cosines[i][n].abs() + b[n] * cosines[i][m].abs();
+            let gap = (far * u - near * v).abs() - (reach_a + reach_b);
+            let square = 1.0 - cosines[i][j] * cosines[i][j];
+            // Edges that are about parallel have no axis.
+            if gap > 0.0 && square > 1e-6 && gap * gap > best * square {
+                (best, axis) = (gap * gap / square, Axis::Edges(i, j));
+            }
+        }
+    }
+    axis
 }

@@ -160,6 +160,36 @@ impl Form {
         }
     }
 
+    /// The core scaled about its centre.
+    #[inline(always)]
+    pub(super) fn scaled(&self, by: f64) -> Self {
+        let vector = |v: &Point| each(|k| by * v[k]);
+        match self {
+            Self::Point => Self::Point,
+            Self::Segment(half) => Self::Segment(vector(half)),
+            Self::Triangle([p, q, r]) => Self::Triangle([vector(p), vector(q), vector(r)]),
+            Self::Cuboid([x, y, z]) => Self::Cuboid([vector(x), vector(y), vector(z)]),
+            Self::Cylinder(half, [u, v]) => Self::Cylinder(vector(half), [vector(u), vector(v)]),
+            Self::Cone(half, [u, v]) => Self::Cone(vector(half), [vector(u), vector(v)]),
+        }
+    }
+
+    /// The radius of a ball about the centre inside of the core, as for [`Form::room`].
+    #[inline(always)]
+    pub(super) fn inner(&self) -> f64 {
+        let length = |v: &Point| libm::sqrt(dot(v, v));
+        match self {
+            Self::Point | Self::Segment(_) | Self::Triangle(_) => 0.0,
+            Self::Cuboid([x, y, z]) => 0.999 * length(x).min(length(y)).min(length(z)),
+            Self::Cylinder(half, [u, _]) => 0.999 * length(half).min(length(u)),
+            Self::Cone(half, [u, _]) => {
+                // The side is as far away as the middle of the axis is high above the base of a similar triangle.
+                let (half, radius) = (length(half), length(u));
+                0.999 * half * (radius / libm::sqrt(4.0 * half * half + radius * radius)).min(1.0)
+            }
+        }
+    }
+
     /// Three vectors along all faces and edges at a place.
     pub(super) fn edges(&self, place: &Place) -> [Point; 3] {
         let [y, z] = place.disc;
