@@ -20,9 +20,9 @@ pub(super) mod tests;
 const STEPS: usize = 64;
 
 /// How much cores are shrunk to find a common point, after this many of Newton's steps, and the most projections.
-const SHRINK: f64 = power_of_two(-6);
-const OVERLAP_STEP: usize = 1;
-const PROJECTIONS: usize = 16;
+const SHRINK: f64 = power_of_two(-8);
+const OVERLAP_STEP: usize = 0;
+const COMMON_STEPS: usize = 16;
 
 /// Points with a smaller squared distance, in units of the squared size, may be one point inside of both.
 const NEAR: f64 = power_of_two(-60);
@@ -181,7 +181,9 @@ impl<'p> Search<'p> {
     fn newton(&mut self, places: Places) -> bool {
         let mut newton = Newton::new(self.pair, places);
         for step in 0..newton::STEPS {
-            if self.is_solved_by(&newton) || step == OVERLAP_STEP && self.lower <= 0.0 && self.common() {
+            if self.is_solved_by(&newton)
+                || step == OVERLAP_STEP && self.lower <= 0.0 && self.common(&newton.between)
+            {
                 return true;
             }
             if !newton.step(self.pair) {
@@ -208,31 +210,37 @@ impl<'p> Search<'p> {
         self.is_done()
     }
 
-    /// Looks for a common point by alternating projections between the cores shrunk about their centres: about each
-    /// point of a shrunk core is a ball inside of the core, since `s K + (1 - s) K` is K for a convex K.
+    /// Looks for a common point of the cores shrunk about their centres: about each point of a shrunk core is a ball
+    /// inside of the core, since `s K + (1 - s) K` is K for a convex K.
     #[inline(never)]
-    fn common(&mut self) -> bool {
+    fn common(&mut self, from: &Point) -> bool {
         let pair = self.pair;
-        let (a, b) = (pair.a.form.scaled(1.0 - SHRINK), pair.b.form.scaled(1.0 - SHRINK));
-        let room = SHRINK * [pair.a.form.inner(), pair.b.form.inner()].into_iter().fold(0.0, f64::max);
-        let is_in_b = pair.b.form.inner() * SHRINK >= room;
-        let t = &pair.between;
-        let (mut of_b, mut last) = ([0.0; 3], f64::INFINITY);
-        for _ in 0..PROJECTIONS {
-            let of_a = a.at(&a.nearest(&each(|k| of_b[k] - t[k])));
-            of_b = b.at(&b.nearest(&each(|k| t[k] + of_a[k])));
-            let between: Point = each(|k| t[k] + (of_a[k] - of_b[k]));
-            let square = dot(&between, &between);
-            if libm::sqrt(square) + pair.slack < room {
-                self.between = [0.0; 3];
-                self.of_a = if is_in_b { of_a } else { each(|k| of_b[k] - t[k]) };
-                self.upper = 0.0;
+        let inner = [pair.a.form.inner(), pair.b.form.inner()];
+        let is_in_b = inner[1] >= inner[0];
+        let room = SHRINK * if is_in_b { inner[1] } else { inner[0] } - pair.slack;
+        let mut simplex = Simplex::new();
+        let mut direction = *from;
+        for _ in 0..COMMON_STEPS {
+            let shrunk = |p: Point| each(|k| (1.0 - SHRINK) * p[k]);
+            let of_a = shrunk(pair.a.support(&each(|k| -direction[k])));
+            let of_b = shrunk(pair.b.support(&direction));
+            let point: Point = each(|k| pair.between[k] + (of_a[k] - of_b[k]));
+            if dot(&direction, &point) > 0.0 || simplex.has(&point) {
+                return false;
+            }
+            simplex.add(point, of_a);
+            let nearest = simplex.reduce();
+            let v = &nearest.point;
+            if libm::sqrt(dot(v, v)) < room {
+                let of_a = nearest.of_a;
+                self.of_a = if is_in_b { of_a } else { each(|k| of_a[k] - v[k]) };
+                (self.upper, self.between) = (0.0, [0.0; 3]);
                 return true;
             }
-            if square > 0.99 * last {
-                break;
+            if nearest.inside {
+                return false;
             }
-            last = square;
+            direction = nearest.direction;
         }
         false
     }
