@@ -12,6 +12,9 @@ use super::{Core, Point, Shape};
 use crate::exact::power_of_two;
 use crate::vector::{cross, difference, dot};
 
+#[cfg(test)]
+mod tests;
+
 /// Squared sizes between which no product of four lengths overflows, nor underflows by more than a slack.
 const COMFORTABLE: core::ops::RangeInclusive<f64> = power_of_two(-200)..=power_of_two(200);
 
@@ -160,9 +163,8 @@ fn point_and_segment(p: &Point, [q, r]: &[Point; 2], goal: &Goal) -> Option<Boun
 
 /// A point and a cylinder: both distances, along the axis and from it, are known.
 ///
-/// The errors of `along` times the axis, of the vector across it and of their norms are at most 10u S each, the error
-/// of S itself, which consists of rounded parts, included; the root of the sum of the squares of both excesses adds 3u
-/// of itself.
+/// The vector to the point and `along` times the axis are wrong by 8u S, the vector across by 11u S and its norm by
+/// 14u S. The distance depends on the two excesses by at most their errors, 18u S together; its vector and norm add 9u S.
 #[inline(always)]
 fn point_and_cylinder(p: &Point, centre: &Point, half: &Point, radius: f64, goal: &Goal) -> Option<Bounds> {
     let w = difference(p, centre);
@@ -188,12 +190,12 @@ fn point_and_cylinder(p: &Point, centre: &Point, half: &Point, radius: f64, goal
     goal.bounds_of_length(p, &between, length, slack)
 }
 
-/// The slack of a point against a cylinder or cone, of S.
+/// The slack of a point and a cylinder, relative to S; of a point and a cone it is twice that.
 const ROUND_SLACK: f64 = 16.0 * f64::EPSILON;
 
 /// A point and a cone, in the half plane through its axis and the point. The distance depends on the two coordinates
-/// there by at most their errors, as for a cylinder; those of the axis' length and of the closest point of the side are
-/// at most 4u S and 16u S.
+/// there by at most their errors, 18u S as for a cylinder, and on the height by its error, 3u S. The parameter of the
+/// closest point of the side is wrong by 10u of S and the length of the side; differences and norms add 9u S.
 #[inline(always)]
 fn point_and_cone(p: &Point, base: &Point, axis: &Point, radius: f64, goal: &Goal) -> Option<Bounds> {
     let w = difference(p, base);
@@ -293,9 +295,10 @@ fn inverse(x: f64) -> f64 {
 
 /// Two blocks, by their coordinates x and y.
 ///
-/// Each round takes the point of B nearest to that of A, and the other way round. Both are exact up to rounding and the
-/// angles of the edges. Where both points have a free coordinate, the distance is then minimised over those of B one
-/// by one, while those of A follow: which solves edges against edges.
+/// Each round projects A's point to B and B's to A, up to rounding and the angles of the edges. Where both have a free
+/// coordinate, a Newton step then minimises over the free coordinates of B, while A's point follows. Two cuboids start
+/// from the features along the axis with the widest gap: where this gap is their distance, which it is unless a corner
+/// or edge is nearest to an edge or a corner, they are the closest.
 ///
 /// **Error.** The half edge of a segment is wrong by u of itself, its centre by as much, and `between` by three more
 /// roundings of parts of S: 5u S. A point adds at most 5 roundings of each product, 9u S since the half edges together

@@ -180,6 +180,14 @@ impl Newton {
         false
     }
 
+    /// Whether the vector between the points is about perpendicular to all ways.
+    #[inline(always)]
+    pub(super) fn is_near(&self) -> bool {
+        let square = dot(&self.between, &self.between);
+        let ways = &self.ways.list[..self.ways.len];
+        ways.iter().all(|way| way.slope * way.slope <= NEAR * (dot(&way.tangent, &way.tangent) * square))
+    }
+
     /// A vector along `between` that is perpendicular to the ways: the cross product of two of them, or `between`
     /// without its part along the one.
     #[inline(always)]

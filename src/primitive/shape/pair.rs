@@ -51,12 +51,18 @@ pub(crate) fn is_near(a: &Shape, b: &Shape, margin: f64, exact: &mut u64) -> boo
 fn is_near_surely(a: &Shape, b: &Shape, margin: f64, exact: &mut u64) -> bool {
     *exact += 1;
     let margin = if margin > 0.0 && margin < MIN_COORDINATE { MIN_COORDINATE } else { margin };
-    let Bounds { lower, upper, .. } = bounds(a, b, margin, TIGHT);
+    let Bounds { lower, upper, .. } = closest(a, b, margin, TIGHT);
     if lower > margin {
         return false;
     }
     // A lower bound of 0 says nothing; an upper one of 0 that they certainly meet.
     upper == 0.0 || upper <= margin || exact::is_within(a, b, margin).unwrap_or(true)
+}
+
+/// Bounds of the distance, in closed form if there is one.
+#[inline(never)]
+fn closest(a: &Shape, b: &Shape, limit: f64, tolerance: f64) -> Bounds {
+    closed::bounds(a, b, limit, tolerance).unwrap_or_else(|| bounds(a, b, limit, tolerance))
 }
 
 /// [`separation`]; `exact` grows by 1 if the bounds did not decide whether the two meet.
@@ -68,7 +74,7 @@ pub(crate) fn nearer(
     tolerance: f64,
     exact: &mut u64,
 ) -> Option<Separation> {
-    let found = closed::bounds(a, b, limit, tolerance).unwrap_or_else(|| bounds(a, b, limit, tolerance));
+    let found = closest(a, b, limit, tolerance);
     if found.lower > limit {
         return None;
     }
