@@ -4,7 +4,7 @@
 //! is decided exactly, in integers, if it is the sign of a rational number; the table in [`super`] says where it is. Of
 //! other pairs the bounds decide, which are within 2^-40 of the size of the two: only certainly free is free.
 
-use super::bounds::{Bounds, bounds};
+use super::bounds::{Certified, bounds};
 use super::exact;
 use super::fast::decide;
 use crate::exact::power_of_two;
@@ -50,7 +50,7 @@ pub(crate) fn is_near(a: &Shape, b: &Shape, margin: f64, exact: &mut u64) -> boo
 fn is_near_surely(a: &Shape, b: &Shape, margin: f64, exact: &mut u64) -> bool {
     *exact += 1;
     let margin = if margin > 0.0 && margin < MIN_COORDINATE { MIN_COORDINATE } else { margin };
-    let Bounds { lower, upper, .. } = bounds(a, b, margin, TIGHT);
+    let Certified { lower, upper, .. } = bounds(a, b, margin, TIGHT);
     if lower > margin {
         return false;
     }

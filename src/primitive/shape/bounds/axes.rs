@@ -1,6 +1,6 @@
 //! The depth of two polytopes: each face of their difference is perpendicular to a face of one or to an edge of both.
 
-use super::support::{Form, Pair, each};
+use super::support::{Form, Operands, each};
 use crate::range::Point;
 use crate::vector::{cross, difference, dot};
 
@@ -42,7 +42,7 @@ fn edges(form: &Form) -> Option<Edges> {
 /// are made parallel: that moves no point of B by more than S t, changes the depth by as much, and makes the normal
 /// that they span vanish; normals of the edge moved are wrong by 2t / s more. If all normals vanish, there is no
 /// bound; if A - B is flat without them, one of the others is perpendicular to it and bounds the depth by 0.
-pub(super) fn depth(pair: &Pair) -> Option<(f64, f64, Point)> {
+pub(super) fn depth(pair: &Operands) -> Option<(f64, f64, Point)> {
     let (a, b) = (edges(&pair.a.form)?, edges(&pair.b.form)?);
     let is_symmetric = a.is_symmetric && b.is_symmetric;
     let own =

@@ -4,7 +4,7 @@ use crate::range::Point;
 
 /// Bounds of the distance of two shapes.
 #[derive(Copy, Clone, PartialEq, Debug)]
-pub(crate) struct Bounds {
+pub(crate) struct Certified {
     /// Above 0 only if the two are certainly apart.
     pub(crate) lower: f64,
     /// 0 only if they certainly meet.

@@ -6,8 +6,8 @@
 //! ([`super::polytope`]).
 
 use super::certified::Depth;
-use super::search::{Search, unit_scale};
-use super::support::Pair;
+use super::search::{DistanceSearch, unit_scale};
+use super::support::Operands;
 use super::{axes, half_space, polytope};
 use crate::exact::power_of_two;
 use crate::primitive::shape::convex::Shape;
@@ -20,7 +20,7 @@ mod tests;
 /// times the upper one, or by rounding, unless round shapes need more than the 128 faces of the search.
 #[must_use]
 pub fn depth(a: &Shape, b: &Shape, tolerance: f64) -> Depth {
-    let Some(pair) = Pair::of(&a.core, &b.core, 1.0) else {
+    let Some(pair) = Operands::of(&a.core, &b.core, 1.0) else {
         return half_space::depth(a, b);
     };
     let comfortable = power_of_two(-100)..=power_of_two(100);
@@ -35,17 +35,17 @@ pub fn depth(a: &Shape, b: &Shape, tolerance: f64) -> Depth {
 #[inline(never)]
 fn rescaled(a: &Shape, b: &Shape, tolerance: f64, size: f64) -> Depth {
     let scale = unit_scale(size);
-    let Some(pair) = Pair::of(&a.core, &b.core, scale) else {
+    let Some(pair) = Operands::of(&a.core, &b.core, scale) else {
         return half_space::depth(a, b);
     };
     let found = of_pair(&pair, [a.radius * scale, b.radius * scale], tolerance);
     Depth { lower: found.lower / scale, upper: found.upper / scale, ..found }
 }
 
-fn of_pair(pair: &Pair, radii: [f64; 2], tolerance: f64) -> Depth {
+fn of_pair(pair: &Operands, radii: [f64; 2], tolerance: f64) -> Depth {
     let sum = radii[0] + radii[1];
     let [less, more] = [sum * (1.0 - f64::EPSILON), sum * (1.0 + f64::EPSILON)];
-    let mut search = Search::new(pair, [0.0; 2], more, 0.0);
+    let mut search = DistanceSearch::new(pair, [0.0; 2], more, 0.0);
     let (wide, narrow) = (1.0 + 2.0 * f64::EPSILON, 1.0 - 2.0 * f64::EPSILON);
     search.approach();
     // Of the cores: negative if they are apart.

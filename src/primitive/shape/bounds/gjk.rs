@@ -18,7 +18,7 @@ pub(super) struct Simplex {
 
 /// The point of a simplex nearest to the origin.
 #[derive(Copy, Clone, Debug)]
-pub(super) struct Nearest {
+pub(super) struct NearestOfSimplex {
     /// The point, as the convex combination.
     pub(super) point: Point,
     /// The point of A.
@@ -50,10 +50,16 @@ impl Simplex {
 
     /// The point nearest to the origin. Keeps the points of the face that has it.
     #[inline(always)]
-    pub(super) fn reduce(&mut self) -> Nearest {
+    pub(super) fn reduce(&mut self) -> NearestOfSimplex {
         let p = &self.points;
         let found = match self.len {
-            1 => Face { kept: [0, 0, 0], weights: [1.0, 0.0, 0.0], len: 1, direction: p[0], square: 0.0 },
+            1 => SimplexPoint {
+                kept: [0, 0, 0],
+                weights: [1.0, 0.0, 0.0],
+                len: 1,
+                direction: p[0],
+                square: 0.0,
+            },
             2 => on_edge(p, 0, 1),
             3 => on_triangle(p, 0, 1, 2),
             _ => match on_tetrahedron(p) {
@@ -65,7 +71,7 @@ impl Simplex {
     }
 
     #[inline(always)]
-    fn keep(&mut self, face: &Face) -> Nearest {
+    fn keep(&mut self, face: &SimplexPoint) -> NearestOfSimplex {
         let (old, of_a) = (self.points, self.of_a);
         let (mut point, mut on_a) = ([0.0; 3], [0.0; 3]);
         self.len = face.len;
@@ -79,11 +85,11 @@ impl Simplex {
             }
         }
         let direction = if face.len == 1 { point } else { face.direction };
-        Nearest { point, of_a: on_a, direction, inside: false }
+        NearestOfSimplex { point, of_a: on_a, direction, inside: false }
     }
 
     #[cold]
-    fn inside(&self, weights: &[f64; 4]) -> Nearest {
+    fn inside(&self, weights: &[f64; 4]) -> NearestOfSimplex {
         let sum = weights.iter().sum::<f64>();
         let (mut point, mut on_a) = ([0.0; 3], [0.0; 3]);
         for (i, weight) in weights.iter().map(|x| x / sum).enumerate() {
@@ -92,7 +98,7 @@ impl Simplex {
                 on_a[k] += weight * self.of_a[i][k];
             }
         }
-        Nearest { point, of_a: on_a, direction: point, inside: true }
+        NearestOfSimplex { point, of_a: on_a, direction: point, inside: true }
     }
 
     /// Whether the tetrahedron still has the origin inside when each of its corners is moved by at most `slack`.
@@ -125,7 +131,7 @@ impl Simplex {
 }
 
 /// A point of a face.
-struct Face {
+struct SimplexPoint {
     kept: [usize; 3],
     weights: [f64; 3],
     len: usize,
@@ -135,7 +141,7 @@ struct Face {
 }
 
 #[inline(always)]
-fn on_edge(p: &[Point; 4], i: usize, j: usize) -> Face {
+fn on_edge(p: &[Point; 4], i: usize, j: usize) -> SimplexPoint {
     let edge = difference(&p[j], &p[i]);
     let square = dot(&edge, &edge);
     let along = -dot(&edge, &p[i]);
@@ -145,16 +151,22 @@ fn on_edge(p: &[Point; 4], i: usize, j: usize) -> Face {
         // Rounding leaves a part along the edge, which a lower bound would pay for with the edge's length.
         let rest = dot(&v, &edge) / square;
         let direction = each(|k| v[k] - rest * edge[k]);
-        Face { kept: [i, j, 0], weights: [1.0 - t, t, 0.0], len: 2, direction, square: dot(&v, &v) }
+        SimplexPoint { kept: [i, j, 0], weights: [1.0 - t, t, 0.0], len: 2, direction, square: dot(&v, &v) }
     } else {
         let end = if along > 0.0 { j } else { i };
         let direction = p[end];
-        Face { kept: [end, 0, 0], weights: [1.0, 0.0, 0.0], len: 1, direction, square: dot(&p[end], &p[end]) }
+        SimplexPoint {
+            kept: [end, 0, 0],
+            weights: [1.0, 0.0, 0.0],
+            len: 1,
+            direction,
+            square: dot(&p[end], &p[end]),
+        }
     }
 }
 
 #[inline(always)]
-fn on_triangle(p: &[Point; 4], i: usize, j: usize, k: usize) -> Face {
+fn on_triangle(p: &[Point; 4], i: usize, j: usize, k: usize) -> SimplexPoint {
     let (a, b, c) = (&p[i], &p[j], &p[k]);
     let normal = cross(&difference(b, a), &difference(c, a));
     // The barycentric coordinates, times the square of the normal.
@@ -167,10 +179,16 @@ fn on_triangle(p: &[Point; 4], i: usize, j: usize, k: usize) -> Face {
         let square = height * height / dot(&normal, &normal);
         let sign = 1.0_f64.copysign(height);
         let weights = [x * inverse, y * inverse, z * inverse];
-        return Face { kept: [i, j, k], weights, len: 3, direction: each(|k| sign * normal[k]), square };
+        return SimplexPoint {
+            kept: [i, j, k],
+            weights,
+            len: 3,
+            direction: each(|k| sign * normal[k]),
+            square,
+        };
     }
     // An edge that separates the origin's projection from the triangle has the nearest point.
-    let mut best: Option<Face> = None;
+    let mut best: Option<SimplexPoint> = None;
     for (coordinate, from, to) in [(x, j, k), (y, k, i), (z, i, j)] {
         if coordinate <= 0.0 || coordinate.is_nan() {
             let face = on_edge(p, from, to);
@@ -184,8 +202,8 @@ fn on_triangle(p: &[Point; 4], i: usize, j: usize, k: usize) -> Face {
 
 /// The nearest point, or the weights of the corners if the origin is inside.
 #[inline(always)]
-fn on_tetrahedron(p: &[Point; 4]) -> Result<Face, [f64; 4]> {
-    let mut best: Option<Face> = None;
+fn on_tetrahedron(p: &[Point; 4]) -> Result<SimplexPoint, [f64; 4]> {
+    let mut best: Option<SimplexPoint> = None;
     let mut weights = [0.0; 4];
     for [i, j, k, l] in [[1, 2, 3, 0], [0, 2, 3, 1], [0, 1, 3, 2], [0, 1, 2, 3]] {
         let normal = cross(&difference(&p[j], &p[i]), &difference(&p[k], &p[i]));

@@ -1,7 +1,7 @@
 //! Half-spaces: their distances and depths are linear.
 
-use super::certified::{Bounds, Depth};
-use super::support::Body;
+use super::certified::{Certified, Depth};
+use super::support::Operand;
 use crate::primitive::shape::convex::Shape;
 use crate::primitive::shape::core::Core;
 use crate::range::Point;
@@ -30,11 +30,11 @@ enum Case {
 
 /// Bounds of the distance, of shapes of which at least one is a half-space.
 #[cold]
-pub(super) fn bounds(a: &Shape, b: &Shape) -> Bounds {
+pub(super) fn bounds(a: &Shape, b: &Shape) -> Certified {
     let (is_first, height, plane, body) = match case(a, b) {
         Case::First(height) => (true, height, a.radius, b.radius),
         Case::Second(height) => (false, height, b.radius, a.radius),
-        Case::Meet(p) => return Bounds { lower: 0.0, upper: 0.0, a: p, b: p },
+        Case::Meet(p) => return Certified { lower: 0.0, upper: 0.0, a: p, b: p },
     };
     let [less, more] = sum_of_radii(a, b);
     let meets = height.upper <= less;
@@ -44,7 +44,7 @@ pub(super) fn bounds(a: &Shape, b: &Shape) -> Bounds {
     let lowest = raised(&height.lowest, -body);
     let on_plane = if meets { lowest } else { raised(&height.on_plane, plane) };
     let (a, b) = if is_first { (on_plane, lowest) } else { (lowest, on_plane) };
-    Bounds { lower, upper, a, b }
+    Certified { lower, upper, a, b }
 }
 
 /// Bounds of the depth, of shapes of which at least one is a half-space.
@@ -84,7 +84,7 @@ fn case(a: &Shape, b: &Shape) -> Case {
 fn above(normal: &Point, offset: f64, core: &Core) -> Height {
     let length = libm::sqrt(dot(normal, normal));
     let up = normal.map(|x| x / length);
-    let Some(body) = Body::of(core, 1.0) else {
+    let Some(body) = Operand::of(core, 1.0) else {
         return Height { lower: 0.0, upper: 0.0, up, lowest: [0.0; 3], on_plane: [0.0; 3] };
     };
     let (height, error, lowest) = body.above(normal, offset);

@@ -4,9 +4,12 @@
 //! is evaluated so is certain.
 
 mod axes;
+mod blocks;
 mod certified;
+mod closed;
 mod depth;
 mod gjk;
+mod goal;
 mod half_space;
 mod newton;
 mod place;
@@ -14,7 +17,14 @@ mod polytope;
 mod search;
 mod support;
 
-pub(super) use certified::Bounds;
+pub(super) use certified::Certified;
 pub use certified::Depth;
 pub use depth::depth;
-pub(super) use search::bounds;
+
+use super::convex::Shape;
+
+/// Bounds of the distance, in closed form if there is one.
+#[inline(never)]
+pub(super) fn bounds(a: &Shape, b: &Shape, limit: f64, tolerance: f64) -> Certified {
+    closed::bounds(a, b, limit, tolerance).unwrap_or_else(|| search::bounds(a, b, limit, tolerance))
+}

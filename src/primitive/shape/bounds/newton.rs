@@ -5,8 +5,8 @@
 //! the distance itself is minimised, whose second derivative does not vanish where shapes touch: so convergence on
 //! rims is quadratic too. Nothing here is certified.
 
-use super::place::{Place, Ways};
-use super::support::{Form, Pair, each};
+use super::place::{CorePoint, Ways};
+use super::support::{Form, Operands, each};
 use crate::range::Point;
 use crate::vector::{cross, dot};
 
@@ -28,8 +28,8 @@ const NEAR: f64 = 1e-2;
 /// Two places.
 #[derive(Copy, Clone, Debug)]
 pub(super) struct Places {
-    pub(super) a: Place,
-    pub(super) b: Place,
+    pub(super) a: CorePoint,
+    pub(super) b: CorePoint,
 }
 
 /// The state of the method.
@@ -48,7 +48,7 @@ pub(super) struct Newton {
 impl Places {
     /// A's point nearest to B's centre, and B's nearest to it, and once more: a round costs a fourth of a step.
     #[inline(always)]
-    pub(super) fn guess(pair: &Pair) -> Self {
+    pub(super) fn guess(pair: &Operands) -> Self {
         let (form, other) = (&pair.a.form, &pair.b.form);
         let t = &pair.between;
         let mut a = form.nearest(&[-t[0], -t[1], -t[2]]);
@@ -68,13 +68,13 @@ impl Places {
 
     /// The places nearest to a point of A and one at `between` from it.
     #[inline(always)]
-    pub(super) fn near(pair: &Pair, of_a: &Point, between: &Point) -> Self {
+    pub(super) fn near(pair: &Operands, of_a: &Point, between: &Point) -> Self {
         let of_b: Point = each(|k| pair.between[k] + of_a[k] - between[k]);
         Self { a: pair.a.form.nearest(of_a), b: pair.b.form.nearest(&of_b) }
     }
 
     #[inline(always)]
-    fn points(&self, pair: &Pair) -> (Point, Point) {
+    fn points(&self, pair: &Operands) -> (Point, Point) {
         let (a, b) = (pair.a.form.at(&self.a), pair.b.form.at(&self.b));
         (a, each(|k| pair.between[k] + (a[k] - b[k])))
     }
@@ -82,7 +82,7 @@ impl Places {
 
 impl Newton {
     #[inline(always)]
-    pub(super) fn new(pair: &Pair, places: Places) -> Self {
+    pub(super) fn new(pair: &Operands, places: Places) -> Self {
         let (of_a, between) = places.points(pair);
         let mut newton = Self { places, between, of_a, ways: Ways::new(), count: 0 };
         newton.find_ways(pair);
@@ -90,7 +90,7 @@ impl Newton {
     }
 
     #[inline(always)]
-    fn find_ways(&mut self, pair: &Pair) {
+    fn find_ways(&mut self, pair: &Operands) {
         self.ways.len = 0;
         pair.a.form.ways(&self.places.a, &self.between, &mut self.ways);
         self.count = self.ways.len;
@@ -102,7 +102,7 @@ impl Newton {
 
     /// A point of both cores, from A's centre, if they certainly meet because one of the two places is so far inside
     /// of its core that a ball about it has the other one.
-    pub(super) fn common(&self, pair: &Pair) -> Option<Point> {
+    pub(super) fn common(&self, pair: &Operands) -> Option<Point> {
         let v = &self.between;
         let apart = libm::sqrt(dot(v, v)) + pair.slack;
         if pair.b.form.room(&self.places.b) > apart {
@@ -116,7 +116,7 @@ impl Newton {
 
     /// Moves the places. False if that was the last step.
     #[inline(always)]
-    pub(super) fn step(&mut self, pair: &Pair) -> bool {
+    pub(super) fn step(&mut self, pair: &Operands) -> bool {
         let (step, is_near) = solve(&self.ways, &self.between, true);
         // The distance of shapes that overlap has no second derivative where it vanishes; its square has one.
         self.go(pair, &step) || is_near && self.go_far(pair) || self.project(pair)
@@ -125,7 +125,7 @@ impl Newton {
     /// Alternating projections only come nearer, where a step that is cut at the boundaries may not.
     #[cold]
     #[inline(never)]
-    fn project(&mut self, pair: &Pair) -> bool {
+    fn project(&mut self, pair: &Operands) -> bool {
         let before = dot(&self.between, &self.between);
         let t = &pair.between;
         for _ in 0..PROJECTIONS {
@@ -147,14 +147,14 @@ impl Newton {
 
     #[cold]
     #[inline(never)]
-    fn go_far(&mut self, pair: &Pair) -> bool {
+    fn go_far(&mut self, pair: &Operands) -> bool {
         let (step, _) = solve(&self.ways, &self.between, false);
         self.go(pair, &step)
     }
 
     /// False if the step is below rounding, or no share of it is a step downwards.
     #[inline(always)]
-    fn go(&mut self, pair: &Pair, step: &[f64; 6]) -> bool {
+    fn go(&mut self, pair: &Operands, step: &[f64; 6]) -> bool {
         let size = step.iter().fold(0.0_f64, |most, x| most.max(x.abs()));
         let square = dot(&self.between, &self.between);
         let mut share = 1.0;
@@ -178,6 +178,14 @@ impl Newton {
             share *= 0.25;
         }
         false
+    }
+
+    /// Whether the vector between the points is about perpendicular to all ways.
+    #[inline(always)]
+    pub(super) fn is_near(&self) -> bool {
+        let square = dot(&self.between, &self.between);
+        let ways = &self.ways.list[..self.ways.len];
+        ways.iter().all(|way| way.slope * way.slope <= NEAR * (dot(&way.tangent, &way.tangent) * square))
     }
 
     /// A vector along `between` that is perpendicular to the ways: the cross product of two of them, or `between`
@@ -221,7 +229,7 @@ impl Newton {
 
 /// A vector without its part along another.
 #[inline(always)]
-fn without(v: &Point, way: &Point) -> Point {
+pub(super) fn without(v: &Point, way: &Point) -> Point {
     let square = dot(way, way);
     let rest = if square > 0.0 { dot(way, v) / square } else { 0.0 };
     each(|k| v[k] - rest * way[k])

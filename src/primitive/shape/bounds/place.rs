@@ -6,7 +6,7 @@ use crate::vector::{difference, dot};
 
 /// A point of a core.
 #[derive(Copy, Clone, Debug)]
-pub(super) struct Place {
+pub(super) struct CorePoint {
     /// Multiples of half edges or of the half axis in -1 ..= 1; of a triangle, barycentric coordinates.
     x: [f64; 3],
     /// A point of the unit disc. A cone's disc at height x of the half axis is (1 - x) / 2 as large as its base.
@@ -23,12 +23,12 @@ pub(super) struct Way {
     pub(super) slope: f64,
     pub(super) bend: f64,
     pub(super) mixed: f64,
-    slot: Slot,
+    slot: FreeCoordinate,
 }
 
 /// The coordinates that a way changes.
 #[derive(Copy, Clone, Debug)]
-enum Slot {
+enum FreeCoordinate {
     Line(u8),
     /// A triangle's corner instead of another.
     Corner(u8, u8),
@@ -47,12 +47,12 @@ pub(super) struct Ways {
 impl Ways {
     #[inline(always)]
     pub(super) fn new() -> Self {
-        let way = Way { tangent: [0.0; 3], slope: 0.0, bend: 0.0, mixed: 0.0, slot: Slot::Rim };
+        let way = Way { tangent: [0.0; 3], slope: 0.0, bend: 0.0, mixed: 0.0, slot: FreeCoordinate::Rim };
         Self { list: [way; 6], len: 0 }
     }
 
     #[inline(always)]
-    fn add(&mut self, tangent: Point, slope: f64, slot: Slot) {
+    fn add(&mut self, tangent: Point, slope: f64, slot: FreeCoordinate) {
         self.list[self.len] = Way { tangent, slope, bend: 0.0, mixed: 0.0, slot };
         self.len += 1;
     }
@@ -63,7 +63,7 @@ impl Ways {
         let slope = dot(tangent, pull);
         let is_free = (x > -1.0 || slope < 0.0) && (x < 1.0 || slope > 0.0);
         if is_free {
-            self.add(*tangent, slope, Slot::Line(k));
+            self.add(*tangent, slope, FreeCoordinate::Line(k));
         }
         is_free
     }
@@ -72,14 +72,14 @@ impl Ways {
 impl Way {
     #[inline(always)]
     pub(super) fn bends(&self) -> bool {
-        matches!(self.slot, Slot::Rim)
+        matches!(self.slot, FreeCoordinate::Rim)
     }
 }
 
 impl Form {
     /// The place nearest to a point, up to rounding; roughly for a cuboid whose edges are not quite perpendicular.
     #[inline(always)]
-    pub(super) fn nearest(&self, p: &Point) -> Place {
+    pub(super) fn nearest(&self, p: &Point) -> CorePoint {
         let (mut x, mut disc) = ([0.0; 3], [0.0; 2]);
         match self {
             Self::Point => {}
@@ -101,7 +101,7 @@ impl Form {
                 let room = 0.5 * (1.0 - height);
                 if height >= -1.0 && out <= room {
                     let inverse = if room > 0.0 { 1.0 / room } else { 0.0 };
-                    return Place { x: [height, 0.0, 0.0], disc: [y * inverse, z * inverse] };
+                    return CorePoint { x: [height, 0.0, 0.0], disc: [y * inverse, z * inverse] };
                 }
                 // In the half plane through the axis and the point: the side from the rim to the tip, or the base.
                 let (dx, dy) = ((out - 1.0) * radius, (height + 1.0) * half);
@@ -111,18 +111,18 @@ impl Form {
                 let (sx, sy) = (dx + along * radius, dy - 2.0 * along * half);
                 let bx = if out > 1.0 { dx } else { 0.0 };
                 if bx * bx + dy * dy < sx * sx + sy * sy {
-                    return Place { x: [-1.0, 0.0, 0.0], disc: in_disc([y, z]) };
+                    return CorePoint { x: [-1.0, 0.0, 0.0], disc: in_disc([y, z]) };
                 }
                 x[0] = 2.0 * along - 1.0;
                 disc = if out > 0.0 { [y / out, z / out] } else { [1.0, 0.0] };
             }
         }
-        Place { x, disc }
+        CorePoint { x, disc }
     }
 
     /// The point at a place, from the centre.
     #[inline(always)]
-    pub(super) fn at(&self, place: &Place) -> Point {
+    pub(super) fn at(&self, place: &CorePoint) -> Point {
         let (x, disc) = (&place.x, &place.disc);
         match self {
             Self::Point => [0.0; 3],
@@ -141,7 +141,7 @@ impl Form {
     /// The radius of a ball about a place that is certainly inside of the core, up to the slack of a pair. The angles
     /// between the half edges of a cuboid are right ones within 1e-4, so its faces are nearer than its half edges are
     /// long by a factor of 1 - 4e-4 at most.
-    pub(super) fn room(&self, place: &Place) -> f64 {
+    pub(super) fn room(&self, place: &CorePoint) -> f64 {
         let along = |k: usize, half: &Point| (1.0 - place.x[k].abs()) * libm::sqrt(dot(half, half));
         let across = |u: &Point| {
             let out = libm::sqrt(place.disc[0] * place.disc[0] + place.disc[1] * place.disc[1]);
@@ -160,8 +160,24 @@ impl Form {
         }
     }
 
+    /// The radius of a ball about the centre inside of the core, as for [`Form::room`].
+    #[inline(always)]
+    pub(super) fn inner(&self) -> f64 {
+        let length = |v: &Point| libm::sqrt(dot(v, v));
+        match self {
+            Self::Point | Self::Segment(_) | Self::Triangle(_) => 0.0,
+            Self::Cuboid([x, y, z]) => 0.999 * length(x).min(length(y)).min(length(z)),
+            Self::Cylinder(half, [u, _]) => 0.999 * length(half).min(length(u)),
+            Self::Cone(half, [u, _]) => {
+                // The side is as far away as the middle of the axis is high above the base of a similar triangle.
+                let (half, radius) = (length(half), length(u));
+                0.999 * half * (radius / libm::sqrt(4.0 * half * half + radius * radius)).min(1.0)
+            }
+        }
+    }
+
     /// Three vectors along all faces and edges at a place.
-    pub(super) fn edges(&self, place: &Place) -> [Point; 3] {
+    pub(super) fn edges(&self, place: &CorePoint) -> [Point; 3] {
         let [y, z] = place.disc;
         let on_disc = |[u, v]: &[Point; 2], y: f64, z: f64| each(|k| y * u[k] + z * v[k]);
         match self {
@@ -179,7 +195,7 @@ impl Form {
 
     /// The ways that a place may move if it is pulled against `pull`: those not barred by the boundary of the core.
     #[inline(always)]
-    pub(super) fn ways(&self, place: &Place, pull: &Point, ways: &mut Ways) {
+    pub(super) fn ways(&self, place: &CorePoint, pull: &Point, ways: &mut Ways) {
         let x = &place.x;
         match self {
             Self::Point => {}
@@ -192,7 +208,7 @@ impl Form {
                     let way = difference(&corners[k], &corners[most]);
                     let slope = dot(&way, pull);
                     if k != most && (x[k] > 0.0 || slope < 0.0) {
-                        ways.add(way, slope, Slot::Corner(k as u8, most as u8));
+                        ways.add(way, slope, FreeCoordinate::Corner(k as u8, most as u8));
                     }
                 }
             }
@@ -220,23 +236,23 @@ impl Form {
     }
 }
 
-impl Place {
-    /// Moves along a way. The place is in the core after [`Place::settle`].
+impl CorePoint {
+    /// Moves along a way. The place is in the core after [`CorePoint::settle`].
     #[inline(always)]
     pub(super) fn go(&mut self, way: &Way, by: f64) {
         match way.slot {
-            Slot::Line(k) => {
+            FreeCoordinate::Line(k) => {
                 let x = &mut self.x[usize::from(k)];
                 *x = (*x + by).clamp(-1.0, 1.0);
             }
-            Slot::Corner(k, from) => {
+            FreeCoordinate::Corner(k, from) => {
                 let (k, from) = (usize::from(k), usize::from(from));
                 let by = by.min(self.x[from]).max(-self.x[k]);
                 self.x[k] += by;
                 self.x[from] = (self.x[from] - by).max(0.0);
             }
-            Slot::Disc(k) => self.disc[usize::from(k)] += by,
-            Slot::Rim => {
+            FreeCoordinate::Disc(k) => self.disc[usize::from(k)] += by,
+            FreeCoordinate::Rim => {
                 let [y, z] = self.disc;
                 let (y, z) = (y - z * by, z + y * by);
                 let inverse = 1.0 / libm::sqrt(y * y + z * z);
@@ -246,7 +262,7 @@ impl Place {
     }
 }
 
-impl Place {
+impl CorePoint {
     /// Back to the nearest point of the disc.
     #[inline(always)]
     pub(super) fn settle(&mut self) {
@@ -261,11 +277,11 @@ fn disc_ways([u, v]: &[Point; 2], [y, z]: &[f64; 2], share: f64, pull: &Point, w
     let is_on_rim = y * y + z * z > 1.0 - 8.0 * f64::EPSILON;
     if is_on_rim && out <= 0.0 {
         let tangent = each(|k| share * (y * v[k] - z * u[k]));
-        ways.add(tangent, y * dv - z * du, Slot::Rim);
+        ways.add(tangent, y * dv - z * du, FreeCoordinate::Rim);
         ways.list[ways.len - 1].bend = -out;
     } else {
-        ways.add(each(|k| share * u[k]), du, Slot::Disc(0));
-        ways.add(each(|k| share * v[k]), dv, Slot::Disc(1));
+        ways.add(each(|k| share * u[k]), du, FreeCoordinate::Disc(0));
+        ways.add(each(|k| share * v[k]), dv, FreeCoordinate::Disc(1));
     }
 }
 

@@ -9,7 +9,7 @@
 //! surface being convex, nor on normals being accurate: the distance of a face is at least the least product of its
 //! corners with any unit vector.
 
-use super::support::{Pair, each};
+use super::support::{Operands, each};
 use crate::range::Point;
 use crate::vector::{cross, difference, dot};
 
@@ -17,7 +17,7 @@ const FACES: usize = 128;
 const CORNERS: usize = 64;
 
 #[derive(Copy, Clone)]
-struct Face {
+struct GrownFace {
     corners: [u8; 3],
     /// Of unit length, up to rounding.
     normal: Point,
@@ -26,9 +26,9 @@ struct Face {
     high: f64,
 }
 
-struct Polytope {
+struct GrownPolytope {
     corners: [Point; CORNERS],
-    faces: [Face; FACES],
+    faces: [GrownFace; FACES],
     corner_count: usize,
     face_count: usize,
 }
@@ -38,10 +38,14 @@ struct Polytope {
 /// `None` if neither does.
 #[cold]
 #[inline(never)]
-pub(super) fn depth(pair: &Pair, corners: Option<[Point; 4]>, tolerance: f64) -> Option<(f64, f64, Point)> {
-    let none = Face { corners: [0; 3], normal: [0.0; 3], low: 0.0, high: 0.0 };
+pub(super) fn depth(
+    pair: &Operands,
+    corners: Option<[Point; 4]>,
+    tolerance: f64,
+) -> Option<(f64, f64, Point)> {
+    let none = GrownFace { corners: [0; 3], normal: [0.0; 3], low: 0.0, high: 0.0 };
     let mut polytope =
-        Polytope { corners: [[0.0; 3]; CORNERS], faces: [none; FACES], corner_count: 6, face_count: 0 };
+        GrownPolytope { corners: [[0.0; 3]; CORNERS], faces: [none; FACES], corner_count: 6, face_count: 0 };
     for i in 0..6 {
         let mut d = [0.0; 3];
         d[i / 2] = if i % 2 == 0 { -1.0 } else { 1.0 };
@@ -81,8 +85,8 @@ pub(super) fn depth(pair: &Pair, corners: Option<[Point; 4]>, tolerance: f64) ->
     Some((lower - pair.slack, upper + pair.slack, along))
 }
 
-impl Polytope {
-    fn nearest(&self) -> Face {
+impl GrownPolytope {
+    fn nearest(&self) -> GrownFace {
         let mut best = self.faces[0];
         for face in &self.faces[1..self.face_count] {
             if face.low < best.low {
@@ -101,7 +105,7 @@ impl Polytope {
             (products[0].min(products[1]).min(products[2]), products[0].max(products[1]).max(products[2]));
         let inverse = if length > 0.0 { 1.0 / length } else { 0.0 };
         let normal = each(|k| inverse * normal[k]);
-        self.faces[self.face_count] = Face { corners, normal, low: inverse * low, high: inverse * high };
+        self.faces[self.face_count] = GrownFace { corners, normal, low: inverse * low, high: inverse * high };
         self.face_count += 1;
     }
 

@@ -5,10 +5,10 @@
 //! an error ([`super::support`] bounds it). Newton's method proposes them first, then the algorithm of Gilbert,
 //! Johnson and Keerthi.
 
-use super::certified::Bounds;
+use super::certified::Certified;
 use super::gjk::Simplex;
 use super::newton::{self, Newton, Places};
-use super::support::{Pair, each};
+use super::support::{Operands, each};
 use crate::exact::power_of_two;
 use crate::primitive::shape::convex::Shape;
 use crate::range::Point;
@@ -20,6 +20,10 @@ pub(super) mod tests;
 /// The most steps of the algorithm of Gilbert, Johnson and Keerthi. Polytopes with up to eight corners need fewer than
 /// 30.
 const STEPS: usize = 64;
+
+/// How much cores are shrunk to find a common point, after this many of Newton's steps, and the most projections.
+const SHRINK: f64 = power_of_two(-8);
+const COMMON_STEPS: usize = 16;
 
 /// Points with a smaller squared distance, in units of the squared size, may be one point inside of both.
 const NEAR: f64 = power_of_two(-60);
@@ -34,13 +38,13 @@ const COMFORTABLE: core::ops::RangeInclusive<f64> = power_of_two(-100)..=power_o
 /// Bounds of the distance of two shapes in one frame. Stops when the distance is certainly above `limit`, when the
 /// bounds differ by at most `tolerance` times the lower one, or when `f64` cannot tell more: then they differ by less
 /// than 2^-44 of the size of the cores and the distance of their centres.
-pub(crate) fn bounds(a: &Shape, b: &Shape, limit: f64, tolerance: f64) -> Bounds {
+pub(crate) fn bounds(a: &Shape, b: &Shape, limit: f64, tolerance: f64) -> Certified {
     let radii = [a.radius, b.radius];
-    let Some(pair) = Pair::of(&a.core, &b.core, 1.0) else {
+    let Some(pair) = Operands::of(&a.core, &b.core, 1.0) else {
         return super::half_space::bounds(a, b);
     };
     if COMFORTABLE.contains(&pair.size) || pair.size == 0.0 {
-        Search::new(&pair, radii, limit, tolerance).run()
+        DistanceSearch::new(&pair, radii, limit, tolerance).run()
     } else {
         rescaled(a, b, limit, tolerance, pair.size)
     }
@@ -48,15 +52,20 @@ pub(crate) fn bounds(a: &Shape, b: &Shape, limit: f64, tolerance: f64) -> Bounds
 
 #[cold]
 #[inline(never)]
-fn rescaled(a: &Shape, b: &Shape, limit: f64, tolerance: f64, size: f64) -> Bounds {
+fn rescaled(a: &Shape, b: &Shape, limit: f64, tolerance: f64, size: f64) -> Certified {
     let scale = unit_scale(size);
-    let Some(pair) = Pair::of(&a.core, &b.core, scale) else {
-        return Bounds { lower: 0.0, upper: f64::INFINITY, a: [0.0; 3], b: [0.0; 3] };
+    let Some(pair) = Operands::of(&a.core, &b.core, scale) else {
+        return Certified { lower: 0.0, upper: f64::INFINITY, a: [0.0; 3], b: [0.0; 3] };
     };
     let radii = [a.radius * scale, b.radius * scale];
-    let found = Search::new(&pair, radii, limit * scale, tolerance).run();
+    let found = DistanceSearch::new(&pair, radii, limit * scale, tolerance).run();
     let back = |x: f64| x / scale;
-    Bounds { lower: back(found.lower), upper: back(found.upper), a: found.a.map(back), b: found.b.map(back) }
+    Certified {
+        lower: back(found.lower),
+        upper: back(found.upper),
+        a: found.a.map(back),
+        b: found.b.map(back),
+    }
 }
 
 /// A power of two that brings a size near 1.
@@ -65,8 +74,8 @@ pub(super) fn unit_scale(size: f64) -> f64 {
 }
 
 /// The best bounds of the distance of two cores so far.
-pub(super) struct Search<'p> {
-    pair: &'p Pair,
+pub(super) struct DistanceSearch<'p> {
+    pair: &'p Operands,
     radii: [f64; 2],
     /// The sum of the radii, rounded down and up.
     radius: [f64; 2],
@@ -83,9 +92,9 @@ pub(super) struct Search<'p> {
     of_a: Point,
 }
 
-impl<'p> Search<'p> {
+impl<'p> DistanceSearch<'p> {
     #[inline(always)]
-    pub(super) fn new(pair: &'p Pair, radii: [f64; 2], limit: f64, tolerance: f64) -> Self {
+    pub(super) fn new(pair: &'p Operands, radii: [f64; 2], limit: f64, tolerance: f64) -> Self {
         let sum = radii[0] + radii[1];
         let radius = [sum * (1.0 - f64::EPSILON), sum * (1.0 + f64::EPSILON)];
         let limit = (limit + radius[1]) * (1.0 + 8.0 * f64::EPSILON);
@@ -95,7 +104,7 @@ impl<'p> Search<'p> {
     }
 
     #[inline(always)]
-    fn run(mut self) -> Bounds {
+    fn run(mut self) -> Certified {
         self.search();
         self.finish()
     }
@@ -164,8 +173,10 @@ impl<'p> Search<'p> {
     #[inline(always)]
     fn newton(&mut self, places: Places) -> bool {
         let mut newton = Newton::new(self.pair, places);
-        for _ in 0..newton::STEPS {
-            if self.is_solved_by(&newton) {
+        for step in 0..newton::STEPS {
+            // A lower bound costs a third of a step, and is tight only near the solution.
+            let is_solved = (step == 0 || newton.is_near()) && self.is_solved_by(&newton);
+            if is_solved || step == 0 && self.lower <= 0.0 && self.common(&newton.between) {
                 return true;
             }
             if !newton.step(self.pair) {
@@ -190,6 +201,41 @@ impl<'p> Search<'p> {
         }
         self.lower_along(&newton.direction());
         self.is_done()
+    }
+
+    /// Looks for a common point of the cores shrunk about their centres: about each point of a shrunk core is a ball
+    /// inside of the core, since `s K + (1 - s) K` is K for a convex K.
+    #[inline(never)]
+    fn common(&mut self, from: &Point) -> bool {
+        let pair = self.pair;
+        let inner = [pair.a.form.inner(), pair.b.form.inner()];
+        let is_in_b = inner[1] >= inner[0];
+        let room = SHRINK * if is_in_b { inner[1] } else { inner[0] } - pair.slack;
+        let mut simplex = Simplex::new();
+        let mut direction = *from;
+        for _ in 0..COMMON_STEPS {
+            let shrunk = |p: Point| each(|k| (1.0 - SHRINK) * p[k]);
+            let of_a = shrunk(pair.a.support(&each(|k| -direction[k])));
+            let of_b = shrunk(pair.b.support(&direction));
+            let point: Point = each(|k| pair.between[k] + (of_a[k] - of_b[k]));
+            if dot(&direction, &point) > 0.0 || simplex.has(&point) {
+                return false;
+            }
+            simplex.add(point, of_a);
+            let nearest = simplex.reduce();
+            let v = &nearest.point;
+            if libm::sqrt(dot(v, v)) < room {
+                let of_a = nearest.of_a;
+                self.of_a = if is_in_b { of_a } else { each(|k| of_a[k] - v[k]) };
+                (self.upper, self.between) = (0.0, [0.0; 3]);
+                return true;
+            }
+            if nearest.inside {
+                return false;
+            }
+            direction = nearest.direction;
+        }
+        false
     }
 
     /// The algorithm of Gilbert, Johnson and Keerthi, from the points found so far.
@@ -235,7 +281,7 @@ impl<'p> Search<'p> {
         }
     }
 
-    /// Bounds the distance from below along the perpendiculars of all edges and faces at these places: of points that
+    /// Certified the distance from below along the perpendiculars of all edges and faces at these places: of points that
     /// nearly touch, the difference does not tell which ways are barred.
     pub(super) fn edges(&mut self) {
         let places = Places::near(self.pair, &self.of_a, &self.between);
@@ -252,7 +298,7 @@ impl<'p> Search<'p> {
         }
     }
 
-    /// Bounds the distance from below by the gap along d, which points from B to A. Returns the point of A - B that
+    /// Certified the distance from below by the gap along d, which points from B to A. Returns the point of A - B that
     /// has it.
     #[inline(always)]
     fn lower_along(&mut self, d: &Point) -> (Point, Point) {
@@ -267,7 +313,7 @@ impl<'p> Search<'p> {
         (point, of_a)
     }
 
-    /// Bounds the distance from above by a point of A - B.
+    /// Certified the distance from above by a point of A - B.
     #[inline(always)]
     fn upper_by(&mut self, between: &Point, of_a: &Point) {
         let upper = libm::sqrt(dot(between, between)) + self.pair.slack;
@@ -287,7 +333,7 @@ impl<'p> Search<'p> {
 
     /// The bounds of the distance of the shapes.
     #[inline(always)]
-    fn finish(&self) -> Bounds {
+    fn finish(&self) -> Certified {
         let (wide, narrow) = (1.0 + 2.0 * f64::EPSILON, 1.0 - 2.0 * f64::EPSILON);
         let meets = self.upper <= self.radius[0];
         let upper = if meets { 0.0 } else { (self.upper - self.radius[0]) * wide };
@@ -299,10 +345,10 @@ impl<'p> Search<'p> {
         let sum = self.radii[0] + self.radii[1];
         let length = libm::sqrt(dot(&self.between, &self.between));
         if sum == 0.0 || length == 0.0 {
-            return Bounds { lower, upper, a, b };
+            return Certified { lower, upper, a, b };
         }
         let unit = if meets { 1.0 / sum } else { 1.0 / length };
         let toward = |p: &Point, by: f64| each(|k| p[k] + self.between[k] * (by * unit));
-        Bounds { lower, upper, a: toward(&a, -self.radii[0]), b: toward(&b, self.radii[1]) }
+        Certified { lower, upper, a: toward(&a, -self.radii[0]), b: toward(&b, self.radii[1]) }
     }
 }

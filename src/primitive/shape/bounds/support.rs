@@ -6,7 +6,7 @@ use crate::primitive::shape::core::Core;
 use crate::range::Point;
 use crate::vector::{difference, dot, length};
 
-/// A pair's `slack` is this many unit roundoffs of its `size` ([`Pair`]). With u = 2^-53, S the size, and a factor 1 +
+/// A pair's `slack` is this many unit roundoffs of its `size` ([`Operands`]). With u = 2^-53, S the size, and a factor 1 +
 /// 2^-40 for terms of second order:
 ///
 /// * **Places.** `between` is `(origin - origin) + (shift - shift)`. A shift is within 2u S of what it stands for, so
@@ -30,7 +30,7 @@ const ROUNDINGS: f64 = 64.0;
 
 /// A core about its centre, which is `origin + shift`.
 #[derive(Copy, Clone, Debug)]
-pub(super) struct Body {
+pub(super) struct Operand {
     origin: Point,
     shift: Point,
     pub(super) form: Form,
@@ -56,18 +56,18 @@ pub(super) enum Form {
 
 /// Two bodies.
 #[derive(Copy, Clone, Debug)]
-pub(super) struct Pair {
-    pub(super) a: Body,
-    pub(super) b: Body,
+pub(super) struct Operands {
+    pub(super) a: Operand,
+    pub(super) b: Operand,
     /// From the centre of B to that of A.
     pub(super) between: Point,
     /// At least the length of `between` and the reaches together.
     pub(super) size: f64,
-    /// Bounds the rounding errors of a distance ([`ROUNDINGS`]).
+    /// Certified the rounding errors of a distance ([`ROUNDINGS`]).
     pub(super) slack: f64,
 }
 
-impl Body {
+impl Operand {
     /// All numbers are multiplied by `scale`, a power of two. `None` for a half-space.
     #[inline(always)]
     pub(super) fn of(core: &Core, scale: f64) -> Option<Self> {
@@ -165,11 +165,11 @@ impl Body {
     }
 }
 
-impl Pair {
+impl Operands {
     /// `None` if one is a half-space.
     #[inline(always)]
     pub(super) fn of(a: &Core, b: &Core, scale: f64) -> Option<Self> {
-        let (a, b) = (Body::of(a, scale)?, Body::of(b, scale)?);
+        let (a, b) = (Operand::of(a, scale)?, Operand::of(b, scale)?);
         let between: Point = each(|k| (a.origin[k] - b.origin[k]) + (a.shift[k] - b.shift[k]));
         let size = length(&between) + (a.reach + b.reach);
         Some(Self { a, b, between, size, slack: ROUNDINGS * 0.5 * f64::EPSILON * size })

@@ -1,4 +1,4 @@
-use super::{Bounds, bounds};
+use super::{Certified, bounds};
 use crate::exact::power_of_two;
 use crate::primitive::shape::{Core, Shape};
 use crate::range::Point;
@@ -45,7 +45,7 @@ fn nearest(shape: &Shape, p: &Vector) -> Vector {
 }
 
 /// An upper bound of the distance, from these points: alternating projections only come nearer.
-fn from_above(a: &Shape, b: &Shape, found: &Bounds, rounds: usize) -> Double {
+fn from_above(a: &Shape, b: &Shape, found: &Certified, rounds: usize) -> Double {
     let mut p = nearest(a, &exact(&found.a));
     let mut q = nearest(b, &exact(&found.b));
     for _ in 0..rounds {
@@ -56,7 +56,7 @@ fn from_above(a: &Shape, b: &Shape, found: &Bounds, rounds: usize) -> Double {
 }
 
 /// What holds for all bounds.
-fn check(a: &Shape, b: &Shape, tolerance: f64, rounds: usize) -> Bounds {
+fn check(a: &Shape, b: &Shape, tolerance: f64, rounds: usize) -> Certified {
     let found = bounds(a, b, f64::INFINITY, tolerance);
     let text = format!("{a:?}\n{b:?}\n{found:?}");
     assert!(found.lower >= 0.0 && found.lower <= found.upper && found.upper.is_finite(), "{text}");
@@ -82,7 +82,7 @@ fn check(a: &Shape, b: &Shape, tolerance: f64, rounds: usize) -> Bounds {
     found
 }
 
-fn check_polytopes(a: &Shape, b: &Shape, tolerance: f64) -> Bounds {
+fn check_polytopes(a: &Shape, b: &Shape, tolerance: f64) -> Certified {
     let found = check(a, b, tolerance, 1);
     let [p, q] = [a, b].map(|s| truth::polytope(s.core()).unwrap());
     let core = truth::distance(&p, &q);
@@ -94,7 +94,7 @@ fn check_polytopes(a: &Shape, b: &Shape, tolerance: f64) -> Bounds {
 }
 
 /// The two moved so that they touch up to rounding, or nearly.
-fn touching(a: &Shape, found: &Bounds, random: &mut Rng) -> Shape {
+fn touching(a: &Shape, found: &Certified, random: &mut Rng) -> Shape {
     let share = 1.0 + [0.0, 0.0, 1e-15, 1e-12, -1e-15, -1e-9, 1e-6][random.below(7) as usize];
     let by: Point = [0, 1, 2].map(|k| (found.b[k] - found.a[k]) * share);
     moved(a, &by)

@@ -1,0 +1,179 @@
+//! Bounds of the distance where a formula or a few cheap steps give the closest points: a point against any bounded
+//! core but a triangle, and segments and cuboids against each other.
+//!
+//! As in [`super::search`], only evaluations have to be certain. In what follows u = 2^-53, and S is at least the
+//! distance of the two centres and the greatest distances of points of the cores from them together. Factors 1 + 2^-40
+//! for terms of second order are implied. A `slack` bounds all errors of a length.
+
+use super::blocks::{Zonotope, blocks, half_of};
+use super::certified::Certified;
+use super::goal::{COMFORTABLE, Target};
+use super::support::each;
+use crate::exact::power_of_two;
+use crate::primitive::shape::convex::Shape;
+use crate::primitive::shape::core::Core;
+use crate::range::Point;
+use crate::vector::{difference, dot};
+
+#[cfg(test)]
+mod tests;
+
+/// Bounds of the distance of two shapes as [`super::search::bounds`] gives them, or `None` if they would not be as
+/// tight.
+#[inline(always)]
+pub(super) fn bounds(a: &Shape, b: &Shape, limit: f64, tolerance: f64) -> Option<Certified> {
+    let goal = || Target::new(a.radius, b.radius, limit, tolerance);
+    let turned = || Target::new(b.radius, a.radius, limit, tolerance);
+    match (&a.core, &b.core) {
+        (Core::Point(p), Core::Point(q)) => Some(points(p, q, &goal())),
+        (Core::Point(p), Core::Segment(s)) => point_and_segment(p, s, &goal()),
+        (Core::Segment(s), Core::Point(p)) => point_and_segment(p, s, &turned()).map(swapped),
+        (Core::Segment(s), Core::Segment(t)) => {
+            let (g, h) = (half_of(s), half_of(t));
+            let (a, b) = (Zonotope { origin: &s[0], half: &g }, Zonotope { origin: &t[0], half: &h });
+            blocks(&a, &b, &goal())
+        }
+        (Core::Point(p), Core::Cuboid { centre, half }) => {
+            let (a, b) = (Zonotope { origin: p, half: &[] }, Zonotope { origin: centre, half });
+            blocks(&a, &b, &goal())
+        }
+        (Core::Cuboid { centre, half }, Core::Point(p)) => {
+            let (a, b) = (Zonotope { origin: p, half: &[] }, Zonotope { origin: centre, half });
+            blocks(&a, &b, &turned()).map(swapped)
+        }
+        (Core::Segment(s), Core::Cuboid { centre, half }) => segment_and_cuboid(s, centre, half, &goal()),
+        (Core::Cuboid { centre, half }, Core::Segment(s)) => {
+            segment_and_cuboid(s, centre, half, &turned()).map(swapped)
+        }
+        (Core::Cuboid { centre: c, half: g }, Core::Cuboid { centre, half }) => {
+            blocks(&Zonotope { origin: c, half: g }, &Zonotope { origin: centre, half }, &goal())
+        }
+        (Core::Point(p), Core::Cylinder { centre, half_axis, radius }) => {
+            point_and_cylinder(p, centre, half_axis, *radius, &goal())
+        }
+        (Core::Cylinder { centre, half_axis, radius }, Core::Point(p)) => {
+            point_and_cylinder(p, centre, half_axis, *radius, &turned()).map(swapped)
+        }
+        (Core::Point(p), Core::Cone { base, axis, radius }) => {
+            point_and_cone(p, base, axis, *radius, &goal())
+        }
+        (Core::Cone { base, axis, radius }, Core::Point(p)) => {
+            point_and_cone(p, base, axis, *radius, &turned()).map(swapped)
+        }
+        _ => None,
+    }
+}
+
+#[inline(always)]
+fn swapped(found: Certified) -> Certified {
+    Certified { a: found.b, b: found.a, ..found }
+}
+
+/// Two points. Three differences, three squares, two sums and a root are wrong by at most 4u of the result: differences
+/// are multiples of 2^-302 below 2^304, whose squares neither underflow nor overflow.
+#[inline(always)]
+fn points(p: &Point, q: &Point, goal: &Target) -> Certified {
+    let between = difference(p, q);
+    let length = libm::sqrt(dot(&between, &between));
+    let slack = length * (4.0 * f64::EPSILON);
+    goal.bounds(length - slack, length + slack, p, &between, length)
+}
+
+/// A point and a segment.
+///
+/// The differences are exact up to u of each coordinate: 2u S. The parameter is wrong by 8u of `|w| / |edge|`, which
+/// moves the point of the segment by 8u S; its other errors, those of the difference and of the norm, are at most
+/// 3 + 1 + 3 roundings of S. So 21u S bound all. A parameter that is off makes the computed length greater, not less,
+/// but for those errors.
+#[inline(always)]
+fn point_and_segment(p: &Point, [q, r]: &[Point; 2], goal: &Target) -> Option<Certified> {
+    let (w, edge) = (difference(p, q), difference(r, q));
+    let (along, square, far) = (dot(&w, &edge), dot(&edge, &edge), dot(&w, &w));
+    // Not a number for a segment that is a point.
+    let t = along / square;
+    let t = if t > 0.0 { if t < 1.0 { t } else { 1.0 } } else { 0.0 };
+    let between: Point = each(|k| w[k] - t * edge[k]);
+    let length = libm::sqrt(dot(&between, &between));
+    // The root of twice the sum of two squares is at least the sum.
+    let slack = 12.0 * f64::EPSILON * libm::sqrt(2.0 * (far + square));
+    goal.bounds_of_length(p, &between, length, slack)
+}
+
+/// A point and a cylinder: both distances, along the axis and from it, are known.
+///
+/// The vector to the point and `along` times the axis are wrong by 8u S, the vector across by 11u S and its norm by
+/// 14u S. The distance depends on the two excesses by at most their errors, 18u S together; its vector and norm add 9u S.
+#[inline(always)]
+fn point_and_cylinder(
+    p: &Point,
+    centre: &Point,
+    half: &Point,
+    radius: f64,
+    goal: &Target,
+) -> Option<Certified> {
+    let w = difference(p, centre);
+    let (far, square) = (dot(&w, &w), dot(half, half));
+    let size = (far + square) + radius * radius;
+    if !(COMFORTABLE.contains(&size) && square > size * power_of_two(-200)) {
+        return None;
+    }
+    let along = dot(&w, half) / square;
+    let across: Point = each(|k| w[k] - along * half[k]);
+    let out = libm::sqrt(dot(&across, &across));
+    let excess = if along > 1.0 {
+        along - 1.0
+    } else if along < -1.0 {
+        along + 1.0
+    } else {
+        0.0
+    };
+    let share = if out > radius { (out - radius) / out } else { 0.0 };
+    let between: Point = each(|k| excess * half[k] + share * across[k]);
+    let length = libm::sqrt(dot(&between, &between));
+    let slack = ROUND_SLACK * libm::sqrt(3.0 * size);
+    goal.bounds_of_length(p, &between, length, slack)
+}
+
+/// The slack of a point and a cylinder, relative to S; of a point and a cone it is twice that.
+const ROUND_SLACK: f64 = 16.0 * f64::EPSILON;
+
+/// A point and a cone, in the half plane through its axis and the point. The distance depends on the two coordinates
+/// there by at most their errors, 18u S as for a cylinder, and on the height by its error, 3u S. The parameter of the
+/// closest point of the side is wrong by 10u of S and the length of the side; differences and norms add 9u S.
+#[inline(always)]
+fn point_and_cone(p: &Point, base: &Point, axis: &Point, radius: f64, goal: &Target) -> Option<Certified> {
+    let w = difference(p, base);
+    let (far, square) = (dot(&w, &w), dot(axis, axis));
+    let size = (far + square) + radius * radius;
+    if !(COMFORTABLE.contains(&size) && square > size * power_of_two(-200)) {
+        return None;
+    }
+    let along = dot(&w, axis) / square;
+    let across: Point = each(|k| w[k] - along * axis[k]);
+    let out_square = dot(&across, &across);
+    let (out, height) = (libm::sqrt(out_square), libm::sqrt(square));
+    let up = along * height;
+    let beyond = out - radius;
+    // The closest point of the side, from the rim to the tip. Multiples of the two vectors to the point.
+    let side = square + radius * radius;
+    let t = (height * up - radius * beyond) / side;
+    let t = if t > 0.0 { if t < 1.0 { t } else { 1.0 } } else { 0.0 };
+    let (dx, dy) = if up < 0.0 {
+        (if beyond > 0.0 { beyond } else { 0.0 }, up)
+    } else if height * beyond + radius * up <= 0.0 {
+        (0.0, 0.0)
+    } else {
+        (beyond + t * radius, up - t * height)
+    };
+    let length = libm::sqrt(dx * dx + dy * dy);
+    let (x, y) = (if out > 0.0 { dx / out } else { 0.0 }, dy / height);
+    let between: Point = each(|k| x * across[k] + y * axis[k]);
+    let slack = 2.0 * ROUND_SLACK * libm::sqrt(3.0 * size);
+    goal.bounds_of_length(p, &between, length, slack)
+}
+
+#[inline(never)]
+fn segment_and_cuboid(s: &[Point; 2], centre: &Point, half: &[Point; 3], goal: &Target) -> Option<Certified> {
+    let g = half_of(s);
+    blocks(&Zonotope { origin: &s[0], half: &g }, &Zonotope { origin: centre, half }, goal)
+}
