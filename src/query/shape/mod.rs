@@ -2,6 +2,7 @@
 //! at a time; nothing is rotated. A half-space, which no k-DOP bounds, and shapes far away are tested along one axis.
 
 mod bounds;
+mod pair;
 mod search;
 
 use super::distance::{Distance, Witness};
