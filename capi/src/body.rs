@@ -36,7 +36,7 @@ impl simdop_storage {
     }
 }
 
-/// A body: a set of primitives, triangles or spheres or shapes, and the tree over them; or one shape, without a tree.
+/// A body: a set of primitives, triangles, spheres or shapes, and the tree over them; or one shape, without a tree.
 /// Immutable.
 #[derive(Debug)]
 pub struct simdop_body(Geometry);
@@ -307,9 +307,9 @@ pub unsafe extern "C" fn simdop_body_build_spheres_as(
     })
 }
 
-/// Builds a body that is one shape, which is copied. It has no tree, goes with bodies of both storages, and is the
-/// fastest to build and to test. In a scene, a half-space should be fixed: nothing bounds how far a motion carries its
-/// points, so that no motion of it is free.
+/// Builds a body of one shape, which is copied. It has no tree, and goes with bodies of either storage. As a primitive it
+/// has the index 0. In a scene, a half-space should be fixed: nothing bounds how far a motion carries its points, so
+/// that its motions are unresolved.
 #[unsafe(no_mangle)]
 pub extern "C" fn simdop_body_build_shape(
     shape: Option<&simdop_shape>,
@@ -318,8 +318,9 @@ pub extern "C" fn simdop_body_build_shape(
     make(body, "body", || Ok(simdop_body(Geometry::Shape(given(shape, "shape")?.checked()?))))
 }
 
-/// Builds a body of `count` shapes, which may overlap, and the tree over them: a link of several capsules, or a shelf of
-/// cuboids. They are copied. None of them is a half-space.
+/// Builds a body of `count` shapes, which may overlap, with a tree over them: a link of several capsules, or a shelf of
+/// cuboids. They are copied. A half-space among them is SIMDOP_ERROR_SHAPE_UNBOUNDED. Without shapes the body is empty,
+/// and meets nothing.
 ///
 /// # Safety
 /// The array has the stated length.

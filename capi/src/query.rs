@@ -1,6 +1,6 @@
 //! Queries of two bodies.
 
-use crate::body::{AnyView, View, simdop_body};
+use crate::body::{View, simdop_body};
 use crate::boundary::{answered, given};
 use crate::error::{Failure, simdop_error};
 use crate::pose::simdop_pose;
@@ -248,12 +248,12 @@ macro_rules! with_bodies {
     };
 }
 
-/// Does body `a`, placed by `a_in_b` in the frame of body `b`, meet `b`? The verdict is exact, but see simdop_shape. Stops
-/// after `budget` visits. Both bodies have the same storage, unless one of them is one shape.
+/// Does body `a`, placed by `a_in_b` in the frame of body `b`, meet `b`? The verdict is exact, or never falsely free: see
+/// simdop_shape. Stops after `budget` visits. Both bodies have the same storage, unless one of them is one shape.
 ///
-/// If `a` has a tree and `b` is one shape, it is the shape that is moved, by the inverse pose: bodies nearer than the
-/// rounding of it, 1e-14 of the coordinates, count as meeting; the bounds of an unknown verdict are 0 and infinite; and
-/// the pose must be as precise as in a scene. Pass the shape as `a` where possible.
+/// If `a` has a tree and `b` is one shape, the shape is moved, by the inverse pose. Bodies nearer than its rounding,
+/// about 1e-14 of the coordinates, then count as meeting, the bounds of an unknown verdict are 0 and infinite, and the
+/// pose must be as close to a rotation as in a scene. So pass the shape as `a`.
 #[unsafe(no_mangle)]
 pub extern "C" fn simdop_collide(
     a: Option<&simdop_body>,

@@ -23,7 +23,11 @@ pub enum simdop_shape_kind {
     HalfSpace = 5,
 }
 
-/// A convex shape at a pose, widened by a radius: all points of a body that are at most `radius` from it.
+/// A convex shape at a pose, widened by a radius: all points at most `radius` from it.
+///
+/// Verdicts are exact, with two exceptions: a cylinder or cone against another one or a capsule; and a cylinder or cone
+/// where it or the other shape has a `radius` above 0. These are never falsely free, and shapes that are farther apart
+/// than 2^-40 of their size are no hit.
 #[repr(C)]
 #[derive(Copy, Clone, PartialEq, Debug)]
 pub struct simdop_shape {

@@ -82,7 +82,7 @@ pub enum simdop_error {
     ShapeCoordinate = 51,
     /// The normal of a half-space is zero.
     ShapeNoDirection = 52,
-    /// A half-space in a body of several shapes: its tree holds bounded ones only.
+    /// A half-space among the shapes of a tree, which are bounded: build it as a body of one shape.
     ShapeUnbounded = 53,
     /// A pose skews a cuboid: the cosine of the angle of two of its edges is beyond 1e-4.
     ShapeNotPerpendicular = 54,
