@@ -391,9 +391,9 @@ fn of_null_arrays(scene: &simdop_scene) -> Vec<simdop_error> {
         errors.push(handle(|body| simdop_body_build_spheres(null(), 1, body)).unwrap_err());
         errors.push(simdop_body_build_spheres(numbers, 3, None));
         errors.push(handle(|body| simdop_body_build_shapes(null(), 1, body)).unwrap_err());
-        errors.push(simdop_body_build_shapes(&raw const BALL, 1, None));
+        errors.push(simdop_body_build_shapes([BALL].as_ptr(), 1, None));
         errors.push(handle(|body| simdop_body_build_shapes_as(null(), 1, 1, body)).unwrap_err());
-        errors.push(simdop_body_build_shapes_as(&raw const BALL, 1, 1, None));
+        errors.push(simdop_body_build_shapes_as([BALL].as_ptr(), 1, 1, None));
         errors.push(answer(|pose| simdop_pose_from_quaternion(null(), numbers, pose)).unwrap_err());
         errors.push(answer(|pose| simdop_pose_from_quaternion(numbers, null(), pose)).unwrap_err());
         errors.push(simdop_pose_from_quaternion(numbers, numbers, None));

@@ -227,8 +227,11 @@ pub(crate) fn single_shapes(rng: &mut Rng) -> Vec<Twice<Shape>> {
 pub(crate) fn shape_sets_of<S: Storage>(rng: &mut Rng) -> Vec<Twice<Bvh<Node16<18, S>, Shapes>>> {
     let mut all = Vec::new();
     for count in [0, 1, 30] {
-        let (c, rust): (Vec<_>, Vec<_>) =
-            (0..count).map(|_| random_shape(rng, *rng.clone().pick(&BOUNDED))).unzip();
+        let mut any = |_| {
+            let kind = *rng.pick(&BOUNDED);
+            random_shape(rng, kind)
+        };
+        let (c, rust): (Vec<_>, Vec<_>) = (0..count).map(&mut any).unzip();
         let set = ShapeSet::new(&rust).unwrap();
         let rust = Builder::new().build_geometry(&set, &mut |_| ControlFlow::Continue(())).unwrap();
         all.push(Twice { c: Box::leak(shapes_as(&c, number::<S>()).unwrap()), rust });
