@@ -44,8 +44,8 @@
 //!
 //! **Storage** is the last parameter of the node type: [`node::Fixed`], the default, or [`node::Half`], as in
 //! `Node16<18, Half>`. Both take 16 bits a plane. Fixed point has 16 bits everywhere; half floats have 11, and more
-//! about the centre of the body. Queries of half floats take 1.06 times as long in the median of 24 cases (0.98 to 1.23),
-//! and give the same verdicts. The command `simdop report` compares both on a mesh.
+//! about the centre of the body. Queries of half floats take 1.06 times as long in the median of 24 cases (0.98 to
+//! 1.23), and give the same verdicts. The command `simdop report` compares both on a mesh.
 //!
 //! With k = 26, queries in contact are 7 % faster, the slowest queries a quarter faster, and queries 5 % apart 5 %
 //! slower. The sizes are for a mesh of 52,000 triangles whose coordinates are exact in `f32`; other coordinates take
@@ -97,6 +97,11 @@
 //! is inside if the winding number of the surface is not zero there, so overlapping parts form one solid, and a shell
 //! of opposite orientation is a cavity. The inside test runs only if no triangles meet, and is exact like everything
 //! else. Spheres are solid.
+//!
+//! **Shapes.** Spheres, capsules, cuboids, cylinders, cones and half-spaces are themselves ([`primitive::Shape`]), not
+//! meshes. One shape needs no tree: [`query::Query::collide_shape`] tests it against a tree,
+//! [`primitive::shape::meets`] against another shape, and a scene takes it as a body. [`construct::ShapeSet`] builds
+//! one tree of many. Which verdicts are exact, and which are only certain if free, is listed in [`primitive::shape`].
 //!
 //! **`Unknown`.** A query without a budget always ends with `Hit` or `Free`. One with a budget
 //! ([`query::Query::with_budget`]) may run out of it and return [`query::Verdict::Unknown`]: the bodies may meet. If

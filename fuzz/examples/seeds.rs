@@ -25,6 +25,7 @@ fn main() -> io::Result<()> {
         "sphere_bytes",
         "points",
         "cloud_bytes",
+        "shapes",
     ];
     for target in targets {
         // Each k, and the modes in turn; then random bytes. The byte for k also selects the storage of planes here.
@@ -56,6 +57,18 @@ fn main() -> io::Result<()> {
         seed.extend((0..48).map(|_| input.u8()));
         for target in ["traverse", "distance"] {
             write(target, &format!("sizes{k}"), &seed)?;
+        }
+    }
+    // Each two kinds of shapes, on the lattice and in real numbers: the mode, then the kind of the first, and after its
+    // numbers that of the second, which depends on how many bytes the first has taken.
+    for (k, name) in (0..7).zip(["point", "segment", "triangle", "cuboid", "cylinder", "cone", "half_space"])
+    {
+        for (mode, numbers) in [(0, "lattice"), (1, "any_bits"), (2, "real")] {
+            let choice = [k, mode, 2];
+            let mut input = Input::new(&choice);
+            let mut seed = vec![mode, k];
+            seed.extend((0..64).map(|_| input.u8()));
+            write("shapes", &format!("{name}_{numbers}"), &seed)?;
         }
     }
     write("from_bytes", "torus", tree::<Node16<18>>(0))?;

@@ -21,6 +21,7 @@
 //!  `cloud_bytes` | as `from_bytes`, for clouds; changes of clouds, and all searches | second reader; loop |
 //!  `traverse` | verdicts, pairs, budgets, distances; query statistics | brute force; scalar kernel |
 //!  `distance` | distances, margins, cutoffs, bounds within a budget, reported pairs | exact distances; scalar kernel |
+//!  `shapes` | decisions and bounds for two shapes; exact where rational numbers decide | integers |
 //!
 //! The sizes of bodies in `traverse` differ by up to 1e12 : 1, at up to 1e9 diagonals from the origin.
 //!
@@ -32,11 +33,14 @@ pub mod baked;
 pub mod bodies;
 pub mod clouds;
 pub mod planes;
+pub mod shapes;
 pub mod spheres;
 pub mod values;
 
 #[path = "../../tests/support/lens.rs"]
 mod lens;
+#[path = "../../tests/support/shape_oracle/mod.rs"]
+mod shape_oracle;
 #[path = "../../tests/support/mod.rs"]
 mod support;
 #[path = "../../tests/support/turned.rs"]

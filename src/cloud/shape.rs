@@ -11,8 +11,8 @@ use crate::query::{Answer, Hint, Pair, Query, QueryStats, Verdict};
 use core::ops::ControlFlow;
 
 impl CloudRef<'_> {
-    /// Whether a shape in the cloud's frame comes within `margin` of a point. Touching counts. In the answer, `b` is the
-    /// point.
+    /// Whether a shape in the cloud's frame comes within `margin` of a point. Touching counts. In the answer, `b` is
+    /// the point.
     // Not inlined: scenes without clouds should not pay for its stack frame.
     #[inline(never)]
     pub(crate) fn shape_within(&self, query: &Query, shape: &Shape, margin: f64) -> Answer {
@@ -61,10 +61,10 @@ fn bounds(shape: &Shape, margin: f64) -> Box3 {
     let (corners, radius) = hull_of(shape);
     let reach = radius + margin;
     for p in corners {
-        for i in 0..3 {
-            let side = reach + ROUNDING * (p[i].abs() + reach);
-            around.lower[i] = around.lower[i].min(((p[i] - side) as f32).next_down());
-            around.upper[i] = around.upper[i].max(((p[i] + side) as f32).next_up());
+        for (i, x) in p.into_iter().enumerate() {
+            let side = reach + ROUNDING * (x.abs() + reach);
+            around.lower[i] = around.lower[i].min(((x - side) as f32).next_down());
+            around.upper[i] = around.upper[i].max(((x + side) as f32).next_up());
         }
     }
     around

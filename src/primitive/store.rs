@@ -24,8 +24,8 @@ pub trait Primitive: Copy + fmt::Debug + Send + Sync + 'static {
     const IS_ROUND: bool = false;
     /// Whether every primitive is a ball, so that trees store a ball for each lane: only [`Spheres`].
     const HAS_BALLS: bool = false;
-    /// Whether every primitive is a part of its own: a solid that is in no other part. If not, each vertex has one ball,
-    /// and primitives that share a vertex are in one part.
+    /// Whether every primitive is a part of its own: a solid that is in no other part. If not, each vertex has one
+    /// ball, and primitives that share a vertex are in one part.
     const ARE_PARTS: bool = false;
 
     /// Whether closed sets of these primitives bound solids: only [`Triangles`]. Their records are the indices of three

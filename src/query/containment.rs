@@ -120,8 +120,8 @@ impl Query {
         self.around(&PlacedTree { tree: solid, pose: Some(pose) }, point, &ray, stats)
     }
 
-    /// If a solid winds around a point of its own frame, the crossed primitive with the lowest source index. An error if
-    /// the budget was spent.
+    /// If a solid winds around a point of its own frame, the crossed primitive with the lowest source index. An error
+    /// if the budget was spent.
     pub(in crate::query) fn inside_of_solid<N: Lanes, P: Primitive>(
         &self,
         solid: &BvhRef<'_, N, P>,

@@ -51,9 +51,9 @@ impl<N> Scene<'_, N> {
         Ok(self.row_and_bit(i, j))
     }
 
-    /// Row and column of a pair's bit in the matrix. A cloud is the second of each of its pairs, so its row is empty, and a
-    /// shape the first, unless both are shapes.
-    /// By default, the row of a fixed body contains only its pairs with clouds.
+    /// Row and column of a pair's bit in the matrix. A cloud is the second of each of its pairs, so its row is empty,
+    /// and a shape the first, unless both are shapes. By default, the row of a fixed body contains only its pairs with
+    /// clouds.
     pub(super) fn row_and_bit(&self, i: usize, j: usize) -> (usize, usize) {
         let is_fixed = |i: usize| self.memory.slots[i].body.as_ref().is_some_and(|body| body.is_fixed);
         let [a, b] = [i, j].map(|i| (self.rank(i), is_fixed(i), i));

@@ -42,8 +42,8 @@ impl Primitive for Segments {
         Triangles::narrow(vertex)
     }
 
-    fn ball(vertex: &Point) -> Sphere {
-        Sphere { centre: *vertex, radius: 0.0 }
+    fn balls(vertex: &Point) -> impl Iterator<Item = Sphere> {
+        core::iter::once(Sphere { centre: *vertex, radius: 0.0 })
     }
 
     fn map(vertex: &Point, number: impl Fn(f64) -> f64) -> Point {
@@ -286,8 +286,8 @@ impl Primitive for Padded {
         Spheres::narrow(vertex)
     }
 
-    fn ball(vertex: &Sphere) -> Sphere {
-        *vertex
+    fn balls(vertex: &Sphere) -> impl Iterator<Item = Sphere> {
+        core::iter::once(*vertex)
     }
 
     fn map(vertex: &Sphere, number: impl Fn(f64) -> f64) -> Sphere {

@@ -119,9 +119,9 @@ fn scenes_are_those_of_pairs_in_the_world() {
                 assert!(lower > 1e100, "{lower}");
             }
             if hit {
-                hits += 1
+                hits += 1;
             } else {
-                frees += 1
+                frees += 1;
             }
             apart += usize::from(clearance.lower > 0.1);
             answers.push((answer, near, clearance.lower, clearance.upper, clearance.stats));

@@ -134,7 +134,11 @@ fn compounds<N: Lanes>(seed: u64, rounds: usize) {
                 trees_equal_brute_force((&tree, &shapes), (&packing, &balls), &at, margin),
                 trees_equal_brute_force((&packing, &balls), (&tree, &shapes), &at, margin),
             ] {
-                if count > 0 { hits += 1 } else { frees += 1 }
+                if count > 0 {
+                    hits += 1;
+                } else {
+                    frees += 1;
+                }
             }
         }
     }

@@ -1,5 +1,6 @@
 // Coal: trees of the volume given by -DVOLUME, compiled as in its wheel.
 #include "peer.h"
+#include <cmath>
 #include <coal/BVH/BVH_model.h>
 #include <coal/broadphase/broadphase_dynamic_AABB_tree.h>
 #include <coal/collision.h>
@@ -156,4 +157,51 @@ bool peer_scene_collide(void *data, const Rows *places) {
   MeetIfAsked among_links(scene);
   scene.robot.collide(&among_links);
   return among_links.hit;
+}
+
+// Coal's own axes and origins of shapes are the harness's.
+static Geometry *solid(const Solid &solid) {
+  const double *size = solid.size;
+  switch (solid.kind) {
+  case SPHERE: return new coal::Sphere(size[0]);
+  case CAPSULE: return new coal::Capsule(size[0], size[1]);
+  case CUBOID: return new coal::Box(size[0], size[1], size[2]);
+  case CYLINDER: return new coal::Cylinder(size[0], size[1]);
+  case CONE: return new coal::Cone(size[0], size[1]);
+  case HALF_SPACE: return new coal::Halfspace(coal::Vec3s(0, 0, 1), 0);
+  }
+  return nullptr;
+}
+
+namespace {
+// Coal's functors look up the pair's functions once.
+struct Pair {
+  std::unique_ptr<Geometry> a, b;
+  coal::ComputeCollision collision;
+  coal::ComputeDistance distance;
+  Pair(Geometry *a, Geometry *b) : a(a), b(b), collision(a, b), distance(a, b) {}
+};
+} // namespace
+
+void *peer_pair(const Solid *a, const Solid *b) { return new Pair(solid(*a), solid(*b)); }
+
+void peer_pair_free(void *pair) { delete static_cast<Pair *>(pair); }
+
+bool peer_pair_collide(void *pair, const Rows &rows) {
+  coal::CollisionResult result;
+  static_cast<Pair *>(pair)->collision(transform(rows), coal::Transform3s::Identity(), first_hit(), result);
+  return result.isCollision();
+}
+
+double peer_pair_distance(void *pair, const Rows &rows, double *at) {
+  // Without the depth of what meets.
+  const coal::DistanceRequest request(true, false);
+  coal::DistanceResult result;
+  try {
+    static_cast<Pair *>(pair)->distance(transform(rows), coal::Transform3s::Identity(), request, result);
+  } catch (const std::exception &) {
+    return NAN;
+  }
+  for (size_t i = 0; i < 6; i++) at[i] = result.nearest_points[i / 3][i % 3];
+  return result.min_distance;
 }

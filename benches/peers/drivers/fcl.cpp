@@ -1,10 +1,16 @@
 // FCL: trees of the volume given by -DVOLUME (OBB, OBBRSS), compiled as in its package.
 #include "peer.h"
+#include <cmath>
 #include <fcl/broadphase/broadphase_dynamic_AABB_tree.h>
 #include <fcl/config.h>
 #include <fcl/geometry/bvh/BVH_model.h>
 #include <fcl/geometry/shape/box.h>
+#include <fcl/geometry/shape/capsule.h>
+#include <fcl/geometry/shape/cone.h>
 #include <fcl/geometry/shape/convex.h>
+#include <fcl/geometry/shape/cylinder.h>
+#include <fcl/geometry/shape/halfspace.h>
+#include <fcl/geometry/shape/sphere.h>
 #include <fcl/narrowphase/collision.h>
 #include <fcl/narrowphase/distance.h>
 
@@ -147,4 +153,52 @@ bool peer_scene_collide(void *data, const Rows *places) {
   scene.robot.collide(&scene.world, &asked, Asked::meet);
   if (!asked.hit) scene.robot.collide(&asked, Asked::meet_if_asked);
   return asked.hit;
+}
+
+// FCL's own axes and origins of shapes are the harness's.
+static Geometry *solid(const Solid &solid) {
+  const double *size = solid.size;
+  switch (solid.kind) {
+  case SPHERE: return new fcl::Sphered(size[0]);
+  case CAPSULE: return new fcl::Capsuled(size[0], size[1]);
+  case CUBOID: return new fcl::Boxd(size[0], size[1], size[2]);
+  case CYLINDER: return new fcl::Cylinderd(size[0], size[1]);
+  case CONE: return new fcl::Coned(size[0], size[1]);
+  case HALF_SPACE: return new fcl::Halfspaced(fcl::Vector3d(0, 0, 1), 0);
+  }
+  return nullptr;
+}
+
+namespace {
+struct Pair {
+  std::unique_ptr<Geometry> a, b;
+  // Distances of half-spaces are in FCL's table, but their support functions are null pointers.
+  bool has_distance;
+};
+} // namespace
+
+void *peer_pair(const Solid *a, const Solid *b) {
+  const bool has_distance = a->kind != HALF_SPACE && b->kind != HALF_SPACE;
+  return new Pair{std::unique_ptr<Geometry>(solid(*a)), std::unique_ptr<Geometry>(solid(*b)), has_distance};
+}
+
+void peer_pair_free(void *pair) { delete static_cast<Pair *>(pair); }
+
+bool peer_pair_collide(void *pair, const Rows &rows) {
+  const Pair &solids = *static_cast<Pair *>(pair);
+  return peer_collide(solids.a.get(), solids.b.get(), rows);
+}
+
+double peer_pair_distance(void *pair, const Rows &rows, double *at) {
+  const Pair &solids = *static_cast<Pair *>(pair);
+  if (!solids.has_distance) return -INFINITY;
+  const fcl::DistanceRequestd request(true);
+  fcl::DistanceResultd result;
+  try {
+    fcl::distance(solids.a.get(), transform(rows), solids.b.get(), fcl::Transform3d::Identity(), request, result);
+  } catch (const std::exception &) {
+    return NAN;
+  }
+  for (size_t i = 0; i < 6; i++) at[i] = result.nearest_points[i / 3][i % 3];
+  return result.min_distance;
 }

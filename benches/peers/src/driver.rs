@@ -20,7 +20,45 @@ pub(crate) struct Driver {
     collide: unsafe extern "C" fn(Handle, Handle, *const Rows) -> bool,
     distance: Option<unsafe extern "C" fn(Handle, Handle, *const Rows) -> f64>,
     managers: Option<Managers>,
+    solids: Option<Solids>,
     _library: Library,
+}
+
+/// The functions of a peer with shapes of a formula.
+#[derive(Copy, Clone)]
+struct Solids {
+    pair: unsafe extern "C" fn(*const Solid, *const Solid) -> Handle,
+    free: unsafe extern "C" fn(Handle),
+    collide: unsafe extern "C" fn(Handle, *const Rows) -> bool,
+    distance: unsafe extern "C" fn(Handle, *const Rows, *mut [[f64; 3]; 2]) -> f64,
+}
+
+/// A shape, as declared in `peer.h`.
+#[derive(Copy, Clone, PartialEq, Debug)]
+#[repr(C)]
+pub(crate) struct Solid {
+    pub(crate) kind: Kind,
+    /// The sides of a cuboid; otherwise the radius and the height, which of a capsule is that of its middle part.
+    pub(crate) size: [f64; 3],
+}
+
+/// The shapes of `peer.h`, about the origin, with axes along z. A half-space is below z = 0.
+#[derive(Copy, Clone, PartialEq, Eq, Debug)]
+#[repr(C)]
+pub(crate) enum Kind {
+    Sphere,
+    Capsule,
+    Cuboid,
+    Cylinder,
+    Cone,
+    HalfSpace,
+}
+
+/// A moving and a fixed solid of a peer.
+pub(crate) struct Pair {
+    solids: Solids,
+    handle: Handle,
+    _driver: Rc<Driver>,
 }
 
 /// The functions of a peer with managers of many bodies.
@@ -80,8 +118,18 @@ impl Driver {
                     collide: *library.get(b"peer_scene_collide")?,
                 }),
             };
+            let solids = match library.get(b"peer_pair") {
+                Err(_) => None,
+                Ok(pair) => Some(Solids {
+                    pair: *pair,
+                    free: *library.get(b"peer_pair_free")?,
+                    collide: *library.get(b"peer_pair_collide")?,
+                    distance: *library.get(b"peer_pair_distance")?,
+                }),
+            };
             Ok(Self {
                 managers,
+                solids,
                 version: *library.get(b"peer_version")?,
                 build: *library.get(b"peer_build")?,
                 free: *library.get(b"peer_free")?,
@@ -129,6 +177,13 @@ impl Driver {
             (this.managers().convex)(vertices.as_ptr(), vertices.len(), triangles.as_ptr(), triangles.len())
         };
         Body { driver: Rc::clone(this), handle }
+    }
+
+    /// The first solid, to be moved, and the second.
+    pub(crate) fn pair(this: &Rc<Self>, a: &Solid, b: &Solid) -> Pair {
+        let solids = this.solids.expect("asked of drivers with solids");
+        // SAFETY: two solids as declared in `peer.h`, which need not outlive the call.
+        Pair { solids, handle: unsafe { (solids.pair)(a, b) }, _driver: Rc::clone(this) }
     }
 
     /// Links, initially at these poses, which pairs of them are tested, row by row, and obstacles.
@@ -199,5 +254,25 @@ impl Drop for Body {
     fn drop(&mut self) {
         // SAFETY: the handle is this driver's and is not used again.
         unsafe { (self.driver.free)(self.handle) }
+    }
+}
+
+impl Pair {
+    pub(crate) fn collides(&self, rows: &Rows) -> bool {
+        // SAFETY: the handle is alive; a pose has 12 contiguous numbers.
+        unsafe { (self.solids.collide)(self.handle, rows) }
+    }
+
+    /// As `peer_pair_distance`.
+    pub(crate) fn distance(&self, rows: &Rows, points: &mut [[f64; 3]; 2]) -> f64 {
+        // SAFETY: as for `collides`; there is room for six numbers.
+        unsafe { (self.solids.distance)(self.handle, rows, points) }
+    }
+}
+
+impl Drop for Pair {
+    fn drop(&mut self) {
+        // SAFETY: the handle is this driver's and is not used again.
+        unsafe { (self.solids.free)(self.handle) }
     }
 }

@@ -177,7 +177,7 @@ fn driven(name: &str, driver: Rc<Driver>, meshes: &[MeshData]) -> Entrant {
 }
 
 /// As in Cargo.toml.
-const PARRY_VERSION: &str = "0.31.1";
+pub(crate) const PARRY_VERSION: &str = "0.31.1";
 
 /// parry in the precision of a crate.
 macro_rules! parry {

@@ -36,9 +36,12 @@ mod rng;
 #[path = "../../support/robots.rs"]
 mod robots;
 mod scenes;
+#[path = "../../../tests/support/shape_oracle/mod.rs"]
+mod shape_oracle;
 #[path = "../../../tests/support/shapes.rs"]
 mod shapes;
 mod sizes;
+mod solids;
 #[path = "../../support/suites.rs"]
 mod suites;
 mod summary;
@@ -62,11 +65,12 @@ struct Options {
     #[arg(long, overrides_with = "out")]
     out: PathBuf,
     /// Meshes, separated by commas [default: all]; with --sizes: cow, armadillo, room, hand; with --points tables:
-    /// growth, radii, scenes, particles, odd, single, any
+    /// growth, radii, scenes, particles, odd, single, any; with --shapes kinds: sphere, capsule, cuboid, cylinder, cone,
+    /// half-space
     #[arg(long, value_delimiter = ',')]
     meshes: Vec<String>,
-    /// Poses for each mesh and distance, half of each method; with --sizes and --fineness, for each row [default: 200,
-    /// with these 60]
+    /// Poses for each mesh and distance, half of each method; with --sizes, --fineness and --shapes, for each row
+    /// [default: 200, with these 60, 60 and 1000]
     #[arg(long, value_parser = clap::value_parser!(u32).range(2..))]
     poses: Option<u32>,
     /// Seed of the poses
@@ -82,7 +86,7 @@ struct Options {
     #[arg(long)]
     resume: bool,
     /// Measure distances instead of collisions, for the libraries that can; also with --sizes
-    #[arg(long, conflicts_with_all = ["builds", "fineness", "points", "scenes"])]
+    #[arg(long, conflicts_with_all = ["builds", "fineness", "points", "scenes", "shapes"])]
     distance: bool,
     /// Collide small bodies with large ones, near corners of the latter
     #[arg(long, group = "instead")]
@@ -105,6 +109,9 @@ struct Options {
     /// With --scenes: one problem in this many
     #[arg(long, default_value_t = 7, value_parser = clap::value_parser!(u32).range(1..), requires = "scenes")]
     every: u32,
+    /// Collide and measure pairs of convex shapes instead, for the libraries that have them
+    #[arg(long, group = "instead")]
+    shapes: bool,
     /// Date, version and command for the page
     #[arg(long, default_value = "")]
     stamp: String,
@@ -112,7 +119,11 @@ struct Options {
 
 impl Options {
     fn poses(&self) -> usize {
-        let default = if self.sizes || self.fineness { 60 } else { 200 };
+        let default = match () {
+            () if self.shapes => 1000,
+            () if self.sizes || self.fineness => 60,
+            () => 200,
+        };
         self.poses.unwrap_or(default) as usize
     }
 }
@@ -129,6 +140,8 @@ fn main() -> ExitCode {
         points::run(&options)
     } else if options.scenes {
         scenes::run(&options)
+    } else if options.shapes {
+        solids::run(&options)
     } else {
         run(&options)
     };

@@ -5,13 +5,13 @@ use crate::node::{Child, Node, Width};
 use alloc::vec::Vec;
 
 /// Nodes with their links, without planes, and the primitives in leaf order.
-pub(super) struct Shape<N> {
+pub(super) struct TreeShape<N> {
     pub(super) nodes: Vec<N>,
     pub(super) sources: Vec<u32>,
     pub(super) depth: usize,
 }
 
-impl<N: Node> Shape<N> {
+impl<N: Node> TreeShape<N> {
     pub(super) fn new(assignment: &Assignment, leaf_size: u32) -> Self {
         let count = assignment.ends.len() / N::ARITY;
         let mut nodes = Vec::with_capacity(count);

@@ -3,7 +3,7 @@
 use super::balls::balls;
 use super::normal_slabs::normal_slabs;
 use super::parts::parts;
-use super::shape::{InOrder, Shape};
+use super::shape::{InOrder, TreeShape};
 use super::wrap::wrap;
 use crate::construct::error::BuildError;
 use crate::construct::input::{Checked, Geometry, Record, bounding_box, corners_of};
@@ -32,7 +32,7 @@ pub(in crate::construct) fn bake<N: Dop, G: Geometry>(
     assignment: &Assignment,
     Contents { leaf_size, has_normal_slabs, has_balls, is_solid }: Contents,
 ) -> Result<Bvh<N, G::Primitive>, BuildError> {
-    let shape: Shape<N> = Shape::new(assignment, leaf_size);
+    let shape: TreeShape<N> = TreeShape::new(assignment, leaf_size);
     if shape.depth > MAX_DEPTH {
         return Err(BuildError::TooDeep);
     }

@@ -1,15 +1,15 @@
 //! Eight lanes. `vmaxps` and `vminps` return their second operand unless the first is greater or less, as specified.
 
-use super::super::solids::{self, Wide};
+use super::super::solids::{self, Register};
 use crate::isa::{Avx2, compiled_for_avx2};
 use crate::primitive::shape::lanes::{Decided, Solid, SolidLanes};
 use core::arch::x86_64::*;
 
 /// A register. Made only from a token.
 #[derive(Copy, Clone)]
-pub(super) struct Lanes(__m256);
+pub(super) struct EightFloats(__m256);
 
-impl Wide for Lanes {
+impl Register for EightFloats {
     type Token = Avx2;
     const LANES: usize = 8;
 
@@ -92,6 +92,6 @@ compiled_for_avx2! {
         query: &Solid<M>,
         lanes: &SolidLanes<N>,
     ) -> Decided {
-        solids::decide::<Lanes, M, N>(token, query, lanes)
+        solids::decide::<EightFloats, M, N>(token, query, lanes)
     }
 }

@@ -6,7 +6,7 @@ use core::arch::x86_64::*;
 
 compiled_for_avx512! {
     #[inline]
-    fn load(numbers: &[f32; 16]) -> __m512 {
+    pub(super) fn load(numbers: &[f32; 16]) -> __m512 {
         // SAFETY: the array has the 64 bytes read; the load needs no alignment.
         unsafe { _mm512_loadu_ps(numbers.as_ptr()) }
     }

@@ -1,15 +1,17 @@
 //! Sixteen lanes. `vmaxps` and `vminps` return their second operand unless the first is greater or less, as specified.
 
-use super::super::solids::{self, Wide};
+use super::super::solids::{self, Register};
+#[cfg(miri)]
+use super::points::{load, numbers};
 use crate::isa::{Avx512, compiled_for_avx512};
 use crate::primitive::shape::lanes::{Decided, Solid, SolidLanes};
 use core::arch::x86_64::*;
 
 /// A register. Made only from a token.
 #[derive(Copy, Clone)]
-pub(super) struct Lanes(__m512);
+pub(super) struct SixteenFloats(__m512);
 
-impl Wide for Lanes {
+impl Register for SixteenFloats {
     type Token = Avx512;
     const LANES: usize = 16;
 
@@ -65,19 +67,68 @@ impl Wide for Lanes {
     #[inline(always)]
     fn greater(self, other: Self) -> Self {
         // SAFETY: a register exists only where a token does.
-        Self(unsafe { _mm512_max_ps(self.0, other.0) })
+        Self(unsafe { greater(self.0, other.0) })
     }
 
     #[inline(always)]
     fn lesser(self, other: Self) -> Self {
         // SAFETY: a register exists only where a token does.
-        Self(unsafe { _mm512_min_ps(self.0, other.0) })
+        Self(unsafe { lesser(self.0, other.0) })
     }
 
     #[inline(always)]
     fn exceeds(self, other: Self) -> u16 {
         // SAFETY: a register exists only where a token does.
-        unsafe { _mm512_cmp_ps_mask::<_CMP_GT_OQ>(self.0, other.0) }
+        unsafe { exceeds(self.0, other.0) }
+    }
+}
+
+#[cfg(not(miri))]
+compiled_for_avx512! {
+    #[inline]
+    fn greater(x: __m512, y: __m512) -> __m512 {
+        _mm512_max_ps(x, y)
+    }
+}
+
+#[cfg(not(miri))]
+compiled_for_avx512! {
+    #[inline]
+    fn lesser(x: __m512, y: __m512) -> __m512 {
+        _mm512_min_ps(x, y)
+    }
+}
+
+#[cfg(not(miri))]
+compiled_for_avx512! {
+    #[inline]
+    fn exceeds(x: __m512, y: __m512) -> u16 {
+        _mm512_cmp_ps_mask::<_CMP_GT_OQ>(x, y)
+    }
+}
+
+// Miri has none of these three in this width: this lets it run the rest.
+#[cfg(miri)]
+compiled_for_avx512! {
+    fn greater(x: __m512, y: __m512) -> __m512 {
+        let (p, q) = (numbers(x), numbers(y));
+        load(&core::array::from_fn(|i| if p[i] > q[i] { p[i] } else { q[i] }))
+    }
+}
+
+#[cfg(miri)]
+compiled_for_avx512! {
+    fn lesser(x: __m512, y: __m512) -> __m512 {
+        let (p, q) = (numbers(x), numbers(y));
+        load(&core::array::from_fn(|i| if p[i] < q[i] { p[i] } else { q[i] }))
+    }
+}
+
+#[cfg(miri)]
+compiled_for_avx512! {
+    fn exceeds(x: __m512, y: __m512) -> u16 {
+        let (p, q) = (numbers(x), numbers(y));
+        (0..16).fold(0, |mask, lane| mask | u16::from(p[lane] > q[lane]) << lane)
     }
 }
 
@@ -88,6 +139,6 @@ compiled_for_avx512! {
         query: &Solid<M>,
         lanes: &SolidLanes<N>,
     ) -> Decided {
-        solids::decide::<Lanes, M, N>(token, query, lanes)
+        solids::decide::<SixteenFloats, M, N>(token, query, lanes)
     }
 }

@@ -1,15 +1,15 @@
 //! Four lanes.
 
-use super::super::solids::{self, Wide};
+use super::super::solids::{self, Register};
 use crate::isa::{Neon, compiled_for_neon};
 use crate::primitive::shape::lanes::{Decided, Solid, SolidLanes};
 use core::arch::aarch64::*;
 
 /// A register. Made only from a token.
 #[derive(Copy, Clone)]
-pub(super) struct Lanes(float32x4_t);
+pub(super) struct FourFloats(float32x4_t);
 
-impl Wide for Lanes {
+impl Register for FourFloats {
     type Token = Neon;
     const LANES: usize = 4;
 
@@ -98,6 +98,6 @@ compiled_for_neon! {
         query: &Solid<M>,
         lanes: &SolidLanes<N>,
     ) -> Decided {
-        solids::decide::<Lanes, M, N>(token, query, lanes)
+        solids::decide::<FourFloats, M, N>(token, query, lanes)
     }
 }

@@ -1,7 +1,8 @@
 //! What a radius widens.
 
 use super::error::{self, ShapeError};
-use super::{MAX_COORDINATE, MIN_COORDINATE, Point, Pose, flush};
+use crate::pose::Pose;
+use crate::range::{MAX_COORDINATE, MIN_COORDINATE, Point, flush};
 use crate::vector::dot;
 
 /// A closed convex set.
@@ -41,8 +42,9 @@ pub enum Core {
     },
     /// All points p with `normal . p <= offset`.
     HalfSpace {
-        /// Points outwards. The largest component is between 1/2 and 1 up to rounding ([`super::Shape::half_space`]
-        /// scales it by a power of two); of a moved one, at least 1/4 and at most 2.
+        /// Points outwards. The largest component is between 1/2 and 1 up to rounding
+        /// ([`Shape::half_space`](super::Shape::half_space) scales it by a power of two); of a moved one, at least 1/4
+        /// and at most 2.
         normal: Point,
         /// In units of the normal's length.
         offset: f64,
@@ -114,7 +116,7 @@ impl Core {
 /// A vector of length 1 up to rounding.
 fn unit(v: &Point) -> Result<Point, ShapeError> {
     let largest = v[0].abs().max(v[1].abs()).max(v[2].abs());
-    if largest < MIN_COORDINATE || largest > MAX_COORDINATE {
+    if !(MIN_COORDINATE..=MAX_COORDINATE).contains(&largest) {
         return Err(ShapeError::NoDirection);
     }
     let scaled = v.map(|x| x / largest);

@@ -17,12 +17,14 @@ mod round_against_polytope;
 mod tests;
 
 use self::half_space::HalfSpace;
-use self::integers::One;
-use self::polytope::Polytope;
+use self::integers::Degree1;
+use self::polytope::ExactPolytope;
 use self::round::Round;
-use super::{Core, MIN_COORDINATE, Shape};
 use crate::exact::power_of_two;
 use crate::exact::wide::unit_of;
+use crate::primitive::shape::convex::Shape;
+use crate::primitive::shape::core::Core;
+use crate::range::MIN_COORDINATE;
 
 /// No two cores are this far apart. Points of bounded cores are less than 2^306 from the origin. Normals are at least
 /// 1/4 long and offsets less than 2^303, so the planes of half-spaces are less than 2^305 from it.
@@ -40,7 +42,7 @@ pub(crate) fn is_within(a: &Shape, b: &Shape, margin: f64) -> Option<bool> {
     let margin = if margin > 0.0 { margin.clamp(MIN_COORDINATE, FARTHEST) } else { 0.0 };
     let reach = [a.radius, b.radius, margin];
     let unit = unit_of(lengths(&a.core).into_iter().chain(lengths(&b.core)).chain(reach));
-    let reach = reach.iter().fold(One::ZERO, |sum, x| sum.plus(&One::new(*x, unit)));
+    let reach = reach.iter().fold(Degree1::ZERO, |sum, x| sum.plus(&Degree1::new(*x, unit)));
     match (&a.core, &b.core) {
         (Core::HalfSpace { normal, offset }, other) | (other, Core::HalfSpace { normal, offset }) => {
             HalfSpace::new(normal, *offset, unit).is_within(other, unit, &reach)
@@ -57,20 +59,20 @@ pub(crate) fn is_within(a: &Shape, b: &Shape, margin: f64) -> Option<bool> {
 // Separate functions: the stack frame of one does not include the polytopes of the other.
 
 #[inline(never)]
-fn round_is_within(round: &Core, other: &Core, unit: i32, reach: &One) -> Option<bool> {
+fn round_is_within(round: &Core, other: &Core, unit: i32, reach: &Degree1) -> Option<bool> {
     let round = Round::new(round, unit)?;
     if let Core::Point(point) = other {
-        return Some(round.is_within_of_point(&point.map(|x| One::new(x, unit)), reach));
+        return Some(round.is_within_of_point(&point.map(|x| Degree1::new(x, unit)), reach));
     }
     if reach.sign() > 0 {
         return None;
     }
-    Some(round_against_polytope::meet(&round, &Polytope::new(other, unit)))
+    Some(round_against_polytope::meet(&round, &ExactPolytope::new(other, unit)))
 }
 
 #[inline(never)]
-fn polytope_is_within(a: &Core, b: &Core, unit: i32, reach: &One) -> bool {
-    let (a, b) = (Polytope::new(a, unit), Polytope::new(b, unit));
+fn polytope_is_within(a: &Core, b: &Core, unit: i32, reach: &Degree1) -> bool {
+    let (a, b) = (ExactPolytope::new(a, unit), ExactPolytope::new(b, unit));
     polytopes::meet(&a, &b) || reach.sign() > 0 && polytopes::is_near(&a, &b, reach)
 }
 

@@ -1,7 +1,8 @@
 //! Whether two shapes are within a margin, decided in plain `f64` where its error bounds allow.
 //!
 //! Every verdict has a certificate, which is checked with a bound of its own rounding errors:
-//! * **Within:** two points, one of each core, that are near enough.
+//! * **Within:** two points, one of each core, that are near enough; four differences of such points whose tetrahedron
+//!   contains the origin; or overlaps along all 15 axes of two cuboids.
 //! * **Apart:** a direction along which the gap between the cores is wide enough. Any direction gives a lower bound of
 //!   the distance.
 //!
@@ -14,32 +15,32 @@
 //! nor overflow. Tests with products of more factors require `size` in 2^-100 .. 2^100. Then underflow adds at most
 //! 2^-1000 to numbers that are compared with multiples of `size`^2 2^-90 or more.
 
+mod axes;
 mod bodies;
 mod half_space;
+mod margins;
 mod pairs;
 mod search;
 mod simplex;
+// Miri does not run libm's square roots.
 #[cfg(test)]
+#[cfg(not(miri))]
 pub(crate) mod tests;
 
-use self::bodies::{Body, Segment};
-use super::{Core, Shape};
+use self::bodies::{Segment, Supported};
+use self::margins::FEW;
 use crate::exact::power_of_two;
+use crate::primitive::shape::convex::Shape;
+use crate::primitive::shape::core::Core;
 use crate::range::Point;
 use crate::vector::{difference, dot};
-
-/// Bound of the error of the computed difference of two certified points, relative to `size`: see [`bodies`].
-const ERROR: f64 = power_of_two(-42);
-/// More than the relative error of a few dozen operations on positive numbers.
-const FEW: f64 = power_of_two(-47);
 
 /// Whether two shapes are at most `margin` apart. `None` if the error bounds do not allow a decision, or for pairs of
 /// kinds that this filter does not treat.
 #[inline]
 pub(crate) fn decide(a: &Shape, b: &Shape, margin: f64) -> Option<bool> {
     let reach = (a.radius + b.radius) + margin;
-    // False for NaN.
-    if !(margin >= 0.0) {
+    if margin < 0.0 || margin.is_nan() {
         return None;
     }
     match (&a.core, &b.core) {

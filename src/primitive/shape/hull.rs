@@ -1,6 +1,7 @@
 //! A few balls whose convex hull contains a shape, by which trees bound it.
 
-use super::{Core, Shape};
+use super::convex::Shape;
+use super::core::Core;
 use crate::exact::power_of_two;
 use crate::pose::Pose;
 use crate::range::{MIN_COORDINATE, Point, flush};
@@ -12,9 +13,9 @@ const MOST: usize = 16;
 /// Allowance for the roundings of a corner: a dozen, relative to the sum of the magnitudes.
 const ROUNDING: f64 = power_of_two(-48);
 
-/// A pose moves a disc as one that is perpendicular to the moved axis, with the same radius. Its matrix, which is within
-/// [`Pose::TOLERANCE`] of a rotation, moves the points of the disc elsewhere by up to this share of the radius, so that
-/// discs are bounded with as much room in all directions.
+/// A pose moves a disc as one that is perpendicular to the moved axis, with the same radius. Its matrix, which is
+/// within [`Pose::TOLERANCE`] of a rotation, moves the points of the disc elsewhere by up to this share of the radius,
+/// so that discs are bounded with as much room in all directions.
 const SKEW: f64 = power_of_two(-11);
 const _: () = assert!(SKEW > 4.0 * Pose::TOLERANCE);
 
@@ -93,6 +94,12 @@ impl Hull {
     fn widen(&mut self, size: f64) {
         self.radius = (self.radius + (ROUNDING * size + 4.0 * MIN_COORDINATE)) * (1.0 + ROUNDING);
     }
+}
+
+/// Points whose convex hull, widened by the radius, contains a shape. NaN for a half-space.
+pub(crate) fn hull_of(shape: &Shape) -> (impl Iterator<Item = Point> + Clone + use<>, f64) {
+    let hull = Hull::of(shape);
+    (hull.corners(), hull.radius)
 }
 
 /// Two vectors of a length, perpendicular to the axis and to each other up to rounding.

@@ -4,12 +4,14 @@
 //! shapes in `f64`: their error bounds include the rounding of these numbers. A shape whose numbers are out of the
 //! range of the error analysis is never decided.
 
-use super::{Core, Shape};
 use crate::exact::{power_of_two, round_up_f32};
+use crate::primitive::shape::convex::Shape;
+use crate::primitive::shape::core::Core;
 use crate::range::Point;
 use crate::vector::dot;
 
-/// The range of [`Solid`]'s `size`: products of four sizes and their error bounds are normal numbers.
+/// The range of [`Solid`]'s `size`: products of two sizes and two error bounds are normal numbers. Smaller shapes count
+/// as of the least size.
 const LEAST: f64 = power_of_two(-20);
 const GREATEST: f64 = power_of_two(30);
 /// Shorter half edges of cuboids are not treated.
@@ -35,6 +37,8 @@ pub struct Solid<const N: usize> {
     pub extent: [f32; N],
     /// The length of each half edge, about.
     pub length: [f32; N],
+    /// The greatest cosine of the angle between two half edges. Rounded up.
+    pub skew: f32,
 }
 
 impl<const N: usize> Solid<N> {
@@ -48,6 +52,7 @@ impl<const N: usize> Solid<N> {
         inverse: [0.0; N],
         extent: [0.0; N],
         length: [0.0; N],
+        skew: 0.0,
     };
 
     /// A shape widened by `margin`. `None` if it is not a sphere, capsule or cuboid of `N` half edges.
@@ -75,17 +80,22 @@ impl<const N: usize> Solid<N> {
         let narrow = |v: &Point| [v[0] as f32, v[1] as f32, v[2] as f32];
         let size = half.iter().fold(norm_1(centre), |sum, h| sum + norm_1(h));
         let shortest = half.iter().map(largest).fold(f64::INFINITY, f64::min);
-        let is_treated = size >= LEAST && size.max(radius) <= GREATEST && (N < 3 || shortest >= SHORTEST);
+        let is_treated = size.max(radius) <= GREATEST && (N < 3 || shortest >= SHORTEST);
         let mut solid = Self {
             centre: narrow(centre),
             half: [[0.0; 3]; N],
             radius: radius as f32,
             // Heights over a face are at least 0.999 of the edge.
             inner: if N < 3 { 0.0 } else { (0.5 * shortest) as f32 },
-            size: if is_treated { round_up_f32(size) } else { f32::INFINITY },
+            size: if is_treated {
+                round_up_f32(size.max(LEAST) * (1.0 + power_of_two(-48)))
+            } else {
+                f32::INFINITY
+            },
             inverse: [0.0; N],
             extent: [0.0; N],
             length: [0.0; N],
+            skew: 0.0,
         };
         for (i, h) in half.iter().enumerate() {
             let square = dot(h, h);
@@ -94,6 +104,10 @@ impl<const N: usize> Solid<N> {
             let extent: f64 = half.iter().map(|g| dot(g, h).abs()).sum();
             solid.extent[i] = round_up_f32(extent * (1.0 + power_of_two(-48)));
             solid.length[i] = libm::sqrt(square) as f32;
+            for g in &half[..i] {
+                let cosine = dot(g, h).abs() / libm::sqrt(dot(g, g) * square);
+                solid.skew = solid.skew.max(round_up_f32(cosine + power_of_two(-48)));
+            }
         }
         solid
     }
@@ -119,6 +133,8 @@ pub struct SolidLanes<const N: usize> {
     pub extent: [[f32; 16]; N],
     /// See [`Solid::length`].
     pub length: [[f32; 16]; N],
+    /// See [`Solid::skew`].
+    pub skew: [f32; 16],
     /// The lanes that have a shape.
     pub used: u16,
 }
@@ -141,6 +157,7 @@ impl<const N: usize> SolidLanes<N> {
         inverse: [[0.0; 16]; N],
         extent: [[0.0; 16]; N],
         length: [[0.0; 16]; N],
+        skew: [0.0; 16],
         used: 0,
     };
 
@@ -170,6 +187,7 @@ impl<const N: usize> SolidLanes<N> {
         self.radius[lane] = solid.radius;
         self.inner[lane] = solid.inner;
         self.size[lane] = solid.size;
+        self.skew[lane] = solid.skew;
         self.used |= 1 << lane;
     }
 }

@@ -6,166 +6,56 @@
 //! **Poses.** A pose moves the points of a core by [`Pose::apply`] and rotates its vectors (half edges, axes, normals)
 //! without a translation, coordinate by coordinate and rounded to `f64`. Radii stay as they are. Verdicts are those of
 //! the shape with these numbers.
+//!
+//! **Exactness.** Of two shapes, with R the sum of their radii and the margin:
+//!
+//! | pair | verdict |
+//! |---|---|
+//! | points, segments, triangles, cuboids among each other | exact |
+//! | half-space and any shape, widened round ones among them | exact |
+//! | cylinder or cone, and a point (a sphere) | exact |
+//! | cylinder or cone, and a segment, triangle or cuboid, R = 0 | exact |
+//! | the same with R > 0 | certain if free; a hit may be 2^-40 of the size apart |
+//! | cylinders and cones among each other | certain if free; a hit may be 2^-40 of the size apart |
+//!
+//! Distances are certain bounds ([`separation`]), and so are depths ([`depth`]).
+//!
+//! ```
+//! use simdop::glam::{DAffine3, DVec3};
+//! use simdop::pose::Pose;
+//! use simdop::primitive::Shape;
+//! use simdop::primitive::shape::{depth, meets, separation};
+//!
+//! let (can, shelf) = (Shape::cylinder(0.03, 0.14)?, Shape::cuboid([0.2, 0.6, 0.5])?);
+//! let at = |x: f64| Pose::try_from(DAffine3::from_translation(DVec3::new(x, 0.0, 0.0)));
+//! let beside = can.moved(&at(0.1300001)?);
+//! assert!(!meets(&beside, &shelf) && meets(&can.moved(&at(0.1299999)?), &shelf));
+//! let gap = separation(&beside, &shelf, f64::INFINITY, 0.0).ok_or("no limit")?;
+//! assert!((gap.upper - 1e-7).abs() < 1e-14 && gap.lower <= gap.upper);
+//! let inside = depth(&can.moved(&at(0.12)?), &shelf, 1e-6);
+//! assert!((inside.upper - 0.01).abs() < 1e-8 && inside.direction[0] > 0.999);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
 
-mod axes;
 mod bounds;
+mod convex;
 mod core;
-mod depth;
 mod error;
 mod exact;
-mod fast;
-mod gjk;
-mod half_space;
+pub(crate) mod fast;
 mod hull;
 pub mod lanes;
-mod newton;
 mod pair;
-mod place;
-mod polytope;
 mod stored;
-mod support;
 
 pub use self::core::Core;
+pub use bounds::{Depth, depth};
+pub use convex::Shape;
 pub use error::ShapeError;
+pub(crate) use hull::hull_of;
 pub(crate) use pair::{is_near, nearer};
 pub use pair::{is_within, meets, separation};
 pub use stored::{ShapeNumbers, Shapes, SingleShapeNumbers};
 
-use crate::exact::power_of_two;
+#[cfg(doc)]
 use crate::pose::Pose;
-use crate::range::{MAX_COORDINATE, MIN_COORDINATE, Point, flush};
-
-/// A closed convex solid: all points at most a radius from its core.
-#[derive(Copy, Clone, PartialEq, Debug)]
-pub struct Shape {
-    core: Core,
-    radius: f64,
-}
-
-impl Default for Shape {
-    /// The origin.
-    fn default() -> Self {
-        Self { core: Core::Point([0.0; 3]), radius: 0.0 }
-    }
-}
-
-impl Shape {
-    /// A shape from its core and radius.
-    ///
-    /// # Errors
-    /// [`ShapeError`] if a number is out of range, a radius is negative, a length that must not be zero is, or the half
-    /// edges of a cuboid are not perpendicular within [`Pose::TOLERANCE`].
-    pub fn new(core: Core, radius: f64) -> Result<Self, ShapeError> {
-        core.check()?;
-        error::length_or_zero(radius)?;
-        Ok(Self { core, radius })
-    }
-
-    /// A shape of numbers that are known to be valid.
-    #[inline(always)]
-    pub(crate) const fn unchecked(core: Core, radius: f64) -> Self {
-        Self { core, radius }
-    }
-
-    /// A ball about the origin.
-    ///
-    /// # Errors
-    /// [`ShapeError`] if the radius is not a positive length.
-    pub fn sphere(radius: f64) -> Result<Self, ShapeError> {
-        Self::new(Core::Point([0.0; 3]), error::length(radius)?)
-    }
-
-    /// A capsule about the origin, along z: `height` is the distance of the centres of its two hemispheres.
-    ///
-    /// # Errors
-    /// [`ShapeError`] if one of the two is not a positive length.
-    pub fn capsule(radius: f64, height: f64) -> Result<Self, ShapeError> {
-        let half = 0.5 * error::length(height)?;
-        Self::new(Core::Segment([[0.0, 0.0, -half], [0.0, 0.0, half]]), error::length(radius)?)
-    }
-
-    /// A cuboid about the origin with these side lengths along x, y and z.
-    ///
-    /// # Errors
-    /// [`ShapeError`] if one of them is not a positive length.
-    pub fn cuboid(sides: [f64; 3]) -> Result<Self, ShapeError> {
-        let mut half = [[0.0; 3]; 3];
-        for i in 0..3 {
-            half[i][i] = 0.5 * error::length(sides[i])?;
-        }
-        Self::new(Core::Cuboid { centre: [0.0; 3], half }, 0.0)
-    }
-
-    /// A cylinder about the origin, along z.
-    ///
-    /// # Errors
-    /// [`ShapeError`] if one of the two is not a positive length.
-    pub fn cylinder(radius: f64, height: f64) -> Result<Self, ShapeError> {
-        let half_axis = [0.0, 0.0, 0.5 * error::length(height)?];
-        Self::new(Core::Cylinder { centre: [0.0; 3], half_axis, radius: error::length(radius)? }, 0.0)
-    }
-
-    /// A cone along z, with the middle of its height at the origin and its tip above.
-    ///
-    /// # Errors
-    /// [`ShapeError`] if one of the two is not a positive length.
-    pub fn cone(radius: f64, height: f64) -> Result<Self, ShapeError> {
-        let height = error::length(height)?;
-        let core = Core::Cone {
-            base: [0.0, 0.0, -0.5 * height],
-            axis: [0.0, 0.0, height],
-            radius: error::length(radius)?,
-        };
-        Self::new(core, 0.0)
-    }
-
-    /// All points p with `normal . p <= offset`. The normal need not have unit length.
-    ///
-    /// # Errors
-    /// [`ShapeError`] if the normal is zero or a number is out of range.
-    pub fn half_space(normal: Point, offset: f64) -> Result<Self, ShapeError> {
-        error::point(&normal)?;
-        let largest = normal[0].abs().max(normal[1].abs()).max(normal[2].abs());
-        if largest == 0.0 {
-            return Err(ShapeError::NoDirection);
-        }
-        // The power of two that brings the largest component into 1/2 .. 1.
-        let scale = power_of_two(1022 - (largest.to_bits() >> 52) as i32);
-        Self::new(Core::HalfSpace { normal: normal.map(|x| flush(x * scale)), offset: offset * scale }, 0.0)
-    }
-
-    /// The shape widened by another radius.
-    ///
-    /// # Errors
-    /// [`ShapeError`] if `by` is negative, or the sum out of range.
-    pub fn widened(&self, by: f64) -> Result<Self, ShapeError> {
-        Self::new(self.core, self.radius + error::length_or_zero(by)?)
-    }
-
-    /// Its core.
-    #[inline]
-    #[must_use]
-    pub const fn core(&self) -> &Core {
-        &self.core
-    }
-
-    /// The radius around the core.
-    #[inline]
-    #[must_use]
-    pub const fn radius(&self) -> f64 {
-        self.radius
-    }
-
-    /// The shape at a pose.
-    #[inline]
-    #[must_use]
-    pub fn moved(&self, pose: &Pose) -> Self {
-        Self { core: self.core.moved(pose), radius: self.radius }
-    }
-}
-
-/// Points whose convex hull, widened by the radius, contains a shape. NaN for a half-space.
-pub(crate) fn hull_of(shape: &Shape) -> (impl Iterator<Item = Point> + Clone + use<>, f64) {
-    let hull = hull::Hull::of(shape);
-    (hull.corners(), hull.radius)
-}

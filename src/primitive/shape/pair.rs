@@ -1,17 +1,15 @@
 //! Two shapes in one frame: do they meet or come within a margin, and what is their distance?
 //!
 //! A filter in plain `f64` decides most pairs. Certified bounds of the distance decide the rest, and what these cannot
-//! is decided exactly, in integers, if it is the sign of a rational number. It is, whatever the radii, for points,
-//! segments, triangles and cuboids, for a half-space against any shape but a widened round one, and for a sphere against
-//! any shape; and without radii for cylinders and cones against points, segments, triangles and cuboids. Of other pairs
-//! of round shapes the bounds decide, which are within 2^-40 of the size of the two: only certainly free is free.
+//! is decided exactly, in integers, if it is the sign of a rational number; the table in [`super`] says where it is. Of
+//! other pairs the bounds decide, which are within 2^-40 of the size of the two: only certainly free is free.
 
-use super::Shape;
 use super::bounds::{Bounds, bounds};
 use super::exact;
 use super::fast::decide;
 use crate::exact::power_of_two;
 use crate::primitive::Separation;
+use crate::primitive::shape::convex::Shape;
 use crate::range::MIN_COORDINATE;
 
 /// The smallest tolerance, of what is to decide.
@@ -77,11 +75,8 @@ pub(crate) fn nearer(
     } else {
         *exact += 1;
         let meets = exact::is_within(a, b, 0.0).unwrap_or(true);
-        if meets {
-            (0.0, 0.0)
-        } else {
-            (f64::MIN_POSITIVE.min(found.upper), found.upper.max(f64::MIN_POSITIVE))
-        }
+        // Apart by less than the bounds resolve.
+        (0.0, if meets { 0.0 } else { found.upper.max(f64::MIN_POSITIVE) })
     };
     Some(Separation { lower, upper, a: found.a, b: found.b })
 }

@@ -1,7 +1,9 @@
 //! Shapes as the primitives of a tree.
 
+use super::convex::Shape;
+use super::core::Core;
+use super::error::ShapeError;
 use super::hull::Hull;
-use super::{Core, Shape, ShapeError};
 use crate::pose::Pose;
 use crate::primitive::{Kind, OWN_DIRECTIONS, Primitive, Sphere, Store};
 use crate::range::Point;
@@ -145,8 +147,10 @@ impl Primitive for Shapes {
     #[inline(always)]
     fn point(item: &Shape) -> Point {
         match item.core {
-            Core::Point(p) | Core::Segment([p, _]) | Core::Triangle([p, ..]) => p,
-            Core::Cuboid { centre: p, .. }
+            Core::Point(p)
+            | Core::Segment([p, _])
+            | Core::Triangle([p, ..])
+            | Core::Cuboid { centre: p, .. }
             | Core::Cylinder { centre: p, .. }
             | Core::Cone { base: p, .. } => p,
             // Not of a tree.

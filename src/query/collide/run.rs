@@ -92,8 +92,8 @@ impl Query {
 }
 
 /// How volumes of body a are rotated into the frame of b.
-// Inlined, so that it is compiled for the query's instruction set. Not on small machines, where it would take stack of the
-// whole traversal.
+// Inlined, so that it is compiled for the query's instruction set. Not on small machines, where it would take stack of
+// the whole traversal.
 #[cfg_attr(simdop_small, inline(never))]
 #[cfg_attr(not(simdop_small), inline(always))]
 fn set_up<N: Lanes, P: Primitive>(map: &mut N::Map, placing: &Placing<'_>, a: &BodyBounds, b: &Frame) {

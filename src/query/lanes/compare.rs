@@ -61,8 +61,8 @@ fn enclose<const V: usize, const W: usize, const K: usize, S: Storage>(
     turned: &Turned<V, K>,
     aimed: &mut Turned<W, K>,
 ) {
-    // In fixed point the planes of unused lanes are below all others, and so are sums of them by the same weights. Their
-    // half floats are NaN, which makes rotated planes unbounded.
+    // In fixed point the planes of unused lanes are below all others, and so are sums of them by the same weights.
+    // Their half floats are NaN, which makes rotated planes unbounded.
     let mut floor = [i16::MIN; V];
     if S::IS_HALF {
         for (floor, code) in floor.iter_mut().zip(&turned[0]) {

@@ -16,15 +16,15 @@ use crate::pose::Pose;
 use crate::primitive::shape::{is_near, nearer};
 use crate::primitive::{Primitive, Shape, Shapes};
 use bounds::Volume;
-use search::Outcome;
+use search::FirstNear;
 
 /// The smallest tolerance of a distance between primitives.
 const TIGHT: f64 = power_of_two(-42);
 
 impl Query {
     /// Whether a shape, placed by `pose` in the frame of body B, meets B; or is inside of B, which is
-    /// [solid](crate::construct::Builder::solid). Touching counts. As [`Query::collide`] with a body A of one primitive,
-    /// but without a tree and with half-spaces, too.
+    /// [solid](crate::construct::Builder::solid). Touching counts. As [`Query::collide`] with a body A of one
+    /// primitive, but without a tree and with half-spaces, too.
     ///
     /// ```
     /// # use simdop::{Builder, Isa, Mesh, Pose, Query};
@@ -100,9 +100,9 @@ impl Query {
         let mut stats = QueryStats::default();
         let volume = Volume::of(shape, tree);
         let mut verdict = match self.first_near_shape(shape, &volume, tree, margin, &mut stats) {
-            Outcome::Found(index) => Verdict::Hit(Pair { a: 0, b: tree.source(index) }),
-            Outcome::Nothing => Verdict::Free,
-            Outcome::OutOfBudget => Verdict::Unknown { lower: 0.0, upper: volume.farthest(shape, tree) },
+            FirstNear::Found(index) => Verdict::Hit(Pair { a: 0, b: tree.source(index) }),
+            FirstNear::Nothing => Verdict::Free,
+            FirstNear::OutOfBudget => Verdict::Unknown { lower: 0.0, upper: volume.farthest(shape, tree) },
         };
         if verdict == Verdict::Free
             && let Some(inside) = self.shape_inside(shape, tree, &mut stats)

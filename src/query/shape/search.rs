@@ -10,7 +10,7 @@ use crate::query::entry::{PrimitivePair, Query, QueryStats};
 use crate::query::lanes::Lanes;
 
 /// The end of a search for a primitive within a margin.
-pub(super) enum Outcome {
+pub(super) enum FirstNear {
     /// The index of a primitive, in leaf order.
     Found(u32),
     Nothing,
@@ -18,7 +18,7 @@ pub(super) enum Outcome {
 }
 
 /// The nearest primitive.
-pub(super) struct Nearest {
+pub(super) struct NearestPrimitive {
     /// Lower bound of the distance: the cutoff if no primitive is nearer.
     pub(super) lower: f64,
     /// Its index in leaf order.
@@ -35,7 +35,7 @@ impl Query {
         tree: &BvhRef<'_, N, Q>,
         margin: f64,
         stats: &mut QueryStats,
-    ) -> Outcome
+    ) -> FirstNear
     where
         Shapes: PrimitivePair<Q>,
     {
@@ -53,7 +53,7 @@ impl Query {
         tree: &BvhRef<'_, N, Q>,
         limits: (f64, f64),
         stats: &mut QueryStats,
-    ) -> Nearest
+    ) -> NearestPrimitive
     where
         Shapes: PrimitivePair<Q>,
     {
@@ -73,7 +73,7 @@ fn first_near<N: Lanes, Q: Primitive, E: Kernel>(
     tree: &BvhRef<'_, N, Q>,
     margin: f64,
     stats: &mut QueryStats,
-) -> Outcome
+) -> FirstNear
 where
     Shapes: PrimitivePair<Q>,
 {
@@ -87,7 +87,7 @@ where
             Link::Empty => {}
             Link::Inner(node) => {
                 if stats.visits == budget {
-                    return Outcome::OutOfBudget;
+                    return FirstNear::OutOfBudget;
                 }
                 stats.visits += 1;
                 stats.kernels += 1;
@@ -106,13 +106,13 @@ where
                         <Shapes as PrimitivePair<Q>>::meets(&probe, &item, &mut stats.exact_pairs)
                     };
                     if is_near {
-                        return Outcome::Found(index);
+                        return FirstNear::Found(index);
                     }
                 }
             }
         }
         loop {
-            let Some(level) = levels.checked_sub(1) else { return Outcome::Nothing };
+            let Some(level) = levels.checked_sub(1) else { return FirstNear::Nothing };
             let (node, near) = path[level];
             if near == 0 {
                 levels = level;
@@ -133,20 +133,20 @@ fn nearest<N: Lanes, Q: Primitive>(
     tree: &BvhRef<'_, N, Q>,
     (tolerance, cutoff): (f64, f64),
     stats: &mut QueryStats,
-) -> Nearest
+) -> NearestPrimitive
 where
     Shapes: PrimitivePair<Q>,
 {
     let mut path = [(0_u32, [f64::INFINITY; 16]); MAX_DEPTH];
     let (mut levels, mut next) = (0, tree.header().root.link());
-    let mut best = Nearest { lower: cutoff, found: None, is_complete: true };
+    let mut best = NearestPrimitive { lower: cutoff, found: None, is_complete: true };
     let mut limit = cutoff;
     loop {
         match next {
             Link::Empty => {}
             Link::Inner(node) => {
                 if stats.visits == budget {
-                    return Nearest { lower: 0.0, is_complete: false, ..best };
+                    return NearestPrimitive { lower: 0.0, is_complete: false, ..best };
                 }
                 stats.visits += 1;
                 path[levels] = (node, volume.distances(&tree.nodes()[node as usize]));
@@ -164,7 +164,7 @@ where
                     {
                         (limit, best.found) = (found.upper.min(cutoff), Some((index, found)));
                         if found.upper == 0.0 {
-                            return Nearest { lower: 0.0, ..best };
+                            return NearestPrimitive { lower: 0.0, ..best };
                         }
                     }
                 }

@@ -6,19 +6,19 @@
 
 use crate::exact::wide::Wide;
 
-pub(super) type One = Wide<10>;
-pub(super) type Two = Wide<20>;
-pub(super) type Three = Wide<30>;
-pub(super) type Four = Wide<40>;
-pub(super) type Six = Wide<60>;
-pub(super) type Seven = Wide<70>;
-pub(super) type Eight = Wide<80>;
-pub(super) type Ten = Wide<100>;
-pub(super) type Twelve = Wide<120>;
+pub(super) type Degree1 = Wide<10>;
+pub(super) type Degree2 = Wide<20>;
+pub(super) type Degree3 = Wide<30>;
+pub(super) type Degree4 = Wide<40>;
+pub(super) type Degree6 = Wide<60>;
+pub(super) type Degree7 = Wide<70>;
+pub(super) type Degree8 = Wide<80>;
+pub(super) type Degree10 = Wide<100>;
+pub(super) type Degree12 = Wide<120>;
 
 /// The number 1, as a factor.
-pub(super) fn one() -> One {
-    One::new(1.0, 0)
+pub(super) fn one() -> Degree1 {
+    Degree1::new(1.0, 0)
 }
 
 /// The dot product, in a width that must have room for it.
@@ -71,10 +71,6 @@ pub(super) fn is_zero<const L: usize>(u: &[Wide<L>; 3]) -> bool {
 #[inline(never)]
 pub(super) fn negative<const L: usize>(x: &Wide<L>) -> Wide<L> {
     Wide::ZERO.minus(x)
-}
-
-pub(super) fn magnitude<const L: usize>(x: &Wide<L>) -> Wide<L> {
-    if x.sign() < 0 { negative(x) } else { *x }
 }
 
 #[inline(never)]

@@ -4,13 +4,13 @@
 //! of its faces, since any point of it is the image of a point on the surface of a cube; likewise a parallelogram
 //! without area is the union of its edges.
 
-use super::integers::{One, Three, Two, cross, difference, dot};
+use super::integers::{Degree1, Degree2, Degree3, cross, difference, dot};
 use crate::exact::wide::Wide;
 use crate::primitive::shape::Core;
 
 #[derive(Debug)]
-pub(super) struct Polytope {
-    corners: [[One; 3]; 8],
+pub(super) struct ExactPolytope {
+    corners: [[Degree1; 3]; 8],
     features: &'static Features,
 }
 
@@ -39,18 +39,18 @@ const CUBOID: Features = Features {
 
 /// The plane of a face. The normal is zero if the face has no area.
 #[derive(Debug)]
-pub(super) struct Face<'a> {
-    polytope: &'a Polytope,
+pub(super) struct ExactFace<'a> {
+    polytope: &'a ExactPolytope,
     corners: &'static [usize],
-    pub(super) normal: [Two; 3],
+    pub(super) normal: [Degree2; 3],
 }
 
-impl Polytope {
+impl ExactPolytope {
     /// Without corners for other cores.
     #[inline(never)]
     pub(super) fn new(core: &Core, unit: i32) -> Self {
-        let number = |x: f64| One::new(x, unit);
-        let mut corners = [[One::ZERO; 3]; 8];
+        let number = |x: f64| Degree1::new(x, unit);
+        let mut corners = [[Degree1::ZERO; 3]; 8];
         let mut set = |points: &[[f64; 3]]| {
             for (corner, point) in corners.iter_mut().zip(points) {
                 *corner = point.map(number);
@@ -85,18 +85,18 @@ impl Polytope {
         Self { corners, features }
     }
 
-    pub(super) fn of_point(point: [One; 3]) -> Self {
-        let mut corners = [[One::ZERO; 3]; 8];
+    pub(super) fn of_point(point: [Degree1; 3]) -> Self {
+        let mut corners = [[Degree1::ZERO; 3]; 8];
         corners[0] = point;
         Self { corners, features: &POINT }
     }
 
-    pub(super) fn corners(&self) -> &[[One; 3]] {
+    pub(super) fn corners(&self) -> &[[Degree1; 3]] {
         &self.corners[..self.features.corners]
     }
 
-    /// One end of each edge, and the vector to the other.
-    pub(super) fn edges(&self) -> impl Iterator<Item = (&[One; 3], [One; 3])> {
+    /// Degree1 end of each edge, and the vector to the other.
+    pub(super) fn edges(&self) -> impl Iterator<Item = (&[Degree1; 3], [Degree1; 3])> {
         let edge = |[i, j]: &[usize; 2]| {
             let from = &self.corners[*i];
             (from, difference(&self.corners[*j], from))
@@ -105,20 +105,20 @@ impl Polytope {
     }
 
     /// Vectors parallel to the edges: each edge is parallel to one of them.
-    pub(super) fn directions(&self) -> impl Iterator<Item = [One; 3]> {
+    pub(super) fn directions(&self) -> impl Iterator<Item = [Degree1; 3]> {
         self.edges().take(self.features.directions).map(|(_, vector)| vector)
     }
 
-    pub(super) fn faces(&self) -> impl Iterator<Item = Face<'_>> {
+    pub(super) fn faces(&self) -> impl Iterator<Item = ExactFace<'_>> {
         self.features.faces.iter().map(|corners| {
             let [p, q, r] = [0, 1, 2].map(|i| &self.corners[corners[i]]);
-            Face { polytope: self, corners, normal: cross(&difference(q, p), &difference(r, p)) }
+            ExactFace { polytope: self, corners, normal: cross(&difference(q, p), &difference(r, p)) }
         })
     }
 }
 
-impl Face<'_> {
-    pub(super) fn corner(&self) -> &[One; 3] {
+impl ExactFace<'_> {
+    pub(super) fn corner(&self) -> &[Degree1; 3] {
         &self.polytope.corners[self.corners[0]]
     }
 
@@ -133,7 +133,7 @@ impl Face<'_> {
         let n = self.corners.len();
         (0..n).all(|i| {
             let [p, q] = [i, (i + 1) % n].map(|i| &self.polytope.corners[self.corners[i]]);
-            let inward: [Three; 3] = cross(&self.normal, &difference(q, p));
+            let inward: [Degree3; 3] = cross(&self.normal, &difference(q, p));
             let from_edge = [0, 1, 2].map(|k| x[k].minus(&weight.times(&p[k])));
             let side: Wide<R> = dot(&from_edge, &inward);
             side.sign() * weight.sign() >= 0

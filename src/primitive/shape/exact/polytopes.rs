@@ -1,7 +1,9 @@
 //! Polytopes against each other.
 
-use super::integers::{Four, One, Six, Three, Two, cross, difference, dot, is_at_most, is_zero, one};
-use super::polytope::Polytope;
+use super::integers::{
+    Degree1, Degree2, Degree3, Degree4, Degree6, cross, difference, dot, is_at_most, is_zero, one,
+};
+use super::polytope::ExactPolytope;
 use crate::exact::wide::Wide;
 
 /// Whether two polytopes have a common point: whether no axis separates them.
@@ -17,8 +19,8 @@ use crate::exact::wide::Wide;
 ///   from the origin to a point of D, that is e x (e x d).
 /// * D is a point d: d.
 #[inline(never)]
-pub(super) fn meet(a: &Polytope, b: &Polytope) -> bool {
-    let mut directions = [[One::ZERO; 3]; 6];
+pub(super) fn meet(a: &ExactPolytope, b: &ExactPolytope) -> bool {
+    let mut directions = [[Degree1::ZERO; 3]; 6];
     let mut count = 0;
     for (place, direction) in directions.iter_mut().zip(a.directions().chain(b.directions())) {
         *place = direction;
@@ -28,7 +30,7 @@ pub(super) fn meet(a: &Polytope, b: &Polytope) -> bool {
     let mut is_on_line = true;
     for (i, u) in directions.iter().enumerate() {
         for v in &directions[..i] {
-            let normal: [Two; 3] = cross(u, v);
+            let normal: [Degree2; 3] = cross(u, v);
             if is_zero(&normal) {
                 continue;
             }
@@ -37,7 +39,7 @@ pub(super) fn meet(a: &Polytope, b: &Polytope) -> bool {
                 return false;
             }
             let is_flat = directions.iter().all(|e| dot::<20, 10, 30>(&normal, e).sign() == 0);
-            let separates_in_plane = |e: &[One; 3]| separates::<30>(&cross(&normal, e), a, b);
+            let separates_in_plane = |e: &[Degree1; 3]| separates::<30>(&cross(&normal, e), a, b);
             if is_flat && directions.iter().any(separates_in_plane) {
                 return false;
             }
@@ -45,8 +47,8 @@ pub(super) fn meet(a: &Polytope, b: &Polytope) -> bool {
     }
     if is_on_line {
         let between = difference(&a.corners()[0], &b.corners()[0]);
-        let separates_on_line = |e: &[One; 3]| {
-            let normal: [Two; 3] = cross(e, &between);
+        let separates_on_line = |e: &[Degree1; 3]| {
+            let normal: [Degree2; 3] = cross(e, &between);
             separates(e, a, b) || separates::<30>(&cross(e, &normal), a, b)
         };
         if separates(&between, a, b) || directions.iter().any(separates_on_line) {
@@ -58,17 +60,17 @@ pub(super) fn meet(a: &Polytope, b: &Polytope) -> bool {
 
 /// Whether the projections on an axis, of degree three at most, have no common point.
 #[inline(never)]
-fn separates<const L: usize>(axis: &[Wide<L>; 3], a: &Polytope, b: &Polytope) -> bool {
+fn separates<const L: usize>(axis: &[Wide<L>; 3], a: &ExactPolytope, b: &ExactPolytope) -> bool {
     let (a, b) = (projection(axis, a), projection(axis, b));
     !is_at_most(&a[0], &b[1]) || !is_at_most(&b[0], &a[1])
 }
 
 /// The least and the greatest of a projection.
 #[inline(never)]
-fn projection<const L: usize>(axis: &[Wide<L>; 3], p: &Polytope) -> [Four; 2] {
+fn projection<const L: usize>(axis: &[Wide<L>; 3], p: &ExactPolytope) -> [Degree4; 2] {
     let mut range = [dot(axis, &p.corners()[0]); 2];
     for corner in &p.corners()[1..] {
-        let x: Four = dot(axis, corner);
+        let x: Degree4 = dot(axis, corner);
         if is_at_most(&x, &range[0]) {
             range[0] = x;
         } else if is_at_most(&range[1], &x) {
@@ -87,8 +89,8 @@ fn projection<const L: usize>(axis: &[Wide<L>; 3], p: &Polytope) -> [Four; 2] {
 /// perpendicular to the line between the points. So they are two corners, a corner and an edge, a corner and a face, or
 /// two edges that are not parallel, and the points are the feet of their common perpendicular.
 #[inline(never)]
-pub(super) fn is_near(a: &Polytope, b: &Polytope, reach: &One) -> bool {
-    let square: Two = reach.times(reach);
+pub(super) fn is_near(a: &ExactPolytope, b: &ExactPolytope, reach: &Degree1) -> bool {
+    let square: Degree2 = reach.times(reach);
     let near_corners = a.corners().iter().any(|p| {
         b.corners().iter().any(|q| {
             let between = difference(p, q);
@@ -104,48 +106,48 @@ pub(super) fn is_near(a: &Polytope, b: &Polytope, reach: &One) -> bool {
 }
 
 #[inline(never)]
-fn has_corner_near_edge(a: &Polytope, b: &Polytope, square: &Two) -> bool {
+fn has_corner_near_edge(a: &ExactPolytope, b: &ExactPolytope, square: &Degree2) -> bool {
     b.edges().any(|(from, edge)| {
-        let length: Two = dot(&edge, &edge);
+        let length: Degree2 = dot(&edge, &edge);
         a.corners().iter().any(|p| {
             let to_corner = difference(p, from);
-            let along: Two = dot(&to_corner, &edge);
+            let along: Degree2 = dot(&to_corner, &edge);
             if along.sign() <= 0 || is_at_most(&length, &along) {
                 return false;
             }
-            let moment: [Two; 3] = cross(&to_corner, &edge);
+            let moment: [Degree2; 3] = cross(&to_corner, &edge);
             is_at_most::<40>(&dot(&moment, &moment), &square.times(&length))
         })
     })
 }
 
 #[inline(never)]
-fn has_corner_near_face(a: &Polytope, b: &Polytope, square: &Two) -> bool {
+fn has_corner_near_face(a: &ExactPolytope, b: &ExactPolytope, square: &Degree2) -> bool {
     b.faces().filter(|face| !is_zero(&face.normal)).any(|face| {
-        let length: Four = dot(&face.normal, &face.normal);
-        let limit: Six = square.times(&length);
+        let length: Degree4 = dot(&face.normal, &face.normal);
+        let limit: Degree6 = square.times(&length);
         a.corners().iter().any(|p| {
-            let height: Three = dot(&face.normal, &difference(p, face.corner()));
+            let height: Degree3 = dot(&face.normal, &difference(p, face.corner()));
             is_at_most(&height.times(&height), &limit) && face.is_over::<10, 10, 40>(p, &one())
         })
     })
 }
 
 #[inline(never)]
-fn has_near_edges(a: &Polytope, b: &Polytope, square: &Two) -> bool {
+fn has_near_edges(a: &ExactPolytope, b: &ExactPolytope, square: &Degree2) -> bool {
     a.edges().any(|(p, u)| {
         b.edges().any(|(q, v)| {
-            let normal: [Two; 3] = cross(&u, &v);
+            let normal: [Degree2; 3] = cross(&u, &v);
             if is_zero(&normal) {
                 return false;
             }
-            let length: Four = dot(&normal, &normal);
+            let length: Degree4 = dot(&normal, &normal);
             let between = difference(q, p);
-            let height: Three = dot(&normal, &between);
+            let height: Degree3 = dot(&normal, &between);
             // The feet are `p + s / length u` and `q + t / length v`.
-            let share = |e: &[One; 3]| {
-                let moment: [Two; 3] = cross(&between, e);
-                let share: Four = dot(&moment, &normal);
+            let share = |e: &[Degree1; 3]| {
+                let moment: [Degree2; 3] = cross(&between, e);
+                let share: Degree4 = dot(&moment, &normal);
                 share.sign() >= 0 && is_at_most(&share, &length)
             };
             is_at_most::<60>(&height.times(&height), &square.times(&length)) && share(&v) && share(&u)

@@ -1,10 +1,10 @@
 //! Cylinders and cones against polytopes: do they meet?
 
 use super::integers::{
-    Eight, Four, One, Seven, Six, Ten, Three, Two, cross, difference, dot, is_zero, minor, negative, one,
-    twice,
+    Degree1, Degree2, Degree3, Degree4, Degree6, Degree7, Degree8, Degree10, cross, difference, dot, is_zero,
+    minor, negative, one, twice,
 };
-use super::polytope::{Face, Polytope};
+use super::polytope::{ExactFace, ExactPolytope};
 use super::polytopes;
 use super::round::Round;
 
@@ -13,28 +13,28 @@ use super::round::Round;
 /// If they have one, then an edge or a face meets the round solid, or the solid, and so its base, is inside of a cuboid
 /// with a volume.
 #[inline(never)]
-pub(super) fn meet(round: &Round, polytope: &Polytope) -> bool {
+pub(super) fn meet(round: &Round, polytope: &ExactPolytope) -> bool {
     polytope.edges().any(|(from, edge)| edge_meets(round, from, &edge))
         || polytope.faces().any(|face| face_meets(round, &face))
         || base_is_inside(round, polytope)
 }
 
 #[inline(never)]
-fn base_is_inside(round: &Round, polytope: &Polytope) -> bool {
-    polytopes::meet(&Polytope::of_point(round.base), polytope)
+fn base_is_inside(round: &Round, polytope: &ExactPolytope) -> bool {
+    polytopes::meet(&ExactPolytope::of_point(round.base), polytope)
 }
 
 /// The ratio of two numbers. The denominator is positive.
 #[derive(Copy, Clone, Debug)]
 struct Ratio {
-    numerator: Two,
-    denominator: Two,
+    numerator: Degree2,
+    denominator: Degree2,
 }
 
 impl Ratio {
     #[inline(never)]
     fn is_at_most(&self, other: &Self) -> bool {
-        let difference: Four =
+        let difference: Degree4 =
             minor(&self.numerator, &other.denominator, &other.numerator, &self.denominator);
         difference.sign() <= 0
     }
@@ -43,7 +43,7 @@ impl Ratio {
 /// Whether a segment has a point in the solid: whether a quadratic polynomial has a value of at most zero between the
 /// planes of the two ends.
 #[inline(never)]
-fn edge_meets(round: &Round, from: &[One; 3], edge: &[One; 3]) -> bool {
+fn edge_meets(round: &Round, from: &[Degree1; 3], edge: &[Degree1; 3]) -> bool {
     let to_point = difference(from, &round.base);
     part_between_planes(round, &to_point, edge)
         .is_some_and(|ends| Quadratic::new(round, &to_point, edge).has_value_up_to_zero(&ends))
@@ -51,11 +51,11 @@ fn edge_meets(round: &Round, from: &[One; 3], edge: &[One; 3]) -> bool {
 
 /// The part of a segment between the planes of the two ends, as an interval of its parameter t.
 #[inline(never)]
-fn part_between_planes(round: &Round, to_point: &[One; 3], edge: &[One; 3]) -> Option<[Ratio; 2]> {
-    let length: Two = dot(&round.axis, &round.axis);
-    let [start, slope]: [Two; 2] = [dot(to_point, &round.axis), dot(edge, &round.axis)];
-    let one = Two::new(1.0, 0);
-    let mut ends = [Two::ZERO, one].map(|numerator| Ratio { numerator, denominator: one });
+fn part_between_planes(round: &Round, to_point: &[Degree1; 3], edge: &[Degree1; 3]) -> Option<[Ratio; 2]> {
+    let length: Degree2 = dot(&round.axis, &round.axis);
+    let [start, slope]: [Degree2; 2] = [dot(to_point, &round.axis), dot(edge, &round.axis)];
+    let one = Degree2::new(1.0, 0);
+    let mut ends = [Degree2::ZERO, one].map(|numerator| Ratio { numerator, denominator: one });
     // start + t slope >= 0, and length - start - t slope >= 0.
     for (value, slope) in [(start, slope), (length.minus(&start), negative(&slope))] {
         if slope.sign() == 0 {
@@ -81,25 +81,25 @@ fn part_between_planes(round: &Round, to_point: &[One; 3], edge: &[One; 3]) -> O
 /// `q t^2 + 2 b t + c`: for a point of the segment, the difference of the squares of `|d x a| |a|` and `r w`
 /// ([`Round`]).
 struct Quadratic {
-    q: Six,
-    b: Six,
-    c: Six,
+    q: Degree6,
+    b: Degree6,
+    c: Degree6,
 }
 
 impl Quadratic {
     #[inline(never)]
-    fn new(round: &Round, to_point: &[One; 3], edge: &[One; 3]) -> Self {
-        let length: Two = dot(&round.axis, &round.axis);
-        let radius: Two = round.radius.times(&round.radius);
-        let moments: [[Two; 3]; 2] = [cross(to_point, &round.axis), cross(edge, &round.axis)];
-        let widths: [Two; 2] = if round.is_cone {
+    fn new(round: &Round, to_point: &[Degree1; 3], edge: &[Degree1; 3]) -> Self {
+        let length: Degree2 = dot(&round.axis, &round.axis);
+        let radius: Degree2 = round.radius.times(&round.radius);
+        let moments: [[Degree2; 3]; 2] = [cross(to_point, &round.axis), cross(edge, &round.axis)];
+        let widths: [Degree2; 2] = if round.is_cone {
             [length.minus(&dot(to_point, &round.axis)), negative(&dot(edge, &round.axis))]
         } else {
-            [length, Two::ZERO]
+            [length, Degree2::ZERO]
         };
-        let form = |i: usize, j: usize| -> Six {
-            let around: Four = dot(&moments[i], &moments[j]);
-            let width: Four = widths[i].times(&widths[j]);
+        let form = |i: usize, j: usize| -> Degree6 {
+            let around: Degree4 = dot(&moments[i], &moments[j]);
+            let width: Degree4 = widths[i].times(&widths[j]);
             minor(&around, &length, &width, &radius)
         };
         Self { q: form(1, 1), b: form(0, 1), c: form(0, 0) }
@@ -112,7 +112,7 @@ impl Quadratic {
         let Self { q, b, c } = self;
         // The sign of the derivative, for a positive q.
         let derivative = |t: &Ratio| -> i32 {
-            let derivative: Eight = minor(q, &t.numerator, b, &negative(&t.denominator));
+            let derivative: Degree8 = minor(q, &t.numerator, b, &negative(&t.denominator));
             derivative.sign()
         };
         let has_roots = || minor::<60, 60, 60, 60, 120>(b, b, q, c).sign() >= 0;
@@ -124,9 +124,9 @@ impl Quadratic {
     #[inline(never)]
     fn sign_at(&self, t: &Ratio) -> i32 {
         let denominator = negative(&t.denominator);
-        let sum: Eight = minor(&self.q, &t.numerator, &twice(&self.b), &denominator);
-        let square: Four = t.denominator.times(&denominator);
-        let sum: Ten = minor(&sum, &t.numerator, &self.c, &square);
+        let sum: Degree8 = minor(&self.q, &t.numerator, &twice(&self.b), &denominator);
+        let square: Degree4 = t.denominator.times(&denominator);
+        let sum: Degree10 = minor(&sum, &t.numerator, &self.c, &square);
         sum.sign()
     }
 }
@@ -143,18 +143,18 @@ impl Quadratic {
 ///   of the disc, from the middle of the disc.
 ///
 /// Each candidate is tested for being in both.
-fn face_meets(round: &Round, face: &Face<'_>) -> bool {
+fn face_meets(round: &Round, face: &ExactFace<'_>) -> bool {
     !is_zero(&face.normal)
         && (axis_meets(round, face) || round.discs().any(|middle| chord_meets(round, face, &middle)))
 }
 
 #[inline(never)]
-fn height(face: &Face<'_>, p: &[One; 3]) -> Three {
+fn height(face: &ExactFace<'_>, p: &[Degree1; 3]) -> Degree3 {
     dot(&face.normal, &difference(p, face.corner()))
 }
 
 #[inline(never)]
-fn axis_meets(round: &Round, face: &Face<'_>) -> bool {
+fn axis_meets(round: &Round, face: &ExactFace<'_>) -> bool {
     let end = round.end();
     let [at_base, at_end] = [height(face, &round.base), height(face, &end)];
     if at_base.sign() == 0 {
@@ -164,31 +164,31 @@ fn axis_meets(round: &Round, face: &Face<'_>) -> bool {
         return false;
     }
     let weight = at_end.minus(&at_base);
-    let point: [Four; 3] = [0, 1, 2].map(|k| minor(&at_end, &round.base[k], &at_base, &end[k]));
+    let point: [Degree4; 3] = [0, 1, 2].map(|k| minor(&at_end, &round.base[k], &at_base, &end[k]));
     face.is_over::<40, 30, 70>(&point, &weight)
 }
 
 /// Whether the middle of the chord is in the disc and in the face. With the normal n, the axis a, and the middle c of
 /// the disc at height s, it is `c - s / |n x a|^2 m` for `m = a^2 n - (n.a) a`, whose length is `|a| |n x a|`.
 #[inline(never)]
-fn chord_meets(round: &Round, face: &Face<'_>, middle: &[One; 3]) -> bool {
+fn chord_meets(round: &Round, face: &ExactFace<'_>, middle: &[Degree1; 3]) -> bool {
     let axis = &round.axis;
-    let tilt: [Three; 3] = cross(&face.normal, axis);
-    let weight: Six = dot(&tilt, &tilt);
+    let tilt: [Degree3; 3] = cross(&face.normal, axis);
+    let weight: Degree6 = dot(&tilt, &tilt);
     if weight.sign() == 0 {
         return false;
     }
-    let length: Two = dot(axis, axis);
-    let radius: Two = round.radius.times(&round.radius);
+    let length: Degree2 = dot(axis, axis);
+    let radius: Degree2 = round.radius.times(&round.radius);
     let height = height(face, middle);
-    let square: Six = height.times(&height);
+    let square: Degree6 = height.times(&height);
     if minor::<60, 20, 20, 60, 80>(&square, &length, &radius, &weight).sign() > 0 {
         return false;
     }
-    let along: Three = dot(&face.normal, axis);
-    let mut foot = [Seven::ZERO; 3];
+    let along: Degree3 = dot(&face.normal, axis);
+    let mut foot = [Degree7::ZERO; 3];
     for (k, coordinate) in foot.iter_mut().enumerate() {
-        let direction: Four = minor(&length, &face.normal[k], &along, &axis[k]);
+        let direction: Degree4 = minor(&length, &face.normal[k], &along, &axis[k]);
         *coordinate = minor(&weight, &middle[k], &height, &direction);
     }
     face.is_over::<70, 60, 100>(&foot, &weight)

@@ -12,6 +12,8 @@ use crate::exact::power_of_two;
 use crate::primitive::shape::{Core, Shape};
 use crate::range::Point;
 use crate::rng::Rng;
+use alloc::vec;
+use alloc::vec::Vec;
 use core::ops::{Add, Mul, Sub};
 
 /// The numbers an oracle computes with.

@@ -10,12 +10,12 @@
 //! for a cylinder also a relative error of 8 u of the part across the axis, which is computed as a cross product: its
 //! error is 4 u |n| |axis| before the division by |axis|.
 
-use super::power_of_two;
+use crate::exact::power_of_two;
 use crate::range::Point;
 use crate::vector::{cross, difference, dot};
 
 /// A convex core.
-pub(super) trait Body {
+pub(super) trait Supported {
     /// The reference point, which is in the core.
     fn at(&self) -> &Point;
     /// The greatest distance of a point of the core from the reference point, or more.
@@ -96,7 +96,7 @@ impl Segment {
     }
 }
 
-impl Body for Segment {
+impl Supported for Segment {
     #[inline(always)]
     fn at(&self) -> &Point {
         &self.at
@@ -153,7 +153,7 @@ impl<'a> Cuboid<'a> {
     }
 }
 
-impl Body for Cuboid<'_> {
+impl Supported for Cuboid<'_> {
     #[inline(always)]
     fn at(&self) -> &Point {
         &self.at
@@ -219,7 +219,7 @@ impl<'a> Cylinder<'a> {
     }
 }
 
-impl Body for Cylinder<'_> {
+impl Supported for Cylinder<'_> {
     #[inline(always)]
     fn at(&self) -> &Point {
         &self.at

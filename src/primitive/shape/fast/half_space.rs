@@ -1,7 +1,9 @@
 //! Half-spaces against every other core.
 
-use super::{Core, FEW, Shape};
+use super::margins::FEW;
 use crate::exact::power_of_two;
+use crate::primitive::shape::convex::Shape;
+use crate::primitive::shape::core::Core;
 use crate::range::Point;
 use crate::vector::{cross, dot};
 

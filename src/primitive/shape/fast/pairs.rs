@@ -1,8 +1,10 @@
 //! The pairs with a cuboid or a cylinder, each compiled once.
 
-use super::bodies::{Cuboid, Cylinder, Segment};
+use super::axes;
+use super::bodies::{Cuboid, Cylinder, Segment, Supported};
 use super::search;
-use super::{Core, Shape};
+use crate::primitive::shape::convex::Shape;
+use crate::primitive::shape::core::Core;
 use crate::range::Point;
 use crate::vector::difference;
 
@@ -50,5 +52,9 @@ fn segment_cuboid(s: &[Point; 2], centre: &Point, half: &[Point; 3], reach: f64)
 
 #[inline(never)]
 fn cuboids(g: &[Point; 3], d: &Point, half: &[Point; 3], reach: f64) -> Option<bool> {
-    search::decide(&Cuboid::new(g, ORIGIN)?, &Cuboid::new(half, *d)?, reach)
+    let (a, b) = (Cuboid::new(g, ORIGIN)?, Cuboid::new(half, *d)?);
+    search::decide_with(&a, &b, reach, |size| {
+        // At a reach, a gap of 0 does not separate.
+        axes::meet(g, d, half, size / a.inner()).filter(|meet| *meet || reach == 0.0)
+    })
 }

@@ -1,8 +1,10 @@
 //! Near points of two cores, and the certificates that they give.
 
-use super::bodies::{Body, Segment, plus};
-use super::simplex::{Nearest, Simplex};
-use super::{ERROR, FEW, power_of_two};
+use super::bodies::{Segment, Supported, plus};
+use super::margins::ERROR;
+use super::margins::FEW;
+use super::simplex::{FilterSimplex, NearestPoint};
+use crate::exact::power_of_two;
 use crate::range::Point;
 use crate::vector::{difference, dot};
 
@@ -13,7 +15,7 @@ const ROUNDS: usize = 20;
 
 /// What both certificates compare with.
 #[derive(Copy, Clone, Debug)]
-struct Limits {
+struct Thresholds {
     /// The square of the distance of two computed points that shows that the shapes are within the margin; negative
     /// if there is none.
     near: f64,
@@ -32,7 +34,7 @@ struct Limits {
     scale: f64,
 }
 
-impl Limits {
+impl Thresholds {
     /// `None` if `size` is out of the range of the error analysis.
     ///
     /// A convex core that contains a ball of radius r contains all points at most `(1 - scale) r` from the core shrunk
@@ -67,7 +69,7 @@ impl Limits {
 
     /// The verdict of the difference `n` of a point of B and a point of A, with a limit `near` for such points.
     #[inline(always)]
-    fn judge<A: Body, B: Body>(&self, a: &A, b: &B, n: &Point, near: f64) -> Option<bool> {
+    fn judge<A: Supported, B: Supported>(&self, a: &A, b: &B, n: &Point, near: f64) -> Option<bool> {
         let square = dot(n, n);
         if square <= near { Some(true) } else { self.is_apart(a, b, n, square).then_some(false) }
     }
@@ -77,7 +79,7 @@ impl Limits {
     /// The gap is `n . at(B) - support(A, n) - support(B, -n)`, with an error of at most 64 u |n| size, which is part
     /// of the `error` in `far`. The comparison of squares is that of `gap` and `far |n|`.
     #[inline(always)]
-    fn is_apart<A: Body, B: Body>(&self, a: &A, b: &B, n: &Point, square: f64) -> bool {
+    fn is_apart<A: Supported, B: Supported>(&self, a: &A, b: &B, n: &Point, square: f64) -> bool {
         let gap = (dot(n, b.at()) - a.support(n)) - b.support(&negative(n));
         gap > 0.0 && gap * gap > (self.far * self.far) * (square * (1.0 + 4.0 * FEW)) && square > self.least
     }
@@ -95,8 +97,8 @@ fn norm_1(v: &Point) -> f64 {
 
 /// A point, relative to the reference point of a core.
 #[inline(always)]
-pub(super) fn from_point<A: Body>(p: &Point, a: &A, reach: f64) -> Option<bool> {
-    let limits = Limits::new(norm_1(p) + a.size(), a.inner(), reach)?;
+pub(super) fn from_point<A: Supported>(p: &Point, a: &A, reach: f64) -> Option<bool> {
+    let limits = Thresholds::new(norm_1(p) + a.size(), a.inner(), reach)?;
     let n = difference(p, &a.nearest_of(p, limits.scale));
     let square = dot(&n, &n);
     if square <= limits.near_of_shrunk {
@@ -112,7 +114,7 @@ pub(super) fn from_point<A: Body>(p: &Point, a: &A, reach: f64) -> Option<bool> 
 /// Two segments: the nearest points of the lines, clamped (Ericson, *Real-Time Collision Detection*, 5.1.9).
 #[inline(always)]
 pub(super) fn segments(a: &Segment, b: &Segment, reach: f64) -> Option<bool> {
-    let limits = Limits::new(norm_1(&b.at) + (a.size() + b.size()), 0.0, reach)?;
+    let limits = Thresholds::new(norm_1(&b.at) + (a.size() + b.size()), 0.0, reach)?;
     let clamp = |x: f64| {
         let x = if x > 0.0 { x } else { 0.0 };
         if x < 1.0 { x } else { 1.0 }
@@ -127,15 +129,30 @@ pub(super) fn segments(a: &Segment, b: &Segment, reach: f64) -> Option<bool> {
 
 /// Two cores. The reference point of A is the origin.
 #[inline(always)]
-pub(super) fn decide<A: Body, B: Body>(a: &A, b: &B, reach: f64) -> Option<bool> {
+pub(super) fn decide<A: Supported, B: Supported>(a: &A, b: &B, reach: f64) -> Option<bool> {
+    decide_with(a, b, reach, |_| None)
+}
+
+/// [`decide`] with another filter before the search, which gets `size`.
+#[inline(always)]
+pub(super) fn decide_with<A: Supported, B: Supported>(
+    a: &A,
+    b: &B,
+    reach: f64,
+    filter: impl FnOnce(f64) -> Option<bool>,
+) -> Option<bool> {
     let size = norm_1(b.at()) + (a.size() + b.size());
-    let limits = Limits::new(size, a.inner() + b.inner(), reach)?;
+    let limits = Thresholds::new(size, a.inner() + b.inner(), reach)?;
     let square = dot(b.at(), b.at());
     if limits.is_apart(a, b, b.at(), square) {
         return Some(false);
     }
     if square < limits.near_of_balls {
         return Some(true);
+    }
+    let certain = filter(size);
+    if certain.is_some() {
+        return certain;
     }
     let p = a.nearest_of(b.at(), limits.scale);
     let q = b.nearest_of(&p, limits.scale);
@@ -150,15 +167,15 @@ pub(super) fn decide<A: Body, B: Body>(a: &A, b: &B, reach: f64) -> Option<bool>
 /// difference `first` as a corner it takes two thirds of the time, but one pair in a few hundred ends in a flat
 /// simplex.
 #[inline(never)]
-fn search<A: Body, B: Body>(
+fn search<A: Supported, B: Supported>(
     a: &A,
     b: &B,
-    limits: &Limits,
+    limits: &Thresholds,
     from: &Point,
     first: Option<&Point>,
 ) -> Option<bool> {
     let mut v = *from;
-    let mut simplex = first.map_or(Simplex::EMPTY, Simplex::new);
+    let mut simplex = first.map_or(FilterSimplex::EMPTY, FilterSimplex::new);
     for _ in 0..ROUNDS {
         let opposite = negative(&v);
         let (p, q) = (a.farthest(&v), b.farthest(&opposite));
@@ -167,9 +184,9 @@ fn search<A: Body, B: Body>(
             return None;
         }
         v = match simplex.reduce(limits.size, limits.error) {
-            Nearest::Inside => return Some(true),
-            Nearest::Unknown => return None,
-            Nearest::At(v) => v,
+            NearestPoint::Inside => return Some(true),
+            NearestPoint::Unknown => return None,
+            NearestPoint::At(v) => v,
         };
         let certain = limits.judge(a, b, &v, limits.near);
         if certain.is_some() {

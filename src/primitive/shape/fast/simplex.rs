@@ -7,7 +7,7 @@ use crate::vector::{cross, difference, dot};
 
 /// Where a simplex is.
 #[derive(Debug)]
-pub(super) enum Nearest {
+pub(super) enum NearestPoint {
     /// Its nearest point: a convex combination of its corners up to rounding.
     At(Point),
     /// The origin is inside, farther from all planes of the faces than the error given.
@@ -16,12 +16,12 @@ pub(super) enum Nearest {
 }
 
 #[derive(Debug)]
-pub(super) struct Simplex {
+pub(super) struct FilterSimplex {
     corners: [Point; 4],
     len: usize,
 }
 
-impl Simplex {
+impl FilterSimplex {
     pub(super) const EMPTY: Self = Self { corners: [[0.0; 3]; 4], len: 0 };
 
     #[inline]
@@ -44,37 +44,37 @@ impl Simplex {
     ///
     /// Keeps only the corners of the smallest simplex that contains the nearest point.
     #[inline]
-    pub(super) fn reduce(&mut self, size: f64, error: f64) -> Nearest {
+    pub(super) fn reduce(&mut self, size: f64, error: f64) -> NearestPoint {
         let [a, b, c, d] = self.corners;
         let nearest = match self.len {
             1 => (a, [a; 3], 1),
             2 => on_segment(&a, &b),
             3 => match on_triangle(&a, &b, &c) {
                 Some(nearest) => nearest,
-                None => return Nearest::Unknown,
+                None => return NearestPoint::Unknown,
             },
             _ => match on_tetrahedron([&a, &b, &c, &d], size, error) {
                 Ok(nearest) => nearest,
                 Err(is_inside) => {
-                    return if is_inside { Nearest::Inside } else { Nearest::Unknown };
+                    return if is_inside { NearestPoint::Inside } else { NearestPoint::Unknown };
                 }
             },
         };
         let (point, [x, y, z], len) = nearest;
         self.corners = [x, y, z, z];
         self.len = len;
-        Nearest::At(point)
+        NearestPoint::At(point)
     }
 }
 
 /// The nearest point, the corners that span it, and how many they are.
-type Found = (Point, [Point; 3], usize);
+type NearestFeature = (Point, [Point; 3], usize);
 
 #[inline]
-fn on_segment(a: &Point, b: &Point) -> Found {
+fn on_segment(a: &Point, b: &Point) -> NearestFeature {
     let edge = difference(b, a);
     let (along, square) = (-dot(a, &edge), dot(&edge, &edge));
-    if !(along > 0.0) {
+    if along <= 0.0 || along.is_nan() {
         (*a, [*a; 3], 1)
     } else if along >= square {
         (*b, [*b; 3], 1)
@@ -86,7 +86,7 @@ fn on_segment(a: &Point, b: &Point) -> Found {
 
 /// Ericson, *Real-Time Collision Detection*, 5.1.5. `None` if rounding contradicts itself: the triangle is too thin.
 #[inline]
-fn on_triangle(a: &Point, b: &Point, c: &Point) -> Option<Found> {
+fn on_triangle(a: &Point, b: &Point, c: &Point) -> Option<NearestFeature> {
     let (x, y) = (difference(b, a), difference(c, a));
     let (d1, d2) = (-dot(&x, a), -dot(&y, a));
     if d1 <= 0.0 && d2 <= 0.0 {
@@ -128,9 +128,9 @@ fn on_triangle(a: &Point, b: &Point, c: &Point) -> Option<Found> {
 /// Corners are at most `size` from the origin. A triple product of their differences has an error of at most
 /// 20 u (2 `size`)^3, which is less than `slack`.
 #[inline]
-fn on_tetrahedron(corners: [&Point; 4], size: f64, error: f64) -> Result<Found, bool> {
+fn on_tetrahedron(corners: [&Point; 4], size: f64, error: f64) -> Result<NearestFeature, bool> {
     let [a, b, c, d] = corners;
-    let mut found: Option<(f64, Found)> = None;
+    let mut found: Option<(f64, NearestFeature)> = None;
     let slack = power_of_two(-45) * (size * size * size);
     let mut is_inside = true;
     for (p, q, r, s) in [(d, a, b, c), (d, b, c, a), (d, c, a, b), (a, c, b, d)] {

@@ -4,13 +4,14 @@
 
 use super::sections::parts;
 use super::*;
+use alloc::format;
 use core::cmp::Ordering;
 use dashu_int::IBig;
 
 /// Binary digits after the point.
 const DIGITS: usize = 600;
 
-/// Two to this power is less than any difference, and more than any error: square roots halve the digits.
+/// Degree2 to this power is less than any difference, and more than any error: square roots halve the digits.
 const TIE: usize = DIGITS - 250;
 
 #[derive(Clone, PartialEq, PartialOrd)]

@@ -4,6 +4,7 @@ use super::nearest::square_between;
 use super::sections::compare;
 use super::*;
 use crate::range::{MAX_MOVED, MIN_COORDINATE};
+use alloc::format;
 use dashu_int::IBig;
 
 /// In units of 2^-302.

@@ -1,6 +1,9 @@
 //! Polytopes: the point of their Minkowski difference that is nearest to the origin.
 
 use super::*;
+use alloc::format;
+use alloc::vec;
+use alloc::vec::Vec;
 
 /// The squared distance of two polytopes, as a ratio. Gilbert's, Johnson's and Keerthi's method with all subsets of a
 /// simplex tried. It ends, since the distance decreases from simplex to simplex.

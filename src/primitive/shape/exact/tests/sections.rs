@@ -3,6 +3,9 @@
 
 use super::nearest::square_between;
 use super::*;
+use alloc::format;
+use alloc::vec;
+use alloc::vec::Vec;
 use core::cmp::Ordering;
 
 /// Corners of edges of polytopes.

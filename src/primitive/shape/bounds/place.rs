@@ -1,0 +1,319 @@
+//! Points of cores by coordinates: where they are, and how they move.
+
+use super::support::{Form, each};
+use crate::range::Point;
+use crate::vector::{difference, dot};
+
+/// A point of a core.
+#[derive(Copy, Clone, Debug)]
+pub(super) struct Place {
+    /// Multiples of half edges or of the half axis in -1 ..= 1; of a triangle, barycentric coordinates.
+    x: [f64; 3],
+    /// A point of the unit disc. A cone's disc at height x of the half axis is (1 - x) / 2 as large as its base.
+    disc: [f64; 2],
+}
+
+/// A direction in which a place may move.
+#[derive(Copy, Clone, Debug)]
+pub(super) struct Way {
+    /// The derivative of the point.
+    pub(super) tangent: Point,
+    /// The product of the pull with the tangent, with the second derivative, and with the one by this way and the way
+    /// before.
+    pub(super) slope: f64,
+    pub(super) bend: f64,
+    pub(super) mixed: f64,
+    slot: Slot,
+}
+
+/// The coordinates that a way changes.
+#[derive(Copy, Clone, Debug)]
+enum Slot {
+    Line(u8),
+    /// A triangle's corner instead of another.
+    Corner(u8, u8),
+    Disc(u8),
+    /// The angle on the rim of a disc.
+    Rim,
+}
+
+/// At most six ways.
+#[derive(Copy, Clone, Debug)]
+pub(super) struct Ways {
+    pub(super) list: [Way; 6],
+    pub(super) len: usize,
+}
+
+impl Ways {
+    #[inline(always)]
+    pub(super) fn new() -> Self {
+        let way = Way { tangent: [0.0; 3], slope: 0.0, bend: 0.0, mixed: 0.0, slot: Slot::Rim };
+        Self { list: [way; 6], len: 0 }
+    }
+
+    #[inline(always)]
+    fn add(&mut self, tangent: Point, slope: f64, slot: Slot) {
+        self.list[self.len] = Way { tangent, slope, bend: 0.0, mixed: 0.0, slot };
+        self.len += 1;
+    }
+
+    /// Adds a way of a coordinate in -1 ..= 1 that is not barred.
+    #[inline(always)]
+    fn add_line(&mut self, k: u8, x: f64, tangent: &Point, pull: &Point) -> bool {
+        let slope = dot(tangent, pull);
+        let is_free = (x > -1.0 || slope < 0.0) && (x < 1.0 || slope > 0.0);
+        if is_free {
+            self.add(*tangent, slope, Slot::Line(k));
+        }
+        is_free
+    }
+}
+
+impl Way {
+    #[inline(always)]
+    pub(super) fn bends(&self) -> bool {
+        matches!(self.slot, Slot::Rim)
+    }
+}
+
+impl Form {
+    /// The place nearest to a point, up to rounding; roughly for a cuboid whose edges are not quite perpendicular.
+    #[inline(always)]
+    pub(super) fn nearest(&self, p: &Point) -> Place {
+        let (mut x, mut disc) = ([0.0; 3], [0.0; 2]);
+        match self {
+            Self::Point => {}
+            Self::Segment(half) => x[0] = share(p, half).clamp(-1.0, 1.0),
+            Self::Triangle(corners) => x = nearest_in_triangle(corners, p),
+            Self::Cuboid(half) => {
+                for k in 0..3 {
+                    x[k] = share(p, &half[k]).clamp(-1.0, 1.0);
+                }
+            }
+            Self::Cylinder(half, [u, v]) => {
+                x[0] = share(p, half).clamp(-1.0, 1.0);
+                disc = in_disc([share(p, u), share(p, v)]);
+            }
+            Self::Cone(half, [u, v]) => {
+                let (height, [y, z]) = (share(p, half), [share(p, u), share(p, v)]);
+                let (half, radius) = (libm::sqrt(dot(half, half)), libm::sqrt(dot(u, u)));
+                let out = libm::sqrt(y * y + z * z);
+                let room = 0.5 * (1.0 - height);
+                if height >= -1.0 && out <= room {
+                    let inverse = if room > 0.0 { 1.0 / room } else { 0.0 };
+                    return Place { x: [height, 0.0, 0.0], disc: [y * inverse, z * inverse] };
+                }
+                // In the half plane through the axis and the point: the side from the rim to the tip, or the base.
+                let (dx, dy) = ((out - 1.0) * radius, (height + 1.0) * half);
+                let square = radius * radius + 4.0 * half * half;
+                let along = (2.0 * half * dy - radius * dx) / square;
+                let along = if along > 0.0 { along.min(1.0) } else { 0.0 };
+                let (sx, sy) = (dx + along * radius, dy - 2.0 * along * half);
+                let bx = if out > 1.0 { dx } else { 0.0 };
+                if bx * bx + dy * dy < sx * sx + sy * sy {
+                    return Place { x: [-1.0, 0.0, 0.0], disc: in_disc([y, z]) };
+                }
+                x[0] = 2.0 * along - 1.0;
+                disc = if out > 0.0 { [y / out, z / out] } else { [1.0, 0.0] };
+            }
+        }
+        Place { x, disc }
+    }
+
+    /// The point at a place, from the centre.
+    #[inline(always)]
+    pub(super) fn at(&self, place: &Place) -> Point {
+        let (x, disc) = (&place.x, &place.disc);
+        match self {
+            Self::Point => [0.0; 3],
+            Self::Segment(half) => each(|k| x[0] * half[k]),
+            Self::Triangle([p, q, r]) | Self::Cuboid([p, q, r]) => {
+                each(|k| (x[0] * p[k] + x[1] * q[k]) + x[2] * r[k])
+            }
+            Self::Cylinder(half, [u, v]) => each(|k| x[0] * half[k] + (disc[0] * u[k] + disc[1] * v[k])),
+            Self::Cone(half, [u, v]) => {
+                let (y, z) = (0.5 * (1.0 - x[0]) * disc[0], 0.5 * (1.0 - x[0]) * disc[1]);
+                each(|k| x[0] * half[k] + (y * u[k] + z * v[k]))
+            }
+        }
+    }
+
+    /// The radius of a ball about a place that is certainly inside of the core, up to the slack of a pair. The angles
+    /// between the half edges of a cuboid are right ones within 1e-4, so its faces are nearer than its half edges are
+    /// long by a factor of 1 - 4e-4 at most.
+    pub(super) fn room(&self, place: &Place) -> f64 {
+        let along = |k: usize, half: &Point| (1.0 - place.x[k].abs()) * libm::sqrt(dot(half, half));
+        let across = |u: &Point| {
+            let out = libm::sqrt(place.disc[0] * place.disc[0] + place.disc[1] * place.disc[1]);
+            (1.0 - out) * libm::sqrt(dot(u, u))
+        };
+        match self {
+            Self::Point | Self::Segment(_) | Self::Triangle(_) => 0.0,
+            Self::Cuboid([x, y, z]) => 0.999 * along(0, x).min(along(1, y)).min(along(2, z)),
+            Self::Cylinder(half, [u, _]) => 0.999 * along(0, half).min(across(u)),
+            Self::Cone(half, [u, _]) => {
+                let (height, radius) = (2.0 * libm::sqrt(dot(half, half)), libm::sqrt(dot(u, u)));
+                let up = 0.5 * (1.0 + place.x[0]) * height;
+                let out = 0.5 * (1.0 - place.x[0]) * across(u);
+                0.999 * up.min(out * (height / libm::sqrt(height * height + radius * radius)))
+            }
+        }
+    }
+
+    /// Three vectors along all faces and edges at a place.
+    pub(super) fn edges(&self, place: &Place) -> [Point; 3] {
+        let [y, z] = place.disc;
+        let on_disc = |[u, v]: &[Point; 2], y: f64, z: f64| each(|k| y * u[k] + z * v[k]);
+        match self {
+            Self::Point => [[0.0; 3]; 3],
+            Self::Segment(half) => [*half; 3],
+            Self::Triangle([p, q, r]) => [difference(q, p), difference(r, q), difference(p, r)],
+            Self::Cuboid(half) => *half,
+            Self::Cylinder(half, disc) => [*half, on_disc(disc, y, z), on_disc(disc, -z, y)],
+            Self::Cone(half, disc) => {
+                let out = on_disc(disc, y, z);
+                [each(|k| 2.0 * half[k] - out[k]), out, on_disc(disc, -z, y)]
+            }
+        }
+    }
+
+    /// The ways that a place may move if it is pulled against `pull`: those not barred by the boundary of the core.
+    #[inline(always)]
+    pub(super) fn ways(&self, place: &Place, pull: &Point, ways: &mut Ways) {
+        let x = &place.x;
+        match self {
+            Self::Point => {}
+            Self::Segment(half) => {
+                ways.add_line(0, x[0], half, pull);
+            }
+            Self::Triangle(corners) => {
+                let most = if x[0] >= x[1] && x[0] >= x[2] { 0 } else { 1 + usize::from(x[2] > x[1]) };
+                for k in 0..3 {
+                    let way = difference(&corners[k], &corners[most]);
+                    let slope = dot(&way, pull);
+                    if k != most && (x[k] > 0.0 || slope < 0.0) {
+                        ways.add(way, slope, Slot::Corner(k as u8, most as u8));
+                    }
+                }
+            }
+            Self::Cuboid(half) => {
+                ways.add_line(0, x[0], &half[0], pull);
+                ways.add_line(1, x[1], &half[1], pull);
+                ways.add_line(2, x[2], &half[2], pull);
+            }
+            Self::Cylinder(half, disc) => {
+                ways.add_line(0, x[0], half, pull);
+                disc_ways(disc, &place.disc, 1.0, pull, ways);
+            }
+            Self::Cone(half, disc) => {
+                let [u, v] = disc;
+                let (y, z) = (place.disc[0], place.disc[1]);
+                let side: Point = each(|k| half[k] - 0.5 * (y * u[k] + z * v[k]));
+                let slides = ways.add_line(0, x[0], &side, pull);
+                let before = ways.len;
+                disc_ways(disc, &place.disc, 0.5 * (1.0 - x[0]), pull, ways);
+                if slides && ways.len == before + 1 {
+                    ways.list[before].mixed = 0.5 * (z * dot(u, pull) - y * dot(v, pull));
+                }
+            }
+        }
+    }
+}
+
+impl Place {
+    /// Moves along a way. The place is in the core after [`Place::settle`].
+    #[inline(always)]
+    pub(super) fn go(&mut self, way: &Way, by: f64) {
+        match way.slot {
+            Slot::Line(k) => {
+                let x = &mut self.x[usize::from(k)];
+                *x = (*x + by).clamp(-1.0, 1.0);
+            }
+            Slot::Corner(k, from) => {
+                let (k, from) = (usize::from(k), usize::from(from));
+                let by = by.min(self.x[from]).max(-self.x[k]);
+                self.x[k] += by;
+                self.x[from] = (self.x[from] - by).max(0.0);
+            }
+            Slot::Disc(k) => self.disc[usize::from(k)] += by,
+            Slot::Rim => {
+                let [y, z] = self.disc;
+                let (y, z) = (y - z * by, z + y * by);
+                let inverse = 1.0 / libm::sqrt(y * y + z * z);
+                self.disc = [y * inverse, z * inverse];
+            }
+        }
+    }
+}
+
+impl Place {
+    /// Back to the nearest point of the disc.
+    #[inline(always)]
+    pub(super) fn settle(&mut self) {
+        self.disc = in_disc(self.disc);
+    }
+}
+
+#[inline(always)]
+fn disc_ways([u, v]: &[Point; 2], [y, z]: &[f64; 2], share: f64, pull: &Point, ways: &mut Ways) {
+    let (du, dv) = (share * dot(u, pull), share * dot(v, pull));
+    let out = y * du + z * dv;
+    let is_on_rim = y * y + z * z > 1.0 - 8.0 * f64::EPSILON;
+    if is_on_rim && out <= 0.0 {
+        let tangent = each(|k| share * (y * v[k] - z * u[k]));
+        ways.add(tangent, y * dv - z * du, Slot::Rim);
+        ways.list[ways.len - 1].bend = -out;
+    } else {
+        ways.add(each(|k| share * u[k]), du, Slot::Disc(0));
+        ways.add(each(|k| share * v[k]), dv, Slot::Disc(1));
+    }
+}
+
+/// The multiple of a vector nearest to a point.
+#[inline(always)]
+fn share(p: &Point, of: &Point) -> f64 {
+    let square = dot(of, of);
+    if square > 0.0 { dot(p, of) / square } else { 0.0 }
+}
+
+/// The point of the unit disc nearest to a point.
+#[inline(always)]
+fn in_disc([y, z]: [f64; 2]) -> [f64; 2] {
+    let square = y * y + z * z;
+    if square <= 1.0 {
+        return [y, z];
+    }
+    let inverse = 1.0 / libm::sqrt(square);
+    [y * inverse, z * inverse]
+}
+
+/// Barycentric coordinates.
+#[inline(always)]
+fn nearest_in_triangle(corners: &[Point; 3], at: &Point) -> [f64; 3] {
+    use crate::vector::cross;
+    let [p, q, r] = corners;
+    let (a, b, c) = (difference(p, at), difference(q, at), difference(r, at));
+    let normal = cross(&difference(&b, &a), &difference(&c, &a));
+    let (x, y, z) =
+        (dot(&normal, &cross(&b, &c)), dot(&normal, &cross(&c, &a)), dot(&normal, &cross(&a, &b)));
+    if x > 0.0 && y > 0.0 && z > 0.0 {
+        let inverse = 1.0 / ((x + y) + z);
+        return [x * inverse, y * inverse, z * inverse];
+    }
+    let (mut best, mut least) = ([1.0, 0.0, 0.0], f64::INFINITY);
+    let places = [&a, &b, &c];
+    for k in 0..3 {
+        let (i, j) = ((k + 1) % 3, (k + 2) % 3);
+        let edge = difference(places[j], places[i]);
+        let t = (-share(places[i], &edge)).clamp(0.0, 1.0);
+        let v = each(|n| places[i][n] + t * edge[n]);
+        let square = dot(&v, &v);
+        if square < least {
+            least = square;
+            best = [0.0; 3];
+            best[i] = 1.0 - t;
+            best[j] = t;
+        }
+    }
+    best
+}

@@ -1,0 +1,148 @@
+//! The depth of two round cores: a polytope inside of A - B grows towards the boundary at its nearest face (van den
+//! Bergen 2001, "Proximity queries and penetration depth computation on 3D game objects").
+//!
+//! **The lower bound.** Let d be the least distance of the faces from the origin. The faces are a closed surface that
+//! goes around the origin: a tetrahedron or octahedron at first, whose faces are all passed counterclockwise, so that
+//! their solid angles add up. Each step then adds the boundaries of tetrahedra between a face and the new corner, which
+//! lie in the open half-space beyond the origin that the face's normal spans. So the surface goes around the ball of
+//! radius d, and the convex hull of the corners, which is inside of A - B, contains that ball. Nothing depends on the
+//! surface being convex, nor on normals being accurate: the distance of a face is at least the least product of its
+//! corners with any unit vector.
+
+use super::support::{Pair, each};
+use crate::range::Point;
+use crate::vector::{cross, difference, dot};
+
+const FACES: usize = 128;
+const CORNERS: usize = 64;
+
+#[derive(Copy, Clone)]
+struct Face {
+    corners: [u8; 3],
+    /// Of unit length, up to rounding.
+    normal: Point,
+    /// The least and the greatest product of a corner with the normal.
+    low: f64,
+    high: f64,
+}
+
+struct Polytope {
+    corners: [Point; CORNERS],
+    faces: [Face; FACES],
+    corner_count: usize,
+    face_count: usize,
+}
+
+/// A lower bound of the depth of the cores, an upper one, and the direction in which it separates A from B. Starts
+/// from the support points along the axes, or from the corners of a tetrahedron in A - B that contains the origin.
+/// `None` if neither does.
+#[cold]
+#[inline(never)]
+pub(super) fn depth(pair: &Pair, corners: Option<[Point; 4]>, tolerance: f64) -> Option<(f64, f64, Point)> {
+    let none = Face { corners: [0; 3], normal: [0.0; 3], low: 0.0, high: 0.0 };
+    let mut polytope =
+        Polytope { corners: [[0.0; 3]; CORNERS], faces: [none; FACES], corner_count: 6, face_count: 0 };
+    for i in 0..6 {
+        let mut d = [0.0; 3];
+        d[i / 2] = if i % 2 == 0 { -1.0 } else { 1.0 };
+        polytope.corners[i] = pair.support(&d).0;
+    }
+    for [i, j, k] in [[0, 2, 4], [0, 5, 2], [0, 3, 5], [0, 4, 3], [1, 4, 2], [1, 2, 5], [1, 5, 3], [1, 3, 4]]
+    {
+        polytope.add_face([i, j, k]);
+    }
+    if polytope.nearest().low <= pair.slack {
+        let corners = corners?;
+        (polytope.corner_count, polytope.face_count) = (4, 0);
+        polytope.corners[..4].copy_from_slice(&corners);
+        let volume = dot(&corners[1], &cross(&corners[2], &corners[3]));
+        for [i, j, k] in [[1, 2, 3], [0, 3, 2], [0, 1, 3], [0, 2, 1]] {
+            polytope.add_face(if volume > 0.0 { [i, j, k] } else { [i, k, j] });
+        }
+    }
+    let (mut lower, mut upper, mut along) = (0.0_f64, f64::INFINITY, [0.0; 3]);
+    loop {
+        let nearest = polytope.nearest();
+        // Otherwise all products of corners and normals are certainly positive.
+        if nearest.low <= pair.slack {
+            break;
+        }
+        lower = lower.max(nearest.low);
+        let d = each(|k| -nearest.normal[k]);
+        let (corner, _) = pair.support(&d);
+        let height = -dot(&d, &corner);
+        if height < upper {
+            (upper, along) = (height, d);
+        }
+        if upper - lower <= (tolerance * upper).max(pair.slack) || !polytope.grow(corner, pair.slack) {
+            break;
+        }
+    }
+    Some((lower - pair.slack, upper + pair.slack, along))
+}
+
+impl Polytope {
+    fn nearest(&self) -> Face {
+        let mut best = self.faces[0];
+        for face in &self.faces[1..self.face_count] {
+            if face.low < best.low {
+                best = *face;
+            }
+        }
+        best
+    }
+
+    fn add_face(&mut self, corners: [u8; 3]) {
+        let [p, q, r] = corners.map(|i| self.corners[usize::from(i)]);
+        let normal = cross(&difference(&q, &p), &difference(&r, &p));
+        let length = libm::sqrt(dot(&normal, &normal));
+        let products = [dot(&normal, &p), dot(&normal, &q), dot(&normal, &r)];
+        let (low, high) =
+            (products[0].min(products[1]).min(products[2]), products[0].max(products[1]).max(products[2]));
+        let inverse = if length > 0.0 { 1.0 / length } else { 0.0 };
+        let normal = each(|k| inverse * normal[k]);
+        self.faces[self.face_count] = Face { corners, normal, low: inverse * low, high: inverse * high };
+        self.face_count += 1;
+    }
+
+    /// Replaces the faces below a new corner. False if nothing is, or if there is no room.
+    fn grow(&mut self, corner: Point, slack: f64) -> bool {
+        if self.corner_count == CORNERS {
+            return false;
+        }
+        let mut edges = [[0_u8; 2]; FACES];
+        let (mut count, mut kept) = (0, 0);
+        for i in 0..self.face_count {
+            let face = self.faces[i];
+            // Corners in the plane of a face, as those of a cap are, leave it as it is.
+            if dot(&face.normal, &corner) > face.high + 0.25 * slack {
+                for k in 0..3 {
+                    let edge = [face.corners[k], face.corners[(k + 1) % 3]];
+                    // An edge between two faces below is passed in both directions.
+                    if let Some(at) = edges[..count].iter().position(|e| *e == [edge[1], edge[0]]) {
+                        count -= 1;
+                        edges[at] = edges[count];
+                    } else if count < FACES {
+                        edges[count] = edge;
+                        count += 1;
+                    } else {
+                        return false;
+                    }
+                }
+            } else {
+                self.faces[kept] = face;
+                kept += 1;
+            }
+        }
+        if kept == self.face_count || kept + count > FACES {
+            return false;
+        }
+        self.face_count = kept;
+        self.corners[self.corner_count] = corner;
+        for [i, j] in &edges[..count] {
+            self.add_face([*i, *j, self.corner_count as u8]);
+        }
+        self.corner_count += 1;
+        true
+    }
+}

@@ -1,0 +1,308 @@
+//! Certain bounds of the distance of two shapes, in `f64`.
+//!
+//! Any point of A and any point of B bound the distance from above, and any direction bounds it from below: by the gap
+//! between the projections on it. So an algorithm only proposes points and directions, and only their evaluation has
+//! an error ([`super::support`] bounds it). Newton's method proposes them first, then the algorithm of Gilbert,
+//! Johnson and Keerthi.
+
+use super::certified::Bounds;
+use super::gjk::Simplex;
+use super::newton::{self, Newton, Places};
+use super::support::{Pair, each};
+use crate::exact::power_of_two;
+use crate::primitive::shape::convex::Shape;
+use crate::range::Point;
+use crate::vector::{cross, dot};
+
+#[cfg(test)]
+pub(super) mod tests;
+
+/// The most steps of the algorithm of Gilbert, Johnson and Keerthi. Polytopes with up to eight corners need fewer than
+/// 30.
+const STEPS: usize = 64;
+
+/// Points with a smaller squared distance, in units of the squared size, may be one point inside of both.
+const NEAR: f64 = power_of_two(-60);
+
+/// Added to the direction between the centres, in units of the size.
+const STARTS: [Point; 5] =
+    [[0.0; 3], [0.36, 0.48, 0.81], [-0.6, 0.64, 0.45], [0.47, -0.8, 0.36], [-0.81, -0.36, -0.47]];
+
+/// Sizes between which no square or product of four lengths above 2^-80 of the size leaves the range of `f64`.
+const COMFORTABLE: core::ops::RangeInclusive<f64> = power_of_two(-100)..=power_of_two(100);
+
+/// Bounds of the distance of two shapes in one frame. Stops when the distance is certainly above `limit`, when the
+/// bounds differ by at most `tolerance` times the lower one, or when `f64` cannot tell more: then they differ by less
+/// than 2^-44 of the size of the cores and the distance of their centres.
+pub(crate) fn bounds(a: &Shape, b: &Shape, limit: f64, tolerance: f64) -> Bounds {
+    let radii = [a.radius, b.radius];
+    let Some(pair) = Pair::of(&a.core, &b.core, 1.0) else {
+        return super::half_space::bounds(a, b);
+    };
+    if COMFORTABLE.contains(&pair.size) || pair.size == 0.0 {
+        Search::new(&pair, radii, limit, tolerance).run()
+    } else {
+        rescaled(a, b, limit, tolerance, pair.size)
+    }
+}
+
+#[cold]
+#[inline(never)]
+fn rescaled(a: &Shape, b: &Shape, limit: f64, tolerance: f64, size: f64) -> Bounds {
+    let scale = unit_scale(size);
+    let Some(pair) = Pair::of(&a.core, &b.core, scale) else {
+        return Bounds { lower: 0.0, upper: f64::INFINITY, a: [0.0; 3], b: [0.0; 3] };
+    };
+    let radii = [a.radius * scale, b.radius * scale];
+    let found = Search::new(&pair, radii, limit * scale, tolerance).run();
+    let back = |x: f64| x / scale;
+    Bounds { lower: back(found.lower), upper: back(found.upper), a: found.a.map(back), b: found.b.map(back) }
+}
+
+/// A power of two that brings a size near 1.
+pub(super) fn unit_scale(size: f64) -> f64 {
+    power_of_two((1023 - (size.to_bits() >> 52) as i32).clamp(-1000, 1000))
+}
+
+/// The best bounds of the distance of two cores so far.
+pub(super) struct Search<'p> {
+    pair: &'p Pair,
+    radii: [f64; 2],
+    /// The sum of the radii, rounded down and up.
+    radius: [f64; 2],
+    /// Cores farther apart are of no interest.
+    limit: f64,
+    tolerance: f64,
+    /// The largest gap found; negative if all directions have overlaps.
+    pub(super) lower: f64,
+    /// The direction of that gap.
+    pub(super) along: Point,
+    pub(super) upper: f64,
+    /// The vector from the point of B to that of A, and A's point from its centre.
+    between: Point,
+    of_a: Point,
+}
+
+impl<'p> Search<'p> {
+    #[inline(always)]
+    pub(super) fn new(pair: &'p Pair, radii: [f64; 2], limit: f64, tolerance: f64) -> Self {
+        let sum = radii[0] + radii[1];
+        let radius = [sum * (1.0 - f64::EPSILON), sum * (1.0 + f64::EPSILON)];
+        let limit = (limit + radius[1]) * (1.0 + 8.0 * f64::EPSILON);
+        let (lower, upper) = (f64::NEG_INFINITY, f64::INFINITY);
+        let zero = [0.0; 3];
+        Self { pair, radii, radius, limit, tolerance, lower, upper, along: zero, between: zero, of_a: zero }
+    }
+
+    #[inline(always)]
+    fn run(mut self) -> Bounds {
+        self.search();
+        self.finish()
+    }
+
+    #[inline(always)]
+    fn search(&mut self) {
+        self.approach();
+        if self.may_meet() {
+            self.overlap();
+        }
+    }
+
+    /// Looks for the closest points.
+    #[inline(always)]
+    pub(super) fn approach(&mut self) {
+        if !self.newton(Places::guess(self.pair)) {
+            self.gjk();
+        }
+    }
+
+    /// The bounds do not tell whether the cores meet, which decides for shapes without radii.
+    #[inline(always)]
+    fn may_meet(&self) -> bool {
+        self.lower <= 0.0 && self.upper > self.radius[0]
+    }
+
+    /// Looks for a tetrahedron in A - B that certainly contains the origin. From one direction, symmetric shapes may
+    /// give only some that have it on a face.
+    #[cold]
+    #[inline(never)]
+    pub(super) fn overlap(&mut self) -> Option<[Point; 4]> {
+        let [x, y, z] = self.pair.between;
+        let size = self.pair.size;
+        for [u, v, w] in STARTS {
+            let found = self.overlap_from([x + u * size, y + v * size, z + w * size]);
+            if found.is_some() || self.lower > 0.0 {
+                return found;
+            }
+        }
+        None
+    }
+
+    fn overlap_from(&mut self, mut direction: Point) -> Option<[Point; 4]> {
+        let mut simplex = Simplex::new();
+        for _ in 0..STEPS {
+            let (point, of_a) = self.lower_along(&direction);
+            if self.lower > 0.0 || simplex.has(&point) {
+                return None;
+            }
+            simplex.add(point, of_a);
+            let nearest = simplex.reduce();
+            if nearest.inside {
+                if simplex.surely_contains_origin(self.pair.slack, self.pair.size) {
+                    self.upper_by(&nearest.point, &nearest.of_a);
+                    self.upper = 0.0;
+                    return Some(simplex.points);
+                }
+                return None;
+            }
+            direction = nearest.direction;
+        }
+        None
+    }
+
+    /// Proposes the closest points near these places.
+    #[inline(always)]
+    fn newton(&mut self, places: Places) -> bool {
+        let mut newton = Newton::new(self.pair, places);
+        for _ in 0..newton::STEPS {
+            if self.is_solved_by(&newton) {
+                return true;
+            }
+            if !newton.step(self.pair) {
+                break;
+            }
+        }
+        if self.is_solved_by(&newton) {
+            return true;
+        }
+        self.lower_along(&newton.between);
+        self.is_done()
+    }
+
+    #[inline(always)]
+    fn is_solved_by(&mut self, newton: &Newton) -> bool {
+        self.upper_by(&newton.between, &newton.of_a);
+        if dot(&newton.between, &newton.between) < NEAR * (self.pair.size * self.pair.size)
+            && let Some(point) = newton.common(self.pair)
+        {
+            (self.upper, self.between, self.of_a) = (0.0, [0.0; 3], point);
+            return true;
+        }
+        self.lower_along(&newton.direction());
+        self.is_done()
+    }
+
+    /// The algorithm of Gilbert, Johnson and Keerthi, from the points found so far.
+    #[cold]
+    #[inline(never)]
+    pub(super) fn gjk(&mut self) {
+        let mut simplex = Simplex::new();
+        let mut direction = self.between;
+        let mut last = f64::INFINITY;
+        for step in 0..STEPS {
+            let (point, of_a) = self.lower_along(&direction);
+            if self.is_done() || simplex.has(&point) {
+                break;
+            }
+            simplex.add(point, of_a);
+            let nearest = simplex.reduce();
+            self.upper_by(&nearest.point, &nearest.of_a);
+            if nearest.inside {
+                if simplex.surely_contains_origin(self.pair.slack, self.pair.size) {
+                    self.upper_by(&nearest.point, &nearest.of_a);
+                    self.upper = 0.0;
+                }
+                return;
+            }
+            if self.is_done() {
+                return;
+            }
+            let square = dot(&nearest.point, &nearest.point);
+            if square >= last {
+                break;
+            }
+            last = square;
+            direction = nearest.direction;
+            if step % 4 == 3 {
+                let places = Places::near(self.pair, &nearest.of_a, &nearest.point);
+                if self.newton(places) {
+                    return;
+                }
+            }
+        }
+        if !self.is_done() && !self.newton(Places::near(self.pair, &self.of_a, &self.between)) {
+            self.edges();
+        }
+    }
+
+    /// Bounds the distance from below along the perpendiculars of all edges and faces at these places: of points that
+    /// nearly touch, the difference does not tell which ways are barred.
+    pub(super) fn edges(&mut self) {
+        let places = Places::near(self.pair, &self.of_a, &self.between);
+        let [p, q, r] = self.pair.a.form.edges(&places.a);
+        let [s, t, u] = self.pair.b.form.edges(&places.b);
+        let edges = [p, q, r, s, t, u];
+        for i in 1..6 {
+            for j in 0..i {
+                let normal = cross(&edges[i], &edges[j]);
+                let sign = 1.0_f64.copysign(dot(&normal, &self.between));
+                self.lower_along(&each(|k| sign * normal[k]));
+                self.lower_along(&each(|k| -sign * normal[k]));
+            }
+        }
+    }
+
+    /// Bounds the distance from below by the gap along d, which points from B to A. Returns the point of A - B that
+    /// has it.
+    #[inline(always)]
+    fn lower_along(&mut self, d: &Point) -> (Point, Point) {
+        let (point, of_a) = self.pair.support(d);
+        let square = dot(d, d);
+        if square > f64::MIN_POSITIVE {
+            let gap = dot(d, &point) / libm::sqrt(square) - self.pair.slack;
+            if gap > self.lower {
+                (self.lower, self.along) = (gap, *d);
+            }
+        }
+        (point, of_a)
+    }
+
+    /// Bounds the distance from above by a point of A - B.
+    #[inline(always)]
+    fn upper_by(&mut self, between: &Point, of_a: &Point) {
+        let upper = libm::sqrt(dot(between, between)) + self.pair.slack;
+        if upper < self.upper {
+            (self.upper, self.between, self.of_a) = (upper, *between, *of_a);
+        }
+    }
+
+    #[inline(always)]
+    fn is_done(&self) -> bool {
+        let width = self.upper - self.lower;
+        self.lower > self.limit
+            || width <= self.tolerance * (self.lower - self.radius[1])
+            || width <= 2.5 * self.pair.slack
+            || self.upper <= self.radius[0]
+    }
+
+    /// The bounds of the distance of the shapes.
+    #[inline(always)]
+    fn finish(&self) -> Bounds {
+        let (wide, narrow) = (1.0 + 2.0 * f64::EPSILON, 1.0 - 2.0 * f64::EPSILON);
+        let meets = self.upper <= self.radius[0];
+        let upper = if meets { 0.0 } else { (self.upper - self.radius[0]) * wide };
+        let lower = self.lower - self.radius[1];
+        let lower = if lower > 0.0 { lower * narrow } else { 0.0 };
+        let a = self.pair.a.placed(&self.of_a);
+        let of_b: Point = each(|k| self.pair.between[k] + self.of_a[k] - self.between[k]);
+        let b = self.pair.b.placed(&of_b);
+        let sum = self.radii[0] + self.radii[1];
+        let length = libm::sqrt(dot(&self.between, &self.between));
+        if sum == 0.0 || length == 0.0 {
+            return Bounds { lower, upper, a, b };
+        }
+        let unit = if meets { 1.0 / sum } else { 1.0 / length };
+        let toward = |p: &Point, by: f64| each(|k| p[k] + self.between[k] * (by * unit));
+        Bounds { lower, upper, a: toward(&a, -self.radii[0]), b: toward(&b, self.radii[1]) }
+    }
+}

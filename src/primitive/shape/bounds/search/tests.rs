@@ -1,0 +1,257 @@
+use super::{Bounds, bounds};
+use crate::exact::power_of_two;
+use crate::primitive::shape::{Core, Shape};
+use crate::range::Point;
+use crate::rng::Rng;
+use alloc::format;
+use core::sync::atomic::{AtomicU32, Ordering};
+use double::{Double, Vector, along, exact, length, minus};
+use samples::{Sampled, moved, scaled};
+
+pub(crate) mod double;
+pub(crate) mod samples;
+pub(crate) mod truth;
+
+/// Pairs of each two kinds.
+const PAIRS: usize = 3_000;
+
+/// Rounding that a test of computed points allows, relative to the coordinates.
+const FLOOR: f64 = power_of_two(-45);
+
+/// How many bounds were not tight.
+static LOOSE: AtomicU32 = AtomicU32::new(0);
+
+fn magnitude(shape: &Shape) -> f64 {
+    let most = |p: &Point| p.iter().fold(0.0_f64, |m, x| m.max(x.abs()));
+    let core = match shape.core() {
+        Core::Point(p) => most(p),
+        Core::Segment(ends) => most(&ends[0]).max(most(&ends[1])),
+        Core::Triangle(c) => most(&c[0]).max(most(&c[1])).max(most(&c[2])),
+        Core::Cuboid { centre, half } => most(centre) + most(&half[0]) + most(&half[1]) + most(&half[2]),
+        Core::Cylinder { centre: c, half_axis: h, radius } | Core::Cone { base: c, axis: h, radius } => {
+            most(c) + most(h) + radius
+        }
+        Core::HalfSpace { offset, .. } => offset.abs(),
+    };
+    core + shape.radius()
+}
+
+/// The point of a shape nearest to a point.
+fn nearest(shape: &Shape, p: &Vector) -> Vector {
+    let foot = truth::nearest(shape.core(), p);
+    let out = minus(p, &foot);
+    let (far, radius) = (length(&out), Double::from(shape.radius()));
+    if far <= radius { *p } else { along(&foot, radius / far, &out) }
+}
+
+/// An upper bound of the distance, from these points: alternating projections only come nearer.
+fn from_above(a: &Shape, b: &Shape, found: &Bounds, rounds: usize) -> Double {
+    let mut p = nearest(a, &exact(&found.a));
+    let mut q = nearest(b, &exact(&found.b));
+    for _ in 0..rounds {
+        q = nearest(b, &p);
+        p = nearest(a, &q);
+    }
+    length(&minus(&p, &q))
+}
+
+/// What holds for all bounds.
+fn check(a: &Shape, b: &Shape, tolerance: f64, rounds: usize) -> Bounds {
+    let found = bounds(a, b, f64::INFINITY, tolerance);
+    let text = format!("{a:?}\n{b:?}\n{found:?}");
+    assert!(found.lower >= 0.0 && found.lower <= found.upper && found.upper.is_finite(), "{text}");
+    assert!(found.a.iter().chain(&found.b).all(|x| x.is_finite()), "{text}");
+    let size = magnitude(a).max(magnitude(b));
+    let width = found.upper - found.lower;
+    let is_tight = width <= 1.001 * tolerance * found.lower || width <= 8.0 * FLOOR * size;
+    if !is_tight {
+        std::println!("LOOSE {:e} {:e} {text}", width / found.lower, width / size);
+    }
+    for (shape, p) in [(a, &found.a), (b, &found.b)] {
+        let off = length(&minus(&exact(p), &nearest(shape, &exact(p)))).0;
+        assert!(off <= FLOOR * size, "{} {text}", off / size);
+    }
+    let apart = length(&minus(&exact(&found.a), &exact(&found.b))).0;
+    // A common point comes from a tetrahedron, which may be thin.
+    let floor = if found.upper == 0.0 { power_of_two(-26) } else { 4.0 * FLOOR };
+    assert!((apart - found.upper).abs() <= floor * size, "{} {text}", (apart - found.upper) / size);
+    let above = from_above(a, b, &found, rounds);
+    assert!(Double::from(found.lower) <= above, "{above:?} {text}");
+    let back = bounds(b, a, f64::INFINITY, tolerance);
+    assert!(back.lower <= found.upper && found.lower <= back.upper, "{back:?} {text}");
+    found
+}
+
+fn check_polytopes(a: &Shape, b: &Shape, tolerance: f64) -> Bounds {
+    let found = check(a, b, tolerance, 1);
+    let [p, q] = [a, b].map(|s| truth::polytope(s.core()).unwrap());
+    let core = truth::distance(&p, &q);
+    let distance = core - Double::from(a.radius()) - Double::from(b.radius());
+    let distance = if distance.0 > 0.0 { distance } else { double::ZERO };
+    let is_inside = Double::from(found.lower) <= distance && distance <= Double::from(found.upper);
+    assert!(is_inside, "{distance:?} {a:?}\n{b:?}\n{found:?}");
+    found
+}
+
+/// The two moved so that they touch up to rounding, or nearly.
+fn touching(a: &Shape, found: &Bounds, random: &mut Rng) -> Shape {
+    let share = 1.0 + [0.0, 0.0, 1e-15, 1e-12, -1e-15, -1e-9, 1e-6][random.below(7) as usize];
+    let by: Point = [0, 1, 2].map(|k| (found.b[k] - found.a[k]) * share);
+    moved(a, &by)
+}
+
+fn tolerance(random: &mut Rng) -> f64 {
+    power_of_two([-4, -20, -40, -42][random.below(4) as usize])
+}
+
+#[test]
+fn polytopes_have_their_distances() {
+    let mut random = Rng::new(1);
+    let mut sure = [0; 2];
+    for i in 0..4 {
+        for j in i..4 {
+            for _ in 0..PAIRS / 5 {
+                let [a, b] = random.pair([i, j]);
+                let found = check_polytopes(&a, &b, tolerance(&mut random));
+                sure[0] += usize::from(found.upper == 0.0 || found.lower > 0.0);
+                sure[1] += 1;
+                if found.lower > 0.0 {
+                    let a = touching(&a, &found, &mut random);
+                    check_polytopes(&a, &b, tolerance(&mut random));
+                }
+            }
+        }
+    }
+    assert!(sure[0] * 100 > sure[1] * 95, "{sure:?}");
+}
+
+#[test]
+fn round_shapes_have_their_distances() {
+    let mut random = Rng::new(2);
+    let mut sure = [0; 2];
+    for i in 0..6 {
+        for j in 4..6 {
+            for _ in 0..PAIRS {
+                let [a, b] = random.pair([i, j]);
+                let found = check(&a, &b, tolerance(&mut random), 4);
+                sure[0] += usize::from(found.upper == 0.0 || found.lower > 0.0);
+                sure[1] += 1;
+                if found.lower > 0.0 {
+                    let a = touching(&a, &found, &mut random);
+                    check(&a, &b, tolerance(&mut random), 4);
+                }
+            }
+        }
+    }
+    assert!(sure[0] * 100 > sure[1] * 95, "{sure:?}");
+    let loose = LOOSE.load(Ordering::Relaxed) as usize;
+    assert!(loose * 1000 <= sure[1], "{loose} of {}", sure[1]);
+}
+
+#[test]
+fn a_limit_ends_the_search() {
+    let mut random = Rng::new(3);
+    for _ in 0..PAIRS {
+        let kinds = [random.below(6) as usize, random.below(6) as usize];
+        let [a, b] = random.pair(kinds);
+        let found = bounds(&a, &b, f64::INFINITY, 1e-9);
+        for share in [0.0, 0.5, 0.999, 1.001, 2.0] {
+            let limit = share * found.upper;
+            let limited = bounds(&a, &b, limit, 1e-9);
+            assert!(limited.lower <= found.upper && found.lower <= limited.upper);
+            if share > 1.0 && found.lower > 0.0 {
+                assert!(
+                    limited.upper - limited.lower <= 1e-8 * limited.lower.max(magnitude(&a) + magnitude(&b))
+                );
+            }
+        }
+    }
+}
+
+#[test]
+fn all_scales_give_the_same_bounds() {
+    let mut random = Rng::new(4);
+    for _ in 0..PAIRS {
+        let kinds = [random.below(6) as usize, random.below(6) as usize];
+        let [a, b] = random.pair(kinds);
+        let found = bounds(&a, &b, 1e300, 1e-6);
+        for exponent in [-150, -110, 140, 270] {
+            let scale = power_of_two(exponent);
+            let other = bounds(&scaled(&a, scale), &scaled(&b, scale), f64::INFINITY, 1e-6);
+            let (lower, upper) = (other.lower / scale, other.upper / scale);
+            assert!(
+                lower <= found.upper && found.lower <= upper,
+                "{exponent} {a:?} {b:?} {found:?} {other:?}"
+            );
+            let size = magnitude(&a).max(magnitude(&b));
+            assert!(upper - lower <= (1.001e-6 * lower).max(8.0 * FLOOR * size));
+        }
+        // One shape beyond all proportion.
+        let scale = power_of_two([-150, 270][random.below(2) as usize]);
+        let far = bounds(&scaled(&a, scale), &b, f64::INFINITY, 1e-6);
+        assert!(far.lower >= 0.0 && far.lower <= far.upper && far.upper.is_finite(), "{far:?}");
+    }
+}
+
+#[test]
+fn half_spaces_are_planes_to_what_is_above() {
+    let mut random = Rng::new(5);
+    for _ in 0..PAIRS {
+        let kind = random.below(6) as usize;
+        let [a, _] = random.pair([kind, 0]);
+        let normal = random.vector(1.0);
+        let space = Shape::half_space(normal, random.range(-2.0, 2.0)).unwrap();
+        let space = if random.below(2) == 0 { space.widened(0.25).unwrap() } else { space };
+        let Core::HalfSpace { normal, offset } = *space.core() else { unreachable!() };
+        let (n, down) = (exact(&normal), exact(&normal.map(|x| -x)));
+        let height = (-truth::support(a.core(), &down) - Double::from(offset)) / length(&n);
+        let distance = height - Double::from(a.radius()) - Double::from(space.radius());
+        let size = magnitude(&a).max(offset.abs() / length(&n).0);
+        for found in [bounds(&a, &space, 0.0, 0.0), bounds(&space, &a, 0.0, 0.0)] {
+            let truth = if distance.0 > 0.0 { distance } else { double::ZERO };
+            assert!(Double::from(found.lower) <= truth && truth <= Double::from(found.upper));
+            assert!(found.upper - found.lower <= 8.0 * FLOOR * size);
+            let apart = length(&minus(&exact(&found.a), &exact(&found.b))).0;
+            assert!((apart - found.upper).abs() <= 4.0 * FLOOR * size);
+        }
+    }
+}
+
+#[test]
+fn half_spaces_meet_unless_they_are_opposite() {
+    let space = |normal, offset| Shape::half_space(normal, offset).unwrap();
+    let up = space([0.1, 0.2, 0.3], 1.0);
+    let down = space([-0.1, -0.2, -0.3], -1.5);
+    let gap = 0.5 / 0.14_f64.sqrt();
+    let found = bounds(&up, &down, 1.0, 0.0);
+    assert!(found.lower <= gap && gap <= found.upper && found.upper - found.lower < 1e-13, "{found:?}");
+    let inward = space([-0.1, -0.2, -0.3], 1.0);
+    assert_eq!(bounds(&up, &inward, 1.0, 0.0).upper, 0.0);
+    // Three times the normal is not exactly opposite.
+    let nearly = space([-0.1 * 3.0, -0.2 * 3.0, -0.3 * 3.0], -4.5);
+    assert_eq!(bounds(&up, &nearly, 1.0, 0.0).upper, 0.0);
+    assert_eq!(bounds(&up, &space([0.1, 0.2, 0.3], -7.0), 1.0, 0.0).upper, 0.0);
+    let found = bounds(&up, &space([0.5, -0.25, 0.0], -7.0), 1.0, 0.0);
+    assert_eq!((found.upper, found.a), (0.0, found.b));
+}
+
+#[test]
+fn one() {
+    let a = Shape {
+        core: Core::Triangle([
+            [0.3243023727599287, 0.8227357174883135, -0.3142814288863693],
+            [-0.35870133448656805, -0.17173796564305366, 0.9848488012158335],
+            [-0.8019686975460117, -0.4582260517521809, 0.7342108617500424],
+        ]),
+        radius: 0.0,
+    };
+    let b = Shape {
+        core: Core::Cylinder {
+            centre: [-0.5208545446871156, 0.5064217089836811, 0.4495490386989285],
+            half_axis: [0.3246969784706726, 0.012262222567140497, 0.21597307850229636],
+            radius: 0.3696968664238828,
+        },
+        radius: 0.0,
+    };
+    std::eprintln!("{:?}", bounds(&a, &b, 1e9, 1e-6));
+}
