@@ -287,7 +287,7 @@ fn straight_edges_of<S: Storage>() {
     let mut rng = Rng::new(6);
     let (mut verdicts, mut memory) = ([0; 3], Memory::new());
     let (mut values, mut links) = ([0.0; 8], [LinkFrame::EMPTY; 8]);
-    for round in 0..120 {
+    for round in 0..200 {
         let (mut c, mut rust, ids, _) = scene::<S>(&mut rng);
         let c_ids: Vec<_> = ids[..3].iter().map(|id| id.to_bits()).collect();
         // Robots with more and with fewer joints in one scene.

@@ -175,6 +175,7 @@ fn of_shapes() -> Vec<simdop_error> {
         shape(&nowhere).unwrap_err(),
         shapes(&[BALL, ground]).unwrap_err(),
         shapes(&[beyond]).unwrap_err(),
+        shapes(&[simdop_shape { kind: simdop_shape_kind::Cuboid as u32, ..beyond }]).unwrap_err(),
         shapes_as(&[BALL], 2).unwrap_err(),
         handle(|scene| simdop_scene_create_as(2, scene)).unwrap_err(),
     ]
@@ -195,6 +196,7 @@ fn shapes_have_the_codes_of_their_faults() {
         ShapeCoordinate,
         PoseNotOrthonormal,
         ShapeUnbounded,
+        BuildRadius,
         BuildVertex,
         BuildNoSuchStorage,
         BuildNoSuchStorage,

@@ -63,9 +63,9 @@ pub enum simdop_error {
     /// The planes of the tree are neither fixed point nor half floats.
     BytesOtherStorage = 32,
 
-    /// A vertex is NaN, infinite, or beyond 2^300.
+    /// A vertex is NaN, infinite, or beyond 2^300; or a shape extends beyond it.
     BuildVertex = 40,
-    /// A sphere's radius is negative, NaN or infinite, or the sphere extends beyond 2^300.
+    /// A sphere's radius is negative, NaN or infinite, or the sphere extends beyond 2^300, or a round shape does.
     BuildRadius = 41,
     /// All coordinates are below 2^-250: use a smaller unit.
     BuildTooSmall = 42,
